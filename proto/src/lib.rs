@@ -1,0 +1,3 @@
+//! Wire messages, key expressions and recording schemas of Palpate.
+
+pub mod messages;

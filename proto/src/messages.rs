@@ -1,0 +1,339 @@
+//! The messages of the bus. SI units; `f64`; quaternions are x y z w; times are nanoseconds.
+//!
+//! postcard has no field names and cannot evolve: a published struct is never edited. A change makes a new type with
+//! a new version in its [`Message::NAME`].
+
+use serde::{Deserialize, Serialize};
+
+/// A type that travels on the bus, with the versioned name its encoding carries.
+pub trait Message: Serialize + for<'de> Deserialize<'de> {
+    /// Versioned type name, for example `palpate.ToolPose.v1`.
+    const NAME: &'static str;
+}
+
+macro_rules! message {
+    ($type:ty, $name:literal) => {
+        impl Message for $type {
+            const NAME: &'static str = $name;
+        }
+    };
+}
+
+/// Pose and velocity of a tool, sent by whoever holds it. World frame.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ToolPose {
+    /// Counts the poses of this client from 1; must grow.
+    pub seq: u64,
+    /// Sender's clock, ns; echoed in [`ToolForce`] so that the sender can measure its round trip.
+    pub t_client_ns: u64,
+    /// Reference point of the tool, m.
+    pub position: [f64; 3],
+    /// Unit quaternion x y z w.
+    pub orientation: [f64; 4],
+    /// m/s.
+    pub linear_velocity: [f64; 3],
+    /// rad/s.
+    pub angular_velocity: [f64; 3],
+    /// Bit 0: grab.
+    pub buttons: u32,
+    /// Reserved, 0.
+    pub flags: u32,
+}
+message!(ToolPose, "palpate.ToolPose.v1");
+
+/// Bits of [`ToolForce::flags`].
+pub mod force_flags {
+    /// The newest pose is older than the stale limit; the force ramps to zero.
+    pub const STALE: u32 = 1;
+    /// The force was limited to what the device can bear.
+    pub const SATURATED: u32 = 1 << 1;
+    /// The simulation is paused.
+    pub const PAUSED: u32 = 1 << 2;
+    /// The last pose was refused (a jump, or not finite).
+    pub const REFUSED: u32 = 1 << 3;
+    /// The force is being ramped up or down.
+    pub const RAMPING: u32 = 1 << 4;
+    /// The tick met a fault; the force is safe, not right.
+    pub const FAULT: u32 = 1 << 5;
+}
+
+/// The force a hand should feel: wrench on the tool, world axes, at the tool's reference point.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ToolForce {
+    /// Tick that made it.
+    pub tick: u64,
+    /// `seq` of the pose that took effect (0: none yet).
+    pub pose_seq: u64,
+    /// `t_client_ns` of that pose.
+    pub t_client_ns: u64,
+    /// Server's clock when published, ns.
+    pub t_server_ns: u64,
+    /// N.
+    pub force: [f64; 3],
+    /// N·m.
+    pub torque: [f64; 3],
+    /// Where the surface holds the tool back, m.
+    pub proxy_position: [f64; 3],
+    /// x y z w.
+    pub proxy_orientation: [f64; 4],
+    /// Penetration of the device's tool into the surface, m; 0 without contact.
+    pub depth: f64,
+    /// Contact regions.
+    pub contact_count: u16,
+    /// [`force_flags`].
+    pub flags: u32,
+}
+message!(ToolForce, "palpate.ToolForce.v1");
+
+/// Full control net of a body, u-major. A lost one is mended by the next.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ControlNet {
+    /// Tick it belongs to.
+    pub tick: u64,
+    /// Grows with every change of the net.
+    pub revision: u64,
+    /// Body id.
+    pub body: String,
+    /// Degree in u.
+    pub degree_u: u8,
+    /// Degree in v.
+    pub degree_v: u8,
+    /// Rows (u).
+    pub count_u: u16,
+    /// Columns (v).
+    pub count_v: u16,
+    /// `count_u * count_v` points, u-major, m.
+    pub points: Vec<[f64; 3]>,
+    /// Weights of a rational surface, same order.
+    pub weights: Option<Vec<f64>>,
+}
+message!(ControlNet, "palpate.ControlNet.v1");
+
+/// One contact of a tool with a body.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Contact {
+    /// Tool id.
+    pub tool: String,
+    /// Body id.
+    pub body: String,
+    /// Surface parameter.
+    pub u: f64,
+    /// Surface parameter.
+    pub v: f64,
+    /// Point on the body's surface, m.
+    pub point: [f64; 3],
+    /// Outward unit normal of the body.
+    pub normal: [f64; 3],
+    /// Penetration depth, m.
+    pub depth: f64,
+    /// Force on the tool, N.
+    pub force: [f64; 3],
+}
+
+/// All contacts of a tick.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ContactSet {
+    /// Tick.
+    pub tick: u64,
+    /// Deepest first.
+    pub contacts: Vec<Contact>,
+}
+message!(ContactSet, "palpate.ContactSet.v1");
+
+/// Median, 99th percentile and maximum of a duration over the last status period, ns.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Quantiles {
+    /// Median.
+    pub p50_ns: u64,
+    /// 99th percentile.
+    pub p99_ns: u64,
+    /// Maximum.
+    pub max_ns: u64,
+}
+
+/// What the loop does.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum LoopState {
+    /// Ticking.
+    Running,
+    /// Paused by rpc.
+    Paused,
+    /// Ramping forces down before the end.
+    Stopping,
+}
+
+/// Counters of one tool's link.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct ToolLink {
+    /// Tool id.
+    pub tool: String,
+    /// Poses received and accepted by the wire.
+    pub received: u64,
+    /// Poses that a newer one replaced before a tick could use them.
+    pub superseded: u64,
+    /// Undecodable or foreign bytes (truncated, oversized, wrong version).
+    pub malformed: u64,
+    /// Not finite, or quaternion not of unit length.
+    pub invalid: u64,
+    /// Duplicated or out of order.
+    pub out_of_order: u64,
+    /// Refused by the loop as a jump.
+    pub jumps: u64,
+    /// Ticks whose newest pose was stale.
+    pub stale_ticks: u64,
+    /// Net work done by the hand on the tool so far, J.
+    pub energy_j: f64,
+}
+
+/// Health of the loop, 10 Hz.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct LoopStatus {
+    /// Newest tick.
+    pub tick: u64,
+    /// State.
+    pub state: LoopState,
+    /// Nominal rate, Hz.
+    pub rate_hz: f64,
+    /// Ticks that began more than 100 µs after their deadline.
+    pub late_ticks: u64,
+    /// Deadlines dropped because a tick overran them.
+    pub skipped_ticks: u64,
+    /// Time between tick starts.
+    pub period: Quantiles,
+    /// Time in a tick.
+    pub step: Quantiles,
+    /// One per tool.
+    pub tools: Vec<ToolLink>,
+    /// Bytes written by the recorder.
+    pub recorder_bytes: u64,
+    /// Records lost because the recorder could not keep up.
+    pub recorder_drops: u64,
+    /// 0 is full quality.
+    pub quality_level: u8,
+}
+message!(LoopStatus, "palpate.LoopStatus.v1");
+
+/// What happened.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub enum EventKind {
+    /// State set back to the scene's start.
+    Reset,
+    /// Loop paused.
+    Paused,
+    /// Loop resumed.
+    Resumed,
+    /// A tool sends poses.
+    ToolJoined {
+        /// Tool id.
+        tool: String,
+    },
+    /// A tool's poses went stale or its token vanished.
+    ToolLost {
+        /// Tool id.
+        tool: String,
+    },
+    /// A pose was refused.
+    PoseRefused {
+        /// Tool id.
+        tool: String,
+        /// Why.
+        reason: String,
+    },
+    /// A tick met a fault.
+    Fault {
+        /// What and where.
+        reason: String,
+    },
+    /// A recording began.
+    RecordStarted {
+        /// Path.
+        path: String,
+    },
+    /// A recording ended.
+    RecordStopped {
+        /// Path.
+        path: String,
+    },
+    /// The daemon is going down.
+    Stopping,
+}
+
+/// An event, numbered so that a loss is seen.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct SimEvent {
+    /// Tick.
+    pub tick: u64,
+    /// Counts events from 1.
+    pub seq: u64,
+    /// Server clock, ns since the Unix epoch.
+    pub t_ns: u64,
+    /// What.
+    pub kind: EventKind,
+}
+message!(SimEvent, "palpate.SimEvent.v1");
+
+/// A body as the loop simulates it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct BodySnapshot {
+    /// Id.
+    pub id: String,
+    /// Model name: `rigid`, `lattice`.
+    pub model: String,
+    /// Degree, u then v.
+    pub degree: [u8; 2],
+    /// Periodic, u then v.
+    pub periodic: [bool; 2],
+    /// Knots in u and in v, in the convention of `palpate.surface.v1`.
+    pub knots: [Vec<f64>; 2],
+    /// Net size, u then v.
+    pub count: [u16; 2],
+    /// Net now, u-major, m.
+    pub points: Vec<[f64; 3]>,
+    /// Net at rest, u-major, m.
+    pub rest_points: Vec<[f64; 3]>,
+    /// Weights, if rational.
+    pub weights: Option<Vec<f64>>,
+    /// Revision of `points`.
+    pub revision: u64,
+}
+
+/// A tool of the scene.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ToolSnapshot {
+    /// Id.
+    pub id: String,
+    /// `point`, `sphere` or `plane`.
+    pub shape: String,
+    /// Radius of a sphere, else 0, m.
+    pub radius: f64,
+    /// Stiffness of the virtual coupling, N/m (infinite: the tool is rigid).
+    pub stiffness: f64,
+    /// Damping of the virtual coupling, N·s/m.
+    pub damping: f64,
+    /// Greatest force, N.
+    pub force_max: f64,
+    /// Proxy position now, m.
+    pub position: [f64; 3],
+    /// x y z w.
+    pub orientation: [f64; 4],
+}
+
+/// Everything a late joiner needs.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct SceneSnapshot {
+    /// Tick.
+    pub tick: u64,
+    /// SHA-256 of the scene file.
+    pub scene_hash: [u8; 32],
+    /// Scene name.
+    pub scene_name: String,
+    /// Length of a tick, ns.
+    pub dt_ns: u64,
+    /// True when a tick waits for every tool's next pose.
+    pub lockstep: bool,
+    /// Bodies.
+    pub bodies: Vec<BodySnapshot>,
+    /// Tools.
+    pub tools: Vec<ToolSnapshot>,
+}
+message!(SceneSnapshot, "palpate.SceneSnapshot.v1");

@@ -1,0 +1,292 @@
+//! Knot vectors: degree, knots and how the ends behave, checked once at construction.
+//!
+//! Piegl & Tiller, *The NURBS Book*, ch. 2. A periodic vector is stored extended: `degree` knots are continued on each
+//! side, and basis function `i` of the extended vector belongs to control point `i mod count` (scipy's convention).
+
+/// Largest degree we accept: windows live on the stack.
+pub const MAX_DEGREE: usize = 15;
+
+/// How the ends of a knot vector behave.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum KnotKind {
+    /// Ends repeated `degree + 1` times: the curve starts and ends at its first and last control point.
+    Clamped,
+    /// Neither clamped nor periodic: the domain is `knots[degree] ..= knots[count]`.
+    Open,
+    /// Wraps: parameters are taken modulo the period.
+    Periodic,
+}
+
+/// Which limit to take at a knot where the basis or its derivatives jump.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum Side {
+    /// From smaller parameters.
+    Left,
+    /// From larger parameters (at the end of the domain: from smaller ones).
+    #[default]
+    Right,
+}
+
+/// Why a knot vector was refused.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum KnotError {
+    /// Degree 0 or above [`MAX_DEGREE`].
+    #[error("degree {0} is outside 1..={MAX_DEGREE}")]
+    Degree(usize),
+    /// Wrong number of knots.
+    #[error("{given} knots, but degree {degree} with {count} control points needs {needed}")]
+    Count {
+        /// Given number.
+        given: usize,
+        /// Degree.
+        degree: usize,
+        /// Control points.
+        count: usize,
+        /// Needed number.
+        needed: usize,
+    },
+    /// Fewer control points than degree + 1.
+    #[error("{count} control points are too few for degree {degree}: at least {} are needed", degree + 1)]
+    TooFew {
+        /// Control points.
+        count: usize,
+        /// Degree.
+        degree: usize,
+    },
+    /// A knot that is not finite.
+    #[error("knot {index} is {value}, not a finite number")]
+    NotFinite {
+        /// Where.
+        index: usize,
+        /// What.
+        value: f64,
+    },
+    /// A knot smaller than the one before it.
+    #[error("knot {index} ({value}) is smaller than the one before it ({previous})")]
+    Decreasing {
+        /// Where.
+        index: usize,
+        /// What.
+        value: f64,
+        /// The one before.
+        previous: f64,
+    },
+    /// A knot repeated more than degree + 1 times.
+    #[error("knot {value} is repeated {multiplicity} times; degree {degree} allows {}", degree + 1)]
+    Multiplicity {
+        /// Value.
+        value: f64,
+        /// How often.
+        multiplicity: usize,
+        /// Degree.
+        degree: usize,
+    },
+    /// First and last knot of the domain are equal.
+    #[error("the domain is empty: it starts and ends at {0}")]
+    EmptyDomain(f64),
+}
+
+/// A degree with its knots: finite, non-decreasing, no multiplicity above `degree + 1`, a domain of positive length.
+#[derive(Clone, Debug, PartialEq)]
+pub struct KnotVector {
+    degree: usize,
+    kind: KnotKind,
+    /// Control points (a period's worth when periodic).
+    count: usize,
+    /// (basis_count + degree + 1), extended when periodic.
+    knots: Vec<f64>,
+}
+
+impl KnotVector {
+    /// Clamped or open: the full vector, `count + degree + 1` knots.
+    ///
+    /// # Errors
+    /// The first rule of [`KnotError`] that the knots break.
+    pub fn new(degree: usize, knots: Vec<f64>) -> Result<Self, KnotError> {
+        if degree == 0 || degree > MAX_DEGREE {
+            return Err(KnotError::Degree(degree));
+        }
+        let order = degree + 1;
+        let count = knots.len().saturating_sub(order);
+        if count < order {
+            return Err(KnotError::TooFew { count, degree });
+        }
+        check_values(degree, &knots)?;
+        let (start, end) = (knots[degree], knots[count]);
+        if start >= end {
+            return Err(KnotError::EmptyDomain(start));
+        }
+        let clamped = knots[0] == start && knots[count + degree] == end;
+        let kind = if clamped { KnotKind::Clamped } else { KnotKind::Open };
+        Ok(Self { degree, kind, count, knots })
+    }
+
+    /// Periodic: one period, `count + 1` knots.
+    ///
+    /// # Errors
+    /// The first rule of [`KnotError`] that the knots break.
+    pub fn periodic(degree: usize, period_knots: Vec<f64>) -> Result<Self, KnotError> {
+        if degree == 0 || degree > MAX_DEGREE {
+            return Err(KnotError::Degree(degree));
+        }
+        let count = period_knots.len().saturating_sub(1);
+        if count < degree + 1 {
+            return Err(KnotError::TooFew { count, degree });
+        }
+        check_values(degree, &period_knots)?;
+        let period = period_knots[count] - period_knots[0];
+        if period <= 0.0 {
+            return Err(KnotError::EmptyDomain(period_knots[0]));
+        }
+        let mut knots = Vec::with_capacity(count + 1 + 2 * degree);
+        knots.extend((0..degree).map(|k| period_knots[count - degree + k] - period));
+        knots.extend_from_slice(&period_knots);
+        knots.extend((1..=degree).map(|k| period_knots[k] + period));
+        check_values(degree, &knots)?;
+        Ok(Self { degree, kind: KnotKind::Periodic, count, knots })
+    }
+
+    /// Clamped with equally spaced interior knots on [0, 1].
+    ///
+    /// # Errors
+    /// Degree out of range, or fewer than `degree + 1` control points.
+    pub fn clamped_uniform(degree: usize, count: usize) -> Result<Self, KnotError> {
+        if degree == 0 || degree > MAX_DEGREE {
+            return Err(KnotError::Degree(degree));
+        }
+        if count < degree + 1 {
+            return Err(KnotError::TooFew { count, degree });
+        }
+        let spans = count - degree;
+        let mut knots = vec![0.0; degree];
+        knots.extend((0..=spans).map(|k| k as f64 / spans as f64));
+        knots.extend(std::iter::repeat_n(1.0, degree));
+        Self::new(degree, knots)
+    }
+
+    /// Periodic with equally spaced knots on [0, 1].
+    ///
+    /// # Errors
+    /// Degree out of range, or fewer than `degree + 1` control points.
+    pub fn periodic_uniform(degree: usize, count: usize) -> Result<Self, KnotError> {
+        Self::periodic(degree, (0..=count).map(|k| k as f64 / count.max(1) as f64).collect())
+    }
+
+    /// Degree.
+    pub fn degree(&self) -> usize {
+        self.degree
+    }
+
+    /// How the ends behave.
+    pub fn kind(&self) -> KnotKind {
+        self.kind
+    }
+
+    /// True when parameters wrap.
+    pub fn is_periodic(&self) -> bool {
+        self.kind == KnotKind::Periodic
+    }
+
+    /// Number of control points.
+    pub fn count(&self) -> usize {
+        self.count
+    }
+
+    /// Number of basis functions of the stored vector: `count`, plus `degree` when periodic.
+    pub fn basis_count(&self) -> usize {
+        self.knots.len() - self.degree - 1
+    }
+
+    /// The stored knots (extended on both sides when periodic).
+    pub fn knots(&self) -> &[f64] {
+        &self.knots
+    }
+
+    /// The knots as `palpate.surface.v1` writes them: all, or one period of `count + 1`.
+    pub fn file_knots(&self) -> &[f64] {
+        if self.is_periodic() { &self.knots[self.degree..=self.degree + self.count] } else { &self.knots }
+    }
+
+    /// First and last parameter.
+    pub fn domain(&self) -> (f64, f64) {
+        (self.knots[self.degree], self.knots[self.basis_count()])
+    }
+
+    /// Length of the domain.
+    pub fn length(&self) -> f64 {
+        let (start, end) = self.domain();
+        end - start
+    }
+
+    /// Brings a parameter into the domain: wrapped when periodic, clamped otherwise.
+    pub fn confine(&self, u: f64) -> f64 {
+        let (start, end) = self.domain();
+        if u >= start && u <= end {
+            u
+        } else if self.is_periodic() {
+            let period = end - start;
+            let wrapped = u - period * ((u - start) / period).floor();
+            wrapped.clamp(start, end)
+        } else {
+            u.clamp(start, end)
+        }
+    }
+
+    /// The span `i` with `knots[i] <= u < knots[i + 1]` (from the right), or `knots[i] < u <= knots[i + 1]` (from the
+    /// left), kept inside the domain. `u` must be in the domain.
+    pub fn span(&self, u: f64, side: Side) -> usize {
+        let first = self.degree;
+        let last = self.basis_count() - 1;
+        let inner = &self.knots[first..=last + 1];
+        let mut i = match side {
+            Side::Right => inner.partition_point(|&k| k <= u),
+            Side::Left => inner.partition_point(|&k| k < u),
+        };
+        i = (first + i).saturating_sub(1).clamp(first, last);
+        // The end of the domain belongs to the last span of positive length, its start to the first.
+        while i > first && self.knots[i] >= self.knots[i + 1] && u >= self.knots[i] {
+            i -= 1;
+        }
+        while i < last && self.knots[i] >= self.knots[i + 1] {
+            i += 1;
+        }
+        i
+    }
+
+    /// The spans of positive length, as indices into [`KnotVector::knots`], in order.
+    pub fn spans(&self) -> impl Iterator<Item = usize> + '_ {
+        (self.degree..self.basis_count()).filter(|&i| self.knots[i] < self.knots[i + 1])
+    }
+
+    /// How often a value occurs among the stored knots.
+    pub fn multiplicity(&self, value: f64) -> usize {
+        self.knots.iter().filter(|&&k| k == value).count()
+    }
+
+    /// Greville abscissae, one per control point: means of `degree` knots, where the control point has most effect.
+    pub fn greville(&self) -> Vec<f64> {
+        (0..self.count)
+            .map(|i| {
+                let sum: f64 = self.knots[i + 1..=i + self.degree].iter().sum();
+                self.confine(sum / self.degree as f64)
+            })
+            .collect()
+    }
+}
+
+fn check_values(degree: usize, knots: &[f64]) -> Result<(), KnotError> {
+    let mut multiplicity = 0;
+    for (index, &value) in knots.iter().enumerate() {
+        if !value.is_finite() {
+            return Err(KnotError::NotFinite { index, value });
+        }
+        if index > 0 && value < knots[index - 1] {
+            return Err(KnotError::Decreasing { index, value, previous: knots[index - 1] });
+        }
+        multiplicity = if index > 0 && value == knots[index - 1] { multiplicity + 1 } else { 1 };
+        if multiplicity > degree + 1 {
+            return Err(KnotError::Multiplicity { value, multiplicity, degree });
+        }
+    }
+    Ok(())
+}

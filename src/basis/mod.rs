@@ -1,0 +1,12 @@
+//! B-spline basis: knot vectors, the few basis functions that live at a parameter, and blending matrices.
+//!
+//! ```text
+//! KnotVector ── window(u) ──▶ BasisWindow: first column, degree + 1 values, first and second derivatives
+//!     └──────── Blending::new(parameters) ──▶ rows of windows; BlendingInverse fits with them
+//! ```
+
+mod knots;
+mod window;
+
+pub use knots::{KnotError, KnotKind, KnotVector, MAX_DEGREE, Side};
+pub use window::BasisWindow;

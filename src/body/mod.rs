@@ -1,0 +1,1 @@
+//! Bodies: rigid, and lattices that deform.

@@ -1,0 +1,1 @@
+//! What a tool touches: shapes, certified queries, contacts.

@@ -1,0 +1,25 @@
+//! Palpate: touch on deforming B-spline surfaces at 1 kHz.
+//!
+//! Layers, in reading order; each imports only those before it:
+//! [`math`] → [`basis`] → [`surface`] → [`contact`] → [`body`] | [`haptics`] → [`scene`] → [`tick`] → wire →
+//! transport | recording → viewer, bench, cli. The last five come with the `daemon` feature.
+
+pub mod basis;
+pub mod body;
+pub mod contact;
+pub mod haptics;
+pub mod math;
+pub mod scene;
+pub mod surface;
+pub mod tick;
+
+#[cfg(feature = "daemon")]
+pub mod cli;
+#[cfg(feature = "daemon")]
+pub mod recording;
+#[cfg(feature = "daemon")]
+pub mod transport;
+#[cfg(feature = "daemon")]
+pub mod viewer;
+#[cfg(feature = "daemon")]
+pub mod wire;

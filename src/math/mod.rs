@@ -1,0 +1,18 @@
+//! Names for nalgebra's types, small dense and sparse linear algebra, and the state hash. Imports nothing of ours.
+
+use nalgebra as na;
+
+/// Displacement, velocity, force, normal: three components, SI.
+pub type Vector3 = na::Vector3<f64>;
+/// A place, m.
+pub type Point3 = na::Point3<f64>;
+/// Unit quaternion.
+pub type Rotation = na::UnitQuaternion<f64>;
+/// Rigid placement: rotation then translation, m.
+pub type Pose = na::Isometry3<f64>;
+/// 3 × 3 matrix.
+pub type Matrix3 = na::Matrix3<f64>;
+
+mod state;
+
+pub use state::{SavedState, StateError, StateSink, StateSource, Stateful, state_hash};

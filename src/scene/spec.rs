@@ -1,0 +1,367 @@
+//! The scene file, as data. TOML; SI units; unknown keys are refused.
+
+use serde::{Deserialize, Serialize};
+use std::path::PathBuf;
+
+/// A whole scene file.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SceneSpec {
+    /// Name shown to people; the file's stem when absent.
+    #[serde(default)]
+    pub name: Option<String>,
+    /// `[loop]`.
+    #[serde(default, rename = "loop")]
+    pub loop_: LoopSpec,
+    /// `[gravity]`.
+    #[serde(default)]
+    pub gravity: GravitySpec,
+    /// `[[body]]`, at least one.
+    #[serde(rename = "body")]
+    pub bodies: Vec<BodySpec>,
+    /// `[[tool]]`, at most [`crate::scene::spec::MAX_TOOLS`].
+    #[serde(default, rename = "tool")]
+    pub tools: Vec<ToolSpec>,
+    /// `[[contact]]`: exceptions to "every tool touches every body, exactly".
+    #[serde(default, rename = "contact")]
+    pub contacts: Vec<ContactSpec>,
+    /// `[record]`.
+    #[serde(default)]
+    pub record: RecordSpec,
+    /// `[zenoh]`.
+    #[serde(default)]
+    pub zenoh: ZenohSpec,
+}
+
+/// Most tools of a scene: records of a tick have a fixed size.
+pub const MAX_TOOLS: usize = 8;
+
+/// `[loop]`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct LoopSpec {
+    /// Ticks a second, 1 ..= 10 000.
+    pub rate_hz: u32,
+    /// What makes a tick due.
+    pub clock: Clock,
+}
+
+impl Default for LoopSpec {
+    fn default() -> Self {
+        Self { rate_hz: 1_000, clock: Clock::Realtime }
+    }
+}
+
+/// What makes a tick due.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Clock {
+    /// The wall clock.
+    #[default]
+    Realtime,
+    /// Every tool's next pose.
+    Lockstep,
+}
+
+/// `[gravity]`.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct GravitySpec {
+    /// m/s²; zero unless given.
+    pub acceleration: [f64; 3],
+}
+
+/// `[[body]]`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct BodySpec {
+    /// `[a-z0-9_-]{1,64}`.
+    pub id: String,
+    /// Where its surface comes from.
+    pub surface: SurfaceSpec,
+    /// Placement in the world.
+    #[serde(default)]
+    pub pose: PoseSpec,
+    /// How it moves.
+    #[serde(default)]
+    pub model: ModelSpec,
+    /// What it is made of; used by deforming models only.
+    #[serde(default)]
+    pub material: MaterialSpec,
+    /// How a lattice is built.
+    #[serde(default)]
+    pub lattice: LatticeSpec,
+    /// Time integration.
+    #[serde(default)]
+    pub integrator: IntegratorSpec,
+    /// Nodes that never move.
+    #[serde(default)]
+    pub fixed: Vec<FixedSpec>,
+}
+
+/// `surface = { builtin = "teardrop", net = [8, 8] }`, `{ file = "x.json" }` or `{ inline = {…} }`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SurfaceSpec {
+    /// Name of a builtin: `sheet`, `sphere`, `teardrop`, `torus`.
+    #[serde(default)]
+    pub builtin: Option<String>,
+    /// Net of a builtin; its own default when absent.
+    #[serde(default)]
+    pub net: Option<[usize; 2]>,
+    /// Size of a builtin, m: side of the sheet, radius of the sphere, length of the teardrop, great radius of the torus.
+    #[serde(default)]
+    pub size: Option<f64>,
+    /// A `palpate.surface.v1` file, relative to the scene file.
+    #[serde(default)]
+    pub file: Option<PathBuf>,
+    /// A `palpate.surface.v1` document in place.
+    #[serde(default)]
+    pub inline: Option<serde_json::Value>,
+}
+
+/// Placement: rotate, then translate.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct PoseSpec {
+    /// m.
+    pub position: [f64; 3],
+    /// Unit quaternion x y z w.
+    pub orientation: [f64; 4],
+}
+
+impl Default for PoseSpec {
+    fn default() -> Self {
+        Self { position: [0.0; 3], orientation: [0.0, 0.0, 0.0, 1.0] }
+    }
+}
+
+/// How a body moves.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum ModelSpec {
+    /// It does not deform.
+    #[default]
+    Rigid,
+    /// Springs between nodes; the control points are nodes.
+    Lattice,
+}
+
+/// `[body.material]`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct MaterialSpec {
+    /// Young's modulus E, Pa.
+    pub young_pa: f64,
+    /// ρ, kg/m³.
+    pub density_kg_m3: f64,
+    /// Stiffness-proportional (Voigt) damping time, s: a strain rate ε̇ adds the stress of a strain of this times ε̇.
+    pub damping_s: f64,
+}
+
+impl Default for MaterialSpec {
+    /// A soft gel: 20 kPa, water's density, 2 ms.
+    fn default() -> Self {
+        Self { young_pa: 20e3, density_kg_m3: 1_000.0, damping_s: 2e-3 }
+    }
+}
+
+/// `[body.lattice]`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct LatticeSpec {
+    /// Shells from the surface inwards, the surface included (≥ 1); for an open sheet, layers through its thickness (≥ 2).
+    pub layers: usize,
+    /// The net after refinement.
+    pub refine: RefineSpec,
+    /// Thickness of an open sheet, m.
+    pub thickness_m: Option<f64>,
+}
+
+impl Default for LatticeSpec {
+    fn default() -> Self {
+        Self { layers: 4, refine: RefineSpec::Auto(RefineAuto::Auto), thickness_m: None }
+    }
+}
+
+/// `refine = "auto" | "none" | [22, 23] | { u = [knots], v = [knots] }`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(untagged)]
+pub enum RefineSpec {
+    /// `"auto"` or `"none"`.
+    Auto(RefineAuto),
+    /// Distinct control points wanted in u and v.
+    Counts([usize; 2]),
+    /// Knots to insert.
+    Knots {
+        /// In u.
+        u: Vec<f64>,
+        /// In v.
+        v: Vec<f64>,
+    },
+}
+
+/// `"auto"` or `"none"`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum RefineAuto {
+    /// About three control points across the smallest expected contact, within the node budget of a tick.
+    Auto,
+    /// The net as it is.
+    None,
+}
+
+/// `[body.integrator]`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct IntegratorSpec {
+    /// Local–global iterations of the implicit step a tick, 1 ..= 10.
+    pub iterations: usize,
+    /// Sweeps of the contact solve a tick, 1 ..= 1 000.
+    pub contact_sweeps: usize,
+}
+
+impl Default for IntegratorSpec {
+    fn default() -> Self {
+        Self { iterations: 1, contact_sweeps: 30 }
+    }
+}
+
+/// `[[body.fixed]]`: the nodes on the far side of a plane (body frame): `normal · (x − point) <= 0`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct FixedSpec {
+    /// A point of the plane, m.
+    pub point: [f64; 3],
+    /// Its normal, any length above 0, towards the free part.
+    pub normal: [f64; 3],
+}
+
+/// `[[tool]]`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ToolSpec {
+    /// `[a-z0-9_-]{1,64}`.
+    pub id: String,
+    /// Its shape.
+    #[serde(default)]
+    pub shape: ShapeSpec,
+    /// Where it starts.
+    #[serde(default)]
+    pub pose: PoseSpec,
+    /// Virtual coupling between device and proxy.
+    #[serde(default)]
+    pub coupling: CouplingSpec,
+    /// What its device can bear.
+    #[serde(default)]
+    pub device: DeviceSpec,
+    /// A plane fixes the lattice nodes on its far side at the start.
+    #[serde(default)]
+    pub fixes_nodes: bool,
+}
+
+/// `shape = { point = {} }`, `{ sphere = { radius_m = 0.01 } }` or `{ plane = { normal = [0, 0, 1] } }`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase", deny_unknown_fields)]
+pub enum ShapeSpec {
+    /// A point.
+    Point {},
+    /// A ball around the reference point.
+    Sphere {
+        /// m, above 0.
+        radius_m: f64,
+    },
+    /// Everything below a plane through the reference point.
+    Plane {
+        /// Outward normal in the tool's frame, any length above 0.
+        normal: [f64; 3],
+    },
+}
+
+impl Default for ShapeSpec {
+    fn default() -> Self {
+        Self::Sphere { radius_m: 0.01 }
+    }
+}
+
+/// `[tool.coupling]`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct CouplingSpec {
+    /// K_c, N/m; `inf` holds the proxy rigidly to the device.
+    pub stiffness_n_m: f64,
+    /// B_c, N·s/m.
+    pub damping_n_s_m: f64,
+}
+
+impl Default for CouplingSpec {
+    fn default() -> Self {
+        Self { stiffness_n_m: 1_000.0, damping_n_s_m: 1.0 }
+    }
+}
+
+/// `[tool.device]`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct DeviceSpec {
+    /// Greatest force, N.
+    pub force_max_n: f64,
+    /// Longest ramp of the limit from zero to full on connect and back on loss, s.
+    pub ramp_s: f64,
+    /// Poses older than this are stale, s.
+    pub stale_s: f64,
+    /// Faster than this is a jump, m/s.
+    pub speed_max_m_s: f64,
+}
+
+impl Default for DeviceSpec {
+    fn default() -> Self {
+        Self { force_max_n: 10.0, ramp_s: 0.02, stale_s: 0.05, speed_max_m_s: 10.0 }
+    }
+}
+
+/// `[[contact]]`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ContactSpec {
+    /// Tool id, body id.
+    pub pair: [String; 2],
+    /// `exact` or `none`.
+    #[serde(default)]
+    pub method: ContactMethod,
+}
+
+/// How a pair is tested.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum ContactMethod {
+    /// Certified queries on the surface itself.
+    #[default]
+    Exact,
+    /// The pair never touches.
+    None,
+}
+
+/// `[record]`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct RecordSpec {
+    /// Seconds between keyframes.
+    pub keyframe_s: f64,
+    /// Nets a second at most.
+    pub net_hz: f64,
+}
+
+impl Default for RecordSpec {
+    fn default() -> Self {
+        Self { keyframe_s: 1.0, net_hz: 60.0 }
+    }
+}
+
+/// `[zenoh]`.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct ZenohSpec {
+    /// A stock Zenoh JSON5 configuration, relative to the scene file.
+    pub config: Option<PathBuf>,
+}

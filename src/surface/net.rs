@@ -1,0 +1,79 @@
+//! The control net: a grid of points.
+
+use crate::math::Point3;
+
+/// Why a net was refused.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum NetError {
+    /// Wrong number of points.
+    #[error("{given} control points, but {rows} × {columns} needs {}", rows * columns)]
+    Count {
+        /// Given number.
+        given: usize,
+        /// Rows, u.
+        rows: usize,
+        /// Columns, v.
+        columns: usize,
+    },
+    /// A coordinate that is not finite.
+    #[error("control point ({row}, {column}) has coordinate {value}, not a finite number")]
+    NotFinite {
+        /// Row, u.
+        row: usize,
+        /// Column, v.
+        column: usize,
+        /// The value.
+        value: f64,
+    },
+}
+
+/// `rows × columns` finite points, u-major and contiguous, m.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ControlNet {
+    rows: usize,
+    columns: usize,
+    points: Vec<Point3>,
+}
+
+impl ControlNet {
+    /// Checks counts and values.
+    ///
+    /// # Errors
+    /// Wrong count, or a coordinate that is not finite.
+    pub fn new(rows: usize, columns: usize, points: Vec<Point3>) -> Result<Self, NetError> {
+        if points.len() != rows * columns {
+            return Err(NetError::Count { given: points.len(), rows, columns });
+        }
+        for (k, point) in points.iter().enumerate() {
+            if let Some(&value) = point.iter().find(|x| !x.is_finite()) {
+                return Err(NetError::NotFinite { row: k / columns, column: k % columns, value });
+            }
+        }
+        Ok(Self { rows, columns, points })
+    }
+
+    /// Rows, u.
+    pub fn rows(&self) -> usize {
+        self.rows
+    }
+
+    /// Columns, v.
+    pub fn columns(&self) -> usize {
+        self.columns
+    }
+
+    /// All points, u-major.
+    pub fn points(&self) -> &[Point3] {
+        &self.points
+    }
+
+    /// All points, to be moved; their number cannot change.
+    pub fn points_mut(&mut self) -> &mut [Point3] {
+        &mut self.points
+    }
+
+    /// Point (row, column).
+    pub fn at(&self, row: usize, column: usize) -> &Point3 {
+        &self.points[row * self.columns + column]
+    }
+}

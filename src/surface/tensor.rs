@@ -1,0 +1,233 @@
+//! The surface itself: evaluation of points, derivatives and normals.
+
+use super::{ControlNet, NetError};
+use crate::basis::{BasisWindow, KnotError, KnotVector, Side};
+use crate::math::{Point3, Vector3};
+
+/// Why a surface was refused.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum SurfaceError {
+    /// The knots of one direction.
+    #[error("knots in {direction}: {source}")]
+    Knots {
+        /// `u` or `v`.
+        direction: char,
+        /// What is wrong.
+        source: KnotError,
+    },
+    /// The net.
+    #[error(transparent)]
+    Net(#[from] NetError),
+    /// Net and knots disagree.
+    #[error("the net has {given} points in {direction}, the knots want {needed}")]
+    Size {
+        /// `u` or `v`.
+        direction: char,
+        /// Points of the net.
+        given: usize,
+        /// Points the knots want.
+        needed: usize,
+    },
+    /// Wrong number of weights.
+    #[error("{given} weights for {needed} control points")]
+    WeightCount {
+        /// Given number.
+        given: usize,
+        /// Needed number.
+        needed: usize,
+    },
+    /// A weight that is not a positive finite number.
+    #[error("weight ({row}, {column}) is {value}; weights are finite and above 0")]
+    Weight {
+        /// Row, u.
+        row: usize,
+        /// Column, v.
+        column: usize,
+        /// The value.
+        value: f64,
+    },
+}
+
+/// Point and derivatives at a parameter: S, S_u, S_v, S_uu, S_uv, S_vv, metres per unit of parameter.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Frame {
+    /// S.
+    pub point: Point3,
+    /// S_u.
+    pub du: Vector3,
+    /// S_v.
+    pub dv: Vector3,
+    /// S_uu.
+    pub duu: Vector3,
+    /// S_uv.
+    pub duv: Vector3,
+    /// S_vv.
+    pub dvv: Vector3,
+}
+
+/// A tensor-product surface. Knots, weights and orientation never change; the net may move.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Surface {
+    knots_u: KnotVector,
+    knots_v: KnotVector,
+    net: ControlNet,
+    weights: Option<Vec<f64>>,
+    flip_normal: bool,
+}
+
+impl Surface {
+    /// Checks that knots, net and weights agree.
+    ///
+    /// # Errors
+    /// Sizes that disagree, or weights that are not positive and finite.
+    pub fn new(
+        knots_u: KnotVector,
+        knots_v: KnotVector,
+        net: ControlNet,
+        weights: Option<Vec<f64>>,
+    ) -> Result<Self, SurfaceError> {
+        for (direction, given, needed) in [('u', net.rows(), knots_u.count()), ('v', net.columns(), knots_v.count())] {
+            if given != needed {
+                return Err(SurfaceError::Size { direction, given, needed });
+            }
+        }
+        if let Some(weights) = &weights {
+            if weights.len() != net.points().len() {
+                return Err(SurfaceError::WeightCount { given: weights.len(), needed: net.points().len() });
+            }
+            if let Some(k) = weights.iter().position(|w| !(w.is_finite() && *w > 0.0)) {
+                let (row, column) = (k / net.columns(), k % net.columns());
+                return Err(SurfaceError::Weight { row, column, value: weights[k] });
+            }
+        }
+        Ok(Self { knots_u, knots_v, net, weights, flip_normal: false })
+    }
+
+    /// The same surface with its outward side at `-(S_u × S_v)`.
+    pub fn with_flip_normal(mut self, flip: bool) -> Self {
+        self.flip_normal = flip;
+        self
+    }
+
+    /// Knots in u.
+    pub fn knots_u(&self) -> &KnotVector {
+        &self.knots_u
+    }
+
+    /// Knots in v.
+    pub fn knots_v(&self) -> &KnotVector {
+        &self.knots_v
+    }
+
+    /// The net.
+    pub fn net(&self) -> &ControlNet {
+        &self.net
+    }
+
+    /// The net, to be moved. Points must stay finite.
+    pub fn net_mut(&mut self) -> &mut ControlNet {
+        &mut self.net
+    }
+
+    /// Weights, u-major, if rational.
+    pub fn weights(&self) -> Option<&[f64]> {
+        self.weights.as_deref()
+    }
+
+    /// True when the outward side is `-(S_u × S_v)`.
+    pub fn flip_normal(&self) -> bool {
+        self.flip_normal
+    }
+
+    /// S(u, v), parameters confined to the domain.
+    pub fn point(&self, u: f64, v: f64) -> Point3 {
+        let (wu, wv) = (self.knots_u.window(u), self.knots_v.window(v));
+        let (sum, weight) = self.blend(&wu, &wv, 0, 0);
+        Point3::from(sum / weight)
+    }
+
+    /// S and its derivatives to order 2, parameters confined to the domain.
+    pub fn frame(&self, u: f64, v: f64) -> Frame {
+        self.frame_from(u, v, Side::Right, Side::Right)
+    }
+
+    /// [`Surface::frame`], each parameter seen from a chosen side: matters at creases and where the surface is disjoined.
+    pub fn frame_from(&self, u: f64, v: f64, side_u: Side, side_v: Side) -> Frame {
+        self.frame_in(&self.knots_u.window_from(u, side_u), &self.knots_v.window_from(v, side_v))
+    }
+
+    /// [`Surface::frame`] from windows at hand.
+    pub fn frame_in(&self, wu: &BasisWindow, wv: &BasisWindow) -> Frame {
+        if self.weights.is_none() {
+            return self.polynomial_frame(wu, wv);
+        }
+        // Quotient rule on A / w; The NURBS Book, eq. 4.20.
+        let (a, w) = self.blend(wu, wv, 0, 0);
+        let (a_u, w_u) = self.blend(wu, wv, 1, 0);
+        let (a_v, w_v) = self.blend(wu, wv, 0, 1);
+        let (a_uu, w_uu) = self.blend(wu, wv, 2, 0);
+        let (a_uv, w_uv) = self.blend(wu, wv, 1, 1);
+        let (a_vv, w_vv) = self.blend(wu, wv, 0, 2);
+        let s = a / w;
+        let du = (a_u - s * w_u) / w;
+        let dv = (a_v - s * w_v) / w;
+        Frame {
+            point: Point3::from(s),
+            du,
+            dv,
+            duu: (a_uu - du * (2.0 * w_u) - s * w_uu) / w,
+            duv: (a_uv - du * w_v - dv * w_u - s * w_uv) / w,
+            dvv: (a_vv - dv * (2.0 * w_v) - s * w_vv) / w,
+        }
+    }
+
+    fn polynomial_frame(&self, wu: &BasisWindow, wv: &BasisWindow) -> Frame {
+        let columns = self.net.columns();
+        let points = self.net.points();
+        let zero = Vector3::zeros();
+        let (mut s, mut du, mut dv, mut duu, mut duv, mut dvv) = (zero, zero, zero, zero, zero, zero);
+        for a in 0..wu.len {
+            let row = wrap(wu.first + a, self.net.rows()) * columns;
+            let (mut p, mut q, mut r) = (zero, zero, zero);
+            for b in 0..wv.len {
+                let point = points[row + wrap(wv.first + b, columns)].coords;
+                p += point * wv.values()[b];
+                q += point * wv.first_derivatives()[b];
+                r += point * wv.second_derivatives()[b];
+            }
+            let (n, d, dd) = (wu.values()[a], wu.first_derivatives()[a], wu.second_derivatives()[a]);
+            s += p * n;
+            du += p * d;
+            duu += p * dd;
+            dv += q * n;
+            duv += q * d;
+            dvv += r * n;
+        }
+        Frame { point: Point3::from(s), du, dv, duu, duv, dvv }
+    }
+
+    /// Σ N^(k)_i M^(l)_j w_ij P_ij and Σ N^(k)_i M^(l)_j w_ij.
+    fn blend(&self, wu: &BasisWindow, wv: &BasisWindow, order_u: usize, order_v: usize) -> (Vector3, f64) {
+        let columns = self.net.columns();
+        let points = self.net.points();
+        let (mut sum, mut weight) = (Vector3::zeros(), 0.0);
+        for (a, n) in wu.order(order_u).iter().enumerate() {
+            let row = wrap(wu.first + a, self.net.rows()) * columns;
+            for (b, m) in wv.order(order_v).iter().enumerate() {
+                let k = row + wrap(wv.first + b, columns);
+                let share = n * m * self.weights.as_ref().map_or(1.0, |w| w[k]);
+                sum += points[k].coords * share;
+                weight += share;
+            }
+        }
+        if self.weights.is_none() && order_u + order_v == 0 {
+            weight = 1.0;
+        }
+        (sum, weight)
+    }
+}
+
+/// Index modulo count, for windows that run past the end of a period.
+pub(crate) fn wrap(index: usize, count: usize) -> usize {
+    if index < count { index } else { index - count }
+}

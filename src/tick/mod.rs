@@ -1,0 +1,11 @@
+//! The tick: `step` (pure), its records, and, with the `daemon` feature, ports, pacer and driver thread.
+//!
+//! ```text
+//! poses ─▶ latch ─▶ step = render (force known) ─▶ deform ─▶ TickRecord ─▶ bus, recorder
+//! commands ─▶ applied between ticks, recorded with the tick before which they took effect
+//! ```
+
+pub mod record;
+mod step;
+
+pub use step::{apply, deform, render, restore, step};

@@ -1,0 +1,1 @@
+//! Zenoh: keys, sessions, quality of service, the bus thread.

@@ -1,0 +1,1 @@
+//! Where domain types meet palpate-proto.
