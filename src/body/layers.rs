@@ -1,0 +1,155 @@
+//! Builder `layers`: the control points of a surface are the outermost nodes of its lattice.
+//!
+//! Closed surfaces: rings of control points shrink towards the medial curve of their centroids in equal steps; the curve's
+//! nodes, like the poles, are shared, so the cells beside them are wedges. Open sheets: copies of the net at equal
+//! depths along the inward normals. The surface is exact: no node is fitted to it.
+
+use super::cells::{Cell, CellGrid};
+use crate::math::{Point3, Vector3};
+
+/// What the rings of a closed surface do along the other direction.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct RingEnds {
+    /// The axis closes on itself (a torus).
+    pub axis_closed: bool,
+    /// First ring is one point.
+    pub first_pole: bool,
+    /// Last ring is one point.
+    pub last_pole: bool,
+}
+
+/// A closed surface as rings around an axis: `distinct` control points a ring, the rest repeat the first ones.
+#[derive(Clone, Debug)]
+pub struct Rings {
+    /// Control points around, repeated seam points not counted.
+    pub around: usize,
+    /// Control points along, repeated seam points not counted.
+    pub along: usize,
+    /// Ends of the axis.
+    pub ends: RingEnds,
+}
+
+/// Cells of a closed surface. `control(i, j)`: index of the control point i around, j along; `points`: all of them.
+/// `layers` shells, the surface's included, then the medial curve.
+pub fn rings(
+    points: &[Point3],
+    rings: &Rings,
+    layers: usize,
+    control: impl Fn(usize, usize) -> usize,
+    ring_of_control: impl Fn(usize) -> (usize, usize),
+) -> CellGrid {
+    let Rings { around, along, ends } = *rings;
+    let pole = |j: usize| (j == 0 && ends.first_pole) || (j + 1 == along && ends.last_pole);
+    let mut nodes = Vec::new();
+    // (layers + 1, along, around) → node; the medial curve and poles repeat theirs.
+    let mut node = vec![0u32; (layers + 1) * along * around];
+    let at = |layer: usize, j: usize, i: usize| (layer * along + j) * around + i;
+    for j in 0..along {
+        let ring: Vec<Point3> = (0..around).map(|i| points[control(i, j)]).collect();
+        let centre = Point3::from(ring.iter().map(|p| p.coords).sum::<Vector3>() / around as f64);
+        for layer in 0..=layers {
+            for i in 0..around {
+                let shared = pole(j) || layer == layers;
+                if shared && (i > 0 || (pole(j) && layer > 0)) {
+                    node[at(layer, j, i)] = node[at(if pole(j) { 0 } else { layer }, j, 0)];
+                    continue;
+                }
+                node[at(layer, j, i)] = nodes.len() as u32;
+                let shrink = 1.0 - layer as f64 / layers as f64;
+                nodes.push(if pole(j) { ring[0] } else { centre + (ring[i] - centre) * shrink });
+            }
+        }
+    }
+    let mut cells = Vec::new();
+    let steps_along = if ends.axis_closed { along } else { along - 1 };
+    for layer in 0..layers {
+        for j in 0..steps_along {
+            for i in 0..around {
+                let mut cell: Cell = [0; 8];
+                for (corner, slot) in cell.iter_mut().enumerate() {
+                    let (dl, dj, di) = (corner >> 2, (corner >> 1) & 1, corner & 1);
+                    *slot = node[at(layer + dl, (j + dj) % along, (i + di) % around)];
+                }
+                cells.push(cell);
+            }
+        }
+    }
+    let node_of_control = (0..points.len())
+        .map(|k| {
+            let (i, j) = ring_of_control(k);
+            node[at(0, j, i)]
+        })
+        .collect();
+    CellGrid { nodes, cells, node_of_control }
+}
+
+/// Cells of an open sheet of `rows × columns` control points: `layers` ≥ 2 copies, the first is the net, the last lies
+/// `thickness_m` below along the inward normals.
+pub fn sheet(
+    points: &[Point3],
+    inward_normals: &[Vector3],
+    rows: usize,
+    columns: usize,
+    layers: usize,
+    thickness_m: f64,
+) -> CellGrid {
+    let mut nodes = Vec::with_capacity(points.len() * layers);
+    for layer in 0..layers {
+        let depth = thickness_m * layer as f64 / (layers - 1) as f64;
+        nodes.extend(points.iter().zip(inward_normals).map(|(point, normal)| point + normal * depth));
+    }
+    let mut cells = Vec::new();
+    for layer in 0..layers - 1 {
+        for row in 0..rows - 1 {
+            for column in 0..columns - 1 {
+                let mut cell: Cell = [0; 8];
+                for (corner, slot) in cell.iter_mut().enumerate() {
+                    let (dl, dr, dc) = (corner >> 2, (corner >> 1) & 1, corner & 1);
+                    *slot = (((layer + dl) * rows + row + dr) * columns + column + dc) as u32;
+                }
+                cells.push(cell);
+            }
+        }
+    }
+    CellGrid { nodes, cells, node_of_control: (0..points.len() as u32).collect() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Rings on a cylinder of revolution with both ends closed to poles: a double cone.
+    fn double_cone(around: usize, along: usize) -> (Vec<Point3>, Rings) {
+        let mut points = Vec::new();
+        for i in 0..around {
+            for j in 0..along {
+                let angle = std::f64::consts::TAU * i as f64 / around as f64;
+                let z = j as f64 / (along - 1) as f64;
+                let radius = 0.5 * (1.0 - (2.0 * z - 1.0).abs());
+                points.push(Point3::new(radius * angle.cos(), radius * angle.sin(), z));
+            }
+        }
+        let ends = RingEnds { axis_closed: false, first_pole: true, last_pole: true };
+        (points, Rings { around, along, ends })
+    }
+
+    #[test]
+    fn layers_count_as_the_formula_says_and_fill_the_control_polyhedron() {
+        for (around, along, layers) in [(12, 13, 4), (22, 23, 4), (6, 5, 1)] {
+            let (points, shape) = double_cone(around, along);
+            let grid = rings(&points, &shape, layers, |i, j| i * along + j, |k| (k / along, k % along));
+            // Shells without the two poles, then the medial curve with them.
+            assert_eq!(grid.nodes.len(), around * (along - 2) * layers + along);
+            for (k, point) in points.iter().enumerate() {
+                let node = grid.nodes[grid.node_of_control[k] as usize];
+                assert!((node - point).norm() < 1e-15, "control point {k} is not its node");
+            }
+            // A double cone over a regular polygon: 1/3 base × height, base = n/2 r² sin(2π/n).
+            let n = around as f64;
+            let base = 0.5 * n * 0.25 * (std::f64::consts::TAU / n).sin();
+            let volume = grid.quality().volume_m3;
+            assert!((volume - base / 3.0).abs() < 1e-12, "{volume} != {}", base / 3.0);
+            assert!(grid.quality().least_volume_m3 > 0.0);
+        }
+    }
+}
