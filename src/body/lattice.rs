@@ -291,13 +291,18 @@ impl Lattice {
         }
     }
 
-    /// Displacement of node `b` for a unit force on node `a`, m/N within one tick; 0 if one is fixed. `a` is on the surface.
-    pub fn compliance(&self, a: usize, b: usize) -> f64 {
-        let (column, row) = (self.surface_index[a], self.unknown[b]);
-        if column == FIXED || row == FIXED {
-            return 0.0;
-        }
-        self.compliance[column as usize * self.unknown_count() + row as usize]
+    /// Displacements of all free nodes for a unit force held on a surface node over one tick, m/N, by
+    /// [`Lattice::unknown`]; `None` for a fixed node.
+    pub fn compliance_of(&self, node: usize) -> Option<&[f64]> {
+        let column = self.surface_index[node];
+        let n = self.unknown_count();
+        (column != FIXED).then(|| &self.compliance[column as usize * n..(column as usize + 1) * n])
+    }
+
+    /// Place of a node among the free ones; `None` if it is fixed.
+    pub fn unknown(&self, node: usize) -> Option<usize> {
+        let row = self.unknown[node];
+        (row != FIXED).then_some(row as usize)
     }
 
     /// Adds a force (N) on a surface node for this tick.

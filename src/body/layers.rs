@@ -1,8 +1,9 @@
 //! Builder `layers`: the control points of a surface are the outermost nodes of its lattice.
 //!
-//! Closed surfaces: rings of control points shrink towards the medial curve of their centroids in equal steps; the curve's
-//! nodes, like the poles, are shared, so the cells beside them are wedges. Open sheets: copies of the net at equal
-//! depths along the inward normals. The surface is exact: no node is fitted to it.
+//! Closed surfaces: rings of control points shrink in equal steps towards a medial curve, so the cells beside the curve are
+//! wedges. The curve follows the rings' centroids but ends short of the poles: were it to reach them, a flat end (a ring in
+//! one plane with its pole) would have cells without volume. Open sheets: copies of the net at equal depths along the
+//! inward normals. Either way the surface is exact: no node is fitted to it.
 
 use super::cells::{Cell, CellGrid};
 use crate::math::{Point3, Vector3};
@@ -40,23 +41,21 @@ pub fn rings(
 ) -> CellGrid {
     let Rings { around, along, ends } = *rings;
     let pole = |j: usize| (j == 0 && ends.first_pole) || (j + 1 == along && ends.last_pole);
+    let medial = medial_curve(points, rings, &control);
     let mut nodes = Vec::new();
-    // (layers + 1, along, around) → node; the medial curve and poles repeat theirs.
+    // (layers + 1, along, around) → node; the medial curve and the poles of each shell repeat theirs.
     let mut node = vec![0u32; (layers + 1) * along * around];
     let at = |layer: usize, j: usize, i: usize| (layer * along + j) * around + i;
     for j in 0..along {
-        let ring: Vec<Point3> = (0..around).map(|i| points[control(i, j)]).collect();
-        let centre = Point3::from(ring.iter().map(|p| p.coords).sum::<Vector3>() / around as f64);
         for layer in 0..=layers {
             for i in 0..around {
-                let shared = pole(j) || layer == layers;
-                if shared && (i > 0 || (pole(j) && layer > 0)) {
-                    node[at(layer, j, i)] = node[at(if pole(j) { 0 } else { layer }, j, 0)];
+                if i > 0 && (pole(j) || layer == layers) {
+                    node[at(layer, j, i)] = node[at(layer, j, 0)];
                     continue;
                 }
                 node[at(layer, j, i)] = nodes.len() as u32;
                 let shrink = 1.0 - layer as f64 / layers as f64;
-                nodes.push(if pole(j) { ring[0] } else { centre + (ring[i] - centre) * shrink });
+                nodes.push(medial[j] + (points[control(i, j)] - medial[j]) * shrink);
             }
         }
     }
@@ -81,6 +80,34 @@ pub fn rings(
         })
         .collect();
     CellGrid { nodes, cells, node_of_control }
+}
+
+/// One point a ring: along the polygon of ring centroids, drawn in at each pole by half the largest ring radius (or 0.4 of
+/// the length, if that is less), evenly in arc length.
+fn medial_curve(points: &[Point3], rings: &Rings, control: &impl Fn(usize, usize) -> usize) -> Vec<Point3> {
+    let Rings { around, along, ends } = *rings;
+    let ring = |j: usize| (0..around).map(move |i| points[control(i, j)]);
+    let centroids: Vec<Point3> =
+        (0..along).map(|j| Point3::from(ring(j).map(|p| p.coords).sum::<Vector3>() / around as f64)).collect();
+    if ends.axis_closed || !(ends.first_pole || ends.last_pole) {
+        return centroids;
+    }
+    let mut arc = vec![0.0; along];
+    for j in 1..along {
+        arc[j] = arc[j - 1] + (centroids[j] - centroids[j - 1]).norm();
+    }
+    let length = arc[along - 1];
+    let radius = |j: usize| ring(j).map(|p| (p - centroids[j]).norm()).sum::<f64>() / around as f64;
+    let inset = (0.5 * (0..along).map(radius).fold(0.0, f64::max)).min(0.4 * length);
+    let first = if ends.first_pole { inset } else { 0.0 };
+    let last = if ends.last_pole { inset } else { 0.0 };
+    let place = |s: f64| {
+        let k = arc.partition_point(|&a| a <= s).clamp(1, along - 1);
+        let span = arc[k] - arc[k - 1];
+        let t = if span > 0.0 { (s - arc[k - 1]) / span } else { 0.0 };
+        centroids[k - 1] + (centroids[k] - centroids[k - 1]) * t
+    };
+    arc.iter().map(|&s| place(first + s * (length - first - last) / length)).collect()
 }
 
 /// Cells of an open sheet of `rows × columns` control points: `layers` ≥ 2 copies, the first is the net, the last lies
@@ -138,8 +165,8 @@ mod tests {
         for (around, along, layers) in [(12, 13, 4), (22, 23, 4), (6, 5, 1)] {
             let (points, shape) = double_cone(around, along);
             let grid = rings(&points, &shape, layers, |i, j| i * along + j, |k| (k / along, k % along));
-            // Shells without the two poles, then the medial curve with them.
-            assert_eq!(grid.nodes.len(), around * (along - 2) * layers + along);
+            // Shells with two poles each, then the medial curve.
+            assert_eq!(grid.nodes.len(), (around * (along - 2) + 2) * layers + along);
             for (k, point) in points.iter().enumerate() {
                 let node = grid.nodes[grid.node_of_control[k] as usize];
                 assert!((node - point).norm() < 1e-15, "control point {k} is not its node");

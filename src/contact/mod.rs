@@ -1,1 +1,17 @@
-//! What a tool touches: shapes, certified queries, contacts.
+//! What a tool touches.
+//!
+//! ```text
+//! proxy::constrain   the tool's proxy moves towards where coupling wants it, held back by the surface as it stands
+//! rows::gather       one unilateral row for the foot, one for each surface sample inside the tool
+//! complementarity    forces λ ≥ 0 with D λ + gap ≥ 0, by projected Gauss–Seidel
+//! ```
+//! Normals point out of the body, towards the tool; a gap is negative where the tool is inside.
+
+pub mod complementarity;
+pub mod proxy;
+pub mod rows;
+mod samples;
+mod shape;
+
+pub use samples::SampleGrid;
+pub use shape::ToolShape;

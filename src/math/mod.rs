@@ -14,7 +14,9 @@ pub type Pose = na::Isometry3<f64>;
 pub type Matrix3 = na::Matrix3<f64>;
 
 mod cholesky;
+mod quadrature;
 mod state;
 
 pub use cholesky::{Cholesky, CholeskyError, Lane, SymmetricTriplets};
+pub use quadrature::gauss_legendre;
 pub use state::{SavedState, StateError, StateSink, StateSource, Stateful, state_hash};

@@ -1,24 +1,22 @@
 //! Scenes: the file (`SceneSpec`), the constant (`Scene`), what a replay restores (`SceneState`), and `Scratch`.
+//!
+//! `Scene::build` compiles exactly the bodies, tools and pairs that the file asks for; [`plan::Plan`] prints them. What a
+//! scene does not need has no buffer and no stage.
 
+mod build;
+pub mod plan;
 pub mod spec;
+mod state;
 
-use crate::math::{Point3, StateError, StateSink, StateSource, Stateful};
+pub use build::{SceneError, default_samples_per_span};
+pub use state::{BodyScratch, BodyState, PairState, RunState, SceneState, Scratch, ToolState, WarmRow};
+
+use crate::body::Lattice;
+use crate::contact::{SampleGrid, ToolShape};
+use crate::haptics::{Coupling, LinkLimits};
+use crate::math::{Point3, Rotation, Vector3};
 use crate::surface::Surface;
 use spec::{Clock, SceneSpec};
-use std::path::Path;
-
-/// Why a scene could not be built.
-#[derive(Debug, thiserror::Error)]
-pub enum SceneError {
-    /// A value that cannot be.
-    #[error("{path}: {reason}")]
-    Value {
-        /// Path of the key, for example `body[0].material.young_pa`.
-        path: String,
-        /// What is wrong and how to mend it.
-        reason: String,
-    },
-}
 
 /// The constant of a simulation: built once, shared, never changed.
 #[derive(Debug)]
@@ -31,96 +29,122 @@ pub struct Scene {
     pub clock: Clock,
     /// The file it was built from.
     pub spec: SceneSpec,
+    pub(crate) gravity: Vector3,
+    pub(crate) bodies: Vec<Body>,
+    pub(crate) tools: Vec<Tool>,
+    /// Ordered by tool, then body.
+    pub(crate) pairs: Vec<Pair>,
+}
+
+/// A body's constants.
+#[derive(Debug)]
+pub(crate) struct Body {
+    pub id: String,
+    /// Refined, in the world, at rest.
+    pub surface: Surface,
+    /// Net before refinement: rows, columns.
+    pub original_net: [usize; 2],
+    /// Diagonal of the net's box, m: what tolerances refer to.
+    pub size_m: f64,
+    /// Open sheets can be touched from both sides.
+    pub two_sided: bool,
+    pub model: BodyModel,
+}
+
+/// What moves a body.
+#[derive(Debug)]
+pub(crate) enum BodyModel {
+    Rigid,
+    Lattice(Box<LatticeBody>),
+}
+
+/// A lattice and the samples at which tools press it.
+#[derive(Debug)]
+pub(crate) struct LatticeBody {
+    pub lattice: Lattice,
+    pub samples: SampleGrid,
+    pub sweeps: usize,
+}
+
+/// A tool's constants.
+#[derive(Debug)]
+pub(crate) struct Tool {
+    pub id: String,
+    pub shape: ToolShape,
+    pub start: (Point3, Rotation),
+    pub coupling: Coupling,
+    pub limits: LinkLimits,
+}
+
+/// A tool that may touch a body.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Pair {
+    pub tool: usize,
+    pub body: usize,
 }
 
 impl Scene {
-    /// Builds surfaces, bodies and tools; `directory` is where relative paths of the spec start.
-    ///
-    /// # Errors
-    /// The first value that cannot be built, with its path.
-    pub fn build(spec: &SceneSpec, directory: &Path) -> Result<Self, SceneError> {
-        let _ = directory;
-        Ok(Self {
-            name: spec.name.clone().unwrap_or_default(),
-            dt_s: 1.0 / f64::from(spec.loop_.rate_hz),
-            clock: spec.loop_.clock,
-            spec: spec.clone(),
-        })
-    }
-
     /// Number of tools.
     pub fn tool_count(&self) -> usize {
-        self.spec.tools.len()
+        self.tools.len()
     }
 
     /// Id of a tool.
     pub fn tool_id(&self, tool: usize) -> &str {
-        &self.spec.tools[tool].id
+        &self.tools[tool].id
+    }
+
+    /// Index of a tool.
+    pub fn tool_index(&self, id: &str) -> Option<usize> {
+        self.tools.iter().position(|tool| tool.id == id)
+    }
+
+    /// Shape of a tool.
+    pub fn tool_shape(&self, tool: usize) -> &ToolShape {
+        &self.tools[tool].shape
     }
 
     /// Number of bodies.
     pub fn body_count(&self) -> usize {
-        self.spec.bodies.len()
+        self.bodies.len()
     }
 
     /// Id of a body.
     pub fn body_id(&self, body: usize) -> &str {
-        &self.spec.bodies[body].id
+        &self.bodies[body].id
     }
 
     /// The surface of a body at rest, refined as simulated and published (world frame).
     pub fn rest_surface(&self, body: usize) -> &Surface {
-        let _ = body;
-        unreachable!("contract only")
+        &self.bodies[body].surface
     }
 
     /// True when the body's net can change.
     pub fn deforms(&self, body: usize) -> bool {
-        self.spec.bodies[body].model != spec::ModelSpec::Rigid
+        matches!(self.bodies[body].model, BodyModel::Lattice(_))
     }
 
-    /// The state at the start.
-    pub fn initial_state(&self) -> SceneState {
-        SceneState { tick: 0 }
-    }
-
-    /// Buffers for the steps of one simulation, prepared for `state`.
-    pub fn scratch(&self, state: &SceneState) -> Scratch {
-        let _ = state;
-        Scratch {}
+    /// The lattice of a body, if it has one.
+    pub fn lattice(&self, body: usize) -> Option<&Lattice> {
+        match &self.bodies[body].model {
+            BodyModel::Lattice(body) => Some(&body.lattice),
+            BodyModel::Rigid => None,
+        }
     }
 }
 
-/// All that a replay must restore. Hashed every tick.
-#[derive(Clone, Debug, PartialEq)]
-pub struct SceneState {
-    /// Ticks done.
-    pub tick: u64,
+/// Bits of `ToolOutput::flags`; the wire uses the same.
+pub mod flags {
+    /// The newest pose is older than the stale limit; the force ramps to zero.
+    pub const STALE: u32 = 1;
+    /// The force was limited to what the device can bear.
+    pub const SATURATED: u32 = 1 << 1;
+    /// Bodies stand still.
+    pub const PAUSED: u32 = 1 << 2;
+    /// This tick's pose was refused.
+    pub const REFUSED: u32 = 1 << 3;
+    /// The force limit is not at its full value.
+    pub const RAMPING: u32 = 1 << 4;
+    /// The tick met a fault; the force is safe, not right.
+    pub const FAULT: u32 = 1 << 5;
 }
-
-impl SceneState {
-    /// Net of a body now, u-major, m; `out` is as long as the net of [`Scene::rest_surface`].
-    pub fn copy_net(&self, scene: &Scene, body: usize, out: &mut [Point3]) {
-        out.copy_from_slice(scene.rest_surface(body).net().points());
-    }
-
-    /// Grows with every change of that body's net.
-    pub fn net_revision(&self, body: usize) -> u64 {
-        let _ = body;
-        0
-    }
-}
-
-impl Stateful for SceneState {
-    fn save(&self, sink: &mut impl StateSink) {
-        sink.word(self.tick);
-    }
-    fn restore(&mut self, source: &mut impl StateSource) -> Result<(), StateError> {
-        self.tick = source.word()?;
-        Ok(())
-    }
-}
-
-/// Buffers of a step; nothing in it outlives a tick except what can be computed anew from the state.
-#[derive(Debug)]
-pub struct Scratch {}

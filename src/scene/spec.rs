@@ -33,8 +33,7 @@ pub struct SceneSpec {
     pub zenoh: ZenohSpec,
 }
 
-/// Most tools of a scene: records of a tick have a fixed size.
-pub const MAX_TOOLS: usize = 8;
+pub use crate::contact::rows::MAX_TOOLS;
 
 /// `[loop]`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

@@ -5,6 +5,8 @@
 //! commands ─▶ applied between ticks, recorded with the tick before which they took effect
 //! ```
 
+mod forces;
+mod motion;
 pub mod record;
 mod step;
 

@@ -62,6 +62,8 @@ pub struct ToolOutput {
     pub proxy_orientation: Rotation,
     /// Bits of `palpate_proto::messages::force_flags`.
     pub flags: u32,
+    /// How far the device moved since the last tick, m; zero when it is newly seated.
+    pub device_moved: Vector3,
     /// Contact rows that carried force.
     pub contact_count: u32,
     /// Deepest contact.
@@ -81,6 +83,7 @@ impl Default for ToolOutput {
             proxy_position: Point3::origin(),
             proxy_orientation: Rotation::identity(),
             flags: 0,
+            device_moved: Vector3::zeros(),
             contact_count: 0,
             contact: None,
             energy_j: 0.0,
@@ -106,6 +109,8 @@ pub struct TickOutput {
     pub net_revision: u64,
     /// Hash of all state after the tick.
     pub state_hash: u64,
+    /// Bodies moved in this tick (not paused, not stopping).
+    pub moving: bool,
     /// What went wrong, if anything.
     pub fault: Option<TickFault>,
 }

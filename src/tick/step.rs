@@ -1,8 +1,9 @@
 //! One tick: pure, no clock, no I/O, no allocation, no lock, no error.
 
-use super::record::{Command, TickInput, TickOutput};
+use super::record::{Command, TickFault, TickInput, TickOutput};
+use super::{forces, motion};
 use crate::math::{SavedState, StateError, state_hash};
-use crate::scene::{Scene, SceneState, Scratch};
+use crate::scene::{RunState, Scene, SceneState, Scratch};
 
 /// Advances by one tick: [`render`], then [`deform`].
 pub fn step(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch, input: &TickInput) -> TickOutput {
@@ -11,26 +12,64 @@ pub fn step(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch, input:
     output
 }
 
-/// First half: admits the poses and finds the forces. Everything in the output but `state_hash` and `net_revision` is final.
+/// First half: admits the poses, finds contacts and forces. Everything in the output but `state_hash`, `net_revision` and
+/// a fault of the bodies is final.
 pub fn render(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch, input: &TickInput) -> TickOutput {
-    let _ = (scene, scratch, input);
     state.tick += 1;
-    TickOutput { tick: state.tick, ..TickOutput::default() }
+    let moving = match &mut state.run {
+        RunState::Running => true,
+        RunState::Paused { steps: 0 } | RunState::Stopping => false,
+        RunState::Paused { steps } => {
+            *steps -= 1;
+            true
+        }
+    };
+    let mut output = TickOutput { tick: state.tick, moving, ..TickOutput::default() };
+    let wanted = state.run == RunState::Running;
+    forces::admit(scene, state, input, wanted, &mut output);
+    forces::gather(scene, state, scratch, &output);
+    forces::solve(scene, state, scratch);
+    forces::emit(scene, state, scratch, &mut output);
+    output
 }
 
 /// Second half: moves the bodies, predicts their next free motion, hashes the state.
 pub fn deform(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch, output: &mut TickOutput) {
-    let _ = (scene, scratch);
+    if output.moving && !motion::advance(scene, state, scratch) {
+        output.fault = Some(TickFault::NotFinite);
+    }
+    output.net_revision = state.bodies.iter().map(|body| body.revision).sum();
     output.state_hash = state_hash(state);
 }
 
 /// Applies a command between ticks.
 pub fn apply(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch, command: Command) {
-    if command == Command::Reset {
-        let tick = state.tick;
-        *state = scene.initial_state();
-        state.tick = tick;
-        *scratch = scene.scratch(state);
+    match command {
+        Command::Reset => {
+            let (tick, revisions) = (state.tick, state.bodies.iter().map(|body| body.revision + 1).collect::<Vec<_>>());
+            *state = scene.initial_state();
+            state.tick = tick;
+            for (body, revision) in state.bodies.iter_mut().zip(revisions) {
+                body.revision = revision;
+            }
+            *scratch = scene.scratch(state);
+        }
+        Command::Pause => {
+            if state.run == RunState::Running {
+                state.run = RunState::Paused { steps: 0 };
+            }
+        }
+        Command::Resume => {
+            if matches!(state.run, RunState::Paused { .. }) {
+                state.run = RunState::Running;
+            }
+        }
+        Command::Step(more) => {
+            if let RunState::Paused { steps } = &mut state.run {
+                *steps = steps.saturating_add(more);
+            }
+        }
+        Command::Stop => state.run = RunState::Stopping,
     }
 }
 

@@ -1,0 +1,130 @@
+//! Contact forces as a linear complementarity problem: λ ≥ 0, D λ + gap ≥ 0, λᵀ(D λ + gap) = 0.
+//!
+//! Projected Gauss–Seidel with a fixed number of sweeps and a warm start. D is the Delassus matrix: what a unit force on
+//! one row moves another. It is positive semidefinite, so the gap after any number of sweeps shrinks towards feasible and
+//! the sum of forces settles long before their distribution over close rows does.
+
+/// Buffers for up to `capacity` rows.
+#[derive(Clone, Debug)]
+pub struct Complementarity {
+    capacity: usize,
+    len: usize,
+    /// (len × len) within (capacity × capacity), row by row, m/N.
+    delassus: Vec<f64>,
+    /// (len), m.
+    gap: Vec<f64>,
+    /// (len), N.
+    force: Vec<f64>,
+}
+
+impl Complementarity {
+    /// Room for `capacity` rows.
+    pub fn new(capacity: usize) -> Self {
+        Self {
+            capacity,
+            len: 0,
+            delassus: vec![0.0; capacity * capacity],
+            gap: vec![0.0; capacity],
+            force: vec![0.0; capacity],
+        }
+    }
+
+    /// Starts a problem of `len` rows with zero matrix and forces.
+    pub fn begin(&mut self, len: usize) {
+        debug_assert!(len <= self.capacity, "more rows than room");
+        self.len = len;
+        self.delassus[..len * len].fill(0.0);
+        self.force[..len].fill(0.0);
+    }
+
+    /// Row i of D, to be filled.
+    pub fn row_mut(&mut self, i: usize) -> &mut [f64] {
+        &mut self.delassus[i * self.len..(i + 1) * self.len]
+    }
+
+    /// D_ij.
+    pub fn entry(&self, i: usize, j: usize) -> f64 {
+        self.delassus[i * self.len + j]
+    }
+
+    /// Sets the gap of a row and where its force starts from.
+    pub fn set(&mut self, i: usize, gap_m: f64, warm_n: f64) {
+        self.gap[i] = gap_m;
+        self.force[i] = warm_n;
+    }
+
+    /// Runs `sweeps` sweeps; forces are then in [`Complementarity::forces`].
+    pub fn solve(&mut self, sweeps: usize) {
+        let n = self.len;
+        for _ in 0..sweeps {
+            for i in 0..n {
+                let row = &self.delassus[i * n..(i + 1) * n];
+                let diagonal = row[i];
+                if diagonal <= 0.0 {
+                    self.force[i] = 0.0;
+                    continue;
+                }
+                let mut gap = self.gap[i];
+                for (d, force) in row.iter().zip(&self.force[..n]) {
+                    gap += d * force;
+                }
+                let force = self.force[i] - gap / diagonal;
+                self.force[i] = if force > 0.0 { force } else { 0.0 };
+            }
+        }
+    }
+
+    /// λ, N (len).
+    pub fn forces(&self) -> &[f64] {
+        &self.force[..self.len]
+    }
+
+    /// Gap of row i under the present forces, m.
+    pub fn gap_after(&self, i: usize) -> f64 {
+        let row = &self.delassus[i * self.len..(i + 1) * self.len];
+        self.gap[i] + row.iter().zip(self.forces()).map(|(d, force)| d * force).sum::<f64>()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn one_spring_gives_stiffness_times_depth() {
+        let mut problem = Complementarity::new(4);
+        problem.begin(1);
+        problem.row_mut(0)[0] = 1.0 / 500.0;
+        problem.set(0, -0.002, 0.0);
+        problem.solve(1);
+        assert_eq!(problem.forces(), [1.0]);
+    }
+
+    #[test]
+    fn solution_is_complementary_on_a_random_positive_definite_matrix() {
+        let n = 12;
+        let mut state = 7u64;
+        let mut random = || {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (state >> 11) as f64 / (1u64 << 53) as f64 - 0.5
+        };
+        let factor: Vec<f64> = (0..n * n).map(|_| random()).collect();
+        let mut problem = Complementarity::new(n);
+        problem.begin(n);
+        for i in 0..n {
+            for j in 0..n {
+                let dot: f64 = (0..n).map(|k| factor[i * n + k] * factor[j * n + k]).sum();
+                problem.row_mut(i)[j] = dot + if i == j { 0.3 } else { 0.0 };
+            }
+        }
+        for i in 0..n {
+            problem.set(i, random(), 0.0);
+        }
+        problem.solve(2_000);
+        for i in 0..n {
+            let (gap, force) = (problem.gap_after(i), problem.forces()[i]);
+            assert!(gap > -1e-12, "row {i} is violated by {gap}");
+            assert!(force >= 0.0 && (force * gap).abs() < 1e-12, "row {i}: force {force} with gap {gap}");
+        }
+    }
+}

@@ -1,0 +1,165 @@
+//! A fixed grid of surface samples, the same number in every knot span, with their basis windows at hand.
+
+use crate::basis::{BasisWindow, KnotVector};
+use crate::math::{Point3, Vector3};
+use crate::surface::Surface;
+
+/// Samples of a surface, grouped by patch (a pair of knot spans), so that whole patches are skipped by their control hull.
+#[derive(Clone, Debug)]
+pub struct SampleGrid {
+    u: Direction,
+    v: Direction,
+}
+
+#[derive(Clone, Debug)]
+struct Direction {
+    per_span: usize,
+    count: usize,
+    parameters: Vec<f64>,
+    windows: Vec<BasisWindow>,
+}
+
+impl Direction {
+    fn new(knots: &KnotVector, per_span: usize) -> Self {
+        let mut parameters = Vec::new();
+        for span in knots.spans() {
+            let (a, b) = (knots.knots()[span], knots.knots()[span + 1]);
+            // Mid-points of equal parts: no sample on a knot line, none doubled at a seam.
+            parameters.extend((0..per_span).map(|k| a + (b - a) * (k as f64 + 0.5) / per_span as f64));
+        }
+        let windows = parameters.iter().map(|&u| knots.window(u)).collect();
+        Self { per_span, count: knots.count(), parameters, windows }
+    }
+
+    fn patches(&self) -> usize {
+        self.parameters.len() / self.per_span
+    }
+}
+
+/// Rational basis weights of one sample: `weights[k]` belongs to control point `controls[k]`.
+#[derive(Debug, Default)]
+pub struct Weights {
+    /// u-major control indices.
+    pub controls: Vec<u32>,
+    /// Sum to one.
+    pub weights: Vec<f64>,
+}
+
+impl Weights {
+    /// Room for any sample of a surface with these degrees.
+    pub fn with_capacity(surface: &Surface) -> Self {
+        let room = (surface.knots_u().degree() + 1) * (surface.knots_v().degree() + 1);
+        Self { controls: Vec::with_capacity(room), weights: Vec::with_capacity(room) }
+    }
+
+    /// The weights at a parameter of which the windows are at hand.
+    pub fn set(&mut self, surface: &Surface, wu: &BasisWindow, wv: &BasisWindow) {
+        self.controls.clear();
+        self.weights.clear();
+        let (rows, columns) = (surface.net().rows(), surface.net().columns());
+        let mut total = 0.0;
+        for (a, n) in wu.values().iter().enumerate() {
+            let row = (wu.first + a) % rows * columns;
+            for (b, m) in wv.values().iter().enumerate() {
+                let control = row + (wv.first + b) % columns;
+                let share = n * m * surface.weights().map_or(1.0, |w| w[control]);
+                total += share;
+                self.controls.push(control as u32);
+                self.weights.push(share);
+            }
+        }
+        if surface.weights().is_some() {
+            for weight in &mut self.weights {
+                *weight /= total;
+            }
+        }
+    }
+
+    /// Σ weight × point.
+    pub fn point(&self, net: &[Point3]) -> Point3 {
+        let mut sum = Vector3::zeros();
+        for (&control, &weight) in self.controls.iter().zip(&self.weights) {
+            sum += net[control as usize].coords * weight;
+        }
+        Point3::from(sum)
+    }
+}
+
+impl SampleGrid {
+    /// `per_span²` samples in every patch.
+    pub fn new(surface: &Surface, per_span: usize) -> Self {
+        Self { u: Direction::new(surface.knots_u(), per_span), v: Direction::new(surface.knots_v(), per_span) }
+    }
+
+    /// All samples.
+    pub fn len(&self) -> usize {
+        self.u.parameters.len() * self.v.parameters.len()
+    }
+
+    /// True without samples; never, for a valid surface.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// Parameters of a sample.
+    pub fn parameter(&self, sample: usize) -> (f64, f64) {
+        let (iu, iv) = self.split(sample);
+        (self.u.parameters[iu], self.v.parameters[iv])
+    }
+
+    /// Windows of a sample.
+    pub fn windows(&self, sample: usize) -> (&BasisWindow, &BasisWindow) {
+        let (iu, iv) = self.split(sample);
+        (&self.u.windows[iu], &self.v.windows[iv])
+    }
+
+    fn split(&self, sample: usize) -> (usize, usize) {
+        (sample / self.v.parameters.len(), sample % self.v.parameters.len())
+    }
+
+    /// Patches in u and v.
+    pub fn patches(&self) -> (usize, usize) {
+        (self.u.patches(), self.v.patches())
+    }
+
+    /// Samples of a patch, ascending.
+    pub fn samples_of(&self, patch_u: usize, patch_v: usize) -> impl Iterator<Item = usize> + '_ {
+        let stride = self.v.parameters.len();
+        let (pu, pv) = (self.u.per_span, self.v.per_span);
+        (patch_u * pu..(patch_u + 1) * pu)
+            .flat_map(move |iu| (patch_v * pv..(patch_v + 1) * pv).map(move |iv| iu * stride + iv))
+    }
+
+    /// Axis-aligned box of the control points that shape a patch: it holds the patch (convex hull property).
+    pub fn patch_box(&self, net: &[Point3], patch_u: usize, patch_v: usize) -> (Point3, Point3) {
+        let (wu, wv) = (&self.u.windows[patch_u * self.u.per_span], &self.v.windows[patch_v * self.v.per_span]);
+        let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
+        for a in 0..wu.len {
+            let row = (wu.first + a) % self.u.count * self.v.count;
+            for b in 0..wv.len {
+                let p = &net[row + (wv.first + b) % self.v.count];
+                for c in 0..3 {
+                    low[c] = if p[c] < low[c] { p[c] } else { low[c] };
+                    high[c] = if p[c] > high[c] { p[c] } else { high[c] };
+                }
+            }
+        }
+        (Point3::from(low), Point3::from(high))
+    }
+}
+
+/// Squared distance of a point to a box, m².
+pub fn distance_squared_to_box(point: &Point3, low: &Point3, high: &Point3) -> f64 {
+    (0..3)
+        .map(|c| {
+            let outside = if point[c] < low[c] {
+                low[c] - point[c]
+            } else if point[c] > high[c] {
+                point[c] - high[c]
+            } else {
+                0.0
+            };
+            outside * outside
+        })
+        .sum()
+}

@@ -1,0 +1,360 @@
+//! From a scene file's data to the constants of a simulation.
+
+use super::spec::{
+    BodySpec, ContactMethod, ModelSpec, PoseSpec, RefineAuto, RefineSpec, SceneSpec, ShapeSpec, SurfaceSpec, ToolSpec,
+};
+use super::{Body, BodyModel, LatticeBody, Pair, Scene, Tool};
+use crate::body::layers::{self, RingEnds, Rings};
+use crate::body::{CellGrid, Lattice, Material, StepSettings};
+use crate::contact::{SampleGrid, ToolShape};
+use crate::haptics::{Coupling, LinkLimits};
+use crate::math::{Point3, Pose, Rotation, Vector3};
+use crate::surface::{self, Closing, Surface, Topology};
+use std::path::Path;
+
+/// Why a scene could not be built.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error("{path}: {reason}")]
+pub struct SceneError {
+    /// Path of the key, for example `body[0].material.young_pa`.
+    pub path: String,
+    /// What is wrong and how to mend it.
+    pub reason: String,
+}
+
+fn error(path: impl Into<String>, reason: impl ToString) -> SceneError {
+    SceneError { path: path.into(), reason: reason.to_string() }
+}
+
+/// Contact samples a knot span and direction. Two were chosen between one (the force ripples by several percent as a ball
+/// slides over a control point) and three (twice the rows for a change of force below one percent).
+pub fn default_samples_per_span() -> usize {
+    2
+}
+
+/// Most nodes `refine = "auto"` makes: a tick with more does not fit a millisecond on one core.
+const NODE_BUDGET: usize = 1_900;
+
+impl Scene {
+    /// Builds surfaces, bodies and tools; `directory` is where relative paths of the spec start.
+    ///
+    /// # Errors
+    /// The first value that cannot be built, with its path.
+    pub fn build(spec: &SceneSpec, directory: &Path) -> Result<Self, SceneError> {
+        let dt_s = 1.0 / f64::from(spec.loop_.rate_hz);
+        let gravity = Vector3::from(spec.gravity.acceleration);
+        let mut bodies = Vec::new();
+        for (b, body) in spec.bodies.iter().enumerate() {
+            bodies.push(build_body(spec, body, &format!("body[{b}]"), directory, dt_s, gravity)?);
+        }
+        let mut tools = Vec::new();
+        for (t, tool) in spec.tools.iter().enumerate() {
+            tools.push(build_tool(tool, &format!("tool[{t}]"), dt_s)?);
+        }
+        let pairs = build_pairs(spec, &tools, &bodies)?;
+        for pair in &pairs {
+            let rigid_body = matches!(bodies[pair.body].model, BodyModel::Rigid);
+            if rigid_body && tools[pair.tool].coupling.is_rigid() {
+                return Err(error(
+                    format!("tool[{}].coupling.stiffness_n_m", pair.tool),
+                    format!(
+                        "a rigid coupling against the rigid body {:?} has no finite force; give it a stiffness",
+                        bodies[pair.body].id
+                    ),
+                ));
+            }
+        }
+        let name = spec.name.clone().unwrap_or_else(|| "scene".into());
+        Ok(Self { name, dt_s, clock: spec.loop_.clock, spec: spec.clone(), gravity, bodies, tools, pairs })
+    }
+}
+
+fn build_pairs(spec: &SceneSpec, tools: &[Tool], bodies: &[Body]) -> Result<Vec<Pair>, SceneError> {
+    let mut off = Vec::new();
+    for (c, contact) in spec.contacts.iter().enumerate() {
+        let [tool_id, body_id] = &contact.pair;
+        let tool = tools.iter().position(|tool| &tool.id == tool_id);
+        let body = bodies.iter().position(|body| &body.id == body_id);
+        let (Some(tool), Some(body)) = (tool, body) else {
+            return Err(error(
+                format!("contact[{c}].pair"),
+                format!("no tool {tool_id:?} or no body {body_id:?} in this scene"),
+            ));
+        };
+        if contact.method == ContactMethod::None {
+            off.push(Pair { tool, body });
+        }
+    }
+    let all = (0..tools.len()).flat_map(|tool| (0..bodies.len()).map(move |body| Pair { tool, body }));
+    Ok(all.filter(|pair| !off.contains(pair)).collect())
+}
+
+fn build_tool(spec: &ToolSpec, path: &str, dt_s: f64) -> Result<Tool, SceneError> {
+    let shape = match &spec.shape {
+        ShapeSpec::Point {} => ToolShape::Point,
+        ShapeSpec::Sphere { radius_m } if radius_m.is_finite() && *radius_m > 0.0 => {
+            ToolShape::Sphere { radius_m: *radius_m }
+        }
+        ShapeSpec::Sphere { radius_m } => {
+            return Err(error(
+                format!("{path}.shape.sphere.radius_m"),
+                format!("{radius_m} is no radius; give metres above 0"),
+            ));
+        }
+        ShapeSpec::Plane { normal } => {
+            ToolShape::Plane { normal: unit(normal, &format!("{path}.shape.plane.normal"))? }
+        }
+    };
+    let coupling = &spec.coupling;
+    if !(coupling.stiffness_n_m > 0.0 && coupling.damping_n_s_m >= 0.0 && coupling.damping_n_s_m.is_finite()) {
+        return Err(error(format!("{path}.coupling"), "stiffness_n_m must be above 0 and damping_n_s_m at least 0"));
+    }
+    let device = &spec.device;
+    let limits = LinkLimits {
+        force_max_n: device.force_max_n,
+        ramp_n: if device.ramp_s > 0.0 { device.force_max_n * dt_s / device.ramp_s } else { device.force_max_n },
+        stale_ticks: (device.stale_s / dt_s).ceil() as u32,
+        stride_max_m: device.speed_max_m_s * dt_s,
+    };
+    let pose = pose(&spec.pose, &format!("{path}.pose"))?;
+    Ok(Tool {
+        id: spec.id.clone(),
+        shape,
+        start: (Point3::from(pose.translation.vector), pose.rotation),
+        coupling: Coupling::new(coupling.stiffness_n_m, coupling.damping_n_s_m, dt_s),
+        limits,
+    })
+}
+
+fn unit(normal: &[f64; 3], path: &str) -> Result<Vector3, SceneError> {
+    Vector3::from(*normal)
+        .try_normalize(0.0)
+        .filter(|n| n.iter().all(|x| x.is_finite()))
+        .ok_or_else(|| error(path, format!("{normal:?} has no direction")))
+}
+
+fn pose(spec: &PoseSpec, path: &str) -> Result<Pose, SceneError> {
+    let [x, y, z, w] = spec.orientation;
+    let quaternion = nalgebra::Quaternion::new(w, x, y, z);
+    if (quaternion.norm() - 1.0).abs() > 1e-6 || !spec.position.iter().all(|x| x.is_finite()) {
+        return Err(error(path, "position must be finite and orientation a unit quaternion x y z w"));
+    }
+    Ok(Pose::from_parts(Vector3::from(spec.position).into(), Rotation::from_quaternion(quaternion)))
+}
+
+fn build_surface(spec: &SurfaceSpec, path: &str, directory: &Path) -> Result<Surface, SceneError> {
+    match (&spec.builtin, &spec.file, &spec.inline) {
+        (Some(name), None, None) => {
+            surface::builtin(name, spec.net, spec.size).map_err(|e| error(format!("{path}.builtin"), e))
+        }
+        (None, Some(file), None) => {
+            let full = directory.join(file);
+            let text = std::fs::read_to_string(&full)
+                .map_err(|e| error(format!("{path}.file"), format!("cannot read {}: {e}", full.display())))?;
+            surface::file::read(&text).map_err(|e| error(format!("{path}.file"), format!("{}: {e}", full.display())))
+        }
+        (None, None, Some(value)) => {
+            surface::file::from_value(value.clone()).map_err(|e| error(format!("{path}.inline"), e))
+        }
+        _ => Err(error(path, "give exactly one of builtin, file, inline")),
+    }
+}
+
+fn build_body(
+    scene: &SceneSpec,
+    spec: &BodySpec,
+    path: &str,
+    directory: &Path,
+    dt_s: f64,
+    gravity: Vector3,
+) -> Result<Body, SceneError> {
+    let placement = pose(&spec.pose, &format!("{path}.pose"))?;
+    let original =
+        build_surface(&spec.surface, &format!("{path}.surface"), directory)?.oriented_outward().transformed(&placement);
+    let original_net = [original.net().rows(), original.net().columns()];
+    let topology = original.topology();
+    let two_sided = !topology.is_closed();
+    let size_m = original.size();
+    let (surface, model) = match spec.model {
+        ModelSpec::Rigid => (original, BodyModel::Rigid),
+        ModelSpec::Lattice => {
+            let surface = refine(scene, spec, path, original)?;
+            let lattice = build_lattice(
+                scene,
+                spec,
+                path,
+                &surface,
+                &placement,
+                StepSettings { dt_s, iterations: spec.integrator.iterations, gravity },
+            )?;
+            let samples = SampleGrid::new(&surface, default_samples_per_span());
+            let sweeps = spec.integrator.contact_sweeps;
+            (surface, BodyModel::Lattice(Box::new(LatticeBody { lattice, samples, sweeps })))
+        }
+    };
+    Ok(Body { id: spec.id.clone(), surface, original_net, size_m, two_sided, model })
+}
+
+/// How the control points of a surface lie around a solid: which direction goes around, and what its ends do.
+struct Layout {
+    /// True when u goes around and v along.
+    u_around: bool,
+    around: usize,
+    along: usize,
+    ends: RingEnds,
+}
+
+fn layout(surface: &Surface, topology: &Topology) -> Option<Layout> {
+    let (rows, columns) = (surface.net().rows(), surface.net().columns());
+    let [distinct_u, distinct_v] = distinct(surface, topology);
+    let goes_round = |d: usize| matches!(topology.closing[d], Closing::Seam | Closing::Periodic);
+    let length = |points: Vec<Point3>| points.windows(2).map(|pair| (pair[1] - pair[0]).norm()).sum::<f64>();
+    let net = surface.net();
+    let u_around = match (goes_round(0), goes_round(1)) {
+        (false, false) => return None,
+        (true, false) => true,
+        (false, true) => false,
+        (true, true) => {
+            // A torus: the shorter way round is the tube.
+            let along_u = length((0..rows).map(|i| *net.at(i, 0)).collect());
+            let along_v = length((0..columns).map(|j| *net.at(0, j)).collect());
+            along_u <= along_v
+        }
+    };
+    let (around, along, axis_closed, poles) = if u_around {
+        (distinct_u, distinct_v, goes_round(1), topology.poles[1])
+    } else {
+        (distinct_v, distinct_u, goes_round(0), topology.poles[0])
+    };
+    let ends = RingEnds { axis_closed, first_pole: poles[0], last_pole: poles[1] };
+    Some(Layout { u_around, around, along, ends })
+}
+
+/// Control points in u and v, those repeated at a seam counted once.
+fn distinct(surface: &Surface, topology: &Topology) -> [usize; 2] {
+    let repeated = |d: usize| usize::from(topology.closing[d] == Closing::Seam);
+    [surface.net().rows() - repeated(0), surface.net().columns() - repeated(1)]
+}
+
+fn refine(scene: &SceneSpec, spec: &BodySpec, path: &str, surface: Surface) -> Result<Surface, SceneError> {
+    let bad = |e: surface::RefineError| error(format!("{path}.lattice.refine"), e);
+    match &spec.lattice.refine {
+        RefineSpec::Auto(RefineAuto::None) => Ok(surface),
+        RefineSpec::Counts([u, v]) => surface.refined_to(*u, *v).map_err(bad),
+        RefineSpec::Knots { u, v } => surface.insert_knots_u(u).and_then(|s| s.insert_knots_v(v)).map_err(bad),
+        RefineSpec::Auto(RefineAuto::Auto) => {
+            let [u, v] = auto_counts(scene, spec, &surface);
+            surface.refined_to(u, v).map_err(bad)
+        }
+    }
+}
+
+/// Control points wanted in u and v: three across the contact that the smallest ball makes at a tenth of its radius, but no
+/// more nodes than the budget, and never fewer than the surface has.
+fn auto_counts(scene: &SceneSpec, spec: &BodySpec, surface: &Surface) -> [usize; 2] {
+    let topology = surface.topology();
+    let net = surface.net();
+    let (rows, columns) = (net.rows(), net.columns());
+    let row_length = |j: usize| (1..rows).map(|i| (net.at(i, j) - net.at(i - 1, j)).norm()).sum::<f64>();
+    let column_length = |i: usize| (1..columns).map(|j| (net.at(i, j) - net.at(i, j - 1)).norm()).sum::<f64>();
+    let length_u = (0..columns).map(row_length).fold(0.0, f64::max);
+    let length_v = (0..rows).map(column_length).fold(0.0, f64::max);
+    let radius = scene.tools.iter().filter_map(|tool| match tool.shape {
+        ShapeSpec::Sphere { radius_m } => Some(radius_m),
+        _ => None,
+    });
+    let radius = radius.fold(f64::INFINITY, f64::min);
+    let width = if radius.is_finite() { 2.0 * radius * 0.1_f64.sqrt() } else { 0.0 };
+    let now = distinct(surface, &topology);
+    let nodes = |u: usize, v: usize| match layout(surface, &topology) {
+        Some(Layout { u_around: true, .. }) => u * v * spec.lattice.layers + v,
+        Some(_) => u * v * spec.lattice.layers + u,
+        None => u * v * spec.lattice.layers.max(2),
+    };
+    let mut counts = now;
+    loop {
+        let spacing = [length_u / counts[0] as f64, length_v / counts[1] as f64];
+        let coarser = usize::from(spacing[1] > spacing[0]);
+        let mut next = counts;
+        next[coarser] += 1;
+        if spacing[coarser] * 3.0 <= width || nodes(next[0], next[1]) > NODE_BUDGET {
+            return counts;
+        }
+        counts = next;
+    }
+}
+
+fn build_lattice(
+    scene: &SceneSpec,
+    spec: &BodySpec,
+    path: &str,
+    surface: &Surface,
+    placement: &Pose,
+    settings: StepSettings,
+) -> Result<Lattice, SceneError> {
+    let material = &spec.material;
+    if !(material.young_pa > 0.0 && material.density_kg_m3 > 0.0 && material.damping_s >= 0.0) {
+        return Err(error(
+            format!("{path}.material"),
+            "young_pa and density_kg_m3 must be above 0, damping_s at least 0",
+        ));
+    }
+    let material =
+        Material { young_pa: material.young_pa, density_kg_m3: material.density_kg_m3, damping_s: material.damping_s };
+    let (grid, volume) = cells(spec, path, surface)?;
+    let mut fixed = vec![false; grid.nodes.len()];
+    let mut fix = |point: Point3, normal: Vector3| {
+        for (flag, node) in fixed.iter_mut().zip(&grid.nodes) {
+            *flag |= (node - point).dot(&normal) <= 0.0;
+        }
+    };
+    for (f, plane) in spec.fixed.iter().enumerate() {
+        let normal = unit(&plane.normal, &format!("{path}.fixed[{f}].normal"))?;
+        fix(placement * Point3::from(plane.point), placement * normal);
+    }
+    for (t, tool) in scene.tools.iter().enumerate().filter(|(_, tool)| tool.fixes_nodes) {
+        let ShapeSpec::Plane { normal } = &tool.shape else {
+            return Err(error(format!("tool[{t}].fixes_nodes"), "only a plane tool can fix nodes"));
+        };
+        let at = pose(&tool.pose, &format!("tool[{t}].pose"))?;
+        let normal = unit(normal, &format!("tool[{t}].shape.plane.normal"))?;
+        fix(Point3::from(at.translation.vector), at.rotation * normal);
+    }
+    Lattice::new(&grid, &material, volume, &fixed, settings).map_err(|e| error(format!("{path}.lattice"), e))
+}
+
+/// Cells of a body and the volume its surface encloses.
+fn cells(spec: &BodySpec, path: &str, surface: &Surface) -> Result<(CellGrid, f64), SceneError> {
+    let topology = surface.topology();
+    let points = surface.net().points();
+    let columns = surface.net().columns();
+    let count = spec.lattice.layers;
+    let Some(layout) = layout(surface, &topology) else {
+        let Some(thickness_m) = spec.lattice.thickness_m.filter(|t| t.is_finite() && *t > 0.0) else {
+            return Err(error(format!("{path}.lattice.thickness_m"), "an open sheet needs a thickness above 0"));
+        };
+        if count < 2 {
+            return Err(error(format!("{path}.lattice.layers"), "an open sheet needs at least 2 layers"));
+        }
+        let (us, vs) = (surface.knots_u().greville(), surface.knots_v().greville());
+        let inward: Vec<Vector3> =
+            us.iter().flat_map(|&u| vs.iter().map(move |&v| (u, v))).map(|(u, v)| -surface.normal(u, v)).collect();
+        let grid = layers::sheet(points, &inward, surface.net().rows(), columns, count, thickness_m);
+        let volume = grid.quality().volume_m3;
+        return Ok((grid, volume));
+    };
+    if count < 1 {
+        return Err(error(format!("{path}.lattice.layers"), "at least 1 layer"));
+    }
+    let Layout { u_around, around, along, ends } = layout;
+    let rings = Rings { around, along, ends };
+    let control = |i: usize, j: usize| if u_around { i * columns + j } else { j * columns + i };
+    let ring_of = |k: usize| {
+        let (row, column) = (k / columns, k % columns);
+        if u_around { (row % around, column % along) } else { (column % around, row % along) }
+    };
+    let grid = layers::rings(points, &rings, count, control, ring_of);
+    // An open tube encloses nothing by itself; its cells then say how much it holds.
+    let volume = if topology.is_closed() { surface.volume().abs() } else { grid.quality().volume_m3 };
+    Ok((grid, volume))
+}

@@ -1,0 +1,290 @@
+//! What a replay restores, and the buffers that can be computed anew from it.
+
+use super::{BodyModel, Scene};
+use crate::body::{LatticeScratch, LatticeState};
+use crate::contact::complementarity::Complementarity;
+use crate::contact::proxy::ProxyState;
+use crate::contact::rows::{MAX_ROWS, RowSet};
+use crate::haptics::Link;
+use crate::math::{Point3, Rotation, StateError, StateSink, StateSource, Stateful};
+use crate::surface::{ClosestSolver, Surface, WarmFoot};
+
+/// Whether bodies move.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum RunState {
+    /// Ticking.
+    Running,
+    /// Standing still, but for this many ticks.
+    Paused {
+        /// Ticks still to run.
+        steps: u32,
+    },
+    /// Forces fade for good.
+    Stopping,
+}
+
+/// All that a replay must restore. Hashed every tick.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SceneState {
+    /// Ticks done.
+    pub tick: u64,
+    /// Whether bodies move.
+    pub run: RunState,
+    /// By body.
+    pub bodies: Vec<BodyState>,
+    /// By tool.
+    pub tools: Vec<ToolState>,
+    /// By pair of the plan.
+    pub pairs: Vec<PairState>,
+    /// Contact forces of the last tick, the solver's warm start; `warm_len` of [`MAX_ROWS`] are valid.
+    pub warm: Vec<WarmRow>,
+    /// Valid entries of `warm`.
+    pub warm_len: usize,
+}
+
+/// State of a body.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BodyState {
+    /// Nodes, when it deforms.
+    pub lattice: Option<LatticeState>,
+    /// Grows with every change of the net.
+    pub revision: u64,
+    /// How far the farthest control point moved in the last tick, m.
+    pub moved_m: f64,
+}
+
+/// State of a tool.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ToolState {
+    /// Its device.
+    pub link: Link,
+    /// Where the surface holds the tool back, m.
+    pub proxy: Point3,
+    /// Work done by the hand so far, J.
+    pub energy_j: f64,
+}
+
+/// State of a pair.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct PairState {
+    /// The proxy's.
+    pub proxy: ProxyState,
+}
+
+/// A contact force to start from.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct WarmRow {
+    /// Tool, body and sample.
+    pub key: [u32; 3],
+    /// N.
+    pub force_n: f64,
+}
+
+/// Buffers of a step; nothing in it outlives a tick except what can be computed anew from the state.
+#[derive(Debug)]
+pub struct Scratch {
+    /// By body.
+    pub(crate) bodies: Vec<BodyScratch>,
+    pub(crate) rows: RowSet,
+    pub(crate) problem: Complementarity,
+    /// (unknowns of the largest lattice): displacements of a row's unit force at the nodes concerned.
+    pub(crate) response: Vec<f64>,
+    /// Nodes of the rows of one body, and a mark by node.
+    pub(crate) involved: Vec<u32>,
+    pub(crate) is_involved: Vec<bool>,
+}
+
+/// Buffers of a body.
+#[derive(Debug)]
+pub struct BodyScratch {
+    /// The surface with the net of the state.
+    pub(crate) surface: Surface,
+    pub(crate) solver: ClosestSolver,
+    pub(crate) deforming: Option<DeformingScratch>,
+}
+
+#[derive(Debug)]
+pub(crate) struct DeformingScratch {
+    pub lattice: LatticeScratch,
+    /// Net after the next free motion.
+    pub predicted_net: Vec<Point3>,
+}
+
+impl Scene {
+    /// The state at the start.
+    pub fn initial_state(&self) -> SceneState {
+        let bodies = self.bodies.iter().map(|body| match &body.model {
+            BodyModel::Rigid => BodyState { lattice: None, revision: 0, moved_m: 0.0 },
+            BodyModel::Lattice(model) => {
+                BodyState { lattice: Some(model.lattice.rest_state()), revision: 0, moved_m: 0.0 }
+            }
+        });
+        let tools = self.tools.iter().map(|tool| {
+            let mut link = Link::default();
+            (link.pose.position, link.pose.orientation) = tool.start;
+            ToolState { link, proxy: tool.start.0, energy_j: 0.0 }
+        });
+        SceneState {
+            tick: 0,
+            run: RunState::Running,
+            bodies: bodies.collect(),
+            tools: tools.collect(),
+            pairs: vec![PairState::default(); self.pairs.len()],
+            warm: vec![WarmRow::default(); MAX_ROWS],
+            warm_len: 0,
+        }
+    }
+
+    /// Buffers for the steps of one simulation, prepared for `state`.
+    pub fn scratch(&self, state: &SceneState) -> Scratch {
+        let width = |surface: &Surface| (surface.knots_u().degree() + 1) * (surface.knots_v().degree() + 1);
+        let rows = self.bodies.iter().map(|body| width(&body.surface)).max().unwrap_or(1);
+        let lattices = || (0..self.body_count()).filter_map(|body| self.lattice(body));
+        let nodes = lattices().map(|lattice| lattice.node_count()).max().unwrap_or(0);
+        let bodies = self.bodies.iter().map(|body| BodyScratch {
+            surface: body.surface.clone(),
+            solver: ClosestSolver::new(&body.surface),
+            deforming: match &body.model {
+                BodyModel::Rigid => None,
+                BodyModel::Lattice(model) => Some(DeformingScratch {
+                    lattice: model.lattice.scratch(),
+                    predicted_net: body.surface.net().points().to_vec(),
+                }),
+            },
+        });
+        let mut scratch = Scratch {
+            bodies: bodies.collect(),
+            rows: RowSet::new(rows),
+            problem: Complementarity::new(MAX_ROWS),
+            response: vec![0.0; nodes],
+            involved: Vec::with_capacity(nodes),
+            is_involved: vec![false; nodes],
+        };
+        for body in 0..self.body_count() {
+            self.prepare_body(body, state, &mut scratch);
+        }
+        scratch
+    }
+
+    /// Brings a body's buffers in line with its state: surface now, free motion of the next tick and its net.
+    pub(crate) fn prepare_body(&self, body: usize, state: &SceneState, scratch: &mut Scratch) {
+        let BodyModel::Lattice(model) = &self.bodies[body].model else { return };
+        let BodyScratch { surface, solver, deforming } = &mut scratch.bodies[body];
+        let (Some(deforming), Some(lattice)) = (deforming, &state.bodies[body].lattice) else { return };
+        model.lattice.predict(lattice, &mut deforming.lattice);
+        for (control, point) in surface.net_mut().points_mut().iter_mut().enumerate() {
+            let node = model.lattice.node_of_control(control);
+            *point = lattice.positions[node];
+            deforming.predicted_net[control] = deforming.lattice.predicted[node];
+        }
+        solver.net_changed();
+    }
+}
+
+impl SceneState {
+    /// Net of a body now, u-major, m; `out` is as long as the net of [`Scene::rest_surface`].
+    pub fn copy_net(&self, scene: &Scene, body: usize, out: &mut [Point3]) {
+        match (&scene.bodies[body].model, &self.bodies[body].lattice) {
+            (BodyModel::Lattice(model), Some(lattice)) => {
+                for (control, point) in out.iter_mut().enumerate() {
+                    *point = lattice.positions[model.lattice.node_of_control(control)];
+                }
+            }
+            _ => out.copy_from_slice(scene.bodies[body].surface.net().points()),
+        }
+    }
+
+    /// Grows with every change of that body's net.
+    pub fn net_revision(&self, body: usize) -> u64 {
+        self.bodies[body].revision
+    }
+}
+
+impl Stateful for SceneState {
+    fn save(&self, sink: &mut impl StateSink) {
+        sink.word(self.tick);
+        let (run, steps) = match self.run {
+            RunState::Running => (0, 0),
+            RunState::Paused { steps } => (1, steps),
+            RunState::Stopping => (2, 0),
+        };
+        sink.word(run);
+        sink.word(u64::from(steps));
+        for body in &self.bodies {
+            sink.word(body.revision);
+            sink.floats(&[body.moved_m]);
+            if let Some(lattice) = &body.lattice {
+                lattice.save(sink);
+            }
+        }
+        for tool in &self.tools {
+            tool.link.save(sink);
+            sink.floats(tool.proxy.coords.as_slice());
+            sink.floats(&[tool.energy_j]);
+        }
+        for PairState { proxy } in &self.pairs {
+            sink.word(u64::from(proxy.touching) | u64::from(proxy.below) << 1);
+            sink.floats(&[proxy.foot.u, proxy.foot.v, proxy.foot.budget_m]);
+        }
+        sink.word(self.warm_len as u64);
+        for row in &self.warm[..self.warm_len] {
+            row.key.iter().for_each(|&part| sink.word(u64::from(part)));
+            sink.floats(&[row.force_n]);
+        }
+    }
+
+    fn restore(&mut self, source: &mut impl StateSource) -> Result<(), StateError> {
+        let small = |value: u64, what| u32::try_from(value).map_err(|_| StateError::Value { what, value });
+        self.tick = source.word()?;
+        let (run, steps) = (source.word()?, source.word()?);
+        self.run = match run {
+            0 => RunState::Running,
+            1 => RunState::Paused { steps: small(steps, "step count")? },
+            2 => RunState::Stopping,
+            value => return Err(StateError::Value { what: "run state", value }),
+        };
+        for body in &mut self.bodies {
+            body.revision = source.word()?;
+            body.moved_m = float(source)?;
+            if let Some(lattice) = &mut body.lattice {
+                lattice.restore(source)?;
+            }
+        }
+        for tool in &mut self.tools {
+            tool.link.restore(source)?;
+            source.floats(tool.proxy.coords.as_mut_slice())?;
+            tool.energy_j = float(source)?;
+        }
+        for PairState { proxy } in &mut self.pairs {
+            let flags = source.word()?;
+            (proxy.touching, proxy.below) = (flags & 1 != 0, flags & 2 != 0);
+            proxy.foot = WarmFoot { u: float(source)?, v: float(source)?, budget_m: float(source)? };
+        }
+        let warm_len = source.word()?;
+        if warm_len > MAX_ROWS as u64 {
+            return Err(StateError::Value { what: "number of contact rows", value: warm_len });
+        }
+        self.warm_len = warm_len as usize;
+        for row in &mut self.warm[..self.warm_len] {
+            for part in &mut row.key {
+                *part = small(source.word()?, "contact row key")?;
+            }
+            row.force_n = float(source)?;
+        }
+        Ok(())
+    }
+}
+
+fn float(source: &mut impl StateSource) -> Result<f64, StateError> {
+    let mut value = [0.0];
+    source.floats(&mut value)?;
+    Ok(value[0])
+}
+
+/// Orientation of a tool's proxy: without a rotational coupling it is the device's.
+impl ToolState {
+    /// World from tool.
+    pub fn orientation(&self) -> Rotation {
+        self.link.pose.orientation
+    }
+}
