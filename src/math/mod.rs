@@ -13,6 +13,8 @@ pub type Pose = na::Isometry3<f64>;
 /// 3 × 3 matrix.
 pub type Matrix3 = na::Matrix3<f64>;
 
+mod quadrature;
 mod state;
 
+pub use quadrature::gauss_legendre;
 pub use state::{SavedState, StateError, StateSink, StateSource, Stateful, state_hash};
