@@ -81,6 +81,16 @@ pub enum KnotError {
         /// Degree.
         degree: usize,
     },
+    /// A parameter outside a domain that does not wrap.
+    #[error("{value} is outside the domain {start} ..= {end}")]
+    Outside {
+        /// Value.
+        value: f64,
+        /// First parameter.
+        start: f64,
+        /// Last parameter.
+        end: f64,
+    },
     /// First and last knot of the domain are equal.
     #[error("the domain is empty: it starts and ends at {0}")]
     EmptyDomain(f64),
@@ -138,10 +148,14 @@ impl KnotVector {
         if period <= 0.0 {
             return Err(KnotError::EmptyDomain(period_knots[0]));
         }
+        // Rounding may not part or swap knots that are equal modulo the period: multiplicities are counted by equality.
+        let (start, end) = (period_knots[0], period_knots[count]);
+        let before = |knot: f64| if knot == end { start } else { (knot - period).min(start) };
+        let after = |knot: f64| if knot == start { end } else { (knot + period).max(end) };
         let mut knots = Vec::with_capacity(count + 1 + 2 * degree);
-        knots.extend((0..degree).map(|k| period_knots[count - degree + k] - period));
+        knots.extend((0..degree).map(|k| before(period_knots[count - degree + k])));
         knots.extend_from_slice(&period_knots);
-        knots.extend((1..=degree).map(|k| period_knots[k] + period));
+        knots.extend((1..=degree).map(|k| after(period_knots[k])));
         check_values(degree, &knots)?;
         Ok(Self { degree, kind: KnotKind::Periodic, count, knots })
     }
@@ -232,6 +246,21 @@ impl KnotVector {
         }
     }
 
+    /// [`KnotVector::confine`], and where a period closes the end is taken for the start (from the right) or the start
+    /// for the end (from the left).
+    pub fn confine_from(&self, u: f64, side: Side) -> f64 {
+        let u = self.confine(u);
+        if !self.is_periodic() {
+            return u;
+        }
+        let (start, end) = self.domain();
+        match side {
+            Side::Right if u >= end => start,
+            Side::Left if u <= start => end,
+            _ => u,
+        }
+    }
+
     /// The span `i` with `knots[i] <= u < knots[i + 1]` (from the right), or `knots[i] < u <= knots[i + 1]` (from the
     /// left), kept inside the domain. `u` must be in the domain.
     pub fn span(&self, u: f64, side: Side) -> usize {
@@ -263,6 +292,21 @@ impl KnotVector {
         self.knots.iter().filter(|&&k| k == value).count()
     }
 
+    /// The knots inside the domain with multiplicity `degree + 1`, where the curve is in two pieces; when periodic, also
+    /// the start of the period.
+    pub fn disjoined(&self) -> Vec<f64> {
+        let (start, end) = self.domain();
+        let mut found: Vec<f64> = self
+            .knots
+            .windows(self.degree + 1)
+            .filter(|run| run[0] == run[self.degree])
+            .map(|run| run[0])
+            .filter(|&knot| (knot > start && knot < end) || (self.is_periodic() && knot == start))
+            .collect();
+        found.dedup();
+        found
+    }
+
     /// Greville abscissae, one per control point: means of `degree` knots, where the control point has most effect.
     pub fn greville(&self) -> Vec<f64> {
         (0..self.count)
@@ -289,4 +333,96 @@ fn check_values(degree: usize, knots: &[f64]) -> Result<(), KnotError> {
         }
     }
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::testing::{KINDS, Random, parameters, random_knots, twin_span};
+    use super::*;
+
+    #[test]
+    fn spans_hold_their_parameter_and_agree_with_a_scan() {
+        let mut random = Random(11);
+        for degree in 1..=7 {
+            for kind in KINDS {
+                for _ in 0..20 {
+                    let knots = random_knots(&mut random, degree, kind, degree + 1);
+                    let t = knots.knots();
+                    for u in parameters(&mut random, &knots, 5) {
+                        for side in [Side::Left, Side::Right] {
+                            let i = knots.span(u, side);
+                            assert!(t[i] < t[i + 1] && t[i] <= u && u <= t[i + 1], "{knots:?}: {u} in span {i}");
+                            assert_eq!(i, twin_span(&knots, u, side == Side::Left), "{knots:?}: {u} from {side:?}");
+                        }
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn parameters_wrap_or_are_clamped_into_the_domain() {
+        let periodic = KnotVector::periodic(2, vec![1.0, 1.5, 2.0, 3.0]).unwrap();
+        for (u, wanted) in [(1.0, 1.0), (3.0, 3.0), (3.25, 1.25), (0.5, 2.5), (-3.5, 2.5), (7.75, 1.75)] {
+            assert_eq!(periodic.confine(u), wanted, "{u}");
+        }
+        assert_eq!(periodic.confine_from(3.0, Side::Right), 1.0);
+        assert_eq!(periodic.confine_from(1.0, Side::Left), 3.0);
+        let clamped = KnotVector::clamped_uniform(3, 6).unwrap();
+        assert_eq!((clamped.confine(-1.0), clamped.confine(0.25), clamped.confine(7.0)), (0.0, 0.25, 1.0));
+    }
+
+    #[test]
+    fn greville_abscissae_reproduce_the_parameter() {
+        let mut random = Random(12);
+        for degree in 1..=7 {
+            for kind in [KnotKind::Clamped, KnotKind::Open] {
+                let knots = random_knots(&mut random, degree, kind, degree);
+                let greville: Vec<f64> = (0..knots.count())
+                    .map(|i| knots.knots()[i + 1..=i + degree].iter().sum::<f64>() / degree as f64)
+                    .collect();
+                if kind == KnotKind::Clamped {
+                    // Means of the same clamped knots need no confining.
+                    for (a, b) in greville.iter().zip(knots.greville()) {
+                        assert!((a - b).abs() < 1e-15);
+                    }
+                }
+                for u in parameters(&mut random, &knots, 5) {
+                    let window = knots.window(u);
+                    let sum: f64 = window.values().iter().zip(&greville[window.first..]).map(|(n, g)| n * g).sum();
+                    assert!((sum - u).abs() < 1e-13, "{knots:?}: {sum} is not {u}");
+                }
+            }
+        }
+    }
+
+    // 0.7 − 0.6 is not 0.1 in f64: the image of a knot must not part from the knot.
+    #[test]
+    fn periodic_images_keep_multiplicities_when_the_period_rounds() {
+        let knots = KnotVector::periodic(3, vec![0.1, 0.2, 0.3, 0.5, 0.7, 0.7]).unwrap();
+        assert_eq!((knots.multiplicity(0.1), knots.multiplicity(0.7)), (2, 2), "{:?}", knots.knots());
+        let full = KnotVector::periodic(2, vec![0.1, 0.3, 0.4, 0.7, 0.7, 0.7]).unwrap();
+        assert_eq!(full.multiplicity(0.1), 3);
+        assert_eq!(full.disjoined(), vec![0.1]);
+        let error = KnotVector::periodic(2, vec![0.1, 0.1, 0.4, 0.7, 0.7, 0.7]).unwrap_err();
+        assert!(matches!(error, KnotError::Multiplicity { multiplicity: 4, .. }), "{error}");
+    }
+
+    #[test]
+    fn bad_knots_are_refused_with_what_and_where() {
+        let message = |degree, knots: &[f64]| KnotVector::new(degree, knots.to_vec()).unwrap_err().to_string();
+        assert_eq!(message(0, &[0.0, 1.0]), "degree 0 is outside 1..=15");
+        assert_eq!(message(16, &[0.0; 40]), "degree 16 is outside 1..=15");
+        assert_eq!(
+            message(2, &[0.0, 0.0, 1.0, 1.0]),
+            "1 control points are too few for degree 2: at least 3 are needed"
+        );
+        assert_eq!(message(1, &[0.0, 0.0, f64::NAN, 1.0, 1.0]), "knot 2 is NaN, not a finite number");
+        assert_eq!(message(1, &[0.0, 0.0, 0.5, 0.4, 1.0, 1.0]), "knot 3 (0.4) is smaller than the one before it (0.5)");
+        assert_eq!(message(1, &[0.0, 0.0, 0.5, 0.5, 0.5, 1.0, 1.0]), "knot 0.5 is repeated 3 times; degree 1 allows 2");
+        assert_eq!(message(2, &[0.0, 0.5, 1.0, 1.0, 1.0, 2.0]), "the domain is empty: it starts and ends at 1");
+        assert!(KnotVector::periodic(3, vec![0.0, 1.0, 2.0, 3.0]).is_err());
+        assert!(KnotVector::periodic(1, vec![2.0, 2.0, 2.0]).is_err());
+        assert!(KnotVector::new(1, vec![0.0, 0.0, f64::INFINITY, f64::INFINITY]).is_err());
+    }
 }

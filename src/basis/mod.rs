@@ -5,8 +5,13 @@
 //!     └──────── Blending::new(parameters) ──▶ rows of windows; BlendingInverse fits with them
 //! ```
 
+mod insertion;
 mod knots;
 mod window;
 
+#[cfg(test)]
+pub(crate) mod testing;
+
+pub use insertion::Insertion;
 pub use knots::{KnotError, KnotKind, KnotVector, MAX_DEGREE, Side};
 pub use window::BasisWindow;

@@ -52,6 +52,12 @@ impl ControlNet {
         Ok(Self { rows, columns, points })
     }
 
+    /// A net of points that were checked, or made of such.
+    pub(crate) fn from_checked(rows: usize, columns: usize, points: Vec<Point3>) -> Self {
+        debug_assert_eq!(points.len(), rows * columns, "points and shape of the net disagree");
+        Self { rows, columns, points }
+    }
+
     /// Rows, u.
     pub fn rows(&self) -> usize {
         self.rows

@@ -103,6 +103,17 @@ impl Surface {
         Ok(Self { knots_u, knots_v, net, weights, flip_normal: false })
     }
 
+    /// Parts that were checked, or made of such.
+    pub(crate) fn from_checked(
+        knots_u: KnotVector,
+        knots_v: KnotVector,
+        net: ControlNet,
+        weights: Option<Vec<f64>>,
+    ) -> Self {
+        debug_assert_eq!((net.rows(), net.columns()), (knots_u.count(), knots_v.count()), "net and knots disagree");
+        Self { knots_u, knots_v, net, weights, flip_normal: false }
+    }
+
     /// The same surface with its outward side at `-(S_u × S_v)`.
     pub fn with_flip_normal(mut self, flip: bool) -> Self {
         self.flip_normal = flip;
@@ -141,9 +152,25 @@ impl Surface {
 
     /// S(u, v), parameters confined to the domain.
     pub fn point(&self, u: f64, v: f64) -> Point3 {
-        let (wu, wv) = (self.knots_u.window(u), self.knots_v.window(v));
-        let (sum, weight) = self.blend(&wu, &wv, 0, 0);
-        Point3::from(sum / weight)
+        self.point_in(&self.knots_u.window(u), &self.knots_v.window(v))
+    }
+
+    /// [`Surface::point`] from windows at hand.
+    pub fn point_in(&self, wu: &BasisWindow, wv: &BasisWindow) -> Point3 {
+        let columns = self.net.columns();
+        let points = self.net.points();
+        let (mut sum, mut weight) = (Vector3::zeros(), 0.0);
+        for (a, n) in wu.values().iter().enumerate() {
+            let row = wrap(wu.first + a, self.net.rows()) * columns;
+            for (b, m) in wv.values().iter().enumerate() {
+                let k = row + wrap(wv.first + b, columns);
+                let share = n * m * self.weights.as_ref().map_or(1.0, |w| w[k]);
+                sum += points[k].coords * share;
+                weight += share;
+            }
+        }
+        // Values sum to one: without weights there is nothing to divide by.
+        Point3::from(if self.weights.is_some() { sum / weight } else { sum })
     }
 
     /// S and its derivatives to order 2, parameters confined to the domain.
@@ -162,12 +189,7 @@ impl Surface {
             return self.polynomial_frame(wu, wv);
         }
         // Quotient rule on A / w; The NURBS Book, eq. 4.20.
-        let (a, w) = self.blend(wu, wv, 0, 0);
-        let (a_u, w_u) = self.blend(wu, wv, 1, 0);
-        let (a_v, w_v) = self.blend(wu, wv, 0, 1);
-        let (a_uu, w_uu) = self.blend(wu, wv, 2, 0);
-        let (a_uv, w_uv) = self.blend(wu, wv, 1, 1);
-        let (a_vv, w_vv) = self.blend(wu, wv, 0, 2);
+        let [(a, w), (a_u, w_u), (a_v, w_v), (a_uu, w_uu), (a_uv, w_uv), (a_vv, w_vv)] = self.homogeneous_frame(wu, wv);
         let s = a / w;
         let du = (a_u - s * w_u) / w;
         let dv = (a_v - s * w_v) / w;
@@ -206,24 +228,31 @@ impl Surface {
         Frame { point: Point3::from(s), du, dv, duu, duv, dvv }
     }
 
-    /// Σ N^(k)_i M^(l)_j w_ij P_ij and Σ N^(k)_i M^(l)_j w_ij.
-    fn blend(&self, wu: &BasisWindow, wv: &BasisWindow, order_u: usize, order_v: usize) -> (Vector3, f64) {
+    /// (Σ N_i M_j w_ij P_ij, Σ N_i M_j w_ij) and its derivatives u, v, uu, uv, vv.
+    fn homogeneous_frame(&self, wu: &BasisWindow, wv: &BasisWindow) -> [(Vector3, f64); 6] {
         let columns = self.net.columns();
         let points = self.net.points();
-        let (mut sum, mut weight) = (Vector3::zeros(), 0.0);
-        for (a, n) in wu.order(order_u).iter().enumerate() {
+        let mut frame = [(Vector3::zeros(), 0.0); 6];
+        for a in 0..wu.len {
             let row = wrap(wu.first + a, self.net.rows()) * columns;
-            for (b, m) in wv.order(order_v).iter().enumerate() {
+            let mut along = [(Vector3::zeros(), 0.0); 3];
+            for b in 0..wv.len {
                 let k = row + wrap(wv.first + b, columns);
-                let share = n * m * self.weights.as_ref().map_or(1.0, |w| w[k]);
-                sum += points[k].coords * share;
-                weight += share;
+                let weight = self.weights.as_ref().map_or(1.0, |w| w[k]);
+                let weighted = points[k].coords * weight;
+                for (sum, order) in along.iter_mut().zip(0..) {
+                    let m = wv.order(order)[b];
+                    sum.0 += weighted * m;
+                    sum.1 += weight * m;
+                }
+            }
+            let n = [wu.values()[a], wu.first_derivatives()[a], wu.second_derivatives()[a]];
+            for (sum, (order_u, order_v)) in frame.iter_mut().zip([(0, 0), (1, 0), (0, 1), (2, 0), (1, 1), (0, 2)]) {
+                sum.0 += along[order_v].0 * n[order_u];
+                sum.1 += along[order_v].1 * n[order_u];
             }
         }
-        if self.weights.is_none() && order_u + order_v == 0 {
-            weight = 1.0;
-        }
-        (sum, weight)
+        frame
     }
 }
 

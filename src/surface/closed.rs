@@ -1,0 +1,230 @@
+//! How a surface closes: periodic directions, seams, poles, the volume inside and which side is out.
+//!
+//! Edges are compared as curves in homogeneous coordinates; two points are one when they are within
+//! [`SAME_POINT`] × size. Finds a surface closed when opposite edges meet or each is a single point (teardrop, sphere,
+//! torus); edges glued in other pairs, as in the disjoined nets of branched bodies, are not seen.
+
+use super::{Closing, ControlNet, Surface, Topology};
+use crate::basis::{KnotKind, KnotVector, Side};
+use crate::math::{Point3, Vector3, gauss_legendre};
+
+/// Points closer than this times [`Surface::size`] are one point. Files with 12 digits pass, features do not vanish.
+pub const SAME_POINT: f64 = 1e-9;
+
+/// Points a span and direction for rational surfaces, whose volume no rule gives exactly: a quarter circle's
+/// integrand then converges to rounding.
+const RATIONAL_NODES: usize = 24;
+
+impl Surface {
+    /// Diagonal of the net's bounding box, m: the length that tolerances are relative to.
+    pub fn size(&self) -> f64 {
+        let mut low = self.net().points()[0];
+        let mut high = low;
+        for point in self.net().points() {
+            low = low.inf(point);
+            high = high.sup(point);
+        }
+        (high - low).norm()
+    }
+
+    /// How the surface closes, as its net is now.
+    pub fn topology(&self) -> Topology {
+        let tolerance = SAME_POINT * self.size();
+        let mut topology = Topology { closing: [Closing::Open; 2], poles: [[false; 2]; 2], torn: [false; 2] };
+        for (direction, knots) in [self.knots_u(), self.knots_v()].into_iter().enumerate() {
+            let (start, end) = knots.domain();
+            let first = self.iso_row(direction, start, Side::Right);
+            let last = self.iso_row(direction, end, Side::Left);
+            let meet = coincide(&first, &last, tolerance);
+            topology.closing[direction] = match knots.kind() {
+                KnotKind::Periodic => Closing::Periodic,
+                KnotKind::Clamped if meet => Closing::Seam,
+                KnotKind::Open if meet => Closing::Touching,
+                KnotKind::Clamped | KnotKind::Open => Closing::Open,
+            };
+            if !knots.is_periodic() {
+                topology.poles[direction] = [is_one_point(&first, tolerance), is_one_point(&last, tolerance)];
+            }
+            topology.torn[direction] = knots.disjoined().into_iter().any(|knot| {
+                let left = self.iso_row(direction, knot, Side::Left);
+                let right = self.iso_row(direction, knot, Side::Right);
+                !coincide(&left, &right, tolerance)
+            });
+        }
+        topology
+    }
+
+    /// Signed volume inside a closed surface, m³: positive when the normals point outwards. Exact up to rounding
+    /// without weights. On a surface that is not closed, the volume of the cone from the net's centre to it.
+    pub fn volume(&self) -> f64 {
+        // ∫ div(x / 3) dV = 1/3 ∮ S · (S_u × S_v) du dv; from the centre, where least cancels.
+        let points = self.net().points();
+        let centre: Vector3 = points.iter().map(|p| p.coords).sum::<Vector3>() / points.len() as f64;
+        let nodes = |knots: &KnotVector| {
+            // S is of degree p in u, S_u of p − 1, S_v of p: 3p − 1 together.
+            let exact = (3 * knots.degree()).div_ceil(2);
+            gauss_nodes(knots, if self.weights().is_some() { exact.max(RATIONAL_NODES) } else { exact })
+        };
+        let (nodes_u, nodes_v) = (nodes(self.knots_u()), nodes(self.knots_v()));
+        let windows: Vec<_> = nodes_v.iter().map(|&(v, weight)| (self.knots_v().window(v), weight)).collect();
+        let mut sum = 0.0;
+        for (u, weight_u) in nodes_u {
+            let wu = self.knots_u().window(u);
+            let mut along = 0.0;
+            for (wv, weight_v) in &windows {
+                let frame = self.frame_in(&wu, wv);
+                along += weight_v * (frame.point.coords - centre).dot(&frame.du.cross(&frame.dv));
+            }
+            sum += weight_u * along;
+        }
+        if self.flip_normal() { -sum / 3.0 } else { sum / 3.0 }
+    }
+
+    /// The same surface, its normals turned outwards if it is closed and they point inwards.
+    pub fn oriented_outward(self) -> Self {
+        if self.topology().is_closed() && self.volume() < 0.0 {
+            let flip = !self.flip_normal();
+            self.with_flip_normal(flip)
+        } else {
+            self
+        }
+    }
+
+    /// The same surface with the control points of seams and poles that are within the tolerance made equal bit for bit.
+    pub fn with_exact_seams(mut self) -> Self {
+        let nodes = self.distinct_points(&self.topology());
+        let mut place: Vec<Option<Point3>> = vec![None; nodes.count];
+        for (point, &node) in self.net_mut().points_mut().iter_mut().zip(&nodes.of) {
+            *point = *place[node].get_or_insert(*point);
+        }
+        self
+    }
+
+    /// Which control points are one point: rows of a clamped seam, columns likewise, and the rows of clamped poles.
+    pub fn distinct_points(&self, topology: &Topology) -> DistinctPoints {
+        let (rows, columns) = (self.net().rows(), self.net().columns());
+        let clamped = [self.knots_u(), self.knots_v()].map(|knots| knots.kind() == KnotKind::Clamped);
+        let pole = |direction: usize, end: usize| clamped[direction] && topology.poles[direction][end];
+        let at = |i: usize, j: usize| i * columns + j;
+        let mut joined = Joined { to: (0..rows * columns).collect() };
+        if topology.closing[0] == Closing::Seam {
+            (0..columns).for_each(|j| joined.join(at(0, j), at(rows - 1, j)));
+        }
+        if topology.closing[1] == Closing::Seam {
+            (0..rows).for_each(|i| joined.join(at(i, 0), at(i, columns - 1)));
+        }
+        for (end, (row, column)) in [(0, 0), (rows - 1, columns - 1)].into_iter().enumerate() {
+            if pole(0, end) {
+                (1..columns).for_each(|j| joined.join(at(row, 0), at(row, j)));
+            }
+            if pole(1, end) {
+                (1..rows).for_each(|i| joined.join(at(0, column), at(i, column)));
+            }
+        }
+        let mut number = vec![usize::MAX; rows * columns];
+        let mut count = 0;
+        for k in 0..number.len() {
+            let root = joined.root(k);
+            if number[root] == usize::MAX {
+                number[root] = count;
+                count += 1;
+            }
+            number[k] = number[root];
+        }
+        DistinctPoints { count, of: number }
+    }
+
+    /// Control points (with weights) of the curve at one parameter of a direction (0: u, 1: v).
+    fn iso_row(&self, direction: usize, parameter: f64, side: Side) -> Vec<(Point3, f64)> {
+        let (rows, columns) = (self.net().rows(), self.net().columns());
+        let (knots, count, across) =
+            if direction == 0 { (self.knots_u(), columns, rows) } else { (self.knots_v(), rows, columns) };
+        let window = knots.window_from(parameter, side);
+        (0..count)
+            .map(|j| {
+                let (mut sum, mut weight) = (Vector3::zeros(), 0.0);
+                for (a, value) in window.values().iter().enumerate() {
+                    let i = super::tensor::wrap(window.first + a, across);
+                    let k = if direction == 0 { i * columns + j } else { j * columns + i };
+                    let share = value * self.weights().map_or(1.0, |w| w[k]);
+                    sum += self.net().points()[k].coords * share;
+                    weight += share;
+                }
+                (Point3::from(sum / weight), weight)
+            })
+            .collect()
+    }
+}
+
+/// Numbers of the distinct control points.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct DistinctPoints {
+    /// How many there are.
+    pub count: usize,
+    /// (rows × columns) number of each control point, u-major; numbered in order of first appearance.
+    pub of: Vec<usize>,
+}
+
+impl DistinctPoints {
+    /// The first control point, as an index into the net, of each distinct one: (count).
+    pub fn representatives(&self) -> Vec<usize> {
+        let mut first = Vec::with_capacity(self.count);
+        for (k, &node) in self.of.iter().enumerate() {
+            if node == first.len() {
+                first.push(k);
+            }
+        }
+        first
+    }
+
+    /// Copies the positions of the distinct points, (count), into a net of this shape.
+    pub fn scatter(&self, positions: &[Point3], net: &mut ControlNet) {
+        debug_assert_eq!(positions.len(), self.count, "one position for each distinct point");
+        for (point, &node) in net.points_mut().iter_mut().zip(&self.of) {
+            *point = positions[node];
+        }
+    }
+}
+
+/// Points joined into sets; the least index of a set is its root.
+struct Joined {
+    to: Vec<usize>,
+}
+
+impl Joined {
+    fn root(&self, mut k: usize) -> usize {
+        while self.to[k] != k {
+            k = self.to[k];
+        }
+        k
+    }
+
+    fn join(&mut self, a: usize, b: usize) {
+        let (a, b) = (self.root(a), self.root(b));
+        self.to[a.max(b)] = a.min(b);
+    }
+}
+
+/// Parameters and weights of `per_span` Gauss points in each span of positive length.
+pub(crate) fn gauss_nodes(knots: &KnotVector, per_span: usize) -> Vec<(f64, f64)> {
+    let rule = gauss_legendre(per_span);
+    let t = knots.knots();
+    let mut nodes = Vec::new();
+    for i in knots.spans() {
+        let (middle, half) = (0.5 * (t[i] + t[i + 1]), 0.5 * (t[i + 1] - t[i]));
+        nodes.extend(rule.iter().map(|(x, weight)| (middle + half * x, half * weight)));
+    }
+    nodes
+}
+
+/// Same points, and weights in one constant ratio: then the curves are the same at every parameter.
+fn coincide(a: &[(Point3, f64)], b: &[(Point3, f64)], tolerance: f64) -> bool {
+    let ratio = a[0].1 / b[0].1;
+    a.iter()
+        .zip(b)
+        .all(|(x, y)| (x.0 - y.0).norm() <= tolerance && (x.1 / y.1 - ratio).abs() <= SAME_POINT * ratio.abs())
+}
+
+fn is_one_point(row: &[(Point3, f64)], tolerance: f64) -> bool {
+    row.iter().all(|(point, _)| (point - row[0].0).norm() <= tolerance)
+}

@@ -1,0 +1,155 @@
+//! Exact refinement, placement and renaming: other nets of the same surface.
+//!
+//! Insertion works on points and weights apart, as `a + alpha (b − a)`: rows that were equal stay equal bit for bit, so
+//! seams and poles survive.
+
+use super::{Closing, ControlNet, Surface, SurfaceError};
+use crate::basis::{Insertion, KnotVector};
+use crate::math::{Point3, Pose};
+
+/// u or v.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Direction {
+    U,
+    V,
+}
+
+impl Surface {
+    /// The same surface with knots inserted in u, each as often as it is listed; wrapped into the period if there is one.
+    ///
+    /// # Errors
+    /// A knot that is not finite, outside a domain that does not wrap, or repeated more than `degree + 1` times.
+    pub fn insert_knots_u(&self, knots: &[f64]) -> Result<Self, SurfaceError> {
+        self.insert_knots(knots, Direction::U)
+    }
+
+    /// [`Surface::insert_knots_u`], in v.
+    ///
+    /// # Errors
+    /// As there.
+    pub fn insert_knots_v(&self, knots: &[f64]) -> Result<Self, SurfaceError> {
+        self.insert_knots(knots, Direction::V)
+    }
+
+    /// The same surface with its longest knot spans split evenly until the net has that many distinct control points in u
+    /// and v (a seam counts once, see [`Surface::distinct_counts`]). A direction that has as many already stays as it is.
+    ///
+    /// # Errors
+    /// A span too short to be split once more in `f64`.
+    pub fn refined_to(&self, count_u: usize, count_v: usize) -> Result<Self, SurfaceError> {
+        let [have_u, have_v] = self.distinct_counts();
+        self.insert_knots_u(&even_knots(self.knots_u(), count_u.saturating_sub(have_u)))?
+            .insert_knots_v(&even_knots(self.knots_v(), count_v.saturating_sub(have_v)))
+    }
+
+    /// Control points in u and v, the doubled row of a clamped seam counted once.
+    pub fn distinct_counts(&self) -> [usize; 2] {
+        let topology = self.topology();
+        let seam = |direction: usize| usize::from(topology.closing[direction] == Closing::Seam);
+        [self.net().rows() - seam(0), self.net().columns() - seam(1)]
+    }
+
+    /// Rotated, then moved.
+    pub fn transformed(&self, pose: &Pose) -> Self {
+        let mut moved = self.clone();
+        moved.net_mut().points_mut().iter_mut().for_each(|point| *point = pose * *point);
+        moved
+    }
+
+    /// Scaled about the origin by a factor above 0.
+    pub fn scaled(&self, factor: f64) -> Self {
+        let mut scaled = self.clone();
+        scaled.net_mut().points_mut().iter_mut().for_each(|point| *point *= factor);
+        scaled
+    }
+
+    /// The same surface with u and v exchanged; the outward side stays.
+    pub fn swap_uv(&self) -> Self {
+        let (rows, columns) = (self.net().rows(), self.net().columns());
+        let order: Vec<usize> = (0..columns).flat_map(|j| (0..rows).map(move |i| i * columns + j)).collect();
+        let points = order.iter().map(|&k| self.net().points()[k]).collect();
+        let weights = self.weights().map(|w| order.iter().map(|&k| w[k]).collect());
+        self.rebuilt(self.knots_v().clone(), self.knots_u().clone(), points, weights)
+            .with_flip_normal(!self.flip_normal())
+    }
+
+    fn insert_knots(&self, values: &[f64], direction: Direction) -> Result<Self, SurfaceError> {
+        let mut surface = self.clone();
+        for &value in values {
+            let (knots, name) = match direction {
+                Direction::U => (surface.knots_u(), 'u'),
+                Direction::V => (surface.knots_v(), 'v'),
+            };
+            let insertion = knots.insertion(value).map_err(|source| SurfaceError::Knots { direction: name, source })?;
+            surface = surface.inserted(&insertion, direction);
+        }
+        Ok(surface)
+    }
+
+    fn inserted(&self, insertion: &Insertion, direction: Direction) -> Self {
+        let (rows, columns) = (self.net().rows(), self.net().columns());
+        let homogeneous: Vec<(Point3, f64)> = match self.weights() {
+            Some(weights) => self.net().points().iter().copied().zip(weights.iter().copied()).collect(),
+            None => self.net().points().iter().map(|&point| (point, 1.0)).collect(),
+        };
+        let blended = match direction {
+            Direction::U => {
+                let lines = (0..columns).map(|j| (0..rows).map(|i| homogeneous[i * columns + j]).collect::<Vec<_>>());
+                let lines: Vec<_> = lines.map(|line| insertion.apply(&line, blend)).collect();
+                (0..=rows).flat_map(|i| lines.iter().map(move |line| line[i])).collect::<Vec<_>>()
+            }
+            Direction::V => homogeneous.chunks(columns).flat_map(|line| insertion.apply(line, blend)).collect(),
+        };
+        let points = blended.iter().map(|b| b.0).collect();
+        let weights = self.weights().map(|_| blended.iter().map(|b| b.1).collect());
+        let (knots_u, knots_v) = match direction {
+            Direction::U => (insertion.knots.clone(), self.knots_v().clone()),
+            Direction::V => (self.knots_u().clone(), insertion.knots.clone()),
+        };
+        self.rebuilt(knots_u, knots_v, points, weights).with_flip_normal(self.flip_normal())
+    }
+
+    /// A surface whose parts are known to agree, and whose values are means of values that were checked.
+    fn rebuilt(
+        &self,
+        knots_u: KnotVector,
+        knots_v: KnotVector,
+        points: Vec<Point3>,
+        weights: Option<Vec<f64>>,
+    ) -> Self {
+        let net = ControlNet::from_checked(knots_u.count(), knots_v.count(), points);
+        Self::from_checked(knots_u, knots_v, net, weights)
+    }
+}
+
+/// `a + alpha (b − a)` in homogeneous coordinates, written so that equal points give exactly that point.
+fn blend(a: (Point3, f64), b: (Point3, f64), alpha: f64) -> (Point3, f64) {
+    // At the ends the sum may miss b by a rounding, and the exact point is at hand.
+    if alpha == 1.0 {
+        return b;
+    }
+    let weight = a.1 + alpha * (b.1 - a.1);
+    (a.0 + (b.0 - a.0) * (alpha * b.1 / weight), weight)
+}
+
+/// The knots that split the longest spans evenly, `more` in all.
+fn even_knots(knots: &KnotVector, more: usize) -> Vec<f64> {
+    let t = knots.knots();
+    let mut spans: Vec<(f64, f64, usize)> = knots.spans().map(|i| (t[i], t[i + 1], 1)).collect();
+    // Spans meant to be equal differ by roundings: then the first one is split.
+    let slack = 1.0 + 1e-9;
+    for _ in 0..more {
+        let mut longest = 0;
+        for k in 1..spans.len() {
+            let piece = |s: &(f64, f64, usize)| (s.1 - s.0) / s.2 as f64;
+            if piece(&spans[k]) > piece(&spans[longest]) * slack {
+                longest = k;
+            }
+        }
+        spans[longest].2 += 1;
+    }
+    let split = |&(start, end, pieces): &(f64, f64, usize)| {
+        (1..pieces).map(move |k| start + (end - start) * (k as f64 / pieces as f64))
+    };
+    spans.iter().flat_map(split).collect()
+}
