@@ -3,8 +3,12 @@
 //! `S(u, v) = Σ N_i(u) M_j(v) w_ij P_ij / Σ N_i M_j w_ij`, net u-major: point (i, j) is `points[i * s + j]`.
 //! The outward normal is `S_u × S_v`, unless the surface says `flip_normal`.
 
+mod bezier;
+mod closest;
 mod net;
 mod tensor;
 
+pub use bezier::{BezierPieces, Bounds};
+pub use closest::{ClosestPoint, ClosestSolver, WarmFoot};
 pub use net::{ControlNet, NetError};
 pub use tensor::{Frame, Surface, SurfaceError};
