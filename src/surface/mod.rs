@@ -4,12 +4,16 @@
 //! The outward normal is `S_u × S_v`, unless the surface says `flip_normal`.
 
 mod closed;
+mod bezier;
+mod closest;
 mod net;
 mod refine;
 mod tensor;
 mod topology;
 
 pub use closed::{DistinctPoints, SAME_POINT};
+pub use bezier::{BezierPieces, Bounds};
+pub use closest::{ClosestPoint, ClosestSolver, WarmFoot};
 pub use net::{ControlNet, NetError};
 pub use tensor::{Frame, Surface, SurfaceError};
 pub use topology::{Closing, Topology};

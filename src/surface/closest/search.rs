@@ -1,0 +1,326 @@
+//! Branch and bound over the Bézier pieces: proves that nothing on the surface is better than the best foot so far, or
+//! finds what is.
+//!
+//! With β the best value, a piece is done when the polynomial G = A − β W (see [`super::objective`]) is proved ≥ −tolerance:
+//! by its least coefficient; by its edge, where G is monotone across the piece; by Newton and a tangent plane, where its
+//! Hessian is positive on the whole piece; else by its halves. A value below starts a descent, which lowers β.
+
+use super::bernstein::{
+    MAX_ORDER, Verdict, convex_verdict, curvature, edge_verdict, first_differences, halve_u, halve_v, least,
+};
+use super::newton::{Descent, OnPieces, Place, descend_over};
+use super::objective::{Objective, Tables};
+use crate::surface::bezier::BezierPieces;
+use crate::surface::tensor::Surface;
+
+/// Halvings in one direction after which a part counts as its corners: 2⁻⁴⁰ of a piece.
+const SMALLEST: f64 = 1.0 / (1u64 << 40) as f64;
+/// Deepest stack: one entry a halving, 40 in each direction.
+const DEPTH: usize = 84;
+/// Parts after which the tolerance is widened tenfold, up to 5e-10 of the size: only where whole curves are nearly
+/// equally close (medial axes of nearly round bodies) do searches get there.
+const PATIENCE: usize = 2_000;
+
+/// Better by less than this, relative to the surface's size, is equal.
+pub(super) const TOLERANCE: f64 = 1e-12;
+const WIDEST: f64 = 5e-10;
+
+/// A part of a piece, in the piece's own [0, 1]².
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Part {
+    pub i: usize,
+    pub j: usize,
+    pub s: [f64; 2],
+    pub t: [f64; 2],
+}
+
+impl Part {
+    pub fn whole(pieces: &BezierPieces, piece: usize) -> Self {
+        let columns = pieces.v.spans.len();
+        Self { i: piece / columns, j: piece % columns, s: [0.0, 1.0], t: [0.0, 1.0] }
+    }
+
+    /// The place at local (s, t) of this part.
+    pub fn place(&self, pieces: &BezierPieces, s: f64, t: f64) -> Place {
+        let (a, b) = (&pieces.u.spans[self.i], &pieces.v.spans[self.j]);
+        let (x, y) = (self.s[0] + s * (self.s[1] - self.s[0]), self.t[0] + t * (self.t[1] - self.t[0]));
+        Place {
+            i: self.i,
+            j: self.j,
+            u: (a.start + x * (a.end - a.start)).clamp(a.start, a.end),
+            v: (b.start + y * (b.end - b.start)).clamp(b.start, b.end),
+        }
+    }
+
+    /// Local parameters of the point of this part nearest to a foot, to start Newton from.
+    fn nearest(&self, pieces: &BezierPieces, foot: Place) -> (f64, f64) {
+        let local = |d: &crate::surface::bezier::Direction, k: usize, range: [f64; 2], x: f64| {
+            let span = &d.spans[k];
+            let width = span.end - span.start;
+            let mut y = ((x - span.start) / width - range[0]) / (range[1] - range[0]);
+            if d.periodic {
+                let period = (d.domain.1 - d.domain.0) / (width * (range[1] - range[0]));
+                y -= period * ((y - 0.5) / period).round();
+            }
+            y.clamp(0.0, 1.0)
+        };
+        (local(&pieces.u, self.i, self.s, foot.u), local(&pieces.v, self.j, self.t, foot.v))
+    }
+
+    /// Halves: (lower, upper).
+    pub fn halves(&self, in_u: bool) -> (Self, Self) {
+        let (mut low, mut high) = (*self, *self);
+        if in_u {
+            let middle = 0.5 * (self.s[0] + self.s[1]);
+            (low.s[1], high.s[0]) = (middle, middle);
+        } else {
+            let middle = 0.5 * (self.t[0] + self.t[1]);
+            (low.t[1], high.t[0]) = (middle, middle);
+        }
+        (low, high)
+    }
+}
+
+/// What looking at a part's coefficients told.
+enum Finding {
+    Clear,
+    Below(f64, f64),
+    /// Undecided; halve in u or in v.
+    Open(bool),
+}
+
+/// Scratch of the search, sized once.
+#[derive(Clone, Debug)]
+pub(super) struct Search {
+    stride: usize,
+    /// (DEPTH × stride): A of each open part.
+    pub a: Vec<f64>,
+    /// The same for W, when rational.
+    pub w: Vec<f64>,
+    /// (stride): A − β W.
+    pub g: Vec<f64>,
+    pub parts: Vec<Part>,
+    /// (pieces): lower bound and piece, sorted.
+    order: Vec<(f64, usize)>,
+    /// Parts looked at by the last search.
+    pub visited: usize,
+}
+
+impl Search {
+    pub fn new(pieces: &BezierPieces) -> Self {
+        let stride = (2 * pieces.u.degree + 1) * (2 * pieces.v.degree + 1);
+        let weights = if pieces.is_rational() { DEPTH * stride } else { 0 };
+        Self {
+            stride,
+            a: vec![0.0; DEPTH * stride],
+            w: vec![0.0; weights],
+            g: vec![0.0; stride],
+            parts: Vec::with_capacity(DEPTH),
+            order: Vec::with_capacity(pieces.len()),
+            visited: 0,
+        }
+    }
+
+    /// Pieces whose boxes reach below `floor`, nearest first.
+    pub fn candidates<O: Objective>(&mut self, pieces: &BezierPieces, objective: &O, floor: f64) {
+        self.order.clear();
+        let [x0, y0, z0, x1, y1, z1] = pieces.bound_arrays();
+        for k in 0..pieces.len() {
+            let bound = objective.box_bound([x0[k], y0[k], z0[k]], [x1[k], y1[k], z1[k]]);
+            if bound < floor {
+                self.order.push((bound, k));
+            }
+        }
+        self.order.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+    }
+
+    /// Candidate `k` of the last [`Search::candidates`].
+    pub fn candidate(&self, k: usize) -> Option<(f64, usize)> {
+        self.order.get(k).copied()
+    }
+
+    /// Makes `best` the global minimum.
+    pub fn certify<O: Objective>(
+        &mut self,
+        pieces: &mut BezierPieces,
+        surface: &Surface,
+        tables: &Tables,
+        objective: &O,
+        size_m: f64,
+        best: &mut Descent,
+    ) {
+        self.visited = 0;
+        let mut delta_m = TOLERANCE * size_m;
+        self.candidates(pieces, objective, objective.floor(best.jet.f, delta_m));
+        let orders = objective.orders(pieces.u.degree, pieces.v.degree);
+        let mut k = 0;
+        while let Some((bound, piece)) = self.candidate(k) {
+            if bound >= objective.floor(best.jet.f, delta_m) {
+                break;
+            }
+            let delta = &mut delta_m;
+            match (orders, pieces.is_rational()) {
+                ((7, 7), false) => {
+                    self.clear(7, 7, false, pieces, surface, tables, objective, size_m, delta, piece, best)
+                }
+                ((nu, nv), rational) => {
+                    self.clear(nu, nv, rational, pieces, surface, tables, objective, size_m, delta, piece, best);
+                }
+            }
+            k += 1;
+        }
+    }
+
+    #[inline(always)]
+    fn clear<O: Objective>(
+        &mut self,
+        nu: usize,
+        nv: usize,
+        rational: bool,
+        pieces: &mut BezierPieces,
+        surface: &Surface,
+        tables: &Tables,
+        objective: &O,
+        size_m: f64,
+        delta_m: &mut f64,
+        piece: usize,
+        best: &mut Descent,
+    ) {
+        let (len, stride) = (nu * nv, self.stride);
+        let noise = objective.form(pieces, piece, tables, &mut self.a, &mut self.w);
+        self.parts.clear();
+        self.parts.push(Part::whole(pieces, piece));
+        while let Some(part) = self.parts.last().copied() {
+            self.visited += 1;
+            if self.visited.is_multiple_of(PATIENCE) {
+                *delta_m = (*delta_m * 10.0).min(WIDEST * size_m);
+            }
+            let slot = (self.parts.len() - 1) * stride;
+            let value = objective.floor(best.jet.f, *delta_m);
+            let (g, floor) = if rational {
+                for x in 0..len {
+                    self.g[x] = self.a[slot + x] - value * self.w[slot + x];
+                }
+                (&self.g[..len], -noise)
+            } else {
+                (&self.a[slot..slot + len], value - noise)
+            };
+            let finding = look(g, nu, nv, floor, noise, || part.nearest(pieces, best.place));
+            let mut halve_in_u = match finding {
+                Finding::Clear => {
+                    self.parts.pop();
+                    continue;
+                }
+                Finding::Below(s, t) => {
+                    let start = part.place(pieces, s, t);
+                    let found = descend_over(&mut OnPieces { pieces, surface }, objective, start);
+                    if found.jet.f < best.jet.f {
+                        *best = found;
+                        continue;
+                    }
+                    // Only rounding can contradict; look closer.
+                    part.s[1] - part.s[0] >= part.t[1] - part.t[0]
+                }
+                Finding::Open(in_u) => in_u,
+            };
+            let (wide_u, wide_v) = (part.s[1] - part.s[0] > SMALLEST, part.t[1] - part.t[0] > SMALLEST);
+            if !wide_u && !wide_v {
+                self.parts.pop();
+                continue;
+            }
+            if halve_in_u && !wide_u {
+                halve_in_u = false;
+            } else if !halve_in_u && !wide_v {
+                halve_in_u = true;
+            }
+            self.halve(nu, nv, rational, halve_in_u);
+        }
+    }
+
+    /// Replaces the last part by its halves.
+    #[inline(always)]
+    pub fn halve(&mut self, nu: usize, nv: usize, rational: bool, in_u: bool) {
+        let Some(part) = self.parts.pop() else { return };
+        let (len, slot) = (nu * nv, self.parts.len() * self.stride);
+        let (low, high) = part.halves(in_u);
+        self.parts.push(high);
+        self.parts.push(low);
+        let mut arrays = [Some(&mut self.a), rational.then_some(&mut self.w)];
+        for array in arrays.iter_mut().flatten() {
+            let (upper, lower) = array[slot..].split_at_mut(self.stride);
+            if in_u {
+                halve_u(&mut upper[..len], &mut lower[..len], nu, nv);
+            } else {
+                halve_v(&mut upper[..len], &mut lower[..len], nu, nv);
+            }
+        }
+    }
+
+    /// How many entries the stack has.
+    pub fn depth(&self) -> usize {
+        DEPTH
+    }
+
+    /// Coefficients between two entries of the stack.
+    pub fn stride(&self) -> usize {
+        self.stride
+    }
+}
+
+/// Tries every proof on one part.
+#[inline(always)]
+fn look(g: &[f64], nu: usize, nv: usize, floor: f64, noise: f64, start: impl FnOnce() -> (f64, f64)) -> Finding {
+    if least(g) >= floor {
+        return Finding::Clear;
+    }
+    for (s, t) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
+        if g[s * (nu - 1) * nv + t * (nv - 1)] < floor {
+            return Finding::Below(s as f64, t as f64);
+        }
+    }
+    let [(u_least, u_most), (v_least, v_most)] = first_differences(g, nu, nv);
+    let side = |least: f64, most: f64| {
+        if least >= 0.0 {
+            Some(0.0)
+        } else if most <= 0.0 {
+            Some(1.0)
+        } else {
+            None
+        }
+    };
+    match (side(u_least, u_most), side(v_least, v_most)) {
+        // The least value is at a corner, and corners were looked at.
+        (Some(_), Some(_)) => return Finding::Clear,
+        (Some(s), None) => {
+            let row = if s > 0.0 { (nu - 1) * nv } else { 0 };
+            match edge_verdict(&g[row..row + nv], floor) {
+                Verdict::Clear => return Finding::Clear,
+                Verdict::Below(t, _) => return Finding::Below(s, t),
+                Verdict::Open => {}
+            }
+        }
+        (None, Some(t)) => {
+            let column = if t > 0.0 { nv - 1 } else { 0 };
+            let mut edge = [0.0; MAX_ORDER];
+            for i in 0..nu {
+                edge[i] = g[i * nv + column];
+            }
+            match edge_verdict(&edge[..nu], floor) {
+                Verdict::Clear => return Finding::Clear,
+                Verdict::Below(s, _) => return Finding::Below(s, t),
+                Verdict::Open => {}
+            }
+        }
+        (None, None) => {}
+    }
+    let bend = curvature(g, nu, nv);
+    if bend.convex(64.0 * noise) {
+        let (s, t) = start();
+        match convex_verdict(g, nu, nv, floor, s, t) {
+            Verdict::Clear => return Finding::Clear,
+            Verdict::Below(s, t) => return Finding::Below(s, t),
+            Verdict::Open => {}
+        }
+    }
+    Finding::Open(bend.spread.0 >= bend.spread.1)
+}

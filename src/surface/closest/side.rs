@@ -1,0 +1,167 @@
+//! The normal at a foot, and so on which side of the surface a query lies.
+//!
+//! Where the surface is smooth the sign of (q − S)·n decides. At a crease, a seam or a pole several normals meet; their
+//! mean, each weighted by the angle of its sector, decides rightly for any closed surface (Bærentzen & Aanæs, *Signed
+//! distance computation using the angle weighted pseudonormal*, 2005).
+
+use super::newton::Place;
+use crate::basis::{KnotKind, Side};
+use crate::math::{Point3, Vector3};
+use crate::surface::bezier::{Direction, Joint};
+use crate::surface::tensor::{Frame, Surface};
+
+/// Points closer than this, relative to their coordinates, are one: the two ends of a closed direction, a pole's row.
+const SAME: f64 = 1e-9;
+/// Samples of the ring around a pole, per span.
+const RING: usize = 8;
+
+/// A surface with the spans its places refer to.
+pub(super) struct Site<'a> {
+    pub surface: &'a Surface,
+    pub u: &'a Direction,
+    pub v: &'a Direction,
+}
+
+impl Site<'_> {
+    /// Outward unit normal at a foot: never NaN; the surface's own where it has one, else the way to the query.
+    pub fn normal(&self, place: Place, frame: &Frame, to_query: &Vector3) -> Vector3 {
+        let (a, b) = (&self.u.spans[place.i], &self.v.spans[place.j]);
+        let at_knot = place.u <= a.start || place.u >= a.end || place.v <= b.start || place.v >= b.end;
+        let found = if at_knot { self.pole(place, frame).or_else(|| self.corner(place, frame)) } else { None };
+        let outward = if self.surface.flip_normal() { -1.0 } else { 1.0 };
+        found
+            .or_else(|| self.near(place, frame))
+            .map(|n| n * outward)
+            .or_else(|| to_query.try_normalize(0.0))
+            .unwrap_or_else(Vector3::z)
+    }
+
+    /// The frame of a place as its own piece sees it.
+    pub fn frame(&self, Place { i, j, u, v }: Place) -> Frame {
+        let side = |x: f64, d: &Direction, k: usize| if x >= d.spans[k].end { Side::Left } else { Side::Right };
+        self.surface.frame_from(u, v, side(u, self.u, i), side(v, self.v, j))
+    }
+
+    /// The normal of a place as its own piece sees it, from a little farther inside where the tangents vanish.
+    fn near(&self, place: Place, frame: &Frame) -> Option<Vector3> {
+        smooth_normal(frame).or_else(|| {
+            let (a, b) = (&self.u.spans[place.i], &self.v.spans[place.j]);
+            let (cu, cv) = (0.5 * (a.start + a.end), 0.5 * (b.start + b.end));
+            [1e-6, 1e-4, 1e-2, 0.3].into_iter().find_map(|inward| {
+                let (u, v) = (place.u + inward * (cu - place.u), place.v + inward * (cv - place.v));
+                smooth_normal(&self.frame(Place { u, v, ..place }))
+            })
+        })
+    }
+
+    /// Mean normal where creases or coinciding ends meet; `None` where the foot is smooth.
+    fn corner(&self, place: Place, frame: &Frame) -> Option<Vector3> {
+        let tolerance = SAME * frame.point.coords.amax();
+        let same = |p: Point3| (p - frame.point).norm() <= tolerance;
+        let us = sides(self.u, place.i, place.u, |i, u| same(self.frame(Place { i, u, ..place }).point));
+        let vs = sides(self.v, place.j, place.v, |j, v| same(self.frame(Place { j, v, ..place }).point));
+        let corner = us[1].is_some() && vs[1].is_some();
+        if us[1].is_none() && vs[1].is_none() {
+            return None;
+        }
+        let mut sum = Vector3::zeros();
+        for &(i, u, into_u) in us.iter().flatten() {
+            for &(j, v, into_v) in vs.iter().flatten() {
+                let place = Place { i, j, u, v };
+                let frame = self.frame(place);
+                if let Some(n) = self.near(place, &frame) {
+                    // On an edge both sectors are half turns; at a corner each is the angle between its tangents.
+                    let weight = if corner { angle(&(frame.du * into_u), &(frame.dv * into_v)) } else { 1.0 };
+                    sum += n * weight;
+                }
+            }
+        }
+        sum.try_normalize(1e-9)
+    }
+
+    /// Mean normal around a collapsed edge, when the foot lies on one.
+    fn pole(&self, place: Place, frame: &Frame) -> Option<Vector3> {
+        let net = self.surface.net();
+        let (rows, columns) = (net.rows(), net.columns());
+        let tolerance = SAME * frame.point.coords.amax();
+        let same = |p: &Point3| (p - frame.point).norm() <= tolerance;
+        let end = |d: &Direction, kind: KnotKind, x: f64, count: usize| match kind {
+            KnotKind::Clamped if x <= d.domain.0 => Some(0),
+            KnotKind::Clamped if x >= d.domain.1 => Some(count - 1),
+            _ => None,
+        };
+        let row = end(self.u, self.surface.knots_u().kind(), place.u, rows);
+        let column = end(self.v, self.surface.knots_v().kind(), place.v, columns);
+        if row.is_some_and(|i| (0..columns).all(|j| same(net.at(i, j)))) {
+            let a = &self.u.spans[place.i];
+            let inside = place.u + 1e-5 * (0.5 * (a.start + a.end) - place.u);
+            ring(self.v, |j, v| {
+                (self.frame(Place { j, v, ..place }).du, self.frame(Place { j, u: inside, v, ..place }))
+            })
+        } else if column.is_some_and(|j| (0..rows).all(|i| same(net.at(i, j)))) {
+            let b = &self.v.spans[place.j];
+            let inside = place.v + 1e-5 * (0.5 * (b.start + b.end) - place.v);
+            ring(self.u, |i, u| {
+                (self.frame(Place { i, u, ..place }).dv, self.frame(Place { i, u, v: inside, ..place }))
+            })
+        } else {
+            None
+        }
+    }
+}
+
+/// Unit normal of a frame, unless the tangents are too short or too nearly parallel to say.
+fn smooth_normal(frame: &Frame) -> Option<Vector3> {
+    let n = frame.du.cross(&frame.dv);
+    let length = n.norm();
+    (length > 1e-9 * frame.du.norm() * frame.dv.norm() && length > 0.0).then(|| n / length)
+}
+
+fn angle(a: &Vector3, b: &Vector3) -> f64 {
+    libm::atan2(a.cross(b).norm(), a.dot(b))
+}
+
+/// The spans that meet at a parameter: (span, parameter, direction into the span). `coincide` says whether a place at the
+/// other end of the domain is the same point.
+fn sides(
+    d: &Direction,
+    span: usize,
+    x: f64,
+    coincide: impl FnOnce(usize, f64) -> bool,
+) -> [Option<(usize, f64, f64)>; 2] {
+    let n = d.spans.len();
+    let here = &d.spans[span];
+    let at_start = x <= here.start;
+    let own = Some((span, x, if x >= here.end { -1.0 } else { 1.0 }));
+    if !at_start && x < here.end {
+        return [own, None];
+    }
+    let (joint, other, into) =
+        if at_start { (here.before, (span + n - 1) % n, -1.0) } else { (here.after, (span + 1) % n, 1.0) };
+    let y = if at_start { d.spans[other].end } else { d.spans[other].start };
+    let at_end = if at_start { span == 0 } else { span + 1 == n };
+    let meets = match joint {
+        Joint::Smooth => false,
+        Joint::Crease => true,
+        Joint::Apart => at_end && coincide(other, y),
+    };
+    [own, meets.then_some((other, y, into))]
+}
+
+/// Angle-weighted mean of the normals around a pole. `look` gives the direction away from the pole, and a frame just
+/// beside it, at a parameter along the collapsed edge.
+fn ring(along: &Direction, look: impl Fn(usize, f64) -> (Vector3, Frame)) -> Option<Vector3> {
+    let mut sum = Vector3::zeros();
+    for (k, span) in along.spans.iter().enumerate() {
+        let at = |step: f64| span.start + (span.end - span.start) * step / RING as f64;
+        for m in 0..RING {
+            let (first, middle, last) = (at(m as f64), at(m as f64 + 0.5), at(m as f64 + 1.0));
+            let last = if m + 1 == RING { span.end } else { last };
+            let weight = angle(&look(k, first).0, &look(k, last).0);
+            if let Some(n) = smooth_normal(&look(k, middle).1) {
+                sum += n * weight;
+            }
+        }
+    }
+    sum.try_normalize(1e-9)
+}

@@ -1,0 +1,347 @@
+//! How far query and net may move before a foot could stop being the global one.
+//!
+//! Let d be the distance at the foot, B a parameter box around it, and c a lower bound of the distance everywhere outside
+//! B. While query and net together have moved by m < (c − d) / 2, every point outside B is farther than the foot's own
+//! neighbourhood, so the answer is inside B, and a descent that never goes up cannot leave B. If the squared distance is
+//! also convex on B, and stays so for such movements, Newton inside B finds the only minimum there.
+//!
+//! The Hessian of |D|², D = S − q, is `2 (D_s·D_s + D·D_ss)` and so on. A movement of the query by m changes it by at most
+//! `2 m |D_ss|`; one of the control points also changes the derivatives, by at most 2p m (first) and 4p(p − 1) m (second,
+//! in a piece's own parameters). A symmetric 2 × 2 matrix with diagonal a, b and |off-diagonal| ≤ g stays positive while
+//! the entries change by less than θa, θb and θ√(ab), θ = (1 − g / √(ab)) / 2.
+
+use super::bernstein::{curvature, least, restrict_u, restrict_v};
+use super::newton::Descent;
+use super::objective::{Distance, Objective, Tables};
+use super::search::{Part, Search};
+use crate::surface::bezier::{BezierPieces, Direction, Joint};
+
+/// Share of the gap between distance and nearest outside value that is claimed; less is proved sooner.
+const CLAIM: f64 = 0.7;
+/// Parts looked at before giving up: then the next query searches again.
+const PATIENCE: usize = 600;
+
+/// What [`certificate`] grants.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Grant {
+    /// Movement of the query, m.
+    pub budget_m: f64,
+    /// How many metres of it one metre of net movement uses up, ≥ 1.
+    pub net_cost: f64,
+}
+
+/// A box of unwrapped parameters around the foot.
+#[derive(Clone, Copy, Debug)]
+struct Around {
+    u: [f64; 2],
+    v: [f64; 2],
+}
+
+/// Largest changes of the Hessian that are allowed, over what one metre does.
+#[derive(Clone, Copy, Debug)]
+struct Slack {
+    /// θa, θb, θ√(ab).
+    room: [f64; 3],
+    /// Change by a metre of query movement (uu, vv, uv).
+    query: [f64; 3],
+    /// |D|, |D_s|, |D_t|, |D_ss|, |D_tt|, |D_st| at most, and the parts' widths.
+    d: [f64; 6],
+    widths: [f64; 2],
+    /// |w|, and |(w²)_ss|, |(w²)_tt|, |(w²)_st| at most.
+    weight: f64,
+    weight_bends: [f64; 3],
+}
+
+/// Budget of a foot that is known to be global.
+pub(super) fn certificate(
+    search: &mut Search,
+    pieces: &BezierPieces,
+    tables: &Tables,
+    objective: &Distance,
+    size_m: f64,
+    best: &Descent,
+) -> Grant {
+    let nothing = Grant { budget_m: 0.0, net_cost: 1.0 };
+    let distance = best.jet.f.max(0.0).sqrt();
+    let mut share = 0.5;
+    for _ in 0..5 {
+        let around = surround(pieces, best, share);
+        if let Some((slacks, count)) = slacks(search, pieces, tables, objective, best, around) {
+            let slacks = &slacks[..count];
+            let mut limit = f64::INFINITY;
+            for slack in slacks {
+                limit = limit.min(if pieces.is_rational() {
+                    net_limit(slack, pieces, distance, 0.0)
+                } else {
+                    (0..3).fold(f64::INFINITY, |m, k| m.min(slack.room[k] / slack.query[k].max(f64::MIN_POSITIVE)))
+                });
+            }
+            let limit = limit.min(10.0 * size_m);
+            let gap = gap_outside(search, pieces, tables, objective, distance, around, 2.0 * limit, size_m);
+            let budget_m = 0.999 * limit.min(0.5 * gap);
+            if budget_m <= 1e-9 * size_m {
+                return nothing;
+            }
+            let mut net_cost: f64 = 1.0;
+            if !pieces.is_rational() {
+                for slack in slacks {
+                    net_cost = net_cost.max(budget_m / net_limit(slack, pieces, distance, budget_m));
+                }
+            }
+            return Grant { budget_m, net_cost };
+        }
+        share *= 0.5;
+    }
+    nothing
+}
+
+/// A box of `share` of the foot's own spans to each side, not past a crease or the far end of a neighbouring span.
+fn surround(pieces: &BezierPieces, best: &Descent, share: f64) -> Around {
+    let one = |d: &Direction, k: usize, x: f64| {
+        let (n, span) = (d.spans.len(), &d.spans[k]);
+        let reach = share * (span.end - span.start);
+        let (mut low, mut high) = (span.start, span.end);
+        if n > 1 && span.before == Joint::Smooth {
+            let other = &d.spans[(k + n - 1) % n];
+            low -= other.end - other.start;
+        }
+        if n > 1 && span.after == Joint::Smooth {
+            let other = &d.spans[(k + 1) % n];
+            high += other.end - other.start;
+        }
+        [(x - reach).max(low), (x + reach).min(high)]
+    };
+    Around { u: one(&pieces.u, best.place.i, best.place.u), v: one(&pieces.v, best.place.j, best.place.v) }
+}
+
+/// The part of span `k` that a box covers, in the span's own [0, 1]; periodic directions are unwrapped.
+fn covered(d: &Direction, k: usize, range: [f64; 2]) -> Option<[f64; 2]> {
+    let span = &d.spans[k];
+    let width = span.end - span.start;
+    let period = d.domain.1 - d.domain.0;
+    let offsets: &[f64] = if d.periodic { &[0.0, -1.0, 1.0] } else { &[0.0] };
+    offsets.iter().find_map(|turn| {
+        let low = ((range[0] + turn * period - span.start) / width).max(0.0);
+        let high = ((range[1] + turn * period - span.start) / width).min(1.0);
+        (high - low > 1e-12)
+            .then_some([if low < 1e-12 { 0.0 } else { low }, if high > 1.0 - 1e-12 { 1.0 } else { high }])
+    })
+}
+
+/// Convexity over the box, part by part; `None` where it is not proved. At most nine pieces meet a box.
+fn slacks(
+    search: &mut Search,
+    pieces: &BezierPieces,
+    tables: &Tables,
+    objective: &Distance,
+    best: &Descent,
+    around: Around,
+) -> Option<([Slack; 9], usize)> {
+    let zero =
+        Slack { room: [0.0; 3], query: [0.0; 3], d: [0.0; 6], widths: [0.0; 2], weight: 1.0, weight_bends: [0.0; 3] };
+    let (mut out, mut count) = ([zero; 9], 0);
+    let (nu, nv) = objective.orders(pieces.u.degree, pieces.v.degree);
+    let len = nu * nv;
+    for i in 0..pieces.u.spans.len() {
+        let Some(s) = covered(&pieces.u, i, around.u) else { continue };
+        for j in 0..pieces.v.spans.len() {
+            let Some(t) = covered(&pieces.v, j, around.v) else { continue };
+            let piece = i * pieces.v.spans.len() + j;
+            let noise = objective.form(pieces, piece, tables, &mut search.a, &mut search.w);
+            let mut slack = Slack { widths: [s[1] - s[0], t[1] - t[0]], ..zero };
+            if pieces.is_rational() {
+                let w = &mut search.w[..len];
+                restrict_u(w, nu, nv, s[0], s[1]);
+                restrict_v(w, nu, nv, t[0], t[1]);
+                let bend = curvature(w, nu, nv);
+                slack.weight_bends = [bend.spread.0, bend.spread.1, bend.uv];
+            }
+            let a = &mut search.a[..len];
+            restrict_u(a, nu, nv, s[0], s[1]);
+            restrict_v(a, nu, nv, t[0], t[1]);
+            if pieces.is_rational() {
+                for x in 0..len {
+                    a[x] -= best.jet.f * search.w[x];
+                }
+            }
+            let bend = curvature(a, nu, nv);
+            if !bend.convex(64.0 * noise) || count == out.len() {
+                return None;
+            }
+            let root = (bend.uu * bend.vv).sqrt();
+            let theta = 0.49 * (1.0 - bend.uv / root);
+            slack.room = [theta * bend.uu, theta * bend.vv, theta * root];
+            measure(pieces, piece, objective, &mut slack);
+            slack.query = [2.0 * slack.d[3], 2.0 * slack.d[4], 2.0 * slack.d[5]];
+            out[count] = slack;
+            count += 1;
+        }
+    }
+    Some((out, count))
+}
+
+/// Bounds of D = N − q w and its derivatives in the part's own parameters, from the control points of the piece.
+fn measure(pieces: &BezierPieces, piece: usize, objective: &Distance, slack: &mut Slack) {
+    let (p, q) = (pieces.u.degree, pieces.v.degree);
+    let points = pieces.points(piece);
+    let at = |k: usize, l: usize| {
+        let x = &points[k * (q + 1) + l];
+        crate::math::Vector3::new(x[0] - objective.q.x * x[3], x[1] - objective.q.y * x[3], x[2] - objective.q.z * x[3])
+    };
+    let mut most = [0.0_f64; 6];
+    for k in 0..=p {
+        for l in 0..=q {
+            most[0] = most[0].max(at(k, l).norm_squared());
+            if k < p {
+                most[1] = most[1].max((at(k + 1, l) - at(k, l)).norm_squared());
+            }
+            if l < q {
+                most[2] = most[2].max((at(k, l + 1) - at(k, l)).norm_squared());
+            }
+            if k + 1 < p {
+                most[3] = most[3].max((at(k + 2, l) - at(k + 1, l) * 2.0 + at(k, l)).norm_squared());
+            }
+            if l + 1 < q {
+                most[4] = most[4].max((at(k, l + 2) - at(k, l + 1) * 2.0 + at(k, l)).norm_squared());
+            }
+            if k < p && l < q {
+                most[5] = most[5].max((at(k + 1, l + 1) - at(k + 1, l) - at(k, l + 1) + at(k, l)).norm_squared());
+            }
+            slack.weight = slack.weight.max(points[k * (q + 1) + l][3]);
+        }
+    }
+    let (p, q, [s, t]) = (p as f64, q as f64, slack.widths);
+    let factors = [1.0, p * s, q * t, p * (p - 1.0) * s * s, q * (q - 1.0) * t * t, p * q * s * t];
+    for k in 0..6 {
+        slack.d[k] = factors[k] * most[k].sqrt();
+    }
+}
+
+/// How far every control point may move, when the query has also moved by up to `query_m`.
+fn net_limit(slack: &Slack, pieces: &BezierPieces, distance: f64, query_m: f64) -> f64 {
+    let (p, q) = (pieces.u.degree as f64, pieces.v.degree as f64);
+    let [d, ds, dt, dss, dtt, dst] = slack.d;
+    let d = d + query_m * slack.weight;
+    let [s, t] = slack.widths;
+    // What one metre does to D_s, D_t, D_ss, D_tt, D_st.
+    let w = slack.weight;
+    let (ms, mt) = (2.0 * p * s * w, 2.0 * q * t * w);
+    let (mss, mtt, mst) = (4.0 * p * (p - 1.0) * s * s * w, 4.0 * q * (q - 1.0) * t * t * w, 4.0 * p * q * s * t * w);
+    let b = slack.weight_bends;
+    let linear = [
+        2.0 * (2.0 * ds * ms + d * mss + w * dss) + 2.0 * distance * b[0],
+        2.0 * (2.0 * dt * mt + d * mtt + w * dtt) + 2.0 * distance * b[1],
+        2.0 * (ds * mt + dt * ms + d * mst + w * dst) + 2.0 * distance * b[2],
+    ];
+    let square = [2.0 * (ms * ms + w * mss) + b[0], 2.0 * (mt * mt + w * mtt) + b[1], 2.0 * (ms * mt + w * mst) + b[2]];
+    (0..3).fold(f64::INFINITY, |limit, k| {
+        // linear m + square m² = room, without cancellation.
+        let root = (linear[k] * linear[k] + 4.0 * square[k] * slack.room[k]).sqrt();
+        limit.min(2.0 * slack.room[k] / (linear[k] + root).max(f64::MIN_POSITIVE))
+    })
+}
+
+/// Lower bound on (distance outside the box) − distance, at most `most`.
+fn gap_outside(
+    search: &mut Search,
+    pieces: &BezierPieces,
+    tables: &Tables,
+    objective: &Distance,
+    distance: f64,
+    around: Around,
+    most: f64,
+    size_m: f64,
+) -> f64 {
+    let (nu, nv) = objective.orders(pieces.u.degree, pieces.v.degree);
+    let (len, stride, rational) = (nu * nv, search.stride(), pieces.is_rational());
+    // `upper`: least value seen outside, as a gap.
+    let mut upper = most / CLAIM;
+    let mut visited = 0;
+    let squared = |gap: f64| (distance + gap) * (distance + gap);
+    search.candidates(pieces, objective, squared(CLAIM * upper));
+    let mut k = 0;
+    while let Some((bound, piece)) = search.candidate(k) {
+        k += 1;
+        if bound >= squared(CLAIM * upper) {
+            break;
+        }
+        let noise = objective.form(pieces, piece, tables, &mut search.a, &mut search.w);
+        let whole = Part::whole(pieces, piece);
+        search.parts.clear();
+        match (covered(&pieces.u, whole.i, around.u), covered(&pieces.v, whole.j, around.v)) {
+            (Some(s), Some(t)) => {
+                // The piece without the box: strips on both sides in u, and what is left on both sides in v.
+                search.g[..len].copy_from_slice(&search.a[..len]);
+                let strips = [([0.0, s[0]], [0.0, 1.0]), ([s[1], 1.0], [0.0, 1.0]), (s, [0.0, t[0]]), (s, [t[1], 1.0])];
+                let mut used = 0;
+                for (s, t) in strips {
+                    if s[1] <= s[0] || t[1] <= t[0] {
+                        continue;
+                    }
+                    let slot = used * stride;
+                    search.a[slot..slot + len].copy_from_slice(&search.g[..len]);
+                    restrict_u(&mut search.a[slot..slot + len], nu, nv, s[0], s[1]);
+                    restrict_v(&mut search.a[slot..slot + len], nu, nv, t[0], t[1]);
+                    search.parts.push(Part { s, t, ..whole });
+                    used += 1;
+                }
+                if rational {
+                    // W of the whole piece waits beyond the strips' slots until each has its own.
+                    let kept = 4 * stride;
+                    search.w.copy_within(0..len, kept);
+                    for slot in 0..used {
+                        let Part { s, t, .. } = search.parts[slot];
+                        search.w.copy_within(kept..kept + len, slot * stride);
+                        let w = &mut search.w[slot * stride..slot * stride + len];
+                        restrict_u(w, nu, nv, s[0], s[1]);
+                        restrict_v(w, nu, nv, t[0], t[1]);
+                    }
+                }
+            }
+            _ => search.parts.push(whole),
+        }
+        while let Some(part) = search.parts.last().copied() {
+            visited += 1;
+            if visited > PATIENCE || search.parts.len() + 1 >= search.depth() {
+                return 0.0;
+            }
+            let slot = (search.parts.len() - 1) * stride;
+            for corner in [0, nv - 1, (nu - 1) * nv, len - 1] {
+                let mut value = search.a[slot + corner];
+                if rational {
+                    value /= search.w[slot + corner];
+                }
+                upper = upper.min(value.max(0.0).sqrt() - distance);
+            }
+            if upper <= 4e-9 * size_m {
+                return 0.0;
+            }
+            let floor = squared(CLAIM * upper);
+            let clear = if rational {
+                for x in 0..len {
+                    search.g[x] = search.a[slot + x] - floor * search.w[slot + x];
+                }
+                least(&search.g[..len]) >= noise
+            } else {
+                least(&search.a[slot..slot + len]) >= floor + noise
+            };
+            if clear {
+                search.parts.pop();
+                continue;
+            }
+            let bend = curvature(&search.a[slot..slot + len], nu, nv);
+            let in_u = bend.spread.0 >= bend.spread.1;
+            let (wide_u, wide_v) = (part.s[1] - part.s[0] > 1e-6, part.t[1] - part.t[0] > 1e-6);
+            if !wide_u && !wide_v {
+                return 0.0;
+            }
+            let in_u = if in_u { wide_u } else { !wide_v };
+            if (nu, nv, rational) == (7, 7, false) {
+                search.halve(7, 7, false, in_u);
+            } else {
+                search.halve(nu, nv, rational, in_u);
+            }
+        }
+    }
+    CLAIM * upper
+}
