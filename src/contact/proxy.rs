@@ -16,6 +16,8 @@ pub struct ProxyState {
     pub below: bool,
     /// Foot on the surface and how far the answer is proven.
     pub foot: WarmFoot,
+    /// Where the foot was last asked for, m.
+    pub queried: Point3,
 }
 
 /// Outcome of moving a proxy.
@@ -60,7 +62,8 @@ impl BallContact<'_> {
         let mut moved = moved_m;
         if !state.touching {
             for _ in 0..ADVANCES {
-                let foot = self.solver.closest_warm(self.surface, &centre, moved, &mut state.foot);
+                let foot = self.closest(&centre, moved, state);
+                moved = 0.0;
                 if self.two_sided {
                     state.below = foot.signed_distance < 0.0;
                 }
@@ -69,25 +72,23 @@ impl BallContact<'_> {
                 let length = wish.norm();
                 if length <= clearance {
                     // Free all the way.
-                    let foot = self.solver.closest_warm(self.surface, target, length, &mut state.foot);
+                    let foot = self.closest(target, 0.0, state);
                     return self.outcome(*target, foot, target, state);
                 }
                 if clearance <= TOUCH * self.size_m {
                     break;
                 }
                 centre += wish * (clearance / length);
-                moved = clearance;
             }
             state.touching = true;
-            moved = 0.0;
         }
-        self.slide(centre, target, moved, state)
+        self.slide(centre, target, state)
     }
 
-    fn slide(&mut self, start: Point3, target: &Point3, moved: f64, state: &mut ProxyState) -> Constrained {
+    fn slide(&mut self, start: Point3, target: &Point3, state: &mut ProxyState) -> Constrained {
         let tolerance = TOUCH * self.size_m;
         let mut centre = start;
-        let mut foot = self.follow(&centre, moved, state);
+        let mut foot = self.follow(&centre, state);
         for _ in 0..SLIDES {
             let normal = foot.normal * side(state);
             // The usual case: the target's own foot lies on the branch we stand on, and gives the answer at once.
@@ -108,7 +109,7 @@ impl BallContact<'_> {
             let away = wish.dot(&normal);
             if away > tolerance {
                 release(state);
-                let foot = self.solver.closest_warm(self.surface, target, 0.0, &mut state.foot);
+                let foot = self.closest(target, 0.0, state);
                 return self.outcome(*target, foot, target, state);
             }
             let tangent = wish - normal * away;
@@ -119,16 +120,23 @@ impl BallContact<'_> {
             // No further than half the ball, or the surface could bend away unseen.
             let stride = if self.radius_m > 0.0 { 0.5 * self.radius_m } else { length };
             centre += tangent * (if length < stride { 1.0 } else { stride / length });
-            foot = self.follow(&centre, length, state);
+            foot = self.follow(&centre, state);
         }
         self.held(foot, target, state)
     }
 
+    /// The certified closest point. `net_moved_m`: how far any control point moved since the last call.
+    fn closest(&mut self, query: &Point3, net_moved_m: f64, state: &mut ProxyState) -> ClosestPoint {
+        let moved = (query - state.queried).norm();
+        state.queried = *query;
+        self.solver.closest_warm_moved(self.surface, query, moved, net_moved_m, &mut state.foot)
+    }
+
     /// The foot of the centre on the branch it stands on; the global one where that branch ends.
-    fn follow(&mut self, centre: &Point3, moved: f64, state: &mut ProxyState) -> ClosestPoint {
+    fn follow(&mut self, centre: &Point3, state: &mut ProxyState) -> ClosestPoint {
         let foot = self.solver.local(self.surface, centre, state.foot.u, state.foot.v).unwrap_or_else(|| {
             state.foot.budget_m = 0.0;
-            self.solver.closest_warm(self.surface, centre, moved, &mut state.foot)
+            self.closest(centre, 0.0, state)
         });
         (state.foot.u, state.foot.v) = (foot.u, foot.v);
         foot

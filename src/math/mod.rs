@@ -15,6 +15,7 @@ pub type Matrix3 = na::Matrix3<f64>;
 
 mod cholesky;
 mod quadrature;
+pub mod simd;
 mod state;
 
 pub use cholesky::{Cholesky, CholeskyError, Lane, SymmetricTriplets};

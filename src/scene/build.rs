@@ -153,9 +153,7 @@ fn build_surface(spec: &SurfaceSpec, path: &str, directory: &Path) -> Result<Sur
                 .map_err(|e| error(format!("{path}.file"), format!("cannot read {}: {e}", full.display())))?;
             surface::file::read(&text).map_err(|e| error(format!("{path}.file"), format!("{}: {e}", full.display())))
         }
-        (None, None, Some(value)) => {
-            surface::file::from_value(value.clone()).map_err(|e| error(format!("{path}.inline"), e))
-        }
+        (None, None, Some(value)) => surface::file::from_value(value).map_err(|e| error(format!("{path}.inline"), e)),
         _ => Err(error(path, "give exactly one of builtin, file, inline")),
     }
 }
@@ -237,7 +235,7 @@ fn distinct(surface: &Surface, topology: &Topology) -> [usize; 2] {
 }
 
 fn refine(scene: &SceneSpec, spec: &BodySpec, path: &str, surface: Surface) -> Result<Surface, SceneError> {
-    let bad = |e: surface::RefineError| error(format!("{path}.lattice.refine"), e);
+    let bad = |e: surface::SurfaceError| error(format!("{path}.lattice.refine"), e);
     match &spec.lattice.refine {
         RefineSpec::Auto(RefineAuto::None) => Ok(surface),
         RefineSpec::Counts([u, v]) => surface.refined_to(*u, *v).map_err(bad),
@@ -338,7 +336,7 @@ fn cells(spec: &BodySpec, path: &str, surface: &Surface) -> Result<(CellGrid, f6
         }
         let (us, vs) = (surface.knots_u().greville(), surface.knots_v().greville());
         let inward: Vec<Vector3> =
-            us.iter().flat_map(|&u| vs.iter().map(move |&v| (u, v))).map(|(u, v)| -surface.normal(u, v)).collect();
+            us.iter().flat_map(|&u| vs.iter().map(move |&v| (u, v))).map(|(u, v)| inward(surface, u, v)).collect();
         let grid = layers::sheet(points, &inward, surface.net().rows(), columns, count, thickness_m);
         let volume = grid.quality().volume_m3;
         return Ok((grid, volume));
@@ -357,4 +355,10 @@ fn cells(spec: &BodySpec, path: &str, surface: &Surface) -> Result<(CellGrid, f6
     // An open tube encloses nothing by itself; its cells then say how much it holds.
     let volume = if topology.is_closed() { surface.volume().abs() } else { grid.quality().volume_m3 };
     Ok((grid, volume))
+}
+
+fn inward(surface: &Surface, u: f64, v: f64) -> Vector3 {
+    let frame = surface.frame(u, v);
+    let normal = frame.du.cross(&frame.dv).normalize();
+    if surface.flip_normal() { normal } else { -normal }
 }

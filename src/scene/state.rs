@@ -224,7 +224,8 @@ impl Stateful for SceneState {
         }
         for PairState { proxy } in &self.pairs {
             sink.word(u64::from(proxy.touching) | u64::from(proxy.below) << 1);
-            sink.floats(&[proxy.foot.u, proxy.foot.v, proxy.foot.budget_m]);
+            sink.floats(&[proxy.foot.u, proxy.foot.v, proxy.foot.budget_m, proxy.foot.net_cost]);
+            sink.floats(proxy.queried.coords.as_slice());
         }
         sink.word(self.warm_len as u64);
         for row in &self.warm[..self.warm_len] {
@@ -258,7 +259,11 @@ impl Stateful for SceneState {
         for PairState { proxy } in &mut self.pairs {
             let flags = source.word()?;
             (proxy.touching, proxy.below) = (flags & 1 != 0, flags & 2 != 0);
-            proxy.foot = WarmFoot { u: float(source)?, v: float(source)?, budget_m: float(source)? };
+            let mut foot = [0.0; 4];
+            source.floats(&mut foot)?;
+            let [u, v, budget_m, net_cost] = foot;
+            proxy.foot = WarmFoot { u, v, budget_m, net_cost };
+            source.floats(proxy.queried.coords.as_mut_slice())?;
         }
         let warm_len = source.word()?;
         if warm_len > MAX_ROWS as u64 {
