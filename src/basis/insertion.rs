@@ -28,7 +28,7 @@ impl KnotVector {
         if !knot.is_finite() {
             return Err(KnotError::NotFinite { index: 0, value: knot });
         }
-        if !self.is_periodic() && !(knot >= start && knot <= end) {
+        if !self.is_periodic() && (knot < start || knot > end) {
             return Err(KnotError::Outside { value: knot, start, end });
         }
         let knot = self.confine_from(knot, Side::Right);

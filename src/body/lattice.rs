@@ -8,7 +8,7 @@
 use super::cells::{CellGrid, CellQuality};
 use super::springs::{self, Spring};
 use crate::math::{
-    simd, Cholesky, CholeskyError, Lane, Point3, StateError, StateSink, StateSource, SymmetricTriplets, Vector3,
+    Cholesky, CholeskyError, Lane, Point3, StateError, StateSink, StateSource, SymmetricTriplets, Vector3, simd,
 };
 
 /// What a body is made of, SI.

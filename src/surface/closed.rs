@@ -228,3 +228,148 @@ fn coincide(a: &[(Point3, f64)], b: &[(Point3, f64)], tolerance: f64) -> bool {
 fn is_one_point(row: &[(Point3, f64)], tolerance: f64) -> bool {
     row.iter().all(|(point, _)| (point - row[0].0).norm() <= tolerance)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::builtin::builtin;
+    use super::super::testing::tilted;
+    use super::*;
+    use std::f64::consts::PI;
+
+    #[test]
+    fn teardrops_and_spheres_have_a_seam_and_two_poles() {
+        for name in ["teardrop", "sphere"] {
+            let topology = tilted(&builtin(name, None, None).unwrap()).topology();
+            assert_eq!(topology.closing, [Closing::Seam, Closing::Open], "{name}");
+            assert_eq!(topology.poles, [[false; 2], [true; 2]], "{name}");
+            assert!(topology.is_closed());
+        }
+    }
+
+    #[test]
+    fn a_torus_is_periodic_twice_and_a_sheet_is_open() {
+        let torus = builtin("torus", None, None).unwrap().topology();
+        assert_eq!((torus.closing, torus.is_closed()), ([Closing::Periodic; 2], true));
+        let sheet = builtin("sheet", None, None).unwrap().topology();
+        assert_eq!((sheet.closing, sheet.poles), ([Closing::Open; 2], [[false; 2]; 2]));
+        assert!(!sheet.is_closed());
+    }
+
+    #[test]
+    fn a_seam_is_found_to_a_billionth_of_the_size_and_not_beyond() {
+        let drop = builtin("teardrop", None, None).unwrap();
+        for (gap, closed) in [(0.9, true), (1.2, false)] {
+            let mut torn = drop.clone();
+            let gap = gap * SAME_POINT * drop.size();
+            torn.net_mut().points_mut()[3].x += gap;
+            assert_eq!(torn.topology().is_closed(), closed, "gap {gap}");
+            if closed {
+                let mended = torn.with_exact_seams();
+                assert_eq!(mended.net().at(0, 3), mended.net().at(7, 3));
+            }
+        }
+    }
+
+    // A cylinder without caps: its seam closes it round, but not at its ends.
+    #[test]
+    fn a_tube_is_not_closed_and_a_disjoined_sphere_is_torn() {
+        let sphere = builtin("sphere", None, None).unwrap();
+        let tube = sphere.insert_knots_v(&[0.5]).unwrap();
+        assert!(tube.topology().is_closed(), "its parts still meet");
+        let mut torn = tube.clone();
+        let columns = torn.net().columns();
+        let half = columns / 2;
+        for (k, point) in torn.net_mut().points_mut().iter_mut().enumerate() {
+            if k % columns >= half {
+                point.z += 0.01;
+            }
+        }
+        assert_eq!(torn.topology().torn, [false, true]);
+        assert!(!torn.topology().is_closed());
+    }
+
+    #[test]
+    fn volume_of_a_rational_sphere_is_four_thirds_pi() {
+        for radius in [0.05, 3.0] {
+            let sphere = tilted(&builtin("sphere", None, Some(radius)).unwrap());
+            let exact = 4.0 / 3.0 * PI * radius.powi(3);
+            let error = sphere.volume() / exact - 1.0;
+            assert!(error.abs() < 1e-12, "radius {radius}: relative error {error}");
+        }
+    }
+
+    // Triangles in disguise: degree 1, a square ring, and both caps collapsed to points.
+    #[test]
+    fn volume_of_a_faceted_spindle_is_that_of_its_pyramids() {
+        let knots_u = KnotVector::periodic_uniform(1, 4).unwrap();
+        let knots_v = KnotVector::clamped_uniform(1, 3).unwrap();
+        let ring = [[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0]];
+        let points = ring
+            .iter()
+            .flat_map(|&[x, y]| [Point3::new(0.0, 0.0, -2.0), Point3::new(x, y, 0.0), Point3::new(0.0, 0.0, 1.0)])
+            .collect();
+        let spindle = Surface::new(knots_u, knots_v, ControlNet::new(4, 3, points).unwrap(), None).unwrap();
+        assert!(spindle.topology().is_closed());
+        // Two pyramids over a square of area 2, heights 2 and 1.
+        assert!((spindle.volume() - 2.0 * 3.0 / 3.0).abs() < 1e-14, "{}", spindle.volume());
+    }
+
+    // Independent of quadrature: tetrahedra from the centre to a fine triangulation, whose error falls by 4 with each
+    // halving; extrapolated twice.
+    #[test]
+    fn volume_of_the_teardrop_is_what_fine_triangles_tend_to() {
+        let drop = builtin("teardrop", None, None).unwrap();
+        let triangles = |count: usize| -> f64 {
+            let grid: Vec<Vec<Point3>> = (0..=count)
+                .map(|i| (0..=count).map(|j| drop.point(i as f64 / count as f64, j as f64 / count as f64)).collect())
+                .collect();
+            let mut six_times = 0.0;
+            for i in 0..count {
+                for j in 0..count {
+                    let [a, b, c, d] =
+                        [grid[i][j], grid[i + 1][j], grid[i + 1][j + 1], grid[i][j + 1]].map(|p| p.coords);
+                    six_times += a.dot(&b.cross(&c)) + a.dot(&c.cross(&d));
+                }
+            }
+            (six_times / 6.0).abs()
+        };
+        // Counts divisible by the five spans, so that every cell is smooth.
+        let (coarse, middle, fine) = (triangles(40), triangles(80), triangles(160));
+        let (first, second) = ((4.0 * middle - coarse) / 3.0, (4.0 * fine - middle) / 3.0);
+        let limit = (16.0 * second - first) / 15.0;
+        let volume = drop.volume();
+        assert!((volume - limit).abs() < 1e-9 * volume, "{volume} m³, triangles tend to {limit} m³");
+    }
+
+    #[test]
+    fn normals_are_turned_outwards_whatever_the_parametrisation() {
+        for name in ["teardrop", "sphere", "torus"] {
+            let surface = builtin(name, None, None).unwrap();
+            for twisted in
+                [surface.clone(), surface.swap_uv(), surface.clone().with_flip_normal(!surface.flip_normal())]
+            {
+                assert!(twisted.oriented_outward().volume() > 0.0, "{name}");
+            }
+        }
+    }
+
+    #[test]
+    fn distinct_points_merge_seams_and_poles() {
+        let count = |name: &str| {
+            let surface = builtin(name, None, None).unwrap();
+            surface.distinct_points(&surface.topology()).count
+        };
+        // 7 × 6 between the poles, and the poles.
+        assert_eq!(count("teardrop"), 7 * 6 + 2);
+        assert_eq!(count("sphere"), 8 * 3 + 2);
+        assert_eq!(count("torus"), 16 * 12);
+        assert_eq!(count("sheet"), 64);
+        let drop = builtin("teardrop", None, None).unwrap();
+        let distinct = drop.distinct_points(&drop.topology());
+        let positions: Vec<Point3> = distinct.representatives().iter().map(|&k| drop.net().points()[k]).collect();
+        let mut net = drop.net().clone();
+        net.points_mut().fill(Point3::origin());
+        distinct.scatter(&positions, &mut net);
+        assert_eq!(&net, drop.net());
+    }
+}

@@ -153,3 +153,90 @@ fn even_knots(knots: &KnotVector, more: usize) -> Vec<f64> {
     };
     spans.iter().flat_map(split).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::builtin::builtin;
+    use super::super::testing::{fifty_surfaces, pairs};
+    use super::*;
+    use crate::basis::testing::{Random, parameters};
+
+    fn assert_same_shape(a: &Surface, b: &Surface, seed: u64) {
+        for (u, v) in pairs(&mut Random(seed), a, 4) {
+            let error = (a.point(u, v) - b.point(u, v)).norm();
+            assert!(error <= 1e-12 * a.size(), "{a:?} moved by {error} at ({u}, {v})");
+        }
+    }
+
+    #[test]
+    fn insertion_leaves_every_kind_of_surface_where_it_is() {
+        let mut random = Random(41);
+        for (k, surface) in fifty_surfaces(41).into_iter().enumerate() {
+            let room = |knots: &KnotVector, value: f64| knots.insertion(value).is_ok();
+            let mut us = parameters(&mut random, surface.knots_u(), 3);
+            us.retain(|&u| room(surface.knots_u(), u));
+            us.pop();
+            let mut vs = parameters(&mut random, surface.knots_v(), 3);
+            vs.retain(|&v| room(surface.knots_v(), v));
+            vs.pop();
+            let fine = surface.insert_knots_u(&us).unwrap().insert_knots_v(&vs).unwrap();
+            let (rows, columns) = (surface.net().rows() + us.len(), surface.net().columns() + vs.len());
+            assert_eq!((fine.net().rows(), fine.net().columns()), (rows, columns));
+            assert_same_shape(&surface, &fine, k as u64);
+        }
+    }
+
+    #[test]
+    fn refinement_reaches_the_counts_and_keeps_seams_and_poles_exact() {
+        for name in ["teardrop", "sphere", "torus", "sheet"] {
+            let surface = builtin(name, None, None).unwrap();
+            let fine = surface.refined_to(22, 23).unwrap();
+            assert_eq!(fine.distinct_counts(), [22, 23], "{name}");
+            assert_eq!(fine.topology(), surface.topology(), "{name}");
+            assert_same_shape(&surface, &fine, 5);
+            assert_eq!(fine.clone().with_exact_seams(), fine, "{name}: seams and poles are equal bit for bit");
+            assert!((fine.volume() - surface.volume()).abs() < 1e-12 * surface.size().powi(3));
+        }
+    }
+
+    #[test]
+    fn refinement_splits_spans_evenly() {
+        let sheet = builtin("sheet", Some([4, 4]), None).unwrap().refined_to(8, 4).unwrap();
+        assert_eq!(sheet.knots_u(), &KnotVector::clamped_uniform(3, 8).unwrap());
+        assert_eq!(sheet.knots_v(), &KnotVector::clamped_uniform(3, 4).unwrap());
+        assert_eq!(sheet.refined_to(3, 3).unwrap(), sheet, "as many already");
+    }
+
+    #[test]
+    fn exchanging_u_and_v_keeps_points_and_the_outward_side() {
+        for surface in fifty_surfaces(42).into_iter().take(10) {
+            let swapped = surface.swap_uv();
+            for (u, v) in pairs(&mut Random(1), &surface, 2) {
+                assert!((surface.point(u, v) - swapped.point(v, u)).norm() < 1e-14);
+            }
+            assert_eq!(swapped.swap_uv(), surface);
+        }
+        let drop = builtin("teardrop", None, None).unwrap();
+        assert!((drop.volume() - drop.swap_uv().volume()).abs() < 1e-15);
+    }
+
+    #[test]
+    fn placement_moves_points_as_the_net() {
+        let pose = Pose::new(crate::math::Vector3::new(0.1, -0.2, 0.3), crate::math::Vector3::new(0.4, 1.0, -0.3));
+        for surface in fifty_surfaces(43).into_iter().take(10) {
+            let moved = surface.transformed(&pose);
+            for (u, v) in pairs(&mut Random(1), &surface, 2) {
+                assert!((pose * surface.point(u, v) - moved.point(u, v)).norm() < 1e-14);
+            }
+        }
+    }
+
+    #[test]
+    fn a_knot_that_cannot_be_inserted_is_named() {
+        let sheet = builtin("sheet", None, None).unwrap();
+        let message = sheet.insert_knots_v(&[0.1, 1.5]).unwrap_err().to_string();
+        assert_eq!(message, "knots in v: 1.5 is outside the domain 0 ..= 1");
+        let message = sheet.insert_knots_u(&[0.3; 5]).unwrap_err().to_string();
+        assert_eq!(message, "knots in u: knot 0.3 is repeated 5 times; degree 3 allows 4");
+    }
+}

@@ -260,3 +260,106 @@ impl Surface {
 pub(crate) fn wrap(index: usize, count: usize) -> usize {
     if index < count { index } else { index - count }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::testing::{fifty_surfaces, pairs, twin_derivative};
+    use super::*;
+    use crate::basis::testing::Random;
+
+    #[test]
+    fn points_and_derivatives_agree_with_the_recursive_definition() {
+        let mut random = Random(31);
+        let mut tried = 0;
+        for surface in fifty_surfaces(31) {
+            for (u, v) in pairs(&mut random, &surface, 6) {
+                tried += 1;
+                let frame = surface.frame(u, v);
+                let point = twin_derivative(&surface, u, v, 0, 0);
+                let error = (frame.point.coords - point).norm();
+                assert!(error <= 1e-12 * surface.size(), "{surface:?} at ({u}, {v}): point off by {error}");
+                assert!((surface.point(u, v) - frame.point).norm() <= 1e-14, "point and frame disagree");
+                let derivatives =
+                    [(frame.du, 1, 0), (frame.dv, 0, 1), (frame.duu, 2, 0), (frame.duv, 1, 1), (frame.dvv, 0, 2)];
+                for (derivative, k, l) in derivatives {
+                    let wanted = twin_derivative(&surface, u, v, k, l);
+                    let error = (derivative - wanted).norm();
+                    // Relative, but not to a derivative that cancels to nothing.
+                    let scale = wanted.norm().max(surface.size());
+                    assert!(error <= 1e-10 * scale, "{surface:?} at ({u}, {v}), order ({k}, {l}): off by {error}");
+                }
+            }
+        }
+        assert!(tried > 3000, "{tried} pairs are too few to mean much");
+    }
+
+    #[test]
+    fn derivatives_of_rational_surfaces_agree_with_differences() {
+        for surface in fifty_surfaces(32).into_iter().filter(|s| s.weights().is_some()) {
+            let middle = |knots: &KnotVector| {
+                let i = knots.spans().next().unwrap();
+                (0.5 * (knots.knots()[i] + knots.knots()[i + 1]), 1e-4 * (knots.knots()[i + 1] - knots.knots()[i]))
+            };
+            let ((u, h), (v, k)) = (middle(surface.knots_u()), middle(surface.knots_v()));
+            let at = |a: f64, b: f64| surface.frame(u + a * h, v + b * k);
+            let frame = at(0.0, 0.0);
+            let along_u = (at(1.0, 0.0).point - at(-1.0, 0.0).point) / (2.0 * h);
+            let along_v = (at(0.0, 1.0).point - at(0.0, -1.0).point) / (2.0 * k);
+            let uu = (at(1.0, 0.0).du - at(-1.0, 0.0).du) / (2.0 * h);
+            let uv = (at(1.0, 0.0).dv - at(-1.0, 0.0).dv) / (2.0 * h);
+            let vv = (at(0.0, 1.0).dv - at(0.0, -1.0).dv) / (2.0 * k);
+            let pairs = [(along_u, frame.du), (along_v, frame.dv), (uu, frame.duu), (uv, frame.duv), (vv, frame.dvv)];
+            for (k, (difference, derivative)) in pairs.into_iter().enumerate() {
+                // Truncation h² S''' with spans of about 1/2 and steps of 1e-4 of them.
+                let error = (difference - derivative).norm();
+                assert!(error < 1e-4 * derivative.norm().max(1.0), "{surface:?}: derivative {k} off by {error}");
+            }
+        }
+    }
+
+    #[test]
+    fn equal_weights_change_nothing() {
+        for surface in fifty_surfaces(33).into_iter().filter(|s| s.weights().is_none()).take(10) {
+            let weights = vec![1.7; surface.net().points().len()];
+            let rational = Surface::new(
+                surface.knots_u().clone(),
+                surface.knots_v().clone(),
+                surface.net().clone(),
+                Some(weights),
+            )
+            .unwrap();
+            for (u, v) in pairs(&mut Random(33), &surface, 2) {
+                let (a, b) = (surface.frame(u, v), rational.frame(u, v));
+                assert!((a.point - b.point).norm() < 1e-14);
+                assert!((a.duv - b.duv).norm() < 1e-11 * (1.0 + a.duv.norm()), "{} {}", a.duv, b.duv);
+            }
+        }
+    }
+
+    // Left and right of a knot of full multiplicity are two surfaces.
+    #[test]
+    fn a_disjoined_surface_has_two_points_at_its_gap() {
+        let u = KnotVector::new(1, vec![0.0, 0.0, 1.0, 1.0, 2.0, 2.0]).unwrap();
+        let v = KnotVector::clamped_uniform(1, 2).unwrap();
+        let xs = [0.0, 1.0, 3.0, 4.0];
+        let points = xs.iter().flat_map(|&x| [Point3::new(x, 0.0, 0.0), Point3::new(x, 1.0, 0.0)]).collect();
+        let surface = Surface::new(u, v, ControlNet::new(4, 2, points).unwrap(), None).unwrap();
+        assert_eq!(surface.frame_from(1.0, 0.5, Side::Left, Side::Right).point, Point3::new(1.0, 0.5, 0.0));
+        assert_eq!(surface.frame_from(1.0, 0.5, Side::Right, Side::Right).point, Point3::new(3.0, 0.5, 0.0));
+    }
+
+    #[test]
+    fn bad_nets_and_weights_are_refused_with_what_and_where() {
+        let knots = || KnotVector::clamped_uniform(1, 2).unwrap();
+        let net = |rows, columns| ControlNet::new(rows, columns, vec![Point3::origin(); rows * columns]).unwrap();
+        let error = Surface::new(knots(), knots(), net(2, 3), None).unwrap_err();
+        assert_eq!(error, SurfaceError::Size { direction: 'v', given: 3, needed: 2 });
+        let weighted = |weights: Vec<f64>| Surface::new(knots(), knots(), net(2, 2), Some(weights)).unwrap_err();
+        assert_eq!(weighted(vec![1.0; 3]), SurfaceError::WeightCount { given: 3, needed: 4 });
+        assert_eq!(weighted(vec![1.0, 1.0, 0.0, 1.0]), SurfaceError::Weight { row: 1, column: 0, value: 0.0 });
+        assert!(matches!(weighted(vec![1.0, f64::NAN, 1.0, 1.0]), SurfaceError::Weight { row: 0, column: 1, .. }));
+        let points = vec![Point3::origin(), Point3::new(0.0, f64::INFINITY, 0.0)];
+        let error = ControlNet::new(1, 2, points).unwrap_err();
+        assert_eq!(error, NetError::NotFinite { row: 0, column: 1, value: f64::INFINITY });
+    }
+}
