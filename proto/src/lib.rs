@@ -1,3 +1,12 @@
-//! Wire messages, key expressions and recording schemas of Palpate.
+//! What Palpate says on the bus and writes into recordings.
+//!
+//! [`messages`] are the bus messages, [`codec`] their bytes, [`keys`] where they travel, [`rpc`] the JSON of commands;
+//! with the `recording` feature, [`recording`] holds the Protobuf messages of MCAP files. `docs/wire.md` of the project
+//! gives the byte layout for people who write a client without this crate.
 
+pub mod codec;
+pub mod keys;
 pub mod messages;
+#[cfg(feature = "recording")]
+pub mod recording;
+pub mod rpc;

@@ -1,0 +1,188 @@
+//! Bytes of messages: postcard, with the type's versioned name in the encoding's schema.
+
+use crate::messages::{Message, ToolPose};
+
+/// Largest message we decode. A scene snapshot of twenty large bodies stays below; a hostile length does not get memory.
+pub const MAX_BYTES: usize = 16 << 20;
+
+/// Why bytes were refused.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum DecodeError {
+    /// Another type or version.
+    #[error("the encoding's schema is {got:?}, not {expected:?}")]
+    WrongSchema {
+        /// Ours.
+        expected: String,
+        /// Theirs.
+        got: String,
+    },
+    /// Too long.
+    #[error("{0} bytes are more than any message has ({MAX_BYTES})")]
+    Oversized(usize),
+    /// Not the bytes of this type.
+    #[error("not the bytes of a {name}: {reason}")]
+    Malformed {
+        /// Type name.
+        name: &'static str,
+        /// postcard's words.
+        reason: String,
+    },
+    /// Bytes after the end.
+    #[error("{extra} bytes after the end of a {name}")]
+    Trailing {
+        /// Type name.
+        name: &'static str,
+        /// How many.
+        extra: usize,
+    },
+}
+
+/// Schema string of the encoding that goes with a message: `postcard;palpate.ToolPose.v1`.
+pub fn encoding_schema<M: Message>() -> String {
+    format!("postcard;{}", M::NAME)
+}
+
+/// Bytes of a message.
+pub fn encode<M: Message>(message: &M) -> Vec<u8> {
+    postcard::to_allocvec(message).expect("messages hold only what postcard can write")
+}
+
+/// Reads a message. `schema` is that of the sample's encoding; an empty one is not checked.
+///
+/// # Errors
+/// Another schema, too many bytes, or not the bytes of an `M`.
+pub fn decode<M: Message>(bytes: &[u8], schema: &str) -> Result<M, DecodeError> {
+    if !schema.is_empty() && schema.strip_prefix("postcard;") != Some(M::NAME) {
+        return Err(DecodeError::WrongSchema { expected: encoding_schema::<M>(), got: schema.to_owned() });
+    }
+    if bytes.len() > MAX_BYTES {
+        return Err(DecodeError::Oversized(bytes.len()));
+    }
+    match postcard::take_from_bytes(bytes) {
+        Ok((message, [])) => Ok(message),
+        Ok((_, rest)) => Err(DecodeError::Trailing { name: M::NAME, extra: rest.len() }),
+        Err(reason) => Err(DecodeError::Malformed { name: M::NAME, reason: reason.to_string() }),
+    }
+}
+
+/// Why a pose was refused.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+pub enum PoseError {
+    /// NaN or infinity.
+    #[error("pose {seq} has a value that is not finite")]
+    NotFinite {
+        /// Its number.
+        seq: u64,
+    },
+    /// Not a rotation.
+    #[error("pose {seq} has a quaternion of length {norm}; it must be 1 within 1e-6")]
+    Quaternion {
+        /// Its number.
+        seq: u64,
+        /// Its length.
+        norm: f64,
+    },
+}
+
+impl ToolPose {
+    /// The pose with its quaternion brought to unit length.
+    ///
+    /// # Errors
+    /// Values that are not finite, or a quaternion whose length is not 1 within 1e-6.
+    pub fn validated(mut self) -> Result<Self, PoseError> {
+        let seq = self.seq;
+        let parts = [&self.position[..], &self.orientation, &self.linear_velocity, &self.angular_velocity];
+        if parts.iter().any(|part| part.iter().any(|x| !x.is_finite())) {
+            return Err(PoseError::NotFinite { seq });
+        }
+        let norm = self.orientation.iter().map(|x| x * x).sum::<f64>().sqrt();
+        if (norm - 1.0).abs() > 1e-6 {
+            return Err(PoseError::Quaternion { seq, norm });
+        }
+        for x in &mut self.orientation {
+            *x /= norm;
+        }
+        Ok(self)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::messages::{ContactSet, ControlNet, LoopStatus, SceneSnapshot, SimEvent, ToolForce};
+
+    fn pose() -> ToolPose {
+        ToolPose {
+            seq: 300,
+            t_client_ns: 1_000_000_007,
+            position: [0.1, -0.2, 0.3],
+            orientation: [0.0, 0.0, 0.6, 0.8],
+            linear_velocity: [0.0, -0.0, 1.5],
+            angular_velocity: [0.0; 3],
+            buttons: 1,
+            flags: 0,
+        }
+    }
+
+    #[test]
+    fn a_message_comes_back_bit_for_bit() {
+        let bytes = encode(&pose());
+        let back: ToolPose = decode(&bytes, "postcard;palpate.ToolPose.v1").unwrap();
+        assert_eq!(back, pose());
+        assert_eq!(back.linear_velocity[1].to_bits(), (-0.0f64).to_bits());
+    }
+
+    #[test]
+    fn other_types_versions_lengths_and_tails_are_refused_by_name() {
+        let bytes = encode(&pose());
+        assert!(matches!(
+            decode::<ToolPose>(&bytes, "postcard;palpate.ToolPose.v2"),
+            Err(DecodeError::WrongSchema { .. })
+        ));
+        assert!(matches!(decode::<ToolPose>(&bytes[..50], ""), Err(DecodeError::Malformed { .. })));
+        let mut long = bytes.clone();
+        long.push(0);
+        assert!(matches!(decode::<ToolPose>(&long, ""), Err(DecodeError::Trailing { extra: 1, .. })));
+        assert!(matches!(decode::<ControlNet>(&vec![0; MAX_BYTES + 1], ""), Err(DecodeError::Oversized(_))));
+    }
+
+    #[test]
+    fn random_truncated_and_flipped_bytes_never_panic() {
+        let mut state = 1u64;
+        let mut random = || {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+            (state >> 33) as usize
+        };
+        let good = encode(&pose());
+        let mut accepted = 0;
+        for _ in 0..20_000 {
+            let mut bytes =
+                if random() % 2 == 0 { good.clone() } else { (0..random() % 200).map(|_| random() as u8).collect() };
+            if !bytes.is_empty() {
+                let at = random() % bytes.len();
+                bytes[at] ^= 1 << (random() % 8);
+                bytes.truncate(bytes.len() - random() % 2);
+            }
+            accepted += usize::from(decode::<ToolPose>(&bytes, "").is_ok_and(|pose| pose.validated().is_ok()));
+            let _ = decode::<ToolForce>(&bytes, "");
+            let _ = decode::<ControlNet>(&bytes, "");
+            let _ = decode::<ContactSet>(&bytes, "");
+            let _ = decode::<LoopStatus>(&bytes, "");
+            let _ = decode::<SimEvent>(&bytes, "");
+            let _ = decode::<SceneSnapshot>(&bytes, "");
+        }
+        assert!(accepted > 0, "a flipped low bit of a position is still a pose");
+    }
+
+    #[test]
+    fn poses_that_no_rigid_body_can_have_are_refused() {
+        assert!(pose().validated().is_ok());
+        let bent = ToolPose { orientation: [0.0, 0.0, 0.6, 0.9], ..pose() };
+        assert!(matches!(bent.validated(), Err(PoseError::Quaternion { seq: 300, .. })));
+        let lost = ToolPose { position: [0.0, f64::NAN, 0.0], ..pose() };
+        assert!(matches!(lost.validated(), Err(PoseError::NotFinite { seq: 300 })));
+        let nearly = ToolPose { orientation: [0.0, 0.0, 0.6, 0.8 + 1e-8], ..pose() };
+        let unit = nearly.validated().unwrap().orientation;
+        assert!((unit.iter().map(|x| x * x).sum::<f64>() - 1.0).abs() < 1e-15);
+    }
+}

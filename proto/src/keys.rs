@@ -1,0 +1,114 @@
+//! Key expressions. `palpate/{instance}/…`; ids are `[a-z0-9_-]{1,64}`; `@` chunks stay out of `**`.
+
+/// An id that cannot be a chunk of a key.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{0:?} is no id: use 1 to 64 of a-z, 0-9, '_' and '-'")]
+pub struct IdError(pub String);
+
+/// Checks an id.
+///
+/// # Errors
+/// Empty, longer than 64, or other characters.
+pub fn check_id(id: &str) -> Result<&str, IdError> {
+    let fits = |b: u8| b.is_ascii_lowercase() || b.is_ascii_digit() || b == b'_' || b == b'-';
+    if (1..=64).contains(&id.len()) && id.bytes().all(fits) { Ok(id) } else { Err(IdError(id.to_owned())) }
+}
+
+/// All keys of one instance.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Keys {
+    root: String,
+}
+
+impl Keys {
+    /// Keys of an instance.
+    ///
+    /// # Errors
+    /// A name that is no id.
+    pub fn new(instance: &str) -> Result<Self, IdError> {
+        Ok(Self { root: format!("palpate/{}", check_id(instance)?) })
+    }
+
+    /// Poses of a tool, tool → daemon.
+    pub fn tool_pose(&self, tool: &str) -> String {
+        format!("{}/tool/{tool}/pose", self.root)
+    }
+
+    /// Forces of a tool, daemon → tool.
+    pub fn tool_force(&self, tool: &str) -> String {
+        format!("{}/tool/{tool}/force", self.root)
+    }
+
+    /// Control net of a body; also queryable.
+    pub fn body_net(&self, body: &str) -> String {
+        format!("{}/body/{body}/net", self.root)
+    }
+
+    /// Contacts.
+    pub fn contact(&self) -> String {
+        format!("{}/contact", self.root)
+    }
+
+    /// Health; also queryable.
+    pub fn status(&self) -> String {
+        format!("{}/status", self.root)
+    }
+
+    /// Events.
+    pub fn event(&self) -> String {
+        format!("{}/event", self.root)
+    }
+
+    /// Queryable: everything a late joiner needs.
+    pub fn scene(&self) -> String {
+        format!("{}/scene", self.root)
+    }
+
+    /// Queryable of one method.
+    pub fn rpc(&self, method: &str) -> String {
+        format!("{}/rpc/{method}", self.root)
+    }
+
+    /// Queryable: JSON about the server.
+    pub fn meta_info(&self) -> String {
+        format!("{}/@meta/info", self.root)
+    }
+
+    /// Liveliness token of a server.
+    pub fn live_server(&self, id: &str) -> String {
+        format!("{}/@live/server/{id}", self.root)
+    }
+
+    /// Liveliness token of whoever holds a tool; `*` for all.
+    pub fn live_tool(&self, tool: &str) -> String {
+        format!("{}/@live/tool/{tool}", self.root)
+    }
+
+    /// The tool whose liveliness token a key is.
+    pub fn tool_of_live<'k>(&self, key: &'k str) -> Option<&'k str> {
+        key.strip_prefix(&self.root)?.strip_prefix("/@live/tool/")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn keys_are_those_of_the_table_and_live_keys_parse_back() {
+        let keys = Keys::new("default").unwrap();
+        assert_eq!(keys.tool_pose("ball"), "palpate/default/tool/ball/pose");
+        assert_eq!(keys.body_net("drop"), "palpate/default/body/drop/net");
+        assert_eq!(keys.rpc("reset"), "palpate/default/rpc/reset");
+        assert_eq!(keys.tool_of_live(&keys.live_tool("ball")), Some("ball"));
+        assert_eq!(keys.tool_of_live("palpate/other/@live/tool/ball"), None);
+    }
+
+    #[test]
+    fn ids_with_other_characters_are_refused() {
+        for id in ["", "A", "a/b", "a b", "ä", "*", "@x", &"a".repeat(65)] {
+            assert!(check_id(id).is_err(), "{id:?} was accepted");
+        }
+        assert!(check_id(&"a".repeat(64)).is_ok());
+    }
+}
