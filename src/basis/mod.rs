@@ -5,6 +5,7 @@
 //!     └──────── Blending::new(parameters) ──▶ rows of windows; BlendingInverse fits with them
 //! ```
 
+mod blending;
 mod insertion;
 mod knots;
 mod window;
@@ -12,6 +13,7 @@ mod window;
 #[cfg(test)]
 pub(crate) mod testing;
 
+pub use blending::{Blendable, Blending, BlendingInverse};
 pub use insertion::Insertion;
 pub use knots::{KnotError, KnotKind, KnotVector, MAX_DEGREE, Side};
 pub use window::BasisWindow;

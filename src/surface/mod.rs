@@ -7,7 +7,9 @@ pub mod builtin;
 mod closed;
 pub mod file;
 mod net;
+mod normal;
 mod refine;
+mod samples;
 mod tensor;
 mod topology;
 
@@ -18,5 +20,7 @@ pub use builtin::{BuiltinError, builtin};
 pub use closed::{DistinctPoints, SAME_POINT};
 pub use file::FileError;
 pub use net::{ControlNet, NetError};
+pub use normal::Curvature;
+pub use samples::{GridFit, SampleGrid, Samples};
 pub use tensor::{Frame, Surface, SurfaceError};
 pub use topology::{Closing, Topology};
