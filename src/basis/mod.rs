@@ -2,7 +2,8 @@
 //!
 //! ```text
 //! KnotVector ── window(u) ──▶ BasisWindow: first column, degree + 1 values, first and second derivatives
-//!     └──────── Blending::new(parameters) ──▶ rows of windows; BlendingInverse fits with them
+//!     ├──────── insertion(u) ──▶ Insertion: the finer knots, and how control points follow
+//!     └──────── Blending::new(parameters) ──▶ rows of windows ──▶ BlendingInverse fits with them
 //! ```
 
 mod blending;
