@@ -24,14 +24,7 @@ impl KnotVector {
     /// Not finite; outside a domain that does not wrap; or already there `degree + 1` times.
     pub fn insertion(&self, knot: f64) -> Result<Insertion, KnotError> {
         let p = self.degree();
-        let (start, end) = self.domain();
-        if !knot.is_finite() {
-            return Err(KnotError::NotFinite { index: 0, value: knot });
-        }
-        if !self.is_periodic() && (knot < start || knot > end) {
-            return Err(KnotError::Outside { value: knot, start, end });
-        }
-        let knot = self.confine_from(knot, Side::Right);
+        let knot = self.confine_from(self.checked(knot)?, Side::Right);
         let mut values = self.file_knots().to_vec();
         values.insert(values.partition_point(|&k| k <= knot), knot);
         let knots = if self.is_periodic() { Self::periodic(p, values)? } else { Self::new(p, values)? };

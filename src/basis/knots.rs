@@ -6,6 +6,12 @@
 /// Largest degree we accept: windows live on the stack.
 pub const MAX_DEGREE: usize = 15;
 
+/// Largest absolute value of a knot.
+const MAX_KNOT: f64 = 1e100;
+
+/// Shortest span that is not empty.
+const MIN_SPAN: f64 = 1e-100;
+
 /// How the ends of a knot vector behave.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum KnotKind {
@@ -81,6 +87,25 @@ pub enum KnotError {
         /// Degree.
         degree: usize,
     },
+    /// A knot so large that differences overflow.
+    #[error("knot {index} is {value:e}; knots stay within ±{MAX_KNOT:e}")]
+    Large {
+        /// Where.
+        index: usize,
+        /// What.
+        value: f64,
+    },
+    /// A span so short that its inverse square overflows.
+    #[error("knots {} and {index} are {span:e} apart: make them equal, or at least {MIN_SPAN:e} apart", index - 1)]
+    TooClose {
+        /// The second of the two.
+        index: usize,
+        /// Their distance.
+        span: f64,
+    },
+    /// A parameter that is not a number.
+    #[error("parameter {0} is not a finite number")]
+    Parameter(f64),
     /// A parameter outside a domain that does not wrap.
     #[error("{value} is outside the domain {start} ..= {end}")]
     Outside {
@@ -246,6 +271,21 @@ impl KnotVector {
         }
     }
 
+    /// The parameter inside the domain: wrapped when periodic, refused when outside otherwise.
+    ///
+    /// # Errors
+    /// Not finite, or outside a domain that does not wrap.
+    pub fn checked(&self, u: f64) -> Result<f64, KnotError> {
+        if !u.is_finite() {
+            return Err(KnotError::Parameter(u));
+        }
+        let (start, end) = self.domain();
+        if !self.is_periodic() && (u < start || u > end) {
+            return Err(KnotError::Outside { value: u, start, end });
+        }
+        Ok(self.confine(u))
+    }
+
     /// [`KnotVector::confine`], and where a period closes the end is taken for the start (from the right) or the start
     /// for the end (from the left).
     pub fn confine_from(&self, u: f64, side: Side) -> f64 {
@@ -326,6 +366,13 @@ fn check_values(degree: usize, knots: &[f64]) -> Result<(), KnotError> {
         }
         if index > 0 && value < knots[index - 1] {
             return Err(KnotError::Decreasing { index, value, previous: knots[index - 1] });
+        }
+        if value.abs() > MAX_KNOT {
+            return Err(KnotError::Large { index, value });
+        }
+        let span = if index > 0 { value - knots[index - 1] } else { 0.0 };
+        if span > 0.0 && span < MIN_SPAN {
+            return Err(KnotError::TooClose { index, span });
         }
         multiplicity = if index > 0 && value == knots[index - 1] { multiplicity + 1 } else { 1 };
         if multiplicity > degree + 1 {
@@ -424,5 +471,29 @@ mod tests {
         assert!(KnotVector::periodic(3, vec![0.0, 1.0, 2.0, 3.0]).is_err());
         assert!(KnotVector::periodic(1, vec![2.0, 2.0, 2.0]).is_err());
         assert!(KnotVector::new(1, vec![0.0, 0.0, f64::INFINITY, f64::INFINITY]).is_err());
+        assert_eq!(
+            message(1, &[0.0, 0.0, 1e-200, 1.0, 1.0]),
+            "knots 1 and 2 are 1e-200 apart: make them equal, or at least 1e-100 apart"
+        );
+        assert_eq!(message(1, &[-1e200, -1e200, 1.0, 1.0]), "knot 0 is -1e200; knots stay within ±1e100");
+    }
+
+    // Equal but for a rounding, as files have them: a span of one unit in the last place is a span.
+    #[test]
+    fn knots_one_rounding_apart_are_evaluated() {
+        let knots = KnotVector::new(2, vec![0.0, 0.0, 0.0, 0.6, 0.600_000_000_000_000_1, 1.0, 1.0, 1.0]).unwrap();
+        for u in [0.6, 0.600_000_000_000_000_1, 0.3, 0.8] {
+            let sum: f64 = knots.window(u).values().iter().sum();
+            assert!((sum - 1.0).abs() < 1e-14, "{u}");
+        }
+    }
+
+    #[test]
+    fn parameters_are_checked_where_they_come_from_outside() {
+        let clamped = KnotVector::clamped_uniform(3, 6).unwrap();
+        assert_eq!(clamped.checked(1.0), Ok(1.0));
+        assert_eq!(clamped.checked(1.5).unwrap_err().to_string(), "1.5 is outside the domain 0 ..= 1");
+        assert!(matches!(clamped.checked(f64::NAN), Err(KnotError::Parameter(_))));
+        assert_eq!(KnotVector::periodic_uniform(3, 6).unwrap().checked(1.5), Ok(0.5));
     }
 }

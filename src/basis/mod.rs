@@ -2,9 +2,11 @@
 //!
 //! ```text
 //! KnotVector ── window(u) ──▶ BasisWindow: first column, degree + 1 values, first and second derivatives
-//!     └──────── Blending::new(parameters) ──▶ rows of windows; BlendingInverse fits with them
+//!     ├──────── insertion(u) ──▶ Insertion: the finer knots, and how control points follow
+//!     └──────── Blending::new(parameters) ──▶ rows of windows ──▶ BlendingInverse fits with them
 //! ```
 
+mod blending;
 mod insertion;
 mod knots;
 mod window;
@@ -12,6 +14,7 @@ mod window;
 #[cfg(test)]
 pub(crate) mod testing;
 
+pub use blending::{Blendable, Blending, BlendingInverse};
 pub use insertion::Insertion;
 pub use knots::{KnotError, KnotKind, KnotVector, MAX_DEGREE, Side};
 pub use window::BasisWindow;

@@ -55,50 +55,67 @@ impl KnotVector {
         let u = self.confine_from(u, side);
         let p = self.degree();
         let i = self.span(u, side);
-        let t = self.knots();
-        let (mut left, mut right) = ([0.0; WIDTH], [0.0; WIDTH]);
-        // n[k][j]: value j of degree k, for the last three degrees only, which the derivatives need.
-        let mut values = [0.0; WIDTH];
-        let (mut lower, mut lowest) = ([0.0; WIDTH], [0.0; WIDTH]);
-        values[0] = 1.0;
-        for j in 1..=p {
-            lowest = lower;
-            lower = values;
-            left[j] = u - t[i + 1 - j];
-            right[j] = t[i + j] - u;
-            let mut saved = 0.0;
-            for r in 0..j {
-                let quotient = lower[r] / (right[r + 1] + left[j - r]);
-                values[r] = saved + right[r + 1] * quotient;
-                saved = left[j - r] * quotient;
-            }
-            values[j] = saved;
+        // The 2p knots that matter: t[p − 1] <= u <= t[p].
+        let t = &self.knots()[i + 1 - p..=i + p];
+        let mut window = BasisWindow {
+            first: i - p,
+            len: p + 1,
+            values: [0.0; WIDTH],
+            first_derivatives: [0.0; WIDTH],
+            second_derivatives: [0.0; WIDTH],
+        };
+        // The degrees that scenes are made of get loops of constant length, which is twice as fast.
+        match p {
+            2 => fill(2, t, u, &mut window),
+            3 => fill(3, t, u, &mut window),
+            _ => fill(p, t, u, &mut window),
         }
-        let mut first_derivatives = [0.0; WIDTH];
-        let mut second_derivatives = [0.0; WIDTH];
-        difference(t, i, p, p, &lower, &mut first_derivatives);
-        if p >= 2 {
-            let mut inner = [0.0; WIDTH];
-            difference(t, i, p - 1, p - 1, &lowest, &mut inner);
-            difference(t, i, p, p, &inner, &mut second_derivatives);
-        }
-        BasisWindow { first: i - p, len: p + 1, values, first_derivatives, second_derivatives }
+        window
     }
 }
 
-/// Derivative of degree-`k` functions from degree `k - 1`: N'_{i,k} = k (N_{i,k-1} / Δ_i − N_{i+1,k-1} / Δ_{i+1}), eq. 2.7.
-fn difference(t: &[f64], span: usize, k: usize, len: usize, lower: &[f64; WIDTH], out: &mut [f64; WIDTH]) {
-    for j in 0..=len {
-        let column = span + j - k;
-        let mut sum = 0.0;
-        if j > 0 {
-            sum += lower[j - 1] / (t[column + k] - t[column]);
+#[inline(always)]
+fn fill(p: usize, t: &[f64], u: f64, window: &mut BasisWindow) {
+    let t = &t[..2 * p];
+    let values = &mut window.values;
+    // Of the last two rounds: N_{r,j-1} / Δ_r, and 1 / Δ_r of the last; the derivatives need no division of their own.
+    let (mut quotients, mut before) = ([0.0; WIDTH], [0.0; WIDTH]);
+    let mut inverse = [0.0; WIDTH];
+    values[0] = 1.0;
+    for j in 1..=p {
+        before = quotients;
+        let mut saved = 0.0;
+        for r in 0..j {
+            let (low, high) = (t[p + r - j], t[p + r]);
+            inverse[r] = 1.0 / (high - low);
+            let quotient = values[r] * inverse[r];
+            quotients[r] = quotient;
+            values[r] = saved + (high - u) * quotient;
+            saved = (u - low) * quotient;
         }
-        if j < len {
-            sum -= lower[j] / (t[column + k + 1] - t[column + 1]);
-        }
-        out[j] = k as f64 * sum;
+        values[j] = saved;
     }
+    difference(p, &quotients, &mut window.first_derivatives);
+    if p >= 2 {
+        let mut inner = [0.0; WIDTH];
+        difference(p - 1, &before, &mut inner);
+        for r in 0..p {
+            inner[r] *= inverse[r];
+        }
+        difference(p, &inner, &mut window.second_derivatives);
+    }
+}
+
+/// Derivative of degree-`k` functions from those of degree `k − 1`, each over its width of knots:
+/// N'_{i,k} = k (N_{i,k-1} / Δ_i − N_{i+1,k-1} / Δ_{i+1}), eq. 2.7.
+#[inline(always)]
+fn difference(k: usize, quotients: &[f64; WIDTH], out: &mut [f64; WIDTH]) {
+    let factor = k as f64;
+    out[0] = -factor * quotients[0];
+    for j in 1..k {
+        out[j] = factor * (quotients[j - 1] - quotients[j]);
+    }
+    out[k] = factor * quotients[k - 1];
 }
 
 #[cfg(test)]

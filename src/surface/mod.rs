@@ -1,7 +1,18 @@
 //! Tensor-product B-spline and NURBS surfaces.
 //!
 //! `S(u, v) = Σ N_i(u) M_j(v) w_ij P_ij / Σ N_i M_j w_ij`, net u-major: point (i, j) is `points[i * s + j]`.
-//! The outward normal is `S_u × S_v`, unless the surface says `flip_normal`.
+//! The outward normal is `S_u × S_v`, unless the surface says `flip_normal`. Parameters are confined
+//! to the domain; [`KnotVector::checked`](crate::basis::KnotVector::checked) refuses those outside.
+//!
+//! ```
+//! use palpate::surface::builtin;
+//!
+//! let drop = builtin("teardrop", None, None)?;
+//! let fine = drop.refined_to(22, 23)?;
+//! assert!((fine.point(0.3, 0.6) - drop.point(0.3, 0.6)).norm() < 1e-15);
+//! assert!(fine.topology().is_closed() && fine.volume() > 0.0);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 mod bezier;
 pub mod builtin;
@@ -9,7 +20,9 @@ mod closed;
 mod closest;
 pub mod file;
 mod net;
+mod normal;
 mod refine;
+mod samples;
 mod tensor;
 mod topology;
 
@@ -22,5 +35,7 @@ pub use closed::{DistinctPoints, SAME_POINT};
 pub use closest::{ClosestPoint, ClosestSolver, WarmFoot};
 pub use file::FileError;
 pub use net::{ControlNet, NetError};
+pub use normal::Curvature;
+pub use samples::{GridFit, SampleGrid, Samples};
 pub use tensor::{Frame, Surface, SurfaceError};
 pub use topology::{Closing, Topology};
