@@ -81,7 +81,7 @@ impl Objective for Distance {
             h: [2.0 * (uu + r.dot(&x.duu)), 2.0 * (x.du.dot(&x.dv) + r.dot(&x.duv)), 2.0 * (vv + r.dot(&x.dvv))],
             metric: [uu, vv],
             noise: 4.0 * f64::EPSILON * (f + f.sqrt() * size),
-            slope_noise: f64::EPSILON * size,
+            slope_noise: 4.0 * f64::EPSILON * size,
         }
     }
 
@@ -223,7 +223,7 @@ impl Objective for Along {
             h: [d.dot(&x.duu), d.dot(&x.duv), d.dot(&x.dvv)],
             metric: [x.du.norm_squared(), x.dv.norm_squared()],
             noise: 4.0 * f64::EPSILON * x.point.coords.amax(),
-            slope_noise: f64::EPSILON,
+            slope_noise: 4.0 * f64::EPSILON,
         }
     }
 
