@@ -386,24 +386,23 @@ impl BezierPieces {
             (1.0 / (self.u.spans[i].end - self.u.spans[i].start), 1.0 / (self.v.spans[j].end - self.v.spans[j].start));
         let points = self.points(i * self.v.spans.len() + j);
         match (self.u.degree, self.v.degree, self.rational) {
-            (3, 3, false) => polynomial_frame(points, 3, 3, s, t, scale),
-            (p, q, false) => polynomial_frame(points, p, q, s, t, scale),
-            (p, q, true) => rational_frame(points, p, q, s, t, scale),
+            (3, 3, false) => polynomial_frame(contract::<4>(points, 3, 3, s, t), scale),
+            (p, q, false) => polynomial_frame(contract::<{ MAX_DEGREE + 1 }>(points, p, q, s, t), scale),
+            (p, q, true) => rational_frame(contract::<{ MAX_DEGREE + 1 }>(points, p, q, s, t), scale),
         }
     }
 }
 
-/// Bernstein functions of degree `p` with two derivatives.
+/// Bernstein functions of degree `p` with two derivatives, in arrays of `N > p`.
 #[inline(always)]
-pub(crate) fn bernstein(p: usize, t: f64) -> [[f64; MAX_DEGREE + 1]; 3] {
-    let mut out = [[0.0; MAX_DEGREE + 1]; 3];
+pub(crate) fn bernstein<const N: usize>(p: usize, t: f64) -> [[f64; N]; 3] {
+    let mut out = [[0.0; N]; 3];
     let r = 1.0 - t;
     // b grows from degree 0; its last two stages give the derivatives.
-    let mut b = [0.0; MAX_DEGREE + 1];
+    let mut b = [0.0; N];
     b[0] = 1.0;
     for k in 1..=p {
         if k == p {
-            // Degree p − 1: first derivatives.
             out[1][0] = -(p as f64) * b[0];
             for i in 1..p {
                 out[1][i] = p as f64 * (b[i - 1] - b[i]);
@@ -411,7 +410,6 @@ pub(crate) fn bernstein(p: usize, t: f64) -> [[f64; MAX_DEGREE + 1]; 3] {
             out[1][p] = p as f64 * b[p - 1];
         }
         if k + 1 == p {
-            // Degree p − 2: second derivatives.
             let scale = (p * (p - 1)) as f64;
             for i in 0..=p {
                 let low = if i >= 2 { b[i - 2] } else { 0.0 };
@@ -432,9 +430,10 @@ pub(crate) fn bernstein(p: usize, t: f64) -> [[f64; MAX_DEGREE + 1]; 3] {
     out
 }
 
+/// Sums over a piece's points: value, ∂s, ∂t, ∂ss, ∂st, ∂tt.
 #[inline(always)]
-fn contract(points: &[[f64; 4]], p: usize, q: usize, s: f64, t: f64) -> [[f64; 4]; 6] {
-    let (bu, bv) = (bernstein(p, s), bernstein(q, t));
+fn contract<const N: usize>(points: &[[f64; 4]], p: usize, q: usize, s: f64, t: f64) -> [[f64; 4]; 6] {
+    let (bu, bv) = (bernstein::<N>(p, s), bernstein::<N>(q, t));
     let points = &points[..(p + 1) * (q + 1)];
     let mut out = [[0.0; 4]; 6];
     for k in 0..=p {
@@ -460,8 +459,7 @@ fn contract(points: &[[f64; 4]], p: usize, q: usize, s: f64, t: f64) -> [[f64; 4
 }
 
 #[inline(always)]
-fn polynomial_frame(points: &[[f64; 4]], p: usize, q: usize, s: f64, t: f64, (su, sv): (f64, f64)) -> Frame {
-    let [x, xu, xv, xuu, xuv, xvv] = contract(points, p, q, s, t);
+fn polynomial_frame([x, xu, xv, xuu, xuv, xvv]: [[f64; 4]; 6], (su, sv): (f64, f64)) -> Frame {
     let vector = |x: [f64; 4], scale: f64| Vector3::new(x[0] * scale, x[1] * scale, x[2] * scale);
     Frame {
         point: Point3::new(x[0], x[1], x[2]),
@@ -474,8 +472,7 @@ fn polynomial_frame(points: &[[f64; 4]], p: usize, q: usize, s: f64, t: f64, (su
 }
 
 /// Quotient rule on A / w; *The NURBS Book*, eq. 4.20.
-fn rational_frame(points: &[[f64; 4]], p: usize, q: usize, s: f64, t: f64, (su, sv): (f64, f64)) -> Frame {
-    let [x, xu, xv, xuu, xuv, xvv] = contract(points, p, q, s, t);
+fn rational_frame([x, xu, xv, xuu, xuv, xvv]: [[f64; 4]; 6], (su, sv): (f64, f64)) -> Frame {
     let vector = |x: [f64; 4], scale: f64| (Vector3::new(x[0] * scale, x[1] * scale, x[2] * scale), x[3] * scale);
     let (a, w) = vector(x, 1.0);
     let (a_u, w_u) = vector(xu, su);

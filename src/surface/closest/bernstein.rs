@@ -6,6 +6,7 @@
 //! get straight loops.
 
 use crate::basis::MAX_DEGREE;
+use crate::surface::bezier::bernstein;
 
 /// Most coefficients in one direction: a squared distance has twice the surface's degree.
 pub(super) const MAX_ORDER: usize = 2 * MAX_DEGREE + 1;
@@ -178,7 +179,12 @@ pub(super) fn curvature(a: &[f64], nu: usize, nv: usize) -> Curvature {
 /// Value, gradient and Hessian (uu, uv, vv) at (s, t).
 #[inline(always)]
 pub(super) fn jet(a: &[f64], nu: usize, nv: usize, s: f64, t: f64) -> (f64, [f64; 2], [f64; 3]) {
-    let (bs, bt) = (functions(nu, s), functions(nv, t));
+    if nu.max(nv) <= 7 { jet_in::<7>(a, nu, nv, s, t) } else { jet_in::<MAX_ORDER>(a, nu, nv, s, t) }
+}
+
+#[inline(always)]
+fn jet_in<const N: usize>(a: &[f64], nu: usize, nv: usize, s: f64, t: f64) -> (f64, [f64; 2], [f64; 3]) {
+    let (bs, bt) = (bernstein::<N>(nu - 1, s), bernstein::<N>(nv - 1, t));
     let (mut f, mut g, mut h) = (0.0, [0.0; 2], [0.0; 3]);
     for i in 0..nu {
         let (mut x, mut y, mut z) = (0.0, 0.0, 0.0);
@@ -196,43 +202,6 @@ pub(super) fn jet(a: &[f64], nu: usize, nv: usize, s: f64, t: f64) -> (f64, [f64
         h[2] += bs[0][i] * z;
     }
     (f, g, h)
-}
-
-/// Bernstein functions of `n − 1`-th degree with two derivatives.
-#[inline(always)]
-pub(super) fn functions(n: usize, t: f64) -> [[f64; MAX_ORDER]; 3] {
-    let p = n - 1;
-    let mut out = [[0.0; MAX_ORDER]; 3];
-    let r = 1.0 - t;
-    let mut b = [0.0; MAX_ORDER];
-    b[0] = 1.0;
-    for k in 1..=p {
-        if k == p {
-            out[1][0] = -(p as f64) * b[0];
-            for i in 1..p {
-                out[1][i] = p as f64 * (b[i - 1] - b[i]);
-            }
-            out[1][p] = p as f64 * b[p - 1];
-        }
-        if k + 1 == p {
-            let scale = (p * (p - 1)) as f64;
-            for i in 0..=p {
-                let low = if i >= 2 { b[i - 2] } else { 0.0 };
-                let mid = if i >= 1 && i < p { b[i - 1] } else { 0.0 };
-                let high = if i + 2 <= p { b[i] } else { 0.0 };
-                out[2][i] = scale * (low - 2.0 * mid + high);
-            }
-        }
-        let mut saved = 0.0;
-        for i in 0..k {
-            let x = b[i];
-            b[i] = saved + r * x;
-            saved = t * x;
-        }
-        b[k] = saved;
-    }
-    out[0] = b;
-    out
 }
 
 /// What a bound found out about a polynomial and a floor.
@@ -301,7 +270,7 @@ fn interval_verdict(a: &[f64], floor: f64) -> Verdict {
     if convex {
         let mut s: f64 = 0.5;
         for _ in 0..8 {
-            let b = functions(n, s);
+            let b = bernstein::<MAX_ORDER>(n - 1, s);
             let sum = |r: usize| -> f64 { a.iter().zip(&b[r]).map(|(x, y)| x * y).sum() };
             let (f, g, h) = (sum(0), sum(1), sum(2));
             if f < floor {

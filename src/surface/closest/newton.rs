@@ -138,7 +138,7 @@ pub(super) fn descend<E: Evaluate, O: Objective>(eval: &mut E, objective: &O, st
     loop {
         (free, slope) = freedom(&jet, x, low, high);
         rounds += 1;
-        if rounds > 80 || slope == 0.0 {
+        if rounds > 80 || slope <= jet.slope_noise {
             break;
         }
         let step = newton_step(&jet, free);

@@ -19,6 +19,8 @@ pub(super) struct Jet {
     pub metric: [f64; 2],
     /// How far rounding may have moved `f`.
     pub noise: f64,
+    /// How far rounding may have moved the slope, objective per metre.
+    pub slope_noise: f64,
 }
 
 /// Something to minimise.
@@ -79,6 +81,7 @@ impl Objective for Distance {
             h: [2.0 * (uu + r.dot(&x.duu)), 2.0 * (x.du.dot(&x.dv) + r.dot(&x.duv)), 2.0 * (vv + r.dot(&x.dvv))],
             metric: [uu, vv],
             noise: 4.0 * f64::EPSILON * (f + f.sqrt() * size),
+            slope_noise: 4.0 * f64::EPSILON * size,
         }
     }
 
@@ -220,6 +223,7 @@ impl Objective for Along {
             h: [d.dot(&x.duu), d.dot(&x.duv), d.dot(&x.dvv)],
             metric: [x.du.norm_squared(), x.dv.norm_squared()],
             noise: 4.0 * f64::EPSILON * x.point.coords.amax(),
+            slope_noise: 4.0 * f64::EPSILON,
         }
     }
 

@@ -5,15 +5,15 @@
 //! distance computation using the angle weighted pseudonormal*, 2005).
 
 use super::newton::Place;
-use crate::basis::{KnotKind, Side};
+use crate::basis::{KnotKind, KnotVector, Side};
 use crate::math::{Point3, Vector3};
 use crate::surface::bezier::{Direction, Joint};
-use crate::surface::tensor::{Frame, Surface};
+use crate::surface::tensor::{Frame, Surface, wrap};
 
 /// Points closer than this, relative to their coordinates, are one: the two ends of a closed direction, a pole's row.
 const SAME: f64 = 1e-9;
-/// Samples of the ring around a pole, per span.
-const RING: usize = 8;
+/// Sectors of the fan around a pole, per span.
+const RING: usize = 2;
 
 /// A surface with the spans its places refer to.
 pub(super) struct Site<'a> {
@@ -93,20 +93,23 @@ impl Site<'_> {
         let row = end(self.u, self.surface.knots_u().kind(), place.u, rows);
         let column = end(self.v, self.surface.knots_v().kind(), place.v, columns);
         if row.is_some_and(|i| (0..columns).all(|j| same(net.at(i, j)))) {
-            let a = &self.u.spans[place.i];
-            let inside = place.u + 1e-5 * (0.5 * (a.start + a.end) - place.u);
-            ring(self.v, |j, v| {
-                (self.frame(Place { j, v, ..place }).du, self.frame(Place { j, u: inside, v, ..place }))
-            })
+            let (next, turn) = if row == Some(0) { (1, 1.0) } else { (rows - 2, -1.0) };
+            let leave = |j: usize| self.leaving(next, j, frame);
+            fan(self.surface.knots_v(), leave).map(|n| n * turn)
         } else if column.is_some_and(|j| (0..rows).all(|i| same(net.at(i, j)))) {
-            let b = &self.v.spans[place.j];
-            let inside = place.v + 1e-5 * (0.5 * (b.start + b.end) - place.v);
-            ring(self.u, |i, u| {
-                (self.frame(Place { i, u, ..place }).dv, self.frame(Place { i, u, v: inside, ..place }))
-            })
+            let (next, turn) = if column == Some(0) { (1, -1.0) } else { (columns - 2, 1.0) };
+            let leave = |i: usize| self.leaving(i, next, frame);
+            fan(self.surface.knots_u(), leave).map(|n| n * turn)
         } else {
             None
         }
+    }
+
+    /// Weighted way from a pole to a control point of the next row: their blend is the tangent out of the pole.
+    fn leaving(&self, row: usize, column: usize, pole: &Frame) -> Vector3 {
+        let net = self.surface.net();
+        let weight = self.surface.weights().map_or(1.0, |w| w[row * net.columns() + column]);
+        (net.at(row, column) - pole.point) * weight
     }
 }
 
@@ -148,19 +151,29 @@ fn sides(
     [own, meets.then_some((other, y, into))]
 }
 
-/// Angle-weighted mean of the normals around a pole. `look` gives the direction away from the pole, and a frame just
-/// beside it, at a parameter along the collapsed edge.
-fn ring(along: &Direction, look: impl Fn(usize, f64) -> (Vector3, Frame)) -> Option<Vector3> {
+/// Angle-weighted mean of the normals `out × ∂out` around a pole, whose tangents out of it are the blends of `leave`.
+fn fan(along: &KnotVector, leave: impl Fn(usize) -> Vector3) -> Option<Vector3> {
+    let out = |x: f64, side: Side| {
+        let window = along.window_from(x, side);
+        let mut sum = Vector3::zeros();
+        for (k, share) in window.values().iter().enumerate() {
+            sum += leave(wrap(window.first + k, along.count())) * *share;
+        }
+        sum
+    };
+    let t = along.knots();
     let mut sum = Vector3::zeros();
-    for (k, span) in along.spans.iter().enumerate() {
-        let at = |step: f64| span.start + (span.end - span.start) * step / RING as f64;
-        for m in 0..RING {
-            let (first, middle, last) = (at(m as f64), at(m as f64 + 0.5), at(m as f64 + 1.0));
-            let last = if m + 1 == RING { span.end } else { last };
-            let weight = angle(&look(k, first).0, &look(k, last).0);
-            if let Some(n) = smooth_normal(&look(k, middle).1) {
-                sum += n * weight;
+    for k in along.spans() {
+        let (start, end) = (t[k], t[k + 1]);
+        let mut last = out(start, Side::Right);
+        for m in 1..=RING {
+            let x = if m == RING { end } else { start + (end - start) * m as f64 / RING as f64 };
+            let next = out(x, Side::Left);
+            let across = last.cross(&next);
+            if let Some(n) = across.try_normalize(1e-12 * last.norm() * next.norm()) {
+                sum += n * angle(&last, &next);
             }
+            last = next;
         }
     }
     sum.try_normalize(1e-9)

@@ -358,50 +358,65 @@ fn one_piece_refreshed_alone_has_the_bits_of_a_full_refresh() {
     }
 }
 
+/// Walks between random targets around and inside the body, at several speeds, and compares every answer with a cold one.
+fn walk(mut surface: Surface, seed: u64, deform: bool, steps: usize, name: &str) -> usize {
+    let size = size(&surface);
+    let mut random = Random(seed);
+    let (mut warm_solver, mut cold_solver) = (ClosestSolver::new(&surface), ClosestSolver::new(&surface));
+    let mut warm = WarmFoot::default();
+    let net = surface.net().points();
+    let centre = Point3::from(net.iter().map(|p| p.coords).sum::<Vector3>() / net.len() as f64);
+    let (mut q, mut target, mut speed) = (centre, centre, 1.0);
+    let mut searches = 0;
+    for k in 0..steps {
+        if (target - q).norm() <= speed || k % 300 == 0 {
+            target = centre + random.vector() * 0.5 * size;
+            speed = [2e-4, 1e-3, 1e-2][random.below(3)] * size;
+        }
+        let step = (target - q).try_normalize(0.0).unwrap_or_else(Vector3::x) * speed;
+        q += step;
+        let mut net_moved = 0.0;
+        if deform {
+            let amount = 2e-5 * size * (1 + k % 5) as f64;
+            for p in surface.net_mut().points_mut() {
+                let d = random.vector() * amount;
+                *p += d;
+                net_moved = f64::max(net_moved, d.norm());
+            }
+            warm_solver.net_changed();
+            cold_solver.net_changed();
+        }
+        let before = warm;
+        let answer = warm_solver.closest_warm_moved(&surface, &q, step.norm(), net_moved, &mut warm);
+        searches += usize::from(warm.budget_m >= before.budget_m);
+        let reference = cold_solver.closest(&surface, &q);
+        assert!(
+            (answer.distance - reference.distance).abs() <= 1e-9 * size,
+            "{name}, step {k}: warm {} cold {} (budget {} after {})",
+            answer.distance,
+            reference.distance,
+            warm.budget_m,
+            before.budget_m
+        );
+    }
+    searches
+}
+
 #[test]
 fn warm_answers_are_the_cold_answers_on_random_walks() {
-    let steps = if cfg!(debug_assertions) { 600 } else { 10_000 };
+    let steps = if cfg!(debug_assertions) { 600 } else { 20_000 };
     for (count, deform) in [(8, false), (8, true), (12, true), (20, false)] {
-        let mut surface = teardrop(count);
-        let size = size(&surface);
-        let mut random = Random(50 + count as u64);
-        let (mut warm_solver, mut cold_solver) = (ClosestSolver::new(&surface), ClosestSolver::new(&surface));
-        let mut warm = WarmFoot::default();
-        let mut q = surface.point(0.4, 0.4) + Vector3::new(1e-3, 2e-3, 0.0);
-        let mut velocity = Vector3::zeros();
-        let (mut searches, mut net_moved) = (0, 0.0);
-        for k in 0..steps {
-            if k % 200 == 0 {
-                velocity = random.vector() * [2e-5, 1e-4, 1e-3][random.below(3)];
-            }
-            velocity += (surface.point(0.5, 0.5) - q) * 1e-5;
-            q += velocity;
-            if deform {
-                let amount = 2e-6 * (1 + k % 5) as f64;
-                net_moved = 0.0;
-                for p in surface.net_mut().points_mut() {
-                    let d = random.vector() * amount;
-                    *p += d;
-                    net_moved = f64::max(net_moved, d.norm());
-                }
-                warm_solver.net_changed();
-                cold_solver.net_changed();
-            }
-            let before = warm;
-            let answer = warm_solver.closest_warm_moved(&surface, &q, velocity.norm(), net_moved, &mut warm);
-            searches += usize::from(warm.budget_m >= before.budget_m);
-            let reference = cold_solver.closest(&surface, &q);
-            assert!(
-                (answer.distance - reference.distance).abs() <= 1e-9 * size,
-                "teardrop {count}, step {k}: warm {} cold {} (budget {} after {})",
-                answer.distance,
-                reference.distance,
-                warm.budget_m,
-                before.budget_m
-            );
-        }
+        let searches = walk(teardrop(count), 50 + count as u64, deform, steps, "teardrop");
         println!("teardrop {count}, deforming {deform}: {searches} searches in {steps} steps");
         assert!(searches < steps * 9 / 10, "the certificate never helps");
+    }
+    let rational = read(include_str!("../data/teardrop_8_rational.json"));
+    let searches = walk(rational, 57, true, steps, "rational teardrop");
+    println!("rational teardrop, deforming: {searches} searches in {steps} steps");
+    let mut random = Random(58);
+    for k in 0..if cfg!(debug_assertions) { 10 } else { 60 } {
+        let surface = random_surface(&mut random);
+        walk(surface, 500 + k, k % 2 == 0, 400, &format!("random surface {k}"));
     }
 }
 
