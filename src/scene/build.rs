@@ -69,6 +69,24 @@ impl Scene {
     }
 }
 
+/// The same scene with every surface file written out in place: what a recording carries, so that its replay needs no file.
+///
+/// # Errors
+/// A surface file that cannot be read or parsed.
+pub fn inline_files(spec: &SceneSpec, directory: &Path) -> Result<SceneSpec, SceneError> {
+    let mut inlined = spec.clone();
+    for (b, body) in inlined.bodies.iter_mut().enumerate() {
+        if let Some(file) = body.surface.file.take() {
+            let path = format!("body[{b}].surface.file");
+            let full = directory.join(&file);
+            let text = std::fs::read_to_string(&full)
+                .map_err(|e| error(&path, format!("cannot read {}: {e}", full.display())))?;
+            body.surface.inline = Some(serde_json::from_str(&text).map_err(|e| error(&path, e))?);
+        }
+    }
+    Ok(inlined)
+}
+
 fn build_pairs(spec: &SceneSpec, tools: &[Tool], bodies: &[Body]) -> Result<Vec<Pair>, SceneError> {
     let mut off = Vec::new();
     for (c, contact) in spec.contacts.iter().enumerate() {
@@ -336,7 +354,7 @@ fn cells(spec: &BodySpec, path: &str, surface: &Surface) -> Result<(CellGrid, f6
         }
         let (us, vs) = (surface.knots_u().greville(), surface.knots_v().greville());
         let inward: Vec<Vector3> =
-            us.iter().flat_map(|&u| vs.iter().map(move |&v| (u, v))).map(|(u, v)| inward(surface, u, v)).collect();
+            us.iter().flat_map(|&u| vs.iter().map(move |&v| (u, v))).map(|(u, v)| -surface.normal(u, v)).collect();
         let grid = layers::sheet(points, &inward, surface.net().rows(), columns, count, thickness_m);
         let volume = grid.quality().volume_m3;
         return Ok((grid, volume));
@@ -355,10 +373,4 @@ fn cells(spec: &BodySpec, path: &str, surface: &Surface) -> Result<(CellGrid, f6
     // An open tube encloses nothing by itself; its cells then say how much it holds.
     let volume = if topology.is_closed() { surface.volume().abs() } else { grid.quality().volume_m3 };
     Ok((grid, volume))
-}
-
-fn inward(surface: &Surface, u: f64, v: f64) -> Vector3 {
-    let frame = surface.frame(u, v);
-    let normal = frame.du.cross(&frame.dv).normalize();
-    if surface.flip_normal() { normal } else { -normal }
 }

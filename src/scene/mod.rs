@@ -8,7 +8,7 @@ pub mod plan;
 pub mod spec;
 mod state;
 
-pub use build::{SceneError, default_samples_per_span};
+pub use build::{SceneError, default_samples_per_span, inline_files};
 pub use state::{BodyScratch, BodyState, PairState, RunState, SceneState, Scratch, ToolState, WarmRow};
 
 use crate::body::Lattice;

@@ -6,8 +6,10 @@
 //! ```
 
 mod forces;
+pub mod journal;
 mod motion;
 pub mod record;
+pub mod stats;
 mod step;
 
 pub use step::{apply, deform, render, restore, step};

@@ -1,0 +1,251 @@
+//! Reads a session, finished or cut short.
+
+use super::convert::{ConvertError, command_from_proto, tick_from_proto};
+use super::writer::{END, RUN, SCENE_EFFECTIVE, SCENE_TEXT};
+use super::{FORMAT_VERSION, topics};
+use crate::math::SavedState;
+use crate::tick::record::{Command, TickRecord};
+use mcap::records::Record;
+use palpate_proto::recording as pb;
+use prost::Message as _;
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+/// Why a file could not be read as a session.
+#[derive(Debug, thiserror::Error)]
+pub enum ReadError {
+    /// The file system.
+    #[error("{path}: {source}")]
+    Io {
+        /// File.
+        path: PathBuf,
+        /// Cause.
+        source: std::io::Error,
+    },
+    /// Not an MCAP file.
+    #[error("{path}: not an MCAP file ({reason})")]
+    NotMcap {
+        /// File.
+        path: PathBuf,
+        /// What the reader met.
+        reason: String,
+    },
+    /// An MCAP file of something else.
+    #[error("{path}: an MCAP file, but not a Palpate recording: {missing} is missing")]
+    Foreign {
+        /// File.
+        path: PathBuf,
+        /// What.
+        missing: &'static str,
+    },
+    /// A later layout.
+    #[error("{path}: recording format {found}, this program reads {FORMAT_VERSION}; use the program that made it")]
+    Format {
+        /// File.
+        path: PathBuf,
+        /// Its version.
+        found: String,
+    },
+    /// A message that does not hold what its type promises.
+    #[error("{path}: {source}")]
+    Message {
+        /// File.
+        path: PathBuf,
+        /// Cause.
+        source: ConvertError,
+    },
+}
+
+/// Head of a session.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct SessionHeader {
+    /// Metadata from the start: build, scene, dt_ns, tools, bodies…
+    pub run: BTreeMap<String, String>,
+    /// Metadata from the end; empty when the file was cut short.
+    pub end: BTreeMap<String, String>,
+    /// Scene file as written.
+    pub scene_text: String,
+    /// Scene as built.
+    pub effective_scene: String,
+}
+
+/// A state to start a replay from.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Keyframe {
+    /// The state is that after this tick.
+    pub tick: u64,
+    /// Its hash.
+    pub state_hash: u64,
+    /// The state.
+    pub saved: SavedState,
+}
+
+/// A net as recorded.
+#[derive(Clone, Debug, PartialEq)]
+pub struct NetRecord {
+    /// After this tick.
+    pub tick: u64,
+    /// Revision.
+    pub revision: u64,
+    /// Body id.
+    pub body: String,
+    /// x y z of each point, m.
+    pub points: Vec<f64>,
+}
+
+/// A whole session in memory, each list ordered by tick.
+#[derive(Clone, Debug)]
+pub struct Session {
+    /// File it came from.
+    pub path: PathBuf,
+    /// Head.
+    pub header: SessionHeader,
+    /// Every tick.
+    pub ticks: Vec<TickRecord>,
+    /// Full states.
+    pub keyframes: Vec<Keyframe>,
+    /// Commands with the tick after which they act.
+    pub commands: Vec<(u64, Command)>,
+    /// Nets.
+    pub nets: Vec<NetRecord>,
+    /// Why reading stopped before the end, if it did.
+    pub cut_short: Option<String>,
+}
+
+impl Session {
+    /// Reads all that can be read.
+    ///
+    /// # Errors
+    /// Not a file, not MCAP, not ours, or of another format. A file cut short is no error: see [`Session::cut_short`].
+    pub fn open(path: &Path) -> Result<Self, ReadError> {
+        let bytes = std::fs::read(path).map_err(|source| ReadError::Io { path: path.to_owned(), source })?;
+        Self::parse(path, &bytes)
+    }
+
+    /// [`Session::open`] on bytes at hand; `path` is for messages.
+    ///
+    /// # Errors
+    /// As there.
+    pub fn parse(path: &Path, bytes: &[u8]) -> Result<Self, ReadError> {
+        let owned = || path.to_owned();
+        if !bytes.starts_with(mcap::MAGIC) {
+            return Err(ReadError::NotMcap { path: owned(), reason: "the first eight bytes are not its magic".into() });
+        }
+        let options = mcap::read::Options::IgnoreEndMagic | mcap::read::Options::ValidateChunkCrcs;
+        let records = mcap::read::ChunkFlattener::new_with_options(bytes, options)
+            .map_err(|e| ReadError::NotMcap { path: owned(), reason: e.to_string() })?;
+        let header = SessionHeader {
+            run: BTreeMap::new(),
+            end: BTreeMap::new(),
+            scene_text: String::new(),
+            effective_scene: String::new(),
+        };
+        let mut session = Self {
+            path: owned(),
+            header,
+            ticks: Vec::new(),
+            keyframes: Vec::new(),
+            commands: Vec::new(),
+            nets: Vec::new(),
+            cut_short: None,
+        };
+        let mut channels: BTreeMap<u16, String> = BTreeMap::new();
+        let mut ended = false;
+        for record in records {
+            match record {
+                Ok(Record::Channel(channel)) => {
+                    channels.insert(channel.id, channel.topic);
+                }
+                Ok(Record::Metadata(metadata)) if metadata.name == RUN => session.header.run = metadata.metadata,
+                Ok(Record::Metadata(metadata)) if metadata.name == END => session.header.end = metadata.metadata,
+                Ok(Record::Attachment { header, data, .. }) => {
+                    let text = String::from_utf8_lossy(&data).into_owned();
+                    match header.name.as_str() {
+                        SCENE_TEXT => session.header.scene_text = text,
+                        SCENE_EFFECTIVE => session.header.effective_scene = text,
+                        _ => {}
+                    }
+                }
+                Ok(Record::Message { header, data }) => {
+                    let topic = channels.get(&header.channel_id).map_or("", String::as_str);
+                    session.take(topic, &data).map_err(|source| ReadError::Message { path: owned(), source })?;
+                }
+                Ok(Record::Footer(_)) => ended = true,
+                Ok(_) => {}
+                Err(e) => {
+                    session.cut_short = Some(e.to_string());
+                    break;
+                }
+            }
+        }
+        if !ended && session.cut_short.is_none() {
+            session.cut_short = Some("the file ends before its footer".into());
+        }
+        session.check()?;
+        session.ticks.sort_by_key(|record| record.output.tick);
+        session.keyframes.sort_by_key(|keyframe| keyframe.tick);
+        Ok(session)
+    }
+
+    fn take(&mut self, topic: &str, data: &[u8]) -> Result<(), ConvertError> {
+        let malformed = |e: prost::DecodeError| ConvertError { tick: 0, what: format!("{topic}: {e}") };
+        match topic {
+            topics::TICK => self.ticks.push(tick_from_proto(&pb::Tick::decode(data).map_err(malformed)?)?),
+            topics::KEYFRAME => {
+                let keyframe = pb::Keyframe::decode(data).map_err(malformed)?;
+                let saved = SavedState { words: keyframe.words, floats: keyframe.floats };
+                self.keyframes.push(Keyframe { tick: keyframe.tick, state_hash: keyframe.state_hash, saved });
+            }
+            topics::COMMAND => {
+                let command = pb::Command::decode(data).map_err(malformed)?;
+                self.commands.push((command.after_tick, command_from_proto(&command)?));
+            }
+            _ if topic.starts_with("/body/") => {
+                let net = pb::ControlNet::decode(data).map_err(malformed)?;
+                self.nets.push(NetRecord {
+                    tick: net.tick,
+                    revision: net.revision,
+                    body: net.body,
+                    points: net.points,
+                });
+            }
+            _ => {}
+        }
+        Ok(())
+    }
+
+    fn check(&self) -> Result<(), ReadError> {
+        let path = || self.path.clone();
+        match self.header.run.get("format") {
+            None => return Err(ReadError::Foreign { path: path(), missing: "the metadata record palpate.run" }),
+            Some(found) if *found != FORMAT_VERSION.to_string() => {
+                return Err(ReadError::Format { path: path(), found: found.clone() });
+            }
+            Some(_) => {}
+        }
+        if self.header.effective_scene.is_empty() {
+            return Err(ReadError::Foreign { path: path(), missing: "the attachment scene.effective.toml" });
+        }
+        Ok(())
+    }
+
+    /// A number from the head.
+    pub fn run_number(&self, key: &str) -> Option<u64> {
+        self.header.run.get(key)?.parse().ok()
+    }
+
+    /// A number from the end.
+    pub fn end_number(&self, key: &str) -> Option<u64> {
+        self.header.end.get(key)?.parse().ok()
+    }
+
+    /// The file says that nothing was lost and it was finished.
+    pub fn is_clean(&self) -> bool {
+        self.header.end.get("clean").is_some_and(|clean| clean == "true")
+    }
+
+    /// Ticks missing between the first and the last.
+    pub fn gaps(&self) -> u64 {
+        self.ticks.windows(2).map(|pair| (pair[1].output.tick - pair[0].output.tick).saturating_sub(1)).sum()
+    }
+}

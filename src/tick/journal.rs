@@ -1,0 +1,24 @@
+//! What a tick leaves behind, and who may keep it.
+
+use super::record::{Command, TickRecord};
+use crate::scene::{Scene, SceneState};
+
+/// Keeps what a session needs for its replay. Called on the tick thread: an implementation neither waits nor allocates.
+pub trait Journal: Send {
+    /// A tick is done.
+    fn tick(&mut self, scene: &Scene, state: &SceneState, record: &TickRecord);
+    /// A command is about to act on the state after tick `after_tick`.
+    fn command(&mut self, after_tick: u64, command: Command);
+    /// A full state to restart from: at the start, and after each reset.
+    fn keyframe(&mut self, state: &SceneState, state_hash: u64);
+}
+
+/// Keeps nothing.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct NoJournal;
+
+impl Journal for NoJournal {
+    fn tick(&mut self, _: &Scene, _: &SceneState, _: &TickRecord) {}
+    fn command(&mut self, _: u64, _: Command) {}
+    fn keyframe(&mut self, _: &SceneState, _: u64) {}
+}
