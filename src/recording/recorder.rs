@@ -6,13 +6,13 @@ use super::writer::{BodyHead, Head, WriteError, Writer};
 use crate::math::{Point3, SavedState};
 use crate::scene::spec::SceneSpec;
 use crate::scene::{Scene, SceneState};
-use crate::tick::journal::Journal;
+use crate::tick::journal::{Journal, JournalGauges};
 use crate::tick::record::{Command, STAGE_COUNT, Stage, TickRecord};
 use crate::tick::stats::Histogram;
 use palpate_proto::recording as pb;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread::JoinHandle;
 use std::time::Duration;
 
@@ -37,10 +37,8 @@ pub struct RecorderSettings {
 /// Live counters.
 #[derive(Debug, Default)]
 pub struct RecorderProgress {
-    /// Message bytes written.
-    pub bytes: AtomicU64,
-    /// Records lost because a ring was full or the disk failed.
-    pub dropped: AtomicU64,
+    /// Message bytes written, and records lost because a ring was full or the disk failed.
+    pub gauges: Arc<JournalGauges>,
     failed: AtomicBool,
     stop: AtomicBool,
 }
@@ -121,7 +119,7 @@ pub struct RecorderPort {
 
 impl RecorderPort {
     fn lost(&self) {
-        self.progress.dropped.fetch_add(1, Ordering::Relaxed);
+        self.progress.gauges.dropped.fetch_add(1, Ordering::Relaxed);
     }
 }
 
@@ -269,7 +267,7 @@ fn run(mut writer: Writer, mut inbox: Inbox, progress: &RecorderProgress) -> Res
         let stop = progress.stop.load(Ordering::Acquire);
         let worked = drain(&mut writer, &mut inbox, progress, &mut stages, &mut late);
         let flushed = worked.and_then(|()| writer.flush_if_due());
-        progress.bytes.store(writer.bytes, Ordering::Relaxed);
+        progress.gauges.bytes.store(writer.bytes, Ordering::Relaxed);
         if let Err(error) = flushed {
             // The loop goes on without us; what was flushed stays readable.
             tracing::error!(%error, "recording failed");
@@ -289,7 +287,7 @@ fn run(mut writer: Writer, mut inbox: Inbox, progress: &RecorderProgress) -> Res
         }
         return Err(error);
     }
-    let dropped = progress.dropped.load(Ordering::Relaxed);
+    let dropped = progress.gauges.dropped.load(Ordering::Relaxed);
     writer.stats(&stats(&writer, &stages, late, dropped))?;
     let (ticks, final_hash, session_hash, bytes) = (writer.ticks, writer.last_hash, writer.session.0, writer.bytes);
     let path = writer.finish(dropped, true)?;
@@ -298,10 +296,10 @@ fn run(mut writer: Writer, mut inbox: Inbox, progress: &RecorderProgress) -> Res
 
 fn discard(inbox: &mut Inbox, progress: &RecorderProgress) {
     while inbox.ticks.pop().is_ok() {
-        progress.dropped.fetch_add(1, Ordering::Relaxed);
+        progress.gauges.dropped.fetch_add(1, Ordering::Relaxed);
     }
     while inbox.commands.pop().is_ok() {
-        progress.dropped.fetch_add(1, Ordering::Relaxed);
+        progress.gauges.dropped.fetch_add(1, Ordering::Relaxed);
     }
 }
 
@@ -333,7 +331,7 @@ fn drain(
             writer.event(record.output.tick, "fault", "a state was not finite; the body was set back to rest")?;
         }
         if record.output.tick.is_multiple_of(100) {
-            let dropped = progress.dropped.load(Ordering::Relaxed);
+            let dropped = progress.gauges.dropped.load(Ordering::Relaxed);
             writer.stats(&stats(writer, stages, *late, dropped))?;
         }
     }

@@ -9,7 +9,6 @@ use crate::math::{Point3, SavedState};
 use crate::tick::record::{Command, TickRecord};
 use mcap::records::{MessageHeader, Metadata};
 use palpate_proto::recording as pb;
-use prost::Message as _;
 use std::collections::BTreeMap;
 use std::fs::File;
 use std::io::BufWriter;

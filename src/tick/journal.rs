@@ -2,6 +2,7 @@
 
 use super::record::{Command, TickRecord};
 use crate::scene::{Scene, SceneState};
+use std::sync::atomic::AtomicU64;
 
 /// Keeps what a session needs for its replay. Called on the tick thread: an implementation neither waits nor allocates.
 pub trait Journal: Send {
@@ -11,6 +12,15 @@ pub trait Journal: Send {
     fn command(&mut self, after_tick: u64, command: Command);
     /// A full state to restart from: at the start, and after each reset.
     fn keyframe(&mut self, state: &SceneState, state_hash: u64);
+}
+
+/// What a journal lets others read while it runs.
+#[derive(Debug, Default)]
+pub struct JournalGauges {
+    /// Bytes written.
+    pub bytes: AtomicU64,
+    /// Records lost.
+    pub dropped: AtomicU64,
 }
 
 /// Keeps nothing.

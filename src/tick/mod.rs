@@ -5,9 +5,15 @@
 //! commands ─▶ applied between ticks, recorded with the tick before which they took effect
 //! ```
 
+#[cfg(feature = "daemon")]
+pub mod driver;
 mod forces;
 pub mod journal;
 mod motion;
+#[cfg(feature = "daemon")]
+pub mod pacer;
+#[cfg(feature = "daemon")]
+pub mod ports;
 pub mod record;
 pub mod stats;
 mod step;

@@ -1,1 +1,10 @@
-//! Zenoh: keys, sessions, quality of service, the bus thread.
+//! Zenoh: sessions, quality of service, and the bus thread.
+//!
+//! Callbacks run on Zenoh's receive threads: they decode to a stack value, store it and return. All puts and replies are
+//! made by the bus thread; the tick thread never calls Zenoh.
+
+mod bus;
+mod session;
+
+pub use bus::{Bus, BusSettings, ViewSink};
+pub use session::{DEFAULT_ENDPOINT, SessionError, SessionSettings, open};

@@ -1,1 +1,176 @@
-//! Where domain types meet palpate-proto.
+//! The only place where domain types meet palpate-proto.
+
+use crate::contact::ToolShape;
+use crate::haptics::DevicePose;
+use crate::math::{Point3, Rotation, Vector3};
+use crate::scene::{Scene, SceneState};
+use crate::surface::Surface;
+use crate::tick::ports::LinkCounters;
+use crate::tick::record::{TickOutput, ToolOutput};
+use crate::tick::stats::Histogram;
+use palpate_proto::messages as wire;
+use std::sync::atomic::Ordering;
+
+fn xyzw(rotation: &Rotation) -> [f64; 4] {
+    rotation.coords.into()
+}
+
+fn xyz(point: &Point3) -> [f64; 3] {
+    point.coords.into()
+}
+
+/// A validated pose as the loop takes it.
+pub fn device_pose(pose: &wire::ToolPose) -> DevicePose {
+    let [x, y, z, w] = pose.orientation;
+    DevicePose {
+        seq: pose.seq,
+        t_client_ns: pose.t_client_ns,
+        position: Point3::from(pose.position),
+        // `validated` brought it to unit length.
+        orientation: Rotation::new_unchecked(nalgebra::Quaternion::new(w, x, y, z)),
+        linear_velocity: Vector3::from(pose.linear_velocity),
+        angular_velocity: Vector3::from(pose.angular_velocity),
+        buttons: pose.buttons,
+    }
+}
+
+/// A tool's force message.
+pub fn tool_force(tick: u64, t_server_ns: u64, tool: &ToolOutput) -> wire::ToolForce {
+    wire::ToolForce {
+        tick,
+        pose_seq: tool.pose_seq,
+        t_client_ns: tool.t_client_ns,
+        t_server_ns,
+        force: tool.force_n.into(),
+        torque: tool.torque_nm.into(),
+        proxy_position: xyz(&tool.proxy_position),
+        proxy_orientation: xyzw(&tool.proxy_orientation),
+        depth: tool.contact.map_or(0.0, |contact| contact.depth_m),
+        contact_count: tool.contact_count.min(u32::from(u16::MAX)) as u16,
+        flags: tool.flags,
+    }
+}
+
+/// All contacts of a tick, deepest first.
+pub fn contact_set(scene: &Scene, output: &TickOutput) -> wire::ContactSet {
+    let mut contacts: Vec<wire::Contact> = (0..scene.tool_count())
+        .filter_map(|t| {
+            let tool = &output.tools[t];
+            tool.contact.map(|contact| wire::Contact {
+                tool: scene.tool_id(t).to_owned(),
+                body: scene.body_id(contact.body as usize).to_owned(),
+                u: contact.u,
+                v: contact.v,
+                point: xyz(&contact.point),
+                normal: contact.normal.into(),
+                depth: contact.depth_m,
+                force: tool.force_n.into(),
+            })
+        })
+        .collect();
+    contacts.sort_by(|a, b| b.depth.total_cmp(&a.depth));
+    wire::ContactSet { tick: output.tick, contacts }
+}
+
+/// A net message.
+pub fn control_net(scene: &Scene, body: usize, tick: u64, revision: u64, points: &[Point3]) -> wire::ControlNet {
+    let surface = scene.rest_surface(body);
+    wire::ControlNet {
+        tick,
+        revision,
+        body: scene.body_id(body).to_owned(),
+        degree_u: surface.knots_u().degree() as u8,
+        degree_v: surface.knots_v().degree() as u8,
+        count_u: surface.net().rows() as u16,
+        count_v: surface.net().columns() as u16,
+        points: points.iter().map(xyz).collect(),
+        weights: surface.weights().map(<[f64]>::to_vec),
+    }
+}
+
+/// Everything a late joiner needs; `nets` are the newest nets by body, `tools` the newest outputs.
+pub fn scene_snapshot(
+    scene: &Scene,
+    scene_hash: [u8; 32],
+    nets: &[wire::ControlNet],
+    output: &TickOutput,
+) -> wire::SceneSnapshot {
+    let bodies = (0..scene.body_count()).map(|body| {
+        let surface = scene.rest_surface(body);
+        let net = &nets[body];
+        wire::BodySnapshot {
+            id: net.body.clone(),
+            model: if scene.deforms(body) { "lattice" } else { "rigid" }.into(),
+            degree: [net.degree_u, net.degree_v],
+            periodic: [surface.knots_u().is_periodic(), surface.knots_v().is_periodic()],
+            knots: [surface.knots_u().file_knots().to_vec(), surface.knots_v().file_knots().to_vec()],
+            count: [net.count_u, net.count_v],
+            points: net.points.clone(),
+            rest_points: rest_points(surface),
+            weights: net.weights.clone(),
+            revision: net.revision,
+        }
+    });
+    let tools = (0..scene.tool_count()).map(|t| {
+        let (spec, out) = (&scene.spec.tools[t], &output.tools[t]);
+        wire::ToolSnapshot {
+            id: scene.tool_id(t).to_owned(),
+            shape: scene.tool_shape(t).name().into(),
+            radius: match scene.tool_shape(t) {
+                ToolShape::Sphere { radius_m } => *radius_m,
+                ToolShape::Point | ToolShape::Plane { .. } => 0.0,
+            },
+            stiffness: spec.coupling.stiffness_n_m,
+            damping: spec.coupling.damping_n_s_m,
+            force_max: spec.device.force_max_n,
+            position: if output.tick == 0 { spec.pose.position } else { xyz(&out.proxy_position) },
+            orientation: if output.tick == 0 { spec.pose.orientation } else { xyzw(&out.proxy_orientation) },
+        }
+    });
+    wire::SceneSnapshot {
+        tick: output.tick,
+        scene_hash,
+        scene_name: scene.name.clone(),
+        dt_ns: (scene.dt_s * 1e9).round() as u64,
+        lockstep: scene.clock == crate::scene::spec::Clock::Lockstep,
+        bodies: bodies.collect(),
+        tools: tools.collect(),
+    }
+}
+
+fn rest_points(surface: &Surface) -> Vec<[f64; 3]> {
+    surface.net().points().iter().map(xyz).collect()
+}
+
+/// The nets of a state, as messages.
+pub fn all_nets(scene: &Scene, state: &SceneState) -> Vec<wire::ControlNet> {
+    (0..scene.body_count())
+        .map(|body| {
+            let mut points = scene.rest_surface(body).net().points().to_vec();
+            state.copy_net(scene, body, &mut points);
+            control_net(scene, body, state.tick, state.net_revision(body), &points)
+        })
+        .collect()
+}
+
+/// Quantiles of a histogram.
+pub fn quantiles(histogram: &Histogram) -> wire::Quantiles {
+    wire::Quantiles { p50_ns: histogram.quantile(0.5), p99_ns: histogram.quantile(0.99), max_ns: histogram.max() }
+}
+
+/// Counters of a tool's link.
+pub fn tool_link(id: &str, counters: &LinkCounters, jumps: u64, stale_ticks: u64, energy_j: f64) -> wire::ToolLink {
+    let read = |counter: &std::sync::atomic::AtomicU64| counter.load(Ordering::Relaxed);
+    let received = read(&counters.received);
+    wire::ToolLink {
+        tool: id.to_owned(),
+        received,
+        superseded: received.saturating_sub(read(&counters.latched)),
+        malformed: read(&counters.malformed),
+        invalid: read(&counters.invalid),
+        out_of_order: read(&counters.out_of_order),
+        jumps,
+        stale_ticks,
+        energy_j,
+    }
+}

@@ -1,0 +1,303 @@
+//! Between the tick thread and the rest: wait-free on the tick's side, nothing allocated after the start.
+//!
+//! ```text
+//! PoseInbox (newest wins) ─▶ ┐                ┌─▶ outputs (force known)   ┐
+//! commands ────────────────▶ ├─ tick thread ──┼─▶ records (tick done)     ├─▶ bus
+//!                            ┘                └─▶ nets, command receipts  ┘
+//! ```
+
+use super::record::{Command, TickOutput, TickRecord};
+use crate::haptics::DevicePose;
+use crate::math::Point3;
+use crate::scene::{Scene, SceneState};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
+use std::thread::Thread;
+
+/// Outputs and records in flight: a quarter of a second at 1 kHz.
+const RING: usize = 256;
+/// Net buffers a body.
+const NET_BUFFERS: usize = 4;
+
+/// Counters of a tool's link, by cause.
+#[derive(Debug, Default)]
+pub struct LinkCounters {
+    /// Poses taken.
+    pub received: AtomicU64,
+    /// Bytes that were no pose of our version.
+    pub malformed: AtomicU64,
+    /// Poses with values that are not finite or no rotation.
+    pub invalid: AtomicU64,
+    /// Duplicates and poses out of order.
+    pub out_of_order: AtomicU64,
+    /// Poses latched by ticks.
+    pub latched: AtomicU64,
+}
+
+impl LinkCounters {
+    /// Adds one.
+    pub fn count(counter: &AtomicU64) {
+        counter.fetch_add(1, Ordering::Relaxed);
+    }
+}
+
+/// Where a receiver puts poses; newest wins. Used by receive threads only, never by the tick.
+#[derive(Debug)]
+pub struct PoseInbox {
+    slot: Mutex<InboxSlot>,
+    /// Counters.
+    pub counters: Arc<LinkCounters>,
+    /// Set by a duplicate: its sender missed the force and asks again.
+    pub asked_again: AtomicBool,
+    tick_thread: Arc<OnceLock<Thread>>,
+}
+
+#[derive(Debug)]
+struct InboxSlot {
+    newest: u64,
+    input: triple_buffer::Input<Option<DevicePose>>,
+}
+
+impl PoseInbox {
+    /// Takes a pose; false if it is not newer than the last.
+    pub fn offer(&self, pose: DevicePose) -> bool {
+        let mut slot = self.slot.lock().unwrap_or_else(PoisonError::into_inner);
+        if pose.seq <= slot.newest {
+            LinkCounters::count(&self.counters.out_of_order);
+            if pose.seq == slot.newest {
+                self.asked_again.store(true, Ordering::Release);
+            }
+            return false;
+        }
+        slot.newest = pose.seq;
+        slot.input.write(Some(pose));
+        LinkCounters::count(&self.counters.received);
+        drop(slot);
+        if let Some(thread) = self.tick_thread.get() {
+            thread.unpark();
+        }
+        true
+    }
+
+    /// Whoever held the tool is gone: the next holder counts from anew.
+    pub fn forget_sender(&self) {
+        self.slot.lock().unwrap_or_else(PoisonError::into_inner).newest = 0;
+    }
+}
+
+/// A command and the number under which its receipt comes back.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct CommandRequest {
+    /// Chosen by the sender.
+    pub id: u64,
+    /// What to do.
+    pub command: Command,
+}
+
+/// First tick on which a command had effect.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Receipt {
+    /// Of the request.
+    pub id: u64,
+    /// Tick.
+    pub tick: u64,
+}
+
+/// A net on its way to the bus.
+#[derive(Clone, Debug)]
+pub struct NetFrame {
+    /// After this tick.
+    pub tick: u64,
+    /// Revision.
+    pub revision: u64,
+    /// Body index.
+    pub body: usize,
+    /// u-major, m.
+    pub points: Vec<Point3>,
+}
+
+struct NetPort {
+    free: rtrb::Consumer<Box<NetFrame>>,
+    full: rtrb::Producer<Box<NetFrame>>,
+    sent_revision: u64,
+    sent_tick: u64,
+}
+
+/// The bus's end of a net port.
+pub struct NetEnd {
+    free: rtrb::Producer<Box<NetFrame>>,
+    full: rtrb::Consumer<Box<NetFrame>>,
+}
+
+impl NetEnd {
+    /// Hands the newest net to `use_it`, dropping older ones.
+    pub fn newest(&mut self, mut use_it: impl FnMut(&NetFrame)) {
+        let mut newest = None;
+        while let Ok(frame) = self.full.pop() {
+            if let Some(old) = newest.replace(frame) {
+                let _ = self.free.push(old);
+            }
+        }
+        if let Some(frame) = newest {
+            use_it(&frame);
+            let _ = self.free.push(frame);
+        }
+    }
+}
+
+/// Counters of the loop that anyone may read.
+#[derive(Debug, Default)]
+pub struct LoopCounters {
+    /// Records the bus did not take in time.
+    pub bus_drops: AtomicU64,
+    /// The loop has ended.
+    pub finished: AtomicBool,
+}
+
+/// The tick thread's side.
+pub struct TickPorts {
+    pub(super) poses: Vec<triple_buffer::Output<Option<DevicePose>>>,
+    /// By tool: newest seq that a tick took.
+    pub(super) latched: Vec<u64>,
+    pub(super) link_counters: Vec<Arc<LinkCounters>>,
+    pub(super) commands: rtrb::Consumer<CommandRequest>,
+    pub(super) receipts: rtrb::Producer<Receipt>,
+    outputs: rtrb::Producer<TickOutput>,
+    records: rtrb::Producer<TickRecord>,
+    nets: Vec<NetPort>,
+    net_every: u64,
+    pub(super) counters: Arc<LoopCounters>,
+    bus_thread: Arc<OnceLock<Thread>>,
+    pub(super) tick_thread: Arc<OnceLock<Thread>>,
+}
+
+/// The other side.
+pub struct BusPorts {
+    /// By tool.
+    pub poses: Vec<Arc<PoseInbox>>,
+    /// To the tick.
+    pub commands: rtrb::Producer<CommandRequest>,
+    /// From the tick.
+    pub receipts: rtrb::Consumer<Receipt>,
+    /// Forces, as soon as they are known.
+    pub outputs: rtrb::Consumer<TickOutput>,
+    /// Ticks, when they are done.
+    pub records: rtrb::Consumer<TickRecord>,
+    /// By body.
+    pub nets: Vec<NetEnd>,
+    /// Of the loop.
+    pub counters: Arc<LoopCounters>,
+    /// To be set to the thread that serves these ports: it is unparked when a force is ready.
+    pub bus_thread: Arc<OnceLock<Thread>>,
+}
+
+/// Both sides for a scene.
+pub fn ports(scene: &Scene) -> (TickPorts, BusPorts) {
+    let tick_thread = Arc::new(OnceLock::new());
+    let bus_thread = Arc::new(OnceLock::new());
+    let counters = Arc::new(LoopCounters::default());
+    let (mut poses, mut inboxes, mut link_counters) = (Vec::new(), Vec::new(), Vec::new());
+    for _ in 0..scene.tool_count() {
+        let (input, output) = triple_buffer::triple_buffer(&None);
+        let counters = Arc::new(LinkCounters::default());
+        poses.push(output);
+        link_counters.push(counters.clone());
+        inboxes.push(Arc::new(PoseInbox {
+            slot: Mutex::new(InboxSlot { newest: 0, input }),
+            counters,
+            asked_again: AtomicBool::new(false),
+            tick_thread: tick_thread.clone(),
+        }));
+    }
+    let (command_in, command_out) = rtrb::RingBuffer::new(64);
+    let (receipt_in, receipt_out) = rtrb::RingBuffer::new(64);
+    let (output_in, output_out) = rtrb::RingBuffer::new(RING);
+    let (record_in, record_out) = rtrb::RingBuffer::new(RING);
+    let (mut nets, mut net_ends) = (Vec::new(), Vec::new());
+    for body in 0..scene.body_count() {
+        let (mut free_in, free_out) = rtrb::RingBuffer::new(NET_BUFFERS);
+        let (full_in, full_out) = rtrb::RingBuffer::new(NET_BUFFERS);
+        if scene.deforms(body) {
+            let points = scene.rest_surface(body).net().points();
+            for _ in 0..NET_BUFFERS {
+                let frame = NetFrame { tick: 0, revision: 0, body, points: points.to_vec() };
+                free_in.push(Box::new(frame)).ok().expect("the ring has room for all");
+            }
+        }
+        nets.push(NetPort { free: free_out, full: full_in, sent_revision: 0, sent_tick: 0 });
+        net_ends.push(NetEnd { free: free_in, full: full_out });
+    }
+    let net_hz = scene.spec.record.net_hz;
+    let tick = TickPorts {
+        latched: vec![0; poses.len()],
+        poses,
+        link_counters,
+        commands: command_out,
+        receipts: receipt_in,
+        outputs: output_in,
+        records: record_in,
+        nets,
+        net_every: ((1.0 / scene.dt_s / net_hz).round() as u64).max(1),
+        counters: counters.clone(),
+        bus_thread: bus_thread.clone(),
+        tick_thread,
+    };
+    let bus = BusPorts {
+        poses: inboxes,
+        commands: command_in,
+        receipts: receipt_out,
+        outputs: output_out,
+        records: record_out,
+        nets: net_ends,
+        counters,
+        bus_thread,
+    };
+    (tick, bus)
+}
+
+impl TickPorts {
+    /// Newest pose of a tool that no tick has taken yet.
+    pub(super) fn latch(&mut self, tool: usize) -> Option<DevicePose> {
+        let slot = &mut self.poses[tool];
+        if !slot.update() {
+            return None;
+        }
+        let pose = (*slot.output_buffer())?;
+        self.latched[tool] = pose.seq;
+        LinkCounters::count(&self.link_counters[tool].latched);
+        Some(pose)
+    }
+
+    /// True when every tool has a pose that no tick has taken.
+    pub(super) fn all_have_news(&self) -> bool {
+        self.poses.iter().all(triple_buffer::Output::updated)
+    }
+
+    /// The force is known: tell the bus.
+    pub(super) fn publish(&mut self, output: &TickOutput) {
+        if self.outputs.push(*output).is_err() {
+            self.counters.bus_drops.fetch_add(1, Ordering::Relaxed);
+        }
+        if let Some(thread) = self.bus_thread.get() {
+            thread.unpark();
+        }
+    }
+
+    /// The tick is done.
+    pub(super) fn done(&mut self, scene: &Scene, state: &SceneState, record: &TickRecord) {
+        if self.records.push(*record).is_err() {
+            self.counters.bus_drops.fetch_add(1, Ordering::Relaxed);
+        }
+        let tick = record.output.tick;
+        for (body, port) in self.nets.iter_mut().enumerate() {
+            if state.net_revision(body) == port.sent_revision || tick < port.sent_tick + self.net_every {
+                continue;
+            }
+            let Ok(mut frame) = port.free.pop() else { continue };
+            (frame.tick, frame.revision) = (tick, state.net_revision(body));
+            state.copy_net(scene, body, &mut frame.points);
+            (port.sent_revision, port.sent_tick) = (frame.revision, tick);
+            let _ = port.full.push(frame);
+        }
+    }
+}
