@@ -61,7 +61,20 @@ pub struct WarmFoot {
 }
 
 /// Closest-point queries on one surface whose net may move. Scratch: its answers depend on the arguments only, provided
-/// that [`ClosestSolver::net_changed`] is called after each movement of the net.
+/// that [`ClosestSolver::net_changed`] is called after each movement of the net, restored states included.
+///
+/// ```
+/// use palpate::basis::KnotVector;
+/// use palpate::math::Point3;
+/// use palpate::surface::{ClosestSolver, ControlNet, Surface};
+///
+/// let knots = KnotVector::clamped_uniform(1, 2)?;
+/// let square = [(0.0, 0.0), (0.0, 1.0), (1.0, 0.0), (1.0, 1.0)].map(|(x, y)| Point3::new(x, y, 0.0));
+/// let surface = Surface::new(knots.clone(), knots, ControlNet::new(2, 2, square.to_vec())?, None)?;
+/// let foot = ClosestSolver::new(&surface).closest(&surface, &Point3::new(0.25, 3.0, 0.0));
+/// assert_eq!((foot.u, foot.v, foot.distance), (0.25, 1.0, 2.0));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct ClosestSolver {
     pieces: BezierPieces,
