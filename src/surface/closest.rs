@@ -61,7 +61,20 @@ pub struct WarmFoot {
 }
 
 /// Closest-point queries on one surface whose net may move. Scratch: its answers depend on the arguments only, provided
-/// that [`ClosestSolver::net_changed`] is called after each movement of the net.
+/// that [`ClosestSolver::net_changed`] is called after each movement of the net, restored states included.
+///
+/// ```
+/// use palpate::basis::KnotVector;
+/// use palpate::math::Point3;
+/// use palpate::surface::{ClosestSolver, ControlNet, Surface};
+///
+/// let knots = KnotVector::clamped_uniform(1, 2)?;
+/// let square = [(0.0, 0.0), (0.0, 1.0), (1.0, 0.0), (1.0, 1.0)].map(|(x, y)| Point3::new(x, y, 0.0));
+/// let surface = Surface::new(knots.clone(), knots, ControlNet::new(2, 2, square.to_vec())?, None)?;
+/// let foot = ClosestSolver::new(&surface).closest(&surface, &Point3::new(0.25, 3.0, 0.0));
+/// assert_eq!((foot.u, foot.v, foot.distance), (0.25, 1.0, 2.0));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct ClosestSolver {
     pieces: BezierPieces,
@@ -202,21 +215,48 @@ impl ClosestSolver {
     ) -> ClosestPoint {
         let objective = Distance { q: *query };
         let left_m = warm.budget_m - (query_moved_m + warm.net_cost.max(1.0) * net_moved_m);
-        // False for NaN too.
-        if warm.budget_m > 0.0 && left_m > 0.0 {
+        // A foot is worth following while the budget lasts (false for NaN too), and worth a new certificate after that.
+        if warm.budget_m > 0.0 {
             let start = self.place(warm.u, warm.v);
             let found = descend(&mut OnPieces { pieces: &mut self.pieces, surface }, &objective, start);
             if self.settled(&found) {
-                let answer = self.answer(surface, query, &found);
-                *warm = WarmFoot { u: answer.u, v: answer.v, budget_m: left_m, ..*warm };
-                return answer;
+                if left_m > 0.0 {
+                    let answer = self.answer(surface, query, &found);
+                    *warm = WarmFoot { u: answer.u, v: answer.v, budget_m: left_m, ..*warm };
+                    return answer;
+                }
+                self.refresh(surface);
+                if let Some(answer) = self.granted(surface, &objective, &found, warm) {
+                    return answer;
+                }
             }
         }
         let best = self.global(surface, &objective);
-        let grant = warm::certificate(&mut self.search, &self.pieces, &self.tables, &objective, self.size_m, &best);
+        if let Some(answer) = self.granted(surface, &objective, &best, warm) {
+            return answer;
+        }
         let answer = self.answer(surface, query, &best);
-        *warm = WarmFoot { u: answer.u, v: answer.v, budget_m: grant.budget_m, net_cost: grant.net_cost };
+        *warm = WarmFoot { u: answer.u, v: answer.v, budget_m: 0.0, net_cost: 1.0 };
         answer
+    }
+
+    /// The answer at a foot with a new certificate, when one can be given: then the foot is global.
+    fn granted(
+        &mut self,
+        surface: &Surface,
+        objective: &Distance,
+        found: &Descent,
+        warm: &mut WarmFoot,
+    ) -> Option<ClosestPoint> {
+        if !self.settled(found) {
+            return None;
+        }
+        let grant = warm::certificate(&mut self.search, &self.pieces, &self.tables, objective, self.size_m, found);
+        (grant.budget_m > 0.0).then(|| {
+            let answer = self.answer(surface, &objective.q, found);
+            *warm = WarmFoot { u: answer.u, v: answer.v, budget_m: grant.budget_m, net_cost: grant.net_cost };
+            answer
+        })
     }
 
     /// The local minimum that descent from a foot leads to; `None` when it does not arrive (a saddle, or a query that is

@@ -61,33 +61,34 @@ pub(super) fn halve_v(a: &mut [f64], low: &mut [f64], nu: usize, nv: usize) {
 }
 
 /// Restricts to u in [from, to] ⊆ [0, 1].
+#[inline(always)]
 pub(super) fn restrict_u(a: &mut [f64], nu: usize, nv: usize, from: f64, to: f64) {
+    let a = &mut a[..nu * nv];
     if to < 1.0 {
         // Keep [0, to]: de Casteljau, first points of each stage.
         for k in 1..nu {
-            for i in (k..nu).rev() {
-                for j in 0..nv {
-                    a[i * nv + j] = (1.0 - to) * a[(i - 1) * nv + j] + to * a[i * nv + j];
-                }
+            for x in (k * nv..nu * nv).rev() {
+                a[x] = (1.0 - to) * a[x - nv] + to * a[x];
             }
         }
     }
     if from > 0.0 {
-        let x = from / to;
+        let y = from / to;
         for k in 1..nu {
-            for i in 0..nu - k {
-                for j in 0..nv {
-                    a[i * nv + j] = (1.0 - x) * a[i * nv + j] + x * a[(i + 1) * nv + j];
-                }
+            for x in 0..(nu - k) * nv {
+                a[x] = (1.0 - y) * a[x] + y * a[x + nv];
             }
         }
     }
 }
 
 /// Restricts to v in [from, to] ⊆ [0, 1].
+#[inline(always)]
 pub(super) fn restrict_v(a: &mut [f64], nu: usize, nv: usize, from: f64, to: f64) {
-    for i in 0..nu {
-        restrict_u(&mut a[i * nv..(i + 1) * nv], nv, 1, from, to);
+    if from > 0.0 || to < 1.0 {
+        for i in 0..nu {
+            restrict_u(&mut a[i * nv..(i + 1) * nv], nv, 1, from, to);
+        }
     }
 }
 

@@ -120,17 +120,7 @@ pub(super) fn descend<E: Evaluate, O: Objective>(eval: &mut E, objective: &O, st
     let high = [a.reach_high, b.reach_high];
     // `x` is unwrapped; `at` is the same place inside the domain.
     let mut x = [start.u.clamp(low[0], high[0]), start.v.clamp(low[1], high[1])];
-    let look = |eval: &mut E, x: [f64; 2], near: Place| -> (Place, Frame, Jet) {
-        let (du, dv) = eval.directions();
-        let (i, offset_u) = du.locate(x[0], near.i, high[0]);
-        let (j, offset_v) = dv.locate(x[1], near.j, high[1]);
-        let (a, b) = (&du.spans[i], &dv.spans[j]);
-        let place =
-            Place { i, j, u: (x[0] - offset_u).clamp(a.start, a.end), v: (x[1] - offset_v).clamp(b.start, b.end) };
-        let frame = eval.frame(i, j, place.u, place.v);
-        (place, frame, objective.jet(&frame))
-    };
-    let (mut at, mut frame, mut jet) = look(eval, x, start);
+    let (mut at, mut frame, mut jet) = look(eval, objective, x, start, high);
     let mut free;
     let mut slope;
     let mut best_slope = f64::INFINITY;
@@ -151,6 +141,12 @@ pub(super) fn descend<E: Evaluate, O: Objective>(eval: &mut E, objective: &O, st
                 shrink = shrink.min(widths[k] / step[k].abs());
             }
         }
+        if let Some((y, place)) = last_step(eval.directions(), &jet, free, x, at, step, widths) {
+            frame = extend(&frame, place.u - at.u, place.v - at.v);
+            (x, at, jet) = (y, place, objective.jet(&frame));
+            (free, slope) = freedom(&jet, x, low, high);
+            break;
+        }
         let target = |scale: f64| -> [f64; 2] {
             std::array::from_fn(|k| (x[k] + scale * shrink * step[k]).clamp(low[k], high[k]))
         };
@@ -161,7 +157,7 @@ pub(super) fn descend<E: Evaluate, O: Objective>(eval: &mut E, objective: &O, st
         let promise = |y: [f64; 2]| jet.g[0] * (y[0] - x[0]) + jet.g[1] * (y[1] - x[1]);
         if -promise(y) <= jet.noise {
             // The objective cannot tell any more; the gradient can.
-            let (place, new_frame, new_jet) = look(eval, y, at);
+            let (place, new_frame, new_jet) = look(eval, objective, y, at, high);
             let (_, new_slope) = freedom(&new_jet, y, low, high);
             if new_slope < 0.9 * slope.min(best_slope) && new_jet.f <= jet.f + jet.noise {
                 best_slope = new_slope;
@@ -173,7 +169,7 @@ pub(super) fn descend<E: Evaluate, O: Objective>(eval: &mut E, objective: &O, st
         let mut scale = 1.0;
         let mut accepted = false;
         for _ in 0..40 {
-            let (place, new_frame, new_jet) = look(eval, y, at);
+            let (place, new_frame, new_jet) = look(eval, objective, y, at, high);
             if new_jet.f <= jet.f + 1e-4 * promise(y) {
                 (x, at, frame, jet) = (y, place, new_frame, new_jet);
                 accepted = true;
@@ -196,6 +192,60 @@ pub(super) fn descend<E: Evaluate, O: Objective>(eval: &mut E, objective: &O, st
             .or_else(|| across(dv, x[1], low[1], high[1], at.j, at.v, jet.g[1]).map(|(j, v)| Place { j, v, ..at }))
     };
     Descent { place: at, frame, jet, free, slope, beyond }
+}
+
+/// Evaluates at an unwrapped parameter pair that is reached smoothly from `near`.
+#[inline(always)]
+fn look<E: Evaluate, O: Objective>(
+    eval: &mut E,
+    objective: &O,
+    x: [f64; 2],
+    near: Place,
+    high: [f64; 2],
+) -> (Place, Frame, Jet) {
+    let (du, dv) = eval.directions();
+    let (i, offset_u) = du.locate(x[0], near.i, high[0]);
+    let (j, offset_v) = dv.locate(x[1], near.j, high[1]);
+    let (a, b) = (&du.spans[i], &dv.spans[j]);
+    let place = Place { i, j, u: (x[0] - offset_u).clamp(a.start, a.end), v: (x[1] - offset_v).clamp(b.start, b.end) };
+    let frame = eval.frame(i, j, place.u, place.v);
+    (place, frame, objective.jet(&frame))
+}
+
+/// A step so short that Taylor's series to second order is the surface to rounding, from a point where Newton's error is
+/// safely squared by each step: the last one, and no evaluation is needed to take it.
+#[inline(always)]
+fn last_step(
+    (du, dv): (&Direction, &Direction),
+    jet: &Jet,
+    free: [bool; 2],
+    x: [f64; 2],
+    at: Place,
+    step: [f64; 2],
+    widths: [f64; 2],
+) -> Option<([f64; 2], Place)> {
+    const SHORT: f64 = 1e-8;
+    let ([mu, mv], [huu, huv, hvv]) = (jet.metric, jet.h);
+    let short = step[0].abs() <= SHORT * widths[0] && step[1].abs() <= SHORT * widths[1];
+    if !short || free != [true, true] || huu < 0.1 * mu || huu * hvv - huv * huv < 0.01 * mu * mv {
+        return None;
+    }
+    let place = Place { u: at.u + step[0], v: at.v + step[1], ..at };
+    let (a, b) = (&du.spans[at.i], &dv.spans[at.j]);
+    let inside = place.u > a.start && place.u < a.end && place.v > b.start && place.v < b.end;
+    inside.then_some(([x[0] + step[0], x[1] + step[1]], place))
+}
+
+/// A frame moved by a step of parameters, by its own derivatives.
+#[inline(always)]
+fn extend(frame: &Frame, u: f64, v: f64) -> Frame {
+    let (along_u, along_v) = (frame.duu * u + frame.duv * v, frame.duv * u + frame.dvv * v);
+    Frame {
+        point: frame.point + (frame.du + along_u * 0.5) * u + (frame.dv + along_v * 0.5) * v,
+        du: frame.du + along_u,
+        dv: frame.dv + along_v,
+        ..*frame
+    }
 }
 
 /// The span across a crease at which the variable is held.

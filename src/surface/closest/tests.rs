@@ -676,3 +676,88 @@ fn scale_does_not_matter() {
         check(&surface, 120, 160, 14, "scaled teardrop");
     }
 }
+
+/// A roof over x in [-1, 1] with its ridge at height `ridge` along y: degree 2 in u with a full interior knot, or torn by
+/// `gap` at an interior knot of multiplicity 3.
+fn roof(ridge: f64, gap: f64) -> Surface {
+    let v = KnotVector::clamped_uniform(1, 2).unwrap();
+    let (u, xs) = if gap == 0.0 {
+        let u = KnotVector::new(2, vec![0.0, 0.0, 0.0, 0.5, 0.5, 1.0, 1.0, 1.0]).unwrap();
+        (u, vec![-1.0, -0.5, 0.0, 0.5, 1.0])
+    } else {
+        let u = KnotVector::new(2, vec![0.0, 0.0, 0.0, 0.5, 0.5, 0.5, 1.0, 1.0, 1.0]).unwrap();
+        (u, vec![-1.0, -0.5, -gap, gap, 0.5, 1.0])
+    };
+    let points: Vec<Point3> =
+        xs.iter().flat_map(|&x: &f64| [0.0, 1.0].map(|y| Point3::new(x, y, ridge * (1.0 - x.abs())))).collect();
+    Surface::new(u, v, ControlNet::new(xs.len(), 2, points).unwrap(), None).unwrap()
+}
+
+#[test]
+fn above_a_ridge_is_outside_and_its_normal_is_the_mean() {
+    let surface = roof(1.0, 0.0);
+    let mut solver = ClosestSolver::new(&surface);
+    for x in [-0.2, 0.0, 0.1] {
+        let q = Point3::new(x, 0.5, 1.6);
+        let answer = solver.closest(&surface, &q);
+        assert!((answer.point - Point3::new(0.0, 0.5, 1.0)).norm() < 1e-12, "{answer:?}");
+        assert!((answer.normal - Vector3::z()).norm() < 1e-12 && answer.signed_distance > 0.0, "{answer:?}");
+        let local = solver.local(&surface, &q, 0.2, 0.4).expect("settles");
+        assert!((local.distance - answer.distance).abs() < 1e-12, "{local:?}");
+    }
+    // A valley seen from below its ridge line: outside the roof is above it, so this is inside.
+    let valley = roof(-1.0, 0.0);
+    let answer = ClosestSolver::new(&valley).closest(&valley, &Point3::new(0.0, 0.5, -1.6));
+    assert!(answer.signed_distance < 0.0 && (answer.distance - 0.6).abs() < 1e-12, "{answer:?}");
+}
+
+#[test]
+fn both_lips_of_a_tear_are_found_and_evaluate_where_they_were_found() {
+    let surface = roof(1.0, 0.1);
+    let mut solver = ClosestSolver::new(&surface);
+    for x in [-0.08, -0.01, 0.01, 0.08] {
+        let answer = solver.closest(&surface, &Point3::new(x, 0.5, 2.0));
+        let lip = Point3::new(0.1_f64.copysign(x), 0.5, 0.9);
+        assert!((answer.point - lip).norm() < 1e-12, "{answer:?}");
+        assert!((surface.point(answer.u, answer.v) - lip).norm() < 1e-12, "{answer:?}");
+    }
+}
+
+#[test]
+fn coincident_control_points_do_no_harm() {
+    let mut surface = teardrop(8);
+    let columns = surface.net().columns();
+    let points = surface.net_mut().points_mut();
+    for row in 2..5 {
+        points[row * columns + 4] = points[3 * columns + 4];
+        points[row * columns + 5] = points[3 * columns + 4];
+    }
+    check(&surface, 130, 200, 14, "teardrop with a cusp");
+    // All of them: the surface is a point.
+    let only = Point3::new(0.1, 0.2, 0.3);
+    points_at(&mut surface, only);
+    let mut solver = ClosestSolver::new(&surface);
+    let answer = solver.closest(&surface, &Point3::origin());
+    assert!((answer.distance - only.coords.norm()).abs() < 1e-15, "{answer:?}");
+    assert!(answer.normal.iter().all(|x| x.is_finite()));
+}
+
+fn points_at(surface: &mut Surface, point: Point3) {
+    surface.net_mut().points_mut().fill(point);
+}
+
+#[test]
+fn two_sheets_closer_than_a_micrometre_are_told_apart() {
+    // A strip folded onto itself: the query's foot must be on the right leaf.
+    let u = KnotVector::clamped_uniform(3, 8).unwrap();
+    let v = KnotVector::clamped_uniform(1, 2).unwrap();
+    let gap = 1e-6;
+    let line = [(0.0, 0.0), (0.3, 0.0), (0.6, 0.0), (1.0, 0.0), (1.0, gap), (0.6, gap), (0.3, gap), (0.0, gap)];
+    let points = line.iter().flat_map(|&(x, z)| [0.0, 1.0].map(|y| Point3::new(x, y, z))).collect();
+    let surface = Surface::new(u, v, ControlNet::new(8, 2, points).unwrap(), None).unwrap();
+    let mut solver = ClosestSolver::new(&surface);
+    for (z, leaf) in [(-1e-3, 0.0), (0.4 * gap, 0.0), (0.6 * gap, gap), (1e-3, gap)] {
+        let answer = solver.closest(&surface, &Point3::new(0.2, 0.5, z));
+        assert!((answer.distance - (z - leaf).abs()).abs() < 1e-12, "{z}: {answer:?}");
+    }
+}

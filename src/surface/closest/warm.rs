@@ -52,8 +52,27 @@ struct Slack {
     weight_bends: [f64; 3],
 }
 
-/// Budget of a foot that is known to be global.
+/// Budget of a foot. Above zero only if the foot is global, whether or not that was known.
 pub(super) fn certificate(
+    search: &mut Search,
+    pieces: &BezierPieces,
+    tables: &Tables,
+    objective: &Distance,
+    size_m: f64,
+    best: &Descent,
+) -> Grant {
+    let (nu, nv) = objective.orders(pieces.u.degree, pieces.v.degree);
+    match (nu, nv, pieces.is_rational()) {
+        (7, 7, false) => certify(7, 7, false, search, pieces, tables, objective, size_m, best),
+        (nu, nv, rational) => certify(nu, nv, rational, search, pieces, tables, objective, size_m, best),
+    }
+}
+
+#[inline(always)]
+fn certify(
+    nu: usize,
+    nv: usize,
+    rational: bool,
     search: &mut Search,
     pieces: &BezierPieces,
     tables: &Tables,
@@ -66,24 +85,25 @@ pub(super) fn certificate(
     let mut share = 0.5;
     for _ in 0..5 {
         let around = surround(pieces, best, share);
-        if let Some((slacks, count)) = slacks(search, pieces, tables, objective, best, around) {
+        if let Some((slacks, count)) = slacks(nu, nv, rational, search, pieces, tables, objective, best, around) {
             let slacks = &slacks[..count];
             let mut limit = f64::INFINITY;
             for slack in slacks {
-                limit = limit.min(if pieces.is_rational() {
+                limit = limit.min(if rational {
                     net_limit(slack, pieces, distance, 0.0)
                 } else {
                     (0..3).fold(f64::INFINITY, |m, k| m.min(slack.room[k] / slack.query[k].max(f64::MIN_POSITIVE)))
                 });
             }
             let limit = limit.min(10.0 * size_m);
-            let gap = gap_outside(search, pieces, tables, objective, distance, around, 2.0 * limit, size_m);
+            let gap =
+                gap_outside(nu, nv, rational, search, pieces, tables, objective, distance, around, 2.0 * limit, size_m);
             let budget_m = 0.999 * limit.min(0.5 * gap);
             if budget_m <= 1e-9 * size_m {
                 return nothing;
             }
             let mut net_cost: f64 = 1.0;
-            if !pieces.is_rational() {
+            if !rational {
                 for slack in slacks {
                     net_cost = net_cost.max(budget_m / net_limit(slack, pieces, distance, budget_m));
                 }
@@ -129,7 +149,11 @@ fn covered(d: &Direction, k: usize, range: [f64; 2]) -> Option<[f64; 2]> {
 }
 
 /// Convexity over the box, part by part; `None` where it is not proved. At most nine pieces meet a box.
+#[inline(always)]
 fn slacks(
+    nu: usize,
+    nv: usize,
+    rational: bool,
     search: &mut Search,
     pieces: &BezierPieces,
     tables: &Tables,
@@ -140,7 +164,6 @@ fn slacks(
     let zero =
         Slack { room: [0.0; 3], query: [0.0; 3], d: [0.0; 6], widths: [0.0; 2], weight: 1.0, weight_bends: [0.0; 3] };
     let (mut out, mut count) = ([zero; 9], 0);
-    let (nu, nv) = objective.orders(pieces.u.degree, pieces.v.degree);
     let len = nu * nv;
     for i in 0..pieces.u.spans.len() {
         let Some(s) = covered(&pieces.u, i, around.u) else { continue };
@@ -149,7 +172,7 @@ fn slacks(
             let piece = i * pieces.v.spans.len() + j;
             let noise = objective.form(pieces, piece, tables, &mut search.a, &mut search.w);
             let mut slack = Slack { widths: [s[1] - s[0], t[1] - t[0]], ..zero };
-            if pieces.is_rational() {
+            if rational {
                 let w = &mut search.w[..len];
                 restrict_u(w, nu, nv, s[0], s[1]);
                 restrict_v(w, nu, nv, t[0], t[1]);
@@ -159,7 +182,7 @@ fn slacks(
             let a = &mut search.a[..len];
             restrict_u(a, nu, nv, s[0], s[1]);
             restrict_v(a, nu, nv, t[0], t[1]);
-            if pieces.is_rational() {
+            if rational {
                 for x in 0..len {
                     a[x] -= best.jet.f * search.w[x];
                 }
@@ -184,30 +207,41 @@ fn slacks(
 fn measure(pieces: &BezierPieces, piece: usize, objective: &Distance, slack: &mut Slack) {
     let (p, q) = (pieces.u.degree, pieces.v.degree);
     let points = pieces.points(piece);
-    let at = |k: usize, l: usize| {
-        let x = &points[k * (q + 1) + l];
-        crate::math::Vector3::new(x[0] - objective.q.x * x[3], x[1] - objective.q.y * x[3], x[2] - objective.q.z * x[3])
+    let width = q + 1;
+    // Differences of (w x, w y, w z, w) are linear in the query: subtract it at the end.
+    let length = |x: [f64; 4]| {
+        let d = [x[0] - objective.q.x * x[3], x[1] - objective.q.y * x[3], x[2] - objective.q.z * x[3]];
+        d[0] * d[0] + d[1] * d[1] + d[2] * d[2]
     };
+    let mix = |x: &[f64; 4], a: f64, y: &[f64; 4], b: f64, z: &[f64; 4]| -> [f64; 4] {
+        std::array::from_fn(|c| x[c] + a * y[c] + b * z[c])
+    };
+    let zero = [0.0; 4];
     let mut most = [0.0_f64; 6];
+    let mut raise = |k: usize, value: f64| most[k] = if value > most[k] { value } else { most[k] };
     for k in 0..=p {
         for l in 0..=q {
-            most[0] = most[0].max(at(k, l).norm_squared());
+            let x = &points[k * width + l];
+            raise(0, length(*x));
+            slack.weight = slack.weight.max(x[3]);
             if k < p {
-                most[1] = most[1].max((at(k + 1, l) - at(k, l)).norm_squared());
+                let next = &points[(k + 1) * width + l];
+                raise(1, length(mix(next, -1.0, x, 0.0, &zero)));
+                if k + 1 < p {
+                    raise(3, length(mix(&points[(k + 2) * width + l], -2.0, next, 1.0, x)));
+                }
             }
             if l < q {
-                most[2] = most[2].max((at(k, l + 1) - at(k, l)).norm_squared());
+                let next = &points[k * width + l + 1];
+                raise(2, length(mix(next, -1.0, x, 0.0, &zero)));
+                if l + 1 < q {
+                    raise(4, length(mix(&points[k * width + l + 2], -2.0, next, 1.0, x)));
+                }
+                if k < p {
+                    let across = mix(&points[(k + 1) * width + l + 1], -1.0, &points[(k + 1) * width + l], 0.0, &zero);
+                    raise(5, length(mix(&across, -1.0, next, 1.0, x)));
+                }
             }
-            if k + 1 < p {
-                most[3] = most[3].max((at(k + 2, l) - at(k + 1, l) * 2.0 + at(k, l)).norm_squared());
-            }
-            if l + 1 < q {
-                most[4] = most[4].max((at(k, l + 2) - at(k, l + 1) * 2.0 + at(k, l)).norm_squared());
-            }
-            if k < p && l < q {
-                most[5] = most[5].max((at(k + 1, l + 1) - at(k + 1, l) - at(k, l + 1) + at(k, l)).norm_squared());
-            }
-            slack.weight = slack.weight.max(points[k * (q + 1) + l][3]);
         }
     }
     let (p, q, [s, t]) = (p as f64, q as f64, slack.widths);
@@ -242,7 +276,11 @@ fn net_limit(slack: &Slack, pieces: &BezierPieces, distance: f64, query_m: f64) 
 }
 
 /// Lower bound on (distance outside the box) − distance, at most `most`.
+#[inline(always)]
 fn gap_outside(
+    nu: usize,
+    nv: usize,
+    rational: bool,
     search: &mut Search,
     pieces: &BezierPieces,
     tables: &Tables,
@@ -252,8 +290,7 @@ fn gap_outside(
     most: f64,
     size_m: f64,
 ) -> f64 {
-    let (nu, nv) = objective.orders(pieces.u.degree, pieces.v.degree);
-    let (len, stride, rational) = (nu * nv, search.stride(), pieces.is_rational());
+    let (len, stride) = (nu * nv, search.stride());
     // `upper`: least value seen outside, as a gap.
     let mut upper = most / CLAIM;
     let mut visited = 0;
@@ -336,11 +373,7 @@ fn gap_outside(
                 return 0.0;
             }
             let in_u = if in_u { wide_u } else { !wide_v };
-            if (nu, nv, rational) == (7, 7, false) {
-                search.halve(7, 7, false, in_u);
-            } else {
-                search.halve(nu, nv, rational, in_u);
-            }
+            search.halve(nu, nv, rational, in_u);
         }
     }
     CLAIM * upper
