@@ -1,1 +1,24 @@
-//! Client of Palpate.
+//! Client of the Palpate haptic server.
+//!
+//! ```no_run
+//! use palpate_client::{Connect, Palpate};
+//! let palpate = Palpate::connect(&Connect::to("tcp/127.0.0.1:7447"))?;
+//! let scene = palpate.scene()?;
+//! let mut tool = palpate.tool(&scene.tools[0].id)?;
+//! let seq = tool.send(palpate_client::pose_at([0.0, 0.0, 0.05]))?;
+//! if let Some(force) = tool.wait_force(seq, std::time::Duration::from_millis(50)) {
+//!     println!("{:?} N", force.force);
+//! }
+//! # Ok::<(), palpate_client::ClientError>(())
+//! ```
+//! [`device`] holds a simulated haptic device for those without one.
+
+mod connection;
+pub mod device;
+mod ping;
+mod tool;
+
+pub use connection::{ClientError, Connect, Latest, Palpate};
+pub use palpate_proto as proto;
+pub use ping::{PingReport, raw_ping};
+pub use tool::{Tool, pose_at};

@@ -1,0 +1,293 @@
+//! A session with one daemon.
+
+use crate::Tool;
+use palpate_proto::codec::{DecodeError, decode};
+use palpate_proto::keys::{IdError, Keys};
+use palpate_proto::messages::{ControlNet, LoopStatus, Message, SceneSnapshot, SimEvent};
+use palpate_proto::rpc::{Reply, Request};
+use std::net::{TcpStream, ToSocketAddrs};
+use std::path::PathBuf;
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::{Duration, Instant};
+use zenoh::Wait;
+
+/// How to find a daemon.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Connect {
+    /// Endpoints, for example `tcp/127.0.0.1:7447`.
+    pub endpoints: Vec<String>,
+    /// Instance name.
+    pub instance: String,
+    /// A stock Zenoh JSON5 configuration instead of a plain peer.
+    pub zenoh_config: Option<PathBuf>,
+    /// How long to wait for answers.
+    pub timeout: Duration,
+}
+
+impl Connect {
+    /// One endpoint, instance `default`.
+    pub fn to(endpoint: &str) -> Self {
+        Self {
+            endpoints: vec![endpoint.to_owned()],
+            instance: "default".into(),
+            zenoh_config: None,
+            timeout: Duration::from_secs(3),
+        }
+    }
+}
+
+/// Why the daemon could not be spoken to.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum ClientError {
+    /// Nobody listens there.
+    #[error("nobody answers at {endpoint} ({reason}); is `palpate serve` running there?")]
+    Unreachable {
+        /// As given.
+        endpoint: String,
+        /// Operating system's words.
+        reason: String,
+    },
+    /// A query went unanswered.
+    #[error("no answer to {key} within {timeout:?}: is instance {instance:?} served there?")]
+    NoAnswer {
+        /// Key.
+        key: String,
+        /// Instance.
+        instance: String,
+        /// How long we waited.
+        timeout: Duration,
+    },
+    /// An answer of another version.
+    #[error(transparent)]
+    Decode(#[from] DecodeError),
+    /// An id that cannot be.
+    #[error(transparent)]
+    Id(#[from] IdError),
+    /// The scene has no such tool or body.
+    #[error("this scene has no {kind} {id:?}; it has {known}")]
+    Unknown {
+        /// `tool` or `body`.
+        kind: &'static str,
+        /// As given.
+        id: String,
+        /// What there is.
+        known: String,
+    },
+    /// The daemon refused a command.
+    #[error("{method} was refused: {reason}")]
+    Refused {
+        /// Method.
+        method: String,
+        /// Its words.
+        reason: String,
+    },
+    /// Zenoh's own refusal.
+    #[error("Zenoh: {0}")]
+    Zenoh(String),
+}
+
+impl ClientError {
+    pub(crate) fn zenoh(error: impl std::fmt::Display) -> Self {
+        Self::Zenoh(error.to_string())
+    }
+}
+
+/// The newest message of a kind; older ones are forgotten.
+#[derive(Clone, Debug)]
+pub struct Latest<M> {
+    slot: Arc<Mutex<Option<M>>>,
+    _subscriber: Arc<zenoh::pubsub::Subscriber<()>>,
+}
+
+impl<M: Clone> Latest<M> {
+    /// The newest so far.
+    pub fn get(&self) -> Option<M> {
+        self.slot.lock().unwrap_or_else(PoisonError::into_inner).clone()
+    }
+
+    /// The newest, leaving nothing: each message is seen once at most.
+    pub fn take(&self) -> Option<M> {
+        self.slot.lock().unwrap_or_else(PoisonError::into_inner).take()
+    }
+}
+
+/// A session with one daemon.
+pub struct Palpate {
+    session: zenoh::Session,
+    keys: Keys,
+    settings: Connect,
+}
+
+impl Palpate {
+    /// Connects as a peer, without multicast.
+    ///
+    /// # Errors
+    /// An endpoint where nobody listens, a configuration Zenoh refuses, or an instance name that is no id.
+    pub fn connect(settings: &Connect) -> Result<Self, ClientError> {
+        let keys = Keys::new(&settings.instance)?;
+        for endpoint in &settings.endpoints {
+            check_reachable(endpoint, settings.timeout)?;
+        }
+        let mut config = match &settings.zenoh_config {
+            Some(path) => zenoh::Config::from_file(path).map_err(ClientError::zenoh)?,
+            None => {
+                let mut config = zenoh::Config::default();
+                let fixed = [("mode", "\"peer\""), ("scouting/multicast/enabled", "false"), ("listen/endpoints", "[]")];
+                for (key, value) in fixed {
+                    config.insert_json5(key, value).map_err(ClientError::zenoh)?;
+                }
+                config
+            }
+        };
+        let endpoints = serde_json::to_string(&settings.endpoints).map_err(ClientError::zenoh)?;
+        config.insert_json5("connect/endpoints", &endpoints).map_err(ClientError::zenoh)?;
+        let session = zenoh::open(config).wait().map_err(ClientError::zenoh)?;
+        Ok(Self { session, keys, settings: settings.clone() })
+    }
+
+    pub(crate) fn session(&self) -> &zenoh::Session {
+        &self.session
+    }
+
+    pub(crate) fn keys(&self) -> &Keys {
+        &self.keys
+    }
+
+    fn query<T>(
+        &self,
+        key: String,
+        payload: Option<Vec<u8>>,
+        mut read: impl FnMut(&[u8]) -> Result<T, ClientError>,
+    ) -> Result<T, ClientError> {
+        let started = Instant::now();
+        // A fresh link may not have carried the daemon's declarations yet: ask again until the time is over.
+        loop {
+            let left = self.settings.timeout.saturating_sub(started.elapsed());
+            let mut get = self.session.get(&key).timeout(left.max(Duration::from_millis(10)));
+            if let Some(payload) = &payload {
+                get = get.payload(payload.clone());
+            }
+            let replies = get.wait().map_err(ClientError::zenoh)?;
+            if let Ok(reply) = replies.recv()
+                && let Ok(sample) = reply.result()
+            {
+                return read(&sample.payload().to_bytes());
+            }
+            if started.elapsed() >= self.settings.timeout {
+                let (instance, timeout) = (self.settings.instance.clone(), self.settings.timeout);
+                return Err(ClientError::NoAnswer { key, instance, timeout });
+            }
+            std::thread::sleep(Duration::from_millis(20));
+        }
+    }
+
+    /// Bodies, tools, knots and nets as they are now.
+    ///
+    /// # Errors
+    /// No answer, or one of another version.
+    pub fn scene(&self) -> Result<SceneSnapshot, ClientError> {
+        self.query(self.keys.scene(), None, |bytes| Ok(decode(bytes, "")?))
+    }
+
+    /// Health of the loop now.
+    ///
+    /// # Errors
+    /// No answer, or one of another version.
+    pub fn status(&self) -> Result<LoopStatus, ClientError> {
+        self.query(self.keys.status(), None, |bytes| Ok(decode(bytes, "")?))
+    }
+
+    /// Carries out a command; gives the first tick on which it has effect.
+    ///
+    /// # Errors
+    /// No answer, or the daemon refused.
+    pub fn rpc(&self, method: &str, request: &Request) -> Result<u64, ClientError> {
+        let payload = serde_json::to_vec(request).map_err(ClientError::zenoh)?;
+        let refused = |reason: String| ClientError::Refused { method: method.to_owned(), reason };
+        let reply: Reply = self.query(self.keys.rpc(method), Some(payload), |bytes| {
+            serde_json::from_slice(bytes).map_err(|e| refused(format!("its answer does not parse: {e}")))
+        })?;
+        match reply {
+            Reply { ok: true, tick: Some(tick), .. } => Ok(tick),
+            Reply { error, .. } => Err(refused(error.unwrap_or_else(|| "no reason given".into()))),
+        }
+    }
+
+    /// Takes a tool of the scene.
+    ///
+    /// # Errors
+    /// No such tool, or Zenoh refused.
+    pub fn tool(&self, id: &str) -> Result<Tool, ClientError> {
+        let scene = self.scene()?;
+        if !scene.tools.iter().any(|tool| tool.id == id) {
+            let known = scene.tools.iter().map(|tool| tool.id.as_str()).collect::<Vec<_>>().join(", ");
+            return Err(ClientError::Unknown { kind: "tool", id: id.to_owned(), known });
+        }
+        Tool::new(self, id, scene.lockstep)
+    }
+
+    /// The newest net of a body, as it changes.
+    ///
+    /// # Errors
+    /// Zenoh refused.
+    pub fn nets(&self, body: &str) -> Result<Latest<ControlNet>, ClientError> {
+        self.latest(self.keys.body_net(body))
+    }
+
+    /// The newest status, ten times a second.
+    ///
+    /// # Errors
+    /// Zenoh refused.
+    pub fn statuses(&self) -> Result<Latest<LoopStatus>, ClientError> {
+        self.latest(self.keys.status())
+    }
+
+    /// Calls `take` on each event, on a receive thread: be quick.
+    ///
+    /// # Errors
+    /// Zenoh refused.
+    pub fn events(
+        &self,
+        take: impl Fn(SimEvent) + Send + Sync + 'static,
+    ) -> Result<zenoh::pubsub::Subscriber<()>, ClientError> {
+        let callback = move |sample: zenoh::sample::Sample| {
+            if let Ok(event) = decode::<SimEvent>(&sample.payload().to_bytes(), "") {
+                take(event);
+            }
+        };
+        self.session.declare_subscriber(self.keys.event()).callback(callback).wait().map_err(ClientError::zenoh)
+    }
+
+    fn latest<M: Message + Clone + Send + 'static>(&self, key: String) -> Result<Latest<M>, ClientError> {
+        let slot = Arc::new(Mutex::new(None));
+        let shared = slot.clone();
+        let callback = move |sample: zenoh::sample::Sample| {
+            if let Ok(message) = decode::<M>(&sample.payload().to_bytes(), "") {
+                *shared.lock().unwrap_or_else(PoisonError::into_inner) = Some(message);
+            }
+        };
+        let subscriber = self.session.declare_subscriber(key).callback(callback).wait().map_err(ClientError::zenoh)?;
+        Ok(Latest { slot, _subscriber: Arc::new(subscriber) })
+    }
+
+    /// Closes the session; drop tools first.
+    pub fn close(self) {
+        let _ = self.session.close().wait();
+    }
+}
+
+/// Zenoh would retry an absent peer without a word: ask the socket first.
+fn check_reachable(endpoint: &str, timeout: Duration) -> Result<(), ClientError> {
+    let wrong = |reason: String| ClientError::Unreachable { endpoint: endpoint.to_owned(), reason };
+    let Some(address) = endpoint.strip_prefix("tcp/") else {
+        return if endpoint.contains('/') {
+            Ok(())
+        } else {
+            Err(wrong("write an endpoint like tcp/127.0.0.1:7447".into()))
+        };
+    };
+    let address = address.split(['#', '?']).next().unwrap_or_default();
+    let mut addresses = address.to_socket_addrs().map_err(|e| wrong(e.to_string()))?;
+    let address = addresses.next().ok_or_else(|| wrong("the host has no address".into()))?;
+    TcpStream::connect_timeout(&address, timeout).map(drop).map_err(|e| wrong(e.to_string()))
+}

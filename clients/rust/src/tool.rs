@@ -1,0 +1,142 @@
+//! One tool: poses out, forces in.
+
+use crate::connection::{ClientError, Palpate};
+use palpate_proto::codec::{decode, encode, encoding_schema};
+use palpate_proto::messages::{ToolForce, ToolPose};
+use std::sync::{Arc, Condvar, Mutex, PoisonError};
+use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
+use zenoh::Wait;
+use zenoh::bytes::Encoding;
+use zenoh::qos::{CongestionControl, Priority};
+
+/// A pose at rest at a place, unrotated. Its `seq` and time are set when it is sent.
+pub fn pose_at(position: [f64; 3]) -> ToolPose {
+    ToolPose {
+        seq: 0,
+        t_client_ns: 0,
+        position,
+        orientation: [0.0, 0.0, 0.0, 1.0],
+        linear_velocity: [0.0; 3],
+        angular_velocity: [0.0; 3],
+        buttons: 0,
+        flags: 0,
+    }
+}
+
+/// In lockstep a pose without its force after this long is sent again.
+const RESEND: Duration = Duration::from_millis(100);
+
+/// A held tool. Its liveliness token lasts as long as it.
+pub struct Tool {
+    publisher: zenoh::pubsub::Publisher<'static>,
+    forces: Arc<Forces>,
+    seq: u64,
+    last: Option<ToolPose>,
+    lockstep: bool,
+    _subscriber: zenoh::pubsub::Subscriber<()>,
+    _token: zenoh::liveliness::LivelinessToken,
+}
+
+#[derive(Default)]
+struct Forces {
+    newest: Mutex<Newest>,
+    arrived: Condvar,
+}
+
+#[derive(Default)]
+struct Newest {
+    force: Option<ToolForce>,
+    received: u64,
+}
+
+impl Tool {
+    pub(crate) fn new(palpate: &Palpate, id: &str, lockstep: bool) -> Result<Self, ClientError> {
+        let (session, keys) = (palpate.session(), palpate.keys());
+        let forces = Arc::new(Forces::default());
+        let shared = forces.clone();
+        let subscriber = session
+            .declare_subscriber(keys.tool_force(id))
+            .callback(move |sample| {
+                if let Ok(force) = decode::<ToolForce>(&sample.payload().to_bytes(), "") {
+                    let mut newest = shared.newest.lock().unwrap_or_else(PoisonError::into_inner);
+                    if newest.force.is_none_or(|old| force.tick >= old.tick) {
+                        newest.force = Some(force);
+                    }
+                    newest.received += 1;
+                    shared.arrived.notify_all();
+                }
+            })
+            .wait()
+            .map_err(ClientError::zenoh)?;
+        let publisher = session
+            .declare_publisher(keys.tool_pose(id))
+            .encoding(Encoding::APPLICATION_OCTET_STREAM.with_schema(encoding_schema::<ToolPose>()))
+            .priority(Priority::RealTime)
+            .congestion_control(CongestionControl::Drop)
+            .express(true)
+            .wait()
+            .map_err(ClientError::zenoh)?;
+        let token = session.liveliness().declare_token(keys.live_tool(id)).wait().map_err(ClientError::zenoh)?;
+        Ok(Self { publisher, forces, seq: 0, last: None, lockstep, _subscriber: subscriber, _token: token })
+    }
+
+    /// True when the daemon waits for each pose.
+    pub fn is_lockstep(&self) -> bool {
+        self.lockstep
+    }
+
+    /// Sends a pose; gives the `seq` it got. In lockstep the pose's own time is kept, so that sessions repeat by bits.
+    ///
+    /// # Errors
+    /// Zenoh refused.
+    pub fn send(&mut self, pose: ToolPose) -> Result<u64, ClientError> {
+        self.seq += 1;
+        let t_client_ns = if self.lockstep { pose.t_client_ns } else { now_ns() };
+        let pose = ToolPose { seq: self.seq, t_client_ns, ..pose };
+        self.last = Some(pose);
+        self.put(&pose)?;
+        Ok(self.seq)
+    }
+
+    fn put(&self, pose: &ToolPose) -> Result<(), ClientError> {
+        self.publisher.put(encode(pose)).wait().map_err(ClientError::zenoh)
+    }
+
+    /// The newest force.
+    pub fn force(&self) -> Option<ToolForce> {
+        self.forces.newest.lock().unwrap_or_else(PoisonError::into_inner).force
+    }
+
+    /// Forces received so far.
+    pub fn received(&self) -> u64 {
+        self.forces.newest.lock().unwrap_or_else(PoisonError::into_inner).received
+    }
+
+    /// Waits for a force that answers the pose `seq` or a later one. In lockstep the pose is sent again now and then.
+    pub fn wait_force(&self, seq: u64, timeout: Duration) -> Option<ToolForce> {
+        let started = Instant::now();
+        let mut newest = self.forces.newest.lock().unwrap_or_else(PoisonError::into_inner);
+        loop {
+            if let Some(force) = newest.force.filter(|force| force.pose_seq >= seq) {
+                return Some(force);
+            }
+            let left = timeout.checked_sub(started.elapsed())?;
+            let slice = if self.lockstep { left.min(RESEND) } else { left };
+            let (guard, waited) =
+                self.forces.arrived.wait_timeout(newest, slice).unwrap_or_else(PoisonError::into_inner);
+            newest = guard;
+            if waited.timed_out() && self.lockstep {
+                drop(newest);
+                if let Some(pose) = &self.last {
+                    let _ = self.put(pose);
+                }
+                newest = self.forces.newest.lock().unwrap_or_else(PoisonError::into_inner);
+            }
+        }
+    }
+}
+
+/// Wall clock, ns.
+pub(crate) fn now_ns() -> u64 {
+    SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |t| t.as_nanos() as u64)
+}
