@@ -1,2 +1,5 @@
-//! The command line.
-fn main() {}
+//! The `palpate` program: see [`palpate::cli`].
+
+fn main() -> std::process::ExitCode {
+    palpate::cli::main()
+}

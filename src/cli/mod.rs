@@ -1,1 +1,111 @@
-//! One file per subcommand.
+//! The command line: one file per subcommand. stdout is data, stderr is talk.
+//!
+//! Exit codes: 0 all well, 1 a difference was found, 2 usage or configuration, 3 a run-time fault or an incomplete
+//! recording.
+
+mod check;
+mod demo;
+mod device;
+mod doctor;
+mod info;
+mod plan;
+mod probe;
+mod recover;
+mod replay;
+mod rpc;
+mod serve;
+mod text;
+
+use clap::{CommandFactory, Parser, Subcommand};
+use std::process::ExitCode;
+
+/// Touch on deforming B-spline surfaces at 1 kHz: a haptic-loop simulation server.
+#[derive(Parser, Debug)]
+#[command(version, about, long_about = None, arg_required_else_help = false)]
+struct Cli {
+    #[command(subcommand)]
+    command: Option<Commands>,
+}
+
+#[derive(Subcommand, Debug)]
+enum Commands {
+    /// The main job on built-in input: a soft teardrop, a simulated device pressing it, a recording, a summary.
+    Demo(demo::Args),
+    /// Run a scene: poses in, forces and nets out, over Zenoh.
+    Serve(serve::Args),
+    /// Read a scene, build it and run some ticks, without any socket.
+    Check(check::Args),
+    /// What a scene compiles to: bodies, pairs, stages with their cost, buffers.
+    Plan(plan::Args),
+    /// Run a recording through the same step and compare every bit.
+    Replay(replay::Args),
+    /// A recording at a glance.
+    Info(info::Args),
+    /// Make a finished file of a recording that was cut short.
+    Recover(recover::Args),
+    /// A simulated haptic device that holds a tool of a running scene.
+    Device(device::Args),
+    /// Contacts and forces of a tool at given poses, without a loop.
+    Probe(probe::Args),
+    /// Send a command to a running daemon: reset, pause, resume, step, shutdown.
+    Rpc(rpc::Args),
+    /// What this machine allows: scheduling, timers, ports.
+    Doctor(doctor::Args),
+    /// Completions for a shell, on stdout.
+    Completions {
+        /// bash, zsh, fish, elvish or powershell.
+        shell: clap_complete::Shell,
+    },
+}
+
+/// How a command ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Outcome {
+    Ok,
+    Difference,
+    Fault,
+}
+
+/// Runs the program.
+pub fn main() -> ExitCode {
+    let filter = tracing_subscriber::EnvFilter::try_from_default_env()
+        .unwrap_or_else(|_| tracing_subscriber::EnvFilter::new("warn,palpate=info"));
+    let colour = std::env::var_os("NO_COLOR").is_none() && std::io::IsTerminal::is_terminal(&std::io::stderr());
+    tracing_subscriber::fmt()
+        .with_env_filter(filter)
+        .with_writer(std::io::stderr)
+        .with_ansi(colour)
+        .without_time()
+        .init();
+    let cli = Cli::parse();
+    let Some(command) = cli.command else {
+        let _ = Cli::command().print_help();
+        return ExitCode::SUCCESS;
+    };
+    let done = match command {
+        Commands::Demo(args) => demo::run(&args),
+        Commands::Serve(args) => serve::run(&args),
+        Commands::Check(args) => check::run(&args),
+        Commands::Plan(args) => plan::run(&args),
+        Commands::Replay(args) => replay::run(&args),
+        Commands::Info(args) => info::run(&args),
+        Commands::Recover(args) => recover::run(&args),
+        Commands::Device(args) => device::run(&args),
+        Commands::Probe(args) => probe::run(&args),
+        Commands::Rpc(args) => rpc::run(&args),
+        Commands::Doctor(args) => doctor::run(&args),
+        Commands::Completions { shell } => {
+            clap_complete::generate(shell, &mut Cli::command(), "palpate", &mut std::io::stdout());
+            Ok(Outcome::Ok)
+        }
+    };
+    match done {
+        Ok(Outcome::Ok) => ExitCode::SUCCESS,
+        Ok(Outcome::Difference) => ExitCode::from(1),
+        Ok(Outcome::Fault) => ExitCode::from(3),
+        Err(error) => {
+            eprintln!("error: {error:#}");
+            ExitCode::from(2)
+        }
+    }
+}

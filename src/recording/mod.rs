@@ -16,7 +16,7 @@ mod writer;
 pub use info::{Info, info};
 pub(crate) use info::{stage_infos, write_stages};
 pub use reader::{ReadError, Session, SessionHeader};
-pub use recorder::{Recorder, RecorderPort, RecorderProgress, RecorderSettings, RecordingSummary, default_path};
+pub use recorder::{Recorder, RecorderPort, RecorderSettings, RecordingSummary, default_path};
 pub use recover::RecoverError;
 pub use recover::{Recovered, recover};
 pub use replay::{Difference, ReplayError, ReplayReport, replay};

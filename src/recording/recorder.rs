@@ -34,20 +34,12 @@ pub struct RecorderSettings {
     pub effective: SceneSpec,
 }
 
-/// Live counters.
 #[derive(Debug, Default)]
-pub struct RecorderProgress {
+struct RecorderProgress {
     /// Message bytes written, and records lost because a ring was full or the disk failed.
-    pub gauges: Arc<JournalGauges>,
+    gauges: Arc<JournalGauges>,
     failed: AtomicBool,
     stop: AtomicBool,
-}
-
-impl RecorderProgress {
-    /// True once the disk refused.
-    pub fn failed(&self) -> bool {
-        self.failed.load(Ordering::Relaxed)
-    }
 }
 
 /// What was recorded.
@@ -242,9 +234,14 @@ impl Recorder {
         Ok((Self { progress, thread }, port))
     }
 
-    /// Live counters.
-    pub fn progress(&self) -> Arc<RecorderProgress> {
-        self.progress.clone()
+    /// Bytes and losses, live.
+    pub fn gauges(&self) -> Arc<JournalGauges> {
+        self.progress.gauges.clone()
+    }
+
+    /// True once the disk refused.
+    pub fn failed(&self) -> bool {
+        self.progress.failed.load(Ordering::Relaxed)
     }
 
     /// Writes what is left, ends the file and gives it its name. Call after the tick thread has ended.

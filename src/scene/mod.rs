@@ -4,6 +4,7 @@
 //! scene does not need has no buffer and no stage.
 
 mod build;
+pub mod file;
 pub mod plan;
 pub mod spec;
 mod state;

@@ -118,7 +118,8 @@ impl Driver {
 
     fn is_over(&mut self) -> bool {
         let ticks = self.state.tick;
-        if self.settings.ticks.is_some_and(|most| ticks >= most) && self.fading.is_none() {
+        let asked = self.ports.counters.stop.load(Ordering::Acquire);
+        if (asked || self.settings.ticks.is_some_and(|most| ticks >= most)) && self.fading.is_none() {
             self.apply(Command::Stop);
         }
         let Some(since) = self.fading else { return false };

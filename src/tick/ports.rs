@@ -150,6 +150,8 @@ impl NetEnd {
 pub struct LoopCounters {
     /// Records the bus did not take in time.
     pub bus_drops: AtomicU64,
+    /// Asks the loop to fade its forces and end.
+    pub stop: AtomicBool,
     /// The loop has ended.
     pub finished: AtomicBool,
 }

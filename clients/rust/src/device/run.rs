@@ -3,12 +3,12 @@
 use super::{Motion, SimulatedDevice};
 use crate::tool::now_ns;
 use crate::{ClientError, Tool};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 /// What a run saw.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct RunReport {
     /// Poses sent.
     pub poses: u64,

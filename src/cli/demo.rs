@@ -1,0 +1,121 @@
+//! `palpate demo`: the main job on built-in input.
+
+use super::Outcome;
+use super::serve::{Common, outcome, serve, summary};
+use crate::recording::{Session, default_path, info};
+use crate::scene::file;
+use anyhow::Context as _;
+use palpate_client::device::run::RunReport;
+use std::net::TcpListener;
+use std::path::Path;
+use std::process::{Child, Stdio};
+use std::time::Duration;
+
+#[derive(clap::Args, Debug)]
+pub struct Args {
+    #[command(flatten)]
+    common: Common,
+    /// No viewer page (assumed without a terminal).
+    #[arg(long)]
+    headless: bool,
+}
+
+/// The demo's scene.
+const SCENE: &str = include_str!("../../scenes/teardrop.toml");
+const TOOL: &str = "ball";
+
+pub fn run(args: &Args) -> anyhow::Result<Outcome> {
+    let mut common = args.common.clone();
+    let duration = *common.duration.get_or_insert(Duration::from_secs(10));
+    if common.listen.is_empty() {
+        common.listen = vec![format!("tcp/127.0.0.1:{}", free_port()?)];
+    }
+    let endpoint = common.listen[0].clone();
+    let record = common.record.clone().unwrap_or_else(|| default_path(Path::new("recordings/local"), "demo"));
+    common.record = Some(record);
+    let loaded = file::parse(SCENE, "teardrop.toml", Path::new("."))?;
+    eprintln!("scene teardrop, a simulated device presses it for {} s…", duration.as_secs_f64());
+    let mut devices = None;
+    let served = serve(&loaded, &common, || {
+        // Half of the time pressing, half sliding; each in a process of its own, as a real device would be.
+        let half = duration.as_secs_f64() * 0.5;
+        let seconds = (half - 0.3).max(0.2);
+        devices = Some(press_then_slide(endpoint.clone(), common.instance.clone(), seconds));
+        Ok(())
+    })?;
+    let reports = match devices {
+        Some(devices) => devices.join().map_err(|_| anyhow::anyhow!("waiting for a device failed"))?,
+        None => Vec::new(),
+    };
+    summary(&served);
+    for (motion, report) in &reports {
+        match report {
+            Ok(report) => {
+                let [p50, p99, max] = report.round_trip_us;
+                println!(
+                    "device ({motion}): {} poses, {} forces, pose to force p50 {p50:.0} us, p99 {p99:.0} us, max {max:.0} us",
+                    report.poses, report.forces
+                );
+            }
+            Err(error) => println!("device ({motion}): {error:#}"),
+        }
+    }
+    match palpate_client::raw_ping(free_port()?, 500, Duration::from_millis(2)) {
+        Ok(ping) => println!(
+            "raw Zenoh ping beside it: p50 {:.0} us, p99 {:.0} us (a pose also waits for the next tick: half a period on average)",
+            ping.quantile(0.5) as f64 * 1e-3,
+            ping.quantile(0.99) as f64 * 1e-3
+        ),
+        Err(error) => println!("raw Zenoh ping: {error}"),
+    }
+    if let Some(recording) = &served.recording {
+        let info = info(&Session::open(&recording.path)?);
+        for tool in &info.tools {
+            println!(
+                "tool {}: {} ticks in contact, peak force {:.4} N, peak depth {:.3} mm, work of the hand {:.6} J",
+                tool.id,
+                tool.contact_ticks,
+                tool.peak_force_n,
+                tool.peak_depth_m * 1e3,
+                tool.energy_j
+            );
+        }
+        println!("replay it: palpate replay {}", recording.path.display());
+    }
+    let _ = args.headless;
+    Ok(outcome(&served))
+}
+
+type DeviceReports = Vec<(&'static str, anyhow::Result<RunReport>)>;
+
+fn press_then_slide(endpoint: String, instance: String, seconds: f64) -> std::thread::JoinHandle<DeviceReports> {
+    std::thread::spawn(move || {
+        let run = |(motion, seed)| {
+            let report = device(&endpoint, &instance, motion, seconds, seed).and_then(collect);
+            (motion, report)
+        };
+        [("press", 1), ("slide", 2)].map(run).into()
+    })
+}
+
+fn device(endpoint: &str, instance: &str, motion: &str, seconds: f64, seed: u64) -> anyhow::Result<Child> {
+    let program = std::env::current_exe().context("the path of this program")?;
+    std::process::Command::new(program)
+        .args(["device", "--tool", TOOL, "--motion", motion, "--json", "--connect", endpoint, "--instance", instance])
+        .args(["--for", &format!("{seconds}s"), "--seed", &seed.to_string()])
+        .stdin(Stdio::null())
+        .stdout(Stdio::piped())
+        .spawn()
+        .context("starting the simulated device")
+}
+
+fn collect(child: Child) -> anyhow::Result<RunReport> {
+    let output = child.wait_with_output()?;
+    anyhow::ensure!(output.status.success(), "the device ended with {}", output.status);
+    Ok(serde_json::from_slice(&output.stdout)?)
+}
+
+/// A loopback port that nobody uses now.
+pub fn free_port() -> anyhow::Result<u16> {
+    Ok(TcpListener::bind("127.0.0.1:0")?.local_addr()?.port())
+}

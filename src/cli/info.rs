@@ -1,0 +1,24 @@
+//! `palpate info`: a recording at a glance.
+
+use super::Outcome;
+use crate::recording::{Session, info};
+use std::path::PathBuf;
+
+#[derive(clap::Args, Debug)]
+pub struct Args {
+    /// Recording.
+    file: PathBuf,
+    /// Print one JSON object.
+    #[arg(long)]
+    json: bool,
+}
+
+pub fn run(args: &Args) -> anyhow::Result<Outcome> {
+    let info = info(&Session::open(&args.file)?);
+    if args.json {
+        println!("{}", serde_json::to_string(&info)?);
+    } else {
+        print!("{info}");
+    }
+    Ok(Outcome::Ok)
+}

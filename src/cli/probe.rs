@@ -1,0 +1,173 @@
+//! `palpate probe`: quasi-static contacts and forces at given poses.
+
+use super::Outcome;
+use crate::haptics::DevicePose;
+use crate::math::{Point3, Rotation, Vector3};
+use crate::scene::spec::MAX_TOOLS;
+use crate::scene::{Scene, file};
+use crate::tick::record::{TickInput, ToolOutput};
+use crate::tick::{apply, record::Command, step};
+use anyhow::Context as _;
+use serde::Serialize;
+use std::path::PathBuf;
+
+#[derive(clap::Args, Debug)]
+pub struct Args {
+    /// Scene file.
+    scene: PathBuf,
+    /// Tool to pose; the first if the scene has one only.
+    #[arg(long)]
+    tool: Option<String>,
+    /// CSV lines `x,y,z[,qx,qy,qz,qw]`, m; `#` starts a comment.
+    #[arg(long)]
+    poses: PathBuf,
+    /// Print one JSON object a line.
+    #[arg(long)]
+    json: bool,
+}
+
+/// One answer.
+#[derive(Debug, Serialize)]
+struct Row {
+    position: [f64; 3],
+    force: [f64; 3],
+    torque: [f64; 3],
+    proxy: [f64; 3],
+    depth: f64,
+    contact_count: u32,
+    contact: Option<ContactRow>,
+    settled: bool,
+}
+
+#[derive(Debug, Serialize)]
+struct ContactRow {
+    body: String,
+    u: f64,
+    v: f64,
+    point: [f64; 3],
+    normal: [f64; 3],
+}
+
+/// At rest: the force changes by less than this share of itself (plus 1 µN) over [`WINDOW`] ticks.
+const SETTLED: f64 = 1e-5;
+const WINDOW: u64 = 50;
+/// Give up settling after this many ticks a pose.
+const PATIENCE: u64 = 20_000;
+/// Stride towards a pose, m a tick: slow enough for a deforming body to follow.
+const STRIDE_M: f64 = 1e-4;
+
+pub fn run(args: &Args) -> anyhow::Result<Outcome> {
+    let loaded = file::load(&args.scene)?;
+    let mut spec = loaded.spec;
+    // Quasi-static: no ramp, no limit in the way of a jump between poses.
+    for tool in &mut spec.tools {
+        tool.device.ramp_s = 0.0;
+        tool.device.speed_max_m_s = 1e6;
+        tool.coupling.damping_n_s_m = 0.0;
+    }
+    let scene = Scene::build(&spec, &loaded.directory)?;
+    let tool = match &args.tool {
+        Some(id) => scene.tool_index(id).with_context(|| format!("the scene has no tool {id:?}"))?,
+        None if scene.tool_count() == 1 => 0,
+        None => anyhow::bail!("the scene has {} tools; name one with --tool", scene.tool_count()),
+    };
+    let poses = read_poses(&args.poses)?;
+    if !args.json {
+        println!("{:>36}  {:>36} {:>10}", "position m", "force N", "depth mm");
+    }
+    for pose in poses {
+        let row = probe(&scene, tool, &pose);
+        if args.json {
+            println!("{}", serde_json::to_string(&row)?);
+        } else {
+            let [x, y, z] = row.position;
+            let [fx, fy, fz] = row.force;
+            println!("{x:>12.6}{y:>12.6}{z:>12.6}  {fx:>12.6}{fy:>12.6}{fz:>12.6} {:>10.4}", row.depth * 1e3);
+        }
+    }
+    Ok(Outcome::Ok)
+}
+
+fn read_poses(path: &PathBuf) -> anyhow::Result<Vec<DevicePose>> {
+    let text = std::fs::read_to_string(path).with_context(|| path.display().to_string())?;
+    let mut poses = Vec::new();
+    for (k, line) in text.lines().enumerate() {
+        let line = line.split('#').next().unwrap_or("").trim();
+        if line.is_empty() || (k == 0 && line.starts_with(|c: char| c.is_alphabetic())) {
+            continue;
+        }
+        let at = || format!("{}:{}", path.display(), k + 1);
+        let numbers: Result<Vec<f64>, _> = line.split(',').map(|field| field.trim().parse::<f64>()).collect();
+        let numbers = numbers.with_context(|| format!("{}: not numbers: {line:?}", at()))?;
+        anyhow::ensure!(numbers.iter().all(|x| x.is_finite()), "{}: a value is not finite", at());
+        let orientation = match numbers.len() {
+            3 => Rotation::identity(),
+            7 => {
+                let quaternion = nalgebra::Quaternion::new(numbers[6], numbers[3], numbers[4], numbers[5]);
+                anyhow::ensure!(
+                    (quaternion.norm() - 1.0).abs() < 1e-6,
+                    "{}: the quaternion is not of unit length",
+                    at()
+                );
+                Rotation::from_quaternion(quaternion)
+            }
+            n => anyhow::bail!("{}: {n} values; write x,y,z or x,y,z,qx,qy,qz,qw", at()),
+        };
+        poses.push(DevicePose {
+            seq: k as u64 + 1,
+            t_client_ns: 0,
+            position: Point3::new(numbers[0], numbers[1], numbers[2]),
+            orientation,
+            linear_velocity: Vector3::zeros(),
+            angular_velocity: Vector3::zeros(),
+            buttons: 0,
+        });
+    }
+    Ok(poses)
+}
+
+/// From the tool's start, straight to the pose, then still until the force has settled.
+fn probe(scene: &Scene, tool: usize, pose: &DevicePose) -> Row {
+    let mut state = scene.initial_state();
+    let mut scratch = scene.scratch(&state);
+    apply(scene, &mut state, &mut scratch, Command::Reset);
+    let start = Point3::from(scene.spec.tools[tool].pose.position);
+    let way = pose.position - start;
+    let deforming = (0..scene.body_count()).any(|body| scene.deforms(body));
+    let strides = if deforming { (way.norm() / STRIDE_M).ceil().max(1.0) as u64 } else { 1 };
+    let mut run = |position: Point3| -> ToolOutput {
+        let mut poses = [None; MAX_TOOLS];
+        poses[tool] = Some(DevicePose { position, ..*pose });
+        step(scene, &mut state, &mut scratch, &TickInput { poses }).tools[tool]
+    };
+    // The first pose seats the proxy; it belongs outside.
+    let mut out = run(start);
+    for k in 1..=strides {
+        out = run(start + way * (k as f64 / strides as f64));
+    }
+    let (mut settled, mut ticks, mut before) = (!deforming, 0, out.force_n);
+    while !settled && ticks < PATIENCE {
+        for _ in 0..WINDOW {
+            out = run(pose.position);
+        }
+        ticks += WINDOW;
+        settled = (out.force_n - before).norm() <= SETTLED * out.force_n.norm() + 1e-6;
+        before = out.force_n;
+    }
+    Row {
+        position: pose.position.coords.into(),
+        force: out.force_n.into(),
+        torque: out.torque_nm.into(),
+        proxy: out.proxy_position.coords.into(),
+        depth: out.contact.map_or(0.0, |contact| contact.depth_m),
+        contact_count: out.contact_count,
+        contact: out.contact.map(|contact| ContactRow {
+            body: scene.body_id(contact.body as usize).to_owned(),
+            u: contact.u,
+            v: contact.v,
+            point: contact.point.coords.into(),
+            normal: contact.normal.into(),
+        }),
+        settled,
+    }
+}

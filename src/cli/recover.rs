@@ -1,0 +1,30 @@
+//! `palpate recover`: what a killed daemon left, as a finished file.
+
+use super::Outcome;
+use crate::recording::recover;
+use std::path::PathBuf;
+
+#[derive(clap::Args, Debug)]
+pub struct Args {
+    /// Recording that was cut short, usually `….mcap.part`.
+    file: PathBuf,
+    /// New file.
+    #[arg(short, long)]
+    output: PathBuf,
+    /// Print one JSON object.
+    #[arg(long)]
+    json: bool,
+}
+
+pub fn run(args: &Args) -> anyhow::Result<Outcome> {
+    let recovered = recover(&args.file, &args.output)?;
+    if args.json {
+        println!("{}", serde_json::to_string(&recovered)?);
+    } else {
+        println!("{}: {} ticks, up to tick {}", recovered.path.display(), recovered.ticks, recovered.last_tick);
+        if let Some(reason) = &recovered.cut_short {
+            println!("the source was cut short: {reason}");
+        }
+    }
+    Ok(Outcome::Ok)
+}

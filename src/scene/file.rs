@@ -1,0 +1,397 @@
+//! Reads a scene file and says of everything that is wrong with it where it stands and how to mend it.
+
+use super::spec::{MAX_TOOLS, SceneSpec, ShapeSpec};
+use crate::surface::builtin::BUILTINS;
+use std::fmt;
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+
+/// A scene file, read and checked.
+#[derive(Clone, Debug)]
+pub struct Loaded {
+    /// What it says.
+    pub spec: SceneSpec,
+    /// As it was written.
+    pub text: String,
+    /// Where its relative paths start.
+    pub directory: PathBuf,
+    /// SHA-256 of the text.
+    pub sha256: [u8; 32],
+}
+
+/// All that is wrong with a scene file, in order of lines.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct SceneFileError {
+    /// `file:line:column: what; mend`.
+    pub problems: Vec<Problem>,
+}
+
+/// One thing that is wrong.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Problem {
+    /// Name of the file.
+    pub file: String,
+    /// From 1; 0 when the file could not be read at all.
+    pub line: usize,
+    /// From 1.
+    pub column: usize,
+    /// What is wrong and how to mend it.
+    pub message: String,
+}
+
+impl fmt::Display for SceneFileError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for (k, problem) in self.problems.iter().enumerate() {
+            let Problem { file, line, column, message } = problem;
+            let end = if k > 0 { "\n" } else { "" };
+            match line {
+                0 => write!(f, "{end}{file}: {message}")?,
+                _ => write!(f, "{end}{file}:{line}:{column}: {message}")?,
+            }
+        }
+        Ok(())
+    }
+}
+
+impl std::error::Error for SceneFileError {}
+
+/// Reads a scene file.
+///
+/// # Errors
+/// Everything that is wrong with it.
+pub fn load(path: &Path) -> Result<Loaded, SceneFileError> {
+    let name = path.display().to_string();
+    let text = std::fs::read_to_string(path).map_err(|e| SceneFileError {
+        problems: vec![Problem { file: name.clone(), line: 0, column: 0, message: format!("cannot be read: {e}") }],
+    })?;
+    parse(&text, &name, path.parent().unwrap_or(Path::new(".")))
+}
+
+/// Reads scene text; `name` is for messages, `directory` is where relative paths start.
+///
+/// # Errors
+/// Everything that is wrong with it.
+pub fn parse(text: &str, name: &str, directory: &Path) -> Result<Loaded, SceneFileError> {
+    let place = Place { text, file: name };
+    let spec: SceneSpec = match toml::from_str(text) {
+        Ok(spec) => spec,
+        Err(error) => {
+            let at = error.span().unwrap_or(0..0);
+            return Err(SceneFileError { problems: vec![place.problem(at, with_suggestion(error.message()))] });
+        }
+    };
+    let mut check = Check { place, problems: Vec::new() };
+    check.scene(&spec, directory);
+    if !check.problems.is_empty() {
+        check.problems.sort_by_key(|problem| (problem.line, problem.column));
+        return Err(SceneFileError { problems: check.problems });
+    }
+    let mut spec = spec;
+    if spec.name.is_none() {
+        spec.name = Path::new(name).file_stem().map(|stem| stem.to_string_lossy().into_owned());
+    }
+    use sha2::Digest as _;
+    let sha256 = sha2::Sha256::digest(text.as_bytes()).into();
+    Ok(Loaded { spec, text: text.to_owned(), directory: directory.to_owned(), sha256 })
+}
+
+/// Turns serde's "unknown field `x`, expected one of `a`, `b`" into a suggestion.
+fn with_suggestion(message: &str) -> String {
+    let quoted: Vec<&str> = message.split('`').skip(1).step_by(2).collect();
+    let unknown = message.starts_with("unknown field") || message.starts_with("unknown variant");
+    let (Some(given), true) = (quoted.first(), unknown) else { return message.to_owned() };
+    let known = &quoted[1..];
+    let nearest = known.iter().min_by_key(|word| strsim::damerau_levenshtein(given, word));
+    let list = known.join(", ");
+    let near = known.iter().find(|word| word.starts_with(given)).or(nearest);
+    match near.filter(|word| word.starts_with(given) || strsim::damerau_levenshtein(given, word) <= 1 + given.len() / 3)
+    {
+        Some(word) => format!("{given:?} is not known here; did you mean {word:?}? (known: {list})"),
+        None => format!("{given:?} is not known here; known are {list}"),
+    }
+}
+
+struct Place<'a> {
+    text: &'a str,
+    file: &'a str,
+}
+
+impl Place<'_> {
+    fn problem(&self, at: Range<usize>, message: String) -> Problem {
+        let before = &self.text[..at.start.min(self.text.len())];
+        let line = before.matches('\n').count() + 1;
+        let column = before.len() - before.rfind('\n').map_or(0, |k| k + 1) + 1;
+        Problem { file: self.file.to_owned(), line, column, message }
+    }
+
+    /// Where a key stands: in the `index`-th `[[table]]` (and its sub-tables), or in `[table]`; the table's header
+    /// otherwise. Text search is enough for a pointer: the values themselves came from a real parser.
+    fn find(&self, table: &str, index: usize, key: &str) -> Range<usize> {
+        let heads = |line: &str| {
+            let inner = line.trim().trim_start_matches('[').split(']').next().unwrap_or("").trim().to_owned();
+            line.trim().starts_with('[').then_some(inner)
+        };
+        let (mut seen, mut inside, mut header) = (0usize, false, 0..0);
+        let mut start = 0;
+        for line in self.text.split_inclusive('\n') {
+            if let Some(head) = heads(line) {
+                if head == table {
+                    inside = seen == index;
+                    seen += 1;
+                    if inside {
+                        header = start..start + line.len();
+                    }
+                } else if !head.starts_with(&format!("{table}.")) {
+                    inside = false;
+                }
+            } else if inside && let Some(at) = word(line, key) {
+                return start + at..start + at + key.len();
+            }
+            start += line.len();
+        }
+        header
+    }
+}
+
+fn word(line: &str, key: &str) -> Option<usize> {
+    let code = line.split('#').next().unwrap_or("");
+    let fits = |c: Option<char>| c.is_none_or(|c| !(c.is_alphanumeric() || c == '_' || c == '-'));
+    code.match_indices(key)
+        .map(|(at, _)| at)
+        .find(|&at| fits(code[..at].chars().next_back()) && fits(code[at + key.len()..].chars().next()))
+}
+
+struct Check<'a> {
+    place: Place<'a>,
+    problems: Vec<Problem>,
+}
+
+impl Check<'_> {
+    fn refuse(&mut self, table: &str, index: usize, key: &str, message: impl Into<String>) {
+        let at = self.place.find(table, index, key);
+        let problem = self.place.problem(at, message.into());
+        self.problems.push(problem);
+    }
+
+    fn above_zero(&mut self, table: &str, index: usize, key: &str, value: f64, unit: &str) {
+        if !(value.is_finite() && value > 0.0) {
+            self.refuse(table, index, key, format!("{key} is {value}; it must be a number above 0 {unit}"));
+        }
+    }
+
+    fn not_below_zero(&mut self, table: &str, index: usize, key: &str, value: f64, unit: &str) {
+        if !(value.is_finite() && value >= 0.0) {
+            self.refuse(table, index, key, format!("{key} is {value}; it must be 0 or more {unit}"));
+        }
+    }
+
+    fn finite(&mut self, table: &str, index: usize, key: &str, values: &[f64]) {
+        if values.iter().any(|x| !x.is_finite()) {
+            self.refuse(table, index, key, format!("{key} has a value that is not finite"));
+        }
+    }
+
+    fn direction(&mut self, table: &str, index: usize, key: &str, v: &[f64; 3]) {
+        let length = v.iter().map(|x| x * x).sum::<f64>();
+        if !(length.is_finite() && length > 0.0) {
+            self.refuse(
+                table,
+                index,
+                key,
+                format!("{key} {v:?} has no direction; give a vector of any length above 0"),
+            );
+        }
+    }
+
+    fn pose(&mut self, table: &str, index: usize, pose: &super::spec::PoseSpec) {
+        self.finite(table, index, "position", &pose.position);
+        let norm = pose.orientation.iter().map(|x| x * x).sum::<f64>().sqrt();
+        if !((norm - 1.0).abs() <= 1e-6) {
+            let message = format!("orientation has length {norm}; give a unit quaternion [x, y, z, w]");
+            self.refuse(table, index, "orientation", message);
+        }
+    }
+
+    fn id(&mut self, table: &str, index: usize, id: &str, others: &[&str]) {
+        let fits = |b: u8| b.is_ascii_lowercase() || b.is_ascii_digit() || b == b'_' || b == b'-';
+        if !((1..=64).contains(&id.len()) && id.bytes().all(fits)) {
+            self.refuse(table, index, "id", format!("{id:?} is no id; use 1 to 64 of a-z, 0-9, '_' and '-'"));
+        }
+        if others[..index].contains(&id) {
+            self.refuse(table, index, "id", format!("id {id:?} is taken by an earlier {table}"));
+        }
+    }
+
+    fn scene(&mut self, spec: &SceneSpec, directory: &Path) {
+        let rate = spec.loop_.rate_hz;
+        if !(1..=10_000).contains(&rate) {
+            self.refuse("loop", 0, "rate_hz", format!("rate_hz is {rate}; it must be 1 to 10000"));
+        }
+        self.finite("gravity", 0, "acceleration", &spec.gravity.acceleration);
+        self.above_zero("record", 0, "keyframe_s", spec.record.keyframe_s, "s");
+        self.above_zero("record", 0, "net_hz", spec.record.net_hz, "Hz");
+        if spec.bodies.is_empty() {
+            self.refuse("body", 0, "body", "a scene needs at least one [[body]]");
+        }
+        if spec.tools.len() > MAX_TOOLS {
+            let message = format!("{} tools; at most {MAX_TOOLS} fit a tick's record", spec.tools.len());
+            self.refuse("tool", MAX_TOOLS, "id", message);
+        }
+        let bodies: Vec<&str> = spec.bodies.iter().map(|body| body.id.as_str()).collect();
+        let tools: Vec<&str> = spec.tools.iter().map(|tool| tool.id.as_str()).collect();
+        for (b, body) in spec.bodies.iter().enumerate() {
+            self.id("body", b, &body.id, &bodies);
+            self.body(b, body, directory);
+        }
+        for (t, tool) in spec.tools.iter().enumerate() {
+            self.id("tool", t, &tool.id, &tools);
+            self.tool(t, tool);
+        }
+        for (c, contact) in spec.contacts.iter().enumerate() {
+            let [tool, body] = &contact.pair;
+            if !tools.contains(&tool.as_str()) {
+                self.refuse("contact", c, "pair", format!("there is no tool {tool:?}; pairs are [tool, body]"));
+            }
+            if !bodies.contains(&body.as_str()) {
+                self.refuse("contact", c, "pair", format!("there is no body {body:?}; pairs are [tool, body]"));
+            }
+        }
+    }
+
+    fn body(&mut self, b: usize, body: &super::spec::BodySpec, directory: &Path) {
+        let surface = &body.surface;
+        let given = usize::from(surface.builtin.is_some())
+            + usize::from(surface.file.is_some())
+            + usize::from(surface.inline.is_some());
+        if given != 1 {
+            self.refuse("body", b, "surface", "surface needs exactly one of builtin, file, inline");
+        }
+        if let Some(name) = &surface.builtin
+            && !BUILTINS.contains(&name.as_str())
+        {
+            let near = BUILTINS.iter().min_by_key(|known| strsim::damerau_levenshtein(name, known)).unwrap_or(&"");
+            let message =
+                format!("{name:?} is no builtin surface; did you mean {near:?}? (known: {})", BUILTINS.join(", "));
+            self.refuse("body", b, "builtin", message);
+        }
+        if let Some(net) = surface.net
+            && net.iter().any(|&n| n < 2)
+        {
+            self.refuse("body", b, "net", format!("net {net:?} is too small; at least 4 in each direction are needed"));
+        }
+        if let Some(size) = surface.size {
+            self.above_zero("body", b, "size", size, "m");
+        }
+        if let Some(file) = &surface.file
+            && !directory.join(file).is_file()
+        {
+            let path = directory.join(file);
+            self.refuse(
+                "body",
+                b,
+                "file",
+                format!("there is no file {}; paths start at the scene file", path.display()),
+            );
+        }
+        self.pose("body", b, &body.pose);
+        self.above_zero("body", b, "young_pa", body.material.young_pa, "Pa");
+        self.above_zero("body", b, "density_kg_m3", body.material.density_kg_m3, "kg/m³");
+        self.not_below_zero("body", b, "damping_s", body.material.damping_s, "s");
+        if body.lattice.layers == 0 {
+            self.refuse("body", b, "layers", "layers is 0; a lattice has at least 1");
+        }
+        if let Some(thickness) = body.lattice.thickness_m {
+            self.above_zero("body", b, "thickness_m", thickness, "m");
+        }
+        if !(1..=10).contains(&body.integrator.iterations) {
+            let message = format!("iterations is {}; it must be 1 to 10", body.integrator.iterations);
+            self.refuse("body", b, "iterations", message);
+        }
+        if !(1..=1_000).contains(&body.integrator.contact_sweeps) {
+            let message = format!("contact_sweeps is {}; it must be 1 to 1000", body.integrator.contact_sweeps);
+            self.refuse("body", b, "contact_sweeps", message);
+        }
+        for plane in &body.fixed {
+            self.finite("body", b, "point", &plane.point);
+            self.direction("body", b, "normal", &plane.normal);
+        }
+    }
+
+    fn tool(&mut self, t: usize, tool: &super::spec::ToolSpec) {
+        match &tool.shape {
+            ShapeSpec::Point {} => {}
+            ShapeSpec::Sphere { radius_m } => self.above_zero("tool", t, "radius_m", *radius_m, "m"),
+            ShapeSpec::Plane { normal } => self.direction("tool", t, "normal", normal),
+        }
+        self.pose("tool", t, &tool.pose);
+        let stiffness = tool.coupling.stiffness_n_m;
+        if stiffness.is_nan() || stiffness <= 0.0 {
+            let message = format!("stiffness_n_m is {stiffness}; it must be above 0 N/m (inf: a rigid coupling)");
+            self.refuse("tool", t, "stiffness_n_m", message);
+        }
+        self.not_below_zero("tool", t, "damping_n_s_m", tool.coupling.damping_n_s_m, "N·s/m");
+        self.above_zero("tool", t, "force_max_n", tool.device.force_max_n, "N");
+        self.not_below_zero("tool", t, "ramp_s", tool.device.ramp_s, "s");
+        self.above_zero("tool", t, "stale_s", tool.device.stale_s, "s");
+        self.above_zero("tool", t, "speed_max_m_s", tool.device.speed_max_m_s, "m/s");
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const GOOD: &str = "[[body]]\nid = \"drop\"\nsurface = { builtin = \"teardrop\" }\n\n[[tool]]\nid = \"ball\"\n";
+
+    fn problems(text: &str) -> String {
+        parse(text, "s.toml", Path::new(".")).map_or_else(|e| e.to_string(), |_| "no problem".into())
+    }
+
+    #[test]
+    fn ten_lines_make_a_scene() {
+        let loaded = parse(GOOD, "dir/drop.toml", Path::new(".")).unwrap();
+        assert_eq!(loaded.spec.name.as_deref(), Some("drop"));
+        assert_eq!(loaded.spec.loop_.rate_hz, 1_000);
+    }
+
+    #[test]
+    fn every_problem_is_told_with_its_line() {
+        let cases: [(&str, &str); 12] = [
+            ("[loop]\nrate_hz = 0\n", "s.toml:2:1: rate_hz is 0; it must be 1 to 10000"),
+            ("[loop]\nrate = 5\n", "s.toml:2:1: \"rate\" is not known here; did you mean \"rate_hz\"?"),
+            ("[loop\n", "s.toml:1:6: "),
+            (
+                "[[body]]\nid = \"x\"\nsurface = { builtin = \"teardrip\" }\n",
+                "s.toml:3:13: \"teardrip\" is no builtin surface; did you mean \"teardrop\"?",
+            ),
+            ("[[body]]\nid = \"x\"\nsurface = { file = \"no.json\" }\n", "s.toml:3:13: there is no file"),
+            ("[[body]]\nid = \"x\"\nsurface = {}\n", "s.toml:3:1: surface needs exactly one"),
+            (
+                "[[body]]\nid = \"x\"\nsurface = { builtin = \"sheet\" }\n[body.material]\nyoung_pa = -1.0\n",
+                "s.toml:5:1: young_pa is -1",
+            ),
+            (
+                "[[body]]\nid = \"x\"\nsurface = { builtin = \"sheet\" }\nlattice = { layers = 0 }\n",
+                "s.toml:4:13: layers is 0",
+            ),
+            ("[[body]]\nid = \"X y\"\nsurface = { builtin = \"sheet\" }\n", "s.toml:2:1: \"X y\" is no id"),
+            ("[[tool]]\nid = \"a\"\nshape = { sphere = { radius_m = 0.0 } }\n", "s.toml:3:22: radius_m is 0"),
+            ("[[tool]]\nid = \"a\"\n[[tool]]\nid = \"a\"\n", "s.toml:4:1: id \"a\" is taken"),
+            ("[[contact]]\npair = [\"pen\", \"drop\"]\n", "s.toml:2:1: there is no tool \"pen\""),
+        ];
+        for (text, expected) in cases {
+            // A whole scene around the case, after it, so that lines count from the case.
+            let whole = if text.contains("[[body]]") { text.to_owned() } else { format!("{text}\n{GOOD}") };
+            let told = problems(&whole);
+            assert!(told.lines().any(|line| line.starts_with(expected)), "{text:?} gives\n{told}\nnot\n{expected}");
+        }
+    }
+
+    #[test]
+    fn all_problems_are_listed_not_only_the_first() {
+        let told = problems(
+            "[loop]\nrate_hz = 20000\n[record]\nnet_hz = 0.0\n[[body]]\nid = \"x\"\nsurface = { builtin = \"cube\" }\n",
+        );
+        assert_eq!(told.lines().count(), 3, "{told}");
+    }
+}
