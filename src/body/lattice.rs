@@ -90,32 +90,46 @@ struct SpringTable {
 impl SpringTable {
     /// In blocks: differences are gathered, forces computed side by side, then added in the springs' order.
     #[inline(always)]
-    fn add_forces(&self, positions: &[Point3], residual: &mut [Vector3]) {
+    fn add_forces(&self, places: &[Lane], residual: &mut [Lane]) {
         const BLOCK: usize = 8;
         let count = self.a.len();
-        let mut start = 0;
-        while start < count {
-            let len = BLOCK.min(count - start);
-            let (mut x, mut y, mut z) = ([0.0; BLOCK], [0.0; BLOCK], [0.0; BLOCK]);
-            let (mut k, mut rest) = ([0.0; BLOCK], [0.0; BLOCK]);
-            for i in 0..len {
-                let d = positions[self.b[start + i] as usize] - positions[self.a[start + i] as usize];
-                (x[i], y[i], z[i]) = (d.x, d.y, d.z);
-                (k[i], rest[i]) = (self.stiffness[start + i], self.rest_length[start + i]);
+        let whole = count / BLOCK * BLOCK;
+        for start in (0..whole).step_by(BLOCK) {
+            self.add_block::<BLOCK>(start, places, residual);
+        }
+        for spring in whole..count {
+            self.add_block::<1>(spring, places, residual);
+        }
+    }
+
+    #[inline(always)]
+    fn add_block<const N: usize>(&self, start: usize, places: &[Lane], residual: &mut [Lane]) {
+        let (a, b) = (&self.a[start..start + N], &self.b[start..start + N]);
+        let (k, rest) = (&self.stiffness[start..start + N], &self.rest_length[start..start + N]);
+        let mut d = [[0.0; 4]; N];
+        let mut squared = [0.0; N];
+        for i in 0..N {
+            let (from, to) = (&places[a[i] as usize], &places[b[i] as usize]);
+            for c in 0..4 {
+                d[i][c] = to[c] - from[c];
             }
-            for i in 0..BLOCK {
-                let length = (x[i] * x[i] + y[i] * y[i] + z[i] * z[i]).sqrt();
-                let pull = if length > 0.0 { k[i] * (1.0 - rest[i] / length) } else { 0.0 };
-                x[i] *= pull;
-                y[i] *= pull;
-                z[i] *= pull;
+            squared[i] = d[i][0] * d[i][0] + d[i][1] * d[i][1] + d[i][2] * d[i][2];
+        }
+        let mut pull = [0.0; N];
+        for i in 0..N {
+            let length = squared[i].sqrt();
+            pull[i] = if length > 0.0 { k[i] * (1.0 - rest[i] / length) } else { 0.0 };
+        }
+        for i in 0..N {
+            let force = d[i].map(|x| x * pull[i]);
+            let near = &mut residual[a[i] as usize];
+            for c in 0..4 {
+                near[c] += force[c];
             }
-            for i in 0..len {
-                let force = Vector3::new(x[i], y[i], z[i]);
-                residual[self.a[start + i] as usize] += force;
-                residual[self.b[start + i] as usize] -= force;
+            let far = &mut residual[b[i] as usize];
+            for c in 0..4 {
+                far[c] -= force[c];
             }
-            start += len;
         }
     }
 }
@@ -123,8 +137,8 @@ impl SpringTable {
 /// The same code with 256-bit registers; no fused multiply-add, so the bits are the same.
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2")]
-fn add_forces_avx2(springs: &SpringTable, positions: &[Point3], residual: &mut [Vector3]) {
-    springs.add_forces(positions, residual);
+fn add_forces_avx2(springs: &SpringTable, places: &[Lane], residual: &mut [Lane]) {
+    springs.add_forces(places, residual);
 }
 
 /// What a replay restores of a lattice.
@@ -146,7 +160,9 @@ pub struct LatticeScratch {
     /// Surface nodes with a force, in the order they were given, and whether a node is among them.
     loaded: Vec<u32>,
     is_loaded: Vec<bool>,
-    residual: Vec<Vector3>,
+    /// (node_count), x y z 0.
+    places: Vec<Lane>,
+    residual: Vec<Lane>,
     increment: Vec<Vector3>,
     /// (unknown_count).
     rhs: Vec<Vector3>,
@@ -193,7 +209,8 @@ impl Lattice {
         if node_of_unknown.is_empty() {
             return Err(LatticeError::AllFixed(node_count));
         }
-        let factor = Cholesky::new(&step_matrix(&masses, &springs, &unknown, &node_of_unknown, material, &settings))?;
+        let matrix = step_matrix(&masses, &springs, &unknown, &node_of_unknown, material, &settings);
+        let factor = Cholesky::new(&matrix)?;
         let (surface_index, compliance) = compliance(&factor, &grid.node_of_control, &unknown, node_count);
         Ok(Self {
             settings,
@@ -269,7 +286,8 @@ impl Lattice {
             forces: zeros.clone(),
             loaded: Vec::with_capacity(self.node_of_control.len()),
             is_loaded: vec![false; self.node_count()],
-            residual: zeros.clone(),
+            places: vec![[0.0; 4]; self.node_count()],
+            residual: vec![[0.0; 4]; self.node_count()],
             increment: zeros,
             rhs: vec![Vector3::zeros(); self.unknown_count()],
             lanes: vec![[0.0; 4]; self.unknown_count()],
@@ -278,17 +296,20 @@ impl Lattice {
 
     /// x*: where the nodes go in one tick without contact.
     pub fn predict(&self, state: &LatticeState, scratch: &mut LatticeScratch) {
-        let dt = self.settings.dt_s;
+        let inverse_dt = 1.0 / self.settings.dt_s;
         scratch.predicted.copy_from_slice(&state.positions);
         for iteration in 0..self.settings.iterations {
             // Residual of backward Euler at the current guess.
             for node in 0..self.node_count() {
-                let moved = scratch.predicted[node] - state.positions[node];
+                let (guess, now) = (&scratch.predicted[node], &state.positions[node]);
+                let moved = guess - now;
+                let due = (state.velocities[node] - moved * inverse_dt) * inverse_dt + self.settings.gravity;
+                let load = due * self.masses[node];
                 scratch.increment[node] = moved;
-                scratch.residual[node] =
-                    ((state.velocities[node] - moved / dt) / dt + self.settings.gravity) * self.masses[node];
+                scratch.places[node] = [guess.x, guess.y, guess.z, 0.0];
+                scratch.residual[node] = [load.x, load.y, load.z, 0.0];
             }
-            self.add_spring_forces(&scratch.predicted, &mut scratch.residual);
+            self.add_spring_forces(&scratch.places, &mut scratch.residual);
             if iteration > 0 {
                 self.add_damping_forces(&scratch.increment, &mut scratch.residual);
             }
@@ -301,30 +322,33 @@ impl Lattice {
 
     fn solve(&self, scratch: &mut LatticeScratch) {
         for (row, &node) in self.node_of_unknown.iter().enumerate() {
-            scratch.rhs[row] = scratch.residual[node as usize];
+            let [x, y, z, _] = scratch.residual[node as usize];
+            scratch.rhs[row] = Vector3::new(x, y, z);
         }
         self.factor.solve(&mut scratch.rhs, &mut scratch.lanes);
     }
 
     /// g_i = Σ k (|d| − L) / |d| d, eqs. 5.8–5.16 of the thesis. A spring without length has no direction and no force.
-    fn add_spring_forces(&self, positions: &[Point3], residual: &mut [Vector3]) {
+    fn add_spring_forces(&self, places: &[Lane], residual: &mut [Lane]) {
         #[cfg(target_arch = "x86_64")]
         if simd::has_avx2() {
             // SAFETY: the processor has AVX2, asked just above.
             #[allow(unsafe_code)]
-            return unsafe { add_forces_avx2(&self.springs, positions, residual) };
+            return unsafe { add_forces_avx2(&self.springs, places, residual) };
         }
-        self.springs.add_forces(positions, residual);
+        self.springs.add_forces(places, residual);
     }
 
-    fn add_damping_forces(&self, moved: &[Vector3], residual: &mut [Vector3]) {
+    fn add_damping_forces(&self, moved: &[Vector3], residual: &mut [Lane]) {
         let rate = self.damping_s / self.settings.dt_s;
         let table = &self.springs;
         for s in 0..table.a.len() {
             let (a, b) = (table.a[s] as usize, table.b[s] as usize);
             let force = (moved[b] - moved[a]) * (table.stiffness[s] * rate);
-            residual[a] += force;
-            residual[b] -= force;
+            for c in 0..3 {
+                residual[a][c] += force[c];
+                residual[b][c] -= force[c];
+            }
         }
     }
 
@@ -391,21 +415,19 @@ impl Lattice {
 
     /// Sum of the spring forces on the fixed nodes, N: the reaction of the base.
     pub fn base_reaction_n(&self, state: &LatticeState) -> Vector3 {
-        let mut residual = vec![Vector3::zeros(); self.node_count()];
-        self.add_spring_forces(&state.positions, &mut residual);
-        (0..self.node_count()).filter(|&node| self.unknown[node] == FIXED).map(|node| residual[node]).sum()
+        let mut residual = vec![[0.0; 4]; self.node_count()];
+        let places: Vec<Lane> = state.positions.iter().map(|p| [p.x, p.y, p.z, 0.0]).collect();
+        self.add_spring_forces(&places, &mut residual);
+        let fixed = (0..self.node_count()).filter(|&node| self.unknown[node] == FIXED);
+        fixed.map(|node| Vector3::new(residual[node][0], residual[node][1], residual[node][2])).sum()
     }
 }
 
 impl LatticeState {
     /// All of it, in order.
     pub fn save(&self, sink: &mut impl StateSink) {
-        for p in &self.positions {
-            sink.floats(p.coords.as_slice());
-        }
-        for v in &self.velocities {
-            sink.floats(v.as_slice());
-        }
+        save_triples(&self.positions, |p| &p.coords, sink);
+        save_triples(&self.velocities, |v| v, sink);
     }
 
     /// In the order of [`LatticeState::save`].
@@ -420,6 +442,18 @@ impl LatticeState {
             source.floats(v.as_mut_slice())?;
         }
         Ok(())
+    }
+}
+
+/// In blocks: a hash of thousands of short slices would cost more than the step's force pass.
+fn save_triples<T>(items: &[T], triple: impl Fn(&T) -> &Vector3, sink: &mut impl StateSink) {
+    const BLOCK: usize = 64;
+    let mut block = [0.0; 3 * BLOCK];
+    for items in items.chunks(BLOCK) {
+        for (slot, item) in block.chunks_exact_mut(3).zip(items) {
+            slot.copy_from_slice(triple(item).as_slice());
+        }
+        sink.floats(&block[..3 * items.len()]);
     }
 }
 

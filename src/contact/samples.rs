@@ -2,7 +2,7 @@
 
 use crate::basis::{BasisWindow, KnotVector};
 use crate::math::{Point3, Vector3};
-use crate::surface::Surface;
+use crate::surface::{Surface, wrap};
 
 /// Samples of a surface, grouped by patch (a pair of knot spans), so that whole patches are skipped by their control hull.
 #[derive(Clone, Debug)]
@@ -46,12 +46,6 @@ pub struct Weights {
 }
 
 impl Weights {
-    /// Room for any sample of a surface with these degrees.
-    pub fn with_capacity(surface: &Surface) -> Self {
-        let room = (surface.knots_u().degree() + 1) * (surface.knots_v().degree() + 1);
-        Self { controls: Vec::with_capacity(room), weights: Vec::with_capacity(room) }
-    }
-
     /// The weights at a parameter of which the windows are at hand.
     pub fn set(&mut self, surface: &Surface, wu: &BasisWindow, wv: &BasisWindow) {
         self.controls.clear();
@@ -59,9 +53,9 @@ impl Weights {
         let (rows, columns) = (surface.net().rows(), surface.net().columns());
         let mut total = 0.0;
         for (a, n) in wu.values().iter().enumerate() {
-            let row = (wu.first + a) % rows * columns;
+            let row = wrap(wu.first + a, rows) * columns;
             for (b, m) in wv.values().iter().enumerate() {
-                let control = row + (wv.first + b) % columns;
+                let control = row + wrap(wv.first + b, columns);
                 let share = n * m * surface.weights().map_or(1.0, |w| w[control]);
                 total += share;
                 self.controls.push(control as u32);
@@ -135,9 +129,9 @@ impl SampleGrid {
         let (wu, wv) = (&self.u.windows[patch_u * self.u.per_span], &self.v.windows[patch_v * self.v.per_span]);
         let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
         for a in 0..wu.len {
-            let row = (wu.first + a) % self.u.count * self.v.count;
+            let row = wrap(wu.first + a, self.u.count) * self.v.count;
             for b in 0..wv.len {
-                let p = &net[row + (wv.first + b) % self.v.count];
+                let p = &net[row + wrap(wv.first + b, self.v.count)];
                 for c in 0..3 {
                     low[c] = if p[c] < low[c] { p[c] } else { low[c] };
                     high[c] = if p[c] > high[c] { p[c] } else { high[c] };

@@ -67,8 +67,8 @@ pub fn state_hash(state: &impl Stateful) -> u64 {
         }
         fn floats(&mut self, values: &[f64]) {
             // A fixed block keeps this free of allocation and of unsafe casts.
-            let mut block = [0u8; 512];
-            for chunk in values.chunks(64) {
+            let mut block = [0u8; 2048];
+            for chunk in values.chunks(256) {
                 for (bytes, value) in block.chunks_exact_mut(8).zip(chunk) {
                     bytes.copy_from_slice(&value.to_le_bytes());
                 }

@@ -1,8 +1,7 @@
 //! From a scene file's data to the constants of a simulation.
 
-use super::spec::{
-    BodySpec, ContactMethod, ModelSpec, PoseSpec, RefineAuto, RefineSpec, SceneSpec, ShapeSpec, SurfaceSpec, ToolSpec,
-};
+use super::refine;
+use super::spec::{BodySpec, ContactMethod, ModelSpec, PoseSpec, SceneSpec, ShapeSpec, SurfaceSpec, ToolSpec};
 use super::{Body, BodyModel, LatticeBody, Pair, Scene, Tool};
 use crate::body::layers::{self, RingEnds, Rings};
 use crate::body::{CellGrid, Lattice, Material, StepSettings};
@@ -22,7 +21,7 @@ pub struct SceneError {
     pub reason: String,
 }
 
-fn error(path: impl Into<String>, reason: impl ToString) -> SceneError {
+pub(super) fn error(path: impl Into<String>, reason: impl ToString) -> SceneError {
     SceneError { path: path.into(), reason: reason.to_string() }
 }
 
@@ -31,9 +30,6 @@ fn error(path: impl Into<String>, reason: impl ToString) -> SceneError {
 pub fn default_samples_per_span() -> usize {
     2
 }
-
-/// Most nodes `refine = "auto"` makes: a tick with more does not fit a millisecond on one core.
-const NODE_BUDGET: usize = 1_900;
 
 impl Scene {
     /// Builds surfaces, bodies and tools; `directory` is where relative paths of the spec start.
@@ -65,7 +61,7 @@ impl Scene {
             }
         }
         let name = spec.name.clone().unwrap_or_else(|| "scene".into());
-        Ok(Self { name, dt_s, clock: spec.loop_.clock, spec: spec.clone(), gravity, bodies, tools, pairs })
+        Ok(Self { name, dt_s, clock: spec.loop_.clock, spec: spec.clone(), bodies, tools, pairs })
     }
 }
 
@@ -194,7 +190,7 @@ fn build_body(
     let (surface, model) = match spec.model {
         ModelSpec::Rigid => (original, BodyModel::Rigid),
         ModelSpec::Lattice => {
-            let surface = refine(scene, spec, path, original)?;
+            let surface = refine::refine(scene, spec, path, original)?;
             let lattice = build_lattice(
                 scene,
                 spec,
@@ -212,15 +208,15 @@ fn build_body(
 }
 
 /// How the control points of a surface lie around a solid: which direction goes around, and what its ends do.
-struct Layout {
+pub(super) struct Layout {
     /// True when u goes around and v along.
-    u_around: bool,
+    pub u_around: bool,
     around: usize,
     along: usize,
     ends: RingEnds,
 }
 
-fn layout(surface: &Surface, topology: &Topology) -> Option<Layout> {
+pub(super) fn layout(surface: &Surface, topology: &Topology) -> Option<Layout> {
     let (rows, columns) = (surface.net().rows(), surface.net().columns());
     let [distinct_u, distinct_v] = distinct(surface, topology);
     let goes_round = |d: usize| matches!(topology.closing[d], Closing::Seam | Closing::Periodic);
@@ -247,57 +243,9 @@ fn layout(surface: &Surface, topology: &Topology) -> Option<Layout> {
 }
 
 /// Control points in u and v, those repeated at a seam counted once.
-fn distinct(surface: &Surface, topology: &Topology) -> [usize; 2] {
+pub(super) fn distinct(surface: &Surface, topology: &Topology) -> [usize; 2] {
     let repeated = |d: usize| usize::from(topology.closing[d] == Closing::Seam);
     [surface.net().rows() - repeated(0), surface.net().columns() - repeated(1)]
-}
-
-fn refine(scene: &SceneSpec, spec: &BodySpec, path: &str, surface: Surface) -> Result<Surface, SceneError> {
-    let bad = |e: surface::SurfaceError| error(format!("{path}.lattice.refine"), e);
-    match &spec.lattice.refine {
-        RefineSpec::Auto(RefineAuto::None) => Ok(surface),
-        RefineSpec::Counts([u, v]) => surface.refined_to(*u, *v).map_err(bad),
-        RefineSpec::Knots { u, v } => surface.insert_knots_u(u).and_then(|s| s.insert_knots_v(v)).map_err(bad),
-        RefineSpec::Auto(RefineAuto::Auto) => {
-            let [u, v] = auto_counts(scene, spec, &surface);
-            surface.refined_to(u, v).map_err(bad)
-        }
-    }
-}
-
-/// Control points wanted in u and v: three across the contact that the smallest ball makes at a tenth of its radius, but no
-/// more nodes than the budget, and never fewer than the surface has.
-fn auto_counts(scene: &SceneSpec, spec: &BodySpec, surface: &Surface) -> [usize; 2] {
-    let topology = surface.topology();
-    let net = surface.net();
-    let (rows, columns) = (net.rows(), net.columns());
-    let row_length = |j: usize| (1..rows).map(|i| (net.at(i, j) - net.at(i - 1, j)).norm()).sum::<f64>();
-    let column_length = |i: usize| (1..columns).map(|j| (net.at(i, j) - net.at(i, j - 1)).norm()).sum::<f64>();
-    let length_u = (0..columns).map(row_length).fold(0.0, f64::max);
-    let length_v = (0..rows).map(column_length).fold(0.0, f64::max);
-    let radius = scene.tools.iter().filter_map(|tool| match tool.shape {
-        ShapeSpec::Sphere { radius_m } => Some(radius_m),
-        _ => None,
-    });
-    let radius = radius.fold(f64::INFINITY, f64::min);
-    let width = if radius.is_finite() { 2.0 * radius * 0.1_f64.sqrt() } else { 0.0 };
-    let now = distinct(surface, &topology);
-    let nodes = |u: usize, v: usize| match layout(surface, &topology) {
-        Some(Layout { u_around: true, .. }) => u * v * spec.lattice.layers + v,
-        Some(_) => u * v * spec.lattice.layers + u,
-        None => u * v * spec.lattice.layers.max(2),
-    };
-    let mut counts = now;
-    loop {
-        let spacing = [length_u / counts[0] as f64, length_v / counts[1] as f64];
-        let coarser = usize::from(spacing[1] > spacing[0]);
-        let mut next = counts;
-        next[coarser] += 1;
-        if spacing[coarser] * 3.0 <= width || nodes(next[0], next[1]) > NODE_BUDGET {
-            return counts;
-        }
-        counts = next;
-    }
 }
 
 fn build_lattice(

@@ -6,6 +6,7 @@
 mod build;
 pub mod file;
 pub mod plan;
+mod refine;
 pub mod spec;
 mod state;
 
@@ -15,7 +16,7 @@ pub use state::{BodyScratch, BodyState, PairState, RunState, SceneState, Scratch
 use crate::body::Lattice;
 use crate::contact::{SampleGrid, ToolShape};
 use crate::haptics::{Coupling, LinkLimits};
-use crate::math::{Point3, Rotation, Vector3};
+use crate::math::{Point3, Rotation};
 use crate::surface::Surface;
 use spec::{Clock, SceneSpec};
 
@@ -30,7 +31,6 @@ pub struct Scene {
     pub clock: Clock,
     /// The file it was built from.
     pub spec: SceneSpec,
-    pub(crate) gravity: Vector3,
     pub(crate) bodies: Vec<Body>,
     pub(crate) tools: Vec<Tool>,
     /// Ordered by tool, then body.

@@ -37,5 +37,6 @@ pub use file::FileError;
 pub use net::{ControlNet, NetError};
 pub use normal::Curvature;
 pub use samples::{GridFit, SampleGrid, Samples};
+pub(crate) use tensor::wrap;
 pub use tensor::{Frame, Surface, SurfaceError};
 pub use topology::{Closing, Topology};
