@@ -59,7 +59,7 @@ fn pressing_the_teardrop_meets_the_reference_within_35_percent() {
 
     // Released, it comes back.
     let mut world = world;
-    for k in 0..4_000 {
+    for k in 0..8_000 {
         world.at([touch + 2e-3 + 1e-5 * f64::from(k.min(1_000)), 0.003, 0.045]);
     }
     let rest = world.scene.rest_surface(0).net().points().to_vec();
