@@ -206,7 +206,7 @@ impl Check<'_> {
     fn pose(&mut self, table: &str, index: usize, pose: &super::spec::PoseSpec) {
         self.finite(table, index, "position", &pose.position);
         let norm = pose.orientation.iter().map(|x| x * x).sum::<f64>().sqrt();
-        if !((norm - 1.0).abs() <= 1e-6) {
+        if norm.is_nan() || (norm - 1.0).abs() > 1e-6 {
             let message = format!("orientation has length {norm}; give a unit quaternion [x, y, z, w]");
             self.refuse(table, index, "orientation", message);
         }
