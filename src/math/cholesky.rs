@@ -121,73 +121,76 @@ impl Cholesky {
         if super::simd::has_avx2() {
             // SAFETY: the processor has AVX2, asked just above.
             #[allow(unsafe_code)]
-            return unsafe { solve_in_place_avx2(self, x) };
+            return unsafe { avx2::solve(self, x) };
         }
-        self.solve_in_place(x);
+        self.solve_in_place::<Baseline>(x);
     }
 
     // Values in f32 were tried: half of the memory, but slower, as each must be widened before it is used.
     #[inline(always)]
-    fn solve_in_place<T: Copy + Default + Lanes>(&self, x: &mut [T]) {
+    fn solve_in_place<K: Kernel>(&self, x: &mut [K::Row]) {
         for panel in &self.panels {
             match panel.width {
-                1 => self.forward::<1, T>(panel, x),
-                2 => self.forward::<2, T>(panel, x),
-                3 => self.forward::<3, T>(panel, x),
-                _ => self.forward::<4, T>(panel, x),
+                1 => self.forward::<1, K>(panel, x),
+                2 => self.forward::<2, K>(panel, x),
+                3 => self.forward::<3, K>(panel, x),
+                _ => self.forward::<4, K>(panel, x),
             }
         }
         for panel in self.panels.iter().rev() {
             match panel.width {
-                1 => self.backward::<1, T>(panel, x),
-                2 => self.backward::<2, T>(panel, x),
-                3 => self.backward::<3, T>(panel, x),
-                _ => self.backward::<4, T>(panel, x),
+                1 => self.backward::<1, K>(panel, x),
+                2 => self.backward::<2, K>(panel, x),
+                3 => self.backward::<3, K>(panel, x),
+                _ => self.backward::<4, K>(panel, x),
             }
         }
     }
 
     #[inline(always)]
-    fn forward<const W: usize, T: Copy + Default + Lanes>(&self, panel: &Panel, x: &mut [T]) {
+    fn forward<const W: usize, K: Kernel>(&self, panel: &Panel, x: &mut [K::Row]) {
         let first = panel.first as usize;
-        let mut own = [T::default(); W];
+        let mut own = [K::zero(); W];
         for i in 0..W {
-            let mut lane = x[first + i];
+            let mut lane = K::load(&x[first + i]);
             for j in 0..i {
-                lane = lane.minus(own[j], panel.inner[i][j]);
+                lane = K::minus(lane, own[j], panel.inner[i][j]);
             }
-            own[i] = lane.times(panel.inner[i][i]);
+            own[i] = K::times(lane, panel.inner[i][i]);
+            K::store(own[i], &mut x[first + i]);
         }
-        x[first..first + W].copy_from_slice(&own);
         let (rows, values) = self.below::<W>(panel);
         for (&row, l) in rows.iter().zip(values) {
-            let mut lane = x[row as usize];
+            let target = &mut x[row as usize];
+            let mut lane = K::load(target);
             for i in 0..W {
-                lane = lane.minus(own[i], l[i]);
+                lane = K::minus(lane, own[i], l[i]);
             }
-            x[row as usize] = lane;
+            K::store(lane, target);
         }
     }
 
     #[inline(always)]
-    fn backward<const W: usize, T: Copy + Default + Lanes>(&self, panel: &Panel, x: &mut [T]) {
+    fn backward<const W: usize, K: Kernel>(&self, panel: &Panel, x: &mut [K::Row]) {
         let first = panel.first as usize;
-        let mut own = [T::default(); W];
-        own.copy_from_slice(&x[first..first + W]);
+        let mut own = [K::zero(); W];
+        for i in 0..W {
+            own[i] = K::load(&x[first + i]);
+        }
         let (rows, values) = self.below::<W>(panel);
         for (&row, l) in rows.iter().zip(values) {
-            let lane = x[row as usize];
+            let lane = K::load(&x[row as usize]);
             for i in 0..W {
-                own[i] = own[i].minus(lane, l[i]);
+                own[i] = K::minus(own[i], lane, l[i]);
             }
         }
         for i in (0..W).rev() {
             for j in i + 1..W {
-                own[i] = own[i].minus(own[j], panel.inner[j][i]);
+                own[i] = K::minus(own[i], own[j], panel.inner[j][i]);
             }
-            own[i] = own[i].times(panel.inner[i][i]);
+            own[i] = K::times(own[i], panel.inner[i][i]);
+            K::store(own[i], &mut x[first + i]);
         }
-        x[first..first + W].copy_from_slice(&own);
     }
 
     #[inline(always)]
@@ -201,53 +204,124 @@ impl Cholesky {
     /// Solves A x = b for one right-hand side in place (n).
     pub fn solve_one(&self, b: &mut [f64]) {
         let mut x: Vec<f64> = self.order.iter().map(|&row| b[row as usize]).collect();
-        self.solve_in_place(&mut x);
+        self.solve_in_place::<Single>(&mut x);
         for (value, &row) in x.iter().zip(&self.order) {
             b[row as usize] = *value;
         }
     }
 }
 
-/// One or four right-hand sides of a row.
-trait Lanes {
-    fn times(self, factor: f64) -> Self;
-    /// self − other × factor.
-    fn minus(self, other: Self, factor: f64) -> Self;
+/// How a row of right-hand sides is held in registers. Each kernel does the same operations in the same order.
+trait Kernel {
+    type Row;
+    type Register: Copy;
+    fn zero() -> Self::Register;
+    fn load(row: &Self::Row) -> Self::Register;
+    fn store(register: Self::Register, row: &mut Self::Row);
+    fn times(a: Self::Register, factor: f64) -> Self::Register;
+    /// a − b × factor, rounded twice.
+    fn minus(a: Self::Register, b: Self::Register, factor: f64) -> Self::Register;
 }
 
-impl Lanes for f64 {
+/// One right-hand side.
+struct Single;
+
+impl Kernel for Single {
+    type Row = f64;
+    type Register = f64;
     #[inline(always)]
-    fn times(self, factor: f64) -> Self {
-        self * factor
+    fn zero() -> f64 {
+        0.0
     }
     #[inline(always)]
-    fn minus(self, other: Self, factor: f64) -> Self {
-        self - other * factor
+    fn load(row: &f64) -> f64 {
+        *row
+    }
+    #[inline(always)]
+    fn store(register: f64, row: &mut f64) {
+        *row = register;
+    }
+    #[inline(always)]
+    fn times(a: f64, factor: f64) -> f64 {
+        a * factor
+    }
+    #[inline(always)]
+    fn minus(a: f64, b: f64, factor: f64) -> f64 {
+        a - b * factor
     }
 }
 
-impl Lanes for Lane {
+/// Four right-hand sides, any processor.
+struct Baseline;
+
+impl Kernel for Baseline {
+    type Row = Lane;
+    type Register = Lane;
     #[inline(always)]
-    fn times(mut self, factor: f64) -> Self {
-        for lane in &mut self {
-            *lane *= factor;
-        }
-        self
+    fn zero() -> Lane {
+        [0.0; 4]
     }
     #[inline(always)]
-    fn minus(mut self, other: Self, factor: f64) -> Self {
-        for c in 0..4 {
-            self[c] -= other[c] * factor;
-        }
-        self
+    fn load(row: &Lane) -> Lane {
+        *row
+    }
+    #[inline(always)]
+    fn store(register: Lane, row: &mut Lane) {
+        *row = register;
+    }
+    #[inline(always)]
+    fn times(a: Lane, factor: f64) -> Lane {
+        a.map(|value| value * factor)
+    }
+    #[inline(always)]
+    fn minus(a: Lane, b: Lane, factor: f64) -> Lane {
+        [a[0] - b[0] * factor, a[1] - b[1] * factor, a[2] - b[2] * factor, a[3] - b[3] * factor]
     }
 }
 
-/// The same code with 256-bit registers; no fused multiply-add, so the bits are the same.
+/// Four right-hand sides in one 256-bit register; multiply and subtract stay apart, so the bits are the baseline's. Written
+/// out because the compiler, left alone, shuffles the sums of a panel between registers.
 #[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "avx2")]
-fn solve_in_place_avx2(factor: &Cholesky, x: &mut [Lane]) {
-    factor.solve_in_place(x);
+mod avx2 {
+    #![allow(unsafe_code)]
+    use super::{Cholesky, Kernel, Lane};
+    use std::arch::x86_64::{
+        __m256d, _mm256_loadu_pd, _mm256_mul_pd, _mm256_set1_pd, _mm256_setzero_pd, _mm256_storeu_pd, _mm256_sub_pd,
+    };
+
+    struct Wide;
+
+    // SAFETY of all blocks: only `solve` uses this kernel, and its caller has made sure of AVX2; the pointers come from
+    // references to four floats.
+    impl Kernel for Wide {
+        type Row = Lane;
+        type Register = __m256d;
+        #[inline(always)]
+        fn zero() -> __m256d {
+            unsafe { _mm256_setzero_pd() }
+        }
+        #[inline(always)]
+        fn load(row: &Lane) -> __m256d {
+            unsafe { _mm256_loadu_pd(row.as_ptr()) }
+        }
+        #[inline(always)]
+        fn store(register: __m256d, row: &mut Lane) {
+            unsafe { _mm256_storeu_pd(row.as_mut_ptr(), register) }
+        }
+        #[inline(always)]
+        fn times(a: __m256d, factor: f64) -> __m256d {
+            unsafe { _mm256_mul_pd(a, _mm256_set1_pd(factor)) }
+        }
+        #[inline(always)]
+        fn minus(a: __m256d, b: __m256d, factor: f64) -> __m256d {
+            unsafe { _mm256_sub_pd(a, _mm256_mul_pd(b, _mm256_set1_pd(factor))) }
+        }
+    }
+
+    #[target_feature(enable = "avx2")]
+    pub(super) fn solve(factor: &Cholesky, x: &mut [Lane]) {
+        factor.solve_in_place::<Wide>(x);
+    }
 }
 
 /// Upper triangle of P A Pᵀ by columns: for each column k, (row i <= k, value), rows ascending.
@@ -458,6 +532,27 @@ mod tests {
                 assert!((one[i] - expected[i]).abs() < 1e-12, "row {i}: {} != {}", one[i], expected[i]);
             }
         }
+    }
+
+    #[test]
+    #[cfg(target_arch = "x86_64")]
+    fn wide_registers_and_the_baseline_have_the_same_bits() {
+        if !std::arch::is_x86_feature_detected!("avx2") {
+            eprintln!("skipped: this processor has no AVX2");
+            return;
+        }
+        let (sparse, _) = lattice(7);
+        let factor = Cholesky::new(&sparse).unwrap();
+        let mut wide: Vec<Lane> = (0..sparse.n).map(|i| [i as f64, 1.0 / (i + 1) as f64, -3.3, 0.0]).collect();
+        let mut plain = wide.clone();
+        factor.solve_in_place::<Baseline>(&mut plain);
+        // SAFETY: asked just above.
+        #[allow(unsafe_code)]
+        unsafe {
+            avx2::solve(&factor, &mut wide);
+        }
+        let bits = |lanes: &[Lane]| lanes.iter().flatten().map(|x| x.to_bits()).collect::<Vec<_>>();
+        assert_eq!(bits(&wide), bits(&plain));
     }
 
     #[test]
