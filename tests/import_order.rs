@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 /// What each layer may import of ours.
-const TABLE: [(&str, &[&str]); 12] = [
+const TABLE: [(&str, &[&str]); 13] = [
     ("math", &[]),
     ("basis", &["math"]),
     ("surface", &["math", "basis"]),
@@ -15,9 +15,23 @@ const TABLE: [(&str, &[&str]); 12] = [
     ("wire", &["math", "basis", "surface", "contact", "body", "haptics", "scene", "tick"]),
     ("transport", &["math", "basis", "surface", "contact", "body", "haptics", "scene", "tick", "wire"]),
     ("recording", &["math", "basis", "surface", "contact", "body", "haptics", "scene", "tick", "wire"]),
+    ("viewer", &["math", "wire", "transport"]),
     (
         "cli",
-        &["math", "basis", "surface", "contact", "body", "haptics", "scene", "tick", "wire", "transport", "recording"],
+        &[
+            "math",
+            "basis",
+            "surface",
+            "contact",
+            "body",
+            "haptics",
+            "scene",
+            "tick",
+            "wire",
+            "transport",
+            "recording",
+            "viewer",
+        ],
     ),
 ];
 

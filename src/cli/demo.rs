@@ -30,6 +30,10 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     if common.listen.is_empty() {
         common.listen = vec![format!("tcp/127.0.0.1:{}", free_port()?)];
     }
+    let terminal = std::io::IsTerminal::is_terminal(&std::io::stdout());
+    if common.http.is_none() && terminal && !args.headless {
+        common.http = Some(std::net::SocketAddr::from(([127, 0, 0, 1], 0)));
+    }
     let endpoint = common.listen[0].clone();
     let record = common.record.clone().unwrap_or_else(|| default_path(Path::new("recordings/local"), "demo"));
     common.record = Some(record);
@@ -82,7 +86,6 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
         }
         println!("replay it: palpate replay {}", recording.path.display());
     }
-    let _ = args.headless;
     Ok(outcome(&served))
 }
 

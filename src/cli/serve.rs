@@ -7,7 +7,8 @@ use crate::scene::{Scene, file, inline_files};
 use crate::tick::driver::{self, DriverReport, DriverSettings};
 use crate::tick::journal::{Journal, NoJournal};
 use crate::tick::ports::ports;
-use crate::transport::{Bus, BusSettings, DEFAULT_ENDPOINT, SessionSettings, open};
+use crate::transport::{Bus, BusSettings, DEFAULT_ENDPOINT, SessionSettings, ViewSink, open};
+use crate::viewer::Viewer;
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU32, Ordering};
@@ -45,6 +46,9 @@ pub struct Common {
     /// Instance name.
     #[arg(long, default_value = "default")]
     pub instance: String,
+    /// Serve the viewer page here, for example 127.0.0.1:8080.
+    #[arg(long)]
+    pub http: Option<std::net::SocketAddr>,
     /// Do not ask for FIFO scheduling and locked memory.
     #[arg(long)]
     pub no_rt: bool,
@@ -102,6 +106,15 @@ pub fn serve(
             (Some(recorder), Box::new(port))
         }
     };
+    let (viewer, feed) = match common.http {
+        Some(address) => {
+            let (viewer, feed) =
+                Viewer::start(address).map_err(|e| anyhow::anyhow!("the viewer cannot listen on {address}: {e}"))?;
+            eprintln!("viewer: {}", viewer.url());
+            (Some(viewer), Some(feed))
+        }
+        None => (None, None),
+    };
     let (tick_ports, bus_ports) = ports(&scene);
     let counters = bus_ports.counters.clone();
     // The first signal lets forces fade and ends the recording; the second ends the program.
@@ -119,7 +132,7 @@ pub fn serve(
             scene: scene.clone(),
             scene_hash: loaded.sha256,
             instance: common.instance.clone(),
-            viewer: None,
+            viewer: feed.map(|feed| Box::new(feed) as Box<dyn ViewSink>),
             recorder: recorder.as_ref().map(Recorder::gauges),
         },
     )
@@ -137,6 +150,7 @@ pub fn serve(
     let begun = ready();
     let report = thread.join().map_err(|_| anyhow::anyhow!("the tick thread panicked"));
     let bus_report = bus.finish();
+    drop(viewer);
     let (mut recording, mut recording_failed) = (None, false);
     if let Some(recorder) = recorder {
         match recorder.finish() {

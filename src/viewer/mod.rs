@@ -1,1 +1,214 @@
-//! The viewer page and its WebSocket.
+//! The viewer: one page on loopback, fed over a WebSocket.
+//!
+//! The bus thread hands newest states to watch channels and never waits; a small runtime of its own serves the page. The
+//! page draws control nets, tools and forces; nothing is loaded from elsewhere.
+
+use crate::transport::ViewSink;
+use axum::Router;
+use axum::extract::State;
+use axum::extract::ws::{Message, WebSocket, WebSocketUpgrade};
+use axum::http::{HeaderMap, StatusCode, header};
+use axum::response::{IntoResponse, Response};
+use axum::routing::get;
+use palpate_proto::messages::{ControlNet, LoopStatus, ToolForce};
+use serde::Serialize;
+use std::net::SocketAddr;
+use std::time::Duration;
+use tokio::sync::{oneshot, watch};
+
+const PAGE: &str = include_str!("page.html");
+const SCRIPT: &str = include_str!("page.js");
+/// Pictures a second.
+const FRAME: Duration = Duration::from_millis(33);
+/// Only our own page may be drawn and only our own socket opened.
+const POLICY: &str =
+    "default-src 'none'; script-src 'self'; style-src 'unsafe-inline'; connect-src 'self'; base-uri 'none'";
+
+/// What the page draws. JSON, metres and newtons.
+#[derive(Clone, Debug, Default, Serialize)]
+struct Picture {
+    nets: Vec<Net>,
+    tools: Vec<Tool>,
+    tick: u64,
+    late: u64,
+    skipped: u64,
+    step_p99_us: f64,
+}
+
+#[derive(Clone, Debug, Default, Serialize)]
+struct Net {
+    body: String,
+    count: [u16; 2],
+    points: Vec<[f32; 3]>,
+}
+
+#[derive(Clone, Copy, Debug, Default, Serialize)]
+struct Tool {
+    proxy: [f64; 3],
+    force: [f64; 3],
+    depth: f64,
+}
+
+/// A running viewer; it ends when dropped.
+pub struct Viewer {
+    address: SocketAddr,
+    _stop: oneshot::Sender<()>,
+}
+
+/// Takes states for the page.
+pub struct Feed {
+    picture: Picture,
+    channel: watch::Sender<String>,
+    last: std::time::Instant,
+}
+
+impl Viewer {
+    /// Serves on an address (port 0: any free one).
+    ///
+    /// # Errors
+    /// The address is taken, or no thread could be made.
+    pub fn start(address: SocketAddr) -> std::io::Result<(Self, Feed)> {
+        let listener = std::net::TcpListener::bind(address)?;
+        listener.set_nonblocking(true)?;
+        let address = listener.local_addr()?;
+        let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build()?;
+        let (channel, pictures) = watch::channel(String::from("{}"));
+        let (stop, stopped) = oneshot::channel::<()>();
+        std::thread::Builder::new().name("palpate-viewer".into()).spawn(move || {
+            runtime.block_on(async move {
+                let app = Router::new()
+                    .route("/", get(|| asset("text/html; charset=utf-8", PAGE)))
+                    .route("/page.js", get(|| asset("text/javascript; charset=utf-8", SCRIPT)))
+                    .route("/live", get(live))
+                    .with_state(pictures);
+                match tokio::net::TcpListener::from_std(listener) {
+                    // Open sockets do not keep the daemon: the runtime goes when it is told to.
+                    Ok(listener) => {
+                        tokio::select! {
+                            served = axum::serve(listener, app) => if let Err(error) = served {
+                                tracing::warn!(%error, "viewer");
+                            },
+                            _ = stopped => {}
+                        }
+                    }
+                    Err(error) => tracing::warn!(%error, "viewer"),
+                }
+            });
+        })?;
+        let feed = Feed { picture: Picture::default(), channel, last: std::time::Instant::now() };
+        Ok((Self { address, _stop: stop }, feed))
+    }
+
+    /// Where the page is.
+    pub fn url(&self) -> String {
+        format!("http://{}/", self.address)
+    }
+}
+
+async fn asset(kind: &'static str, text: &'static str) -> Response {
+    let headers = [(header::CONTENT_TYPE, kind), (header::CONTENT_SECURITY_POLICY, POLICY)];
+    (headers, text).into_response()
+}
+
+/// A page of another site must not listen in: its Origin is not our Host.
+fn same_origin(headers: &HeaderMap) -> bool {
+    let text = |name| headers.get(name).and_then(|value: &header::HeaderValue| value.to_str().ok());
+    match (text(header::ORIGIN), text(header::HOST)) {
+        (None, _) => true,
+        (Some(origin), Some(host)) => origin.strip_prefix("http://") == Some(host),
+        (Some(_), None) => false,
+    }
+}
+
+async fn live(
+    State(pictures): State<watch::Receiver<String>>,
+    headers: HeaderMap,
+    upgrade: WebSocketUpgrade,
+) -> Response {
+    if !same_origin(&headers) {
+        return (StatusCode::FORBIDDEN, "another site's page may not watch").into_response();
+    }
+    upgrade.on_upgrade(|socket| watch_over(socket, pictures))
+}
+
+async fn watch_over(mut socket: WebSocket, mut pictures: watch::Receiver<String>) {
+    loop {
+        let text = pictures.borrow_and_update().clone();
+        if socket.send(Message::Text(text.into())).await.is_err() {
+            return;
+        }
+        tokio::time::sleep(FRAME).await;
+        if pictures.changed().await.is_err() {
+            return;
+        }
+    }
+}
+
+impl Feed {
+    fn show(&mut self) {
+        if self.last.elapsed() >= FRAME && self.channel.receiver_count() > 0 {
+            self.last = std::time::Instant::now();
+            let _ = self.channel.send(serde_json::to_string(&self.picture).unwrap_or_default());
+        }
+    }
+}
+
+impl ViewSink for Feed {
+    fn force(&mut self, tool: usize, force: &ToolForce) {
+        if self.picture.tools.len() <= tool {
+            self.picture.tools.resize(tool + 1, Tool::default());
+        }
+        self.picture.tools[tool] = Tool { proxy: force.proxy_position, force: force.force, depth: force.depth };
+        self.picture.tick = force.tick;
+        self.show();
+    }
+
+    fn net(&mut self, net: &ControlNet) {
+        let points = net.points.iter().map(|p| p.map(|x| x as f32)).collect();
+        let drawn = Net { body: net.body.clone(), count: [net.count_u, net.count_v], points };
+        match self.picture.nets.iter_mut().find(|old| old.body == net.body) {
+            Some(old) => *old = drawn,
+            None => self.picture.nets.push(drawn),
+        }
+        self.show();
+    }
+
+    fn status(&mut self, status: &LoopStatus) {
+        self.picture.late = status.late_ticks;
+        self.picture.skipped = status.skipped_ticks;
+        self.picture.step_p99_us = status.step.p99_ns as f64 * 1e-3;
+        self.show();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_its_own_page_may_open_the_socket() {
+        let headers = |origin: Option<&str>| {
+            let mut headers = HeaderMap::new();
+            headers.insert(header::HOST, "127.0.0.1:8080".parse().unwrap());
+            if let Some(origin) = origin {
+                headers.insert(header::ORIGIN, origin.parse().unwrap());
+            }
+            same_origin(&headers)
+        };
+        assert!(headers(None) && headers(Some("http://127.0.0.1:8080")));
+        assert!(!headers(Some("http://evil.example")) && !headers(Some("null")));
+    }
+
+    #[test]
+    fn the_page_is_served_with_its_policy() {
+        use std::io::{Read as _, Write as _};
+        let (viewer, _feed) = Viewer::start("127.0.0.1:0".parse().unwrap()).unwrap();
+        let mut stream = std::net::TcpStream::connect(viewer.address).unwrap();
+        stream.write_all(b"GET / HTTP/1.1\r\nHost: x\r\nConnection: close\r\n\r\n").unwrap();
+        let mut text = String::new();
+        stream.read_to_string(&mut text).unwrap();
+        assert!(
+            text.starts_with("HTTP/1.1 200") && text.contains("content-security-policy") && text.contains("Palpate")
+        );
+    }
+}

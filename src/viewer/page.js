@@ -1,0 +1,78 @@
+// Draws control nets coloured by displacement, tools with their forces, and a strip chart of force.
+"use strict";
+const canvas = document.getElementById("scene");
+const text = document.getElementById("text");
+const pen = canvas.getContext("2d");
+let picture = null, rest = {}, chart = [];
+let yaw = 0.7, pitch = 0.25, zoom = 1;
+
+canvas.addEventListener("pointermove", (e) => {
+  if (e.buttons & 1) { yaw += e.movementX * 0.008; pitch = Math.max(-1.5, Math.min(1.5, pitch + e.movementY * 0.008)); draw(); }
+});
+canvas.addEventListener("wheel", (e) => { zoom *= Math.exp(-e.deltaY * 0.001); draw(); });
+addEventListener("resize", draw);
+
+function connect() {
+  const socket = new WebSocket(`ws://${location.host}/live`);
+  socket.onmessage = (event) => {
+    const next = JSON.parse(event.data);
+    if (!next.nets) return;
+    for (const net of next.nets) if (!(net.body in rest)) rest[net.body] = net.points;
+    picture = next;
+    const size = next.tools.length ? Math.hypot(...next.tools[0].force) : 0;
+    chart.push(size);
+    if (chart.length > 400) chart.shift();
+    draw();
+  };
+  socket.onclose = () => { text.textContent = "the daemon is gone; waiting…"; setTimeout(connect, 1000); };
+}
+connect();
+
+function draw() {
+  const width = canvas.width = innerWidth * devicePixelRatio;
+  const height = canvas.height = innerHeight * devicePixelRatio;
+  if (!picture || !picture.nets.length) return;
+  let low = [1e9, 1e9, 1e9], high = [-1e9, -1e9, -1e9];
+  for (const name in rest) for (const p of rest[name]) for (let c = 0; c < 3; c++) {
+    low[c] = Math.min(low[c], p[c]); high[c] = Math.max(high[c], p[c]);
+  }
+  const middle = low.map((x, c) => (x + high[c]) / 2);
+  const scale = zoom * 0.65 * Math.min(width, height) / Math.hypot(...low.map((x, c) => high[c] - x));
+  const [sy, cy, sp, cp] = [Math.sin(yaw), Math.cos(yaw), Math.sin(pitch), Math.cos(pitch)];
+  const view = (p) => {
+    const [x, y, z] = p.map((v, c) => v - middle[c]);
+    const across = -sy * x + cy * y, toward = cy * x + sy * y;
+    return [width / 2 + scale * across, height / 2 - scale * (cp * z - sp * toward)];
+  };
+  pen.lineWidth = devicePixelRatio;
+  for (const net of picture.nets) {
+    const [rows, columns] = net.count, still = rest[net.body];
+    const places = net.points.map(view);
+    const moved = net.points.map((p, k) => Math.hypot(p[0] - still[k][0], p[1] - still[k][1], p[2] - still[k][2]));
+    const line = (a, b) => {
+      const share = Math.min(1, Math.max(moved[a], moved[b]) / 0.004);
+      pen.strokeStyle = `hsl(${210 - 200 * share} 75% ${52 + 10 * share}%)`;
+      pen.beginPath(); pen.moveTo(...places[a]); pen.lineTo(...places[b]); pen.stroke();
+    };
+    for (let i = 0; i < rows; i++) for (let j = 0; j < columns; j++) {
+      const k = i * columns + j;
+      if (j + 1 < columns) line(k, k + 1);
+      if (i + 1 < rows) line(k, k + columns);
+    }
+  }
+  for (const tool of picture.tools) {
+    const [x, y] = view(tool.proxy);
+    pen.strokeStyle = pen.fillStyle = "#ffd166";
+    pen.beginPath(); pen.arc(x, y, scale * 0.01, 0, 7); pen.stroke();
+    const tip = view(tool.proxy.map((v, c) => v + tool.force[c] * 0.1));
+    pen.lineWidth = 3 * devicePixelRatio; pen.strokeStyle = "#ef476f";
+    pen.beginPath(); pen.moveTo(x, y); pen.lineTo(...tip); pen.stroke();
+  }
+  const top = Math.max(0.1, ...chart), base = height - 20 * devicePixelRatio, tall = 90 * devicePixelRatio;
+  pen.lineWidth = 1.5 * devicePixelRatio; pen.strokeStyle = "#06d6a0"; pen.beginPath();
+  chart.forEach((f, k) => pen.lineTo(20 + k * (width - 40) / 400, base - tall * f / top));
+  pen.stroke();
+  const tool = picture.tools[0];
+  text.textContent = `tick ${picture.tick}\nlate ${picture.late}  skipped ${picture.skipped}  step p99 ${picture.step_p99_us.toFixed(0)} µs`
+    + (tool ? `\nforce ${Math.hypot(...tool.force).toFixed(4)} N  depth ${(tool.depth * 1e3).toFixed(3)} mm  (chart to ${top.toFixed(2)} N)` : "");
+}
