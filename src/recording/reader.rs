@@ -76,6 +76,8 @@ pub struct Keyframe {
     pub tick: u64,
     /// Its hash.
     pub state_hash: u64,
+    /// How many of the commands after that tick it holds already: those up to a reset.
+    pub commands: u32,
     /// The state.
     pub saved: SavedState,
 }
@@ -131,9 +133,6 @@ impl Session {
         if !bytes.starts_with(mcap::MAGIC) {
             return Err(ReadError::NotMcap { path: owned(), reason: "the first eight bytes are not its magic".into() });
         }
-        let options = mcap::read::Options::IgnoreEndMagic | mcap::read::Options::ValidateChunkCrcs;
-        let records = mcap::read::ChunkFlattener::new_with_options(bytes, options)
-            .map_err(|e| ReadError::NotMcap { path: owned(), reason: e.to_string() })?;
         let header = SessionHeader {
             run: BTreeMap::new(),
             end: BTreeMap::new(),
@@ -149,13 +148,16 @@ impl Session {
             nets: Vec::new(),
             cut_short: None,
         };
-        let mut channels: BTreeMap<u16, String> = BTreeMap::new();
+        // A channel is announced in the first chunk that uses it and once more at the end: should the chunk be damaged.
+        let mut channels: BTreeMap<u16, String> = records(bytes)
+            .filter_map(|record| match record {
+                Ok(Record::Channel(channel)) => Some((channel.id, channel.topic)),
+                _ => None,
+            })
+            .collect();
         let mut ended = false;
-        for record in records {
+        for record in records(bytes) {
             match record {
-                Ok(Record::Channel(channel)) => {
-                    channels.insert(channel.id, channel.topic);
-                }
                 Ok(Record::Metadata(metadata)) if metadata.name == RUN => session.header.run = metadata.metadata,
                 Ok(Record::Metadata(metadata)) if metadata.name == END => session.header.end = metadata.metadata,
                 Ok(Record::Attachment { header, data, .. }) => {
@@ -166,16 +168,19 @@ impl Session {
                         _ => {}
                     }
                 }
-                Ok(Record::Message { header, data }) => {
-                    let topic = channels.get(&header.channel_id).map_or("", String::as_str);
-                    session.take(topic, &data).map_err(|source| ReadError::Message { path: owned(), source })?;
-                }
+                Ok(Record::Chunk { header, data }) => match chunk_records(header, &data) {
+                    Ok(records) => session
+                        .take_all(&mut channels, records)
+                        .map_err(|source| ReadError::Message { path: owned(), source })?,
+                    // What follows a damaged chunk is as good as ever.
+                    Err(e) => drop(session.cut_short.get_or_insert(format!("a damaged chunk: {e}"))),
+                },
+                Ok(message @ Record::Message { .. }) => session
+                    .take_all(&mut channels, vec![message])
+                    .map_err(|source| ReadError::Message { path: owned(), source })?,
                 Ok(Record::Footer(_)) => ended = true,
                 Ok(_) => {}
-                Err(e) => {
-                    session.cut_short = Some(e.to_string());
-                    break;
-                }
+                Err(e) => drop(session.cut_short.get_or_insert(e)),
             }
         }
         if !ended && session.cut_short.is_none() {
@@ -183,8 +188,26 @@ impl Session {
         }
         session.check()?;
         session.ticks.sort_by_key(|record| record.output.tick);
+        // Stable: keyframes and commands of one tick stay in the order in which they came.
         session.keyframes.sort_by_key(|keyframe| keyframe.tick);
+        session.commands.sort_by_key(|(after_tick, _)| *after_tick);
+        session.nets.sort_by_key(|net| net.tick);
         Ok(session)
+    }
+
+    /// Takes messages in, and the channels announced among them.
+    fn take_all(&mut self, channels: &mut BTreeMap<u16, String>, records: Vec<Record<'_>>) -> Result<(), ConvertError> {
+        for record in records {
+            match record {
+                Record::Channel(channel) => drop(channels.insert(channel.id, channel.topic)),
+                // Topics mean what we think only after our own head.
+                Record::Message { header, data } if self.header.run.contains_key("format") => {
+                    self.take(channels.get(&header.channel_id).map_or("", String::as_str), &data)?;
+                }
+                _ => {}
+            }
+        }
+        Ok(())
     }
 
     fn take(&mut self, topic: &str, data: &[u8]) -> Result<(), ConvertError> {
@@ -193,8 +216,8 @@ impl Session {
             topics::TICK => self.ticks.push(tick_from_proto(&pb::Tick::decode(data).map_err(malformed)?)?),
             topics::KEYFRAME => {
                 let keyframe = pb::Keyframe::decode(data).map_err(malformed)?;
-                let saved = SavedState { words: keyframe.words, floats: keyframe.floats };
-                self.keyframes.push(Keyframe { tick: keyframe.tick, state_hash: keyframe.state_hash, saved });
+                let pb::Keyframe { tick, state_hash, words, floats, commands } = keyframe;
+                self.keyframes.push(Keyframe { tick, state_hash, commands, saved: SavedState { words, floats } });
             }
             topics::COMMAND => {
                 let command = pb::Command::decode(data).map_err(malformed)?;
@@ -248,4 +271,41 @@ impl Session {
     pub fn gaps(&self) -> u64 {
         self.ticks.windows(2).map(|pair| (pair[1].output.tick - pair[0].output.tick).saturating_sub(1)).sum()
     }
+}
+
+/// The records of a file up to its footer, or to the first that is cut short.
+fn records(bytes: &[u8]) -> impl Iterator<Item = Result<Record<'_>, String>> {
+    const FOOTER: u8 = 0x02;
+    const ATTACHMENT: u8 = 0x09;
+    let mut rest = Some(&bytes[mcap::MAGIC.len()..]).filter(|rest| !rest.is_empty());
+    std::iter::from_fn(move || {
+        let now = rest.take()?;
+        let whole = now.split_first_chunk::<9>().and_then(|(head, after)| {
+            let [op, len @ ..] = *head;
+            let len = usize::try_from(u64::from_le_bytes(len)).ok().filter(|len| *len <= after.len())?;
+            Some((op, after.split_at(len)))
+        });
+        let Some((op, (body, after))) = whole else { return Some(Err("the file ends within a record".into())) };
+        rest = Some(after).filter(|after| op != FOOTER && !after.is_empty());
+        // The parser expects an attachment to be at least as long as its fixed fields.
+        if op == ATTACHMENT && !attachment_is_whole(body) {
+            return Some(Err("an attachment is shorter than its own head".into()));
+        }
+        Some(mcap::read::parse_record(op, body).map_err(|e| e.to_string()))
+    })
+}
+
+/// Two times, two texts with their lengths, the length of the data, and a checksum fit in.
+fn attachment_is_whole(body: &[u8]) -> bool {
+    let mut need = 16_usize;
+    for _ in 0..2 {
+        let Some(len) = body.get(need..).and_then(|rest| rest.first_chunk::<4>()) else { return false };
+        need = need.saturating_add(4).saturating_add(u32::from_le_bytes(*len) as usize);
+    }
+    body.len() >= need.saturating_add(12)
+}
+
+/// The records of a chunk, or none of them: its checksum is known to hold only at its end.
+fn chunk_records<'a>(header: mcap::records::ChunkHeader, data: &'a [u8]) -> Result<Vec<Record<'a>>, mcap::McapError> {
+    mcap::read::ChunkReader::new(header, data)?.collect()
 }

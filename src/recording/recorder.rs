@@ -62,6 +62,8 @@ pub struct RecordingSummary {
 struct KeyframeBuffer {
     tick: u64,
     hash: u64,
+    /// Commands after `tick` that the state holds already.
+    commands: u32,
     saved: SavedState,
 }
 
@@ -108,6 +110,8 @@ pub struct RecorderPort {
     net_every: u64,
     /// By body: revision and tick of the last net sent.
     sent: Vec<(u64, u64)>,
+    /// Tick after which the last commands acted, and how many.
+    commanded: (u64, u32),
 }
 
 impl RecorderPort {
@@ -141,7 +145,10 @@ impl Journal for RecorderPort {
     fn command(&mut self, after_tick: u64, command: Command) {
         if self.commands.push((after_tick, command)).is_err() {
             self.lost();
+            return;
         }
+        let before = if self.commanded.0 == after_tick { self.commanded.1 } else { 0 };
+        self.commanded = (after_tick, before + 1);
     }
 
     fn keyframe(&mut self, state: &SceneState, state_hash: u64) {
@@ -153,6 +160,7 @@ impl Journal for RecorderPort {
             return;
         };
         (buffer.tick, buffer.hash) = (state.tick, state_hash);
+        buffer.commands = if self.commanded.0 == state.tick { self.commanded.1 } else { 0 };
         buffer.saved.save_from(state);
         let _ = self.keyframes.full.push(buffer);
     }
@@ -175,9 +183,10 @@ impl Recorder {
     /// Creates the file and starts the thread.
     ///
     /// # Errors
-    /// A file that cannot be created.
+    /// A file that cannot be created, a disk that is full, or a scene without a text form.
     pub fn start(settings: RecorderSettings, scene: &Scene) -> Result<(Self, RecorderPort), WriteError> {
-        let effective_scene = toml::to_string(&settings.effective).unwrap_or_default();
+        let effective_scene = toml::to_string(&settings.effective)
+            .map_err(|e| WriteError::Scene { path: settings.path.clone(), reason: e.to_string() })?;
         let bodies = (0..scene.body_count()).map(|body| {
             let surface = scene.rest_surface(body);
             BodyHead {
@@ -204,7 +213,7 @@ impl Recorder {
         let buffers = (0..KEYFRAME_BUFFERS).map(|_| {
             let words = Vec::with_capacity(sample.words.len() + 4 * crate::contact::rows::MAX_ROWS);
             let floats = Vec::with_capacity(sample.floats.len() + 2 * crate::contact::rows::MAX_ROWS);
-            KeyframeBuffer { tick: 0, hash: 0, saved: SavedState { words, floats } }
+            KeyframeBuffer { tick: 0, hash: 0, commands: 0, saved: SavedState { words, floats } }
         });
         let (keyframes, keyframes_end) = pool(buffers);
         let (nets, net_ends) = (0..scene.body_count())
@@ -225,6 +234,7 @@ impl Recorder {
             keyframe_every: ((settings.effective.record.keyframe_s * rate).round() as u64).max(1),
             net_every: ((rate / settings.effective.record.net_hz).round() as u64).max(1),
             sent: vec![(0, 0); scene.body_count()],
+            commanded: (0, 0),
         };
         let inbox = Inbox { ticks: ticks_out, commands: commands_out, keyframes: keyframes_end, nets: net_ends };
         let shared = progress.clone();
@@ -308,15 +318,18 @@ fn drain(
     stages: &mut [Histogram],
     late: &mut u64,
 ) -> Result<(), WriteError> {
+    // A tick is written after every command before it: of what arrives meanwhile, commands may come, ticks wait.
+    let ticks = inbox.ticks.slots();
     while let Ok(buffer) = inbox.keyframes.full.pop() {
-        let done = writer.keyframe(buffer.tick, buffer.hash, &buffer.saved);
+        let done = writer.keyframe(buffer.tick, buffer.hash, buffer.commands, &buffer.saved);
         let _ = inbox.keyframes.free.push(buffer);
         done?;
     }
     while let Ok((after_tick, command)) = inbox.commands.pop() {
         writer.command(after_tick, command)?;
     }
-    while let Ok(record) = inbox.ticks.pop() {
+    for _ in 0..ticks {
+        let Ok(record) = inbox.ticks.pop() else { break };
         writer.tick(&record)?;
         let mut whole = 0;
         for (histogram, ns) in stages.iter_mut().zip(record.stage_ns) {

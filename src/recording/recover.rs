@@ -74,7 +74,7 @@ pub fn recover(source: &Path, target: &Path) -> Result<Recovered, RecoverError> 
     let ids: Vec<String> = head.bodies.iter().map(|body| body.id.clone()).collect();
     let mut writer = Writer::create(target, head)?;
     for keyframe in &session.keyframes {
-        writer.keyframe(keyframe.tick, keyframe.state_hash, &keyframe.saved)?;
+        writer.keyframe(keyframe.tick, keyframe.state_hash, keyframe.commands, &keyframe.saved)?;
     }
     for (after_tick, command) in &session.commands {
         writer.command(*after_tick, *command)?;

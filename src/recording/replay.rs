@@ -1,12 +1,13 @@
-//! Replay: the recorded inputs through the same step, compared bit for bit.
+//! Replay: the recorded inputs through the same step, compared bit for bit. Where ticks are missing it goes on from the next
+//! keyframe: a loss is a gap, not a difference.
 
-use super::reader::{ReadError, Session};
+use super::reader::{Keyframe, NetRecord, ReadError, Session};
 use super::writer::SessionHash;
 use super::{build_id, convert};
 use crate::math::{Point3, state_hash};
 use crate::scene::spec::SceneSpec;
 use crate::scene::{Scene, SceneError};
-use crate::tick::record::TickRecord;
+use crate::tick::record::{Command, TickRecord};
 use crate::tick::{apply, restore, step};
 use serde::Serialize;
 use std::path::Path;
@@ -97,34 +98,45 @@ pub fn replay(session: &Session, from: u64, mut progress: impl FnMut(u64, u64)) 
     let first = first.ok_or(ReplayError::NoKeyframe { from })?;
     let mut state = scene.initial_state();
     let mut scratch = scene.scratch(&state);
-    restore(&scene, &mut state, &mut scratch, &first.saved)
-        .map_err(|source| ReplayError::State { tick: first.tick, source })?;
     let mut report = ReplayReport {
         ticks_matched: 0,
         ticks_recorded: session.ticks.len() as u64,
         nets_matched: 0,
-        gaps: session.gaps() + session.ticks.first().map_or(0, |record| record.output.tick - 1),
+        gaps: session.gaps() + session.ticks.first().map_or(0, |record| record.output.tick.saturating_sub(1)),
         clean: session.is_clean() && session.cut_short.is_none(),
         same_build: session.header.run.get("build").is_some_and(|build| *build == build_id()),
         first_difference: None,
         realtime_factor: 0.0,
         session_hash: String::new(),
     };
-    if state_hash(&state) != first.state_hash {
-        report.first_difference =
-            Some(difference(first.tick, "keyframe.state_hash", first.state_hash, state_hash(&state)));
-        return Ok(report);
-    }
     let started = std::time::Instant::now();
     let mut session_hash = SessionHash::default();
-    let mut commands = session.commands.iter().peekable();
+    let mut commands = &session.commands[..];
     let mut nets = session.nets.iter().peekable();
     let mut net = Vec::new();
     let records: Vec<&TickRecord> = session.ticks.iter().filter(|record| record.output.tick > first.tick).collect();
-    while commands.next_if(|(after, _)| *after < first.tick).is_some() {}
+    let mut seated = false;
     for record in &records {
-        while let Some((_, command)) = commands.next_if(|(after, _)| *after < record.output.tick) {
+        if !seated || record.output.tick > state.tick.saturating_add(1) {
+            // At the start and after a gap only a keyframe knows the state; ticks before the next one are skipped.
+            seated = false;
+            let Some(keyframe) = keyframe_before(&session.keyframes, record.output.tick) else { continue };
+            restore(&scene, &mut state, &mut scratch, &keyframe.saved)
+                .map_err(|source| ReplayError::State { tick: keyframe.tick, source })?;
+            let hash = state_hash(&state);
+            if hash != keyframe.state_hash {
+                let found = difference(keyframe.tick, "keyframe.state_hash", keyframe.state_hash, hash);
+                report.first_difference = Some(found);
+                break;
+            }
+            commands = after_keyframe(&session.commands, keyframe);
+            seated = true;
+        }
+        while let Some(((_, command), rest)) =
+            commands.split_first().filter(|((after, _), _)| *after < record.output.tick)
+        {
             apply(&scene, &mut state, &mut scratch, *command);
+            commands = rest;
         }
         let output = step(&scene, &mut state, &mut scratch, &record.input);
         session_hash.push(output.tick, output.state_hash);
@@ -141,12 +153,8 @@ pub fn replay(session: &Session, from: u64, mut progress: impl FnMut(u64, u64)) 
             };
             net.resize(scene.rest_surface(body).net().points().len(), Point3::origin());
             state.copy_net(&scene, body, &mut net);
-            let points = net.iter().flat_map(|p| [p.x, p.y, p.z]);
-            let apart = points.zip(&recorded.points).position(|(a, b)| a.to_bits() != b.to_bits());
-            if let Some(k) = apart {
-                let field = format!("body {:?} net point {} coordinate {}", recorded.body, k / 3, k % 3);
-                report.first_difference =
-                    Some(float_difference(output.tick, field, recorded.points[k], net[k / 3][k % 3]));
+            report.first_difference = compare_net(recorded, &net);
+            if report.first_difference.is_some() {
                 break;
             }
             report.nets_matched += 1;
@@ -161,6 +169,31 @@ pub fn replay(session: &Session, from: u64, mut progress: impl FnMut(u64, u64)) 
     report.realtime_factor = report.ticks_matched as f64 * scene.dt_s / started.elapsed().as_secs_f64().max(1e-9);
     report.session_hash = format!("{:016x}", session_hash.0);
     Ok(report)
+}
+
+/// The last keyframe of the tick before.
+fn keyframe_before(keyframes: &[Keyframe], tick: u64) -> Option<&Keyframe> {
+    let end = keyframes.partition_point(|keyframe| keyframe.tick < tick);
+    keyframes[..end].last().filter(|keyframe| keyframe.tick + 1 == tick)
+}
+
+/// Commands that the state of a keyframe does not hold yet.
+fn after_keyframe<'a>(commands: &'a [(u64, Command)], keyframe: &Keyframe) -> &'a [(u64, Command)] {
+    let first = commands.partition_point(|(after, _)| *after < keyframe.tick);
+    let end = commands.partition_point(|(after, _)| *after <= keyframe.tick);
+    &commands[end.min(first + keyframe.commands as usize)..]
+}
+
+fn compare_net(recorded: &NetRecord, net: &[Point3]) -> Option<Difference> {
+    let replayed: Vec<f64> = net.iter().flat_map(|p| [p.x, p.y, p.z]).collect();
+    let field = |what: String| format!("body {:?} net {what}", recorded.body);
+    if recorded.points.len() != replayed.len() {
+        let (a, b) = (recorded.points.len() as u64, replayed.len() as u64);
+        return Some(difference(recorded.tick, &field("length".into()), a, b));
+    }
+    let k = first_apart(&recorded.points, &replayed)?;
+    let field = field(format!("point {} coordinate {}", k / 3, k % 3));
+    Some(float_difference(recorded.tick, field, recorded.points[k], replayed[k]))
 }
 
 fn difference(tick: u64, field: &str, recorded: u64, replayed: u64) -> Difference {

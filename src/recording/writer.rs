@@ -34,6 +34,14 @@ pub enum WriteError {
         /// Cause.
         source: mcap::McapError,
     },
+    /// The scene has no text form, so nothing could be replayed.
+    #[error("{path}: the scene cannot be written out: {reason}")]
+    Scene {
+        /// File.
+        path: PathBuf,
+        /// Cause.
+        reason: String,
+    },
 }
 
 /// Running hash of all ticks of a session: two sessions with equal hashes went through the same states.
@@ -157,6 +165,8 @@ impl Writer {
             mcap.attach(&attachment).map_err(bad)?;
         }
         let channels = Channels::add(&mut mcap, &head).map_err(bad)?;
+        // Readable from the first moment on, and a full disk shows before anyone relies on the file.
+        mcap.flush().map_err(bad)?;
         Ok(Self {
             mcap,
             part,
@@ -177,7 +187,8 @@ impl Writer {
     fn put(&mut self, channel_id: u16, tick: u64, message: &impl prost::Message) -> Result<(), WriteError> {
         self.buffer.clear();
         message.encode(&mut self.buffer).expect("a Vec grows");
-        let log_time = tick * self.head.dt_ns;
+        // Saturates for numbers that only a damaged file can hold.
+        let log_time = tick.saturating_mul(self.head.dt_ns);
         let header = MessageHeader { channel_id, sequence: tick as u32, log_time, publish_time: wall_ns() };
         self.bytes += self.buffer.len() as u64;
         self.mcap.write_to_known_channel(&header, &self.buffer).map_err(|source| self.mcap_error(source))
@@ -196,8 +207,16 @@ impl Writer {
         self.put(self.channels.tick, record.output.tick, &message)
     }
 
-    pub fn keyframe(&mut self, tick: u64, state_hash: u64, saved: &SavedState) -> Result<(), WriteError> {
-        let message = pb::Keyframe { tick, state_hash, words: saved.words.clone(), floats: saved.floats.clone() };
+    /// `commands`: how many of the commands after `tick` the state holds already.
+    pub fn keyframe(
+        &mut self,
+        tick: u64,
+        state_hash: u64,
+        commands: u32,
+        saved: &SavedState,
+    ) -> Result<(), WriteError> {
+        let (words, floats) = (saved.words.clone(), saved.floats.clone());
+        let message = pb::Keyframe { tick, state_hash, words, floats, commands };
         self.put(self.channels.keyframe, tick, &message)
     }
 

@@ -77,7 +77,12 @@ pub fn inline_files(spec: &SceneSpec, directory: &Path) -> Result<SceneSpec, Sce
             let full = directory.join(&file);
             let text = std::fs::read_to_string(&full)
                 .map_err(|e| error(&path, format!("cannot read {}: {e}", full.display())))?;
-            body.surface.inline = Some(serde_json::from_str(&text).map_err(|e| error(&path, e))?);
+            let mut document: serde_json::Value = serde_json::from_str(&text).map_err(|e| error(&path, e))?;
+            // TOML, as which recordings keep the scene, has no null; absent says the same.
+            if let Some(fields) = document.as_object_mut() {
+                fields.retain(|_, value| !value.is_null());
+            }
+            body.surface.inline = Some(document);
         }
     }
     Ok(inlined)
