@@ -651,7 +651,7 @@ fn a_scene_with_its_surface_in_place_replays_from_the_file_alone() {
     let surface = serde_json::json!({
         "format": "palpate.surface.v1", "degree": [1, 1], "periodic": [false, false],
         "knots": [[0, 0, 1, 1], [0, 0, 1, 1]],
-        "points": [[[-0.05, -0.05, 1e-17], [-0.05, 0.05, -0.0]], [[0.05, -0.05, 0], [0.05, 0.05, 0.1234567890123456789]]],
+        "points": [[[-0.05, -0.05, 1e-17], [-0.05, 0.05, -0.0]], [[0.05, -0.05, 0], [0.05, 0.05, 0.12345678901234568]]],
         "weights": null,
     });
     std::fs::write(directory.path().join("sheet.json"), surface.to_string()).unwrap();

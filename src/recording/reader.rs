@@ -6,6 +6,7 @@ use super::{FORMAT_VERSION, topics};
 use crate::math::SavedState;
 use crate::tick::record::{Command, TickRecord};
 use mcap::records::Record;
+use mcap::sans_io::{LinearReadEvent, LinearReader, LinearReaderOptions};
 use palpate_proto::recording as pb;
 use prost::Message as _;
 use std::collections::BTreeMap;
@@ -151,16 +152,23 @@ impl Session {
         // A channel is announced in the first chunk that uses it and once more at the end: should the chunk be damaged.
         let mut channels: BTreeMap<u16, String> = records(bytes)
             .filter_map(|record| match record {
-                Ok(Record::Channel(channel)) => Some((channel.id, channel.topic)),
+                Ok((Record::Channel(channel), _)) => Some((channel.id, channel.topic)),
                 _ => None,
             })
             .collect();
         let mut ended = false;
         for record in records(bytes) {
+            let (record, whole) = match record {
+                Ok(both) => both,
+                Err(e) => {
+                    session.cut_short.get_or_insert(e);
+                    continue;
+                }
+            };
             match record {
-                Ok(Record::Metadata(metadata)) if metadata.name == RUN => session.header.run = metadata.metadata,
-                Ok(Record::Metadata(metadata)) if metadata.name == END => session.header.end = metadata.metadata,
-                Ok(Record::Attachment { header, data, .. }) => {
+                Record::Metadata(metadata) if metadata.name == RUN => session.header.run = metadata.metadata,
+                Record::Metadata(metadata) if metadata.name == END => session.header.end = metadata.metadata,
+                Record::Attachment { header, data, .. } => {
                     let text = String::from_utf8_lossy(&data).into_owned();
                     match header.name.as_str() {
                         SCENE_TEXT => session.header.scene_text = text,
@@ -168,19 +176,18 @@ impl Session {
                         _ => {}
                     }
                 }
-                Ok(Record::Chunk { header, data }) => match chunk_records(header, &data) {
+                Record::Chunk { .. } => match chunk_records(whole) {
                     Ok(records) => session
                         .take_all(&mut channels, records)
                         .map_err(|source| ReadError::Message { path: owned(), source })?,
                     // What follows a damaged chunk is as good as ever.
                     Err(e) => drop(session.cut_short.get_or_insert(format!("a damaged chunk: {e}"))),
                 },
-                Ok(message @ Record::Message { .. }) => session
+                message @ Record::Message { .. } => session
                     .take_all(&mut channels, vec![message])
                     .map_err(|source| ReadError::Message { path: owned(), source })?,
-                Ok(Record::Footer(_)) => ended = true,
-                Ok(_) => {}
-                Err(e) => drop(session.cut_short.get_or_insert(e)),
+                Record::Footer(_) => ended = true,
+                _ => {}
             }
         }
         if !ended && session.cut_short.is_none() {
@@ -273,8 +280,8 @@ impl Session {
     }
 }
 
-/// The records of a file up to its footer, or to the first that is cut short.
-fn records(bytes: &[u8]) -> impl Iterator<Item = Result<Record<'_>, String>> {
+/// The records of a file, each with its bytes, up to its footer or to the first that is cut short.
+fn records(bytes: &[u8]) -> impl Iterator<Item = Result<(Record<'_>, &[u8]), String>> {
     const FOOTER: u8 = 0x02;
     const ATTACHMENT: u8 = 0x09;
     let mut rest = Some(&bytes[mcap::MAGIC.len()..]).filter(|rest| !rest.is_empty());
@@ -291,7 +298,8 @@ fn records(bytes: &[u8]) -> impl Iterator<Item = Result<Record<'_>, String>> {
         if op == ATTACHMENT && !attachment_is_whole(body) {
             return Some(Err("an attachment is shorter than its own head".into()));
         }
-        Some(mcap::read::parse_record(op, body).map_err(|e| e.to_string()))
+        let whole = &now[..now.len() - after.len()];
+        Some(mcap::read::parse_record(op, body).map(|record| (record, whole)).map_err(|e| e.to_string()))
     })
 }
 
@@ -305,7 +313,33 @@ fn attachment_is_whole(body: &[u8]) -> bool {
     body.len() >= need.saturating_add(12)
 }
 
-/// The records of a chunk, or none of them: its checksum is known to hold only at its end.
-fn chunk_records<'a>(header: mcap::records::ChunkHeader, data: &'a [u8]) -> Result<Vec<Record<'a>>, mcap::McapError> {
-    mcap::read::ChunkReader::new(header, data)?.collect()
+/// The records of a chunk, or none of them. `chunk` is the whole chunk record.
+///
+/// Its checksum is compared before anything in it is believed, and no length it claims, of itself or
+/// of a record inside, makes room for more than compression could have hidden in its bytes.
+fn chunk_records(chunk: &[u8]) -> Result<Vec<Record<'static>>, mcap::McapError> {
+    /// LZ4 stores at most 255 bytes in one.
+    const MOST_DENSE: usize = 256;
+    let options = LinearReaderOptions::default()
+        .with_skip_start_magic(true)
+        .with_skip_end_magic(true)
+        .with_prevalidate_chunk_crcs(true)
+        .with_record_length_limit(chunk.len().saturating_mul(MOST_DENSE));
+    let mut reader = LinearReader::new_with_options(options);
+    let mut rest = chunk;
+    let mut records = Vec::new();
+    while let Some(event) = reader.next_event() {
+        match event? {
+            LinearReadEvent::ReadRequest(need) => {
+                let (now, later) = rest.split_at(need.min(rest.len()));
+                reader.insert(now.len()).copy_from_slice(now);
+                reader.notify_read(now.len());
+                rest = later;
+            }
+            LinearReadEvent::Record { data, opcode } => {
+                records.push(mcap::read::parse_record(opcode, data)?.into_owned());
+            }
+        }
+    }
+    Ok(records)
 }
