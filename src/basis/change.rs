@@ -174,7 +174,7 @@ impl BasisChange {
     }
 
     /// The old control points and weights that make new point `row`: (index, weight), weights above or below zero only.
-    pub fn entries(&self, row: usize) -> impl Iterator<Item = (usize, f64)> + '_ {
+    pub fn entries(&self, row: usize) -> impl Iterator<Item = (usize, f64)> + Clone + '_ {
         let weights = &self.weights[row * self.width..(row + 1) * self.width];
         let entries = weights.iter().enumerate().filter(|(_, weight)| **weight != 0.0);
         entries.map(move |(k, &weight)| ((self.first[row] + k) % self.old_count, weight))

@@ -3,16 +3,10 @@
 //! Insertion works on points and weights apart, as `a + alpha (b − a)`: rows that were equal stay equal bit for bit, so
 //! seams and poles survive.
 
+use super::lines::{Direction, LinePoint};
 use super::{Closing, ControlNet, Surface, SurfaceError};
 use crate::basis::{Insertion, KnotVector};
 use crate::math::{Point3, Pose};
-
-/// u or v.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Direction {
-    U,
-    V,
-}
 
 impl Surface {
     /// The same surface with knots inserted in u, each as often as it is listed; wrapped into the period if there is one.
@@ -76,41 +70,18 @@ impl Surface {
     fn insert_knots(&self, values: &[f64], direction: Direction) -> Result<Self, SurfaceError> {
         let mut surface = self.clone();
         for &value in values {
-            let (knots, name) = match direction {
-                Direction::U => (surface.knots_u(), 'u'),
-                Direction::V => (surface.knots_v(), 'v'),
-            };
-            let insertion = knots.insertion(value).map_err(|source| SurfaceError::Knots { direction: name, source })?;
+            let insertion = surface.knots(direction).insertion(value).map_err(|e| direction.refused(e))?;
             surface = surface.inserted(&insertion, direction);
         }
         Ok(surface)
     }
 
     fn inserted(&self, insertion: &Insertion, direction: Direction) -> Self {
-        let (rows, columns) = (self.net().rows(), self.net().columns());
-        let homogeneous: Vec<(Point3, f64)> = match self.weights() {
-            Some(weights) => self.net().points().iter().copied().zip(weights.iter().copied()).collect(),
-            None => self.net().points().iter().map(|&point| (point, 1.0)).collect(),
-        };
-        let blended = match direction {
-            Direction::U => {
-                let lines = (0..columns).map(|j| (0..rows).map(|i| homogeneous[i * columns + j]).collect::<Vec<_>>());
-                let lines: Vec<_> = lines.map(|line| insertion.apply(&line, blend)).collect();
-                (0..=rows).flat_map(|i| lines.iter().map(move |line| line[i])).collect::<Vec<_>>()
-            }
-            Direction::V => homogeneous.chunks(columns).flat_map(|line| insertion.apply(line, blend)).collect(),
-        };
-        let points = blended.iter().map(|b| b.0).collect();
-        let weights = self.weights().map(|_| blended.iter().map(|b| b.1).collect());
-        let (knots_u, knots_v) = match direction {
-            Direction::U => (insertion.knots.clone(), self.knots_v().clone()),
-            Direction::V => (self.knots_u().clone(), insertion.knots.clone()),
-        };
-        self.rebuilt(knots_u, knots_v, points, weights).with_flip_normal(self.flip_normal())
+        self.with_lines(direction, insertion.knots.clone(), |line| insertion.apply(line, blend))
     }
 
     /// A surface whose parts are known to agree, and whose values are means of values that were checked.
-    fn rebuilt(
+    pub(super) fn rebuilt(
         &self,
         knots_u: KnotVector,
         knots_v: KnotVector,
@@ -123,7 +94,7 @@ impl Surface {
 }
 
 /// `a + alpha (b − a)` in homogeneous coordinates, written so that equal points give exactly that point.
-fn blend(a: (Point3, f64), b: (Point3, f64), alpha: f64) -> (Point3, f64) {
+fn blend(a: LinePoint, b: LinePoint, alpha: f64) -> LinePoint {
     // At the ends the sum may miss b by a rounding, and the exact point is at hand.
     if alpha == 1.0 {
         return b;
