@@ -116,6 +116,9 @@ pub enum KnotError {
         /// Last parameter.
         end: f64,
     },
+    /// Nothing there to remove.
+    #[error("{0} is not a knot inside the domain")]
+    NotAKnot(f64),
     /// First and last knot of the domain are equal.
     #[error("the domain is empty: it starts and ends at {0}")]
     EmptyDomain(f64),
@@ -330,6 +333,19 @@ impl KnotVector {
     /// How often a value occurs among the stored knots.
     pub fn multiplicity(&self, value: f64) -> usize {
         self.knots.iter().filter(|&&k| k == value).count()
+    }
+
+    /// The same vector with one copy less of a knot inside the domain.
+    ///
+    /// # Errors
+    /// No such knot strictly inside the domain, or too few control points left.
+    pub fn without(&self, knot: f64) -> Result<Self, KnotError> {
+        let (start, end) = self.domain();
+        let mut knots = self.file_knots().to_vec();
+        let inside = knot > start && knot < end;
+        let at = knots.iter().position(|&k| k == knot).filter(|_| inside).ok_or(KnotError::NotAKnot(knot))?;
+        knots.remove(at);
+        if self.is_periodic() { Self::periodic(self.degree, knots) } else { Self::new(self.degree, knots) }
     }
 
     /// The knots inside the domain with multiplicity `degree + 1`, where the curve is in two pieces; when periodic, also

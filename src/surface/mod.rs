@@ -26,6 +26,7 @@ mod normal;
 mod parts;
 mod refine;
 mod samples;
+mod simplify;
 mod tensor;
 mod topology;
 
@@ -42,6 +43,7 @@ pub use lines::Direction;
 pub use net::{ControlNet, NetError};
 pub use normal::Curvature;
 pub use samples::{GridFit, SampleGrid, Samples};
+pub use simplify::Simplified;
 pub(crate) use tensor::wrap;
 pub use tensor::{Frame, Surface, SurfaceError};
 pub use topology::{Closing, Topology};

@@ -36,6 +36,12 @@ pub enum SurfaceError {
         /// Needed number.
         needed: usize,
     },
+    /// An approximation whose weights left the allowed range.
+    #[error("simplified so far, a weight would be {value}; it must stay finite and above 0")]
+    Unweighable {
+        /// The weight, or 1 where a coordinate is not finite.
+        value: f64,
+    },
     /// A weight that is not a positive finite number.
     #[error("weight ({row}, {column}) is {value}; weights are finite and above 0")]
     Weight {
