@@ -27,6 +27,11 @@ impl LengthUnit {
         Self { name: name.to_owned(), numerator: self.numerator * factor, ..self.clone() }
     }
 
+    /// The unit of a model that is `scale` times as large as the thing.
+    pub(super) fn divided(&self, scale: f64) -> Self {
+        Self { denominator: self.denominator * scale, ..self.clone() }
+    }
+
     /// True unless a file's own factor makes it something else.
     pub(super) fn is_length(&self) -> bool {
         self.metres().is_normal() && self.metres() > 0.0

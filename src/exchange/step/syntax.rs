@@ -420,7 +420,7 @@ mod tests {
         assert_eq!(message("#=A();"), "line 6: expected an instance number such as #7, found \"#=A()\"");
         assert_eq!(
             message("A();"),
-            "line 6: expected #, the number of an instance, or ENDSEC, found \"A();\\nENDSEC;\\nEND-ISO-…\""
+            "line 6: expected #, the number of an instance, or ENDSEC, found \"A();\\nENDSEC;\\nEND-ISO-103…\""
         );
         assert!(
             message(&format!("#1=A({}1{});", "(".repeat(100_000), ")".repeat(100_000))).contains("nested at most 16")
