@@ -151,15 +151,21 @@ fn few(degree: usize, count: usize, period: &[f64]) -> Result<Axis, KnotError> {
 }
 
 /// The periodic vector of the same curve, if its knots and control points repeat after the domain.
+///
+/// The domain may end at any copy of its last knot: we write the vector out to the last one and repeat `degree` points,
+/// OpenCASCADE to the first and repeats fewer.
 fn wrapped(knots: &KnotVector, same: impl Fn(usize, usize) -> bool) -> Option<KnotVector> {
-    let (p, t) = (knots.degree(), knots.knots());
-    // Clamped ends would be `degree + 1` equal knots, which no closed curve without a gap has.
-    let count = knots.count().checked_sub(p).filter(|&count| count > p)?;
-    let periodic = KnotVector::periodic(p, t[p..=p + count].to_vec()).ok()?;
+    let (p, n, t) = (knots.degree(), knots.count(), knots.knots());
     // Sums with the period round, and differently in other programs.
-    let rounding = 4.0 * f64::EPSILON * t[0].abs().max(t[t.len() - 1].abs());
-    let alike = periodic.knots().iter().zip(t).all(|(a, b)| (a - b).abs() <= rounding);
-    (alike && periodic.disjoined().is_empty() && (0..p).all(|i| same(i, i + count))).then_some(periodic)
+    let rounding = 4.0 * f64::EPSILON * t[0].abs().max(t[n + p].abs());
+    (n..=n + p).take_while(|&end| t[end] == t[n]).find_map(|end| {
+        let count = end - p;
+        let periodic = KnotVector::periodic(p, t[p..=end].to_vec()).ok()?;
+        let alike = periodic.knots().iter().zip(t).all(|(a, b)| (a - b).abs() <= rounding);
+        // A clamped vector repeats no points; as a periodic one it would be open at its seam.
+        let repeats = (0..n - count).all(|i| same(i, i + count));
+        (alike && repeats && periodic.disjoined().is_empty()).then_some(periodic)
+    })
 }
 
 /// A surface as both formats write it: full knots, points repeated where a direction is periodic.
