@@ -2,11 +2,13 @@
 //!
 //! Layers, in reading order; each imports only those before it:
 //! [`math`] → [`basis`] → [`surface`] → [`contact`] → [`body`] | [`haptics`] → [`scene`] → [`tick`] → wire →
-//! transport | recording → viewer, bench, cli. The last five come with the `daemon` feature.
+//! transport | recording → viewer, bench, cli. The last five come with the `daemon` feature. [`exchange`] hangs off
+//! [`surface`]; above it only cli uses it.
 
 pub mod basis;
 pub mod body;
 pub mod contact;
+pub mod exchange;
 pub mod haptics;
 pub mod math;
 pub mod scene;

@@ -3,10 +3,11 @@
 use std::path::{Path, PathBuf};
 
 /// What each layer may import of ours.
-const TABLE: [(&str, &[&str]); 13] = [
+const TABLE: [(&str, &[&str]); 14] = [
     ("math", &[]),
     ("basis", &["math"]),
     ("surface", &["math", "basis"]),
+    ("exchange", &["math", "basis", "surface"]),
     ("contact", &["math", "basis", "surface"]),
     ("body", &["math", "basis", "surface", "contact"]),
     ("haptics", &["math", "basis", "surface", "contact"]),
@@ -22,6 +23,7 @@ const TABLE: [(&str, &[&str]); 13] = [
             "math",
             "basis",
             "surface",
+            "exchange",
             "contact",
             "body",
             "haptics",

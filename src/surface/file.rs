@@ -36,7 +36,8 @@ impl Unit {
         }
     }
 
-    fn per_metre(self) -> f64 {
+    /// How many of it a metre is.
+    pub fn per_metre(self) -> f64 {
         match self {
             Self::Metre => 1.0,
             Self::Millimetre => 1000.0,

@@ -1,0 +1,134 @@
+//! Meshes and point clouds: STL, OBJ, glTF, and points as text.
+//!
+//! STL and OBJ name no unit: they are written in the unit asked for, and read in the unit given. glTF is in metres.
+
+mod glb;
+mod obj;
+mod points;
+mod stl;
+
+pub use glb::write as write_glb;
+pub use obj::{read_points as read_obj_points, write as write_obj};
+pub use points::read as read_text_points;
+pub use stl::{read as read_stl, write as write_stl, write_ascii as write_stl_ascii};
+
+use crate::math::Point3;
+use crate::surface::Mesh;
+
+/// Why a mesh or a point cloud was not read or written.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum MeshError {
+    /// Nothing to write, or nothing in the file.
+    #[error("there are no {0}")]
+    Empty(&'static str),
+    /// A triangle with a corner that does not exist.
+    #[error("triangle {triangle} has corner {corner}, the mesh has {count}")]
+    Corner {
+        /// Triangle.
+        triangle: usize,
+        /// Its corner.
+        corner: u32,
+        /// Corners of the mesh.
+        count: usize,
+    },
+    /// Normals that are not one a corner.
+    #[error("{given} normals for {needed} corners")]
+    Normals {
+        /// Given number.
+        given: usize,
+        /// Needed number.
+        needed: usize,
+    },
+    /// A coordinate that is not finite, or too large for the format.
+    #[error("corner {corner} has coordinate {value}, not a finite number in single precision")]
+    Coordinate {
+        /// Corner.
+        corner: usize,
+        /// Value.
+        value: f64,
+    },
+    /// More than the format's counters hold.
+    #[error("{count} {what} are more than the format can count")]
+    Many {
+        /// What there is too much of.
+        what: &'static str,
+        /// Number.
+        count: usize,
+    },
+    /// A binary file whose length is not that of its triangles.
+    #[error("{bytes} bytes are no binary STL file: {triangles} triangles, as it says, take {needed}")]
+    Length {
+        /// Bytes of the file.
+        bytes: usize,
+        /// Triangles it says it has.
+        triangles: u32,
+        /// Bytes these take.
+        needed: u64,
+    },
+    /// A file that is too short to be one.
+    #[error("{0} bytes are too few for an STL file")]
+    Short(usize),
+    /// A line that is none of the format's.
+    #[error("line {line}: expected {wanted}, found {found}")]
+    Line {
+        /// Line, from 1.
+        line: usize,
+        /// What may stand there.
+        wanted: &'static str,
+        /// What does, shortened.
+        found: String,
+    },
+}
+
+/// What every writer relies on; `single` if coordinates are written in single precision.
+fn check(mesh: &Mesh, scale: f64, single: bool) -> Result<(), MeshError> {
+    if mesh.triangles.is_empty() {
+        return Err(MeshError::Empty("triangles"));
+    }
+    if mesh.normals.len() != mesh.points.len() {
+        return Err(MeshError::Normals { given: mesh.normals.len(), needed: mesh.points.len() });
+    }
+    for what in [("corners", mesh.points.len()), ("triangles", mesh.triangles.len())] {
+        // Counters have 32 bits, and so have lengths in bytes: 24 a corner, 50 a triangle.
+        if what.1 > (u32::MAX / 64) as usize {
+            return Err(MeshError::Many { what: what.0, count: what.1 });
+        }
+    }
+    for (corner, point) in mesh.points.iter().enumerate() {
+        let fits = |x: f64| if single { (x as f32).is_finite() } else { x.is_finite() };
+        if let Some(&value) = point.iter().find(|x| !fits(**x * scale)) {
+            return Err(MeshError::Coordinate { corner, value });
+        }
+    }
+    let count = mesh.points.len();
+    for (triangle, corners) in mesh.triangles.iter().enumerate() {
+        if let Some(&corner) = corners.iter().find(|corner| **corner as usize >= count) {
+            return Err(MeshError::Corner { triangle, corner, count });
+        }
+    }
+    Ok(())
+}
+
+/// Lines of a text with their numbers. Bytes that are no UTF-8 are shown as such, where they matter.
+fn lines(bytes: &[u8]) -> impl Iterator<Item = (usize, &[u8])> {
+    bytes.split(|&byte| byte == b'\n').enumerate().map(|(k, line)| (k + 1, line.trim_ascii()))
+}
+
+/// The words of a line.
+fn words(line: &[u8]) -> impl Iterator<Item = &[u8]> {
+    line.split(u8::is_ascii_whitespace).filter(|word| !word.is_empty())
+}
+
+/// The next three words as a point.
+fn point<'a>(mut words: impl Iterator<Item = &'a [u8]>, per_metre: f64) -> Option<Point3> {
+    let mut next = || Some(super::number::parse(words.next()?)? / per_metre).filter(|x| x.is_finite());
+    Some(Point3::new(next()?, next()?, next()?))
+}
+
+fn wrong_line(line: usize, wanted: &'static str, text: &[u8]) -> MeshError {
+    let head = String::from_utf8_lossy(&text[..text.len().min(40)]);
+    MeshError::Line { line, wanted, found: format!("\"{}\"", head.escape_debug()) }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,228 @@
+//! What STEP and IGES call a B-spline surface, and how it becomes ours and back.
+//!
+//! Files close a direction in three ways. A clamped seam stays one. *Unclamped with repeated points* (the letter of both
+//! standards) and *one period of knots with unrepeated points* (what OpenCASCADE takes from STEP) become a periodic direction,
+//! whatever their flags say: both standards call these flags information only. A period of fewer points than
+//! `degree + 1` is no [`KnotVector::periodic`]; its points are repeated instead.
+
+use crate::basis::{KnotError, KnotVector, MAX_DEGREE};
+use crate::math::Point3;
+use crate::surface::{ControlNet, Surface, SurfaceError};
+
+/// Why values of a file make no surface, or a surface no file.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum SplineError {
+    /// Too few or too many knots for the net.
+    #[error("{given} knots in {direction}, but degree {degree} with {count} control points needs {}", count + degree + 1)]
+    KnotCount {
+        /// `u` or `v`.
+        direction: char,
+        /// Knots of the file, with multiplicities.
+        given: u64,
+        /// Degree.
+        degree: usize,
+        /// Control points in this direction.
+        count: usize,
+    },
+    /// Knots and multiplicities are two lists of one length.
+    #[error("{knots} knots but {multiplicities} multiplicities in {direction}")]
+    Multiplicities {
+        /// `u` or `v`.
+        direction: char,
+        /// Knots.
+        knots: usize,
+        /// Multiplicities.
+        multiplicities: usize,
+    },
+    /// A surface in several pieces, which other systems do not take.
+    #[error(
+        "the surface comes apart at {direction} = {knot} (a knot of multiplicity degree + 1), which this format has no form \
+         for: export its pieces"
+    )]
+    Disjoined {
+        /// `u` or `v`.
+        direction: char,
+        /// Where.
+        knot: f64,
+    },
+    /// Values that make no surface.
+    #[error(transparent)]
+    Surface(#[from] SurfaceError),
+}
+
+/// Distinct knots with their multiplicities: never more numbers than the file has.
+pub(super) type Runs = Vec<(f64, u64)>;
+
+/// A surface as a file has it; points in metres, u-major.
+#[derive(Debug)]
+pub(super) struct FileSurface {
+    pub degrees: [usize; 2],
+    pub knots: [Runs; 2],
+    pub rows: usize,
+    pub columns: usize,
+    pub points: Vec<Point3>,
+    pub weights: Option<Vec<f64>>,
+}
+
+/// A direction of the net: its knots, and which row of the file each row of ours is.
+struct Axis {
+    knots: KnotVector,
+    rows: Vec<usize>,
+}
+
+impl FileSurface {
+    /// Our surface: the same points at the same parameters.
+    pub fn build(self) -> Result<Surface, SplineError> {
+        let (rows, columns) = (self.rows, self.columns);
+        let needed = rows * columns;
+        if let Some(weights) = self.weights.as_ref().filter(|w| w.len() != needed) {
+            return Err(SurfaceError::WeightCount { given: weights.len(), needed }.into());
+        }
+        // Counted before anything is picked from it.
+        let net = ControlNet::new(rows, columns, self.points).map_err(SurfaceError::from)?;
+        let points = net.points();
+        let same = |a: usize, b: usize| {
+            points[a] == points[b] && self.weights.as_ref().is_none_or(|w| w[a].to_bits() == w[b].to_bits())
+        };
+        let same_rows = |i: usize, k: usize| (0..columns).all(|j| same(i * columns + j, k * columns + j));
+        let same_columns = |j: usize, k: usize| (0..rows).all(|i| same(i * columns + j, i * columns + k));
+        let u = axis('u', self.degrees[0], rows, &self.knots[0], same_rows)?;
+        let v = axis('v', self.degrees[1], columns, &self.knots[1], same_columns)?;
+        let order: Vec<usize> = u.rows.iter().flat_map(|i| v.rows.iter().map(move |j| i * columns + j)).collect();
+        let picked = order.iter().map(|&k| points[k]).collect();
+        let weights = self.weights.as_ref().map(|w| order.iter().map(|&k| w[k]).collect());
+        let net = ControlNet::new(u.rows.len(), v.rows.len(), picked).map_err(SurfaceError::from)?;
+        Ok(Surface::new(u.knots, v.knots, net, weights)?)
+    }
+}
+
+fn axis(
+    direction: char,
+    degree: usize,
+    count: usize,
+    runs: &[(f64, u64)],
+    same: impl Fn(usize, usize) -> bool,
+) -> Result<Axis, SplineError> {
+    let refuse = |source| SplineError::Surface(SurfaceError::Knots { direction, source });
+    if degree == 0 || degree > MAX_DEGREE {
+        return Err(refuse(KnotError::Degree(degree)));
+    }
+    let given = runs.iter().fold(0, |sum: u64, run| sum.saturating_add(run.1));
+    let ends = [runs.first(), runs.last()].map(|run| run.map_or(0, |run| run.1));
+    let one_period = ends[0] == ends[1] && (1..=degree as u64).contains(&ends[0]) && given == count as u64 + ends[0];
+    if !one_period && given != (count + degree + 1) as u64 {
+        return Err(SplineError::KnotCount { direction, given, degree, count });
+    }
+    let full: Vec<f64> = runs.iter().flat_map(|&(knot, times)| (0..times).map(move |_| knot)).collect();
+    if one_period {
+        let period = full[ends[0] as usize - 1..].to_vec();
+        if count > degree {
+            let knots = KnotVector::periodic(degree, period).map_err(refuse)?;
+            return Ok(Axis { knots, rows: (0..count).collect() });
+        }
+        return few(degree, count, &period).map_err(refuse);
+    }
+    let knots = KnotVector::new(degree, full).map_err(refuse)?;
+    if let Some(knots) = wrapped(&knots, same) {
+        let count = knots.count();
+        return Ok(Axis { knots, rows: (0..count).collect() });
+    }
+    Ok(Axis { knots, rows: (0..count).collect() })
+}
+
+/// A period of `degree` points or fewer, written out: the open vector over one period, its points repeated.
+fn few(degree: usize, count: usize, period: &[f64]) -> Result<Axis, KnotError> {
+    let last = period.len() - 1;
+    let length = period[last] - period[0];
+    if count == 0 || length.is_nan() || length <= 0.0 {
+        return Err(KnotError::EmptyDomain(period[0]));
+    }
+    // Knot k of the endless vector, knot 0 being where the period starts. Copies of its end are copies of the next one's
+    // start, and rounding may not part them.
+    let knot = |k: isize| {
+        let (turn, at) = (k.div_euclid(count as isize), period[k.rem_euclid(count as isize) as usize]);
+        let (turn, at) = if at == period[last] { (turn + 1, period[0]) } else { (turn, at) };
+        at + length * turn as f64
+    };
+    let (p, n) = (degree as isize, count as isize);
+    let knots = KnotVector::new(degree, (-p..=n + p).map(knot).collect())?;
+    let rows = (0..knots.count()).map(|i| i % count).collect();
+    Ok(Axis { knots, rows })
+}
+
+/// The periodic vector of the same curve, if its knots and control points repeat after the domain.
+///
+/// The domain may end at any copy of its last knot: we write the vector out to the last one and repeat `degree` points,
+/// OpenCASCADE to the first and repeats fewer.
+fn wrapped(knots: &KnotVector, same: impl Fn(usize, usize) -> bool) -> Option<KnotVector> {
+    let (p, n, t) = (knots.degree(), knots.count(), knots.knots());
+    // Sums with the period round, and differently in other programs.
+    let rounding = 4.0 * f64::EPSILON * t[0].abs().max(t[n + p].abs());
+    (n..=n + p).take_while(|&end| t[end] == t[n]).find_map(|end| {
+        let count = end - p;
+        let periodic = KnotVector::periodic(p, t[p..=end].to_vec()).ok()?;
+        let alike = periodic.knots().iter().zip(t).all(|(a, b)| (a - b).abs() <= rounding);
+        // A clamped vector repeats no points; as a periodic one it would be open at its seam.
+        let repeats = (0..n - count).all(|i| same(i, i + count));
+        (alike && repeats && periodic.disjoined().is_empty()).then_some(periodic)
+    })
+}
+
+/// A surface as both formats write it: full knots, points repeated where a direction is periodic.
+#[derive(Debug)]
+pub(super) struct Written {
+    pub degrees: [usize; 2],
+    pub knots: [Vec<f64>; 2],
+    pub domains: [(f64, f64); 2],
+    pub rows: usize,
+    pub columns: usize,
+    /// u-major, m.
+    pub points: Vec<Point3>,
+    pub weights: Option<Vec<f64>>,
+    pub closed: [bool; 2],
+    pub periodic: [bool; 2],
+}
+
+impl Written {
+    /// Neither format says on its surface which side is out. A closed surface is turned outwards by who reads it; an
+    /// open one whose outward side is -(S_u × S_v) is written with u and v exchanged.
+    pub fn new(surface: &Surface) -> Result<Self, SplineError> {
+        let topology = surface.topology();
+        if surface.flip_normal() && !topology.is_closed() {
+            return Self::new(&surface.swap_uv());
+        }
+        let (u, v) = (surface.knots_u(), surface.knots_v());
+        for (direction, knots) in [('u', u), ('v', v)] {
+            if let Some(&knot) = knots.disjoined().first() {
+                return Err(SplineError::Disjoined { direction, knot });
+            }
+        }
+        let (rows, columns) = (u.basis_count(), v.basis_count());
+        let (net_rows, net_columns) = (u.count(), v.count());
+        let order: Vec<usize> =
+            (0..rows).flat_map(|i| (0..columns).map(move |j| (i % net_rows) * net_columns + j % net_columns)).collect();
+        Ok(Self {
+            degrees: [u.degree(), v.degree()],
+            knots: [u.knots().to_vec(), v.knots().to_vec()],
+            domains: [u.domain(), v.domain()],
+            rows,
+            columns,
+            points: order.iter().map(|&k| surface.net().points()[k]).collect(),
+            weights: surface.weights().map(|w| order.iter().map(|&k| w[k]).collect()),
+            closed: topology.closing.map(|closing| closing != crate::surface::Closing::Open),
+            periodic: [u.is_periodic(), v.is_periodic()],
+        })
+    }
+}
+
+/// Equal knots gathered.
+pub(super) fn runs(knots: &[f64]) -> Runs {
+    let mut runs: Runs = Vec::new();
+    for &knot in knots {
+        match runs.last_mut() {
+            Some(run) if run.0 == knot => run.1 += 1,
+            _ => runs.push((knot, 1)),
+        }
+    }
+    runs
+}

@@ -1,0 +1,145 @@
+//! STEP (ISO 10303-21, of AP203, AP214 or AP242): B-spline surfaces, plain and rational.
+//!
+//! ```text
+//! bytes ── syntax: #id → where its text is ──▶ surface: one instance and its points ──▶ FileSurface ──▶ Surface
+//!                                         └──▶ units: the context above it → metres
+//! ```
+//! Read: `B_SPLINE_SURFACE_WITH_KNOTS`, `BEZIER_SURFACE`, `UNIFORM_SURFACE` and `QUASI_UNIFORM_SURFACE`, each also as
+//! a complex instance with `RATIONAL_B_SPLINE_SURFACE`. The surface is taken whole and in its own coordinates: trimming
+//! curves and the placements of assemblies are passed over.
+//!
+//! The parser is ours. Of the crates, `ruststep` 0.4 brings 47 others and `truck-stepio` 98, the latter writes no
+//! rational surfaces, and both build the whole file in memory by recursion, whose depth the file chooses. What is needed
+//! is small: an index of where each instance is, and a reader for the few that make the surface.
+
+mod surface;
+mod syntax;
+mod units;
+mod write;
+
+pub use write::write;
+
+use super::spline::SplineError;
+use super::{Imported, Pick};
+use syntax::Exchange;
+
+/// Why a STEP file was refused.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum StepError {
+    /// Another kind of file.
+    #[error("not a STEP file: it should begin with \"ISO-10303-21;\"")]
+    NotStep,
+    /// Cut short.
+    #[error("line {line}: the file ends inside {inside}; it seems to be cut short")]
+    Unfinished {
+        /// Where what is unfinished begins.
+        line: usize,
+        /// What is unfinished.
+        inside: &'static str,
+    },
+    /// Against the grammar.
+    #[error("line {line}: expected {wanted}, found {found}")]
+    Syntax {
+        /// Line, from 1.
+        line: usize,
+        /// What may stand there.
+        wanted: &'static str,
+        /// What does, shortened.
+        found: String,
+    },
+    /// Two instances of one number.
+    #[error("#{0} is defined twice")]
+    Twice(u64),
+    /// A reference to nothing.
+    #[error("#{from} refers to #{to}, which the file does not define")]
+    Missing {
+        /// The instance that refers.
+        from: u64,
+        /// What it refers to.
+        to: u64,
+    },
+    /// An attribute of another kind.
+    #[error("#{id}: {what} should be {wanted}, but is {found}")]
+    Attribute {
+        /// Instance.
+        id: u64,
+        /// Entity and attribute.
+        what: String,
+        /// What should stand there.
+        wanted: &'static str,
+        /// What does, shortened.
+        found: String,
+    },
+    /// Nothing that we read.
+    #[error("no B-spline surface among the file's {instances} instances{}", if .others.is_empty() { String::new() } else {
+        format!(" (there are {}: convert them to B-splines where the file comes from)", .others.join(", "))
+    })]
+    NoSurface {
+        /// How many instances there are.
+        instances: usize,
+        /// Surfaces of other kinds that the file has.
+        others: Vec<&'static str>,
+    },
+    /// No surface of that number.
+    #[error("no B-spline surface {pick}; the file has {} of them: {}", ids.len(), some(ids))]
+    NoSuch {
+        /// What was asked for.
+        pick: Pick,
+        /// Instance numbers of the surfaces there are.
+        ids: Vec<u64>,
+    },
+    /// Values that make no surface.
+    #[error("#{id}: {source}")]
+    Spline {
+        /// Instance.
+        id: u64,
+        /// What is wrong.
+        source: SplineError,
+    },
+    /// A length unit that is no length.
+    #[error("#{id}: the length unit is {metres} m; it should be above 0 and finite")]
+    Unit {
+        /// Instance.
+        id: u64,
+        /// Its size.
+        metres: f64,
+    },
+}
+
+/// The first few instance numbers.
+fn some(ids: &[u64]) -> String {
+    let mut text: Vec<String> = ids.iter().take(8).map(|id| format!("#{id}")).collect();
+    if ids.len() > 8 {
+        text.push("…".to_owned());
+    }
+    text.join(", ")
+}
+
+/// The instance numbers of all B-spline surfaces of a file, ascending.
+///
+/// # Errors
+/// Not a STEP file, cut short, or without such a surface.
+pub fn surfaces(bytes: &[u8]) -> Result<Vec<u64>, StepError> {
+    surface::find(&Exchange::index(bytes)?)
+}
+
+/// Reads one surface of a file. A closed one is turned outwards; an open one follows the sense of the face that uses it.
+///
+/// # Errors
+/// See [`StepError`]; each says what is wrong and where.
+pub fn read(bytes: &[u8], pick: Pick) -> Result<Imported, StepError> {
+    let exchange = Exchange::index(bytes)?;
+    let ids = surface::find(&exchange)?;
+    let Some(id) = pick.among(&ids) else {
+        return Err(StepError::NoSuch { pick, ids });
+    };
+    let unit = units::length_unit(&exchange, id)?;
+    let file = surface::read(&exchange, id, &unit)?;
+    let built = file.build().map_err(|source| StepError::Spline { id, source })?;
+    let flip = surface::face_sense(&exchange, id) == Some(false);
+    let surface = built.with_flip_normal(flip).oriented_outward();
+    Ok(Imported { surface, id, count: ids.len(), unit })
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,65 @@
+//! The length unit of a file.
+
+use std::fmt;
+
+/// A length unit as a file names it. Kept as a fraction: a millimetre is 1 / 1000 m, and dividing by 1000 rounds once.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LengthUnit {
+    name: String,
+    numerator: f64,
+    denominator: f64,
+    stated: bool,
+}
+
+impl LengthUnit {
+    /// `numerator / denominator` metres.
+    pub(super) fn of_metres(name: &str, numerator: f64, denominator: f64) -> Self {
+        Self { name: name.to_owned(), numerator, denominator, stated: true }
+    }
+
+    /// Millimetres, the file being silent.
+    pub(super) fn assumed_millimetres() -> Self {
+        Self { stated: false, ..Self::of_metres("mm", 1.0, 1e3) }
+    }
+
+    /// A unit of that many of this.
+    pub(super) fn times(&self, name: &str, factor: f64) -> Self {
+        Self { name: name.to_owned(), numerator: self.numerator * factor, ..self.clone() }
+    }
+
+    /// The unit of a model that is `scale` times as large as the thing.
+    pub(super) fn divided(&self, scale: f64) -> Self {
+        Self { denominator: self.denominator * scale, ..self.clone() }
+    }
+
+    /// True unless a file's own factor makes it something else.
+    pub(super) fn is_length(&self) -> bool {
+        self.metres().is_normal() && self.metres() > 0.0
+    }
+
+    pub(super) fn to_metres(&self, value: f64) -> f64 {
+        value * self.numerator / self.denominator
+    }
+
+    /// Its name in the file, or its symbol.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// Its length, m.
+    pub fn metres(&self) -> f64 {
+        self.numerator / self.denominator
+    }
+
+    /// False when the file names none and the format's custom was taken.
+    pub fn is_stated(&self) -> bool {
+        self.stated
+    }
+}
+
+impl fmt::Display for LengthUnit {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let assumed = if self.stated { "" } else { " (assumed: the file names no unit)" };
+        write!(f, "{}{assumed}", self.name)
+    }
+}
