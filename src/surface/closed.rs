@@ -13,7 +13,7 @@ pub const SAME_POINT: f64 = 1e-9;
 
 /// Points a span and direction for rational surfaces, whose volume no rule gives exactly: a quarter circle's
 /// integrand then converges to rounding.
-const RATIONAL_NODES: usize = 24;
+pub(super) const RATIONAL_NODES: usize = 24;
 
 impl Surface {
     /// Diagonal of the net's bounding box, m: the length that tolerances are relative to.

@@ -21,6 +21,7 @@ mod closest;
 mod curve;
 pub mod file;
 mod lines;
+mod measure;
 mod mesh;
 mod net;
 mod normal;
@@ -29,6 +30,7 @@ mod refine;
 mod samples;
 mod simplify;
 mod tensor;
+mod tessellate;
 mod topology;
 
 #[cfg(test)]
@@ -48,4 +50,5 @@ pub use samples::{GridFit, SampleGrid, Samples};
 pub use simplify::Simplified;
 pub(crate) use tensor::wrap;
 pub use tensor::{Frame, Surface, SurfaceError};
+pub use tessellate::TessellateError;
 pub use topology::{Closing, Topology};
