@@ -74,8 +74,8 @@ fn read_all(directory: &Path) -> usize {
             assert_eq!(surface.topology().wraps(0), closes, "{name}.{ending}");
             let error = difference(surface, &pairs(&values["parameters"]), &values["points"]);
             println!("{name}.{ending}: {error:.1e}");
-            // Half a unit in the last place of three coordinates, as a part of the size; and of weights, amplified a bit.
-            let printed = decimals * (imported.unit.metres() / surface.size() + 0.1);
+            // The last place of coordinates, as a part of the size; and that of knots and weights.
+            let printed = decimals * (imported.unit.metres() / surface.size() + 1.0);
             assert!(error <= printed, "{name}.{ending}: points off by {error} of the size");
             read += 1;
         }
@@ -98,7 +98,7 @@ fn files_that_opencascade_writes_now_have_its_points() {
     let directory = tempfile::tempdir().unwrap();
     command.arg("write").arg(directory.path());
     run(command);
-    assert_eq!(read_all(directory.path()), 22);
+    assert_eq!(read_all(directory.path()), 24);
 }
 
 fn ours() -> Vec<(&'static str, Surface)> {

@@ -47,7 +47,7 @@ use crate::math::Point3;
 use crate::surface::file::Unit;
 use crate::surface::{FileError, Mesh, Surface, file};
 use std::fmt;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// A kind of file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -159,6 +159,14 @@ pub enum ExchangeError {
         /// The ending, without its point.
         extension: String,
     },
+    /// A file that cannot be read.
+    #[error("{}: {source}", path.display())]
+    File {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        source: std::io::Error,
+    },
     /// A `palpate.surface.v1` document.
     #[error(transparent)]
     Json(#[from] FileError),
@@ -214,6 +222,17 @@ pub fn read_surface(bytes: &[u8], format: Format, pick: Pick) -> Result<Imported
             Err(ExchangeError::Kind { format, verb: "read", what: "a surface from", instead: SURFACES })
         }
     }
+}
+
+/// Reads one surface of a file, whose format its name's ending tells.
+///
+/// # Errors
+/// A file that cannot be read, an ending that none of our formats has, or what [`read_surface`] says.
+pub fn read_surface_file(path: impl AsRef<Path>, pick: Pick) -> Result<Imported, ExchangeError> {
+    let path = path.as_ref();
+    let format = Format::of(path)?;
+    let bytes = std::fs::read(path).map_err(|source| ExchangeError::File { path: path.to_owned(), source })?;
+    read_surface(&bytes, format, pick)
 }
 
 /// The file of one surface, coordinates in `unit`. In metres, reading it gives the same numbers bit for bit.
@@ -295,6 +314,9 @@ mod tests {
                 assert_eq!(read_surface(&bytes, format, Pick::First).unwrap().surface, surface, "{name}, {format:?}");
             }
         }
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/opencascade/periodic.step");
+        assert!(read_surface_file(path, Pick::First).unwrap().surface.knots_u().is_periodic());
+        assert!(matches!(read_surface_file("/nowhere/a.step", Pick::First), Err(ExchangeError::File { .. })));
         let message = read_surface(b"", Format::Stl, Pick::First).unwrap_err().to_string();
         assert_eq!(message, "STL is no format to read a surface from; use STEP, IGES or JSON");
         let mesh = Mesh::default();

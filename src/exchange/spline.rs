@@ -156,8 +156,8 @@ fn few(degree: usize, count: usize, period: &[f64]) -> Result<Axis, KnotError> {
 /// OpenCASCADE to the first and repeats fewer.
 fn wrapped(knots: &KnotVector, same: impl Fn(usize, usize) -> bool) -> Option<KnotVector> {
     let (p, n, t) = (knots.degree(), knots.count(), knots.knots());
-    // Sums with the period round, and differently in other programs.
-    let rounding = 4.0 * f64::EPSILON * t[0].abs().max(t[n + p].abs());
+    // Sums with the period round, and differently in other programs; and files have twelve decimals, often, of thirds.
+    let rounding = 2e-12 * t[0].abs().max(t[n + p].abs());
     (n..=n + p).take_while(|&end| t[end] == t[n]).find_map(|end| {
         let count = end - p;
         let periodic = KnotVector::periodic(p, t[p..=end].to_vec()).ok()?;

@@ -104,6 +104,7 @@ def kinds():
     period = ([0.0, 0.2, 0.4, 0.6, 0.8, 1.0], [1, 1, 1, 1, 1, 1])  # 5 poles
     double = ([0.0, 1.0, 2.5, 3.0], [2, 1, 2, 2])  # 5 poles of degree 3
     few = ([0.0, 1.0, 2.0, 3.0], [1, 1, 1, 1])  # 3 poles of degree 3
+    thirds = ([0.0, 1 / 3, 2 / 3, 1.0], [1, 1, 1, 1])  # 3 poles of degree 2
 
     def of(u, v, counts, degrees=(3, 3), periodic=(False, False), rational=False, closed=(False, False), seed=1):
         return made(degrees, (u[0], v[0]), (u[1], v[1]), *counts, periodic, rational, seed, closed)
@@ -114,6 +115,7 @@ def kinds():
     yield "periodic_twice", of(period, double, (5, 5), periodic=(True, True), seed=4)
     yield "periodic_rational", of(double, clamped, (5, 7), periodic=(True, False), rational=True, seed=5)
     yield "periodic_few", of(few, clamped, (3, 7), periodic=(True, False), seed=6)
+    yield "periodic_thirds", of(thirds, clamped, (3, 7), (2, 3), periodic=(True, False), seed=8)
     yield "clamped_closed", of(clamped, clamped, (7, 7), closed=(True, False), seed=7)
 
 

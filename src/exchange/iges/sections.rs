@@ -111,7 +111,7 @@ impl<'a> File<'a> {
     pub fn entry(&self, id: u64) -> Option<Entry> {
         let at = usize::try_from(id.checked_sub(1)?).ok().filter(|at| at % 2 == 0)? / 2;
         let [one, two] = self.directory.get(at)?;
-        let field = |line: &[u8], k: usize| line.get(8 * k..8 * k + 8).and_then(|field| whole_or_zero(field));
+        let field = |line: &[u8], k: usize| line.get(8 * k..8 * k + 8).and_then(whole_or_zero);
         let (kind, first, matrix) = (field(one, 0)?, field(one, 1)?, field(one, 6)?);
         // Some files leave the number of lines out.
         let lines = field(two, 3)?.max(1);

@@ -35,7 +35,7 @@ pub fn write(mesh: &Mesh, unit: Unit) -> Result<Vec<u8>, MeshError> {
 /// A text file; coordinates in full precision.
 ///
 /// # Errors
-/// As [`write`].
+/// As the binary form.
 pub fn write_ascii(mesh: &Mesh, unit: Unit) -> Result<String, MeshError> {
     check(mesh, unit.per_metre(), false)?;
     let mut out = String::from("solid surface\n");
