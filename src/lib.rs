@@ -5,6 +5,8 @@
 //! transport | recording → viewer, bench, cli. The last five come with the `daemon` feature.
 
 pub mod basis;
+#[cfg(any(feature = "daemon", feature = "bench-peers"))]
+pub mod bench;
 pub mod body;
 pub mod contact;
 pub mod haptics;

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 /// What each layer may import of ours.
-const TABLE: [(&str, &[&str]); 13] = [
+const TABLE: [(&str, &[&str]); 14] = [
     ("math", &[]),
     ("basis", &["math"]),
     ("surface", &["math", "basis"]),
@@ -16,6 +16,7 @@ const TABLE: [(&str, &[&str]); 13] = [
     ("transport", &["math", "basis", "surface", "contact", "body", "haptics", "scene", "tick", "wire"]),
     ("recording", &["math", "basis", "surface", "contact", "body", "haptics", "scene", "tick", "wire"]),
     ("viewer", &["math", "wire", "transport"]),
+    ("bench", &["math", "basis", "surface"]),
     (
         "cli",
         &[
@@ -31,6 +32,7 @@ const TABLE: [(&str, &[&str]); 13] = [
             "transport",
             "recording",
             "viewer",
+            "bench",
         ],
     ),
 ];
