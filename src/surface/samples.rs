@@ -31,6 +31,8 @@ pub struct Samples {
     net: Vec<Four>,
     /// (net rows × columns / 4): each row of the net sampled in v.
     cells: Vec<Cell>,
+    /// (columns / 4): which samples of a row have a normal by their tangents, a bit each.
+    regular: Vec<u8>,
 }
 
 impl SampleGrid {
@@ -62,6 +64,7 @@ impl SampleGrid {
             normals: vec![Vector3::zeros(); count],
             net: vec![[0.0; 4]; self.u.columns() * self.v.columns()],
             cells: vec![[[[0.0; 4]; 4]; 2]; self.u.columns() * self.v.rows().div_ceil(4)],
+            regular: vec![0; self.v.rows().div_ceil(4)],
         }
     }
 

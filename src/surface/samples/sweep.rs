@@ -11,6 +11,7 @@ use super::Samples;
 use crate::basis::{Blending, MAX_DEGREE};
 use crate::math::lanes::{Four, Lanes, Triple};
 use crate::math::{Point3, Vector3};
+use crate::surface::normal::inward;
 use crate::surface::tensor::{Frame, Surface, wrap};
 
 /// `cell[order][coordinate][sample]`: order 0 or 1 along v; w x, w y, w z, w; four samples.
@@ -20,6 +21,9 @@ const WIDEST: usize = MAX_DEGREE + 1;
 
 /// The square of the least sine (times the ratio of the tangents) with which a cross product is taken for the normal.
 const REGULAR: f64 = 1e-6;
+
+/// The square of the length of S_u over that of S_v below which S_u is rounding.
+const COLLAPSED: f64 = 1e-24;
 
 pub(super) struct Sweep<'a> {
     pub u: &'a Blending,
@@ -45,8 +49,9 @@ impl Sweep<'_> {
         let (per_row, blocks) = (self.v.rows(), self.v.rows().div_ceil(4));
         for i in 0..self.u.rows() {
             let row = i * per_row..(i + 1) * per_row;
-            let (points, normals) = (&mut out.points[row.clone()], &mut out.normals[row]);
-            self.row::<L, WU, C, NORMALS>(i, blocks, &out.cells, points, normals);
+            let (points, normals, masks) =
+                (&mut out.points[row.clone()], &mut out.normals[row], &mut out.regular[..blocks]);
+            self.row::<L, WU, C, NORMALS>(i, blocks, &out.cells, points, normals, masks);
         }
     }
 
@@ -110,6 +115,7 @@ impl Sweep<'_> {
         cells: &[Cell],
         points: &mut [Point3],
         normals: &mut [Vector3],
+        masks: &mut [u8],
     ) {
         let width = if WU > 0 { WU } else { self.u.width() };
         let ((first, values), (_, slopes)) = (self.u.row(i, 0), self.u.row(i, 1));
@@ -120,10 +126,11 @@ impl Sweep<'_> {
         for a in 0..width {
             (shares[a], turns[a]) = (L::splat(values[a]), L::splat(slopes[a] * length));
             let row = wrap(first + a, self.u.columns());
-            lines[a] = &cells[row * blocks..(row + 1) * blocks];
+            lines[a] = &cells[row * blocks..][..blocks];
         }
         let one = L::splat(1.0);
         let outward = L::splat(if self.surface.flip_normal() { -1.0 } else { 1.0 });
+        let mut all_regular = true;
         for block in 0..blocks {
             // First the points alone, then the tangents: all sums at once do not fit into the registers.
             let cell = &lines[0][block];
@@ -174,11 +181,57 @@ impl Sweep<'_> {
             let regular = area.above(L::splat(REGULAR) * (tangent * tangent));
             let scale = outward / area.sqrt();
             put([cross[0] * scale, cross[1] * scale, cross[2] * scale], &mut normals[from..]);
-            if regular != 0b1111 {
-                for j in from..normals.len().min(from + 4) {
-                    if regular & (1 << (j - from)) == 0 {
-                        normals[j] = self.normal(i, j);
-                    }
+            all_regular &= regular == 0b1111;
+            masks[block] = regular;
+        }
+        if !NORMALS || all_regular {
+            return;
+        }
+        // Apart from the loop above, whose registers are all in use.
+        for block in 0..blocks {
+            let (regular, from) = (masks[block], 4 * block);
+            if regular == 0b1111 {
+                continue;
+            }
+            let cell = &lines[0][block];
+            let (mut du, mut dv) = ([one; C], [one; C]);
+            for c in 0..C {
+                du[c] = L::load(&cell[0][c]) * turns[0];
+                dv[c] = L::load(&cell[1][c]) * shares[0];
+            }
+            for a in 1..width {
+                let cell = &lines[a][block];
+                for c in 0..C {
+                    du[c] = du[c] + L::load(&cell[0][c]) * turns[a];
+                    dv[c] = dv[c] + L::load(&cell[1][c]) * shares[a];
+                }
+            }
+            let along_u = du[0] * du[0] + du[1] * du[1] + du[2] * du[2];
+            let along_v = dv[0] * dv[0] + dv[1] * dv[1] + dv[2] * dv[2];
+            // At a pole in v, S_u vanishes and S_u × S_v grows as S_uv × S_v does.
+            let mut duv = [one; C];
+            for c in 0..C {
+                duv[c] = L::load(&cell[1][c]) * turns[0];
+            }
+            for a in 1..width {
+                for c in 0..C {
+                    duv[c] = duv[c] + L::load(&lines[a][block][1][c]) * turns[a];
+                }
+            }
+            let grows =
+                [duv[1] * dv[2] - duv[2] * dv[1], duv[2] * dv[0] - duv[0] * dv[2], duv[0] * dv[1] - duv[1] * dv[0]];
+            let growth = grows[0] * grows[0] + grows[1] * grows[1] + grows[2] * grows[2];
+            let across = duv[0] * duv[0] + duv[1] * duv[1] + duv[2] * duv[2];
+            let mut pole = (L::splat(COLLAPSED) * along_v).above(along_u);
+            pole &= growth.above(L::splat(REGULAR) * (across * along_v));
+            let scale = outward / growth.sqrt();
+            let mut limits = [Vector3::zeros(); 4];
+            put([grows[0] * scale, grows[1] * scale, grows[2] * scale], &mut limits);
+            for (k, j) in (from..normals.len().min(from + 4)).enumerate() {
+                if regular & (1 << k) == 0 {
+                    let inward = inward(self.surface.knots_v(), self.v.parameters()[j]);
+                    let simple = C == 3 && pole & (1 << k) != 0 && inward != 0.0;
+                    normals[j] = if simple { limits[k] * inward } else { self.normal(i, j) };
                 }
             }
         }
