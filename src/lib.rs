@@ -6,6 +6,8 @@
 //! [`surface`]; above it only cli uses it.
 
 pub mod basis;
+#[cfg(any(feature = "daemon", feature = "bench-peers"))]
+pub mod bench;
 pub mod body;
 pub mod contact;
 pub mod exchange;

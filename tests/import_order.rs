@@ -17,6 +17,7 @@ const TABLE: [(&str, &[&str]); 14] = [
     ("transport", &["math", "basis", "surface", "contact", "body", "haptics", "scene", "tick", "wire"]),
     ("recording", &["math", "basis", "surface", "contact", "body", "haptics", "scene", "tick", "wire"]),
     ("viewer", &["math", "wire", "transport"]),
+    ("bench", &["math", "basis", "surface"]),
     (
         "cli",
         &[
@@ -33,6 +34,7 @@ const TABLE: [(&str, &[&str]); 14] = [
             "transport",
             "recording",
             "viewer",
+            "bench",
         ],
     ),
 ];

@@ -59,6 +59,11 @@ impl Blending {
         self.columns
     }
 
+    /// Values in a row, `degree + 1`.
+    pub fn width(&self) -> usize {
+        self.width
+    }
+
     /// The parameters, inside the domain: (rows).
     pub fn parameters(&self) -> &[f64] {
         &self.parameters

@@ -3,6 +3,7 @@
 //! Exit codes: 0 all well, 1 a difference was found, 2 usage or configuration, 3 a run-time fault or an incomplete
 //! recording.
 
+mod bench;
 mod check;
 mod demo;
 mod device;
@@ -49,6 +50,8 @@ enum Commands {
     Probe(probe::Args),
     /// Send a command to a running daemon: reset, pause, resume, step, shutdown.
     Rpc(rpc::Args),
+    /// Our methods and other libraries timed on the same inputs, each with its error.
+    Bench(bench::Args),
     /// What this machine allows: scheduling, timers, ports.
     Doctor(doctor::Args),
     /// Completions for a shell, on stdout.
@@ -93,6 +96,7 @@ pub fn main() -> ExitCode {
         Commands::Device(args) => device::run(&args),
         Commands::Probe(args) => probe::run(&args),
         Commands::Rpc(args) => rpc::run(&args),
+        Commands::Bench(args) => bench::run(&args),
         Commands::Doctor(args) => doctor::run(&args),
         Commands::Completions { shell } => {
             clap_complete::generate(shell, &mut Cli::command(), "palpate", &mut std::io::stdout());

@@ -14,6 +14,7 @@ pub type Pose = na::Isometry3<f64>;
 pub type Matrix3 = na::Matrix3<f64>;
 
 mod cholesky;
+pub(crate) mod lanes;
 mod quadrature;
 pub mod simd;
 mod state;

@@ -7,7 +7,12 @@
 
 use super::tensor::{Frame, Surface, wrap};
 use crate::basis::{KnotVector, MAX_DEGREE};
+use crate::math::lanes::{Baseline, Four, Lanes};
 use crate::math::{Point3, Vector3};
+
+/// Movement of the net, relative to its size, up to which boxes are widened: at a hand's 2 mm/s a body of 0.1 m then
+/// computes all of them every hundred ticks, and the wider ones let few more pieces through.
+const MOST_SLACK: f64 = 2e-3;
 
 /// How two neighbouring spans meet.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -192,6 +197,12 @@ pub struct BezierPieces {
     stamps: Vec<u64>,
     now: u64,
     bounds_stamp: u64,
+    /// The net that `bounds` hold, and how far any of its coordinates has moved since, m, with room for rounding.
+    bounded: Vec<Point3>,
+    slack_m: f64,
+    slack_stamp: u64,
+    /// Movement after which boxes are computed anew rather than widened, m.
+    most_slack_m: f64,
     /// ((degree_u + 1) × columns) of the net, rows already in Bézier form.
     rows: Vec<[f64; 4]>,
 }
@@ -209,6 +220,10 @@ impl BezierPieces {
             stamps: vec![0; pieces],
             now: 1,
             bounds_stamp: 0,
+            bounded: surface.net().points().to_vec(),
+            slack_m: 0.0,
+            slack_stamp: 0,
+            most_slack_m: MOST_SLACK * surface.size(),
             rows: vec![[0.0; 4]; (u.degree + 1) * v.count],
             u,
             v,
@@ -274,113 +289,194 @@ impl BezierPieces {
             return;
         }
         debug_assert_eq!(surface.net().columns(), self.v.count, "pieces belong to another surface");
-        for i in 0..self.u.spans.len() {
-            for column in 0..self.v.count {
-                self.blend_rows(surface, i, column);
-            }
-            for j in 0..self.v.spans.len() {
-                self.blend_columns(i, j);
-                self.bound(i * self.v.spans.len() + j);
+        self.bounded.copy_from_slice(surface.net().points());
+        (self.slack_m, self.slack_stamp, self.bounds_stamp) = (0.0, self.now, self.now);
+        self.stamps.fill(self.now);
+        #[cfg(target_arch = "x86_64")]
+        if crate::math::simd::has_avx2() {
+            // SAFETY: the processor has AVX2, asked just above.
+            #[allow(unsafe_code)]
+            return unsafe { refresh_wide(self, surface) };
+        }
+        self.refresh_all::<Baseline>(surface);
+    }
+
+    /// Boxes that hold the net as it is: those of an earlier net, and by how much to widen them. They only sort out what
+    /// is far; what remains is to be judged by [`BezierPieces::fresh_box`], so no answer depends on how old they are.
+    ///
+    /// A piece's points are weighted means of the net's, so none moves farther than some point of the net.
+    pub(crate) fn follow(&mut self, surface: &Surface) {
+        if self.slack_stamp == self.now {
+            return;
+        }
+        self.slack_stamp = self.now;
+        let (mut moved, mut largest) = (0.0, 0.0);
+        for (old, new) in self.bounded.iter().zip(surface.net().points()) {
+            for c in 0..3 {
+                let (d, size) = ((new[c] - old[c]).abs(), new[c].abs());
+                moved = if d > moved { d } else { moved };
+                largest = if size > largest { size } else { largest };
             }
         }
-        self.stamps.fill(self.now);
-        self.bounds_stamp = self.now;
+        self.slack_m = moved + 64.0 * f64::EPSILON * (largest + moved);
+        if self.slack_m > self.most_slack_m {
+            self.refresh_stale(surface);
+        }
+    }
+
+    /// How much wider than [`BezierPieces::bounds`] the boxes must be taken, m.
+    pub(crate) fn slack_m(&self) -> f64 {
+        self.slack_m
+    }
+
+    /// Tells one set of boxes from the next.
+    pub(crate) fn bounds_stamp(&self) -> u64 {
+        self.bounds_stamp
+    }
+
+    /// The box of a piece of the present net: least corner, greatest corner.
+    #[inline(always)]
+    pub(crate) fn fresh_box(&mut self, surface: &Surface, piece: usize) -> ([f64; 3], [f64; 3]) {
+        let columns = self.v.spans.len();
+        self.refresh_piece(surface, piece / columns, piece % columns);
+        if self.slack_m == 0.0 {
+            let b = &self.bounds;
+            return ([b[0][piece], b[1][piece], b[2][piece]], [b[3][piece], b[4][piece], b[5][piece]]);
+        }
+        let (min, max) = self.box_of::<Baseline>(piece);
+        ([min[0], min[1], min[2]], [max[0], max[1], max[2]])
+    }
+
+    #[inline(always)]
+    fn refresh_all<L: Lanes>(&mut self, surface: &Surface) {
+        for i in 0..self.u.spans.len() {
+            for column in 0..self.v.count {
+                self.blend_rows::<L>(surface, i, column);
+            }
+            for j in 0..self.v.spans.len() {
+                self.blend_columns::<L>(i, j);
+                let piece = i * self.v.spans.len() + j;
+                let (min, max) = self.box_of::<L>(piece);
+                for c in 0..3 {
+                    (self.bounds[c][piece], self.bounds[c + 3][piece]) = (min[c], max[c]);
+                }
+            }
+        }
     }
 
     /// Recomputes the points of one piece if they are old; the same sums in the same order as a full refresh.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn refresh_piece(&mut self, surface: &Surface, i: usize, j: usize) {
-        let piece = i * self.v.spans.len() + j;
-        if self.stamps[piece] != self.now {
-            for b in 0..=self.v.degree {
-                self.blend_rows(surface, i, wrap(self.v.spans[j].first + b, self.v.count));
-            }
-            self.blend_columns(i, j);
-            self.stamps[piece] = self.now;
+        if self.stamps[i * self.v.spans.len() + j] != self.now {
+            self.refresh_one(surface, i, j);
         }
     }
 
-    fn blend_rows(&mut self, surface: &Surface, i: usize, column: usize) {
+    #[inline(never)]
+    fn refresh_one(&mut self, surface: &Surface, i: usize, j: usize) {
+        self.stamps[i * self.v.spans.len() + j] = self.now;
+        #[cfg(target_arch = "x86_64")]
+        if crate::math::simd::has_avx2() {
+            // SAFETY: the processor has AVX2, asked just above.
+            #[allow(unsafe_code)]
+            return unsafe { refresh_one_wide(self, surface, i, j) };
+        }
+        self.refresh_one_in::<Baseline>(surface, i, j);
+    }
+
+    #[inline(always)]
+    fn refresh_one_in<L: Lanes>(&mut self, surface: &Surface, i: usize, j: usize) {
+        for b in 0..=self.v.degree {
+            self.blend_rows::<L>(surface, i, wrap(self.v.spans[j].first + b, self.v.count));
+        }
+        self.blend_columns::<L>(i, j);
+    }
+
+    #[inline(always)]
+    fn blend_rows<L: Lanes>(&mut self, surface: &Surface, i: usize, column: usize) {
         match self.u.degree {
-            3 => self.blend_rows_of(3, surface, i, column),
-            p => self.blend_rows_of(p, surface, i, column),
+            3 => self.blend_rows_of::<L>(3, surface, i, column),
+            p => self.blend_rows_of::<L>(p, surface, i, column),
         }
     }
 
     #[inline(always)]
-    fn blend_rows_of(&mut self, p: usize, surface: &Surface, i: usize, column: usize) {
+    fn blend_rows_of<L: Lanes>(&mut self, p: usize, surface: &Surface, i: usize, column: usize) {
         let span = &self.u.spans[i];
         let (points, columns) = (surface.net().points(), self.v.count);
-        let mut window = [[0.0; 4]; MAX_DEGREE + 1];
+        let mut window = [L::splat(0.0); MAX_DEGREE + 1];
         for a in 0..=p {
             let k = wrap(span.first + a, self.u.count) * columns + column;
             let w = surface.weights().map_or(1.0, |w| w[k]);
             let x = &points[k];
-            window[a] = if self.rational { [x.x * w, x.y * w, x.z * w, w] } else { [x.x, x.y, x.z, 1.0] };
+            window[a] = L::load(&if self.rational { [x.x * w, x.y * w, x.z * w, w] } else { [x.x, x.y, x.z, 1.0] });
         }
         for k in 0..=p {
             let share = &span.extraction[k * (p + 1)..(k + 1) * (p + 1)];
-            let mut sum = [0.0; 4];
+            let mut sum = L::splat(0.0);
             for a in 0..=p {
-                for c in 0..4 {
-                    sum[c] += share[a] * window[a][c];
-                }
+                sum = sum + L::splat(share[a]) * window[a];
             }
-            self.rows[k * columns + column] = sum;
-        }
-    }
-
-    fn blend_columns(&mut self, i: usize, j: usize) {
-        match (self.u.degree, self.v.degree) {
-            (3, 3) => self.blend_columns_of(3, 3, i, j),
-            (p, q) => self.blend_columns_of(p, q, i, j),
+            sum.store(&mut self.rows[k * columns + column]);
         }
     }
 
     #[inline(always)]
-    fn blend_columns_of(&mut self, p: usize, q: usize, i: usize, j: usize) {
+    fn blend_columns<L: Lanes>(&mut self, i: usize, j: usize) {
+        match (self.u.degree, self.v.degree) {
+            (3, 3) => self.blend_columns_of::<L>(3, 3, i, j),
+            (p, q) => self.blend_columns_of::<L>(p, q, i, j),
+        }
+    }
+
+    #[inline(always)]
+    fn blend_columns_of<L: Lanes>(&mut self, p: usize, q: usize, i: usize, j: usize) {
         let span = &self.v.spans[j];
         let size = (p + 1) * (q + 1);
         let piece = i * self.v.spans.len() + j;
         let out = &mut self.points[piece * size..(piece + 1) * size];
+        let extraction = &span.extraction[..(q + 1) * (q + 1)];
         for k in 0..=p {
             let row = &self.rows[k * self.v.count..(k + 1) * self.v.count];
+            let mut window = [L::splat(0.0); MAX_DEGREE + 1];
+            for b in 0..=q {
+                window[b] = L::load(&row[wrap(span.first + b, self.v.count)]);
+            }
             for l in 0..=q {
-                let share = &span.extraction[l * (q + 1)..(l + 1) * (q + 1)];
-                let mut sum = [0.0; 4];
+                let mut sum = L::splat(0.0);
                 for b in 0..=q {
-                    let x = &row[wrap(span.first + b, self.v.count)];
-                    for c in 0..4 {
-                        sum[c] += share[b] * x[c];
-                    }
+                    sum = sum + L::splat(extraction[l * (q + 1) + b]) * window[b];
                 }
+                let out = &mut out[k * (q + 1) + l];
+                sum.store(out);
                 if !self.rational {
-                    sum[3] = 1.0;
+                    out[3] = 1.0;
                 }
-                out[k * (q + 1) + l] = sum;
             }
         }
     }
 
-    fn bound(&mut self, piece: usize) {
+    /// Least and greatest coordinates of a piece's points; the fourth of each means nothing.
+    #[inline(always)]
+    fn box_of<L: Lanes>(&self, piece: usize) -> (Four, Four) {
         let size = (self.u.degree + 1) * (self.v.degree + 1);
-        let (mut min, mut max) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
+        let (mut min, mut max) = (L::splat(f64::INFINITY), L::splat(f64::NEG_INFINITY));
         for x in &self.points[piece * size..(piece + 1) * size] {
-            let scale = if self.rational { 1.0 / x[3] } else { 1.0 };
-            for c in 0..3 {
-                let value = x[c] * scale;
-                min[c] = if value < min[c] { value } else { min[c] };
-                max[c] = if value > max[c] { value } else { max[c] };
+            let mut value = L::load(x);
+            if self.rational {
+                value = value * L::splat(1.0 / x[3]);
             }
+            min = value.least(min);
+            max = value.greatest(max);
         }
-        for c in 0..3 {
-            self.bounds[c][piece] = min[c];
-            self.bounds[c + 3][piece] = max[c];
-        }
+        let (mut low, mut high) = ([0.0; 4], [0.0; 4]);
+        min.store(&mut low);
+        max.store(&mut high);
+        (low, high)
     }
 
     /// Point and derivatives of piece (i, j) at local parameters (s, t) in [0, 1], by the surface's own parameters.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn frame(&self, i: usize, j: usize, s: f64, t: f64) -> Frame {
         let scale =
             (1.0 / (self.u.spans[i].end - self.u.spans[i].start), 1.0 / (self.v.spans[j].end - self.v.spans[j].start));
@@ -391,6 +487,18 @@ impl BezierPieces {
             (p, q, true) => rational_frame(contract::<{ MAX_DEGREE + 1 }>(points, p, q, s, t), scale),
         }
     }
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx2")]
+fn refresh_wide(pieces: &mut BezierPieces, surface: &Surface) {
+    pieces.refresh_all::<crate::math::lanes::Wide>(surface);
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx2")]
+fn refresh_one_wide(pieces: &mut BezierPieces, surface: &Surface, i: usize, j: usize) {
+    pieces.refresh_one_in::<crate::math::lanes::Wide>(surface, i, j);
 }
 
 /// Bernstein functions of degree `p` with two derivatives, in arrays of `N > p`.

@@ -88,7 +88,8 @@ pub struct ClosestSolver {
 /// One point or two on each piece, to start from.
 #[derive(Clone, Debug)]
 struct Samples {
-    fresh: bool,
+    /// Which boxes of the pieces they go with.
+    stamp: u64,
     /// Bernstein products at the middle, ((p + 1)(q + 1)).
     middle: Vec<f64>,
     /// (2 × pieces): first corners, then middles.
@@ -105,25 +106,35 @@ impl Samples {
             .flat_map(|i| (0..=q).map(move |j| bernstein::binomial(p, i) * bernstein::binomial(q, j) * scale))
             .collect();
         let zeros = || vec![0.0; 2 * pieces.len()];
-        Self { fresh: false, middle, x: zeros(), y: zeros(), z: zeros() }
+        Self { stamp: 0, middle, x: zeros(), y: zeros(), z: zeros() }
     }
 
+    /// Samples all pieces; they must be fresh.
     fn refresh(&mut self, pieces: &BezierPieces) {
         let n = pieces.len();
         for k in 0..n {
-            let points = pieces.points(k);
-            let mut sum = [0.0; 4];
-            for (x, share) in points.iter().zip(&self.middle) {
-                for c in 0..4 {
-                    sum[c] += share * x[c];
-                }
-            }
-            for (slot, x) in [(k, points[0]), (n + k, sum)] {
-                let scale = if pieces.is_rational() { 1.0 / x[3] } else { 1.0 };
-                (self.x[slot], self.y[slot], self.z[slot]) = (x[0] * scale, x[1] * scale, x[2] * scale);
+            for (slot, x) in [(k, self.corner(pieces, k)), (n + k, self.centre(pieces, k))] {
+                [self.x[slot], self.y[slot], self.z[slot]] = x;
             }
         }
-        self.fresh = true;
+        self.stamp = pieces.bounds_stamp();
+    }
+
+    fn corner(&self, pieces: &BezierPieces, piece: usize) -> [f64; 3] {
+        let x = pieces.points(piece)[0];
+        let scale = if pieces.is_rational() { 1.0 / x[3] } else { 1.0 };
+        [x[0] * scale, x[1] * scale, x[2] * scale]
+    }
+
+    fn centre(&self, pieces: &BezierPieces, piece: usize) -> [f64; 3] {
+        let mut sum = [0.0; 4];
+        for (x, share) in pieces.points(piece).iter().zip(&self.middle) {
+            for c in 0..4 {
+                sum[c] += share * x[c];
+            }
+        }
+        let scale = if pieces.is_rational() { 1.0 / sum[3] } else { 1.0 };
+        [sum[0] * scale, sum[1] * scale, sum[2] * scale]
     }
 
     /// The best sample.
@@ -135,8 +146,40 @@ impl Samples {
                 (least, at) = (value, k);
             }
         }
+        self.place(pieces, at)
+    }
+
+    /// [`Samples::best`] of the present net, from samples of one that has moved by less than the pieces' slack: only those
+    /// that may be best now are computed anew.
+    fn best_after_movement(&self, pieces: &mut BezierPieces, surface: &Surface, objective: &Distance) -> Place {
+        let old = |k: usize| objective.value(self.x[k], self.y[k], self.z[k]);
+        let (n, mut least) = (pieces.len(), f64::INFINITY);
+        for k in 0..2 * n {
+            let value = old(k);
+            least = if value < least { value } else { least };
+        }
+        // Each sample has moved by at most √3 of what a coordinate has, and so has the best one.
+        let reach = least.sqrt() + 3.5 * pieces.slack_m();
+        let reach = reach * reach * (1.0 + 1e-12);
+        let (mut least, mut at) = (f64::INFINITY, 0);
+        for k in 0..2 * n {
+            if old(k) <= reach {
+                let piece = if k < n { k } else { k - n };
+                let columns = pieces.v.spans.len();
+                pieces.refresh_piece(surface, piece / columns, piece % columns);
+                let [x, y, z] = if k < n { self.corner(pieces, piece) } else { self.centre(pieces, piece) };
+                let value = objective.value(x, y, z);
+                if value < least {
+                    (least, at) = (value, k);
+                }
+            }
+        }
+        self.place(pieces, at)
+    }
+
+    fn place(&self, pieces: &BezierPieces, sample: usize) -> Place {
         let n = pieces.len();
-        let (piece, local) = if at < n { (at, 0.0) } else { (at - n, 0.5) };
+        let (piece, local) = if sample < n { (sample, 0.0) } else { (sample - n, 0.5) };
         search::Part::whole(pieces, piece).place(pieces, local, local)
     }
 }
@@ -163,7 +206,6 @@ impl ClosestSolver {
     /// Says that the net moved. Pieces and bounds are recomputed when next needed.
     pub fn net_changed(&mut self) {
         self.pieces.net_changed();
-        self.samples.fresh = false;
     }
 
     /// The pieces and their bounds, brought up to date.
@@ -179,14 +221,25 @@ impl ClosestSolver {
 
     fn refresh(&mut self, surface: &Surface) {
         self.pieces.refresh_stale(surface);
-        if !self.samples.fresh {
+        self.sample();
+    }
+
+    /// Boxes and samples that are good enough to find out what is near.
+    fn follow(&mut self, surface: &Surface) {
+        self.pieces.follow(surface);
+        self.sample();
+    }
+
+    /// Samples go with boxes: new ones for new ones, which come with fresh pieces.
+    fn sample(&mut self) {
+        if self.samples.stamp != self.pieces.bounds_stamp() {
             self.samples.refresh(&self.pieces);
         }
     }
 
     /// The global closest point. A query that is not finite gets some point of the surface at distance infinity.
     pub fn closest(&mut self, surface: &Surface, query: &Point3) -> ClosestPoint {
-        let best = self.global(surface, &Distance { q: *query });
+        let best = self.nearest(surface, &Distance { q: *query });
         self.answer(surface, query, &best)
     }
 
@@ -225,13 +278,13 @@ impl ClosestSolver {
                     *warm = WarmFoot { u: answer.u, v: answer.v, budget_m: left_m, ..*warm };
                     return answer;
                 }
-                self.refresh(surface);
+                self.follow(surface);
                 if let Some(answer) = self.granted(surface, &objective, &found, warm) {
                     return answer;
                 }
             }
         }
-        let best = self.global(surface, &objective);
+        let best = self.nearest(surface, &objective);
         if let Some(answer) = self.granted(surface, &objective, &best, warm) {
             return answer;
         }
@@ -251,7 +304,8 @@ impl ClosestSolver {
         if !self.settled(found) {
             return None;
         }
-        let grant = warm::certificate(&mut self.search, &self.pieces, &self.tables, objective, self.size_m, found);
+        let grant =
+            warm::certificate(&mut self.search, &mut self.pieces, surface, &self.tables, objective, self.size_m, found);
         (grant.budget_m > 0.0).then(|| {
             let answer = self.answer(surface, &objective.q, found);
             *warm = WarmFoot { u: answer.u, v: answer.v, budget_m: grant.budget_m, net_cost: grant.net_cost };
@@ -286,14 +340,25 @@ impl ClosestSolver {
     /// like the closest point. A direction without length counts as +z.
     pub fn deepest_along(&mut self, surface: &Surface, direction: &Vector3) -> (f64, f64, Point3) {
         let d = direction.try_normalize(0.0).filter(|d| d.iter().all(|x| x.is_finite())).unwrap_or_else(Vector3::z);
-        let best = self.global(surface, &Along { d });
+        let objective = Along { d };
+        self.refresh(surface);
+        let start = self.samples.best(&self.pieces, &objective);
+        let best = self.certified(surface, &objective, start);
         let (u, v) = self.parameters(&best.place);
         (u, v, best.frame.point)
     }
 
-    fn global<O: Objective>(&mut self, surface: &Surface, objective: &O) -> Descent {
-        self.refresh(surface);
-        let start = self.samples.best(&self.pieces, objective);
+    fn nearest(&mut self, surface: &Surface, objective: &Distance) -> Descent {
+        self.follow(surface);
+        let start = if self.pieces.slack_m() > 0.0 {
+            self.samples.best_after_movement(&mut self.pieces, surface, objective)
+        } else {
+            self.samples.best(&self.pieces, objective)
+        };
+        self.certified(surface, objective, start)
+    }
+
+    fn certified<O: Objective>(&mut self, surface: &Surface, objective: &O, start: Place) -> Descent {
         let mut best = descend_over(&mut OnPieces { pieces: &mut self.pieces, surface }, objective, start);
         self.search.certify(&mut self.pieces, surface, &self.tables, objective, self.size_m, &mut best);
         best

@@ -158,7 +158,7 @@ impl Surface {
 }
 
 /// +1 at the start of a domain that does not wrap, −1 at its end, else 0.
-fn inward(knots: &KnotVector, at: f64) -> f64 {
+pub(super) fn inward(knots: &KnotVector, at: f64) -> f64 {
     if knots.is_periodic() {
         return 0.0;
     }

@@ -3,8 +3,14 @@
 //! `M = A_u P A_vᵀ` and its inverse in the least-squares sense, a direction at a time. Everything is allocated at
 //! construction.
 
-use super::{ControlNet, Surface};
-use crate::basis::{Blending, BlendingInverse};
+mod fit;
+mod sweep;
+
+pub use self::fit::GridFit;
+use self::sweep::{Cell, Sweep};
+use super::Surface;
+use crate::basis::Blending;
+use crate::math::lanes::{Baseline, Four, Lanes};
 use crate::math::{Point3, Vector3};
 
 /// Parameters (u_i, v_j) for all surfaces with one pair of knot vectors.
@@ -21,8 +27,12 @@ pub struct Samples {
     pub points: Vec<Point3>,
     /// (rows × columns), unit, outward.
     pub normals: Vec<Vector3>,
-    /// (net columns) homogeneous sums over u, for order 0 and order 1.
-    lines: [Vec<(Vector3, f64)>; 2],
+    /// (net rows × net columns): w x, w y, w z, w.
+    net: Vec<Four>,
+    /// (net rows × columns / 4): each row of the net sampled in v.
+    cells: Vec<Cell>,
+    /// (columns / 4): which samples of a row have a normal by their tangents, a bit each.
+    regular: Vec<u8>,
 }
 
 impl SampleGrid {
@@ -49,111 +59,52 @@ impl SampleGrid {
     /// Buffers of the right size, all zero.
     pub fn samples(&self) -> Samples {
         let count = self.u.rows() * self.v.rows();
-        let line = vec![(Vector3::zeros(), 0.0); self.v.columns()];
         Samples {
             points: vec![Point3::origin(); count],
             normals: vec![Vector3::zeros(); count],
-            lines: [line.clone(), line],
+            net: vec![[0.0; 4]; self.u.columns() * self.v.columns()],
+            cells: vec![[[[0.0; 4]; 4]; 2]; self.u.columns() * self.v.rows().div_ceil(4)],
+            regular: vec![0; self.v.rows().div_ceil(4)],
         }
     }
 
     /// Fills `out` from a surface with this grid's knots. Allocates nothing.
     pub fn evaluate_into(&self, surface: &Surface, out: &mut Samples) {
-        let (columns, per_row) = (self.v.columns(), self.v.rows());
-        debug_assert_eq!(
-            (surface.net().rows(), surface.net().columns()),
-            (self.u.columns(), columns),
-            "the surface has another net than the grid was made for"
-        );
-        let points = surface.net().points();
-        for i in 0..self.u.rows() {
-            for (order, line) in out.lines.iter_mut().enumerate() {
-                line.fill((Vector3::zeros(), 0.0));
-                for (a, n) in self.u.entries(i, order) {
-                    for (j, sum) in line.iter_mut().enumerate() {
-                        let k = a * columns + j;
-                        let share = n * surface.weights().map_or(1.0, |w| w[k]);
-                        sum.0 += points[k].coords * share;
-                        sum.1 += share;
-                    }
-                }
-            }
-            for j in 0..per_row {
-                let (mut s, mut s_u, mut s_v) =
-                    ((Vector3::zeros(), 0.0), (Vector3::zeros(), 0.0), (Vector3::zeros(), 0.0));
-                let add = |sum: &mut (Vector3, f64), term: (Vector3, f64), m: f64| {
-                    sum.0 += term.0 * m;
-                    sum.1 += term.1 * m;
-                };
-                for ((b, m), (_, d)) in self.v.entries(j, 0).zip(self.v.entries(j, 1)) {
-                    add(&mut s, out.lines[0][b], m);
-                    add(&mut s_u, out.lines[1][b], m);
-                    add(&mut s_v, out.lines[0][b], d);
-                }
-                let (point, du, dv) = if surface.weights().is_some() {
-                    let point = s.0 / s.1;
-                    (point, (s_u.0 - point * s_u.1) / s.1, (s_v.0 - point * s_v.1) / s.1)
-                } else {
-                    (s.0, s_u.0, s_v.0)
-                };
-                let k = i * per_row + j;
-                out.points[k] = Point3::from(point);
-                out.normals[k] = surface.normal_from(&du, &dv, self.u.parameters()[i], self.v.parameters()[j]);
-            }
+        self.sweep::<true>(surface, out);
+    }
+
+    /// [`SampleGrid::evaluate_into`] without the normals, which stay as they are.
+    pub fn points_into(&self, surface: &Surface, out: &mut Samples) {
+        self.sweep::<false>(surface, out);
+    }
+
+    fn sweep<const NORMALS: bool>(&self, surface: &Surface, out: &mut Samples) {
+        #[cfg(target_arch = "x86_64")]
+        if crate::math::simd::has_avx2() {
+            // SAFETY: the processor has AVX2, asked just above.
+            #[allow(unsafe_code)]
+            return unsafe { sweep_wide::<NORMALS>(self, surface, out) };
+        }
+        self.sweep_in::<Baseline, NORMALS>(surface, out);
+    }
+
+    #[inline(always)]
+    fn sweep_in<L: Lanes, const NORMALS: bool>(&self, surface: &Surface, out: &mut Samples) {
+        let sweep = Sweep { u: &self.u, v: &self.v, surface };
+        // Constant widths and a constant number of coordinates make straight loops.
+        match (self.u.width(), self.v.width(), surface.weights().is_some()) {
+            (4, 4, false) => sweep.run::<L, 4, 4, 3, NORMALS>(out),
+            (4, 4, true) => sweep.run::<L, 4, 4, 4, NORMALS>(out),
+            (_, _, false) => sweep.run::<L, 0, 0, 3, NORMALS>(out),
+            (_, _, true) => sweep.run::<L, 0, 0, 4, NORMALS>(out),
         }
     }
 }
 
-/// Fits nets to grids of points at the parameters of two blendings.
-#[derive(Clone, Debug)]
-pub struct GridFit {
-    u: BlendingInverse,
-    v: BlendingInverse,
-    /// (rows × net columns): fitted in v, not yet in u.
-    half: Vec<Vector3>,
-    line: Vec<Vector3>,
-    fitted: Vec<Vector3>,
-    scratch: Vec<Vector3>,
-}
-
-impl GridFit {
-    /// Factors both directions and allocates what fits need.
-    pub fn new(grid: &SampleGrid) -> Self {
-        let (u, v) = (&grid.u, &grid.v);
-        let longest = u.rows().max(v.rows()).max(u.columns()).max(v.columns());
-        Self {
-            half: vec![Vector3::zeros(); u.rows() * v.columns()],
-            line: vec![Vector3::zeros(); longest],
-            fitted: vec![Vector3::zeros(); longest],
-            scratch: vec![Vector3::zeros(); 2 * longest],
-            u: BlendingInverse::new(u.clone()),
-            v: BlendingInverse::new(v.clone()),
-        }
-    }
-
-    /// The net, without weights, whose points at the grid miss `points` (u-major) least in the sum of squares.
-    pub fn fit_into(&mut self, points: &[Point3], net: &mut ControlNet) {
-        let (rows, per_row) = (self.u.blending().rows(), self.v.blending().rows());
-        let (net_rows, net_columns) = (self.u.blending().columns(), self.v.blending().columns());
-        debug_assert_eq!(points.len(), rows * per_row, "points and grid disagree");
-        debug_assert_eq!((net.rows(), net.columns()), (net_rows, net_columns), "net and grid disagree");
-        for i in 0..rows {
-            for (j, sample) in self.line[..per_row].iter_mut().enumerate() {
-                *sample = points[i * per_row + j].coords;
-            }
-            let fitted = &mut self.half[i * net_columns..(i + 1) * net_columns];
-            self.v.fit(&self.line[..per_row], fitted, &mut self.scratch);
-        }
-        for j in 0..net_columns {
-            for (i, sample) in self.line[..rows].iter_mut().enumerate() {
-                *sample = self.half[i * net_columns + j];
-            }
-            self.u.fit(&self.line[..rows], &mut self.fitted[..net_rows], &mut self.scratch);
-            for (i, fitted) in self.fitted[..net_rows].iter().enumerate() {
-                net.points_mut()[i * net_columns + j] = Point3::from(*fitted);
-            }
-        }
-    }
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx2")]
+fn sweep_wide<const NORMALS: bool>(grid: &SampleGrid, surface: &Surface, out: &mut Samples) {
+    grid.sweep_in::<crate::math::lanes::Wide, NORMALS>(surface, out);
 }
 
 #[cfg(test)]
@@ -181,6 +132,40 @@ mod tests {
                     assert!((samples.points[k] - point).norm() < 1e-14, "({u}, {v}) of {surface:?}");
                     assert!((samples.normals[k] - normal).norm() < 1e-8, "({u}, {v}) of {surface:?}");
                 }
+            }
+        }
+    }
+
+    #[test]
+    fn grids_have_the_same_bits_on_every_processor() {
+        let mut random = Random(83);
+        let builtins = ["teardrop", "sphere", "torus", "sheet"].map(|name| builtin(name, None, None).unwrap());
+        for surface in fifty_surfaces(83).into_iter().chain(builtins) {
+            let us = parameters(&mut random, surface.knots_u(), 7);
+            let vs = parameters(&mut random, surface.knots_v(), 6);
+            let grid = SampleGrid::new(&surface, &us, &vs);
+            let (mut slow, mut fast, mut bare) = (grid.samples(), grid.samples(), grid.samples());
+            grid.sweep_in::<Baseline, true>(&surface, &mut slow);
+            grid.evaluate_into(&surface, &mut fast);
+            grid.points_into(&surface, &mut bare);
+            assert_eq!(slow.points, fast.points, "{surface:?}");
+            assert_eq!(slow.normals, fast.normals, "{surface:?}");
+            assert_eq!(slow.points, bare.points, "{surface:?}");
+        }
+    }
+
+    // Every number of samples from none to beyond two registers: the last register is not full.
+    #[test]
+    fn grids_of_any_count_fill_what_they_should() {
+        let surface = builtin("teardrop", None, None).unwrap().with_flip_normal(true);
+        for count in 0..10 {
+            let vs: Vec<f64> = (0..count).map(|k| 0.03 + 0.1 * k as f64).collect();
+            let grid = SampleGrid::new(&surface, &[0.2, 0.7], &vs);
+            let mut samples = grid.samples();
+            grid.evaluate_into(&surface, &mut samples);
+            for (k, (point, normal)) in samples.points.iter().zip(&samples.normals).enumerate() {
+                let (u, v) = ([0.2, 0.7][k / count], vs[k % count]);
+                assert!((point - surface.point(u, v)).norm() < 1e-15 && (normal - surface.normal(u, v)).norm() < 1e-13);
             }
         }
     }

@@ -25,12 +25,12 @@ pub(super) struct OnPieces<'a> {
 }
 
 impl Evaluate for OnPieces<'_> {
-    #[inline]
+    #[inline(always)]
     fn directions(&self) -> (&Direction, &Direction) {
         (&self.pieces.u, &self.pieces.v)
     }
 
-    #[inline]
+    #[inline(always)]
     fn frame(&mut self, i: usize, j: usize, u: f64, v: f64) -> Frame {
         self.pieces.refresh_piece(self.surface, i, j);
         let (a, b) = (&self.pieces.u.spans[i], &self.pieces.v.spans[j]);
@@ -114,6 +114,24 @@ pub(super) fn descend_over<E: Evaluate, O: Objective>(eval: &mut E, objective: &
 
 /// Descends from `start` within its smooth patch.
 pub(super) fn descend<E: Evaluate, O: Objective>(eval: &mut E, objective: &O, start: Place) -> Descent {
+    #[cfg(target_arch = "x86_64")]
+    if crate::math::simd::has_avx2() {
+        // SAFETY: the processor has AVX2, asked just above.
+        #[allow(unsafe_code)]
+        return unsafe { descend_wide(eval, objective, start) };
+    }
+    descend_in(eval, objective, start)
+}
+
+/// The same code with wider registers: plain sums in the same order, so the same bits.
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx2")]
+fn descend_wide<E: Evaluate, O: Objective>(eval: &mut E, objective: &O, start: Place) -> Descent {
+    descend_in(eval, objective, start)
+}
+
+#[inline(always)]
+fn descend_in<E: Evaluate, O: Objective>(eval: &mut E, objective: &O, start: Place) -> Descent {
     let (du, dv) = eval.directions();
     let (a, b) = (&du.spans[start.i], &dv.spans[start.j]);
     let low = [a.reach_low, b.reach_low];

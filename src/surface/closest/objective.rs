@@ -103,6 +103,7 @@ impl Objective for Distance {
         sum
     }
 
+    #[inline(always)]
     fn form(&self, pieces: &BezierPieces, piece: usize, tables: &Tables, a: &mut [f64], w: &mut [f64]) -> f64 {
         let points = pieces.points(piece);
         match (tables.p, tables.q, pieces.is_rational()) {

@@ -121,15 +121,40 @@ impl Search {
         }
     }
 
-    /// Pieces whose boxes reach below `floor`, nearest first.
-    pub fn candidates<O: Objective>(&mut self, pieces: &BezierPieces, objective: &O, floor: f64) {
+    /// Pieces whose boxes reach below `floor`, nearest first; their points are fresh after that.
+    #[inline(always)]
+    pub fn candidates<O: Objective>(
+        &mut self,
+        pieces: &mut BezierPieces,
+        surface: &Surface,
+        objective: &O,
+        floor: f64,
+    ) {
         self.order.clear();
+        pieces.follow(surface);
+        let slack = pieces.slack_m();
         let [x0, y0, z0, x1, y1, z1] = pieces.bound_arrays();
-        for k in 0..pieces.len() {
-            let bound = objective.box_bound([x0[k], y0[k], z0[k]], [x1[k], y1[k], z1[k]]);
+        for k in 0..x0.len() {
+            let low = [x0[k] - slack, y0[k] - slack, z0[k] - slack];
+            let high = [x1[k] + slack, y1[k] + slack, z1[k] + slack];
+            let bound = objective.box_bound(low, high);
             if bound < floor {
                 self.order.push((bound, k));
             }
+        }
+        if slack > 0.0 {
+            // The same list as fresh boxes would have given.
+            let mut kept = 0;
+            for k in 0..self.order.len() {
+                let piece = self.order[k].1;
+                let (low, high) = pieces.fresh_box(surface, piece);
+                let bound = objective.box_bound(low, high);
+                if bound < floor {
+                    self.order[kept] = (bound, piece);
+                    kept += 1;
+                }
+            }
+            self.order.truncate(kept);
         }
         self.order.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
     }
@@ -149,9 +174,28 @@ impl Search {
         size_m: f64,
         best: &mut Descent,
     ) {
+        #[cfg(target_arch = "x86_64")]
+        if crate::math::simd::has_avx2() {
+            // SAFETY: the processor has AVX2, asked just above.
+            #[allow(unsafe_code)]
+            return unsafe { certify_wide(self, pieces, surface, tables, objective, size_m, best) };
+        }
+        self.certify_in(pieces, surface, tables, objective, size_m, best);
+    }
+
+    #[inline(always)]
+    fn certify_in<O: Objective>(
+        &mut self,
+        pieces: &mut BezierPieces,
+        surface: &Surface,
+        tables: &Tables,
+        objective: &O,
+        size_m: f64,
+        best: &mut Descent,
+    ) {
         self.visited = 0;
         let mut delta_m = TOLERANCE * size_m;
-        self.candidates(pieces, objective, objective.floor(best.jet.f, delta_m));
+        self.candidates(pieces, surface, objective, objective.floor(best.jet.f, delta_m));
         let orders = objective.orders(pieces.u.degree, pieces.v.degree);
         let mut k = 0;
         while let Some((bound, piece)) = self.candidate(k) {
@@ -265,6 +309,21 @@ impl Search {
     pub fn stride(&self) -> usize {
         self.stride
     }
+}
+
+/// The same code with wider registers: plain sums in the same order, so the same bits.
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx2")]
+fn certify_wide<O: Objective>(
+    search: &mut Search,
+    pieces: &mut BezierPieces,
+    surface: &Surface,
+    tables: &Tables,
+    objective: &O,
+    size_m: f64,
+    best: &mut Descent,
+) {
+    search.certify_in(pieces, surface, tables, objective, size_m, best);
 }
 
 /// Tries every proof on one part.

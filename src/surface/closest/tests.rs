@@ -761,3 +761,44 @@ fn two_sheets_closer_than_a_micrometre_are_told_apart() {
         assert!((answer.distance - (z - leaf).abs()).abs() < 1e-12, "{z}: {answer:?}");
     }
 }
+
+// Boxes of an earlier net only sort out what is far: the answer has the same bits as from boxes of the present one, so a
+// replay that starts in the middle answers alike.
+#[test]
+fn answers_do_not_depend_on_how_old_the_boxes_are() {
+    let mut random = Random(91);
+    let rational = read(include_str!("../data/teardrop_8_rational.json"));
+    let mut surfaces = vec![teardrop(8), teardrop(20), rational];
+    surfaces.extend((0..12).map(|_| random_surface(&mut random)));
+    for (k, mut surface) in surfaces.into_iter().enumerate() {
+        let size = size(&surface);
+        let first = ClosestSolver::new(&surface);
+        let (mut solver, mut warm, mut last) = (first.clone(), WarmFoot::default(), Point3::origin());
+        for tick in 0..60 {
+            // Mostly little, sometimes so much that all boxes are computed anew.
+            let most = if tick % 17 == 16 { 2e-2 } else { 1e-4 } * size;
+            let mut moved: f64 = 0.0;
+            for p in surface.net_mut().points_mut() {
+                let step = random.vector() * most;
+                moved = moved.max(step.norm());
+                *p += step;
+            }
+            solver.net_changed();
+            let mut fresh = first.clone();
+            fresh.net_changed();
+            fresh.pieces(&surface);
+            let q = query(&surface, &mut random, tick);
+            assert_eq!(solver.closest(&surface, &q), fresh.closest(&surface, &q), "surface {k}, tick {tick}, {q:?}");
+            let near = surface.point(0.3, 0.4) + random.vector() * (1e-2 * size);
+            let mut fresh_warm = warm;
+            let answer = solver.closest_warm_moved(&surface, &near, (near - last).norm(), moved, &mut warm);
+            let wanted = fresh.closest_warm_moved(&surface, &near, (near - last).norm(), moved, &mut fresh_warm);
+            assert_eq!((answer, warm), (wanted, fresh_warm), "surface {k}, tick {tick}, {near:?}");
+            last = near;
+            if tick % 5 == 0 {
+                let d = random.vector();
+                assert_eq!(solver.deepest_along(&surface, &d), fresh.deepest_along(&surface, &d));
+            }
+        }
+    }
+}

@@ -1,0 +1,35 @@
+//! Other libraries, each behind one small adapter.
+
+#[cfg(feature = "bench-peers")]
+mod curvo;
+mod parry;
+#[cfg(feature = "bench-peers")]
+mod truck;
+
+use crate::math::{Point3, Vector3};
+use crate::surface::Surface;
+
+/// What we ask of another library.
+pub(super) trait Peer {
+    fn name(&self) -> &'static str;
+
+    /// The nearest point it finds; `warm` lets it start from its last answer.
+    fn closest(&mut self, query: &Point3, warm: bool) -> Option<Point3>;
+
+    /// Takes over a net that moved.
+    fn moved(&mut self, surface: &Surface);
+
+    /// Points, and unit normals unless `normals` is empty, at all pairs of parameters, u-major; false if it cannot.
+    fn grid(&mut self, us: &[f64], vs: &[f64], points: &mut [Point3], normals: &mut [Vector3]) -> bool;
+}
+
+/// All of them, with one surface.
+pub(super) fn all(surface: &Surface) -> Vec<Box<dyn Peer>> {
+    vec![
+        Box::new(parry::Parry::new(surface)),
+        #[cfg(feature = "bench-peers")]
+        Box::new(curvo::Curvo::new(surface)),
+        #[cfg(feature = "bench-peers")]
+        Box::new(truck::Truck::new(surface)),
+    ]
+}
