@@ -15,6 +15,7 @@ mod recover;
 mod replay;
 mod rpc;
 mod serve;
+mod surface;
 mod text;
 
 use clap::{CommandFactory, Parser, Subcommand};
@@ -52,6 +53,8 @@ enum Commands {
     Rpc(rpc::Args),
     /// Our methods and other libraries timed on the same inputs, each with its error.
     Bench(bench::Args),
+    /// Surfaces in files: look at them, evaluate, project points, convert, tessellate, fit.
+    Surface(surface::Args),
     /// What this machine allows: scheduling, timers, ports.
     Doctor(doctor::Args),
     /// Completions for a shell, on stdout.
@@ -97,6 +100,7 @@ pub fn main() -> ExitCode {
         Commands::Probe(args) => probe::run(&args),
         Commands::Rpc(args) => rpc::run(&args),
         Commands::Bench(args) => bench::run(&args),
+        Commands::Surface(args) => surface::run(&args),
         Commands::Doctor(args) => doctor::run(&args),
         Commands::Completions { shell } => {
             clap_complete::generate(shell, &mut Cli::command(), "palpate", &mut std::io::stdout());

@@ -213,8 +213,9 @@ pub fn read_surface(bytes: &[u8], format: Format, pick: Pick) -> Result<Imported
     match format {
         Format::Json => {
             let text = std::str::from_utf8(bytes).map_err(|error| ExchangeError::Text { at: error.valid_up_to() })?;
-            let surface = file::read(text)?;
-            Ok(Imported { surface, id: 0, count: 1, unit: LengthUnit::of_metres("m", 1.0, 1.0) })
+            let (surface, unit) = file::read_with_unit(text)?;
+            let unit = LengthUnit::of_metres(unit.name(), 1.0, unit.per_metre());
+            Ok(Imported { surface, id: 0, count: 1, unit })
         }
         Format::Step => Ok(step::read(bytes, pick)?),
         Format::Iges => Ok(iges::read(bytes, pick)?),

@@ -122,6 +122,24 @@ pub fn read(json: &str) -> Result<Surface, FileError> {
     from_value(&serde_json::from_str(json)?)
 }
 
+/// Reads a document and the unit that its numbers are in; the surface is in metres.
+///
+/// # Errors
+/// See [`FileError`].
+pub fn read_with_unit(json: &str) -> Result<(Surface, Unit), FileError> {
+    let document = serde_json::from_str(json)?;
+    Ok((from_value(&document)?, unit_of(&document)?))
+}
+
+fn unit_of(document: &Value) -> Result<Unit, FileError> {
+    match document.get("unit") {
+        None => Ok(Unit::Metre),
+        Some(Value::String(unit)) if unit == "m" => Ok(Unit::Metre),
+        Some(Value::String(unit)) if unit == "mm" => Ok(Unit::Millimetre),
+        Some(other) => Err(wrong("unit", "\"m\" or \"mm\"", other)),
+    }
+}
+
 /// Reads a document that is parsed already, such as one inside a scene.
 ///
 /// # Errors
@@ -143,12 +161,7 @@ pub fn from_value(document: &Value) -> Result<Surface, FileError> {
         }
     }
     let get = |key: &'static str| map.get(key).ok_or(FileError::Missing(key));
-    let unit = match map.get("unit") {
-        None => Unit::Metre,
-        Some(Value::String(unit)) if unit == "m" => Unit::Metre,
-        Some(Value::String(unit)) if unit == "mm" => Unit::Millimetre,
-        Some(other) => return Err(wrong("unit", "\"m\" or \"mm\"", other)),
-    };
+    let unit = unit_of(document)?;
     let (rows, columns, points) = points(get("points")?, unit)?;
     let degrees = pair(get("degree")?, "degree", "two whole numbers above 0")?;
     let periodic = match map.get("periodic") {

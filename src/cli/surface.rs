@@ -1,0 +1,108 @@
+//! `palpate surface`: what can be done with a surface in a file, in any format that has surfaces.
+
+mod info;
+mod make;
+mod query;
+
+use super::Outcome;
+use crate::exchange::{Imported, LengthUnit, Pick, read_surface_file};
+use crate::surface::{Surface, builtin};
+use anyhow::Context as _;
+use std::path::{Path, PathBuf};
+
+#[derive(clap::Args, Debug)]
+pub struct Args {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(clap::Subcommand, Debug)]
+enum Command {
+    /// Degrees, net, knots, how it closes, measures.
+    Info(info::Args),
+    /// Points and derivatives at parameters.
+    Eval(query::EvalArgs),
+    /// The closest point of the surface for each of some points.
+    Closest(query::ClosestArgs),
+    /// To another format: a surface as a surface, or as triangles.
+    Convert(make::ConvertArgs),
+    /// Triangles: so many to a span, or as many as a distance takes.
+    Tessellate(make::TessellateArgs),
+    /// A surface through a grid of points, or near scattered ones.
+    Fit(make::FitArgs),
+}
+
+/// Which surface.
+#[derive(clap::Args, Debug)]
+struct Source {
+    /// Surface file (.json, .step, .stp, .iges, .igs), or builtin:NAME (sheet, sphere, teardrop, torus).
+    file: PathBuf,
+    /// Of a file with several surfaces, the one at this place, from 0.
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    index: usize,
+}
+
+/// A surface (m) and the unit that its file counts in.
+struct Loaded {
+    surface: Surface,
+    unit: String,
+    /// Units to a metre.
+    per_metre: f64,
+    /// Surfaces in the file.
+    count: usize,
+}
+
+impl Source {
+    fn load(&self) -> anyhow::Result<Loaded> {
+        if let Some(name) = self.file.to_str().and_then(|text| text.strip_prefix("builtin:")) {
+            let surface = builtin(name, None, None)?;
+            return Ok(Loaded { surface, unit: "m".into(), per_metre: 1.0, count: 1 });
+        }
+        let Imported { surface, count, unit, .. } =
+            read_surface_file(&self.file, Pick::Index(self.index)).with_context(|| self.file.display().to_string())?;
+        if !unit.is_stated() {
+            eprintln!("note: {} names no unit; {} are assumed", self.file.display(), unit.name());
+        }
+        if count > 1 {
+            eprintln!("note: {} has {count} surfaces; this is number {} (--index)", self.file.display(), self.index);
+        }
+        Ok(Loaded { surface, per_metre: per_metre(&unit), unit: unit.name().to_owned(), count })
+    }
+}
+
+/// Exact for metres and millimetres.
+fn per_metre(unit: &LengthUnit) -> f64 {
+    1.0 / unit.metres()
+}
+
+/// Lines of numbers between commas, semicolons or blanks; `#` starts a comment, and a first line of words is a heading.
+fn read_csv(path: &Path, width: usize, names: &str) -> anyhow::Result<Vec<Vec<f64>>> {
+    let text = std::fs::read_to_string(path).with_context(|| path.display().to_string())?;
+    let mut rows = Vec::new();
+    for (k, line) in text.lines().enumerate() {
+        let line = line.split('#').next().unwrap_or_default().trim();
+        if line.is_empty() {
+            continue;
+        }
+        let fields: Vec<&str> = line.split([',', ';', ' ', '\t']).filter(|field| !field.is_empty()).collect();
+        let numbers: Option<Vec<f64>> = fields.iter().map(|field| field.parse::<f64>().ok()).collect();
+        match numbers {
+            Some(numbers) if numbers.len() == width && numbers.iter().all(|x| x.is_finite()) => rows.push(numbers),
+            None if rows.is_empty() && k == 0 => {}
+            _ => anyhow::bail!("{}:{}: {line:?} is not {names}, {width} finite numbers", path.display(), k + 1),
+        }
+    }
+    anyhow::ensure!(!rows.is_empty(), "{}: no line with {names}", path.display());
+    Ok(rows)
+}
+
+pub fn run(args: &Args) -> anyhow::Result<Outcome> {
+    match &args.command {
+        Command::Info(args) => info::run(args),
+        Command::Eval(args) => query::eval(args),
+        Command::Closest(args) => query::closest(args),
+        Command::Convert(args) => make::convert(args),
+        Command::Tessellate(args) => make::tessellate(args),
+        Command::Fit(args) => make::fit(args),
+    }
+}

@@ -1,0 +1,72 @@
+//! `palpate surface info`.
+
+use super::{Loaded, Outcome, Source};
+use crate::basis::KnotVector;
+use crate::surface::Closing;
+
+#[derive(clap::Args, Debug)]
+pub struct Args {
+    #[command(flatten)]
+    source: Source,
+    /// Print one JSON object.
+    #[arg(long)]
+    json: bool,
+}
+
+pub fn run(args: &Args) -> anyhow::Result<Outcome> {
+    let Loaded { surface, unit, per_metre, count } = args.source.load()?;
+    let topology = surface.topology();
+    let closed = topology.is_closed();
+    let scaled = |value: f64, power: i32| value * per_metre.powi(power);
+    let direction = |knots: &KnotVector, k: usize| {
+        let (start, end) = knots.domain();
+        let closing = match topology.closing[k] {
+            Closing::Open => "open",
+            Closing::Seam => "seam",
+            Closing::Touching => "touching",
+            Closing::Periodic => "periodic",
+        };
+        serde_json::json!({
+            "degree": knots.degree(), "count": knots.count(), "domain": [start, end], "spans": knots.spans().count(),
+            "closing": closing, "poles": topology.poles[k], "disjoined": knots.disjoined(),
+        })
+    };
+    let points = surface.net().points();
+    let bounds = points.iter().fold((points[0], points[0]), |(low, high), p| (low.inf(p), high.sup(p)));
+    let corner = |p: crate::math::Point3| [p.x, p.y, p.z].map(|x| scaled(x, 1));
+    let report = serde_json::json!({
+        "unit": unit, "surfaces": count, "rational": surface.weights().is_some(), "closed": closed,
+        "flip_normal": surface.flip_normal(),
+        "u": direction(surface.knots_u(), 0), "v": direction(surface.knots_v(), 1),
+        "net_bounds": [corner(bounds.0), corner(bounds.1)], "size": scaled(surface.size(), 1),
+        "area": scaled(surface.area(), 2),
+        "volume": closed.then(|| scaled(surface.volume(), 3)),
+        "centroid": surface.centroid().map(corner),
+    });
+    if args.json {
+        println!("{report}");
+        return Ok(Outcome::Ok);
+    }
+    let kind = if surface.weights().is_some() { "NURBS" } else { "B-spline" };
+    println!("{} {kind} surface, lengths in {unit}", if closed { "closed" } else { "open" });
+    for (name, k) in [("u", 0), ("v", 1)] {
+        let d = &report[name];
+        let poles = topology.poles[k].iter().filter(|pole| **pole).count();
+        println!(
+            "  {name}: degree {}, {} control points, {} spans on {} … {}, {}{}",
+            d["degree"],
+            d["count"],
+            d["spans"],
+            d["domain"][0],
+            d["domain"][1],
+            d["closing"].as_str().unwrap_or_default(),
+            if poles > 0 { format!(", {poles} poles") } else { String::new() },
+        );
+    }
+    println!("  net within {} … {}", report["net_bounds"][0], report["net_bounds"][1]);
+    println!("  area {} {unit}²", report["area"]);
+    if closed {
+        println!("  volume {} {unit}³, centroid {}", report["volume"], report["centroid"]);
+    }
+    Ok(Outcome::Ok)
+}

@@ -1,0 +1,185 @@
+//! `palpate surface convert`, `tessellate` and `fit`: files from files.
+
+use super::{Outcome, Source};
+use crate::exchange::{Format, read_points, write_mesh, write_surface};
+use crate::math::Point3;
+use crate::surface::file::Unit;
+use crate::surface::{CloudSpec, Fitted, GridSpec, Mesh, Surface};
+use anyhow::Context as _;
+use std::path::{Path, PathBuf};
+
+/// Share of the size that triangles may be off when nobody says how far.
+const DEFAULT_TOLERANCE: f64 = 1e-3;
+
+#[derive(Clone, Copy, Debug, clap::ValueEnum)]
+enum UnitName {
+    M,
+    Mm,
+}
+
+impl From<UnitName> for Unit {
+    fn from(name: UnitName) -> Self {
+        match name {
+            UnitName::M => Self::Metre,
+            UnitName::Mm => Self::Millimetre,
+        }
+    }
+}
+
+/// How fine.
+#[derive(clap::Args, Debug)]
+#[group(multiple = false)]
+struct Fineness {
+    /// No point of the surface further from the triangles than this, m [default: a thousandth of its size].
+    #[arg(long, value_name = "M")]
+    tolerance: Option<f64>,
+    /// Each knot span into so many cells in u and in v.
+    #[arg(long, value_name = "N")]
+    cells: Option<usize>,
+}
+
+impl Fineness {
+    fn mesh(&self, surface: &Surface) -> anyhow::Result<Mesh> {
+        Ok(match (self.cells, self.tolerance) {
+            (Some(cells), _) => surface.tessellated([cells; 2])?,
+            (None, tolerance) => surface.tessellated_to(tolerance.unwrap_or(DEFAULT_TOLERANCE * surface.size()))?,
+        })
+    }
+}
+
+#[derive(clap::Args, Debug)]
+pub struct ConvertArgs {
+    #[command(flatten)]
+    source: Source,
+    /// File to write: .json, .step, .stp, .iges, .igs; or triangles: .stl, .obj, .glb.
+    output: PathBuf,
+    /// Unit of the file to write.
+    #[arg(long, default_value = "m")]
+    unit: UnitName,
+    #[command(flatten)]
+    fineness: Fineness,
+}
+
+pub fn convert(args: &ConvertArgs) -> anyhow::Result<Outcome> {
+    let surface = args.source.load()?.surface;
+    match Format::of(&args.output)? {
+        format @ (Format::Stl | Format::Obj | Format::Glb) => {
+            write_triangles(&args.fineness.mesh(&surface)?, format, args.unit, &args.output)?;
+        }
+        format => write(&args.output, &write_surface(&surface, format, args.unit.into())?)?,
+    }
+    Ok(Outcome::Ok)
+}
+
+#[derive(clap::Args, Debug)]
+pub struct TessellateArgs {
+    #[command(flatten)]
+    source: Source,
+    /// File to write: .stl, .obj or .glb.
+    #[arg(short, long)]
+    output: PathBuf,
+    /// Unit of the file to write (glTF: always m).
+    #[arg(long, default_value = "m")]
+    unit: UnitName,
+    #[command(flatten)]
+    fineness: Fineness,
+}
+
+pub fn tessellate(args: &TessellateArgs) -> anyhow::Result<Outcome> {
+    let format = Format::of(&args.output)?;
+    let surface = args.source.load()?.surface;
+    write_triangles(&args.fineness.mesh(&surface)?, format, args.unit, &args.output)?;
+    Ok(Outcome::Ok)
+}
+
+#[derive(clap::Args, Debug)]
+pub struct FitArgs {
+    /// Points: .xyz, .csv or .txt with lines `x,y,z`, or the corners of an .stl or .obj.
+    points: PathBuf,
+    /// Surface file to write: .json, .step, .stp, .iges, .igs.
+    #[arg(short, long)]
+    output: PathBuf,
+    /// Unit of the points, and of the file to write.
+    #[arg(long, default_value = "m")]
+    unit: UnitName,
+    /// Degree in both directions.
+    #[arg(long, default_value_t = 3)]
+    degree: usize,
+    /// Control points in u and v, such as 12x10 [default: 8x8; with --grid as many as points].
+    #[arg(long, value_name = "RxS", value_parser = counts)]
+    net: Option<[usize; 2]>,
+    /// The points are a grid, row after row (u), such as 40x30: no parameters to be found.
+    #[arg(long, value_name = "RxS", value_parser = counts, conflicts_with_all = ["closed", "smoothing"])]
+    grid: Option<[usize; 2]>,
+    /// With --grid: the rows go round.
+    #[arg(long, requires = "grid")]
+    periodic_u: bool,
+    /// With --grid: the columns go round.
+    #[arg(long, requires = "grid")]
+    periodic_v: bool,
+    /// A closed surface with two poles instead of a sheet.
+    #[arg(long)]
+    closed: bool,
+    /// How much smoothness counts beside the points: 1e-7 follows them, 1e-3 smooths noise.
+    #[arg(long, value_name = "WEIGHT")]
+    smoothing: Option<f64>,
+    /// Print one JSON object.
+    #[arg(long)]
+    json: bool,
+}
+
+pub fn fit(args: &FitArgs) -> anyhow::Result<Outcome> {
+    let output = Format::of(&args.output)?;
+    let bytes = std::fs::read(&args.points).with_context(|| args.points.display().to_string())?;
+    let points: Vec<Point3> = read_points(&bytes, Format::of(&args.points)?, args.unit.into())
+        .with_context(|| args.points.display().to_string())?;
+    let degree = [args.degree; 2];
+    let Fitted { surface, rms_error, max_error } = match args.grid {
+        Some([rows, columns]) => {
+            let counts = args.net.unwrap_or([rows, columns]);
+            let spec = GridSpec { degree, counts, periodic: [args.periodic_u, args.periodic_v] };
+            Surface::fitted_to_grid(&points, rows, columns, &spec)?
+        }
+        None => {
+            let plain = CloudSpec::default();
+            let spec = CloudSpec {
+                closed: args.closed,
+                degree,
+                counts: args.net.unwrap_or(plain.counts),
+                smoothing: args.smoothing.unwrap_or(plain.smoothing),
+                ..plain
+            };
+            Surface::fitted_to_cloud(&points, &spec)?
+        }
+    };
+    write(&args.output, &write_surface(&surface, output, args.unit.into())?)?;
+    if args.json {
+        println!(
+            "{}",
+            serde_json::json!({ "points": points.len(), "rms_error_m": rms_error, "max_error_m": max_error })
+        );
+    } else {
+        println!("{} points; off by {rms_error:.3e} m (root mean square), {max_error:.3e} m at most", points.len());
+    }
+    Ok(Outcome::Ok)
+}
+
+/// `12x10`.
+fn counts(text: &str) -> Result<[usize; 2], String> {
+    let parsed =
+        text.split_once(['x', 'X', '×']).and_then(|(a, b)| Some([a.trim().parse().ok()?, b.trim().parse().ok()?]));
+    // A net of a million points is a mistake, not a surface.
+    parsed
+        .filter(|[a, b]: &[usize; 2]| *a > 0 && *b > 0 && a.saturating_mul(*b) <= 1 << 20)
+        .ok_or_else(|| format!("{text:?} is no pair of counts such as 12x10 (2^20 in all at most)"))
+}
+
+fn write_triangles(mesh: &Mesh, format: Format, unit: UnitName, path: &Path) -> anyhow::Result<()> {
+    write(path, &write_mesh(mesh, format, unit.into())?)?;
+    eprintln!("{} triangles over {} corners", mesh.triangles.len(), mesh.points.len());
+    Ok(())
+}
+
+fn write(path: &Path, bytes: &[u8]) -> anyhow::Result<()> {
+    std::fs::write(path, bytes).with_context(|| path.display().to_string())
+}

@@ -1,0 +1,90 @@
+//! `palpate surface eval` and `closest`: numbers in the unit of the file.
+
+use super::{Loaded, Outcome, Source, read_csv};
+use crate::basis::KnotVector;
+use crate::math::{Point3, Vector3};
+use crate::surface::ClosestSolver;
+use anyhow::Context as _;
+use std::path::PathBuf;
+
+#[derive(clap::Args, Debug)]
+pub struct EvalArgs {
+    #[command(flatten)]
+    source: Source,
+    /// CSV lines `u,v`.
+    #[arg(long, value_name = "FILE")]
+    uv: PathBuf,
+    /// Derivatives up to this order.
+    #[arg(long, value_name = "ORDER", default_value_t = 0, value_parser = clap::value_parser!(u8).range(0..=2))]
+    derivatives: u8,
+    /// Print one JSON object a line.
+    #[arg(long)]
+    json: bool,
+}
+
+pub fn eval(args: &EvalArgs) -> anyhow::Result<Outcome> {
+    let Loaded { surface, per_metre, .. } = args.source.load()?;
+    for (k, row) in read_csv(&args.uv, 2, "u,v")?.into_iter().enumerate() {
+        let inside = |knots: &KnotVector, value: f64, name: &str| {
+            knots
+                .checked(value)
+                .with_context(|| format!("{}: parameter {name} of line {} of numbers", args.uv.display(), k + 1))
+        };
+        let (u, v) = (inside(surface.knots_u(), row[0], "u")?, inside(surface.knots_v(), row[1], "v")?);
+        let frame = surface.frame(u, v);
+        let scaled = |x: Vector3| [x.x, x.y, x.z].map(|x| x * per_metre);
+        let point = scaled(frame.point.coords);
+        if !args.json {
+            println!("{},{},{},{},{}", row[0], row[1], point[0], point[1], point[2]);
+            continue;
+        }
+        let normal = surface.normal_of(&frame, u, v);
+        let mut out =
+            serde_json::json!({ "u": row[0], "v": row[1], "point": point, "normal": [normal.x, normal.y, normal.z] });
+        if args.derivatives >= 1 {
+            (out["S_u"], out["S_v"]) = (serde_json::json!(scaled(frame.du)), serde_json::json!(scaled(frame.dv)));
+        }
+        if args.derivatives >= 2 {
+            for (name, derivative) in [("S_uu", frame.duu), ("S_uv", frame.duv), ("S_vv", frame.dvv)] {
+                out[name] = serde_json::json!(scaled(derivative));
+            }
+        }
+        println!("{out}");
+    }
+    Ok(Outcome::Ok)
+}
+
+#[derive(clap::Args, Debug)]
+pub struct ClosestArgs {
+    #[command(flatten)]
+    source: Source,
+    /// CSV lines `x,y,z`, in the unit of the surface file.
+    #[arg(long, value_name = "FILE")]
+    points: PathBuf,
+    /// Print one JSON object a line.
+    #[arg(long)]
+    json: bool,
+}
+
+pub fn closest(args: &ClosestArgs) -> anyhow::Result<Outcome> {
+    let Loaded { surface, per_metre, .. } = args.source.load()?;
+    let mut solver = ClosestSolver::new(&surface);
+    for row in read_csv(&args.points, 3, "x,y,z")? {
+        let query = Point3::new(row[0], row[1], row[2]) / per_metre;
+        let foot = solver.closest(&surface, &query);
+        let point = [foot.point.x, foot.point.y, foot.point.z].map(|x| x * per_metre);
+        let distance = foot.distance * per_metre;
+        if !args.json {
+            println!("{},{},{},{},{},{distance}", foot.u, foot.v, point[0], point[1], point[2]);
+            continue;
+        }
+        let curvature = surface.curvature(foot.u, foot.v);
+        let curvature = curvature.map(|c| [c.max / per_metre, c.min / per_metre]);
+        let normal = [foot.normal.x, foot.normal.y, foot.normal.z];
+        let out = serde_json::json!({
+            "u": foot.u, "v": foot.v, "point": point, "normal": normal, "distance": distance, "curvature": curvature,
+        });
+        println!("{out}");
+    }
+    Ok(Outcome::Ok)
+}
