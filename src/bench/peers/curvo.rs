@@ -40,8 +40,15 @@ impl Peer for Curvo {
     }
 
     fn closest(&mut self, query: &Point3, warm: bool) -> Option<Point3> {
-        self.last = self.surface.find_closest_parameter(query, self.last.filter(|_| warm)).ok();
-        self.last.map(|(u, v)| self.surface.point_at(u, v))
+        let hint = self.last.filter(|_| warm);
+        // It panics where Newton leaves it without a number: that is an answer missing, not the end of the run.
+        let found = std::panic::catch_unwind(|| {
+            let (u, v) = self.surface.find_closest_parameter(query, hint).ok()?;
+            Some(((u, v), self.surface.point_at(u, v)))
+        });
+        let found = found.ok().flatten();
+        self.last = found.map(|(parameters, _)| parameters);
+        found.map(|(_, point)| point)
     }
 
     fn moved(&mut self, surface: &Surface) {

@@ -23,6 +23,15 @@ pub(super) trait Peer {
     fn grid(&mut self, us: &[f64], vs: &[f64], points: &mut [Point3], normals: &mut [Vector3]) -> bool;
 }
 
+/// Runs peers without the messages of panics that their adapters catch.
+pub(super) fn quietly<T>(work: impl FnOnce() -> T) -> T {
+    let hook = std::panic::take_hook();
+    std::panic::set_hook(Box::new(|_| {}));
+    let answer = work();
+    std::panic::set_hook(hook);
+    answer
+}
+
 /// All of them, with one surface.
 pub(super) fn all(surface: &Surface) -> Vec<Box<dyn Peer>> {
     vec![
