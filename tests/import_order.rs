@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 /// What each layer may import of ours.
-const TABLE: [(&str, &[&str]); 14] = [
+const TABLE: [(&str, &[&str]); 15] = [
     ("math", &[]),
     ("basis", &["math"]),
     ("surface", &["math", "basis"]),

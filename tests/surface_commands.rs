@@ -7,12 +7,7 @@ use std::path::Path;
 use std::process::{Command, Output};
 
 fn palpate(directory: &Path, arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_palpate"))
-        .arg("surface")
-        .args(arguments)
-        .current_dir(directory)
-        .output()
-        .unwrap()
+    Command::new(env!("CARGO_BIN_EXE_palpate")).arg("surface").args(arguments).current_dir(directory).output().unwrap()
 }
 
 fn lines(output: &Output) -> Vec<serde_json::Value> {
@@ -36,7 +31,8 @@ fn a_surface_answers_the_same_from_every_format_in_the_unit_of_its_file() {
     for (file, unit) in [("drop.step", "mm"), ("drop.igs", "mm"), ("drop.json", "mm")] {
         let made = palpate(directory.path(), &["convert", "builtin:teardrop", file, "--unit", unit]);
         assert!(made.status.success() && made.stdout.is_empty());
-        let evaluated = lines(&palpate(directory.path(), &["eval", file, "--uv", "uv.csv", "--derivatives", "2", "--json"]));
+        let evaluated =
+            lines(&palpate(directory.path(), &["eval", file, "--uv", "uv.csv", "--derivatives", "2", "--json"]));
         for (line, (u, v)) in evaluated.iter().zip([(0.2, 0.3), (1.0, 1.0)]) {
             let frame = drop.frame(u, v);
             let wanted = [("point", frame.point.coords), ("S_u", frame.du), ("S_v", frame.dv), ("S_uv", frame.duv)];
@@ -87,7 +83,7 @@ fn what_cannot_be_done_says_why_and_ends_with_two() {
         (&["convert", "builtin:sheet", "a.doc"], "\".doc\""),
         (&["eval", "builtin:sheet", "--uv", "outside.csv"], "1.5 is outside the domain 0 ..= 1"),
         (&["eval", "builtin:sheet", "--uv", "words.csv"], "words.csv:3"),
-        (&["tessellate", "builtin:sheet", "-o", "a.stl", "--tolerance", "-1"], "tolerance"),
+        (&["tessellate", "builtin:sheet", "-o", "a.stl", "--tolerance=-1"], "tolerance"),
         (&["fit", "flat.csv", "-o", "a.json"], "no extent in 2 of three directions"),
     ];
     for (arguments, says) in cases {

@@ -239,7 +239,7 @@ fn knots_for(parameters: &[f64], degree: usize, count: usize, periodic: bool) ->
     };
     if periodic {
         // A basis function of odd degree has a knot at its middle, one of even degree two beside it.
-        let shift = if degree % 2 == 0 { 0.5 } else { 0.0 };
+        let shift = if degree.is_multiple_of(2) { 0.5 } else { 0.0 };
         let start = at(shift);
         let mut knots: Vec<f64> = (0..count).map(|k| at(shift + k as f64 * n as f64 / count as f64)).collect();
         knots.push(start + 1.0);

@@ -44,7 +44,7 @@ pub(crate) fn pairs(random: &mut Random, surface: &Surface, more: usize) -> Vec<
     let (us, vs) = (parameters(random, surface.knots_u(), more), parameters(random, surface.knots_v(), more));
     let mut pairs: Vec<(f64, f64)> = us.iter().flat_map(|&u| vs.iter().map(move |&v| (u, v))).collect();
     // A third of the grid is enough where it is large.
-    if pairs.len() > 150 {
+    if pairs.len() > 600 {
         pairs = pairs.into_iter().step_by(3).collect();
     }
     pairs
