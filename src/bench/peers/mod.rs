@@ -2,7 +2,11 @@
 
 #[cfg(feature = "bench-peers")]
 mod curvo;
+#[cfg(feature = "bench-occt")]
+mod occt;
 mod parry;
+#[cfg(feature = "bench-sisl")]
+mod sisl;
 #[cfg(feature = "bench-peers")]
 mod truck;
 
@@ -40,5 +44,9 @@ pub(super) fn all(surface: &Surface) -> Vec<Box<dyn Peer>> {
         Box::new(curvo::Curvo::new(surface)),
         #[cfg(feature = "bench-peers")]
         Box::new(truck::Truck::new(surface)),
+        #[cfg(feature = "bench-sisl")]
+        Box::new(sisl::Sisl::new(surface)),
+        #[cfg(feature = "bench-occt")]
+        Box::new(occt::Occt::new(surface)),
     ]
 }
