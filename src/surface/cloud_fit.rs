@@ -5,7 +5,7 @@
 //! a thin-plate energy `∬ S_uu² + 2 S_uv² + S_vv²`, whose weight falls by ten each round; and new parameters, the feet of the
 //! points on that surface (Hoschek's correction, by certified projection).
 
-use super::grid_fit::{FitError, Fitted, finite};
+use super::grid_fit::{FitError, Fitted, MOST_POINTS, finite};
 use super::{ClosestSolver, ControlNet, Surface, SurfaceError};
 use crate::basis::{KnotVector, MAX_DEGREE};
 use crate::math::{Cholesky, Point3, SymmetricTriplets, Vector3};
@@ -47,6 +47,10 @@ impl Surface {
         finite(points)?;
         if !(spec.smoothing.is_finite() && spec.smoothing > 0.0) {
             return Err(FitError::Smoothing(spec.smoothing));
+        }
+        let count = spec.counts[0].saturating_mul(spec.counts[1]);
+        if count > MOST_POINTS {
+            return Err(FitError::TooMany { count });
         }
         let needed = spec.degree.iter().map(|p| p.min(&MAX_DEGREE) + 1).product();
         if points.len() < needed {
@@ -168,21 +172,28 @@ impl Problem {
         let mut problem = Self { shape, unknown, count, energy: Vec::new() };
         // Two points a span and direction integrate the second derivatives of a cubic exactly.
         let nodes = |knots: &KnotVector| super::closed::gauss_nodes(knots, knots.degree().max(2) - 1);
-        let mut dense = vec![0.0; count * count];
+        let mut rows: Vec<Vec<(usize, f64)>> = vec![Vec::new(); count];
         for (u, a) in nodes(problem.shape.knots_u()) {
             for (v, b) in nodes(problem.shape.knots_v()) {
                 for (order_u, order_v, factor) in [(2, 0, 1.0), (1, 1, 2.0), (0, 2, 1.0)] {
                     let row = problem.row(u, v, order_u, order_v);
                     for &(i, x) in &row {
                         for &(j, y) in row.iter().filter(|(j, _)| *j <= i) {
-                            dense[i * count + j] += a * b * factor * x * y;
+                            let value = a * b * factor * x * y;
+                            match rows[i].iter_mut().find(|entry| entry.0 == j) {
+                                Some(entry) => entry.1 += value,
+                                None => rows[i].push((j, value)),
+                            }
                         }
                     }
                 }
             }
         }
-        let entries = dense.iter().enumerate().filter(|(_, value)| **value != 0.0);
-        problem.energy = entries.map(|(k, value)| (k / count, k % count, *value)).collect();
+        problem.energy = rows
+            .into_iter()
+            .enumerate()
+            .flat_map(|(i, row)| row.into_iter().map(move |(j, value)| (i, j, value)))
+            .collect();
         problem
     }
 
@@ -303,6 +314,8 @@ mod tests {
         let mut broken = flat.clone();
         broken[3].z = f64::INFINITY;
         assert!(matches!(fit(&broken, false), FitError::NotFinite { index: 3, .. }));
+        let spec = CloudSpec { counts: [1 << 40, 1 << 40], ..CloudSpec::default() };
+        assert!(matches!(Surface::fitted_to_cloud(&flat, &spec), Err(FitError::TooMany { .. })));
         let spec = CloudSpec { smoothing: f64::NAN, ..CloudSpec::default() };
         assert!(matches!(Surface::fitted_to_cloud(&flat, &spec), Err(FitError::Smoothing(_))));
     }

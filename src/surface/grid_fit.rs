@@ -6,8 +6,7 @@
 
 use super::{ControlNet, Surface, SurfaceError};
 use crate::basis::{Blending, KnotError, KnotVector};
-use crate::math::{Point3, Vector3};
-use nalgebra::{DMatrix, Dyn, SVD};
+use crate::math::{Cholesky, Point3, SymmetricTriplets, Vector3};
 
 /// What surface to look for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -30,6 +29,9 @@ pub struct Fitted {
     /// Largest distance, m.
     pub max_error: f64,
 }
+
+/// Most control points of a fit.
+pub(super) const MOST_POINTS: usize = 1 << 16;
 
 /// Why there is no fit.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -60,6 +62,12 @@ pub enum FitError {
         /// Points.
         points: usize,
         /// Control points.
+        count: usize,
+    },
+    /// More than anyone means.
+    #[error("{count} control points are more than a fit takes ({MOST_POINTS})")]
+    TooMany {
+        /// Control points asked for.
         count: usize,
     },
     /// Two lines of a grid at the same places.
@@ -94,6 +102,10 @@ impl Surface {
             return Err(FitError::Count { given: points.len(), rows, columns });
         }
         finite(points)?;
+        let count = spec.counts[0].saturating_mul(spec.counts[1]);
+        if count > MOST_POINTS {
+            return Err(FitError::TooMany { count });
+        }
         let lines = |direction: usize| -> Vec<Vec<Point3>> {
             match direction {
                 0 => (0..columns).map(|j| (0..rows).map(|i| points[i * columns + j]).collect()).collect(),
@@ -136,41 +148,64 @@ impl Surface {
 
 /// Least squares for lines of points at fixed parameters; the ends of a clamped line stay where they are.
 struct LineFit {
-    samples: DMatrix<f64>,
+    blending: Blending,
     pinned: usize,
-    solver: Option<SVD<f64, Dyn, Dyn>>,
+    normal: Option<Cholesky>,
 }
+
+/// Keeps the factor positive where rounding would not; refinement takes its effect out again.
+const RIDGE: f64 = 1e-13;
+
+/// Rounds of refinement: the normal equations square the condition, each round gives back what that cost.
+const REFINEMENTS: usize = 4;
 
 impl LineFit {
     fn new(knots: &KnotVector, parameters: &[f64]) -> Self {
-        let mut samples = DMatrix::zeros(parameters.len(), knots.count());
         let blending = Blending::new(knots, parameters);
-        for row in 0..blending.rows() {
-            blending.entries(row, 0).for_each(|(column, value)| samples[(row, column)] += value);
-        }
         let pinned = usize::from(!knots.is_periodic());
         let free = knots.count() - 2 * pinned;
-        let solver = (free > 0).then(|| samples.columns(pinned, free).clone_owned().svd(true, true));
-        Self { samples, pinned, solver }
+        let mut normal = SymmetricTriplets::new(free);
+        for row in 0..blending.rows() {
+            let inner = || blending.entries(row, 0).filter(|(k, _)| (pinned..pinned + free).contains(k));
+            for (i, a) in inner() {
+                for (j, b) in inner().filter(|(j, _)| *j <= i) {
+                    normal.add(i - pinned, j - pinned, a * b);
+                }
+            }
+        }
+        (0..free).for_each(|k| normal.add(k, k, RIDGE));
+        let normal = (free > 0).then(|| Cholesky::new(&normal).expect("every span has its points"));
+        Self { blending, pinned, normal }
     }
 
     /// Lines one after the other, each (parameters) → each (control points).
     fn apply(&self, lines: &[Vector3]) -> Vec<Vector3> {
-        let (given, count) = self.samples.shape();
+        let (given, count) = (self.blending.rows(), self.blending.columns());
         let mut out = Vec::with_capacity(lines.len() / given * count);
+        let mut missed = vec![Vector3::zeros(); given];
         for line in lines.chunks(given) {
-            let wanted = DMatrix::from_fn(given, 3, |i, c| line[i][c]);
-            let mut points = DMatrix::zeros(count, 3);
+            let mut points = vec![Vector3::zeros(); count];
             if self.pinned == 1 {
-                points.set_row(0, &wanted.row(0));
-                points.set_row(count - 1, &wanted.row(given - 1));
+                (points[0], points[count - 1]) = (line[0], line[given - 1]);
             }
-            if let Some(solver) = &self.solver {
-                let rest = &wanted - &self.samples * &points;
-                let solved = solver.solve(&rest, 1e-13).expect("both factors were asked for");
-                points.rows_mut(self.pinned, count - 2 * self.pinned).copy_from(&solved);
+            for _ in 0..=REFINEMENTS {
+                let Some(normal) = &self.normal else { break };
+                self.blending.apply(0, &points, &mut missed);
+                let free = count - 2 * self.pinned;
+                let mut right = [(); 3].map(|()| vec![0.0; free]);
+                for (row, missed) in missed.iter().enumerate() {
+                    for (k, value) in self.blending.entries(row, 0) {
+                        if (self.pinned..self.pinned + free).contains(&k) {
+                            (0..3).for_each(|c| right[c][k - self.pinned] += value * (line[row][c] - missed[c]));
+                        }
+                    }
+                }
+                for (c, right) in right.iter_mut().enumerate() {
+                    normal.solve_one(right);
+                    points[self.pinned..].iter_mut().zip(right).for_each(|(point, x)| point[c] += *x);
+                }
             }
-            out.extend(points.row_iter().map(|row| Vector3::from_fn(|c, _| row[c])));
+            out.extend(points);
         }
         out
     }
