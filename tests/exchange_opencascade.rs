@@ -6,7 +6,7 @@
 use palpate::exchange::{Format, Pick, read_surface, write_surface};
 use palpate::math::Point3;
 use palpate::surface::file::{self, Unit};
-use palpate::surface::{Surface, builtin};
+use palpate::surface::{Direction, Surface, builtin};
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -104,7 +104,7 @@ fn files_that_opencascade_writes_now_have_its_points() {
 fn ours() -> Vec<(&'static str, Surface)> {
     let made = |name, net| builtin(name, net, None).unwrap();
     let rational = include_str!("../src/surface/data/teardrop_8_rational.json");
-    let torus = made("torus", Some([9, 7])).insert_knots_u(&[0.31, 0.5, 0.5]).unwrap();
+    let torus = made("torus", Some([9, 7])).insert_knots(Direction::U, &[0.31, 0.5, 0.5]).unwrap();
     vec![
         ("sheet", made("sheet", None)),
         ("teardrop", made("teardrop", None)),

@@ -3,7 +3,7 @@
 use crate::basis::KnotVector;
 use crate::basis::testing::Random;
 use crate::math::Point3;
-use crate::surface::{ControlNet, Surface, builtin, file};
+use crate::surface::{ControlNet, Direction, Surface, builtin, file};
 
 /// Builtins of every kind, the rational teardrop, and an open sheet whose outward side is turned.
 pub(super) fn surfaces() -> Vec<(&'static str, Surface)> {
@@ -23,7 +23,7 @@ pub(super) fn surfaces() -> Vec<(&'static str, Surface)> {
 
 /// The torus with weights, and uneven knots.
 fn rational_torus() -> Surface {
-    let torus = builtin("torus", None, Some(0.3)).unwrap().insert_knots_u(&[0.11, 0.5, 0.5]).unwrap();
+    let torus = builtin("torus", None, Some(0.3)).unwrap().insert_knots(Direction::U, &[0.11, 0.5, 0.5]).unwrap();
     let weights = (0..torus.net().points().len()).map(|k| 1.0 + 0.1 * (k % 7) as f64).collect();
     let (u, v) = (torus.knots_u().clone(), torus.knots_v().clone());
     Surface::new(u, v, torus.net().clone(), Some(weights)).unwrap().oriented_outward()

@@ -7,7 +7,7 @@ use super::build::{Layout, SceneError, distinct, error, layout};
 use super::spec::{BodySpec, RefineAuto, RefineSpec, SceneSpec, ShapeSpec};
 use crate::basis::KnotVector;
 use crate::math::Point3;
-use crate::surface::{ClosestSolver, Closing, Surface, SurfaceError};
+use crate::surface::{ClosestSolver, Closing, Direction, Surface, SurfaceError};
 
 /// Most nodes `refine = "auto"` makes: a tick with more does not fit a millisecond on one core.
 const NODE_BUDGET: usize = 1_900;
@@ -25,14 +25,16 @@ pub(super) fn refine(scene: &SceneSpec, spec: &BodySpec, path: &str, surface: Su
         RefineSpec::Auto(RefineAuto::None) => Ok(surface),
         RefineSpec::Counts([u, v]) => surface.refined_to(*u, *v).map_err(bad),
         RefineSpec::Knots { u, v } => {
-            let refined = surface.insert_knots_u(u).and_then(|s| s.insert_knots_v(v)).map_err(bad)?;
+            let refined =
+                surface.insert_knots(Direction::U, u).and_then(|s| s.insert_knots(Direction::V, v)).map_err(bad)?;
             Ok(refined.with_exact_seams())
         }
         RefineSpec::Auto(RefineAuto::Auto) => {
             let counts = auto_counts(scene, spec, &surface);
             let now = distinct(&surface, &surface.topology());
             let [u, v] = graded_knots(scene, &surface, [counts[0] - now[0], counts[1] - now[1]]);
-            let refined = surface.insert_knots_u(&u).and_then(|s| s.insert_knots_v(&v)).map_err(bad)?;
+            let refined =
+                surface.insert_knots(Direction::U, &u).and_then(|s| s.insert_knots(Direction::V, &v)).map_err(bad)?;
             Ok(refined.with_exact_seams())
         }
     }

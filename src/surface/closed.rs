@@ -231,6 +231,7 @@ fn is_one_point(row: &[(Point3, f64)], tolerance: f64) -> bool {
 
 #[cfg(test)]
 mod tests {
+    use super::super::Direction;
     use super::super::builtin::builtin;
     use super::super::testing::tilted;
     use super::*;
@@ -274,7 +275,7 @@ mod tests {
     #[test]
     fn a_tube_is_not_closed_and_a_disjoined_sphere_is_torn() {
         let sphere = builtin("sphere", None, None).unwrap();
-        let tube = sphere.insert_knots_v(&[0.5]).unwrap();
+        let tube = sphere.insert_knots(Direction::V, &[0.5]).unwrap();
         assert!(tube.topology().is_closed(), "its parts still meet");
         let mut torn = tube.clone();
         let columns = torn.net().columns();

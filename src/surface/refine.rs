@@ -5,24 +5,23 @@
 
 use super::lines::{Direction, LinePoint};
 use super::{Closing, ControlNet, Surface, SurfaceError};
-use crate::basis::{Insertion, KnotVector};
+use crate::basis::KnotVector;
 use crate::math::{Point3, Pose};
 
 impl Surface {
-    /// The same surface with knots inserted in u, each as often as it is listed; wrapped into the period if there is one.
+    /// The same surface with knots inserted along a direction, each as often as it is listed; wrapped into the period if there
+    /// is one.
     ///
     /// # Errors
     /// A knot that is not finite, outside a domain that does not wrap, or repeated more than `degree + 1` times.
-    pub fn insert_knots_u(&self, knots: &[f64]) -> Result<Self, SurfaceError> {
-        self.insert_knots(knots, Direction::U)
-    }
-
-    /// [`Surface::insert_knots_u`], in v.
-    ///
-    /// # Errors
-    /// As there.
-    pub fn insert_knots_v(&self, knots: &[f64]) -> Result<Self, SurfaceError> {
-        self.insert_knots(knots, Direction::V)
+    pub fn insert_knots(&self, direction: Direction, knots: &[f64]) -> Result<Self, SurfaceError> {
+        let mut surface = self.clone();
+        for &knot in knots {
+            let insertion = surface.knots(direction).insertion(knot).map_err(|e| direction.refused(e))?;
+            let finer = insertion.knots.clone();
+            surface = surface.with_lines(direction, finer, |line| insertion.apply(line, blend));
+        }
+        Ok(surface)
     }
 
     /// The same surface with its longest knot spans split evenly until the net has that many distinct control points in u
@@ -32,8 +31,8 @@ impl Surface {
     /// A span too short to be split once more in `f64`.
     pub fn refined_to(&self, count_u: usize, count_v: usize) -> Result<Self, SurfaceError> {
         let [have_u, have_v] = self.distinct_counts();
-        self.insert_knots_u(&even_knots(self.knots_u(), count_u.saturating_sub(have_u)))?
-            .insert_knots_v(&even_knots(self.knots_v(), count_v.saturating_sub(have_v)))
+        self.insert_knots(Direction::U, &even_knots(self.knots_u(), count_u.saturating_sub(have_u)))?
+            .insert_knots(Direction::V, &even_knots(self.knots_v(), count_v.saturating_sub(have_v)))
     }
 
     /// Control points in u and v, the doubled row of a clamped seam counted once.
@@ -65,19 +64,6 @@ impl Surface {
         let weights = self.weights().map(|w| order.iter().map(|&k| w[k]).collect());
         self.rebuilt(self.knots_v().clone(), self.knots_u().clone(), points, weights)
             .with_flip_normal(!self.flip_normal())
-    }
-
-    fn insert_knots(&self, values: &[f64], direction: Direction) -> Result<Self, SurfaceError> {
-        let mut surface = self.clone();
-        for &value in values {
-            let insertion = surface.knots(direction).insertion(value).map_err(|e| direction.refused(e))?;
-            surface = surface.inserted(&insertion, direction);
-        }
-        Ok(surface)
-    }
-
-    fn inserted(&self, insertion: &Insertion, direction: Direction) -> Self {
-        self.with_lines(direction, insertion.knots.clone(), |line| insertion.apply(line, blend))
     }
 
     /// A surface whose parts are known to agree, and whose values are means of values that were checked.
@@ -150,7 +136,7 @@ mod tests {
             let mut vs = parameters(&mut random, surface.knots_v(), 3);
             vs.retain(|&v| room(surface.knots_v(), v));
             vs.pop();
-            let fine = surface.insert_knots_u(&us).unwrap().insert_knots_v(&vs).unwrap();
+            let fine = surface.insert_knots(Direction::U, &us).unwrap().insert_knots(Direction::V, &vs).unwrap();
             let (rows, columns) = (surface.net().rows() + us.len(), surface.net().columns() + vs.len());
             assert_eq!((fine.net().rows(), fine.net().columns()), (rows, columns));
             assert_same_shape(&surface, &fine, k as u64);
@@ -205,9 +191,9 @@ mod tests {
     #[test]
     fn a_knot_that_cannot_be_inserted_is_named() {
         let sheet = builtin("sheet", None, None).unwrap();
-        let message = sheet.insert_knots_v(&[0.1, 1.5]).unwrap_err().to_string();
+        let message = sheet.insert_knots(Direction::V, &[0.1, 1.5]).unwrap_err().to_string();
         assert_eq!(message, "knots in v: 1.5 is outside the domain 0 ..= 1");
-        let message = sheet.insert_knots_u(&[0.3; 5]).unwrap_err().to_string();
+        let message = sheet.insert_knots(Direction::U, &[0.3; 5]).unwrap_err().to_string();
         assert_eq!(message, "knots in u: knot 0.3 is repeated 5 times; degree 3 allows 4");
     }
 }

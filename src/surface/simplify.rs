@@ -178,7 +178,7 @@ impl<'a> RemovalChain<'a> {
         let mut off: Homogeneous = self.across.iter().zip(&q[1..]).map(|(n, q)| q * *n).sum();
         off -= before * (self.across[0] * (1.0 - alphas[0])) + after * (self.across[p - 1] * alphas[p - 1]);
         let miss: Vec<Homogeneous> =
-            self.across.iter().map(|n| if *n == 0.0 { off * 0.0 } else { off * n.signum() }).collect();
+            self.across.iter().map(|n| if *n == 0.0 { Homogeneous::zeros() } else { off * n.signum() }).collect();
         let fitted: Vec<Homogeneous> = q[1..=p].iter().zip(&miss).map(|(q, miss)| q - miss).collect();
         // From either side, each time dividing by the larger share; α falls with k.
         let forward = alphas.iter().take(p - 1).take_while(|alpha| **alpha >= 0.5).count();
@@ -230,11 +230,7 @@ mod tests {
                 let mut at = vec![random.float(start, end)];
                 at.extend(interior(surface.knots(direction)).first());
                 for knot in at {
-                    let finer = match direction {
-                        Direction::U => surface.insert_knots_u(&[knot]),
-                        Direction::V => surface.insert_knots_v(&[knot]),
-                    };
-                    let Ok(finer) = finer else { continue };
+                    let Ok(finer) = surface.insert_knots(direction, &[knot]) else { continue };
                     let back = finer.knot_removed(direction, knot).unwrap();
                     assert_eq!(back.surface.knots(direction), surface.knots(direction));
                     assert!(back.error_bound < 1e-12, "{surface:?}: {knot} {direction:?} costs {}", back.error_bound);

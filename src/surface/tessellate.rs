@@ -229,6 +229,7 @@ impl BezierPieces {
 
 #[cfg(test)]
 mod tests {
+    use super::super::Direction;
     use super::super::builtin::builtin;
     use super::super::testing::fifty_surfaces;
     use super::*;
@@ -322,7 +323,7 @@ mod tests {
 
     #[test]
     fn gaps_and_creases_have_corners_of_their_own() {
-        let folded = builtin("sheet", Some([4, 4]), None).unwrap().insert_knots_u(&[0.5; 4]).unwrap();
+        let folded = builtin("sheet", Some([4, 4]), None).unwrap().insert_knots(Direction::U, &[0.5; 4]).unwrap();
         let mesh = folded.tessellated([2, 1]).unwrap();
         assert_eq!((mesh.points.len(), mesh.triangles.len()), (6 * 2, 4 * 2));
     }
