@@ -11,7 +11,9 @@ pub mod complementarity;
 pub mod proxy;
 pub mod rows;
 mod samples;
+mod set;
 mod shape;
 
 pub use samples::SampleGrid;
+pub use set::{Contact, ContactSet, MAX_CONTACTS, Reach, Rectangle};
 pub use shape::ToolShape;
