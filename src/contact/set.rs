@@ -23,6 +23,8 @@ pub struct Contact {
     pub normal: Vector3,
     /// Penetration depth, m; negative: a gap, at most the margin asked for.
     pub depth_m: f64,
+    /// Parameters of `on_tool`, where the tool is a B-spline surface (another body, or the same).
+    pub tool_uv: Option<[f64; 2]>,
 }
 
 /// A part of the body's parameter domain that holds everything of one contact region, in the surface's own parameters. In
@@ -152,7 +154,7 @@ mod tests {
 
     fn contact(depth_m: f64, u: f64) -> Contact {
         let (on_body, normal) = (Point3::origin(), Vector3::z());
-        Contact { u, v: 0.0, on_body, on_tool: on_body - normal * depth_m, normal, depth_m }
+        Contact { u, v: 0.0, on_body, on_tool: on_body - normal * depth_m, normal, depth_m, tool_uv: None }
     }
 
     #[test]
