@@ -14,6 +14,6 @@ mod samples;
 mod set;
 mod shape;
 
-pub use samples::SampleGrid;
+pub use samples::{SampleGrid, distance_squared_to_box};
 pub use set::{Contact, ContactSet, MAX_CONTACTS, Reach, Rectangle};
 pub use shape::ToolShape;

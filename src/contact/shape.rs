@@ -1,6 +1,6 @@
 //! Shapes of tools.
 
-use crate::math::Vector3;
+use crate::math::{Point3, Pose, Vector3};
 
 /// A tool around its reference point.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -27,6 +27,18 @@ impl ToolShape {
             Self::Sphere { radius_m } => Some(*radius_m),
             Self::Plane { .. } => None,
         }
+    }
+
+    /// True for half-spaces: unbounded, the same from everywhere.
+    pub fn is_plane(&self) -> bool {
+        matches!(self, Self::Plane { .. })
+    }
+
+    /// A box that holds the tool; `None` when it has no bounds.
+    pub fn bounds(&self, pose: &Pose) -> Option<(Point3, Point3)> {
+        let reach = Vector3::repeat(self.ball_radius_m()?);
+        let centre = Point3::from(pose.translation.vector);
+        Some((centre - reach, centre + reach))
     }
 
     /// Name in files and messages.
