@@ -13,6 +13,7 @@ pub mod rows;
 mod samples;
 mod set;
 mod shape;
+pub mod sharing;
 
 pub use samples::{SampleGrid, distance_squared_to_box};
 pub use set::{Contact, ContactSet, MAX_CONTACTS, Reach, Rectangle};

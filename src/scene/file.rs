@@ -1,6 +1,6 @@
 //! Reads a scene file and says of everything that is wrong with it where it stands and how to mend it.
 
-use super::spec::{MAX_TOOLS, SceneSpec, ShapeSpec};
+use super::spec::{ContactMethod, ContactSpec, MAX_TOOLS, ModelSpec, SceneSpec, ShapeSpec};
 use crate::surface::builtin::BUILTINS;
 use std::fmt;
 use std::ops::Range;
@@ -248,13 +248,31 @@ impl Check<'_> {
             self.tool(t, tool);
         }
         for (c, contact) in spec.contacts.iter().enumerate() {
-            let [tool, body] = &contact.pair;
-            if !tools.contains(&tool.as_str()) {
-                self.refuse("contact", c, "pair", format!("there is no tool {tool:?}; pairs are [tool, body]"));
+            self.contact(c, contact, &tools, &bodies);
+        }
+    }
+
+    fn contact(&mut self, c: usize, contact: &ContactSpec, tools: &[&str], bodies: &[&str]) {
+        let [holder, body] = &contact.pair;
+        if !tools.contains(&holder.as_str()) && !bodies.contains(&holder.as_str()) {
+            let message = format!("there is no tool and no body {holder:?}; pairs are [tool or body, body]");
+            self.refuse("contact", c, "pair", message);
+        }
+        if !bodies.contains(&body.as_str()) {
+            let message = format!("there is no body {body:?}; pairs are [tool or body, body]");
+            self.refuse("contact", c, "pair", message);
+        }
+        match (contact.resolution, contact.method) {
+            (Some(resolution), ContactMethod::Spheres) => {
+                if resolution.iter().any(|n| !(4..=1_000).contains(n)) {
+                    let message = format!("resolution is {resolution:?}; each of the two must be 4 to 1000");
+                    self.refuse("contact", c, "resolution", message);
+                }
             }
-            if !bodies.contains(&body.as_str()) {
-                self.refuse("contact", c, "pair", format!("there is no body {body:?}; pairs are [tool, body]"));
+            (Some(_), _) => {
+                self.refuse("contact", c, "resolution", "only method = \"spheres\" has a resolution");
             }
+            (None, _) => {}
         }
     }
 
@@ -311,6 +329,10 @@ impl Check<'_> {
             let message = format!("contact_sweeps is {}; it must be 1 to 1000", body.integrator.contact_sweeps);
             self.refuse("body", b, "contact_sweeps", message);
         }
+        if body.self_contact && body.model == ModelSpec::Rigid {
+            let message = "a rigid body cannot come to touch itself; give it a deforming model or drop self_contact";
+            self.refuse("body", b, "self_contact", message);
+        }
         for plane in &body.fixed {
             self.finite("body", b, "point", &plane.point);
             self.direction("body", b, "normal", &plane.normal);
@@ -356,7 +378,7 @@ mod tests {
 
     #[test]
     fn every_problem_is_told_with_its_line() {
-        let cases: [(&str, &str); 12] = [
+        let cases: [(&str, &str); 14] = [
             ("[loop]\nrate_hz = 0\n", "s.toml:2:1: rate_hz is 0; it must be 1 to 10000"),
             ("[loop]\nrate = 5\n", "s.toml:2:1: \"rate\" is not known here; did you mean \"rate_hz\"?"),
             ("[loop\n", "s.toml:1:6: "),
@@ -377,7 +399,15 @@ mod tests {
             ("[[body]]\nid = \"X y\"\nsurface = { builtin = \"sheet\" }\n", "s.toml:2:1: \"X y\" is no id"),
             ("[[tool]]\nid = \"a\"\nshape = { sphere = { radius_m = 0.0 } }\n", "s.toml:3:22: radius_m is 0"),
             ("[[tool]]\nid = \"a\"\n[[tool]]\nid = \"a\"\n", "s.toml:4:1: id \"a\" is taken"),
-            ("[[contact]]\npair = [\"pen\", \"drop\"]\n", "s.toml:2:1: there is no tool \"pen\""),
+            (
+                "[[contact]]\npair = [\"ball\", \"drop\"]\nmethod = \"spheres\"\nresolution = [2, 82]\n",
+                "s.toml:4:1: resolution is [2, 82]; each of the two must be 4 to 1000",
+            ),
+            (
+                "[[body]]\nid = \"x\"\nsurface = { builtin = \"sheet\" }\nself_contact = true\n",
+                "s.toml:4:1: a rigid body cannot come to touch itself",
+            ),
+            ("[[contact]]\npair = [\"pen\", \"drop\"]\n", "s.toml:2:1: there is no tool and no body \"pen\""),
         ];
         for (text, expected) in cases {
             // A whole scene around the case, after it, so that lines count from the case.

@@ -36,7 +36,15 @@ impl PairScratch {
             let depth_m = (point - on_body).dot(&plane);
             if depth_m > -reach.margin_m {
                 let normal = -plane;
-                self.set.push(Contact { u, v, on_body, on_tool: on_body - normal * depth_m, normal, depth_m, tool_uv: None });
+                self.set.push(Contact {
+                    u,
+                    v,
+                    on_body,
+                    on_tool: on_body - normal * depth_m,
+                    normal,
+                    depth_m,
+                    tool_uv: None,
+                });
             }
         }
     }

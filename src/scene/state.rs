@@ -1,12 +1,13 @@
 //! What a replay restores, and the buffers that can be computed anew from it.
 
-use super::near::Near;
 use super::narrow::PairScratch;
+use super::near::Near;
 use super::{BodyModel, Scene};
 use crate::body::{LatticeScratch, LatticeState};
 use crate::contact::complementarity::Complementarity;
 use crate::contact::proxy::ProxyState;
 use crate::contact::rows::{MAX_ROWS, MAX_ROWS_PER_PAIR, RowSet, SampleInTouch};
+use crate::contact::sharing::Share;
 use crate::haptics::Link;
 use crate::math::{Point3, Rotation, StateError, StateSink, StateSource, Stateful};
 use crate::surface::{ClosestSolver, Surface, WarmFoot};
@@ -94,6 +95,8 @@ pub struct Scratch {
     /// Samples of one pair in touch.
     pub(crate) hits: Vec<SampleInTouch>,
     pub(crate) problem: Complementarity,
+    /// Rigid contacts of one tool.
+    pub(crate) shares: Vec<Share>,
     /// (unknowns of the largest lattice): displacements of a row's unit force at the nodes concerned.
     pub(crate) response: Vec<f64>,
     /// Nodes of the rows of one body, and a mark by node.
@@ -169,6 +172,7 @@ impl Scene {
             rows: RowSet::new(rows),
             hits: Vec::with_capacity(MAX_ROWS_PER_PAIR),
             problem: Complementarity::new(MAX_ROWS),
+            shares: Vec::with_capacity(MAX_ROWS),
             response: vec![0.0; nodes],
             involved: Vec::with_capacity(nodes),
             is_involved: vec![false; nodes],

@@ -6,10 +6,13 @@
 
 use crate::body::Lattice;
 use crate::contact::rows::Row;
+use crate::contact::sharing::{Share, share};
 use crate::scene::{BodyModel, Scene, SceneState, Scratch};
 
 /// Enough for a corner of three planes: rows on rigid bodies are few.
 const RIGID_SWEEPS: usize = 50;
+/// Weight of a row that carries, relative to the depth that its force means to the coupling.
+const LEAST_WEIGHT: f64 = 1e-3;
 
 /// Solves for the force of every row.
 pub(super) fn solve(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch) {
@@ -44,6 +47,30 @@ pub(super) fn solve(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch
         scratch.problem.set(i, row.gap_m, force);
     }
     scratch.problem.solve(sweeps);
+    for tool in 0..scene.tools.len() {
+        share_among_rigid(scene, scratch, tool);
+    }
+}
+
+/// Rows of a tool on bodies that do not give way share their force by depth; balance does not say how.
+fn share_among_rigid(scene: &Scene, scratch: &mut Scratch, tool: usize) {
+    let Scratch { rows, problem, shares, .. } = scratch;
+    let compliance = scene.tools[tool].coupling.compliance_m_n();
+    let rigid =
+        |row: &Row| row.tool() == Some(tool) && matches!(scene.bodies[row.body as usize].model, BodyModel::Rigid);
+    shares.clear();
+    for (i, row) in rows.rows.iter().enumerate().filter(|(_, row)| rigid(row)) {
+        let force_n = problem.forces()[i];
+        // What carries has some weight, even where the device is not below that contact itself.
+        let weight_m = (-row.gap_m).max(0.0) + LEAST_WEIGHT * compliance * force_n;
+        shares.push(Share { normal: row.normal, weight_m, force_n });
+    }
+    if shares.len() > 1 && share(shares) {
+        let indices = rows.rows.iter().enumerate().filter(|(_, row)| rigid(row)).map(|(i, _)| i);
+        for (i, share) in indices.zip(shares.iter()) {
+            problem.set_force(i, share.force_n);
+        }
+    }
 }
 
 /// Adds what a body's surface gives way under its rows.

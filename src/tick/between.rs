@@ -42,8 +42,7 @@ pub(super) fn bodies(scene: &Scene, state: &mut SceneState, scratch: &mut Scratc
             let (u, v) = view.samples.parameter(hit.index);
             let Facing { gap_m, normal, uv } = hit.facing;
             let on_tool = hit.point + normal * gap_m;
-            let contact =
-                Contact { u, v, on_body: hit.point, on_tool, normal, depth_m: -gap_m, tool_uv: Some(uv) };
+            let contact = Contact { u, v, on_body: hit.point, on_tool, normal, depth_m: -gap_m, tool_uv: Some(uv) };
             push_between(rows, p, pair, hit.index as u32, &contact, &views, margin);
         }
     }
@@ -61,15 +60,8 @@ pub(super) fn bodies(scene: &Scene, state: &mut SceneState, scratch: &mut Scratc
             let (s, t) = view.samples.parameter(hit.index);
             let Facing { gap_m, normal, uv: [u, v] } = hit.facing;
             let on_body = hit.point + normal * gap_m;
-            let contact = Contact {
-                u,
-                v,
-                on_body,
-                on_tool: hit.point,
-                normal: -normal,
-                depth_m: -gap_m,
-                tool_uv: Some([s, t]),
-            };
+            let contact =
+                Contact { u, v, on_body, on_tool: hit.point, normal: -normal, depth_m: -gap_m, tool_uv: Some([s, t]) };
             push_between(rows, p, pair, HOLDER_SAMPLES + hit.index as u32, &contact, &views, margin);
         }
     }

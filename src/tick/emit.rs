@@ -89,8 +89,7 @@ fn load_bodies(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch) {
         };
         for body in std::iter::once(row.body).chain(other) {
             let constants = &scene.bodies[body as usize];
-            let (BodyModel::Lattice(model), Some(deforming)) =
-                (&constants.model, &mut bodies[body as usize].deforming)
+            let (BodyModel::Lattice(model), Some(deforming)) = (&constants.model, &mut bodies[body as usize].deforming)
             else {
                 continue;
             };

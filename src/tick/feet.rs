@@ -1,7 +1,7 @@
 //! From contacts to rows: which parties hold them, and how far free motion takes each.
 
-use crate::contact::rows::{DeformingView, FOOT, Grip, Row, RowSet, SampleInTouch};
 use crate::contact::Contact;
+use crate::contact::rows::{DeformingView, FOOT, Grip, Row, RowSet, SampleInTouch};
 use crate::math::{Point3, Vector3};
 use crate::scene::{Body, BodyModel, BodyScratch, Pair};
 

@@ -8,9 +8,9 @@
 //! itself          places where a body's surface meets itself from outside
 //! ```
 
-use crate::contact::proxy::BallContact;
 use super::between::{bodies, itself};
 use super::feet::{MAX_FEET, margin_m, meet, push_foot, push_sample, view};
+use crate::contact::proxy::BallContact;
 use crate::contact::rows::{Facing, Holder};
 use crate::contact::{Contact, Reach, distance_squared_to_box};
 use crate::haptics::LinkPhase;

@@ -183,12 +183,8 @@ impl ViewSink for Feed {
     }
 
     fn contacts(&mut self, set: &ContactSet) {
-        let drawn = set.contacts.iter().map(|c| Contact {
-            point: c.point,
-            normal: c.normal,
-            depth: c.depth,
-            force: c.force,
-        });
+        let drawn =
+            set.contacts.iter().map(|c| Contact { point: c.point, normal: c.normal, depth: c.depth, force: c.force });
         self.picture.contacts = drawn.collect();
         self.show();
     }
