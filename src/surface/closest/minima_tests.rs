@@ -110,7 +110,7 @@ fn compare(
     let near = |a: (f64, f64), b: (f64, f64)| (surface.point(a.0, a.1) - surface.point(b.0, b.1)).norm();
     for &(u, v, value) in found {
         assert!(value < ceiling, "{name}: {value} is not below {ceiling}");
-        assert!(is_minimum(surface, u, v, 1e-6, -1e-9 * scale, f), "{name}: no minimum at {u} {v}");
+        assert!(is_minimum(surface, u, v, 1e-8, -1e-11 * scale, f), "{name}: no minimum at {u} {v}");
     }
     let mut counted = 0;
     for (u, v, value) in sampled_minima(surface, cells, f) {
