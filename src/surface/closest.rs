@@ -14,14 +14,21 @@
 //! Nothing here allocates after [`ClosestSolver::new`].
 
 mod bernstein;
+mod judge;
+mod minima;
+#[cfg(test)]
+mod minima_tests;
 mod newton;
 mod objective;
 mod search;
 mod side;
+mod stationary;
 #[cfg(test)]
 mod tests;
 mod warm;
 
+use self::minima::Minima;
+pub use self::minima::Summit;
 use self::newton::{Descent, OnPieces, OnSurface, Place, descend, descend_over};
 use self::objective::{Along, Distance, Objective, Tables};
 use self::search::Search;
@@ -80,6 +87,7 @@ pub struct ClosestSolver {
     pieces: BezierPieces,
     tables: Tables,
     search: Search,
+    minima: Minima,
     samples: Samples,
     /// Diagonal of the box of the first net, m: what tolerances are relative to.
     size_m: f64,
@@ -197,6 +205,7 @@ impl ClosestSolver {
         Self {
             tables: Tables::new(pieces.u.degree, pieces.v.degree),
             search: Search::new(&pieces),
+            minima: Minima::new(&pieces),
             samples: Samples::new(&pieces),
             size_m: (high - low).norm(),
             pieces,

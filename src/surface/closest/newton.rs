@@ -114,28 +114,50 @@ pub(super) fn descend_over<E: Evaluate, O: Objective>(eval: &mut E, objective: &
 
 /// Descends from `start` within its smooth patch.
 pub(super) fn descend<E: Evaluate, O: Objective>(eval: &mut E, objective: &O, start: Place) -> Descent {
+    let (du, dv) = eval.directions();
+    let (a, b) = (&du.spans[start.i], &dv.spans[start.j]);
+    let (low, high) = ([a.reach_low, b.reach_low], [a.reach_high, b.reach_high]);
+    descend_between(eval, objective, start, low, high)
+}
+
+/// Descends from `start` within a parameter rectangle of its smooth patch, unwrapped as `start` is.
+pub(super) fn descend_between<E: Evaluate, O: Objective>(
+    eval: &mut E,
+    objective: &O,
+    start: Place,
+    low: [f64; 2],
+    high: [f64; 2],
+) -> Descent {
     #[cfg(target_arch = "x86_64")]
     if crate::math::simd::has_avx2() {
         // SAFETY: the processor has AVX2, asked just above.
         #[allow(unsafe_code)]
-        return unsafe { descend_wide(eval, objective, start) };
+        return unsafe { descend_wide(eval, objective, start, low, high) };
     }
-    descend_in(eval, objective, start)
+    descend_in(eval, objective, start, low, high)
 }
 
 /// The same code with wider registers: plain sums in the same order, so the same bits.
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2")]
-fn descend_wide<E: Evaluate, O: Objective>(eval: &mut E, objective: &O, start: Place) -> Descent {
-    descend_in(eval, objective, start)
+fn descend_wide<E: Evaluate, O: Objective>(
+    eval: &mut E,
+    objective: &O,
+    start: Place,
+    low: [f64; 2],
+    high: [f64; 2],
+) -> Descent {
+    descend_in(eval, objective, start, low, high)
 }
 
 #[inline(always)]
-fn descend_in<E: Evaluate, O: Objective>(eval: &mut E, objective: &O, start: Place) -> Descent {
-    let (du, dv) = eval.directions();
-    let (a, b) = (&du.spans[start.i], &dv.spans[start.j]);
-    let low = [a.reach_low, b.reach_low];
-    let high = [a.reach_high, b.reach_high];
+fn descend_in<E: Evaluate, O: Objective>(
+    eval: &mut E,
+    objective: &O,
+    start: Place,
+    low: [f64; 2],
+    high: [f64; 2],
+) -> Descent {
     // `x` is unwrapped; `at` is the same place inside the domain.
     let mut x = [start.u.clamp(low[0], high[0]), start.v.clamp(low[1], high[1])];
     let (mut at, mut frame, mut jet) = look(eval, objective, x, start, high);
