@@ -14,6 +14,7 @@
 //! Nothing here allocates after [`ClosestSolver::new`].
 
 mod bernstein;
+mod field;
 mod newton;
 mod objective;
 mod search;
@@ -22,7 +23,9 @@ mod side;
 mod tests;
 mod warm;
 
+pub(crate) use self::field::{Bottom, Foot};
 use self::newton::{Descent, OnPieces, OnSurface, Place, descend, descend_over};
+pub(crate) use self::objective::Jet;
 use self::objective::{Along, Distance, Objective, Tables};
 use self::search::Search;
 use self::side::Site;
