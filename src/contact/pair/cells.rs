@@ -3,6 +3,7 @@
 use super::cone::Cone;
 use crate::basis::MAX_DEGREE;
 use crate::math::Point3;
+use crate::surface::bezier::Joint;
 use crate::surface::{BezierPieces, Surface};
 
 /// Cells in one direction, at least: a closed curve of ten cells turns by 36° in each, so cones are narrow enough to tell
@@ -31,13 +32,6 @@ impl Block {
         !apart
     }
 
-    pub fn add(&mut self, other: &Self) {
-        for c in 0..3 {
-            self.low[c] = self.low[c].min(other.low[c]);
-            self.high[c] = self.high[c].max(other.high[c]);
-        }
-    }
-
     pub fn holds(&self, point: &Point3, margin: f64) -> bool {
         (0..3).all(|c| point[c] >= self.low[c] - margin && point[c] <= self.high[c] + margin)
     }
@@ -60,6 +54,8 @@ pub(super) struct Cells {
     /// Ends that are one point: `poles[d][e]`.
     pub poles: [[bool; 2]; 2],
     pub closed: bool,
+    /// Parameters of creases and of ends that knots do not join, in each direction.
+    walls: [Vec<f64>; 2],
     per: [usize; 2],
     spans: [usize; 2],
     degree: [usize; 2],
@@ -95,6 +91,11 @@ impl Cells {
             line.extend(all.last().map(|s| s.end));
             line
         };
+        let wall = |d: usize| -> Vec<f64> {
+            let all = if d == 0 { &pieces.u.spans } else { &pieces.v.spans };
+            let before = all.iter().filter(|s| s.before != Joint::Smooth).map(|s| s.start);
+            before.chain(all.last().filter(|s| s.after != Joint::Smooth).map(|s| s.end)).collect()
+        };
         let part = |d: usize| -> Vec<f64> {
             (0..per[d])
                 .flat_map(|k| restriction(degree[d], k as f64 / per[d] as f64, (k + 1) as f64 / per[d] as f64))
@@ -123,6 +124,7 @@ impl Cells {
             wraps,
             poles: topology.poles,
             closed: topology.is_closed(),
+            walls: [wall(0), wall(1)],
             per,
             spans,
             degree,
@@ -206,6 +208,42 @@ impl Cells {
         };
         const WAYS: [(isize, isize); 8] = [(-1, -1), (-1, 0), (-1, 1), (0, -1), (0, 1), (1, -1), (1, 0), (1, 1)];
         WAYS.map(|(a, b)| self.alias[step(0, a) as usize * columns + step(1, b) as usize])
+    }
+
+    /// A parameter pair moved by a step: around where ends meet, over a pole to its far side, held at edges.
+    pub fn moved(&self, at: [f64; 2], step: [f64; 2]) -> [f64; 2] {
+        let mut x = [at[0] + step[0], at[1] + step[1]];
+        for d in 0..2 {
+            let (start, end) = (self.lines[d][0], self.lines[d][self.counts[d]]);
+            let over = if x[d] < start && self.poles[d][0] {
+                2.0 * start - x[d]
+            } else if x[d] > end && self.poles[d][1] {
+                2.0 * end - x[d]
+            } else {
+                continue;
+            };
+            let (low, high) = (self.lines[1 - d][0], self.lines[1 - d][self.counts[1 - d]]);
+            x[d] = over;
+            x[1 - d] += 0.5 * (high - low);
+        }
+        for d in 0..2 {
+            let (start, end) = (self.lines[d][0], self.lines[d][self.counts[d]]);
+            if self.wraps[d] && (x[d] < start || x[d] > end) {
+                x[d] -= (end - start) * ((x[d] - start) / (end - start)).floor();
+            }
+            x[d] = x[d].clamp(start, end);
+        }
+        x
+    }
+
+    /// An open edge, a seam, a pole or a crease may hold a climb here.
+    pub fn wall(&self, u: f64, v: f64) -> bool {
+        let one = |d: usize, x: f64| {
+            let line = &self.lines[d];
+            let near = 1e-9 * (line[self.counts[d]] - line[0]);
+            self.walls[d].iter().any(|w| (x - w).abs() <= near)
+        };
+        one(0, u) || one(1, v)
     }
 
     /// An open edge holds this parameter pair.

@@ -110,6 +110,15 @@ impl Regions {
         self.connect(cells);
         for pair in pairs {
             let [u, v, s, t] = pair.at;
+            // Too far to be reported, if it is no way to a deeper place.
+            let (x, y) = (upper.solver.frame_at(upper.surface, u, v), below.solver.frame_at(below.surface, s, t));
+            let cell = cells.cell_at(u, v);
+            cells.look(upper.surface, upper.solver.pieces_now(), cell);
+            let way = x.point - y.point;
+            let outward = y.du.cross(&y.dv) * if below.surface.flip_normal() { -below.side } else { below.side };
+            if way.norm() > margin_m + 1e-11 * upper.size_m && way.dot(&outward) > 0.0 {
+                continue;
+            }
             self.climb(upper, cells, below, (u, v), (s, t), margin_m, None);
         }
         self.order.clear();
@@ -132,7 +141,7 @@ impl Regions {
             let (u, v) = cells.parameters(vertex as usize);
             let cell = cells.cell_at(u, v);
             cells.look(upper.surface, upper.solver.pieces_now(), cell);
-            let across = cells.box_of(cell).diagonal();
+            let across = 0.5 * cells.box_of(cell).diagonal();
             if d > 0.0 {
                 let root = self.root(vertex) as usize;
                 if self.best[root] > d + across {
@@ -241,7 +250,9 @@ impl Regions {
         margin_m: f64,
         vertex: Option<u32>,
     ) {
-        let Some(top) = upper.climb(below, at.0, at.1, foot) else { return };
+        let across = cells.box_of(cells.cell_at(at.0, at.1)).diagonal();
+        let reach_m = if across.is_finite() { 0.5 * across } else { 0.05 * upper.size_m };
+        let Some(top) = upper.climb(cells, below, at.0, at.1, foot, reach_m) else { return };
         let depth = top.sounding.depth_m;
         if !(depth >= -margin_m - 1e-12 * upper.size_m) || (depth <= 0.0 && !top.summit) {
             return;

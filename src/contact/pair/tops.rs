@@ -4,17 +4,20 @@
 //! three feet equally close (it lies on the medial axis): there the least of several smooth depths is greatest, which
 //! Newton finds from d₁ = d₂ and λ ∇d₁ + (1 − λ) ∇d₂ = 0, or from d₁ = d₂ = d₃.
 
+use super::cells::Cells;
 use super::depth::{Below, Sounding, jet};
 use crate::math::Point3;
 use crate::surface::closest::Jet;
-use crate::surface::{ClosestSolver, Surface};
+use crate::surface::{ClosestSolver, Frame, Surface};
 
-/// Times a climb is begun anew when the certificate shows a closer foot.
-const ROUNDS: usize = 6;
-/// Steps of Newton's method along a ridge.
-const RIDGE_STEPS: usize = 25;
+/// Steps of a climb, among them those after a certificate has shown a closer foot.
+const STEPS: usize = 40;
+/// Feet that a climb keeps in view.
+const FEET: usize = 3;
 /// Depths closer than this, relative to the size, are one.
-const SAME_DEPTH: f64 = 1e-10;
+const SAME_DEPTH: f64 = 1e-11;
+/// Steps shorter than this, relative to the size, have arrived.
+const SHORT: f64 = 1e-10;
 
 /// A place of greatest depth, with its certified foot.
 #[derive(Clone, Copy, Debug)]
@@ -23,7 +26,7 @@ pub(super) struct Top {
     pub v: f64,
     pub point: Point3,
     pub sounding: Sounding,
-    /// A local maximum; else a saddle, or a place where the search gave up.
+    /// A local maximum; else a place where the search gave up.
     pub summit: bool,
 }
 
@@ -35,146 +38,206 @@ pub(super) struct Upper<'a> {
     pub size_m: f64,
 }
 
+/// A place with the feet in view, the closest first.
+struct View {
+    at: [f64; 2],
+    frame: Frame,
+    feet: [Option<Sounding>; FEET],
+}
+
+impl View {
+    fn depth_m(&self) -> f64 {
+        self.feet[0].map_or(f64::NEG_INFINITY, |f| f.depth_m)
+    }
+
+    /// Puts a foot in its place, unless it is there; the farthest leaves.
+    fn add(&mut self, new: Sounding, size_m: f64) {
+        let same = |f: &Sounding| (f.foot.at.point - new.foot.at.point).norm() < 1e-6 * size_m;
+        if self.feet.iter().flatten().any(same) {
+            return;
+        }
+        let at = self.feet.iter().position(|f| f.is_none_or(|f| new.depth_m < f.depth_m));
+        if let Some(at) = at {
+            self.feet[at..].rotate_right(1);
+            self.feet[at] = Some(new);
+        }
+    }
+}
+
 impl Upper<'_> {
-    /// The greatest depth that can be climbed to from (u, v), whose foot is near `from`; every depth on the way certified
-    /// where it counts.
-    pub fn climb(&mut self, below: &mut Below<'_>, u: f64, v: f64, from: (f64, f64)) -> Option<Top> {
-        let tolerance = SAME_DEPTH * self.size_m;
-        let (mut at, mut foot) = ((u, v), from);
-        let mut best: Option<Top> = None;
-        for _ in 0..ROUNDS {
-            let (bottom, guess) = below.climb(self.surface, self.solver, at.0, at.1, foot);
-            let point = bottom.frame.point;
-            if !(bottom.u.is_finite() && bottom.v.is_finite() && point.coords.amax().is_finite()) {
-                return best;
+    /// The greatest depth that can be climbed to from (u, v), whose foot is near `from`. `reach_m` is the longest step.
+    pub fn climb(
+        &mut self,
+        cells: &Cells,
+        below: &mut Below<'_>,
+        u: f64,
+        v: f64,
+        from: (f64, f64),
+        reach_m: f64,
+    ) -> Option<Top> {
+        let (tolerance, short) = (SAME_DEPTH * self.size_m, SHORT * self.size_m);
+        let mut view = View { at: [u, v], frame: self.solver.frame_at(self.surface, u, v), feet: [None; FEET] };
+        let first = below.follow(&view.frame.point, from.0, from.1);
+        view.add(first, self.size_m);
+        view.add(below.near(&view.frame.point), self.size_m);
+        let mut radius = reach_m;
+        let mut certified = None;
+        let mut arrived = false;
+        for _ in 0..STEPS {
+            let (step, metres) = self.step(&view, radius)?;
+            if !metres.is_finite() {
+                return None;
             }
-            let sure = below.certain(&point);
-            let arrived = bottom.slope < 1e-7 && bottom.minimum;
-            let agreed = (sure.depth_m - guess.depth_m).abs() <= tolerance;
-            let top = Top { u: bottom.u, v: bottom.v, point, sounding: sure, summit: arrived && agreed };
-            let better = best.is_none_or(|b| sure.depth_m > b.sounding.depth_m || top.summit);
-            if better {
-                best = Some(top);
+            let next = if metres > short { self.look(cells, below, &view, step) } else { None };
+            if let Some(next) = next {
+                let risen = next.depth_m() - view.depth_m();
+                if risen > 0.0 || (risen > -tolerance && metres < 1e-5 * self.size_m) {
+                    radius = if metres > 0.5 * radius { 2.0 * radius } else { radius };
+                    view = next;
+                    // The next step would be shorter than rounding.
+                    if metres > 1e-6 * self.size_m {
+                        continue;
+                    }
+                } else if metres > short {
+                    for foot in next.feet.iter().flatten() {
+                        let here = below.follow(&view.frame.point, foot.foot.at.u, foot.foot.at.v);
+                        view.add(here, self.size_m);
+                    }
+                    radius = 0.3 * metres;
+                    if radius > short {
+                        continue;
+                    }
+                }
+            } else {
+                arrived = true;
             }
-            if agreed && bottom.slope < 1e-7 {
-                return best;
+            let sure = below.certain(&view.frame.point);
+            if (sure.depth_m - view.depth_m()).abs() <= tolerance {
+                certified = Some(sure);
+                if metres < 1e-6 * self.size_m {
+                    arrived = true;
+                }
+                break;
             }
-            // A closer foot, or a kink that stopped the climb.
-            if sure.depth_m > 0.0 {
-                if let Some(ridge) = self.ridge(below, &top, &guess) {
-                    if best.is_none_or(|b| ridge.sounding.depth_m > b.sounding.depth_m - tolerance) {
-                        best = Some(ridge);
-                        if ridge.summit {
-                            return best;
-                        }
+            arrived = false;
+            view.add(sure, self.size_m);
+            radius = reach_m;
+        }
+        let sure = match certified {
+            Some(sure) => sure,
+            None => below.certain(&view.frame.point),
+        };
+        let top = Top { u: view.at[0], v: view.at[1], point: view.frame.point, sounding: sure, summit: arrived };
+        let held = cells.wall(top.u, top.v);
+        if arrived && !held {
+            return Some(top);
+        }
+        // An edge, a crease or a pole may hold the deepest place: climb along it.
+        Some(self.climb_edges(below, top))
+    }
+
+    fn climb_edges(&mut self, below: &mut Below<'_>, top: Top) -> Top {
+        let foot = top.sounding.foot.at;
+        let (bottom, guess) = below.climb(self.surface, self.solver, top.u, top.v, (foot.u, foot.v));
+        let point = bottom.frame.point;
+        let arrived = bottom.slope < 1e-7 && bottom.minimum;
+        if !point.coords.amax().is_finite() || guess.depth_m < top.sounding.depth_m {
+            return top;
+        }
+        let sure = below.certain(&point);
+        let agreed = (sure.depth_m - guess.depth_m).abs() <= SAME_DEPTH * self.size_m;
+        if sure.depth_m >= top.sounding.depth_m - SAME_DEPTH * self.size_m && agreed {
+            return Top { u: bottom.u, v: bottom.v, point, sounding: sure, summit: arrived || top.summit };
+        }
+        top
+    }
+
+    /// The view from a step away; `None` when the step leads nowhere.
+    fn look(&mut self, cells: &Cells, below: &mut Below<'_>, view: &View, step: [f64; 2]) -> Option<View> {
+        let at = cells.moved(view.at, step);
+        if at == view.at {
+            return None;
+        }
+        let frame = self.solver.frame_at(self.surface, at[0], at[1]);
+        let mut next = View { at, frame, feet: [None; FEET] };
+        for foot in view.feet.iter().flatten() {
+            let sounding = below.follow(&frame.point, foot.foot.at.u, foot.foot.at.v);
+            next.add(sounding, self.size_m);
+        }
+        let near = below.near(&frame.point);
+        next.add(near, self.size_m);
+        Some(next)
+    }
+
+    /// The step of at most `radius` metres that promises most: the least of the feet's second-order models is greatest.
+    fn step(&self, view: &View, radius: f64) -> Option<([f64; 2], f64)> {
+        let mut jets = [None; FEET];
+        for (slot, foot) in jets.iter_mut().zip(&view.feet) {
+            // Feet that no step reaches hold nothing.
+            *slot = foot.filter(|f| f.depth_m <= view.depth_m() + 2.0 * radius).map(|f| jet(&view.frame, &f));
+        }
+        let first = jets[0]?;
+        let [mu, mv] = first.metric;
+        let muv = view.frame.du.dot(&view.frame.dv);
+        let metres = |d: [f64; 2]| (d[0] * d[0] * mu + 2.0 * d[0] * d[1] * muv + d[1] * d[1] * mv).max(0.0).sqrt();
+        let mut best: Option<(f64, [f64; 2], f64)> = None;
+        let mut offer = |step: [f64; 2]| {
+            let length = metres(step);
+            let scale = if length > radius { radius / length } else { 1.0 };
+            let step = [scale * step[0], scale * step[1]];
+            let promise = jets.iter().flatten().fold(f64::INFINITY, |m, j| {
+                let h = turn(&j.h, step);
+                m.min(-j.f - j.g[0] * step[0] - j.g[1] * step[1] - 0.5 * (step[0] * h[0] + step[1] * h[1]))
+            });
+            if promise.is_finite() && best.is_none_or(|(most, _, _)| promise > most) {
+                best = Some((promise, step, scale * length));
+            }
+        };
+        for a in 0..FEET {
+            let Some(ja) = jets[a] else { continue };
+            offer(one(&ja, muv, radius));
+            for b in a + 1..FEET {
+                let Some(jb) = jets[b] else { continue };
+                if let Some((step, _)) = two(&ja, &jb) {
+                    offer(step);
+                }
+                for c in b + 1..FEET {
+                    if let Some((step, _)) = jets[c].and_then(|jc| three(&ja, &jb, &jc)) {
+                        offer(step);
                     }
                 }
             }
-            if !better {
-                return best;
-            }
-            at = (top.u, top.v);
-            foot = (sure.foot.at.u, sure.foot.at.v);
         }
-        best
+        best.map(|(_, step, length)| (step, length))
     }
+}
 
-    /// From a place with (nearly) two feet to the nearest place where the lesser of their depths is greatest.
-    fn ridge(&mut self, below: &mut Below<'_>, top: &Top, other: &Sounding) -> Option<Top> {
-        let tolerance = SAME_DEPTH * self.size_m;
-        let uv = |s: &Sounding| (s.foot.at.u, s.foot.at.v);
-        let mut feet = [uv(&top.sounding), uv(other), (0.0, 0.0)];
-        let mut count = 2;
-        if (top.sounding.foot.at.point - other.foot.at.point).norm() <= 1e-6 * self.size_m {
-            feet[1] = self.other_foot(below, top)?;
-        }
-        let mut at = [top.u, top.v];
-        let (start, reach) = (top.point, 0.5 * self.size_m);
-        for _ in 0..4 {
-            let (mut settled, mut shares) = (false, [0.5, 0.5, 0.0]);
-            for _ in 0..RIDGE_STEPS {
-                let frame = self.solver.frame_at(self.surface, at[0], at[1]);
-                if !((frame.point - start).norm() <= reach) {
-                    return None;
-                }
-                let mut jets = [None; 3];
-                for k in 0..count {
-                    let sounding = below.follow(&frame.point, feet[k].0, feet[k].1);
-                    feet[k] = uv(&sounding);
-                    jets[k] = Some(jet(&frame, &sounding));
-                }
-                let (step, held) = match jets {
-                    [Some(a), Some(b), None] => two(&a, &b)?,
-                    [Some(a), Some(b), Some(c)] => three(&a, &b, &c)?,
-                    _ => return None,
-                };
-                shares = held;
-                let metres = (step[0].abs() * frame.du.norm()).max(step[1].abs() * frame.dv.norm());
-                let scale = (0.1 * self.size_m / metres).min(1.0);
-                let (ku, kv) = (self.surface.knots_u(), self.surface.knots_v());
-                at = [ku.confine(at[0] + scale * step[0]), kv.confine(at[1] + scale * step[1])];
-                if !(at[0].is_finite() && at[1].is_finite()) {
-                    return None;
-                }
-                if metres <= 1e-12 * self.size_m {
-                    settled = true;
-                    break;
-                }
-            }
-            let frame = self.solver.frame_at(self.surface, at[0], at[1]);
-            let sounding = below.follow(&frame.point, feet[0].0, feet[0].1);
-            let sure = below.certain(&frame.point);
-            let summit = settled && (sure.depth_m - sounding.depth_m).abs() <= tolerance;
-            let found = Top { u: at[0], v: at[1], point: frame.point, sounding: sure, summit };
-            let least = (0..count).fold((0, f64::INFINITY), |m, k| if shares[k] < m.1 { (k, shares[k]) } else { m });
-            if summit && least.1 >= -1e-6 {
-                return Some(found);
-            }
-            if summit && count == 3 {
-                // A foot that holds nothing: go on along the ridge of the other two.
-                feet[least.0] = feet[2];
-                count = 2;
-            } else if !summit && settled {
-                // A third foot is closer than the two.
-                let new = uv(&sure);
-                if count == 3 {
-                    return Some(found);
-                }
-                feet[2] = new;
-                count = 3;
-            } else {
-                return Some(Top { summit: false, ..found });
-            }
-        }
-        None
+/// Newton's step of one foot; away from saddles, along the way that falls.
+fn one(j: &Jet, muv: f64, radius: f64) -> [f64; 2] {
+    let ([a, b, c], [x, y]) = (j.h, j.g);
+    let det = a * c - b * b;
+    if a > 0.0 && c > 0.0 && det > 1e-9 * a * c {
+        return [(b * y - c * x) / det, (b * x - a * y) / det];
     }
-
-    /// Another foot nearly as close: from around the place, where the certified foot is another one.
-    fn other_foot(&mut self, below: &mut Below<'_>, top: &Top) -> Option<(f64, f64)> {
-        let frame = self.solver.frame_at(self.surface, top.u, top.v);
-        let depth = top.sounding.depth_m;
-        let mut best: Option<(f64, (f64, f64))> = None;
-        for step in [0.003, 0.02] {
-            for way in [[1.0, 0.0], [-1.0, 0.0], [0.0, 1.0], [0.0, -1.0]] {
-                let d = frame.du * (way[0] / frame.du.norm().max(f64::MIN_POSITIVE))
-                    + frame.dv * (way[1] / frame.dv.norm().max(f64::MIN_POSITIVE));
-                let there = below.certain(&(top.point + d * (step * self.size_m)));
-                let here = below.follow(&top.point, there.foot.at.u, there.foot.at.v);
-                let apart = (here.foot.at.point - top.sounding.foot.at.point).norm();
-                let excess = here.foot.at.distance - depth;
-                if apart > 1e-3 * self.size_m
-                    && excess < 0.05 * self.size_m
-                    && best.is_none_or(|(least, _)| excess < least)
-                {
-                    best = Some((excess, (here.foot.at.u, here.foot.at.v)));
-                }
-            }
-            if best.is_some() {
-                break;
-            }
-        }
-        best.map(|(_, foot)| foot)
+    // Against the gradient, in metres; at a saddle along the direction of least curvature.
+    let [mu, mv] = j.metric;
+    let det_m = (mu * mv - muv * muv).max(1e-12 * mu * mv).max(f64::MIN_POSITIVE);
+    let down = [-(mv * x - muv * y) / det_m, -(mu * y - muv * x) / det_m];
+    let slope = -(down[0] * x + down[1] * y);
+    let unit = slope.max(0.0).sqrt();
+    if unit > 1e-7 {
+        return [down[0] * radius / unit, down[1] * radius / unit];
     }
+    let (lu, lv) = (mu.max(f64::MIN_POSITIVE).sqrt(), mv.max(f64::MIN_POSITIVE).sqrt());
+    let (p, q, r) = (a / mu.max(f64::MIN_POSITIVE), b / (lu * lv), c / mv.max(f64::MIN_POSITIVE));
+    let (mean, half) = (0.5 * (p + r), 0.5 * (p - r));
+    let root = (half * half + q * q).sqrt();
+    if mean - root > -1e-6 * (mean.abs() + root) {
+        return [0.0, 0.0];
+    }
+    let (ex, ey) = if half >= 0.0 { (-q, half + root) } else { (root - half, -q) };
+    let length = (ex * ex + ey * ey).sqrt().max(f64::MIN_POSITIVE);
+    [0.3 * radius * ex / (length * lu), 0.3 * radius * ey / (length * lv)]
 }
 
 /// Step and shares where two distances stay equal and the larger is least.

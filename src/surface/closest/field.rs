@@ -34,8 +34,6 @@ pub(crate) struct Bottom {
     pub slope: f64,
     /// A minimum over the free directions, to rounding.
     pub minimum: bool,
-    /// The directions that no edge holds.
-    pub free: [bool; 2],
 }
 
 struct By<F>(F);
@@ -112,7 +110,7 @@ impl ClosestSolver {
         }
         let minimum = best.is_minimum();
         let (u, v) = self.parameters(&best.place);
-        Bottom { u, v, frame: best.frame, slope: best.slope, minimum, free: best.free }
+        Bottom { u, v, frame: best.frame, slope: best.slope, minimum }
     }
 
     /// The pieces as they were when last brought up to date.
