@@ -14,6 +14,7 @@
 //! Nothing here allocates after [`ClosestSolver::new`].
 
 mod bernstein;
+mod field;
 mod judge;
 mod minima;
 #[cfg(test)]
@@ -27,9 +28,11 @@ mod stationary;
 mod tests;
 mod warm;
 
+pub(crate) use self::field::{Bottom, Foot};
 use self::minima::Minima;
 pub use self::minima::Summit;
 use self::newton::{Descent, OnPieces, OnSurface, Place, descend, descend_over};
+pub(crate) use self::objective::Jet;
 use self::objective::{Along, Distance, Objective, Tables};
 use self::search::Search;
 use self::side::Site;

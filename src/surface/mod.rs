@@ -14,10 +14,10 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
-mod bezier;
+pub(crate) mod bezier;
 pub mod builtin;
 mod closed;
-mod closest;
+pub(crate) mod closest;
 mod cloud_fit;
 mod curve;
 pub mod file;

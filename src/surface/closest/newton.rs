@@ -6,7 +6,7 @@
 //! the objective is flat to rounding, steps are taken while they reduce the gradient instead. Finds a local minimum only;
 //! who needs the global one asks the bounds.
 
-use super::objective::{Jet, Objective};
+use super::objective::{Jet, Smooth};
 use super::side::Site;
 use crate::surface::bezier::{BezierPieces, Direction, Joint};
 use crate::surface::tensor::{Frame, Surface};
@@ -98,7 +98,7 @@ impl Descent {
 }
 
 /// [`descend`], going on over creases while that helps.
-pub(super) fn descend_over<E: Evaluate, O: Objective>(eval: &mut E, objective: &O, start: Place) -> Descent {
+pub(super) fn descend_over<E: Evaluate, O: Smooth>(eval: &mut E, objective: &O, start: Place) -> Descent {
     let mut best = descend(eval, objective, start);
     for _ in 0..8 {
         let Some(place) = best.beyond else { break };
@@ -113,7 +113,7 @@ pub(super) fn descend_over<E: Evaluate, O: Objective>(eval: &mut E, objective: &
 }
 
 /// Descends from `start` within its smooth patch.
-pub(super) fn descend<E: Evaluate, O: Objective>(eval: &mut E, objective: &O, start: Place) -> Descent {
+pub(super) fn descend<E: Evaluate, O: Smooth>(eval: &mut E, objective: &O, start: Place) -> Descent {
     let (du, dv) = eval.directions();
     let (a, b) = (&du.spans[start.i], &dv.spans[start.j]);
     let (low, high) = ([a.reach_low, b.reach_low], [a.reach_high, b.reach_high]);
@@ -121,7 +121,7 @@ pub(super) fn descend<E: Evaluate, O: Objective>(eval: &mut E, objective: &O, st
 }
 
 /// Descends from `start` within a parameter rectangle of its smooth patch, unwrapped as `start` is.
-pub(super) fn descend_between<E: Evaluate, O: Objective>(
+pub(super) fn descend_between<E: Evaluate, O: Smooth>(
     eval: &mut E,
     objective: &O,
     start: Place,
@@ -140,7 +140,7 @@ pub(super) fn descend_between<E: Evaluate, O: Objective>(
 /// The same code with wider registers: plain sums in the same order, so the same bits.
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2")]
-fn descend_wide<E: Evaluate, O: Objective>(
+fn descend_wide<E: Evaluate, O: Smooth>(
     eval: &mut E,
     objective: &O,
     start: Place,
@@ -151,7 +151,7 @@ fn descend_wide<E: Evaluate, O: Objective>(
 }
 
 #[inline(always)]
-fn descend_in<E: Evaluate, O: Objective>(
+fn descend_in<E: Evaluate, O: Smooth>(
     eval: &mut E,
     objective: &O,
     start: Place,
@@ -236,7 +236,7 @@ fn descend_in<E: Evaluate, O: Objective>(
 
 /// Evaluates at an unwrapped parameter pair that is reached smoothly from `near`.
 #[inline(always)]
-fn look<E: Evaluate, O: Objective>(
+fn look<E: Evaluate, O: Smooth>(
     eval: &mut E,
     objective: &O,
     x: [f64; 2],
