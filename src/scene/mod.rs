@@ -104,14 +104,6 @@ impl Pair {
             Holder::Body(_) => None,
         }
     }
-
-    /// The body that holds, when one does.
-    pub fn other(&self) -> Option<usize> {
-        match self.holder {
-            Holder::Tool(_) => None,
-            Holder::Body(body) => Some(body as usize),
-        }
-    }
 }
 
 impl Scene {

@@ -2,54 +2,68 @@
 
 use super::state::BodyScratch;
 use super::{Pair, Scene};
-use crate::contact::rows::{DeformingView, Facing, SampleInTouch};
-use crate::contact::{Contact, ContactSet, Reach, ToolShape};
+use crate::contact::exact::{self, ExactScratch};
+use crate::contact::pair::{PairSide, PairSolver};
+use crate::contact::rows::{DeformingView, Facing, Holder, SampleInTouch};
+use crate::contact::{ContactSet, Reach, ToolShape};
 use crate::math::{Point3, Pose};
-use crate::surface::{ClosestSolver, Surface};
+use crate::surface::ClosestSolver;
 
 /// The contacts of a pair and what finds them.
 #[derive(Debug)]
 pub(crate) struct PairScratch {
     pub set: ContactSet,
+    narrow: Narrow,
+}
+
+/// What finds the contacts of a pair.
+#[derive(Debug)]
+enum Narrow {
+    /// Balls and planes.
+    Simple(Box<ExactScratch>),
+    /// Two bodies.
+    Bodies(Box<PairSolver>),
+    /// A body with itself.
+    Own,
 }
 
 impl PairScratch {
     /// What the pair needs, and no more.
-    pub fn new(_scene: &Scene, _pair: &Pair) -> Self {
-        Self { set: ContactSet::new() }
+    pub fn new(scene: &Scene, pair: &Pair) -> Self {
+        let body = &scene.bodies[pair.body];
+        let narrow = match pair.holder {
+            Holder::Body(other) if other as usize == pair.body => Narrow::Own,
+            Holder::Body(other) => {
+                Narrow::Bodies(Box::new(PairSolver::new(&body.surface, &scene.bodies[other as usize].surface)))
+            }
+            Holder::Tool(_) => {
+                let mut solver = ClosestSolver::new(&body.surface);
+                Narrow::Simple(Box::new(ExactScratch::new(&body.surface, &mut solver)))
+            }
+        };
+        Self { set: ContactSet::new(), narrow }
     }
 
     /// Contacts of a tool at `pose` with a body.
-    pub fn contacts(
-        &mut self,
-        shape: &ToolShape,
-        pose: &Pose,
-        surface: &Surface,
-        solver: &mut ClosestSolver,
-        reach: Reach,
-    ) {
+    pub fn contacts(&mut self, shape: &ToolShape, pose: &Pose, parts: &mut BodyScratch, reach: Reach) {
         self.set.clear();
-        if let ToolShape::Plane { normal } = shape {
-            let plane = pose.rotation * normal;
-            let point = Point3::from(pose.translation.vector);
-            let (u, v, on_body) = solver.deepest_along(surface, &-plane);
-            let depth_m = (point - on_body).dot(&plane);
-            if depth_m > -reach.margin_m {
-                let normal = -plane;
-                self.set.push(Contact {
-                    u,
-                    v,
-                    on_body,
-                    on_tool: on_body - normal * depth_m,
-                    normal,
-                    depth_m,
-                    tool_uv: None,
-                });
+        let (surface, solver) = (&parts.surface, &mut parts.solver);
+        let place = Point3::from(pose.translation.vector);
+        match (shape, &mut self.narrow) {
+            (ToolShape::Plane { normal }, Narrow::Simple(scratch)) => {
+                let plane = pose.rotation * normal;
+                exact::plane::contacts(surface, solver, &place, &plane, &reach, scratch, &mut self.set);
             }
+            (shape, Narrow::Simple(scratch)) => {
+                if let Some(radius_m) = shape.ball_radius_m() {
+                    exact::ball::contacts(surface, solver, &place, radius_m, &reach, scratch, &mut self.set);
+                }
+            }
+            _ => {}
         }
     }
 
-    /// Samples of a deforming body in touch with a tool.
+    /// Samples of a deforming body in touch with a tool that is no ball.
     pub fn samples_in_touch(
         &mut self,
         shape: &ToolShape,
@@ -59,21 +73,32 @@ impl PairScratch {
         meets: impl Fn(&Point3, &Point3) -> bool,
         hits: &mut Vec<SampleInTouch>,
     ) {
+        let place = Point3::from(pose.translation.vector);
         if let ToolShape::Plane { normal } = shape {
             let plane = pose.rotation * normal;
-            let point = Point3::from(pose.translation.vector);
-            let look = |x: &Point3| Some(Facing { gap_m: (x - point).dot(&plane), normal: -plane, uv: [0.0; 2] });
+            let look = |x: &Point3| {
+                let (gap_m, normal) = exact::plane::signed_gap(&place, &plane, x);
+                Some(Facing { gap_m, normal, uv: [0.0; 2] })
+            };
             view.samples_in_touch(margin_m, meets, look, hits);
         }
     }
 
     /// Contacts of two bodies.
-    pub fn body_contacts(&mut self, _mine: &mut BodyScratch, _theirs: &mut BodyScratch, _reach: Reach) {
+    pub fn body_contacts(&mut self, mine: &mut BodyScratch, theirs: &mut BodyScratch, reach: Reach) {
         self.set.clear();
+        if let Narrow::Bodies(solver) = &mut self.narrow {
+            let (mine, theirs) = (side(mine), side(theirs));
+            solver.contacts(mine, theirs, reach, &mut self.set);
+        }
     }
 
     /// Contacts of a body with itself.
     pub fn own_contacts(&mut self, _parts: &mut BodyScratch, _reach: Reach) {
         self.set.clear();
     }
+}
+
+fn side(parts: &mut BodyScratch) -> PairSide<'_> {
+    PairSide { surface: &parts.surface, solver: &mut parts.solver }
 }

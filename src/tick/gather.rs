@@ -14,7 +14,7 @@ use crate::contact::proxy::BallContact;
 use crate::contact::rows::{Facing, Holder};
 use crate::contact::{Contact, Reach, distance_squared_to_box};
 use crate::haptics::LinkPhase;
-use crate::math::{Point3, Pose};
+use crate::math::{Point3, Pose, Rotation};
 use crate::scene::{Scene, SceneState, Scratch};
 
 /// Most steps of an anchor through empty space in one tick.
@@ -79,9 +79,9 @@ fn ball(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch, p: usize, 
         return;
     }
     let reach = Reach { margin_m: margin, below: proxy.below };
-    let set = &mut pairs[p].set;
-    set.clear();
-    let _ = reach;
+    let here = Pose::from_parts(held.centre.coords.into(), Rotation::identity());
+    pairs[p].contacts(&scene.tools[t].shape, &here, parts, reach);
+    let set = &pairs[p].set;
     let gap_now = (held.centre - held.foot.point).dot(&held.normal) - radius_m;
     let first = Contact {
         u: held.foot.u,
@@ -136,7 +136,7 @@ fn shape(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch, p: usize,
         let way = free - anchor;
         let length = way.norm();
         let reach = Reach { margin_m: length.min(longest).max(margin), below: proxy.below };
-        scratch_pair.contacts(&tool.shape, &pose_at(anchor), &parts.surface, &mut parts.solver, reach);
+        scratch_pair.contacts(&tool.shape, &pose_at(anchor), parts, reach);
         if length <= reach.margin_m || !scratch_pair.set.contacts().is_empty() || stride + 1 == STRIDES {
             break;
         }
