@@ -13,6 +13,7 @@ pub mod rows;
 mod samples;
 mod set;
 mod shape;
+pub mod spheres;
 
 pub use samples::SampleGrid;
 pub use set::{Contact, ContactSet, MAX_CONTACTS, Reach, Rectangle};
