@@ -16,6 +16,7 @@ mod samples;
 mod set;
 mod shape;
 pub mod sharing;
+pub mod spheres;
 
 pub use samples::{SampleGrid, distance_squared_to_box};
 pub use set::{Contact, ContactSet, MAX_CONTACTS, Reach, Rectangle};

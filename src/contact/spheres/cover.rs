@@ -1,0 +1,241 @@
+//! A surface under spheres: at each level one for each cell, which holds the surface of the cell.
+
+use super::grid::{Axis, Cell};
+use super::points::Points;
+use super::sag::Sag;
+use super::sphere::Sphere;
+use crate::math::{Point3, Pose, Vector3};
+use crate::surface::Surface;
+
+/// A cell: its place among those of its level.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) struct CellId {
+    pub level: u8,
+    pub i: u16,
+    pub j: u16,
+}
+
+/// Points, spheres and bounds of one surface on one grid.
+#[derive(Clone, Debug)]
+pub(super) struct Cover {
+    pub u: Axis,
+    pub v: Axis,
+    pub points: Points,
+    sag: Sag,
+    /// (net) as it is placed, m.
+    control: Vec<Point3>,
+    /// (levels) of (cells u × cells v), m; only where the stamp is that of now.
+    spheres: Vec<Vec<(Sphere, u32)>>,
+    now: u32,
+    /// (spans u × spans v) boxes of the control points that shape a span: they hold it.
+    boxes: Vec<[Point3; 2]>,
+    /// (rows × spans v) of the same along v only.
+    strips: Vec<[Point3; 2]>,
+    /// Room for rounding, m: a share of the coordinates' size.
+    noise_m: f64,
+    /// Diagonal of the net's box, m.
+    pub size_m: f64,
+    /// Spheres made since last asked.
+    pub made: u32,
+    /// The edges at the start and end of each direction are single points.
+    pub poles: [[bool; 2]; 2],
+    pub closed: bool,
+}
+
+impl Cover {
+    pub fn new(surface: &Surface, rows: [usize; 2]) -> Self {
+        let topology = surface.topology();
+        let u = Axis::new(surface.knots_u(), rows[0], topology.wraps(0));
+        let v = Axis::new(surface.knots_v(), rows[1], topology.wraps(1));
+        let none = (Sphere { centre: Point3::origin(), radius_m: 0.0 }, 0);
+        let levels = u.levels.len().max(v.levels.len());
+        let spheres = (0..levels).map(|k| vec![none; u.level(k).len() * v.level(k).len()]).collect();
+        let spans = u.span_first.len() * v.span_first.len();
+        let mut new = Self {
+            points: Points::new(surface, &u, &v),
+            sag: Sag::new(surface.knots_u(), surface.knots_v(), &u, &v),
+            control: surface.net().points().to_vec(),
+            spheres,
+            now: 0,
+            boxes: vec![[Point3::origin(); 2]; spans],
+            strips: vec![[Point3::origin(); 2]; u.columns[1] * v.span_first.len()],
+            noise_m: 0.0,
+            size_m: 0.0,
+            made: 0,
+            poles: topology.poles,
+            closed: topology.is_closed(),
+            u,
+            v,
+        };
+        new.load(surface, &Pose::identity());
+        new
+    }
+
+    /// Takes over a net, placed by `pose`.
+    pub fn load(&mut self, surface: &Surface, pose: &Pose) {
+        for (to, p) in self.control.iter_mut().zip(surface.net().points()) {
+            *to = if *pose == Pose::identity() { *p } else { pose * p };
+        }
+        self.points.load(&self.control, surface.weights(), &self.u, &self.v);
+        self.sag.refresh(&self.points, &self.u, &self.v);
+        self.refresh_boxes();
+        if self.now == u32::MAX {
+            self.spheres.iter_mut().flatten().for_each(|sphere| sphere.1 = 0);
+            self.now = 0;
+        }
+        self.now += 1;
+    }
+
+    fn refresh_boxes(&mut self) {
+        let spans = self.v.span_first.len();
+        let join = |sum: [Point3; 2], other: &[Point3; 2]| [sum[0].inf(&other[0]), sum[1].sup(&other[1])];
+        let nothing = [Point3::from([f64::INFINITY; 3]), Point3::from([f64::NEG_INFINITY; 3])];
+        for i in 0..self.u.columns[1] {
+            let line = &self.control[(i % self.u.columns[0]) * self.v.columns[0]..][..self.v.columns[0]];
+            for (j, &first) in self.v.span_first.iter().enumerate() {
+                let points = (first as usize..first as usize + self.v.width).map(|b| line[b % line.len()]);
+                self.strips[i * spans + j] = points.fold(nothing, |sum, p| join(sum, &[p, p]));
+            }
+        }
+        let mut whole = nothing;
+        for (i, &first) in self.u.span_first.iter().enumerate() {
+            for j in 0..spans {
+                let column = (first as usize..first as usize + self.u.width).map(|a| &self.strips[a * spans + j]);
+                let joined = column.fold(nothing, join);
+                self.boxes[i * spans + j] = joined;
+                whole = join(whole, &joined);
+            }
+        }
+        self.size_m = (whole[1] - whole[0]).norm();
+        self.noise_m = 64.0 * f64::EPSILON * whole[0].coords.amax().max(whole[1].coords.amax());
+    }
+
+    /// Room for rounding of coordinates, m.
+    pub fn noise_m(&self) -> f64 {
+        self.noise_m
+    }
+
+    /// The control point farthest along a direction.
+    pub fn farthest(&self, direction: &Vector3) -> Vector3 {
+        let (mut most, mut at) = (f64::NEG_INFINITY, Vector3::zeros());
+        for p in &self.control {
+            let along = p.coords.dot(direction);
+            if along > most {
+                (most, at) = (along, p.coords);
+            }
+        }
+        at
+    }
+
+    /// +1, or −1 where the outward side is against S_u × S_v.
+    pub fn outward(&self) -> f64 {
+        if self.points.is_flipped() { -1.0 } else { 1.0 }
+    }
+
+    /// Calls with every cell of the coarsest level.
+    pub fn every(&self, mut each: impl FnMut(CellId)) {
+        for i in 0..self.u.level(0).len() {
+            for j in 0..self.v.level(0).len() {
+                each(CellId { level: 0, i: i as u16, j: j as u16 });
+            }
+        }
+    }
+
+    pub fn levels(&self) -> usize {
+        self.spheres.len()
+    }
+
+    #[inline(always)]
+    pub fn cells(&self, id: CellId) -> (&Cell, &Cell) {
+        let level = usize::from(id.level);
+        (&self.u.level(level)[usize::from(id.i)], &self.v.level(level)[usize::from(id.j)])
+    }
+
+    /// Corners of a cell, in order round it.
+    #[inline]
+    pub fn corners(&mut self, id: CellId) -> [Point3; 4] {
+        let (u, v) = self.cells(id);
+        let ([a, b], [c, d]) = (u.rows, v.rows);
+        [(a, c), (b, c), (b, d), (a, d)].map(|(i, j)| self.points.at(&self.u, &self.v, i, j))
+    }
+
+    /// Parameters at the corners of a cell, in the same order.
+    pub fn parameters(&self, id: CellId) -> [[f64; 2]; 4] {
+        let (u, v) = self.cells(id);
+        let ([a, b], [c, d]) = (u.rows, v.rows);
+        [(a, c), (b, c), (b, d), (a, d)].map(|(i, j)| [self.u.parameters[i as usize], self.v.parameters[j as usize]])
+    }
+
+    /// The sphere that holds the surface of a cell.
+    #[inline]
+    pub fn sphere(&mut self, id: CellId) -> Sphere {
+        let level = usize::from(id.level);
+        let at = usize::from(id.i) * self.v.level(level).len() + usize::from(id.j);
+        let (sphere, stamp) = self.spheres[level][at];
+        if stamp == self.now {
+            return sphere;
+        }
+        self.made += 1;
+        let mut sphere = Sphere::about(self.corners(id));
+        sphere.radius_m += self.sag(id) + self.noise_m;
+        self.spheres[level][at] = (sphere, self.now);
+        sphere
+    }
+
+    /// How far the surface of a cell is from its bilinear patch, at most, m.
+    pub fn sag(&self, id: CellId) -> f64 {
+        let (u, v) = self.cells(id);
+        self.sag.of(u, v, self.v.span_first.len())
+    }
+
+    /// Cells of the next level: from and to (excluded) in u and v.
+    #[inline(always)]
+    pub fn children(&self, id: CellId) -> [[u32; 2]; 2] {
+        let level = usize::from(id.level);
+        let of = |axis: &Axis, k: u16| {
+            if level + 1 < axis.levels.len() {
+                axis.levels[level][usize::from(k)].children
+            } else {
+                [k.into(), u32::from(k) + 1]
+            }
+        };
+        [of(&self.u, id.i), of(&self.v, id.j)]
+    }
+
+    /// Calls with every cell of the coarsest level over spans that `touched` says yes to.
+    pub fn concerned(&self, touched: impl Fn(&Point3, &Point3) -> bool, mut each: impl FnMut(CellId)) {
+        let spans = self.v.span_first.len();
+        for (i, u) in self.u.level(0).iter().enumerate() {
+            for (j, v) in self.v.level(0).iter().enumerate() {
+                let meets = (u.spans[0]..u.spans[1]).any(|a| {
+                    (v.spans[0]..v.spans[1]).any(|b| {
+                        let [low, high] = &self.boxes[a as usize * spans + b as usize];
+                        touched(low, high)
+                    })
+                });
+                if meets {
+                    each(CellId { level: 0, i: i as u16, j: j as u16 });
+                }
+            }
+        }
+    }
+
+    /// Box of the whole net.
+    pub fn bounds(&self) -> [Point3; 2] {
+        self.boxes.iter().fold(self.boxes[0], |sum, b| [sum[0].inf(&b[0]), sum[1].sup(&b[1])])
+    }
+
+    /// The normals at the corners of a cell differ by less than `turn`, and the surface stays as near to its corners' patch
+    /// as that turn over the cell's size: between them a bump cannot hide.
+    pub fn is_flat(&mut self, id: CellId, turn: f64) -> bool {
+        let sphere = self.sphere(id);
+        if self.sag(id) > turn * sphere.radius_m {
+            return false;
+        }
+        let (u, v) = self.cells(id);
+        let ([a, b], [c, d]) = (u.rows, v.rows);
+        let normals = [(a, c), (b, c), (b, d), (a, d)].map(|(i, j)| self.points.normal(&self.u, &self.v, i, j));
+        let Some(first) = normals[0] else { return false };
+        normals.iter().all(|normal| normal.is_some_and(|n| (n - first).norm_squared() < turn * turn))
+    }
+}
