@@ -204,3 +204,76 @@ fn a_push_goes_through_a_body_into_the_next() {
     // What the neighbour bears came through the first drop, whose stand bears the rest.
     assert!(firm.1 < firm.0, "{firm:?}");
 }
+
+fn globe(shape: &str, extra: &str) -> String {
+    format!(
+        r#"
+[[body]]
+id = "globe"
+surface = {{ builtin = "sphere", size = 0.05 }}
+[[tool]]
+id = "tool"
+shape = {shape}
+pose = {{ position = [0.09, 0.0, 0.0] }}
+coupling = {{ stiffness_n_m = 700.0, damping_n_s_m = 0.0 }}
+device = {{ force_max_n = 500.0, ramp_s = 0.0, speed_max_m_s = 1000.0 }}
+{extra}
+"#
+    )
+}
+
+/// The worst miss of K × depth over a path around the globe, relative to the largest force; ticks in touch.
+fn worst_on_globe(text: &str) -> (f64, u32) {
+    let mut world = World::new(text);
+    let (mut worst, mut touched) = (0.0f64, 0);
+    for k in 0..1_500 {
+        let t = f64::from(k) * 2e-3;
+        let radius = 0.0585 + 0.0025 * (9.0 * t + 1.0).cos();
+        let (polar, azimuth) = (1.57 - 0.3 * t, 0.4 * t);
+        let n = Vector3::new(polar.sin() * azimuth.cos(), polar.sin() * azimuth.sin(), polar.cos());
+        let place = n * radius;
+        if k == 0 {
+            for s in 0..=100 {
+                let place = n * (0.09 + (radius - 0.09) * f64::from(s) / 100.0);
+                world.at([place.x, place.y, place.z]);
+            }
+        }
+        let tool = world.at([place.x, place.y, place.z]).tools[0];
+        let expected = n * (700.0 * (0.06 - radius).max(0.0));
+        worst = worst.max((tool.force_n - expected).norm() / (700.0 * 0.004));
+        touched += u32::from(tool.contact.is_some());
+    }
+    (worst, touched)
+}
+
+// A surface tool in the shape of a ball, and a ball on sampled points: all feel K × depth, each to its own accuracy.
+#[test]
+fn shapes_and_methods_agree_on_a_globe() {
+    let ball = "{ sphere = { radius_m = 0.01 } }";
+    let spheres = "[[contact]]\npair = [\"tool\", \"globe\"]\nmethod = \"spheres\"\nresolution = ";
+    let cases = [
+        ("ball", globe(ball, ""), 1e-9),
+        // Planes through the contacts of one more look: a hand 4 mm deep in a globe of 60 mm turns them by a fifteenth of
+        // what it turns by in a tick, a milliradian.
+        ("surface", globe("{ surface = { builtin = \"sphere\", size = 0.01 } }", ""), 2e-4),
+        // A chord of 244 rows misses h² / 8 R of depth: half a µm of 4 mm, and with it tilts by h / 2 R.
+        ("spheres 244", globe(ball, &format!("{spheres}[244, 244]")), 1e-2),
+        ("spheres 82", globe(ball, &format!("{spheres}[82, 82]")), 3e-2),
+    ];
+    for (name, text, bar) in cases {
+        let (worst, touched) = worst_on_globe(&text);
+        println!("{name}: {worst:.1e} of the largest force over {touched} ticks in touch");
+        assert!(touched > 500, "{name}: {touched}");
+        assert!(worst < bar, "{name}: {worst}");
+    }
+}
+
+// 120 mm in one tick, past the middle of the globe.
+#[test]
+fn a_surface_tool_that_jumps_through_the_body_is_held_on_the_side_it_came_from() {
+    let mut world = World::new(&globe("{ surface = { builtin = \"sphere\", size = 0.01 } }", ""));
+    world.at([0.09, 0.0, 0.0]);
+    let tool = world.at([-0.03, 0.0, 0.0]).tools[0];
+    assert!((tool.proxy_position.x - 0.06).abs() < 1e-6, "proxy at {}", tool.proxy_position);
+    assert!((tool.force_n.x - 700.0 * 0.09).abs() < 1e-2, "{}", tool.force_n);
+}

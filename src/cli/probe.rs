@@ -2,6 +2,7 @@
 
 use super::Outcome;
 use crate::contact::rows::Holder;
+use crate::contact::spheres::{Counters, LevelCounters};
 use crate::haptics::DevicePose;
 use crate::math::{Point3, Rotation, Vector3};
 use crate::scene::spec::MAX_TOOLS;
@@ -40,7 +41,44 @@ struct Row {
     contact: Option<ContactRow>,
     /// All that carry force, deepest first, at most sixteen.
     contacts: Vec<ContactRow>,
+    /// What the `spheres` method did in the last tick, by pair that uses it.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    spheres: Vec<SpheresRow>,
     settled: bool,
+}
+
+#[derive(Debug, Serialize)]
+struct SpheresRow {
+    holder: String,
+    body: String,
+    hulls_apart: bool,
+    early_stop: Option<u8>,
+    /// Of the body, then of the holder, coarsest first: points, spheres, tests, meets.
+    levels: [Vec<[u32; 4]>; 2],
+    triangulated_cells: u32,
+    triangle_tests: u32,
+    triangle_meets: u32,
+    dropped: u32,
+}
+
+impl SpheresRow {
+    fn new(holder: &str, body: &str, counters: &Counters) -> Self {
+        let levels = |side: &[LevelCounters]| {
+            let used = side.iter().rposition(|level| level.spheres > 0).map_or(0, |last| last + 1);
+            side[..used].iter().map(|level| [level.points, level.spheres, level.tests, level.meets]).collect()
+        };
+        Self {
+            holder: holder.to_owned(),
+            body: body.to_owned(),
+            hulls_apart: counters.hulls_apart,
+            early_stop: counters.early_stop,
+            levels: [levels(&counters.body), levels(&counters.tool)],
+            triangulated_cells: counters.triangulated_cells,
+            triangle_tests: counters.triangle_tests,
+            triangle_meets: counters.triangle_meets,
+            dropped: counters.dropped,
+        }
+    }
 }
 
 #[derive(Debug, Serialize)]
@@ -103,6 +141,12 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
             let [x, y, z] = row.position;
             let [fx, fy, fz] = row.force;
             println!("{x:>12.6}{y:>12.6}{z:>12.6}  {fx:>12.6}{fy:>12.6}{fz:>12.6} {:>10.4}", row.depth * 1e3);
+            for row in &row.spheres {
+                let SpheresRow { holder, body, levels: [ours, theirs], triangle_tests, .. } = row;
+                println!(
+                    "    spheres {holder} on {body}: points, spheres, tests, meets by level {ours:?} {theirs:?}, {triangle_tests} triangle tests"
+                );
+            }
             for ContactRow { body, u, v, point: [x, y, z], depth, force, .. } in &row.contacts {
                 let force = Vector3::from(*force).norm();
                 println!(
@@ -183,6 +227,7 @@ fn probe(scene: &Scene, tool: usize, pose: &DevicePose) -> Row {
         before = force;
     }
     let own = out.contacts.list().iter().filter(|contact| contact.holder == Holder::Tool(tool as u32));
+    let counters = scratch.spheres_counters(scene);
     let out = &out.tools[tool];
     Row {
         position: pose.position.coords.into(),
@@ -193,6 +238,7 @@ fn probe(scene: &Scene, tool: usize, pose: &DevicePose) -> Row {
         contact_count: out.contact_count,
         contact: out.contact.as_ref().map(|contact| ContactRow::new(scene, contact)),
         contacts: own.map(|contact| ContactRow::new(scene, contact)).collect(),
+        spheres: counters.map(|(holder, body, counters)| SpheresRow::new(holder, body, counters)).collect(),
         settled,
     }
 }

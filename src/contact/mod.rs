@@ -20,4 +20,4 @@ pub mod spheres;
 
 pub use samples::{SampleGrid, distance_squared_to_box};
 pub use set::{Contact, ContactSet, MAX_CONTACTS, Reach, Rectangle};
-pub use shape::ToolShape;
+pub use shape::{SurfaceShape, ToolShape};

@@ -8,7 +8,7 @@ use super::{Body, BodyModel, LatticeBody, Method, Pair, Scene, Tool};
 use crate::body::layers::{self, RingEnds, Rings};
 use crate::body::{CellGrid, Lattice, Material, StepSettings};
 use crate::contact::rows::Holder;
-use crate::contact::{SampleGrid, ToolShape};
+use crate::contact::{SampleGrid, SurfaceShape, ToolShape};
 use crate::haptics::{Coupling, LinkLimits};
 use crate::math::{Point3, Pose, Rotation, Vector3};
 use crate::surface::{self, Closing, Surface, Topology};
@@ -48,7 +48,7 @@ impl Scene {
         }
         let mut tools = Vec::new();
         for (t, tool) in spec.tools.iter().enumerate() {
-            tools.push(build_tool(tool, &format!("tool[{t}]"), dt_s)?);
+            tools.push(build_tool(tool, &format!("tool[{t}]"), directory, dt_s)?);
         }
         let pairs = build_pairs(spec, &tools, &bodies)?;
         for pair in &pairs {
@@ -76,20 +76,29 @@ impl Scene {
 pub fn inline_files(spec: &SceneSpec, directory: &Path) -> Result<SceneSpec, SceneError> {
     let mut inlined = spec.clone();
     for (b, body) in inlined.bodies.iter_mut().enumerate() {
-        if let Some(file) = body.surface.file.take() {
-            let path = format!("body[{b}].surface.file");
-            let full = directory.join(&file);
-            let text = std::fs::read_to_string(&full)
-                .map_err(|e| error(&path, format!("cannot read {}: {e}", full.display())))?;
-            let mut document: serde_json::Value = serde_json::from_str(&text).map_err(|e| error(&path, e))?;
-            // TOML, as which recordings keep the scene, has no null; absent says the same.
-            if let Some(fields) = document.as_object_mut() {
-                fields.retain(|_, value| !value.is_null());
-            }
-            body.surface.inline = Some(document);
+        inline_surface(&mut body.surface, &format!("body[{b}].surface"), directory)?;
+    }
+    for (t, tool) in inlined.tools.iter_mut().enumerate() {
+        if let ShapeSpec::Surface(surface) = &mut tool.shape {
+            inline_surface(surface, &format!("tool[{t}].shape.surface"), directory)?;
         }
     }
     Ok(inlined)
+}
+
+fn inline_surface(surface: &mut SurfaceSpec, path: &str, directory: &Path) -> Result<(), SceneError> {
+    let Some(file) = surface.file.take() else { return Ok(()) };
+    let path = format!("{path}.file");
+    let full = directory.join(file);
+    let text =
+        std::fs::read_to_string(&full).map_err(|e| error(&path, format!("cannot read {}: {e}", full.display())))?;
+    let mut document: serde_json::Value = serde_json::from_str(&text).map_err(|e| error(&path, e))?;
+    // TOML, as which recordings keep the scene, has no null; absent says the same.
+    if let Some(fields) = document.as_object_mut() {
+        fields.retain(|_, value| !value.is_null());
+    }
+    surface.inline = Some(document);
+    Ok(())
 }
 
 /// Every tool against every body, bodies that deform against all others, and those that may touch themselves; exceptions
@@ -149,7 +158,7 @@ fn build_pairs(spec: &SceneSpec, tools: &[Tool], bodies: &[Body]) -> Result<Vec<
     Ok(pairs)
 }
 
-fn build_tool(spec: &ToolSpec, path: &str, dt_s: f64) -> Result<Tool, SceneError> {
+fn build_tool(spec: &ToolSpec, path: &str, directory: &Path, dt_s: f64) -> Result<Tool, SceneError> {
     let shape = match &spec.shape {
         ShapeSpec::Point {} => ToolShape::Point,
         ShapeSpec::Sphere { radius_m } if radius_m.is_finite() && *radius_m > 0.0 => {
@@ -163,6 +172,10 @@ fn build_tool(spec: &ToolSpec, path: &str, dt_s: f64) -> Result<Tool, SceneError
         }
         ShapeSpec::Plane { normal } => {
             ToolShape::Plane { normal: unit(normal, &format!("{path}.shape.plane.normal"))? }
+        }
+        ShapeSpec::Surface(spec) => {
+            let surface = build_surface(spec, &format!("{path}.shape.surface"), directory)?;
+            ToolShape::Surface(Box::new(SurfaceShape::new(surface)))
         }
     };
     let coupling = &spec.coupling;

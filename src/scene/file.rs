@@ -1,6 +1,6 @@
 //! Reads a scene file and says of everything that is wrong with it where it stands and how to mend it.
 
-use super::spec::{ContactMethod, ContactSpec, MAX_TOOLS, ModelSpec, SceneSpec, ShapeSpec};
+use super::spec::{ContactMethod, ContactSpec, MAX_TOOLS, ModelSpec, SceneSpec, ShapeSpec, SurfaceSpec};
 use crate::surface::builtin::BUILTINS;
 use std::fmt;
 use std::ops::Range;
@@ -245,7 +245,7 @@ impl Check<'_> {
         }
         for (t, tool) in spec.tools.iter().enumerate() {
             self.id("tool", t, &tool.id, &tools);
-            self.tool(t, tool);
+            self.tool(t, tool, directory);
         }
         for (c, contact) in spec.contacts.iter().enumerate() {
             self.contact(c, contact, &tools, &bodies);
@@ -276,13 +276,12 @@ impl Check<'_> {
         }
     }
 
-    fn body(&mut self, b: usize, body: &super::spec::BodySpec, directory: &Path) {
-        let surface = &body.surface;
+    fn surface(&mut self, table: &str, index: usize, surface: &SurfaceSpec, directory: &Path) {
         let given = usize::from(surface.builtin.is_some())
             + usize::from(surface.file.is_some())
             + usize::from(surface.inline.is_some());
         if given != 1 {
-            self.refuse("body", b, "surface", "surface needs exactly one of builtin, file, inline");
+            self.refuse(table, index, "surface", "surface needs exactly one of builtin, file, inline");
         }
         if let Some(name) = &surface.builtin
             && !BUILTINS.contains(&name.as_str())
@@ -290,27 +289,36 @@ impl Check<'_> {
             let near = BUILTINS.iter().min_by_key(|known| strsim::damerau_levenshtein(name, known)).unwrap_or(&"");
             let message =
                 format!("{name:?} is no builtin surface; did you mean {near:?}? (known: {})", BUILTINS.join(", "));
-            self.refuse("body", b, "builtin", message);
+            self.refuse(table, index, "builtin", message);
         }
         if let Some(net) = surface.net
             && net.iter().any(|&n| n < 2)
         {
-            self.refuse("body", b, "net", format!("net {net:?} is too small; at least 4 in each direction are needed"));
+            self.refuse(
+                table,
+                index,
+                "net",
+                format!("net {net:?} is too small; at least 4 in each direction are needed"),
+            );
         }
         if let Some(size) = surface.size {
-            self.above_zero("body", b, "size", size, "m");
+            self.above_zero(table, index, "size", size, "m");
         }
         if let Some(file) = &surface.file
             && !directory.join(file).is_file()
         {
             let path = directory.join(file);
             self.refuse(
-                "body",
-                b,
+                table,
+                index,
                 "file",
                 format!("there is no file {}; paths start at the scene file", path.display()),
             );
         }
+    }
+
+    fn body(&mut self, b: usize, body: &super::spec::BodySpec, directory: &Path) {
+        self.surface("body", b, &body.surface, directory);
         self.pose("body", b, &body.pose);
         self.above_zero("body", b, "young_pa", body.material.young_pa, "Pa");
         self.above_zero("body", b, "density_kg_m3", body.material.density_kg_m3, "kg/m³");
@@ -339,11 +347,12 @@ impl Check<'_> {
         }
     }
 
-    fn tool(&mut self, t: usize, tool: &super::spec::ToolSpec) {
+    fn tool(&mut self, t: usize, tool: &super::spec::ToolSpec, directory: &Path) {
         match &tool.shape {
             ShapeSpec::Point {} => {}
             ShapeSpec::Sphere { radius_m } => self.above_zero("tool", t, "radius_m", *radius_m, "m"),
             ShapeSpec::Plane { normal } => self.direction("tool", t, "normal", normal),
+            ShapeSpec::Surface(surface) => self.surface("tool", t, surface, directory),
         }
         self.pose("tool", t, &tool.pose);
         let stiffness = tool.coupling.stiffness_n_m;

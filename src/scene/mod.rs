@@ -13,6 +13,7 @@ pub mod spec;
 mod state;
 
 pub use build::{SceneError, default_samples_per_span, inline_files};
+pub(crate) use narrow::look_at;
 pub use state::{BodyScratch, BodyState, PairState, RunState, SceneState, Scratch, ToolState, WarmRow};
 
 use crate::body::Lattice;

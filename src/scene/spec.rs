@@ -262,7 +262,8 @@ pub struct ToolSpec {
     pub fixes_nodes: bool,
 }
 
-/// `shape = { point = {} }`, `{ sphere = { radius_m = 0.01 } }` or `{ plane = { normal = [0, 0, 1] } }`.
+/// `shape = { point = {} }`, `{ sphere = { radius_m = 0.01 } }`, `{ plane = { normal = [0, 0, 1] } }` or
+/// `{ surface = { builtin = "torus" } }`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase", deny_unknown_fields)]
 pub enum ShapeSpec {
@@ -278,6 +279,8 @@ pub enum ShapeSpec {
         /// Outward normal in the tool's frame, any length above 0.
         normal: [f64; 3],
     },
+    /// A rigid B-spline surface in the tool's frame.
+    Surface(SurfaceSpec),
 }
 
 impl Default for ShapeSpec {

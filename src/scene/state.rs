@@ -8,6 +8,7 @@ use crate::contact::complementarity::Complementarity;
 use crate::contact::proxy::ProxyState;
 use crate::contact::rows::{MAX_ROWS, MAX_ROWS_PER_PAIR, RowSet, SampleInTouch};
 use crate::contact::sharing::Share;
+use crate::contact::spheres::Counters;
 use crate::haptics::Link;
 use crate::math::{Point3, Rotation, StateError, StateSink, StateSource, Stateful};
 use crate::surface::{ClosestSolver, Surface, WarmFoot};
@@ -102,6 +103,14 @@ pub struct Scratch {
     /// Nodes of the rows of one body, and a mark by node.
     pub(crate) involved: Vec<u32>,
     pub(crate) is_involved: Vec<bool>,
+}
+
+impl Scratch {
+    /// What the last queries of the `spheres` method did, by pair: holder, body, counters.
+    pub fn spheres_counters<'a>(&'a self, scene: &'a Scene) -> impl Iterator<Item = (&'a str, &'a str, &'a Counters)> {
+        let pairs = scene.pairs.iter().zip(&self.pairs);
+        pairs.filter_map(|(pair, scratch)| Some((scene.holder_id(pair), scene.body_id(pair.body), scratch.counters()?)))
+    }
 }
 
 /// Buffers of a body.

@@ -4,7 +4,7 @@ use super::feet::{MAX_FEET, margin_m, meet, moving, push_between, view};
 use crate::contact::rows::{FOOT, Facing, HOLDER_SAMPLES};
 use crate::contact::{Contact, Reach};
 use crate::math::Point3;
-use crate::scene::{Scene, SceneState, Scratch};
+use crate::scene::{Scene, SceneState, Scratch, look_at};
 
 /// A body against another, the holder: every contact of both surfaces, and samples of each inside the other.
 pub(super) fn bodies(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch, p: usize, other: usize) {
@@ -28,15 +28,9 @@ pub(super) fn bodies(scene: &Scene, state: &mut SceneState, scratch: &mut Scratc
     for (k, contact) in contacts.iter().take(MAX_FEET).enumerate() {
         push_between(rows, p, pair, FOOT - k as u32, contact, &views, margin);
     }
-    // A point inside a convex body lies beyond the tangent plane at the body's deepest point: that sorts out nearly all.
     if let Some(view) = views[0].as_ref().filter(|_| !contacts.is_empty()) {
         let bounds = theirs.bounds;
-        let look = |x: &Point3| {
-            let near = nearest(contacts, x, |c| (x - c.on_tool).dot(&c.normal) > -margin)?;
-            let [s, t] = near.tool_uv?;
-            let foot = theirs.solver.local(&theirs.surface, x, s, t)?;
-            Some(Facing { gap_m: foot.signed_distance, normal: -foot.normal, uv: [foot.u, foot.v] })
-        };
+        let look = |x: &Point3| look_at(contacts, x, margin, &theirs.surface, &theirs.solver);
         view.samples_in_touch(margin, |low, high| meet(&bounds, low, high, margin), look, hits);
         for hit in hits.iter() {
             let (u, v) = view.samples.parameter(hit.index);

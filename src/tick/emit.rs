@@ -4,7 +4,7 @@ use super::record::{ContactReport, TickOutput};
 use crate::contact::rows::{Holder, Row};
 use crate::haptics::{LinkPhase, limit};
 use crate::math::Vector3;
-use crate::scene::{BodyModel, Scene, SceneState, Scratch, WarmRow, flags};
+use crate::scene::{BodyModel, Method, Scene, SceneState, Scratch, WarmRow, flags};
 
 /// Limits the forces, loads the bodies with their opposites, and writes what the tools get.
 pub(super) fn emit(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch, output: &mut TickOutput) {
@@ -32,7 +32,8 @@ pub(super) fn emit(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch,
         let held = free + force * tool.coupling.compliance_m_n();
         // A saturated coupling lets the device in further than the balance knows: a ball then stays on the surface as it
         // stands; other shapes see at the next tick how far they are in.
-        let whole = (factor == 1.0 || !ball) && held.iter().all(|x| x.is_finite());
+        let guarded = ball && scene.pairs.iter().all(|pair| pair.tool() != Some(t) || pair.method == Method::Exact);
+        let whole = (factor == 1.0 || !guarded) && held.iter().all(|x| x.is_finite());
         tool_state.proxy = if whole { held } else { scratch.rows.proxies[t] };
         let device = tool_state.link.pose.position;
         for (i, row) in scratch.rows.rows.iter().enumerate().filter(|(_, row)| own(row)) {

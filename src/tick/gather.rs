@@ -14,13 +14,17 @@ use crate::contact::proxy::BallContact;
 use crate::contact::rows::{Facing, Holder};
 use crate::contact::{Contact, Reach, distance_squared_to_box};
 use crate::haptics::LinkPhase;
-use crate::math::{Point3, Pose, Rotation};
-use crate::scene::{Scene, SceneState, Scratch};
+use crate::math::{Point3, Pose, Rotation, Vector3};
+use crate::scene::{BodyModel, Method, Scene, SceneState, Scratch};
 
 /// Most steps of an anchor through empty space in one tick.
 const STRIDES: usize = 64;
 /// Longest of these steps, relative to the body's size: within it, what is near is described by planes.
 const STRIDE: f64 = 0.05;
+/// A slide shorter than this, relative to the body's size, turns no normal that a hand could tell.
+const SLID: f64 = 1e-6;
+/// Rounds of projection on contacts.
+const PROJECTIONS: usize = 20;
 /// Feet closer than this, relative to the body's size, are one.
 const SAME: f64 = 1e-6;
 
@@ -47,8 +51,8 @@ pub(super) fn gather(scene: &Scene, state: &mut SceneState, scratch: &mut Scratc
                     continue;
                 }
                 match scene.tools[t].shape.ball_radius_m() {
-                    Some(radius_m) => ball(scene, state, scratch, p, t, radius_m),
-                    None => shape(scene, state, scratch, p, t),
+                    Some(radius_m) if pair.method == Method::Exact => ball(scene, state, scratch, p, t, radius_m),
+                    _ => shape(scene, state, scratch, p, t),
                 }
             }
             Holder::Body(other) if other as usize == pair.body => itself(scene, scratch, p),
@@ -115,7 +119,7 @@ fn ball(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch, p: usize, 
     }
 }
 
-/// Tools that are no ball. Their orientation is the device's.
+/// Tools that are no ball, and all on the `spheres` method. Their orientation is the device's.
 fn shape(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch, p: usize, t: usize) {
     let Scratch { bodies, pairs, rows, hits, .. } = scratch;
     let pair = &scene.pairs[p];
@@ -143,6 +147,16 @@ fn shape(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch, p: usize,
         // Nothing is within reach: that far it may go.
         anchor += way * (0.99 * reach.margin_m / length);
     }
+    if matches!(body.model, BodyModel::Rigid) {
+        // Normals turn while the tool slides: look again from where these contacts let it go.
+        let slid = slide(scratch_pair.set.contacts(), free - anchor);
+        if slid.norm() > SLID * body.size_m && !scratch_pair.set.contacts().is_empty() {
+            anchor += slid;
+            let margin_m = (free - anchor).norm().min(longest).max(margin);
+            let reach = Reach { margin_m, below: proxy.below };
+            scratch_pair.contacts(&tool.shape, &pose_at(anchor), parts, reach);
+        }
+    }
     let set = &scratch_pair.set;
     proxy.touching = set.contacts().iter().any(|contact| contact.depth_m > -margin);
     let carried = free - anchor;
@@ -158,4 +172,23 @@ fn shape(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch, p: usize,
     for hit in hits.iter() {
         push_sample(rows, p, pair, hit, &view, carried, margin);
     }
+}
+
+/// The part of a way that contacts allow: projected on their half-spaces, one after the other.
+fn slide(contacts: &[Contact], way: Vector3) -> Vector3 {
+    let mut slid = way;
+    for _ in 0..PROJECTIONS {
+        let mut changed = false;
+        for contact in contacts {
+            let gap = slid.dot(&contact.normal) - contact.depth_m;
+            if gap < 0.0 {
+                slid -= contact.normal * gap;
+                changed = true;
+            }
+        }
+        if !changed {
+            break;
+        }
+    }
+    slid
 }
