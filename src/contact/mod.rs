@@ -8,6 +8,7 @@
 //! Normals point out of the body, towards the tool; a gap is negative where the tool is inside.
 
 pub mod complementarity;
+pub mod own;
 pub mod pair;
 pub mod proxy;
 pub mod rows;

@@ -79,7 +79,6 @@ impl Upper<'_> {
         let mut view = View { at: [u, v], frame: self.solver.frame_at(self.surface, u, v), feet: [None; FEET] };
         let first = below.follow(&view.frame.point, from.0, from.1);
         view.add(first, self.size_m);
-        view.add(below.near(&view.frame.point), self.size_m);
         let mut radius = reach_m;
         let mut certified = None;
         let mut arrived = false;
@@ -164,8 +163,11 @@ impl Upper<'_> {
             let sounding = below.follow(&frame.point, foot.foot.at.u, foot.foot.at.v);
             next.add(sounding, self.size_m);
         }
-        let near = below.near(&frame.point);
-        next.add(near, self.size_m);
+        let (depth, (s, t)) = below.rough(&frame.point);
+        if depth < next.depth_m() - 1e-4 * depth.abs() {
+            let closer = below.follow(&frame.point, s, t);
+            next.add(closer, self.size_m);
+        }
         Some(next)
     }
 
