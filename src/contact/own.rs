@@ -18,6 +18,8 @@ use crate::surface::{ClosestPoint, ClosestSolver, Frame, Surface};
 const MOST_PARTS: usize = 20_000;
 /// Halvings of a part in each direction: 2⁻²⁶ of a cell is about rounding of a difference of squares.
 const DEEPEST: u32 = 26;
+/// Deepest fold that is looked for, relative to the size.
+const DEEPEST_FOLD: f64 = 0.2;
 /// Pairs of cells handed to Newton.
 const MOST_PAIRS: usize = 4096;
 
@@ -39,8 +41,8 @@ impl SelfSolver {
 
     /// Places where the surface penetrates itself, each with the greatest depth around, deepest first; and gaps up to
     /// `reach.margin_m` across the outside. `on_tool` and `tool_uv` are the other place on the same surface. Only a closed
-    /// surface has an inside; others have no contacts. Depths so large that two folds pass through each other are not
-    /// told from those that do not.
+    /// surface has an inside; others have no contacts. Folds
+    /// deeper than a fifth of the size are not looked for.
     pub fn contacts(&mut self, surface: &Surface, solver: &mut ClosestSolver, reach: Reach, out: &mut ContactSet) {
         out.clear();
         if !usable(surface) || !self.cells.closed {
@@ -58,10 +60,12 @@ impl SelfSolver {
         for cell in 0..n {
             self.cells.look(surface, solver.pieces_now(), cell);
         }
+        // Places that face each other through a fold are as far apart as it is deep.
+        let reach_m = margin_m.max(DEEPEST_FOLD * size_m);
         let mut tried = 0;
         for x in 0..n {
             for y in x + 1..n {
-                let near = self.cells.box_of(x).meets(self.cells.box_of(y), margin_m + 1e-11 * size_m);
+                let near = self.cells.box_of(x).meets(self.cells.box_of(y), reach_m);
                 if !near || !self.cells.cone_of(x).may_face(self.cells.cone_of(y)) || self.adjacent(x, y) {
                     continue;
                 }

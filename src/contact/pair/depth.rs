@@ -41,12 +41,6 @@ impl Below<'_> {
         Sounding { depth_m, foot, normal }
     }
 
-    /// From the nearest sample: a local foot.
-    pub fn near(&mut self, query: &Point3) -> Sounding {
-        let foot = self.solver.near(self.surface, query);
-        self.sound(query, foot)
-    }
-
     /// Depth to four digits, and where its foot is.
     pub fn rough(&mut self, query: &Point3) -> (f64, (f64, f64)) {
         let at = self.solver.rough(self.surface, query);

@@ -192,7 +192,7 @@ impl PairSolver {
 
 /// Coordinates are finite, and so are their squares.
 pub(super) fn usable(surface: &Surface) -> bool {
-    surface.net().points().iter().all(|p| p.coords.amax() < 1e100)
+    surface.net().points().iter().all(|p| p.iter().all(|x| x.abs() < 1e100))
 }
 
 /// Adds a contact unless its places are already there.

@@ -227,7 +227,7 @@ fn pair_speed() {
                     split[2] += pair.facing.len() as f64;
                     let start = std::time::Instant::now();
                     for k in 0..10 {
-                        std::hint::black_box(b.near(&tool, &drop.point(0.1 * f64::from(k), 0.3)));
+                        std::hint::black_box(b.rough(&tool, &drop.point(0.1 * f64::from(k), 0.3)));
                     }
                     split[3] += start.elapsed().as_secs_f64() * 1e5;
                 }
@@ -235,7 +235,7 @@ fn pair_speed() {
             times.sort_by(f64::total_cmp);
             let at = |q: f64| times[((times.len() - 1) as f64 * q) as usize];
             println!(
-                "{name} spread {spread}: {touching} touch, median {:.1} µs, p90 {:.1}, p99 {:.1}; refresh {:.1}, pairs {:.0}, roots {:.1}, near {:.2}",
+                "{name} spread {spread}: {touching} touch, median {:.1} µs, p90 {:.1}, p99 {:.1}; refresh {:.1}, pairs {:.0}, roots {:.1}, foot {:.2}",
                 at(0.5),
                 at(0.9),
                 at(0.99),

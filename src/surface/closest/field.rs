@@ -57,15 +57,8 @@ impl<F: Fn(&Frame) -> Jet> Smooth for By<F> {
 }
 
 impl ClosestSolver {
-    /// The foot that the nearest of the sampled points leads to.
-    pub(crate) fn near(&mut self, surface: &Surface, query: &Point3) -> Foot {
-        self.refresh(surface);
-        let objective = Distance { q: *query };
-        let start = self.samples.best(&self.pieces, &objective);
-        self.foot(surface, query, start)
-    }
-
-    /// [`ClosestSolver::near`] to four digits: its side is right, and it is where to follow from.
+    /// The foot that the nearest of the sampled points leads to, its distance to four digits: where to follow from, and on
+    /// which side.
     pub(crate) fn rough(&mut self, surface: &Surface, query: &Point3) -> ClosestPoint {
         let objective = Distance { q: *query };
         let start = self.samples.best(&self.pieces, &objective);
