@@ -9,6 +9,7 @@
 
 pub mod complementarity;
 pub mod exact;
+pub mod own;
 pub mod pair;
 pub mod proxy;
 pub mod rows;

@@ -14,7 +14,7 @@ const MOST_POINTS: usize = (MAX_DEGREE + 1) * (MAX_DEGREE + 1);
 
 /// Least and greatest corner.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Block {
+pub(in crate::contact) struct Block {
     pub low: [f64; 3],
     pub high: [f64; 3],
 }
@@ -44,7 +44,7 @@ impl Block {
 
 /// The cells of one surface. What depends on the knots is made once; boxes and the rest as asked for.
 #[derive(Clone, Debug)]
-pub(super) struct Cells {
+pub(in crate::contact) struct Cells {
     /// Cells in u and v.
     pub counts: [usize; 2],
     /// Vertex lines, (counts + 1) parameters.

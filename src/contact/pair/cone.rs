@@ -4,7 +4,7 @@ use crate::math::Vector3;
 
 /// All directions within an angle of an axis.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Cone {
+pub(in crate::contact) struct Cone {
     pub axis: Vector3,
     /// Cosine of the half angle; −1: every direction.
     pub cos: f64,

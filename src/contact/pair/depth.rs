@@ -11,7 +11,7 @@ use crate::surface::{ClosestSolver, Frame, Surface};
 use std::cell::{Cell, RefCell};
 
 /// The surface that depth is measured below.
-pub(super) struct Below<'a> {
+pub(in crate::contact) struct Below<'a> {
     pub surface: &'a Surface,
     pub solver: &'a mut ClosestSolver,
     pub cells: &'a Cells,
@@ -21,7 +21,7 @@ pub(super) struct Below<'a> {
 
 /// A place over a surface.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Sounding {
+pub(in crate::contact) struct Sounding {
     /// Depth below the surface, m; negative outside.
     pub depth_m: f64,
     pub foot: Foot,
@@ -41,10 +41,11 @@ impl Below<'_> {
         Sounding { depth_m, foot, normal }
     }
 
-    /// From the nearest sample: a local foot.
-    pub fn near(&mut self, query: &Point3) -> Sounding {
-        let foot = self.solver.near(self.surface, query);
-        self.sound(query, foot)
+    /// Depth to four digits, and where its foot is.
+    pub fn rough(&mut self, query: &Point3) -> (f64, (f64, f64)) {
+        let at = self.solver.rough(self.surface, query);
+        let edge = self.cells.on_open_edge(at.u, at.v);
+        (if edge { -at.distance } else { -self.side * at.signed_distance }, (at.u, at.v))
     }
 
     /// From a foot nearby.
@@ -84,7 +85,7 @@ impl Below<'_> {
 }
 
 /// Signed distance −depth and its derivatives by the parameters of the upper surface.
-pub(super) fn jet(x: &Frame, sounding: &Sounding) -> Jet {
+pub(in crate::contact) fn jet(x: &Frame, sounding: &Sounding) -> Jet {
     let (n, d) = (sounding.normal, -sounding.depth_m);
     let y = &sounding.foot.frame;
     let (mu, mv) = (x.du.norm_squared(), x.dv.norm_squared());
@@ -115,7 +116,7 @@ pub(super) fn jet(x: &Frame, sounding: &Sounding) -> Jet {
 }
 
 /// The Hessian of the distance, in terms of dot products with the tangents at the foot.
-pub(super) struct Bend {
+pub(in crate::contact) struct Bend {
     /// −g⁻¹ b (g − d b)⁻¹, symmetric: uu, uv, vv.
     w: [f64; 3],
 }

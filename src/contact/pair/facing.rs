@@ -13,13 +13,13 @@ const STEPS: usize = 12;
 
 /// A stationary pair.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Facing {
+pub(in crate::contact) struct Facing {
     /// (u, v) on the first surface, (s, t) on the second.
     pub at: [f64; 4],
 }
 
 /// One of two surfaces.
-pub(super) struct Half<'a> {
+pub(in crate::contact) struct Half<'a> {
     pub surface: &'a Surface,
     pub solver: &'a mut ClosestSolver,
 }
@@ -45,7 +45,12 @@ fn confine(d: &Direction, x: f64) -> f64 {
 }
 
 /// From the middles of two parts and their widths: the pair in or beside them, if Newton goes there.
-pub(super) fn face(a: &mut Half<'_>, b: &mut Half<'_>, start: [[f64; 2]; 2], widths: [[f64; 2]; 2]) -> Option<Facing> {
+pub(in crate::contact) fn face(
+    a: &mut Half<'_>,
+    b: &mut Half<'_>,
+    start: [[f64; 2]; 2],
+    widths: [[f64; 2]; 2],
+) -> Option<Facing> {
     // Unwrapped, so that leaving is noticed.
     let mut x = start;
     for step in 0..STEPS {

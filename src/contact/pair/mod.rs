@@ -11,10 +11,10 @@
 //! closest point of the other surface is global); that every region was found rests on the grid of cells (at least ten in
 //! each direction) and on the facing pairs between its vertices.
 
-mod cells;
+pub(super) mod cells;
 mod cone;
-mod depth;
-mod facing;
+pub(super) mod depth;
+pub(super) mod facing;
 mod regions;
 #[cfg(test)]
 mod tests;
@@ -31,8 +31,9 @@ use crate::surface::{ClosestSolver, Surface};
 
 /// Most stationary pairs kept.
 const MOST_FACING: usize = 64;
-/// Contacts whose places are nearer than this, relative to the size, are one.
-const SAME_PLACE: f64 = 1e-6;
+/// Contacts whose places and depths are nearer than these, relative to the size, are one.
+const SAME_PLACE: f64 = 1e-5;
+const SAME_DEPTH: f64 = 1e-9;
 /// Depths within this of zero, relative to the size, touch.
 const TOUCHING: f64 = 1e-12;
 
@@ -87,6 +88,7 @@ impl PairSolver {
             push(
                 out,
                 size_m,
+                false,
                 Contact {
                     u: top.u,
                     v: top.v,
@@ -108,6 +110,7 @@ impl PairSolver {
             push(
                 out,
                 size_m,
+                true,
                 Contact {
                     u: foot.u,
                     v: foot.v,
@@ -139,6 +142,9 @@ impl PairSolver {
         self.facing.clear();
         self.on_body.found.clear();
         self.on_tool.found.clear();
+        if ![body, tool].into_iter().all(usable) {
+            return;
+        }
         let margin_m = if reach.margin_m > 0.0 { reach.margin_m } else { 0.0 };
         self.body.begin(body_solver.pieces(body));
         self.tool.begin(tool_solver.pieces(tool));
@@ -184,14 +190,24 @@ impl PairSolver {
     }
 }
 
+/// Coordinates are finite, and so are their squares.
+pub(super) fn usable(surface: &Surface) -> bool {
+    surface.net().points().iter().all(|p| p.iter().all(|x| x.abs() < 1e100))
+}
+
 /// Adds a contact unless its places are already there.
-fn push(out: &mut ContactSet, size_m: f64, contact: Contact) {
+fn push(out: &mut ContactSet, size_m: f64, other_side: bool, contact: Contact) {
     if contact.depth_m >= -TOUCHING * size_m {
         out.set_overlap();
     }
-    let near = SAME_PLACE * size_m;
-    let same =
-        |c: &Contact| (c.on_body - contact.on_body).norm() <= near && (c.on_tool - contact.on_tool).norm() <= near;
+    let (near, level) = (SAME_PLACE * size_m, SAME_DEPTH * size_m);
+    let same = |c: &Contact| {
+        let d = c.on_body - contact.on_body;
+        let one_place = d.norm() <= near && (c.on_tool - contact.on_tool).norm() <= near;
+        // Faces that lie on each other have their deepest place anywhere, and each side names its own.
+        let one_face = other_side && c.normal.dot(&contact.normal) > 1.0 - 1e-12 && d.dot(&c.normal).abs() <= level;
+        (c.depth_m - contact.depth_m).abs() <= level && (one_place || one_face)
+    };
     if !out.contacts().iter().any(same) {
         out.push(contact);
     }

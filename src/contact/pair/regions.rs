@@ -1,10 +1,13 @@
 //! The parts of one surface below another: which vertices are inside, which belong together, and where each is deepest.
 
 use super::cells::Cells;
-use super::depth::{Below, Sounding};
+use super::depth::Below;
 use super::facing::Facing;
 use super::tops::{Top, Upper};
 use crate::math::Point3;
+
+/// Depths within this of each other, relative to the size, are level: faces that lie on each other.
+const LEVEL: f64 = 1e-10;
 
 /// Most places of greatest depth kept for one surface.
 pub(super) const MOST_TOPS: usize = 64;
@@ -40,6 +43,8 @@ pub(super) struct Regions {
     outer: Vec<bool>,
     shared: Vec<bool>,
     order: Vec<(f64, u32)>,
+    /// Depths that differ by less are level, m.
+    flat_m: f64,
     tops: Vec<Top>,
     pub found: Vec<Region>,
     /// Rows and columns of cells in a region.
@@ -59,6 +64,7 @@ impl Regions {
             outer: vec![false; n],
             shared: vec![false; n],
             order: Vec::with_capacity(n),
+            flat_m: 0.0,
             tops: Vec::with_capacity(MOST_TOPS),
             found: Vec::with_capacity(MOST_TOPS),
             taken: [vec![false; cells.counts[0]], vec![false; cells.counts[1]]],
@@ -85,13 +91,7 @@ impl Regions {
     }
 
     fn inside(&self, vertex: u32) -> bool {
-        self.state[vertex as usize] == State::Sounded && self.depth[vertex as usize] > 0.0
-    }
-
-    fn sound(&mut self, vertex: usize, sounding: &Sounding) {
-        self.state[vertex] = State::Sounded;
-        self.depth[vertex] = sounding.depth_m;
-        self.foot[vertex] = (sounding.foot.at.u, sounding.foot.at.v);
+        self.state[vertex as usize] == State::Sounded && self.depth[vertex as usize] >= -self.flat_m
     }
 
     /// Finds all regions of `upper` below `below`, and near places up to `margin_m`. `pairs` start climbs: places of the
@@ -106,6 +106,7 @@ impl Regions {
     ) {
         self.found.clear();
         self.tops.clear();
+        self.flat_m = LEVEL * upper.size_m;
         self.classify(upper, cells, below, margin_m);
         self.connect(cells);
         for pair in pairs {
@@ -142,16 +143,21 @@ impl Regions {
             let cell = cells.cell_at(u, v);
             cells.look(upper.surface, upper.solver.pieces_now(), cell);
             let across = 0.5 * cells.box_of(cell).diagonal();
-            if d > 0.0 {
+            if d >= -self.flat_m {
                 let root = self.root(vertex) as usize;
-                if self.best[root] > d + across {
+                // On a face in touch, one place is as good as another.
+                let plateau = cells
+                    .around(vertex as usize)
+                    .iter()
+                    .any(|&w| w != vertex && (self.depth[w as usize] - d).abs() <= self.flat_m);
+                if self.best[root] > d + across || (plateau && self.best[root] >= d - self.flat_m) {
                     continue;
                 }
             } else if d < -margin_m - across {
                 continue;
             }
             let from = self.foot[vertex as usize];
-            self.climb(upper, cells, below, (u, v), from, margin_m, (d > 0.0).then_some(vertex));
+            self.climb(upper, cells, below, (u, v), from, margin_m, (d >= -self.flat_m).then_some(vertex));
         }
         self.gather(cells);
     }
@@ -204,16 +210,23 @@ impl Regions {
             let point = self.points[vertex];
             // One certified sign for each class that nothing touches.
             let certify = self.shared[vertex] && self.best[root] == f64::NEG_INFINITY;
-            let sounding = if certify { below.certain(&point) } else { below.near(&point) };
+            let (depth, foot) = if certify {
+                let sure = below.certain(&point);
+                (sure.depth_m, (sure.foot.at.u, sure.foot.at.v))
+            } else {
+                below.rough(&point)
+            };
             if certify {
                 self.best[root] = 0.0;
-                if sounding.depth_m < 0.0 {
+                if depth < 0.0 {
                     self.outer[root] = true;
                     self.state[vertex] = State::Out;
                     continue;
                 }
             }
-            self.sound(vertex, &sounding);
+            self.state[vertex] = State::Sounded;
+            self.depth[vertex] = depth;
+            self.foot[vertex] = foot;
         }
         self.best.fill(f64::NEG_INFINITY);
         // Classes of vertices outside are no components.
@@ -254,10 +267,13 @@ impl Regions {
         let reach_m = if across.is_finite() { 0.5 * across } else { 0.05 * upper.size_m };
         let Some(top) = upper.climb(cells, below, at.0, at.1, foot, reach_m) else { return };
         let depth = top.sounding.depth_m;
-        if !(depth >= -margin_m - 1e-12 * upper.size_m) || (depth <= 0.0 && !top.summit) {
+        if !(depth >= -margin_m - 1e-12 * upper.size_m) || (depth < -self.flat_m && !top.summit) {
             return;
         }
-        let same = |other: &Top| (other.point - top.point).norm() <= 1e-7 * upper.size_m;
+        let same = |other: &Top| {
+            (other.point - top.point).norm() <= 1e-5 * upper.size_m
+                && (other.sounding.depth_m - depth).abs() <= 1e-9 * upper.size_m
+        };
         let slot = match self.tops.iter().position(same) {
             Some(slot) => slot,
             None if self.tops.len() < MOST_TOPS => {
@@ -266,7 +282,7 @@ impl Regions {
             }
             None => return,
         };
-        if depth <= 0.0 {
+        if depth < -self.flat_m {
             return;
         }
         let node = (cells.vertex_count() + slot) as u32;
@@ -313,7 +329,7 @@ impl Regions {
         (1..STEPS).all(|k| {
             let (u, v) = at(k);
             let point = upper.solver.frame_at(upper.surface, u, v).point;
-            below.near(&point).depth_m > 0.0
+            below.rough(&point).0 >= -self.flat_m
         })
     }
 
@@ -323,7 +339,7 @@ impl Regions {
         for k in 0..self.tops.len() {
             let top = self.tops[k];
             let node = (n + k) as u32;
-            if top.sounding.depth_m <= 0.0 {
+            if top.sounding.depth_m < -self.flat_m {
                 self.found.push(Region { top, root: node });
                 continue;
             }
@@ -347,7 +363,7 @@ impl Regions {
         };
         let mut taken = std::mem::take(&mut self.taken);
         mark(&mut taken, cells.cell_at(top.u, top.v));
-        if top.sounding.depth_m > 0.0 {
+        if top.sounding.depth_m >= -self.flat_m {
             for cell in 0..cells.cell_count() {
                 let corners = cells.corners(cell);
                 if corners.iter().any(|&c| self.inside(c) && self.root(c) == root) {

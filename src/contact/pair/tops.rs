@@ -79,12 +79,11 @@ impl Upper<'_> {
         let mut view = View { at: [u, v], frame: self.solver.frame_at(self.surface, u, v), feet: [None; FEET] };
         let first = below.follow(&view.frame.point, from.0, from.1);
         view.add(first, self.size_m);
-        view.add(below.near(&view.frame.point), self.size_m);
         let mut radius = reach_m;
         let mut certified = None;
         let mut arrived = false;
         for _ in 0..STEPS {
-            let (step, metres) = self.step(&view, radius)?;
+            let (step, metres, _) = self.step(&view, radius)?;
             if !metres.is_finite() {
                 return None;
             }
@@ -127,6 +126,10 @@ impl Upper<'_> {
             Some(sure) => sure,
             None => below.certain(&view.frame.point),
         };
+        // Steps may have shrunk to nothing where the feet's models do not hold: on a true top none promises anything.
+        let trial_m = 1e-4 * self.size_m;
+        let promised = self.step(&view, trial_m).map_or(f64::INFINITY, |(_, _, gain)| gain);
+        let arrived = arrived && promised <= 1e-5 * trial_m;
         let top = Top { u: view.at[0], v: view.at[1], point: view.frame.point, sounding: sure, summit: arrived };
         let held = cells.wall(top.u, top.v);
         if arrived && !held {
@@ -164,13 +167,16 @@ impl Upper<'_> {
             let sounding = below.follow(&frame.point, foot.foot.at.u, foot.foot.at.v);
             next.add(sounding, self.size_m);
         }
-        let near = below.near(&frame.point);
-        next.add(near, self.size_m);
+        let (depth, (s, t)) = below.rough(&frame.point);
+        if depth < next.depth_m() - 1e-4 * depth.abs() {
+            let closer = below.follow(&frame.point, s, t);
+            next.add(closer, self.size_m);
+        }
         Some(next)
     }
 
-    /// The step of at most `radius` metres that promises most: the least of the feet's second-order models is greatest.
-    fn step(&self, view: &View, radius: f64) -> Option<([f64; 2], f64)> {
+    /// The step of at most `radius` metres that promises most, its length and the depth it promises to gain: the least of the feet's second-order models is greatest.
+    fn step(&self, view: &View, radius: f64) -> Option<([f64; 2], f64, f64)> {
         let mut jets = [None; FEET];
         for (slot, foot) in jets.iter_mut().zip(&view.feet) {
             // Feet that no step reaches hold nothing.
@@ -208,7 +214,7 @@ impl Upper<'_> {
                 }
             }
         }
-        best.map(|(_, step, length)| (step, length))
+        best.map(|(promise, step, length)| (step, length, promise - view.depth_m()))
     }
 }
 

@@ -57,7 +57,7 @@ impl Touch {
             }
             for k in 0..self.near.len() {
                 if own.meets(&self.blocks[k], reach_m) {
-                    self.pieces(a, a_pieces, a_cells, x, b, b_pieces, b_cells, self.near[k] as usize, reach_m);
+                    self.pieces(a, a_pieces, a_cells, x, b, b_pieces, b_cells, k, reach_m);
                 }
             }
         }
@@ -72,12 +72,12 @@ impl Touch {
         b: &Surface,
         b_pieces: &BezierPieces,
         b_cells: &mut Cells,
-        y: usize,
+        k: usize,
         reach_m: f64,
     ) {
+        let (y, whole) = (self.near[k] as usize, self.blocks[k]);
         let (([i, j], [m, n]), ([k, l], [p, q])) = (a_cells.of_piece(x), b_cells.of_piece(y));
         let (columns_a, columns_b) = (a_cells.counts[1], b_cells.counts[1]);
-        let whole = self.blocks[self.near.iter().position(|&near| near as usize == y).unwrap_or(0)];
         for r in 0..m * n {
             let cell = (i + r / n) * columns_a + j + r % n;
             a_cells.look(a, a_pieces, cell);

@@ -38,6 +38,17 @@ pub(crate) struct Bottom {
 
 struct By<F>(F);
 
+/// The distance, to a ten-thousandth of itself: a slope of 2 d sin α with α of a hundredth.
+struct Rough(Distance);
+
+impl Smooth for Rough {
+    #[inline]
+    fn jet(&self, frame: &Frame) -> Jet {
+        let jet = self.0.jet(frame);
+        Jet { slope_noise: jet.slope_noise + 0.02 * jet.f.max(0.0).sqrt(), ..jet }
+    }
+}
+
 impl<F: Fn(&Frame) -> Jet> Smooth for By<F> {
     #[inline]
     fn jet(&self, frame: &Frame) -> Jet {
@@ -46,12 +57,17 @@ impl<F: Fn(&Frame) -> Jet> Smooth for By<F> {
 }
 
 impl ClosestSolver {
-    /// The foot that the nearest of the sampled points leads to.
-    pub(crate) fn near(&mut self, surface: &Surface, query: &Point3) -> Foot {
-        self.refresh(surface);
+    /// The foot that the nearest of the sampled points leads to, its distance to four digits: where to follow from, and on
+    /// which side.
+    pub(crate) fn rough(&mut self, surface: &Surface, query: &Point3) -> ClosestPoint {
         let objective = Distance { q: *query };
         let start = self.samples.best(&self.pieces, &objective);
-        self.foot(surface, query, start)
+        let mut eval = OnPieces { pieces: &mut self.pieces, surface };
+        let found = descend_over(&mut eval, &Rough(objective), start);
+        if found.free != [true; 2] {
+            return self.foot(surface, query, found.place).at;
+        }
+        self.answer(surface, query, &found)
     }
 
     /// The foot that a given place leads to.
