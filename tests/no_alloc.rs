@@ -116,3 +116,41 @@ fn a_tick_of_a_plane_allocates_nothing() {
         assert_eq!(count, 0);
     }
 }
+
+/// Balls, points, planes and another surface, in touch and apart, on a net that moves.
+#[test]
+fn contacts_by_spheres_allocate_nothing() {
+    use palpate::contact::spheres::{Spheres, SpheresPair};
+    use palpate::contact::{ContactSet, Reach};
+    use palpate::math::{Point3, Pose, Vector3};
+    use palpate::surface::builtin;
+
+    let mut body = builtin("teardrop", None, None).unwrap();
+    let tool = builtin("sphere", None, Some(0.02)).unwrap();
+    let (mut b, mut t) = (Spheres::new(&body, [82; 2]), Spheres::new(&tool, [28, 82]));
+    let mut pair = SpheresPair::new(&b, &t);
+    let mut set = ContactSet::new();
+    let mut met = 0;
+    let count = allocations(|| {
+        for k in 0..60 {
+            let (u, v) = (0.017 * f64::from(k), 0.5 + 0.4 * (0.3 * f64::from(k)).sin());
+            let at = body.point(u, v) + body.normal(u, v) * (2e-3 * f64::from(k % 16));
+            body.net_mut().points_mut()[k as usize].x += 1e-4;
+            b.load(&body);
+            t.load_at(&tool, &Pose::translation(at.x, at.y, at.z));
+            for margin_m in [0.0, 1e-3] {
+                let reach = Reach { margin_m, below: false };
+                b.ball(&at, 5e-3, &reach, &mut set);
+                met += set.contacts().len();
+                b.point(&at, &reach, &mut set);
+                b.plane(&at, &Vector3::new(1.0, 0.2, 0.3), &reach, &mut set);
+                met += set.contacts().len();
+                pair.find(&mut b, &mut t, &reach, &mut set);
+                met += set.contacts().len();
+            }
+            b.ball(&Point3::new(1.0, 1.0, 1.0), 0.01, &Reach::TOUCH, &mut set);
+        }
+    });
+    assert!(met > 200, "{met}");
+    assert_eq!(count, 0);
+}

@@ -3,6 +3,7 @@
 //! Wall clock on whatever machine this is: between runs only ratios mean anything. Errors are measured, not assumed,
 //! against answers that are computed another way.
 
+mod contact;
 mod inputs;
 mod measure;
 mod oracle;
@@ -10,6 +11,7 @@ mod peers;
 mod surface;
 mod table;
 
+pub use contact::{contact, picture};
 pub use surface::surface;
 pub use table::table;
 

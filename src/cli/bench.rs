@@ -1,7 +1,8 @@
 //! `palpate bench`: times of our methods beside other libraries', in the same run and each with its error.
 
 use super::Outcome;
-use crate::bench::{Effort, Row, surface, table};
+use crate::bench::{Effort, Row, contact, picture, surface, table};
+use anyhow::Context;
 use std::io::Write;
 
 /// What to time.
@@ -14,26 +15,40 @@ pub struct Args {
 #[derive(clap::Subcommand, Debug)]
 enum Suite {
     /// Closest points, grids, fits and bounds of B-spline surfaces.
-    Surface {
-        /// One JSON object a line, as soon as it is measured, instead of a table.
+    Surface(Options),
+    /// Contacts of points, balls, planes, solids, meshes and surfaces with a body.
+    Contact {
+        #[command(flatten)]
+        options: Options,
+        /// Writes a picture of time against error here, as SVG.
         #[arg(long)]
-        json: bool,
-        /// Some seconds instead of minutes: fewer queries, coarser percentiles.
-        #[arg(long)]
-        quick: bool,
-        /// Only cases whose names contain this.
-        #[arg(long)]
-        only: Option<String>,
+        svg: Option<std::path::PathBuf>,
     },
 }
 
+#[derive(clap::Args, Debug)]
+struct Options {
+    /// One JSON object a line, as soon as it is measured, instead of a table.
+    #[arg(long)]
+    json: bool,
+    /// Some seconds instead of minutes: fewer queries, coarser percentiles.
+    #[arg(long)]
+    quick: bool,
+    /// Only cases whose names contain this.
+    #[arg(long)]
+    only: Option<String>,
+}
+
 pub fn run(args: &Args) -> anyhow::Result<Outcome> {
-    let Suite::Surface { json, quick, only } = &args.suite;
-    let effort = if *quick { Effort::Quick } else { Effort::Full };
+    let (options, svg) = match &args.suite {
+        Suite::Surface(options) => (options, None),
+        Suite::Contact { options, svg } => (options, svg.as_deref()),
+    };
+    let effort = if options.quick { Effort::Quick } else { Effort::Full };
     let mut rows: Vec<Row> = Vec::new();
     let mut failed = None;
-    surface(effort, only.as_deref(), &mut |row| {
-        if *json {
+    let mut take = |row: Row| {
+        if options.json {
             let line = serde_json::to_string(&row).map_err(anyhow::Error::from);
             let written = line.and_then(|line| Ok(writeln!(std::io::stdout(), "{line}")?));
             failed = failed.take().or(written.err());
@@ -41,12 +56,19 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
             eprintln!("{} {}", row.case, row.method);
         }
         rows.push(row);
-    });
+    };
+    match &args.suite {
+        Suite::Surface(_) => surface(effort, options.only.as_deref(), &mut take),
+        Suite::Contact { .. } => contact(effort, options.only.as_deref(), &mut take),
+    }
     if let Some(error) = failed {
         return Err(error);
     }
-    if !json {
+    if !options.json {
         print!("{}", table(&rows));
+    }
+    if let Some(path) = svg {
+        std::fs::write(path, picture(&rows)).with_context(|| format!("cannot write {}", path.display()))?;
     }
     Ok(Outcome::Ok)
 }

@@ -3,6 +3,7 @@
 use super::state::BodyScratch;
 use super::{Method, Pair, Scene};
 use crate::contact::exact::{self, ExactScratch};
+use crate::contact::own::SelfSolver;
 use crate::contact::pair::{PairSide, PairSolver};
 use crate::contact::rows::{DeformingView, Facing, Holder, SampleInTouch};
 use crate::contact::spheres::{Counters, Spheres, SpheresPair};
@@ -33,7 +34,7 @@ enum Narrow {
     /// Two bodies, on points of both.
     BodiesSpheres(Box<TwoSpheres>),
     /// A body with itself.
-    Own,
+    Own(Box<SelfSolver>),
 }
 
 #[derive(Debug)]
@@ -80,7 +81,7 @@ impl PairScratch {
     pub fn new(scene: &Scene, pair: &Pair) -> Self {
         let surface = &scene.bodies[pair.body].surface;
         let narrow = match (pair.holder, pair.method) {
-            (Holder::Body(other), _) if other as usize == pair.body => Narrow::Own,
+            (Holder::Body(other), _) if other as usize == pair.body => Narrow::Own(Box::new(SelfSolver::new(surface))),
             (Holder::Body(other), Method::Exact) => {
                 Narrow::Bodies(Box::new(PairSolver::new(surface, &scene.bodies[other as usize].surface)))
             }
@@ -194,8 +195,10 @@ impl PairScratch {
     }
 
     /// Contacts of a body with itself.
-    pub fn own_contacts(&mut self, _parts: &mut BodyScratch, _reach: Reach) {
-        self.set.clear();
+    pub fn own_contacts(&mut self, parts: &mut BodyScratch, reach: Reach) {
+        if let Narrow::Own(solver) = &mut self.narrow {
+            solver.contacts(&parts.surface, &mut parts.solver, reach, &mut self.set);
+        }
     }
 
     /// What the last query of the `spheres` method did.

@@ -9,6 +9,8 @@ use crate::basis::{KnotVector, Side};
 
 /// Cells of the coarsest level, at most, unless creases ask for more.
 const COARSEST: usize = 9;
+/// And at least: fewer would cover a closed surface with spheres as large as itself.
+const LEAST: usize = 6;
 /// Cells that become one on the next coarser level.
 const STEP: usize = 3;
 
@@ -115,7 +117,7 @@ impl Axis {
                 }
                 next_starts.push(coarser.len());
             }
-            if coarser.len() == last.len() {
+            if coarser.len() < LEAST {
                 break;
             }
             starts = next_starts;

@@ -165,7 +165,7 @@ mod tests {
                 close += 1;
             }
         }
-        assert!(apart > 500 && close > 500, "{apart} {close}");
+        assert!(apart > 300 && close > 300, "{apart} {close}");
     }
 
     #[test]

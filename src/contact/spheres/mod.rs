@@ -35,6 +35,8 @@ mod grid;
 mod hull;
 mod levels;
 mod pair;
+#[cfg(test)]
+mod pair_tests;
 mod peaks;
 mod points;
 mod region;
