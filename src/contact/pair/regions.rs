@@ -267,7 +267,8 @@ impl Regions {
         let reach_m = if across.is_finite() { 0.5 * across } else { 0.05 * upper.size_m };
         let Some(top) = upper.climb(cells, below, at.0, at.1, foot, reach_m) else { return };
         let depth = top.sounding.depth_m;
-        if !(depth >= -margin_m - 1e-12 * upper.size_m) || (depth < -self.flat_m && !top.summit) {
+        let near = depth >= -margin_m - 1e-12 * upper.size_m;
+        if !near || (depth < -self.flat_m && !top.summit) {
             return;
         }
         let same = |other: &Top| {
