@@ -1,6 +1,6 @@
 //! The parts of one surface below another: which vertices are inside, which belong together, and where each is deepest.
 
-use super::cells::Cells;
+use super::cells::{Cells, arc};
 use super::depth::Below;
 use super::facing::Facing;
 use super::tops::{Top, Upper};
@@ -375,31 +375,4 @@ impl Regions {
         self.taken = taken;
         [0, 1].map(|d| arc(&self.taken[d], cells.wraps[d]))
     }
-}
-
-/// The shortest range that holds all that are taken; around the end where ends meet.
-fn arc(taken: &[bool], wraps: bool) -> [usize; 2] {
-    let n = taken.len();
-    let first = taken.iter().position(|&t| t).unwrap_or(0);
-    let last = taken.iter().rposition(|&t| t).unwrap_or(0);
-    if !wraps {
-        return [first, last + 1];
-    }
-    // The longest gap, and what is left of the ring.
-    let (mut gap_start, mut gap, mut k) = (0, 0, first);
-    while k < first + n {
-        let start = k;
-        while k < first + n && !taken[k % n] {
-            k += 1;
-        }
-        if k - start > gap {
-            (gap_start, gap) = (start, k - start);
-        }
-        k += 1;
-    }
-    if gap == 0 {
-        return [0, n];
-    }
-    let low = (gap_start + gap) % n;
-    [low, low + n - gap]
 }
