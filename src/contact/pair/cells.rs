@@ -343,3 +343,30 @@ fn restriction(p: usize, a: f64, b: f64) -> Vec<f64> {
     }
     out
 }
+
+/// The shortest range that holds all that are taken; around the end where ends meet.
+pub(super) fn arc(taken: &[bool], wraps: bool) -> [usize; 2] {
+    let n = taken.len();
+    let first = taken.iter().position(|&t| t).unwrap_or(0);
+    let last = taken.iter().rposition(|&t| t).unwrap_or(0);
+    if !wraps {
+        return [first, last + 1];
+    }
+    // The longest gap, and what is left of the ring.
+    let (mut gap_start, mut gap, mut k) = (0, 0, first);
+    while k < first + n {
+        let start = k;
+        while k < first + n && !taken[k % n] {
+            k += 1;
+        }
+        if k - start > gap {
+            (gap_start, gap) = (start, k - start);
+        }
+        k += 1;
+    }
+    if gap == 0 {
+        return [0, n];
+    }
+    let low = (gap_start + gap) % n;
+    [low, low + n - gap]
+}

@@ -99,7 +99,9 @@ fn newton(a: &Frame, b: &Frame, flip: f64) -> Option<[[f64; 2]; 2]> {
     let across = b.du.cross(&b.dv);
     let (e, f, g) = (b.du.norm_squared(), b.du.dot(&b.dv), b.dv.norm_squared());
     let det_g = e * g - f * f;
-    if !(det_g > 1e-14 * e * g) {
+    // Comparisons that NaN fails.
+    let regular = det_g > 1e-14 * e * g;
+    if !regular {
         return None;
     }
     let n: Vector3 = across * (flip / det_g.sqrt());
@@ -108,7 +110,8 @@ fn newton(a: &Frame, b: &Frame, flip: f64) -> Option<[[f64; 2]; 2]> {
     // M = g + r·B_ij, by what (B − A)·B_i changes with B's parameters.
     let (ma, mb, mc) = (e + r.dot(&b.duu), f + r.dot(&b.duv), g + r.dot(&b.dvv));
     let det_m = ma * mc - mb * mb;
-    if !(det_m.abs() > 1e-9 * det_g) {
+    let regular = det_m.abs() > 1e-9 * det_g;
+    if !regular {
         return None;
     }
     let solve_m = |x: [f64; 2]| [(mc * x[0] - mb * x[1]) / det_m, (ma * x[1] - mb * x[0]) / det_m];
@@ -127,7 +130,8 @@ fn newton(a: &Frame, b: &Frame, flip: f64) -> Option<[[f64; 2]; 2]> {
     let right = [-n.dot(&a.du) + turn(sr, pu), -n.dot(&a.dv) + turn(sr, pv)];
     let det = huu * hvv - huv * hvu;
     let scale = (huu.abs() + huv.abs()) * (hvv.abs() + hvu.abs());
-    if !(det.abs() > 1e-9 * scale) {
+    let regular = det.abs() > 1e-9 * scale;
+    if !regular {
         return None;
     }
     let da = [(right[0] * hvv - right[1] * huv) / det, (right[1] * huu - right[0] * hvu) / det];

@@ -66,7 +66,7 @@ impl PairSolver {
         Self {
             on_body: Regions::new(&body_cells),
             on_tool: Regions::new(&tool_cells),
-            touch: touch::Touch::new(body_solver.pieces(body).len(), tool_solver.pieces(tool).len()),
+            touch: touch::Touch::new(tool_solver.pieces(tool).len()),
             facing: Vec::with_capacity(MOST_FACING),
             body: body_cells,
             tool: tool_cells,
@@ -126,9 +126,10 @@ impl PairSolver {
 
     /// Whether the two solids share a point; touching counts.
     pub fn overlap(&mut self, body: PairSide<'_>, tool: PairSide<'_>) -> bool {
-        let mut set = ContactSet::new();
-        self.contacts(body, tool, Reach::TOUCH, &mut set);
-        set.overlap()
+        self.regions(body.surface, body.solver, tool.surface, tool.solver, Reach::TOUCH);
+        let size_m = self.body.whole.diagonal() + self.tool.whole.diagonal();
+        let mut found = self.on_body.found.iter().chain(&self.on_tool.found);
+        found.any(|region| region.top.sounding.depth_m >= -TOUCHING * size_m)
     }
 
     fn regions(
@@ -154,10 +155,8 @@ impl PairSolver {
             return;
         }
         let reach_m = margin_m + 1e-11 * size_m;
-        if (self.body.closed || !self.tool.closed)
-            && !self.body.whole.meets(&self.tool.whole, reach_m)
-            && self.body.closed
-        {
+        // Behind a sheet there is no end.
+        if self.body.closed && !self.body.whole.meets(&self.tool.whole, reach_m) {
             return;
         }
         let (body_pieces, tool_pieces) = (body_solver.pieces_now(), tool_solver.pieces_now());

@@ -1,6 +1,6 @@
 //! The parts of one surface below another: which vertices are inside, which belong together, and where each is deepest.
 
-use super::cells::Cells;
+use super::cells::{Cells, arc};
 use super::depth::Below;
 use super::facing::Facing;
 use super::tops::{Top, Upper};
@@ -267,7 +267,8 @@ impl Regions {
         let reach_m = if across.is_finite() { 0.5 * across } else { 0.05 * upper.size_m };
         let Some(top) = upper.climb(cells, below, at.0, at.1, foot, reach_m) else { return };
         let depth = top.sounding.depth_m;
-        if !(depth >= -margin_m - 1e-12 * upper.size_m) || (depth < -self.flat_m && !top.summit) {
+        let near = depth >= -margin_m - 1e-12 * upper.size_m;
+        if !near || (depth < -self.flat_m && !top.summit) {
             return;
         }
         let same = |other: &Top| {
@@ -374,31 +375,4 @@ impl Regions {
         self.taken = taken;
         [0, 1].map(|d| arc(&self.taken[d], cells.wraps[d]))
     }
-}
-
-/// The shortest range that holds all that are taken; around the end where ends meet.
-fn arc(taken: &[bool], wraps: bool) -> [usize; 2] {
-    let n = taken.len();
-    let first = taken.iter().position(|&t| t).unwrap_or(0);
-    let last = taken.iter().rposition(|&t| t).unwrap_or(0);
-    if !wraps {
-        return [first, last + 1];
-    }
-    // The longest gap, and what is left of the ring.
-    let (mut gap_start, mut gap, mut k) = (0, 0, first);
-    while k < first + n {
-        let start = k;
-        while k < first + n && !taken[k % n] {
-            k += 1;
-        }
-        if k - start > gap {
-            (gap_start, gap) = (start, k - start);
-        }
-        k += 1;
-    }
-    if gap == 0 {
-        return [0, n];
-    }
-    let low = (gap_start + gap) % n;
-    [low, low + n - gap]
 }

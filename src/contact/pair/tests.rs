@@ -189,6 +189,25 @@ fn regions_of_teardrops_are_those_of_a_dense_sampling() {
 
 #[test]
 #[ignore = "prints times"]
+fn flat_speed() {
+    let sheet = builtin("sheet", None, None).unwrap();
+    let tool = posed(&sheet, &Rotation::identity(), &Vector3::new(0.01, 0.02, -1e-4));
+    let mut pair = PairSolver::new(&sheet, &tool);
+    let (mut a, mut b) = (ClosestSolver::new(&sheet), ClosestSolver::new(&tool));
+    let mut set = ContactSet::new();
+    let mut least = f64::INFINITY;
+    for _ in 0..50 {
+        let start = std::time::Instant::now();
+        b.net_changed();
+        let (body, tool) = (PairSide { surface: &sheet, solver: &mut a }, PairSide { surface: &tool, solver: &mut b });
+        pair.contacts(body, tool, Reach::TOUCH, &mut set);
+        least = least.min(start.elapsed().as_secs_f64() * 1e6);
+    }
+    println!("flat patches spread: {least:.1} µs, {} contacts", set.contacts().len());
+}
+
+#[test]
+#[ignore = "prints times"]
 fn pair_speed() {
     for (name, count) in [("8x8", 8), ("20x20", 20)] {
         let drop = builtin("teardrop", Some([count; 2]), None).unwrap();

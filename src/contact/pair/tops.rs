@@ -252,7 +252,8 @@ fn two(a: &Jet, b: &Jet) -> Option<([f64; 2], [f64; 3])> {
     // In metres, so that neither parameter counts for more.
     let [mu, mv] = a.metric;
     let square = d[0] * d[0] / mu + d[1] * d[1] / mv;
-    if !(square > 1e-16) {
+    let apart = square > 1e-16;
+    if !apart {
         return None;
     }
     // λ a + (1 − λ) b as short as can be.
@@ -282,7 +283,8 @@ fn three(a: &Jet, b: &Jet, c: &Jet) -> Option<([f64; 2], [f64; 3])> {
     let (p, q) = ([a.g[0] - c.g[0], a.g[1] - c.g[1]], [b.g[0] - c.g[0], b.g[1] - c.g[1]]);
     let det = p[0] * q[1] - p[1] * q[0];
     let scale = (p[0].abs() + p[1].abs()) * (q[0].abs() + q[1].abs());
-    if !(det.abs() > 1e-9 * scale) {
+    let apart = det.abs() > 1e-9 * scale;
+    if !apart {
         return None;
     }
     let (x, y) = (-(a.f - c.f), -(b.f - c.f));

@@ -16,7 +16,7 @@ pub(super) struct Touch {
 }
 
 impl Touch {
-    pub fn new(_body: usize, tool: usize) -> Self {
+    pub fn new(tool: usize) -> Self {
         Self {
             near: Vec::with_capacity(tool),
             blocks: Vec::with_capacity(tool),
