@@ -7,13 +7,18 @@
 //! ```
 //! Normals point out of the body, towards the tool; a gap is negative where the tool is inside.
 
+pub mod broad;
 pub mod complementarity;
+mod depth;
 pub mod exact;
+pub mod implicit;
+pub mod mesh;
 pub mod proxy;
 pub mod rows;
 mod samples;
 mod set;
 mod shape;
+pub mod swept;
 
 pub use samples::SampleGrid;
 pub use set::{Contact, ContactSet, MAX_CONTACTS, Reach, Rectangle};
