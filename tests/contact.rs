@@ -256,6 +256,8 @@ fn shapes_and_methods_agree_on_a_globe() {
         // Planes through the contacts of one more look: a hand 4 mm deep in a globe of 60 mm turns them by a fifteenth of
         // what it turns by in a tick, a milliradian.
         ("surface", globe("{ surface = { builtin = \"sphere\", size = 0.01 } }", ""), 2e-4),
+        ("implicit", globe("{ implicit = { f = \"sqrt(x^2 + y^2 + z^2) - 0.01\" } }", ""), 2e-4),
+        ("ellipsoid", globe("{ ellipsoid = { semi_axes_m = [0.01, 0.01, 0.01] } }", ""), 2e-4),
         // Triangles with sides of h = 2π R / rows tilt by up to h / 2 R = π / rows.
         ("spheres 244", globe(ball, &format!("{spheres}[244, 244]")), std::f64::consts::PI / 244.0),
         ("spheres 82", globe(ball, &format!("{spheres}[82, 82]")), std::f64::consts::PI / 82.0),
@@ -265,6 +267,34 @@ fn shapes_and_methods_agree_on_a_globe() {
         println!("{name}: {worst:.1e} of the largest force over {touched} ticks in touch");
         assert!(touched > 500, "{name}: {touched}");
         assert!(worst < bar, "{name}: {worst}");
+    }
+}
+
+/// A cube of 20 mm as a mesh.
+const CUBE: &str = "{ mesh = { inline = { vertices = [[-0.01, -0.01, -0.01], [0.01, -0.01, -0.01], [0.01, 0.01, -0.01], \
+[-0.01, 0.01, -0.01], [-0.01, -0.01, 0.01], [0.01, -0.01, 0.01], [0.01, 0.01, 0.01], [-0.01, 0.01, 0.01]], triangles = \
+[[0, 2, 1], [0, 3, 2], [4, 5, 6], [4, 6, 7], [0, 1, 5], [0, 5, 4], [1, 2, 6], [1, 6, 5], [2, 3, 7], [2, 7, 6], \
+[3, 0, 4], [3, 4, 7]] } } }";
+
+// The face of a cube on the top of the globe, moved about by less than the face is wide.
+#[test]
+fn a_cube_on_a_globe_feels_its_depth_as_a_function_and_as_a_mesh() {
+    for (name, shape) in [("box", "{ box = { half_extents_m = [0.01, 0.01, 0.01] } }"), ("mesh", CUBE)] {
+        let mut world = World::new(&globe(shape, ""));
+        for k in 0..=200 {
+            world.at([0.09 - 0.0305 * f64::from(k) / 200.0, 0.0, 0.0]);
+        }
+        let mut worst = 0.0f64;
+        for k in 0..300 {
+            let t = f64::from(k) * 1e-2;
+            let depth = 0.001 + 0.0008 * (2.0 * t).sin();
+            let out = world.at([0.06 - depth, 0.003 * t.sin(), 0.002 * (1.7 * t).cos()]);
+            let expected = Vector3::new(700.0 * depth, 0.0, 0.0);
+            worst = worst.max((out.tools[0].force_n - expected).norm() / expected.norm());
+            assert!(!out.contacts.list().is_empty(), "{name}: nothing touches at {t}");
+        }
+        println!("{name}: {worst:.1e} of the force");
+        assert!(worst < 1e-6, "{name}: {worst}");
     }
 }
 

@@ -11,13 +11,13 @@ const TABLE: [(&str, &[&str]); 15] = [
     ("contact", &["math", "basis", "surface"]),
     ("body", &["math", "basis", "surface", "contact"]),
     ("haptics", &["math", "basis", "surface", "contact"]),
-    ("scene", &["math", "basis", "surface", "contact", "body", "haptics"]),
+    ("scene", &["math", "basis", "surface", "exchange", "contact", "body", "haptics"]),
     ("tick", &["math", "basis", "surface", "contact", "body", "haptics", "scene"]),
     ("wire", &["math", "basis", "surface", "contact", "body", "haptics", "scene", "tick"]),
     ("transport", &["math", "basis", "surface", "contact", "body", "haptics", "scene", "tick", "wire"]),
     ("recording", &["math", "basis", "surface", "contact", "body", "haptics", "scene", "tick", "wire"]),
     ("viewer", &["math", "wire", "transport"]),
-    ("bench", &["math", "basis", "surface"]),
+    ("bench", &["math", "basis", "surface", "contact"]),
     (
         "cli",
         &[

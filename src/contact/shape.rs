@@ -1,5 +1,7 @@
 //! Shapes of tools.
 
+use super::implicit::ImplicitTool;
+use super::mesh::MeshTool;
 use crate::math::{Point3, Pose, Vector3};
 use crate::surface::Surface;
 
@@ -20,6 +22,15 @@ pub enum ToolShape {
     },
     /// A rigid B-spline surface; solid when it is closed.
     Surface(Box<SurfaceShape>),
+    /// A solid where a function is at most 0.
+    Implicit {
+        /// The function.
+        tool: Box<ImplicitTool>,
+        /// Distance from the reference point that holds all of the solid, m.
+        reach_m: Option<f64>,
+    },
+    /// A closed triangle mesh.
+    Mesh(Box<MeshTool>),
 }
 
 /// A surface as a tool.
@@ -49,7 +60,7 @@ impl ToolShape {
         match self {
             Self::Point => Some(0.0),
             Self::Sphere { radius_m } => Some(*radius_m),
-            Self::Plane { .. } | Self::Surface(_) => None,
+            _ => None,
         }
     }
 
@@ -60,6 +71,8 @@ impl ToolShape {
             Self::Sphere { radius_m } => Some(*radius_m),
             Self::Plane { .. } => None,
             Self::Surface(shape) => Some(shape.reach_m),
+            Self::Implicit { reach_m, .. } => *reach_m,
+            Self::Mesh(mesh) => Some(mesh.reach_m()),
         }
     }
 
@@ -82,6 +95,8 @@ impl ToolShape {
             Self::Sphere { .. } => "sphere",
             Self::Plane { .. } => "plane",
             Self::Surface(_) => "surface",
+            Self::Implicit { .. } => "implicit",
+            Self::Mesh(_) => "mesh",
         }
     }
 }

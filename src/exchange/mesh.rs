@@ -8,7 +8,7 @@ mod points;
 mod stl;
 
 pub use glb::write as write_glb;
-pub use obj::{read_points as read_obj_points, write as write_obj};
+pub use obj::{read as read_obj, read_points as read_obj_points, write as write_obj};
 pub use points::read as read_text_points;
 pub use stl::{read as read_stl, write as write_stl, write_ascii as write_stl_ascii};
 

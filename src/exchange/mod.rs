@@ -266,6 +266,18 @@ pub fn write_mesh(mesh: &Mesh, format: Format, unit: Unit) -> Result<Vec<u8>, Ex
     }
 }
 
+/// The triangles of an STL or OBJ file; coordinates in `unit`.
+///
+/// # Errors
+/// A format without triangles that are read, or a file that is cut short or names corners it does not have.
+pub fn read_mesh(bytes: &[u8], format: Format, unit: Unit) -> Result<Mesh, ExchangeError> {
+    match format {
+        Format::Stl => Ok(mesh::read_stl(bytes, unit)?),
+        Format::Obj => Ok(mesh::read_obj(bytes, unit)?),
+        _ => Err(ExchangeError::Kind { format, verb: "read", what: "a mesh from", instead: "STL or OBJ" }),
+    }
+}
+
 /// The points of a cloud: corners of an STL (each once) or OBJ file, or lines of text; coordinates in `unit`.
 ///
 /// # Errors

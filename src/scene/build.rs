@@ -1,14 +1,14 @@
 //! From a scene file's data to the constants of a simulation.
 
-use super::refine;
 use super::spec::{
     BodySpec, ContactMethod, ModelSpec, PoseSpec, SPHERES_RESOLUTION, SceneSpec, ShapeSpec, SurfaceSpec, ToolSpec,
 };
 use super::{Body, BodyModel, LatticeBody, Method, Pair, Scene, Tool};
+use super::{refine, shapes};
 use crate::body::layers::{self, RingEnds, Rings};
 use crate::body::{CellGrid, Lattice, Material, StepSettings};
+use crate::contact::SampleGrid;
 use crate::contact::rows::Holder;
-use crate::contact::{SampleGrid, SurfaceShape, ToolShape};
 use crate::haptics::{Coupling, LinkLimits};
 use crate::math::{Point3, Pose, Rotation, Vector3};
 use crate::surface::{self, Closing, Surface, Topology};
@@ -79,14 +79,12 @@ pub fn inline_files(spec: &SceneSpec, directory: &Path) -> Result<SceneSpec, Sce
         inline_surface(&mut body.surface, &format!("body[{b}].surface"), directory)?;
     }
     for (t, tool) in inlined.tools.iter_mut().enumerate() {
-        if let ShapeSpec::Surface(surface) = &mut tool.shape {
-            inline_surface(surface, &format!("tool[{t}].shape.surface"), directory)?;
-        }
+        shapes::inline(&mut tool.shape, &format!("tool[{t}].shape"), directory)?;
     }
     Ok(inlined)
 }
 
-fn inline_surface(surface: &mut SurfaceSpec, path: &str, directory: &Path) -> Result<(), SceneError> {
+pub(super) fn inline_surface(surface: &mut SurfaceSpec, path: &str, directory: &Path) -> Result<(), SceneError> {
     let Some(file) = surface.file.take() else { return Ok(()) };
     let path = format!("{path}.file");
     let full = directory.join(file);
@@ -159,25 +157,7 @@ fn build_pairs(spec: &SceneSpec, tools: &[Tool], bodies: &[Body]) -> Result<Vec<
 }
 
 fn build_tool(spec: &ToolSpec, path: &str, directory: &Path, dt_s: f64) -> Result<Tool, SceneError> {
-    let shape = match &spec.shape {
-        ShapeSpec::Point {} => ToolShape::Point,
-        ShapeSpec::Sphere { radius_m } if radius_m.is_finite() && *radius_m > 0.0 => {
-            ToolShape::Sphere { radius_m: *radius_m }
-        }
-        ShapeSpec::Sphere { radius_m } => {
-            return Err(error(
-                format!("{path}.shape.sphere.radius_m"),
-                format!("{radius_m} is no radius; give metres above 0"),
-            ));
-        }
-        ShapeSpec::Plane { normal } => {
-            ToolShape::Plane { normal: unit(normal, &format!("{path}.shape.plane.normal"))? }
-        }
-        ShapeSpec::Surface(spec) => {
-            let surface = build_surface(spec, &format!("{path}.shape.surface"), directory)?;
-            ToolShape::Surface(Box::new(SurfaceShape::new(surface)))
-        }
-    };
+    let shape = shapes::build(&spec.shape, &format!("{path}.shape"), directory)?;
     let coupling = &spec.coupling;
     if !(coupling.stiffness_n_m > 0.0 && coupling.damping_n_s_m >= 0.0 && coupling.damping_n_s_m.is_finite()) {
         return Err(error(format!("{path}.coupling"), "stiffness_n_m must be above 0 and damping_n_s_m at least 0"));
@@ -199,7 +179,7 @@ fn build_tool(spec: &ToolSpec, path: &str, directory: &Path, dt_s: f64) -> Resul
     })
 }
 
-fn unit(normal: &[f64; 3], path: &str) -> Result<Vector3, SceneError> {
+pub(super) fn unit(normal: &[f64; 3], path: &str) -> Result<Vector3, SceneError> {
     Vector3::from(*normal)
         .try_normalize(0.0)
         .filter(|n| n.iter().all(|x| x.is_finite()))
@@ -215,7 +195,7 @@ fn pose(spec: &PoseSpec, path: &str) -> Result<Pose, SceneError> {
     Ok(Pose::from_parts(Vector3::from(spec.position).into(), Rotation::from_quaternion(quaternion)))
 }
 
-fn build_surface(spec: &SurfaceSpec, path: &str, directory: &Path) -> Result<Surface, SceneError> {
+pub(super) fn build_surface(spec: &SurfaceSpec, path: &str, directory: &Path) -> Result<Surface, SceneError> {
     match (&spec.builtin, &spec.file, &spec.inline) {
         (Some(name), None, None) => {
             surface::builtin(name, spec.net, spec.size).map_err(|e| error(format!("{path}.builtin"), e))

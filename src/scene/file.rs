@@ -353,6 +353,22 @@ impl Check<'_> {
             ShapeSpec::Sphere { radius_m } => self.above_zero("tool", t, "radius_m", *radius_m, "m"),
             ShapeSpec::Plane { normal } => self.direction("tool", t, "normal", normal),
             ShapeSpec::Surface(surface) => self.surface("tool", t, surface, directory),
+            ShapeSpec::Mesh(mesh) => {
+                if mesh.file.is_some() == mesh.inline.is_some() {
+                    self.refuse("tool", t, "mesh", "mesh needs exactly one of file, inline");
+                }
+                if let Some(path) = mesh.file.as_ref().map(|file| directory.join(file)).filter(|path| !path.is_file()) {
+                    let message = format!("there is no file {}; paths start at the scene file", path.display());
+                    self.refuse("tool", t, "file", message);
+                }
+            }
+            // Compiled when the scene is built, and refused there with the column.
+            ShapeSpec::Cylinder { .. }
+            | ShapeSpec::Cone { .. }
+            | ShapeSpec::Ellipsoid { .. }
+            | ShapeSpec::Torus { .. }
+            | ShapeSpec::Box { .. }
+            | ShapeSpec::Implicit { .. } => {}
         }
         self.pose("tool", t, &tool.pose);
         let stiffness = tool.coupling.stiffness_n_m;

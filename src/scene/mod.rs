@@ -9,6 +9,7 @@ mod narrow;
 mod near;
 pub mod plan;
 mod refine;
+mod shapes;
 pub mod spec;
 mod state;
 

@@ -3,12 +3,14 @@
 use super::state::BodyScratch;
 use super::{Method, Pair, Scene};
 use crate::contact::exact::{self, ExactScratch};
+use crate::contact::implicit::ImplicitSolver;
+use crate::contact::mesh::MeshSolver;
 use crate::contact::own::SelfSolver;
 use crate::contact::pair::{PairSide, PairSolver};
 use crate::contact::rows::{DeformingView, Facing, Holder, SampleInTouch};
-use crate::contact::spheres::{Counters, Spheres, SpheresPair};
+use crate::contact::spheres::{Counters, Solid, Spheres, SpheresPair};
 use crate::contact::{Contact, ContactSet, Reach, ToolShape};
-use crate::math::{Point3, Pose};
+use crate::math::{Point3, Pose, Vector3};
 use crate::surface::{ClosestSolver, Surface};
 
 /// The contacts of a pair and what finds them.
@@ -23,6 +25,10 @@ pub(crate) struct PairScratch {
 enum Narrow {
     /// Balls and planes.
     Simple(Box<ExactScratch>),
+    /// A function's solid.
+    Implicit(Box<ImplicitSolver>),
+    /// A triangle mesh.
+    Mesh(Box<MeshSolver>),
     /// A tool that is a surface.
     Surface(Box<PairSolver>, Box<PlacedSurface>),
     /// A tool without a surface, on points of the body's.
@@ -49,6 +55,38 @@ impl TwoSpheres {
         let (body, holder) = (Spheres::new(body, rows), Spheres::new(holder, rows));
         let pair = SpheresPair::new(&body, &holder);
         Self { body, holder, pair }
+    }
+}
+
+/// A solid tool at a pose, as the `spheres` method sees it.
+struct Placed<'a> {
+    shape: &'a ToolShape,
+    pose: &'a Pose,
+}
+
+impl Solid for Placed<'_> {
+    fn signed_gap(&self, point: &Point3) -> (f64, Vector3) {
+        // Ours point towards the tool's matter, theirs out of it.
+        let (gap_m, inwards) = match self.shape {
+            ToolShape::Implicit { tool, .. } => {
+                tool.signed_gap(self.pose, point).unwrap_or((f64::INFINITY, Vector3::z()))
+            }
+            ToolShape::Mesh(tool) => tool.signed_gap(self.pose, point),
+            _ => (f64::INFINITY, Vector3::z()),
+        };
+        (gap_m, -inwards)
+    }
+
+    fn bounded_gap(&self, point: &Point3) -> Option<f64> {
+        match self.shape {
+            ToolShape::Mesh(tool) => Some(tool.signed_gap(self.pose, point).0),
+            _ => None,
+        }
+    }
+
+    fn may_meet_box(&self, low: &Point3, high: &Point3, margin_m: f64) -> bool {
+        let Some((from, to)) = self.shape.bounds(self.pose) else { return true };
+        (0..3).all(|c| low[c] <= to[c] + margin_m && high[c] >= from[c] - margin_m)
     }
 }
 
@@ -99,9 +137,13 @@ impl PairScratch {
                     Box::new(PlacedSurface::new(tool.surface())),
                 ),
                 (_, Method::Spheres(rows)) => Narrow::Spheres(Box::new(Spheres::new(surface, rows))),
-                (_, Method::Exact) => {
-                    let mut solver = ClosestSolver::new(surface);
-                    Narrow::Simple(Box::new(ExactScratch::new(surface, &mut solver)))
+                (shape, Method::Exact) => {
+                    let solver = &mut ClosestSolver::new(surface);
+                    match shape {
+                        ToolShape::Implicit { .. } => Narrow::Implicit(Box::new(ImplicitSolver::new(surface, solver))),
+                        ToolShape::Mesh(tool) => Narrow::Mesh(Box::new(MeshSolver::new(surface, solver, tool))),
+                        _ => Narrow::Simple(Box::new(ExactScratch::new(surface, solver))),
+                    }
                 }
             },
         };
@@ -122,6 +164,12 @@ impl PairScratch {
                 let Some(radius_m) = shape.ball_radius_m() else { return };
                 exact::ball::contacts(&parts.surface, &mut parts.solver, &place, radius_m, &reach, scratch, set);
             }
+            (Narrow::Implicit(solver), ToolShape::Implicit { tool, .. }) => {
+                solver.contacts(&parts.surface, &mut parts.solver, tool, pose, &reach, set);
+            }
+            (Narrow::Mesh(solver), ToolShape::Mesh(tool)) => {
+                solver.contacts(&parts.surface, &mut parts.solver, tool, pose, &reach, set);
+            }
             (Narrow::Surface(solver, placed), ToolShape::Surface(tool)) => {
                 placed.place(tool.surface(), pose);
                 solver.contacts(side(parts), placed.side(), reach, set);
@@ -130,6 +178,9 @@ impl PairScratch {
                 spheres.load(&parts.surface);
                 match shape {
                     ToolShape::Plane { normal } => spheres.plane(&place, &(pose.rotation * normal), &reach, set),
+                    ToolShape::Implicit { .. } | ToolShape::Mesh(_) => {
+                        spheres.solid(&Placed { shape, pose }, &reach, set);
+                    }
                     shape => {
                         let Some(radius_m) = shape.ball_radius_m() else { return };
                         spheres.ball(&place, radius_m, &reach, set);
@@ -167,6 +218,14 @@ impl PairScratch {
             ToolShape::Point => hits.clear(),
             ToolShape::Sphere { radius_m } => {
                 let look = |x: &Point3| plain(exact::ball::signed_gap(&place, *radius_m, x));
+                view.samples_in_touch(margin_m, meets, look, hits);
+            }
+            ToolShape::Implicit { tool, .. } => {
+                let look = |x: &Point3| plain(tool.signed_gap(pose, x)?);
+                view.samples_in_touch(margin_m, meets, look, hits);
+            }
+            ToolShape::Mesh(tool) => {
+                let look = |x: &Point3| plain(tool.signed_gap(pose, x));
                 view.samples_in_touch(margin_m, meets, look, hits);
             }
             ToolShape::Surface(_) => {

@@ -88,6 +88,11 @@ impl MeshTool {
         self.volume_m3
     }
 
+    /// Distance from the reference point that holds all of the mesh, m.
+    pub fn reach_m(&self) -> f64 {
+        self.vertices.iter().map(|p| p.coords.norm()).fold(0.0, f64::max)
+    }
+
     /// Diagonal of the box of the vertices, m.
     pub fn size_m(&self) -> f64 {
         self.size_m

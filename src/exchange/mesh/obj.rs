@@ -43,3 +43,41 @@ pub fn read_points(bytes: &[u8], unit: Unit) -> Result<Vec<Point3>, MeshError> {
     }
     if points.is_empty() { Err(MeshError::Empty("corners (lines that begin with v)")) } else { Ok(points) }
 }
+
+/// The corners and faces of a file; faces with more than three corners become fans, everything else is passed over.
+/// Normals are those of the triangles' turning, whatever the file has.
+///
+/// # Errors
+/// A corner that is not three finite numbers, a face that names a corner which is not there, or no face at all.
+pub fn read(bytes: &[u8], unit: Unit) -> Result<Mesh, MeshError> {
+    let (mut points, mut triangles) = (Vec::new(), Vec::new());
+    for (number, line) in lines(bytes) {
+        let mut words = words(line);
+        match words.next() {
+            Some(b"v") => {
+                let corner = point(words, unit.per_metre());
+                points.push(corner.ok_or_else(|| wrong_line(number, "v and three numbers", line))?);
+            }
+            Some(b"f") => {
+                let wrong = || wrong_line(number, "f and three or more corners that stand above", line);
+                let corners: Option<Vec<u32>> = words.map(|word| corner(word, points.len())).collect();
+                let corners = corners.filter(|corners| corners.len() >= 3).ok_or_else(wrong)?;
+                triangles.extend(corners.windows(2).skip(1).map(|pair| [corners[0], pair[0], pair[1]]));
+            }
+            _ => {}
+        }
+    }
+    if triangles.is_empty() {
+        return Err(MeshError::Empty("faces (lines that begin with f)"));
+    }
+    Mesh::from_triangles(points, triangles).ok_or(MeshError::Empty("corners (lines that begin with v)"))
+}
+
+/// `7`, `7/1`, `7//3`, counted from 1, or from the last one back when negative.
+fn corner(word: &[u8], count: usize) -> Option<u32> {
+    let index = word.split(|&byte| byte == b'/').next()?;
+    let index: i64 = std::str::from_utf8(index).ok()?.parse().ok()?;
+    let count = i64::try_from(count).ok()?;
+    let at = if index > 0 { index - 1 } else { count + index };
+    (index != 0 && (0..count).contains(&at)).then(|| u32::try_from(at).ok())?
+}

@@ -175,3 +175,21 @@ fn changed_files_are_refused_or_read_but_never_more() {
         });
     }
 }
+
+#[test]
+fn faces_of_an_obj_file_come_back_as_triangles() {
+    let square = b"# a square\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvn 0 0 1\nf 1/1/1 2//1 3 -1\n";
+    let mesh = read_obj(square, Unit::Metre).unwrap();
+    assert_eq!(mesh.triangles, [[0, 1, 2], [0, 2, 3]]);
+    assert!(mesh.normals.iter().all(|n| *n == Vector3::z()));
+    for (text, told) in [
+        ("v 0 0 0\nf 1 2 3\n", "line 2: expected f and three or more corners that stand above"),
+        ("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2\n", "line 4"),
+        ("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 0\n", "line 4"),
+        ("v 0 0 0\n", "there are no faces"),
+        ("f 1 x\n", "line 1"),
+    ] {
+        let error = read_obj(text.as_bytes(), Unit::Metre).unwrap_err().to_string();
+        assert!(error.contains(told), "{text:?}: {error}");
+    }
+}
