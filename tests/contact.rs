@@ -377,3 +377,30 @@ fn a_folded_sausage_meets_itself_and_does_not_go_through() {
     assert!(own.iter().all(|c| c.depth_m < 1e-5), "{own:?}");
     assert!(held > 1.05 * free, "{held} N against {free} N");
 }
+
+// Enough pairs for the tree of boxes: every globe is met when the ball comes to it, and no other.
+#[test]
+fn a_ball_among_many_bodies_meets_each_in_turn() {
+    let count = 20;
+    let mut text = String::new();
+    for k in 0..count {
+        text += &format!(
+            "[[body]]\nid = \"g{k}\"\nsurface = {{ builtin = \"sphere\", size = 0.02 }}\npose = {{ position = [{:?}, 0.0, 0.0] }}\n",
+            0.1 * f64::from(k)
+        );
+    }
+    let tool = globe("{ sphere = { radius_m = 0.01 } }", "");
+    text += &tool[tool.find("[[tool]]").unwrap()..].replace("[0.09, 0.0, 0.0]", "[0.0, 0.0, 0.05]");
+    let mut world = World::new(&text);
+    for k in 0..count {
+        let x = 0.1 * f64::from(k);
+        for s in 0..=40 {
+            world.at([x, 0.0, 0.05 - 0.021 * f64::from(s) / 40.0]);
+        }
+        let out = world.at([x, 0.0, 0.029]);
+        let tool = out.tools[0];
+        assert!((tool.force_n - Vector3::new(0.0, 0.0, 0.7)).norm() < 1e-9, "globe {k}: {}", tool.force_n);
+        assert_eq!(tool.contact.map(|c| c.body), Some(k as u32));
+        world.at([x, 0.0, 0.05]);
+    }
+}

@@ -154,3 +154,33 @@ fn contacts_by_spheres_allocate_nothing() {
     assert!(met > 200, "{met}");
     assert_eq!(count, 0);
 }
+
+#[test]
+fn a_tick_of_any_shape_allocates_nothing() {
+    let shapes = [
+        "{ cylinder = { radius_m = 0.008, half_length_m = 0.02 } }",
+        "{ implicit = { f = \"x^2 + 2*y^2 + z^2 - 1e-4\", reach_m = 0.01 } }",
+        "{ surface = { builtin = \"torus\", size = 0.01 } }",
+        "{ mesh = { inline = { vertices = [[0, 0, 0.01], [0.01, 0, -0.005], [-0.005, 0.009, -0.005], [-0.005, -0.009, -0.005]], \
+         triangles = [[0, 1, 2], [0, 2, 3], [0, 3, 1], [1, 3, 2]] } } }",
+    ];
+    for shape in shapes {
+        let soft = teardrop(20e3, "\"none\"").replace("stiffness_n_m = inf", "stiffness_n_m = 800.0");
+        for text in [soft.replace("model = \"lattice\"\n", ""), soft] {
+            let mut world = World::new(&text.replace("{ sphere = { radius_m = 0.01 } }", shape));
+            for _ in 0..5 {
+                world.at([0.06, 0.003, 0.045]);
+            }
+            let mut touched = 0;
+            let count = allocations(|| {
+                for k in 0..300 {
+                    let t = f64::from(k) * 1e-2;
+                    let out = world.at([0.032 + 0.014 * (4.0 * t).cos(), 0.003, 0.045]);
+                    touched += u32::from(out.tools[0].contact.is_some());
+                }
+            });
+            assert!(touched > 30, "{shape}: only {touched} ticks in touch");
+            assert_eq!(count, 0, "{shape}");
+        }
+    }
+}

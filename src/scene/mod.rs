@@ -15,6 +15,7 @@ mod state;
 
 pub use build::{SceneError, default_samples_per_span, inline_files};
 pub(crate) use narrow::look_at;
+pub(crate) use near::Near;
 pub use state::{BodyScratch, BodyState, PairState, RunState, SceneState, Scratch, ToolState, WarmRow};
 
 use crate::body::Lattice;
