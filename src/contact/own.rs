@@ -18,7 +18,7 @@ use crate::surface::{ClosestPoint, ClosestSolver, Frame, Surface};
 const MOST_PARTS: usize = 20_000;
 /// Halvings of a part in each direction: 2⁻²⁶ of a cell is about rounding of a difference of squares.
 const DEEPEST: u32 = 26;
-/// Deepest fold that is looked for, relative to the size.
+/// Deepest fold that can be looked for, relative to the size.
 const DEEPEST_FOLD: f64 = 0.2;
 /// Pairs of cells handed to Newton; beyond that, pairs are dropped.
 const MOST_PAIRS: usize = 1 << 13;
@@ -41,9 +41,16 @@ impl SelfSolver {
 
     /// Places where the surface penetrates itself, each with the greatest depth around, deepest first; and gaps up to
     /// `reach.margin_m` across the outside. `on_tool` and `tool_uv` are the other place on the same surface. Only a closed
-    /// surface has an inside; others have no contacts. Folds
-    /// deeper than a fifth of the size, or than the radii of curvature at their feet, are not looked for.
-    pub fn contacts(&mut self, surface: &Surface, solver: &mut ClosestSolver, reach: Reach, out: &mut ContactSet) {
+    /// surface has an inside; others have no contacts. Folds deeper than `deepest_m` are not looked for, nor those deeper
+    /// than a fifth of the size: the less is asked for, the sooner walls are told from folds.
+    pub fn contacts(
+        &mut self,
+        surface: &Surface,
+        solver: &mut ClosestSolver,
+        reach: Reach,
+        deepest_m: f64,
+        out: &mut ContactSet,
+    ) {
         out.clear();
         if !usable(surface) || !self.cells.closed {
             return;
@@ -61,7 +68,9 @@ impl SelfSolver {
             self.cells.look(surface, solver.pieces_now(), cell);
         }
         // Places that face each other through a fold are as far apart as it is deep.
-        let reach_m = margin_m.max(DEEPEST_FOLD * size_m);
+        let deepest_m = deepest_m.clamp(0.0, DEEPEST_FOLD * size_m);
+        let reach_m = margin_m.max(deepest_m);
+        let limits = [margin_m, deepest_m, size_m];
         let mut tried = 0;
         for x in 0..n {
             for y in x + 1..n {
@@ -77,7 +86,7 @@ impl SelfSolver {
                 let mut b = Half { surface, solver: &mut self.other };
                 let ((am, aw), (bm, bw)) = (self.cells.middle(x), self.cells.middle(y));
                 if let Some(found) = face(&mut a, &mut b, [am, bm], [aw, bw]) {
-                    self.judge(surface, solver, found.at, margin_m, size_m, out);
+                    self.judge(surface, solver, found.at, limits, out);
                 }
             }
         }
@@ -95,8 +104,7 @@ impl SelfSolver {
         surface: &Surface,
         solver: &mut ClosestSolver,
         [u, v, s, t]: [f64; 4],
-        margin_m: f64,
-        size_m: f64,
+        [margin_m, deepest_m, size_m]: [f64; 3],
         out: &mut ContactSet,
     ) {
         let (x, y) = (self.cells.cell_at(u, v), self.cells.cell_at(s, t));
@@ -110,7 +118,7 @@ impl SelfSolver {
         };
         let (Some(na), Some(nb)) = (outward(&a), outward(&b)) else { return };
         let depth_m = (b.point - a.point).dot(&nb);
-        let near = depth_m >= -margin_m - 1e-12 * size_m;
+        let near = depth_m >= -margin_m - 1e-12 * size_m && depth_m <= deepest_m + 1e-12 * size_m;
         if na.dot(&nb) > -0.999_999 || !near {
             return;
         }
@@ -129,14 +137,13 @@ impl SelfSolver {
         if out.contacts().iter().any(same) {
             return;
         }
-        // Between places that touch there is nothing to wind around; a wall without thickness is no wall.
-        if depth_m.abs() > 1e-9 * size_m {
-            let winding = self.winding(surface, solver, &nalgebra::center(&a.point, &b.point));
-            let wanted = if depth_m > 0.0 { winding > 1.5 } else { winding < 0.5 };
-            if !wanted {
+        // A gap lies in front of both sides and so is no wall. Between places that touch there is nothing to wind around; a
+        // wall without thickness is no wall.
+        if depth_m > 1e-9 * size_m {
+            if self.winding(surface, solver, &nalgebra::center(&a.point, &b.point)) <= 1.5 {
                 return;
             }
-        } else {
+        } else if depth_m >= -1e-9 * size_m {
             out.set_overlap();
         }
         out.push(Contact { u, v, on_body: a.point, on_tool: b.point, normal: -nb, depth_m, tool_uv: Some([s, t]) });
@@ -225,7 +232,7 @@ mod tests {
         let mut set = ContactSet::new();
         let mut solver = ClosestSolver::new(surface);
         let reach = Reach { margin_m, below: false };
-        SelfSolver::new(surface).contacts(surface, &mut solver, reach, &mut set);
+        SelfSolver::new(surface).contacts(surface, &mut solver, reach, surface.size(), &mut set);
         set
     }
 

@@ -254,9 +254,9 @@ impl PairScratch {
     }
 
     /// Contacts of a body with itself.
-    pub fn own_contacts(&mut self, parts: &mut BodyScratch, reach: Reach) {
+    pub fn own_contacts(&mut self, parts: &mut BodyScratch, reach: Reach, deepest_m: f64) {
         if let Narrow::Own(solver) = &mut self.narrow {
-            solver.contacts(&parts.surface, &mut parts.solver, reach, &mut self.set);
+            solver.contacts(&parts.surface, &mut parts.solver, reach, deepest_m, &mut self.set);
         }
     }
 

@@ -6,6 +6,9 @@ use crate::contact::{Contact, Reach};
 use crate::math::Point3;
 use crate::scene::{Scene, SceneState, Scratch, look_at};
 
+/// Deepest fold of a body into itself that a tick looks for, relative to the size.
+const FOLD: f64 = 5e-3;
+
 /// A body against another, the holder: every contact of both surfaces, and samples of each inside the other.
 pub(super) fn bodies(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch, p: usize, other: usize) {
     let Scratch { bodies, pairs, rows, hits, .. } = scratch;
@@ -68,7 +71,9 @@ pub(super) fn itself(scene: &Scene, scratch: &mut Scratch, p: usize) {
     let body = &scene.bodies[pair.body];
     let parts = &mut bodies[pair.body];
     let margin = margin_m(0.0, body.size_m) + 2.0 * moving(body, parts);
-    pairs[p].own_contacts(parts, Reach { margin_m: margin, below: false });
+    // Folds are met as they begin: what is deeper is a wall.
+    let deepest_m = FOLD * body.size_m + margin;
+    pairs[p].own_contacts(parts, Reach { margin_m: margin, below: false }, deepest_m);
     let view = view(body, parts);
     let views = [view, view];
     for (k, contact) in pairs[p].set.contacts().iter().take(MAX_FEET).enumerate() {
