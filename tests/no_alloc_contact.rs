@@ -106,7 +106,7 @@ fn the_broad_phase_allocates_nothing() {
     let count = allocations(|| {
         for step in 0..500_u32 {
             for k in 0..64_u32 {
-                if (k + step) % 13 == 0 {
+                if (k + step).is_multiple_of(13) {
                     broad.remove(k);
                     continue;
                 }
