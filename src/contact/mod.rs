@@ -1,9 +1,16 @@
 //! What a tool touches.
 //!
 //! ```text
-//! proxy::constrain   the tool's proxy moves towards where coupling wants it, held back by the surface as it stands
-//! rows::gather       one unilateral row for the foot, one for each surface sample inside the tool
-//! complementarity    forces λ ≥ 0 with D λ + gap ≥ 0, by projected Gauss–Seidel
+//! broad             pairs whose boxes meet
+//! exact, implicit,  contacts of one tool shape with a surface, certified or polished to rounding
+//! mesh, pair, own   … of a mesh, of two surfaces, of a surface with itself
+//! spheres           the same on sampled points, as fast or as exact as their number
+//!      └──────────▶ ContactSet: contacts in order of depth, rectangles in touch, overlap
+//! swept             first touch of a tool on its way
+//! proxy             a ball held back by the surface as it stands
+//! rows              a unilateral row for each contact, and for each surface sample inside the other party
+//! complementarity   forces λ ≥ 0 with D λ + gap ≥ 0, by projected Gauss–Seidel
+//! sharing           how several rigid contacts of one tool share its force
 //! ```
 //! Normals point out of the body, towards the tool; a gap is negative where the tool is inside.
 
