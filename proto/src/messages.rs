@@ -302,7 +302,7 @@ pub struct BodySnapshot {
 pub struct ToolSnapshot {
     /// Id.
     pub id: String,
-    /// `point`, `sphere` or `plane`.
+    /// `point`, `sphere`, `plane`, `implicit`, `mesh` or `surface`.
     pub shape: String,
     /// Radius of a sphere, else 0, m.
     pub radius: f64,

@@ -154,7 +154,7 @@ pub struct TickOutput {
     pub tick: u64,
     /// By tool index.
     pub tools: [ToolOutput; MAX_TOOLS],
-    /// Contacts of all pairs.
+    /// Contacts of all pairs. Recordings keep the deepest of each tool; a replay makes all of them again.
     pub contacts: ContactReports,
     /// Grows when any net changed.
     pub net_revision: u64,
