@@ -61,9 +61,12 @@ pub fn contact(effort: Effort, only: Option<&str>, out: &mut dyn FnMut(Row)) {
         }
     }
     for count in NETS {
-        let case = format!("surface/{count}x{count}");
-        if wanted(&case) {
-            suite.surfaces(&case, &body(count), &tool(count), resolutions(count));
+        // "When these surfaces just start colliding", and when they have.
+        for (depth_m, name) in [(1e-3, ""), (4e-3, "/deep")] {
+            let case = format!("surface/{count}x{count}{name}");
+            if wanted(&case) && (name.is_empty() || count == 8 || count == 20) {
+                suite.surfaces(&case, &body(count), &tool(count), depth_m, resolutions(count));
+            }
         }
     }
     for percent in AREAS {
@@ -271,7 +274,7 @@ impl Suite<'_> {
         let n = self.count(400);
         let tool = tool(8);
         let mesh_tool = Mesh::new(&tool);
-        let poses: Vec<Pose> = inputs::poses(surface, n);
+        let poses: Vec<Pose> = inputs::poses(surface, n, 3e-3);
         let mut oracle = oracle::Sampled::coarse(surface);
         let known: Vec<(usize, f64)> = (0..n)
             .step_by((n / 4).max(1))
@@ -299,9 +302,9 @@ impl Suite<'_> {
         self.report(case, NOT_A_DEPTH, true, &result);
     }
 
-    fn surfaces(&mut self, case: &str, surface: &Surface, tool: &Surface, resolutions: &[[usize; 2]]) {
+    fn surfaces(&mut self, case: &str, surface: &Surface, tool: &Surface, depth_m: f64, resolutions: &[[usize; 2]]) {
         let n = self.count(1_000);
-        let poses = inputs::poses(surface, n);
+        let poses = inputs::poses(surface, n, depth_m);
         // The tool is a ball with a net: its deepest point inside is as deep as the ball is, while its centre is outside.
         let mut oracle = super::oracle::Oracle::new(surface);
         let known: Vec<(usize, f64)> = (0..n)

@@ -57,10 +57,15 @@ fn direction(random: &mut Random) -> Vector3 {
     Vector3::new(rho * libm::cos(angle), rho * libm::sin(angle), z)
 }
 
-/// Poses of the ball-shaped tool, turned anyhow: up to 3 mm inside, "when these surfaces just start colliding".
-pub(super) fn poses(surface: &Surface, count: usize) -> Vec<Pose> {
+/// Poses of the ball-shaped tool, turned anyhow, at most so deep.
+pub(super) fn poses(surface: &Surface, count: usize, depth_m: f64) -> Vec<Pose> {
     let mut random = Random(count as u64 + 3);
-    let centres = near(surface, count, TOOL_RADIUS_M - 1e-3);
+    let centres: Vec<Point3> = (0..count)
+        .map(|_| {
+            let (u, v) = (random.unit(), 0.02 + 0.96 * random.unit());
+            surface.point(u, v) + surface.normal(u, v) * (TOOL_RADIUS_M - depth_m * random.unit())
+        })
+        .collect();
     let turned = |centre: &Point3, random: &mut Random| {
         let turn = Rotation::from_scaled_axis(direction(random) * (3.0 * random.unit()));
         Pose::from_parts(centre.coords.into(), turn)

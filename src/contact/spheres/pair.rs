@@ -42,7 +42,9 @@ const MET: u32 = 2;
 /// Stays whole.
 const FINAL: u32 = 4;
 const CROSSING: u32 = 8;
-const BITS: u32 = 4;
+/// Was asked whether it is flat.
+const ASKED: u32 = 16;
+const BITS: u32 = 5;
 
 impl Marks {
     fn new(cover: &Cover) -> Self {
@@ -116,8 +118,8 @@ impl SpheresPair {
             self.counters.hulls_apart = true;
             return;
         }
-        self.start(b, t, margin);
-        self.refine(b, t, margin, [body.flat_turn, tool.flat_turn]);
+        let all = self.start(b, t, margin);
+        self.refine(b, t, margin, [body.flat_turn, tool.flat_turn], all);
         let crossing = self.cross(b, t);
         if crossing || self.contained(b, t, [&mut body.levels, &mut tool.levels], reach) {
             set.set_overlap();
@@ -147,7 +149,8 @@ impl SpheresPair {
         }
     }
 
-    fn start(&mut self, b: &mut Cover, t: &mut Cover, margin: f64) {
+    /// Pairs of the coarsest cells that meet; for each side, whether all did.
+    fn start(&mut self, b: &mut Cover, t: &mut Cover, margin: f64) -> [bool; 2] {
         self.marks.iter_mut().for_each(Marks::begin);
         self.pairs.clear();
         let meets = |[low, high]: [crate::math::Point3; 2], reach: f64| {
@@ -156,7 +159,7 @@ impl SpheresPair {
             }
         };
         let reach = margin + b.noise_m() + t.noise_m();
-        let (box_b, box_t) = (b.bounds(), t.bounds());
+        let (box_b, box_t) = (b.whole_box(), t.whole_box());
         // The next list holds the tool's cells for a moment.
         self.next.clear();
         t.concerned(meets(box_b, reach), |id| self.next.push([id, id]));
@@ -164,42 +167,22 @@ impl SpheresPair {
         b.concerned(meets(box_t, reach), |id| {
             pairs.extend(next.iter().map(|[tool, _]| [id, *tool]).take(pairs.capacity() - pairs.len()));
         });
-        let mut kept = 0;
+        let (mut kept, tests) = (0, self.pairs.len() as u32);
         for k in 0..self.pairs.len() {
-            let [x, y] = self.pairs[k];
-            if self.test(b, t, [x, y], margin, 0) & self.also_seen(t, y) {
-                self.pairs[kept] = [x, y];
+            let pair = self.pairs[k];
+            let [of_body, of_tool] = &mut self.marks;
+            of_body.seen += u32::from(of_body.set(b, pair[0], SEEN));
+            of_tool.seen += u32::from(of_tool.set(t, pair[1], SEEN));
+            if b.lens(pair[0]).meets(t.lens(pair[1]), margin) {
+                of_body.met += u32::from(of_body.set(b, pair[0], MET));
+                of_tool.met += u32::from(of_tool.set(t, pair[1], MET));
+                self.pairs[kept] = pair;
                 kept += 1;
             }
         }
         self.pairs.truncate(kept);
-        self.count(b, t, 0, 0);
-        self.count(b, t, 1, 0);
-    }
-
-    fn also_seen(&mut self, t: &Cover, y: CellId) -> bool {
-        self.marks[1].seen += u32::from(self.marks[1].set(t, y, SEEN));
-        true
-    }
-
-    /// Tests two spheres, on the account of the `side` that was refined last.
-    #[inline(always)]
-    fn test(&mut self, b: &mut Cover, t: &mut Cover, [x, y]: [CellId; 2], margin: f64, side: usize) -> bool {
-        let meet = b.sphere(x).meets(&t.sphere(y), margin);
-        let (cover, id) = if side == 0 { (&*b, x) } else { (&*t, y) };
-        let marks = &mut self.marks[side];
-        marks.seen += u32::from(marks.set(cover, id, SEEN));
-        let levels = if side == 0 { &mut self.counters.body } else { &mut self.counters.tool };
-        let counts = counters::of(levels, usize::from(id.level));
-        counts.tests += 1;
-        if meet {
-            counts.meets += 1;
-            marks.met += u32::from(marks.set(cover, id, MET));
-            if id.level == 0 && side == 0 {
-                self.marks[1].met += u32::from(self.marks[1].set(t, y, MET));
-            }
-        }
-        meet
+        (self.counters.body[0].tests, self.counters.body[0].meets) = (tests, kept as u32);
+        [self.count(b, t, 0, 0), self.count(b, t, 1, 0)]
     }
 
     /// Closes a level of one side; true when all its spheres met.
@@ -211,16 +194,10 @@ impl SpheresPair {
         let counts = counters::of(levels, level);
         counts.spheres += seen;
         counts.points += std::mem::take(&mut cover.points.computed);
-        let all = seen > 0 && seen == met;
-        if level == 0 {
-            marks.seen = u32::from(all);
-        }
-        all
+        seen > 0 && seen == met
     }
 
-    fn refine(&mut self, b: &mut Cover, t: &mut Cover, margin: f64, turns: [f64; 2]) {
-        let mut all = [self.marks[0].seen > 0, self.marks[1].seen > 0];
-        (self.marks[0].seen, self.marks[1].seen) = (0, 0);
+    fn refine(&mut self, b: &mut Cover, t: &mut Cover, margin: f64, turns: [f64; 2], mut all: [bool; 2]) {
         let mut levels = [0, 0];
         loop {
             let mut moved = false;
@@ -232,7 +209,7 @@ impl SpheresPair {
                 if all[side] && self.counters.early_stop.is_none() {
                     self.counters.early_stop = Some(levels[side] as u8);
                 }
-                moved |= self.descend(b, t, side, levels[side], all[side].then_some(turns[side]), margin);
+                moved |= self.descend(b, t, side, levels[side], turns[side], margin);
                 levels[side] += 1;
                 all[side] = self.count(b, t, side, levels[side]);
             }
@@ -242,27 +219,22 @@ impl SpheresPair {
         }
     }
 
-    /// Takes the cells of one side to the next level, but for those that are flat where `turn` is given.
-    fn descend(
-        &mut self,
-        b: &mut Cover,
-        t: &mut Cover,
-        side: usize,
-        level: usize,
-        turn: Option<f64>,
-        margin: f64,
-    ) -> bool {
+    /// Takes the cells of one side to the next level, but for those that are flat.
+    fn descend(&mut self, b: &mut Cover, t: &mut Cover, side: usize, level: usize, turn: f64, margin: f64) -> bool {
         self.next.clear();
-        let mut moved = false;
+        let (mut moved, mut tests, mut meets) = (false, 0, 0);
         for k in 0..self.pairs.len() {
             let pair = self.pairs[k];
             let id = pair[side];
             let cover = if side == 0 { &mut *b } else { &mut *t };
             let mut whole = usize::from(id.level) < level || self.marks[side].has(cover, id, FINAL);
-            if let Some(turn) = turn.filter(|_| !whole) {
-                whole = cover.is_flat(id, turn);
-                if whole {
+            if !whole && self.marks[side].set(cover, id, ASKED) {
+                let [[i0, i1], [j0, j1]] = cover.children(id);
+                if cover.is_flat(id, turn) {
                     self.marks[side].set(cover, id, FINAL);
+                    whole = true;
+                } else {
+                    self.marks[side].seen += (i1 - i0) * (j1 - j0);
                 }
             }
             if whole {
@@ -271,16 +243,27 @@ impl SpheresPair {
             }
             moved = true;
             let [[i0, i1], [j0, j1]] = cover.children(id);
+            let other = if side == 0 { *t.lens(pair[1]) } else { *b.lens(pair[0]) };
+            let cover = if side == 0 { &mut *b } else { &mut *t };
+            tests += (i1 - i0) * (j1 - j0);
             for i in i0..i1 {
                 for j in j0..j1 {
-                    let mut pair = pair;
-                    pair[side] = CellId { level: id.level + 1, i: i as u16, j: j as u16 };
-                    if self.test(b, t, pair, margin, side) {
+                    let child = CellId { level: id.level + 1, i: i as u16, j: j as u16 };
+                    if cover.lens(child).meets(&other, margin) {
+                        let marks = &mut self.marks[side];
+                        marks.met += u32::from(marks.set(cover, child, MET));
+                        meets += 1;
+                        let mut pair = pair;
+                        pair[side] = child;
                         self.keep(pair);
                     }
                 }
             }
         }
+        let levels = if side == 0 { &mut self.counters.body } else { &mut self.counters.tool };
+        let counts = counters::of(levels, level + 1);
+        counts.tests += tests;
+        counts.meets += meets;
         std::mem::swap(&mut self.pairs, &mut self.next);
         moved
     }
@@ -308,9 +291,16 @@ impl SpheresPair {
                 continue;
             }
             let (p, q) = (b.corners(x), t.corners(y));
-            for first in triangles::split(&p) {
-                for second in triangles::split(&q) {
-                    let (f, s) = (first.map(|k| p[k]), second.map(|k| q[k]));
+            for second in triangles::split(&q) {
+                let s = second.map(|k| q[k]);
+                // One plane decides for both triangles of the body's cell.
+                let normal = (s[1] - s[0]).cross(&(s[2] - s[0]));
+                let sides = p.map(|p| (p - s[0]).dot(&normal));
+                if sides.iter().all(|x| *x > 0.0) || sides.iter().all(|x| *x < 0.0) {
+                    continue;
+                }
+                for first in triangles::split(&p) {
+                    let f = first.map(|k| p[k]);
                     self.counters.triangle_tests += 1;
                     if triangles::meet(&f, &s) {
                         self.counters.triangle_meets += 1;
