@@ -3,6 +3,7 @@
 mod common;
 
 use common::{World, teardrop};
+use palpate::contact::rows::Holder;
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 
@@ -72,6 +73,48 @@ fn a_tick_on_a_rigid_body_allocates_nothing() {
 fn a_tick_on_a_lattice_allocates_nothing() {
     let text = teardrop(20e3, "[16, 17]").replace("stiffness_n_m = inf", "stiffness_n_m = 800.0");
     assert_eq!(touch(&mut World::new(&text)), 0);
+}
+
+#[test]
+fn a_tick_of_two_soft_bodies_allocates_nothing() {
+    let mut world = World::new(include_str!("../scenes/two-drops.toml"));
+    for _ in 0..5 {
+        world.at([0.06, 0.003, 0.045]);
+    }
+    let mut met = 0;
+    let count = allocations(|| {
+        for k in 0..2_000 {
+            let t = f64::from(k) * 1e-3;
+            let out = world.at([0.022 + 0.01 * (4.0 * t).cos(), 0.003, 0.045]);
+            met += u32::from(out.contacts.list().iter().any(|c| matches!(c.holder, Holder::Body(_))));
+        }
+    });
+    assert!(met > 300, "the bodies met in {met} ticks only");
+    assert_eq!(count, 0);
+}
+
+#[test]
+fn a_tick_of_a_plane_allocates_nothing() {
+    let plane = |text: String| {
+        let tool = "{ plane = { normal = [-1.0, 0.0, 0.0] } }";
+        text.replace("{ sphere = { radius_m = 0.01 } }", tool).replace("stiffness_n_m = inf", "stiffness_n_m = 800.0")
+    };
+    for text in [teardrop(20e3, "[16, 17]"), teardrop(20e3, "\"none\"").replace("model = \"lattice\"\n", "")] {
+        let mut world = World::new(&plane(text));
+        for _ in 0..5 {
+            world.at([0.06, 0.003, 0.045]);
+        }
+        let mut touched = 0;
+        let count = allocations(|| {
+            for k in 0..1_500 {
+                let t = f64::from(k) * 1e-3;
+                let out = world.at([0.02 + 0.006 * (8.0 * t).cos(), 0.003, 0.045]);
+                touched += u32::from(out.tools[0].contact.is_some());
+            }
+        });
+        assert!(touched > 300, "only {touched} ticks in touch");
+        assert_eq!(count, 0);
+    }
 }
 
 /// Balls, points, planes and another surface, in touch and apart, on a net that moves.

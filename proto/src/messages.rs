@@ -109,10 +109,10 @@ pub struct ControlNet {
 }
 message!(ControlNet, "palpate.ControlNet.v1");
 
-/// One contact of a tool with a body.
+/// One contact of a tool with a body, or of two bodies.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Contact {
-    /// Tool id.
+    /// Tool id; between two bodies, the id of the other body (the same one, when a body touches itself).
     pub tool: String,
     /// Body id.
     pub body: String,
@@ -124,13 +124,13 @@ pub struct Contact {
     pub point: [f64; 3],
     /// Outward unit normal of the body.
     pub normal: [f64; 3],
-    /// Penetration depth, m.
+    /// Penetration depth of the device's tool, m; between bodies, what the contact solve left.
     pub depth: f64,
-    /// Force on the tool, N.
+    /// This contact's share of the force on the tool (or other body), N.
     pub force: [f64; 3],
 }
 
-/// All contacts of a tick.
+/// Contacts that carry force in a tick: at most the sixteen deepest.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ContactSet {
     /// Tick.

@@ -1,11 +1,13 @@
 //! `palpate probe`: quasi-static contacts and forces at given poses.
 
 use super::Outcome;
+use crate::contact::rows::Holder;
+use crate::contact::spheres::{Counters, LevelCounters};
 use crate::haptics::DevicePose;
 use crate::math::{Point3, Rotation, Vector3};
 use crate::scene::spec::MAX_TOOLS;
 use crate::scene::{Scene, file};
-use crate::tick::record::{TickInput, ToolOutput};
+use crate::tick::record::{ContactReport, TickInput, TickOutput};
 use crate::tick::{apply, record::Command, step};
 use anyhow::Context as _;
 use serde::Serialize;
@@ -35,8 +37,48 @@ struct Row {
     proxy: [f64; 3],
     depth: f64,
     contact_count: u32,
+    /// The deepest.
     contact: Option<ContactRow>,
+    /// All that carry force, deepest first, at most sixteen.
+    contacts: Vec<ContactRow>,
+    /// What the `spheres` method did in the last tick, by pair that uses it.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    spheres: Vec<SpheresRow>,
     settled: bool,
+}
+
+#[derive(Debug, Serialize)]
+struct SpheresRow {
+    holder: String,
+    body: String,
+    hulls_apart: bool,
+    early_stop: Option<u8>,
+    /// Of the body, then of the holder, coarsest first: points, spheres, tests, meets.
+    levels: [Vec<[u32; 4]>; 2],
+    triangulated_cells: u32,
+    triangle_tests: u32,
+    triangle_meets: u32,
+    dropped: u32,
+}
+
+impl SpheresRow {
+    fn new(holder: &str, body: &str, counters: &Counters) -> Self {
+        let levels = |side: &[LevelCounters]| {
+            let used = side.iter().rposition(|level| level.spheres > 0).map_or(0, |last| last + 1);
+            side[..used].iter().map(|level| [level.points, level.spheres, level.tests, level.meets]).collect()
+        };
+        Self {
+            holder: holder.to_owned(),
+            body: body.to_owned(),
+            hulls_apart: counters.hulls_apart,
+            early_stop: counters.early_stop,
+            levels: [levels(&counters.body), levels(&counters.tool)],
+            triangulated_cells: counters.triangulated_cells,
+            triangle_tests: counters.triangle_tests,
+            triangle_meets: counters.triangle_meets,
+            dropped: counters.dropped,
+        }
+    }
 }
 
 #[derive(Debug, Serialize)]
@@ -46,6 +88,22 @@ struct ContactRow {
     v: f64,
     point: [f64; 3],
     normal: [f64; 3],
+    depth: f64,
+    force: [f64; 3],
+}
+
+impl ContactRow {
+    fn new(scene: &Scene, contact: &ContactReport) -> Self {
+        Self {
+            body: scene.body_id(contact.body as usize).to_owned(),
+            u: contact.u,
+            v: contact.v,
+            point: contact.point.coords.into(),
+            normal: contact.normal.into(),
+            depth: contact.depth_m,
+            force: contact.force_n.into(),
+        }
+    }
 }
 
 /// At rest: the force changes by less than this share of itself (plus 1 µN) over [`WINDOW`] ticks.
@@ -83,6 +141,19 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
             let [x, y, z] = row.position;
             let [fx, fy, fz] = row.force;
             println!("{x:>12.6}{y:>12.6}{z:>12.6}  {fx:>12.6}{fy:>12.6}{fz:>12.6} {:>10.4}", row.depth * 1e3);
+            for row in &row.spheres {
+                let SpheresRow { holder, body, levels: [ours, theirs], triangle_tests, .. } = row;
+                println!(
+                    "    spheres {holder} on {body}: points, spheres, tests, meets by level {ours:?} {theirs:?}, {triangle_tests} triangle tests"
+                );
+            }
+            for ContactRow { body, u, v, point: [x, y, z], depth, force, .. } in &row.contacts {
+                let force = Vector3::from(*force).norm();
+                println!(
+                    "    {body} at u {u:.6} v {v:.6}: point {x:.6} {y:.6} {z:.6}, depth {:.4} mm, {force:.6} N",
+                    depth * 1e3
+                );
+            }
         }
     }
     Ok(Outcome::Ok)
@@ -135,25 +206,29 @@ fn probe(scene: &Scene, tool: usize, pose: &DevicePose) -> Row {
     let way = pose.position - start;
     let deforming = (0..scene.body_count()).any(|body| scene.deforms(body));
     let strides = if deforming { (way.norm() / STRIDE_M).ceil().max(1.0) as u64 } else { 1 };
-    let mut run = |position: Point3| -> ToolOutput {
+    let mut run = |position: Point3| -> TickOutput {
         let mut poses = [None; MAX_TOOLS];
         poses[tool] = Some(DevicePose { position, ..*pose });
-        step(scene, &mut state, &mut scratch, &TickInput { poses }).tools[tool]
+        step(scene, &mut state, &mut scratch, &TickInput { poses })
     };
     // The first pose seats the proxy; it belongs outside.
     let mut out = run(start);
     for k in 1..=strides {
         out = run(start + way * (k as f64 / strides as f64));
     }
-    let (mut settled, mut ticks, mut before) = (!deforming, 0, out.force_n);
+    let (mut settled, mut ticks, mut before) = (!deforming, 0, out.tools[tool].force_n);
     while !settled && ticks < PATIENCE {
         for _ in 0..WINDOW {
             out = run(pose.position);
         }
         ticks += WINDOW;
-        settled = (out.force_n - before).norm() <= SETTLED * out.force_n.norm() + 1e-6;
-        before = out.force_n;
+        let force = out.tools[tool].force_n;
+        settled = (force - before).norm() <= SETTLED * force.norm() + 1e-6;
+        before = force;
     }
+    let own = out.contacts.list().iter().filter(|contact| contact.holder == Holder::Tool(tool as u32));
+    let counters = scratch.spheres_counters(scene);
+    let out = &out.tools[tool];
     Row {
         position: pose.position.coords.into(),
         force: out.force_n.into(),
@@ -161,13 +236,9 @@ fn probe(scene: &Scene, tool: usize, pose: &DevicePose) -> Row {
         proxy: out.proxy_position.coords.into(),
         depth: out.contact.map_or(0.0, |contact| contact.depth_m),
         contact_count: out.contact_count,
-        contact: out.contact.map(|contact| ContactRow {
-            body: scene.body_id(contact.body as usize).to_owned(),
-            u: contact.u,
-            v: contact.v,
-            point: contact.point.coords.into(),
-            normal: contact.normal.into(),
-        }),
+        contact: out.contact.as_ref().map(|contact| ContactRow::new(scene, contact)),
+        contacts: own.map(|contact| ContactRow::new(scene, contact)).collect(),
+        spheres: counters.map(|(holder, body, counters)| SpheresRow::new(holder, body, counters)).collect(),
         settled,
     }
 }

@@ -79,6 +79,11 @@ impl Complementarity {
         &self.force[..self.len]
     }
 
+    /// Replaces the force of a row by an equivalent one.
+    pub fn set_force(&mut self, i: usize, force_n: f64) {
+        self.force[i] = force_n;
+    }
+
     /// Gap of row i under the present forces, m.
     pub fn gap_after(&self, i: usize) -> f64 {
         let row = &self.delassus[i * self.len..(i + 1) * self.len];

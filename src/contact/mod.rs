@@ -8,13 +8,17 @@
 //! Normals point out of the body, towards the tool; a gap is negative where the tool is inside.
 
 pub mod complementarity;
+pub mod exact;
+pub mod own;
+pub mod pair;
 pub mod proxy;
 pub mod rows;
 mod samples;
 mod set;
 mod shape;
+pub mod sharing;
 pub mod spheres;
 
-pub use samples::SampleGrid;
+pub use samples::{SampleGrid, distance_squared_to_box};
 pub use set::{Contact, ContactSet, MAX_CONTACTS, Reach, Rectangle};
-pub use shape::ToolShape;
+pub use shape::{SurfaceShape, ToolShape};

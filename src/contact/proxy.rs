@@ -20,6 +20,14 @@ pub struct ProxyState {
     pub queried: Point3,
 }
 
+impl ProxyState {
+    /// The tool is out of the body's reach: nothing that was proven near it holds when it comes back.
+    pub fn leave(&mut self) {
+        self.touching = false;
+        self.foot.budget_m = 0.0;
+    }
+}
+
 /// Outcome of moving a proxy.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Constrained {

@@ -1,70 +1,122 @@
-//! Contact rows: unilateral constraints between a tool and points of a surface, with the weights that carry their force.
+//! Contact rows: unilateral constraints between two parties, with the weights that carry their force to control points.
 //!
-//! Normals come from the surface as it stands (at rest that is exact), gaps from where its free motion will take it.
+//! The first party is a body, pushed against the normal; the second, the holder, is a tool or another body (or the same
+//! one, touching itself), pushed along it. Normals come from the surfaces as they stand (at rest that is exact), gaps from
+//! where their free motion will take both.
 
-use super::samples::{SampleGrid, Weights, distance_squared_to_box};
+use super::samples::{SampleGrid, Weights};
+use crate::basis::BasisWindow;
 use crate::math::{Point3, Vector3};
 use crate::surface::Surface;
 
-/// Most rows of one tick over all tools and bodies.
+/// Most rows of one tick over all pairs.
 pub const MAX_ROWS: usize = 192;
 /// Most tools of a scene: per-tick records have a fixed size.
 pub const MAX_TOOLS: usize = 8;
-/// Most rows of one tool on one body.
+/// Most rows of one pair.
 pub const MAX_ROWS_PER_PAIR: usize = 96;
-/// `sample` of the row at the tool's own closest point.
+/// `sample` of the row at the first contact of a pair; the next ones count down from it.
 pub const FOOT: u32 = u32::MAX;
+/// Samples of the holding body count up from here.
+pub const HOLDER_SAMPLES: u32 = 1 << 30;
+
+/// Who is pushed along a row's normal.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Holder {
+    /// A tool, by index.
+    Tool(u32),
+    /// A body, by index.
+    Body(u32),
+}
 
 /// One unilateral constraint.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Row {
-    /// Tool index.
-    pub tool: u32,
+    /// Pair of the plan.
+    pub pair: u32,
+    /// What it is within its pair: a sample of a grid, or a contact counted down from [`FOOT`].
+    pub sample: u32,
     /// Body index.
     pub body: u32,
-    /// Sample of the body's grid, or [`FOOT`].
-    pub sample: u32,
-    /// Unit vector from the body to the tool.
+    /// The other party.
+    pub holder: Holder,
+    /// Unit vector from the body to the holder.
     pub normal: Vector3,
     /// Gap under free motion of both, m.
     pub gap_m: f64,
-    /// Surface point now, m.
+    /// Point on the body's surface now, m.
     pub point: Point3,
-    /// Surface parameters of a foot; a sample's are the grid's.
+    /// Its parameters.
     pub u: f64,
-    /// Surface parameters of a foot; a sample's are the grid's.
+    /// Its parameters.
     pub v: f64,
-    /// Range in [`RowSet::controls`] and [`RowSet::weights`]; empty on a rigid body.
-    pub start: u32,
-    /// End of that range.
-    pub end: u32,
+    /// Weights on the body in [`RowSet::weights_in`]; empty when it is rigid.
+    pub on_body: Range,
+    /// Weights on the holder; empty when it is a tool or rigid.
+    pub on_holder: Range,
+}
+
+/// A range of the weights of a [`RowSet`].
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Range {
+    start: u32,
+    end: u32,
 }
 
 impl Row {
-    /// An empty foot row of a pair.
-    pub fn new(tool: usize, body: usize) -> Self {
-        let (tool, body) = (tool as u32, body as u32);
-        let (normal, point) = (Vector3::zeros(), Point3::origin());
-        Self { tool, body, sample: FOOT, normal, gap_m: 0.0, point, u: 0.0, v: 0.0, start: 0, end: 0 }
+    /// What identifies the row from tick to tick; rows are ordered by it.
+    pub fn key(&self) -> [u32; 2] {
+        [self.pair, self.sample]
     }
 
-    /// What identifies the row from tick to tick; rows are ordered by it.
-    pub fn key(&self) -> [u32; 3] {
-        [self.tool, self.body, self.sample]
+    /// The tool, when one holds it.
+    pub fn tool(&self) -> Option<usize> {
+        match self.holder {
+            Holder::Tool(tool) => Some(tool as usize),
+            Holder::Body(_) => None,
+        }
     }
+
+    /// Its sides on a body: the sign with which the normal pushes that body, and the weights.
+    pub fn sides_on(&self, body: usize) -> impl Iterator<Item = (f64, Range)> + use<> {
+        let first = (self.body as usize == body).then_some((-1.0, self.on_body));
+        let second = (self.holder == Holder::Body(body as u32)).then_some((1.0, self.on_holder));
+        first.into_iter().chain(second)
+    }
+}
+
+/// A party at the place of a row.
+#[derive(Clone, Copy, Debug)]
+pub enum Grip<'a> {
+    /// It does not move.
+    Fixed,
+    /// It is going to move by this, m.
+    Carried(Vector3),
+    /// A deforming surface, seen through the windows of a parameter.
+    Deforming(&'a DeformingView<'a>, &'a BasisWindow, &'a BasisWindow),
+}
+
+/// A deforming surface as rows see it.
+#[derive(Clone, Copy, Debug)]
+pub struct DeformingView<'a> {
+    /// The surface now.
+    pub surface: &'a Surface,
+    /// Its net after free motion.
+    pub predicted: &'a [Point3],
+    /// Its samples.
+    pub samples: &'a SampleGrid,
 }
 
 /// The rows of a tick and their basis weights.
 #[derive(Debug)]
 pub struct RowSet {
-    /// Rows, ordered by tool, body, sample.
+    /// Rows, ordered by pair and sample.
     pub rows: Vec<Row>,
-    /// Control indices of all rows.
-    pub controls: Vec<u32>,
-    /// Weights of all rows.
-    pub weights: Vec<f64>,
-    /// One sample's weights, while gathering.
-    weight_scratch: Weights,
+    controls: Vec<u32>,
+    weights: Vec<f64>,
+    scratch: Weights,
+    /// Where the rows of the present pair begin.
+    pair_start: usize,
     /// By tool: where free motion of the coupling takes the proxy, m.
     pub free: [Point3; MAX_TOOLS],
     /// By tool: the proxy held back by the surfaces as they stand, m.
@@ -74,13 +126,16 @@ pub struct RowSet {
 }
 
 impl RowSet {
-    /// Room for [`MAX_ROWS`] rows on surfaces whose samples have at most `width` weights.
+    /// Room for [`MAX_ROWS`] rows on surfaces whose points have at most `width` weights.
     pub fn new(width: usize) -> Self {
+        // Two sides a row.
+        let room = 2 * MAX_ROWS * width;
         Self {
             rows: Vec::with_capacity(MAX_ROWS),
-            controls: Vec::with_capacity(MAX_ROWS * width),
-            weights: Vec::with_capacity(MAX_ROWS * width),
-            weight_scratch: Weights { controls: Vec::with_capacity(width), weights: Vec::with_capacity(width) },
+            controls: Vec::with_capacity(room),
+            weights: Vec::with_capacity(room),
+            scratch: Weights { controls: Vec::with_capacity(width), weights: Vec::with_capacity(width) },
+            pair_start: 0,
             free: [Point3::origin(); MAX_TOOLS],
             proxies: [Point3::origin(); MAX_TOOLS],
             factors: [0.0; MAX_TOOLS],
@@ -92,164 +147,126 @@ impl RowSet {
         self.rows.clear();
         self.controls.clear();
         self.weights.clear();
+        self.pair_start = 0;
     }
 
-    /// Adds a row on a body that does not give way.
-    pub fn push_rigid(&mut self, row: Row) {
-        if self.rows.len() < MAX_ROWS {
-            let end = self.controls.len() as u32;
-            self.rows.push(Row { start: end, end, ..row });
+    /// The rows that follow belong to the next pair.
+    pub fn begin_pair(&mut self) {
+        self.pair_start = self.rows.len();
+    }
+
+    /// Brings the rows of the present pair into their order.
+    pub fn end_pair(&mut self) {
+        self.rows[self.pair_start..].sort_unstable_by_key(|row| row.sample);
+    }
+
+    /// True when the present pair may not have more rows.
+    fn full(&self) -> bool {
+        self.rows.len() == MAX_ROWS || self.rows.len() - self.pair_start == MAX_ROWS_PER_PAIR
+    }
+
+    /// Adds a row whose gap is `row.gap_m` now, if it closes to less than `margin_m` or has; the gap then becomes that
+    /// after free motion.
+    pub fn push(&mut self, row: Row, body: Grip<'_>, holder: Grip<'_>, margin_m: f64) {
+        if self.full() {
+            return;
+        }
+        let (controls, weights) = (self.controls.len(), self.weights.len());
+        let (away, on_body) = self.grip(body);
+        let (towards, on_holder) = self.grip(holder);
+        let gap_m = row.gap_m + (towards - away).dot(&row.normal);
+        if gap_m < margin_m || row.gap_m < margin_m {
+            self.rows.push(Row { gap_m, on_body, on_holder, ..row });
+        } else {
+            self.controls.truncate(controls);
+            self.weights.truncate(weights);
         }
     }
 
-    /// Adds a row whose force goes to control points by the weights last set in the scratch.
-    fn push_weighted(&mut self, row: Row) {
-        if self.rows.len() < MAX_ROWS {
-            let start = self.controls.len() as u32;
-            self.controls.extend_from_slice(&self.weight_scratch.controls);
-            self.weights.extend_from_slice(&self.weight_scratch.weights);
-            self.rows.push(Row { start, end: self.controls.len() as u32, ..row });
+    /// Free motion of a party, and its weights.
+    fn grip(&mut self, party: Grip<'_>) -> (Vector3, Range) {
+        match party {
+            Grip::Fixed => (Vector3::zeros(), Range::default()),
+            Grip::Carried(motion) => (motion, Range::default()),
+            Grip::Deforming(view, wu, wv) => {
+                self.scratch.set(view.surface, wu, wv);
+                let now = self.scratch.point(view.surface.net().points());
+                let then = self.scratch.point(view.predicted);
+                let start = self.controls.len() as u32;
+                self.controls.extend_from_slice(&self.scratch.controls);
+                self.weights.extend_from_slice(&self.scratch.weights);
+                (then - now, Range { start, end: self.controls.len() as u32 })
+            }
         }
     }
 
-    /// Control indices and weights of a row.
-    pub fn weights_of(&self, row: &Row) -> (&[u32], &[f64]) {
-        let range = row.start as usize..row.end as usize;
+    /// Control indices and weights of a side.
+    pub fn weights_in(&self, range: Range) -> (&[u32], &[f64]) {
+        let range = range.start as usize..range.end as usize;
         (&self.controls[range.clone()], &self.weights[range])
     }
 }
 
-/// A deforming surface as a tool sees it.
-#[derive(Clone, Copy, Debug)]
-pub struct DeformingView<'a> {
-    /// Body index.
-    pub body: u32,
-    /// The surface now.
-    pub surface: &'a Surface,
-    /// Its net after free motion.
-    pub predicted: &'a [Point3],
-    /// Its samples.
-    pub samples: &'a SampleGrid,
+/// What a point of one party sees of the other.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Facing {
+    /// Distance to the other party now, m; negative inside.
+    pub gap_m: f64,
+    /// Unit vector from the point's surface to the other party.
+    pub normal: Vector3,
+    /// Where on the other party, if that is a surface.
+    pub uv: [f64; 2],
+}
+
+/// A surface sample in touch.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SampleInTouch {
+    /// Index in its grid.
+    pub index: usize,
+    /// On the surface now, m.
+    pub point: Point3,
+    /// What it sees; the normal is from its surface to the other party.
+    pub facing: Facing,
 }
 
 impl DeformingView<'_> {
-    /// The row at a parameter, `target` being the ball's centre in free motion.
-    pub fn foot_row(
+    /// Samples nearer than `margin_m` to another party, at most [`MAX_ROWS_PER_PAIR`]. `meets` says whether a box is worth
+    /// a look, `look` what a point of the surface sees of the other party.
+    pub fn samples_in_touch(
         &self,
-        set: &mut RowSet,
-        tool: u32,
-        (u, v): (f64, f64),
-        normal: Vector3,
-        target: &Point3,
-        radius_m: f64,
         margin_m: f64,
+        meets: impl Fn(&Point3, &Point3) -> bool,
+        mut look: impl FnMut(&Point3) -> Option<Facing>,
+        out: &mut Vec<SampleInTouch>,
     ) {
-        let (wu, wv) = (self.surface.knots_u().window(u), self.surface.knots_v().window(v));
-        set.weight_scratch.set(self.surface, &wu, &wv);
-        let point = set.weight_scratch.point(self.surface.net().points());
-        let free = set.weight_scratch.point(self.predicted);
-        let gap_m = (target - free).dot(&normal) - radius_m;
-        let gap_now = (target - point).dot(&normal) - radius_m;
-        if gap_m < margin_m || gap_now < margin_m {
-            let row = Row { normal, gap_m, point, u, v, ..Row::new(tool as usize, self.body as usize) };
-            set.push_weighted(row);
-        }
-    }
-
-    /// Rows at the samples inside a ball with its centre at `centre` now and `target` in free motion.
-    pub fn ball_rows(
-        &self,
-        set: &mut RowSet,
-        tool: u32,
-        centre: &Point3,
-        target: &Point3,
-        radius_m: f64,
-        margin_m: f64,
-    ) {
-        let reach = radius_m + margin_m;
+        out.clear();
         let net = self.surface.net().points();
-        let before = set.rows.len();
         let (patches_u, patches_v) = self.samples.patches();
-        for patch_u in 0..patches_u {
-            for patch_v in 0..patches_v {
-                let (low, high) = self.samples.patch_box(net, patch_u, patch_v);
-                if distance_squared_to_box(centre, &low, &high) > reach * reach {
-                    continue;
-                }
-                for sample in self.samples.samples_of(patch_u, patch_v) {
-                    let (wu, wv) = self.samples.windows(sample);
-                    set.weight_scratch.set(self.surface, wu, wv);
-                    let point = set.weight_scratch.point(net);
-                    let away = centre - point;
-                    let distance = away.norm();
-                    if distance > reach || distance == 0.0 {
-                        continue;
+        for patch in 0..patches_u * patches_v {
+            let (patch_u, patch_v) = (patch / patches_v, patch % patches_v);
+            let (low, high) = self.samples.patch_box(net, patch_u, patch_v);
+            if !meets(&low, &high) {
+                continue;
+            }
+            for index in self.samples.samples_of(patch_u, patch_v) {
+                let (wu, wv) = self.samples.windows(index);
+                let point = self.surface.point_in(wu, wv);
+                let Some(facing) = look(&point) else { continue };
+                if facing.gap_m < margin_m && faces(self.surface, wu, wv, &facing.normal) {
+                    if out.len() == MAX_ROWS_PER_PAIR {
+                        return;
                     }
-                    let normal = away / distance;
-                    let free = set.weight_scratch.point(self.predicted);
-                    let gap_m = (target - free).dot(&normal) - radius_m;
-                    let gap_now = distance - radius_m;
-                    if (gap_m < margin_m || gap_now < margin_m) && self.faces(wu, wv, &normal) {
-                        let row = Row {
-                            sample: sample as u32,
-                            normal,
-                            gap_m,
-                            point,
-                            ..Row::new(tool as usize, self.body as usize)
-                        };
-                        if set.rows.len() - before < MAX_ROWS_PER_PAIR {
-                            set.push_weighted(row);
-                        }
-                    }
+                    out.push(SampleInTouch { index, point, facing });
                 }
             }
         }
     }
+}
 
-    /// Rows at the samples below a plane through `target` with outward unit normal `plane`.
-    pub fn plane_rows(&self, set: &mut RowSet, tool: u32, target: &Point3, plane: &Vector3, margin_m: f64) {
-        let net = self.surface.net().points();
-        let before = set.rows.len();
-        let (patches_u, patches_v) = self.samples.patches();
-        for patch_u in 0..patches_u {
-            for patch_v in 0..patches_v {
-                let (low, high) = self.samples.patch_box(net, patch_u, patch_v);
-                let centre = nalgebra::center(&low, &high);
-                let half = (high - low) * 0.5;
-                let reach = half.x * plane.x.abs() + half.y * plane.y.abs() + half.z * plane.z.abs();
-                if (centre - target).dot(plane) - reach > margin_m {
-                    continue;
-                }
-                for sample in self.samples.samples_of(patch_u, patch_v) {
-                    let (wu, wv) = self.samples.windows(sample);
-                    set.weight_scratch.set(self.surface, wu, wv);
-                    let point = set.weight_scratch.point(net);
-                    let gap_m = (set.weight_scratch.point(self.predicted) - target).dot(plane);
-                    let gap_now = (point - target).dot(plane);
-                    if (gap_m < margin_m || gap_now < margin_m)
-                        && self.faces(wu, wv, &-plane)
-                        && set.rows.len() - before < MAX_ROWS_PER_PAIR
-                    {
-                        let normal = -*plane;
-                        let row = Row {
-                            sample: sample as u32,
-                            normal,
-                            gap_m,
-                            point,
-                            ..Row::new(tool as usize, self.body as usize)
-                        };
-                        set.push_weighted(row);
-                    }
-                }
-            }
-        }
-    }
-
-    /// The surface there looks towards the tool; the far side of a thin body inside a large tool does not.
-    fn faces(&self, wu: &crate::basis::BasisWindow, wv: &crate::basis::BasisWindow, normal: &Vector3) -> bool {
-        let frame = self.surface.frame_in(wu, wv);
-        let outward = frame.du.cross(&frame.dv);
-        let toward = outward.dot(normal) * if self.surface.flip_normal() { -1.0 } else { 1.0 };
-        toward > 0.0
-    }
+/// The surface there looks towards the other party; the far side of a thin body inside a large tool does not.
+fn faces(surface: &Surface, wu: &BasisWindow, wv: &BasisWindow, normal: &Vector3) -> bool {
+    let frame = surface.frame_in(wu, wv);
+    let outward = frame.du.cross(&frame.dv);
+    let toward = outward.dot(normal) * if surface.flip_normal() { -1.0 } else { 1.0 };
+    toward > 0.0
 }

@@ -122,6 +122,11 @@ impl ContactSet {
         self.overlap = true;
     }
 
+    /// For a narrow phase that had to leave something out: at least one more contact is counted as dropped.
+    pub fn note_dropped(&mut self) {
+        self.dropped += 1;
+    }
+
     /// In order of depth.
     pub fn contacts(&self) -> &[Contact] {
         &self.contacts
@@ -142,7 +147,7 @@ impl ContactSet {
         self.overlap
     }
 
-    /// Contacts that found no room.
+    /// Contacts that found no room, or that a bounded search may have left out.
     pub fn dropped(&self) -> u32 {
         self.dropped
     }

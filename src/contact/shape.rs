@@ -1,9 +1,10 @@
 //! Shapes of tools.
 
-use crate::math::Vector3;
+use crate::math::{Point3, Pose, Vector3};
+use crate::surface::Surface;
 
-/// A tool around its reference point.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// A tool around its reference point, in its own frame.
+#[derive(Clone, Debug)]
 pub enum ToolShape {
     /// The reference point itself.
     Point,
@@ -17,6 +18,29 @@ pub enum ToolShape {
         /// Outward unit normal, tool frame.
         normal: Vector3,
     },
+    /// A rigid B-spline surface; solid when it is closed.
+    Surface(Box<SurfaceShape>),
+}
+
+/// A surface as a tool.
+#[derive(Clone, Debug)]
+pub struct SurfaceShape {
+    surface: Surface,
+    reach_m: f64,
+}
+
+impl SurfaceShape {
+    /// `surface` in the tool's frame, m.
+    pub fn new(surface: Surface) -> Self {
+        let surface = surface.oriented_outward();
+        let reach_m = surface.net().points().iter().map(|p| p.coords.norm()).fold(0.0, f64::max);
+        Self { surface, reach_m }
+    }
+
+    /// Tool frame.
+    pub fn surface(&self) -> &Surface {
+        &self.surface
+    }
 }
 
 impl ToolShape {
@@ -25,8 +49,30 @@ impl ToolShape {
         match self {
             Self::Point => Some(0.0),
             Self::Sphere { radius_m } => Some(*radius_m),
-            Self::Plane { .. } => None,
+            Self::Plane { .. } | Self::Surface(_) => None,
         }
+    }
+
+    /// Greatest distance of the tool's matter from its reference point, m; `None` when it has no bounds.
+    pub fn reach_m(&self) -> Option<f64> {
+        match self {
+            Self::Point => Some(0.0),
+            Self::Sphere { radius_m } => Some(*radius_m),
+            Self::Plane { .. } => None,
+            Self::Surface(shape) => Some(shape.reach_m),
+        }
+    }
+
+    /// True for half-spaces: unbounded, the same from everywhere.
+    pub fn is_plane(&self) -> bool {
+        matches!(self, Self::Plane { .. })
+    }
+
+    /// A box that holds the tool; `None` when it has no bounds.
+    pub fn bounds(&self, pose: &Pose) -> Option<(Point3, Point3)> {
+        let reach = Vector3::repeat(self.reach_m()?);
+        let centre = Point3::from(pose.translation.vector);
+        Some((centre - reach, centre + reach))
     }
 
     /// Name in files and messages.
@@ -35,6 +81,7 @@ impl ToolShape {
             Self::Point => "point",
             Self::Sphere { .. } => "sphere",
             Self::Plane { .. } => "plane",
+            Self::Surface(_) => "surface",
         }
     }
 }

@@ -1,5 +1,6 @@
 //! Tick records to Protobuf and back, bit for bit.
 
+use crate::contact::rows::Holder;
 use crate::haptics::DevicePose;
 use crate::math::{Point3, Rotation, Vector3};
 use crate::scene::spec::MAX_TOOLS;
@@ -102,7 +103,7 @@ pub fn tick_to_proto(record: &TickRecord, tool_count: usize) -> pb::Tick {
             ],
         );
         let contact = out.contact.map(|contact| {
-            let mut values = Vec::with_capacity(9);
+            let mut values = Vec::with_capacity(12);
             extend(
                 &mut values,
                 &[
@@ -110,6 +111,7 @@ pub fn tick_to_proto(record: &TickRecord, tool_count: usize) -> pb::Tick {
                     contact.point.coords.as_slice(),
                     contact.normal.as_slice(),
                     &[contact.depth_m],
+                    contact.force_n.as_slice(),
                 ],
             );
             pb::Contact { body: contact.body, values }
@@ -167,15 +169,17 @@ pub fn tick_from_proto(tick: &pb::Tick) -> Result<TickRecord, ConvertError> {
         record.input.poses[t] = tool.applied.as_ref().map(|pose| pose_from_proto(number, pose)).transpose()?;
         let mut values = Floats::new(number, "tool", &tool.values, 17)?;
         let contact = tool.contact.as_ref().map(|contact| {
-            let mut values = Floats::new(number, "contact", &contact.values, 9)?;
+            let mut values = Floats::new(number, "contact", &contact.values, 12)?;
             let [u, v] = values.take();
             Ok(ContactReport {
                 body: contact.body,
+                holder: Holder::Tool(t as u32),
                 u,
                 v,
                 point: values.point(),
                 normal: values.vector(),
                 depth_m: values.take::<1>()[0],
+                force_n: values.vector(),
             })
         });
         output.tools[t] = ToolOutput {
@@ -259,11 +263,13 @@ mod tests {
             tool.proxy_orientation = rotation;
             tool.contact = Some(ContactReport {
                 body: 4,
+                holder: Holder::Tool(1),
                 u: value,
                 v: 0.5,
                 point: Point3::from(vector),
                 normal: vector,
                 depth_m: -value,
+                force_n: -vector,
             });
             let bytes = tick_to_proto(&record, 2).encode_to_vec();
             let back = tick_from_proto(&pb::Tick::decode(&bytes[..]).unwrap()).unwrap();

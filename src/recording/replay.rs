@@ -277,5 +277,6 @@ fn value_name(k: usize) -> String {
 }
 
 fn contact_name(k: usize) -> &'static str {
-    ["u", "v", "point.x", "point.y", "point.z", "normal.x", "normal.y", "normal.z", "depth_m"][k]
+    let names = ["u", "v", "point.x", "point.y", "point.z", "normal.x", "normal.y", "normal.z", "depth_m"];
+    names.get(k).copied().unwrap_or(["force_n.x", "force_n.y", "force_n.z"][k.saturating_sub(names.len()).min(2)])
 }

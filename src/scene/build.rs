@@ -1,11 +1,14 @@
 //! From a scene file's data to the constants of a simulation.
 
 use super::refine;
-use super::spec::{BodySpec, ContactMethod, ModelSpec, PoseSpec, SceneSpec, ShapeSpec, SurfaceSpec, ToolSpec};
-use super::{Body, BodyModel, LatticeBody, Pair, Scene, Tool};
+use super::spec::{
+    BodySpec, ContactMethod, ModelSpec, PoseSpec, SPHERES_RESOLUTION, SceneSpec, ShapeSpec, SurfaceSpec, ToolSpec,
+};
+use super::{Body, BodyModel, LatticeBody, Method, Pair, Scene, Tool};
 use crate::body::layers::{self, RingEnds, Rings};
 use crate::body::{CellGrid, Lattice, Material, StepSettings};
-use crate::contact::{SampleGrid, ToolShape};
+use crate::contact::rows::Holder;
+use crate::contact::{SampleGrid, SurfaceShape, ToolShape};
 use crate::haptics::{Coupling, LinkLimits};
 use crate::math::{Point3, Pose, Rotation, Vector3};
 use crate::surface::{self, Closing, Surface, Topology};
@@ -45,14 +48,15 @@ impl Scene {
         }
         let mut tools = Vec::new();
         for (t, tool) in spec.tools.iter().enumerate() {
-            tools.push(build_tool(tool, &format!("tool[{t}]"), dt_s)?);
+            tools.push(build_tool(tool, &format!("tool[{t}]"), directory, dt_s)?);
         }
         let pairs = build_pairs(spec, &tools, &bodies)?;
         for pair in &pairs {
+            let Some(tool) = pair.tool() else { continue };
             let rigid_body = matches!(bodies[pair.body].model, BodyModel::Rigid);
-            if rigid_body && tools[pair.tool].coupling.is_rigid() {
+            if rigid_body && tools[tool].coupling.is_rigid() {
                 return Err(error(
-                    format!("tool[{}].coupling.stiffness_n_m", pair.tool),
+                    format!("tool[{tool}].coupling.stiffness_n_m"),
                     format!(
                         "a rigid coupling against the rigid body {:?} has no finite force; give it a stiffness",
                         bodies[pair.body].id
@@ -72,43 +76,89 @@ impl Scene {
 pub fn inline_files(spec: &SceneSpec, directory: &Path) -> Result<SceneSpec, SceneError> {
     let mut inlined = spec.clone();
     for (b, body) in inlined.bodies.iter_mut().enumerate() {
-        if let Some(file) = body.surface.file.take() {
-            let path = format!("body[{b}].surface.file");
-            let full = directory.join(&file);
-            let text = std::fs::read_to_string(&full)
-                .map_err(|e| error(&path, format!("cannot read {}: {e}", full.display())))?;
-            let mut document: serde_json::Value = serde_json::from_str(&text).map_err(|e| error(&path, e))?;
-            // TOML, as which recordings keep the scene, has no null; absent says the same.
-            if let Some(fields) = document.as_object_mut() {
-                fields.retain(|_, value| !value.is_null());
-            }
-            body.surface.inline = Some(document);
+        inline_surface(&mut body.surface, &format!("body[{b}].surface"), directory)?;
+    }
+    for (t, tool) in inlined.tools.iter_mut().enumerate() {
+        if let ShapeSpec::Surface(surface) = &mut tool.shape {
+            inline_surface(surface, &format!("tool[{t}].shape.surface"), directory)?;
         }
     }
     Ok(inlined)
 }
 
-fn build_pairs(spec: &SceneSpec, tools: &[Tool], bodies: &[Body]) -> Result<Vec<Pair>, SceneError> {
-    let mut off = Vec::new();
-    for (c, contact) in spec.contacts.iter().enumerate() {
-        let [tool_id, body_id] = &contact.pair;
-        let tool = tools.iter().position(|tool| &tool.id == tool_id);
-        let body = bodies.iter().position(|body| &body.id == body_id);
-        let (Some(tool), Some(body)) = (tool, body) else {
-            return Err(error(
-                format!("contact[{c}].pair"),
-                format!("no tool {tool_id:?} or no body {body_id:?} in this scene"),
-            ));
-        };
-        if contact.method == ContactMethod::None {
-            off.push(Pair { tool, body });
-        }
+fn inline_surface(surface: &mut SurfaceSpec, path: &str, directory: &Path) -> Result<(), SceneError> {
+    let Some(file) = surface.file.take() else { return Ok(()) };
+    let path = format!("{path}.file");
+    let full = directory.join(file);
+    let text =
+        std::fs::read_to_string(&full).map_err(|e| error(&path, format!("cannot read {}: {e}", full.display())))?;
+    let mut document: serde_json::Value = serde_json::from_str(&text).map_err(|e| error(&path, e))?;
+    // TOML, as which recordings keep the scene, has no null; absent says the same.
+    if let Some(fields) = document.as_object_mut() {
+        fields.retain(|_, value| !value.is_null());
     }
-    let all = (0..tools.len()).flat_map(|tool| (0..bodies.len()).map(move |body| Pair { tool, body }));
-    Ok(all.filter(|pair| !off.contains(pair)).collect())
+    surface.inline = Some(document);
+    Ok(())
 }
 
-fn build_tool(spec: &ToolSpec, path: &str, dt_s: f64) -> Result<Tool, SceneError> {
+/// Every tool against every body, bodies that deform against all others, and those that may touch themselves; exceptions
+/// as the scene lists them.
+fn build_pairs(spec: &SceneSpec, tools: &[Tool], bodies: &[Body]) -> Result<Vec<Pair>, SceneError> {
+    let mut pairs = Vec::new();
+    let index = |k: usize| k as u32;
+    let deforms = |body: usize| !matches!(bodies[body].model, BodyModel::Rigid);
+    for tool in 0..tools.len() {
+        let holder = Holder::Tool(index(tool));
+        pairs.extend((0..bodies.len()).map(|body| Pair { holder, body, method: Method::Exact }));
+    }
+    for body in 0..bodies.len() {
+        for other in body + 1..bodies.len() {
+            if deforms(body) || deforms(other) {
+                // A sheet has no inside: it is asked for the side on which the other is.
+                let sheet_second = bodies[other].two_sided && !bodies[body].two_sided;
+                let (body, other) = if sheet_second { (other, body) } else { (body, other) };
+                pairs.push(Pair { holder: Holder::Body(index(other)), body, method: Method::Exact });
+            }
+        }
+    }
+    for body in 0..bodies.len() {
+        if spec.bodies[body].self_contact && deforms(body) {
+            pairs.push(Pair { holder: Holder::Body(index(body)), body, method: Method::Exact });
+        }
+    }
+    for (c, contact) in spec.contacts.iter().enumerate() {
+        let [holder_id, body_id] = &contact.pair;
+        let tool = tools.iter().position(|tool| &tool.id == holder_id).map(|tool| Holder::Tool(index(tool)));
+        let find = |id: &str| bodies.iter().position(|body| body.id == id);
+        let holder = tool.or_else(|| find(holder_id).map(|body| Holder::Body(index(body))));
+        let (Some(holder), Some(body)) = (holder, find(body_id)) else {
+            return Err(error(
+                format!("contact[{c}].pair"),
+                format!("no tool or body {holder_id:?} or no body {body_id:?} in this scene"),
+            ));
+        };
+        let named = |pair: &Pair| {
+            let swapped = match holder {
+                Holder::Body(other) => pair.holder == Holder::Body(index(body)) && pair.body == other as usize,
+                Holder::Tool(_) => false,
+            };
+            (pair.holder == holder && pair.body == body) || swapped
+        };
+        match contact.method {
+            ContactMethod::Exact => {}
+            ContactMethod::None => pairs.retain(|pair| !named(pair)),
+            ContactMethod::Spheres => {
+                let resolution = contact.resolution.unwrap_or(SPHERES_RESOLUTION);
+                for pair in pairs.iter_mut().filter(|pair| named(pair)) {
+                    pair.method = Method::Spheres(resolution);
+                }
+            }
+        }
+    }
+    Ok(pairs)
+}
+
+fn build_tool(spec: &ToolSpec, path: &str, directory: &Path, dt_s: f64) -> Result<Tool, SceneError> {
     let shape = match &spec.shape {
         ShapeSpec::Point {} => ToolShape::Point,
         ShapeSpec::Sphere { radius_m } if radius_m.is_finite() && *radius_m > 0.0 => {
@@ -122,6 +172,10 @@ fn build_tool(spec: &ToolSpec, path: &str, dt_s: f64) -> Result<Tool, SceneError
         }
         ShapeSpec::Plane { normal } => {
             ToolShape::Plane { normal: unit(normal, &format!("{path}.shape.plane.normal"))? }
+        }
+        ShapeSpec::Surface(spec) => {
+            let surface = build_surface(spec, &format!("{path}.shape.surface"), directory)?;
+            ToolShape::Surface(Box::new(SurfaceShape::new(surface)))
         }
     };
     let coupling = &spec.coupling;

@@ -1,6 +1,6 @@
 //! Reads a scene file and says of everything that is wrong with it where it stands and how to mend it.
 
-use super::spec::{MAX_TOOLS, SceneSpec, ShapeSpec};
+use super::spec::{ContactMethod, ContactSpec, MAX_TOOLS, ModelSpec, SceneSpec, ShapeSpec, SurfaceSpec};
 use crate::surface::builtin::BUILTINS;
 use std::fmt;
 use std::ops::Range;
@@ -245,26 +245,43 @@ impl Check<'_> {
         }
         for (t, tool) in spec.tools.iter().enumerate() {
             self.id("tool", t, &tool.id, &tools);
-            self.tool(t, tool);
+            self.tool(t, tool, directory);
         }
         for (c, contact) in spec.contacts.iter().enumerate() {
-            let [tool, body] = &contact.pair;
-            if !tools.contains(&tool.as_str()) {
-                self.refuse("contact", c, "pair", format!("there is no tool {tool:?}; pairs are [tool, body]"));
-            }
-            if !bodies.contains(&body.as_str()) {
-                self.refuse("contact", c, "pair", format!("there is no body {body:?}; pairs are [tool, body]"));
-            }
+            self.contact(c, contact, &tools, &bodies);
         }
     }
 
-    fn body(&mut self, b: usize, body: &super::spec::BodySpec, directory: &Path) {
-        let surface = &body.surface;
+    fn contact(&mut self, c: usize, contact: &ContactSpec, tools: &[&str], bodies: &[&str]) {
+        let [holder, body] = &contact.pair;
+        if !tools.contains(&holder.as_str()) && !bodies.contains(&holder.as_str()) {
+            let message = format!("there is no tool and no body {holder:?}; pairs are [tool or body, body]");
+            self.refuse("contact", c, "pair", message);
+        }
+        if !bodies.contains(&body.as_str()) {
+            let message = format!("there is no body {body:?}; pairs are [tool or body, body]");
+            self.refuse("contact", c, "pair", message);
+        }
+        match (contact.resolution, contact.method) {
+            (Some(resolution), ContactMethod::Spheres) => {
+                if resolution.iter().any(|n| !(4..=1_000).contains(n)) {
+                    let message = format!("resolution is {resolution:?}; each of the two must be 4 to 1000");
+                    self.refuse("contact", c, "resolution", message);
+                }
+            }
+            (Some(_), _) => {
+                self.refuse("contact", c, "resolution", "only method = \"spheres\" has a resolution");
+            }
+            (None, _) => {}
+        }
+    }
+
+    fn surface(&mut self, table: &str, index: usize, surface: &SurfaceSpec, directory: &Path) {
         let given = usize::from(surface.builtin.is_some())
             + usize::from(surface.file.is_some())
             + usize::from(surface.inline.is_some());
         if given != 1 {
-            self.refuse("body", b, "surface", "surface needs exactly one of builtin, file, inline");
+            self.refuse(table, index, "surface", "surface needs exactly one of builtin, file, inline");
         }
         if let Some(name) = &surface.builtin
             && !BUILTINS.contains(&name.as_str())
@@ -272,27 +289,36 @@ impl Check<'_> {
             let near = BUILTINS.iter().min_by_key(|known| strsim::damerau_levenshtein(name, known)).unwrap_or(&"");
             let message =
                 format!("{name:?} is no builtin surface; did you mean {near:?}? (known: {})", BUILTINS.join(", "));
-            self.refuse("body", b, "builtin", message);
+            self.refuse(table, index, "builtin", message);
         }
         if let Some(net) = surface.net
             && net.iter().any(|&n| n < 2)
         {
-            self.refuse("body", b, "net", format!("net {net:?} is too small; at least 4 in each direction are needed"));
+            self.refuse(
+                table,
+                index,
+                "net",
+                format!("net {net:?} is too small; at least 4 in each direction are needed"),
+            );
         }
         if let Some(size) = surface.size {
-            self.above_zero("body", b, "size", size, "m");
+            self.above_zero(table, index, "size", size, "m");
         }
         if let Some(file) = &surface.file
             && !directory.join(file).is_file()
         {
             let path = directory.join(file);
             self.refuse(
-                "body",
-                b,
+                table,
+                index,
                 "file",
                 format!("there is no file {}; paths start at the scene file", path.display()),
             );
         }
+    }
+
+    fn body(&mut self, b: usize, body: &super::spec::BodySpec, directory: &Path) {
+        self.surface("body", b, &body.surface, directory);
         self.pose("body", b, &body.pose);
         self.above_zero("body", b, "young_pa", body.material.young_pa, "Pa");
         self.above_zero("body", b, "density_kg_m3", body.material.density_kg_m3, "kg/m³");
@@ -311,17 +337,22 @@ impl Check<'_> {
             let message = format!("contact_sweeps is {}; it must be 1 to 1000", body.integrator.contact_sweeps);
             self.refuse("body", b, "contact_sweeps", message);
         }
+        if body.self_contact && body.model == ModelSpec::Rigid {
+            let message = "a rigid body cannot come to touch itself; give it a deforming model or drop self_contact";
+            self.refuse("body", b, "self_contact", message);
+        }
         for plane in &body.fixed {
             self.finite("body", b, "point", &plane.point);
             self.direction("body", b, "normal", &plane.normal);
         }
     }
 
-    fn tool(&mut self, t: usize, tool: &super::spec::ToolSpec) {
+    fn tool(&mut self, t: usize, tool: &super::spec::ToolSpec, directory: &Path) {
         match &tool.shape {
             ShapeSpec::Point {} => {}
             ShapeSpec::Sphere { radius_m } => self.above_zero("tool", t, "radius_m", *radius_m, "m"),
             ShapeSpec::Plane { normal } => self.direction("tool", t, "normal", normal),
+            ShapeSpec::Surface(surface) => self.surface("tool", t, surface, directory),
         }
         self.pose("tool", t, &tool.pose);
         let stiffness = tool.coupling.stiffness_n_m;
@@ -356,7 +387,7 @@ mod tests {
 
     #[test]
     fn every_problem_is_told_with_its_line() {
-        let cases: [(&str, &str); 12] = [
+        let cases: [(&str, &str); 14] = [
             ("[loop]\nrate_hz = 0\n", "s.toml:2:1: rate_hz is 0; it must be 1 to 10000"),
             ("[loop]\nrate = 5\n", "s.toml:2:1: \"rate\" is not known here; did you mean \"rate_hz\"?"),
             ("[loop\n", "s.toml:1:6: "),
@@ -377,7 +408,15 @@ mod tests {
             ("[[body]]\nid = \"X y\"\nsurface = { builtin = \"sheet\" }\n", "s.toml:2:1: \"X y\" is no id"),
             ("[[tool]]\nid = \"a\"\nshape = { sphere = { radius_m = 0.0 } }\n", "s.toml:3:22: radius_m is 0"),
             ("[[tool]]\nid = \"a\"\n[[tool]]\nid = \"a\"\n", "s.toml:4:1: id \"a\" is taken"),
-            ("[[contact]]\npair = [\"pen\", \"drop\"]\n", "s.toml:2:1: there is no tool \"pen\""),
+            (
+                "[[contact]]\npair = [\"ball\", \"drop\"]\nmethod = \"spheres\"\nresolution = [2, 82]\n",
+                "s.toml:4:1: resolution is [2, 82]; each of the two must be 4 to 1000",
+            ),
+            (
+                "[[body]]\nid = \"x\"\nsurface = { builtin = \"sheet\" }\nself_contact = true\n",
+                "s.toml:4:1: a rigid body cannot come to touch itself",
+            ),
+            ("[[contact]]\npair = [\"pen\", \"drop\"]\n", "s.toml:2:1: there is no tool and no body \"pen\""),
         ];
         for (text, expected) in cases {
             // A whole scene around the case, after it, so that lines count from the case.

@@ -5,15 +5,19 @@
 
 mod build;
 pub mod file;
+mod narrow;
+mod near;
 pub mod plan;
 mod refine;
 pub mod spec;
 mod state;
 
 pub use build::{SceneError, default_samples_per_span, inline_files};
+pub(crate) use narrow::look_at;
 pub use state::{BodyScratch, BodyState, PairState, RunState, SceneState, Scratch, ToolState, WarmRow};
 
 use crate::body::Lattice;
+use crate::contact::rows::Holder;
 use crate::contact::{SampleGrid, ToolShape};
 use crate::haptics::{Coupling, LinkLimits};
 use crate::math::{Point3, Rotation};
@@ -33,7 +37,7 @@ pub struct Scene {
     pub spec: SceneSpec,
     pub(crate) bodies: Vec<Body>,
     pub(crate) tools: Vec<Tool>,
-    /// Ordered by tool, then body.
+    /// Those of tools first, ordered by tool, then body; then those of bodies.
     pub(crate) pairs: Vec<Pair>,
 }
 
@@ -77,11 +81,30 @@ pub(crate) struct Tool {
     pub limits: LinkLimits,
 }
 
-/// A tool that may touch a body.
+/// Two parties that may touch: a tool or a body that holds, and a body. A body that holds itself touches itself.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Pair {
-    pub tool: usize,
+    pub holder: Holder,
     pub body: usize,
+    pub method: Method,
+}
+
+/// Narrow phase of a pair.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Method {
+    Exact,
+    /// With this many points in u and in v.
+    Spheres([usize; 2]),
+}
+
+impl Pair {
+    /// The tool, when one holds.
+    pub fn tool(&self) -> Option<usize> {
+        match self.holder {
+            Holder::Tool(tool) => Some(tool as usize),
+            Holder::Body(_) => None,
+        }
+    }
 }
 
 impl Scene {
@@ -103,6 +126,14 @@ impl Scene {
     /// Shape of a tool.
     pub fn tool_shape(&self, tool: usize) -> &ToolShape {
         &self.tools[tool].shape
+    }
+
+    /// Id of the tool or body that holds a pair.
+    pub(crate) fn holder_id(&self, pair: &Pair) -> &str {
+        match pair.holder {
+            Holder::Tool(tool) => &self.tools[tool as usize].id,
+            Holder::Body(body) => &self.bodies[body as usize].id,
+        }
     }
 
     /// Number of bodies.

@@ -75,7 +75,7 @@ pub struct ToolPlan {
 /// A pair of the plan.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct PairPlan {
-    /// Tool id.
+    /// Id of the tool, or of the body that holds.
     pub tool: String,
     /// Body id.
     pub body: String,
@@ -117,7 +117,7 @@ impl Scene {
         let mut stages = Vec::new();
         let mut buffers = Vec::new();
         for pair in &self.pairs {
-            let stage = format!("render {} on {}", self.tools[pair.tool].id, self.bodies[pair.body].id);
+            let stage = format!("render {} on {}", self.holder_id(pair), self.bodies[pair.body].id);
             stages.push(StagePlan { stage, predicted_us: QUERY_US, measured_us: None });
         }
         if !self.pairs.is_empty() {
@@ -170,7 +170,7 @@ impl Scene {
                 .pairs
                 .iter()
                 .map(|pair| PairPlan {
-                    tool: self.tools[pair.tool].id.clone(),
+                    tool: self.holder_id(pair).to_owned(),
                     body: self.bodies[pair.body].id.clone(),
                     method: match self.bodies[pair.body].model {
                         BodyModel::Rigid => "exact",

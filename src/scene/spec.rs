@@ -96,6 +96,9 @@ pub struct BodySpec {
     /// Nodes that never move.
     #[serde(default)]
     pub fixed: Vec<FixedSpec>,
+    /// The body may touch itself.
+    #[serde(default)]
+    pub self_contact: bool,
 }
 
 /// `surface = { builtin = "teardrop", net = [8, 8] }`, `{ file = "x.json" }` or `{ inline = {…} }`.
@@ -259,7 +262,8 @@ pub struct ToolSpec {
     pub fixes_nodes: bool,
 }
 
-/// `shape = { point = {} }`, `{ sphere = { radius_m = 0.01 } }` or `{ plane = { normal = [0, 0, 1] } }`.
+/// `shape = { point = {} }`, `{ sphere = { radius_m = 0.01 } }`, `{ plane = { normal = [0, 0, 1] } }` or
+/// `{ surface = { builtin = "torus" } }`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase", deny_unknown_fields)]
 pub enum ShapeSpec {
@@ -275,6 +279,8 @@ pub enum ShapeSpec {
         /// Outward normal in the tool's frame, any length above 0.
         normal: [f64; 3],
     },
+    /// A rigid B-spline surface in the tool's frame.
+    Surface(SurfaceSpec),
 }
 
 impl Default for ShapeSpec {
@@ -323,11 +329,14 @@ impl Default for DeviceSpec {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ContactSpec {
-    /// Tool id, body id.
+    /// Tool id or body id, body id.
     pub pair: [String; 2],
-    /// `exact` or `none`.
+    /// `exact`, `spheres` or `none`.
     #[serde(default)]
     pub method: ContactMethod,
+    /// Of `spheres`: points in u and v over the whole surface, each 4 ..= 1 000.
+    #[serde(default)]
+    pub resolution: Option<[usize; 2]>,
 }
 
 /// How a pair is tested.
@@ -337,9 +346,14 @@ pub enum ContactMethod {
     /// Certified queries on the surface itself.
     #[default]
     Exact,
+    /// Trees of spheres over sampled points: errors fall with the square of the resolution.
+    Spheres,
     /// The pair never touches.
     None,
 }
+
+/// Points in u and v of the `spheres` method unless a scene gives them.
+pub const SPHERES_RESOLUTION: [usize; 2] = [82, 82];
 
 /// `[record]`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

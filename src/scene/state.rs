@@ -1,10 +1,14 @@
 //! What a replay restores, and the buffers that can be computed anew from it.
 
+use super::narrow::PairScratch;
+use super::near::Near;
 use super::{BodyModel, Scene};
 use crate::body::{LatticeScratch, LatticeState};
 use crate::contact::complementarity::Complementarity;
 use crate::contact::proxy::ProxyState;
-use crate::contact::rows::{MAX_ROWS, RowSet};
+use crate::contact::rows::{MAX_ROWS, MAX_ROWS_PER_PAIR, RowSet, SampleInTouch};
+use crate::contact::sharing::Share;
+use crate::contact::spheres::Counters;
 use crate::haptics::Link;
 use crate::math::{Point3, Rotation, StateError, StateSink, StateSource, Stateful};
 use crate::surface::{ClosestSolver, Surface, WarmFoot};
@@ -74,8 +78,8 @@ pub struct PairState {
 /// A contact force to start from.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct WarmRow {
-    /// Tool, body and sample.
-    pub key: [u32; 3],
+    /// Pair and sample.
+    pub key: [u32; 2],
     /// N.
     pub force_n: f64,
 }
@@ -85,13 +89,28 @@ pub struct WarmRow {
 pub struct Scratch {
     /// By body.
     pub(crate) bodies: Vec<BodyScratch>,
+    /// By pair.
+    pub(crate) pairs: Vec<PairScratch>,
+    pub(crate) near: Near,
     pub(crate) rows: RowSet,
+    /// Samples of one pair in touch.
+    pub(crate) hits: Vec<SampleInTouch>,
     pub(crate) problem: Complementarity,
+    /// Rigid contacts of one tool.
+    pub(crate) shares: Vec<Share>,
     /// (unknowns of the largest lattice): displacements of a row's unit force at the nodes concerned.
     pub(crate) response: Vec<f64>,
     /// Nodes of the rows of one body, and a mark by node.
     pub(crate) involved: Vec<u32>,
     pub(crate) is_involved: Vec<bool>,
+}
+
+impl Scratch {
+    /// What the last queries of the `spheres` method did, by pair: holder, body, counters.
+    pub fn spheres_counters<'a>(&'a self, scene: &'a Scene) -> impl Iterator<Item = (&'a str, &'a str, &'a Counters)> {
+        let pairs = scene.pairs.iter().zip(&self.pairs);
+        pairs.filter_map(|(pair, scratch)| Some((scene.holder_id(pair), scene.body_id(pair.body), scratch.counters()?)))
+    }
 }
 
 /// Buffers of a body.
@@ -100,6 +119,8 @@ pub struct BodyScratch {
     /// The surface with the net of the state.
     pub(crate) surface: Surface,
     pub(crate) solver: ClosestSolver,
+    /// Box of the net now and after free motion: the surface stays in it through the tick.
+    pub(crate) bounds: (Point3, Point3),
     pub(crate) deforming: Option<DeformingScratch>,
 }
 
@@ -144,6 +165,7 @@ impl Scene {
         let bodies = self.bodies.iter().map(|body| BodyScratch {
             surface: body.surface.clone(),
             solver: ClosestSolver::new(&body.surface),
+            bounds: box_of(body.surface.net().points()),
             deforming: match &body.model {
                 BodyModel::Rigid => None,
                 BodyModel::Lattice(model) => Some(DeformingScratch {
@@ -154,8 +176,12 @@ impl Scene {
         });
         let mut scratch = Scratch {
             bodies: bodies.collect(),
+            pairs: self.pairs.iter().map(|pair| PairScratch::new(self, pair)).collect(),
+            near: Near::new(self),
             rows: RowSet::new(rows),
+            hits: Vec::with_capacity(MAX_ROWS_PER_PAIR),
             problem: Complementarity::new(MAX_ROWS),
+            shares: Vec::with_capacity(MAX_ROWS),
             response: vec![0.0; nodes],
             involved: Vec::with_capacity(nodes),
             is_involved: vec![false; nodes],
@@ -169,7 +195,7 @@ impl Scene {
     /// Brings a body's buffers in line with its state: surface now, free motion of the next tick and its net.
     pub(crate) fn prepare_body(&self, body: usize, state: &SceneState, scratch: &mut Scratch) {
         let BodyModel::Lattice(model) = &self.bodies[body].model else { return };
-        let BodyScratch { surface, solver, deforming } = &mut scratch.bodies[body];
+        let BodyScratch { surface, solver, bounds, deforming } = &mut scratch.bodies[body];
         let (Some(deforming), Some(lattice)) = (deforming, &state.bodies[body].lattice) else { return };
         model.lattice.predict(lattice, &mut deforming.lattice);
         for (control, point) in surface.net_mut().points_mut().iter_mut().enumerate() {
@@ -178,7 +204,15 @@ impl Scene {
             deforming.predicted_net[control] = deforming.lattice.predicted[node];
         }
         solver.net_changed();
+        let (now, then) = (box_of(surface.net().points()), box_of(&deforming.predicted_net));
+        *bounds = (now.0.inf(&then.0), now.1.sup(&then.1));
     }
+}
+
+/// Least and greatest coordinates.
+fn box_of(points: &[Point3]) -> (Point3, Point3) {
+    let infinite = Point3::from([f64::INFINITY; 3]);
+    points.iter().fold((infinite, -infinite), |(low, high), p| (low.inf(p), high.sup(p)))
 }
 
 impl SceneState {

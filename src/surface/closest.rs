@@ -14,15 +14,25 @@
 //! Nothing here allocates after [`ClosestSolver::new`].
 
 mod bernstein;
+mod field;
+mod judge;
+mod minima;
+#[cfg(test)]
+mod minima_tests;
 mod newton;
 mod objective;
 mod search;
 mod side;
+mod stationary;
 #[cfg(test)]
 mod tests;
 mod warm;
 
+pub(crate) use self::field::{Bottom, Foot};
+use self::minima::Minima;
+pub use self::minima::Summit;
 use self::newton::{Descent, OnPieces, OnSurface, Place, descend, descend_over};
+pub(crate) use self::objective::Jet;
 use self::objective::{Along, Distance, Objective, Tables};
 use self::search::Search;
 use self::side::Site;
@@ -80,6 +90,7 @@ pub struct ClosestSolver {
     pieces: BezierPieces,
     tables: Tables,
     search: Search,
+    minima: Minima,
     samples: Samples,
     /// Diagonal of the box of the first net, m: what tolerances are relative to.
     size_m: f64,
@@ -139,13 +150,22 @@ impl Samples {
 
     /// The best sample.
     fn best(&self, pieces: &BezierPieces, objective: &impl Objective) -> Place {
-        let (mut least, mut at) = (f64::INFINITY, 0);
-        for (k, ((x, y), z)) in self.x.iter().zip(&self.y).zip(&self.z).enumerate() {
-            let value = objective.value(*x, *y, *z);
-            if value < least {
-                (least, at) = (value, k);
+        // Four running minima and a look for the first that has the least: one would wait for itself.
+        let n = self.x.len();
+        let (x, y, z) = (&self.x[..n], &self.y[..n], &self.z[..n]);
+        let mut lanes = [f64::INFINITY; 4];
+        for k in 0..n / 4 {
+            for c in 0..4 {
+                let value = objective.value(x[4 * k + c], y[4 * k + c], z[4 * k + c]);
+                lanes[c] = if value < lanes[c] { value } else { lanes[c] };
             }
         }
+        let mut least = lanes.iter().fold(f64::INFINITY, |m, &l| if l < m { l } else { m });
+        for k in n / 4 * 4..n {
+            let value = objective.value(x[k], y[k], z[k]);
+            least = if value < least { value } else { least };
+        }
+        let at = (0..n).find(|&k| objective.value(x[k], y[k], z[k]) == least).unwrap_or(0);
         self.place(pieces, at)
     }
 
@@ -197,6 +217,7 @@ impl ClosestSolver {
         Self {
             tables: Tables::new(pieces.u.degree, pieces.v.degree),
             search: Search::new(&pieces),
+            minima: Minima::new(&pieces),
             samples: Samples::new(&pieces),
             size_m: (high - low).norm(),
             pieces,

@@ -14,10 +14,10 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
-mod bezier;
+pub(crate) mod bezier;
 pub mod builtin;
 mod closed;
-mod closest;
+pub(crate) mod closest;
 mod cloud_fit;
 mod curve;
 pub mod file;
@@ -41,7 +41,7 @@ pub(crate) mod testing;
 pub use bezier::{BezierPieces, Bounds};
 pub use builtin::{BuiltinError, builtin};
 pub use closed::{DistinctPoints, SAME_POINT};
-pub use closest::{ClosestPoint, ClosestSolver, WarmFoot};
+pub use closest::{ClosestPoint, ClosestSolver, Summit, WarmFoot};
 pub use cloud_fit::CloudSpec;
 pub use curve::Curve;
 pub use file::FileError;

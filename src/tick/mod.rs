@@ -5,11 +5,17 @@
 //! commands ─▶ applied between ticks, recorded with the tick before which they took effect
 //! ```
 
+mod admit;
+mod balance;
+mod between;
 #[cfg(feature = "daemon")]
 pub mod driver;
-mod forces;
+mod emit;
+mod feet;
+mod gather;
 pub mod journal;
 mod motion;
+mod near;
 #[cfg(feature = "daemon")]
 pub mod pacer;
 #[cfg(feature = "daemon")]

@@ -1,5 +1,6 @@
 //! What goes into a tick and what comes out: fixed size, `Copy`, no allocation.
 
+use crate::contact::rows::Holder;
 use crate::haptics::DevicePose;
 use crate::math::{Point3, Rotation, Vector3};
 use crate::scene::spec::MAX_TOOLS;
@@ -26,11 +27,13 @@ pub enum Command {
     Stop,
 }
 
-/// Deepest contact of a tool this tick.
+/// A contact that carries force this tick.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ContactReport {
     /// Body index.
     pub body: u32,
+    /// Who touches it.
+    pub holder: Holder,
     /// Surface parameters.
     pub u: f64,
     /// Surface parameters.
@@ -39,8 +42,54 @@ pub struct ContactReport {
     pub point: Point3,
     /// Outward unit normal.
     pub normal: Vector3,
-    /// Penetration depth of the device's tool, m.
+    /// Penetration depth of the device's tool, m; between bodies, what the contact solve left.
     pub depth_m: f64,
+    /// Force on the holder, N.
+    pub force_n: Vector3,
+}
+
+/// Most contacts a tick reports.
+pub const MAX_REPORTS: usize = 16;
+
+/// The deepest contacts of a tick, deepest first.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ContactReports {
+    list: [ContactReport; MAX_REPORTS],
+    len: usize,
+}
+
+impl Default for ContactReports {
+    fn default() -> Self {
+        let none = ContactReport {
+            body: 0,
+            holder: Holder::Tool(0),
+            u: 0.0,
+            v: 0.0,
+            point: Point3::origin(),
+            normal: Vector3::zeros(),
+            depth_m: 0.0,
+            force_n: Vector3::zeros(),
+        };
+        Self { list: [none; MAX_REPORTS], len: 0 }
+    }
+}
+
+impl ContactReports {
+    /// Keeps it in its place; the shallowest leaves a full list.
+    pub(super) fn push(&mut self, report: ContactReport) {
+        let at = self.list[..self.len].partition_point(|held| held.depth_m >= report.depth_m);
+        if at == MAX_REPORTS {
+            return;
+        }
+        self.len = (self.len + 1).min(MAX_REPORTS);
+        self.list.copy_within(at..self.len - 1, at + 1);
+        self.list[at] = report;
+    }
+
+    /// Deepest first.
+    pub fn list(&self) -> &[ContactReport] {
+        &self.list[..self.len]
+    }
 }
 
 /// What a tool gets out of a tick.
@@ -105,6 +154,8 @@ pub struct TickOutput {
     pub tick: u64,
     /// By tool index.
     pub tools: [ToolOutput; MAX_TOOLS],
+    /// Contacts of all pairs.
+    pub contacts: ContactReports,
     /// Grows when any net changed.
     pub net_revision: u64,
     /// Hash of all state after the tick.

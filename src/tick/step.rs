@@ -1,7 +1,7 @@
 //! One tick: pure, no clock, no I/O, no allocation, no lock, no error.
 
 use super::record::{Command, TickFault, TickInput, TickOutput};
-use super::{forces, motion};
+use super::{admit, balance, emit, gather, motion};
 use crate::math::{SavedState, StateError, state_hash};
 use crate::scene::{RunState, Scene, SceneState, Scratch};
 
@@ -26,10 +26,10 @@ pub fn render(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch, inpu
     };
     let mut output = TickOutput { tick: state.tick, moving, ..TickOutput::default() };
     let wanted = state.run == RunState::Running;
-    forces::admit(scene, state, input, wanted, &mut output);
-    forces::gather(scene, state, scratch, &output);
-    forces::solve(scene, state, scratch);
-    forces::emit(scene, state, scratch, &mut output);
+    admit::admit(scene, state, input, wanted, &mut output);
+    gather::gather(scene, state, scratch);
+    balance::solve(scene, state, scratch);
+    emit::emit(scene, state, scratch, &mut output);
     output
 }
 

@@ -30,6 +30,8 @@ pub trait ViewSink: Send {
     fn force(&mut self, tool: usize, force: &ToolForce);
     /// A body's newest net.
     fn net(&mut self, net: &ControlNet);
+    /// All contacts, some sixty times a second while there are any, and when they begin and end.
+    fn contacts(&mut self, contacts: &ContactSet);
     /// Health.
     fn status(&mut self, status: &LoopStatus);
 }
@@ -254,6 +256,8 @@ struct BusThread {
     tools: Vec<ToolTally>,
     last_status: Instant,
     last_contacts: Instant,
+    /// Anything touched in the last tick seen.
+    touching: bool,
     last_nets: Instant,
     lockstep: bool,
 }
@@ -311,6 +315,7 @@ impl BusThread {
             step: Histogram::default(),
             last_status: now,
             last_contacts: now,
+            touching: false,
             last_nets: now,
             settings,
         }
@@ -405,10 +410,17 @@ impl BusThread {
             changed |= tally.touching != out.contact.is_some();
             tally.touching = out.contact.is_some();
         }
-        let due = self.last_contacts.elapsed() >= CONTACTS_EVERY && self.tools.iter().any(|tally| tally.touching);
+        // Bodies may touch without a tool.
+        let any = !self.output.contacts.list().is_empty();
+        changed |= self.touching != any;
+        self.touching = any;
+        let due = self.last_contacts.elapsed() >= CONTACTS_EVERY && any;
         if changed || due {
             self.last_contacts = Instant::now();
             let set = wire::contact_set(&self.settings.scene, &self.output);
+            if let Some(viewer) = &mut self.settings.viewer {
+                viewer.contacts(&set);
+            }
             let _ = self.declared().contacts.put(encode(&set)).wait();
         }
     }

@@ -10,7 +10,7 @@ use axum::extract::ws::{Message, WebSocket, WebSocketUpgrade};
 use axum::http::{HeaderMap, StatusCode, header};
 use axum::response::{IntoResponse, Response};
 use axum::routing::get;
-use palpate_proto::messages::{ControlNet, LoopStatus, ToolForce};
+use palpate_proto::messages::{ContactSet, ControlNet, LoopStatus, ToolForce};
 use serde::Serialize;
 use std::net::SocketAddr;
 use std::time::Duration;
@@ -29,6 +29,7 @@ const POLICY: &str =
 struct Picture {
     nets: Vec<Net>,
     tools: Vec<Tool>,
+    contacts: Vec<Contact>,
     tick: u64,
     late: u64,
     skipped: u64,
@@ -47,6 +48,14 @@ struct Tool {
     proxy: [f64; 3],
     force: [f64; 3],
     depth: f64,
+}
+
+#[derive(Clone, Copy, Debug, Default, Serialize)]
+struct Contact {
+    point: [f64; 3],
+    normal: [f64; 3],
+    depth: f64,
+    force: [f64; 3],
 }
 
 /// A running viewer; it ends when dropped.
@@ -170,6 +179,13 @@ impl ViewSink for Feed {
             Some(old) => *old = drawn,
             None => self.picture.nets.push(drawn),
         }
+        self.show();
+    }
+
+    fn contacts(&mut self, set: &ContactSet) {
+        let drawn =
+            set.contacts.iter().map(|c| Contact { point: c.point, normal: c.normal, depth: c.depth, force: c.force });
+        self.picture.contacts = drawn.collect();
         self.show();
     }
 

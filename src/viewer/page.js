@@ -1,4 +1,4 @@
-// Draws control nets coloured by displacement, tools with their forces, and a strip chart of force.
+// Draws control nets coloured by displacement, tools with their forces, contacts with their normals, and a strip chart.
 "use strict";
 const canvas = document.getElementById("scene");
 const text = document.getElementById("text");
@@ -68,11 +68,19 @@ function draw() {
     pen.lineWidth = 3 * devicePixelRatio; pen.strokeStyle = "#ef476f";
     pen.beginPath(); pen.moveTo(x, y); pen.lineTo(...tip); pen.stroke();
   }
+  for (const contact of picture.contacts) {
+    const [x, y] = view(contact.point);
+    pen.fillStyle = "#ff9f1c";
+    pen.beginPath(); pen.arc(x, y, 3 * devicePixelRatio, 0, 7); pen.fill();
+    const tip = view(contact.point.map((v, c) => v + contact.normal[c] * 0.008));
+    pen.lineWidth = 1.5 * devicePixelRatio; pen.strokeStyle = "#ff9f1c";
+    pen.beginPath(); pen.moveTo(x, y); pen.lineTo(...tip); pen.stroke();
+  }
   const top = Math.max(0.1, ...chart), base = height - 20 * devicePixelRatio, tall = 90 * devicePixelRatio;
   pen.lineWidth = 1.5 * devicePixelRatio; pen.strokeStyle = "#06d6a0"; pen.beginPath();
   chart.forEach((f, k) => pen.lineTo(20 + k * (width - 40) / 400, base - tall * f / top));
   pen.stroke();
   const tool = picture.tools[0];
   text.textContent = `tick ${picture.tick}\nlate ${picture.late}  skipped ${picture.skipped}  step p99 ${picture.step_p99_us.toFixed(0)} µs`
-    + (tool ? `\nforce ${Math.hypot(...tool.force).toFixed(4)} N  depth ${(tool.depth * 1e3).toFixed(3)} mm  (chart to ${top.toFixed(2)} N)` : "");
+    + (tool ? `\nforce ${Math.hypot(...tool.force).toFixed(4)} N  depth ${(tool.depth * 1e3).toFixed(3)} mm  contacts ${picture.contacts.length}  (chart to ${top.toFixed(2)} N)` : "");
 }

@@ -1,6 +1,7 @@
 //! The only place where domain types meet palpate-proto.
 
 use crate::contact::ToolShape;
+use crate::contact::rows::Holder;
 use crate::haptics::DevicePose;
 use crate::math::{Point3, Rotation, Vector3};
 use crate::scene::{Scene, SceneState};
@@ -53,23 +54,20 @@ pub fn tool_force(tick: u64, t_server_ns: u64, tool: &ToolOutput) -> wire::ToolF
 
 /// All contacts of a tick, deepest first.
 pub fn contact_set(scene: &Scene, output: &TickOutput) -> wire::ContactSet {
-    let mut contacts: Vec<wire::Contact> = (0..scene.tool_count())
-        .filter_map(|t| {
-            let tool = &output.tools[t];
-            tool.contact.map(|contact| wire::Contact {
-                tool: scene.tool_id(t).to_owned(),
-                body: scene.body_id(contact.body as usize).to_owned(),
-                u: contact.u,
-                v: contact.v,
-                point: xyz(&contact.point),
-                normal: contact.normal.into(),
-                depth: contact.depth_m,
-                force: tool.force_n.into(),
-            })
-        })
-        .collect();
-    contacts.sort_by(|a, b| b.depth.total_cmp(&a.depth));
-    wire::ContactSet { tick: output.tick, contacts }
+    let contacts = output.contacts.list().iter().map(|contact| wire::Contact {
+        tool: match contact.holder {
+            Holder::Tool(tool) => scene.tool_id(tool as usize).to_owned(),
+            Holder::Body(body) => scene.body_id(body as usize).to_owned(),
+        },
+        body: scene.body_id(contact.body as usize).to_owned(),
+        u: contact.u,
+        v: contact.v,
+        point: xyz(&contact.point),
+        normal: contact.normal.into(),
+        depth: contact.depth_m,
+        force: contact.force_n.into(),
+    });
+    wire::ContactSet { tick: output.tick, contacts: contacts.collect() }
 }
 
 /// A net message.
@@ -118,7 +116,7 @@ pub fn scene_snapshot(
             shape: scene.tool_shape(t).name().into(),
             radius: match scene.tool_shape(t) {
                 ToolShape::Sphere { radius_m } => *radius_m,
-                ToolShape::Point | ToolShape::Plane { .. } => 0.0,
+                _ => 0.0,
             },
             stiffness: spec.coupling.stiffness_n_m,
             damping: spec.coupling.damping_n_s_m,

@@ -6,7 +6,7 @@
 //! the objective is flat to rounding, steps are taken while they reduce the gradient instead. Finds a local minimum only;
 //! who needs the global one asks the bounds.
 
-use super::objective::{Jet, Objective};
+use super::objective::{Jet, Smooth};
 use super::side::Site;
 use crate::surface::bezier::{BezierPieces, Direction, Joint};
 use crate::surface::tensor::{Frame, Surface};
@@ -98,7 +98,7 @@ impl Descent {
 }
 
 /// [`descend`], going on over creases while that helps.
-pub(super) fn descend_over<E: Evaluate, O: Objective>(eval: &mut E, objective: &O, start: Place) -> Descent {
+pub(super) fn descend_over<E: Evaluate, O: Smooth>(eval: &mut E, objective: &O, start: Place) -> Descent {
     let mut best = descend(eval, objective, start);
     for _ in 0..8 {
         let Some(place) = best.beyond else { break };
@@ -113,29 +113,51 @@ pub(super) fn descend_over<E: Evaluate, O: Objective>(eval: &mut E, objective: &
 }
 
 /// Descends from `start` within its smooth patch.
-pub(super) fn descend<E: Evaluate, O: Objective>(eval: &mut E, objective: &O, start: Place) -> Descent {
+pub(super) fn descend<E: Evaluate, O: Smooth>(eval: &mut E, objective: &O, start: Place) -> Descent {
+    let (du, dv) = eval.directions();
+    let (a, b) = (&du.spans[start.i], &dv.spans[start.j]);
+    let (low, high) = ([a.reach_low, b.reach_low], [a.reach_high, b.reach_high]);
+    descend_between(eval, objective, start, low, high)
+}
+
+/// Descends from `start` within a parameter rectangle of its smooth patch, unwrapped as `start` is.
+pub(super) fn descend_between<E: Evaluate, O: Smooth>(
+    eval: &mut E,
+    objective: &O,
+    start: Place,
+    low: [f64; 2],
+    high: [f64; 2],
+) -> Descent {
     #[cfg(target_arch = "x86_64")]
     if crate::math::simd::has_avx2() {
         // SAFETY: the processor has AVX2, asked just above.
         #[allow(unsafe_code)]
-        return unsafe { descend_wide(eval, objective, start) };
+        return unsafe { descend_wide(eval, objective, start, low, high) };
     }
-    descend_in(eval, objective, start)
+    descend_in(eval, objective, start, low, high)
 }
 
 /// The same code with wider registers: plain sums in the same order, so the same bits.
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2")]
-fn descend_wide<E: Evaluate, O: Objective>(eval: &mut E, objective: &O, start: Place) -> Descent {
-    descend_in(eval, objective, start)
+fn descend_wide<E: Evaluate, O: Smooth>(
+    eval: &mut E,
+    objective: &O,
+    start: Place,
+    low: [f64; 2],
+    high: [f64; 2],
+) -> Descent {
+    descend_in(eval, objective, start, low, high)
 }
 
 #[inline(always)]
-fn descend_in<E: Evaluate, O: Objective>(eval: &mut E, objective: &O, start: Place) -> Descent {
-    let (du, dv) = eval.directions();
-    let (a, b) = (&du.spans[start.i], &dv.spans[start.j]);
-    let low = [a.reach_low, b.reach_low];
-    let high = [a.reach_high, b.reach_high];
+fn descend_in<E: Evaluate, O: Smooth>(
+    eval: &mut E,
+    objective: &O,
+    start: Place,
+    low: [f64; 2],
+    high: [f64; 2],
+) -> Descent {
     // `x` is unwrapped; `at` is the same place inside the domain.
     let mut x = [start.u.clamp(low[0], high[0]), start.v.clamp(low[1], high[1])];
     let (mut at, mut frame, mut jet) = look(eval, objective, x, start, high);
@@ -214,7 +236,7 @@ fn descend_in<E: Evaluate, O: Objective>(eval: &mut E, objective: &O, start: Pla
 
 /// Evaluates at an unwrapped parameter pair that is reached smoothly from `near`.
 #[inline(always)]
-fn look<E: Evaluate, O: Objective>(
+fn look<E: Evaluate, O: Smooth>(
     eval: &mut E,
     objective: &O,
     x: [f64; 2],

@@ -10,7 +10,7 @@ use crate::surface::tensor::Frame;
 
 /// Value and derivatives of an objective at one parameter pair.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Jet {
+pub(crate) struct Jet {
     pub f: f64,
     pub g: [f64; 2],
     /// uu, uv, vv.
@@ -23,12 +23,16 @@ pub(super) struct Jet {
     pub slope_noise: f64,
 }
 
-/// Something to minimise.
-pub(super) trait Objective {
-    /// Coefficients in each direction.
-    fn orders(&self, p: usize, q: usize) -> (usize, usize);
+/// Something to descend on.
+pub(super) trait Smooth {
     /// Value and derivatives.
     fn jet(&self, frame: &Frame) -> Jet;
+}
+
+/// Something to minimise, with bounds.
+pub(super) trait Objective: Smooth {
+    /// Coefficients in each direction.
+    fn orders(&self, p: usize, q: usize) -> (usize, usize);
     /// Value at a point.
     fn value(&self, x: f64, y: f64, z: f64) -> f64;
     /// Lower bound over a box (least and greatest corner).
@@ -64,11 +68,7 @@ pub(super) struct Distance {
     pub q: Point3,
 }
 
-impl Objective for Distance {
-    fn orders(&self, p: usize, q: usize) -> (usize, usize) {
-        (2 * p + 1, 2 * q + 1)
-    }
-
+impl Smooth for Distance {
     #[inline]
     fn jet(&self, x: &Frame) -> Jet {
         let r = x.point - self.q;
@@ -83,6 +83,12 @@ impl Objective for Distance {
             noise: 4.0 * f64::EPSILON * (f + f.sqrt() * size),
             slope_noise: 4.0 * f64::EPSILON * size,
         }
+    }
+}
+
+impl Objective for Distance {
+    fn orders(&self, p: usize, q: usize) -> (usize, usize) {
+        (2 * p + 1, 2 * q + 1)
     }
 
     #[inline]
@@ -210,11 +216,7 @@ pub(super) struct Along {
     pub d: Vector3,
 }
 
-impl Objective for Along {
-    fn orders(&self, p: usize, q: usize) -> (usize, usize) {
-        (p + 1, q + 1)
-    }
-
+impl Smooth for Along {
     #[inline]
     fn jet(&self, x: &Frame) -> Jet {
         let d = -self.d;
@@ -226,6 +228,12 @@ impl Objective for Along {
             noise: 4.0 * f64::EPSILON * x.point.coords.amax(),
             slope_noise: 4.0 * f64::EPSILON,
         }
+    }
+}
+
+impl Objective for Along {
+    fn orders(&self, p: usize, q: usize) -> (usize, usize) {
+        (p + 1, q + 1)
     }
 
     #[inline]

@@ -11,7 +11,7 @@ use crate::surface::bezier::{Direction, Joint};
 use crate::surface::tensor::{Frame, Surface, wrap};
 
 /// Points closer than this, relative to their coordinates, are one: the two ends of a closed direction, a pole's row.
-const SAME: f64 = 1e-9;
+pub(super) const SAME: f64 = 1e-9;
 /// Sectors of the fan around a pole, per span.
 const RING: usize = 2;
 
@@ -126,7 +126,7 @@ fn angle(a: &Vector3, b: &Vector3) -> f64 {
 
 /// The spans that meet at a parameter: (span, parameter, direction into the span). `coincide` says whether a place at the
 /// other end of the domain is the same point.
-fn sides(
+pub(super) fn sides(
     d: &Direction,
     span: usize,
     x: f64,

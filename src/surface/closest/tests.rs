@@ -5,26 +5,26 @@ use crate::basis::{KnotVector, Side};
 use crate::math::{Point3, Vector3};
 
 /// SplitMix64; Steele, Lea & Flood, 2014.
-pub(super) struct Random(u64);
+pub(super) struct Random(pub u64);
 
 impl Random {
-    fn bits(&mut self) -> u64 {
+    pub(super) fn bits(&mut self) -> u64 {
         self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
         let mut z = self.0;
         z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
         z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
         z ^ (z >> 31)
     }
-    fn unit(&mut self) -> f64 {
+    pub(super) fn unit(&mut self) -> f64 {
         (self.bits() >> 11) as f64 / (1u64 << 53) as f64
     }
-    fn between(&mut self, low: f64, high: f64) -> f64 {
+    pub(super) fn between(&mut self, low: f64, high: f64) -> f64 {
         low + (high - low) * self.unit()
     }
-    fn below(&mut self, n: usize) -> usize {
+    pub(super) fn below(&mut self, n: usize) -> usize {
         (self.bits() % n as u64) as usize
     }
-    fn vector(&mut self) -> Vector3 {
+    pub(super) fn vector(&mut self) -> Vector3 {
         Vector3::new(self.between(-1.0, 1.0), self.between(-1.0, 1.0), self.between(-1.0, 1.0))
     }
 }
@@ -48,7 +48,7 @@ fn read(text: &str) -> Surface {
     .unwrap()
 }
 
-fn teardrop(count: usize) -> Surface {
+pub(super) fn teardrop(count: usize) -> Surface {
     read(match count {
         8 => include_str!("../data/teardrop_8.json"),
         12 => include_str!("../data/teardrop_12.json"),
@@ -56,7 +56,7 @@ fn teardrop(count: usize) -> Surface {
     })
 }
 
-fn size(surface: &Surface) -> f64 {
+pub(super) fn size(surface: &Surface) -> f64 {
     let (mut low, mut high) = (surface.net().points()[0], surface.net().points()[0]);
     for p in surface.net().points() {
         (low, high) = (low.inf(p), high.sup(p));
@@ -163,7 +163,7 @@ impl Brute {
 }
 
 /// Near, far, inside, on the surface, along the axis, at poles and corners.
-fn query(surface: &Surface, random: &mut Random, k: usize) -> Point3 {
+pub(super) fn query(surface: &Surface, random: &mut Random, k: usize) -> Point3 {
     let size = size(surface);
     let ((u0, u1), (v0, v1)) = (surface.knots_u().domain(), surface.knots_v().domain());
     let u = random.between(u0, u1);
@@ -273,7 +273,7 @@ fn random_knots(random: &mut Random) -> KnotVector {
     }
 }
 
-fn random_surface(random: &mut Random) -> Surface {
+pub(super) fn random_surface(random: &mut Random) -> Surface {
     let (u, v) = (random_knots(random), random_knots(random));
     let (rows, columns) = (u.count(), v.count());
     let rough = random.between(0.05, 0.6);
@@ -495,7 +495,7 @@ fn circle() -> (KnotVector, Vec<(f64, f64, f64)>) {
     (knots, points)
 }
 
-fn sphere(radius: f64) -> Surface {
+pub(super) fn sphere(radius: f64) -> Surface {
     let (u, ring) = circle();
     // Half a circle from the south pole to the north.
     let half = &ring[..5];
@@ -510,7 +510,7 @@ fn sphere(radius: f64) -> Surface {
     Surface::new(u, v, ControlNet::new(9, 5, points).unwrap(), Some(weights)).unwrap()
 }
 
-fn cylinder(radius: f64, height: f64) -> Surface {
+pub(super) fn cylinder(radius: f64, height: f64) -> Surface {
     let (u, ring) = circle();
     let v = KnotVector::clamped_uniform(1, 2).unwrap();
     let (mut points, mut weights) = (vec![], vec![]);

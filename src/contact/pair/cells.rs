@@ -1,0 +1,372 @@
+//! A surface as a grid of cells: equal parts of its Bézier pieces, with boxes, cones of normals and shared vertices.
+
+use super::cone::Cone;
+use crate::basis::MAX_DEGREE;
+use crate::math::Point3;
+use crate::surface::bezier::Joint;
+use crate::surface::{BezierPieces, Surface};
+
+/// Cells in one direction, at least: a closed curve of ten cells turns by 36° in each, so cones are narrow enough to tell
+/// facing from crossing parts, and feet of neighbouring vertices are alike.
+const LEAST_CELLS: usize = 10;
+
+const MOST_POINTS: usize = (MAX_DEGREE + 1) * (MAX_DEGREE + 1);
+
+/// Least and greatest corner.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::contact) struct Block {
+    pub low: [f64; 3],
+    pub high: [f64; 3],
+}
+
+impl Block {
+    pub const EMPTY: Self = Self { low: [f64::INFINITY; 3], high: [f64::NEG_INFINITY; 3] };
+
+    #[inline(always)]
+    pub fn meets(&self, other: &Self, margin: f64) -> bool {
+        let mut apart = false;
+        for c in 0..3 {
+            apart |= self.low[c] - margin > other.high[c];
+            apart |= other.low[c] - margin > self.high[c];
+        }
+        !apart
+    }
+
+    pub fn holds(&self, point: &Point3, margin: f64) -> bool {
+        (0..3).all(|c| point[c] >= self.low[c] - margin && point[c] <= self.high[c] + margin)
+    }
+
+    pub fn diagonal(&self) -> f64 {
+        let d: f64 = (0..3).map(|c| (self.high[c] - self.low[c]) * (self.high[c] - self.low[c])).sum();
+        d.sqrt()
+    }
+}
+
+/// The cells of one surface. What depends on the knots is made once; boxes and the rest as asked for.
+#[derive(Clone, Debug)]
+pub(in crate::contact) struct Cells {
+    /// Cells in u and v.
+    pub counts: [usize; 2],
+    /// Vertex lines, (counts + 1) parameters.
+    pub lines: [Vec<f64>; 2],
+    /// Ends that meet.
+    pub wraps: [bool; 2],
+    /// Ends that are one point: `poles[d][e]`.
+    pub poles: [[bool; 2]; 2],
+    pub closed: bool,
+    /// Parameters of creases and of ends that knots do not join, in each direction.
+    walls: [Vec<f64>; 2],
+    per: [usize; 2],
+    spans: [usize; 2],
+    degree: [usize; 2],
+    /// (per × (degree + 1)²) for each direction: Bézier points of a part from those of a piece.
+    parts: [Vec<f64>; 2],
+    /// (vertices): the first of all vertices at the same place.
+    pub alias: Vec<u32>,
+    /// (cells).
+    boxes: Vec<Block>,
+    cones: Vec<Cone>,
+    known: Vec<bool>,
+    /// (cells): near the other surface.
+    pub touched: Vec<bool>,
+    /// (cells): may face a part of the other surface.
+    pub facing: Vec<bool>,
+    /// Everything.
+    pub whole: Block,
+}
+
+impl Cells {
+    pub fn new(surface: &Surface, pieces: &BezierPieces) -> Self {
+        let topology = surface.topology();
+        let spans = [pieces.u.spans.len(), pieces.v.spans.len()];
+        let degree = [pieces.u.degree, pieces.v.degree];
+        let per = spans.map(|n| LEAST_CELLS.div_ceil(n));
+        let counts = [spans[0] * per[0], spans[1] * per[1]];
+        let line = |d: usize| -> Vec<f64> {
+            let all = if d == 0 { &pieces.u.spans } else { &pieces.v.spans };
+            let mut line: Vec<f64> = all
+                .iter()
+                .flat_map(|s| (0..per[d]).map(move |k| s.start + (s.end - s.start) * k as f64 / per[d] as f64))
+                .collect();
+            line.extend(all.last().map(|s| s.end));
+            line
+        };
+        let wall = |d: usize| -> Vec<f64> {
+            let all = if d == 0 { &pieces.u.spans } else { &pieces.v.spans };
+            let before = all.iter().filter(|s| s.before != Joint::Smooth).map(|s| s.start);
+            before.chain(all.last().filter(|s| s.after != Joint::Smooth).map(|s| s.end)).collect()
+        };
+        let part = |d: usize| -> Vec<f64> {
+            (0..per[d])
+                .flat_map(|k| restriction(degree[d], k as f64 / per[d] as f64, (k + 1) as f64 / per[d] as f64))
+                .collect()
+        };
+        let (rows, columns) = (counts[0] + 1, counts[1] + 1);
+        let wraps = [topology.wraps(0), topology.wraps(1)];
+        let alias = (0..rows * columns)
+            .map(|k| {
+                let (mut i, mut j) = (k / columns, k % columns);
+                i = if wraps[0] && i == counts[0] { 0 } else { i };
+                j = if wraps[1] && j == counts[1] { 0 } else { j };
+                if (i == 0 && topology.poles[0][0]) || (i == counts[0] && topology.poles[0][1]) {
+                    j = 0;
+                }
+                if (j == 0 && topology.poles[1][0]) || (j == counts[1] && topology.poles[1][1]) {
+                    i = 0;
+                }
+                (i * columns + j) as u32
+            })
+            .collect();
+        let cells = counts[0] * counts[1];
+        Self {
+            counts,
+            lines: [line(0), line(1)],
+            wraps,
+            poles: topology.poles,
+            closed: topology.is_closed(),
+            walls: [wall(0), wall(1)],
+            per,
+            spans,
+            degree,
+            parts: [part(0), part(1)],
+            alias,
+            boxes: vec![Block::EMPTY; cells],
+            cones: vec![Cone::ANY; cells],
+            known: vec![false; cells],
+            touched: vec![false; cells],
+            facing: vec![false; cells],
+            whole: Block::EMPTY,
+        }
+    }
+
+    /// Forgets what belonged to an earlier net or place.
+    pub fn begin(&mut self, pieces: &BezierPieces) {
+        self.known.fill(false);
+        self.touched.fill(false);
+        self.facing.fill(false);
+        let [x0, y0, z0, x1, y1, z1] = pieces.bound_arrays();
+        let least = |x: &[f64]| x.iter().fold(f64::INFINITY, |m, &x| if x < m { x } else { m });
+        let most = |x: &[f64]| x.iter().fold(f64::NEG_INFINITY, |m, &x| if x > m { x } else { m });
+        self.whole = Block { low: [least(x0), least(y0), least(z0)], high: [most(x1), most(y1), most(z1)] };
+    }
+
+    pub fn cell_count(&self) -> usize {
+        self.counts[0] * self.counts[1]
+    }
+
+    pub fn vertex_count(&self) -> usize {
+        self.alias.len()
+    }
+
+    /// The cells of a piece: first in u and v, and how many each.
+    pub fn of_piece(&self, piece: usize) -> ([usize; 2], [usize; 2]) {
+        ([piece / self.spans[1] * self.per[0], piece % self.spans[1] * self.per[1]], self.per)
+    }
+
+    pub fn box_of(&self, cell: usize) -> &Block {
+        &self.boxes[cell]
+    }
+
+    pub fn cone_of(&self, cell: usize) -> &Cone {
+        &self.cones[cell]
+    }
+
+    /// The four vertices of a cell, by their first names.
+    pub fn corners(&self, cell: usize) -> [u32; 4] {
+        let (i, j, columns) = (cell / self.counts[1], cell % self.counts[1], self.counts[1] + 1);
+        let at = |i: usize, j: usize| self.alias[i * columns + j];
+        [at(i, j), at(i, j + 1), at(i + 1, j + 1), at(i + 1, j)]
+    }
+
+    /// Middle of a cell and its widths, in parameters.
+    pub fn middle(&self, cell: usize) -> ([f64; 2], [f64; 2]) {
+        let at = [cell / self.counts[1], cell % self.counts[1]];
+        let pair = |d: usize| (self.lines[d][at[d]], self.lines[d][at[d] + 1]);
+        let ((a, b), (c, d)) = (pair(0), pair(1));
+        ([0.5 * (a + b), 0.5 * (c + d)], [b - a, d - c])
+    }
+
+    /// The cell that holds a parameter pair of the domain.
+    pub fn cell_at(&self, u: f64, v: f64) -> usize {
+        let one = |d: usize, x: f64| (self.lines[d].partition_point(|&y| y <= x).max(1) - 1).min(self.counts[d] - 1);
+        one(0, u) * self.counts[1] + one(1, v)
+    }
+
+    /// Parameters of a vertex.
+    pub fn parameters(&self, vertex: usize) -> (f64, f64) {
+        let columns = self.counts[1] + 1;
+        (self.lines[0][vertex / columns], self.lines[1][vertex % columns])
+    }
+
+    /// The eight vertices around one, by their first names; itself where there is none.
+    pub fn around(&self, vertex: usize) -> [u32; 8] {
+        let columns = self.counts[1] + 1;
+        let at = [(vertex / columns) as isize, (vertex % columns) as isize];
+        let step = |d: usize, by: isize| -> isize {
+            let (n, x) = (self.counts[d] as isize, at[d] + by);
+            if self.wraps[d] { x.rem_euclid(n) } else { x.clamp(0, n) }
+        };
+        const WAYS: [(isize, isize); 8] = [(-1, -1), (-1, 0), (-1, 1), (0, -1), (0, 1), (1, -1), (1, 0), (1, 1)];
+        WAYS.map(|(a, b)| self.alias[step(0, a) as usize * columns + step(1, b) as usize])
+    }
+
+    /// A parameter pair moved by a step: around where ends meet, over a pole to its far side, held at edges.
+    pub fn moved(&self, at: [f64; 2], step: [f64; 2]) -> [f64; 2] {
+        let mut x = [at[0] + step[0], at[1] + step[1]];
+        for d in 0..2 {
+            let (start, end) = (self.lines[d][0], self.lines[d][self.counts[d]]);
+            let over = if x[d] < start && self.poles[d][0] {
+                2.0 * start - x[d]
+            } else if x[d] > end && self.poles[d][1] {
+                2.0 * end - x[d]
+            } else {
+                continue;
+            };
+            let (low, high) = (self.lines[1 - d][0], self.lines[1 - d][self.counts[1 - d]]);
+            x[d] = over;
+            x[1 - d] += 0.5 * (high - low);
+        }
+        for d in 0..2 {
+            let (start, end) = (self.lines[d][0], self.lines[d][self.counts[d]]);
+            if self.wraps[d] && (x[d] < start || x[d] > end) {
+                x[d] -= (end - start) * ((x[d] - start) / (end - start)).floor();
+            }
+            x[d] = x[d].clamp(start, end);
+        }
+        x
+    }
+
+    /// An open edge, a seam, a pole or a crease may hold a climb here.
+    pub fn wall(&self, u: f64, v: f64) -> bool {
+        let one = |d: usize, x: f64| {
+            let line = &self.lines[d];
+            let near = 1e-9 * (line[self.counts[d]] - line[0]);
+            self.walls[d].iter().any(|w| (x - w).abs() <= near)
+        };
+        one(0, u) || one(1, v)
+    }
+
+    /// An open edge holds this parameter pair.
+    pub fn on_open_edge(&self, u: f64, v: f64) -> bool {
+        let one = |d: usize, x: f64| {
+            let (n, line) = (self.counts[d], &self.lines[d]);
+            !self.wraps[d] && ((x <= line[0] && !self.poles[d][0]) || (x >= line[n] && !self.poles[d][1]))
+        };
+        !self.closed && (one(0, u) || one(1, v))
+    }
+
+    /// Makes sure that the box and cone of a cell are those of the present net.
+    pub fn look(&mut self, surface: &Surface, pieces: &BezierPieces, cell: usize) {
+        if self.known[cell] {
+            return;
+        }
+        self.known[cell] = true;
+        let (i, j) = (cell / self.counts[1], cell % self.counts[1]);
+        let (p, q) = (self.degree[0], self.degree[1]);
+        let piece = i / self.per[0] * self.spans[1] + j / self.per[1];
+        let (n, m) = (p + 1, q + 1);
+        let (u, v) = (&self.parts[0][i % self.per[0] * n * n..], &self.parts[1][j % self.per[1] * m * m..]);
+        let mut points = [[0.0; 3]; MOST_POINTS];
+        restrict(pieces.points(piece), u, v, n, m, pieces.is_rational(), self.per == [1, 1], &mut points);
+        let mut block = Block::EMPTY;
+        for x in &points[..n * m] {
+            for c in 0..3 {
+                block.low[c] = if x[c] < block.low[c] { x[c] } else { block.low[c] };
+                block.high[c] = if x[c] > block.high[c] { x[c] } else { block.high[c] };
+            }
+        }
+        self.boxes[cell] = block;
+        self.cones[cell] = Cone::of_normals(&points[..n * m], p, q, surface.flip_normal(), pieces.is_rational());
+    }
+}
+
+/// Points of a part, projected.
+#[inline(always)]
+fn restrict(
+    piece: &[[f64; 4]],
+    u: &[f64],
+    v: &[f64],
+    n: usize,
+    m: usize,
+    rational: bool,
+    whole: bool,
+    out: &mut [[f64; 3]; MOST_POINTS],
+) {
+    let mut rows = [[0.0; 4]; MOST_POINTS];
+    if whole {
+        rows[..n * m].copy_from_slice(&piece[..n * m]);
+    } else {
+        let mut half = [[0.0; 4]; MOST_POINTS];
+        for k in 0..n {
+            for a in 0..n {
+                let share = u[k * n + a];
+                for l in 0..m {
+                    for c in 0..4 {
+                        half[k * m + l][c] += share * piece[a * m + l][c];
+                    }
+                }
+            }
+        }
+        for k in 0..n {
+            for l in 0..m {
+                for b in 0..m {
+                    let share = v[l * m + b];
+                    for c in 0..4 {
+                        rows[k * m + l][c] += share * half[k * m + b][c];
+                    }
+                }
+            }
+        }
+    }
+    for (x, y) in out.iter_mut().zip(&rows).take(n * m) {
+        let scale = if rational { 1.0 / y[3] } else { 1.0 };
+        *x = [y[0] * scale, y[1] * scale, y[2] * scale];
+    }
+}
+
+/// The matrix, row by row, that gives the Bézier points of [a, b] from those of [0, 1]: blossoms at (a … a, b … b).
+fn restriction(p: usize, a: f64, b: f64) -> Vec<f64> {
+    let n = p + 1;
+    let mut out = vec![0.0; n * n];
+    for k in 0..n {
+        for l in 0..n {
+            let mut x = vec![0.0; n];
+            x[l] = 1.0;
+            for r in 0..p {
+                let t = if r < p - k { a } else { b };
+                for i in 0..p - r {
+                    x[i] = (1.0 - t) * x[i] + t * x[i + 1];
+                }
+            }
+            out[k * n + l] = x[0];
+        }
+    }
+    out
+}
+
+/// The shortest range that holds all that are taken; around the end where ends meet.
+pub(super) fn arc(taken: &[bool], wraps: bool) -> [usize; 2] {
+    let n = taken.len();
+    let first = taken.iter().position(|&t| t).unwrap_or(0);
+    let last = taken.iter().rposition(|&t| t).unwrap_or(0);
+    if !wraps {
+        return [first, last + 1];
+    }
+    // The longest gap, and what is left of the ring.
+    let (mut gap_start, mut gap, mut k) = (0, 0, first);
+    while k < first + n {
+        let start = k;
+        while k < first + n && !taken[k % n] {
+            k += 1;
+        }
+        if k - start > gap {
+            (gap_start, gap) = (start, k - start);
+        }
+        k += 1;
+    }
+    if gap == 0 {
+        return [0, n];
+    }
+    let low = (gap_start + gap) % n;
+    [low, low + n - gap]
+}

@@ -1,0 +1,140 @@
+//! Pairs of places that face each other: each in the direction of the other's normal.
+//!
+//! Newton's method in four unknowns on n_B·A_u = n_B·A_v = 0 and (B − A)·B_s = (B − A)·B_t = 0, which say that the signed
+//! distance to B is stationary over A. Normals, not the difference of the places, stand in the first two: they do not
+//! vanish where the surfaces cross or touch.
+
+use crate::math::Vector3;
+use crate::surface::bezier::Direction;
+use crate::surface::{ClosestSolver, Frame, Surface};
+
+/// Steps of Newton's method; it arrives in five or never.
+const STEPS: usize = 12;
+
+/// A stationary pair.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::contact) struct Facing {
+    /// (u, v) on the first surface, (s, t) on the second.
+    pub at: [f64; 4],
+}
+
+/// One of two surfaces.
+pub(in crate::contact) struct Half<'a> {
+    pub surface: &'a Surface,
+    pub solver: &'a mut ClosestSolver,
+}
+
+impl Half<'_> {
+    fn frame(&mut self, x: [f64; 2]) -> Frame {
+        self.solver.frame_at(self.surface, x[0], x[1])
+    }
+
+    fn confine(&self, x: [f64; 2]) -> [f64; 2] {
+        let pieces = self.solver.pieces_now();
+        [confine(&pieces.u, x[0]), confine(&pieces.v, x[1])]
+    }
+}
+
+fn confine(d: &Direction, x: f64) -> f64 {
+    let (start, end) = d.domain;
+    if d.periodic && (x < start || x > end) {
+        let period = end - start;
+        return (x - period * ((x - start) / period).floor()).clamp(start, end);
+    }
+    x.clamp(start, end)
+}
+
+/// From the middles of two parts and their widths: the pair in or beside them, if Newton goes there.
+pub(in crate::contact) fn face(
+    a: &mut Half<'_>,
+    b: &mut Half<'_>,
+    start: [[f64; 2]; 2],
+    widths: [[f64; 2]; 2],
+) -> Option<Facing> {
+    // Unwrapped, so that leaving is noticed.
+    let mut x = start;
+    for step in 0..STEPS {
+        let (at, bt) = (a.confine(x[0]), b.confine(x[1]));
+        let (fa, fb) = (a.frame(at), b.frame(bt));
+        let flip = if b.surface.flip_normal() { -1.0 } else { 1.0 };
+        let [da, db] = newton(&fa, &fb, flip)?;
+        let mut short = true;
+        for k in 0..2 {
+            let (mut d, w, held) = (if k == 0 { da } else { db }, widths[k], if k == 0 { at } else { bt });
+            let most = (d[0].abs() / w[0]).max(d[1].abs() / w[1]);
+            if most > 1.0 {
+                d = [d[0] / most, d[1] / most];
+            }
+            short &= most < 1e-10;
+            let half = if k == 0 { &*a } else { &*b };
+            for c in 0..2 {
+                x[k][c] += d[c];
+                // Another pair of parts holds what is farther away.
+                let out = (x[k][c] - start[k][c]).abs() / w[c];
+                if out > 1.5 + 0.25 * step as f64 || !out.is_finite() {
+                    return None;
+                }
+            }
+            // At an end that does not wrap, the parameter stays there.
+            let y = half.confine(x[k]);
+            let pieces = half.solver.pieces_now();
+            for (c, direction) in [&pieces.u, &pieces.v].into_iter().enumerate() {
+                if !direction.periodic {
+                    x[k][c] = y[c];
+                }
+                short |= !direction.periodic && step > 3 && y[c] == held[c] && d[c] != 0.0 && most < 1e-3;
+            }
+        }
+        if short {
+            let (at, bt) = (a.confine(x[0]), b.confine(x[1]));
+            return Some(Facing { at: [at[0], at[1], bt[0], bt[1]] });
+        }
+    }
+    None
+}
+
+/// The step of both places.
+#[inline]
+fn newton(a: &Frame, b: &Frame, flip: f64) -> Option<[[f64; 2]; 2]> {
+    let across = b.du.cross(&b.dv);
+    let (e, f, g) = (b.du.norm_squared(), b.du.dot(&b.dv), b.dv.norm_squared());
+    let det_g = e * g - f * f;
+    // Comparisons that NaN fails.
+    let regular = det_g > 1e-14 * e * g;
+    if !regular {
+        return None;
+    }
+    let n: Vector3 = across * (flip / det_g.sqrt());
+    let r = b.point - a.point;
+    let (l, m, k) = (n.dot(&b.duu), n.dot(&b.duv), n.dot(&b.dvv));
+    // M = g + r·B_ij, by what (B − A)·B_i changes with B's parameters.
+    let (ma, mb, mc) = (e + r.dot(&b.duu), f + r.dot(&b.duv), g + r.dot(&b.dvv));
+    let det_m = ma * mc - mb * mb;
+    let regular = det_m.abs() > 1e-9 * det_g;
+    if !regular {
+        return None;
+    }
+    let solve_m = |x: [f64; 2]| [(mc * x[0] - mb * x[1]) / det_m, (ma * x[1] - mb * x[0]) / det_m];
+    // n_k = −b_kl g^lm B_m; so C x = −(b g⁻¹ P)ᵀ x.
+    let turn = |x: [f64; 2], p: [f64; 2]| {
+        let y = [(g * p[0] - f * p[1]) / det_g, (e * p[1] - f * p[0]) / det_g];
+        -(x[0] * (l * y[0] + m * y[1]) + x[1] * (m * y[0] + k * y[1]))
+    };
+    let (pu, pv) = ([b.du.dot(&a.du), b.dv.dot(&a.du)], [b.du.dot(&a.dv), b.dv.dot(&a.dv)]);
+    let rb = [r.dot(&b.du), r.dot(&b.dv)];
+    let (su, sv, sr) = (solve_m(pu), solve_m(pv), solve_m(rb));
+    let huu = n.dot(&a.duu) + turn(su, pu);
+    let huv = n.dot(&a.duv) + turn(sv, pu);
+    let hvu = n.dot(&a.duv) + turn(su, pv);
+    let hvv = n.dot(&a.dvv) + turn(sv, pv);
+    let right = [-n.dot(&a.du) + turn(sr, pu), -n.dot(&a.dv) + turn(sr, pv)];
+    let det = huu * hvv - huv * hvu;
+    let scale = (huu.abs() + huv.abs()) * (hvv.abs() + hvu.abs());
+    let regular = det.abs() > 1e-9 * scale;
+    if !regular {
+        return None;
+    }
+    let da = [(right[0] * hvv - right[1] * huv) / det, (right[1] * huu - right[0] * hvu) / det];
+    let db = [su[0] * da[0] + sv[0] * da[1] - sr[0], su[1] * da[0] + sv[1] * da[1] - sr[1]];
+    Some([da, db])
+}

@@ -1,0 +1,378 @@
+//! The parts of one surface below another: which vertices are inside, which belong together, and where each is deepest.
+
+use super::cells::{Cells, arc};
+use super::depth::Below;
+use super::facing::Facing;
+use super::tops::{Top, Upper};
+use crate::math::Point3;
+
+/// Depths within this of each other, relative to the size, are level: faces that lie on each other.
+const LEVEL: f64 = 1e-10;
+
+/// Most places of greatest depth kept for one surface.
+pub(super) const MOST_TOPS: usize = 64;
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum State {
+    Unknown,
+    /// Outside, farther than the margin.
+    Out,
+    /// Its depth is known.
+    Sounded,
+}
+
+/// A region: its deepest place, or a place that nearly touches.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Region {
+    pub top: Top,
+    /// Node of its component.
+    root: u32,
+}
+
+/// Scratch for one surface.
+#[derive(Clone, Debug)]
+pub(super) struct Regions {
+    state: Vec<State>,
+    points: Vec<Point3>,
+    depth: Vec<f64>,
+    foot: Vec<(f64, f64)>,
+    /// (vertices + tops): union–find.
+    parent: Vec<u32>,
+    /// (vertices + tops): a class of vertices has one outside the other surface's box; or a component's best depth.
+    best: Vec<f64>,
+    outer: Vec<bool>,
+    shared: Vec<bool>,
+    order: Vec<(f64, u32)>,
+    /// Depths that differ by less are level, m.
+    flat_m: f64,
+    tops: Vec<Top>,
+    pub found: Vec<Region>,
+    /// Rows and columns of cells in a region.
+    taken: [Vec<bool>; 2],
+}
+
+impl Regions {
+    pub fn new(cells: &Cells) -> Self {
+        let n = cells.vertex_count();
+        Self {
+            state: vec![State::Unknown; n],
+            points: vec![Point3::origin(); n],
+            depth: vec![f64::NEG_INFINITY; n],
+            foot: vec![(0.0, 0.0); n],
+            parent: vec![0; n + MOST_TOPS],
+            best: vec![f64::NEG_INFINITY; n + MOST_TOPS],
+            outer: vec![false; n],
+            shared: vec![false; n],
+            order: Vec::with_capacity(n),
+            flat_m: 0.0,
+            tops: Vec::with_capacity(MOST_TOPS),
+            found: Vec::with_capacity(MOST_TOPS),
+            taken: [vec![false; cells.counts[0]], vec![false; cells.counts[1]]],
+        }
+    }
+
+    fn root(&mut self, node: u32) -> u32 {
+        let mut x = node;
+        while self.parent[x as usize] != x {
+            self.parent[x as usize] = self.parent[self.parent[x as usize] as usize];
+            x = self.parent[x as usize];
+        }
+        x
+    }
+
+    fn join(&mut self, a: u32, b: u32) {
+        let (a, b) = (self.root(a), self.root(b));
+        // The smaller name stays, whatever the order of joining.
+        if a < b {
+            self.parent[b as usize] = a;
+        } else {
+            self.parent[a as usize] = b;
+        }
+    }
+
+    fn inside(&self, vertex: u32) -> bool {
+        self.state[vertex as usize] == State::Sounded && self.depth[vertex as usize] >= -self.flat_m
+    }
+
+    /// Finds all regions of `upper` below `below`, and near places up to `margin_m`. `pairs` start climbs: places of the
+    /// upper surface and their feet.
+    pub fn find(
+        &mut self,
+        upper: &mut Upper<'_>,
+        cells: &mut Cells,
+        below: &mut Below<'_>,
+        pairs: impl Iterator<Item = Facing>,
+        margin_m: f64,
+    ) {
+        self.found.clear();
+        self.tops.clear();
+        self.flat_m = LEVEL * upper.size_m;
+        self.classify(upper, cells, below, margin_m);
+        self.connect(cells);
+        for pair in pairs {
+            let [u, v, s, t] = pair.at;
+            // Too far to be reported, if it is no way to a deeper place.
+            let (x, y) = (upper.solver.frame_at(upper.surface, u, v), below.solver.frame_at(below.surface, s, t));
+            let cell = cells.cell_at(u, v);
+            cells.look(upper.surface, upper.solver.pieces_now(), cell);
+            let way = x.point - y.point;
+            let outward = y.du.cross(&y.dv) * if below.surface.flip_normal() { -below.side } else { below.side };
+            if way.norm() > margin_m + 1e-11 * upper.size_m && way.dot(&outward) > 0.0 {
+                continue;
+            }
+            self.climb(upper, cells, below, (u, v), (s, t), margin_m, None);
+        }
+        self.order.clear();
+        for vertex in 0..cells.vertex_count() {
+            if cells.alias[vertex] as usize != vertex || self.state[vertex] != State::Sounded {
+                continue;
+            }
+            let d = self.depth[vertex];
+            let summit = cells.around(vertex).iter().all(|&w| {
+                let w = w as usize;
+                w == vertex || d > self.depth[w] || (d == self.depth[w] && vertex < w)
+            });
+            if summit {
+                self.order.push((d, vertex as u32));
+            }
+        }
+        self.order.sort_unstable_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
+        for k in 0..self.order.len() {
+            let (d, vertex) = self.order[k];
+            let (u, v) = cells.parameters(vertex as usize);
+            let cell = cells.cell_at(u, v);
+            cells.look(upper.surface, upper.solver.pieces_now(), cell);
+            let across = 0.5 * cells.box_of(cell).diagonal();
+            if d >= -self.flat_m {
+                let root = self.root(vertex) as usize;
+                // On a face in touch, one place is as good as another.
+                let plateau = cells
+                    .around(vertex as usize)
+                    .iter()
+                    .any(|&w| w != vertex && (self.depth[w as usize] - d).abs() <= self.flat_m);
+                if self.best[root] > d + across || (plateau && self.best[root] >= d - self.flat_m) {
+                    continue;
+                }
+            } else if d < -margin_m - across {
+                continue;
+            }
+            let from = self.foot[vertex as usize];
+            self.climb(upper, cells, below, (u, v), from, margin_m, (d >= -self.flat_m).then_some(vertex));
+        }
+        self.gather(cells);
+    }
+
+    /// Which vertices are outside, and the depth of the others.
+    fn classify(&mut self, upper: &mut Upper<'_>, cells: &Cells, below: &mut Below<'_>, margin_m: f64) {
+        let n = cells.vertex_count();
+        for k in 0..n + MOST_TOPS {
+            self.parent[k] = k as u32;
+            self.best[k] = f64::NEG_INFINITY;
+        }
+        self.state.fill(State::Unknown);
+        self.depth.fill(f64::NEG_INFINITY);
+        self.outer.fill(false);
+        self.shared.fill(false);
+        let solid = below.cells.closed;
+        if solid {
+            // A cell that the other surface does not touch is on one side of it.
+            for cell in 0..cells.cell_count() {
+                if !cells.touched[cell] {
+                    let corners = cells.corners(cell);
+                    for &corner in &corners {
+                        self.join(corners[0], corner);
+                        self.shared[corner as usize] = true;
+                    }
+                }
+            }
+        }
+        for vertex in 0..n {
+            if cells.alias[vertex] as usize != vertex {
+                continue;
+            }
+            let (u, v) = cells.parameters(vertex);
+            self.points[vertex] = upper.solver.frame_at(upper.surface, u, v).point;
+            if solid && !below.cells.whole.holds(&self.points[vertex], margin_m) {
+                let root = self.root(vertex as u32) as usize;
+                self.outer[root] = true;
+                self.state[vertex] = State::Out;
+            }
+        }
+        for vertex in 0..n {
+            if cells.alias[vertex] as usize != vertex || self.state[vertex] != State::Unknown {
+                continue;
+            }
+            let root = self.root(vertex as u32) as usize;
+            if self.outer[root] && self.shared[vertex] {
+                self.state[vertex] = State::Out;
+                continue;
+            }
+            let point = self.points[vertex];
+            // One certified sign for each class that nothing touches.
+            let certify = self.shared[vertex] && self.best[root] == f64::NEG_INFINITY;
+            let (depth, foot) = if certify {
+                let sure = below.certain(&point);
+                (sure.depth_m, (sure.foot.at.u, sure.foot.at.v))
+            } else {
+                below.rough(&point)
+            };
+            if certify {
+                self.best[root] = 0.0;
+                if depth < 0.0 {
+                    self.outer[root] = true;
+                    self.state[vertex] = State::Out;
+                    continue;
+                }
+            }
+            self.state[vertex] = State::Sounded;
+            self.depth[vertex] = depth;
+            self.foot[vertex] = foot;
+        }
+        self.best.fill(f64::NEG_INFINITY);
+        // Classes of vertices outside are no components.
+        if solid {
+            for vertex in 0..n {
+                if self.state[vertex] == State::Out {
+                    self.parent[vertex] = vertex as u32;
+                }
+            }
+        }
+    }
+
+    /// Joins neighbouring vertices inside.
+    fn connect(&mut self, cells: &Cells) {
+        for cell in 0..cells.cell_count() {
+            let c = cells.corners(cell);
+            for k in 0..4 {
+                let (a, b) = (c[k], c[(k + 1) % 4]);
+                if self.inside(a) && self.inside(b) {
+                    self.join(a, b);
+                }
+            }
+        }
+    }
+
+    /// Climbs from a place; what is found becomes a top, joined with the vertex it was climbed from and those around it.
+    fn climb(
+        &mut self,
+        upper: &mut Upper<'_>,
+        cells: &Cells,
+        below: &mut Below<'_>,
+        at: (f64, f64),
+        foot: (f64, f64),
+        margin_m: f64,
+        vertex: Option<u32>,
+    ) {
+        let across = cells.box_of(cells.cell_at(at.0, at.1)).diagonal();
+        let reach_m = if across.is_finite() { 0.5 * across } else { 0.05 * upper.size_m };
+        let Some(top) = upper.climb(cells, below, at.0, at.1, foot, reach_m) else { return };
+        let depth = top.sounding.depth_m;
+        let near = depth >= -margin_m - 1e-12 * upper.size_m;
+        if !near || (depth < -self.flat_m && !top.summit) {
+            return;
+        }
+        let same = |other: &Top| {
+            (other.point - top.point).norm() <= 1e-5 * upper.size_m
+                && (other.sounding.depth_m - depth).abs() <= 1e-9 * upper.size_m
+        };
+        let slot = match self.tops.iter().position(same) {
+            Some(slot) => slot,
+            None if self.tops.len() < MOST_TOPS => {
+                self.tops.push(top);
+                self.tops.len() - 1
+            }
+            None => return,
+        };
+        if depth < -self.flat_m {
+            return;
+        }
+        let node = (cells.vertex_count() + slot) as u32;
+        if let Some(vertex) = vertex {
+            self.join(node, vertex);
+        } else {
+            let cell = cells.cell_at(top.u, top.v);
+            let ((i, j), corners) = ((cell / cells.counts[1], cell % cells.counts[1]), cells.corners(cell));
+            for (k, corner) in corners.into_iter().enumerate() {
+                if self.inside(corner) && self.root(corner) != self.root(node) {
+                    let (a, b) = ([0, 0, 1, 1][k], [0, 1, 1, 0][k]);
+                    let end = (cells.lines[0][i + a], cells.lines[1][j + b]);
+                    if self.passage(upper, below, (top.u, top.v), depth, end, self.depth[corner as usize]) {
+                        self.join(node, corner);
+                    }
+                }
+            }
+        }
+        let root = self.root(node) as usize;
+        self.best[root] = self.best[root].max(depth);
+    }
+
+    /// The straight way between two parameter pairs inside stays inside.
+    fn passage(
+        &self,
+        upper: &mut Upper<'_>,
+        below: &mut Below<'_>,
+        a: (f64, f64),
+        depth_a: f64,
+        b: (f64, f64),
+        depth_b: f64,
+    ) -> bool {
+        const STEPS: usize = 8;
+        let at = |k: usize| {
+            let x = k as f64 / STEPS as f64;
+            (a.0 + x * (b.0 - a.0), a.1 + x * (b.1 - a.1))
+        };
+        let start = upper.solver.frame_at(upper.surface, a.0, a.1).point;
+        let end = upper.solver.frame_at(upper.surface, b.0, b.1).point;
+        // Depth changes by at most a metre a metre; ways are a little longer than their chords.
+        if depth_a + depth_b > 1.3 * (end - start).norm() {
+            return true;
+        }
+        (1..STEPS).all(|k| {
+            let (u, v) = at(k);
+            let point = upper.solver.frame_at(upper.surface, u, v).point;
+            below.rough(&point).0 >= -self.flat_m
+        })
+    }
+
+    /// The deepest top of each component, and every near place.
+    fn gather(&mut self, cells: &Cells) {
+        let n = cells.vertex_count();
+        for k in 0..self.tops.len() {
+            let top = self.tops[k];
+            let node = (n + k) as u32;
+            if top.sounding.depth_m < -self.flat_m {
+                self.found.push(Region { top, root: node });
+                continue;
+            }
+            let root = self.root(node);
+            match self.found.iter_mut().find(|r| r.root == root) {
+                Some(region) if region.top.sounding.depth_m < top.sounding.depth_m => region.top = top,
+                Some(_) => {}
+                None => self.found.push(Region { top, root }),
+            }
+        }
+    }
+
+    /// Rows and columns of cells that a region has part in, as index ranges; `high` may pass the count where ends meet.
+    pub fn extent(&mut self, cells: &Cells, region: usize) -> [[usize; 2]; 2] {
+        let Region { top, root } = self.found[region];
+        self.taken[0].fill(false);
+        self.taken[1].fill(false);
+        let mark = |taken: &mut [Vec<bool>; 2], cell: usize| {
+            taken[0][cell / cells.counts[1]] = true;
+            taken[1][cell % cells.counts[1]] = true;
+        };
+        let mut taken = std::mem::take(&mut self.taken);
+        mark(&mut taken, cells.cell_at(top.u, top.v));
+        if top.sounding.depth_m >= -self.flat_m {
+            for cell in 0..cells.cell_count() {
+                let corners = cells.corners(cell);
+                if corners.iter().any(|&c| self.inside(c) && self.root(c) == root) {
+                    mark(&mut taken, cell);
+                }
+            }
+        }
+        self.taken = taken;
+        [0, 1].map(|d| arc(&self.taken[d], cells.wraps[d]))
+    }
+}

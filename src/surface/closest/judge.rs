@@ -1,0 +1,223 @@
+//! Whether a place found within one part is a local minimum of the whole surface, and whether two of them are one.
+
+use super::newton::{Descent, Evaluate, OnPieces, Place, descend};
+use super::objective::Objective;
+use super::other_end;
+use super::side::{SAME, Site, sides};
+use crate::surface::bezier::{Direction, Joint};
+
+/// How far around a place that the Hessian does not decide values are looked at, in spans.
+const AROUND: [f64; 2] = [1e-3, 1e-5];
+/// Meridians out of a pole that are looked at, per span.
+const MERIDIANS: usize = 4;
+/// Squares of tangents below this share of the squared size are rounding: the edge is collapsed.
+const COLLAPSED: f64 = 1e-24;
+/// Points looked at between two places: these twelfths of the way, far ones first.
+const WAY: [f64; 11] = [6.0, 3.0, 9.0, 1.0, 11.0, 2.0, 10.0, 4.0, 8.0, 5.0, 7.0];
+/// Slopes are told from rounding when they are this many times larger, which is 1e-7 of the size for a squared distance
+/// and 1e-7 for a height; a neighbouring part then sees the same sign.
+pub(super) const STEEP: f64 = 1e8;
+
+/// A piecewise surface and what is minimised on it.
+pub(super) struct Judge<'a, O: Objective> {
+    pub eval: OnPieces<'a>,
+    pub objective: &'a O,
+    pub size_m: f64,
+}
+
+impl<O: Objective> Judge<'_, O> {
+    /// The local minimum of the surface at or next to a place; `None` when the surface is lower around it by more than
+    /// `equal`.
+    pub fn minimum(&mut self, start: &Descent, equal: f64) -> Option<Descent> {
+        let found = descend(&mut self.eval, self.objective, start.place);
+        let equal = equal + found.jet.noise;
+        let bend = self.bend(&found);
+        let collapsed = (0..2).any(|k| found.jet.metric[k] <= COLLAPSED * self.size_m * self.size_m);
+        if (bend < -1.0 && !collapsed) || (self.at_border(&found.place) && self.falls_across(&found, equal)) {
+            return None;
+        }
+        let sure = !collapsed && bend > 1.0 && (0..2).all(|k| found.free[k] || steep(&found, k, self.size_m));
+        let falls = !sure && (self.falls_around(&found, equal) || self.falls_from_pole(&found, equal));
+        (!falls).then_some(found)
+    }
+
+    /// Least curvature over the free variables, in units of what can be told from rounding.
+    fn bend(&self, found: &Descent) -> f64 {
+        let ([mu, mv], [huu, huv, hvv]) = (found.jet.metric, found.jet.h);
+        let least = match found.free {
+            [false, false] => return f64::INFINITY,
+            [true, false] => huu / mu,
+            [false, true] => hvv / mv,
+            [true, true] => {
+                let (a, b, c) = (huu / mu, huv / (mu * mv).sqrt(), hvv / mv);
+                0.5 * (a + c) - (0.25 * (a - c) * (a - c) + b * b).sqrt()
+            }
+        };
+        least * self.size_m / (STEEP * found.jet.slope_noise)
+    }
+
+    fn at_border(&self, at: &Place) -> bool {
+        let at_joint = |d: &Direction, k: usize, x: f64| {
+            let span = &d.spans[k];
+            (x <= span.start && span.before != Joint::Smooth) || (x >= span.end && span.after != Joint::Smooth)
+        };
+        at_joint(&self.eval.pieces.u, at.i, at.u) || at_joint(&self.eval.pieces.v, at.j, at.v)
+    }
+
+    fn value(&mut self, place: Place) -> f64 {
+        let p = self.eval.frame(place.i, place.j, place.u, place.v).point;
+        self.objective.value(p.x, p.y, p.z)
+    }
+
+    /// Lower beyond a crease, or beyond ends that coincide.
+    fn falls_across(&mut self, found: &Descent, equal: f64) -> bool {
+        let (at, point) = (found.place, found.frame.point);
+        let (du, dv) = (&self.eval.pieces.u, &self.eval.pieces.v);
+        let site = Site { surface: self.eval.surface, u: du, v: dv };
+        let same =
+            |place: Place| (site.frame(place).point - point).norm() <= SAME * (point.coords.amax() + self.size_m);
+        let us = sides(du, at.i, at.u, |i, u| same(Place { i, u, ..at }));
+        let vs = sides(dv, at.j, at.v, |j, v| same(Place { j, v, ..at }));
+        for (a, u) in us.iter().enumerate() {
+            for (b, v) in vs.iter().enumerate() {
+                let (Some((i, u, _)), Some((j, v, _)), true) = (*u, *v, a + b > 0) else { continue };
+                let other = descend(&mut self.eval, self.objective, Place { i, j, u, v });
+                if other.jet.f < found.jet.f - equal {
+                    return true;
+                }
+            }
+        }
+        false
+    }
+
+    /// Lower close by, within the smooth patch.
+    fn falls_around(&mut self, found: &Descent, equal: f64) -> bool {
+        let at = found.place;
+        for share in AROUND {
+            for k in 0..9 {
+                let (a, b) = (&self.eval.pieces.u.spans[at.i], &self.eval.pieces.v.spans[at.j]);
+                let move_by =
+                    |step: f64, x: f64, width: f64, low: f64, high: f64| (x + step * share * width).clamp(low, high);
+                let u = move_by((k / 3) as f64 - 1.0, at.u, a.end - a.start, a.reach_low, a.reach_high);
+                let v = move_by((k % 3) as f64 - 1.0, at.v, b.end - b.start, b.reach_low, b.reach_high);
+                let (i, offset_u) = self.eval.pieces.u.locate(u, at.i, a.reach_high);
+                let (j, offset_v) = self.eval.pieces.v.locate(v, at.j, b.reach_high);
+                if self.value(Place { i, j, u: u - offset_u, v: v - offset_v }) < found.jet.f - equal {
+                    return true;
+                }
+            }
+        }
+        false
+    }
+
+    /// Lower on a meridian out of a pole.
+    fn falls_from_pole(&mut self, found: &Descent, equal: f64) -> bool {
+        let at = found.place;
+        for collapsed in 0..2 {
+            let short = found.jet.metric[collapsed] <= COLLAPSED * self.size_m * self.size_m;
+            let (du, dv) = (&self.eval.pieces.u, &self.eval.pieces.v);
+            let (held, k, x, spans) =
+                if collapsed == 0 { (dv, at.j, at.v, du.spans.len()) } else { (du, at.i, at.u, dv.spans.len()) };
+            if !short || other_end(held, x).is_none() {
+                continue;
+            }
+            let width = held.spans[k].end - held.spans[k].start;
+            let inward = if x <= held.domain.0 { width } else { -width };
+            for ring in 0..spans * MERIDIANS {
+                let span = ring / MERIDIANS;
+                let d = if collapsed == 0 { &self.eval.pieces.u } else { &self.eval.pieces.v };
+                let (start, end) = (d.spans[span].start, d.spans[span].end);
+                let z = start + (end - start) * ((ring % MERIDIANS) as f64 + 0.5) / MERIDIANS as f64;
+                let place = |y: f64| {
+                    if collapsed == 0 {
+                        Place { i: span, u: z, v: y, ..at }
+                    } else {
+                        Place { j: span, v: z, u: y, ..at }
+                    }
+                };
+                let Place { i, j, u, v } = place(x);
+                let jet = self.objective.jet(&self.eval.frame(i, j, u, v));
+                let out = 1 - collapsed;
+                let slope = jet.g[out] * inward.signum() / jet.metric[out].sqrt().max(f64::MIN_POSITIVE);
+                if slope < -16.0 * jet.slope_noise
+                    || AROUND.into_iter().any(|share| self.value(place(x + share * inward)) < found.jet.f - equal)
+                {
+                    return true;
+                }
+            }
+        }
+        false
+    }
+
+    /// A straight way in the parameters, perhaps across a seam, on which no value is above `limit`.
+    pub fn joined(&mut self, a: &Place, b: &Place, limit: f64) -> bool {
+        let ways = |d: &Direction, from: f64, to: f64| {
+            let (direct, period) = (to - from, d.domain.1 - d.domain.0);
+            let around = if direct > 0.0 { direct - period } else { direct + period };
+            // Around a period is as smooth as anywhere: take the shorter way. Across ends, try both.
+            match (d.periodic, around.abs() < direct.abs()) {
+                (true, true) => [Some(around), None],
+                (true, false) => [Some(direct), None],
+                (false, _) => [Some(direct), Some(around)],
+            }
+        };
+        let us = ways(&self.eval.pieces.u, a.u, b.u);
+        let vs = ways(&self.eval.pieces.v, a.v, b.v);
+        us.into_iter().flatten().any(|u| vs.into_iter().flatten().any(|v| self.joined_by(a, u, v, limit)))
+    }
+
+    fn joined_by(&mut self, a: &Place, along_u: f64, along_v: f64, limit: f64) -> bool {
+        let at = |judge: &Self, share: f64| {
+            let (du, dv) = (&judge.eval.pieces.u, &judge.eval.pieces.v);
+            let (u, v) = (within(du, a.u + share * along_u), within(dv, a.v + share * along_v));
+            Place { i: du.span_of(u), j: dv.span_of(v), u, v }
+        };
+        for twelfth in WAY {
+            let place = at(self, twelfth / 12.0);
+            let value = self.value(place);
+            if value.is_nan() || value > limit {
+                return false;
+            }
+        }
+        // Where the way leaves one end of the domain and goes on at the other, they must be one place.
+        for (in_u, x, along) in [(true, a.u, along_u), (false, a.v, along_v)] {
+            let d = if in_u { &self.eval.pieces.u } else { &self.eval.pieces.v };
+            let (start, end) = d.domain;
+            let y = x + along;
+            if d.periodic || (y >= start && y <= end) {
+                continue;
+            }
+            let last = d.spans.len() - 1;
+            let share = (if y > end { end - x } else { start - x }) / along;
+            let place = at(self, share);
+            let [p, q] = [(0, start), (last, end)].map(|(k, x)| {
+                let place = if in_u { Place { i: k, u: x, ..place } } else { Place { j: k, v: x, ..place } };
+                self.eval.frame(place.i, place.j, place.u, place.v).point
+            });
+            if (p - q).norm() > SAME * (p.coords.amax() + self.size_m) {
+                return false;
+            }
+        }
+        true
+    }
+}
+
+/// Held at an edge by a slope that is no rounding, along a tangent that is none.
+pub(super) fn steep(found: &Descent, k: usize, size_m: f64) -> bool {
+    let m = found.jet.metric[k];
+    m > COLLAPSED * size_m * size_m && found.jet.g[k].abs() > STEEP * found.jet.slope_noise * m.sqrt()
+}
+
+/// A parameter that may have left the domain by less than its length, wrapped into it.
+fn within(d: &Direction, x: f64) -> f64 {
+    let (start, end) = d.domain;
+    let period = end - start;
+    (if x > end {
+        x - period
+    } else if x < start {
+        x + period
+    } else {
+        x
+    })
+    .clamp(start, end)
+}

@@ -1,0 +1,139 @@
+//! Contact, virtual couplings and bodies solved together.
+//!
+//! Rows of one tool share the compliance of its coupling, rows on one body that of its surface:
+//! `D_ij = n_i · n_j ([same tool] / K' + Σ_sides ±± N_iᵀ W N_j)`, the sum over the sides of both rows on the same body,
+//! each with the sign with which its normal pushes it.
+
+use crate::body::Lattice;
+use crate::contact::rows::Row;
+use crate::contact::sharing::{Share, share};
+use crate::scene::{BodyModel, Scene, SceneState, Scratch};
+
+/// Enough for a corner of three planes: rows on rigid bodies are few.
+const RIGID_SWEEPS: usize = 50;
+/// Weight of a row that carries, relative to the depth that its force means to the coupling.
+const LEAST_WEIGHT: f64 = 1e-3;
+
+/// Solves for the force of every row.
+pub(super) fn solve(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch) {
+    let count = scratch.rows.rows.len();
+    scratch.problem.begin(count);
+    if count == 0 {
+        return;
+    }
+    for i in 0..count {
+        let a = scratch.rows.rows[i];
+        let Some(tool) = a.tool() else { continue };
+        let compliance = scene.tools[tool].coupling.compliance_m_n();
+        for j in 0..count {
+            let b = &scratch.rows.rows[j];
+            if a.holder == b.holder {
+                scratch.problem.row_mut(i)[j] = compliance * a.normal.dot(&b.normal);
+            }
+        }
+    }
+    let mut sweeps = if count > 1 { RIGID_SWEEPS } else { 1 };
+    for (b, body) in scene.bodies.iter().enumerate() {
+        if let BodyModel::Lattice(model) = &body.model {
+            sweeps = sweeps.max(model.sweeps);
+            add_body_compliance(b, &model.lattice, scratch);
+        }
+    }
+    let mut warm = state.warm[..state.warm_len].iter().peekable();
+    for (i, row) in scratch.rows.rows.iter().enumerate() {
+        // Both lists are ordered by key.
+        while warm.next_if(|old| old.key < row.key()).is_some() {}
+        let force = warm.next_if(|old| old.key == row.key()).map_or(0.0, |old| old.force_n);
+        scratch.problem.set(i, row.gap_m, force);
+    }
+    scratch.problem.solve(sweeps);
+    for tool in 0..scene.tools.len() {
+        share_among_rigid(scene, scratch, tool);
+    }
+}
+
+/// Rows of a tool on bodies that do not give way share their force by depth; balance does not say how.
+fn share_among_rigid(scene: &Scene, scratch: &mut Scratch, tool: usize) {
+    let Scratch { rows, problem, shares, .. } = scratch;
+    let compliance = scene.tools[tool].coupling.compliance_m_n();
+    let rigid =
+        |row: &Row| row.tool() == Some(tool) && matches!(scene.bodies[row.body as usize].model, BodyModel::Rigid);
+    shares.clear();
+    for (i, row) in rows.rows.iter().enumerate().filter(|(_, row)| rigid(row)) {
+        let force_n = problem.forces()[i];
+        // What carries has some weight, even where the device is not below that contact itself.
+        let weight_m = (-row.gap_m).max(0.0) + LEAST_WEIGHT * compliance * force_n;
+        shares.push(Share { normal: row.normal, weight_m, force_n });
+    }
+    if shares.len() > 1 && share(shares) {
+        let indices = rows.rows.iter().enumerate().filter(|(_, row)| rigid(row)).map(|(i, _)| i);
+        for (i, share) in indices.zip(shares.iter()) {
+            problem.set_force(i, share.force_n);
+        }
+    }
+}
+
+/// Adds what a body's surface gives way under its rows.
+fn add_body_compliance(body: usize, lattice: &Lattice, scratch: &mut Scratch) {
+    let Scratch { rows, problem, response, involved, is_involved, .. } = scratch;
+    involved.clear();
+    for row in &rows.rows {
+        for (_, range) in row.sides_on(body) {
+            for &control in rows.weights_in(range).0 {
+                if let Some(unknown) = lattice.unknown(lattice.node_of_control(control as usize))
+                    && !is_involved[unknown]
+                {
+                    is_involved[unknown] = true;
+                    involved.push(unknown as u32);
+                }
+            }
+        }
+    }
+    let all = || rows.rows.iter().enumerate();
+    for (i, a) in all() {
+        for (k, (sign_a, side_a)) in a.sides_on(body).enumerate() {
+            // What a unit force on this side does to the nodes concerned.
+            for &unknown in involved.iter() {
+                response[unknown as usize] = 0.0;
+            }
+            let (controls, weights) = rows.weights_in(side_a);
+            for (&control, &weight) in controls.iter().zip(weights) {
+                if let Some(column) = lattice.compliance_of(lattice.node_of_control(control as usize)) {
+                    for &unknown in involved.iter() {
+                        response[unknown as usize] += weight * column[unknown as usize];
+                    }
+                }
+            }
+            let moved_at = |side_b| {
+                let (controls, weights) = rows.weights_in(side_b);
+                let mut moved = 0.0;
+                for (&control, &weight) in controls.iter().zip(weights) {
+                    if let Some(unknown) = lattice.unknown(lattice.node_of_control(control as usize)) {
+                        moved += weight * response[unknown];
+                    }
+                }
+                moved
+            };
+            for (j, b) in all().skip(i) {
+                for (l, (sign_b, side_b)) in b.sides_on(body).enumerate() {
+                    // A row with both sides on this body meets itself: each pair of its sides counts once a way.
+                    if j == i && l < k {
+                        continue;
+                    }
+                    let entry = sign_a * sign_b * direction(a, b) * moved_at(side_b);
+                    problem.row_mut(i)[j] += entry;
+                    if j > i || l > k {
+                        problem.row_mut(j)[i] += entry;
+                    }
+                }
+            }
+        }
+    }
+    for &unknown in involved.iter() {
+        is_involved[unknown as usize] = false;
+    }
+}
+
+fn direction(a: &Row, b: &Row) -> f64 {
+    a.normal.dot(&b.normal)
+}

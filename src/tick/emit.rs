@@ -1,0 +1,107 @@
+//! What comes out of the contact solve: limited forces for the hands, loads for the bodies, reports for everybody.
+
+use super::record::{ContactReport, TickOutput};
+use crate::contact::rows::{Holder, Row};
+use crate::haptics::{LinkPhase, limit};
+use crate::math::Vector3;
+use crate::scene::{BodyModel, Method, Scene, SceneState, Scratch, WarmRow, flags};
+
+/// Limits the forces, loads the bodies with their opposites, and writes what the tools get.
+pub(super) fn emit(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch, output: &mut TickOutput) {
+    for (t, tool) in scene.tools.iter().enumerate() {
+        let own = |row: &&Row| row.tool() == Some(t);
+        let forces = scratch.problem.forces();
+        let tool_state = &mut state.tools[t];
+        let out = &mut output.tools[t];
+        out.proxy_orientation = tool_state.orientation();
+        if tool_state.link.phase == LinkPhase::Absent {
+            out.proxy_position = tool_state.proxy;
+            continue;
+        }
+        let ball = tool.shape.ball_radius_m().is_some();
+        let (mut force, mut torque) = (Vector3::zeros(), Vector3::zeros());
+        for (row, &lambda) in scratch.rows.rows.iter().zip(forces).filter(|(row, _)| own(row)) {
+            let push = row.normal * lambda;
+            force += push;
+            if !ball {
+                torque += (row.point - scratch.rows.free[t]).cross(&push);
+            }
+        }
+        let (rendered, factor) = limit(force, torque, tool_state.link.limit_n);
+        let free = scratch.rows.free[t];
+        let held = free + force * tool.coupling.compliance_m_n();
+        // A saturated coupling lets the device in further than the balance knows: a ball then stays on the surface as it
+        // stands; other shapes see at the next tick how far they are in.
+        let guarded = ball && scene.pairs.iter().all(|pair| pair.tool() != Some(t) || pair.method == Method::Exact);
+        let whole = (factor == 1.0 || !guarded) && held.iter().all(|x| x.is_finite());
+        tool_state.proxy = if whole { held } else { scratch.rows.proxies[t] };
+        let device = tool_state.link.pose.position;
+        for (i, row) in scratch.rows.rows.iter().enumerate().filter(|(_, row)| own(row)) {
+            let lambda = scratch.problem.forces()[i];
+            if lambda <= 0.0 {
+                continue;
+            }
+            out.contact_count += 1;
+            let depth_m = row.normal.dot(&(held - device)) - scratch.problem.gap_after(i);
+            let report = report(row, depth_m, row.normal * (lambda * factor));
+            if out.contact.is_none_or(|deepest| depth_m > deepest.depth_m) {
+                out.contact = Some(report);
+            }
+            output.contacts.push(report);
+        }
+        if factor < 1.0 {
+            out.flags |= flags::SATURATED;
+        }
+        out.force_n = rendered.newtons();
+        out.torque_nm = rendered.torque_nm();
+        out.proxy_position = tool_state.proxy;
+        tool_state.energy_j -= out.force_n.dot(&out.device_moved);
+        out.energy_j = tool_state.energy_j;
+        scratch.rows.factors[t] = factor;
+    }
+    for (i, row) in scratch.rows.rows.iter().enumerate().filter(|(_, row)| row.tool().is_none()) {
+        let lambda = scratch.problem.forces()[i];
+        if lambda > 0.0 {
+            output.contacts.push(report(row, -scratch.problem.gap_after(i), row.normal * lambda));
+        }
+    }
+    load_bodies(scene, state, scratch);
+}
+
+fn report(row: &Row, depth_m: f64, force_n: Vector3) -> ContactReport {
+    let Row { body, holder, u, v, point, normal, .. } = *row;
+    ContactReport { body, holder, u, v, point, normal, depth_m, force_n }
+}
+
+/// ∓λ n N_i on the nodes of every row's sides, scaled as the hand's force was; and the warm start of the next tick.
+fn load_bodies(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch) {
+    state.warm_len = 0;
+    let Scratch { bodies, rows, problem, .. } = scratch;
+    for (row, &lambda) in rows.rows.iter().zip(problem.forces()) {
+        if lambda == 0.0 || !lambda.is_finite() {
+            continue;
+        }
+        state.warm[state.warm_len] = WarmRow { key: row.key(), force_n: lambda };
+        state.warm_len += 1;
+        let factor = row.tool().map_or(1.0, |tool| rows.factors[tool]);
+        let other = match row.holder {
+            Holder::Body(other) if other != row.body => Some(other),
+            _ => None,
+        };
+        for body in std::iter::once(row.body).chain(other) {
+            let constants = &scene.bodies[body as usize];
+            let (BodyModel::Lattice(model), Some(deforming)) = (&constants.model, &mut bodies[body as usize].deforming)
+            else {
+                continue;
+            };
+            for (sign, range) in row.sides_on(body as usize) {
+                let force = row.normal * (sign * lambda * factor);
+                let (controls, weights) = rows.weights_in(range);
+                for (&control, &weight) in controls.iter().zip(weights) {
+                    let node = model.lattice.node_of_control(control as usize);
+                    model.lattice.push(&mut deforming.lattice, node, force * weight);
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,194 @@
+//! From poses to contact rows.
+//!
+//! ```text
+//! broad phase     pairs that can touch in this tick
+//! ball            proxy on the exact surface ─▶ its foot, every other region in touch, samples inside
+//! other shapes    anchor (the last proxy, moved on while nothing is near) ─▶ every contact in reach, samples inside
+//! two bodies      every contact of both surfaces in reach, samples of each inside the other
+//! itself          places where a body's surface meets itself from outside
+//! ```
+
+use super::between::{bodies, itself};
+use super::feet::{MAX_FEET, margin_m, meet, push_foot, push_sample, view};
+use crate::contact::proxy::BallContact;
+use crate::contact::rows::{Facing, Holder};
+use crate::contact::{Contact, Reach, distance_squared_to_box};
+use crate::haptics::LinkPhase;
+use crate::math::{Point3, Pose, Rotation, Vector3};
+use crate::scene::{BodyModel, Method, Scene, SceneState, Scratch};
+
+/// Most steps of an anchor through empty space in one tick.
+const STRIDES: usize = 64;
+/// Longest of these steps, relative to the body's size: within it, what is near is described by planes.
+const STRIDE: f64 = 0.05;
+/// A slide shorter than this, relative to the body's size, turns no normal that a hand could tell.
+const SLID: f64 = 1e-6;
+/// Rounds of projection on contacts.
+const PROJECTIONS: usize = 20;
+/// Feet closer than this, relative to the body's size, are one.
+const SAME: f64 = 1e-6;
+
+/// Moves the proxies on the surfaces as they stand and writes the rows of the contact problem.
+pub(super) fn gather(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch) {
+    scratch.rows.clear();
+    for (t, tool) in scene.tools.iter().enumerate() {
+        let link = &state.tools[t].link;
+        let free = tool.coupling.free_position(&link.pose.position, &link.velocity(), &state.tools[t].proxy);
+        scratch.rows.free[t] = free;
+        scratch.rows.proxies[t] = free;
+    }
+    super::near::find(scene, state, scratch);
+    for (p, pair) in scene.pairs.iter().enumerate() {
+        if !scratch.near.is_near(p) {
+            state.pairs[p].proxy.leave();
+            continue;
+        }
+        scratch.rows.begin_pair();
+        match pair.holder {
+            Holder::Tool(t) => {
+                let t = t as usize;
+                if state.tools[t].link.phase == LinkPhase::Absent {
+                    continue;
+                }
+                match scene.tools[t].shape.ball_radius_m() {
+                    Some(radius_m) if pair.method == Method::Exact => ball(scene, state, scratch, p, t, radius_m),
+                    _ => shape(scene, state, scratch, p, t),
+                }
+            }
+            Holder::Body(other) if other as usize == pair.body => itself(scene, scratch, p),
+            Holder::Body(other) => bodies(scene, state, scratch, p, other as usize),
+        }
+        scratch.rows.end_pair();
+    }
+}
+
+/// A point or a sphere: its proxy on the exact surface.
+fn ball(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch, p: usize, t: usize, radius_m: f64) {
+    let Scratch { bodies, pairs, rows, hits, .. } = scratch;
+    let pair = &scene.pairs[p];
+    let body = &scene.bodies[pair.body];
+    let parts = &mut bodies[pair.body];
+    let (free, margin) = (rows.free[t], margin_m(radius_m, body.size_m));
+    let proxy = &mut state.pairs[p].proxy;
+    let held = BallContact {
+        surface: &parts.surface,
+        solver: &mut parts.solver,
+        size_m: body.size_m,
+        radius_m,
+        two_sided: body.two_sided,
+    }
+    .constrain(&state.tools[t].proxy, &rows.proxies[t], state.bodies[pair.body].moved_m, proxy);
+    rows.proxies[t] = held.centre;
+    if held.gap_m >= margin {
+        return;
+    }
+    let reach = Reach { margin_m: margin, below: proxy.below };
+    let here = Pose::from_parts(held.centre.coords.into(), Rotation::identity());
+    pairs[p].contacts(&scene.tools[t].shape, &here, parts, reach);
+    let set = &pairs[p].set;
+    let gap_now = (held.centre - held.foot.point).dot(&held.normal) - radius_m;
+    let first = Contact {
+        u: held.foot.u,
+        v: held.foot.v,
+        on_body: held.foot.point,
+        on_tool: held.foot.point + held.normal * gap_now,
+        normal: held.normal,
+        depth_m: -gap_now,
+        tool_uv: None,
+    };
+    let same = |contact: &&Contact| (contact.on_body - first.on_body).norm() > SAME * body.size_m;
+    let carried = free - held.centre;
+    let feet = std::iter::once(&first).chain(set.contacts().iter().filter(same)).take(MAX_FEET);
+    let view = view(body, parts);
+    for (k, contact) in feet.enumerate() {
+        push_foot(rows, p, pair, k, contact, view.as_ref(), carried, margin);
+    }
+    if let Some(view) = view.filter(|_| radius_m > 0.0) {
+        let (centre, within) = (held.centre, radius_m + margin);
+        let meets = |low: &Point3, high: &Point3| distance_squared_to_box(&centre, low, high) <= within * within;
+        let look = |point: &Point3| {
+            let away = centre - point;
+            let distance = away.norm();
+            let facing = Facing { gap_m: distance - radius_m, normal: away / distance, uv: [0.0; 2] };
+            (distance > 0.0).then_some(facing)
+        };
+        view.samples_in_touch(margin, meets, look, hits);
+        for hit in hits.iter() {
+            push_sample(rows, p, pair, hit, &view, carried, margin);
+        }
+    }
+}
+
+/// Tools that are no ball, and all on the `spheres` method. Their orientation is the device's.
+fn shape(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch, p: usize, t: usize) {
+    let Scratch { bodies, pairs, rows, hits, .. } = scratch;
+    let pair = &scene.pairs[p];
+    let (tool, body) = (&scene.tools[t], &scene.bodies[pair.body]);
+    let parts = &mut bodies[pair.body];
+    let (free, margin) = (rows.free[t], margin_m(0.0, body.size_m));
+    let rotation = state.tools[t].link.pose.orientation;
+    let pose_at = |place: Point3| Pose::from_parts(place.coords.into(), rotation);
+    let proxy = &mut state.pairs[p].proxy;
+    let scratch_pair = &mut pairs[p];
+    // A half-space looks the same from everywhere: its contacts are those where it is going to be.
+    let mut anchor = if tool.shape.is_plane() { free } else { state.tools[t].proxy };
+    if body.two_sided && !proxy.touching {
+        proxy.below = parts.solver.closest(&parts.surface, &anchor).signed_distance < 0.0;
+    }
+    let longest = STRIDE * body.size_m;
+    for stride in 0..STRIDES {
+        let way = free - anchor;
+        let length = way.norm();
+        let reach = Reach { margin_m: length.min(longest).max(margin), below: proxy.below };
+        scratch_pair.contacts(&tool.shape, &pose_at(anchor), parts, reach);
+        if length <= reach.margin_m || !scratch_pair.set.contacts().is_empty() || stride + 1 == STRIDES {
+            break;
+        }
+        // Nothing is within reach: that far it may go.
+        anchor += way * (0.99 * reach.margin_m / length);
+    }
+    if matches!(body.model, BodyModel::Rigid) {
+        // Normals turn while the tool slides: look again from where these contacts let it go.
+        let slid = slide(scratch_pair.set.contacts(), free - anchor);
+        if slid.norm() > SLID * body.size_m && !scratch_pair.set.contacts().is_empty() {
+            anchor += slid;
+            let margin_m = (free - anchor).norm().min(longest).max(margin);
+            let reach = Reach { margin_m, below: proxy.below };
+            scratch_pair.contacts(&tool.shape, &pose_at(anchor), parts, reach);
+        }
+    }
+    let set = &scratch_pair.set;
+    proxy.touching = set.contacts().iter().any(|contact| contact.depth_m > -margin);
+    let carried = free - anchor;
+    let view = view(body, parts);
+    for (k, contact) in set.contacts().iter().take(MAX_FEET).enumerate() {
+        push_foot(rows, p, pair, k, contact, view.as_ref(), carried, margin);
+    }
+    let Some(view) = view.filter(|_| !set.contacts().is_empty()) else { return };
+    let pose = pose_at(anchor);
+    let bounds = tool.shape.bounds(&pose);
+    let meets = |low: &Point3, high: &Point3| bounds.is_none_or(|bounds| meet(&bounds, low, high, margin));
+    scratch_pair.samples_in_touch(&tool.shape, &pose, &view, margin, meets, hits);
+    for hit in hits.iter() {
+        push_sample(rows, p, pair, hit, &view, carried, margin);
+    }
+}
+
+/// The part of a way that contacts allow: projected on their half-spaces, one after the other.
+fn slide(contacts: &[Contact], way: Vector3) -> Vector3 {
+    let mut slid = way;
+    for _ in 0..PROJECTIONS {
+        let mut changed = false;
+        for contact in contacts {
+            let gap = slid.dot(&contact.normal) - contact.depth_m;
+            if gap < 0.0 {
+                slid -= contact.normal * gap;
+                changed = true;
+            }
+        }
+        if !changed {
+            break;
+        }
+    }
+    slid
+}
