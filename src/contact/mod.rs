@@ -7,10 +7,14 @@
 //! ```
 //! Normals point out of the body, towards the tool; a gap is negative where the tool is inside.
 
+pub mod broad;
 pub mod complementarity;
+mod depth;
 pub mod exact;
 pub mod own;
 pub mod pair;
+pub mod implicit;
+pub mod mesh;
 pub mod proxy;
 pub mod rows;
 mod samples;
@@ -18,6 +22,7 @@ mod set;
 mod shape;
 pub mod sharing;
 pub mod spheres;
+pub mod swept;
 
 pub use samples::{SampleGrid, distance_squared_to_box};
 pub use set::{Contact, ContactSet, MAX_CONTACTS, Reach, Rectangle};

@@ -11,7 +11,7 @@ pub mod plane;
 #[cfg(test)]
 mod tests;
 
-use self::patches::Patches;
+pub(crate) use self::patches::Patches;
 use super::MAX_CONTACTS;
 use crate::surface::{ClosestPoint, ClosestSolver, Summit, Surface};
 

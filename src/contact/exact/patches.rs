@@ -5,7 +5,7 @@ use crate::surface::{ClosestSolver, Surface};
 
 /// The grid of Bézier pieces, and which of them belong together.
 #[derive(Clone, Debug)]
-pub(super) struct Patches {
+pub(crate) struct Patches {
     /// Span boundaries in u and v.
     breaks: [Vec<f64>; 2],
     /// The surface goes on from the last span to the first, with its period.

@@ -11,7 +11,7 @@ const AROUND: [f64; 2] = [1e-3, 1e-5];
 /// Meridians out of a pole that are looked at, per span.
 const MERIDIANS: usize = 4;
 /// Squares of tangents below this share of the squared size are rounding: the edge is collapsed.
-const COLLAPSED: f64 = 1e-24;
+pub(super) const COLLAPSED: f64 = 1e-24;
 /// Points looked at between two places: these twelfths of the way, far ones first.
 const WAY: [f64; 11] = [6.0, 3.0, 9.0, 1.0, 11.0, 2.0, 10.0, 4.0, 8.0, 5.0, 7.0];
 /// Slopes are told from rounding when they are this many times larger, which is 1e-7 of the size for a squared distance

@@ -11,7 +11,7 @@
 //! count as equal, and after a few thousand more the search stops and says so.
 
 use super::bernstein::MAX_ORDER;
-use super::judge::{Judge, steep};
+use super::judge::{COLLAPSED, Judge, steep};
 use super::newton::{Descent, OnPieces, Place, descend_between};
 use super::objective::{Along, Distance, Objective, Tables};
 use super::search::{Part, Search, TOLERANCE};
@@ -57,6 +57,8 @@ pub(super) struct Minima {
     forms: [Vec<f64>; 2],
     starts: usize,
     groups: u32,
+    /// The four edges of the domain (u at its start and end, then v): a pole there has been judged.
+    judged: [bool; 4],
 }
 
 /// A minimum, and the connected set of equal ones that it belongs to.
@@ -77,6 +79,7 @@ impl Minima {
             forms: std::array::from_fn(|_| vec![0.0; if pieces.is_rational() { size } else { 0 }]),
             starts: 0,
             groups: 0,
+            judged: [false; 4],
         }
     }
 
@@ -94,7 +97,7 @@ impl Minima {
     ) {
         self.found.clear();
         self.reached.fill(false);
-        (self.lost, self.starts, self.groups) = (false, 0, 0);
+        (self.lost, self.starts, self.groups, self.judged) = (false, 0, 0, [false; 4]);
         search.visited = 0;
         search.candidates(pieces, surface, objective, ceiling);
         let mut hunt = Hunt { surface, tables, objective, size_m, ceiling, delta_m: TOLERANCE * size_m };
@@ -220,6 +223,12 @@ impl Minima {
         let mut eval = OnPieces { pieces, surface: hunt.surface };
         let start = part.place(eval.pieces, s, t);
         let found = descend_between(&mut eval, hunt.objective, start, [low.u, low.v], [high.u, high.v]);
+        // Every piece around a pole leads to it; it is the same place.
+        if let Some(edge) = pole_at(eval.pieces, &found, hunt.size_m)
+            && std::mem::replace(&mut self.judged[edge], true)
+        {
+            return;
+        }
         let slides = slides_out(eval.pieces, part, &found, low, high, hunt.size_m);
         let mut judge = Judge { eval, objective: hunt.objective, size_m: hunt.size_m };
         let Some(found) = (!slides).then(|| judge.minimum(&found, hunt.equal(found.jet.f))).flatten() else { return };
@@ -284,6 +293,16 @@ fn borders(pieces: &BezierPieces, part: &Part) -> [[bool; 2]; 2] {
         [part.s[0] == 0.0 && a.before != Joint::Smooth, part.s[1] == 1.0 && a.after != Joint::Smooth],
         [part.t[0] == 0.0 && b.before != Joint::Smooth, part.t[1] == 1.0 && b.after != Joint::Smooth],
     ]
+}
+
+/// The edge of the domain that is collapsed to the point where a descent ended.
+fn pole_at(pieces: &BezierPieces, found: &Descent, size_m: f64) -> Option<usize> {
+    let (du, dv) = (&pieces.u, &pieces.v);
+    [(du, found.place.u, 1), (dv, found.place.v, 0)].into_iter().enumerate().find_map(|(k, (d, x, across))| {
+        let at_end = !d.periodic && (x <= d.domain.0 || x >= d.domain.1);
+        let collapsed = found.jet.metric[across] <= COLLAPSED * size_m * size_m;
+        (at_end && collapsed).then(|| 2 * k + usize::from(x >= d.domain.1))
+    })
 }
 
 /// Held at an edge behind which the smooth surface goes on downwards: a neighbour's affair.

@@ -1,0 +1,254 @@
+//! Climbs to a local maximum of a depth over the surface's parameters, without derivatives of it.
+//!
+//! Newton on central differences where the depth is smooth: at a maximum an error of the place counts squared, so nine
+//! digits of depth need five of the place. Where it has kinks (edges of a box, creases of the surface), a cross of
+//! shrinking steps in turning directions comes near, and golden sections within golden sections finish: the greatest
+//! value along one parameter, as a function of the other, has one maximum too, however sharp a ridge runs through both.
+
+use crate::surface::{Closing, Surface, Topology};
+
+/// The surface's parameters, going on over seams.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Map {
+    pub domain: [(f64, f64); 2],
+    pub wraps: [bool; 2],
+    pub poles: [[bool; 2]; 2],
+    /// Mean width of a span.
+    pub spans: [f64; 2],
+}
+
+/// How a climb ended.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Top {
+    pub at: [f64; 2],
+    pub height_m: f64,
+    /// Smooth there, and as exact as it gets; else [`Map::finish`] is worth its price.
+    pub settled: bool,
+}
+
+/// Newton steps, and steps of the cross.
+const NEWTON: usize = 12;
+const ROUNDS: usize = 60;
+/// Where the cross leaves off at a kink, in spans, and half the window that is searched from there.
+const NEAR: f64 = 1e-3;
+const WINDOW: f64 = 8e-3;
+/// Windows looked at, each twice as wide, while the top is at the edge of the last.
+const WINDOWS: usize = 4;
+/// Steps of a golden section: 0.62³⁴ of the window is 1e-9 of a span.
+const SECTIONS: usize = 34;
+/// Steps of differences, in spans: rounding over step² and step² itself balance for Newton's purpose.
+const DIFFERENCE: f64 = 2e-4;
+
+impl Map {
+    pub fn new(surface: &Surface) -> Self {
+        let topology: Topology = surface.topology();
+        let knots = [surface.knots_u(), surface.knots_v()];
+        let domain = knots.map(|k| k.domain());
+        Self {
+            domain,
+            wraps: topology.closing.map(|c| c != Closing::Open),
+            poles: topology.poles,
+            spans: std::array::from_fn(|k| (domain[k].1 - domain[k].0) / knots[k].spans().count() as f64),
+        }
+    }
+
+    /// A parameter that may have left the domain: round where that leads on, else held.
+    pub fn turn(&self, x: [f64; 2]) -> [f64; 2] {
+        std::array::from_fn(|k| {
+            let (a, b) = self.domain[k];
+            if x[k] >= a && x[k] <= b {
+                x[k]
+            } else if self.wraps[k] && x[k].is_finite() {
+                (a + (x[k] - a).rem_euclid(b - a)).clamp(a, b)
+            } else {
+                x[k].clamp(a, b)
+            }
+        })
+    }
+
+    /// The direction (0 or 1) along which a place is at a collapsed edge, and the way inwards.
+    fn pole(&self, x: [f64; 2]) -> Option<(usize, f64)> {
+        (0..2).find_map(|k| {
+            let (a, b) = self.domain[k];
+            let reach = 1e-9 * (b - a);
+            if self.poles[k][0] && x[k] <= a + reach {
+                Some((k, 1.0))
+            } else if self.poles[k][1] && x[k] >= b - reach {
+                Some((k, -1.0))
+            } else {
+                None
+            }
+        })
+    }
+
+    /// The local maximum above a start. `height` gives −∞ where it means nothing; `size_m`: what digits are relative to.
+    pub fn climb(&self, start: [f64; 2], size_m: f64, mut height: impl FnMut([f64; 2]) -> f64) -> Top {
+        let mut top = Top { at: self.turn(start), height_m: 0.0, settled: false };
+        top.height_m = height(top.at);
+        top.settled = self.newton(&mut top, size_m, &mut height);
+        let smooth = top;
+        self.cross(&mut top, size_m, smooth.settled, &mut height);
+        // What Newton took for a top was none when a cross of steps finds better.
+        top.settled = smooth.settled && top.height_m - smooth.height_m <= 1e-12 * size_m;
+        top
+    }
+
+    /// Makes a top that is not settled exact.
+    pub fn finish(&self, top: &mut Top, height: impl Fn([f64; 2]) -> f64) {
+        let mut window = WINDOW;
+        for _ in 0..WINDOWS {
+            let start = *top;
+            let half = self.spans.map(|s| window * s);
+            // Values between: each inner section is a function of the outer place.
+            let inner = |u: f64| {
+                let (v, value) = section(|v| height(self.turn([start.at[0] + u * half[0], start.at[1] + v * half[1]])));
+                (v, value)
+            };
+            let (u, value) = section(|u| inner(u).1);
+            let (v, _) = inner(u);
+            if value > top.height_m {
+                top.at = self.turn([start.at[0] + u * half[0], start.at[1] + v * half[1]]);
+                top.height_m = height(top.at);
+            }
+            // At the window's edge the top is beyond it.
+            if u.abs() < 0.9 && v.abs() < 0.9 {
+                break;
+            }
+            window *= 2.0;
+        }
+    }
+
+    /// True when it arrived where the depth is smooth and bent down.
+    fn newton(&self, top: &mut Top, size_m: f64, height: &mut impl FnMut([f64; 2]) -> f64) -> bool {
+        let h = self.spans.map(|s| DIFFERENCE * s);
+        let mut radius = 0.25;
+        for _ in 0..NEWTON {
+            let mut at = |a: f64, b: f64| height(self.turn([top.at[0] + a * h[0], top.at[1] + b * h[1]]));
+            let f = top.height_m;
+            let (e, w, n, s) = (at(1.0, 0.0), at(-1.0, 0.0), at(0.0, 1.0), at(0.0, -1.0));
+            let mixed = 0.25 * (at(1.0, 1.0) - at(1.0, -1.0) - at(-1.0, 1.0) + at(-1.0, -1.0));
+            let (gu, gv) = (0.5 * (e - w), 0.5 * (n - s));
+            let (huu, hvv) = (e - 2.0 * f + w, n - 2.0 * f + s);
+            let det = huu * hvv - mixed * mixed;
+            let bent = huu < 0.0 && hvv < 0.0 && det > 1e-6 * huu * hvv;
+            let (mut x, mut y) = if bent {
+                ((mixed * gv - hvv * gu) / det, (mixed * gu - huu * gv) / det)
+            } else {
+                let length = (gu * gu + gv * gv).sqrt().max(f64::MIN_POSITIVE);
+                (gu / length / DIFFERENCE, gv / length / DIFFERENCE)
+            };
+            if !(x.is_finite() && y.is_finite()) {
+                return false;
+            }
+            let limit = radius / DIFFERENCE;
+            let longest = x.abs().max(y.abs());
+            if longest > limit {
+                (x, y) = (x * limit / longest, y * limit / longest);
+            }
+            let gain = gu * x + gv * y;
+            if bent && gain.abs() <= 1e-14 * size_m {
+                return true;
+            }
+            let mut moved = false;
+            for _ in 0..6 {
+                let next = self.turn([top.at[0] + x * h[0], top.at[1] + y * h[1]]);
+                let value = height(next);
+                if value > top.height_m {
+                    *top = Top { at: next, height_m: value, settled: false };
+                    moved = true;
+                    break;
+                }
+                (x, y, radius) = (0.25 * x, 0.25 * y, (0.25 * radius).max(1e-3));
+            }
+            if !moved {
+                return false;
+            }
+        }
+        false
+    }
+
+    /// Steps in sixteen directions, shorter when none leads up.
+    fn cross(&self, top: &mut Top, size_m: f64, settled: bool, height: &mut impl FnMut([f64; 2]) -> f64) {
+        // After Newton only to make sure; else from steps that reach the next sample.
+        let mut step: f64 = if settled { 1e-5 } else { 0.05 };
+        let mut lean = 0.0;
+        for _ in 0..ROUNDS {
+            let before = *top;
+            let mut change: f64 = 0.0;
+            let pole = self.pole(before.at);
+            for k in 0..16 {
+                let next = match pole {
+                    Some((d, inward)) => {
+                        let mut x = before.at;
+                        let (a, b) = self.domain[1 - d];
+                        x[1 - d] = a + (b - a) * (k as f64 + 0.5) / 16.0;
+                        x[d] += inward * step * self.spans[d];
+                        x
+                    }
+                    None => {
+                        let angle = std::f64::consts::PI * k as f64 / 8.0 + lean;
+                        [
+                            before.at[0] + step * self.spans[0] * libm::cos(angle),
+                            before.at[1] + step * self.spans[1] * libm::sin(angle),
+                        ]
+                    }
+                };
+                let next = self.turn(next);
+                let value = height(next);
+                change = change.max((value - before.height_m).abs());
+                if value > top.height_m {
+                    *top = Top { at: next, height_m: value, settled: false };
+                }
+            }
+            // Directions turn by the golden angle, so that a ridge is met from every side.
+            lean += 2.399_963_229_728_653;
+            if top.height_m > before.height_m {
+                step = (2.0 * step).min(0.1);
+                continue;
+            }
+            if change <= 1e-13 * size_m || step < if settled { 1e-9 } else { NEAR } {
+                break;
+            }
+            step *= if settled { 0.1 } else { 0.4 };
+        }
+    }
+}
+
+/// The place and value of the greatest value on [−1, 1], by golden section.
+fn section(value: impl Fn(f64) -> f64) -> (f64, f64) {
+    const GOLDEN: f64 = 0.618_033_988_749_894_8;
+    let (mut low, mut high) = (-1.0, 1.0);
+    let (mut a, mut b) = (1.0 - 2.0 * GOLDEN, 2.0 * GOLDEN - 1.0);
+    let (mut at_a, mut at_b) = (value(a), value(b));
+    for _ in 0..SECTIONS {
+        if at_a > at_b {
+            (high, b, at_b) = (b, a, at_a);
+            a = high - GOLDEN * (high - low);
+            at_a = value(a);
+        } else {
+            (low, a, at_a) = (a, b, at_b);
+            b = low + GOLDEN * (high - low);
+            at_b = value(b);
+        }
+    }
+    if at_a > at_b { (a, at_a) } else { (b, at_b) }
+}
+
+/// Places between two others at which a ridge is looked at, twelfths, far ones first.
+const WAY: [f64; 5] = [6.0, 3.0, 9.0, 1.0, 11.0];
+
+impl Map {
+    /// The shorter straight way from one place to another, perhaps over a seam.
+    pub fn way(&self, a: [f64; 2], b: [f64; 2]) -> [f64; 2] {
+        std::array::from_fn(|k| {
+            let (direct, period) = (b[k] - a[k], self.domain[k].1 - self.domain[k].0);
+            if self.wraps[k] { direct - period * (direct / period).round() } else { direct }
+        })
+    }
+
+    /// A straight way between two places on which the height stays at or above `level`.
+    pub fn joined(&self, a: [f64; 2], b: [f64; 2], level: f64, mut height: impl FnMut([f64; 2]) -> f64) -> bool {
+        let way = self.way(a, b);
+        WAY.into_iter().all(|t| height(self.turn([a[0] + way[0] * t / 12.0, a[1] + way[1] * t / 12.0])) >= level)
+    }
+}

@@ -1,0 +1,281 @@
+//! All places where a surface is deepest inside a solid that can only be asked for the depth of a point.
+//!
+//! Pieces whose boxes the solid cannot reach are left out; the others are sampled. We climb from each sample that is deeper
+//! than its neighbours, and from the ridges between samples whose ways out differ (there depth has kinks, and its maxima
+//! often lie on them). Regions that lie wholly between samples can be missed when no slope of the depth leads there; a
+//! sample is a [`GRID`]th of a Bézier piece from the next.
+
+mod climb;
+
+pub(super) use self::climb::{Map, Top};
+
+use super::exact::Patches;
+use super::{ContactSet, MAX_CONTACTS};
+use crate::math::{Point3, Vector3};
+use crate::surface::{ClosestSolver, Surface};
+
+/// Samples of a piece in each direction.
+const GRID: usize = 8;
+/// Climbs of one query.
+const MOST_CLIMBS: usize = 64;
+/// Ridges between samples that are looked at.
+const MOST_RIDGES: usize = 48;
+/// Tops at kinks that are made exact.
+const MOST_FINISHED: usize = 12;
+/// Depths this near to each other, of the size, are equal: where they are exact, and where they are not yet.
+const SAME: f64 = 1e-9;
+const SAME_ROUGHLY: f64 = 1e-5;
+/// Steps of golden section on a ridge: each leaves 0.62 of the way between two samples.
+const SECTIONS: usize = 16;
+/// Ways out that differ by more than 60° have a ridge between them.
+const RIDGE: f64 = 0.5;
+
+/// A solid, in world coordinates.
+pub(super) trait DepthField {
+    /// False only if the solid, grown by the margin asked for, keeps out of a box (centre, half extents).
+    fn may_reach(&self, centre: &Point3, half: &Vector3) -> bool;
+    /// Depth to first order, m, and the unit way out; cheap. −∞ where it means nothing.
+    fn rough(&self, p: &Point3) -> (f64, Vector3);
+    /// Depth, m, negative outside; −∞ where it means nothing.
+    fn depth_m(&self, p: &Point3) -> f64;
+}
+
+/// Scratch against one surface, sized once. Nothing in it outlives a query.
+#[derive(Clone, Debug)]
+pub(super) struct DepthSearch {
+    pub map: Map,
+    pub patches: Patches,
+    pub size_m: f64,
+    /// (pieces): the solid may reach into it.
+    pub reached: Vec<bool>,
+    /// What was found, deepest starts first.
+    pub tops: Vec<Top>,
+    /// Rows and columns of pieces.
+    pieces: [usize; 2],
+    /// (rows × GRID × columns × GRID): rough depth, m, and way out.
+    samples: Vec<(f64, Vector3)>,
+    /// Parameters of the samples in u and v.
+    axes: [Vec<f64>; 2],
+    starts: Shortlist<[f64; 2], MOST_CLIMBS>,
+    ridges: Shortlist<[[f64; 2]; 2], MOST_RIDGES>,
+}
+
+/// The deepest of what was offered, deepest first.
+#[derive(Clone, Debug)]
+struct Shortlist<T, const MOST: usize>(Vec<(f64, T)>);
+
+impl<T, const MOST: usize> Shortlist<T, MOST> {
+    fn new() -> Self {
+        Self(Vec::with_capacity(MOST))
+    }
+
+    /// False when something found no room.
+    fn offer(&mut self, depth_m: f64, what: T) -> bool {
+        let at = self.0.partition_point(|held| held.0 >= depth_m);
+        let full = self.0.len() == MOST;
+        if at == MOST {
+            return false;
+        }
+        if full {
+            self.0.pop();
+        }
+        self.0.insert(at, (depth_m, what));
+        !full
+    }
+}
+
+impl DepthSearch {
+    /// Makes room for the pieces of a surface.
+    pub fn new(surface: &Surface, solver: &mut ClosestSolver) -> Self {
+        let axes = [surface.knots_u(), surface.knots_v()].map(|knots| -> Vec<f64> {
+            let t = knots.knots();
+            knots
+                .spans()
+                .flat_map(|k| (0..GRID).map(move |m| t[k] + (t[k + 1] - t[k]) * (m as f64 + 0.5) / GRID as f64))
+                .collect()
+        });
+        let pieces = axes.each_ref().map(|a| a.len() / GRID);
+        Self {
+            map: Map::new(surface),
+            patches: Patches::new(surface, solver),
+            size_m: surface.size(),
+            reached: vec![false; pieces[0] * pieces[1]],
+            // Finished tops are gathered behind the rough ones.
+            tops: Vec::with_capacity(MOST_CLIMBS + MAX_CONTACTS),
+            pieces,
+            samples: vec![(0.0, Vector3::zeros()); axes[0].len() * axes[1].len()],
+            axes,
+            starts: Shortlist::new(),
+            ridges: Shortlist::new(),
+        }
+    }
+
+    /// Fills `tops` with the local maxima of depth that are no farther outside than the margin; one of each set that a way
+    /// of equal depth joins.
+    pub fn search(
+        &mut self,
+        surface: &Surface,
+        solver: &mut ClosestSolver,
+        field: &impl DepthField,
+        margin_m: f64,
+        out: &mut ContactSet,
+    ) {
+        self.tops.clear();
+        self.prune(surface, solver, field);
+        if !self.reached.contains(&true) {
+            return;
+        }
+        self.sample(surface, solver, field);
+        let depth = |x: [f64; 2]| field.depth_m(&surface.point(x[0], x[1]));
+        self.pick(margin_m, depth, out);
+        let equal = SAME * self.size_m;
+        for k in 0..self.starts.0.len() {
+            let start = self.starts.0[k].1;
+            // A start that a level or rising way joins with a top already climbed would end there.
+            let here = depth(start);
+            let mut known = self.tops.iter().filter(|t| t.height_m >= here).map(|t| (t.at, here - 1e-3 * equal));
+            if known.any(|(at, level)| self.map.joined(start, at, level, depth)) {
+                continue;
+            }
+            let top = self.map.climb(start, self.size_m, depth);
+            if top.height_m.is_nan() || top.height_m < -margin_m - 1e-3 * equal {
+                continue;
+            }
+            self.keep(top, depth);
+        }
+        // What has kinks was climbed coarsely; now that there are few, exactly.
+        self.tops.sort_by(|a, b| b.height_m.total_cmp(&a.height_m));
+        self.tops.truncate(MAX_CONTACTS);
+        for k in 0..self.tops.len().min(MOST_FINISHED) {
+            if !self.tops[k].settled {
+                let mut top = self.tops[k];
+                self.map.finish(&mut top, depth);
+                top.settled = true;
+                self.tops[k] = top;
+            }
+        }
+        let rough = self.tops.len();
+        for k in 0..rough {
+            let top = self.tops[k];
+            self.keep_from(rough, top, depth);
+        }
+        self.tops.drain(..rough);
+    }
+
+    fn keep(&mut self, top: Top, depth: impl Fn([f64; 2]) -> f64) {
+        self.keep_from(0, top, depth);
+    }
+
+    /// Keeps a top that no level way joins with one from `first` on; of two that are joined, the higher.
+    fn keep_from(&mut self, first: usize, top: Top, depth: impl Fn([f64; 2]) -> f64) {
+        for t in &mut self.tops[first..] {
+            let equal = if t.settled && top.settled { SAME } else { SAME_ROUGHLY } * self.size_m;
+            let level = t.height_m.min(top.height_m) - equal;
+            if (t.height_m - top.height_m).abs() <= equal && self.map.joined(t.at, top.at, level, &depth) {
+                if top.height_m > t.height_m {
+                    *t = top;
+                }
+                return;
+            }
+        }
+        self.tops.push(top);
+    }
+
+    fn prune(&mut self, surface: &Surface, solver: &mut ClosestSolver, field: &impl DepthField) {
+        let pieces = solver.pieces(surface);
+        for k in 0..self.reached.len() {
+            let bounds = pieces.bounds(k);
+            let half = (bounds.max - bounds.min) * 0.5;
+            self.reached[k] = field.may_reach(&(bounds.min + half), &half);
+        }
+    }
+
+    fn sample(&mut self, surface: &Surface, solver: &mut ClosestSolver, field: &impl DepthField) {
+        let pieces = solver.pieces(surface);
+        let columns = self.axes[1].len();
+        for piece in 0..self.reached.len() {
+            let (i, j) = (piece / self.pieces[1], piece % self.pieces[1]);
+            for a in 0..GRID {
+                for b in 0..GRID {
+                    let slot = (i * GRID + a) * columns + j * GRID + b;
+                    self.samples[slot] = if self.reached[piece] {
+                        let (s, t) = ((a as f64 + 0.5) / GRID as f64, (b as f64 + 0.5) / GRID as f64);
+                        field.rough(&pieces.frame(i, j, s, t).point)
+                    } else {
+                        (f64::NEG_INFINITY, Vector3::zeros())
+                    };
+                }
+            }
+        }
+    }
+
+    /// Chooses where to climb from.
+    fn pick(&mut self, margin_m: f64, depth: impl Fn([f64; 2]) -> f64, out: &mut ContactSet) {
+        self.starts.0.clear();
+        self.ridges.0.clear();
+        let n = self.axes.each_ref().map(|a| a.len() as i64);
+        let wraps = self.map.wraps;
+        let neighbour = |x: i64, y: i64| {
+            let outside = [x < 0 || x >= n[0], y < 0 || y >= n[1]];
+            let none = (outside[0] && !wraps[0]) || (outside[1] && !wraps[1]);
+            (!none).then(|| (x.rem_euclid(n[0]) * n[1] + y.rem_euclid(n[1])) as usize)
+        };
+        let mut complete = true;
+        for k in 0..self.samples.len() {
+            let (here, way) = self.samples[k];
+            if here == f64::NEG_INFINITY {
+                continue;
+            }
+            let (a, b) = (k as i64 / n[1], k as i64 % n[1]);
+            let at = |k: usize| [self.axes[0][k / n[1] as usize], self.axes[1][k % n[1] as usize]];
+            // Of equal samples, the first.
+            let highest = (-1..=1).flat_map(|x| (-1..=1).map(move |y| (a + x, b + y))).all(|(x, y)| {
+                neighbour(x, y).is_none_or(|other| {
+                    let there = self.samples[other].0;
+                    if other < k { here > there } else { here >= there }
+                })
+            });
+            if highest {
+                complete &= self.starts.offer(here, at(k));
+            }
+            for other in [neighbour(a, b + 1), neighbour(a + 1, b)].into_iter().flatten() {
+                let (there, other_way) = self.samples[other];
+                let deep = here.max(there);
+                if deep > -margin_m && here.min(there) > f64::NEG_INFINITY && way.dot(&other_way) < RIDGE {
+                    // More ridges than room are usual; the deepest tell most.
+                    self.ridges.offer(deep, [at(k), at(other)]);
+                }
+            }
+        }
+        for k in 0..self.ridges.0.len() {
+            let [from, to] = self.ridges.0[k].1;
+            let (x, deep) = self.section(from, to, &depth);
+            complete &= self.starts.offer(deep, x);
+        }
+        if !complete {
+            out.note_dropped();
+        }
+    }
+
+    /// The deepest place on the way between two samples, by golden section.
+    fn section(&self, from: [f64; 2], to: [f64; 2], depth: &impl Fn([f64; 2]) -> f64) -> ([f64; 2], f64) {
+        const GOLDEN: f64 = 0.618_033_988_749_894_8;
+        let way = self.map.way(from, to);
+        let at = |t: f64| self.map.turn([from[0] + t * way[0], from[1] + t * way[1]]);
+        let (mut low, mut high) = (0.0, 1.0);
+        let (mut a, mut b) = (1.0 - GOLDEN, GOLDEN);
+        let (mut at_a, mut at_b) = (depth(at(a)), depth(at(b)));
+        for _ in 0..SECTIONS {
+            if at_a > at_b {
+                (high, b, at_b) = (b, a, at_a);
+                a = high - GOLDEN * (high - low);
+                at_a = depth(at(a));
+            } else {
+                (low, a, at_a) = (a, b, at_b);
+                b = low + GOLDEN * (high - low);
+                at_b = depth(at(b));
+            }
+        }
+        if at_a > at_b { (at(a), at_a) } else { (at(b), at_b) }
+    }
+}

@@ -1,0 +1,22 @@
+//! Tools given by a function: solid where f(x, y, z) ≤ 0.
+//!
+//! ```text
+//! expression   text ──▶ tape
+//! tape         value, gradient, range over a box
+//! shape        quadrics, torus, box and expressions; depth of a point along the gradient
+//! solver       contacts with a surface: prune by ranges, sample, climb
+//! ```
+
+mod expression;
+mod interval;
+mod shape;
+mod solver;
+mod tape;
+#[cfg(test)]
+mod tests;
+
+pub use expression::ExpressionError;
+pub use interval::Interval;
+pub use shape::{ImplicitError, ImplicitShape, ImplicitTool};
+pub use solver::ImplicitSolver;
+pub use tape::{MAX_OPS, Tape};

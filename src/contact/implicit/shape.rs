@@ -1,0 +1,237 @@
+//! Solids f ≤ 0 in the tool's frame, and the depth of a point in them.
+
+use super::expression::ExpressionError;
+use super::interval::Interval;
+use super::tape::Tape;
+use crate::math::{Point3, Pose, Vector3};
+
+/// A solid around the tool's reference point; axes are along z.
+#[derive(Clone, Debug, PartialEq)]
+pub enum ImplicitShape {
+    /// A ball.
+    Sphere {
+        /// m.
+        radius_m: f64,
+    },
+    /// A round bar, from −half_length to +half_length, or without end.
+    Cylinder {
+        /// m.
+        radius_m: f64,
+        /// Half the length, m; `None`: infinite.
+        half_length_m: Option<f64>,
+    },
+    /// A cone with its tip at the origin, opening towards +z.
+    Cone {
+        /// Angle between axis and side, rad, below π/2.
+        half_angle_rad: f64,
+        /// From tip to base, m.
+        height_m: f64,
+    },
+    /// x²/a² + y²/b² + z²/c² ≤ 1.
+    Ellipsoid {
+        /// a, b, c, m.
+        semi_axes_m: [f64; 3],
+    },
+    /// A ring around z.
+    Torus {
+        /// From the centre to the middle of the tube, m.
+        major_radius_m: f64,
+        /// Of the tube, m.
+        minor_radius_m: f64,
+    },
+    /// A cuboid.
+    Box {
+        /// Half of each edge, m.
+        half_extents_m: [f64; 3],
+    },
+    /// Any function of x, y, z (m): see [`Tape::parse`].
+    Expression {
+        /// As written.
+        text: String,
+    },
+}
+
+/// Why a shape is refused.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum ImplicitError {
+    /// A length or angle out of range.
+    #[error("{name} is {value}; it must be {allowed}")]
+    Size {
+        /// Which.
+        name: &'static str,
+        /// Its value.
+        value: f64,
+        /// What it may be.
+        allowed: &'static str,
+    },
+    /// The text of an expression.
+    #[error(transparent)]
+    Expression(#[from] ExpressionError),
+}
+
+impl ImplicitShape {
+    /// The function as text; it is compiled like any other.
+    ///
+    /// # Errors
+    /// A size that is not positive and finite.
+    pub fn text(&self) -> Result<String, ImplicitError> {
+        let length = |name: &'static str, value: f64| {
+            // Squares of it must stay numbers too.
+            let good = (1e-9..=1e9).contains(&value);
+            good.then_some(value).ok_or(ImplicitError::Size { name, value, allowed: "a length from 1e-9 to 1e9 m" })
+        };
+        Ok(match self {
+            Self::Sphere { radius_m } => format!("sqrt(x^2 + y^2 + z^2) - {:e}", length("radius", *radius_m)?),
+            Self::Cylinder { radius_m, half_length_m } => {
+                let side = format!("hypot(x, y) - {:e}", length("radius", *radius_m)?);
+                match half_length_m {
+                    None => side,
+                    Some(half) => format!("max({side}, abs(z) - {:e})", length("half length", *half)?),
+                }
+            }
+            Self::Cone { half_angle_rad, height_m } => {
+                let angle = *half_angle_rad;
+                if !(angle > 1e-6 && angle < std::f64::consts::FRAC_PI_2 - 1e-6) {
+                    let (name, allowed) = ("half angle", "between 0 and π/2 rad");
+                    return Err(ImplicitError::Size { name, value: angle, allowed });
+                }
+                let (c, s, h) = (libm::cos(angle), libm::sin(angle), length("height", *height_m)?);
+                format!("max(hypot(x, y) * {c:e} - z * {s:e}, z - {h:e})")
+            }
+            Self::Ellipsoid { semi_axes_m: [a, b, c] } => {
+                let [a, b, c] = [length("semi-axis", *a)?, length("semi-axis", *b)?, length("semi-axis", *c)?];
+                let least = a.min(b).min(c);
+                format!("{least:e} * (sqrt((x / {a:e})^2 + (y / {b:e})^2 + (z / {c:e})^2) - 1)")
+            }
+            Self::Torus { major_radius_m, minor_radius_m } => {
+                let (big, small) = (length("major radius", *major_radius_m)?, length("minor radius", *minor_radius_m)?);
+                format!("hypot(hypot(x, y) - {big:e}, z) - {small:e}")
+            }
+            Self::Box { half_extents_m: [a, b, c] } => {
+                let [a, b, c] = [length("half extent", *a)?, length("half extent", *b)?, length("half extent", *c)?];
+                format!("max(abs(x) - {a:e}, abs(y) - {b:e}, abs(z) - {c:e})")
+            }
+            Self::Expression { text } => text.clone(),
+        })
+    }
+
+    /// Ready for queries.
+    ///
+    /// # Errors
+    /// A size out of range, or a text that is no function.
+    pub fn compile(&self) -> Result<ImplicitTool, ImplicitError> {
+        Ok(ImplicitTool { tape: Tape::parse(&self.text()?)? })
+    }
+}
+
+/// A compiled solid.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ImplicitTool {
+    tape: Tape,
+}
+
+/// Where a point stands: the zero set along its gradient.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Stand {
+    /// Distance to the zero set, m; negative outside.
+    pub depth_m: f64,
+    /// Unit gradient.
+    pub uphill: Vector3,
+}
+
+/// Doublings of the first step in search of the zero set.
+const DOUBLINGS: usize = 24;
+/// Steps of the safeguarded Newton method; bisection alone would be done after as many.
+const STEPS: usize = 80;
+
+impl ImplicitTool {
+    /// The function, in the tool's frame.
+    pub fn tape(&self) -> &Tape {
+        &self.tape
+    }
+
+    /// All values over the box of a sphere around a point of the tool's frame.
+    pub fn range_around(&self, centre: &Point3, half: &Vector3) -> Interval {
+        self.tape.interval(&(centre - half), &(centre + half))
+    }
+
+    /// First-order depth −f / |∇f| (−∞ where that means nothing) and the unit gradient.
+    pub(super) fn rough(&self, p: &Point3) -> (f64, Vector3) {
+        let (f, gradient) = self.tape.gradient(p);
+        let steepness = gradient.norm().max(1e-12);
+        let depth_m = -f / steepness;
+        (if depth_m.is_nan() { f64::NEG_INFINITY } else { depth_m }, gradient / steepness)
+    }
+
+    /// Depth of a point of the tool's frame along its gradient (along +z where that vanishes); `None` where f is no number
+    /// or the zero set is not on that line.
+    pub(super) fn stand(&self, p: &Point3) -> Option<Stand> {
+        let (f, gradient) = self.tape.gradient(p);
+        let steepness = gradient.norm();
+        if !f.is_finite() || !steepness.is_finite() {
+            return None;
+        }
+        let uphill = if steepness > 0.0 { gradient / steepness } else { Vector3::z() };
+        if f == 0.0 {
+            return Some(Stand { depth_m: 0.0, uphill });
+        }
+        // Inside, uphill leads out.
+        let along = if f < 0.0 { uphill } else { -uphill };
+        let guess = if steepness > 0.0 { f.abs() / steepness } else { 1e-3 * p.coords.amax().max(f.abs()).min(1e3) };
+        let at = |t: f64| {
+            let (g, slope) = self.tape.gradient(&(p + along * t));
+            // Made to fall towards zero from above, whichever side we are on.
+            let sign = if f < 0.0 { -1.0 } else { 1.0 };
+            (sign * g, sign * slope.dot(&along))
+        };
+        let (mut low, mut high) = (0.0, guess);
+        let mut there = at(high);
+        let mut doublings = 0;
+        while there.0 > 0.0 {
+            doublings += 1;
+            if doublings > DOUBLINGS {
+                return None;
+            }
+            low = high;
+            high *= 2.0;
+            there = at(high);
+        }
+        if there.0.is_nan() {
+            return None;
+        }
+        // Newton from the far end, kept between a positive and a negative value.
+        let mut t = high;
+        for _ in 0..STEPS {
+            let (g, slope) = there;
+            if g == 0.0 {
+                break;
+            }
+            if g > 0.0 {
+                low = t
+            } else {
+                high = t
+            }
+            let newton = t - g / slope;
+            let next = if newton > low && newton < high { newton } else { 0.5 * (low + high) };
+            if (next - t).abs() <= 2.0 * f64::EPSILON * t.abs() || next <= low || next >= high {
+                t = next.clamp(low, high);
+                break;
+            }
+            t = next;
+            there = at(t);
+            if there.0.is_nan() {
+                return None;
+            }
+        }
+        Some(Stand { depth_m: if f < 0.0 { t } else { -t }, uphill })
+    }
+
+    /// Gap of a world point to the tool at a pose, m, and the unit vector towards the tool's matter; first order, for
+    /// samples near the surface of the tool. `None` where the function means nothing.
+    pub fn signed_gap(&self, pose: &Pose, point: &Point3) -> Option<(f64, Vector3)> {
+        let (f, gradient) = self.tape.gradient(&pose.inverse_transform_point(point));
+        let steepness = gradient.norm();
+        let gap_m = f / steepness;
+        (gap_m.is_finite() && steepness > 0.0).then(|| (gap_m, -(pose.rotation * (gradient / steepness))))
+    }
+}

@@ -1,0 +1,116 @@
+//! Tools given as a closed triangle mesh.
+//!
+//! ```text
+//! check    merged, closed, oriented outwards, with a volume: or a reason why not
+//! parry    distance to the mesh, by parry's tree of boxes; the only place that knows its types
+//! solver   vertices inside the body and surface points inside the mesh, one contact of each region at least
+//! ```
+
+mod check;
+mod parry;
+mod solver;
+#[cfg(test)]
+mod tests;
+
+use self::parry::Triangles;
+use crate::math::{Point3, Pose, Vector3};
+
+pub use check::MeshError;
+pub use solver::MeshSolver;
+
+/// Vertices of one block, whose ball is asked for before they are.
+const BLOCK: usize = 32;
+
+/// A solid bounded by triangles, in the tool's frame.
+#[derive(Clone)]
+pub struct MeshTool {
+    triangles: Triangles,
+    /// Vertices, merged, in an order in which neighbours in the list are near each other, m.
+    vertices: Vec<Point3>,
+    /// Neighbours of vertex k: `neighbours[offsets[k]..offsets[k + 1]]`.
+    offsets: Vec<u32>,
+    neighbours: Vec<u32>,
+    /// (⌈vertices / BLOCK⌉): centre and radius of a ball around each block of vertices, m.
+    blocks: Vec<(Point3, f64)>,
+    volume_m3: f64,
+    size_m: f64,
+}
+
+impl std::fmt::Debug for MeshTool {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("MeshTool")
+            .field("vertices", &self.vertices.len())
+            .field("volume_m3", &self.volume_m3)
+            .field("size_m", &self.size_m)
+            .finish_non_exhaustive()
+    }
+}
+
+impl MeshTool {
+    /// Takes vertices (m, tool frame) and triangles over them. Vertices at the same place are merged, unused ones and
+    /// triangles with a repeated corner left out; a mesh whose triangles all face inwards is turned.
+    ///
+    /// # Errors
+    /// A mesh that bounds no volume, with what is wrong and where.
+    pub fn new(vertices: &[Point3], triangles: &[[u32; 3]]) -> Result<Self, MeshError> {
+        let sound = check::check(vertices, triangles)?;
+        let mut pairs: Vec<(u32, u32)> =
+            sound.triangles.iter().flat_map(|&[a, b, c]| [(a, b), (b, c), (c, a)]).collect();
+        // Closed: each edge comes once in each direction, so these are all neighbours of all vertices.
+        pairs.sort_unstable();
+        let mut offsets = vec![0_u32; sound.vertices.len() + 1];
+        pairs.iter().for_each(|&(a, _)| offsets[a as usize + 1] += 1);
+        for k in 1..offsets.len() {
+            offsets[k] += offsets[k - 1];
+        }
+        let blocks = sound
+            .vertices
+            .chunks(BLOCK)
+            .map(|block| {
+                let (low, high) = block.iter().fold((block[0], block[0]), |(l, h), p| (l.inf(p), h.sup(p)));
+                let centre = low + (high - low) * 0.5;
+                (centre, block.iter().map(|p| (p - centre).norm()).fold(0.0, f64::max))
+            })
+            .collect();
+        Ok(Self {
+            triangles: Triangles::new(&sound.vertices, &sound.triangles)?,
+            offsets,
+            neighbours: pairs.into_iter().map(|(_, b)| b).collect(),
+            blocks,
+            vertices: sound.vertices,
+            volume_m3: sound.volume_m3,
+            size_m: sound.size_m,
+        })
+    }
+
+    /// Volume, m³.
+    pub fn volume_m3(&self) -> f64 {
+        self.volume_m3
+    }
+
+    /// Diagonal of the box of the vertices, m.
+    pub fn size_m(&self) -> f64 {
+        self.size_m
+    }
+
+    /// Vertices after merging, m, tool frame.
+    pub fn vertices(&self) -> &[Point3] {
+        &self.vertices
+    }
+
+    /// Signed distance of a point of the tool's frame to the mesh, m, negative inside, and the unit way out of the mesh
+    /// there. A point that is not finite is infinitely far.
+    pub fn signed_distance(&self, p: &Point3) -> (f64, Vector3) {
+        self.triangles.signed_distance(p, 1e-12 * self.size_m)
+    }
+
+    /// Gap of a world point to the mesh at a pose, m, and the unit vector towards the mesh's matter.
+    pub fn signed_gap(&self, pose: &Pose, point: &Point3) -> (f64, Vector3) {
+        let (gap_m, out) = self.signed_distance(&pose.inverse_transform_point(point));
+        (gap_m, -(pose.rotation * out))
+    }
+
+    fn neighbours(&self, vertex: usize) -> &[u32] {
+        &self.neighbours[self.offsets[vertex] as usize..self.offsets[vertex + 1] as usize]
+    }
+}
