@@ -138,15 +138,6 @@ impl Cover {
         if self.points.is_flipped() { -1.0 } else { 1.0 }
     }
 
-    /// Calls with every cell of the coarsest level.
-    pub fn every(&self, mut each: impl FnMut(CellId)) {
-        for i in 0..self.u.level(0).len() {
-            for j in 0..self.v.level(0).len() {
-                each(CellId { level: 0, i: i as u16, j: j as u16 });
-            }
-        }
-    }
-
     pub fn levels(&self) -> usize {
         self.lenses.len()
     }
@@ -189,6 +180,22 @@ impl Cover {
             self.make(id, at);
         }
         &self.lenses[level][at].0
+    }
+
+    /// Makes the lenses of all children of a cell, so that [`Cover::made_lenses`] may be read for them.
+    pub fn make_children(&mut self, id: CellId) {
+        let [[i0, i1], [j0, j1]] = self.children(id);
+        for i in i0..i1 {
+            for j in j0..j1 {
+                self.lens(CellId { level: id.level + 1, i: i as u16, j: j as u16 });
+            }
+        }
+    }
+
+    /// The lenses of a level as they are, and how many make a row.
+    #[inline(always)]
+    pub fn made_lenses(&self, level: usize) -> (&[(Lens, u32)], usize) {
+        (&self.lenses[level], self.v.level(level).len())
     }
 
     #[inline(never)]

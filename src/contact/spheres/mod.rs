@@ -4,7 +4,7 @@
 //! ```text
 //! hull       hulls of the nets apart? the last tick's witness says so at once            ──▶ no contact
 //! cover      spans whose control points are in reach of the tool; their sparse points, every k-th row
-//! sphere     about four neighbouring points, and as much wider as the surface may leave their patch (sag)
+//! sphere     about four neighbouring points, and as much wider as the surface may leave their patch (sag); and a slab
 //! levels     spheres that meet: three times as many rows there; flat cells stop early
 //! triangles  two a cell of the last level: nearest points, triangle–triangle tests
 //! peaks      regions of cells in touch, and the deepest point of each
@@ -31,6 +31,7 @@
 
 mod counters;
 mod cover;
+mod gaps;
 mod grid;
 mod hull;
 mod levels;
