@@ -1,9 +1,11 @@
 //! Bodies, tools and poses of the contact suite, the same in every run.
 
+use crate::basis::KnotVector;
 use crate::bench::inputs::Random;
+use crate::contact::implicit::{ImplicitShape, ImplicitTool};
 use crate::contact::spheres::Solid;
 use crate::math::{Point3, Pose, Rotation, Vector3};
-use crate::surface::{ClosestSolver, Surface, builtin};
+use crate::surface::{ClosestSolver, ControlNet, Direction, Surface, builtin};
 
 /// Radius of the tool that is a surface, m.
 pub(super) const TOOL_RADIUS_M: f64 = 0.02;
@@ -57,10 +59,15 @@ fn direction(random: &mut Random) -> Vector3 {
     Vector3::new(rho * libm::cos(angle), rho * libm::sin(angle), z)
 }
 
-/// Poses of the ball-shaped tool, turned anyhow: up to 3 mm inside, "when these surfaces just start colliding".
-pub(super) fn poses(surface: &Surface, count: usize) -> Vec<Pose> {
+/// Poses of the ball-shaped tool, turned anyhow, at most so deep.
+pub(super) fn poses(surface: &Surface, count: usize, depth_m: f64) -> Vec<Pose> {
     let mut random = Random(count as u64 + 3);
-    let centres = near(surface, count, TOOL_RADIUS_M - 1e-3);
+    let centres: Vec<Point3> = (0..count)
+        .map(|_| {
+            let (u, v) = (random.unit(), 0.02 + 0.96 * random.unit());
+            surface.point(u, v) + surface.normal(u, v) * (TOOL_RADIUS_M - depth_m * random.unit())
+        })
+        .collect();
     let turned = |centre: &Point3, random: &mut Random| {
         let turn = Rotation::from_scaled_axis(direction(random) * (3.0 * random.unit()));
         Pose::from_parts(centre.coords.into(), turn)
@@ -94,7 +101,9 @@ pub(super) fn plane_over(percent: u32) -> (Point3, Vector3) {
 
 /// A torus without net, at some place and turn.
 pub(super) struct SolidTorus {
-    pose: Pose,
+    /// The same for the certified solver.
+    pub tool: ImplicitTool,
+    pub pose: Pose,
     great_m: f64,
     small_m: f64,
 }
@@ -108,7 +117,9 @@ pub(super) fn solid_torus(surface: &Surface, random: &mut Random) -> SolidTorus 
     let inward = turn.inverse() * -surface.normal(u, v);
     let ring = Vector3::new(inward.x, inward.y, 0.0).try_normalize(0.0).unwrap_or_else(Vector3::x) * great_m;
     let deepest = turn * (ring + inward * (small_m - 3e-3 * random.unit()));
-    SolidTorus { pose: Pose::from_parts((surface.point(u, v).coords - deepest).into(), turn), great_m, small_m }
+    let shape = ImplicitShape::Torus { major_radius_m: great_m, minor_radius_m: small_m };
+    let tool = shape.compile().expect("a torus");
+    SolidTorus { tool, pose: Pose::from_parts((surface.point(u, v).coords - deepest).into(), turn), great_m, small_m }
 }
 
 impl Solid for SolidTorus {
@@ -131,4 +142,38 @@ impl Solid for SolidTorus {
         let centre = self.pose.translation.vector;
         (0..3).all(|c| low[c] <= centre[c] + reach && high[c] >= centre[c] - reach)
     }
+}
+
+/// A sausage folded to a hairpin, legs along y, whose bellies pass through each other at the mirror plane x = 0; and how
+/// deep it is in itself, m.
+pub(super) fn sausage() -> (Surface, f64) {
+    const BELLY: [f64; 9] = [0.0, 0.0, 0.2, 0.7, 1.0, 0.7, 0.2, 0.0, 0.0];
+    let (around, bend, belly_m) = (12, 5, 0.0075);
+    let mut centres = Vec::new();
+    let leg = |k: usize, side: f64| (Vector3::new(0.015 * side, 0.01 * k as f64, 0.0), Vector3::x() * side, BELLY[k]);
+    centres.extend((0..BELLY.len()).map(|k| leg(k, 1.0)));
+    for k in 1..=bend {
+        let angle = std::f64::consts::PI * k as f64 / (bend + 1) as f64;
+        let out = Vector3::new(libm::cos(angle), libm::sin(angle), 0.0);
+        centres.push((Vector3::new(0.0, 0.08, 0.0) + out * 0.015, out, 0.0));
+    }
+    centres.extend((0..BELLY.len()).rev().map(|k| leg(k, -1.0)));
+    let columns = centres.len();
+    let mut points = Vec::with_capacity(around * columns);
+    for i in 0..around {
+        let angle = std::f64::consts::TAU * i as f64 / around as f64;
+        for (j, (centre, out, belly)) in centres.iter().enumerate() {
+            let radius = if j == 0 || j + 1 == columns { 0.0 } else { 0.01 } + belly_m * belly;
+            let way = out * libm::cos(angle) + Vector3::z() * libm::sin(angle);
+            points.push(Point3::from(centre + way * radius));
+        }
+    }
+    let u = KnotVector::periodic_uniform(3, around).expect("twelve around");
+    let v = KnotVector::clamped_uniform(3, columns).expect("many along");
+    let net = ControlNet::new(around, columns, points).expect("a full net");
+    let surface = Surface::new(u, v, net, None).expect("a sausage").oriented_outward();
+    // The legs mirror each other: one is in the other by twice its own passage of the mirror plane.
+    let leg = surface.part(Direction::V, 0.05, 0.35).expect("a leg");
+    let passage_m = super::oracle::Sampled::new(&leg).greatest(&leg, |p| -p.x);
+    (surface, 2.0 * passage_m)
 }

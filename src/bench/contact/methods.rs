@@ -1,6 +1,7 @@
 //! parry3d-f64 with a mesh of 82 × 82 vertices, refitted to the net before each query.
 
 use crate::bench::inputs::spread;
+use crate::contact::mesh::MeshTool;
 use crate::contact::spheres::Solid;
 use crate::math::{Point3, Pose, Vector3};
 use crate::surface::{SampleGrid, Samples, Surface};
@@ -9,9 +10,8 @@ use parry3d_f64::query;
 use parry3d_f64::shape::{Ball, HalfSpace, TriMesh, TriMeshFlags};
 
 const COUNT: usize = 82;
+/// Between two meshes parry has the depth of one triangle in another, which says nothing of solids: its error shows that.
 pub(super) const PARRY: &str = "parry mesh 82";
-/// Between two meshes parry has the depth of one triangle in another, which says nothing of solids; its error shows it.
-pub(super) const NOT_A_DEPTH: &str = "parry mesh 82";
 
 pub(super) struct Mesh {
     grid: SampleGrid,
@@ -82,31 +82,40 @@ impl Mesh {
         let contact = query::contact(&DPose3::IDENTITY, &self.mesh, &posed(pose), &other.mesh, 0.0);
         contact.ok().flatten().map(|contact| -contact.dist)
     }
+}
 
-    /// The mesh as a solid tool.
+/// A mesh that is a tool, for both narrow phases.
+pub(super) struct ToolMesh {
+    pub tool: MeshTool,
+}
+
+/// The ball-shaped tool in 40 × 24 cells.
+pub(super) fn ball_mesh() -> ToolMesh {
+    let mesh = super::inputs::tool(8).tessellated([40, 24]).expect("a ball has triangles");
+    ToolMesh { tool: MeshTool::new(&mesh.points, &mesh.triangles).expect("a ball is closed") }
+}
+
+impl ToolMesh {
+    /// The mesh at a pose.
     pub fn at<'a>(&'a self, pose: &'a Pose) -> Placed<'a> {
-        Placed { mesh: &self.mesh, pose }
+        Placed { tool: &self.tool, pose }
     }
 }
 
 pub(super) struct Placed<'a> {
-    mesh: &'a TriMesh,
+    tool: &'a MeshTool,
     pose: &'a Pose,
 }
 
 impl Solid for Placed<'_> {
     fn signed_gap(&self, point: &Point3) -> (f64, Vector3) {
-        use parry3d_f64::query::PointQuery;
-        let p = self.pose.inverse_transform_point(point);
-        let found = self.mesh.project_local_point(dvec(&p), false);
-        let away = dvec(&p) - found.point;
-        let (distance, sign) = (away.length(), if found.is_inside { -1.0 } else { 1.0 });
-        let normal = Vector3::new(away.x, away.y, away.z).try_normalize(0.0).unwrap_or_else(Vector3::z);
-        (sign * distance, self.pose.rotation * normal * sign)
+        // There the unit vector leads into the matter, here out of it.
+        let (gap_m, inward) = self.tool.signed_gap(self.pose, point);
+        (gap_m, -inward)
     }
 
     fn bounded_gap(&self, point: &Point3) -> Option<f64> {
-        Some(self.signed_gap(point).0)
+        Some(self.tool.signed_gap(self.pose, point).0)
     }
 
     fn may_meet_box(&self, low: &Point3, high: &Point3, margin_m: f64) -> bool {

@@ -3,9 +3,10 @@
 use super::grid::{Axis, Cell};
 use super::points::Points;
 use super::sag::Sag;
-use super::sphere::Sphere;
+use super::sphere::{Lens, Sphere};
+use crate::contact::samples::distance_squared_to_box;
 use crate::math::{Point3, Pose, Vector3};
-use crate::surface::Surface;
+use crate::surface::{Surface, wrap};
 
 /// A cell: its place among those of its level.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
@@ -25,11 +26,14 @@ pub(super) struct Cover {
     /// (net) as it is placed, m.
     control: Vec<Point3>,
     /// (levels) of (cells u × cells v), m; only where the stamp is that of now.
-    spheres: Vec<Vec<(Sphere, u32)>>,
+    lenses: Vec<Vec<(Lens, u32)>>,
     now: u32,
     /// (spans u × spans v) boxes of the control points that shape a span: they hold it.
     boxes: Vec<[Point3; 2]>,
-    /// (rows × spans v) of the same along v only.
+    /// (spans u × spans v) and (coarsest cells): squared distances of a query to the boxes, m².
+    squares: Vec<f64>,
+    bounds: Vec<f64>,
+    /// (rows × spans v) boxes along v only.
     strips: Vec<[Point3; 2]>,
     /// Room for rounding, m: a share of the coordinates' size.
     noise_m: f64,
@@ -47,17 +51,19 @@ impl Cover {
         let topology = surface.topology();
         let u = Axis::new(surface.knots_u(), rows[0], topology.wraps(0));
         let v = Axis::new(surface.knots_v(), rows[1], topology.wraps(1));
-        let none = (Sphere { centre: Point3::origin(), radius_m: 0.0 }, 0);
+        let none = (Lens::about(&[Point3::origin(); 4], 0.0), 0);
         let levels = u.levels.len().max(v.levels.len());
-        let spheres = (0..levels).map(|k| vec![none; u.level(k).len() * v.level(k).len()]).collect();
+        let lenses = (0..levels).map(|k| vec![none; u.level(k).len() * v.level(k).len()]).collect();
         let spans = u.span_first.len() * v.span_first.len();
         let mut new = Self {
             points: Points::new(surface, &u, &v),
             sag: Sag::new(surface.knots_u(), surface.knots_v(), &u, &v),
             control: surface.net().points().to_vec(),
-            spheres,
+            lenses,
             now: 0,
             boxes: vec![[Point3::origin(); 2]; spans],
+            squares: vec![0.0; spans],
+            bounds: vec![0.0; u.level(0).len() * v.level(0).len()],
             strips: vec![[Point3::origin(); 2]; u.columns[1] * v.span_first.len()],
             noise_m: 0.0,
             size_m: 0.0,
@@ -80,7 +86,7 @@ impl Cover {
         self.sag.refresh(&self.points, &self.u, &self.v);
         self.refresh_boxes();
         if self.now == u32::MAX {
-            self.spheres.iter_mut().flatten().for_each(|sphere| sphere.1 = 0);
+            self.lenses.iter_mut().flatten().for_each(|lens| lens.1 = 0);
             self.now = 0;
         }
         self.now += 1;
@@ -91,9 +97,9 @@ impl Cover {
         let join = |sum: [Point3; 2], other: &[Point3; 2]| [sum[0].inf(&other[0]), sum[1].sup(&other[1])];
         let nothing = [Point3::from([f64::INFINITY; 3]), Point3::from([f64::NEG_INFINITY; 3])];
         for i in 0..self.u.columns[1] {
-            let line = &self.control[(i % self.u.columns[0]) * self.v.columns[0]..][..self.v.columns[0]];
+            let line = &self.control[wrap(i, self.u.columns[0]) * self.v.columns[0]..][..self.v.columns[0]];
             for (j, &first) in self.v.span_first.iter().enumerate() {
-                let points = (first as usize..first as usize + self.v.width).map(|b| line[b % line.len()]);
+                let points = (first as usize..first as usize + self.v.width).map(|b| line[wrap(b, line.len())]);
                 self.strips[i * spans + j] = points.fold(nothing, |sum, p| join(sum, &[p, p]));
             }
         }
@@ -132,17 +138,8 @@ impl Cover {
         if self.points.is_flipped() { -1.0 } else { 1.0 }
     }
 
-    /// Calls with every cell of the coarsest level.
-    pub fn every(&self, mut each: impl FnMut(CellId)) {
-        for i in 0..self.u.level(0).len() {
-            for j in 0..self.v.level(0).len() {
-                each(CellId { level: 0, i: i as u16, j: j as u16 });
-            }
-        }
-    }
-
     pub fn levels(&self) -> usize {
-        self.spheres.len()
+        self.lenses.len()
     }
 
     #[inline(always)]
@@ -152,34 +149,61 @@ impl Cover {
     }
 
     /// Corners of a cell, in order round it.
-    #[inline]
+    #[inline(always)]
     pub fn corners(&mut self, id: CellId) -> [Point3; 4] {
-        let (u, v) = self.cells(id);
-        let ([a, b], [c, d]) = (u.rows, v.rows);
-        [(a, c), (b, c), (b, d), (a, d)].map(|(i, j)| self.points.at(&self.u, &self.v, i, j))
+        let (cell_u, cell_v) = self.cells(id);
+        let ([a, b], [c, d]) = (cell_u.rows, cell_v.rows);
+        let (points, u, v) = (&mut self.points, &self.u, &self.v);
+        [points.at(u, v, a, c), points.at(u, v, b, c), points.at(u, v, b, d), points.at(u, v, a, d)]
     }
 
     /// Parameters at the corners of a cell, in the same order.
+    #[inline(always)]
     pub fn parameters(&self, id: CellId) -> [[f64; 2]; 4] {
         let (u, v) = self.cells(id);
-        let ([a, b], [c, d]) = (u.rows, v.rows);
-        [(a, c), (b, c), (b, d), (a, d)].map(|(i, j)| [self.u.parameters[i as usize], self.v.parameters[j as usize]])
+        let (u, v) = (u.rows.map(|i| self.u.parameters[i as usize]), v.rows.map(|j| self.v.parameters[j as usize]));
+        [[u[0], v[0]], [u[1], v[0]], [u[1], v[1]], [u[0], v[1]]]
     }
 
     /// The sphere that holds the surface of a cell.
-    #[inline]
+    #[inline(always)]
     pub fn sphere(&mut self, id: CellId) -> Sphere {
+        self.lens(id).sphere
+    }
+
+    /// The sphere and slab that hold the surface of a cell.
+    #[inline(always)]
+    pub fn lens(&mut self, id: CellId) -> &Lens {
         let level = usize::from(id.level);
         let at = usize::from(id.i) * self.v.level(level).len() + usize::from(id.j);
-        let (sphere, stamp) = self.spheres[level][at];
-        if stamp == self.now {
-            return sphere;
+        if self.lenses[level][at].1 != self.now {
+            self.make(id, at);
         }
+        &self.lenses[level][at].0
+    }
+
+    /// Makes the lenses of all children of a cell, so that [`Cover::made_lenses`] may be read for them.
+    pub fn make_children(&mut self, id: CellId) {
+        let [[i0, i1], [j0, j1]] = self.children(id);
+        for i in i0..i1 {
+            for j in j0..j1 {
+                self.lens(CellId { level: id.level + 1, i: i as u16, j: j as u16 });
+            }
+        }
+    }
+
+    /// The lenses of a level as they are, and how many make a row.
+    #[inline(always)]
+    pub fn made_lenses(&self, level: usize) -> (&[(Lens, u32)], usize) {
+        (&self.lenses[level], self.v.level(level).len())
+    }
+
+    #[inline(never)]
+    fn make(&mut self, id: CellId, at: usize) {
         self.made += 1;
-        let mut sphere = Sphere::about(self.corners(id));
-        sphere.radius_m += self.sag(id) + self.noise_m;
-        self.spheres[level][at] = (sphere, self.now);
-        sphere
+        let corners = self.corners(id);
+        let lens = Lens::about(&corners, self.sag(id) + self.noise_m);
+        self.lenses[usize::from(id.level)][at] = (lens, self.now);
     }
 
     /// How far the surface of a cell is from its bilinear patch, at most, m.
@@ -220,8 +244,49 @@ impl Cover {
         }
     }
 
+    /// Calls with the coarsest cells that may hold a point nearer than `within_m`, the most promising first; it answers how
+    /// near the next must be. By boxes, so that few spheres are made.
+    pub fn near(&mut self, q: &Point3, within_m: f64, mut each: impl FnMut(&mut Self, CellId) -> f64) {
+        for (square, [low, high]) in self.squares.iter_mut().zip(&self.boxes) {
+            *square = distance_squared_to_box(q, low, high);
+        }
+        let spans = self.v.span_first.len();
+        let (count_u, count_v) = (self.u.level(0).len(), self.v.level(0).len());
+        let bound = |cover: &Self, i: usize, j: usize| {
+            let (u, v) = (&cover.u.level(0)[i], &cover.v.level(0)[j]);
+            let mut least = f64::INFINITY;
+            for a in u.spans[0]..u.spans[1] {
+                for square in &cover.squares[a as usize * spans..][v.spans[0] as usize..v.spans[1] as usize] {
+                    least = if *square < least { *square } else { least };
+                }
+            }
+            least
+        };
+        let (mut first, mut least) = ((0, 0), f64::INFINITY);
+        for i in 0..count_u {
+            for j in 0..count_v {
+                let square = bound(self, i, j);
+                self.bounds[i * count_v + j] = square;
+                if square < least {
+                    (first, least) = ((i, j), square);
+                }
+            }
+        }
+        let id = |(i, j): (usize, usize)| CellId { level: 0, i: i as u16, j: j as u16 };
+        let noise = self.noise_m;
+        let mut within = if least <= within_m * within_m { each(self, id(first)) } else { within_m };
+        for i in 0..count_u {
+            for j in 0..count_v {
+                let reach = within + noise;
+                if (i, j) != first && self.bounds[i * count_v + j] <= reach * reach {
+                    within = each(self, id((i, j)));
+                }
+            }
+        }
+    }
+
     /// Box of the whole net.
-    pub fn bounds(&self) -> [Point3; 2] {
+    pub fn whole_box(&self) -> [Point3; 2] {
         self.boxes.iter().fold(self.boxes[0], |sum, b| [sum[0].inf(&b[0]), sum[1].sup(&b[1])])
     }
 

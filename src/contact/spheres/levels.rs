@@ -13,6 +13,8 @@ pub(super) struct Limits {
     pub margin_m: f64,
     /// A cell whose normals turn by less than this may stay whole, rad; `None` where samples at corners would not do.
     pub flat_turn: Option<f64>,
+    /// Only corners of the last cells are asked for: no spheres there.
+    pub corners_only: bool,
 }
 
 /// Cells on their way down.
@@ -20,7 +22,8 @@ pub(super) struct Limits {
 pub(super) struct Levels {
     now: Vec<CellId>,
     next: Vec<CellId>,
-    met: Vec<(CellId, bool)>,
+    met: Vec<CellId>,
+    bounds: Vec<(CellId, f64)>,
     /// The cells that remain.
     pub leaves: Vec<CellId>,
 }
@@ -43,6 +46,7 @@ impl Levels {
             now: Vec::with_capacity(room),
             next: Vec::with_capacity(room),
             met: Vec::with_capacity(room),
+            bounds: Vec::with_capacity(room),
             leaves: Vec::with_capacity(room),
         }
     }
@@ -58,14 +62,17 @@ impl Levels {
             if self.now.is_empty() {
                 break;
             }
+            let last = level + 1 == cover.levels();
+            if last && limits.corners_only {
+                self.leaves.extend_from_slice(&self.now);
+                break;
+            }
             self.met.clear();
             for &id in &self.now {
                 let sphere = cover.sphere(id);
-                match tool.bounded_gap(&sphere.centre) {
-                    // False for NaN.
-                    Some(gap) if gap <= sphere.radius_m + margin => self.met.push((id, gap <= -sphere.radius_m)),
-                    Some(_) => {}
-                    None => self.met.push((id, false)),
+                // False for NaN.
+                if tool.bounded_gap(&sphere.centre).is_none_or(|gap| gap <= sphere.radius_m + margin) {
+                    self.met.push(id);
                 }
             }
             let counts = counters::of(&mut counters.body, level);
@@ -73,16 +80,13 @@ impl Levels {
             counts.tests += self.now.len() as u32;
             counts.meets += self.met.len() as u32;
             counts.points += std::mem::take(&mut cover.points.computed);
-            let last = level + 1 == cover.levels();
-            let all = self.met.len() == self.now.len() && limits.flat_turn.is_some();
-            if all && !last && counters.early_stop.is_none() {
+            if self.met.len() == self.now.len() && limits.flat_turn.is_some() && !last && counters.early_stop.is_none()
+            {
                 counters.early_stop = Some(level as u8);
             }
             self.next.clear();
-            for k in 0..self.met.len() {
-                let (id, swallowed) = self.met[k];
-                let flat = |cover: &mut Cover| limits.flat_turn.is_some_and(|turn| cover.is_flat(id, turn));
-                if last || ((all || swallowed) && flat(cover)) {
+            for &id in &self.met {
+                if last || limits.flat_turn.is_some_and(|turn| cover.is_flat(id, turn)) {
                     self.leaves.push(id);
                 } else {
                     push_children(cover, id, &mut self.next);
@@ -95,41 +99,36 @@ impl Levels {
     /// The nearest point of the surface's triangles within `within_m`: only spheres that may hold a nearer one are refined.
     pub fn nearest(&mut self, cover: &mut Cover, q: &Point3, within_m: f64) -> Option<Nearest> {
         let mut least = within_m;
-        self.now.clear();
-        cover.every(|id| self.now.push(id));
-        for level in 0..cover.levels() {
-            self.met.clear();
-            self.next.clear();
-            // First what is surely there, then what may still be nearer.
-            for k in 0..self.now.len() {
-                let id = self.now[k];
-                let sphere = cover.sphere(id);
-                let (away, radius) = ((sphere.centre - q).norm(), sphere.radius_m);
-                if away - radius <= least {
-                    // The sphere holds some point of the surface: its corners are nearer than its far side.
-                    least = if away + radius < least { away + radius } else { least };
-                    self.next.push(id);
+        self.bounds.clear();
+        let bounds = &mut self.bounds;
+        let mut closest = (f64::INFINITY, CellId::default());
+        cover.near(q, within_m, |cover, id| {
+            least = offer(cover, bounds, id, q, least);
+            let square = (cover.sphere(id).centre - q).norm_squared();
+            closest = if square < closest.0 { (square, id) } else { closest };
+            least
+        });
+        if !self.bounds.is_empty() {
+            let surely = dive(cover, closest.1, q);
+            least = if surely < least { surely } else { least };
+        }
+        for _ in 1..cover.levels() {
+            // What is surely there decides what may still be nearer.
+            self.now.clear();
+            for &(id, bound) in &self.bounds {
+                if bound <= least * least {
+                    push_children(cover, id, &mut self.now);
                 }
             }
-            std::mem::swap(&mut self.now, &mut self.next);
-            if level + 1 < cover.levels() {
-                self.next.clear();
-                for k in 0..self.now.len() {
-                    let id = self.now[k];
-                    let sphere = cover.sphere(id);
-                    if (sphere.centre - q).norm() - sphere.radius_m <= least {
-                        push_children(cover, id, &mut self.next);
-                    }
-                }
-                std::mem::swap(&mut self.now, &mut self.next);
+            self.bounds.clear();
+            for &id in &self.now {
+                least = offer(cover, &mut self.bounds, id, q, least);
             }
         }
         let mut best: Option<Nearest> = None;
         let tie = 1e-12 * cover.size_m;
-        for k in 0..self.now.len() {
-            let id = self.now[k];
-            let sphere = cover.sphere(id);
-            if (sphere.centre - q).norm() - sphere.radius_m > least {
+        for &(id, bound) in &self.bounds {
+            if bound > least * least {
                 continue;
             }
             let found = nearest_in_cell(cover, id, q);
@@ -147,6 +146,41 @@ impl Levels {
         }
         best.filter(|best| best.distance_m.is_finite())
     }
+}
+
+/// How near a point of the surface is at most: straight down from a cell, by the most promising child each time. The bound
+/// spares the search most spheres.
+fn dive(cover: &mut Cover, mut id: CellId, q: &Point3) -> f64 {
+    while usize::from(id.level) + 1 < cover.levels() {
+        let [[i0, i1], [j0, j1]] = cover.children(id);
+        let mut best = f64::INFINITY;
+        let level = id.level + 1;
+        for i in i0..i1 {
+            for j in j0..j1 {
+                let child = CellId { level, i: i as u16, j: j as u16 };
+                let square = (cover.sphere(child).centre - q).norm_squared();
+                if square < best || id.level < level {
+                    (best, id) = (square, child);
+                }
+            }
+        }
+    }
+    let found = nearest_in_cell(cover, id, q);
+    found.distance_m + 1e-9 * cover.size_m
+}
+
+/// Keeps a cell that may hold a point nearer than `least`, with the square of its bound; how near one surely is.
+#[inline(always)]
+fn offer(cover: &mut Cover, bounds: &mut Vec<(CellId, f64)>, id: CellId, q: &Point3, least: f64) -> f64 {
+    let lens = cover.lens(id);
+    let (bound, square) = lens.bound(q);
+    if bound > least * least {
+        return least;
+    }
+    // The sphere holds some point of the surface, and it is nearer than the sphere's far side.
+    let surely = square.sqrt() + lens.sphere.radius_m;
+    bounds.push((id, bound));
+    if surely < least { surely } else { least }
 }
 
 /// Of the two triangles of a cell.

@@ -4,7 +4,7 @@
 //! ```text
 //! hull       hulls of the nets apart? the last tick's witness says so at once            ──▶ no contact
 //! cover      spans whose control points are in reach of the tool; their sparse points, every k-th row
-//! sphere     about four neighbouring points, and as much wider as the surface may leave their patch (sag)
+//! sphere     about four neighbouring points, and as much wider as the surface may leave their patch (sag); and a slab
 //! levels     spheres that meet: three times as many rows there; flat cells stop early
 //! triangles  two a cell of the last level: nearest points, triangle–triangle tests
 //! peaks      regions of cells in touch, and the deepest point of each
@@ -31,6 +31,7 @@
 
 mod counters;
 mod cover;
+mod gaps;
 mod grid;
 mod hull;
 mod levels;
@@ -134,7 +135,12 @@ impl Spheres {
             }
         }
         let ball = Ball { centre: *centre, radius_m };
-        self.refine(&ball, margin, true);
+        if radius_m <= 0.0 && margin <= 0.0 {
+            // Nothing but the nearest point counts, and no sphere says more than the search for it.
+            self.far(&ball, reach, set);
+            return;
+        }
+        self.refine(&ball, margin, true, false);
         self.peaks.leaves.clear();
         let mut best: Option<Nearest> = None;
         for &id in &self.levels.leaves {
@@ -186,7 +192,7 @@ impl Spheres {
             return;
         }
         let tool = HalfSpace { origin: *origin, normal };
-        self.refine(&tool, margin, true);
+        self.refine(&tool, margin, true, true);
         self.sampled(&tool, margin, set);
     }
 
@@ -194,13 +200,13 @@ impl Spheres {
     /// without a contact.
     pub fn solid<S: Solid>(&mut self, tool: &S, reach: &Reach, set: &mut ContactSet) {
         let margin = self.begin(reach, set);
-        let [low, high] = self.cover.bounds();
+        let [low, high] = self.cover.whole_box();
         if !tool.may_meet_box(&low, &high, margin + self.cover.noise_m()) {
             self.counters.hulls_apart = true;
             return;
         }
         // Corners say nothing about a small tool within a flat cell: no early stop here.
-        self.refine(tool, margin, false);
+        self.refine(tool, margin, false, true);
         self.sampled(tool, margin, set);
         let inner = tool.inner_point().filter(|p| p.iter().all(|x| x.is_finite()));
         if let Some(inner) = inner.filter(|_| set.contacts().is_empty() && self.cover.closed) {
@@ -214,12 +220,12 @@ impl Spheres {
     fn begin(&mut self, reach: &Reach, set: &mut ContactSet) -> f64 {
         set.clear();
         self.counters = Counters::default();
-        self.cover.points.computed = 0;
+        (self.cover.points.computed, self.cover.made) = (0, 0);
         if reach.margin_m.is_finite() && reach.margin_m > 0.0 { reach.margin_m } else { 0.0 }
     }
 
-    fn refine<S: Solid>(&mut self, tool: &S, margin_m: f64, may_stop: bool) {
-        let limits = Limits { margin_m, flat_turn: may_stop.then_some(self.flat_turn) };
+    fn refine<S: Solid>(&mut self, tool: &S, margin_m: f64, may_stop: bool, corners_only: bool) {
+        let limits = Limits { margin_m, flat_turn: may_stop.then_some(self.flat_turn), corners_only };
         self.levels.refine(&mut self.cover, tool, limits, &mut self.counters);
     }
 
@@ -227,17 +233,22 @@ impl Spheres {
     fn sampled<S: Solid>(&mut self, tool: &S, margin_m: f64, set: &mut ContactSet) {
         self.peaks.leaves.clear();
         for &id in &self.levels.leaves {
-            let (corners, parameters) = (self.cover.corners(id), self.cover.parameters(id));
-            let mut best: Option<Leaf> = None;
-            for (point, uv) in corners.into_iter().zip(parameters) {
-                let (gap_m, normal) = tool.signed_gap(&point);
+            let corners = self.cover.corners(id);
+            let (mut deepest, mut at) = (f64::NEG_INFINITY, 4);
+            for (k, point) in corners.iter().enumerate() {
+                let gap_m = tool.signed_gap(point).0;
                 // False for NaN.
-                if gap_m <= margin_m && best.is_none_or(|best| -gap_m > best.depth_m) {
-                    best = Some(Leaf { id, depth_m: -gap_m, uv, point, normal });
+                if gap_m <= margin_m && -gap_m > deepest {
+                    (deepest, at) = (-gap_m, k);
                 }
             }
-            self.peaks.leaves.extend(best);
+            if at < 4 {
+                let (uv, point) = (self.cover.parameters(id)[at], corners[at]);
+                self.peaks.leaves.push(Leaf { id, depth_m: deepest, uv, point, normal: Vector3::zeros() });
+            }
         }
+        let last = counters::of(&mut self.counters.body, self.cover.levels() - 1);
+        last.points += std::mem::take(&mut self.cover.points.computed);
         self.peaks.group(&self.cover, SAME_DEPTH * self.cover.size_m);
         self.peaks.maxima(|leaf| {
             let normal = -tool.signed_gap(&leaf.point).1;
@@ -260,6 +271,10 @@ impl Spheres {
             set.push(ball_contact(&self.cover, ball, &leaf, reach.side()));
             set.push_rectangle(Rectangle { u: [uv[0]; 2], v: [uv[1]; 2] });
         }
+        // The search goes up and down: all of it on the account of the last level.
+        let last = counters::of(&mut self.counters.body, self.cover.levels() - 1);
+        last.points += std::mem::take(&mut self.cover.points.computed);
+        last.spheres += self.cover.made;
     }
 }
 

@@ -2,9 +2,9 @@
 
 use super::counters::{self, Counters, LevelCounters, MAX_LEVELS};
 use super::cover::{CellId, Cover};
+use super::gaps::gaps;
 use super::hull::Witness;
-use super::levels::{Levels, nearest_in_cell};
-use super::peaks::{Leaf, Peaks};
+use super::levels::Levels;
 use super::region::Region;
 use super::triangles;
 use super::{SAME_DEPTH, Spheres};
@@ -42,7 +42,9 @@ const MET: u32 = 2;
 /// Stays whole.
 const FINAL: u32 = 4;
 const CROSSING: u32 = 8;
-const BITS: u32 = 4;
+/// Was asked whether it is flat.
+const ASKED: u32 = 16;
+const BITS: u32 = 5;
 
 impl Marks {
     fn new(cover: &Cover) -> Self {
@@ -116,8 +118,8 @@ impl SpheresPair {
             self.counters.hulls_apart = true;
             return;
         }
-        self.start(b, t, margin);
-        self.refine(b, t, margin, [body.flat_turn, tool.flat_turn]);
+        let all = self.start(b, t, margin);
+        self.refine(b, t, margin, [body.flat_turn, tool.flat_turn], all);
         let crossing = self.cross(b, t);
         if crossing || self.contained(b, t, [&mut body.levels, &mut tool.levels], reach) {
             set.set_overlap();
@@ -147,7 +149,8 @@ impl SpheresPair {
         }
     }
 
-    fn start(&mut self, b: &mut Cover, t: &mut Cover, margin: f64) {
+    /// Pairs of the coarsest cells that meet; for each side, whether all did.
+    fn start(&mut self, b: &mut Cover, t: &mut Cover, margin: f64) -> [bool; 2] {
         self.marks.iter_mut().for_each(Marks::begin);
         self.pairs.clear();
         let meets = |[low, high]: [crate::math::Point3; 2], reach: f64| {
@@ -156,7 +159,7 @@ impl SpheresPair {
             }
         };
         let reach = margin + b.noise_m() + t.noise_m();
-        let (box_b, box_t) = (b.bounds(), t.bounds());
+        let (box_b, box_t) = (b.whole_box(), t.whole_box());
         // The next list holds the tool's cells for a moment.
         self.next.clear();
         t.concerned(meets(box_b, reach), |id| self.next.push([id, id]));
@@ -164,42 +167,22 @@ impl SpheresPair {
         b.concerned(meets(box_t, reach), |id| {
             pairs.extend(next.iter().map(|[tool, _]| [id, *tool]).take(pairs.capacity() - pairs.len()));
         });
-        let mut kept = 0;
+        let (mut kept, tests) = (0, self.pairs.len() as u32);
         for k in 0..self.pairs.len() {
-            let [x, y] = self.pairs[k];
-            if self.test(b, t, [x, y], margin, 0) & self.also_seen(t, y) {
-                self.pairs[kept] = [x, y];
+            let pair = self.pairs[k];
+            let [of_body, of_tool] = &mut self.marks;
+            of_body.seen += u32::from(of_body.set(b, pair[0], SEEN));
+            of_tool.seen += u32::from(of_tool.set(t, pair[1], SEEN));
+            if b.lens(pair[0]).meets(t.lens(pair[1]), margin) {
+                of_body.met += u32::from(of_body.set(b, pair[0], MET));
+                of_tool.met += u32::from(of_tool.set(t, pair[1], MET));
+                self.pairs[kept] = pair;
                 kept += 1;
             }
         }
         self.pairs.truncate(kept);
-        self.count(b, t, 0, 0);
-        self.count(b, t, 1, 0);
-    }
-
-    fn also_seen(&mut self, t: &Cover, y: CellId) -> bool {
-        self.marks[1].seen += u32::from(self.marks[1].set(t, y, SEEN));
-        true
-    }
-
-    /// Tests two spheres, on the account of the `side` that was refined last.
-    #[inline(always)]
-    fn test(&mut self, b: &mut Cover, t: &mut Cover, [x, y]: [CellId; 2], margin: f64, side: usize) -> bool {
-        let meet = b.sphere(x).meets(&t.sphere(y), margin);
-        let (cover, id) = if side == 0 { (&*b, x) } else { (&*t, y) };
-        let marks = &mut self.marks[side];
-        marks.seen += u32::from(marks.set(cover, id, SEEN));
-        let levels = if side == 0 { &mut self.counters.body } else { &mut self.counters.tool };
-        let counts = counters::of(levels, usize::from(id.level));
-        counts.tests += 1;
-        if meet {
-            counts.meets += 1;
-            marks.met += u32::from(marks.set(cover, id, MET));
-            if id.level == 0 && side == 0 {
-                self.marks[1].met += u32::from(self.marks[1].set(t, y, MET));
-            }
-        }
-        meet
+        (self.counters.body[0].tests, self.counters.body[0].meets) = (tests, kept as u32);
+        [self.count(b, t, 0, 0), self.count(b, t, 1, 0)]
     }
 
     /// Closes a level of one side; true when all its spheres met.
@@ -211,16 +194,10 @@ impl SpheresPair {
         let counts = counters::of(levels, level);
         counts.spheres += seen;
         counts.points += std::mem::take(&mut cover.points.computed);
-        let all = seen > 0 && seen == met;
-        if level == 0 {
-            marks.seen = u32::from(all);
-        }
-        all
+        seen > 0 && seen == met
     }
 
-    fn refine(&mut self, b: &mut Cover, t: &mut Cover, margin: f64, turns: [f64; 2]) {
-        let mut all = [self.marks[0].seen > 0, self.marks[1].seen > 0];
-        (self.marks[0].seen, self.marks[1].seen) = (0, 0);
+    fn refine(&mut self, b: &mut Cover, t: &mut Cover, margin: f64, turns: [f64; 2], mut all: [bool; 2]) {
         let mut levels = [0, 0];
         loop {
             let mut moved = false;
@@ -232,7 +209,7 @@ impl SpheresPair {
                 if all[side] && self.counters.early_stop.is_none() {
                     self.counters.early_stop = Some(levels[side] as u8);
                 }
-                moved |= self.descend(b, t, side, levels[side], all[side].then_some(turns[side]), margin);
+                moved |= self.descend(b, t, side, levels[side], turns[side], margin);
                 levels[side] += 1;
                 all[side] = self.count(b, t, side, levels[side]);
             }
@@ -242,27 +219,23 @@ impl SpheresPair {
         }
     }
 
-    /// Takes the cells of one side to the next level, but for those that are flat where `turn` is given.
-    fn descend(
-        &mut self,
-        b: &mut Cover,
-        t: &mut Cover,
-        side: usize,
-        level: usize,
-        turn: Option<f64>,
-        margin: f64,
-    ) -> bool {
+    /// Takes the cells of one side to the next level, but for those that are flat.
+    fn descend(&mut self, b: &mut Cover, t: &mut Cover, side: usize, level: usize, turn: f64, margin: f64) -> bool {
         self.next.clear();
-        let mut moved = false;
+        let (mut moved, mut tests, mut meets) = (false, 0, 0);
         for k in 0..self.pairs.len() {
             let pair = self.pairs[k];
             let id = pair[side];
             let cover = if side == 0 { &mut *b } else { &mut *t };
             let mut whole = usize::from(id.level) < level || self.marks[side].has(cover, id, FINAL);
-            if let Some(turn) = turn.filter(|_| !whole) {
-                whole = cover.is_flat(id, turn);
-                if whole {
+            if !whole && self.marks[side].set(cover, id, ASKED) {
+                let [[i0, i1], [j0, j1]] = cover.children(id);
+                if cover.is_flat(id, turn) {
                     self.marks[side].set(cover, id, FINAL);
+                    whole = true;
+                } else {
+                    self.marks[side].seen += (i1 - i0) * (j1 - j0);
+                    cover.make_children(id);
                 }
             }
             if whole {
@@ -271,16 +244,28 @@ impl SpheresPair {
             }
             moved = true;
             let [[i0, i1], [j0, j1]] = cover.children(id);
+            let other = if side == 0 { *t.lens(pair[1]) } else { *b.lens(pair[0]) };
+            let cover = if side == 0 { &*b } else { &*t };
+            tests += (i1 - i0) * (j1 - j0);
+            let (lenses, columns) = cover.made_lenses(usize::from(id.level) + 1);
             for i in i0..i1 {
-                for j in j0..j1 {
-                    let mut pair = pair;
-                    pair[side] = CellId { level: id.level + 1, i: i as u16, j: j as u16 };
-                    if self.test(b, t, pair, margin, side) {
+                for (k, (lens, _)) in lenses[i as usize * columns..][j0 as usize..j1 as usize].iter().enumerate() {
+                    if lens.meets(&other, margin) {
+                        let child = CellId { level: id.level + 1, i: i as u16, j: j0 as u16 + k as u16 };
+                        let marks = &mut self.marks[side];
+                        marks.met += u32::from(marks.set(cover, child, MET));
+                        meets += 1;
+                        let mut pair = pair;
+                        pair[side] = child;
                         self.keep(pair);
                     }
                 }
             }
         }
+        let levels = if side == 0 { &mut self.counters.body } else { &mut self.counters.tool };
+        let counts = counters::of(levels, level + 1);
+        counts.tests += tests;
+        counts.meets += meets;
         std::mem::swap(&mut self.pairs, &mut self.next);
         moved
     }
@@ -308,9 +293,16 @@ impl SpheresPair {
                 continue;
             }
             let (p, q) = (b.corners(x), t.corners(y));
-            for first in triangles::split(&p) {
-                for second in triangles::split(&q) {
-                    let (f, s) = (first.map(|k| p[k]), second.map(|k| q[k]));
+            for second in triangles::split(&q) {
+                let s = second.map(|k| q[k]);
+                // One plane decides for both triangles of the body's cell.
+                let normal = (s[1] - s[0]).cross(&(s[2] - s[0]));
+                let sides = p.map(|p| (p - s[0]).dot(&normal));
+                if sides.iter().all(|x| *x > 0.0) || sides.iter().all(|x| *x < 0.0) {
+                    continue;
+                }
+                for first in triangles::split(&p) {
+                    let f = first.map(|k| p[k]);
                     self.counters.triangle_tests += 1;
                     if triangles::meet(&f, &s) {
                         self.counters.triangle_meets += 1;
@@ -340,76 +332,4 @@ impl SpheresPair {
         }
         tool_in_body || body_in_tool
     }
-}
-
-/// Local gaps within the margin, at the corners of cells whose spheres meet, against the other side's triangles.
-fn gaps(
-    pairs: &[[CellId; 2]],
-    b: &mut Cover,
-    t: &mut Cover,
-    peaks: &mut Peaks,
-    margin: f64,
-    side: f64,
-    set: &mut ContactSet,
-) {
-    peaks.leaves.clear();
-    let mut k = 0;
-    while k < pairs.len() {
-        let id = pairs[k][0];
-        let mut best: Option<(f64, Contact)> = None;
-        while k < pairs.len() && pairs[k][0] == id {
-            let found = gap(b, t, pairs[k], side);
-            if found.0 <= margin && best.is_none_or(|best| found.0 < best.0) {
-                best = Some(found);
-            }
-            k += 1;
-        }
-        if let Some((gap_m, contact)) = best {
-            // A cell may come up in several runs of pairs: the nearest stays.
-            let leaf = Leaf {
-                id,
-                depth_m: -gap_m,
-                uv: [contact.u, contact.v],
-                point: contact.on_body,
-                normal: contact.normal,
-            };
-            match peaks.leaves.iter_mut().find(|other| other.id == id) {
-                Some(other) if other.depth_m < leaf.depth_m => *other = leaf,
-                Some(_) => {}
-                None => peaks.leaves.push(leaf),
-            }
-        }
-    }
-    peaks.group(b, SAME_DEPTH * b.size_m);
-    peaks.maxima(|leaf| {
-        // The same pair again, for what a leaf does not carry.
-        let pairs = pairs.iter().filter(|pair| pair[0] == leaf.id);
-        let nearest = pairs.map(|&pair| gap(b, t, pair, side)).min_by(|x, y| x.0.total_cmp(&y.0));
-        if let Some((_, contact)) = nearest {
-            set.push(contact);
-        }
-    });
-    peaks.rectangles(b, |rectangle| set.push_rectangle(rectangle));
-}
-
-/// The least gap between two cells that do not cross, by the corners of each and the triangles of the other.
-fn gap(b: &mut Cover, t: &mut Cover, [x, y]: [CellId; 2], side: f64) -> (f64, Contact) {
-    let (p, q) = ((b.corners(x), b.parameters(x)), (t.corners(y), t.parameters(y)));
-    let mut best = (f64::INFINITY, [p.1[0], q.1[0]], [p.0[0], q.0[0]]);
-    for k in 0..4 {
-        let to_tool = nearest_in_cell(t, y, &p.0[k]);
-        if to_tool.distance_m < best.0 {
-            best = (to_tool.distance_m, [p.1[k], to_tool.uv], [p.0[k], to_tool.point]);
-        }
-        let to_body = nearest_in_cell(b, x, &q.0[k]);
-        if to_body.distance_m < best.0 {
-            best = (to_body.distance_m, [to_body.uv, q.1[k]], [to_body.point, q.0[k]]);
-        }
-    }
-    let (gap_m, [[u, v], tool_uv], [on_body, on_tool]) = best;
-    let normals = nearest_in_cell(b, x, &on_body).normals * side;
-    let normal = (on_tool - on_body).try_normalize(1e-9 * b.size_m);
-    let normal = normal.or_else(|| normals.try_normalize(0.0)).unwrap_or_else(crate::math::Vector3::z);
-    let on_tool = on_body + normal * gap_m;
-    (gap_m, Contact { u, v, on_body, on_tool, normal, depth_m: -gap_m, tool_uv: Some(tool_uv) })
 }

@@ -87,6 +87,13 @@ impl Peaks {
     fn link(&mut self, cover: &Cover, k: usize, noise_m: f64) {
         let (u, v) = cover.cells(self.leaves[k].id);
         let ([i0, i1], [j0, j1]) = (u.finest.map(i64::from), v.finest.map(i64::from));
+        // A smallest leaf looks on only, as its neighbours behind do the same; a larger one looks all round.
+        if i1 - i0 == 1 && j1 - j0 == 1 {
+            for (i, j) in [(i0, j1), (i1, j0 - 1), (i1, j0), (i1, j1)] {
+                self.meet(cover, k, i, j, noise_m);
+            }
+            return;
+        }
         for j in j0 - 1..=j1 {
             self.meet(cover, k, i1, j, noise_m);
             self.meet(cover, k, i0 - 1, j, noise_m);
@@ -100,9 +107,8 @@ impl Peaks {
     #[inline(always)]
     fn meet(&mut self, cover: &Cover, k: usize, i: i64, j: i64, noise_m: f64) {
         let (Some(i), Some(j)) = (wrapped(&cover.u, i), wrapped(&cover.v, j)) else { return };
-        let other = self.owner[i * cover.v.finest() + j] as usize;
-        // The pair comes up again from the other side.
-        if other > k + 1 {
+        let other = self.owner[i * self.rows[1].len() + j] as usize;
+        if other != 0 && other != k + 1 {
             self.compare(k, other - 1, noise_m);
         }
     }

@@ -4,7 +4,7 @@
 
 use super::grid::Axis;
 use crate::math::{Point3, Vector3};
-use crate::surface::Surface;
+use crate::surface::{Surface, wrap};
 
 /// The net and the points made of it.
 #[derive(Clone, Debug)]
@@ -14,9 +14,11 @@ pub(super) struct Points {
     columns: usize,
     rational: bool,
     flip: bool,
+    /// (rows v × extended u): the net's rows blended in v. A point then takes a blend in u only.
+    strips: Vec<[f64; 4]>,
+    strip_stamps: Vec<u32>,
     /// (rows u × rows v), m; only where the stamp is that of now.
-    points: Vec<Point3>,
-    stamps: Vec<u32>,
+    points: Vec<(Point3, u32)>,
     now: u32,
     /// Points computed since last asked.
     pub computed: u32,
@@ -33,8 +35,9 @@ impl Points {
             columns: v.columns[1],
             rational: surface.weights().is_some(),
             flip: surface.flip_normal(),
-            points: vec![Point3::origin(); count],
-            stamps: vec![0; count],
+            strips: vec![[0.0; 4]; v.parameters.len() * u.columns[1]],
+            strip_stamps: vec![0; v.parameters.len()],
+            points: vec![(Point3::origin(), 0); count],
             now: 0,
             computed: 0,
         };
@@ -45,9 +48,9 @@ impl Points {
     /// Takes over control points; all points are to be computed anew.
     pub fn load(&mut self, control: &[Point3], weights: Option<&[f64]>, u: &Axis, v: &Axis) {
         for i in 0..u.columns[1] {
-            let row = (i % u.columns[0]) * v.columns[0];
+            let row = wrap(i, u.columns[0]) * v.columns[0];
             for j in 0..v.columns[1] {
-                let k = row + j % v.columns[0];
+                let k = row + wrap(j, v.columns[0]);
                 let (p, w) = (control[k], weights.map_or(1.0, |w| w[k]));
                 self.net[i * self.columns + j] = [p.x * w, p.y * w, p.z * w, w];
             }
@@ -57,7 +60,8 @@ impl Points {
 
     fn forget(&mut self) {
         if self.now == u32::MAX {
-            self.stamps.fill(0);
+            self.points.iter_mut().for_each(|point| point.1 = 0);
+            self.strip_stamps.fill(0);
             self.now = 0;
         }
         self.now += 1;
@@ -79,17 +83,29 @@ impl Points {
     }
 
     /// S at row `i` in u and `j` in v.
-    #[inline]
+    #[inline(always)]
     pub fn at(&mut self, u: &Axis, v: &Axis, i: u32, j: u32) -> Point3 {
-        let k = i as usize * v.parameters.len() + j as usize;
-        if self.stamps[k] != self.now {
-            self.stamps[k] = self.now;
-            self.computed += 1;
-            let [x, y, z, w] = self.blend(u, v, [i, j], [0, 0]);
-            let w = if self.rational { w } else { 1.0 };
-            self.points[k] = Point3::new(x / w, y / w, z / w);
+        let (point, stamp) = self.points[i as usize * v.parameters.len() + j as usize];
+        if stamp == self.now { point } else { self.compute(u, v, i, j) }
+    }
+
+    #[inline(never)]
+    fn compute(&mut self, u: &Axis, v: &Axis, i: u32, j: u32) -> Point3 {
+        let rows = u.columns[1];
+        let strip = &mut self.strips[j as usize * rows..][..rows];
+        if self.strip_stamps[j as usize] != self.now {
+            self.strip_stamps[j as usize] = self.now;
+            let (column, m) = v.row(j, 0);
+            for (line, sum) in self.net.chunks_exact(self.columns).zip(strip.iter_mut()) {
+                *sum = blended(&line[column..], m);
+            }
         }
-        self.points[k]
+        let (row, n) = u.row(i, 0);
+        let [x, y, z, w] = blended(&strip[row..], n);
+        let point = if self.rational { Point3::new(x / w, y / w, z / w) } else { Point3::new(x, y, z) };
+        self.points[i as usize * v.parameters.len() + j as usize] = (point, self.now);
+        self.computed += 1;
+        point
     }
 
     /// Unit outward normal by the tangents; `None` where they do not say, as at a pole.
@@ -113,34 +129,35 @@ impl Points {
         (area > REGULAR * longer * longer).then(|| cross / if self.flip { -area.sqrt() } else { area.sqrt() })
     }
 
-    #[inline(always)]
     fn blend(&self, u: &Axis, v: &Axis, [i, j]: [u32; 2], orders: [usize; 2]) -> [f64; 4] {
         let ((row, n), (column, m)) = (u.row(i, orders[0]), v.row(j, orders[1]));
-        let net = &self.net[row * self.columns + column..];
-        // The degrees that scenes are made of get loops of constant length.
-        match (n.len(), m.len()) {
-            (4, 4) => blended::<4, 4>(net, self.columns, n, m),
-            (3, 3) => blended::<3, 3>(net, self.columns, n, m),
-            _ => blended::<0, 0>(net, self.columns, n, m),
+        let mut sum = [0.0; 4];
+        for (a, n) in n.iter().enumerate() {
+            let along = blended(&self.net[(row + a) * self.columns + column..], m);
+            for c in 0..4 {
+                sum[c] += along[c] * n;
+            }
         }
+        sum
     }
 }
 
+/// Σ values × points.
 #[inline(always)]
-fn blended<const U: usize, const V: usize>(net: &[[f64; 4]], columns: usize, n: &[f64], m: &[f64]) -> [f64; 4] {
-    let (rows, across) = (if U > 0 { U } else { n.len() }, if V > 0 { V } else { m.len() });
-    let (n, m) = (&n[..rows], &m[..across]);
+fn blended(points: &[[f64; 4]], values: &[f64]) -> [f64; 4] {
     let mut sum = [0.0; 4];
-    for a in 0..rows {
-        let line = &net[a * columns..][..across];
-        let mut along = [0.0; 4];
-        for b in 0..across {
+    // The degrees that scenes are made of get straight code.
+    if let (Some(points), Ok(values)) = (points.first_chunk::<4>(), <&[f64; 4]>::try_from(values)) {
+        for (point, value) in points.iter().zip(values) {
             for c in 0..4 {
-                along[c] += line[b][c] * m[b];
+                sum[c] += point[c] * value;
             }
         }
-        for c in 0..4 {
-            sum[c] += along[c] * n[a];
+    } else {
+        for (point, value) in points.iter().zip(values) {
+            for c in 0..4 {
+                sum[c] += point[c] * value;
+            }
         }
     }
     sum

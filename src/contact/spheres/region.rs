@@ -20,7 +20,9 @@ const OUTSIDE: u8 = 64;
 const DONE: u8 = 128;
 
 /// First samples of a part, at least, where it has as many.
-const FEW: usize = 12;
+const FEW: usize = 5;
+/// Rows that were just asked for: neighbours of a deepest point come up again and again.
+const RECENT: usize = 32;
 /// Questions for the inside that may turn out wrong, before no more are asked.
 const DOUBTS: u32 = 64;
 /// Moves to a deeper neighbour.
@@ -224,7 +226,14 @@ impl Region {
         let first_step = [27, 9, 3].into_iter().find(enough).unwrap_or(1);
         let mut best: Option<(Deep, [u32; 2])> = None;
         let mut last: Option<(Point3, f64)> = None;
+        let mut recent = [[u32::MAX; 2]; RECENT];
+        let mut asked = 0;
         let mut ask = |at: [u32; 2], cover: &mut Cover, best: &mut Option<(Deep, [u32; 2])>| {
+            if recent.contains(&at) {
+                return false;
+            }
+            recent[asked % RECENT] = at;
+            asked += 1;
             let point = cover.points.at(&cover.u, &cover.v, at[0], at[1]);
             // Distances differ by no more than the points do.
             let within = last.map_or(f64::INFINITY, |(from, distance)| {
@@ -240,15 +249,13 @@ impl Region {
             deeper
         };
         let all = if first_step == 1 { 4 } else { 1 };
-        let mut asked = None;
         for &cell in &self.part {
             for k in 0..all {
                 let at = corner(cover, cell, k);
                 // Of the four only those that no neighbour of the part brings.
                 let first = k == 0 || !self.has_corner_elsewhere(cover, cell, k);
-                if first && on(at, first_step) && asked != Some(at) {
+                if first && on(at, first_step) {
                     ask(at, cover, &mut best);
-                    asked = Some(at);
                 }
             }
         }

@@ -1,6 +1,7 @@
 //! Covers against samples; single tools against the certified queries; hard cases.
 
 use super::cover::CellId;
+use super::sphere::Lens;
 use super::*;
 use crate::basis::testing::Random;
 use crate::basis::{KnotVector, Side};
@@ -42,13 +43,15 @@ fn spheres_of_all_levels_hold_the_surface_of_their_cells() {
             for i in 0..cover.u.level(level).len() as u16 {
                 for j in 0..cover.v.level(level).len() as u16 {
                     let id = CellId { level: level as u8, i, j };
-                    let sphere = cover.sphere(id);
+                    let Lens { sphere, normal, half_m } = *cover.lens(id);
                     let [[u0, v0], _, [u1, v1], _] = cover.parameters(id);
                     for _ in 0..3 {
                         let (u, v) = (random.float(u0, u1), random.float(v0, v1));
                         let point = surface.frame_from(u, v, Side::Right, Side::Right).point;
                         let away = (point - sphere.centre).norm();
                         assert!(away <= sphere.radius_m, "({u}, {v}) is {away} from {sphere:?} in {surface:?}");
+                        let off = (point - sphere.centre).dot(&normal).abs();
+                        assert!(off <= half_m, "({u}, {v}) is {off} off a slab of {half_m} in {surface:?}");
                         tried += 1;
                     }
                 }
