@@ -46,7 +46,7 @@ impl Suite<'_> {
         let result = self.measure(n, &known, |_| {
             let (time, ()) = clocked(|| {
                 solver.net_changed();
-                own.contacts(&surface, &mut solver, Reach::TOUCH, &mut set);
+                own.contacts(&surface, &mut solver, Reach::TOUCH, surface.size(), &mut set);
             });
             (time, set.deepest().map(|c| c.depth_m))
         });
