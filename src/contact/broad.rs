@@ -132,7 +132,7 @@ mod tests {
         let mut named = 0;
         for step in 0..300 {
             let moves: Vec<Vector3> = (0..n).map(|k| vector(if k % 7 == 0 { 0.3 } else { 0.01 })).collect();
-            let gone = |k: usize| (k + step / 20) % 11 == 0;
+            let gone = |k: usize| (k + step / 20).is_multiple_of(11);
             let mut swept = vec![];
             for k in 0..n {
                 let now = Bounds { min: (at[k] - half[k]).into(), max: (at[k] + half[k]).into() };

@@ -1,8 +1,10 @@
 //! When a moving tool first touches a surface that stands still, so that no speed takes it through a thin body.
 //!
 //! Conservative advancement (Mirtich 1996): no point of the tool moves faster than a known bound, so a clearance of d leaves
-//! it free for d / bound. The certified distance makes each step safe; the steps shrink towards the touch by the sine of the
-//! angle of approach, and what has not arrived after [`STEPS`] of them is reported where it is, with its gap.
+//! it free for d / bound, before as well as after. So steps may be longer than d, up to twice as long, as long as what is
+//! free before the new place reaches back to what was free after the old one (Keinert et al., *Enhanced sphere tracing*,
+//! 2014). With s the clearance lost per metre of path, a step leaves (1 − s)/(1 + s) of it; what grazes so flatly that it
+//! has not arrived after [`STEPS`] of them is reported where it is, with its gap.
 
 use super::Contact;
 use crate::math::{Point3, Vector3};
@@ -26,20 +28,32 @@ pub struct Touch {
 /// and no point of it moves farther than `path_m` during the whole of it. `None`: free all the way, or a bound that is no
 /// number. At most [`STEPS`] calls.
 pub fn first_touch(path_m: f64, touch_m: f64, mut clearance_m: impl FnMut(f64) -> f64) -> Option<Touch> {
-    let mut fraction = 0.0;
-    let mut gap_m = f64::INFINITY;
+    let (mut fraction, mut gap_m) = (0.0_f64, f64::INFINITY);
+    // What is known to be free: up to here.
+    let mut free = 0.0_f64;
+    let mut ahead = 1.0;
     for _ in 0..STEPS {
-        gap_m = clearance_m(fraction);
-        if gap_m.is_nan() || path_m.is_nan() {
+        let at = (free + (ahead - 1.0) * (free - fraction)).min(1.0);
+        let gap = clearance_m(at);
+        if gap.is_nan() || path_m.is_nan() {
             return None;
         }
-        if gap_m <= touch_m {
-            return Some(Touch { fraction, gap_m });
+        let half = gap / path_m;
+        if at > free && at - half > free {
+            // Something may be between: back to what is sure.
+            ahead = 1.0;
+            continue;
         }
-        if fraction >= 1.0 || gap_m > path_m * (1.0 - fraction) {
+        if gap <= touch_m {
+            return Some(Touch { fraction: at, gap_m: gap });
+        }
+        if at >= 1.0 || gap > path_m * (1.0 - at) {
             return None;
         }
-        fraction = (fraction + gap_m / path_m).min(1.0);
+        let lost = if at > fraction && gap_m.is_finite() { (gap_m - gap) / (path_m * (at - fraction)) } else { 1.0 };
+        // As far as both sides still meet if the clearance goes on as it did; a little less, for its curvature.
+        ahead = (1.98 / (1.0 + lost.clamp(0.0, 1.0))).max(1.0);
+        (fraction, gap_m, free) = (at, gap, at + half);
     }
     Some(Touch { fraction, gap_m })
 }
@@ -179,7 +193,10 @@ mod tests {
             }
             if let Some((t, c)) = swept {
                 let gap = solver.closest(&body, &(start + (end - start) * t.fraction)).distance - radius;
-                assert!(gap <= 1e-8 * size, "{gap} {t:?} {c:?}");
+                // Clearance lost per metre of path: below a twentieth, 256 steps may not be enough.
+                let lost = (end - start).normalize().dot(&c.normal).abs();
+                let most = if lost > 0.05 { 2e-9 } else { 1e-4 };
+                assert!(gap <= most * size, "{gap} {t:?} {c:?}");
             }
         }
         assert!(touched > 10, "{touched}");
@@ -191,15 +208,14 @@ mod tests {
         let body = builtin("teardrop", None, None).unwrap();
         let mut solver = ClosestSolver::new(&body);
         let hinge = Point3::new(-0.2, 0.0, 0.05);
-        let (touch, contact) = plane(&body, &mut solver, [hinge; 2], [-Vector3::z(), Vector3::new(1.0, 0.0, -1.0)])
-            .map_or_else(
-                || {
-                    plane(&body, &mut solver, [hinge; 2], [Vector3::z(), -Vector3::z()])
-                        .expect("half a turn sweeps all")
-                },
-                |x| x,
-            );
-        assert!(touch.gap_m.abs() <= 1e-8 * body.size() || touch.fraction == 0.0, "{touch:?}");
+        // Its solid is below: from under the body, the other way round.
+        let start = Vector3::z();
+        let lowest = ClosestSolver::new(&body).deepest_along(&body, &-start).2;
+        let hinge = Point3::new(hinge.x, hinge.y, lowest.z - 0.01);
+        let end = Vector3::new(-1.0, 0.0, 0.2).normalize();
+        let (touch, contact) = plane(&body, &mut solver, [hinge; 2], [start, end]).expect("the turn sweeps the body");
+        assert!(touch.fraction > 0.0 && touch.fraction < 1.0, "{touch:?}");
+        assert!(touch.gap_m.abs() <= 1e-8 * body.size(), "{touch:?}");
         assert!((body.point(contact.u, contact.v) - contact.on_body).norm() < 1e-12);
     }
 

@@ -144,7 +144,10 @@ impl DepthSearch {
             self.keep(top, depth);
         }
         // What has kinks was climbed coarsely; now that there are few, exactly.
-        self.tops.sort_by(|a, b| b.height_m.total_cmp(&a.height_m));
+        self.tops.sort_unstable_by(|a, b| {
+            let place = a.at[0].total_cmp(&b.at[0]).then(a.at[1].total_cmp(&b.at[1]));
+            b.height_m.total_cmp(&a.height_m).then(place)
+        });
         self.tops.truncate(MAX_CONTACTS);
         for k in 0..self.tops.len().min(MOST_FINISHED) {
             if !self.tops[k].settled {

@@ -12,8 +12,8 @@ pub(crate) struct Patches {
     wraps: [bool; 2],
     /// (pieces): reached, and not yet part of a rectangle.
     open: Vec<bool>,
-    /// Pieces of the present set that are still to be looked around, with their unwrapped row and column.
-    front: Vec<(i32, i32)>,
+    /// Pieces of the present set that are still to be looked around: unwrapped row and column, and those in the grid.
+    front: Vec<([i32; 2], [i32; 2])>,
 }
 
 impl Patches {
@@ -43,26 +43,37 @@ impl Patches {
                 continue;
             }
             self.open[k] = false;
-            let start = (k as i32 / columns, k as i32 % columns);
-            let (mut low, mut high) = ([start.0, start.1], [start.0, start.1]);
+            let start = [k as i32 / columns, k as i32 % columns];
+            let (mut low, mut high) = (start, start);
             self.front.clear();
-            self.front.push(start);
-            while let Some((i, j)) = self.front.pop() {
-                (low, high) = ([low[0].min(i), low[1].min(j)], [high[0].max(i), high[1].max(j)]);
-                for (a, b) in (-1..=1).flat_map(|a| (-1..=1).map(move |b| (i + a, j + b))) {
-                    let outside = [a < 0 || a >= rows, b < 0 || b >= columns];
-                    if (outside[0] && !self.wraps[0]) || (outside[1] && !self.wraps[1]) {
-                        continue;
-                    }
-                    let piece = (a.rem_euclid(rows) * columns + b.rem_euclid(columns)) as usize;
-                    // Each piece enters once, so there is room.
-                    if self.open[piece] {
-                        self.open[piece] = false;
-                        self.front.push((a, b));
+            self.front.push((start, start));
+            while let Some((at, piece)) = self.front.pop() {
+                (low, high) = ([low[0].min(at[0]), low[1].min(at[1])], [high[0].max(at[0]), high[1].max(at[1])]);
+                for a in -1..=1 {
+                    let Some(row) = self.beside(0, piece[0] + a, rows) else { continue };
+                    for b in -1..=1 {
+                        let Some(column) = self.beside(1, piece[1] + b, columns) else { continue };
+                        // Each piece enters once, so there is room.
+                        let other = (row * columns + column) as usize;
+                        if self.open[other] {
+                            self.open[other] = false;
+                            self.front.push(([at[0] + a, at[1] + b], [row, column]));
+                        }
                     }
                 }
             }
             out.push_rectangle(Rectangle { u: self.range(0, low[0], high[0]), v: self.range(1, low[1], high[1]) });
+        }
+    }
+
+    /// A row or column at most one beyond the grid, inside it; `None` where the surface does not go on.
+    fn beside(&self, k: usize, x: i32, count: i32) -> Option<i32> {
+        if x >= 0 && x < count {
+            Some(x)
+        } else if self.wraps[k] {
+            Some(if x < 0 { count - 1 } else { 0 })
+        } else {
+            None
         }
     }
 

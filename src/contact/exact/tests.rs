@@ -270,14 +270,8 @@ fn cusp_without_a_tangent() {
 // Both faces of a lens 1e-6 thick are within the ball; only the one that faces the centre is touched.
 #[test]
 fn very_thin_body() {
-    let sphere = builtin("sphere", None, Some(1.0)).unwrap();
-    let mut points: Vec<Point3> = sphere.net().points().to_vec();
-    points.iter_mut().for_each(|p| p.z *= 1e-6);
-    let net = ControlNet::new(sphere.net().rows(), sphere.net().columns(), points).unwrap();
-    let lens =
-        Surface::new(sphere.knots_u().clone(), sphere.knots_v().clone(), net, sphere.weights().map(<[f64]>::to_vec))
-            .unwrap()
-            .with_flip_normal(sphere.flip_normal());
+    let mut lens = builtin("sphere", None, Some(1.0)).unwrap();
+    lens.net_mut().points_mut().iter_mut().for_each(|p| p.z *= 1e-6);
     let top = ClosestSolver::new(&lens).closest(&lens, &Point3::new(0.0, 0.0, 1.0)).point.z;
     for z in [1.0, -1.0] {
         let set = ball_on(&lens, Point3::new(0.1, 0.05, 0.2 * z), 0.25, &Reach::TOUCH);
@@ -289,7 +283,7 @@ fn very_thin_body() {
 
 #[test]
 fn coincident_control_points() {
-    // Three rows in one place: a double pole row, and a tangent that vanishes in the middle.
+    // Three rows in one place: a tangent that vanishes in the middle.
     let mut sheet = square();
     let columns = sheet.net().columns();
     for j in 0..columns {
@@ -340,7 +334,6 @@ fn open_edge_and_corner_are_touched_where_they_are() {
     assert!((set.deepest().unwrap().depth_m - 0.10).abs() < 1e-12, "{set:?}");
 }
 
-// A plane through the top and bottom of a torus that lies on its side: two places, as deep as each other.
 #[test]
 fn two_regions_of_equal_depth_are_both_found() {
     let sheet = square();

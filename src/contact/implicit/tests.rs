@@ -322,7 +322,7 @@ fn a_cylinder_lying_on_a_sheet_is_one_contact_and_two_balls_are_two() {
     let bar = ImplicitShape::Cylinder { radius_m: 0.1, half_length_m: None };
     let pose = Pose::from_parts(
         Vector3::new(0.0, 0.0, 0.08).into(),
-        Rotation::from_euler_angles(0.0, 1.570_796_326_794_896_6, 0.3),
+        Rotation::from_euler_angles(0.0, std::f64::consts::FRAC_PI_2, 0.3),
     );
     let set = touch(&sheet, &bar, &pose, &Reach::TOUCH);
     assert_eq!(set.contacts().len(), 1, "{set:?}");

@@ -115,7 +115,9 @@ impl MeshSolver {
     ) {
         self.corners.clear();
         self.depths.fill(f64::NEG_INFINITY);
-        let (low, high) = bounds(surface, reach.margin_m);
+        // A sheet has no inside to be in the box of: a vertex may be as far behind it as the mesh is large.
+        let behind_m = if self.closed { 0.0 } else { tool.size_m };
+        let (low, high) = bounds(surface, reach.margin_m + behind_m);
         let gap = |solver: &mut ClosestSolver, p: &Point3| reach.side() * solver.closest(surface, p).signed_distance;
         let mut queries = 0;
         let mut complete = true;
@@ -192,10 +194,9 @@ fn corner(foot: &ClosestPoint, p: &Point3, side: f64, closed: bool) -> Option<Co
 }
 
 /// Box of the net, grown.
-fn bounds(surface: &Surface, margin_m: f64) -> (Point3, Point3) {
+fn bounds(surface: &Surface, grow_m: f64) -> (Point3, Point3) {
     let points = surface.net().points();
     let (low, high) = points.iter().fold((points[0], points[0]), |(l, h), p| (l.inf(p), h.sup(p)));
-    // Vertices may be pushed right through a sheet, which is flat: as far as it is wide.
-    let reach = Vector3::repeat(margin_m + 1e-9 * (high - low).norm());
+    let reach = Vector3::repeat(grow_m + 1e-9 * (high - low).norm());
     (low - reach, high + reach)
 }

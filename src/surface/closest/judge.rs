@@ -4,14 +4,14 @@ use super::newton::{Descent, Evaluate, OnPieces, Place, descend};
 use super::objective::Objective;
 use super::other_end;
 use super::side::{SAME, Site, sides};
-use crate::surface::bezier::{Direction, Joint};
+use crate::surface::bezier::{BezierPieces, Direction, Joint};
 
 /// How far around a place that the Hessian does not decide values are looked at, in spans.
 const AROUND: [f64; 2] = [1e-3, 1e-5];
 /// Meridians out of a pole that are looked at, per span.
 const MERIDIANS: usize = 4;
 /// Squares of tangents below this share of the squared size are rounding: the edge is collapsed.
-pub(super) const COLLAPSED: f64 = 1e-24;
+const COLLAPSED: f64 = 1e-24;
 /// Points looked at between two places: these twelfths of the way, far ones first.
 const WAY: [f64; 11] = [6.0, 3.0, 9.0, 1.0, 11.0, 2.0, 10.0, 4.0, 8.0, 5.0, 7.0];
 /// Slopes are told from rounding when they are this many times larger, which is 1e-7 of the size for a squared distance
@@ -220,4 +220,25 @@ fn within(d: &Direction, x: f64) -> f64 {
         x
     })
     .clamp(start, end)
+}
+
+/// The edges of the domain on which a place is, of u and of v: 0, 1 at start and end of u, 2, 3 of v.
+pub(super) fn ends(pieces: &BezierPieces, at: &Place) -> [Option<usize>; 2] {
+    let end = |d: &Direction, x: f64, first: usize| {
+        if d.periodic {
+            None
+        } else if x <= d.domain.0 {
+            Some(first)
+        } else {
+            (x >= d.domain.1).then_some(first + 1)
+        }
+    };
+    [end(&pieces.u, at.u, 0), end(&pieces.v, at.v, 2)]
+}
+
+/// The edge of the domain that is collapsed to the point where a descent ended.
+pub(super) fn pole_at(pieces: &BezierPieces, found: &Descent, size_m: f64) -> Option<usize> {
+    let collapsed = |across: usize| found.jet.metric[across] <= COLLAPSED * size_m * size_m;
+    let [u, v] = ends(pieces, &found.place);
+    u.filter(|_| collapsed(1)).or(v.filter(|_| collapsed(0)))
 }

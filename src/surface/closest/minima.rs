@@ -11,7 +11,7 @@
 //! count as equal, and after a few thousand more the search stops and says so.
 
 use super::bernstein::MAX_ORDER;
-use super::judge::{COLLAPSED, Judge, steep};
+use super::judge::{Judge, ends, pole_at, steep};
 use super::newton::{Descent, OnPieces, Place, descend_between};
 use super::objective::{Along, Distance, Objective, Tables};
 use super::search::{Part, Search, TOLERANCE};
@@ -222,8 +222,11 @@ impl Minima {
         let (low, high) = (part.place(pieces, 0.0, 0.0), part.place(pieces, 1.0, 1.0));
         let mut eval = OnPieces { pieces, surface: hunt.surface };
         let start = part.place(eval.pieces, s, t);
-        let found = descend_between(&mut eval, hunt.objective, start, [low.u, low.v], [high.u, high.v]);
         // Every piece around a pole leads to it; it is the same place.
+        if ends(eval.pieces, &start).into_iter().flatten().any(|edge| self.judged[edge]) {
+            return;
+        }
+        let found = descend_between(&mut eval, hunt.objective, start, [low.u, low.v], [high.u, high.v]);
         if let Some(edge) = pole_at(eval.pieces, &found, hunt.size_m)
             && std::mem::replace(&mut self.judged[edge], true)
         {
@@ -293,16 +296,6 @@ fn borders(pieces: &BezierPieces, part: &Part) -> [[bool; 2]; 2] {
         [part.s[0] == 0.0 && a.before != Joint::Smooth, part.s[1] == 1.0 && a.after != Joint::Smooth],
         [part.t[0] == 0.0 && b.before != Joint::Smooth, part.t[1] == 1.0 && b.after != Joint::Smooth],
     ]
-}
-
-/// The edge of the domain that is collapsed to the point where a descent ended.
-fn pole_at(pieces: &BezierPieces, found: &Descent, size_m: f64) -> Option<usize> {
-    let (du, dv) = (&pieces.u, &pieces.v);
-    [(du, found.place.u, 1), (dv, found.place.v, 0)].into_iter().enumerate().find_map(|(k, (d, x, across))| {
-        let at_end = !d.periodic && (x <= d.domain.0 || x >= d.domain.1);
-        let collapsed = found.jet.metric[across] <= COLLAPSED * size_m * size_m;
-        (at_end && collapsed).then(|| 2 * k + usize::from(x >= d.domain.1))
-    })
 }
 
 /// Held at an edge behind which the smooth surface goes on downwards: a neighbour's affair.

@@ -250,14 +250,16 @@ impl Objective for Along {
         sum
     }
 
+    #[inline(always)]
     fn form(&self, pieces: &BezierPieces, piece: usize, _: &Tables, a: &mut [f64], w: &mut [f64]) -> f64 {
         let mut largest: f64 = 0.0;
-        for (k, x) in pieces.points(piece).iter().enumerate() {
-            a[k] = self.value(x[0], x[1], x[2]);
-            largest = largest.max(a[k].abs());
-            if pieces.is_rational() {
-                w[k] = x[3];
-            }
+        let points = pieces.points(piece);
+        for (a, x) in a.iter_mut().zip(points) {
+            *a = self.value(x[0], x[1], x[2]);
+            largest = if a.abs() > largest { a.abs() } else { largest };
+        }
+        if pieces.is_rational() {
+            w.iter_mut().zip(points).for_each(|(w, x)| *w = x[3]);
         }
         8.0 * f64::EPSILON * largest
     }
