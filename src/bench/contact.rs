@@ -66,6 +66,9 @@ pub fn contact(effort: Effort, only: Option<&str>, out: &mut dyn FnMut(Row)) {
             }
         }
     }
+    if wanted("curves/8x8") {
+        suite.curves("curves/8x8", &body(8), &tool(8));
+    }
     if wanted("self/sausage") {
         suite.sausage("self/sausage");
     }

@@ -36,6 +36,38 @@ impl Suite<'_> {
         self.report(case, "exact", false, &result);
     }
 
+    /// Where a body and the ball-shaped tool cross, chords within a micrometre. The error is how far the points are from the
+    /// ball, whose radius is known; they are points of the body's surface by its own evaluation.
+    pub(super) fn curves(&mut self, case: &str, body: &Surface, tool: &Surface) {
+        let n = self.count(400);
+        let poses = poses(body, n, 4e-3);
+        let (mut of_body, mut of_tool) = (ClosestSolver::new(body), ClosestSolver::new(tool));
+        let mut pair = PairSolver::new(body, tool);
+        let known: Vec<(usize, f64)> = (0..n).map(|k| (k, 0.0)).collect();
+        let result = self.measure(n, &known, |k| {
+            let placed = tool.transformed(&poses[k]);
+            let (time, curves) = clocked(|| {
+                of_body.net_changed();
+                of_tool.net_changed();
+                let sides = (
+                    PairSide { surface: body, solver: &mut of_body },
+                    PairSide { surface: &placed, solver: &mut of_tool },
+                );
+                pair.curves(sides.0, sides.1, 1e-6)
+            });
+            let centre = Point3::from(poses[k].translation.vector);
+            let points = curves.iter().flat_map(|curve| &curve.points);
+            let miss = points.map(|p| {
+                let off_ball = ((p.point - centre).norm() - TOOL_RADIUS_M).abs();
+                off_ball.max((p.point - body.point(p.u, p.v)).norm())
+            });
+            // No curve at all would be a miss of any size: at these depths all poses cross.
+            let miss = if curves.is_empty() { f64::INFINITY } else { miss.fold(0.0, f64::max) };
+            (time, Some(miss))
+        });
+        self.report(case, "exact", false, &result);
+    }
+
     /// A folded sausage that passes through itself.
     pub(super) fn sausage(&mut self, case: &str) {
         let n = self.count(2_000);

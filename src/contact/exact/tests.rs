@@ -283,7 +283,7 @@ fn very_thin_body() {
 
 #[test]
 fn coincident_control_points() {
-    // Three rows in one place: a double pole row, and a tangent that vanishes in the middle.
+    // Three rows in one place: a tangent that vanishes in the middle.
     let mut sheet = square();
     let columns = sheet.net().columns();
     for j in 0..columns {
@@ -334,7 +334,6 @@ fn open_edge_and_corner_are_touched_where_they_are() {
     assert!((set.deepest().unwrap().depth_m - 0.10).abs() < 1e-12, "{set:?}");
 }
 
-// A plane through the top and bottom of a torus that lies on its side: two places, as deep as each other.
 #[test]
 fn two_regions_of_equal_depth_are_both_found() {
     let sheet = square();

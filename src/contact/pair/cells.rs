@@ -1,7 +1,7 @@
 //! A surface as a grid of cells: equal parts of its Bézier pieces, with boxes, cones of normals and shared vertices.
 
 use super::cone::Cone;
-use crate::basis::MAX_DEGREE;
+use super::restriction::{MOST_POINTS, restrict, restriction};
 use crate::math::Point3;
 use crate::surface::bezier::Joint;
 use crate::surface::{BezierPieces, Surface};
@@ -9,8 +9,6 @@ use crate::surface::{BezierPieces, Surface};
 /// Cells in one direction, at least: a closed curve of ten cells turns by 36° in each, so cones are narrow enough to tell
 /// facing from crossing parts, and feet of neighbouring vertices are alike.
 const LEAST_CELLS: usize = 10;
-
-const MOST_POINTS: usize = (MAX_DEGREE + 1) * (MAX_DEGREE + 1);
 
 /// Least and greatest corner.
 #[derive(Clone, Copy, Debug)]
@@ -39,6 +37,20 @@ impl Block {
     pub fn diagonal(&self) -> f64 {
         let d: f64 = (0..3).map(|c| (self.high[c] - self.low[c]) * (self.high[c] - self.low[c])).sum();
         d.sqrt()
+    }
+}
+
+/// A cell's piece, and the matrices that restrict it to the cell.
+struct Parts<'a> {
+    piece: usize,
+    u: &'a [f64],
+    v: &'a [f64],
+}
+
+impl Parts<'_> {
+    #[inline(always)]
+    fn piece_of<'b>(&self, pieces: &'b BezierPieces) -> &'b [[f64; 4]] {
+        pieces.points(self.piece)
     }
 }
 
@@ -255,19 +267,49 @@ impl Cells {
         !self.closed && (one(0, u) || one(1, v))
     }
 
+    /// Which piece a cell is a part of, and how.
+    #[inline(always)]
+    fn parts_of(&self, cell: usize) -> Parts<'_> {
+        let (i, j) = (cell / self.counts[1], cell % self.counts[1]);
+        let (n, m) = (self.degree[0] + 1, self.degree[1] + 1);
+        Parts {
+            piece: i / self.per[0] * self.spans[1] + j / self.per[1],
+            u: &self.parts[0][i % self.per[0] * n * n..],
+            v: &self.parts[1][j % self.per[1] * m * m..],
+        }
+    }
+
+    /// Adds the homogeneous Bézier points of a cell, `(p + 1) × (q + 1)`, u-major.
+    pub fn points_of(&self, pieces: &BezierPieces, cell: usize, out: &mut Vec<[f64; 4]>) {
+        let (n, m) = (self.degree[0] + 1, self.degree[1] + 1);
+        let parts = self.parts_of(cell);
+        restrict(parts.piece_of(pieces), parts.u, parts.v, n, m, self.per == [1, 1], |_, x| out.push(*x));
+    }
+
+    /// Degrees in u and v.
+    pub fn degrees(&self) -> [usize; 2] {
+        self.degree
+    }
+
+    /// Parameters of creases and of ends that knots do not join.
+    pub fn walls(&self, d: usize) -> &[f64] {
+        &self.walls[d]
+    }
+
     /// Makes sure that the box and cone of a cell are those of the present net.
     pub fn look(&mut self, surface: &Surface, pieces: &BezierPieces, cell: usize) {
         if self.known[cell] {
             return;
         }
         self.known[cell] = true;
-        let (i, j) = (cell / self.counts[1], cell % self.counts[1]);
         let (p, q) = (self.degree[0], self.degree[1]);
-        let piece = i / self.per[0] * self.spans[1] + j / self.per[1];
         let (n, m) = (p + 1, q + 1);
-        let (u, v) = (&self.parts[0][i % self.per[0] * n * n..], &self.parts[1][j % self.per[1] * m * m..]);
         let mut points = [[0.0; 3]; MOST_POINTS];
-        restrict(pieces.points(piece), u, v, n, m, pieces.is_rational(), self.per == [1, 1], &mut points);
+        let parts = self.parts_of(cell);
+        restrict(parts.piece_of(pieces), parts.u, parts.v, n, m, self.per == [1, 1], |k, y| {
+            let scale = if pieces.is_rational() { 1.0 / y[3] } else { 1.0 };
+            points[k] = [y[0] * scale, y[1] * scale, y[2] * scale];
+        });
         let mut block = Block::EMPTY;
         for x in &points[..n * m] {
             for c in 0..3 {
@@ -278,70 +320,6 @@ impl Cells {
         self.boxes[cell] = block;
         self.cones[cell] = Cone::of_normals(&points[..n * m], p, q, surface.flip_normal(), pieces.is_rational());
     }
-}
-
-/// Points of a part, projected.
-#[inline(always)]
-fn restrict(
-    piece: &[[f64; 4]],
-    u: &[f64],
-    v: &[f64],
-    n: usize,
-    m: usize,
-    rational: bool,
-    whole: bool,
-    out: &mut [[f64; 3]; MOST_POINTS],
-) {
-    let mut rows = [[0.0; 4]; MOST_POINTS];
-    if whole {
-        rows[..n * m].copy_from_slice(&piece[..n * m]);
-    } else {
-        let mut half = [[0.0; 4]; MOST_POINTS];
-        for k in 0..n {
-            for a in 0..n {
-                let share = u[k * n + a];
-                for l in 0..m {
-                    for c in 0..4 {
-                        half[k * m + l][c] += share * piece[a * m + l][c];
-                    }
-                }
-            }
-        }
-        for k in 0..n {
-            for l in 0..m {
-                for b in 0..m {
-                    let share = v[l * m + b];
-                    for c in 0..4 {
-                        rows[k * m + l][c] += share * half[k * m + b][c];
-                    }
-                }
-            }
-        }
-    }
-    for (x, y) in out.iter_mut().zip(&rows).take(n * m) {
-        let scale = if rational { 1.0 / y[3] } else { 1.0 };
-        *x = [y[0] * scale, y[1] * scale, y[2] * scale];
-    }
-}
-
-/// The matrix, row by row, that gives the Bézier points of [a, b] from those of [0, 1]: blossoms at (a … a, b … b).
-fn restriction(p: usize, a: f64, b: f64) -> Vec<f64> {
-    let n = p + 1;
-    let mut out = vec![0.0; n * n];
-    for k in 0..n {
-        for l in 0..n {
-            let mut x = vec![0.0; n];
-            x[l] = 1.0;
-            for r in 0..p {
-                let t = if r < p - k { a } else { b };
-                for i in 0..p - r {
-                    x[i] = (1.0 - t) * x[i] + t * x[i + 1];
-                }
-            }
-            out[k * n + l] = x[0];
-        }
-    }
-    out
 }
 
 /// The shortest range that holds all that are taken; around the end where ends meet.

@@ -5,6 +5,7 @@
 //! facing    near cells whose cones of normals face: Newton in four unknowns to every stationary pair
 //! regions   vertices of cells below the other surface, joined; from the highest, and from the facing pairs, climbs to the
 //!           deepest place of each region, whose foot is certified
+//! curves    where the surfaces cross, as polylines; only when asked for
 //! ```
 //! A region is a connected part of either surface inside the other solid; its contact is its point farthest from the other
 //! surface. Shallow regions of the two surfaces share their deepest pair: it is given once. Depths are certified (the
@@ -13,13 +14,17 @@
 
 pub(super) mod cells;
 mod cone;
+mod curves;
 pub(super) mod depth;
 pub(super) mod facing;
 mod regions;
+mod restriction;
 #[cfg(test)]
 mod tests;
 mod tops;
 mod touch;
+
+pub use self::curves::{CurvePoint, IntersectionCurve};
 
 use self::cells::Cells;
 use self::depth::Below;
