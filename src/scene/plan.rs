@@ -1,7 +1,8 @@
 //! The compiled plan: what a tick of this scene does and holds, and nothing else.
 
-use super::{BodyModel, Scene};
-use crate::contact::rows::MAX_ROWS;
+use super::{BodyModel, Method, Pair, Scene};
+use crate::contact::ToolShape;
+use crate::contact::rows::{Holder, MAX_ROWS};
 use serde::Serialize;
 use std::fmt;
 
@@ -108,8 +109,25 @@ pub struct BufferPlan {
 /// 3 GHz x86-64 core.
 const SPRING_US: f64 = 0.006;
 const NON_ZERO_US: f64 = 0.0022;
-/// A local closest-point query with its rows.
-const QUERY_US: f64 = 5.0;
+/// Contacts of a pair in touch, µs: medians of `palpate bench contact`.
+fn query_us(scene: &Scene, pair: &Pair) -> f64 {
+    let two_surfaces = 300.0;
+    let exact = match pair.holder {
+        Holder::Body(_) => two_surfaces,
+        Holder::Tool(t) => match &scene.tools[t as usize].shape {
+            ToolShape::Point | ToolShape::Sphere { .. } => 10.0,
+            ToolShape::Plane { .. } => 15.0,
+            ToolShape::Implicit { .. } => 250.0,
+            ToolShape::Mesh(_) => 2_000.0,
+            ToolShape::Surface(_) => two_surfaces,
+        },
+    };
+    match pair.method {
+        Method::Exact => exact,
+        // Points of one surface or of two.
+        Method::Spheres([u, v]) => (u * v) as f64 * if exact == two_surfaces { 0.15 } else { 0.015 },
+    }
+}
 
 impl Scene {
     /// The plan this scene compiled to.
@@ -118,7 +136,7 @@ impl Scene {
         let mut buffers = Vec::new();
         for pair in &self.pairs {
             let stage = format!("render {} on {}", self.holder_id(pair), self.bodies[pair.body].id);
-            stages.push(StagePlan { stage, predicted_us: QUERY_US, measured_us: None });
+            stages.push(StagePlan { stage, predicted_us: query_us(self, pair), measured_us: None });
         }
         if !self.pairs.is_empty() {
             let bytes = MAX_ROWS * MAX_ROWS * size_of::<f64>();
@@ -172,9 +190,11 @@ impl Scene {
                 .map(|pair| PairPlan {
                     tool: self.holder_id(pair).to_owned(),
                     body: self.bodies[pair.body].id.clone(),
-                    method: match self.bodies[pair.body].model {
-                        BodyModel::Rigid => "exact",
-                        BodyModel::Lattice(_) => "exact foot and samples, on the body's compliance",
+                    method: match (pair.method, &self.bodies[pair.body].model) {
+                        (Method::Exact, BodyModel::Rigid) => "exact",
+                        (Method::Exact, BodyModel::Lattice(_)) => "exact feet and samples, on the body's compliance",
+                        (Method::Spheres(_), BodyModel::Rigid) => "spheres",
+                        (Method::Spheres(_), BodyModel::Lattice(_)) => "spheres and samples, on the body's compliance",
                     },
                 })
                 .collect(),
