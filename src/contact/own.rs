@@ -29,6 +29,8 @@ pub struct SelfSolver {
     cells: Cells,
     other: ClosestSolver,
     stack: Vec<([f64; 4], u32)>,
+    /// (cells): by their low side.
+    order: Vec<u32>,
 }
 
 impl SelfSolver {
@@ -36,7 +38,8 @@ impl SelfSolver {
     pub fn new(surface: &Surface) -> Self {
         let mut other = ClosestSolver::new(surface);
         let cells = Cells::new(surface, other.pieces(surface));
-        Self { cells, other, stack: Vec::with_capacity(4 * DEEPEST as usize + 8) }
+        let order = Vec::with_capacity(cells.cell_count());
+        Self { cells, other, stack: Vec::with_capacity(4 * DEEPEST as usize + 8), order }
     }
 
     /// Places where the surface penetrates itself, each with the greatest depth around, deepest first; and gaps up to
@@ -71,15 +74,41 @@ impl SelfSolver {
         let deepest_m = deepest_m.clamp(0.0, DEEPEST_FOLD * size_m);
         let reach_m = margin_m.max(deepest_m);
         let limits = [margin_m, deepest_m, size_m];
+        // Along the longest side only cells whose shadows meet are compared.
+        let whole = &self.cells.whole;
+        let axis =
+            (0..3).fold(
+                0,
+                |best, c| {
+                    if whole.high[c] - whole.low[c] > whole.high[best] - whole.low[best] { c } else { best }
+                },
+            );
+        let cells = &self.cells;
+        self.order.clear();
+        self.order.extend(0..n as u32);
+        self.order.sort_unstable_by(|&x, &y| {
+            let low = |cell: u32| cells.box_of(cell as usize).low[axis];
+            low(x).total_cmp(&low(y)).then(x.cmp(&y))
+        });
         let mut tried = 0;
-        for x in 0..n {
-            for y in x + 1..n {
-                let near = self.cells.box_of(x).meets(self.cells.box_of(y), reach_m);
-                if !near || !self.cells.cone_of(x).may_face(self.cells.cone_of(y)) || self.adjacent(x, y) {
+        for k in 0..n {
+            for l in k + 1..n {
+                let (x, y) = (self.order[k] as usize, self.order[l] as usize);
+                let (first, second) = (self.cells.box_of(x), self.cells.box_of(y));
+                if second.low[axis] - reach_m > first.high[axis] {
+                    break;
+                }
+                // The lower number first: which of a pair is called the body does not depend on where they lie.
+                let (x, y) = (x.min(y), x.max(y));
+                if !first.meets(second, reach_m)
+                    || !self.cells.cone_of(x).may_face(self.cells.cone_of(y))
+                    || self.adjacent(x, y)
+                {
                     continue;
                 }
                 tried += 1;
                 if tried > MOST_PAIRS {
+                    out.note_dropped();
                     return;
                 }
                 let mut a = Half { surface, solver };
