@@ -179,7 +179,7 @@ mod tests {
             for k in 0..3 {
                 let (from, to) = (t[k], t[(k + 1) % 3]);
                 let m = crate::math::Matrix3::from_columns(&[from - to, s[1] - s[0], s[2] - s[0]]);
-                let Some(inverse) = m.try_inverse() else { return None };
+                let inverse = m.try_inverse()?;
                 let x = inverse * (from - s[0]);
                 let slack = [x[0], 1.0 - x[0], x[1], x[2], 1.0 - x[1] - x[2]].into_iter().fold(f64::INFINITY, f64::min);
                 found |= slack > 0.0;
