@@ -17,6 +17,8 @@ mod cone;
 mod curves;
 pub(super) mod depth;
 pub(super) mod facing;
+#[cfg(test)]
+mod hard_cases;
 mod regions;
 mod restriction;
 #[cfg(test)]

@@ -196,7 +196,7 @@ fn scaled(surface: &Surface, scale: f64) -> Surface {
     scaled
 }
 
-fn overlap(body: &Surface, tool: &Surface) -> bool {
+pub(super) fn overlap(body: &Surface, tool: &Surface) -> bool {
     let (mut a, mut b) = (ClosestSolver::new(body), ClosestSolver::new(tool));
     PairSolver::new(body, tool)
         .overlap(PairSide { surface: body, solver: &mut a }, PairSide { surface: tool, solver: &mut b })

@@ -9,8 +9,10 @@ const GAP: f64 = 1e-12;
 const STEPS: usize = 14;
 /// Normals whose cross product is shorter give no direction.
 const TANGENT: f64 = 1e-9;
-/// Newton's steps for all curves of one call: some ten milliseconds.
-const MOST_WORK: usize = 40_000;
+/// Newton's steps of one call that lead nowhere new: about ten milliseconds.
+const MOST_WORK: usize = 16_000;
+/// A certified foot costs as much as so many steps.
+const FOOT_WORK: usize = 20;
 
 /// A place on both surfaces.
 #[derive(Clone, Copy, Debug)]
@@ -56,6 +58,15 @@ impl<'a> Joined<'a> {
     /// Nothing more is to be tried.
     pub fn spent(&self) -> bool {
         self.work >= MOST_WORK
+    }
+
+    /// What was done since `before` has brought a curve forward.
+    pub fn earned(&mut self, before: usize) {
+        self.work = self.work.min(before);
+    }
+
+    pub fn work(&self) -> usize {
+        self.work
     }
 
     pub fn frame(&mut self, side: usize, at: [f64; 4]) -> Frame {
@@ -197,6 +208,7 @@ impl<'a> Joined<'a> {
             let target = frame.point + step;
             let foot = self.solvers[side].near_from(self.surfaces[side], &target, x[0], x[1]).at;
             let near = foot.distance <= 0.1 * step.norm();
+            self.work += if near { FOOT_WORK / 8 } else { FOOT_WORK };
             let foot = if near { foot } else { self.solvers[side].closest(self.surfaces[side], &target) };
             (at[2 * side], at[2 * side + 1]) = (foot.u, foot.v);
             return None;

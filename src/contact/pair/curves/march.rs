@@ -35,6 +35,7 @@ pub(super) fn march(joined: &mut Joined<'_>, start: &Place, sense: f64, toleranc
         if !goes {
             return (places, End::Lost);
         }
+        let before = joined.work();
         let target = here.point + here.way * (sense * h);
         match joined.correct(here.at, &target, &here.way) {
             Ok(next) => {
@@ -45,6 +46,7 @@ pub(super) fn march(joined: &mut Joined<'_>, start: &Place, sense: f64, toleranc
                         return (places, End::Closed);
                     }
                     places.push(next);
+                    joined.earned(before);
                     // Half of what is allowed, next time.
                     let growth = (0.25 * tolerance_m / missed_m.max(1e-3 * tolerance_m)).sqrt();
                     h *= growth.clamp(0.5, 2.0);

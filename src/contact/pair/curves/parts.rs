@@ -1,5 +1,6 @@
 //! Parts of Bézier curves and sheets, and what their points bound.
 
+use super::super::cells::Block;
 use super::super::cone::Cone;
 use crate::math::Vector3;
 
@@ -14,11 +15,27 @@ pub(super) struct Part {
     pub depth: u32,
 }
 
+/// Points in space.
+pub(super) fn projected(points: &[[f64; 4]]) -> Vec<[f64; 3]> {
+    points.iter().map(|x| [x[0] / x[3], x[1] / x[3], x[2] / x[3]]).collect()
+}
+
+pub(super) fn boxed(points: &[[f64; 3]]) -> Block {
+    let mut block = Block::EMPTY;
+    for x in points {
+        for c in 0..3 {
+            block.low[c] = if x[c] < block.low[c] { x[c] } else { block.low[c] };
+            block.high[c] = if x[c] > block.high[c] { x[c] } else { block.high[c] };
+        }
+    }
+    block
+}
+
 /// Least and greatest extent along an axis.
-pub(super) fn range(points: &[[f64; 4]], axis: &Vector3) -> [f64; 2] {
+pub(super) fn range(points: &[[f64; 3]], axis: &Vector3) -> [f64; 2] {
     let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
     for p in points {
-        let x = (p[0] * axis.x + p[1] * axis.y + p[2] * axis.z) / p[3];
+        let x = p[0] * axis.x + p[1] * axis.y + p[2] * axis.z;
         low = if x < low { x } else { low };
         high = if x > high { x } else { high };
     }
@@ -29,18 +46,12 @@ pub(super) fn parted(a: [f64; 2], b: [f64; 2], margin: f64) -> bool {
     a[0] - margin > b[1] || b[0] - margin > a[1]
 }
 
-/// Normals of a sheet.
-pub(super) fn projected(sheet: &[[f64; 4]], [p, q]: [usize; 2], rational: bool) -> Cone {
-    let flat: Vec<[f64; 3]> = sheet.iter().map(|x| [x[0] / x[3], x[1] / x[3], x[2] / x[3]]).collect();
-    Cone::of_normals(&flat, p, q, false, rational)
-}
-
 /// All of a curve's tangents lead through the planes whose normals are in a cone, the same way.
-pub(super) fn passes_once(curve: &[[f64; 4]], cone: &Cone) -> bool {
+pub(super) fn passes_once(curve: &[[f64; 3]], cone: &Cone) -> bool {
     if cone.cos < 0.0 {
         return false;
     }
-    let at = |x: &[f64; 4]| Vector3::new(x[0] / x[3], x[1] / x[3], x[2] / x[3]);
+    let at = |x: &[f64; 3]| Vector3::new(x[0], x[1], x[2]);
     let mut sense = 0.0;
     curve.windows(2).all(|w| {
         let step = at(&w[1]) - at(&w[0]);

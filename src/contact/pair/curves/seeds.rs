@@ -7,7 +7,7 @@ use super::super::cells::Cells;
 use super::super::cone::Cone;
 use super::super::facing::{Half, face};
 use super::join::Joined;
-use super::parts::{Part, halves, parted, passes_once, projected, range};
+use super::parts::{Part, boxed, halves, parted, passes_once, projected, range};
 use crate::math::Vector3;
 
 /// Pairs of cells that may cross.
@@ -15,12 +15,12 @@ const MOST_PAIRS: usize = 1 << 14;
 /// Parts of one line against one cell looked at, first and when all lines have had their turn; and of all lines.
 const FIRST_PARTS: usize = 40;
 const MOST_PARTS: usize = 400;
-const ALL_PARTS: usize = 12_000;
+const ALL_PARTS: usize = 6_000;
 /// Halvings after which Newton's method is believed without proof that there is one crossing only.
 const TRUSTED: u32 = 9;
 const DEEPEST: u32 = 21;
 /// Stationary pairs that loops are looked for around.
-const MOST_STATIONARY: usize = 128;
+const MOST_STATIONARY: usize = 48;
 /// Halvings of the distance that lines from a stationary pair are followed to: a loop may be a millionth of a cell.
 const RAY_STEPS: i32 = 20;
 
@@ -48,12 +48,18 @@ struct Points {
     /// First point of each cell.
     first: Vec<usize>,
     all: Vec<[f64; 4]>,
+    /// The same, projected.
+    flat: Vec<[f64; 3]>,
     size: usize,
 }
 
 impl Points {
     fn of(&self, cell: usize) -> &[[f64; 4]] {
         &self.all[self.first[cell]..self.first[cell] + self.size]
+    }
+
+    fn flat(&self, cell: usize) -> &[[f64; 3]] {
+        &self.flat[self.first[cell]..self.first[cell] + self.size]
     }
 }
 
@@ -62,13 +68,15 @@ pub(super) fn seeds(joined: &mut Joined<'_>) -> Vec<Seed> {
     let points = [0, 1].map(|side| {
         let cells = joined.cells[side];
         let [p, q] = cells.degrees();
-        let mut points = Points { first: vec![0; cells.cell_count()], all: vec![], size: (p + 1) * (q + 1) };
+        let mut points =
+            Points { first: vec![0; cells.cell_count()], all: vec![], flat: vec![], size: (p + 1) * (q + 1) };
         for cell in 0..cells.cell_count() {
             if cells.touched[cell] {
                 points.first[cell] = points.all.len();
                 cells.points_of(joined.solvers[side].pieces_now(), cell, &mut points.all);
             }
         }
+        points.flat = projected(&points.all);
         points
     });
     let pairs = near(joined, &points);
@@ -90,7 +98,7 @@ fn near(joined: &Joined<'_>, points: &[Points; 2]) -> Vec<(usize, usize)> {
             if !a.box_of(x).meets(b.box_of(y), margin) {
                 continue;
             }
-            let (p, q) = (points[0].of(x), points[1].of(y));
+            let (p, q) = (points[0].flat(x), points[1].flat(y));
             let part = |axis: &Vector3| parted(range(p, axis), range(q, axis), margin);
             if !part(&a.cone_of(x).axis) && !part(&b.cone_of(y).axis) && pairs.len() < MOST_PAIRS {
                 pairs.push((x, y));
@@ -189,8 +197,8 @@ fn halve(
     let mut stack = vec![start];
     let mut looked = 0;
     while let Some(part) = stack.pop() {
-        let axes = [Vector3::x(), Vector3::y(), Vector3::z()];
-        if axes.iter().any(|axis| parted(range(&part.curve, axis), range(&part.sheet, axis), margin)) {
+        let (curve, sheet) = (projected(&part.curve), projected(&part.sheet));
+        if !boxed(&curve).meets(&boxed(&sheet), margin) {
             continue;
         }
         looked += 1;
@@ -198,11 +206,11 @@ fn halve(
             return false;
         }
         *left -= 1;
-        let cone = projected(&part.sheet, degrees, rational);
-        if parted(range(&part.curve, &cone.axis), range(&part.sheet, &cone.axis), margin) {
+        let cone = Cone::of_normals(&sheet, degrees[0], degrees[1], false, rational);
+        if parted(range(&curve, &cone.axis), range(&sheet, &cone.axis), margin) {
             continue;
         }
-        let proved = passes_once(&part.curve, &cone);
+        let proved = passes_once(&curve, &cone);
         if (proved || part.depth >= TRUSTED)
             && let Some(at) = newton(joined, line, &part)
         {
