@@ -3,7 +3,7 @@
 use super::state::BodyScratch;
 use super::{Method, Pair, Scene};
 use crate::contact::exact::{self, ExactScratch};
-use crate::contact::own::SelfSolver;
+use crate::contact::own::{SelfSolver, TICK_FOLD};
 use crate::contact::pair::{PairSide, PairSolver};
 use crate::contact::rows::{DeformingView, Facing, Holder, SampleInTouch};
 use crate::contact::spheres::{Counters, Spheres, SpheresPair};
@@ -197,7 +197,8 @@ impl PairScratch {
     /// Contacts of a body with itself.
     pub fn own_contacts(&mut self, parts: &mut BodyScratch, reach: Reach) {
         if let Narrow::Own(solver) = &mut self.narrow {
-            solver.contacts(&parts.surface, &mut parts.solver, reach, &mut self.set);
+            let deepest_fold_m = TICK_FOLD * parts.surface.size();
+            solver.contacts(&parts.surface, &mut parts.solver, reach, deepest_fold_m, &mut self.set);
         }
     }
 
