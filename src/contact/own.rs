@@ -5,21 +5,28 @@
 //! once, none in a gap. The winding number is the solid angle the surface fills, in triangles that shrink towards the
 //! point (Van Oosterom & Strackee 1983), which gives it to a small fraction of one.
 
-use super::pair::cells::Cells;
+#[cfg(test)]
+mod tests;
+
+use super::pair::cells::{Block, Cells};
+use super::pair::cone::Cone;
 use super::pair::depth::{Sounding, jet};
 use super::pair::facing::{Half, face};
 use super::pair::usable;
 use super::{Contact, ContactSet, Reach, Rectangle};
-use crate::math::Point3;
+use crate::basis::MAX_DEGREE;
+use crate::math::{Point3, Vector3};
 use crate::surface::closest::Foot;
-use crate::surface::{ClosestPoint, ClosestSolver, Frame, Surface};
+use crate::surface::{BezierPieces, ClosestPoint, ClosestSolver, Frame, Surface};
 
 /// Parts looked at for one winding number.
 const MOST_PARTS: usize = 20_000;
 /// Halvings of a part in each direction: 2⁻²⁶ of a cell is about rounding of a difference of squares.
 const DEEPEST: u32 = 26;
-/// Deepest fold that can be looked for, relative to the size.
-const DEEPEST_FOLD: f64 = 0.2;
+/// What a tick asks for as the deepest fold, relative to the size: contact forces stop folds long before.
+pub const TICK_FOLD: f64 = 0.04;
+/// Walls remembered within a call, so that each costs one winding number.
+const MOST_WALLS: usize = 64;
 /// Pairs of cells handed to Newton; beyond that, pairs are dropped.
 const MOST_PAIRS: usize = 1 << 13;
 
@@ -28,9 +35,22 @@ const MOST_PAIRS: usize = 1 << 13;
 pub struct SelfSolver {
     cells: Cells,
     other: ClosestSolver,
-    stack: Vec<([f64; 4], u32)>,
-    /// (cells): by their low side.
-    order: Vec<u32>,
+    /// (pieces): cones of normals.
+    cones: Vec<Cone>,
+    /// Cells of pairs of pieces that come near and may face, as pairs.
+    near: Vec<(u32, u32)>,
+    stack: Vec<Patch>,
+    walls: Vec<Point3>,
+}
+
+/// A part of the surface as the winding number sees it.
+#[derive(Clone, Copy, Debug)]
+struct Patch {
+    /// u from, u to, v from, v to.
+    range: [f64; 4],
+    level: u32,
+    /// Corners from the point: (u from, v from), (u to, v from), (u to, v to), (u from, v to).
+    corners: [Vector3; 4],
 }
 
 impl SelfSolver {
@@ -38,20 +58,27 @@ impl SelfSolver {
     pub fn new(surface: &Surface) -> Self {
         let mut other = ClosestSolver::new(surface);
         let cells = Cells::new(surface, other.pieces(surface));
-        let order = Vec::with_capacity(cells.cell_count());
-        Self { cells, other, stack: Vec::with_capacity(4 * DEEPEST as usize + 8), order }
+        let pieces = other.pieces_now().len();
+        Self {
+            cells,
+            cones: vec![Cone::ANY; pieces],
+            near: Vec::with_capacity(MOST_PAIRS),
+            stack: Vec::with_capacity(4 * DEEPEST as usize + 8),
+            walls: Vec::with_capacity(MOST_WALLS),
+            other,
+        }
     }
 
     /// Places where the surface penetrates itself, each with the greatest depth around, deepest first; and gaps up to
     /// `reach.margin_m` across the outside. `on_tool` and `tool_uv` are the other place on the same surface. Only a closed
-    /// surface has an inside; others have no contacts. Folds deeper than `deepest_m` are not looked for, nor those deeper
-    /// than a fifth of the size: the less is asked for, the sooner walls are told from folds.
+    /// surface has an inside; others have no contacts. Folds deeper than `deepest_fold_m`, or than the radii of curvature at
+    /// their feet, are not looked for: the less is asked for, the fewer walls are told from folds.
     pub fn contacts(
         &mut self,
         surface: &Surface,
         solver: &mut ClosestSolver,
         reach: Reach,
-        deepest_m: f64,
+        deepest_fold_m: f64,
         out: &mut ContactSet,
     ) {
         out.clear();
@@ -63,59 +90,59 @@ impl SelfSolver {
         self.cells.begin(solver.pieces(surface));
         let size_m = self.cells.whole.diagonal();
         let margin_m = if reach.margin_m > 0.0 { reach.margin_m } else { 0.0 };
-        if !margin_m.is_finite() {
+        let fold_m = if deepest_fold_m > 0.0 { deepest_fold_m } else { 0.0 };
+        // Places that face each other through a fold are as far apart as it is deep.
+        let reach_m = margin_m.max(fold_m) + 1e-12 * size_m;
+        if !reach_m.is_finite() {
             return;
         }
-        let n = self.cells.cell_count();
-        for cell in 0..n {
-            self.cells.look(surface, solver.pieces_now(), cell);
+        self.walls.clear();
+        self.find(surface, solver.pieces_now(), reach_m, out);
+        for k in 0..self.near.len() {
+            let (x, y) = self.near[k];
+            let mut a = Half { surface, solver };
+            let mut b = Half { surface, solver: &mut self.other };
+            let ((am, aw), (bm, bw)) = (self.cells.middle(x as usize), self.cells.middle(y as usize));
+            if let Some(found) = face(&mut a, &mut b, [am, bm], [aw, bw]) {
+                self.judge(surface, solver, found.at, [margin_m, fold_m, size_m], out);
+            }
         }
-        // Places that face each other through a fold are as far apart as it is deep.
-        let deepest_m = deepest_m.clamp(0.0, DEEPEST_FOLD * size_m);
-        let reach_m = margin_m.max(deepest_m);
-        let limits = [margin_m, deepest_m, size_m];
-        // Along the longest side only cells whose shadows meet are compared.
-        let whole = &self.cells.whole;
-        let axis =
-            (0..3).fold(
-                0,
-                |best, c| {
-                    if whole.high[c] - whole.low[c] > whole.high[best] - whole.low[best] { c } else { best }
-                },
-            );
-        let cells = &self.cells;
-        self.order.clear();
-        self.order.extend(0..n as u32);
-        self.order.sort_unstable_by(|&x, &y| {
-            let low = |cell: u32| cells.box_of(cell as usize).low[axis];
-            low(x).total_cmp(&low(y)).then(x.cmp(&y))
-        });
-        let mut tried = 0;
-        for k in 0..n {
-            for l in k + 1..n {
-                let (x, y) = (self.order[k] as usize, self.order[l] as usize);
-                let (first, second) = (self.cells.box_of(x), self.cells.box_of(y));
-                if second.low[axis] - reach_m > first.high[axis] {
-                    break;
-                }
-                // The lower number first: which of a pair is called the body does not depend on where they lie.
-                let (x, y) = (x.min(y), x.max(y));
-                if !first.meets(second, reach_m)
-                    || !self.cells.cone_of(x).may_face(self.cells.cone_of(y))
-                    || self.adjacent(x, y)
-                {
+    }
+
+    /// Pairs of cells that come near each other and may face; those of pieces first, of which there are fewer.
+    fn find(&mut self, surface: &Surface, pieces: &BezierPieces, reach_m: f64, out: &mut ContactSet) {
+        self.near.clear();
+        let count = pieces.len();
+        for k in 0..count {
+            self.cones[k] = cone(surface, pieces, k);
+        }
+        for a in 0..count {
+            let own = block(pieces, a);
+            for b in a..count {
+                if !own.meets(&block(pieces, b), reach_m) || !self.cones[a].may_face(&self.cones[b]) {
                     continue;
                 }
-                tried += 1;
-                if tried > MOST_PAIRS {
-                    out.note_dropped();
-                    return;
-                }
-                let mut a = Half { surface, solver };
-                let mut b = Half { surface, solver: &mut self.other };
-                let ((am, aw), (bm, bw)) = (self.cells.middle(x), self.cells.middle(y));
-                if let Some(found) = face(&mut a, &mut b, [am, bm], [aw, bw]) {
-                    self.judge(surface, solver, found.at, limits, out);
+                let (([i, j], [m, n]), ([k, l], [p, q])) = (self.cells.of_piece(a), self.cells.of_piece(b));
+                let columns = self.cells.counts[1];
+                for r in 0..m * n {
+                    let x = (i + r / n) * columns + j + r % n;
+                    self.cells.look(surface, pieces, x);
+                    for s in 0..p * q {
+                        let y = (k + s / q) * columns + l + s % q;
+                        if a == b && y <= x {
+                            continue;
+                        }
+                        self.cells.look(surface, pieces, y);
+                        let near = self.cells.box_of(x).meets(self.cells.box_of(y), reach_m);
+                        if !near || !self.cells.cone_of(x).may_face(self.cells.cone_of(y)) || self.adjacent(x, y) {
+                            continue;
+                        }
+                        if self.near.len() == MOST_PAIRS {
+                            out.note_dropped();
+                            return;
+                        }
+                        self.near.push((x as u32, y as u32));
+                    }
                 }
             }
         }
@@ -133,7 +160,7 @@ impl SelfSolver {
         surface: &Surface,
         solver: &mut ClosestSolver,
         [u, v, s, t]: [f64; 4],
-        [margin_m, deepest_m, size_m]: [f64; 3],
+        [margin_m, fold_m, size_m]: [f64; 3],
         out: &mut ContactSet,
     ) {
         let (x, y) = (self.cells.cell_at(u, v), self.cells.cell_at(s, t));
@@ -147,7 +174,7 @@ impl SelfSolver {
         };
         let (Some(na), Some(nb)) = (outward(&a), outward(&b)) else { return };
         let depth_m = (b.point - a.point).dot(&nb);
-        let near = depth_m >= -margin_m - 1e-12 * size_m && depth_m <= deepest_m + 1e-12 * size_m;
+        let near = depth_m >= -margin_m - 1e-12 * size_m && depth_m <= fold_m + 1e-12 * size_m;
         if na.dot(&nb) > -0.999_999 || !near {
             return;
         }
@@ -166,13 +193,21 @@ impl SelfSolver {
         if out.contacts().iter().any(same) {
             return;
         }
-        // A gap lies in front of both sides and so is no wall. Between places that touch there is nothing to wind around; a
-        // wall without thickness is no wall.
-        if depth_m > 1e-9 * size_m {
-            if self.winding(surface, solver, &nalgebra::center(&a.point, &b.point)) <= 1.5 {
+        // Between places that touch there is nothing to wind around; a wall without thickness is no wall.
+        if depth_m.abs() > 1e-9 * size_m {
+            let middle = nalgebra::center(&a.point, &b.point);
+            if self.walls.iter().any(|w| (w - middle).norm() <= 1e-6 * size_m) {
                 return;
             }
-        } else if depth_m >= -1e-9 * size_m {
+            let winding = self.winding(surface, solver, &middle);
+            let wanted = if depth_m > 0.0 { winding > 1.5 } else { winding < 0.5 };
+            if !wanted {
+                if self.walls.len() < MOST_WALLS {
+                    self.walls.push(middle);
+                }
+                return;
+            }
+        } else {
             out.set_overlap();
         }
         out.push(Contact { u, v, on_body: a.point, on_tool: b.point, normal: -nb, depth_m, tool_uv: Some([s, t]) });
@@ -186,130 +221,76 @@ impl SelfSolver {
     /// How often the surface winds around a point.
     fn winding(&mut self, surface: &Surface, solver: &mut ClosestSolver, point: &Point3) -> f64 {
         let (mut sum, mut parts) = (0.0, 0);
-        for cell in 0..self.cells.cell_count() {
-            let ([u, v], [wide_u, wide_v]) = self.cells.middle(cell);
-            let whole = [u - 0.5 * wide_u, u + 0.5 * wide_u, v - 0.5 * wide_v, v + 0.5 * wide_v];
+        // Of a piece that is not far, at least parts as small as cells.
+        let [p, q] = [0, 1].map(|d| self.cells.of_piece(0).1[d]);
+        let least = p.max(q).next_power_of_two().trailing_zeros();
+        for piece in 0..solver.pieces_now().len() {
+            let pieces = solver.pieces_now();
+            let whole = block(pieces, piece);
+            let ([u0, u1], [v0, v1]) = pieces.rectangle(piece);
+            let points = pieces.points(piece);
+            let n = pieces.v.degree + 1;
+            let last = points.len() - n;
+            let corners = [0, last, last + n - 1, n - 1].map(|k| {
+                let x = &points[k];
+                Vector3::new(x[0] / x[3], x[1] / x[3], x[2] / x[3]) - point.coords
+            });
+            if whole.distance(point) >= 1.5 * whole.diagonal() {
+                sum += angle(&corners);
+                continue;
+            }
             self.stack.clear();
-            self.stack.push((whole, 0));
-            while let Some(([u0, u1, v0, v1], level)) = self.stack.pop() {
+            self.stack.push(Patch { range: [u0, u1, v0, v1], level: 0, corners });
+            while let Some(Patch { range: [u0, u1, v0, v1], level, corners }) = self.stack.pop() {
                 parts += 1;
                 let mut at = |u: f64, v: f64| solver.frame_at(surface, u, v).point - point;
-                let corners = [at(u0, v0), at(u1, v0), at(u1, v1), at(u0, v1)];
                 let (um, vm) = (0.5 * (u0 + u1), 0.5 * (v0 + v1));
-                let far = corners.iter().fold(0.0_f64, |m, c| m.max((c - corners[0]).norm()));
-                let near = corners.iter().fold(at(um, vm).norm(), |m, c| m.min(c.norm()));
-                if near < 1.5 * far && level < DEEPEST && parts < MOST_PARTS {
-                    for part in [[u0, um, v0, vm], [u0, um, vm, v1], [um, u1, v0, vm], [um, u1, vm, v1]] {
-                        self.stack.push((part, level + 1));
-                    }
+                let middle = at(um, vm);
+                let far = corners.iter().fold((middle - corners[0]).norm(), |m, c| m.max((c - corners[0]).norm()));
+                let near = corners.iter().fold(middle.norm(), |m, c| m.min(c.norm()));
+                if (near < 1.5 * far || level < least) && level < DEEPEST && parts < MOST_PARTS {
+                    let [a, b, c, d] = corners;
+                    let [ab, bc, cd, da] = [at(um, v0), at(u1, vm), at(um, v1), at(u0, vm)];
+                    let level = level + 1;
+                    let parts = [
+                        ([u0, um, v0, vm], [a, ab, middle, da]),
+                        ([um, u1, v0, vm], [ab, b, bc, middle]),
+                        ([um, u1, vm, v1], [middle, bc, c, cd]),
+                        ([u0, um, vm, v1], [da, middle, cd, d]),
+                    ];
+                    self.stack.extend(parts.map(|(range, corners)| Patch { range, level, corners }));
                     continue;
                 }
-                for [a, b, c] in [[0, 1, 2], [0, 2, 3]] {
-                    let (a, b, c) = (&corners[a], &corners[b], &corners[c]);
-                    let (la, lb, lc) = (a.norm(), b.norm(), c.norm());
-                    let below = la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb;
-                    sum += 2.0 * libm::atan2(a.dot(&b.cross(c)), below);
-                }
+                sum += angle(&corners);
             }
         }
         sum / (4.0 * std::f64::consts::PI) * if surface.flip_normal() { -1.0 } else { 1.0 }
     }
 }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::basis::KnotVector;
-    use crate::math::Vector3;
-    use crate::surface::{ControlNet, builtin};
-
-    /// A sausage folded to a hairpin: legs along y at x = ±0.015 m of radius 0.01 m, with a belly in the middle of each.
-    fn sausage(belly_m: f64) -> Surface {
-        // Wide: its curvature is to stay below one over the depth, or the deepest places have more than one foot.
-        const BELLY: [f64; 9] = [0.0, 0.0, 0.2, 0.7, 1.0, 0.7, 0.2, 0.0, 0.0];
-        let (legs, bend, around) = (9, 5, 12);
-        let mut centres = vec![];
-        for k in 0..legs {
-            centres.push((Vector3::new(0.015, 0.01 * f64::from(k), 0.0), Vector3::x(), k));
-        }
-        for k in 1..=bend {
-            let angle = std::f64::consts::PI * f64::from(k) / f64::from(bend + 1);
-            let out = Vector3::new(libm::cos(angle), libm::sin(angle), 0.0);
-            centres.push((Vector3::new(0.0, 0.08, 0.0) + out * 0.015, out, 0));
-        }
-        for k in (0..legs).rev() {
-            centres.push((Vector3::new(-0.015, 0.01 * f64::from(k), 0.0), -Vector3::x(), k));
-        }
-        let last = centres.len() - 1;
-        let columns = centres.len();
-        let mut points = vec![];
-        for i in 0..around {
-            let angle = std::f64::consts::TAU * f64::from(i) / f64::from(around);
-            for (j, (centre, out, k)) in centres.iter().enumerate() {
-                let radius = if j == 0 || j == last { 0.0 } else { 0.01 } + belly_m * BELLY[*k as usize];
-                let way = out * libm::cos(angle) + Vector3::z() * libm::sin(angle);
-                points.push(Point3::from(centre + way * radius));
-            }
-        }
-        let u = KnotVector::periodic_uniform(3, around as usize).unwrap();
-        let v = KnotVector::clamped_uniform(3, columns).unwrap();
-        let net = ControlNet::new(around as usize, columns, points).unwrap();
-        Surface::new(u, v, net, None).unwrap().oriented_outward()
+/// Solid angle of two triangles, seen from the origin.
+fn angle(corners: &[Vector3; 4]) -> f64 {
+    let mut sum = 0.0;
+    for [a, b, c] in [[0, 1, 2], [0, 2, 3]] {
+        let (a, b, c) = (&corners[a], &corners[b], &corners[c]);
+        let (la, lb, lc) = (a.norm(), b.norm(), c.norm());
+        let below = la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb;
+        sum += 2.0 * libm::atan2(a.dot(&b.cross(c)), below);
     }
+    sum
+}
 
-    fn own(surface: &Surface, margin_m: f64) -> ContactSet {
-        let mut set = ContactSet::new();
-        let mut solver = ClosestSolver::new(surface);
-        let reach = Reach { margin_m, below: false };
-        SelfSolver::new(surface).contacts(surface, &mut solver, reach, surface.size(), &mut set);
-        set
-    }
+fn block(pieces: &BezierPieces, k: usize) -> Block {
+    let b = pieces.bounds(k);
+    Block { low: [b.min.x, b.min.y, b.min.z], high: [b.max.x, b.max.y, b.max.z] }
+}
 
-    // The legs are mirror images in x = 0, so the depth is twice what the inner side of one passes that plane by.
-    #[test]
-    fn a_folded_sausage_is_as_deep_in_itself_as_it_passes_its_mirror() {
-        for belly in [0.009, 0.0075, 0.0062, 0.005, 0.003] {
-            let surface = sausage(belly);
-            assert!(surface.topology().is_closed() && surface.volume() > 0.0);
-            let (mut least, mut at) = (f64::INFINITY, (0.0, 0.0));
-            let mut wide = [0.5, 0.2];
-            let mut middle = (0.5, 0.2);
-            while wide[0] > 1e-9 {
-                for i in -30..=30 {
-                    for j in -30..=30 {
-                        let (u, v) =
-                            (middle.0 + wide[0] * f64::from(i) / 30.0, middle.1 + wide[1] * f64::from(j) / 30.0);
-                        let (u, v) = (u.rem_euclid(1.0), v.clamp(0.05, 0.35));
-                        let x = surface.point(u, v).x;
-                        if x < least {
-                            (least, at) = (x, (u, v));
-                        }
-                    }
-                }
-                middle = at;
-                wide = wide.map(|w| 0.5 * w);
-            }
-            let depth = -2.0 * least;
-            let set = own(&surface, 0.01);
-            let c = set.deepest().unwrap_or_else(|| panic!("nothing at {belly}, depth {depth}"));
-            assert!((c.depth_m - depth).abs() < 1e-12, "belly {belly}: {} for {depth}", c.depth_m);
-            assert!((c.on_body - c.on_tool - c.normal * c.depth_m).norm() < 1e-13, "{c:?}");
-            assert_eq!(set.overlap(), depth > 0.0, "belly {belly}: {set:?}");
-            assert!((c.normal.x.abs() - 1.0).abs() < 1e-9, "{c:?}");
-        }
+fn cone(surface: &Surface, pieces: &BezierPieces, k: usize) -> Cone {
+    let mut flat = [[0.0; 3]; (MAX_DEGREE + 1) * (MAX_DEGREE + 1)];
+    let points = pieces.points(k);
+    for (y, x) in flat.iter_mut().zip(points) {
+        *y = [x[0] / x[3], x[1] / x[3], x[2] / x[3]];
     }
-
-    #[test]
-    fn an_unfolded_surface_of_any_thickness_does_not_touch_itself() {
-        for thickness in [1.0, 0.1, 1e-3, 1e-5] {
-            for name in ["sphere", "teardrop", "torus"] {
-                let mut surface = builtin(name, None, None).unwrap();
-                for p in surface.net_mut().points_mut() {
-                    p.x *= thickness;
-                }
-                let set = own(&surface, 0.0);
-                assert!(set.contacts().is_empty() && !set.overlap(), "{name} {thickness}: {set:?}");
-            }
-        }
-    }
+    let (p, q) = (pieces.u.degree, pieces.v.degree);
+    Cone::of_normals(&flat[..points.len()], p, q, surface.flip_normal(), pieces.is_rational())
 }

@@ -34,6 +34,12 @@ impl Block {
         (0..3).all(|c| point[c] >= self.low[c] - margin && point[c] <= self.high[c] + margin)
     }
 
+    /// Distance of a point; 0 inside.
+    pub fn distance(&self, point: &Point3) -> f64 {
+        let out = |c: usize| (self.low[c] - point[c]).max(point[c] - self.high[c]).max(0.0);
+        (0..3).map(|c| out(c) * out(c)).sum::<f64>().sqrt()
+    }
+
     pub fn diagonal(&self) -> f64 {
         let d: f64 = (0..3).map(|c| (self.high[c] - self.low[c]) * (self.high[c] - self.low[c])).sum();
         d.sqrt()
@@ -220,6 +226,19 @@ impl Cells {
         };
         const WAYS: [(isize, isize); 8] = [(-1, -1), (-1, 0), (-1, 1), (0, -1), (0, 1), (1, -1), (1, 0), (1, 1)];
         WAYS.map(|(a, b)| self.alias[step(0, a) as usize * columns + step(1, b) as usize])
+    }
+
+    /// The four cells that share a side with one; none beyond an end that does not wrap.
+    pub fn beside(&self, cell: usize) -> [Option<usize>; 4] {
+        let at = [cell / self.counts[1], cell % self.counts[1]];
+        let step = |d: usize, up: bool| {
+            let n = self.counts[d];
+            let x = at[d] + if up { 1 } else { n - 1 };
+            let ends = at[d] + usize::from(up) == if up { n } else { 0 };
+            let to = if ends && !self.wraps[d] { None } else { Some(x % n) };
+            to.map(|x| if d == 0 { x * self.counts[1] + at[1] } else { at[0] * self.counts[1] + x })
+        };
+        [step(0, false), step(0, true), step(1, false), step(1, true)]
     }
 
     /// A parameter pair moved by a step: around where ends meet, over a pole to its far side, held at edges.

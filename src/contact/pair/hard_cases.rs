@@ -108,6 +108,26 @@ fn a_sharp_rim_and_a_cusp_press_in_as_deep_as_their_lowest_point() {
     }
 }
 
+// The normals of the two sheets cancel there: which side a place is on does not follow from their mean.
+#[test]
+fn what_is_beyond_a_cusp_is_outside_and_beyond_a_crack_inside() {
+    let body = lens(0.02, 0.005, true);
+    // The same from within: what was thin becomes a crack, seen as a body turned inside out.
+    let crack = body.clone().with_flip_normal(!body.flip_normal());
+    for (surface, sense) in [(&body, 1.0), (&crack, -1.0)] {
+        let mut solver = ClosestSolver::new(surface);
+        for k in 0..200 {
+            let u = f64::from(k) / 200.0;
+            let tip = surface.point(u, 0.5);
+            for (out, up) in [(1e-3, 0.0), (1e-4, 3e-4), (1e-4, -3e-4), (0.03, -0.02), (0.01, 0.003)] {
+                let way = Vector3::new(tip.x, tip.y, 0.0).normalize();
+                let foot = solver.closest(surface, &(tip + way * out + Vector3::z() * up));
+                assert!(foot.signed_distance * sense > 0.0, "u {u}, {out} out and {up} up: {foot:?}");
+            }
+        }
+    }
+}
+
 #[test]
 fn a_very_thin_body_is_pierced_and_touched() {
     // A ten-thousandth as thick as it is wide.
@@ -274,8 +294,9 @@ fn a_millionth_decides_whether_corners_rims_and_rings_touch() {
         let under = posed(&tool, &Rotation::identity(), &Vector3::new(-lowest.x, -lowest.y, 0.0));
         assert_eq!(overlap(&ball, &under), gap < 0.0, "corner at gap {gap}");
         let rim = lens(0.02, 0.004, false);
+        // Opposite a point of the net the rim is round about it.
         let tip = rim.point(0.0, 0.5);
-        let beside = posed(&ball, &Random(3).rotation(), &(tip.coords + Vector3::x() * (0.02 + gap_m)));
+        let beside = posed(&ball, &Random(3).rotation(), &(tip.coords + tip.coords.normalize() * (0.02 + gap_m)));
         assert_eq!(overlap(&rim, &beside), gap < 0.0, "rim at gap {gap}");
     }
 }

@@ -13,7 +13,7 @@
 //! each direction) and on the facing pairs between its vertices.
 
 pub(super) mod cells;
-mod cone;
+pub(super) mod cone;
 mod curves;
 pub(super) mod depth;
 pub(super) mod facing;

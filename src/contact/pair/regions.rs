@@ -49,6 +49,9 @@ pub(super) struct Regions {
     pub found: Vec<Region>,
     /// Rows and columns of cells in a region.
     taken: [Vec<bool>; 2],
+    /// (cells): in a region; and those whose neighbours are still to be looked at.
+    held: Vec<bool>,
+    stack: Vec<u32>,
 }
 
 impl Regions {
@@ -68,6 +71,8 @@ impl Regions {
             tops: Vec::with_capacity(MOST_TOPS),
             found: Vec::with_capacity(MOST_TOPS),
             taken: [vec![false; cells.counts[0]], vec![false; cells.counts[1]]],
+            held: vec![false; cells.cell_count()],
+            stack: Vec::with_capacity(cells.cell_count()),
         }
     }
 
@@ -353,26 +358,43 @@ impl Regions {
         }
     }
 
-    /// Rows and columns of cells that a region has part in, as index ranges; `high` may pass the count where ends meet.
+    /// Rows and columns of cells that may hold a part of a region, as index ranges; `high` may pass the count where ends
+    /// meet. A region goes from cell to cell through vertices inside, or where the other surface touches both.
     pub fn extent(&mut self, cells: &Cells, region: usize) -> [[usize; 2]; 2] {
         let Region { top, root } = self.found[region];
-        self.taken[0].fill(false);
-        self.taken[1].fill(false);
-        let mark = |taken: &mut [Vec<bool>; 2], cell: usize| {
-            taken[0][cell / cells.counts[1]] = true;
-            taken[1][cell % cells.counts[1]] = true;
-        };
-        let mut taken = std::mem::take(&mut self.taken);
-        mark(&mut taken, cells.cell_at(top.u, top.v));
+        self.held.fill(false);
+        self.stack.clear();
+        self.hold(cells.cell_at(top.u, top.v));
         if top.sounding.depth_m >= -self.flat_m {
             for cell in 0..cells.cell_count() {
                 let corners = cells.corners(cell);
                 if corners.iter().any(|&c| self.inside(c) && self.root(c) == root) {
-                    mark(&mut taken, cell);
+                    self.hold(cell);
+                }
+            }
+            while let Some(cell) = self.stack.pop() {
+                for beside in cells.beside(cell as usize).into_iter().flatten() {
+                    if cells.touched[cell as usize] && cells.touched[beside] {
+                        self.hold(beside);
+                    }
                 }
             }
         }
-        self.taken = taken;
+        self.taken[0].fill(false);
+        self.taken[1].fill(false);
+        for cell in 0..cells.cell_count() {
+            if self.held[cell] {
+                self.taken[0][cell / cells.counts[1]] = true;
+                self.taken[1][cell % cells.counts[1]] = true;
+            }
+        }
         [0, 1].map(|d| arc(&self.taken[d], cells.wraps[d]))
+    }
+
+    fn hold(&mut self, cell: usize) {
+        if !self.held[cell] {
+            self.held[cell] = true;
+            self.stack.push(cell as u32);
+        }
     }
 }

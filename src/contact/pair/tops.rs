@@ -12,8 +12,9 @@ use crate::surface::{ClosestSolver, Frame, Surface};
 
 /// Steps of a climb, among them those after a certificate has shown a closer foot.
 const STEPS: usize = 40;
-/// Feet that a climb keeps in view.
-const FEET: usize = 3;
+/// Feet that a climb keeps in view. Three hold a place; the middle of a block has six, and with only three of them in view
+/// a climb steps towards the others.
+const FEET: usize = 6;
 /// Depths closer than this, relative to the size, are one.
 const SAME_DEPTH: f64 = 1e-11;
 /// Steps shorter than this, relative to the size, have arrived.

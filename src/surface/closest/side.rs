@@ -15,6 +15,9 @@ pub(super) const SAME: f64 = 1e-9;
 /// Sectors of the fan around a pole, per span.
 const RING: usize = 2;
 
+/// How far into a span the two sheets of a cusp are compared.
+const CUSP_STEP: f64 = 0.01;
+
 /// A surface with the spans its places refer to.
 pub(super) struct Site<'a> {
     pub surface: &'a Surface,
@@ -65,6 +68,7 @@ impl Site<'_> {
             return None;
         }
         let mut sum = Vector3::zeros();
+        let mut sheets = [None; 4];
         for &(i, u, into_u) in us.iter().flatten() {
             for &(j, v, into_v) in vs.iter().flatten() {
                 let place = Place { i, j, u, v };
@@ -73,10 +77,31 @@ impl Site<'_> {
                     // On an edge both sectors are half turns; at a corner each is the angle between its tangents.
                     let weight = if corner { angle(&(frame.du * into_u), &(frame.dv * into_v)) } else { 1.0 };
                     sum += n * weight;
+                    if let Some(slot) = sheets.iter_mut().find(|s| s.is_none()) {
+                        *slot = Some((place, n, [into_u, into_v]));
+                    }
                 }
             }
         }
-        sum.try_normalize(1e-9)
+        sum.try_normalize(1e-9).or_else(|| self.cusp(&sheets))
+    }
+
+    /// Where two sheets leave an edge the same way their normals cancel. Between the sheets is the solid, and then the edge
+    /// points out of it; or a crack, and then the edge points into the solid.
+    fn cusp(&self, sheets: &[Option<(Place, Vector3, [f64; 2])>; 4]) -> Option<Vector3> {
+        let (a, normal, into) = sheets[0]?;
+        let (b, _, other) = sheets.iter().flatten().find(|(_, n, _)| n.dot(&normal) < -0.99)?;
+        let inside = |p: Place, [into_u, into_v]: [f64; 2]| {
+            let (wide_u, wide_v) =
+                (self.u.spans[p.i].end - self.u.spans[p.i].start, self.v.spans[p.j].end - self.v.spans[p.j].start);
+            // Along the parameter in which the sheets differ.
+            let [du, dv] = if a.i == b.i && a.u == b.u { [0.0, into_v * wide_v] } else { [into_u * wide_u, 0.0] };
+            self.frame(Place { u: p.u + CUSP_STEP * du, v: p.v + CUSP_STEP * dv, ..p }).point
+        };
+        let (first, second) = (inside(a, into), inside(*b, *other));
+        let away = self.frame(a).point - nalgebra::center(&first, &second);
+        let solid = (first - second).dot(&normal) >= 0.0;
+        away.try_normalize(0.0).map(|n| if solid { n } else { -n })
     }
 
     /// Mean normal around a collapsed edge, when the foot lies on one.
