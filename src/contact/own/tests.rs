@@ -118,24 +118,3 @@ fn a_tick_that_asks_for_shallow_folds_finds_those() {
         }
     }
 }
-
-#[test]
-#[ignore = "prints times"]
-fn own_speed() {
-    for belly in [0.0075, 0.0062, 0.0056, 0.005] {
-        let surface = hairpin(belly, 8, 4, 8);
-        let mut set = ContactSet::new();
-        let (mut solver, mut own) = (ClosestSolver::new(&surface), SelfSolver::new(&surface));
-        for share in [TICK_FOLD, 0.2] {
-            let mut least = f64::INFINITY;
-            for _ in 0..50 {
-                let start = std::time::Instant::now();
-                solver.net_changed();
-                own.contacts(&surface, &mut solver, Reach::TOUCH, share * surface.size(), &mut set);
-                least = least.min(start.elapsed().as_secs_f64() * 1e6);
-            }
-            let deepest = set.deepest().map_or(f64::NAN, |c| c.depth_m);
-            println!("belly {belly}, folds to {share}: {least:.0} µs, depth {deepest}, {} pairs", own.near.len());
-        }
-    }
-}
