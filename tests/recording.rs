@@ -390,7 +390,8 @@ fn a_file_cut_anywhere_recovers_every_tick_of_every_whole_chunk() {
     let bytes = std::fs::read(&path).unwrap();
     let chunks = chunks(&bytes, tick_channel(&bytes));
     assert_eq!(chunks.last().unwrap().1, 700, "the oracle counts every tick");
-    assert!(chunks.len() > 10, "only {} chunks", chunks.len());
+    // How many depends on how fast ticks come: chunks end by size or by time.
+    assert!(chunks.len() > 4, "only {} chunks", chunks.len());
 
     let (cut_file, mended) = (directory.path().join("cut.mcap.part"), directory.path().join("mended.mcap"));
     let (mut places, mut recovered_files) = (Places(20260), 0);
