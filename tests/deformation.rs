@@ -127,7 +127,7 @@ fn what_is_fixed_never_moves() {
     let (_, world, _) = press(20e3, "[16, 17]");
     let lattice = world.scene.lattice(0).unwrap();
     let (rest, now) = (lattice.rest_state(), world.state.bodies[0].lattice.as_ref().unwrap());
-    let fixed: Vec<usize> = (0..lattice.node_count()).filter(|&node| lattice.unknown(node).is_none()).collect();
+    let fixed: Vec<usize> = (0..lattice.coordinate_count()).filter(|&node| lattice.unknown(node).is_none()).collect();
     assert!(fixed.len() > 50);
     assert!(fixed.iter().all(|&node| rest.positions[node] == now.positions[node]));
 }

@@ -1,17 +1,15 @@
 //! From a scene file's data to the constants of a simulation.
 
 use super::spec::{
-    BodySpec, ContactMethod, ModelSpec, PoseSpec, SPHERES_RESOLUTION, SceneSpec, ShapeSpec, SurfaceSpec, ToolSpec,
+    BodySpec, ContactMethod, IntegratorSpec, ModelSpec, PoseSpec, SPHERES_RESOLUTION, SceneSpec, SurfaceSpec, ToolSpec,
 };
 use super::{Body, BodyModel, LatticeBody, Method, Pair, Scene, Tool};
-use super::{refine, shapes};
-use crate::body::layers::{self, RingEnds, Rings};
-use crate::body::{CellGrid, Lattice, Material, StepSettings};
+use super::{deforming, refine, shapes};
 use crate::contact::SampleGrid;
 use crate::contact::rows::Holder;
 use crate::haptics::{Coupling, LinkLimits};
 use crate::math::{Point3, Pose, Rotation, Vector3};
-use crate::surface::{self, Closing, Surface, Topology};
+use crate::surface::{self, Surface};
 use std::path::Path;
 
 /// Why a scene could not be built.
@@ -186,7 +184,7 @@ pub(super) fn unit(normal: &[f64; 3], path: &str) -> Result<Vector3, SceneError>
         .ok_or_else(|| error(path, format!("{normal:?} has no direction")))
 }
 
-fn pose(spec: &PoseSpec, path: &str) -> Result<Pose, SceneError> {
+pub(super) fn pose(spec: &PoseSpec, path: &str) -> Result<Pose, SceneError> {
     let [x, y, z, w] = spec.orientation;
     let quaternion = nalgebra::Quaternion::new(w, x, y, z);
     if (quaternion.norm() - 1.0).abs() > 1e-6 || !spec.position.iter().all(|x| x.is_finite()) {
@@ -228,136 +226,13 @@ fn build_body(
     let size_m = original.size();
     let (surface, model) = match spec.model {
         ModelSpec::Rigid => (original, BodyModel::Rigid),
-        ModelSpec::Lattice => {
+        ModelSpec::Lattice | ModelSpec::Membrane => {
             let surface = refine::refine(scene, spec, path, original)?;
-            let lattice = build_lattice(
-                scene,
-                spec,
-                path,
-                &surface,
-                &placement,
-                StepSettings { dt_s, iterations: spec.integrator.iterations, gravity },
-            )?;
+            let (lattice, choice) = deforming::build(scene, spec, path, &surface, &placement, dt_s, gravity)?;
             let samples = SampleGrid::new(&surface, default_samples_per_span());
-            let sweeps = spec.integrator.contact_sweeps;
-            (surface, BodyModel::Lattice(Box::new(LatticeBody { lattice, samples, sweeps })))
+            let IntegratorSpec { contact_sweeps: sweeps, every, .. } = spec.integrator;
+            (surface, BodyModel::Lattice(Box::new(LatticeBody { lattice, samples, sweeps, every, choice })))
         }
     };
     Ok(Body { id: spec.id.clone(), surface, original_net, size_m, two_sided, model })
-}
-
-/// How the control points of a surface lie around a solid: which direction goes around, and what its ends do.
-pub(super) struct Layout {
-    /// True when u goes around and v along.
-    pub u_around: bool,
-    around: usize,
-    along: usize,
-    ends: RingEnds,
-}
-
-pub(super) fn layout(surface: &Surface, topology: &Topology) -> Option<Layout> {
-    let (rows, columns) = (surface.net().rows(), surface.net().columns());
-    let [distinct_u, distinct_v] = distinct(surface, topology);
-    let goes_round = |d: usize| matches!(topology.closing[d], Closing::Seam | Closing::Periodic);
-    let length = |points: Vec<Point3>| points.windows(2).map(|pair| (pair[1] - pair[0]).norm()).sum::<f64>();
-    let net = surface.net();
-    let u_around = match (goes_round(0), goes_round(1)) {
-        (false, false) => return None,
-        (true, false) => true,
-        (false, true) => false,
-        (true, true) => {
-            // A torus: the shorter way round is the tube.
-            let along_u = length((0..rows).map(|i| *net.at(i, 0)).collect());
-            let along_v = length((0..columns).map(|j| *net.at(0, j)).collect());
-            along_u <= along_v
-        }
-    };
-    let (around, along, axis_closed, poles) = if u_around {
-        (distinct_u, distinct_v, goes_round(1), topology.poles[1])
-    } else {
-        (distinct_v, distinct_u, goes_round(0), topology.poles[0])
-    };
-    let ends = RingEnds { axis_closed, first_pole: poles[0], last_pole: poles[1] };
-    Some(Layout { u_around, around, along, ends })
-}
-
-/// Control points in u and v, those repeated at a seam counted once.
-pub(super) fn distinct(surface: &Surface, topology: &Topology) -> [usize; 2] {
-    let repeated = |d: usize| usize::from(topology.closing[d] == Closing::Seam);
-    [surface.net().rows() - repeated(0), surface.net().columns() - repeated(1)]
-}
-
-fn build_lattice(
-    scene: &SceneSpec,
-    spec: &BodySpec,
-    path: &str,
-    surface: &Surface,
-    placement: &Pose,
-    settings: StepSettings,
-) -> Result<Lattice, SceneError> {
-    let material = &spec.material;
-    if !(material.young_pa > 0.0 && material.density_kg_m3 > 0.0 && material.damping_s >= 0.0) {
-        return Err(error(
-            format!("{path}.material"),
-            "young_pa and density_kg_m3 must be above 0, damping_s at least 0",
-        ));
-    }
-    let material =
-        Material { young_pa: material.young_pa, density_kg_m3: material.density_kg_m3, damping_s: material.damping_s };
-    let (grid, volume) = cells(spec, path, surface)?;
-    let mut fixed = vec![false; grid.nodes.len()];
-    let mut fix = |point: Point3, normal: Vector3| {
-        for (flag, node) in fixed.iter_mut().zip(&grid.nodes) {
-            *flag |= (node - point).dot(&normal) <= 0.0;
-        }
-    };
-    for (f, plane) in spec.fixed.iter().enumerate() {
-        let normal = unit(&plane.normal, &format!("{path}.fixed[{f}].normal"))?;
-        fix(placement * Point3::from(plane.point), placement * normal);
-    }
-    for (t, tool) in scene.tools.iter().enumerate().filter(|(_, tool)| tool.fixes_nodes) {
-        let ShapeSpec::Plane { normal } = &tool.shape else {
-            return Err(error(format!("tool[{t}].fixes_nodes"), "only a plane tool can fix nodes"));
-        };
-        let at = pose(&tool.pose, &format!("tool[{t}].pose"))?;
-        let normal = unit(normal, &format!("tool[{t}].shape.plane.normal"))?;
-        fix(Point3::from(at.translation.vector), at.rotation * normal);
-    }
-    Lattice::new(&grid, &material, volume, &fixed, settings).map_err(|e| error(format!("{path}.lattice"), e))
-}
-
-/// Cells of a body and the volume its surface encloses.
-fn cells(spec: &BodySpec, path: &str, surface: &Surface) -> Result<(CellGrid, f64), SceneError> {
-    let topology = surface.topology();
-    let points = surface.net().points();
-    let columns = surface.net().columns();
-    let count = spec.lattice.layers;
-    let Some(layout) = layout(surface, &topology) else {
-        let Some(thickness_m) = spec.lattice.thickness_m.filter(|t| t.is_finite() && *t > 0.0) else {
-            return Err(error(format!("{path}.lattice.thickness_m"), "an open sheet needs a thickness above 0"));
-        };
-        if count < 2 {
-            return Err(error(format!("{path}.lattice.layers"), "an open sheet needs at least 2 layers"));
-        }
-        let (us, vs) = (surface.knots_u().greville(), surface.knots_v().greville());
-        let inward: Vec<Vector3> =
-            us.iter().flat_map(|&u| vs.iter().map(move |&v| (u, v))).map(|(u, v)| -surface.normal(u, v)).collect();
-        let grid = layers::sheet(points, &inward, surface.net().rows(), columns, count, thickness_m);
-        let volume = grid.quality().volume_m3;
-        return Ok((grid, volume));
-    };
-    if count < 1 {
-        return Err(error(format!("{path}.lattice.layers"), "at least 1 layer"));
-    }
-    let Layout { u_around, around, along, ends } = layout;
-    let rings = Rings { around, along, ends };
-    let control = |i: usize, j: usize| if u_around { i * columns + j } else { j * columns + i };
-    let ring_of = |k: usize| {
-        let (row, column) = (k / columns, k % columns);
-        if u_around { (row % around, column % along) } else { (column % around, row % along) }
-    };
-    let grid = layers::rings(points, &rings, count, control, ring_of);
-    // An open tube encloses nothing by itself; its cells then say how much it holds.
-    let volume = if topology.is_closed() { surface.volume().abs() } else { grid.quality().volume_m3 };
-    Ok((grid, volume))
 }

@@ -6,6 +6,8 @@ use std::fmt;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
+mod body;
+
 /// A scene file, read and checked.
 #[derive(Clone, Debug)]
 pub struct Loaded {
@@ -320,30 +322,10 @@ impl Check<'_> {
     fn body(&mut self, b: usize, body: &super::spec::BodySpec, directory: &Path) {
         self.surface("body", b, &body.surface, directory);
         self.pose("body", b, &body.pose);
-        self.above_zero("body", b, "young_pa", body.material.young_pa, "Pa");
-        self.above_zero("body", b, "density_kg_m3", body.material.density_kg_m3, "kg/m³");
-        self.not_below_zero("body", b, "damping_s", body.material.damping_s, "s");
-        if body.lattice.layers == 0 {
-            self.refuse("body", b, "layers", "layers is 0; a lattice has at least 1");
-        }
-        if let Some(thickness) = body.lattice.thickness_m {
-            self.above_zero("body", b, "thickness_m", thickness, "m");
-        }
-        if !(1..=10).contains(&body.integrator.iterations) {
-            let message = format!("iterations is {}; it must be 1 to 10", body.integrator.iterations);
-            self.refuse("body", b, "iterations", message);
-        }
-        if !(1..=1_000).contains(&body.integrator.contact_sweeps) {
-            let message = format!("contact_sweeps is {}; it must be 1 to 1000", body.integrator.contact_sweeps);
-            self.refuse("body", b, "contact_sweeps", message);
-        }
+        self.deforming(b, body);
         if body.self_contact && body.model == ModelSpec::Rigid {
             let message = "a rigid body cannot come to touch itself; give it a deforming model or drop self_contact";
             self.refuse("body", b, "self_contact", message);
-        }
-        for plane in &body.fixed {
-            self.finite("body", b, "point", &plane.point);
-            self.direction("body", b, "normal", &plane.normal);
         }
     }
 

@@ -4,7 +4,9 @@
 //! scene does not need has no buffer and no stage.
 
 mod build;
+mod deforming;
 pub mod file;
+mod layout;
 mod narrow;
 mod near;
 pub mod plan;
@@ -18,7 +20,7 @@ pub(crate) use narrow::look_at;
 pub(crate) use near::Near;
 pub use state::{BodyScratch, BodyState, PairState, RunState, SceneState, Scratch, ToolState, WarmRow};
 
-use crate::body::Lattice;
+use crate::body::Deformable;
 use crate::contact::rows::Holder;
 use crate::contact::{SampleGrid, ToolShape};
 use crate::haptics::{Coupling, LinkLimits};
@@ -65,12 +67,16 @@ pub(crate) enum BodyModel {
     Lattice(Box<LatticeBody>),
 }
 
-/// A lattice and the samples at which tools press it.
+/// A deforming body and the samples at which tools press it.
 #[derive(Debug)]
 pub(crate) struct LatticeBody {
-    pub lattice: Lattice,
+    pub lattice: Deformable,
     pub samples: SampleGrid,
     pub sweeps: usize,
+    /// The body steps once in so many ticks.
+    pub every: u32,
+    /// Model and method, and why this method.
+    pub choice: deforming::Choice,
 }
 
 /// A tool's constants.
@@ -158,8 +164,16 @@ impl Scene {
         matches!(self.bodies[body].model, BodyModel::Lattice(_))
     }
 
-    /// The lattice of a body, if it has one.
-    pub fn lattice(&self, body: usize) -> Option<&Lattice> {
+    /// Name of a body's model, as scenes write it.
+    pub fn model_name(&self, body: usize) -> &'static str {
+        match &self.bodies[body].model {
+            BodyModel::Rigid => "rigid",
+            BodyModel::Lattice(model) => model.choice.model,
+        }
+    }
+
+    /// The constants of a body that deforms.
+    pub fn lattice(&self, body: usize) -> Option<&Deformable> {
         match &self.bodies[body].model {
             BodyModel::Lattice(body) => Some(&body.lattice),
             BodyModel::Rigid => None,

@@ -1,6 +1,7 @@
 //! The compiled plan: what a tick of this scene does and holds, and nothing else.
 
 use super::{BodyModel, Method, Pair, Scene};
+use crate::body::Deformable;
 use crate::contact::ToolShape;
 use crate::contact::rows::{Holder, MAX_ROWS};
 use serde::Serialize;
@@ -30,24 +31,32 @@ pub struct Plan {
 pub struct BodyPlan {
     /// Id.
     pub id: String,
-    /// `rigid` or `lattice`.
+    /// `rigid`, `membrane`, `lattice` …
     pub model: &'static str,
     /// Net as given.
     pub net: [usize; 2],
     /// Net as simulated and published.
     pub simulated_net: [usize; 2],
-    /// Of a lattice.
+    /// Of a body that deforms.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub lattice: Option<LatticePlan>,
 }
 
-/// A lattice of the plan.
+/// A deforming body of the plan.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct LatticePlan {
-    /// Nodes.
+    /// Nodes that carry the law.
     pub nodes: usize,
-    /// Nodes that can move.
+    /// Coordinates that can move.
     pub free_nodes: usize,
+    /// `implicit`, `explicit`, `xpbd`.
+    pub method: &'static str,
+    /// Iterations or substeps of a step.
+    pub passes: usize,
+    /// Why this method.
+    pub why: String,
+    /// The body steps once in so many ticks.
+    pub every: u32,
     /// Springs.
     pub springs: usize,
     /// Non-zeros of the factor.
@@ -107,8 +116,8 @@ pub struct BufferPlan {
 
 /// Cost of one spring of the force pass and of one non-zero of a solve with three right-hand sides, µs: medians on a
 /// 3 GHz x86-64 core.
-const SPRING_US: f64 = 0.006;
-const NON_ZERO_US: f64 = 0.0022;
+pub(super) const SPRING_US: f64 = 0.003;
+pub(super) const NON_ZERO_US: f64 = 0.0022;
 /// Contacts of a pair in touch, µs: medians of `palpate bench contact`.
 fn query_us(scene: &Scene, pair: &Pair) -> f64 {
     let two_surfaces = 300.0;
@@ -129,6 +138,16 @@ fn query_us(scene: &Scene, pair: &Pair) -> f64 {
     }
 }
 
+/// A body's step, µs: passes over springs and solves.
+fn step_us(body: &Deformable) -> f64 {
+    let pass = body.spring_count() as f64 * SPRING_US;
+    match body.integration() {
+        ("implicit", iterations) => (pass + body.factor_non_zeros() as f64 * NON_ZERO_US) * iterations as f64,
+        // Without and with contact.
+        (_, substeps) => 2.0 * pass * substeps as f64,
+    }
+}
+
 impl Scene {
     /// The plan this scene compiled to.
     pub fn plan(&self) -> Plan {
@@ -145,28 +164,19 @@ impl Scene {
         for body in &self.bodies {
             if let BodyModel::Lattice(model) = &body.model {
                 let lattice = &model.lattice;
-                let iterations = self
-                    .spec
-                    .bodies
-                    .iter()
-                    .find(|spec| spec.id == body.id)
-                    .map_or(1, |spec| spec.integrator.iterations);
-                let pass = lattice.spring_count() as f64 * SPRING_US + lattice.factor_non_zeros() as f64 * NON_ZERO_US;
                 stages.push(StagePlan {
                     stage: format!("deform {}", body.id),
-                    predicted_us: pass * iterations as f64,
+                    predicted_us: step_us(lattice) / f64::from(model.every),
                     measured_us: None,
                 });
                 buffers.push(BufferPlan {
-                    name: format!("{} lattice nodes", body.id),
-                    bytes: lattice.node_count() * 6 * size_of::<f64>(),
+                    name: format!("{} nodes", body.id),
+                    bytes: lattice.coordinate_count() * 6 * size_of::<f64>(),
                 });
+                buffers
+                    .push(BufferPlan { name: format!("{} factor", body.id), bytes: lattice.factor_non_zeros() * 12 });
                 buffers.push(BufferPlan {
-                    name: format!("{} lattice factor", body.id),
-                    bytes: lattice.factor_non_zeros() * 12,
-                });
-                buffers.push(BufferPlan {
-                    name: format!("{} lattice surface compliance", body.id),
+                    name: format!("{} surface compliance", body.id),
                     bytes: lattice.compliance_bytes(),
                 });
             }
@@ -211,9 +221,14 @@ fn body_plan(body: &super::Body) -> BodyPlan {
         BodyModel::Lattice(model) => {
             let lattice = &model.lattice;
             let quality = lattice.quality();
+            let (method, passes) = lattice.integration();
             let plan = LatticePlan {
                 nodes: lattice.node_count(),
                 free_nodes: lattice.unknown_count(),
+                method,
+                passes,
+                why: model.choice.why.clone(),
+                every: model.every,
                 springs: lattice.spring_count(),
                 factor_non_zeros: lattice.factor_non_zeros(),
                 samples: model.samples.len(),
@@ -221,7 +236,7 @@ fn body_plan(body: &super::Body) -> BodyPlan {
                 least_cell_m3: quality.least_volume_m3,
                 edge_m: quality.edge_m,
             };
-            ("lattice", Some(plan))
+            (model.choice.model, Some(plan))
         }
     };
     BodyPlan { id: body.id.clone(), model, net: body.original_net, simulated_net, lattice }
@@ -236,7 +251,7 @@ impl fmt::Display for Plan {
             if let Some(l) = &body.lattice {
                 writeln!(
                     f,
-                    "    lattice: {} nodes ({} free), {} springs, {} factor non-zeros, {} samples, {:.4} kg, edges {:.2} to {:.2} mm",
+                    "    {} nodes ({} free), {} springs, {} factor non-zeros, {} samples, {:.4} kg, edges {:.2} to {:.2} mm",
                     l.nodes,
                     l.free_nodes,
                     l.springs,
@@ -246,6 +261,8 @@ impl fmt::Display for Plan {
                     l.edge_m[0] * 1e3,
                     l.edge_m[1] * 1e3
                 )?;
+                let each = if l.method == "implicit" { "iterations" } else { "substeps" };
+                writeln!(f, "    {} {each} a step, a step every {} ticks; {}", l.passes, l.every, l.why)?;
             }
         }
         for tool in &self.tools {

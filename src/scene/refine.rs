@@ -3,7 +3,8 @@
 //! The net must resolve the contact: a ball that presses a net of coarse spans meets too much stiffness. Refinement is
 //! exact (knot insertion), so it costs nodes only.
 
-use super::build::{Layout, SceneError, distinct, error, layout};
+use super::build::{SceneError, error};
+use super::layout::{Layout, distinct, layout};
 use super::spec::{BodySpec, RefineAuto, RefineSpec, SceneSpec, ShapeSpec};
 use crate::basis::KnotVector;
 use crate::math::Point3;

@@ -3,6 +3,9 @@
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 
+mod body;
+pub use body::*;
+
 /// A whole scene file.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -70,37 +73,6 @@ pub struct GravitySpec {
     pub acceleration: [f64; 3],
 }
 
-/// `[[body]]`.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct BodySpec {
-    /// `[a-z0-9_-]{1,64}`.
-    pub id: String,
-    /// Where its surface comes from.
-    pub surface: SurfaceSpec,
-    /// Placement in the world.
-    #[serde(default)]
-    pub pose: PoseSpec,
-    /// How it moves.
-    #[serde(default)]
-    pub model: ModelSpec,
-    /// What it is made of; used by deforming models only.
-    #[serde(default)]
-    pub material: MaterialSpec,
-    /// How a lattice is built.
-    #[serde(default)]
-    pub lattice: LatticeSpec,
-    /// Time integration.
-    #[serde(default)]
-    pub integrator: IntegratorSpec,
-    /// Nodes that never move.
-    #[serde(default)]
-    pub fixed: Vec<FixedSpec>,
-    /// The body may touch itself.
-    #[serde(default)]
-    pub self_contact: bool,
-}
-
 /// `surface = { builtin = "teardrop", net = [8, 8] }`, `{ file = "x.json" }` or `{ inline = {…} }`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -136,107 +108,6 @@ impl Default for PoseSpec {
     fn default() -> Self {
         Self { position: [0.0; 3], orientation: [0.0, 0.0, 0.0, 1.0] }
     }
-}
-
-/// How a body moves.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum ModelSpec {
-    /// It does not deform.
-    #[default]
-    Rigid,
-    /// Springs between nodes; the control points are nodes.
-    Lattice,
-}
-
-/// `[body.material]`.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default)]
-pub struct MaterialSpec {
-    /// Young's modulus E, Pa.
-    pub young_pa: f64,
-    /// ρ, kg/m³.
-    pub density_kg_m3: f64,
-    /// Stiffness-proportional (Voigt) damping time, s: a strain rate ε̇ adds the stress of a strain of this times ε̇.
-    pub damping_s: f64,
-}
-
-impl Default for MaterialSpec {
-    /// A soft gel: 20 kPa, water's density, 2 ms.
-    fn default() -> Self {
-        Self { young_pa: 20e3, density_kg_m3: 1_000.0, damping_s: 2e-3 }
-    }
-}
-
-/// `[body.lattice]`.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default)]
-pub struct LatticeSpec {
-    /// Shells from the surface inwards, the surface included (≥ 1); for an open sheet, layers through its thickness (≥ 2).
-    pub layers: usize,
-    /// The net after refinement.
-    pub refine: RefineSpec,
-    /// Thickness of an open sheet, m.
-    pub thickness_m: Option<f64>,
-}
-
-impl Default for LatticeSpec {
-    fn default() -> Self {
-        Self { layers: 4, refine: RefineSpec::Auto(RefineAuto::Auto), thickness_m: None }
-    }
-}
-
-/// `refine = "auto" | "none" | [22, 23] | { u = [knots], v = [knots] }`.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(untagged)]
-pub enum RefineSpec {
-    /// `"auto"` or `"none"`.
-    Auto(RefineAuto),
-    /// Distinct control points wanted in u and v.
-    Counts([usize; 2]),
-    /// Knots to insert.
-    Knots {
-        /// In u.
-        u: Vec<f64>,
-        /// In v.
-        v: Vec<f64>,
-    },
-}
-
-/// `"auto"` or `"none"`.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum RefineAuto {
-    /// About three control points across the smallest expected contact, within the node budget of a tick.
-    Auto,
-    /// The net as it is.
-    None,
-}
-
-/// `[body.integrator]`.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default)]
-pub struct IntegratorSpec {
-    /// Local–global iterations of the implicit step a tick, 1 ..= 10.
-    pub iterations: usize,
-    /// Sweeps of the contact solve a tick, 1 ..= 1 000.
-    pub contact_sweeps: usize,
-}
-
-impl Default for IntegratorSpec {
-    fn default() -> Self {
-        Self { iterations: 1, contact_sweeps: 30 }
-    }
-}
-
-/// `[[body.fixed]]`: the nodes on the far side of a plane (body frame): `normal · (x − point) <= 0`.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct FixedSpec {
-    /// A point of the plane, m.
-    pub point: [f64; 3],
-    /// Its normal, any length above 0, towards the free part.
-    pub normal: [f64; 3],
 }
 
 /// `[[tool]]`.

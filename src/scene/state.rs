@@ -3,7 +3,7 @@
 use super::narrow::PairScratch;
 use super::near::Near;
 use super::{BodyModel, Scene};
-use crate::body::{LatticeScratch, LatticeState};
+use crate::body::{DeformableScratch, DeformableState};
 use crate::contact::complementarity::Complementarity;
 use crate::contact::proxy::ProxyState;
 use crate::contact::rows::{MAX_ROWS, MAX_ROWS_PER_PAIR, RowSet, SampleInTouch};
@@ -50,7 +50,7 @@ pub struct SceneState {
 #[derive(Clone, Debug, PartialEq)]
 pub struct BodyState {
     /// Nodes, when it deforms.
-    pub lattice: Option<LatticeState>,
+    pub lattice: Option<DeformableState>,
     /// Grows with every change of the net.
     pub revision: u64,
     /// How far the farthest control point moved in the last tick, m.
@@ -126,7 +126,7 @@ pub struct BodyScratch {
 
 #[derive(Debug)]
 pub(crate) struct DeformingScratch {
-    pub lattice: LatticeScratch,
+    pub lattice: DeformableScratch,
     /// Net after the next free motion.
     pub predicted_net: Vec<Point3>,
 }
@@ -161,7 +161,7 @@ impl Scene {
         let width = |surface: &Surface| (surface.knots_u().degree() + 1) * (surface.knots_v().degree() + 1);
         let rows = self.bodies.iter().map(|body| width(&body.surface)).max().unwrap_or(1);
         let lattices = || (0..self.body_count()).filter_map(|body| self.lattice(body));
-        let nodes = lattices().map(|lattice| lattice.node_count()).max().unwrap_or(0);
+        let nodes = lattices().map(|lattice| lattice.coordinate_count()).max().unwrap_or(0);
         let bodies = self.bodies.iter().map(|body| BodyScratch {
             surface: body.surface.clone(),
             solver: ClosestSolver::new(&body.surface),
@@ -199,7 +199,7 @@ impl Scene {
         let (Some(deforming), Some(lattice)) = (deforming, &state.bodies[body].lattice) else { return };
         model.lattice.predict(lattice, &mut deforming.lattice);
         for (control, point) in surface.net_mut().points_mut().iter_mut().enumerate() {
-            let node = model.lattice.node_of_control(control);
+            let node = model.lattice.coordinate_of_control(control);
             *point = lattice.positions[node];
             deforming.predicted_net[control] = deforming.lattice.predicted[node];
         }
@@ -221,7 +221,7 @@ impl SceneState {
         match (&scene.bodies[body].model, &self.bodies[body].lattice) {
             (BodyModel::Lattice(model), Some(lattice)) => {
                 for (control, point) in out.iter_mut().enumerate() {
-                    *point = lattice.positions[model.lattice.node_of_control(control)];
+                    *point = lattice.positions[model.lattice.coordinate_of_control(control)];
                 }
             }
             _ => out.copy_from_slice(scene.bodies[body].surface.net().points()),

@@ -4,7 +4,7 @@
 //! `D_ij = n_i · n_j ([same tool] / K' + Σ_sides ±± N_iᵀ W N_j)`, the sum over the sides of both rows on the same body,
 //! each with the sign with which its normal pushes it.
 
-use crate::body::Lattice;
+use crate::body::Deformable;
 use crate::contact::rows::Row;
 use crate::contact::sharing::{Share, share};
 use crate::scene::{BodyModel, Scene, SceneState, Scratch};
@@ -74,13 +74,13 @@ fn share_among_rigid(scene: &Scene, scratch: &mut Scratch, tool: usize) {
 }
 
 /// Adds what a body's surface gives way under its rows.
-fn add_body_compliance(body: usize, lattice: &Lattice, scratch: &mut Scratch) {
+fn add_body_compliance(body: usize, lattice: &Deformable, scratch: &mut Scratch) {
     let Scratch { rows, problem, response, involved, is_involved, .. } = scratch;
     involved.clear();
     for row in &rows.rows {
         for (_, range) in row.sides_on(body) {
             for &control in rows.weights_in(range).0 {
-                if let Some(unknown) = lattice.unknown(lattice.node_of_control(control as usize))
+                if let Some(unknown) = lattice.unknown(lattice.coordinate_of_control(control as usize))
                     && !is_involved[unknown]
                 {
                     is_involved[unknown] = true;
@@ -98,7 +98,7 @@ fn add_body_compliance(body: usize, lattice: &Lattice, scratch: &mut Scratch) {
             }
             let (controls, weights) = rows.weights_in(side_a);
             for (&control, &weight) in controls.iter().zip(weights) {
-                if let Some(column) = lattice.compliance_of(lattice.node_of_control(control as usize)) {
+                if let Some(column) = lattice.compliance_of(lattice.coordinate_of_control(control as usize)) {
                     for &unknown in involved.iter() {
                         response[unknown as usize] += weight * column[unknown as usize];
                     }
@@ -108,7 +108,7 @@ fn add_body_compliance(body: usize, lattice: &Lattice, scratch: &mut Scratch) {
                 let (controls, weights) = rows.weights_in(side_b);
                 let mut moved = 0.0;
                 for (&control, &weight) in controls.iter().zip(weights) {
-                    if let Some(unknown) = lattice.unknown(lattice.node_of_control(control as usize)) {
+                    if let Some(unknown) = lattice.unknown(lattice.coordinate_of_control(control as usize)) {
                         moved += weight * response[unknown];
                     }
                 }

@@ -98,7 +98,7 @@ fn load_bodies(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch) {
                 let force = row.normal * (sign * lambda * factor);
                 let (controls, weights) = rows.weights_in(range);
                 for (&control, &weight) in controls.iter().zip(weights) {
-                    let node = model.lattice.node_of_control(control as usize);
+                    let node = model.lattice.coordinate_of_control(control as usize);
                     model.lattice.push(&mut deforming.lattice, node, force * weight);
                 }
             }

@@ -21,7 +21,7 @@ pub(super) fn advance(scene: &Scene, state: &mut SceneState, scratch: &mut Scrat
         let surface = &scratch.bodies[b].surface;
         let mut moved_squared: f64 = 0.0;
         for (control, old) in surface.net().points().iter().enumerate() {
-            let step = (lattice.positions[model.lattice.node_of_control(control)] - old).norm_squared();
+            let step = (lattice.positions[model.lattice.coordinate_of_control(control)] - old).norm_squared();
             moved_squared = if step > moved_squared { step } else { moved_squared };
         }
         body_state.moved_m = moved_squared.sqrt();

@@ -98,7 +98,7 @@ pub fn scene_snapshot(
         let net = &nets[body];
         wire::BodySnapshot {
             id: net.body.clone(),
-            model: if scene.deforms(body) { "lattice" } else { "rigid" }.into(),
+            model: scene.model_name(body).into(),
             degree: [net.degree_u, net.degree_v],
             periodic: [surface.knots_u().is_periodic(), surface.knots_v().is_periodic()],
             knots: [surface.knots_u().file_knots().to_vec(), surface.knots_v().file_knots().to_vec()],

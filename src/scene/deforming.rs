@@ -1,0 +1,289 @@
+//! From a scene file's data to the constants of a deforming body.
+
+use super::build::{SceneError, error, pose, unit};
+use super::layout::{Layout, layout};
+use super::spec::{
+    BodySpec, FixedSpec, MaterialSpec, MethodSpec, ModelSpec, RegionSpec, SceneSpec, ShapeSpec, SpringsSpec,
+};
+use crate::body::layers::{self, Rings};
+use crate::body::{
+    self, CellGrid, Deformable, DeformableError, Integrator, Material, Plastic, SpringRule, StepSettings, Stiffening,
+};
+use crate::math::{Point3, Pose, Vector3};
+use crate::surface::{Closing, Surface};
+
+/// What moves a body, and why that way.
+#[derive(Clone, Debug)]
+pub(crate) struct Choice {
+    /// `lattice`, `membrane` …
+    pub model: &'static str,
+    /// One sentence for the plan.
+    pub why: String,
+}
+
+/// Builds a deforming body on its refined surface.
+pub(super) fn build(
+    scene: &SceneSpec,
+    spec: &BodySpec,
+    path: &str,
+    surface: &Surface,
+    placement: &Pose,
+    dt_s: f64,
+    gravity: Vector3,
+) -> Result<(Deformable, Choice), SceneError> {
+    let settings = |integrator| StepSettings {
+        dt_s: dt_s * f64::from(spec.integrator.every),
+        gravity,
+        integrator,
+        sleep_m_s: spec.integrator.sleep_m_s,
+    };
+    let implicit = Integrator::Implicit { iterations: spec.integrator.iterations };
+    let explicit = Integrator::Explicit { substeps: spec.integrator.substeps };
+    let make = |integrator| match spec.model {
+        ModelSpec::Membrane => membrane(scene, spec, path, surface, placement, settings(integrator)),
+        ModelSpec::Rigid | ModelSpec::Lattice => lattice(scene, spec, path, surface, placement, settings(integrator)),
+    };
+    let model = match spec.model {
+        ModelSpec::Membrane => "membrane",
+        ModelSpec::Rigid | ModelSpec::Lattice => "lattice",
+    };
+    let (body, why) = match spec.integrator.method {
+        MethodSpec::Implicit => (make(implicit)?, "implicit, as the scene says or by default".to_owned()),
+        MethodSpec::Explicit => (make(explicit)?, "explicit, as the scene says".to_owned()),
+        MethodSpec::Xpbd => {
+            let xpbd = Integrator::Xpbd { substeps: spec.integrator.substeps };
+            (make(xpbd)?, "xpbd, as the scene says: compare its forces, it softens silently".to_owned())
+        }
+        MethodSpec::Auto => cheaper(make(implicit)?, make(explicit)),
+    };
+    Ok((body, Choice { model, why }))
+}
+
+/// The cheaper of two methods, by counted work: a pass over springs for each substep twice (with and without contact)
+/// against a pass and a solve.
+fn cheaper(implicit: Deformable, explicit: Result<Deformable, SceneError>) -> (Deformable, String) {
+    let pass = |body: &Deformable| body.spring_count() as f64 * super::plan::SPRING_US;
+    let solve = implicit.factor_non_zeros() as f64 * super::plan::NON_ZERO_US;
+    let implicit_us = (pass(&implicit) + solve) * implicit.integration().1 as f64;
+    match explicit {
+        Err(error) => (implicit, format!("implicit: {}", error.reason)),
+        Ok(explicit) => {
+            let substeps = explicit.integration().1;
+            let explicit_us = 2.0 * pass(&explicit) * substeps as f64;
+            let compared =
+                format!("{substeps} explicit substeps would take {explicit_us:.0} us, implicit {implicit_us:.0} us");
+            if explicit_us < implicit_us {
+                (explicit, format!("explicit: {compared}"))
+            } else {
+                (implicit, format!("implicit: {compared}"))
+            }
+        }
+    }
+}
+
+fn lattice(
+    scene: &SceneSpec,
+    spec: &BodySpec,
+    path: &str,
+    surface: &Surface,
+    placement: &Pose,
+    settings: StepSettings,
+) -> Result<Deformable, SceneError> {
+    let common = material(&spec.material, path)?;
+    let (grid, volume) = cells(spec, path, surface)?;
+    let fixed = fixed(scene, spec, path, surface, placement, &grid.nodes, |control| grid.node_of_control[control])?;
+    let of_cell = materials(spec, &common, &grid, placement);
+    let rule = match spec.material.springs {
+        Some(SpringsSpec::Seed) => SpringRule::Seed,
+        Some(SpringsSpec::Moduli) | None => SpringRule::Moduli,
+    };
+    body::lattice(&grid, &common, |cell| of_cell[cell], volume, &fixed, rule, settings)
+        .map_err(|e| deformable_error(path, &e))
+}
+
+fn membrane(
+    scene: &SceneSpec,
+    spec: &BodySpec,
+    path: &str,
+    surface: &Surface,
+    placement: &Pose,
+    settings: StepSettings,
+) -> Result<Deformable, SceneError> {
+    let Some(thickness_m) = spec.lattice.thickness_m.filter(|t| t.is_finite() && *t > 0.0) else {
+        return Err(error(format!("{path}.lattice.thickness_m"), "a membrane needs a thickness above 0"));
+    };
+    if !spec.regions.is_empty() {
+        return Err(error(format!("{path}.region"), "a membrane is of one material; use model = \"lattice\""));
+    }
+    let points = surface.net().points();
+    let of_control = tied(points);
+    let count = of_control.iter().max().map_or(0, |&last| last as usize + 1);
+    let mut coordinates = vec![Point3::origin(); count];
+    for (point, &coordinate) in points.iter().zip(&of_control) {
+        coordinates[coordinate as usize] = *point;
+    }
+    let common = material(&spec.material, path)?;
+    let fixed = fixed(scene, spec, path, surface, placement, &coordinates, |control| of_control[control])?;
+    let wraps = surface.topology().closing.map(|closing| closing == Closing::Periodic);
+    let size = [surface.net().rows(), surface.net().columns()];
+    body::membrane(points, size, wraps, &of_control, &common, thickness_m, &fixed, settings)
+        .map_err(|e| deformable_error(path, &e))
+}
+
+fn deformable_error(path: &str, e: &DeformableError) -> SceneError {
+    let key = match e {
+        DeformableError::Substeps { .. } | DeformableError::Unsupported(_) => "integrator",
+        _ => "lattice",
+    };
+    error(format!("{path}.{key}"), e)
+}
+
+/// Control points at one place (seams, poles) are one coordinate, numbered in order of their first.
+fn tied(points: &[Point3]) -> Vec<u32> {
+    let mut first = std::collections::BTreeMap::new();
+    let bits = |p: &Point3| [p.x, p.y, p.z].map(|x| (x + 0.0).to_bits());
+    points
+        .iter()
+        .map(|point| {
+            let next = first.len() as u32;
+            *first.entry(bits(point)).or_insert(next)
+        })
+        .collect()
+}
+
+/// The material of a body: its preset, and what differs.
+fn material(spec: &MaterialSpec, path: &str) -> Result<Material, SceneError> {
+    let name = spec.preset.as_deref().unwrap_or("gel");
+    let Some(preset) = body::preset(name) else {
+        return Err(error(format!("{path}.material.preset"), format!("{name:?} is no material")));
+    };
+    let of_preset = preset.material;
+    let plastic = spec.plastic.as_ref().map(|p| Plastic {
+        yield_strain: p.yield_strain,
+        rate_per_s: p.rate_per_s,
+        hardening: p.hardening,
+        limit: p.limit,
+        spread_m: p.spread_m,
+    });
+    let stiffening = spec.stiffening.as_ref().map(|s| Stiffening {
+        strain: s.strain,
+        ratio: s.ratio,
+        least_length: s.least_length,
+        least_length_ratio: s.least_length_ratio,
+    });
+    let material = Material {
+        young_pa: spec.young_pa.unwrap_or(of_preset.young_pa),
+        poisson: spec.poisson.unwrap_or(of_preset.poisson),
+        density_kg_m3: spec.density_kg_m3.unwrap_or(of_preset.density_kg_m3),
+        damping_s: spec.damping_s.unwrap_or(of_preset.damping_s),
+        plastic: plastic.or(of_preset.plastic).filter(|p| p.rate_per_s > 0.0),
+        stiffening: stiffening.or(of_preset.stiffening),
+    };
+    let positive = material.young_pa > 0.0 && material.density_kg_m3 > 0.0 && material.damping_s >= 0.0;
+    if !(positive && (0.0..0.5).contains(&material.poisson)) {
+        return Err(error(
+            format!("{path}.material"),
+            "young_pa and density_kg_m3 must be above 0, damping_s at least 0, poisson in [0, 0.5)",
+        ));
+    }
+    Ok(material)
+}
+
+/// What each cell is made of: of the last region that holds its centre.
+fn materials(spec: &BodySpec, common: &Material, grid: &CellGrid, placement: &Pose) -> Vec<Material> {
+    let holds = |region: &RegionSpec, p: &Point3| match (&region.ball, &region.box_) {
+        (Some(ball), _) => (p - Point3::from(ball.centre)).norm() <= ball.radius_m,
+        (None, Some(bounds)) => (0..3).all(|c| (bounds.low[c]..=bounds.high[c]).contains(&p[c])),
+        (None, None) => false,
+    };
+    let of_cell = |cell: &body::Cell| {
+        let centre: Vector3 = cell.iter().map(|&node| grid.nodes[node as usize].coords / 8.0).sum();
+        let centre = placement.inverse_transform_point(&Point3::from(centre));
+        let region = spec.regions.iter().rev().find(|region| holds(region, &centre));
+        region.map_or(*common, |region| Material {
+            young_pa: region.young_pa.unwrap_or(common.young_pa),
+            poisson: region.poisson.unwrap_or(common.poisson),
+            density_kg_m3: region.density_kg_m3.unwrap_or(common.density_kg_m3),
+            ..*common
+        })
+    };
+    grid.cells.iter().map(of_cell).collect()
+}
+
+/// Which coordinates never move.
+fn fixed(
+    scene: &SceneSpec,
+    spec: &BodySpec,
+    path: &str,
+    surface: &Surface,
+    placement: &Pose,
+    coordinates: &[Point3],
+    of_control: impl Fn(usize) -> u32,
+) -> Result<Vec<bool>, SceneError> {
+    let mut fixed = vec![false; coordinates.len()];
+    let behind = |fixed: &mut Vec<bool>, point: Point3, normal: Vector3| {
+        for (flag, place) in fixed.iter_mut().zip(coordinates) {
+            *flag |= (place - point).dot(&normal) <= 0.0;
+        }
+    };
+    for (f, entry) in spec.fixed.iter().enumerate() {
+        match entry {
+            FixedSpec::Plane { point, normal } => {
+                let normal = unit(normal, &format!("{path}.fixed[{f}].normal"))?;
+                behind(&mut fixed, placement * Point3::from(*point), placement * normal);
+            }
+            FixedSpec::Range { u, v } => {
+                let within = |x: f64, [from, to]: [f64; 2]| x >= from && x <= to;
+                let (us, vs) = (surface.knots_u().greville(), surface.knots_v().greville());
+                for (control, flag) in (0..us.len() * vs.len()).map(|k| (k, of_control(k) as usize)) {
+                    fixed[flag] |= within(us[control / vs.len()], *u) && within(vs[control % vs.len()], *v);
+                }
+            }
+        }
+    }
+    for (t, tool) in scene.tools.iter().enumerate().filter(|(_, tool)| tool.fixes_nodes) {
+        let ShapeSpec::Plane { normal } = &tool.shape else {
+            return Err(error(format!("tool[{t}].fixes_nodes"), "only a plane tool can fix nodes"));
+        };
+        let at = pose(&tool.pose, &format!("tool[{t}].pose"))?;
+        let normal = unit(normal, &format!("tool[{t}].shape.plane.normal"))?;
+        behind(&mut fixed, Point3::from(at.translation.vector), at.rotation * normal);
+    }
+    Ok(fixed)
+}
+
+/// Cells of a body and the volume its surface encloses.
+fn cells(spec: &BodySpec, path: &str, surface: &Surface) -> Result<(CellGrid, f64), SceneError> {
+    let topology = surface.topology();
+    let points = surface.net().points();
+    let columns = surface.net().columns();
+    let count = spec.lattice.layers;
+    let Some(layout) = layout(surface, &topology) else {
+        let Some(thickness_m) = spec.lattice.thickness_m.filter(|t| t.is_finite() && *t > 0.0) else {
+            return Err(error(format!("{path}.lattice.thickness_m"), "an open sheet needs a thickness above 0"));
+        };
+        if count < 2 {
+            return Err(error(format!("{path}.lattice.layers"), "an open sheet needs at least 2 layers"));
+        }
+        let (us, vs) = (surface.knots_u().greville(), surface.knots_v().greville());
+        let inward: Vec<Vector3> =
+            us.iter().flat_map(|&u| vs.iter().map(move |&v| (u, v))).map(|(u, v)| -surface.normal(u, v)).collect();
+        let grid = layers::sheet(points, &inward, surface.net().rows(), columns, count, thickness_m);
+        let volume = grid.quality().volume_m3;
+        return Ok((grid, volume));
+    };
+    if count < 1 {
+        return Err(error(format!("{path}.lattice.layers"), "at least 1 layer"));
+    }
+    let Layout { u_around, around, along, ends } = layout;
+    let rings = Rings { around, along, ends };
+    let control = |i: usize, j: usize| if u_around { i * columns + j } else { j * columns + i };
+    let ring_of = |k: usize| {
+        let (row, column) = (k / columns, k % columns);
+        if u_around { (row % around, column % along) } else { (column % around, row % along) }
+    };
+    let grid = layers::rings(points, &rings, count, control, ring_of);
+    // An open tube encloses nothing by itself; its cells then say how much it holds.
+    let volume = if topology.is_closed() { surface.volume().abs() } else { grid.quality().volume_m3 };
+    Ok((grid, volume))
+}
