@@ -270,10 +270,7 @@ impl Deformable {
                 state.velocities.copy_from_slice(&scratch.speed);
             }
         }
-        for coordinate in scratch.loaded.drain(..) {
-            scratch.forces[coordinate as usize] = Vector3::zeros();
-            scratch.is_loaded[coordinate as usize] = false;
-        }
+        self.drop_loads(scratch);
         let flowed = self.flow(state, scratch);
         self.count_still(state, touched || flowed);
     }
@@ -342,6 +339,31 @@ impl Deformable {
             scratch.loaded.push(coordinate as u32);
         }
         scratch.forces[coordinate] += force;
+    }
+
+    /// Moves the forces given so far into `loads` (coordinates).
+    pub fn take_loads(&self, scratch: &mut DeformableScratch, loads: &mut [Vector3]) {
+        loads.fill(Vector3::zeros());
+        for coordinate in scratch.loaded.drain(..) {
+            let coordinate = coordinate as usize;
+            loads[coordinate] = std::mem::replace(&mut scratch.forces[coordinate], Vector3::zeros());
+            scratch.is_loaded[coordinate] = false;
+        }
+    }
+
+    /// Gives back what [`Deformable::take_loads`] took.
+    pub fn give_loads(&self, scratch: &mut DeformableScratch, loads: &[Vector3]) {
+        for (coordinate, load) in loads.iter().enumerate().filter(|(_, load)| **load != Vector3::zeros()) {
+            self.push(scratch, coordinate, *load);
+        }
+    }
+
+    /// Forgets the forces given so far.
+    pub fn drop_loads(&self, scratch: &mut DeformableScratch) {
+        for coordinate in scratch.loaded.drain(..) {
+            scratch.forces[coordinate as usize] = Vector3::zeros();
+            scratch.is_loaded[coordinate as usize] = false;
+        }
     }
 
     /// Displacements of all free coordinates for a unit force held on one of the net over one step, m/N, by

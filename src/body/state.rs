@@ -3,7 +3,7 @@
 use crate::math::{Lane, Point3, StateError, StateSink, StateSource, Vector3};
 
 /// What a replay restores.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Debug, PartialEq)]
 pub struct DeformableState {
     /// (coordinates), m.
     pub positions: Vec<Point3>,
@@ -17,6 +17,30 @@ pub struct DeformableState {
     pub still: u32,
     /// Body steps slept through.
     pub slept: u64,
+}
+
+impl Clone for DeformableState {
+    fn clone(&self) -> Self {
+        let mut copy = Self {
+            positions: Vec::new(),
+            velocities: Vec::new(),
+            rest_lengths: Vec::new(),
+            plastic_strain: Vec::new(),
+            still: 0,
+            slept: 0,
+        };
+        copy.clone_from(self);
+        copy
+    }
+
+    /// Allocates nothing between states of one body.
+    fn clone_from(&mut self, from: &Self) {
+        self.positions.clone_from(&from.positions);
+        self.velocities.clone_from(&from.velocities);
+        self.rest_lengths.clone_from(&from.rest_lengths);
+        self.plastic_strain.clone_from(&from.plastic_strain);
+        (self.still, self.slept) = (from.still, from.slept);
+    }
 }
 
 impl DeformableState {

@@ -18,7 +18,8 @@ mod state;
 pub use build::{SceneError, default_samples_per_span, inline_files};
 pub(crate) use narrow::look_at;
 pub(crate) use near::Near;
-pub use state::{BodyScratch, BodyState, PairState, RunState, SceneState, Scratch, ToolState, WarmRow};
+pub(crate) use state::DeformingScratch;
+pub use state::{BodyScratch, BodyState, PairState, Pipeline, RunState, SceneState, Scratch, ToolState, WarmRow};
 
 use crate::body::Deformable;
 use crate::contact::rows::Holder;
@@ -162,6 +163,11 @@ impl Scene {
     /// True when the body's net can change.
     pub fn deforms(&self, body: usize) -> bool {
         matches!(self.bodies[body].model, BodyModel::Lattice(_))
+    }
+
+    /// True when a body steps once in several ticks.
+    pub fn steps_apart(&self, body: usize) -> bool {
+        matches!(&self.bodies[body].model, BodyModel::Lattice(model) if model.every > 1)
     }
 
     /// Name of a body's model, as scenes write it.

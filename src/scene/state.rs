@@ -10,7 +10,7 @@ use crate::contact::rows::{MAX_ROWS, MAX_ROWS_PER_PAIR, RowSet, SampleInTouch};
 use crate::contact::sharing::Share;
 use crate::contact::spheres::Counters;
 use crate::haptics::Link;
-use crate::math::{Point3, Rotation, StateError, StateSink, StateSource, Stateful};
+use crate::math::{Point3, Rotation, StateError, StateSink, StateSource, Stateful, Vector3};
 use crate::surface::{ClosestSolver, Surface, WarmFoot};
 
 /// Whether bodies move.
@@ -55,6 +55,20 @@ pub struct BodyState {
     pub revision: u64,
     /// How far the farthest control point moved in the last tick, m.
     pub moved_m: f64,
+    /// Ticks since the body's step began, for bodies that step once in several ticks.
+    pub phase: u32,
+    /// (coordinates), N: contact forces of the tick in which that step began; empty for bodies that step every tick.
+    pub loads: Vec<Vector3>,
+}
+
+/// Steps of bodies on other threads: begun with the loads of one tick, taken over some ticks later, always the same number.
+pub trait Pipeline: Send + std::fmt::Debug {
+    /// Begins the step of a body: `predicted` is its free motion, `loads` are its contact forces.
+    fn start(&mut self, body: usize, state: &DeformableState, predicted: &[Point3], loads: &[Vector3]);
+    /// Waits for that step: the state after it, and the free motion of the next. False if none was begun.
+    fn finish(&mut self, body: usize, state: &mut DeformableState, predicted: &mut [Point3]) -> bool;
+    /// Forgets all steps that were begun.
+    fn cancel(&mut self);
 }
 
 /// State of a tool.
@@ -103,9 +117,16 @@ pub struct Scratch {
     /// Nodes of the rows of one body, and a mark by node.
     pub(crate) involved: Vec<u32>,
     pub(crate) is_involved: Vec<bool>,
+    /// Where bodies that take several ticks step; without it they step in the tick in which they are due.
+    pub(crate) pipeline: Option<Box<dyn Pipeline>>,
 }
 
 impl Scratch {
+    /// Lets bodies that take several ticks step elsewhere.
+    pub fn set_pipeline(&mut self, pipeline: Box<dyn Pipeline>) {
+        self.pipeline = Some(pipeline);
+    }
+
     /// What the last queries of the `spheres` method did, by pair: holder, body, counters.
     pub fn spheres_counters<'a>(&'a self, scene: &'a Scene) -> impl Iterator<Item = (&'a str, &'a str, &'a Counters)> {
         let pairs = scene.pairs.iter().zip(&self.pairs);
@@ -135,10 +156,14 @@ impl Scene {
     /// The state at the start.
     pub fn initial_state(&self) -> SceneState {
         let bodies = self.bodies.iter().map(|body| match &body.model {
-            BodyModel::Rigid => BodyState { lattice: None, revision: 0, moved_m: 0.0 },
-            BodyModel::Lattice(model) => {
-                BodyState { lattice: Some(model.lattice.rest_state()), revision: 0, moved_m: 0.0 }
-            }
+            BodyModel::Rigid => BodyState { lattice: None, revision: 0, moved_m: 0.0, phase: 0, loads: Vec::new() },
+            BodyModel::Lattice(model) => BodyState {
+                lattice: Some(model.lattice.rest_state()),
+                revision: 0,
+                moved_m: 0.0,
+                phase: 0,
+                loads: vec![Vector3::zeros(); if model.every > 1 { model.lattice.coordinate_count() } else { 0 }],
+            },
         });
         let tools = self.tools.iter().map(|tool| {
             let mut link = Link::default();
@@ -185,19 +210,23 @@ impl Scene {
             response: vec![0.0; nodes],
             involved: Vec::with_capacity(nodes),
             is_involved: vec![false; nodes],
+            pipeline: None,
         };
         for body in 0..self.body_count() {
-            self.prepare_body(body, state, &mut scratch);
+            self.prepare_body(body, state, &mut scratch, false);
         }
         scratch
     }
 
-    /// Brings a body's buffers in line with its state: surface now, free motion of the next tick and its net.
-    pub(crate) fn prepare_body(&self, body: usize, state: &SceneState, scratch: &mut Scratch) {
+    /// Brings a body's buffers in line with its state: surface now, free motion of the next step (unless that is there
+    /// already) and its net.
+    pub(crate) fn prepare_body(&self, body: usize, state: &SceneState, scratch: &mut Scratch, predicted: bool) {
         let BodyModel::Lattice(model) = &self.bodies[body].model else { return };
         let BodyScratch { surface, solver, bounds, deforming } = &mut scratch.bodies[body];
         let (Some(deforming), Some(lattice)) = (deforming, &state.bodies[body].lattice) else { return };
-        model.lattice.predict(lattice, &mut deforming.lattice);
+        if !predicted {
+            model.lattice.predict(lattice, &mut deforming.lattice);
+        }
         for (control, point) in surface.net_mut().points_mut().iter_mut().enumerate() {
             let node = model.lattice.coordinate_of_control(control);
             *point = lattice.positions[node];
@@ -249,6 +278,10 @@ impl Stateful for SceneState {
             sink.floats(&[body.moved_m]);
             if let Some(lattice) = &body.lattice {
                 lattice.save(sink);
+                if !body.loads.is_empty() {
+                    sink.word(u64::from(body.phase));
+                    body.loads.iter().for_each(|load| sink.floats(load.as_slice()));
+                }
             }
         }
         for tool in &self.tools {
@@ -283,6 +316,12 @@ impl Stateful for SceneState {
             body.moved_m = float(source)?;
             if let Some(lattice) = &mut body.lattice {
                 lattice.restore(source)?;
+                if !body.loads.is_empty() {
+                    body.phase = small(source.word()?, "phase of a body's step")?;
+                    for load in &mut body.loads {
+                        source.floats(load.as_mut_slice())?;
+                    }
+                }
             }
         }
         for tool in &mut self.tools {

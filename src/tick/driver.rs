@@ -5,6 +5,7 @@ use super::pacer::{Privileges, Schedule, Wake, ask_privileges, now_ns, sleep_unt
 use super::ports::{Receipt, TickPorts};
 use super::record::{Command, STAGE_COUNT, TickInput, TickRecord};
 use super::stats::{Histogram, LATE_NS};
+use super::workers::Workers;
 use super::{apply, deform, render};
 use crate::math::state_hash;
 use crate::scene::spec::Clock;
@@ -57,7 +58,13 @@ pub fn start(
 ) -> std::io::Result<JoinHandle<DriverReport>> {
     std::thread::Builder::new().name("palpate-tick".into()).spawn(move || {
         let state = scene.initial_state();
-        let scratch = scene.scratch(&state);
+        let mut scratch = scene.scratch(&state);
+        match Workers::start(&scene) {
+            Ok(Some(workers)) => scratch.set_pipeline(Box::new(workers)),
+            Ok(None) => {}
+            // Bodies then step in the tick in which they are due: the same bits, but late.
+            Err(error) => tracing::warn!("no threads for slow bodies: {error}"),
+        }
         let _ = ports.tick_thread.set(std::thread::current());
         let privileges = if settings.privileged { ask_privileges() } else { Privileges::default() };
         let report = DriverReport {

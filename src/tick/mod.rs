@@ -23,5 +23,7 @@ pub mod ports;
 pub mod record;
 pub mod stats;
 mod step;
+#[cfg(feature = "daemon")]
+pub mod workers;
 
 pub use step::{apply, deform, render, restore, step};

@@ -1,6 +1,17 @@
 //! Second half of a tick: bodies take the contact forces, and their next free motion is predicted.
+//!
+//! A body that steps once in k ticks begins a step with the forces of one tick and takes it over k ticks later, on whatever
+//! thread it was done. In between its surface stands still and answers with its compliance.
 
-use crate::scene::{BodyModel, Scene, SceneState, Scratch};
+use crate::scene::{BodyModel, BodyState, DeformingScratch, LatticeBody, Pipeline, Scene, SceneState, Scratch};
+
+/// What a tick did to a body.
+enum Stepped {
+    /// Its step goes on.
+    Not,
+    /// It moved; its next free motion is known or not.
+    Done { predicted: bool },
+}
 
 /// Moves every deforming body; false if one had to be set back to rest because its state was not finite.
 pub(super) fn advance(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch) -> bool {
@@ -8,13 +19,16 @@ pub(super) fn advance(scene: &Scene, state: &mut SceneState, scratch: &mut Scrat
     for (b, body) in scene.bodies.iter().enumerate() {
         let BodyModel::Lattice(model) = &body.model else { continue };
         let body_state = &mut state.bodies[b];
-        let (Some(lattice), Some(deforming)) = (&mut body_state.lattice, &mut scratch.bodies[b].deforming) else {
+        let Some(deforming) = &mut scratch.bodies[b].deforming else { continue };
+        let Stepped::Done { predicted } = step(b, model, body_state, deforming, &mut scratch.pipeline) else {
+            body_state.moved_m = 0.0;
             continue;
         };
-        model.lattice.advance(lattice, &mut deforming.lattice);
+        let Some(lattice) = &mut body_state.lattice else { continue };
         // A sum is finite only if every part is.
         let sum: f64 = lattice.positions.iter().map(|p| p.x + p.y + p.z).sum();
-        if !sum.is_finite() {
+        let finite = sum.is_finite();
+        if !finite {
             *lattice = model.lattice.rest_state();
             sound = false;
         }
@@ -28,7 +42,48 @@ pub(super) fn advance(scene: &Scene, state: &mut SceneState, scratch: &mut Scrat
         if moved_squared > 0.0 {
             body_state.revision += 1;
         }
-        scene.prepare_body(b, state, scratch);
+        scene.prepare_body(b, state, scratch, predicted && finite);
     }
     sound
+}
+
+/// A tick in which bodies do not move: what pressed them is forgotten.
+pub(super) fn stand_still(scene: &Scene, scratch: &mut Scratch) {
+    for (body, parts) in scene.bodies.iter().zip(&mut scratch.bodies) {
+        if let (BodyModel::Lattice(model), Some(deforming)) = (&body.model, &mut parts.deforming) {
+            model.lattice.drop_loads(&mut deforming.lattice);
+        }
+    }
+}
+
+fn step(
+    b: usize,
+    model: &LatticeBody,
+    body: &mut BodyState,
+    deforming: &mut DeformingScratch,
+    pipeline: &mut Option<Box<dyn Pipeline>>,
+) -> Stepped {
+    let Some(lattice) = &mut body.lattice else { return Stepped::Not };
+    let scratch = &mut deforming.lattice;
+    if model.every > 1 {
+        if body.phase == 0 {
+            model.lattice.take_loads(scratch, &mut body.loads);
+            if let Some(pipeline) = pipeline {
+                pipeline.start(b, lattice, &scratch.predicted, &body.loads);
+            }
+        } else {
+            model.lattice.drop_loads(scratch);
+        }
+        body.phase += 1;
+        if body.phase < model.every {
+            return Stepped::Not;
+        }
+        body.phase = 0;
+        if pipeline.as_mut().is_some_and(|pipeline| pipeline.finish(b, lattice, &mut scratch.predicted)) {
+            return Stepped::Done { predicted: true };
+        }
+        model.lattice.give_loads(scratch, &body.loads);
+    }
+    model.lattice.advance(lattice, scratch);
+    Stepped::Done { predicted: false }
 }

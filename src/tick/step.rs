@@ -35,7 +35,9 @@ pub fn render(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch, inpu
 
 /// Second half: moves the bodies, predicts their next free motion, hashes the state.
 pub fn deform(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch, output: &mut TickOutput) {
-    if output.moving && !motion::advance(scene, state, scratch) {
+    if !output.moving {
+        motion::stand_still(scene, scratch);
+    } else if !motion::advance(scene, state, scratch) {
         output.fault = Some(TickFault::NotFinite);
     }
     output.net_revision = state.bodies.iter().map(|body| body.revision).sum();
@@ -52,7 +54,7 @@ pub fn apply(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch, comma
             for (body, revision) in state.bodies.iter_mut().zip(revisions) {
                 body.revision = revision;
             }
-            *scratch = scene.scratch(state);
+            renew(scene, state, scratch);
         }
         Command::Pause => {
             if state.run == RunState::Running {
@@ -84,6 +86,16 @@ pub fn restore(
     saved: &SavedState,
 ) -> Result<(), StateError> {
     saved.restore_into(state)?;
-    *scratch = scene.scratch(state);
+    renew(scene, state, scratch);
     Ok(())
+}
+
+/// Makes the scratch anew for a state; steps that were begun elsewhere belong to another.
+fn renew(scene: &Scene, state: &SceneState, scratch: &mut Scratch) {
+    let pipeline = scratch.pipeline.take();
+    *scratch = scene.scratch(state);
+    scratch.pipeline = pipeline;
+    if let Some(pipeline) = &mut scratch.pipeline {
+        pipeline.cancel();
+    }
 }
