@@ -127,6 +127,7 @@ impl Suite<'_> {
             error_unit: "m",
             n: result.times.n,
             wrong: None,
+            note: String::new(),
         });
     }
 

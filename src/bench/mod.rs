@@ -4,6 +4,7 @@
 //! against answers that are computed another way.
 
 mod contact;
+mod deformation;
 mod inputs;
 mod measure;
 mod oracle;
@@ -12,6 +13,7 @@ mod surface;
 mod table;
 
 pub use contact::{contact, picture};
+pub use deformation::{deformation, pareto};
 pub use surface::surface;
 pub use table::table;
 
@@ -39,6 +41,9 @@ pub struct Row {
     /// Answers that are wrong by more than 1e-9 of the surface's size, or missing; `None` where none can be.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub wrong: Option<usize>,
+    /// What there is to say beyond that: forces, energies, counts.
+    #[serde(skip_serializing_if = "String::is_empty")]
+    pub note: String,
 }
 
 /// How long to measure.

@@ -131,6 +131,7 @@ impl Suite<'_> {
             error_unit: error.1,
             n: times.n,
             wrong,
+            note: String::new(),
         });
     }
 

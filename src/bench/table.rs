@@ -14,10 +14,11 @@ pub fn table(rows: &[Row]) -> String {
         }
         let ours = rows.iter().find(|other| other.case == row.case && !other.peer).filter(|_| row.peer);
         let ratio = ours.map_or(String::new(), |ours| format!("{:.1} ×", row.median_s / ours.median_s));
+        let note = if row.note.is_empty() { String::new() } else { format!("  {}", row.note) };
         let wrong = row.wrong.map_or(String::new(), |wrong| format!(", {wrong} wrong"));
         let _ = writeln!(
             text,
-            "  {:<38} median {:>9}  p99 {:>9}  {:>9}  error {:.1e} {}{wrong}  ({} calls)",
+            "  {:<38} median {:>9}  p99 {:>9}  {:>9}  error {:.1e} {}{wrong}  ({} calls){note}",
             row.method,
             seconds(row.median_s),
             seconds(row.p99_s),
@@ -55,6 +56,7 @@ mod tests {
             error_unit: "m",
             n: 7,
             wrong: Some(0),
+            note: String::new(),
         };
         let text = table(&[row("ours", false, 2e-6), row("theirs", true, 5e-6)]);
         assert_eq!(text.lines().count(), 3);

@@ -5,6 +5,7 @@
 //! through the step moves each coordinate, in columns kept from the start.
 
 use super::cells::CellQuality;
+use super::continuum::ContinuumError;
 use super::explicit::Explicit;
 use super::implicit::Implicit;
 use super::law::Law;
@@ -76,6 +77,9 @@ pub enum DeformableError {
         /// Allowed.
         most: usize,
     },
+    /// Cells that cannot carry a continuum energy.
+    #[error(transparent)]
+    Continuum(#[from] ContinuumError),
     /// A combination that is not there.
     #[error("{0}")]
     Unsupported(&'static str),
@@ -162,6 +166,9 @@ impl Deformable {
         let weightless = masses.iter().filter(|&&m| !(m > 0.0 && m.is_finite())).count();
         if weightless > 0 {
             return Err(DeformableError::NoMass(weightless));
+        }
+        if plastic.is_some() && law.continuum.is_some() {
+            return Err(DeformableError::Unsupported("only springs flow plastically; use model = \"lattice\""));
         }
         let flow = plastic.map(|law_of_flow| Flow::new(law_of_flow, &law.springs, &map.nodes(&rest), settings.dt_s));
         let mut body = Self {
@@ -418,6 +425,7 @@ impl Deformable {
             speed: vec![Vector3::zeros(); count],
             rhs: vec![Vector3::zeros(); self.unknown_count()],
             lanes: vec![[0.0; 4]; self.unknown_count()],
+            limited: 0,
             flow: vec![[0.0; 4]; if self.flow.is_some() { self.law.springs.rest().len() } else { 0 }],
         }
     }
@@ -430,13 +438,13 @@ impl Deformable {
     /// Adds Wᵀ of the law's forces at the coordinates of the scratch to its residual.
     pub(super) fn add_law_forces(&self, state: &DeformableState, scratch: &mut DeformableScratch) {
         let rest = self.rest_lengths(state);
-        let DeformableScratch { coordinates, nodes, residual, node_residual, .. } = scratch;
+        let DeformableScratch { coordinates, nodes, residual, node_residual, limited, .. } = scratch;
         match &self.map {
-            NodeMap::Same => self.law.add_forces(rest, coordinates, residual),
+            NodeMap::Same => *limited = self.law.add_forces(rest, coordinates, residual),
             NodeMap::Sparse(map) => {
                 map.apply(coordinates, nodes);
                 node_residual.fill([0.0; 4]);
-                self.law.add_forces(rest, nodes, node_residual);
+                *limited = self.law.add_forces(rest, nodes, node_residual);
                 map.add_transposed(node_residual, residual);
             }
         }
@@ -485,6 +493,16 @@ impl Deformable {
     /// Coordinates that can move.
     pub fn unknown_count(&self) -> usize {
         self.coordinate_of_unknown.len()
+    }
+
+    /// Cells with a continuum energy.
+    pub fn cell_count(&self) -> usize {
+        self.law.continuum.as_ref().map_or(0, |continuum| continuum.cell_count())
+    }
+
+    /// Cells that the last pass held back, as their tangent passed what the step can follow.
+    pub fn limited(&self, scratch: &DeformableScratch) -> u32 {
+        scratch.limited
     }
 
     /// Springs.

@@ -1,39 +1,80 @@
-//! Model `lattice`: point masses at the nodes of cells, springs along their edges and face diagonals.
+//! Models `lattice` and `continuum`, whole or reduced: point masses at the nodes of cells, with springs along their edges and
+//! face diagonals, or with the energy of an elastic solid in them.
 
 use super::cells::CellGrid;
+use super::continuum::{Continuum, Elastic};
 use super::deformable::{Blueprint, Deformable, DeformableError, StepSettings};
 use super::law::Law;
 use super::material::Material;
 use super::node_map::NodeMap;
 use super::springs::{self, SpringRule};
+use crate::math::Point3;
 
-/// Builds a lattice. `material(cell)`: what each cell is made of; damping, flow and stiffening are the body's, `common`'s.
-/// `enclosed_volume_m3` is the surface's own volume (the control polyhedron is larger): it sets the mass.
-/// `fixed[node]` nodes never move.
-///
-/// # Errors
-/// Cells without volume, no free node, or a step that cannot be built.
-pub fn lattice(
-    grid: &CellGrid,
-    common: &Material,
-    material: impl Fn(usize) -> Material,
-    enclosed_volume_m3: f64,
-    fixed: &[bool],
-    rule: SpringRule,
-    settings: StepSettings,
-) -> Result<Deformable, DeformableError> {
-    let masses = cell_masses(grid, |cell| material(cell).density_kg_m3, enclosed_volume_m3)?;
-    let springs = springs::from_cells(grid, |cell| material(cell).young_pa, rule);
-    let blueprint = Blueprint {
-        coordinates: grid.nodes.clone(),
-        map: NodeMap::Same,
-        masses,
-        law: Law::springs(&springs, common.stiffening),
-        coordinate_of_control: grid.node_of_control.clone(),
-        fixed: fixed.to_vec(),
-        quality: grid.quality(),
-    };
-    Deformable::new(blueprint, common.damping_s, common.plastic, settings)
+/// What acts between the nodes of cells.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Inside {
+    /// Springs.
+    Springs(SpringRule),
+    /// Stable neo-Hookean solid.
+    Continuum,
+}
+
+/// A solid to be built.
+pub struct Solid<'a, M: Fn(usize) -> Material> {
+    /// Its cells.
+    pub grid: &'a CellGrid,
+    /// Nodes from coordinates.
+    pub map: NodeMap,
+    /// (coordinates), m, at rest.
+    pub coordinates: Vec<Point3>,
+    /// (control points).
+    pub coordinate_of_control: Vec<u32>,
+    /// (coordinates): never move.
+    pub fixed: Vec<bool>,
+    /// Volume that the surface encloses, m³ (the control polyhedron is larger): it sets the mass.
+    pub enclosed_volume_m3: f64,
+    /// What acts between nodes.
+    pub inside: Inside,
+    /// What each cell is made of.
+    pub material: M,
+}
+
+impl<'a, M: Fn(usize) -> Material> Solid<'a, M> {
+    /// A solid whose nodes are its coordinates.
+    pub fn whole(grid: &'a CellGrid, fixed: &[bool], enclosed_volume_m3: f64, inside: Inside, material: M) -> Self {
+        Self {
+            grid,
+            map: NodeMap::Same,
+            coordinates: grid.nodes.clone(),
+            coordinate_of_control: grid.node_of_control.clone(),
+            fixed: fixed.to_vec(),
+            enclosed_volume_m3,
+            inside,
+            material,
+        }
+    }
+
+    /// Builds it. Damping, flow and stiffening are the body's, `common`'s.
+    ///
+    /// # Errors
+    /// Cells without volume or too distorted, no free coordinate, or a step that cannot be built.
+    pub fn build(self, common: &Material, settings: StepSettings) -> Result<Deformable, DeformableError> {
+        let Self { grid, map, coordinates, coordinate_of_control, fixed, enclosed_volume_m3, inside, material } = self;
+        let masses = cell_masses(grid, |cell| material(cell).density_kg_m3, enclosed_volume_m3)?;
+        let law = match inside {
+            Inside::Springs(rule) => {
+                Law::springs(&springs::from_cells(grid, |cell| material(cell).young_pa, rule), common.stiffening)
+            }
+            Inside::Continuum => {
+                let elastic = |cell| Elastic { young_pa: material(cell).young_pa, poisson: material(cell).poisson };
+                let of_cells: Vec<Elastic> = (0..grid.cells.len()).map(elastic).collect();
+                Law::continuum(Continuum::new(grid, &of_cells)?)
+            }
+        };
+        let quality = grid.quality();
+        let blueprint = Blueprint { coordinates, map, masses, law, coordinate_of_control, fixed, quality };
+        Deformable::new(blueprint, common.damping_s, common.plastic, settings)
+    }
 }
 
 /// Masses of nodes, kg: an eighth of each cell's for each of its corners, scaled so that the whole fills the enclosed volume.

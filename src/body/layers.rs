@@ -39,13 +39,38 @@ pub fn rings(
     control: impl Fn(usize, usize) -> usize,
     ring_of_control: impl Fn(usize) -> (usize, usize),
 ) -> CellGrid {
+    let Rings { around, along, .. } = *rings;
+    let medial = medial_curve(points, rings, &control);
+    let node = ring_nodes(rings, layers);
+    let count = node.iter().max().map_or(0, |&last| last as usize + 1);
+    let mut nodes = vec![Point3::origin(); count];
+    for layer in 0..=layers {
+        let shrink = 1.0 - layer as f64 / layers as f64;
+        for j in 0..along {
+            for i in (0..around).rev() {
+                // Shared nodes stand where the first of their ring does.
+                let place = medial[j] + (points[control(i, j)] - medial[j]) * shrink;
+                nodes[node[(layer * along + j) * around + i] as usize] = place;
+            }
+        }
+    }
+    let cells = ring_cells(rings, layers);
+    let node_of_control = (0..points.len())
+        .map(|k| {
+            let (i, j) = ring_of_control(k);
+            node[j * around + i]
+        })
+        .collect();
+    CellGrid { nodes, cells, node_of_control }
+}
+
+/// (layers + 1, along, around) → node; the medial curve and the poles of each shell repeat theirs.
+pub fn ring_nodes(rings: &Rings, layers: usize) -> Vec<u32> {
     let Rings { around, along, ends } = *rings;
     let pole = |j: usize| (j == 0 && ends.first_pole) || (j + 1 == along && ends.last_pole);
-    let medial = medial_curve(points, rings, &control);
-    let mut nodes = Vec::new();
-    // (layers + 1, along, around) → node; the medial curve and the poles of each shell repeat theirs.
-    let mut node = vec![0u32; (layers + 1) * along * around];
     let at = |layer: usize, j: usize, i: usize| (layer * along + j) * around + i;
+    let mut node = vec![0u32; (layers + 1) * along * around];
+    let mut count = 0;
     for j in 0..along {
         for layer in 0..=layers {
             for i in 0..around {
@@ -53,33 +78,31 @@ pub fn rings(
                     node[at(layer, j, i)] = node[at(layer, j, 0)];
                     continue;
                 }
-                node[at(layer, j, i)] = nodes.len() as u32;
-                let shrink = 1.0 - layer as f64 / layers as f64;
-                nodes.push(medial[j] + (points[control(i, j)] - medial[j]) * shrink);
+                node[at(layer, j, i)] = count;
+                count += 1;
             }
         }
     }
-    let mut cells = Vec::new();
+    node
+}
+
+/// Cells between the nodes of [`ring_nodes`].
+pub fn ring_cells(rings: &Rings, layers: usize) -> Vec<Cell> {
+    let Rings { around, along, ends } = *rings;
+    let node = ring_nodes(rings, layers);
     let steps_along = if ends.axis_closed { along } else { along - 1 };
+    let mut cells = Vec::with_capacity(layers * steps_along * around);
     for layer in 0..layers {
         for j in 0..steps_along {
             for i in 0..around {
-                let mut cell: Cell = [0; 8];
-                for (corner, slot) in cell.iter_mut().enumerate() {
+                cells.push(std::array::from_fn(|corner| {
                     let (dl, dj, di) = (corner >> 2, (corner >> 1) & 1, corner & 1);
-                    *slot = node[at(layer + dl, (j + dj) % along, (i + di) % around)];
-                }
-                cells.push(cell);
+                    node[((layer + dl) * along + (j + dj) % along) * around + (i + di) % around]
+                }));
             }
         }
     }
-    let node_of_control = (0..points.len())
-        .map(|k| {
-            let (i, j) = ring_of_control(k);
-            node[at(0, j, i)]
-        })
-        .collect();
-    CellGrid { nodes, cells, node_of_control }
+    cells
 }
 
 /// One point a ring: along the polygon of ring centroids, drawn in at each pole by half the largest ring radius (or 0.4 of
@@ -125,20 +148,24 @@ pub fn sheet(
         let depth = thickness_m * layer as f64 / (layers - 1) as f64;
         nodes.extend(points.iter().zip(inward_normals).map(|(point, normal)| point + normal * depth));
     }
+    let cells = sheet_cells(rows, columns, layers);
+    CellGrid { nodes, cells, node_of_control: (0..points.len() as u32).collect() }
+}
+
+/// Cells between `layers` copies of rows × columns nodes.
+pub fn sheet_cells(rows: usize, columns: usize, layers: usize) -> Vec<Cell> {
     let mut cells = Vec::new();
     for layer in 0..layers - 1 {
         for row in 0..rows - 1 {
             for column in 0..columns - 1 {
-                let mut cell: Cell = [0; 8];
-                for (corner, slot) in cell.iter_mut().enumerate() {
+                cells.push(std::array::from_fn(|corner| {
                     let (dl, dr, dc) = (corner >> 2, (corner >> 1) & 1, corner & 1);
-                    *slot = (((layer + dl) * rows + row + dr) * columns + column + dc) as u32;
-                }
-                cells.push(cell);
+                    (((layer + dl) * rows + row + dr) * columns + column + dc) as u32
+                }));
             }
         }
     }
-    CellGrid { nodes, cells, node_of_control: (0..points.len() as u32).collect() }
+    cells
 }
 
 #[cfg(test)]

@@ -9,6 +9,7 @@
 
 mod bends;
 mod cells;
+pub mod continuum;
 mod deformable;
 mod explicit;
 mod implicit;
@@ -17,6 +18,7 @@ mod law;
 pub mod layers;
 mod material;
 mod membrane;
+pub mod net;
 mod node_map;
 mod plastic;
 mod spring_table;
@@ -26,8 +28,9 @@ mod xpbd;
 
 pub use bends::Bend;
 pub use cells::{Cell, CellGrid, CellQuality};
+pub use continuum::{Continuum, ContinuumError, Elastic};
 pub use deformable::{Blueprint, Deformable, DeformableError, Integrator, StepSettings};
-pub use lattice::lattice;
+pub use lattice::{Inside, Solid};
 pub use law::Law;
 pub use material::{Material, PRESETS, Plastic, Preset, Stiffening, preset};
 pub use membrane::membrane;

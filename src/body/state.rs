@@ -108,6 +108,8 @@ pub struct DeformableScratch {
     /// (unknowns).
     pub(super) rhs: Vec<Vector3>,
     pub(super) lanes: Vec<Lane>,
+    /// Cells held back by the last pass.
+    pub(super) limited: u32,
     /// Changes of the rest lengths within a step; empty unless springs flow.
     pub(super) flow: Vec<Lane>,
 }

@@ -1,7 +1,7 @@
 //! `palpate bench`: times of our methods beside other libraries', in the same run and each with its error.
 
 use super::Outcome;
-use crate::bench::{Effort, Row, contact, picture, surface, table};
+use crate::bench::{Effort, Row, contact, deformation, pareto, picture, surface, table};
 use anyhow::Context;
 use std::io::Write;
 
@@ -16,6 +16,14 @@ pub struct Args {
 enum Suite {
     /// Closest points, grids, fits and bounds of B-spline surfaces.
     Surface(Options),
+    /// Forces of pressed bodies and what a step costs, for all models, methods, grids and stiffnesses.
+    Deformation {
+        #[command(flatten)]
+        options: Options,
+        /// Writes a picture of time against error here, as SVG.
+        #[arg(long)]
+        svg: Option<std::path::PathBuf>,
+    },
     /// Contacts of points, balls, planes, solids, meshes and surfaces with a body.
     Contact {
         #[command(flatten)]
@@ -42,7 +50,7 @@ struct Options {
 pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     let (options, svg) = match &args.suite {
         Suite::Surface(options) => (options, None),
-        Suite::Contact { options, svg } => (options, svg.as_deref()),
+        Suite::Contact { options, svg } | Suite::Deformation { options, svg } => (options, svg.as_deref()),
     };
     let effort = if options.quick { Effort::Quick } else { Effort::Full };
     let mut rows: Vec<Row> = Vec::new();
@@ -60,6 +68,7 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     match &args.suite {
         Suite::Surface(_) => surface(effort, options.only.as_deref(), &mut take),
         Suite::Contact { .. } => contact(effort, options.only.as_deref(), &mut take),
+        Suite::Deformation { .. } => deformation(effort, options.only.as_deref(), &mut take),
     }
     if let Some(error) = failed {
         return Err(error);
@@ -68,7 +77,8 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
         print!("{}", table(&rows));
     }
     if let Some(path) = svg {
-        std::fs::write(path, picture(&rows)).with_context(|| format!("cannot write {}", path.display()))?;
+        let drawn = if matches!(&args.suite, Suite::Deformation { .. }) { pareto(&rows) } else { picture(&rows) };
+        std::fs::write(path, drawn).with_context(|| format!("cannot write {}", path.display()))?;
     }
     Ok(Outcome::Ok)
 }

@@ -226,7 +226,7 @@ fn build_body(
     let size_m = original.size();
     let (surface, model) = match spec.model {
         ModelSpec::Rigid => (original, BodyModel::Rigid),
-        ModelSpec::Lattice | ModelSpec::Membrane => {
+        ModelSpec::Membrane | ModelSpec::Lattice | ModelSpec::Continuum | ModelSpec::Net => {
             let surface = refine::refine(scene, spec, path, original)?;
             let (lattice, choice) = deforming::build(scene, spec, path, &surface, &placement, dt_s, gravity)?;
             let samples = SampleGrid::new(&surface, default_samples_per_span());

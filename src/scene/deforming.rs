@@ -5,12 +5,15 @@ use super::layout::{Layout, layout};
 use super::spec::{
     BodySpec, FixedSpec, MaterialSpec, MethodSpec, ModelSpec, RegionSpec, SceneSpec, ShapeSpec, SpringsSpec,
 };
+use crate::basis::KnotVector;
 use crate::body::layers::{self, Rings};
+use crate::body::net::{self, Axis, Reduced};
 use crate::body::{
-    self, CellGrid, Deformable, DeformableError, Integrator, Material, Plastic, SpringRule, StepSettings, Stiffening,
+    self, CellGrid, Deformable, DeformableError, Inside, Integrator, Material, Plastic, Solid, SpringRule,
+    StepSettings, Stiffening,
 };
 use crate::math::{Point3, Pose, Vector3};
-use crate::surface::{Closing, Surface};
+use crate::surface::{Closing, Direction, Surface};
 
 /// What moves a body, and why that way.
 #[derive(Clone, Debug)]
@@ -41,10 +44,15 @@ pub(super) fn build(
     let explicit = Integrator::Explicit { substeps: spec.integrator.substeps };
     let make = |integrator| match spec.model {
         ModelSpec::Membrane => membrane(scene, spec, path, surface, placement, settings(integrator)),
-        ModelSpec::Rigid | ModelSpec::Lattice => lattice(scene, spec, path, surface, placement, settings(integrator)),
+        ModelSpec::Net => net(scene, spec, path, surface, placement, settings(integrator)),
+        ModelSpec::Rigid | ModelSpec::Lattice | ModelSpec::Continuum => {
+            solid(scene, spec, path, surface, placement, settings(integrator))
+        }
     };
     let model = match spec.model {
         ModelSpec::Membrane => "membrane",
+        ModelSpec::Net => "net",
+        ModelSpec::Continuum => "continuum",
         ModelSpec::Rigid | ModelSpec::Lattice => "lattice",
     };
     let (body, why) = match spec.integrator.method {
@@ -81,7 +89,7 @@ fn cheaper(implicit: Deformable, explicit: Result<Deformable, SceneError>) -> (D
     }
 }
 
-fn lattice(
+fn solid(
     scene: &SceneSpec,
     spec: &BodySpec,
     path: &str,
@@ -93,12 +101,84 @@ fn lattice(
     let (grid, volume) = cells(spec, path, surface)?;
     let fixed = fixed(scene, spec, path, surface, placement, &grid.nodes, |control| grid.node_of_control[control])?;
     let of_cell = materials(spec, &common, &grid, placement);
-    let rule = match spec.material.springs {
+    let inside = match spec.model {
+        ModelSpec::Continuum => Inside::Continuum,
+        _ => Inside::Springs(rule(&spec.material)),
+    };
+    let solid = Solid::whole(&grid, &fixed, volume, inside, |cell| of_cell[cell]);
+    solid.build(&common, settings).map_err(|e| deformable_error(path, &e))
+}
+
+fn rule(material: &MaterialSpec) -> SpringRule {
+    match material.springs {
         Some(SpringsSpec::Seed) => SpringRule::Seed,
         Some(SpringsSpec::Moduli) | None => SpringRule::Moduli,
+    }
+}
+
+fn net(
+    scene: &SceneSpec,
+    spec: &BodySpec,
+    path: &str,
+    surface: &Surface,
+    placement: &Pose,
+    settings: StepSettings,
+) -> Result<Deformable, SceneError> {
+    let common = material(&spec.material, path)?;
+    let (reduced, volume) = reduced(spec, path, surface)?;
+    let Reduced { grid, map, coordinates, coordinate_of_control } = reduced;
+    let of_control = |control: usize| coordinate_of_control[control];
+    let fixed = fixed(scene, spec, path, surface, placement, &coordinates, of_control)?;
+    let of_cell = materials(spec, &common, &grid, placement);
+    let solid = Solid {
+        grid: &grid,
+        map,
+        coordinates,
+        coordinate_of_control,
+        fixed,
+        enclosed_volume_m3: volume,
+        inside: Inside::Continuum,
+        material: |cell: usize| of_cell[cell],
     };
-    body::lattice(&grid, &common, |cell| of_cell[cell], volume, &fixed, rule, settings)
-        .map_err(|e| deformable_error(path, &e))
+    solid.build(&common, settings).map_err(|e| deformable_error(path, &e))
+}
+
+/// Cells over finer knots than the surface's, moved by its net and shells of it, and the volume its surface encloses.
+fn reduced(spec: &BodySpec, path: &str, surface: &Surface) -> Result<(Reduced, f64), SceneError> {
+    if surface.weights().is_some() {
+        return Err(error(format!("{path}.model"), "a rational surface has no \"net\" model; use \"continuum\""));
+    }
+    let per_span = spec.lattice.cells_per_span;
+    let finer = |direction: Direction, knots: &KnotVector| {
+        let spans = knots.spans().map(|i| (knots.knots()[i], knots.knots()[i + 1]));
+        let at = |(a, b): (f64, f64), k: usize| a + (b - a) * k as f64 / per_span as f64;
+        let inner: Vec<f64> = spans.flat_map(|span| (1..per_span).map(move |k| at(span, k))).collect();
+        surface.insert_knots(direction, &inner).map_err(|e| error(format!("{path}.lattice.cells_per_span"), e))
+    };
+    let (finer_u, finer_v) = (finer(Direction::U, surface.knots_u())?, finer(Direction::V, surface.knots_v())?);
+    let topology = surface.topology();
+    let seam = |d: usize| topology.closing[d] == Closing::Seam;
+    let axes = [
+        Axis::insertion(surface.knots_u(), finer_u.knots_u(), seam(0)),
+        Axis::insertion(surface.knots_v(), finer_v.knots_v(), seam(1)),
+    ];
+    let points = surface.net().points();
+    let Some(shape) = layout(surface, &topology) else {
+        let (thickness_m, inward) = sheet(spec, path, surface)?;
+        let shells = spec.lattice.layers;
+        let depth = Axis::depth(shells, spec.lattice.cell_layers.unwrap_or(2 * (shells - 1)) + 1);
+        let reduced = net::sheet(points, &inward, &axes[0], &axes[1], &depth, thickness_m);
+        let volume = reduced.grid.quality().volume_m3;
+        return Ok((reduced, volume));
+    };
+    let shells = spec.lattice.layers.max(1);
+    let depth = Axis::depth(shells + 1, spec.lattice.cell_layers.unwrap_or(2 * shells) + 1);
+    let (control, ring_of) = ring_controls(&shape, surface.net().columns());
+    let [around, along] = if shape.u_around { [&axes[0], &axes[1]] } else { [&axes[1], &axes[0]] };
+    let rings = Rings { around: shape.around, along: shape.along, ends: shape.ends };
+    let reduced = net::rings(points, &rings, around, along, &depth, control, ring_of);
+    let volume = if topology.is_closed() { surface.volume().abs() } else { reduced.grid.quality().volume_m3 };
+    Ok((reduced, volume))
 }
 
 fn membrane(
@@ -258,16 +338,8 @@ fn cells(spec: &BodySpec, path: &str, surface: &Surface) -> Result<(CellGrid, f6
     let points = surface.net().points();
     let columns = surface.net().columns();
     let count = spec.lattice.layers;
-    let Some(layout) = layout(surface, &topology) else {
-        let Some(thickness_m) = spec.lattice.thickness_m.filter(|t| t.is_finite() && *t > 0.0) else {
-            return Err(error(format!("{path}.lattice.thickness_m"), "an open sheet needs a thickness above 0"));
-        };
-        if count < 2 {
-            return Err(error(format!("{path}.lattice.layers"), "an open sheet needs at least 2 layers"));
-        }
-        let (us, vs) = (surface.knots_u().greville(), surface.knots_v().greville());
-        let inward: Vec<Vector3> =
-            us.iter().flat_map(|&u| vs.iter().map(move |&v| (u, v))).map(|(u, v)| -surface.normal(u, v)).collect();
+    let Some(shape) = layout(surface, &topology) else {
+        let (thickness_m, inward) = sheet(spec, path, surface)?;
         let grid = layers::sheet(points, &inward, surface.net().rows(), columns, count, thickness_m);
         let volume = grid.quality().volume_m3;
         return Ok((grid, volume));
@@ -275,15 +347,37 @@ fn cells(spec: &BodySpec, path: &str, surface: &Surface) -> Result<(CellGrid, f6
     if count < 1 {
         return Err(error(format!("{path}.lattice.layers"), "at least 1 layer"));
     }
-    let Layout { u_around, around, along, ends } = layout;
-    let rings = Rings { around, along, ends };
-    let control = |i: usize, j: usize| if u_around { i * columns + j } else { j * columns + i };
-    let ring_of = |k: usize| {
-        let (row, column) = (k / columns, k % columns);
-        if u_around { (row % around, column % along) } else { (column % around, row % along) }
-    };
+    let rings = Rings { around: shape.around, along: shape.along, ends: shape.ends };
+    let (control, ring_of) = ring_controls(&shape, columns);
     let grid = layers::rings(points, &rings, count, control, ring_of);
     // An open tube encloses nothing by itself; its cells then say how much it holds.
     let volume = if topology.is_closed() { surface.volume().abs() } else { grid.quality().volume_m3 };
     Ok((grid, volume))
+}
+
+/// Control point of a place on the rings, and the place of a control point.
+fn ring_controls(
+    shape: &Layout,
+    columns: usize,
+) -> (impl Fn(usize, usize) -> usize + use<>, impl Fn(usize) -> (usize, usize) + use<>) {
+    let Layout { u_around, around, along, .. } = *shape;
+    let control = move |i: usize, j: usize| if u_around { i * columns + j } else { j * columns + i };
+    let ring_of = move |k: usize| {
+        let (row, column) = (k / columns, k % columns);
+        if u_around { (row % around, column % along) } else { (column % around, row % along) }
+    };
+    (control, ring_of)
+}
+
+/// Thickness of an open sheet and its inward normals at control points.
+fn sheet(spec: &BodySpec, path: &str, surface: &Surface) -> Result<(f64, Vec<Vector3>), SceneError> {
+    let Some(thickness_m) = spec.lattice.thickness_m.filter(|t| t.is_finite() && *t > 0.0) else {
+        return Err(error(format!("{path}.lattice.thickness_m"), "an open sheet needs a thickness above 0"));
+    };
+    if spec.lattice.layers < 2 {
+        return Err(error(format!("{path}.lattice.layers"), "an open sheet needs at least 2 layers"));
+    }
+    let (us, vs) = (surface.knots_u().greville(), surface.knots_v().greville());
+    let places = us.iter().flat_map(|&u| vs.iter().map(move |&v| (u, v)));
+    Ok((thickness_m, places.map(|(u, v)| -surface.normal(u, v)).collect()))
 }

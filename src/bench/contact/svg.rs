@@ -119,6 +119,7 @@ mod tests {
             error_unit: "m",
             n: 1,
             wrong: None,
+            note: String::new(),
         }
     }
 

@@ -16,6 +16,10 @@ impl Check<'_> {
         if let Some(thickness) = body.lattice.thickness_m {
             self.above_zero("body", b, "thickness_m", thickness, "m");
         }
+        self.within(b, "cells_per_span", body.lattice.cells_per_span, 8);
+        if let Some(layers) = body.lattice.cell_layers {
+            self.within(b, "cell_layers", layers, 64);
+        }
         let integrator = &body.integrator;
         self.within(b, "iterations", integrator.iterations, 10);
         self.within(b, "substeps", integrator.substeps, 1_000);

@@ -48,6 +48,10 @@ pub enum ModelSpec {
     Membrane,
     /// A solid of springs between nodes; the control points are nodes.
     Lattice,
+    /// An elastic solid (stable neo-Hookean) in the cells between the nodes: E and ν mean what they say.
+    Continuum,
+    /// The same on a finer grid of cells, moved by the control points and few shells inside them.
+    Net,
 }
 
 /// `[body.material]`: a preset, and what differs from it.
@@ -185,12 +189,18 @@ pub struct LatticeSpec {
     /// The net after refinement.
     pub refine: RefineSpec,
     /// Thickness of an open sheet, m.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub thickness_m: Option<f64>,
+    /// Of `net`: cells across each knot span of the surface.
+    pub cells_per_span: usize,
+    /// Of `net`: layers of cells in depth; twice the shells when absent.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub cell_layers: Option<usize>,
 }
 
 impl Default for LatticeSpec {
     fn default() -> Self {
-        Self { layers: 4, refine: RefineSpec::Auto(RefineAuto::Auto), thickness_m: None }
+        Self { layers: 4, refine: RefineSpec::Auto(RefineAuto::Auto), thickness_m: None, cells_per_span: 2, cell_layers: None }
     }
 }
 
