@@ -7,10 +7,14 @@
 //! A lattice knows nodes, not tools: contact hands it forces on control points.
 
 mod cells;
+pub mod continuum;
 mod lattice;
 pub mod layers;
+#[cfg(feature = "reference")]
+pub mod reference;
 mod springs;
 
 pub use cells::{Cell, CellGrid, CellQuality};
+pub use continuum::{Continuum, ContinuumError, Elastic, Pass};
 pub use lattice::{Lattice, LatticeError, LatticeScratch, LatticeState, Material, StepSettings};
 pub use springs::Spring;
