@@ -21,6 +21,8 @@ mod membrane;
 pub mod net;
 mod node_map;
 mod plastic;
+#[cfg(feature = "reference")]
+pub mod reference;
 mod spring_table;
 mod springs;
 mod state;
@@ -28,7 +30,7 @@ mod xpbd;
 
 pub use bends::Bend;
 pub use cells::{Cell, CellGrid, CellQuality};
-pub use continuum::{Continuum, ContinuumError, Elastic};
+pub use continuum::{Continuum, ContinuumError, Elastic, Pass};
 pub use deformable::{Blueprint, Deformable, DeformableError, Integrator, StepSettings};
 pub use lattice::{Inside, Solid};
 pub use law::Law;
