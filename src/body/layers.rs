@@ -2,7 +2,7 @@
 //!
 //! Closed surfaces: rings of control points shrink in equal steps towards a medial curve, so the cells beside the curve are
 //! wedges. The curve follows the rings' centroids but ends short of the poles: were it to reach them, a flat end (a ring in
-//! one plane with its pole) would have cells without volume. Open sheets: copies of the net at equal depths along the
+//! one plane with its pole) would have cells without volume. Tori and open tubes keep their centroids. Open sheets: copies of the net at equal depths along the
 //! inward normals. Either way the surface is exact: no node is fitted to it.
 
 use super::cells::{Cell, CellGrid};
@@ -39,9 +39,57 @@ pub fn rings(
     control: impl Fn(usize, usize) -> usize,
     ring_of_control: impl Fn(usize) -> (usize, usize),
 ) -> CellGrid {
+    let medial = medial_curve(points, rings, &control, &Insets::EVEN);
+    rings_about(&medial, points, rings, layers, control, ring_of_control)
+}
+
+/// [`rings`], with the ends of the medial curve moved to where the cells are best: no cell folded, then the greatest
+/// least scaled Jacobian of the cells that are no wedges. At a pointed pole the even curve ends too far inside, and the
+/// cells beside it are slanted.
+pub fn rings_at_best(
+    points: &[Point3],
+    rings: &Rings,
+    layers: usize,
+    control: impl Fn(usize, usize) -> usize,
+    ring_of_control: impl Fn(usize) -> (usize, usize),
+) -> CellGrid {
+    let build = |insets: &Insets| {
+        let medial = medial_curve(points, rings, &control, insets);
+        let grid = rings_about(&medial, points, rings, layers, &control, &ring_of_control);
+        let quality = grid.quality();
+        // A single layer is all wedges.
+        let least = quality.least_scaled_jacobian_hexahedra.min(1.0);
+        let merit = [-(quality.folded_cells as f64), least, quality.least_scaled_jacobian];
+        (merit, grid)
+    };
+    let mut best_insets = Insets::EVEN;
+    let mut best = build(&best_insets);
+    for decay in DECAYS {
+        for end in [0, 1, 0, 1] {
+            for inset in INSETS {
+                let mut insets = Insets { decay, ..best_insets };
+                insets.radii[end] = inset;
+                let trial = build(&insets);
+                if trial.0 > best.0 {
+                    (best, best_insets) = (trial, insets);
+                }
+            }
+        }
+    }
+    best.1
+}
+
+/// Cells between the rings and one medial point for each.
+fn rings_about(
+    medial: &[Point3],
+    points: &[Point3],
+    rings: &Rings,
+    layers: usize,
+    control: impl Fn(usize, usize) -> usize,
+    ring_of_control: impl Fn(usize) -> (usize, usize),
+) -> CellGrid {
     let Rings { around, along, ends } = *rings;
     let pole = |j: usize| (j == 0 && ends.first_pole) || (j + 1 == along && ends.last_pole);
-    let medial = medial_curve(points, rings, &control);
     let mut nodes = Vec::new();
     // (layers + 1, along, around) → node; the medial curve and the poles of each shell repeat theirs.
     let mut node = vec![0u32; (layers + 1) * along * around];
@@ -79,12 +127,33 @@ pub fn rings(
             node[at(0, j, i)]
         })
         .collect();
-    CellGrid { nodes, cells, node_of_control }
+    CellGrid { nodes, cells, node_of_control }.right_handed()
 }
 
-/// One point a ring: along the polygon of ring centroids, drawn in at each pole by half the largest ring radius (or 0.4 of
-/// the length, if that is less), evenly in arc length.
-fn medial_curve(points: &[Point3], rings: &Rings, control: &impl Fn(usize, usize) -> usize) -> Vec<Point3> {
+/// How far the medial curve ends before its poles.
+#[derive(Clone, Copy, Debug)]
+struct Insets {
+    /// At the first and the last end, in largest ring radii.
+    radii: [f64; 2],
+    /// The points between give way as (1 − s)^decay, s the share of the length from that end.
+    decay: i32,
+}
+
+impl Insets {
+    const EVEN: Self = Self { radii: [0.5; 2], decay: 1 };
+}
+
+/// Insets and decays that [`rings_at_best`] tries.
+const INSETS: [f64; 9] = [0.03, 0.06, 0.1, 0.15, 0.2, 0.3, 0.4, 0.5, 0.65];
+const DECAYS: [i32; 4] = [1, 2, 4, 8];
+
+/// One point a ring: along the polygon of ring centroids, drawn in at each pole (by 0.4 of the length at most).
+fn medial_curve(
+    points: &[Point3],
+    rings: &Rings,
+    control: &impl Fn(usize, usize) -> usize,
+    insets: &Insets,
+) -> Vec<Point3> {
     let Rings { around, along, ends } = *rings;
     let ring = |j: usize| (0..around).map(move |i| points[control(i, j)]);
     let centroids: Vec<Point3> =
@@ -98,16 +167,21 @@ fn medial_curve(points: &[Point3], rings: &Rings, control: &impl Fn(usize, usize
     }
     let length = arc[along - 1];
     let radius = |j: usize| ring(j).map(|p| (p - centroids[j]).norm()).sum::<f64>() / around as f64;
-    let inset = (0.5 * (0..along).map(radius).fold(0.0, f64::max)).min(0.4 * length);
-    let first = if ends.first_pole { inset } else { 0.0 };
-    let last = if ends.last_pole { inset } else { 0.0 };
+    let radius = (0..along).map(radius).fold(0.0, f64::max);
+    let inset = |end: usize| (insets.radii[end] * radius).min(0.4 * length);
+    let first = if ends.first_pole { inset(0) } else { 0.0 };
+    let last = if ends.last_pole { inset(1) } else { 0.0 };
     let place = |s: f64| {
         let k = arc.partition_point(|&a| a <= s).clamp(1, along - 1);
         let span = arc[k] - arc[k - 1];
         let t = if span > 0.0 { (s - arc[k - 1]) / span } else { 0.0 };
         centroids[k - 1] + (centroids[k] - centroids[k - 1]) * t
     };
-    arc.iter().map(|&s| place(first + s * (length - first - last) / length)).collect()
+    if insets.decay == 1 {
+        return arc.iter().map(|&s| place(first + s * (length - first - last) / length)).collect();
+    }
+    let giving = |share: f64| share.max(0.0).powi(insets.decay);
+    arc.iter().map(|&s| place(s + first * giving(1.0 - s / length) - last * giving(s / length))).collect()
 }
 
 /// Cells of an open sheet of `rows × columns` control points: `layers` ≥ 2 copies, the first is the net, the last lies
@@ -138,7 +212,7 @@ pub fn sheet(
             }
         }
     }
-    CellGrid { nodes, cells, node_of_control: (0..points.len() as u32).collect() }
+    CellGrid { nodes, cells, node_of_control: (0..points.len() as u32).collect() }.right_handed()
 }
 
 #[cfg(test)]
