@@ -7,8 +7,8 @@
 use crate::surface::Surface;
 use nalgebra::{DMatrix, SymmetricEigen};
 
-/// Largest condition of the exterior map that is let pass. Lattices that see the whole net have 10 to 100 (a 12³ on the
-/// 8 × 8 teardrop: see the tests); nets as fine as the lattice have 1e4 and more, or no rank.
+/// Largest condition of the exterior map that is let pass; the mass matrix has the square of it. On the teardrops,
+/// transfinite lattices with six exterior nodes to a coordinate have 26 to 390, with three 700 to 1e4, with two 1e6.
 pub const CONDITION_LIMIT: f64 = 1e3;
 
 /// How well the exterior nodes see a net.
@@ -131,6 +131,11 @@ fn exterior_map(
     if coordinate_of_control.len() != controls || coordinates > controls || used.contains(&false) {
         return Err(ExteriorError::Ties { given: coordinate_of_control.len(), controls, largest });
     }
+    let nothing = Least { count: coordinates, worst: 0 };
+    let unseen = ExteriorMap { nodes: exterior.len(), coordinates, condition: f64::INFINITY, rank: 0 };
+    if !exterior.iter().all(|(_, [u, v])| u.is_finite() && v.is_finite()) {
+        return Ok((unseen, nothing));
+    }
     // NᵀN: the rows of N have a few entries each. Its eigenvalues are the squares of the singular values, so these are
     // known to 1e-8 of the largest, far below the limit.
     let mut normal = DMatrix::<f64>::zeros(coordinates, coordinates);
@@ -142,9 +147,7 @@ fn exterior_map(
             }
         }
     }
-    let nothing = Least { count: coordinates, worst: 0 };
-    let unseen = ExteriorMap { nodes: exterior.len(), coordinates, condition: f64::INFINITY, rank: 0 };
-    if !normal.iter().all(|x| x.is_finite()) {
+    if normal.is_empty() || !normal.iter().all(|x| x.is_finite()) {
         return Ok((unseen, nothing));
     }
     let Some(eigen) = SymmetricEigen::try_new(normal, f64::EPSILON, 100 * coordinates) else {
@@ -159,4 +162,99 @@ fn exterior_map(
     let worst = coordinate_of_control.iter().position(|&c| c as usize == pattern).unwrap_or(0);
     let map = ExteriorMap { nodes: exterior.len(), coordinates, condition, rank };
     Ok((map, Least { count: coordinates - above(1.0 / CONDITION_LIMIT), worst }))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{coordinates_of_controls, transfinite};
+    use super::*;
+    use crate::surface::builtin;
+
+    fn drop(net: usize) -> (Surface, Vec<u32>) {
+        let surface = builtin("teardrop", Some([net; 2]), None).unwrap();
+        let coordinates = coordinates_of_controls(surface.net().points(), &[]);
+        (surface, coordinates)
+    }
+
+    // N assembled densely row by row, its singular values by another method.
+    #[test]
+    fn condition_and_rank_are_those_of_the_dense_map() {
+        for (net, nodes) in [(8, 5), (8, 8), (8, 12), (12, 8), (12, 12)] {
+            let (surface, coordinates) = drop(net);
+            let lattice = transfinite(&surface, [nodes; 3]).unwrap();
+            let map = measure_exterior(&surface, &lattice.exterior, &coordinates).unwrap();
+            let mut dense = DMatrix::<f64>::zeros(lattice.exterior.len(), map.coordinates);
+            for (row, (node, uv)) in lattice.exterior.iter().enumerate() {
+                let mut point = crate::math::Vector3::zeros();
+                for (control, weight) in weights_at(&surface, *uv) {
+                    dense[(row, coordinates[control] as usize)] += weight;
+                    point += surface.net().points()[control].coords * weight;
+                }
+                let off = (point - lattice.grid.nodes[*node as usize].coords).norm();
+                assert!(off < 1e-15, "node {node} is {off} m from Σ N P");
+            }
+            let singular = dense.singular_values();
+            let exact = singular.max() / singular.min();
+            // Eigenvalues of NᵀN have the square of the condition.
+            assert!(
+                (map.condition / exact - 1.0).abs() < 1e-14 * exact * exact,
+                "{net}, {nodes}³: {map:?}, not {exact}"
+            );
+            assert_eq!(map.rank, map.coordinates);
+        }
+    }
+
+    #[test]
+    fn a_fine_enough_lattice_sees_the_net_and_a_coarse_one_says_what_to_do() {
+        for nodes in [8, 10, 12, 15, 20] {
+            let (surface, coordinates) = drop(8);
+            let lattice = transfinite(&surface, [nodes; 3]).unwrap();
+            let map = check_exterior(&surface, &lattice.exterior, &coordinates).unwrap();
+            assert!(map.condition < 50.0, "{nodes}³: {map:?}");
+        }
+        let (surface, coordinates) = drop(20);
+        // 296 nodes for 344 coordinates: at least 48 patterns are not seen.
+        let lattice = transfinite(&surface, [8; 3]).unwrap();
+        let error = check_exterior(&surface, &lattice.exterior, &coordinates).unwrap_err();
+        let ExteriorError::UnseenControls { count, condition, nodes, coordinates: of, .. } = error.clone() else {
+            panic!("{error}")
+        };
+        assert!(count >= 48 && condition == f64::INFINITY && (nodes, of) == (296, 344), "{error:?}");
+        assert!(error.to_string().contains("finer lattice or a coarser net"), "{error}");
+        let lattice = transfinite(&surface, [20; 3]).unwrap();
+        check_exterior(&surface, &lattice.exterior, &coordinates).unwrap();
+    }
+
+    // One node alone, then all nodes but those that feel one control point.
+    #[test]
+    fn the_worst_control_point_is_the_one_left_out() {
+        let (surface, coordinates) = drop(8);
+        let lattice = transfinite(&surface, [20; 3]).unwrap();
+        for hidden in [18, 27, 45] {
+            let felt = |uv: [f64; 2]| {
+                weights_at(&surface, uv).iter().any(|&(k, w)| coordinates[k] == coordinates[hidden] && w > 0.0)
+            };
+            let rest: Vec<_> = lattice.exterior.iter().copied().filter(|(_, uv)| !felt(*uv)).collect();
+            let error = check_exterior(&surface, &rest, &coordinates).unwrap_err();
+            let ExteriorError::UnseenControls { count, .. } = error else { panic!("{error}") };
+            assert!(count >= 1);
+            let map = measure_exterior(&surface, &rest, &coordinates).unwrap();
+            assert!(map.rank < map.coordinates, "{map:?}");
+        }
+        let alone = check_exterior(&surface, &lattice.exterior[..1], &coordinates).unwrap_err();
+        assert!(matches!(alone, ExteriorError::UnseenControls { count: 43, nodes: 1, .. }), "{alone:?}");
+    }
+
+    #[test]
+    fn coordinates_that_do_not_fit_are_refused_and_no_nodes_see_nothing() {
+        let (surface, coordinates) = drop(8);
+        let check = |numbers: &[u32]| check_exterior(&surface, &[(0, [0.5, 0.5])], numbers).unwrap_err();
+        for numbers in [vec![], vec![0; 63], vec![1; 64], vec![u32::MAX; 64]] {
+            assert!(matches!(check(&numbers), ExteriorError::Ties { .. }), "{numbers:?}");
+        }
+        for exterior in [vec![], vec![(0, [f64::NAN, 0.5])]] {
+            let error = check_exterior(&surface, &exterior, &coordinates).unwrap_err();
+            assert!(matches!(error, ExteriorError::UnseenControls { count: 44, .. }), "{error:?}");
+        }
+    }
 }

@@ -8,6 +8,8 @@
 
 mod cells;
 mod cube;
+#[cfg(test)]
+mod cube_tests;
 mod exterior;
 mod harmonic;
 mod lattice;
