@@ -1,5 +1,6 @@
-//! Hexahedral cells, some of them collapsed to wedges, with their volumes and quality.
+//! Hexahedral cells, some of them collapsed to wedges, with their volumes.
 
+pub use super::quality::CellQuality;
 use crate::math::{Matrix3, Point3, Vector3};
 
 /// Node indices, corner (a, b, c) at `4 a + 2 b + c`; equal indices collapse edges (wedges at a curve or a pole).
@@ -16,16 +17,8 @@ pub struct CellGrid {
     pub node_of_control: Vec<u32>,
 }
 
-/// How good the cells are.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct CellQuality {
-    /// Sum of the cells' volumes, m³.
-    pub volume_m3: f64,
-    /// Smallest cell volume, m³.
-    pub least_volume_m3: f64,
-    /// Shortest and longest edge, m.
-    pub edge_m: [f64; 2],
-}
+/// Gauss points on [0, 1].
+const GAUSS: [f64; 2] = [0.211_324_865_405_187_1, 0.788_675_134_594_812_9];
 
 /// The 12 edges of a cell, as corner pairs.
 pub const EDGES: [[usize; 2]; 12] =
@@ -35,20 +28,40 @@ pub const EDGES: [[usize; 2]; 12] =
 pub const FACES: [[usize; 4]; 6] = [[0, 1, 3, 2], [4, 5, 7, 6], [0, 1, 5, 4], [2, 3, 7, 6], [0, 2, 6, 4], [1, 3, 7, 5]];
 
 impl CellGrid {
-    /// Volume of a cell: the trilinear map's Jacobian is integrated exactly by 2 × 2 × 2 Gauss points, collapsed or not.
+    /// Volume of a cell, m³, however its corners turn.
     pub fn volume(&self, cell: &Cell) -> f64 {
-        const GAUSS: [f64; 2] = [0.211_324_865_405_187_1, 0.788_675_134_594_812_9];
-        let mut volume = 0.0;
-        for a in GAUSS {
-            for b in GAUSS {
-                for c in GAUSS {
-                    volume += self.jacobian(cell, a, b, c).determinant() / 8.0;
+        self.signed_volume(cell).abs()
+    }
+
+    /// Volume of a cell, m³: positive when its axes a, b, c turn right-handed. The trilinear map's Jacobian is integrated
+    /// exactly by 2 × 2 × 2 Gauss points, collapsed or not.
+    pub fn signed_volume(&self, cell: &Cell) -> f64 {
+        self.gauss_determinants(cell).iter().map(|d| d / 8.0).sum()
+    }
+
+    /// Determinant of the trilinear map's Jacobian at the 2 × 2 × 2 Gauss points, m³; the cell is one unit wide.
+    pub fn gauss_determinants(&self, cell: &Cell) -> [f64; 8] {
+        let mut determinants = [0.0; 8];
+        for (k, determinant) in determinants.iter_mut().enumerate() {
+            let [a, b, c] = [GAUSS[k >> 2], GAUSS[(k >> 1) & 1], GAUSS[k & 1]];
+            *determinant = self.jacobian(cell, a, b, c).determinant();
+        }
+        determinants
+    }
+
+    /// The same cells, all turned over if together they are left-handed.
+    pub fn right_handed(mut self) -> Self {
+        if self.cells.iter().map(|cell| self.signed_volume(cell)).sum::<f64>() < 0.0 {
+            for cell in &mut self.cells {
+                for corner in [0, 2, 4, 6] {
+                    cell.swap(corner, corner + 1);
                 }
             }
         }
-        volume.abs()
+        self
     }
 
+    /// Columns ∂x/∂a, ∂x/∂b, ∂x/∂c at (a, b, c) in [0, 1]³.
     fn jacobian(&self, cell: &Cell, a: f64, b: f64, c: f64) -> Matrix3 {
         let mut columns = [Vector3::zeros(); 3];
         for (corner, &node) in cell.iter().enumerate() {
@@ -60,22 +73,5 @@ impl CellGrid {
             columns[2] += x * (fa * fb * dc);
         }
         Matrix3::from_columns(&columns)
-    }
-
-    /// Figures for `palpate plan` and for tests.
-    pub fn quality(&self) -> CellQuality {
-        let mut quality = CellQuality { volume_m3: 0.0, least_volume_m3: f64::INFINITY, edge_m: [f64::INFINITY, 0.0] };
-        for cell in &self.cells {
-            let volume = self.volume(cell);
-            quality.volume_m3 += volume;
-            quality.least_volume_m3 = quality.least_volume_m3.min(volume);
-            for [a, b] in EDGES {
-                if cell[a] != cell[b] {
-                    let length = (self.nodes[cell[a] as usize] - self.nodes[cell[b] as usize]).norm();
-                    quality.edge_m = [quality.edge_m[0].min(length), quality.edge_m[1].max(length)];
-                }
-            }
-        }
-        quality
     }
 }

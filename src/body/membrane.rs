@@ -1,7 +1,7 @@
 //! Model `membrane`: point masses at the control points of a surface, springs between neighbours, bending along rows.
 
 use super::bends::Bend;
-use super::cells::CellQuality;
+use super::cells::CellGrid;
 use super::deformable::{Blueprint, Deformable, DeformableError, StepSettings};
 use super::law::Law;
 use super::material::Material;
@@ -39,7 +39,9 @@ pub fn membrane(
         }
     }
     let mut areas = vec![0.0; coordinates.len()];
-    let mut quality = CellQuality { volume_m3: 0.0, least_volume_m3: f64::INFINITY, edge_m: [f64::INFINITY, 0.0] };
+    // A sheet has no cells: its figures are those of the quadrilaterals times the thickness.
+    let mut quality = CellGrid { nodes: Vec::new(), cells: Vec::new(), node_of_control: Vec::new() }.quality();
+    (quality.least_volume_m3, quality.edge_m) = (f64::INFINITY, [f64::INFINITY, 0.0]);
     for quad in &quads {
         let area = quad_area(&coordinates, quad);
         quality.volume_m3 += area * thickness_m;

@@ -10,8 +10,13 @@
 mod bends;
 mod cells;
 pub mod continuum;
+mod cube;
+#[cfg(test)]
+mod cube_tests;
 mod deformable;
 mod explicit;
+mod exterior;
+mod harmonic;
 mod implicit;
 mod lattice;
 mod law;
@@ -21,21 +26,31 @@ mod membrane;
 pub mod net;
 mod node_map;
 mod plastic;
+mod quality;
 #[cfg(feature = "reference")]
 pub mod reference;
+mod som;
 mod spring_table;
 mod springs;
 mod state;
+mod ties;
+mod transfinite;
+mod untangle;
 mod xpbd;
 
 pub use bends::Bend;
 pub use cells::{Cell, CellGrid, CellQuality};
 pub use continuum::{Continuum, ContinuumError, Elastic, Pass};
+pub use cube::{CubeError, CubeLattice, MOST_NODES_A_SIDE};
 pub use deformable::{Blueprint, Deformable, DeformableError, Integrator, StepSettings};
+pub use exterior::{CONDITION_LIMIT, ExteriorError, ExteriorMap, check_exterior, measure_exterior};
 pub use lattice::{Inside, Solid};
 pub use law::Law;
 pub use material::{Material, PRESETS, Plastic, Preset, Stiffening, preset};
 pub use membrane::membrane;
 pub use node_map::{NodeMap, SparseRows};
+pub use som::{SomSettings, som};
 pub use springs::{Spring, SpringRule};
 pub use state::{DeformableScratch, DeformableState};
+pub use ties::coordinates_of_controls;
+pub use transfinite::{thick_sheet, transfinite};

@@ -80,19 +80,22 @@ pub fn rings(
     ring_of_control: impl Fn(usize) -> (usize, usize),
 ) -> Reduced {
     let shells = depth.coarse - 1;
-    let coarse = layers::rings(points, shape, shells, control, ring_of_control);
     let coarse_index = layers::ring_nodes(shape, shells);
-    let mut coordinates = coarse.nodes;
     // Shells stand where a straight volume has them.
-    for j in 0..shape.along {
-        for i in 0..shape.around {
-            let at = |shell: usize| coarse_index[(shell * shape.along + j) * shape.around + i] as usize;
-            let (outside, medial) = (coordinates[at(0)], coordinates[at(shells)]);
-            for shell in 1..shells {
-                coordinates[at(shell)] = outside + (medial - outside) * depth.place(shell);
+    let stand = |medial: &[Point3]| {
+        let coarse = layers::rings_about(medial, points, shape, shells, &control, &ring_of_control);
+        let mut coordinates = coarse.nodes;
+        for j in 0..shape.along {
+            for i in 0..shape.around {
+                let at = |shell: usize| coarse_index[(shell * shape.along + j) * shape.around + i] as usize;
+                let (outside, inside) = (coordinates[at(0)], coordinates[at(shells)]);
+                for shell in 1..shells {
+                    coordinates[at(shell)] = outside + (inside - outside) * depth.place(shell);
+                }
             }
         }
-    }
+        (coordinates, coarse.node_of_control)
+    };
     let fine = Rings { around: around.rows.len(), along: along.rows.len(), ends: shape.ends };
     let fine_layers = depth.rows.len() - 1;
     let fine_index = layers::ring_nodes(&fine, fine_layers);
@@ -108,7 +111,8 @@ pub fn rings(
                 for &(shell, a) in in_depth {
                     for &(b_index, b) in in_along {
                         for &(c_index, c) in in_around {
-                            let at = (shell as usize * shape.along + b_index as usize) * shape.around + c_index as usize;
+                            let at =
+                                (shell as usize * shape.along + b_index as usize) * shape.around + c_index as usize;
                             row.push((coarse_index[at], a * b * c));
                         }
                     }
@@ -117,10 +121,15 @@ pub fn rings(
         }
     }
     let map = NodeMap::from_rows(rows);
-    let nodes = map.nodes(&coordinates);
     let cells = layers::ring_cells(&fine, fine_layers);
-    let grid = CellGrid { nodes, cells, node_of_control: Vec::new() };
-    Reduced { grid, map, coordinates, coordinate_of_control: coarse.node_of_control }
+    let build = |medial: &[Point3]| {
+        let grid = CellGrid { nodes: map.nodes(&stand(medial).0), cells: cells.clone(), node_of_control: Vec::new() };
+        grid.right_handed()
+    };
+    let medial = layers::best_medial(points, shape, &control, build);
+    let (coordinates, coordinate_of_control) = stand(&medial);
+    let grid = build(&medial);
+    Reduced { grid, map, coordinates, coordinate_of_control }
 }
 
 /// A sheet of a thickness (m): `depth` from the net down along the inward normals at its control points.
@@ -157,6 +166,6 @@ pub fn sheet(
     let map = NodeMap::from_rows(weights);
     let nodes = map.nodes(&coordinates);
     let cells = layers::sheet_cells(along_rows.rows.len(), along_columns.rows.len(), depth.rows.len());
-    let grid = CellGrid { nodes, cells, node_of_control: Vec::new() };
+    let grid = CellGrid { nodes, cells, node_of_control: Vec::new() }.right_handed();
     Reduced { grid, map, coordinates, coordinate_of_control: (0..points.len() as u32).collect() }
 }

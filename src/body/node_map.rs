@@ -5,6 +5,7 @@
 //! transpose: power is the same on both sides.
 
 use crate::math::{Lane, Point3, SymmetricTriplets};
+use std::collections::BTreeMap;
 
 /// W, row by row.
 #[derive(Clone, Debug, PartialEq)]
@@ -128,9 +129,8 @@ impl NodeMap {
                 }
             }
             Self::Sparse(map) => {
-                // Sums of many small outer products: gathered densely, as coordinates are few.
-                let n = to.n;
-                let mut dense = vec![0.0; n * n];
+                // Sums of many small outer products, gathered row by row.
+                let mut sums: Vec<BTreeMap<usize, f64>> = vec![BTreeMap::new(); to.n];
                 let mut difference: Vec<(u32, f64)> = Vec::new();
                 for &(a, b, k) in edges {
                     difference.clear();
@@ -152,17 +152,14 @@ impl NodeMap {
                         for &(d, v) in &difference[..=i] {
                             if let Some(column) = unknown(d) {
                                 let (high, low) = (row.max(column), row.min(column));
-                                dense[high * n + low] += k * w * v;
+                                *sums[high].entry(low).or_insert(0.0) += k * w * v;
                             }
                         }
                     }
                 }
-                for row in 0..n {
-                    for column in 0..=row {
-                        let value = dense[row * n + column];
-                        if value != 0.0 {
-                            to.add(row, column, value);
-                        }
+                for (row, sums) in sums.iter().enumerate() {
+                    for (&column, &value) in sums {
+                        to.add(row, column, value);
                     }
                 }
             }

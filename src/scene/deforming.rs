@@ -3,13 +3,14 @@
 use super::build::{SceneError, error, pose, unit};
 use super::layout::{Layout, layout};
 use super::spec::{
-    BodySpec, FixedSpec, MaterialSpec, MethodSpec, ModelSpec, RegionSpec, SceneSpec, ShapeSpec, SpringsSpec,
+    BodySpec, BuilderSpec, FixedSpec, MaterialSpec, MethodSpec, ModelSpec, RegionSpec, SceneSpec, ShapeSpec,
+    SpringsSpec,
 };
 use crate::basis::KnotVector;
 use crate::body::layers::{self, Rings};
 use crate::body::net::{self, Axis, Reduced};
 use crate::body::{
-    self, CellGrid, Deformable, DeformableError, Inside, Integrator, Material, Plastic, Solid, SpringRule,
+    self, CellGrid, Deformable, DeformableError, Inside, Integrator, Material, Plastic, Solid, SomSettings, SpringRule,
     StepSettings, Stiffening,
 };
 use crate::math::{Point3, Pose, Vector3};
@@ -97,16 +98,63 @@ fn solid(
     placement: &Pose,
     settings: StepSettings,
 ) -> Result<Deformable, SceneError> {
+    if spec.lattice.builder != BuilderSpec::Layers {
+        return riding(scene, spec, path, surface, placement, settings);
+    }
     let common = material(&spec.material, path)?;
     let (grid, volume) = cells(spec, path, surface)?;
     let fixed = fixed(scene, spec, path, surface, placement, &grid.nodes, |control| grid.node_of_control[control])?;
     let of_cell = materials(spec, &common, &grid, placement);
-    let inside = match spec.model {
-        ModelSpec::Continuum => Inside::Continuum,
-        _ => Inside::Springs(rule(&spec.material)),
-    };
-    let solid = Solid::whole(&grid, &fixed, volume, inside, |cell| of_cell[cell]);
+    let solid = Solid::whole(&grid, &fixed, volume, inside(spec), |cell| of_cell[cell]);
     solid.build(&common, settings).map_err(|e| deformable_error(path, &e))
+}
+
+/// A cube of nodes, the outermost of which ride on the surface.
+fn riding(
+    scene: &SceneSpec,
+    spec: &BodySpec,
+    path: &str,
+    surface: &Surface,
+    placement: &Pose,
+    settings: StepSettings,
+) -> Result<Deformable, SceneError> {
+    let bad = |e: &dyn std::fmt::Display| error(format!("{path}.lattice"), e);
+    let common = material(&spec.material, path)?;
+    let counts = spec.lattice.nodes;
+    let cube = match (spec.lattice.builder, surface.topology().is_closed(), spec.lattice.thickness_m) {
+        (BuilderSpec::Som, ..) => {
+            let settings = SomSettings { cycles: spec.lattice.cycles, ..SomSettings::default() };
+            body::som(surface, counts, &settings)
+        }
+        (_, false, Some(thickness_m)) => body::thick_sheet(surface, counts, thickness_m),
+        _ => body::transfinite(surface, counts),
+    };
+    let cube = cube.map_err(|e| bad(&e))?;
+    let of_control = body::coordinates_of_controls(surface.net().points(), &[]);
+    body::check_exterior(surface, &cube.exterior, &of_control).map_err(|e| bad(&e))?;
+    let (map, coordinates) = cube.riding(surface, &of_control);
+    let fixed = fixed(scene, spec, path, surface, placement, &coordinates, |control| of_control[control])?;
+    let of_cell = materials(spec, &common, &cube.grid, placement);
+    let enclosed_volume_m3 =
+        if surface.topology().is_closed() { surface.volume().abs() } else { cube.quality().volume_m3 };
+    let solid = Solid {
+        grid: &cube.grid,
+        map,
+        coordinates,
+        coordinate_of_control: of_control,
+        fixed,
+        enclosed_volume_m3,
+        inside: inside(spec),
+        material: |cell: usize| of_cell[cell],
+    };
+    solid.build(&common, settings).map_err(|e| deformable_error(path, &e))
+}
+
+fn inside(spec: &BodySpec) -> Inside {
+    match spec.model {
+        ModelSpec::Continuum | ModelSpec::Net => Inside::Continuum,
+        _ => Inside::Springs(rule(&spec.material)),
+    }
 }
 
 fn rule(material: &MaterialSpec) -> SpringRule {
@@ -196,7 +244,7 @@ fn membrane(
         return Err(error(format!("{path}.region"), "a membrane is of one material; use model = \"lattice\""));
     }
     let points = surface.net().points();
-    let of_control = tied(points);
+    let of_control = body::coordinates_of_controls(points, &[]);
     let count = of_control.iter().max().map_or(0, |&last| last as usize + 1);
     let mut coordinates = vec![Point3::origin(); count];
     for (point, &coordinate) in points.iter().zip(&of_control) {
@@ -216,19 +264,6 @@ fn deformable_error(path: &str, e: &DeformableError) -> SceneError {
         _ => "lattice",
     };
     error(format!("{path}.{key}"), e)
-}
-
-/// Control points at one place (seams, poles) are one coordinate, numbered in order of their first.
-fn tied(points: &[Point3]) -> Vec<u32> {
-    let mut first = std::collections::BTreeMap::new();
-    let bits = |p: &Point3| [p.x, p.y, p.z].map(|x| (x + 0.0).to_bits());
-    points
-        .iter()
-        .map(|point| {
-            let next = first.len() as u32;
-            *first.entry(bits(point)).or_insert(next)
-        })
-        .collect()
 }
 
 /// The material of a body: its preset, and what differs.
@@ -349,7 +384,7 @@ fn cells(spec: &BodySpec, path: &str, surface: &Surface) -> Result<(CellGrid, f6
     }
     let rings = Rings { around: shape.around, along: shape.along, ends: shape.ends };
     let (control, ring_of) = ring_controls(&shape, columns);
-    let grid = layers::rings(points, &rings, count, control, ring_of);
+    let grid = layers::rings_at_best(points, &rings, count, control, ring_of);
     // An open tube encloses nothing by itself; its cells then say how much it holds.
     let volume = if topology.is_closed() { surface.volume().abs() } else { grid.quality().volume_m3 };
     Ok((grid, volume))

@@ -5,7 +5,7 @@
 
 use super::build::{SceneError, error};
 use super::layout::{Layout, distinct, layout};
-use super::spec::{BodySpec, RefineAuto, RefineSpec, SceneSpec, ShapeSpec};
+use super::spec::{BodySpec, BuilderSpec, RefineAuto, RefineSpec, SceneSpec, ShapeSpec};
 use crate::basis::KnotVector;
 use crate::math::Point3;
 use crate::surface::{ClosestSolver, Closing, Direction, Surface, SurfaceError};
@@ -22,8 +22,11 @@ const ZONE: f64 = 0.15;
 /// The refined surface a scene asks for.
 pub(super) fn refine(scene: &SceneSpec, spec: &BodySpec, path: &str, surface: Surface) -> Result<Surface, SceneError> {
     let bad = |e: SurfaceError| error(format!("{path}.lattice.refine"), e);
+    // The nodes of a cube lattice must see every control point: its net is not refined unasked.
+    let cube = spec.lattice.builder != BuilderSpec::Layers;
     match &spec.lattice.refine {
         RefineSpec::Auto(RefineAuto::None) => Ok(surface),
+        RefineSpec::Auto(RefineAuto::Auto) if cube => Ok(surface),
         RefineSpec::Counts([u, v]) => surface.refined_to(*u, *v).map_err(bad),
         RefineSpec::Knots { u, v } => {
             let refined =

@@ -72,7 +72,8 @@ impl Worker {
             }
         };
         let thread = std::thread::Builder::new().name(format!("body {}", scene.body_id(body))).spawn(run)?;
-        let idle = scene.lattice(body).map(|model| Box::new(Job { state: model.rest_state(), scratch: model.scratch() }));
+        let idle =
+            scene.lattice(body).map(|model| Box::new(Job { state: model.rest_state(), scratch: model.scratch() }));
         Ok(Self { scene: scene.clone(), body, idle, out, back, stop, thread: Some(thread) })
     }
 

@@ -164,8 +164,10 @@ pub(super) fn teardrop_row(case: &TeardropCase) -> Row {
         }
         *force = world.settle([x, 0.003, 0.045]).x;
     }
-    let deviations: Vec<f64> = forces.iter().zip(TEARDROP_REFERENCE_N).map(|(f, reference)| f / reference - 1.0).collect();
-    let error = deviations[1..].iter().copied().fold(0.0, |worst: f64, d| if d.abs() > worst.abs() { d } else { worst });
+    let deviations: Vec<f64> =
+        forces.iter().zip(TEARDROP_REFERENCE_N).map(|(f, reference)| f / reference - 1.0).collect();
+    let error =
+        deviations[1..].iter().copied().fold(0.0, |worst: f64, d| if d.abs() > worst.abs() { d } else { worst });
     let listed: Vec<String> =
         forces.iter().zip(&deviations).map(|(f, d)| format!("{f:.4} ({:+.1} %)", d * 100.0)).collect();
     let note = format!("{} N, {}", listed.join(" "), world.counts());

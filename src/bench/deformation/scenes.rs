@@ -92,9 +92,8 @@ device = {{ force_max_n = 1e9, ramp_s = 0.0 }}
 
 /// A bicubic square of 0.1 m whose control points are evenly spaced, so that cells below them are cubes.
 fn flat_surface(nodes: usize) -> String {
-    let knots: Vec<String> = (0..nodes + 4)
-        .map(|k| format!("{:?}", (k.clamp(3, nodes) - 3) as f64 / (nodes - 3) as f64))
-        .collect();
+    let knots: Vec<String> =
+        (0..nodes + 4).map(|k| format!("{:?}", (k.clamp(3, nodes) - 3) as f64 / (nodes - 3) as f64)).collect();
     let at = |k: usize| 0.1 * k as f64 / (nodes - 1) as f64 - 0.05;
     let row = |i: usize| {
         let points: Vec<String> = (0..nodes).map(|j| format!("[{:?}, {:?}, 0.0]", at(i), at(j))).collect();

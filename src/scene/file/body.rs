@@ -1,7 +1,7 @@
 //! What can be wrong with the deforming part of a `[[body]]`.
 
 use super::Check;
-use crate::body::PRESETS;
+use crate::body::{MOST_NODES_A_SIDE, PRESETS};
 use crate::scene::spec::{BodySpec, FixedSpec, MaterialSpec, RegionSpec};
 
 impl Check<'_> {
@@ -16,6 +16,11 @@ impl Check<'_> {
         if let Some(thickness) = body.lattice.thickness_m {
             self.above_zero("body", b, "thickness_m", thickness, "m");
         }
+        if body.lattice.nodes.iter().any(|n| !(2..=MOST_NODES_A_SIDE).contains(n)) {
+            let message = format!("nodes is {:?}; each must be 2 to {MOST_NODES_A_SIDE}", body.lattice.nodes);
+            self.refuse("body", b, "nodes", message);
+        }
+        self.within(b, "cycles", body.lattice.cycles, 10_000);
         self.within(b, "cells_per_span", body.lattice.cells_per_span, 8);
         if let Some(layers) = body.lattice.cell_layers {
             self.within(b, "cell_layers", layers, 64);

@@ -184,6 +184,12 @@ pub struct BoxSpec {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct LatticeSpec {
+    /// How cells are made.
+    pub builder: BuilderSpec,
+    /// Of `transfinite` and `som`: nodes along each axis of the cube.
+    pub nodes: [usize; 3],
+    /// Of `som`: learning cycles.
+    pub cycles: usize,
     /// Shells from the surface inwards, the surface included (≥ 1); for an open sheet, layers through its thickness (≥ 2).
     pub layers: usize,
     /// The net after refinement.
@@ -200,8 +206,30 @@ pub struct LatticeSpec {
 
 impl Default for LatticeSpec {
     fn default() -> Self {
-        Self { layers: 4, refine: RefineSpec::Auto(RefineAuto::Auto), thickness_m: None, cells_per_span: 2, cell_layers: None }
+        Self {
+            builder: BuilderSpec::Layers,
+            nodes: [12; 3],
+            cycles: 100,
+            layers: 4,
+            refine: RefineSpec::Auto(RefineAuto::Auto),
+            thickness_m: None,
+            cells_per_span: 2,
+            cell_layers: None,
+        }
     }
+}
+
+/// How cells are made.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum BuilderSpec {
+    /// Shells below the surface: its control points are the outermost nodes.
+    #[default]
+    Layers,
+    /// A cube of nodes, drawn into the surface by a harmonic map; the outermost nodes ride on the surface.
+    Transfinite,
+    /// The same by a self-organising map, as in the thesis.
+    Som,
 }
 
 /// `refine = "auto" | "none" | [22, 23] | { u = [knots], v = [knots] }`.
