@@ -21,12 +21,39 @@ use crate::math::{CholeskyError, Lane, Point3, Vector3};
 pub struct StepSettings {
     /// dt of the body, s.
     pub dt_s: f64,
-    /// m/s².
-    pub gravity: Vector3,
     /// Which method.
     pub integrator: Integrator,
     /// A body in which no coordinate is faster, m/s, and which nothing touches, falls asleep; 0 keeps it awake.
     pub sleep_m_s: f64,
+}
+
+/// Acceleration of a free point in the body's frame, which may be carried about: gravity less that of the frame.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Field {
+    /// At the frame's origin, m/s².
+    pub at_origin: Vector3,
+    /// ω of the frame, in it, rad/s.
+    pub turning_rad_s: Vector3,
+    /// dω/dt, rad/s².
+    pub turning_rad_s2: Vector3,
+}
+
+impl Field {
+    /// Of a frame that stands still.
+    pub fn gravity(acceleration_m_s2: Vector3) -> Self {
+        Self { at_origin: acceleration_m_s2, ..Self::default() }
+    }
+
+    /// g − a − dω/dt × r − ω × (ω × r) − 2 ω × v.
+    #[inline]
+    pub fn at(&self, place: &Point3, velocity: &Vector3) -> Vector3 {
+        let (omega, zero) = (self.turning_rad_s, Vector3::zeros());
+        if omega == zero && self.turning_rad_s2 == zero {
+            return self.at_origin;
+        }
+        let inward = omega.cross(&(omega.cross(&place.coords) + velocity * 2.0));
+        self.at_origin - self.turning_rad_s2.cross(&place.coords) - inward
+    }
 }
 
 /// Time integration.
@@ -249,6 +276,11 @@ impl Deformable {
         }
     }
 
+    /// Sets what free points feel from the next [`Deformable::predict`] on.
+    pub fn set_field(&self, scratch: &mut DeformableScratch, field: Field) {
+        scratch.field = field;
+    }
+
     /// x*: where the coordinates go in one step without contact.
     pub fn predict(&self, state: &DeformableState, scratch: &mut DeformableScratch) {
         if self.asleep(state) {
@@ -426,6 +458,7 @@ impl Deformable {
             rhs: vec![Vector3::zeros(); self.unknown_count()],
             lanes: vec![[0.0; 4]; self.unknown_count()],
             limited: 0,
+            field: Field::default(),
             flow: vec![[0.0; 4]; if self.flow.is_some() { self.law.springs.rest().len() } else { 0 }],
         }
     }
@@ -455,6 +488,14 @@ impl Deformable {
         self.law.edges()
     }
 
+    /// Forces of the law on the coordinates at a state, N (x, y, z, 0).
+    pub fn internal_forces<'a>(&self, state: &DeformableState, scratch: &'a mut DeformableScratch) -> &'a [Lane] {
+        lanes(&state.positions, &mut scratch.coordinates);
+        scratch.residual.fill([0.0; 4]);
+        self.add_law_forces(state, scratch);
+        &scratch.residual
+    }
+
     /// Kinetic plus elastic energy, J.
     pub fn energy_j(&self, state: &DeformableState) -> f64 {
         let kinetic: f64 = self.masses.iter().zip(&state.velocities).map(|(m, v)| 0.5 * m * v.norm_squared()).sum();
@@ -465,11 +506,9 @@ impl Deformable {
     /// Sum of the law's forces on the fixed coordinates, N: the reaction of the base.
     pub fn base_reaction_n(&self, state: &DeformableState) -> Vector3 {
         let mut scratch = self.scratch();
-        lanes(&state.positions, &mut scratch.coordinates);
-        scratch.residual.fill([0.0; 4]);
-        self.add_law_forces(state, &mut scratch);
+        let forces = self.internal_forces(state, &mut scratch);
         let fixed = (0..self.rest.len()).filter(|&c| self.unknown[c] == FIXED);
-        fixed.map(|c| Vector3::from_column_slice(&scratch.residual[c][..3])).sum()
+        fixed.map(|c| Vector3::from_column_slice(&forces[c][..3])).sum()
     }
 
     /// Nodes of coordinates.

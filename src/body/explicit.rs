@@ -59,7 +59,8 @@ impl Explicit {
             for &c in &body.coordinate_of_unknown {
                 let c = c as usize;
                 let force = Vector3::from_column_slice(&scratch.residual[c][..3]);
-                scratch.speed[c] += (force / body.masses[c] + body.settings.gravity) * h;
+                let felt = scratch.field.at(&scratch.predicted[c], &scratch.speed[c]);
+                scratch.speed[c] += (force / body.masses[c] + felt) * h;
                 scratch.predicted[c] += scratch.speed[c] * h;
             }
         }

@@ -63,7 +63,8 @@ impl Implicit {
             // Residual of backward Euler at the current guess.
             for c in 0..state.positions.len() {
                 let moved = scratch.predicted[c] - state.positions[c];
-                let due = (state.velocities[c] - moved * inverse_dt) * inverse_dt + body.settings.gravity;
+                let due = (state.velocities[c] - moved * inverse_dt) * inverse_dt
+                    + scratch.field.at(&state.positions[c], &state.velocities[c]);
                 let load = due * body.masses[c];
                 scratch.residual[c] = [load.x, load.y, load.z, 0.0];
             }

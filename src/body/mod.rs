@@ -42,7 +42,7 @@ pub use bends::Bend;
 pub use cells::{Cell, CellGrid, CellQuality};
 pub use continuum::{Continuum, ContinuumError, Elastic, Pass};
 pub use cube::{CubeError, CubeLattice, MOST_NODES_A_SIDE};
-pub use deformable::{Blueprint, Deformable, DeformableError, Integrator, StepSettings};
+pub use deformable::{Blueprint, Deformable, DeformableError, Field, Integrator, StepSettings};
 pub use exterior::{CONDITION_LIMIT, ExteriorError, ExteriorMap, check_exterior, measure_exterior};
 pub use lattice::{Inside, Solid};
 pub use law::Law;

@@ -1,5 +1,6 @@
 //! What a replay restores of a deforming body, and the buffers of its step.
 
+use super::deformable::Field;
 use crate::math::{Lane, Point3, StateError, StateSink, StateSource, Vector3};
 
 /// What a replay restores.
@@ -108,6 +109,8 @@ pub struct DeformableScratch {
     /// (unknowns).
     pub(super) rhs: Vec<Vector3>,
     pub(super) lanes: Vec<Lane>,
+    /// What free points feel.
+    pub(super) field: Field,
     /// Cells held back by the last pass.
     pub(super) limited: u32,
     /// Changes of the rest lengths within a step; empty unless springs flow.

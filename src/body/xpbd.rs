@@ -35,7 +35,7 @@ impl Xpbd {
         let h = body.settings.dt_s / self.substeps as f64;
         let gamma = body.damping_s / h;
         let rest = body.rest_lengths(state);
-        let DeformableScratch { predicted, speed, forces, coordinates: before, .. } = scratch;
+        let DeformableScratch { predicted, speed, forces, coordinates: before, field, .. } = scratch;
         predicted.copy_from_slice(&state.positions);
         speed.copy_from_slice(&state.velocities);
         let weight = |c: usize| if body.unknown(c).is_some() { 1.0 / body.masses[c] } else { 0.0 };
@@ -43,7 +43,7 @@ impl Xpbd {
             super::deformable::lanes(predicted, before);
             for &c in &body.coordinate_of_unknown {
                 let c = c as usize;
-                speed[c] += (forces[c] / body.masses[c] + body.settings.gravity) * h;
+                speed[c] += (forces[c] / body.masses[c] + field.at(&predicted[c], &speed[c])) * h;
                 predicted[c] += speed[c] * h;
             }
             for (block, place, a, b, k) in body.law.springs.each() {

@@ -1,5 +1,6 @@
 //! From a scene file's data to the constants of a simulation.
 
+use super::frame::FrameOf;
 use super::spec::{
     BodySpec, ContactMethod, IntegratorSpec, ModelSpec, PoseSpec, SPHERES_RESOLUTION, SceneSpec, SurfaceSpec, ToolSpec,
 };
@@ -39,16 +40,16 @@ impl Scene {
     /// The first value that cannot be built, with its path.
     pub fn build(spec: &SceneSpec, directory: &Path) -> Result<Self, SceneError> {
         let dt_s = 1.0 / f64::from(spec.loop_.rate_hz);
-        let gravity = Vector3::from(spec.gravity.acceleration);
         let mut bodies = Vec::new();
         for (b, body) in spec.bodies.iter().enumerate() {
-            bodies.push(build_body(spec, body, &format!("body[{b}]"), directory, dt_s, gravity)?);
+            bodies.push(build_body(spec, body, &format!("body[{b}]"), directory, dt_s)?);
         }
         let mut tools = Vec::new();
         for (t, tool) in spec.tools.iter().enumerate() {
             tools.push(build_tool(tool, &format!("tool[{t}]"), directory, dt_s)?);
         }
-        let pairs = build_pairs(spec, &tools, &bodies)?;
+        let frame = frame(spec, &tools)?;
+        let pairs = build_pairs(spec, &tools, &bodies, frame.as_ref())?;
         for pair in &pairs {
             let Some(tool) = pair.tool() else { continue };
             let rigid_body = matches!(bodies[pair.body].model, BodyModel::Rigid);
@@ -63,7 +64,7 @@ impl Scene {
             }
         }
         let name = spec.name.clone().unwrap_or_else(|| "scene".into());
-        Ok(Self { name, dt_s, clock: spec.loop_.clock, spec: spec.clone(), bodies, tools, pairs })
+        Ok(Self { name, dt_s, clock: spec.loop_.clock, spec: spec.clone(), bodies, tools, pairs, frame })
     }
 }
 
@@ -97,13 +98,32 @@ pub(super) fn inline_surface(surface: &mut SurfaceSpec, path: &str, directory: &
     Ok(())
 }
 
+/// The tool in whose frame the bodies are, if the scene names one.
+fn frame(spec: &SceneSpec, tools: &[Tool]) -> Result<Option<FrameOf>, SceneError> {
+    let Some(id) = &spec.gravity.frame else { return Ok(None) };
+    let Some(tool) = tools.iter().position(|tool| &tool.id == id) else {
+        return Err(error("gravity.frame", format!("there is no tool {id:?} in this scene")));
+    };
+    if let Some(b) = spec.bodies.iter().position(|body| body.model != ModelSpec::Rigid && body.integrator.every > 1) {
+        let reason = "a body in a carried frame steps every tick: what it feels changes with each; use every = 1";
+        return Err(error(format!("body[{b}].integrator.every"), reason));
+    }
+    Ok(Some(FrameOf { tool, smoothing_s: spec.gravity.smoothing_s }))
+}
+
 /// Every tool against every body, bodies that deform against all others, and those that may touch themselves; exceptions
 /// as the scene lists them.
-fn build_pairs(spec: &SceneSpec, tools: &[Tool], bodies: &[Body]) -> Result<Vec<Pair>, SceneError> {
+fn build_pairs(
+    spec: &SceneSpec,
+    tools: &[Tool],
+    bodies: &[Body],
+    frame: Option<&FrameOf>,
+) -> Result<Vec<Pair>, SceneError> {
     let mut pairs = Vec::new();
     let index = |k: usize| k as u32;
     let deforms = |body: usize| !matches!(bodies[body].model, BodyModel::Rigid);
-    for tool in 0..tools.len() {
+    // The tool that carries the frame moves all bodies alike and touches none.
+    for tool in (0..tools.len()).filter(|&tool| frame.is_none_or(|frame| frame.tool != tool)) {
         let holder = Holder::Tool(index(tool));
         pairs.extend((0..bodies.len()).map(|body| Pair { holder, body, method: Method::Exact }));
     }
@@ -209,14 +229,7 @@ pub(super) fn build_surface(spec: &SurfaceSpec, path: &str, directory: &Path) ->
     }
 }
 
-fn build_body(
-    scene: &SceneSpec,
-    spec: &BodySpec,
-    path: &str,
-    directory: &Path,
-    dt_s: f64,
-    gravity: Vector3,
-) -> Result<Body, SceneError> {
+fn build_body(scene: &SceneSpec, spec: &BodySpec, path: &str, directory: &Path, dt_s: f64) -> Result<Body, SceneError> {
     let placement = pose(&spec.pose, &format!("{path}.pose"))?;
     let original =
         build_surface(&spec.surface, &format!("{path}.surface"), directory)?.oriented_outward().transformed(&placement);
@@ -228,7 +241,7 @@ fn build_body(
         ModelSpec::Rigid => (original, BodyModel::Rigid),
         ModelSpec::Membrane | ModelSpec::Lattice | ModelSpec::Continuum | ModelSpec::Net => {
             let surface = refine::refine(scene, spec, path, original)?;
-            let (lattice, choice) = deforming::build(scene, spec, path, &surface, &placement, dt_s, gravity)?;
+            let (lattice, choice) = deforming::build(scene, spec, path, &surface, &placement, dt_s)?;
             let samples = SampleGrid::new(&surface, default_samples_per_span());
             let IntegratorSpec { contact_sweeps: sweeps, every, .. } = spec.integrator;
             (surface, BodyModel::Lattice(Box::new(LatticeBody { lattice, samples, sweeps, every, choice })))

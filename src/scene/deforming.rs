@@ -33,11 +33,9 @@ pub(super) fn build(
     surface: &Surface,
     placement: &Pose,
     dt_s: f64,
-    gravity: Vector3,
 ) -> Result<(Deformable, Choice), SceneError> {
     let settings = |integrator| StepSettings {
         dt_s: dt_s * f64::from(spec.integrator.every),
-        gravity,
         integrator,
         sleep_m_s: spec.integrator.sleep_m_s,
     };

@@ -230,6 +230,12 @@ impl Check<'_> {
             self.refuse("loop", 0, "rate_hz", format!("rate_hz is {rate}; it must be 1 to 10000"));
         }
         self.finite("gravity", 0, "acceleration", &spec.gravity.acceleration);
+        self.not_below_zero("gravity", 0, "smoothing_s", spec.gravity.smoothing_s, "s");
+        if let Some(id) = &spec.gravity.frame
+            && !spec.tools.iter().any(|tool| &tool.id == id)
+        {
+            self.refuse("gravity", 0, "frame", format!("there is no tool {id:?} in this scene"));
+        }
         self.above_zero("record", 0, "keyframe_s", spec.record.keyframe_s, "s");
         self.above_zero("record", 0, "net_hz", spec.record.net_hz, "Hz");
         if spec.bodies.is_empty() {

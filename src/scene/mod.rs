@@ -6,6 +6,7 @@
 mod build;
 mod deforming;
 pub mod file;
+mod frame;
 mod layout;
 mod narrow;
 mod near;
@@ -16,6 +17,8 @@ pub mod spec;
 mod state;
 
 pub use build::{SceneError, default_samples_per_span, inline_files};
+use frame::FrameOf;
+pub use frame::FrameState;
 pub(crate) use narrow::look_at;
 pub(crate) use near::Near;
 pub(crate) use state::DeformingScratch;
@@ -44,6 +47,8 @@ pub struct Scene {
     pub(crate) tools: Vec<Tool>,
     /// Those of tools first, ordered by tool, then body; then those of bodies.
     pub(crate) pairs: Vec<Pair>,
+    /// The tool that carries the bodies.
+    pub(crate) frame: Option<FrameOf>,
 }
 
 /// A body's constants.

@@ -66,11 +66,23 @@ pub enum Clock {
 }
 
 /// `[gravity]`.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct GravitySpec {
     /// m/s²; zero unless given.
     pub acceleration: [f64; 3],
+    /// Id of a tool that carries all bodies: the scene is seen from it, and bodies feel how it tilts and shakes. That tool
+    /// touches nothing itself.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub frame: Option<String>,
+    /// Time constant with which that tool's velocities are smoothed, s.
+    pub smoothing_s: f64,
+}
+
+impl Default for GravitySpec {
+    fn default() -> Self {
+        Self { acceleration: [0.0; 3], frame: None, smoothing_s: 5e-3 }
+    }
 }
 
 /// `surface = { builtin = "teardrop", net = [8, 8] }`, `{ file = "x.json" }` or `{ inline = {…} }`.

@@ -1,9 +1,10 @@
 //! What a replay restores, and the buffers that can be computed anew from it.
 
+use super::FrameState;
 use super::narrow::PairScratch;
 use super::near::Near;
 use super::{BodyModel, Scene};
-use crate::body::{DeformableScratch, DeformableState};
+use crate::body::{DeformableScratch, DeformableState, Field};
 use crate::contact::complementarity::Complementarity;
 use crate::contact::proxy::ProxyState;
 use crate::contact::rows::{MAX_ROWS, MAX_ROWS_PER_PAIR, RowSet, SampleInTouch};
@@ -40,6 +41,10 @@ pub struct SceneState {
     pub tools: Vec<ToolState>,
     /// By pair of the plan.
     pub pairs: Vec<PairState>,
+    /// How the frame of the bodies moves; saved only where a tool carries it.
+    pub frame: FrameState,
+    /// A tool carries the bodies.
+    pub(crate) carried: bool,
     /// Contact forces of the last tick, the solver's warm start; `warm_len` of [`MAX_ROWS`] are valid.
     pub warm: Vec<WarmRow>,
     /// Valid entries of `warm`.
@@ -64,7 +69,7 @@ pub struct BodyState {
 /// Steps of bodies on other threads: begun with the loads of one tick, taken over some ticks later, always the same number.
 pub trait Pipeline: Send + std::fmt::Debug {
     /// Begins the step of a body: `predicted` is its free motion, `loads` are its contact forces.
-    fn start(&mut self, body: usize, state: &DeformableState, predicted: &[Point3], loads: &[Vector3]);
+    fn start(&mut self, body: usize, field: Field, state: &DeformableState, predicted: &[Point3], loads: &[Vector3]);
     /// Waits for that step: the state after it, and the free motion of the next. False if none was begun.
     fn finish(&mut self, body: usize, state: &mut DeformableState, predicted: &mut [Point3]) -> bool;
     /// Forgets all steps that were begun.
@@ -176,6 +181,8 @@ impl Scene {
             bodies: bodies.collect(),
             tools: tools.collect(),
             pairs: vec![PairState::default(); self.pairs.len()],
+            frame: FrameState::default(),
+            carried: self.frame.is_some(),
             warm: vec![WarmRow::default(); MAX_ROWS],
             warm_len: 0,
         }
@@ -224,6 +231,7 @@ impl Scene {
         let BodyModel::Lattice(model) = &self.bodies[body].model else { return };
         let BodyScratch { surface, solver, bounds, deforming } = &mut scratch.bodies[body];
         let (Some(deforming), Some(lattice)) = (deforming, &state.bodies[body].lattice) else { return };
+        model.lattice.set_field(&mut deforming.lattice, self.field(state));
         if !predicted {
             model.lattice.predict(lattice, &mut deforming.lattice);
         }
@@ -294,6 +302,9 @@ impl Stateful for SceneState {
             sink.floats(&[proxy.foot.u, proxy.foot.v, proxy.foot.budget_m, proxy.foot.net_cost]);
             sink.floats(proxy.queried.coords.as_slice());
         }
+        if self.carried {
+            self.frame.save(sink);
+        }
         sink.word(self.warm_len as u64);
         for row in &self.warm[..self.warm_len] {
             row.key.iter().for_each(|&part| sink.word(u64::from(part)));
@@ -337,6 +348,9 @@ impl Stateful for SceneState {
             let [u, v, budget_m, net_cost] = foot;
             proxy.foot = WarmFoot { u, v, budget_m, net_cost };
             source.floats(proxy.queried.coords.as_mut_slice())?;
+        }
+        if self.carried {
+            self.frame.restore(source)?;
         }
         let warm_len = source.word()?;
         if warm_len > MAX_ROWS as u64 {

@@ -3,6 +3,7 @@
 //! A body that steps once in k ticks begins a step with the forces of one tick and takes it over k ticks later, on whatever
 //! thread it was done. In between its surface stands still and answers with its compliance.
 
+use crate::body::Field;
 use crate::scene::{BodyModel, BodyState, DeformingScratch, LatticeBody, Pipeline, Scene, SceneState, Scratch};
 
 /// What a tick did to a body.
@@ -16,11 +17,13 @@ enum Stepped {
 /// Moves every deforming body; false if one had to be set back to rest because its state was not finite.
 pub(super) fn advance(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch) -> bool {
     let mut sound = true;
+    scene.follow_frame(state);
+    let field = scene.field(state);
     for (b, body) in scene.bodies.iter().enumerate() {
         let BodyModel::Lattice(model) = &body.model else { continue };
         let body_state = &mut state.bodies[b];
         let Some(deforming) = &mut scratch.bodies[b].deforming else { continue };
-        let Stepped::Done { predicted } = step(b, model, body_state, deforming, &mut scratch.pipeline) else {
+        let Stepped::Done { predicted } = step(b, model, field, body_state, deforming, &mut scratch.pipeline) else {
             body_state.moved_m = 0.0;
             continue;
         };
@@ -59,6 +62,7 @@ pub(super) fn stand_still(scene: &Scene, scratch: &mut Scratch) {
 fn step(
     b: usize,
     model: &LatticeBody,
+    field: Field,
     body: &mut BodyState,
     deforming: &mut DeformingScratch,
     pipeline: &mut Option<Box<dyn Pipeline>>,
@@ -69,7 +73,7 @@ fn step(
         if body.phase == 0 {
             model.lattice.take_loads(scratch, &mut body.loads);
             if let Some(pipeline) = pipeline {
-                pipeline.start(b, lattice, &scratch.predicted, &body.loads);
+                pipeline.start(b, field, lattice, &scratch.predicted, &body.loads);
             }
         } else {
             model.lattice.drop_loads(scratch);

@@ -6,7 +6,7 @@
 //! ```
 //! Jobs go round between two rings, so nothing is allocated and nothing locked.
 
-use crate::body::{DeformableScratch, DeformableState};
+use crate::body::{DeformableScratch, DeformableState, Field};
 use crate::math::{Point3, Vector3};
 use crate::scene::{Pipeline, Scene};
 use std::sync::Arc;
@@ -96,12 +96,13 @@ impl Worker {
 }
 
 impl Pipeline for Workers {
-    fn start(&mut self, body: usize, state: &DeformableState, predicted: &[Point3], loads: &[Vector3]) {
+    fn start(&mut self, body: usize, field: Field, state: &DeformableState, predicted: &[Point3], loads: &[Vector3]) {
         let Some(worker) = &mut self.workers[body] else { return };
         worker.wait();
         let (Some(mut job), Some(model)) = (worker.idle.take(), worker.scene.lattice(worker.body)) else { return };
         job.state.clone_from(state);
         job.scratch.predicted.copy_from_slice(predicted);
+        model.set_field(&mut job.scratch, field);
         model.give_loads(&mut job.scratch, loads);
         if let Err(rtrb::PushError::Full(job)) = worker.out.push(job) {
             worker.idle = Some(job);

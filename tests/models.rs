@@ -1,0 +1,367 @@
+//! Models, methods, materials and frames: what each promises.
+
+mod common;
+
+use common::{World, pose};
+use palpate::body::DeformableState;
+use palpate::math::{Rotation, SavedState, Vector3, state_hash};
+use palpate::tick::record::TickInput;
+use palpate::tick::workers::Workers;
+use palpate::tick::{restore, step};
+use std::sync::Arc;
+
+const BALL: &str = r#"
+[[tool]]
+id = "ball"
+shape = { sphere = { radius_m = 0.02 } }
+pose = { position = [0.0, 0.0, 0.05] }
+coupling = { stiffness_n_m = inf, damping_n_s_m = 0.0 }
+device = { force_max_n = 1e9, ramp_s = 0.0 }
+"#;
+
+/// A slab of 0.1 m × 0.1 m × 0.03 m with its underside fixed, and a ball.
+fn slab(model: &str, more: &str) -> String {
+    format!(
+        r#"
+[[body]]
+id = "slab"
+surface = {{ builtin = "sheet", net = [7, 7], size = 0.1 }}
+model = "{model}"
+lattice = {{ layers = 4, refine = "none", thickness_m = 0.03 }}
+fixed = [{{ point = [0.0, 0.0, -0.0299], normal = [0.0, 0.0, 1.0] }}]
+{more}
+{BALL}"#
+    )
+}
+
+/// The teardrop with few nodes.
+fn drop(model: &str, lattice: &str, more: &str) -> String {
+    format!(
+        r#"
+[[body]]
+id = "drop"
+surface = {{ builtin = "teardrop", net = [8, 8] }}
+model = "{model}"
+lattice = {{ {lattice} }}
+fixed = [{{ point = [0.0, 0.0, 0.015], normal = [0.0, 0.0, 1.0] }}]
+{more}
+{}"#,
+        BALL.replace("0.02 }", "0.01 }").replace("[0.0, 0.0, 0.05]", "[0.06, 0.003, 0.045]")
+    )
+}
+
+fn body(world: &World) -> &DeformableState {
+    world.state.bodies[0].lattice.as_ref().unwrap()
+}
+
+/// Force after the ball was lowered into the slab by a depth and held.
+fn press(world: &mut World, depth_m: f64, ticks: usize) -> f64 {
+    let mut force = 0.0;
+    for k in 0..2 * ticks {
+        let share = (k as f64 / ticks as f64).min(1.0);
+        force = world.at([0.0, 0.0, 0.02 - depth_m * share]).tools[0].force_n.z;
+    }
+    force
+}
+
+fn base_n(world: &World) -> f64 {
+    world.scene.lattice(0).unwrap().base_reaction_n(body(world)).norm()
+}
+
+#[test]
+fn methods_agree_at_rest_and_xpbd_softens() {
+    let force = |method: &str, young: f64| {
+        let more = format!(
+            "integrator = {{ method = \"{method}\", substeps = 4 }}\nmaterial = {{ young_pa = {young:?}, damping_s = 5e-3 }}"
+        );
+        let mut world = World::new(&slab("lattice", &more));
+        let force = press(&mut world, 0.003, 500);
+        assert!((base_n(&world) / force - 1.0).abs() < 5e-3, "{method}: base {} N, tool {force} N", base_n(&world));
+        force / young
+    };
+    let implicit = force("implicit", 20e3);
+    assert!((force("explicit", 20e3) / implicit - 1.0).abs() < 5e-3);
+    assert!((force("explicit", 2e6) / implicit - 1.0).abs() < 5e-3);
+    assert!((force("implicit", 20e6) / implicit - 1.0).abs() < 5e-3);
+    // Four substeps of one iteration do not converge on a stiff body: it only looks stable.
+    let soft = force("xpbd", 20e6) / implicit;
+    assert!(soft < 0.5, "xpbd keeps {soft} of the force");
+}
+
+#[test]
+fn the_automatic_method_says_why() {
+    for (young, method) in [(2e3, "explicit"), (200e6, "implicit")] {
+        let more = format!("integrator = {{ method = \"auto\" }}\nmaterial = {{ young_pa = {young:?} }}");
+        let world = World::new(&slab("lattice", &more));
+        let plan = world.scene.plan();
+        let lattice = plan.bodies[0].lattice.as_ref().unwrap();
+        assert_eq!(lattice.method, method, "{}", lattice.why);
+        assert!(lattice.why.contains("substeps would take"), "{}", lattice.why);
+    }
+}
+
+#[test]
+fn reduced_and_riding_bodies_carry_what_presses_them() {
+    let fine = "layers = 3, refine = [12, 13]";
+    let cases = [
+        drop("continuum", fine, ""),
+        drop("net", "layers = 2, refine = [12, 13]", ""),
+        drop("lattice", "builder = \"transfinite\", nodes = [8, 8, 8], refine = \"none\"", ""),
+        drop("lattice", "builder = \"som\", nodes = [8, 8, 8], refine = \"none\"", ""),
+    ];
+    for text in cases {
+        let mut world = World::new(&text);
+        let mut force = 0.0;
+        for k in 0..1_200 {
+            let x = 0.034 - 8e-3 * (f64::from(k) / 800.0).min(1.0);
+            force = world.at([x, 0.003, 0.045]).tools[0].force_n.norm();
+        }
+        assert!(force > 0.02, "{force} N\n{text}");
+        assert!((base_n(&world) / force - 1.0).abs() < 1e-2, "base {} N, tool {force} N\n{text}", base_n(&world));
+    }
+}
+
+// Power at the surface is power into the volume: a load on the net does the same work on its coordinates as the forces that
+// hold it do on the nodes.
+#[test]
+fn nodes_and_coordinates_agree_on_work() {
+    let text = drop("net", "layers = 2, refine = [12, 13]", "");
+    let world = World::new(&text);
+    let lattice = world.scene.lattice(0).unwrap();
+    let mut state = lattice.rest_state();
+    for (k, p) in state.positions.iter_mut().enumerate() {
+        *p += Vector3::new(libm::sin(k as f64), libm::cos(3.0 * k as f64), libm::sin(7.0 * k as f64)) * 1e-4;
+    }
+    let mut scratch = lattice.scratch();
+    let forces: Vec<Vector3> =
+        lattice.internal_forces(&state, &mut scratch).iter().map(|f| Vector3::new(f[0], f[1], f[2])).collect();
+    let step: Vec<Vector3> =
+        (0..forces.len()).map(|k| Vector3::new(libm::cos(k as f64), 0.3, libm::sin(2.0 * k as f64)) * 1e-8).collect();
+    let energy = |sign: f64| {
+        let mut moved = state.clone();
+        moved.positions.iter_mut().zip(&step).for_each(|(p, s)| *p += s * sign);
+        lattice.energy_j(&moved)
+    };
+    let by_energy = energy(-1.0) - energy(1.0);
+    let by_forces: f64 = forces.iter().zip(&step).map(|(f, s)| 2.0 * f.dot(s)).sum();
+    assert!((by_energy / by_forces - 1.0).abs() < 1e-5, "{by_energy} J by energy, {by_forces} J by forces");
+}
+
+#[test]
+fn a_free_body_keeps_its_momentum_and_loses_energy() {
+    for model in ["lattice", "continuum", "membrane"] {
+        for method in ["implicit", "explicit"] {
+            let text = slab(model, &format!("integrator = {{ method = \"{method}\" }}"));
+            let text = text.replace("fixed = [{ point = [0.0, 0.0, -0.0299], normal = [0.0, 0.0, 1.0] }]", "");
+            let mut world = World::new(&text);
+            let masses = world.scene.lattice(0).unwrap().masses().to_vec();
+            for (k, v) in world.state.bodies[0].lattice.as_mut().unwrap().velocities.iter_mut().enumerate() {
+                *v = Vector3::new(1.0, 0.1 * libm::sin(k as f64), 0.1 * libm::cos(2.0 * k as f64));
+            }
+            world.scratch = world.scene.scratch(&world.state);
+            let momentum =
+                |world: &World| -> Vector3 { body(world).velocities.iter().zip(&masses).map(|(v, m)| v * *m).sum() };
+            let before = momentum(&world);
+            let lattice_energy = |world: &World| world.scene.lattice(0).unwrap().energy_j(body(world));
+            let (first, mut energy) = (lattice_energy(&world), f64::INFINITY);
+            for _ in 0..500 {
+                world.at([0.0, 0.0, 10.0]);
+                let now = lattice_energy(&world);
+                // Symplectic steps swing about the energy; implicit ones only lose it.
+                let slack = if method == "explicit" { 1.2 } else { 1.0 + 1e-12 };
+                assert!(now <= energy * slack && now <= first * slack, "{model} {method}: {now} J after {energy} J");
+                energy = if method == "explicit" { first } else { now };
+            }
+            let miss = (momentum(&world) - before).norm() / before.norm();
+            assert!(miss < 1e-10, "{model} {method}: momentum off by {miss}");
+        }
+    }
+}
+
+// A strip clamped at one end, bending under its own weight: w = q L⁴ / 8 D, D = E t³ / 12 (1 − ν²) for a plate that bends to
+// a cylinder; a strip of springs that is free at its sides bends as a beam, without 1 − ν².
+#[test]
+fn a_membrane_bends_as_a_plate_of_its_thickness() {
+    let (young, thickness, density, gravity, side) = (1e6, 1e-3, 1_000.0, 1e-3, 0.1_f64);
+    let text = format!(
+        r#"
+[gravity]
+acceleration = [0.0, 0.0, -{gravity:?}]
+[[body]]
+id = "strip"
+surface = {{ builtin = "sheet", net = [24, 6], size = {side:?} }}
+model = "membrane"
+material = {{ young_pa = {young:?}, density_kg_m3 = {density:?}, damping_s = 0.05 }}
+lattice = {{ refine = "none", thickness_m = {thickness:?} }}
+integrator = {{ sleep_m_s = 0.0 }}
+fixed = [{{ u = [0.0, 0.06], v = [0.0, 1.0] }}]
+{BALL}"#
+    );
+    let mut world = World::new(&text);
+    for _ in 0..4_000 {
+        world.at([0.0, 0.0, 10.0]);
+    }
+    let sag = body(&world).positions.iter().map(|p| -p.z).fold(0.0, f64::max);
+    // Clamped are the control points up to the last one within the range.
+    let clamped = world.scene.lattice(0).unwrap();
+    let free = (0..clamped.coordinate_count()).filter(|&k| clamped.unknown(k).is_none());
+    let held = free.map(|k| clamped.rest_state().positions[k].x + 0.5 * side).fold(0.0, f64::max);
+    let length = side - held;
+    let load = density * gravity * thickness;
+    let plate = young * thickness.powi(3) / (12.0 * (1.0 - 1.0 / 9.0));
+    let exact = load * length.powi(4) / (8.0 * plate);
+    assert!((sag / exact - 1.0).abs() < 0.1, "sags by {sag} m, a plate by {exact} m");
+}
+
+#[test]
+fn clay_keeps_its_dent_and_gel_does_not() {
+    let after_press = |material: &str| {
+        let mut world = World::new(&slab("lattice", &format!("material = {{ {material} }}")));
+        press(&mut world, 0.006, 500);
+        for _ in 0..2_000 {
+            world.at([0.0, 0.0, 0.06]);
+        }
+        let rest = world.scene.lattice(0).unwrap().rest_state();
+        body(&world).positions.iter().zip(&rest.positions).map(|(a, b)| (a - b).norm()).fold(0.0, f64::max)
+    };
+    let gel = after_press("preset = \"gel\"");
+    assert!(gel < 1e-7, "gel keeps {gel} m");
+    let clay = after_press("preset = \"plasticine\"");
+    assert!(clay > 0.5e-3 && clay < 6e-3, "clay keeps {clay} m of 6 mm");
+    let spread = after_press("plastic = { yield_strain = 0.01, rate_per_s = 20.0, hardening = 0.1, spread_m = 0.03 }");
+    assert!(spread > 0.2e-3 && spread < 6e-3, "with its flow spread it keeps {spread} m");
+    // A limit of nothing is no flow.
+    let hard = after_press("plastic = { yield_strain = 10.0, rate_per_s = 20.0 }");
+    assert!(hard < 1e-7, "below yield it keeps {hard} m");
+}
+
+#[test]
+fn plasticine_gives_more_to_more_force_and_less_when_stiffer() {
+    // A limit of the device's force makes a press of constant force.
+    let dent = |force_n: f64, young: f64| {
+        let text = slab("lattice", &format!("material = {{ preset = \"plasticine\", young_pa = {young:?} }}"))
+            .replace("stiffness_n_m = inf", "stiffness_n_m = 1e6")
+            .replace("force_max_n = 1e9", &format!("force_max_n = {force_n:?}"));
+        let mut world = World::new(&text);
+        for k in 0..1_500 {
+            world.at([0.0, 0.0, 0.02 - 0.01 * (f64::from(k) / 500.0).min(1.0)]);
+        }
+        let top = |world: &World| body(world).positions.iter().map(|p| p.z).filter(|z| *z > -0.02).fold(0.0, f64::min);
+        -top(&world)
+    };
+    let forces = [10.0, 30.0, 60.0].map(|force| dent(force, 13e6));
+    assert!(forces[0] > 0.0 && forces.windows(2).all(|pair| pair[0] < pair[1]), "{forces:?}");
+    let stiffness = [5e6, 13e6, 30e6].map(|young| dent(30.0, young));
+    assert!(stiffness.windows(2).all(|pair| pair[0] > pair[1]), "{stiffness:?}");
+}
+
+#[test]
+fn stiffening_springs_press_back_harder_far_out_only() {
+    let force = |more: &str, depth: f64| {
+        press(&mut World::new(&slab("lattice", &format!("material = {{ young_pa = 20e3 {more} }}"))), depth, 500)
+    };
+    let law = ", stiffening = { strain = 0.05, ratio = 6.0, least_length = 0.7, least_length_ratio = 6.0 }";
+    assert!((force(law, 0.0005) / force("", 0.0005) - 1.0).abs() < 0.02);
+    assert!(force(law, 0.01) > 1.15 * force("", 0.01));
+}
+
+#[test]
+fn a_stiff_nodule_is_felt() {
+    let at = |more: &str| press(&mut World::new(&slab("lattice", more)), 0.003, 500);
+    let nodule = "[[body.region]]\nball = { centre = [0.0, 0.0, -0.01], radius_m = 0.02 }\nyoung_pa = 500e3\n";
+    let (plain, with) = (at(""), at(nodule));
+    assert!(with > 1.3 * plain, "{with} N over the nodule, {plain} N without");
+}
+
+#[test]
+fn an_untouched_body_sleeps_and_a_touch_wakes_it() {
+    let mut world = World::new(&slab("lattice", ""));
+    let mut never = World::new(&slab("lattice", "integrator = { sleep_m_s = 0.0 }"));
+    let asleep = |world: &World| world.scene.lattice(0).unwrap().asleep(body(world));
+    for _ in 0..300 {
+        world.at([0.0, 0.0, 0.05]);
+        never.at([0.0, 0.0, 0.05]);
+    }
+    assert!(asleep(&world) && !asleep(&never));
+    assert!(body(&world).slept > 100 && body(&never).slept == 0);
+    let (force, awake) = (press(&mut world, 0.003, 500), press(&mut never, 0.003, 500));
+    assert!(!asleep(&world));
+    assert!((force / awake - 1.0).abs() < 1e-9, "{force} N after sleep, {awake} N without");
+    // Left alone it swings out and sleeps again, no farther from rest than its last speed could take it.
+    for _ in 0..3_000 {
+        world.at([0.0, 0.0, 0.05]);
+    }
+    assert!(asleep(&world));
+    let rest = world.scene.lattice(0).unwrap().rest_state();
+    let away = body(&world).positions.iter().zip(&rest.positions).map(|(a, b)| (a - b).norm()).fold(0.0, f64::max);
+    assert!(away < 1e-7, "{away} m");
+}
+
+#[test]
+fn a_body_that_steps_every_fourth_tick_has_the_same_bits_on_a_thread() {
+    let text = slab("lattice", "integrator = { every = 4 }");
+    let (mut here, mut there) = (World::new(&text), World::new(&text));
+    let scene = Arc::new(World::new(&text).scene);
+    there.scratch.set_pipeline(Box::new(Workers::start(&scene).unwrap().expect("a body that steps apart")));
+    let place = |k: u32| [0.001 * libm::sin(f64::from(k) * 0.01), 0.0, 0.025 - 0.009 * (f64::from(k) / 400.0).min(1.0)];
+    let mut saved = SavedState::default();
+    for k in 0..1_001 {
+        let (a, b) = (here.at(place(k)), there.at(place(k)));
+        assert_eq!(a, b, "tick {k}");
+        assert_eq!(state_hash(&here.state), state_hash(&there.state), "tick {k}");
+        if k == 701 {
+            // In the middle of a step.
+            saved.save_from(&there.state);
+        }
+    }
+    // From there on anew, while a step of later is still under way on the thread.
+    restore(&there.scene, &mut there.state, &mut there.scratch, &saved).unwrap();
+    there.seq = 702;
+    for k in 702..1_001 {
+        there.at(place(k));
+    }
+    assert_eq!(state_hash(&here.state), state_hash(&there.state));
+    // At rest it presses as a body does that steps every tick.
+    let mut each = World::new(&slab("lattice", ""));
+    let (slow, quick) = (press(&mut here, 0.003, 600), press(&mut each, 0.003, 600));
+    assert!((slow / quick - 1.0).abs() < 1e-3, "{slow} N every fourth tick, {quick} N every tick");
+}
+
+#[test]
+fn a_carried_body_feels_its_hand_tilt_and_shake() {
+    let text = format!(
+        "[gravity]\nacceleration = [0.0, 0.0, -9.81]\nframe = \"hand\"\n{}\n[[tool]]\nid = \"hand\"\nshape = {{ point = {{}} }}\n",
+        slab("continuum", "material = { preset = \"jelly\", damping_s = 0.02 }").replace(BALL, "")
+    );
+    let mut world = World::new(&text);
+    let drift = |world: &World| -> Vector3 {
+        let rest = world.scene.lattice(0).unwrap().rest_state();
+        let moved: Vector3 = body(world).positions.iter().zip(&rest.positions).map(|(a, b)| a - b).sum();
+        moved / rest.positions.len() as f64
+    };
+    let mut tick = |world: &mut World, position: [f64; 3], angle: f64| {
+        world.seq += 1;
+        let mut input = TickInput::default();
+        let orientation = Rotation::from_axis_angle(&Vector3::y_axis(), angle);
+        input.poses[0] = Some(palpate::haptics::DevicePose { orientation, ..pose(world.seq, position) });
+        step(&world.scene, &mut world.state, &mut world.scratch, &input)
+    };
+    for _ in 0..1_500 {
+        tick(&mut world, [0.0; 3], 0.0);
+    }
+    let level = drift(&world);
+    assert!(level.z < -1e-6 && level.x.abs() < 0.01 * level.z.abs(), "level: {level}");
+    for k in 0..3_000 {
+        tick(&mut world, [0.0; 3], 0.3 * (f64::from(k) / 1_000.0).min(1.0));
+    }
+    // Turned about y by a positive angle, down is towards −x … of the frame: g sin(angle) against g cos(angle).
+    let tilted = drift(&world);
+    assert!(tilted.x.abs() > 0.2 * level.z.abs(), "tilted: {tilted}");
+    assert!(tilted.x > 0.0 == (Rotation::from_axis_angle(&Vector3::y_axis(), -0.3) * -Vector3::z()).x.is_sign_positive());
+    // A hand that speeds up throws it back.
+    for k in 0..100 {
+        let t = f64::from(k) * 1e-3;
+        tick(&mut world, [0.0, 0.5 * 20.0 * t * t, 0.0], 0.3);
+    }
+    assert!(drift(&world).y < -1e-5, "thrown back: {}", drift(&world));
+}
