@@ -13,6 +13,7 @@ pub mod driver;
 mod emit;
 mod feet;
 mod gather;
+mod grip;
 pub mod journal;
 mod motion;
 mod near;
@@ -23,5 +24,6 @@ pub mod ports;
 pub mod record;
 pub mod stats;
 mod step;
+mod stick;
 
 pub use step::{apply, deform, render, restore, step};

@@ -1,0 +1,431 @@
+//! Contact forces with Coulomb friction and grips.
+//!
+//! Couplings and bodies give way alike in x, y and z: a force f_j on row j moves row i by S_ij f_j with one number S_ij.
+//! Wanted are forces whose displacements u_i = b_i + Σ_j S_ij f_j keep each row's law:
+//!
+//! - push, normal n, coefficient μ: f = λ n + t with λ ≥ 0, u_n ≥ 0, λ u_n = 0 and |t| ≤ μ λ; where the row slips,
+//!   t = −μ λ u_t / |u_t| (Signorini and Coulomb);
+//! - grip: u = 0 while |f| is below the limit, f = −limit u / |u| beyond it.
+//!
+//! Solved row by row in a fixed number of sweeps (nonsmooth contact dynamics: Jean 1999, "The non-smooth contact dynamics
+//! method", §5). S_ii being a number, each row's own problem has the closed form used here. Grips and frictionless rows are
+//! minima of a convex function, which every sweep lowers; sliding rows are not, and jams at a high μ have more than one
+//! answer: the one nearest to the last tick's is found.
+
+use crate::math::{Lane, Vector3};
+
+/// Coulomb's law for a pair.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Friction {
+    /// Largest tangential over normal force while it sticks (> 0).
+    pub mu: f64,
+    /// The same while it slips, at most `mu`.
+    pub mu_kinetic: f64,
+}
+
+/// What a row may do.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Law {
+    /// It pushes, and resists slip by at most this multiple of its normal force.
+    Push {
+        /// μ (≥ 0).
+        mu: f64,
+    },
+    /// It holds in every direction.
+    Grip {
+        /// Greatest force, N.
+        limit_n: f64,
+    },
+}
+
+fn lane(v: &Vector3) -> Lane {
+    [v.x, v.y, v.z, 0.0]
+}
+
+fn vector(l: &Lane) -> Vector3 {
+    Vector3::new(l[0], l[1], l[2])
+}
+
+fn dot(a: &Lane, b: &Lane) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+/// One row.
+#[derive(Clone, Copy, Debug)]
+struct Bound {
+    normal: Lane,
+    /// b, m.
+    free: Lane,
+    law: Law,
+    /// The last sweep met the edge of its cone.
+    slips: bool,
+}
+
+/// Buffers for up to `capacity` rows.
+#[derive(Clone, Debug, Default)]
+pub struct FrictionProblem {
+    rows: Vec<Bound>,
+    /// f, N.
+    forces: Vec<Lane>,
+    /// u, m.
+    displaced: Vec<Lane>,
+}
+
+impl FrictionProblem {
+    /// Room for `capacity` rows.
+    pub fn new(capacity: usize) -> Self {
+        Self {
+            rows: Vec::with_capacity(capacity),
+            forces: Vec::with_capacity(capacity),
+            displaced: Vec::with_capacity(capacity),
+        }
+    }
+
+    /// No rows.
+    pub fn clear(&mut self) {
+        self.rows.clear();
+        self.forces.clear();
+        self.displaced.clear();
+    }
+
+    /// True when this tick has forces here.
+    pub fn is_active(&self) -> bool {
+        !self.rows.is_empty()
+    }
+
+    /// Adds a row: its unit normal, its displacement without contact forces (m), its law, and where its force starts (N).
+    pub fn push(&mut self, normal: &Vector3, free_m: &Vector3, law: Law, warm_n: &Vector3) {
+        debug_assert!(self.rows.len() < self.rows.capacity(), "more rows than room");
+        self.rows.push(Bound { normal: lane(normal), free: lane(free_m), law, slips: false });
+        self.forces.push(lane(warm_n));
+        self.displaced.push([0.0; 4]);
+    }
+
+    /// Runs `sweeps` sweeps on the compliance `matrix` (n × n, row by row, m/N).
+    pub fn solve(&mut self, matrix: &[f64], sweeps: usize) {
+        debug_assert_eq!(matrix.len(), self.rows.len() * self.rows.len(), "matrix and rows disagree");
+        #[cfg(target_arch = "x86_64")]
+        if crate::math::simd::has_avx2() {
+            // SAFETY: the processor has AVX2, asked just above.
+            #[allow(unsafe_code)]
+            return unsafe { solve_avx2(self, matrix, sweeps) };
+        }
+        self.sweep(matrix, sweeps);
+    }
+
+    #[inline(always)]
+    fn sweep(&mut self, matrix: &[f64], sweeps: usize) {
+        let n = self.rows.len();
+        let Self { rows, forces, displaced } = self;
+        for _ in 0..sweeps {
+            for (i, row) in rows.iter_mut().enumerate() {
+                let compliances = &matrix[i * n..(i + 1) * n];
+                let own = compliances[i];
+                // A row that nothing can move, or a number that is none: no force of its own.
+                let stiffness = if own > 0.0 { 1.0 / own } else { 0.0 };
+                if stiffness == 0.0 || !stiffness.is_finite() {
+                    forces[i] = [0.0; 4];
+                    continue;
+                }
+                let u = total(compliances, forces, &row.free);
+                let mut wish = [0.0; 4];
+                for c in 0..4 {
+                    wish[c] = forces[i][c] - u[c] * stiffness;
+                }
+                forces[i] = row.allowed(&wish);
+            }
+        }
+        for (i, row) in rows.iter().enumerate() {
+            displaced[i] = total(&matrix[i * n..(i + 1) * n], forces, &row.free);
+        }
+    }
+
+    /// Force of a row along its normal, N.
+    pub fn normal_n(&self, i: usize) -> f64 {
+        dot(&self.forces[i], &self.rows[i].normal)
+    }
+
+    /// The rest of it, N.
+    pub fn tangent_n(&self, i: usize) -> Vector3 {
+        self.force_n(i) - vector(&self.rows[i].normal) * self.normal_n(i)
+    }
+
+    /// Force of a row, N.
+    pub fn force_n(&self, i: usize) -> Vector3 {
+        vector(&self.forces[i])
+    }
+
+    /// Replaces the force of a row by an equivalent one.
+    pub fn set_force(&mut self, i: usize, force_n: &Vector3) {
+        self.forces[i] = lane(force_n);
+    }
+
+    /// Displacement of a row under all forces, m.
+    pub fn displaced_m(&self, i: usize) -> Vector3 {
+        vector(&self.displaced[i])
+    }
+
+    /// The row's normal.
+    pub fn normal(&self, i: usize) -> Vector3 {
+        vector(&self.rows[i].normal)
+    }
+
+    /// The row is at the edge of what its law allows.
+    pub fn slips(&self, i: usize) -> bool {
+        self.rows[i].slips
+    }
+
+    /// The row's law.
+    pub fn law(&self, i: usize) -> Law {
+        self.rows[i].law
+    }
+}
+
+/// The same code with 256-bit registers; nothing is fused, so the bits are the same.
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx2")]
+fn solve_avx2(problem: &mut FrictionProblem, matrix: &[f64], sweeps: usize) {
+    problem.sweep(matrix, sweeps);
+}
+
+/// b + Σ S_j f_j, in four sums that do not wait for each other.
+#[inline(always)]
+fn total(compliances: &[f64], forces: &[Lane], free: &Lane) -> Lane {
+    let mut sums = [*free, [0.0; 4], [0.0; 4], [0.0; 4]];
+    let whole = compliances.len() / 4 * 4;
+    for (s, f) in compliances[..whole].chunks_exact(4).zip(forces[..whole].chunks_exact(4)) {
+        for k in 0..4 {
+            for c in 0..4 {
+                sums[k][c] += s[k] * f[k][c];
+            }
+        }
+    }
+    for (s, f) in compliances[whole..].iter().zip(&forces[whole..]) {
+        for c in 0..4 {
+            sums[0][c] += s * f[c];
+        }
+    }
+    let mut sum = [0.0; 4];
+    for c in 0..4 {
+        sum[c] = (sums[0][c] + sums[1][c]) + (sums[2][c] + sums[3][c]);
+    }
+    sum
+}
+
+impl Bound {
+    /// The force the row takes when `wish` would bring its displacement to zero.
+    #[inline(always)]
+    fn allowed(&mut self, wish: &Lane) -> Lane {
+        match self.law {
+            Law::Push { mu } => {
+                let along = dot(wish, &self.normal);
+                if !(along > 0.0) {
+                    self.slips = false;
+                    return [0.0; 4];
+                }
+                let mut tangent = [0.0; 4];
+                for c in 0..4 {
+                    tangent[c] = wish[c] - along * self.normal[c];
+                }
+                let (size, most) = (dot(&tangent, &tangent).sqrt(), mu * along);
+                self.slips = size > most;
+                let scale = if self.slips { most / size } else { 1.0 };
+                let mut force = [0.0; 4];
+                for c in 0..4 {
+                    force[c] = along * self.normal[c] + scale * tangent[c];
+                }
+                force
+            }
+            Law::Grip { limit_n } => {
+                let size = dot(wish, wish).sqrt();
+                self.slips = !(size <= limit_n);
+                let scale = if self.slips { limit_n / size } else { 1.0 };
+                wish.map(|x| x * scale)
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    struct Random(u64);
+
+    impl Random {
+        fn next(&mut self) -> f64 {
+            self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (self.0 >> 11) as f64 / (1u64 << 53) as f64 - 0.5
+        }
+
+        fn vector(&mut self) -> Vector3 {
+            Vector3::new(self.next(), self.next(), self.next())
+        }
+
+        /// S = G Gᵀ + shift 1.
+        fn matrix(&mut self, n: usize, shift: f64) -> Vec<f64> {
+            let g: Vec<f64> = (0..n * n).map(|_| self.next()).collect();
+            let entry = |i: usize, j: usize| (0..n).map(|k| g[i * n + k] * g[j * n + k]).sum::<f64>();
+            let both = |k: usize| entry(k / n, k % n) + if k / n == k % n { shift } else { 0.0 };
+            (0..n * n).map(both).collect()
+        }
+    }
+
+    fn one(normal: Vector3, free: Vector3, law: Law, own: f64) -> FrictionProblem {
+        let mut problem = FrictionProblem::new(1);
+        problem.push(&normal, &free, law, &Vector3::zeros());
+        problem.solve(&[own], 1);
+        problem
+    }
+
+    #[test]
+    fn one_row_sticks_below_its_cone_and_slips_against_the_slip_at_its_edge() {
+        for (slip, expected) in [(0.29, 0.29), (0.31, 0.3), (5.0, 0.3)] {
+            let problem = one(Vector3::z(), Vector3::new(slip, 0.0, -1.0), Law::Push { mu: 0.3 }, 0.5);
+            assert!((problem.normal_n(0) - 2.0).abs() < 1e-15);
+            assert!((problem.tangent_n(0) + Vector3::x() * (2.0 * expected)).norm() < 1e-15);
+            assert_eq!(problem.slips(0), slip > 0.3);
+        }
+        assert_eq!(one(Vector3::z(), Vector3::new(1.0, 0.0, 1e-9), Law::Push { mu: 9.0 }, 0.5).force_n(0).norm(), 0.0);
+        let held = one(Vector3::z(), Vector3::new(3.0, 0.0, 4.0), Law::Grip { limit_n: 2.0 }, 1.0);
+        assert!((held.force_n(0) - Vector3::new(-1.2, 0.0, -1.6)).norm() < 1e-15);
+    }
+
+    /// How far forces and displacements are from the laws: written from the definitions, not from the solver.
+    fn residual(problem: &FrictionProblem, matrix: &[f64], free: &[Vector3]) -> f64 {
+        let n = free.len();
+        let mut worst = 0.0f64;
+        for i in 0..n {
+            let u = (0..n).fold(free[i], |u, j| u + problem.force_n(j) * matrix[i * n + j]);
+            let f = problem.force_n(i);
+            let normal = problem.normal(i);
+            let miss = match problem.law(i) {
+                Law::Push { mu } => {
+                    let (lambda, gap) = (f.dot(&normal), u.dot(&normal));
+                    let (t, slip) = (f - normal * lambda, u - normal * gap);
+                    // Maximal dissipation: t · u_t is the least that |t| ≤ μ λ allows.
+                    let dissipation = t.dot(&slip) + mu * lambda * slip.norm();
+                    (-lambda).max(-gap).max((lambda * gap).abs()).max(t.norm() - mu * lambda).max(dissipation)
+                }
+                Law::Grip { limit_n } => (f.norm() - limit_n).max(f.dot(&u) + limit_n * u.norm()),
+            };
+            worst = worst.max(miss);
+        }
+        worst
+    }
+
+    #[test]
+    fn random_problems_meet_cone_complementarity_and_maximal_dissipation() {
+        let mut random = Random(5);
+        for case in 0..200 {
+            let n = 1 + case % 14;
+            let matrix = random.matrix(n, 0.5);
+            let free: Vec<Vector3> = (0..n).map(|_| random.vector()).collect();
+            let mut problem = FrictionProblem::new(n);
+            for b in &free {
+                let normal = random.vector().normalize();
+                let law = match case % 3 {
+                    0 => Law::Push { mu: 0.3 },
+                    1 => Law::Push { mu: 0.8 * (random.next() + 0.5) },
+                    _ if random.next() > 0.0 => Law::Grip { limit_n: 0.4 },
+                    _ => Law::Push { mu: 0.3 },
+                };
+                problem.push(&normal, b, law, &Vector3::zeros());
+            }
+            problem.solve(&matrix, 5_000);
+            let miss = residual(&problem, &matrix, &free);
+            assert!(miss < 1e-10, "case {case} of {n} rows misses its laws by {miss}");
+        }
+    }
+
+    // Another method: De Saxcé's reformulation turns Coulomb's law into one projection on the second-order cone, here in
+    // a damped fixed-point iteration over all rows at once with steps so small that it converges.
+    #[test]
+    fn forces_agree_with_a_slow_projection_on_de_saxces_cone() {
+        let mut random = Random(11);
+        for case in 0..20 {
+            let (n, mu) = (2 + case % 5, 0.25);
+            let matrix = random.matrix(n, 1.0);
+            let free: Vec<Vector3> = (0..n).map(|_| random.vector()).collect();
+            let normals: Vec<Vector3> = (0..n).map(|_| random.vector().normalize()).collect();
+            let mut problem = FrictionProblem::new(n);
+            for (normal, b) in normals.iter().zip(&free) {
+                problem.push(normal, b, Law::Push { mu }, &Vector3::zeros());
+            }
+            problem.solve(&matrix, 2_000);
+            let mut slow = vec![Vector3::zeros(); n];
+            let step = 0.5 / (0..n).map(|i| matrix[i * n + i]).sum::<f64>();
+            for _ in 0..60_000 {
+                let mut next = slow.clone();
+                for i in 0..n {
+                    let u = (0..n).fold(free[i], |u, j| u + slow[j] * matrix[i * n + j]);
+                    let slip = u - normals[i] * u.dot(&normals[i]);
+                    let wish = slow[i] - (u + normals[i] * (mu * slip.norm())) * step;
+                    let (along, across) = (wish.dot(&normals[i]), wish - normals[i] * wish.dot(&normals[i]));
+                    let size = across.norm();
+                    next[i] = if size <= mu * along {
+                        wish
+                    } else if mu * size <= -along {
+                        Vector3::zeros()
+                    } else {
+                        let onto = (along + mu * size) / (1.0 + mu * mu);
+                        normals[i] * onto + across * (mu * onto / size)
+                    };
+                }
+                slow = next;
+            }
+            for (i, expected) in slow.iter().enumerate() {
+                let off = (problem.force_n(i) - expected).norm();
+                assert!(off < 1e-8, "case {case}, row {i}: {} for {expected}", problem.force_n(i));
+            }
+        }
+    }
+
+    // Jams have many answers or none, some matrices are singular: forces stay finite and in their cones.
+    #[test]
+    fn hopeless_problems_stay_finite_and_in_their_cones() {
+        let mut random = Random(3);
+        for case in 0..300 {
+            let n = 2 + case % 20;
+            let matrix = match case % 3 {
+                0 => vec![1e-3; n * n],
+                1 => vec![0.0; n * n],
+                _ => random.matrix(n, 0.0),
+            };
+            let mut problem = FrictionProblem::new(n);
+            for _ in 0..n {
+                let law = if random.next() > 0.3 { Law::Grip { limit_n: 1.0 } } else { Law::Push { mu: 10.0 } };
+                problem.push(&random.vector().normalize(), &random.vector(), law, &Vector3::zeros());
+            }
+            problem.solve(&matrix, 50);
+            for i in 0..n {
+                let (f, along) = (problem.force_n(i), problem.normal_n(i));
+                assert!(f.iter().all(|x| x.is_finite()), "case {case}: {f}");
+                match problem.law(i) {
+                    Law::Push { mu } => assert!(problem.tangent_n(i).norm() <= mu * along * (1.0 + 1e-9) + 1e-12),
+                    Law::Grip { limit_n } => assert!(f.norm() <= limit_n * (1.0 + 1e-15)),
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn wide_registers_give_the_same_bits() {
+        let mut random = Random(17);
+        for n in [1, 3, 4, 17, 60] {
+            let matrix = random.matrix(n, 0.1);
+            let mut problem = FrictionProblem::new(n);
+            for _ in 0..n {
+                let law = Law::Push { mu: 0.4 };
+                problem.push(&random.vector().normalize(), &random.vector(), law, &random.vector());
+            }
+            let mut plain = problem.clone();
+            problem.solve(&matrix, 20);
+            plain.sweep(&matrix, 20);
+            for i in 0..n {
+                assert_eq!(problem.force_n(i), plain.force_n(i));
+                assert_eq!(problem.displaced_m(i), plain.displaced_m(i));
+            }
+        }
+    }
+}

@@ -1,0 +1,61 @@
+//! Where friction keeps a tool: contacts are looked for where it is going to be, not where it would slide without friction.
+//!
+//! Only the place at which the contact problem is made linear; its forces come from [`super::balance`].
+
+use crate::math::{Point3, Vector3};
+use crate::scene::{Scene, SceneState};
+use crate::surface::Surface;
+
+/// Coefficient that counts for a pair now: the kinetic one once any of its rows slips.
+pub(super) fn coefficient(scene: &Scene, state: &SceneState, p: usize) -> f64 {
+    let Some(friction) = scene.pairs[p].friction else { return 0.0 };
+    let slips = |row: &crate::scene::WarmRow| row.key[0] as usize == p && row.slips;
+    if state.warm[..state.warm_len].iter().any(slips) { friction.mu_kinetic } else { friction.mu }
+}
+
+/// What friction leaves of a slide when the surface keeps the tool from going `blocked` as well.
+pub(super) fn held_back(slide: Vector3, blocked: Vector3, mu: f64) -> Vector3 {
+    let (length, held) = (slide.norm(), mu * blocked.norm());
+    if length > held { slide * (1.0 - held / length) } else { Vector3::zeros() }
+}
+
+/// Where a ball that touches goes when it wants to go to `target`: on its tangent plane at `last`, as far as friction lets
+/// it.
+pub(super) fn ball_target(
+    scene: &Scene,
+    state: &SceneState,
+    surface: &Surface,
+    p: usize,
+    last: &Point3,
+    target: &Point3,
+    radius_m: f64,
+) -> Point3 {
+    let proxy = &state.pairs[p].proxy;
+    let foot = surface.point(proxy.foot.u, proxy.foot.v);
+    let outward = surface.normal(proxy.foot.u, proxy.foot.v) * if proxy.below { -1.0 } else { 1.0 };
+    // At an edge the ball leans against it from where it is.
+    let away = last - foot;
+    let distance = away.norm();
+    let leans = radius_m > 0.0 && away.dot(&outward) > 0.5 * radius_m;
+    let normal = if leans { away / distance } else { outward };
+    let depth = radius_m - (target - foot).dot(&normal);
+    if !(depth > 0.0) {
+        return *target;
+    }
+    let way = target - last;
+    let along = normal * way.dot(&normal);
+    last + along + held_back(way - along, normal * depth, coefficient(scene, state, p))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_slide_is_shortened_by_the_cone_and_never_turned_round() {
+        let (slide, blocked) = (Vector3::new(3.0, 4.0, 0.0), Vector3::new(0.0, 0.0, -2.0));
+        assert!((held_back(slide, blocked, 0.5).norm() - 4.0).abs() < 1e-15);
+        assert_eq!(held_back(slide, blocked, 2.5), Vector3::zeros());
+        assert_eq!(held_back(slide, blocked, 0.0), slide);
+    }
+}
