@@ -23,6 +23,18 @@ pub struct Friction {
     pub mu_kinetic: f64,
 }
 
+/// Where a row sticks: a place of the body, and how far from it the holder was. It lasts until the row slips, so nothing that
+/// sweeps leave over, and no trembling of the hand, adds up to a walk.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Stick {
+    /// On the body's surface.
+    pub u: f64,
+    /// On the body's surface.
+    pub v: f64,
+    /// From there to the tool's reference point, m. Between bodies, which have no such point: what the row has crept.
+    pub offset: Vector3,
+}
+
 /// What a row may do.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Law {

@@ -130,8 +130,6 @@ pub struct RowSet {
     pub proxies: [Point3; MAX_TOOLS],
     /// By tool: share of its contact forces that the limiter let through.
     pub factors: [f64; MAX_TOOLS],
-    /// By tool: from where the solve put the proxy to where it is, m.
-    pub set_back: [Vector3; MAX_TOOLS],
 }
 
 impl RowSet {
@@ -148,7 +146,6 @@ impl RowSet {
             free: [Point3::origin(); MAX_TOOLS],
             proxies: [Point3::origin(); MAX_TOOLS],
             factors: [0.0; MAX_TOOLS],
-            set_back: [Vector3::zeros(); MAX_TOOLS],
         }
     }
 
@@ -209,6 +206,13 @@ impl RowSet {
                 (then - now, Range { start, end: self.controls.len() as u32 })
             }
         }
+    }
+
+    /// A point of a deforming surface after free motion, m.
+    pub fn predicted_point(&mut self, view: &DeformingView<'_>, u: f64, v: f64) -> Point3 {
+        let (wu, wv) = (view.surface.knots_u().window(u), view.surface.knots_v().window(v));
+        self.scratch.set(view.surface, &wu, &wv);
+        self.scratch.point(view.predicted)
     }
 
     /// Control indices and weights of a side.

@@ -6,7 +6,7 @@ use super::{BodyModel, Scene};
 use crate::body::{LatticeScratch, LatticeState};
 use crate::contact::complementarity::Complementarity;
 use crate::contact::cones::ConeShare;
-use crate::contact::friction::FrictionProblem;
+use crate::contact::friction::{FrictionProblem, Stick};
 use crate::contact::grip::{GRAB, GripState};
 use crate::contact::proxy::ProxyState;
 use crate::contact::rows::{MAX_ROWS, MAX_ROWS_PER_PAIR, RowSet, SampleInTouch};
@@ -91,8 +91,8 @@ pub struct WarmRow {
     pub force_n: f64,
     /// Across it, N.
     pub tangent_n: Vector3,
-    /// What a row that sticks has crept all the same, m: the next tick takes it back, so that it cannot add up.
-    pub crept_m: Vector3,
+    /// Where it sticks, unless it slips.
+    pub stick: Stick,
     /// It slipped.
     pub slips: bool,
 }
@@ -112,6 +112,8 @@ pub struct Scratch {
     /// In use in ticks with friction or a grip.
     pub(crate) friction: FrictionProblem,
     pub(crate) cones: Vec<ConeShare>,
+    /// By row, in such ticks.
+    pub(crate) sticks: Vec<Stick>,
     /// Rigid contacts of one tool.
     pub(crate) shares: Vec<Share>,
     /// (unknowns of the largest lattice): displacements of a row's unit force at the nodes concerned.
@@ -211,6 +213,7 @@ impl Scene {
             problem: Complementarity::new(MAX_ROWS),
             friction: FrictionProblem::new(frictional_rows),
             cones: Vec::with_capacity(frictional_rows),
+            sticks: Vec::with_capacity(frictional_rows),
             shares: Vec::with_capacity(MAX_ROWS),
             response: vec![0.0; nodes],
             involved: Vec::with_capacity(nodes),
@@ -301,7 +304,8 @@ impl Stateful for SceneState {
             if self.warm_friction {
                 sink.word(u64::from(row.slips));
                 sink.floats(row.tangent_n.as_slice());
-                sink.floats(row.crept_m.as_slice());
+                sink.floats(&[row.stick.u, row.stick.v]);
+                sink.floats(row.stick.offset.as_slice());
             }
         }
     }
@@ -356,7 +360,8 @@ impl Stateful for SceneState {
             if self.warm_friction {
                 row.slips = source.word()? != 0;
                 source.floats(row.tangent_n.as_mut_slice())?;
-                source.floats(row.crept_m.as_mut_slice())?;
+                (row.stick.u, row.stick.v) = (float(source)?, float(source)?);
+                source.floats(row.stick.offset.as_mut_slice())?;
             }
         }
         Ok(())

@@ -6,6 +6,7 @@
 //!
 //! With friction or grips, forces have three components and rows move each other by the bracket alone, without n_i · n_j.
 
+use super::stick;
 use crate::body::Lattice;
 use crate::contact::cones::{self, ConeShare};
 use crate::contact::friction::Law;
@@ -64,29 +65,32 @@ pub(super) fn solve(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch
 
 /// Solves for forces of three components.
 fn solve_whole(scene: &Scene, state: &SceneState, scratch: &mut Scratch, sweeps: usize) {
-    let Scratch { rows, problem, friction, .. } = scratch;
+    let count = scratch.rows.rows.len();
+    scratch.sticks.clear();
     let mut warm = state.warm[..state.warm_len].iter().peekable();
-    for row in &rows.rows {
+    for i in 0..count {
+        let row = scratch.rows.rows[i];
         // Both lists are ordered by key.
         while warm.next_if(|old| old.key < row.key()).is_some() {}
-        let old = warm.next_if(|old| old.key == row.key()).copied().unwrap_or_default();
-        let WarmRow { force_n, tangent_n, crept_m, slips, .. } = old;
+        let old = warm.next_if(|old| old.key == row.key());
+        let WarmRow { force_n, tangent_n, slips, .. } = old.copied().unwrap_or_default();
+        let (slip, stuck) = stick::slip(scene, scratch, &row, old);
+        scratch.sticks.push(stuck);
         let (law, free) = match row.law {
             Law::Push { mu } => {
                 let pair = scene.pairs[row.pair as usize].friction.filter(|_| slips);
-                let slip = row.slip + crept_m;
                 let free = slip + row.normal * (row.gap_m - slip.dot(&row.normal));
                 (Law::Push { mu: pair.map_or(mu, |friction| friction.mu_kinetic) }, free)
             }
             grip => (grip, row.slip),
         };
-        friction.push(&row.normal, &free, law, &(row.normal * force_n + tangent_n));
+        scratch.friction.push(&row.normal, &free, law, &(row.normal * force_n + tangent_n));
     }
-    friction.solve(problem.matrix(), sweeps);
+    scratch.friction.solve(scratch.problem.matrix(), sweeps);
     for tool in 0..scene.tools.len() {
         share_whole_among_rigid(scene, scratch, tool);
     }
-    for i in 0..scratch.rows.rows.len() {
+    for i in 0..count {
         scratch.problem.set_force(i, scratch.friction.normal_n(i));
     }
 }

@@ -1,6 +1,6 @@
 //! What comes out of the contact solve: limited forces for the hands, loads for the bodies, reports for everybody.
 
-use super::grip;
+use super::{grip, stick};
 use super::record::{ContactReport, TickOutput};
 use crate::contact::friction::Law;
 use crate::contact::rows::{Holder, Row};
@@ -71,8 +71,6 @@ pub(super) fn emit(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch,
         tool_state.energy_j -= out.force_n.dot(&out.device_moved);
         out.energy_j = tool_state.energy_j;
         scratch.rows.factors[t] = factor;
-        // From where the contact solve put the tool to where it is.
-        scratch.rows.set_back[t] = tool_state.proxy - held;
     }
     for (i, row) in scratch.rows.rows.iter().enumerate().filter(|(_, row)| row.tool().is_none()) {
         let lambda = scratch.problem.forces()[i];
@@ -84,7 +82,7 @@ pub(super) fn emit(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch,
     for t in 0..scene.tools.len() {
         grip::take(scene, state, scratch, t, &mut output.tools[t]);
     }
-    load_bodies(scene, state, scratch, output.moving);
+    load_bodies(scene, state, scratch);
 }
 
 /// Force and torque on a tool when forces have three components. Drag on a ball turns it about its centre; what presses it
@@ -109,31 +107,8 @@ fn report(row: &Row, depth_m: f64, force_n: Vector3) -> ContactReport {
     ContactReport { body, holder, u, v, point, normal, depth_m, force_n }
 }
 
-/// What a row that sticks has slipped all the same, m: sweeps end, and a limited force moves less than the solve believed.
-fn crept(i: usize, scene: &Scene, scratch: &Scratch) -> Vector3 {
-    let Scratch { rows, problem, friction, .. } = scratch;
-    let row = &rows.rows[i];
-    if friction.slips(i) || matches!(row.law, Law::Grip { .. }) {
-        return Vector3::zeros();
-    }
-    let mut moved = friction.displaced_m(i);
-    if let Some(t) = row.tool() {
-        moved += rows.set_back[t];
-        let coupling = scene.tools[t].coupling.compliance_m_n();
-        for (j, other) in rows.rows.iter().enumerate() {
-            let Some(factor) = other.tool().map(|tool| rows.factors[tool]).filter(|factor| *factor != 1.0) else {
-                continue;
-            };
-            let of_tool = if other.tool() == Some(t) { coupling } else { 0.0 };
-            moved -= friction.force_n(j) * ((problem.entry(i, j) - of_tool) * (1.0 - factor));
-        }
-    }
-    moved -= row.normal * moved.dot(&row.normal);
-    if moved.iter().all(|x| x.is_finite()) { moved } else { Vector3::zeros() }
-}
-
 /// ∓λ n N_i on the nodes of every row's sides, scaled as the hand's force was; and the warm start of the next tick.
-fn load_bodies(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch, moving: bool) {
+fn load_bodies(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch) {
     state.warm_len = 0;
     state.warm_friction = scratch.friction.is_active();
     for i in 0..scratch.rows.rows.len() {
@@ -147,8 +122,7 @@ fn load_bodies(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch, mov
         if whole.is_some() {
             warm.tangent_n = scratch.friction.tangent_n(i);
             warm.slips = scratch.friction.slips(i);
-            // Bodies that stand still have not moved as the solve believed.
-            warm.crept_m = if moving { crept(i, scene, scratch) } else { Vector3::zeros() };
+            warm.stick = stick::kept(i, scratch);
         }
         state.warm[state.warm_len] = warm;
         state.warm_len += 1;

@@ -1,15 +1,20 @@
-//! Where friction keeps a tool: contacts are looked for where it is going to be, not where it would slide without friction.
+//! Where friction keeps a tool.
 //!
-//! Only the place at which the contact problem is made linear; its forces come from [`super::balance`].
+//! Contacts are looked for where it is going to be, not where it would slide without friction; that is only the place at
+//! which the contact problem is made linear, its forces come from [`super::balance`]. And each row that sticks remembers
+//! where.
 
+use super::feet::view;
+use crate::contact::friction::{Law, Stick};
+use crate::contact::rows::{Row, RowSet};
 use crate::math::{Point3, Vector3};
-use crate::scene::{Scene, SceneState};
+use crate::scene::{Body, BodyScratch, Scene, SceneState, Scratch, WarmRow};
 use crate::surface::Surface;
 
 /// Coefficient that counts for a pair now: the kinetic one once any of its rows slips.
 pub(super) fn coefficient(scene: &Scene, state: &SceneState, p: usize) -> f64 {
     let Some(friction) = scene.pairs[p].friction else { return 0.0 };
-    let slips = |row: &crate::scene::WarmRow| row.key[0] as usize == p && row.slips;
+    let slips = |row: &WarmRow| row.key[0] as usize == p && row.slips;
     if state.warm[..state.warm_len].iter().any(slips) { friction.mu_kinetic } else { friction.mu }
 }
 
@@ -45,6 +50,48 @@ pub(super) fn ball_target(
     let way = target - last;
     let along = normal * way.dot(&normal);
     last + along + held_back(way - along, normal * depth, coefficient(scene, state, p))
+}
+
+/// How far free motion takes a row past where it sticks, and where that is. `old`: the row in the last tick.
+pub(super) fn slip(scene: &Scene, scratch: &mut Scratch, row: &Row, old: Option<&WarmRow>) -> (Vector3, Stick) {
+    let stuck = old.filter(|old| !old.slips).map(|old| old.stick);
+    match (row.law, row.tool()) {
+        (Law::Grip { .. }, _) | (Law::Push { mu: 0.0 }, _) => (row.slip, Stick::default()),
+        (Law::Push { .. }, Some(t)) => {
+            let Scratch { bodies, rows, .. } = scratch;
+            let (body, parts) = (&scene.bodies[row.body as usize], &bodies[row.body as usize]);
+            let free = rows.free[t];
+            match stuck {
+                Some(stick) => (free - predicted(rows, body, parts, stick.u, stick.v) - stick.offset, stick),
+                None => {
+                    let offset = free - predicted(rows, body, parts, row.u, row.v) - row.slip;
+                    (row.slip, Stick { u: row.u, v: row.v, offset })
+                }
+            }
+        }
+        (Law::Push { .. }, None) => (row.slip + stuck.unwrap_or_default().offset, Stick::default()),
+    }
+}
+
+/// Where a row of this tick will stick in the next, if it did not slip.
+pub(super) fn kept(i: usize, scratch: &Scratch) -> Stick {
+    let Scratch { rows, friction, sticks, .. } = scratch;
+    if friction.slips(i) || matches!(rows.rows[i].law, Law::Grip { .. }) {
+        return Stick::default();
+    }
+    if rows.rows[i].tool().is_some() {
+        return sticks[i];
+    }
+    let (moved, normal) = (friction.displaced_m(i), friction.normal(i));
+    Stick { offset: moved - normal * moved.dot(&normal), ..Stick::default() }
+}
+
+/// A point of a body after free motion.
+fn predicted(rows: &mut RowSet, body: &Body, parts: &BodyScratch, u: f64, v: f64) -> Point3 {
+    match view(body, parts) {
+        Some(view) => rows.predicted_point(&view, u, v),
+        None => parts.surface.point(u, v),
+    }
 }
 
 #[cfg(test)]
