@@ -84,6 +84,7 @@ pub fn share(contacts: &mut [ConeShare]) -> bool {
             for c in contacts.iter_mut() {
                 c.force_n = nearest(c.law, &c.normal, &y).0 * c.weight_m;
             }
+            keep_sum(contacts, &total);
             return true;
         }
         let Some(factor) = bend.cholesky() else { return false };
@@ -104,6 +105,16 @@ pub fn share(contacts: &mut [ConeShare]) -> bool {
         }
     }
     false
+}
+
+/// A grip bears what is left to the sum, in whatever direction: what it holds does not move by this module's whisper.
+fn keep_sum(contacts: &mut [ConeShare], total: &Vector3) {
+    let left = total - contacts.iter().map(|c| c.force_n).sum::<Vector3>();
+    let grip =
+        contacts.iter_mut().find(|c| matches!(c.law, Law::Grip { limit_n } if (c.force_n + left).norm() <= limit_n));
+    if let Some(grip) = grip {
+        grip.force_n += left;
+    }
 }
 
 #[cfg(test)]
@@ -134,8 +145,8 @@ mod tests {
             assert!((onto - normal * along).norm() <= 0.4 * along + 1e-14);
             assert!(0.4 * (rest - normal * rest.dot(&normal)).norm() <= -rest.dot(&normal) + 1e-14);
             let h = 1e-7;
-            let slope = (nearest(law, &normal, &(y + towards * h)).0 - nearest(law, &normal, &(y - towards * h)).0)
-                / (2.0 * h);
+            let slope =
+                (nearest(law, &normal, &(y + towards * h)).0 - nearest(law, &normal, &(y - towards * h)).0) / (2.0 * h);
             let regular = (nearest(law, &normal, &(y + towards * 1e-3)).1 - derivative).norm() < 0.1
                 && (nearest(law, &normal, &(y - towards * 1e-3)).1 - derivative).norm() < 0.1;
             assert!(!regular || (slope - derivative * towards).norm() < 1e-6, "{slope} for {}", derivative * towards);

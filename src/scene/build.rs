@@ -1,7 +1,8 @@
 //! From a scene file's data to the constants of a simulation.
 
 use super::spec::{
-    BodySpec, ContactMethod, FrictionSpec, ModelSpec, PoseSpec, SPHERES_RESOLUTION, SceneSpec, ShapeSpec, SurfaceSpec, ToolSpec,
+    BodySpec, ContactMethod, FrictionSpec, ModelSpec, PoseSpec, SPHERES_RESOLUTION, SceneSpec, ShapeSpec, SurfaceSpec,
+    ToolSpec,
 };
 use super::{Body, BodyModel, LatticeBody, Method, Pair, Scene, Tool};
 use super::{refine, shapes};

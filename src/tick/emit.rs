@@ -1,7 +1,7 @@
 //! What comes out of the contact solve: limited forces for the hands, loads for the bodies, reports for everybody.
 
-use super::{grip, stick};
 use super::record::{ContactReport, TickOutput};
+use super::{grip, stick};
 use crate::contact::friction::Law;
 use crate::contact::rows::{Holder, Row};
 use crate::haptics::{LinkPhase, limit};

@@ -78,7 +78,10 @@ fn ball(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch, p: usize, 
     let last = state.tools[t].proxy;
     let touched = state.pairs[p].proxy.touching;
     let mut target = rows.proxies[t];
-    if touched && pair.friction.is_some() {
+    if state.tools[t].grip.holds() {
+        // Held where it is, not where the device pulls it.
+        target = last;
+    } else if touched && pair.friction.is_some() {
         target = stick::ball_target(scene, state, &parts.surface, p, &last, &target, radius_m);
     }
     let proxy = &mut state.pairs[p].proxy;
@@ -145,8 +148,9 @@ fn shape(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch, p: usize,
     let proxy = &mut state.pairs[p].proxy;
     let touched = proxy.touching;
     let scratch_pair = &mut pairs[p];
+    let gripped = state.tools[t].grip.holds();
     // A half-space looks the same from everywhere: its contacts are those where it is going to be.
-    let mut anchor = if tool.shape.is_plane() { free } else { last };
+    let mut anchor = if tool.shape.is_plane() && !gripped { free } else { last };
     if body.two_sided && !proxy.touching {
         proxy.below = parts.solver.closest(&parts.surface, &anchor).signed_distance < 0.0;
     }
@@ -162,7 +166,7 @@ fn shape(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch, p: usize,
         // Nothing is within reach: that far it may go.
         anchor += way * (0.99 * reach.margin_m / length);
     }
-    if matches!(body.model, BodyModel::Rigid) {
+    if matches!(body.model, BodyModel::Rigid) && !gripped {
         // Normals turn while the tool slides: look again from where these contacts let it go.
         let mut slid = slide(scratch_pair.set.contacts(), free - anchor);
         if touched && mu > 0.0 {

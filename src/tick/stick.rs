@@ -11,6 +11,10 @@ use crate::math::{Point3, Vector3};
 use crate::scene::{Body, BodyScratch, Scene, SceneState, Scratch, WarmRow};
 use crate::surface::Surface;
 
+/// A contact that has rolled this far from where it stuck, relative to the body's size, sticks anew where it is: the body may
+/// turn under the tool, and another place of it moves otherwise. Far above what a trembling hand rolls.
+const ROLLS: f64 = 0.01;
+
 /// Coefficient that counts for a pair now: the kinetic one once any of its rows slips.
 pub(super) fn coefficient(scene: &Scene, state: &SceneState, p: usize) -> f64 {
     let Some(friction) = scene.pairs[p].friction else { return 0.0 };
@@ -61,13 +65,16 @@ pub(super) fn slip(scene: &Scene, scratch: &mut Scratch, row: &Row, old: Option<
             let Scratch { bodies, rows, .. } = scratch;
             let (body, parts) = (&scene.bodies[row.body as usize], &bodies[row.body as usize]);
             let free = rows.free[t];
-            match stuck {
-                Some(stick) => (free - predicted(rows, body, parts, stick.u, stick.v) - stick.offset, stick),
-                None => {
-                    let offset = free - predicted(rows, body, parts, row.u, row.v) - row.slip;
-                    (row.slip, Stick { u: row.u, v: row.v, offset })
+            let here = predicted(rows, body, parts, row.u, row.v);
+            let mut slip = row.slip;
+            if let Some(stick) = stuck {
+                let there = predicted(rows, body, parts, stick.u, stick.v);
+                slip = free - there - stick.offset;
+                if (here - there).norm() <= ROLLS * body.size_m {
+                    return (slip, stick);
                 }
             }
+            (slip, Stick { u: row.u, v: row.v, offset: free - here - slip })
         }
         (Law::Push { .. }, None) => (row.slip + stuck.unwrap_or_default().offset, Stick::default()),
     }
