@@ -48,7 +48,8 @@ pub(super) fn ball_target(
     let leans = radius_m > 0.0 && away.dot(&outward) > 0.5 * radius_m;
     let normal = if leans { away / distance } else { outward };
     let depth = radius_m - (target - foot).dot(&normal);
-    if !(depth > 0.0) {
+    let pressed = depth > 0.0;
+    if !pressed {
         return *target;
     }
     let way = target - last;
