@@ -16,7 +16,7 @@ fn soft(grip_n: f64) -> String {
 }
 
 fn rigid(grip_n: f64) -> String {
-    soft(grip_n).replace("model = \"lattice\"\n", "").replace("speed_max", "speed_max")
+    soft(grip_n).replace("model = \"lattice\"\n", "")
 }
 
 fn at(x: f64) -> [f64; 3] {
