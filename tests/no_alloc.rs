@@ -75,6 +75,31 @@ fn a_tick_on_a_lattice_allocates_nothing() {
     assert_eq!(touch(&mut World::new(&text)), 0);
 }
 
+/// Slides with friction, grabs, pulls, slips off and lets go.
+#[test]
+fn a_tick_with_friction_and_a_grip_allocates_nothing() {
+    let soft = teardrop(20e3, "\"none\"").replace("stiffness_n_m = inf", "stiffness_n_m = 800.0");
+    let soft = format!("{soft}friction = {{ mu = 0.4, mu_kinetic = 0.3 }}\ngrip = {{ force_max_n = 0.3 }}\n");
+    for text in [soft.replace("model = \"lattice\"\n", ""), soft] {
+        let mut world = World::new(&text);
+        for x in [0.06, 0.052, 0.044, 0.036] {
+            world.at([x, 0.003, 0.045]);
+        }
+        let (mut held, mut touched) = (0, 0);
+        let count = allocations(|| {
+            for k in 0..3_000 {
+                let t = f64::from(k) * 1e-3;
+                let place = [0.03 + 0.006 * (4.0 * t).cos(), 0.003 + 0.004 * (9.0 * t).sin(), 0.045];
+                let out = world.all(&[(place, u32::from(k % 900 > 300))]);
+                held += u32::from(out.tools[0].flags & palpate::scene::flags::GRABBING != 0);
+                touched += u32::from(out.tools[0].contact.is_some());
+            }
+        });
+        assert!(held > 200 && touched > 500, "held for {held}, touched for {touched} ticks");
+        assert_eq!(count, 0);
+    }
+}
+
 #[test]
 fn a_tick_of_two_soft_bodies_allocates_nothing() {
     let mut world = World::new(include_str!("../scenes/two-drops.toml"));

@@ -34,7 +34,7 @@ pub struct ToolPose {
     pub linear_velocity: [f64; 3],
     /// rad/s.
     pub angular_velocity: [f64; 3],
-    /// Bit 0: grab.
+    /// Bit 0: grab. While it is set, the tool holds on to what it touches.
     pub buttons: u32,
     /// Reserved, 0.
     pub flags: u32,
@@ -55,6 +55,8 @@ pub mod force_flags {
     pub const RAMPING: u32 = 1 << 4;
     /// The tick met a fault; the force is safe, not right.
     pub const FAULT: u32 = 1 << 5;
+    /// The tool holds on to what it grabbed.
+    pub const GRABBING: u32 = 1 << 6;
 }
 
 /// The force a hand should feel: wrench on the tool, world axes, at the tool's reference point.

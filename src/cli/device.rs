@@ -16,7 +16,7 @@ pub struct Args {
     /// Tool of the scene to hold.
     #[arg(long)]
     tool: String,
-    /// press, slide, tap, circle, or a TOML file of [[waypoint]] entries.
+    /// press, slide, tap, circle, pull, or a TOML file of [[waypoint]] entries.
     #[arg(long, default_value = "press")]
     motion: String,
     /// How far past the first touch the hand wants to go, m.

@@ -47,6 +47,11 @@ impl Complementarity {
         self.delassus[i * self.len + j]
     }
 
+    /// D, row by row (len × len).
+    pub fn matrix(&self) -> &[f64] {
+        &self.delassus[..self.len * self.len]
+    }
+
     /// Sets the gap of a row and where its force starts from.
     pub fn set(&mut self, i: usize, gap_m: f64, warm_n: f64) {
         self.gap[i] = gap_m;

@@ -10,14 +10,19 @@
 //! proxy             a ball held back by the surface as it stands
 //! rows              a unilateral row for each contact, and for each surface sample inside the other party
 //! complementarity   forces λ ≥ 0 with D λ + gap ≥ 0, by projected Gauss–Seidel
-//! sharing           how several rigid contacts of one tool share its force
+//! friction          the same for forces with three components: Coulomb's cone, grips
+//! grip              what a tool holds on to while it grabs
+//! sharing, cones    how several rigid contacts of one tool share its force
 //! ```
 //! Normals point out of the body, towards the tool; a gap is negative where the tool is inside.
 
 pub mod broad;
 pub mod complementarity;
+pub mod cones;
 mod depth;
 pub mod exact;
+pub mod friction;
+pub mod grip;
 pub mod implicit;
 pub mod mesh;
 pub mod own;

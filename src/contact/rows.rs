@@ -1,9 +1,10 @@
-//! Contact rows: unilateral constraints between two parties, with the weights that carry their force to control points.
+//! Contact rows: constraints between two parties, with the weights that carry their force to control points.
 //!
 //! The first party is a body, pushed against the normal; the second, the holder, is a tool or another body (or the same
 //! one, touching itself), pushed along it. Normals come from the surfaces as they stand (at rest that is exact), gaps from
 //! where their free motion will take both.
 
+use super::friction::Law;
 use super::samples::{SampleGrid, Weights};
 use crate::basis::BasisWindow;
 use crate::math::{Point3, Vector3};
@@ -17,6 +18,8 @@ pub const MAX_TOOLS: usize = 8;
 pub const MAX_ROWS_PER_PAIR: usize = 96;
 /// `sample` of the row at the first contact of a pair; the next ones count down from it.
 pub const FOOT: u32 = u32::MAX;
+/// `sample` of the first anchor of a grip; the next ones count down from it.
+pub const ANCHOR: u32 = u32::MAX - 64;
 /// Samples of the holding body count up from here.
 pub const HOLDER_SAMPLES: u32 = 1 << 30;
 
@@ -44,6 +47,10 @@ pub struct Row {
     pub normal: Vector3,
     /// Gap under free motion of both, m.
     pub gap_m: f64,
+    /// How far free motion of both takes the holder past the body, m; a grip: from one point to the other.
+    pub slip: Vector3,
+    /// What the row does.
+    pub law: Law,
     /// Point on the body's surface now, m.
     pub point: Point3,
     /// Its parameters.
@@ -166,7 +173,7 @@ impl RowSet {
     }
 
     /// Adds a row whose gap is `row.gap_m` now, if it closes to less than `margin_m` or has; the gap then becomes that
-    /// after free motion.
+    /// after free motion. `row.slip` is what the holder has slipped before the motions given here.
     pub fn push(&mut self, row: Row, body: Grip<'_>, holder: Grip<'_>, margin_m: f64) {
         if self.full() {
             return;
@@ -176,7 +183,8 @@ impl RowSet {
         let (towards, on_holder) = self.grip(holder);
         let gap_m = row.gap_m + (towards - away).dot(&row.normal);
         if gap_m < margin_m || row.gap_m < margin_m {
-            self.rows.push(Row { gap_m, on_body, on_holder, ..row });
+            let slip = row.slip + (towards - away);
+            self.rows.push(Row { gap_m, slip, on_body, on_holder, ..row });
         } else {
             self.controls.truncate(controls);
             self.weights.truncate(weights);
@@ -198,6 +206,13 @@ impl RowSet {
                 (then - now, Range { start, end: self.controls.len() as u32 })
             }
         }
+    }
+
+    /// A point of a deforming surface after free motion, m.
+    pub fn predicted_point(&mut self, view: &DeformingView<'_>, u: f64, v: f64) -> Point3 {
+        let (wu, wv) = (view.surface.knots_u().window(u), view.surface.knots_v().window(v));
+        self.scratch.set(view.surface, &wu, &wv);
+        self.scratch.point(view.predicted)
     }
 
     /// Control indices and weights of a side.

@@ -17,6 +17,6 @@ pub struct DevicePose {
     pub linear_velocity: Vector3,
     /// rad/s.
     pub angular_velocity: Vector3,
-    /// Bit 0: grab.
+    /// Bit 0: grab. While it is set, the tool holds on to what it touches.
     pub buttons: u32,
 }

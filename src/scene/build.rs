@@ -2,11 +2,13 @@
 
 use super::frame::FrameOf;
 use super::spec::{
-    BodySpec, ContactMethod, IntegratorSpec, ModelSpec, PoseSpec, SPHERES_RESOLUTION, SceneSpec, SurfaceSpec, ToolSpec,
+    BodySpec, ContactMethod, FrictionSpec, IntegratorSpec, ModelSpec, PoseSpec, SPHERES_RESOLUTION, SceneSpec,
+    SurfaceSpec, ToolSpec,
 };
 use super::{Body, BodyModel, LatticeBody, Method, Pair, Scene, Tool};
 use super::{deforming, refine, shapes};
 use crate::contact::SampleGrid;
+use crate::contact::friction::Friction;
 use crate::contact::rows::Holder;
 use crate::haptics::{Coupling, LinkLimits};
 use crate::math::{Point3, Pose, Rotation, Vector3};
@@ -125,7 +127,8 @@ fn build_pairs(
     // The tool that carries the frame moves all bodies alike and touches none.
     for tool in (0..tools.len()).filter(|&tool| frame.is_none_or(|frame| frame.tool != tool)) {
         let holder = Holder::Tool(index(tool));
-        pairs.extend((0..bodies.len()).map(|body| Pair { holder, body, method: Method::Exact }));
+        let friction = friction(spec.tools[tool].friction.as_ref(), || format!("tool[{tool}].friction"))?;
+        pairs.extend((0..bodies.len()).map(|body| Pair { holder, body, method: Method::Exact, friction }));
     }
     for body in 0..bodies.len() {
         for other in body + 1..bodies.len() {
@@ -133,13 +136,15 @@ fn build_pairs(
                 // A sheet has no inside: it is asked for the side on which the other is.
                 let sheet_second = bodies[other].two_sided && !bodies[body].two_sided;
                 let (body, other) = if sheet_second { (other, body) } else { (body, other) };
-                pairs.push(Pair { holder: Holder::Body(index(other)), body, method: Method::Exact });
+                let holder = Holder::Body(index(other));
+                pairs.push(Pair { holder, body, method: Method::Exact, friction: None });
             }
         }
     }
     for body in 0..bodies.len() {
         if spec.bodies[body].self_contact && deforms(body) {
-            pairs.push(Pair { holder: Holder::Body(index(body)), body, method: Method::Exact });
+            let holder = Holder::Body(index(body));
+            pairs.push(Pair { holder, body, method: Method::Exact, friction: None });
         }
     }
     for (c, contact) in spec.contacts.iter().enumerate() {
@@ -160,6 +165,10 @@ fn build_pairs(
             };
             (pair.holder == holder && pair.body == body) || swapped
         };
+        if contact.friction.is_some() {
+            let friction = friction(contact.friction.as_ref(), || format!("contact[{c}].friction"))?;
+            pairs.iter_mut().filter(|pair| named(pair)).for_each(|pair| pair.friction = friction);
+        }
         match contact.method {
             ContactMethod::Exact => {}
             ContactMethod::None => pairs.retain(|pair| !named(pair)),
@@ -174,11 +183,25 @@ fn build_pairs(
     Ok(pairs)
 }
 
+/// Without friction a pair has none, rather than a coefficient of zero: it is then solved as such.
+fn friction(spec: Option<&FrictionSpec>, path: impl Fn() -> String) -> Result<Option<Friction>, SceneError> {
+    let Some(&FrictionSpec { mu, mu_kinetic }) = spec else { return Ok(None) };
+    let mu_kinetic = mu_kinetic.unwrap_or(mu);
+    if !(mu.is_finite() && (0.0..=mu).contains(&mu_kinetic)) {
+        return Err(error(path(), "mu must be 0 or more and mu_kinetic at most mu"));
+    }
+    Ok((mu > 0.0).then_some(Friction { mu, mu_kinetic }))
+}
+
 fn build_tool(spec: &ToolSpec, path: &str, directory: &Path, dt_s: f64) -> Result<Tool, SceneError> {
     let shape = shapes::build(&spec.shape, &format!("{path}.shape"), directory)?;
     let coupling = &spec.coupling;
     if !(coupling.stiffness_n_m > 0.0 && coupling.damping_n_s_m >= 0.0 && coupling.damping_n_s_m.is_finite()) {
         return Err(error(format!("{path}.coupling"), "stiffness_n_m must be above 0 and damping_n_s_m at least 0"));
+    }
+    let grip_n = spec.grip.force_max_n;
+    if !(grip_n.is_finite() && grip_n >= 0.0) {
+        return Err(error(format!("{path}.grip.force_max_n"), "a grip holds with 0 N or more"));
     }
     let device = &spec.device;
     let limits = LinkLimits {
@@ -194,6 +217,7 @@ fn build_tool(spec: &ToolSpec, path: &str, directory: &Path, dt_s: f64) -> Resul
         start: (Point3::from(pose.translation.vector), pose.rotation),
         coupling: Coupling::new(coupling.stiffness_n_m, coupling.damping_n_s_m, dt_s),
         limits,
+        grip_n,
     })
 }
 

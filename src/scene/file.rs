@@ -1,6 +1,6 @@
 //! Reads a scene file and says of everything that is wrong with it where it stands and how to mend it.
 
-use super::spec::{ContactMethod, ContactSpec, MAX_TOOLS, ModelSpec, SceneSpec, ShapeSpec, SurfaceSpec};
+use super::spec::{ContactMethod, ContactSpec, FrictionSpec, MAX_TOOLS, ModelSpec, SceneSpec, ShapeSpec, SurfaceSpec};
 use crate::surface::builtin::BUILTINS;
 use std::fmt;
 use std::ops::Range;
@@ -270,6 +270,9 @@ impl Check<'_> {
             let message = format!("there is no body {body:?}; pairs are [tool or body, body]");
             self.refuse("contact", c, "pair", message);
         }
+        if let Some(friction) = &contact.friction {
+            self.friction("contact", c, friction);
+        }
         match (contact.resolution, contact.method) {
             (Some(resolution), ContactMethod::Spheres) => {
                 if resolution.iter().any(|n| !(4..=1_000).contains(n)) {
@@ -281,6 +284,16 @@ impl Check<'_> {
                 self.refuse("contact", c, "resolution", "only method = \"spheres\" has a resolution");
             }
             (None, _) => {}
+        }
+    }
+
+    fn friction(&mut self, table: &str, index: usize, friction: &FrictionSpec) {
+        self.not_below_zero(table, index, "mu", friction.mu, "");
+        if let Some(kinetic) = friction.mu_kinetic
+            && !(0.0..=friction.mu).contains(&kinetic)
+        {
+            let message = format!("mu_kinetic is {kinetic}; it must be 0 to mu, which is {}", friction.mu);
+            self.refuse(table, index, "mu_kinetic", message);
         }
     }
 
@@ -366,6 +379,14 @@ impl Check<'_> {
         }
         self.not_below_zero("tool", t, "damping_n_s_m", tool.coupling.damping_n_s_m, "N·s/m");
         self.above_zero("tool", t, "force_max_n", tool.device.force_max_n, "N");
+        if let Some(friction) = &tool.friction {
+            self.friction("tool", t, friction);
+        }
+        let grip = tool.grip.force_max_n;
+        if !(grip.is_finite() && grip >= 0.0) {
+            let message = format!("the grip's force_max_n is {grip}; it must be 0 N (it never holds) or more");
+            self.refuse("tool", t, "grip", message);
+        }
         self.not_below_zero("tool", t, "ramp_s", tool.device.ramp_s, "s");
         self.above_zero("tool", t, "stale_s", tool.device.stale_s, "s");
         self.above_zero("tool", t, "speed_max_m_s", tool.device.speed_max_m_s, "m/s");
@@ -391,7 +412,7 @@ mod tests {
 
     #[test]
     fn every_problem_is_told_with_its_line() {
-        let cases: [(&str, &str); 14] = [
+        let cases: [(&str, &str); 18] = [
             ("[loop]\nrate_hz = 0\n", "s.toml:2:1: rate_hz is 0; it must be 1 to 10000"),
             ("[loop]\nrate = 5\n", "s.toml:2:1: \"rate\" is not known here; did you mean \"rate_hz\"?"),
             ("[loop\n", "s.toml:1:6: "),
@@ -421,6 +442,16 @@ mod tests {
                 "s.toml:4:1: a rigid body cannot come to touch itself",
             ),
             ("[[contact]]\npair = [\"pen\", \"drop\"]\n", "s.toml:2:1: there is no tool and no body \"pen\""),
+            ("[[tool]]\nid = \"a\"\nfriction = { mu = -0.1 }\n", "s.toml:3:14: mu is -0.1; it must be 0 or more"),
+            (
+                "[[tool]]\nid = \"a\"\nfriction = { mu = 0.3, mu_kinetic = 0.4 }\n",
+                "s.toml:3:24: mu_kinetic is 0.4; it must be 0 to mu, which is 0.3",
+            ),
+            ("[[tool]]\nid = \"a\"\ngrip = { force_max_n = -1 }\n", "s.toml:3:1: the grip's force_max_n is -1"),
+            (
+                "[[contact]]\npair = [\"ball\", \"drop\"]\nfriction = { mu = inf }\n",
+                "s.toml:3:14: mu is inf; it must be 0 or more",
+            ),
         ];
         for (text, expected) in cases {
             // A whole scene around the case, after it, so that lines count from the case.

@@ -25,6 +25,7 @@ pub(crate) use state::DeformingScratch;
 pub use state::{BodyScratch, BodyState, PairState, Pipeline, RunState, SceneState, Scratch, ToolState, WarmRow};
 
 use crate::body::Deformable;
+use crate::contact::friction::Friction;
 use crate::contact::rows::Holder;
 use crate::contact::{SampleGrid, ToolShape};
 use crate::haptics::{Coupling, LinkLimits};
@@ -93,14 +94,17 @@ pub(crate) struct Tool {
     pub start: (Point3, Rotation),
     pub coupling: Coupling,
     pub limits: LinkLimits,
+    /// Greatest pull on what it grabs, N; 0: it grabs nothing.
+    pub grip_n: f64,
 }
 
 /// Two parties that may touch: a tool or a body that holds, and a body. A body that holds itself touches itself.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Pair {
     pub holder: Holder,
     pub body: usize,
     pub method: Method,
+    pub friction: Option<Friction>,
 }
 
 /// Narrow phase of a pair.
@@ -206,4 +210,6 @@ pub mod flags {
     pub const RAMPING: u32 = 1 << 4;
     /// The tick met a fault; the force is safe, not right.
     pub const FAULT: u32 = 1 << 5;
+    /// The tool holds on to what it grabbed.
+    pub const GRABBING: u32 = 1 << 6;
 }

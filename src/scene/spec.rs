@@ -140,6 +140,12 @@ pub struct ToolSpec {
     /// What its device can bear.
     #[serde(default)]
     pub device: DeviceSpec,
+    /// Friction with every body; none unless given.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub friction: Option<FrictionSpec>,
+    /// How fast it holds while its grab button is down.
+    #[serde(default, skip_serializing_if = "GripSpec::is_default")]
+    pub grip: GripSpec,
     /// A plane fixes the lattice nodes on its far side at the start.
     #[serde(default)]
     pub fixes_nodes: bool,
@@ -286,6 +292,38 @@ impl Default for DeviceSpec {
     }
 }
 
+/// `friction = { mu = 0.3 }`: Coulomb's law.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct FrictionSpec {
+    /// Largest tangential over normal force, 0 or more; 0: none.
+    pub mu: f64,
+    /// The same while it slips, at most `mu`; `mu` when absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub mu_kinetic: Option<f64>,
+}
+
+/// `[tool.grip]`.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct GripSpec {
+    /// Greatest pull before what is held slips off, N; 0: it never holds.
+    pub force_max_n: f64,
+}
+
+impl Default for GripSpec {
+    /// A firm pinch.
+    fn default() -> Self {
+        Self { force_max_n: 10.0 }
+    }
+}
+
+impl GripSpec {
+    fn is_default(&self) -> bool {
+        *self == Self::default()
+    }
+}
+
 /// `[[contact]]`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -298,6 +336,9 @@ pub struct ContactSpec {
     /// Of `spheres`: points in u and v over the whole surface, each 4 ..= 1 000.
     #[serde(default)]
     pub resolution: Option<[usize; 2]>,
+    /// Friction of this pair, in place of the tool's.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub friction: Option<FrictionSpec>,
 }
 
 /// How a pair is tested.

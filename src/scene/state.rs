@@ -6,6 +6,9 @@ use super::near::Near;
 use super::{BodyModel, Scene};
 use crate::body::{DeformableScratch, DeformableState, Field};
 use crate::contact::complementarity::Complementarity;
+use crate::contact::cones::ConeShare;
+use crate::contact::friction::{FrictionProblem, Stick};
+use crate::contact::grip::{GRAB, GripState};
 use crate::contact::proxy::ProxyState;
 use crate::contact::rows::{MAX_ROWS, MAX_ROWS_PER_PAIR, RowSet, SampleInTouch};
 use crate::contact::sharing::Share;
@@ -49,6 +52,8 @@ pub struct SceneState {
     pub warm: Vec<WarmRow>,
     /// Valid entries of `warm`.
     pub warm_len: usize,
+    /// Some of them had friction or a grip.
+    pub warm_friction: bool,
 }
 
 /// State of a body.
@@ -85,6 +90,8 @@ pub struct ToolState {
     pub proxy: Point3,
     /// Work done by the hand so far, J.
     pub energy_j: f64,
+    /// What it grabs; nothing while the button is up.
+    pub grip: GripState,
 }
 
 /// State of a pair.
@@ -99,8 +106,14 @@ pub struct PairState {
 pub struct WarmRow {
     /// Pair and sample.
     pub key: [u32; 2],
-    /// N.
+    /// Along the normal, N.
     pub force_n: f64,
+    /// Across it, N.
+    pub tangent_n: Vector3,
+    /// Where it sticks, unless it slips.
+    pub stick: Stick,
+    /// It slipped.
+    pub slips: bool,
 }
 
 /// Buffers of a step; nothing in it outlives a tick except what can be computed anew from the state.
@@ -115,6 +128,11 @@ pub struct Scratch {
     /// Samples of one pair in touch.
     pub(crate) hits: Vec<SampleInTouch>,
     pub(crate) problem: Complementarity,
+    /// In use in ticks with friction or a grip.
+    pub(crate) friction: FrictionProblem,
+    pub(crate) cones: Vec<ConeShare>,
+    /// By row, in such ticks.
+    pub(crate) sticks: Vec<Stick>,
     /// Rigid contacts of one tool.
     pub(crate) shares: Vec<Share>,
     /// (unknowns of the largest lattice): displacements of a row's unit force at the nodes concerned.
@@ -130,6 +148,15 @@ impl Scratch {
     /// Lets bodies that take several ticks step elsewhere.
     pub fn set_pipeline(&mut self, pipeline: Box<dyn Pipeline>) {
         self.pipeline = Some(pipeline);
+    }
+
+    /// Gap of a row under the present forces, m.
+    pub(crate) fn gap_after(&self, row: usize) -> f64 {
+        if self.friction.is_active() {
+            self.friction.displaced_m(row).dot(&self.friction.normal(row))
+        } else {
+            self.problem.gap_after(row)
+        }
     }
 
     /// What the last queries of the `spheres` method did, by pair: holder, body, counters.
@@ -173,7 +200,7 @@ impl Scene {
         let tools = self.tools.iter().map(|tool| {
             let mut link = Link::default();
             (link.pose.position, link.pose.orientation) = tool.start;
-            ToolState { link, proxy: tool.start.0, energy_j: 0.0 }
+            ToolState { link, proxy: tool.start.0, energy_j: 0.0, grip: GripState::default() }
         });
         SceneState {
             tick: 0,
@@ -185,6 +212,7 @@ impl Scene {
             carried: self.frame.is_some(),
             warm: vec![WarmRow::default(); MAX_ROWS],
             warm_len: 0,
+            warm_friction: false,
         }
     }
 
@@ -206,6 +234,8 @@ impl Scene {
                 }),
             },
         });
+        let frictional = self.pairs.iter().any(|pair| pair.friction.is_some());
+        let frictional_rows = if frictional || self.tools.iter().any(|tool| tool.grip_n > 0.0) { MAX_ROWS } else { 0 };
         let mut scratch = Scratch {
             bodies: bodies.collect(),
             pairs: self.pairs.iter().map(|pair| PairScratch::new(self, pair)).collect(),
@@ -213,6 +243,9 @@ impl Scene {
             rows: RowSet::new(rows),
             hits: Vec::with_capacity(MAX_ROWS_PER_PAIR),
             problem: Complementarity::new(MAX_ROWS),
+            friction: FrictionProblem::new(frictional_rows),
+            cones: Vec::with_capacity(frictional_rows),
+            sticks: Vec::with_capacity(frictional_rows),
             shares: Vec::with_capacity(MAX_ROWS),
             response: vec![0.0; nodes],
             involved: Vec::with_capacity(nodes),
@@ -296,6 +329,9 @@ impl Stateful for SceneState {
             tool.link.save(sink);
             sink.floats(tool.proxy.coords.as_slice());
             sink.floats(&[tool.energy_j]);
+            if tool.link.pose.buttons & GRAB != 0 {
+                tool.grip.save(sink);
+            }
         }
         for PairState { proxy } in &self.pairs {
             sink.word(u64::from(proxy.touching) | u64::from(proxy.below) << 1);
@@ -305,10 +341,16 @@ impl Stateful for SceneState {
         if self.carried {
             self.frame.save(sink);
         }
-        sink.word(self.warm_len as u64);
+        sink.word(self.warm_len as u64 | u64::from(self.warm_friction) << 32);
         for row in &self.warm[..self.warm_len] {
             row.key.iter().for_each(|&part| sink.word(u64::from(part)));
             sink.floats(&[row.force_n]);
+            if self.warm_friction {
+                sink.word(u64::from(row.slips));
+                sink.floats(row.tangent_n.as_slice());
+                sink.floats(&[row.stick.u, row.stick.v]);
+                sink.floats(row.stick.offset.as_slice());
+            }
         }
     }
 
@@ -339,6 +381,10 @@ impl Stateful for SceneState {
             tool.link.restore(source)?;
             source.floats(tool.proxy.coords.as_mut_slice())?;
             tool.energy_j = float(source)?;
+            tool.grip = GripState::default();
+            if tool.link.pose.buttons & GRAB != 0 {
+                tool.grip.restore(source)?;
+            }
         }
         for PairState { proxy } in &mut self.pairs {
             let flags = source.word()?;
@@ -352,16 +398,24 @@ impl Stateful for SceneState {
         if self.carried {
             self.frame.restore(source)?;
         }
-        let warm_len = source.word()?;
-        if warm_len > MAX_ROWS as u64 {
-            return Err(StateError::Value { what: "number of contact rows", value: warm_len });
+        let head = source.word()?;
+        let (warm_len, friction) = (head & u64::from(u32::MAX), head >> 32);
+        if warm_len > MAX_ROWS as u64 || friction > 1 {
+            return Err(StateError::Value { what: "number of contact rows", value: head });
         }
-        self.warm_len = warm_len as usize;
+        (self.warm_len, self.warm_friction) = (warm_len as usize, friction == 1);
         for row in &mut self.warm[..self.warm_len] {
+            *row = WarmRow::default();
             for part in &mut row.key {
                 *part = small(source.word()?, "contact row key")?;
             }
             row.force_n = float(source)?;
+            if self.warm_friction {
+                row.slips = source.word()? != 0;
+                source.floats(row.tangent_n.as_mut_slice())?;
+                (row.stick.u, row.stick.v) = (float(source)?, float(source)?);
+                source.floats(row.stick.offset.as_mut_slice())?;
+            }
         }
         Ok(())
     }

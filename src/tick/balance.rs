@@ -3,11 +3,17 @@
 //! Rows of one tool share the compliance of its coupling, rows on one body that of its surface:
 //! `D_ij = n_i · n_j ([same tool] / K' + Σ_sides ±± N_iᵀ W N_j)`, the sum over the sides of both rows on the same body,
 //! each with the sign with which its normal pushes it.
+//!
+//! With friction or grips, forces have three components and rows move each other by the bracket alone, without n_i · n_j.
 
+use super::stick;
 use crate::body::Deformable;
+use crate::contact::cones::{self, ConeShare};
+use crate::contact::friction::Law;
 use crate::contact::rows::Row;
 use crate::contact::sharing::{Share, share};
-use crate::scene::{BodyModel, Scene, SceneState, Scratch};
+use crate::math::Vector3;
+use crate::scene::{BodyModel, Scene, SceneState, Scratch, WarmRow};
 
 /// Enough for a corner of three planes: rows on rigid bodies are few.
 const RIGID_SWEEPS: usize = 50;
@@ -18,9 +24,11 @@ const LEAST_WEIGHT: f64 = 1e-3;
 pub(super) fn solve(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch) {
     let count = scratch.rows.rows.len();
     scratch.problem.begin(count);
+    scratch.friction.clear();
     if count == 0 {
         return;
     }
+    let whole = scratch.rows.rows.iter().any(|row| row.law != Law::Push { mu: 0.0 });
     for i in 0..count {
         let a = scratch.rows.rows[i];
         let Some(tool) = a.tool() else { continue };
@@ -28,7 +36,7 @@ pub(super) fn solve(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch
         for j in 0..count {
             let b = &scratch.rows.rows[j];
             if a.holder == b.holder {
-                scratch.problem.row_mut(i)[j] = compliance * a.normal.dot(&b.normal);
+                scratch.problem.row_mut(i)[j] = compliance * direction(&a, b, whole);
             }
         }
     }
@@ -36,8 +44,11 @@ pub(super) fn solve(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch
     for (b, body) in scene.bodies.iter().enumerate() {
         if let BodyModel::Lattice(model) = &body.model {
             sweeps = sweeps.max(model.sweeps);
-            add_body_compliance(b, &model.lattice, scratch);
+            add_body_compliance(b, &model.lattice, whole, scratch);
         }
+    }
+    if whole {
+        return solve_whole(scene, state, scratch, sweeps);
     }
     let mut warm = state.warm[..state.warm_len].iter().peekable();
     for (i, row) in scratch.rows.rows.iter().enumerate() {
@@ -50,6 +61,66 @@ pub(super) fn solve(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch
     for tool in 0..scene.tools.len() {
         share_among_rigid(scene, scratch, tool);
     }
+}
+
+/// Solves for forces of three components.
+fn solve_whole(scene: &Scene, state: &SceneState, scratch: &mut Scratch, sweeps: usize) {
+    let count = scratch.rows.rows.len();
+    scratch.sticks.clear();
+    let mut warm = state.warm[..state.warm_len].iter().peekable();
+    for i in 0..count {
+        let row = scratch.rows.rows[i];
+        // Both lists are ordered by key.
+        while warm.next_if(|old| old.key < row.key()).is_some() {}
+        let old = warm.next_if(|old| old.key == row.key());
+        let WarmRow { force_n, tangent_n, slips, .. } = old.copied().unwrap_or_default();
+        let (slip, stuck) = stick::slip(scene, scratch, &row, old);
+        scratch.sticks.push(stuck);
+        let (law, free) = match row.law {
+            Law::Push { mu } => {
+                let pair = scene.pairs[row.pair as usize].friction.filter(|_| slips);
+                let free = slip + row.normal * (row.gap_m - slip.dot(&row.normal));
+                (Law::Push { mu: pair.map_or(mu, |friction| friction.mu_kinetic) }, free)
+            }
+            grip => (grip, row.slip),
+        };
+        scratch.friction.push(&row.normal, &free, law, &(row.normal * force_n + tangent_n));
+    }
+    scratch.friction.solve(scratch.problem.matrix(), sweeps);
+    for tool in 0..scene.tools.len() {
+        share_whole_among_rigid(scene, scratch, tool);
+    }
+    for i in 0..count {
+        scratch.problem.set_force(i, scratch.friction.normal_n(i));
+    }
+}
+
+/// [`share_among_rigid`] with friction and grips. A grip counts as deep as its part of the force means to the coupling.
+fn share_whole_among_rigid(scene: &Scene, scratch: &mut Scratch, tool: usize) {
+    let Scratch { rows, friction, cones, .. } = scratch;
+    let compliance = scene.tools[tool].coupling.compliance_m_n();
+    cones.clear();
+    let total: Vector3 = rigid_rows(scene, &rows.rows, tool).map(|(i, _)| friction.force_n(i)).sum();
+    let count = rigid_rows(scene, &rows.rows, tool).count() as f64;
+    for (i, row) in rigid_rows(scene, &rows.rows, tool) {
+        let (law, force_n) = (friction.law(i), friction.force_n(i));
+        let weight_m = match law {
+            Law::Push { .. } => (-row.gap_m).max(0.0) + LEAST_WEIGHT * compliance * friction.normal_n(i),
+            Law::Grip { .. } => compliance * total.norm() / count,
+        };
+        cones.push(ConeShare { normal: row.normal, law, weight_m, force_n });
+    }
+    if cones.len() > 1 && cones::share(cones) {
+        for ((i, _), share) in rigid_rows(scene, &rows.rows, tool).zip(cones.iter()) {
+            friction.set_force(i, &share.force_n);
+        }
+    }
+}
+
+/// Rows of a tool on bodies that do not give way.
+fn rigid_rows<'a>(scene: &'a Scene, rows: &'a [Row], tool: usize) -> impl Iterator<Item = (usize, &'a Row)> {
+    let rigid = |row: &Row| matches!(scene.bodies[row.body as usize].model, BodyModel::Rigid);
+    rows.iter().enumerate().filter(move |(_, row)| row.tool() == Some(tool) && rigid(row))
 }
 
 /// Rows of a tool on bodies that do not give way share their force by depth; balance does not say how.
@@ -74,7 +145,7 @@ fn share_among_rigid(scene: &Scene, scratch: &mut Scratch, tool: usize) {
 }
 
 /// Adds what a body's surface gives way under its rows.
-fn add_body_compliance(body: usize, lattice: &Deformable, scratch: &mut Scratch) {
+fn add_body_compliance(body: usize, lattice: &Deformable, whole: bool, scratch: &mut Scratch) {
     let Scratch { rows, problem, response, involved, is_involved, .. } = scratch;
     involved.clear();
     for row in &rows.rows {
@@ -120,7 +191,7 @@ fn add_body_compliance(body: usize, lattice: &Deformable, scratch: &mut Scratch)
                     if j == i && l < k {
                         continue;
                     }
-                    let entry = sign_a * sign_b * direction(a, b) * moved_at(side_b);
+                    let entry = sign_a * sign_b * direction(a, b, whole) * moved_at(side_b);
                     problem.row_mut(i)[j] += entry;
                     if j > i || l > k {
                         problem.row_mut(j)[i] += entry;
@@ -134,6 +205,7 @@ fn add_body_compliance(body: usize, lattice: &Deformable, scratch: &mut Scratch)
     }
 }
 
-fn direction(a: &Row, b: &Row) -> f64 {
-    a.normal.dot(&b.normal)
+/// How much a force of one row moves another, in terms of what their places give way.
+fn direction(a: &Row, b: &Row, whole: bool) -> f64 {
+    if whole { 1.0 } else { a.normal.dot(&b.normal) }
 }

@@ -1,9 +1,11 @@
 //! What comes out of the contact solve: limited forces for the hands, loads for the bodies, reports for everybody.
 
 use super::record::{ContactReport, TickOutput};
+use super::{grip, stick};
+use crate::contact::friction::Law;
 use crate::contact::rows::{Holder, Row};
 use crate::haptics::{LinkPhase, limit};
-use crate::math::Vector3;
+use crate::math::{Point3, Vector3};
 use crate::scene::{BodyModel, Method, Scene, SceneState, Scratch, WarmRow, flags};
 
 /// Limits the forces, loads the bodies with their opposites, and writes what the tools get.
@@ -20,30 +22,41 @@ pub(super) fn emit(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch,
         }
         let ball = tool.shape.ball_radius_m().is_some();
         let (mut force, mut torque) = (Vector3::zeros(), Vector3::zeros());
-        for (row, &lambda) in scratch.rows.rows.iter().zip(forces).filter(|(row, _)| own(row)) {
-            let push = row.normal * lambda;
-            force += push;
-            if !ball {
-                torque += (row.point - scratch.rows.free[t]).cross(&push);
+        let free = scratch.rows.free[t];
+        if scratch.friction.is_active() {
+            (force, torque) = whole_wrench(scene, scratch, t);
+        } else {
+            for (row, &lambda) in scratch.rows.rows.iter().zip(forces).filter(|(row, _)| own(row)) {
+                let push = row.normal * lambda;
+                force += push;
+                if !ball {
+                    torque += (row.point - free).cross(&push);
+                }
             }
         }
         let (rendered, factor) = limit(force, torque, tool_state.link.limit_n);
-        let free = scratch.rows.free[t];
         let held = free + force * tool.coupling.compliance_m_n();
         // A saturated coupling lets the device in further than the balance knows: a ball then stays on the surface as it
         // stands; other shapes see at the next tick how far they are in.
         let guarded = ball && scene.pairs.iter().all(|pair| pair.tool() != Some(t) || pair.method == Method::Exact);
-        let whole = (factor == 1.0 || !guarded) && held.iter().all(|x| x.is_finite());
+        // A grip holds it where it is whatever the device bears.
+        let whole = (factor == 1.0 || !guarded || tool_state.grip.holds()) && held.iter().all(|x| x.is_finite());
         tool_state.proxy = if whole { held } else { scratch.rows.proxies[t] };
         let device = tool_state.link.pose.position;
         for (i, row) in scratch.rows.rows.iter().enumerate().filter(|(_, row)| own(row)) {
             let lambda = scratch.problem.forces()[i];
-            if lambda <= 0.0 {
+            let (carries, push) = if scratch.friction.is_active() {
+                let push = scratch.friction.force_n(i);
+                (push != Vector3::zeros(), push * factor)
+            } else {
+                (lambda > 0.0, row.normal * (lambda * factor))
+            };
+            if !carries {
                 continue;
             }
             out.contact_count += 1;
-            let depth_m = row.normal.dot(&(held - device)) - scratch.problem.gap_after(i);
-            let report = report(row, depth_m, row.normal * (lambda * factor));
+            let depth_m = row.normal.dot(&(held - device)) - scratch.gap_after(i);
+            let report = report(row, depth_m, push);
             if out.contact.is_none_or(|deepest| depth_m > deepest.depth_m) {
                 out.contact = Some(report);
             }
@@ -62,10 +75,31 @@ pub(super) fn emit(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch,
     for (i, row) in scratch.rows.rows.iter().enumerate().filter(|(_, row)| row.tool().is_none()) {
         let lambda = scratch.problem.forces()[i];
         if lambda > 0.0 {
-            output.contacts.push(report(row, -scratch.problem.gap_after(i), row.normal * lambda));
+            let push = if scratch.friction.is_active() { scratch.friction.force_n(i) } else { row.normal * lambda };
+            output.contacts.push(report(row, -scratch.gap_after(i), push));
         }
     }
+    for t in 0..scene.tools.len() {
+        grip::take(scene, state, scratch, t, &mut output.tools[t]);
+    }
     load_bodies(scene, state, scratch);
+}
+
+/// Force and torque on a tool when forces have three components. Drag on a ball turns it about its centre; what presses it
+/// does not.
+fn whole_wrench(scene: &Scene, scratch: &Scratch, t: usize) -> (Vector3, Vector3) {
+    let Scratch { rows, friction, .. } = scratch;
+    let own = || rows.rows.iter().enumerate().filter(|(_, row)| row.tool() == Some(t));
+    let force: Vector3 = own().map(|(i, _)| friction.force_n(i)).sum();
+    let ball = scene.tools[t].shape.ball_radius_m().is_some();
+    let held: Point3 = rows.free[t] + force * scene.tools[t].coupling.compliance_m_n();
+    let centre = if ball { held } else { rows.free[t] };
+    let turns = |i: usize, row: &Row| match row.law {
+        Law::Push { .. } if ball => friction.tangent_n(i),
+        _ => friction.force_n(i),
+    };
+    let torque = own().map(|(i, row)| (row.point - centre).cross(&turns(i, row))).sum();
+    (force, torque)
 }
 
 fn report(row: &Row, depth_m: f64, force_n: Vector3) -> ContactReport {
@@ -76,13 +110,24 @@ fn report(row: &Row, depth_m: f64, force_n: Vector3) -> ContactReport {
 /// ∓λ n N_i on the nodes of every row's sides, scaled as the hand's force was; and the warm start of the next tick.
 fn load_bodies(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch) {
     state.warm_len = 0;
-    let Scratch { bodies, rows, problem, .. } = scratch;
-    for (row, &lambda) in rows.rows.iter().zip(problem.forces()) {
-        if lambda == 0.0 || !lambda.is_finite() {
+    state.warm_friction = scratch.friction.is_active();
+    for i in 0..scratch.rows.rows.len() {
+        let lambda = scratch.problem.forces()[i];
+        let whole = scratch.friction.is_active().then(|| scratch.friction.force_n(i));
+        let idle = whole.map_or(lambda == 0.0, |push| push == Vector3::zeros());
+        if idle || !whole.map_or(lambda.is_finite(), |push| push.iter().all(|x| x.is_finite())) {
             continue;
         }
-        state.warm[state.warm_len] = WarmRow { key: row.key(), force_n: lambda };
+        let mut warm = WarmRow { key: scratch.rows.rows[i].key(), force_n: lambda, ..WarmRow::default() };
+        if whole.is_some() {
+            warm.tangent_n = scratch.friction.tangent_n(i);
+            warm.slips = scratch.friction.slips(i);
+            warm.stick = stick::kept(i, scratch);
+        }
+        state.warm[state.warm_len] = warm;
         state.warm_len += 1;
+        let Scratch { bodies, rows, .. } = scratch;
+        let row = &rows.rows[i];
         let factor = row.tool().map_or(1.0, |tool| rows.factors[tool]);
         let other = match row.holder {
             Holder::Body(other) if other != row.body => Some(other),
@@ -95,7 +140,10 @@ fn load_bodies(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch) {
                 continue;
             };
             for (sign, range) in row.sides_on(body as usize) {
-                let force = row.normal * (sign * lambda * factor);
+                let force = match whole {
+                    Some(push) => push * (sign * factor),
+                    None => row.normal * (sign * lambda * factor),
+                };
                 let (controls, weights) = rows.weights_in(range);
                 for (&control, &weight) in controls.iter().zip(weights) {
                     let node = model.lattice.coordinate_of_control(control as usize);

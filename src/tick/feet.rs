@@ -1,6 +1,7 @@
 //! From contacts to rows: which parties hold them, and how far free motion takes each.
 
 use crate::contact::Contact;
+use crate::contact::friction::Law;
 use crate::contact::rows::{DeformingView, FOOT, Grip, Row, RowSet, SampleInTouch};
 use crate::math::{Point3, Vector3};
 use crate::scene::{Body, BodyModel, BodyScratch, Pair};
@@ -37,6 +38,15 @@ pub(super) fn meet((a, b): &(Point3, Point3), low: &Point3, high: &Point3, margi
     (0..3).all(|c| low[c] <= b[c] + margin_m && high[c] >= a[c] - margin_m)
 }
 
+/// How far a tool goes within the tick, seen from where its contacts were looked for.
+#[derive(Clone, Copy)]
+pub(super) struct Way {
+    /// From there to where it is free to go, m.
+    pub carried: Vector3,
+    /// From where the last tick left it to there, m.
+    pub slipped: Vector3,
+}
+
 /// A row of a tool at contact `k` of its pair.
 pub(super) fn push_foot(
     rows: &mut RowSet,
@@ -45,10 +55,11 @@ pub(super) fn push_foot(
     k: usize,
     contact: &Contact,
     view: Option<&DeformingView<'_>>,
-    carried: Vector3,
+    way: Way,
     margin: f64,
 ) {
-    let row = row(p, pair, FOOT - k as u32, contact);
+    let row = Row { slip: way.slipped, ..row(p, pair, FOOT - k as u32, contact) };
+    let carried = way.carried;
     match view {
         Some(view) => {
             let windows = windows(view, contact.u, contact.v);
@@ -65,7 +76,7 @@ pub(super) fn push_sample(
     pair: &Pair,
     hit: &SampleInTouch,
     view: &DeformingView<'_>,
-    carried: Vector3,
+    way: Way,
     margin: f64,
 ) {
     let (u, v) = view.samples.parameter(hit.index);
@@ -79,8 +90,25 @@ pub(super) fn push_sample(
         depth_m: -hit.facing.gap_m,
         tool_uv: None,
     };
-    let row = row(p, pair, hit.index as u32, &contact);
-    rows.push(row, Grip::Deforming(view, wu, wv), Grip::Carried(carried), margin);
+    let row = Row { slip: way.slipped, ..row(p, pair, hit.index as u32, &contact) };
+    rows.push(row, Grip::Deforming(view, wu, wv), Grip::Carried(way.carried), margin);
+}
+
+/// A row that holds a point of a tool to a point of a body; `contact` says which, `away` leads from the body's to where the
+/// tool's is free to go.
+pub(super) fn push_anchor(
+    rows: &mut RowSet,
+    p: usize,
+    pair: &Pair,
+    sample: u32,
+    contact: &Contact,
+    view: Option<&DeformingView<'_>>,
+    away: Vector3,
+    limit_n: f64,
+) {
+    let row = Row { slip: away, law: Law::Grip { limit_n }, ..row(p, pair, sample, contact) };
+    let mine = view.map(|view| (view, windows(view, contact.u, contact.v)));
+    rows.push(row, grip_of(&mine), Grip::Fixed, f64::INFINITY);
 }
 
 /// A row between two bodies, `views[0]` of the pair's body and `views[1]` of its holder.
@@ -121,6 +149,8 @@ fn row(p: usize, pair: &Pair, sample: u32, contact: &Contact) -> Row {
         holder: pair.holder,
         normal: contact.normal,
         gap_m: -contact.depth_m,
+        slip: Vector3::zeros(),
+        law: Law::Push { mu: pair.friction.map_or(0.0, |friction| friction.mu) },
         point: contact.on_body,
         u: contact.u,
         v: contact.v,

@@ -9,7 +9,8 @@
 //! ```
 
 use super::between::{bodies, itself};
-use super::feet::{MAX_FEET, margin_m, meet, push_foot, push_sample, view};
+use super::feet::{MAX_FEET, Way, margin_m, meet, push_foot, push_sample, view};
+use super::{grip, stick};
 use crate::contact::proxy::BallContact;
 use crate::contact::rows::{Facing, Holder};
 use crate::contact::{Contact, Reach, distance_squared_to_box};
@@ -38,12 +39,17 @@ pub(super) fn gather(scene: &Scene, state: &mut SceneState, scratch: &mut Scratc
         scratch.rows.proxies[t] = free;
     }
     super::near::find(scene, state, scratch);
+    grip::update(scene, state, scratch);
     for (p, pair) in scene.pairs.iter().enumerate() {
+        scratch.rows.begin_pair();
+        if let Some(t) = pair.tool() {
+            grip::push_anchors(scene, state, scratch, p, t);
+        }
         if !scratch.near.is_near(p) {
             state.pairs[p].proxy.leave();
+            scratch.rows.end_pair();
             continue;
         }
-        scratch.rows.begin_pair();
         match pair.holder {
             Holder::Tool(t) => {
                 let t = t as usize;
@@ -69,6 +75,15 @@ fn ball(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch, p: usize, 
     let body = &scene.bodies[pair.body];
     let parts = &mut bodies[pair.body];
     let (free, margin) = (rows.free[t], margin_m(radius_m, body.size_m));
+    let last = state.tools[t].proxy;
+    let touched = state.pairs[p].proxy.touching;
+    let mut target = rows.proxies[t];
+    if state.tools[t].grip.holds() {
+        // Held where it is, not where the device pulls it.
+        target = last;
+    } else if touched && pair.friction.is_some() {
+        target = stick::ball_target(scene, state, &parts.surface, p, &last, &target, radius_m);
+    }
     let proxy = &mut state.pairs[p].proxy;
     let held = BallContact {
         surface: &parts.surface,
@@ -77,7 +92,7 @@ fn ball(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch, p: usize, 
         radius_m,
         two_sided: body.two_sided,
     }
-    .constrain(&state.tools[t].proxy, &rows.proxies[t], state.bodies[pair.body].moved_m, proxy);
+    .constrain(&last, &target, state.bodies[pair.body].moved_m, proxy);
     rows.proxies[t] = held.centre;
     if held.gap_m >= margin {
         return;
@@ -97,11 +112,11 @@ fn ball(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch, p: usize, 
         tool_uv: None,
     };
     let same = |contact: &&Contact| (contact.on_body - first.on_body).norm() > SAME * body.size_m;
-    let carried = free - held.centre;
+    let way = Way { carried: free - held.centre, slipped: slipped(touched, held.centre - last) };
     let feet = std::iter::once(&first).chain(set.contacts().iter().filter(same)).take(MAX_FEET);
     let view = view(body, parts);
     for (k, contact) in feet.enumerate() {
-        push_foot(rows, p, pair, k, contact, view.as_ref(), carried, margin);
+        push_foot(rows, p, pair, k, contact, view.as_ref(), way, margin);
     }
     if let Some(view) = view.filter(|_| radius_m > 0.0) {
         let (centre, within) = (held.centre, radius_m + margin);
@@ -114,7 +129,7 @@ fn ball(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch, p: usize, 
         };
         view.samples_in_touch(margin, meets, look, hits);
         for hit in hits.iter() {
-            push_sample(rows, p, pair, hit, &view, carried, margin);
+            push_sample(rows, p, pair, hit, &view, way, margin);
         }
     }
 }
@@ -128,10 +143,14 @@ fn shape(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch, p: usize,
     let (free, margin) = (rows.free[t], margin_m(0.0, body.size_m));
     let rotation = state.tools[t].link.pose.orientation;
     let pose_at = |place: Point3| Pose::from_parts(place.coords.into(), rotation);
+    let mu = stick::coefficient(scene, state, p);
+    let last = state.tools[t].proxy;
     let proxy = &mut state.pairs[p].proxy;
+    let touched = proxy.touching;
     let scratch_pair = &mut pairs[p];
+    let gripped = state.tools[t].grip.holds();
     // A half-space looks the same from everywhere: its contacts are those where it is going to be.
-    let mut anchor = if tool.shape.is_plane() { free } else { state.tools[t].proxy };
+    let mut anchor = if tool.shape.is_plane() && !gripped { free } else { last };
     if body.two_sided && !proxy.touching {
         proxy.below = parts.solver.closest(&parts.surface, &anchor).signed_distance < 0.0;
     }
@@ -147,9 +166,12 @@ fn shape(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch, p: usize,
         // Nothing is within reach: that far it may go.
         anchor += way * (0.99 * reach.margin_m / length);
     }
-    if matches!(body.model, BodyModel::Rigid) {
+    if matches!(body.model, BodyModel::Rigid) && !gripped {
         // Normals turn while the tool slides: look again from where these contacts let it go.
-        let slid = slide(scratch_pair.set.contacts(), free - anchor);
+        let mut slid = slide(scratch_pair.set.contacts(), free - anchor);
+        if touched && mu > 0.0 {
+            slid = stick::held_back(slid, free - anchor - slid, mu);
+        }
         if slid.norm() > SLID * body.size_m && !scratch_pair.set.contacts().is_empty() {
             anchor += slid;
             let margin_m = (free - anchor).norm().min(longest).max(margin);
@@ -159,10 +181,10 @@ fn shape(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch, p: usize,
     }
     let set = &scratch_pair.set;
     proxy.touching = set.contacts().iter().any(|contact| contact.depth_m > -margin);
-    let carried = free - anchor;
+    let way = Way { carried: free - anchor, slipped: slipped(touched, anchor - last) };
     let view = view(body, parts);
     for (k, contact) in set.contacts().iter().take(MAX_FEET).enumerate() {
-        push_foot(rows, p, pair, k, contact, view.as_ref(), carried, margin);
+        push_foot(rows, p, pair, k, contact, view.as_ref(), way, margin);
     }
     let Some(view) = view.filter(|_| !set.contacts().is_empty()) else { return };
     let pose = pose_at(anchor);
@@ -170,8 +192,13 @@ fn shape(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch, p: usize,
     let meets = |low: &Point3, high: &Point3| bounds.is_none_or(|bounds| meet(&bounds, low, high, margin));
     scratch_pair.samples_in_touch(&tool.shape, &pose, &view, margin, meets, hits);
     for hit in hits.iter() {
-        push_sample(rows, p, pair, hit, &view, carried, margin);
+        push_sample(rows, p, pair, hit, &view, way, margin);
     }
+}
+
+/// A tool that did not touch before begins to resist from where it comes to touch.
+fn slipped(touched: bool, way: Vector3) -> Vector3 {
+    if touched { way } else { Vector3::zeros() }
 }
 
 /// The part of a way that contacts allow: projected on their half-spaces, one after the other.

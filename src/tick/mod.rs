@@ -13,6 +13,7 @@ pub mod driver;
 mod emit;
 mod feet;
 mod gather;
+mod grip;
 pub mod journal;
 mod motion;
 mod near;
@@ -23,6 +24,7 @@ pub mod ports;
 pub mod record;
 pub mod stats;
 mod step;
+mod stick;
 #[cfg(feature = "daemon")]
 pub mod workers;
 

@@ -33,6 +33,16 @@ impl World {
         step(&self.scene, &mut self.state, &mut self.scratch, &input)
     }
 
+    /// One tick with every tool at a place, and its buttons.
+    pub fn all(&mut self, tools: &[([f64; 3], u32)]) -> TickOutput {
+        self.seq += 1;
+        let mut input = TickInput::default();
+        for (slot, &(position, buttons)) in input.poses.iter_mut().zip(tools) {
+            *slot = Some(DevicePose { buttons, ..pose(self.seq, position) });
+        }
+        step(&self.scene, &mut self.state, &mut self.scratch, &input)
+    }
+
     /// One tick without news.
     pub fn silent(&mut self) -> TickOutput {
         step(&self.scene, &mut self.state, &mut self.scratch, &TickInput::default())

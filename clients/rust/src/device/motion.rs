@@ -39,7 +39,7 @@ pub struct MotionFile {
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum MotionError {
     /// Not a motion we know.
-    #[error("{0:?} is no motion; there are press, slide, tap, circle, or a file with [[waypoint]] entries")]
+    #[error("{0:?} is no motion; there are press, slide, tap, circle, pull, or a file with [[waypoint]] entries")]
     Unknown(String),
     /// The scene has nothing to touch.
     #[error("the scene has no body {0:?} to aim at")]
@@ -83,6 +83,13 @@ pub enum Motion {
         /// m.
         depth_m: f64,
     },
+    /// In to a touch, grab, out by as much as a press goes in, let go, again.
+    Pull {
+        /// Where.
+        target: Target,
+        /// m.
+        depth_m: f64,
+    },
     /// Through given places.
     Waypoints(Vec<Waypoint>),
 }
@@ -110,6 +117,7 @@ impl Motion {
             "slide" => Ok(Self::Slide { target, depth_m }),
             "tap" => Ok(Self::Tap { target, depth_m }),
             "circle" => Ok(Self::Circle { target, depth_m }),
+            "pull" => Ok(Self::Pull { target, depth_m }),
             other => Err(MotionError::Unknown(other.to_owned())),
         }
     }
@@ -132,6 +140,14 @@ impl Motion {
         Ok(Self::Waypoints(points))
     }
 
+    /// What the hand holds down: bit 0 grabs.
+    pub fn buttons(&self, t: f64) -> u32 {
+        match self {
+            Self::Pull { .. } => u32::from((1.5..3.3).contains(&(t % 4.0))),
+            _ => 0,
+        }
+    }
+
     /// Where the hand wants to be, m.
     pub fn goal(&self, t: f64) -> [f64; 3] {
         match self {
@@ -140,6 +156,14 @@ impl Motion {
                 let cycle = t % 4.0;
                 let pressed = ramp((cycle - 0.5) / 1.0) - ramp((cycle - 2.5) / 1.0);
                 target.at(pressed, *depth_m, 0.0)
+            }
+            Self::Pull { target, depth_m } => {
+                let cycle = t % 4.0;
+                // Half as deep as a press, then out beyond the surface; free of it before the next cycle.
+                let touch = ramp((cycle - 0.3) / 0.9) * (target.clear_m + 0.5 * depth_m);
+                let pull = ramp((cycle - 1.7) / 1.0) * 1.5 * depth_m;
+                let leave = ramp((cycle - 3.3) / 0.6) * (target.clear_m - depth_m);
+                shift(target.point, target.outward, target.clear_m - touch + pull + leave)
             }
             Self::Tap { target, depth_m } => {
                 let cycle = t % 0.5;
@@ -228,6 +252,7 @@ mod tests {
             Motion::Slide { target, depth_m },
             Motion::Tap { target, depth_m },
             Motion::Circle { target, depth_m },
+            Motion::Pull { target, depth_m },
             Motion::Waypoints(vec![
                 Waypoint { time_s: 0.5, position: [0.0; 3] },
                 Waypoint { time_s: 1.0, position: [0.05, 0.0, 0.0] },

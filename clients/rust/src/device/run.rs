@@ -3,6 +3,7 @@
 use super::{Motion, SimulatedDevice};
 use crate::tool::now_ns;
 use crate::{ClientError, Tool};
+use palpate_proto::messages::ToolPose;
 use serde::{Deserialize, Serialize};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
@@ -64,7 +65,7 @@ pub fn run(
             let goal = motion.goal(device.time_s());
             device.step(goal, held, dt / SUBSTEPS as f64);
         }
-        let seq = tool.send(device.pose())?;
+        let seq = tool.send(ToolPose { buttons: motion.buttons(device.time_s()), ..device.pose() })?;
         report.poses += 1;
         let force = if tool.is_lockstep() {
             let force = tool.wait_force(seq, PATIENCE);
