@@ -149,7 +149,7 @@ impl Continuum {
     pub fn exact_forces(&self, places: &[Lane]) -> Vec<Vector3> {
         let mut residual = vec![[0.0; 4]; places.len()];
         for block in &self.blocks {
-            let free = Block { reach_pa: [f64::MAX; 4], reach_stretch: [f64::MAX; 4], ..block.clone() };
+            let free = Block { reach: [f64::MAX; 4], ..block.clone() };
             kernel::add_forces::<Baseline>(&free, places, &mut residual);
         }
         residual.iter().map(|r| Vector3::new(r[0], r[1], r[2])).collect()
@@ -238,8 +238,7 @@ fn block(nodes: &[Point3], cells: &[Cell], materials: &[Elastic]) -> Block {
         winding: [1.0; 4],
         bulk_pa: [0.0; 4],
         shear_pa: [0.0; 4],
-        reach_pa: [0.0; 4],
-        reach_stretch: [1.0; 4],
+        reach: [f64::MAX; 4],
     };
     for (k, (cell, elastic)) in cells.iter().zip(materials).enumerate() {
         let rest = RestCell::new(nodes, cell);
@@ -260,8 +259,8 @@ fn block(nodes: &[Point3], cells: &[Cell], materials: &[Elastic]) -> Block {
         block.winding[k] = rest.volume.signum();
         block.bulk_pa[k] = lame + 5.0 / 6.0 * shear;
         block.shear_pa[k] = shear;
-        block.reach_pa[k] = 2.0 * weight + 0.5 * shear;
-        block.reach_stretch[k] = 2.0 * weight / shear - 1.5;
+        // Twice the matrix is (3 λ' − μ / 2) times the Laplacian where the margin is one.
+        block.reach[k] = (2.0 * weight + 0.5 * shear) / block.bulk_pa[k];
     }
     block
 }
