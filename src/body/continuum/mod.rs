@@ -8,7 +8,7 @@
 //! finite forces that lead back.
 //!
 //! The step's constant matrix is a scalar Laplacian, [`Continuum::bounding_springs`]. It stays stable while it exceeds
-//! half of the tangent; where a cell is strained beyond that, the cell's bulk modulus is lowered for the tick and counted.
+//! half of the tangent; where a cell is strained beyond that, its pressure is lowered for the tick and counted.
 
 mod bound;
 mod hessian;
@@ -44,8 +44,7 @@ impl Elastic {
 /// Cells below this least scaled Jacobian are refused: their strains say little about the solid.
 pub const LEAST_SCALED_JACOBIAN: f64 = 0.2;
 
-/// Least share of a cell's volume at a Gauss point, over the mean share. A wedge has 0.42, a pyramid 0.13, a corner where
-/// three edges collapse 0.05.
+/// Least share of a cell's volume at a Gauss point, over the mean share. A wedge has 0.42, a pyramid 0.13.
 const LEAST_EVENNESS: f64 = 0.01;
 
 /// Why cells cannot carry a continuum energy.
@@ -89,7 +88,7 @@ pub enum ContinuumError {
 /// What a pass over the cells met.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Pass {
-    /// Cells whose bulk modulus was lowered because they are strained beyond what the step can follow.
+    /// Cells whose pressure was lowered because they are strained beyond what the step can follow.
     pub limited: u32,
 }
 
@@ -259,7 +258,7 @@ fn block(nodes: &[Point3], cells: &[Cell], materials: &[Elastic]) -> Block {
         block.winding[k] = rest.volume.signum();
         block.bulk_pa[k] = lame + 5.0 / 6.0 * shear;
         block.shear_pa[k] = shear;
-        // Twice the matrix is (3 λ' − μ / 2) times the Laplacian where the margin is one.
+        // At rest the tangent is at most 3 λ' − μ / 2 = 3 λ + 2 μ times the Laplacian; twice the matrix must reach it.
         block.reach[k] = (2.0 * weight + 0.5 * shear) / block.bulk_pa[k];
     }
     block
