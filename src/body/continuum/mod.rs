@@ -210,16 +210,17 @@ fn check(grid: &CellGrid, elastic: &[Elastic]) -> Result<(), ContinuumError> {
             return Err(ContinuumError::Material { cell, young_pa, poisson });
         }
     }
+    // Places that are no numbers make cells of no quality.
+    let known = |x: f64| if x.is_nan() { f64::NEG_INFINITY } else { x };
     let (mut count, mut worst, mut quality) = (0, 0, f64::INFINITY);
     for (k, cell) in grid.cells.iter().enumerate() {
         let rest = RestCell::new(&grid.nodes, cell);
-        let jacobian = rest::scaled_jacobian(&grid.nodes, cell, rest.volume).unwrap_or(1.0);
-        // `!(a > b)` so that cells of NaN are refused too.
-        let folded = !(rest.evenness > LEAST_EVENNESS);
-        if folded || !(jacobian >= LEAST_SCALED_JACOBIAN) {
+        let jacobian = known(rest::scaled_jacobian(&grid.nodes, cell, rest.volume).unwrap_or(1.0));
+        let evenness = known(rest.evenness);
+        if evenness <= LEAST_EVENNESS || jacobian < LEAST_SCALED_JACOBIAN {
             count += 1;
-            let value = if folded { jacobian.min(rest.evenness) } else { jacobian };
-            if !(value >= quality) {
+            let value = if evenness <= LEAST_EVENNESS { jacobian.min(evenness) } else { jacobian };
+            if value <= quality {
                 (worst, quality) = (k, value);
             }
         }
