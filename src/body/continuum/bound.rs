@@ -3,8 +3,8 @@
 use super::{Continuum, Elastic, RestCell};
 use std::collections::BTreeMap;
 
-/// How far above the least stable weight of rest the matrix is, so that strained cells can be followed too: without it a
-/// cell of ν = 0.3 would be held back from 2 % on, with it from about 12 % (in I_C).
+/// How far above the least stable weight of rest the matrix is, so that strained cells can be followed too: at ν = 0.3 a
+/// cell is held back once I_C is 15 % above that of rest.
 const MARGIN: f64 = 1.25;
 
 /// Weight of the Laplacian, Pa.

@@ -26,10 +26,8 @@ pub(super) struct Block {
     pub bulk_pa: Four,
     /// μ, Pa.
     pub shear_pa: Four,
-    /// What the matrix of the step can follow of the volumetric stiffness, Pa.
-    pub reach_pa: Four,
-    /// And of the stretch √I_C that the pressure −μ of rest acts on.
-    pub reach_stretch: Four,
+    /// How much of |cof F|² + |J̄ − 1| |∂²J| the matrix of the step can follow.
+    pub reach: Four,
 }
 
 type Triple<L> = [L; 3];
@@ -217,21 +215,20 @@ pub(super) fn add_forces<L: Lanes>(block: &Block, places: &[Lane], residual: &mu
 /// ∂Ψ/∂V = λ' (J̄ − 1) − μ, held back where its stiffness is more than the matrix of the step can follow.
 ///
 /// The stiffness is λ' (|cof F|² + |J̄ − 1| |∂²J|) in units of the Laplacian of rest, |cof F|² ≤ I_C² / 3 and
-/// |∂²J| ≤ 2 √(I_C / 3): λ' is lowered until that is within reach. At rest the sum is 3 λ'.
+/// |∂²J| ≤ 2 √(I_C / 3); at rest the sum is 3 λ'. Beyond reach the pressure is lowered by the square of the excess: the
+/// factor itself would do for the stiffness, but what is held back is no longer the gradient of an energy, and scrambled
+/// cells were pumped up by it. What is left draws such cells together until they can be followed again.
 #[inline(always)]
 fn pressure<L: Lanes>(block: &Block, volume: L, largest: L) -> (L, u8) {
     let one = L::splat(1.0);
     let grown = volume * L::load(&block.per_volume) - one;
     // The bounds are far out: they only turn what has overflowed into numbers.
-    let grown = grown.greatest(L::splat(-1e9)).least(L::splat(1e9));
-    let stretch = largest.sqrt();
+    let grown = grown.greatest(L::splat(-1e90)).least(L::splat(1e90));
     let squared = largest * largest * L::splat(1.0 / 3.0);
-    let bend = (grown * grown).sqrt() * stretch * L::splat(1.154_700_538_379_251_5);
-    let bulk = L::load(&block.bulk_pa);
-    let followed = (L::load(&block.reach_pa) / (squared + bend)).least(bulk);
-    let shear = L::load(&block.shear_pa);
-    let reach = L::load(&block.reach_stretch);
-    let eased = shear * (reach / stretch.greatest(reach));
-    let held = bulk.above(followed) | shear.above(eased);
-    ((followed * grown - eased) * L::load(&block.winding), held)
+    let bend = (grown * grown).sqrt() * largest.sqrt() * L::splat(1.154_700_538_379_251_5);
+    let reach = L::load(&block.reach);
+    let excess = (squared + bend).greatest(reach);
+    let followed = reach / excess;
+    let pressure = L::load(&block.bulk_pa) * grown - L::load(&block.shear_pa);
+    (pressure * followed * followed * L::load(&block.winding), excess.above(reach))
 }

@@ -8,7 +8,7 @@
 //! finite forces that lead back.
 //!
 //! The step's constant matrix is a scalar Laplacian, [`Continuum::bounding_springs`]. It stays stable while it exceeds
-//! half of the tangent; where a cell is strained beyond that, the cell's bulk modulus is lowered for the tick and counted.
+//! half of the tangent; where a cell is strained beyond that, its pressure is lowered for the tick and counted.
 
 mod bound;
 mod hessian;
@@ -44,8 +44,7 @@ impl Elastic {
 /// Cells below this least scaled Jacobian are refused: their strains say little about the solid.
 pub const LEAST_SCALED_JACOBIAN: f64 = 0.2;
 
-/// Least share of a cell's volume at a Gauss point, over the mean share. A wedge has 0.42, a pyramid 0.13, a corner where
-/// three edges collapse 0.05.
+/// Least share of a cell's volume at a Gauss point, over the mean share. A wedge has 0.42, a pyramid 0.13.
 const LEAST_EVENNESS: f64 = 0.01;
 
 /// Why cells cannot carry a continuum energy.
@@ -89,7 +88,7 @@ pub enum ContinuumError {
 /// What a pass over the cells met.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Pass {
-    /// Cells whose bulk modulus was lowered because they are strained beyond what the step can follow.
+    /// Cells whose pressure was lowered because they are strained beyond what the step can follow.
     pub limited: u32,
 }
 
@@ -149,7 +148,7 @@ impl Continuum {
     pub fn exact_forces(&self, places: &[Lane]) -> Vec<Vector3> {
         let mut residual = vec![[0.0; 4]; places.len()];
         for block in &self.blocks {
-            let free = Block { reach_pa: [f64::MAX; 4], reach_stretch: [f64::MAX; 4], ..block.clone() };
+            let free = Block { reach: [f64::MAX; 4], ..block.clone() };
             kernel::add_forces::<Baseline>(&free, places, &mut residual);
         }
         residual.iter().map(|r| Vector3::new(r[0], r[1], r[2])).collect()
@@ -211,16 +210,17 @@ fn check(grid: &CellGrid, elastic: &[Elastic]) -> Result<(), ContinuumError> {
             return Err(ContinuumError::Material { cell, young_pa, poisson });
         }
     }
+    // Places that are no numbers make cells of no quality.
+    let known = |x: f64| if x.is_nan() { f64::NEG_INFINITY } else { x };
     let (mut count, mut worst, mut quality) = (0, 0, f64::INFINITY);
     for (k, cell) in grid.cells.iter().enumerate() {
         let rest = RestCell::new(&grid.nodes, cell);
-        let jacobian = rest::scaled_jacobian(&grid.nodes, cell, rest.volume).unwrap_or(1.0);
-        // `!(a > b)` so that cells of NaN are refused too.
-        let folded = !(rest.evenness > LEAST_EVENNESS);
-        if folded || !(jacobian >= LEAST_SCALED_JACOBIAN) {
+        let jacobian = known(rest::scaled_jacobian(&grid.nodes, cell, rest.volume).unwrap_or(1.0));
+        let evenness = known(rest.evenness);
+        if evenness <= LEAST_EVENNESS || jacobian < LEAST_SCALED_JACOBIAN {
             count += 1;
-            let value = if folded { jacobian.min(rest.evenness) } else { jacobian };
-            if !(value >= quality) {
+            let value = if evenness <= LEAST_EVENNESS { jacobian.min(evenness) } else { jacobian };
+            if value <= quality {
                 (worst, quality) = (k, value);
             }
         }
@@ -238,8 +238,7 @@ fn block(nodes: &[Point3], cells: &[Cell], materials: &[Elastic]) -> Block {
         winding: [1.0; 4],
         bulk_pa: [0.0; 4],
         shear_pa: [0.0; 4],
-        reach_pa: [0.0; 4],
-        reach_stretch: [1.0; 4],
+        reach: [f64::MAX; 4],
     };
     for (k, (cell, elastic)) in cells.iter().zip(materials).enumerate() {
         let rest = RestCell::new(nodes, cell);
@@ -260,8 +259,8 @@ fn block(nodes: &[Point3], cells: &[Cell], materials: &[Elastic]) -> Block {
         block.winding[k] = rest.volume.signum();
         block.bulk_pa[k] = lame + 5.0 / 6.0 * shear;
         block.shear_pa[k] = shear;
-        block.reach_pa[k] = 2.0 * weight + 0.5 * shear;
-        block.reach_stretch[k] = 2.0 * weight / shear - 1.5;
+        // At rest the tangent is at most 3 λ' − μ / 2 = 3 λ + 2 μ times the Laplacian; twice the matrix must reach it.
+        block.reach[k] = (2.0 * weight + 0.5 * shear) / block.bulk_pa[k];
     }
     block
 }

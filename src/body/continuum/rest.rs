@@ -9,7 +9,7 @@ pub(super) const GAUSS: f64 = 0.577_350_269_189_625_8;
 /// +1 where corner or Gauss point `at` has all or an even number of the bits of `mode` missing, else −1: the sign of the
 /// monomial `mode` (4 ξ, 2 η, 1 ζ) there.
 pub(super) fn sign(mode: usize, at: usize) -> f64 {
-    if (mode & !at).count_ones() % 2 == 0 { 1.0 } else { -1.0 }
+    if (mode & !at).count_ones().is_multiple_of(2) { 1.0 } else { -1.0 }
 }
 
 /// Gradients and volumes of a cell at rest.

@@ -140,7 +140,7 @@ impl<'a> Reference<'a> {
         load_n: &dyn Fn(usize) -> Vector3,
     ) -> Result<(), ReferenceError> {
         const ROUNDS: usize = 60;
-        const DEPTH: f64 = 1e-7;
+        const DEPTH: f64 = 1e-6;
         state.newton_steps = 0;
         let mut depth_m = 0.0;
         for _ in 0..ROUNDS {
