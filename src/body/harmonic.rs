@@ -83,7 +83,7 @@ fn transform(sines: &[Sines; 3], counts: [usize; 3], values: &mut [Vector3]) {
         let n = counts[axis];
         let stride: usize = counts[axis + 1..].iter().product();
         let mut line = vec![Vector3::zeros(); n];
-        for start in (0..values.len()).filter(|start| start / stride % n == 0) {
+        for start in (0..values.len()).filter(|start| (start / stride).is_multiple_of(n)) {
             for (m, slot) in line.iter_mut().enumerate() {
                 let row = &sines[axis].matrix[m * n..(m + 1) * n];
                 let mut sum = Vector3::zeros();

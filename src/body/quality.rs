@@ -64,8 +64,7 @@ impl CellGrid {
                     (edges, sum, squares) = (edges + 1.0, sum + length, squares + length * length);
                 }
             }
-            // Not "<= 0": what is not a number is folded too.
-            let folded = self.gauss_determinants(cell).iter().any(|d| !(sense * d > 0.0));
+            let folded = self.gauss_determinants(cell).iter().any(|d| d.is_nan() || sense * d <= 0.0);
             quality.folded_cells += usize::from(folded);
             let least =
                 (0..8).filter_map(|corner| Some(sense * self.scaled_jacobian(cell, corner)?)).fold(1.0, f64::min);

@@ -58,7 +58,7 @@ pub fn som(surface: &Surface, counts: [usize; 3], settings: &SomSettings) -> Res
     }
     map.settle(&cloud, surface, &mut lattice);
     harmonic::fill(&mut lattice);
-    untangle::untangle(&mut lattice, surface);
+    untangle::mend(&mut lattice, surface, untangle::Aim::Volumes);
     lattice.unfolded()
 }
 
@@ -218,7 +218,7 @@ impl Map {
         for axis in 0..3 {
             let n = self.counts[axis];
             let stride: usize = self.counts[axis + 1..].iter().product();
-            for start in (0..self.field.len()).filter(|start| start / stride % n == 0) {
+            for start in (0..self.field.len()).filter(|start| (start / stride).is_multiple_of(n)) {
                 for k in 0..n {
                     self.line[k] = self.field[start + k * stride];
                 }

@@ -1,9 +1,10 @@
-//! Mends folded cells of a cube lattice by moving their nodes.
+//! Mends folded cells and flat corners of a cube lattice by moving their nodes.
 //!
 //! A node of a bad cell tries a few places: the mean of its neighbours and steps along the axes, or, when it rides on the
 //! surface, steps along the surface. It takes the one where the worst of its cells is best (Freitag & Ollivier-Gooch
 //! 1997, with fixed trial steps). Sweeps go on until no cell is bad, or no node moves.
 
+use super::cells::{Cell, CellGrid};
 use super::cube::{CubeLattice, node_at, place_of};
 use crate::math::{Point3, Vector3};
 use crate::surface::{ClosestSolver, Surface};
@@ -17,17 +18,48 @@ const BAD: f64 = 0.02;
 /// Trial steps, in mean lengths of the node's edges.
 const STEPS: [f64; 3] = [0.4, 0.15, 0.04];
 
-/// Moves nodes until every cell is positive at its Gauss points, if it can.
-pub(super) fn untangle(lattice: &mut CubeLattice, surface: &Surface) {
+/// A corner is bad when its scaled Jacobian is below this. At 0.05 some teardrops never get there, and every lattice
+/// takes all sweeps.
+const BAD_CORNER: f64 = 0.02;
+
+/// What is mended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Aim {
+    /// Jacobians at the Gauss points: no cell inside out.
+    Volumes,
+    /// Scaled Jacobians at the corners too.
+    Corners,
+}
+
+impl Aim {
+    /// What a move should make greater, m³ for volumes, a scaled Jacobian for corners (below −1 when the cell is folded).
+    fn measure(self, grid: &CellGrid, cell: &Cell) -> f64 {
+        let gauss = grid.gauss_determinants(cell).iter().copied().fold(f64::INFINITY, f64::min);
+        match self {
+            Self::Volumes => gauss,
+            Self::Corners if gauss > 0.0 => {
+                (0..8).filter_map(|corner| grid.scaled_jacobian(cell, corner)).fold(1.0, f64::min)
+            }
+            Self::Corners => -1.0 + gauss,
+        }
+    }
+
+    fn is_bad(self, grid: &CellGrid, cell: &Cell) -> bool {
+        let determinants = grid.gauss_determinants(cell);
+        let least = determinants.iter().copied().fold(f64::INFINITY, f64::min);
+        let greatest = determinants.iter().map(|d| d.abs()).fold(0.0, f64::max);
+        least <= BAD * greatest || (self == Self::Corners && self.measure(grid, cell) < BAD_CORNER)
+    }
+}
+
+/// Moves nodes until no cell is bad, if it can.
+pub(super) fn mend(lattice: &mut CubeLattice, surface: &Surface, aim: Aim) {
     let mut place_on_surface: Option<Sliding<'_>> = None;
     for _ in 0..MOST_SWEEPS {
         let mut touched = vec![false; lattice.grid.nodes.len()];
         let mut any = false;
         for cell in &lattice.grid.cells {
-            let determinants = lattice.grid.gauss_determinants(cell);
-            let least = determinants.iter().copied().fold(f64::INFINITY, f64::min);
-            let greatest = determinants.iter().map(|d| d.abs()).fold(0.0, f64::max);
-            if !(least > BAD * greatest) {
+            if aim.is_bad(&lattice.grid, cell) {
                 any = true;
                 cell.iter().for_each(|&node| touched[node as usize] = true);
             }
@@ -39,8 +71,8 @@ pub(super) fn untangle(lattice: &mut CubeLattice, surface: &Surface) {
         let mut moved = false;
         for node in (0..touched.len()).filter(|&node| touched[node]) {
             moved |= match sliding.exterior_of[node] {
-                Some(entry) => sliding.slide(lattice, entry as usize),
-                None => shift(lattice, node),
+                Some(entry) => sliding.slide(lattice, entry as usize, aim),
+                None => shift(lattice, node, aim),
             };
         }
         if !moved {
@@ -49,8 +81,8 @@ pub(super) fn untangle(lattice: &mut CubeLattice, surface: &Surface) {
     }
 }
 
-/// The worst determinant at a Gauss point of the cells around a node, m³.
-fn worst_around(lattice: &CubeLattice, node: usize) -> f64 {
+/// The worst measure of the cells around a node.
+fn worst_around(lattice: &CubeLattice, node: usize, aim: Aim) -> f64 {
     let place = place_of(lattice.counts, node);
     let steps = lattice.counts.map(|n| n - 1);
     let mut worst = f64::INFINITY;
@@ -59,7 +91,7 @@ fn worst_around(lattice: &CubeLattice, node: usize) -> f64 {
         if (0..3).all(|axis| place[axis] >= back[axis] && place[axis] - back[axis] < steps[axis]) {
             let [i, j, k] = std::array::from_fn(|axis| place[axis] - back[axis]);
             let cell = &lattice.grid.cells[(i * steps[1] + j) * steps[2] + k];
-            worst = lattice.grid.gauss_determinants(cell).iter().copied().fold(worst, f64::min);
+            worst = worst.min(aim.measure(&lattice.grid, cell));
         }
     }
     worst
@@ -86,10 +118,10 @@ fn neighbours(lattice: &CubeLattice, node: usize) -> (Point3, f64) {
 }
 
 /// Tries places for a free node; true when it found a better one.
-fn shift(lattice: &mut CubeLattice, node: usize) -> bool {
+fn shift(lattice: &mut CubeLattice, node: usize, aim: Aim) -> bool {
     let start = lattice.grid.nodes[node];
     let (mean, length) = neighbours(lattice, node);
-    let mut best = (worst_around(lattice, node), start);
+    let mut best = (worst_around(lattice, node, aim), start);
     let steps = STEPS.iter().flat_map(|step| (0..6).map(move |k| (step, k)));
     let trials = steps.map(|(step, k)| {
         let mut offset = Vector3::zeros();
@@ -98,7 +130,7 @@ fn shift(lattice: &mut CubeLattice, node: usize) -> bool {
     });
     for trial in [mean, nalgebra::center(&start, &mean)].into_iter().chain(trials) {
         lattice.grid.nodes[node] = trial;
-        let worst = worst_around(lattice, node);
+        let worst = worst_around(lattice, node, aim);
         if worst > best.0 {
             best = (worst, trial);
         }
@@ -125,7 +157,7 @@ impl<'a> Sliding<'a> {
     }
 
     /// Tries places on the surface for an exterior node; true when it found a better one.
-    fn slide(&self, lattice: &mut CubeLattice, entry: usize) -> bool {
+    fn slide(&self, lattice: &mut CubeLattice, entry: usize, aim: Aim) -> bool {
         let (node, [u, v]) = lattice.exterior[entry];
         let node = node as usize;
         let start = lattice.grid.nodes[node];
@@ -135,7 +167,7 @@ impl<'a> Sliding<'a> {
         let least = normal.iamin();
         let first = normal.cross(&Vector3::ith(least, 1.0));
         let second = normal.cross(&first);
-        let mut best = (worst_around(lattice, node), start, [u, v]);
+        let mut best = (worst_around(lattice, node, aim), start, [u, v]);
         let around = STEPS.iter().flat_map(|step| (0..8).map(move |k| (step, k)));
         let trials = around.map(|(step, k)| {
             let [a, b] =
@@ -147,7 +179,7 @@ impl<'a> Sliding<'a> {
             let Some(foot) = self.solver.local(self.surface, &trial, u, v) else { continue };
             let point = self.surface.point(foot.u, foot.v);
             lattice.grid.nodes[node] = point;
-            let worst = worst_around(lattice, node);
+            let worst = worst_around(lattice, node, aim);
             if worst > best.0 {
                 best = (worst, point, [foot.u, foot.v]);
             }
