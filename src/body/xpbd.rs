@@ -43,7 +43,8 @@ impl Xpbd {
             super::deformable::lanes(predicted, before);
             for &c in &body.coordinate_of_unknown {
                 let c = c as usize;
-                speed[c] += (forces[c] / body.masses[c] + field.at(&predicted[c], &speed[c])) * h;
+                let felt = field.at(&predicted[c], &speed[c]);
+                speed[c] += (forces[c] / body.masses[c] + felt) * h;
                 predicted[c] += speed[c] * h;
             }
             for (block, place, a, b, k) in body.law.springs.each() {

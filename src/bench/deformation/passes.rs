@@ -45,7 +45,7 @@ fn row(case: &str, method: &str, times: super::super::measure::Times, error: (f6
 
 /// A cube of 0.1 m, its lowest nodes fixed.
 fn cube(nodes: usize) -> Option<(CubeLattice, Vec<bool>)> {
-    let cube = CubeLattice::cuboid([nodes; 3], &Point3::origin(), &Point3::new(0.1, 0.1, 0.1)).ok()?;
+    let cube = CubeLattice::cuboid(&Point3::origin(), &Point3::new(0.1, 0.1, 0.1), [nodes; 3]).ok()?;
     let fixed = cube.grid.nodes.iter().map(|p| p.z <= 1e-9).collect();
     Some((cube, fixed))
 }
