@@ -5,6 +5,7 @@
 //! through the step moves each coordinate, in columns kept from the start.
 
 use super::cells::CellQuality;
+use super::columns;
 use super::continuum::ContinuumError;
 use super::explicit::Explicit;
 use super::implicit::Implicit;
@@ -317,18 +318,24 @@ impl Deformable {
     /// x' = x* + A⁻¹ Cᵀ λ, v = (x' − x) / dt.
     fn advance_on_compliance(&self, state: &mut DeformableState, scratch: &mut DeformableScratch) {
         let n = self.unknown_count();
-        scratch.rhs.fill(Vector3::zeros());
-        for &coordinate in &scratch.loaded {
-            let force = scratch.forces[coordinate as usize];
+        let column_of = |coordinate: u32| {
             let column = self.surface_index[coordinate as usize] as usize;
-            for (moved, w) in scratch.rhs.iter_mut().zip(&self.compliance[column * n..(column + 1) * n]) {
-                *moved += force * *w;
+            &self.compliance[column * n..(column + 1) * n]
+        };
+        scratch.lanes.fill([0.0; 4]);
+        for four in scratch.loaded.chunks(4) {
+            let mut columns: [&[f64]; 4] = [&[]; 4];
+            let mut forces = [[0.0; 4]; 4];
+            for (k, &coordinate) in four.iter().enumerate() {
+                let force = scratch.forces[coordinate as usize];
+                (columns[k], forces[k]) = (column_of(coordinate), [force.x, force.y, force.z, 0.0]);
             }
+            columns::add(columns, four.len(), &forces, &mut scratch.lanes);
         }
         let inverse_dt = 1.0 / self.settings.dt_s;
-        for (row, &coordinate) in self.coordinate_of_unknown.iter().enumerate() {
+        for (moved, &coordinate) in scratch.lanes.iter().zip(&self.coordinate_of_unknown) {
             let coordinate = coordinate as usize;
-            let position = scratch.predicted[coordinate] + scratch.rhs[row];
+            let position = scratch.predicted[coordinate] + Vector3::new(moved[0], moved[1], moved[2]);
             state.velocities[coordinate] = (position - state.positions[coordinate]) * inverse_dt;
             state.positions[coordinate] = position;
         }

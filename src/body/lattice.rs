@@ -17,6 +17,8 @@ pub enum Inside {
     Springs(SpringRule),
     /// Stable neo-Hookean solid.
     Continuum,
+    /// The same, for nodes that few smooth coordinates move.
+    SmoothContinuum,
 }
 
 /// A solid to be built.
@@ -65,10 +67,15 @@ impl<'a, M: Fn(usize) -> Material> Solid<'a, M> {
             Inside::Springs(rule) => {
                 Law::springs(&springs::from_cells(grid, |cell| material(cell).young_pa, rule), common.stiffening)
             }
-            Inside::Continuum => {
+            Inside::Continuum | Inside::SmoothContinuum => {
                 let elastic = |cell| Elastic { young_pa: material(cell).young_pa, poisson: material(cell).poisson };
                 let of_cells: Vec<Elastic> = (0..grid.cells.len()).map(elastic).collect();
-                Law::continuum(Continuum::new(grid, &of_cells)?)
+                // Smooth coordinates leave cells no motion without energy: one point a cell is enough.
+                let continuum = match inside {
+                    Inside::SmoothContinuum => Continuum::at_centres(grid, &of_cells),
+                    _ => Continuum::new(grid, &of_cells),
+                };
+                Law::continuum(continuum?)
             }
         };
         let quality = grid.quality();

@@ -9,6 +9,7 @@
 
 mod bends;
 mod cells;
+mod columns;
 pub mod continuum;
 mod cube;
 #[cfg(test)]

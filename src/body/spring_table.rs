@@ -20,6 +20,8 @@ pub(super) struct SpringTable {
 
 /// Springs looked through for one that shares no node with its block.
 const WINDOW: usize = 64;
+/// No stiffening.
+const PLAIN: Stiffening = Stiffening { strain: f64::INFINITY, ratio: 1.0, least_length: 0.0, least_length_ratio: 1.0 };
 /// Lengths below this count as this long: the force of a spring without length is then zero, not undefined.
 const LEAST_LENGTH: f64 = 1e-100;
 
@@ -86,31 +88,43 @@ impl SpringTable {
         self.add_forces_in::<Baseline>(rest, places, residual);
     }
 
+    // No closures here: what they call would not be compiled for the wider registers of the function around them.
     #[inline(always)]
     fn add_forces_in<L: Lanes>(&self, rest: &[Four], places: &[Lane], residual: &mut [Lane]) {
         match &self.stiffening {
-            None => self.run::<L>(rest, places, residual, |k, length, rest| k * (length - rest)),
-            Some(law) => {
-                let (far, near) = (L::splat(1.0 + law.strain.min(1e100)), L::splat(law.least_length));
-                let (more_far, more_near) = (L::splat(law.ratio - 1.0), L::splat(law.least_length_ratio - 1.0));
-                let zero = L::splat(0.0);
-                self.run::<L>(rest, places, residual, |k, length, rest| {
-                    let over = (length - rest * far).greatest(zero);
-                    let under = (length - rest * near).least(zero);
-                    k * (length - rest + over * more_far + under * more_near)
-                });
-            }
+            None => self.run::<L, false>(&PLAIN, rest, places, residual),
+            Some(law) => self.run::<L, true>(law, rest, places, residual),
         }
     }
 
     #[inline(always)]
-    fn run<L: Lanes>(&self, rest: &[Four], places: &[Lane], residual: &mut [Lane], tension: impl Fn(L, L, L) -> L) {
-        let blocks = self.a.iter().zip(&self.b).zip(&self.stiffness).zip(rest);
-        for (((a, b), k), rest) in blocks {
-            let d: [L; 4] = std::array::from_fn(|s| L::load(&places[b[s] as usize]) - L::load(&places[a[s] as usize]));
+    fn run<L: Lanes, const STIFFENING: bool>(
+        &self,
+        law: &Stiffening,
+        rest: &[Four],
+        places: &[Lane],
+        residual: &mut [Lane],
+    ) {
+        let (far, near) = (L::splat(1.0 + law.strain.min(1e100)), L::splat(law.least_length));
+        let (more_far, more_near) = (L::splat(law.ratio - 1.0), L::splat(law.least_length_ratio - 1.0));
+        let (zero, least) = (L::splat(0.0), L::splat(LEAST_LENGTH));
+        for (((a, b), k), rest) in self.a.iter().zip(&self.b).zip(&self.stiffness).zip(rest) {
+            let d = [
+                L::load(&places[b[0] as usize]) - L::load(&places[a[0] as usize]),
+                L::load(&places[b[1] as usize]) - L::load(&places[a[1] as usize]),
+                L::load(&places[b[2] as usize]) - L::load(&places[a[2] as usize]),
+                L::load(&places[b[3] as usize]) - L::load(&places[a[3] as usize]),
+            ];
             let [x, y, z, _] = L::transposed(d);
-            let length = (x * x + y * y + z * z).sqrt().greatest(L::splat(LEAST_LENGTH));
-            let pull = tension(L::load(k), length, L::load(rest)) / length;
+            let length = (x * x + y * y + z * z).sqrt().greatest(least);
+            let rest = L::load(rest);
+            let mut stretch = length - rest;
+            if STIFFENING {
+                let over = (length - rest * far).greatest(zero);
+                let under = (length - rest * near).least(zero);
+                stretch = stretch + over * more_far + under * more_near;
+            }
+            let pull = L::load(k) * stretch / length;
             let mut pulls = [0.0; 4];
             pull.store(&mut pulls);
             for s in 0..4 {

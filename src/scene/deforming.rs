@@ -183,7 +183,7 @@ fn net(
         coordinate_of_control,
         fixed,
         enclosed_volume_m3: volume,
-        inside: Inside::Continuum,
+        inside: Inside::SmoothContinuum,
         material: |cell: usize| of_cell[cell],
     };
     solid.build(&common, settings).map_err(|e| deformable_error(path, &e))

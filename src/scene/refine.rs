@@ -5,13 +5,15 @@
 
 use super::build::{SceneError, error};
 use super::layout::{Layout, distinct, layout};
-use super::spec::{BodySpec, BuilderSpec, RefineAuto, RefineSpec, SceneSpec, ShapeSpec};
+use super::spec::{BodySpec, BuilderSpec, ModelSpec, RefineAuto, RefineSpec, SceneSpec, ShapeSpec};
 use crate::basis::KnotVector;
 use crate::math::Point3;
 use crate::surface::{ClosestSolver, Closing, Direction, Surface, SurfaceError};
 
 /// Most nodes `refine = "auto"` makes: a tick with more does not fit a millisecond on one core.
 const NODE_BUDGET: usize = 1_900;
+/// The same for the coordinates of a net, whose matrix is nearly full.
+const NET_BUDGET: usize = 460;
 
 /// Spans at the place a tool starts from are this much finer than far away. Chosen between 1 (on the teardrop a 10 mm ball
 /// pressed 1 mm meets 56 % too much force) and 6 (the spans far away grow so long that the body as a whole stiffens).
@@ -111,13 +113,14 @@ fn auto_counts(scene: &SceneSpec, spec: &BodySpec, surface: &Surface) -> [usize;
         Some(_) => u * v * spec.lattice.layers + u,
         None => u * v * spec.lattice.layers.max(2),
     };
+    let budget = if spec.model == ModelSpec::Net { NET_BUDGET } else { NODE_BUDGET };
     let mut counts = now;
     loop {
         let spacing = [length_u / counts[0] as f64, length_v / counts[1] as f64];
         let coarser = usize::from(spacing[1] > spacing[0]);
         let mut next = counts;
         next[coarser] += 1;
-        if spacing[coarser] * 3.0 <= width || nodes(next[0], next[1]) > NODE_BUDGET {
+        if spacing[coarser] * 3.0 <= width || nodes(next[0], next[1]) > budget {
             return counts;
         }
         counts = next;

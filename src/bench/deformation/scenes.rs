@@ -64,7 +64,7 @@ impl BoxCase {
     pub(super) fn text(&self) -> String {
         let Self { model, method, nodes, cells, scale, dt_s, iterations, substeps, .. } = self;
         let rate = (1.0 / dt_s).round();
-        let (per_span, layers) = (cells.div_ceil(nodes - 3), cells);
+        let (per_span, layers) = (cells.div_ceil(nodes - 2), cells);
         format!(
             r#"
 [loop]
@@ -90,10 +90,10 @@ device = {{ force_max_n = 1e9, ramp_s = 0.0 }}
     }
 }
 
-/// A bicubic square of 0.1 m whose control points are evenly spaced, so that cells below them are cubes.
+/// A biquadratic square of 0.1 m whose control points are evenly spaced, so that cells below them are cubes.
 fn flat_surface(nodes: usize) -> String {
     let knots: Vec<String> =
-        (0..nodes + 4).map(|k| format!("{:?}", (k.clamp(3, nodes) - 3) as f64 / (nodes - 3) as f64)).collect();
+        (0..nodes + 3).map(|k| format!("{:?}", (k.clamp(2, nodes) - 2) as f64 / (nodes - 2) as f64)).collect();
     let at = |k: usize| 0.1 * k as f64 / (nodes - 1) as f64 - 0.05;
     let row = |i: usize| {
         let points: Vec<String> = (0..nodes).map(|j| format!("[{:?}, {:?}, 0.0]", at(i), at(j))).collect();
@@ -102,7 +102,7 @@ fn flat_surface(nodes: usize) -> String {
     let rows: Vec<String> = (0..nodes).map(row).collect();
     let knots = format!("[{}]", knots.join(", "));
     format!(
-        "{{ format = \"palpate.surface.v1\", degree = [3, 3], periodic = [false, false], knots = [{knots}, {knots}], \
+        "{{ format = \"palpate.surface.v1\", degree = [2, 2], periodic = [false, false], knots = [{knots}, {knots}], \
          points = [{}] }}",
         rows.join(", ")
     )

@@ -38,22 +38,22 @@ fn plus<L: Lanes>(a: Triple<L>, b: Triple<L>) -> Triple<L> {
 }
 
 #[inline(always)]
-fn minus<L: Lanes>(a: Triple<L>, b: Triple<L>) -> Triple<L> {
+pub(super) fn minus<L: Lanes>(a: Triple<L>, b: Triple<L>) -> Triple<L> {
     [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
 }
 
 #[inline(always)]
-fn times<L: Lanes>(a: Triple<L>, factor: L) -> Triple<L> {
+pub(super) fn times<L: Lanes>(a: Triple<L>, factor: L) -> Triple<L> {
     [a[0] * factor, a[1] * factor, a[2] * factor]
 }
 
 #[inline(always)]
-fn dot<L: Lanes>(a: Triple<L>, b: Triple<L>) -> L {
+pub(super) fn dot<L: Lanes>(a: Triple<L>, b: Triple<L>) -> L {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
 #[inline(always)]
-fn cross<L: Lanes>(a: Triple<L>, b: Triple<L>) -> Triple<L> {
+pub(super) fn cross<L: Lanes>(a: Triple<L>, b: Triple<L>) -> Triple<L> {
     [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
@@ -219,7 +219,7 @@ pub(super) fn add_forces<L: Lanes>(block: &Block, places: &[Lane], residual: &mu
 /// factor itself would do for the stiffness, but what is held back is no longer the gradient of an energy, and scrambled
 /// cells were pumped up by it. What is left draws such cells together until they can be followed again.
 #[inline(always)]
-fn pressure<L: Lanes>(block: &Block, volume: L, largest: L) -> (L, u8) {
+pub(super) fn pressure<L: Lanes>(block: &Block, volume: L, largest: L) -> (L, u8) {
     let one = L::splat(1.0);
     let grown = volume * L::load(&block.per_volume) - one;
     // The bounds are far out: they only turn what has overflowed into numbers.
