@@ -93,7 +93,10 @@ impl World {
         body.map_or(String::new(), |body| {
             let energy = self.state.bodies[0].lattice.as_ref().map_or(0.0, |state| body.energy_j(state));
             let (_, passes) = body.integration();
-            format!("{} free coordinates, {passes} passes a step, {:.4} mJ", body.unknown_count(), energy * 1e3)
+            let deforming = self.scratch.bodies[0].deforming.as_ref();
+            let held = deforming.map_or(0, |deforming| body.limited(&deforming.lattice));
+            let held = if held > 0 { format!(", {held} cells held back") } else { String::new() };
+            format!("{} free coordinates, {passes} passes a step, {:.4} mJ{held}", body.unknown_count(), energy * 1e3)
         })
     }
 }
