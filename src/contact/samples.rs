@@ -15,12 +15,14 @@ pub struct SampleGrid {
 struct Direction {
     per_span: usize,
     count: usize,
+    /// The last sample is followed by the first.
+    wraps: bool,
     parameters: Vec<f64>,
     windows: Vec<BasisWindow>,
 }
 
 impl Direction {
-    fn new(knots: &KnotVector, per_span: usize) -> Self {
+    fn new(knots: &KnotVector, per_span: usize, wraps: bool) -> Self {
         let mut parameters = Vec::new();
         for span in knots.spans() {
             let (a, b) = (knots.knots()[span], knots.knots()[span + 1]);
@@ -28,11 +30,23 @@ impl Direction {
             parameters.extend((0..per_span).map(|k| a + (b - a) * (k as f64 + 0.5) / per_span as f64));
         }
         let windows = parameters.iter().map(|&u| knots.window(u)).collect();
-        Self { per_span, count: knots.count(), parameters, windows }
+        Self { per_span, count: knots.count(), wraps, parameters, windows }
     }
 
     fn patches(&self) -> usize {
         self.parameters.len() / self.per_span
+    }
+
+    /// The samples before and after a parameter.
+    fn beside(&self, x: f64) -> Option<[usize; 2]> {
+        let after = self.parameters.partition_point(|&parameter| parameter <= x);
+        match (after, self.parameters.len()) {
+            (0, len) if self.wraps => Some([len - 1, 0]),
+            (after, len) if after == len && self.wraps => Some([len - 1, 0]),
+            (0, _) => None,
+            (after, len) if after == len => None,
+            (after, _) => Some([after - 1, after]),
+        }
     }
 }
 
@@ -82,7 +96,18 @@ impl Weights {
 impl SampleGrid {
     /// `per_span²` samples in every patch.
     pub fn new(surface: &Surface, per_span: usize) -> Self {
-        Self { u: Direction::new(surface.knots_u(), per_span), v: Direction::new(surface.knots_v(), per_span) }
+        let topology = surface.topology();
+        Self {
+            u: Direction::new(surface.knots_u(), per_span, topology.wraps(0)),
+            v: Direction::new(surface.knots_v(), per_span, topology.wraps(1)),
+        }
+    }
+
+    /// The four samples around a place; `None` where it lies outside of them all, beside an edge or a pole.
+    pub fn around(&self, u: f64, v: f64) -> Option<[usize; 4]> {
+        let ([u0, u1], [v0, v1]) = (self.u.beside(u)?, self.v.beside(v)?);
+        let columns = self.v.parameters.len();
+        Some([u0 * columns + v0, u0 * columns + v1, u1 * columns + v0, u1 * columns + v1])
     }
 
     /// All samples.

@@ -47,6 +47,7 @@ pub(super) fn solve(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch
             add_body_compliance(b, &model.lattice, whole, scratch);
         }
     }
+    super::cover::ease_feet(scene, scratch);
     if whole {
         return solve_whole(scene, state, scratch, sweeps);
     }

@@ -8,6 +8,7 @@
 mod admit;
 mod balance;
 mod between;
+mod cover;
 #[cfg(feature = "daemon")]
 pub mod driver;
 mod emit;
