@@ -16,8 +16,12 @@ pub const MAX_ROWS: usize = 192;
 pub const MAX_TOOLS: usize = 8;
 /// Most rows of one pair.
 pub const MAX_ROWS_PER_PAIR: usize = 96;
-/// `sample` of the row at the first contact of a pair; the next ones count down from it.
+/// Most samples of one pair: the rest is for feet.
+pub const MAX_SAMPLES_PER_PAIR: usize = MAX_ROWS_PER_PAIR - 16;
+/// `sample` of the row at the first contact of a pair; others count down from it.
 pub const FOOT: u32 = u32::MAX;
+/// Least `sample` of a foot.
+pub const LEAST_FOOT: u32 = FOOT - (1 << 28);
 /// `sample` of the first anchor of a grip; the next ones count down from it.
 pub const ANCHOR: u32 = u32::MAX - 64;
 /// Samples of the holding body count up from here.
@@ -167,6 +171,11 @@ impl RowSet {
         self.rows[self.pair_start..].sort_unstable_by_key(|row| row.sample);
     }
 
+    /// Rows of the present pair so far, in the order in which they came.
+    pub fn of_pair(&self) -> &[Row] {
+        &self.rows[self.pair_start..]
+    }
+
     /// True when the present pair may not have more rows.
     fn full(&self) -> bool {
         self.rows.len() == MAX_ROWS || self.rows.len() - self.pair_start == MAX_ROWS_PER_PAIR
@@ -245,7 +254,7 @@ pub struct SampleInTouch {
 }
 
 impl DeformingView<'_> {
-    /// Samples nearer than `margin_m` to another party, at most [`MAX_ROWS_PER_PAIR`]. `meets` says whether a box is worth
+    /// Samples nearer than `margin_m` to another party, at most [`MAX_SAMPLES_PER_PAIR`]. `meets` says whether a box is worth
     /// a look, `look` what a point of the surface sees of the other party.
     pub fn samples_in_touch(
         &self,
@@ -268,7 +277,7 @@ impl DeformingView<'_> {
                 let point = self.surface.point_in(wu, wv);
                 let Some(facing) = look(&point) else { continue };
                 if facing.gap_m < margin_m && faces(self.surface, wu, wv, &facing.normal) {
-                    if out.len() == MAX_ROWS_PER_PAIR {
+                    if out.len() == MAX_SAMPLES_PER_PAIR {
                         return;
                     }
                     out.push(SampleInTouch { index, point, facing });

@@ -10,7 +10,7 @@ use crate::contact::cones::ConeShare;
 use crate::contact::friction::{FrictionProblem, Stick};
 use crate::contact::grip::{GRAB, GripState};
 use crate::contact::proxy::ProxyState;
-use crate::contact::rows::{MAX_ROWS, MAX_ROWS_PER_PAIR, RowSet, SampleInTouch};
+use crate::contact::rows::{LEAST_FOOT, MAX_ROWS, MAX_ROWS_PER_PAIR, RowSet, SampleInTouch};
 use crate::contact::sharing::Share;
 use crate::contact::spheres::Counters;
 use crate::haptics::Link;
@@ -106,6 +106,8 @@ pub struct PairState {
 pub struct WarmRow {
     /// Pair and sample.
     pub key: [u32; 2],
+    /// Where it is on the body; kept for feet, which have no sample to say so.
+    pub uv: [f64; 2],
     /// Along the normal, N.
     pub force_n: f64,
     /// Across it, N.
@@ -345,6 +347,9 @@ impl Stateful for SceneState {
         for row in &self.warm[..self.warm_len] {
             row.key.iter().for_each(|&part| sink.word(u64::from(part)));
             sink.floats(&[row.force_n]);
+            if row.key[1] >= LEAST_FOOT {
+                sink.floats(&row.uv);
+            }
             if self.warm_friction {
                 sink.word(u64::from(row.slips));
                 sink.floats(row.tangent_n.as_slice());
@@ -410,6 +415,9 @@ impl Stateful for SceneState {
                 *part = small(source.word()?, "contact row key")?;
             }
             row.force_n = float(source)?;
+            if row.key[1] >= LEAST_FOOT {
+                source.floats(&mut row.uv)?;
+            }
             if self.warm_friction {
                 row.slips = source.word()? != 0;
                 source.floats(row.tangent_n.as_mut_slice())?;

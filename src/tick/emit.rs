@@ -118,7 +118,8 @@ fn load_bodies(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch) {
         if idle || !whole.map_or(lambda.is_finite(), |push| push.iter().all(|x| x.is_finite())) {
             continue;
         }
-        let mut warm = WarmRow { key: scratch.rows.rows[i].key(), force_n: lambda, ..WarmRow::default() };
+        let Row { u, v, .. } = scratch.rows.rows[i];
+        let mut warm = WarmRow { key: scratch.rows.rows[i].key(), uv: [u, v], force_n: lambda, ..WarmRow::default() };
         if whole.is_some() {
             warm.tangent_n = scratch.friction.tangent_n(i);
             warm.slips = scratch.friction.slips(i);

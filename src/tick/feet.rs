@@ -2,7 +2,7 @@
 
 use crate::contact::Contact;
 use crate::contact::friction::Law;
-use crate::contact::rows::{DeformingView, FOOT, Grip, Row, RowSet, SampleInTouch};
+use crate::contact::rows::{DeformingView, Grip, Row, RowSet, SampleInTouch};
 use crate::math::{Point3, Vector3};
 use crate::scene::{Body, BodyModel, BodyScratch, Pair};
 
@@ -47,18 +47,18 @@ pub(super) struct Way {
     pub slipped: Vector3,
 }
 
-/// A row of a tool at contact `k` of its pair.
+/// A row of a tool at a contact of its pair, named by [`super::cover::foot_name`].
 pub(super) fn push_foot(
     rows: &mut RowSet,
     p: usize,
     pair: &Pair,
-    k: usize,
+    sample: u32,
     contact: &Contact,
     view: Option<&DeformingView<'_>>,
     way: Way,
     margin: f64,
 ) {
-    let row = Row { slip: way.slipped, ..row(p, pair, FOOT - k as u32, contact) };
+    let row = Row { slip: way.slipped, ..row(p, pair, sample, contact) };
     let carried = way.carried;
     match view {
         Some(view) => {

@@ -9,14 +9,15 @@
 //! ```
 
 use super::between::{bodies, itself};
+use super::cover::{UNPLACED, foot_name};
 use super::feet::{MAX_FEET, Way, margin_m, meet, push_foot, push_sample, view};
 use super::{grip, stick};
 use crate::contact::proxy::BallContact;
-use crate::contact::rows::{Facing, Holder};
+use crate::contact::rows::{DeformingView, FOOT, Facing, Holder, LEAST_FOOT, RowSet};
 use crate::contact::{Contact, Reach, distance_squared_to_box};
 use crate::haptics::LinkPhase;
 use crate::math::{Point3, Pose, Rotation, Vector3};
-use crate::scene::{BodyModel, Method, Scene, SceneState, Scratch};
+use crate::scene::{BodyModel, Method, Pair, Scene, SceneState, Scratch, WarmRow};
 
 /// Most steps of an anchor through empty space in one tick.
 const STRIDES: usize = 64;
@@ -113,11 +114,8 @@ fn ball(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch, p: usize, 
     };
     let same = |contact: &&Contact| (contact.on_body - first.on_body).norm() > SAME * body.size_m;
     let way = Way { carried: free - held.centre, slipped: slipped(touched, held.centre - last) };
-    let feet = std::iter::once(&first).chain(set.contacts().iter().filter(same)).take(MAX_FEET);
+    let feet = std::iter::once(&first).chain(set.contacts().iter().filter(same));
     let view = view(body, parts);
-    for (k, contact) in feet.enumerate() {
-        push_foot(rows, p, pair, k, contact, view.as_ref(), way, margin);
-    }
     if let Some(view) = view.filter(|_| radius_m > 0.0) {
         let (centre, within) = (held.centre, radius_m + margin);
         let meets = |low: &Point3, high: &Point3| distance_squared_to_box(&centre, low, high) <= within * within;
@@ -130,6 +128,45 @@ fn ball(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch, p: usize, 
         view.samples_in_touch(margin, meets, look, hits);
         for hit in hits.iter() {
             push_sample(rows, p, pair, hit, &view, way, margin);
+        }
+    }
+    push_feet(rows, p, pair, feet, view.as_ref(), way, margin);
+    let Some(view) = view.as_ref().filter(|_| radius_m > 0.0) else { return };
+    // Feet that carried in the last tick.
+    let placed = LEAST_FOOT..=FOOT - UNPLACED;
+    let carried = |row: &&WarmRow| row.key[0] as usize == p && placed.contains(&row.key[1]) && row.force_n > 0.0;
+    for warm in state.warm[..state.warm_len].iter().filter(carried) {
+        let [u, v] = warm.uv;
+        let point = parts.surface.point(u, v);
+        let away = held.centre - point;
+        let distance = away.norm();
+        if !(distance > 0.0) {
+            continue;
+        }
+        let (normal, gap) = (away / distance, distance - radius_m);
+        let on_tool = point + normal * gap;
+        let contact = Contact { u, v, on_body: point, on_tool, normal, depth_m: -gap, tool_uv: None };
+        push_feet(rows, p, pair, std::iter::once(&contact), Some(view), way, margin);
+    }
+}
+
+/// Rows of the contacts that samples, whose rows are there already, do not hold.
+fn push_feet<'a>(
+    rows: &mut RowSet,
+    p: usize,
+    pair: &Pair,
+    feet: impl Iterator<Item = &'a Contact>,
+    view: Option<&DeformingView<'_>>,
+    way: Way,
+    margin: f64,
+) {
+    let mut kept = 0;
+    for (k, contact) in feet.enumerate() {
+        let Some(name) = foot_name(rows, p, k, contact, view, margin) else { continue };
+        push_foot(rows, p, pair, name, contact, view, way, margin);
+        kept += 1;
+        if kept == MAX_FEET {
+            return;
         }
     }
 }
@@ -183,17 +220,16 @@ fn shape(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch, p: usize,
     proxy.touching = set.contacts().iter().any(|contact| contact.depth_m > -margin);
     let way = Way { carried: free - anchor, slipped: slipped(touched, anchor - last) };
     let view = view(body, parts);
-    for (k, contact) in set.contacts().iter().take(MAX_FEET).enumerate() {
-        push_foot(rows, p, pair, k, contact, view.as_ref(), way, margin);
+    if let Some(view) = view.filter(|_| !set.contacts().is_empty()) {
+        let pose = pose_at(anchor);
+        let bounds = tool.shape.bounds(&pose);
+        let meets = |low: &Point3, high: &Point3| bounds.is_none_or(|bounds| meet(&bounds, low, high, margin));
+        scratch_pair.samples_in_touch(&tool.shape, &pose, &view, margin, meets, hits);
+        for hit in hits.iter() {
+            push_sample(rows, p, pair, hit, &view, way, margin);
+        }
     }
-    let Some(view) = view.filter(|_| !set.contacts().is_empty()) else { return };
-    let pose = pose_at(anchor);
-    let bounds = tool.shape.bounds(&pose);
-    let meets = |low: &Point3, high: &Point3| bounds.is_none_or(|bounds| meet(&bounds, low, high, margin));
-    scratch_pair.samples_in_touch(&tool.shape, &pose, &view, margin, meets, hits);
-    for hit in hits.iter() {
-        push_sample(rows, p, pair, hit, &view, way, margin);
-    }
+    push_feet(rows, p, pair, scratch_pair.set.contacts().iter(), view.as_ref(), way, margin);
 }
 
 /// A tool that did not touch before begins to resist from where it comes to touch.
