@@ -36,7 +36,7 @@ pub fn deformation(effort: Effort, only: Option<&str>, out: &mut dyn FnMut(Row))
             out(indent::box_row(&case, effort));
         }
     }
-    peers::rows(effort, &wanted, out);
+    peers::rows(effort, effort == Effort::Quick && only.is_none(), &wanted, out);
     for case in TeardropCase::all() {
         if wanted(&case.name) {
             out(indent::teardrop_row(&case, effort));

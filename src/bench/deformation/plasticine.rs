@@ -1,12 +1,12 @@
 //! A block of plasticine pressed by a given force, then left alone: the thesis' figures 5.9 (force) and 5.10 (stiffness).
 //!
-//! A ball of 10 mm on a block of 0.1 × 0.1 × 0.06 m, its bottom fixed. The limit of the device's force makes a press of
-//! constant force; a grip pulls with the same.
+//! A ball of 10 mm on a block of 0.1 × 0.1 × 0.06 m, its bottom fixed, pressed in or pulled out by its grip.
 
 use super::indent::{World, failed};
 use super::scenes::plasticine_text;
 use super::svg::{Chart, Curve, Scale};
 use super::{Effort, Row};
+use crate::contact::grip::GRAB;
 use crate::math::Point3;
 use std::fmt::Write;
 
@@ -14,8 +14,9 @@ use std::fmt::Write;
 const YOUNG_PA: f64 = 13e6;
 /// Force of the sweep over stiffnesses, N.
 const FORCE_N: f64 = 30.0;
-/// Button that grabs.
-const GRAB: u32 = 1;
+
+/// Force over displacement of the thesis' plasticine under this ball, about, N/m.
+const PRESS_N_M: f64 = 255e3;
 
 /// What a force did to the block.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -33,13 +34,17 @@ pub struct Sweep {
 }
 
 /// The cases and their forces and stiffnesses.
-fn cases() -> Vec<(String, bool, f64, f64)> {
+fn cases(effort: Effort) -> Vec<(String, bool, f64, f64)> {
     let mut cases = Vec::new();
+    let (forces, stiffnesses): (&[u32], &[u32]) = match effort {
+        Effort::Quick => (&[10, 30, 60], &[3, 13, 30]),
+        Effort::Full => (&[10, 20, 30, 40, 50, 60], &[3, 5, 8, 13, 20, 30]),
+    };
     for (pulled, way) in [(true, "pull"), (false, "press")] {
-        for force in [10, 20, 30, 40, 50, 60] {
+        for &force in forces {
             cases.push((format!("plasticine/force/{force}/{way}"), pulled, f64::from(force), YOUNG_PA));
         }
-        for mega in [3, 5, 8, 13, 20, 30] {
+        for &mega in stiffnesses {
             let name = format!("plasticine/stiffness/{mega}/{way}");
             cases.push((name, pulled, FORCE_N, f64::from(mega) * 1e6));
         }
@@ -49,7 +54,7 @@ fn cases() -> Vec<(String, bool, f64, f64)> {
 
 pub(super) fn rows(effort: Effort, wanted: &dyn Fn(&str) -> bool, out: &mut dyn FnMut(Row)) -> Vec<Sweep> {
     let mut sweeps = Vec::new();
-    for (case, pulled, force_n, young_pa) in cases().into_iter().filter(|(case, ..)| wanted(case)) {
+    for (case, pulled, force_n, young_pa) in cases(effort).into_iter().filter(|(case, ..)| wanted(case)) {
         match swept(&case, pulled, force_n, young_pa, effort) {
             Ok((row, sweep)) => {
                 out(row);
@@ -62,20 +67,22 @@ pub(super) fn rows(effort: Effort, wanted: &dyn Fn(&str) -> bool, out: &mut dyn 
 }
 
 fn swept(case: &str, pulled: bool, force_n: f64, young_pa: f64, effort: Effort) -> Result<(Row, Sweep), String> {
-    let mut world = World::new(&plasticine_text(young_pa, force_n))?;
+    let mut world = World::new(&plasticine_text(young_pa))?;
     let held = if effort == Effort::Quick { 400 } else { 1_500 };
-    let button = if pulled { GRAB } else { 0 };
+    let (button, along) = if pulled { (GRAB, 1.0) } else { (0, -1.0) };
     // A touch first, so light that nothing flows; a grip takes hold in it.
-    let touch = 0.01 - 1e-5;
+    let mut z = 0.01 - 1e-5;
     for _ in 0..20 {
-        world.pressing([0.0, 0.0, touch], button);
+        world.pressing([0.0, 0.0, z], button);
     }
-    let (goal, mut force) = (if pulled { 0.03 } else { -0.01 }, 0.0);
-    for k in 0..=held {
-        let z = touch + (goal - touch) * (f64::from(k) / 100.0).min(1.0);
-        force = world.pressing([0.0, 0.0, z], button).tools[0].force_n.z.abs();
+    // A hand that keeps the force: each tick it makes up for a fiftieth of what is missing, by the block's stiffness
+    // under this ball.
+    let gain_m_n = 0.02 / (PRESS_N_M * young_pa / YOUNG_PA);
+    let mut force = 0.0;
+    for _ in 0..held {
+        force = -along * world.pressing([0.0, 0.0, z], button).tools[0].force_n.z;
+        z += along * gain_m_n * (force_n - force);
     }
-    let along = if pulled { 1.0 } else { -1.0 };
     let loaded_m = along * middle(&world);
     for _ in 0..held.min(1_000) {
         world.pressing([0.0, 0.0, 0.05], 0);

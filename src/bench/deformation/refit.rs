@@ -28,12 +28,12 @@ pub(super) struct Refit {
     /// At rest.
     pub surface: Surface,
     scratch: DeformableScratch,
-    /// (exterior nodes).
+    /// (exterior nodes) of the cube.
     nodes: Vec<usize>,
     at_rest: Vec<Point3>,
     /// None: contact at the nodes.
     fit: Option<Fit>,
-    /// Last (predicted) places of the exterior nodes, and nearest depth of each.
+    /// Where the exterior nodes would be without contact.
     places: Vec<Point3>,
 }
 
@@ -207,7 +207,7 @@ impl Refit {
         best
     }
 
-    /// Forces that keep every contact's place out of the ball, by Gauss-Seidel: N.
+    /// Forces that keep every contact's place out of the ball, N.
     fn solve(&self, contacts: &[Contact]) -> Vec<f64> {
         let n = contacts.len();
         let mut effects = vec![0.0; n * n];
@@ -223,13 +223,17 @@ impl Refit {
                 effects[s * n + r] = moved * there.push.dot(&here.push);
             }
         }
-        let mut forces = vec![0.0; n];
+        // All rows at once, so that nodes share what is deepest between them; row by row the first node would take all, as
+        // one force moves a smooth surface everywhere near.
+        let (mut forces, mut gaps) = (vec![0.0_f64; n], vec![0.0; n]);
         for _ in 0..SWEEPS {
-            for s in 0..n {
-                let own = effects[s * n + s];
-                let gap_m = contacts[s].gap_m + (0..n).map(|r| effects[s * n + r] * forces[r]).sum::<f64>();
-                if own > 0.0 {
-                    forces[s] = (forces[s] - gap_m / own).max(0.0);
+            for (s, gap_m) in gaps.iter_mut().enumerate() {
+                *gap_m = contacts[s].gap_m + (0..n).map(|r| effects[s * n + r] * forces[r]).sum::<f64>();
+            }
+            for (s, gap_m) in gaps.iter().enumerate() {
+                let all: f64 = effects[s * n..(s + 1) * n].iter().map(|effect| effect.abs()).sum();
+                if effects[s * n + s] > 0.0 {
+                    forces[s] = (forces[s] - gap_m / all).max(0.0);
                 }
             }
         }

@@ -208,8 +208,8 @@ device = {{ force_max_n = 1e9, ramp_s = 0.0 }}
     }
 }
 
-/// A block of plasticine below the plane z = 0, under a ball whose force is limited.
-pub(super) fn plasticine_text(young_pa: f64, force_n: f64) -> String {
+/// A block of plasticine below the plane z = 0, under a ball with a strong grip.
+pub(super) fn plasticine_text(young_pa: f64) -> String {
     format!(
         r#"
 [loop]
@@ -227,9 +227,41 @@ id = "ball"
 shape = {{ sphere = {{ radius_m = 0.01 }} }}
 pose = {{ position = [0.0, 0.0, 0.02] }}
 coupling = {{ stiffness_n_m = 1e6, damping_n_s_m = 0.0 }}
-device = {{ force_max_n = {force_n:?}, ramp_s = 0.0 }}
+device = {{ force_max_n = 1e4, ramp_s = 0.0 }}
 grip = {{ force_max_n = 1e4 }}
 "#,
         surface = flat_surface(12),
     )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::file;
+    use std::path::Path;
+
+    #[test]
+    fn every_scene_of_the_suite_is_one_and_the_cases_people_ask_for_are_there() {
+        let mut scenes: Vec<(String, String)> = BoxCase::all().iter().map(|c| (c.name.clone(), c.text())).collect();
+        scenes.extend(TeardropCase::all().iter().map(|c| (c.name.clone(), c.text(1_000))));
+        scenes.push(("plasticine".to_owned(), plasticine_text(13e6)));
+        for (name, text) in &scenes {
+            let parsed = file::parse(text, "bench.toml", Path::new("."));
+            assert!(parsed.is_ok(), "{name}: {:?}", parsed.err().map(|e| e.to_string()));
+        }
+        for part in [
+            "indent/12/lattice/implicit/x1000",
+            "indent/12/continuum",
+            "indent/12/net",
+            "indent/30/net",
+            "indent/teardrop/lattice",
+            "indent/teardrop/continuum",
+            "indent/teardrop/net",
+        ] {
+            assert!(scenes.iter().any(|(name, _)| name.contains(part)), "no case is called {part}");
+        }
+        let mut names: Vec<&String> = scenes.iter().map(|(name, _)| name).collect();
+        names.sort();
+        assert!(names.windows(2).all(|pair| pair[0] != pair[1]), "{names:?}");
+    }
 }
