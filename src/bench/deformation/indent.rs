@@ -170,7 +170,9 @@ fn slowly(touch: f64, effort: Effort, mut held: impl FnMut(f64) -> f64) -> [f64;
         let mut force = 0.0;
         for _ in 0..bursts {
             let before: f64 = force;
-            force = (0..100).map(|_| held(x)).last().unwrap_or(0.0);
+            for _ in 0..100 {
+                force = held(x);
+            }
             if (force - before).abs() <= share * force.abs() {
                 break;
             }
