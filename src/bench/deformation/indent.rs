@@ -62,22 +62,10 @@ impl World {
         output
     }
 
-    /// Force on the tool after it has been held until the force settles (to 1e-5, or for two seconds; quick: to 1e-4, or
-    /// for one).
-    fn settle(&mut self, position: [f64; 3], effort: Effort) -> Vector3 {
-        let (bursts, share) = patience(effort);
-        let (dt_s, mut force) = (self.scene.dt_s, Vector3::zeros());
-        let burst = (0.1 / dt_s).ceil() as usize;
-        for _ in 0..bursts {
-            let before = force;
-            for _ in 0..burst {
-                force = self.at(position).tools[0].force_n;
-            }
-            if (force - before).norm() <= share * force.norm() {
-                break;
-            }
-        }
-        force
+    /// Force on the tool held there until it is at rest.
+    fn settle(&mut self, position: [f64; 3], effort: Effort) -> Held {
+        let dt_s = self.scene.dt_s;
+        settled(dt_s, effort, || self.at(position).tools[0].force_n.z)
     }
 
     pub(super) fn row(&self, case: &str, method: &str, error: f64, note: String) -> Row {
@@ -98,9 +86,33 @@ impl World {
     }
 }
 
-/// Bursts of 0.1 s to wait for rest, and the change of force in one that counts as rest.
-fn patience(effort: Effort) -> (usize, f64) {
-    if effort == Effort::Quick { (10, 1e-4) } else { (20, 1e-5) }
+/// A force that is held.
+#[derive(Clone, Copy, Default)]
+struct Held {
+    /// Mean over the last 0.1 s, N.
+    force_n: f64,
+    /// Greatest less least in that time, N.
+    ripple_n: f64,
+}
+
+/// The force of a tick, held until its mean over 0.1 s changes by less than 1e-5 from one to the next, or for two seconds;
+/// quick: 1e-4, or one second.
+fn settled(dt_s: f64, effort: Effort, mut tick: impl FnMut() -> f64) -> Held {
+    let (bursts, share) = if effort == Effort::Quick { (10, 1e-4) } else { (20, 1e-5) };
+    let ticks = (0.1 / dt_s).ceil().max(1.0) as usize;
+    let mut held = Held::default();
+    for _ in 0..bursts {
+        let (mut sum, mut least, mut most) = (0.0, f64::INFINITY, f64::NEG_INFINITY);
+        for _ in 0..ticks {
+            let force = tick();
+            (sum, least, most) = (sum + force, force.min(least), force.max(most));
+        }
+        let before = std::mem::replace(&mut held, Held { force_n: sum / ticks as f64, ripple_n: most - least });
+        if (held.force_n - before.force_n).abs() <= share * held.force_n.abs() {
+            break;
+        }
+    }
+    held
 }
 
 /// A row with a relative error of a force.
@@ -138,11 +150,12 @@ pub(super) fn box_row(case: &BoxCase, effort: Effort) -> Row {
     for k in 0..=ticks {
         world.at([0.0, 0.0, 0.03 - 0.01 * k as f64 / ticks as f64]);
     }
-    let force = world.settle([0.0, 0.0, 0.02], effort).z;
+    let Held { force_n: force, ripple_n } = world.settle([0.0, 0.0, 0.02], effort);
     let base = world.scene.lattice(0).zip(world.state.bodies[0].lattice.as_ref());
     let base = base.map_or(0.0, |(body, state)| body.base_reaction_n(state).z.abs());
     let error = force / case.scale / BOX_REFERENCE_N - 1.0;
-    let note = format!("F/scale {:.4} N, base {:.4} N, {}", force / case.scale, base / case.scale, world.counts());
+    let [unscaled, ripple, base] = [force, ripple_n, base].map(|force_n| force_n / case.scale);
+    let note = format!("F/scale {unscaled:.4} N, ripple {ripple:.4} N, base {base:.4} N, {}", world.counts());
     world.row(&case.group, &method, error, note)
 }
 
@@ -158,26 +171,16 @@ fn first_touch(surface: &Surface) -> f64 {
     high
 }
 
-/// Forces at rest at 1 ... 4 mm beyond `touch`, reached slowly; `held` is one tick at x and gives the force.
-fn slowly(touch: f64, effort: Effort, mut held: impl FnMut(f64) -> f64) -> [f64; 4] {
-    let ((bursts, share), mut x) = (patience(effort), touch + 1e-3);
+/// Forces at rest at 1 ... 4 mm beyond `touch`, reached slowly; `tick` is one of 1 ms at x and gives the force.
+fn slowly(touch: f64, effort: Effort, mut tick: impl FnMut(f64) -> f64) -> [f64; 4] {
+    let mut x = touch + 1e-3;
     [1.0, 2.0, 3.0, 4.0].map(|millimetres| {
         let goal = touch - 1e-3 * millimetres;
         while x > goal {
             x = (x - 4e-5).max(goal);
-            held(x);
+            tick(x);
         }
-        let mut force = 0.0;
-        for _ in 0..bursts {
-            let before: f64 = force;
-            for _ in 0..100 {
-                force = held(x);
-            }
-            if (force - before).abs() <= share * force.abs() {
-                break;
-            }
-        }
-        force
+        settled(1e-3, effort, || tick(x)).force_n
     })
 }
 
