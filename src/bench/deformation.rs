@@ -1,13 +1,20 @@
-//! The deformation suite: forces of pressed bodies and what a step costs, for all models, methods, grids and stiffnesses.
+//! The deformation suite: forces of pressed bodies and what a step costs, for all models, methods, grids and stiffnesses, and
+//! for other engines.
 //!
 //! The box of other engines' comparisons (0.1 m, bottom fixed, a ball of 30 mm pressed 10 mm deep into the middle of its
-//! top) and the teardrop (a ball of 10 mm from the side), both at E = 20 kPa against a converged neo-Hookean solid.
+//! top) and the teardrop (a ball of 10 mm from the side), both at E = 20 kPa against a converged neo-Hookean solid. A block
+//! of plasticine under forces and at stiffnesses as in the thesis' figures 5.9 and 5.10.
 
 mod indent;
 mod passes;
+mod peers;
+mod plasticine;
+mod refit;
 mod scenes;
+mod svg;
 
-pub use super::contact::picture as pareto;
+pub use plasticine::{Sweep, plasticine_picture, plasticine_table};
+pub use svg::pareto;
 
 use super::{Effort, Row};
 use scenes::{BoxCase, TeardropCase};
@@ -17,17 +24,31 @@ const BOX_REFERENCE_N: f64 = 5.25;
 /// Forces of the teardrop's, N, at 1, 2, 3 and 4 mm.
 const TEARDROP_REFERENCE_N: [f64; 4] = [0.0450, 0.1045, 0.1720, 0.2461];
 
-/// Runs the suite; `only` keeps the cases whose names contain it. Each row is handed out as soon as it is measured.
-pub fn deformation(effort: Effort, only: Option<&str>, out: &mut dyn FnMut(Row)) {
+/// Runs the suite; `only` keeps the cases whose names contain it. Each row is handed out as soon as it is measured. Gives
+/// what the plasticine did.
+pub fn deformation(effort: Effort, only: Option<&str>, out: &mut dyn FnMut(Row)) -> Vec<Sweep> {
     let wanted = |case: &str| only.is_none_or(|part| case.contains(part));
-    for case in BoxCase::all(effort) {
-        if wanted(&case.name) {
-            out(indent::box_row(&case));
+    // Long cases run when there is time, or when they are asked for.
+    let in_time = |long: bool| !long || effort == Effort::Full || only.is_some();
+    for case in BoxCase::all() {
+        let beside = format!("{}/{}/{}", case.group, case.model, case.method);
+        if (wanted(&case.name) || wanted(&beside)) && in_time(case.long) {
+            out(indent::box_row(&case, effort));
         }
     }
+    peers::rows(effort, effort == Effort::Quick && only.is_none(), &wanted, out);
     for case in TeardropCase::all() {
         if wanted(&case.name) {
-            out(indent::teardrop_row(&case));
+            out(indent::teardrop_row(&case, effort));
+        }
+    }
+    for (case, net) in [
+        ("indent/teardrop/free", None),
+        ("indent/teardrop/refit", Some([8, 8])),
+        ("indent/teardrop/refit/13x13", Some([13, 13])),
+    ] {
+        if wanted(case) {
+            out(indent::refit_row(case, net, effort));
         }
     }
     for model in ["lattice", "net"] {
@@ -37,4 +58,5 @@ pub fn deformation(effort: Effort, only: Option<&str>, out: &mut dyn FnMut(Row))
         }
     }
     passes::rows(effort, &wanted, out);
+    plasticine::rows(effort, &wanted, out)
 }

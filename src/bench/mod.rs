@@ -13,7 +13,7 @@ mod surface;
 mod table;
 
 pub use contact::{contact, picture};
-pub use deformation::{deformation, pareto};
+pub use deformation::{Sweep, deformation, pareto, plasticine_picture, plasticine_table};
 pub use surface::surface;
 pub use table::table;
 

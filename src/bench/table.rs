@@ -3,11 +3,17 @@
 use super::Row;
 use std::fmt::Write;
 
-/// All rows, a case at a time.
+/// All rows, a case at a time, in the order in which cases first come.
 pub fn table(rows: &[Row]) -> String {
     let mut text = String::new();
     let mut case = "";
+    let mut cases: Vec<&str> = Vec::new();
     for row in rows {
+        if !cases.contains(&row.case.as_str()) {
+            cases.push(&row.case);
+        }
+    }
+    for row in cases.iter().flat_map(|case| rows.iter().filter(move |row| row.case == *case)) {
         if row.case != case {
             case = &row.case;
             let _ = writeln!(text, "{case}");

@@ -1,7 +1,9 @@
 //! `palpate bench`: times of our methods beside other libraries', in the same run and each with its error.
 
 use super::Outcome;
-use crate::bench::{Effort, Row, contact, deformation, pareto, picture, surface, table};
+use crate::bench::{
+    Effort, Row, contact, deformation, pareto, picture, plasticine_picture, plasticine_table, surface, table,
+};
 use anyhow::Context;
 use std::io::Write;
 
@@ -16,13 +18,18 @@ pub struct Args {
 enum Suite {
     /// Closest points, grids, fits and bounds of B-spline surfaces.
     Surface(Options),
-    /// Forces of pressed bodies and what a step costs, for all models, methods, grids and stiffnesses.
+    /// Forces of pressed bodies and what a step costs, for all models, methods, grids and stiffnesses, and for other engines.
+    ///
+    /// MuJoCo and PyBullet run too when PALPATE_PYTHON names a Python that can import them.
     Deformation {
         #[command(flatten)]
         options: Options,
-        /// Writes a picture of time against error here, as SVG.
+        /// Writes a picture of time against force error here, as SVG.
         #[arg(long)]
         svg: Option<std::path::PathBuf>,
+        /// Writes the displacements of plasticine over force and stiffness here, as SVG.
+        #[arg(long)]
+        plasticine_svg: Option<std::path::PathBuf>,
     },
     /// Contacts of points, balls, planes, solids, meshes and surfaces with a body.
     Contact {
@@ -50,7 +57,7 @@ struct Options {
 pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     let (options, svg) = match &args.suite {
         Suite::Surface(options) => (options, None),
-        Suite::Contact { options, svg } | Suite::Deformation { options, svg } => (options, svg.as_deref()),
+        Suite::Contact { options, svg } | Suite::Deformation { options, svg, .. } => (options, svg.as_deref()),
     };
     let effort = if options.quick { Effort::Quick } else { Effort::Full };
     let mut rows: Vec<Row> = Vec::new();
@@ -65,20 +72,28 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
         }
         rows.push(row);
     };
+    let only = options.only.as_deref();
+    let mut sweeps = Vec::new();
     match &args.suite {
-        Suite::Surface(_) => surface(effort, options.only.as_deref(), &mut take),
-        Suite::Contact { .. } => contact(effort, options.only.as_deref(), &mut take),
-        Suite::Deformation { .. } => deformation(effort, options.only.as_deref(), &mut take),
+        Suite::Surface(_) => surface(effort, only, &mut take),
+        Suite::Contact { .. } => contact(effort, only, &mut take),
+        Suite::Deformation { .. } => sweeps = deformation(effort, only, &mut take),
     }
     if let Some(error) = failed {
         return Err(error);
     }
     if !options.json {
-        print!("{}", table(&rows));
+        print!("{}{}", table(&rows), plasticine_table(&sweeps));
     }
+    let write = |path: &std::path::Path, drawn: String| {
+        std::fs::write(path, drawn).with_context(|| format!("cannot write {}", path.display()))
+    };
     if let Some(path) = svg {
-        let drawn = if matches!(&args.suite, Suite::Deformation { .. }) { pareto(&rows) } else { picture(&rows) };
-        std::fs::write(path, drawn).with_context(|| format!("cannot write {}", path.display()))?;
+        let deforming = matches!(&args.suite, Suite::Deformation { .. });
+        write(path, if deforming { pareto(&rows) } else { picture(&rows) })?;
+    }
+    if let Suite::Deformation { plasticine_svg: Some(path), .. } = &args.suite {
+        write(path, plasticine_picture(&sweeps))?;
     }
     Ok(Outcome::Ok)
 }

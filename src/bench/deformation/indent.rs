@@ -1,11 +1,12 @@
 //! Pressing a body with a ball that a rigid hand holds.
 
+use super::refit::Refit;
 use super::scenes::{BoxCase, TeardropCase};
 use super::{BOX_REFERENCE_N, Effort, Row, TEARDROP_REFERENCE_N};
 use crate::haptics::DevicePose;
 use crate::math::{Point3, Rotation, Vector3};
 use crate::scene::{Scene, SceneState, Scratch, file};
-use crate::surface::ClosestSolver;
+use crate::surface::{ClosestSolver, Surface};
 use crate::tick::record::{TickInput, TickOutput};
 use crate::tick::step;
 use std::path::Path;
@@ -19,6 +20,9 @@ pub(super) struct World {
     seq: u64,
     /// Time of each tick so far, s.
     pub ticks_s: Vec<f64>,
+    /// Done by the tools on the bodies, J.
+    work_j: f64,
+    last: Option<[f64; 3]>,
 }
 
 impl World {
@@ -27,10 +31,15 @@ impl World {
         let scene = Scene::build(&loaded.spec, Path::new(".")).map_err(|e| e.to_string())?;
         let state = scene.initial_state();
         let scratch = scene.scratch(&state);
-        Ok(Self { scene, state, scratch, seq: 0, ticks_s: Vec::new() })
+        Ok(Self { scene, state, scratch, seq: 0, ticks_s: Vec::new(), work_j: 0.0, last: None })
     }
 
     pub(super) fn at(&mut self, position: [f64; 3]) -> TickOutput {
+        self.pressing(position, 0)
+    }
+
+    /// One tick with the device there and these buttons down.
+    pub(super) fn pressing(&mut self, position: [f64; 3], buttons: u32) -> TickOutput {
         self.seq += 1;
         let mut input = TickInput::default();
         input.poses[0] = Some(DevicePose {
@@ -40,52 +49,27 @@ impl World {
             orientation: Rotation::identity(),
             linear_velocity: Vector3::zeros(),
             angular_velocity: Vector3::zeros(),
-            buttons: 0,
+            buttons,
         });
         let start = Instant::now();
         let output = step(&self.scene, &mut self.state, &mut self.scratch, &input);
         self.ticks_s.push(start.elapsed().as_secs_f64());
+        let proxy = output.tools[0].proxy_position;
+        let now = [proxy.x, proxy.y, proxy.z];
+        let before = self.last.replace(now).unwrap_or(now);
+        let force = output.tools[0].force_n;
+        self.work_j -= (0..3).map(|c| force[c] * (now[c] - before[c])).sum::<f64>();
         output
     }
 
-    /// Force on the tool after it has been held until the force settles (to 1e-5, or for two seconds).
-    fn settle(&mut self, position: [f64; 3]) -> Vector3 {
-        let (dt_s, mut force) = (self.scene.dt_s, Vector3::zeros());
-        let burst = (0.1 / dt_s).ceil() as usize;
-        for _ in 0..20 {
-            let before = force;
-            for _ in 0..burst {
-                force = self.at(position).tools[0].force_n;
-            }
-            if (force - before).norm() <= 1e-5 * force.norm() {
-                break;
-            }
-        }
-        force
+    /// Force on the tool held there until it is at rest.
+    fn settle(&mut self, position: [f64; 3], effort: Effort) -> Held {
+        let dt_s = self.scene.dt_s;
+        settled(dt_s, effort, || self.at(position).tools[0].force_n.z)
     }
 
-    fn percentiles(&self) -> (f64, f64) {
-        let mut times = self.ticks_s.clone();
-        times.sort_by(f64::total_cmp);
-        let at = |share: f64| times[((times.len() - 1) as f64 * share) as usize];
-        (at(0.5), at(0.99))
-    }
-
-    fn row(&self, case: &str, method: &str, error: f64, note: String) -> Row {
-        let (median_s, p99_s) = self.percentiles();
-        Row {
-            suite: "deformation",
-            case: case.to_owned(),
-            method: method.to_owned(),
-            peer: false,
-            median_s,
-            p99_s,
-            error,
-            error_unit: "of the force",
-            n: self.ticks_s.len(),
-            wrong: None,
-            note,
-        }
+    pub(super) fn row(&self, case: &str, method: &str, error: f64, note: String) -> Row {
+        force_row(case, method, self.ticks_s.clone(), error, note)
     }
 
     fn counts(&self) -> String {
@@ -96,50 +80,87 @@ impl World {
             let deforming = self.scratch.bodies[0].deforming.as_ref();
             let held = deforming.map_or(0, |deforming| body.limited(&deforming.lattice));
             let held = if held > 0 { format!(", {held} cells held back") } else { String::new() };
-            format!("{} free coordinates, {passes} passes a step, {:.4} mJ{held}", body.unknown_count(), energy * 1e3)
+            let (energy_mj, work_mj, free) = (energy * 1e3, self.work_j * 1e3, body.unknown_count());
+            format!("{energy_mj:.4} of {work_mj:.4} mJ stored, {free} free coordinates, {passes} passes a step{held}")
         })
+    }
+}
+
+/// A force that is held.
+#[derive(Clone, Copy, Default)]
+struct Held {
+    /// Mean over the last 0.1 s, N.
+    force_n: f64,
+    /// Greatest less least in that time, N.
+    ripple_n: f64,
+}
+
+/// The force of a tick, held until its mean over 0.1 s changes by less than 1e-5 from one to the next, or for two seconds;
+/// quick: 1e-4, or one second.
+fn settled(dt_s: f64, effort: Effort, mut tick: impl FnMut() -> f64) -> Held {
+    let (bursts, share) = if effort == Effort::Quick { (10, 1e-4) } else { (20, 1e-5) };
+    let ticks = (0.1 / dt_s).ceil().max(1.0) as usize;
+    let mut held = Held::default();
+    for _ in 0..bursts {
+        let (mut sum, mut least, mut most) = (0.0, f64::INFINITY, f64::NEG_INFINITY);
+        for _ in 0..ticks {
+            let force = tick();
+            (sum, least, most) = (sum + force, force.min(least), force.max(most));
+        }
+        let before = std::mem::replace(&mut held, Held { force_n: sum / ticks as f64, ripple_n: most - least });
+        if (held.force_n - before.force_n).abs() <= share * held.force_n.abs() {
+            break;
+        }
+    }
+    held
+}
+
+/// A row with a relative error of a force.
+fn force_row(case: &str, method: &str, mut times: Vec<f64>, error: f64, note: String) -> Row {
+    times.sort_by(f64::total_cmp);
+    let at = |share: f64| times.get((times.len().saturating_sub(1) as f64 * share) as usize).copied();
+    Row {
+        suite: "deformation",
+        case: case.to_owned(),
+        method: method.to_owned(),
+        peer: false,
+        median_s: at(0.5).unwrap_or(f64::NAN),
+        p99_s: at(0.99).unwrap_or(f64::NAN),
+        error,
+        error_unit: "of the force",
+        n: times.len(),
+        wrong: None,
+        note,
     }
 }
 
 /// A row that says why there is none.
 pub(super) fn failed(case: &str, why: &str) -> Row {
-    Row {
-        suite: "deformation",
-        case: case.to_owned(),
-        method: "none".to_owned(),
-        peer: false,
-        median_s: f64::NAN,
-        p99_s: f64::NAN,
-        error: f64::NAN,
-        error_unit: "of the force",
-        n: 0,
-        wrong: None,
-        note: why.to_owned(),
-    }
+    force_row(case, "none", Vec::new(), f64::NAN, why.to_owned())
 }
 
 /// 10 mm in 0.1 s, then held.
-pub(super) fn box_row(case: &BoxCase) -> Row {
+pub(super) fn box_row(case: &BoxCase, effort: Effort) -> Row {
+    let method = format!("{} {}", case.model, case.method);
     let mut world = match World::new(&case.text()) {
         Ok(world) => world,
-        Err(why) => return failed(&case.name, &why),
+        Err(why) => return Row { method, ..failed(&case.group, &why) },
     };
     let ticks = (0.1 / case.dt_s).round() as usize;
     for k in 0..=ticks {
         world.at([0.0, 0.0, 0.03 - 0.01 * k as f64 / ticks as f64]);
     }
-    let force = world.settle([0.0, 0.0, 0.02]).z;
+    let Held { force_n: force, ripple_n } = world.settle([0.0, 0.0, 0.02], effort);
     let base = world.scene.lattice(0).zip(world.state.bodies[0].lattice.as_ref());
     let base = base.map_or(0.0, |(body, state)| body.base_reaction_n(state).z.abs());
     let error = force / case.scale / BOX_REFERENCE_N - 1.0;
-    let note = format!("F/scale {:.4} N, base {:.4} N, {}", force / case.scale, base / case.scale, world.counts());
-    let method = format!("{} {}", case.model, case.method);
-    world.row(&case.name, &method, error, note)
+    let [unscaled, ripple, base] = [force, ripple_n, base].map(|force_n| force_n / case.scale);
+    let note = format!("F/scale {unscaled:.4} N, ripple {ripple:.4} N, base {base:.4} N, {}", world.counts());
+    world.row(&case.group, &method, error, note)
 }
 
 /// x of the ball's centre at first touch, coming along -x at the height and side of the table.
-fn first_touch(scene: &Scene) -> f64 {
-    let surface = scene.rest_surface(0);
+fn first_touch(surface: &Surface) -> f64 {
     let mut solver = ClosestSolver::new(surface);
     let (mut low, mut high) = (0.02, 0.06);
     for _ in 0..60 {
@@ -150,31 +171,61 @@ fn first_touch(scene: &Scene) -> f64 {
     high
 }
 
-/// Forces at rest at 1 ... 4 mm, reached slowly.
-pub(super) fn teardrop_row(case: &TeardropCase) -> Row {
-    let mut world = match World::new(&case.text(1_000)) {
-        Ok(world) => world,
-        Err(why) => return failed(&case.name, &why),
-    };
-    let touch = first_touch(&world.scene);
+/// Forces at rest at 1 ... 4 mm beyond `touch`, reached slowly; `tick` is one of 1 ms at x and gives the force.
+fn slowly(touch: f64, effort: Effort, mut tick: impl FnMut(f64) -> f64) -> [f64; 4] {
     let mut x = touch + 1e-3;
-    let mut forces = [0.0; 4];
-    for (k, force) in forces.iter_mut().enumerate() {
-        let goal = touch - 1e-3 * (k + 1) as f64;
+    [1.0, 2.0, 3.0, 4.0].map(|millimetres| {
+        let goal = touch - 1e-3 * millimetres;
         while x > goal {
             x = (x - 4e-5).max(goal);
-            world.at([x, 0.003, 0.045]);
+            tick(x);
         }
-        *force = world.settle([x, 0.003, 0.045]).x;
-    }
-    let deviations: Vec<f64> =
-        forces.iter().zip(TEARDROP_REFERENCE_N).map(|(f, reference)| f / reference - 1.0).collect();
-    let error =
-        deviations[1..].iter().copied().fold(0.0, |worst: f64, d| if d.abs() > worst.abs() { d } else { worst });
-    let listed: Vec<String> =
-        forces.iter().zip(&deviations).map(|(f, d)| format!("{f:.4} ({:+.1} %)", d * 100.0)).collect();
-    let note = format!("{} N, {}", listed.join(" "), world.counts());
-    world.row(&case.name, case.model, error, note)
+        settled(1e-3, effort, || tick(x)).force_n
+    })
+}
+
+/// The largest deviation from 2 mm on, with its sign, and all of them in words.
+fn deviations(forces: &[f64; 4]) -> (f64, String) {
+    let each: Vec<f64> = forces.iter().zip(TEARDROP_REFERENCE_N).map(|(f, reference)| f / reference - 1.0).collect();
+    let error = each[1..].iter().copied().fold(0.0, |worst: f64, d| if d.abs() > worst.abs() { d } else { worst });
+    let listed: Vec<String> = forces.iter().zip(&each).map(|(f, d)| format!("{f:.4} ({:+.1} %)", d * 100.0)).collect();
+    (error, format!("{} N", listed.join(" ")))
+}
+
+/// Forces at rest at 1 ... 4 mm, reached slowly.
+pub(super) fn teardrop_row(case: &TeardropCase, effort: Effort) -> Row {
+    let mut world = match World::new(&case.text(1_000)) {
+        Ok(world) => world,
+        Err(why) => return Row { method: case.method.clone(), ..failed(&case.name, &why) },
+    };
+    let touch = first_touch(world.scene.rest_surface(0));
+    let forces = slowly(touch, effort, |x| world.at([x, 0.003, 0.045]).tools[0].force_n.x);
+    let (error, listed) = deviations(&forces);
+    let note = format!("{listed}, {}", world.counts());
+    world.row(&case.name, &case.method, error, note)
+}
+
+/// The same by the seed's coupling, or with contact at free nodes.
+pub(super) fn refit_row(case: &str, net: Option<[usize; 2]>, effort: Effort) -> Row {
+    let method = net.map_or("free nodes".to_owned(), |_| "refit".to_owned());
+    let mut refit = match Refit::new(12, net) {
+        Ok(refit) => refit,
+        Err(why) => return Row { method, ..failed(case, &why) },
+    };
+    let touch = first_touch(&refit.surface);
+    let (mut times, mut work_j, mut last) = (Vec::new(), 0.0, touch + 1e-3);
+    let forces = slowly(touch, effort, |x| {
+        let start = Instant::now();
+        let force = refit.step(&Point3::new(x, 0.003, 0.045)).x;
+        times.push(start.elapsed().as_secs_f64());
+        work_j -= force * (x - last);
+        last = x;
+        force
+    });
+    let (error, listed) = deviations(&forces);
+    let (energy_j, free) = (refit.body.energy_j(&refit.state), refit.body.unknown_count());
+    let note = format!("{listed}, {:.4} of {:.4} mJ stored, {free} free coordinates", energy_j * 1e3, work_j * 1e3);
+    force_row(case, &method, times, error, note)
 }
 
 /// Whole ticks of the main scene while the ball presses, slides and leaves.
@@ -187,7 +238,7 @@ pub(super) fn tick_row(case: &str, model: &'static str, effort: Effort) -> Row {
         Ok(world) => world,
         Err(why) => return failed(case, &why),
     };
-    let touch = first_touch(&world.scene);
+    let touch = first_touch(world.scene.rest_surface(0));
     let ticks = if effort == Effort::Quick { 500 } else { 5_000 };
     for k in 0..ticks {
         let t = k as f64 * 1e-3;

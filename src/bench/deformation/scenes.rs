@@ -1,10 +1,19 @@
 //! The scenes of the suite, as text.
 
-use super::Effort;
+/// Stiffnesses of the box, as multiples of 20 kPa.
+pub(super) const SCALES: [(f64, &str); 4] = [(1.0, "x1"), (10.0, "x10"), (100.0, "x100"), (1000.0, "x1000")];
+
+/// The lowest part of the teardrop, up to this height, is fixed, m.
+pub(super) const TEARDROP_FIXED_M: f64 = 0.015;
 
 /// Pressing the box.
 pub(super) struct BoxCase {
+    /// By which it is asked for.
     pub name: String,
+    /// Under which it is listed: the same task for all methods.
+    pub group: String,
+    /// Too long for a quick run, unless asked for.
+    pub long: bool,
     /// `lattice`, `continuum`, `net`.
     pub model: &'static str,
     /// `implicit`, `explicit`, `xpbd`.
@@ -22,40 +31,58 @@ pub(super) struct BoxCase {
 
 impl BoxCase {
     fn new(name: &str, model: &'static str, nodes: usize) -> Self {
-        let (method, scale, dt_s) = ("implicit", 1.0, 1e-3);
-        Self { name: name.to_owned(), model, method, nodes, cells: nodes - 1, scale, dt_s, iterations: 1, substeps: 1 }
+        Self {
+            name: name.to_owned(),
+            group: name.to_owned(),
+            long: false,
+            model,
+            method: "implicit",
+            nodes,
+            cells: nodes - 1,
+            scale: 1.0,
+            dt_s: 1e-3,
+            iterations: 1,
+            substeps: 1,
+        }
     }
 
-    pub(super) fn all(effort: Effort) -> Vec<Self> {
+    /// One model and method beside the others that press the same box.
+    fn beside(name: String, group: &str, model: &'static str) -> Self {
+        Self { group: group.to_owned(), ..Self::new(&name, model, 12) }
+    }
+
+    pub(super) fn all() -> Vec<Self> {
         let mut cases = Vec::new();
-        for (scale, label) in [(1.0, "x1"), (10.0, "x10"), (100.0, "x100"), (1000.0, "x1000")] {
-            let lattice = |method, substeps| Self {
-                method,
-                scale,
-                substeps,
-                ..Self::new(&format!("indent/12/lattice/{method}/{label}"), "lattice", 12)
+        for (scale, label) in SCALES {
+            let group = format!("indent/12/{label}");
+            let lattice = |method, substeps| {
+                let case = Self::beside(format!("indent/12/lattice/{method}/{label}"), &group, "lattice");
+                Self { method, scale, substeps, ..case }
             };
-            cases.extend([lattice("implicit", 1), lattice("explicit", 1), lattice("xpbd", 10)]);
-            let name = format!("indent/12/continuum/{label}");
-            cases.push(Self { scale, ..Self::new(&name, "continuum", 12) });
+            cases.push(lattice("implicit", 1));
+            // Explicit steps of a stiff body are many: substeps grow with the square root of E, or with E where it is damped.
+            cases.push(Self { long: scale > 1.0, ..lattice("explicit", 1) });
+            cases.push(Self { long: scale > 1.0 && scale < 1000.0, ..lattice("xpbd", 10) });
+            cases.push(Self { scale, ..Self::beside(format!("indent/12/continuum/{label}"), &group, "continuum") });
         }
-        for (nodes, name) in [(6, "indent/6/continuum"), (8, "indent/8/continuum"), (16, "indent/16/continuum")] {
-            cases.push(Self::new(name, "continuum", nodes));
-        }
-        for (nodes, name) in [(6, "indent/6/lattice"), (8, "indent/8/lattice"), (16, "indent/16/lattice")] {
-            cases.push(Self::new(name, "lattice", nodes));
+        for nodes in [6, 8, 16] {
+            for model in ["lattice", "continuum"] {
+                let case = Self::new(&format!("indent/{nodes}/{model}"), model, nodes);
+                cases.push(Self { long: nodes == 16, ..case });
+            }
         }
         cases.push(Self { cells: 11, ..Self::new("indent/12/net", "net", 8) });
         cases.push(Self { cells: 11, ..Self::new("indent/12/net/10", "net", 10) });
-        if effort == Effort::Full {
-            cases.push(Self { cells: 29, ..Self::new("indent/30/net", "net", 8) });
-        }
-        for (dt_s, label) in [(0.5e-3, "0.5ms"), (2e-3, "2ms"), (5e-3, "5ms")] {
-            cases.push(Self { dt_s, ..Self::new(&format!("indent/12/lattice/dt/{label}"), "lattice", 12) });
+        cases.push(Self { cells: 29, long: true, ..Self::new("indent/30/net", "net", 8) });
+        for (dt_s, label) in [(0.5e-3, "0.5ms"), (2e-3, "2ms"), (5e-3, "5ms"), (20e-3, "20ms")] {
+            for model in ["lattice", "continuum"] {
+                let case = Self::new(&format!("indent/12/{model}/dt/{label}"), model, 12);
+                cases.push(Self { dt_s, long: label == "0.5ms" || model == "continuum", ..case });
+            }
         }
         for iterations in [2, 3] {
             let name = format!("indent/12/continuum/iterations/{iterations}");
-            cases.push(Self { iterations, ..Self::new(&name, "continuum", 12) });
+            cases.push(Self { iterations, long: true, ..Self::new(&name, "continuum", 12) });
         }
         cases
     }
@@ -111,18 +138,32 @@ fn flat_surface(nodes: usize) -> String {
 /// Pressing the teardrop from the side.
 pub(super) struct TeardropCase {
     pub name: String,
+    pub method: String,
     pub model: &'static str,
-    pub refine: &'static str,
-    pub layers: usize,
-    pub cells_per_span: usize,
+    /// What `lattice = { … }` holds.
+    lattice: String,
+    /// Springs as in the thesis, K = E A / L.
+    seed_springs: bool,
 }
 
 impl TeardropCase {
-    pub(super) fn new(name: &str, model: &'static str, refine: &'static str, layers: usize) -> Self {
-        Self { name: name.to_owned(), model, refine, layers, cells_per_span: 2 }
+    pub(super) fn new(name: &str, model: &'static str, refine: &str, layers: usize) -> Self {
+        let lattice = format!("layers = {layers}, refine = {refine}");
+        Self { name: name.to_owned(), method: model.to_owned(), model, lattice, seed_springs: false }
+    }
+
+    /// A cube of nodes, the outermost on the surface.
+    fn riding(name: &str, refine: &str) -> Self {
+        let lattice = format!("builder = \"transfinite\", nodes = [12, 12, 12], refine = {refine}");
+        Self { method: "lattice riding".to_owned(), lattice, ..Self::new(name, "lattice", refine, 4) }
     }
 
     pub(super) fn all() -> Vec<Self> {
+        let seed = |name: &str, refine: &str| Self {
+            method: "lattice, seed's springs".to_owned(),
+            seed_springs: true,
+            ..Self::new(name, "lattice", refine, 4)
+        };
         vec![
             Self::new("indent/teardrop/lattice", "lattice", "\"auto\"", 4),
             Self::new("indent/teardrop/lattice/12x13", "lattice", "[12, 13]", 4),
@@ -134,11 +175,16 @@ impl TeardropCase {
             Self::new("indent/teardrop/net/12x13", "net", "[12, 13]", 2),
             Self::new("indent/teardrop/net/16x17", "net", "[16, 17]", 2),
             Self::new("indent/teardrop/net/16x17x3", "net", "[16, 17]", 3),
+            Self::riding("indent/teardrop/riding/8x8", "\"none\""),
+            Self::riding("indent/teardrop/riding/13x13", "[13, 13]"),
+            seed("indent/teardrop/seed/12x13", "[12, 13]"),
+            seed("indent/teardrop/seed/22x23", "[22, 23]"),
         ]
     }
 
     pub(super) fn text(&self, rate_hz: u32) -> String {
-        let Self { model, refine, layers, cells_per_span, .. } = self;
+        let Self { model, lattice, .. } = self;
+        let springs = if self.seed_springs { ", springs = \"seed\"" } else { "" };
         format!(
             r#"
 [loop]
@@ -147,10 +193,10 @@ rate_hz = {rate_hz}
 id = "drop"
 surface = {{ builtin = "teardrop", net = [8, 8] }}
 model = "{model}"
-material = {{ young_pa = 20e3, poisson = 0.3, density_kg_m3 = 1000.0, damping_s = 2e-3 }}
-lattice = {{ layers = {layers}, refine = {refine}, cells_per_span = {cells_per_span} }}
+material = {{ young_pa = 20e3, poisson = 0.3, density_kg_m3 = 1000.0, damping_s = 2e-3{springs} }}
+lattice = {{ {lattice}, cells_per_span = 2 }}
 integrator = {{ sleep_m_s = 0.0 }}
-fixed = [{{ point = [0.0, 0.0, 0.015], normal = [0.0, 0.0, 1.0] }}]
+fixed = [{{ point = [0.0, 0.0, {TEARDROP_FIXED_M:?}], normal = [0.0, 0.0, 1.0] }}]
 [[tool]]
 id = "ball"
 shape = {{ sphere = {{ radius_m = 0.01 }} }}
@@ -159,5 +205,63 @@ coupling = {{ stiffness_n_m = inf, damping_n_s_m = 0.0 }}
 device = {{ force_max_n = 1e9, ramp_s = 0.0 }}
 "#
         )
+    }
+}
+
+/// A block of plasticine below the plane z = 0, under a ball with a strong grip.
+pub(super) fn plasticine_text(young_pa: f64) -> String {
+    format!(
+        r#"
+[loop]
+rate_hz = 1000
+[[body]]
+id = "block"
+surface = {{ inline = {surface} }}
+model = "lattice"
+material = {{ preset = "plasticine", young_pa = {young_pa:?} }}
+lattice = {{ layers = 8, refine = "none", thickness_m = 0.06 }}
+integrator = {{ sleep_m_s = 0.0 }}
+fixed = [{{ point = [0.0, 0.0, -0.0599], normal = [0.0, 0.0, 1.0] }}]
+[[tool]]
+id = "ball"
+shape = {{ sphere = {{ radius_m = 0.01 }} }}
+pose = {{ position = [0.0, 0.0, 0.02] }}
+coupling = {{ stiffness_n_m = 1e6, damping_n_s_m = 0.0 }}
+device = {{ force_max_n = 1e4, ramp_s = 0.0 }}
+grip = {{ force_max_n = 1e4 }}
+"#,
+        surface = flat_surface(12),
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::file;
+    use std::path::Path;
+
+    #[test]
+    fn every_scene_of_the_suite_is_one_and_the_cases_people_ask_for_are_there() {
+        let mut scenes: Vec<(String, String)> = BoxCase::all().iter().map(|c| (c.name.clone(), c.text())).collect();
+        scenes.extend(TeardropCase::all().iter().map(|c| (c.name.clone(), c.text(1_000))));
+        scenes.push(("plasticine".to_owned(), plasticine_text(13e6)));
+        for (name, text) in &scenes {
+            let parsed = file::parse(text, "bench.toml", Path::new("."));
+            assert!(parsed.is_ok(), "{name}: {:?}", parsed.err().map(|e| e.to_string()));
+        }
+        for part in [
+            "indent/12/lattice/implicit/x1000",
+            "indent/12/continuum",
+            "indent/12/net",
+            "indent/30/net",
+            "indent/teardrop/lattice",
+            "indent/teardrop/continuum",
+            "indent/teardrop/net",
+        ] {
+            assert!(scenes.iter().any(|(name, _)| name.contains(part)), "no case is called {part}");
+        }
+        let mut names: Vec<&String> = scenes.iter().map(|(name, _)| name).collect();
+        names.sort();
+        assert!(names.windows(2).all(|pair| pair[0] != pair[1]), "{names:?}");
     }
 }

@@ -5,6 +5,8 @@ mod curvo;
 #[cfg(feature = "bench-occt")]
 mod occt;
 mod parry;
+#[cfg(feature = "bench-peers")]
+pub(super) mod rapier;
 #[cfg(feature = "bench-sisl")]
 mod sisl;
 #[cfg(feature = "bench-peers")]
