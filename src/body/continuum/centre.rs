@@ -3,7 +3,7 @@
 //! At the centre G = [c_ξ, c_η, c_ζ] and V / 8 = [c_ξ, c_η, c_ζ]; the other modes do no work. Fields of [`Block`] that
 //! belong to a Gauss point are those of the centre, in the first place.
 
-use super::kernel::{self, Block, cross, dot, minus, modes, pressure, stretch, times};
+use super::kernel::{Block, cross, dot, minus, modes, pressure, stretch, times};
 use super::{Cell, Elastic};
 use crate::math::lanes::{Baseline, Four, Lanes};
 use crate::math::{Lane, Matrix3, Point3, Vector3};
@@ -63,7 +63,7 @@ pub(super) fn add_forces<L: Lanes>(block: &Block, places: &[Lane], residual: &mu
 
 /// J, by cell.
 pub(super) fn energy(block: &Block, places: &[Lane]) -> Four {
-    let c = kernel::modes::<Baseline>(block, places);
+    let c = modes::<Baseline>(block, places);
     let (_, lanes) = stretch(&block.metric[0], [c[4], c[2], c[1]]);
     let (mut invariant, mut volume) = ([0.0; 4], [0.0; 4]);
     lanes.store(&mut invariant);
