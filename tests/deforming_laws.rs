@@ -114,11 +114,11 @@ fn a_net_presses_as_its_full_model_wherever_the_tool_stands() {
             world.at([-0.015, 0.0, 0.04 - 0.008 * (f64::from(k) / 150.0).min(1.0)]);
         }
         let (mut places, mut forces) = (Vec::new(), Vec::new());
-        for k in 0..=1_200 {
-            let x = -0.015 + 0.03 * f64::from(k) / 1_200.0;
+        for k in 0..=900 {
+            let x = -0.015 + 0.03 * f64::from(k) / 900.0;
             let force = world.at([x, 0.0, 0.032]).tools[0].force_n.z;
             // The start of the slide is felt in both.
-            if x >= -0.0125 && x <= 0.0125 {
+            if (-0.0125..=0.0125).contains(&x) {
                 places.push(x);
                 forces.push(force);
             }
