@@ -5,7 +5,7 @@ mod common;
 
 use common::{World, pose};
 use palpate::body::DeformableState;
-use palpate::math::{Point3, Vector3};
+use palpate::math::{Point3, Rotation, Vector3};
 use palpate::tick::record::{TickInput, TickOutput};
 use palpate::tick::step;
 
@@ -248,35 +248,50 @@ device = {{ force_max_n = 1e9, ramp_s = 0.0 }}
     )
 }
 
+// The lower plane is the fixed underside. How far the force can grow with the squeeze is a matter of the law and of one
+// iteration a tick: springs turn over at half of the thickness, the continuum's rim folds out at a quarter.
 #[test]
 fn squeezed_to_a_tenth_between_planes_and_released() {
-    for model in ["lattice", "continuum"] {
-        // The lower plane is the fixed underside.
+    for (model, sound_m) in [("lattice", 0.013), ("continuum", 0.02)] {
         let mut world = Slab { model, tools: plane("press", [0.0, 0.0, -1.0]), ..Slab::new() }.world();
-        let (mut last, mut grew) = (0.0, true);
+        let mut last = 0.0;
         for k in 0..6_000 {
             let z = 0.001 - 0.028 * (k as f64 / 4_000.0).min(1.0);
-            let force = -world.at([0.0, 0.0, z]).tools[0].force_n.z;
-            if k % 500 == 499 && k < 4_000 {
-                grew &= force.abs() >= last;
-                last = force.abs();
+            let force = world.at([0.0, 0.0, z]).tools[0].force_n.z;
+            if k % 250 == 249 && -z < sound_m {
+                assert!(force >= last, "{model} at {z} m: {force} N, before {last} N");
+                let top = body(&world).positions.iter().map(|p| p.z).fold(f64::NEG_INFINITY, f64::max);
+                assert!(top < z + 1e-3, "{model}: the top is at {top} m, the plane at {z} m");
+                if force > 0.0 {
+                    assert_base_bears(&world, force, 0.05);
+                }
+                last = force;
             }
+            assert!(force.is_finite());
         }
-        assert!(grew && last > 1.0, "{model}: force does not grow with the squeeze, {last} N");
-        let lowest = body(&world).positions.iter().map(|p| p.z).fold(f64::NEG_INFINITY, f64::max);
-        assert!(lowest < -0.0265, "{model}: the top is at {lowest} m");
+        assert!(last > 10.0 && energy(&world) < 10.0, "{model}: {last} N");
         for _ in 0..10_000 {
             world.at([0.0, 0.0, 0.05]);
         }
-        let away = farthest_from_rest(&world);
-        assert!(away < if model == "continuum" { 1e-6 } else { 0.02 }, "{model}: {away} m from rest");
-        energy(&world);
+        let (away, left) = (farthest_from_rest(&world), energy(&world));
+        // Springs may stay turned over, in an equilibrium of their own.
+        assert!(away < if model == "continuum" { 1e-8 } else { 0.05 }, "{model}: {away} m from rest, {left} J");
     }
 }
 
 #[test]
 fn a_tool_that_jumps_a_metre_in_out_and_through() {
-    let mut world = Slab::new().world();
+    jumps("continuum", 1e6);
+    // Springs have inverted equilibria, and a ball that appears a metre off throws them into one: what a device may not do
+    // keeps them from it.
+    jumps("lattice", 10.0);
+}
+
+/// Jumps about for ten seconds, and the slab is at rest again after the tool has left.
+fn jumps(model: &'static str, speed_max_m_s: f64) {
+    let tools = ball("ball", "inf", 0.02).replace("speed_max_m_s = 1e6", &format!("speed_max_m_s = {speed_max_m_s:?}"));
+    let mut world = Slab { model, tools, ..Slab::new() }.world();
+    let mut pressed: f64 = 0.0;
     let mut random = Random(23);
     for k in 0..10_000 {
         let place = match k % 4 {
@@ -287,13 +302,15 @@ fn a_tool_that_jumps_a_metre_in_out_and_through() {
         };
         let force = world.at(place).tools[0].force_n;
         assert!(force.iter().all(|x| x.is_finite()));
+        pressed = pressed.max(force.norm());
     }
+    assert!(pressed > 10.0, "{model}: it never met the slab, {pressed} N");
     energy(&world);
     for _ in 0..5_000 {
         world.at([0.0, 0.0, 0.3]);
     }
     let away = farthest_from_rest(&world);
-    assert!(away < 1e-4, "{away} m from rest after the tool has left");
+    assert!(away < 1e-8, "{model}: {away} m from rest after the tool has left");
 }
 
 #[test]
@@ -321,31 +338,48 @@ fn two_tools_squeeze_and_share_a_control_point() {
 }
 
 #[test]
-fn a_sharp_cone_and_the_corner_of_a_cube() {
-    let cone = "{ cone = { half_angle_rad = 0.2, height_m = 0.03 } }";
-    let cube = "{ box = { half_extents_m = [0.01, 0.01, 0.01] } }";
-    for (shape, tilt, top) in [(cone, [1.0, 0.0, 0.0, 0.0], 0.0), (cube, [0.0, 0.0, 0.0, 1.0], 0.01)] {
-        let tools = format!(
-            "[[tool]]\nid = \"tip\"\nshape = {shape}\npose = {{ position = [0.0, 0.0, 0.04] }}\n\
-             coupling = {{ stiffness_n_m = inf, damping_n_s_m = 0.0 }}\n\
-             device = {{ force_max_n = 1e9, ramp_s = 0.0 }}\n"
-        );
-        let mut world = Slab { tools, ..Slab::new() }.world();
-        // The cone opens along +z of its frame: turned tip down it stays as it is; the cube stands on a face.
-        let _ = tilt;
-        let (mut force, mut before) = (0.0, 0.0);
-        for k in 0..1_500 {
-            let depth = 0.003 * (k as f64 / 1_000.0).min(1.0);
-            let out = world.at([0.001, 0.002, top - depth]).tools[0];
-            assert!(out.force_n.iter().all(|x| x.is_finite()));
-            if k == 1_000 {
-                before = out.force_n.z;
-            }
-            force = out.force_n.z;
+fn a_sharp_cone() {
+    tip("{ cone = { half_angle_rad = 0.5, height_m = 0.03 } }", Rotation::identity(), 0.0);
+}
+
+#[test]
+fn the_corner_of_a_cube() {
+    let corner = Rotation::rotation_between(&Vector3::new(-1.0, -1.0, -1.0), &-Vector3::z());
+    // From its middle to a corner.
+    let reach_m = 0.01 * 3.0_f64.sqrt();
+    tip("{ box = { half_extents_m = [0.01, 0.01, 0.01] } }", corner.unwrap_or(Rotation::identity()), reach_m);
+}
+
+/// A tip pressed 3 mm deep and held.
+fn tip(shape: &str, orientation: Rotation, reach_m: f64) {
+    let tools = format!(
+        "[[tool]]\nid = \"tip\"\nshape = {shape}\npose = {{ position = [0.0, 0.0, 0.04] }}\n\
+         coupling = {{ stiffness_n_m = inf, damping_n_s_m = 0.0 }}\n\
+         device = {{ force_max_n = 1e9, ramp_s = 0.0 }}\n"
+    );
+    let mut world = Slab { tools, ..Slab::new() }.world();
+    let (mut sums, mut halves) = ([0.0; 2], [0.0; 2]);
+    let (first, held) = (1_000, 2_000);
+    for k in 0..first + 2 * held {
+        let depth = 0.003 * (k as f64 / 500.0).min(1.0);
+        world.seq += 1;
+        let mut input = TickInput::default();
+        input.poses[0] =
+            Some(palpate::haptics::DevicePose { orientation, ..pose(world.seq, [0.001, 0.002, reach_m - depth]) });
+        let out = step(&world.scene, &mut world.state, &mut world.scratch, &input).tools[0];
+        assert!(out.force_n.iter().all(|x| x.is_finite()));
+        if k >= first {
+            let base = world.scene.lattice(0).unwrap().base_reaction_n(body(&world)).z;
+            (sums[0], sums[1]) = (sums[0] + out.force_n.z, sums[1] + base);
+            halves[(k - first) / held] += out.force_n.z;
         }
-        assert!(force > 0.0 && (force / before - 1.0).abs() < 0.2, "{shape}: {before} N, later {force} N");
-        assert_base_bears(&world, force, 1e-2);
     }
+    println!("{shape}: tool {:?} N, base {} N", halves.map(|f| f / held as f64), sums[1] / (2 * held) as f64);
+    // A tip has no normal of its own: at each tick the tool answers with one side, so the force sways about that of
+    // rest. What it gives over time the base takes, as the momentum stays bounded.
+    assert!(sums[0] > 0.0 && (sums[1].abs() / sums[0] - 1.0).abs() < 0.02, "{shape}: {sums:?}");
+    assert!((halves[0] / halves[1] - 1.0).abs() < 0.2, "{shape}: {halves:?}");
+    assert!(energy(&world) < 1.0);
 }
 
 #[test]

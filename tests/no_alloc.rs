@@ -209,3 +209,79 @@ fn a_tick_of_any_shape_allocates_nothing() {
         }
     }
 }
+
+/// A slab that a ball presses, slides on and leaves.
+fn slab(model: &str, more: &str) -> String {
+    format!(
+        "[[body]]\nid = \"slab\"\nsurface = {{ builtin = \"sheet\", net = [7, 7], size = 0.1 }}\nmodel = \"{model}\"\n\
+         lattice = {{ layers = 3, refine = \"none\", thickness_m = 0.03 }}\n\
+         fixed = [{{ point = [0.0, 0.0, -0.0299], normal = [0.0, 0.0, 1.0] }}, {{ u = [0.0, 0.1], v = [0.0, 1.0] }}]\n{more}\n\
+         [[tool]]\nid = \"ball\"\nshape = {{ sphere = {{ radius_m = 0.02 }} }}\n\
+         pose = {{ position = [0.0, 0.0, 0.03] }}\ncoupling = {{ stiffness_n_m = 800.0, damping_n_s_m = 0.0 }}\n"
+    )
+}
+
+fn press_and_slide(world: &mut World) -> u64 {
+    for _ in 0..8 {
+        world.at([0.0, 0.0, 0.03]);
+    }
+    let mut touched = 0;
+    let count = allocations(|| {
+        for k in 0..800 {
+            let t = f64::from(k) * 1e-3;
+            let out = world.at([0.01 * (9.0 * t).sin(), 0.0, 0.018 + 0.006 * (20.0 * t).cos()]);
+            touched += u32::from(out.tools[0].contact.is_some());
+        }
+        // Long enough to fall asleep.
+        for _ in 0..400 {
+            world.silent();
+        }
+    });
+    assert!(touched > 200, "only {touched} ticks in touch");
+    count
+}
+
+#[test]
+fn a_tick_of_any_model_and_method_allocates_nothing() {
+    let plastic = "plastic = { yield_strain = 0.005, rate_per_s = 20.0, hardening = 0.1, spread_m";
+    let cases = [
+        ("continuum", "integrator = { iterations = 2 }".to_owned()),
+        ("continuum", "integrator = { method = \"explicit\" }".to_owned()),
+        ("membrane", String::new()),
+        ("net", String::new()),
+        ("lattice", "integrator = { method = \"explicit\" }".to_owned()),
+        ("lattice", "integrator = { method = \"xpbd\", substeps = 3 }".to_owned()),
+        ("lattice", format!("material = {{ {plastic} = 0.0 }} }}")),
+        ("lattice", format!("material = {{ {plastic} = 0.03 }} }}")),
+        ("lattice", "material = { stiffening = { strain = 0.05, ratio = 3.0, least_length = 0.7 } }".to_owned()),
+        ("continuum", "integrator = { every = 4 }".to_owned()),
+    ];
+    for (model, more) in cases {
+        assert_eq!(press_and_slide(&mut World::new(&slab(model, &more))), 0, "{model}, {more}");
+    }
+}
+
+// On the thread of the tick; what a worker does is the same code.
+#[test]
+fn a_tick_with_a_worker_beside_it_allocates_nothing() {
+    let mut world = World::new(&slab("continuum", "integrator = { every = 4 }"));
+    let scene = std::sync::Arc::new(World::new(&slab("continuum", "integrator = { every = 4 }")).scene);
+    let workers = palpate::tick::workers::Workers::start(&scene).unwrap();
+    world.scratch.set_pipeline(Box::new(workers.expect("a body that steps apart")));
+    assert_eq!(press_and_slide(&mut world), 0);
+}
+
+#[test]
+fn a_tick_of_carried_bodies_allocates_nothing() {
+    let carried = slab("continuum", "").replace("id = \"ball\"", "id = \"hand\"");
+    let mut world = World::new(&format!("[gravity]\nacceleration = [0.0, 0.0, -9.81]\nframe = \"hand\"\n{carried}"));
+    for _ in 0..8 {
+        world.at([0.0, 0.0, 0.03]);
+    }
+    let count = allocations(|| {
+        for k in 0..500 {
+            world.at([0.02 * (f64::from(k) * 0.02).sin(), 0.0, 0.03]);
+        }
+    });
+    assert_eq!(count, 0);
+}

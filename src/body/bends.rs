@@ -115,9 +115,8 @@ mod tests {
             }
         }
         // Flat at rest: the energy is ½ w |s·x|², whose matrix the edges spell out.
-        let x = [0.3, -0.7, 0.9];
-        let by_edges: f64 =
-            bend.edges().iter().map(|&(a, b, k)| k * (x[a as usize] - x[b as usize] as f64).powi(2)).sum();
+        let x: [f64; 3] = [0.3, -0.7, 0.9];
+        let by_edges: f64 = bend.edges().iter().map(|&(a, b, k)| k * (x[a as usize] - x[b as usize]).powi(2)).sum();
         let s: f64 = x.iter().zip(bend.weights).map(|(x, w)| x * w).sum();
         assert!((by_edges - bend.stiffness * s * s).abs() < 1e-12);
     }

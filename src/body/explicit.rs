@@ -32,7 +32,7 @@ impl Explicit {
         let squared = greatest_frequency_squared(body);
         let stable = (d * d + 4.0 / squared).sqrt() - d;
         let needed = (dt / (SAFETY * stable)).ceil();
-        if !(needed <= MOST_SUBSTEPS as f64) {
+        if needed.is_nan() || needed > MOST_SUBSTEPS as f64 {
             return Err(DeformableError::Substeps { needed: needed as usize, most: MOST_SUBSTEPS });
         }
         let damping = if d > 0.0 { body.law_edges() } else { Vec::new() };

@@ -93,7 +93,7 @@ pub(super) fn cell_masses(
     let volumes: Vec<f64> = grid.cells.iter().map(|cell| grid.volume(cell)).collect();
     let whole: f64 = volumes.iter().sum();
     let mean = whole / volumes.len() as f64;
-    let flat = volumes.iter().filter(|&&volume| !(volume > 1e-9 * mean)).count();
+    let flat = volumes.iter().filter(|&volume| volume.is_nan() || *volume <= 1e-9 * mean).count();
     if flat > 0 {
         return Err(DeformableError::FlatCells { count: flat, total: volumes.len() });
     }

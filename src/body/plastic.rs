@@ -47,7 +47,7 @@ impl Flow {
             let length = (d[0] * d[0] + d[1] * d[1] + d[2] * d[2]).sqrt();
             let strain = (length - lengths[block][place]) / first;
             let excess = strain.abs() - self.law.yield_strain - self.law.hardening * strains[block][place];
-            if !(excess > 0.0) {
+            if excess.is_nan() || excess <= 0.0 {
                 continue;
             }
             any = true;
