@@ -21,7 +21,10 @@ fn first_touch(world: &World) -> f64 {
 
 /// Forces at rest (N) at depths of 1 … 4 mm, reached slowly, and the world pressed to 4 mm.
 fn press(young_pa: f64, refine: &str) -> ([f64; 4], World, f64) {
-    let mut world = World::new(&teardrop(young_pa, refine));
+    press_world(World::new(&teardrop(young_pa, refine)))
+}
+
+fn press_world(mut world: World) -> ([f64; 4], World, f64) {
     let touch = first_touch(&world);
     let mut forces = [0.0; 4];
     let mut x = touch + 1e-3;
@@ -41,14 +44,14 @@ fn press(young_pa: f64, refine: &str) -> ([f64; 4], World, f64) {
 // Neo-Hookean finite elements, ν = 0.3, converged to about 1 %; the lattice's own law (ν = 1/4, linear springs) and its
 // resolution make the difference, which is printed.
 #[test]
-fn pressing_the_teardrop_meets_the_reference_within_35_percent() {
+fn pressing_the_teardrop_meets_the_reference_within_25_percent() {
     let reference = [0.0450, 0.1045, 0.1720, 0.2461];
     let (forces, world, touch) = press(20e3, "\"auto\"");
     println!("depth mm  force N  reference N  deviation");
     for k in 0..4 {
         let deviation = forces[k] / reference[k] - 1.0;
         println!("{:>8}  {:.4}   {:.4}       {:+.1} %", k + 1, forces[k], reference[k], deviation * 100.0);
-        assert!(deviation.abs() < 0.35, "at {} mm: {} N for {} N", k + 1, forces[k], reference[k]);
+        assert!(deviation.abs() < 0.25, "at {} mm: {} N for {} N", k + 1, forces[k], reference[k]);
     }
     assert!(forces.windows(2).all(|pair| pair[0] < pair[1]), "force does not rise with depth: {forces:?}");
 
@@ -67,6 +70,19 @@ fn pressing_the_teardrop_meets_the_reference_within_35_percent() {
     world.state.copy_net(&world.scene, 0, &mut now);
     let farthest = rest.iter().zip(&now).map(|(a, b)| (a - b).norm()).fold(0.0, f64::max);
     assert!(farthest < 1e-6, "farthest control point is {farthest} m from rest");
+}
+
+// The same body as a continuum of that law: 10 % from 2 mm on, 20 % at 1 mm, where the contact is two control points wide.
+#[test]
+fn pressing_the_teardrop_as_a_continuum_meets_the_reference_within_10_percent() {
+    let reference = [0.0450, 0.1045, 0.1720, 0.2461];
+    let text = teardrop(20e3, "\"auto\"").replace("model = \"lattice\"", "model = \"continuum\"");
+    let (forces, ..) = press_world(World::new(&text));
+    for k in 0..4 {
+        let deviation = forces[k] / reference[k] - 1.0;
+        println!("{} mm: {:.4} N, {:+.1} %", k + 1, forces[k], deviation * 100.0);
+        assert!(deviation.abs() < if k == 0 { 0.2 } else { 0.1 }, "at {} mm: {} N", k + 1, forces[k]);
+    }
 }
 
 // Silent softening: other solvers lose half to all of the force over this range without blowing up.

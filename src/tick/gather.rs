@@ -140,7 +140,7 @@ fn ball(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch, p: usize, 
         let point = parts.surface.point(u, v);
         let away = held.centre - point;
         let distance = away.norm();
-        if !(distance > 0.0) {
+        if distance <= 0.0 {
             continue;
         }
         let (normal, gap) = (away / distance, distance - radius_m);
