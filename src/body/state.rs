@@ -14,7 +14,7 @@ pub struct DeformableState {
     pub rest_lengths: Vec<Lane>,
     /// Plastic strain of each spring so far; empty unless they flow.
     pub plastic_strain: Vec<Lane>,
-    /// Body steps in a row in which nothing moved, to [`super::deformable::STILL_STEPS`]: there the body sleeps.
+    /// Body steps in a row in which nothing moved; at a hundred the body sleeps.
     pub still: u32,
     /// Body steps slept through.
     pub slept: u64,
