@@ -304,7 +304,7 @@ impl Deformable {
         match &self.stepper {
             Stepper::Implicit(_) => self.advance_on_compliance(state, scratch),
             Stepper::Explicit(_) | Stepper::Xpbd(_) => {
-                // Untouched, the prediction is the motion.
+                // Again from the start: the prediction knew no contact.
                 self.run(state, scratch);
                 state.positions.copy_from_slice(&scratch.predicted);
                 state.velocities.copy_from_slice(&scratch.speed);
@@ -368,11 +368,6 @@ impl Deformable {
     /// True when steps are skipped until something touches the body.
     pub fn asleep(&self, state: &DeformableState) -> bool {
         state.still >= STILL_STEPS
-    }
-
-    /// Wakes the body.
-    pub fn wake(&self, state: &mut DeformableState) {
-        state.still = 0;
     }
 
     /// Adds a force (N) on a coordinate of the net for this step.

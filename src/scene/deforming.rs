@@ -2,6 +2,7 @@
 
 use super::build::{SceneError, error, pose, unit};
 use super::layout::{Layout, layout};
+use super::plan::step_us;
 use super::spec::{
     BodySpec, BuilderSpec, FixedSpec, MaterialSpec, MethodSpec, ModelSpec, RegionSpec, SceneSpec, ShapeSpec,
     SpringsSpec,
@@ -37,7 +38,8 @@ pub(super) fn build(
     let settings = |integrator| StepSettings {
         dt_s: dt_s * f64::from(spec.integrator.every),
         integrator,
-        sleep_m_s: spec.integrator.sleep_m_s,
+        // What carries a body may move at any time, and nothing would wake it.
+        sleep_m_s: if scene.gravity.frame.is_some() { 0.0 } else { spec.integrator.sleep_m_s },
     };
     let implicit = Integrator::Implicit { iterations: spec.integrator.iterations };
     let explicit = Integrator::Explicit { substeps: spec.integrator.substeps };
@@ -66,17 +68,14 @@ pub(super) fn build(
     Ok((body, Choice { model, why }))
 }
 
-/// The cheaper of two methods, by counted work: a pass over springs for each substep twice (with and without contact)
-/// against a pass and a solve.
+/// The cheaper of two methods, by the plan's own prediction of their steps.
 fn cheaper(implicit: Deformable, explicit: Result<Deformable, SceneError>) -> (Deformable, String) {
-    let pass = |body: &Deformable| body.spring_count() as f64 * super::plan::SPRING_US;
-    let solve = implicit.factor_non_zeros() as f64 * super::plan::NON_ZERO_US;
-    let implicit_us = (pass(&implicit) + solve) * implicit.integration().1 as f64;
+    let implicit_us = step_us(&implicit);
     match explicit {
         Err(error) => (implicit, format!("implicit: {}", error.reason)),
         Ok(explicit) => {
             let substeps = explicit.integration().1;
-            let explicit_us = 2.0 * pass(&explicit) * substeps as f64;
+            let explicit_us = step_us(&explicit);
             let compared =
                 format!("{substeps} explicit substeps would take {explicit_us:.0} us, implicit {implicit_us:.0} us");
             if explicit_us < implicit_us {

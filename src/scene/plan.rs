@@ -116,8 +116,10 @@ pub struct BufferPlan {
 
 /// Cost of one spring of the force pass and of one non-zero of a solve with three right-hand sides, µs: medians on a
 /// 3 GHz x86-64 core.
-pub(super) const SPRING_US: f64 = 0.003;
-pub(super) const NON_ZERO_US: f64 = 0.0022;
+const SPRING_US: f64 = 0.003;
+const NON_ZERO_US: f64 = 0.0022;
+/// One cell of the continuum's pass, µs.
+const CELL_US: f64 = 0.15;
 /// Contacts of a pair in touch, µs: medians of `palpate bench contact`.
 fn query_us(scene: &Scene, pair: &Pair) -> f64 {
     let two_surfaces = 300.0;
@@ -138,13 +140,17 @@ fn query_us(scene: &Scene, pair: &Pair) -> f64 {
     }
 }
 
-/// A body's step, µs: passes over springs and solves.
-fn step_us(body: &Deformable) -> f64 {
-    let pass = body.spring_count() as f64 * SPRING_US;
+/// One pass over a body's springs and cells, µs.
+fn pass_us(body: &Deformable) -> f64 {
+    body.spring_count() as f64 * SPRING_US + body.cell_count() as f64 * CELL_US
+}
+
+/// A body's step, µs: passes and solves.
+pub(super) fn step_us(body: &Deformable) -> f64 {
     match body.integration() {
-        ("implicit", iterations) => (pass + body.factor_non_zeros() as f64 * NON_ZERO_US) * iterations as f64,
+        ("implicit", iterations) => (pass_us(body) + body.factor_non_zeros() as f64 * NON_ZERO_US) * iterations as f64,
         // Without and with contact.
-        (_, substeps) => 2.0 * pass * substeps as f64,
+        (_, substeps) => 2.0 * pass_us(body) * substeps as f64,
     }
 }
 
