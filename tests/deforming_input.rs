@@ -47,6 +47,10 @@ fn a_value_out_of_range_is_told_with_its_line() {
         ("integrator = { every = 0 }", "8:16: every is 0; it must be 1 to 100"),
         ("integrator = { every = 101 }", "8:16: every is 101; it must be 1 to 100"),
         ("integrator = { iterations = 0 }", "8:16: iterations is 0; it must be 1 to 10"),
+        (
+            "integrator = { iterations = 2, every = 4 }",
+            "8:16: iterations is 2 and every is 4: contact is settled between the iterations of one tick",
+        ),
         ("integrator = { substeps = 1001 }", "8:16: substeps is 1001"),
         ("integrator = { sleep_m_s = -1.0 }", "8:16: sleep_m_s is -1"),
         ("integrator = { method = \"magic\" }", "8:"),

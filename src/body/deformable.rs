@@ -15,7 +15,7 @@ use super::node_map::NodeMap;
 use super::plastic::Flow;
 use super::state::{DeformableScratch, DeformableState};
 use super::xpbd::Xpbd;
-use crate::math::{CholeskyError, Lane, Point3, Vector3};
+use crate::math::{CholeskyError, Lane, Point3, Rows, Vector3};
 
 /// How a body steps.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -282,7 +282,7 @@ impl Deformable {
         scratch.field = field;
     }
 
-    /// x*: where the coordinates go in one step without contact.
+    /// x*: where the coordinates go in one step without contact; of several iterations, after the first.
     pub fn predict(&self, state: &DeformableState, scratch: &mut DeformableScratch) {
         if self.asleep(state) {
             scratch.predicted.copy_from_slice(&state.positions);
@@ -292,6 +292,21 @@ impl Deformable {
             Stepper::Implicit(implicit) => implicit.predict(self, state, scratch),
             Stepper::Explicit(_) | Stepper::Xpbd(_) => self.run(state, scratch),
         }
+    }
+
+    /// One more iteration of an implicit step, from where the contact forces of the scratch, which are used up, take the
+    /// body: x* becomes what [`Deformable::advance`] with the same forces would end in the same place from.
+    pub fn iterate(&self, state: &DeformableState, scratch: &mut DeformableScratch) {
+        let Stepper::Implicit(implicit) = &self.stepper else { return self.drop_loads(scratch) };
+        if scratch.loaded.is_empty() && self.asleep(state) {
+            return;
+        }
+        self.respond(scratch);
+        for (moved, &coordinate) in scratch.lanes.iter().zip(&self.coordinate_of_unknown) {
+            scratch.predicted[coordinate as usize] += Vector3::new(moved[0], moved[1], moved[2]);
+        }
+        self.drop_loads(scratch);
+        implicit.again(self, state, scratch);
     }
 
     /// The step with contact forces, which are used up. [`Deformable::predict`] came before, on the same state.
@@ -315,8 +330,8 @@ impl Deformable {
         self.count_still(state, touched || flowed);
     }
 
-    /// x' = x* + A⁻¹ Cᵀ λ, v = (x' − x) / dt.
-    fn advance_on_compliance(&self, state: &mut DeformableState, scratch: &mut DeformableScratch) {
+    /// A⁻¹ Cᵀ λ, into the scratch's lanes.
+    fn respond(&self, scratch: &mut DeformableScratch) {
         let n = self.unknown_count();
         let column_of = |coordinate: u32| {
             let column = self.surface_index[coordinate as usize] as usize;
@@ -332,6 +347,11 @@ impl Deformable {
             }
             columns::add(columns, four.len(), &forces, &mut scratch.lanes);
         }
+    }
+
+    /// x' = x* + A⁻¹ Cᵀ λ, v = (x' − x) / dt.
+    fn advance_on_compliance(&self, state: &mut DeformableState, scratch: &mut DeformableScratch) {
+        self.respond(scratch);
         let inverse_dt = 1.0 / self.settings.dt_s;
         for (moved, &coordinate) in scratch.lanes.iter().zip(&self.coordinate_of_unknown) {
             let coordinate = coordinate as usize;
@@ -452,13 +472,14 @@ impl Deformable {
             forces: vec![Vector3::zeros(); count],
             loaded: Vec::with_capacity(self.coordinate_of_control.len()),
             is_loaded: vec![false; count],
-            coordinates: vec![[0.0; 4]; count],
-            nodes: vec![[0.0; 4]; nodes],
-            residual: vec![[0.0; 4]; count],
-            node_residual: vec![[0.0; 4]; nodes],
+            coordinates: Rows::zeros(count),
+            nodes: Rows::zeros(nodes),
+            residual: Rows::zeros(count),
+            node_residual: Rows::zeros(nodes),
+            springs: self.law.springs.buffers(),
             speed: vec![Vector3::zeros(); count],
             rhs: vec![Vector3::zeros(); self.unknown_count()],
-            lanes: vec![[0.0; 4]; self.unknown_count()],
+            lanes: Rows::zeros(self.unknown_count()),
             limited: 0,
             field: Field::default(),
             flow: vec![[0.0; 4]; if self.flow.is_some() { self.law.springs.rest().len() } else { 0 }],
@@ -473,13 +494,13 @@ impl Deformable {
     /// Adds Wᵀ of the law's forces at the coordinates of the scratch to its residual.
     pub(super) fn add_law_forces(&self, state: &DeformableState, scratch: &mut DeformableScratch) {
         let rest = self.rest_lengths(state);
-        let DeformableScratch { coordinates, nodes, residual, node_residual, limited, .. } = scratch;
+        let DeformableScratch { coordinates, nodes, residual, node_residual, springs, limited, .. } = scratch;
         match &self.map {
-            NodeMap::Same => *limited = self.law.add_forces(rest, coordinates, residual),
+            NodeMap::Same => *limited = self.law.add_forces(rest, coordinates, residual, springs),
             NodeMap::Sparse(map) => {
                 map.apply(coordinates, nodes);
                 node_residual.fill([0.0; 4]);
-                *limited = self.law.add_forces(rest, nodes, node_residual);
+                *limited = self.law.add_forces(rest, nodes, node_residual, springs);
                 map.add_transposed(node_residual, residual);
             }
         }
@@ -556,6 +577,14 @@ impl Deformable {
         match &self.stepper {
             Stepper::Implicit(implicit) => implicit.factor_non_zeros(),
             Stepper::Explicit(_) | Stepper::Xpbd(_) => 0,
+        }
+    }
+
+    /// Iterations of an implicit step; 1 for other methods.
+    pub fn iterations(&self) -> usize {
+        match &self.stepper {
+            Stepper::Implicit(implicit) => implicit.iterations(),
+            Stepper::Explicit(_) | Stepper::Xpbd(_) => 1,
         }
     }
 

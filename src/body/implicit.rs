@@ -56,31 +56,39 @@ impl Implicit {
         columns
     }
 
+    /// The first iteration, from where the body is.
     pub(super) fn predict(&self, body: &Deformable, state: &DeformableState, scratch: &mut DeformableScratch) {
-        let inverse_dt = 1.0 / body.settings.dt_s;
         scratch.predicted.copy_from_slice(&state.positions);
-        for iteration in 0..self.iterations {
-            // Residual of backward Euler at the current guess.
-            for c in 0..state.positions.len() {
-                let moved = scratch.predicted[c] - state.positions[c];
-                let due = (state.velocities[c] - moved * inverse_dt) * inverse_dt
-                    + scratch.field.at(&state.positions[c], &state.velocities[c]);
-                let load = due * body.masses[c];
-                scratch.residual[c] = [load.x, load.y, load.z, 0.0];
-            }
-            if iteration > 0 {
-                self.add_damping(body, state, scratch);
-            }
-            lanes(&scratch.predicted, &mut scratch.coordinates);
-            body.add_law_forces(state, scratch);
-            for (rhs, &c) in scratch.rhs.iter_mut().zip(&body.coordinate_of_unknown) {
-                let [x, y, z, _] = scratch.residual[c as usize];
-                *rhs = Vector3::new(x, y, z);
-            }
-            self.factor.solve(&mut scratch.rhs, &mut scratch.lanes);
-            for (moved, &c) in scratch.rhs.iter().zip(&body.coordinate_of_unknown) {
-                scratch.predicted[c as usize] += *moved;
-            }
+        self.correct(body, state, scratch, false);
+    }
+
+    /// One more, from the guess in `predicted`.
+    pub(super) fn again(&self, body: &Deformable, state: &DeformableState, scratch: &mut DeformableScratch) {
+        self.correct(body, state, scratch, true);
+    }
+
+    /// Adds A⁻¹ of the residual of backward Euler, without contact, to the guess.
+    fn correct(&self, body: &Deformable, state: &DeformableState, scratch: &mut DeformableScratch, has_moved: bool) {
+        let inverse_dt = 1.0 / body.settings.dt_s;
+        for c in 0..state.positions.len() {
+            let moved = scratch.predicted[c] - state.positions[c];
+            let due = (state.velocities[c] - moved * inverse_dt) * inverse_dt
+                + scratch.field.at(&state.positions[c], &state.velocities[c]);
+            let load = due * body.masses[c];
+            scratch.residual[c] = [load.x, load.y, load.z, 0.0];
+        }
+        if has_moved {
+            self.add_damping(body, state, scratch);
+        }
+        lanes(&scratch.predicted, &mut scratch.coordinates);
+        body.add_law_forces(state, scratch);
+        for (rhs, &c) in scratch.rhs.iter_mut().zip(&body.coordinate_of_unknown) {
+            let [x, y, z, _] = scratch.residual[c as usize];
+            *rhs = Vector3::new(x, y, z);
+        }
+        self.factor.solve(&mut scratch.rhs, &mut scratch.lanes);
+        for (moved, &c) in scratch.rhs.iter().zip(&body.coordinate_of_unknown) {
+            scratch.predicted[c as usize] += *moved;
         }
     }
 

@@ -3,7 +3,7 @@
 use super::bends::Bend;
 use super::continuum::Continuum;
 use super::material::Stiffening;
-use super::spring_table::SpringTable;
+use super::spring_table::{ByCoordinate, SpringTable};
 use super::springs::Spring;
 use crate::math::{Lane, Point3};
 
@@ -57,8 +57,14 @@ impl Law {
     }
 
     /// Adds −∂E/∂x, N. `rest`: lengths of the springs without force. Answers with the number of cells that were held back.
-    pub(super) fn add_forces(&self, rest: &[Lane], places: &[Lane], residual: &mut [Lane]) -> u32 {
-        self.springs.add_forces(rest, places, residual);
+    pub(super) fn add_forces(
+        &self,
+        rest: &[Lane],
+        places: &[Lane],
+        residual: &mut [Lane],
+        buffers: &mut ByCoordinate,
+    ) -> u32 {
+        self.springs.add_forces(rest, places, residual, buffers);
         for bend in &self.bends {
             bend.add_force(places, residual);
         }

@@ -90,7 +90,7 @@ fn neighbours(radius: f64, table: &SpringTable, rest: &[Point3]) -> SparseRows {
     let cell = |p: &Point3| [p.x, p.y, p.z].map(|x| (x / radius).floor() as i64);
     let mut sorted: Vec<([i64; 3], usize, Point3)> = springs.iter().map(|&(s, p)| (cell(&p), s, p)).collect();
     sorted.sort_by_key(|entry| (entry.0, entry.1));
-    let mut rows: Vec<Vec<(u32, f64)>> = vec![Vec::new(); 4 * springs.len().div_ceil(4)];
+    let mut rows: Vec<Vec<(u32, f64)>> = vec![Vec::new(); 4 * table.rest().len()];
     for &(spring, middle) in &springs {
         let [x, y, z] = cell(&middle);
         let row = &mut rows[spring];

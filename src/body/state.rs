@@ -1,7 +1,8 @@
 //! What a replay restores of a deforming body, and the buffers of its step.
 
 use super::deformable::Field;
-use crate::math::{Lane, Point3, StateError, StateSink, StateSource, Vector3};
+use super::spring_table::ByCoordinate;
+use crate::math::{Lane, Point3, Rows, StateError, StateSink, StateSource, Vector3};
 
 /// What a replay restores.
 #[derive(Debug, PartialEq)]
@@ -99,16 +100,18 @@ pub struct DeformableScratch {
     pub(super) loaded: Vec<u32>,
     pub(super) is_loaded: Vec<bool>,
     /// (coordinates) and (nodes), x y z 0; the second is empty when nodes are coordinates.
-    pub(super) coordinates: Vec<Lane>,
-    pub(super) nodes: Vec<Lane>,
+    pub(super) coordinates: Rows,
+    pub(super) nodes: Rows,
     /// (coordinates) and (nodes), N.
-    pub(super) residual: Vec<Lane>,
-    pub(super) node_residual: Vec<Lane>,
+    pub(super) residual: Rows,
+    pub(super) node_residual: Rows,
+    /// Of the force pass over springs.
+    pub(super) springs: ByCoordinate,
     /// (coordinates), m/s: velocities within a tick of substeps.
     pub(super) speed: Vec<Vector3>,
     /// (unknowns).
     pub(super) rhs: Vec<Vector3>,
-    pub(super) lanes: Vec<Lane>,
+    pub(super) lanes: Rows,
     /// What free points feel.
     pub(super) field: Field,
     /// Cells held back by the last pass.

@@ -113,6 +113,11 @@ impl FrictionProblem {
         self.displaced.push([0.0; 4]);
     }
 
+    /// Changes a row's displacement without contact forces (m); its force stays as it is.
+    pub fn set_free(&mut self, i: usize, free_m: &Vector3) {
+        self.rows[i].free = lane(free_m);
+    }
+
     /// Runs `sweeps` sweeps on the compliance `matrix` (n × n, row by row, m/N).
     pub fn solve(&mut self, matrix: &[f64], sweeps: usize) {
         debug_assert_eq!(matrix.len(), self.rows.len() * self.rows.len(), "matrix and rows disagree");

@@ -19,6 +19,7 @@
 pub mod broad;
 pub mod complementarity;
 pub mod cones;
+pub mod delassus;
 mod depth;
 pub mod exact;
 pub mod friction;

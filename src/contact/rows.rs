@@ -217,6 +217,23 @@ impl RowSet {
         }
     }
 
+    /// Free motion of a body changed, at its control points by this, m.
+    pub fn shift(&mut self, body: usize, change: &[Vector3]) {
+        let Self { rows, controls, weights, .. } = self;
+        for row in rows {
+            for (sign, range) in row.sides_on(body) {
+                let range = range.start as usize..range.end as usize;
+                let mut moved = Vector3::zeros();
+                for (&control, &weight) in controls[range.clone()].iter().zip(&weights[range]) {
+                    moved += change[control as usize] * weight;
+                }
+                // The holder's motion counts as it is, the body's turned round.
+                row.gap_m += sign * moved.dot(&row.normal);
+                row.slip += moved * sign;
+            }
+        }
+    }
+
     /// A point of a deforming surface after free motion, m.
     pub fn predicted_point(&mut self, view: &DeformingView<'_>, u: f64, v: f64) -> Point3 {
         let (wu, wv) = (view.surface.knots_u().window(u), view.surface.knots_v().window(v));

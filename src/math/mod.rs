@@ -13,12 +13,14 @@ pub type Pose = na::Isometry3<f64>;
 /// 3 × 3 matrix.
 pub type Matrix3 = na::Matrix3<f64>;
 
+mod aligned;
 mod cholesky;
 pub(crate) mod lanes;
 mod quadrature;
 pub mod simd;
 mod state;
 
+pub use aligned::Rows;
 pub use cholesky::{Cholesky, CholeskyError, Lane, SymmetricTriplets};
 pub use quadrature::gauss_legendre;
 pub use state::{SavedState, StateError, StateSink, StateSource, Stateful, state_hash};

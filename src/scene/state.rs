@@ -7,6 +7,7 @@ use super::{BodyModel, Scene};
 use crate::body::{DeformableScratch, DeformableState, Field};
 use crate::contact::complementarity::Complementarity;
 use crate::contact::cones::ConeShare;
+use crate::contact::delassus::Delassus;
 use crate::contact::friction::{FrictionProblem, Stick};
 use crate::contact::grip::{GRAB, GripState};
 use crate::contact::proxy::ProxyState;
@@ -137,11 +138,8 @@ pub struct Scratch {
     pub(crate) sticks: Vec<Stick>,
     /// Rigid contacts of one tool.
     pub(crate) shares: Vec<Share>,
-    /// (unknowns of the largest lattice): displacements of a row's unit force at the nodes concerned.
-    pub(crate) response: Vec<f64>,
-    /// Nodes of the rows of one body, and a mark by node.
-    pub(crate) involved: Vec<u32>,
-    pub(crate) is_involved: Vec<bool>,
+    /// Of one body after the other.
+    pub(crate) delassus: Delassus,
     /// Where bodies that take several ticks step; without it they step in the tick in which they are due.
     pub(crate) pipeline: Option<Box<dyn Pipeline>>,
 }
@@ -184,6 +182,8 @@ pub(crate) struct DeformingScratch {
     pub lattice: DeformableScratch,
     /// Net after the next free motion.
     pub predicted_net: Vec<Point3>,
+    /// What one more iteration changed of it.
+    pub change: Vec<Vector3>,
 }
 
 impl Scene {
@@ -223,7 +223,8 @@ impl Scene {
         let width = |surface: &Surface| (surface.knots_u().degree() + 1) * (surface.knots_v().degree() + 1);
         let rows = self.bodies.iter().map(|body| width(&body.surface)).max().unwrap_or(1);
         let lattices = || (0..self.body_count()).filter_map(|body| self.lattice(body));
-        let nodes = lattices().map(|lattice| lattice.coordinate_count()).max().unwrap_or(0);
+        let unknowns = lattices().map(|lattice| lattice.unknown_count()).max().unwrap_or(0);
+        let surface = self.bodies.iter().map(|body| body.surface.net().points().len()).max().unwrap_or(0);
         let bodies = self.bodies.iter().map(|body| BodyScratch {
             surface: body.surface.clone(),
             solver: ClosestSolver::new(&body.surface),
@@ -233,6 +234,7 @@ impl Scene {
                 BodyModel::Lattice(model) => Some(DeformingScratch {
                     lattice: model.lattice.scratch(),
                     predicted_net: body.surface.net().points().to_vec(),
+                    change: vec![Vector3::zeros(); body.surface.net().points().len()],
                 }),
             },
         });
@@ -249,9 +251,7 @@ impl Scene {
             cones: Vec::with_capacity(frictional_rows),
             sticks: Vec::with_capacity(frictional_rows),
             shares: Vec::with_capacity(MAX_ROWS),
-            response: vec![0.0; nodes],
-            involved: Vec::with_capacity(nodes),
-            is_involved: vec![false; nodes],
+            delassus: Delassus::new(2 * MAX_ROWS, rows, unknowns, surface),
             pipeline: None,
         };
         for body in 0..self.body_count() {

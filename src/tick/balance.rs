@@ -20,15 +20,24 @@ const RIGID_SWEEPS: usize = 50;
 /// Weight of a row that carries, relative to the depth that its force means to the coupling.
 const LEAST_WEIGHT: f64 = 1e-3;
 
+/// Where a solve starts.
+#[derive(Clone, Copy, PartialEq)]
+enum Start {
+    /// With the forces of the last tick.
+    LastTick,
+    /// With those there are.
+    Here,
+}
+
 /// Solves for the force of every row.
-pub(super) fn solve(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch) {
+pub(super) fn solve(scene: &Scene, state: &SceneState, scratch: &mut Scratch) {
     let count = scratch.rows.rows.len();
     scratch.problem.begin(count);
     scratch.friction.clear();
     if count == 0 {
         return;
     }
-    let whole = scratch.rows.rows.iter().any(|row| row.law != Law::Push { mu: 0.0 });
+    let whole = is_whole(scratch);
     for i in 0..count {
         let a = scratch.rows.rows[i];
         let Some(tool) = a.tool() else { continue };
@@ -40,32 +49,59 @@ pub(super) fn solve(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch
             }
         }
     }
-    let mut sweeps = if count > 1 { RIGID_SWEEPS } else { 1 };
     for (b, body) in scene.bodies.iter().enumerate() {
         if let BodyModel::Lattice(model) = &body.model {
-            sweeps = sweeps.max(model.sweeps);
             add_body_compliance(b, &model.lattice, whole, scratch);
         }
     }
     super::cover::ease_feet(scene, scratch);
-    if whole {
-        return solve_whole(scene, state, scratch, sweeps);
+    solve_rows(scene, state, scratch, Start::LastTick);
+}
+
+/// Solves once more, on the same compliance, after gaps have changed.
+pub(super) fn solve_again(scene: &Scene, state: &SceneState, scratch: &mut Scratch) {
+    if !scratch.rows.rows.is_empty() {
+        solve_rows(scene, state, scratch, Start::Here);
+    }
+}
+
+/// Some force has three components.
+fn is_whole(scratch: &Scratch) -> bool {
+    scratch.rows.rows.iter().any(|row| row.law != Law::Push { mu: 0.0 })
+}
+
+fn sweeps(scene: &Scene, count: usize) -> usize {
+    let rigid = if count > 1 { RIGID_SWEEPS } else { 1 };
+    let of_bodies = scene.bodies.iter().filter_map(|body| match &body.model {
+        BodyModel::Lattice(model) => Some(model.sweeps),
+        BodyModel::Rigid => None,
+    });
+    of_bodies.fold(rigid, usize::max)
+}
+
+fn solve_rows(scene: &Scene, state: &SceneState, scratch: &mut Scratch, start: Start) {
+    if is_whole(scratch) {
+        return solve_whole(scene, state, scratch, start);
     }
     let mut warm = state.warm[..state.warm_len].iter().peekable();
     for (i, row) in scratch.rows.rows.iter().enumerate() {
         // Both lists are ordered by key.
         while warm.next_if(|old| old.key < row.key()).is_some() {}
-        let force = warm.next_if(|old| old.key == row.key()).map_or(0.0, |old| old.force_n);
+        let old = warm.next_if(|old| old.key == row.key());
+        let force = match start {
+            Start::LastTick => old.map_or(0.0, |old| old.force_n),
+            Start::Here => scratch.problem.forces()[i],
+        };
         scratch.problem.set(i, row.gap_m, force);
     }
-    scratch.problem.solve(sweeps);
+    scratch.problem.solve(sweeps(scene, scratch.rows.rows.len()));
     for tool in 0..scene.tools.len() {
         share_among_rigid(scene, scratch, tool);
     }
 }
 
 /// Solves for forces of three components.
-fn solve_whole(scene: &Scene, state: &SceneState, scratch: &mut Scratch, sweeps: usize) {
+fn solve_whole(scene: &Scene, state: &SceneState, scratch: &mut Scratch, start: Start) {
     let count = scratch.rows.rows.len();
     scratch.sticks.clear();
     let mut warm = state.warm[..state.warm_len].iter().peekable();
@@ -85,9 +121,12 @@ fn solve_whole(scene: &Scene, state: &SceneState, scratch: &mut Scratch, sweeps:
             }
             grip => (grip, row.slip),
         };
-        scratch.friction.push(&row.normal, &free, law, &(row.normal * force_n + tangent_n));
+        match start {
+            Start::LastTick => scratch.friction.push(&row.normal, &free, law, &(row.normal * force_n + tangent_n)),
+            Start::Here => scratch.friction.set_free(i, &free),
+        }
     }
-    scratch.friction.solve(scratch.problem.matrix(), sweeps);
+    scratch.friction.solve(scratch.problem.matrix(), sweeps(scene, count));
     for tool in 0..scene.tools.len() {
         share_whole_among_rigid(scene, scratch, tool);
     }
@@ -147,63 +186,27 @@ fn share_among_rigid(scene: &Scene, scratch: &mut Scratch, tool: usize) {
 
 /// Adds what a body's surface gives way under its rows.
 fn add_body_compliance(body: usize, lattice: &Deformable, whole: bool, scratch: &mut Scratch) {
-    let Scratch { rows, problem, response, involved, is_involved, .. } = scratch;
-    involved.clear();
-    for row in &rows.rows {
-        for (_, range) in row.sides_on(body) {
-            for &control in rows.weights_in(range).0 {
-                if let Some(unknown) = lattice.unknown(lattice.coordinate_of_control(control as usize))
-                    && !is_involved[unknown]
-                {
-                    is_involved[unknown] = true;
-                    involved.push(unknown as u32);
-                }
-            }
+    let Scratch { rows, problem, delassus, .. } = scratch;
+    delassus.clear();
+    for (i, row) in rows.rows.iter().enumerate() {
+        for (sign, side) in row.sides_on(body) {
+            let (controls, weights) = rows.weights_in(side);
+            let moving = controls.iter().zip(weights).filter_map(|(&control, &weight)| {
+                let coordinate = lattice.coordinate_of_control(control as usize);
+                Some((lattice.unknown(coordinate)?, coordinate, weight))
+            });
+            delassus.add(i, sign, moving);
         }
     }
-    let all = || rows.rows.iter().enumerate();
-    for (i, a) in all() {
-        for (k, (sign_a, side_a)) in a.sides_on(body).enumerate() {
-            // What a unit force on this side does to the nodes concerned.
-            for &unknown in involved.iter() {
-                response[unknown as usize] = 0.0;
-            }
-            let (controls, weights) = rows.weights_in(side_a);
-            for (&control, &weight) in controls.iter().zip(weights) {
-                if let Some(column) = lattice.compliance_of(lattice.coordinate_of_control(control as usize)) {
-                    for &unknown in involved.iter() {
-                        response[unknown as usize] += weight * column[unknown as usize];
-                    }
-                }
-            }
-            let moved_at = |side_b| {
-                let (controls, weights) = rows.weights_in(side_b);
-                let mut moved = 0.0;
-                for (&control, &weight) in controls.iter().zip(weights) {
-                    if let Some(unknown) = lattice.unknown(lattice.coordinate_of_control(control as usize)) {
-                        moved += weight * response[unknown];
-                    }
-                }
-                moved
-            };
-            for (j, b) in all().skip(i) {
-                for (l, (sign_b, side_b)) in b.sides_on(body).enumerate() {
-                    // A row with both sides on this body meets itself: each pair of its sides counts once a way.
-                    if j == i && l < k {
-                        continue;
-                    }
-                    let entry = sign_a * sign_b * direction(a, b, whole) * moved_at(side_b);
-                    problem.row_mut(i)[j] += entry;
-                    if j > i || l > k {
-                        problem.row_mut(j)[i] += entry;
-                    }
-                }
-            }
+    delassus.respond(|coordinate| lattice.compliance_of(coordinate));
+    delassus.each_pair(|pair| {
+        let [i, j] = pair.rows;
+        let entry = pair.compliance * direction(&rows.rows[i], &rows.rows[j], whole);
+        problem.row_mut(i)[j] += entry;
+        if !pair.same {
+            problem.row_mut(j)[i] += entry;
         }
-    }
-    for &unknown in involved.iter() {
-        is_involved[unknown as usize] = false;
-    }
+    });
 }
 
 /// How much a force of one row moves another, in terms of what their places give way.

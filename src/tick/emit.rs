@@ -1,18 +1,16 @@
 //! What comes out of the contact solve: limited forces for the hands, loads for the bodies, reports for everybody.
 
 use super::record::{ContactReport, TickOutput};
-use super::{grip, stick};
-use crate::contact::friction::Law;
-use crate::contact::rows::{Holder, Row};
+use super::{grip, load, stick};
+use crate::contact::rows::Row;
 use crate::haptics::{LinkPhase, limit};
-use crate::math::{Point3, Vector3};
-use crate::scene::{BodyModel, Method, Scene, SceneState, Scratch, WarmRow, flags};
+use crate::math::Vector3;
+use crate::scene::{Method, Scene, SceneState, Scratch, WarmRow, flags};
 
 /// Limits the forces, loads the bodies with their opposites, and writes what the tools get.
 pub(super) fn emit(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch, output: &mut TickOutput) {
     for (t, tool) in scene.tools.iter().enumerate() {
         let own = |row: &&Row| row.tool() == Some(t);
-        let forces = scratch.problem.forces();
         let tool_state = &mut state.tools[t];
         let out = &mut output.tools[t];
         out.proxy_orientation = tool_state.orientation();
@@ -21,19 +19,8 @@ pub(super) fn emit(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch,
             continue;
         }
         let ball = tool.shape.ball_radius_m().is_some();
-        let (mut force, mut torque) = (Vector3::zeros(), Vector3::zeros());
         let free = scratch.rows.free[t];
-        if scratch.friction.is_active() {
-            (force, torque) = whole_wrench(scene, scratch, t);
-        } else {
-            for (row, &lambda) in scratch.rows.rows.iter().zip(forces).filter(|(row, _)| own(row)) {
-                let push = row.normal * lambda;
-                force += push;
-                if !ball {
-                    torque += (row.point - free).cross(&push);
-                }
-            }
-        }
+        let (force, torque) = load::wrench(scene, scratch, t);
         let (rendered, factor) = limit(force, torque, tool_state.link.limit_n);
         let held = free + force * tool.coupling.compliance_m_n();
         // A saturated coupling lets the device in further than the balance knows: a ball then stays on the surface as it
@@ -85,72 +72,28 @@ pub(super) fn emit(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch,
     load_bodies(scene, state, scratch);
 }
 
-/// Force and torque on a tool when forces have three components. Drag on a ball turns it about its centre; what presses it
-/// does not.
-fn whole_wrench(scene: &Scene, scratch: &Scratch, t: usize) -> (Vector3, Vector3) {
-    let Scratch { rows, friction, .. } = scratch;
-    let own = || rows.rows.iter().enumerate().filter(|(_, row)| row.tool() == Some(t));
-    let force: Vector3 = own().map(|(i, _)| friction.force_n(i)).sum();
-    let ball = scene.tools[t].shape.ball_radius_m().is_some();
-    let held: Point3 = rows.free[t] + force * scene.tools[t].coupling.compliance_m_n();
-    let centre = if ball { held } else { rows.free[t] };
-    let turns = |i: usize, row: &Row| match row.law {
-        Law::Push { .. } if ball => friction.tangent_n(i),
-        _ => friction.force_n(i),
-    };
-    let torque = own().map(|(i, row)| (row.point - centre).cross(&turns(i, row))).sum();
-    (force, torque)
-}
-
 fn report(row: &Row, depth_m: f64, force_n: Vector3) -> ContactReport {
     let Row { body, holder, u, v, point, normal, .. } = *row;
     ContactReport { body, holder, u, v, point, normal, depth_m, force_n }
 }
 
-/// ∓λ n N_i on the nodes of every row's sides, scaled as the hand's force was; and the warm start of the next tick.
+/// Forces of all rows on the bodies, and the warm start of the next tick.
 fn load_bodies(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch) {
     state.warm_len = 0;
     state.warm_friction = scratch.friction.is_active();
     for i in 0..scratch.rows.rows.len() {
-        let lambda = scratch.problem.forces()[i];
-        let whole = scratch.friction.is_active().then(|| scratch.friction.force_n(i));
-        let idle = whole.map_or(lambda == 0.0, |push| push == Vector3::zeros());
-        if idle || !whole.map_or(lambda.is_finite(), |push| push.iter().all(|x| x.is_finite())) {
+        if !load::carries(scratch, i) {
             continue;
         }
-        let Row { u, v, .. } = scratch.rows.rows[i];
-        let mut warm = WarmRow { key: scratch.rows.rows[i].key(), uv: [u, v], force_n: lambda, ..WarmRow::default() };
-        if whole.is_some() {
+        let (Row { u, v, .. }, force_n) = (scratch.rows.rows[i], scratch.problem.forces()[i]);
+        let mut warm = WarmRow { key: scratch.rows.rows[i].key(), uv: [u, v], force_n, ..WarmRow::default() };
+        if scratch.friction.is_active() {
             warm.tangent_n = scratch.friction.tangent_n(i);
             warm.slips = scratch.friction.slips(i);
             warm.stick = stick::kept(i, scratch);
         }
         state.warm[state.warm_len] = warm;
         state.warm_len += 1;
-        let Scratch { bodies, rows, .. } = scratch;
-        let row = &rows.rows[i];
-        let factor = row.tool().map_or(1.0, |tool| rows.factors[tool]);
-        let other = match row.holder {
-            Holder::Body(other) if other != row.body => Some(other),
-            _ => None,
-        };
-        for body in std::iter::once(row.body).chain(other) {
-            let constants = &scene.bodies[body as usize];
-            let (BodyModel::Lattice(model), Some(deforming)) = (&constants.model, &mut bodies[body as usize].deforming)
-            else {
-                continue;
-            };
-            for (sign, range) in row.sides_on(body as usize) {
-                let force = match whole {
-                    Some(push) => push * (sign * factor),
-                    None => row.normal * (sign * lambda * factor),
-                };
-                let (controls, weights) = rows.weights_in(range);
-                for (&control, &weight) in controls.iter().zip(weights) {
-                    let node = model.lattice.coordinate_of_control(control as usize);
-                    model.lattice.push(&mut deforming.lattice, node, force * weight);
-                }
-            }
-        }
+        load::push_bodies(scene, scratch, i, |_| true);
     }
 }

@@ -15,7 +15,9 @@ mod emit;
 mod feet;
 mod gather;
 mod grip;
+mod iterate;
 pub mod journal;
+mod load;
 mod motion;
 mod near;
 #[cfg(feature = "daemon")]

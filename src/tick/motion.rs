@@ -51,12 +51,13 @@ pub(super) fn advance(scene: &Scene, state: &mut SceneState, scratch: &mut Scrat
 }
 
 /// A tick in which bodies do not move: what pressed them is forgotten.
-pub(super) fn stand_still(scene: &Scene, scratch: &mut Scratch) {
+pub(super) fn stand_still(scene: &Scene, state: &SceneState, scratch: &mut Scratch) {
     for (body, parts) in scene.bodies.iter().zip(&mut scratch.bodies) {
         if let (BodyModel::Lattice(model), Some(deforming)) = (&body.model, &mut parts.deforming) {
             model.lattice.drop_loads(&mut deforming.lattice);
         }
     }
+    super::iterate::forget(scene, state, scratch);
 }
 
 fn step(

@@ -1,7 +1,7 @@
 //! One tick: pure, no clock, no I/O, no allocation, no lock, no error.
 
 use super::record::{Command, TickFault, TickInput, TickOutput};
-use super::{admit, balance, emit, gather, motion};
+use super::{admit, balance, emit, gather, iterate, motion};
 use crate::math::{SavedState, StateError, state_hash};
 use crate::scene::{RunState, Scene, SceneState, Scratch};
 
@@ -29,6 +29,7 @@ pub fn render(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch, inpu
     admit::admit(scene, state, input, wanted, &mut output);
     gather::gather(scene, state, scratch);
     balance::solve(scene, state, scratch);
+    iterate::iterate(scene, state, scratch);
     emit::emit(scene, state, scratch, &mut output);
     output
 }
@@ -36,7 +37,7 @@ pub fn render(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch, inpu
 /// Second half: moves the bodies, predicts their next free motion, hashes the state.
 pub fn deform(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch, output: &mut TickOutput) {
     if !output.moving {
-        motion::stand_still(scene, scratch);
+        motion::stand_still(scene, state, scratch);
     } else if !motion::advance(scene, state, scratch) {
         output.fault = Some(TickFault::NotFinite);
     }

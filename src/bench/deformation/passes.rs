@@ -6,7 +6,7 @@ use crate::body::{
     Continuum, CubeLattice, Elastic, Inside, Integrator, Material, Solid, SomSettings, SpringRule, StepSettings,
     layers, preset, som, transfinite,
 };
-use crate::math::Point3;
+use crate::math::{Point3, Rows};
 use crate::surface::builtin;
 use std::time::Duration;
 
@@ -85,9 +85,9 @@ fn continuum(case: &str, nodes: usize, effort: Effort, out: &mut dyn FnMut(Row))
     let Some((cube, _)) = cube(nodes) else { return };
     let elastic = vec![Elastic { young_pa: 20e3, poisson: 0.3 }; cube.grid.cells.len()];
     let Ok(continuum) = Continuum::new(&cube.grid, &elastic) else { return };
-    let places: Vec<[f64; 4]> =
+    let places: Rows =
         cube.grid.nodes.iter().enumerate().map(|(k, p)| [p.x + 1e-4 * libm::sin(k as f64), p.y, p.z, 0.0]).collect();
-    let mut residual = vec![[0.0; 4]; places.len()];
+    let mut residual = Rows::zeros(places.len());
     let (n, patience) = calls(effort);
     let times = time(n, patience, |_| clocked(|| continuum.add_forces(&places, &mut residual)).0);
     let note = format!(

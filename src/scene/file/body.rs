@@ -30,6 +30,13 @@ impl Check<'_> {
         self.within(b, "substeps", integrator.substeps, 1_000);
         self.within(b, "contact_sweeps", integrator.contact_sweeps, 1_000);
         self.within(b, "every", integrator.every as usize, 100);
+        if integrator.iterations > 1 && integrator.every > 1 {
+            let message = format!(
+                "iterations is {} and every is {}: contact is settled between the iterations of one tick; give one of them 1",
+                integrator.iterations, integrator.every
+            );
+            self.refuse("body", b, "iterations", message);
+        }
         self.not_below_zero("body", b, "sleep_m_s", integrator.sleep_m_s, "m/s");
         for fixed in &body.fixed {
             match fixed {

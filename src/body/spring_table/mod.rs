@@ -1,35 +1,47 @@
-//! The force pass over springs: four side by side, in an order in which neighbours in memory share no node.
+//! The force pass over springs, four side by side.
 //!
-//! g_i = Σ k (|d| − L) / |d| d, eqs. 5.8–5.13 of the thesis. A spring without length has no direction and no force.
+//! g_i = Σ k (|d| − L) / |d| d, eqs. 5.8–5.13 of the thesis. A spring without length has no direction and no force. Most
+//! springs of a lattice lie in [`panels`]; those left over are taken in an order in which neighbours in memory share no
+//! node.
+
+mod panels;
+mod pull;
 
 use super::material::Stiffening;
 use super::springs::Spring;
 use crate::math::lanes::{Baseline, Four, Lanes};
 use crate::math::{Lane, Point3, simd};
+pub use panels::ByCoordinate;
+use panels::{Grouped, Panels};
+use pull::Pull;
 
-/// Springs four by four; the last block is filled up with springs without stiffness from a node to itself.
+/// Springs four by four: first those in panels, then the others. The last block is filled up with springs without
+/// stiffness from a node to itself.
 #[derive(Clone, Debug, Default)]
 pub(super) struct SpringTable {
+    panels: Panels,
+    /// (blocks of loose springs).
     a: Vec<[u32; 4]>,
     b: Vec<[u32; 4]>,
+    /// (groups of panels, then blocks of loose springs).
     stiffness: Vec<Four>,
     rest: Vec<Four>,
     stiffening: Option<Stiffening>,
     count: usize,
+    loose_count: usize,
 }
 
 /// Springs looked through for one that shares no node with its block.
 const WINDOW: usize = 64;
-/// No stiffening.
-const PLAIN: Stiffening = Stiffening { strain: f64::INFINITY, ratio: 1.0, least_length: 0.0, least_length_ratio: 1.0 };
-/// Lengths below this count as this long: the force of a spring without length is then zero, not undefined.
-const LEAST_LENGTH: f64 = 1e-100;
 
 impl SpringTable {
+    /// Of springs in the order of their nodes, a < b.
     pub(super) fn new(springs: &[Spring], stiffening: Option<Stiffening>) -> Self {
-        let mut table = Self { stiffening, count: springs.len(), ..Self::default() };
+        let Grouped { panels, stiffness, rest, loose } = Panels::group(springs);
+        let (count, loose_count) = (springs.len(), loose.len());
+        let mut table = Self { panels, a: Vec::new(), b: Vec::new(), stiffness, rest, stiffening, count, loose_count };
         let mut waiting: Vec<&Spring> = Vec::with_capacity(WINDOW);
-        let mut coming = springs.iter();
+        let mut coming = loose.iter();
         loop {
             while waiting.len() < WINDOW
                 && let Some(spring) = coming.next()
@@ -66,49 +78,60 @@ impl SpringTable {
 
     /// Springs by block and place: (block, place, a, b, k).
     pub(super) fn each(&self) -> impl Iterator<Item = (usize, usize, usize, usize, f64)> + '_ {
-        (0..self.count).map(|_| ()).zip(self.places()).map(|((), (block, place))| {
-            let (a, b) = (self.a[block][place] as usize, self.b[block][place] as usize);
-            (block, place, a, b, self.stiffness[block][place])
-        })
+        let groups = self.panels.len();
+        // Only the last block of loose springs may be short.
+        let loose = (0..self.loose_count).map(move |k| {
+            let (block, place) = (k / 4, k % 4);
+            (groups + block, place, self.a[block][place] as usize, self.b[block][place] as usize)
+        });
+        let all = self.panels.each().chain(loose);
+        all.map(|(block, place, a, b)| (block, place, a, b, self.stiffness[block][place]))
     }
 
-    fn places(&self) -> impl Iterator<Item = (usize, usize)> + use<> {
-        // Only the last block of a run may be short, and runs end only with the springs.
-        (0..self.a.len()).flat_map(|block| (0..4).map(move |place| (block, place)))
+    /// Buffers of a pass.
+    pub(super) fn buffers(&self) -> ByCoordinate {
+        self.panels.buffers()
     }
 
     /// Adds forces (N) to `residual`; `rest`: lengths without force, four by four.
-    pub(super) fn add_forces(&self, rest: &[Four], places: &[Lane], residual: &mut [Lane]) {
+    pub(super) fn add_forces(&self, rest: &[Four], places: &[Lane], residual: &mut [Lane], buffers: &mut ByCoordinate) {
         #[cfg(target_arch = "x86_64")]
         if simd::has_avx2() {
             // SAFETY: the processor has AVX2, asked just above.
             #[allow(unsafe_code)]
-            return unsafe { add_forces_wide(self, rest, places, residual) };
+            return unsafe { add_forces_wide(self, rest, places, residual, buffers) };
         }
-        self.add_forces_in::<Baseline>(rest, places, residual);
+        self.add_forces_in::<Baseline>(rest, places, residual, buffers);
+    }
+
+    #[inline(always)]
+    fn add_forces_in<L: Lanes>(
+        &self,
+        rest: &[Four],
+        places: &[Lane],
+        residual: &mut [Lane],
+        buffers: &mut ByCoordinate,
+    ) {
+        match &self.stiffening {
+            None => self.run(&Pull::<L, false>::new(None), rest, places, residual, buffers),
+            Some(law) => self.run(&Pull::<L, true>::new(Some(law)), rest, places, residual, buffers),
+        }
     }
 
     // No closures here: what they call would not be compiled for the wider registers of the function around them.
     #[inline(always)]
-    fn add_forces_in<L: Lanes>(&self, rest: &[Four], places: &[Lane], residual: &mut [Lane]) {
-        match &self.stiffening {
-            None => self.run::<L, false>(&PLAIN, rest, places, residual),
-            Some(law) => self.run::<L, true>(law, rest, places, residual),
-        }
-    }
-
-    #[inline(always)]
     fn run<L: Lanes, const STIFFENING: bool>(
         &self,
-        law: &Stiffening,
+        pull: &Pull<L, STIFFENING>,
         rest: &[Four],
         places: &[Lane],
         residual: &mut [Lane],
+        buffers: &mut ByCoordinate,
     ) {
-        let (far, near) = (L::splat(1.0 + law.strain.min(1e100)), L::splat(law.least_length));
-        let (more_far, more_near) = (L::splat(law.ratio - 1.0), L::splat(law.least_length_ratio - 1.0));
-        let (zero, least) = (L::splat(0.0), L::splat(LEAST_LENGTH));
-        for (((a, b), k), rest) in self.a.iter().zip(&self.b).zip(&self.stiffness).zip(rest) {
+        let (of_panels, stiffness) = self.stiffness.split_at(self.panels.len());
+        let (rest_of_panels, rest) = rest.split_at(self.panels.len());
+        self.panels.add_forces(pull, (of_panels, rest_of_panels), places, residual, buffers);
+        for (((a, b), k), rest) in self.a.iter().zip(&self.b).zip(stiffness).zip(rest) {
             let d = [
                 L::load(&places[b[0] as usize]) - L::load(&places[a[0] as usize]),
                 L::load(&places[b[1] as usize]) - L::load(&places[a[1] as usize]),
@@ -116,17 +139,8 @@ impl SpringTable {
                 L::load(&places[b[3] as usize]) - L::load(&places[a[3] as usize]),
             ];
             let [x, y, z, _] = L::transposed(d);
-            let length = (x * x + y * y + z * z).sqrt().greatest(least);
-            let rest = L::load(rest);
-            let mut stretch = length - rest;
-            if STIFFENING {
-                let over = (length - rest * far).greatest(zero);
-                let under = (length - rest * near).least(zero);
-                stretch = stretch + over * more_far + under * more_near;
-            }
-            let pull = L::load(k) * stretch / length;
             let mut pulls = [0.0; 4];
-            pull.store(&mut pulls);
+            pull.of([x, y, z], k, rest).store(&mut pulls);
             for s in 0..4 {
                 let force = d[s] * L::splat(pulls[s]);
                 let near = &mut residual[a[s] as usize];
@@ -157,8 +171,14 @@ impl SpringTable {
 /// The same code with 256-bit registers; no fused multiply-add, so the bits are the same.
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2")]
-fn add_forces_wide(table: &SpringTable, rest: &[Four], places: &[Lane], residual: &mut [Lane]) {
-    table.add_forces_in::<crate::math::lanes::Wide>(rest, places, residual);
+fn add_forces_wide(
+    table: &SpringTable,
+    rest: &[Four],
+    places: &[Lane],
+    residual: &mut [Lane],
+    buffers: &mut ByCoordinate,
+) {
+    table.add_forces_in::<crate::math::lanes::Wide>(rest, places, residual, buffers);
 }
 
 #[cfg(test)]
@@ -205,7 +225,7 @@ mod tests {
                 table.energy_j(table.rest(), |k| Point3::new(places[k][0], places[k][1], places[k][2]))
             };
             let mut forces = vec![[0.0; 4]; 30];
-            table.add_forces(table.rest(), &places, &mut forces);
+            table.add_forces(table.rest(), &places, &mut forces, &mut table.buffers());
             let step = 1e-6;
             for node in 0..30 {
                 for c in 0..3 {
@@ -217,6 +237,76 @@ mod tests {
                     // Central differences of energies of some hundred joules.
                     assert!((forces[node][c] + slope).abs() < 1e-5, "{} is not {}", forces[node][c], -slope);
                 }
+            }
+        }
+    }
+
+    /// Springs of a bent lattice, and a few across it.
+    fn lattice(random: &mut Random, [m, n, o]: [u32; 3]) -> (Vec<Spring>, Vec<Lane>) {
+        let index = |i: u32, j: u32, k: u32| (i * n + j) * o + k;
+        let mut pairs = Vec::new();
+        for (i, j, k) in (0..m).flat_map(|i| (0..n).flat_map(move |j| (0..o).map(move |k| (i, j, k)))) {
+            for (di, dj, dk) in [(0, 0, 1), (0, 1, 0), (0, 1, 1), (1, 0, 0), (1, 0, 1), (1, 1, 0)] {
+                if i + di < m && j + dj < n && k + dk < o {
+                    pairs.push((index(i, j, k), index(i + di, j + dj, k + dk)));
+                }
+            }
+        }
+        pairs.extend([(0, m * n * o - 1), (1, m * n * o - 1), (2, 2 + m)]);
+        pairs.sort_unstable();
+        let spring = |(a, b)| Spring { a, b, stiffness_n_m: 1.0 + random.next(), rest_length_m: 0.9 + random.next() };
+        let springs = pairs.into_iter().map(spring).collect();
+        let places = (0..m * n * o).map(|k| f64::from(k) + random.next());
+        let places = places.map(|k| [libm::sin(k), libm::cos(1.7 * k), 0.1 * k, 0.0]).collect();
+        (springs, places)
+    }
+
+    #[test]
+    fn lattices_lie_in_panels_and_feel_what_each_spring_does() {
+        let mut random = Random(11);
+        for size in [[2, 2, 2], [3, 4, 5], [5, 5, 7], [4, 4, 4]] {
+            for law in [None, Some(LAW)] {
+                let (springs, places) = lattice(&mut random, size);
+                let table = SpringTable::new(&springs, law);
+                assert!(table.loose_count < springs.len() / 4 + 12, "{} loose of {}", table.loose_count, springs.len());
+                let mut asked: Vec<_> = springs.iter().map(|s| (s.a as usize, s.b as usize, s.stiffness_n_m)).collect();
+                let mut seen: Vec<_> = table.each().map(|(.., a, b, k)| (a, b, k)).collect();
+                asked.sort_by(|s, t| s.partial_cmp(t).unwrap());
+                seen.sort_by(|s, t| s.partial_cmp(t).unwrap());
+                assert_eq!(seen, asked);
+                let rest: Vec<f64> = table.each().map(|(block, place, ..)| table.rest()[block][place]).collect();
+                let asked_rest: f64 = springs.iter().map(|s| s.rest_length_m).sum();
+                assert!((rest.iter().sum::<f64>() - asked_rest).abs() < 1e-9);
+
+                let mut expected = vec![[0.0; 3]; places.len()];
+                for s in &springs {
+                    let (a, b) = (s.a as usize, s.b as usize);
+                    let d: [f64; 3] = std::array::from_fn(|c| places[b][c] - places[a][c]);
+                    let length = d.iter().map(|x| x * x).sum::<f64>().sqrt();
+                    let mut stretch = length - s.rest_length_m;
+                    if let Some(law) = law {
+                        stretch += (law.ratio - 1.0) * (length - s.rest_length_m * (1.0 + law.strain)).max(0.0);
+                        stretch +=
+                            (law.least_length_ratio - 1.0) * (length - s.rest_length_m * law.least_length).min(0.0);
+                    }
+                    for c in 0..3 {
+                        expected[a][c] += s.stiffness_n_m * stretch / length * d[c];
+                        expected[b][c] -= s.stiffness_n_m * stretch / length * d[c];
+                    }
+                }
+                let (mut forces, mut buffers) = (vec![[0.5; 4]; places.len()], table.buffers());
+                for pass in 0..2 {
+                    forces.iter_mut().for_each(|f| f[..3].fill(0.5));
+                    table.add_forces(table.rest(), &places, &mut forces, &mut buffers);
+                    for (got, want) in forces.iter().zip(&expected) {
+                        for c in 0..3 {
+                            assert!((got[c] - 0.5 - want[c]).abs() < 1e-12, "pass {pass}: {got:?} is not {want:?}");
+                        }
+                    }
+                }
+                let mut slow = vec![[0.5; 4]; places.len()];
+                table.add_forces_in::<Baseline>(table.rest(), &places, &mut slow, &mut buffers);
+                assert_eq!(slow, forces);
             }
         }
     }
@@ -233,7 +323,7 @@ mod tests {
             asked.sort_unstable();
             assert_eq!(seen, asked);
             let mut forces = vec![[0.0; 4]; 20];
-            table.add_forces(table.rest(), &places, &mut forces);
+            table.add_forces(table.rest(), &places, &mut forces, &mut table.buffers());
             for c in 0..3 {
                 assert!(forces.iter().map(|f| f[c]).sum::<f64>().abs() < 1e-11);
                 assert!(forces.iter().all(|f| f[c].is_finite()));
@@ -248,8 +338,8 @@ mod tests {
             let (springs, places) = springs(&mut random, 40, 401);
             let table = SpringTable::new(&springs, law);
             let (mut slow, mut fast) = (vec![[0.0; 4]; 40], vec![[0.0; 4]; 40]);
-            table.add_forces_in::<Baseline>(table.rest(), &places, &mut slow);
-            table.add_forces(table.rest(), &places, &mut fast);
+            table.add_forces_in::<Baseline>(table.rest(), &places, &mut slow, &mut table.buffers());
+            table.add_forces(table.rest(), &places, &mut fast, &mut table.buffers());
             assert_eq!(slow, fast);
         }
     }
