@@ -1,8 +1,11 @@
 //! What the tests of the continuum share.
 
 mod accuracy;
+mod beams;
 mod energy;
+mod frequency;
 mod stability;
+mod statics;
 
 use super::*;
 use crate::body::layers::{RingEnds, Rings, rings};
