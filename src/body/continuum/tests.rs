@@ -70,8 +70,8 @@ pub(in crate::body) fn spindle() -> CellGrid {
         }
     }
     let ends = RingEnds { axis_closed: false, first_pole: true, last_pole: true };
-    let shape = Rings { around, along, ends };
-    rings(&points, &shape, 2, |i, j| i * along + j, |k| (k / along, k % along))
+    let shape = Rings::seamless(around, along, ends);
+    rings(&points, &shape, 2)
 }
 
 pub(in crate::body) fn lanes(points: &[Point3]) -> Vec<Lane> {
