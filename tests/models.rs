@@ -1,13 +1,12 @@
-//! Models, methods, materials and frames: what each promises.
+//! Models, methods and materials: what each promises.
 
 mod common;
 
-use common::{World, pose};
+use common::World;
 use palpate::body::DeformableState;
-use palpate::math::{Rotation, SavedState, Vector3, state_hash};
-use palpate::tick::record::TickInput;
+use palpate::math::{SavedState, Vector3, state_hash};
+use palpate::tick::restore;
 use palpate::tick::workers::Workers;
-use palpate::tick::{restore, step};
 use std::sync::Arc;
 
 const BALL: &str = r#"
@@ -119,6 +118,27 @@ fn the_automatic_method_says_why() {
         let lattice = plan.bodies[0].lattice.as_ref().unwrap();
         assert_eq!(lattice.method, method, "{}", lattice.why);
         assert!(lattice.why.contains(why), "{}", lattice.why);
+    }
+}
+
+// Cells count as springs do: explicit passes over them are not free.
+#[test]
+fn the_automatic_method_counts_the_cells_of_a_continuum() {
+    for (iterations, young, method) in [(3, 200.0, "explicit"), (1, 2e6, "implicit")] {
+        let more = format!(
+            "integrator = {{ method = \"auto\", iterations = {iterations} }}\n\
+             material = {{ young_pa = {young:?}, damping_s = 0.0 }}"
+        );
+        let world = World::new(&slab("continuum", &more));
+        let plan = world.scene.plan();
+        let lattice = plan.bodies[0].lattice.as_ref().unwrap();
+        // "…: N explicit substeps would take X us, implicit Y us".
+        let numbers: Vec<f64> = lattice.why.split([' ', ',']).filter_map(|word| word.parse().ok()).collect();
+        let &[substeps, explicit_us, implicit_us] = &numbers[..] else { panic!("{}", lattice.why) };
+        println!("{young} Pa: {}", lattice.why);
+        assert!(substeps >= 1.0 && explicit_us > 0.0 && implicit_us > 0.0, "{}", lattice.why);
+        assert_eq!(lattice.method, method, "{}", lattice.why);
+        assert_eq!(explicit_us < implicit_us, method == "explicit", "{}", lattice.why);
     }
 }
 
@@ -356,45 +376,4 @@ fn a_body_that_steps_every_fourth_tick_has_the_same_bits_on_a_thread() {
     let mut each = World::new(&slab("lattice", ""));
     let (slow, quick) = (press(&mut here, 0.003, 600), press(&mut each, 0.003, 600));
     assert!((slow / quick - 1.0).abs() < 1e-3, "{slow} N every fourth tick, {quick} N every tick");
-}
-
-#[test]
-fn a_carried_body_feels_its_hand_tilt_and_shake() {
-    let text = format!(
-        "[gravity]\nacceleration = [0.0, 0.0, -9.81]\nframe = \"hand\"\n{}\n[[tool]]\nid = \"hand\"\nshape = {{ point = {{}} }}\n",
-        slab("continuum", "material = { preset = \"jelly\", damping_s = 0.02 }").replace(BALL, "")
-    );
-    let mut world = World::new(&text);
-    let drift = |world: &World| -> Vector3 {
-        let rest = world.scene.lattice(0).unwrap().rest_state();
-        let moved: Vector3 = body(world).positions.iter().zip(&rest.positions).map(|(a, b)| a - b).sum();
-        moved / rest.positions.len() as f64
-    };
-    let tick = |world: &mut World, position: [f64; 3], angle: f64| {
-        world.seq += 1;
-        let mut input = TickInput::default();
-        let orientation = Rotation::from_axis_angle(&Vector3::y_axis(), angle);
-        input.poses[0] = Some(palpate::haptics::DevicePose { orientation, ..pose(world.seq, position) });
-        step(&world.scene, &mut world.state, &mut world.scratch, &input)
-    };
-    for _ in 0..1_500 {
-        tick(&mut world, [0.0; 3], 0.0);
-    }
-    let level = drift(&world);
-    assert!(level.z < -1e-6 && level.x.abs() < 0.01 * level.z.abs(), "level: {level}");
-    for k in 0..3_000 {
-        tick(&mut world, [0.0; 3], 0.3 * (f64::from(k) / 1_000.0).min(1.0));
-    }
-    // Turned about y by a positive angle, down is towards −x … of the frame: g sin(angle) against g cos(angle).
-    let tilted = drift(&world);
-    assert!(tilted.x.abs() > 0.2 * level.z.abs(), "tilted: {tilted}");
-    assert!(
-        (tilted.x > 0.0) == (Rotation::from_axis_angle(&Vector3::y_axis(), -0.3) * -Vector3::z()).x.is_sign_positive()
-    );
-    // A hand that speeds up throws it back.
-    for k in 0..100 {
-        let t = f64::from(k) * 1e-3;
-        tick(&mut world, [0.0, 0.5 * 20.0 * t * t, 0.0], 0.3);
-    }
-    assert!(drift(&world).y < -1e-5, "thrown back: {}", drift(&world));
 }

@@ -19,7 +19,7 @@ pub struct RingEnds {
     pub last_pole: bool,
 }
 
-/// A closed surface as rings around an axis: `distinct` control points a ring, the rest repeat the first ones.
+/// The control points of a surface as rings around an axis; those repeated at a seam are the first ones again.
 #[derive(Clone, Debug)]
 pub struct Rings {
     /// Control points around, repeated seam points not counted.
@@ -28,43 +28,47 @@ pub struct Rings {
     pub along: usize,
     /// Ends of the axis.
     pub ends: RingEnds,
+    /// True when u goes around and v along.
+    pub u_around: bool,
+    /// Control points of the net in v, repeated ones counted.
+    pub columns: usize,
 }
 
-/// Cells of a closed surface. `control(i, j)`: index of the control point i around, j along; `points`: all of them.
-/// `layers` shells, the surface's included, then the medial curve.
-pub fn rings(
-    points: &[Point3],
-    rings: &Rings,
-    layers: usize,
-    control: impl Fn(usize, usize) -> usize,
-    ring_of_control: impl Fn(usize) -> (usize, usize),
-) -> CellGrid {
-    let medial = medial_curve(points, rings, &control, &Insets::EVEN);
-    rings_about(&medial, points, rings, layers, control, ring_of_control)
+impl Rings {
+    /// Of a net whose u goes around, without a seam.
+    pub fn seamless(around: usize, along: usize, ends: RingEnds) -> Self {
+        Self { around, along, ends, u_around: true, columns: along }
+    }
+
+    /// Index (u-major) of the control point i around, j along.
+    pub fn control(&self, i: usize, j: usize) -> usize {
+        if self.u_around { i * self.columns + j } else { j * self.columns + i }
+    }
+
+    /// Place around and along of a control point.
+    pub fn place(&self, control: usize) -> (usize, usize) {
+        let (row, column) = (control / self.columns, control % self.columns);
+        let (i, j) = if self.u_around { (row, column) } else { (column, row) };
+        (i % self.around, j % self.along)
+    }
+}
+
+/// Cells of a closed surface from its control points: `layers` shells, the surface's included, then the medial curve.
+pub fn rings(points: &[Point3], rings: &Rings, layers: usize) -> CellGrid {
+    rings_about(&medial_curve(points, rings, &Insets::EVEN), points, rings, layers)
 }
 
 /// [`rings`], with the ends of the medial curve moved to where the cells are best.
-pub fn rings_at_best(
-    points: &[Point3],
-    rings: &Rings,
-    layers: usize,
-    control: impl Fn(usize, usize) -> usize,
-    ring_of_control: impl Fn(usize) -> (usize, usize),
-) -> CellGrid {
-    let build = |medial: &[Point3]| rings_about(medial, points, rings, layers, &control, &ring_of_control);
-    build(&best_medial(points, rings, &control, build))
+pub fn rings_at_best(points: &[Point3], rings: &Rings, layers: usize) -> CellGrid {
+    let build = |medial: &[Point3]| rings_about(medial, points, rings, layers);
+    build(&best_medial(points, rings, build))
 }
 
 /// The medial curve with which `build` makes the best cells: none folded, then the greatest least scaled Jacobian of the
 /// cells that are no wedges. At a pointed pole the even curve ends too far inside, and the cells beside it are slanted.
-pub(super) fn best_medial(
-    points: &[Point3],
-    rings: &Rings,
-    control: &impl Fn(usize, usize) -> usize,
-    build: impl Fn(&[Point3]) -> CellGrid,
-) -> Vec<Point3> {
+pub(super) fn best_medial(points: &[Point3], rings: &Rings, build: impl Fn(&[Point3]) -> CellGrid) -> Vec<Point3> {
     let judge = |insets: &Insets| {
-        let medial = medial_curve(points, rings, control, insets);
+        let medial = medial_curve(points, rings, insets);
         let quality = build(&medial).quality();
         let count = |cells: usize| -(cells as f64);
         let least = quality.least_scaled_jacobian_hexahedra.min(GOOD_ENOUGH);
@@ -94,14 +98,7 @@ pub(super) fn best_medial(
 }
 
 /// Cells between the rings and one medial point for each.
-pub(super) fn rings_about(
-    medial: &[Point3],
-    points: &[Point3],
-    rings: &Rings,
-    layers: usize,
-    control: impl Fn(usize, usize) -> usize,
-    ring_of_control: impl Fn(usize) -> (usize, usize),
-) -> CellGrid {
+pub(super) fn rings_about(medial: &[Point3], points: &[Point3], rings: &Rings, layers: usize) -> CellGrid {
     let Rings { around, along, .. } = *rings;
     let node = ring_nodes(rings, layers);
     let count = node.iter().max().map_or(0, |&last| last as usize + 1);
@@ -111,7 +108,7 @@ pub(super) fn rings_about(
         for j in 0..along {
             for i in (0..around).rev() {
                 // Shared nodes stand where the first of their ring does.
-                let place = medial[j] + (points[control(i, j)] - medial[j]) * shrink;
+                let place = medial[j] + (points[rings.control(i, j)] - medial[j]) * shrink;
                 nodes[node[(layer * along + j) * around + i] as usize] = place;
             }
         }
@@ -119,7 +116,7 @@ pub(super) fn rings_about(
     let cells = ring_cells(rings, layers);
     let node_of_control = (0..points.len())
         .map(|k| {
-            let (i, j) = ring_of_control(k);
+            let (i, j) = rings.place(k);
             node[j * around + i]
         })
         .collect();
@@ -128,7 +125,7 @@ pub(super) fn rings_about(
 
 /// (layers + 1, along, around) → node; the medial curve and the poles of each shell repeat theirs.
 pub fn ring_nodes(rings: &Rings, layers: usize) -> Vec<u32> {
-    let Rings { around, along, ends } = *rings;
+    let Rings { around, along, ends, .. } = *rings;
     let pole = |j: usize| (j == 0 && ends.first_pole) || (j + 1 == along && ends.last_pole);
     let at = |layer: usize, j: usize, i: usize| (layer * along + j) * around + i;
     let mut node = vec![0u32; (layers + 1) * along * around];
@@ -150,7 +147,7 @@ pub fn ring_nodes(rings: &Rings, layers: usize) -> Vec<u32> {
 
 /// Cells between the nodes of [`ring_nodes`].
 pub fn ring_cells(rings: &Rings, layers: usize) -> Vec<Cell> {
-    let Rings { around, along, ends } = *rings;
+    let Rings { around, along, ends, .. } = *rings;
     let node = ring_nodes(rings, layers);
     let steps_along = if ends.axis_closed { along } else { along - 1 };
     let mut cells = Vec::with_capacity(layers * steps_along * around);
@@ -193,14 +190,9 @@ const NO_STEP: f64 = 1e-6;
 const LEAST_STEP: f64 = 0.25;
 
 /// One point a ring: along the polygon of ring centroids, drawn in at each pole (by 0.4 of the length at most).
-fn medial_curve(
-    points: &[Point3],
-    rings: &Rings,
-    control: &impl Fn(usize, usize) -> usize,
-    insets: &Insets,
-) -> Vec<Point3> {
-    let Rings { around, along, ends } = *rings;
-    let ring = |j: usize| (0..around).map(move |i| points[control(i, j)]);
+fn medial_curve(points: &[Point3], rings: &Rings, insets: &Insets) -> Vec<Point3> {
+    let Rings { around, along, ends, .. } = *rings;
+    let ring = |j: usize| (0..around).map(move |i| points[rings.control(i, j)]);
     let centroids: Vec<Point3> =
         (0..along).map(|j| Point3::from(ring(j).map(|p| p.coords).sum::<Vector3>() / around as f64)).collect();
     if ends.axis_closed || !(ends.first_pole || ends.last_pole) {
@@ -299,14 +291,14 @@ mod tests {
             }
         }
         let ends = RingEnds { axis_closed: false, first_pole: true, last_pole: true };
-        (points, Rings { around, along, ends })
+        (points, Rings::seamless(around, along, ends))
     }
 
     #[test]
     fn layers_count_as_the_formula_says_and_fill_the_control_polyhedron() {
         for (around, along, layers) in [(12, 13, 4), (22, 23, 4), (6, 5, 1)] {
             let (points, shape) = double_cone(around, along);
-            let grid = rings(&points, &shape, layers, |i, j| i * along + j, |k| (k / along, k % along));
+            let grid = rings(&points, &shape, layers);
             // Shells with two poles each, then the medial curve.
             assert_eq!(grid.nodes.len(), (around * (along - 2) + 2) * layers + along);
             for (k, point) in points.iter().enumerate() {
@@ -330,15 +322,10 @@ mod tests {
         let torus = topology.wraps(0) && topology.wraps(1);
         let [first_pole, last_pole] = topology.poles[1];
         let ends = RingEnds { axis_closed: torus, first_pole, last_pole };
-        let shape = if torus { Rings { around: v, along: u, ends } } else { Rings { around: u, along: v, ends } };
-        let control = |i: usize, j: usize| if torus { j * columns + i } else { i * columns + j };
-        let ring = |k: usize| if torus { (k % columns % v, k / columns % u) } else { (k / columns % u, k % columns) };
+        let (around, along) = if torus { (v, u) } else { (u, v) };
+        let shape = Rings { around, along, ends, u_around: !torus, columns };
         let points = surface.net().points();
-        if best {
-            rings_at_best(points, &shape, layers, control, ring)
-        } else {
-            rings(points, &shape, layers, control, ring)
-        }
+        if best { rings_at_best(points, &shape, layers) } else { rings(points, &shape, layers) }
     }
 
     /// 12 control points around, profile (radius, z) along.

@@ -56,10 +56,10 @@ impl Axis {
     }
 }
 
-/// A fine grid of cells that few coordinates move.
+/// A grid of cells, and the coordinates that move it: fewer, or the nodes themselves.
 #[derive(Debug)]
 pub struct Reduced {
-    /// Cells between fine nodes; `node_of_control` is empty.
+    /// Cells between nodes; its `node_of_control` is not asked for.
     pub grid: CellGrid,
     /// Nodes from coordinates.
     pub map: NodeMap,
@@ -70,20 +70,12 @@ pub struct Reduced {
 }
 
 /// A closed body: rings of control points, `depth` from the surface to the medial curve.
-pub fn rings(
-    points: &[Point3],
-    shape: &Rings,
-    around: &Axis,
-    along: &Axis,
-    depth: &Axis,
-    control: impl Fn(usize, usize) -> usize,
-    ring_of_control: impl Fn(usize) -> (usize, usize),
-) -> Reduced {
+pub fn rings(points: &[Point3], shape: &Rings, around: &Axis, along: &Axis, depth: &Axis) -> Reduced {
     let shells = depth.coarse - 1;
     let coarse_index = layers::ring_nodes(shape, shells);
     // Shells stand where a straight volume has them.
     let stand = |medial: &[Point3]| {
-        let coarse = layers::rings_about(medial, points, shape, shells, &control, &ring_of_control);
+        let coarse = layers::rings_about(medial, points, shape, shells);
         let mut coordinates = coarse.nodes;
         for j in 0..shape.along {
             for i in 0..shape.around {
@@ -96,7 +88,7 @@ pub fn rings(
         }
         (coordinates, coarse.node_of_control)
     };
-    let fine = Rings { around: around.rows.len(), along: along.rows.len(), ends: shape.ends };
+    let fine = Rings::seamless(around.rows.len(), along.rows.len(), shape.ends);
     let fine_layers = depth.rows.len() - 1;
     let fine_index = layers::ring_nodes(&fine, fine_layers);
     let count = fine_index.iter().max().map_or(0, |&last| last as usize + 1);
@@ -126,7 +118,7 @@ pub fn rings(
         let grid = CellGrid { nodes: map.nodes(&stand(medial).0), cells: cells.clone(), node_of_control: Vec::new() };
         grid.right_handed()
     };
-    let medial = layers::best_medial(points, shape, &control, build);
+    let medial = layers::best_medial(points, shape, build);
     let (coordinates, coordinate_of_control) = stand(&medial);
     let grid = build(&medial);
     Reduced { grid, map, coordinates, coordinate_of_control }

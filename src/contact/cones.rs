@@ -7,14 +7,8 @@
 //! is the other module's formula.
 
 use super::friction::Law;
+use super::sharing::{Look, multiplier};
 use crate::math::{Matrix3, Vector3};
-
-/// Rounds of Newton.
-const ROUNDS: usize = 60;
-/// As in [`super::sharing`]: stiffness given to y itself, the slope that counts as solved, and what a sum may change.
-const WHISPER: f64 = 1e-7;
-const SOLVED: f64 = 1e-9;
-const KEPT: f64 = 1e-4;
 
 /// One contact.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -53,58 +47,26 @@ fn nearest(law: Law, normal: &Vector3, y: &Vector3) -> (Vector3, Matrix3) {
 /// limit do not allow it.
 pub fn share(contacts: &mut [ConeShare]) -> bool {
     let total: Vector3 = contacts.iter().map(|c| c.force_n).sum();
-    let size = total.norm();
     let weights: f64 = contacts.iter().map(|c| c.weight_m).sum();
-    if !(size > 0.0 && weights > 0.0 && size.is_finite() && weights.is_finite()) {
-        return false;
-    }
-    let whisper = WHISPER * weights;
-    let look = |y: &Vector3| {
-        let (mut cost, mut miss) = (0.5 * whisper * y.norm_squared() - total.dot(y), total - y * whisper);
-        let mut bend = Matrix3::identity() * whisper;
+    let add = |y: &Vector3, look: &mut Look| {
         for c in contacts.iter() {
             let (onto, derivative) = nearest(c.law, &c.normal, y);
-            cost += 0.5 * c.weight_m * onto.norm_squared();
-            miss -= onto * c.weight_m;
-            bend += derivative * c.weight_m;
+            look.add(c.weight_m, onto, derivative);
         }
-        (cost, miss, bend)
     };
-    let mut y = total / weights;
-    let (mut cost, mut miss, mut bend) = look(&y);
-    for _ in 0..ROUNDS {
-        if miss.norm() <= SOLVED * size {
-            let over = |c: &ConeShare| match c.law {
-                Law::Grip { limit_n } => y.norm() * c.weight_m > limit_n,
-                Law::Push { .. } => false,
-            };
-            if y.norm() * whisper > KEPT * size || contacts.iter().any(over) {
-                return false;
-            }
-            for c in contacts.iter_mut() {
-                c.force_n = nearest(c.law, &c.normal, &y).0 * c.weight_m;
-            }
-            keep_sum(contacts, &total);
-            return true;
-        }
-        let Some(factor) = bend.cholesky() else { return false };
-        let step = factor.solve(&miss);
-        let slope = miss.dot(&step);
-        let mut scale = 1.0;
-        loop {
-            let next = y + step * scale;
-            let looked = look(&next);
-            // Near the end the cost is flat to rounding; the gradient still tells.
-            let better = looked.0 <= cost - 1e-4 * scale * slope || looked.1.norm() <= 0.5 * miss.norm();
-            if better || scale < 1e-6 {
-                y = next;
-                (cost, miss, bend) = looked;
-                break;
-            }
-            scale *= 0.5;
-        }
+    let Some(y) = multiplier(&total, weights, add) else { return false };
+    let over = |c: &ConeShare| match c.law {
+        Law::Grip { limit_n } => y.norm() * c.weight_m > limit_n,
+        Law::Push { .. } => false,
+    };
+    if contacts.iter().any(over) {
+        return false;
     }
-    false
+    for c in contacts.iter_mut() {
+        c.force_n = nearest(c.law, &c.normal, &y).0 * c.weight_m;
+    }
+    keep_sum(contacts, &total);
+    true
 }
 
 /// A grip bears what is left to the sum, in whatever direction: what it holds does not move by this module's whisper.
@@ -119,6 +81,7 @@ fn keep_sum(contacts: &mut [ConeShare], total: &Vector3) {
 
 #[cfg(test)]
 mod tests {
+    use super::super::sharing::KEPT;
     use super::*;
 
     struct Random(u64);

@@ -19,7 +19,7 @@ const WHISPER: f64 = 1e-7;
 /// Largest slope left, relative to the force, that counts as solved: far above rounding.
 const SOLVED: f64 = 1e-9;
 /// Largest change of the sum, relative to the force: far below what a hand feels.
-const KEPT: f64 = 1e-4;
+pub(super) const KEPT: f64 = 1e-4;
 
 /// One contact.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -32,59 +32,80 @@ pub struct Share {
     pub force_n: f64,
 }
 
-/// Shares Σ force · normal anew; the sum stays what it was to 1e-4 of itself. False, with nothing changed, when weights do
-/// not allow it.
-pub fn share(contacts: &mut [Share]) -> bool {
-    let total: Vector3 = contacts.iter().map(|c| c.normal * c.force_n).sum();
-    let size = total.norm();
-    let weights: f64 = contacts.iter().map(|c| c.weight_m).sum();
-    if !(size > 0.0 && weights > 0.0 && size.is_finite() && weights.is_finite()) {
-        return false;
+/// What y minimises: its value, falling slope and second derivative.
+pub(super) struct Look {
+    cost: f64,
+    miss: Vector3,
+    bend: Matrix3<f64>,
+}
+
+impl Look {
+    /// Adds a contact that bears `weight_m` times `onto`, which has this derivative.
+    pub(super) fn add(&mut self, weight_m: f64, onto: Vector3, derivative: Matrix3<f64>) {
+        self.cost += 0.5 * weight_m * onto.norm_squared();
+        self.miss -= onto * weight_m;
+        self.bend += derivative * weight_m;
     }
-    let whisper = WHISPER * weights;
-    // Value and falling slope of what y minimises.
+}
+
+/// y by Newton's method; `add` adds every contact at a y. `None` when there is no force or no weight to share by, or when
+/// the sum would not stay what it was to 1e-4 of itself.
+pub(super) fn multiplier(total: &Vector3, weights_m: f64, add: impl Fn(&Vector3, &mut Look)) -> Option<Vector3> {
+    let size = total.norm();
+    if !(size > 0.0 && weights_m > 0.0 && size.is_finite() && weights_m.is_finite()) {
+        return None;
+    }
+    let whisper = WHISPER * weights_m;
     let look = |y: &Vector3| {
-        let (mut cost, mut miss) = (0.5 * whisper * y.norm_squared() - total.dot(y), total - y * whisper);
-        for c in contacts.iter() {
-            let along = c.normal.dot(y).max(0.0);
-            cost += 0.5 * c.weight_m * along * along;
-            miss -= c.normal * (c.weight_m * along);
-        }
-        (cost, miss)
+        let cost = 0.5 * whisper * y.norm_squared() - total.dot(y);
+        let mut look = Look { cost, miss: total - y * whisper, bend: Matrix3::identity() * whisper };
+        add(y, &mut look);
+        look
     };
-    let mut y = total / weights;
-    let (mut cost, mut miss) = look(&y);
+    let mut y = total / weights_m;
+    let mut now = look(&y);
     for _ in 0..ROUNDS {
-        if miss.norm() <= SOLVED * size {
-            if y.norm() * whisper > KEPT * size {
-                return false;
-            }
-            for c in contacts.iter_mut() {
-                c.force_n = c.weight_m * c.normal.dot(&y).max(0.0);
-            }
-            return true;
+        if now.miss.norm() <= SOLVED * size {
+            return (y.norm() * whisper <= KEPT * size).then_some(y);
         }
-        let mut bend = Matrix3::identity() * whisper;
-        for c in contacts.iter().filter(|c| c.normal.dot(&y) > 0.0) {
-            bend += c.normal * c.normal.transpose() * c.weight_m;
-        }
-        let Some(factor) = bend.cholesky() else { return false };
-        let step = factor.solve(&miss);
-        let slope = miss.dot(&step);
+        let step = now.bend.cholesky()?.solve(&now.miss);
+        let slope = now.miss.dot(&step);
         let mut scale = 1.0;
         loop {
             let next = y + step * scale;
-            let (next_cost, next_miss) = look(&next);
+            let looked = look(&next);
             // Near the end the cost is flat to rounding; the gradient still tells.
-            let better = next_cost <= cost - 1e-4 * scale * slope || next_miss.norm() <= 0.5 * miss.norm();
+            let better = looked.cost <= now.cost - 1e-4 * scale * slope || looked.miss.norm() <= 0.5 * now.miss.norm();
             if better || scale < 1e-6 {
-                (y, cost, miss) = (next, next_cost, next_miss);
+                (y, now) = (next, looked);
                 break;
             }
             scale *= 0.5;
         }
     }
-    false
+    None
+}
+
+/// Shares Σ force · normal anew; the sum stays what it was to 1e-4 of itself. False, with nothing changed, when weights do
+/// not allow it.
+pub fn share(contacts: &mut [Share]) -> bool {
+    let total: Vector3 = contacts.iter().map(|c| c.normal * c.force_n).sum();
+    let weights: f64 = contacts.iter().map(|c| c.weight_m).sum();
+    let add = |y: &Vector3, look: &mut Look| {
+        for c in contacts.iter() {
+            let along = c.normal.dot(y).max(0.0);
+            look.cost += 0.5 * c.weight_m * along * along;
+            look.miss -= c.normal * (c.weight_m * along);
+            if along > 0.0 {
+                look.bend += c.normal * c.normal.transpose() * c.weight_m;
+            }
+        }
+    };
+    let Some(y) = multiplier(&total, weights, add) else { return false };
+    for c in contacts.iter_mut() {
+        c.force_n = c.weight_m * c.normal.dot(&y).max(0.0);
+    }
+    true
 }
 
 #[cfg(test)]

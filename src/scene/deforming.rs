@@ -1,18 +1,18 @@
 //! From a scene file's data to the constants of a deforming body.
 
 use super::build::{SceneError, error, pose, unit};
-use super::layout::{Layout, layout};
+use super::layout::layout;
 use super::plan::step_us;
 use super::spec::{
     BodySpec, BuilderSpec, FixedSpec, MaterialSpec, MethodSpec, ModelSpec, RegionSpec, SceneSpec, ShapeSpec,
     SpringsSpec,
 };
 use crate::basis::KnotVector;
-use crate::body::layers::{self, Rings};
+use crate::body::layers;
 use crate::body::net::{self, Axis, Reduced};
 use crate::body::{
-    self, CellGrid, Deformable, DeformableError, Inside, Integrator, Material, Plastic, Solid, SomSettings, SpringRule,
-    StepSettings, Stiffening,
+    self, CellGrid, Deformable, DeformableError, Inside, Integrator, Material, NodeMap, Plastic, Solid, SomSettings,
+    SpringRule, StepSettings, Stiffening,
 };
 use crate::math::{Point3, Pose, Vector3};
 use crate::surface::{Closing, Direction, Surface};
@@ -45,8 +45,7 @@ pub(super) fn build(
     let explicit = Integrator::Explicit { substeps: spec.integrator.substeps };
     let make = |integrator| match spec.model {
         ModelSpec::Membrane => membrane(scene, spec, path, surface, placement, settings(integrator)),
-        ModelSpec::Net => net(scene, spec, path, surface, placement, settings(integrator)),
-        ModelSpec::Rigid | ModelSpec::Lattice | ModelSpec::Continuum => {
+        ModelSpec::Rigid | ModelSpec::Lattice | ModelSpec::Continuum | ModelSpec::Net => {
             solid(scene, spec, path, surface, placement, settings(integrator))
         }
     };
@@ -87,6 +86,7 @@ fn cheaper(implicit: Deformable, explicit: Result<Deformable, SceneError>) -> (D
     }
 }
 
+/// A solid of any model and builder.
 fn solid(
     scene: &SceneSpec,
     spec: &BodySpec,
@@ -95,50 +95,20 @@ fn solid(
     placement: &Pose,
     settings: StepSettings,
 ) -> Result<Deformable, SceneError> {
-    if spec.lattice.builder != BuilderSpec::Layers {
-        return riding(scene, spec, path, surface, placement, settings);
-    }
     let common = material(&spec.material, path)?;
-    let (grid, volume) = cells(spec, path, surface)?;
-    let fixed = fixed(scene, spec, path, surface, placement, &grid.nodes, |control| grid.node_of_control[control])?;
-    let of_cell = materials(spec, &common, &grid, placement);
-    let solid = Solid::whole(&grid, &fixed, volume, inside(spec), |cell| of_cell[cell]);
-    solid.build(&common, settings).map_err(|e| deformable_error(path, &e))
-}
-
-/// A cube of nodes, the outermost of which ride on the surface.
-fn riding(
-    scene: &SceneSpec,
-    spec: &BodySpec,
-    path: &str,
-    surface: &Surface,
-    placement: &Pose,
-    settings: StepSettings,
-) -> Result<Deformable, SceneError> {
-    let bad = |e: &dyn std::fmt::Display| error(format!("{path}.lattice"), e);
-    let common = material(&spec.material, path)?;
-    let counts = spec.lattice.nodes;
-    let cube = match (spec.lattice.builder, surface.topology().is_closed(), spec.lattice.thickness_m) {
-        (BuilderSpec::Som, ..) => {
-            let settings = SomSettings { cycles: spec.lattice.cycles, ..SomSettings::default() };
-            body::som(surface, counts, &settings)
-        }
-        (_, false, Some(thickness_m)) => body::thick_sheet(surface, counts, thickness_m),
-        _ => body::transfinite(surface, counts),
+    let (moved, enclosed_volume_m3) = match (spec.model, spec.lattice.builder) {
+        (ModelSpec::Net, _) => reduced(spec, path, surface)?,
+        (_, BuilderSpec::Layers) => layered(spec, path, surface)?,
+        (_, BuilderSpec::Transfinite | BuilderSpec::Som) => riding(spec, path, surface)?,
     };
-    let cube = cube.map_err(|e| bad(&e))?;
-    let of_control = body::coordinates_of_controls(surface.net().points(), &[]);
-    body::check_exterior(surface, &cube.exterior, &of_control).map_err(|e| bad(&e))?;
-    let (map, coordinates) = cube.riding(surface, &of_control);
-    let fixed = fixed(scene, spec, path, surface, placement, &coordinates, |control| of_control[control])?;
-    let of_cell = materials(spec, &common, &cube.grid, placement);
-    let enclosed_volume_m3 =
-        if surface.topology().is_closed() { surface.volume().abs() } else { cube.quality().volume_m3 };
+    let Reduced { grid, map, coordinates, coordinate_of_control } = moved;
+    let fixed = fixed(scene, spec, path, surface, placement, &coordinates, &coordinate_of_control)?;
+    let of_cell = materials(spec, &common, &grid, placement);
     let solid = Solid {
-        grid: &cube.grid,
+        grid: &grid,
         map,
         coordinates,
-        coordinate_of_control: of_control,
+        coordinate_of_control,
         fixed,
         enclosed_volume_m3,
         inside: inside(spec),
@@ -147,9 +117,38 @@ fn riding(
     solid.build(&common, settings).map_err(|e| deformable_error(path, &e))
 }
 
+/// Layers of nodes, which are the coordinates, and the volume that the surface encloses.
+fn layered(spec: &BodySpec, path: &str, surface: &Surface) -> Result<(Reduced, f64), SceneError> {
+    let (grid, volume) = cells(spec, path, surface)?;
+    let (coordinates, coordinate_of_control) = (grid.nodes.clone(), grid.node_of_control.clone());
+    Ok((Reduced { grid, map: NodeMap::Same, coordinates, coordinate_of_control }, volume))
+}
+
+/// A cube of nodes, the outermost of which ride on the surface, and the volume that it encloses.
+fn riding(spec: &BodySpec, path: &str, surface: &Surface) -> Result<(Reduced, f64), SceneError> {
+    let bad = |e: &dyn std::fmt::Display| error(format!("{path}.lattice"), e);
+    let counts = spec.lattice.nodes;
+    let closed = surface.topology().is_closed();
+    let cube = match (spec.lattice.builder, closed, spec.lattice.thickness_m) {
+        (BuilderSpec::Som, ..) => {
+            let settings = SomSettings { cycles: spec.lattice.cycles, ..SomSettings::default() };
+            body::som(surface, counts, &settings)
+        }
+        (_, false, Some(thickness_m)) => body::thick_sheet(surface, counts, thickness_m),
+        _ => body::transfinite(surface, counts),
+    };
+    let cube = cube.map_err(|e| bad(&e))?;
+    let coordinate_of_control = body::coordinates_of_controls(surface.net().points(), &[]);
+    body::check_exterior(surface, &cube.exterior, &coordinate_of_control).map_err(|e| bad(&e))?;
+    let (map, coordinates) = cube.riding(surface, &coordinate_of_control);
+    let volume = if closed { surface.volume().abs() } else { cube.quality().volume_m3 };
+    Ok((Reduced { grid: cube.grid, map, coordinates, coordinate_of_control }, volume))
+}
+
 fn inside(spec: &BodySpec) -> Inside {
     match spec.model {
-        ModelSpec::Continuum | ModelSpec::Net => Inside::Continuum,
+        ModelSpec::Net => Inside::SmoothContinuum,
+        ModelSpec::Continuum => Inside::Continuum,
         _ => Inside::Springs(rule(&spec.material)),
     }
 }
@@ -159,33 +158,6 @@ fn rule(material: &MaterialSpec) -> SpringRule {
         Some(SpringsSpec::Seed) => SpringRule::Seed,
         Some(SpringsSpec::Moduli) | None => SpringRule::Moduli,
     }
-}
-
-fn net(
-    scene: &SceneSpec,
-    spec: &BodySpec,
-    path: &str,
-    surface: &Surface,
-    placement: &Pose,
-    settings: StepSettings,
-) -> Result<Deformable, SceneError> {
-    let common = material(&spec.material, path)?;
-    let (reduced, volume) = reduced(spec, path, surface)?;
-    let Reduced { grid, map, coordinates, coordinate_of_control } = reduced;
-    let of_control = |control: usize| coordinate_of_control[control];
-    let fixed = fixed(scene, spec, path, surface, placement, &coordinates, of_control)?;
-    let of_cell = materials(spec, &common, &grid, placement);
-    let solid = Solid {
-        grid: &grid,
-        map,
-        coordinates,
-        coordinate_of_control,
-        fixed,
-        enclosed_volume_m3: volume,
-        inside: Inside::SmoothContinuum,
-        material: |cell: usize| of_cell[cell],
-    };
-    solid.build(&common, settings).map_err(|e| deformable_error(path, &e))
 }
 
 /// Cells over finer knots than the surface's, moved by its net and shells of it, and the volume its surface encloses.
@@ -218,10 +190,8 @@ fn reduced(spec: &BodySpec, path: &str, surface: &Surface) -> Result<(Reduced, f
     };
     let shells = spec.lattice.layers.max(1);
     let depth = Axis::depth(shells + 1, spec.lattice.cell_layers.unwrap_or(2 * shells) + 1);
-    let (control, ring_of) = ring_controls(&shape, surface.net().columns());
     let [around, along] = if shape.u_around { [&axes[0], &axes[1]] } else { [&axes[1], &axes[0]] };
-    let rings = Rings { around: shape.around, along: shape.along, ends: shape.ends };
-    let reduced = net::rings(points, &rings, around, along, &depth, control, ring_of);
+    let reduced = net::rings(points, &shape, around, along, &depth);
     let volume = if topology.is_closed() { surface.volume().abs() } else { reduced.grid.quality().volume_m3 };
     Ok((reduced, volume))
 }
@@ -248,7 +218,7 @@ fn membrane(
         coordinates[coordinate as usize] = *point;
     }
     let common = material(&spec.material, path)?;
-    let fixed = fixed(scene, spec, path, surface, placement, &coordinates, |control| of_control[control])?;
+    let fixed = fixed(scene, spec, path, surface, placement, &coordinates, &of_control)?;
     let wraps = surface.topology().closing.map(|closing| closing == Closing::Periodic);
     let size = [surface.net().rows(), surface.net().columns()];
     body::membrane(points, size, wraps, &of_control, &common, thickness_m, &fixed, settings)
@@ -330,7 +300,7 @@ fn fixed(
     surface: &Surface,
     placement: &Pose,
     coordinates: &[Point3],
-    of_control: impl Fn(usize) -> u32,
+    of_control: &[u32],
 ) -> Result<Vec<bool>, SceneError> {
     let mut fixed = vec![false; coordinates.len()];
     let behind = |fixed: &mut Vec<bool>, point: Point3, normal: Vector3| {
@@ -347,8 +317,9 @@ fn fixed(
             FixedSpec::Range { u, v } => {
                 let within = |x: f64, [from, to]: [f64; 2]| x >= from && x <= to;
                 let (us, vs) = (surface.knots_u().greville(), surface.knots_v().greville());
-                for (control, flag) in (0..us.len() * vs.len()).map(|k| (k, of_control(k) as usize)) {
-                    fixed[flag] |= within(us[control / vs.len()], *u) && within(vs[control % vs.len()], *v);
+                for (control, &coordinate) in of_control.iter().enumerate() {
+                    fixed[coordinate as usize] |=
+                        within(us[control / vs.len()], *u) && within(vs[control % vs.len()], *v);
                 }
             }
         }
@@ -379,26 +350,10 @@ fn cells(spec: &BodySpec, path: &str, surface: &Surface) -> Result<(CellGrid, f6
     if count < 1 {
         return Err(error(format!("{path}.lattice.layers"), "at least 1 layer"));
     }
-    let rings = Rings { around: shape.around, along: shape.along, ends: shape.ends };
-    let (control, ring_of) = ring_controls(&shape, columns);
-    let grid = layers::rings_at_best(points, &rings, count, control, ring_of);
+    let grid = layers::rings_at_best(points, &shape, count);
     // An open tube encloses nothing by itself; its cells then say how much it holds.
     let volume = if topology.is_closed() { surface.volume().abs() } else { grid.quality().volume_m3 };
     Ok((grid, volume))
-}
-
-/// Control point of a place on the rings, and the place of a control point.
-fn ring_controls(
-    shape: &Layout,
-    columns: usize,
-) -> (impl Fn(usize, usize) -> usize + use<>, impl Fn(usize) -> (usize, usize) + use<>) {
-    let Layout { u_around, around, along, .. } = *shape;
-    let control = move |i: usize, j: usize| if u_around { i * columns + j } else { j * columns + i };
-    let ring_of = move |k: usize| {
-        let (row, column) = (k / columns, k % columns);
-        if u_around { (row % around, column % along) } else { (column % around, row % along) }
-    };
-    (control, ring_of)
 }
 
 /// Thickness of an open sheet and its inward normals at control points.

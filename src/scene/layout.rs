@@ -1,19 +1,11 @@
 //! How the control points of a surface lie around a solid.
 
-use crate::body::layers::RingEnds;
+use crate::body::layers::{RingEnds, Rings};
 use crate::math::Point3;
 use crate::surface::{Closing, Surface, Topology};
 
-/// How the control points of a surface lie around a solid: which direction goes around, and what its ends do.
-pub(super) struct Layout {
-    /// True when u goes around and v along.
-    pub u_around: bool,
-    pub around: usize,
-    pub along: usize,
-    pub ends: RingEnds,
-}
-
-pub(super) fn layout(surface: &Surface, topology: &Topology) -> Option<Layout> {
+/// Which direction goes around, and what its ends do; `None` for an open sheet.
+pub(super) fn layout(surface: &Surface, topology: &Topology) -> Option<Rings> {
     let (rows, columns) = (surface.net().rows(), surface.net().columns());
     let [distinct_u, distinct_v] = distinct(surface, topology);
     let goes_round = |d: usize| matches!(topology.closing[d], Closing::Seam | Closing::Periodic);
@@ -36,7 +28,7 @@ pub(super) fn layout(surface: &Surface, topology: &Topology) -> Option<Layout> {
         (distinct_v, distinct_u, goes_round(0), topology.poles[0])
     };
     let ends = RingEnds { axis_closed, first_pole: poles[0], last_pole: poles[1] };
-    Some(Layout { u_around, around, along, ends })
+    Some(Rings { around, along, ends, u_around, columns })
 }
 
 /// Control points in u and v, those repeated at a seam counted once.

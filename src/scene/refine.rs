@@ -4,9 +4,10 @@
 //! exact (knot insertion), so it costs nodes only.
 
 use super::build::{SceneError, error};
-use super::layout::{Layout, distinct, layout};
+use super::layout::{distinct, layout};
 use super::spec::{BodySpec, BuilderSpec, ModelSpec, RefineAuto, RefineSpec, SceneSpec, ShapeSpec};
 use crate::basis::KnotVector;
+use crate::body::layers::Rings;
 use crate::math::Point3;
 use crate::surface::{ClosestSolver, Closing, Direction, Surface, SurfaceError};
 
@@ -109,7 +110,7 @@ fn auto_counts(scene: &SceneSpec, spec: &BodySpec, surface: &Surface) -> [usize;
     let width = if radius.is_finite() { 2.0 * radius * 0.1_f64.sqrt() } else { 0.0 };
     let now = distinct(surface, &topology);
     let nodes = |u: usize, v: usize| match layout(surface, &topology) {
-        Some(Layout { u_around: true, .. }) => u * v * spec.lattice.layers + v,
+        Some(Rings { u_around: true, .. }) => u * v * spec.lattice.layers + v,
         Some(_) => u * v * spec.lattice.layers + u,
         None => u * v * spec.lattice.layers.max(2),
     };

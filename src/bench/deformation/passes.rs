@@ -135,12 +135,10 @@ fn builds(effort: Effort, wanted: &dyn Fn(&str) -> bool, out: &mut dyn FnMut(Row
             around: 22,
             along: 23,
             ends: layers::RingEnds { axis_closed: false, first_pole: true, last_pole: true },
+            u_around: true,
+            columns: fine.net().columns(),
         };
-        let columns = fine.net().columns();
-        let build = || {
-            let place = |k: usize| (k / columns % 22, k % columns);
-            layers::rings_at_best(fine.net().points(), &rings, 4, |i, j| i * columns + j, place)
-        };
+        let build = || layers::rings_at_best(fine.net().points(), &rings, 4);
         let mut grid = None;
         let times = time(5, Duration::from_secs(5), |_| {
             let (took, made) = clocked(build);

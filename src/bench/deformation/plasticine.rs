@@ -4,8 +4,8 @@
 
 use super::indent::{World, failed};
 use super::scenes::plasticine_text;
-use super::svg::{Chart, Curve, Scale};
 use super::{Effort, Row};
+use crate::bench::chart::{self, Chart, Curve, Scale};
 use crate::contact::grip::GRAB;
 use crate::math::Point3;
 use std::fmt::Write;
@@ -149,7 +149,7 @@ pub fn plasticine_picture(sweeps: &[Sweep]) -> String {
         scales: [Scale::Linear, Scale::Linear],
         curves: curves(over_force),
     };
-    super::svg::page(&[
+    chart::page(&[
         chart("Plasticine, 13 MN/m², 2,500 kg/m³: displacement over force", "force, N", true),
         chart("Plasticine under 30 N: displacement over stiffness", "Young's modulus, MN/m²", false),
     ])

@@ -1,8 +1,11 @@
 //! What the tests of the continuum share.
 
 mod accuracy;
+mod beams;
 mod energy;
+mod frequency;
 mod stability;
+mod statics;
 
 use super::*;
 use crate::body::layers::{RingEnds, Rings, rings};
@@ -67,8 +70,8 @@ pub(in crate::body) fn spindle() -> CellGrid {
         }
     }
     let ends = RingEnds { axis_closed: false, first_pole: true, last_pole: true };
-    let shape = Rings { around, along, ends };
-    rings(&points, &shape, 2, |i, j| i * along + j, |k| (k / along, k % along))
+    let shape = Rings::seamless(around, along, ends);
+    rings(&points, &shape, 2)
 }
 
 pub(in crate::body) fn lanes(points: &[Point3]) -> Vec<Lane> {

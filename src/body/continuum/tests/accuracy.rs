@@ -1,55 +1,7 @@
-//! Static answers against closed forms. Equilibria by Newton's method with a dense factor: no step, no contact.
+//! Static answers against closed forms.
 
+use super::statics::{equilibrium, reaction};
 use super::*;
-use nalgebra::{DMatrix, DVector};
-
-/// Newton from rest to the equilibrium with `places` of the fixed coordinates given and loads on the others; linear algebra
-/// dense, so for a few hundred nodes only. Answers with the places.
-fn equilibrium(
-    solid: &Continuum,
-    fixed: &dyn Fn(&Point3, usize) -> Option<f64>,
-    load: &dyn Fn(usize) -> Vector3,
-) -> Vec<Lane> {
-    let mut places = lanes(solid.rest());
-    let mut rows = Vec::new();
-    for (node, p) in solid.rest().iter().enumerate() {
-        for axis in 0..3 {
-            match fixed(p, axis) {
-                Some(moved) => places[node][axis] += moved,
-                None => rows.push(3 * node + axis),
-            }
-        }
-    }
-    let mut row_of = vec![usize::MAX; 3 * places.len()];
-    rows.iter().enumerate().for_each(|(row, &coordinate)| row_of[coordinate] = row);
-    for _ in 0..12 {
-        let mut matrix = DMatrix::zeros(rows.len(), rows.len());
-        solid.add_hessian(&places, false, &mut |i, j, value| {
-            if row_of[i] != usize::MAX && row_of[j] != usize::MAX {
-                matrix[(row_of[i], row_of[j])] += value;
-            }
-        });
-        let force = solid.exact_forces(&places);
-        let residual = DVector::from_fn(rows.len(), |row, _| {
-            let (node, axis) = (rows[row] / 3, rows[row] % 3);
-            force[node][axis] + load(node)[axis]
-        });
-        let step = matrix.cholesky().expect("small strains keep the tangent definite").solve(&residual);
-        for (row, &coordinate) in rows.iter().enumerate() {
-            places[coordinate / 3][coordinate % 3] += step[row];
-        }
-        if step.amax() < 1e-13 {
-            break;
-        }
-    }
-    places
-}
-
-/// Sum of the forces on the solid's nodes that pass, N.
-fn reaction(solid: &Continuum, places: &[Lane], on: impl Fn(&Point3) -> bool) -> Vector3 {
-    let forces = solid.exact_forces(places);
-    -solid.rest().iter().zip(forces).filter(|(p, _)| on(p)).map(|(_, f)| f).sum::<Vector3>()
-}
 
 // A linear map of the boundary must be taken up by every node inside, however its cells are shaped.
 #[test]
