@@ -175,7 +175,9 @@ fn a_pause_between_iterations_leaves_no_trace() {
     }
     apply(&paused.scene, &mut paused.state, &mut paused.scratch, Command::Pause);
     let stood = body(&paused, 0).clone();
-    (0..20).for_each(|_| drop(paused.at(place(60))));
+    for _ in 0..20 {
+        paused.at(place(60));
+    }
     assert_eq!(*body(&paused, 0), stood);
     // The same body, met by the same tool in a world that was never paused.
     let mut saved = SavedState::default();
