@@ -124,39 +124,33 @@ impl Panels {
         if self.blocks.is_empty() {
             return;
         }
-        let [x, y, z] = thirds(&mut buffers.places, self.room);
-        spread::<L>(places, [&mut *x, &mut *y, &mut *z]);
-        buffers.forces.fill(0.0);
-        let [fx, fy, fz] = thirds(&mut buffers.forces, self.room);
+        let ByCoordinate { places: from, forces: to } = buffers;
+        let (y, z) = (self.room, 2 * self.room);
+        spread::<L>(places, from, self.room);
+        to.fill(0.0);
         for block in &self.blocks {
             let a = block.first_node as usize;
             let groups = block.begin as usize..block.end as usize;
-            let (ax, ay, az) = (load::<L>(x, a), load::<L>(y, a), load::<L>(z, a));
+            let (ax, ay, az) = (load::<L>(from, a), load::<L>(from, a + y), load::<L>(from, a + z));
             let (mut sx, mut sy, mut sz) = (L::splat(0.0), L::splat(0.0), L::splat(0.0));
             let constants = self.offsets[groups.clone()].iter().zip(&stiffness[groups.clone()]).zip(&rest[groups]);
             for ((offset, stiffness), rest) in constants {
                 let b = a + *offset as usize;
-                let (dx, dy, dz) = (load::<L>(x, b) - ax, load::<L>(y, b) - ay, load::<L>(z, b) - az);
+                let (bx, by, bz) = (load::<L>(from, b), load::<L>(from, b + y), load::<L>(from, b + z));
+                let (dx, dy, dz) = (bx - ax, by - ay, bz - az);
                 let pull = pull.of([dx, dy, dz], stiffness, rest);
                 let (px, py, pz) = (dx * pull, dy * pull, dz * pull);
                 (sx, sy, sz) = (sx + px, sy + py, sz + pz);
-                store(load::<L>(fx, b) - px, fx, b);
-                store(load::<L>(fy, b) - py, fy, b);
-                store(load::<L>(fz, b) - pz, fz, b);
+                store(load::<L>(to, b) - px, to, b);
+                store(load::<L>(to, b + y) - py, to, b + y);
+                store(load::<L>(to, b + z) - pz, to, b + z);
             }
-            store(load::<L>(fx, a) + sx, fx, a);
-            store(load::<L>(fy, a) + sy, fy, a);
-            store(load::<L>(fz, a) + sz, fz, a);
+            store(load::<L>(to, a) + sx, to, a);
+            store(load::<L>(to, a + y) + sy, to, a + y);
+            store(load::<L>(to, a + z) + sz, to, a + z);
         }
-        gather::<L>([fx, fy, fz], residual);
+        gather::<L>(to, self.room, residual);
     }
-}
-
-#[inline(always)]
-fn thirds(all: &mut [f64], room: usize) -> [&mut [f64]; 3] {
-    let (x, rest) = all.split_at_mut(room);
-    let (y, z) = rest.split_at_mut(room);
-    [x, y, z]
 }
 
 #[inline(always)]
@@ -174,35 +168,36 @@ fn store<L: Lanes>(lanes: L, to: &mut [f64], at: usize) {
     }
 }
 
-/// Rows of points to coordinates.
+/// Rows of points to coordinates, `room` of each.
 #[inline(always)]
-fn spread<L: Lanes>(rows: &[Lane], [x, y, z]: [&mut [f64]; 3]) {
-    let count = rows.len().min(x.len());
-    let (fours, odd) = rows[..count].as_chunks::<4>();
+fn spread<L: Lanes>(rows: &[Lane], to: &mut [f64], room: usize) {
+    let (fours, odd) = rows[..rows.len().min(room)].as_chunks::<4>();
     for (k, [a, b, c, d]) in fours.iter().enumerate() {
-        let [px, py, pz, _] = L::transposed([L::load(a), L::load(b), L::load(c), L::load(d)]);
-        store(px, x, 4 * k);
-        store(py, y, 4 * k);
-        store(pz, z, 4 * k);
+        let [x, y, z, _] = L::transposed([L::load(a), L::load(b), L::load(c), L::load(d)]);
+        store(x, to, 4 * k);
+        store(y, to, 4 * k + room);
+        store(z, to, 4 * k + 2 * room);
     }
     for (k, row) in (4 * fours.len()..).zip(odd) {
-        (x[k], y[k], z[k]) = (row[0], row[1], row[2]);
+        (to[k], to[k + room], to[k + 2 * room]) = (row[0], row[1], row[2]);
     }
 }
 
 /// Adds coordinates to rows of points.
 #[inline(always)]
-fn gather<L: Lanes>([x, y, z]: [&mut [f64]; 3], rows: &mut [Lane]) {
-    let count = rows.len().min(x.len());
+fn gather<L: Lanes>(from: &[f64], room: usize, rows: &mut [Lane]) {
+    let count = rows.len().min(room);
     let (fours, odd) = rows[..count].as_chunks_mut::<4>();
     for (k, four) in fours.iter_mut().enumerate() {
-        let parts = L::transposed([load(x, 4 * k), load(y, 4 * k), load(z, 4 * k), L::splat(0.0)]);
+        let (x, y, z) = (load(from, 4 * k), load(from, 4 * k + room), load(from, 4 * k + 2 * room));
+        let parts = L::transposed([x, y, z, L::splat(0.0)]);
         for j in 0..4 {
             (L::load(&four[j]) + parts[j]).store(&mut four[j]);
         }
     }
-    let done = count / 4 * 4;
-    for (k, row) in (done..).zip(odd) {
-        (row[0], row[1], row[2]) = (row[0] + x[k], row[1] + y[k], row[2] + z[k]);
+    for (k, row) in (count / 4 * 4..).zip(odd) {
+        for c in 0..3 {
+            row[c] += from[k + c * room];
+        }
     }
 }
