@@ -56,6 +56,11 @@ impl Reach {
     }
 }
 
+/// Deepest first, then by u, then by v.
+fn order(a: &Contact, b: &Contact) -> std::cmp::Ordering {
+    b.depth_m.total_cmp(&a.depth_m).then(a.u.total_cmp(&b.u)).then(a.v.total_cmp(&b.v))
+}
+
 /// The contacts of one pair. Room is made once; filling it allocates nothing.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ContactSet {
@@ -93,10 +98,7 @@ impl ContactSet {
     /// Adds a contact at its place in the order: deepest first, then by u, then by v. The shallowest leaves a full set.
     pub fn push(&mut self, contact: Contact) {
         self.overlap |= contact.depth_m >= 0.0;
-        let before = |a: &Contact, b: &Contact| {
-            b.depth_m.total_cmp(&a.depth_m).then(a.u.total_cmp(&b.u)).then(a.v.total_cmp(&b.v)).is_lt()
-        };
-        let at = self.contacts.partition_point(|held| before(held, &contact));
+        let at = self.contacts.partition_point(|held| order(held, &contact).is_lt());
         if self.contacts.len() == MAX_CONTACTS {
             self.dropped += 1;
             if at == MAX_CONTACTS {
@@ -105,6 +107,16 @@ impl ContactSet {
             self.contacts.pop();
         }
         self.contacts.insert(at, contact);
+    }
+
+    /// Replaces contacts where there is a better one; points of the tool follow from depth and normal.
+    pub fn turn(&mut self, mut turned: impl FnMut(&Contact) -> Option<Contact>) {
+        for contact in &mut self.contacts {
+            if let Some(next) = turned(contact) {
+                *contact = Contact { on_tool: next.on_body - next.normal * next.depth_m, ..next };
+            }
+        }
+        self.contacts.sort_unstable_by(order);
     }
 
     /// Adds a rectangle in touch; those beyond [`MAX_CONTACTS`] are joined with the last.

@@ -199,7 +199,7 @@ impl PairScratch {
 
     /// Samples of a deforming body in touch with a tool at `pose`, for which [`PairScratch::contacts`] was asked.
     pub fn samples_in_touch(
-        &mut self,
+        &self,
         shape: &ToolShape,
         pose: &Pose,
         view: &DeformingView<'_>,
@@ -207,35 +207,29 @@ impl PairScratch {
         meets: impl Fn(&Point3, &Point3) -> bool,
         hits: &mut Vec<SampleInTouch>,
     ) {
-        let place = Point3::from(pose.translation.vector);
-        let plain = |(gap_m, normal)| Some(Facing { gap_m, normal, uv: [0.0; 2] });
-        match shape {
-            ToolShape::Plane { normal } => {
-                let plane = pose.rotation * normal;
-                let look = |x: &Point3| plain(exact::plane::signed_gap(&place, &plane, x));
-                view.samples_in_touch(margin_m, meets, look, hits);
-            }
-            ToolShape::Point => hits.clear(),
-            ToolShape::Sphere { radius_m } => {
-                let look = |x: &Point3| plain(exact::ball::signed_gap(&place, *radius_m, x));
-                view.samples_in_touch(margin_m, meets, look, hits);
-            }
-            ToolShape::Implicit { tool, .. } => {
-                let look = |x: &Point3| plain(tool.signed_gap(pose, x)?);
-                view.samples_in_touch(margin_m, meets, look, hits);
-            }
-            ToolShape::Mesh(tool) => {
-                let look = |x: &Point3| plain(tool.signed_gap(pose, x));
-                view.samples_in_touch(margin_m, meets, look, hits);
-            }
-            ToolShape::Surface(_) => {
-                hits.clear();
-                let (Narrow::Surface(_, placed) | Narrow::SurfaceSpheres(_, placed)) = &self.narrow else { return };
-                let contacts = self.set.contacts();
-                let look = |x: &Point3| look_at(contacts, x, margin_m, &placed.surface, &placed.solver);
-                view.samples_in_touch(margin_m, meets, look, hits);
-            }
+        hits.clear();
+        if !matches!(shape, ToolShape::Point) {
+            view.samples_in_touch(margin_m, meets, |x| self.facing(shape, pose, x, margin_m), hits);
         }
+    }
+
+    /// What a point of the body sees of a tool at `pose`, for which [`PairScratch::contacts`] was asked.
+    pub fn facing(&self, shape: &ToolShape, pose: &Pose, x: &Point3, margin_m: f64) -> Option<Facing> {
+        let place = Point3::from(pose.translation.vector);
+        let (gap_m, normal) = match shape {
+            ToolShape::Plane { normal } => exact::plane::signed_gap(&place, &(pose.rotation * normal), x),
+            ToolShape::Point => return None,
+            ToolShape::Sphere { radius_m } => exact::ball::signed_gap(&place, *radius_m, x),
+            ToolShape::Implicit { tool, .. } => tool.signed_gap(pose, x)?,
+            ToolShape::Mesh(tool) => tool.signed_gap(pose, x),
+            ToolShape::Surface(_) => {
+                let (Narrow::Surface(_, placed) | Narrow::SurfaceSpheres(_, placed)) = &self.narrow else {
+                    return None;
+                };
+                return look_at(self.set.contacts(), x, margin_m, &placed.surface, &placed.solver);
+            }
+        };
+        Some(Facing { gap_m, normal, uv: [0.0; 2] })
     }
 
     /// Contacts of two bodies.

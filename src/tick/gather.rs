@@ -10,14 +10,16 @@
 
 use super::between::{bodies, itself};
 use super::cover::{UNPLACED, foot_name};
+use super::face::{Faced, face_surface};
 use super::feet::{MAX_FEET, Way, margin_m, meet, push_foot, push_sample, view};
 use super::{grip, stick};
+use crate::contact::exact::ball::signed_gap;
 use crate::contact::proxy::BallContact;
 use crate::contact::rows::{DeformingView, FOOT, Facing, Holder, LEAST_FOOT, RowSet};
-use crate::contact::{Contact, Reach, distance_squared_to_box};
+use crate::contact::{Contact, Reach, ToolShape, distance_squared_to_box};
 use crate::haptics::LinkPhase;
 use crate::math::{Point3, Pose, Rotation, Vector3};
-use crate::scene::{BodyModel, Method, Pair, Scene, SceneState, Scratch, WarmRow};
+use crate::scene::{BodyModel, BodyScratch, Method, Pair, Scene, SceneState, Scratch, WarmRow};
 
 /// Most steps of an anchor through empty space in one tick.
 const STRIDES: usize = 64;
@@ -131,21 +133,33 @@ fn ball(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch, p: usize, 
         }
     }
     push_feet(rows, p, pair, feet, view.as_ref(), way, margin);
-    let Some(view) = view.as_ref().filter(|_| radius_m > 0.0) else { return };
-    // Feet that carried in the last tick.
+    let Some(view) = view.filter(|_| radius_m > 0.0) else { return };
+    let centre = held.centre;
+    keep_feet(rows, p, pair, &state.warm[..state.warm_len], &view, way, margin, |point| {
+        let (gap_m, normal) = signed_gap(&centre, radius_m, point);
+        Some(Facing { gap_m, normal, uv: [0.0; 2] })
+    });
+}
+
+/// Rows of feet that carried in the last tick and are no deepest points any more.
+fn keep_feet(
+    rows: &mut RowSet,
+    p: usize,
+    pair: &Pair,
+    warm: &[WarmRow],
+    view: &DeformingView<'_>,
+    way: Way,
+    margin: f64,
+    facing: impl Fn(&Point3) -> Option<Facing>,
+) {
     let placed = LEAST_FOOT..=FOOT - UNPLACED;
     let carried = |row: &&WarmRow| row.key[0] as usize == p && placed.contains(&row.key[1]) && row.force_n > 0.0;
-    for warm in state.warm[..state.warm_len].iter().filter(carried) {
+    for warm in warm.iter().filter(carried) {
         let [u, v] = warm.uv;
-        let point = parts.surface.point(u, v);
-        let away = held.centre - point;
-        let distance = away.norm();
-        if distance <= 0.0 {
-            continue;
-        }
-        let (normal, gap) = (away / distance, distance - radius_m);
-        let on_tool = point + normal * gap;
-        let contact = Contact { u, v, on_body: point, on_tool, normal, depth_m: -gap, tool_uv: None };
+        let on_body = view.surface.point(u, v);
+        let Some(Facing { gap_m, normal, .. }) = facing(&on_body) else { continue };
+        let on_tool = on_body + normal * gap_m;
+        let contact = Contact { u, v, on_body, on_tool, normal, depth_m: -gap_m, tool_uv: None };
         push_feet(rows, p, pair, std::iter::once(&contact), Some(view), way, margin);
     }
 }
@@ -186,10 +200,19 @@ fn shape(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch, p: usize,
     let touched = proxy.touching;
     let scratch_pair = &mut pairs[p];
     let gripped = state.tools[t].grip.holds();
+    let tips = match &tool.shape {
+        ToolShape::Implicit { tool, .. } if pair.method == Method::Exact => Some(tool.tips()),
+        ToolShape::Mesh(_) if pair.method == Method::Exact => Some(&[][..]),
+        _ => None,
+    };
     // A half-space looks the same from everywhere: its contacts are those where it is going to be.
     let mut anchor = if tool.shape.is_plane() && !gripped { free } else { last };
     if body.two_sided && !proxy.touching {
-        proxy.below = parts.solver.closest(&parts.surface, &anchor).signed_distance < 0.0;
+        // What lets go for a tick is still on the side it was.
+        let away_m = parts.solver.closest(&parts.surface, &anchor).signed_distance;
+        if away_m.abs() > margin {
+            proxy.below = away_m < 0.0;
+        }
     }
     let longest = STRIDE * body.size_m;
     for stride in 0..STRIDES {
@@ -197,6 +220,11 @@ fn shape(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch, p: usize,
         let length = way.norm();
         let reach = Reach { margin_m: length.min(longest).max(margin), below: proxy.below };
         scratch_pair.contacts(&tool.shape, &pose_at(anchor), parts, reach);
+        if let Some(tips) = tips {
+            let BodyScratch { surface, solver, bounds, .. } = &mut *parts;
+            let faced = Faced { surface, solver, bounds: *bounds, size_m: body.size_m, below: proxy.below };
+            face_surface(&mut scratch_pair.set, faced, &pose_at(anchor), tips, margin);
+        }
         if length <= reach.margin_m || !scratch_pair.set.contacts().is_empty() || stride + 1 == STRIDES {
             break;
         }
@@ -214,6 +242,11 @@ fn shape(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch, p: usize,
             let margin_m = (free - anchor).norm().min(longest).max(margin);
             let reach = Reach { margin_m, below: proxy.below };
             scratch_pair.contacts(&tool.shape, &pose_at(anchor), parts, reach);
+            if let Some(tips) = tips {
+                let BodyScratch { surface, solver, bounds, .. } = &mut *parts;
+                let faced = Faced { surface, solver, bounds: *bounds, size_m: body.size_m, below: proxy.below };
+                face_surface(&mut scratch_pair.set, faced, &pose_at(anchor), tips, margin);
+            }
         }
     }
     let set = &scratch_pair.set;
@@ -230,6 +263,11 @@ fn shape(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch, p: usize,
         }
     }
     push_feet(rows, p, pair, scratch_pair.set.contacts().iter(), view.as_ref(), way, margin);
+    if let Some(view) = view {
+        let pose = pose_at(anchor);
+        let facing = |point: &Point3| scratch_pair.facing(&tool.shape, &pose, point, margin);
+        keep_feet(rows, p, pair, &state.warm[..state.warm_len], &view, way, margin, facing);
+    }
 }
 
 /// A tool that did not touch before begins to resist from where it comes to touch.

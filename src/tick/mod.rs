@@ -12,6 +12,7 @@ mod cover;
 #[cfg(feature = "daemon")]
 pub mod driver;
 mod emit;
+mod face;
 mod feet;
 mod gather;
 mod grip;

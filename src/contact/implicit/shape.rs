@@ -120,7 +120,20 @@ impl ImplicitShape {
     /// # Errors
     /// A size out of range, or a text that is no function.
     pub fn compile(&self) -> Result<ImplicitTool, ImplicitError> {
-        Ok(ImplicitTool { tape: Tape::parse(&self.text()?)? })
+        Ok(ImplicitTool { tape: Tape::parse(&self.text()?)?, tips: self.tips() })
+    }
+
+    /// Points where the solid ends in a tip or a corner; for expressions they are not known.
+    fn tips(&self) -> Vec<Point3> {
+        match self {
+            Self::Cone { .. } => vec![Point3::origin()],
+            Self::Box { half_extents_m: half } => {
+                let sign = |corner: usize, axis: usize| if corner >> axis & 1 == 0 { -1.0 } else { 1.0 };
+                let corner = |k| Point3::from(std::array::from_fn(|axis| sign(k, axis) * half[axis]));
+                (0..8).map(corner).collect()
+            }
+            _ => Vec::new(),
+        }
     }
 }
 
@@ -128,6 +141,7 @@ impl ImplicitShape {
 #[derive(Clone, Debug, PartialEq)]
 pub struct ImplicitTool {
     tape: Tape,
+    tips: Vec<Point3>,
 }
 
 /// Where a point stands: the zero set along its gradient.
@@ -145,6 +159,11 @@ const DOUBLINGS: usize = 24;
 const STEPS: usize = 80;
 
 impl ImplicitTool {
+    /// Known tips and corners of the solid, in the tool's frame, m.
+    pub fn tips(&self) -> &[Point3] {
+        &self.tips
+    }
+
     /// The function, in the tool's frame.
     pub fn tape(&self) -> &Tape {
         &self.tape
