@@ -138,8 +138,6 @@ fn a_net_presses_as_its_full_model_wherever_the_tool_stands() {
     assert!(net.1 < 0.02, "the net ripples by {}", net.1);
 }
 
-// Hertz' F = 4 E √R δ^1.5 / 3 (1 − ν²) on a layer bonded to its base: the series of Dimitriadis et al. 2002, Biophys. J.
-// 82:2798, eq. 11, in χ = √(R δ) / h, with α and β of a bonded layer.
 /// Forces while the ball comes down at 60 mm/s.
 fn coming_down(iterations: u32, friction: &str) -> Vec<f64> {
     let more = format!("integrator = {{ iterations = {iterations} }}");
@@ -194,6 +192,8 @@ fn a_pause_between_iterations_leaves_no_trace() {
     }
 }
 
+// Hertz' F = 4 E √R δ^1.5 / 3 (1 − ν²) on a layer bonded to its base: the series of Dimitriadis et al. 2002, Biophys. J.
+// 82:2798, eq. 11, in χ = √(R δ) / h, with α and β of a bonded layer.
 #[test]
 fn a_sphere_on_a_thick_slab_presses_as_hertz_says() {
     let (young, nu, radius, thickness) = (20e3, 0.3, 0.06, 0.04);

@@ -9,8 +9,9 @@ use crate::contact::{Contact, ContactSet};
 use crate::math::{Point3, Pose};
 use crate::surface::{ClosestSolver, Surface};
 
-/// Normals whose angle has at least this cosine agree: what queries leave over is less.
-const AGREE: f64 = 1.0 - 1e-6;
+/// Normals whose angle has at least this cosine (0.8 degrees) agree: what queries leave over is less, and so are the angles
+/// that matter to a hand.
+const AGREE: f64 = 1.0 - 1e-4;
 /// Cosine below which a side is so steep that the tool does not end along the surface's normal within sight.
 const STEEP: f64 = 0.05;
 /// A tip whose foot is nearer than this to a contact, relative to the body's size, is what touches there.
