@@ -6,8 +6,11 @@ pub(super) const WIDTH: f64 = 1000.0;
 const HEIGHT: f64 = 600.0;
 /// Left, top, right and bottom of the plot.
 pub(super) const FRAME: [f64; 4] = [80.0, 40.0, 720.0, 540.0];
-const COLOURS: [&str; 10] =
-    ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000", "#7f7f7f", "#8c564b", "#17becf"];
+/// As many as a suite has methods.
+const COLOURS: [&str; 16] = [
+    "#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000", "#7f7f7f", "#8c564b", "#17becf",
+    "#4b0082", "#ff5c8a", "#7cb518", "#6b4c9a", "#b8860b", "#003f5c",
+];
 
 /// How an axis is divided.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
