@@ -63,7 +63,11 @@ fn a_value_out_of_range_is_told_with_its_line() {
         ("fixed = [{ u = [0.5, 0.1], v = [0.0, 1.0] }]", "8:1: u = [0.5, 0.1], v = [0.0, 1.0] is no range"),
         ("fixed = [{ u = [nan, 0.1], v = [0.0, 1.0] }]", "8:1: u = [NaN, 0.1]"),
         ("fixed = [{ point = [0.0, 0.0, 0.0], normal = [0.0, 0.0, 0.0] }]", "8:37: "),
-        ("[[body.region]]\nyoung_pa = 1e3", "1:1: a region needs exactly one of ball, box"),
+        ("[[body.region]]\nyoung_pa = 1e3", "8:1: a region needs exactly one of ball, box"),
+        (
+            "[[body.region]]\nball = { centre = [0.0, 0.0, 0.0], radius_m = 0.1 }\n[[body.region]]\npoisson = 0.1",
+            "10:1: a region needs exactly one of ball, box",
+        ),
         ("[[body.region]]\nball = { centre = [0.0, 0.0, 0.0], radius_m = 0.0 }", "9:36: radius_m is 0"),
         ("[[body.region]]\nbox = { low = [0.0, 0.0, 0.0], high = [1.0, 0.0, 1.0] }", "9:9: low = "),
         ("[[body.region]]\nball = { centre = [0.0, 0.0, 0.0], radius_m = 0.1 }\npoisson = 0.7", "10:1: poisson is 0.7"),

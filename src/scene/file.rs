@@ -2,11 +2,12 @@
 
 use super::spec::{ContactMethod, ContactSpec, FrictionSpec, MAX_TOOLS, ModelSpec, SceneSpec, ShapeSpec, SurfaceSpec};
 use crate::surface::builtin::BUILTINS;
+use place::Place;
 use std::fmt;
-use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 mod body;
+mod place;
 
 /// A scene file, read and checked.
 #[derive(Clone, Debug)]
@@ -113,56 +114,6 @@ fn with_suggestion(message: &str) -> String {
     }
 }
 
-struct Place<'a> {
-    text: &'a str,
-    file: &'a str,
-}
-
-impl Place<'_> {
-    fn problem(&self, at: Range<usize>, message: String) -> Problem {
-        let before = &self.text[..at.start.min(self.text.len())];
-        let line = before.matches('\n').count() + 1;
-        let column = before.len() - before.rfind('\n').map_or(0, |k| k + 1) + 1;
-        Problem { file: self.file.to_owned(), line, column, message }
-    }
-
-    /// Where a key stands: in the `index`-th `[[table]]` (and its sub-tables), or in `[table]`; the table's header
-    /// otherwise. Text search is enough for a pointer: the values themselves came from a real parser.
-    fn find(&self, table: &str, index: usize, key: &str) -> Range<usize> {
-        let heads = |line: &str| {
-            let inner = line.trim().trim_start_matches('[').split(']').next().unwrap_or("").trim().to_owned();
-            line.trim().starts_with('[').then_some(inner)
-        };
-        let (mut seen, mut inside, mut header) = (0usize, false, 0..0);
-        let mut start = 0;
-        for line in self.text.split_inclusive('\n') {
-            if let Some(head) = heads(line) {
-                if head == table {
-                    inside = seen == index;
-                    seen += 1;
-                    if inside {
-                        header = start..start + line.len();
-                    }
-                } else if !head.starts_with(&format!("{table}.")) {
-                    inside = false;
-                }
-            } else if inside && let Some(at) = word(line, key) {
-                return start + at..start + at + key.len();
-            }
-            start += line.len();
-        }
-        header
-    }
-}
-
-fn word(line: &str, key: &str) -> Option<usize> {
-    let code = line.split('#').next().unwrap_or("");
-    let fits = |c: Option<char>| c.is_none_or(|c| !(c.is_alphanumeric() || c == '_' || c == '-'));
-    code.match_indices(key)
-        .map(|(at, _)| at)
-        .find(|&at| fits(code[..at].chars().next_back()) && fits(code[at + key.len()..].chars().next()))
-}
-
 struct Check<'a> {
     place: Place<'a>,
     problems: Vec<Problem>,
@@ -171,6 +122,12 @@ struct Check<'a> {
 impl Check<'_> {
     fn refuse(&mut self, table: &str, index: usize, key: &str, message: impl Into<String>) {
         let at = self.place.find(table, index, key);
+        let problem = self.place.problem(at, message.into());
+        self.problems.push(problem);
+    }
+
+    fn refuse_part(&mut self, table: &str, index: usize, part: &str, nth: usize, message: impl Into<String>) {
+        let at = self.place.find_part(table, index, part, nth);
         let problem = self.place.problem(at, message.into());
         self.problems.push(problem);
     }

@@ -7,8 +7,8 @@ use crate::scene::spec::{BodySpec, FixedSpec, MaterialSpec, RegionSpec};
 impl Check<'_> {
     pub(super) fn deforming(&mut self, b: usize, body: &BodySpec) {
         self.material(b, &body.material);
-        for region in &body.regions {
-            self.region(b, region);
+        for (r, region) in body.regions.iter().enumerate() {
+            self.region(b, r, region);
         }
         if body.lattice.layers == 0 {
             self.refuse("body", b, "layers", "layers is 0; a lattice has at least 1");
@@ -114,10 +114,10 @@ impl Check<'_> {
         }
     }
 
-    fn region(&mut self, b: usize, region: &RegionSpec) {
+    fn region(&mut self, b: usize, r: usize, region: &RegionSpec) {
         self.moduli(b, region.young_pa, region.poisson, region.density_kg_m3);
         if region.ball.is_some() == region.box_.is_some() {
-            self.refuse("body", b, "region", "a region needs exactly one of ball, box");
+            self.refuse_part("body", b, "region", r, "a region needs exactly one of ball, box");
         }
         if let Some(ball) = &region.ball {
             self.finite("body", b, "centre", &ball.centre);
