@@ -3,7 +3,7 @@
 
 mod common;
 
-use common::{World, pose};
+use common::{World, pose, press};
 use palpate::body::DeformableState;
 use palpate::haptics::DevicePose;
 use palpate::math::{Rotation, SavedState, Vector3, state_hash};
@@ -37,16 +37,6 @@ fn body(world: &World, b: usize) -> &DeformableState {
 
 fn base_n(world: &World, b: usize) -> Vector3 {
     world.scene.lattice(b).unwrap().base_reaction_n(body(world, b))
-}
-
-/// Force after the ball was lowered into the slab by a depth and held.
-fn press(world: &mut World, depth_m: f64, ticks: usize) -> f64 {
-    let mut force = 0.0;
-    for k in 0..2 * ticks {
-        let share = (k as f64 / ticks as f64).min(1.0);
-        force = world.at([0.0, 0.0, 0.02 - depth_m * share]).tools[0].force_n.z;
-    }
-    force
 }
 
 #[test]

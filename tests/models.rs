@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::World;
+use common::{World, press};
 use palpate::body::DeformableState;
 use palpate::math::{SavedState, Vector3, state_hash};
 use palpate::tick::restore;
@@ -51,16 +51,6 @@ fixed = [{{ point = [0.0, 0.0, 0.015], normal = [0.0, 0.0, 1.0] }}]
 
 fn body(world: &World) -> &DeformableState {
     world.state.bodies[0].lattice.as_ref().unwrap()
-}
-
-/// Force after the ball was lowered into the slab by a depth and held.
-fn press(world: &mut World, depth_m: f64, ticks: usize) -> f64 {
-    let mut force = 0.0;
-    for k in 0..2 * ticks {
-        let share = (k as f64 / ticks as f64).min(1.0);
-        force = world.at([0.0, 0.0, 0.02 - depth_m * share]).tools[0].force_n.z;
-    }
-    force
 }
 
 /// How far the middle of the slab's surface is below where it was. Control points move farther than the surface.

@@ -19,7 +19,7 @@ mod state;
 pub use build::{SceneError, default_samples_per_span, inline_files};
 use frame::FrameOf;
 pub use frame::FrameState;
-pub(crate) use narrow::look_at;
+pub(crate) use narrow::{PairScratch, look_at};
 pub(crate) use near::Near;
 pub(crate) use state::DeformingScratch;
 pub use state::{BodyScratch, BodyState, PairState, Pipeline, RunState, SceneState, Scratch, ToolState, WarmRow};

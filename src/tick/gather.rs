@@ -19,7 +19,9 @@ use crate::contact::rows::{DeformingView, FOOT, Facing, Holder, LEAST_FOOT, RowS
 use crate::contact::{Contact, Reach, ToolShape, distance_squared_to_box};
 use crate::haptics::LinkPhase;
 use crate::math::{Point3, Pose, Rotation, Vector3};
-use crate::scene::{BodyModel, BodyScratch, Method, Pair, Scene, SceneState, Scratch, WarmRow};
+use crate::scene::{
+    Body, BodyModel, BodyScratch, Method, Pair, PairScratch, Scene, SceneState, Scratch, Tool, WarmRow,
+};
 
 /// Most steps of an anchor through empty space in one tick.
 const STRIDES: usize = 64;
@@ -118,15 +120,14 @@ fn ball(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch, p: usize, 
     let way = Way { carried: free - held.centre, slipped: slipped(touched, held.centre - last) };
     let feet = std::iter::once(&first).chain(set.contacts().iter().filter(same));
     let view = view(body, parts);
+    let centre = held.centre;
+    let look = |point: &Point3| {
+        let (gap_m, normal) = signed_gap(&centre, radius_m, point);
+        (*point != centre).then_some(Facing { gap_m, normal, uv: [0.0; 2] })
+    };
     if let Some(view) = view.filter(|_| radius_m > 0.0) {
-        let (centre, within) = (held.centre, radius_m + margin);
+        let within = radius_m + margin;
         let meets = |low: &Point3, high: &Point3| distance_squared_to_box(&centre, low, high) <= within * within;
-        let look = |point: &Point3| {
-            let away = centre - point;
-            let distance = away.norm();
-            let facing = Facing { gap_m: distance - radius_m, normal: away / distance, uv: [0.0; 2] };
-            (distance > 0.0).then_some(facing)
-        };
         view.samples_in_touch(margin, meets, look, hits);
         for hit in hits.iter() {
             push_sample(rows, p, pair, hit, &view, way, margin);
@@ -134,11 +135,7 @@ fn ball(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch, p: usize, 
     }
     push_feet(rows, p, pair, feet, view.as_ref(), way, margin);
     let Some(view) = view.filter(|_| radius_m > 0.0) else { return };
-    let centre = held.centre;
-    keep_feet(rows, p, pair, &state.warm[..state.warm_len], &view, way, margin, |point| {
-        let (gap_m, normal) = signed_gap(&centre, radius_m, point);
-        Some(Facing { gap_m, normal, uv: [0.0; 2] })
-    });
+    keep_feet(rows, p, pair, &state.warm[..state.warm_len], &view, way, margin, look);
 }
 
 /// Rows of feet that carried in the last tick and are no deepest points any more.
@@ -200,11 +197,6 @@ fn shape(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch, p: usize,
     let touched = proxy.touching;
     let scratch_pair = &mut pairs[p];
     let gripped = state.tools[t].grip.holds();
-    let tips = match &tool.shape {
-        ToolShape::Implicit { tool, .. } if pair.method == Method::Exact => Some(tool.tips()),
-        ToolShape::Mesh(_) if pair.method == Method::Exact => Some(&[][..]),
-        _ => None,
-    };
     // A half-space looks the same from everywhere: its contacts are those where it is going to be.
     let mut anchor = if tool.shape.is_plane() && !gripped { free } else { last };
     if body.two_sided && !proxy.touching {
@@ -219,12 +211,7 @@ fn shape(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch, p: usize,
         let way = free - anchor;
         let length = way.norm();
         let reach = Reach { margin_m: length.min(longest).max(margin), below: proxy.below };
-        scratch_pair.contacts(&tool.shape, &pose_at(anchor), parts, reach);
-        if let Some(tips) = tips {
-            let BodyScratch { surface, solver, bounds, .. } = &mut *parts;
-            let faced = Faced { surface, solver, bounds: *bounds, size_m: body.size_m, below: proxy.below };
-            face_surface(&mut scratch_pair.set, faced, &pose_at(anchor), tips, margin);
-        }
+        touch(tool, body, pair, scratch_pair, &pose_at(anchor), parts, reach, margin);
         if length <= reach.margin_m || !scratch_pair.set.contacts().is_empty() || stride + 1 == STRIDES {
             break;
         }
@@ -241,12 +228,7 @@ fn shape(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch, p: usize,
             anchor += slid;
             let margin_m = (free - anchor).norm().min(longest).max(margin);
             let reach = Reach { margin_m, below: proxy.below };
-            scratch_pair.contacts(&tool.shape, &pose_at(anchor), parts, reach);
-            if let Some(tips) = tips {
-                let BodyScratch { surface, solver, bounds, .. } = &mut *parts;
-                let faced = Faced { surface, solver, bounds: *bounds, size_m: body.size_m, below: proxy.below };
-                face_surface(&mut scratch_pair.set, faced, &pose_at(anchor), tips, margin);
-            }
+            touch(tool, body, pair, scratch_pair, &pose_at(anchor), parts, reach, margin);
         }
     }
     let set = &scratch_pair.set;
@@ -268,6 +250,28 @@ fn shape(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch, p: usize,
         let facing = |point: &Point3| scratch_pair.facing(&tool.shape, &pose, point, margin);
         keep_feet(rows, p, pair, &state.warm[..state.warm_len], &view, way, margin, facing);
     }
+}
+
+/// Contacts of a tool at `pose`, its edges and tips turned to the surface.
+fn touch(
+    tool: &Tool,
+    body: &Body,
+    pair: &Pair,
+    scratch_pair: &mut PairScratch,
+    pose: &Pose,
+    parts: &mut BodyScratch,
+    reach: Reach,
+    margin: f64,
+) {
+    scratch_pair.contacts(&tool.shape, pose, parts, reach);
+    let tips = match (&tool.shape, pair.method) {
+        (ToolShape::Implicit { tool, .. }, Method::Exact) => tool.tips(),
+        (ToolShape::Mesh(_), Method::Exact) => &[],
+        _ => return,
+    };
+    let BodyScratch { surface, solver, bounds, .. } = parts;
+    let faced = Faced { surface, solver, bounds: *bounds, size_m: body.size_m, below: reach.below };
+    face_surface(&mut scratch_pair.set, faced, pose, tips, margin);
 }
 
 /// A tool that did not touch before begins to resist from where it comes to touch.

@@ -2,8 +2,7 @@
 
 use crate::contact::friction::Law;
 use crate::contact::rows::{Holder, Row};
-use crate::haptics::LinkPhase;
-use crate::haptics::limit;
+use crate::haptics::{LinkPhase, limit};
 use crate::math::{Point3, Vector3};
 use crate::scene::{BodyModel, LatticeBody, Scene, SceneState, Scratch};
 

@@ -81,3 +81,13 @@ device = {{ force_max_n = 1e9, ramp_s = 0.0 }}
 "#
     )
 }
+
+/// Force after a ball of 20 mm was lowered onto z = 0 by a depth within so many ticks, and held for as many.
+pub fn press(world: &mut World, depth_m: f64, ticks: usize) -> f64 {
+    let mut force = 0.0;
+    for k in 0..2 * ticks {
+        let share = (k as f64 / ticks as f64).min(1.0);
+        force = world.at([0.0, 0.0, 0.02 - depth_m * share]).tools[0].force_n.z;
+    }
+    force
+}
