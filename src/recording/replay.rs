@@ -264,8 +264,15 @@ fn first_apart(a: &[f64], b: &[f64]) -> Option<usize> {
 }
 
 fn value_name(k: usize) -> String {
-    let groups =
-        [("force_n", 3), ("torque_nm", 3), ("proxy_position", 3), ("proxy_orientation", 4), ("device_moved", 3)];
+    let groups = [
+        ("force_n", 3),
+        ("torque_nm", 3),
+        ("proxy_position", 3),
+        ("proxy_orientation", 4),
+        ("device_moved", 3),
+        ("contact_force_n", 3),
+        ("contact_torque_nm", 3),
+    ];
     let mut k = k;
     for (name, len) in groups {
         if k < len {
@@ -273,7 +280,7 @@ fn value_name(k: usize) -> String {
         }
         k -= len;
     }
-    "energy_j".into()
+    ["energy_j", "dissipated_j"][k.min(1)].into()
 }
 
 fn contact_name(k: usize) -> &'static str {

@@ -21,6 +21,7 @@ pub(super) fn emit(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch,
         let ball = tool.shape.ball_radius_m().is_some();
         let free = scratch.rows.free[t];
         let (force, torque) = load::wrench(scene, scratch, t);
+        (out.contact_force_n, out.contact_torque_nm) = (force, torque);
         let (rendered, factor) = limit(force, torque, tool_state.link.limit_n);
         let held = free + force * tool.coupling.compliance_m_n();
         // A saturated coupling lets the device in further than the balance knows: a ball then stays on the surface as it

@@ -101,10 +101,14 @@ pub struct ToolOutput {
     pub t_client_ns: u64,
     /// Age of the pose in effect, ticks.
     pub pose_age_ticks: u32,
-    /// Limited force on the tool, N, world axes.
+    /// Force for the device, N, world axes: what touches the tool, made passive and limited.
     pub force_n: Vector3,
-    /// Torque at the tool's reference point, N·m.
+    /// Torque for the device at the tool's reference point, N·m.
     pub torque_nm: Vector3,
+    /// Force of all contacts on the tool, N: what a sensor between tool and body would read.
+    pub contact_force_n: Vector3,
+    /// Torque of all contacts about the tool's reference point, N·m.
+    pub contact_torque_nm: Vector3,
     /// Proxy position, m.
     pub proxy_position: Point3,
     /// Proxy orientation.
@@ -117,8 +121,10 @@ pub struct ToolOutput {
     pub contact_count: u32,
     /// Deepest contact.
     pub contact: Option<ContactReport>,
-    /// Net work done by the hand on the coupling since the start, J.
+    /// Net work done by the device on the loop since the start, J; what is below zero, the loop has made.
     pub energy_j: f64,
+    /// Part of it that the passivity controller took away, J.
+    pub dissipated_j: f64,
 }
 
 impl Default for ToolOutput {
@@ -129,6 +135,8 @@ impl Default for ToolOutput {
             pose_age_ticks: 0,
             force_n: Vector3::zeros(),
             torque_nm: Vector3::zeros(),
+            contact_force_n: Vector3::zeros(),
+            contact_torque_nm: Vector3::zeros(),
             proxy_position: Point3::origin(),
             proxy_orientation: Rotation::identity(),
             flags: 0,
@@ -136,6 +144,7 @@ impl Default for ToolOutput {
             contact_count: 0,
             contact: None,
             energy_j: 0.0,
+            dissipated_j: 0.0,
         }
     }
 }
