@@ -57,6 +57,8 @@ pub mod force_flags {
     pub const FAULT: u32 = 1 << 5;
     /// The tool holds on to what it grabbed.
     pub const GRABBING: u32 = 1 << 6;
+    /// A damper was added to keep the loop from making energy.
+    pub const DAMPED: u32 = 1 << 7;
 }
 
 /// The force a hand should feel: wrench on the tool, world axes, at the tool's reference point.

@@ -25,7 +25,7 @@ pub struct ConeShare {
 
 /// The point of a contact's cone nearest to y, and its derivative.
 fn nearest(law: Law, normal: &Vector3, y: &Vector3) -> (Vector3, Matrix3) {
-    let Law::Push { mu } = law else { return (*y, Matrix3::identity()) };
+    let Law::Push { mu, .. } = law else { return (*y, Matrix3::identity()) };
     let along = normal.dot(y);
     let across = y - normal * along;
     let size = across.norm();
@@ -99,7 +99,7 @@ mod tests {
         for _ in 0..2_000 {
             let mut any = || Vector3::new(random.next(), random.next(), random.next());
             let (normal, y, towards) = (any().normalize(), any(), any());
-            let law = Law::Push { mu: 0.4 };
+            let law = Law::coulomb(0.4);
             let (onto, derivative) = nearest(law, &normal, &y);
             // Moreau: y splits into a point of the cone and one of its polar, which are at right angles.
             let rest = y - onto;
@@ -131,7 +131,7 @@ mod tests {
                     let (law, force_n) = if case % 5 == 0 && k == 0 {
                         (Law::Grip { limit_n: 100.0 }, Vector3::new(random.next(), random.next(), random.next()))
                     } else {
-                        (Law::Push { mu }, (normal + across * (mu * random.next().abs())) * lambda)
+                        (Law::coulomb(mu), (normal + across * (mu * random.next().abs())) * lambda)
                     };
                     ConeShare { normal, law, weight_m: 1e-4 + 1e-3 * random.next().abs(), force_n }
                 })
@@ -146,7 +146,7 @@ mod tests {
                 for c in &set {
                     let along = c.force_n.dot(&c.normal);
                     let across = (c.force_n - c.normal * along).norm();
-                    assert!(!matches!(c.law, Law::Push { mu } if across > mu * along + 1e-12));
+                    assert!(!matches!(c.law, Law::Push { mu, .. } if across > mu * along + 1e-12));
                 }
                 assert!(energy(&set) <= energy_before * (1.0 + 4.0 * KEPT));
             }
@@ -158,7 +158,7 @@ mod tests {
     fn a_flat_contact_shares_push_and_drag_by_depth() {
         let contact = |weight_m: f64, force_n: Vector3| ConeShare {
             normal: Vector3::z(),
-            law: Law::Push { mu: 0.5 },
+            law: Law::coulomb(0.5),
             weight_m,
             force_n,
         };

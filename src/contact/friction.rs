@@ -3,15 +3,19 @@
 //! Couplings and bodies give way alike in x, y and z: a force f_j on row j moves row i by S_ij f_j with one number S_ij.
 //! Wanted are forces whose displacements u_i = b_i + Σ_j S_ij f_j keep each row's law:
 //!
-//! - push, normal n, coefficient μ: f = λ n + t with λ ≥ 0, u_n ≥ 0, λ u_n = 0 and |t| ≤ μ λ; where the row slips,
-//!   t = −μ λ u_t / |u_t| (Signorini and Coulomb);
+//! - push, normal n, coefficient μ, drag c: f = λ n + t with λ ≥ 0, u_n ≥ 0, λ u_n = 0 and |t| ≤ μ λ while u_t = 0; where the
+//!   row slips, t = −(μ λ / |u_t| + c) u_t (Signorini, Coulomb and Stokes);
 //! - grip: u = 0 while |f| is below the limit, f = −limit u / |u| beyond it.
 //!
+//! A tool that may turn adds, for two of its rows with arms r_i and r_j, C (r_j × f_j) × r_i to what row i moves.
+//!
 //! Solved row by row in a fixed number of sweeps (nonsmooth contact dynamics: Jean 1999, "The non-smooth contact dynamics
-//! method", §5). S_ii being a number, each row's own problem has the closed form used here. Grips and frictionless rows are
+//! method", §5). S_ii being a number, each row's own problem has the closed form used here; with an arm S_ii + C |r_i|² stands for it,
+//! which is no less than the row's own compliance in any direction, so that every step still goes down. Grips and frictionless rows are
 //! minima of a convex function, which every sweep lowers; sliding rows are not, and jams at a high μ have more than one
 //! answer: the one nearest to the last tick's is found.
 
+use super::rows::MAX_TOOLS;
 use crate::math::{Lane, Vector3};
 
 /// Coulomb's law for a pair.
@@ -21,6 +25,8 @@ pub struct Friction {
     pub mu: f64,
     /// The same while it slips, at most `mu`.
     pub mu_kinetic: f64,
+    /// Drag of the whole contact against its slip, N·s/m.
+    pub viscous_n_s_m: f64,
 }
 
 /// Where a row sticks: a place of the body, and how far from it the holder was. It lasts until the row slips, so nothing that
@@ -31,7 +37,8 @@ pub struct Stick {
     pub u: f64,
     /// On the body's surface.
     pub v: f64,
-    /// From there to the tool's reference point, m. Between bodies, which have no such point: what the row has crept.
+    /// From there to the tool's reference point, m; in the tool's frame unless it is a ball. Between bodies, which have no such
+    /// point: what the row has crept.
     pub offset: Vector3,
 }
 
@@ -42,12 +49,35 @@ pub enum Law {
     Push {
         /// μ (≥ 0).
         mu: f64,
+        /// Drag for each metre it slips within the tick, N/m (≥ 0).
+        drag_n_m: f64,
     },
     /// It holds in every direction.
     Grip {
         /// Greatest force, N.
         limit_n: f64,
     },
+}
+
+impl Law {
+    /// It pushes, and nothing else.
+    pub const SMOOTH: Self = Self::Push { mu: 0.0, drag_n_m: 0.0 };
+
+    /// It pushes, with Coulomb's friction.
+    pub fn coulomb(mu: f64) -> Self {
+        Self::Push { mu, drag_n_m: 0.0 }
+    }
+}
+
+/// A row of a tool that may turn.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Lever {
+    /// Index of the tool.
+    pub tool: usize,
+    /// From its reference point to the contact, m.
+    pub arm: Vector3,
+    /// How far a torque turns it, rad/(N·m).
+    pub compliance_rad_nm: f64,
 }
 
 fn lane(v: &Vector3) -> Lane {
@@ -62,6 +92,20 @@ fn dot(a: &Lane, b: &Lane) -> f64 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
+#[inline(always)]
+fn cross(a: &Lane, b: &Lane) -> Lane {
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0], 0.0]
+}
+
+/// How a row turns its tool.
+#[derive(Clone, Copy, Debug)]
+struct Turning {
+    tool: usize,
+    arm: Lane,
+    /// C, rad/(N·m); 0: it does not.
+    compliance: f64,
+}
+
 /// One row.
 #[derive(Clone, Copy, Debug)]
 struct Bound {
@@ -69,6 +113,7 @@ struct Bound {
     /// b, m.
     free: Lane,
     law: Law,
+    turning: Turning,
     /// The last sweep met the edge of its cone.
     slips: bool,
 }
@@ -108,9 +153,17 @@ impl FrictionProblem {
     /// Adds a row: its unit normal, its displacement without contact forces (m), its law, and where its force starts (N).
     pub fn push(&mut self, normal: &Vector3, free_m: &Vector3, law: Law, warm_n: &Vector3) {
         debug_assert!(self.rows.len() < self.rows.capacity(), "more rows than room");
-        self.rows.push(Bound { normal: lane(normal), free: lane(free_m), law, slips: false });
+        let turning = Turning { tool: 0, arm: [0.0; 4], compliance: 0.0 };
+        self.rows.push(Bound { normal: lane(normal), free: lane(free_m), law, turning, slips: false });
         self.forces.push(lane(warm_n));
         self.displaced.push([0.0; 4]);
+    }
+
+    /// The row just added turns its tool.
+    pub fn set_lever(&mut self, lever: &Lever) {
+        if let Some(row) = self.rows.last_mut() {
+            row.turning = Turning { tool: lever.tool, arm: lane(&lever.arm), compliance: lever.compliance_rad_nm };
+        }
     }
 
     /// Changes a row's displacement without contact forces (m); its force stays as it is.
@@ -134,26 +187,41 @@ impl FrictionProblem {
     fn sweep(&mut self, matrix: &[f64], sweeps: usize) {
         let n = self.rows.len();
         let Self { rows, forces, displaced } = self;
+        // What turns each tool, N·m.
+        let mut torques = [[0.0; 4]; MAX_TOOLS];
+        for (row, force) in rows.iter().zip(forces.iter()) {
+            row.turning.add(&mut torques, force);
+        }
         for _ in 0..sweeps {
             for (i, row) in rows.iter_mut().enumerate() {
                 let compliances = &matrix[i * n..(i + 1) * n];
-                let own = compliances[i];
+                let turning = row.turning;
+                let own = compliances[i] + turning.compliance * dot(&turning.arm, &turning.arm);
                 // A row that nothing can move, or a number that is none: no force of its own.
                 let stiffness = if own > 0.0 { 1.0 / own } else { 0.0 };
-                if stiffness == 0.0 || !stiffness.is_finite() {
-                    forces[i] = [0.0; 4];
-                    continue;
+                let mut next = [0.0; 4];
+                if stiffness > 0.0 && stiffness.is_finite() {
+                    let mut u = total(compliances, forces, &row.free);
+                    turning.displace(&torques, &mut u);
+                    let mut wish = [0.0; 4];
+                    for c in 0..4 {
+                        wish[c] = forces[i][c] - u[c] * stiffness;
+                    }
+                    next = row.allowed(&wish, own);
                 }
-                let u = total(compliances, forces, &row.free);
-                let mut wish = [0.0; 4];
-                for c in 0..4 {
-                    wish[c] = forces[i][c] - u[c] * stiffness;
+                if turning.compliance > 0.0 {
+                    let mut change = [0.0; 4];
+                    for c in 0..4 {
+                        change[c] = next[c] - forces[i][c];
+                    }
+                    turning.add(&mut torques, &change);
                 }
-                forces[i] = row.allowed(&wish);
+                forces[i] = next;
             }
         }
         for (i, row) in rows.iter().enumerate() {
             displaced[i] = total(&matrix[i * n..(i + 1) * n], forces, &row.free);
+            row.turning.displace(&torques, &mut displaced[i]);
         }
     }
 
@@ -229,12 +297,36 @@ fn total(compliances: &[f64], forces: &[Lane], free: &Lane) -> Lane {
     sum
 }
 
-impl Bound {
-    /// The force the row takes when `wish` would bring its displacement to zero.
+impl Turning {
+    /// A force turns the tool.
     #[inline(always)]
-    fn allowed(&mut self, wish: &Lane) -> Lane {
+    fn add(&self, torques: &mut [Lane; MAX_TOOLS], force: &Lane) {
+        if self.compliance > 0.0 {
+            let torque = cross(&self.arm, force);
+            for c in 0..4 {
+                torques[self.tool][c] += torque[c];
+            }
+        }
+    }
+
+    /// The tool's turn moves the row.
+    #[inline(always)]
+    fn displace(&self, torques: &[Lane; MAX_TOOLS], u: &mut Lane) {
+        if self.compliance > 0.0 {
+            let moved = cross(&torques[self.tool], &self.arm);
+            for c in 0..4 {
+                u[c] += self.compliance * moved[c];
+            }
+        }
+    }
+}
+
+impl Bound {
+    /// The force the row takes when `wish` would bring its displacement to zero; `own`: what a unit of force moves it, m/N.
+    #[inline(always)]
+    fn allowed(&mut self, wish: &Lane, own: f64) -> Lane {
         match self.law {
-            Law::Push { mu } => {
+            Law::Push { mu, drag_n_m } => {
                 let along = dot(wish, &self.normal);
                 let pushes = along > 0.0;
                 if !pushes {
@@ -247,7 +339,9 @@ impl Bound {
                 }
                 let (size, most) = (dot(&tangent, &tangent).sqrt(), mu * along);
                 self.slips = size > most;
-                let scale = if self.slips { most / size } else { 1.0 };
+                // Slip is own (size − |t|) against the way, and |t| = most + drag × slip.
+                let drag = drag_n_m * own;
+                let scale = if self.slips { (most + drag * size) / ((1.0 + drag) * size) } else { 1.0 };
                 let mut force = [0.0; 4];
                 for c in 0..4 {
                     force[c] = along * self.normal[c] + scale * tangent[c];

@@ -7,7 +7,7 @@
 use super::friction::Law;
 use super::samples::{SampleGrid, Weights};
 use crate::basis::BasisWindow;
-use crate::math::{Point3, Vector3};
+use crate::math::{Point3, Rotation, Vector3};
 use crate::surface::Surface;
 
 /// Most rows of one tick over all pairs.
@@ -61,6 +61,8 @@ pub struct Row {
     pub u: f64,
     /// Its parameters.
     pub v: f64,
+    /// From a tool's reference point to where the tool touches, m; zero on balls, which may turn as they like.
+    pub arm: Vector3,
     /// Weights on the body in [`RowSet::weights_in`]; empty when it is rigid.
     pub on_body: Range,
     /// Weights on the holder; empty when it is a tool or rigid.
@@ -130,6 +132,8 @@ pub struct RowSet {
     pair_start: usize,
     /// By tool: where free motion of the coupling takes the proxy, m.
     pub free: [Point3; MAX_TOOLS],
+    /// By tool: how free motion of the coupling turns the proxy.
+    pub free_turns: [Rotation; MAX_TOOLS],
     /// By tool: the proxy held back by the surfaces as they stand, m.
     pub proxies: [Point3; MAX_TOOLS],
     /// By tool: share of its contact forces that the limiter let through.
@@ -148,6 +152,7 @@ impl RowSet {
             scratch: Weights { controls: Vec::with_capacity(width), weights: Vec::with_capacity(width) },
             pair_start: 0,
             free: [Point3::origin(); MAX_TOOLS],
+            free_turns: [Rotation::identity(); MAX_TOOLS],
             proxies: [Point3::origin(); MAX_TOOLS],
             factors: [0.0; MAX_TOOLS],
         }

@@ -113,6 +113,11 @@ impl Link {
         if self.phase == LinkPhase::Live { self.pose.linear_velocity } else { Vector3::zeros() }
     }
 
+    /// Angular velocity the coupling may use, rad/s: none once the pose is old.
+    pub fn angular_velocity(&self) -> Vector3 {
+        if self.phase == LinkPhase::Live { self.pose.angular_velocity } else { Vector3::zeros() }
+    }
+
     /// All of it, in order.
     pub fn save(&self, sink: &mut impl StateSink) {
         let pose = &self.pose;

@@ -19,8 +19,10 @@ pub(crate) mod lanes;
 mod quadrature;
 pub mod simd;
 mod state;
+mod turn;
 
 pub use aligned::Rows;
 pub use cholesky::{Cholesky, CholeskyError, Lane, SymmetricTriplets};
 pub use quadrature::gauss_legendre;
 pub use state::{SavedState, StateError, StateSink, StateSource, Stateful, state_hash};
+pub use turn::{rotation_by, turn_between};

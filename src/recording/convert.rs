@@ -200,6 +200,8 @@ pub fn tick_from_proto(tick: &pb::Tick) -> Result<TickRecord, ConvertError> {
             contact_torque_nm: values.vector(),
             energy_j: values.take::<1>()[0],
             dissipated_j: values.take::<1>()[0],
+            // Follows from the poses; a replay makes it again.
+            device_turned: Vector3::zeros(),
         };
     }
     Ok(record)

@@ -2,15 +2,15 @@
 
 use super::frame::FrameOf;
 use super::spec::{
-    BodySpec, ContactMethod, FrictionSpec, IntegratorSpec, ModelSpec, PoseSpec, SPHERES_RESOLUTION, SceneSpec,
-    SurfaceSpec, ToolSpec,
+    BodySpec, ContactMethod, DeviceSpec, FrictionSpec, IntegratorSpec, ModelSpec, PoseSpec, SPHERES_RESOLUTION,
+    SceneSpec, SurfaceSpec, ToolSpec,
 };
-use super::{Body, BodyModel, LatticeBody, Method, Pair, Scene, Tool};
+use super::{Body, BodyModel, Device, LatticeBody, Method, Pair, Scene, Tool};
 use super::{deforming, refine, shapes};
 use crate::contact::SampleGrid;
 use crate::contact::friction::Friction;
 use crate::contact::rows::Holder;
-use crate::haptics::{Coupling, LinkLimits};
+use crate::haptics::{Coupling, DeviceFigures, LinkLimits};
 use crate::math::{Point3, Pose, Rotation, Vector3};
 use crate::surface::{self, Surface};
 use std::path::Path;
@@ -185,12 +185,15 @@ fn build_pairs(
 
 /// Without friction a pair has none, rather than a coefficient of zero: it is then solved as such.
 fn friction(spec: Option<&FrictionSpec>, path: impl Fn() -> String) -> Result<Option<Friction>, SceneError> {
-    let Some(&FrictionSpec { mu, mu_kinetic }) = spec else { return Ok(None) };
+    let Some(&FrictionSpec { mu, mu_kinetic, viscous_n_s_m }) = spec else { return Ok(None) };
     let mu_kinetic = mu_kinetic.unwrap_or(mu);
     if !(mu.is_finite() && (0.0..=mu).contains(&mu_kinetic)) {
         return Err(error(path(), "mu must be 0 or more and mu_kinetic at most mu"));
     }
-    Ok((mu > 0.0).then_some(Friction { mu, mu_kinetic }))
+    if !(viscous_n_s_m.is_finite() && viscous_n_s_m >= 0.0) {
+        return Err(error(path(), "viscous_n_s_m must be 0 or more"));
+    }
+    Ok((mu > 0.0 || viscous_n_s_m > 0.0).then_some(Friction { mu, mu_kinetic, viscous_n_s_m }))
 }
 
 fn build_tool(spec: &ToolSpec, path: &str, directory: &Path, dt_s: f64) -> Result<Tool, SceneError> {
@@ -199,26 +202,51 @@ fn build_tool(spec: &ToolSpec, path: &str, directory: &Path, dt_s: f64) -> Resul
     if !(coupling.stiffness_n_m > 0.0 && coupling.damping_n_s_m >= 0.0 && coupling.damping_n_s_m.is_finite()) {
         return Err(error(format!("{path}.coupling"), "stiffness_n_m must be above 0 and damping_n_s_m at least 0"));
     }
+    let (turning, damping) = (coupling.turning_stiffness_nm_rad, coupling.turning_damping_nm_s_rad);
+    if !(turning > 0.0 && damping >= 0.0 && damping.is_finite()) {
+        let reason = "turning_stiffness_nm_rad must be above 0 and turning_damping_nm_s_rad at least 0";
+        return Err(error(format!("{path}.coupling"), reason));
+    }
     let grip_n = spec.grip.force_max_n;
     if !(grip_n.is_finite() && grip_n >= 0.0) {
         return Err(error(format!("{path}.grip.force_max_n"), "a grip holds with 0 N or more"));
     }
-    let device = &spec.device;
-    let limits = LinkLimits {
-        force_max_n: device.force_max_n,
-        ramp_n: if device.ramp_s > 0.0 { device.force_max_n * dt_s / device.ramp_s } else { device.force_max_n },
-        stale_ticks: (device.stale_s / dt_s).ceil() as u32,
-        stride_max_m: device.speed_max_m_s * dt_s,
-    };
     let pose = pose(&spec.pose, &format!("{path}.pose"))?;
-    Ok(Tool {
-        id: spec.id.clone(),
-        shape,
-        start: (Point3::from(pose.translation.vector), pose.rotation),
-        coupling: Coupling::new(coupling.stiffness_n_m, coupling.damping_n_s_m, dt_s),
-        limits,
-        grip_n,
-    })
+    let (device, limits) = build_device(&spec.device, coupling.bounded, dt_s);
+    let mut stiffness_n_m = coupling.stiffness_n_m;
+    if coupling.bounded && spec.device.damping_n_s_m.is_some() {
+        let most = device.figures.stiffness_limits(coupling.damping_n_s_m).passive_n_m();
+        if most == 0.0 {
+            let reason = "a bounded coupling needs a device with more damping than its own, and with dry friction if it has \
+                          an encoder: give damping_n_s_m, coulomb_n and encoder_m of [tool.device], or drop bounded";
+            return Err(error(format!("{path}.coupling.bounded"), reason));
+        }
+        stiffness_n_m = stiffness_n_m.min(most);
+    }
+    let mut built = Coupling::new(stiffness_n_m, coupling.damping_n_s_m, dt_s);
+    if shape.ball_radius_m().is_none() {
+        built = built.turning(coupling.turning_stiffness_nm_rad, coupling.turning_damping_nm_s_rad);
+    }
+    let start = (Point3::from(pose.translation.vector), pose.rotation);
+    Ok(Tool { id: spec.id.clone(), shape, start, coupling: built, limits, device, grip_n })
+}
+
+fn build_device(spec: &DeviceSpec, bounded: bool, dt_s: f64) -> (Device, LinkLimits) {
+    let limits = LinkLimits {
+        force_max_n: spec.force_max_n,
+        ramp_n: if spec.ramp_s > 0.0 { spec.force_max_n * dt_s / spec.ramp_s } else { spec.force_max_n },
+        stale_ticks: (spec.stale_s / dt_s).ceil() as u32,
+        stride_max_m: spec.speed_max_m_s * dt_s,
+    };
+    let figures = DeviceFigures {
+        damping_n_s_m: spec.damping_n_s_m.unwrap_or(0.0),
+        coulomb_n: spec.coulomb_n,
+        encoder_m: spec.encoder_m,
+        period_s: spec.rate_hz.map_or(dt_s, |rate| dt_s.max(1.0 / rate)),
+        delay_s: spec.delay_s,
+    };
+    let passivity_damping_n_s_m = spec.passivity.then_some(spec.passivity_damping_n_s_m);
+    (Device { torque_max_nm: spec.torque_max_nm, passivity_damping_n_s_m, bounded, figures }, limits)
 }
 
 pub(super) fn unit(normal: &[f64; 3], path: &str) -> Result<Vector3, SceneError> {

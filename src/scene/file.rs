@@ -1,6 +1,8 @@
 //! Reads a scene file and says of everything that is wrong with it where it stands and how to mend it.
 
-use super::spec::{ContactMethod, ContactSpec, FrictionSpec, MAX_TOOLS, ModelSpec, SceneSpec, ShapeSpec, SurfaceSpec};
+use super::spec::{
+    ContactMethod, ContactSpec, DeviceSpec, FrictionSpec, MAX_TOOLS, ModelSpec, SceneSpec, ShapeSpec, SurfaceSpec,
+};
 use crate::surface::builtin::BUILTINS;
 use place::Place;
 use std::fmt;
@@ -252,6 +254,7 @@ impl Check<'_> {
             let message = format!("mu_kinetic is {kinetic}; it must be 0 to mu, which is {}", friction.mu);
             self.refuse(table, index, "mu_kinetic", message);
         }
+        self.not_below_zero(table, index, "viscous_n_s_m", friction.viscous_n_s_m, "N·s/m");
     }
 
     fn surface(&mut self, table: &str, index: usize, surface: &SurfaceSpec, directory: &Path) {
@@ -344,9 +347,37 @@ impl Check<'_> {
             let message = format!("the grip's force_max_n is {grip}; it must be 0 N (it never holds) or more");
             self.refuse("tool", t, "grip", message);
         }
-        self.not_below_zero("tool", t, "ramp_s", tool.device.ramp_s, "s");
-        self.above_zero("tool", t, "stale_s", tool.device.stale_s, "s");
-        self.above_zero("tool", t, "speed_max_m_s", tool.device.speed_max_m_s, "m/s");
+        let turning = tool.coupling.turning_stiffness_nm_rad;
+        if turning.is_nan() || turning <= 0.0 {
+            let message = format!(
+                "turning_stiffness_nm_rad is {turning}; it must be above 0 N·m/rad (inf: the tool is turned as the device is)"
+            );
+            self.refuse("tool", t, "turning_stiffness_nm_rad", message);
+        }
+        let damping = tool.coupling.turning_damping_nm_s_rad;
+        self.not_below_zero("tool", t, "turning_damping_nm_s_rad", damping, "N·m·s/rad");
+        self.device(t, &tool.device);
+    }
+
+    fn device(&mut self, t: usize, device: &DeviceSpec) {
+        self.not_below_zero("tool", t, "ramp_s", device.ramp_s, "s");
+        self.above_zero("tool", t, "stale_s", device.stale_s, "s");
+        self.above_zero("tool", t, "speed_max_m_s", device.speed_max_m_s, "m/s");
+        let torque = device.torque_max_nm;
+        if torque.is_nan() || torque < 0.0 {
+            let message = format!("torque_max_nm is {torque}; it must be 0 N·m (the device only pushes) or more");
+            self.refuse("tool", t, "torque_max_nm", message);
+        }
+        self.above_zero("tool", t, "passivity_damping_n_s_m", device.passivity_damping_n_s_m, "N·s/m");
+        if let Some(damping) = device.damping_n_s_m {
+            self.not_below_zero("tool", t, "damping_n_s_m", damping, "N·s/m");
+        }
+        self.not_below_zero("tool", t, "coulomb_n", device.coulomb_n, "N");
+        self.not_below_zero("tool", t, "encoder_m", device.encoder_m, "m");
+        self.not_below_zero("tool", t, "delay_s", device.delay_s, "s");
+        if let Some(rate) = device.rate_hz {
+            self.above_zero("tool", t, "rate_hz", rate, "Hz");
+        }
     }
 }
 

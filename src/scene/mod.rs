@@ -28,7 +28,7 @@ use crate::body::Deformable;
 use crate::contact::friction::Friction;
 use crate::contact::rows::Holder;
 use crate::contact::{SampleGrid, ToolShape};
-use crate::haptics::{Coupling, LinkLimits};
+use crate::haptics::{Coupling, DeviceFigures, LinkLimits};
 use crate::math::{Point3, Rotation};
 use crate::surface::Surface;
 use spec::{Clock, SceneSpec};
@@ -94,8 +94,29 @@ pub(crate) struct Tool {
     pub start: (Point3, Rotation),
     pub coupling: Coupling,
     pub limits: LinkLimits,
+    pub device: Device,
     /// Greatest pull on what it grabs, N; 0: it grabs nothing.
     pub grip_n: f64,
+}
+
+/// What a tool's device can bear and how it is looked after.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Device {
+    /// N·m.
+    pub torque_max_nm: f64,
+    /// Strongest damper of the passivity controller, N·s/m; none: it only watches.
+    pub passivity_damping_n_s_m: Option<f64>,
+    /// The coupling may not be stiffer than the device can hold.
+    pub bounded: bool,
+    /// Its physics, as far as the scene says.
+    pub figures: DeviceFigures,
+}
+
+impl Tool {
+    /// The coupling with what its device told.
+    pub fn coupling(&self, state: &ToolState) -> Coupling {
+        self.coupling.bounded(state.bounds.stiffness_max_n_m)
+    }
 }
 
 /// Two parties that may touch: a tool or a body that holds, and a body. A body that holds itself touches itself.
@@ -212,4 +233,6 @@ pub mod flags {
     pub const FAULT: u32 = 1 << 5;
     /// The tool holds on to what it grabbed.
     pub const GRABBING: u32 = 1 << 6;
+    /// A damper was added to keep the loop from making energy.
+    pub const DAMPED: u32 = 1 << 7;
 }

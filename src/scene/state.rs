@@ -14,7 +14,7 @@ use crate::contact::proxy::ProxyState;
 use crate::contact::rows::{LEAST_FOOT, MAX_ROWS, MAX_ROWS_PER_PAIR, RowSet, SampleInTouch};
 use crate::contact::sharing::Share;
 use crate::contact::spheres::Counters;
-use crate::haptics::Link;
+use crate::haptics::{DeviceBounds, Link, Port};
 use crate::math::{Point3, Rotation, StateError, StateSink, StateSource, Stateful, Vector3};
 use crate::surface::{ClosestSolver, Surface, WarmFoot};
 
@@ -89,8 +89,12 @@ pub struct ToolState {
     pub link: Link,
     /// Where the surface holds the tool back, m.
     pub proxy: Point3,
-    /// Work done by the hand so far, J.
-    pub energy_j: f64,
+    /// How it is turned there; without a coupling for rotation, as the device is.
+    pub orientation: Rotation,
+    /// Energy between its device and the loop.
+    pub port: Port,
+    /// What its device told it can bear.
+    pub bounds: DeviceBounds,
     /// What it grabs; nothing while the button is up.
     pub grip: GripState,
 }
@@ -202,7 +206,9 @@ impl Scene {
         let tools = self.tools.iter().map(|tool| {
             let mut link = Link::default();
             (link.pose.position, link.pose.orientation) = tool.start;
-            ToolState { link, proxy: tool.start.0, energy_j: 0.0, grip: GripState::default() }
+            let (proxy, orientation) = tool.start;
+            let (port, bounds, grip) = (Port::default(), DeviceBounds::default(), GripState::default());
+            ToolState { link, proxy, orientation, port, bounds, grip }
         });
         SceneState {
             tick: 0,
@@ -330,7 +336,9 @@ impl Stateful for SceneState {
         for tool in &self.tools {
             tool.link.save(sink);
             sink.floats(tool.proxy.coords.as_slice());
-            sink.floats(&[tool.energy_j]);
+            sink.floats(tool.orientation.coords.as_slice());
+            tool.port.save(sink);
+            tool.bounds.save(sink);
             if tool.link.pose.buttons & GRAB != 0 {
                 tool.grip.save(sink);
             }
@@ -385,7 +393,12 @@ impl Stateful for SceneState {
         for tool in &mut self.tools {
             tool.link.restore(source)?;
             source.floats(tool.proxy.coords.as_mut_slice())?;
-            tool.energy_j = float(source)?;
+            let mut quaternion = [0.0; 4];
+            source.floats(&mut quaternion)?;
+            // Taken as saved: normalising again would change the last bit.
+            tool.orientation = Rotation::new_unchecked(nalgebra::Quaternion::from(nalgebra::Vector4::from(quaternion)));
+            tool.port.restore(source)?;
+            tool.bounds.restore(source)?;
             tool.grip = GripState::default();
             if tool.link.pose.buttons & GRAB != 0 {
                 tool.grip.restore(source)?;
@@ -433,12 +446,4 @@ fn float(source: &mut impl StateSource) -> Result<f64, StateError> {
     let mut value = [0.0];
     source.floats(&mut value)?;
     Ok(value[0])
-}
-
-/// Orientation of a tool's proxy: without a rotational coupling it is the device's.
-impl ToolState {
-    /// World from tool.
-    pub fn orientation(&self) -> Rotation {
-        self.link.pose.orientation
-    }
 }

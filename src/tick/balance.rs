@@ -2,14 +2,15 @@
 //!
 //! Rows of one tool share the compliance of its coupling, rows on one body that of its surface:
 //! `D_ij = n_i · n_j ([same tool] / K' + Σ_sides ±± N_iᵀ W N_j)`, the sum over the sides of both rows on the same body,
-//! each with the sign with which its normal pushes it.
+//! each with the sign with which its normal pushes it. A tool that may turn adds `(r_i × n_i) · (r_j × n_j) / K'_r` for two of its
+//! rows with arms r.
 //!
 //! With friction or grips, forces have three components and rows move each other by the bracket alone, without n_i · n_j.
 
 use super::stick;
 use crate::body::Deformable;
 use crate::contact::cones::{self, ConeShare};
-use crate::contact::friction::Law;
+use crate::contact::friction::{Law, Lever};
 use crate::contact::rows::Row;
 use crate::contact::sharing::{Share, share};
 use crate::math::Vector3;
@@ -17,6 +18,8 @@ use crate::scene::{BodyModel, Scene, SceneState, Scratch, WarmRow};
 
 /// Enough for a corner of three planes: rows on rigid bodies are few.
 const RIGID_SWEEPS: usize = 50;
+/// Rows of a tool that turns lean on each other through its arms.
+const TURNING_SWEEPS: usize = 200;
 /// Weight of a row that carries, relative to the depth that its force means to the coupling.
 const LEAST_WEIGHT: f64 = 1e-3;
 
@@ -41,11 +44,17 @@ pub(super) fn solve(scene: &Scene, state: &SceneState, scratch: &mut Scratch) {
     for i in 0..count {
         let a = scratch.rows.rows[i];
         let Some(tool) = a.tool() else { continue };
-        let compliance = scene.tools[tool].coupling.compliance_m_n();
+        let coupling = scene.tools[tool].coupling(&state.tools[tool]);
+        let (compliance, turning) = (coupling.compliance_m_n(), coupling.turning_compliance_rad_nm());
+        let twist = a.arm.cross(&a.normal) * turning;
         for j in 0..count {
             let b = &scratch.rows.rows[j];
             if a.holder == b.holder {
-                scratch.problem.row_mut(i)[j] = compliance * direction(&a, b, whole);
+                let mut moved = compliance * direction(&a, b, whole);
+                if turning > 0.0 && !whole {
+                    moved += twist.dot(&b.arm.cross(&b.normal));
+                }
+                scratch.problem.row_mut(i)[j] = moved;
             }
         }
     }
@@ -67,11 +76,16 @@ pub(super) fn solve_again(scene: &Scene, state: &SceneState, scratch: &mut Scrat
 
 /// Some force has three components.
 fn is_whole(scratch: &Scratch) -> bool {
-    scratch.rows.rows.iter().any(|row| row.law != Law::Push { mu: 0.0 })
+    scratch.rows.rows.iter().any(|row| row.law != Law::SMOOTH)
 }
 
 fn sweeps(scene: &Scene, count: usize) -> usize {
-    let rigid = if count > 1 { RIGID_SWEEPS } else { 1 };
+    let turns = scene.tools.iter().any(|tool| tool.coupling.turns());
+    let rigid = match (count, turns) {
+        (1, false) => 1,
+        (_, false) => RIGID_SWEEPS,
+        (_, true) => TURNING_SWEEPS,
+    };
     let of_bodies = scene.bodies.iter().filter_map(|body| match &body.model {
         BodyModel::Lattice(model) => Some(model.sweeps),
         BodyModel::Rigid => None,
@@ -96,7 +110,7 @@ fn solve_rows(scene: &Scene, state: &SceneState, scratch: &mut Scratch, start: S
     }
     scratch.problem.solve(sweeps(scene, scratch.rows.rows.len()));
     for tool in 0..scene.tools.len() {
-        share_among_rigid(scene, scratch, tool);
+        share_among_rigid(scene, state, scratch, tool);
     }
 }
 
@@ -114,36 +128,68 @@ fn solve_whole(scene: &Scene, state: &SceneState, scratch: &mut Scratch, start: 
         let (slip, stuck) = stick::slip(scene, scratch, &row, old);
         scratch.sticks.push(stuck);
         let (law, free) = match row.law {
-            Law::Push { mu } => {
+            Law::Push { mu, drag_n_m: viscous_n_s_m } => {
                 let pair = scene.pairs[row.pair as usize].friction.filter(|_| slips);
                 let free = slip + row.normal * (row.gap_m - slip.dot(&row.normal));
-                (Law::Push { mu: pair.map_or(mu, |friction| friction.mu_kinetic) }, free)
+                let drag_n_m = match viscous_n_s_m > 0.0 {
+                    true => viscous_n_s_m / scene.dt_s * share_of_drag(state, scratch, &row, force_n),
+                    false => 0.0,
+                };
+                (Law::Push { mu: pair.map_or(mu, |friction| friction.mu_kinetic), drag_n_m }, free)
             }
             grip => (grip, row.slip),
         };
         match start {
-            Start::LastTick => scratch.friction.push(&row.normal, &free, law, &(row.normal * force_n + tangent_n)),
+            Start::LastTick => {
+                scratch.friction.push(&row.normal, &free, law, &(row.normal * force_n + tangent_n));
+                if let Some(tool) = row.tool().filter(|&tool| scene.tools[tool].coupling.turns()) {
+                    let compliance_rad_nm = scene.tools[tool].coupling.turning_compliance_rad_nm();
+                    scratch.friction.set_lever(&Lever { tool, arm: row.arm, compliance_rad_nm });
+                }
+            }
             Start::Here => scratch.friction.set_free(i, &free),
         }
     }
     scratch.friction.solve(scratch.problem.matrix(), sweeps(scene, count));
     for tool in 0..scene.tools.len() {
-        share_whole_among_rigid(scene, scratch, tool);
+        share_whole_among_rigid(scene, state, scratch, tool);
     }
     for i in 0..count {
         scratch.problem.set_force(i, scratch.friction.normal_n(i));
     }
 }
 
+/// Part of its pair's drag that a row has: as much as it carried of the pair's force in the last tick.
+fn share_of_drag(state: &SceneState, scratch: &Scratch, row: &Row, force_n: f64) -> f64 {
+    let warm = state.warm[..state.warm_len].iter().filter(|old| old.key[0] == row.pair);
+    let whole: f64 = warm.map(|old| old.force_n.max(0.0)).sum();
+    if whole > 0.0 {
+        return force_n.max(0.0) / whole;
+    }
+    // It has just come to touch.
+    1.0 / scratch.rows.rows.iter().filter(|other| other.pair == row.pair).count() as f64
+}
+
 /// [`share_among_rigid`] with friction and grips. A grip counts as deep as its part of the force means to the coupling.
-fn share_whole_among_rigid(scene: &Scene, scratch: &mut Scratch, tool: usize) {
+fn share_whole_among_rigid(scene: &Scene, state: &SceneState, scratch: &mut Scratch, tool: usize) {
     let Scratch { rows, friction, cones, .. } = scratch;
-    let compliance = scene.tools[tool].coupling.compliance_m_n();
+    let coupling = scene.tools[tool].coupling(&state.tools[tool]);
+    if coupling.turns() {
+        return;
+    }
+    let compliance = coupling.compliance_m_n();
     cones.clear();
     let total: Vector3 = rigid_rows(scene, &rows.rows, tool).map(|(i, _)| friction.force_n(i)).sum();
     let count = rigid_rows(scene, &rows.rows, tool).count() as f64;
     for (i, row) in rigid_rows(scene, &rows.rows, tool) {
-        let (law, force_n) = (friction.law(i), friction.force_n(i));
+        let (mut law, force_n) = (friction.law(i), friction.force_n(i));
+        if let Law::Push { mu, drag_n_m } = &mut law
+            && *drag_n_m > 0.0
+            && friction.normal_n(i) > 0.0
+        {
+            // Drag goes beyond the cone; it is shared as if the cone held it.
+            *mu = mu.max(friction.tangent_n(i).norm() / friction.normal_n(i));
+        }
         let weight_m = match law {
             Law::Push { .. } => (-row.gap_m).max(0.0) + LEAST_WEIGHT * compliance * friction.normal_n(i),
             Law::Grip { .. } => compliance * total.norm() / count,
@@ -164,9 +210,14 @@ fn rigid_rows<'a>(scene: &'a Scene, rows: &'a [Row], tool: usize) -> impl Iterat
 }
 
 /// Rows of a tool on bodies that do not give way share their force by depth; balance does not say how.
-fn share_among_rigid(scene: &Scene, scratch: &mut Scratch, tool: usize) {
+fn share_among_rigid(scene: &Scene, state: &SceneState, scratch: &mut Scratch, tool: usize) {
     let Scratch { rows, problem, shares, .. } = scratch;
-    let compliance = scene.tools[tool].coupling.compliance_m_n();
+    let coupling = scene.tools[tool].coupling(&state.tools[tool]);
+    if coupling.turns() {
+        // Moments count: the solve has shared.
+        return;
+    }
+    let compliance = coupling.compliance_m_n();
     let rigid =
         |row: &Row| row.tool() == Some(tool) && matches!(scene.bodies[row.body as usize].model, BodyModel::Rigid);
     shares.clear();

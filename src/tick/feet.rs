@@ -41,10 +41,29 @@ pub(super) fn meet((a, b): &(Point3, Point3), low: &Point3, high: &Point3, margi
 /// How far a tool goes within the tick, seen from where its contacts were looked for.
 #[derive(Clone, Copy)]
 pub(super) struct Way {
+    /// Its reference point there, m.
+    pub from: Point3,
     /// From there to where it is free to go, m.
     pub carried: Vector3,
+    /// The same for its orientation, rad.
+    pub turned: Vector3,
     /// From where the last tick left it to there, m.
     pub slipped: Vector3,
+    /// The same for its orientation, rad.
+    pub twisted: Vector3,
+    /// Its arms count: it is no ball.
+    pub has_arms: bool,
+}
+
+impl Way {
+    /// The row of a contact, and how far the tool carries its point there.
+    fn of(&self, row: Row, on_tool: &Point3) -> (Row, Vector3) {
+        if !self.has_arms {
+            return (Row { slip: self.slipped, ..row }, self.carried);
+        }
+        let arm = on_tool - self.from;
+        (Row { slip: self.slipped + self.twisted.cross(&arm), arm, ..row }, self.carried + self.turned.cross(&arm))
+    }
 }
 
 /// A row of a tool at a contact of its pair, named by [`super::cover::foot_name`].
@@ -58,8 +77,7 @@ pub(super) fn push_foot(
     way: Way,
     margin: f64,
 ) {
-    let row = Row { slip: way.slipped, ..row(p, pair, sample, contact) };
-    let carried = way.carried;
+    let (row, carried) = way.of(row(p, pair, sample, contact), &contact.on_tool);
     match view {
         Some(view) => {
             let windows = windows(view, contact.u, contact.v);
@@ -90,12 +108,12 @@ pub(super) fn push_sample(
         depth_m: -hit.facing.gap_m,
         tool_uv: None,
     };
-    let row = Row { slip: way.slipped, ..row(p, pair, hit.index as u32, &contact) };
-    rows.push(row, Grip::Deforming(view, wu, wv), Grip::Carried(way.carried), margin);
+    let (row, carried) = way.of(row(p, pair, hit.index as u32, &contact), &contact.on_tool);
+    rows.push(row, Grip::Deforming(view, wu, wv), Grip::Carried(carried), margin);
 }
 
 /// A row that holds a point of a tool to a point of a body; `contact` says which, `away` leads from the body's to where the
-/// tool's is free to go.
+/// tool's is free to go, `arm` there from the tool's reference point.
 pub(super) fn push_anchor(
     rows: &mut RowSet,
     p: usize,
@@ -103,10 +121,10 @@ pub(super) fn push_anchor(
     sample: u32,
     contact: &Contact,
     view: Option<&DeformingView<'_>>,
-    away: Vector3,
+    (away, arm): (Vector3, Vector3),
     limit_n: f64,
 ) {
-    let row = Row { slip: away, law: Law::Grip { limit_n }, ..row(p, pair, sample, contact) };
+    let row = Row { slip: away, arm, law: Law::Grip { limit_n }, ..row(p, pair, sample, contact) };
     let mine = view.map(|view| (view, windows(view, contact.u, contact.v)));
     rows.push(row, grip_of(&mine), Grip::Fixed, f64::INFINITY);
 }
@@ -141,6 +159,11 @@ fn windows(view: &DeformingView<'_>, u: f64, v: f64) -> Windows {
     (view.surface.knots_u().window(u), view.surface.knots_v().window(v))
 }
 
+/// With friction a row begins as one that drags: how much of the pair's drag is its own, the solve knows.
+fn law(pair: &Pair) -> Law {
+    pair.friction.map_or(Law::SMOOTH, |friction| Law::Push { mu: friction.mu, drag_n_m: friction.viscous_n_s_m })
+}
+
 fn row(p: usize, pair: &Pair, sample: u32, contact: &Contact) -> Row {
     Row {
         pair: p as u32,
@@ -150,8 +173,9 @@ fn row(p: usize, pair: &Pair, sample: u32, contact: &Contact) -> Row {
         normal: contact.normal,
         gap_m: -contact.depth_m,
         slip: Vector3::zeros(),
-        law: Law::Push { mu: pair.friction.map_or(0.0, |friction| friction.mu) },
+        law: law(pair),
         point: contact.on_body,
+        arm: Vector3::zeros(),
         u: contact.u,
         v: contact.v,
         on_body: Default::default(),

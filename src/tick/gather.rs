@@ -18,7 +18,7 @@ use crate::contact::proxy::BallContact;
 use crate::contact::rows::{DeformingView, FOOT, Facing, Holder, LEAST_FOOT, RowSet};
 use crate::contact::{Contact, Reach, ToolShape, distance_squared_to_box};
 use crate::haptics::LinkPhase;
-use crate::math::{Point3, Pose, Rotation, Vector3};
+use crate::math::{Point3, Pose, Rotation, Vector3, rotation_by, turn_between};
 use crate::scene::{
     Body, BodyModel, BodyScratch, Method, Pair, PairScratch, Scene, SceneState, Scratch, Tool, WarmRow,
 };
@@ -39,9 +39,12 @@ pub(super) fn gather(scene: &Scene, state: &mut SceneState, scratch: &mut Scratc
     scratch.rows.clear();
     for (t, tool) in scene.tools.iter().enumerate() {
         let link = &state.tools[t].link;
-        let free = tool.coupling.free_position(&link.pose.position, &link.velocity(), &state.tools[t].proxy);
+        let coupling = tool.coupling(&state.tools[t]);
+        let free = coupling.free_position(&link.pose.position, &link.velocity(), &state.tools[t].proxy);
         scratch.rows.free[t] = free;
         scratch.rows.proxies[t] = free;
+        let (device, rate) = (&link.pose.orientation, &link.angular_velocity());
+        scratch.rows.free_turns[t] = coupling.free_orientation(device, rate, &state.tools[t].orientation);
     }
     super::near::find(scene, state, scratch);
     grip::update(scene, state, scratch);
@@ -117,7 +120,14 @@ fn ball(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch, p: usize, 
         tool_uv: None,
     };
     let same = |contact: &&Contact| (contact.on_body - first.on_body).norm() > SAME * body.size_m;
-    let way = Way { carried: free - held.centre, slipped: slipped(touched, held.centre - last) };
+    let way = Way {
+        from: held.centre,
+        carried: free - held.centre,
+        turned: Vector3::zeros(),
+        slipped: slipped(touched, held.centre - last),
+        twisted: Vector3::zeros(),
+        has_arms: false,
+    };
     let feet = std::iter::once(&first).chain(set.contacts().iter().filter(same));
     let view = view(body, parts);
     let centre = held.centre;
@@ -182,61 +192,100 @@ fn push_feet<'a>(
     }
 }
 
-/// Tools that are no ball, and all on the `spheres` method. Their orientation is the device's.
+/// Where a tool stands.
+#[derive(Clone, Copy)]
+struct Stand {
+    place: Point3,
+    rotation: Rotation,
+}
+
+impl Stand {
+    fn pose(&self) -> Pose {
+        Pose::from_parts(self.place.coords.into(), self.rotation)
+    }
+
+    /// From here to there: of the reference point, m, and of the orientation, rad.
+    fn way_to(&self, there: &Self) -> (Vector3, Vector3) {
+        (there.place - self.place, turn_between(&self.rotation, &there.rotation))
+    }
+
+    /// A part of the way.
+    fn go(&mut self, (way, turn): (Vector3, Vector3), part: f64) {
+        self.place += way * part;
+        self.rotation = rotation_by(&(turn * part)) * self.rotation;
+    }
+}
+
+/// Tools that are no ball, and all on the `spheres` method.
 fn shape(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch, p: usize, t: usize) {
     let Scratch { bodies, pairs, rows, hits, .. } = scratch;
     let pair = &scene.pairs[p];
     let (tool, body) = (&scene.tools[t], &scene.bodies[pair.body]);
     let parts = &mut bodies[pair.body];
-    let (free, margin) = (rows.free[t], margin_m(0.0, body.size_m));
-    let rotation = state.tools[t].link.pose.orientation;
-    let pose_at = |place: Point3| Pose::from_parts(place.coords.into(), rotation);
+    let free = Stand { place: rows.free[t], rotation: rows.free_turns[t] };
+    let margin = margin_m(0.0, body.size_m);
     let mu = stick::coefficient(scene, state, p);
-    let last = state.tools[t].proxy;
+    let last = Stand { place: state.tools[t].proxy, rotation: state.tools[t].orientation };
     let proxy = &mut state.pairs[p].proxy;
     let touched = proxy.touching;
     let scratch_pair = &mut pairs[p];
     let gripped = state.tools[t].grip.holds();
-    // A half-space looks the same from everywhere: its contacts are those where it is going to be.
+    // A half-space looks the same from everywhere: its contacts are those where it is going to be. A tool that the device
+    // turns is looked at as it is turned.
     let mut anchor = if tool.shape.is_plane() && !gripped { free } else { last };
+    if !tool.coupling.turns() {
+        anchor.rotation = free.rotation;
+    }
+    // How far the farthest point of the tool goes when it turns by one rad.
+    let lever = tool.shape.reach_m().unwrap_or(body.size_m);
     if body.two_sided && !proxy.touching {
         // What lets go for a tick is still on the side it was.
-        let away_m = parts.solver.closest(&parts.surface, &anchor).signed_distance;
+        let away_m = parts.solver.closest(&parts.surface, &anchor.place).signed_distance;
         if away_m.abs() > margin {
             proxy.below = away_m < 0.0;
         }
     }
     let longest = STRIDE * body.size_m;
     for stride in 0..STRIDES {
-        let way = free - anchor;
-        let length = way.norm();
+        let way = anchor.way_to(&free);
+        let length = way.0.norm() + lever * way.1.norm();
         let reach = Reach { margin_m: length.min(longest).max(margin), below: proxy.below };
-        touch(tool, body, pair, scratch_pair, &pose_at(anchor), parts, reach, margin);
+        touch(tool, body, pair, scratch_pair, &anchor.pose(), parts, reach, margin);
         if length <= reach.margin_m || !scratch_pair.set.contacts().is_empty() || stride + 1 == STRIDES {
             break;
         }
         // Nothing is within reach: that far it may go.
-        anchor += way * (0.99 * reach.margin_m / length);
+        anchor.go(way, 0.99 * reach.margin_m / length);
     }
     if matches!(body.model, BodyModel::Rigid) && !gripped {
         // Normals turn while the tool slides: look again from where these contacts let it go.
-        let mut slid = slide(scratch_pair.set.contacts(), free - anchor);
+        let way = free.place - anchor.place;
+        let mut slid = slide(scratch_pair.set.contacts(), way);
         if touched && mu > 0.0 {
-            slid = stick::held_back(slid, free - anchor - slid, mu);
+            slid = stick::held_back(slid, way - slid, mu);
         }
         if slid.norm() > SLID * body.size_m && !scratch_pair.set.contacts().is_empty() {
-            anchor += slid;
-            let margin_m = (free - anchor).norm().min(longest).max(margin);
+            anchor.place += slid;
+            let (way, turn) = anchor.way_to(&free);
+            let margin_m = (way.norm() + lever * turn.norm()).min(longest).max(margin);
             let reach = Reach { margin_m, below: proxy.below };
-            touch(tool, body, pair, scratch_pair, &pose_at(anchor), parts, reach, margin);
+            touch(tool, body, pair, scratch_pair, &anchor.pose(), parts, reach, margin);
         }
     }
     let set = &scratch_pair.set;
     proxy.touching = set.contacts().iter().any(|contact| contact.depth_m > -margin);
-    let way = Way { carried: free - anchor, slipped: slipped(touched, anchor - last) };
+    let ((carried, turned), (slid, twisted)) = (anchor.way_to(&free), last.way_to(&anchor));
+    let way = Way {
+        from: anchor.place,
+        carried,
+        turned,
+        slipped: slipped(touched, slid),
+        twisted: slipped(touched, twisted),
+        has_arms: tool.shape.ball_radius_m().is_none(),
+    };
     let view = view(body, parts);
+    let pose = anchor.pose();
     if let Some(view) = view.filter(|_| !set.contacts().is_empty()) {
-        let pose = pose_at(anchor);
         let bounds = tool.shape.bounds(&pose);
         let meets = |low: &Point3, high: &Point3| bounds.is_none_or(|bounds| meet(&bounds, low, high, margin));
         scratch_pair.samples_in_touch(&tool.shape, &pose, &view, margin, meets, hits);
@@ -246,7 +295,6 @@ fn shape(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch, p: usize,
     }
     push_feet(rows, p, pair, scratch_pair.set.contacts().iter(), view.as_ref(), way, margin);
     if let Some(view) = view {
-        let pose = pose_at(anchor);
         let facing = |point: &Point3| scratch_pair.facing(&tool.shape, &pose, point, margin);
         keep_feet(rows, p, pair, &state.warm[..state.warm_len], &view, way, margin, facing);
     }

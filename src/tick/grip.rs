@@ -12,12 +12,12 @@ use crate::scene::{Scene, SceneState, Scratch, ToolState, flags};
 
 /// Brings the grips in line with the buttons and with where their points have come.
 pub(super) fn update(scene: &Scene, state: &mut SceneState, scratch: &Scratch) {
-    for ToolState { link, proxy, grip, .. } in &mut state.tools {
+    for ToolState { link, proxy, orientation, grip, .. } in &mut state.tools {
         if link.phase == LinkPhase::Absent || link.pose.buttons & GRAB == 0 {
             *grip = GripState::default();
             continue;
         }
-        let rotation = link.pose.orientation;
+        let rotation = *orientation;
         let body_of = |pair: u32| scene.pairs[pair as usize].body;
         if grip.fresh {
             grip.fresh = false;
@@ -39,13 +39,13 @@ pub(super) fn update(scene: &Scene, state: &mut SceneState, scratch: &Scratch) {
 /// Rows of what tool `t` holds of the body of pair `p`.
 pub(super) fn push_anchors(scene: &Scene, state: &SceneState, scratch: &mut Scratch, p: usize, t: usize) {
     let Scratch { bodies, rows, .. } = scratch;
-    let ToolState { link, proxy, grip, .. } = &state.tools[t];
+    let ToolState { proxy, grip, .. } = &state.tools[t];
     let pair = &scene.pairs[p];
     let (body, parts) = (&scene.bodies[pair.body], &bodies[pair.body]);
     let side = if state.pairs[p].proxy.below { -1.0 } else { 1.0 };
     for anchor in grip.anchors().iter().filter(|anchor| anchor.pair as usize == p) {
         let on_body = parts.surface.point(anchor.u, anchor.v);
-        let arm = link.pose.orientation * anchor.offset;
+        let arm = rows.free_turns[t] * anchor.offset;
         let share = scene.tools[t].grip_n * grip.part();
         let limit_n = share * strength(apart_m(&(proxy + arm), &on_body), body.size_m);
         let on_tool = rows.free[t] + arm;
@@ -55,7 +55,7 @@ pub(super) fn push_anchors(scene: &Scene, state: &SceneState, scratch: &mut Scra
         let away = on_tool - on_body;
         let (u, v) = (anchor.u, anchor.v);
         let contact = Contact { u, v, on_body, on_tool, normal, depth_m: -away.dot(&normal), tool_uv: None };
-        push_anchor(rows, p, pair, ANCHOR - anchor.number, &contact, view(body, parts).as_ref(), away, limit_n);
+        push_anchor(rows, p, pair, ANCHOR - anchor.number, &contact, view(body, parts).as_ref(), (away, arm), limit_n);
     }
 }
 

@@ -4,20 +4,24 @@ use crate::contact::friction::Law;
 use crate::contact::rows::{Holder, Row};
 use crate::haptics::{LinkPhase, limit};
 use crate::math::{Point3, Vector3};
-use crate::scene::{BodyModel, LatticeBody, Scene, SceneState, Scratch};
+use crate::scene::{BodyModel, LatticeBody, Scene, SceneState, Scratch, Tool, ToolState};
 
 /// Force (N) and torque (N m) of the rows on a tool, about its reference point.
-pub(super) fn wrench(scene: &Scene, scratch: &Scratch, t: usize) -> (Vector3, Vector3) {
+pub(super) fn wrench(scene: &Scene, state: &SceneState, scratch: &Scratch, t: usize) -> (Vector3, Vector3) {
     if scratch.friction.is_active() {
-        return whole_wrench(scene, scratch, t);
+        return whole_wrench(scene, state, scratch, t);
     }
+    let turns = scene.tools[t].coupling.turns();
     let ball = scene.tools[t].shape.ball_radius_m().is_some();
     let (mut force, mut torque) = (Vector3::zeros(), Vector3::zeros());
     let rows = scratch.rows.rows.iter().zip(scratch.problem.forces());
     for (row, &lambda) in rows.filter(|(row, _)| row.tool() == Some(t)) {
         let push = row.normal * lambda;
         force += push;
-        if !ball {
+        if turns {
+            // As the solve turned it.
+            torque += row.arm.cross(&push);
+        } else if !ball {
             torque += (row.point - scratch.rows.free[t]).cross(&push);
         }
     }
@@ -25,12 +29,16 @@ pub(super) fn wrench(scene: &Scene, scratch: &Scratch, t: usize) -> (Vector3, Ve
 }
 
 /// The same when forces have three components. Drag on a ball turns it about its centre; what presses it does not.
-fn whole_wrench(scene: &Scene, scratch: &Scratch, t: usize) -> (Vector3, Vector3) {
+fn whole_wrench(scene: &Scene, state: &SceneState, scratch: &Scratch, t: usize) -> (Vector3, Vector3) {
     let Scratch { rows, friction, .. } = scratch;
     let own = || rows.rows.iter().enumerate().filter(|(_, row)| row.tool() == Some(t));
     let force: Vector3 = own().map(|(i, _)| friction.force_n(i)).sum();
+    let coupling = scene.tools[t].coupling(&state.tools[t]);
+    if coupling.turns() {
+        return (force, own().map(|(i, row)| row.arm.cross(&friction.force_n(i))).sum());
+    }
     let ball = scene.tools[t].shape.ball_radius_m().is_some();
-    let held: Point3 = rows.free[t] + force * scene.tools[t].coupling.compliance_m_n();
+    let held: Point3 = rows.free[t] + force * coupling.compliance_m_n();
     let centre = if ball { held } else { rows.free[t] };
     let turns = |i: usize, row: &Row| match row.law {
         Law::Push { .. } if ball => friction.tangent_n(i),
@@ -40,12 +48,21 @@ fn whole_wrench(scene: &Scene, scratch: &Scratch, t: usize) -> (Vector3, Vector3
     (force, torque)
 }
 
+/// What torque the device bears now, N m: it ramps as its force does.
+pub(super) fn torque_limit_nm(tool: &Tool, state: &ToolState) -> f64 {
+    let force_max_n = tool.limits.force_max_n.min(state.bounds.force_max_n);
+    let most = tool.device.torque_max_nm.min(state.bounds.torque_max_nm);
+    // Infinity times zero is no number.
+    if state.link.limit_n >= force_max_n { most } else { most.min(f64::MAX) * (state.link.limit_n / force_max_n) }
+}
+
 /// Writes what share of its rows' forces each tool's device bears.
 pub(super) fn limit_tools(scene: &Scene, state: &SceneState, scratch: &mut Scratch) {
     for (t, tool) in state.tools.iter().enumerate() {
         if tool.link.phase != LinkPhase::Absent {
-            let (force, torque) = wrench(scene, scratch, t);
-            scratch.rows.factors[t] = limit(force, torque, tool.link.limit_n).1;
+            let (force, torque) = wrench(scene, state, scratch, t);
+            let limit_nm = torque_limit_nm(&scene.tools[t], tool);
+            scratch.rows.factors[t] = limit(force, torque, tool.link.limit_n, limit_nm).1;
         }
     }
 }

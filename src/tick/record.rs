@@ -117,6 +117,8 @@ pub struct ToolOutput {
     pub flags: u32,
     /// How far the device moved since the last tick, m; zero when it is newly seated.
     pub device_moved: Vector3,
+    /// How far it turned, rad.
+    pub device_turned: Vector3,
     /// Contact rows that carried force.
     pub contact_count: u32,
     /// Deepest contact.
@@ -141,6 +143,7 @@ impl Default for ToolOutput {
             proxy_orientation: Rotation::identity(),
             flags: 0,
             device_moved: Vector3::zeros(),
+            device_turned: Vector3::zeros(),
             contact_count: 0,
             contact: None,
             energy_j: 0.0,

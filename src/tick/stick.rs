@@ -7,7 +7,7 @@
 use super::feet::view;
 use crate::contact::friction::{Law, Stick};
 use crate::contact::rows::{Row, RowSet};
-use crate::math::{Point3, Vector3};
+use crate::math::{Point3, Rotation, Vector3};
 use crate::scene::{Body, BodyScratch, Scene, SceneState, Scratch, WarmRow};
 use crate::surface::Surface;
 
@@ -61,21 +61,25 @@ pub(super) fn ball_target(
 pub(super) fn slip(scene: &Scene, scratch: &mut Scratch, row: &Row, old: Option<&WarmRow>) -> (Vector3, Stick) {
     let stuck = old.filter(|old| !old.slips).map(|old| old.stick);
     match (row.law, row.tool()) {
-        (Law::Grip { .. }, _) | (Law::Push { mu: 0.0 }, _) => (row.slip, Stick::default()),
+        (Law::Grip { .. }, _) => (row.slip, Stick::default()),
+        (Law::Push { mu, .. }, _) if mu == 0.0 => (row.slip, Stick::default()),
         (Law::Push { .. }, Some(t)) => {
             let Scratch { bodies, rows, .. } = scratch;
             let (body, parts) = (&scene.bodies[row.body as usize], &bodies[row.body as usize]);
             let free = rows.free[t];
+            // Where a ball sticks does not turn with it.
+            let ball = scene.tools[t].shape.ball_radius_m().is_some();
+            let turn = if ball { Rotation::identity() } else { rows.free_turns[t] };
             let here = predicted(rows, body, parts, row.u, row.v);
             let mut slip = row.slip;
             if let Some(stick) = stuck {
                 let there = predicted(rows, body, parts, stick.u, stick.v);
-                slip = free - there - stick.offset;
+                slip = free - there - turn * stick.offset;
                 if (here - there).norm() <= ROLLS * body.size_m {
                     return (slip, stick);
                 }
             }
-            (slip, Stick { u: row.u, v: row.v, offset: free - here - slip })
+            (slip, Stick { u: row.u, v: row.v, offset: turn.inverse_transform_vector(&(free - here - slip)) })
         }
         (Law::Push { .. }, None) => (row.slip + stuck.unwrap_or_default().offset, Stick::default()),
     }

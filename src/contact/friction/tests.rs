@@ -33,12 +33,12 @@ fn one(normal: Vector3, free: Vector3, law: Law, own: f64) -> FrictionProblem {
 #[test]
 fn one_row_sticks_below_its_cone_and_slips_against_the_slip_at_its_edge() {
     for (slip, expected) in [(0.29, 0.29), (0.31, 0.3), (5.0, 0.3)] {
-        let problem = one(Vector3::z(), Vector3::new(slip, 0.0, -1.0), Law::Push { mu: 0.3 }, 0.5);
+        let problem = one(Vector3::z(), Vector3::new(slip, 0.0, -1.0), Law::coulomb(0.3), 0.5);
         assert!((problem.normal_n(0) - 2.0).abs() < 1e-15);
         assert!((problem.tangent_n(0) + Vector3::x() * (2.0 * expected)).norm() < 1e-15);
         assert_eq!(problem.slips(0), slip > 0.3);
     }
-    assert_eq!(one(Vector3::z(), Vector3::new(1.0, 0.0, 1e-9), Law::Push { mu: 9.0 }, 0.5).force_n(0).norm(), 0.0);
+    assert_eq!(one(Vector3::z(), Vector3::new(1.0, 0.0, 1e-9), Law::coulomb(9.0), 0.5).force_n(0).norm(), 0.0);
     let held = one(Vector3::z(), Vector3::new(3.0, 0.0, 4.0), Law::Grip { limit_n: 2.0 }, 1.0);
     assert!((held.force_n(0) - Vector3::new(-1.2, 0.0, -1.6)).norm() < 1e-15);
 }
@@ -52,7 +52,7 @@ fn residual(problem: &FrictionProblem, matrix: &[f64], free: &[Vector3]) -> f64 
         let f = problem.force_n(i);
         let normal = problem.normal(i);
         let miss = match problem.law(i) {
-            Law::Push { mu } => {
+            Law::Push { mu, .. } => {
                 let (lambda, gap) = (f.dot(&normal), u.dot(&normal));
                 let (t, slip) = (f - normal * lambda, u - normal * gap);
                 // Maximal dissipation: t · u_t is the least that |t| ≤ μ λ allows.
@@ -77,10 +77,10 @@ fn random_problems_meet_cone_complementarity_and_maximal_dissipation() {
         for b in &free {
             let normal = random.vector().normalize();
             let law = match case % 3 {
-                0 => Law::Push { mu: 0.3 },
-                1 => Law::Push { mu: 0.8 * (random.next() + 0.5) },
+                0 => Law::coulomb(0.3),
+                1 => Law::coulomb(0.8 * (random.next() + 0.5)),
                 _ if random.next() > 0.0 => Law::Grip { limit_n: 0.4 },
-                _ => Law::Push { mu: 0.3 },
+                _ => Law::coulomb(0.3),
             };
             problem.push(&normal, b, law, &Vector3::zeros());
         }
@@ -102,7 +102,7 @@ fn forces_agree_with_a_slow_projection_on_de_saxces_cone() {
         let normals: Vec<Vector3> = (0..n).map(|_| random.vector().normalize()).collect();
         let mut problem = FrictionProblem::new(n);
         for (normal, b) in normals.iter().zip(&free) {
-            problem.push(normal, b, Law::Push { mu }, &Vector3::zeros());
+            problem.push(normal, b, Law::coulomb(mu), &Vector3::zeros());
         }
         problem.solve(&matrix, 2_000);
         let mut slow = vec![Vector3::zeros(); n];
@@ -146,7 +146,7 @@ fn hopeless_problems_stay_finite_and_in_their_cones() {
         };
         let mut problem = FrictionProblem::new(n);
         for _ in 0..n {
-            let law = if random.next() > 0.3 { Law::Grip { limit_n: 1.0 } } else { Law::Push { mu: 10.0 } };
+            let law = if random.next() > 0.3 { Law::Grip { limit_n: 1.0 } } else { Law::coulomb(10.0) };
             problem.push(&random.vector().normalize(), &random.vector(), law, &Vector3::zeros());
         }
         problem.solve(&matrix, 50);
@@ -154,7 +154,7 @@ fn hopeless_problems_stay_finite_and_in_their_cones() {
             let (f, along) = (problem.force_n(i), problem.normal_n(i));
             assert!(f.iter().all(|x| x.is_finite()), "case {case}: {f}");
             match problem.law(i) {
-                Law::Push { mu } => assert!(problem.tangent_n(i).norm() <= mu * along * (1.0 + 1e-9) + 1e-12),
+                Law::Push { mu, .. } => assert!(problem.tangent_n(i).norm() <= mu * along * (1.0 + 1e-9) + 1e-12),
                 Law::Grip { limit_n } => assert!(f.norm() <= limit_n * (1.0 + 1e-15)),
             }
         }
@@ -168,7 +168,7 @@ fn wide_registers_give_the_same_bits() {
         let matrix = random.matrix(n, 0.1);
         let mut problem = FrictionProblem::new(n);
         for _ in 0..n {
-            let law = Law::Push { mu: 0.4 };
+            let law = Law::coulomb(0.4);
             problem.push(&random.vector().normalize(), &random.vector(), law, &random.vector());
         }
         let mut plain = problem.clone();
