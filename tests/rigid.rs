@@ -80,6 +80,30 @@ fn a_tool_that_jumps_through_the_body_is_held_on_the_side_it_came_from() {
     }
 }
 
+// A point that comes down on a sheet from anywhere near is never let through, however its last step rounds.
+#[test]
+fn a_point_that_comes_to_lie_on_a_sheet_stays_on_its_side() {
+    let sheet = SPHERE
+        .replace("builtin = \"sphere\", size = 0.05", "builtin = \"sheet\"")
+        .replace("{ sphere = { radius_m = 0.01 } }", "{ point = {} }")
+        .replace("position = [0.09, 0.0, 0.0]", "position = [0.0, 0.0, 0.03]");
+    for side in [1.0, -1.0] {
+        let mut world = World::new(&sheet);
+        world.at([0.0, 0.0, 0.03 * side]);
+        for k in 1..2_000 {
+            let (x, height) = (1e-5 * f64::from(k % 97), 1e-7 * f64::from(1 + k * k % 613));
+            world.at([x, 0.0, height * side]);
+            let tool = world.at([x, 0.0, -1.37 * height * side]).tools[0];
+            let expected = 700.0 * 1.37 * height * side;
+            assert!(
+                (tool.force_n.z - expected).abs() < 1e-6 * expected.abs(),
+                "{k}: {} for {expected}",
+                tool.force_n.z
+            );
+        }
+    }
+}
+
 #[test]
 fn a_point_and_a_plane_meet_the_globe_at_their_depths() {
     let point = SPHERE.replace("{ sphere = { radius_m = 0.01 } }", "{ point = {} }");

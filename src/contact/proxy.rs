@@ -72,7 +72,8 @@ impl BallContact<'_> {
             for _ in 0..ADVANCES {
                 let foot = self.closest(&centre, moved, state);
                 moved = 0.0;
-                if self.two_sided {
+                // On the sheet itself rounding decides no side.
+                if self.two_sided && foot.signed_distance.abs() > TOUCH * self.size_m {
                     state.below = foot.signed_distance < 0.0;
                 }
                 let clearance = side(state) * foot.signed_distance - self.radius_m;

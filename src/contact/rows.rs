@@ -63,6 +63,8 @@ pub struct Row {
     pub v: f64,
     /// From a tool's reference point to where the tool touches, m; zero on balls, which may turn as they like.
     pub arm: Vector3,
+    /// The same in the tool's frame, m.
+    pub on_tool: Vector3,
     /// Weights on the body in [`RowSet::weights_in`]; empty when it is rigid.
     pub on_body: Range,
     /// Weights on the holder; empty when it is a tool or rigid.

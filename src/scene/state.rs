@@ -55,6 +55,8 @@ pub struct SceneState {
     pub warm_len: usize,
     /// Some of them had friction or a grip.
     pub warm_friction: bool,
+    /// Some of them are of tools that may turn.
+    pub warm_arms: bool,
 }
 
 /// State of a body.
@@ -121,6 +123,8 @@ pub struct WarmRow {
     pub stick: Stick,
     /// It slipped.
     pub slips: bool,
+    /// Where on a tool that may turn, from its reference point in its frame, m.
+    pub on_tool: Vector3,
 }
 
 /// Buffers of a step; nothing in it outlives a tick except what can be computed anew from the state.
@@ -221,6 +225,7 @@ impl Scene {
             warm: vec![WarmRow::default(); MAX_ROWS],
             warm_len: 0,
             warm_friction: false,
+            warm_arms: false,
         }
     }
 
@@ -351,12 +356,15 @@ impl Stateful for SceneState {
         if self.carried {
             self.frame.save(sink);
         }
-        sink.word(self.warm_len as u64 | u64::from(self.warm_friction) << 32);
+        sink.word(self.warm_len as u64 | u64::from(self.warm_friction) << 32 | u64::from(self.warm_arms) << 33);
         for row in &self.warm[..self.warm_len] {
             row.key.iter().for_each(|&part| sink.word(u64::from(part)));
             sink.floats(&[row.force_n]);
             if row.key[1] >= LEAST_FOOT {
                 sink.floats(&row.uv);
+            }
+            if self.warm_arms {
+                sink.floats(row.on_tool.as_slice());
             }
             if self.warm_friction {
                 sink.word(u64::from(row.slips));
@@ -417,11 +425,11 @@ impl Stateful for SceneState {
             self.frame.restore(source)?;
         }
         let head = source.word()?;
-        let (warm_len, friction) = (head & u64::from(u32::MAX), head >> 32);
-        if warm_len > MAX_ROWS as u64 || friction > 1 {
+        let (warm_len, kinds) = (head & u64::from(u32::MAX), head >> 32);
+        if warm_len > MAX_ROWS as u64 || kinds > 3 {
             return Err(StateError::Value { what: "number of contact rows", value: head });
         }
-        (self.warm_len, self.warm_friction) = (warm_len as usize, friction == 1);
+        (self.warm_len, self.warm_friction, self.warm_arms) = (warm_len as usize, kinds & 1 != 0, kinds & 2 != 0);
         for row in &mut self.warm[..self.warm_len] {
             *row = WarmRow::default();
             for part in &mut row.key {
@@ -430,6 +438,9 @@ impl Stateful for SceneState {
             row.force_n = float(source)?;
             if row.key[1] >= LEAST_FOOT {
                 source.floats(&mut row.uv)?;
+            }
+            if self.warm_arms {
+                source.floats(row.on_tool.as_mut_slice())?;
             }
             if self.warm_friction {
                 row.slips = source.word()? != 0;

@@ -1,7 +1,9 @@
 //! What comes out of the contact solve: limited forces for the hands, loads for the bodies, reports for everybody.
 
+use super::feet::margin_m;
 use super::record::{ContactReport, TickOutput, ToolOutput};
 use super::{grip, load, stick};
+use crate::contact::friction::Law;
 use crate::contact::rows::Row;
 use crate::haptics::{LinkPhase, Motion, RenderedForce, Wrench, limit};
 use crate::math::{Vector3, rotation_by, turn_between};
@@ -118,16 +120,26 @@ fn report(row: &Row, depth_m: f64, force_n: Vector3) -> ContactReport {
     ContactReport { body, holder, u, v, point, normal, depth_m, force_n }
 }
 
+/// Such a contact of a tool that may turn is remembered though it does not carry: the tool may tip onto it.
+fn is_near(scene: &Scene, row: &Row, gap_m: f64) -> bool {
+    matches!(row.law, Law::Push { .. }) && gap_m < margin_m(0.0, scene.bodies[row.body as usize].size_m)
+}
+
 /// Forces of all rows on the bodies, and the warm start of the next tick.
 fn load_bodies(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch) {
     state.warm_len = 0;
     state.warm_friction = scratch.friction.is_active();
+    state.warm_arms = false;
     for i in 0..scratch.rows.rows.len() {
-        if !load::carries(scratch, i) {
+        let row = scratch.rows.rows[i];
+        let turns = row.tool().is_some_and(|tool| scene.tools[tool].coupling.turns());
+        if !load::carries(scratch, i) && !(turns && is_near(scene, &row, scratch.gap_after(i))) {
             continue;
         }
-        let (Row { u, v, .. }, force_n) = (scratch.rows.rows[i], scratch.problem.forces()[i]);
-        let mut warm = WarmRow { key: scratch.rows.rows[i].key(), uv: [u, v], force_n, ..WarmRow::default() };
+        state.warm_arms |= turns;
+        let (Row { u, v, on_tool, .. }, force_n) = (row, scratch.problem.forces()[i]);
+        let on_tool = if turns { on_tool } else { Vector3::zeros() };
+        let mut warm = WarmRow { key: row.key(), uv: [u, v], force_n, on_tool, ..WarmRow::default() };
         if scratch.friction.is_active() {
             warm.tangent_n = scratch.friction.tangent_n(i);
             warm.slips = scratch.friction.slips(i);

@@ -3,7 +3,7 @@
 use crate::contact::Contact;
 use crate::contact::friction::Law;
 use crate::contact::rows::{DeformingView, Grip, Row, RowSet, SampleInTouch};
-use crate::math::{Point3, Vector3};
+use crate::math::{Point3, Rotation, Vector3};
 use crate::scene::{Body, BodyModel, BodyScratch, Pair};
 
 /// Contacts of one pair that become rows.
@@ -43,6 +43,8 @@ pub(super) fn meet((a, b): &(Point3, Point3), low: &Point3, high: &Point3, margi
 pub(super) struct Way {
     /// Its reference point there, m.
     pub from: Point3,
+    /// How it is turned there.
+    pub rotation: Rotation,
     /// From there to where it is free to go, m.
     pub carried: Vector3,
     /// The same for its orientation, rad.
@@ -62,7 +64,11 @@ impl Way {
             return (Row { slip: self.slipped, ..row }, self.carried);
         }
         let arm = on_tool - self.from;
-        (Row { slip: self.slipped + self.twisted.cross(&arm), arm, ..row }, self.carried + self.turned.cross(&arm))
+        let on_tool = self.rotation.inverse_transform_vector(&arm);
+        (
+            Row { slip: self.slipped + self.twisted.cross(&arm), arm, on_tool, ..row },
+            self.carried + self.turned.cross(&arm),
+        )
     }
 }
 
@@ -176,6 +182,7 @@ fn row(p: usize, pair: &Pair, sample: u32, contact: &Contact) -> Row {
         law: law(pair),
         point: contact.on_body,
         arm: Vector3::zeros(),
+        on_tool: Vector3::zeros(),
         u: contact.u,
         v: contact.v,
         on_body: Default::default(),

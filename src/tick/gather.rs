@@ -12,6 +12,7 @@ use super::between::{bodies, itself};
 use super::cover::{UNPLACED, foot_name};
 use super::face::{Faced, face_surface};
 use super::feet::{MAX_FEET, Way, margin_m, meet, push_foot, push_sample, view};
+use super::manifold::{Stance, push_manifold};
 use super::{grip, stick};
 use crate::contact::exact::ball::signed_gap;
 use crate::contact::proxy::BallContact;
@@ -122,6 +123,7 @@ fn ball(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch, p: usize, 
     let same = |contact: &&Contact| (contact.on_body - first.on_body).norm() > SAME * body.size_m;
     let way = Way {
         from: held.centre,
+        rotation: Rotation::identity(),
         carried: free - held.centre,
         turned: Vector3::zeros(),
         slipped: slipped(touched, held.centre - last),
@@ -277,6 +279,7 @@ fn shape(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch, p: usize,
     let ((carried, turned), (slid, twisted)) = (anchor.way_to(&free), last.way_to(&anchor));
     let way = Way {
         from: anchor.place,
+        rotation: anchor.rotation,
         carried,
         turned,
         slipped: slipped(touched, slid),
@@ -293,10 +296,16 @@ fn shape(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch, p: usize,
             push_sample(rows, p, pair, hit, &view, way, margin);
         }
     }
+    let warm = &state.warm[..state.warm_len];
+    if tool.coupling.turns() && view.is_none() {
+        let side = if proxy.below { -1.0 } else { 1.0 };
+        let stance = Stance { pose: &pose, size_m: body.size_m, side, margin_m: margin };
+        return push_manifold(rows, p, pair, scratch_pair.set.contacts(), warm, parts, &stance, way);
+    }
     push_feet(rows, p, pair, scratch_pair.set.contacts().iter(), view.as_ref(), way, margin);
     if let Some(view) = view {
         let facing = |point: &Point3| scratch_pair.facing(&tool.shape, &pose, point, margin);
-        keep_feet(rows, p, pair, &state.warm[..state.warm_len], &view, way, margin, facing);
+        keep_feet(rows, p, pair, warm, &view, way, margin, facing);
     }
 }
 

@@ -19,6 +19,7 @@ mod grip;
 mod iterate;
 pub mod journal;
 mod load;
+mod manifold;
 mod motion;
 mod near;
 #[cfg(feature = "daemon")]

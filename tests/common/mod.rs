@@ -33,6 +33,14 @@ impl World {
         step(&self.scene, &mut self.state, &mut self.scratch, &input)
     }
 
+    /// One tick with the first tool in a pose.
+    pub fn posed(&mut self, pose: DevicePose) -> TickOutput {
+        self.seq += 1;
+        let mut input = TickInput::default();
+        input.poses[0] = Some(DevicePose { seq: self.seq, ..pose });
+        step(&self.scene, &mut self.state, &mut self.scratch, &input)
+    }
+
     /// One tick with every tool at a place, and its buttons.
     pub fn all(&mut self, tools: &[([f64; 3], u32)]) -> TickOutput {
         self.seq += 1;
