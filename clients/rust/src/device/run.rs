@@ -34,8 +34,6 @@ pub struct RunSettings {
     pub duration_s: f64,
 }
 
-/// Integration steps between two poses: the hand's spring stays well resolved at any rate.
-const SUBSTEPS: usize = 4;
 /// In lockstep: how long the daemon may take for a tick before we give up.
 const PATIENCE: Duration = Duration::from_secs(5);
 
@@ -61,10 +59,7 @@ pub fn run(
         if stop.load(Ordering::Relaxed) {
             break;
         }
-        for _ in 0..SUBSTEPS {
-            let goal = motion.goal(device.time_s());
-            device.step(goal, held, dt / SUBSTEPS as f64);
-        }
+        device.advance(motion.goal(device.time_s() + 0.5 * dt), held, dt);
         let seq = tool.send(ToolPose { buttons: motion.buttons(device.time_s()), ..device.pose() })?;
         report.poses += 1;
         let force = if tool.is_lockstep() {

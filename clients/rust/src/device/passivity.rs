@@ -1,0 +1,184 @@
+//! Time-domain passivity at the device's port: what the loop gives may not exceed what it was given.
+//!
+//! A stiff wall behind a delay pushes the hand out harder than the hand pushed in, and the contact swings. The observer
+//! (Hannaford & Ryu 2002) counts the energy that went into the loop, for a force held over each period exactly
+//! (Ryu, Kim & Hannaford 2004): E_k = E_{k−1} − f_{k−1}·(x_k − x_{k−1}). The controller acts where E would be negative
+//! after the next period: a damper along the received force, and if that is not enough the push itself is cut.
+//!
+//! What the device's own damper loses is counted as given (b |Δx|²/T, its least for that way): up to the limit
+//! K = 2b/T of Colgate & Schenkel (1997) a sampled wall then never runs out, and nothing is changed at all.
+
+use super::v3;
+
+/// How to keep the port passive.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PassivitySettings {
+    /// Mass that surely moves with the device, kg: bounds the damper to what a sampled damper can be.
+    pub mass_kg: f64,
+    /// Damping the device surely has, N·s/m.
+    pub damping_n_s_m: f64,
+    /// Greatest force, N.
+    pub force_max_n: f64,
+    /// Resolution of the reported position, m.
+    pub encoder_m: f64,
+    /// Without force for this long a contact is over, s: what it gave is no credit for the next.
+    pub rest_s: f64,
+}
+
+impl PassivitySettings {
+    /// For a device as it is.
+    pub fn of(model: &super::DeviceModel) -> Self {
+        Self {
+            mass_kg: model.mass_kg,
+            damping_n_s_m: model.damping_n_s_m,
+            force_max_n: model.force_max_n,
+            encoder_m: model.encoder_m,
+            rest_s: 0.05,
+        }
+    }
+}
+
+/// Samples the velocity is looked for in.
+const WINDOW: usize = 16;
+/// The damper and the cut fade with these time constants once they are not needed, s.
+const DAMPER_FADE_S: f64 = 0.3;
+const CUT_FADE_S: f64 = 0.03;
+
+/// Observer and controller.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Passivity {
+    settings: PassivitySettings,
+    credit_j: f64,
+    energy_j: f64,
+    dissipated_j: f64,
+    positions: [[f64; 3]; WINDOW], // newest first
+    known: usize,
+    held_n: [f64; 3],
+    received_n: [f64; 3],
+    damper: f64,
+    cut: f64,
+    quiet_s: f64,
+}
+
+impl Passivity {
+    /// Nothing given yet.
+    pub fn new(settings: PassivitySettings) -> Self {
+        Self {
+            settings,
+            credit_j: 0.0,
+            energy_j: 0.0,
+            dissipated_j: 0.0,
+            positions: [[0.0; 3]; WINDOW],
+            known: 0,
+            held_n: [0.0; 3],
+            received_n: [0.0; 3],
+            damper: 0.0,
+            cut: 0.0,
+            quiet_s: 0.0,
+        }
+    }
+
+    /// Energy that went into the loop since the start, as far as the encoder shows, J. Negative: the loop made energy.
+    pub fn energy_j(&self) -> f64 {
+        self.energy_j
+    }
+
+    /// What the controller took, J: the difference it made to the force, times the way.
+    pub fn dissipated_j(&self) -> f64 {
+        self.dissipated_j
+    }
+
+    /// The force to hold over the next period, N, for the newest force received and the position reported now.
+    pub fn force(&mut self, received_n: [f64; 3], position_m: [f64; 3], dt_s: f64) -> [f64; 3] {
+        let received = v3::limited(received_n, self.settings.force_max_n);
+        self.observe(position_m, dt_s);
+        self.restart(received, dt_s);
+        let held = self.control(received, dt_s);
+        self.held_n = held;
+        self.received_n = received;
+        held
+    }
+
+    fn observe(&mut self, position: [f64; 3], dt_s: f64) {
+        if self.known > 0 {
+            let way = v3::sub(position, self.positions[0]);
+            let given = -v3::dot(self.held_n, way);
+            self.energy_j += given;
+            self.credit_j += given + self.settings.damping_n_s_m * v3::dot(way, way) / dt_s;
+            self.dissipated_j -= v3::dot(v3::sub(self.held_n, self.received_n), way);
+        }
+        self.positions.copy_within(0..WINDOW - 1, 1);
+        self.positions[0] = position;
+        self.known = (self.known + 1).min(WINDOW);
+    }
+
+    fn restart(&mut self, received: [f64; 3], dt_s: f64) {
+        self.quiet_s = if received == [0.0; 3] { self.quiet_s + dt_s } else { 0.0 };
+        if self.quiet_s >= self.settings.rest_s {
+            self.credit_j = self.credit_j.min(0.0);
+            self.damper = 0.0;
+            self.cut = 0.0;
+        }
+    }
+
+    /// Way of the next period if the motion goes on: the slope of the longest line from here back that passes every
+    /// sample within the encoder's resolution (Janabi-Sharifi, Hayward & Chen 2000). Smooth at slow motion, prompt at
+    /// fast; without an encoder's steps it is the last difference.
+    fn next_way(&self) -> [f64; 3] {
+        let mut way = [0.0; 3];
+        for c in 0..3 {
+            let at = |k: usize| self.positions[k][c];
+            for n in 1..self.known {
+                let slope = (at(0) - at(n)) / n as f64;
+                let fits = (1..n).all(|k| (at(0) - slope * k as f64 - at(k)).abs() <= self.settings.encoder_m);
+                if !fits {
+                    break;
+                }
+                way[c] = slope;
+            }
+        }
+        way
+    }
+
+    fn control(&mut self, received: [f64; 3], dt_s: f64) -> [f64; 3] {
+        let s = &self.settings;
+        let way = self.next_way();
+        let size = v3::norm(received);
+        if size == 0.0 && self.credit_j >= 0.0 {
+            return received;
+        }
+        // Along the force; a debt that is left when the force has gone is paid along the motion.
+        let along = if size > 0.0 { v3::scale(received, 1.0 / size) } else {
+            let length = v3::norm(way);
+            if length == 0.0 { return received; }
+            v3::scale(way, 1.0 / length)
+        };
+        let out = v3::dot(way, along); // positive: the force pushes along the motion, the loop gives
+        self.damper *= 1.0 - dt_s / DAMPER_FADE_S;
+        self.cut *= 1.0 - dt_s / CUT_FADE_S;
+        let most = 0.5 * s.mass_kg / dt_s;
+        if out > 0.0 {
+            let own = s.damping_n_s_m * out * out / dt_s;
+            let short = size * out - own - self.credit_j;
+            if short > 0.0 {
+                self.damper = self.damper.max((short * dt_s / (out * out)).min(most));
+            }
+            let braked = self.damper * out * out / dt_s;
+            let still = short - braked;
+            if still > 0.0 && size > 0.0 {
+                self.cut = self.cut.max((still / (size * out)).min(1.0));
+            }
+        }
+        if self.damper < 1e-6 * most { self.damper = 0.0; }
+        if self.cut < 1e-6 { self.cut = 0.0; }
+        if self.damper == 0.0 && self.cut == 0.0 {
+            return received;
+        }
+        let changed = size * (1.0 - self.cut) - self.damper * out / dt_s;
+        v3::limited(v3::scale(along, changed), s.force_max_n)
+    }
+}
+
+#[cfg(test)]
+#[path = "passivity_tests.rs"]
+mod tests;
