@@ -15,8 +15,12 @@ use super::v3;
 pub struct PassivitySettings {
     /// Mass that surely moves with the device, kg: bounds the damper to what a sampled damper can be.
     pub mass_kg: f64,
-    /// Damping the device surely has, N·s/m.
+    /// Damping the device surely has, N·s/m: what it takes counts as given. 0: the loop must pay for itself.
     pub damping_n_s_m: f64,
+    /// Dry friction the device surely has, N: likewise.
+    pub coulomb_n: f64,
+    /// First-order lag between a commanded and an acting force, Hz; infinite: none.
+    pub bandwidth_hz: f64,
     /// Greatest force, N.
     pub force_max_n: f64,
     /// Resolution of the reported position, m.
@@ -31,10 +35,17 @@ impl PassivitySettings {
         Self {
             mass_kg: model.mass_kg,
             damping_n_s_m: model.damping_n_s_m,
+            coulomb_n: model.coulomb_n,
+            bandwidth_hz: model.bandwidth_hz,
             force_max_n: model.force_max_n,
             encoder_m: model.encoder_m,
             rest_s: 0.05,
         }
+    }
+
+    /// As [`Self::of`], but nothing the device loses by itself counts: the loop alone must be passive.
+    pub fn strict(model: &super::DeviceModel) -> Self {
+        Self { damping_n_s_m: 0.0, coulomb_n: 0.0, ..Self::of(model) }
     }
 }
 
@@ -43,6 +54,9 @@ const WINDOW: usize = 16;
 /// The damper and the cut fade with these time constants once they are not needed, s.
 const DAMPER_FADE_S: f64 = 0.3;
 const CUT_FADE_S: f64 = 0.03;
+const CUT_IN_S: f64 = 0.01;
+const SOFT_RISE_S: f64 = 0.05;
+const SOFT_FADE_S: f64 = 1.0;
 
 /// Observer and controller.
 #[derive(Clone, Debug, PartialEq)]
@@ -53,10 +67,13 @@ pub struct Passivity {
     dissipated_j: f64,
     positions: [[f64; 3]; WINDOW], // newest first
     known: usize,
-    held_n: [f64; 3],
+    slack: [f64; 3],     // reported position through a play as wide as a step of the encoder
+    amplifier_n: [f64; 3], // as modelled, at the begin of the period
+    held_n: [f64; 3],      // mean that acts over the period
     received_n: [f64; 3],
     damper: f64,
     cut: f64,
+    soft: f64,
     quiet_s: f64,
 }
 
@@ -70,10 +87,13 @@ impl Passivity {
             dissipated_j: 0.0,
             positions: [[0.0; 3]; WINDOW],
             known: 0,
+            slack: [0.0; 3],
+            amplifier_n: [0.0; 3],
             held_n: [0.0; 3],
             received_n: [0.0; 3],
             damper: 0.0,
             cut: 0.0,
+            soft: 0.0,
             quiet_s: 0.0,
         }
     }
@@ -94,7 +114,7 @@ impl Passivity {
         self.observe(position_m, dt_s);
         self.restart(received, dt_s);
         let held = self.control(received, dt_s);
-        self.held_n = held;
+        self.held_n = super::simulated::lagged(&mut self.amplifier_n, held, self.settings.bandwidth_hz, dt_s);
         self.received_n = received;
         held
     }
@@ -105,11 +125,28 @@ impl Passivity {
             let given = -v3::dot(self.held_n, way);
             self.energy_j += given;
             self.credit_j += given + self.settings.damping_n_s_m * v3::dot(way, way) / dt_s;
+            self.credit_j += self.settings.coulomb_n * self.sure_way(position);
             self.dissipated_j -= v3::dot(v3::sub(self.held_n, self.received_n), way);
+        }
+        if self.known == 0 {
+            self.slack = position;
         }
         self.positions.copy_within(0..WINDOW - 1, 1);
         self.positions[0] = position;
         self.known = (self.known + 1).min(WINDOW);
+    }
+
+    /// Way that was surely gone, m: two reports a step apart may be but a hair's breadth apart in truth, so a step back
+    /// does not count.
+    fn sure_way(&mut self, position: [f64; 3]) -> f64 {
+        let mut most = 0.0f64;
+        for c in 0..3 {
+            let half = 0.5 * self.settings.encoder_m;
+            let moved = self.slack[c].clamp(position[c] - half, position[c] + half);
+            most = most.max((moved - self.slack[c]).abs());
+            self.slack[c] = moved;
+        }
+        most
     }
 
     fn restart(&mut self, received: [f64; 3], dt_s: f64) {
@@ -118,6 +155,7 @@ impl Passivity {
             self.credit_j = self.credit_j.min(0.0);
             self.damper = 0.0;
             self.cut = 0.0;
+            self.soft = 0.0;
         }
     }
 
@@ -155,7 +193,7 @@ impl Passivity {
         };
         let out = v3::dot(way, along); // positive: the force pushes along the motion, the loop gives
         self.damper *= 1.0 - dt_s / DAMPER_FADE_S;
-        self.cut *= 1.0 - dt_s / CUT_FADE_S;
+        self.cut *= 1.0 - dt_s / if out < 0.0 { CUT_IN_S } else { CUT_FADE_S };
         let most = 0.5 * s.mass_kg / dt_s;
         if out > 0.0 {
             let own = s.damping_n_s_m * out * out / dt_s;
@@ -169,12 +207,14 @@ impl Passivity {
                 self.cut = self.cut.max((still / (size * out)).min(1.0));
             }
         }
+        self.soft += if self.cut > self.soft { (self.cut - self.soft) * dt_s / SOFT_RISE_S } else { -self.soft * dt_s / SOFT_FADE_S };
+        if self.soft < 1e-6 { self.soft = 0.0; }
         if self.damper < 1e-6 * most { self.damper = 0.0; }
         if self.cut < 1e-6 { self.cut = 0.0; }
-        if self.damper == 0.0 && self.cut == 0.0 {
+        if self.damper == 0.0 && self.cut == 0.0 && self.soft == 0.0 {
             return received;
         }
-        let changed = size * (1.0 - self.cut) - self.damper * out / dt_s;
+        let changed = size * (1.0 - self.cut.max(self.soft)) - self.damper * out / dt_s;
         v3::limited(v3::scale(along, changed), s.force_max_n)
     }
 }
