@@ -5,8 +5,9 @@
 //! (Ryu, Kim & Hannaford 2004): E_k = E_{k−1} − f_{k−1}·(x_k − x_{k−1}). The controller acts where E would be negative
 //! after the next period: a damper along the received force, and if that is not enough the push itself is cut.
 //!
-//! What the device's own damper loses is counted as given (b |Δx|²/T, its least for that way): up to the limit
-//! K = 2b/T of Colgate & Schenkel (1997) a sampled wall then never runs out, and nothing is changed at all.
+//! What the device loses by itself is counted as given: b |Δx|²/T, a damper's least for that way, and dry friction times
+//! the way that was surely gone. Up to the limit K = 2b/T of Colgate & Schenkel (1997) a sampled wall then never runs
+//! out (E ≥ ½ K d² + (b/T − K/2) Σ Δx² at a depth d), and what was received is passed on to the bit.
 
 use super::v3;
 
@@ -51,12 +52,22 @@ impl PassivitySettings {
 
 /// Samples the velocity is looked for in.
 const WINDOW: usize = 16;
-/// The damper and the cut fade with these time constants once they are not needed, s.
+/// The damper is at most this share of mass over period: at 1 a sampled damper rings, at 1/2 it does not.
+const DAMPER_SHARE: f64 = 0.5;
+/// The damper stays for a few swings of a contact (10 to 30 Hz), s.
 const DAMPER_FADE_S: f64 = 0.3;
+/// What was cut comes back in this time, faster while the hand presses in: slower loses contact, faster buzzes, s.
 const CUT_FADE_S: f64 = 0.03;
-const CUT_IN_S: f64 = 0.01;
-const SOFT_RISE_S: f64 = 0.05;
-const SOFT_FADE_S: f64 = 1.0;
+const CUT_FADE_PRESSED_S: f64 = 0.01;
+/// A contact that needs cuts again and again is softened for a while, both ways alike, instead of cut each time, s.
+/// Without it a wall of 3000 N/m behind 40 ms rings at twice the ripple.
+const SOFTEN_S: f64 = 0.05;
+const HARDEN_S: f64 = 1.0;
+/// A debt of this many times what the encoder leaves in doubt is paid before the force comes back. At 1 a light touch
+/// sinks in twice as far, at 6 a strict bound leaks more.
+const DOUBTS: f64 = 3.0;
+/// The damper's force never exceeds the received force, or this, with which debts are paid in the free, N.
+const LEAST_BRAKE_N: f64 = 0.3;
 
 /// Observer and controller.
 #[derive(Clone, Debug, PartialEq)]
@@ -114,7 +125,8 @@ impl Passivity {
         self.observe(position_m, dt_s);
         self.restart(received, dt_s);
         let held = self.control(received, dt_s);
-        self.held_n = super::simulated::lagged(&mut self.amplifier_n, held, self.settings.bandwidth_hz, dt_s);
+        let acting = super::simulated::lagged(&mut self.amplifier_n, held, self.settings.bandwidth_hz, dt_s);
+        self.held_n = acting;
         self.received_n = received;
         held
     }
@@ -179,43 +191,73 @@ impl Passivity {
     }
 
     fn control(&mut self, received: [f64; 3], dt_s: f64) -> [f64; 3] {
-        let s = &self.settings;
         let way = self.next_way();
         let size = v3::norm(received);
-        if size == 0.0 && self.credit_j >= 0.0 {
-            return received;
-        }
         // Along the force; a debt that is left when the force has gone is paid along the motion.
-        let along = if size > 0.0 { v3::scale(received, 1.0 / size) } else {
-            let length = v3::norm(way);
-            if length == 0.0 { return received; }
-            v3::scale(way, 1.0 / length)
+        let along = if size > 0.0 {
+            v3::scale(received, 1.0 / size)
+        } else if self.credit_j < 0.0 && way != [0.0; 3] {
+            v3::scale(way, 1.0 / v3::norm(way))
+        } else {
+            return received;
         };
-        let out = v3::dot(way, along); // positive: the force pushes along the motion, the loop gives
-        self.damper *= 1.0 - dt_s / DAMPER_FADE_S;
-        self.cut *= 1.0 - dt_s / if out < 0.0 { CUT_IN_S } else { CUT_FADE_S };
-        let most = 0.5 * s.mass_kg / dt_s;
+        // Positive: the force pushes along the motion, the loop gives.
+        let out = v3::dot(way, along);
+        self.fade(size, out, dt_s);
         if out > 0.0 {
-            let own = s.damping_n_s_m * out * out / dt_s;
-            let short = size * out - own - self.credit_j;
-            if short > 0.0 {
-                self.damper = self.damper.max((short * dt_s / (out * out)).min(most));
-            }
-            let braked = self.damper * out * out / dt_s;
-            let still = short - braked;
-            if still > 0.0 && size > 0.0 {
-                self.cut = self.cut.max((still / (size * out)).min(1.0));
-            }
+            self.grip(size, out, dt_s);
         }
-        self.soft += if self.cut > self.soft { (self.cut - self.soft) * dt_s / SOFT_RISE_S } else { -self.soft * dt_s / SOFT_FADE_S };
-        if self.soft < 1e-6 { self.soft = 0.0; }
-        if self.damper < 1e-6 * most { self.damper = 0.0; }
-        if self.cut < 1e-6 { self.cut = 0.0; }
+        let raised = self.cut > self.soft;
+        self.soft += (if raised { self.cut - self.soft } else { -self.soft })
+            * (dt_s / if raised { SOFTEN_S } else { HARDEN_S }).min(1.0);
         if self.damper == 0.0 && self.cut == 0.0 && self.soft == 0.0 {
             return received;
         }
-        let changed = size * (1.0 - self.cut.max(self.soft)) - self.damper * out / dt_s;
-        v3::limited(v3::scale(along, changed), s.force_max_n)
+        let most = size.max(LEAST_BRAKE_N);
+        let brake = (self.damper * out / dt_s).clamp(-most, most);
+        let left = size * (1.0 - self.cut.max(self.soft));
+        v3::limited(v3::scale(along, left - brake), self.settings.force_max_n)
+    }
+
+    fn damper_max(&self, dt_s: f64) -> f64 {
+        DAMPER_SHARE * self.settings.mass_kg / dt_s
+    }
+
+    /// What is not needed any more goes, unless there is a debt to pay.
+    fn fade(&mut self, size: f64, out: f64, dt_s: f64) {
+        let most = self.damper_max(dt_s);
+        let gone = |value: f64, fade_s: f64| value * (1.0 - dt_s / fade_s).max(0.0);
+        self.damper = gone(self.damper, DAMPER_FADE_S);
+        let doubt = DOUBTS * self.settings.encoder_m.max(1e-6) * size.max(0.1);
+        if self.credit_j < -doubt {
+            self.damper = self.damper.max(most * (-self.credit_j / doubt - 1.0).min(1.0));
+        } else {
+            self.cut = gone(self.cut, if out < 0.0 { CUT_FADE_PRESSED_S } else { CUT_FADE_S });
+        }
+        // So that a contact is again what was received, to the bit, some time after the last act.
+        if self.damper < 1e-3 * most {
+            self.damper = 0.0;
+        }
+        for share in [&mut self.cut, &mut self.soft] {
+            if *share < 1e-3 {
+                *share = 0.0;
+            }
+        }
+    }
+
+    /// Where the next period would take more than there is: as much damper as may be, and the rest of the push is cut.
+    fn grip(&mut self, size: f64, out: f64, dt_s: f64) {
+        let own = self.settings.damping_n_s_m * out * out / dt_s;
+        let short = size * out - own - self.credit_j;
+        if short <= 0.0 {
+            return;
+        }
+        let needed = short * dt_s / (out * out);
+        self.damper = self.damper.max(needed.min(self.damper_max(dt_s)));
+        let still = short - self.damper * out * out / dt_s;
+        if still > 0.0 && size > 0.0 {
+            self.cut = self.cut.max((still / (size * out)).min(1.0));
+        }
     }
 }
 

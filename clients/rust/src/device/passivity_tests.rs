@@ -16,6 +16,8 @@ struct Seen {
     speed: f64,
     changed_n: f64,
     dissipated_j: f64,
+    /// Least the observer saw, J.
+    observed_j: f64,
 }
 
 struct Run {
@@ -55,6 +57,7 @@ impl Run {
             let energy = device.energy();
             seen.least_j = seen.least_j.min(energy.loop_j);
             seen.least_own_j = seen.least_own_j.min(energy.loop_j + energy.viscous_j + energy.coulomb_j);
+            seen.observed_j = seen.observed_j.min(passivity.as_ref().map_or(0.0, Passivity::energy_j));
             seen.end_j = energy.loop_j;
             seen.most_n = seen.most_n.max(held[0].abs());
             seen.most_depth = seen.most_depth.max(-device.true_position()[0]);
@@ -116,8 +119,8 @@ fn survey() {
                             on.least_own_j, on.least_own_j / unit(&on), on.ripple_n, on.speed, on.most_n, on.changed_n, on.dissipated_j, on.most_depth * 1e3
                         );
                         println!(
-                            "| strict {:9.2e} = {:6.2} q f rip {:6.3} chg {:5.2}",
-                            strict.least_j, strict.least_j / unit(&strict), strict.ripple_n, strict.changed_n
+                            "| strict {:9.2e} = {:6.2} q f rip {:6.3} chg {:5.2} obs {:9.2e}",
+                            strict.least_j, strict.least_j / unit(&strict), strict.ripple_n, strict.changed_n, strict.observed_j
                         );
                     }
                 }
