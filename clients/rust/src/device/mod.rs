@@ -1,14 +1,39 @@
-//! A simulated haptic device: a mass held by a hand that follows a motion script, and pushed by the rendered force.
+//! A simulated haptic device: hardware as a daemon sees it.
 //!
 //! ```text
-//! Motion (script) ─▶ Hand: spring and damper ─▶ SimulatedDevice: mass, damping ◀─ rendered force, held between answers
-//!                                                      └─▶ pose
+//! Motion ─▶ Hand ─▶ SimulatedDevice ─▶ encoder ─▶ Channel ─▶ daemon
+//!                        ▲                                      │
+//!                        └── Passivity (if wanted) ◀── Channel ◀┘
 //! ```
+//! [`DeviceModel`] has the figures of common devices (`docs/devices.md` their sources), [`Hand`] those of a hand.
 //! Stepping knows neither clock nor bus; [`run`] joins it to a [`crate::Tool`].
 
+mod carriage;
+mod encoder;
+mod hand;
+mod model;
 mod motion;
+mod network;
+mod oscillator;
+mod passivity;
+mod path;
+mod presets;
+mod random;
+mod rotation;
 pub mod run;
+mod session;
 mod simulated;
+mod smooth;
+mod target;
+mod v3;
 
-pub use motion::{Motion, MotionError, MotionFile, Target, Waypoint};
-pub use simulated::{DeviceParameters, SimulatedDevice};
+pub use hand::{Goal, Grip, Hand};
+pub use model::{DeviceError, DeviceModel};
+pub use motion::{Kind, Motion, MotionError};
+pub use network::{Channel, Network};
+pub use passivity::{Passivity, PassivitySettings};
+pub use path::{Interpolation, Path, Waypoint};
+pub use presets::devices;
+pub use session::{BLEND_S, Session, Step};
+pub use simulated::{Energy, SimulatedDevice};
+pub use target::Target;

@@ -1,62 +1,83 @@
-//! Mass, damping and hand, integrated exactly for a force that is held over a step.
+//! A device with a hand on it, one servo period at a time.
+//!
+//! ```text
+//! force ─▶ saturation ─▶ amplifier lag ─▶ ( mass + hand's mass ) ◀─ hand's spring and damper ◀─ goal (+ tremor)
+//!                                            │        ▲ friction, damping
+//!                                            └─▶ encoder ─▶ pose
+//! ```
+//! The force is held over the period. Without lag the motion is exact (see `carriage`), so that the stability of a
+//! sampled loop is that of theory; with it, the amplifier's output is held at its mean over each of a few substeps.
 
+use super::carriage::{Carriage, Load, Pull, State, Work};
+use super::encoder::Encoder;
+use super::hand::{Goal, Hand, Tremor};
+use super::model::DeviceModel;
+use super::rotation::{Grasp, Spin};
+use super::v3;
 use palpate_proto::messages::ToolPose;
+use serde::{Deserialize, Serialize};
+use std::f64::consts::TAU;
 
-/// A device with a hand on it. Typical of a desktop device held in a relaxed pinch.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct DeviceParameters {
-    /// Apparent mass, kg.
-    pub mass_kg: f64,
-    /// Viscous damping of the device, N·s/m.
-    pub damping_n_s_m: f64,
-    /// Stiffness of the hand, N/m.
-    pub hand_stiffness_n_m: f64,
-    /// Damping of the hand, N·s/m.
-    pub hand_damping_n_s_m: f64,
-    /// Greatest force of the motors, N.
-    pub force_max_n: f64,
-    /// Amplitude of a tremor at 8 Hz with a phase from the seed, m.
-    pub tremor_m: f64,
+/// Where the energy went since the start, J: `hand = loop + viscous + coulomb + kinetic`.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Energy {
+    /// Work of the hand on the device.
+    pub hand_j: f64,
+    /// Work of the device on the loop, against the force that really acted. Negative: the loop made energy.
+    pub loop_j: f64,
+    /// Lost in the device's damping.
+    pub viscous_j: f64,
+    /// Lost in dry friction.
+    pub coulomb_j: f64,
+    /// Kinetic now (at the start it was at rest).
+    pub kinetic_j: f64,
 }
 
-impl Default for DeviceParameters {
-    fn default() -> Self {
-        Self {
-            mass_kg: 0.1,
-            damping_n_s_m: 0.5,
-            hand_stiffness_n_m: 400.0,
-            hand_damping_n_s_m: 6.0,
-            force_max_n: 8.0,
-            tremor_m: 0.0,
-        }
-    }
-}
+/// Substeps of a period when dry friction or a lag is at work.
+const SUBSTEPS: usize = 8;
 
 /// State of a device.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SimulatedDevice {
-    parameters: DeviceParameters,
-    position: [f64; 3],
-    velocity: [f64; 3],
+    model: DeviceModel,
+    hand: Hand,
+    tremor: Tremor,
+    state: State,
+    spin: Spin,
+    encoder: Encoder,
+    carriage: Carriage,
+    work: Work,
+    amplifier_n: [f64; 3],
+    amplifier_nm: [f64; 3],
+    applied_n: [f64; 3],
     time_s: f64,
-    phase: f64,
 }
 
 impl SimulatedDevice {
-    /// At rest at a place. The seed decides the phase of the tremor and nothing else.
-    pub fn new(parameters: DeviceParameters, position: [f64; 3], seed: u64) -> Self {
-        let phase = (splitmix(seed) >> 11) as f64 / (1u64 << 53) as f64 * std::f64::consts::TAU;
-        Self { parameters, position, velocity: [0.0; 3], time_s: 0.0, phase }
+    /// At rest at a place. The seed decides the tremor and nothing else.
+    ///
+    /// The figures of model and hand must be possible ones, see [`DeviceModel::checked`] and [`Hand::checked`].
+    pub fn new(model: DeviceModel, hand: Hand, start: [f64; 3], seed: u64) -> Self {
+        let load = load(&model, &hand, 1.0);
+        Self {
+            tremor: Tremor::new(hand.tremor_m, seed),
+            state: State { position: start, velocity: [0.0; 3] },
+            spin: Spin { orientation: v3::UNTURNED, angular_velocity: [0.0; 3] },
+            encoder: Encoder::new(&model, start),
+            carriage: Carriage::new(load, 1.0 / model.rate_hz),
+            work: Work::default(),
+            amplifier_n: [0.0; 3],
+            amplifier_nm: [0.0; 3],
+            applied_n: [0.0; 3],
+            time_s: 0.0,
+            model,
+            hand,
+        }
     }
 
-    /// m.
-    pub fn position(&self) -> [f64; 3] {
-        self.position
-    }
-
-    /// m/s.
-    pub fn velocity(&self) -> [f64; 3] {
-        self.velocity
+    /// What it is made of.
+    pub fn model(&self) -> &DeviceModel {
+        &self.model
     }
 
     /// s since the start.
@@ -64,89 +85,120 @@ impl SimulatedDevice {
         self.time_s
     }
 
-    /// Advances by `dt_s` while the hand pulls towards `goal` (m) and the motors hold `force_n`.
-    ///
-    /// m ẍ + (b + b_h) ẋ + k_h (x − goal) = F by the midpoint rule: it neither makes nor loses energy of the spring, so
-    /// what damping there is comes from the parameters.
-    pub fn step(&mut self, goal: [f64; 3], force_n: [f64; 3], dt_s: f64) {
-        let p = &self.parameters;
-        let size = force_n.iter().map(|f| f * f).sum::<f64>().sqrt();
-        let scale = if size > p.force_max_n { p.force_max_n / size } else { 1.0 };
-        let (k, b) = (p.hand_stiffness_n_m, p.damping_n_s_m + p.hand_damping_n_s_m);
-        let tremor = p.tremor_m * libm::sin(std::f64::consts::TAU * 8.0 * self.time_s + self.phase);
-        for c in 0..3 {
-            let pull = k * (goal[c] + tremor - self.position[c]) + force_n[c] * scale - b * self.velocity[c];
-            let change = (pull - 0.5 * dt_s * k * self.velocity[c]) * dt_s
-                / (p.mass_kg + 0.5 * dt_s * b + 0.25 * dt_s * dt_s * k);
-            self.position[c] += dt_s * (self.velocity[c] + 0.5 * change);
-            self.velocity[c] += change;
-        }
-        self.time_s += dt_s;
+    /// Where it is, m.
+    pub fn true_position(&self) -> [f64; 3] {
+        self.state.position
     }
 
-    /// The pose it reports.
+    /// m/s.
+    pub fn true_velocity(&self) -> [f64; 3] {
+        self.state.velocity
+    }
+
+    /// Unit quaternion x y z w.
+    pub fn true_orientation(&self) -> [f64; 4] {
+        self.spin.orientation
+    }
+
+    /// Mean force that acted over the last period, after saturation and amplifier, N.
+    pub fn applied_n(&self) -> [f64; 3] {
+        self.applied_n
+    }
+
+    /// One servo period of `dt_s` under a held force. `goal` is where the hand wants to be in the middle of the period.
+    pub fn advance(&mut self, goal: Goal, force_n: [f64; 3], dt_s: f64) {
+        self.advance_with_torque(goal, force_n, [0.0; 3], dt_s);
+    }
+
+    /// As [`Self::advance`], with a torque for devices that can twist.
+    ///
+    /// What exceeds the motors is shortened; what is not finite counts as none.
+    pub fn advance_with_torque(&mut self, goal: Goal, force_n: [f64; 3], torque_nm: [f64; 3], dt_s: f64) {
+        let mut goal = goal;
+        let middle_s = self.time_s + 0.5 * dt_s;
+        self.tremor.shake(&mut goal, middle_s);
+        let load = load(&self.model, &self.hand, goal.grip * self.hand.grip_at(middle_s));
+        let lag = self.model.bandwidth_hz.is_finite();
+        let least = if lag || load.coulomb_n > 0.0 { SUBSTEPS } else { 1 };
+        let count = Carriage::steps(&load, dt_s).max(least);
+        let step_s = dt_s / count as f64;
+        if !self.carriage.is_for(&load, step_s) {
+            self.carriage = Carriage::new(load, step_s);
+        }
+        let wanted = v3::limited(force_n, self.model.force_max_n);
+        let mut pull =
+            Pull { position: v3::add(goal.position, v3::scale(goal.velocity, -0.5 * dt_s)), velocity: goal.velocity };
+        let mut applied = [0.0; 3];
+        for _ in 0..count {
+            let force = lagged(&mut self.amplifier_n, wanted, self.model.bandwidth_hz, step_s);
+            self.carriage.step(&mut self.state, &pull, force, &mut self.work);
+            pull.position = v3::add(pull.position, v3::scale(pull.velocity, step_s));
+            applied = v3::add(applied, force);
+        }
+        self.applied_n = v3::scale(applied, 1.0 / count as f64);
+        self.turn(&goal, torque_nm, dt_s);
+        self.time_s += dt_s;
+        let spin = (self.spin.orientation, self.spin.angular_velocity);
+        self.encoder.sample((self.state.position, self.state.velocity), spin, dt_s);
+    }
+
+    fn turn(&mut self, goal: &Goal, torque_nm: [f64; 3], dt_s: f64) {
+        let most = if self.model.torque_dof == 3 { self.model.torque_max_nm } else { 0.0 };
+        let wanted = v3::limited(torque_nm, most);
+        let torque = lagged(&mut self.amplifier_nm, wanted, self.model.bandwidth_hz, dt_s);
+        let grip = goal.grip * self.hand.grip_at(self.time_s + 0.5 * dt_s);
+        let grasp = Grasp {
+            inertia_kg_m2: self.model.inertia_kg_m2 + self.hand.inertia_kg_m2,
+            damping_nm_s: self.model.rotation_damping_nm_s,
+            torsion_nm: self.hand.torsion_nm * grip,
+            torsion_damping_nm_s: self.hand.torsion_damping_nm_s * grip,
+        };
+        self.spin.step(&grasp, goal, torque, dt_s);
+    }
+
+    /// The pose its encoders tell, on its own clock.
     pub fn pose(&self) -> ToolPose {
         ToolPose {
             t_client_ns: (self.time_s * 1e9).round() as u64,
-            linear_velocity: self.velocity,
-            ..crate::pose_at(self.position)
+            orientation: self.encoder.orientation,
+            linear_velocity: self.encoder.velocity,
+            angular_velocity: self.encoder.angular_velocity,
+            ..crate::pose_at(self.encoder.position)
         }
+    }
+
+    /// Where the energy went.
+    pub fn energy(&self) -> Energy {
+        let mass_kg = self.model.mass_kg + self.hand.mass_kg;
+        let Work { hand_j, loop_j, viscous_j, coulomb_j } = self.work;
+        let kinetic_j = 0.5 * mass_kg * v3::dot(self.state.velocity, self.state.velocity);
+        Energy { hand_j, loop_j, viscous_j, coulomb_j, kinetic_j }
     }
 }
 
-/// SplitMix64 (Steele, Lea & Flood 2014).
-fn splitmix(seed: u64) -> u64 {
-    let mut z = seed.wrapping_add(0x9e37_79b9_7f4a_7c15);
-    z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-    z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-    z ^ (z >> 31)
+fn load(model: &DeviceModel, hand: &Hand, grip: f64) -> Load {
+    Load {
+        mass_kg: model.mass_kg + hand.mass_kg,
+        damping_n_s_m: model.damping_n_s_m,
+        coulomb_n: model.coulomb_n,
+        hand_stiffness_n_m: hand.stiffness_n_m * grip,
+        hand_damping_n_s_m: hand.damping_n_s_m * grip,
+    }
+}
+
+/// Mean output of the amplifier over a step; `state` is its output at the begin and becomes that at the end.
+pub(super) fn lagged(state: &mut [f64; 3], wanted: [f64; 3], bandwidth_hz: f64, step_s: f64) -> [f64; 3] {
+    if !bandwidth_hz.is_finite() {
+        *state = wanted;
+        return wanted;
+    }
+    let turns = TAU * bandwidth_hz * step_s;
+    let done = -libm::expm1(-turns);
+    let gap = v3::sub(*state, wanted);
+    *state = v3::add(wanted, v3::scale(gap, 1.0 - done));
+    v3::add(wanted, v3::scale(gap, done / turns))
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn released_from_a_stretch_it_swings_as_the_closed_form_says() {
-        let parameters = DeviceParameters::default();
-        let mut device = SimulatedDevice::new(parameters, [0.01, 0.0, 0.0], 1);
-        let (m, k) = (parameters.mass_kg, parameters.hand_stiffness_n_m);
-        let decay = (parameters.damping_n_s_m + parameters.hand_damping_n_s_m) / (2.0 * m);
-        let omega = (k / m - decay * decay).sqrt();
-        let dt = 1e-4;
-        for step in 1..=2_000 {
-            device.step([0.0; 3], [0.0; 3], dt);
-            let t = f64::from(step) * dt;
-            let exact = 0.01 * (-decay * t).exp() * ((omega * t).cos() + decay / omega * (omega * t).sin());
-            // The midpoint rule errs by (ω dt)² / 12 of the phase: 3e-6 × ω t here.
-            assert!(
-                (device.position()[0] - exact).abs() < 0.01 * 1e-4,
-                "at {t} s: {} for {exact}",
-                device.position()[0]
-            );
-        }
-    }
-
-    #[test]
-    fn a_held_force_moves_it_by_force_over_stiffness_and_saturates() {
-        let parameters = DeviceParameters::default();
-        let mut device = SimulatedDevice::new(parameters, [0.0; 3], 1);
-        for _ in 0..20_000 {
-            device.step([0.0; 3], [0.0, 100.0, 0.0], 1e-3);
-        }
-        let expected = parameters.force_max_n / parameters.hand_stiffness_n_m;
-        assert!((device.position()[1] - expected).abs() < 1e-12);
-    }
-
-    #[test]
-    fn the_seed_decides_the_tremor_to_the_bit() {
-        let parameters = DeviceParameters { tremor_m: 1e-3, ..DeviceParameters::default() };
-        let walk = |seed| {
-            let mut device = SimulatedDevice::new(parameters, [0.0; 3], seed);
-            (0..100).for_each(|_| device.step([0.0; 3], [0.0; 3], 1e-3));
-            device.position().map(f64::to_bits)
-        };
-        assert_eq!(walk(7), walk(7));
-        assert_ne!(walk(7), walk(8));
-    }
-}
+#[path = "simulated_tests.rs"]
+mod tests;
