@@ -13,10 +13,12 @@ use crate::contact::friction::Law;
 use crate::contact::rows::Row;
 use crate::contact::sharing::{Share, share};
 use crate::math::Vector3;
-use crate::scene::{BodyModel, Scene, SceneState, Scratch, WarmRow};
+use crate::scene::{BodyModel, Scene, SceneState, Scratch, WarmRow, quality};
 
 /// Enough for a corner of three planes: rows on rigid bodies are few.
 const RIGID_SWEEPS: usize = 50;
+/// Fewest sweeps under lower quality, where there are as many.
+const LEAST_SWEEPS: usize = 10;
 /// Weight of a row that carries, relative to the depth that its force means to the coupling.
 const LEAST_WEIGHT: f64 = 1e-3;
 
@@ -70,13 +72,16 @@ fn is_whole(scratch: &Scratch) -> bool {
     scratch.rows.rows.iter().any(|row| row.law != Law::Push { mu: 0.0 })
 }
 
-fn sweeps(scene: &Scene, count: usize) -> usize {
+/// How often a solve goes over its rows. They start with the forces of the last tick: under lower quality, what few sweeps
+/// leave is settled over some ticks.
+fn sweeps(scene: &Scene, state: &SceneState, count: usize) -> usize {
     let rigid = if count > 1 { RIGID_SWEEPS } else { 1 };
     let of_bodies = scene.bodies.iter().filter_map(|body| match &body.model {
         BodyModel::Lattice(model) => Some(model.sweeps),
         BodyModel::Rigid => None,
     });
-    of_bodies.fold(rigid, usize::max)
+    let full = of_bodies.fold(rigid, usize::max);
+    if state.quality < quality::FEWER_SWEEPS { full } else { full.min((full / 4).max(LEAST_SWEEPS)) }
 }
 
 fn solve_rows(scene: &Scene, state: &SceneState, scratch: &mut Scratch, start: Start) {
@@ -94,7 +99,7 @@ fn solve_rows(scene: &Scene, state: &SceneState, scratch: &mut Scratch, start: S
         };
         scratch.problem.set(i, row.gap_m, force);
     }
-    scratch.problem.solve(sweeps(scene, scratch.rows.rows.len()));
+    scratch.problem.solve(sweeps(scene, state, scratch.rows.rows.len()));
     for tool in 0..scene.tools.len() {
         share_among_rigid(scene, scratch, tool);
     }
@@ -126,7 +131,7 @@ fn solve_whole(scene: &Scene, state: &SceneState, scratch: &mut Scratch, start: 
             Start::Here => scratch.friction.set_free(i, &free),
         }
     }
-    scratch.friction.solve(scratch.problem.matrix(), sweeps(scene, count));
+    scratch.friction.solve(scratch.problem.matrix(), sweeps(scene, state, count));
     for tool in 0..scene.tools.len() {
         share_whole_among_rigid(scene, scratch, tool);
     }

@@ -21,6 +21,7 @@ pub mod journal;
 mod load;
 mod motion;
 mod near;
+pub mod overload;
 #[cfg(feature = "daemon")]
 pub mod pacer;
 #[cfg(feature = "daemon")]

@@ -590,7 +590,7 @@ impl BusThread {
             Command::Pause => self.status.state = LoopState::Paused,
             Command::Resume => self.status.state = LoopState::Running,
             Command::Stop => self.status.state = LoopState::Stopping,
-            Command::Reset | Command::Step(_) => {}
+            Command::Reset | Command::Step(_) | Command::Quality(_) => {}
         }
         self.pending.push((id, query));
         if let Some(kind) = event {
