@@ -102,8 +102,9 @@ fn print(report: &Report) {
     for scene in &report.scenes {
         let (asked_hz, name) = (scene.scene_hz, format!("{} can be held at", scene.scene));
         match scene.holds_hz {
+            _ if scene.contact_ticks == 0 => println!("{name:<35}not told: the script touches nothing"),
             Some(hz) if hz >= asked_hz => println!("{name:<35}{hz} Hz"),
-            Some(hz) => println!("{name:<35}{hz} Hz; it asks for {asked_hz:.0}: quality will fall"),
+            Some(hz) => println!("{name:<35}{hz} Hz; it asks for {asked_hz:.0}: ticks will overrun"),
             None => println!("{name:<35}no rate of {:?} Hz", rate::RATES_HZ),
         }
     }
