@@ -4,6 +4,7 @@ mod common;
 
 use common::{World, teardrop};
 use palpate::contact::rows::Holder;
+use palpate::tick::record::Command;
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 
@@ -73,6 +74,30 @@ fn a_tick_on_a_rigid_body_allocates_nothing() {
 fn a_tick_on_a_lattice_allocates_nothing() {
     let text = teardrop(20e3, "[16, 17]").replace("stiffness_n_m = inf", "stiffness_n_m = 800.0");
     assert_eq!(touch(&mut World::new(&text)), 0);
+}
+
+/// Falls and comes back while it is pressed.
+#[test]
+fn a_change_of_quality_allocates_nothing() {
+    let text = teardrop(20e3, "[16, 17]").replace("stiffness_n_m = inf", "stiffness_n_m = 800.0");
+    let mut world =
+        World::new(&text.replace("model = \"lattice\"\n", "model = \"lattice\"\nintegrator = { iterations = 3 }\n"));
+    for x in [0.06, 0.052, 0.044, 0.036] {
+        world.at([x, 0.003, 0.045]);
+    }
+    let mut touched = 0;
+    let count = allocations(|| {
+        for k in 0..800u32 {
+            if k % 100 == 0 {
+                let level = [1, 2, 3, 2, 1, 0, 3, 0][k as usize / 100];
+                palpate::tick::apply(&world.scene, &mut world.state, &mut world.scratch, Command::Quality(level));
+            }
+            let out = world.at([0.03 - 0.006 * (0.01 * f64::from(k)).sin(), 0.003, 0.045]);
+            touched += u32::from(out.tools[0].contact.is_some());
+        }
+    });
+    assert!(touched > 300, "only {touched} ticks in touch");
+    assert_eq!(count, 0);
 }
 
 /// Slides with friction, grabs, pulls, slips off and lets go.

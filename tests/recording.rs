@@ -251,6 +251,54 @@ fn commands_replay_from_every_keyframe() {
 }
 
 /// Copies an MCAP file message by message, each through `edit`; checksums are made anew.
+/// The scene above where quality shows: several iterations a step, nets at a tenth of the ticks.
+fn soft_iterated() -> String {
+    let text = SOFT.replace("model = \"lattice\"\n", "model = \"lattice\"\nintegrator = { iterations = 4 }\n");
+    assert_ne!(text, SOFT);
+    text
+}
+
+// Quality falls and comes back while tools press, once between the same ticks as a reset, which leaves it.
+#[test]
+fn quality_replays_bit_for_bit_from_every_keyframe() {
+    let directory = tempfile::tempdir().unwrap();
+    let (path, plain) = (directory.path().join("quality.mcap"), directory.path().join("plain.mcap"));
+    let commands = [
+        (150, Command::Quality(1)),
+        (210, Command::Quality(2)),
+        (260, Command::Quality(3)),
+        (300, Command::Reset),
+        (300, Command::Quality(2)),
+        (450, Command::Quality(1)),
+        (550, Command::Quality(0)),
+    ];
+    let text = soft_iterated();
+    let (_, records) = record(&path, &text, 600, &commands);
+    let levels = |from: usize, to: usize| records[from..to].iter().map(|record| record.output.quality);
+    let expected =
+        [(0, 150, 0), (150, 210, 1), (210, 260, 2), (260, 300, 3), (300, 450, 2), (450, 550, 1), (550, 600, 0)];
+    for (from, to, level) in expected {
+        assert!(levels(from, to).all(|at| at == level), "ticks {from} to {to} are not all of level {level}");
+    }
+    let session = Session::open(&path).unwrap();
+    assert_eq!(session.commands, commands);
+    for from in [0, 100, 200, 300, 400, 500] {
+        let report = replay(&session, from, |_, _| {}).unwrap();
+        assert!(report.first_difference.is_none(), "from {from}: {:?}", report.first_difference);
+        assert_eq!(report.ticks_matched, 600 - from);
+    }
+    // It is no idle number: without the commands the same poses come to other forces.
+    let (_, full) = record(&plain, &text, 600, &[]);
+    let force = |records: &[TickRecord], k: usize| records[k].output.tools[0].force_n;
+    assert!((0..150).all(|k| force(&records, k) == force(&full, k)));
+    assert!((150..300).any(|k| force(&records, k) != force(&full, k)), "the first level changes nothing");
+    // And one that is forgotten is found at the tick that missed it.
+    let mut forged = session.clone();
+    forged.commands.remove(0);
+    let difference = replay(&forged, 0, |_, _| {}).unwrap().first_difference.expect("a lost command went unnoticed");
+    assert_eq!(difference.tick, 151, "{difference:?}");
+}
+
 fn rewrite(source: &Path, target: &Path, mut edit: impl FnMut(&str, &mut Vec<u8>)) {
     let bytes = std::fs::read(source).unwrap();
     let mut out = mcap::Writer::new(std::fs::File::create(target).unwrap()).unwrap();

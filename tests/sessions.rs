@@ -1,14 +1,15 @@
 //! Sessions end to end: a daemon and a simulated device as separate processes, recordings, replay, garbage.
 
-use palpate::recording::{Session, info, recover, replay};
-use palpate_client::{Connect, Palpate, pose_at};
-use std::io::Write as _;
-use std::net::TcpListener;
-use std::path::{Path, PathBuf};
-use std::process::{Child, Command, Stdio};
-use std::time::{Duration, Instant};
+#[path = "common/daemon.rs"]
+mod daemon;
 
-const PROGRAM: &str = env!("CARGO_BIN_EXE_palpate");
+use daemon::{Daemon, device};
+use palpate::recording::{Session, info, recover, replay};
+use palpate_client::pose_at;
+use std::io::Write as _;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+use std::time::{Duration, Instant};
 
 const SCENE: &str = r#"
 [[body]]
@@ -23,69 +24,11 @@ shape = { sphere = { radius_m = 0.01 } }
 pose = { position = [0.06, 0.003, 0.045] }
 "#;
 
-struct Daemon {
-    child: Child,
-    endpoint: String,
-}
-
-impl Daemon {
-    fn start(directory: &Path, arguments: &[&str]) -> Self {
-        let scene = directory.join("scene.toml");
-        std::fs::write(&scene, SCENE).unwrap();
-        let port = TcpListener::bind("127.0.0.1:0").unwrap().local_addr().unwrap().port();
-        let endpoint = format!("tcp/127.0.0.1:{port}");
-        let child = Command::new(PROGRAM)
-            .arg("serve")
-            .arg(&scene)
-            .args(["--listen", &endpoint, "--no-rt"])
-            .args(arguments)
-            .stdin(Stdio::null())
-            .stdout(Stdio::piped())
-            .stderr(Stdio::null())
-            .spawn()
-            .unwrap();
-        let started = Instant::now();
-        while std::net::TcpStream::connect(("127.0.0.1", port)).is_err() {
-            assert!(started.elapsed() < Duration::from_secs(60), "the daemon does not listen");
-            std::thread::sleep(Duration::from_millis(20));
-        }
-        Self { child, endpoint }
-    }
-
-    fn connect(&self) -> Palpate {
-        Palpate::connect(&Connect { timeout: Duration::from_secs(20), ..Connect::to(&self.endpoint) }).unwrap()
-    }
-
-    /// Waits for the end; gives stdout and the exit code.
-    fn end(mut self) -> (String, i32) {
-        let mut text = String::new();
-        std::io::Read::read_to_string(self.child.stdout.as_mut().unwrap(), &mut text).unwrap();
-        let status = self.child.wait().unwrap();
-        (text, status.code().unwrap_or(-1))
-    }
-}
-
-impl Drop for Daemon {
-    fn drop(&mut self) {
-        let _ = self.child.kill();
-        let _ = self.child.wait();
-    }
-}
-
-fn device(endpoint: &str, arguments: &[&str]) -> (String, i32) {
-    let output = Command::new(PROGRAM)
-        .args(["device", "--tool", "ball", "--json", "--connect", endpoint])
-        .args(arguments)
-        .stdin(Stdio::null())
-        .output()
-        .unwrap();
-    (String::from_utf8_lossy(&output.stdout).into_owned(), output.status.code().unwrap_or(-1))
-}
-
 /// A recorded lockstep session of two seconds.
 fn lockstep(directory: &Path, name: &str) -> PathBuf {
     let file = directory.join(name);
-    let daemon = Daemon::start(directory, &["--clock", "lockstep", "--for", "2s", "--record", file.to_str().unwrap()]);
+    let daemon =
+        Daemon::start(directory, SCENE, &["--clock", "lockstep", "--for", "2s", "--record", file.to_str().unwrap()]);
     let (report, code) =
         device(&daemon.endpoint, &["--motion", "press", "--for", "2s", "--seed", "5", "--tremor", "1e-4"]);
     assert_eq!(code, 0, "{report}");
@@ -126,7 +69,7 @@ fn two_lockstep_sessions_in_separate_processes_are_equal_to_the_bit_and_replay()
 fn a_real_time_session_runs_beside_garbage_and_its_recording_survives_a_kill() {
     let directory = tempfile::tempdir().unwrap();
     let file = directory.path().join("killed.mcap");
-    let mut daemon = Daemon::start(directory.path(), &["--record", file.to_str().unwrap()]);
+    let mut daemon = Daemon::start(directory.path(), SCENE, &["--record", file.to_str().unwrap()]);
     let palpate = daemon.connect();
     let scene = palpate.scene().unwrap();
     assert_eq!(
@@ -196,7 +139,7 @@ fn truncated_and_foreign_files_are_told_apart_and_never_panic() {
     for (name, content) in [("empty", &b""[..]), ("text", b"hello"), ("magic", mcap_magic())] {
         let path = directory.path().join(name);
         std::fs::File::create(&path).unwrap().write_all(content).unwrap();
-        let output = Command::new(PROGRAM).arg("replay").arg(&path).output().unwrap();
+        let output = Command::new(daemon::PROGRAM).arg("replay").arg(&path).output().unwrap();
         let told = String::from_utf8_lossy(&output.stderr).into_owned();
         assert_eq!(output.status.code(), Some(2), "{name}: {told}");
         assert!(told.contains("not an MCAP file") || told.contains("not a Palpate recording"), "{name}: {told}");

@@ -109,7 +109,9 @@ impl ToolPose {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::messages::{ContactSet, ControlNet, LoopStatus, SceneSnapshot, SimEvent, ToolForce};
+    use crate::messages::{
+        ContactSet, ControlNet, DeviceInfo, LoopStatus, SceneSnapshot, SimEvent, ToolContact, ToolForce,
+    };
 
     fn pose() -> ToolPose {
         ToolPose {
@@ -165,6 +167,8 @@ mod tests {
             }
             accepted += usize::from(decode::<ToolPose>(&bytes, "").is_ok_and(|pose| pose.validated().is_ok()));
             let _ = decode::<ToolForce>(&bytes, "");
+            let _ = decode::<ToolContact>(&bytes, "");
+            let _ = decode::<DeviceInfo>(&bytes, "").map(DeviceInfo::validated);
             let _ = decode::<ControlNet>(&bytes, "");
             let _ = decode::<ContactSet>(&bytes, "");
             let _ = decode::<LoopStatus>(&bytes, "");

@@ -39,6 +39,16 @@ impl Keys {
         format!("{}/tool/{tool}/force", self.root)
     }
 
+    /// What contacts do to a tool, daemon → all.
+    pub fn tool_contact(&self, tool: &str) -> String {
+        format!("{}/tool/{tool}/contact", self.root)
+    }
+
+    /// What the device of a tool can do, tool → daemon; also queryable.
+    pub fn tool_device(&self, tool: &str) -> String {
+        format!("{}/tool/{tool}/device", self.root)
+    }
+
     /// Control net of a body; also queryable.
     pub fn body_net(&self, body: &str) -> String {
         format!("{}/body/{body}/net", self.root)
@@ -98,6 +108,8 @@ mod tests {
     fn keys_are_those_of_the_table_and_live_keys_parse_back() {
         let keys = Keys::new("default").unwrap();
         assert_eq!(keys.tool_pose("ball"), "palpate/default/tool/ball/pose");
+        assert_eq!(keys.tool_contact("ball"), "palpate/default/tool/ball/contact");
+        assert_eq!(keys.tool_device("ball"), "palpate/default/tool/ball/device");
         assert_eq!(keys.body_net("drop"), "palpate/default/body/drop/net");
         assert_eq!(keys.rpc("reset"), "palpate/default/rpc/reset");
         assert_eq!(keys.tool_of_live(&keys.live_tool("ball")), Some("ball"));

@@ -5,8 +5,11 @@
 //! gives the byte layout for people who write a client without this crate.
 
 pub mod codec;
+mod device;
 pub mod keys;
 pub mod messages;
 #[cfg(feature = "recording")]
 pub mod recording;
 pub mod rpc;
+
+pub use device::DeviceError;

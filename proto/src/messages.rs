@@ -1,7 +1,8 @@
 //! The messages of the bus. SI units; `f64`; quaternions are x y z w; times are nanoseconds.
 //!
 //! postcard has no field names and cannot evolve: a published struct is never edited. A change makes a new type with
-//! a new version in its [`Message::NAME`].
+//! a new version in its [`Message::NAME`]. Only [`EventKind`] may grow, at its end: the number of a case stays, and who does
+//! not know a new one drops that event.
 
 use serde::{Deserialize, Serialize};
 
@@ -88,6 +89,64 @@ pub struct ToolForce {
     pub flags: u32,
 }
 message!(ToolForce, "palpate.ToolForce.v1");
+
+/// What all contacts do to a tool, before anything is limited for the device: what a sensor between tool and body would
+/// read. World axes, at the tool's reference point. Sent while somebody subscribes.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ToolContact {
+    /// Tick that made it.
+    pub tick: u64,
+    /// `seq` of the pose that took effect (0: none yet).
+    pub pose_seq: u64,
+    /// `t_client_ns` of that pose.
+    pub t_client_ns: u64,
+    /// N.
+    pub force: [f64; 3],
+    /// N·m.
+    pub torque: [f64; 3],
+    /// Net work done by the device on the loop since the start, J; what is below zero, the loop has made.
+    pub energy_j: f64,
+    /// Part of it that the passivity controller took away, J.
+    pub dissipated_j: f64,
+    /// Greatest force that the loop gives this tool's device, N.
+    pub force_limit: f64,
+}
+message!(ToolContact, "palpate.ToolContact.v1");
+
+/// What the device that holds a tool can do, told by its client. Zero where it does not know.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct DeviceInfo {
+    /// Its name, at most 64 bytes, without control characters.
+    pub name: String,
+    /// Directions in which it can push, 0 to 3.
+    pub dof_force: u8,
+    /// Axes about which it can turn, 0 to 3.
+    pub dof_torque: u8,
+    /// Box in which its tool can go, m.
+    pub workspace: [f64; 3],
+    /// Greatest force, N.
+    pub force_max: f64,
+    /// Greatest force that it can hold for long, N; at most `force_max`.
+    pub force_continuous: f64,
+    /// Greatest torque, N·m.
+    pub torque_max: f64,
+    /// Mass that the hand feels at its tool, kg.
+    pub mass: f64,
+    /// Its own viscous damping, N·s/m.
+    pub damping: f64,
+    /// Its own Coulomb friction, N.
+    pub coulomb_friction: f64,
+    /// Step of its position sensor at the tool, m.
+    pub encoder_resolution: f64,
+    /// Rate of its own loop, Hz.
+    pub rate_hz: f64,
+    /// Delay between it and the daemon, one way, s.
+    pub delay_s: f64,
+    /// Relative change of the force below which a hand feels none (Weber fraction); the daemon then leaves such forces
+    /// out. 0: every force is sent.
+    pub deadband: f64,
+}
+message!(DeviceInfo, "palpate.DeviceInfo.v1");
 
 /// Full control net of a body, u-major. A lost one is mended by the next.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -212,7 +271,7 @@ pub struct LoopStatus {
     pub recorder_bytes: u64,
     /// Records lost because the recorder could not keep up.
     pub recorder_drops: u64,
-    /// 0 is full quality.
+    /// 0 is full quality; 1: bodies iterate once a step; 2: also fewer sweeps over contacts; 3: also nets ten times rarer.
     pub quality_level: u8,
 }
 message!(LoopStatus, "palpate.LoopStatus.v1");
@@ -260,6 +319,29 @@ pub enum EventKind {
     },
     /// The daemon is going down.
     Stopping,
+    /// Ticks took longer than their period, or were woken too late: at most one such event a second for each stage.
+    Overrun {
+        /// Stage that took most of their time: `latch`, `render`, `deform`, `emit`; `wake`: the system came late.
+        stage: String,
+        /// How many since the last such event.
+        count: u64,
+        /// The longest of them, ns.
+        worst_ns: u64,
+    },
+    /// The loop does less, or again more, to keep its rate.
+    QualityChanged {
+        /// As in [`LoopStatus::quality_level`].
+        level: u8,
+        /// Why.
+        reason: String,
+    },
+    /// A device said what it can do.
+    DeviceTold {
+        /// Tool id.
+        tool: String,
+        /// Name of the device.
+        name: String,
+    },
 }
 
 /// An event, numbered so that a loss is seen.

@@ -8,7 +8,7 @@ use std::fmt::Debug;
 use std::path::PathBuf;
 
 use palpate_proto::codec::{decode, encode, encoding_schema};
-use palpate_proto::messages::Message;
+use palpate_proto::messages::{EventKind, Message, SimEvent};
 
 fn check<M: Message + PartialEq + Debug>(file: &str, value: &M) {
     let stem = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("golden").join(file);
@@ -36,6 +36,8 @@ fn check<M: Message + PartialEq + Debug>(file: &str, value: &M) {
 fn every_message_keeps_its_bytes() {
     check("tool_pose", &common::tool_pose());
     check("tool_force", &common::tool_force());
+    check("tool_contact", &common::tool_contact());
+    check("device_info", &common::device_info());
     check("control_net", &common::control_net());
     check("control_net_polynomial", &common::control_net_polynomial());
     check("contact_set", &common::contact_set());
@@ -63,6 +65,45 @@ fn a_pose_read_by_hand_is_the_pose() {
     }
     expected.extend_from_slice(&[1, 0]);
     assert_eq!(encode(&pose), expected);
+}
+
+/// The same for a description of a device: a string, bytes and numbers.
+#[test]
+fn a_device_read_by_hand_is_the_device() {
+    let device = common::device_info();
+    let mut expected = vec![device.name.len() as u8];
+    expected.extend_from_slice(device.name.as_bytes());
+    expected.extend_from_slice(&[device.dof_force, device.dof_torque]);
+    let numbers = [
+        device.force_max,
+        device.force_continuous,
+        device.torque_max,
+        device.mass,
+        device.damping,
+        device.coulomb_friction,
+        device.encoder_resolution,
+        device.rate_hz,
+        device.delay_s,
+        device.deadband,
+    ];
+    for x in device.workspace.iter().chain(&numbers) {
+        expected.extend_from_slice(&x.to_le_bytes());
+    }
+    assert_eq!(encode(&device), expected);
+}
+
+/// A case of an event keeps its number; new ones follow.
+#[test]
+fn events_keep_the_numbers_of_the_table() {
+    let document = std::fs::read_to_string(PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../docs/wire.md")).unwrap();
+    let section = document.split("### `palpate.SimEvent.v1`").nth(1).and_then(|rest| rest.split("###").next()).unwrap();
+    for (name, event) in common::events() {
+        let start = SimEvent { kind: EventKind::Reset, ..event.clone() };
+        // What comes before the kind is as long for all: the last byte of an event without fields is its number.
+        let number = encode(&event)[encode(&start).len() - 1];
+        let entry = format!("{number} {}", name.replace('_', " "));
+        assert!(section.split_whitespace().collect::<Vec<_>>().join(" ").contains(&entry), "no {entry:?} in the table");
+    }
 }
 
 /// The worked example of docs/wire.md is the golden pose.

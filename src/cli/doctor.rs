@@ -1,74 +1,112 @@
-//! `palpate doctor`: what this machine allows.
+//! `palpate doctor`: what this machine allows, and what rate it can hold.
 
 use super::{Outcome, text};
-use crate::tick::pacer::{ask_privileges, now_ns, sleep_until};
-use crate::tick::stats::Histogram;
-use serde_json::json;
-use std::net::TcpListener;
+use crate::scene::file;
+use anyhow::Context as _;
+use serde::Serialize;
+use std::path::{Path, PathBuf};
 use std::time::Duration;
+
+mod machine;
+mod rate;
 
 #[derive(clap::Args, Debug)]
 pub struct Args {
+    /// Scene whose rate is wanted; without one, a rigid and a soft teardrop are run.
+    scene: Option<PathBuf>,
     /// How long to measure the timer.
     #[arg(long = "for", value_parser = text::duration, default_value = "2s")]
     duration: Duration,
+    /// Ticks of each scene.
+    #[arg(long, default_value_t = 4_000, value_parser = clap::value_parser!(u64).range(100..=1_000_000))]
+    ticks: u64,
     /// Print one JSON object.
     #[arg(long)]
     json: bool,
 }
 
+/// Scenes that are run unless the user names one.
+const SCENES: [(&str, &str); 2] = [
+    ("rigid-teardrop.toml", include_str!("../../scenes/rigid-teardrop.toml")),
+    ("teardrop.toml", include_str!("../../scenes/teardrop.toml")),
+];
+
+/// All that was found. Times are µs.
+#[derive(Serialize)]
+struct Report {
+    #[serde(flatten)]
+    machine: machine::Machine,
+    lateness_plain: rate::Figures,
+    lateness_asked: rate::Figures,
+    scenes: Vec<rate::SceneRate>,
+}
+
 pub fn run(args: &Args) -> anyhow::Result<Outcome> {
-    let ticks = (args.duration.as_secs_f64() * 1e3) as u64;
+    let loaded = match &args.scene {
+        Some(path) => vec![file::load(path)?],
+        None => SCENES
+            .iter()
+            .map(|(name, text)| file::parse(text, name, Path::new(".")))
+            .collect::<Result<_, _>>()
+            .context("a scene of our own")?,
+    };
+    let scenes = loaded.iter().map(rate::Pressing::new).collect::<anyhow::Result<Vec<_>>>()?;
+    let timer_ticks = (args.duration.as_secs_f64() * 1e3) as u64;
+    let ticks = args.ticks;
+    if !args.json {
+        let seconds =
+            2.0 * args.duration.as_secs_f64() + scenes.iter().map(|scene| scene.period_s() * ticks as f64).sum::<f64>();
+        eprintln!("measuring, {seconds:.0} s or more…");
+    }
     // A thread of its own: what it is granted ends with it.
-    let (privileges, plain, asked) = std::thread::spawn(move || {
-        let plain = lateness(ticks);
-        let privileges = ask_privileges();
-        (privileges, plain, lateness(ticks))
-    })
-    .join()
-    .map_err(|_| anyhow::anyhow!("the measuring thread panicked"))?;
-    let port_free = TcpListener::bind("127.0.0.1:7447").is_ok();
-    let cores = std::thread::available_parallelism().map_or(1, usize::from);
-    let us = |h: &Histogram, q: f64| h.quantile(q) as f64 * 1e-3;
+    let measured = std::thread::spawn(move || {
+        let plain = rate::lateness_ns(timer_ticks);
+        let privileges = crate::tick::pacer::ask_privileges();
+        let asked = rate::lateness_ns(timer_ticks);
+        let scenes: Vec<_> = scenes.into_iter().map(|scene| scene.run(ticks, &asked)).collect();
+        (privileges, plain, asked, scenes)
+    });
+    let (privileges, plain, asked, scenes) =
+        measured.join().map_err(|_| anyhow::anyhow!("the measuring thread panicked"))?;
+    let report = Report {
+        machine: machine::Machine::look(privileges),
+        lateness_plain: rate::Figures::of(&plain),
+        lateness_asked: rate::Figures::of(&asked),
+        scenes,
+    };
     if args.json {
-        let figures =
-            |h: &Histogram| json!({ "p50_us": us(h, 0.5), "p99_us": us(h, 0.99), "max_us": h.max() as f64 * 1e-3 });
-        let report = json!({
-            "cores": cores, "sched_fifo": privileges.fifo, "mlockall": privileges.locked, "timer_slack": privileges.slack,
-            "lateness_plain": figures(&plain), "lateness_asked": figures(&asked), "port_7447_free": port_free,
-        });
-        println!("{report}");
+        println!("{}", serde_json::to_string(&report)?);
     } else {
-        let granted = |yes: bool| if yes { "granted" } else { "refused (the loop runs without)" };
-        println!("cores                    {cores}");
-        println!("SCHED_FIFO               {}", granted(privileges.fifo));
-        println!("mlockall                 {}", granted(privileges.locked));
-        println!("timer slack of 1 ns      {}", granted(privileges.slack));
-        for (name, h) in [("1 kHz timer, as it is", &plain), ("1 kHz timer, having asked", &asked)] {
-            println!(
-                "{name:<25}late by p50 {:.0} us, p99 {:.0} us, max {:.0} us",
-                us(h, 0.5),
-                us(h, 0.99),
-                h.max() as f64 * 1e-3
-            );
-        }
-        println!(
-            "port 7447                {}",
-            if port_free { "free" } else { "taken: use --listen tcp/127.0.0.1:PORT" }
-        );
+        print(&report);
     }
     Ok(Outcome::Ok)
 }
 
-fn lateness(ticks: u64) -> Histogram {
-    let mut histogram = Histogram::default();
-    let mut due = now_ns();
-    for _ in 0..ticks {
-        due += 1_000_000;
-        sleep_until(due);
-        let now = now_ns();
-        histogram.add(now.saturating_sub(due));
-        due = due.max(now.saturating_sub(1_000_000));
+fn print(report: &Report) {
+    report.machine.print();
+    for (name, late) in
+        [("1 kHz timer, as it is", &report.lateness_plain), ("1 kHz timer, having asked", &report.lateness_asked)]
+    {
+        println!(
+            "{name:<26}late by p50 {:.0} us, p99 {:.0} us, p99.9 {:.0} us, max {:.0} us",
+            late.p50_us, late.p99_us, late.p999_us, late.max_us
+        );
     }
-    histogram
+    for scene in &report.scenes {
+        let tick = &scene.tick;
+        println!(
+            "tick of {:<18}p50 {:.0} us, p99 {:.0} us, p99.9 {:.0} us, max {:.0} us ({} of {} ticks in contact)",
+            scene.scene, tick.p50_us, tick.p99_us, tick.p999_us, tick.max_us, scene.contact_ticks, scene.ticks
+        );
+    }
+    for scene in &report.scenes {
+        let (asked_hz, name) = (scene.scene_hz, format!("{} can be held at", scene.scene));
+        match scene.holds_hz {
+            _ if scene.contact_ticks == 0 => println!("{name:<35}not told: the script touches nothing"),
+            Some(hz) if hz >= asked_hz => println!("{name:<35}{hz} Hz"),
+            Some(hz) => println!("{name:<35}{hz} Hz; it asks for {asked_hz:.0}: ticks will overrun"),
+            None => println!("{name:<35}no rate of {:?} Hz", rate::RATES_HZ),
+        }
+    }
+    println!("(99.9 % of its ticks, begun as late as the timer wakes, end before the next is due)");
 }

@@ -55,7 +55,7 @@ enum Commands {
     Bench(bench::Args),
     /// Surfaces in files: look at them, evaluate, project points, convert, tessellate, fit.
     Surface(surface::Args),
-    /// What this machine allows: scheduling, timers, ports.
+    /// What this machine allows: scheduling, timers, ports, and the rate at which it can run a scene.
     Doctor(doctor::Args),
     /// Completions for a shell, on stdout.
     Completions {

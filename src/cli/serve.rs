@@ -162,7 +162,7 @@ pub fn serve(
         }
     }
     begun?;
-    tracing::debug!(events = bus_report.events, poses = ?bus_report.poses, "bus closed");
+    tracing::debug!(events = bus_report.events, poses = ?bus_report.poses, suppressed = ?bus_report.suppressed, "bus closed");
     let report = report?;
     if settings.privileged && !report.privileges.fifo && scene.clock == Clock::Realtime {
         tracing::warn!("SCHED_FIFO was refused: ticks may start late; see `palpate doctor`");

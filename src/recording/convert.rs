@@ -3,6 +3,7 @@
 use crate::contact::rows::Holder;
 use crate::haptics::DevicePose;
 use crate::math::{Point3, Rotation, Vector3};
+use crate::scene::quality;
 use crate::scene::spec::MAX_TOOLS;
 use crate::tick::record::{Command, ContactReport, STAGE_COUNT, TickFault, TickRecord, ToolOutput};
 use palpate_proto::recording as pb;
@@ -139,6 +140,7 @@ pub fn tick_to_proto(record: &TickRecord, tool_count: usize) -> pb::Tick {
             Some(TickFault::NotFinite) => 1,
         },
         moving: output.moving,
+        quality: u32::from(output.quality),
         late_ns: record.late_ns,
         skipped: record.skipped,
         stage_ns: record.stage_ns.to_vec(),
@@ -167,6 +169,7 @@ pub fn tick_from_proto(tick: &pb::Tick) -> Result<TickRecord, ConvertError> {
         1 => Some(TickFault::NotFinite),
         other => return Err(wrong(format!("unknown fault {other}"))),
     };
+    output.quality = level(number, tick.quality)?;
     for (t, tool) in tick.tools.iter().enumerate() {
         record.input.poses[t] = tool.applied.as_ref().map(|pose| pose_from_proto(number, pose)).transpose()?;
         let mut values = Floats::new(number, "tool", &tool.values, 24)?;
@@ -207,6 +210,11 @@ pub fn tick_from_proto(tick: &pb::Tick) -> Result<TickRecord, ConvertError> {
     Ok(record)
 }
 
+fn level(tick: u64, level: u32) -> Result<u8, ConvertError> {
+    let known = u8::try_from(level).ok().filter(|level| *level <= quality::LOWEST);
+    known.ok_or_else(|| ConvertError { tick, what: format!("unknown level of quality {level}") })
+}
+
 /// A command with the tick after which it acts.
 pub fn command_to_proto(after_tick: u64, command: Command) -> pb::Command {
     let (name, ticks) = match command {
@@ -215,6 +223,7 @@ pub fn command_to_proto(after_tick: u64, command: Command) -> pb::Command {
         Command::Resume => ("resume", 0),
         Command::Step(ticks) => ("step", ticks),
         Command::Stop => ("stop", 0),
+        Command::Quality(level) => ("quality", u32::from(level)),
     };
     pb::Command { after_tick, name: name.into(), ticks }
 }
@@ -222,7 +231,7 @@ pub fn command_to_proto(after_tick: u64, command: Command) -> pb::Command {
 /// The command again.
 ///
 /// # Errors
-/// An unknown name.
+/// An unknown name, or a level of quality that there is not.
 pub fn command_from_proto(command: &pb::Command) -> Result<Command, ConvertError> {
     Ok(match command.name.as_str() {
         "reset" => Command::Reset,
@@ -230,6 +239,7 @@ pub fn command_from_proto(command: &pb::Command) -> Result<Command, ConvertError
         "resume" => Command::Resume,
         "step" => Command::Step(command.ticks),
         "stop" => Command::Stop,
+        "quality" => Command::Quality(level(command.after_tick, command.ticks)?),
         other => return Err(ConvertError { tick: command.after_tick, what: format!("unknown command {other:?}") }),
     })
 }
@@ -264,7 +274,7 @@ mod tests {
                 buttons: 3,
             });
             record.output.tick = 9;
-            record.output.state_hash = u64::MAX - 1;
+            (record.output.state_hash, record.output.quality) = (u64::MAX - 1, 2);
             let tool = &mut record.output.tools[1];
             (tool.force_n, tool.torque_nm, tool.energy_j) = (vector, -vector, value);
             tool.proxy_orientation = rotation;
@@ -297,5 +307,12 @@ mod tests {
         assert!(tick_from_proto(&tick).unwrap_err().what.contains("23 values, not 24"));
         let crowd = pb::Tick { tools: vec![tick.tools[0].clone(); 9], ..tick };
         assert!(tick_from_proto(&crowd).is_err());
+        let poor = pb::Tick { quality: 4, ..tick_to_proto(&TickRecord::default(), 1) };
+        assert!(tick_from_proto(&poor).unwrap_err().what.contains("quality 4"));
+        for command in [Command::Reset, Command::Step(7), Command::Stop, Command::Quality(3)] {
+            assert_eq!(command_from_proto(&command_to_proto(5, command)), Ok(command));
+        }
+        let worse = pb::Command { after_tick: 5, name: "quality".into(), ticks: 260 };
+        assert!(command_from_proto(&worse).is_err());
     }
 }

@@ -5,7 +5,7 @@
 use super::writer::{BodyHead, Head, WriteError, Writer};
 use crate::math::{Point3, SavedState};
 use crate::scene::spec::SceneSpec;
-use crate::scene::{Scene, SceneState};
+use crate::scene::{Scene, SceneState, quality};
 use crate::tick::journal::{Journal, JournalGauges};
 use crate::tick::record::{Command, STAGE_COUNT, Stage, TickRecord};
 use crate::tick::stats::Histogram;
@@ -126,9 +126,10 @@ impl Journal for RecorderPort {
             self.lost();
         }
         let tick = record.output.tick;
+        let net_every = self.net_every * if state.quality < quality::RARE_NETS { 1 } else { 10 };
         for body in 0..self.nets.len() {
             let (revision, at) = self.sent[body];
-            if state.net_revision(body) == revision || tick < at + self.net_every {
+            if state.net_revision(body) == revision || tick < at + net_every {
                 continue;
             }
             let Ok(mut buffer) = self.nets[body].free.pop() else { continue };

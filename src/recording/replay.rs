@@ -250,10 +250,11 @@ fn compare(recorded: &TickRecord, replayed: &TickRecord, tool_count: usize) -> O
             }
         }
     }
-    let rest = [
+    let rest: [(&str, u64, u64); 5] = [
         ("net_revision", a.net_revision, b.net_revision),
         ("fault", a.fault.into(), b.fault.into()),
         ("moving", a.moving.into(), b.moving.into()),
+        ("quality", a.quality.into(), b.quality.into()),
         ("state_hash", a.state_hash, b.state_hash),
     ];
     rest.into_iter().find(|(_, x, y)| x != y).map(|(name, x, y)| difference(tick, name, x, y))

@@ -217,6 +217,18 @@ impl Scene {
     }
 }
 
+/// Levels of `SceneState::quality`: from each on, a tick does less.
+pub mod quality {
+    /// Bodies iterate once a step.
+    pub const ONE_ITERATION: u8 = 1;
+    /// A quarter of the sweeps over contacts.
+    pub const FEWER_SWEEPS: u8 = 2;
+    /// Nets are published and recorded ten times rarer.
+    pub const RARE_NETS: u8 = 3;
+    /// The last level.
+    pub const LOWEST: u8 = RARE_NETS;
+}
+
 /// Bits of `ToolOutput::flags`; the wire uses the same.
 pub mod flags {
     /// The newest pose is older than the stale limit; the force ramps to zero.

@@ -3,7 +3,7 @@
 use super::FrameState;
 use super::narrow::PairScratch;
 use super::near::Near;
-use super::{BodyModel, Scene};
+use super::{BodyModel, Scene, quality};
 use crate::body::{DeformableScratch, DeformableState, Field};
 use crate::contact::complementarity::Complementarity;
 use crate::contact::cones::ConeShare;
@@ -39,6 +39,8 @@ pub struct SceneState {
     pub tick: u64,
     /// Whether bodies move.
     pub run: RunState,
+    /// 0 is full quality; see [`super::quality`].
+    pub quality: u8,
     /// By body.
     pub bodies: Vec<BodyState>,
     /// By tool.
@@ -217,6 +219,7 @@ impl Scene {
         SceneState {
             tick: 0,
             run: RunState::Running,
+            quality: 0,
             bodies: bodies.collect(),
             tools: tools.collect(),
             pairs: vec![PairState::default(); self.pairs.len()],
@@ -325,7 +328,7 @@ impl Stateful for SceneState {
             RunState::Paused { steps } => (1, steps),
             RunState::Stopping => (2, 0),
         };
-        sink.word(run);
+        sink.word(run | u64::from(self.quality) << 32);
         sink.word(u64::from(steps));
         for body in &self.bodies {
             sink.word(body.revision);
@@ -378,8 +381,12 @@ impl Stateful for SceneState {
     fn restore(&mut self, source: &mut impl StateSource) -> Result<(), StateError> {
         let small = |value: u64, what| u32::try_from(value).map_err(|_| StateError::Value { what, value });
         self.tick = source.word()?;
-        let (run, steps) = (source.word()?, source.word()?);
-        self.run = match run {
+        let (head, steps) = (source.word()?, source.word()?);
+        self.quality = match u8::try_from(head >> 32) {
+            Ok(level) if level <= quality::LOWEST => level,
+            _ => return Err(StateError::Value { what: "quality", value: head >> 32 }),
+        };
+        self.run = match head & u64::from(u32::MAX) {
             0 => RunState::Running,
             1 => RunState::Paused { steps: small(steps, "step count")? },
             2 => RunState::Stopping,

@@ -14,12 +14,14 @@ use crate::contact::friction::{Law, Lever};
 use crate::contact::rows::Row;
 use crate::contact::sharing::{Share, share};
 use crate::math::Vector3;
-use crate::scene::{BodyModel, Scene, SceneState, Scratch, WarmRow};
+use crate::scene::{BodyModel, Scene, SceneState, Scratch, WarmRow, quality};
 
 /// Enough for a corner of three planes: rows on rigid bodies are few.
 const RIGID_SWEEPS: usize = 50;
 /// Rows of a tool that turns lean on each other through its arms.
 const TURNING_SWEEPS: usize = 200;
+/// Fewest sweeps under lower quality, where there are as many.
+const LEAST_SWEEPS: usize = 10;
 /// Weight of a row that carries, relative to the depth that its force means to the coupling.
 const LEAST_WEIGHT: f64 = 1e-3;
 
@@ -79,7 +81,9 @@ fn is_whole(scratch: &Scratch) -> bool {
     scratch.rows.rows.iter().any(|row| row.law != Law::SMOOTH)
 }
 
-fn sweeps(scene: &Scene, count: usize) -> usize {
+/// How often a solve goes over its rows. They start with the forces of the last tick: under lower quality, what few sweeps
+/// leave is settled over some ticks.
+fn sweeps(scene: &Scene, state: &SceneState, count: usize) -> usize {
     let turns = scene.tools.iter().any(|tool| tool.coupling.turns());
     let rigid = match (count, turns) {
         (1, false) => 1,
@@ -90,7 +94,8 @@ fn sweeps(scene: &Scene, count: usize) -> usize {
         BodyModel::Lattice(model) => Some(model.sweeps),
         BodyModel::Rigid => None,
     });
-    of_bodies.fold(rigid, usize::max)
+    let full = of_bodies.fold(rigid, usize::max);
+    if state.quality < quality::FEWER_SWEEPS { full } else { full.min((full / 4).max(LEAST_SWEEPS)) }
 }
 
 fn solve_rows(scene: &Scene, state: &SceneState, scratch: &mut Scratch, start: Start) {
@@ -108,7 +113,7 @@ fn solve_rows(scene: &Scene, state: &SceneState, scratch: &mut Scratch, start: S
         };
         scratch.problem.set(i, row.gap_m, force);
     }
-    scratch.problem.solve(sweeps(scene, scratch.rows.rows.len()));
+    scratch.problem.solve(sweeps(scene, state, scratch.rows.rows.len()));
     for tool in 0..scene.tools.len() {
         share_among_rigid(scene, state, scratch, tool);
     }
@@ -150,7 +155,7 @@ fn solve_whole(scene: &Scene, state: &SceneState, scratch: &mut Scratch, start: 
             Start::Here => scratch.friction.set_free(i, &free),
         }
     }
-    scratch.friction.solve(scratch.problem.matrix(), sweeps(scene, count));
+    scratch.friction.solve(scratch.problem.matrix(), sweeps(scene, state, count));
     for tool in 0..scene.tools.len() {
         share_whole_among_rigid(scene, state, scratch, tool);
     }

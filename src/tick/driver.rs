@@ -1,6 +1,7 @@
 //! The tick thread: waits, latches, steps, hands over.
 
 use super::journal::Journal;
+use super::overload::Overload;
 use super::pacer::{Privileges, Schedule, Wake, ask_privileges, now_ns, sleep_until};
 use super::ports::{Receipt, TickPorts};
 use super::record::{Command, STAGE_COUNT, TickInput, TickRecord};
@@ -75,8 +76,9 @@ pub fn start(
             stages: (0..=STAGE_COUNT).map(|_| Histogram::default()).collect(),
             privileges,
         };
-        let fading = None;
-        Driver { scene, state, scratch, ports, journal, settings, report, fading, emit_ns: 0 }.run()
+        let period_ns = (scene.dt_s * 1e9).round() as u64;
+        let (overload, fading) = (Overload::new(period_ns), None);
+        Driver { scene, state, scratch, ports, journal, settings, report, overload, fading, emit_ns: 0 }.run()
     })
 }
 
@@ -88,6 +90,7 @@ struct Driver {
     journal: Box<dyn Journal>,
     settings: DriverSettings,
     report: DriverReport,
+    overload: Overload,
     /// Tick at which stopping began.
     fading: Option<u64>,
     /// Hand-over of the tick before: a record leaves before its own is known.
@@ -140,7 +143,7 @@ impl Driver {
         match command {
             Command::Stop => self.fading = self.fading.or(Some(self.state.tick)),
             Command::Reset => self.journal.keyframe(&self.state, state_hash(&self.state)),
-            Command::Pause | Command::Resume | Command::Step(_) => {}
+            Command::Pause | Command::Resume | Command::Step(_) | Command::Quality(_) => {}
         }
     }
 
@@ -170,6 +173,24 @@ impl Driver {
         self.ports.done(&self.scene, &self.state, &record);
         self.emit_ns = ns(deformed, now_ns());
         self.count(&record);
+        if self.settings.clock == Clock::Realtime {
+            let [latch, render, deform, _] = stage_ns;
+            self.watch(wake, &[latch, render, deform, self.emit_ns]);
+        }
+    }
+
+    /// Counts an overrun; changes the quality of the next tick when there are too many, or none any more.
+    fn watch(&mut self, wake: Wake, stage_ns: &[u32; STAGE_COUNT]) {
+        let verdict = self.overload.tick(wake.late_ns, wake.skipped, stage_ns);
+        if let Some(overrun) = verdict.overrun {
+            let overruns = &self.ports.counters.overruns[overrun.cause];
+            overruns.count.fetch_add(1, Ordering::Relaxed);
+            overruns.worst_ns.fetch_max(overrun.ns, Ordering::Relaxed);
+        }
+        if let Some(change) = verdict.change {
+            self.ports.counters.quality_cause.store(change.cause, Ordering::Relaxed);
+            self.apply(Command::Quality(change.level));
+        }
     }
 
     fn count(&mut self, record: &TickRecord) {

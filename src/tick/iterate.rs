@@ -5,7 +5,7 @@
 //! for anew on the same compliance. What moves no more is at rest with its forces, however many iterations there are.
 
 use super::{balance, load};
-use crate::scene::{BodyModel, LatticeBody, Scene, SceneState, Scratch};
+use crate::scene::{BodyModel, LatticeBody, Scene, SceneState, Scratch, quality};
 
 /// Runs what iterations are left after the first.
 pub(super) fn iterate(scene: &Scene, state: &SceneState, scratch: &mut Scratch) {
@@ -14,7 +14,8 @@ pub(super) fn iterate(scene: &Scene, state: &SceneState, scratch: &mut Scratch) 
         BodyModel::Lattice(model) => Some(of(model)),
         BodyModel::Rigid => None,
     });
-    for iteration in 1..lattices.max().unwrap_or(1) {
+    let most = if state.quality < quality::ONE_ITERATION { lattices.max().unwrap_or(1) } else { 1 };
+    for iteration in 1..most {
         load::limit_tools(scene, state, scratch);
         for i in 0..scratch.rows.rows.len() {
             if load::carries(scratch, i) {

@@ -22,6 +22,7 @@ mod load;
 mod manifold;
 mod motion;
 mod near;
+pub mod overload;
 #[cfg(feature = "daemon")]
 pub mod pacer;
 #[cfg(feature = "daemon")]

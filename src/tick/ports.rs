@@ -6,11 +6,12 @@
 //!                            ┘                └─▶ nets, command receipts  ┘
 //! ```
 
+use super::overload::CAUSES;
 use super::record::{Command, TickOutput, TickRecord};
 use crate::haptics::DevicePose;
 use crate::math::Point3;
-use crate::scene::{Scene, SceneState};
-use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use crate::scene::{Scene, SceneState, quality};
+use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 use std::thread::Thread;
 
@@ -145,11 +146,24 @@ impl NetEnd {
     }
 }
 
+/// Ticks that overran for one cause.
+#[derive(Debug, Default)]
+pub struct Overruns {
+    /// How many.
+    pub count: AtomicU64,
+    /// The longest, ns.
+    pub worst_ns: AtomicU64,
+}
+
 /// Counters of the loop that anyone may read.
 #[derive(Debug, Default)]
 pub struct LoopCounters {
     /// Records the bus did not take in time.
     pub bus_drops: AtomicU64,
+    /// Overruns since the bus last looked, by cause.
+    pub overruns: [Overruns; CAUSES.len()],
+    /// Why quality last changed: index of a cause, or [`super::overload::QUIET`].
+    pub quality_cause: AtomicUsize,
     /// Asks the loop to fade its forces and end.
     pub stop: AtomicBool,
     /// The loop has ended.
@@ -292,8 +306,9 @@ impl TickPorts {
             self.counters.bus_drops.fetch_add(1, Ordering::Relaxed);
         }
         let tick = record.output.tick;
+        let net_every = self.net_every * if state.quality < quality::RARE_NETS { 1 } else { 10 };
         for (body, port) in self.nets.iter_mut().enumerate() {
-            if state.net_revision(body) == port.sent_revision || tick < port.sent_tick + self.net_every {
+            if state.net_revision(body) == port.sent_revision || tick < port.sent_tick + net_every {
                 continue;
             }
             let Ok(mut frame) = port.free.pop() else { continue };

@@ -25,6 +25,8 @@ pub enum Command {
     Step(u32),
     /// Ramp forces to zero for good; the driver ends when they are there.
     Stop,
+    /// Do less a tick, or again more: a level of [`crate::scene::quality`].
+    Quality(u8),
 }
 
 /// A contact that carries force this tick.
@@ -174,6 +176,8 @@ pub struct TickOutput {
     pub state_hash: u64,
     /// Bodies moved in this tick (not paused, not stopping).
     pub moving: bool,
+    /// Level of quality, 0 is full.
+    pub quality: u8,
     /// What went wrong, if anything.
     pub fault: Option<TickFault>,
 }

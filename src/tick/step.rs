@@ -3,7 +3,7 @@
 use super::record::{Command, TickFault, TickInput, TickOutput};
 use super::{admit, balance, emit, gather, iterate, motion};
 use crate::math::{SavedState, StateError, state_hash};
-use crate::scene::{RunState, Scene, SceneState, Scratch};
+use crate::scene::{RunState, Scene, SceneState, Scratch, quality};
 
 /// Advances by one tick: [`render`], then [`deform`].
 pub fn step(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch, input: &TickInput) -> TickOutput {
@@ -24,7 +24,7 @@ pub fn render(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch, inpu
             true
         }
     };
-    let mut output = TickOutput { tick: state.tick, moving, ..TickOutput::default() };
+    let mut output = TickOutput { tick: state.tick, moving, quality: state.quality, ..TickOutput::default() };
     let wanted = state.run == RunState::Running;
     admit::admit(scene, state, input, wanted, &mut output);
     gather::gather(scene, state, scratch);
@@ -49,9 +49,11 @@ pub fn deform(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch, outp
 pub fn apply(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch, command: Command) {
     match command {
         Command::Reset => {
-            let (tick, revisions) = (state.tick, state.bodies.iter().map(|body| body.revision + 1).collect::<Vec<_>>());
+            let (tick, quality) = (state.tick, state.quality);
+            let revisions = state.bodies.iter().map(|body| body.revision + 1).collect::<Vec<_>>();
             *state = scene.initial_state();
-            state.tick = tick;
+            // Ticks are as long as before: what they can do is no part of the start.
+            (state.tick, state.quality) = (tick, quality);
             for (body, revision) in state.bodies.iter_mut().zip(revisions) {
                 body.revision = revision;
             }
@@ -73,6 +75,7 @@ pub fn apply(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch, comma
             }
         }
         Command::Stop => state.run = RunState::Stopping,
+        Command::Quality(level) => state.quality = level.min(quality::LOWEST),
     }
 }
 

@@ -1,28 +1,26 @@
 //! The bus thread: everything that leaves the daemon, and every answer.
 
+use super::answers::reply_json;
+use super::declared::{Declared, Inbox};
+use super::devices::Devices;
+use super::tally::ToolTally;
 use crate::scene::Scene;
 use crate::tick::journal::JournalGauges;
-use crate::tick::ports::{BusPorts, CommandRequest, LinkCounters, PoseInbox};
-use crate::tick::record::{Command, TickOutput, TickRecord};
-use crate::tick::stats::{Histogram, LATE_NS};
+use crate::tick::ports::{BusPorts, PoseInbox};
+use crate::tick::record::TickOutput;
+use crate::tick::stats::Histogram;
 use crate::wire;
-use palpate_proto::codec::{decode, encode, encoding_schema};
+use palpate_proto::codec::encode;
 use palpate_proto::keys::Keys;
-use palpate_proto::messages::{
-    ContactSet, ControlNet, EventKind, LoopState, LoopStatus, Message, SceneSnapshot, SimEvent, ToolForce, ToolPose,
-};
-use palpate_proto::rpc::{METHODS, Reply, Request};
+use palpate_proto::messages::{ContactSet, ControlNet, EventKind, LoopState, LoopStatus, SimEvent, ToolForce};
+use palpate_proto::rpc::Reply;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
+use std::sync::mpsc::{Receiver, sync_channel};
 use std::sync::{Arc, OnceLock};
 use std::thread::{JoinHandle, Thread};
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 use zenoh::Wait;
-use zenoh::bytes::Encoding;
-use zenoh::pubsub::Publisher;
-use zenoh::qos::{CongestionControl, Priority};
 use zenoh::query::Query;
-use zenoh::sample::SampleKind;
 
 /// Takes what a viewer shows. Called by the bus thread; must not wait.
 pub trait ViewSink: Send {
@@ -64,16 +62,8 @@ pub struct BusReport {
     pub events: u64,
     /// Poses taken, by tool.
     pub poses: Vec<u64>,
-}
-
-/// What callbacks hand to the bus thread. Queries wait here until the bus replies.
-enum Inbox {
-    Rpc(&'static str, Query),
-    Scene(Query),
-    Status(Query),
-    Net(usize, Query),
-    Info(Query),
-    ToolToken { tool: String, present: bool },
+    /// Forces left out because no hand could tell them from the last one, by tool.
+    pub suppressed: Vec<u64>,
 }
 
 /// Requests that may wait for the bus thread; more are refused by silence, and the client's query times out.
@@ -91,12 +81,14 @@ impl Bus {
         let keys = Keys::new(&settings.instance).map_err(|e| e.to_string())?;
         let stop = Arc::new(AtomicBool::new(false));
         let (inbox, requests) = sync_channel(INBOX);
-        let declared = Declared::new(&session, &keys, &settings.scene, &ports, &inbox).map_err(|e| e.to_string())?;
+        let devices = Devices::new(&settings.scene);
+        let declared =
+            Declared::new(&session, &keys, &settings.scene, &ports, &devices, &inbox).map_err(|e| e.to_string())?;
         let shared_stop = stop.clone();
         let wake: Arc<OnceLock<Thread>> = ports.bus_thread.clone();
         let thread = std::thread::Builder::new()
             .name("palpate-bus".into())
-            .spawn(move || BusThread::new(session, ports, settings, declared, requests, shared_stop).run())
+            .spawn(move || BusThread::new(session, ports, settings, declared, devices, requests, shared_stop).run())
             .map_err(|e| e.to_string())?;
         let waker = thread.thread().clone();
         let _ = wake.set(waker.clone());
@@ -111,165 +103,34 @@ impl Bus {
     }
 }
 
-fn encoding<M: Message>() -> Encoding {
-    Encoding::APPLICATION_OCTET_STREAM.with_schema(encoding_schema::<M>())
-}
-
-/// Schema part of a sample's encoding; empty when it has none.
-fn schema_of(encoding: &Encoding) -> String {
-    let text = encoding.to_string();
-    text.split_once(';').map_or(String::new(), |(_, schema)| schema.to_owned())
-}
-
-/// Everything declared. Undeclared in this order: nothing comes in before nothing goes out.
-struct Declared {
-    _pose_subscribers: Vec<zenoh::pubsub::Subscriber<()>>,
-    _live_subscriber: zenoh::pubsub::Subscriber<()>,
-    _queryables: Vec<zenoh::query::Queryable<()>>,
-    _token: zenoh::liveliness::LivelinessToken,
-    forces: Vec<Publisher<'static>>,
-    nets: Vec<Publisher<'static>>,
-    contacts: Publisher<'static>,
-    status: Publisher<'static>,
-    events: Publisher<'static>,
-}
-
-impl Declared {
-    fn new(
-        session: &zenoh::Session,
-        keys: &Keys,
-        scene: &Scene,
-        ports: &BusPorts,
-        inbox: &SyncSender<Inbox>,
-    ) -> zenoh::Result<Self> {
-        let publisher = |key: String, encoding, priority, congestion, express| {
-            session
-                .declare_publisher(key)
-                .encoding(encoding)
-                .priority(priority)
-                .congestion_control(congestion)
-                .express(express)
-                .wait()
-        };
-        let (drop, block) = (CongestionControl::Drop, CongestionControl::Block);
-        let mut forces = Vec::new();
-        let mut pose_subscribers = Vec::new();
-        for tool in 0..scene.tool_count() {
-            let id = scene.tool_id(tool);
-            forces.push(publisher(keys.tool_force(id), encoding::<ToolForce>(), Priority::RealTime, drop, true)?);
-            let inbox = ports.poses[tool].clone();
-            let subscriber = session
-                .declare_subscriber(keys.tool_pose(id))
-                .callback(move |sample| {
-                    if sample.kind() == SampleKind::Put {
-                        take_pose(&inbox, &sample.payload().to_bytes(), &schema_of(sample.encoding()));
-                    }
-                })
-                .wait()?;
-            pose_subscribers.push(subscriber);
-        }
-        let mut nets = Vec::new();
-        let mut queryables = Vec::new();
-        let mut queryable = |key: String, wrap: Box<dyn Fn(Query) -> Inbox + Send + Sync>| -> zenoh::Result<()> {
-            let inbox = inbox.clone();
-            let callback = move |query| {
-                let _ = inbox.try_send(wrap(query));
-            };
-            queryables.push(session.declare_queryable(key).callback(callback).wait()?);
-            Ok(())
-        };
-        for body in 0..scene.body_count() {
-            let key = keys.body_net(scene.body_id(body));
-            nets.push(publisher(key.clone(), encoding::<ControlNet>(), Priority::Data, drop, false)?);
-            queryable(key, Box::new(move |query| Inbox::Net(body, query)))?;
-        }
-        queryable(keys.scene(), Box::new(Inbox::Scene))?;
-        queryable(keys.status(), Box::new(Inbox::Status))?;
-        queryable(keys.meta_info(), Box::new(Inbox::Info))?;
-        for method in METHODS {
-            queryable(keys.rpc(method), Box::new(move |query| Inbox::Rpc(method, query)))?;
-        }
-        let live_inbox = inbox.clone();
-        let live_keys = keys.clone();
-        let live_subscriber = session
-            .liveliness()
-            .declare_subscriber(keys.live_tool("*"))
-            .callback(move |sample| {
-                if let Some(tool) = live_keys.tool_of_live(sample.key_expr().as_str()) {
-                    let present = sample.kind() == SampleKind::Put;
-                    let _ = live_inbox.try_send(Inbox::ToolToken { tool: tool.to_owned(), present });
-                }
-            })
-            .wait()?;
-        let token = session.liveliness().declare_token(keys.live_server(&session.zid().to_string())).wait()?;
-        Ok(Self {
-            _pose_subscribers: pose_subscribers,
-            _live_subscriber: live_subscriber,
-            _queryables: queryables,
-            _token: token,
-            forces,
-            nets,
-            contacts: publisher(keys.contact(), encoding::<ContactSet>(), Priority::DataHigh, drop, false)?,
-            status: publisher(keys.status(), encoding::<LoopStatus>(), Priority::DataHigh, drop, false)?,
-            events: publisher(keys.event(), encoding::<SimEvent>(), Priority::InteractiveLow, block, false)?,
-        })
-    }
-}
-
-/// Decodes, checks, stores. Runs on a receive thread: counts what it refuses and never logs a flood.
-fn take_pose(inbox: &PoseInbox, bytes: &[u8], schema: &str) {
-    match decode::<ToolPose>(bytes, schema) {
-        Err(error) => {
-            if inbox.counters.malformed.fetch_add(1, Ordering::Relaxed) == 0 {
-                tracing::warn!(%error, "a pose was dropped; later ones are only counted");
-            }
-        }
-        Ok(pose) => match pose.validated() {
-            Err(error) => {
-                if inbox.counters.invalid.fetch_add(1, Ordering::Relaxed) == 0 {
-                    tracing::warn!(%error, "a pose was dropped; later ones are only counted");
-                }
-            }
-            Ok(pose) => {
-                inbox.offer(wire::device_pose(&pose));
-            }
-        },
-    }
-}
-
-struct BusThread {
+/// The thread's own.
+pub(super) struct BusThread {
     session: zenoh::Session,
-    ports: BusPorts,
-    settings: BusSettings,
+    pub(super) ports: BusPorts,
+    pub(super) settings: BusSettings,
     declared: Option<Declared>,
-    requests: Receiver<Inbox>,
+    pub(super) devices: Devices,
+    /// Somebody subscribes to what contacts do, by tool.
+    pub(super) contact_wanted: Vec<bool>,
+    pub(super) requests: Receiver<Inbox>,
     stop: Arc<AtomicBool>,
-    output: TickOutput,
-    nets: Vec<ControlNet>,
-    status: LoopStatus,
-    pending: Vec<(u64, Query)>,
-    next_id: u64,
+    pub(super) output: TickOutput,
+    pub(super) nets: Vec<ControlNet>,
+    pub(super) status: LoopStatus,
+    pub(super) pending: Vec<(u64, Query)>,
+    pub(super) next_id: u64,
     events: u64,
-    period: Histogram,
-    step: Histogram,
+    pub(super) period: Histogram,
+    pub(super) step: Histogram,
     /// By tool: refused poses, stale ticks, in contact, stale now.
-    tools: Vec<ToolTally>,
-    last_status: Instant,
+    pub(super) tools: Vec<ToolTally>,
+    pub(super) last_status: Instant,
+    pub(super) last_overruns: Instant,
     last_contacts: Instant,
     /// Anything touched in the last tick seen.
     touching: bool,
     last_nets: Instant,
-    lockstep: bool,
-}
-
-#[derive(Clone, Copy, Debug, Default)]
-struct ToolTally {
-    jumps: u64,
-    stale_ticks: u64,
-    touching: bool,
-    stale: bool,
-    refused: bool,
-    joined: bool,
+    pub(super) lockstep: bool,
 }
 
 impl BusThread {
@@ -278,6 +139,7 @@ impl BusThread {
         ports: BusPorts,
         settings: BusSettings,
         declared: Declared,
+        devices: Devices,
         requests: Receiver<Inbox>,
         stop: Arc<AtomicBool>,
     ) -> Self {
@@ -303,6 +165,8 @@ impl BusThread {
             session,
             ports,
             declared: Some(declared),
+            devices,
+            contact_wanted: vec![false; scene.tool_count()],
             requests,
             stop,
             output: TickOutput::default(),
@@ -314,6 +178,7 @@ impl BusThread {
             period: Histogram::default(),
             step: Histogram::default(),
             last_status: now,
+            last_overruns: now,
             last_contacts: now,
             touching: false,
             last_nets: now,
@@ -338,7 +203,11 @@ impl BusThread {
             tracing::warn!(%error, "closing the session");
         }
         let received = |inbox: &Arc<PoseInbox>| inbox.counters.received.load(Ordering::Relaxed);
-        BusReport { events: self.events, poses: self.ports.poses.iter().map(received).collect() }
+        BusReport {
+            events: self.events,
+            poses: self.ports.poses.iter().map(received).collect(),
+            suppressed: (0..self.tools.len()).map(|tool| self.devices.suppressed(tool)).collect(),
+        }
     }
 
     fn serve(&mut self) {
@@ -362,7 +231,8 @@ impl BusThread {
         }
     }
 
-    fn declared(&self) -> &Declared {
+    /// What is declared.
+    pub(super) fn declared(&self) -> &Declared {
         self.declared.as_ref().expect("taken only at the end of run")
     }
 
@@ -374,12 +244,39 @@ impl BusThread {
                 self.output = output;
                 fresh = true;
                 for tool in 0..self.tools.len() {
-                    self.put_force(tool);
+                    self.put_tool(tool);
                 }
             }
         }
         if fresh {
             self.publish_contacts();
+        }
+    }
+
+    /// What a tick says of a tool: the force for its device, and what contacts do to it.
+    fn put_tool(&mut self, tool: usize) {
+        let out = self.output.tools[tool];
+        if out.pose_seq == 0 {
+            return;
+        }
+        // In lockstep every tick's force is awaited.
+        if self.lockstep || self.devices.wants(tool, self.output.tick, &out) {
+            self.put_force(tool);
+        } else if let Some(viewer) = &mut self.settings.viewer {
+            viewer.force(tool, &wire::tool_force(self.output.tick, server_ns(), &out));
+        }
+        if self.contact_wanted[tool] {
+            let limit_n = self.settings.scene.spec.tools[tool].device.force_max_n;
+            let contact = wire::tool_contact(self.output.tick, limit_n, &out);
+            let _ = self.declared().tool_contacts[tool].put(encode(&contact)).wait();
+        }
+    }
+
+    /// Whom to tell what contacts do: messages that nobody takes are not made.
+    pub(super) fn look_for_listeners(&mut self) {
+        for tool in 0..self.tools.len() {
+            let status = self.declared().tool_contacts[tool].matching_status().wait();
+            self.contact_wanted[tool] = status.is_ok_and(|status| status.matching());
         }
     }
 
@@ -449,163 +346,12 @@ impl BusThread {
         }
     }
 
-    fn tally(&mut self, record: &TickRecord) {
-        use crate::scene::flags;
-        self.status.tick = record.output.tick;
-        self.status.late_ticks += u64::from(record.late_ns > LATE_NS);
-        self.status.skipped_ticks += u64::from(record.skipped);
-        let dt_ns = (self.settings.scene.dt_s * 1e9) as u64;
-        self.period.add(dt_ns * (1 + u64::from(record.skipped)) + record.late_ns);
-        self.step.add(record.stage_ns.iter().map(|&ns| u64::from(ns)).sum());
-        for t in 0..self.tools.len() {
-            let out = &record.output.tools[t];
-            let id = || self.settings.scene.tool_id(t).to_owned();
-            let mut events = Vec::new();
-            let tally = &mut self.tools[t];
-            let stale = out.flags & flags::STALE != 0;
-            let refused = out.flags & flags::REFUSED != 0;
-            tally.stale_ticks += u64::from(stale);
-            tally.jumps += u64::from(refused);
-            if !tally.joined && out.pose_seq > 0 {
-                tally.joined = true;
-                events.push(EventKind::ToolJoined { tool: id() });
-            }
-            if stale && !tally.stale {
-                events.push(EventKind::ToolLost { tool: id() });
-            }
-            if refused && !tally.refused {
-                events.push(EventKind::PoseRefused {
-                    tool: id(),
-                    reason: "it jumped farther than the tool can move".into(),
-                });
-            }
-            (tally.stale, tally.refused) = (stale, refused);
-            if stale {
-                tally.joined = false;
-            } else if out.pose_seq > 0 {
-                tally.joined = true;
-            }
-            for kind in events {
-                self.event(kind);
-            }
-        }
-        if record.output.fault.is_some() {
-            self.event(EventKind::Fault { reason: "a state was not finite; the body was set back to rest".into() });
-        }
-    }
-
-    fn event(&mut self, kind: EventKind) {
+    /// Publishes an event.
+    pub(super) fn event(&mut self, kind: EventKind) {
         self.events += 1;
         let event = SimEvent { tick: self.status.tick, seq: self.events, t_ns: server_ns(), kind };
         let _ = self.declared().events.put(encode(&event)).wait();
     }
-
-    fn publish_status(&mut self) {
-        self.last_status = Instant::now();
-        self.status.period = wire::quantiles(&self.period);
-        self.status.step = wire::quantiles(&self.step);
-        self.period.clear();
-        self.step.clear();
-        let scene = self.settings.scene.clone();
-        self.status.tools = (0..scene.tool_count())
-            .map(|t| {
-                let tally = &self.tools[t];
-                let counters: &LinkCounters = &self.ports.poses[t].counters;
-                wire::tool_link(
-                    scene.tool_id(t),
-                    counters,
-                    tally.jumps,
-                    tally.stale_ticks,
-                    self.output.tools[t].energy_j,
-                )
-            })
-            .collect();
-        if let Some(recorder) = &self.settings.recorder {
-            self.status.recorder_bytes = recorder.bytes.load(Ordering::Relaxed);
-            self.status.recorder_drops = recorder.dropped.load(Ordering::Relaxed);
-        }
-        let _ = self.declared().status.put(encode(&self.status)).wait();
-        if let Some(viewer) = &mut self.settings.viewer {
-            viewer.status(&self.status);
-        }
-    }
-
-    fn answer(&mut self, request: Inbox) {
-        match request {
-            Inbox::Scene(query) => {
-                let scene = &self.settings.scene;
-                let snapshot = wire::scene_snapshot(scene, self.settings.scene_hash, &self.nets, &self.output);
-                reply::<SceneSnapshot>(&query, &snapshot);
-            }
-            Inbox::Status(query) => reply(&query, &self.status),
-            Inbox::Net(body, query) => reply(&query, &self.nets[body]),
-            Inbox::Info(query) => reply_json(&query, &self.info()),
-            Inbox::ToolToken { tool, present } => {
-                if let (false, Some(t)) = (present, self.settings.scene.tool_index(&tool)) {
-                    self.ports.poses[t].forget_sender();
-                }
-            }
-            Inbox::Rpc(method, query) => self.rpc(method, query),
-        }
-    }
-
-    fn info(&self) -> serde_json::Value {
-        let scene = &self.settings.scene;
-        serde_json::json!({
-            "name": "palpate",
-            "version": env!("CARGO_PKG_VERSION"),
-            "instance": self.settings.instance,
-            "scene": scene.name,
-            "rate_hz": 1.0 / scene.dt_s,
-            "tools": (0..scene.tool_count()).map(|t| scene.tool_id(t)).collect::<Vec<_>>(),
-            "bodies": (0..scene.body_count()).map(|b| scene.body_id(b)).collect::<Vec<_>>(),
-            "messages": [ToolPose::NAME, ToolForce::NAME, ControlNet::NAME, ContactSet::NAME, LoopStatus::NAME,
-                SimEvent::NAME, SceneSnapshot::NAME],
-        })
-    }
-
-    fn rpc(&mut self, method: &'static str, query: Query) {
-        let payload = query.payload().map(|p| p.to_bytes().into_owned()).unwrap_or_default();
-        let request = match Request::parse(&payload) {
-            Ok(request) => request,
-            Err(error) => {
-                let error = Some(format!("the arguments of {method} do not parse: {error}"));
-                return reply_json(&query, &Reply { ok: false, tick: None, error });
-            }
-        };
-        let (command, event) = match method {
-            "reset" => (Command::Reset, Some(EventKind::Reset)),
-            "pause" => (Command::Pause, Some(EventKind::Paused)),
-            "resume" => (Command::Resume, Some(EventKind::Resumed)),
-            "step" => (Command::Step(request.ticks.unwrap_or(1)), None),
-            _ => (Command::Stop, None),
-        };
-        let id = self.next_id;
-        self.next_id += 1;
-        if self.ports.commands.push(CommandRequest { id, command }).is_err() {
-            let error = Some("too many commands are waiting; try again".to_owned());
-            return reply_json(&query, &Reply { ok: false, tick: None, error });
-        }
-        match command {
-            Command::Pause => self.status.state = LoopState::Paused,
-            Command::Resume => self.status.state = LoopState::Running,
-            Command::Stop => self.status.state = LoopState::Stopping,
-            Command::Reset | Command::Step(_) => {}
-        }
-        self.pending.push((id, query));
-        if let Some(kind) = event {
-            self.event(kind);
-        }
-    }
-}
-
-fn reply<M: Message>(query: &Query, message: &M) {
-    let _ = query.reply(query.key_expr().clone(), encode(message)).encoding(encoding::<M>()).wait();
-}
-
-fn reply_json(query: &Query, value: &impl serde::Serialize) {
-    let text = serde_json::to_string(value).unwrap_or_default();
-    let _ = query.reply(query.key_expr().clone(), text).encoding(Encoding::APPLICATION_JSON).wait();
 }
 
 fn server_ns() -> u64 {

@@ -3,8 +3,13 @@
 //! Callbacks run on Zenoh's receive threads: they decode to a stack value, store it and return. All puts and replies are
 //! made by the bus thread; the tick thread never calls Zenoh.
 
+mod answers;
 mod bus;
+mod deadband;
+mod declared;
+mod devices;
 mod session;
+mod tally;
 
-pub use bus::{Bus, BusSettings, ViewSink};
+pub use bus::{Bus, BusReport, BusSettings, ViewSink};
 pub use session::{DEFAULT_ENDPOINT, SessionError, SessionSettings, open};

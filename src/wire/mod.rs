@@ -52,6 +52,20 @@ pub fn tool_force(tick: u64, t_server_ns: u64, tool: &ToolOutput) -> wire::ToolF
     }
 }
 
+/// What contacts do to a tool; `force_limit_n` is the greatest force for its device.
+pub fn tool_contact(tick: u64, force_limit_n: f64, tool: &ToolOutput) -> wire::ToolContact {
+    wire::ToolContact {
+        tick,
+        pose_seq: tool.pose_seq,
+        t_client_ns: tool.t_client_ns,
+        force: tool.contact_force_n.into(),
+        torque: tool.contact_torque_nm.into(),
+        energy_j: tool.energy_j,
+        dissipated_j: tool.dissipated_j,
+        force_limit: force_limit_n,
+    }
+}
+
 /// All contacts of a tick, deepest first.
 pub fn contact_set(scene: &Scene, output: &TickOutput) -> wire::ContactSet {
     let contacts = output.contacts.list().iter().map(|contact| wire::Contact {

@@ -1,9 +1,10 @@
 //! A session with one daemon.
 
 use crate::Tool;
+use palpate_proto::DeviceError;
 use palpate_proto::codec::{DecodeError, decode};
 use palpate_proto::keys::{IdError, Keys};
-use palpate_proto::messages::{ControlNet, LoopStatus, Message, SceneSnapshot, SimEvent};
+use palpate_proto::messages::{ControlNet, DeviceInfo, LoopStatus, Message, SceneSnapshot, SimEvent};
 use palpate_proto::rpc::{Reply, Request};
 use std::net::{TcpStream, ToSocketAddrs};
 use std::path::PathBuf;
@@ -73,6 +74,9 @@ pub enum ClientError {
         /// What there is.
         known: String,
     },
+    /// A description that fits no device.
+    #[error(transparent)]
+    Device(#[from] DeviceError),
     /// The daemon refused a command.
     #[error("{method} was refused: {reason}")]
     Refused {
@@ -97,6 +101,20 @@ impl ClientError {
 pub struct Latest<M> {
     slot: Arc<Mutex<Option<M>>>,
     _subscriber: Arc<zenoh::pubsub::Subscriber<()>>,
+}
+
+impl<M: Message + Send + 'static> Latest<M> {
+    pub(crate) fn subscribe(session: &zenoh::Session, key: String) -> Result<Self, ClientError> {
+        let slot = Arc::new(Mutex::new(None));
+        let shared = slot.clone();
+        let callback = move |sample: zenoh::sample::Sample| {
+            if let Ok(message) = decode::<M>(&sample.payload().to_bytes(), "") {
+                *shared.lock().unwrap_or_else(PoisonError::into_inner) = Some(message);
+            }
+        };
+        let subscriber = session.declare_subscriber(key).callback(callback).wait().map_err(ClientError::zenoh)?;
+        Ok(Self { slot, _subscriber: Arc::new(subscriber) })
+    }
 }
 
 impl<M: Clone> Latest<M> {
@@ -197,6 +215,22 @@ impl Palpate {
         self.query(self.keys.status(), None, |bytes| Ok(decode(bytes, "")?))
     }
 
+    /// What the device that holds a tool can do.
+    ///
+    /// # Errors
+    /// No answer: nobody told, or no such tool.
+    pub fn device(&self, tool: &str) -> Result<DeviceInfo, ClientError> {
+        self.query(self.keys.tool_device(tool), None, |bytes| Ok(decode(bytes, "")?))
+    }
+
+    /// JSON about the daemon: its scene, its messages, the devices it was told of.
+    ///
+    /// # Errors
+    /// No answer.
+    pub fn info(&self) -> Result<String, ClientError> {
+        self.query(self.keys.meta_info(), None, |bytes| Ok(String::from_utf8_lossy(bytes).into_owned()))
+    }
+
     /// Carries out a command; gives the first tick on which it has effect.
     ///
     /// # Errors
@@ -259,15 +293,7 @@ impl Palpate {
     }
 
     fn latest<M: Message + Clone + Send + 'static>(&self, key: String) -> Result<Latest<M>, ClientError> {
-        let slot = Arc::new(Mutex::new(None));
-        let shared = slot.clone();
-        let callback = move |sample: zenoh::sample::Sample| {
-            if let Ok(message) = decode::<M>(&sample.payload().to_bytes(), "") {
-                *shared.lock().unwrap_or_else(PoisonError::into_inner) = Some(message);
-            }
-        };
-        let subscriber = self.session.declare_subscriber(key).callback(callback).wait().map_err(ClientError::zenoh)?;
-        Ok(Latest { slot, _subscriber: Arc::new(subscriber) })
+        Latest::subscribe(&self.session, key)
     }
 
     /// Closes the session; drop tools first.

@@ -13,6 +13,7 @@
 //! ```
 //! [`device`] holds a simulated haptic device for those without one.
 
+mod announce;
 mod connection;
 pub mod device;
 mod ping;

@@ -1,8 +1,9 @@
 //! One tool: poses out, forces in.
 
-use crate::connection::{ClientError, Palpate};
+use crate::announce::Announcement;
+use crate::connection::{ClientError, Latest, Palpate};
 use palpate_proto::codec::{decode, encode, encoding_schema};
-use palpate_proto::messages::{ToolForce, ToolPose};
+use palpate_proto::messages::{DeviceInfo, ToolContact, ToolForce, ToolPose};
 use std::sync::{Arc, Condvar, Mutex, PoisonError};
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 use zenoh::Wait;
@@ -33,6 +34,11 @@ pub struct Tool {
     seq: u64,
     last: Option<ToolPose>,
     lockstep: bool,
+    session: zenoh::Session,
+    device_key: String,
+    contact_key: String,
+    announcement: Option<Announcement>,
+    contact: Option<Latest<ToolContact>>,
     _subscriber: zenoh::pubsub::Subscriber<()>,
     _token: zenoh::liveliness::LivelinessToken,
 }
@@ -77,7 +83,20 @@ impl Tool {
             .wait()
             .map_err(ClientError::zenoh)?;
         let token = session.liveliness().declare_token(keys.live_tool(id)).wait().map_err(ClientError::zenoh)?;
-        Ok(Self { publisher, forces, seq: 0, last: None, lockstep, _subscriber: subscriber, _token: token })
+        Ok(Self {
+            publisher,
+            forces,
+            seq: 0,
+            last: None,
+            lockstep,
+            session: session.clone(),
+            device_key: keys.tool_device(id),
+            contact_key: keys.tool_contact(id),
+            announcement: None,
+            contact: None,
+            _subscriber: subscriber,
+            _token: token,
+        })
     }
 
     /// True when the daemon waits for each pose.
@@ -94,12 +113,46 @@ impl Tool {
         let t_client_ns = if self.lockstep { pose.t_client_ns } else { now_ns() };
         let pose = ToolPose { seq: self.seq, t_client_ns, ..pose };
         self.last = Some(pose);
+        if let Some(announcement) = &self.announcement {
+            announcement.repeat_if_due()?;
+        }
         self.put(&pose)?;
         Ok(self.seq)
     }
 
     fn put(&self, pose: &ToolPose) -> Result<(), ClientError> {
         self.publisher.put(encode(pose)).wait().map_err(ClientError::zenoh)
+    }
+
+    /// Tells the daemon what this device can do, now and again whenever a daemon appears ([`Tool::send`] does it). Where the
+    /// description has a deadband, forces come more rarely: only those a hand could tell from the last one.
+    ///
+    /// # Errors
+    /// No device can be like that, or Zenoh refused.
+    pub fn announce(&mut self, info: &DeviceInfo) -> Result<(), ClientError> {
+        let info = info.clone().validated()?;
+        match &mut self.announcement {
+            Some(announcement) => announcement.replace(&info),
+            none => {
+                *none = Some(Announcement::new(&self.session, &self.device_key, &info)?);
+                Ok(())
+            }
+        }
+    }
+
+    /// What contacts do to the tool, the newest: a sensor's reading, not limited for the device. The first call
+    /// subscribes and gives `None`; what is asked for comes within some 100 ms, then every tick.
+    ///
+    /// # Errors
+    /// Zenoh refused the subscription.
+    pub fn contact(&mut self) -> Result<Option<ToolContact>, ClientError> {
+        match &self.contact {
+            Some(newest) => Ok(newest.get()),
+            None => {
+                self.contact = Some(Latest::subscribe(&self.session, self.contact_key.clone())?);
+                Ok(None)
+            }
+        }
     }
 
     /// The newest force.

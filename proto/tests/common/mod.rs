@@ -32,6 +32,38 @@ pub fn tool_force() -> ToolForce {
     }
 }
 
+pub fn tool_contact() -> ToolContact {
+    ToolContact {
+        tick: 70_003,
+        pose_seq: 301,
+        t_client_ns: 1_234_567_890_124,
+        force: [-2.5, 0.5, 3.0],
+        torque: [0.004, -0.005, 0.006],
+        energy_j: -0.0,
+        dissipated_j: 0.0625,
+        force_limit: 8.0,
+    }
+}
+
+pub fn device_info() -> DeviceInfo {
+    DeviceInfo {
+        name: "Gerät 1".into(),
+        dof_force: 3,
+        dof_torque: 2,
+        workspace: [0.16, 0.12, 0.07],
+        force_max: 3.3,
+        force_continuous: 0.88,
+        torque_max: 0.0625,
+        mass: 0.045,
+        damping: 0.25,
+        coulomb_friction: 0.26,
+        encoder_resolution: 5.5e-5,
+        rate_hz: 1000.0,
+        delay_s: 0.0015,
+        deadband: 0.1,
+    }
+}
+
 pub fn control_net() -> ControlNet {
     ControlNet {
         tick: 70_000,
@@ -104,6 +136,9 @@ pub fn events() -> Vec<(&'static str, SimEvent)> {
         ("record_started", EventKind::RecordStarted { path: "run.mcap".into() }),
         ("record_stopped", EventKind::RecordStopped { path: "run.mcap".into() }),
         ("stopping", EventKind::Stopping),
+        ("overrun", EventKind::Overrun { stage: "deform".into(), count: 400, worst_ns: 1_750_000 }),
+        ("quality_changed", EventKind::QualityChanged { level: 2, reason: "deform took too long".into() }),
+        ("device_told", EventKind::DeviceTold { tool: tool(), name: device_info().name }),
     ];
     let event = |k: usize, kind| SimEvent { tick: 500, seq: k as u64 + 1, t_ns: 1_700_000_000_123, kind };
     kinds.into_iter().enumerate().map(|(k, (name, kind))| (name, event(k, kind))).collect()

@@ -1,0 +1,61 @@
+//! A description that every daemon gets: the one there is, and the one that comes after it.
+
+use crate::connection::ClientError;
+use palpate_proto::codec::{encode, encoding_schema};
+use palpate_proto::messages::DeviceInfo;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use zenoh::Wait;
+use zenoh::bytes::Encoding;
+use zenoh::matching::MatchingListener;
+use zenoh::pubsub::Publisher;
+use zenoh::qos::{CongestionControl, Priority};
+
+pub(crate) struct Announcement {
+    bytes: Vec<u8>,
+    /// A daemon appeared that has not been told.
+    due: Arc<AtomicBool>,
+    publisher: Publisher<'static>,
+    _listener: MatchingListener<()>,
+}
+
+impl Announcement {
+    pub(crate) fn new(session: &zenoh::Session, key: &str, info: &DeviceInfo) -> Result<Self, ClientError> {
+        let publisher = session
+            .declare_publisher(key.to_owned())
+            .encoding(Encoding::APPLICATION_OCTET_STREAM.with_schema(encoding_schema::<DeviceInfo>()))
+            .priority(Priority::InteractiveHigh)
+            .congestion_control(CongestionControl::Block)
+            .wait()
+            .map_err(ClientError::zenoh)?;
+        let due = Arc::new(AtomicBool::new(false));
+        let appeared = due.clone();
+        let listener = publisher
+            .matching_listener()
+            .callback(move |status| {
+                if status.matching() {
+                    appeared.store(true, Ordering::Release);
+                }
+            })
+            .wait()
+            .map_err(ClientError::zenoh)?;
+        let announcement = Self { bytes: encode(info), due, publisher, _listener: listener };
+        announcement.put()?;
+        Ok(announcement)
+    }
+
+    /// Tells another description from now on.
+    pub(crate) fn replace(&mut self, info: &DeviceInfo) -> Result<(), ClientError> {
+        self.bytes = encode(info);
+        self.put()
+    }
+
+    /// Tells a daemon that has appeared.
+    pub(crate) fn repeat_if_due(&self) -> Result<(), ClientError> {
+        if self.due.swap(false, Ordering::AcqRel) { self.put() } else { Ok(()) }
+    }
+
+    fn put(&self) -> Result<(), ClientError> {
+        self.publisher.put(self.bytes.clone()).wait().map_err(ClientError::zenoh)
+    }
+}

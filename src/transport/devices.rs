@@ -1,0 +1,139 @@
+//! What the devices of tools can do, as their clients told.
+
+use super::bus::BusThread;
+use super::deadband::Deadband;
+use crate::scene::Scene;
+use crate::tick::record::ToolOutput;
+use palpate_proto::codec::decode;
+use palpate_proto::messages::{DeviceInfo, EventKind};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
+
+/// With a deadband a force is sent at least this often, s.
+const LONGEST_S: f64 = 0.05;
+
+/// By tool: the newest description of its device, and what follows from it.
+pub(super) struct Devices {
+    tools: Vec<Device>,
+}
+
+struct Device {
+    info: Option<DeviceInfo>,
+    deadband: Deadband,
+    /// Descriptions that were dropped.
+    refused: Arc<AtomicU64>,
+}
+
+impl Devices {
+    /// None told yet.
+    pub(super) fn new(scene: &Scene) -> Self {
+        let longest_ticks = ((LONGEST_S / scene.dt_s).round() as u64).max(1);
+        let none = || Device { info: None, deadband: Deadband::new(longest_ticks), refused: Arc::default() };
+        Self { tools: (0..scene.tool_count()).map(|_| none()).collect() }
+    }
+
+    /// Counts what a receive thread drops.
+    pub(super) fn refused(&self, tool: usize) -> Arc<AtomicU64> {
+        self.tools[tool].refused.clone()
+    }
+
+    /// The newest description.
+    pub(super) fn info(&self, tool: usize) -> Option<&DeviceInfo> {
+        self.tools[tool].info.as_ref()
+    }
+
+    /// Forces left out so far.
+    pub(super) fn suppressed(&self, tool: usize) -> u64 {
+        self.tools[tool].deadband.suppressed()
+    }
+
+    /// Whether the hand at this device could tell this force from the last one sent.
+    pub(super) fn wants(&mut self, tool: usize, tick: u64, out: &ToolOutput) -> bool {
+        self.tools[tool].deadband.wants(tick, out)
+    }
+
+    /// Its holder is gone: the next may have another device.
+    pub(super) fn forget(&mut self, tool: usize) {
+        let device = &mut self.tools[tool];
+        device.info = None;
+        device.deadband.set(0.0);
+    }
+
+    /// For people, by tool.
+    pub(super) fn report<'a>(&self, id: impl Fn(usize) -> &'a str) -> serde_json::Value {
+        let tools = self.tools.iter().enumerate().map(|(tool, device)| {
+            let report = serde_json::json!({
+                "info": device.info,
+                "refused": device.refused.load(Ordering::Relaxed),
+                "forces_suppressed": device.deadband.suppressed(),
+            });
+            (id(tool).to_owned(), report)
+        });
+        serde_json::Value::Object(tools.collect())
+    }
+}
+
+impl BusThread {
+    /// The client of a tool told what its device can do; `info` is validated. Comes again after each reconnect, often with
+    /// the same words.
+    pub(super) fn told(&mut self, tool: usize, info: DeviceInfo) {
+        let device = &mut self.devices.tools[tool];
+        if device.info.as_ref() == Some(&info) {
+            return;
+        }
+        device.deadband.set(info.deadband);
+        let name = info.name.clone();
+        device.info = Some(info);
+        let tool = self.settings.scene.tool_id(tool).to_owned();
+        self.event(EventKind::DeviceTold { tool, name });
+    }
+}
+
+/// Decodes and checks. Runs on a receive thread: counts what it refuses and never logs a flood.
+pub(super) fn take_device(refused: &AtomicU64, bytes: &[u8], schema: &str) -> Option<DeviceInfo> {
+    let read = decode::<DeviceInfo>(bytes, schema).map_err(|e| e.to_string());
+    match read.and_then(|info| info.validated().map_err(|e| e.to_string())) {
+        Ok(info) => Some(info),
+        Err(error) => {
+            if refused.fetch_add(1, Ordering::Relaxed) == 0 {
+                tracing::warn!(error, "a description of a device was dropped; later ones are only counted");
+            }
+            None
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use palpate_proto::codec::encode;
+
+    #[test]
+    fn bad_descriptions_are_counted_and_dropped() {
+        let info = DeviceInfo {
+            name: "arm".into(),
+            dof_force: 3,
+            dof_torque: 0,
+            workspace: [0.1; 3],
+            force_max: 3.0,
+            force_continuous: 1.0,
+            torque_max: 0.0,
+            mass: 0.1,
+            damping: 0.0,
+            coulomb_friction: 0.0,
+            encoder_resolution: 1e-5,
+            rate_hz: 1e3,
+            delay_s: 0.0,
+            deadband: 0.0,
+        };
+        let refused = AtomicU64::new(0);
+        let schema = "postcard;palpate.DeviceInfo.v1";
+        assert_eq!(take_device(&refused, &encode(&info), schema), Some(info.clone()));
+        assert_eq!(refused.load(Ordering::Relaxed), 0);
+        let negative = DeviceInfo { mass: -1.0, ..info.clone() };
+        assert_eq!(take_device(&refused, &encode(&negative), schema), None);
+        assert_eq!(take_device(&refused, &encode(&info)[..20], schema), None);
+        assert_eq!(take_device(&refused, &encode(&info), "postcard;palpate.DeviceInfo.v9"), None);
+        assert_eq!(refused.load(Ordering::Relaxed), 3);
+    }
+}

@@ -1,0 +1,77 @@
+//! A daemon as a separate process.
+#![allow(dead_code)]
+
+use palpate_client::{Connect, Palpate};
+use std::net::TcpListener;
+use std::path::Path;
+use std::process::{Child, Command, Stdio};
+use std::time::{Duration, Instant};
+
+pub const PROGRAM: &str = env!("CARGO_BIN_EXE_palpate");
+
+/// A daemon in a process of its own; killed when dropped.
+pub struct Daemon {
+    pub child: Child,
+    pub endpoint: String,
+}
+
+impl Daemon {
+    /// Serves a scene on a free port.
+    pub fn start(directory: &Path, text: &str, arguments: &[&str]) -> Self {
+        let port = TcpListener::bind("127.0.0.1:0").unwrap().local_addr().unwrap().port();
+        Self::start_at(port, directory, text, arguments)
+    }
+
+    /// Serves a scene on a port.
+    pub fn start_at(port: u16, directory: &Path, text: &str, arguments: &[&str]) -> Self {
+        let scene = directory.join("scene.toml");
+        std::fs::write(&scene, text).unwrap();
+        let endpoint = format!("tcp/127.0.0.1:{port}");
+        let child = Command::new(PROGRAM)
+            .arg("serve")
+            .arg(&scene)
+            .args(["--listen", &endpoint, "--no-rt"])
+            .args(arguments)
+            .stdin(Stdio::null())
+            .stdout(Stdio::piped())
+            .stderr(Stdio::null())
+            .spawn()
+            .unwrap();
+        let started = Instant::now();
+        while std::net::TcpStream::connect(("127.0.0.1", port)).is_err() {
+            assert!(started.elapsed() < Duration::from_secs(60), "the daemon does not listen");
+            std::thread::sleep(Duration::from_millis(20));
+        }
+        Self { child, endpoint }
+    }
+
+    pub fn connect(&self) -> Palpate {
+        Palpate::connect(&Connect { timeout: Duration::from_secs(20), ..Connect::to(&self.endpoint) }).unwrap()
+    }
+
+    /// Waits for the end; gives stdout and the exit code.
+    pub fn end(mut self) -> (String, i32) {
+        let mut text = String::new();
+        std::io::Read::read_to_string(self.child.stdout.as_mut().unwrap(), &mut text).unwrap();
+        let status = self.child.wait().unwrap();
+        (text, status.code().unwrap_or(-1))
+    }
+}
+
+impl Drop for Daemon {
+    fn drop(&mut self) {
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+    }
+}
+
+/// Runs a simulated device to its end; gives stdout and the exit code.
+pub fn device(endpoint: &str, arguments: &[&str]) -> (String, i32) {
+    let output = Command::new(PROGRAM)
+        .args(["device", "--tool", "ball", "--json", "--connect", endpoint])
+        .args(arguments)
+        .stdin(Stdio::null())
+        .output()
+        .unwrap();
+    (String::from_utf8_lossy(&output.stdout).into_owned(), output.status.code().unwrap_or(-1))
+}
