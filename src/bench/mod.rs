@@ -6,6 +6,8 @@
 mod chart;
 mod contact;
 mod deformation;
+#[cfg(feature = "daemon")]
+pub mod haptics;
 mod inputs;
 mod measure;
 mod oracle;

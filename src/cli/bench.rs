@@ -2,7 +2,7 @@
 
 use super::Outcome;
 use crate::bench::{
-    Effort, Row, contact, deformation, pareto, picture, plasticine_picture, plasticine_table, surface, table,
+    Effort, Row, contact, deformation, haptics, pareto, picture, plasticine_picture, plasticine_table, surface, table,
 };
 use anyhow::Context;
 use std::io::Write;
@@ -31,6 +31,17 @@ enum Suite {
         #[arg(long)]
         plasticine_svg: Option<std::path::PathBuf>,
     },
+    /// Stiffness that devices hold, energy over delays, force against the analytic one, latency and punctuality.
+    Haptics {
+        #[command(flatten)]
+        options: Options,
+        /// Writes the stiffest walls over the damping here, as SVG.
+        #[arg(long)]
+        svg: Option<std::path::PathBuf>,
+        /// Writes energy over time, with and without passivity control, here, as SVG.
+        #[arg(long)]
+        energy_svg: Option<std::path::PathBuf>,
+    },
     /// Contacts of points, balls, planes, solids, meshes and surfaces with a body.
     Contact {
         #[command(flatten)]
@@ -55,9 +66,14 @@ struct Options {
 }
 
 pub fn run(args: &Args) -> anyhow::Result<Outcome> {
+    if let Suite::Haptics { options, svg, energy_svg } = &args.suite {
+        return run_haptics(options, svg.as_deref(), energy_svg.as_deref());
+    }
     let (options, svg) = match &args.suite {
         Suite::Surface(options) => (options, None),
-        Suite::Contact { options, svg } | Suite::Deformation { options, svg, .. } => (options, svg.as_deref()),
+        Suite::Contact { options, svg }
+        | Suite::Deformation { options, svg, .. }
+        | Suite::Haptics { options, svg, .. } => (options, svg.as_deref()),
     };
     let effort = if options.quick { Effort::Quick } else { Effort::Full };
     let mut rows: Vec<Row> = Vec::new();
@@ -78,6 +94,7 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
         Suite::Surface(_) => surface(effort, only, &mut take),
         Suite::Contact { .. } => contact(effort, only, &mut take),
         Suite::Deformation { .. } => sweeps = deformation(effort, only, &mut take),
+        Suite::Haptics { .. } => {}
     }
     if let Some(error) = failed {
         return Err(error);
@@ -85,15 +102,48 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     if !options.json {
         print!("{}{}", table(&rows), plasticine_table(&sweeps));
     }
-    let write = |path: &std::path::Path, drawn: String| {
-        std::fs::write(path, drawn).with_context(|| format!("cannot write {}", path.display()))
-    };
     if let Some(path) = svg {
         let deforming = matches!(&args.suite, Suite::Deformation { .. });
         write(path, if deforming { pareto(&rows) } else { picture(&rows) })?;
     }
     if let Suite::Deformation { plasticine_svg: Some(path), .. } = &args.suite {
         write(path, plasticine_picture(&sweeps))?;
+    }
+    Ok(Outcome::Ok)
+}
+
+fn write(path: &std::path::Path, drawn: String) -> anyhow::Result<()> {
+    std::fs::write(path, drawn).with_context(|| format!("cannot write {}", path.display()))
+}
+
+fn run_haptics(
+    options: &Options,
+    svg: Option<&std::path::Path>,
+    energy_svg: Option<&std::path::Path>,
+) -> anyhow::Result<Outcome> {
+    let effort = if options.quick { Effort::Quick } else { Effort::Full };
+    let (mut figures, mut failed) = (Vec::new(), None);
+    let drawn = haptics::haptics(effort, options.only.as_deref(), &mut |figure| {
+        if options.json {
+            let line = serde_json::to_string(&figure).map_err(anyhow::Error::from);
+            let written = line.and_then(|line| Ok(writeln!(std::io::stdout(), "{line}")?));
+            failed = failed.take().or(written.err());
+        } else {
+            eprintln!("{} {}", figure.case, figure.method);
+        }
+        figures.push(figure);
+    });
+    if let Some(error) = failed {
+        return Err(error);
+    }
+    if !options.json {
+        print!("{}", haptics::figures_table(&figures));
+    }
+    if let Some(path) = svg {
+        write(path, haptics::zwidth_picture(&drawn.widths))?;
+    }
+    if let Some(path) = energy_svg {
+        write(path, haptics::energy_picture(&drawn.traces))?;
     }
     Ok(Outcome::Ok)
 }
