@@ -39,6 +39,17 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
             state.tick
         );
     }
+    for tool in scene.plan().tools {
+        if let (Some(stiffness), Some(passive)) = (tool.stiffness_n_m, tool.passive_n_m)
+            && stiffness > passive
+        {
+            eprintln!(
+                "tool {}: {stiffness} N/m is stiffer than its device holds in any hand ({passive:.0} N/m); with \
+                 `bounded = true` in its coupling it is brought down",
+                tool.id
+            );
+        }
+    }
     if fault {
         eprintln!("a state was not finite after some ticks at rest");
         return Ok(Outcome::Fault);

@@ -5,13 +5,13 @@ use crate::transport::DEFAULT_ENDPOINT;
 use anyhow::Context as _;
 use palpate_client::device::run::{RunReport, RunSettings, Sample, run as run_device};
 use palpate_client::device::{DeviceModel, Hand, Motion, Network, SimulatedDevice, devices};
-use palpate_client::proto::messages::SceneSnapshot;
-use palpate_client::{Connect, Palpate};
+use palpate_client::proto::messages::{DeviceInfo, SceneSnapshot};
+use palpate_client::{Connect, Palpate, Tool};
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 #[derive(clap::Args, Debug)]
 pub struct Args {
@@ -101,12 +101,14 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     let scene = palpate.scene()?;
     let motion = motion(args, &scene, tool_id)?;
     let mut tool = palpate.tool(tool_id)?;
+    let delay_s = args.delay.map_or(0.0, |delay| delay.as_secs_f64());
+    announce(&palpate, &mut tool, tool_id, &model.info(delay_s))?;
     let mut device = SimulatedDevice::new(model, hand, motion.goal(0.0).position, args.seed);
     let stop = Arc::new(AtomicBool::new(false));
     let flag = stop.clone();
     let _ = ctrlc::set_handler(move || flag.store(true, Ordering::Relaxed));
     let network = Network {
-        delay_s: args.delay.map_or(0.0, |delay| delay.as_secs_f64()),
+        delay_s,
         jitter_s: args.jitter.map_or(0.0, |jitter| jitter.as_secs_f64()),
         loss: args.loss,
         reorder: args.reorder,
@@ -132,6 +134,17 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     print(&report, args.json)?;
     warn(&report, device.model());
     Ok(if report.gave_up { Outcome::Fault } else { Outcome::Ok })
+}
+
+/// Tells the daemon what the device can do. In lockstep the first tick waits until it is known there: sessions repeat by bits.
+fn announce(palpate: &Palpate, tool: &mut Tool, id: &str, info: &DeviceInfo) -> anyhow::Result<()> {
+    tool.announce(info)?;
+    let begun = Instant::now();
+    while tool.is_lockstep() && palpate.device(id).ok().as_ref() != Some(info) {
+        anyhow::ensure!(begun.elapsed() < Duration::from_secs(5), "the daemon does not take the device's description");
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    Ok(())
 }
 
 fn model(name: &str) -> anyhow::Result<DeviceModel> {

@@ -67,6 +67,13 @@ impl Default for DeviceBounds {
 }
 
 impl DeviceBounds {
+    /// The three, if they can be bounds.
+    pub fn checked(self) -> Option<Self> {
+        // A NaN is in no range.
+        let sound = self.force_max_n >= 0.0 && self.torque_max_nm >= 0.0 && self.stiffness_max_n_m > 0.0;
+        sound.then_some(self)
+    }
+
     /// All of it, in order.
     pub fn save(&self, sink: &mut impl StateSink) {
         sink.floats(&[self.force_max_n, self.torque_max_nm, self.stiffness_max_n_m]);

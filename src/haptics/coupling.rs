@@ -41,6 +41,11 @@ impl Coupling {
         self.stiffness_n_m
     }
 
+    /// The same for rotation, N·m/rad.
+    pub fn turning_stiffness_nm_rad(&self) -> f64 {
+        self.turning_stiffness_nm_rad
+    }
+
     /// B_c, N·s/m.
     pub fn damping_n_s_m(&self) -> f64 {
         self.damping_n_s_m

@@ -1,7 +1,7 @@
 //! Tick records to Protobuf and back, bit for bit.
 
 use crate::contact::rows::Holder;
-use crate::haptics::DevicePose;
+use crate::haptics::{DeviceBounds, DevicePose};
 use crate::math::{Point3, Rotation, Vector3};
 use crate::scene::quality;
 use crate::scene::spec::MAX_TOOLS;
@@ -215,9 +215,27 @@ fn level(tick: u64, level: u32) -> Result<u8, ConvertError> {
     known.ok_or_else(|| ConvertError { tick, what: format!("unknown level of quality {level}") })
 }
 
+fn bounds(command: &pb::Command) -> Result<DeviceBounds, ConvertError> {
+    let told = match command.bounds[..] {
+        [force_max_n, torque_max_nm, stiffness_max_n_m] => {
+            DeviceBounds { force_max_n, torque_max_nm, stiffness_max_n_m }.checked()
+        }
+        _ => None,
+    };
+    told.ok_or_else(|| {
+        let what = format!("{:?} are no bounds of a device", command.bounds);
+        ConvertError { tick: command.after_tick, what }
+    })
+}
+
 /// A command with the tick after which it acts.
 pub fn command_to_proto(after_tick: u64, command: Command) -> pb::Command {
+    let (mut device, mut values) = (0, Vec::new());
     let (name, ticks) = match command {
+        Command::Device { tool, bounds } => {
+            (device, values) = (tool, vec![bounds.force_max_n, bounds.torque_max_nm, bounds.stiffness_max_n_m]);
+            ("device", 0)
+        }
         Command::Reset => ("reset", 0),
         Command::Pause => ("pause", 0),
         Command::Resume => ("resume", 0),
@@ -225,7 +243,7 @@ pub fn command_to_proto(after_tick: u64, command: Command) -> pb::Command {
         Command::Stop => ("stop", 0),
         Command::Quality(level) => ("quality", u32::from(level)),
     };
-    pb::Command { after_tick, name: name.into(), ticks }
+    pb::Command { after_tick, name: name.into(), ticks, tool: device, bounds: values }
 }
 
 /// The command again.
@@ -239,6 +257,7 @@ pub fn command_from_proto(command: &pb::Command) -> Result<Command, ConvertError
         "resume" => Command::Resume,
         "step" => Command::Step(command.ticks),
         "stop" => Command::Stop,
+        "device" => Command::Device { tool: command.tool, bounds: bounds(command)? },
         "quality" => Command::Quality(level(command.after_tick, command.ticks)?),
         other => return Err(ConvertError { tick: command.after_tick, what: format!("unknown command {other:?}") }),
     })
@@ -309,10 +328,12 @@ mod tests {
         assert!(tick_from_proto(&crowd).is_err());
         let poor = pb::Tick { quality: 4, ..tick_to_proto(&TickRecord::default(), 1) };
         assert!(tick_from_proto(&poor).unwrap_err().what.contains("quality 4"));
-        for command in [Command::Reset, Command::Step(7), Command::Stop, Command::Quality(3)] {
+        let bounds = DeviceBounds { force_max_n: 3.3, torque_max_nm: 0.0, stiffness_max_n_m: f64::INFINITY };
+        let told = Command::Device { tool: 2, bounds };
+        for command in [Command::Reset, Command::Step(7), Command::Stop, Command::Quality(3), told] {
             assert_eq!(command_from_proto(&command_to_proto(5, command)), Ok(command));
         }
-        let worse = pb::Command { after_tick: 5, name: "quality".into(), ticks: 260 };
+        let worse = pb::Command { after_tick: 5, name: "quality".into(), ticks: 260, ..Default::default() };
         assert!(command_from_proto(&worse).is_err());
     }
 }

@@ -246,7 +246,8 @@ fn build_device(spec: &DeviceSpec, bounded: bool, dt_s: f64) -> (Device, LinkLim
         delay_s: spec.delay_s,
     };
     let passivity_damping_n_s_m = spec.passivity.then_some(spec.passivity_damping_n_s_m);
-    (Device { torque_max_nm: spec.torque_max_nm, passivity_damping_n_s_m, bounded, figures }, limits)
+    let known = spec.damping_n_s_m.is_some();
+    (Device { torque_max_nm: spec.torque_max_nm, passivity_damping_n_s_m, bounded, figures, known }, limits)
 }
 
 pub(super) fn unit(normal: &[f64; 3], path: &str) -> Result<Vector3, SceneError> {

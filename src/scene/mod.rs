@@ -28,7 +28,7 @@ use crate::body::Deformable;
 use crate::contact::friction::Friction;
 use crate::contact::rows::Holder;
 use crate::contact::{SampleGrid, ToolShape};
-use crate::haptics::{Coupling, DeviceFigures, LinkLimits};
+use crate::haptics::{Coupling, DeviceBounds, DeviceFigures, LinkLimits, StiffnessLimits};
 use crate::math::{Point3, Rotation};
 use crate::surface::Surface;
 use spec::{Clock, SceneSpec};
@@ -110,6 +110,8 @@ pub(crate) struct Device {
     pub bounded: bool,
     /// Its physics, as far as the scene says.
     pub figures: DeviceFigures,
+    /// The scene gives its damping.
+    pub known: bool,
 }
 
 impl Tool {
@@ -150,6 +152,37 @@ impl Scene {
     /// Number of tools.
     pub fn tool_count(&self) -> usize {
         self.tools.len()
+    }
+
+    /// How stiff a tool may be coupled to a device with these figures: a bounded coupling no stiffer than is passive in any
+    /// hand. Where nothing is, or the scene does not ask for it, the scene's own stiffness stays, and a warning is due.
+    pub fn bounds_of(&self, tool: usize, figures: &DeviceFigures) -> DeviceBounds {
+        let passive_n_m = self.passive_n_m(tool, figures);
+        if self.tools[tool].device.bounded && passive_n_m > 0.0 {
+            return DeviceBounds { stiffness_max_n_m: passive_n_m, ..DeviceBounds::default() };
+        }
+        DeviceBounds::default()
+    }
+
+    /// What such a device holds in any hand, N/m, if the tool's coupling is stiffer and stays so.
+    pub fn stiffer_than(&self, tool: usize, figures: &DeviceFigures) -> Option<f64> {
+        let passive_n_m = self.passive_n_m(tool, figures);
+        let Tool { coupling, device, .. } = &self.tools[tool];
+        (!device.bounded && coupling.stiffness_n_m() > passive_n_m).then_some(passive_n_m)
+    }
+
+    fn passive_n_m(&self, tool: usize, figures: &DeviceFigures) -> f64 {
+        let figures = DeviceFigures { period_s: figures.period_s.max(self.dt_s), ..*figures };
+        figures.stiffness_limits(self.tools[tool].coupling.damping_n_s_m()).passive_n_m()
+    }
+
+    /// Stiffness limits of a tool's coupling with the figures that the scene gives for its device; none if it gives no damping.
+    pub fn stiffness_limits(&self, tool: usize) -> Option<StiffnessLimits> {
+        self.stiffness_limits_of(&self.tools[tool])
+    }
+
+    pub(crate) fn stiffness_limits_of(&self, tool: &Tool) -> Option<StiffnessLimits> {
+        tool.device.known.then(|| tool.device.figures.stiffness_limits(tool.coupling.damping_n_s_m()))
     }
 
     /// Id of a tool.

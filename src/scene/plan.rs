@@ -80,6 +80,12 @@ pub struct ToolPlan {
     pub shape: &'static str,
     /// Greatest force, N.
     pub force_max_n: f64,
+    /// Stiffness of its coupling, N/m; `None`: rigid.
+    pub stiffness_n_m: Option<f64>,
+    /// The same for rotation, N·m/rad; `None`: turned as its device is.
+    pub turning_stiffness_nm_rad: Option<f64>,
+    /// The stiffest that its device holds in any hand, N/m, where the scene describes the device.
+    pub passive_n_m: Option<f64>,
 }
 
 /// A pair of the plan.
@@ -198,6 +204,9 @@ impl Scene {
                     id: tool.id.clone(),
                     shape: tool.shape.name(),
                     force_max_n: tool.limits.force_max_n,
+                    stiffness_n_m: finite(tool.coupling.stiffness_n_m()),
+                    turning_stiffness_nm_rad: finite(tool.coupling.turning_stiffness_nm_rad()),
+                    passive_n_m: self.stiffness_limits_of(tool).and_then(|limits| finite(limits.passive_n_m())),
                 })
                 .collect(),
             pairs: self
@@ -248,6 +257,11 @@ fn body_plan(body: &super::Body) -> BodyPlan {
     BodyPlan { id: body.id.clone(), model, net: body.original_net, simulated_net, lattice }
 }
 
+/// JSON has no infinity.
+fn finite(value: f64) -> Option<f64> {
+    value.is_finite().then_some(value)
+}
+
 impl fmt::Display for Plan {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         writeln!(f, "scene {}: one tick is {} ms", self.scene, self.dt_s * 1e3)?;
@@ -272,7 +286,18 @@ impl fmt::Display for Plan {
             }
         }
         for tool in &self.tools {
-            writeln!(f, "  tool {}: {}, at most {} N", tool.id, tool.shape, tool.force_max_n)?;
+            write!(f, "  tool {}: {}, at most {} N", tool.id, tool.shape, tool.force_max_n)?;
+            match tool.stiffness_n_m {
+                Some(stiffness) => write!(f, ", coupled with {stiffness} N/m")?,
+                None => write!(f, ", held by its device")?,
+            }
+            if tool.turning_stiffness_nm_rad.is_some() {
+                write!(f, ", free to turn")?;
+            }
+            if let Some(passive) = tool.passive_n_m {
+                write!(f, " (its device holds {passive:.0} N/m in any hand)")?;
+            }
+            writeln!(f)?;
         }
         for pair in &self.pairs {
             writeln!(f, "  pair {} - {}: {}", pair.tool, pair.body, pair.method)?;

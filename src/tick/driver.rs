@@ -143,7 +143,7 @@ impl Driver {
         match command {
             Command::Stop => self.fading = self.fading.or(Some(self.state.tick)),
             Command::Reset => self.journal.keyframe(&self.state, state_hash(&self.state)),
-            Command::Pause | Command::Resume | Command::Step(_) | Command::Quality(_) => {}
+            Command::Pause | Command::Resume | Command::Step(_) | Command::Quality(_) | Command::Device { .. } => {}
         }
     }
 

@@ -87,7 +87,7 @@ impl PoseInbox {
 }
 
 /// A command and the number under which its receipt comes back.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CommandRequest {
     /// Chosen by the sender.
     pub id: u64,

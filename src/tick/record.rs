@@ -1,7 +1,7 @@
 //! What goes into a tick and what comes out: fixed size, `Copy`, no allocation.
 
 use crate::contact::rows::Holder;
-use crate::haptics::DevicePose;
+use crate::haptics::{DeviceBounds, DevicePose};
 use crate::math::{Point3, Rotation, Vector3};
 use crate::scene::spec::MAX_TOOLS;
 
@@ -13,7 +13,7 @@ pub struct TickInput {
 }
 
 /// A change between ticks, recorded with the tick before which it took effect.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Command {
     /// State back to the scene's start; the tick count goes on.
     Reset,
@@ -23,6 +23,13 @@ pub enum Command {
     Resume,
     /// While paused: run this many ticks.
     Step(u32),
+    /// A device told what it can bear; infinite where the scene alone decides.
+    Device {
+        /// Index of its tool.
+        tool: u32,
+        /// From now on.
+        bounds: DeviceBounds,
+    },
     /// Ramp forces to zero for good; the driver ends when they are there.
     Stop,
     /// Do less a tick, or again more: a level of [`crate::scene::quality`].

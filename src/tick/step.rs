@@ -2,6 +2,8 @@
 
 use super::record::{Command, TickFault, TickInput, TickOutput};
 use super::{admit, balance, emit, gather, iterate, motion};
+use crate::contact::rows::MAX_TOOLS;
+use crate::haptics::DeviceBounds;
 use crate::math::{SavedState, StateError, state_hash};
 use crate::scene::{RunState, Scene, SceneState, Scratch, quality};
 
@@ -51,9 +53,12 @@ pub fn apply(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch, comma
         Command::Reset => {
             let (tick, quality) = (state.tick, state.quality);
             let revisions = state.bodies.iter().map(|body| body.revision + 1).collect::<Vec<_>>();
+            let mut bounds = [DeviceBounds::default(); MAX_TOOLS];
+            bounds.iter_mut().zip(&state.tools).for_each(|(bounds, tool)| *bounds = tool.bounds);
             *state = scene.initial_state();
-            // Ticks are as long as before: what they can do is no part of the start.
+            // Ticks are as long as before, and devices what they were: neither is part of the start.
             (state.tick, state.quality) = (tick, quality);
+            state.tools.iter_mut().zip(bounds).for_each(|(tool, bounds)| tool.bounds = bounds);
             for (body, revision) in state.bodies.iter_mut().zip(revisions) {
                 body.revision = revision;
             }
@@ -75,6 +80,11 @@ pub fn apply(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch, comma
             }
         }
         Command::Stop => state.run = RunState::Stopping,
+        Command::Device { tool, bounds } => {
+            if let Some(tool) = state.tools.get_mut(tool as usize) {
+                tool.bounds = bounds;
+            }
+        }
         Command::Quality(level) => state.quality = level.min(quality::LOWEST),
     }
 }

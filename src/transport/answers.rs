@@ -35,7 +35,10 @@ impl BusThread {
             }
             Inbox::Told(tool, info) => self.told(tool, *info),
             Inbox::ToolToken { tool, present } => {
-                if let (false, Some(t)) = (present, self.settings.scene.tool_index(&tool)) {
+                let Some(t) = self.settings.scene.tool_index(&tool) else { return };
+                if present {
+                    self.release(t);
+                } else {
                     self.ports.poses[t].forget_sender();
                     self.devices.forget(t);
                 }
@@ -86,7 +89,7 @@ impl BusThread {
             Command::Pause => self.status.state = LoopState::Paused,
             Command::Resume => self.status.state = LoopState::Running,
             Command::Stop => self.status.state = LoopState::Stopping,
-            Command::Reset | Command::Step(_) | Command::Quality(_) => {}
+            Command::Reset | Command::Step(_) | Command::Quality(_) | Command::Device { .. } => {}
         }
         self.pending.push((id, query));
         if let Some(kind) = event {

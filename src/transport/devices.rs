@@ -2,8 +2,11 @@
 
 use super::bus::BusThread;
 use super::deadband::Deadband;
+use crate::haptics::DeviceBounds;
 use crate::scene::Scene;
-use crate::tick::record::ToolOutput;
+use crate::tick::ports::CommandRequest;
+use crate::tick::record::{Command, ToolOutput};
+use crate::wire;
 use palpate_proto::codec::decode;
 use palpate_proto::messages::{DeviceInfo, EventKind};
 use std::sync::Arc;
@@ -20,6 +23,8 @@ pub(super) struct Devices {
 struct Device {
     info: Option<DeviceInfo>,
     deadband: Deadband,
+    /// As the loop has them.
+    bounds: DeviceBounds,
     /// Descriptions that were dropped.
     refused: Arc<AtomicU64>,
 }
@@ -28,7 +33,12 @@ impl Devices {
     /// None told yet.
     pub(super) fn new(scene: &Scene) -> Self {
         let longest_ticks = ((LONGEST_S / scene.dt_s).round() as u64).max(1);
-        let none = || Device { info: None, deadband: Deadband::new(longest_ticks), refused: Arc::default() };
+        let none = || Device {
+            info: None,
+            deadband: Deadband::new(longest_ticks),
+            bounds: DeviceBounds::default(),
+            refused: Arc::default(),
+        };
         Self { tools: (0..scene.tool_count()).map(|_| none()).collect() }
     }
 
@@ -83,10 +93,49 @@ impl BusThread {
         }
         device.deadband.set(info.deadband);
         let name = info.name.clone();
+        let scene = self.settings.scene.clone();
+        let bounds = scene.bounds_of(tool, &wire::device_figures(&info));
+        if let Some(passive_n_m) = scene.stiffer_than(tool, &wire::device_figures(&info))
+            && info.damping > 0.0
+        {
+            tracing::info!(
+                tool = scene.tool_id(tool),
+                device = name,
+                passive_n_m,
+                "the coupling is stiffer than this device holds in any hand; `bounded = true` would follow it"
+            );
+        }
+        let told = DeviceBounds { force_max_n: info.force_max, torque_max_nm: torque_max_nm(&info), ..bounds };
         device.info = Some(info);
+        self.bind(tool, told);
         let tool = self.settings.scene.tool_id(tool).to_owned();
         self.event(EventKind::DeviceTold { tool, name });
     }
+}
+
+impl BusThread {
+    /// Hands over what a device can bear, if that is news.
+    fn bind(&mut self, tool: usize, bounds: DeviceBounds) {
+        if self.devices.tools[tool].bounds == bounds {
+            return;
+        }
+        let request = CommandRequest { id: 0, command: Command::Device { tool: tool as u32, bounds } };
+        if self.ports.commands.push(request).is_ok() {
+            self.devices.tools[tool].bounds = bounds;
+        } else {
+            tracing::warn!("too many commands are waiting: what a device can bear was not taken over");
+        }
+    }
+
+    /// A tool has a new holder: what the device before it could bear does not bind this one.
+    pub(super) fn release(&mut self, tool: usize) {
+        self.bind(tool, DeviceBounds::default());
+    }
+}
+
+/// A device that does not twist has no use for torque.
+fn torque_max_nm(info: &DeviceInfo) -> f64 {
+    if info.dof_torque == 0 { 0.0 } else { info.torque_max }
 }
 
 /// Decodes and checks. Runs on a receive thread: counts what it refuses and never logs a flood.

@@ -2,7 +2,7 @@
 
 use crate::contact::ToolShape;
 use crate::contact::rows::Holder;
-use crate::haptics::DevicePose;
+use crate::haptics::{DeviceFigures, DevicePose};
 use crate::math::{Point3, Rotation, Vector3};
 use crate::scene::{Scene, SceneState};
 use crate::surface::Surface;
@@ -63,6 +63,17 @@ pub fn tool_contact(tick: u64, force_limit_n: f64, tool: &ToolOutput) -> wire::T
         energy_j: tool.energy_j,
         dissipated_j: tool.dissipated_j,
         force_limit: force_limit_n,
+    }
+}
+
+/// What a device told, as far as it decides how stiff it may be coupled. A pose and its force both take the delay.
+pub fn device_figures(info: &wire::DeviceInfo) -> DeviceFigures {
+    DeviceFigures {
+        damping_n_s_m: info.damping,
+        coulomb_n: info.coulomb_friction,
+        encoder_m: info.encoder_resolution,
+        period_s: if info.rate_hz > 0.0 { 1.0 / info.rate_hz } else { 0.0 },
+        delay_s: 2.0 * info.delay_s,
     }
 }
 

@@ -1,5 +1,6 @@
 //! What a haptic device is made of: the figures of its data sheet and of its identification.
 
+use palpate_proto::messages::DeviceInfo;
 use serde::{Deserialize, Serialize};
 
 /// A device as a point mass at its tip, alike in every direction.
@@ -136,6 +137,26 @@ impl DeviceModel {
         let model: Self = toml::from_str(text)
             .map_err(|error| DeviceError::Toml { origin: origin.to_owned(), reason: error.to_string() })?;
         model.checked()
+    }
+
+    /// What such a device tells the daemon, `delay_s` (one way) away from it.
+    pub fn info(&self, delay_s: f64) -> DeviceInfo {
+        DeviceInfo {
+            name: self.name.clone(),
+            dof_force: self.force_dof,
+            dof_torque: self.torque_dof,
+            workspace: self.workspace_m,
+            force_max: self.force_max_n,
+            force_continuous: self.force_continuous_n.min(self.force_max_n),
+            torque_max: self.torque_max_nm,
+            mass: self.mass_kg,
+            damping: self.damping_n_s_m,
+            coulomb_friction: self.coulomb_n,
+            encoder_resolution: self.encoder_m,
+            rate_hz: self.rate_hz,
+            delay_s,
+            deadband: 0.0,
+        }
     }
 
     /// The model, if a device can have its figures.
