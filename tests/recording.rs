@@ -5,8 +5,8 @@ mod common;
 
 use common::pose;
 use mcap::records::{MessageHeader, Record};
-use palpate::haptics::DevicePose;
-use palpate::math::{Vector3, state_hash};
+use palpate::haptics::{DeviceBounds, DevicePose};
+use palpate::math::{Rotation, Vector3, state_hash};
 use palpate::recording::{
     ReadError, Recorder, RecorderPort, RecorderSettings, RecordingSummary, RecoverError, Session, WriteError, info,
     recover, replay,
@@ -250,12 +250,42 @@ fn commands_replay_from_every_keyframe() {
     assert_eq!(replay(&forged, 0, |_, _| {}).unwrap().first_difference.unwrap().tick, 121);
 }
 
-/// Copies an MCAP file message by message, each through `edit`; checksums are made anew.
 /// The scene above where quality shows: several iterations a step, nets at a tenth of the ticks.
 fn soft_iterated() -> String {
     let text = SOFT.replace("model = \"lattice\"\n", "model = \"lattice\"\nintegrator = { iterations = 4 }\n");
     assert_ne!(text, SOFT);
     text
+}
+
+// A bar free to turn rests on a drop and drags over it; its device tells what it can bear while it presses, and another does
+// after a reset.
+#[test]
+fn a_tool_that_turns_and_a_device_that_tells_replay_bit_for_bit_from_every_keyframe() {
+    let directory = tempfile::tempdir().unwrap();
+    let path = directory.path().join("turning.mcap");
+    let told = |force_max_n, stiffness_max_n_m| {
+        let bounds = DeviceBounds { force_max_n, torque_max_nm: 0.002, stiffness_max_n_m };
+        Command::Device { tool: 0, bounds }
+    };
+    let text = RIGID
+        .replace("sphere = { radius_m = 0.01 }", "cylinder = { radius_m = 0.008, half_length_m = 0.02 }")
+        .replace("damping_n_s_m = 0.0 }", "damping_n_s_m = 0.5, turning_stiffness_nm_rad = 0.3, turning_damping_nm_s_rad = 1e-4 }\nfriction = { mu = 0.3, viscous_n_s_m = 0.2 }\ndevice = { passivity = true }");
+    let commands = [(300, told(1.5, 400.0)), (333, Command::Reset), (410, told(f64::INFINITY, f64::INFINITY))];
+    let (_, records) = record(&path, &text, 800, &commands);
+    assert!(in_contact(&records, 0) > 100, "the bar hardly touches");
+    let turned = |record: &&TickRecord| record.output.tools[0].proxy_orientation != Rotation::identity();
+    assert!(records.iter().filter(turned).count() > 100, "the bar hardly turns");
+    assert!(records[300..409].iter().all(|record| record.output.tools[0].force_n.norm() <= 1.5 + 1e-12));
+    assert!(records[410..].iter().any(|record| record.output.tools[0].force_n.norm() > 1.6));
+    let session = Session::open(&path).unwrap();
+    assert_eq!(session.commands, commands);
+    for keyframe in &session.keyframes {
+        let report = replay(&session, keyframe.tick, |_, _| {}).unwrap();
+        assert!(report.first_difference.is_none(), "from {}: {:?}", keyframe.tick, report.first_difference);
+    }
+    let mut forged = session.clone();
+    forged.commands.remove(0);
+    assert_eq!(replay(&forged, 0, |_, _| {}).unwrap().first_difference.unwrap().tick, 301);
 }
 
 // Quality falls and comes back while tools press, once between the same ticks as a reset, which leaves it.
@@ -299,6 +329,7 @@ fn quality_replays_bit_for_bit_from_every_keyframe() {
     assert_eq!(difference.tick, 151, "{difference:?}");
 }
 
+/// Copies an MCAP file message by message, each through `edit`; checksums are made anew.
 fn rewrite(source: &Path, target: &Path, mut edit: impl FnMut(&str, &mut Vec<u8>)) {
     let bytes = std::fs::read(source).unwrap();
     let mut out = mcap::Writer::new(std::fs::File::create(target).unwrap()).unwrap();
