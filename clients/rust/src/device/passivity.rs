@@ -5,8 +5,9 @@
 //! (Ryu, Kim & Hannaford 2004): E_k = E_{k−1} − f_{k−1}·(x_k − x_{k−1}). The controller acts where E would be negative
 //! after the next period: a damper along the received force, and if that is not enough the push itself is cut.
 //!
-//! What the device's own damper loses is counted as given (b |Δx|²/T, its least for that way): up to the limit
-//! K = 2b/T of Colgate & Schenkel (1997) a sampled wall then never runs out, and nothing is changed at all.
+//! What the device loses by itself is counted as given: b |Δx|²/T, a damper's least for that way, and dry friction times
+//! the way that was surely gone. Up to the limit K = 2b/T of Colgate & Schenkel (1997) a sampled wall then never runs
+//! out (E ≥ ½ K d² + (b/T − K/2) Σ Δx² at a depth d), and what was received is passed on to the bit.
 
 use super::v3;
 
@@ -15,8 +16,12 @@ use super::v3;
 pub struct PassivitySettings {
     /// Mass that surely moves with the device, kg: bounds the damper to what a sampled damper can be.
     pub mass_kg: f64,
-    /// Damping the device surely has, N·s/m.
+    /// Damping the device surely has, N·s/m: what it takes counts as given. 0: the loop must pay for itself.
     pub damping_n_s_m: f64,
+    /// Dry friction the device surely has, N: likewise.
+    pub coulomb_n: f64,
+    /// First-order lag between a commanded and an acting force, Hz; infinite: none.
+    pub bandwidth_hz: f64,
     /// Greatest force, N.
     pub force_max_n: f64,
     /// Resolution of the reported position, m.
@@ -31,18 +36,38 @@ impl PassivitySettings {
         Self {
             mass_kg: model.mass_kg,
             damping_n_s_m: model.damping_n_s_m,
+            coulomb_n: model.coulomb_n,
+            bandwidth_hz: model.bandwidth_hz,
             force_max_n: model.force_max_n,
             encoder_m: model.encoder_m,
             rest_s: 0.05,
         }
     }
+
+    /// As [`Self::of`], but nothing the device loses by itself counts: the loop alone must be passive.
+    pub fn strict(model: &super::DeviceModel) -> Self {
+        Self { damping_n_s_m: 0.0, coulomb_n: 0.0, ..Self::of(model) }
+    }
 }
 
 /// Samples the velocity is looked for in.
 const WINDOW: usize = 16;
-/// The damper and the cut fade with these time constants once they are not needed, s.
+/// The damper is at most this share of mass over period: at 1 a sampled damper rings, at 1/2 it does not.
+const DAMPER_SHARE: f64 = 0.5;
+/// The damper stays for a few swings of a contact (10 to 30 Hz), s.
 const DAMPER_FADE_S: f64 = 0.3;
+/// What was cut comes back in this time, faster while the hand presses in: slower loses contact, faster buzzes, s.
 const CUT_FADE_S: f64 = 0.03;
+const CUT_FADE_PRESSED_S: f64 = 0.01;
+/// A contact that needs cuts again and again is softened for a while, both ways alike, instead of cut each time, s.
+/// Without it a wall of 3000 N/m behind 40 ms rings at twice the ripple.
+const SOFTEN_S: f64 = 0.05;
+const HARDEN_S: f64 = 1.0;
+/// A debt of this many times what the encoder leaves in doubt is paid before the force comes back. At 1 a light touch
+/// sinks in twice as far, at 6 a strict bound leaks more.
+const DOUBTS: f64 = 3.0;
+/// The damper's force never exceeds the received force, or this, with which debts are paid in the free, N.
+const LEAST_BRAKE_N: f64 = 0.3;
 
 /// Observer and controller.
 #[derive(Clone, Debug, PartialEq)]
@@ -53,10 +78,13 @@ pub struct Passivity {
     dissipated_j: f64,
     positions: [[f64; 3]; WINDOW], // newest first
     known: usize,
-    held_n: [f64; 3],
+    slack: [f64; 3],     // reported position through a play as wide as a step of the encoder
+    amplifier_n: [f64; 3], // as modelled, at the begin of the period
+    held_n: [f64; 3],      // mean that acts over the period
     received_n: [f64; 3],
     damper: f64,
     cut: f64,
+    soft: f64,
     quiet_s: f64,
 }
 
@@ -70,10 +98,13 @@ impl Passivity {
             dissipated_j: 0.0,
             positions: [[0.0; 3]; WINDOW],
             known: 0,
+            slack: [0.0; 3],
+            amplifier_n: [0.0; 3],
             held_n: [0.0; 3],
             received_n: [0.0; 3],
             damper: 0.0,
             cut: 0.0,
+            soft: 0.0,
             quiet_s: 0.0,
         }
     }
@@ -94,7 +125,8 @@ impl Passivity {
         self.observe(position_m, dt_s);
         self.restart(received, dt_s);
         let held = self.control(received, dt_s);
-        self.held_n = held;
+        let acting = super::simulated::lagged(&mut self.amplifier_n, held, self.settings.bandwidth_hz, dt_s);
+        self.held_n = acting;
         self.received_n = received;
         held
     }
@@ -105,11 +137,28 @@ impl Passivity {
             let given = -v3::dot(self.held_n, way);
             self.energy_j += given;
             self.credit_j += given + self.settings.damping_n_s_m * v3::dot(way, way) / dt_s;
+            self.credit_j += self.settings.coulomb_n * self.sure_way(position);
             self.dissipated_j -= v3::dot(v3::sub(self.held_n, self.received_n), way);
+        }
+        if self.known == 0 {
+            self.slack = position;
         }
         self.positions.copy_within(0..WINDOW - 1, 1);
         self.positions[0] = position;
         self.known = (self.known + 1).min(WINDOW);
+    }
+
+    /// Way that was surely gone, m: two reports a step apart may be but a hair's breadth apart in truth, so a step back
+    /// does not count.
+    fn sure_way(&mut self, position: [f64; 3]) -> f64 {
+        let mut most = 0.0f64;
+        for c in 0..3 {
+            let half = 0.5 * self.settings.encoder_m;
+            let moved = self.slack[c].clamp(position[c] - half, position[c] + half);
+            most = most.max((moved - self.slack[c]).abs());
+            self.slack[c] = moved;
+        }
+        most
     }
 
     fn restart(&mut self, received: [f64; 3], dt_s: f64) {
@@ -118,6 +167,7 @@ impl Passivity {
             self.credit_j = self.credit_j.min(0.0);
             self.damper = 0.0;
             self.cut = 0.0;
+            self.soft = 0.0;
         }
     }
 
@@ -141,41 +191,73 @@ impl Passivity {
     }
 
     fn control(&mut self, received: [f64; 3], dt_s: f64) -> [f64; 3] {
-        let s = &self.settings;
         let way = self.next_way();
         let size = v3::norm(received);
-        if size == 0.0 && self.credit_j >= 0.0 {
-            return received;
-        }
         // Along the force; a debt that is left when the force has gone is paid along the motion.
-        let along = if size > 0.0 { v3::scale(received, 1.0 / size) } else {
-            let length = v3::norm(way);
-            if length == 0.0 { return received; }
-            v3::scale(way, 1.0 / length)
+        let along = if size > 0.0 {
+            v3::scale(received, 1.0 / size)
+        } else if self.credit_j < 0.0 && way != [0.0; 3] {
+            v3::scale(way, 1.0 / v3::norm(way))
+        } else {
+            return received;
         };
-        let out = v3::dot(way, along); // positive: the force pushes along the motion, the loop gives
-        self.damper *= 1.0 - dt_s / DAMPER_FADE_S;
-        self.cut *= 1.0 - dt_s / CUT_FADE_S;
-        let most = 0.5 * s.mass_kg / dt_s;
+        // Positive: the force pushes along the motion, the loop gives.
+        let out = v3::dot(way, along);
+        self.fade(size, out, dt_s);
         if out > 0.0 {
-            let own = s.damping_n_s_m * out * out / dt_s;
-            let short = size * out - own - self.credit_j;
-            if short > 0.0 {
-                self.damper = self.damper.max((short * dt_s / (out * out)).min(most));
-            }
-            let braked = self.damper * out * out / dt_s;
-            let still = short - braked;
-            if still > 0.0 && size > 0.0 {
-                self.cut = self.cut.max((still / (size * out)).min(1.0));
-            }
+            self.grip(size, out, dt_s);
         }
-        if self.damper < 1e-6 * most { self.damper = 0.0; }
-        if self.cut < 1e-6 { self.cut = 0.0; }
-        if self.damper == 0.0 && self.cut == 0.0 {
+        let raised = self.cut > self.soft;
+        self.soft += (if raised { self.cut - self.soft } else { -self.soft })
+            * (dt_s / if raised { SOFTEN_S } else { HARDEN_S }).min(1.0);
+        if self.damper == 0.0 && self.cut == 0.0 && self.soft == 0.0 {
             return received;
         }
-        let changed = size * (1.0 - self.cut) - self.damper * out / dt_s;
-        v3::limited(v3::scale(along, changed), s.force_max_n)
+        let most = size.max(LEAST_BRAKE_N);
+        let brake = (self.damper * out / dt_s).clamp(-most, most);
+        let left = size * (1.0 - self.cut.max(self.soft));
+        v3::limited(v3::scale(along, left - brake), self.settings.force_max_n)
+    }
+
+    fn damper_max(&self, dt_s: f64) -> f64 {
+        DAMPER_SHARE * self.settings.mass_kg / dt_s
+    }
+
+    /// What is not needed any more goes, unless there is a debt to pay.
+    fn fade(&mut self, size: f64, out: f64, dt_s: f64) {
+        let most = self.damper_max(dt_s);
+        let gone = |value: f64, fade_s: f64| value * (1.0 - dt_s / fade_s).max(0.0);
+        self.damper = gone(self.damper, DAMPER_FADE_S);
+        let doubt = DOUBTS * self.settings.encoder_m.max(1e-6) * size.max(0.1);
+        if self.credit_j < -doubt {
+            self.damper = self.damper.max(most * (-self.credit_j / doubt - 1.0).min(1.0));
+        } else {
+            self.cut = gone(self.cut, if out < 0.0 { CUT_FADE_PRESSED_S } else { CUT_FADE_S });
+        }
+        // So that a contact is again what was received, to the bit, some time after the last act.
+        if self.damper < 1e-3 * most {
+            self.damper = 0.0;
+        }
+        for share in [&mut self.cut, &mut self.soft] {
+            if *share < 1e-3 {
+                *share = 0.0;
+            }
+        }
+    }
+
+    /// Where the next period would take more than there is: as much damper as may be, and the rest of the push is cut.
+    fn grip(&mut self, size: f64, out: f64, dt_s: f64) {
+        let own = self.settings.damping_n_s_m * out * out / dt_s;
+        let short = size * out - own - self.credit_j;
+        if short <= 0.0 {
+            return;
+        }
+        let needed = short * dt_s / (out * out);
+        self.damper = self.damper.max(needed.min(self.damper_max(dt_s)));
+        let still = short - self.damper * out * out / dt_s;
+        if still > 0.0 && size > 0.0 {
+            self.cut = self.cut.max((still / (size * out)).min(1.0));
+        }
     }
 }
 

@@ -16,6 +16,8 @@ struct Seen {
     speed: f64,
     changed_n: f64,
     dissipated_j: f64,
+    /// Least the observer saw, J.
+    observed_j: f64,
 }
 
 struct Run {
@@ -26,7 +28,7 @@ struct Run {
     kind: Kind,
     depth_m: f64,
     seconds: f64,
-    passive: bool,
+    control: Option<PassivitySettings>,
 }
 
 impl Run {
@@ -37,7 +39,7 @@ impl Run {
         let way = Network { delay_s: self.delay_s, ..Network::default() };
         let (mut there, mut back) = (Channel::new(way).unwrap(), Channel::new(way).unwrap());
         let mut device = SimulatedDevice::new(self.model.clone(), self.hand.clone(), motion.goal(0.0).position, 1);
-        let mut passivity = Passivity::new(PassivitySettings::of(&self.model));
+        let mut passivity = self.control.map(Passivity::new);
         let (mut received, mut seen) = ([0.0; 3], Seen::default());
         let mut forces: Vec<f64> = Vec::new();
         let mut pressed: Vec<(usize, f64)> = Vec::new();
@@ -49,12 +51,13 @@ impl Run {
                 back.send(now, [self.stiffness * (-position[0]).max(0.0), 0.0, 0.0]);
             }
             received = back.receive(now).last().unwrap_or(received);
-            let held = if self.passive { passivity.force(received, reported, dt) } else { received };
+            let held = passivity.as_mut().map_or(received, |p| p.force(received, reported, dt));
             seen.changed_n = seen.changed_n.max(v3::norm(v3::sub(held, received)));
             device.advance(motion.goal(now + 0.5 * dt), held, dt);
             let energy = device.energy();
             seen.least_j = seen.least_j.min(energy.loop_j);
-            seen.least_own_j = seen.least_own_j.min(energy.loop_j + energy.viscous_j);
+            seen.least_own_j = seen.least_own_j.min(energy.loop_j + energy.viscous_j + energy.coulomb_j);
+            seen.observed_j = seen.observed_j.min(passivity.as_ref().map_or(0.0, Passivity::energy_j));
             seen.end_j = energy.loop_j;
             seen.most_n = seen.most_n.max(held[0].abs());
             seen.most_depth = seen.most_depth.max(-device.true_position()[0]);
@@ -73,7 +76,7 @@ impl Run {
         }
         let count = pressed.len().max(1) as f64;
         (seen.ripple_n, seen.speed) = ((sum[0] / count).sqrt(), (sum[1] / count).sqrt());
-        seen.dissipated_j = passivity.dissipated_j();
+        seen.dissipated_j = passivity.map_or(0.0, |p| p.dissipated_j());
         seen
     }
 }
@@ -81,34 +84,48 @@ impl Run {
 #[test]
 #[ignore]
 fn survey() {
+    let mut worst = [0.0f64; 2];
     for device in ["ideal", "touch", "touch-x", "falcon"] {
         for hand in [Hand::light(), Hand::firm()] {
             for stiffness in [1_000.0, 3_000.0] {
                 for delay_ms in [0.0, 1.0, 5.0, 20.0] {
                     for kind in [Kind::Press, Kind::Tap, Kind::Slide] {
-                        let run = |passive| {
+                        let model = DeviceModel::preset(device).unwrap();
+                        let run = |control| {
                             Run {
-                                model: DeviceModel::preset(device).unwrap(),
+                                model: model.clone(),
                                 hand: hand.clone(),
                                 stiffness,
                                 delay_s: delay_ms * 1e-3,
                                 kind,
                                 depth_m: 0.004,
                                 seconds: 10.0,
-                                passive,
+                                control,
                             }
                             .see()
                         };
-                        let (off, on) = (run(false), run(true));
-                        let model = DeviceModel::preset(device).unwrap();
+                        let off = run(None);
+                        let on = run(Some(PassivitySettings::of(&model)));
+                        let strict = run(Some(PassivitySettings::strict(&model)));
+                        let unit = |seen: &Seen| model.encoder_m.max(1e-6) * seen.most_n;
+                        worst[0] = worst[0].min(on.least_own_j / unit(&on));
+                        worst[1] = worst[1].min(strict.least_j / unit(&strict));
+                        print!(
+                            "{device:8} {:7} K {stiffness:4} d {delay_ms:2} {kind:6?} | off {:9.2e} rip {:6.3} max {:5.2} ",
+                            hand.name, off.least_own_j, off.ripple_n, off.most_n
+                        );
+                        print!(
+                            "| on {:9.2e} = {:6.2} q f rip {:6.3} v {:6.4} max {:5.2} chg {:5.2} diss {:8.2e} depth {:5.2} ",
+                            on.least_own_j, on.least_own_j / unit(&on), on.ripple_n, on.speed, on.most_n, on.changed_n, on.dissipated_j, on.most_depth * 1e3
+                        );
                         println!(
-                            "{device:8} {:7} K {stiffness:4} d {delay_ms:2} {kind:6?} | off least {:9.2e} ripple {:6.3} v {:6.4} max {:5.2} | on least {:9.2e} own {:9.2e} (tol {:7.1e}) ripple {:6.3} v {:6.4} max {:5.2} chg {:5.2} diss {:8.2e} depth {:5.2} mm",
-                            hand.name, off.least_j, off.ripple_n, off.speed, off.most_n,
-                            on.least_j, on.least_own_j, model.encoder_m * on.most_n, on.ripple_n, on.speed, on.most_n, on.changed_n, on.dissipated_j, on.most_depth * 1e3
+                            "| strict {:9.2e} = {:6.2} q f rip {:6.3} chg {:5.2} obs {:9.2e}",
+                            strict.least_j, strict.least_j / unit(&strict), strict.ripple_n, strict.changed_n, strict.observed_j
                         );
                     }
                 }
             }
         }
     }
+    println!("|| worst {worst:?}");
 }

@@ -189,7 +189,7 @@ fn load(model: &DeviceModel, hand: &Hand, grip: f64) -> Load {
 }
 
 /// Mean output of the amplifier over a step; `state` is its output at the begin and becomes that at the end.
-fn lagged(state: &mut [f64; 3], wanted: [f64; 3], bandwidth_hz: f64, step_s: f64) -> [f64; 3] {
+pub(super) fn lagged(state: &mut [f64; 3], wanted: [f64; 3], bandwidth_hz: f64, step_s: f64) -> [f64; 3] {
     if !bandwidth_hz.is_finite() {
         *state = wanted;
         return wanted;
