@@ -3,9 +3,11 @@
 use super::{Outcome, text};
 use crate::transport::DEFAULT_ENDPOINT;
 use anyhow::Context as _;
-use palpate_client::device::run::{RunReport, RunSettings, run as run_device};
-use palpate_client::device::{DeviceParameters, Motion, MotionFile, SimulatedDevice};
+use palpate_client::device::run::{RunReport, RunSettings, Sample, run as run_device};
+use palpate_client::device::{DeviceModel, Hand, Motion, Network, SimulatedDevice, devices};
+use palpate_client::proto::messages::SceneSnapshot;
 use palpate_client::{Connect, Palpate};
+use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -14,26 +16,53 @@ use std::time::Duration;
 #[derive(clap::Args, Debug)]
 pub struct Args {
     /// Tool of the scene to hold.
+    #[arg(long, required_unless_present = "list")]
+    tool: Option<String>,
+    /// Print the devices there are, and nothing else.
     #[arg(long)]
-    tool: String,
-    /// press, slide, tap, circle, pull, or a TOML file of [[waypoint]] entries.
+    list: bool,
+    /// A device by name (see --list), or a TOML file of its figures (docs/devices.md).
+    #[arg(long, default_value = "ideal")]
+    device: String,
+    /// light, relaxed, firm, or a TOML file.
+    #[arg(long, default_value = "relaxed")]
+    hand: String,
+    /// press, slide, tap, circle, pull, tremor, hold, or a TOML file of [[step]] or [[waypoint]] entries.
     #[arg(long, default_value = "press")]
     motion: String,
     /// How far past the first touch the hand wants to go, m.
     #[arg(long, default_value_t = 0.004)]
     depth: f64,
-    /// Poses a second.
-    #[arg(long, default_value_t = 1_000.0)]
-    rate: f64,
+    /// Poses a second; the device's own rate if left out.
+    #[arg(long)]
+    rate: Option<f64>,
     /// How long, for example 10s.
     #[arg(long = "for", value_parser = text::duration, default_value = "10s")]
     duration: Duration,
-    /// Decides whatever is random in the device.
+    /// Decides whatever is random in the device, the hand and the network.
     #[arg(long, default_value_t = 1)]
     seed: u64,
-    /// Amplitude of the hand's tremor, m.
+    /// Bound of the hand's tremor in each axis, m; the hand's own if left out.
+    #[arg(long)]
+    tremor: Option<f64>,
+    /// A network's delay each way, for example 5ms.
+    #[arg(long, value_parser = text::duration, default_value = "0ms")]
+    delay: Duration,
+    /// And up to this much more.
+    #[arg(long, value_parser = text::duration, default_value = "0ms")]
+    jitter: Duration,
+    /// Share of poses, and of forces, that are lost, 0 to 1.
     #[arg(long, default_value_t = 0.0)]
-    tremor: f64,
+    loss: f64,
+    /// Share that arrives after the next, 0 to 1.
+    #[arg(long, default_value_t = 0.0)]
+    reorder: f64,
+    /// Keep the device's port passive (time-domain passivity control).
+    #[arg(long)]
+    passivity: bool,
+    /// Write every period to a CSV file.
+    #[arg(long)]
+    csv: Option<PathBuf>,
     /// Where the daemon listens.
     #[arg(short = 'e', long, default_value = DEFAULT_ENDPOINT)]
     connect: Vec<String>,
@@ -49,7 +78,18 @@ pub struct Args {
 }
 
 pub fn run(args: &Args) -> anyhow::Result<Outcome> {
-    anyhow::ensure!(args.rate.is_finite() && (1.0..=20_000.0).contains(&args.rate), "--rate must be 1 to 20000 Hz");
+    if args.list {
+        list(args.json)?;
+        return Ok(Outcome::Ok);
+    }
+    let tool_id = args.tool.as_deref().context("--tool says which tool of the scene to hold")?;
+    let model = model(&args.device)?;
+    let rate_hz = args.rate.unwrap_or(model.rate_hz);
+    anyhow::ensure!(rate_hz.is_finite() && (1.0..=20_000.0).contains(&rate_hz), "--rate must be 1 to 20000 Hz");
+    let mut hand = hand(&args.hand)?;
+    if let Some(tremor_m) = args.tremor {
+        hand = Hand { tremor_m, ..hand }.checked()?;
+    }
     let settings = Connect {
         endpoints: args.connect.clone(),
         instance: args.instance.clone(),
@@ -58,25 +98,148 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     };
     let palpate = Palpate::connect(&settings)?;
     let scene = palpate.scene()?;
-    let mut tool = palpate.tool(&args.tool)?;
-    let motion = if Path::new(&args.motion).is_file() {
-        let text = std::fs::read_to_string(&args.motion).with_context(|| args.motion.clone())?;
-        let file: MotionFile = toml::from_str(&text).with_context(|| args.motion.clone())?;
-        Motion::through(file)?
-    } else {
-        Motion::named(&args.motion, &scene, &args.tool, args.depth)?
-    };
-    let parameters = DeviceParameters { tremor_m: args.tremor, ..DeviceParameters::default() };
-    let mut device = SimulatedDevice::new(parameters, motion.goal(0.0), args.seed);
+    let motion = motion(args, &scene, tool_id)?;
+    let mut tool = palpate.tool(tool_id)?;
+    let mut device = SimulatedDevice::new(model, hand, motion.goal(0.0).position, args.seed);
     let stop = Arc::new(AtomicBool::new(false));
     let flag = stop.clone();
     let _ = ctrlc::set_handler(move || flag.store(true, Ordering::Relaxed));
-    let run = RunSettings { rate_hz: args.rate, duration_s: args.duration.as_secs_f64() };
-    let report = run_device(&mut tool, &mut device, &motion, &run, &stop)?;
+    let network = Network {
+        delay_s: args.delay.as_secs_f64(),
+        jitter_s: args.jitter.as_secs_f64(),
+        loss: args.loss,
+        reorder: args.reorder,
+        seed: args.seed,
+    };
+    let duration_s = args.duration.as_secs_f64();
+    let run = RunSettings { rate_hz, duration_s, network, passivity: args.passivity };
+    let mut csv = args.csv.as_deref().map(Csv::create).transpose()?;
+    let mut watch = |sample: &Sample| {
+        if let Some(csv) = &mut csv {
+            csv.add(sample);
+        }
+    };
+    let report = run_device(&mut tool, &mut device, &motion, &run, &stop, &mut watch)?;
+    if let Some(csv) = csv {
+        csv.finish()?;
+    }
     drop(tool);
     palpate.close();
     print(&report, args.json)?;
+    warn(&report, device.model());
     Ok(if report.gave_up { Outcome::Fault } else { Outcome::Ok })
+}
+
+fn model(name: &str) -> anyhow::Result<DeviceModel> {
+    if Path::new(name).is_file() {
+        let text = std::fs::read_to_string(name).with_context(|| name.to_owned())?;
+        return Ok(DeviceModel::from_toml(&text, name)?);
+    }
+    Ok(DeviceModel::preset(name)?)
+}
+
+fn hand(name: &str) -> anyhow::Result<Hand> {
+    if Path::new(name).is_file() {
+        let text = std::fs::read_to_string(name).with_context(|| name.to_owned())?;
+        return Ok(Hand::from_toml(&text, name)?);
+    }
+    Ok(Hand::preset(name)?)
+}
+
+fn motion(args: &Args, scene: &SceneSnapshot, tool: &str) -> anyhow::Result<Motion> {
+    if Path::new(&args.motion).is_file() {
+        let text = std::fs::read_to_string(&args.motion).with_context(|| args.motion.clone())?;
+        return Ok(Motion::from_toml(&text, &args.motion, scene, tool, args.depth)?);
+    }
+    Ok(Motion::named(&args.motion, scene, tool, args.depth)?)
+}
+
+/// Every period of a run: time, true and reported position, force received and applied, energy given to the loop.
+struct Csv {
+    file: std::io::BufWriter<std::fs::File>,
+    failed: Option<std::io::Error>,
+}
+
+impl Csv {
+    fn create(path: &Path) -> anyhow::Result<Self> {
+        let file = std::fs::File::create(path).with_context(|| path.display().to_string())?;
+        let mut csv = Self { file: std::io::BufWriter::new(file), failed: None };
+        let columns = ["true", "reported"].map(|what| format!("{what}_x_m,{what}_y_m,{what}_z_m"));
+        let forces = ["received", "applied"].map(|what| format!("{what}_x_n,{what}_y_n,{what}_z_n"));
+        csv.line(&format!("time_s,{},{},loop_j", columns.join(","), forces.join(",")));
+        Ok(csv)
+    }
+
+    fn line(&mut self, line: &str) {
+        if self.failed.is_none() {
+            self.failed = writeln!(self.file, "{line}").err();
+        }
+    }
+
+    fn add(&mut self, sample: &Sample) {
+        let three = |[x, y, z]: [f64; 3]| format!("{x},{y},{z}");
+        let line = format!(
+            "{:.6},{},{},{},{},{}",
+            sample.time_s,
+            three(sample.true_position),
+            three(sample.reported_position),
+            three(sample.received_n),
+            three(sample.applied_n),
+            sample.loop_j
+        );
+        self.line(&line);
+    }
+
+    fn finish(mut self) -> anyhow::Result<()> {
+        self.failed.map_or(Ok(()), Err).and_then(|()| self.file.flush()).context("writing the CSV file")
+    }
+}
+
+fn list(json: bool) -> anyhow::Result<()> {
+    let devices = devices();
+    if json {
+        println!("{}", serde_json::to_string(&devices)?);
+        return Ok(());
+    }
+    println!(
+        "{:12} {:>5} {:>18} {:>7} {:>8} {:>7} {:>8} {:>6} {:>7} {:>7} {:>7} {:>7}",
+        "device",
+        "twist",
+        "workspace mm",
+        "mass g",
+        "b N·s/m",
+        "dry N",
+        "step um",
+        "Hz",
+        "peak N",
+        "cont N",
+        "peak Nm",
+        "amp Hz"
+    );
+    let figure = |value: f64, digits: usize| match value.is_finite() {
+        true => format!("{value:.digits$}"),
+        false => "-".to_owned(),
+    };
+    for device in devices {
+        let [x, y, z] = device.workspace_m.map(|extent| format!("{:.0}", extent * 1e3));
+        println!(
+            "{:12} {:>5} {:>18} {:>7.0} {:>8} {:>7} {:>8} {:>6.0} {:>7} {:>7} {:>7} {:>7}",
+            device.name,
+            device.torque_dof,
+            format!("{x} x {y} x {z}"),
+            device.mass_kg * 1e3,
+            device.damping_n_s_m,
+            device.coulomb_n,
+            figure(device.encoder_m * 1e6, 1),
+            device.rate_hz,
+            figure(device.force_max_n, 1),
+            figure(device.force_continuous_n, 2),
+            device.torque_max_nm,
+            figure(device.bandwidth_hz, 0),
+        );
+    }
+    println!("sources, and which figures are assumed: docs/devices.md");
+    Ok(())
 }
 
 fn print(report: &RunReport, json: bool) -> anyhow::Result<()> {
@@ -84,12 +247,34 @@ fn print(report: &RunReport, json: bool) -> anyhow::Result<()> {
         println!("{}", serde_json::to_string(report)?);
     } else {
         let [p50, p99, max] = report.round_trip_us;
-        println!("{} poses sent, {} forces received", report.poses, report.forces);
+        let [peak, rms] = report.applied_force_n;
+        println!("device {}: {} poses sent, {} forces received", report.device, report.poses, report.forces);
         println!("peak force {:.4} N, peak depth {:.3} mm", report.peak_force_n, report.peak_depth_m * 1e3);
+        println!("applied: peak {peak:.4} N, rms {rms:.4} N");
         println!("pose to force: p50 {p50:.0} us, p99 {p99:.0} us, max {max:.0} us");
+        println!(
+            "energy: {:.6} J given to the loop, at most {:.6} J made by it, {:.6} J taken by the controller",
+            report.loop_j, report.made_j, report.dissipated_j
+        );
+        if report.lost != [0; 2] || report.late > 0 {
+            let [poses, forces] = report.lost;
+            println!("network: {poses} poses and {forces} forces lost, {} forces late", report.late);
+        }
     }
     if report.gave_up {
         eprintln!("the daemon stopped answering");
     }
     Ok(())
+}
+
+/// What the real device could not have done.
+fn warn(report: &RunReport, model: &DeviceModel) {
+    for (axis, (range, extent)) in ["x", "y", "z"].iter().zip(report.range_m.iter().zip(model.workspace_m)) {
+        if *range > extent {
+            eprintln!("the way along {axis} is {:.0} mm, the workspace {:.0} mm", range * 1e3, extent * 1e3);
+        }
+    }
+    if report.applied_force_n[1] > model.force_continuous_n {
+        eprintln!("{:.2} N on the mean, the motors hold {:.2} N", report.applied_force_n[1], model.force_continuous_n);
+    }
 }

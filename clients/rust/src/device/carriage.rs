@@ -139,8 +139,7 @@ impl Carriage {
             // What moves across is stopped too if friction can do it within this step; its energy is friction's.
             let stops = v3::norm(across) * load.mass_kg <= load.coulomb_n * self.piece.step_s;
             let kept = if stops { [0.0; 3] } else { across };
-            work.coulomb_j +=
-                0.5 * load.mass_kg * (v3::dot(state.velocity, state.velocity) - v3::dot(kept, kept));
+            work.coulomb_j += 0.5 * load.mass_kg * (v3::dot(state.velocity, state.velocity) - v3::dot(kept, kept));
             state.velocity = kept;
             if left_s <= 1e-12 * self.piece.step_s {
                 return;

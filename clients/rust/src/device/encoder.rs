@@ -70,8 +70,7 @@ mod tests {
 
     #[test]
     fn counts_and_their_differences_are_what_is_told() {
-        let model =
-            DeviceModel { encoder_m: 1e-3, encoder_rad: 0.01, ..DeviceModel::preset("ideal").unwrap() };
+        let model = DeviceModel { encoder_m: 1e-3, encoder_rad: 0.01, ..DeviceModel::preset("ideal").unwrap() };
         let mut encoder = Encoder::new(&model, [0.0004, 0.0, -0.0006]);
         assert_eq!(encoder.position, [0.0, 0.0, -0.001]);
         let spin = (v3::from_vector([0.0, 0.0, 0.0149]), [9.0; 3]);
@@ -84,8 +83,7 @@ mod tests {
 
     #[test]
     fn the_low_pass_forgets_at_its_cut_off() {
-        let model =
-            DeviceModel { encoder_m: 1e-6, velocity_cutoff_hz: 20.0, ..DeviceModel::preset("ideal").unwrap() };
+        let model = DeviceModel { encoder_m: 1e-6, velocity_cutoff_hz: 20.0, ..DeviceModel::preset("ideal").unwrap() };
         let mut encoder = Encoder::new(&model, [0.0; 3]);
         let still = (v3::UNTURNED, [0.0; 3]);
         // One jump of 1 mm in a period of 1 ms, then rest: 1 m/s, of which 1 − e^{−2π 20 ms/1000} is seen, then decays.

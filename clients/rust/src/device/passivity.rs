@@ -43,11 +43,6 @@ impl PassivitySettings {
             rest_s: 0.05,
         }
     }
-
-    /// As [`Self::of`], but nothing the device loses by itself counts: the loop alone must be passive.
-    pub fn strict(model: &super::DeviceModel) -> Self {
-        Self { damping_n_s_m: 0.0, coulomb_n: 0.0, ..Self::of(model) }
-    }
 }
 
 /// Samples the velocity is looked for in.
@@ -78,7 +73,7 @@ pub struct Passivity {
     dissipated_j: f64,
     positions: [[f64; 3]; WINDOW], // newest first
     known: usize,
-    slack: [f64; 3],     // reported position through a play as wide as a step of the encoder
+    slack: [f64; 3],       // reported position through a play as wide as a step of the encoder
     amplifier_n: [f64; 3], // as modelled, at the begin of the period
     held_n: [f64; 3],      // mean that acts over the period
     received_n: [f64; 3],

@@ -48,8 +48,7 @@ impl Spin {
 mod tests {
     use super::*;
 
-    const GRASP: Grasp =
-        Grasp { inertia_kg_m2: 2e-4, damping_nm_s: 1e-3, torsion_nm: 0.5, torsion_damping_nm_s: 9e-3 };
+    const GRASP: Grasp = Grasp { inertia_kg_m2: 2e-4, damping_nm_s: 1e-3, torsion_nm: 0.5, torsion_damping_nm_s: 9e-3 };
 
     #[test]
     fn about_one_axis_it_swings_as_the_closed_form_says() {

@@ -1,9 +1,9 @@
 //! A simulated device on the bus: in real time at its own rate, or one pose a tick in lockstep.
 
-use super::{Motion, SimulatedDevice};
+use super::{Channel, DeviceError, Motion, Network, Passivity, PassivitySettings, SimulatedDevice};
 use crate::tool::now_ns;
 use crate::{ClientError, Tool};
-use palpate_proto::messages::ToolPose;
+use palpate_proto::messages::{ToolForce, ToolPose};
 use serde::{Deserialize, Serialize};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
@@ -11,16 +11,40 @@ use std::time::{Duration, Instant};
 /// What a run saw.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct RunReport {
+    /// Name of the device.
+    #[serde(default)]
+    pub device: String,
     /// Poses sent.
     pub poses: u64,
     /// Forces received.
     pub forces: u64,
-    /// Largest force, N.
+    /// Largest force received, N.
     pub peak_force_n: f64,
+    /// Largest force that acted, N, and its root mean square over the run (what the motors warm up by).
+    #[serde(default)]
+    pub applied_force_n: [f64; 2],
     /// Deepest penetration, m.
     pub peak_depth_m: f64,
-    /// Pose sent to its force received, real time only: p50, p99, max, µs.
+    /// Extent of the way gone in each axis, m.
+    #[serde(default)]
+    pub range_m: [f64; 3],
+    /// Pose sent to its force received, real time only, without the network of the settings: p50, p99, max, µs.
     pub round_trip_us: [f64; 3],
+    /// Energy the device gave to the loop by the end, J. Negative: the loop made some.
+    #[serde(default)]
+    pub loop_j: f64,
+    /// Most that the loop had made at any time, J.
+    #[serde(default)]
+    pub made_j: f64,
+    /// What the passivity controller took, J.
+    #[serde(default)]
+    pub dissipated_j: f64,
+    /// Poses and forces lost on the network of the settings.
+    #[serde(default)]
+    pub lost: [u64; 2],
+    /// Forces that arrived after a newer one, and were left.
+    #[serde(default)]
+    pub late: u64,
     /// Lockstep only: the daemon stopped answering.
     pub gave_up: bool,
 }
@@ -32,68 +56,264 @@ pub struct RunSettings {
     pub rate_hz: f64,
     /// s.
     pub duration_s: f64,
+    /// What lies between device and daemon, besides the real one: this each way.
+    pub network: Network,
+    /// Keep the device's port passive.
+    pub passivity: bool,
+}
+
+impl RunSettings {
+    /// At a rate for a time, with no network of its own and no control.
+    pub fn plain(rate_hz: f64, duration_s: f64) -> Self {
+        Self { rate_hz, duration_s, network: Network::default(), passivity: false }
+    }
+}
+
+/// One period of a run, at its end.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sample {
+    /// Device time, s.
+    pub time_s: f64,
+    /// Where it is, m.
+    pub true_position: [f64; 3],
+    /// What it tells, m.
+    pub reported_position: [f64; 3],
+    /// Newest force received before the period, N.
+    pub received_n: [f64; 3],
+    /// What acted over it, N.
+    pub applied_n: [f64; 3],
+    /// Given to the loop so far, J.
+    pub loop_j: f64,
+}
+
+/// Why a run failed.
+#[derive(Debug, thiserror::Error)]
+pub enum RunError {
+    /// Zenoh refused a pose.
+    #[error(transparent)]
+    Client(#[from] ClientError),
+    /// A figure of the network.
+    #[error(transparent)]
+    Network(#[from] DeviceError),
 }
 
 /// In lockstep: how long the daemon may take for a tick before we give up.
 const PATIENCE: Duration = Duration::from_secs(5);
 
-/// Runs a device until its time is over, or `stop` is set.
+/// What goes between device and daemon: poses out, forces in, each through its own channel.
+struct Link {
+    poses: Channel<ToolPose>,
+    forces: Channel<ToolForce>,
+    last_pose: Option<ToolPose>,
+    held: Option<ToolForce>,
+    late: u64,
+}
+
+impl Link {
+    fn new(network: Network) -> Result<Self, DeviceError> {
+        // The two ways fail independently.
+        let back = Network { seed: network.seed ^ 0x5851_f42d_4c95_7f2d, ..network };
+        let (poses, forces) = (Channel::new(network)?, Channel::new(back)?);
+        Ok(Self { poses, forces, last_pose: None, held: None, late: 0 })
+    }
+
+    /// What the daemon gets for the pose of now: those that have arrived, in their order.
+    fn deliver(&mut self, now_s: f64, pose: ToolPose, lockstep: bool) -> Vec<ToolPose> {
+        self.poses.send(now_s, pose);
+        let mut arrived: Vec<ToolPose> = self.poses.receive(now_s).collect();
+        if lockstep {
+            // A tick needs one pose and no more: the last that came, or again the one before.
+            let newest = arrived.pop().or(self.last_pose).unwrap_or(pose);
+            arrived = vec![newest];
+        }
+        self.last_pose = arrived.last().copied().or(self.last_pose);
+        arrived
+    }
+
+    fn answer(&mut self, now_s: f64, force: ToolForce) {
+        self.forces.send(now_s, force);
+    }
+
+    /// Takes what has come back; the newest tick counts.
+    fn collect(&mut self, now_s: f64) {
+        for force in self.forces.receive(now_s) {
+            match self.held {
+                Some(held) if force.tick < held.tick => self.late += 1,
+                _ => self.held = Some(force),
+            }
+        }
+    }
+}
+
+/// Runs a device until its time is over, or `stop` is set. `watch` sees every period.
 ///
 /// # Errors
-/// Zenoh refused a pose.
+/// Zenoh refused a pose, or the network of the settings cannot be.
 pub fn run(
     tool: &mut Tool,
     device: &mut SimulatedDevice,
     motion: &Motion,
     settings: &RunSettings,
     stop: &AtomicBool,
-) -> Result<RunReport, ClientError> {
+    watch: &mut dyn FnMut(&Sample),
+) -> Result<RunReport, RunError> {
     let count = (settings.duration_s * settings.rate_hz).round() as u64;
     let dt = 1.0 / settings.rate_hz;
-    let mut report = RunReport::default();
+    let lockstep = tool.is_lockstep();
+    let mut link = Link::new(settings.network)?;
+    let mut passivity = settings.passivity.then(|| Passivity::new(PassivitySettings::of(device.model())));
+    let mut report = RunReport { device: device.model().name.clone(), ..RunReport::default() };
     let mut round_trips: Vec<u64> = Vec::new();
     let mut last_tick = 0;
-    let mut held = [0.0; 3];
+    let mut bounds = [device.true_position(); 2];
+    let mut squares = 0.0;
     let started = Instant::now();
     for k in 1..=count {
         if stop.load(Ordering::Relaxed) {
             break;
         }
-        device.advance(motion.goal(device.time_s() + 0.5 * dt), held, dt);
-        let seq = tool.send(ToolPose { buttons: motion.buttons(device.time_s()), ..device.pose() })?;
-        report.poses += 1;
-        let force = if tool.is_lockstep() {
-            let force = tool.wait_force(seq, PATIENCE);
-            if force.is_none() {
-                report.gave_up = true;
-                break;
+        let (received, torque) = link.held.map_or(([0.0; 3], [0.0; 3]), |force| (force.force, force.torque));
+        let reported = device.pose().position;
+        let command = passivity.as_mut().map_or(received, |control| control.force(received, reported, dt));
+        device.advance_with_torque(motion.goal(device.time_s() + 0.5 * dt), command, torque, dt);
+        let now_s = device.time_s();
+        let pose = ToolPose { buttons: motion.buttons(now_s), ..device.pose() };
+        watch(&sample(device, &pose, received));
+        squares += note(&mut report, &mut bounds, device);
+        let mut seq = None;
+        for pose in link.deliver(now_s, pose, lockstep) {
+            seq = Some(tool.send(pose)?);
+            report.poses += 1;
+        }
+        let force = match (lockstep, seq) {
+            (true, Some(seq)) => {
+                let force = tool.wait_force(seq, PATIENCE);
+                if force.is_none() {
+                    report.gave_up = true;
+                    break;
+                }
+                force
             }
-            force
-        } else {
-            // The answer to this pose usually comes while we wait for the next; what is newest is felt.
-            let due = Duration::from_secs_f64(k as f64 * dt);
-            let left = due.saturating_sub(started.elapsed());
-            let answer = tool.wait_force(seq, left.min(Duration::from_millis(100)));
-            if let Some(force) = answer.filter(|force| force.pose_seq == seq) {
-                round_trips.push(now_ns().saturating_sub(force.t_client_ns));
+            _ => {
+                // The answer to this pose usually comes while we wait for the next; what is newest is felt.
+                let due = Duration::from_secs_f64(k as f64 * dt);
+                let left = due.saturating_sub(started.elapsed());
+                let answer = seq.and_then(|seq| tool.wait_force(seq, left.min(Duration::from_millis(100))));
+                if let Some(force) = answer.filter(|force| Some(force.pose_seq) == seq) {
+                    round_trips.push(now_ns().saturating_sub(force.t_client_ns));
+                }
+                std::thread::sleep(due.saturating_sub(started.elapsed()));
+                tool.force()
             }
-            std::thread::sleep(due.saturating_sub(started.elapsed()));
-            tool.force()
         };
         if let Some(force) = force.filter(|force| force.tick > last_tick) {
             last_tick = force.tick;
-            held = force.force;
+            link.answer(now_s, force);
             let size = force.force.iter().map(|f| f * f).sum::<f64>().sqrt();
             report.peak_force_n = report.peak_force_n.max(size);
             report.peak_depth_m = report.peak_depth_m.max(force.depth);
         }
+        link.collect(now_s);
     }
     report.forces = tool.received();
-    round_trips.sort_unstable();
-    let quantile = |q: f64| {
-        let last = round_trips.len().saturating_sub(1);
-        round_trips.get((q * last as f64).round() as usize).map_or(0.0, |&ns| ns as f64 * 1e-3)
-    };
-    report.round_trip_us = [quantile(0.5), quantile(0.99), quantile(1.0)];
+    report.applied_force_n[1] = (squares * dt / device.time_s().max(dt)).sqrt();
+    report.range_m = [0, 1, 2].map(|c| bounds[1][c] - bounds[0][c]);
+    report.loop_j = device.energy().loop_j;
+    report.dissipated_j = passivity.map_or(0.0, |control| control.dissipated_j());
+    report.lost = [link.poses.lost(), link.forces.lost()];
+    report.late = link.late;
+    report.round_trip_us = quantiles(&mut round_trips);
     Ok(report)
+}
+
+fn sample(device: &SimulatedDevice, pose: &ToolPose, received_n: [f64; 3]) -> Sample {
+    Sample {
+        time_s: device.time_s(),
+        true_position: device.true_position(),
+        reported_position: pose.position,
+        received_n,
+        applied_n: device.applied_n(),
+        loop_j: device.energy().loop_j,
+    }
+}
+
+/// Notes a period; gives the square of the force that acted.
+fn note(report: &mut RunReport, bounds: &mut [[f64; 3]; 2], device: &SimulatedDevice) -> f64 {
+    let square = device.applied_n().iter().map(|f| f * f).sum::<f64>();
+    report.applied_force_n[0] = report.applied_force_n[0].max(square.sqrt());
+    report.made_j = report.made_j.max(-device.energy().loop_j);
+    for (c, x) in device.true_position().into_iter().enumerate() {
+        bounds[0][c] = bounds[0][c].min(x);
+        bounds[1][c] = bounds[1][c].max(x);
+    }
+    square
+}
+
+/// p50, p99 and max of round trips, µs.
+fn quantiles(round_trips_ns: &mut [u64]) -> [f64; 3] {
+    round_trips_ns.sort_unstable();
+    [0.5, 0.99, 1.0].map(|q: f64| {
+        let last = round_trips_ns.len().saturating_sub(1);
+        round_trips_ns.get((q * last as f64).round() as usize).map_or(0.0, |&ns| ns as f64 * 1e-3)
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn pose(k: u64) -> ToolPose {
+        ToolPose { t_client_ns: k, ..crate::pose_at([0.0; 3]) }
+    }
+
+    fn force(tick: u64) -> ToolForce {
+        ToolForce {
+            tick,
+            pose_seq: 0,
+            t_client_ns: 0,
+            t_server_ns: 0,
+            force: [tick as f64, 0.0, 0.0],
+            torque: [0.0; 3],
+            proxy_position: [0.0; 3],
+            proxy_orientation: [0.0, 0.0, 0.0, 1.0],
+            depth: 0.0,
+            contact_count: 0,
+            flags: 0,
+        }
+    }
+
+    #[test]
+    fn in_lockstep_every_tick_gets_one_pose_whatever_the_network_does() {
+        let network = Network { delay_s: 0.003, jitter_s: 0.002, loss: 0.3, reorder: 0.2, seed: 4 };
+        let mut link = Link::new(network).unwrap();
+        let mut newest = 0;
+        for k in 1..=1_000 {
+            let got = link.deliver(k as f64 * 1e-3, pose(k), true);
+            assert_eq!(got.len(), 1);
+            assert!(k < 20 || got[0].t_client_ns + 3 <= k, "{k}");
+            newest = got[0].t_client_ns.max(newest);
+        }
+        assert!(newest > 980);
+    }
+
+    #[test]
+    fn a_force_that_was_overtaken_is_left() {
+        let mut link = Link::new(Network { reorder: 0.3, seed: 2, ..Network::default() }).unwrap();
+        let mut last = 0;
+        for k in 1..=1_000 {
+            link.answer(k as f64 * 1e-3, force(k));
+            link.collect(k as f64 * 1e-3);
+            let tick = link.held.map_or(0, |force| force.tick);
+            assert!(tick >= last);
+            last = tick;
+        }
+        assert!(link.late > 100, "{}", link.late);
+    }
+
+    #[test]
+    fn quantiles_are_of_the_sorted_times() {
+        let mut times: Vec<u64> = (1..=101).rev().map(|k| k * 1_000).collect();
+        assert_eq!(quantiles(&mut times), [51.0, 100.0, 101.0]);
+        assert_eq!(quantiles(&mut []), [0.0; 3]);
+    }
 }

@@ -126,10 +126,8 @@ impl SimulatedDevice {
             self.carriage = Carriage::new(load, step_s);
         }
         let wanted = v3::limited(force_n, self.model.force_max_n);
-        let mut pull = Pull {
-            position: v3::add(goal.position, v3::scale(goal.velocity, -0.5 * dt_s)),
-            velocity: goal.velocity,
-        };
+        let mut pull =
+            Pull { position: v3::add(goal.position, v3::scale(goal.velocity, -0.5 * dt_s)), velocity: goal.velocity };
         let mut applied = [0.0; 3];
         for _ in 0..count {
             let force = lagged(&mut self.amplifier_n, wanted, self.model.bandwidth_hz, step_s);

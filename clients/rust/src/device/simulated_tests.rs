@@ -152,10 +152,14 @@ fn what_is_not_finite_pushes_nothing() {
 /// Pushed about at random, with friction, lag, tremor and a grip that changes.
 #[test]
 fn the_books_of_energy_balance() {
-    for (name, hand) in
-        [("ideal", Hand::relaxed()), ("touch", Hand::light()), ("omega.7", Hand::firm()), ("virtuose-6d", Hand::light())]
-    {
-        let grip = vec![super::super::Grip { time_s: 0.5, factor: 0.3 }, super::super::Grip { time_s: 1.5, factor: 3.0 }];
+    for (name, hand) in [
+        ("ideal", Hand::relaxed()),
+        ("touch", Hand::light()),
+        ("omega.7", Hand::firm()),
+        ("virtuose-6d", Hand::light()),
+    ] {
+        let grip =
+            vec![super::super::Grip { time_s: 0.5, factor: 0.3 }, super::super::Grip { time_s: 1.5, factor: 3.0 }];
         let hand = Hand { tremor_m: 1e-3, grip, ..hand };
         let mut device = SimulatedDevice::new(DeviceModel::preset(name).unwrap(), hand, [0.1, -0.2, 0.3], 5);
         let mut random = super::super::random::Random::new(11);

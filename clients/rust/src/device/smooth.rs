@@ -39,11 +39,7 @@ impl Flow {
 
     /// Time since `start`, 0 before.
     pub(super) fn since(self, start: f64) -> Self {
-        if self.value > start {
-            Self { value: self.value - start, rate: self.rate }
-        } else {
-            Self::default()
-        }
+        if self.value > start { Self { value: self.value - start, rate: self.rate } } else { Self::default() }
     }
 
     pub(super) fn sin(self) -> Self {

@@ -51,9 +51,8 @@ impl Target {
     /// A place by its height over `point` and its distances along the surface, m.
     pub(super) fn place(&self, height: Flow, along: Flow, side: Flow) -> [Flow; 3] {
         let third = self.side();
-        [0, 1, 2].map(|c| {
-            Flow::constant(self.point[c]) + height * self.outward[c] + along * self.along[c] + side * third[c]
-        })
+        [0, 1, 2]
+            .map(|c| Flow::constant(self.point[c]) + height * self.outward[c] + along * self.along[c] + side * third[c])
     }
 
     /// Height for `pressed` from 0, clear of the surface, to 1, in by `depth_m`.
