@@ -46,11 +46,11 @@ pub struct Args {
     #[arg(long)]
     tremor: Option<f64>,
     /// A network's delay each way, for example 5ms.
-    #[arg(long, value_parser = text::duration, default_value = "0ms")]
-    delay: Duration,
+    #[arg(long, value_parser = text::duration)]
+    delay: Option<Duration>,
     /// And up to this much more.
-    #[arg(long, value_parser = text::duration, default_value = "0ms")]
-    jitter: Duration,
+    #[arg(long, value_parser = text::duration)]
+    jitter: Option<Duration>,
     /// Share of poses, and of forces, that are lost, 0 to 1.
     #[arg(long, default_value_t = 0.0)]
     loss: f64,
@@ -105,8 +105,8 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     let flag = stop.clone();
     let _ = ctrlc::set_handler(move || flag.store(true, Ordering::Relaxed));
     let network = Network {
-        delay_s: args.delay.as_secs_f64(),
-        jitter_s: args.jitter.as_secs_f64(),
+        delay_s: args.delay.map_or(0.0, |delay| delay.as_secs_f64()),
+        jitter_s: args.jitter.map_or(0.0, |jitter| jitter.as_secs_f64()),
         loss: args.loss,
         reorder: args.reorder,
         seed: args.seed,

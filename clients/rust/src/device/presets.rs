@@ -107,7 +107,7 @@ pub fn devices() -> Vec<DeviceModel> {
         },
         DeviceModel {
             torque_dof: 3,
-            workspace_m: [0.190, 0.190, 0.130],
+            workspace_m: [0.120; 3],
             mass_kg: 0.4,
             damping_n_s_m: 0.5,
             coulomb_n: 0.4,

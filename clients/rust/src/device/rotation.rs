@@ -54,8 +54,8 @@ mod tests {
     fn about_one_axis_it_swings_as_the_closed_form_says() {
         let turned = v3::from_vector([0.0, 0.3, 0.0]);
         let mut spin = Spin { orientation: turned, angular_velocity: [0.0; 3] };
-        let (decay, kappa) = (1e-2 / 4e-4, 0.5 / 2e-4);
-        let omega = (kappa - decay * decay as f64).sqrt();
+        let (decay, kappa): (f64, f64) = (1e-2 / 4e-4, 0.5 / 2e-4);
+        let omega = (kappa - decay * decay).sqrt();
         for k in 1..=200 {
             spin.step(&GRASP, &Goal::at([0.0; 3]), [0.0; 3], 1e-3);
             let t = f64::from(k) * 1e-3;
