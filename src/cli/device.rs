@@ -33,7 +33,7 @@ pub struct Args {
     /// How far past the first touch the hand wants to go, m.
     #[arg(long, default_value_t = 0.004)]
     depth: f64,
-    /// Poses a second; the device's own rate if left out.
+    /// Poses a second; the device's own rate if left out, or in lockstep one a tick.
     #[arg(long)]
     rate: Option<f64>,
     /// How long, for example 10s.
@@ -84,8 +84,9 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     }
     let tool_id = args.tool.as_deref().context("--tool says which tool of the scene to hold")?;
     let model = model(&args.device)?;
-    let rate_hz = args.rate.unwrap_or(model.rate_hz);
-    anyhow::ensure!(rate_hz.is_finite() && (1.0..=20_000.0).contains(&rate_hz), "--rate must be 1 to 20000 Hz");
+    if let Some(rate_hz) = args.rate {
+        anyhow::ensure!((1.0..=20_000.0).contains(&rate_hz), "--rate must be 1 to 20000 Hz");
+    }
     let mut hand = hand(&args.hand)?;
     if let Some(tremor_m) = args.tremor {
         hand = Hand { tremor_m, ..hand }.checked()?;
@@ -112,6 +113,9 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
         seed: args.seed,
     };
     let duration_s = args.duration.as_secs_f64();
+    // In lockstep a tick waits for one pose, so the device's period is a tick.
+    let own_hz = if tool.is_lockstep() { 1e9 / scene.dt_ns as f64 } else { device.model().rate_hz };
+    let rate_hz = args.rate.unwrap_or(own_hz);
     let run = RunSettings { rate_hz, duration_s, network, passivity: args.passivity };
     let mut csv = args.csv.as_deref().map(Csv::create).transpose()?;
     let mut watch = |sample: &Sample| {
