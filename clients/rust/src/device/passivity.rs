@@ -78,7 +78,7 @@ pub struct Passivity {
     slack: [f64; 3],       // reported position through a play as wide as a step of the encoder
     amplifier_n: [f64; 3], // as modelled, at the begin of the period
     held_n: [f64; 3],      // mean that acts over the period
-    received_n: [f64; 3],
+    changed_n: [f64; 3],   // by the control, as commanded
     damper: f64,
     cut: f64,
     soft: f64,
@@ -98,7 +98,7 @@ impl Passivity {
             slack: [0.0; 3],
             amplifier_n: [0.0; 3],
             held_n: [0.0; 3],
-            received_n: [0.0; 3],
+            changed_n: [0.0; 3],
             damper: 0.0,
             cut: 0.0,
             soft: 0.0,
@@ -124,7 +124,7 @@ impl Passivity {
         let held = self.control(received, dt_s);
         let acting = super::simulated::lagged(&mut self.amplifier_n, held, self.settings.bandwidth_hz, dt_s);
         self.held_n = acting;
-        self.received_n = received;
+        self.changed_n = v3::sub(held, received);
         held
     }
 
@@ -135,7 +135,7 @@ impl Passivity {
             self.energy_j += given;
             self.credit_j += given + self.settings.damping_n_s_m * v3::dot(way, way) / dt_s;
             self.credit_j += self.settings.coulomb_n * self.sure_way(position);
-            self.dissipated_j -= v3::dot(v3::sub(self.held_n, self.received_n), way);
+            self.dissipated_j -= v3::dot(self.changed_n, way);
         }
         if self.known == 0 {
             self.slack = position;
