@@ -140,7 +140,7 @@ impl Hand {
     pub fn from_toml(text: &str, origin: &str) -> Result<Self, DeviceError> {
         let hand: Self = toml::from_str(text)
             .map_err(|error| DeviceError::Toml { origin: origin.to_owned(), reason: error.to_string() })?;
-        hand.checked()
+        hand.checked().map_err(|error| error.at(origin))
     }
 
     /// The hand, if it can be one.
@@ -275,7 +275,7 @@ mod tests {
         let hand = Hand::from_toml(text, "mine.toml").unwrap();
         assert_eq!((hand.grip.len(), hand.torsion_nm), (2, 0.5));
         let bad = Hand::from_toml(&text.replace("time_s = 2", "time_s = 0"), "mine.toml").unwrap_err().to_string();
-        assert!(bad.contains("grip.time_s is 0") && bad.contains("later"), "{bad}");
+        assert!(bad.starts_with("mine.toml: hand mine: grip.time_s is 0") && bad.contains("later"), "{bad}");
         let firmly = Hand::preset("firmly").unwrap_err().to_string();
         assert!(firmly.contains("light, relaxed, firm"), "{firmly}");
     }

@@ -104,6 +104,18 @@ pub enum DeviceError {
     },
 }
 
+impl DeviceError {
+    /// The same, with the file it came from before the name.
+    pub(super) fn at(self, origin: &str) -> Self {
+        match self {
+            Self::Figure { what, field, value, expected } => {
+                Self::Figure { what: format!("{origin}: {what}"), field, value, expected }
+            }
+            other => other,
+        }
+    }
+}
+
 /// Passes a figure, or refuses it by name.
 pub(super) fn check(
     what: &str,
@@ -136,7 +148,7 @@ impl DeviceModel {
     pub fn from_toml(text: &str, origin: &str) -> Result<Self, DeviceError> {
         let model: Self = toml::from_str(text)
             .map_err(|error| DeviceError::Toml { origin: origin.to_owned(), reason: error.to_string() })?;
-        model.checked()
+        model.checked().map_err(|error| error.at(origin))
     }
 
     /// What such a device tells the daemon, `delay_s` (one way) away from it.
@@ -217,7 +229,7 @@ mod tests {
         let model = DeviceModel::from_toml(least, "x.toml").unwrap();
         assert_eq!((model.force_dof, model.bandwidth_hz), (3, f64::INFINITY));
         let wrong = DeviceModel::from_toml(&least.replace("0.1\nrate", "-1.0\nrate"), "x.toml").unwrap_err();
-        assert_eq!(wrong.to_string(), "x: mass_kg is -1; a finite value above 0 is needed");
+        assert_eq!(wrong.to_string(), "x.toml: x: mass_kg is -1; a finite value above 0 is needed");
         let unknown = DeviceModel::from_toml(&format!("{least}mas = 1\n"), "x.toml").unwrap_err().to_string();
         assert!(unknown.contains("x.toml") && unknown.contains("mas"), "{unknown}");
         let name = DeviceModel::preset("omni").unwrap_err().to_string();

@@ -47,17 +47,19 @@ impl PassivitySettings {
 
 /// Samples the velocity is looked for in.
 const WINDOW: usize = 16;
-/// The damper is at most this share of mass over period: at 1 a sampled damper rings, at 1/2 it does not.
-const DAMPER_SHARE: f64 = 0.5;
-/// The damper stays for a few swings of a contact (10 to 30 Hz), s.
-const DAMPER_FADE_S: f64 = 0.3;
+/// The damper is at most this share of mass over period. At 1/2 the lag of encoder and amplifier makes it ring on a wall
+/// of 3000 N/m behind 2 ms; at 1/8 it is too weak there.
+const DAMPER_SHARE: f64 = 0.25;
+/// The damper stays for some swings of a contact, s.
+const DAMPER_FADE_S: f64 = 1.0;
 /// What was cut comes back in this time, faster while the hand presses in: slower loses contact, faster buzzes, s.
 const CUT_FADE_S: f64 = 0.03;
 const CUT_FADE_PRESSED_S: f64 = 0.01;
-/// A contact that needs cuts again and again is softened for a while, both ways alike, instead of cut each time, s.
-/// Without it a wall of 3000 N/m behind 40 ms rings at twice the ripple.
-const SOFTEN_S: f64 = 0.05;
-const HARDEN_S: f64 = 1.0;
+/// A contact that needs cuts again and again is softened, both ways alike, instead of cut each time: soft within the
+/// first time, hard again within the second, or when the contact ends, s. Held presses behind 2 to 40 ms, 1000 and
+/// 3000 N/m, pulse by up to 0.7 N at 0.05 and 1 s, by 0.05 N at these.
+const SOFTEN_S: f64 = 0.02;
+const HARDEN_S: f64 = 6.0;
 /// A debt of this many times what the encoder leaves in doubt is paid before the force comes back. At 1 a light touch
 /// sinks in twice as far, at 6 a strict bound leaks more.
 const DOUBTS: f64 = 3.0;
@@ -76,7 +78,7 @@ pub struct Passivity {
     slack: [f64; 3],       // reported position through a play as wide as a step of the encoder
     amplifier_n: [f64; 3], // as modelled, at the begin of the period
     held_n: [f64; 3],      // mean that acts over the period
-    received_n: [f64; 3],
+    changed_n: [f64; 3],   // by the control, as commanded
     damper: f64,
     cut: f64,
     soft: f64,
@@ -96,7 +98,7 @@ impl Passivity {
             slack: [0.0; 3],
             amplifier_n: [0.0; 3],
             held_n: [0.0; 3],
-            received_n: [0.0; 3],
+            changed_n: [0.0; 3],
             damper: 0.0,
             cut: 0.0,
             soft: 0.0,
@@ -122,7 +124,7 @@ impl Passivity {
         let held = self.control(received, dt_s);
         let acting = super::simulated::lagged(&mut self.amplifier_n, held, self.settings.bandwidth_hz, dt_s);
         self.held_n = acting;
-        self.received_n = received;
+        self.changed_n = v3::sub(held, received);
         held
     }
 
@@ -133,7 +135,7 @@ impl Passivity {
             self.energy_j += given;
             self.credit_j += given + self.settings.damping_n_s_m * v3::dot(way, way) / dt_s;
             self.credit_j += self.settings.coulomb_n * self.sure_way(position);
-            self.dissipated_j -= v3::dot(v3::sub(self.held_n, self.received_n), way);
+            self.dissipated_j -= v3::dot(self.changed_n, way);
         }
         if self.known == 0 {
             self.slack = position;

@@ -161,6 +161,8 @@ fn a_held_press_is_quiet_where_it_would_swing() {
         ("ideal", 3_000.0, 5.0, 2.0, 0.005),
         ("touch", 3_000.0, 5.0, 1.0, 0.005),
         ("touch-x", 1_000.0, 5.0, 0.7, 0.005),
+        ("touch-x", 3_000.0, 1.0, 0.6, 0.005),
+        ("touch-x", 3_000.0, 20.0, 4.0, 0.1),
     ] {
         let run = || run(device, Hand::light(), stiffness, delay_ms, Kind::Press);
         let (off, on) = (run().see(), run().controlled().see());
