@@ -625,7 +625,7 @@ fn files_of_other_kinds_are_told_apart() {
     });
     let error = open(&other);
     assert!(matches!(error, ReadError::Message { .. }), "{error}");
-    assert!(error.to_string().contains("16 values, not 17"), "{error}");
+    assert!(error.to_string().contains("23 values, not 24"), "{error}");
 }
 
 // Numbers no recorder writes: tick 0, the last tick there is, ticks twice, a tick of 200 years.

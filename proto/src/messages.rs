@@ -6,6 +6,8 @@
 
 use serde::{Deserialize, Serialize};
 
+pub use crate::device::DeviceInfo;
+
 /// A type that travels on the bus, with the versioned name its encoding carries.
 pub trait Message: Serialize + for<'de> Deserialize<'de> {
     /// Versioned type name, for example `palpate.ToolPose.v1`.
@@ -112,41 +114,6 @@ pub struct ToolContact {
     pub force_limit: f64,
 }
 message!(ToolContact, "palpate.ToolContact.v1");
-
-/// What the device that holds a tool can do, told by its client. Zero where it does not know.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct DeviceInfo {
-    /// Its name, at most 64 bytes, without control characters.
-    pub name: String,
-    /// Directions in which it can push, 0 to 3.
-    pub dof_force: u8,
-    /// Axes about which it can turn, 0 to 3.
-    pub dof_torque: u8,
-    /// Box in which its tool can go, m.
-    pub workspace: [f64; 3],
-    /// Greatest force, N.
-    pub force_max: f64,
-    /// Greatest force that it can hold for long, N; at most `force_max`.
-    pub force_continuous: f64,
-    /// Greatest torque, N·m.
-    pub torque_max: f64,
-    /// Mass that the hand feels at its tool, kg.
-    pub mass: f64,
-    /// Its own viscous damping, N·s/m.
-    pub damping: f64,
-    /// Its own Coulomb friction, N.
-    pub coulomb_friction: f64,
-    /// Step of its position sensor at the tool, m.
-    pub encoder_resolution: f64,
-    /// Rate of its own loop, Hz.
-    pub rate_hz: f64,
-    /// Delay between it and the daemon, one way, s.
-    pub delay_s: f64,
-    /// Relative change of the force below which a hand feels none (Weber fraction); the daemon then leaves such forces
-    /// out. 0: every force is sent.
-    pub deadband: f64,
-}
-message!(DeviceInfo, "palpate.DeviceInfo.v1");
 
 /// Full control net of a body, u-major. A lost one is mended by the next.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
