@@ -126,6 +126,34 @@ fn a_tick_with_friction_and_a_grip_allocates_nothing() {
 }
 
 #[test]
+fn a_tick_of_a_tool_that_turns_allocates_nothing() {
+    let soft = teardrop(20e3, "\"none\"")
+        .replace("sphere = { radius_m = 0.01 }", "cylinder = { radius_m = 0.008, half_length_m = 0.015 }")
+        .replace("stiffness_n_m = inf", "turning_stiffness_nm_rad = 0.3, stiffness_n_m = 800.0")
+        .replace("ramp_s = 0.0", "ramp_s = 0.0, passivity = true");
+    for friction in ["", "friction = { mu = 0.4, viscous_n_s_m = 0.3 }\n"] {
+        let soft = format!("{soft}{friction}");
+        for text in [soft.replace("model = \"lattice\"\n", ""), soft] {
+            let mut world = World::new(&text);
+            for x in [0.06, 0.052, 0.044, 0.036] {
+                world.at([x, 0.003, 0.045]);
+            }
+            let (mut touched, mut damped) = (0, 0);
+            let count = allocations(|| {
+                for k in 0..2_000 {
+                    let t = f64::from(k) * 1e-3;
+                    let out = world.at([0.03 + 0.008 * (40.0 * t).cos(), 0.003 + 0.004 * (9.0 * t).sin(), 0.045]);
+                    touched += u32::from(out.tools[0].contact.is_some());
+                    damped += u32::from(out.tools[0].flags & palpate::scene::flags::DAMPED != 0);
+                }
+            });
+            assert!(touched > 500, "touched for {touched} ticks, damped for {damped}");
+            assert_eq!(count, 0);
+        }
+    }
+}
+
+#[test]
 fn a_tick_of_two_soft_bodies_allocates_nothing() {
     let mut world = World::new(include_str!("../scenes/two-drops.toml"));
     for _ in 0..5 {

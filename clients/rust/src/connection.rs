@@ -4,7 +4,7 @@ use crate::Tool;
 use palpate_proto::DeviceError;
 use palpate_proto::codec::{DecodeError, decode};
 use palpate_proto::keys::{IdError, Keys};
-use palpate_proto::messages::{ControlNet, DeviceInfo, LoopStatus, Message, SceneSnapshot, SimEvent};
+use palpate_proto::messages::{ControlNet, DeviceInfo, LoopStatus, Message, SceneSnapshot, SimEvent, ToolForce};
 use palpate_proto::rpc::{Reply, Request};
 use std::net::{TcpStream, ToSocketAddrs};
 use std::path::PathBuf;
@@ -266,6 +266,14 @@ impl Palpate {
     /// Zenoh refused.
     pub fn nets(&self, body: &str) -> Result<Latest<ControlNet>, ClientError> {
         self.latest(self.keys.body_net(body))
+    }
+
+    /// The newest force of a tool, for those who watch and do not hold it.
+    ///
+    /// # Errors
+    /// Zenoh refused.
+    pub fn forces(&self, tool: &str) -> Result<Latest<ToolForce>, ClientError> {
+        self.latest(self.keys.tool_force(tool))
     }
 
     /// The newest status, ten times a second.

@@ -120,9 +120,7 @@ struct Run {
 }
 
 fn session(model: &DeviceModel, hand: &Hand, task: Task, delay_s: f64, control: bool) -> Run {
-    // Strictly: what the device loses by itself does not count, the loop has to pay for itself.
-    let strict = PassivitySettings { damping_n_s_m: 0.0, coulomb_n: 0.0, ..PassivitySettings::of(model) };
-    let passivity = control.then(|| Passivity::new(strict));
+    let passivity = control.then(|| Passivity::new(PassivitySettings::strict(model)));
     let world = World::new(&wall(WALL_N_M, 0.0, ""));
     let depth_m = 0.015;
     let start = task.goal(0.0, depth_m).position;

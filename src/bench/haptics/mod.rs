@@ -9,6 +9,7 @@ mod hands;
 mod realtime;
 mod render;
 mod rig;
+mod soak;
 mod svg;
 mod zwidth;
 
@@ -87,6 +88,10 @@ pub fn haptics(effort: Effort, only: Option<&str>, out: &mut dyn FnMut(Figure)) 
     render::run(&wanted, out);
     friction::run(&wanted, out);
     realtime::run(effort, &wanted, out);
+    // Ten minutes: only when asked for.
+    if only.is_some_and(|part| part.contains("soak")) {
+        soak::run(effort, out);
+    }
     drawn
 }
 

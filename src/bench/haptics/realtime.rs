@@ -58,33 +58,46 @@ fn figure(
     }
 }
 
-/// A daemon of this program in a process of its own; it dies with this.
-struct Daemon(Child);
+/// This program in a process of its own; it dies with this.
+pub(super) struct Process(Child);
 
-impl Drop for Daemon {
+impl Process {
+    /// With these arguments, silent.
+    pub(super) fn start(args: &[&str]) -> anyhow::Result<Self> {
+        let mut command = Command::new(std::env::current_exe()?);
+        command.args(args).stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null());
+        Ok(Self(command.spawn()?))
+    }
+}
+
+impl Drop for Process {
     fn drop(&mut self) {
         let _ = self.0.kill();
         let _ = self.0.wait();
     }
 }
 
-fn free_port() -> anyhow::Result<u16> {
+pub(super) fn free_port() -> anyhow::Result<u16> {
     Ok(TcpListener::bind("127.0.0.1:0")?.local_addr()?.port())
+}
+
+/// Joins a daemon that has just been started.
+pub(super) fn connect(endpoint: &str) -> anyhow::Result<Palpate> {
+    let begun = Instant::now();
+    loop {
+        match Palpate::connect(&Connect { timeout: Duration::from_secs(10), ..Connect::to(endpoint) }) {
+            Err(_) if begun.elapsed() < Duration::from_secs(20) => std::thread::sleep(Duration::from_millis(50)),
+            answer => return Ok(answer?),
+        }
+    }
 }
 
 fn latency(count: usize) -> anyhow::Result<Vec<Figure>> {
     let scene = std::env::temp_dir().join(format!("palpate-bench-{}.toml", std::process::id()));
     std::fs::write(&scene, super::rig::wall(1_000.0, 1.0, ""))?;
     let endpoint = format!("tcp/127.0.0.1:{}", free_port()?);
-    let daemon = Daemon(
-        Command::new(std::env::current_exe()?)
-            .args(["serve", &scene.to_string_lossy(), "--listen", &endpoint])
-            .stdin(Stdio::null())
-            .stdout(Stdio::null())
-            .stderr(Stdio::null())
-            .spawn()?,
-    );
-    let palpate = Palpate::connect(&Connect { timeout: Duration::from_secs(10), ..Connect::to(&endpoint) })?;
+    let daemon = Process::start(&["serve", &scene.to_string_lossy(), "--listen", &endpoint])?;
+    let palpate = connect(&endpoint)?;
     let mut tool = palpate.tool("tip")?;
     let mut times = Vec::with_capacity(count);
     // Not a multiple of the tick, so that poses come at every phase of it.

@@ -26,6 +26,9 @@ pub struct PassivitySettings {
     pub force_max_n: f64,
     /// Resolution of the reported position, m.
     pub encoder_m: f64,
+    /// Energy that every contact leaves behind, J: covers what predictions of the next period miss where the loop alone has to
+    /// pay for itself. 0: none.
+    pub reserve_j: f64,
     /// Without force for this long a contact is over, s: what it gave is no credit for the next.
     pub rest_s: f64,
 }
@@ -40,8 +43,14 @@ impl PassivitySettings {
             bandwidth_hz: model.bandwidth_hz,
             force_max_n: model.force_max_n,
             encoder_m: model.encoder_m,
+            reserve_j: 0.0,
             rest_s: 0.05,
         }
+    }
+
+    /// As [`Self::of`], but nothing that the device loses by itself counts: the loop alone has to be passive.
+    pub fn strict(model: &super::DeviceModel) -> Self {
+        Self { damping_n_s_m: 0.0, coulomb_n: 0.0, reserve_j: 2e-5, ..Self::of(model) }
     }
 }
 
@@ -83,6 +92,7 @@ pub struct Passivity {
     cut: f64,
     soft: f64,
     quiet_s: f64,
+    begun: bool, // a contact, which has left its reserve
 }
 
 impl Passivity {
@@ -103,6 +113,7 @@ impl Passivity {
             cut: 0.0,
             soft: 0.0,
             quiet_s: 0.0,
+            begun: false,
         }
     }
 
@@ -159,12 +170,17 @@ impl Passivity {
     }
 
     fn restart(&mut self, received: [f64; 3], dt_s: f64) {
+        if received != [0.0; 3] && !self.begun {
+            self.begun = true;
+            self.credit_j -= self.settings.reserve_j;
+        }
         self.quiet_s = if received == [0.0; 3] { self.quiet_s + dt_s } else { 0.0 };
         if self.quiet_s >= self.settings.rest_s {
             self.credit_j = self.credit_j.min(0.0);
             self.damper = 0.0;
             self.cut = 0.0;
             self.soft = 0.0;
+            self.begun = false;
         }
     }
 

@@ -178,6 +178,7 @@ fn plain() -> PassivitySettings {
         bandwidth_hz: f64::INFINITY,
         force_max_n: 5.0,
         encoder_m: 0.0,
+        reserve_j: 0.0,
         rest_s: 0.05,
     }
 }

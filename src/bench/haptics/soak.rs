@@ -1,0 +1,153 @@
+//! Four devices in four processes hold contact with rigid and soft bodies for ten minutes: nothing drifts, nothing grows.
+
+use super::realtime::{Process, connect, free_port};
+use super::{Bar, Figure};
+use crate::bench::Effort;
+use std::time::{Duration, Instant};
+
+const SCENE: &str = include_str!("../../../scenes/four-hands.toml");
+
+/// Tool, device, hand, from where, to where it presses.
+type Part = (&'static str, &'static str, &'static str, [f64; 3], [f64; 3]);
+
+const PARTS: [Part; 4] = [
+    ("tip", "touch-x", "relaxed", [0.3, 0.0, 0.06], [0.302, 0.001, 0.037]),
+    ("ring", "omega.3", "firm", [0.38, 0.0, 0.0], [0.3585, 0.001, 0.002]),
+    ("ball", "ideal", "relaxed", [0.06, 0.003, 0.045], [0.026, 0.003, 0.045]),
+    ("plate", "falcon", "relaxed", [0.06, 0.2, 0.045], [0.030, 0.2, 0.045]),
+];
+/// Until everything presses.
+const SETTLE_S: f64 = 5.0;
+
+/// Means over a part of the time.
+#[derive(Clone, Copy, Default)]
+struct Moments {
+    count: f64,
+    sum: f64,
+    squares: f64,
+}
+
+impl Moments {
+    fn add(&mut self, value: f64) {
+        self.count += 1.0;
+        self.sum += value;
+        self.squares += value * value;
+    }
+
+    fn mean(&self) -> f64 {
+        self.sum / self.count.max(1.0)
+    }
+
+    fn deviation(&self) -> f64 {
+        (self.squares / self.count.max(1.0) - self.mean() * self.mean()).max(0.0).sqrt()
+    }
+}
+
+pub(super) fn run(effort: Effort, out: &mut dyn FnMut(Figure)) {
+    let seconds = if effort == Effort::Quick { 30.0 } else { 600.0 };
+    match hold(seconds) {
+        Ok(figures) => figures.into_iter().for_each(out),
+        Err(error) => eprintln!("soak: {error:#}"),
+    }
+}
+
+fn hold(seconds: f64) -> anyhow::Result<Vec<Figure>> {
+    let directory = std::env::temp_dir().join(format!("palpate-soak-{}", std::process::id()));
+    std::fs::create_dir_all(&directory)?;
+    let scene = directory.join("four-hands.toml");
+    std::fs::write(&scene, SCENE)?;
+    let endpoint = format!("tcp/127.0.0.1:{}", free_port()?);
+    let daemon = Process::start(&["serve", &scene.to_string_lossy(), "--listen", &endpoint])?;
+    let palpate = connect(&endpoint)?;
+    let mut devices = Vec::new();
+    for (k, (tool, device, hand, from, to)) in PARTS.iter().enumerate() {
+        let motion = directory.join(format!("{tool}.toml"));
+        let waypoint = |t: f64, p: &[f64; 3]| format!("[[waypoint]]\ntime_s = {t:?}\nposition = {p:?}\n");
+        std::fs::write(&motion, waypoint(0.0, from) + &waypoint(3.0, to))?;
+        let (motion, seed, length) = (motion.to_string_lossy(), (k + 1).to_string(), format!("{}s", seconds + 30.0));
+        devices.push(Process::start(&[
+            "device",
+            "--tool",
+            tool,
+            "--device",
+            device,
+            "--hand",
+            hand,
+            "--motion",
+            &motion,
+            "--tremor",
+            "2e-4",
+            "--rate",
+            "1000",
+            "--seed",
+            &seed,
+            "--for",
+            &length,
+            "--connect",
+            &endpoint,
+        ])?);
+    }
+    let watched = PARTS.iter().map(|part| palpate.forces(part.0)).collect::<Result<Vec<_>, _>>()?;
+    let mut tenths = [[Moments::default(); 10]; PARTS.len()];
+    let mut least_j = [0.0f64; PARTS.len()];
+    let statuses = palpate.statuses()?;
+    let begun = Instant::now();
+    loop {
+        std::thread::sleep(Duration::from_millis(7));
+        let t_s = begun.elapsed().as_secs_f64() - SETTLE_S;
+        if t_s >= seconds {
+            break;
+        }
+        if t_s < 0.0 {
+            continue;
+        }
+        let tenth = ((t_s / seconds * 10.0) as usize).min(9);
+        for (tool, latest) in watched.iter().enumerate() {
+            if let Some(force) = latest.take() {
+                tenths[tool][tenth].add(force.force.iter().map(|f| f * f).sum::<f64>().sqrt());
+            }
+        }
+        if let Some(status) = statuses.take() {
+            for (least, link) in least_j.iter_mut().zip(&status.tools) {
+                *least = least.min(link.energy_j);
+            }
+        }
+    }
+    let status = palpate.status()?;
+    drop((devices, watched, statuses));
+    palpate.close();
+    drop(daemon);
+    let _ = std::fs::remove_dir_all(directory);
+    let mut figures = Vec::new();
+    for (k, part) in PARTS.iter().enumerate() {
+        let (first, last) = (&tenths[k][0], &tenths[k][9]);
+        let made = status.tools.iter().position(|link| link.tool == part.0).map_or(0.0, |at| least_j[at]);
+        let figure = |case: &str, value, reference, reference_is, bar, note| Figure {
+            suite: "haptics",
+            case: case.to_owned(),
+            method: format!("{} on {}", part.0, part.1),
+            value,
+            unit: "1",
+            reference,
+            reference_is,
+            bar: Some(bar),
+            note,
+        };
+        let whole = format!(
+            "{:.3} N, after {:.0} s {:.3} N; {:.0} samples; least energy {made:.1e} J; {} late, {} skipped of {} ticks",
+            first.mean(),
+            seconds,
+            last.mean(),
+            tenths[k].iter().map(|tenth| tenth.count).sum::<f64>(),
+            status.late_ticks,
+            status.skipped_ticks,
+            status.tick,
+        );
+        let drift = (last.mean() / first.mean() - 1.0).abs();
+        figures.push(figure("soak/drift", drift, 0.0, "steady", Bar::AtMost(0.01), whole));
+        let growth = (last.deviation() - first.deviation()) / first.mean();
+        let note = format!("tremor of {:.3} N, after {:.0} s {:.3} N", first.deviation(), seconds, last.deviation());
+        figures.push(figure("soak/growth", growth, 0.0, "steady", Bar::AtMost(0.02), note));
+    }
+    Ok(figures)
+}
