@@ -15,8 +15,9 @@ pub(crate) struct Announcement {
     bytes: Vec<u8>,
     /// A daemon appeared that has not been told.
     due: Arc<AtomicBool>,
-    publisher: Publisher<'static>,
+    // Fields are dropped in this order: a publisher that goes takes its listeners along.
     _listener: MatchingListener<()>,
+    publisher: Publisher<'static>,
 }
 
 impl Announcement {
