@@ -55,3 +55,10 @@ fn friction_holds_to_its_threshold_and_does_not_creep() {
         assert!(figure.unit != "1" || figure.value > 0.99 * figure.reference, "{figure:?}");
     }
 }
+
+#[test]
+fn no_tool_gives_more_energy_than_it_got_on_rigid_and_on_soft_bodies() {
+    let figures = all_met("energy/tool/");
+    assert_eq!(figures.len(), 10);
+    assert!(figures.iter().all(|figure| !figure.note.starts_with("0 ticks")), "{figures:?}");
+}

@@ -122,6 +122,7 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
         tool.device.ramp_s = 0.0;
         tool.device.speed_max_m_s = 1e6;
         tool.coupling.damping_n_s_m = 0.0;
+        tool.coupling.turning_damping_nm_s_rad = 0.0;
     }
     let scene = Scene::build(&spec, &loaded.directory)?;
     let tool = match &args.tool {

@@ -1,6 +1,6 @@
 //! The narrow phase of each pair, with its scratch.
 
-use super::state::BodyScratch;
+use super::scratch::BodyScratch;
 use super::{Method, Pair, Scene};
 use crate::contact::exact::{self, ExactScratch};
 use crate::contact::implicit::ImplicitSolver;

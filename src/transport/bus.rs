@@ -267,6 +267,7 @@ impl BusThread {
         }
         if self.contact_wanted[tool] {
             let limit_n = self.settings.scene.spec.tools[tool].device.force_max_n;
+            let limit_n = limit_n.min(self.devices.force_max_n(tool));
             let contact = wire::tool_contact(self.output.tick, limit_n, &out);
             let _ = self.declared().tool_contacts[tool].put(encode(&contact)).wait();
         }

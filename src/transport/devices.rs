@@ -52,6 +52,11 @@ impl Devices {
         self.tools[tool].info.as_ref()
     }
 
+    /// Greatest force that the device told it can bear, N.
+    pub(super) fn force_max_n(&self, tool: usize) -> f64 {
+        self.tools[tool].bounds.force_max_n
+    }
+
     /// Forces left out so far.
     pub(super) fn suppressed(&self, tool: usize) -> u64 {
         self.tools[tool].deadband.suppressed()

@@ -11,6 +11,7 @@ mod render;
 mod rig;
 mod soak;
 mod svg;
+mod tools;
 mod zwidth;
 
 pub use energy::Trace;
@@ -85,6 +86,7 @@ pub fn haptics(effort: Effort, only: Option<&str>, out: &mut dyn FnMut(Figure)) 
     if wanted("energy/hands") {
         out(hands::figure(effort));
     }
+    tools::run(&wanted, out);
     render::run(&wanted, out);
     friction::run(&wanted, out);
     realtime::run(effort, &wanted, out);
