@@ -133,7 +133,8 @@ fn load_bodies(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch) {
     for i in 0..scratch.rows.rows.len() {
         let row = scratch.rows.rows[i];
         let turns = row.tool().is_some_and(|tool| scene.tools[tool].coupling.turns());
-        if !load::carries(scratch, i) && !(turns && is_near(scene, &row, scratch.gap_after(i))) {
+        let lasts = load::carries(scratch, i) || turns && is_near(scene, &row, scratch.gap_after(i));
+        if !lasts {
             continue;
         }
         state.warm_arms |= turns;

@@ -68,7 +68,9 @@ pub(super) fn push_manifold(
         }
         let Some(foot) = parts.solver.local(&parts.surface, &on_tool, row.uv[0], row.uv[1]) else { continue };
         let (normal, depth_m) = (foot.normal * stance.side, -foot.signed_distance * stance.side);
-        if !(depth_m > -stance.size_m) {
+        // Far off, or no number.
+        let near = depth_m > -stance.size_m;
+        if !near {
             continue;
         }
         let contact = Contact { u: foot.u, v: foot.v, on_body: foot.point, on_tool, normal, depth_m, tool_uv: None };

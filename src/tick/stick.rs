@@ -62,7 +62,7 @@ pub(super) fn slip(scene: &Scene, scratch: &mut Scratch, row: &Row, old: Option<
     let stuck = old.filter(|old| !old.slips).map(|old| old.stick);
     match (row.law, row.tool()) {
         (Law::Grip { .. }, _) => (row.slip, Stick::default()),
-        (Law::Push { mu, .. }, _) if mu == 0.0 => (row.slip, Stick::default()),
+        (Law::Push { mu: 0.0, .. }, _) => (row.slip, Stick::default()),
         (Law::Push { .. }, Some(t)) => {
             let Scratch { bodies, rows, .. } = scratch;
             let (body, parts) = (&scene.bodies[row.body as usize], &bodies[row.body as usize]);

@@ -14,7 +14,7 @@ const TOOLS: [(&str, &str, f64, &str); 5] = [
 ];
 
 /// How far the side of the drop is from its axis at the height of the tools, m.
-const SIDE_M: f64 = 0.024;
+const SIDE_M: f64 = 0.0175;
 
 pub(super) fn run(wanted: &dyn Fn(&str) -> bool, out: &mut dyn FnMut(Figure)) {
     let model = DeviceModel::preset("ideal").unwrap_or_else(|error| panic!("{error}"));
@@ -28,7 +28,7 @@ pub(super) fn run(wanted: &dyn Fn(&str) -> bool, out: &mut dyn FnMut(Figure)) {
     }
 }
 
-/// Ten seconds: in by 5 mm, to and fro along the body by 5 mm, out, again.
+/// Five seconds: in by 5 mm, to and fro along the body by 5 mm, out, again.
 fn press(case: String, (shape, turning): (&str, &str), touch_m: f64, soft: bool, model: &DeviceModel) -> Figure {
     let body = if soft {
         "model = \"lattice\"\nmaterial = { young_pa = 20e3, density_kg_m3 = 1000.0, damping_s = 2e-3 }\n\
@@ -51,7 +51,7 @@ fn press(case: String, (shape, turning): (&str, &str), touch_m: f64, soft: bool,
     };
     let mut rig = Rig::new(World::new(&text), (model, &Hand::relaxed()), goal(0.0).position, 0.0, None, 1);
     let (mut given, mut peak_n, mut touched): (f64, f64, usize) = (0.0, 0.0, 0);
-    for _ in 0..10_000 {
+    for _ in 0..5_000 {
         let out = rig.period(goal(rig.device.time_s() + 0.5e-3));
         given = given.max(-rig.device.energy().hand_j);
         peak_n = peak_n.max(out.force_n.norm());
