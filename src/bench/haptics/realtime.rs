@@ -13,6 +13,7 @@ use crate::tick::ports::ports;
 use crate::tick::stats::{Histogram, LATE_NS};
 use palpate_client::{Connect, Palpate, pose_at, raw_ping};
 use std::net::TcpListener;
+use std::os::unix::process::CommandExt as _;
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use std::sync::Arc;
@@ -62,10 +63,18 @@ fn figure(
 pub(super) struct Process(Child);
 
 impl Process {
-    /// With these arguments, silent.
+    /// With these arguments, silent. It dies with the calling thread even if this program is killed.
     pub(super) fn start(args: &[&str]) -> anyhow::Result<Self> {
         let mut command = Command::new(std::env::current_exe()?);
         command.args(args).stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null());
+        // SAFETY: prctl is async-signal-safe and touches nothing but the new process.
+        #[allow(unsafe_code)]
+        unsafe {
+            command.pre_exec(|| {
+                libc::prctl(libc::PR_SET_PDEATHSIG, libc::SIGKILL);
+                Ok(())
+            });
+        }
         Ok(Self(command.spawn()?))
     }
 }
