@@ -62,10 +62,11 @@ pub(super) fn emit(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch,
             }
             output.contacts.push(report);
         }
-        let (rendered, damped) = keep_passive(scene, tool_state, t, rendered, out, limit_nm);
-        if factor < 1.0 || rendered.torque_nm() != torque && !damped {
+        // A device without motors for torque lacks nothing that it could have.
+        if factor < 1.0 || limit_nm > 0.0 && rendered.torque_nm() != torque {
             out.flags |= flags::SATURATED;
         }
+        let (rendered, damped) = keep_passive(scene, tool_state, t, rendered, out, limit_nm);
         if damped {
             out.flags |= flags::DAMPED;
         }
