@@ -16,6 +16,14 @@ coupling = { stiffness_n_m = 700.0, damping_n_s_m = 0.0 }
 device = { force_max_n = 500.0, ramp_s = 0.0, speed_max_m_s = 1000.0 }
 "#;
 
+/// A point 30 mm over an open sheet.
+fn point_over_sheet() -> String {
+    SPHERE
+        .replace("builtin = \"sphere\", size = 0.05", "builtin = \"sheet\"")
+        .replace("{ sphere = { radius_m = 0.01 } }", "{ point = {} }")
+        .replace("position = [0.09, 0.0, 0.0]", "position = [0.0, 0.0, 0.03]")
+}
+
 // On a globe of 50 mm a ball of 10 mm feels K (60 mm − |c|) along c, wherever it is.
 #[test]
 fn force_is_stiffness_times_depth_along_an_analytic_path() {
@@ -68,10 +76,7 @@ fn a_tool_that_jumps_through_the_body_is_held_on_the_side_it_came_from() {
     assert!((tool.proxy_position.x - 0.06).abs() < 1e-9, "proxy at {}", tool.proxy_position);
     assert!((tool.force_n.x - 700.0 * 0.09).abs() < 1e-6, "{}", tool.force_n);
 
-    let sheet = SPHERE
-        .replace("builtin = \"sphere\", size = 0.05", "builtin = \"sheet\"")
-        .replace("{ sphere = { radius_m = 0.01 } }", "{ point = {} }")
-        .replace("position = [0.09, 0.0, 0.0]", "position = [0.0, 0.0, 0.03]");
+    let sheet = point_over_sheet();
     for side in [1.0, -1.0] {
         let mut world = World::new(&sheet);
         world.at([0.0, 0.0, 0.03 * side]);
@@ -83,10 +88,7 @@ fn a_tool_that_jumps_through_the_body_is_held_on_the_side_it_came_from() {
 // A point that comes down on a sheet from anywhere near is never let through, however its last step rounds.
 #[test]
 fn a_point_that_comes_to_lie_on_a_sheet_stays_on_its_side() {
-    let sheet = SPHERE
-        .replace("builtin = \"sphere\", size = 0.05", "builtin = \"sheet\"")
-        .replace("{ sphere = { radius_m = 0.01 } }", "{ point = {} }")
-        .replace("position = [0.09, 0.0, 0.0]", "position = [0.0, 0.0, 0.03]");
+    let sheet = point_over_sheet();
     for side in [1.0, -1.0] {
         let mut world = World::new(&sheet);
         world.at([0.0, 0.0, 0.03 * side]);

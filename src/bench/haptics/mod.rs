@@ -6,6 +6,7 @@
 mod energy;
 mod friction;
 mod hands;
+mod processes;
 mod realtime;
 mod render;
 mod rig;

@@ -1,5 +1,6 @@
 //! How punctual the loop is beside a bare timer, and how long a pose takes to its force beside a bare ping.
 
+use super::processes::{Files, Process, connect, free_port};
 use super::{Bar, Figure};
 use crate::bench::Effort;
 use crate::haptics::DevicePose;
@@ -11,11 +12,8 @@ use crate::tick::journal::NoJournal;
 use crate::tick::pacer::{ask_privileges, now_ns, sleep_until};
 use crate::tick::ports::ports;
 use crate::tick::stats::{Histogram, LATE_NS};
-use palpate_client::{Connect, Palpate, pose_at, raw_ping};
-use std::net::TcpListener;
-use std::os::unix::process::CommandExt as _;
+use palpate_client::{pose_at, raw_ping};
 use std::path::Path;
-use std::process::{Child, Command, Stdio};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
@@ -59,53 +57,11 @@ fn figure(
     }
 }
 
-/// This program in a process of its own; it dies with this.
-pub(super) struct Process(Child);
-
-impl Process {
-    /// With these arguments, silent. It dies with the calling thread even if this program is killed.
-    pub(super) fn start(args: &[&str]) -> anyhow::Result<Self> {
-        let mut command = Command::new(std::env::current_exe()?);
-        command.args(args).stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null());
-        // SAFETY: prctl is async-signal-safe and touches nothing but the new process.
-        #[allow(unsafe_code)]
-        unsafe {
-            command.pre_exec(|| {
-                libc::prctl(libc::PR_SET_PDEATHSIG, libc::SIGKILL);
-                Ok(())
-            });
-        }
-        Ok(Self(command.spawn()?))
-    }
-}
-
-impl Drop for Process {
-    fn drop(&mut self) {
-        let _ = self.0.kill();
-        let _ = self.0.wait();
-    }
-}
-
-pub(super) fn free_port() -> anyhow::Result<u16> {
-    Ok(TcpListener::bind("127.0.0.1:0")?.local_addr()?.port())
-}
-
-/// Joins a daemon that has just been started.
-pub(super) fn connect(endpoint: &str) -> anyhow::Result<Palpate> {
-    let begun = Instant::now();
-    loop {
-        match Palpate::connect(&Connect { timeout: Duration::from_secs(10), ..Connect::to(endpoint) }) {
-            Err(_) if begun.elapsed() < Duration::from_secs(20) => std::thread::sleep(Duration::from_millis(50)),
-            answer => return Ok(answer?),
-        }
-    }
-}
-
 fn latency(count: usize) -> anyhow::Result<Vec<Figure>> {
-    let scene = std::env::temp_dir().join(format!("palpate-bench-{}.toml", std::process::id()));
-    std::fs::write(&scene, super::rig::wall(1_000.0, 1.0, ""))?;
+    let files = Files::new("latency")?;
+    let scene = files.write("wall.toml", &super::rig::wall(1_000.0, 1.0, ""))?;
     let endpoint = format!("tcp/127.0.0.1:{}", free_port()?);
-    let daemon = Process::start(&["serve", &scene.to_string_lossy(), "--listen", &endpoint])?;
+    let daemon = Process::start(&["serve", &scene, "--listen", &endpoint])?;
     let palpate = connect(&endpoint)?;
     let mut tool = palpate.tool("tip")?;
     let mut times = Vec::with_capacity(count);
@@ -123,7 +79,6 @@ fn latency(count: usize) -> anyhow::Result<Vec<Figure>> {
     drop(tool);
     palpate.close();
     drop(daemon);
-    let _ = std::fs::remove_file(scene);
     anyhow::ensure!(!times.is_empty(), "no force came back");
     times.sort_by(f64::total_cmp);
     let ping = raw_ping(free_port()?, count.min(3_000), pause)?;
@@ -131,22 +86,11 @@ fn latency(count: usize) -> anyhow::Result<Vec<Figure>> {
     let raw = |q: f64| ping.quantile(q) as f64 * 1e-9;
     let lost = count - times.len();
     let note = format!("{} round trips, {lost} without answer", times.len());
-    let half = figure(
-        "latency/pose-force",
-        "median",
-        quantile(0.5),
-        "s",
-        (raw(0.5), "raw Zenoh"),
-        Bar::AtMost(raw(0.5) + 0.55e-3),
-    );
-    let tail = figure(
-        "latency/pose-force",
-        "p99",
-        quantile(0.99),
-        "s",
-        (raw(0.99), "raw Zenoh"),
-        Bar::AtMost(2.0 * raw(0.99) + 1e-3),
-    );
+    let row = |method: &str, q: f64, bar_s: f64| {
+        let (reference, bar) = ((raw(q), "raw Zenoh"), Bar::AtMost(bar_s));
+        figure("latency/pose-force", method, quantile(q), "s", reference, bar)
+    };
+    let (half, tail) = (row("median", 0.5, raw(0.5) + 0.55e-3), row("p99", 0.99, 2.0 * raw(0.99) + 1e-3));
     Ok(vec![Figure { note, ..half }, tail])
 }
 

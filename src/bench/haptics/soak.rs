@@ -2,7 +2,7 @@
 //!
 //! In lockstep: ten minutes of the devices' time, whatever else the machine does.
 
-use super::realtime::{Process, connect, free_port};
+use super::processes::{Files, Process, connect, free_port};
 use super::{Bar, Figure};
 use crate::bench::Effort;
 use std::time::{Duration, Instant};
@@ -56,19 +56,16 @@ pub(super) fn run(effort: Effort, out: &mut dyn FnMut(Figure)) {
 }
 
 fn hold(seconds: f64) -> anyhow::Result<Vec<Figure>> {
-    let directory = std::env::temp_dir().join(format!("palpate-soak-{}", std::process::id()));
-    std::fs::create_dir_all(&directory)?;
-    let scene = directory.join("four-hands.toml");
-    std::fs::write(&scene, SCENE)?;
+    let files = Files::new("soak")?;
+    let scene = files.write("four-hands.toml", SCENE)?;
     let endpoint = format!("tcp/127.0.0.1:{}", free_port()?);
-    let daemon = Process::start(&["serve", &scene.to_string_lossy(), "--clock", "lockstep", "--listen", &endpoint])?;
+    let daemon = Process::start(&["serve", &scene, "--clock", "lockstep", "--listen", &endpoint])?;
     let palpate = connect(&endpoint)?;
     let mut devices = Vec::new();
     for (k, (tool, device, hand, from, to)) in PARTS.iter().enumerate() {
-        let motion = directory.join(format!("{tool}.toml"));
         let waypoint = |t: f64, p: &[f64; 3]| format!("[[waypoint]]\ntime_s = {t:?}\nposition = {p:?}\n");
-        std::fs::write(&motion, waypoint(0.0, from) + &waypoint(3.0, to))?;
-        let (motion, seed, length) = (motion.to_string_lossy(), (k + 1).to_string(), format!("{}s", seconds + 30.0));
+        let motion = files.write(&format!("{tool}.toml"), &(waypoint(0.0, from) + &waypoint(3.0, to)))?;
+        let (seed, length) = ((k + 1).to_string(), format!("{}s", seconds + 30.0));
         devices.push(Process::start(&[
             "device",
             "--tool",
@@ -116,7 +113,6 @@ fn hold(seconds: f64) -> anyhow::Result<Vec<Figure>> {
     drop((devices, watched, statuses));
     palpate.close();
     drop(daemon);
-    let _ = std::fs::remove_dir_all(directory);
     let mut figures = Vec::new();
     for (k, part) in PARTS.iter().enumerate() {
         let (first, last) = (&tenths[k][0], &tenths[k][9]);

@@ -1,0 +1,75 @@
+//! Daemons and devices in processes of their own, and the files that they read.
+
+use palpate_client::{Connect, Palpate};
+use std::net::TcpListener;
+use std::os::unix::process::CommandExt as _;
+use std::path::PathBuf;
+use std::process::{Child, Command, Stdio};
+use std::time::{Duration, Instant};
+
+/// A directory of its own, gone with this.
+pub(super) struct Files(PathBuf);
+
+impl Files {
+    pub(super) fn new(name: &str) -> anyhow::Result<Self> {
+        let directory = std::env::temp_dir().join(format!("palpate-{name}-{}", std::process::id()));
+        std::fs::create_dir_all(&directory)?;
+        Ok(Self(directory))
+    }
+
+    /// Writes a file; gives its path.
+    pub(super) fn write(&self, name: &str, text: &str) -> anyhow::Result<String> {
+        let path = self.0.join(name);
+        std::fs::write(&path, text)?;
+        Ok(path.to_string_lossy().into_owned())
+    }
+}
+
+impl Drop for Files {
+    fn drop(&mut self) {
+        let _ = std::fs::remove_dir_all(&self.0);
+    }
+}
+
+/// This program in a process of its own; it dies with this.
+pub(super) struct Process(Child);
+
+impl Process {
+    /// With these arguments, silent. It dies with the calling thread even if this program is killed.
+    pub(super) fn start(args: &[&str]) -> anyhow::Result<Self> {
+        let mut command = Command::new(std::env::current_exe()?);
+        command.args(args).stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null());
+        // SAFETY: prctl is async-signal-safe and touches nothing but the new process.
+        #[allow(unsafe_code)]
+        unsafe {
+            command.pre_exec(|| {
+                libc::prctl(libc::PR_SET_PDEATHSIG, libc::SIGKILL);
+                Ok(())
+            });
+        }
+        Ok(Self(command.spawn()?))
+    }
+}
+
+impl Drop for Process {
+    fn drop(&mut self) {
+        let _ = self.0.kill();
+        let _ = self.0.wait();
+    }
+}
+
+/// A loopback port that nobody uses now.
+pub(super) fn free_port() -> anyhow::Result<u16> {
+    Ok(TcpListener::bind("127.0.0.1:0")?.local_addr()?.port())
+}
+
+/// Joins a daemon that has just been started.
+pub(super) fn connect(endpoint: &str) -> anyhow::Result<Palpate> {
+    let begun = Instant::now();
+    loop {
+        match Palpate::connect(&Connect { timeout: Duration::from_secs(10), ..Connect::to(endpoint) }) {
+            Err(_) if begun.elapsed() < Duration::from_secs(20) => std::thread::sleep(Duration::from_millis(50)),
+            answer => return Ok(answer?),
+        }
+    }
+}
