@@ -134,6 +134,7 @@ pub fn serve(
             instance: common.instance.clone(),
             viewer: feed.map(|feed| Box::new(feed) as Box<dyn ViewSink>),
             recorder: recorder.as_ref().map(Recorder::gauges),
+            archive: None,
         },
     )
     .map_err(|e| anyhow::anyhow!("{e}"))?;

@@ -6,6 +6,8 @@
 //! ```
 
 mod admit;
+#[cfg(feature = "daemon")]
+pub mod archive;
 mod balance;
 mod between;
 mod cover;

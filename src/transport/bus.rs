@@ -5,6 +5,7 @@ use super::declared::{Declared, Inbox};
 use super::devices::Devices;
 use super::tally::ToolTally;
 use crate::scene::Scene;
+use crate::tick::archive::Archive;
 use crate::tick::journal::JournalGauges;
 use crate::tick::ports::{BusPorts, PoseInbox};
 use crate::tick::record::TickOutput;
@@ -46,6 +47,8 @@ pub struct BusSettings {
     pub viewer: Option<Box<dyn ViewSink>>,
     /// Bytes and drops of the recorder, if any.
     pub recorder: Option<Arc<JournalGauges>>,
+    /// Who records on demand, if anyone does.
+    pub archive: Option<Box<dyn Archive>>,
 }
 
 /// A running bus thread.
