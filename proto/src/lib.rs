@@ -1,11 +1,13 @@
 //! What Palpate says on the bus and writes into recordings.
 //!
 //! [`messages`] are the bus messages, [`codec`] their bytes, [`keys`] where they travel, [`rpc`] the JSON of commands;
-//! with the `recording` feature, [`recording`] holds the Protobuf messages of MCAP files. `docs/wire.md` of the project
-//! gives the byte layout for people who write a client without this crate.
+//! with the `recording` feature, [`recording`] holds the Protobuf messages of MCAP files and [`foxglove`] those that common
+//! viewers know. `docs/wire.md` of the project gives the byte layout for people who write a client without this crate.
 
 pub mod codec;
 mod device;
+#[cfg(feature = "recording")]
+pub mod foxglove;
 pub mod keys;
 pub mod messages;
 #[cfg(feature = "recording")]
