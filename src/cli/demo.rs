@@ -35,8 +35,8 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
         common.http = Some(std::net::SocketAddr::from(([127, 0, 0, 1], 0)));
     }
     let endpoint = common.listen[0].clone();
-    let record = common.record.clone().unwrap_or_else(|| default_path(Path::new("recordings/local"), "demo"));
-    common.record = Some(record);
+    let record = common.recording.record.clone();
+    common.recording.record = Some(record.unwrap_or_else(|| default_path(&common.recording.record_dir, "demo")));
     let loaded = file::parse(SCENE, "teardrop.toml", Path::new("."))?;
     eprintln!("scene teardrop, a simulated device presses it for {} s…", duration.as_secs_f64());
     let mut devices = None;
@@ -72,7 +72,7 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
         ),
         Err(error) => println!("raw Zenoh ping: {error}"),
     }
-    if let Some(recording) = &served.recording {
+    for recording in &served.recording.files {
         let info = info(&Session::open(&recording.path)?);
         for tool in &info.tools {
             println!(

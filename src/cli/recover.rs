@@ -8,16 +8,21 @@ use std::path::PathBuf;
 pub struct Args {
     /// Recording that was cut short, usually `….mcap.part`.
     file: PathBuf,
-    /// New file.
+    /// New file; FILE without `.part` if left out.
     #[arg(short, long)]
-    output: PathBuf,
+    output: Option<PathBuf>,
     /// Print one JSON object.
     #[arg(long)]
     json: bool,
 }
 
 pub fn run(args: &Args) -> anyhow::Result<Outcome> {
-    let recovered = recover(&args.file, &args.output)?;
+    let output = match &args.output {
+        Some(output) => output.clone(),
+        None if args.file.extension().is_some_and(|extension| extension == "part") => args.file.with_extension(""),
+        None => anyhow::bail!("{} does not end in .part: say with -o where to write", args.file.display()),
+    };
+    let recovered = recover(&args.file, &output)?;
     if args.json {
         println!("{}", serde_json::to_string(&recovered)?);
     } else {

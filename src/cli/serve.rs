@@ -1,14 +1,14 @@
 //! `palpate serve`: one scene, until it is told to stop.
 
 use super::{Outcome, text};
-use crate::recording::{Recorder, RecorderSettings, RecordingSummary, default_path, stage_infos, write_stages};
-use crate::scene::spec::Clock;
+use crate::recording::{Recorder, RecorderSettings, RecordingReport, Split, default_path, stage_infos, write_stages};
+use crate::scene::spec::{Clock, SceneSpec};
 use crate::scene::{Scene, file, inline_files};
 use crate::tick::driver::{self, DriverReport, DriverSettings};
-use crate::tick::journal::{Journal, NoJournal};
 use crate::tick::ports::ports;
 use crate::transport::{Bus, BusSettings, DEFAULT_ENDPOINT, SessionSettings, ViewSink, open};
 use crate::viewer::Viewer;
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU32, Ordering};
@@ -31,9 +31,8 @@ pub struct Common {
     /// End after this long, for example 10s (in lockstep: of simulated time).
     #[arg(long = "for", value_parser = text::duration)]
     pub duration: Option<Duration>,
-    /// Record to this file.
-    #[arg(long)]
-    pub record: Option<PathBuf>,
+    #[command(flatten)]
+    pub recording: Recording,
     /// Zenoh endpoint to listen on; several may be given.
     #[arg(short, long)]
     pub listen: Vec<String>,
@@ -54,11 +53,54 @@ pub struct Common {
     pub no_rt: bool,
 }
 
+/// What is kept of a session.
+#[derive(clap::Args, Debug, Clone)]
+pub struct Recording {
+    /// Record to this file, from the first tick on; into a directory under a name of its own.
+    #[arg(long)]
+    pub record: Option<PathBuf>,
+    /// Where recordings and snapshots go that clients ask for (rpc record_start, snapshot).
+    #[arg(long, default_value = "recordings/local")]
+    pub record_dir: PathBuf,
+    /// Keep the last seconds in memory for rpc snapshot, for example 30s.
+    #[arg(long, value_parser = text::duration)]
+    pub ring: Option<Duration>,
+    /// Begin a new file when one holds this much before compression, for example 500MB.
+    #[arg(long, value_parser = text::bytes)]
+    pub split_size: Option<u64>,
+    /// Begin a new file after this much simulated time, for example 10m.
+    #[arg(long, value_parser = text::duration)]
+    pub split_duration: Option<Duration>,
+    /// Keep files of a split recording within this much disk: the oldest are deleted.
+    #[arg(long, value_parser = text::bytes)]
+    pub max_total: Option<u64>,
+    /// Leave out what only viewers read.
+    #[arg(long)]
+    pub no_views: bool,
+}
+
+impl Recording {
+    fn settings(&self, loaded: &file::Loaded, effective: &SceneSpec, instance: &str) -> RecorderSettings {
+        let path = match &self.record {
+            Some(path) if path.is_dir() => Some(default_path(path, "session")),
+            path => path.clone(),
+        };
+        let split = Split { bytes: self.split_size, duration: self.split_duration, total_bytes: self.max_total };
+        RecorderSettings {
+            directory: self.record_dir.clone(),
+            path,
+            ring: self.ring,
+            split,
+            extra: BTreeMap::from([("instance".to_owned(), instance.to_owned())]),
+            ..RecorderSettings::new(&loaded.text, effective)
+        }
+    }
+}
+
 /// A daemon that has ended.
 pub struct Served {
     pub report: DriverReport,
-    pub recording: Option<RecordingSummary>,
-    pub recording_failed: bool,
+    pub recording: RecordingReport,
 }
 
 pub fn run(args: &Args) -> anyhow::Result<Outcome> {
@@ -66,19 +108,15 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     if let Some(clock) = &args.clock {
         loaded.spec.loop_.clock = if clock == "lockstep" { Clock::Lockstep } else { Clock::Realtime };
     }
-    let mut common = args.common.clone();
-    if common.record.as_ref().is_some_and(|path| path.is_dir()) {
-        common.record = common.record.map(|path| default_path(&path, "session"));
-    }
-    let served = serve(&loaded, &common, || Ok(()))?;
+    let served = serve(&loaded, &args.common, || Ok(()))?;
     summary(&served);
     Ok(outcome(&served))
 }
 
 /// Exit code of a served session.
 pub fn outcome(served: &Served) -> Outcome {
-    let lossy = served.recording.as_ref().is_some_and(|recording| recording.dropped > 0);
-    if served.recording_failed || lossy { Outcome::Fault } else { Outcome::Ok }
+    let incomplete = served.recording.failure.is_some() || served.recording.dropped > 0;
+    if incomplete { Outcome::Fault } else { Outcome::Ok }
 }
 
 /// Runs a scene to its end. `ready` is called once everything listens.
@@ -87,7 +125,8 @@ pub fn serve(
     common: &Common,
     ready: impl FnOnce() -> anyhow::Result<()>,
 ) -> anyhow::Result<Served> {
-    let effective = inline_files(&loaded.spec, &loaded.directory)?;
+    let mut effective = inline_files(&loaded.spec, &loaded.directory)?;
+    effective.record.views &= !common.recording.no_views;
     let scene = Arc::new(Scene::build(&effective, &loaded.directory)?);
     let config = common
         .zenoh_config
@@ -98,14 +137,8 @@ pub fn serve(
         _ => common.listen.clone(),
     };
     let session = open(&SessionSettings { connect: common.connect.clone(), listen: listen.clone(), config })?;
-    let (recorder, journal): (Option<Recorder>, Box<dyn Journal>) = match &common.record {
-        None => (None, Box::new(NoJournal)),
-        Some(path) => {
-            let settings = RecorderSettings { path: path.clone(), scene_text: loaded.text.clone(), effective };
-            let (recorder, port) = Recorder::start(settings, &scene)?;
-            (Some(recorder), Box::new(port))
-        }
-    };
+    let (mut recorder, journal) =
+        Recorder::start(common.recording.settings(loaded, &effective, &common.instance), &scene)?;
     let (viewer, feed) = match common.http {
         Some(address) => {
             let (viewer, feed) =
@@ -133,8 +166,8 @@ pub fn serve(
             scene_hash: loaded.sha256,
             instance: common.instance.clone(),
             viewer: feed.map(|feed| Box::new(feed) as Box<dyn ViewSink>),
-            recorder: recorder.as_ref().map(Recorder::gauges),
-            archive: None,
+            recorder: Some(recorder.gauges()),
+            archive: recorder.archive(),
         },
     )
     .map_err(|e| anyhow::anyhow!("{e}"))?;
@@ -143,7 +176,7 @@ pub fn serve(
         ticks: common.duration.map(|duration| (duration.as_secs_f64() / scene.dt_s).round() as u64),
         privileged: !common.no_rt,
     };
-    let thread = driver::start(scene.clone(), tick_ports, journal, settings)?;
+    let thread = driver::start(scene.clone(), tick_ports, Box::new(journal), settings)?;
     tracing::info!(
         scene = scene.name, instance = common.instance, listen = listen.join(","), clock = ?scene.clock,
         "serving; poses on palpate/{}/tool/ID/pose", common.instance
@@ -152,15 +185,9 @@ pub fn serve(
     let report = thread.join().map_err(|_| anyhow::anyhow!("the tick thread panicked"));
     let bus_report = bus.finish();
     drop(viewer);
-    let (mut recording, mut recording_failed) = (None, false);
-    if let Some(recorder) = recorder {
-        match recorder.finish() {
-            Ok(summary) => recording = Some(summary),
-            Err(error) => {
-                eprintln!("the recording is incomplete: {error}");
-                recording_failed = true;
-            }
-        }
+    let recording = recorder.finish();
+    if let Some(error) = &recording.failure {
+        eprintln!("the recording is incomplete: {error}");
     }
     begun?;
     tracing::debug!(events = bus_report.events, poses = ?bus_report.poses, suppressed = ?bus_report.suppressed, "bus closed");
@@ -168,7 +195,7 @@ pub fn serve(
     if settings.privileged && !report.privileges.fifo && scene.clock == Clock::Realtime {
         tracing::warn!("SCHED_FIFO was refused: ticks may start late; see `palpate doctor`");
     }
-    Ok(Served { report, recording, recording_failed })
+    Ok(Served { report, recording })
 }
 
 /// The figures of a session, on stdout.
@@ -185,7 +212,7 @@ pub fn summary(served: &Served) {
     let mut table = String::new();
     let _ = write_stages(&mut table, &stage_infos(&report.stages));
     print!("{table}");
-    if let Some(recording) = &served.recording {
+    for recording in &served.recording.files {
         println!(
             "recorded {} ({} ticks, {} lost), session hash {:016x}",
             recording.path.display(),

@@ -1,4 +1,4 @@
-//! Durations as people write them.
+//! Durations and sizes as people write them.
 
 use std::time::Duration;
 
@@ -16,9 +16,41 @@ pub fn duration(text: &str) -> Result<Duration, String> {
     }
 }
 
+/// `500MB`, `2GB`, `64KiB`, or plain bytes.
+pub fn bytes(text: &str) -> Result<u64, String> {
+    let units = [
+        ("KiB", 1024.0),
+        ("MiB", 1024.0 * 1024.0),
+        ("GiB", 1024.0 * 1024.0 * 1024.0),
+        ("kB", 1e3),
+        ("KB", 1e3),
+        ("MB", 1e6),
+        ("GB", 1e9),
+        ("B", 1.0),
+    ];
+    let (number, scale) = units
+        .iter()
+        .find_map(|(unit, scale)| text.strip_suffix(unit).map(|number| (number, *scale)))
+        .unwrap_or((text, 1.0));
+    match number.trim().parse::<f64>().ok().map(|value| value * scale) {
+        Some(bytes) if (1.0..1e15).contains(&bytes) => Ok(bytes as u64),
+        _ => Err(format!("{text:?} is no size; write 500MB, 2GB or 64KiB")),
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn sizes_read_as_people_write_them() {
+        for (text, size) in [("500MB", 500_000_000), ("64KiB", 65_536), ("1.5GB", 1_500_000_000), ("7", 7), ("9B", 9)] {
+            assert_eq!(bytes(text), Ok(size), "{text}");
+        }
+        for text in ["", "MB", "-1MB", "0", "nan", "1e99", "ten", "10 elephants"] {
+            assert!(bytes(text).is_err(), "{text:?}");
+        }
+    }
 
     #[test]
     fn durations_read_as_people_write_them() {

@@ -14,3 +14,12 @@ pub fn has_avx2() -> bool {
         !held_back && std::arch::is_x86_feature_detected!("avx2")
     })
 }
+
+/// The path this run takes, for whoever keeps a record of it.
+pub fn path_name() -> &'static str {
+    #[cfg(target_arch = "x86_64")]
+    if has_avx2() {
+        return "avx2";
+    }
+    "baseline"
+}

@@ -91,7 +91,7 @@ pub fn tick_to_proto(record: &TickRecord, tool_count: usize) -> pb::Tick {
     let output = &record.output;
     let tools = (0..tool_count).map(|t| {
         let out = &output.tools[t];
-        let mut values = Vec::with_capacity(24);
+        let mut values = Vec::with_capacity(21);
         extend(
             &mut values,
             &[
@@ -99,7 +99,6 @@ pub fn tick_to_proto(record: &TickRecord, tool_count: usize) -> pb::Tick {
                 out.torque_nm.as_slice(),
                 out.proxy_position.coords.as_slice(),
                 out.proxy_orientation.coords.as_slice(),
-                out.device_moved.as_slice(),
                 out.contact_force_n.as_slice(),
                 out.contact_torque_nm.as_slice(),
                 &[out.energy_j, out.dissipated_j],
@@ -172,7 +171,7 @@ pub fn tick_from_proto(tick: &pb::Tick) -> Result<TickRecord, ConvertError> {
     output.quality = level(number, tick.quality)?;
     for (t, tool) in tick.tools.iter().enumerate() {
         record.input.poses[t] = tool.applied.as_ref().map(|pose| pose_from_proto(number, pose)).transpose()?;
-        let mut values = Floats::new(number, "tool", &tool.values, 24)?;
+        let mut values = Floats::new(number, "tool", &tool.values, 21)?;
         let contact = tool.contact.as_ref().map(|contact| {
             let mut values = Floats::new(number, "contact", &contact.values, 12)?;
             let [u, v] = values.take();
@@ -196,14 +195,14 @@ pub fn tick_from_proto(tick: &pb::Tick) -> Result<TickRecord, ConvertError> {
             proxy_position: values.point(),
             proxy_orientation: values.rotation(),
             flags: tool.flags,
-            device_moved: values.vector(),
             contact_count: tool.contact_count,
             contact: contact.transpose()?,
             contact_force_n: values.vector(),
             contact_torque_nm: values.vector(),
             energy_j: values.take::<1>()[0],
             dissipated_j: values.take::<1>()[0],
-            // Follows from the poses; a replay makes it again.
+            // They follow from the poses; a replay makes them again.
+            device_moved: Vector3::zeros(),
             device_turned: Vector3::zeros(),
         };
     }
@@ -323,7 +322,7 @@ mod tests {
     fn messages_of_the_wrong_shape_are_refused() {
         let mut tick = tick_to_proto(&TickRecord::default(), 1);
         tick.tools[0].values.pop();
-        assert!(tick_from_proto(&tick).unwrap_err().what.contains("23 values, not 24"));
+        assert!(tick_from_proto(&tick).unwrap_err().what.contains("20 values, not 21"));
         let crowd = pb::Tick { tools: vec![tick.tools[0].clone(); 9], ..tick };
         assert!(tick_from_proto(&crowd).is_err());
         let poor = pb::Tick { quality: 4, ..tick_to_proto(&TickRecord::default(), 1) };

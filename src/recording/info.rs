@@ -1,7 +1,7 @@
 //! A session at a glance.
 
+use super::message::SessionHash;
 use super::reader::Session;
-use super::writer::SessionHash;
 use crate::tick::record::{STAGE_COUNT, STAGE_NAMES};
 use crate::tick::stats::{Histogram, LATE_NS};
 use serde::Serialize;

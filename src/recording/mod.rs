@@ -1,26 +1,41 @@
 //! Sessions on disk: MCAP with Protobuf channels that any MCAP tool opens.
 //!
 //! ```text
-//! tick thread ─▶ RecorderPort ═bounded rings═▶ recorder thread ─▶ Writer ─▶ FILE.part ─finish─▶ FILE
+//! tick thread ─▶ RecorderPort ═bounded rings═▶ Stream ─in order─▶ Keeper ─┬▶ Parts ─▶ SessionFile ─▶ FILE.part ─▶ FILE
+//! bus thread ──▶ Archive: events, record_start/stop, snapshot ───────────▶ ├▶ Memory (the last seconds)
+//!                                                                         └▶ snapshots ─▶ SessionFile
 //! FILE ─▶ Session (reader) ─▶ replay, info, recover
 //! ```
 
 mod convert;
+mod disk;
+mod file;
+mod head;
 mod info;
+mod keeper;
+mod memory;
+mod message;
+mod parts;
+mod port;
 mod reader;
 mod recorder;
 mod recover;
 mod replay;
-mod writer;
+mod stream;
+mod views;
 
+pub use disk::{Disk, DiskFile, FileSystem};
+pub use file::WriteError;
 pub use info::{Info, info};
 pub(crate) use info::{stage_infos, write_stages};
-pub use reader::{ReadError, Session, SessionHeader};
-pub use recorder::{Recorder, RecorderPort, RecorderSettings, RecordingSummary, default_path};
+pub use message::SessionHash;
+pub use parts::Split;
+pub use port::RecorderPort;
+pub use reader::{EventRecord, ReadError, Session, SessionHeader};
+pub use recorder::{Recorder, RecorderSettings, RecordingReport, RecordingSummary, default_path};
 pub use recover::RecoverError;
 pub use recover::{Recovered, recover};
 pub use replay::{Difference, ReplayError, ReplayReport, replay};
-pub use writer::{SessionHash, WriteError};
 
 /// Topics.
 pub(crate) mod topics {
@@ -37,11 +52,10 @@ pub(crate) mod topics {
 }
 
 /// Layout of recordings; readers refuse others.
-pub const FORMAT_VERSION: u32 = 1;
+pub const FORMAT_VERSION: u32 = 2;
 
 /// What this program was built from: recordings made by another build may replay with other bits.
 pub fn build_id() -> String {
-    let commit = option_env!("PALPATE_GIT_COMMIT").unwrap_or("unknown");
     let profile = if cfg!(debug_assertions) { "debug" } else { "release" };
-    format!("palpate {} {commit} {} {profile}", env!("CARGO_PKG_VERSION"), std::env::consts::ARCH)
+    format!("palpate {} source {} {profile}", env!("CARGO_PKG_VERSION"), env!("PALPATE_SOURCE"))
 }

@@ -1,7 +1,7 @@
 //! Reads a session, finished or cut short.
 
 use super::convert::{ConvertError, command_from_proto, tick_from_proto};
-use super::writer::{END, RUN, SCENE_EFFECTIVE, SCENE_TEXT};
+use super::file::{END, RUN, SCENE_EFFECTIVE, SCENE_TEXT};
 use super::{FORMAT_VERSION, topics};
 use crate::math::SavedState;
 use crate::tick::record::{Command, TickRecord};
@@ -83,6 +83,17 @@ pub struct Keyframe {
     pub saved: SavedState,
 }
 
+/// Something that happened.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct EventRecord {
+    /// When.
+    pub tick: u64,
+    /// For example `tool_joined`.
+    pub kind: String,
+    /// Words about it.
+    pub detail: String,
+}
+
 /// A net as recorded.
 #[derive(Clone, Debug, PartialEq)]
 pub struct NetRecord {
@@ -111,6 +122,8 @@ pub struct Session {
     pub commands: Vec<(u64, Command)>,
     /// Nets.
     pub nets: Vec<NetRecord>,
+    /// What happened.
+    pub events: Vec<EventRecord>,
     /// Why reading stopped before the end, if it did.
     pub cut_short: Option<String>,
 }
@@ -147,6 +160,7 @@ impl Session {
             keyframes: Vec::new(),
             commands: Vec::new(),
             nets: Vec::new(),
+            events: Vec::new(),
             cut_short: None,
         };
         // A channel is announced in the first chunk that uses it and once more at the end: should the chunk be damaged.
@@ -199,6 +213,7 @@ impl Session {
         session.keyframes.sort_by_key(|keyframe| keyframe.tick);
         session.commands.sort_by_key(|(after_tick, _)| *after_tick);
         session.nets.sort_by_key(|net| net.tick);
+        session.events.sort_by_key(|event| event.tick);
         Ok(session)
     }
 
@@ -229,6 +244,10 @@ impl Session {
             topics::COMMAND => {
                 let command = pb::Command::decode(data).map_err(malformed)?;
                 self.commands.push((command.after_tick, command_from_proto(&command)?));
+            }
+            topics::EVENT => {
+                let pb::Event { tick, kind, detail } = pb::Event::decode(data).map_err(malformed)?;
+                self.events.push(EventRecord { tick, kind, detail });
             }
             _ if topic.starts_with("/body/") => {
                 let net = pb::ControlNet::decode(data).map_err(malformed)?;
@@ -316,15 +335,15 @@ fn attachment_is_whole(body: &[u8]) -> bool {
 /// The records of a chunk, or none of them. `chunk` is the whole chunk record.
 ///
 /// Its checksum is compared before anything in it is believed, and no length it claims, of itself or
-/// of a record inside, makes room for more than compression could have hidden in its bytes.
+/// of a record inside, makes room for more than a chunk of ours can have.
 fn chunk_records(chunk: &[u8]) -> Result<Vec<Record<'static>>, mcap::McapError> {
-    /// LZ4 stores at most 255 bytes in one.
-    const MOST_DENSE: usize = 256;
+    /// Zstandard makes a few bytes of many equal ones; our chunks are far smaller than this.
+    const LARGEST: usize = 64 << 20;
     let options = LinearReaderOptions::default()
         .with_skip_start_magic(true)
         .with_skip_end_magic(true)
         .with_prevalidate_chunk_crcs(true)
-        .with_record_length_limit(chunk.len().saturating_mul(MOST_DENSE));
+        .with_record_length_limit(LARGEST);
     let mut reader = LinearReader::new_with_options(options);
     let mut rest = chunk;
     let mut records = Vec::new();

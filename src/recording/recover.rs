@@ -1,7 +1,11 @@
 //! Mends a recording that was cut short: everything readable goes into a finished file that says it is not clean.
 
-use super::reader::{ReadError, Session};
-use super::writer::{BodyHead, Head, WriteError, Writer};
+use super::disk::FileSystem;
+use super::file::{SessionFile, WriteError};
+use super::head::Head;
+use super::message::{BodyHead, Message};
+use super::reader::{Keyframe, ReadError, Session};
+use super::views::Views;
 use crate::scene::Scene;
 use crate::scene::spec::SceneSpec;
 use palpate_proto::recording as pb;
@@ -61,7 +65,8 @@ pub fn recover(source: &Path, target: &Path) -> Result<Recovered, RecoverError> 
         }
     });
     let mut extra = header.run.clone();
-    extra.insert("recovered_from".into(), source.display().to_string());
+    let name = source.file_name().unwrap_or_default().to_string_lossy().into_owned();
+    extra.insert("recovered_from".into(), name);
     let head = Head {
         scene: header.run.get("scene").cloned().unwrap_or_default(),
         scene_text: header.scene_text.clone(),
@@ -71,26 +76,48 @@ pub fn recover(source: &Path, target: &Path) -> Result<Recovered, RecoverError> 
         bodies: bodies.collect(),
         extra,
     };
-    let ids: Vec<String> = head.bodies.iter().map(|body| body.id.clone()).collect();
-    let mut writer = Writer::create(target, head)?;
-    for keyframe in &session.keyframes {
-        writer.keyframe(keyframe.tick, keyframe.state_hash, keyframe.commands, &keyframe.saved)?;
+    let views = scene.as_ref().and_then(Views::of);
+    let mut file = SessionFile::create(&FileSystem, target, &head, &[], views)?;
+    for message in messages(&session, &head) {
+        file.put(&message)?;
     }
-    for (after_tick, command) in &session.commands {
-        writer.command(*after_tick, *command)?;
-    }
+    let (ticks, last_tick) = (file.ticks, file.last_tick);
+    file.put(&Message::stats(&pb::Stats { tick: last_tick, ..pb::Stats::default() }))?;
+    let clean = session.is_clean() && session.cut_short.is_none();
+    let path = file.finish(session.end_number("dropped_records").unwrap_or(0), clean, &[])?;
+    Ok(Recovered { path, ticks, last_tick, cut_short: session.cut_short })
+}
+
+/// All messages, in the order of the simulation: a tick, its nets, what came between it and the next.
+fn messages(session: &Session, head: &Head) -> Vec<Message> {
+    let mut all: Vec<(u64, u8, Message)> = Vec::new();
     for record in &session.ticks {
-        writer.tick(record)?;
+        all.push((record.output.tick, 0, Message::tick(record, head.tools.len())));
     }
     for net in &session.nets {
-        if let Some(body) = ids.iter().position(|id| *id == net.body) {
-            let points: Vec<_> = net.points.chunks_exact(3).map(|p| [p[0], p[1], p[2]].into()).collect();
-            writer.net(net.tick, net.revision, body, &points)?;
-        }
+        let Some(body) = head.bodies.iter().position(|body| body.id == net.body) else { continue };
+        let points: Vec<_> = net.points.chunks_exact(3).map(|p| [p[0], p[1], p[2]].into()).collect();
+        all.push((net.tick, 1, Message::net(net.tick, net.revision, body, &head.bodies[body], &points)));
     }
-    writer.stats(&pb::Stats { tick: writer.last_tick, ..pb::Stats::default() })?;
-    let (ticks, last_tick) = (writer.ticks, writer.last_tick);
-    let clean = session.is_clean() && session.cut_short.is_none();
-    let path = writer.finish(session.end_number("dropped_records").unwrap_or(0), clean)?;
-    Ok(Recovered { path, ticks, last_tick, cut_short: session.cut_short })
+    for event in &session.events {
+        all.push((event.tick, 2, Message::event(event.tick, &event.kind, &event.detail)));
+    }
+    // Commands and keyframes of one tick keep the order that the keyframes tell.
+    let mut commands = &session.commands[..];
+    for keyframe in &session.keyframes {
+        let before = commands.partition_point(|(after, _)| *after < keyframe.tick);
+        let (first, rest) = commands.split_at(before);
+        let own = rest.partition_point(|(after, _)| *after <= keyframe.tick);
+        let earlier = session.commands.partition_point(|(after, _)| *after < keyframe.tick);
+        let passed = (session.commands.len() - rest.len()).saturating_sub(earlier);
+        let (held, rest) = rest.split_at(own.min((keyframe.commands as usize).saturating_sub(passed)));
+        let between = first.iter().chain(held);
+        all.extend(between.map(|(after, command)| (*after, 3, Message::command(*after, *command))));
+        let Keyframe { tick, state_hash, commands: count, saved } = keyframe;
+        all.push((*tick, 3, Message::keyframe(*tick, *state_hash, *count, saved, 0)));
+        commands = rest;
+    }
+    all.extend(commands.iter().map(|(after, command)| (*after, 3, Message::command(*after, *command))));
+    all.sort_by_key(|(tick, rank, _)| (*tick, *rank));
+    all.into_iter().map(|(_, _, message)| message).collect()
 }

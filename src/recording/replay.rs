@@ -1,8 +1,8 @@
 //! Replay: the recorded inputs through the same step, compared bit for bit. Where ticks are missing it goes on from the next
 //! keyframe: a loss is a gap, not a difference.
 
+use super::message::SessionHash;
 use super::reader::{Keyframe, NetRecord, ReadError, Session};
-use super::writer::SessionHash;
 use super::{build_id, convert};
 use crate::math::{Point3, state_hash};
 use crate::scene::spec::SceneSpec;
@@ -270,7 +270,6 @@ fn value_name(k: usize) -> String {
         ("torque_nm", 3),
         ("proxy_position", 3),
         ("proxy_orientation", 4),
-        ("device_moved", 3),
         ("contact_force_n", 3),
         ("contact_torque_nm", 3),
     ];

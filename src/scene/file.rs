@@ -196,6 +196,7 @@ impl Check<'_> {
         }
         self.above_zero("record", 0, "keyframe_s", spec.record.keyframe_s, "s");
         self.above_zero("record", 0, "net_hz", spec.record.net_hz, "Hz");
+        self.above_zero("record", 0, "view_hz", spec.record.view_hz, "Hz");
         if spec.bodies.is_empty() {
             self.refuse("body", 0, "body", "a scene needs at least one [[body]]");
         }

@@ -165,11 +165,15 @@ pub struct RecordSpec {
     pub keyframe_s: f64,
     /// Nets a second at most.
     pub net_hz: f64,
+    /// Also record what viewers show.
+    pub views: bool,
+    /// Pictures a second at most.
+    pub view_hz: f64,
 }
 
 impl Default for RecordSpec {
     fn default() -> Self {
-        Self { keyframe_s: 1.0, net_hz: 60.0 }
+        Self { keyframe_s: 1.0, net_hz: 60.0, views: true, view_hz: 30.0 }
     }
 }
 

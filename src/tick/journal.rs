@@ -2,7 +2,7 @@
 
 use super::record::{Command, TickRecord};
 use crate::scene::{Scene, SceneState};
-use std::sync::atomic::AtomicU64;
+use std::sync::atomic::{AtomicU8, AtomicU64};
 
 /// Keeps what a session needs for its replay. Called on the tick thread: an implementation neither waits nor allocates.
 pub trait Journal: Send {
@@ -21,6 +21,20 @@ pub struct JournalGauges {
     pub bytes: AtomicU64,
     /// Records lost.
     pub dropped: AtomicU64,
+    /// One of [`recorder_state`].
+    pub state: AtomicU8,
+}
+
+/// What a recorder does.
+pub mod recorder_state {
+    /// Nothing.
+    pub const OFF: u8 = 0;
+    /// It writes a file.
+    pub const RECORDING: u8 = 1;
+    /// It keeps the last seconds in memory.
+    pub const RING: u8 = 2;
+    /// The disk refused.
+    pub const FAILED: u8 = 3;
 }
 
 /// Keeps nothing.

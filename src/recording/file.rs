@@ -1,0 +1,288 @@
+//! One MCAP file.
+//!
+//! It is `FILE.part` until it is finished; chunks are flushed five times a second, so that a killed daemon loses no more
+//! than that, and nothing written is ever touched again. log_time is tick × dt: plots are even and files comparable;
+//! publish_time is the wall clock.
+
+use super::disk::{Disk, DiskFile};
+use super::head::Head;
+use super::message::{Kind, Message, SessionHash, wall_ns};
+use super::topics;
+use super::views::Views;
+use mcap::records::{MessageHeader, Metadata};
+use mcap::write::NoSeek;
+use palpate_proto::recording as pb;
+use std::collections::BTreeMap;
+use std::io::Write as _;
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+/// Why a recording could not be written.
+#[derive(Debug, thiserror::Error)]
+pub enum WriteError {
+    /// A file is in the way; nothing is overwritten.
+    #[error("{path} exists already; {advice}")]
+    Exists {
+        /// File.
+        path: PathBuf,
+        /// What to do.
+        advice: &'static str,
+    },
+    /// The file system.
+    #[error("{path}: {source}")]
+    Io {
+        /// File.
+        path: PathBuf,
+        /// Cause.
+        source: std::io::Error,
+    },
+    /// The MCAP writer.
+    #[error("{path}: {source}")]
+    Mcap {
+        /// File.
+        path: PathBuf,
+        /// Cause.
+        source: mcap::McapError,
+    },
+    /// There was nothing to write.
+    #[error("nothing was recorded")]
+    Nothing,
+    /// The scene has no text form, so nothing could be replayed.
+    #[error("the scene cannot be written out: {0}")]
+    Scene(String),
+}
+
+/// Metadata record at the start.
+pub(super) const RUN: &str = "palpate.run";
+/// Metadata record at the end.
+pub(super) const END: &str = "palpate.end";
+/// Attachment: the scene file as written.
+pub(super) const SCENE_TEXT: &str = "scene.toml";
+/// Attachment: the scene as built.
+pub(super) const SCENE_EFFECTIVE: &str = "scene.effective.toml";
+
+/// Longest time between flushes.
+const FLUSH_EVERY: Duration = Duration::from_millis(200);
+/// Largest chunk before compression, bytes.
+const CHUNK: u64 = 256 << 10;
+
+/// An open file.
+pub(super) struct SessionFile {
+    mcap: mcap::Writer<NoSeek<Box<dyn DiskFile>>>,
+    part: PathBuf,
+    target: PathBuf,
+    dt_ns: u64,
+    channels: Channels,
+    views: Option<Views>,
+    last_flush: Instant,
+    /// Message bytes before compression.
+    pub bytes: u64,
+    pub ticks: u64,
+    pub first_tick: u64,
+    pub last_tick: u64,
+    pub last_hash: u64,
+    pub session: SessionHash,
+    skipped: u64,
+}
+
+struct Channels {
+    tick: u16,
+    keyframe: u16,
+    command: u16,
+    event: u16,
+    stats: u16,
+    nets: Vec<u16>,
+}
+
+/// `FILE.part`.
+pub(super) fn part_of(target: &Path) -> PathBuf {
+    PathBuf::from(format!("{}.part", target.display()))
+}
+
+impl SessionFile {
+    /// Makes `target.part` with its head. `position` says which part of a session this is.
+    pub fn create(
+        disk: &dyn Disk,
+        target: &Path,
+        head: &Head,
+        position: &[(&str, String)],
+        views: Option<Views>,
+    ) -> Result<Self, WriteError> {
+        let part = part_of(target);
+        if target.exists() {
+            let advice = "move it away, or name another file";
+            return Err(WriteError::Exists { path: target.to_owned(), advice });
+        }
+        let file = disk.create(&part).map_err(|source| match source.kind() {
+            std::io::ErrorKind::AlreadyExists => {
+                let advice = "it is what a killed daemon left, or another writes it now: `palpate recover` mends it";
+                WriteError::Exists { path: part.clone(), advice }
+            }
+            _ => WriteError::Io { path: part.clone(), source },
+        })?;
+        let written = Self::begin(file, head, position).and_then(|(mut mcap, channels)| {
+            let views = views.map(|views| views.declared(&mut mcap)).transpose()?;
+            // Readable from the first moment on, and a full disk shows before anyone relies on the file.
+            mcap.flush()?;
+            Ok((mcap, channels, views))
+        });
+        let (mcap, channels, views) = written.map_err(|source| {
+            // Nothing is in it yet.
+            let _ = std::fs::remove_file(&part);
+            WriteError::Mcap { path: part.clone(), source }
+        })?;
+        Ok(Self {
+            mcap,
+            part,
+            target: target.to_owned(),
+            dt_ns: head.dt_ns,
+            channels,
+            views,
+            last_flush: Instant::now(),
+            bytes: 0,
+            ticks: 0,
+            first_tick: 0,
+            last_tick: 0,
+            last_hash: 0,
+            session: SessionHash::default(),
+            skipped: 0,
+        })
+    }
+
+    #[allow(clippy::type_complexity)]
+    fn begin(
+        file: Box<dyn DiskFile>,
+        head: &Head,
+        position: &[(&str, String)],
+    ) -> mcap::McapResult<(mcap::Writer<NoSeek<Box<dyn DiskFile>>>, Channels)> {
+        let mut mcap = mcap::WriteOptions::new()
+            .compression(Some(mcap::Compression::Zstd))
+            .compression_level(1)
+            .compression_threads(0)
+            .chunk_size(Some(CHUNK))
+            .disable_seeking(true)
+            .library(format!("palpate {}", env!("CARGO_PKG_VERSION")))
+            .create(NoSeek::new(file))?;
+        let mut run = head.metadata();
+        run.extend(position.iter().map(|(key, value)| ((*key).to_owned(), value.clone())));
+        mcap.write_metadata(&Metadata { name: RUN.into(), metadata: run })?;
+        for (name, text) in [(SCENE_TEXT, &head.scene_text), (SCENE_EFFECTIVE, &head.effective_scene)] {
+            let attachment = mcap::Attachment {
+                log_time: 0,
+                create_time: wall_ns(),
+                name: name.into(),
+                media_type: "application/toml".into(),
+                data: text.as_bytes().into(),
+            };
+            mcap.attach(&attachment)?;
+        }
+        let channels = Channels::add(&mut mcap, head)?;
+        Ok((mcap, channels))
+    }
+
+    /// Where it will be.
+    pub fn target(&self) -> &Path {
+        &self.target
+    }
+
+    /// Writes a message, and what is shown of it.
+    pub fn put(&mut self, message: &Message) -> Result<(), WriteError> {
+        let channel_id = match message.kind {
+            Kind::Tick { state_hash, skipped } => {
+                self.first_tick = if self.ticks == 0 { message.tick } else { self.first_tick };
+                self.ticks += 1;
+                self.skipped += u64::from(skipped);
+                (self.last_tick, self.last_hash) = (message.tick, state_hash);
+                self.session.push(message.tick, state_hash);
+                self.channels.tick
+            }
+            Kind::Keyframe { .. } => self.channels.keyframe,
+            Kind::Command => self.channels.command,
+            Kind::Event => self.channels.event,
+            Kind::Stats => self.channels.stats,
+            Kind::Net { body } => self.channels.nets[usize::from(body)],
+        };
+        // Saturates for numbers that only a damaged file can hold.
+        let log_time = message.tick.saturating_mul(self.dt_ns);
+        let header =
+            MessageHeader { channel_id, sequence: message.tick as u32, log_time, publish_time: message.wall_ns };
+        self.bytes += message.data.len() as u64;
+        let mut written = self.mcap.write_to_known_channel(&header, &message.data);
+        if let Some(views) = &mut self.views {
+            let (mcap, bytes) = (&mut self.mcap, &mut self.bytes);
+            written = written.and_then(|()| {
+                views.show(message, |channel_id, data| {
+                    *bytes += data.len() as u64;
+                    mcap.write_to_known_channel(&MessageHeader { channel_id, ..header }, data)
+                })
+            });
+        }
+        written.map_err(|source| self.mcap_error(source))
+    }
+
+    fn mcap_error(&self, source: mcap::McapError) -> WriteError {
+        WriteError::Mcap { path: self.part.clone(), source }
+    }
+
+    /// Flushes when it is time, so that a kill loses little.
+    pub fn flush_if_due(&mut self) -> Result<(), WriteError> {
+        if self.last_flush.elapsed() >= FLUSH_EVERY {
+            self.last_flush = Instant::now();
+            self.mcap.flush().map_err(|source| self.mcap_error(source))?;
+        }
+        Ok(())
+    }
+
+    /// Ends the file and gives it its name.
+    pub fn finish(mut self, dropped: u64, clean: bool, position: &[(&str, String)]) -> Result<PathBuf, WriteError> {
+        let mut end = BTreeMap::from([
+            ("first_tick".to_string(), self.first_tick.to_string()),
+            ("last_tick".to_string(), self.last_tick.to_string()),
+            ("ticks".to_string(), self.ticks.to_string()),
+            ("final_hash".to_string(), format!("{:016x}", self.last_hash)),
+            ("session_hash".to_string(), format!("{:016x}", self.session.0)),
+            ("dropped_records".to_string(), dropped.to_string()),
+            ("skipped_ticks".to_string(), self.skipped.to_string()),
+            ("clean".to_string(), (clean && dropped == 0).to_string()),
+        ]);
+        end.extend(position.iter().map(|(key, value)| ((*key).to_owned(), value.clone())));
+        let bad = |source| WriteError::Mcap { path: self.part.clone(), source };
+        self.mcap.write_metadata(&Metadata { name: END.into(), metadata: end }).map_err(bad)?;
+        self.mcap.finish().map_err(bad)?;
+        let mut file = self.mcap.into_inner().into_inner();
+        let io = |source| WriteError::Io { path: self.part.clone(), source };
+        file.flush().and_then(|()| file.sync()).map_err(io)?;
+        // A hard link fails where a rename would overwrite what came there meanwhile.
+        match std::fs::hard_link(&self.part, &self.target) {
+            Ok(()) => std::fs::remove_file(&self.part).map_err(io)?,
+            Err(e) if e.kind() == std::io::ErrorKind::AlreadyExists => {
+                let advice = "somebody made it meanwhile; the finished recording is in the .part file beside it";
+                return Err(WriteError::Exists { path: self.target, advice });
+            }
+            Err(_) => std::fs::rename(&self.part, &self.target).map_err(io)?,
+        }
+        Ok(self.target)
+    }
+}
+
+impl Channels {
+    fn add(mcap: &mut mcap::Writer<NoSeek<Box<dyn DiskFile>>>, head: &Head) -> mcap::McapResult<Self> {
+        let mut channel = |topic: &str, message: &str| {
+            let name = format!("palpate.v1.{message}");
+            let schema = mcap.add_schema(&name, "protobuf", pb::descriptors(&name).unwrap_or_default())?;
+            mcap.add_channel(schema, topic, "protobuf", &BTreeMap::new())
+        };
+        Ok(Self {
+            tick: channel(topics::TICK, "Tick")?,
+            keyframe: channel(topics::KEYFRAME, "Keyframe")?,
+            command: channel(topics::COMMAND, "Command")?,
+            event: channel(topics::EVENT, "Event")?,
+            stats: channel(topics::STATS, "Stats")?,
+            nets: head
+                .bodies
+                .iter()
+                .map(|body| channel(&format!("/body/{}/net", body.id), "ControlNet"))
+                .collect::<Result<_, _>>()?,
+        })
+    }
+}

@@ -1,0 +1,100 @@
+//! What travels from the stream to files and to memory: encoded messages in the order of the simulation.
+
+use super::convert::{command_to_proto, tick_to_proto};
+use crate::math::{Point3, SavedState};
+use crate::tick::record::{Command, TickRecord};
+use palpate_proto::recording as pb;
+
+/// What a message is, with what its file has to know of it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Kind {
+    Tick { state_hash: u64, skipped: u32 },
+    Keyframe { generation: u32 },
+    Command,
+    Event,
+    Stats,
+    Net { body: u16 },
+}
+
+/// An encoded message.
+#[derive(Clone, Debug)]
+pub(super) struct Message {
+    pub kind: Kind,
+    pub tick: u64,
+    /// Wall clock when it was encoded, ns.
+    pub wall_ns: u64,
+    pub data: Vec<u8>,
+}
+
+impl Message {
+    fn new(kind: Kind, tick: u64, message: &impl prost::Message) -> Self {
+        Self { kind, tick, wall_ns: wall_ns(), data: message.encode_to_vec() }
+    }
+
+    pub fn tick(record: &TickRecord, tool_count: usize) -> Self {
+        let output = &record.output;
+        let kind = Kind::Tick { state_hash: output.state_hash, skipped: record.skipped };
+        Self::new(kind, output.tick, &tick_to_proto(record, tool_count))
+    }
+
+    /// `commands`: how many of the commands after `tick` the state holds already.
+    pub fn keyframe(tick: u64, state_hash: u64, commands: u32, saved: &SavedState, generation: u32) -> Self {
+        let (words, floats) = (saved.words.clone(), saved.floats.clone());
+        Self::new(Kind::Keyframe { generation }, tick, &pb::Keyframe { tick, state_hash, words, floats, commands })
+    }
+
+    pub fn command(after_tick: u64, command: Command) -> Self {
+        Self::new(Kind::Command, after_tick, &command_to_proto(after_tick, command))
+    }
+
+    pub fn event(tick: u64, kind: &str, detail: &str) -> Self {
+        Self::new(Kind::Event, tick, &pb::Event { tick, kind: kind.into(), detail: detail.into() })
+    }
+
+    pub fn stats(stats: &pb::Stats) -> Self {
+        Self::new(Kind::Stats, stats.tick, stats)
+    }
+
+    pub fn net(tick: u64, revision: u64, body: usize, head: &BodyHead, points: &[Point3]) -> Self {
+        let message = pb::ControlNet {
+            tick,
+            revision,
+            body: head.id.clone(),
+            degree_u: head.degree[0] as u32,
+            degree_v: head.degree[1] as u32,
+            count_u: head.count[0] as u32,
+            count_v: head.count[1] as u32,
+            points: points.iter().flat_map(|p| [p.x, p.y, p.z]).collect(),
+        };
+        Self::new(Kind::Net { body: body as u16 }, tick, &message)
+    }
+}
+
+/// What a net message says of its body.
+#[derive(Clone, Debug)]
+pub(super) struct BodyHead {
+    /// Id.
+    pub id: String,
+    /// Degree, u then v.
+    pub degree: [usize; 2],
+    /// Net size, u then v.
+    pub count: [usize; 2],
+}
+
+/// Wall clock, ns.
+pub(super) fn wall_ns() -> u64 {
+    let now = std::time::SystemTime::now();
+    now.duration_since(std::time::UNIX_EPOCH).map_or(0, |t| t.as_nanos() as u64)
+}
+
+/// Running hash of all ticks of a file: two with equal hashes went through the same states.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct SessionHash(pub u64);
+
+impl SessionHash {
+    /// Takes the next tick in.
+    pub fn push(&mut self, tick: u64, state_hash: u64) {
+        let mixed = (self.0 ^ state_hash).wrapping_mul(0x9e37_79b9_7f4a_7c15).rotate_left(29);
+        self.0 = (mixed ^ tick).wrapping_mul(0xbf58_476d_1ce4_e5b9) ^ (mixed >> 31);
+    }
+}

@@ -1,0 +1,249 @@
+//! The recorder thread's side of the rings: everything in the order of the simulation, encoded.
+//!
+//! Order: the record of tick t, its nets, then commands and keyframes of the state after it in the order in which they
+//! came (a keyframe says how many commands it holds), then tick t + 1.
+
+use super::message::{BodyHead, Message};
+use super::port::{Applied, PoolEnd};
+use crate::haptics::DevicePose;
+use crate::math::{Point3, SavedState};
+use crate::scene::Scene;
+use crate::tick::journal::JournalGauges;
+use crate::tick::record::{STAGE_COUNT, TickFault, TickRecord, ToolOutput};
+use crate::tick::stats::{Histogram, LATE_NS};
+use palpate_proto::recording as pb;
+use std::sync::Arc;
+use std::sync::atomic::Ordering;
+
+/// A record but for its tools. Contacts of pairs stay behind: a replay makes them again.
+#[derive(Clone, Copy)]
+pub(super) struct TickHead {
+    tick: u64,
+    net_revision: u64,
+    state_hash: u64,
+    late_ns: u64,
+    skipped: u32,
+    stage_ns: [u32; STAGE_COUNT],
+    moving: bool,
+    quality: u8,
+    fault: Option<TickFault>,
+}
+
+impl TickHead {
+    pub fn of(record: &TickRecord) -> Self {
+        let output = &record.output;
+        Self {
+            tick: output.tick,
+            net_revision: output.net_revision,
+            state_hash: output.state_hash,
+            late_ns: record.late_ns,
+            skipped: record.skipped,
+            stage_ns: record.stage_ns,
+            moving: output.moving,
+            quality: output.quality,
+            fault: output.fault,
+        }
+    }
+}
+
+/// What was applied to a tool, and what came out.
+#[derive(Clone, Copy)]
+pub(super) struct ToolRow {
+    pub pose: Option<DevicePose>,
+    pub output: ToolOutput,
+}
+
+pub(super) struct KeyframeBuffer {
+    pub tick: u64,
+    pub hash: u64,
+    /// Commands after `tick` that the state holds already.
+    pub commands: u32,
+    /// What the recorder had asked for when this was made.
+    pub generation: u32,
+    pub saved: SavedState,
+}
+
+pub(super) struct NetBuffer {
+    pub tick: u64,
+    pub revision: u64,
+    pub body: usize,
+    pub points: Vec<Point3>,
+}
+
+/// Place of a message among those of the same tick.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+enum Rank {
+    Net,
+    /// Commands before it, and whether it is a keyframe.
+    After(u32, bool),
+}
+
+struct Waiting {
+    place: (u64, Rank),
+    /// Seen by an earlier drain: whatever comes before it has come.
+    settled: bool,
+    message: Message,
+}
+
+/// Reads the rings.
+pub(super) struct Stream {
+    heads: rtrb::Consumer<TickHead>,
+    rows: rtrb::Consumer<ToolRow>,
+    commands: rtrb::Consumer<Applied>,
+    keyframes: PoolEnd<KeyframeBuffer>,
+    nets: Vec<PoolEnd<NetBuffer>>,
+    gauges: Arc<JournalGauges>,
+    pub bodies: Vec<BodyHead>,
+    tool_count: usize,
+    waiting: Vec<Waiting>,
+    /// Tick after which the last commands acted, and how many.
+    commanded: (u64, u32),
+    record: Box<TickRecord>,
+    stages: Vec<Histogram>,
+    late: u64,
+    skipped: u64,
+    last_tick: u64,
+}
+
+impl Stream {
+    pub fn new(
+        scene: &Scene,
+        heads: rtrb::Consumer<TickHead>,
+        rows: rtrb::Consumer<ToolRow>,
+        commands: rtrb::Consumer<Applied>,
+        keyframes: PoolEnd<KeyframeBuffer>,
+        nets: Vec<PoolEnd<NetBuffer>>,
+        gauges: Arc<JournalGauges>,
+    ) -> Self {
+        let bodies = (0..scene.body_count()).map(|body| {
+            let surface = scene.rest_surface(body);
+            BodyHead {
+                id: scene.body_id(body).to_owned(),
+                degree: [surface.knots_u().degree(), surface.knots_v().degree()],
+                count: [surface.net().rows(), surface.net().columns()],
+            }
+        });
+        Self {
+            heads,
+            rows,
+            commands,
+            keyframes,
+            nets,
+            gauges,
+            bodies: bodies.collect(),
+            tool_count: scene.tool_count(),
+            waiting: Vec::new(),
+            commanded: (0, 0),
+            record: Box::default(),
+            stages: (0..=STAGE_COUNT).map(|_| Histogram::default()).collect(),
+            late: 0,
+            skipped: 0,
+            last_tick: 0,
+        }
+    }
+
+    /// Hands over what has come, in order. At the `end` nothing waits for what may still come.
+    pub fn drain(&mut self, end: bool, mut take: impl FnMut(Message)) {
+        // What a tick left beside its record came before the next record: of what comes meanwhile, records wait.
+        let ticks = self.heads.slots();
+        self.collect();
+        for _ in 0..ticks {
+            let Ok(head) = self.heads.pop() else { break };
+            self.release((head.tick, Rank::Net), &mut take);
+            self.tick(&head, &mut take);
+        }
+        if end {
+            self.waiting.iter_mut().for_each(|waiting| waiting.settled = true);
+        }
+        // Without a next tick, what stood here before comes now.
+        let settled = self.waiting.iter().filter(|waiting| waiting.settled).map(|waiting| waiting.place).max();
+        if let Some((tick, rank)) = settled.filter(|(tick, _)| *tick <= self.last_tick || end) {
+            self.release((tick, rank), &mut take);
+            self.release_at((tick, rank), &mut take);
+        }
+        self.waiting.iter_mut().for_each(|waiting| waiting.settled = true);
+    }
+
+    /// Takes what waits beside the records.
+    fn collect(&mut self) {
+        while let Ok((after_tick, command)) = self.commands.pop() {
+            let before = if self.commanded.0 == after_tick { self.commanded.1 } else { 0 };
+            self.commanded = (after_tick, before + 1);
+            self.wait((after_tick, Rank::After(before + 1, false)), Message::command(after_tick, command));
+        }
+        while let Ok(buffer) = self.keyframes.full.pop() {
+            let message =
+                Message::keyframe(buffer.tick, buffer.hash, buffer.commands, &buffer.saved, buffer.generation);
+            self.wait((buffer.tick, Rank::After(buffer.commands, true)), message);
+            let _ = self.keyframes.free.push(buffer);
+        }
+        for body in 0..self.nets.len() {
+            while let Ok(buffer) = self.nets[body].full.pop() {
+                let message =
+                    Message::net(buffer.tick, buffer.revision, body, &self.bodies[buffer.body], &buffer.points);
+                self.wait((buffer.tick, Rank::Net), message);
+                let _ = self.nets[body].free.push(buffer);
+            }
+        }
+    }
+
+    fn wait(&mut self, place: (u64, Rank), message: Message) {
+        let at = self.waiting.partition_point(|waiting| waiting.place <= place);
+        self.waiting.insert(at, Waiting { place, settled: false, message });
+    }
+
+    /// What comes before a place.
+    fn release(&mut self, place: (u64, Rank), take: &mut impl FnMut(Message)) {
+        let end = self.waiting.partition_point(|waiting| waiting.place < place);
+        self.waiting.drain(..end).for_each(|waiting| take(waiting.message));
+    }
+
+    fn release_at(&mut self, place: (u64, Rank), take: &mut impl FnMut(Message)) {
+        let end = self.waiting.partition_point(|waiting| waiting.place <= place);
+        self.waiting.drain(..end).for_each(|waiting| take(waiting.message));
+    }
+
+    fn tick(&mut self, head: &TickHead, take: &mut impl FnMut(Message)) {
+        let record = &mut *self.record;
+        for tool in 0..self.tool_count {
+            let Ok(row) = self.rows.pop() else { break };
+            (record.input.poses[tool], record.output.tools[tool]) = (row.pose, row.output);
+        }
+        let output = &mut record.output;
+        (output.tick, output.net_revision, output.state_hash) = (head.tick, head.net_revision, head.state_hash);
+        (output.moving, output.quality, output.fault) = (head.moving, head.quality, head.fault);
+        (record.late_ns, record.skipped, record.stage_ns) = (head.late_ns, head.skipped, head.stage_ns);
+        take(Message::tick(record, self.tool_count));
+        self.last_tick = head.tick;
+        let mut whole = 0;
+        for (histogram, ns) in self.stages.iter_mut().zip(head.stage_ns) {
+            histogram.add(u64::from(ns));
+            whole += u64::from(ns);
+        }
+        self.stages[STAGE_COUNT].add(whole);
+        self.late += u64::from(head.late_ns > LATE_NS);
+        self.skipped += u64::from(head.skipped);
+        if head.fault.is_some() {
+            take(Message::event(head.tick, "fault", "a state was not finite; the body was set back to rest"));
+        }
+        if head.tick.is_multiple_of(100) {
+            take(self.stats());
+        }
+    }
+
+    /// Statistics since the start.
+    pub fn stats(&self) -> Message {
+        Message::stats(&pb::Stats {
+            tick: self.last_tick,
+            late_ticks: self.late,
+            skipped_ticks: self.skipped,
+            stage_ns: self.stages.iter().flat_map(|h| [h.quantile(0.5), h.quantile(0.99), h.max()]).collect(),
+            dropped_records: self.gauges.dropped.load(Ordering::Relaxed),
+        })
+    }
+
+    /// Newest tick handed over.
+    pub fn last_tick(&self) -> u64 {
+        self.last_tick
+    }
+}

@@ -1,0 +1,289 @@
+//! Bodies and tools as Foxglove primitives.
+
+use crate::contact::ToolShape as Shape;
+use crate::math::Point3;
+use crate::scene::Scene;
+use crate::surface::Surface;
+use palpate_proto::foxglove as fox;
+
+/// Cells of a body's grid in each direction: between these.
+const CELLS: [usize; 2] = [12, 32];
+/// Length of the arrow of 1 N, relative to the size of the scene.
+const ARROW: f64 = 0.05;
+/// What has no shape of its own is a ball of this radius, relative to the size of the scene.
+const MARKER: f64 = 0.015;
+
+const TOOL: fox::Color = fox::Color { r: 0.95, g: 0.75, b: 0.25, a: 0.9 };
+const FORCE: fox::Color = fox::Color { r: 0.9, g: 0.2, b: 0.15, a: 1.0 };
+const SKIN: fox::Color = fox::Color { r: 0.55, g: 0.65, b: 0.85, a: 0.85 };
+const NET: fox::Color = fox::Color { r: 0.25, g: 0.3, b: 0.4, a: 0.6 };
+
+fn vector(x: f64, y: f64, z: f64) -> fox::Vector3 {
+    fox::Vector3 { x, y, z }
+}
+
+fn point(p: &Point3) -> fox::Point3 {
+    fox::Point3 { x: p.x, y: p.y, z: p.z }
+}
+
+fn unturned(position: fox::Vector3) -> fox::Pose {
+    let orientation = fox::Quaternion { x: 0.0, y: 0.0, z: 0.0, w: 1.0 };
+    fox::Pose { position: Some(position), orientation: Some(orientation) }
+}
+
+fn origin() -> fox::Pose {
+    unturned(vector(0.0, 0.0, 0.0))
+}
+
+/// A grid of points over a surface, ends included.
+struct Grid {
+    cells: [usize; 2],
+    parameters: [Vec<f64>; 2],
+}
+
+impl Grid {
+    fn over(surface: &Surface) -> Self {
+        let knots = [surface.knots_u(), surface.knots_v()];
+        let cells = knots.map(|knots| (2 * knots.spans().count()).clamp(CELLS[0], CELLS[1]));
+        let parameters = [0, 1].map(|k| {
+            let (from, to) = knots[k].domain();
+            (0..=cells[k]).map(|i| from + (to - from) * i as f64 / cells[k] as f64).collect()
+        });
+        Self { cells, parameters }
+    }
+
+    fn points(&self, surface: &Surface) -> Vec<Point3> {
+        let [us, vs] = &self.parameters;
+        us.iter().flat_map(|u| vs.iter().map(|v| surface.point(*u, *v))).collect()
+    }
+
+    /// Two triangles a cell.
+    fn indices(&self) -> Vec<u32> {
+        let [rows, columns] = self.cells;
+        let at = |i: usize, j: usize| (i * (columns + 1) + j) as u32;
+        let cell = |i, j| [at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j), at(i + 1, j + 1), at(i, j + 1)];
+        (0..rows).flat_map(|i| (0..columns).flat_map(move |j| cell(i, j))).collect()
+    }
+
+    fn triangles(&self, points: &[Point3], pose: fox::Pose, color: fox::Color) -> fox::TriangleListPrimitive {
+        fox::TriangleListPrimitive {
+            pose: Some(pose),
+            points: points.iter().map(point).collect(),
+            color: Some(color),
+            colors: Vec::new(),
+            indices: self.indices(),
+        }
+    }
+}
+
+/// A body that can be drawn with any net.
+pub(super) struct BodyShape {
+    id: String,
+    rest: Surface,
+    rest_points: Vec<Point3>,
+    grid: Grid,
+}
+
+/// A body as it is.
+pub(super) struct Drawn {
+    net: Vec<Point3>,
+    points: Vec<Point3>,
+}
+
+impl BodyShape {
+    pub fn of(scene: &Scene, body: usize) -> Self {
+        let rest = scene.rest_surface(body).clone();
+        let grid = Grid::over(&rest);
+        Self { id: scene.body_id(body).to_owned(), rest_points: grid.points(&rest), rest, grid }
+    }
+
+    pub fn topic(&self) -> String {
+        format!("/view/body/{}/points", self.id)
+    }
+
+    /// x y z of each control point; as at rest when there are not as many as the body has.
+    pub fn drawn(&self, net: &[f64]) -> Drawn {
+        let mut surface = self.rest.clone();
+        let points = surface.net_mut().points_mut();
+        if net.len() == 3 * points.len() {
+            for (to, from) in points.iter_mut().zip(net.chunks_exact(3)) {
+                *to = Point3::new(from[0], from[1], from[2]);
+            }
+        }
+        Drawn { points: self.grid.points(&surface), net: surface.net().points().to_vec() }
+    }
+
+    pub fn entity(&self, stamp: fox::Timestamp, drawn: &Drawn) -> fox::SceneEntity {
+        let (rows, columns) = (self.rest.net().rows(), self.rest.net().columns());
+        let at = |i: usize, j: usize| (i * columns + j) as u32;
+        let along = (0..rows).flat_map(|i| (1..columns).flat_map(move |j| [at(i, j - 1), at(i, j)]));
+        let across = (1..rows).flat_map(|i| (0..columns).flat_map(move |j| [at(i - 1, j), at(i, j)]));
+        let lines = fox::LinePrimitive {
+            r#type: fox::line_primitive::Type::LineList.into(),
+            pose: Some(origin()),
+            thickness: 1.0,
+            scale_invariant: true,
+            points: drawn.net.iter().map(point).collect(),
+            color: Some(NET),
+            colors: Vec::new(),
+            indices: along.chain(across).collect(),
+        };
+        fox::SceneEntity {
+            timestamp: Some(stamp),
+            frame_id: "world".into(),
+            id: format!("body/{}", self.id),
+            lines: vec![lines],
+            triangles: vec![self.grid.triangles(&drawn.points, origin(), SKIN)],
+            ..Default::default()
+        }
+    }
+
+    /// x, y, z and how far from rest, four f32 a point, m.
+    pub fn cloud(&self, stamp: fox::Timestamp, drawn: &Drawn) -> fox::PointCloud {
+        let mut data = Vec::with_capacity(16 * drawn.points.len());
+        for (now, rest) in drawn.points.iter().zip(&self.rest_points) {
+            for value in [now.x, now.y, now.z, (now - rest).norm()] {
+                data.extend_from_slice(&(value as f32).to_le_bytes());
+            }
+        }
+        let names = ["x", "y", "z", "displacement_m"];
+        let fields = names.iter().enumerate().map(|(k, name)| fox::PackedElementField {
+            name: (*name).into(),
+            offset: 4 * k as u32,
+            r#type: fox::packed_element_field::NumericType::Float32.into(),
+        });
+        fox::PointCloud {
+            timestamp: Some(stamp),
+            frame_id: "world".into(),
+            pose: Some(origin()),
+            point_stride: 16,
+            fields: fields.collect(),
+            data,
+        }
+    }
+}
+
+/// A tool that can be drawn in any pose.
+pub(super) struct ToolShape {
+    id: String,
+    look: Look,
+    /// m for 1 N.
+    arrow_m: f64,
+    marker_m: f64,
+}
+
+enum Look {
+    Ball(f64),
+    Plate(fox::Quaternion, f64),
+    Surface(Box<(Grid, Vec<Point3>)>),
+    Marker,
+}
+
+impl ToolShape {
+    pub fn of(scene: &Scene, tool: usize) -> Self {
+        let size = |body| {
+            let points = scene.rest_surface(body).net().points();
+            let from = points.first().copied().unwrap_or_default();
+            points.iter().map(|p| (p - from).norm()).fold(0.0, f64::max)
+        };
+        let size_m = (0..scene.body_count()).map(size).fold(0.0, f64::max).max(1e-3);
+        let look = match scene.tool_shape(tool) {
+            Shape::Sphere { radius_m } => Look::Ball(*radius_m),
+            Shape::Plane { normal } => {
+                let turn = crate::math::Rotation::rotation_between(&crate::math::Vector3::z(), normal);
+                let turn = turn.unwrap_or_else(|| {
+                    crate::math::Rotation::from_axis_angle(&crate::math::Vector3::x_axis(), std::f64::consts::PI)
+                });
+                let [x, y, z, w]: [f64; 4] = turn.coords.into();
+                Look::Plate(fox::Quaternion { x, y, z, w }, size_m)
+            }
+            Shape::Surface(shape) => {
+                let grid = Grid::over(shape.surface());
+                let points = grid.points(shape.surface());
+                Look::Surface(Box::new((grid, points)))
+            }
+            Shape::Point | Shape::Implicit { .. } | Shape::Mesh(_) => Look::Marker,
+        };
+        let id = scene.tool_id(tool).to_owned();
+        Self { id, look, arrow_m: ARROW * size_m, marker_m: MARKER * size_m }
+    }
+
+    pub fn topic(&self) -> String {
+        format!("/view/tool/{}", self.id)
+    }
+
+    pub fn frame(&self) -> String {
+        format!("tool/{}", self.id)
+    }
+
+    /// The proxy's place in the values of a tick.
+    pub fn pose(&self, values: &[f64]) -> Option<(fox::Vector3, fox::Quaternion)> {
+        match values.get(6..13)? {
+            &[px, py, pz, x, y, z, w] => Some((vector(px, py, pz), fox::Quaternion { x, y, z, w })),
+            _ => None,
+        }
+    }
+
+    pub fn entity(
+        &self,
+        stamp: fox::Timestamp,
+        values: &[f64],
+        position: fox::Vector3,
+        orientation: fox::Quaternion,
+    ) -> fox::SceneEntity {
+        let pose = fox::Pose { position: Some(position), orientation: Some(orientation) };
+        let mut entity = fox::SceneEntity {
+            timestamp: Some(stamp),
+            frame_id: "world".into(),
+            id: self.frame(),
+            ..Default::default()
+        };
+        let ball = |radius: f64| fox::SpherePrimitive {
+            pose: Some(pose),
+            size: Some(vector(2.0 * radius, 2.0 * radius, 2.0 * radius)),
+            color: Some(TOOL),
+        };
+        match &self.look {
+            Look::Ball(radius) => entity.spheres.push(ball(*radius)),
+            Look::Marker => entity.spheres.push(ball(self.marker_m)),
+            Look::Plate(turn, size) => entity.cubes.push(fox::CubePrimitive {
+                pose: Some(fox::Pose { position: Some(position), orientation: Some(product(orientation, *turn)) }),
+                size: Some(vector(*size, *size, 0.002 * size)),
+                color: Some(TOOL),
+            }),
+            Look::Surface(shape) => entity.triangles.push(shape.0.triangles(&shape.1, pose, TOOL)),
+        }
+        let force = [values[0], values[1], values[2]];
+        let newtons = force.iter().map(|x| x * x).sum::<f64>().sqrt();
+        if newtons > 1e-6 && newtons.is_finite() {
+            entity.arrows.push(self.arrow(position, force, newtons));
+        }
+        entity
+    }
+
+    /// Points along x before it is turned.
+    fn arrow(&self, from: fox::Vector3, force: [f64; 3], newtons: f64) -> fox::ArrowPrimitive {
+        let direction = crate::math::Vector3::from(force);
+        let turn = crate::math::Rotation::rotation_between(&crate::math::Vector3::x(), &direction);
+        let turn = turn.unwrap_or_else(|| {
+            crate::math::Rotation::from_axis_angle(&crate::math::Vector3::z_axis(), std::f64::consts::PI)
+        });
+        let [x, y, z, w]: [f64; 4] = turn.coords.into();
+        let (length, width) = (self.arrow_m * newtons, 0.1 * self.arrow_m);
+        fox::ArrowPrimitive {
+            pose: Some(fox::Pose { position: Some(from), orientation: Some(fox::Quaternion { x, y, z, w }) }),
+            shaft_length: 0.8 * length,
+            shaft_diameter: width,
+            head_length: 0.2 * length,
+            head_diameter: 2.0 * width,
+            color: Some(FORCE),
+        }
+    }
+}
+
+/// a, then b in a's frame.
+fn product(a: fox::Quaternion, b: fox::Quaternion) -> fox::Quaternion {
+    let [a, b] = [a, b].map(|q| nalgebra::Quaternion::new(q.w, q.x, q.y, q.z));
+    let q = a * b;
+    fox::Quaternion { x: q.i, y: q.j, z: q.k, w: q.w }
+}
