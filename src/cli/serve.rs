@@ -1,7 +1,9 @@
 //! `palpate serve`: one scene, until it is told to stop.
 
 use super::{Outcome, text};
-use crate::recording::{Recorder, RecorderSettings, RecordingSummary, default_path, stage_infos, write_stages};
+use crate::recording::{
+    Recorder, RecorderSettings, RecordingSummary, SelfCheck, SelfCheckReport, default_path, stage_infos, write_stages,
+};
 use crate::scene::spec::Clock;
 use crate::scene::{Scene, file, inline_files};
 use crate::tick::driver::{self, DriverReport, DriverSettings};
@@ -52,6 +54,9 @@ pub struct Common {
     /// Do not ask for FIFO scheduling and locked memory.
     #[arg(long)]
     pub no_rt: bool,
+    /// Every N ticks go back to the state before them on another thread and run them again: they must come to the same bits.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    pub self_check: Option<u32>,
 }
 
 /// A daemon that has ended.
@@ -59,6 +64,7 @@ pub struct Served {
     pub report: DriverReport,
     pub recording: Option<RecordingSummary>,
     pub recording_failed: bool,
+    pub self_check: Option<SelfCheckReport>,
 }
 
 pub fn run(args: &Args) -> anyhow::Result<Outcome> {
@@ -77,6 +83,9 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
 
 /// Exit code of a served session.
 pub fn outcome(served: &Served) -> Outcome {
+    if served.self_check.is_some_and(|check| check.differences > 0) {
+        return Outcome::Difference;
+    }
     let lossy = served.recording.as_ref().is_some_and(|recording| recording.dropped > 0);
     if served.recording_failed || lossy { Outcome::Fault } else { Outcome::Ok }
 }
@@ -143,6 +152,13 @@ pub fn serve(
         ticks: common.duration.map(|duration| (duration.as_secs_f64() / scene.dt_s).round() as u64),
         privileged: !common.no_rt,
     };
+    let (self_check, journal) = match common.self_check {
+        None => (None, journal),
+        Some(every) => {
+            let (check, port) = SelfCheck::start(&scene, every as usize, journal)?;
+            (Some(check), Box::new(port) as Box<dyn Journal>)
+        }
+    };
     let thread = driver::start(scene.clone(), tick_ports, journal, settings)?;
     tracing::info!(
         scene = scene.name, instance = common.instance, listen = listen.join(","), clock = ?scene.clock,
@@ -151,6 +167,7 @@ pub fn serve(
     let begun = ready();
     let report = thread.join().map_err(|_| anyhow::anyhow!("the tick thread panicked"));
     let bus_report = bus.finish();
+    let self_check = self_check.map(SelfCheck::finish);
     drop(viewer);
     let (mut recording, mut recording_failed) = (None, false);
     if let Some(recorder) = recorder {
@@ -168,7 +185,7 @@ pub fn serve(
     if settings.privileged && !report.privileges.fifo && scene.clock == Clock::Realtime {
         tracing::warn!("SCHED_FIFO was refused: ticks may start late; see `palpate doctor`");
     }
-    Ok(Served { report, recording, recording_failed })
+    Ok(Served { report, recording, recording_failed, self_check })
 }
 
 /// The figures of a session, on stdout.
@@ -185,6 +202,9 @@ pub fn summary(served: &Served) {
     let mut table = String::new();
     let _ = write_stages(&mut table, &stage_infos(&report.stages));
     print!("{table}");
+    if let Some(SelfCheckReport { checks, ticks, unchecked, differences, .. }) = served.self_check {
+        println!("self-check: {ticks} ticks run again in {checks} checks, {unchecked} not; {differences} differences");
+    }
     if let Some(recording) = &served.recording {
         println!(
             "recorded {} ({} ticks, {} lost), session hash {:016x}",

@@ -6,20 +6,28 @@
 //! ```
 
 mod convert;
+mod figures;
 mod info;
 mod reader;
 mod recorder;
 mod recover;
 mod replay;
+mod self_check;
 mod writer;
 
+pub use figures::{
+    BodyFigures, Deviation, Figures, FiguresError, Start, Tolerances, ToolFigures, deviations, simulate_figures,
+};
 pub use info::{Info, info};
 pub(crate) use info::{stage_infos, write_stages};
 pub use reader::{ReadError, Session, SessionHeader};
 pub use recorder::{Recorder, RecorderPort, RecorderSettings, RecordingSummary, default_path};
 pub use recover::RecoverError;
 pub use recover::{Recovered, recover};
-pub use replay::{Difference, ReplayError, ReplayReport, replay};
+pub use replay::{
+    Difference, Divergence, Follower, ReplayError, ReplayOptions, ReplayReport, recorded_scene, replay, replay_with,
+};
+pub use self_check::{SelfCheck, SelfCheckPort, SelfCheckReport, SelfDifference};
 pub use writer::{SessionHash, WriteError};
 
 /// Topics.
@@ -38,6 +46,12 @@ pub(crate) mod topics {
 
 /// Layout of recordings; readers refuse others.
 pub const FORMAT_VERSION: u32 = 1;
+
+/// Names in the head of a session, for example of its `tools`, by index.
+pub(crate) fn names(session: &Session, key: &str) -> Vec<String> {
+    let names = session.header.run.get(key).map_or("", String::as_str);
+    names.split(',').filter(|name| !name.is_empty()).map(str::to_owned).collect()
+}
 
 /// What this program was built from: recordings made by another build may replay with other bits.
 pub fn build_id() -> String {
