@@ -338,3 +338,42 @@ fn a_tick_of_carried_bodies_allocates_nothing() {
     });
     assert_eq!(count, 0);
 }
+
+// A shadow that goes back now and then costs the tick copies into buffers that are there already, whatever contact rows come.
+#[cfg(feature = "daemon")]
+#[test]
+fn handing_ticks_to_a_self_check_allocates_nothing() {
+    use palpate::recording::SelfCheck;
+    use palpate::tick::journal::{Journal as _, NoJournal};
+    use palpate::tick::record::{TickInput, TickRecord};
+    let soft = teardrop(20e3, "\"none\"").replace("stiffness_n_m = inf", "stiffness_n_m = 800.0");
+    let text = format!("{soft}friction = {{ mu = 0.4 }}\ngrip = {{ force_max_n = 0.3 }}\n");
+    let mut world = World::new(&text);
+    let scene = std::sync::Arc::new(World::new(&text).scene);
+    let (check, mut port) = SelfCheck::start(&scene, 20, Box::new(NoJournal)).unwrap();
+    port.keyframe(&world.state, palpate::math::state_hash(&world.state));
+    let mut touched = 0;
+    let count = allocations(|| {
+        for k in 0..1_000u32 {
+            if k % 50 == 0 {
+                port.command(u64::from(k), Command::Quality(0));
+            }
+            let t = f64::from(k) * 1e-3;
+            let place = [0.06 - 0.03 * (20.0 * t).sin().abs(), 0.003 + 0.004 * (9.0 * t).sin(), 0.045];
+            let mut input = TickInput::default();
+            let buttons = u32::from(k % 300 > 100);
+            input.poses[0] = Some(palpate::haptics::DevicePose { buttons, ..common::pose(u64::from(k) + 1, place) });
+            let output = palpate::tick::step(&world.scene, &mut world.state, &mut world.scratch, &input);
+            touched += u32::from(output.tools[0].contact.is_some());
+            port.tick(&world.scene, &world.state, &TickRecord { input, output, ..TickRecord::default() });
+            if k % 20 == 0 {
+                std::thread::sleep(std::time::Duration::from_millis(5));
+            }
+        }
+    });
+    assert!(touched > 200, "only {touched} ticks in touch");
+    assert_eq!(count, 0);
+    drop(port);
+    let report = check.finish();
+    assert!(report.checks > 5 && report.differences == 0, "{report:?}");
+}

@@ -1,61 +1,177 @@
 //! `palpate replay`: the recorded inputs through the same step.
 
 use super::Outcome;
-use crate::recording::{Session, replay};
-use std::path::PathBuf;
+use crate::recording::{
+    Deviation, Figures, ReplayOptions, ReplayReport, Session, Start, deviations, replay_with, simulate_figures,
+};
+use anyhow::Context as _;
+use std::path::{Path, PathBuf};
 
 #[derive(clap::Args, Debug)]
 pub struct Args {
     /// Recording.
     file: PathBuf,
     /// Start at the keyframe at or before this tick.
-    #[arg(long, default_value_t = 0)]
+    #[arg(long, value_name = "TICK", default_value_t = 0)]
     from: u64,
+    /// Last tick to replay.
+    #[arg(long, value_name = "TICK")]
+    until: Option<u64>,
+    /// Threads; what is found does not depend on their number. [default: one a core]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    jobs: Option<u16>,
+    /// What must be equal: every bit, or the figures in FILE.figures.json within their tolerances.
+    #[arg(long, value_enum, default_value_t = Check::Bits)]
+    check: Check,
+    /// With --check figures: write the figures of this version to FILE.figures.json and say what changed.
+    #[arg(long)]
+    bless: bool,
+    /// Where the report goes (FILE.json, or into this directory) and, on a difference, the ticks around it.
+    #[arg(long, value_name = "PATH")]
+    report: Option<PathBuf>,
     /// Print one JSON object.
     #[arg(long)]
     json: bool,
 }
 
+#[derive(clap::ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
+enum Check {
+    Bits,
+    Figures,
+}
+
 pub fn run(args: &Args) -> anyhow::Result<Outcome> {
+    if args.check == Check::Figures {
+        let whole = args.from == 0 && args.until.is_none();
+        anyhow::ensure!(whole, "figures are of a whole recording: --from and --until are for --check bits");
+    }
+    anyhow::ensure!(!args.bless || args.check == Check::Figures, "--bless writes figures: add --check figures");
     let session = Session::open(&args.file)?;
     let bar = if std::io::IsTerminal::is_terminal(&std::io::stderr()) {
         indicatif::ProgressBar::new(session.ticks.len() as u64)
     } else {
         indicatif::ProgressBar::hidden()
     };
-    let report = replay(&session, args.from, |done, all| {
+    let progress = |done, all| {
         bar.set_length(all);
         bar.set_position(done);
-    })?;
-    bar.finish_and_clear();
+    };
+    match args.check {
+        Check::Bits => bits(args, &session, progress),
+        Check::Figures => figures(args, &session, progress),
+    }
+    .inspect(|_| bar.finish_and_clear())
+}
+
+fn bits(args: &Args, session: &Session, progress: impl FnMut(u64, u64)) -> anyhow::Result<Outcome> {
+    let defaults = ReplayOptions::default();
+    let options = ReplayOptions {
+        from: args.from,
+        until: args.until.unwrap_or(defaults.until),
+        jobs: args.jobs.map_or(defaults.jobs, usize::from),
+    };
+    let report = replay_with(session, &options, progress)?;
+    let told = serde_json::to_string(&report)?;
     if args.json {
-        println!("{}", serde_json::to_string(&report)?);
+        println!("{told}");
     } else {
-        println!(
-            "{} of {} ticks matched bit for bit, {} nets; {:.1} x real time; session hash {}",
-            report.ticks_matched,
-            report.ticks_recorded,
-            report.nets_matched,
-            report.realtime_factor,
-            report.session_hash
-        );
-        if let Some(difference) = &report.first_difference {
-            let ulps = difference.ulps.map_or(String::new(), |ulps| format!(" ({ulps} ULPs apart)"));
-            println!(
-                "first difference at tick {}: {} was {}, is {}{ulps}",
-                difference.tick, difference.field, difference.recorded, difference.replayed
-            );
-        }
+        tell(&report);
     }
     if !report.same_build {
         eprintln!("note: recorded by another build; equal bits are promised for the same build only");
     }
-    if !report.clean || report.gaps > 0 {
-        eprintln!("the recording is incomplete: {} ticks missing, finished cleanly: {}", report.gaps, report.clean);
+    if !report.is_complete() {
+        eprintln!(
+            "the recording is incomplete: {} ticks missing, {} that no keyframe leads to, finished cleanly: {}",
+            report.gaps, report.ticks_unreached, report.clean
+        );
     }
-    Ok(match (&report.first_difference, report.clean && report.gaps == 0) {
+    if let Some(divergence) = &report.divergence {
+        match divergence.write(session, &places(args).0) {
+            Ok(path) => eprintln!("the ticks around it, of both runs: {}", path.display()),
+            // What was found is told all the same.
+            Err(error) => {
+                eprintln!("the ticks around it could not be written: {error}; name a directory with --report")
+            }
+        }
+    }
+    write_report(args, &told)?;
+    Ok(match (&report.first_difference, report.is_complete()) {
         (Some(_), _) => Outcome::Difference,
         (None, true) => Outcome::Ok,
         (None, false) => Outcome::Fault,
     })
+}
+
+fn tell(report: &ReplayReport) {
+    println!(
+        "{} of {} ticks matched bit for bit, {} nets; {:.1} x real time on {} threads; session hash {}",
+        report.ticks_matched,
+        report.ticks_recorded,
+        report.nets_matched,
+        report.realtime_factor,
+        report.jobs,
+        report.session_hash
+    );
+    if let Some(difference) = &report.first_difference {
+        println!("first difference at {difference}");
+    }
+}
+
+/// Where the ticks around a difference go, and where the report.
+fn places(args: &Args) -> (PathBuf, Option<PathBuf>) {
+    let directory = |path: &Path| path.parent().filter(|d| !d.as_os_str().is_empty()).unwrap_or(Path::new(".")).into();
+    match &args.report {
+        None => (directory(&args.file), None),
+        Some(path) if path.extension().is_some_and(|e| e == "json") => (directory(path), Some(path.clone())),
+        Some(path) => (path.clone(), Some(path.join("replay.json"))),
+    }
+}
+
+fn write_report(args: &Args, told: &str) -> anyhow::Result<()> {
+    let (directory, Some(path)) = places(args) else { return Ok(()) };
+    std::fs::create_dir_all(&directory).with_context(|| directory.display().to_string())?;
+    std::fs::write(&path, format!("{told}\n")).with_context(|| path.display().to_string())
+}
+
+fn figures(args: &Args, session: &Session, progress: impl FnMut(u64, u64)) -> anyhow::Result<Outcome> {
+    let path = Figures::path_for(&args.file);
+    let before = if args.bless { Figures::read(&path).ok() } else { Some(Figures::read(&path)?) };
+    let (mut now, start) = simulate_figures(session, progress)?;
+    if let Start::Scene { reason } = &start {
+        eprintln!("note: the first keyframe does not fit this version ({reason}); it began with the scene's own start");
+    }
+    if args.bless {
+        // Tolerances are of the author: they stay.
+        now.tolerances = before.as_ref().map_or(now.tolerances, |before| before.tolerances);
+        let changed = before.as_ref().map(|before| deviations(before, &now, true));
+        if changed.as_ref().is_none_or(|changed| !changed.is_empty()) {
+            now.write(&path)?;
+        }
+        told(args, &now, &start, changed.as_deref().unwrap_or_default())?;
+        if !args.json {
+            match &changed {
+                None => println!("{} was written", path.display()),
+                Some(changed) => println!("{}: {} figures changed", path.display(), changed.len()),
+            }
+        }
+        return Ok(Outcome::Ok);
+    }
+    let found = before.map_or_else(Vec::new, |before| deviations(&before, &now, false));
+    told(args, &now, &start, &found)?;
+    if !args.json {
+        let verdict = if found.is_empty() { "all figures are as written" } else { "figures are off" };
+        println!("{} ticks simulated: {verdict} in {}", now.ticks, path.display());
+    }
+    Ok(if found.is_empty() { Outcome::Ok } else { Outcome::Difference })
+}
+
+fn told(args: &Args, figures: &Figures, start: &Start, found: &[Deviation]) -> anyhow::Result<()> {
+    let told = serde_json::json!({ "figures": figures, "start": start, "deviations": found }).to_string();
+    if args.json {
+        println!("{told}");
+    } else {
+        found.iter().for_each(|deviation| println!("{deviation}"));
+    }
+    write_report(args, &told)
 }

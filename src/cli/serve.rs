@@ -1,10 +1,14 @@
 //! `palpate serve`: one scene, until it is told to stop.
 
 use super::{Outcome, text};
-use crate::recording::{Recorder, RecorderSettings, RecordingReport, Split, default_path, stage_infos, write_stages};
+use crate::recording::{
+    Recorder, RecorderSettings, RecordingReport, SelfCheck, SelfCheckReport, Split, default_path, stage_infos,
+    write_stages,
+};
 use crate::scene::spec::{Clock, SceneSpec};
 use crate::scene::{Scene, file, inline_files};
 use crate::tick::driver::{self, DriverReport, DriverSettings};
+use crate::tick::journal::Journal;
 use crate::tick::ports::ports;
 use crate::transport::{Bus, BusSettings, DEFAULT_ENDPOINT, SessionSettings, ViewSink, open};
 use crate::viewer::Viewer;
@@ -51,6 +55,9 @@ pub struct Common {
     /// Do not ask for FIFO scheduling and locked memory.
     #[arg(long)]
     pub no_rt: bool,
+    /// Every N ticks go back to the state before them on another thread and run them again: they must come to the same bits.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    pub self_check: Option<u32>,
 }
 
 /// What is kept of a session.
@@ -101,6 +108,7 @@ impl Recording {
 pub struct Served {
     pub report: DriverReport,
     pub recording: RecordingReport,
+    pub self_check: Option<SelfCheckReport>,
 }
 
 pub fn run(args: &Args) -> anyhow::Result<Outcome> {
@@ -115,6 +123,9 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
 
 /// Exit code of a served session.
 pub fn outcome(served: &Served) -> Outcome {
+    if served.self_check.is_some_and(|check| check.differences > 0) {
+        return Outcome::Difference;
+    }
     let incomplete = served.recording.failure.is_some() || served.recording.dropped > 0;
     if incomplete { Outcome::Fault } else { Outcome::Ok }
 }
@@ -176,7 +187,14 @@ pub fn serve(
         ticks: common.duration.map(|duration| (duration.as_secs_f64() / scene.dt_s).round() as u64),
         privileged: !common.no_rt,
     };
-    let thread = driver::start(scene.clone(), tick_ports, Box::new(journal), settings)?;
+    let (self_check, journal) = match common.self_check {
+        None => (None, Box::new(journal) as Box<dyn Journal>),
+        Some(every) => {
+            let (check, port) = SelfCheck::start(&scene, every as usize, Box::new(journal))?;
+            (Some(check), Box::new(port) as Box<dyn Journal>)
+        }
+    };
+    let thread = driver::start(scene.clone(), tick_ports, journal, settings)?;
     tracing::info!(
         scene = scene.name, instance = common.instance, listen = listen.join(","), clock = ?scene.clock,
         "serving; poses on palpate/{}/tool/ID/pose", common.instance
@@ -184,6 +202,7 @@ pub fn serve(
     let begun = ready();
     let report = thread.join().map_err(|_| anyhow::anyhow!("the tick thread panicked"));
     let bus_report = bus.finish();
+    let self_check = self_check.map(SelfCheck::finish);
     drop(viewer);
     let recording = recorder.finish();
     if let Some(error) = &recording.failure {
@@ -195,7 +214,7 @@ pub fn serve(
     if settings.privileged && !report.privileges.fifo && scene.clock == Clock::Realtime {
         tracing::warn!("SCHED_FIFO was refused: ticks may start late; see `palpate doctor`");
     }
-    Ok(Served { report, recording })
+    Ok(Served { report, recording, self_check })
 }
 
 /// The figures of a session, on stdout.
@@ -212,6 +231,9 @@ pub fn summary(served: &Served) {
     let mut table = String::new();
     let _ = write_stages(&mut table, &stage_infos(&report.stages));
     print!("{table}");
+    if let Some(SelfCheckReport { checks, ticks, unchecked, differences, .. }) = served.self_check {
+        println!("self-check: {ticks} ticks run again in {checks} checks, {unchecked} not; {differences} differences");
+    }
     for recording in &served.recording.files {
         println!(
             "recorded {} ({} ticks, {} lost), session hash {:016x}",

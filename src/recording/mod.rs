@@ -9,6 +9,7 @@
 
 mod convert;
 mod disk;
+mod figures;
 mod file;
 mod head;
 mod info;
@@ -21,10 +22,14 @@ mod reader;
 mod recorder;
 mod recover;
 mod replay;
+mod self_check;
 mod stream;
 mod views;
 
 pub use disk::{Disk, DiskFile, FileSystem};
+pub use figures::{
+    BodyFigures, Deviation, Figures, FiguresError, Start, Tolerances, ToolFigures, deviations, simulate_figures,
+};
 pub use file::WriteError;
 pub use info::{Info, info};
 pub(crate) use info::{stage_infos, write_stages};
@@ -35,7 +40,10 @@ pub use reader::{EventRecord, ReadError, Session, SessionHeader};
 pub use recorder::{Recorder, RecorderSettings, RecordingReport, RecordingSummary, default_path};
 pub use recover::RecoverError;
 pub use recover::{Recovered, recover};
-pub use replay::{Difference, ReplayError, ReplayReport, replay};
+pub use replay::{
+    Difference, Divergence, Follower, ReplayError, ReplayOptions, ReplayReport, recorded_scene, replay, replay_with,
+};
+pub use self_check::{SelfCheck, SelfCheckPort, SelfCheckReport, SelfDifference};
 
 /// Topics.
 pub(crate) mod topics {
@@ -53,6 +61,12 @@ pub(crate) mod topics {
 
 /// Layout of recordings; readers refuse others.
 pub const FORMAT_VERSION: u32 = 2;
+
+/// Names in the head of a session, for example of its `tools`, by index.
+pub(crate) fn names(session: &Session, key: &str) -> Vec<String> {
+    let names = session.header.run.get(key).map_or("", String::as_str);
+    names.split(',').filter(|name| !name.is_empty()).map(str::to_owned).collect()
+}
 
 /// What this program was built from: recordings made by another build may replay with other bits.
 pub fn build_id() -> String {

@@ -4,6 +4,7 @@ use super::disk::FileSystem;
 use super::file::{SessionFile, WriteError};
 use super::head::Head;
 use super::message::{BodyHead, Message};
+use super::names;
 use super::reader::{Keyframe, ReadError, Session};
 use super::views::Views;
 use crate::scene::Scene;
@@ -49,14 +50,10 @@ pub fn recover(source: &Path, target: &Path) -> Result<Recovered, RecoverError> 
     }
     let session = Session::open(source)?;
     let header = &session.header;
-    let list = |key: &str| -> Vec<String> {
-        let names = header.run.get(key).map_or("", String::as_str);
-        names.split(',').filter(|name| !name.is_empty()).map(str::to_owned).collect()
-    };
     let scene = toml::from_str::<SceneSpec>(&header.effective_scene)
         .ok()
         .and_then(|spec| Scene::build(&spec, Path::new(".")).ok());
-    let bodies = list("bodies").into_iter().enumerate().map(|(b, id)| {
+    let bodies = names(&session, "bodies").into_iter().enumerate().map(|(b, id)| {
         let surface = scene.as_ref().filter(|scene| b < scene.body_count()).map(|scene| scene.rest_surface(b));
         BodyHead {
             id,
@@ -72,7 +69,7 @@ pub fn recover(source: &Path, target: &Path) -> Result<Recovered, RecoverError> 
         scene_text: header.scene_text.clone(),
         effective_scene: header.effective_scene.clone(),
         dt_ns: session.run_number("dt_ns").unwrap_or(1_000_000),
-        tools: list("tools"),
+        tools: names(&session, "tools"),
         bodies: bodies.collect(),
         extra,
     };

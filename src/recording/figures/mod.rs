@@ -1,0 +1,240 @@
+//! Figures of a session that another version must come to again: forces, depths, energies, contacts, displacements.
+//!
+//! Bits are promised by the same build only. What a change of the program may not change, beyond a tolerance, is written
+//! into `FILE.figures.json` beside the recording, with the tolerances, and held against a new simulation of the same inputs.
+
+mod compare;
+mod simulate;
+
+pub use compare::{Deviation, Tolerances, deviations};
+pub use simulate::{Start, simulate_figures};
+
+use super::reader::Session;
+use super::replay::ReplayError;
+use crate::math::Point3;
+use crate::scene::{Scene, SceneState};
+use crate::tick::record::{TickOutput, ToolOutput};
+use serde::{Deserialize, Serialize};
+use std::path::{Path, PathBuf};
+
+/// Layout of the file.
+const FORMAT: &str = "palpate.figures.v1";
+
+/// Why figures could not be made or read.
+#[derive(Debug, thiserror::Error)]
+pub enum FiguresError {
+    /// The session.
+    #[error(transparent)]
+    Replay(#[from] ReplayError),
+    /// Some ticks are not there.
+    #[error("tick {tick} is missing, and figures need every tick from the start of the recording")]
+    Gap {
+        /// First one.
+        tick: u64,
+    },
+    /// Nothing to begin with.
+    #[error(
+        "the keyframe at tick {tick} does not fit this version ({reason}), and only a recording from tick 0 on can begin with the \
+         scene's own start"
+    )]
+    Start {
+        /// Of the first keyframe.
+        tick: u64,
+        /// Why it does not fit.
+        reason: String,
+    },
+    /// No figures yet.
+    #[error("{}: {source}; `palpate replay FILE --check figures --bless` writes it", path.display())]
+    Io {
+        /// The file of figures.
+        path: PathBuf,
+        /// Cause.
+        source: std::io::Error,
+    },
+    /// A file of something else.
+    #[error("{}: not figures of this version: {reason}", path.display())]
+    Format {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong.
+        reason: String,
+    },
+}
+
+/// Figures of a session, with how far another version may be from them.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Figures {
+    /// `palpate.figures.v1`.
+    pub format: String,
+    /// Scene name.
+    pub scene: String,
+    /// Ticks.
+    pub ticks: u64,
+    /// How far off is still the same.
+    pub tolerances: Tolerances,
+    /// By tool.
+    pub tools: Vec<ToolFigures>,
+    /// By body.
+    pub bodies: Vec<BodyFigures>,
+}
+
+/// Figures of a tool.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ToolFigures {
+    /// Id.
+    pub id: String,
+    /// Largest force for the device, N.
+    pub peak_force_n: f64,
+    /// Root of the mean square of the force over all ticks, N.
+    pub rms_force_n: f64,
+    /// Deepest penetration of the device's tool, m.
+    pub peak_depth_m: f64,
+    /// Work of the hand at the end, J.
+    pub energy_j: f64,
+    /// Largest amount of that work at any tick, J: what errors of energies are measured against.
+    pub peak_energy_j: f64,
+    /// What the passivity controller took away, J.
+    pub dissipated_j: f64,
+    /// Ticks in contact.
+    pub contact_ticks: u64,
+    /// Times that contact began.
+    pub contact_phases: u64,
+    /// First tick in contact.
+    pub first_contact_tick: Option<u64>,
+}
+
+/// Figures of a body.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct BodyFigures {
+    /// Id.
+    pub id: String,
+    /// Farthest that any control point was from its place at rest, m.
+    pub peak_displacement_m: f64,
+}
+
+/// Sums a tool's ticks up.
+#[derive(Clone, Debug)]
+pub(super) struct ToolSum {
+    figures: ToolFigures,
+    ticks: u64,
+    squares_n2: f64,
+    touching: bool,
+}
+
+impl ToolSum {
+    pub fn new(id: String) -> Self {
+        Self { figures: ToolFigures { id, ..ToolFigures::default() }, ticks: 0, squares_n2: 0.0, touching: false }
+    }
+
+    pub fn push(&mut self, tick: u64, output: &ToolOutput) {
+        let figures = &mut self.figures;
+        let force_n = output.force_n.norm();
+        self.ticks += 1;
+        self.squares_n2 += force_n * force_n;
+        figures.peak_force_n = figures.peak_force_n.max(force_n);
+        let touching = output.contact.is_some();
+        if let Some(contact) = &output.contact {
+            figures.peak_depth_m = figures.peak_depth_m.max(contact.depth_m);
+            figures.contact_ticks += 1;
+            figures.contact_phases += u64::from(!self.touching);
+            figures.first_contact_tick.get_or_insert(tick);
+        }
+        self.touching = touching;
+        (figures.energy_j, figures.dissipated_j) = (output.energy_j, output.dissipated_j);
+        figures.peak_energy_j = figures.peak_energy_j.max(output.energy_j.abs());
+    }
+
+    pub fn finish(&self) -> ToolFigures {
+        let rms_force_n = if self.ticks == 0 { 0.0 } else { libm::sqrt(self.squares_n2 / self.ticks as f64) };
+        ToolFigures { rms_force_n, ..self.figures.clone() }
+    }
+}
+
+/// Sums the ticks of a simulation up.
+struct Sum<'a> {
+    scene: &'a Scene,
+    ticks: u64,
+    tools: Vec<ToolSum>,
+    /// By body: farthest so far, m, and a net to copy into.
+    bodies: Vec<(f64, Vec<Point3>)>,
+}
+
+impl<'a> Sum<'a> {
+    fn new(scene: &'a Scene) -> Self {
+        let bodies = (0..scene.body_count()).map(|body| (0.0, scene.rest_surface(body).net().points().to_vec()));
+        let tools = (0..scene.tool_count()).map(|tool| ToolSum::new(scene.tool_id(tool).to_owned()));
+        Self { scene, ticks: 0, tools: tools.collect(), bodies: bodies.collect() }
+    }
+
+    fn push(&mut self, output: &TickOutput, state: &SceneState) {
+        self.ticks += 1;
+        self.tools.iter_mut().zip(&output.tools).for_each(|(sum, output_of)| sum.push(output.tick, output_of));
+        for (body, (farthest_m, net)) in self.bodies.iter_mut().enumerate().filter(|(b, _)| self.scene.deforms(*b)) {
+            state.copy_net(self.scene, body, net);
+            let rest = self.scene.rest_surface(body).net().points();
+            let apart = net.iter().zip(rest).map(|(now, rest)| (now - rest).norm());
+            *farthest_m = apart.fold(*farthest_m, f64::max);
+        }
+    }
+
+    fn finish(self) -> Figures {
+        let bodies = self.bodies.iter().enumerate().map(|(body, (peak_displacement_m, _))| BodyFigures {
+            id: self.scene.body_id(body).to_owned(),
+            peak_displacement_m: *peak_displacement_m,
+        });
+        Figures {
+            format: FORMAT.into(),
+            scene: self.scene.name.clone(),
+            ticks: self.ticks,
+            tolerances: Tolerances::default(),
+            tools: self.tools.iter().map(ToolSum::finish).collect(),
+            bodies: bodies.collect(),
+        }
+    }
+}
+
+impl Figures {
+    /// Where the figures of a recording are: its name with `.figures.json` behind.
+    pub fn path_for(recording: &Path) -> PathBuf {
+        PathBuf::from(format!("{}.figures.json", recording.display()))
+    }
+
+    /// Reads them.
+    ///
+    /// # Errors
+    /// No such file, or one of something else.
+    pub fn read(path: &Path) -> Result<Self, FiguresError> {
+        let text =
+            std::fs::read_to_string(path).map_err(|source| FiguresError::Io { path: path.to_owned(), source })?;
+        let wrong = |reason: String| FiguresError::Format { path: path.to_owned(), reason };
+        let figures: Self = serde_json::from_str(&text).map_err(|e| wrong(e.to_string()))?;
+        if figures.format != FORMAT {
+            return Err(wrong(format!("its format is {:?}, not {FORMAT:?}", figures.format)));
+        }
+        figures.tolerances.check().map_err(wrong)?;
+        Ok(figures)
+    }
+
+    /// Writes them, readable by people.
+    ///
+    /// # Errors
+    /// The file cannot be written.
+    pub fn write(&self, path: &Path) -> Result<(), FiguresError> {
+        let mut text = serde_json::to_string_pretty(self).expect("plain data");
+        text.push('\n');
+        std::fs::write(path, text).map_err(|source| FiguresError::Io { path: path.to_owned(), source })
+    }
+}
+
+/// What the tools of a session felt, as recorded.
+pub(super) fn recorded_tools(session: &Session) -> Vec<ToolFigures> {
+    let mut tools: Vec<ToolSum> = super::names(session, "tools").into_iter().map(ToolSum::new).collect();
+    for record in &session.ticks {
+        let outputs = &record.output.tools;
+        tools.iter_mut().zip(outputs).for_each(|(sum, output)| sum.push(record.output.tick, output));
+    }
+    tools.iter().map(ToolSum::finish).collect()
+}

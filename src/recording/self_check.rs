@@ -1,0 +1,281 @@
+//! A shadow of the running loop: it goes back to a state of a moment ago, runs the same ticks again, and must come to the same
+//! hashes. What a replay would find tomorrow, this finds now.
+//!
+//! ```text
+//! tick thread ─▶ SelfCheckPort ─▶ the journal it wraps
+//!                     └─ batch: a state, N ticks of poses, commands, hashes ═ring═▶ checking thread: restore, step, compare
+//! ```
+//! The tick thread neither waits nor allocates: batches go round between two rings. While none is free, ticks go unchecked
+//! and are counted.
+
+use crate::contact::grip::MAX_ANCHORS;
+use crate::contact::rows::MAX_ROWS;
+use crate::haptics::DevicePose;
+use crate::math::{SavedState, state_hash};
+use crate::scene::{Scene, SceneState, Scratch};
+use crate::tick::journal::Journal;
+use crate::tick::record::{Command, TickInput, TickRecord};
+use crate::tick::{apply, restore, step};
+use serde::Serialize;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::thread::JoinHandle;
+use std::time::Duration;
+
+/// One is filled, one is checked, one waits.
+const BATCHES: usize = 3;
+/// More between the ends of a batch, and it is not checked.
+const MAX_COMMANDS: usize = 256;
+/// Differences that are logged; more say nothing new.
+const MOST_TOLD: u64 = 5;
+
+/// Where the second run parts from the first.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+pub struct SelfDifference {
+    /// The state after this tick was gone back to.
+    pub from: u64,
+    /// First tick that parts.
+    pub tick: u64,
+    /// Hash of the state in the loop.
+    pub first: u64,
+    /// Hash of the state the second time.
+    pub second: u64,
+}
+
+/// What was checked.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct SelfCheckReport {
+    /// Times it went back.
+    pub checks: u64,
+    /// Ticks that were run again.
+    pub ticks: u64,
+    /// Ticks that were not, because the shadow was behind.
+    pub unchecked: u64,
+    /// Times that the runs parted.
+    pub differences: u64,
+    /// The first of them.
+    pub first_difference: Option<SelfDifference>,
+}
+
+/// A state with what followed it.
+struct Batch {
+    saved: SavedState,
+    tick: u64,
+    hash: u64,
+    /// (ticks × tools).
+    poses: Vec<Option<DevicePose>>,
+    /// (ticks): of the states after them.
+    hashes: Vec<u64>,
+    commands: Vec<(u64, Command)>,
+}
+
+#[derive(Debug, Default)]
+struct Shared {
+    unchecked: AtomicU64,
+    stop: AtomicBool,
+}
+
+/// The tick thread's side: hands everything on to the journal it wraps.
+pub struct SelfCheckPort {
+    inner: Box<dyn Journal>,
+    every: usize,
+    tools: usize,
+    filling: Option<Box<Batch>>,
+    free: rtrb::Consumer<Box<Batch>>,
+    full: rtrb::Producer<Box<Batch>>,
+    shared: Arc<Shared>,
+}
+
+/// A running shadow.
+pub struct SelfCheck {
+    shared: Arc<Shared>,
+    thread: JoinHandle<SelfCheckReport>,
+}
+
+/// An empty buffer that takes in any state of a scene without growing: contact rows and grips come and go.
+pub(super) fn room_for_states(scene: &Scene) -> SavedState {
+    const ROW: [usize; 2] = [3, 14];
+    const ANCHOR: [usize; 2] = [1, 5];
+    let mut sample = SavedState::default();
+    sample.save_from(&scene.initial_state());
+    let more = |k: usize| MAX_ROWS * ROW[k] + scene.tool_count() * (1 + MAX_ANCHORS * ANCHOR[k]);
+    SavedState {
+        words: Vec::with_capacity(sample.words.len() + more(0)),
+        floats: Vec::with_capacity(sample.floats.len() + more(1)),
+    }
+}
+
+impl SelfCheck {
+    /// Starts the checking thread. `every`: length of a check, ticks.
+    ///
+    /// # Errors
+    /// The system refuses a thread.
+    pub fn start(scene: &Arc<Scene>, every: usize, inner: Box<dyn Journal>) -> std::io::Result<(Self, SelfCheckPort)> {
+        let every = every.max(1);
+        let tools = scene.tool_count();
+        let (mut free_in, free) = rtrb::RingBuffer::new(BATCHES);
+        let (full, full_out) = rtrb::RingBuffer::new(BATCHES);
+        for _ in 0..BATCHES {
+            let batch = Batch {
+                saved: room_for_states(scene),
+                tick: 0,
+                hash: 0,
+                poses: Vec::with_capacity(every * tools),
+                hashes: Vec::with_capacity(every),
+                commands: Vec::with_capacity(MAX_COMMANDS),
+            };
+            let fits = free_in.push(Box::new(batch)).is_ok();
+            debug_assert!(fits, "the ring has room for all");
+        }
+        let shared = Arc::new(Shared::default());
+        let port = SelfCheckPort { inner, every, tools, filling: None, free, full, shared: shared.clone() };
+        let (theirs, scene) = (shared.clone(), scene.clone());
+        let thread = std::thread::Builder::new()
+            .name("palpate-check".into())
+            .spawn(move || check_all(&scene, full_out, free_in, &theirs))?;
+        Ok((Self { shared, thread }, port))
+    }
+
+    /// Checks what is left and says what was found. Call after the tick thread has ended.
+    pub fn finish(self) -> SelfCheckReport {
+        self.shared.stop.store(true, Ordering::Release);
+        let report = self.thread.join().unwrap_or_else(|_| {
+            tracing::error!("the thread of the self-check panicked");
+            SelfCheckReport { differences: 1, ..SelfCheckReport::default() }
+        });
+        SelfCheckReport { unchecked: self.shared.unchecked.load(Ordering::Relaxed), ..report }
+    }
+}
+
+impl SelfCheckPort {
+    fn begin(&mut self, state: &SceneState, hash: u64) {
+        let Ok(mut batch) = self.free.pop() else { return };
+        batch.saved.save_from(state);
+        (batch.tick, batch.hash) = (state.tick, hash);
+        batch.poses.clear();
+        batch.hashes.clear();
+        batch.commands.clear();
+        self.filling = Some(batch);
+    }
+}
+
+impl Journal for SelfCheckPort {
+    fn tick(&mut self, scene: &Scene, state: &SceneState, record: &TickRecord) {
+        self.inner.tick(scene, state, record);
+        match &mut self.filling {
+            None => drop(self.shared.unchecked.fetch_add(1, Ordering::Relaxed)),
+            Some(batch) => {
+                batch.poses.extend_from_slice(&record.input.poses[..self.tools]);
+                batch.hashes.push(record.output.state_hash);
+                if batch.hashes.len() == self.every
+                    && let Some(batch) = self.filling.take()
+                {
+                    let _ = self.full.push(batch);
+                }
+            }
+        }
+        if self.filling.is_none() {
+            self.begin(state, record.output.state_hash);
+        }
+    }
+
+    fn command(&mut self, after_tick: u64, command: Command) {
+        self.inner.command(after_tick, command);
+        if let Some(batch) = &mut self.filling {
+            if batch.commands.len() < MAX_COMMANDS {
+                batch.commands.push((after_tick, command));
+            } else if let Some(batch) = self.filling.take() {
+                // Too many to keep: these ticks are not checked, and the empty batch goes the round.
+                self.shared.unchecked.fetch_add(batch.hashes.len() as u64, Ordering::Relaxed);
+                self.give_back(batch);
+            }
+        }
+    }
+
+    fn keyframe(&mut self, state: &SceneState, state_hash: u64) {
+        self.inner.keyframe(state, state_hash);
+        if self.filling.is_none() {
+            self.begin(state, state_hash);
+        }
+    }
+}
+
+impl SelfCheckPort {
+    fn give_back(&mut self, mut batch: Box<Batch>) {
+        batch.hashes.clear();
+        batch.poses.clear();
+        batch.commands.clear();
+        let _ = self.full.push(batch);
+    }
+}
+
+impl Drop for SelfCheckPort {
+    /// The ticks since the last whole batch are checked as well.
+    fn drop(&mut self) {
+        if let Some(batch) = self.filling.take() {
+            let _ = self.full.push(batch);
+        }
+    }
+}
+
+fn check_all(
+    scene: &Scene,
+    mut full: rtrb::Consumer<Box<Batch>>,
+    mut free: rtrb::Producer<Box<Batch>>,
+    shared: &Shared,
+) -> SelfCheckReport {
+    let mut state = scene.initial_state();
+    let mut scratch = scene.scratch(&state);
+    let mut report = SelfCheckReport::default();
+    loop {
+        let stop = shared.stop.load(Ordering::Acquire);
+        while let Ok(batch) = full.pop() {
+            report.checks += u64::from(!batch.hashes.is_empty());
+            report.ticks += batch.hashes.len() as u64;
+            if let Some(difference) = check(scene, &mut state, &mut scratch, &batch) {
+                report.differences += 1;
+                report.first_difference.get_or_insert(difference);
+                if report.differences <= MOST_TOLD {
+                    let SelfDifference { from, tick, first, second } = difference;
+                    tracing::error!(
+                        from, tick, first = %format_args!("{first:016x}"), second = %format_args!("{second:016x}"),
+                        "self-check: the same inputs came to another state"
+                    );
+                }
+            }
+            let _ = free.push(batch);
+        }
+        if stop {
+            return report;
+        }
+        std::thread::sleep(Duration::from_millis(2));
+    }
+}
+
+fn check(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch, batch: &Batch) -> Option<SelfDifference> {
+    if batch.hashes.is_empty() {
+        return None;
+    }
+    let parted = |tick, first, second| Some(SelfDifference { from: batch.tick, tick, first, second });
+    // A state that the scene does not take back has no hash.
+    let hash = restore(scene, state, scratch, &batch.saved).map_or(0, |()| state_hash(state));
+    if hash != batch.hash {
+        return parted(batch.tick, batch.hash, hash);
+    }
+    let tools = scene.tool_count();
+    let mut commands = &batch.commands[..];
+    for (k, &hash) in batch.hashes.iter().enumerate() {
+        let tick = batch.tick + 1 + k as u64;
+        while let Some(((_, command), rest)) = commands.split_first().filter(|((after, _), _)| *after < tick) {
+            apply(scene, state, scratch, *command);
+            commands = rest;
+        }
+        let mut input = TickInput::default();
+        input.poses[..tools].copy_from_slice(&batch.poses[k * tools..(k + 1) * tools]);
+        let output = step(scene, state, scratch, &input);
+        if output.state_hash != hash {
+            return parted(tick, hash, output.state_hash);
+        }
+    }
+    None
+}
