@@ -1,7 +1,8 @@
 //! The figures of `palpate bench haptics` that no clock decides, held to their bars.
 
 use palpate::bench::Effort;
-use palpate::bench::haptics::{Figure, hands, haptics};
+use palpate::bench::Figure;
+use palpate::bench::haptics::{hands, haptics};
 
 fn figures(only: &str) -> Vec<Figure> {
     let mut figures = Vec::new();

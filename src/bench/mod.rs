@@ -7,16 +7,26 @@ mod chart;
 mod contact;
 mod deformation;
 #[cfg(feature = "daemon")]
+mod figure;
+#[cfg(feature = "daemon")]
 pub mod haptics;
 mod inputs;
 mod measure;
 mod oracle;
 mod peers;
+#[cfg(feature = "daemon")]
+mod processes;
+#[cfg(feature = "daemon")]
+mod recording;
 mod surface;
 mod table;
 
 pub use contact::{contact, picture};
 pub use deformation::{Sweep, deformation, pareto, plasticine_picture, plasticine_table};
+#[cfg(feature = "daemon")]
+pub use figure::{Bar, Figure, figures_table};
+#[cfg(feature = "daemon")]
+pub use recording::recording;
 pub use surface::surface;
 pub use table::table;
 

@@ -2,7 +2,8 @@
 
 use super::Outcome;
 use crate::bench::{
-    Effort, Row, contact, deformation, haptics, pareto, picture, plasticine_picture, plasticine_table, surface, table,
+    Effort, Figure, Row, contact, deformation, figures_table, haptics, pareto, picture, plasticine_picture,
+    plasticine_table, recording, surface, table,
 };
 use anyhow::Context;
 use std::io::Write;
@@ -42,6 +43,8 @@ enum Suite {
         #[arg(long)]
         energy_svg: Option<std::path::PathBuf>,
     },
+    /// Cost, size, losses, kills and replay speed of recordings.
+    Recording(Options),
     /// Contacts of points, balls, planes, solids, meshes and surfaces with a body.
     Contact {
         #[command(flatten)]
@@ -69,8 +72,12 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     if let Suite::Haptics { options, svg, energy_svg } = &args.suite {
         return run_haptics(options, svg.as_deref(), energy_svg.as_deref());
     }
+    if let Suite::Recording(options) = &args.suite {
+        figures(options, |effort, only, out| recording(effort, only, out))?;
+        return Ok(Outcome::Ok);
+    }
     let (options, svg) = match &args.suite {
-        Suite::Surface(options) => (options, None),
+        Suite::Surface(options) | Suite::Recording(options) => (options, None),
         Suite::Contact { options, svg }
         | Suite::Deformation { options, svg, .. }
         | Suite::Haptics { options, svg, .. } => (options, svg.as_deref()),
@@ -94,7 +101,7 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
         Suite::Surface(_) => surface(effort, only, &mut take),
         Suite::Contact { .. } => contact(effort, only, &mut take),
         Suite::Deformation { .. } => sweeps = deformation(effort, only, &mut take),
-        Suite::Haptics { .. } => {}
+        Suite::Haptics { .. } | Suite::Recording(_) => {}
     }
     if let Some(error) = failed {
         return Err(error);
@@ -116,14 +123,14 @@ fn write(path: &std::path::Path, drawn: String) -> anyhow::Result<()> {
     std::fs::write(path, drawn).with_context(|| format!("cannot write {}", path.display()))
 }
 
-fn run_haptics(
+/// Runs a suite of figures and prints them; gives back what else it made.
+fn figures<T>(
     options: &Options,
-    svg: Option<&std::path::Path>,
-    energy_svg: Option<&std::path::Path>,
-) -> anyhow::Result<Outcome> {
+    suite: impl FnOnce(Effort, Option<&str>, &mut dyn FnMut(Figure)) -> T,
+) -> anyhow::Result<T> {
     let effort = if options.quick { Effort::Quick } else { Effort::Full };
     let (mut figures, mut failed) = (Vec::new(), None);
-    let drawn = haptics::haptics(effort, options.only.as_deref(), &mut |figure| {
+    let made = suite(effort, options.only.as_deref(), &mut |figure| {
         if options.json {
             let line = serde_json::to_string(&figure).map_err(anyhow::Error::from);
             let written = line.and_then(|line| Ok(writeln!(std::io::stdout(), "{line}")?));
@@ -137,8 +144,17 @@ fn run_haptics(
         return Err(error);
     }
     if !options.json {
-        print!("{}", haptics::figures_table(&figures));
+        print!("{}", figures_table(&figures));
     }
+    Ok(made)
+}
+
+fn run_haptics(
+    options: &Options,
+    svg: Option<&std::path::Path>,
+    energy_svg: Option<&std::path::Path>,
+) -> anyhow::Result<Outcome> {
+    let drawn = figures(options, |effort, only, out| haptics::haptics(effort, only, out))?;
     if let Some(path) = svg {
         write(path, haptics::zwidth_picture(&drawn.widths))?;
     }

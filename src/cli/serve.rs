@@ -55,6 +55,9 @@ pub struct Common {
     /// Do not ask for FIFO scheduling and locked memory.
     #[arg(long)]
     pub no_rt: bool,
+    /// End, as on a signal, when the process that started this one ends.
+    #[arg(long)]
+    pub with_parent: bool,
     /// Every N ticks go back to the state before them on another thread and run them again: they must come to the same bits.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000))]
     pub self_check: Option<u32>,
@@ -169,6 +172,9 @@ pub fn serve(
         }
         counters.stop.store(true, Ordering::Release);
     });
+    if common.with_parent {
+        end_with_parent();
+    }
     let bus = Bus::start(
         session,
         bus_ports,
@@ -215,6 +221,15 @@ pub fn serve(
         tracing::warn!("SCHED_FIFO was refused: ticks may start late; see `palpate doctor`");
     }
     Ok(Served { report, recording, self_check })
+}
+
+/// The system sends the signal that ends us when our parent is gone.
+#[allow(unsafe_code)]
+fn end_with_parent() {
+    // SAFETY: a plain system call that concerns this process only.
+    unsafe {
+        libc::prctl(libc::PR_SET_PDEATHSIG, libc::SIGTERM);
+    }
 }
 
 /// The figures of a session, on stdout.

@@ -11,12 +11,13 @@
 //! }
 //! # Ok::<(), palpate_client::ClientError>(())
 //! ```
-//! [`device`] holds a simulated haptic device for those without one.
+//! [`device`] holds a simulated haptic device for those without one, [`testing`] a daemon of one's own for integration tests.
 
 mod announce;
 mod connection;
 pub mod device;
 mod ping;
+pub mod testing;
 mod tool;
 
 pub use connection::{ClientError, Connect, Latest, Palpate};

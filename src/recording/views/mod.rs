@@ -102,8 +102,8 @@ impl Views {
                 }
             }
             // The nets of a file's start come with its first ticks.
-            Kind::Tick { .. } if message.tick >= *self.next.get_or_insert(message.tick + 1) => {
-                self.next = Some(message.tick + self.every);
+            Kind::Tick { .. } if message.tick >= *self.next.get_or_insert(message.tick.saturating_add(1)) => {
+                self.next = Some(message.tick.saturating_add(self.every));
                 if let Ok(tick) = pb::Tick::decode(&message.data[..]) {
                     self.picture(&tick, put)?;
                 }

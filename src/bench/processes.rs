@@ -17,6 +17,11 @@ impl Files {
         Ok(Self(directory))
     }
 
+    /// A path in it.
+    pub(super) fn path(&self, name: &str) -> PathBuf {
+        self.0.join(name)
+    }
+
     /// Writes a file; gives its path.
     pub(super) fn write(&self, name: &str, text: &str) -> anyhow::Result<String> {
         let path = self.0.join(name);
@@ -48,6 +53,12 @@ impl Process {
             });
         }
         Ok(Self(command.spawn()?))
+    }
+
+    /// Ends it as a crash would, without a word.
+    pub(super) fn kill(mut self) {
+        let _ = self.0.kill();
+        let _ = self.0.wait();
     }
 }
 

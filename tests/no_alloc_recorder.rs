@@ -1,0 +1,92 @@
+//! Keeping a session allocates nothing on the tick's thread, whatever is kept.
+#![cfg(feature = "daemon")]
+
+mod common;
+#[path = "common/live.rs"]
+mod live;
+
+use live::{Live, SOFT};
+use palpate::recording::RecorderSettings;
+use palpate::tick::archive::ArchiveRequest;
+use palpate::tick::journal::recorder_state;
+use palpate::tick::record::Command;
+use std::alloc::{GlobalAlloc, Layout, System};
+use std::cell::Cell;
+use std::sync::atomic::Ordering;
+use std::time::Duration;
+
+struct Counting;
+
+thread_local! {
+    static COUNT: Cell<Option<u64>> = const { Cell::new(None) };
+}
+
+// SAFETY: hands every call to the system allocator unchanged.
+#[allow(unsafe_code)]
+unsafe impl GlobalAlloc for Counting {
+    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
+        COUNT.with(|count| count.set(count.get().map(|n| n + 1)));
+        unsafe { System.alloc(layout) }
+    }
+    unsafe fn dealloc(&self, ptr: *mut u8, layout: Layout) {
+        unsafe { System.dealloc(ptr, layout) }
+    }
+}
+
+#[global_allocator]
+static ALLOCATOR: Counting = Counting;
+
+/// Allocations of this thread while `work` runs.
+fn allocations(work: impl FnOnce()) -> u64 {
+    COUNT.with(|count| count.set(Some(0)));
+    work();
+    COUNT.with(|count| count.take()).unwrap_or(0)
+}
+
+/// Presses, slides, is reset and paused. The test's own list of records has room.
+fn session(live: &mut Live) -> u64 {
+    live.records.reserve(2_000);
+    allocations(|| {
+        for k in 0..900 {
+            match k {
+                200 => live.command(Command::Reset),
+                400 => live.command(Command::Pause),
+                430 => live.command(Command::Resume),
+                _ => {}
+            }
+            live.tick();
+        }
+    })
+}
+
+#[test]
+fn the_tick_allocates_nothing_for_a_recording_a_ring_or_none() {
+    let directory = tempfile::tempdir().unwrap();
+    let ring = Some(Duration::from_millis(300));
+    let mut recorded = Live::with(SOFT, |settings| RecorderSettings { ring, ..settings.to(&directory.path().join("a.mcap")) });
+    assert_eq!(session(&mut recorded), 0);
+    let (summary, records) = recorded.finish();
+    assert_eq!((summary.ticks, summary.dropped, records.len()), (900, 0, 900));
+    let mut ring = Live::with(SOFT, |settings| RecorderSettings { ring, ..settings });
+    assert_eq!(session(&mut ring), 0);
+    let mut none = Live::with(SOFT, |settings| settings);
+    assert_eq!(session(&mut none), 0);
+}
+
+#[test]
+fn a_recording_that_begins_and_ends_meanwhile_costs_no_allocation() {
+    let directory = tempfile::tempdir().unwrap();
+    let mut live = Live::with(SOFT, |settings| RecorderSettings { directory: directory.path().into(), ..settings });
+    let mut archive = live.recorder.archive().unwrap();
+    live.tick();
+    archive.ask(1, ArchiveRequest::Start { path: None });
+    while live.recorder.gauges().state.load(Ordering::Relaxed) != recorder_state::RECORDING {
+        std::thread::sleep(Duration::from_millis(1));
+    }
+    assert_eq!(session(&mut live), 0);
+    archive.ask(2, ArchiveRequest::Stop);
+    while live.recorder.gauges().state.load(Ordering::Relaxed) != recorder_state::OFF {
+        std::thread::sleep(Duration::from_millis(1));
+    }
+    assert_eq!(session(&mut live), 0);
+}
