@@ -1,16 +1,18 @@
 #!/usr/bin/env python3
 """Strict reading of a recording with the public readers alone: `read_all.py FILE`, with mcap and mcap-protobuf-support.
 
-Decodes every message with the schema in the file. Fails on one that does not decode or has fields that its schema lacks,
-on times that run backwards in a channel, on a log time that is not tick × dt, on a count that the summary does not have.
-Prints topics, schemas and counts as JSON.
+Decodes every message with the schema in the file. Fails on one that does not decode or has fields that its schema
+lacks, on times that run backwards in a channel, on a log time that is not tick × dt, on a count that the summary does
+not have, on a Foxglove message whose schema is not the published one. Prints topics, schemas and counts as JSON.
 """
 
 import json
 import sys
 from collections import Counter
+from pathlib import Path
 from typing import Any
 
+from google.protobuf.descriptor_pb2 import FieldDescriptorProto, FileDescriptorSet
 from google.protobuf.unknown_fields import UnknownFieldSet
 from mcap.reader import make_reader
 from mcap_protobuf.decoder import DecoderFactory
@@ -28,6 +30,26 @@ def without_unknown_fields(message: Any, where: str) -> None:
         if field.message_type is not None:
             for part in [value] if hasattr(value, "DESCRIPTOR") else value:
                 without_unknown_fields(part, where)
+
+
+def as_published(data: bytes, where: str) -> None:
+    """Refuses a Foxglove message that viewers would not know: `proto/tests/foxglove_published.json` holds them."""
+    facts = Path(__file__).resolve().parents[2] / "proto" / "tests" / "foxglove_published.json"
+    published = json.loads(facts.read_text("utf-8"))["messages"]
+    for file in FileDescriptorSet.FromString(data).file:
+        for message in file.message_type if file.package == "foxglove" else ():
+            fields = []
+            for field in sorted(message.field, key=lambda field: field.number):
+                kind = FieldDescriptorProto.Type.Name(field.type).removeprefix("TYPE_").lower()
+                repeated = field.label == FieldDescriptorProto.LABEL_REPEATED
+                kind = f"{kind} {field.type_name}".rstrip()
+                fields.append({"name": field.name, "number": field.number, "type": kind, "repeated": repeated})
+            enums = {choice.name: {value.name: value.number for value in choice.value} for choice in message.enum_type}
+            ours, theirs = {"enums": enums, "fields": fields}, published.get(f"foxglove.{message.name}")
+            if theirs is not None:
+                theirs["fields"].sort(key=lambda field: field["number"])
+            if file.syntax != "proto3" or ours != theirs:
+                raise Bad(f"{where}: foxglove.{message.name} is not as published")
 
 
 def tick_of(message: Any) -> Any:
@@ -63,6 +85,7 @@ def read(path: str) -> dict[str, Any]:
             if channel.topic in topics:
                 raise Bad(f"{channel.topic}: two channels")
             decoder(b"")
+            as_published(schema.data, channel.topic)
             decoders[channel.id] = decoder
             topics[channel.topic] = {"schema": schema.name, "count": 0}
 

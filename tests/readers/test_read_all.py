@@ -2,13 +2,16 @@
 
 import tempfile
 import unittest
+from collections.abc import Callable
 from pathlib import Path
-from typing import Callable, Optional
+from typing import Optional
 
+from google.protobuf.descriptor_pb2 import FieldDescriptorProto, FileDescriptorProto, FileDescriptorSet
+from mcap.exceptions import McapError
 from mcap.reader import make_reader
 from mcap.records import Message
 from mcap.writer import Writer
-from read_all import Bad, read
+from read_all import Bad, as_published, read
 
 GOLDEN = Path(__file__).resolve().parents[2] / "recordings" / "golden" / "small-lattice-press.mcap"
 TICKS = 20
@@ -82,10 +85,24 @@ class Checker(unittest.TestCase):
         with self.assertRaisesRegex(Bad, r"the same tick twice"):
             self.check(at_tick(7, log_time=6_000_000, data=b"\x08\x06"))
 
+    def test_a_foxglove_schema_that_is_not_the_published_one_is_found(self) -> None:
+        def color(name: str, syntax: str) -> bytes:
+            file = FileDescriptorProto(name="foxglove/Color.proto", package="foxglove", syntax=syntax)
+            message = file.message_type.add(name="Color")
+            for number, field in enumerate(("r", "g", name, "a"), start=1):
+                kind, label = FieldDescriptorProto.TYPE_DOUBLE, FieldDescriptorProto.LABEL_OPTIONAL
+                message.field.add(name=field, number=number, type=kind, label=label)
+            return FileDescriptorSet(file=[file]).SerializeToString()
+
+        as_published(color("b", "proto3"), "/view/scene")
+        for name, syntax in (("blue", "proto3"), ("b", "proto2")):
+            with self.assertRaisesRegex(Bad, r"/view/scene: foxglove\.Color is not as published"):
+                as_published(color(name, syntax), "/view/scene")
+
     def test_a_recording_without_its_head_or_its_end_is_found(self) -> None:
         with self.assertRaisesRegex(Bad, r"palpate\.run"):
             self.check(lambda _, message: message, run=False)
-        with self.assertRaises(Exception):
+        with self.assertRaises(McapError):
             self.check(lambda _, message: message, cut=100)
 
 

@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 """Presses a tool into the scene and prints the forces. Needs ``pip install eclipse-zenoh`` and a daemon:
 
-    palpate serve scenes/teardrop.toml
-    python3 examples/press.py ball
+palpate serve scenes/teardrop.toml
+python3 examples/press.py ball
 """
 
 import argparse

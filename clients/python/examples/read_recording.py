@@ -4,7 +4,7 @@
     pip install mcap mcap-protobuf-support
     python3 read_recording.py run.mcap [--json]
 
-Every message carries its schema in the file; what the packed numbers of a tick are stands in the comments of that schema.
+The file holds the schema of every message; what the packed numbers of a tick are stands in the comments of that schema.
 """
 
 import argparse
@@ -57,7 +57,8 @@ def main() -> int:
         print(f"{args.file}: {error.strerror}", file=sys.stderr)
         return 2
     except McapError as error:
-        print(f"{args.file}: not a whole recording ({error or type(error).__name__}); try: palpate recover", file=sys.stderr)
+        why = str(error) or type(error).__name__
+        print(f"{args.file}: not a whole recording ({why}); try: palpate recover", file=sys.stderr)
         return 3
     if args.json:
         print(json.dumps(told, indent=2))
