@@ -137,6 +137,8 @@ class DeviceInfo(Message):
     """What the device that holds a tool can do; 0 where you do not know."""
 
     NAME = "palpate.DeviceInfo.v1"
+    # A count of at most 10 bytes, a name of 64, two u8, thirteen f64.
+    MAX_BYTES = 10 + 64 + 2 + 13 * 8
 
     name: str
     """At most 64 bytes, no control characters."""

@@ -92,6 +92,8 @@ def encode(message: Message) -> bytes:
         raise EncodeError(f"{message!r:.80} is no message")
     out = bytearray()
     wire.write(out, message)
+    if len(out) > message.MAX_BYTES:
+        raise EncodeError(f"{len(out)} bytes are more than any {message.NAME} has ({message.MAX_BYTES})")
     return bytes(out)
 
 

@@ -72,6 +72,8 @@ class Values(unittest.TestCase):
                 encode(dataclasses.replace(good, **change))
         with self.assertRaisesRegex(palpate.EncodeError, "DeviceInfo.name"):
             encode(DeviceInfo("\ud800"))
+        with self.assertRaisesRegex(palpate.EncodeError, "more than any palpate.DeviceInfo.v1"):
+            encode(DeviceInfo("x" * 80))
         with self.assertRaisesRegex(palpate.EncodeError, "DeviceInfo.dof_force"):
             encode(DeviceInfo("arm", dof_force=256))
         with self.assertRaisesRegex(palpate.EncodeError, "SimEvent.kind"):

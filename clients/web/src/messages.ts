@@ -136,7 +136,7 @@ export const DeviceInfo = message("palpate.DeviceInfo.v1", {
   delay_s: f64,
   /** Relative change of the force below which a hand feels none, 0 to 0.99. 0: every force is sent. */
   deadband: f64,
-});
+}, 10 + 64 + 2 + 13 * 8);
 export type DeviceInfo = Of<typeof DeviceInfo>;
 
 /** Full control net of a body. A lost one is mended by the next. */

@@ -1,7 +1,7 @@
 /** From messages to bytes and back. */
 
 import { Reader, Writer, struct, type StructOf, type Value, type Wire } from "./codec";
-import { DecodeError } from "./errors";
+import { DecodeError, EncodeError } from "./errors";
 
 /** A message that has a name. */
 export interface MessageType<T, N extends string = string> {
@@ -69,7 +69,11 @@ export function decodeNamed<M extends AnyMessage>(messages: readonly M[], schema
 export function encode<T>(message: MessageType<T>, value: T): Uint8Array {
   const writer = new Writer();
   message.wire.write(writer, value);
-  return writer.finish();
+  const bytes = writer.finish();
+  if (bytes.length > message.maxBytes) {
+    throw new EncodeError(`${bytes.length} bytes are more than any ${message.type} has (${message.maxBytes})`);
+  }
+  return bytes;
 }
 
 /** Plain values for `JSON.stringify`: bigints as numbers up to 2^53 and as text beyond, what is not finite as null. */

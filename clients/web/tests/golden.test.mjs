@@ -84,6 +84,7 @@ test("values that a type cannot have are refused by their field", () => {
   const device = decode(DeviceInfo, one(DeviceInfo).bytes);
   assert.throws(() => encode(DeviceInfo, { ...device, name: "\ud800" }), EncodeError);
   assert.throws(() => encode(DeviceInfo, { ...device, dof_force: 256 }), EncodeError);
+  assert.throws(() => encode(DeviceInfo, { ...device, name: "x".repeat(80) }), /more than any palpate.DeviceInfo.v1/);
   const net = decode(ControlNet, one(ControlNet).bytes);
   assert.throws(() => encode(ControlNet, { ...net, points: new Float64Array(4) }), /points: .* 3 numbers an item/);
   const event = { tick: 0n, seq: 1n, t_ns: 0n };
