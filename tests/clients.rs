@@ -1,6 +1,10 @@
 //! Those who speak with us in other languages: the Python and TypeScript clients on the golden messages, and public readers
 //! on the golden recordings. Each part runs where its tools are (`.ci/run` fetches them) and says so where they are not.
 
+#[path = "common/daemon.rs"]
+mod daemon;
+
+use daemon::Daemon;
 use palpate::recording::{Session, info};
 use serde_json::Value;
 use std::path::{Path, PathBuf};
@@ -24,14 +28,18 @@ fn run(command: &mut Command) -> String {
     out.into_owned()
 }
 
-/// A Python that can read MCAP: `PALPATE_PYTHON`, or else `python3`.
-fn reading_python() -> Option<String> {
+/// A Python that has these modules, from these packages: `PALPATE_PYTHON`, or else `python3`.
+fn python_with(modules: &str, packages: &str) -> Option<String> {
     let name = std::env::var("PALPATE_PYTHON").unwrap_or_else(|_| "python3".to_owned());
-    let reads = works(&name, &["-c", "import mcap, mcap_protobuf"]);
-    if !reads {
-        println!("skipped: {name} has no mcap (pip install mcap mcap-protobuf-support)");
+    let has = works(&name, &["-c", &format!("import {modules}")]);
+    if !has {
+        println!("skipped: {name} lacks {modules} (pip install {packages})");
     }
-    reads.then_some(name)
+    has.then_some(name)
+}
+
+fn reading_python() -> Option<String> {
+    python_with("mcap, mcap_protobuf", "mcap mcap-protobuf-support")
 }
 
 fn golden_recordings() -> Vec<PathBuf> {
@@ -51,6 +59,23 @@ fn the_python_client_reads_and_writes_every_golden_message() {
         return;
     }
     run(Command::new("python3").args(["-m", "unittest", "discover"]).current_dir(root().join("clients/python")));
+}
+
+#[test]
+fn a_python_program_presses_a_tool_into_a_running_scene() {
+    let Some(python) = python_with("zenoh", "eclipse-zenoh") else { return };
+    let directory = tempfile::tempdir().unwrap();
+    let scene = include_str!("../scenes/rigid-teardrop.toml");
+    let daemon = Daemon::start(directory.path(), scene, &[]);
+    let example = root().join("clients/python/examples/press.py");
+    let text = run(Command::new(&python).arg(&example).args(["ball", "--connect", &daemon.endpoint]));
+    // "916 poses, 1996 forces, 909 with contact, at most 8.00 N"
+    let counts: Vec<u64> = text.split_whitespace().filter_map(|word| word.parse().ok()).collect();
+    assert!(matches!(counts[..], [poses, forces, contacts] if poses > 0 && forces > 0 && contacts > 0), "{text}");
+    // A tool that the scene does not have is told by name, before anything is sent.
+    let other = Command::new(&python).arg(&example).args(["pen", "--connect", &daemon.endpoint]).output().unwrap();
+    assert_eq!(other.status.code(), Some(2));
+    assert!(String::from_utf8_lossy(&other.stderr).contains("ball"));
 }
 
 #[test]
