@@ -4,7 +4,9 @@
 >>> force = decode(ToolForce, payload)  # doctest: +SKIP
 """
 
+from . import events as _events
 from . import messages as _messages
+from .base import Message
 from .errors import (
     DecodeError,
     EncodeError,
@@ -15,6 +17,7 @@ from .errors import (
     UnknownCase,
     WrongSchema,
 )
+from .events import *  # noqa: F403
 from .messages import *  # noqa: F403
 from .wire import MESSAGES, decode, encode, encoding_schema, to_json
 
@@ -24,6 +27,7 @@ __all__ = [
     "DecodeError",
     "EncodeError",
     "Malformed",
+    "Message",
     "Oversized",
     "TrailingBytes",
     "Truncated",
@@ -33,6 +37,6 @@ __all__ = [
     "encode",
     "encoding_schema",
     "to_json",
-    # and those of palpate.messages:
 ]
 __all__ += _messages.__all__
+__all__ += _events.__all__

@@ -1,30 +1,14 @@
 """The messages of the bus as frozen dataclasses. SI units; quaternions are x y z w; world frame; times are nanoseconds.
 
-The hints say what the bytes are: ``float`` is an f64, ``tuple[X, ...]`` a list, a tuple of known length an array,
-``U64`` a number of at most 64 bits, a union of dataclasses a choice whose cases are numbered in that order from 0.
 ``docs/wire.md`` of the project tells which key carries which message.
 """
 
 import enum
 from dataclasses import dataclass
-from typing import Annotated, ClassVar, Optional, Union
+from typing import Optional
 
-U8 = Annotated[int, 8]
-U16 = Annotated[int, 16]
-U32 = Annotated[int, 32]
-U64 = Annotated[int, 64]
-Hash = Annotated[bytes, 32]
-Vector = tuple[float, float, float]
-Quaternion = tuple[float, float, float, float]
-
-
-class Message:
-    """What travels on the bus."""
-
-    #: Versioned name of the type.
-    NAME: ClassVar[str]
-    #: Most bytes that one has: more are refused before they are read.
-    MAX_BYTES: ClassVar[int] = 16 << 20
+from .base import U8, U16, U32, U64, Hash, Message, Quaternion, Vector
+from .events import EventKind
 
 
 @dataclass(frozen=True)
@@ -326,124 +310,6 @@ class LoopStatus(Message):
 
 
 @dataclass(frozen=True)
-class Reset:
-    """State set back to the scene's start."""
-
-
-@dataclass(frozen=True)
-class Paused:
-    """Loop paused."""
-
-
-@dataclass(frozen=True)
-class Resumed:
-    """Loop resumed."""
-
-
-@dataclass(frozen=True)
-class ToolJoined:
-    """A tool sends poses."""
-
-    tool: str
-
-
-@dataclass(frozen=True)
-class ToolLost:
-    """A tool's poses went stale or its token vanished."""
-
-    tool: str
-
-
-@dataclass(frozen=True)
-class PoseRefused:
-    """A pose was refused."""
-
-    tool: str
-    reason: str
-
-
-@dataclass(frozen=True)
-class Fault:
-    """A tick met a fault."""
-
-    reason: str
-
-
-@dataclass(frozen=True)
-class RecordStarted:
-    """A recording began."""
-
-    path: str
-
-
-@dataclass(frozen=True)
-class RecordStopped:
-    """A recording ended."""
-
-    path: str
-
-
-@dataclass(frozen=True)
-class Stopping:
-    """The daemon is going down."""
-
-
-@dataclass(frozen=True)
-class Overrun:
-    """Ticks took longer than their period, or were woken too late."""
-
-    stage: str
-    """Stage that took most of their time: latch, render, deform, emit; wake: the system came late."""
-    count: U64
-    """How many since the last such event."""
-    worst_ns: U64
-    """The longest of them, ns."""
-
-
-@dataclass(frozen=True)
-class QualityChanged:
-    """The loop does less, or again more, to keep its rate."""
-
-    level: U8
-    reason: str
-
-
-@dataclass(frozen=True)
-class DeviceTold:
-    """A device said what it can do."""
-
-    tool: str
-    name: str
-
-
-@dataclass(frozen=True)
-class RecordFailed:
-    """A recording could not go on; the loop does, and what was flushed stays readable."""
-
-    path: str
-    reason: str
-
-
-#: What happened. May grow at its end: skip an event that raises :class:`palpate.UnknownCase`.
-EventKind = Union[
-    Reset,
-    Paused,
-    Resumed,
-    ToolJoined,
-    ToolLost,
-    PoseRefused,
-    Fault,
-    RecordStarted,
-    RecordStopped,
-    Stopping,
-    Overrun,
-    QualityChanged,
-    DeviceTold,
-    RecordFailed,
-]
-
-
-@dataclass(frozen=True)
 class SimEvent(Message):
     """An event, numbered so that a loss is seen."""
 
@@ -539,32 +405,16 @@ __all__ = [
     "ContactSet",
     "ControlNet",
     "DeviceInfo",
-    "DeviceTold",
-    "EventKind",
-    "Fault",
     "ForceFlags",
     "LoopState",
     "LoopStatus",
-    "Message",
-    "Overrun",
-    "Paused",
-    "PoseRefused",
-    "QualityChanged",
     "Quantiles",
-    "RecordFailed",
-    "RecordStarted",
-    "RecordStopped",
     "RecorderState",
-    "Reset",
-    "Resumed",
     "SceneSnapshot",
     "SimEvent",
-    "Stopping",
     "ToolContact",
     "ToolForce",
-    "ToolJoined",
     "ToolLink",
-    "ToolLost",
     "ToolPose",
     "ToolSnapshot",
 ]

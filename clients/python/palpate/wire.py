@@ -6,9 +6,9 @@ import typing
 from typing import Any, TypeVar, Union, overload
 
 from . import messages
+from .base import Message
 from .codec import F64, Array, Bool, Case, Cases, ListOf, Maybe, Octets, Reader, Struct, Text, Uint, Wire
 from .errors import DecodeError, EncodeError, Oversized, TrailingBytes, WrongSchema
-from .messages import Message
 
 M = TypeVar("M", bound=Message)
 
