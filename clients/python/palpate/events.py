@@ -1,0 +1,142 @@
+"""What a :class:`palpate.SimEvent` tells."""
+
+from dataclasses import dataclass
+from typing import Union
+
+from .base import U8, U64
+
+
+@dataclass(frozen=True)
+class Reset:
+    """State set back to the scene's start."""
+
+
+@dataclass(frozen=True)
+class Paused:
+    """Loop paused."""
+
+
+@dataclass(frozen=True)
+class Resumed:
+    """Loop resumed."""
+
+
+@dataclass(frozen=True)
+class ToolJoined:
+    """A tool sends poses."""
+
+    tool: str
+
+
+@dataclass(frozen=True)
+class ToolLost:
+    """A tool's poses went stale or its token vanished."""
+
+    tool: str
+
+
+@dataclass(frozen=True)
+class PoseRefused:
+    """A pose was refused."""
+
+    tool: str
+    reason: str
+
+
+@dataclass(frozen=True)
+class Fault:
+    """A tick met a fault."""
+
+    reason: str
+
+
+@dataclass(frozen=True)
+class RecordStarted:
+    """A recording began."""
+
+    path: str
+
+
+@dataclass(frozen=True)
+class RecordStopped:
+    """A recording ended."""
+
+    path: str
+
+
+@dataclass(frozen=True)
+class Stopping:
+    """The daemon is going down."""
+
+
+@dataclass(frozen=True)
+class Overrun:
+    """Ticks took longer than their period, or were woken too late."""
+
+    stage: str
+    """Stage that took most of their time: latch, render, deform, emit; wake: the system came late."""
+    count: U64
+    """How many since the last such event."""
+    worst_ns: U64
+    """The longest of them, ns."""
+
+
+@dataclass(frozen=True)
+class QualityChanged:
+    """The loop does less, or again more, to keep its rate."""
+
+    level: U8
+    reason: str
+
+
+@dataclass(frozen=True)
+class DeviceTold:
+    """A device said what it can do."""
+
+    tool: str
+    name: str
+
+
+@dataclass(frozen=True)
+class RecordFailed:
+    """A recording could not go on; the loop does, and what was flushed stays readable."""
+
+    path: str
+    reason: str
+
+
+#: What happened. May grow at its end: skip an event that raises :class:`palpate.UnknownCase`.
+EventKind = Union[
+    Reset,
+    Paused,
+    Resumed,
+    ToolJoined,
+    ToolLost,
+    PoseRefused,
+    Fault,
+    RecordStarted,
+    RecordStopped,
+    Stopping,
+    Overrun,
+    QualityChanged,
+    DeviceTold,
+    RecordFailed,
+]
+
+__all__ = [
+    "DeviceTold",
+    "EventKind",
+    "Fault",
+    "Overrun",
+    "Paused",
+    "PoseRefused",
+    "QualityChanged",
+    "RecordFailed",
+    "RecordStarted",
+    "RecordStopped",
+    "Reset",
+    "Resumed",
+    "Stopping",
+    "ToolJoined",
+    "ToolLost",
+]
