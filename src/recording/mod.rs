@@ -6,7 +6,9 @@
 //! ```
 
 mod convert;
+mod export;
 mod figures;
+mod file_info;
 mod info;
 mod reader;
 mod recorder;
@@ -15,10 +17,12 @@ mod replay;
 mod self_check;
 mod writer;
 
+pub use export::{Bucket, Curve, ExportError, Range, Series, csv, net_at, series};
 pub use figures::{
     BodyFigures, Deviation, Figures, FiguresError, Start, Tolerances, ToolFigures, deviations, simulate_figures,
 };
-pub use info::{Info, info};
+pub use file_info::{ChannelInfo, FileInfo, file_info};
+pub use info::{Info, StageInfo, ToolInfo, info};
 pub(crate) use info::{stage_infos, write_stages};
 pub use reader::{ReadError, Session, SessionHeader};
 pub use recorder::{Recorder, RecorderPort, RecorderSettings, RecordingSummary, default_path};

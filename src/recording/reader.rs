@@ -281,7 +281,7 @@ impl Session {
 }
 
 /// The records of a file, each with its bytes, up to its footer or to the first that is cut short.
-fn records(bytes: &[u8]) -> impl Iterator<Item = Result<(Record<'_>, &[u8]), String>> {
+pub(super) fn records(bytes: &[u8]) -> impl Iterator<Item = Result<(Record<'_>, &[u8]), String>> {
     const FOOTER: u8 = 0x02;
     const ATTACHMENT: u8 = 0x09;
     let mut rest = Some(&bytes[mcap::MAGIC.len()..]).filter(|rest| !rest.is_empty());
@@ -317,7 +317,7 @@ fn attachment_is_whole(body: &[u8]) -> bool {
 ///
 /// Its checksum is compared before anything in it is believed, and no length it claims, of itself or
 /// of a record inside, makes room for more than compression could have hidden in its bytes.
-fn chunk_records(chunk: &[u8]) -> Result<Vec<Record<'static>>, mcap::McapError> {
+pub(super) fn chunk_records(chunk: &[u8]) -> Result<Vec<Record<'static>>, mcap::McapError> {
     /// LZ4 stores at most 255 bytes in one.
     const MOST_DENSE: usize = 256;
     let options = LinearReaderOptions::default()
