@@ -359,7 +359,7 @@ fn handing_ticks_to_a_self_check_allocates_nothing() {
                 port.command(u64::from(k), Command::Quality(0));
             }
             let t = f64::from(k) * 1e-3;
-            let place = [0.06 - 0.03 * (20.0 * t).sin().abs(), 0.003 + 0.004 * (9.0 * t).sin(), 0.045];
+            let place = [0.06 - 0.038 * (20.0 * t).sin().abs(), 0.003 + 0.004 * (9.0 * t).sin(), 0.045];
             let mut input = TickInput::default();
             let buttons = u32::from(k % 300 > 100);
             input.poses[0] = Some(palpate::haptics::DevicePose { buttons, ..common::pose(u64::from(k) + 1, place) });

@@ -7,21 +7,21 @@ const HEIGHT: f64 = 600.0;
 /// Left, top, right and bottom of the plot.
 pub(super) const FRAME: [f64; 4] = [80.0, 40.0, 720.0, 540.0];
 /// As many as a suite has methods.
-const COLOURS: [&str; 16] = [
+pub(crate) const COLOURS: [&str; 16] = [
     "#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000", "#7f7f7f", "#8c564b", "#17becf",
     "#4b0082", "#ff5c8a", "#7cb518", "#6b4c9a", "#b8860b", "#003f5c",
 ];
 
 /// How an axis is divided.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Scale {
+pub(crate) enum Scale {
     Linear,
     Decades(Unit),
 }
 
 /// What its labels say.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Unit {
+pub(crate) enum Unit {
     Seconds,
     Percent,
     /// The power of ten alone.
@@ -71,15 +71,15 @@ pub(super) fn page_with(charts: &[Chart], front: &[(f64, f64)]) -> String {
 }
 
 /// Where values lie along an axis, from its first tick to its last.
-struct Axis {
+pub(crate) struct Axis {
     scale: Scale,
-    low: f64,
-    high: f64,
-    ticks: Vec<(f64, String)>,
+    pub low: f64,
+    pub high: f64,
+    pub ticks: Vec<(f64, String)>,
 }
 
 impl Axis {
-    fn new(scale: Scale, values: impl Iterator<Item = f64>) -> Self {
+    pub fn new(scale: Scale, values: impl Iterator<Item = f64>) -> Self {
         let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
         for x in values.filter(|x| x.is_finite()) {
             let x = if scale == Scale::Linear { x } else { libm::log10(x) };
@@ -107,7 +107,7 @@ impl Axis {
     }
 
     /// 0 at the first tick, 1 at the last.
-    fn share(&self, value: f64) -> f64 {
+    pub fn share(&self, value: f64) -> f64 {
         let value = if self.scale == Scale::Linear { value } else { libm::log10(value) };
         (value - self.low) / (self.high - self.low)
     }
@@ -200,7 +200,7 @@ fn mark(svg: &mut String, x: f64, y: f64, colour: &str, hollow: bool, title: Opt
     };
 }
 
-fn escaped(text: &str) -> String {
+pub(crate) fn escaped(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;")
 }
 

@@ -3,7 +3,7 @@
 //! Wall clock on whatever machine this is: between runs only ratios mean anything. Errors are measured, not assumed,
 //! against answers that are computed another way.
 
-mod chart;
+pub(crate) mod chart;
 mod contact;
 mod deformation;
 #[cfg(feature = "daemon")]

@@ -1,7 +1,7 @@
 //! `palpate info`: a recording at a glance.
 
 use super::Outcome;
-use crate::recording::{Session, info};
+use crate::recording::{Session, file_info, info};
 use std::path::PathBuf;
 
 #[derive(clap::Args, Debug)]
@@ -14,7 +14,8 @@ pub struct Args {
 }
 
 pub fn run(args: &Args) -> anyhow::Result<Outcome> {
-    let info = info(&Session::open(&args.file)?);
+    let mut info = info(&Session::open(&args.file)?);
+    info.file = file_info(&args.file, info.duration_s).ok();
     if args.json {
         println!("{}", serde_json::to_string(&info)?);
     } else {

@@ -8,6 +8,7 @@ mod check;
 mod demo;
 mod device;
 mod doctor;
+mod export;
 mod info;
 mod plan;
 mod probe;
@@ -43,6 +44,8 @@ enum Commands {
     Replay(replay::Args),
     /// A recording at a glance.
     Info(info::Args),
+    /// A recording for other programs: a table of ticks, plots, the net of a body at any tick.
+    Export(export::Args),
     /// Make a finished file of a recording that was cut short.
     Recover(recover::Args),
     /// A simulated haptic device that holds a tool of a running scene.
@@ -95,6 +98,7 @@ pub fn main() -> ExitCode {
         Commands::Plan(args) => plan::run(&args),
         Commands::Replay(args) => replay::run(&args),
         Commands::Info(args) => info::run(&args),
+        Commands::Export(args) => export::run(&args),
         Commands::Recover(args) => recover::run(&args),
         Commands::Device(args) => device::run(&args),
         Commands::Probe(args) => probe::run(&args),

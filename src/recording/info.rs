@@ -1,10 +1,14 @@
 //! A session at a glance.
 
+use super::figures::recorded_tools;
+use super::file_info::FileInfo;
 use super::message::SessionHash;
 use super::reader::Session;
+use super::{ToolFigures, convert, names};
 use crate::tick::record::{STAGE_COUNT, STAGE_NAMES};
 use crate::tick::stats::{Histogram, LATE_NS};
 use serde::Serialize;
+use std::collections::BTreeMap;
 use std::fmt;
 
 /// Figures of a session.
@@ -18,10 +22,18 @@ pub struct Info {
     pub build: String,
     /// SHA-256 of the scene file.
     pub scene_sha256: String,
+    /// Bodies, by index.
+    pub bodies: Vec<String>,
+    /// When it was begun, ns since 1970.
+    pub started_unix_ns: Option<u64>,
     /// s.
     pub duration_s: f64,
     /// Ticks.
     pub ticks: u64,
+    /// First of them.
+    pub first_tick: Option<u64>,
+    /// Last of them.
+    pub last_tick: Option<u64>,
     /// Ticks missing between the first and the last.
     pub gaps: u64,
     /// Records lost while recording.
@@ -32,12 +44,18 @@ pub struct Info {
     pub late_ticks: u64,
     /// Finished, and nothing lost.
     pub clean: bool,
+    /// It begins at a later tick than a daemon does: a part of a longer session, or what was kept of one.
+    pub is_part: bool,
+    /// Metadata of the recorder about this part, as written.
+    pub part: BTreeMap<String, String>,
     /// Why reading stopped early, if it did.
     pub cut_short: Option<String>,
     /// Keyframes.
     pub keyframes: u64,
     /// Commands.
     pub commands: u64,
+    /// Commands by name.
+    pub commands_by_name: BTreeMap<String, u64>,
     /// Nets.
     pub nets: u64,
     /// Hash of the last state, hexadecimal.
@@ -48,6 +66,11 @@ pub struct Info {
     pub tools: Vec<ToolInfo>,
     /// Figures by stage, and of the whole tick.
     pub stages: Vec<StageInfo>,
+    /// How late ticks began.
+    pub lateness: StageInfo,
+    /// What the file is made of, when that was asked.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub file: Option<FileInfo>,
 }
 
 /// Figures of a tool.
@@ -59,12 +82,20 @@ pub struct ToolInfo {
     pub poses: u64,
     /// Ticks in contact.
     pub contact_ticks: u64,
+    /// Times that contact began.
+    pub contact_phases: u64,
+    /// First tick in contact.
+    pub first_contact_tick: Option<u64>,
     /// Largest force, N.
     pub peak_force_n: f64,
+    /// Root of the mean square of the force over all ticks, N.
+    pub rms_force_n: f64,
     /// Deepest penetration of the device's tool, m.
     pub peak_depth_m: f64,
     /// Work done by the hand, J.
     pub energy_j: f64,
+    /// What the passivity controller took away, J.
+    pub dissipated_j: f64,
 }
 
 /// Figures of a stage.
@@ -83,31 +114,14 @@ pub struct StageInfo {
 /// Sums a session up.
 pub fn info(session: &Session) -> Info {
     let run = |key: &str| session.header.run.get(key).cloned().unwrap_or_default();
-    let names = run("tools");
-    let mut tools: Vec<ToolInfo> = names
-        .split(',')
-        .filter(|id| !id.is_empty())
-        .map(|id| ToolInfo {
-            id: id.into(),
-            poses: 0,
-            contact_ticks: 0,
-            peak_force_n: 0.0,
-            peak_depth_m: 0.0,
-            energy_j: 0.0,
-        })
-        .collect();
+    let mut poses = vec![0; names(session, "tools").len()];
     let mut histograms: Vec<Histogram> = (0..=STAGE_COUNT).map(|_| Histogram::default()).collect();
+    let mut lateness = Histogram::default();
     let mut session_hash = SessionHash::default();
     for record in &session.ticks {
         session_hash.push(record.output.tick, record.output.state_hash);
-        for (t, tool) in tools.iter_mut().enumerate() {
-            let out = &record.output.tools[t];
-            tool.poses += u64::from(record.input.poses[t].is_some());
-            tool.contact_ticks += u64::from(out.contact.is_some());
-            tool.peak_force_n = tool.peak_force_n.max(out.force_n.norm());
-            tool.peak_depth_m = tool.peak_depth_m.max(out.contact.map_or(0.0, |contact| contact.depth_m));
-            tool.energy_j = out.energy_j;
-        }
+        poses.iter_mut().zip(&record.input.poses).for_each(|(count, pose)| *count += u64::from(pose.is_some()));
+        lateness.add(record.late_ns);
         let mut whole = 0;
         for (histogram, ns) in histograms.iter_mut().zip(record.stage_ns) {
             histogram.add(u64::from(ns));
@@ -115,46 +129,79 @@ pub fn info(session: &Session) -> Info {
         }
         histograms[STAGE_COUNT].add(whole);
     }
-    let last = session.ticks.last();
+    let name = |command| convert::command_to_proto(0, command).name;
+    let mut commands_by_name = BTreeMap::new();
+    session.commands.iter().for_each(|(_, command)| *commands_by_name.entry(name(*command)).or_default() += 1);
+    let (first, last) = (session.ticks.first(), session.ticks.last());
     let dt_s = session.run_number("dt_ns").unwrap_or(0) as f64 * 1e-9;
+    let starts_late = session.keyframes.first().is_some_and(|keyframe| keyframe.tick > 0);
     Info {
         path: session.path.display().to_string(),
         scene: run("scene"),
         build: run("build"),
         scene_sha256: run("scene_sha256"),
+        bodies: names(session, "bodies"),
+        started_unix_ns: session.run_number("started_unix_ns"),
         duration_s: session.ticks.len() as f64 * dt_s,
         ticks: session.ticks.len() as u64,
+        first_tick: first.map(|record| record.output.tick),
+        last_tick: last.map(|record| record.output.tick),
         gaps: session.gaps(),
         dropped_records: session.end_number("dropped_records").unwrap_or(0),
         skipped_ticks: session.ticks.iter().map(|record| u64::from(record.skipped)).sum(),
         late_ticks: session.ticks.iter().filter(|record| record.late_ns > LATE_NS).count() as u64,
         clean: session.is_clean() && session.cut_short.is_none(),
+        is_part: starts_late,
+        part: part(session),
         cut_short: session.cut_short.clone(),
         keyframes: session.keyframes.len() as u64,
         commands: session.commands.len() as u64,
+        commands_by_name,
         nets: session.nets.len() as u64,
         final_hash: format!("{:016x}", last.map_or(0, |record| record.output.state_hash)),
         session_hash: format!("{:016x}", session_hash.0),
-        tools,
+        tools: recorded_tools(session).into_iter().zip(poses).map(|(figures, poses)| tool(figures, poses)).collect(),
         stages: stage_infos(&histograms),
+        lateness: stage_info("late", &lateness),
+        file: None,
+    }
+}
+
+/// What the recorder says of parts, in whatever words: keys that begin with `part` or `split`.
+fn part(session: &Session) -> BTreeMap<String, String> {
+    let entries = session.header.run.iter().chain(&session.header.end);
+    let about = entries.filter(|(key, _)| key.starts_with("part") || key.starts_with("split"));
+    about.map(|(key, value)| (key.clone(), value.clone())).collect()
+}
+
+fn tool(figures: ToolFigures, poses: u64) -> ToolInfo {
+    ToolInfo {
+        id: figures.id,
+        poses,
+        contact_ticks: figures.contact_ticks,
+        contact_phases: figures.contact_phases,
+        first_contact_tick: figures.first_contact_tick,
+        peak_force_n: figures.peak_force_n,
+        rms_force_n: figures.rms_force_n,
+        peak_depth_m: figures.peak_depth_m,
+        energy_j: figures.energy_j,
+        dissipated_j: figures.dissipated_j,
     }
 }
 
 /// Rows of a stage table: the stages, then the whole tick.
 pub(crate) fn stage_infos(histograms: &[Histogram]) -> Vec<StageInfo> {
+    STAGE_NAMES.iter().copied().chain(["tick"]).zip(histograms).map(|(stage, h)| stage_info(stage, h)).collect()
+}
+
+fn stage_info(stage: &str, histogram: &Histogram) -> StageInfo {
     let us = |ns: u64| ns as f64 * 1e-3;
-    STAGE_NAMES
-        .iter()
-        .copied()
-        .chain(["tick"])
-        .zip(histograms)
-        .map(|(stage, h)| StageInfo {
-            stage: stage.into(),
-            p50_us: us(h.quantile(0.5)),
-            p99_us: us(h.quantile(0.99)),
-            max_us: us(h.max()),
-        })
-        .collect()
+    StageInfo {
+        stage: stage.into(),
+        p50_us: us(histogram.quantile(0.5)),
+        p99_us: us(histogram.quantile(0.99)),
+        max_us: us(histogram.max()),
+    }
 }
 
 impl fmt::Display for Info {
@@ -172,34 +219,52 @@ impl fmt::Display for Info {
         if let Some(reason) = &self.cut_short {
             writeln!(f, "  cut short: {reason}; `palpate recover` makes a finished file of what is there")?;
         }
+        if let (true, Some(first), Some(last)) = (self.is_part, self.first_tick, self.last_tick) {
+            writeln!(f, "  a part of a longer session: ticks {first} to {last}")?;
+        }
+        for (key, value) in &self.part {
+            writeln!(f, "  {key}: {value}")?;
+        }
         writeln!(
             f,
             "  {} keyframes, {} commands, {} nets; {} records lost, {} ticks skipped, {} late",
             self.keyframes, self.commands, self.nets, self.dropped_records, self.skipped_ticks, self.late_ticks
         )?;
+        if !self.commands_by_name.is_empty() {
+            let list: Vec<String> =
+                self.commands_by_name.iter().map(|(name, count)| format!("{count} {name}")).collect();
+            writeln!(f, "  commands: {}", list.join(", "))?;
+        }
         writeln!(f, "  session hash {}, final state {}", self.session_hash, self.final_hash)?;
         writeln!(f, "  made by {}", self.build)?;
         for tool in &self.tools {
             writeln!(
                 f,
-                "  tool {}: {} poses, {} ticks in contact, peak force {:.4} N, peak depth {:.3} mm, work of the hand {:.6} J",
+                "  tool {}: {} poses, {} ticks in contact ({} times), peak force {:.4} N, RMS {:.4} N, peak depth {:.3} mm, \
+                 work of the hand {:.6} J, taken away {:.6} J",
                 tool.id,
                 tool.poses,
                 tool.contact_ticks,
+                tool.contact_phases,
                 tool.peak_force_n,
+                tool.rms_force_n,
                 tool.peak_depth_m * 1e3,
-                tool.energy_j
+                tool.energy_j,
+                tool.dissipated_j
             )?;
         }
-        write_stages(f, &self.stages)
+        write_stages(f, &self.stages)?;
+        write_stage(f, &self.lateness)?;
+        self.file.as_ref().map_or(Ok(()), |file| write!(f, "{file}"))
     }
 }
 
 /// The stage table.
 pub(crate) fn write_stages(f: &mut impl fmt::Write, stages: &[StageInfo]) -> fmt::Result {
     writeln!(f, "  {:<8} {:>10} {:>10} {:>10}", "stage", "p50 us", "p99 us", "max us")?;
-    for stage in stages {
-        writeln!(f, "  {:<8} {:>10.1} {:>10.1} {:>10.1}", stage.stage, stage.p50_us, stage.p99_us, stage.max_us)?;
-    }
-    Ok(())
+    stages.iter().try_for_each(|stage| write_stage(f, stage))
+}
+
+fn write_stage(f: &mut impl fmt::Write, stage: &StageInfo) -> fmt::Result {
+    writeln!(f, "  {:<8} {:>10.1} {:>10.1} {:>10.1}", stage.stage, stage.p50_us, stage.p99_us, stage.max_us)
 }

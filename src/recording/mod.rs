@@ -9,8 +9,10 @@
 
 mod convert;
 mod disk;
+mod export;
 mod figures;
 mod file;
+mod file_info;
 mod head;
 mod info;
 mod keeper;
@@ -27,11 +29,13 @@ mod stream;
 mod views;
 
 pub use disk::{Disk, DiskFile, FileSystem};
+pub use export::{Bucket, Curve, ExportError, Range, Series, csv, net_at, series};
 pub use figures::{
     BodyFigures, Deviation, Figures, FiguresError, Start, Tolerances, ToolFigures, deviations, simulate_figures,
 };
 pub use file::WriteError;
-pub use info::{Info, info};
+pub use file_info::{ChannelInfo, FileInfo, file_info};
+pub use info::{Info, StageInfo, ToolInfo, info};
 pub(crate) use info::{stage_infos, write_stages};
 pub use message::SessionHash;
 pub use parts::Split;

@@ -47,6 +47,8 @@ pub(super) struct Parts {
     /// Finished parts that are still there, with their sizes on disk.
     finished: VecDeque<(PathBuf, u64)>,
     summaries: Vec<RecordingSummary>,
+    /// A keyframe on which the next part may begin, and what followed it: the next tick decides.
+    held: Vec<Message>,
 }
 
 /// `dir/name.mcap` → `dir/name-0003.mcap`.
@@ -84,6 +86,7 @@ impl Parts {
             dropped_before: dropped,
             finished: VecDeque::new(),
             summaries: Vec::new(),
+            held: Vec::new(),
         })
     }
 
@@ -104,10 +107,28 @@ impl Parts {
 
     /// `dropped`: records lost so far, of all the daemon did.
     pub fn put(&mut self, message: &Message, dropped: u64) -> Result<(), WriteError> {
-        if matches!(message.kind, Kind::Keyframe { .. }) && self.file.ticks > 0 && self.is_full() {
-            self.next_part(dropped)?;
+        let begins = matches!(message.kind, Kind::Keyframe { .. }) && self.file.ticks > 0 && self.is_full();
+        match message.kind {
+            // The next part has a tick at least.
+            Kind::Tick { .. } if !self.held.is_empty() => {
+                self.next_part(dropped)?;
+                self.release()?;
+            }
+            _ if begins || !self.held.is_empty() => {
+                if begins {
+                    // A later keyframe does as well.
+                    self.release()?;
+                }
+                self.held.push(message.clone());
+                return Ok(());
+            }
+            _ => {}
         }
         self.file.put(message)
+    }
+
+    fn release(&mut self) -> Result<(), WriteError> {
+        std::mem::take(&mut self.held).iter().try_for_each(|message| self.file.put(message))
     }
 
     pub fn flush_if_due(&mut self) -> Result<(), WriteError> {
@@ -152,7 +173,8 @@ impl Parts {
 
     /// Ends the recording.
     pub fn finish(mut self, stats: &Message, dropped: u64) -> (Vec<RecordingSummary>, Result<(), WriteError>) {
-        let ended = self.file.put(stats).and_then(|()| close(self.file, dropped - self.dropped_before, &[]));
+        let ended = self.release().and_then(|()| self.file.put(stats));
+        let ended = ended.and_then(|()| close(self.file, dropped - self.dropped_before, &[]));
         let ended = ended.map(|summary| self.summaries.push(summary));
         (self.summaries, ended)
     }

@@ -300,7 +300,7 @@ impl Session {
 }
 
 /// The records of a file, each with its bytes, up to its footer or to the first that is cut short.
-fn records(bytes: &[u8]) -> impl Iterator<Item = Result<(Record<'_>, &[u8]), String>> {
+pub(super) fn records(bytes: &[u8]) -> impl Iterator<Item = Result<(Record<'_>, &[u8]), String>> {
     const FOOTER: u8 = 0x02;
     const ATTACHMENT: u8 = 0x09;
     let mut rest = Some(&bytes[mcap::MAGIC.len()..]).filter(|rest| !rest.is_empty());
@@ -336,7 +336,7 @@ fn attachment_is_whole(body: &[u8]) -> bool {
 ///
 /// Its checksum is compared before anything in it is believed, and no length it claims, of itself or
 /// of a record inside, makes room for more than a chunk of ours can have.
-fn chunk_records(chunk: &[u8]) -> Result<Vec<Record<'static>>, mcap::McapError> {
+pub(super) fn chunk_records(chunk: &[u8]) -> Result<Vec<Record<'static>>, mcap::McapError> {
     /// Zstandard makes a few bytes of many equal ones; our chunks are far smaller than this.
     const LARGEST: usize = 64 << 20;
     let options = LinearReaderOptions::default()

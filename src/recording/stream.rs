@@ -157,9 +157,8 @@ impl Stream {
         }
         // Without a next tick, what stood here before comes now.
         let settled = self.waiting.iter().filter(|waiting| waiting.settled).map(|waiting| waiting.place).max();
-        if let Some((tick, rank)) = settled.filter(|(tick, _)| *tick <= self.last_tick || end) {
-            self.release((tick, rank), &mut take);
-            self.release_at((tick, rank), &mut take);
+        if let Some(place) = settled {
+            self.release_at(place, &mut take);
         }
         self.waiting.iter_mut().for_each(|waiting| waiting.settled = true);
     }

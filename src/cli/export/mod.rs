@@ -1,0 +1,81 @@
+//! `palpate export`: a recording for other programs.
+
+mod plot;
+
+use super::Outcome;
+use crate::exchange::{Format, write_mesh, write_surface};
+use crate::recording::{Range, Session, csv, net_at, series};
+use crate::surface::file::Unit;
+use anyhow::Context as _;
+use std::io::BufWriter;
+use std::path::{Path, PathBuf};
+
+/// Share of the size that triangles may be off when nobody says how far.
+const DEFAULT_TOLERANCE: f64 = 1e-3;
+
+#[derive(clap::Args, Debug)]
+#[command(group(clap::ArgGroup::new("what").required(true).multiple(true).args(["csv", "svg", "net"])))]
+pub struct Args {
+    /// Recording.
+    file: PathBuf,
+    /// Where the net goes: .step, .stp, .iges, .igs or .json as a surface, .obj, .stl or .glb as triangles.
+    #[arg(requires = "net")]
+    out: Option<PathBuf>,
+    /// Write a row for each tick to this file; - is stdout.
+    #[arg(long, value_name = "FILE.csv")]
+    csv: Option<PathBuf>,
+    /// Plot force, depth, energy and tick time over time.
+    #[arg(long, value_name = "FILE.svg")]
+    svg: Option<PathBuf>,
+    /// Write the control net of this body as it was after --tick.
+    #[arg(long, value_name = "BODY", requires = "tick", requires = "out")]
+    net: Option<String>,
+    /// Tick of the net.
+    #[arg(long, value_name = "TICK", requires = "net")]
+    tick: Option<u64>,
+    /// Of triangles: no point of the surface further from them than this, m [default: a thousandth of its size].
+    #[arg(long, value_name = "M", requires = "net")]
+    tolerance: Option<f64>,
+    /// First tick of the table and of the plots.
+    #[arg(long, value_name = "TICK", default_value_t = 0)]
+    from: u64,
+    /// Last tick of the table and of the plots.
+    #[arg(long, value_name = "TICK", default_value_t = u64::MAX, hide_default_value = true)]
+    until: u64,
+}
+
+pub fn run(args: &Args) -> anyhow::Result<Outcome> {
+    // A format that cannot be is told before anything is computed.
+    let format = args.out.as_ref().map(Format::of).transpose()?;
+    let session = Session::open(&args.file)?;
+    let range = Range { from: args.from, until: args.until };
+    if let Some(path) = &args.csv {
+        if path == Path::new("-") {
+            csv(&session, &range, &mut BufWriter::new(std::io::stdout().lock()))?;
+        } else {
+            let file = std::fs::File::create(path).with_context(|| path.display().to_string())?;
+            csv(&session, &range, &mut BufWriter::new(file)).with_context(|| path.display().to_string())?;
+        }
+    }
+    if let Some(path) = &args.svg {
+        let scene = session.header.run.get("scene").map_or("", String::as_str);
+        let name = args.file.file_name().unwrap_or_default().to_string_lossy();
+        let page = plot::page(&format!("{name}: {scene}"), &series(&session, &range)?);
+        std::fs::write(path, page).with_context(|| path.display().to_string())?;
+    }
+    if let (Some(body), Some(tick), Some(path), Some(format)) = (&args.net, args.tick, &args.out, format) {
+        let surface = net_at(&session, body, tick)?;
+        let bytes = match format {
+            Format::Stl | Format::Obj | Format::Glb => {
+                let tolerance_m = args.tolerance.unwrap_or(DEFAULT_TOLERANCE * surface.size());
+                write_mesh(&surface.tessellated_to(tolerance_m)?, format, Unit::Metre)?
+            }
+            format => write_surface(&surface, format, Unit::Metre)?,
+        };
+        std::fs::write(path, bytes).with_context(|| path.display().to_string())?;
+    }
+    if !session.is_clean() || session.cut_short.is_some() {
+        eprintln!("note: the recording is incomplete; what is there was exported");
+    }
+    Ok(Outcome::Ok)
+}
