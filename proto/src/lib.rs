@@ -1,9 +1,10 @@
 //! What Palpate says on the bus and writes into recordings.
 //!
 //! [`messages`] are the bus messages, [`codec`] their bytes, [`keys`] where they travel, [`rpc`] the JSON of commands;
-//! with the `recording` feature, [`recording`] holds the Protobuf messages of MCAP files. `docs/wire.md` of the project
+//! with the `recording` feature, `recording` holds the Protobuf messages of MCAP files, with `schema`, `schema` the layouts. `docs/wire.md` of the project
 //! gives the byte layout for people who write a client without this crate.
 
+pub mod any;
 pub mod codec;
 mod device;
 pub mod keys;
@@ -11,5 +12,7 @@ pub mod messages;
 #[cfg(feature = "recording")]
 pub mod recording;
 pub mod rpc;
+#[cfg(feature = "schema")]
+pub mod schema;
 
 pub use device::DeviceError;

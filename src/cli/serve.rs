@@ -5,7 +5,7 @@ use crate::recording::{Recorder, RecorderSettings, RecordingSummary, default_pat
 use crate::scene::spec::Clock;
 use crate::scene::{Scene, file, inline_files};
 use crate::tick::driver::{self, DriverReport, DriverSettings};
-use crate::tick::journal::{Journal, NoJournal};
+use crate::tick::journal::{Journal, NoJournal, keeping};
 use crate::tick::ports::ports;
 use crate::transport::{Bus, BusSettings, DEFAULT_ENDPOINT, SessionSettings, ViewSink, open};
 use crate::viewer::Viewer;
@@ -103,6 +103,7 @@ pub fn serve(
         Some(path) => {
             let settings = RecorderSettings { path: path.clone(), scene_text: loaded.text.clone(), effective };
             let (recorder, port) = Recorder::start(settings, &scene)?;
+            recorder.gauges().state.store(keeping::RECORDING, Ordering::Relaxed);
             (Some(recorder), Box::new(port))
         }
     };
@@ -135,6 +136,8 @@ pub fn serve(
             viewer: feed.map(|feed| Box::new(feed) as Box<dyn ViewSink>),
             recorder: recorder.as_ref().map(Recorder::gauges),
             archive: None,
+            viewer_url: viewer.as_ref().map(Viewer::url),
+            player: None,
         },
     )
     .map_err(|e| anyhow::anyhow!("{e}"))?;

@@ -2,7 +2,7 @@
 
 use super::record::{Command, TickRecord};
 use crate::scene::{Scene, SceneState};
-use std::sync::atomic::AtomicU64;
+use std::sync::atomic::{AtomicU8, AtomicU64};
 
 /// Keeps what a session needs for its replay. Called on the tick thread: an implementation neither waits nor allocates.
 pub trait Journal: Send {
@@ -14,9 +14,23 @@ pub trait Journal: Send {
     fn keyframe(&mut self, state: &SceneState, state_hash: u64);
 }
 
+/// Values of [`JournalGauges::state`].
+pub mod keeping {
+    /// Nothing is kept.
+    pub const OFF: u8 = 0;
+    /// A file is being written.
+    pub const RECORDING: u8 = 1;
+    /// The last seconds are kept in memory.
+    pub const RING: u8 = 2;
+    /// The disk refused.
+    pub const FAILED: u8 = 3;
+}
+
 /// What a journal lets others read while it runs.
 #[derive(Debug, Default)]
 pub struct JournalGauges {
+    /// One of [`keeping`].
+    pub state: AtomicU8,
     /// Bytes written.
     pub bytes: AtomicU64,
     /// Records lost.
