@@ -10,7 +10,7 @@ use palpate::recording::{
     Disk, DiskFile, FileSystem, RecorderSettings, RecordingReport, Session, Split, WriteError, recover, replay,
 };
 use palpate::tick::archive::{Archive, ArchiveNews, ArchiveRequest};
-use palpate::tick::journal::recorder_state;
+use palpate::tick::journal::keeping;
 use palpate::tick::record::{Command, TickRecord};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
@@ -73,7 +73,7 @@ fn recordings_begin_and_end_on_demand_and_each_replays() {
     assert!(live.recorder.archive().is_none(), "there is one");
     let state = |live: &Live| live.recorder.gauges().state.load(Ordering::Relaxed);
     ticks(&mut live, 130);
-    assert_eq!(state(&live), recorder_state::OFF);
+    assert_eq!(state(&live), keeping::OFF);
     archive.ask(1, ArchiveRequest::Stop);
     assert!(answer(&mut archive, 1).unwrap_err().contains("nothing is being recorded"));
 
@@ -83,7 +83,7 @@ fn recordings_begin_and_end_on_demand_and_each_replays() {
     ticks(&mut live, 1);
     let (first, path) = answer(&mut archive, 2).unwrap();
     assert_eq!((first, &path), (132, &directory.path().join("new/one/first.mcap")));
-    assert_eq!(state(&live), recorder_state::RECORDING);
+    assert_eq!(state(&live), keeping::RECORDING);
     live.command(Command::Resume);
     ticks(&mut live, 150);
     live.command(Command::Reset);
@@ -101,7 +101,7 @@ fn recordings_begin_and_end_on_demand_and_each_replays() {
     archive.ask(4, ArchiveRequest::Stop);
     let (end, path) = answer(&mut archive, 4).unwrap();
     assert_eq!(end, last);
-    assert_eq!(state(&live), recorder_state::OFF);
+    assert_eq!(state(&live), keeping::OFF);
     holds(&path, &live.records, 132, last);
     let session = Session::open(&path).unwrap();
     assert_eq!(
@@ -176,7 +176,7 @@ fn a_snapshot_holds_the_seconds_before_and_after() {
     holds(&path, &live.records, 801, last);
     ask(&mut archive, 100, 10.0, 0.2);
     ask(&mut archive, 101, 0.0, 0.05);
-    while live.recorder.gauges().state.load(Ordering::Relaxed) != recorder_state::RING {
+    while live.recorder.gauges().state.load(Ordering::Relaxed) != keeping::RING {
         std::thread::sleep(Duration::from_millis(1));
     }
     std::thread::sleep(Duration::from_millis(50));
@@ -339,7 +339,7 @@ fn a_full_disk_ends_the_recording_and_nothing_else() {
     let mut archive = live.recorder.archive().unwrap();
     let gauges = live.recorder.gauges();
     let started = Instant::now();
-    while gauges.state.load(Ordering::Relaxed) != recorder_state::FAILED {
+    while gauges.state.load(Ordering::Relaxed) != keeping::FAILED {
         ticks(&mut live, 100);
         assert!(started.elapsed() < Duration::from_secs(120), "the disk never filled up");
     }

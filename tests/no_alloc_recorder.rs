@@ -8,7 +8,7 @@ mod live;
 use live::{Live, SOFT};
 use palpate::recording::RecorderSettings;
 use palpate::tick::archive::ArchiveRequest;
-use palpate::tick::journal::recorder_state;
+use palpate::tick::journal::keeping;
 use palpate::tick::record::Command;
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
@@ -63,7 +63,8 @@ fn session(live: &mut Live) -> u64 {
 fn the_tick_allocates_nothing_for_a_recording_a_ring_or_none() {
     let directory = tempfile::tempdir().unwrap();
     let ring = Some(Duration::from_millis(300));
-    let mut recorded = Live::with(SOFT, |settings| RecorderSettings { ring, ..settings.to(&directory.path().join("a.mcap")) });
+    let mut recorded =
+        Live::with(SOFT, |settings| RecorderSettings { ring, ..settings.to(&directory.path().join("a.mcap")) });
     assert_eq!(session(&mut recorded), 0);
     let (summary, records) = recorded.finish();
     assert_eq!((summary.ticks, summary.dropped, records.len()), (900, 0, 900));
@@ -80,12 +81,12 @@ fn a_recording_that_begins_and_ends_meanwhile_costs_no_allocation() {
     let mut archive = live.recorder.archive().unwrap();
     live.tick();
     archive.ask(1, ArchiveRequest::Start { path: None });
-    while live.recorder.gauges().state.load(Ordering::Relaxed) != recorder_state::RECORDING {
+    while live.recorder.gauges().state.load(Ordering::Relaxed) != keeping::RECORDING {
         std::thread::sleep(Duration::from_millis(1));
     }
     assert_eq!(session(&mut live), 0);
     archive.ask(2, ArchiveRequest::Stop);
-    while live.recorder.gauges().state.load(Ordering::Relaxed) != recorder_state::OFF {
+    while live.recorder.gauges().state.load(Ordering::Relaxed) != keeping::OFF {
         std::thread::sleep(Duration::from_millis(1));
     }
     assert_eq!(session(&mut live), 0);

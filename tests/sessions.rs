@@ -81,7 +81,7 @@ fn a_real_time_session_runs_beside_garbage_and_its_recording_survives_a_kill() {
     let mut tool = palpate.tool("ball").unwrap();
     let deadline = Instant::now() + Duration::from_secs(60);
     // Poses of one moment replace each other, and a full network drops them: more are sent until enough have arrived.
-    while palpate.status().unwrap().tools.first().is_none_or(|tool| tool.invalid < 500) {
+    while palpate.status().unwrap().tools.first().is_none_or(|tool| tool.not_finite + tool.bad_quaternion < 500) {
         assert!(Instant::now() < deadline, "{:?}", palpate.status().unwrap().tools);
         for k in 0..400 {
             let mut pose = pose_at([0.06, 0.003, 0.045]);

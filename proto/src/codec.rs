@@ -17,8 +17,15 @@ pub enum DecodeError {
         got: String,
     },
     /// Too long.
-    #[error("{0} bytes are more than any message has ({MAX_BYTES})")]
-    Oversized(usize),
+    #[error("{bytes} bytes are more than any {name} has ({most})")]
+    Oversized {
+        /// Type name.
+        name: &'static str,
+        /// How many.
+        bytes: usize,
+        /// Most that it has.
+        most: usize,
+    },
     /// Not the bytes of this type.
     #[error("not the bytes of a {name}: {reason}")]
     Malformed {
@@ -47,17 +54,28 @@ pub fn encode<M: Message>(message: &M) -> Vec<u8> {
     postcard::to_allocvec(message).expect("messages hold only what postcard can write")
 }
 
+/// What can be told without reading the bytes: whether an `M` may have so many, under this schema (empty: none).
+///
+/// # Errors
+/// Another schema, or too many bytes.
+pub fn check_head<M: Message>(bytes: usize, schema: &str) -> Result<(), DecodeError> {
+    if !schema.is_empty() && schema.strip_prefix("postcard;") != Some(M::NAME) {
+        // A schema may be as long as its sender likes; a report of it is not.
+        let got = schema.chars().take(128).collect();
+        return Err(DecodeError::WrongSchema { expected: encoding_schema::<M>(), got });
+    }
+    if bytes > M::MAX_BYTES {
+        return Err(DecodeError::Oversized { name: M::NAME, bytes, most: M::MAX_BYTES });
+    }
+    Ok(())
+}
+
 /// Reads a message. `schema` is that of the sample's encoding; an empty one is not checked.
 ///
 /// # Errors
 /// Another schema, too many bytes, or not the bytes of an `M`.
 pub fn decode<M: Message>(bytes: &[u8], schema: &str) -> Result<M, DecodeError> {
-    if !schema.is_empty() && schema.strip_prefix("postcard;") != Some(M::NAME) {
-        return Err(DecodeError::WrongSchema { expected: encoding_schema::<M>(), got: schema.to_owned() });
-    }
-    if bytes.len() > MAX_BYTES {
-        return Err(DecodeError::Oversized(bytes.len()));
-    }
+    check_head::<M>(bytes.len(), schema)?;
     match postcard::take_from_bytes(bytes) {
         Ok((message, [])) => Ok(message),
         Ok((_, rest)) => Err(DecodeError::Trailing { name: M::NAME, extra: rest.len() }),
@@ -144,8 +162,34 @@ mod tests {
         assert!(matches!(decode::<ToolPose>(&bytes[..50], ""), Err(DecodeError::Malformed { .. })));
         let mut long = bytes.clone();
         long.push(0);
+        assert!(matches!(decode::<ToolPose>(&[0; 200], ""), Err(DecodeError::Oversized { bytes: 200, most: 134, .. })));
         assert!(matches!(decode::<ToolPose>(&long, ""), Err(DecodeError::Trailing { extra: 1, .. })));
-        assert!(matches!(decode::<ControlNet>(&vec![0; MAX_BYTES + 1], ""), Err(DecodeError::Oversized(_))));
+        assert!(matches!(decode::<ControlNet>(&vec![0; MAX_BYTES + 1], ""), Err(DecodeError::Oversized { .. })));
+    }
+
+    #[test]
+    fn the_largest_pose_and_device_are_as_large_as_they_say() {
+        let pose = ToolPose { seq: u64::MAX, t_client_ns: u64::MAX, buttons: u32::MAX, flags: u32::MAX, ..pose() };
+        assert_eq!(encode(&pose).len(), ToolPose::MAX_BYTES);
+        assert_eq!(decode::<ToolPose>(&encode(&pose), "").unwrap(), pose);
+        let device = DeviceInfo {
+            name: "x".repeat(64),
+            dof_force: 3,
+            dof_torque: 3,
+            workspace: [1.0; 3],
+            force_max: 1.0,
+            force_continuous: 1.0,
+            torque_max: 1.0,
+            mass: 1.0,
+            damping: 1.0,
+            coulomb_friction: 1.0,
+            encoder_resolution: 0.1,
+            rate_hz: 1.0,
+            delay_s: 1.0,
+            deadband: 0.5,
+        };
+        // A count may be written with leading zeros: nine bytes more.
+        assert_eq!(encode(&device).len() + 9, DeviceInfo::MAX_BYTES);
     }
 
     #[test]

@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 
 /// What the device that holds a tool can do, told by its client. Zero where it does not know.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(postcard_schema::Schema))]
 pub struct DeviceInfo {
     /// Its name, at most 64 bytes, without control characters.
     pub name: String,
@@ -39,6 +40,8 @@ pub struct DeviceInfo {
 
 impl Message for DeviceInfo {
     const NAME: &'static str = "palpate.DeviceInfo.v1";
+    // A count of at most 10 bytes, the name, two u8, thirteen f64.
+    const MAX_BYTES: usize = 10 + NAME_BYTES + 2 + 13 * 8;
 }
 
 /// Longest name, bytes.

@@ -84,6 +84,39 @@ impl Keys {
         format!("{}/@meta/info", self.root)
     }
 
+    /// Queryable: layout of a message by its versioned name; `*` for all.
+    pub fn meta_schema(&self, name: &str) -> String {
+        format!("{}/@meta/schema/{name}", self.root)
+    }
+
+    /// Queryable: OpenMetrics text.
+    pub fn meta_metrics(&self) -> String {
+        format!("{}/@meta/metrics", self.root)
+    }
+
+    /// Liveliness token of a daemon that is recording.
+    pub fn live_recorder(&self, id: &str) -> String {
+        format!("{}/@live/recorder/{id}", self.root)
+    }
+
+    /// Liveliness token of a daemon that serves a page.
+    pub fn live_viewer(&self, id: &str) -> String {
+        format!("{}/@live/viewer/{id}", self.root)
+    }
+
+    /// A key given short: whole (`palpate/default/status`), without its head (`tool/ball/force`), or one word for all of a
+    /// kind (`force`, `pose`, `device`, `net`, `all`).
+    pub fn expand(&self, key: &str) -> String {
+        let key = key.trim_matches('/');
+        match key {
+            "force" | "pose" | "device" => format!("{}/tool/*/{key}", self.root),
+            "net" => format!("{}/body/*/net", self.root),
+            "all" | "" => format!("{}/**", self.root),
+            _ if key == "palpate" || key.starts_with("palpate/") => key.to_owned(),
+            _ => format!("{}/{key}", self.root),
+        }
+    }
+
     /// Liveliness token of a server.
     pub fn live_server(&self, id: &str) -> String {
         format!("{}/@live/server/{id}", self.root)
@@ -100,6 +133,22 @@ impl Keys {
     }
 }
 
+/// Liveliness tokens of all instances.
+pub const LIVE_EVERYWHERE: &str = "palpate/*/@live/*/*";
+
+/// Descriptions of all instances.
+pub const INFO_EVERYWHERE: &str = "palpate/*/@meta/info";
+
+/// Instance, kind (`server`, `tool`, `recorder`, `viewer`) and id of a liveliness token.
+pub fn parse_live(key: &str) -> Option<(&str, &str, &str)> {
+    let mut chunks = key.split('/');
+    let parsed = match (chunks.next()?, chunks.next()?, chunks.next()?, chunks.next()?, chunks.next()?) {
+        ("palpate", instance, "@live", kind, id) => (instance, kind, id),
+        _ => return None,
+    };
+    chunks.next().is_none().then_some(parsed)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -113,6 +162,12 @@ mod tests {
         assert_eq!(keys.body_net("drop"), "palpate/default/body/drop/net");
         assert_eq!(keys.rpc("reset"), "palpate/default/rpc/reset");
         assert_eq!(keys.tool_of_live(&keys.live_tool("ball")), Some("ball"));
+        assert_eq!(keys.meta_schema("palpate.ToolPose.v1"), "palpate/default/@meta/schema/palpate.ToolPose.v1");
+        assert_eq!(keys.expand("tool/ball/force"), keys.tool_force("ball"));
+        assert_eq!(keys.expand("palpate/other/status"), "palpate/other/status");
+        assert_eq!((keys.expand("net"), keys.expand("status")), (keys.body_net("*"), keys.status()));
+        assert_eq!(parse_live(&keys.live_recorder("f00")), Some(("default", "recorder", "f00")));
+        assert_eq!(parse_live("palpate/default/status"), None);
         assert_eq!(keys.tool_of_live("palpate/other/@live/tool/ball"), None);
     }
 

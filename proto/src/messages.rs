@@ -12,6 +12,8 @@ pub use crate::device::DeviceInfo;
 pub trait Message: Serialize + for<'de> Deserialize<'de> {
     /// Versioned type name, for example `palpate.ToolPose.v1`.
     const NAME: &'static str;
+    /// Most bytes that one has: more are refused before they are read.
+    const MAX_BYTES: usize = crate::codec::MAX_BYTES;
 }
 
 macro_rules! message {
@@ -24,6 +26,7 @@ macro_rules! message {
 
 /// Pose and velocity of a tool, sent by whoever holds it. World frame.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(postcard_schema::Schema))]
 pub struct ToolPose {
     /// Counts the poses of this client from 1; must grow.
     pub seq: u64,
@@ -42,7 +45,12 @@ pub struct ToolPose {
     /// Reserved, 0.
     pub flags: u32,
 }
-message!(ToolPose, "palpate.ToolPose.v1");
+
+impl Message for ToolPose {
+    const NAME: &'static str = "palpate.ToolPose.v1";
+    // Two u64 and two u32 of at most 10 and 5 bytes, thirteen f64.
+    const MAX_BYTES: usize = 2 * 10 + 13 * 8 + 2 * 5;
+}
 
 /// Bits of [`ToolForce::flags`].
 pub mod force_flags {
@@ -66,6 +74,7 @@ pub mod force_flags {
 
 /// The force a hand should feel: wrench on the tool, world axes, at the tool's reference point.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(postcard_schema::Schema))]
 pub struct ToolForce {
     /// Tick that made it.
     pub tick: u64,
@@ -95,6 +104,7 @@ message!(ToolForce, "palpate.ToolForce.v1");
 /// What all contacts do to a tool, before anything is limited for the device: what a sensor between tool and body would
 /// read. World axes, at the tool's reference point. Sent while somebody subscribes.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(postcard_schema::Schema))]
 pub struct ToolContact {
     /// Tick that made it.
     pub tick: u64,
@@ -117,6 +127,7 @@ message!(ToolContact, "palpate.ToolContact.v1");
 
 /// Full control net of a body, u-major. A lost one is mended by the next.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(postcard_schema::Schema))]
 pub struct ControlNet {
     /// Tick it belongs to.
     pub tick: u64,
@@ -141,6 +152,7 @@ message!(ControlNet, "palpate.ControlNet.v1");
 
 /// One contact of a tool with a body, or of two bodies.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(postcard_schema::Schema))]
 pub struct Contact {
     /// Tool id; between two bodies, the id of the other body (the same one, when a body touches itself).
     pub tool: String,
@@ -162,6 +174,7 @@ pub struct Contact {
 
 /// Contacts that carry force in a tick: at most the sixteen deepest.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(postcard_schema::Schema))]
 pub struct ContactSet {
     /// Tick.
     pub tick: u64,
@@ -172,6 +185,7 @@ message!(ContactSet, "palpate.ContactSet.v1");
 
 /// Median, 99th percentile and maximum of a duration over the last status period, ns.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(postcard_schema::Schema))]
 pub struct Quantiles {
     /// Median.
     pub p50_ns: u64,
@@ -183,6 +197,7 @@ pub struct Quantiles {
 
 /// What the loop does.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(postcard_schema::Schema))]
 pub enum LoopState {
     /// Ticking.
     Running,
@@ -194,6 +209,7 @@ pub enum LoopState {
 
 /// Counters of one tool's link.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(postcard_schema::Schema))]
 pub struct ToolLink {
     /// Tool id.
     pub tool: String,
@@ -201,11 +217,19 @@ pub struct ToolLink {
     pub received: u64,
     /// Poses that a newer one replaced before a tick could use them.
     pub superseded: u64,
-    /// Undecodable or foreign bytes (truncated, oversized, wrong version).
+    /// Another type or version in the encoding's schema.
+    pub wrong_version: u64,
+    /// Not the bytes of a pose: truncated, or with bytes after its end.
     pub malformed: u64,
-    /// Not finite, or quaternion not of unit length.
-    pub invalid: u64,
-    /// Duplicated or out of order.
+    /// More bytes than a pose can have.
+    pub oversized: u64,
+    /// A value that is NaN or infinite.
+    pub not_finite: u64,
+    /// A quaternion whose length is not 1 within 1e-6.
+    pub bad_quaternion: u64,
+    /// The number of the newest pose once more.
+    pub duplicated: u64,
+    /// A number below that of the newest pose.
     pub out_of_order: u64,
     /// Refused by the loop as a jump.
     pub jumps: u64,
@@ -215,8 +239,39 @@ pub struct ToolLink {
     pub energy_j: f64,
 }
 
+impl ToolLink {
+    /// Poses that never reached the loop, by cause.
+    pub fn refused(&self) -> [(&'static str, u64); 7] {
+        [
+            ("wrong_version", self.wrong_version),
+            ("malformed", self.malformed),
+            ("oversized", self.oversized),
+            ("not_finite", self.not_finite),
+            ("bad_quaternion", self.bad_quaternion),
+            ("duplicated", self.duplicated),
+            ("out_of_order", self.out_of_order),
+        ]
+    }
+}
+
+/// What is being recorded.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(postcard_schema::Schema))]
+pub enum RecorderState {
+    /// Nothing.
+    #[default]
+    Off,
+    /// A file is being written.
+    Recording,
+    /// The last seconds are kept in memory; no file.
+    Ring,
+    /// The disk refused; what was flushed stays readable.
+    Failed,
+}
+
 /// Health of the loop, 10 Hz.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(postcard_schema::Schema))]
 pub struct LoopStatus {
     /// Newest tick.
     pub tick: u64,
@@ -234,6 +289,8 @@ pub struct LoopStatus {
     pub step: Quantiles,
     /// One per tool.
     pub tools: Vec<ToolLink>,
+    /// What is being recorded.
+    pub recorder: RecorderState,
     /// Bytes written by the recorder.
     pub recorder_bytes: u64,
     /// Records lost because the recorder could not keep up.
@@ -241,10 +298,11 @@ pub struct LoopStatus {
     /// 0 is full quality; 1: bodies iterate once a step; 2: also fewer sweeps over contacts; 3: also nets ten times rarer.
     pub quality_level: u8,
 }
-message!(LoopStatus, "palpate.LoopStatus.v1");
+message!(LoopStatus, "palpate.LoopStatus.v2");
 
 /// What happened.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(postcard_schema::Schema))]
 pub enum EventKind {
     /// State set back to the scene's start.
     Reset,
@@ -309,10 +367,18 @@ pub enum EventKind {
         /// Name of the device.
         name: String,
     },
+    /// A recording could not go on; the loop does, and what was flushed stays readable.
+    RecordFailed {
+        /// Path.
+        path: String,
+        /// Words of the system.
+        reason: String,
+    },
 }
 
 /// An event, numbered so that a loss is seen.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(postcard_schema::Schema))]
 pub struct SimEvent {
     /// Tick.
     pub tick: u64,
@@ -327,6 +393,7 @@ message!(SimEvent, "palpate.SimEvent.v1");
 
 /// A body as the loop simulates it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(postcard_schema::Schema))]
 pub struct BodySnapshot {
     /// Id.
     pub id: String,
@@ -352,6 +419,7 @@ pub struct BodySnapshot {
 
 /// A tool of the scene.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(postcard_schema::Schema))]
 pub struct ToolSnapshot {
     /// Id.
     pub id: String,
@@ -373,6 +441,7 @@ pub struct ToolSnapshot {
 
 /// Everything a late joiner needs.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(postcard_schema::Schema))]
 pub struct SceneSnapshot {
     /// Tick.
     pub tick: u64,

@@ -1,12 +1,12 @@
 //! `palpate device`: a simulated device on the bus.
 
+use super::connection::Connection;
 use super::{Outcome, text};
-use crate::transport::DEFAULT_ENDPOINT;
 use anyhow::Context as _;
 use palpate_client::device::run::{RunReport, RunSettings, Sample, run as run_device};
 use palpate_client::device::{DeviceModel, Hand, Motion, Network, SimulatedDevice, devices};
 use palpate_client::proto::messages::{DeviceInfo, SceneSnapshot};
-use palpate_client::{Connect, Palpate, Tool};
+use palpate_client::{Palpate, Tool};
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -63,15 +63,8 @@ pub struct Args {
     /// Write every period to a CSV file.
     #[arg(long)]
     csv: Option<PathBuf>,
-    /// Where the daemon listens.
-    #[arg(short = 'e', long, default_value = DEFAULT_ENDPOINT)]
-    connect: Vec<String>,
-    /// Stock Zenoh JSON5 configuration.
-    #[arg(long)]
-    zenoh_config: Option<PathBuf>,
-    /// Instance name.
-    #[arg(long, default_value = "default")]
-    instance: String,
+    #[command(flatten)]
+    connection: Connection,
     /// Print one JSON object.
     #[arg(long)]
     json: bool,
@@ -91,13 +84,7 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     if let Some(tremor_m) = args.tremor {
         hand = Hand { tremor_m, ..hand }.checked()?;
     }
-    let settings = Connect {
-        endpoints: args.connect.clone(),
-        instance: args.instance.clone(),
-        zenoh_config: args.zenoh_config.clone(),
-        timeout: Duration::from_secs(5),
-    };
-    let palpate = Palpate::connect(&settings)?;
+    let palpate = args.connection.open()?;
     let scene = palpate.scene()?;
     let motion = motion(args, &scene, tool_id)?;
     let mut tool = palpate.tool(tool_id)?;

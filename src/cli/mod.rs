@@ -5,11 +5,16 @@
 
 mod bench;
 mod check;
+mod connection;
 mod demo;
 mod device;
 mod doctor;
+mod echo;
 mod export;
+mod hz;
 mod info;
+mod ls;
+mod man;
 mod plan;
 mod probe;
 mod recover;
@@ -52,8 +57,14 @@ enum Commands {
     Device(device::Args),
     /// Contacts and forces of a tool at given poses, without a loop.
     Probe(probe::Args),
-    /// Send a command to a running daemon: reset, pause, resume, step, shutdown.
+    /// Send a command to a running daemon: reset, pause, resume, step, record_start, snapshot, shutdown…
     Rpc(rpc::Args),
+    /// Messages of the bus as they pass.
+    Echo(echo::Args),
+    /// Who is on the bus: instances, tools, bodies, and what they publish.
+    Ls(ls::Args),
+    /// How often messages come: rate, period, bandwidth, losses.
+    Hz(hz::Args),
     /// Our methods and other libraries timed on the same inputs, each with its error.
     Bench(bench::Args),
     /// Surfaces in files: look at them, evaluate, project points, convert, tessellate, fit.
@@ -65,6 +76,8 @@ enum Commands {
         /// bash, zsh, fish, elvish or powershell.
         shell: clap_complete::Shell,
     },
+    /// Manual pages, written into a directory.
+    Man(man::Args),
 }
 
 /// How a command ended.
@@ -103,6 +116,10 @@ pub fn main() -> ExitCode {
         Commands::Device(args) => device::run(&args),
         Commands::Probe(args) => probe::run(&args),
         Commands::Rpc(args) => rpc::run(&args),
+        Commands::Echo(args) => echo::run(&args),
+        Commands::Ls(args) => ls::run(&args),
+        Commands::Hz(args) => hz::run(&args),
+        Commands::Man(args) => man::run(&args, Cli::command()),
         Commands::Bench(args) => bench::run(&args),
         Commands::Surface(args) => surface::run(&args),
         Commands::Doctor(args) => doctor::run(&args),

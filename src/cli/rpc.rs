@@ -1,32 +1,29 @@
 //! `palpate rpc`: a command to a running daemon.
 
 use super::Outcome;
-use crate::transport::DEFAULT_ENDPOINT;
-use palpate_client::{Connect, Palpate};
+use super::connection::Connection;
 use palpate_proto::rpc::{METHODS, Request};
 
 #[derive(clap::Args, Debug)]
 pub struct Args {
-    /// reset, pause, resume, step or shutdown.
+    /// What to do.
     #[arg(value_parser = clap::builder::PossibleValuesParser::new(METHODS))]
     method: String,
+    /// Arguments as JSON, for example '{"before": 10, "after": 2}' of a snapshot.
+    arguments: Option<String>,
     /// `step`: ticks to run.
     #[arg(long)]
     ticks: Option<u32>,
-    /// Where the daemon listens.
-    #[arg(short = 'e', long, default_value = DEFAULT_ENDPOINT)]
-    connect: Vec<String>,
-    /// Instance name.
-    #[arg(long, default_value = "default")]
-    instance: String,
+    #[command(flatten)]
+    connection: Connection,
 }
 
 pub fn run(args: &Args) -> anyhow::Result<Outcome> {
-    let settings =
-        Connect { endpoints: args.connect.clone(), instance: args.instance.clone(), ..Connect::to(DEFAULT_ENDPOINT) };
-    let palpate = Palpate::connect(&settings)?;
-    let tick = palpate.rpc(&args.method, &Request { ticks: args.ticks })?;
-    println!("{}", serde_json::json!({ "ok": true, "tick": tick }));
+    let request = Request::parse(&args.method, args.arguments.as_deref().unwrap_or("").as_bytes())?;
+    let request = Request { ticks: args.ticks.or(request.ticks), ..request };
+    let palpate = args.connection.open()?;
+    let reply = palpate.call(&args.method, &request)?;
+    println!("{}", serde_json::to_string(&reply)?);
     palpate.close();
     Ok(Outcome::Ok)
 }

@@ -185,6 +185,8 @@ pub fn serve(
             viewer: feed.map(|feed| Box::new(feed) as Box<dyn ViewSink>),
             recorder: Some(recorder.gauges()),
             archive: recorder.archive(),
+            viewer_url: viewer.as_ref().map(Viewer::url),
+            player: None,
         },
     )
     .map_err(|e| anyhow::anyhow!("{e}"))?;

@@ -10,7 +10,7 @@ use super::stream::Stream;
 use super::views::Views;
 use super::{RecordingReport, RecordingSummary, default_path};
 use crate::tick::archive::{ArchiveNews, ArchiveRequest};
-use crate::tick::journal::{JournalGauges, recorder_state};
+use crate::tick::journal::{JournalGauges, keeping};
 use std::path::{Component, Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
@@ -129,10 +129,10 @@ impl Keeper {
         }
         self.wanted.store(if any { self.generation } else { 0 }, Ordering::Release);
         let state = match (&self.recording, &self.report.failure) {
-            (Some(_), _) => recorder_state::RECORDING,
-            (None, Some(_)) => recorder_state::FAILED,
-            (None, None) if self.memory.is_some() => recorder_state::RING,
-            (None, None) => recorder_state::OFF,
+            (Some(_), _) => keeping::RECORDING,
+            (None, Some(_)) => keeping::FAILED,
+            (None, None) if self.memory.is_some() => keeping::RING,
+            (None, None) => keeping::OFF,
         };
         self.gauges.state.store(state, Ordering::Relaxed);
     }

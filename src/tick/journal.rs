@@ -14,27 +14,27 @@ pub trait Journal: Send {
     fn keyframe(&mut self, state: &SceneState, state_hash: u64);
 }
 
+/// Values of [`JournalGauges::state`].
+pub mod keeping {
+    /// Nothing is kept.
+    pub const OFF: u8 = 0;
+    /// A file is being written.
+    pub const RECORDING: u8 = 1;
+    /// The last seconds are kept in memory.
+    pub const RING: u8 = 2;
+    /// The disk refused.
+    pub const FAILED: u8 = 3;
+}
+
 /// What a journal lets others read while it runs.
 #[derive(Debug, Default)]
 pub struct JournalGauges {
+    /// One of [`keeping`].
+    pub state: AtomicU8,
     /// Bytes written.
     pub bytes: AtomicU64,
     /// Records lost.
     pub dropped: AtomicU64,
-    /// One of [`recorder_state`].
-    pub state: AtomicU8,
-}
-
-/// What a recorder does.
-pub mod recorder_state {
-    /// Nothing.
-    pub const OFF: u8 = 0;
-    /// It writes a file.
-    pub const RECORDING: u8 = 1;
-    /// It keeps the last seconds in memory.
-    pub const RING: u8 = 2;
-    /// The disk refused.
-    pub const FAILED: u8 = 3;
 }
 
 /// Keeps nothing.

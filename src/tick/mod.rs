@@ -28,6 +28,8 @@ pub mod overload;
 #[cfg(feature = "daemon")]
 pub mod pacer;
 #[cfg(feature = "daemon")]
+pub mod playback;
+#[cfg(feature = "daemon")]
 pub mod ports;
 pub mod record;
 pub mod stats;

@@ -20,26 +20,52 @@ const RING: usize = 256;
 /// Net buffers a body.
 const NET_BUFFERS: usize = 4;
 
-/// Counters of a tool's link, by cause.
+/// Counters of a tool's link, by cause. Each pose that arrives is counted once: as received, or under the first cause for
+/// which it was refused.
 #[derive(Debug, Default)]
 pub struct LinkCounters {
     /// Poses taken.
     pub received: AtomicU64,
-    /// Bytes that were no pose of our version.
+    /// Another type or version.
+    pub wrong_version: AtomicU64,
+    /// Not the bytes of a pose, or more after its end.
     pub malformed: AtomicU64,
-    /// Poses with values that are not finite or no rotation.
-    pub invalid: AtomicU64,
-    /// Duplicates and poses out of order.
+    /// More bytes than a pose can have.
+    pub oversized: AtomicU64,
+    /// Values that are NaN or infinite.
+    pub not_finite: AtomicU64,
+    /// Quaternions that are no rotation.
+    pub bad_quaternion: AtomicU64,
+    /// The newest number once more.
+    pub duplicated: AtomicU64,
+    /// A number below the newest.
     pub out_of_order: AtomicU64,
     /// Poses latched by ticks.
     pub latched: AtomicU64,
 }
 
 impl LinkCounters {
-    /// Adds one.
-    pub fn count(counter: &AtomicU64) {
-        counter.fetch_add(1, Ordering::Relaxed);
+    /// Adds one; true when it is the first.
+    pub fn count(counter: &AtomicU64) -> bool {
+        counter.fetch_add(1, Ordering::Relaxed) == 0
     }
+}
+
+/// What became of a pose.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Offered {
+    /// It is the newest now.
+    Taken,
+    /// The newest already was this one. `first`: for the first time.
+    Duplicate {
+        /// None was counted before.
+        first: bool,
+    },
+    /// The newest comes after it. `first`: for the first time.
+    OutOfOrder {
+        /// None was counted before.
+        first: bool,
+    },
 }
 
 /// Where a receiver puts poses; newest wins. Used by receive threads only, never by the tick.
@@ -60,15 +86,16 @@ struct InboxSlot {
 }
 
 impl PoseInbox {
-    /// Takes a pose; false if it is not newer than the last.
-    pub fn offer(&self, pose: DevicePose) -> bool {
+    /// Takes a pose, if it is newer than the last.
+    pub fn offer(&self, pose: DevicePose) -> Offered {
         let mut slot = self.slot.lock().unwrap_or_else(PoisonError::into_inner);
+        // Numbers begin at 1: a first pose numbered 0 repeats nothing.
+        if pose.seq == slot.newest && pose.seq > 0 {
+            self.asked_again.store(true, Ordering::Release);
+            return Offered::Duplicate { first: LinkCounters::count(&self.counters.duplicated) };
+        }
         if pose.seq <= slot.newest {
-            LinkCounters::count(&self.counters.out_of_order);
-            if pose.seq == slot.newest {
-                self.asked_again.store(true, Ordering::Release);
-            }
-            return false;
+            return Offered::OutOfOrder { first: LinkCounters::count(&self.counters.out_of_order) };
         }
         slot.newest = pose.seq;
         slot.input.write(Some(pose));
@@ -77,7 +104,7 @@ impl PoseInbox {
         if let Some(thread) = self.tick_thread.get() {
             thread.unpark();
         }
-        true
+        Offered::Taken
     }
 
     /// Whoever held the tool is gone: the next holder counts from anew.
@@ -290,8 +317,25 @@ impl TickPorts {
         self.poses.iter().all(triple_buffer::Output::updated)
     }
 
+    /// The bus has room for another tick. For those who may wait: the loop never does.
+    pub fn has_room(&self) -> bool {
+        self.outputs.slots() > 0 && self.records.slots() > 0
+    }
+
+    /// Time runs elsewhere from here on: the next [`TickPorts::done`] hands over every net, whatever was sent before.
+    pub fn rewind(&mut self) {
+        for port in &mut self.nets {
+            (port.sent_revision, port.sent_tick) = (u64::MAX, 0);
+        }
+    }
+
+    /// Somebody asks the loop to end.
+    pub fn stop_asked(&self) -> bool {
+        self.counters.stop.load(Ordering::Acquire)
+    }
+
     /// The force is known: tell the bus.
-    pub(super) fn publish(&mut self, output: &TickOutput) {
+    pub fn publish(&mut self, output: &TickOutput) {
         if self.outputs.push(*output).is_err() {
             self.counters.bus_drops.fetch_add(1, Ordering::Relaxed);
         }
@@ -301,14 +345,15 @@ impl TickPorts {
     }
 
     /// The tick is done.
-    pub(super) fn done(&mut self, scene: &Scene, state: &SceneState, record: &TickRecord) {
+    pub fn done(&mut self, scene: &Scene, state: &SceneState, record: &TickRecord) {
         if self.records.push(*record).is_err() {
             self.counters.bus_drops.fetch_add(1, Ordering::Relaxed);
         }
         let tick = record.output.tick;
         let net_every = self.net_every * if state.quality < quality::RARE_NETS { 1 } else { 10 };
         for (body, port) in self.nets.iter_mut().enumerate() {
-            if state.net_revision(body) == port.sent_revision || tick < port.sent_tick + net_every {
+            let soon = tick < port.sent_tick + net_every && port.sent_revision != u64::MAX;
+            if state.net_revision(body) == port.sent_revision || soon {
                 continue;
             }
             let Ok(mut frame) = port.free.pop() else { continue };

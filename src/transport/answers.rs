@@ -1,18 +1,16 @@
-//! Answers to queries and commands.
+//! Answers to queries.
 
 use super::bus::BusThread;
 use super::declared::{Inbox, encoding};
-use crate::tick::ports::CommandRequest;
-use crate::tick::record::Command;
+use super::schemas;
 use crate::wire;
 use palpate_proto::codec::encode;
-use palpate_proto::messages::{
-    ContactSet, ControlNet, DeviceInfo, EventKind, LoopState, LoopStatus, Message, SceneSnapshot, SimEvent,
-    ToolContact, ToolForce, ToolPose,
-};
-use palpate_proto::rpc::{Reply, Request};
+use palpate_proto::messages::{Message, SceneSnapshot};
+use palpate_proto::rpc::{METHODS, Reply};
+use palpate_proto::schema;
 use zenoh::Wait;
 use zenoh::bytes::Encoding;
+use zenoh::key_expr::KeyExpr;
 use zenoh::query::Query;
 
 impl BusThread {
@@ -24,9 +22,20 @@ impl BusThread {
                 let snapshot = wire::scene_snapshot(scene, self.settings.scene_hash, &self.nets, &self.output);
                 reply::<SceneSnapshot>(&query, &snapshot);
             }
-            Inbox::Status(query) => reply(&query, &self.status),
+            Inbox::Status(query) => {
+                self.count_links();
+                reply(&query, &self.status);
+            }
             Inbox::Net(body, query) => reply(&query, &self.nets[body]),
-            Inbox::Info(query) => reply_json(&query, &self.info()),
+            Inbox::Info(query) => reply_json(&query, query.key_expr().clone(), &self.info()),
+            Inbox::Schema(query) => schemas::answer(&self.keys, &query),
+            Inbox::Metrics(query) => {
+                self.count_links();
+                let text = self.figures().text();
+                let encoding = Encoding::APPLICATION_OPENMETRICS_TEXT;
+                let _ = query.reply(query.key_expr().clone(), text).encoding(encoding).wait();
+            }
+            Inbox::Events(query) => self.past_events(&query),
             Inbox::Device(tool, query) => {
                 // Nothing to say is no reply: the query ends empty.
                 if let Some(info) = self.devices.info(tool) {
@@ -58,42 +67,23 @@ impl BusThread {
             "tools": (0..scene.tool_count()).map(|t| scene.tool_id(t)).collect::<Vec<_>>(),
             "bodies": (0..scene.body_count()).map(|b| scene.body_id(b)).collect::<Vec<_>>(),
             "devices": self.devices.report(|tool| scene.tool_id(tool)),
-            "messages": [ToolPose::NAME, ToolForce::NAME, ToolContact::NAME, DeviceInfo::NAME, ControlNet::NAME, ContactSet::NAME, LoopStatus::NAME,
-                SimEvent::NAME, SceneSnapshot::NAME],
+            "messages": schema::all().map(|schema| schema.name),
+            "methods": METHODS,
+            "played": self.settings.player.is_some(),
+            "recorder": self.status.recorder,
+            "viewer": self.settings.viewer_url,
         })
     }
 
-    fn rpc(&mut self, method: &'static str, query: Query) {
-        let payload = query.payload().map(|p| p.to_bytes().into_owned()).unwrap_or_default();
-        let request = match Request::parse(&payload) {
-            Ok(request) => request,
-            Err(error) => {
-                let error = Some(format!("the arguments of {method} do not parse: {error}"));
-                return reply_json(&query, &Reply { ok: false, tick: None, error });
-            }
+    /// The events kept whose number is above `after`, each in an answer of its own, oldest first.
+    fn past_events(&self, query: &Query) {
+        let after = match query.parameters().get("after").map(str::parse::<u64>) {
+            None => 0,
+            Some(Ok(after)) => after,
+            Some(Err(_)) => return reply_refused(query, "after is the number of an event: event?after=17"),
         };
-        let (command, event) = match method {
-            "reset" => (Command::Reset, Some(EventKind::Reset)),
-            "pause" => (Command::Pause, Some(EventKind::Paused)),
-            "resume" => (Command::Resume, Some(EventKind::Resumed)),
-            "step" => (Command::Step(request.ticks.unwrap_or(1)), None),
-            _ => (Command::Stop, None),
-        };
-        let id = self.next_id;
-        self.next_id += 1;
-        if self.ports.commands.push(CommandRequest { id, command }).is_err() {
-            let error = Some("too many commands are waiting; try again".to_owned());
-            return reply_json(&query, &Reply { ok: false, tick: None, error });
-        }
-        match command {
-            Command::Pause => self.status.state = LoopState::Paused,
-            Command::Resume => self.status.state = LoopState::Running,
-            Command::Stop => self.status.state = LoopState::Stopping,
-            Command::Reset | Command::Step(_) | Command::Quality(_) | Command::Device { .. } => {}
-        }
-        self.pending.push((id, query));
-        if let Some(kind) = event {
-            self.event(kind);
+        for event in self.history.after(after) {
+            reply(query, event);
         }
     }
 }
@@ -102,7 +92,14 @@ fn reply<M: Message>(query: &Query, message: &M) {
     let _ = query.reply(query.key_expr().clone(), encode(message)).encoding(encoding::<M>()).wait();
 }
 
-pub(super) fn reply_json(query: &Query, value: &impl serde::Serialize) {
+/// Answers under a key with JSON.
+pub(super) fn reply_json(query: &Query, key: KeyExpr<'static>, value: &impl serde::Serialize) {
     let text = serde_json::to_string(value).unwrap_or_default();
-    let _ = query.reply(query.key_expr().clone(), text).encoding(Encoding::APPLICATION_JSON).wait();
+    let _ = query.reply(key, text).encoding(Encoding::APPLICATION_JSON).wait();
+}
+
+/// Answers with an error: JSON like that of a refused command.
+pub(super) fn reply_refused(query: &Query, reason: &str) {
+    let text = serde_json::to_string(&Reply::refused(reason)).unwrap_or_default();
+    let _ = query.reply_err(text).encoding(Encoding::APPLICATION_JSON).wait();
 }

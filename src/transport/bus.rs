@@ -1,19 +1,24 @@
 //! The bus thread: everything that leaves the daemon, and every answer.
 
-use super::answers::reply_json;
-use super::declared::{Declared, Inbox};
+use super::declared::{Declared, Inbox, Roles};
 use super::devices::Devices;
+use super::history::History;
+use super::metrics::Figures;
 use super::tally::ToolTally;
 use crate::scene::Scene;
 use crate::tick::archive::Archive;
 use crate::tick::journal::JournalGauges;
+use crate::tick::overload::CAUSES;
+use crate::tick::playback::PlayerEnd;
 use crate::tick::ports::{BusPorts, PoseInbox};
 use crate::tick::record::TickOutput;
 use crate::tick::stats::Histogram;
 use crate::wire;
 use palpate_proto::codec::encode;
 use palpate_proto::keys::Keys;
-use palpate_proto::messages::{ContactSet, ControlNet, EventKind, LoopState, LoopStatus, SimEvent, ToolForce};
+use palpate_proto::messages::{
+    ContactSet, ControlNet, EventKind, LoopState, LoopStatus, RecorderState, SimEvent, ToolForce,
+};
 use palpate_proto::rpc::Reply;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, sync_channel};
@@ -33,6 +38,8 @@ pub trait ViewSink: Send {
     fn contacts(&mut self, contacts: &ContactSet);
     /// Health.
     fn status(&mut self, status: &LoopStatus);
+    /// Everything that is counted, ten times a second.
+    fn figures(&mut self, figures: &Figures);
 }
 
 /// What the bus needs to know beside its ports.
@@ -45,10 +52,14 @@ pub struct BusSettings {
     pub instance: String,
     /// Viewer, if any.
     pub viewer: Option<Box<dyn ViewSink>>,
+    /// Where its page is.
+    pub viewer_url: Option<String>,
     /// Bytes and drops of the recorder, if any.
     pub recorder: Option<Arc<JournalGauges>>,
     /// Who records on demand, if anyone does.
     pub archive: Option<Box<dyn Archive>>,
+    /// Who plays a recording instead of a loop, if that is what runs here.
+    pub player: Option<PlayerEnd>,
 }
 
 /// A running bus thread.
@@ -85,13 +96,16 @@ impl Bus {
         let stop = Arc::new(AtomicBool::new(false));
         let (inbox, requests) = sync_channel(INBOX);
         let devices = Devices::new(&settings.scene);
-        let declared =
-            Declared::new(&session, &keys, &settings.scene, &ports, &devices, &inbox).map_err(|e| e.to_string())?;
+        let roles = Roles { player: settings.player.is_some(), viewer: settings.viewer.is_some() };
+        let declared = Declared::new(&session, &keys, &settings.scene, &ports, &devices, &inbox, roles)
+            .map_err(|e| e.to_string())?;
         let shared_stop = stop.clone();
         let wake: Arc<OnceLock<Thread>> = ports.bus_thread.clone();
         let thread = std::thread::Builder::new()
             .name("palpate-bus".into())
-            .spawn(move || BusThread::new(session, ports, settings, declared, devices, requests, shared_stop).run())
+            .spawn(move || {
+                BusThread::new(session, keys, ports, settings, declared, devices, requests, shared_stop).run()
+            })
             .map_err(|e| e.to_string())?;
         let waker = thread.thread().clone();
         let _ = wake.set(waker.clone());
@@ -109,6 +123,7 @@ impl Bus {
 /// The thread's own.
 pub(super) struct BusThread {
     session: zenoh::Session,
+    pub(super) keys: Keys,
     pub(super) ports: BusPorts,
     pub(super) settings: BusSettings,
     declared: Option<Declared>,
@@ -122,7 +137,10 @@ pub(super) struct BusThread {
     pub(super) status: LoopStatus,
     pub(super) pending: Vec<(u64, Query)>,
     pub(super) next_id: u64,
-    events: u64,
+    pub(super) events: u64,
+    pub(super) history: History,
+    /// Since the start, by cause.
+    pub(super) overruns: [u64; CAUSES.len()],
     pub(super) period: Histogram,
     pub(super) step: Histogram,
     /// By tool: refused poses, stale ticks, in contact, stale now.
@@ -139,6 +157,7 @@ pub(super) struct BusThread {
 impl BusThread {
     fn new(
         session: zenoh::Session,
+        keys: Keys,
         ports: BusPorts,
         settings: BusSettings,
         declared: Declared,
@@ -157,6 +176,7 @@ impl BusThread {
             period: Default::default(),
             step: Default::default(),
             tools: Vec::new(),
+            recorder: RecorderState::Off,
             recorder_bytes: 0,
             recorder_drops: 0,
             quality_level: 0,
@@ -164,8 +184,10 @@ impl BusThread {
         let now = Instant::now();
         Self {
             tools: vec![ToolTally::default(); scene.tool_count()],
-            lockstep: scene.clock == crate::scene::spec::Clock::Lockstep,
+            // In lockstep and out of a recording every force is told.
+            lockstep: scene.clock == crate::scene::spec::Clock::Lockstep || settings.player.is_some(),
             session,
+            keys,
             ports,
             declared: Some(declared),
             devices,
@@ -178,6 +200,8 @@ impl BusThread {
             pending: Vec::new(),
             next_id: 1,
             events: 0,
+            history: History::default(),
+            overruns: [0; CAUSES.len()],
             period: Histogram::default(),
             step: Histogram::default(),
             last_status: now,
@@ -197,9 +221,8 @@ impl BusThread {
         self.serve();
         self.event(EventKind::Stopping);
         self.publish_status();
-        for (_, query) in std::mem::take(&mut self.pending) {
-            let error = Some("the daemon is going down".to_owned());
-            reply_json(&query, &Reply { ok: false, tick: None, error });
+        for id in self.pending.iter().map(|(id, _)| *id).collect::<Vec<_>>() {
+            self.settle(id, &Reply::refused("the daemon is going down"));
         }
         self.declared = None;
         if let Err(error) = self.session.close().wait() {
@@ -214,6 +237,7 @@ impl BusThread {
     }
 
     fn serve(&mut self) {
+        let player_news = self.player_news();
         self.publish_forces();
         while let Ok(record) = self.ports.records.pop() {
             self.tally(&record);
@@ -224,11 +248,10 @@ impl BusThread {
             self.answer(request);
         }
         while let Ok(receipt) = self.ports.receipts.pop() {
-            if let Some(k) = self.pending.iter().position(|(id, _)| *id == receipt.id) {
-                let (_, query) = self.pending.swap_remove(k);
-                reply_json(&query, &Reply { ok: true, tick: Some(receipt.tick), error: None });
-            }
+            self.settle(receipt.id, &Reply::at(receipt.tick));
         }
+        self.take_archive_news();
+        self.take_player_news(player_news);
         if self.last_status.elapsed() >= STATUS_EVERY {
             self.publish_status();
         }
@@ -355,6 +378,19 @@ impl BusThread {
         self.events += 1;
         let event = SimEvent { tick: self.status.tick, seq: self.events, t_ns: server_ns(), kind };
         let _ = self.declared().events.put(encode(&event)).wait();
+        if let Some(archive) = &mut self.settings.archive {
+            let (kind, detail) = wire::event_words(&event.kind);
+            archive.event(event.tick, kind, &detail);
+        }
+        self.history.push(event);
+    }
+
+    /// Keeps the recorder's liveliness token as its state is.
+    pub(super) fn show_recording(&mut self) {
+        let recording = self.status.recorder == RecorderState::Recording;
+        if let Some(declared) = &mut self.declared {
+            declared.show_recording(&self.session, recording);
+        }
     }
 }
 

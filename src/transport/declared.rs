@@ -1,19 +1,19 @@
 //! Everything the daemon declares on its session, and what its callbacks do.
 
 use super::devices::{Devices, take_device};
+use super::poses::take_pose;
 use crate::scene::Scene;
-use crate::tick::ports::{BusPorts, PoseInbox};
-use crate::wire;
-use palpate_proto::codec::{decode, encoding_schema};
+use crate::tick::ports::BusPorts;
+use palpate_proto::codec::encoding_schema;
 use palpate_proto::keys::Keys;
 use palpate_proto::messages::{
-    ContactSet, ControlNet, DeviceInfo, LoopStatus, Message, SimEvent, ToolContact, ToolForce, ToolPose,
+    ContactSet, ControlNet, DeviceInfo, LoopStatus, Message, SimEvent, ToolContact, ToolForce,
 };
 use palpate_proto::rpc::METHODS;
-use std::sync::atomic::Ordering;
 use std::sync::mpsc::SyncSender;
 use zenoh::Wait;
 use zenoh::bytes::Encoding;
+use zenoh::liveliness::LivelinessToken;
 use zenoh::pubsub::Publisher;
 use zenoh::qos::{CongestionControl, Priority};
 use zenoh::query::Query;
@@ -26,6 +26,9 @@ pub(super) enum Inbox {
     Status(Query),
     Net(usize, Query),
     Info(Query),
+    Schema(Query),
+    Metrics(Query),
+    Events(Query),
     Device(usize, Query),
     Told(usize, Box<DeviceInfo>),
     ToolToken { tool: String, present: bool },
@@ -36,7 +39,7 @@ pub(super) fn encoding<M: Message>() -> Encoding {
 }
 
 /// Schema part of a sample's encoding; empty when it has none.
-fn schema_of(encoding: &Encoding) -> String {
+pub(super) fn schema_of(encoding: &Encoding) -> String {
     let text = encoding.to_string();
     text.split_once(';').map_or(String::new(), |(_, schema)| schema.to_owned())
 }
@@ -44,9 +47,12 @@ fn schema_of(encoding: &Encoding) -> String {
 /// Everything declared. Undeclared in this order: nothing comes in before nothing goes out.
 pub(super) struct Declared {
     _tool_subscribers: Vec<zenoh::pubsub::Subscriber<()>>,
-    _live_subscriber: zenoh::pubsub::Subscriber<()>,
+    _live_subscriber: Option<zenoh::pubsub::Subscriber<()>>,
     _queryables: Vec<zenoh::query::Queryable<()>>,
-    _token: zenoh::liveliness::LivelinessToken,
+    _tokens: Vec<LivelinessToken>,
+    /// While something is recorded.
+    recorder_token: Option<LivelinessToken>,
+    recorder_key: String,
     pub(super) forces: Vec<Publisher<'static>>,
     /// What contacts do, by tool.
     pub(super) tool_contacts: Vec<Publisher<'static>>,
@@ -64,6 +70,7 @@ impl Declared {
         ports: &BusPorts,
         devices: &Devices,
         inbox: &SyncSender<Inbox>,
+        roles: Roles,
     ) -> zenoh::Result<Self> {
         let publisher = |key: String, encoding, priority, congestion, express| {
             session
@@ -81,12 +88,16 @@ impl Declared {
             forces.push(publisher(keys.tool_force(id), encoding::<ToolForce>(), Priority::RealTime, drop, true)?);
             let key = keys.tool_contact(id);
             tool_contacts.push(publisher(key, encoding::<ToolContact>(), Priority::RealTime, drop, true)?);
+            // Nobody holds a tool of a recording.
+            if roles.player {
+                continue;
+            }
             let poses = ports.poses[tool].clone();
             let subscriber = session
                 .declare_subscriber(keys.tool_pose(id))
                 .callback(move |sample| {
                     if sample.kind() == SampleKind::Put {
-                        take_pose(&poses, &sample.payload().to_bytes(), &schema_of(sample.encoding()));
+                        take_pose(&poses, sample.payload(), sample.encoding());
                     }
                 })
                 .wait()?;
@@ -95,11 +106,10 @@ impl Declared {
             let subscriber = session
                 .declare_subscriber(keys.tool_device(id))
                 .callback(move |sample| {
-                    if sample.kind() == SampleKind::Put {
-                        let schema = schema_of(sample.encoding());
-                        if let Some(info) = take_device(&refused, &sample.payload().to_bytes(), &schema) {
-                            let _ = inbox.try_send(Inbox::Told(tool, Box::new(info)));
-                        }
+                    if sample.kind() == SampleKind::Put
+                        && let Some(info) = take_device(&refused, sample.payload(), &schema_of(sample.encoding()))
+                    {
+                        let _ = inbox.try_send(Inbox::Told(tool, Box::new(info)));
                     }
                 })
                 .wait()?;
@@ -125,28 +135,26 @@ impl Declared {
         }
         queryable(keys.scene(), Box::new(Inbox::Scene))?;
         queryable(keys.status(), Box::new(Inbox::Status))?;
+        queryable(keys.event(), Box::new(Inbox::Events))?;
         queryable(keys.meta_info(), Box::new(Inbox::Info))?;
+        queryable(keys.meta_schema("*"), Box::new(Inbox::Schema))?;
+        queryable(keys.meta_metrics(), Box::new(Inbox::Metrics))?;
         for method in METHODS {
             queryable(keys.rpc(method), Box::new(move |query| Inbox::Rpc(method, query)))?;
         }
-        let live_inbox = inbox.clone();
-        let live_keys = keys.clone();
-        let live_subscriber = session
-            .liveliness()
-            .declare_subscriber(keys.live_tool("*"))
-            .callback(move |sample| {
-                if let Some(tool) = live_keys.tool_of_live(sample.key_expr().as_str()) {
-                    let present = sample.kind() == SampleKind::Put;
-                    let _ = live_inbox.try_send(Inbox::ToolToken { tool: tool.to_owned(), present });
-                }
-            })
-            .wait()?;
-        let token = session.liveliness().declare_token(keys.live_server(&session.zid().to_string())).wait()?;
+        let live_subscriber = if roles.player { None } else { Some(tokens_of_tools(session, keys, inbox)?) };
+        let id = session.zid().to_string();
+        let mut tokens = vec![session.liveliness().declare_token(keys.live_server(&id)).wait()?];
+        if roles.viewer {
+            tokens.push(session.liveliness().declare_token(keys.live_viewer(&id)).wait()?);
+        }
         Ok(Self {
             _tool_subscribers: tool_subscribers,
             _live_subscriber: live_subscriber,
             _queryables: queryables,
-            _token: token,
+            _tokens: tokens,
+            recorder_token: None,
+            recorder_key: keys.live_recorder(&id),
             forces,
             tool_contacts,
             nets,
@@ -155,25 +163,45 @@ impl Declared {
             events: publisher(keys.event(), encoding::<SimEvent>(), Priority::InteractiveLow, block, false)?,
         })
     }
+
+    /// Shows whether something is being recorded.
+    pub(super) fn show_recording(&mut self, session: &zenoh::Session, recording: bool) {
+        if recording == self.recorder_token.is_some() {
+            return;
+        }
+        self.recorder_token = if recording {
+            let declared = session.liveliness().declare_token(self.recorder_key.clone()).wait();
+            declared.inspect_err(|error| tracing::warn!(%error, "the recorder's token")).ok()
+        } else {
+            None
+        };
+    }
 }
 
-/// Decodes, checks, stores. Runs on a receive thread: counts what it refuses and never logs a flood.
-fn take_pose(inbox: &PoseInbox, bytes: &[u8], schema: &str) {
-    match decode::<ToolPose>(bytes, schema) {
-        Err(error) => {
-            if inbox.counters.malformed.fetch_add(1, Ordering::Relaxed) == 0 {
-                tracing::warn!(%error, "a pose was dropped; later ones are only counted");
+/// What else a daemon is.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) struct Roles {
+    /// It plays a recording: poses and devices are not listened to.
+    pub player: bool,
+    /// It serves a page.
+    pub viewer: bool,
+}
+
+/// Tells when a tool gets another holder.
+fn tokens_of_tools(
+    session: &zenoh::Session,
+    keys: &Keys,
+    inbox: &SyncSender<Inbox>,
+) -> zenoh::Result<zenoh::pubsub::Subscriber<()>> {
+    let (inbox, live_keys) = (inbox.clone(), keys.clone());
+    session
+        .liveliness()
+        .declare_subscriber(keys.live_tool("*"))
+        .callback(move |sample| {
+            if let Some(tool) = live_keys.tool_of_live(sample.key_expr().as_str()) {
+                let present = sample.kind() == SampleKind::Put;
+                let _ = inbox.try_send(Inbox::ToolToken { tool: tool.to_owned(), present });
             }
-        }
-        Ok(pose) => match pose.validated() {
-            Err(error) => {
-                if inbox.counters.invalid.fetch_add(1, Ordering::Relaxed) == 0 {
-                    tracing::warn!(%error, "a pose was dropped; later ones are only counted");
-                }
-            }
-            Ok(pose) => {
-                inbox.offer(wire::device_pose(&pose));
-            }
-        },
-    }
+        })
+        .wait()
 }

@@ -7,10 +7,11 @@ use crate::scene::Scene;
 use crate::tick::ports::CommandRequest;
 use crate::tick::record::{Command, ToolOutput};
 use crate::wire;
-use palpate_proto::codec::decode;
+use palpate_proto::codec::{check_head, decode};
 use palpate_proto::messages::{DeviceInfo, EventKind};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
+use zenoh::bytes::ZBytes;
 
 /// With a deadband a force is sent at least this often, s.
 const LONGEST_S: f64 = 0.05;
@@ -144,8 +145,11 @@ fn torque_max_nm(info: &DeviceInfo) -> f64 {
 }
 
 /// Decodes and checks. Runs on a receive thread: counts what it refuses and never logs a flood.
-pub(super) fn take_device(refused: &AtomicU64, bytes: &[u8], schema: &str) -> Option<DeviceInfo> {
-    let read = decode::<DeviceInfo>(bytes, schema).map_err(|e| e.to_string());
+pub(super) fn take_device(refused: &AtomicU64, payload: &ZBytes, schema: &str) -> Option<DeviceInfo> {
+    // What is too long is not even copied.
+    let read = check_head::<DeviceInfo>(payload.len(), schema)
+        .and_then(|()| decode::<DeviceInfo>(&payload.to_bytes(), schema))
+        .map_err(|e| e.to_string());
     match read.and_then(|info| info.validated().map_err(|e| e.to_string())) {
         Ok(info) => Some(info),
         Err(error) => {
@@ -182,12 +186,14 @@ mod tests {
         };
         let refused = AtomicU64::new(0);
         let schema = "postcard;palpate.DeviceInfo.v1";
-        assert_eq!(take_device(&refused, &encode(&info), schema), Some(info.clone()));
+        let take = |bytes: &[u8], schema| take_device(&refused, &ZBytes::from(bytes), schema);
+        assert_eq!(take(&encode(&info), schema), Some(info.clone()));
         assert_eq!(refused.load(Ordering::Relaxed), 0);
         let negative = DeviceInfo { mass: -1.0, ..info.clone() };
-        assert_eq!(take_device(&refused, &encode(&negative), schema), None);
-        assert_eq!(take_device(&refused, &encode(&info)[..20], schema), None);
-        assert_eq!(take_device(&refused, &encode(&info), "postcard;palpate.DeviceInfo.v9"), None);
-        assert_eq!(refused.load(Ordering::Relaxed), 3);
+        assert_eq!(take(&encode(&negative), schema), None);
+        assert_eq!(take(&encode(&info)[..20], schema), None);
+        assert_eq!(take(&encode(&info), "postcard;palpate.DeviceInfo.v9"), None);
+        assert_eq!(take(&vec![0; 1 << 20], schema), None);
+        assert_eq!(refused.load(Ordering::Relaxed), 4);
     }
 }

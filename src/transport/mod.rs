@@ -8,8 +8,14 @@ mod bus;
 mod deadband;
 mod declared;
 mod devices;
+mod history;
+mod metrics;
+mod poses;
+mod rpc;
+mod schemas;
 mod session;
 mod tally;
 
 pub use bus::{Bus, BusReport, BusSettings, ViewSink};
+pub use metrics::Figures;
 pub use session::{DEFAULT_ENDPOINT, SessionError, SessionSettings, open};

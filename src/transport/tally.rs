@@ -97,6 +97,7 @@ impl BusThread {
         for (cause, overruns) in counters.overruns.iter().enumerate() {
             let count = overruns.count.swap(0, Ordering::Relaxed);
             let worst_ns = overruns.worst_ns.swap(0, Ordering::Relaxed);
+            self.overruns[cause] += count;
             if count > 0 {
                 self.event(EventKind::Overrun { stage: cause_name(cause).into(), count, worst_ns });
             }
@@ -111,6 +112,22 @@ impl BusThread {
         self.status.step = wire::quantiles(&self.step);
         self.period.clear();
         self.step.clear();
+        self.count_links();
+        self.show_recording();
+        let _ = self.declared().status.put(encode(&self.status)).wait();
+        if let Some(viewer) = &mut self.settings.viewer {
+            viewer.status(&self.status);
+        }
+        if self.settings.viewer.is_some() {
+            let figures = self.figures();
+            if let Some(viewer) = &mut self.settings.viewer {
+                viewer.figures(&figures);
+            }
+        }
+    }
+
+    /// Brings the counters of the status up to date.
+    pub(super) fn count_links(&mut self) {
         let scene = self.settings.scene.clone();
         self.status.tools = (0..scene.tool_count())
             .map(|t| {
@@ -126,12 +143,9 @@ impl BusThread {
             })
             .collect();
         if let Some(recorder) = &self.settings.recorder {
+            self.status.recorder = wire::recorder_state(recorder.state.load(Ordering::Relaxed));
             self.status.recorder_bytes = recorder.bytes.load(Ordering::Relaxed);
             self.status.recorder_drops = recorder.dropped.load(Ordering::Relaxed);
-        }
-        let _ = self.declared().status.put(encode(&self.status)).wait();
-        if let Some(viewer) = &mut self.settings.viewer {
-            viewer.status(&self.status);
         }
     }
 }

@@ -3,7 +3,9 @@
 //! The bus thread hands newest states to watch channels and never waits; a small runtime of its own serves the page. The
 //! page draws control nets, tools and forces; nothing is loaded from elsewhere.
 
-use crate::transport::ViewSink;
+mod health;
+
+use crate::transport::{Figures, ViewSink};
 use axum::Router;
 use axum::extract::State;
 use axum::extract::ws::{Message, WebSocket, WebSocketUpgrade};
@@ -13,6 +15,7 @@ use axum::routing::get;
 use palpate_proto::messages::{ContactSet, ControlNet, LoopStatus, ToolForce};
 use serde::Serialize;
 use std::net::SocketAddr;
+use std::sync::{Arc, PoisonError};
 use std::time::Duration;
 use tokio::sync::{oneshot, watch};
 
@@ -68,6 +71,7 @@ pub struct Viewer {
 pub struct Feed {
     picture: Picture,
     channel: watch::Sender<String>,
+    health: Arc<health::Newest>,
     last: std::time::Instant,
 }
 
@@ -82,6 +86,8 @@ impl Viewer {
         let address = listener.local_addr()?;
         let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build()?;
         let (channel, pictures) = watch::channel(String::from("{}"));
+        let health = Arc::new(health::Newest::default());
+        let routes = health::routes(health.clone());
         let (stop, stopped) = oneshot::channel::<()>();
         std::thread::Builder::new().name("palpate-viewer".into()).spawn(move || {
             runtime.block_on(async move {
@@ -89,7 +95,8 @@ impl Viewer {
                     .route("/", get(|| asset("text/html; charset=utf-8", PAGE)))
                     .route("/page.js", get(|| asset("text/javascript; charset=utf-8", SCRIPT)))
                     .route("/live", get(live))
-                    .with_state(pictures);
+                    .with_state(pictures)
+                    .merge(routes);
                 match tokio::net::TcpListener::from_std(listener) {
                     // Open sockets do not keep the daemon: the runtime goes when it is told to.
                     Ok(listener) => {
@@ -104,7 +111,7 @@ impl Viewer {
                 }
             });
         })?;
-        let feed = Feed { picture: Picture::default(), channel, last: std::time::Instant::now() };
+        let feed = Feed { picture: Picture::default(), channel, health, last: std::time::Instant::now() };
         Ok((Self { address, _stop: stop }, feed))
     }
 
@@ -194,6 +201,11 @@ impl ViewSink for Feed {
         self.picture.skipped = status.skipped_ticks;
         self.picture.step_p99_us = status.step.p99_ns as f64 * 1e-3;
         self.show();
+    }
+
+    fn figures(&mut self, figures: &Figures) {
+        let newest = (std::time::Instant::now(), figures.clone());
+        *self.health.0.lock().unwrap_or_else(PoisonError::into_inner) = Some(newest);
     }
 }
 

@@ -6,6 +6,7 @@ use crate::haptics::{DeviceFigures, DevicePose};
 use crate::math::{Point3, Rotation, Vector3};
 use crate::scene::{Scene, SceneState};
 use crate::surface::Surface;
+use crate::tick::journal::keeping;
 use crate::tick::ports::LinkCounters;
 use crate::tick::record::{TickOutput, ToolOutput};
 use crate::tick::stats::Histogram;
@@ -189,11 +190,46 @@ pub fn tool_link(id: &str, counters: &LinkCounters, jumps: u64, stale_ticks: u64
         tool: id.to_owned(),
         received,
         superseded: received.saturating_sub(read(&counters.latched)),
+        wrong_version: read(&counters.wrong_version),
         malformed: read(&counters.malformed),
-        invalid: read(&counters.invalid),
+        oversized: read(&counters.oversized),
+        not_finite: read(&counters.not_finite),
+        bad_quaternion: read(&counters.bad_quaternion),
+        duplicated: read(&counters.duplicated),
         out_of_order: read(&counters.out_of_order),
         jumps,
         stale_ticks,
         energy_j,
+    }
+}
+
+/// What a journal is doing.
+pub fn recorder_state(keeping: u8) -> wire::RecorderState {
+    match keeping {
+        keeping::RECORDING => wire::RecorderState::Recording,
+        keeping::RING => wire::RecorderState::Ring,
+        keeping::FAILED => wire::RecorderState::Failed,
+        _ => wire::RecorderState::Off,
+    }
+}
+
+/// An event as a name and words about it, as recordings keep it.
+pub fn event_words(kind: &wire::EventKind) -> (&'static str, String) {
+    use wire::EventKind as Kind;
+    match kind {
+        Kind::Reset => ("reset", String::new()),
+        Kind::Paused => ("paused", String::new()),
+        Kind::Resumed => ("resumed", String::new()),
+        Kind::ToolJoined { tool } => ("tool_joined", tool.clone()),
+        Kind::ToolLost { tool } => ("tool_lost", tool.clone()),
+        Kind::PoseRefused { tool, reason } => ("pose_refused", format!("{tool}: {reason}")),
+        Kind::Fault { reason } => ("fault", reason.clone()),
+        Kind::RecordStarted { path } => ("record_started", path.clone()),
+        Kind::RecordStopped { path } => ("record_stopped", path.clone()),
+        Kind::Stopping => ("stopping", String::new()),
+        Kind::Overrun { stage, count, worst_ns } => ("overrun", format!("{stage}: {count} ticks, worst {worst_ns} ns")),
+        Kind::QualityChanged { level, reason } => ("quality_changed", format!("{level}: {reason}")),
+        Kind::DeviceTold { tool, name } => ("device_told", format!("{tool}: {name}")),
+        Kind::RecordFailed { path, reason } => ("record_failed", format!("{path}: {reason}")),
     }
 }

@@ -23,6 +23,9 @@ pub struct Connect {
     pub zenoh_config: Option<PathBuf>,
     /// How long to wait for answers.
     pub timeout: Duration,
+    /// Join as a Zenoh client of the daemon instead of a peer: messages then take one hop more, and what other clients
+    /// publish is heard, which peers that cannot reach each other do not. For who looks on.
+    pub onlooker: bool,
 }
 
 impl Connect {
@@ -33,6 +36,7 @@ impl Connect {
             instance: "default".into(),
             zenoh_config: None,
             timeout: Duration::from_secs(3),
+            onlooker: false,
         }
     }
 }
@@ -94,6 +98,12 @@ impl ClientError {
     pub(crate) fn zenoh(error: impl std::fmt::Display) -> Self {
         Self::Zenoh(error.to_string())
     }
+
+    /// What a daemon said in an answer that is an error; `None` for Zenoh's own, like a query whose time is over.
+    pub(crate) fn words(error: &zenoh::query::ReplyError) -> Option<String> {
+        let reply: Reply = serde_json::from_slice(&error.payload().to_bytes()).ok()?;
+        reply.error
+    }
 }
 
 /// The newest message of a kind; older ones are forgotten.
@@ -150,7 +160,8 @@ impl Palpate {
             Some(path) => zenoh::Config::from_file(path).map_err(ClientError::zenoh)?,
             None => {
                 let mut config = zenoh::Config::default();
-                let fixed = [("mode", "\"peer\""), ("scouting/multicast/enabled", "false"), ("listen/endpoints", "[]")];
+                let mode = if settings.onlooker { "\"client\"" } else { "\"peer\"" };
+                let fixed = [("mode", mode), ("scouting/multicast/enabled", "false"), ("listen/endpoints", "[]")];
                 for (key, value) in fixed {
                     config.insert_json5(key, value).map_err(ClientError::zenoh)?;
                 }
@@ -167,7 +178,8 @@ impl Palpate {
         &self.session
     }
 
-    pub(crate) fn keys(&self) -> &Keys {
+    /// Keys of the instance.
+    pub fn keys(&self) -> &Keys {
         &self.keys
     }
 
@@ -175,24 +187,38 @@ impl Palpate {
         &self,
         key: String,
         payload: Option<Vec<u8>>,
+        read: impl FnMut(&[u8]) -> Result<T, ClientError>,
+    ) -> Result<T, ClientError> {
+        self.query_within(self.settings.timeout, key, payload, read)
+    }
+
+    fn query_within<T>(
+        &self,
+        timeout: Duration,
+        key: String,
+        payload: Option<Vec<u8>>,
         mut read: impl FnMut(&[u8]) -> Result<T, ClientError>,
     ) -> Result<T, ClientError> {
         let started = Instant::now();
         // A fresh link may not have carried the daemon's declarations yet: ask again until the time is over.
         loop {
-            let left = self.settings.timeout.saturating_sub(started.elapsed());
+            let left = timeout.saturating_sub(started.elapsed());
             let mut get = self.session.get(&key).timeout(left.max(Duration::from_millis(10)));
             if let Some(payload) = &payload {
                 get = get.payload(payload.clone());
             }
             let replies = get.wait().map_err(ClientError::zenoh)?;
-            if let Ok(reply) = replies.recv()
-                && let Ok(sample) = reply.result()
-            {
-                return read(&sample.payload().to_bytes());
+            match replies.recv().as_ref().map(zenoh::query::Reply::result) {
+                Ok(Ok(sample)) => return read(&sample.payload().to_bytes()),
+                Ok(Err(error)) => {
+                    if let Some(reason) = ClientError::words(error) {
+                        return Err(ClientError::Refused { method: key, reason });
+                    }
+                }
+                Err(_) => {}
             }
-            if started.elapsed() >= self.settings.timeout {
-                let (instance, timeout) = (self.settings.instance.clone(), self.settings.timeout);
+            if started.elapsed() >= timeout {
+                let instance = self.settings.instance.clone();
                 return Err(ClientError::NoAnswer { key, instance, timeout });
             }
             std::thread::sleep(Duration::from_millis(20));
@@ -231,20 +257,59 @@ impl Palpate {
         self.query(self.keys.meta_info(), None, |bytes| Ok(String::from_utf8_lossy(bytes).into_owned()))
     }
 
+    /// The daemon's counters as OpenMetrics text.
+    ///
+    /// # Errors
+    /// No answer.
+    pub fn metrics(&self) -> Result<String, ClientError> {
+        self.query(self.keys.meta_metrics(), None, |bytes| Ok(String::from_utf8_lossy(bytes).into_owned()))
+    }
+
+    /// The layout of a message by its versioned name, as JSON.
+    ///
+    /// # Errors
+    /// No answer, or no such type.
+    pub fn schema(&self, name: &str) -> Result<String, ClientError> {
+        self.query(self.keys.meta_schema(name), None, |bytes| Ok(String::from_utf8_lossy(bytes).into_owned()))
+    }
+
+    /// The last events that the daemon still has (256) with numbers above `after`, oldest first: for who comes late, or saw
+    /// a gap in `seq`. Kinds of events that this client does not know are left out.
+    ///
+    /// # Errors
+    /// Zenoh refused.
+    pub fn past_events(&self, after: u64) -> Result<Vec<SimEvent>, ClientError> {
+        let selector = format!("{}?after={after}", self.keys.event());
+        let answers = self.ask(&selector, self.settings.timeout)?;
+        let mut events: Vec<SimEvent> =
+            answers.iter().filter_map(|seen| decode(&seen.bytes, seen.schema()).ok()).collect();
+        events.sort_by_key(|event| event.seq);
+        Ok(events)
+    }
+
     /// Carries out a command; gives the first tick on which it has effect.
     ///
     /// # Errors
     /// No answer, or the daemon refused.
     pub fn rpc(&self, method: &str, request: &Request) -> Result<u64, ClientError> {
+        let refused = |reason: &str| ClientError::Refused { method: method.to_owned(), reason: reason.to_owned() };
+        self.call(method, request)?.tick.ok_or_else(|| refused("its answer names no tick"))
+    }
+
+    /// Carries out a command; gives all of its answer.
+    ///
+    /// # Errors
+    /// No answer, or the daemon refused.
+    pub fn call(&self, method: &str, request: &Request) -> Result<Reply, ClientError> {
         let payload = serde_json::to_vec(request).map_err(ClientError::zenoh)?;
         let refused = |reason: String| ClientError::Refused { method: method.to_owned(), reason };
-        let reply: Reply = self.query(self.keys.rpc(method), Some(payload), |bytes| {
+        // A snapshot of the next seconds is answered after them.
+        let after = Duration::try_from_secs_f64(request.after.unwrap_or(0.0)).unwrap_or_default();
+        let timeout = self.settings.timeout.saturating_add(after);
+        let reply: Reply = self.query_within(timeout, self.keys.rpc(method), Some(payload), |bytes| {
             serde_json::from_slice(bytes).map_err(|e| refused(format!("its answer does not parse: {e}")))
         })?;
-        match reply {
-            Reply { ok: true, tick: Some(tick), .. } => Ok(tick),
-            Reply { error, .. } => Err(refused(error.unwrap_or_else(|| "no reason given".into()))),
-        }
+        if reply.ok { Ok(reply) } else { Err(refused(reply.error.unwrap_or_else(|| "no reason given".into()))) }
     }
 
     /// Takes a tool of the scene.

@@ -19,8 +19,10 @@ pub mod device;
 mod ping;
 pub mod testing;
 mod tool;
+mod watch;
 
 pub use connection::{ClientError, Connect, Latest, Palpate};
 pub use palpate_proto as proto;
 pub use ping::{PingReport, raw_ping};
 pub use tool::{Tool, pose_at};
+pub use watch::Seen;

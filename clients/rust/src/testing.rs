@@ -44,7 +44,9 @@ pub enum TestError {
     #[error(transparent)]
     Client(#[from] ClientError),
     /// No force came.
-    #[error("no force for pose {seq} after {timeout:?}: in lockstep a tick waits for a pose of every tool of the scene")]
+    #[error(
+        "no force for pose {seq} after {timeout:?}: in lockstep a tick waits for a pose of every tool of the scene"
+    )]
     NoForce {
         /// Pose.
         seq: u64,

@@ -65,7 +65,9 @@ impl Tool {
             .callback(move |sample| {
                 if let Ok(force) = decode::<ToolForce>(&sample.payload().to_bytes(), "") {
                     let mut newest = shared.newest.lock().unwrap_or_else(PoisonError::into_inner);
-                    if newest.force.is_none_or(|old| force.tick >= old.tick) {
+                    // A daemon that came back, or a recording wound back, counts from below: its clock tells.
+                    let newer = |old: ToolForce| force.tick >= old.tick || force.t_server_ns > old.t_server_ns;
+                    if newest.force.is_none_or(newer) {
                         newest.force = Some(force);
                     }
                     newest.received += 1;

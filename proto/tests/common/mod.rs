@@ -110,13 +110,18 @@ pub fn loop_status() -> LoopStatus {
             tool: "pen".into(),
             received: 69_000,
             superseded: 120,
+            wrong_version: 3,
             malformed: 4,
-            invalid: 5,
-            out_of_order: 6,
-            jumps: 7,
-            stale_ticks: 88,
+            oversized: 5,
+            not_finite: 6,
+            bad_quaternion: 7,
+            duplicated: 8,
+            out_of_order: 9,
+            jumps: 10,
+            stale_ticks: 188,
             energy_j: -0.0125,
         }],
+        recorder: RecorderState::Ring,
         recorder_bytes: 12_345_678,
         recorder_drops: 1,
         quality_level: 2,
@@ -139,6 +144,10 @@ pub fn events() -> Vec<(&'static str, SimEvent)> {
         ("overrun", EventKind::Overrun { stage: "deform".into(), count: 400, worst_ns: 1_750_000 }),
         ("quality_changed", EventKind::QualityChanged { level: 2, reason: "deform took too long".into() }),
         ("device_told", EventKind::DeviceTold { tool: tool(), name: device_info().name }),
+        (
+            "record_failed",
+            EventKind::RecordFailed { path: "run.mcap".into(), reason: "no space left on device".into() },
+        ),
     ];
     let event = |k: usize, kind| SimEvent { tick: 500, seq: k as u64 + 1, t_ns: 1_700_000_000_123, kind };
     kinds.into_iter().enumerate().map(|(k, (name, kind))| (name, event(k, kind))).collect()

@@ -1,0 +1,150 @@
+//! `palpate hz`: how often messages come, and which do not.
+
+use super::connection::Connection;
+use super::{Outcome, text};
+use crate::tick::stats::Histogram;
+use palpate_client::Seen;
+use serde::Serialize;
+use std::collections::BTreeMap;
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::{Duration, Instant};
+
+#[derive(clap::Args, Debug)]
+pub struct Args {
+    /// A key, or short: status, event, contact, force, pose, net, tool/ball/force, all.
+    key: String,
+    /// How long to watch, for example 5s.
+    #[arg(long = "for", value_parser = text::duration, default_value = "5s")]
+    duration: Duration,
+    /// One JSON object a key.
+    #[arg(long)]
+    json: bool,
+    #[command(flatten)]
+    connection: Connection,
+}
+
+/// What was seen of one key.
+#[derive(Default)]
+struct Stream {
+    periods: Histogram,
+    first: Option<Instant>,
+    last: Option<Instant>,
+    messages: u64,
+    bytes: u64,
+    newest: Option<u64>,
+    lost: Option<u64>,
+}
+
+/// One key, as told.
+#[derive(Debug, Serialize)]
+struct Line {
+    key: String,
+    messages: u64,
+    rate_hz: f64,
+    p50_ms: f64,
+    p99_ms: f64,
+    max_ms: f64,
+    bytes_per_s: f64,
+    /// Numbers that were skipped; null where messages are not numbered one by one.
+    lost: Option<u64>,
+}
+
+impl Stream {
+    fn add(&mut self, at: Instant, bytes: usize, number: Option<u64>) {
+        if let Some(last) = self.last {
+            self.periods.add((at - last).as_nanos() as u64);
+        }
+        self.first.get_or_insert(at);
+        self.last = Some(at);
+        self.messages += 1;
+        self.bytes += bytes as u64;
+        if let Some(number) = number {
+            let lost = self.lost.get_or_insert(0);
+            if let Some(newest) = self.newest {
+                *lost += number.saturating_sub(newest.saturating_add(1));
+            }
+            self.newest = Some(number);
+        }
+    }
+
+    fn line(&self, key: &str) -> Line {
+        let seconds = self.first.zip(self.last).map_or(0.0, |(first, last)| (last - first).as_secs_f64());
+        let per_second = |value: f64| if seconds > 0.0 { value / seconds } else { 0.0 };
+        let ms = |ns: u64| ns as f64 * 1e-6;
+        Line {
+            key: key.to_owned(),
+            messages: self.messages,
+            rate_hz: per_second(self.messages.saturating_sub(1) as f64),
+            p50_ms: ms(self.periods.quantile(0.5)),
+            p99_ms: ms(self.periods.quantile(0.99)),
+            max_ms: ms(self.periods.max()),
+            bytes_per_s: per_second(self.bytes as f64),
+            lost: self.lost,
+        }
+    }
+}
+
+/// The number that grows by one from message to message, where there is such a one.
+fn number(seen: &Seen) -> Option<u64> {
+    let field = match seen.name()? {
+        "palpate.ToolPose.v1" | "palpate.SimEvent.v1" => "seq",
+        "palpate.ToolForce.v1" | "palpate.ToolContact.v1" => "tick",
+        _ => return None,
+    };
+    seen.to_json()?[field].as_u64()
+}
+
+pub fn run(args: &Args) -> anyhow::Result<Outcome> {
+    let palpate = args.connection.look_on()?;
+    let streams = Arc::new(Mutex::new(BTreeMap::<String, Stream>::new()));
+    let shared = streams.clone();
+    let watching = palpate.watch(&palpate.keys().expand(&args.key), move |seen| {
+        let (at, number) = (Instant::now(), number(&seen));
+        let mut streams = shared.lock().unwrap_or_else(PoisonError::into_inner);
+        streams.entry(seen.key).or_default().add(at, seen.bytes.len(), number);
+    })?;
+    std::thread::sleep(args.duration);
+    drop(watching);
+    let streams = streams.lock().unwrap_or_else(PoisonError::into_inner);
+    for (key, stream) in streams.iter() {
+        let line = stream.line(key);
+        if args.json {
+            println!("{}", serde_json::to_string(&line)?);
+        } else {
+            let lost = line.lost.map_or(String::new(), |lost| format!(", {lost} lost"));
+            println!(
+                "{key}: {:.1} Hz, period p50 {:.3} ms, p99 {:.3} ms, max {:.3} ms, {:.1} kB/s, {} messages{lost}",
+                line.rate_hz,
+                line.p50_ms,
+                line.p99_ms,
+                line.max_ms,
+                line.bytes_per_s * 1e-3,
+                line.messages
+            );
+        }
+    }
+    if streams.is_empty() {
+        eprintln!("nothing came under {} within {:?}", args.key, args.duration);
+    }
+    drop(streams);
+    palpate.close();
+    Ok(Outcome::Ok)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rates_and_losses_are_counted() {
+        let mut stream = Stream::default();
+        let start = Instant::now();
+        for (k, number) in [1u64, 2, 5, 6, 6, 3].into_iter().enumerate() {
+            stream.add(start + Duration::from_millis(10 * k as u64), 100, Some(number));
+        }
+        let line = stream.line("x");
+        assert_eq!((line.messages, line.lost), (6, Some(2)));
+        assert!((line.rate_hz - 100.0).abs() < 1e-9 && (line.bytes_per_s - 12_000.0).abs() < 1e-6, "{line:?}");
+        assert!((9.0..=11.3).contains(&line.p50_ms), "{line:?}");
+    }
+}

@@ -1,0 +1,54 @@
+//! Poses as they come in: checked, counted by cause, handed to the loop.
+//!
+//! Runs on receive threads. Of each cause only the first is logged: a flood of bad poses must not become a flood of lines.
+
+use super::declared::schema_of;
+use crate::tick::ports::{LinkCounters, Offered, PoseInbox};
+use crate::wire;
+use palpate_proto::codec::{DecodeError, PoseError, check_head, decode};
+use palpate_proto::messages::ToolPose;
+use zenoh::bytes::{Encoding, ZBytes};
+
+/// Decodes, checks, stores. What is too long is not even copied.
+pub(super) fn take_pose(inbox: &PoseInbox, payload: &ZBytes, encoding: &Encoding) {
+    let schema = schema_of(encoding);
+    let read = check_head::<ToolPose>(payload.len(), &schema).and_then(|()| decode(&payload.to_bytes(), &schema));
+    take(inbox, read);
+}
+
+fn take(inbox: &PoseInbox, read: Result<ToolPose, DecodeError>) {
+    let counters = &inbox.counters;
+    let pose = match read {
+        Ok(pose) => pose,
+        Err(error) => {
+            let counter = match error {
+                DecodeError::WrongSchema { .. } => &counters.wrong_version,
+                DecodeError::Oversized { .. } => &counters.oversized,
+                DecodeError::Malformed { .. } | DecodeError::Trailing { .. } => &counters.malformed,
+            };
+            if LinkCounters::count(counter) {
+                tracing::warn!(%error, "a pose was dropped; later ones like it are only counted");
+            }
+            return;
+        }
+    };
+    match pose.validated() {
+        Err(error) => {
+            let counter = match error {
+                PoseError::NotFinite { .. } => &counters.not_finite,
+                PoseError::Quaternion { .. } => &counters.bad_quaternion,
+            };
+            if LinkCounters::count(counter) {
+                tracing::warn!(%error, "a pose was dropped; later ones like it are only counted");
+            }
+        }
+        Ok(pose) => match inbox.offer(wire::device_pose(&pose)) {
+            Offered::OutOfOrder { first: true } => {
+                tracing::warn!(seq = pose.seq, "a pose was older than the newest; later ones are only counted");
+            }
+            // In lockstep that is how a client asks for a lost force.
+            Offered::Duplicate { first: true } => tracing::debug!(seq = pose.seq, "a pose came twice"),
+            Offered::Taken | Offered::Duplicate { .. } | Offered::OutOfOrder { .. } => {}
+        },
+    }
+}
