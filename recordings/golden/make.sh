@@ -1,0 +1,42 @@
+#!/usr/bin/env bash
+# Records the golden sessions anew: all, or those named. For a change of bits that is meant; say so in the CHANGELOG.
+#   cargo build && PALPATE=target/debug/palpate recordings/golden/make.sh [NAME…]
+set -euo pipefail
+here=$(cd "$(dirname "$0")" && pwd)
+root=$(cd "$here/../.." && pwd)
+palpate=$(realpath "${PALPATE:-$root/target/debug/palpate}")
+port=${PORT:-7799}
+wanted=("$@")
+
+# record NAME SCENE SECONDS TOOL:MOTION:DEPTH:DEVICE:SEED…
+record() {
+  local name=$1 scene=$2 seconds=$3
+  shift 3
+  if ((${#wanted[@]})) && [[ " ${wanted[*]} " != *" $name "* ]]; then return; fi
+  local file=$here/$name.mcap endpoint=tcp/127.0.0.1:$port devices=()
+  rm -f "$file" "$file.part"
+  "$palpate" serve "$root/$scene" --clock lockstep --for "$seconds" --record "$file" --listen "$endpoint" --no-rt ${VIEWS---no-views} \
+    >/dev/null 2>&1 &
+  local daemon=$!
+  until (exec 3<>"/dev/tcp/127.0.0.1/$port") 2>/dev/null; do sleep 0.1; done
+  for hand in "$@"; do
+    IFS=: read -r tool motion depth device seed <<<"$hand"
+    "$palpate" device --tool "$tool" --motion "$motion" --depth "$depth" --device "$device" --seed "$seed" --tremor 1e-4 \
+      --for "$seconds" --connect "$endpoint" >/dev/null 2>&1 &
+    devices+=($!)
+  done
+  wait "$daemon"
+  wait "${devices[@]}" || true
+  local hash
+  hash=$("$palpate" replay "$file" | grep -o 'session hash [0-9a-f]*' | cut -d' ' -f3)
+  "$palpate" replay "$file" --check figures --bless >/dev/null
+  sed -i "/$name.mcap/s/\`[0-9a-f]\{16\}\`/\`$hash\`/" "$here/README.md"
+  echo "$name $hash $(stat -c %s "$file") bytes"
+}
+
+VIEWS="" record rigid-teardrop-press scenes/rigid-teardrop.toml 1500ms ball:press:0.004:ideal:3
+record small-lattice-press recordings/golden/small-lattice.toml 1500ms ball:press:0.004:ideal:3
+record two-drops-press scenes/two-drops.toml 1500ms ball:press:0.03:ideal:3
+record teardrop-slide scenes/teardrop.toml 1200ms ball:slide:0.006:touch:4
+record sheet-tap scenes/sheet.toml 1200ms pen:tap:0.005:ideal:5
+record four-hands scenes/four-hands.toml 1s tip:slide:0.004:touch:6 ring:press:0.004:ideal:7 ball:press:0.005:ideal:8 plate:tap:0.004:ideal:9
