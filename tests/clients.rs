@@ -79,6 +79,23 @@ fn a_python_program_presses_a_tool_into_a_running_scene() {
 }
 
 #[test]
+fn a_python_program_decodes_all_that_is_said_and_a_tool_that_leaves_is_told_once() {
+    let Some(python) = python_with("zenoh", "eclipse-zenoh") else { return };
+    let directory = tempfile::tempdir().unwrap();
+    let daemon = Daemon::start(directory.path(), include_str!("../scenes/rigid-teardrop.toml"), &[]);
+    let script = root().join("tests/readers/hear_all.py");
+    let told: Value =
+        serde_json::from_str(&run(Command::new(&python).arg(script).args([&daemon.endpoint, "ball"]))).unwrap();
+    assert_eq!(told["wrong"], serde_json::json!([]), "{told}");
+    for name in ["ToolPose.v1", "ToolForce.v1", "ToolContact.v1", "ContactSet.v1", "ControlNet.v1", "SimEvent.v1"] {
+        assert!(told["messages"][format!("palpate.{name}")].as_u64() > Some(0), "no {name}: {told}");
+    }
+    // On a starved machine a tool may come and go, but it comes as often as it goes.
+    let [joined, lost] = ["ToolJoined", "ToolLost"].map(|kind| told["events"][kind].as_u64());
+    assert!(joined == lost && joined > Some(0), "{told}");
+}
+
+#[test]
 fn the_typescript_client_reads_and_writes_every_golden_message() {
     let directory = root().join("clients/web");
     if !directory.join("node_modules").is_dir() {

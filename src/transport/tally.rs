@@ -45,7 +45,7 @@ impl BusThread {
             let refused = out.flags & flags::REFUSED != 0;
             tally.stale_ticks += u64::from(stale);
             tally.jumps += u64::from(refused);
-            if !tally.joined && out.pose_seq > 0 {
+            if !stale && !tally.joined && out.pose_seq > 0 {
                 tally.joined = true;
                 events.push(EventKind::ToolJoined { tool: id() });
             }
