@@ -17,7 +17,7 @@ const TABLE: [(&str, &[&str]); 15] = [
     ("transport", &["math", "basis", "surface", "contact", "body", "haptics", "scene", "tick", "wire"]),
     ("recording", &["math", "basis", "surface", "contact", "body", "haptics", "scene", "tick", "wire"]),
     ("viewer", &["math", "wire", "transport"]),
-    ("bench", &["math", "basis", "surface", "contact", "body", "haptics", "scene", "tick", "wire"]),
+    ("bench", &["math", "basis", "surface", "contact", "body", "haptics", "scene", "tick", "wire", "recording"]),
     (
         "cli",
         &[

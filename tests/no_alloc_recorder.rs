@@ -91,3 +91,26 @@ fn a_recording_that_begins_and_ends_meanwhile_costs_no_allocation() {
     }
     assert_eq!(session(&mut live), 0);
 }
+
+#[test]
+fn debug_where() {
+    use palpate::tick::step;
+    let mut live = Live::with(SOFT, |settings| settings);
+    let mut ticks = Vec::with_capacity(1000);
+    for k in 0..900u64 {
+        let input = live::poses(k + 1, 2);
+        let n = allocations(|| {
+            let _ = step(&live.scene, &mut live.state, &mut live.scratch, &input);
+        });
+        if n > 0 { ticks.push((k, n)); }
+    }
+    println!("{} {:?}", ticks.len(), &ticks[..ticks.len().min(40)]);
+    let mut live = Live::with(SOFT, |settings| settings);
+    live.records.reserve(2000);
+    let mut other = Vec::with_capacity(1000);
+    for k in 0..900u64 {
+        let n = allocations(|| live.tick());
+        if n > 0 { other.push((k, n)); }
+    }
+    println!("{} {:?}", other.len(), &other[..other.len().min(40)]);
+}

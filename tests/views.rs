@@ -87,12 +87,12 @@ fn pictures_show_the_nets_and_tools_of_their_ticks() {
             *to = [from[0], from[1], from[2]].into();
         }
         let value = |k: usize| f32::from_le_bytes(cloud.data[4 * k..4 * k + 4].try_into().unwrap());
-        assert_eq!((cloud.point_stride, cloud.fields.len()), (16, 4));
+        assert_eq!((cloud.point_stride, cloud.fields.len()), (20, 8));
         let (from, _) = surface.knots_u().domain();
         let (start, _) = surface.knots_v().domain();
         let corner = surface.point(from, start);
         assert_eq!([value(0), value(1), value(2)], [corner.x as f32, corner.y as f32, corner.z as f32]);
-        largest = (0..cloud.data.len() / 16).map(|k| value(4 * k + 3)).fold(largest, f32::max);
+        largest = (0..cloud.data.len() / 20).map(|k| value(5 * k + 3)).fold(largest, f32::max);
     }
     assert!(largest > 1e-3, "a press of centimetres moves points by {largest} m");
 

@@ -108,7 +108,18 @@ impl SessionFile {
         position: &[(&str, String)],
         views: Option<Views>,
     ) -> Result<Self, WriteError> {
-        let part = part_of(target);
+        Self::create_as(disk, part_of(target), target, head, position, views)
+    }
+
+    /// The same under another name while it is written.
+    pub fn create_as(
+        disk: &dyn Disk,
+        part: PathBuf,
+        target: &Path,
+        head: &Head,
+        position: &[(&str, String)],
+        views: Option<Views>,
+    ) -> Result<Self, WriteError> {
         if target.exists() {
             let advice = "move it away, or name another file";
             return Err(WriteError::Exists { path: target.to_owned(), advice });

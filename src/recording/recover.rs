@@ -74,7 +74,9 @@ pub fn recover(source: &Path, target: &Path) -> Result<Recovered, RecoverError> 
         extra,
     };
     let views = scene.as_ref().and_then(Views::of);
-    let mut file = SessionFile::create(&FileSystem, target, &head, &[], views)?;
+    // The source may be the target's own `.part`.
+    let part = PathBuf::from(format!("{}.recovering", target.display()));
+    let mut file = SessionFile::create_as(&FileSystem, part, target, &head, &[], views)?;
     for message in messages(&session, &head) {
         file.put(&message)?;
     }

@@ -2,7 +2,7 @@
 
 use super::answers::{reply_json, reply_refused};
 use palpate_proto::keys::Keys;
-use palpate_proto::recording::DESCRIPTORS;
+use palpate_proto::recording::{DESCRIPTORS, descriptors};
 use palpate_proto::schema;
 use prost::Message as _;
 use zenoh::Wait;
@@ -10,8 +10,8 @@ use zenoh::bytes::Encoding;
 use zenoh::key_expr::KeyExpr;
 use zenoh::query::Query;
 
-/// Answers for every type that the query names: layouts of bus messages, or with `?format=proto` the descriptors of
-/// recordings (all of them in each answer: they refer to each other).
+/// Answers for every type that the query names: layouts of bus messages, or with `?format=proto` the descriptors of a message of
+/// recordings and of what it imports.
 pub(super) fn answer(keys: &Keys, query: &Query) {
     let asked = |name: &str| {
         let key = keys.meta_schema(name);
@@ -28,9 +28,9 @@ pub(super) fn answer(keys: &Keys, query: &Query) {
         }
         Some("proto") => {
             let names = recording_types();
-            let found = names.iter().filter_map(|name| asked(name));
+            let found = names.iter().filter_map(|name| Some((asked(name)?, descriptors(name)?)));
             let encoding = Encoding::APPLICATION_PROTOBUF.with_schema("google.protobuf.FileDescriptorSet");
-            let put = |key| drop(query.reply(key, DESCRIPTORS).encoding(encoding.clone()).wait());
+            let put = |(key, set): (_, &'static [u8])| drop(query.reply(key, set).encoding(encoding.clone()).wait());
             if found.map(put).count() > 0 {
                 return;
             }

@@ -10,6 +10,8 @@ use palpate_proto::foxglove as fox;
 const CELLS: [usize; 2] = [12, 32];
 /// Length of the arrow of 1 N, relative to the size of the scene.
 const ARROW: f64 = 0.05;
+/// Displacement that is drawn red, relative to the size of the body.
+const RED: f64 = 0.1;
 /// What has no shape of its own is a ball of this radius, relative to the size of the scene.
 const MARKER: f64 = 0.015;
 
@@ -76,12 +78,20 @@ impl Grid {
     }
 }
 
+/// Farthest control point from the first, m.
+fn size_m(surface: &Surface) -> f64 {
+    let points = surface.net().points();
+    let from = points.first().copied().unwrap_or_default();
+    points.iter().map(|p| (p - from).norm()).fold(1e-6, f64::max)
+}
+
 /// A body that can be drawn with any net.
 pub(super) struct BodyShape {
     id: String,
     rest: Surface,
     rest_points: Vec<Point3>,
     grid: Grid,
+    size_m: f64,
 }
 
 /// A body as it is.
@@ -94,7 +104,8 @@ impl BodyShape {
     pub fn of(scene: &Scene, body: usize) -> Self {
         let rest = scene.rest_surface(body).clone();
         let grid = Grid::over(&rest);
-        Self { id: scene.body_id(body).to_owned(), rest_points: grid.points(&rest), rest, grid }
+        let size_m = size_m(&rest);
+        Self { id: scene.body_id(body).to_owned(), rest_points: grid.points(&rest), rest, grid, size_m }
     }
 
     pub fn topic(&self) -> String {
@@ -138,25 +149,31 @@ impl BodyShape {
         }
     }
 
-    /// x, y, z and how far from rest, four f32 a point, m.
+    /// x, y, z and how far from rest, four f32 a point, m; and that distance as a colour, from blue to red, four bytes.
     pub fn cloud(&self, stamp: fox::Timestamp, drawn: &Drawn) -> fox::PointCloud {
-        let mut data = Vec::with_capacity(16 * drawn.points.len());
+        let mut data = Vec::with_capacity(20 * drawn.points.len());
         for (now, rest) in drawn.points.iter().zip(&self.rest_points) {
-            for value in [now.x, now.y, now.z, (now - rest).norm()] {
+            let away = (now - rest).norm();
+            for value in [now.x, now.y, now.z, away] {
                 data.extend_from_slice(&(value as f32).to_le_bytes());
             }
+            let share = (away / (RED * self.size_m)).min(1.0);
+            let mix = |from: f64, to: f64| (from + (to - from) * share).round() as u8;
+            data.extend_from_slice(&[mix(90.0, 230.0), mix(120.0, 50.0), mix(210.0, 40.0), 255]);
         }
-        let names = ["x", "y", "z", "displacement_m"];
-        let fields = names.iter().enumerate().map(|(k, name)| fox::PackedElementField {
-            name: (*name).into(),
-            offset: 4 * k as u32,
-            r#type: fox::packed_element_field::NumericType::Float32.into(),
+        use fox::packed_element_field::NumericType::{Float32, Uint8};
+        let distances = ["x", "y", "z", "displacement_m"].iter().enumerate().map(|(k, name)| (*name, 4 * k, Float32));
+        let colours = ["red", "green", "blue", "alpha"].iter().enumerate().map(|(k, name)| (*name, 16 + k, Uint8));
+        let fields = distances.chain(colours).map(|(name, offset, kind)| fox::PackedElementField {
+            name: name.into(),
+            offset: offset as u32,
+            r#type: kind.into(),
         });
         fox::PointCloud {
             timestamp: Some(stamp),
             frame_id: "world".into(),
             pose: Some(origin()),
-            point_stride: 16,
+            point_stride: 20,
             fields: fields.collect(),
             data,
         }
@@ -181,12 +198,7 @@ enum Look {
 
 impl ToolShape {
     pub fn of(scene: &Scene, tool: usize) -> Self {
-        let size = |body| {
-            let points = scene.rest_surface(body).net().points();
-            let from = points.first().copied().unwrap_or_default();
-            points.iter().map(|p| (p - from).norm()).fold(0.0, f64::max)
-        };
-        let size_m = (0..scene.body_count()).map(size).fold(0.0, f64::max).max(1e-3);
+        let size_m = (0..scene.body_count()).map(|body| size_m(scene.rest_surface(body))).fold(1e-3, f64::max);
         let look = match scene.tool_shape(tool) {
             Shape::Sphere { radius_m } => Look::Ball(*radius_m),
             Shape::Plane { normal } => {
