@@ -266,3 +266,48 @@ fn info_says_what_a_file_holds() {
     assert_eq!(Some(ticks.messages), json["ticks"].as_u64());
     assert!(ticks.messages > 100 && ticks.messages < 1_000);
 }
+
+// What can be read of a damaged file is exported, or refused in words; nothing panics, nothing hangs.
+#[test]
+fn damaged_files_are_no_reason_to_panic() {
+    let directory = tempfile::tempdir().unwrap();
+    let (file, _) = soft(directory.path(), 120, true);
+    let whole = std::fs::read(&file).unwrap();
+    let mut random = session::Random(17);
+    let odd = directory.path().join("odd.mcap");
+    let mut read = 0;
+    for k in 0..60 {
+        let mut bytes = whole.clone();
+        if k % 3 == 0 {
+            bytes.truncate(random.below(whole.len() as u64) as usize);
+        } else {
+            for _ in 0..1 + k % 4 {
+                let at = random.below(bytes.len() as u64) as usize;
+                bytes[at] ^= 1 << random.below(8);
+            }
+        }
+        std::fs::write(&odd, &bytes).unwrap();
+        let found = file_info(&odd, 0.12).unwrap();
+        assert_eq!(found.bytes, bytes.len() as u64);
+        let Ok(session) = Session::open(&odd) else { continue };
+        read += 1;
+        let _ = info(&session).to_string();
+        let _ = csv(&session, &Range::default(), &mut Vec::new());
+        let _ = series(&session, &Range::default());
+        let _ = net_at(&session, "slab", 100);
+    }
+    assert!(read > 20, "only {read} of 60 were read");
+    // Numbers that no recorder writes.
+    let mut odd = Session::open(&file).unwrap();
+    odd.ticks[50].output.tick = 0;
+    odd.ticks[119].output.tick = u64::MAX;
+    odd.ticks[60].output.tools[0].force_n.x = f64::NAN;
+    odd.ticks.sort_by_key(|record| record.output.tick);
+    odd.keyframes.last_mut().unwrap().tick = u64::MAX;
+    assert!(csv(&odd, &Range::default(), &mut Vec::new()).is_ok() && series(&odd, &Range::default()).is_ok());
+    for tick in [0, 51, 119, u64::MAX - 1, u64::MAX] {
+        let _ = net_at(&odd, "slab", tick);
+    }
+    let _ = palpate::recording::replay(&odd, 0, |_, _| {});
+    let _ = palpate::recording::simulate_figures(&odd, |_, _| {});
+}
