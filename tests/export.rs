@@ -212,14 +212,14 @@ fn a_net_that_cannot_be_had_says_what_there_is() {
 fn info_says_what_a_file_holds() {
     let directory = tempfile::tempdir().unwrap();
     let file = directory.path().join("rigid.mcap");
-    record(&file, RIGID, &Script::new(8, 1_000, true));
+    record(&file, RIGID, &Script::new(8, 3_000, true));
     let (text, _, code) = palpate(&["info", file.to_str().unwrap(), "--json"]);
     assert_eq!(code, 0);
     let json: serde_json::Value = serde_json::from_str(&text).unwrap();
     let session = Session::open(&file).unwrap();
     assert_eq!(
         (json["ticks"].as_u64(), json["first_tick"].as_u64(), json["last_tick"].as_u64()),
-        (Some(1_000), Some(1), Some(1_000))
+        (Some(3_000), Some(1), Some(3_000))
     );
     assert_eq!((json["clean"].as_bool(), json["is_part"].as_bool()), (Some(true), Some(false)));
     let commands: u64 = json["commands_by_name"].as_object().unwrap().values().map(|n| n.as_u64().unwrap()).sum();
@@ -231,7 +231,7 @@ fn info_says_what_a_file_holds() {
     let tool = &json["tools"][0];
     assert!(phases > 2);
     assert_eq!(tool["contact_phases"].as_u64(), Some(phases as u64));
-    let mean = outputs().map(|tool| tool.force_n.norm_squared()).sum::<f64>() / 1_000.0;
+    let mean = outputs().map(|tool| tool.force_n.norm_squared()).sum::<f64>() / 3_000.0;
     let rms_n = tool["rms_force_n"].as_f64().unwrap();
     assert!((rms_n / mean.sqrt() - 1.0).abs() < 1e-12 && rms_n > 0.01, "{rms_n} N");
     // Channels, beside the library's own count.
@@ -249,7 +249,10 @@ fn info_says_what_a_file_holds() {
     }
     let tick = of("/sim/tick");
     let (total, rate) = (tick["bytes"].as_u64().unwrap(), tick["bytes_per_s"].as_f64().unwrap());
-    assert!(total > 100_000 && (rate - total as f64).abs() < 1e-6 * rate, "{total} bytes in a second, {rate} B/s");
+    assert!(
+        total > 100_000 && (3.0 * rate - total as f64).abs() < 1e-6 * rate,
+        "{total} bytes in three seconds, {rate} B/s"
+    );
     assert_eq!(tick["schema"], "palpate.v1.Tick");
     let (text, _, _) = palpate(&["info", file.to_str().unwrap()]);
     for part in ["RMS", "/sim/tick", "bytes/s", "compression", "commands: ", "late "] {
@@ -261,10 +264,10 @@ fn info_says_what_a_file_holds() {
     let (text, _, code) = palpate(&["info", cut.to_str().unwrap(), "--json"]);
     let json: serde_json::Value = serde_json::from_str(&text).unwrap();
     assert!(code == 0 && json["cut_short"].is_string() && json["clean"] == false, "{text}");
-    let half = file_info(&cut, 1.0).unwrap();
+    let half = file_info(&cut, 3.0).unwrap();
     let ticks = half.channels.iter().find(|channel| channel.topic == "/sim/tick").unwrap();
     assert_eq!(Some(ticks.messages), json["ticks"].as_u64());
-    assert!(ticks.messages > 100 && ticks.messages < 1_000);
+    assert!(ticks.messages > 100 && ticks.messages < 3_000);
 }
 
 // What can be read of a damaged file is exported, or refused in words; nothing panics, nothing hangs.
