@@ -212,14 +212,14 @@ fn a_net_that_cannot_be_had_says_what_there_is() {
 fn info_says_what_a_file_holds() {
     let directory = tempfile::tempdir().unwrap();
     let file = directory.path().join("rigid.mcap");
-    record(&file, RIGID, &Script::new(8, 1_000, true));
+    record(&file, RIGID, &Script::new(8, 3_000, true));
     let (text, _, code) = palpate(&["info", file.to_str().unwrap(), "--json"]);
     assert_eq!(code, 0);
     let json: serde_json::Value = serde_json::from_str(&text).unwrap();
     let session = Session::open(&file).unwrap();
     assert_eq!(
         (json["ticks"].as_u64(), json["first_tick"].as_u64(), json["last_tick"].as_u64()),
-        (Some(1_000), Some(1), Some(1_000))
+        (Some(3_000), Some(1), Some(3_000))
     );
     assert_eq!((json["clean"].as_bool(), json["is_part"].as_bool()), (Some(true), Some(false)));
     let commands: u64 = json["commands_by_name"].as_object().unwrap().values().map(|n| n.as_u64().unwrap()).sum();
@@ -231,7 +231,7 @@ fn info_says_what_a_file_holds() {
     let tool = &json["tools"][0];
     assert!(phases > 2);
     assert_eq!(tool["contact_phases"].as_u64(), Some(phases as u64));
-    let mean = outputs().map(|tool| tool.force_n.norm_squared()).sum::<f64>() / 1_000.0;
+    let mean = outputs().map(|tool| tool.force_n.norm_squared()).sum::<f64>() / 3_000.0;
     let rms_n = tool["rms_force_n"].as_f64().unwrap();
     assert!((rms_n / mean.sqrt() - 1.0).abs() < 1e-12 && rms_n > 0.01, "{rms_n} N");
     // Channels, beside the library's own count.
@@ -249,7 +249,10 @@ fn info_says_what_a_file_holds() {
     }
     let tick = of("/sim/tick");
     let (total, rate) = (tick["bytes"].as_u64().unwrap(), tick["bytes_per_s"].as_f64().unwrap());
-    assert!(total > 100_000 && (rate - total as f64).abs() < 1e-6 * rate, "{total} bytes in a second, {rate} B/s");
+    assert!(
+        total > 100_000 && (3.0 * rate - total as f64).abs() < 1e-6 * rate,
+        "{total} bytes in three seconds, {rate} B/s"
+    );
     assert_eq!(tick["schema"], "palpate.v1.Tick");
     let (text, _, _) = palpate(&["info", file.to_str().unwrap()]);
     for part in ["RMS", "/sim/tick", "bytes/s", "compression", "commands: ", "late "] {
@@ -261,8 +264,53 @@ fn info_says_what_a_file_holds() {
     let (text, _, code) = palpate(&["info", cut.to_str().unwrap(), "--json"]);
     let json: serde_json::Value = serde_json::from_str(&text).unwrap();
     assert!(code == 0 && json["cut_short"].is_string() && json["clean"] == false, "{text}");
-    let half = file_info(&cut, 1.0).unwrap();
+    let half = file_info(&cut, 3.0).unwrap();
     let ticks = half.channels.iter().find(|channel| channel.topic == "/sim/tick").unwrap();
     assert_eq!(Some(ticks.messages), json["ticks"].as_u64());
-    assert!(ticks.messages > 100 && ticks.messages < 1_000);
+    assert!(ticks.messages > 100 && ticks.messages < 3_000);
+}
+
+// What can be read of a damaged file is exported, or refused in words; nothing panics, nothing hangs.
+#[test]
+fn damaged_files_are_no_reason_to_panic() {
+    let directory = tempfile::tempdir().unwrap();
+    let (file, _) = soft(directory.path(), 120, true);
+    let whole = std::fs::read(&file).unwrap();
+    let mut random = session::Random(17);
+    let odd = directory.path().join("odd.mcap");
+    let mut read = 0;
+    for k in 0..60 {
+        let mut bytes = whole.clone();
+        if k % 3 == 0 {
+            bytes.truncate(random.below(whole.len() as u64) as usize);
+        } else {
+            for _ in 0..1 + k % 4 {
+                let at = random.below(bytes.len() as u64) as usize;
+                bytes[at] ^= 1 << random.below(8);
+            }
+        }
+        std::fs::write(&odd, &bytes).unwrap();
+        let found = file_info(&odd, 0.12).unwrap();
+        assert_eq!(found.bytes, bytes.len() as u64);
+        let Ok(session) = Session::open(&odd) else { continue };
+        read += 1;
+        let _ = info(&session).to_string();
+        let _ = csv(&session, &Range::default(), &mut Vec::new());
+        let _ = series(&session, &Range::default());
+        let _ = net_at(&session, "slab", 100);
+    }
+    assert!(read > 20, "only {read} of 60 were read");
+    // Numbers that no recorder writes.
+    let mut odd = Session::open(&file).unwrap();
+    odd.ticks[50].output.tick = 0;
+    odd.ticks[119].output.tick = u64::MAX;
+    odd.ticks[60].output.tools[0].force_n.x = f64::NAN;
+    odd.ticks.sort_by_key(|record| record.output.tick);
+    odd.keyframes.last_mut().unwrap().tick = u64::MAX;
+    assert!(csv(&odd, &Range::default(), &mut Vec::new()).is_ok() && series(&odd, &Range::default()).is_ok());
+    for tick in [0, 51, 119, u64::MAX - 1, u64::MAX] {
+        let _ = net_at(&odd, "slab", tick);
+    }
+    let _ = palpate::recording::replay(&odd, 0, |_, _| {});
+    let _ = palpate::recording::simulate_figures(&odd, |_, _| {});
 }

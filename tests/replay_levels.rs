@@ -3,50 +3,23 @@
 #![cfg(feature = "daemon")]
 
 mod common;
-#[path = "common/daemon.rs"]
-mod daemon;
 #[path = "common/session.rs"]
 mod session;
 
 use common::World;
-use daemon::{Daemon, PROGRAM, device};
 use palpate::body::{DeformableState, Field};
 use palpate::math::{Point3, SavedState, Vector3, state_hash};
 use palpate::recording::{
-    Figures, ReplayOptions, SelfCheck, SelfCheckReport, Session, SessionHash, Start, deviations, info, replay,
-    replay_with, simulate_figures,
+    Figures, ReplayOptions, Session, SessionHash, Start, deviations, info, replay, replay_with, simulate_figures,
 };
-use palpate::scene::{Pipeline, Scene, SceneState};
-use palpate::tick::journal::{Journal, NoJournal};
-use palpate::tick::record::{Command, TickOutput, TickRecord};
+use palpate::scene::{Pipeline, SceneState};
+use palpate::tick::record::{TickOutput, TickRecord};
 use palpate::tick::workers::Workers;
 use palpate::tick::{apply, restore, step};
-use session::{RIGID, Random, Script, record, record_lying, slab};
+use session::{RIGID, Random, Script, record, record_lying, scenes, slab};
 use std::path::Path;
 use std::process::Command as Process;
 use std::sync::Arc;
-
-/// Scenes that between them have every kind of state.
-fn scenes() -> Vec<(&'static str, String)> {
-    let plain = "layers = 3, refine = \"none\"";
-    let turning = RIGID
-        .replace("sphere = { radius_m = 0.01 }", "cylinder = { radius_m = 0.008, half_length_m = 0.02 }")
-        .replace("damping_n_s_m = 0.0 }", "damping_n_s_m = 0.5, turning_stiffness_nm_rad = 0.3, turning_damping_nm_s_rad = 1e-4 }\nfriction = { mu = 0.3, viscous_n_s_m = 0.2 }\ndevice = { passivity = true }\ngrip = { force_max_n = 0.3 }");
-    let plastic =
-        "material = { plastic = { yield_strain = 0.01, rate_per_s = 20.0, hardening = 0.1, spread_m = 0.03 } }";
-    let two = std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/two-drops.toml")).unwrap();
-    vec![
-        ("rigid", RIGID.to_owned()),
-        ("turning with friction and grip", turning),
-        ("lattice", slab("lattice", plain, "integrator = { iterations = 2 }")),
-        ("membrane", slab("membrane", plain, "")),
-        ("continuum", slab("continuum", plain, "")),
-        ("net", slab("net", "layers = 3, refine = \"none\"", "")),
-        ("every = 4", slab("continuum", plain, "integrator = { every = 4 }")),
-        ("plastic", slab("lattice", plain, plastic)),
-        ("two drops", two),
-    ]
-}
 
 /// A run with its outputs, from a state on.
 fn run(world: &mut World, script: &Script, from: u64, until: u64) -> Vec<TickOutput> {
@@ -163,7 +136,7 @@ fn a_session_has_the_same_hash_with_any_number_of_workers() {
 }
 
 fn replayed_in_a_child(file: &Path, simd: Option<&str>) -> (serde_json::Value, i32) {
-    let mut process = Process::new(PROGRAM);
+    let mut process = Process::new(env!("CARGO_BIN_EXE_palpate"));
     process.arg("replay").arg(file).args(["--json", "--jobs", "1"]).env_remove("PALPATE_SIMD");
     if let Some(simd) = simd {
         process.env("PALPATE_SIMD", simd);
@@ -271,7 +244,7 @@ fn the_ticks_around_a_difference_are_written_from_both_runs() {
             record.output.tools[0].force_n.x = f64::from_bits(record.output.tools[0].force_n.x.to_bits() ^ 2);
         }
     });
-    let output = Process::new(PROGRAM).arg("replay").arg(&file).output().unwrap();
+    let output = Process::new(env!("CARGO_BIN_EXE_palpate")).arg("replay").arg(&file).output().unwrap();
     let told = String::from_utf8_lossy(&output.stdout).into_owned();
     assert_eq!(output.status.code(), Some(1), "{told}");
     assert!(told.contains("tick 320: tools[0].force_n.x") && told.contains("(2 ULPs apart)"), "{told}");
@@ -299,7 +272,13 @@ fn the_ticks_around_a_difference_are_written_from_both_runs() {
     );
     // A directory of one's own, with the report.
     let place = directory.path().join("report");
-    let output = Process::new(PROGRAM).arg("replay").arg(&file).arg("--report").arg(&place).output().unwrap();
+    let output = Process::new(env!("CARGO_BIN_EXE_palpate"))
+        .arg("replay")
+        .arg(&file)
+        .arg("--report")
+        .arg(&place)
+        .output()
+        .unwrap();
     assert_eq!(output.status.code(), Some(1));
     let report: serde_json::Value = serde_json::from_slice(&std::fs::read(place.join("replay.json")).unwrap()).unwrap();
     assert_eq!(report["first_difference"]["tick"], 320);
@@ -314,7 +293,12 @@ fn figures_are_blessed_checked_and_told_when_they_are_off() {
     let text = slab("lattice", "layers = 2, refine = \"none\"", "");
     record(&file, &text, &Script::new(5, 400, false));
     let palpate = |more: &[&str]| {
-        let output = Process::new(PROGRAM).arg("replay").arg(&file).args(["--check", "figures"]).args(more).output();
+        let output = Process::new(env!("CARGO_BIN_EXE_palpate"))
+            .arg("replay")
+            .arg(&file)
+            .args(["--check", "figures"])
+            .args(more)
+            .output();
         let output = output.unwrap();
         let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
         (text(&output.stdout) + &text(&output.stderr), output.status.code().unwrap_or(-1))
@@ -378,61 +362,6 @@ fn figures_need_no_keyframe_that_fits_when_the_recording_begins_at_the_start() {
     let mut torn = session.clone();
     torn.ticks.remove(300);
     assert!(simulate_figures(&torn, |_, _| {}).unwrap_err().to_string().contains("tick 301 is missing"));
-}
-
-/// Runs a script under a self-check of so many ticks; `hand_over` may change what the journal is told.
-fn checked(text: &str, script: &Script, every: usize, mut hand_over: impl FnMut(&mut TickRecord)) -> SelfCheckReport {
-    let mut world = World::new(text);
-    let scene: Arc<Scene> = Arc::new(World::new(text).scene);
-    let (check, mut port) = SelfCheck::start(&scene, every, Box::new(NoJournal)).unwrap();
-    port.keyframe(&world.state, state_hash(&world.state));
-    for tick in 0..script.ticks {
-        for command in script.commands_after(tick) {
-            port.command(tick, command);
-            apply(&world.scene, &mut world.state, &mut world.scratch, command);
-            if command == Command::Reset {
-                port.keyframe(&world.state, state_hash(&world.state));
-            }
-        }
-        let input = script.input(tick + 1, &world.scene);
-        let output = step(&world.scene, &mut world.state, &mut world.scratch, &input);
-        let mut record = TickRecord { input, output, ..TickRecord::default() };
-        hand_over(&mut record);
-        port.tick(&world.scene, &world.state, &record);
-        // A loop has a millisecond for a tick; a test leaves its shadow some time now and then.
-        if tick % 50 == 0 {
-            std::thread::sleep(std::time::Duration::from_millis(20));
-        }
-    }
-    drop(port);
-    check.finish()
-}
-
-#[test]
-fn a_self_check_runs_ticks_again_and_tells_the_first_that_parts() {
-    for (name, text) in scenes() {
-        let report = checked(&text, &Script::new(9, 210, true), 20, |_| {});
-        assert_eq!((report.differences, report.first_difference), (0, None), "{name}");
-        assert_eq!(report.ticks + report.unchecked, 210, "{name}: {report:?}");
-        assert!(report.checks >= 3, "{name}: {report:?}");
-    }
-    // A hash that was not of the state: as if the loop had come to another state than the same inputs do.
-    let report = checked(RIGID, &Script::new(9, 100, true), 25, |record| {
-        record.output.state_hash ^= u64::from(record.output.tick == 33);
-    });
-    let found = report.first_difference.expect("a forged hash went unnoticed");
-    assert_eq!((report.differences, found.from, found.tick, found.first ^ found.second), (1, 25, 33, 1));
-}
-
-#[test]
-fn a_daemon_checks_itself_while_it_serves() {
-    let directory = tempfile::tempdir().unwrap();
-    let daemon = Daemon::start(directory.path(), RIGID, &["--clock", "lockstep", "--for", "1s", "--self-check", "50"]);
-    let (report, code) = device(&daemon.endpoint, &["--motion", "press", "--for", "1s", "--seed", "5"]);
-    assert_eq!(code, 0, "{report}");
-    let (text, code) = daemon.end();
-    assert_eq!(code, 0, "{text}");
-    assert!(text.contains("self-check: ") && text.contains(" 0 differences"), "{text}");
 }
 
 // A state as it was before anything ran is as good as one in the middle: `SceneState` is all there is.

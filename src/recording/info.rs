@@ -44,10 +44,12 @@ pub struct Info {
     pub late_ticks: u64,
     /// Finished, and nothing lost.
     pub clean: bool,
-    /// It begins at a later tick than a daemon does: a part of a longer session, or what was kept of one.
+    /// One of several files of a session, or what was kept of a longer one.
     pub is_part: bool,
     /// Metadata of the recorder about this part, as written.
     pub part: BTreeMap<String, String>,
+    /// All that the head says: format, target, clock and more.
+    pub metadata: BTreeMap<String, String>,
     /// Why reading stopped early, if it did.
     pub cut_short: Option<String>,
     /// Keyframes.
@@ -134,6 +136,7 @@ pub fn info(session: &Session) -> Info {
     session.commands.iter().for_each(|(_, command)| *commands_by_name.entry(name(*command)).or_default() += 1);
     let (first, last) = (session.ticks.first(), session.ticks.last());
     let dt_s = session.run_number("dt_ns").unwrap_or(0) as f64 * 1e-9;
+    let part = part(session);
     let starts_late = session.keyframes.first().is_some_and(|keyframe| keyframe.tick > 0);
     Info {
         path: session.path.display().to_string(),
@@ -151,8 +154,9 @@ pub fn info(session: &Session) -> Info {
         skipped_ticks: session.ticks.iter().map(|record| u64::from(record.skipped)).sum(),
         late_ticks: session.ticks.iter().filter(|record| record.late_ns > LATE_NS).count() as u64,
         clean: session.is_clean() && session.cut_short.is_none(),
-        is_part: starts_late,
-        part: part(session),
+        is_part: starts_late || !part.is_empty(),
+        part,
+        metadata: session.header.run.clone(),
         cut_short: session.cut_short.clone(),
         keyframes: session.keyframes.len() as u64,
         commands: session.commands.len() as u64,
@@ -167,10 +171,10 @@ pub fn info(session: &Session) -> Info {
     }
 }
 
-/// What the recorder says of parts, in whatever words: keys that begin with `part` or `split`.
+/// What the recorder says of parts: `part`, `previous_part`, `next_part`.
 fn part(session: &Session) -> BTreeMap<String, String> {
     let entries = session.header.run.iter().chain(&session.header.end);
-    let about = entries.filter(|(key, _)| key.starts_with("part") || key.starts_with("split"));
+    let about = entries.filter(|(key, _)| *key == "part" || key.ends_with("_part"));
     about.map(|(key, value)| (key.clone(), value.clone())).collect()
 }
 

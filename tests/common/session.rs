@@ -38,6 +38,28 @@ pub fn slab(model: &str, lattice: &str, more: &str) -> String {
     )
 }
 
+/// Scenes that between them have every kind of state.
+pub fn scenes() -> Vec<(&'static str, String)> {
+    let plain = "layers = 3, refine = \"none\"";
+    let turning = RIGID
+        .replace("sphere = { radius_m = 0.01 }", "cylinder = { radius_m = 0.008, half_length_m = 0.02 }")
+        .replace("damping_n_s_m = 0.0 }", "damping_n_s_m = 0.5, turning_stiffness_nm_rad = 0.3, turning_damping_nm_s_rad = 1e-4 }\nfriction = { mu = 0.3, viscous_n_s_m = 0.2 }\ndevice = { passivity = true }\ngrip = { force_max_n = 0.3 }");
+    let plastic =
+        "material = { plastic = { yield_strain = 0.01, rate_per_s = 20.0, hardening = 0.1, spread_m = 0.03 } }";
+    let two = std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/two-drops.toml")).unwrap();
+    vec![
+        ("rigid", RIGID.to_owned()),
+        ("turning with friction and grip", turning),
+        ("lattice", slab("lattice", plain, "integrator = { iterations = 2 }")),
+        ("membrane", slab("membrane", plain, "")),
+        ("continuum", slab("continuum", plain, "")),
+        ("net", slab("net", "layers = 3, refine = \"none\"", "")),
+        ("every = 4", slab("continuum", plain, "integrator = { every = 4 }")),
+        ("plastic", slab("lattice", plain, plastic)),
+        ("two drops", two),
+    ]
+}
+
 /// SplitMix64.
 pub struct Random(pub u64);
 
