@@ -1,10 +1,10 @@
 #!/usr/bin/env bash
 # Records the golden sessions anew: all, or those named. For a change of bits that is meant; say so in the CHANGELOG.
-#   cargo build && PALPATE=target/debug/palpate recordings/golden/make.sh [NAME…]
+#   cargo build --release && recordings/golden/make.sh [NAME…]
 set -euo pipefail
 here=$(cd "$(dirname "$0")" && pwd)
 root=$(cd "$here/../.." && pwd)
-palpate=$(realpath "${PALPATE:-$root/target/debug/palpate}")
+palpate=$(realpath "${PALPATE:-$root/target/release/palpate}")
 port=${PORT:-7799}
 wanted=("$@")
 
@@ -37,6 +37,6 @@ record() {
 VIEWS="" record rigid-teardrop-press scenes/rigid-teardrop.toml 1500ms ball:press:0.004:ideal:3
 record small-lattice-press recordings/golden/small-lattice.toml 1500ms ball:press:0.004:ideal:3
 record two-drops-press scenes/two-drops.toml 1500ms ball:press:0.03:ideal:3
-record teardrop-slide scenes/teardrop.toml 1200ms ball:slide:0.006:touch:4
+record teardrop-slide scenes/teardrop.toml 800ms ball:slide:0.006:touch:4
 record sheet-tap scenes/sheet.toml 1200ms pen:tap:0.005:ideal:5
 record four-hands scenes/four-hands.toml 1s tip:slide:0.004:touch:6 ring:press:0.004:ideal:7 ball:press:0.005:ideal:8 plate:tap:0.004:ideal:9

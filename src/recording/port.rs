@@ -1,7 +1,7 @@
 //! The tick thread's side: bounded rings, no waiting, no allocation. What does not fit is counted and lost, and the file says so.
 
+use super::self_check::room_for_states;
 use super::stream::{KeyframeBuffer, NetBuffer, Stream, TickHead, ToolRow};
-use crate::math::SavedState;
 use crate::scene::{Scene, SceneState, quality};
 use crate::tick::journal::{Journal, JournalGauges};
 use crate::tick::record::{Command, TickRecord};
@@ -69,13 +69,12 @@ pub(super) fn port(scene: &Scene, gauges: Arc<JournalGauges>, wanted: Arc<Atomic
     let (heads, heads_out) = rtrb::RingBuffer::new(RING_TICKS);
     let (rows, rows_out) = rtrb::RingBuffer::new(RING_TICKS * scene.tool_count().max(1));
     let (commands, commands_out) = rtrb::RingBuffer::new(256);
-    let mut sample = SavedState::default();
-    sample.save_from(&scene.initial_state());
-    // Contact rows come and go: leave room for all of them.
-    let buffers = (0..KEYFRAME_BUFFERS).map(|_| {
-        let words = Vec::with_capacity(sample.words.len() + 4 * crate::contact::rows::MAX_ROWS);
-        let floats = Vec::with_capacity(sample.floats.len() + 2 * crate::contact::rows::MAX_ROWS);
-        KeyframeBuffer { tick: 0, hash: 0, commands: 0, generation: 0, saved: SavedState { words, floats } }
+    let buffers = (0..KEYFRAME_BUFFERS).map(|_| KeyframeBuffer {
+        tick: 0,
+        hash: 0,
+        commands: 0,
+        generation: 0,
+        saved: room_for_states(scene),
     });
     let (keyframes, keyframes_end) = pool(buffers);
     let (nets, net_ends) = (0..scene.body_count())
