@@ -12,9 +12,11 @@ mod doctor;
 mod echo;
 mod hz;
 mod info;
+mod keys;
 mod ls;
 mod man;
 mod plan;
+mod play;
 mod probe;
 mod recover;
 mod replay;
@@ -46,6 +48,8 @@ enum Commands {
     Plan(plan::Args),
     /// Run a recording through the same step and compare every bit.
     Replay(replay::Args),
+    /// Publish a recording as if it were live.
+    Play(play::Args),
     /// A recording at a glance.
     Info(info::Args),
     /// Make a finished file of a recording that was cut short.
@@ -107,6 +111,7 @@ pub fn main() -> ExitCode {
         Commands::Check(args) => check::run(&args),
         Commands::Plan(args) => plan::run(&args),
         Commands::Replay(args) => replay::run(&args),
+        Commands::Play(args) => play::run(&args),
         Commands::Info(args) => info::run(&args),
         Commands::Recover(args) => recover::run(&args),
         Commands::Device(args) => device::run(&args),

@@ -2,11 +2,12 @@
 //!
 //! ```text
 //! tick thread ─▶ RecorderPort ═bounded rings═▶ recorder thread ─▶ Writer ─▶ FILE.part ─finish─▶ FILE
-//! FILE ─▶ Session (reader) ─▶ replay, info, recover
+//! FILE ─▶ Session (reader) ─▶ replay, info, recover, play
 //! ```
 
 mod convert;
 mod info;
+mod play;
 mod reader;
 mod recorder;
 mod recover;
@@ -15,6 +16,7 @@ mod writer;
 
 pub use info::{Info, info};
 pub(crate) use info::{stage_infos, write_stages};
+pub use play::{PlayError, PlayReport, PlaySettings, Player, played_scene};
 pub use reader::{ReadError, Session, SessionHeader};
 pub use recorder::{Recorder, RecorderPort, RecorderSettings, RecordingSummary, default_path};
 pub use recover::RecoverError;
