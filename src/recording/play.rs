@@ -7,18 +7,20 @@
 //! where another build makes other forces. Poses and commands of clients do not reach the state.
 
 mod cursor;
+mod deadlines;
 mod remap;
 
 pub use remap::played_scene;
 
 use super::reader::{ReadError, Session};
 use crate::scene::{Scene, SceneError};
-use crate::tick::pacer::{Schedule, now_ns, sleep_until};
+use crate::tick::pacer::{now_ns, sleep_until};
 use crate::tick::playback::{PlayNews, PlayPort, PlayRequest};
 use crate::tick::ports::TickPorts;
 use crate::tick::record::{TickOutput, TickRecord};
 use crate::tick::stats::LATE_NS;
 use cursor::{Cursor, Next};
+use deadlines::Deadlines;
 use serde::Serialize;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -129,7 +131,7 @@ pub struct Player {
     settings: PlaySettings,
     dt_s: f64,
     paused: bool,
-    schedule: Schedule,
+    deadlines: Deadlines,
     over: bool,
     told: bool,
     report: PlayReport,
@@ -154,10 +156,10 @@ impl Player {
     ) -> Result<Self, PlayError> {
         let dt_s = scene.dt_s;
         let cursor = Cursor::new(session, scene.clone(), settings.start, settings.end)?;
-        let schedule = Schedule::new(period_ns(dt_s, settings.rate), now_ns());
+        let deadlines = Deadlines::new(period_ns(dt_s, settings.rate), now_ns());
         let paused = settings.paused;
         let report = PlayReport::default();
-        Ok(Self { cursor, ports, port, settings, dt_s, paused, schedule, over: false, told: false, report })
+        Ok(Self { cursor, ports, port, settings, dt_s, paused, deadlines, over: false, told: false, report })
     }
 
     /// Plays to the end, or until somebody stops it.
@@ -201,9 +203,9 @@ impl Player {
             if let Ok(request) = self.port.requests.try_recv() {
                 return Some(request);
             }
-            let left = Duration::from_nanos(self.schedule.next_ns().saturating_sub(now_ns()));
+            let left = Duration::from_nanos(self.deadlines.next_ns().saturating_sub(now_ns()));
             if left <= SLICE {
-                sleep_until(self.schedule.next_ns());
+                sleep_until(self.deadlines.next_ns());
                 break;
             }
             match self.port.requests.recv_timeout(SLICE) {
@@ -216,8 +218,7 @@ impl Player {
                 break;
             }
         }
-        let wake = self.schedule.wake(now_ns());
-        self.report.late += u64::from(wake.late_ns > LATE_NS);
+        self.report.late += u64::from(self.deadlines.pass(now_ns()) > LATE_NS);
         None
     }
 
@@ -310,7 +311,7 @@ impl Player {
     }
 
     fn restart_clock(&mut self) {
-        self.schedule = Schedule::new(period_ns(self.dt_s, self.settings.rate), now_ns());
+        self.deadlines = Deadlines::new(period_ns(self.dt_s, self.settings.rate), now_ns());
     }
 
     fn handle(&mut self, scene: &Scene, id: u64, request: PlayRequest) -> Result<(), PlayError> {
