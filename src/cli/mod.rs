@@ -13,9 +13,11 @@ mod echo;
 mod export;
 mod hz;
 mod info;
+mod keys;
 mod ls;
 mod man;
 mod plan;
+mod play;
 mod probe;
 mod recover;
 mod replay;
@@ -47,6 +49,8 @@ enum Commands {
     Plan(plan::Args),
     /// Run a recording through the same step and compare every bit.
     Replay(replay::Args),
+    /// Publish a recording as if it were live.
+    Play(play::Args),
     /// A recording at a glance.
     Info(info::Args),
     /// A recording for other programs: a table of ticks, plots, the net of a body at any tick.
@@ -110,6 +114,7 @@ pub fn main() -> ExitCode {
         Commands::Check(args) => check::run(&args),
         Commands::Plan(args) => plan::run(&args),
         Commands::Replay(args) => replay::run(&args),
+        Commands::Play(args) => play::run(&args),
         Commands::Info(args) => info::run(&args),
         Commands::Export(args) => export::run(&args),
         Commands::Recover(args) => recover::run(&args),

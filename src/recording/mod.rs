@@ -4,7 +4,7 @@
 //! tick thread ─▶ RecorderPort ═bounded rings═▶ Stream ─in order─▶ Keeper ─┬▶ Parts ─▶ SessionFile ─▶ FILE.part ─▶ FILE
 //! bus thread ──▶ Archive: events, record_start/stop, snapshot ───────────▶ ├▶ Memory (the last seconds)
 //!                                                                         └▶ snapshots ─▶ SessionFile
-//! FILE ─▶ Session (reader) ─▶ replay, info, recover
+//! FILE ─▶ Session (reader) ─▶ replay, play, info, export, recover
 //! ```
 
 mod convert;
@@ -19,6 +19,7 @@ mod keeper;
 mod memory;
 mod message;
 mod parts;
+mod play;
 mod port;
 mod reader;
 mod recorder;
@@ -39,6 +40,7 @@ pub use info::{Info, StageInfo, ToolInfo, info};
 pub(crate) use info::{stage_infos, write_stages};
 pub use message::SessionHash;
 pub use parts::Split;
+pub use play::{PlayError, PlayReport, PlaySettings, Player, played_scene};
 pub use port::RecorderPort;
 pub use reader::{EventRecord, ReadError, Session, SessionHeader};
 pub use recorder::{Recorder, RecorderSettings, RecordingReport, RecordingSummary, default_path};

@@ -149,6 +149,8 @@ struct NetPort {
     full: rtrb::Producer<Box<NetFrame>>,
     sent_revision: u64,
     sent_tick: u64,
+    /// Its body moves, so that there are buffers.
+    moves: bool,
 }
 
 /// The bus's end of a net port.
@@ -268,7 +270,13 @@ pub fn ports(scene: &Scene) -> (TickPorts, BusPorts) {
                 debug_assert!(fits, "the ring has room for all");
             }
         }
-        nets.push(NetPort { free: free_out, full: full_in, sent_revision: 0, sent_tick: 0 });
+        nets.push(NetPort {
+            free: free_out,
+            full: full_in,
+            sent_revision: 0,
+            sent_tick: 0,
+            moves: scene.deforms(body),
+        });
         net_ends.push(NetEnd { free: free_in, full: full_out });
     }
     let net_hz = scene.spec.record.net_hz;
@@ -317,12 +325,13 @@ impl TickPorts {
         self.poses.iter().all(triple_buffer::Output::updated)
     }
 
-    /// The bus has room for another tick. For those who may wait: the loop never does.
+    /// The bus has room for another tick with all its nets. For those who may wait: the loop never does.
     pub fn has_room(&self) -> bool {
-        self.outputs.slots() > 0 && self.records.slots() > 0
+        let nets = self.nets.iter().all(|port| !port.moves || port.free.slots() > 0);
+        nets && self.outputs.slots() > 0 && self.records.slots() > 0
     }
 
-    /// Time runs elsewhere from here on: the next [`TickPorts::done`] hands over every net, whatever was sent before.
+    /// Every net is handed over next, whatever was sent before: time runs elsewhere, or stands still from here on.
     pub fn rewind(&mut self) {
         for port in &mut self.nets {
             (port.sent_revision, port.sent_tick) = (u64::MAX, 0);
@@ -349,7 +358,11 @@ impl TickPorts {
         if self.records.push(*record).is_err() {
             self.counters.bus_drops.fetch_add(1, Ordering::Relaxed);
         }
-        let tick = record.output.tick;
+        self.hand_over_nets(scene, state, record.output.tick);
+    }
+
+    /// Nets that changed and are due; all of them after [`TickPorts::rewind`].
+    pub fn hand_over_nets(&mut self, scene: &Scene, state: &SceneState, tick: u64) {
         let net_every = self.net_every * if state.quality < quality::RARE_NETS { 1 } else { 10 };
         for (body, port) in self.nets.iter_mut().enumerate() {
             let soon = tick < port.sent_tick + net_every && port.sent_revision != u64::MAX;

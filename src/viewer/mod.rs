@@ -12,7 +12,7 @@ use axum::extract::ws::{Message, WebSocket, WebSocketUpgrade};
 use axum::http::{HeaderMap, StatusCode, header};
 use axum::response::{IntoResponse, Response};
 use axum::routing::get;
-use palpate_proto::messages::{ContactSet, ControlNet, LoopStatus, ToolForce};
+use palpate_proto::messages::{ContactSet, ControlNet, LoopStatus, RecorderState, ToolForce, ToolLink};
 use serde::Serialize;
 use std::net::SocketAddr;
 use std::sync::{Arc, PoisonError};
@@ -37,6 +37,9 @@ struct Picture {
     late: u64,
     skipped: u64,
     step_p99_us: f64,
+    /// Poses dropped before the loop, of all tools.
+    refused: u64,
+    recorder: RecorderState,
 }
 
 #[derive(Clone, Debug, Default, Serialize)]
@@ -200,6 +203,8 @@ impl ViewSink for Feed {
         self.picture.late = status.late_ticks;
         self.picture.skipped = status.skipped_ticks;
         self.picture.step_p99_us = status.step.p99_ns as f64 * 1e-3;
+        self.picture.refused = status.tools.iter().flat_map(ToolLink::refused).map(|(_, count)| count).sum();
+        self.picture.recorder = status.recorder;
         self.show();
     }
 

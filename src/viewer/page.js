@@ -82,5 +82,6 @@ function draw() {
   pen.stroke();
   const tool = picture.tools[0];
   text.textContent = `tick ${picture.tick}\nlate ${picture.late}  skipped ${picture.skipped}  step p99 ${picture.step_p99_us.toFixed(0)} µs`
+    + (picture.refused ? `\nposes refused ${picture.refused}` : "") + (picture.recorder !== "Off" ? `\nrecorder: ${picture.recorder.toLowerCase()}` : "")
     + (tool ? `\nforce ${Math.hypot(...tool.force).toFixed(4)} N  depth ${(tool.depth * 1e3).toFixed(3)} mm  contacts ${picture.contacts.length}  (chart to ${top.toFixed(2)} N)` : "");
 }

@@ -1,0 +1,173 @@
+//! `palpate play`: a recording on the bus, as if it were live.
+
+use super::Outcome;
+use super::keys::{Key, Keys};
+use crate::recording::{PlayReport, PlaySettings, Player, Session, played_scene};
+use crate::tick::playback::{PlayRequest, playback};
+use crate::tick::ports::ports;
+use crate::transport::{Bus, BusSettings, DEFAULT_ENDPOINT, SessionSettings, ViewSink, open};
+use crate::viewer::Viewer;
+use sha2::Digest as _;
+use std::net::SocketAddr;
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU32, Ordering};
+use std::sync::mpsc::Sender;
+
+#[derive(clap::Args, Debug)]
+pub struct Args {
+    /// Recording.
+    file: PathBuf,
+    /// Simulated over real time: 0.1 is slow motion, 10000 as fast as it goes.
+    #[arg(long, default_value_t = 1.0, value_parser = rate)]
+    rate: f64,
+    /// Stand still at first.
+    #[arg(long)]
+    paused: bool,
+    /// At the end go on from the start.
+    #[arg(long = "loop")]
+    looped: bool,
+    /// At the end stand still instead of ending.
+    #[arg(long, conflicts_with = "looped")]
+    stay: bool,
+    /// First tick to play.
+    #[arg(long)]
+    start: Option<u64>,
+    /// Last tick to play.
+    #[arg(long)]
+    end: Option<u64>,
+    /// Another id for a tool or body, old:=new; several may be given.
+    #[arg(long, value_parser = remap)]
+    remap: Vec<(String, String)>,
+    /// Zenoh endpoint to listen on; several may be given.
+    #[arg(short, long)]
+    listen: Vec<String>,
+    /// Zenoh endpoint to connect to; several may be given.
+    #[arg(short = 'e', long)]
+    connect: Vec<String>,
+    /// Stock Zenoh JSON5 configuration.
+    #[arg(long)]
+    zenoh_config: Option<PathBuf>,
+    /// Instance name.
+    #[arg(long, default_value = "default")]
+    instance: String,
+    /// Serve the viewer page here, for example 127.0.0.1:8080.
+    #[arg(long)]
+    http: Option<SocketAddr>,
+    /// Print the summary as one JSON object.
+    #[arg(long)]
+    json: bool,
+}
+
+fn rate(text: &str) -> Result<f64, String> {
+    let rate = text.parse::<f64>().ok().filter(|rate| (1e-3..=1e4).contains(rate));
+    rate.ok_or_else(|| "a rate is a number from 0.001 to 10000".into())
+}
+
+fn remap(text: &str) -> Result<(String, String), String> {
+    let (old, new) = text.split_once(":=").ok_or("write old:=new, for example ball:=pen")?;
+    Ok((old.to_owned(), new.to_owned()))
+}
+
+pub fn run(args: &Args) -> anyhow::Result<Outcome> {
+    let session = Session::open(&args.file)?;
+    if let Some(reason) = &session.cut_short {
+        eprintln!("note: the recording was cut short ({reason}); what is there is played");
+    }
+    let scene = Arc::new(played_scene(&session, &args.remap)?);
+    let scene_hash = sha2::Sha256::digest(session.header.scene_text.as_bytes()).into();
+    let (tick_ports, bus_ports) = ports(&scene);
+    let (end, port, own) = playback();
+    let counters = bus_ports.counters.clone();
+    let settings = PlaySettings {
+        start: args.start,
+        end: args.end,
+        rate: args.rate,
+        paused: args.paused,
+        looped: args.looped,
+        stay: args.stay,
+    };
+    let player = Player::new(session, scene.clone(), tick_ports, port, settings)?;
+    let bus_of = |player_end| -> anyhow::Result<(Bus, Option<Viewer>)> {
+        let listen = match (&args.zenoh_config, args.listen.is_empty()) {
+            (None, true) => vec![DEFAULT_ENDPOINT.to_owned()],
+            _ => args.listen.clone(),
+        };
+        let config = args.zenoh_config.clone();
+        let bus_session = open(&SessionSettings { connect: args.connect.clone(), listen, config })?;
+        let (viewer, feed) = match args.http.map(|address| (address, Viewer::start(address))) {
+            None => (None, None),
+            Some((address, Err(e))) => anyhow::bail!("the viewer cannot listen on {address}: {e}"),
+            Some((_, Ok((viewer, feed)))) => {
+                eprintln!("viewer: {}", viewer.url());
+                (Some(viewer), Some(Box::new(feed) as Box<dyn ViewSink>))
+            }
+        };
+        let settings = BusSettings {
+            scene: scene.clone(),
+            scene_hash,
+            instance: args.instance.clone(),
+            viewer: feed,
+            viewer_url: viewer.as_ref().map(Viewer::url),
+            recorder: None,
+            archive: None,
+            player: Some(player_end),
+        };
+        Ok((Bus::start(bus_session, bus_ports, settings).map_err(|e| anyhow::anyhow!("{e}"))?, viewer))
+    };
+    let (bus, viewer) = bus_of(end)?;
+    let signals = AtomicU32::new(0);
+    let _ = ctrlc::set_handler(move || {
+        counters.stop.store(true, Ordering::Release);
+        if signals.fetch_add(1, Ordering::Relaxed) > 0 {
+            Keys::restore();
+            std::process::exit(130);
+        }
+    });
+    let keys = Keys::listen(move |key| steer(key, &own));
+    if keys.is_some() {
+        eprintln!("space: pause, right: a tick on, left: a second back, up and down: rate, r: start, q: end");
+    }
+    let (first, last) = player.range();
+    tracing::info!(instance = args.instance, first, last, rate = args.rate, "playing {}", args.file.display());
+    let report = player.run(&scene);
+    drop(keys);
+    bus.finish();
+    drop(viewer);
+    let report = report?;
+    print(&report, args)?;
+    Ok(if report.gaps > 0 { Outcome::Fault } else { Outcome::Ok })
+}
+
+/// What a key means. Nobody waits for an answer to number 0.
+fn steer(key: Key, requests: &Sender<(u64, PlayRequest)>) {
+    let request = match key {
+        Key::Letter(b' ') => PlayRequest::Toggle,
+        Key::Letter(b'r') => PlayRequest::Reset,
+        Key::Letter(b'q') => PlayRequest::Stop,
+        Key::Right => PlayRequest::Step(1),
+        Key::Left => PlayRequest::Back,
+        Key::Up => PlayRequest::Scale(2.0),
+        Key::Down => PlayRequest::Scale(0.5),
+        Key::Letter(_) => return,
+    };
+    let _ = requests.send((0, request));
+}
+
+fn print(report: &PlayReport, args: &Args) -> anyhow::Result<()> {
+    if args.json {
+        println!("{}", serde_json::to_string(report)?);
+        return Ok(());
+    }
+    println!(
+        "played {} ticks in {:.3} s: {:.3} x real time (asked for {}), {} late",
+        report.ticks, report.wall_s, report.rate, args.rate, report.late
+    );
+    if report.gaps > 0 {
+        println!("{} gaps of the recording were jumped", report.gaps);
+    }
+    if let Some(tick) = report.diverged {
+        println!("from tick {tick} on forces are the recorded ones: this build steps otherwise");
+    }
+    Ok(())
+}
