@@ -14,6 +14,8 @@ use std::path::Path;
 
 /// One tool, one body of 8 × 8 control points.
 pub(super) const TEARDROP: &str = include_str!("../../../scenes/teardrop.toml");
+/// The same body, rigid.
+pub(super) const RIGID: &str = include_str!("../../../scenes/rigid-teardrop.toml");
 /// Four tools, three bodies, two of them soft.
 pub(super) const FOUR_HANDS: &str = include_str!("../../../scenes/four-hands.toml");
 
@@ -91,6 +93,10 @@ impl Simulated {
         for _ in 0..ticks {
             let record = self.tick();
             port.tick(&self.scene, &self.state, &record);
+            // A loop gives its recorder a second for a second.
+            if record.output.tick.is_multiple_of(1_000) {
+                std::thread::sleep(std::time::Duration::from_millis(30));
+            }
         }
         drop(port);
         let summary = recorder.finish().last()?;
