@@ -37,6 +37,6 @@ record() {
 VIEWS="" record rigid-teardrop-press scenes/rigid-teardrop.toml 1500ms ball:press:0.004:ideal:3
 record small-lattice-press recordings/golden/small-lattice.toml 1500ms ball:press:0.004:ideal:3
 record two-drops-press scenes/two-drops.toml 1500ms ball:press:0.03:ideal:3
-record teardrop-slide scenes/teardrop.toml 800ms ball:slide:0.006:touch:4
+record teardrop-tap scenes/teardrop.toml 700ms ball:tap:0.006:touch:4
 record sheet-tap scenes/sheet.toml 1200ms pen:tap:0.005:ideal:5
-record four-hands scenes/four-hands.toml 1s tip:slide:0.004:touch:6 ring:press:0.004:ideal:7 ball:press:0.005:ideal:8 plate:tap:0.004:ideal:9
+record four-hands scenes/four-hands.toml 900ms tip:tap:0.004:touch:6 ring:press:0.004:ideal:7 ball:tap:0.005:ideal:8 plate:tap:0.004:ideal:9

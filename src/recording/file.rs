@@ -75,6 +75,8 @@ pub(super) struct SessionFile {
     channels: Channels,
     views: Option<Views>,
     last_flush: Instant,
+    /// A keyframe was written: without one, nothing can be replayed.
+    urgent: bool,
     /// Message bytes before compression.
     pub bytes: u64,
     pub ticks: u64,
@@ -150,6 +152,7 @@ impl SessionFile {
             channels,
             views,
             last_flush: Instant::now(),
+            urgent: false,
             bytes: 0,
             ticks: 0,
             first_tick: 0,
@@ -207,7 +210,10 @@ impl SessionFile {
                 self.session.push(message.tick, state_hash);
                 self.channels.tick
             }
-            Kind::Keyframe { .. } => self.channels.keyframe,
+            Kind::Keyframe { .. } => {
+                self.urgent = true;
+                self.channels.keyframe
+            }
             Kind::Command => self.channels.command,
             Kind::Event => self.channels.event,
             Kind::Stats => self.channels.stats,
@@ -237,7 +243,7 @@ impl SessionFile {
 
     /// Flushes when it is time, so that a kill loses little.
     pub fn flush_if_due(&mut self) -> Result<(), WriteError> {
-        if self.last_flush.elapsed() >= FLUSH_EVERY {
+        if std::mem::take(&mut self.urgent) || self.last_flush.elapsed() >= FLUSH_EVERY {
             self.last_flush = Instant::now();
             self.mcap.flush().map_err(|source| self.mcap_error(source))?;
         }
