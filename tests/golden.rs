@@ -77,3 +77,25 @@ fn golden_recordings_are_small() {
         assert!(bytes <= 1_000_000, "{} has {bytes} bytes", name(&path));
     }
 }
+
+// A scene that people start from is one whose bits are watched.
+#[test]
+fn every_scene_has_a_golden_recording() {
+    let recorded: Vec<String> = golden()
+        .iter()
+        .map(|path| Session::open(path).unwrap().header.run.get("scene").cloned().unwrap_or_default())
+        .collect();
+    let scenes = std::fs::read_dir(Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes")).unwrap();
+    let scenes = scenes.map(|entry| entry.unwrap().path()).filter(|path| path.extension().is_some_and(|e| e == "toml"));
+    let mut missing: Vec<String> = scenes
+        .map(|path| palpate::scene::file::load(&path).unwrap_or_else(|e| panic!("{e}")).spec.name.unwrap_or_default())
+        .filter(|name| !recorded.contains(name))
+        .collect();
+    missing.sort();
+    assert!(
+        missing.is_empty(),
+        "no golden recording of the scenes {}; there are {}",
+        missing.join(", "),
+        recorded.join(", ")
+    );
+}
