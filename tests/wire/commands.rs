@@ -87,7 +87,7 @@ fn echo_hz_ls_and_rpc_show_and_steer_a_running_daemon() {
     assert_eq!(run(&["rpc", "step", "{\"ticks\": 5}"]).2, 0);
     for (arguments, words) in [
         (&["rpc", "step", "{\"tick\": 5}"][..], "step has no argument \"tick\""),
-        (&["rpc", "record_start"], "nobody who records"),
+        (&["rpc", "record_stop"], "record_stop was refused"),
         (&["rpc", "seek", "{\"tick\": 1}"], "palpate play"),
         (&["rpc", "fly"], "possible values"),
     ] {

@@ -68,26 +68,36 @@ impl Palpate {
     /// # Errors
     /// No key, Zenoh refused, or a daemon did, in its words.
     pub fn ask(&self, selector: &str, timeout: Duration) -> Result<Vec<Seen>, ClientError> {
-        let replies = self
+        let (key, parameters) = selector.split_once('?').unwrap_or((selector, ""));
+        let querier = self
             .session()
-            .get(selector)
+            .declare_querier(key.to_owned())
             // Several answers under one key are all wanted.
             .consolidation(ConsolidationMode::None)
             .timeout(timeout)
             .wait()
             .map_err(ClientError::zenoh)?;
-        let mut answers = Vec::new();
-        while let Ok(reply) = replies.recv() {
-            match reply.result() {
-                Ok(sample) => answers.push(Seen::new(sample)),
-                Err(error) => {
-                    if let Some(reason) = ClientError::words(error) {
-                        return Err(ClientError::Refused { method: selector.to_owned(), reason });
+        let started = Instant::now();
+        loop {
+            // A fresh link may not have carried the daemon's declarations yet: then nobody has said nothing.
+            let known = querier.matching_status().wait().map_err(ClientError::zenoh)?.matching();
+            let replies = querier.get().parameters(parameters).wait().map_err(ClientError::zenoh)?;
+            let mut answers = Vec::new();
+            while let Ok(reply) = replies.recv() {
+                match reply.result() {
+                    Ok(sample) => answers.push(Seen::new(sample)),
+                    Err(error) => {
+                        if let Some(reason) = ClientError::words(error) {
+                            return Err(ClientError::Refused { method: selector.to_owned(), reason });
+                        }
                     }
                 }
             }
+            if known || !answers.is_empty() || started.elapsed() >= timeout {
+                return Ok(answers);
+            }
+            std::thread::sleep(Duration::from_millis(20));
         }
-        Ok(answers)
     }
 
     /// Keys of the liveliness tokens that match, asked until `enough` says so or the time is over.
