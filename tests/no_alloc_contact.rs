@@ -1,5 +1,8 @@
 //! Contact queries allocate nothing once their scratch is made, and answer the same twice.
 
+#[path = "common/counting.rs"]
+mod counting;
+use counting::allocations;
 use palpate::contact::broad::BroadPhase;
 use palpate::contact::exact::{ExactScratch, ball, plane};
 use palpate::contact::implicit::{ImplicitShape, ImplicitSolver};
@@ -7,36 +10,6 @@ use palpate::contact::mesh::{MeshSolver, MeshTool};
 use palpate::contact::{ContactSet, Reach, swept};
 use palpate::math::{Point3, Pose, Rotation, Vector3};
 use palpate::surface::{Bounds, ClosestSolver, Surface, builtin};
-use std::alloc::{GlobalAlloc, Layout, System};
-use std::cell::Cell;
-
-struct Counting;
-
-thread_local! {
-    static COUNT: Cell<Option<u64>> = const { Cell::new(None) };
-}
-
-// SAFETY: hands every call to the system allocator unchanged.
-#[allow(unsafe_code)]
-unsafe impl GlobalAlloc for Counting {
-    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
-        COUNT.with(|count| count.set(count.get().map(|n| n + 1)));
-        unsafe { System.alloc(layout) }
-    }
-    unsafe fn dealloc(&self, ptr: *mut u8, layout: Layout) {
-        unsafe { System.dealloc(ptr, layout) }
-    }
-}
-
-#[global_allocator]
-static ALLOCATOR: Counting = Counting;
-
-/// Allocations of this thread while `work` runs.
-fn allocations(work: impl FnOnce()) -> u64 {
-    COUNT.with(|count| count.set(Some(0)));
-    work();
-    COUNT.with(|count| count.take()).unwrap_or(0)
-}
 
 /// Poses around and inside a body, a golden spiral of them.
 fn pose(surface: &Surface, k: usize) -> Pose {

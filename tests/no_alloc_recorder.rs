@@ -2,46 +2,19 @@
 #![cfg(feature = "daemon")]
 
 mod common;
+#[path = "common/counting.rs"]
+mod counting;
 #[path = "common/live.rs"]
 mod live;
 
+use counting::allocations;
 use live::{Live, SOFT};
 use palpate::recording::RecorderSettings;
 use palpate::tick::archive::ArchiveRequest;
 use palpate::tick::journal::keeping;
 use palpate::tick::record::Command;
-use std::alloc::{GlobalAlloc, Layout, System};
-use std::cell::Cell;
 use std::sync::atomic::Ordering;
 use std::time::Duration;
-
-struct Counting;
-
-thread_local! {
-    static COUNT: Cell<Option<u64>> = const { Cell::new(None) };
-}
-
-// SAFETY: hands every call to the system allocator unchanged.
-#[allow(unsafe_code)]
-unsafe impl GlobalAlloc for Counting {
-    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
-        COUNT.with(|count| count.set(count.get().map(|n| n + 1)));
-        unsafe { System.alloc(layout) }
-    }
-    unsafe fn dealloc(&self, ptr: *mut u8, layout: Layout) {
-        unsafe { System.dealloc(ptr, layout) }
-    }
-}
-
-#[global_allocator]
-static ALLOCATOR: Counting = Counting;
-
-/// Allocations of this thread while `work` runs.
-fn allocations(work: impl FnOnce()) -> u64 {
-    COUNT.with(|count| count.set(Some(0)));
-    work();
-    COUNT.with(|count| count.take()).unwrap_or(0)
-}
 
 /// Presses, slides, is reset and paused; allocations of all ticks. The test's own list of records has room. A reset itself
 /// makes scratch anew: that is between ticks.

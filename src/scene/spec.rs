@@ -163,7 +163,7 @@ pub const SPHERES_RESOLUTION: [usize; 2] = [82, 82];
 pub struct RecordSpec {
     /// Seconds between keyframes.
     pub keyframe_s: f64,
-    /// Nets a second at most.
+    /// Nets a second at most, in recordings; clients get sixty.
     pub net_hz: f64,
     /// Also record what viewers show.
     pub views: bool,
@@ -173,7 +173,7 @@ pub struct RecordSpec {
 
 impl Default for RecordSpec {
     fn default() -> Self {
-        Self { keyframe_s: 1.0, net_hz: 60.0, views: true, view_hz: 30.0 }
+        Self { keyframe_s: 1.0, net_hz: 30.0, views: true, view_hz: 30.0 }
     }
 }
 

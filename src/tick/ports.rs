@@ -17,6 +17,8 @@ use std::thread::Thread;
 
 /// Outputs and records in flight: a quarter of a second at 1 kHz.
 const RING: usize = 256;
+/// Nets a second at most.
+const NET_HZ: f64 = 60.0;
 /// Net buffers a body.
 const NET_BUFFERS: usize = 4;
 
@@ -279,7 +281,6 @@ pub fn ports(scene: &Scene) -> (TickPorts, BusPorts) {
         });
         net_ends.push(NetEnd { free: free_in, full: full_out });
     }
-    let net_hz = scene.spec.record.net_hz;
     let tick = TickPorts {
         latched: vec![0; poses.len()],
         poses,
@@ -289,7 +290,7 @@ pub fn ports(scene: &Scene) -> (TickPorts, BusPorts) {
         outputs: output_in,
         records: record_in,
         nets,
-        net_every: ((1.0 / scene.dt_s / net_hz).round() as u64).max(1),
+        net_every: ((1.0 / scene.dt_s / NET_HZ).round() as u64).max(1),
         counters: counters.clone(),
         bus_thread: bus_thread.clone(),
         tick_thread,
