@@ -49,7 +49,8 @@ fn replayed(session: &Session, scene: &Scene, body: usize, tick: u64) -> Result<
     // One of this very tick will do, unless it holds commands that came after it: then the one before leads here.
     let before = keyframes.partition_point(|keyframe| keyframe.tick < tick);
     let own = keyframes.get(before).filter(|keyframe| keyframe.tick == tick && keyframe.commands == 0);
-    let keyframe = own.or(before.checked_sub(1).map(|k| &keyframes[k])).unwrap_or(&keyframes[before]);
+    let earlier = || before.checked_sub(1).map(|k| &keyframes[k]);
+    let keyframe = own.or_else(earlier).unwrap_or_else(|| &keyframes[before]);
     let mut follower = Follower::new(scene, session);
     let mut hash = follower.seat(keyframe)?;
     let mut expected = keyframe.state_hash;
