@@ -123,6 +123,20 @@ fn recordings_begin_and_end_on_demand_and_each_replays() {
 }
 
 #[test]
+fn a_recording_that_ends_before_its_first_tick_is_answered() {
+    let directory = tempfile::tempdir().unwrap();
+    let mut live = Live::with(RIGID, |settings| RecorderSettings { directory: directory.path().into(), ..settings });
+    let mut archive = live.recorder.archive().unwrap();
+    archive.ask(1, ArchiveRequest::Start { path: Some("empty.mcap".into()) });
+    archive.ask(2, ArchiveRequest::Stop);
+    assert!(answer(&mut archive, 1).unwrap_err().contains("before its first tick"));
+    let (_, path) = answer(&mut archive, 2).unwrap();
+    let session = Session::open(&path).unwrap();
+    assert!(session.ticks.is_empty() && session.cut_short.is_none());
+    ticks(&mut live, 3);
+}
+
+#[test]
 fn a_client_names_a_file_but_no_place() {
     let directory = tempfile::tempdir().unwrap();
     let mut live = Live::with(RIGID, |settings| RecorderSettings { directory: directory.path().into(), ..settings });

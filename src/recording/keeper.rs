@@ -244,6 +244,9 @@ impl Keeper {
 
     fn end_recording(&mut self) -> Option<(u64, PathBuf)> {
         let recording = self.recording.take()?;
+        if let Some(id) = recording.asked {
+            self.tell(ArchiveNews::Refused { id, reason: "it was ended before its first tick".into() });
+        }
         let (path, tick) = (recording.parts.path().to_owned(), recording.parts.last_tick());
         let stats = self.stream.stats();
         let (files, ended) = recording.parts.finish(&stats, self.dropped());
