@@ -4,7 +4,7 @@
 #[path = "common/daemon.rs"]
 mod daemon;
 
-use daemon::{Daemon, PROGRAM, device};
+use daemon::{Daemon, PROGRAM, SOFT_DROP as SCENE, device};
 use palpate::recording::{Session, replay};
 use palpate_client::proto::messages::EventKind;
 use palpate_client::{Connect, Palpate, pose_at};
@@ -13,19 +13,6 @@ use std::path::Path;
 use std::process::{Command, Stdio};
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
-
-const SCENE: &str = r#"
-[[body]]
-id = "drop"
-surface = { builtin = "teardrop" }
-model = "lattice"
-lattice = { layers = 2, refine = [12, 13] }
-fixed = [{ point = [0.0, 0.0, 0.015], normal = [0.0, 0.0, 1.0] }]
-[[tool]]
-id = "ball"
-shape = { sphere = { radius_m = 0.01 } }
-pose = { position = [0.06, 0.003, 0.045] }
-"#;
 
 /// Runs the program; gives stdout, stderr and the exit code.
 fn palpate(arguments: &[&str]) -> (String, String, i32) {

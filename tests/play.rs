@@ -27,23 +27,7 @@ fn golden() -> PathBuf {
 /// A player in a process of its own, that listens on a free port.
 fn play(arguments: &[&str]) -> Daemon {
     let port = std::net::TcpListener::bind("127.0.0.1:0").unwrap().local_addr().unwrap().port();
-    let endpoint = format!("tcp/127.0.0.1:{port}");
-    let child = Command::new(PROGRAM)
-        .arg("play")
-        .arg(golden())
-        .args(["--listen", &endpoint, "--json"])
-        .args(arguments)
-        .stdin(Stdio::null())
-        .stdout(Stdio::piped())
-        .stderr(Stdio::null())
-        .spawn()
-        .unwrap();
-    let started = Instant::now();
-    while std::net::TcpStream::connect(("127.0.0.1", port)).is_err() {
-        assert!(started.elapsed() < Duration::from_secs(60), "the player does not listen");
-        std::thread::sleep(Duration::from_millis(20));
-    }
-    Daemon { child, endpoint }
+    Daemon::spawn(port, Command::new(PROGRAM).arg("play").arg(golden()).arg("--json").args(arguments))
 }
 
 fn until<T: std::fmt::Debug>(what: &str, mut look: impl FnMut() -> T, holds: impl Fn(&T) -> bool) -> T {

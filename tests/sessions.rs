@@ -3,26 +3,13 @@
 #[path = "common/daemon.rs"]
 mod daemon;
 
-use daemon::{Daemon, device};
+use daemon::{Daemon, SOFT_DROP as SCENE, device};
 use palpate::recording::{Session, info, recover, replay};
 use palpate_client::pose_at;
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::time::{Duration, Instant};
-
-const SCENE: &str = r#"
-[[body]]
-id = "drop"
-surface = { builtin = "teardrop" }
-model = "lattice"
-lattice = { layers = 2, refine = [12, 13] }
-fixed = [{ point = [0.0, 0.0, 0.015], normal = [0.0, 0.0, 1.0] }]
-[[tool]]
-id = "ball"
-shape = { sphere = { radius_m = 0.01 } }
-pose = { position = [0.06, 0.003, 0.045] }
-"#;
 
 /// A recorded lockstep session of two seconds.
 fn lockstep(directory: &Path, name: &str) -> PathBuf {

@@ -18,19 +18,7 @@ mod poses;
 use std::time::{Duration, Instant};
 use zenoh::Wait;
 
-/// A floor that gives way, and a ball above it.
-pub const SCENE: &str = r#"
-[[body]]
-id = "drop"
-surface = { builtin = "teardrop" }
-model = "lattice"
-lattice = { layers = 2, refine = [12, 13] }
-fixed = [{ point = [0.0, 0.0, 0.015], normal = [0.0, 0.0, 1.0] }]
-[[tool]]
-id = "ball"
-shape = { sphere = { radius_m = 0.01 } }
-pose = { position = [0.06, 0.003, 0.045] }
-"#;
+pub use daemon::SOFT_DROP as SCENE;
 
 /// Away from the drop.
 pub const FREE: [f64; 3] = [0.06, 0.003, 0.045];

@@ -101,6 +101,11 @@ pub(super) fn part_of(target: &Path) -> PathBuf {
     PathBuf::from(format!("{}.part", target.display()))
 }
 
+/// What all our files say of who wrote them.
+pub(super) fn options() -> mcap::WriteOptions {
+    mcap::WriteOptions::library(mcap::WriteOptions::new(), format!("palpate {}", env!("CARGO_PKG_VERSION")))
+}
+
 impl SessionFile {
     /// Makes `target.part` with its head. `position` says which part of a session this is.
     pub fn create(
@@ -169,13 +174,12 @@ impl SessionFile {
         head: &Head,
         position: &[(&str, String)],
     ) -> mcap::McapResult<(mcap::Writer<NoSeek<Box<dyn DiskFile>>>, Channels)> {
-        let mut mcap = mcap::WriteOptions::new()
+        let mut mcap = options()
             .compression(Some(mcap::Compression::Zstd))
             .compression_level(1)
             .compression_threads(0)
             .chunk_size(Some(CHUNK))
             .disable_seeking(true)
-            .library(format!("palpate {}", env!("CARGO_PKG_VERSION")))
             .create(NoSeek::new(file))?;
         let mut run = head.metadata();
         run.extend(position.iter().map(|(key, value)| ((*key).to_owned(), value.clone())));

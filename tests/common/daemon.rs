@@ -9,6 +9,20 @@ use std::time::{Duration, Instant};
 
 pub const PROGRAM: &str = env!("CARGO_BIN_EXE_palpate");
 
+/// A drop that gives way, and a ball beside it.
+pub const SOFT_DROP: &str = r#"
+[[body]]
+id = "drop"
+surface = { builtin = "teardrop" }
+model = "lattice"
+lattice = { layers = 2, refine = [12, 13] }
+fixed = [{ point = [0.0, 0.0, 0.015], normal = [0.0, 0.0, 1.0] }]
+[[tool]]
+id = "ball"
+shape = { sphere = { radius_m = 0.01 } }
+pose = { position = [0.06, 0.003, 0.045] }
+"#;
+
 /// A daemon in a process of its own; killed when dropped.
 pub struct Daemon {
     pub child: Child,
@@ -26,20 +40,19 @@ impl Daemon {
     pub fn start_at(port: u16, directory: &Path, text: &str, arguments: &[&str]) -> Self {
         let scene = directory.join("scene.toml");
         std::fs::write(&scene, text).unwrap();
+        let mut command = Command::new(PROGRAM);
+        command.arg("serve").arg(&scene).arg("--no-rt").args(arguments);
+        Self::spawn(port, &mut command)
+    }
+
+    /// Whatever listens on a port that it is told with `--listen`.
+    pub fn spawn(port: u16, command: &mut Command) -> Self {
         let endpoint = format!("tcp/127.0.0.1:{port}");
-        let child = Command::new(PROGRAM)
-            .arg("serve")
-            .arg(&scene)
-            .args(["--listen", &endpoint, "--no-rt"])
-            .args(arguments)
-            .stdin(Stdio::null())
-            .stdout(Stdio::piped())
-            .stderr(Stdio::null())
-            .spawn()
-            .unwrap();
+        let command = command.args(["--listen", &endpoint]).stdin(Stdio::null());
+        let child = command.stdout(Stdio::piped()).stderr(Stdio::null()).spawn().unwrap();
         let started = Instant::now();
         while std::net::TcpStream::connect(("127.0.0.1", port)).is_err() {
-            assert!(started.elapsed() < Duration::from_secs(60), "the daemon does not listen");
+            assert!(started.elapsed() < Duration::from_secs(60), "nobody listens");
             std::thread::sleep(Duration::from_millis(20));
         }
         Self { child, endpoint }

@@ -1,6 +1,6 @@
 //! The ticks around a difference, from both runs, in an MCAP file that any reader of recordings opens.
 
-use super::super::file::{SCENE_EFFECTIVE, WriteError};
+use super::super::file::{SCENE_EFFECTIVE, WriteError, options};
 use super::super::reader::Session;
 use super::super::{build_id, convert};
 use super::Difference;
@@ -58,11 +58,7 @@ impl Divergence {
         std::fs::create_dir_all(directory).map_err(io)?;
         let file = std::fs::File::create(&path).map_err(io)?;
         // Two hundred ticks need no compression, and so the file opens everywhere.
-        let mut mcap = mcap::WriteOptions::new()
-            .compression(None)
-            .library(format!("palpate {}", env!("CARGO_PKG_VERSION")))
-            .create(std::io::BufWriter::new(file))
-            .map_err(bad)?;
+        let mut mcap = options().compression(None).create(std::io::BufWriter::new(file)).map_err(bad)?;
         mcap.write_metadata(&Metadata { name: DIVERGENCE.into(), metadata: self.metadata(session) }).map_err(bad)?;
         let scene = mcap::Attachment {
             log_time: 0,
