@@ -13,7 +13,64 @@ pub struct Curve {
     weights: Option<Vec<f64>>,
 }
 
+/// Why a curve was refused.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum CurveError {
+    /// As many points as the knots ask for.
+    #[error("the knots ask for {needed} control points, {given} are given")]
+    Count {
+        /// Of the knots.
+        needed: usize,
+        /// As given.
+        given: usize,
+    },
+    /// One weight a point.
+    #[error("{weights} weights for {points} control points")]
+    WeightCount {
+        /// Weights.
+        weights: usize,
+        /// Points.
+        points: usize,
+    },
+    /// A coordinate that is not finite.
+    #[error("control point {index} is not finite")]
+    NotFinite {
+        /// Which.
+        index: usize,
+    },
+    /// A weight that is zero, negative or not finite.
+    #[error("weight {index} is {value}; weights are finite and above 0")]
+    Weight {
+        /// Which.
+        index: usize,
+        /// As given.
+        value: f64,
+    },
+}
+
 impl Curve {
+    /// A curve of checked knots.
+    ///
+    /// # Errors
+    /// Numbers of points or weights that do not fit, points that are not finite, weights that are not above 0.
+    pub fn new(knots: KnotVector, points: Vec<Point3>, weights: Option<Vec<f64>>) -> Result<Self, CurveError> {
+        if points.len() != knots.count() {
+            return Err(CurveError::Count { needed: knots.count(), given: points.len() });
+        }
+        if let Some(index) = points.iter().position(|p| !p.coords.iter().all(|x| x.is_finite())) {
+            return Err(CurveError::NotFinite { index });
+        }
+        if let Some(weights) = &weights {
+            if weights.len() != points.len() {
+                return Err(CurveError::WeightCount { weights: weights.len(), points: points.len() });
+            }
+            if let Some(index) = weights.iter().position(|w| !(w.is_finite() && *w > 0.0)) {
+                return Err(CurveError::Weight { index, value: weights[index] });
+            }
+        }
+        Ok(Self { knots, points, weights })
+    }
+
     /// From points that were checked.
     pub(super) fn from_line(knots: KnotVector, line: &[LinePoint], rational: bool) -> Self {
         debug_assert_eq!(knots.count(), line.len(), "points and knots disagree");

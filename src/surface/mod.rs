@@ -43,7 +43,7 @@ pub use builtin::{BuiltinError, builtin};
 pub use closed::{DistinctPoints, SAME_POINT};
 pub use closest::{ClosestPoint, ClosestSolver, Summit, WarmFoot};
 pub use cloud_fit::CloudSpec;
-pub use curve::Curve;
+pub use curve::{Curve, CurveError};
 pub use file::FileError;
 pub use grid_fit::{FitError, Fitted, GridSpec};
 pub use lines::Direction;
