@@ -2,8 +2,8 @@
 //!
 //! Layers, in reading order; each imports only those before it:
 //! [`math`] → [`basis`] → [`surface`] → [`contact`] → [`body`] | [`haptics`] → [`scene`] → [`tick`] → wire →
-//! transport | recording → viewer, bench, cli. The last five come with the `daemon` feature. [`exchange`] hangs off
-//! [`surface`]; above it only cli uses it.
+//! transport | recording → editing → viewer, bench, cli. Those from wire on come with the `daemon` feature. [`exchange`]
+//! hangs off [`surface`], [`modeling`] off [`contact`]: above them only editing, bench and cli use them.
 
 pub mod basis;
 #[cfg(any(feature = "daemon", feature = "bench-peers"))]
@@ -13,12 +13,15 @@ pub mod contact;
 pub mod exchange;
 pub mod haptics;
 pub mod math;
+pub mod modeling;
 pub mod scene;
 pub mod surface;
 pub mod tick;
 
 #[cfg(feature = "daemon")]
 pub mod cli;
+#[cfg(feature = "daemon")]
+pub mod editing;
 #[cfg(feature = "daemon")]
 pub mod recording;
 #[cfg(feature = "daemon")]

@@ -3,12 +3,13 @@
 use std::path::{Path, PathBuf};
 
 /// What each layer may import of ours.
-const TABLE: [(&str, &[&str]); 15] = [
+const TABLE: [(&str, &[&str]); 17] = [
     ("math", &[]),
     ("basis", &["math"]),
     ("surface", &["math", "basis"]),
     ("exchange", &["math", "basis", "surface"]),
     ("contact", &["math", "basis", "surface"]),
+    ("modeling", &["math", "basis", "surface", "contact"]),
     ("body", &["math", "basis", "surface", "contact"]),
     ("haptics", &["math", "basis", "surface", "contact"]),
     ("scene", &["math", "basis", "surface", "exchange", "contact", "body", "haptics"]),
@@ -16,8 +17,12 @@ const TABLE: [(&str, &[&str]); 15] = [
     ("wire", &["math", "basis", "surface", "contact", "body", "haptics", "scene", "tick"]),
     ("transport", &["math", "basis", "surface", "contact", "body", "haptics", "scene", "tick", "wire"]),
     ("recording", &["math", "basis", "surface", "contact", "body", "haptics", "scene", "tick", "wire"]),
+    ("editing", &["math", "basis", "surface", "contact", "modeling", "scene", "tick", "recording"]),
     ("viewer", &["math", "wire", "transport"]),
-    ("bench", &["math", "basis", "surface", "contact", "body", "haptics", "scene", "tick", "wire", "recording"]),
+    (
+        "bench",
+        &["math", "basis", "surface", "contact", "modeling", "body", "haptics", "scene", "tick", "wire", "recording"],
+    ),
     (
         "cli",
         &[
@@ -26,6 +31,7 @@ const TABLE: [(&str, &[&str]); 15] = [
             "surface",
             "exchange",
             "contact",
+            "modeling",
             "body",
             "haptics",
             "scene",
@@ -33,6 +39,7 @@ const TABLE: [(&str, &[&str]); 15] = [
             "wire",
             "transport",
             "recording",
+            "editing",
             "viewer",
             "bench",
         ],
@@ -40,7 +47,7 @@ const TABLE: [(&str, &[&str]); 15] = [
 ];
 
 /// Layers that are pure arithmetic. `scene` reads its files at build; `tick` has the loop's threads.
-const PURE: [&str; 6] = ["math", "basis", "surface", "contact", "body", "haptics"];
+const PURE: [&str; 7] = ["math", "basis", "surface", "contact", "modeling", "body", "haptics"];
 const IMPURE: [&str; 6] = ["std::time", "std::thread", "std::fs", "std::net", "std::process", "HashMap"];
 
 /// Lines of a file up to its tests that break the table.

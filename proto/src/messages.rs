@@ -374,6 +374,11 @@ pub enum EventKind {
         /// Words of the system.
         reason: String,
     },
+    /// Another scene runs from this tick on: bodies were merged or moved. Ask for the scene anew.
+    SceneChanged {
+        /// What became of which bodies.
+        what: String,
+    },
 }
 
 /// An event, numbered so that a loss is seen.

@@ -3,8 +3,20 @@
 use serde::{Deserialize, Serialize};
 
 /// Methods, as the last chunk of their keys.
-pub const METHODS: [&str; 10] =
-    ["reset", "pause", "resume", "step", "shutdown", "record_start", "record_stop", "snapshot", "seek", "rate"];
+pub const METHODS: [&str; 12] = [
+    "reset",
+    "pause",
+    "resume",
+    "step",
+    "shutdown",
+    "record_start",
+    "record_stop",
+    "snapshot",
+    "seek",
+    "rate",
+    "merge",
+    "isolate",
+];
 
 /// Longest arguments that are read, bytes.
 pub const MAX_REQUEST_BYTES: usize = 16 << 10;
@@ -31,6 +43,27 @@ pub struct Request {
     /// `rate`: simulated over real time.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub rate: Option<f64>,
+    /// `merge`, `isolate`: ids of bodies; of `isolate` the first moves.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub bodies: Option<Vec<String>>,
+    /// `merge`: id of the merged body; those of its parts, joined, if absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub id: Option<String>,
+    /// `merge`: continuous derivatives at the seam.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub continuity: Option<u32>,
+    /// `merge`: `seed`, `constrained` or `exact`; `isolate`: `1` … `7`, `local` or `global`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub method: Option<String>,
+    /// `merge`: deviation allowed, m; knots are inserted until it is met.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub tolerance: Option<f64>,
+    /// `isolate`: gap left between the bodies, m.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub gap: Option<f64>,
+    /// `isolate`: most turn of one body about the other, degrees.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub max_turn: Option<f64>,
 }
 
 /// Answer to a command.
@@ -44,6 +77,9 @@ pub struct Reply {
     /// File that was begun or finished.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub path: Option<String>,
+    /// What else there is to say: figures of a merge, the translation of an isolation.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub report: Option<serde_json::Value>,
     /// Why not.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub error: Option<String>,
@@ -120,6 +156,8 @@ fn arguments(method: &str) -> &'static [&'static str] {
         "snapshot" => &["before", "after", "path"],
         "seek" => &["tick"],
         "rate" => &["rate"],
+        "merge" => &["bodies", "id", "continuity", "method", "tolerance"],
+        "isolate" => &["bodies", "method", "gap", "max_turn"],
         _ => &[],
     }
 }
@@ -161,6 +199,13 @@ impl Request {
             ("after", self.after.is_some()),
             ("tick", self.tick.is_some()),
             ("rate", self.rate.is_some()),
+            ("bodies", self.bodies.is_some()),
+            ("id", self.id.is_some()),
+            ("continuity", self.continuity.is_some()),
+            ("method", self.method.is_some()),
+            ("tolerance", self.tolerance.is_some()),
+            ("gap", self.gap.is_some()),
+            ("max_turn", self.max_turn.is_some()),
         ];
         if let Some((argument, _)) = given.into_iter().find(|(argument, given)| *given && !known.contains(argument)) {
             let known = if known.is_empty() { "none".into() } else { known.join(", ") };
@@ -170,6 +215,9 @@ impl Request {
             ("before", self.before, 0.0, 86_400.0),
             ("after", self.after, 0.0, 86_400.0),
             ("rate", self.rate, 1e-3, 1e4),
+            ("tolerance", self.tolerance, 1e-12, 1e3),
+            ("gap", self.gap, 0.0, 1e3),
+            ("max_turn", self.max_turn, 0.0, 180.0),
         ];
         for (argument, value, least, most) in ranges {
             if let Some(value) = value.filter(|value| !(least..=most).contains(value)) {
@@ -202,6 +250,8 @@ mod tests {
         assert!(error("step", "{\"tick\": 5}").contains("step has no argument \"tick\"; it has ticks"));
         assert!(error("reset", "{\"ticks\": 5}").contains("it has none"));
         assert!(error("rate", "{\"rate\": 0}").contains("between 0.001 and 10000"));
+        assert!(error("isolate", "{\"continuity\": 1}").contains("it has bodies, method, gap, max_turn"));
+        assert!(error("merge", "{\"tolerance\": 0}").contains("tolerance of merge is 0"));
         assert!(error("snapshot", "{\"before\": -1}").contains("before of snapshot is -1"));
         assert!(error("snapshot", &format!("{{\"path\": \"{}\"}}", "x".repeat(20_000))).contains("at most 16384"));
     }

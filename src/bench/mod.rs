@@ -12,6 +12,7 @@ mod figure;
 pub mod haptics;
 mod inputs;
 mod measure;
+mod modeling;
 mod oracle;
 mod peers;
 #[cfg(feature = "daemon")]
@@ -25,6 +26,7 @@ pub use contact::{contact, picture};
 pub use deformation::{Sweep, deformation, pareto, plasticine_picture, plasticine_table};
 #[cfg(feature = "daemon")]
 pub use figure::{Bar, Figure, figures_table};
+pub use modeling::modeling;
 #[cfg(feature = "daemon")]
 pub use recording::recording;
 pub use surface::surface;

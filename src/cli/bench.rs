@@ -2,7 +2,7 @@
 
 use super::Outcome;
 use crate::bench::{
-    Effort, Figure, Row, contact, deformation, figures_table, haptics, pareto, picture, plasticine_picture,
+    Effort, Figure, Row, contact, deformation, figures_table, haptics, modeling, pareto, picture, plasticine_picture,
     plasticine_table, recording, surface, table,
 };
 use anyhow::Context;
@@ -45,6 +45,8 @@ enum Suite {
     },
     /// Cost, size, losses, kills and replay speed of recordings.
     Recording(Options),
+    /// Merged, isolated, swept and branched surfaces: times, deviations, ratios, gaps and angles.
+    Modeling(Options),
     /// Contacts of points, balls, planes, solids, meshes and surfaces with a body.
     Contact {
         #[command(flatten)]
@@ -77,7 +79,7 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
         return Ok(Outcome::Ok);
     }
     let (options, svg) = match &args.suite {
-        Suite::Surface(options) | Suite::Recording(options) => (options, None),
+        Suite::Surface(options) | Suite::Recording(options) | Suite::Modeling(options) => (options, None),
         Suite::Contact { options, svg }
         | Suite::Deformation { options, svg, .. }
         | Suite::Haptics { options, svg, .. } => (options, svg.as_deref()),
@@ -100,6 +102,7 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     match &args.suite {
         Suite::Surface(_) => surface(effort, only, &mut take),
         Suite::Contact { .. } => contact(effort, only, &mut take),
+        Suite::Modeling(_) => modeling(effort, only, &mut take),
         Suite::Deformation { .. } => sweeps = deformation(effort, only, &mut take),
         Suite::Haptics { .. } | Suite::Recording(_) => {}
     }

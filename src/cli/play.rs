@@ -111,6 +111,7 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
             viewer_url: viewer.as_ref().map(Viewer::url),
             recorder: None,
             archive: None,
+            editor: None,
             player: Some(player_end),
         };
         Ok((Bus::start(bus_session, bus_ports, settings).map_err(|e| anyhow::anyhow!("{e}"))?, viewer))

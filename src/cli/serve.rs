@@ -1,6 +1,7 @@
 //! `palpate serve`: one scene, until it is told to stop.
 
 use super::{Outcome, text};
+use crate::editing::SceneEditor;
 use crate::recording::{
     Recorder, RecorderSettings, RecordingReport, SelfCheck, SelfCheckReport, Split, default_path, stage_infos,
     write_stages,
@@ -8,6 +9,7 @@ use crate::recording::{
 use crate::scene::spec::{Clock, SceneSpec};
 use crate::scene::{Scene, file, inline_files};
 use crate::tick::driver::{self, DriverReport, DriverSettings};
+use crate::tick::editor::Editor;
 use crate::tick::journal::Journal;
 use crate::tick::ports::ports;
 use crate::transport::{Bus, BusSettings, DEFAULT_ENDPOINT, SessionSettings, ViewSink, open};
@@ -175,6 +177,11 @@ pub fn serve(
     if common.with_parent {
         end_with_parent();
     }
+    // Who checks itself runs one scene twice.
+    let editor = match common.self_check {
+        None => Some(Box::new(SceneEditor::start(recorder.changes())?) as Box<dyn Editor>),
+        Some(_) => None,
+    };
     let bus = Bus::start(
         session,
         bus_ports,
@@ -185,6 +192,7 @@ pub fn serve(
             viewer: feed.map(|feed| Box::new(feed) as Box<dyn ViewSink>),
             recorder: Some(recorder.gauges()),
             archive: recorder.archive(),
+            editor,
             viewer_url: viewer.as_ref().map(Viewer::url),
             player: None,
         },

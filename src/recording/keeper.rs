@@ -11,6 +11,7 @@ use super::views::Views;
 use super::{RecordingReport, RecordingSummary, default_path};
 use crate::tick::archive::{ArchiveNews, ArchiveRequest};
 use crate::tick::journal::{JournalGauges, keeping};
+use std::collections::VecDeque;
 use std::path::{Component, Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
@@ -19,8 +20,24 @@ use std::time::Duration;
 
 /// What others say to the thread.
 pub(super) enum Mail {
-    Ask { id: u64, request: ArchiveRequest },
-    Event { tick: u64, kind: String, detail: String },
+    Ask {
+        id: u64,
+        request: ArchiveRequest,
+    },
+    Event {
+        tick: u64,
+        kind: String,
+        detail: String,
+    },
+    /// What comes when the stream so far has ended.
+    Next(Box<NextScene>),
+}
+
+/// Another scene that the loop may go on with.
+pub(super) struct NextScene {
+    pub stream: Stream,
+    pub head: Arc<Head>,
+    pub views: Option<Views>,
 }
 
 /// Some seconds around a moment, on their way to a file.
@@ -57,6 +74,8 @@ pub(super) struct Keeper {
     recording: Option<Recording>,
     snapshots: Vec<Snapshot>,
     generation: u32,
+    /// Scenes made, in order; the loop took some of them.
+    next: VecDeque<NextScene>,
     report: RecordingReport,
 }
 
@@ -95,6 +114,7 @@ impl Keeper {
             recording: None,
             snapshots: Vec::new(),
             generation: 0,
+            next: VecDeque::new(),
             report: RecordingReport::default(),
         };
         keeper.want();
@@ -145,13 +165,10 @@ impl Keeper {
                 match mail {
                     Mail::Ask { id, request } => self.answer(id, request),
                     Mail::Event { tick, kind, detail } => self.keep(&Message::event(tick, &kind, &detail)),
+                    Mail::Next(next) => self.next.push_back(*next),
                 }
             }
-            let mut messages = Vec::new();
-            self.stream.drain(stop, |message| messages.push(message));
-            for message in &messages {
-                self.keep(message);
-            }
+            self.take_stream(stop);
             self.flush();
             if stop {
                 break;
@@ -164,6 +181,42 @@ impl Keeper {
         }
         self.report.dropped = self.dropped();
         self.report
+    }
+
+    /// Takes what has come; all of it, and of the scenes that follow, when the loop has ended.
+    fn take_stream(&mut self, stop: bool) {
+        loop {
+            self.next.retain(|next| !next.stream.is_unused());
+            // Asked first: what came before it was abandoned is there by now.
+            let over = self.stream.is_abandoned() && !self.next.is_empty();
+            let mut messages = Vec::new();
+            self.stream.drain(stop || over, |message| messages.push(message));
+            for message in &messages {
+                self.keep(message);
+            }
+            match self.next.pop_front() {
+                Some(next) if over => self.change_scene(next),
+                Some(next) => return self.next.push_front(next),
+                None => return,
+            }
+        }
+    }
+
+    /// Another scene is another file: each can be replayed alone. Seconds in memory begin anew, snapshots end here.
+    fn change_scene(&mut self, next: NextScene) {
+        for snapshot in std::mem::take(&mut self.snapshots) {
+            self.end_snapshot(snapshot);
+        }
+        if let Some(memory) = &mut self.memory {
+            memory.clear();
+        }
+        let (stats, dropped) = (self.stream.stats(), self.dropped());
+        (self.stream, self.head, self.views) = (next.stream, next.head, next.views);
+        if let Some(recording) = &mut self.recording
+            && let Err(error) = recording.parts.change(&self.head, self.views.as_ref(), &stats, dropped)
+        {
+            self.fail(error);
+        }
     }
 
     /// Hands a message to all who keep something.

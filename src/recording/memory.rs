@@ -47,6 +47,11 @@ impl Memory {
         })
     }
 
+    pub fn clear(&mut self) {
+        self.messages.clear();
+        self.keyframes.clear();
+    }
+
     pub fn is_empty(&self) -> bool {
         self.messages.is_empty()
     }

@@ -43,7 +43,7 @@ pub use parts::Split;
 pub use play::{PlayError, PlayReport, PlaySettings, Player, played_scene};
 pub use port::RecorderPort;
 pub use reader::{EventRecord, ReadError, Session, SessionHeader};
-pub use recorder::{Recorder, RecorderSettings, RecordingReport, RecordingSummary, default_path};
+pub use recorder::{Recorder, RecorderSettings, RecordingReport, RecordingSummary, SceneChanges, default_path};
 pub use recover::RecoverError;
 pub use recover::{Recovered, recover};
 pub use replay::{

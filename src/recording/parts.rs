@@ -156,6 +156,20 @@ impl Parts {
         Ok(())
     }
 
+    /// Goes on with another scene, in a part of its own.
+    pub fn change(
+        &mut self,
+        head: &Arc<Head>,
+        views: Option<&Views>,
+        stats: &Message,
+        dropped: u64,
+    ) -> Result<(), WriteError> {
+        self.release()?;
+        self.file.put(stats)?;
+        (self.head, self.views) = (head.clone(), views.cloned());
+        self.next_part(dropped)
+    }
+
     /// Deletes the oldest parts of this recording until the rest, with one part more, fits.
     fn make_room(&mut self) {
         let Some(most) = self.split.total_bytes else { return };

@@ -3,7 +3,7 @@
 use super::disk::{Disk, FileSystem};
 use super::file::WriteError;
 use super::head::Head;
-use super::keeper::{Keeper, Mail};
+use super::keeper::{Keeper, Mail, NextScene};
 use super::memory::Memory;
 use super::parts::Split;
 use super::port::{RecorderPort, port};
@@ -97,6 +97,7 @@ pub struct RecordingReport {
 /// A running recorder.
 pub struct Recorder {
     gauges: Arc<JournalGauges>,
+    changes: SceneChanges,
     stop: Arc<AtomicBool>,
     mail: Sender<Mail>,
     news: Option<Receiver<ArchiveNews>>,
@@ -109,6 +110,7 @@ impl Recorder {
     /// # Errors
     /// A file that cannot be created or is there already, a disk that is full, or a scene without a text form.
     pub fn start(settings: RecorderSettings, scene: &Scene) -> Result<(Self, RecorderPort), WriteError> {
+        let changes_text = (settings.scene_text.clone(), settings.extra.clone());
         let gauges = Arc::new(JournalGauges::default());
         let wanted = Arc::new(AtomicU32::new(0));
         let stop = Arc::new(AtomicBool::new(false));
@@ -128,7 +130,7 @@ impl Recorder {
             settings.directory,
             memory,
             gauges.clone(),
-            wanted,
+            wanted.clone(),
             stop.clone(),
             mail_out,
             news,
@@ -140,7 +142,14 @@ impl Recorder {
             .name("palpate-recorder".into())
             .spawn(move || keeper.run())
             .map_err(|source| WriteError::Io { path: settings.path.unwrap_or_default(), source })?;
-        Ok((Self { gauges, stop, mail, news: Some(news_out), thread }, port))
+        let (scene_text, extra) = changes_text;
+        let changes = SceneChanges { gauges: gauges.clone(), wanted, mail: mail.clone(), scene_text, extra };
+        Ok((Self { gauges, changes, stop, mail, news: Some(news_out), thread }, port))
+    }
+
+    /// For whoever gives the loop other scenes.
+    pub fn changes(&self) -> SceneChanges {
+        self.changes.clone()
     }
 
     /// Bytes, losses and state, live.
@@ -164,6 +173,34 @@ impl Recorder {
             }),
             ..RecordingReport::default()
         })
+    }
+}
+
+/// Prepares the recorder for scenes that the loop may go on with.
+#[derive(Clone)]
+pub struct SceneChanges {
+    gauges: Arc<JournalGauges>,
+    wanted: Arc<AtomicU32>,
+    mail: Sender<Mail>,
+    scene_text: String,
+    extra: BTreeMap<String, String>,
+}
+
+impl SceneChanges {
+    /// The journal of another scene. `what` says how it came to be; the file that begins with it says so too. A scene that
+    /// the loop never takes leaves no trace.
+    ///
+    /// # Errors
+    /// A scene without a text form.
+    pub fn journal(&self, scene: &Scene, what: &str) -> Result<RecorderPort, WriteError> {
+        let (port, stream) = port(scene, self.gauges.clone(), self.wanted.clone());
+        let mut head = Head::new(scene, &self.scene_text, &scene.spec, stream.bodies.clone())?;
+        head.extra.extend(self.extra.clone());
+        head.extra.insert("scene_change".into(), what.to_owned());
+        let next = NextScene { stream, head: Arc::new(head), views: Views::of(scene) };
+        // Without a recorder thread there is nothing to keep.
+        let _ = self.mail.send(Mail::Next(Box::new(next)));
+        Ok(port)
     }
 }
 

@@ -142,6 +142,16 @@ impl Stream {
         }
     }
 
+    /// The loop has gone on with another scene: nothing more comes. What is there still waits for [`Stream::drain`].
+    pub fn is_abandoned(&self) -> bool {
+        self.heads.is_abandoned()
+    }
+
+    /// The loop never took this scene, and never will.
+    pub fn is_unused(&self) -> bool {
+        self.heads.is_abandoned() && self.heads.is_empty() && self.keyframes.full.is_empty()
+    }
+
     /// Hands over what has come, in order. At the `end` nothing waits for what may still come.
     pub fn drain(&mut self, end: bool, mut take: impl FnMut(Message)) {
         // What a tick left beside its record came before the next record: of what comes meanwhile, records wait.

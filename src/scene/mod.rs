@@ -4,6 +4,7 @@
 //! scene does not need has no buffer and no stage.
 
 mod build;
+mod change;
 mod deforming;
 pub mod file;
 mod frame;
@@ -18,6 +19,7 @@ pub mod spec;
 mod state;
 
 pub use build::{SceneError, default_samples_per_span, inline_files};
+pub use change::{Origin, SceneChange};
 use frame::FrameOf;
 pub use frame::FrameState;
 pub(crate) use narrow::{PairScratch, look_at};
@@ -195,6 +197,11 @@ impl Scene {
     /// Index of a tool.
     pub fn tool_index(&self, id: &str) -> Option<usize> {
         self.tools.iter().position(|tool| tool.id == id)
+    }
+
+    /// Index of a body.
+    pub fn body_index(&self, id: &str) -> Option<usize> {
+        self.bodies.iter().position(|body| body.id == id)
     }
 
     /// Shape of a tool.

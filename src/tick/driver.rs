@@ -109,7 +109,7 @@ impl Driver {
                     schedule.wake(now_ns())
                 }
                 Clock::Lockstep => {
-                    if !self.ports.all_have_news() && self.ports.commands.is_empty() {
+                    if !self.ports.all_have_news() && self.ports.commands.is_empty() && self.ports.swaps.is_empty() {
                         std::thread::park_timeout(Duration::from_millis(1));
                         continue;
                     }
@@ -117,6 +117,7 @@ impl Driver {
                 }
             };
             self.take_commands();
+            self.take_swap();
             if self.settings.clock == Clock::Lockstep && !self.ports.all_have_news() {
                 continue;
             }
@@ -152,6 +153,21 @@ impl Driver {
             self.apply(request.command);
             let _ = self.ports.receipts.push(Receipt { id: request.id, tick: self.state.tick + 1 });
         }
+    }
+
+    /// Goes on with another scene, if there is one and room for the one that is left.
+    fn take_swap(&mut self) {
+        if self.ports.retired.slots() == 0 || self.fading.is_some() {
+            return;
+        }
+        let Ok(mut swap) = self.ports.swaps.pop() else { return };
+        swap.exchange(&mut self.scene, &mut self.state, &mut self.scratch);
+        std::mem::swap(&mut self.ports.nets, &mut swap.nets);
+        std::mem::swap(&mut self.journal, &mut swap.journal);
+        self.journal.keyframe(&self.state, state_hash(&self.state));
+        let _ = self.ports.receipts.push(Receipt { id: swap.id, tick: self.state.tick + 1 });
+        // Dropped where time does not matter.
+        let _ = self.ports.retired.push(swap);
     }
 
     fn tick(&mut self, wake: Wake) {

@@ -13,6 +13,8 @@ mod between;
 mod cover;
 #[cfg(feature = "daemon")]
 pub mod driver;
+#[cfg(feature = "daemon")]
+pub mod editor;
 mod emit;
 mod face;
 mod feet;
@@ -35,6 +37,8 @@ pub mod record;
 pub mod stats;
 mod step;
 mod stick;
+#[cfg(feature = "daemon")]
+pub mod swap;
 #[cfg(feature = "daemon")]
 pub mod workers;
 

@@ -8,6 +8,7 @@
 
 use super::overload::CAUSES;
 use super::record::{Command, TickOutput, TickRecord};
+use super::swap::Swap;
 use crate::haptics::DevicePose;
 use crate::math::Point3;
 use crate::scene::{Scene, SceneState, quality};
@@ -146,7 +147,8 @@ pub struct NetFrame {
     pub points: Vec<Point3>,
 }
 
-struct NetPort {
+/// The tick's end of a net port.
+pub(super) struct NetPort {
     free: rtrb::Consumer<Box<NetFrame>>,
     full: rtrb::Producer<Box<NetFrame>>,
     sent_revision: u64,
@@ -209,9 +211,12 @@ pub struct TickPorts {
     pub(super) link_counters: Vec<Arc<LinkCounters>>,
     pub(super) commands: rtrb::Consumer<CommandRequest>,
     pub(super) receipts: rtrb::Producer<Receipt>,
+    /// Scenes to go on with, and those that were left.
+    pub(super) swaps: rtrb::Consumer<Box<Swap>>,
+    pub(super) retired: rtrb::Producer<Box<Swap>>,
     outputs: rtrb::Producer<TickOutput>,
     records: rtrb::Producer<TickRecord>,
-    nets: Vec<NetPort>,
+    pub(super) nets: Vec<NetPort>,
     net_every: u64,
     pub(super) counters: Arc<LoopCounters>,
     bus_thread: Arc<OnceLock<Thread>>,
@@ -226,6 +231,10 @@ pub struct BusPorts {
     pub commands: rtrb::Producer<CommandRequest>,
     /// From the tick.
     pub receipts: rtrb::Consumer<Receipt>,
+    /// The next scene, to the tick; one at a time.
+    pub swaps: rtrb::Producer<Box<Swap>>,
+    /// The scene before it, from the tick.
+    pub retired: rtrb::Consumer<Box<Swap>>,
     /// Forces, as soon as they are known.
     pub outputs: rtrb::Consumer<TickOutput>,
     /// Ticks, when they are done.
@@ -236,6 +245,33 @@ pub struct BusPorts {
     pub counters: Arc<LoopCounters>,
     /// To be set to the thread that serves these ports: it is unparked when a force is ready.
     pub bus_thread: Arc<OnceLock<Thread>>,
+    tick_thread: Arc<OnceLock<Thread>>,
+}
+
+/// Both ends of the nets of a scene, by body.
+pub(super) fn net_ports(scene: &Scene) -> (Vec<NetPort>, Vec<NetEnd>) {
+    let (mut nets, mut net_ends) = (Vec::new(), Vec::new());
+    for body in 0..scene.body_count() {
+        let (mut free_in, free_out) = rtrb::RingBuffer::new(NET_BUFFERS);
+        let (full_in, full_out) = rtrb::RingBuffer::new(NET_BUFFERS);
+        if scene.deforms(body) {
+            let points = scene.rest_surface(body).net().points();
+            for _ in 0..NET_BUFFERS {
+                let frame = NetFrame { tick: 0, revision: 0, body, points: points.to_vec() };
+                let fits = free_in.push(Box::new(frame)).is_ok();
+                debug_assert!(fits, "the ring has room for all");
+            }
+        }
+        nets.push(NetPort {
+            free: free_out,
+            full: full_in,
+            sent_revision: 0,
+            sent_tick: 0,
+            moves: scene.deforms(body),
+        });
+        net_ends.push(NetEnd { free: free_in, full: full_out });
+    }
+    (nets, net_ends)
 }
 
 /// Both sides for a scene.
@@ -260,52 +296,48 @@ pub fn ports(scene: &Scene) -> (TickPorts, BusPorts) {
     let (receipt_in, receipt_out) = rtrb::RingBuffer::new(64);
     let (output_in, output_out) = rtrb::RingBuffer::new(RING);
     let (record_in, record_out) = rtrb::RingBuffer::new(RING);
-    let (mut nets, mut net_ends) = (Vec::new(), Vec::new());
-    for body in 0..scene.body_count() {
-        let (mut free_in, free_out) = rtrb::RingBuffer::new(NET_BUFFERS);
-        let (full_in, full_out) = rtrb::RingBuffer::new(NET_BUFFERS);
-        if scene.deforms(body) {
-            let points = scene.rest_surface(body).net().points();
-            for _ in 0..NET_BUFFERS {
-                let frame = NetFrame { tick: 0, revision: 0, body, points: points.to_vec() };
-                let fits = free_in.push(Box::new(frame)).is_ok();
-                debug_assert!(fits, "the ring has room for all");
-            }
-        }
-        nets.push(NetPort {
-            free: free_out,
-            full: full_in,
-            sent_revision: 0,
-            sent_tick: 0,
-            moves: scene.deforms(body),
-        });
-        net_ends.push(NetEnd { free: free_in, full: full_out });
-    }
+    let (swap_in, swap_out) = rtrb::RingBuffer::new(1);
+    let (retired_in, retired_out) = rtrb::RingBuffer::new(1);
+    let (nets, net_ends) = net_ports(scene);
     let tick = TickPorts {
         latched: vec![0; poses.len()],
         poses,
         link_counters,
         commands: command_out,
         receipts: receipt_in,
+        swaps: swap_out,
+        retired: retired_in,
         outputs: output_in,
         records: record_in,
         nets,
         net_every: ((1.0 / scene.dt_s / NET_HZ).round() as u64).max(1),
         counters: counters.clone(),
         bus_thread: bus_thread.clone(),
-        tick_thread,
+        tick_thread: tick_thread.clone(),
     };
     let bus = BusPorts {
         poses: inboxes,
         commands: command_in,
         receipts: receipt_out,
+        swaps: swap_in,
+        retired: retired_out,
         outputs: output_out,
         records: record_out,
         nets: net_ends,
         counters,
         bus_thread,
+        tick_thread,
     };
     (tick, bus)
+}
+
+impl BusPorts {
+    /// A loop in lockstep sleeps until there is news: this is some.
+    pub fn wake_tick(&self) {
+        if let Some(thread) = self.tick_thread.get() {
+            thread.unpark();
+        }
+    }
 }
 
 impl TickPorts {

@@ -26,7 +26,12 @@ impl BusThread {
                 self.count_links();
                 reply(&query, &self.status);
             }
-            Inbox::Net(body, query) => reply(&query, &self.nets[body]),
+            Inbox::Net(body, query) => {
+                // A body that has just gone is no reply: the query ends empty.
+                if let Some(net) = self.nets.iter().find(|net| net.body == body) {
+                    reply(&query, net);
+                }
+            }
             Inbox::Info(query) => reply_json(&query, query.key_expr().clone(), &self.info()),
             Inbox::Schema(query) => schemas::answer(&self.keys, &query),
             Inbox::Metrics(query) => {

@@ -2,11 +2,13 @@
 
 use super::declared::{Declared, Inbox, Roles};
 use super::devices::Devices;
+use super::edit::Change;
 use super::history::History;
 use super::metrics::Figures;
 use super::tally::ToolTally;
 use crate::scene::Scene;
 use crate::tick::archive::Archive;
+use crate::tick::editor::Editor;
 use crate::tick::journal::JournalGauges;
 use crate::tick::overload::CAUSES;
 use crate::tick::playback::PlayerEnd;
@@ -36,6 +38,8 @@ pub trait ViewSink: Send {
     fn net(&mut self, net: &ControlNet);
     /// All contacts, some sixty times a second while there are any, and when they begin and end.
     fn contacts(&mut self, contacts: &ContactSet);
+    /// Other bodies than before; nets follow.
+    fn bodies(&mut self, ids: &[&str]);
     /// Health.
     fn status(&mut self, status: &LoopStatus);
     /// Everything that is counted, ten times a second.
@@ -58,6 +62,8 @@ pub struct BusSettings {
     pub recorder: Option<Arc<JournalGauges>>,
     /// Who records on demand, if anyone does.
     pub archive: Option<Box<dyn Archive>>,
+    /// Who remakes the scene on demand, if anyone does.
+    pub editor: Option<Box<dyn Editor>>,
     /// Who plays a recording instead of a loop, if that is what runs here.
     pub player: Option<PlayerEnd>,
 }
@@ -139,6 +145,8 @@ pub(super) struct BusThread {
     pub(super) next_id: u64,
     pub(super) events: u64,
     pub(super) history: History,
+    /// Of the scene, under way.
+    pub(super) change: Option<Change>,
     /// Since the start, by cause.
     pub(super) overruns: [u64; CAUSES.len()],
     pub(super) period: Histogram,
@@ -201,6 +209,7 @@ impl BusThread {
             next_id: 1,
             events: 0,
             history: History::default(),
+            change: None,
             overruns: [0; CAUSES.len()],
             period: Histogram::default(),
             step: Histogram::default(),
@@ -238,7 +247,10 @@ impl BusThread {
 
     fn serve(&mut self) {
         let player_news = self.player_news();
+        self.take_receipts();
         self.publish_forces();
+        // The receipt of a change comes before its first tick: all that came before the change is told now.
+        self.follow_change(None);
         while let Ok(record) = self.ports.records.pop() {
             self.tally(&record);
         }
@@ -247,10 +259,9 @@ impl BusThread {
         while let Ok(request) = self.requests.try_recv() {
             self.answer(request);
         }
-        while let Ok(receipt) = self.ports.receipts.pop() {
-            self.settle(receipt.id, &Reply::at(receipt.tick));
-        }
+        self.take_receipts();
         self.take_archive_news();
+        self.take_editor_news();
         self.take_player_news(player_news);
         if self.last_status.elapsed() >= STATUS_EVERY {
             self.publish_status();
@@ -264,7 +275,13 @@ impl BusThread {
 
     fn publish_forces(&mut self) {
         let mut fresh = false;
-        while let Ok(output) = self.ports.outputs.pop() {
+        while let Ok(output) = self.ports.outputs.peek() {
+            let tick = output.tick;
+            if self.change.is_some() {
+                self.take_receipts();
+                self.follow_change(Some(tick));
+            }
+            let Ok(output) = self.ports.outputs.pop() else { break };
             // In lockstep every tick's force is awaited; in real time only the newest counts.
             if self.lockstep || self.ports.outputs.is_empty() {
                 self.output = output;
@@ -346,6 +363,19 @@ impl BusThread {
                 viewer.contacts(&set);
             }
             let _ = self.declared().contacts.put(encode(&set)).wait();
+        }
+    }
+
+    /// All nets go out next, changed or not.
+    pub(super) fn refresh_nets(&mut self) {
+        self.last_nets = self.last_nets.checked_sub(NET_REFRESH).unwrap_or(self.last_nets);
+    }
+
+    /// Declares the bodies of the scene as it is now.
+    pub(super) fn declare_bodies(&mut self) -> zenoh::Result<()> {
+        match &mut self.declared {
+            Some(declared) => declared.bodies(&self.session, &self.keys, &self.settings.scene),
+            None => Ok(()),
         }
     }
 

@@ -24,7 +24,7 @@ pub(super) enum Inbox {
     Rpc(&'static str, Query),
     Scene(Query),
     Status(Query),
-    Net(usize, Query),
+    Net(String, Query),
     Info(Query),
     Schema(Query),
     Metrics(Query),
@@ -57,6 +57,9 @@ pub(super) struct Declared {
     /// What contacts do, by tool.
     pub(super) tool_contacts: Vec<Publisher<'static>>,
     pub(super) nets: Vec<Publisher<'static>>,
+    /// Of bodies: they may change.
+    net_queryables: Vec<zenoh::query::Queryable<()>>,
+    inbox: SyncSender<Inbox>,
     pub(super) contacts: Publisher<'static>,
     pub(super) status: Publisher<'static>,
     pub(super) events: Publisher<'static>,
@@ -115,7 +118,6 @@ impl Declared {
                 .wait()?;
             tool_subscribers.push(subscriber);
         }
-        let mut nets = Vec::new();
         let mut queryables = Vec::new();
         let mut queryable = |key: String, wrap: Box<dyn Fn(Query) -> Inbox + Send + Sync>| -> zenoh::Result<()> {
             let inbox = inbox.clone();
@@ -125,11 +127,6 @@ impl Declared {
             queryables.push(session.declare_queryable(key).callback(callback).wait()?);
             Ok(())
         };
-        for body in 0..scene.body_count() {
-            let key = keys.body_net(scene.body_id(body));
-            nets.push(publisher(key.clone(), encoding::<ControlNet>(), Priority::Data, drop, false)?);
-            queryable(key, Box::new(move |query| Inbox::Net(body, query)))?;
-        }
         for tool in 0..scene.tool_count() {
             queryable(keys.tool_device(scene.tool_id(tool)), Box::new(move |query| Inbox::Device(tool, query)))?;
         }
@@ -148,7 +145,7 @@ impl Declared {
         if roles.viewer {
             tokens.push(session.liveliness().declare_token(keys.live_viewer(&id)).wait()?);
         }
-        Ok(Self {
+        let mut declared = Self {
             _tool_subscribers: tool_subscribers,
             _live_subscriber: live_subscriber,
             _queryables: queryables,
@@ -157,11 +154,38 @@ impl Declared {
             recorder_key: keys.live_recorder(&id),
             forces,
             tool_contacts,
-            nets,
+            nets: Vec::new(),
+            net_queryables: Vec::new(),
+            inbox: inbox.clone(),
             contacts: publisher(keys.contact(), encoding::<ContactSet>(), Priority::DataHigh, drop, false)?,
             status: publisher(keys.status(), encoding::<LoopStatus>(), Priority::DataHigh, drop, false)?,
             events: publisher(keys.event(), encoding::<SimEvent>(), Priority::InteractiveLow, block, false)?,
-        })
+        };
+        declared.bodies(session, keys, scene)?;
+        Ok(declared)
+    }
+
+    /// Declares the nets of a scene in the place of those before.
+    pub(super) fn bodies(&mut self, session: &zenoh::Session, keys: &Keys, scene: &Scene) -> zenoh::Result<()> {
+        self.nets.clear();
+        self.net_queryables.clear();
+        for body in 0..scene.body_count() {
+            let id = scene.body_id(body).to_owned();
+            let key = keys.body_net(&id);
+            let net = session
+                .declare_publisher(key.clone())
+                .encoding(encoding::<ControlNet>())
+                .priority(Priority::Data)
+                .congestion_control(CongestionControl::Drop)
+                .wait()?;
+            let inbox = self.inbox.clone();
+            let asked = move |query| {
+                let _ = inbox.try_send(Inbox::Net(id.clone(), query));
+            };
+            self.net_queryables.push(session.declare_queryable(key).callback(asked).wait()?);
+            self.nets.push(net);
+        }
+        Ok(())
     }
 
     /// Shows whether something is being recorded.

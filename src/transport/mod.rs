@@ -8,6 +8,7 @@ mod bus;
 mod deadband;
 mod declared;
 mod devices;
+mod edit;
 mod history;
 mod metrics;
 mod poses;

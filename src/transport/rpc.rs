@@ -2,6 +2,7 @@
 
 use super::answers::reply_json;
 use super::bus::BusThread;
+use super::edit::edit;
 use crate::tick::archive::{ArchiveNews, ArchiveRequest};
 use crate::tick::playback::{PlayNews, PlayRequest};
 use crate::tick::ports::CommandRequest;
@@ -35,6 +36,8 @@ impl BusThread {
             self.ask_player(id, method, &request)
         } else if let Some(command) = loop_command(method, &request) {
             self.ask_loop(id, command)
+        } else if let Some(edit) = edit(method, &request) {
+            self.ask_editor(id, edit, request.bodies)
         } else {
             self.ask_archive(id, method, request)
         };

@@ -31,6 +31,8 @@ const POLICY: &str =
 #[derive(Clone, Debug, Default, Serialize)]
 struct Picture {
     nets: Vec<Net>,
+    /// Grows when the bodies become others: displacements begin anew.
+    scene: u32,
     tools: Vec<Tool>,
     contacts: Vec<Contact>,
     tick: u64,
@@ -196,6 +198,13 @@ impl ViewSink for Feed {
         let drawn =
             set.contacts.iter().map(|c| Contact { point: c.point, normal: c.normal, depth: c.depth, force: c.force });
         self.picture.contacts = drawn.collect();
+        self.show();
+    }
+
+    fn bodies(&mut self, ids: &[&str]) {
+        self.picture.nets.retain(|net| ids.contains(&net.body.as_str()));
+        self.picture.contacts.clear();
+        self.picture.scene += 1;
         self.show();
     }
 

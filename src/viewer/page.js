@@ -3,7 +3,7 @@
 const canvas = document.getElementById("scene");
 const text = document.getElementById("text");
 const pen = canvas.getContext("2d");
-let picture = null, rest = {}, chart = [];
+let picture = null, rest = {}, scene = 0, chart = [];
 let yaw = 0.7, pitch = 0.25, zoom = 1;
 
 canvas.addEventListener("pointermove", (e) => {
@@ -17,6 +17,7 @@ function connect() {
   socket.onmessage = (event) => {
     const next = JSON.parse(event.data);
     if (!next.nets) return;
+    if (next.scene !== scene) { rest = {}; scene = next.scene; }
     for (const net of next.nets) if (!(net.body in rest)) rest[net.body] = net.points;
     picture = next;
     const size = next.tools.length ? Math.hypot(...next.tools[0].force) : 0;

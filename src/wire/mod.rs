@@ -231,5 +231,6 @@ pub fn event_words(kind: &wire::EventKind) -> (&'static str, String) {
         Kind::QualityChanged { level, reason } => ("quality_changed", format!("{level}: {reason}")),
         Kind::DeviceTold { tool, name } => ("device_told", format!("{tool}: {name}")),
         Kind::RecordFailed { path, reason } => ("record_failed", format!("{path}: {reason}")),
+        Kind::SceneChanged { what } => ("scene_changed", what.clone()),
     }
 }

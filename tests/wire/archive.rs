@@ -74,6 +74,7 @@ fn requests_go_to_the_keeper_and_its_news_become_answers_events_and_tokens() {
         viewer_url: None,
         recorder: Some(gauges),
         archive: Some(Box::new(archive)),
+        editor: None,
         player: None,
     };
     let bus = Bus::start(session, bus_ports, settings).unwrap();

@@ -105,6 +105,13 @@ class RecordFailed:
     reason: str
 
 
+@dataclass(frozen=True)
+class SceneChanged:
+    """Another scene runs from this tick on: bodies were merged or moved. Ask for the scene anew."""
+
+    what: str
+
+
 #: What happened. May grow at its end: skip an event that raises :class:`palpate.UnknownCase`.
 EventKind = Union[
     Reset,
@@ -121,6 +128,7 @@ EventKind = Union[
     QualityChanged,
     DeviceTold,
     RecordFailed,
+    SceneChanged,
 ]
 
 __all__ = [
@@ -136,6 +144,7 @@ __all__ = [
     "RecordStopped",
     "Reset",
     "Resumed",
+    "SceneChanged",
     "Stopping",
     "ToolJoined",
     "ToolLost",

@@ -61,5 +61,10 @@ export const EventKind = cases({
     path: text,
     reason: text,
   }),
+  /** Another scene runs from this tick on: bodies were merged or moved. Ask for the scene anew. */
+  SceneChanged: struct({
+    /** What became of which bodies. */
+    what: text,
+  }),
 });
 export type EventKind = Value<typeof EventKind>;

@@ -148,6 +148,7 @@ pub fn events() -> Vec<(&'static str, SimEvent)> {
             "record_failed",
             EventKind::RecordFailed { path: "run.mcap".into(), reason: "no space left on device".into() },
         ),
+        ("scene_changed", EventKind::SceneChanged { what: "a and b are one body, a-b".into() }),
     ];
     let event = |k: usize, kind| SimEvent { tick: 500, seq: k as u64 + 1, t_ns: 1_700_000_000_123, kind };
     kinds.into_iter().enumerate().map(|(k, (name, kind))| (name, event(k, kind))).collect()

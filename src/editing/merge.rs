@@ -1,0 +1,60 @@
+//! One body in the place of several.
+
+use super::Edited;
+use crate::modeling::merge::{self, Arrangement, MergeSpec, Method};
+use crate::scene::{Scene, SceneChange};
+use crate::surface::Surface;
+use serde_json::json;
+
+/// As a client asked.
+pub(super) struct Asked<'a> {
+    pub id: Option<&'a str>,
+    pub continuity: Option<u32>,
+    pub method: Option<&'a str>,
+    pub tolerance_m: Option<f64>,
+}
+
+/// Two bodies at their closest edges; four as `[a b; c d]`; others in a row.
+pub(super) fn merge(
+    scene: &Scene,
+    bodies: &[usize],
+    surfaces: &[Surface],
+    asked: &Asked<'_>,
+) -> Result<Edited, String> {
+    let usual = MergeSpec::default();
+    let method = match asked.method {
+        None => usual.method,
+        Some("seed") => Method::Seed,
+        Some("constrained") => Method::Constrained,
+        Some("exact") => Method::Exact,
+        Some(name) => return Err(format!("there is no method {name:?} of merging; there are seed, constrained, exact")),
+    };
+    let arrangement = match surfaces.len() {
+        2 => Arrangement::Closest,
+        4 => Arrangement::Grid { rows: 2, columns: 2 },
+        columns => Arrangement::Grid { rows: 1, columns },
+    };
+    let continuity = asked.continuity.map_or(usual.continuity, |c| c as usize);
+    let spec = MergeSpec { continuity, method, arrangement, tolerance_m: asked.tolerance_m, ..usual };
+    let merged = merge::merge(surfaces, &spec).map_err(|e| e.to_string())?;
+    let names: Vec<&str> = bodies.iter().map(|&body| scene.body_id(body)).collect();
+    let id = asked.id.map_or_else(|| joined(&names), ToOwned::to_owned);
+    palpate_proto::keys::check_id(&id).map_err(|e| e.to_string())?;
+    let change = SceneChange::merged(scene, bodies, &id, &merged.surface).map_err(|e| e.to_string())?;
+    let told = merged.report(surfaces);
+    let seams: Vec<serde_json::Value> = told.seams.iter().map(|(_, continuity)| json!(continuity)).collect();
+    let net = merged.surface.net();
+    let report = json!({
+        "id": id, "net": [net.rows(), net.columns()], "deviation": told.deviation, "seams": seams, "before": told.before,
+    });
+    let what = format!("merged {} into {id} with C{continuity}", names.join(", "));
+    Ok(Edited { change: Some(change), what, report })
+}
+
+/// An id for what several bodies become.
+fn joined(names: &[&str]) -> String {
+    let mut id = names.join("-");
+    // Ids are ASCII.
+    id.truncate(64);
+    id
+}

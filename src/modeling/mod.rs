@@ -1,0 +1,1 @@
+//! Modeling on B-splines: merge, isolate, pipe, branch.
