@@ -169,3 +169,44 @@ fn a_running_loop_takes_the_next_scene_over_without_a_gap_or_an_allocation() {
     assert!(jump_n < 0.05 * force_n, "the force jumped by {jump_n} N from {force_n} N");
     assert_eq!(swap.scene().rest_surface(2).net().at(0, 0).z, 0.0, "the scene before it comes back");
 }
+
+/// A sheet that sags under its weight and steps once in four ticks: whenever the scene changes round it, in the midst of a
+/// step as well, it moves as if nothing had happened.
+#[test]
+fn a_body_that_stays_moves_on_bit_for_bit_also_in_the_midst_of_its_step() {
+    const SAGGING: &str = r#"
+[gravity]
+acceleration = [0.0, 0.0, -9.81]
+[[body]]
+id = "sheet"
+surface = { builtin = "sheet", size = 0.1 }
+model = "membrane"
+lattice = { thickness_m = 2e-3 }
+integrator = { every = 4 }
+fixed = [{ point = [-0.049, 0, 0], normal = [1, 0, 0] }]
+[[body]]
+id = "ball"
+surface = { builtin = "sphere", size = 0.02 }
+pose = { position = [0.5, 0.0, 0.0] }
+"#;
+    let run = |change_after: Option<u64>| {
+        let mut scene = Arc::new(scene(SAGGING));
+        let mut state = scene.initial_state();
+        let mut scratch = scene.scratch(&state);
+        for tick in 1..=80 {
+            step(&scene, &mut state, &mut scratch, &TickInput::default());
+            if change_after == Some(tick) {
+                let change = SceneChange::moved(&scene, &[(1, Vector3::new(0.0, 0.1, 0.0))]).unwrap();
+                let next = Arc::new(rebuilt(&change));
+                let (mut swap, _nets) = Swap::new(1, next, change.origins, Box::new(NoJournal)).unwrap();
+                swap.exchange(&mut scene, &mut state, &mut scratch);
+            }
+        }
+        state.bodies[0].lattice.clone().unwrap()
+    };
+    let undisturbed = run(None);
+    assert!(undisturbed.positions.iter().any(|p| p.z < -1e-4), "nothing sags");
+    for tick in 40..44 {
+        assert_eq!(run(Some(tick)), undisturbed, "changed after tick {tick}");
+    }
+}

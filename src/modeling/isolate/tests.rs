@@ -1,0 +1,4 @@
+//! The given pairs, hard cases, laws.
+
+mod pairs;
+mod table;

@@ -1,0 +1,188 @@
+//! Two triangles: where they cross, and how far apart they are.
+//!
+//! Crossing by signed distances to each other's planes and intervals on the common line (Möller, *A fast triangle-triangle
+//! intersection test*, 1997). Distances within a tolerance of a plane are zero, so that touching counts as crossing.
+//! Distance by the nine pairs of edges and six of corner and face (Ericson, *Real-Time Collision Detection*, ch. 5).
+
+use crate::math::Vector3;
+
+/// A triangle with its plane, m. The normal is zero when the triangle has no area.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Triangle {
+    pub corners: [Vector3; 3],
+    /// Unit, by the right-hand rule.
+    pub normal: Vector3,
+    /// normal · x of the plane.
+    pub offset: f64,
+}
+
+/// How two triangles meet.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Crossing {
+    /// In one plane, with a common point.
+    Coplanar,
+    /// Along a segment of the line of their planes; the ends are equal when they only touch.
+    Segment(Vector3, Vector3),
+}
+
+impl Triangle {
+    pub fn new(corners: [Vector3; 3]) -> Self {
+        let [a, b, c] = corners;
+        let normal = (b - a).cross(&(c - a)).try_normalize(0.0).unwrap_or_else(Vector3::zeros);
+        // The mean of three products is nearer to all corners than the product of one.
+        Self { corners, normal, offset: normal.dot(&(a + b + c)) / 3.0 }
+    }
+
+    /// The same triangle elsewhere.
+    pub fn moved(&self, by: &Vector3) -> Self {
+        Self { corners: self.corners.map(|p| p + by), normal: self.normal, offset: self.offset + self.normal.dot(by) }
+    }
+
+    fn has_area(&self) -> bool {
+        self.normal != Vector3::zeros()
+    }
+
+    /// Signed distances of the other's corners from this plane; within `tolerance` is zero.
+    fn heights(&self, other: &Self, tolerance: f64) -> [f64; 3] {
+        other.corners.map(|p| {
+            let height = self.normal.dot(&p) - self.offset;
+            if height.abs() <= tolerance { 0.0 } else { height }
+        })
+    }
+
+    /// The part on the plane that its corners have these heights over: up to two ends.
+    fn cut(&self, heights: &[f64; 3]) -> Option<(Vector3, Vector3)> {
+        let mut ends: [Option<Vector3>; 2] = [None; 2];
+        let mut push = |p: Vector3| match &mut ends {
+            [slot @ None, _] | [_, slot @ None] => *slot = Some(p),
+            _ => {}
+        };
+        for i in 0..3 {
+            let j = (i + 1) % 3;
+            let (a, b) = (heights[i], heights[j]);
+            if a == 0.0 {
+                push(self.corners[i]);
+            } else if a * b < 0.0 {
+                push(self.corners[i] + (self.corners[j] - self.corners[i]) * (a / (a - b)));
+            }
+        }
+        let first = ends[0]?;
+        Some((first, ends[1].unwrap_or(first)))
+    }
+}
+
+/// Where two triangles meet; triangles without area meet nothing. The segment runs along `a.normal × b.normal`.
+pub(super) fn crossing(a: &Triangle, b: &Triangle, tolerance: f64) -> Option<Crossing> {
+    let apart = |h: &[f64; 3]| h.iter().all(|&x| x > 0.0) || h.iter().all(|&x| x < 0.0);
+    let over_a = a.heights(b, tolerance);
+    if apart(&over_a) {
+        return None;
+    }
+    let over_b = b.heights(a, tolerance);
+    if apart(&over_b) || !a.has_area() || !b.has_area() {
+        return None;
+    }
+    if over_a == [0.0; 3] || over_b == [0.0; 3] {
+        return coplanar_meet(a, b, tolerance).then_some(Crossing::Coplanar);
+    }
+    let line = a.normal.cross(&b.normal).try_normalize(0.0)?;
+    let on_line = |(p, q): (Vector3, Vector3)| {
+        let (s, t) = (line.dot(&p), line.dot(&q));
+        if s <= t { [(s, p), (t, q)] } else { [(t, q), (s, p)] }
+    };
+    let [a_low, a_high] = on_line(a.cut(&over_b)?);
+    let [b_low, b_high] = on_line(b.cut(&over_a)?);
+    let low = if a_low.0 >= b_low.0 { a_low } else { b_low };
+    let high = if a_high.0 <= b_high.0 { a_high } else { b_high };
+    if high.0 < low.0 - tolerance {
+        return None;
+    }
+    Some(if high.0 < low.0 { Crossing::Segment(low.1, low.1) } else { Crossing::Segment(low.1, high.1) })
+}
+
+/// Two triangles of one plane: no edge of either has the other wholly on its outer side (separating axes).
+fn coplanar_meet(a: &Triangle, b: &Triangle, tolerance: f64) -> bool {
+    let outside = |t: &Triangle, other: &Triangle| {
+        (0..3).any(|i| {
+            let (p, q) = (t.corners[i], t.corners[(i + 1) % 3]);
+            let outward = (q - p).cross(&t.normal);
+            let reach = tolerance * outward.norm();
+            other.corners.iter().all(|c| outward.dot(&(c - p)) > reach)
+        })
+    };
+    !outside(a, b) && !outside(b, a)
+}
+
+/// Nearest points of two triangles that do not cross: (squared distance, on a, on b).
+pub(super) fn nearest(a: &Triangle, b: &Triangle) -> (f64, Vector3, Vector3) {
+    let mut best = (f64::INFINITY, a.corners[0], b.corners[0]);
+    let mut offer = |p: Vector3, q: Vector3| {
+        let d = (p - q).norm_squared();
+        if d < best.0 {
+            best = (d, p, q);
+        }
+    };
+    for i in 0..3 {
+        for j in 0..3 {
+            let (p, q) = nearest_of_segments(
+                (a.corners[i], a.corners[(i + 1) % 3]),
+                (b.corners[j], b.corners[(j + 1) % 3]),
+            );
+            offer(p, q);
+        }
+    }
+    for &corner in &a.corners {
+        if let Some(foot) = foot_inside(b, &corner) {
+            offer(corner, foot);
+        }
+    }
+    for &corner in &b.corners {
+        if let Some(foot) = foot_inside(a, &corner) {
+            offer(foot, corner);
+        }
+    }
+    best
+}
+
+/// The foot of a point on the plane of a triangle, where it lies inside.
+fn foot_inside(t: &Triangle, point: &Vector3) -> Option<Vector3> {
+    if !t.has_area() {
+        return None;
+    }
+    let foot = point - t.normal * (t.normal.dot(point) - t.offset);
+    let inside = (0..3).all(|i| {
+        let (p, q) = (t.corners[i], t.corners[(i + 1) % 3]);
+        (q - p).cross(&(foot - p)).dot(&t.normal) >= 0.0
+    });
+    inside.then_some(foot)
+}
+
+/// Nearest points of two segments (Ericson, 5.1.9).
+fn nearest_of_segments((p1, q1): (Vector3, Vector3), (p2, q2): (Vector3, Vector3)) -> (Vector3, Vector3) {
+    let (d1, d2, r) = (q1 - p1, q2 - p2, p1 - p2);
+    let (a, e, f) = (d1.norm_squared(), d2.norm_squared(), d2.dot(&r));
+    let unit = |x: f64| x.clamp(0.0, 1.0);
+    let (s, t) = if a <= 0.0 && e <= 0.0 {
+        (0.0, 0.0)
+    } else if a <= 0.0 {
+        (0.0, unit(f / e))
+    } else {
+        let c = d1.dot(&r);
+        if e <= 0.0 {
+            (unit(-c / a), 0.0)
+        } else {
+            let b = d1.dot(&d2);
+            let determinant = a * e - b * b;
+            let s = if determinant > 0.0 { unit((b * f - c * e) / determinant) } else { 0.0 };
+            let t = (b * s + f) / e;
+            if t < 0.0 {
+                (unit(-c / a), 0.0)
+            } else if t > 1.0 {
+                (unit((b - c) / a), 1.0)
+            } else {
+                (s, t)
+            }
+        }
+    };
+    (p1 + d1 * s, p2 + d2 * t)
+}

@@ -1,0 +1,260 @@
+//! Least squares for lines of points: a clamped basis, its ends free or held at the first and last sample.
+//!
+//! With the ends held, what they contribute is taken from the samples and the rest is fitted: the first and last control
+//! points are then exactly the first and last sample (elimination of two linear constraints). The normal matrix AᵀA is
+//! banded; it is factored once (Cholesky) and serves every column.
+
+use crate::basis::{Blending, KnotVector};
+
+/// What becomes of the ends.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Ends {
+    /// Fitted as all the others (eq. 3.7).
+    Free,
+    /// Through the first and the last sample.
+    Held,
+}
+
+/// A pivot below this share of its diagonal is rounding: no sample tells that control point from those before it.
+const DEPENDENT: f64 = 1e-12;
+/// How much differences of neighbours count where samples say too little, as a share of the largest diagonal.
+const RIDGE: f64 = 1e-9;
+
+/// Factored least-squares fit for one set of knots and parameters.
+pub(super) struct LineFit {
+    blending: Blending,
+    ends: Ends,
+    band: Band,
+}
+
+impl LineFit {
+    /// Parameters rise from one end of the domain to the other.
+    pub(super) fn new(knots: &KnotVector, parameters: &[f64], ends: Ends) -> Self {
+        let blending = Blending::new(knots, parameters);
+        let skip = usize::from(ends == Ends::Held);
+        let inner = blending.columns() - 2 * skip;
+        let mut normal = Band::new(inner, blending.width());
+        for row in 0..blending.rows() {
+            let (first, values) = blending.row(row, 0);
+            // The held ends are no unknowns.
+            let cut = skip.saturating_sub(first);
+            let start = (first + cut).saturating_sub(skip);
+            let length = (values.len() - cut).min(inner.saturating_sub(start));
+            normal.add_row(start, &values[cut..cut + length]);
+        }
+        Self { blending, ends, band: normal.factored() }
+    }
+
+    /// (rows × width) samples → (columns × width) control points; one step of refinement gives back the digits that
+    /// squaring A has cost.
+    pub(super) fn fit(&self, samples: &[f64], width: usize) -> Vec<f64> {
+        let mut points = self.rough(samples, width);
+        let misses: Vec<f64> = self.misses(samples, &points, width);
+        let skip = usize::from(self.ends == Ends::Held) * width;
+        let mut correction = self.transposed(&misses, width);
+        let inner = skip..correction.len() - skip;
+        self.band.solve(&mut correction[inner.clone()], width);
+        points[inner.clone()].iter_mut().zip(&correction[inner]).for_each(|(p, c)| *p += c);
+        points
+    }
+
+    /// [`LineFit::fit`] without the refinement: for searches.
+    pub(super) fn rough(&self, samples: &[f64], width: usize) -> Vec<f64> {
+        if self.ends == Ends::Free {
+            let mut points = self.transposed(samples, width);
+            self.band.solve(&mut points, width);
+            return points;
+        }
+        let last = self.blending.columns() - 1;
+        let mut rest = samples.to_vec();
+        let (head, tail) = (&samples[..width], &samples[samples.len() - width..]);
+        for (row, rest) in rest.chunks_exact_mut(width).enumerate() {
+            let (first, values) = self.blending.row(row, 0);
+            for (a, value) in values.iter().enumerate() {
+                let end = if first + a == 0 { head } else { tail };
+                if first + a == 0 || first + a == last {
+                    rest.iter_mut().zip(end).for_each(|(x, e)| *x -= value * e);
+                }
+            }
+        }
+        let mut points = self.transposed(&rest, width);
+        let inner = width..last * width;
+        self.band.solve(&mut points[inner], width);
+        points[..width].copy_from_slice(head);
+        points[last * width..].copy_from_slice(tail);
+        points
+    }
+
+    /// What the samples have and the line through the control points has not.
+    pub(super) fn misses(&self, samples: &[f64], points: &[f64], width: usize) -> Vec<f64> {
+        let mut misses = samples.to_vec();
+        for (row, miss) in misses.chunks_exact_mut(width).enumerate() {
+            let (first, values) = self.blending.row(row, 0);
+            for (value, point) in values.iter().zip(points[first * width..].chunks_exact(width)) {
+                miss.iter_mut().zip(point).for_each(|(x, p)| *x -= value * p);
+            }
+        }
+        misses
+    }
+
+    fn transposed(&self, samples: &[f64], width: usize) -> Vec<f64> {
+        let mut out = vec![0.0; self.blending.columns() * width];
+        for (row, sample) in samples.chunks_exact(width).enumerate() {
+            let (first, values) = self.blending.row(row, 0);
+            for (value, out) in values.iter().zip(out[first * width..].chunks_exact_mut(width)) {
+                out.iter_mut().zip(sample).for_each(|(o, x)| *o += value * x);
+            }
+        }
+        out
+    }
+}
+
+/// The lower half of a symmetric banded matrix, or its Cholesky factor: row i holds (i, i), (i, i − 1), …
+pub(super) struct Band {
+    width: usize,
+    rows: Vec<f64>,
+}
+
+impl Band {
+    pub(super) fn new(count: usize, width: usize) -> Self {
+        Self { width, rows: vec![0.0; count * width] }
+    }
+
+    /// Adds a row of A, values from column `first` on, to AᵀA.
+    pub(super) fn add_row(&mut self, first: usize, values: &[f64]) {
+        for (a, x) in values.iter().enumerate() {
+            let row = &mut self.rows[(first + a) * self.width..];
+            values[..=a].iter().enumerate().for_each(|(b, y)| row[a - b] += x * y);
+        }
+    }
+
+    fn count(&self) -> usize {
+        self.rows.len() / self.width
+    }
+
+    /// The factor; where samples do not tell all control points apart, differences of neighbours are held small too.
+    pub(super) fn factored(self) -> Self {
+        if let Some(factor) = self.cholesky() {
+            return factor;
+        }
+        let largest = (0..self.count()).map(|i| self.rows[i * self.width]).fold(0.0, f64::max);
+        let mut tied = self;
+        for tie in [RIDGE * largest, 1e-6 * largest] {
+            for i in 1..tied.count() {
+                let w = tied.width;
+                tied.rows[(i - 1) * w] += tie;
+                tied.rows[i * w] += tie;
+                tied.rows[i * w + 1] -= tie;
+            }
+            if let Some(factor) = tied.cholesky() {
+                return factor;
+            }
+        }
+        // Samples that hold not even a constant: none at all.
+        (0..tied.count()).for_each(|i| tied.rows[i * tied.width] += largest.max(1.0));
+        tied.cholesky().expect("a positive diagonal was added to a sum of squares")
+    }
+
+    fn cholesky(&self) -> Option<Self> {
+        let (n, w) = (self.count(), self.width);
+        let mut l = self.rows.clone();
+        for i in 0..n {
+            for j in i.saturating_sub(w - 1)..=i {
+                let mut sum = self.rows[i * w + (i - j)];
+                for k in i.saturating_sub(w - 1)..j {
+                    // (j, k) is inside the band because (i, k) is.
+                    sum -= l[i * w + (i - k)] * l[j * w + (j - k)];
+                }
+                if j < i {
+                    l[i * w + (i - j)] = sum / l[j * w];
+                } else if sum > DEPENDENT * self.rows[i * w] && sum.is_finite() {
+                    l[i * w] = sum.sqrt();
+                } else {
+                    return None;
+                }
+            }
+        }
+        Some(Self { width: w, rows: l })
+    }
+
+    /// Solves in place for (count × columns) right-hand sides.
+    pub(super) fn solve(&self, x: &mut [f64], columns: usize) {
+        let (n, w) = (self.count(), self.width);
+        for i in 0..n {
+            let (before, row) = x.split_at_mut(i * columns);
+            let row = &mut row[..columns];
+            for k in i.saturating_sub(w - 1)..i {
+                let l = self.rows[i * w + (i - k)];
+                row.iter_mut().zip(&before[k * columns..]).for_each(|(r, b)| *r -= l * b);
+            }
+            let pivot = self.rows[i * w];
+            row.iter_mut().for_each(|r| *r /= pivot);
+        }
+        for i in (0..n).rev() {
+            let (row, after) = x[i * columns..].split_at_mut(columns);
+            for k in i + 1..n.min(i + w) {
+                let l = self.rows[k * w + (k - i)];
+                row.iter_mut().zip(&after[(k - i - 1) * columns..]).for_each(|(r, a)| *r -= l * a);
+            }
+            let pivot = self.rows[i * w];
+            row.iter_mut().for_each(|r| *r /= pivot);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::basis::testing::Random;
+
+    fn line(random: &mut Random, count: usize, width: usize) -> Vec<f64> {
+        (0..count * width).map(|_| random.float(-1.0, 1.0)).collect()
+    }
+
+    #[test]
+    fn samples_of_a_line_give_its_control_points_back() {
+        let mut random = Random(5);
+        for _ in 0..50 {
+            let degree = random.integer(1, 6);
+            let count = random.integer(degree + 1, degree + 9);
+            let knots = KnotVector::clamped_uniform(degree, count).unwrap();
+            let parameters: Vec<f64> = (0..=200).map(|k| k as f64 / 200.0).collect();
+            let points = line(&mut random, count, 3);
+            for ends in [Ends::Free, Ends::Held] {
+                let fit = LineFit::new(&knots, &parameters, ends);
+                let zero = vec![0.0; parameters.len() * 3];
+                let samples: Vec<f64> = fit.misses(&zero, &points, 3).iter().map(|x| -x).collect();
+                let back = fit.fit(&samples, 3);
+                let worst = points.iter().zip(&back).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+                assert!(worst < 1e-11, "degree {degree}, {count} points, {ends:?}: off by {worst}");
+            }
+        }
+    }
+
+    // What is left over is at right angles to every free basis function: the definition of the least sum of squares.
+    #[test]
+    fn no_held_fit_misses_less() {
+        let mut random = Random(6);
+        let knots = KnotVector::new(3, vec![0.0, 0.0, 0.0, 0.0, 0.3, 0.5, 0.5, 0.8, 1.0, 1.0, 1.0, 1.0]).unwrap();
+        let parameters: Vec<f64> = (0..=60).map(|k| k as f64 / 60.0).collect();
+        let fit = LineFit::new(&knots, &parameters, Ends::Held);
+        let samples = line(&mut random, 61, 2);
+        let points = fit.fit(&samples, 2);
+        assert_eq!((&points[..2], &points[14..]), (&samples[..2], &samples[120..]));
+        let left = fit.transposed(&fit.misses(&samples, &points, 2), 2);
+        let worst = left[2..14].iter().map(|x| x.abs()).fold(0.0, f64::max);
+        assert!(worst < 1e-12, "{left:?}");
+    }
+
+    #[test]
+    fn knots_without_samples_are_bridged_without_a_fault() {
+        let knots = KnotVector::clamped_uniform(3, 20).unwrap();
+        let parameters: Vec<f64> = (0..=10).flat_map(|k| [k as f64 * 0.02, 0.8 + k as f64 * 0.02]).collect();
+        let mut parameters = parameters;
+        parameters.sort_by(f64::total_cmp);
+        let fit = LineFit::new(&knots, &parameters, Ends::Held);
+        let samples: Vec<f64> = parameters.clone();
+        let points = fit.fit(&samples, 1);
+        assert!(points.iter().all(|x| x.is_finite() && *x >= -1e-6 && *x <= 1.0 + 1e-6), "{points:?}");
+    }
+}
