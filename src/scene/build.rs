@@ -286,6 +286,8 @@ fn build_body(scene: &SceneSpec, spec: &BodySpec, path: &str, directory: &Path, 
     let placement = pose(&spec.pose, &format!("{path}.pose"))?;
     let original =
         build_surface(&spec.surface, &format!("{path}.surface"), directory)?.oriented_outward().transformed(&placement);
+    // Copies of a branching surface move together, so they start equal bit for bit.
+    let original = if original.joints().is_some() { original.with_exact_seams() } else { original };
     let original_net = [original.net().rows(), original.net().columns()];
     let topology = original.topology();
     let two_sided = !topology.is_closed();
