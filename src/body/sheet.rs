@@ -54,8 +54,7 @@ impl Sheet {
             for row in u0..=u1 {
                 for column in v0..=v1 {
                     if row < u1 && column < v1 {
-                        let quad =
-                            [at(row, column), at(row, column + 1), at(row + 1, column + 1), at(row + 1, column)];
+                        let quad = [at(row, column), at(row, column + 1), at(row + 1, column + 1), at(row + 1, column)];
                         sheet.quads.push(quad);
                     }
                     if row > u0 && row < u1 {

@@ -173,6 +173,14 @@ fn build_pairs(
             ContactMethod::Exact => {}
             ContactMethod::None => pairs.retain(|pair| !named(pair)),
             ContactMethod::Spheres => {
+                let other = match holder {
+                    Holder::Body(other) => bodies[other as usize].surface.joints().is_some(),
+                    Holder::Tool(_) => false,
+                };
+                if other || bodies[body].surface.joints().is_some() {
+                    let reason = "a surface in joined pieces has no \"spheres\" contact; use method = \"exact\"";
+                    return Err(error(format!("contact[{c}].method"), reason));
+                }
                 let resolution = contact.resolution.unwrap_or(SPHERES_RESOLUTION);
                 for pair in pairs.iter_mut().filter(|pair| named(pair)) {
                     pair.method = Method::Spheres(resolution);

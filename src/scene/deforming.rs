@@ -11,8 +11,8 @@ use crate::basis::KnotVector;
 use crate::body::layers;
 use crate::body::net::{self, Axis, Reduced};
 use crate::body::{
-    self, CellGrid, Deformable, DeformableError, Inside, Integrator, Material, NodeMap, Plastic, Sheet, Solid, SomSettings,
-    SpringRule, StepSettings, Stiffening,
+    self, CellGrid, Deformable, DeformableError, Inside, Integrator, Material, NodeMap, Plastic, Sheet, Solid,
+    SomSettings, SpringRule, StepSettings, Stiffening,
 };
 use crate::math::{Point3, Pose, Vector3};
 use crate::surface::{Closing, Direction, Surface};

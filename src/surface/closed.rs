@@ -49,10 +49,10 @@ impl Surface {
             }
             topology.torn[direction] = !whole
                 && knots.disjoined().into_iter().any(|knot| {
-                let left = self.iso_row(direction, knot, Side::Left);
-                let right = self.iso_row(direction, knot, Side::Right);
-                !coincide(&left, &right, tolerance)
-            });
+                    let left = self.iso_row(direction, knot, Side::Left);
+                    let right = self.iso_row(direction, knot, Side::Right);
+                    !coincide(&left, &right, tolerance)
+                });
         }
         topology
     }

@@ -163,6 +163,12 @@ impl Joints {
         self.hidden[span_u * self.columns + span_v]
     }
 
+    /// A place is on a patch that is drawn elsewhere.
+    pub fn is_duplicate_at(&self, u: f64, v: f64) -> bool {
+        let strip = |d: usize, x: f64| self.strips[d].partition_point(|s| s.range[0] <= x).max(1) - 1;
+        self.patches[strip(0, u) * self.strips[1].len() + strip(1, v)].duplicate_of.is_some()
+    }
+
     /// (spans in u × spans in v).
     pub(crate) fn hidden(&self) -> &[bool] {
         &self.hidden
@@ -255,7 +261,8 @@ impl Joints {
             let (d, k, share) = all[next];
             next += 1;
             let mut add = |d: usize, k: usize, share: f64| {
-                let known = |&(e, l, other): &(usize, usize, f64)| e == d && l == k && (other - share).abs() < SAME_KNOT;
+                let known =
+                    |&(e, l, other): &(usize, usize, f64)| e == d && l == k && (other - share).abs() < SAME_KNOT;
                 if !all.iter().any(known) {
                     all.push((d, k, share));
                 }
@@ -324,9 +331,9 @@ impl Joints {
         let patch = self.patch_of([at.i, at.j]);
         let joined = patch.map_or(&[] as &[Joined], |patch| self.joined[4 * patch + side].as_slice());
         let share = patch.map_or(0.0, |patch| self.share_along(patch, side, at));
-        joined.iter().map(move |other| {
-            (self.spot(other.edge, if other.against { 1.0 - share } else { share }), other.edge.side)
-        })
+        joined
+            .iter()
+            .map(move |other| (self.spot(other.edge, if other.against { 1.0 - share } else { share }), other.edge.side))
     }
 
     /// The place of an edge of a patch that is nearest, in parameters, to one in the patch.
@@ -405,9 +412,9 @@ impl Joints {
                 }
                 for (spot, _) in self.beyond(here, side) {
                     let patch = self.patch_of([spot.i, spot.j]);
-                    let known = all.spots[..all.count].iter().any(|s| {
-                        self.patch_of([s.i, s.j]) == patch && self.edges_at(*s) == self.edges_at(spot)
-                    });
+                    let known = all.spots[..all.count]
+                        .iter()
+                        .any(|s| self.patch_of([s.i, s.j]) == patch && self.edges_at(*s) == self.edges_at(spot));
                     if !known && all.count < MOST_MEETING {
                         all.spots[all.count] = spot;
                         all.count += 1;
@@ -555,7 +562,7 @@ fn same_knots(a: &Strip, b: &Strip, against: bool) -> bool {
 }
 
 /// Points joined into sets; the least index of a set is its root.
-pub(super) struct Sets {
+pub(crate) struct Sets {
     to: Vec<usize>,
 }
 
@@ -576,3 +583,6 @@ impl Sets {
         self.to[a.max(b)] = a.min(b);
     }
 }
+
+#[cfg(test)]
+mod tests;

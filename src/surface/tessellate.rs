@@ -8,7 +8,7 @@
 //! gives a closed mesh. At creases and gaps corners are doubled: each side has its own normals. Of a branching surface each
 //! patch is drawn once, and corners on joined edges are equal bit for bit.
 
-use super::joints::{Joints, Spot};
+use super::joints::{Edge, Joints, Sets};
 use super::{BezierPieces, Mesh, Surface};
 use crate::basis::{KnotVector, Side};
 use crate::math::{Point3, Vector3};
@@ -117,12 +117,12 @@ impl Surface {
                     if knots.multiplicity(s.at) <= knots.degree() { Side::Right } else { s.side }
                 };
                 let (side_u, side_v) = (whole(self.knots_u(), a), whole(self.knots_v(), b));
-                mesh.points.push(match &joints {
-                    Some(joints) => self.joint_point(joints, a, b),
-                    None => self.frame_from(a.at, b.at, side_u, side_v).point,
-                });
+                mesh.points.push(self.frame_from(a.at, b.at, side_u, side_v).point);
                 mesh.normals.push(self.normal_of(&frame, a.at, b.at));
             }
+        }
+        if let Some(joints) = &joints {
+            Self::weld(joints, [&us, &vs], &numbers, &mut mesh.points);
         }
         for i in (0..us.len() - 1).filter(|&i| us[i].joined) {
             for j in (0..vs.len() - 1).filter(|&j| vs[j].joined) {
@@ -137,14 +137,33 @@ impl Surface {
         Ok(mesh)
     }
 
-    /// The point of a corner of a branching surface: of all places that meet there the same one, to the last bit.
-    fn joint_point(&self, joints: &Joints, a: &Station, b: &Station) -> Point3 {
-        let here = Spot { i: a.span, j: b.span, u: a.at, v: b.at };
-        let meeting = joints.meeting(here);
-        let first = meeting.spots().iter().min_by_key(|s| (s.i, s.j)).unwrap_or(&here);
-        let [_, u1, _, v1] = joints.edges_at(*first);
-        let side = |end: bool| if end { Side::Left } else { Side::Right };
-        self.frame_from(first.u, first.v, side(u1), side(v1)).point
+    /// Corners on joined edges, which are as many on either side, made equal to the last bit.
+    fn weld(joints: &Joints, stations: [&[Station]; 2], numbers: &[u32], points: &mut [Point3]) {
+        let columns = stations[1].len();
+        let corners = |edge: Edge| -> Vec<u32> {
+            let strips = joints.strips_of(edge.patch);
+            let held = edge.side / 2;
+            let within = |d: usize| {
+                let all = stations[d];
+                let from = all.partition_point(|s| s.span < strips[d].spans.start);
+                from..all.partition_point(|s| s.span < strips[d].spans.end)
+            };
+            let (across, along) = (within(held), within(1 - held));
+            let at = if edge.side % 2 == 0 { across.start } else { across.end - 1 };
+            along.map(|k| numbers[if held == 0 { at * columns + k } else { k * columns + at }]).collect()
+        };
+        let mut same = Sets::new(points.len());
+        for (a, b, against) in joints.seams() {
+            let (mut one, other) = (corners(a), corners(b));
+            if against {
+                one.reverse();
+            }
+            debug_assert_eq!(one.len(), other.len(), "joined edges are cut alike");
+            one.into_iter().zip(other).for_each(|(x, y)| same.join(x as usize, y as usize));
+        }
+        for k in 0..points.len() {
+            points[k] = points[same.root(k)];
+        }
     }
 }
 

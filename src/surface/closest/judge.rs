@@ -75,9 +75,8 @@ impl<O: Objective> Judge<'_, O> {
         let (at, point) = (found.place, found.frame.point);
         if let Some(joints) = self.eval.pieces.joints() {
             let meeting = joints.meeting(at.into());
-            let lower = |spot: &Spot| {
-                descend(&mut self.eval, self.objective, Place::from(*spot)).jet.f < found.jet.f - equal
-            };
+            let lower =
+                |spot: &Spot| descend(&mut self.eval, self.objective, Place::from(*spot)).jet.f < found.jet.f - equal;
             return meeting.spots()[1..].iter().any(lower);
         }
         let (du, dv) = (&self.eval.pieces.u, &self.eval.pieces.v);

@@ -106,8 +106,11 @@ impl Site<'_> {
             let into = |low: bool, high: bool| if high && !low { -1.0 } else { 1.0 };
             let corner = (u0 || u1) && (v0 || v1);
             // At a corner each sector weighs its angle; along an edge both are half turns.
-            let weight =
-                if corner { angle(&(frame.du * into(u0, u1)), &(frame.dv * into(v0, v1))) } else { std::f64::consts::PI };
+            let weight = if corner {
+                angle(&(frame.du * into(u0, u1)), &(frame.dv * into(v0, v1)))
+            } else {
+                std::f64::consts::PI
+            };
             sum += n * weight;
         }
         sum.try_normalize(1e-9)
