@@ -287,6 +287,27 @@ fn a_tick_of_any_model_and_method_allocates_nothing() {
     }
 }
 
+// Over a joint of a branching tube, whose stem is drawn twice.
+#[test]
+fn a_tick_on_a_branching_body_allocates_nothing() {
+    let text = include_str!("../scenes/vessel.toml").replace("vessel.json", "scenes/vessel.json");
+    let mut world = World::new(&text.replace("point = {}", "sphere = { radius_m = 0.004 }"));
+    for _ in 0..8 {
+        world.at([0.01, -0.03, -0.02]);
+    }
+    let mut touched = 0;
+    let count = allocations(|| {
+        for k in 0..800 {
+            let t = f64::from(k) * 1e-3;
+            // Over the front joint, and up to where the branches part.
+            let out = world.at([0.008 * (9.0 * t).sin(), -0.023, -0.01 + 0.02 * (5.0 * t).sin()]);
+            touched += u32::from(out.tools[0].contact.is_some());
+        }
+    });
+    assert!(touched > 400, "only {touched} ticks in touch");
+    assert_eq!(count, 0);
+}
+
 // On the thread of the tick; what a worker does is the same code.
 #[test]
 fn a_tick_with_a_worker_beside_it_allocates_nothing() {

@@ -363,6 +363,12 @@ impl KnotVector {
         found
     }
 
+    /// The control points after each of which the curve begins anew, in order: where [`KnotVector::disjoined`] parts it.
+    pub fn parted_after(&self) -> Vec<usize> {
+        let inside = self.disjoined().into_iter().filter(|&knot| knot > self.domain().0);
+        inside.map(|knot| self.knots.partition_point(|&k| k < knot) - 1).collect()
+    }
+
     /// Greville abscissae, one per control point: means of `degree` knots, where the control point has most effect.
     pub fn greville(&self) -> Vec<f64> {
         (0..self.count)

@@ -30,6 +30,7 @@ mod plastic;
 mod quality;
 #[cfg(feature = "reference")]
 pub mod reference;
+mod sheet;
 mod som;
 mod spring_table;
 mod springs;
@@ -50,8 +51,9 @@ pub use law::Law;
 pub use material::{Material, PRESETS, Plastic, Preset, Stiffening, preset};
 pub use membrane::membrane;
 pub use node_map::{NodeMap, SparseRows};
+pub use sheet::Sheet;
 pub use som::{SomSettings, som};
 pub use springs::{Spring, SpringRule};
 pub use state::{DeformableScratch, DeformableState};
-pub use ties::coordinates_of_controls;
+pub use ties::{coordinates_of_controls, coordinates_of_surface};
 pub use transfinite::{thick_sheet, transfinite};

@@ -1,6 +1,7 @@
 //! Which control points are one coordinate.
 
 use crate::math::Point3;
+use crate::surface::Surface;
 
 /// Coordinate of each control point, numbered in order of first appearance. Points at the same place, bit for bit (the
 /// doubled row of a clamped seam, the row of a pole), are one; so are the pairs in `tied`, as merged and branching nets
@@ -53,6 +54,15 @@ pub fn coordinates_of_controls(points: &[Point3], tied: &[(u32, u32)]) -> Vec<u3
             number[set]
         })
         .collect()
+}
+
+/// Coordinate of each control point of a surface: as [`coordinates_of_controls`] says, but of a branching surface what its
+/// edges and duplicates join, so that walls which only touch stay two.
+pub fn coordinates_of_surface(surface: &Surface) -> Vec<u32> {
+    if surface.joints().is_none() {
+        return coordinates_of_controls(surface.net().points(), &[]);
+    }
+    surface.distinct_points(&surface.topology()).of.into_iter().map(|k| k as u32).collect()
 }
 
 #[cfg(test)]

@@ -292,6 +292,9 @@ impl DeformingView<'_> {
         let (patches_u, patches_v) = self.samples.patches();
         for patch in 0..patches_u * patches_v {
             let (patch_u, patch_v) = (patch / patches_v, patch % patches_v);
+            if self.samples.is_duplicate(patch_u, patch_v) {
+                continue;
+            }
             let (low, high) = self.samples.patch_box(net, patch_u, patch_v);
             if !meets(&low, &high) {
                 continue;

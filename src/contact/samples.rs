@@ -9,6 +9,8 @@ use crate::surface::{Surface, wrap};
 pub struct SampleGrid {
     u: Direction,
     v: Direction,
+    /// (patches): drawn elsewhere, of a branching surface; else empty.
+    hidden: Vec<bool>,
 }
 
 #[derive(Clone, Debug)]
@@ -19,6 +21,8 @@ struct Direction {
     wraps: bool,
     parameters: Vec<f64>,
     windows: Vec<BasisWindow>,
+    /// Knots over which samples are no neighbours.
+    gaps: Vec<f64>,
 }
 
 impl Direction {
@@ -30,7 +34,7 @@ impl Direction {
             parameters.extend((0..per_span).map(|k| a + (b - a) * (k as f64 + 0.5) / per_span as f64));
         }
         let windows = parameters.iter().map(|&u| knots.window(u)).collect();
-        Self { per_span, count: knots.count(), wraps, parameters, windows }
+        Self { per_span, count: knots.count(), wraps, parameters, windows, gaps: knots.disjoined() }
     }
 
     fn patches(&self) -> usize {
@@ -45,7 +49,11 @@ impl Direction {
             (after, len) if after == len && self.wraps => Some([len - 1, 0]),
             (0, _) => None,
             (after, len) if after == len => None,
-            (after, _) => Some([after - 1, after]),
+            (after, _) => {
+                let (low, high) = (self.parameters[after - 1], self.parameters[after]);
+                let parted = self.gaps.iter().any(|&gap| gap > low && gap < high);
+                (!parted).then_some([after - 1, after])
+            }
         }
     }
 }
@@ -100,7 +108,13 @@ impl SampleGrid {
         Self {
             u: Direction::new(surface.knots_u(), per_span, topology.wraps(0)),
             v: Direction::new(surface.knots_v(), per_span, topology.wraps(1)),
+            hidden: surface.joints().map_or_else(Vec::new, |joints| joints.hidden().to_vec()),
         }
+    }
+
+    /// A patch that is drawn elsewhere: its samples are not asked for.
+    pub fn is_duplicate(&self, patch_u: usize, patch_v: usize) -> bool {
+        self.hidden.get(patch_u * self.v.patches() + patch_v).is_some_and(|hidden| *hidden)
     }
 
     /// The four samples around a place; `None` where it lies outside of them all, beside an edge or a pole.

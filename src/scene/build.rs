@@ -173,6 +173,14 @@ fn build_pairs(
             ContactMethod::Exact => {}
             ContactMethod::None => pairs.retain(|pair| !named(pair)),
             ContactMethod::Spheres => {
+                let other = match holder {
+                    Holder::Body(other) => bodies[other as usize].surface.joints().is_some(),
+                    Holder::Tool(_) => false,
+                };
+                if other || bodies[body].surface.joints().is_some() {
+                    let reason = "a surface in joined pieces has no \"spheres\" contact; use method = \"exact\"";
+                    return Err(error(format!("contact[{c}].method"), reason));
+                }
                 let resolution = contact.resolution.unwrap_or(SPHERES_RESOLUTION);
                 for pair in pairs.iter_mut().filter(|pair| named(pair)) {
                     pair.method = Method::Spheres(resolution);
@@ -286,6 +294,8 @@ fn build_body(scene: &SceneSpec, spec: &BodySpec, path: &str, directory: &Path, 
     let placement = pose(&spec.pose, &format!("{path}.pose"))?;
     let original =
         build_surface(&spec.surface, &format!("{path}.surface"), directory)?.oriented_outward().transformed(&placement);
+    // Copies of a branching surface move together, so they start equal bit for bit.
+    let original = if original.joints().is_some() { original.with_exact_seams() } else { original };
     let original_net = [original.net().rows(), original.net().columns()];
     let topology = original.topology();
     let two_sided = !topology.is_closed();

@@ -11,8 +11,8 @@ use crate::basis::KnotVector;
 use crate::body::layers;
 use crate::body::net::{self, Axis, Reduced};
 use crate::body::{
-    self, CellGrid, Deformable, DeformableError, Inside, Integrator, Material, NodeMap, Plastic, Solid, SomSettings,
-    SpringRule, StepSettings, Stiffening,
+    self, CellGrid, Deformable, DeformableError, Inside, Integrator, Material, NodeMap, Plastic, Sheet, Solid,
+    SomSettings, SpringRule, StepSettings, Stiffening,
 };
 use crate::math::{Point3, Pose, Vector3};
 use crate::surface::{Closing, Direction, Surface};
@@ -95,6 +95,10 @@ fn solid(
     placement: &Pose,
     settings: StepSettings,
 ) -> Result<Deformable, SceneError> {
+    if surface.joints().is_some() {
+        let reason = "the net of this surface is disjoined: its inside has no layers; use model = \"membrane\"";
+        return Err(error(format!("{path}.model"), reason));
+    }
     let common = material(&spec.material, path)?;
     let (moved, enclosed_volume_m3) = match (spec.model, spec.lattice.builder) {
         (ModelSpec::Net, _) => reduced(spec, path, surface)?,
@@ -138,7 +142,7 @@ fn riding(spec: &BodySpec, path: &str, surface: &Surface) -> Result<(Reduced, f6
         _ => body::transfinite(surface, counts),
     };
     let cube = cube.map_err(|e| bad(&e))?;
-    let coordinate_of_control = body::coordinates_of_controls(surface.net().points(), &[]);
+    let coordinate_of_control = body::coordinates_of_surface(surface);
     body::check_exterior(surface, &cube.exterior, &coordinate_of_control).map_err(|e| bad(&e))?;
     let (map, coordinates) = cube.riding(surface, &coordinate_of_control);
     let volume = if closed { surface.volume().abs() } else { cube.quality().volume_m3 };
@@ -211,7 +215,7 @@ fn membrane(
         return Err(error(format!("{path}.region"), "a membrane is of one material; use model = \"lattice\""));
     }
     let points = surface.net().points();
-    let of_control = body::coordinates_of_controls(points, &[]);
+    let of_control = body::coordinates_of_surface(surface);
     let count = of_control.iter().max().map_or(0, |&last| last as usize + 1);
     let mut coordinates = vec![Point3::origin(); count];
     for (point, &coordinate) in points.iter().zip(&of_control) {
@@ -220,8 +224,8 @@ fn membrane(
     let common = material(&spec.material, path)?;
     let fixed = fixed(scene, spec, path, surface, placement, &coordinates, &of_control)?;
     let wraps = surface.topology().closing.map(|closing| closing == Closing::Periodic);
-    let size = [surface.net().rows(), surface.net().columns()];
-    body::membrane(points, size, wraps, &of_control, &common, thickness_m, &fixed, settings)
+    let sheet = Sheet::of(surface, wraps, &of_control);
+    body::membrane(points, &sheet, &of_control, &common, thickness_m, &fixed, settings)
         .map_err(|e| deformable_error(path, &e))
 }
 

@@ -9,7 +9,7 @@ use super::spec::{BodySpec, BuilderSpec, ModelSpec, RefineAuto, RefineSpec, Scen
 use crate::basis::KnotVector;
 use crate::body::layers::Rings;
 use crate::math::Point3;
-use crate::surface::{ClosestSolver, Closing, Direction, Surface, SurfaceError};
+use crate::surface::{ClosestSolver, Closing, Surface, SurfaceError};
 
 /// Most nodes `refine = "auto"` makes: a tick with more does not fit a millisecond on one core.
 const NODE_BUDGET: usize = 1_900;
@@ -32,16 +32,14 @@ pub(super) fn refine(scene: &SceneSpec, spec: &BodySpec, path: &str, surface: Su
         RefineSpec::Auto(RefineAuto::Auto) if cube => Ok(surface),
         RefineSpec::Counts([u, v]) => surface.refined_to(*u, *v).map_err(bad),
         RefineSpec::Knots { u, v } => {
-            let refined =
-                surface.insert_knots(Direction::U, u).and_then(|s| s.insert_knots(Direction::V, v)).map_err(bad)?;
+            let refined = surface.insert_knots_alike([u, v]).map_err(bad)?;
             Ok(refined.with_exact_seams())
         }
         RefineSpec::Auto(RefineAuto::Auto) => {
             let counts = auto_counts(scene, spec, &surface);
             let now = distinct(&surface, &surface.topology());
             let [u, v] = graded_knots(scene, &surface, [counts[0] - now[0], counts[1] - now[1]]);
-            let refined =
-                surface.insert_knots(Direction::U, &u).and_then(|s| s.insert_knots(Direction::V, &v)).map_err(bad)?;
+            let refined = surface.insert_knots_alike([&u, &v]).map_err(bad)?;
             Ok(refined.with_exact_seams())
         }
     }
@@ -63,6 +61,7 @@ fn focuses(scene: &SceneSpec, surface: &Surface) -> Vec<[f64; 2]> {
 fn graded_knots(scene: &SceneSpec, surface: &Surface, more: [usize; 2]) -> [Vec<f64>; 2] {
     let topology = surface.topology();
     let focuses = focuses(scene, surface);
+    let joints = surface.joints();
     let direction = |d: usize, knots: &KnotVector| {
         let wraps = topology.closing[d] != Closing::Open;
         let length = knots.length();
@@ -76,15 +75,26 @@ fn graded_knots(scene: &SceneSpec, surface: &Surface, more: [usize; 2]) -> [Vec<
         };
         let mut spans: Vec<(f64, f64)> = knots.spans().map(|i| (knots.knots()[i], knots.knots()[i + 1])).collect();
         let mut inserted = Vec::new();
-        for _ in 0..more[d] {
+        while inserted.len() < more[d] {
             let size = |&(a, b): &(f64, f64)| (b - a) * weight(0.5 * (a + b));
             let largest = spans.iter().map(size).fold(0.0, f64::max);
             // The first of equals, with a hair of tolerance: rounding of knots like 0.6000000000000001 must not decide.
             let Some(k) = spans.iter().position(|span| size(span) >= largest * (1.0 - 1e-9)) else { break };
             let (a, b) = spans[k];
             let middle = 0.5 * (a + b);
-            inserted.push(middle);
-            spans.splice(k..=k, [(a, middle), (middle, b)]);
+            if joints.is_none() {
+                inserted.push(middle);
+                spans.splice(k..=k, [(a, middle), (middle, b)]);
+                continue;
+            }
+            // All copies are cut alike; cuts of the other direction follow by themselves.
+            let cuts = joints.iter().flat_map(|joints| joints.cuts(d, middle)).filter(|cut| cut.0 == d);
+            for (_, cut) in cuts {
+                let Some(k) = spans.iter().position(|&(a, b)| cut > a && cut < b) else { continue };
+                let (a, b) = spans[k];
+                inserted.push(cut);
+                spans.splice(k..=k, [(a, cut), (cut, b)]);
+            }
         }
         inserted.sort_by(f64::total_cmp);
         inserted

@@ -5,6 +5,7 @@
 //! Book*, §5.3 gives the same points by knot insertion), so a moved net costs two small matrix products a piece and no
 //! allocation. A piece lies in the convex hull of its points, hence in their axis-aligned box.
 
+use super::joints::{Joints, Spot};
 use super::tensor::{Frame, Surface, wrap};
 use crate::basis::{KnotVector, MAX_DEGREE};
 use crate::math::lanes::{Baseline, Four, Lanes};
@@ -205,6 +206,8 @@ pub struct BezierPieces {
     most_slack_m: f64,
     /// ((degree_u + 1) × columns) of the net, rows already in Bézier form.
     rows: Vec<[f64; 4]>,
+    /// Of a branching surface.
+    joints: Option<Box<Joints>>,
 }
 
 impl BezierPieces {
@@ -225,6 +228,7 @@ impl BezierPieces {
             slack_stamp: 0,
             most_slack_m: MOST_SLACK * surface.size(),
             rows: vec![[0.0; 4]; (u.degree + 1) * v.count],
+            joints: surface.joints().map(Box::new),
             u,
             v,
         };
@@ -257,6 +261,23 @@ impl BezierPieces {
     pub fn points(&self, piece: usize) -> &[[f64; 4]] {
         let size = (self.u.degree + 1) * (self.v.degree + 1);
         &self.points[piece * size..(piece + 1) * size]
+    }
+
+    /// How the patches of a branching surface are joined.
+    pub(crate) fn joints(&self) -> Option<&Joints> {
+        self.joints.as_deref()
+    }
+
+    /// The piece is drawn elsewhere: no query answers with it, and its box is empty.
+    #[inline(always)]
+    pub fn is_duplicate(&self, piece: usize) -> bool {
+        self.joints.as_ref().is_some_and(|joints| joints.hidden()[piece])
+    }
+
+    /// The place to go on from where edge `side` of a patch (see [`super::joints::Edge`]) holds a place: over a joint.
+    pub(crate) fn over_joint(&self, at: Spot, side: usize) -> Option<Spot> {
+        let joints = self.joints()?;
+        joints.edges_at(at)[side].then(|| joints.beyond(at, side).next()).flatten().map(|(spot, _)| spot)
     }
 
     /// Box that holds a piece, as of the last [`BezierPieces::refresh`].
@@ -359,6 +380,13 @@ impl BezierPieces {
                 let (min, max) = self.box_of::<L>(piece);
                 for c in 0..3 {
                     (self.bounds[c][piece], self.bounds[c + 3][piece]) = (min[c], max[c]);
+                }
+            }
+        }
+        if let Some(joints) = &self.joints {
+            for piece in joints.hidden().iter().enumerate().filter(|(_, hidden)| **hidden).map(|(piece, _)| piece) {
+                for c in 0..3 {
+                    (self.bounds[c][piece], self.bounds[c + 3][piece]) = (f64::INFINITY, f64::NEG_INFINITY);
                 }
             }
         }

@@ -2,8 +2,9 @@
 //!
 //! Edges are compared as curves in homogeneous coordinates; two points are one when they are within
 //! [`SAME_POINT`] × size. Finds a surface closed when opposite edges meet or each is a single point (teardrop, sphere,
-//! torus); edges glued in other pairs, as in the disjoined nets of branched bodies, are not seen.
+//! torus); edges joined in other pairs, as on branching surfaces, are found by [`Surface::joints`].
 
+use super::joints::Sets;
 use super::{Closing, ControlNet, Surface, Topology};
 use crate::basis::{KnotKind, KnotVector, Side};
 use crate::math::{Point3, Vector3, gauss_legendre};
@@ -31,6 +32,7 @@ impl Surface {
     pub fn topology(&self) -> Topology {
         let tolerance = SAME_POINT * self.size();
         let mut topology = Topology { closing: [Closing::Open; 2], poles: [[false; 2]; 2], torn: [false; 2] };
+        let whole = self.joints().is_some_and(|joints| joints.is_whole());
         for (direction, knots) in [self.knots_u(), self.knots_v()].into_iter().enumerate() {
             let (start, end) = knots.domain();
             let first = self.iso_row(direction, start, Side::Right);
@@ -45,11 +47,12 @@ impl Surface {
             if !knots.is_periodic() {
                 topology.poles[direction] = [is_one_point(&first, tolerance), is_one_point(&last, tolerance)];
             }
-            topology.torn[direction] = knots.disjoined().into_iter().any(|knot| {
-                let left = self.iso_row(direction, knot, Side::Left);
-                let right = self.iso_row(direction, knot, Side::Right);
-                !coincide(&left, &right, tolerance)
-            });
+            topology.torn[direction] = !whole
+                && knots.disjoined().into_iter().any(|knot| {
+                    let left = self.iso_row(direction, knot, Side::Left);
+                    let right = self.iso_row(direction, knot, Side::Right);
+                    !coincide(&left, &right, tolerance)
+                });
         }
         topology
     }
@@ -60,23 +63,13 @@ impl Surface {
         // ∫ div(x / 3) dV = 1/3 ∮ S · (S_u × S_v) du dv; from the centre, where least cancels.
         let points = self.net().points();
         let centre: Vector3 = points.iter().map(|p| p.coords).sum::<Vector3>() / points.len() as f64;
-        let nodes = |knots: &KnotVector| {
+        let count = |knots: &KnotVector| {
             // S is of degree p in u, S_u of p − 1, S_v of p: 3p − 1 together.
             let exact = (3 * knots.degree()).div_ceil(2);
-            gauss_nodes(knots, if self.weights().is_some() { exact.max(RATIONAL_NODES) } else { exact })
+            if self.weights().is_some() { exact.max(RATIONAL_NODES) } else { exact }
         };
-        let (nodes_u, nodes_v) = (nodes(self.knots_u()), nodes(self.knots_v()));
-        let windows: Vec<_> = nodes_v.iter().map(|&(v, weight)| (self.knots_v().window(v), weight)).collect();
-        let mut sum = 0.0;
-        for (u, weight_u) in nodes_u {
-            let wu = self.knots_u().window(u);
-            let mut along = 0.0;
-            for (wv, weight_v) in &windows {
-                let frame = self.frame_in(&wu, wv);
-                along += weight_v * (frame.point.coords - centre).dot(&frame.du.cross(&frame.dv));
-            }
-            sum += weight_u * along;
-        }
+        let counts = [count(self.knots_u()), count(self.knots_v())];
+        let sum = self.integrate(counts, |frame| (frame.point.coords - centre).dot(&frame.du.cross(&frame.dv)));
         if self.flip_normal() { -sum / 3.0 } else { sum / 3.0 }
     }
 
@@ -100,13 +93,14 @@ impl Surface {
         self
     }
 
-    /// Which control points are one point: rows of a clamped seam, columns likewise, and the rows of clamped poles.
+    /// Which control points are one point: rows of a clamped seam, columns likewise, the rows of clamped poles, and what
+    /// [`Surface::joints`] finds on a branching surface.
     pub fn distinct_points(&self, topology: &Topology) -> DistinctPoints {
         let (rows, columns) = (self.net().rows(), self.net().columns());
         let clamped = [self.knots_u(), self.knots_v()].map(|knots| knots.kind() == KnotKind::Clamped);
         let pole = |direction: usize, end: usize| clamped[direction] && topology.poles[direction][end];
         let at = |i: usize, j: usize| i * columns + j;
-        let mut joined = Joined { to: (0..rows * columns).collect() };
+        let mut joined = Sets::new(rows * columns);
         if topology.closing[0] == Closing::Seam {
             (0..columns).for_each(|j| joined.join(at(0, j), at(rows - 1, j)));
         }
@@ -120,6 +114,9 @@ impl Surface {
             if pole(1, end) {
                 (1..rows).for_each(|i| joined.join(at(0, column), at(i, column)));
             }
+        }
+        if let Some(joints) = self.joints() {
+            joints.first_at_place().iter().enumerate().for_each(|(k, &first)| joined.join(k, first));
         }
         let mut number = vec![usize::MAX; rows * columns];
         let mut count = 0;
@@ -183,25 +180,6 @@ impl DistinctPoints {
         for (point, &node) in net.points_mut().iter_mut().zip(&self.of) {
             *point = positions[node];
         }
-    }
-}
-
-/// Points joined into sets; the least index of a set is its root.
-struct Joined {
-    to: Vec<usize>,
-}
-
-impl Joined {
-    fn root(&self, mut k: usize) -> usize {
-        while self.to[k] != k {
-            k = self.to[k];
-        }
-        k
-    }
-
-    fn join(&mut self, a: usize, b: usize) {
-        let (a, b) = (self.root(a), self.root(b));
-        self.to[a.max(b)] = a.min(b);
     }
 }
 

@@ -128,6 +128,15 @@ impl Samples {
                 [self.x[slot], self.y[slot], self.z[slot]] = x;
             }
         }
+        if let Some(joints) = pieces.joints() {
+            // A duplicate is sampled as what it draws again: the first of equals is taken.
+            for k in (0..n).filter(|&k| joints.hidden()[k]) {
+                let first = joints.original(k);
+                for (slot, from) in [(k, first), (n + k, n + first)] {
+                    (self.x[slot], self.y[slot], self.z[slot]) = (self.x[from], self.y[from], self.z[from]);
+                }
+            }
+        }
         self.stamp = pieces.bounds_stamp();
     }
 
@@ -183,8 +192,8 @@ impl Samples {
         let reach = reach * reach * (1.0 + 1e-12);
         let (mut least, mut at) = (f64::INFINITY, 0);
         for k in 0..2 * n {
-            if old(k) <= reach {
-                let piece = if k < n { k } else { k - n };
+            let piece = if k < n { k } else { k - n };
+            if old(k) <= reach && !pieces.is_duplicate(piece) {
                 let columns = pieces.v.spans.len();
                 pieces.refresh_piece(surface, piece / columns, piece % columns);
                 let [x, y, z] = if k < n { self.corner(pieces, piece) } else { self.centre(pieces, piece) };
@@ -399,7 +408,7 @@ impl ClosestSolver {
     /// steepest meridian.
     fn go_on(&self, surface: &Surface, query: &Point3, found: &Descent) -> Option<Place> {
         let (du, dv) = (&self.pieces.u, &self.pieces.v);
-        let site = Site { surface, u: du, v: dv };
+        let site = Site { surface, u: du, v: dv, joints: self.pieces.joints() };
         let (at, foot) = (found.place, found.frame.point);
         // Out of a pole: the variable along the collapsed edge has no length.
         for collapsed in 0..2 {
@@ -427,6 +436,10 @@ impl ClosestSolver {
                 return start;
             }
         }
+        if self.pieces.joints().is_some() {
+            let over = |side: usize| self.pieces.over_joint(at.into(), side).map(Place::from);
+            return (0..4).find_map(over);
+        }
         let across_u = other_end(du, at.u).map(|(i, u)| Place { i, u, ..at });
         let across_v = other_end(dv, at.v).map(|(j, v)| Place { j, v, ..at });
         let same = |place: &Place| (site.frame(*place).point - foot).norm() <= 1e-9 * self.size_m;
@@ -447,7 +460,7 @@ impl ClosestSolver {
         let to_query = query - point;
         let distance = to_query.norm();
         let distance = if distance.is_finite() { distance } else { f64::INFINITY };
-        let site = Site { surface, u: &self.pieces.u, v: &self.pieces.v };
+        let site = Site { surface, u: &self.pieces.u, v: &self.pieces.v, joints: self.pieces.joints() };
         let normal = site.normal(found.place, &found.frame, &to_query);
         let signed_distance = if to_query.dot(&normal) < 0.0 { -distance } else { distance };
         let (u, v) = self.parameters(&found.place);

@@ -36,6 +36,20 @@ impl Surface {
         }
     }
 
+    /// Neighbouring control points (u-major indices), first along rows, then along columns; none across a gap.
+    pub fn net_edges(&self) -> Vec<[u32; 2]> {
+        let (rows, columns) = (self.net().rows(), self.net().columns());
+        let at = |i: usize, j: usize| (i * columns + j) as u32;
+        let [gaps_u, gaps_v] = [self.knots_u().parted_after(), self.knots_v().parted_after()];
+        let (gaps_u, gaps_v) = (&gaps_u, &gaps_v);
+        let along = (0..rows)
+            .flat_map(|i| (1..columns).filter(|j| !gaps_v.contains(&(j - 1))).map(move |j| [at(i, j - 1), at(i, j)]));
+        let across = (1..rows)
+            .filter(|i| !gaps_u.contains(&(i - 1)))
+            .flat_map(|i| (0..columns).map(move |j| [at(i - 1, j), at(i, j)]));
+        along.chain(across).collect()
+    }
+
     /// The control points along a direction: one line for each control point of the other.
     pub(super) fn lines(&self, direction: Direction) -> Vec<Vec<LinePoint>> {
         let (rows, columns) = (self.net().rows(), self.net().columns());

@@ -12,7 +12,7 @@ const AREA_TOLERANCE: f64 = 1e-12;
 const MOST_NODES: usize = 96;
 
 impl Surface {
-    /// Area, m², to about 1e-12 of itself where the surface is smooth in every span, 1e-8 where |S_u × S_v| has a kink
+    /// Area, m², each patch of a branching surface once; to about 1e-12 of itself where the surface is smooth in every span, 1e-8 where |S_u × S_v| has a kink
     /// there. Gauss points are doubled until nothing changes.
     pub fn area(&self) -> f64 {
         let mut nodes = self.knots_u().degree().max(self.knots_v().degree()) + 2;
@@ -57,16 +57,19 @@ impl Surface {
         nalgebra::center(&low, &high)
     }
 
-    /// ∬ f du dv with that many Gauss points a span in u and v.
-    fn integrate(&self, nodes: [usize; 2], f: impl Fn(&super::Frame) -> f64) -> f64 {
+    /// ∬ f du dv, duplicates of a branching surface left out, with that many Gauss points a span in u and v.
+    pub(super) fn integrate(&self, nodes: [usize; 2], f: impl Fn(&super::Frame) -> f64) -> f64 {
+        let joints = self.joints();
+        let hidden = |i: usize, j: usize| joints.as_ref().is_some_and(|t| t.is_duplicate(i / nodes[0], j / nodes[1]));
         let windows: Vec<(BasisWindow, f64)> = gauss_nodes(self.knots_v(), nodes[1])
             .into_iter()
             .map(|(v, weight)| (self.knots_v().window(v), weight))
             .collect();
         let mut sum = 0.0;
-        for (u, weight_u) in gauss_nodes(self.knots_u(), nodes[0]) {
+        for (i, (u, weight_u)) in gauss_nodes(self.knots_u(), nodes[0]).into_iter().enumerate() {
             let wu = self.knots_u().window(u);
-            let along: f64 = windows.iter().map(|(wv, weight)| weight * f(&self.frame_in(&wu, wv))).sum();
+            let shown = windows.iter().enumerate().filter(|(j, _)| !hidden(i, *j)).map(|(_, window)| window);
+            let along: f64 = shown.map(|(wv, weight)| weight * f(&self.frame_in(&wu, wv))).sum();
             sum += weight_u * along;
         }
         sum

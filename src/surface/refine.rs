@@ -3,6 +3,7 @@
 //! Insertion works on points and weights apart, as `a + alpha (b − a)`: rows that were equal stay equal bit for bit, so
 //! seams and poles survive.
 
+use super::joints::{Joints, SAME_KNOT};
 use super::lines::{Direction, LinePoint};
 use super::{Closing, ControlNet, Surface, SurfaceError};
 use crate::basis::KnotVector;
@@ -24,15 +25,56 @@ impl Surface {
         Ok(surface)
     }
 
+    /// [`Surface::insert_knots`] in both directions; on a branching surface also at all places that must be cut alike, so that
+    /// joined edges and duplicates stay equal. Knots that are listed for one of those places count for all of them.
+    ///
+    /// # Errors
+    /// As for [`Surface::insert_knots`].
+    pub fn insert_knots_alike(&self, knots: [&[f64]; 2]) -> Result<Self, SurfaceError> {
+        let all = match self.joints() {
+            None => knots.map(<[f64]>::to_vec),
+            Some(joints) => all_alike(&joints, knots),
+        };
+        let finer = self.insert_knots(Direction::U, &all[0])?.insert_knots(Direction::V, &all[1])?;
+        Ok(if self.joints().is_some() { finer.with_exact_seams() } else { finer })
+    }
+
     /// The same surface with its longest knot spans split evenly until the net has that many distinct control points in u
-    /// and v (a seam counts once, see [`Surface::distinct_counts`]). A direction that has as many already stays as it is.
+    /// and v (a seam counts once, see [`Surface::distinct_counts`]). A direction that has as many already stays as it is. A
+    /// branching surface is cut in all copies alike, and may so get more.
     ///
     /// # Errors
     /// A span too short to be split once more in `f64`.
     pub fn refined_to(&self, count_u: usize, count_v: usize) -> Result<Self, SurfaceError> {
         let [have_u, have_v] = self.distinct_counts();
+        if self.joints().is_some() {
+            return self.refined_alike([count_u, count_v]);
+        }
         self.insert_knots(Direction::U, &even_knots(self.knots_u(), count_u.saturating_sub(have_u)))?
             .insert_knots(Direction::V, &even_knots(self.knots_v(), count_v.saturating_sub(have_v)))
+    }
+
+    /// Halves the longest span, and those that go with it, until there are enough.
+    fn refined_alike(&self, counts: [usize; 2]) -> Result<Self, SurfaceError> {
+        let mut finer = self.clone();
+        for (d, count) in counts.into_iter().enumerate() {
+            loop {
+                let knots = if d == 0 { finer.knots_u() } else { finer.knots_v() };
+                if knots.count() >= count {
+                    break;
+                }
+                let t = knots.knots();
+                let mut longest = (0.0, 0.0);
+                for (a, b) in knots.spans().map(|i| (t[i], t[i + 1])) {
+                    if b - a > (longest.1 - longest.0) * (1.0 + 1e-9) {
+                        longest = (a, b);
+                    }
+                }
+                let middle = [0.5 * (longest.0 + longest.1)];
+                finer = finer.insert_knots_alike(if d == 0 { [&middle, &[]] } else { [&[], &middle] })?;
+            }
+        }
+        Ok(finer)
     }
 
     /// Control points in u and v, the doubled row of a clamped seam counted once.
@@ -87,6 +129,26 @@ fn blend(a: LinePoint, b: LinePoint, alpha: f64) -> LinePoint {
     }
     let weight = a.1 + alpha * (b.1 - a.1);
     (a.0 + (b.0 - a.0) * (alpha * b.1 / weight), weight)
+}
+
+/// Knots with those that go with them.
+fn all_alike(joints: &Joints, knots: [&[f64]; 2]) -> [Vec<f64>; 2] {
+    let mut all = [Vec::new(), Vec::new()];
+    // Brought about by an earlier one, and not listed yet.
+    let mut owed: Vec<(usize, f64)> = Vec::new();
+    for d in 0..2 {
+        for &x in knots[d] {
+            let near = |&(e, y): &(usize, f64)| e == d && (y - x).abs() <= SAME_KNOT * x.abs().max(1.0);
+            if let Some(k) = owed.iter().position(near) {
+                owed.swap_remove(k);
+                continue;
+            }
+            let cuts = joints.cuts(d, x);
+            owed.extend_from_slice(&cuts[1..]);
+            cuts.into_iter().for_each(|(e, y)| all[e].push(y));
+        }
+    }
+    all
 }
 
 /// The knots that split the longest spans evenly, `more` in all.

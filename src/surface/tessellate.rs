@@ -5,8 +5,10 @@
 //! differences of its control points; with weights by those of numerator and denominator.
 //!
 //! Edges between cells are shared, ends that meet are one row of corners and a pole is one corner, so that a closed surface
-//! gives a closed mesh. At creases and gaps corners are doubled: each side has its own normals.
+//! gives a closed mesh. At creases and gaps corners are doubled: each side has its own normals. Of a branching surface each
+//! patch is drawn once, and corners on joined edges are equal bit for bit.
 
+use super::joints::{Edge, Joints, Sets};
 use super::{BezierPieces, Mesh, Surface};
 use crate::basis::{KnotVector, Side};
 use crate::math::{Point3, Vector3};
@@ -52,7 +54,7 @@ impl Surface {
         let pieces = BezierPieces::new(self);
         let across = self.knots_v().spans().count();
         let (mut cells_u, mut cells_v) = (vec![1; pieces.len() / across], vec![1; across]);
-        for piece in 0..pieces.len() {
+        for piece in (0..pieces.len()).filter(|&piece| !pieces.is_duplicate(piece)) {
             // (n, m) cells: a/n² + 2b/nm + c/m² is at most (a + b)/n² + (c + b)/m², of which each gets half.
             let [a, b, c] = pieces.second_derivative_bounds(piece);
             for (bound, most) in [(a + b, &mut cells_u[piece / across]), (c + b, &mut cells_v[piece % across])] {
@@ -62,6 +64,9 @@ impl Surface {
                 }
                 *most = (*most).max(needed as usize);
             }
+        }
+        if let Some(joints) = pieces.joints() {
+            joints.cut_alike([&mut cells_u, &mut cells_v]);
         }
         self.mesh(&cells_u, &cells_v)
     }
@@ -74,10 +79,15 @@ impl Surface {
         }
         let (us, vs) = (stations(self.knots_u(), cells_u), stations(self.knots_v(), cells_v));
         let topology = self.topology();
+        let joints = self.joints();
+        let shown = |a: &Station, b: &Station| joints.as_ref().is_none_or(|t| !t.is_duplicate(a.span, b.span));
         let mut mesh = Mesh::default();
         let mut numbers = vec![0_u32; us.len() * vs.len()];
         for (i, a) in us.iter().enumerate() {
             for (j, b) in vs.iter().enumerate() {
+                if !shown(a, b) {
+                    continue;
+                }
                 let (last_u, last_v) = (i + 1 == us.len(), j + 1 == vs.len());
                 let pole = |direction: usize, first: bool, last: bool| {
                     (first && topology.poles[direction][0]) || (last && topology.poles[direction][1])
@@ -111,8 +121,14 @@ impl Surface {
                 mesh.normals.push(self.normal_of(&frame, a.at, b.at));
             }
         }
+        if let Some(joints) = &joints {
+            Self::weld(joints, [&us, &vs], &numbers, &mut mesh.points);
+        }
         for i in (0..us.len() - 1).filter(|&i| us[i].joined) {
             for j in (0..vs.len() - 1).filter(|&j| vs[j].joined) {
+                if !shown(&us[i], &vs[j]) {
+                    continue;
+                }
                 let number = |i: usize, j: usize| numbers[i * vs.len() + j];
                 let cell = [number(i, j), number(i + 1, j), number(i + 1, j + 1), number(i, j + 1)];
                 mesh.add_cell(cell, self.flip_normal());
@@ -120,12 +136,43 @@ impl Surface {
         }
         Ok(mesh)
     }
+
+    /// Corners on joined edges, which are as many on either side, made equal to the last bit.
+    fn weld(joints: &Joints, stations: [&[Station]; 2], numbers: &[u32], points: &mut [Point3]) {
+        let columns = stations[1].len();
+        let corners = |edge: Edge| -> Vec<u32> {
+            let strips = joints.strips_of(edge.patch);
+            let held = edge.side / 2;
+            let within = |d: usize| {
+                let all = stations[d];
+                let from = all.partition_point(|s| s.span < strips[d].spans.start);
+                from..all.partition_point(|s| s.span < strips[d].spans.end)
+            };
+            let (across, along) = (within(held), within(1 - held));
+            let at = if edge.side % 2 == 0 { across.start } else { across.end - 1 };
+            along.map(|k| numbers[if held == 0 { at * columns + k } else { k * columns + at }]).collect()
+        };
+        let mut same = Sets::new(points.len());
+        for (a, b, against) in joints.seams() {
+            let (mut one, other) = (corners(a), corners(b));
+            if against {
+                one.reverse();
+            }
+            debug_assert_eq!(one.len(), other.len(), "joined edges are cut alike");
+            one.into_iter().zip(other).for_each(|(x, y)| same.join(x as usize, y as usize));
+        }
+        for k in 0..points.len() {
+            points[k] = points[same.root(k)];
+        }
+    }
 }
 
 /// Where a row of corners lies.
 struct Station {
     at: f64,
     side: Side,
+    /// Among the spans of positive length: that of the cell before, at the end of a part.
+    span: usize,
     /// A cell lies between this and the next.
     joined: bool,
 }
@@ -133,18 +180,18 @@ struct Station {
 fn stations(knots: &KnotVector, cells: &[usize]) -> Vec<Station> {
     let t = knots.knots();
     let mut stations: Vec<Station> = Vec::new();
-    for (span, &cells) in knots.spans().zip(cells) {
+    for (k, (span, &cells)) in knots.spans().zip(cells).enumerate() {
         let (start, end) = (t[span], t[span + 1]);
         if knots.multiplicity(start) >= knots.degree() || stations.is_empty() {
-            stations.push(Station { at: start, side: Side::Right, joined: true });
+            stations.push(Station { at: start, side: Side::Right, span: k, joined: true });
         } else if let Some(last) = stations.last_mut() {
-            (last.joined, last.side) = (true, Side::Right);
+            (last.joined, last.side, last.span) = (true, Side::Right, k);
         }
-        for k in 1..cells {
-            let at = start + (end - start) * (k as f64 / cells as f64);
-            stations.push(Station { at, side: Side::Right, joined: true });
+        for m in 1..cells {
+            let at = start + (end - start) * (m as f64 / cells as f64);
+            stations.push(Station { at, side: Side::Right, span: k, joined: true });
         }
-        stations.push(Station { at: end, side: Side::Left, joined: false });
+        stations.push(Station { at: end, side: Side::Left, span: k, joined: false });
     }
     stations
 }

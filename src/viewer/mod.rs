@@ -5,6 +5,7 @@
 
 mod health;
 
+use crate::scene::Scene;
 use crate::transport::{Figures, ViewSink};
 use axum::Router;
 use axum::extract::State;
@@ -49,6 +50,8 @@ struct Net {
     body: String,
     count: [u16; 2],
     points: Vec<[f32; 3]>,
+    /// Rows and columns after which the net begins anew: no line goes on from there.
+    gaps: [Vec<usize>; 2],
 }
 
 #[derive(Clone, Copy, Debug, Default, Serialize)]
@@ -75,6 +78,7 @@ pub struct Viewer {
 /// Takes states for the page.
 pub struct Feed {
     picture: Picture,
+    gaps: Vec<(String, [Vec<usize>; 2])>,
     channel: watch::Sender<String>,
     health: Arc<health::Newest>,
     last: std::time::Instant,
@@ -116,7 +120,8 @@ impl Viewer {
                 }
             });
         })?;
-        let feed = Feed { picture: Picture::default(), channel, health, last: std::time::Instant::now() };
+        let feed =
+            Feed { picture: Picture::default(), gaps: Vec::new(), channel, health, last: std::time::Instant::now() };
         Ok((Self { address, _stop: stop }, feed))
     }
 
@@ -166,6 +171,19 @@ async fn watch_over(mut socket: WebSocket, mut pictures: watch::Receiver<String>
 }
 
 impl Feed {
+    /// Tells where the nets of a scene's bodies are in pieces.
+    #[must_use]
+    pub fn of(mut self, scene: &Scene) -> Self {
+        for body in 0..scene.body_count() {
+            let surface = scene.rest_surface(body);
+            let gaps = [surface.knots_u(), surface.knots_v()].map(|knots| knots.parted_after());
+            if gaps.iter().any(|gaps| !gaps.is_empty()) {
+                self.gaps.push((scene.body_id(body).to_owned(), gaps));
+            }
+        }
+        self
+    }
+
     fn show(&mut self) {
         if self.last.elapsed() >= FRAME && self.channel.receiver_count() > 0 {
             self.last = std::time::Instant::now();
@@ -186,7 +204,9 @@ impl ViewSink for Feed {
 
     fn net(&mut self, net: &ControlNet) {
         let points = net.points.iter().map(|p| p.map(|x| x as f32)).collect();
-        let drawn = Net { body: net.body.clone(), count: [net.count_u, net.count_v], points };
+        let gaps =
+            self.gaps.iter().find(|(body, _)| *body == net.body).map(|(_, gaps)| gaps.clone()).unwrap_or_default();
+        let drawn = Net { body: net.body.clone(), count: [net.count_u, net.count_v], points, gaps };
         match self.picture.nets.iter_mut().find(|old| old.body == net.body) {
             Some(old) => *old = drawn,
             None => self.picture.nets.push(drawn),
@@ -239,6 +259,33 @@ mod tests {
         };
         assert!(headers(None) && headers(Some("http://127.0.0.1:8080")));
         assert!(!headers(Some("http://evil.example")) && !headers(Some("null")));
+    }
+
+    // The page draws no line across a gap: it is told of them, and looks at them.
+    #[test]
+    fn nets_in_pieces_are_drawn_in_pieces() {
+        let path = std::path::Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/vessel.toml"));
+        let loaded = crate::scene::file::load(path).unwrap();
+        let scene = Scene::build(&loaded.spec, path.parent().unwrap()).unwrap();
+        let (_viewer, feed) = Viewer::start("127.0.0.1:0".parse().unwrap()).unwrap();
+        let mut feed = feed.of(&scene);
+        let net = ControlNet {
+            tick: 1,
+            revision: 1,
+            body: "vessel".into(),
+            degree_u: 3,
+            degree_v: 2,
+            count_u: 34,
+            count_v: 15,
+            points: Vec::new(),
+            weights: None,
+        };
+        feed.net(&net);
+        feed.net(&ControlNet { body: "other".into(), ..net });
+        let picture = serde_json::to_value(&feed.picture).unwrap();
+        assert_eq!(picture["nets"][0]["gaps"], serde_json::json!([[16], [7]]));
+        assert_eq!(picture["nets"][1]["gaps"], serde_json::json!([[], []]));
+        assert!(SCRIPT.contains("!net.gaps[0].includes(i)") && SCRIPT.contains("!net.gaps[1].includes(j)"));
     }
 
     #[test]

@@ -57,8 +57,8 @@ function draw() {
     };
     for (let i = 0; i < rows; i++) for (let j = 0; j < columns; j++) {
       const k = i * columns + j;
-      if (j + 1 < columns) line(k, k + 1);
-      if (i + 1 < rows) line(k, k + columns);
+      if (j + 1 < columns && !net.gaps[1].includes(j)) line(k, k + 1);
+      if (i + 1 < rows && !net.gaps[0].includes(i)) line(k, k + columns);
     }
   }
   for (const tool of picture.tools) {

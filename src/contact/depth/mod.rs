@@ -189,7 +189,7 @@ impl DepthSearch {
         for k in 0..self.reached.len() {
             let bounds = pieces.bounds(k);
             let half = (bounds.max - bounds.min) * 0.5;
-            self.reached[k] = field.may_reach(&(bounds.min + half), &half);
+            self.reached[k] = !pieces.is_duplicate(k) && field.may_reach(&(bounds.min + half), &half);
         }
     }
 

@@ -10,6 +10,8 @@ pub(crate) struct Patches {
     breaks: [Vec<f64>; 2],
     /// The surface goes on from the last span to the first, with its period.
     wraps: [bool; 2],
+    /// (spans): the span begins at a knot that parts the surface.
+    parted: [Vec<bool>; 2],
     /// (pieces): reached, and not yet part of a rectangle.
     open: Vec<bool>,
     /// Pieces of the present set that are still to be looked around: unwrapped row and column, and those in the grid.
@@ -26,8 +28,13 @@ impl Patches {
         let topology = surface.topology();
         let pieces = solver.pieces(surface).len();
         debug_assert_eq!(pieces, (breaks[0].len() - 1) * (breaks[1].len() - 1), "a piece for each pair of spans");
+        let parted = [surface.knots_u(), surface.knots_v()].map(|knots| {
+            let gaps = knots.disjoined();
+            knots.spans().map(|k| gaps.contains(&knots.knots()[k])).collect()
+        });
         Self {
             breaks,
+            parted,
             wraps: [topology.wraps(0), topology.wraps(1)],
             open: vec![false; pieces],
             front: Vec::with_capacity(pieces),
@@ -50,9 +57,9 @@ impl Patches {
             while let Some((at, piece)) = self.front.pop() {
                 (low, high) = ([low[0].min(at[0]), low[1].min(at[1])], [high[0].max(at[0]), high[1].max(at[1])]);
                 for a in -1..=1 {
-                    let Some(row) = self.beside(0, piece[0] + a, rows) else { continue };
+                    let Some(row) = self.beside(0, piece[0], a, rows) else { continue };
                     for b in -1..=1 {
-                        let Some(column) = self.beside(1, piece[1] + b, columns) else { continue };
+                        let Some(column) = self.beside(1, piece[1], b, columns) else { continue };
                         // Each piece enters once, so there is room.
                         let other = (row * columns + column) as usize;
                         if self.open[other] {
@@ -66,9 +73,12 @@ impl Patches {
         }
     }
 
-    /// A row or column at most one beyond the grid, inside it; `None` where the surface does not go on.
-    fn beside(&self, k: usize, x: i32, count: i32) -> Option<i32> {
-        if x >= 0 && x < count {
+    /// The row or column a step on, inside the grid; `None` where the surface does not go on.
+    fn beside(&self, k: usize, from: i32, step: i32, count: i32) -> Option<i32> {
+        let x = from + step;
+        if step != 0 && self.parted[k][from.max(x).rem_euclid(count) as usize] {
+            None
+        } else if x >= 0 && x < count {
             Some(x)
         } else if self.wraps[k] {
             Some(if x < 0 { count - 1 } else { 0 })

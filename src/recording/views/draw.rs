@@ -39,19 +39,45 @@ fn origin() -> fox::Pose {
 
 /// A grid of points over a surface, ends included.
 struct Grid {
-    cells: [usize; 2],
     parameters: [Vec<f64>; 2],
+    /// (cells in u × cells in v).
+    shown: Vec<bool>,
 }
 
 impl Grid {
     fn over(surface: &Surface) -> Self {
         let knots = [surface.knots_u(), surface.knots_v()];
         let cells = knots.map(|knots| (2 * knots.spans().count()).clamp(CELLS[0], CELLS[1]));
-        let parameters = [0, 1].map(|k| {
+        // Of each part between gaps a share of the cells; across a gap there is none.
+        let mut parameters = [Vec::new(), Vec::new()];
+        let mut real = [Vec::new(), Vec::new()];
+        for k in 0..2 {
             let (from, to) = knots[k].domain();
-            (0..=cells[k]).map(|i| from + (to - from) * i as f64 / cells[k] as f64).collect()
-        });
-        Self { cells, parameters }
+            let mut ends = vec![from];
+            ends.extend(knots[k].disjoined().into_iter().filter(|&knot| knot > from));
+            ends.push(to);
+            for (part, pair) in ends.windows(2).enumerate() {
+                let share = (pair[1] - pair[0]) / (to - from);
+                let count = ((cells[k] as f64 * share).round() as usize).max(1);
+                if part > 0 {
+                    real[k].push(false);
+                }
+                real[k].extend(std::iter::repeat_n(true, count));
+                let last = if pair[1] < to { pair[1].next_down() } else { to };
+                let at = |i: usize| pair[0] + (pair[1] - pair[0]) * i as f64 / count as f64;
+                parameters[k].extend((0..=count).map(|i| if i == count { last } else { at(i) }));
+            }
+        }
+        let joints = surface.joints();
+        let middle = |k: usize, i: usize| 0.5 * (parameters[k][i] + parameters[k][i + 1]);
+        let mut shown = Vec::with_capacity(real[0].len() * real[1].len());
+        for (i, &in_u) in real[0].iter().enumerate() {
+            for (j, &in_v) in real[1].iter().enumerate() {
+                let twice = || joints.as_ref().is_some_and(|t| t.is_duplicate_at(middle(0, i), middle(1, j)));
+                shown.push(in_u && in_v && !twice());
+            }
+        }
+        Self { parameters, shown }
     }
 
     fn points(&self, surface: &Surface) -> Vec<Point3> {
@@ -61,10 +87,11 @@ impl Grid {
 
     /// Two triangles a cell.
     fn indices(&self) -> Vec<u32> {
-        let [rows, columns] = self.cells;
+        let [rows, columns] = [0, 1].map(|k| self.parameters[k].len() - 1);
         let at = |i: usize, j: usize| (i * (columns + 1) + j) as u32;
         let cell = |i, j| [at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j), at(i + 1, j + 1), at(i, j + 1)];
-        (0..rows).flat_map(|i| (0..columns).flat_map(move |j| cell(i, j))).collect()
+        let cells = (0..rows).flat_map(|i| (0..columns).map(move |j| (i, j)));
+        cells.zip(&self.shown).filter(|(_, shown)| **shown).flat_map(|((i, j), _)| cell(i, j)).collect()
     }
 
     fn triangles(&self, points: &[Point3], pose: fox::Pose, color: fox::Color) -> fox::TriangleListPrimitive {
@@ -125,10 +152,6 @@ impl BodyShape {
     }
 
     pub fn entity(&self, stamp: fox::Timestamp, drawn: &Drawn) -> fox::SceneEntity {
-        let (rows, columns) = (self.rest.net().rows(), self.rest.net().columns());
-        let at = |i: usize, j: usize| (i * columns + j) as u32;
-        let along = (0..rows).flat_map(|i| (1..columns).flat_map(move |j| [at(i, j - 1), at(i, j)]));
-        let across = (1..rows).flat_map(|i| (0..columns).flat_map(move |j| [at(i - 1, j), at(i, j)]));
         let lines = fox::LinePrimitive {
             r#type: fox::line_primitive::Type::LineList.into(),
             pose: Some(origin()),
@@ -137,7 +160,7 @@ impl BodyShape {
             points: drawn.net.iter().map(point).collect(),
             color: Some(NET),
             colors: Vec::new(),
-            indices: along.chain(across).collect(),
+            indices: self.rest.net_edges().into_iter().flatten().collect(),
         };
         fox::SceneEntity {
             timestamp: Some(stamp),

@@ -5,6 +5,7 @@ use super::objective::Objective;
 use super::other_end;
 use super::side::{SAME, Site, sides};
 use crate::surface::bezier::{BezierPieces, Direction, Joint};
+use crate::surface::joints::{Joints, Spot};
 
 /// How far around a place that the Hessian does not decide values are looked at, in spans.
 const AROUND: [f64; 2] = [1e-3, 1e-5];
@@ -72,8 +73,14 @@ impl<O: Objective> Judge<'_, O> {
     /// Lower beyond a crease, or beyond ends that coincide.
     fn falls_across(&mut self, found: &Descent, equal: f64) -> bool {
         let (at, point) = (found.place, found.frame.point);
+        if let Some(joints) = self.eval.pieces.joints() {
+            let meeting = joints.meeting(at.into());
+            let lower =
+                |spot: &Spot| descend(&mut self.eval, self.objective, Place::from(*spot)).jet.f < found.jet.f - equal;
+            return meeting.spots()[1..].iter().any(lower);
+        }
         let (du, dv) = (&self.eval.pieces.u, &self.eval.pieces.v);
-        let site = Site { surface: self.eval.surface, u: du, v: dv };
+        let site = Site { surface: self.eval.surface, u: du, v: dv, joints: None };
         let same =
             |place: Place| (site.frame(place).point - point).norm() <= SAME * (point.coords.amax() + self.size_m);
         let us = sides(du, at.i, at.u, |i, u| same(Place { i, u, ..at }));
@@ -151,6 +158,15 @@ impl<O: Objective> Judge<'_, O> {
 
     /// A straight way in the parameters, perhaps across a seam, on which no value is above `limit`.
     pub fn joined(&mut self, a: &Place, b: &Place, limit: f64) -> bool {
+        if let Some(joints) = self.eval.pieces.joints()
+            && let Some(ways) = Detours::between(joints, *a, *b)
+        {
+            return ways.spots().any(|[from, to]| self.straight(a, &from, limit) && self.straight(&to, b, limit));
+        }
+        self.straight(a, b, limit)
+    }
+
+    fn straight(&mut self, a: &Place, b: &Place, limit: f64) -> bool {
         let ways = |d: &Direction, from: f64, to: f64| {
             let (direct, period) = (to - from, d.domain.1 - d.domain.0);
             let around = if direct > 0.0 { direct - period } else { direct + period };
@@ -199,6 +215,38 @@ impl<O: Objective> Judge<'_, O> {
             }
         }
         true
+    }
+}
+
+/// Ways from one patch to another over an edge that joins them: where it is left, and where the other patch is entered.
+struct Detours {
+    ways: [Option<[Place; 2]>; 12],
+}
+
+impl Detours {
+    /// `None` within one patch, whose places are reached straight.
+    fn between(joints: &Joints, a: Place, b: Place) -> Option<Self> {
+        let (from, to) = (joints.patch_of([a.i, a.j])?, joints.patch_of([b.i, b.j])?);
+        if from == to {
+            return None;
+        }
+        let mut ways = [None; 12];
+        let mut count = 0;
+        for side in 0..4 {
+            // Where the edge is nearest to each of the two, in parameters, and in between.
+            let own = joints.on_edge(from, side, a.into());
+            for spot in joints.crossings(own, side, to, b.into()) {
+                if count < ways.len() {
+                    ways[count] = Some(spot.map(Place::from));
+                    count += 1;
+                }
+            }
+        }
+        Some(Self { ways })
+    }
+
+    fn spots(&self) -> impl Iterator<Item = [Place; 2]> + '_ {
+        self.ways.iter().flatten().copied()
     }
 }
 

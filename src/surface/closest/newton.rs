@@ -9,6 +9,7 @@
 use super::objective::{Jet, Smooth};
 use super::side::Site;
 use crate::surface::bezier::{BezierPieces, Direction, Joint};
+use crate::surface::joints::{Joints, Spot};
 use crate::surface::tensor::{Frame, Surface};
 
 /// Where a piecewise surface is evaluated: its directions, and a frame seen from given spans.
@@ -16,6 +17,8 @@ pub(super) trait Evaluate {
     fn directions(&self) -> (&Direction, &Direction);
     /// `u` in span `i`, `v` in span `j`.
     fn frame(&mut self, i: usize, j: usize, u: f64, v: f64) -> Frame;
+    /// The pieces, which know how a branching surface is joined.
+    fn pieces(&self) -> &BezierPieces;
 }
 
 /// On Bézier pieces, refreshed when they are old.
@@ -37,6 +40,11 @@ impl Evaluate for OnPieces<'_> {
         let (s, t) = ((u - a.start) / (a.end - a.start), (v - b.start) / (b.end - b.start));
         self.pieces.frame(i, j, s, t)
     }
+
+    #[inline(always)]
+    fn pieces(&self) -> &BezierPieces {
+        self.pieces
+    }
 }
 
 /// On the surface itself, for callers without a mutable solver.
@@ -51,7 +59,12 @@ impl Evaluate for OnSurface<'_> {
     }
 
     fn frame(&mut self, i: usize, j: usize, u: f64, v: f64) -> Frame {
-        Site { surface: self.surface, u: &self.pieces.u, v: &self.pieces.v }.frame(Place { i, j, u, v })
+        let Self { pieces, surface } = *self;
+        Site { surface, u: &pieces.u, v: &pieces.v, joints: None }.frame(Place { i, j, u, v })
+    }
+
+    fn pieces(&self) -> &BezierPieces {
+        self.pieces
     }
 }
 
@@ -62,6 +75,18 @@ pub(super) struct Place {
     pub j: usize,
     pub u: f64,
     pub v: f64,
+}
+
+impl From<Spot> for Place {
+    fn from(Spot { i, j, u, v }: Spot) -> Self {
+        Self { i, j, u, v }
+    }
+}
+
+impl From<Place> for Spot {
+    fn from(Place { i, j, u, v }: Place) -> Self {
+        Self { i, j, u, v }
+    }
 }
 
 /// Where a descent ended.
@@ -225,7 +250,9 @@ fn descend_in<E: Evaluate, O: Smooth>(
             break;
         }
     }
-    let beyond = {
+    let beyond = if let Some(joints) = eval.pieces().joints() {
+        over_joint(joints, at, x, low, high, jet.g)
+    } else {
         let (du, dv) = eval.directions();
         across(du, x[0], low[0], high[0], at.i, at.u, jet.g[0])
             .map(|(i, u)| Place { i, u, ..at })
@@ -286,6 +313,18 @@ fn extend(frame: &Frame, u: f64, v: f64) -> Frame {
         dv: frame.dv + along_v,
         ..*frame
     }
+}
+
+/// The place over a joint of a branching surface at which a variable is held.
+#[inline(never)]
+fn over_joint(joints: &Joints, at: Place, x: [f64; 2], low: [f64; 2], high: [f64; 2], g: [f64; 2]) -> Option<Place> {
+    let edges = joints.edges_at(at.into());
+    let held = |side: usize| {
+        let k = side / 2;
+        edges[side] && if side % 2 == 0 { x[k] <= low[k] && g[k] >= 0.0 } else { x[k] >= high[k] && g[k] <= 0.0 }
+    };
+    let side = (0..4).find(|&side| held(side) && joints.beyond(at.into(), side).next().is_some())?;
+    joints.beyond(at.into(), side).next().map(|(spot, _)| spot.into())
 }
 
 /// The span across a crease at which the variable is held.

@@ -138,7 +138,7 @@ impl Search {
             let low = [x0[k] - slack, y0[k] - slack, z0[k] - slack];
             let high = [x1[k] + slack, y1[k] + slack, z1[k] + slack];
             let bound = objective.box_bound(low, high);
-            if bound < floor {
+            if bound < floor && !pieces.is_duplicate(k) {
                 self.order.push((bound, k));
             }
         }

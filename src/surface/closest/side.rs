@@ -8,6 +8,7 @@ use super::newton::Place;
 use crate::basis::{KnotKind, KnotVector, Side};
 use crate::math::{Point3, Vector3};
 use crate::surface::bezier::{Direction, Joint};
+use crate::surface::joints::Joints;
 use crate::surface::tensor::{Frame, Surface, wrap};
 
 /// Points closer than this, relative to their coordinates, are one: the two ends of a closed direction, a pole's row.
@@ -23,6 +24,8 @@ pub(super) struct Site<'a> {
     pub surface: &'a Surface,
     pub u: &'a Direction,
     pub v: &'a Direction,
+    /// Of a branching surface.
+    pub joints: Option<&'a Joints>,
 }
 
 impl Site<'_> {
@@ -59,6 +62,9 @@ impl Site<'_> {
 
     /// Mean normal where creases or coinciding ends meet; `None` where the foot is smooth.
     fn corner(&self, place: Place, frame: &Frame) -> Option<Vector3> {
+        if let Some(joints) = self.joints {
+            return self.meeting(joints, place);
+        }
         let tolerance = SAME * frame.point.coords.amax();
         let same = |p: Point3| (p - frame.point).norm() <= tolerance;
         let us = sides(self.u, place.i, place.u, |i, u| same(self.frame(Place { i, u, ..place }).point));
@@ -84,6 +90,30 @@ impl Site<'_> {
             }
         }
         sum.try_normalize(1e-9).or_else(|| self.cusp(&sheets))
+    }
+
+    /// Mean normal of the patches that edges join at a place; `None` where there is but one.
+    fn meeting(&self, joints: &Joints, place: Place) -> Option<Vector3> {
+        let meeting = joints.meeting(place.into());
+        if meeting.spots().len() < 2 {
+            return None;
+        }
+        let mut sum = Vector3::zeros();
+        for spot in meeting.spots() {
+            let frame = self.frame(Place::from(*spot));
+            let Some(n) = self.near(Place::from(*spot), &frame) else { continue };
+            let [u0, u1, v0, v1] = joints.edges_at(*spot);
+            let into = |low: bool, high: bool| if high && !low { -1.0 } else { 1.0 };
+            let corner = (u0 || u1) && (v0 || v1);
+            // At a corner each sector weighs its angle; along an edge both are half turns.
+            let weight = if corner {
+                angle(&(frame.du * into(u0, u1)), &(frame.dv * into(v0, v1)))
+            } else {
+                std::f64::consts::PI
+            };
+            sum += n * weight;
+        }
+        sum.try_normalize(1e-9)
     }
 
     /// Where two sheets leave an edge the same way their normals cancel. Between the sheets is the solid, and then the edge
