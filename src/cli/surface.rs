@@ -1,7 +1,11 @@
 //! `palpate surface`: what can be done with a surface in a file, in any format that has surfaces.
 
+mod branch;
 mod info;
+mod isolate;
 mod make;
+mod merge;
+mod pipe;
 mod query;
 
 use super::Outcome;
@@ -30,6 +34,14 @@ enum Command {
     Tessellate(make::TessellateArgs),
     /// A surface through a grid of points, or near scattered ones.
     Fit(make::FitArgs),
+    /// Patches of any degree, knots and size into one surface of chosen continuity.
+    Merge(Box<merge::Args>),
+    /// A body moved out of another one by a short translation; or all bodies of a file apart.
+    Isolate(isolate::Args),
+    /// The largest radius of a pipe about a curve, and the pipe as a surface.
+    Pipe(pipe::Args),
+    /// A tree of branching tubes as one surface; or a given one measured.
+    Branch(branch::Args),
 }
 
 /// Which surface.
@@ -104,5 +116,9 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
         Command::Convert(args) => make::convert(args),
         Command::Tessellate(args) => make::tessellate(args),
         Command::Fit(args) => make::fit(args),
+        Command::Merge(args) => merge::run(args),
+        Command::Isolate(args) => isolate::run(args),
+        Command::Pipe(args) => pipe::run(args),
+        Command::Branch(args) => branch::run(args),
     }
 }

@@ -156,6 +156,9 @@ impl Bvh {
                 for x in a.at..a.at + a.count {
                     let moved = self.triangles[x as usize].moved(by);
                     for y in b.at..b.at + b.count {
+                        if super::triangle::certainly_farther(&moved, &other.triangles[y as usize], least) {
+                            continue;
+                        }
                         let found = super::triangle::nearest(&moved, &other.triangles[y as usize]);
                         if found.0 < least {
                             (least, best) = (found.0, Some(found));

@@ -1,4 +1,3 @@
 //! The given pairs, hard cases, laws.
 
-mod pairs;
 mod table;

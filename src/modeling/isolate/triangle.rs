@@ -113,6 +113,17 @@ fn coplanar_meet(a: &Triangle, b: &Triangle, tolerance: f64) -> bool {
     !outside(a, b) && !outside(b, a)
 }
 
+/// One lies wholly beyond the square root of `squared` on one side of the other's plane, so they are farther apart.
+pub(super) fn certainly_farther(a: &Triangle, b: &Triangle, squared: f64) -> bool {
+    let beyond = |plane: &Triangle, t: &Triangle| {
+        let [x, y, z] = plane.heights(t, 0.0);
+        let (low, high) = (x.min(y).min(z), x.max(y).max(z));
+        let nearest = if low > 0.0 { low } else { -high };
+        nearest > 0.0 && nearest * nearest > squared
+    };
+    beyond(a, b) || beyond(b, a)
+}
+
 /// Nearest points of two triangles that do not cross: (squared distance, on a, on b).
 pub(super) fn nearest(a: &Triangle, b: &Triangle) -> (f64, Vector3, Vector3) {
     let mut best = (f64::INFINITY, a.corners[0], b.corners[0]);

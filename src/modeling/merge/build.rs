@@ -12,7 +12,7 @@ use crate::surface::{Direction, Surface};
 /// Rows and columns of points that a patch may be given.
 const POINTS: [usize; 2] = [5, 1001];
 /// Rows of points by which knots are chosen.
-const SEARCH_ROWS: usize = 41;
+const SEARCH_ROWS: usize = 34;
 
 /// A merge that is ready to be done.
 pub(super) struct Job {
@@ -48,6 +48,14 @@ impl Job {
         let job = Self { turned, layout, axes, choices, fractions, ends };
         job.check_rows()?;
         Ok(job)
+    }
+
+    /// The patches with all their rows.
+    pub(super) fn full_axes(&self) -> [Axis; 2] {
+        std::array::from_fn(|d| {
+            let direction = [Direction::U, Direction::V][d];
+            Axis::new(&self.turned, &self.layout, direction, self.axes[d].degree, &self.fractions[d])
+        })
     }
 
     pub(super) fn plan(&self) -> Result<MergePlan, MergeError> {

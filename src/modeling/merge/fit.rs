@@ -4,7 +4,7 @@
 //! points are then exactly the first and last sample (elimination of two linear constraints). The normal matrix AᵀA is
 //! banded; it is factored once (Cholesky) and serves every column.
 
-use crate::basis::{Blending, KnotVector};
+use crate::basis::{KnotVector, MAX_DEGREE, Side};
 
 /// What becomes of the ends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -20,9 +20,12 @@ const DEPENDENT: f64 = 1e-12;
 /// How much differences of neighbours count where samples say too little, as a share of the largest diagonal.
 const RIDGE: f64 = 1e-9;
 
+/// Steps of refinement of a tied fit.
+const TIED_STEPS: usize = 6;
+
 /// Factored least-squares fit for one set of knots and parameters.
 pub(super) struct LineFit {
-    blending: Blending,
+    windows: Windows,
     ends: Ends,
     band: Band,
 }
@@ -30,31 +33,31 @@ pub(super) struct LineFit {
 impl LineFit {
     /// Parameters rise from one end of the domain to the other.
     pub(super) fn new(knots: &KnotVector, parameters: &[f64], ends: Ends) -> Self {
-        let blending = Blending::new(knots, parameters);
+        let windows = Windows::new(knots, parameters);
         let skip = usize::from(ends == Ends::Held);
-        let inner = blending.columns() - 2 * skip;
-        let mut normal = Band::new(inner, blending.width());
-        for row in 0..blending.rows() {
-            let (first, values) = blending.row(row, 0);
+        let inner = windows.columns - 2 * skip;
+        let mut normal = Band::new(inner, windows.width);
+        for (first, values) in windows.rows() {
             // The held ends are no unknowns.
             let cut = skip.saturating_sub(first);
             let start = (first + cut).saturating_sub(skip);
             let length = (values.len() - cut).min(inner.saturating_sub(start));
             normal.add_row(start, &values[cut..cut + length]);
         }
-        Self { blending, ends, band: normal.factored() }
+        Self { windows, ends, band: normal.factored() }
     }
 
-    /// (rows × width) samples → (columns × width) control points; one step of refinement gives back the digits that
-    /// squaring A has cost.
+    /// (rows × width) samples → (columns × width) control points. One step of refinement gives back the digits that squaring
+    /// A has cost; where neighbours had to be tied, more steps take back what the ties have bent.
     pub(super) fn fit(&self, samples: &[f64], width: usize) -> Vec<f64> {
         let mut points = self.rough(samples, width);
-        let misses: Vec<f64> = self.misses(samples, &points, width);
         let skip = usize::from(self.ends == Ends::Held) * width;
-        let mut correction = self.transposed(&misses, width);
-        let inner = skip..correction.len() - skip;
-        self.band.solve(&mut correction[inner.clone()], width);
-        points[inner.clone()].iter_mut().zip(&correction[inner]).for_each(|(p, c)| *p += c);
+        for _ in 0..if self.band.tied { TIED_STEPS } else { 1 } {
+            let mut correction = self.transposed(&self.misses(samples, &points, width), width);
+            let inner = skip..correction.len() - skip;
+            self.band.solve(&mut correction[inner.clone()], width);
+            points[inner.clone()].iter_mut().zip(&correction[inner]).for_each(|(p, c)| *p += c);
+        }
         points
     }
 
@@ -65,11 +68,10 @@ impl LineFit {
             self.band.solve(&mut points, width);
             return points;
         }
-        let last = self.blending.columns() - 1;
+        let last = self.windows.columns - 1;
         let mut rest = samples.to_vec();
         let (head, tail) = (&samples[..width], &samples[samples.len() - width..]);
-        for (row, rest) in rest.chunks_exact_mut(width).enumerate() {
-            let (first, values) = self.blending.row(row, 0);
+        for ((first, values), rest) in self.windows.rows().zip(rest.chunks_exact_mut(width)) {
             for (a, value) in values.iter().enumerate() {
                 let end = if first + a == 0 { head } else { tail };
                 if first + a == 0 || first + a == last {
@@ -85,11 +87,20 @@ impl LineFit {
         points
     }
 
+    /// Sum of squares of the fit to samples that are zero at both held ends: |S|² less this is what they miss. For searches,
+    /// where the digits that the difference loses do not matter.
+    pub(super) fn fitted_square(&self, samples: &[f64], width: usize) -> f64 {
+        let skip = usize::from(self.ends == Ends::Held) * width;
+        let mut points = self.transposed(samples, width);
+        let inner = skip..points.len() - skip;
+        self.band.forward(&mut points[inner.clone()], width);
+        points[inner].iter().map(|x| x * x).sum()
+    }
+
     /// What the samples have and the line through the control points has not.
     pub(super) fn misses(&self, samples: &[f64], points: &[f64], width: usize) -> Vec<f64> {
         let mut misses = samples.to_vec();
-        for (row, miss) in misses.chunks_exact_mut(width).enumerate() {
-            let (first, values) = self.blending.row(row, 0);
+        for ((first, values), miss) in self.windows.rows().zip(misses.chunks_exact_mut(width)) {
             for (value, point) in values.iter().zip(points[first * width..].chunks_exact(width)) {
                 miss.iter_mut().zip(point).for_each(|(x, p)| *x -= value * p);
             }
@@ -98,9 +109,8 @@ impl LineFit {
     }
 
     fn transposed(&self, samples: &[f64], width: usize) -> Vec<f64> {
-        let mut out = vec![0.0; self.blending.columns() * width];
-        for (row, sample) in samples.chunks_exact(width).enumerate() {
-            let (first, values) = self.blending.row(row, 0);
+        let mut out = vec![0.0; self.windows.columns * width];
+        for ((first, values), sample) in self.windows.rows().zip(samples.chunks_exact(width)) {
             for (value, out) in values.iter().zip(out[first * width..].chunks_exact_mut(width)) {
                 out.iter_mut().zip(sample).for_each(|(o, x)| *o += value * x);
             }
@@ -109,15 +119,63 @@ impl LineFit {
     }
 }
 
+/// Basis values at rising parameters, without the derivatives that a [`Blending`](crate::basis::Blending) has: searches
+/// make many of them.
+struct Windows {
+    columns: usize,
+    width: usize,
+    /// (rows) first column.
+    first: Vec<usize>,
+    /// (rows × width)
+    values: Vec<f64>,
+}
+
+impl Windows {
+    fn new(knots: &KnotVector, parameters: &[f64]) -> Self {
+        let width = knots.degree() + 1;
+        let (mut first, mut values) = (Vec::with_capacity(parameters.len()), Vec::with_capacity(parameters.len() * width));
+        for &u in parameters {
+            let u = knots.confine(u);
+            let span = knots.span(u, Side::Right);
+            first.push(span + 1 - width);
+            values.extend_from_slice(&basis(knots.knots(), span, width, u)[..width]);
+        }
+        Self { columns: knots.count(), width, first, values }
+    }
+
+    fn rows(&self) -> impl Iterator<Item = (usize, &[f64])> {
+        self.first.iter().copied().zip(self.values.chunks_exact(self.width))
+    }
+}
+
+/// N_{i,p}(u) of a span (Piegl & Tiller, *The NURBS Book*, A2.2).
+fn basis(t: &[f64], span: usize, width: usize, u: f64) -> [f64; MAX_DEGREE + 1] {
+    let mut values = [0.0; MAX_DEGREE + 1];
+    values[0] = 1.0;
+    for p in 1..width {
+        let mut saved = 0.0;
+        for r in 0..p {
+            let (right, left) = (t[span + r + 1] - u, u - t[span + 1 + r - p]);
+            let share = values[r] / (right + left);
+            values[r] = saved + right * share;
+            saved = left * share;
+        }
+        values[p] = saved;
+    }
+    values
+}
+
 /// The lower half of a symmetric banded matrix, or its Cholesky factor: row i holds (i, i), (i, i − 1), …
 pub(super) struct Band {
     width: usize,
     rows: Vec<f64>,
+    /// Differences of neighbours were added to what the samples say.
+    tied: bool,
 }
 
 impl Band {
     pub(super) fn new(count: usize, width: usize) -> Self {
-        Self { width, rows: vec![0.0; count * width] }
+        Self { width, rows: vec![0.0; count * width], tied: false }
     }
 
     /// Adds a row of A, values from column `first` on, to AᵀA.
@@ -139,6 +197,7 @@ impl Band {
         }
         let largest = (0..self.count()).map(|i| self.rows[i * self.width]).fold(0.0, f64::max);
         let mut tied = self;
+        tied.tied = true;
         for tie in [RIDGE * largest, 1e-6 * largest] {
             for i in 1..tied.count() {
                 let w = tied.width;
@@ -174,11 +233,16 @@ impl Band {
                 }
             }
         }
-        Some(Self { width: w, rows: l })
+        Some(Self { width: w, rows: l, tied: self.tied })
     }
 
-    /// Solves in place for (count × columns) right-hand sides.
-    pub(super) fn solve(&self, x: &mut [f64], columns: usize) {
+    /// An element of the factor, row ≥ column.
+    pub(super) fn at(&self, row: usize, column: usize) -> f64 {
+        if row - column < self.width { self.rows[row * self.width + (row - column)] } else { 0.0 }
+    }
+
+    /// L⁻¹ x in place.
+    fn forward(&self, x: &mut [f64], columns: usize) {
         let (n, w) = (self.count(), self.width);
         for i in 0..n {
             let (before, row) = x.split_at_mut(i * columns);
@@ -190,6 +254,12 @@ impl Band {
             let pivot = self.rows[i * w];
             row.iter_mut().for_each(|r| *r /= pivot);
         }
+    }
+
+    /// Solves in place for (count × columns) right-hand sides.
+    pub(super) fn solve(&self, x: &mut [f64], columns: usize) {
+        let (n, w) = (self.count(), self.width);
+        self.forward(x, columns);
         for i in (0..n).rev() {
             let (row, after) = x[i * columns..].split_at_mut(columns);
             for k in i + 1..n.min(i + w) {
@@ -244,6 +314,19 @@ mod tests {
         let left = fit.transposed(&fit.misses(&samples, &points, 2), 2);
         let worst = left[2..14].iter().map(|x| x.abs()).fold(0.0, f64::max);
         assert!(worst < 1e-12, "{left:?}");
+    }
+
+    #[test]
+    fn basis_values_are_those_of_the_blending() {
+        let knots = KnotVector::new(3, vec![0.0, 0.0, 0.0, 0.0, 0.3, 0.5, 0.5, 0.8, 1.0, 1.0, 1.0, 1.0]).unwrap();
+        let parameters: Vec<f64> = (0..=40).map(|k| k as f64 / 40.0).collect();
+        let windows = Windows::new(&knots, &parameters);
+        let blending = crate::basis::Blending::new(&knots, &parameters);
+        for (row, (first, values)) in windows.rows().enumerate() {
+            let (wanted, twin) = blending.row(row, 0);
+            assert_eq!(first, wanted);
+            assert!(values.iter().zip(twin).all(|(a, b)| (a - b).abs() < 1e-15), "{values:?} {twin:?}");
+        }
     }
 
     #[test]

@@ -3,7 +3,7 @@
 use super::turn::Turn;
 use super::{Arrangement, Edge, MergeError};
 use crate::math::Point3;
-use crate::surface::Surface;
+use crate::surface::{Closing, Direction, Surface};
 
 /// Points compared along an edge, less one.
 const STEPS: usize = 8;
@@ -82,8 +82,8 @@ impl Layout {
 struct Grid {
     points: Vec<Point3>,
     size_m: f64,
-    /// u, v go round.
-    periodic: [bool; 2],
+    /// u, v go round, or both ends meet.
+    closed: [bool; 2],
 }
 
 impl Grid {
@@ -96,7 +96,8 @@ impl Grid {
         let points: Vec<Point3> = pairs.map(|(i, j)| surface.point(at(us, i), at(vs, j))).collect();
         let low = points.iter().fold(points[0], |low, p| low.inf(p));
         let high = points.iter().fold(points[0], |high, p| high.sup(p));
-        Self { points, size_m: (high - low).norm(), periodic: [us.is_periodic(), vs.is_periodic()] }
+        let closed = surface.topology().closing.map(|closing| closing != Closing::Open);
+        Self { points, size_m: (high - low).norm(), closed }
     }
 
     fn edge(&self, turn: Turn, edge: Edge) -> [Point3; STEPS + 1] {
@@ -116,8 +117,8 @@ impl Grid {
     /// The edge is one: the surface does not go on there, and it has a length.
     fn joins(&self, turn: Turn, edge: Edge) -> bool {
         let source = turn.source(edge);
-        let round = self.periodic[if source.direction() == crate::surface::Direction::U { 0 } else { 1 }];
-        !round && length(&self.edge(turn, edge)) > POINT * self.size_m
+        let closed = self.closed[if source.direction() == Direction::U { 0 } else { 1 }];
+        !closed && length(&self.edge(turn, edge)) > POINT * self.size_m
     }
 }
 

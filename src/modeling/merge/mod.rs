@@ -17,6 +17,7 @@
 
 mod axis;
 mod build;
+pub mod cases;
 mod error;
 mod exact;
 mod fit;

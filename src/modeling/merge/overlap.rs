@@ -2,11 +2,14 @@
 //!
 //! Whole rows are left out: a patch ends before the first row that reaches the curve, so that nothing of it lies beyond.
 
+use crate::math::Vector3;
 use crate::contact::pair::{PairSide, PairSolver};
 use crate::surface::{ClosestSolver, Direction, Surface};
 
 /// Edges nearer than this, as a share of the size, meet: patches that share an edge do not cross there.
 const MEET: f64 = 1e-6;
+/// Patches that reach past each other by less than this share of the size do not cross.
+const SLACK: f64 = 1e-6;
 /// Chords of the curve stay this near to it, as a share of the size; rows are a hundredth apart.
 const CHORD: f64 = 1e-4;
 /// Less of the domain than this is the rounding of a curve along an edge.
@@ -17,7 +20,7 @@ const STEPS: usize = 16;
 /// Fractions at which the first patch ends and the second starts along `direction`, when the two cross.
 pub(super) fn beyond_crossing(first: &Surface, second: &Surface, direction: Direction) -> Option<[f64; 2]> {
     let size_m = first.size() + second.size();
-    if gap_m(first, second, direction) <= MEET * size_m {
+    if gap_m(first, second, direction) <= MEET * size_m || parted(first, second, SLACK * size_m) {
         return None;
     }
     let (mut one, mut other) = (ClosestSolver::new(first), ClosestSolver::new(second));
@@ -37,6 +40,22 @@ pub(super) fn beyond_crossing(first: &Surface, second: &Surface, direction: Dire
         start = start.max(share(second, b));
     }
     (end < 1.0 - NOTHING || start > NOTHING).then_some([end, start])
+}
+
+/// A plane has all control points of one patch on one side and all of the other's on the other: the patches cannot cross.
+fn parted(first: &Surface, second: &Surface, slack_m: f64) -> bool {
+    let middle = |s: &Surface| {
+        let points = s.net().points();
+        points.iter().map(|p| p.coords).sum::<Vector3>() / points.len() as f64
+    };
+    let way = middle(second) - middle(first);
+    let Some(way) = way.try_normalize(0.0) else { return false };
+    // Patches are seldom square to the line between their middles, but often to an axis.
+    [way, Vector3::x() * way.x.signum(), Vector3::y() * way.y.signum(), Vector3::z() * way.z.signum()].iter().any(|n| {
+        let heights = |s: &Surface| s.net().points().iter().map(|p| p.coords.dot(n)).collect::<Vec<f64>>();
+        let end = heights(first).into_iter().fold(f64::NEG_INFINITY, f64::max);
+        heights(second).into_iter().fold(f64::INFINITY, f64::min) >= end - slack_m
+    })
 }
 
 /// Largest distance between points of the edges that face each other, m.

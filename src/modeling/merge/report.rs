@@ -1,7 +1,7 @@
 //! What a merge did to the patches: distances of their points from the merged surface, and continuity as measured.
 
 use super::layout::Layout;
-use super::{Merged, Seam};
+use super::{BlockRows, Merged, Seam};
 use crate::basis::Side;
 use crate::math::Vector3;
 use crate::surface::{ClosestSolver, Direction, Frame, Surface};
@@ -75,11 +75,23 @@ impl Merged {
     /// The distance is that of the foot to which descent from the point's own parameters leads: the closest point of that
     /// neighbourhood, never farther than the surface at those parameters.
     pub(super) fn distances(&self, turned: &[Surface]) -> Vec<f64> {
+        self.distances_on(turned, &self.rows)
+    }
+
+    /// The same half way between the rows: what a fit does where it was not looking.
+    pub(super) fn distances_between(&self, turned: &[Surface]) -> Vec<f64> {
+        let means = |x: &[f64]| x.windows(2).map(|w| 0.5 * (w[0] + w[1])).collect::<Vec<f64>>();
+        let between = |rows: &BlockRows| BlockRows { fractions: means(&rows.fractions), parameters: means(&rows.parameters) };
+        let rows = [0, 1].map(|d: usize| self.rows[d].iter().map(between).collect());
+        self.distances_on(turned, &rows)
+    }
+
+    fn distances_on(&self, turned: &[Surface], all_rows: &[Vec<BlockRows>; 2]) -> Vec<f64> {
         let solver = ClosestSolver::new(&self.surface);
         let mut all = Vec::new();
         for (k, patch) in turned.iter().enumerate() {
             let (i, j) = (k / self.layout.columns, k % self.layout.columns);
-            let (rows, columns) = (&self.rows[0][i], &self.rows[1][j]);
+            let (rows, columns) = (&all_rows[0][i], &all_rows[1][j]);
             for (&f, &u) in rows.fractions.iter().zip(&rows.parameters) {
                 for (&g, &v) in columns.fractions.iter().zip(&columns.parameters) {
                     let point = patch.point(place(patch, Direction::U, f), place(patch, Direction::V, g));

@@ -1,6 +1,6 @@
 //! Knots inserted until no point is farther off than a tolerance.
 //!
-//! Each round measures all points; when one is too far off, the direction whose lines miss more gets a knot in the middle of
+//! Each round measures all points, and as many between them; when one is too far off, the direction whose lines miss more gets a knot in the middle of
 //! the span where they miss most. Beside a crease spans are halved again and again: the blend becomes sharper.
 
 use super::axis::Axis;
@@ -22,9 +22,10 @@ const ROWS_EACH: f64 = 1.5;
 pub(super) fn merge(surfaces: &[Surface], mut job: Job, tolerance_m: f64) -> Result<Merged, MergeError> {
     let turned: Vec<Surface> = job.layout.places.iter().map(|p| p.turn.of(&surfaces[p.patch])).collect();
     let mut merged = job.merged()?;
+    let axes = job.full_axes();
     let mut inserted = 0;
     loop {
-        let worst_m = merged.distances(&turned).into_iter().fold(0.0, f64::max);
+        let worst_m = worst(&merged, &turned, tolerance_m);
         if worst_m <= tolerance_m || inserted >= MOST {
             merged.within_tolerance = Some(worst_m <= tolerance_m);
             return Ok(merged);
@@ -32,7 +33,7 @@ pub(super) fn merge(surfaces: &[Surface], mut job: Job, tolerance_m: f64) -> Res
         let before = inserted;
         // A quarter more knots a round: measuring all points costs more than a knot too many.
         for _ in 0..AT_ONCE.max(inserted / 4) {
-            inserted += usize::from(insert(&mut job));
+            inserted += usize::from(insert(&mut job, &axes));
         }
         if inserted == before {
             merged.within_tolerance = Some(false);
@@ -42,8 +43,15 @@ pub(super) fn merge(surfaces: &[Surface], mut job: Job, tolerance_m: f64) -> Res
     }
 }
 
+/// Largest distance of all points and of those between them, m; between them only once the points themselves are near.
+fn worst(merged: &Merged, turned: &[Surface], tolerance_m: f64) -> f64 {
+    let largest = |distances: Vec<f64>| distances.into_iter().fold(0.0, f64::max);
+    let at_points = largest(merged.distances(turned));
+    if at_points > tolerance_m { at_points } else { at_points.max(largest(merged.distances_between(turned))) }
+}
+
 /// One knot where lines miss most; false when no span may be halved.
-fn insert(job: &mut Job) -> bool {
+fn insert(job: &mut Job, axes: &[Axis; 2]) -> bool {
     let mut best: Option<(f64, usize, f64)> = None;
     for d in [0, 1] {
         let choice = &job.choices[d];
@@ -52,7 +60,7 @@ fn insert(job: &mut Job) -> bool {
         if (knots.count() + 1) as f64 * ROWS_EACH > rows as f64 {
             continue;
         }
-        for (start, end, miss) in span_misses(&job.axes[d], choice) {
+        for (start, end, miss) in span_misses(&axes[d], choice) {
             if end - start > LEAST_SPAN && best.is_none_or(|(most, ..)| miss > most) {
                 best = Some((miss, d, 0.5 * (start + end)));
             }

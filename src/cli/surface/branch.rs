@@ -1,0 +1,165 @@
+//! `palpate surface branch`: a tree as one surface, or a given net measured as such.
+
+use super::{Loaded, Outcome, Source};
+use crate::exchange::{Format, write_mesh, write_surface};
+use crate::modeling::branch::{GOAL_ANGLE_DEG, GOAL_EDITED_ANGLE_DEG, Measures, Patch, PatchTable, Tree, Welded, grow};
+use crate::surface::Surface;
+use crate::surface::file::Unit;
+use anyhow::Context as _;
+use std::path::{Path, PathBuf};
+
+/// Share of a patch's size that its triangles may be off.
+const FINENESS: f64 = 1e-3;
+
+#[derive(clap::Args, Debug)]
+pub struct Args {
+    /// Tree (.toml); with --check a surface file (.json, .step, .stp, .iges, .igs).
+    input: PathBuf,
+    /// File to write: .json; or triangles of the distinct patches: .stl, .obj, .glb; with --patch any surface file.
+    #[arg(short, long)]
+    output: Option<PathBuf>,
+    /// Write only this row of the patch table: STEP and IGES have no form for a surface in pieces.
+    #[arg(long, value_name = "ROW", requires = "output")]
+    patch: Option<usize>,
+    /// Measure a given net; its joints may open to 0.1°.
+    #[arg(long)]
+    check: bool,
+    /// With --check: of a file with several surfaces, the one at this place, from 0.
+    #[arg(long, value_name = "N", default_value_t = 0, requires = "check")]
+    index: usize,
+    /// Print one JSON object: measures in metres, the patch table, the places of the net that move together.
+    #[arg(long)]
+    json: bool,
+}
+
+/// What is measured and told.
+struct Subject {
+    surface: Surface,
+    patches: PatchTable,
+    ties: Option<Vec<Vec<usize>>>,
+    angle_deg: f64,
+}
+
+pub fn run(args: &Args) -> anyhow::Result<Outcome> {
+    anyhow::ensure!(
+        args.check || args.output.is_some(),
+        "a file to write is missing: -o OUT (or --check to measure a surface)"
+    );
+    let output = match args.output.as_deref() {
+        Some(path) => Some((path, Format::of(path)?)),
+        None => None,
+    };
+    let subject = if args.check { checked(args)? } else { grown(&args.input)? };
+    let (measures, welded) = Measures::of(&subject.surface, &subject.patches);
+    if let Some((path, format)) = output {
+        let bytes = file(&subject, &welded, format, args.patch)?;
+        std::fs::write(path, bytes).with_context(|| path.display().to_string())?;
+    }
+    let misses = measures.misses(subject.angle_deg);
+    if args.json {
+        print_json(&subject, &measures, &misses);
+    } else {
+        print_text(&subject, &measures, &welded);
+    }
+    misses.iter().for_each(|miss| eprintln!("not reached: {miss}"));
+    for broken in measures.rules.iter() {
+        eprintln!("rule {} ({}): {}, off by {:.1e} m", broken.rule, broken.rule.asks(), broken.place, broken.off_m);
+    }
+    Ok(if misses.is_empty() { Outcome::Ok } else { Outcome::Difference })
+}
+
+/// Of the whole, or of one patch.
+fn file(subject: &Subject, welded: &Welded, format: Format, patch: Option<usize>) -> anyhow::Result<Vec<u8>> {
+    let mesh = matches!(format, Format::Stl | Format::Obj | Format::Glb);
+    let Some(row) = patch else {
+        return if mesh {
+            Ok(write_mesh(&welded.mesh, format, Unit::Metre)?)
+        } else {
+            write_surface(&subject.surface, format, Unit::Metre)
+                .context("STEP and IGES take the surface patch by patch (--patch ROW)")
+        };
+    };
+    let patches = &subject.patches.patches;
+    let patch = patches.get(row).with_context(|| format!("--patch {row}: the table ends at {}", patches.len() - 1))?;
+    let surface = subject.surface.sub_surface(patch.u, patch.v)?;
+    let size = surface.size();
+    Ok(if mesh {
+        write_mesh(&surface.tessellated_to(FINENESS * size)?, format, Unit::Metre)?
+    } else {
+        write_surface(&surface, format, Unit::Metre)?
+    })
+}
+
+fn grown(path: &Path) -> anyhow::Result<Subject> {
+    let name = || path.display().to_string();
+    let text = std::fs::read_to_string(path).with_context(name)?;
+    let tree: Tree = toml::from_str(&text).with_context(name)?;
+    let grown = grow(&tree).with_context(name)?;
+    Ok(Subject { surface: grown.surface, patches: grown.patches, ties: Some(grown.ties), angle_deg: GOAL_ANGLE_DEG })
+}
+
+fn checked(args: &Args) -> anyhow::Result<Subject> {
+    let Loaded { surface, .. } = Source { file: args.input.clone(), index: args.index }.load()?;
+    let patches = PatchTable::recovered(&surface).with_context(|| args.input.display().to_string())?;
+    Ok(Subject { surface, patches, ties: None, angle_deg: GOAL_EDITED_ANGLE_DEG })
+}
+
+fn print_json(subject: &Subject, measures: &Measures, misses: &[String]) {
+    let net = subject.surface.net();
+    let degrees = [subject.surface.knots_u().degree(), subject.surface.knots_v().degree()];
+    let report = serde_json::json!({
+        "degrees": degrees, "net": [net.rows(), net.columns()], "leaves": subject.patches.leaves,
+        "parts": subject.patches.parts, "distinct_patches": subject.patches.distinct().count(),
+        "angle_goal_deg": subject.angle_deg, "measures": measures, "misses": misses,
+        "patches": subject.patches.patches, "ties": subject.ties,
+    });
+    println!("{report}");
+}
+
+fn print_text(subject: &Subject, measures: &Measures, welded: &Welded) {
+    let net = subject.surface.net();
+    println!(
+        "{} leaves, degrees {} × {}, {} × {} control points, size {:.4} m",
+        subject.patches.leaves,
+        subject.surface.knots_u().degree(),
+        subject.surface.knots_v().degree(),
+        net.rows(),
+        net.columns(),
+        measures.size_m,
+    );
+    println!(
+        "  joints: {}; gap {:.1e} m, angle {:.1e}°, least sine {:.3}",
+        measures.joints.len(),
+        measures.gap_m,
+        measures.angle_deg,
+        measures.min_sine
+    );
+    println!(
+        "  mesh: Euler number {} of {}, {} open ends, {} folded edges, {} crossing pairs, {} triangles",
+        measures.euler,
+        measures.euler_wanted,
+        measures.loops,
+        measures.folded,
+        measures.crossings,
+        welded.mesh.triangles.len()
+    );
+    println!("  area {:.6} m², drawn {:.3} times over", measures.area_m2, measures.coverage);
+    println!("  {:>4} {:<8} {:>4} {:>4} {:>3}  {:<12} {:<12} same as", "row", "node", "part", "leaf", "arc", "u", "v");
+    for (k, patch) in subject.patches.patches.iter().enumerate() {
+        println!("  {k:>4} {}", line(patch));
+    }
+}
+
+fn line(patch: &Patch) -> String {
+    let range = |[a, b]: [f64; 2]| format!("{a} … {b}");
+    let same = patch.duplicate_of.map_or(String::new(), |k| k.to_string());
+    format!(
+        "{:<8} {:>4} {:>4} {:>3}  {:<12} {:<12} {same}",
+        patch.node,
+        patch.part,
+        patch.leaf,
+        patch.arc,
+        range(patch.u),
+        range(patch.v)
+    )
+}

@@ -1,0 +1,311 @@
+//! `palpate surface merge`: patches become one surface.
+
+use super::{Loaded, Outcome, Source};
+use crate::exchange::{Format, write_surface};
+use crate::modeling::merge::cases::cases;
+use crate::modeling::merge::{
+    Arrangement, Continuity, DegreeRule, Edge, Hidden, MergeSpec, Merged, Method, Report, merge,
+};
+use crate::surface::file::Unit;
+use crate::surface::{Direction, Surface};
+use anyhow::Context as _;
+use std::path::PathBuf;
+use std::time::{Duration, Instant};
+
+#[derive(clap::Args, Debug)]
+#[command(after_help = "Exit codes: 0 merged, 1 merged but the tolerance was not reached, 2 refused.")]
+pub struct Args {
+    /// Surface files (.json, .step, .stp, .iges, .igs): two, or as many as the grid has places, row after row.
+    #[arg(required_unless_present = "cases", value_name = "PATCH")]
+    patches: Vec<PathBuf>,
+    /// File to write: .json, .step, .stp, .iges, .igs.
+    #[arg(short, long)]
+    output: Option<PathBuf>,
+    /// c of the C^c at the seams, below the degree.
+    #[arg(long, value_name = "N", default_value_t = 2)]
+    continuity: usize,
+    /// How: `constrained` is nearest for its number of control points, `seed` the source's, `exact` without a fit.
+    #[arg(long, default_value = "constrained")]
+    method: MethodName,
+    /// Degree, where those of the patches differ.
+    #[arg(long, default_value = "raise")]
+    degree: DegreeName,
+    /// Rows and columns of the patches, such as 2x2; rows follow each other in u.
+    #[arg(long, value_name = "RxC", value_parser = grid, conflicts_with = "edges")]
+    grid: Option<[usize; 2]>,
+    /// The edges of the two patches that meet, such as u1:v0 [default: the closest pair].
+    #[arg(long, value_name = "A:B", value_parser = edges)]
+    edges: Option<[Edge; 2]>,
+    /// A hidden part of the first patch, such as u:0.8..1; its rows of points are left out.
+    #[arg(long, value_name = "D:FROM..TO", value_parser = range)]
+    trim_a: Option<(Direction, [f64; 2])>,
+    /// The same of the second patch.
+    #[arg(long, value_name = "D:FROM..TO", value_parser = range)]
+    trim_b: Option<(Direction, [f64; 2])>,
+    /// Do not look for a curve in which the patches cross.
+    #[arg(long)]
+    no_overlap: bool,
+    /// Insert knots until no point is farther off than this, in the unit of the first file.
+    #[arg(long, value_name = "LENGTH")]
+    tolerance: Option<f64>,
+    /// Rows and columns of points on each patch.
+    #[arg(long, value_name = "N", default_value_t = 101)]
+    points: usize,
+    /// Least distance between knots at the seam, as a share of the patch: how sharp a blend may be.
+    #[arg(long, value_name = "SHARE", default_value_t = 0.02)]
+    least_span: f64,
+    /// Merge the seven cases that come with the program, by two methods, and print their table.
+    #[arg(long, conflicts_with_all = ["patches", "output", "grid", "edges", "trim_a", "trim_b"])]
+    cases: bool,
+    /// Print one JSON object.
+    #[arg(long)]
+    json: bool,
+}
+
+#[derive(Clone, Copy, Debug, clap::ValueEnum)]
+enum MethodName {
+    Seed,
+    Constrained,
+    Exact,
+}
+
+#[derive(Clone, Copy, Debug, clap::ValueEnum)]
+enum DegreeName {
+    Raise,
+    Lower,
+}
+
+pub fn run(args: &Args) -> anyhow::Result<Outcome> {
+    if args.cases {
+        return Ok(all_cases(args.json));
+    }
+    // The whole request is read before the files are.
+    let format = args.output.as_ref().map(Format::of).transpose()?;
+    let loaded: Vec<Loaded> =
+        args.patches.iter().map(|file| Source { file: file.clone(), index: 0 }.load()).collect::<Result<_, _>>()?;
+    let (unit, per_metre) = (loaded[0].unit.clone(), loaded[0].per_metre);
+    let surfaces: Vec<Surface> = loaded.into_iter().map(|l| l.surface).collect();
+    let spec = args.spec(per_metre);
+    let start = Instant::now();
+    let merged = merge(&surfaces, &spec)?;
+    let taken = start.elapsed();
+    let report = merged.report(&surfaces);
+    if let (Some(output), Some(format)) = (&args.output, format) {
+        let unit = if unit == "mm" { Unit::Millimetre } else { Unit::Metre };
+        let bytes = write_surface(&merged.surface, format, unit)?;
+        std::fs::write(output, bytes).with_context(|| output.display().to_string())?;
+    }
+    if args.json {
+        println!("{}", as_json(&merged, &report, &unit, per_metre, taken));
+    } else {
+        print(&merged, &report, &unit, per_metre, taken);
+    }
+    if merged.within_tolerance == Some(false) {
+        eprintln!("note: the tolerance was not reached; more points, or a sharper blend (--least-span), may help");
+        return Ok(Outcome::Difference);
+    }
+    Ok(Outcome::Ok)
+}
+
+impl Args {
+    fn spec(&self, per_metre: f64) -> MergeSpec {
+        let arrangement = match (self.grid, self.edges) {
+            (Some([rows, columns]), _) => Arrangement::Grid { rows, columns },
+            (None, Some(edges)) => Arrangement::Edges(edges),
+            (None, None) => Arrangement::Closest,
+        };
+        let hidden = [self.trim_a, self.trim_b].into_iter().enumerate();
+        MergeSpec {
+            continuity: self.continuity,
+            method: match self.method {
+                MethodName::Seed => Method::Seed,
+                MethodName::Constrained => Method::Constrained,
+                MethodName::Exact => Method::Exact,
+            },
+            degree: match self.degree {
+                DegreeName::Raise => DegreeRule::Raise,
+                DegreeName::Lower => DegreeRule::Lower,
+            },
+            arrangement,
+            hidden: hidden
+                .filter_map(|(patch, part)| part.map(|(direction, range)| Hidden { patch, direction, range }))
+                .collect(),
+            find_overlap: !self.no_overlap,
+            points: self.points,
+            least_span: self.least_span,
+            tolerance_m: self.tolerance.map(|t| t / per_metre),
+        }
+    }
+}
+
+fn letter(direction: Direction) -> char {
+    if direction == Direction::U { 'u' } else { 'v' }
+}
+
+fn as_json(merged: &Merged, report: &Report, unit: &str, per_metre: f64, taken: Duration) -> serde_json::Value {
+    let d = &report.deviation;
+    let continuity = |c: &Continuity| {
+        serde_json::json!({
+            "gap": c.gap_m * per_metre, "tangent_deg": c.tangent_deg,
+            "curvature_jump": c.curvature_jump_per_m / per_metre, "curvature": c.curvature_per_m / per_metre,
+            "first_jump": c.first_jump, "second_jump": c.second_jump,
+        })
+    };
+    let seams: Vec<serde_json::Value> = report
+        .seams
+        .iter()
+        .map(|(seam, c)| {
+            let mut value = continuity(c);
+            value["direction"] = letter(seam.direction).to_string().into();
+            value["at"] = seam.at.into();
+            value
+        })
+        .collect();
+    let places: Vec<serde_json::Value> = merged
+        .layout
+        .places
+        .iter()
+        .map(|p| {
+            serde_json::json!({
+                "patch": p.patch, "swap": p.turn.swap, "reverse_u": p.turn.reverse_u, "reverse_v": p.turn.reverse_v,
+            })
+        })
+        .collect();
+    let net = merged.surface.net();
+    serde_json::json!({
+        "unit": unit, "rows": merged.layout.rows, "columns": merged.layout.columns, "places": places,
+        "degree": [merged.surface.knots_u().degree(), merged.surface.knots_v().degree()],
+        "net": [net.rows(), net.columns()],
+        "deviation": {
+            "points": d.points, "close": d.close, "close_within": d.close_m * per_metre,
+            "average": d.average_m * per_metre, "median": d.median_m * per_metre,
+            "standard": d.standard_m * per_metre, "maximum": d.maximum_m * per_metre,
+        },
+        "seams": seams, "before": continuity(&report.before),
+        "within_tolerance": merged.within_tolerance, "time_s": taken.as_secs_f64(),
+    })
+}
+
+fn print(merged: &Merged, report: &Report, unit: &str, per_metre: f64, taken: Duration) {
+    let (surface, d) = (&merged.surface, &report.deviation);
+    let length = |m: f64| m * per_metre;
+    println!(
+        "{} patches in {} rows of {}: {} × {} control points, degree {} × {}, in {:.2} ms",
+        merged.layout.places.len(),
+        merged.layout.rows,
+        merged.layout.columns,
+        surface.net().rows(),
+        surface.net().columns(),
+        surface.knots_u().degree(),
+        surface.knots_v().degree(),
+        taken.as_secs_f64() * 1e3,
+    );
+    println!("deviation of {} points, {unit}", d.points);
+    for (name, value) in [
+        ("average", d.average_m),
+        ("median", d.median_m),
+        ("standard deviation", d.standard_m),
+        ("maximum", d.maximum_m),
+    ] {
+        println!("  {name:<20}{:.6}", length(value));
+    }
+    println!("  {:<20}{} (within {})", "close points", d.close, length(d.close_m));
+    let line = |name: &str, c: &Continuity| {
+        println!(
+            "{name:<14} gap {:.2e} {unit}, tangents {:.2e}°, curvature jump {:.2e} of {:.2e} 1/{unit}",
+            length(c.gap_m),
+            c.tangent_deg,
+            c.curvature_jump_per_m / per_metre,
+            c.curvature_per_m / per_metre,
+        );
+    };
+    line("edges before", &report.before);
+    for (seam, continuity) in &report.seams {
+        line(&format!("seam {} = {:.4}", letter(seam.direction), seam.at), continuity);
+    }
+}
+
+/// The table of `--cases`: lengths in mm.
+fn all_cases(json: bool) -> Outcome {
+    let mut rows = Vec::new();
+    for case in cases() {
+        for continuity in [2, 0] {
+            for (name, method) in [("seed", Method::Seed), ("constrained", Method::Constrained)] {
+                let spec = MergeSpec { continuity, method, ..case.spec.clone() };
+                match merge(&case.patches, &spec) {
+                    Ok(merged) => rows.push((case.number, continuity, name, merged.report(&case.patches), merged)),
+                    Err(error) => eprintln!("case {}: {error}", case.number),
+                }
+            }
+        }
+    }
+    if json {
+        let value = |(number, continuity, name, report, merged): &(usize, usize, &str, Report, Merged)| {
+            let mut value = as_json(merged, report, "mm", 1e3, Duration::ZERO);
+            value["case"] = (*number).into();
+            value["continuity"] = (*continuity).into();
+            value["method"] = (*name).into();
+            value.as_object_mut().map(|object| object.remove("time_s"));
+            value
+        };
+        println!("{}", serde_json::json!({ "cases": rows.iter().map(value).collect::<Vec<_>>() }));
+        return Outcome::Ok;
+    }
+    println!("| case | C | method | net | points | average | median | standard | maximum | close | tangent, ° | curvature jump of, 1/m |");
+    println!("|---|---|---|---|---|---|---|---|---|---|---|---|");
+    for (number, continuity, name, report, merged) in &rows {
+        let d = &report.deviation;
+        let worst = |of: fn(&Continuity) -> f64| report.seams.iter().map(|(_, c)| of(c)).fold(0.0, f64::max);
+        println!(
+            "| {number} | {continuity} | {name} | {}×{} | {} | {:.4} | {:.4} | {:.4} | {:.4} | {} | {:.1e} | {:.1e} of {:.1} |",
+            merged.surface.net().rows(),
+            merged.surface.net().columns(),
+            d.points,
+            d.average_m * 1e3,
+            d.median_m * 1e3,
+            d.standard_m * 1e3,
+            d.maximum_m * 1e3,
+            d.close,
+            worst(|c| c.tangent_deg),
+            worst(|c| c.curvature_jump_per_m),
+            worst(|c| c.curvature_per_m),
+        );
+    }
+    Outcome::Ok
+}
+
+/// `2x2`.
+fn grid(text: &str) -> Result<[usize; 2], String> {
+    let parsed =
+        text.split_once(['x', 'X', '×']).and_then(|(a, b)| Some([a.trim().parse().ok()?, b.trim().parse().ok()?]));
+    parsed.filter(|[a, b]: &[usize; 2]| *a > 0 && *b > 0).ok_or_else(|| format!("{text:?} is no grid such as 2x2"))
+}
+
+/// `u1:v0`.
+fn edges(text: &str) -> Result<[Edge; 2], String> {
+    let edge = |name: &str| match name.trim() {
+        "u0" => Some(Edge::U0),
+        "u1" => Some(Edge::U1),
+        "v0" => Some(Edge::V0),
+        "v1" => Some(Edge::V1),
+        _ => None,
+    };
+    let pair = text.split_once(':').and_then(|(a, b)| Some([edge(a)?, edge(b)?]));
+    pair.ok_or_else(|| format!("{text:?} is no pair of edges such as u1:v0 (u0, u1, v0, v1)"))
+}
+
+/// `u:0.8..1`.
+fn range(text: &str) -> Result<(Direction, [f64; 2]), String> {
+    let parsed = text.split_once(':').and_then(|(direction, range)| {
+        let direction = match direction.trim() {
+            "u" => Direction::U,
+            "v" => Direction::V,
+            _ => return None,
+        };
+        let (a, b) = range.split_once("..")?;
+        Some((direction, [a.trim().parse().ok()?, b.trim().parse().ok()?]))
+    });
+    parsed
+        .filter(|(_, [a, b]): &(Direction, [f64; 2])| a.is_finite() && b.is_finite())
+        .ok_or_else(|| format!("{text:?} is no range such as u:0.8..1"))
+}
