@@ -1,8 +1,6 @@
 //! Copies, ties and tables; and what the rest of the engine makes of such a surface.
 
 use super::*;
-use crate::exchange::{Format, Pick, read_surface, write_surface};
-use crate::surface::file::Unit;
 use std::collections::BTreeMap;
 
 #[test]
@@ -71,48 +69,49 @@ fn ties_moved_together_keep_the_surface_closed() {
     assert_eq!(PatchTable::recovered(&surface).unwrap(), patches);
 }
 
-// STEP and IGES have no form for a surface in pieces: they take it patch by patch.
+// Cut at knots of full multiplicity, a patch has that part of the whole net: what STEP and IGES take.
 #[test]
-fn files_keep_every_bit_and_step_takes_it_patch_by_patch() {
+fn a_patch_alone_has_its_control_points_bit_for_bit() {
     for (name, tree) in trees() {
         let BranchingSurface { surface, patches, .. } = grow(&tree).unwrap();
-        let bytes = write_surface(&surface, Format::Json, Unit::Metre).unwrap();
-        assert_eq!(read_surface(&bytes, Format::Json, Pick::First).unwrap().surface, surface, "{name}");
-        for format in [Format::Step, Format::Iges] {
-            assert!(write_surface(&surface, format, Unit::Metre).is_err(), "{name}, {format:?}");
-            for patch in patches.distinct() {
-                let piece = surface.sub_surface(patch.u, patch.v).unwrap();
-                // Cut at knots of full multiplicity, its net is that part of the whole net, bit for bit.
-                assert_eq!(piece.net().points(), patches.control_points(&surface, patch).collect::<Vec<_>>());
-                let bytes = write_surface(&piece, format, Unit::Metre).unwrap();
-                assert_eq!(read_surface(&bytes, format, Pick::First).unwrap().surface, piece, "{name}, {format:?}");
-            }
+        for patch in patches.distinct() {
+            let piece = surface.sub_surface(patch.u, patch.v).unwrap();
+            assert_eq!(piece.net().points(), patches.control_points(&surface, patch).collect::<Vec<_>>(), "{name}");
         }
     }
 }
 
-// Full multiplicities inside: evaluation from both sides, pieces and triangles are those of a torn surface.
+// The surface layer knows nothing of trees: it finds the same patches by their edges.
 #[test]
-fn the_rest_of_the_engine_takes_the_surface_as_torn() {
-    let BranchingSurface { surface, .. } = grow(&trees()[0].1).unwrap();
-    let topology = surface.topology();
-    // In u the loops of two leaves part; in v inner arcs part from the stem.
-    assert_eq!(topology.torn, [true; 2]);
-    assert!(!topology.is_closed());
-    let patches = surface.bezier_patches();
-    assert_eq!(patches.len(), 24 * 11);
-    for patch in &patches {
-        let ((a, b), (c, d)) = (patch.knots_u().domain(), patch.knots_v().domain());
-        let (u, v) = (0.3 * a + 0.7 * b, 0.6 * c + 0.4 * d);
-        assert!((patch.point(u, v) - surface.point(u, v)).norm() <= 1e-14 * surface.size());
+fn the_engine_finds_the_patches_of_the_table_and_draws_each_once() {
+    for (_, tree) in trees() {
+        let BranchingSurface { surface, patches, .. } = grow(&tree).unwrap();
+        if patches.leaves == 1 {
+            continue;
+        }
+        // Edges part at disjoined knots and meet again elsewhere: the surface is open at its ends only.
+        let topology = surface.topology();
+        assert_eq!((topology.torn, topology.is_closed()), ([false; 2], false));
+        let joints = surface.joints().unwrap();
+        assert_eq!(joints.patches().len(), patches.patches.len());
+        for found in joints.patches() {
+            let named = |u: [f64; 2], v: [f64; 2]| patches.patches.iter().find(|p| (p.u, p.v) == (u, v)).unwrap();
+            let wanted = named(found.u, found.v).duplicate_of.map(|row| (patches.patches[row].u, patches.patches[row].v));
+            assert_eq!(found.duplicate_of.map(|k| (joints.patches()[k].u, joints.patches()[k].v)), wanted);
+        }
+        let pieces = surface.bezier_patches();
+        for piece in &pieces {
+            let ((a, b), (c, d)) = (piece.knots_u().domain(), piece.knots_v().domain());
+            let (u, v) = (0.3 * a + 0.7 * b, 0.6 * c + 0.4 * d);
+            assert!((piece.point(u, v) - surface.point(u, v)).norm() <= 1e-14 * surface.size());
+        }
+        let spans = |knots: &KnotVector, [a, b]: [f64; 2]| {
+            knots.spans().filter(|&i| knots.knots()[i] >= a && knots.knots()[i + 1] <= b).count()
+        };
+        let drawn = patches.distinct().map(|p| spans(surface.knots_u(), p.u) * spans(surface.knots_v(), p.v));
+        let mesh = surface.tessellated([4, 4]).unwrap();
+        assert_eq!(mesh.triangles.len(), drawn.sum::<usize>() * 32);
     }
-    // No triangle reaches over a disjoined knot: edges stay as short as cells are.
-    let mesh = surface.tessellated([4, 4]).unwrap();
-    let longest = mesh.triangles.iter().flat_map(|&[a, b, c]| [(a, b), (b, c), (c, a)]);
-    let at = |k: u32| mesh.points[k as usize];
-    let longest = longest.map(|(a, b)| (at(a) - at(b)).norm()).fold(0.0, f64::max);
-    assert!(longest < 0.4, "an edge of {longest} m");
-    assert_eq!(mesh.triangles.len(), 24 * 11 * 32);
 }
 
 // "Terminate, repeat the last point, then disjoin": a piece without extent between the leaves. The same points, and the
