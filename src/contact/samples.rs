@@ -105,10 +105,13 @@ impl SampleGrid {
     /// `per_span²` samples in every patch.
     pub fn new(surface: &Surface, per_span: usize) -> Self {
         let topology = surface.topology();
+        let joints = surface.joints().map(Box::new);
+        // Of a branching surface, ends that meet are joints like others.
+        let wraps = [0, 1].map(|d| joints.is_none() && topology.wraps(d));
         Self {
-            u: Direction::new(surface.knots_u(), per_span, topology.wraps(0)),
-            v: Direction::new(surface.knots_v(), per_span, topology.wraps(1)),
-            joints: surface.joints().map(Box::new),
+            u: Direction::new(surface.knots_u(), per_span, wraps[0]),
+            v: Direction::new(surface.knots_v(), per_span, wraps[1]),
+            joints,
         }
     }
 

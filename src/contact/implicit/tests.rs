@@ -364,28 +364,3 @@ fn tool_and_body_moved_together_touch_the_same_and_scale_does_not_matter() {
         }
     }
 }
-
-// A ball as a function slides over the joints of a branching tube: one contact, as deep as the certified one.
-#[test]
-fn a_function_on_a_joint_touches_once() {
-    let text = include_str!("../../../scenes/vessel.json");
-    let vessel = crate::surface::file::read(text).unwrap().with_exact_seams();
-    let (radius, depth_m, before) = (1e-3, 2e-4, 1e-9);
-    let shape = expression(&format!("sqrt(x^2 + y^2 + z^2) - {radius}"));
-    let places = [
-        (0.0, 8.3),
-        (12.0 - before, 8.3),
-        (11.96, 8.3),
-        (6.0, 2.2),
-        (18.03, 2.2),
-        (2.2, 6.0),
-        (2.2, 5.97),
-        (9.6, 5.99),
-    ];
-    for (u, v) in places {
-        let (point, normal) = (vessel.point(u, v), vessel.normal(u, v));
-        let found = touch(&vessel, &shape, &at(point + normal * (radius - depth_m)), &Reach::TOUCH);
-        assert_eq!(found.contacts().len(), 1, "({u}, {v}): {:?}", found.contacts());
-        assert!((found.contacts()[0].depth_m - depth_m).abs() < 1e-8, "({u}, {v}): {:?}", found.contacts());
-    }
-}

@@ -300,21 +300,3 @@ fn a_millionth_decides_whether_corners_rims_and_rings_touch() {
         assert_eq!(overlap(&rim, &beside), gap < 0.0, "rim at gap {gap}");
     }
 }
-
-// A small ball across the joints of a branching tube, an open sheet: as deep as it was put, wherever.
-#[test]
-fn a_ball_on_the_joints_of_a_branching_tube() {
-    let text = include_str!("../../../scenes/vessel.json");
-    let vessel = crate::surface::file::read(text).unwrap().with_exact_seams();
-    let (radius_m, depth_m, before) = (2e-3, 2e-4, 1e-9);
-    let ball = builtin("sphere", None, Some(radius_m)).unwrap();
-    for (u, v) in [(0.0, 8.3), (11.96, 8.3), (6.02, 2.2), (2.2, 6.0 - before), (2.2, 6.02), (21.3, 5.98), (3.0, 8.3)] {
-        let (point, normal) = (vessel.point(u, v), vessel.normal(u, v));
-        let tool = posed(&ball, &Rotation::identity(), &(point + normal * (radius_m - depth_m)).coords);
-        let found = contacts(&vessel, &tool, 0.0);
-        let depths: Vec<f64> = found.contacts().iter().map(|c| c.depth_m).collect();
-        assert!(!depths.is_empty(), "({u}, {v})");
-        assert!((depths[0] - depth_m).abs() < 1e-7, "({u}, {v}): {depths:?}");
-        assert!(depths.len() <= 2, "({u}, {v}): {depths:?}");
-    }
-}
