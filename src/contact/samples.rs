@@ -21,7 +21,7 @@ struct Direction {
     wraps: bool,
     parameters: Vec<f64>,
     windows: Vec<BasisWindow>,
-    /// Knots over which samples are no neighbours.
+    /// Knots between patches of a branching surface: samples go on over them by their joints.
     gaps: Vec<f64>,
 }
 
@@ -34,7 +34,7 @@ impl Direction {
             parameters.extend((0..per_span).map(|k| a + (b - a) * (k as f64 + 0.5) / per_span as f64));
         }
         let windows = parameters.iter().map(|&u| knots.window(u)).collect();
-        Self { per_span, count: knots.count(), wraps, parameters, windows, gaps: knots.disjoined() }
+        Self { per_span, count: knots.count(), wraps, parameters, windows, gaps: Vec::new() }
     }
 
     fn patches(&self) -> usize {
@@ -108,11 +108,12 @@ impl SampleGrid {
         let joints = surface.joints().map(Box::new);
         // Of a branching surface, ends that meet are joints like others.
         let wraps = [0, 1].map(|d| joints.is_none() && topology.wraps(d));
-        Self {
-            u: Direction::new(surface.knots_u(), per_span, wraps[0]),
-            v: Direction::new(surface.knots_v(), per_span, wraps[1]),
-            joints,
+        let mut u = Direction::new(surface.knots_u(), per_span, wraps[0]);
+        let mut v = Direction::new(surface.knots_v(), per_span, wraps[1]);
+        if let Some(joints) = &joints {
+            (u.gaps, v.gaps) = (joints.breaks(0), joints.breaks(1));
         }
+        Self { u, v, joints }
     }
 
     /// A patch that is drawn elsewhere: its samples are not asked for.
@@ -153,10 +154,8 @@ impl SampleGrid {
         let along = of(1 - held).beside(there[1 - held])?;
         let [a, b] = self.pair(d, if upper { last } else { first }, own);
         let [x, y] = self.pair(held, if side % 2 == 0 { low } else { high }, along);
-        let mut all = [a, b, x, y];
-        // The same four from either side.
-        all.sort_unstable();
-        Some(all)
+        // Own ones first: a ball in a crease has a foot on either side, and they are told apart by that.
+        Some([a, b, x, y])
     }
 
     /// The first and the last sample of a patch in a direction.

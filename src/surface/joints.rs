@@ -127,6 +127,11 @@ impl Joints {
         i * self.columns + j
     }
 
+    /// Parameters inside the domain between which patches lie.
+    pub(crate) fn breaks(&self, direction: usize) -> Vec<f64> {
+        self.strips[direction].iter().skip(1).map(|strip| strip.range[0]).collect()
+    }
+
     /// Pairs of edges of patches that are joined, each once; `against`: one runs the other way. Duplicates are left out.
     pub(crate) fn seams(&self) -> impl Iterator<Item = (Edge, Edge, bool)> + '_ {
         self.joined.iter().enumerate().flat_map(move |(k, list)| {
