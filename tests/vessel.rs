@@ -193,8 +193,8 @@ fn tube(copies: usize) -> String {
     let last = 12.0 * copies as f64;
     let _ = writeln!(
         text,
-        "material = {{ young_pa = 200e3, density_kg_m3 = 1050.0, damping_s = 2e-3 }}\n\
-         lattice = {{ thickness_m = 0.002, refine = \"none\" }}\n\
+        "material = {{ young_pa = 1e6, density_kg_m3 = 1050.0, damping_s = 2e-3 }}\n\
+         lattice = {{ thickness_m = 0.003, refine = \"none\" }}\n\
          fixed = [{{ u = [0.0, {last:?}], v = [0.0, 0.0] }}, {{ u = [0.0, {last:?}], v = [5.0, 5.0] }}]\n{}",
         ball()
     );
@@ -226,46 +226,72 @@ fn a_duplicated_tube_is_the_tube() {
     {
         assert!((two - three).norm() < 1e-9 * two.norm(), "place {place}: {two} N twice, {three} N three times");
         assert_eq!(rows, again, "place {place}");
-        // A plain net bends twice along the row that its seam repeats; that is all they differ in.
-        assert!((one - two).norm() < 0.02 * one.norm(), "place {place}: {one} N once, {two} N twice");
+        // A plain net bends twice along the row that its seam repeats, and so pushes harder there, and only there.
+        let most = if place == 1 { 0.12 } else { 1e-3 };
+        assert!((one - two).norm() < most * one.norm(), "place {place}: {one} N once, {two} N twice");
     }
 }
 
-// Each tick's force differs little from the last one's, over every joint; and the joints hold.
+/// What a slide along a way feels: least and greatest force, and the greatest step from one tick to the next, N.
+struct Slide {
+    least: f64,
+    most: f64,
+    step: f64,
+}
+
+/// Presses a ball at the start of a way, lets it rest, slides it along and lifts it.
+fn slide(world: &mut World, name: &str, way: &Way) -> Slide {
+    let depth = 0.0008;
+    (0..300).for_each(|k| _ = world.at(touch(&way[0], -0.001 + (depth + 0.001) * f64::from(k) / 299.0)));
+    (0..300).for_each(|_| _ = world.at(touch(&way[0], depth)));
+    let mut forces = Vec::new();
+    let mut places = Vec::new();
+    for place in way {
+        let out = world.at(touch(place, depth));
+        forces.push(out.tools[0].force_n);
+        places.push((out.tools[0].contact.map(|c| (c.u, c.v)), out.tools[0].contact_count));
+    }
+    let angle = if world.scene.rest_surface(0).net().rows() == 34 { joints_hold(&now(world)) } else { 0.0 };
+    let end = way.last().unwrap();
+    (0..400).for_each(|k| _ = world.at(touch(end, depth - 0.006 * f64::from(k) / 400.0)));
+    let step = |k: usize| (forces[k + 1] - forces[k]).norm();
+    let worst = (0..forces.len() - 1).max_by(|&a, &b| step(a).total_cmp(&step(b))).unwrap();
+    let sizes = || forces.iter().map(|f| f.norm());
+    let found =
+        Slide { least: sizes().fold(f64::INFINITY, f64::min), most: sizes().fold(0.0, f64::max), step: step(worst) };
+    let near: Vec<String> = (worst.saturating_sub(3)..(worst + 5).min(forces.len()))
+        .map(|k| format!("{:.4} N at {:.4?}", forces[k].norm(), places[k]))
+        .collect();
+    println!(
+        "{name}: {:.4} to {:.4} N, largest step {:.5} N of {} ticks, joints turn by {angle:.2} degrees; around it {near:?}",
+        found.least,
+        found.most,
+        found.step,
+        forces.len()
+    );
+    found
+}
+
+// Over every joint the ball is held all the way; over those of the stem it feels what it feels on a plain tube.
 #[test]
 fn a_ball_slides_over_every_joint() {
     let mut world = World::new(&vessel(""));
     let surface = rest(&world);
     for (name, way) in ways(&surface) {
-        let depth = 0.0008;
-        for k in 0..300 {
-            world.at(touch(&way[0], -0.001 + (depth + 0.001) * f64::from(k) / 299.0));
-        }
-        (0..300).for_each(|_| _ = world.at(touch(&way[0], depth)));
-        let (mut last, mut jump, mut most, mut least): (Option<Vector3>, f64, f64, f64) =
-            (None, 0.0, 0.0, f64::INFINITY);
-        let mut turned = 0.0_f64;
-        for place in &way {
-            let out = world.at(touch(place, depth));
-            let force = out.tools[0].force_n;
-            if let Some(last) = last {
-                jump = jump.max((force - last).norm());
-            }
-            if force.norm() > 0.0 {
-                turned = turned.max(force.normalize().cross(&place.1).norm());
-            }
-            (most, least) = (most.max(force.norm()), least.min(force.norm()));
-            last = Some(force);
-        }
-        let angle = joints_hold(&now(&world));
-        println!(
-            "{name}: {least} to {most} N, steps up to {jump} N, {turned} off the normal at rest; joints turn by {angle} degrees"
-        );
-        assert!(least > 0.0, "{name}: let go");
-        assert!(jump < 0.08 * most, "{name}: the force jumps by {jump} N of {most} N");
-        let end = way.last().unwrap();
-        (0..400).for_each(|k| _ = world.at(touch(end, depth - 0.006 * f64::from(k) / 400.0)));
+        let found = slide(&mut world, name, &way);
+        assert!(found.least > 0.0, "{name}: let go");
+        assert!(found.step < 0.5 * found.most, "{name}: the force jumps by {} N of {} N", found.step, found.most);
     }
+    let ring = |n: usize| between(11.0, 12.0 - BEFORE, n).chain(between(0.0, 1.0, n)).map(|u| (u, 2.5));
+    let mut slides = Vec::new();
+    for copies in 1..=2 {
+        let mut world = World::new(&tube(copies));
+        let way = way(&rest(&world), ring(300));
+        slides.push(slide(&mut world, &format!("{copies} times"), &way));
+    }
+    let [plain, twice] = [&slides[0], &slides[1]];
+    assert!((twice.most / plain.most - 1.0).abs() < 0.1, "{} N, on a plain tube {} N", twice.most, plain.most);
+    assert!(twice.step < 1.5 * plain.step + 0.01 * plain.most, "{} N, on a plain tube {} N", twice.step, plain.step);
 }
 
 #[test]

@@ -25,6 +25,8 @@ pub mod exact;
 pub mod friction;
 pub mod grip;
 pub mod implicit;
+#[cfg(test)]
+mod joint_tests;
 pub mod mesh;
 pub mod own;
 pub mod pair;

@@ -2,15 +2,15 @@
 
 use crate::basis::{BasisWindow, KnotVector};
 use crate::math::{Point3, Vector3};
-use crate::surface::{Surface, wrap};
+use crate::surface::{Joints, Surface, wrap};
 
 /// Samples of a surface, grouped by patch (a pair of knot spans), so that whole patches are skipped by their control hull.
 #[derive(Clone, Debug)]
 pub struct SampleGrid {
     u: Direction,
     v: Direction,
-    /// (patches): drawn elsewhere, of a branching surface; else empty.
-    hidden: Vec<bool>,
+    /// Of a branching surface.
+    joints: Option<Box<Joints>>,
 }
 
 #[derive(Clone, Debug)]
@@ -21,7 +21,7 @@ struct Direction {
     wraps: bool,
     parameters: Vec<f64>,
     windows: Vec<BasisWindow>,
-    /// Knots over which samples are no neighbours.
+    /// Knots between patches of a branching surface: samples go on over them by their joints.
     gaps: Vec<f64>,
 }
 
@@ -34,7 +34,7 @@ impl Direction {
             parameters.extend((0..per_span).map(|k| a + (b - a) * (k as f64 + 0.5) / per_span as f64));
         }
         let windows = parameters.iter().map(|&u| knots.window(u)).collect();
-        Self { per_span, count: knots.count(), wraps, parameters, windows, gaps: knots.disjoined() }
+        Self { per_span, count: knots.count(), wraps, parameters, windows, gaps: Vec::new() }
     }
 
     fn patches(&self) -> usize {
@@ -105,23 +105,64 @@ impl SampleGrid {
     /// `per_span²` samples in every patch.
     pub fn new(surface: &Surface, per_span: usize) -> Self {
         let topology = surface.topology();
-        Self {
-            u: Direction::new(surface.knots_u(), per_span, topology.wraps(0)),
-            v: Direction::new(surface.knots_v(), per_span, topology.wraps(1)),
-            hidden: surface.joints().map_or_else(Vec::new, |joints| joints.hidden().to_vec()),
+        let joints = surface.joints().map(Box::new);
+        // Of a branching surface, ends that meet are joints like others.
+        let wraps = [0, 1].map(|d| joints.is_none() && topology.wraps(d));
+        let mut u = Direction::new(surface.knots_u(), per_span, wraps[0]);
+        let mut v = Direction::new(surface.knots_v(), per_span, wraps[1]);
+        if let Some(joints) = &joints {
+            (u.gaps, v.gaps) = (joints.breaks(0), joints.breaks(1));
         }
+        Self { u, v, joints }
     }
 
     /// A patch that is drawn elsewhere: its samples are not asked for.
     pub fn is_duplicate(&self, patch_u: usize, patch_v: usize) -> bool {
-        self.hidden.get(patch_u * self.v.patches() + patch_v).is_some_and(|hidden| *hidden)
+        self.joints.as_ref().is_some_and(|joints| joints.is_duplicate(patch_u, patch_v))
     }
 
-    /// The four samples around a place; `None` where it lies outside of them all, beside an edge or a pole.
+    /// The four samples around a place, also over one joint; `None` where it lies outside of them all, beside an edge or a
+    /// pole, or where more than two patches meet.
     pub fn around(&self, u: f64, v: f64) -> Option<[usize; 4]> {
-        let ([u0, u1], [v0, v1]) = (self.u.beside(u)?, self.v.beside(v)?);
+        match (self.u.beside(u), self.v.beside(v)) {
+            (Some(us), Some(vs)) => {
+                let [a, b] = us.map(|iu| self.pair(0, iu, vs));
+                Some([a[0], a[1], b[0], b[1]])
+            }
+            (None, Some(vs)) => self.around_joint([u, v], 0, vs),
+            (Some(us), None) => self.around_joint([u, v], 1, us),
+            (None, None) => None,
+        }
+    }
+
+    /// Two samples with one index in direction `d` and two in the other.
+    fn pair(&self, d: usize, index: usize, others: [usize; 2]) -> [usize; 2] {
         let columns = self.v.parameters.len();
-        Some([u0 * columns + v0, u0 * columns + v1, u1 * columns + v0, u1 * columns + v1])
+        others.map(|other| if d == 0 { index * columns + other } else { other * columns + index })
+    }
+
+    /// The four samples around a place beside an edge on which parameter `d` is held; `own` are those along it.
+    fn around_joint(&self, at: [f64; 2], d: usize, own: [usize; 2]) -> Option<[usize; 4]> {
+        let joints = self.joints.as_ref()?;
+        let patch = joints.patch_at(at);
+        let (first, last) = self.ends(joints, patch, d);
+        let of = |d: usize| if d == 0 { &self.u } else { &self.v };
+        let upper = at[d] >= of(d).parameters[last];
+        let (there, side) = joints.beyond_side(patch, 2 * d + usize::from(upper), at)?;
+        let (other, held) = (joints.patch_at(there), side / 2);
+        let (low, high) = self.ends(joints, other, held);
+        let along = of(1 - held).beside(there[1 - held])?;
+        let [a, b] = self.pair(d, if upper { last } else { first }, own);
+        let [x, y] = self.pair(held, if side % 2 == 0 { low } else { high }, along);
+        // Own ones first: a ball in a crease has a foot on either side, and they are told apart by that.
+        Some([a, b, x, y])
+    }
+
+    /// The first and the last sample of a patch in a direction.
+    fn ends(&self, joints: &Joints, patch: usize, d: usize) -> (usize, usize) {
+        let [from, to] = joints.rectangle(patch)[d];
+        let parameters = if d == 0 { &self.u.parameters } else { &self.v.parameters };
+        (parameters.partition_point(|&x| x <= from), parameters.partition_point(|&x| x < to) - 1)
     }
 
     /// All samples.

@@ -33,12 +33,15 @@ pub(super) fn isolate(
     let id = |k: usize| scene.body_id(bodies[k]);
     let last = bodies.len() - 1;
     let turned: Vec<Surface> = surfaces.iter().rev().cloned().collect();
-    let all = isolate_all(&turned, &spec).map_err(|e| format!("{e} (surface k is the k-th from the end of those named)"))?;
+    let all =
+        isolate_all(&turned, &spec).map_err(|e| format!("{e} (surface k is the k-th from the end of those named)"))?;
     if let Some(reason) = all.unsettled {
         return Err(format!("{reason} (body k is the k-th from the end of those named, from 0)"));
     }
-    let moves: Vec<(usize, Vector3)> =
-        (0..bodies.len()).map(|k| (k, all.translations_m[last - k])).filter(|(_, by)| *by != Vector3::zeros()).collect();
+    let moves: Vec<(usize, Vector3)> = (0..bodies.len())
+        .map(|k| (k, all.translations_m[last - k]))
+        .filter(|(_, by)| *by != Vector3::zeros())
+        .collect();
     let xyz = |by: &Vector3| [by.x, by.y, by.z];
     let pairs: Vec<serde_json::Value> = all
         .moves

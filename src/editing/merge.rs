@@ -27,7 +27,9 @@ pub(super) fn merge(
         Some("seed") => Method::Seed,
         Some("constrained") => Method::Constrained,
         Some("exact") => Method::Exact,
-        Some(name) => return Err(format!("there is no method {name:?} of merging; there are seed, constrained, exact")),
+        Some(name) => {
+            return Err(format!("there is no method {name:?} of merging; there are seed, constrained, exact"));
+        }
     };
     let arrangement = match surfaces.len() {
         2 => Arrangement::Closest,

@@ -303,6 +303,12 @@ fn build_body(scene: &SceneSpec, spec: &BodySpec, path: &str, directory: &Path, 
     let (surface, model) = match spec.model {
         ModelSpec::Rigid => (original, BodyModel::Rigid),
         ModelSpec::Membrane | ModelSpec::Lattice | ModelSpec::Continuum | ModelSpec::Net => {
+            let parted = [original.knots_u(), original.knots_v()].iter().any(|knots| !knots.disjoined().is_empty());
+            if parted && original.joints().is_none() {
+                let reason = "the knots of this surface part it: to deform, it must be clamped in both directions and have at \
+                              most 1024 patches; or use model = \"rigid\"";
+                return Err(error(format!("{path}.surface"), reason));
+            }
             let surface = refine::refine(scene, spec, path, original)?;
             let (lattice, choice) = deforming::build(scene, spec, path, &surface, &placement, dt_s)?;
             let samples = SampleGrid::new(&surface, default_samples_per_span());

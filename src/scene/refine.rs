@@ -119,10 +119,15 @@ fn auto_counts(scene: &SceneSpec, spec: &BodySpec, surface: &Surface) -> [usize;
     let radius = radius.fold(f64::INFINITY, f64::min);
     let width = if radius.is_finite() { 2.0 * radius * 0.1_f64.sqrt() } else { 0.0 };
     let now = distinct(surface, &topology);
+    // What a branching surface draws twice costs once.
+    let share = match surface.joints() {
+        Some(_) => surface.distinct_points(&topology).count as f64 / (rows * columns) as f64,
+        None => 1.0,
+    };
     let nodes = |u: usize, v: usize| match layout(surface, &topology) {
         Some(Rings { u_around: true, .. }) => u * v * spec.lattice.layers + v,
         Some(_) => u * v * spec.lattice.layers + u,
-        None => u * v * spec.lattice.layers.max(2),
+        None => (share * (u * v) as f64) as usize * spec.lattice.layers.max(2),
     };
     let budget = if spec.model == ModelSpec::Net { NET_BUDGET } else { NODE_BUDGET };
     let mut counts = now;

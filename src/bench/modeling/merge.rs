@@ -32,7 +32,9 @@ fn rows(name: &str, case: &Case, effort: Effort, out: &mut dyn FnMut(Row)) {
             let plan = merged.plan.expect("fits have plans");
             let mut row = |way: &str, work: &mut dyn FnMut()| {
                 let calls = if effort == Effort::Full { 2000 } else { 100 };
-                let times = time(calls, Duration::from_secs(if effort == Effort::Full { 10 } else { 1 }), |_| clocked(&mut *work).0);
+                let times = time(calls, Duration::from_secs(if effort == Effort::Full { 10 } else { 1 }), |_| {
+                    clocked(&mut *work).0
+                });
                 out(Row {
                     suite: "modeling",
                     case: name.to_owned(),

@@ -146,7 +146,7 @@ fn print_text(subject: &Subject, measures: &Measures, welded: &Welded) {
     println!("  area {:.6} m², drawn {:.3} times over", measures.area_m2, measures.coverage);
     println!("  {:>4} {:<8} {:>4} {:>4} {:>3}  {:<12} {:<12} same as", "row", "node", "part", "leaf", "arc", "u", "v");
     for (k, patch) in subject.patches.patches.iter().enumerate() {
-        println!("  {k:>4} {}", line(patch));
+        println!("{}", format!("  {k:>4} {}", line(patch)).trim_end());
     }
 }
 
@@ -162,4 +162,74 @@ fn line(patch: &Patch) -> String {
         range(patch.u),
         range(patch.v)
     )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::exchange::{Pick, read_surface};
+
+    const DATA: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/src/modeling/branch/data");
+
+    fn args(input: impl Into<PathBuf>, output: Option<PathBuf>) -> Args {
+        Args { input: input.into(), output, patch: None, check: false, index: 0, json: true }
+    }
+
+    #[test]
+    fn a_tree_is_grown_checked_and_written_in_every_format() {
+        let directory = tempfile::tempdir().unwrap();
+        let file = |name: &str| directory.path().join(name);
+        let tree = format!("{DATA}/y.toml");
+        for name in ["y.json", "y.stl", "y.obj", "y.glb"] {
+            assert_eq!(run(&args(&tree, Some(file(name)))).unwrap(), Outcome::Ok, "{name}");
+            assert!(std::fs::metadata(file(name)).unwrap().len() > 10_000, "{name}");
+        }
+        let check = Args { check: true, ..args(file("y.json"), None) };
+        assert_eq!(run(&check).unwrap(), Outcome::Ok);
+        let whole = run(&args(&tree, Some(file("y.step")))).unwrap_err();
+        assert!(format!("{whole:#}").contains("--patch ROW"), "{whole:#}");
+        for name in ["patch.step", "patch.igs", "patch.json", "patch.stl"] {
+            let patch = Args { patch: Some(3), json: false, ..args(&tree, Some(file(name))) };
+            assert_eq!(run(&patch).unwrap(), Outcome::Ok, "{name}");
+        }
+        let outside = Args { patch: Some(8), ..args(&tree, Some(file("patch.step"))) };
+        assert_eq!(run(&outside).unwrap_err().to_string(), "--patch 8: the table ends at 7");
+    }
+
+    #[test]
+    fn files_keep_every_bit_of_the_surface_or_of_its_patches() {
+        for name in ["asymmetric", "twisted"] {
+            let Subject { surface, patches, .. } = grown(Path::new(&format!("{DATA}/{name}.toml"))).unwrap();
+            let file = write_surface(&surface, Format::Json, Unit::Metre).unwrap();
+            assert_eq!(read_surface(&file, Format::Json, Pick::First).unwrap().surface, surface, "{name}");
+            for patch in patches.distinct() {
+                let piece = surface.sub_surface(patch.u, patch.v).unwrap();
+                for format in [Format::Step, Format::Iges] {
+                    let file = write_surface(&piece, format, Unit::Metre).unwrap();
+                    assert_eq!(read_surface(&file, format, Pick::First).unwrap().surface, piece, "{name}, {format:?}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn edited_nets_are_judged_and_others_refused() {
+        let directory = tempfile::tempdir().unwrap();
+        let path = directory.path().join("edited.json");
+        let tree: Tree = toml::from_str(&std::fs::read_to_string(format!("{DATA}/y.toml")).unwrap()).unwrap();
+        let grown = grow(&tree).unwrap();
+        let check = |move_m: f64| {
+            let mut surface = grown.surface.clone();
+            // A neighbour of a joint in a tilted row.
+            surface.net_mut().points_mut()[15 + 5].y += move_m;
+            let file = write_surface(&surface, Format::Json, Unit::Millimetre).unwrap();
+            std::fs::write(&path, file).unwrap();
+            run(&Args { check: true, ..args(&path, None) }).unwrap()
+        };
+        assert_eq!([check(0.0), check(1e-5), check(0.01)], [Outcome::Ok, Outcome::Ok, Outcome::Difference]);
+        let sheet = Args { check: true, ..args("builtin:sheet", None) };
+        assert!(format!("{:#}", run(&sheet).unwrap_err()).contains("no branching net"));
+        assert!(run(&args(format!("{DATA}/y.toml"), None)).unwrap_err().to_string().contains("-o OUT"));
+        assert!(run(&args("/nowhere/y.toml", Some(path.clone()))).is_err());
+    }
 }

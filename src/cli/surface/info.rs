@@ -42,6 +42,17 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
         "area": scaled(surface.area(), 2),
         "volume": closed.then(|| scaled(surface.volume(), 3)),
         "centroid": surface.centroid().map(corner),
+        "patches": surface.joints().map(|joints| {
+            let all = joints.patches();
+            let distinct = all.iter().filter(|patch| patch.duplicate_of.is_none()).count();
+            serde_json::json!({
+                "count": all.len(), "distinct": distinct, "whole": joints.is_whole(),
+                "duplicates": all.iter().filter_map(|patch| {
+                    let first = &all[patch.duplicate_of?];
+                    Some(serde_json::json!({ "u": patch.u, "v": patch.v, "of": { "u": first.u, "v": first.v } }))
+                }).collect::<Vec<_>>(),
+            })
+        }),
     });
     if args.json {
         println!("{report}");
@@ -65,6 +76,10 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     }
     println!("  net within {} … {}", report["net_bounds"][0], report["net_bounds"][1]);
     println!("  area {} {unit}²", report["area"]);
+    if let Some(patches) = report["patches"].as_object() {
+        let whole = if patches["whole"] == true { "" } else { "; not all edges inside are joined" };
+        println!("  in {} joined patches, {} of them distinct{whole}", patches["count"], patches["distinct"]);
+    }
     if closed {
         println!("  volume {} {unit}³, centroid {}", report["volume"], report["centroid"]);
     }

@@ -251,7 +251,9 @@ fn all_cases(json: bool) -> Outcome {
         println!("{}", serde_json::json!({ "cases": rows.iter().map(value).collect::<Vec<_>>() }));
         return Outcome::Ok;
     }
-    println!("| case | C | method | net | points | average | median | standard | maximum | close | tangent, ° | curvature jump of, 1/m |");
+    println!(
+        "| case | C | method | net | points | average | median | standard | maximum | close | tangent, ° | curvature jump of, 1/m |"
+    );
     println!("|---|---|---|---|---|---|---|---|---|---|---|---|");
     for (number, continuity, name, report, merged) in &rows {
         let d = &report.deviation;
@@ -308,4 +310,63 @@ fn range(text: &str) -> Result<(Direction, [f64; 2]), String> {
     parsed
         .filter(|(_, [a, b]): &(Direction, [f64; 2])| a.is_finite() && b.is_finite())
         .ok_or_else(|| format!("{text:?} is no range such as u:0.8..1"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn words_of_the_request_are_read_or_refused() {
+        assert_eq!(grid("2x3"), Ok([2, 3]));
+        assert_eq!(edges("u1:v0"), Ok([Edge::U1, Edge::V0]));
+        assert_eq!(range("v:-0.5..1e-1"), Ok((Direction::V, [-0.5, 0.1])));
+        for text in ["", "2", "0x2", "2x", "x"] {
+            assert!(grid(text).is_err(), "{text}");
+        }
+        for text in ["", "u1", "u2:v0", "u1:v0:v1"] {
+            assert!(edges(text).is_err(), "{text}");
+        }
+        for text in ["", "u", "u:1", "w:0..1", "u:0..nan", "u:a..b"] {
+            assert!(range(text).is_err(), "{text}");
+        }
+    }
+
+    // What is written is what was merged, in the unit of the files.
+    #[test]
+    fn a_merged_file_is_read_back() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = |name: &str| folder.path().join(name);
+        let case = &cases()[2];
+        for (patch, name) in case.patches.iter().zip(["a.json", "b.json"]) {
+            let bytes = write_surface(patch, Format::of(path(name)).unwrap(), Unit::Millimetre).unwrap();
+            std::fs::write(path(name), bytes).unwrap();
+        }
+        let args = |tolerance| Args {
+            patches: vec![path("a.json"), path("b.json")],
+            output: Some(path("one.json")),
+            continuity: 2,
+            method: MethodName::Constrained,
+            degree: DegreeName::Raise,
+            grid: None,
+            edges: None,
+            trim_a: None,
+            trim_b: None,
+            no_overlap: false,
+            tolerance,
+            points: 101,
+            least_span: 0.02,
+            cases: false,
+            json: true,
+        };
+        assert_eq!(run(&args(None)).unwrap(), Outcome::Ok);
+        let back = Source { file: path("one.json"), index: 0 }.load().unwrap();
+        assert_eq!(back.unit, "mm");
+        let merged = merge(&case.patches, &case.spec).unwrap().surface;
+        for (a, b) in back.surface.net().points().iter().zip(merged.net().points()) {
+            assert!((a - b).norm() < 1e-9, "{a} {b}");
+        }
+        assert_eq!(run(&args(Some(1e-12))).unwrap(), Outcome::Difference);
+        assert!(run(&Args { continuity: 3, ..args(None) }).is_err());
+    }
 }

@@ -19,13 +19,13 @@ pub struct Args {
     /// Curve file (palpate.curve.v1, JSON).
     spine: PathBuf,
     /// Is the pipe of this radius, in the file's unit, free of self-intersection?
-    #[arg(long, value_name = "R")]
+    #[arg(long, value_name = "R", allow_negative_numbers = true)]
     radius: Option<f64>,
     /// With --radius: surface file to write: .json, .step, .stp, .iges, .igs. Not written where the pipe meets itself.
     #[arg(short, long, value_name = "OUT", requires = "radius")]
     output: Option<PathBuf>,
     /// No point of the surface further from the pipe than this, in the file's unit [default: a millionth of the radius].
-    #[arg(long, value_name = "LENGTH", requires = "output")]
+    #[arg(long, value_name = "LENGTH", requires = "output", allow_negative_numbers = true)]
     tolerance: Option<f64>,
     /// Write the surface also where it meets itself.
     #[arg(long, requires = "output")]
@@ -60,7 +60,11 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
             eprintln!("note: {} is not written; --force writes a pipe that meets itself", path.display());
         }
     }
-    if args.json { println!("{report}") } else { print_for_people(&report) }
+    if args.json {
+        println!("{report}")
+    } else {
+        print_for_people(&report)
+    }
     Ok(match answer {
         None | Some(Answer::Free) => Outcome::Ok,
         Some(Answer::Intersects | Answer::Unknown) => Outcome::Difference,
@@ -197,7 +201,8 @@ fn print_for_people(report: &Value) {
     let unresolved = report["unresolved"].as_array().map_or(0, Vec::len);
     println!("  {pairs} stationary pairs, {unresolved} regions not told apart");
     if let Some(free) = report.get("free") {
-        let word = free.as_bool().map_or("unknown", |free| if free { "free of self-intersection" } else { "meets itself" });
+        let word =
+            free.as_bool().map_or("unknown", |free| if free { "free of self-intersection" } else { "meets itself" });
         println!("  radius {} {unit}: {word}", report["radius"]);
     }
     if let Some(surface) = report.get("surface") {

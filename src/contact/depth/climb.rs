@@ -52,6 +52,17 @@ impl Map {
         }
     }
 
+    /// Of a patch of a branching surface: its edges hold, and the domain's poles count where they are its own.
+    pub fn within(&self, patch: [[f64; 2]; 2]) -> Self {
+        let pole = |d: usize, e: usize| self.poles[d][e] && patch[d][e] == [self.domain[d].0, self.domain[d].1][e];
+        Self {
+            domain: patch.map(|[a, b]| (a, b)),
+            wraps: [false; 2],
+            poles: [0, 1].map(|d| [pole(d, 0), pole(d, 1)]),
+            spans: self.spans,
+        }
+    }
+
     /// A parameter that may have left the domain: round where that leads on, else held.
     pub fn turn(&self, x: [f64; 2]) -> [f64; 2] {
         std::array::from_fn(|k| {

@@ -12,7 +12,7 @@ pub(super) use self::climb::{Map, Top};
 use super::exact::Patches;
 use super::{ContactSet, MAX_CONTACTS};
 use crate::math::{Point3, Vector3};
-use crate::surface::{ClosestSolver, Surface};
+use crate::surface::{ClosestSolver, Joints, Surface};
 
 /// Samples of a piece in each direction.
 const GRID: usize = 8;
@@ -25,6 +25,11 @@ const MOST_FINISHED: usize = 12;
 /// Depths this near to each other, of the size, are equal: where they are exact, and where they are not yet.
 const SAME: f64 = 1e-9;
 const SAME_ROUGHLY: f64 = 1e-5;
+/// Tops nearer to each other than this, of the size, on two sides of a joint are one.
+const ONE_PLACE: f64 = 1e-5;
+/// How far over a joint is looked, of the patch there, and how many of them a climb crosses.
+const JUST_BEYOND: f64 = 1e-3;
+const MOST_CROSSED: usize = 4;
 /// Steps of golden section on a ridge: each leaves 0.62 of the way between two samples.
 const SECTIONS: usize = 16;
 /// Ways out that differ by more than 60° have a ridge between them.
@@ -44,6 +49,8 @@ pub(super) trait DepthField {
 #[derive(Clone, Debug)]
 pub(super) struct DepthSearch {
     pub map: Map,
+    /// Of a branching surface.
+    joints: Option<Box<Joints>>,
     pub patches: Patches,
     pub size_m: f64,
     /// (pieces): the solid may reach into it.
@@ -97,6 +104,7 @@ impl DepthSearch {
         let pieces = axes.each_ref().map(|a| a.len() / GRID);
         Self {
             map: Map::new(surface),
+            joints: surface.joints().map(Box::new),
             patches: Patches::new(surface, solver),
             size_m: surface.size(),
             reached: vec![false; pieces[0] * pieces[1]],
@@ -126,7 +134,8 @@ impl DepthSearch {
             return;
         }
         self.sample(surface, solver, field);
-        let depth = |x: [f64; 2]| field.depth_m(&surface.point(x[0], x[1]));
+        let point = |x: [f64; 2]| surface.point(x[0], x[1]);
+        let depth = |x: [f64; 2]| field.depth_m(&point(x));
         self.pick(margin_m, depth, out);
         let equal = SAME * self.size_m;
         for k in 0..self.starts.0.len() {
@@ -134,14 +143,14 @@ impl DepthSearch {
             // A start that a level or rising way joins with a top already climbed would end there.
             let here = depth(start);
             let mut known = self.tops.iter().filter(|t| t.height_m >= here).map(|t| (t.at, here - 1e-3 * equal));
-            if known.any(|(at, level)| self.map.joined(start, at, level, depth)) {
+            if known.any(|(at, level)| self.joined(start, at, level, depth)) {
                 continue;
             }
-            let top = self.map.climb(start, self.size_m, depth);
+            let top = self.climb(start, depth);
             if top.height_m.is_nan() || top.height_m < -margin_m - 1e-3 * equal {
                 continue;
             }
-            self.keep(top, depth);
+            self.keep_from(0, top, depth, point);
         }
         // What has kinks was climbed coarsely; now that there are few, exactly.
         self.tops.sort_unstable_by(|a, b| {
@@ -152,7 +161,7 @@ impl DepthSearch {
         for k in 0..self.tops.len().min(MOST_FINISHED) {
             if !self.tops[k].settled {
                 let mut top = self.tops[k];
-                self.map.finish(&mut top, depth);
+                self.map_at(top.at).finish(&mut top, depth);
                 top.settled = true;
                 self.tops[k] = top;
             }
@@ -160,23 +169,55 @@ impl DepthSearch {
         let rough = self.tops.len();
         for k in 0..rough {
             let top = self.tops[k];
-            self.keep_from(rough, top, depth);
+            self.keep_from(rough, top, depth, point);
         }
         self.tops.drain(..rough);
     }
 
-    fn keep(&mut self, top: Top, depth: impl Fn([f64; 2]) -> f64) {
-        self.keep_from(0, top, depth);
+    /// Where a climb from a place may go: of a branching surface, over one patch.
+    fn map_at(&self, at: [f64; 2]) -> Map {
+        self.joints.as_ref().map_or(self.map, |joints| self.map.within(joints.rectangle(joints.patch_at(at))))
+    }
+
+    /// Climbs, going on over joints while that leads up.
+    fn climb(&self, start: [f64; 2], depth: impl Fn([f64; 2]) -> f64) -> Top {
+        let mut top = self.map_at(start).climb(start, self.size_m, &depth);
+        let Some(joints) = &self.joints else { return top };
+        for _ in 0..MOST_CROSSED {
+            let higher = |x: &[f64; 2]| depth(*x) > top.height_m;
+            let Some(next) = joints.just_beyond(top.at, JUST_BEYOND).find(higher) else { break };
+            let other = self.map_at(next).climb(next, self.size_m, &depth);
+            if other.height_m <= top.height_m {
+                break;
+            }
+            top = other;
+        }
+        top
+    }
+
+    /// A straight way of at least a height; between places of two patches there is none.
+    fn joined(&self, a: [f64; 2], b: [f64; 2], level: f64, depth: impl FnMut([f64; 2]) -> f64) -> bool {
+        let apart = self.joints.as_ref().is_some_and(|joints| joints.patch_at(a) != joints.patch_at(b));
+        !apart && self.map.joined(a, b, level, depth)
     }
 
     /// Keeps a top that no level way joins with one from `first` on; of two that are joined, the higher.
-    fn keep_from(&mut self, first: usize, top: Top, depth: impl Fn([f64; 2]) -> f64) {
-        for t in &mut self.tops[first..] {
+    fn keep_from(
+        &mut self,
+        first: usize,
+        top: Top,
+        depth: impl Fn([f64; 2]) -> f64,
+        point: impl Fn([f64; 2]) -> Point3,
+    ) {
+        for k in first..self.tops.len() {
+            let t = self.tops[k];
             let equal = if t.settled && top.settled { SAME } else { SAME_ROUGHLY } * self.size_m;
             let level = t.height_m.min(top.height_m) - equal;
-            if (t.height_m - top.height_m).abs() <= equal && self.map.joined(t.at, top.at, level, &depth) {
+            // On a joint a top is found from either side.
+            let one_place = || self.joints.is_some() && (point(t.at) - point(top.at)).norm() <= ONE_PLACE * self.size_m;
+            if (t.height_m - top.height_m).abs() <= equal && (self.joined(t.at, top.at, level, &depth) || one_place()) {
                 if top.height_m > t.height_m {
-                    *t = top;
+                    self.tops[k] = top;
                 }
                 return;
             }
@@ -223,6 +264,8 @@ impl DepthSearch {
             let none = (outside[0] && !wraps[0]) || (outside[1] && !wraps[1]);
             (!none).then(|| (x.rem_euclid(n[0]) * n[1] + y.rem_euclid(n[1])) as usize)
         };
+        let at = |k: usize| [self.axes[0][k / n[1] as usize], self.axes[1][k % n[1] as usize]];
+        let joints = self.joints.as_deref();
         let mut complete = true;
         for k in 0..self.samples.len() {
             let (here, way) = self.samples[k];
@@ -230,7 +273,10 @@ impl DepthSearch {
                 continue;
             }
             let (a, b) = (k as i64 / n[1], k as i64 % n[1]);
-            let at = |k: usize| [self.axes[0][k / n[1] as usize], self.axes[1][k % n[1] as usize]];
+            // Samples of two patches are no neighbours.
+            let neighbour = |x: i64, y: i64| {
+                neighbour(x, y).filter(|&other| joints.is_none_or(|t| t.patch_at(at(k)) == t.patch_at(at(other))))
+            };
             // Of equal samples, the first.
             let highest = (-1..=1).flat_map(|x| (-1..=1).map(move |y| (a + x, b + y))).all(|(x, y)| {
                 neighbour(x, y).is_none_or(|other| {

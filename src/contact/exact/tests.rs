@@ -398,32 +398,3 @@ fn arguments_that_are_not_finite_touch_nothing() {
     }
     assert!(plane_on(&drop, Point3::origin(), Vector3::zeros(), &Reach::TOUCH).deepest().is_none());
 }
-
-// Of a branching tube, whose edges are joined and whose stem is drawn twice: one contact on and beside every joint.
-#[test]
-fn a_ball_on_a_joint_touches_once() {
-    let text = include_str!("../../../scenes/vessel.json");
-    let vessel = crate::surface::file::read(text).unwrap().with_exact_seams();
-    let (radius_m, depth_m) = (1e-3, 2e-4);
-    let before = 1e-9;
-    let joints = [(0.0, 8.3), (12.0 - before, 8.3), (6.0, 8.3), (0.0, 2.2), (6.0, 2.2), (18.0, 2.2), (12.0, 2.2)];
-    let across = [(2.2, 6.0 - before), (2.2, 6.0), (21.3, 6.0 - before), (9.6, 6.0), (9.6, 6.0 - before)];
-    let corners = [(0.0, 6.0 - before), (0.0, 6.0), (6.0, 6.0), (6.0, 6.0 - before), (18.0, 6.0 - before)];
-    for (u, v) in joints.into_iter().chain(across).chain(corners) {
-        for step in [0.0, 1e-7, 1e-4, 0.05] {
-            let inside = |x: f64, end: f64| if x + step <= end { x + step } else { x - step };
-            let (u, v) = (inside(u, 24.0), inside(v, 11.0));
-            let (point, normal) = (vessel.point(u, v), vessel.normal(u, v));
-            let found = ball_on(&vessel, point + normal * (radius_m - depth_m), radius_m, &Reach::TOUCH);
-            assert_eq!(found.contacts().len(), 1, "({u}, {v}): {:?}", found.contacts());
-            let contact = found.contacts()[0];
-            assert!((contact.depth_m - depth_m).abs() < 1e-8, "({u}, {v}): {contact:?}");
-            assert!((contact.normal - normal).norm() < 1e-4, "({u}, {v}): {contact:?}");
-        }
-    }
-    // A plane on the stem's open end and on the branches: as deep as the lowest point, once each.
-    let low = vessel.net().points().iter().map(|p| p.z).fold(f64::INFINITY, f64::min);
-    let found = plane_on(&vessel, Point3::new(0.0, 0.0, low + 1e-3), Vector3::z(), &Reach::TOUCH);
-    assert!(!found.contacts().is_empty());
-    assert!((found.contacts()[0].depth_m - 1e-3).abs() < 1e-12);
-}

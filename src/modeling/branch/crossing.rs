@@ -141,3 +141,69 @@ fn volume(a: &Point3, b: &Point3, c: &Point3, d: &Point3) -> f64 {
     let [x, y, z]: [Vector3; 3] = [b - a, c - a, d - a];
     x.cross(&y).dot(&z)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::basis::testing::Random;
+
+    fn triangle(points: [[f64; 3]; 3]) -> [Point3; 3] {
+        points.map(|p| Point3::new(p[0], p[1], p[2]))
+    }
+
+    #[test]
+    fn triangles_cross_when_an_edge_passes_through_the_inside() {
+        let floor = triangle([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]);
+        let post =
+            |x: f64, y: f64, low: f64, high: f64| triangle([[x, y, low], [x, y, high], [x + 2.0, y + 2.0, high]]);
+        assert!(cross(&floor, &post(0.2, 0.3, -1.0, 1.0), 1e-13));
+        assert!(!cross(&floor, &post(0.7, 0.7, -1.0, 1.0), 1e-13), "beside it");
+        assert!(!cross(&floor, &post(0.2, 0.3, 0.1, 1.0), 1e-13), "above it");
+        assert!(!cross(&floor, &post(0.2, 0.3, 0.0, 1.0), 1e-13), "standing on it");
+        assert!(!cross(&floor, &floor.map(|p| p + Vector3::new(0.1, 0.1, 0.0)), 1e-13), "in its plane");
+    }
+
+    /// By the interval that each triangle cuts from the line of the two planes; Möller's test, another way.
+    fn cross_by_intervals(a: &[Point3; 3], b: &[Point3; 3]) -> bool {
+        let normal = |t: &[Point3; 3]| (t[1] - t[0]).cross(&(t[2] - t[0]));
+        let (na, nb) = (normal(a), normal(b));
+        let line = na.cross(&nb);
+        let cut = |t: &[Point3; 3], n: Vector3, on: Point3| {
+            let heights = t.map(|p| n.dot(&(p - on)));
+            let mut ends = Vec::new();
+            for (i, j) in [(0, 1), (1, 2), (2, 0)] {
+                if (heights[i] > 0.0) != (heights[j] > 0.0) {
+                    let share = heights[i] / (heights[i] - heights[j]);
+                    ends.push(line.dot(&(t[i] + (t[j] - t[i]) * share).coords));
+                }
+            }
+            (ends.len() == 2).then(|| [ends[0].min(ends[1]), ends[0].max(ends[1])])
+        };
+        match (cut(a, nb, b[0]), cut(b, na, a[0])) {
+            (Some(x), Some(y)) => x[0] < y[1] && y[0] < x[1],
+            _ => false,
+        }
+    }
+
+    #[test]
+    fn pairs_are_those_of_all_triangles_against_all() {
+        let mut random = Random(77);
+        for _ in 0..20 {
+            let mut points = Vec::new();
+            for _ in 0..60 {
+                let centre = Point3::from([0; 3].map(|_| random.float(0.0, 1.0)));
+                points.extend([0; 3].map(|_| centre + Vector3::from([0; 3].map(|_| random.float(-0.3, 0.3)))));
+            }
+            let triangles: Vec<[u32; 3]> = (0..60).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]).collect();
+            let mesh = Mesh::from_triangles(points, triangles).unwrap();
+            let corners = |t: usize| mesh.triangles[t].map(|k| mesh.points[k as usize]);
+            let mut wanted = Vec::new();
+            for i in 0..60 {
+                wanted.extend((i + 1..60).filter(|&j| cross_by_intervals(&corners(i), &corners(j))).map(|j| [i, j]));
+            }
+            assert!(wanted.len() >= 10, "{} pairs", wanted.len());
+            assert_eq!(crossing_pairs(&mesh, usize::MAX), wanted);
+            assert_eq!(crossing_pairs(&mesh, 5).len(), 5);
+        }
+    }
+}

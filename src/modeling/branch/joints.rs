@@ -91,8 +91,8 @@ impl Edge {
     }
 }
 
-/// All joints of the distinct patches, measured.
-pub(super) fn joints(surface: &Surface, table: &PatchTable) -> Vec<Joint> {
+/// All joints of the distinct patches, measured; the table is the surface's own.
+pub fn joints(surface: &Surface, table: &PatchTable) -> Vec<Joint> {
     let mut joints = Vec::new();
     let normals_of = |sides: [Edge; 2]| Meeting::of(surface, sides);
     for patch in table.distinct().filter(|patch| patch.arc == 1) {

@@ -14,7 +14,7 @@
 //!      |   stem   .       |           straight layers, free rows
 //! ```
 //! ```text
-//! Tree ── check (R1 … R5) ── grow ──▶ BranchingSurface: Surface, PatchTable, ties
+//! Tree ── check (R1 … R4) ── grow ──▶ BranchingSurface: Surface, PatchTable, ties
 //!                                     Surface ── PatchTable::recovered ──▶ Measures: gap, angle, Euler number, folds
 //! ```
 //! A tube under several leaves is drawn once by each: [`PatchTable`] says which rectangles of the domain repeat others.
@@ -41,7 +41,7 @@ mod tests;
 
 pub use error::{BranchError, Rule};
 pub use grow::{BranchingSurface, grow};
-pub use joints::{Joint, JointKind};
+pub use joints::{Joint, JointKind, joints};
 pub use measure::{GOAL_ANGLE_DEG, GOAL_EDITED_ANGLE_DEG, GOAL_GAP, Measures};
 pub use patches::{Patch, PatchTable};
 pub use rules::Broken;

@@ -2,9 +2,9 @@
 
 use super::*;
 use crate::basis::KnotVector;
+use crate::basis::testing::Random;
 use crate::math::Point3;
 use crate::surface::{ControlNet, Surface};
-use crate::basis::testing::Random;
 
 mod controls;
 mod copies;
@@ -180,7 +180,7 @@ fn random_trees_within_the_rules_are_smooth_and_closed() {
     for case in 0..240 {
         let tree = random_y(&mut random);
         let grown = grow(&tree).unwrap();
-        for joint in joints::joints(&grown.surface, &grown.patches) {
+        for joint in joints(&grown.surface, &grown.patches) {
             assert!(joint.gap_m <= GOAL_GAP * grown.surface.size(), "{case}: {joint:?}");
             assert!(joint.angle_deg <= 1e-10 && joint.min_sine > 0.1, "{case}: {joint:?}");
         }

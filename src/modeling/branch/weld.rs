@@ -168,3 +168,47 @@ fn rings(edges: &BTreeMap<[u32; 2], Around>, corners: usize) -> usize {
     }
     (0..corners).filter(|&k| touched[k] && to[k] == k).count()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn counted(points: &[[f64; 3]], triangles: &[[u32; 3]]) -> Welded {
+        count(Mesh::from_triangles(points.iter().map(|&p| Point3::from(p)).collect(), triangles.to_vec()).unwrap())
+    }
+
+    const SQUARE: [[f64; 3]; 5] = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0], [0.2, 0.3, 1.0]];
+
+    #[test]
+    fn counts_of_small_meshes_are_those_by_hand() {
+        let numbers = |w: &Welded| (w.euler, w.loops, w.non_manifold, w.inconsistent, w.folded);
+        let flat = counted(&SQUARE, &[[0, 1, 2], [0, 2, 3]]);
+        assert_eq!(numbers(&flat), (1, 1, 0, 0, 0));
+        let turned = counted(&SQUARE, &[[0, 1, 2], [0, 3, 2]]);
+        assert_eq!(numbers(&turned), (1, 1, 0, 1, 0));
+        let third = counted(&SQUARE, &[[0, 1, 2], [0, 2, 3], [0, 2, 4]]);
+        assert_eq!(numbers(&third), (1, 1, 1, 0, 0));
+        // Both halves over the same side of the diagonal.
+        let folded =
+            counted(&[[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.9, 0.2, 0.1]], &[[0, 1, 2], [0, 2, 3]]);
+        assert_eq!(numbers(&folded), (1, 1, 0, 0, 1));
+        let tetrahedron =
+            counted(&[SQUARE[0], SQUARE[1], SQUARE[3], SQUARE[4]], &[[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]]);
+        assert_eq!((tetrahedron.euler, tetrahedron.loops, tetrahedron.inconsistent), (2, 0, 0));
+    }
+
+    // Corners a hair apart, some of them level with each other along the sweep.
+    #[test]
+    fn corners_within_the_tolerance_are_one() {
+        let mut corners = Corners::default();
+        for k in 0..50 {
+            let at = Point3::new(f64::from(k % 7), f64::from(k / 7), 0.5);
+            corners.points.extend([at, at + Vector3::new(3e-10, -2e-10, 0.0), at + Vector3::new(0.0, 0.0, 3e-9)]);
+        }
+        corners.border = (0..150).rev().collect();
+        let number = corners.welded(1e-9);
+        for k in (0..150).step_by(3) {
+            assert_eq!(number[k..k + 3], [k, k, k + 2]);
+        }
+    }
+}

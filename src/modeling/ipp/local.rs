@@ -35,10 +35,10 @@ impl Local<'_> {
         (0..2).any(|k| has_sign(self.f[k], self.noise[k]))
     }
 
-    /// True when nothing but rounding is left. Four times the bound: a box at the edge of what can be excluded would else
+    /// For each equation, true when nothing but rounding is left. Four times the bound: a box at the edge of what can be excluded would else
     /// be cut to dust, each part a hair above the bound.
-    pub fn unresolvable(&self) -> bool {
-        (0..2).all(|k| self.f[k].iter().all(|c| c.abs() <= 4.0 * self.noise[k]))
+    pub fn unresolvable(&self) -> [bool; 2] {
+        [0, 1].map(|k| self.f[k].iter().all(|c| c.abs() <= 4.0 * self.noise[k]))
     }
 
     /// Fills `to`; false where the mean Jacobian is singular.

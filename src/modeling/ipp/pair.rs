@@ -47,6 +47,9 @@ pub struct Found {
 
 /// Narrower boxes are not cut further.
 const NARROWEST: f64 = 1e-13;
+/// Narrower boxes in which one equation is all rounding are not halved further. Wider ones are: the other equation may
+/// still shorten what is left to where the two curves touch.
+const ROUNDING_WIDTH: f64 = 1e-5;
 /// Width at which the coarse search stops.
 const COARSE: f64 = 1e-2;
 /// A chain of at least so many coarse boxes is a curve.
@@ -55,6 +58,10 @@ const CHAIN: usize = 64;
 const CONTRACTION: f64 = 0.75;
 /// A root so little outside the square is on its edge: the equations are no more exact.
 const EDGE: f64 = 1e-12;
+
+/// How many times its extent a chain is widened for its verification: where rounding is large, only a wide box has a
+/// Jacobian that is told from it.
+const WIDENED: [f64; 4] = [2.0, 16.0, 128.0, 1024.0];
 
 /// Part of [0, 1]².
 #[derive(Clone, Copy, Debug)]
@@ -143,7 +150,8 @@ impl PairSolver {
         if local.excluded() {
             return;
         }
-        if local.unresolvable() {
+        let unresolvable = local.unresolvable();
+        if unresolvable == [true; 2] {
             search.pending.push(area);
             return;
         }
@@ -163,6 +171,12 @@ impl PairSolver {
             return;
         }
         let Some(clips) = self.clips(degree, noise, conditioned) else { return };
+        // With one equation all rounding, halving would follow the curve of the other to the last digit.
+        let narrow = area.width[0].max(area.width[1]) < ROUNDING_WIDTH;
+        if unresolvable != [false; 2] && narrow && !shrinks(&clips) {
+            search.pending.push(area);
+            return;
+        }
         self.descend(degree, area, noise, clips);
     }
 
@@ -201,8 +215,7 @@ impl PairSolver {
                 self.restrict(degree, axis, (start, end), &mut area, &mut noise);
             }
         }
-        let shrink = |k: usize| clips[k].1 - clips[k].0;
-        if shrink(0).max(shrink(1)) <= 0.8 {
+        if shrinks(&clips) {
             let f = std::mem::take(&mut self.f);
             self.push(area, noise, [&f[0], &f[1]]);
             self.f = f;
@@ -256,7 +269,8 @@ impl PairSolver {
             found.status = Status::Budget;
         }
         found.roots.retain_mut(|root| {
-            if root.at.iter().any(|x| !(-EDGE..=1.0 + EDGE).contains(x)) {
+            let room = EDGE + root.radius;
+            if root.at.iter().any(|x| !(-room..=1.0 + room).contains(x)) {
                 return false;
             }
             root.at = root.at.map(|x| x.clamp(0.0, 1.0));
@@ -269,7 +283,8 @@ impl PairSolver {
         let mut kept: Vec<Root> = Vec::new();
         for root in std::mem::take(&mut found.roots) {
             // Balls that overlap around proved roots hold the same root.
-            let same = |other: &Root| (0..2).all(|k| (other.at[k] - root.at[k]).abs() <= other.radius + root.radius + EDGE);
+            let same =
+                |other: &Root| (0..2).all(|k| (other.at[k] - root.at[k]).abs() <= other.radius + root.radius + EDGE);
             if !kept.iter().any(same) {
                 kept.push(root);
             }
@@ -282,20 +297,24 @@ impl PairSolver {
         found
     }
 
-    /// Krawczyk's test on a widened box around a chain, which may reach over the edge of the square.
+    /// Krawczyk's test on widened boxes around a chain, which may reach over the edge of the square.
     fn verify(&mut self, system: &System, chain: &Cluster) -> Option<Root> {
         if chain.extent() > 2.0 * COARSE {
             return None;
         }
+        WIDENED.iter().find_map(|&factor| self.verify_around(system, chain, factor))
+    }
+
+    fn verify_around(&mut self, system: &System, chain: &Cluster, factor: f64) -> Option<Root> {
         for k in 0..2 {
             self.f[k].clear();
             self.f[k].extend_from_slice(&system.f[k]);
         }
-        let room = 2.0 * chain.extent() + 1e-9;
         let mut area = Area { low: [0.0; 2], width: [1.0; 2] };
         let mut noise = system.noise;
         for axis in 0..2 {
-            let part = (chain.low[axis] - room, chain.high[axis] + room);
+            let room = factor * (chain.high[axis] - chain.low[axis]) + 1e-9;
+            let part = ((chain.low[axis] - room).max(-0.02), (chain.high[axis] + room).min(1.02));
             self.restrict(system.degree, axis, part, &mut area, &mut noise);
         }
         let local = Local { degree: system.degree, f: [&self.f[0], &self.f[1]], noise };
@@ -306,6 +325,11 @@ impl PairSolver {
         let at = [0, 1].map(|k| area.low[k] + proved.at[k] * area.width[k]);
         Some(Root { at, radius: proved.radius * area.width[0].max(area.width[1]) })
     }
+}
+
+/// True where both variables shrink by at least a fifth.
+fn shrinks(clips: &[(f64, f64); 2]) -> bool {
+    clips.iter().all(|(start, end)| end - start <= 0.8)
 }
 
 /// A root at a cluster's side.

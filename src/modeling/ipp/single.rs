@@ -12,7 +12,7 @@ const NARROWEST: f64 = 1e-14;
 const CURVE: f64 = 0.05;
 
 /// Roots so little outside [0, 1] are on its edge.
-const EDGE: f64 = 1e-12;
+const EDGE: f64 = 1e-9;
 
 /// A root, or a part of [0, 1] in which roots cannot be told from rounding.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -69,8 +69,11 @@ pub fn roots(p: &Bernstein) -> SingleSolution {
         }
     }
     join(&mut solution);
-    solution.roots = std::mem::take(&mut solution.roots).into_iter().filter_map(|root| looked_at_again(p, root)).collect();
-    if let Some(widest) = solution.roots.iter().filter(|root| !root.simple).map(|root| root.high - root.low).reduce(f64::max) {
+    solution.roots =
+        std::mem::take(&mut solution.roots).into_iter().filter_map(|root| looked_at_again(p, root)).collect();
+    if let Some(widest) =
+        solution.roots.iter().filter(|root| !root.simple).map(|root| root.high - root.low).reduce(f64::max)
+    {
         solution.status = solution.status.max(if widest > CURVE { Status::Continuum } else { Status::Cluster });
     }
     solution
@@ -81,7 +84,7 @@ fn looked_at_again(p: &Bernstein, root: SingleRoot) -> Option<SingleRoot> {
     if root.simple || root.high - root.low > 1e-6 {
         return Some(root);
     }
-    let room = 1e-9 + 2.0 * (root.high - root.low);
+    let room = 4.0 * EDGE + 2.0 * (root.high - root.low);
     let (low, high) = (root.low - room, root.high + room);
     let part = p.part(low, high);
     if !matches!(judge(&part, high - low), Verdict::One { simple: true }) {
@@ -142,7 +145,11 @@ fn bisect(p: &Bernstein) -> f64 {
         if value == 0.0 {
             break;
         }
-        if (value < 0.0) == rising { low = t } else { high = t }
+        if (value < 0.0) == rising {
+            low = t
+        } else {
+            high = t
+        }
         let newton = t - value / slope.value(t);
         let next = if newton > low && newton < high { newton } else { 0.5 * (low + high) };
         if (next - t).abs() <= f64::EPSILON * 0.25 {
@@ -184,7 +191,7 @@ fn join(solution: &mut SingleSolution) {
 pub fn common_zero(polynomials: &[Bernstein]) -> Option<f64> {
     let mut stack = vec![(0.0, 1.0, polynomials.to_vec())];
     for _ in 0..BUDGET {
-        let Some((low, high, parts)) = stack.pop() else { return None };
+        let (low, high, parts) = stack.pop()?;
         let apart =
             |p: &Bernstein| p.coefficients().iter().all(|a| a.lo > 0.0) || p.coefficients().iter().all(|a| a.hi < 0.0);
         if parts.iter().any(apart) {

@@ -19,7 +19,8 @@ impl Tensor {
 
     /// a(s) b(t).
     pub fn outer(a: &Bernstein, b: &Bernstein) -> Self {
-        let coefficients = a.coefficients().iter().flat_map(|&x| b.coefficients().iter().map(move |&y| x * y)).collect();
+        let coefficients =
+            a.coefficients().iter().flat_map(|&x| b.coefficients().iter().map(move |&y| x * y)).collect();
         Self { degree: [a.degree(), b.degree()], coefficients }
     }
 

@@ -45,7 +45,9 @@ impl Body {
         let grid = Grid::new(surface, &topology, cells)?;
         let (volume, _) = grid.volume_and_centroid();
         let size = surface.size();
-        if grid.triangles.is_empty() || volume.abs().partial_cmp(&(1e-9 * size * size * size)) != Some(std::cmp::Ordering::Greater) {
+        if grid.triangles.is_empty()
+            || volume.abs().partial_cmp(&(1e-9 * size * size * size)) != Some(std::cmp::Ordering::Greater)
+        {
             return Err(IsolateError::NoVolume { body: number });
         }
         let grid = if volume < 0.0 { grid.turned() } else { grid };

@@ -7,7 +7,7 @@ use super::triangle::Triangle;
 use crate::math::Vector3;
 
 /// Most triangles of a leaf.
-const LEAF: usize = 2;
+const LEAF: usize = 1;
 /// Room on the stack of a walk over two trees: more than twice the depth of a tree of 2³² triangles.
 const STACK: usize = 160;
 
@@ -54,6 +54,17 @@ impl Block {
         sum
     }
 
+    /// How far this box moved by `by` lies beyond the other along a unit vector; negative when it does not.
+    fn distance_along(&self, axis: &Vector3, by: &Vector3, other: &Self) -> f64 {
+        let mut sum = 0.0;
+        for k in 0..3 {
+            let near =
+                if axis[k] > 0.0 { self.low[k] + by[k] - other.high[k] } else { self.high[k] + by[k] - other.low[k] };
+            sum += axis[k] * near;
+        }
+        sum
+    }
+
     fn longest(&self) -> f64 {
         (0..3).map(|k| self.high[k] - self.low[k]).fold(0.0, f64::max)
     }
@@ -66,6 +77,8 @@ struct Node {
     at: u32,
     /// Triangles of a leaf; 0 for the others.
     count: u32,
+    /// Longest side of the block: of two nodes the longer one is opened.
+    longest: f64,
 }
 
 /// Triangles in the order of the leaves, and the boxes over them.
@@ -81,8 +94,7 @@ impl Bvh {
     /// Over at least one triangle.
     pub fn new(points: &[Vector3], triangles: &[[u32; 3]]) -> Self {
         debug_assert!(!triangles.is_empty(), "a tree needs a triangle");
-        let all: Vec<Triangle> =
-            triangles.iter().map(|t| Triangle::new(t.map(|k| points[k as usize]))).collect();
+        let all: Vec<Triangle> = triangles.iter().map(|t| Triangle::new(t.map(|k| points[k as usize]))).collect();
         let mut order: Vec<u32> = (0..all.len() as u32).collect();
         let mut nodes = Vec::with_capacity(2 * all.len());
         split(&all, &mut order, 0, &mut nodes);
@@ -131,7 +143,7 @@ impl Bvh {
                 }
                 continue;
             }
-            let open_first = b.count > 0 || (a.count == 0 && a.block.longest() >= b.block.longest());
+            let open_first = b.count > 0 || (a.count == 0 && a.longest >= b.longest);
             let next = if open_first { [(i + 1, j), (a.at, j)] } else { [(i, j + 1), (i, b.at)] };
             stack[depth..depth + 2].copy_from_slice(&next);
             depth += 2;
@@ -139,35 +151,41 @@ impl Bvh {
         false
     }
 
-    /// Nearest points (on this tree moved by `by`, on the other) with their squared distance. Nearer than `bound` only.
-    pub fn nearest(&self, by: &Vector3, other: &Self, bound: f64) -> Option<(f64, Vector3, Vector3)> {
+    /// Nearest points (on this tree moved by `by`, on the other) with their squared distance; or any that are within
+    /// `enough` of each other, with which the search ends.
+    ///
+    /// Two bounds from below leave pairs of boxes out: their distance, and their distance along the line of the nearest
+    /// points so far, which is nearly normal to both bodies where they are near.
+    pub fn nearest(&self, by: &Vector3, other: &Self, enough: f64) -> Option<(f64, Vector3, Vector3)> {
         let mut best: Option<(f64, Vector3, Vector3)> = None;
-        let mut least = bound * bound;
+        let (mut least, mut distance, mut axis) = (f64::INFINITY, f64::INFINITY, Vector3::zeros());
         let mut stack = [(0_u32, 0_u32, 0.0_f64); STACK];
         let mut depth = 1;
-        while depth > 0 {
+        while depth > 0 && distance > enough {
             depth -= 1;
             let (i, j, lower) = stack[depth];
-            if lower >= least {
+            let (a, b) = (&self.nodes[i as usize], &other.nodes[j as usize]);
+            if lower >= least || a.block.distance_along(&axis, by, &b.block) >= distance {
                 continue;
             }
-            let (a, b) = (&self.nodes[i as usize], &other.nodes[j as usize]);
             if a.count > 0 && b.count > 0 {
                 for x in a.at..a.at + a.count {
                     let moved = self.triangles[x as usize].moved(by);
                     for y in b.at..b.at + b.count {
-                        if super::triangle::certainly_farther(&moved, &other.triangles[y as usize], least) {
+                        let fixed = &other.triangles[y as usize];
+                        if super::triangle::certainly_farther(&moved, fixed, least) {
                             continue;
                         }
-                        let found = super::triangle::nearest(&moved, &other.triangles[y as usize]);
+                        let found = super::triangle::nearest(&moved, fixed);
                         if found.0 < least {
-                            (least, best) = (found.0, Some(found));
+                            (least, distance, best) = (found.0, found.0.sqrt(), Some(found));
+                            axis = (found.1 - found.2).try_normalize(0.0).unwrap_or_else(Vector3::zeros);
                         }
                     }
                 }
                 continue;
             }
-            let open_first = b.count > 0 || (a.count == 0 && a.block.longest() >= b.block.longest());
+            let open_first = b.count > 0 || (a.count == 0 && a.longest >= b.longest);
             let mut next = if open_first { [(i + 1, j), (a.at, j)] } else { [(i, j + 1), (i, b.at)] }.map(|(i, j)| {
                 (i, j, self.nodes[i as usize].block.distance_squared(by, &other.nodes[j as usize].block))
             });
@@ -214,7 +232,7 @@ fn split(all: &[Triangle], order: &mut [u32], start: usize, nodes: &mut Vec<Node
         centres.add(&centre(triangle));
     }
     let node = nodes.len();
-    nodes.push(Node { block, at: start as u32, count: order.len() as u32 });
+    nodes.push(Node { block, at: start as u32, count: order.len() as u32, longest: block.longest() });
     if order.len() <= LEAF {
         return;
     }

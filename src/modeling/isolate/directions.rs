@@ -40,7 +40,7 @@ pub(super) fn displacement(rule: Rule, pair: &Pair<'_>, translation: &Vector3) -
     if rule == Rule::FarthestOfRegion {
         return Ok(signed);
     }
-    // The step length of all the others, the largest component, depends on the axes; the source text has it so.
+    // The step length of all the others, the largest component, depends on the axes; the thesis has it so.
     let length = signed.amax();
     Ok(unit(rule, pair, translation, &regions, &signed)? * length)
 }
@@ -90,12 +90,7 @@ fn unit(
 }
 
 /// Method 4: region 1 and its neighbours on either side, the i-th with the weight 1 / sqrt(1 + i).
-fn normals(
-    pair: &Pair<'_>,
-    translation: &Vector3,
-    regions: &Regions,
-    signed: &Vector3,
-) -> Result<Vector3, Reason> {
+fn normals(pair: &Pair<'_>, translation: &Vector3, regions: &Regions, signed: &Vector3) -> Result<Vector3, Reason> {
     let mut sum = Vector3::zeros();
     for (k, region) in regions.list.iter().enumerate() {
         let away = k.abs_diff(regions.first);
@@ -116,11 +111,7 @@ fn centroids(pair: &Pair<'_>, translation: &Vector3) -> Result<Vector3, Reason> 
 /// The normal or its opposite: with the displacement of method 2, or where that is nearly at right angles, with the centroids.
 fn sided(normal: Vector3, pair: &Pair<'_>, translation: &Vector3, signed: &Vector3) -> Vector3 {
     let cosine = signed.try_normalize(0.0).map_or(0.0, |m| m.dot(&normal));
-    let decides = if cosine.abs() < UNDECIDED {
-        (pair.between_centroids() + translation).dot(&normal)
-    } else {
-        cosine
-    };
+    let decides = if cosine.abs() < UNDECIDED { (pair.between_centroids() + translation).dot(&normal) } else { cosine };
     if decides < 0.0 { -normal } else { normal }
 }
 

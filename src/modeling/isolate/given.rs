@@ -1,6 +1,7 @@
 //! The pairs of closed surfaces that isolation is measured on: nets, grids, published lengths.
 
 use super::{Body, IsolateError};
+use crate::math::Vector3;
 use crate::surface::{FileError, Surface, file};
 
 /// One document a pair, in the order of their numbers.
@@ -41,6 +42,11 @@ pub struct GivenPair {
 }
 
 impl GivenPair {
+    /// The shortest translation known for these triangles, m.
+    pub fn least_translation_m(&self) -> Vector3 {
+        Vector3::from_fn(|k, _| self.document["mtd_translation_m"][k].as_f64().unwrap_or(f64::NAN))
+    }
+
     /// Both bodies on the pair's grids.
     pub fn bodies(&self) -> [Body; 2] {
         let [a, b] = self.cells;

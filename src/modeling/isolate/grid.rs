@@ -116,7 +116,8 @@ fn lines(knots: &KnotVector, cells: usize) -> Vec<f64> {
     lines[cells] = end;
     let near = (end - start) * 1e-9;
     let creases = knots.spans().map(|span| knots.knots()[span]);
-    let creases: Vec<f64> = creases.filter(|&knot| knot > start && knots.multiplicity(knot) >= knots.degree()).collect();
+    let creases: Vec<f64> =
+        creases.filter(|&knot| knot > start && knots.multiplicity(knot) >= knots.degree()).collect();
     lines.retain(|line| creases.iter().all(|crease| (crease - line).abs() > near));
     lines.extend(creases);
     lines.sort_by(f64::total_cmp);

@@ -1,8 +1,8 @@
 //! Isolation: the short translation that takes two overlapping solids apart.
 //!
 //! Both surfaces are closed; the first moves, the second stays, neither changes its shape. The answer is a translation after
-//! which they are apart by a small gap. After *Isolation of intersecting B-spline surfaces*: heuristics 1 to 7; and two
-//! searches, one local and one global, whose length is close to the least there is.
+//! which they are apart by a small gap. Methods 1 to 7 are the heuristics of a thesis on isolating closed B-spline bodies
+//! (of a head, for planning radiotherapy); two searches, one local and one global, come close to the least length there is.
 //!
 //! ```text
 //! body         surface → grid → triangles, tree of boxes, centroid; open or self-crossing surfaces are refused
@@ -13,7 +13,7 @@
 //! settle       contact → the wanted gap, of the triangles, then of the surfaces themselves
 //! many         several bodies: pair after pair until none overlaps
 //! ```
-//! No method is proven to be shortest. `Global` reached the best known length on all bodies of the tests.
+//! No method is proven to be shortest. `Global` reached the best known length on all pairs of the tests.
 
 mod body;
 mod bvh;
@@ -228,6 +228,9 @@ impl Asked {
     fn searched(&self, pair: &mut Pair<'_>, method: Method, warm: Option<&Vector3>) -> Result<Stepped, Reason> {
         let between = pair.between_centroids();
         let axis = between.try_normalize(1e-9 * pair.diameter_m);
+        if self.limit.most_rad.is_some() && axis.is_none() {
+            return Err(Reason::CoincidentCentroids);
+        }
         let mut search = Search { pair, limit: self.limit };
         let contact = if method == Method::Local {
             search.local(warm)?
@@ -270,6 +273,11 @@ impl Asked {
             .settled(&start, &at, turning, self.gap_m)
             .or_else(|| exact.settled(&start, &at, at.try_normalize(0.0), self.gap_m))
             .ok_or(Reason::NoGap)?;
+        if along.is_none()
+            && let Some(shorter) = exact.shortened(&start, &at, self.gap_m)
+        {
+            return Ok(shorter);
+        }
         if self.limit.allows(pair, &at) { Ok((at, gap_m)) } else { Err(Reason::Turned) }
     }
 }

@@ -55,6 +55,18 @@ pub(super) struct Cuts {
     pub parallel: usize,
 }
 
+impl Body {
+    /// Whether this body, moved by `by` (m), and the other share more than single points.
+    pub fn overlaps(&self, by: &Vector3, other: &Self) -> bool {
+        Pair::new(self, other, Vector3::zeros()).overlap(by)
+    }
+
+    /// The distance of this body, moved by `by` (m), from another one that it does not overlap, m.
+    pub fn gap_m(&self, by: &Vector3, other: &Self) -> f64 {
+        Pair::new(self, other, Vector3::zeros()).nearest(by).gap_m
+    }
+}
+
 impl<'a> Pair<'a> {
     pub fn new(moving: &'a Body, fixed: &'a Body, start: Vector3) -> Self {
         let mut both = *fixed.block();
@@ -87,7 +99,11 @@ impl<'a> Pair<'a> {
             return false;
         }
         let cross = moving.pairs(&by, fixed, tolerance, |i, j| {
-            match crossing(&moving.triangle(i).moved(&by), fixed.triangle(j), tolerance) {
+            let (first, second) = (moving.triangle(i), fixed.triangle(j));
+            if first.misses(&by, second, tolerance) {
+                return false;
+            }
+            match crossing(&first.moved(&by), second, tolerance) {
                 None => false,
                 Some(Crossing::Coplanar) => true,
                 Some(Crossing::Segment(p, q)) => (q - p).norm() > tolerance,
@@ -101,8 +117,13 @@ impl<'a> Pair<'a> {
 
     /// Nearest points of bodies that do not overlap.
     pub fn nearest(&self, translation: &Vector3) -> Nearest {
+        self.near(translation, 0.0)
+    }
+
+    /// Nearest points, or any within `enough_m` of each other.
+    pub fn near(&self, translation: &Vector3, enough_m: f64) -> Nearest {
         let by = self.moved_by(translation);
-        let found = self.moving.bvh.nearest(&by, &self.fixed.bvh, f64::INFINITY);
+        let found = self.moving.bvh.nearest(&by, &self.fixed.bvh, enough_m);
         // A tree has a triangle, so there is a nearest pair.
         let (squared, p, q) = found.unwrap_or((0.0, by, by));
         let gap_m = squared.sqrt();

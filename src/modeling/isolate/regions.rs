@@ -5,7 +5,7 @@
 //! corners of one body inside the other → the region whose line is nearest
 //! ```
 //! The vector area A = ½ Σ p × q of a closed line, with its segments p → q along n₁ × n₂, is for a quadrilateral the cross
-//! product of its diagonals over two, the normal of a region in the source text; the sum holds for any line.
+//! product of its diagonals over two, the normal of a region in the thesis; the sum holds for any line.
 
 use super::pair::{Cut, Cuts, Pair};
 use crate::math::{Matrix3, Vector3};
@@ -209,9 +209,8 @@ fn sort(list: &mut [Region]) {
         matrix /= scale;
         matrix = matrix * matrix;
     }
-    let column = (0..3).fold(0, |best, k| {
-        if matrix.column(k).norm_squared() > matrix.column(best).norm_squared() { k } else { best }
-    });
+    let column = (0..3)
+        .fold(0, |best, k| if matrix.column(k).norm_squared() > matrix.column(best).norm_squared() { k } else { best });
     let axis: Vector3 = matrix.column(column).into_owned();
     list.sort_by(|a, b| axis.dot(&a.centre).total_cmp(&axis.dot(&b.centre)));
 }

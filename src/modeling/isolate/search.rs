@@ -132,7 +132,8 @@ impl Search<'_, '_> {
         let mut best = *from;
         let mut planes: Vec<HalfSpace> = Vec::new();
         for _ in 0..MOST_PLANES {
-            let near = self.pair.nearest(&best);
+            // At contact all points this near are in contact: the first that are found give a plane.
+            let near = self.pair.near(&best, EXIT * self.pair.diameter_m);
             let Some(normal) = near.normal else { return best };
             let plane = HalfSpace { normal, at_least: normal.dot(&best) - near.gap_m };
             keep(&mut planes, plane, KEPT);
@@ -169,7 +170,7 @@ impl Search<'_, '_> {
 
     /// Local: the exit along the direction of method 6, or 5, or 4, or along `warm`; then the descent.
     pub fn local(&mut self, warm: Option<&Vector3>) -> Result<Vector3, Reason> {
-        let from = match warm.and_then(|warm| self.from_warm(warm)) {
+        let from = match warm.and_then(|warm| self.resumed(warm)) {
             Some(start) => Some(start),
             None => starts(self.pair).into_iter().find_map(|direction| self.exit(&direction)),
         };
@@ -177,7 +178,7 @@ impl Search<'_, '_> {
     }
 
     /// A free place at contact near an earlier answer.
-    fn from_warm(&mut self, warm: &Vector3) -> Option<Vector3> {
+    fn resumed(&mut self, warm: &Vector3) -> Option<Vector3> {
         if self.free(warm) {
             return Some(self.shrunk(warm));
         }

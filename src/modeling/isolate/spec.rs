@@ -232,7 +232,9 @@ pub enum IsolateError {
         cells: [usize; 2],
     },
     /// A gap that is none.
-    #[error("a gap of {gap_m} m cannot be left: it must be finite, above 1e-9 and below 1 of the diameter of the bodies, {diameter_m} m")]
+    #[error(
+        "a gap of {gap_m} m cannot be left: it must be finite, above 1e-9 and below 1 of the diameter of the bodies, {diameter_m} m"
+    )]
     Gap {
         /// The gap, m.
         gap_m: f64,

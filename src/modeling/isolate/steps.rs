@@ -6,7 +6,7 @@ use super::pair::Pair;
 use super::search::Limit;
 use crate::math::Vector3;
 
-/// Most steps, as in the source text's worst cases and some more.
+/// Most steps, as in the thesis' worst cases and some more.
 pub(super) const MOST_STEPS: u32 = 20;
 /// Halvings of the last step: its contact is found to a thousandth of it, as the published tables were.
 const HALVINGS: u32 = 10;

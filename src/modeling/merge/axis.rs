@@ -76,7 +76,11 @@ impl Axis {
     pub(super) fn length_m(&self, block: usize) -> f64 {
         let strands = &self.blocks[block].strands;
         let steps = |s: &Strand| -> f64 {
-            s.samples.chunks_exact(LINE_WIDTH).zip(s.samples[LINE_WIDTH..].chunks_exact(LINE_WIDTH)).map(|(a, b)| distance(a, b)).sum()
+            s.samples
+                .chunks_exact(LINE_WIDTH)
+                .zip(s.samples[LINE_WIDTH..].chunks_exact(LINE_WIDTH))
+                .map(|(a, b)| distance(a, b))
+                .sum()
         };
         strands.iter().map(steps).sum::<f64>() / strands.len() as f64
     }

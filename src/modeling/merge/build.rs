@@ -19,7 +19,7 @@ pub(super) struct Job {
     /// As the layout places them.
     pub turned: Vec<Surface>,
     pub layout: Layout,
-    /// The patches along u and along v, thinly sampled.
+    /// The patches along u and along v.
     pub axes: [Axis; 2],
     pub choices: [Choice; 2],
     /// (blocks) for u and v: where the patches are sampled.
@@ -36,26 +36,19 @@ impl Job {
         let degrees = degrees(&turned, &layout, spec)?;
         let fractions = fractions(surfaces, &turned, &layout, spec)?;
         let direction = [Direction::U, Direction::V];
-        let axes: [Axis; 2] = std::array::from_fn(|d| {
-            let thin: Vec<Vec<f64>> = fractions[d].iter().map(|f| thinned(f)).collect();
-            Axis::new(&turned, &layout, direction[d], degrees[d], &thin)
-        });
+        let axis = |d: usize, rows: &[Vec<f64>]| Axis::new(&turned, &layout, direction[d], degrees[d], rows);
+        let axes = [0, 1].map(|d| axis(d, &fractions[d]));
         let choices = match spec.method {
             Method::Seed => axes.each_ref().map(|axis| as_the_source(axis, spec.continuity)),
-            _ => axes.each_ref().map(|axis| choose(axis, spec.continuity, spec.least_span)),
+            _ => [0, 1].map(|d| {
+                let thin: Vec<Vec<f64>> = fractions[d].iter().map(|f| thinned(f)).collect();
+                choose(&axis(d, &thin), &axes[d], spec.continuity, spec.least_span)
+            }),
         };
         let ends = if spec.method == Method::Seed { Ends::Free } else { Ends::Held };
         let job = Self { turned, layout, axes, choices, fractions, ends };
         job.check_rows()?;
         Ok(job)
-    }
-
-    /// The patches with all their rows.
-    pub(super) fn full_axes(&self) -> [Axis; 2] {
-        std::array::from_fn(|d| {
-            let direction = [Direction::U, Direction::V][d];
-            Axis::new(&self.turned, &self.layout, direction, self.axes[d].degree, &self.fractions[d])
-        })
     }
 
     pub(super) fn plan(&self) -> Result<MergePlan, MergeError> {
@@ -131,8 +124,8 @@ pub(super) fn check_nets(surfaces: &[Surface]) -> Result<(), MergeError> {
         if surface.weights().is_some_and(|w| w.iter().any(|x| *x != w[0])) {
             return Err(MergeError::Rational { patch });
         }
-        // Squares of what passes are finite too.
-        let finite = |p: &crate::math::Point3| p.iter().all(|x| x.abs() < 1e100);
+        // Powers of what passes are finite too.
+        let finite = |p: &crate::math::Point3| p.iter().all(|x| x.abs() < 1e30);
         if let Some(index) = surface.net().points().iter().position(|p| !finite(p)) {
             return Err(MergeError::NotFinite { patch, index });
         }
@@ -183,7 +176,8 @@ fn fractions(
         }
     }
     let direction = [Direction::U, Direction::V][d];
-    if spec.find_overlap && spec.hidden.is_empty()
+    if spec.find_overlap
+        && spec.hidden.is_empty()
         && let Some([first, second]) = overlap::beyond_crossing(&turned[0], &turned[1], direction)
     {
         shown[0][1] = first;
@@ -201,7 +195,12 @@ fn fractions(
 }
 
 /// Which place a hidden part belongs to, and its range as fractions of the turned patch.
-fn hidden_part(hidden: &Hidden, surfaces: &[Surface], layout: &Layout, d: usize) -> Result<(usize, [f64; 2]), MergeError> {
+fn hidden_part(
+    hidden: &Hidden,
+    surfaces: &[Surface],
+    layout: &Layout,
+    d: usize,
+) -> Result<(usize, [f64; 2]), MergeError> {
     let Some(place) = layout.places.iter().position(|p| p.patch == hidden.patch) else {
         return Err(refused(hidden, "there is no such patch"));
     };
@@ -211,7 +210,7 @@ fn hidden_part(hidden: &Hidden, surfaces: &[Surface], layout: &Layout, d: usize)
         return Err(refused(hidden, "the patches follow each other in the other direction"));
     }
     let [start, end] = hidden.range;
-    if !(start < end) {
+    if start.partial_cmp(&end) != Some(std::cmp::Ordering::Less) {
         return Err(refused(hidden, "it is empty or not a range"));
     }
     let knots = surfaces[hidden.patch].knots(hidden.direction);

@@ -18,17 +18,46 @@ pub struct Case {
     pub spec: MergeSpec,
 }
 
-/// Number, title, file and arrangement.
-type Entry = (&'static str, &'static str, Arrangement);
+/// Title, files and arrangement.
+type Entry = (&'static str, &'static [&'static str], Arrangement);
 
 const ENTRIES: [Entry; 7] = [
-    ("similar curvature and knots", include_str!("data/case1.json"), Arrangement::Closest),
-    ("different curvature", include_str!("data/case2.json"), Arrangement::Closest),
-    ("different knots", include_str!("data/case3.json"), Arrangement::Closest),
-    ("different knots and width", include_str!("data/case4.json"), Arrangement::Closest),
-    ("intersecting, trimmed", include_str!("data/case5.json"), Arrangement::Edges([Edge::U1, Edge::U0])),
-    ("degrees 3×3 and 4×5", include_str!("data/case6.json"), Arrangement::Closest),
-    ("four patches", include_str!("data/case7.json"), Arrangement::Grid { rows: 2, columns: 2 }),
+    (
+        "similar curvature and knots",
+        &[include_str!("data/case1_a.json"), include_str!("data/case1_b.json")],
+        Arrangement::Closest,
+    ),
+    (
+        "different curvature",
+        &[include_str!("data/case2_a.json"), include_str!("data/case2_b.json")],
+        Arrangement::Closest,
+    ),
+    ("different knots", &[include_str!("data/case3_a.json"), include_str!("data/case3_b.json")], Arrangement::Closest),
+    (
+        "different knots and width",
+        &[include_str!("data/case4_a.json"), include_str!("data/case4_b.json")],
+        Arrangement::Closest,
+    ),
+    (
+        "intersecting, trimmed",
+        &[include_str!("data/case5_a.json"), include_str!("data/case5_b.json")],
+        Arrangement::Edges([Edge::U1, Edge::U0]),
+    ),
+    (
+        "degrees 3×3 and 4×5",
+        &[include_str!("data/case6_a.json"), include_str!("data/case6_b.json")],
+        Arrangement::Closest,
+    ),
+    (
+        "four patches",
+        &[
+            include_str!("data/case7_a.json"),
+            include_str!("data/case7_b.json"),
+            include_str!("data/case7_c.json"),
+            include_str!("data/case7_d.json"),
+        ],
+        Arrangement::Grid { rows: 2, columns: 2 },
+    ),
 ];
 
 /// All seven.
@@ -36,14 +65,10 @@ const ENTRIES: [Entry; 7] = [
 /// # Panics
 /// When the files that come with the program are damaged: a test reads them.
 pub fn cases() -> Vec<Case> {
-    let read = |text: &str| -> Vec<Surface> {
-        let list: Vec<serde_json::Value> = serde_json::from_str(text).expect("a list of surfaces");
-        list.iter().map(|value| file::from_value(value).expect("a surface")).collect()
-    };
-    let case = |(k, (title, text, arrangement)): (usize, Entry)| Case {
+    let case = |(k, (title, files, arrangement)): (usize, Entry)| Case {
         number: k + 1,
         title,
-        patches: read(text),
+        patches: files.iter().map(|text| file::read(text).expect("a surface that comes with the program")).collect(),
         spec: MergeSpec { arrangement, ..MergeSpec::default() },
     };
     ENTRIES.into_iter().enumerate().map(case).collect()

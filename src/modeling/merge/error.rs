@@ -13,7 +13,9 @@ pub enum MergeError {
         given: usize,
     },
     /// Patches and grid disagree.
-    #[error("{given} patches do not fill {rows} rows of {columns}: give one for each place, or say how they are arranged")]
+    #[error(
+        "{given} patches do not fill {rows} rows of {columns}: give one for each place, or say how they are arranged"
+    )]
     Arrangement {
         /// Patches given.
         given: usize,
@@ -34,8 +36,8 @@ pub enum MergeError {
         /// Which patch, from 0.
         patch: usize,
     },
-    /// A net with a coordinate that is not finite.
-    #[error("control point {index} of patch {patch} is not finite")]
+    /// A net with a coordinate that is not finite, or of no earthly size.
+    #[error("control point {index} of patch {patch} is not finite, or farther than 1e30 m from the origin")]
     NotFinite {
         /// Which patch.
         patch: usize,
@@ -59,7 +61,9 @@ pub enum MergeError {
         patch: usize,
     },
     /// Edges too far from each other.
-    #[error("the edges of patches {a} and {b} are {gap_m} m apart, farther than the shorter is long ({length_m} m): move the patches nearer, or name other edges")]
+    #[error(
+        "the edges of patches {a} and {b} are {gap_m} m apart, farther than the shorter is long ({length_m} m): move the patches nearer, or name other edges"
+    )]
     TooFar {
         /// A patch.
         a: usize,
@@ -71,7 +75,9 @@ pub enum MergeError {
         length_m: f64,
     },
     /// An edge that meets a part of another only.
-    #[error("patches {a} and {b} make a T-junction: their edges ({a_m} m, {b_m} m long) end {offset_m} m from each other; split the longer one there")]
+    #[error(
+        "patches {a} and {b} make a T-junction: their edges ({a_m} m, {b_m} m long) end {offset_m} m from each other; split the longer one there"
+    )]
     TJunction {
         /// A patch.
         a: usize,
@@ -97,7 +103,9 @@ pub enum MergeError {
         reason: &'static str,
     },
     /// Fewer rows of points than control points.
-    #[error("patch {patch} shows {rows} rows of points, too few for its {needed} control points: hide less, or ask for more points")]
+    #[error(
+        "patch {patch} shows {rows} rows of points, too few for its {needed} control points: hide less, or ask for more points"
+    )]
     TooFewRows {
         /// Which patch.
         patch: usize,
@@ -127,7 +135,9 @@ pub enum MergeError {
         wanted: &'static str,
     },
     /// Exact merging of patches that do not meet, or with something hidden.
-    #[error("an exact merge needs whole patches that meet, and the edges of {a} and {b} are up to {gap_m} m apart: use the constrained method")]
+    #[error(
+        "an exact merge needs whole patches that meet, and the edges of {a} and {b} are up to {gap_m} m apart: use the constrained method"
+    )]
     Apart {
         /// A patch.
         a: usize,

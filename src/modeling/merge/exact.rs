@@ -49,7 +49,7 @@ pub(super) fn merge(surfaces: &[Surface], spec: &MergeSpec) -> Result<Merged, Me
     let at = std::array::from_fn::<_, 2, _>(|d| {
         let blocks = if d == 0 { layout.rows } else { layout.columns };
         let axis = Axis::new(&alike, &layout, directions[d], degrees[d], &vec![evenly(ROWS); blocks]);
-        intervals(&axis).pop().expect("lengths always give shares")
+        intervals(&axis).swap_remove(0)
     });
     let seams = |d: usize| at[d][1..].iter().map(|interval| interval[0]).collect::<Vec<f64>>();
     let mut surface = glued(&alike, &layout, degrees, &at)?;
@@ -93,7 +93,8 @@ fn check_meeting(turned: &[Surface], layout: &Layout) -> Result<(), MergeError> 
 fn common(turned: &[Surface], layout: &Layout, degrees: [usize; 2]) -> Result<Vec<Surface>, MergeError> {
     let mut patches = Vec::with_capacity(turned.len());
     for patch in turned {
-        let mut patch = Surface::new(normalised(patch.knots_u()), normalised(patch.knots_v()), patch.net().clone(), None)?;
+        let mut patch =
+            Surface::new(normalised(patch.knots_u()), normalised(patch.knots_v()), patch.net().clone(), None)?;
         for (direction, degree) in [(Direction::U, degrees[0]), (Direction::V, degrees[1])] {
             for _ in patch.knots(direction).degree()..degree {
                 patch = patch.elevated(direction)?;
@@ -201,12 +202,11 @@ fn smoothed(surface: &Surface, direction: Direction, seams: &[f64], continuity: 
     Ok(if direction == Direction::U { smooth } else { smooth.swap_uv() })
 }
 
+/// Rows of R: the first column that is not zero, and the values from there on.
+type Rows = Vec<(usize, Vec<f64>)>;
+
 /// Knots with each seam `continuity` times less, and the rows (first column, values) of R that put them back.
-fn removal(
-    fine: &KnotVector,
-    seams: &[f64],
-    continuity: usize,
-) -> Result<(KnotVector, Vec<(usize, Vec<f64>)>), KnotError> {
+fn removal(fine: &KnotVector, seams: &[f64], continuity: usize) -> Result<(KnotVector, Rows), KnotError> {
     let mut values = fine.knots().to_vec();
     for &seam in seams {
         let first = values.partition_point(|&t| t < seam);
@@ -222,7 +222,7 @@ fn removal(
             insertions.push(insertion);
         }
     }
-    let mut rows: Vec<(usize, Vec<f64>)> = vec![(0, Vec::new()); fine.count()];
+    let mut rows: Rows = vec![(0, Vec::new()); fine.count()];
     for column in 0..coarse.count() {
         let mut unit = vec![0.0; coarse.count()];
         unit[column] = 1.0;

@@ -133,12 +133,18 @@ struct Windows {
 impl Windows {
     fn new(knots: &KnotVector, parameters: &[f64]) -> Self {
         let width = knots.degree() + 1;
-        let (mut first, mut values) = (Vec::with_capacity(parameters.len()), Vec::with_capacity(parameters.len() * width));
+        let (mut first, mut values) =
+            (Vec::with_capacity(parameters.len()), Vec::with_capacity(parameters.len() * width));
+        let (t, last) = (knots.knots(), knots.count() - 1);
+        let mut span = knots.span(parameters.first().copied().unwrap_or(0.0), Side::Right);
         for &u in parameters {
             let u = knots.confine(u);
-            let span = knots.span(u, Side::Right);
+            // Parameters rise, so spans do.
+            while span < last && u >= t[span + 1] {
+                span += 1;
+            }
             first.push(span + 1 - width);
-            values.extend_from_slice(&basis(knots.knots(), span, width, u)[..width]);
+            values.extend_from_slice(&basis(t, span, width, u)[..width]);
         }
         Self { columns: knots.count(), width, first, values }
     }

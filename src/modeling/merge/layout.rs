@@ -88,9 +88,8 @@ struct Grid {
 
 impl Grid {
     fn new(surface: &Surface) -> Self {
-        let at = |knots: &crate::basis::KnotVector, k: usize| {
-            knots.domain().0 + knots.length() * (k as f64 / STEPS as f64)
-        };
+        let at =
+            |knots: &crate::basis::KnotVector, k: usize| knots.domain().0 + knots.length() * (k as f64 / STEPS as f64);
         let (us, vs) = (surface.knots_u(), surface.knots_v());
         let pairs = (0..=STEPS).flat_map(|i| (0..=STEPS).map(move |j| (i, j)));
         let points: Vec<Point3> = pairs.map(|(i, j)| surface.point(at(us, i), at(vs, j))).collect();

@@ -1,15 +1,18 @@
 //! Merging: two or more patches become one B-spline surface of a chosen continuity.
 //!
 //! ```text
-//! layout    edges that meet, turns that make them meet, refusal of what cannot be joined
-//! overlap   where two patches cross, and so which rows of points are left out
-//! axis      the patches seen along one direction, as bundles of lines
-//! knots     knots end to end, the seam, and the knots that continuity frees
-//! search    shares of the domain and places of the knots that miss least, on a few lines
-//! fit       least squares with held ends, banded
-//! plan      all that does not depend on nets, as a pair of small matrices for each patch
-//! exact     no fit: elevation and knot insertion
-//! report    what the merged surface misses, and its continuity as measured
+//! build      patches and request ──▶ everything below, in this order
+//!   layout     edges that meet, turns that make them meet, refusal of what cannot be joined
+//!   overlap    where two patches cross, and so which rows of points are left out
+//!   axis       the patches seen along one direction, as bundles of lines
+//!   knots      knots end to end, the seam, and the knots that continuity frees
+//!   search     shares of the domain and places of the knots that miss least, on a few lines
+//!   fit        least squares with held ends, banded
+//!   plan       all that does not depend on nets, as a pair of small matrices for each patch ──▶ the merged net
+//! tolerance  the same with more and more knots
+//! exact      no fit: elevation and knot insertion
+//! report     what the merged surface misses, and its continuity as measured
+//! cases      seven cases to compare methods by
 //! ```
 //! C^c is exact by construction: of all functions over knots with the seam k times (k = degree), those that are C^c there
 //! are the ones over knots with the seam k − c times. The linear constraints and their elimination are the basis itself.

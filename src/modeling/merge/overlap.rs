@@ -2,8 +2,8 @@
 //!
 //! Whole rows are left out: a patch ends before the first row that reaches the curve, so that nothing of it lies beyond.
 
-use crate::math::Vector3;
 use crate::contact::pair::{PairSide, PairSolver};
+use crate::math::Vector3;
 use crate::surface::{ClosestSolver, Direction, Surface};
 
 /// Edges nearer than this, as a share of the size, meet: patches that share an edge do not cross there.
@@ -33,7 +33,8 @@ pub(super) fn beyond_crossing(first: &Surface, second: &Surface, direction: Dire
         Direction::U => [p.u, p.s],
         Direction::V => [p.v, p.t],
     });
-    let share = |surface: &Surface, t: f64| (t - surface.knots(direction).domain().0) / surface.knots(direction).length();
+    let share =
+        |surface: &Surface, t: f64| (t - surface.knots(direction).domain().0) / surface.knots(direction).length();
     let (mut end, mut start) = (1.0_f64, 0.0_f64);
     for [a, b] in places {
         end = end.min(share(first, a));

@@ -117,9 +117,11 @@ impl MergePlan {
             half.clear();
             for i in 0..net.rows() {
                 let line = &net.points()[i * net.columns()..(i + 1) * net.columns()];
-                half.extend(map_v.values.chunks_exact(map_v.columns).map(|share| {
-                    line.iter().zip(share).fold(Vector3::zeros(), |sum, (p, s)| sum + (p - origin) * *s)
-                }));
+                half.extend(
+                    map_v.values.chunks_exact(map_v.columns).map(|share| {
+                        line.iter().zip(share).fold(Vector3::zeros(), |sum, (p, s)| sum + (p - origin) * *s)
+                    }),
+                );
             }
             for (share, out) in map_u.values.chunks_exact(map_u.columns).zip(points.chunks_exact_mut(columns)) {
                 for (s, line) in share.iter().zip(half.chunks_exact(columns)) {

@@ -81,7 +81,8 @@ impl Merged {
     /// The same half way between the rows: what a fit does where it was not looking.
     pub(super) fn distances_between(&self, turned: &[Surface]) -> Vec<f64> {
         let means = |x: &[f64]| x.windows(2).map(|w| 0.5 * (w[0] + w[1])).collect::<Vec<f64>>();
-        let between = |rows: &BlockRows| BlockRows { fractions: means(&rows.fractions), parameters: means(&rows.parameters) };
+        let between =
+            |rows: &BlockRows| BlockRows { fractions: means(&rows.fractions), parameters: means(&rows.parameters) };
         let rows = [0, 1].map(|d: usize| self.rows[d].iter().map(between).collect());
         self.distances_on(turned, &rows)
     }

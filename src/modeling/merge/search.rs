@@ -22,6 +22,10 @@ const FIRST_STEP: f64 = 0.4;
 const NEGLIGIBLE: f64 = 1e-13;
 /// A sum of squares less another one has lost what is below this share of it.
 const NOISE: f64 = 1e-14;
+/// Misses below this share of the sum of squares are rounding: nothing is left to improve.
+const ROUNDING: f64 = 1e-24;
+/// Below this share of the sum of squares all rows are asked, not some of them.
+const UNSEEN: f64 = 1e-9;
 /// Gaps below this share of the length are none.
 const TOUCHING: f64 = 1e-6;
 
@@ -31,13 +35,15 @@ pub(super) struct Choice {
     pub knots: Knots,
 }
 
-/// Parameters and knots for a direction; as many as the source has.
-pub(super) fn choose(axis: &Axis, continuity: usize, least_span: f64) -> Choice {
+/// Parameters and knots for a direction; as many as the source has. `axis` is sampled thinly, `full` in all rows.
+pub(super) fn choose(axis: &Axis, full: &Axis, continuity: usize, least_span: f64) -> Choice {
     let interiors = shown(axis);
     let mut best: Option<(f64, Choice)> = None;
+    let mut best_data = None;
     for at in intervals(axis) {
         let data = Data::new(axis, &at).compressed();
         let least = least_gap(&at, least_span);
+        let mut better = false;
         for (level, blend) in candidates(axis, continuity) {
             let knots = Knots::joined(axis.degree, level, &interiors, &at, blend);
             if blend < Knots::seed_blend(level) && knots.least_span_at_seams() < least {
@@ -46,17 +52,23 @@ pub(super) fn choose(axis: &Axis, continuity: usize, least_span: f64) -> Choice 
             let miss = data.miss(&knots);
             if best.as_ref().is_none_or(|(fewest, _)| miss < fewest * WORTH - NOISE * data.square) {
                 best = Some((miss, Choice { at: at.clone(), knots }));
+                better = true;
             }
         }
+        if better {
+            best_data = Some(data);
+        }
     }
-    let (miss, mut choice) = best.expect("lengths always give a candidate");
-    let least = least_gap(&choice.at, least_span);
-    let data = Data::new(axis, &choice.at);
+    let ((miss, mut choice), data) = best.zip(best_data).expect("lengths always give a candidate");
     let before = choice.knots.clone();
-    improve(&data.compressed(), &mut choice.knots, miss, least);
-    // What a search cannot see, it may have made worse: patches that need no compromise are merged without one.
-    if data.miss(&before) < data.miss(&choice.knots) {
-        choice.knots = before;
+    let moved = improve(&data, &mut choice.knots, miss, least_gap(&choice.at, least_span));
+    if moved < UNSEEN * data.square {
+        // What a search cannot see, it may have made worse: patches that need no compromise are merged without one.
+        let data = Data::new(full, &choice.at);
+        let unmoved = data.miss(&before);
+        if unmoved <= ROUNDING * data.square() || data.miss(&choice.knots) >= unmoved {
+            choice.knots = before;
+        }
     }
     choice
 }
@@ -89,7 +101,8 @@ fn shown(axis: &Axis) -> Interiors {
             inner.into_iter().filter(|&t| t > start && t < end).map(|t| (t - start) / (end - start)).collect();
         while kept.len() < wanted {
             let ends: Vec<f64> = std::iter::once(0.0).chain(kept.iter().copied()).chain([1.0]).collect();
-            let widest = (1..ends.len()).fold(1, |w, k| if ends[k] - ends[k - 1] > ends[w] - ends[w - 1] { k } else { w });
+            let widest =
+                (1..ends.len()).fold(1, |w, k| if ends[k] - ends[k - 1] > ends[w] - ends[w - 1] { k } else { w });
             kept.insert(widest - 1, 0.5 * (ends[widest - 1] + ends[widest]));
         }
         kept
@@ -97,12 +110,14 @@ fn shown(axis: &Axis) -> Interiors {
     shown.collect()
 }
 
-/// Shares of the merged parameter: by lengths, and by the speeds with which the patches arrive at the seams.
+/// Shares of the merged parameter: by the speeds with which the patches arrive at the seams, which are exact where patches
+/// are smooth across them and so come first; and by lengths.
 pub(super) fn intervals(axis: &Axis) -> Vec<Intervals> {
     let n = axis.blocks.len();
     let lengths: Vec<f64> = (0..n).map(|b| axis.length_m(b).max(f64::MIN_POSITIVE)).collect();
     let whole: f64 = lengths.iter().sum();
-    let gaps: Vec<f64> = (1..n).map(|b| axis.gap_m(b - 1)).map(|g| if g > TOUCHING * whole { g } else { 0.0 }).collect();
+    let gaps: Vec<f64> =
+        (1..n).map(|b| axis.gap_m(b - 1)).map(|g| if g > TOUCHING * whole { g } else { 0.0 }).collect();
     let mut all = vec![laid(&lengths, &gaps)];
     let mut shares = vec![lengths[0]];
     let mut bridged = Vec::new();
@@ -118,7 +133,7 @@ pub(super) fn intervals(axis: &Axis) -> Vec<Intervals> {
         bridged.push(gaps[b - 1] / arriving);
     }
     if n > 1 {
-        all.push(laid(&shares, &bridged));
+        all.insert(0, laid(&shares, &bridged));
     }
     all
 }
@@ -163,6 +178,10 @@ impl Data {
         data
     }
 
+    fn square(&self) -> f64 {
+        self.samples.iter().map(|x| x * x).sum()
+    }
+
     /// Sum of squares that knots miss, m²: to the last digits, and slowly.
     fn miss(&self, knots: &Knots) -> f64 {
         let Ok(knots) = knots.vector() else { return f64::INFINITY };
@@ -192,7 +211,7 @@ impl Data {
         while units.len() < width {
             let squares: Vec<f64> = columns.iter().map(|c| square(c)).collect();
             let largest = (0..width).fold(0, |l, c| if squares[c] > squares[l] { c } else { l });
-            if !(squares[largest] > NEGLIGIBLE * total) {
+            if squares[largest] <= NEGLIGIBLE * total {
                 break;
             }
             let length = squares[largest].sqrt();
@@ -249,8 +268,8 @@ pub(super) fn parameters(fractions: &[f64], [start, end]: [f64; 2]) -> Vec<f64> 
     fractions.iter().map(|&f| start * (1.0 - share(f)) + end * share(f)).collect()
 }
 
-/// Each knot in turn to both sides, kept where the fit misses less.
-fn improve(data: &Compressed, knots: &mut Knots, mut miss: f64, least: f64) {
+/// Each knot in turn to both sides, kept where the fit misses less; gives what it misses in the end.
+fn improve(data: &Compressed, knots: &mut Knots, mut miss: f64, least: f64) -> f64 {
     let movable: Vec<usize> = knots.movable().collect();
     let mut step = FIRST_STEP;
     for _ in 0..ROUNDS {
@@ -273,4 +292,5 @@ fn improve(data: &Compressed, knots: &mut Knots, mut miss: f64, least: f64) {
         }
         step *= 0.5;
     }
+    miss
 }

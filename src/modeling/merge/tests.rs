@@ -4,9 +4,9 @@ mod refusals;
 mod whole;
 
 use crate::basis::KnotVector;
+use crate::basis::testing::Random;
 use crate::math::Point3;
 use crate::surface::{ControlNet, Direction, Surface};
-use crate::basis::testing::Random;
 
 /// A wavy sheet about 0.1 m wide with random knots and net.
 pub(super) fn wavy(random: &mut Random, degrees: [usize; 2]) -> Surface {

@@ -22,7 +22,6 @@ const ROWS_EACH: f64 = 1.5;
 pub(super) fn merge(surfaces: &[Surface], mut job: Job, tolerance_m: f64) -> Result<Merged, MergeError> {
     let turned: Vec<Surface> = job.layout.places.iter().map(|p| p.turn.of(&surfaces[p.patch])).collect();
     let mut merged = job.merged()?;
-    let axes = job.full_axes();
     let mut inserted = 0;
     loop {
         let worst_m = worst(&merged, &turned, tolerance_m);
@@ -33,7 +32,7 @@ pub(super) fn merge(surfaces: &[Surface], mut job: Job, tolerance_m: f64) -> Res
         let before = inserted;
         // A quarter more knots a round: measuring all points costs more than a knot too many.
         for _ in 0..AT_ONCE.max(inserted / 4) {
-            inserted += usize::from(insert(&mut job, &axes));
+            inserted += usize::from(insert(&mut job));
         }
         if inserted == before {
             merged.within_tolerance = Some(false);
@@ -51,7 +50,7 @@ fn worst(merged: &Merged, turned: &[Surface], tolerance_m: f64) -> f64 {
 }
 
 /// One knot where lines miss most; false when no span may be halved.
-fn insert(job: &mut Job, axes: &[Axis; 2]) -> bool {
+fn insert(job: &mut Job) -> bool {
     let mut best: Option<(f64, usize, f64)> = None;
     for d in [0, 1] {
         let choice = &job.choices[d];
@@ -60,7 +59,7 @@ fn insert(job: &mut Job, axes: &[Axis; 2]) -> bool {
         if (knots.count() + 1) as f64 * ROWS_EACH > rows as f64 {
             continue;
         }
-        for (start, end, miss) in span_misses(&axes[d], choice) {
+        for (start, end, miss) in span_misses(&job.axes[d], choice) {
             if end - start > LEAST_SPAN && best.is_none_or(|(most, ..)| miss > most) {
                 best = Some((miss, d, 0.5 * (start + end)));
             }

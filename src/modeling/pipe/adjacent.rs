@@ -27,19 +27,33 @@ impl Arc {
 
 /// True when all tangents of the arcs are within 90° of each other, those of an arc among themselves too.
 pub(super) fn within_a_right_angle(arcs: &[&Forms]) -> bool {
-    let directions: Vec<Vector3> = arcs.iter().flat_map(|forms| directions(forms)).collect();
-    directions.iter().enumerate().all(|(k, a)| {
-        directions[k..].iter().all(|b| {
-            // More than the rounding of the coefficients.
-            a.dot(b) > 1e-12 * a.norm() * b.norm()
-        })
-    })
+    let directions: Vec<Direction> = arcs.iter().flat_map(|forms| directions(forms)).collect();
+    directions.iter().enumerate().all(|(k, a)| directions[k..].iter().all(|b| a.vector.dot(&b.vector) > a.doubt(b)))
 }
 
-fn directions(forms: &Forms) -> impl Iterator<Item = Vector3> + '_ {
+/// A coefficient of a hodograph, and how far from it the exact one may be.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Direction {
+    pub vector: Vector3,
+    pub error: f64,
+}
+
+impl Direction {
+    /// Scalar products below this may be of the other sign.
+    fn doubt(&self, other: &Self) -> f64 {
+        let (a, b) = (self.vector.norm(), other.vector.norm());
+        1e-14 * a * b + a * other.error + b * self.error + self.error * other.error
+    }
+}
+
+/// The coefficients of the hodograph: a cone around all tangents.
+pub(super) fn directions(forms: &Forms) -> impl Iterator<Item = Direction> + '_ {
     let [x, y, z] = &forms.hodograph;
     let (x, y, z) = (x.coefficients(), y.coefficients(), z.coefficients());
-    (0..x.len()).map(|k| Vector3::new(x[k].mid(), y[k].mid(), z[k].mid()))
+    (0..x.len()).map(|k| Direction {
+        vector: Vector3::new(x[k].mid(), y[k].mid(), z[k].mid()),
+        error: x[k].radius() + y[k].radius() + z[k].radius(),
+    })
 }
 
 /// The pairs of sub-arcs of two consecutive pieces, `first` ending where `second` starts, that may hold stationary pairs.

@@ -4,7 +4,7 @@
 //! the factor s − t is removed: f = G(s, t) · N(s) and g = f(t, s), of degrees (3n − 3, n − 1); on the diagonal both are
 //! |N|² > 0. Between pieces f = [X(s)V(t) − Y(t)W(s)] · N(s). The body touches itself at half the least distance.
 
-use super::adjacent::{Arc, pairs_to_solve, within_a_right_angle};
+use super::adjacent::{Arc, directions, pairs_to_solve, within_a_right_angle};
 use super::forms::Forms;
 use super::piece::Piece;
 use super::spine::Spine;
@@ -72,10 +72,14 @@ pub struct BodyToBody {
     pub boxes: usize,
 }
 
+/// Boxes for a whole spine.
+const MOST_BOXES: usize = 500_000;
 /// Distances below this share of the spine's size are a crossing.
 const CROSSING: f64 = 1e-13;
 /// Pairs found on both sides of a joint are nearer than this share of a piece.
 const SAME: f64 = 1e-9;
+/// Further apart in their first place, two pairs are not the same.
+const NEAR: f64 = 0.02;
 /// Middles of a chain at which the distance is taken.
 const MOST_MIDDLES: usize = 512;
 
@@ -126,10 +130,19 @@ impl Search<'_> {
         Arc { piece: self.spine.pieces[k].clone(), forms: self.spine.forms[k].clone() }
     }
 
+    /// A spine that runs along itself for hundreds of pieces would take minutes.
+    fn exhausted(&mut self) -> bool {
+        let exhausted = self.answer.boxes > MOST_BOXES;
+        if exhausted {
+            self.answer.status = Status::Budget;
+        }
+        exhausted
+    }
+
     /// A piece with itself.
     fn inside(&mut self, k: usize) {
         let forms = &self.spine.forms[k];
-        if within_a_right_angle(&[forms]) {
+        if self.exhausted() || within_a_right_angle(&[forms]) {
             return;
         }
         let f = same_piece(forms);
@@ -145,6 +158,10 @@ impl Search<'_> {
 
     /// Two arcs of different pieces.
     fn between(&mut self, a: &Arc, b: &Arc, (i, j): (usize, usize)) {
+        if self.exhausted() || chords_lean(&a.piece, &b.piece, &a.forms) || chords_lean(&a.piece, &b.piece, &b.forms) {
+            self.answer.boxes += 1;
+            return;
+        }
         let (f, g) = different_pieces(&a.forms, &b.forms);
         if f.has_sign() || g.has_sign() {
             self.answer.boxes += 1;
@@ -157,7 +174,10 @@ impl Search<'_> {
 
     fn collect(&mut self, system: &System, found: Found, arcs: [&Piece; 2], pieces: [usize; 2]) {
         self.answer.boxes += found.boxes;
-        self.answer.status = self.answer.status.max(found.status);
+        // Clusters raise it in the end, if they are still there.
+        if found.status != Status::Cluster {
+            self.answer.status = self.answer.status.max(found.status);
+        }
         for root in &found.roots {
             let places = [0, 1].map(|k| self.place(arcs[k], pieces[k], root.at[k]));
             self.found.push((places, root.radius));
@@ -201,9 +221,9 @@ impl Search<'_> {
     fn finish(mut self) -> BodyToBody {
         let count = self.spine.pieces.len();
         let period = count as f64;
-        let mut kept: Vec<([Place; 2], f64)> = Vec::new();
-        for (mut places, error) in std::mem::take(&mut self.found) {
-            for place in &mut places {
+        let mut found = std::mem::take(&mut self.found);
+        for (places, _) in &mut found {
+            for place in places.iter_mut() {
                 // The end of a closed spine is its start.
                 if self.spine.is_closed() && period - place.order() < SAME {
                     *place = Place { piece: 0, x: 0.0 };
@@ -212,18 +232,46 @@ impl Search<'_> {
             if places[0].order() > places[1].order() {
                 places.swap(0, 1);
             }
-            let same = |other: &([Place; 2], f64)| (0..2).all(|k| (other.0[k].order() - places[k].order()).abs() < SAME);
-            if !kept.iter().any(same) {
-                kept.push((places, error));
+        }
+        let order = |pair: &([Place; 2], f64), k: usize| pair.0[k].order();
+        found.sort_by(|a, b| order(a, 0).total_cmp(&order(b, 0)).then(order(a, 1).total_cmp(&order(b, 1))));
+        let mut kept: Vec<([Place; 2], f64)> = Vec::new();
+        for pair in found {
+            let room = |other: &([Place; 2], f64)| SAME + pair.1 + other.1;
+            let same =
+                |other: &([Place; 2], f64)| (0..2).all(|k| (order(other, k) - order(&pair, k)).abs() < room(other));
+            // In order of the first place: only the last ones can be the same.
+            let near = kept.iter().rev().take_while(|other| order(&pair, 0) - order(other, 0) < NEAR);
+            if !near.into_iter().any(same) {
+                kept.push(pair);
             }
         }
-        let order = |places: &[Place; 2], k: usize| places[k].order();
-        kept.sort_by(|a, b| order(&a.0, 0).total_cmp(&order(&b.0, 0)).then(order(&a.0, 1).total_cmp(&order(&b.0, 1))));
         self.answer.pairs = kept.iter().map(|(places, error)| self.pair(*places, *error)).collect();
+        let mut unresolved = std::mem::take(&mut self.answer.unresolved);
+        unresolved.retain(|region| !self.is_proved_elsewhere(region));
+        if !unresolved.is_empty() {
+            self.answer.status = self.answer.status.max(Status::Cluster);
+        }
+        self.answer.unresolved = unresolved;
         let distances = self.answer.pairs.iter().map(|pair| pair.distance_m);
         let least = distances.chain(self.answer.unresolved.iter().map(|u| u.distance_m[0])).min_by(f64::total_cmp);
         self.answer.radius_m = least.map(|distance_m| 0.5 * distance_m);
         self.answer
+    }
+
+    /// At a joint the same pair is seen from up to four pairs of pieces; one proof is enough.
+    fn is_proved_elsewhere(&self, region: &Unresolved) -> bool {
+        let (start, end) = self.spine.domain();
+        let room = SAME * (end - start) / self.spine.piece_count() as f64;
+        let width = |range: [f64; 2]| (range[1] - range[0]).abs();
+        if region.status != Status::Cluster || width(region.first).max(width(region.second)) > room {
+            return false;
+        }
+        // The end of a closed spine is its start.
+        let inside = |t: f64| if self.spine.is_closed() && end - t < room { start } else { t };
+        let mut at = region.parameters.map(inside);
+        at.sort_by(f64::total_cmp);
+        self.answer.pairs.iter().any(|pair| (0..2).all(|k| (pair.parameters[k] - at[k]).abs() < room))
     }
 
     fn pair(&self, places: [Place; 2], error: f64) -> StationaryPair {
@@ -248,6 +296,27 @@ impl Search<'_> {
             kind,
         }
     }
+}
+
+/// True where every chord between control points has a positive, or every one a negative, scalar product with every
+/// hodograph coefficient of one arc: its equation is a mean of those products, so it has no root. Cheaper than the equation.
+fn chords_lean(a: &Piece, b: &Piece, along: &Forms) -> bool {
+    let (mut forwards, mut backwards) = (true, true);
+    for direction in directions(along) {
+        // Coordinates are at most 1 in size, so chords are shorter than 4 and exact to 1e-14.
+        let margin = 1e-14 * direction.vector.norm() + 4.0 * direction.error;
+        for p in &a.points {
+            for q in &b.points {
+                let product = (p - q).dot(&direction.vector);
+                forwards &= product > margin;
+                backwards &= product < -margin;
+            }
+            if !(forwards || backwards) {
+                return false;
+            }
+        }
+    }
+    true
 }
 
 /// G(s, t) · N(s).

@@ -34,7 +34,9 @@ pub enum PipeError {
         gap_m: f64,
     },
     /// A point without a tangent.
-    #[error("the derivative vanishes at parameter {parameter}: no tangent there; move apart the control points that meet")]
+    #[error(
+        "the derivative vanishes at parameter {parameter}: no tangent there; move apart the control points that meet"
+    )]
     NotRegular {
         /// Where.
         parameter: f64,

@@ -96,7 +96,8 @@ pub fn read(json: &str) -> Result<(Curve, Unit), CurveFileError> {
             return Err(CurveFileError::KnotCount { given, degree, count, needed, periodic });
         }
     }
-    let knots = if periodic { KnotVector::periodic(degree, document.knots) } else { KnotVector::new(degree, document.knots) }?;
+    let knots =
+        if periodic { KnotVector::periodic(degree, document.knots) } else { KnotVector::new(degree, document.knots) }?;
     let points = document.points.iter().map(|p| Point3::from(p.map(|x| x / unit.per_metre()))).collect();
     Ok((Curve::new(knots, points, document.weights)?, unit))
 }
@@ -125,7 +126,11 @@ mod tests {
         for (from, to, wanted) in [
             ("curve.v1", "surface.v1", "\"format\" is \"palpate.surface.v1\", this reads \"palpate.curve.v1\""),
             ("\"mm\"", "\"cm\"", "\"unit\" is \"cm\"; it is \"m\" or \"mm\""),
-            ("[0, 0, 0, 1, 1, 1]", "[0, 0, 0, 1, 1]", "5 knots, but degree 2 with 3 control points needs 6 (count + degree + 1)"),
+            (
+                "[0, 0, 0, 1, 1, 1]",
+                "[0, 0, 0, 1, 1]",
+                "5 knots, but degree 2 with 3 control points needs 6 (count + degree + 1)",
+            ),
             ("[0, 0, 0, 1, 1, 1]", "[0, 0, 0, 2, 1, 1]", "knots: knot 4 (1) is smaller than the one before it (2)"),
             ("\"degree\": 2", "\"degree\": 16", "knots: degree 16 is outside 1..=15"),
             ("\"degree\": 2", "\"degree\": 3", "knots: 3 control points are too few for degree 3"),

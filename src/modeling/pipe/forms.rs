@@ -43,7 +43,8 @@ impl Forms {
         let n = piece.degree();
         let near = |p: &f64| Interval::around(*p, COORDINATE_ERROR);
         let points: Vec<[Interval; 3]> = piece.points.iter().map(|p| [near(&p.x), near(&p.y), near(&p.z)]).collect();
-        let weights: Vec<Interval> = piece.weights.iter().map(|&w| Interval::around(w, 4.0 * f64::EPSILON * w)).collect();
+        let weights: Vec<Interval> =
+            piece.weights.iter().map(|&w| Interval::around(w, 4.0 * f64::EPSILON * w)).collect();
         let (c, whole) = (binomials(n - 1), binomials(2 * n - 2));
         let mut sums = [0, 1, 2].map(|_| vec![Interval::ZERO; 2 * n - 1]);
         for i in 0..n {
@@ -94,9 +95,8 @@ impl Forms {
     pub fn bezoutian(&self) -> [Tensor; 3] {
         let n = self.degree;
         [0, 1, 2].map(|axis| {
-            let difference = |i: usize, j: usize| {
-                self.weights[i] * self.weights[j] * (self.points[i][axis] - self.points[j][axis])
-            };
+            let difference =
+                |i: usize, j: usize| self.weights[i] * self.weights[j] * (self.points[i][axis] - self.points[j][axis]);
             // b[i − 1][j] of the paper's 1-based recursion, which looks one row ahead and one column back.
             let mut b = vec![Interval::ZERO; n * n];
             for i in 1..=n {
@@ -149,9 +149,9 @@ pub(super) fn derivative(a: &Bernstein3) -> Bernstein3 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::basis::testing::Random;
     use crate::math::Vector3;
     use crate::modeling::pipe::testing::random_piece;
-    use crate::basis::testing::Random;
 
     fn vector(a: &Bernstein3, x: f64) -> Vector3 {
         Vector3::new(a[0].value(x), a[1].value(x), a[2].value(x))
@@ -159,8 +159,9 @@ mod tests {
 
     fn tensor(a: &Tensor, s: f64, t: f64) -> f64 {
         let [p, q] = a.degree();
-        let rows: Vec<_> =
-            (0..=p).map(|i| Bernstein::new(a.coefficients()[i * (q + 1)..(i + 1) * (q + 1)].to_vec()).value(t)).collect();
+        let rows: Vec<_> = (0..=p)
+            .map(|i| Bernstein::new(a.coefficients()[i * (q + 1)..(i + 1) * (q + 1)].to_vec()).value(t))
+            .collect();
         Bernstein::new(rows.into_iter().map(Interval::point).collect()).value(s)
     }
 

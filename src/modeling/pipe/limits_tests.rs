@@ -42,7 +42,15 @@ fn the_ten_cases_have_their_bounds_and_all_their_pairs() {
         let (start, end) = case.curve().knots().domain();
         for wanted in &case.pairs {
             // The data count a closed spine's parameters from any of its turns.
-            let inside = |t: f64| if t < start { t + (end - start) } else if t > end { t - (end - start) } else { t };
+            let inside = |t: f64| {
+                if t < start {
+                    t + (end - start)
+                } else if t > end {
+                    t - (end - start)
+                } else {
+                    t
+                }
+            };
             let mut at = [inside(wanted[0]), inside(wanted[1])];
             at.sort_by(f64::total_cmp);
             let error = |pair: &super::super::StationaryPair| {
@@ -105,7 +113,9 @@ fn answers_change_at_the_largest_radius() {
 
 #[test]
 fn a_straight_spine_has_no_bounds() {
-    for points in [vec![[0.0, 0.0, 0.0], [1.0, 2.0, 3.0]], vec![[0.0; 3], [1.0, 2.0, 3.0], [1.5, 3.0, 4.5], [2.0, 4.0, 6.0]]] {
+    for points in
+        [vec![[0.0, 0.0, 0.0], [1.0, 2.0, 3.0]], vec![[0.0; 3], [1.0, 2.0, 3.0], [1.5, 3.0, 4.5], [2.0, 4.0, 6.0]]]
+    {
         let limits = PipeLimits::of(&bezier(&points, None)).unwrap();
         assert_eq!(limits.bounds_m().map(|(_, radius)| radius), [None; 4], "{points:?}");
         assert_eq!((limits.status(), limits.answer(1e6)), (Status::Complete, Answer::Free));
@@ -115,7 +125,8 @@ fn a_straight_spine_has_no_bounds() {
 /// A circle of radius R in the plane, four rational quadratic arcs.
 fn circle(radius: f64, turns: usize) -> Curve {
     let h = 0.5_f64.sqrt();
-    let corners = [[1.0, 0.0], [1.0, 1.0], [0.0, 1.0], [-1.0, 1.0], [-1.0, 0.0], [-1.0, -1.0], [0.0, -1.0], [1.0, -1.0]];
+    let corners =
+        [[1.0, 0.0], [1.0, 1.0], [0.0, 1.0], [-1.0, 1.0], [-1.0, 0.0], [-1.0, -1.0], [0.0, -1.0], [1.0, -1.0]];
     let (mut points, mut weights, mut knots) = (Vec::new(), Vec::new(), vec![0.0; 3]);
     for k in 0..=8 * turns {
         let [x, y] = corners[k % 8];

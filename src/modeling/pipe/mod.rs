@@ -31,6 +31,8 @@ mod spine;
 mod sweep;
 
 #[cfg(test)]
+mod hard_tests;
+#[cfg(test)]
 mod random_tests;
 #[cfg(test)]
 mod testing;

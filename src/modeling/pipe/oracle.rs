@@ -32,7 +32,8 @@ pub fn sampled_pairs(curve: &Curve, samples: usize) -> Vec<SampledPair> {
                 positive != 0 && positive != 4
             };
             // Also cells with a small residual, whose signs may change twice.
-            let slope = corners.iter().map(|&c| size(c)).fold(0.0, f64::max) - corners.iter().map(|&c| size(c)).fold(f64::MAX, f64::min);
+            let slope = corners.iter().map(|&c| size(c)).fold(0.0, f64::max)
+                - corners.iter().map(|&c| size(c)).fold(f64::MAX, f64::min);
             let small = corners.iter().any(|&c| size(c) < slope);
             if (changes(0) && changes(1)) || small {
                 let seed = [at(i) + 0.5 * (end - start) / samples as f64, at(j) + 0.5 * (end - start) / samples as f64];
@@ -60,10 +61,15 @@ fn keep(pairs: &mut Vec<SampledPair>, found: Option<SampledPair>, same: f64) {
     }
 }
 
-/// Cosines of the angles between chord and tangents: 0 at a stationary pair.
+/// Cosines of the angles between chord and tangents: 0 at a stationary pair. Where the curve meets itself the chord has no
+/// direction, and the cosines are 0 too.
 pub fn cosines(curve: &Curve, [s, t]: [f64; 2]) -> [f64; 2] {
     let ((p, u), (q, v)) = (curve.point_and_tangent(s), curve.point_and_tangent(t));
     let chord = q - p;
+    let rounding = 64.0 * f64::EPSILON * curve.points().iter().map(|p| p.coords.amax()).fold(0.0, f64::max);
+    if chord.norm() <= rounding {
+        return [0.0; 2];
+    }
     [u, v].map(|tangent| chord.dot(&tangent) / (chord.norm() * tangent.norm()))
 }
 

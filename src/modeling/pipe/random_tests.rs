@@ -1,7 +1,7 @@
 //! Random spines against slow twins.
 
 use super::oracle::{compare, random_spine, sampled_pairs};
-use super::{PipeLimits, body_to_body, Spine};
+use super::{PipeLimits, Spine, body_to_body};
 use crate::math::Vector3;
 use crate::modeling::ipp::Status;
 use crate::surface::Curve;
@@ -55,9 +55,8 @@ fn no_sample_of_a_random_spine_bends_more_than_the_largest_curvature() {
         let limits = PipeLimits::of(&curve).unwrap();
         let kappa_max = 1.0 / limits.local.radius_m.unwrap();
         let (start, end) = curve.knots().domain();
-        let most = (0..=2_000)
-            .map(|k| curvature(&curve, start + (end - start) * f64::from(k) / 2_000.0))
-            .fold(0.0, f64::max);
+        let most =
+            (0..=2_000).map(|k| curvature(&curve, start + (end - start) * f64::from(k) / 2_000.0)).fold(0.0, f64::max);
         assert!(most <= kappa_max * (1.0 + 1e-6), "seed {seed}: {most} is above {kappa_max}");
         assert!(most >= kappa_max * 0.98, "seed {seed}: {kappa_max} is far above {most}");
     }
@@ -86,6 +85,14 @@ fn gap(curve: &Curve, end: usize, near: f64, radius: f64) -> f64 {
     least
 }
 
+/// Radius at which an end circle reaches the circle of the body at a parameter: |d|² / (2 |d⊥|).
+fn reach(curve: &Curve, end: usize, t: f64) -> f64 {
+    let (start, stop) = curve.knots().domain();
+    let (centre, velocity) = curve.point_and_tangent([start, stop][end]);
+    let (d, tangent) = (curve.point(t) - centre, velocity.normalize());
+    d.norm_squared() / (2.0 * (d - tangent * d.dot(&tangent)).norm())
+}
+
 #[test]
 fn end_circles_clear_the_body_below_the_touching_radius_and_cut_it_above() {
     let mut checked = 0;
@@ -95,8 +102,11 @@ fn end_circles_clear_the_body_below_the_touching_radius_and_cut_it_above() {
         let Some(touch) = limits.ends_to_body.touches.first() else { continue };
         let (start, stop) = curve.knots().domain();
         // Away from the ends of the domain, where the window is cut.
+        // Where R is largest the circle cuts the body on both sides of the touch already.
+        let radius = |share: f64| reach(&curve, touch.end, touch.parameter + share * (stop - start));
+        let least = radius(-0.02) > radius(0.0) && radius(0.02) > radius(0.0);
         let inside = (touch.parameter - start).min(stop - touch.parameter) > 0.05 * (stop - start);
-        if !inside {
+        if !inside || !least {
             continue;
         }
         let at = |share: f64| gap(&curve, touch.end, touch.parameter, share * touch.radius_m);

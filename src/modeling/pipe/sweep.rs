@@ -94,15 +94,18 @@ pub fn pipe_surface(spine: &Spine, radius_m: f64, tolerance_m: f64) -> Result<Pi
     let mut stretches: Vec<Stretch> = (0..spine.pieces.len()).flat_map(halves).collect();
     for _ in 0..ROUNDS {
         let strips = strips(spine, &stretches, radius);
-        let deviations: Vec<f64> =
-            strips.iter().zip(&stretches).map(|(strip, s)| strip.deviation(&spine.pieces[s.piece], s, radius)).collect();
+        let deviations: Vec<f64> = strips
+            .iter()
+            .zip(&stretches)
+            .map(|(strip, s)| strip.deviation(&spine.pieces[s.piece], s, radius))
+            .collect();
         let deviation = deviations.iter().copied().fold(0.0, f64::max);
         if deviation <= tolerance {
             let surface = assemble(spine, &strips)?;
             return Ok(PipeSurface { surface, deviation_m: spine.metres(deviation), stretches: strips.len() });
         }
         // NaN counts as too far.
-        let far = |d: f64| !(d <= tolerance);
+        let far = |d: f64| d.is_nan() || d > tolerance;
         let next: Vec<Stretch> = stretches.iter().zip(&deviations).flat_map(|(s, &d)| s.halved_if(far(d))).collect();
         if next.len() > MOST_STRETCHES {
             break;
@@ -172,8 +175,7 @@ impl Strip {
         for k in 1..8 {
             let y = f64::from(k) / 8.0;
             let basis = [(1.0 - y).powi(3), 3.0 * y * (1.0 - y).powi(2), 3.0 * y * y * (1.0 - y), y.powi(3)];
-            let round: [Vector3; ROUND] =
-                std::array::from_fn(|j| (0..4).map(|i| self.rows[i][j] * basis[i]).sum());
+            let round: [Vector3; ROUND] = std::array::from_fn(|j| (0..4).map(|i| self.rows[i][j] * basis[i]).sum());
             let x = stretch.from + y * (stretch.to - stretch.from);
             for arc in 0..4 {
                 let [a, corner, b] = [0, 1, 2].map(|j| round[(2 * arc + j) % ROUND]);
@@ -197,7 +199,7 @@ fn distance_from_pipe(piece: &Piece, x: f64, point: &Vector3, radius: f64) -> f6
         let (residual, slope) = (d.dot(&jet.first), jet.first.norm_squared() - d.dot(&jet.second));
         let step = residual / slope;
         // On the axis of curvature all planes nearby meet: any of them will do.
-        if !(step.abs() < 0.1) {
+        if step.is_nan() || step.abs() >= 0.1 {
             break;
         }
         x = (x + step).clamp(0.0, 1.0);
@@ -219,7 +221,16 @@ fn assemble(spine: &Spine, strips: &[Strip]) -> Result<Surface, SweepError> {
         let start = strip.ends[0].parameter;
         let disjoined = k == 0 && !periodic;
         let sharp = disjoined || !smooth(k);
-        knots.extend(std::iter::repeat_n(start, if disjoined { 4 } else if sharp { 3 } else { 2 }));
+        knots.extend(std::iter::repeat_n(
+            start,
+            if disjoined {
+                4
+            } else if sharp {
+                3
+            } else {
+                2
+            },
+        ));
         if sharp {
             rows.push(strip.rows[0]);
         }

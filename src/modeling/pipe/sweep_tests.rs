@@ -14,7 +14,11 @@ fn distance(curve: &Curve, samples: &[(f64, Point3)], point: &Point3) -> f64 {
     let (mut low, mut high) = (samples[k.max(1) - 1].0, samples[(k + 1).min(samples.len() - 1)].0);
     for _ in 0..60 {
         let (a, b) = (low + 0.381_966 * (high - low), low + 0.618_034 * (high - low));
-        if (curve.point(a) - point).norm_squared() < (curve.point(b) - point).norm_squared() { high = b } else { low = a }
+        if (curve.point(a) - point).norm_squared() < (curve.point(b) - point).norm_squared() {
+            high = b
+        } else {
+            low = a
+        }
     }
     (curve.point(0.5 * (low + high)) - point).norm()
 }

@@ -1,8 +1,8 @@
 //! Spines for tests.
 
 use super::piece::Piece;
-use crate::math::Vector3;
 use crate::basis::testing::Random;
+use crate::math::Vector3;
 
 /// Control points in a cube, weights from 0.3 to 3.
 pub fn random_piece(random: &mut Random, degree: usize) -> Piece {

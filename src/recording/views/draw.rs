@@ -322,3 +322,27 @@ fn product(a: fox::Quaternion, b: fox::Quaternion) -> fox::Quaternion {
     let q = a * b;
     fox::Quaternion { x: q.i, y: q.j, z: q.k, w: q.w }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    // Triangles of a branching body cover it once, and none spans a gap.
+    #[test]
+    fn a_branching_body_is_drawn_once() {
+        let text = include_str!("../../../scenes/vessel.json");
+        let surface = crate::surface::file::read(text).unwrap().with_exact_seams();
+        let grid = Grid::over(&surface);
+        let points = grid.points(&surface);
+        let indices = grid.indices();
+        let area = |t: &[u32]| {
+            let [a, b, c] = [t[0], t[1], t[2]].map(|k| points[k as usize]);
+            0.5 * (b - a).cross(&(c - a)).norm()
+        };
+        let drawn: f64 = indices.chunks_exact(3).map(area).sum();
+        assert!((drawn / surface.area() - 1.0).abs() < 0.03, "{drawn} m² of {} m²", surface.area());
+        let lines = surface.net_edges();
+        assert!(!lines.contains(&[16 * 15, 17 * 15]) && !lines.contains(&[7, 8]), "a line across a gap");
+        assert!(lines.contains(&[15 * 15, 16 * 15]) && lines.contains(&[6, 7]));
+    }
+}

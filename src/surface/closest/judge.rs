@@ -183,10 +183,12 @@ impl<O: Objective> Judge<'_, O> {
     }
 
     fn joined_by(&mut self, a: &Place, along_u: f64, along_v: f64, limit: f64) -> bool {
+        // Of a branching surface a way stays on its patch, also where that ends.
+        let most = self.eval.pieces.joints().map_or([usize::MAX; 2], |joints| joints.last_spans([a.i, a.j]));
         let at = |judge: &Self, share: f64| {
             let (du, dv) = (&judge.eval.pieces.u, &judge.eval.pieces.v);
             let (u, v) = (within(du, a.u + share * along_u), within(dv, a.v + share * along_v));
-            Place { i: du.span_of(u), j: dv.span_of(v), u, v }
+            Place { i: du.span_of(u).min(most[0]), j: dv.span_of(v).min(most[1]), u, v }
         };
         for twelfth in WAY {
             let place = at(self, twelfth / 12.0);

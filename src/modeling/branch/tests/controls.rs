@@ -50,7 +50,7 @@ fn a_neighbour_off_its_line_creases_the_joint() {
     assert!(within(m.angle_deg, 25.0, 26.0), "{}°", m.angle_deg);
 }
 
-// 39.8° by the definition.
+// 39.8° by the definition: S_v turns from (delta, 0) to (delta, 0.1) in the section y = 0.
 #[test]
 fn an_open_book_that_is_lowered_creases_the_arch() {
     let m =
@@ -59,12 +59,13 @@ fn an_open_book_that_is_lowered_creases_the_arch() {
                 if side < 0.0 && (9..16).contains(&column) && j == 6 { down(0.1) } else { Vector3::zeros() }
             },
         ));
-    assert!(within(m.angle_deg, 39.75, 39.85), "{}°", m.angle_deg);
+    let wanted = libm::atan2(0.1, 0.12).to_degrees();
+    assert!((m.angle_deg - wanted).abs() < 1e-9, "{}°, not {wanted}°", m.angle_deg);
     assert_eq!(rules_of(&m), [Rule::R2]);
     assert!(m.rules[0].place.contains("L and R, arch"), "{:?}", m.rules);
 }
 
-// 26.6° by the definition, which widens the layer in x.
+// 26.6° by the definition, which widens the layer in x: 0.1 aside on 0.2 down.
 #[test]
 fn a_layer_that_is_wider_creases_the_outline() {
     let mut surface = y();
@@ -72,7 +73,8 @@ fn a_layer_that_is_wider_creases_the_outline() {
         surface.net_mut().points_mut()[i * 15 + 9].x *= 1.1;
     }
     let m = measured(&surface);
-    assert!(within(m.angle_deg, 26.55, 26.65), "{}°", m.angle_deg);
+    let wanted = libm::atan2(0.1, 0.2).to_degrees();
+    assert!((m.angle_deg - wanted).abs() < 1e-9, "{}°, not {wanted}°", m.angle_deg);
     assert_eq!(rules_of(&m), [Rule::R3]);
 }
 

@@ -96,7 +96,8 @@ fn the_engine_finds_the_patches_of_the_table_and_draws_each_once() {
         assert_eq!(joints.patches().len(), patches.patches.len());
         for found in joints.patches() {
             let named = |u: [f64; 2], v: [f64; 2]| patches.patches.iter().find(|p| (p.u, p.v) == (u, v)).unwrap();
-            let wanted = named(found.u, found.v).duplicate_of.map(|row| (patches.patches[row].u, patches.patches[row].v));
+            let wanted =
+                named(found.u, found.v).duplicate_of.map(|row| (patches.patches[row].u, patches.patches[row].v));
             assert_eq!(found.duplicate_of.map(|k| (joints.patches()[k].u, joints.patches()[k].v)), wanted);
         }
         let pieces = surface.bezier_patches();

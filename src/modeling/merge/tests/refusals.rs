@@ -4,9 +4,9 @@ use super::super::cases::cases;
 use super::super::*;
 use super::{halves, wavy};
 use crate::basis::KnotVector;
+use crate::basis::testing::Random;
 use crate::math::{Point3, Vector3};
 use crate::surface::{ControlNet, builtin};
-use crate::basis::testing::Random;
 
 fn pair() -> [Surface; 2] {
     let mut random = Random(2);
@@ -131,7 +131,10 @@ fn numbers_out_of_range() {
         MergeError::TooFewRows { .. }
     ));
     for least_span in [0.0, -1.0, 0.5, f64::NAN] {
-        assert!(matches!(refusal(&patches, &MergeSpec { least_span, ..MergeSpec::default() }), MergeError::Value { .. }));
+        assert!(matches!(
+            refusal(&patches, &MergeSpec { least_span, ..MergeSpec::default() }),
+            MergeError::Value { .. }
+        ));
     }
     for tolerance in [0.0, -1e-6, f64::NAN, f64::INFINITY] {
         let spec = MergeSpec { tolerance_m: Some(tolerance), ..MergeSpec::default() };
@@ -158,4 +161,46 @@ fn a_plan_is_for_its_own_patches() {
     assert!(matches!(plan.merge(&patches[..1]), Err(MergeError::Arrangement { .. })));
     let finer = patches[1].refined_to(12, 12).unwrap();
     assert_eq!(plan.merge(&[patches[0].clone(), finer]), Err(MergeError::OtherNet { patch: 1 }));
+}
+
+// Patches of all degrees, near and far, turned and mirrored, with every request: an answer is finite and as continuous as
+// asked, or there is a reason.
+#[test]
+fn whatever_is_asked_is_answered_or_refused() {
+    let mut random = Random(77);
+    let (mut merged, mut refused) = (0, 0);
+    for _ in 0..400 {
+        let patch = |random: &mut Random| {
+            let degrees = [random.integer(1, 5), random.integer(1, 5)];
+            wavy(random, degrees)
+        };
+        let a = patch(&mut random);
+        let place = Vector3::new(random.float(0.02, 0.13), random.float(-0.02, 0.02), random.float(-0.01, 0.01));
+        let turns: Vec<Turn> = Turn::all().collect();
+        let b = turns[random.integer(0, 7)].of(&shifted(&patch(&mut random), place));
+        let spec = MergeSpec {
+            continuity: random.integer(0, 4),
+            method: [Method::Seed, Method::Constrained, Method::Exact][random.integer(0, 2)],
+            degree: [DegreeRule::Raise, DegreeRule::Lower][random.integer(0, 1)],
+            arrangement: [Arrangement::Closest, Arrangement::Edges([Edge::U1, Edge::V0])][random.integer(0, 9) / 9],
+            points: random.integer(9, 31),
+            least_span: random.float(0.001, 0.2),
+            tolerance_m: (random.integer(0, 9) == 0).then_some(1e-4),
+            ..MergeSpec::default()
+        };
+        let Ok(answer) = merge(&[a.clone(), b.clone()], &spec) else {
+            refused += 1;
+            continue;
+        };
+        merged += 1;
+        let report = answer.report(&[a, b]);
+        let d = report.deviation;
+        assert!(answer.surface.net().points().iter().all(|p| p.iter().all(|x| x.abs() < 1.0)), "{spec:?}");
+        assert!([d.average_m, d.median_m, d.standard_m, d.maximum_m].iter().all(|x| x.is_finite()), "{spec:?}: {d:?}");
+        for (_, c) in &report.seams {
+            assert!(c.gap_m < 1e-12 && c.curvature_per_m.is_finite(), "{spec:?}: {c:?}");
+            assert!(spec.continuity < 1 || c.first_jump < 1e-7, "{spec:?}: {c:?}");
+        }
+    }
+    assert!(merged > 100 && refused > 30, "{merged} merged, {refused} refused");
 }

@@ -4,10 +4,10 @@ use super::super::cases::cases;
 use super::super::turn::Turn;
 use super::super::*;
 use super::{halves, wavy};
+use crate::basis::testing::Random;
 use crate::basis::{Blending, BlendingInverse};
 use crate::math::{Point3, Vector3};
 use crate::surface::{ClosestSolver, GridSpec};
-use crate::basis::testing::Random;
 
 fn spec(continuity: usize, method: Method) -> MergeSpec {
     MergeSpec { continuity, method, ..MergeSpec::default() }
@@ -31,7 +31,6 @@ fn halves_of_a_surface_give_it_back() {
             let merged = merge(&patches, &spec(k - 1, method)).unwrap();
             let report = merged.report(&patches);
             let d = report.deviation;
-            if d.maximum_m >= bar_m { eprintln!("{:?} {:?}\n{:?}\n{:?}\n{:?} {:?}", a.knots(direction).file_knots(), b.knots(direction).file_knots(), merged.surface.knots_u().file_knots(), merged.surface.knots_v().file_knots(), merged.seams, d); }
             assert!(d.maximum_m < bar_m, "round {round}, {method:?}: off by {} m", d.maximum_m);
             assert_eq!(d.points, 2 * 101 * 101);
             let seam = report.seams[0].1;
@@ -238,7 +237,8 @@ fn crossing_patches_end_before_the_curve() {
     let changes = |sides: &[bool]| sides.iter().any(|s| *s != sides[0]);
     assert!(!changes(&side(first, second, a[a.len() - 1])));
     assert!(!changes(&side(second, first, b[0])));
-    let spread: Vec<bool> = [0, 1, 2, 3].iter().flat_map(|k| side(first, second, a[a.len() - 1] + 0.02 * f64::from(*k))).collect();
+    let spread: Vec<bool> =
+        [0, 1, 2, 3].iter().flat_map(|k| side(first, second, a[a.len() - 1] + 0.02 * f64::from(*k))).collect();
     assert!(changes(&spread), "the curve was not near");
 }
 
@@ -328,7 +328,6 @@ fn a_spoon_s_bowl_takes_its_handle() {
             report.deviation
         };
         let (ours, seed) = (of(Method::Constrained), of(Method::Seed));
-        eprintln!("{continuity} {:e} {:e} max {:e} {:e}", ours.standard_m, seed.standard_m, ours.maximum_m, seed.maximum_m);
         assert!(ours.standard_m < seed.standard_m, "C{continuity}: {ours:?} {seed:?}");
         assert!(ours.average_m < 1e-4, "C{continuity}: {ours:?}");
     }
