@@ -54,8 +54,7 @@ fn ordinary_surfaces_have_no_joints() {
 fn copies_of_a_branching_net_are_one_point() {
     let surface = vessel();
     let distinct = surface.distinct_points(&surface.topology());
-    let places: BTreeSet<[u64; 3]> =
-        surface.net().points().iter().map(|p| (*p).coords.map(f64::to_bits).into()).collect();
+    let places: BTreeSet<[u64; 3]> = surface.net().points().iter().map(|p| p.coords.map(f64::to_bits).into()).collect();
     assert_eq!(distinct.count, places.len());
     assert!(distinct.count < surface.net().points().len());
 }
