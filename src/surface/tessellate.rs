@@ -149,7 +149,7 @@ impl Surface {
                 from..all.partition_point(|s| s.span < strips[d].spans.end)
             };
             let (across, along) = (within(held), within(1 - held));
-            let at = if edge.side % 2 == 0 { across.start } else { across.end - 1 };
+            let at = if edge.side.is_multiple_of(2) { across.start } else { across.end - 1 };
             along.map(|k| numbers[if held == 0 { at * columns + k } else { k * columns + at }]).collect()
         };
         let mut same = Sets::new(points.len());

@@ -321,7 +321,8 @@ fn over_joint(joints: &Joints, at: Place, x: [f64; 2], low: [f64; 2], high: [f64
     let edges = joints.edges_at(at.into());
     let held = |side: usize| {
         let k = side / 2;
-        edges[side] && if side % 2 == 0 { x[k] <= low[k] && g[k] >= 0.0 } else { x[k] >= high[k] && g[k] <= 0.0 }
+        edges[side]
+            && if side.is_multiple_of(2) { x[k] <= low[k] && g[k] >= 0.0 } else { x[k] >= high[k] && g[k] <= 0.0 }
     };
     let side = (0..4).find(|&side| held(side) && joints.beyond(at.into(), side).next().is_some())?;
     joints.beyond(at.into(), side).next().map(|(spot, _)| spot.into())

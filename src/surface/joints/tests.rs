@@ -54,8 +54,7 @@ fn ordinary_surfaces_have_no_joints() {
 fn copies_of_a_branching_net_are_one_point() {
     let surface = vessel();
     let distinct = surface.distinct_points(&surface.topology());
-    let places: BTreeSet<[u64; 3]> =
-        surface.net().points().iter().map(|p| (*p).coords.map(f64::to_bits).into()).collect();
+    let places: BTreeSet<[u64; 3]> = surface.net().points().iter().map(|p| p.coords.map(f64::to_bits).into()).collect();
     assert_eq!(distinct.count, places.len());
     assert!(distinct.count < surface.net().points().len());
 }
@@ -211,7 +210,7 @@ fn a_foot_slides_over_joints_without_a_jump() {
         for (edge, _, _) in joints.seams() {
             for share in [0.31, 0.5, 0.77] {
                 let spot = joints.spot(edge, share);
-                let inward = if edge.side % 2 == 0 { 1.0 } else { -1.0 };
+                let inward = if edge.side.is_multiple_of(2) { 1.0 } else { -1.0 };
                 let [wide_u, wide_v] =
                     joints.strips_of(edge.patch).map(|s| (s.range[1] - s.range[0]) / s.spans.len() as f64);
                 let step = 0.1 * inward;
