@@ -251,7 +251,7 @@ fn slide(world: &mut World, name: &str, way: &Way) -> Slide {
         forces.push(out.tools[0].force_n);
         places.push((out.tools[0].contact.map(|c| (c.u, c.v)), out.tools[0].contact_count));
     }
-    let angle = if world.scene.rest_surface(0).net().rows() == 34 { joints_hold(&now(world)) } else { 0.0 };
+    let angle = if world.scene.body_id(0) == "vessel" { joints_hold(&now(world)) } else { 0.0 };
     let end = way.last().unwrap();
     (0..400).for_each(|k| _ = world.at(touch(end, depth - 0.006 * f64::from(k) / 400.0)));
     let step = |k: usize| (forces[k + 1] - forces[k]).norm();

@@ -100,7 +100,7 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
             Some((address, Err(e))) => anyhow::bail!("the viewer cannot listen on {address}: {e}"),
             Some((_, Ok((viewer, feed)))) => {
                 eprintln!("viewer: {}", viewer.url());
-                (Some(viewer), Some(Box::new(feed.of(&scene)) as Box<dyn ViewSink>))
+                (Some(viewer), Some(Box::new(feed.with_gaps(scene.net_gaps())) as Box<dyn ViewSink>))
             }
         };
         let settings = BusSettings {

@@ -160,7 +160,7 @@ pub fn serve(
             let (viewer, feed) =
                 Viewer::start(address).map_err(|e| anyhow::anyhow!("the viewer cannot listen on {address}: {e}"))?;
             eprintln!("viewer: {}", viewer.url());
-            (Some(viewer), Some(feed.of(&scene)))
+            (Some(viewer), Some(feed.with_gaps(scene.net_gaps())))
         }
         None => (None, None),
     };

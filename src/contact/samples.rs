@@ -153,7 +153,7 @@ impl SampleGrid {
         let (low, high) = self.ends(joints, other, held);
         let along = of(1 - held).beside(there[1 - held])?;
         let [a, b] = self.pair(d, if upper { last } else { first }, own);
-        let [x, y] = self.pair(held, if side % 2 == 0 { low } else { high }, along);
+        let [x, y] = self.pair(held, if side.is_multiple_of(2) { low } else { high }, along);
         // Own ones first: a ball in a crease has a foot on either side, and they are told apart by that.
         Some([a, b, x, y])
     }

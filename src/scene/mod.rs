@@ -227,6 +227,13 @@ impl Scene {
         &self.bodies[body].id
     }
 
+    /// Bodies whose nets are in pieces, by id: rows and columns after which they begin anew.
+    pub fn net_gaps(&self) -> Vec<(String, [Vec<usize>; 2])> {
+        let gaps = |body: &Body| [body.surface.knots_u(), body.surface.knots_v()].map(|knots| knots.parted_after());
+        let all = self.bodies.iter().map(|body| (body.id.clone(), gaps(body)));
+        all.filter(|(_, gaps)| gaps.iter().any(|gaps| !gaps.is_empty())).collect()
+    }
+
     /// The surface of a body at rest, refined as simulated and published (world frame).
     pub fn rest_surface(&self, body: usize) -> &Surface {
         &self.bodies[body].surface

@@ -148,7 +148,7 @@ impl Joints {
             let (patch, side) = (e / 4, e % 4);
             let d = side / 2;
             let k = if d == 0 { patch / self.strips[1].len() } else { patch % self.strips[1].len() };
-            let at_end = if side % 2 == 0 { k == 0 } else { k + 1 == self.strips[d].len() };
+            let at_end = if side.is_multiple_of(2) { k == 0 } else { k + 1 == self.strips[d].len() };
             at_end || self.poles[e] || !self.joined[e].is_empty()
         })
     }

@@ -5,7 +5,6 @@
 
 mod health;
 
-use crate::scene::Scene;
 use crate::transport::{Figures, ViewSink};
 use axum::Router;
 use axum::extract::State;
@@ -171,16 +170,10 @@ async fn watch_over(mut socket: WebSocket, mut pictures: watch::Receiver<String>
 }
 
 impl Feed {
-    /// Tells where the nets of a scene's bodies are in pieces.
+    /// Tells where the nets of bodies are in pieces: body id, rows and columns after which each begins anew.
     #[must_use]
-    pub fn of(mut self, scene: &Scene) -> Self {
-        for body in 0..scene.body_count() {
-            let surface = scene.rest_surface(body);
-            let gaps = [surface.knots_u(), surface.knots_v()].map(|knots| knots.parted_after());
-            if gaps.iter().any(|gaps| !gaps.is_empty()) {
-                self.gaps.push((scene.body_id(body).to_owned(), gaps));
-            }
-        }
+    pub fn with_gaps(mut self, gaps: Vec<(String, [Vec<usize>; 2])>) -> Self {
+        self.gaps = gaps;
         self
     }
 
@@ -266,9 +259,9 @@ mod tests {
     fn nets_in_pieces_are_drawn_in_pieces() {
         let path = std::path::Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/vessel.toml"));
         let loaded = crate::scene::file::load(path).unwrap();
-        let scene = Scene::build(&loaded.spec, path.parent().unwrap()).unwrap();
+        let scene = crate::scene::Scene::build(&loaded.spec, path.parent().unwrap()).unwrap();
         let (_viewer, feed) = Viewer::start("127.0.0.1:0".parse().unwrap()).unwrap();
-        let mut feed = feed.of(&scene);
+        let mut feed = feed.with_gaps(scene.net_gaps());
         let net = ControlNet {
             tick: 1,
             revision: 1,

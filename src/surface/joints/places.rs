@@ -81,7 +81,7 @@ impl Joints {
         (0..4).filter(move |&side| on[side]).flat_map(move |side| self.beyond(here, side)).map(move |(spot, side)| {
             let patch = self.patch_of([spot.i, spot.j]).unwrap_or(0);
             let [a, b] = self.strips_of(patch)[side / 2].range;
-            let inward = if side % 2 == 0 { share } else { -share } * (b - a);
+            let inward = if side.is_multiple_of(2) { share } else { -share } * (b - a);
             let rectangle = self.rectangle(patch);
             let mut x = [spot.u, spot.v];
             x[side / 2] += inward;

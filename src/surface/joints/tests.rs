@@ -210,7 +210,7 @@ fn a_foot_slides_over_joints_without_a_jump() {
         for (edge, _, _) in joints.seams() {
             for share in [0.31, 0.5, 0.77] {
                 let spot = joints.spot(edge, share);
-                let inward = if edge.side % 2 == 0 { 1.0 } else { -1.0 };
+                let inward = if edge.side.is_multiple_of(2) { 1.0 } else { -1.0 };
                 let [wide_u, wide_v] =
                     joints.strips_of(edge.patch).map(|s| (s.range[1] - s.range[0]) / s.spans.len() as f64);
                 let step = 0.1 * inward;
