@@ -38,8 +38,8 @@ pub trait ViewSink: Send {
     fn net(&mut self, net: &ControlNet);
     /// All contacts, some sixty times a second while there are any, and when they begin and end.
     fn contacts(&mut self, contacts: &ContactSet);
-    /// Other bodies than before; nets follow.
-    fn bodies(&mut self, ids: &[&str]);
+    /// Other bodies than before; nets follow. `gaps`: by body, the rows and columns of its net after which no line goes on.
+    fn bodies(&mut self, ids: &[&str], gaps: Vec<(String, [Vec<usize>; 2])>);
     /// Health.
     fn status(&mut self, status: &LoopStatus);
     /// Everything that is counted, ten times a second.

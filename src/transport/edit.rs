@@ -116,7 +116,8 @@ impl BusThread {
             tracing::error!(%error, "the bodies of the next scene");
         }
         if let Some(viewer) = &mut self.settings.viewer {
-            viewer.bodies(&(0..scene.body_count()).map(|body| scene.body_id(body)).collect::<Vec<_>>());
+            let ids: Vec<&str> = (0..scene.body_count()).map(|body| scene.body_id(body)).collect();
+            viewer.bodies(&ids, scene.net_gaps());
         }
         self.refresh_nets();
         self.event(EventKind::SceneChanged { what });

@@ -214,7 +214,8 @@ impl ViewSink for Feed {
         self.show();
     }
 
-    fn bodies(&mut self, ids: &[&str]) {
+    fn bodies(&mut self, ids: &[&str], gaps: Vec<(String, [Vec<usize>; 2])>) {
+        self.gaps = gaps;
         self.picture.nets.retain(|net| ids.contains(&net.body.as_str()));
         self.picture.contacts.clear();
         self.picture.scene += 1;

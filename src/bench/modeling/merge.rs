@@ -79,7 +79,7 @@ fn random_pair(random: &mut Random) -> [Surface; 2] {
     let mut height = || {
         let waves: [[f64; 4]; 3] = std::array::from_fn(|k| {
             let size = 4e-3 / (k + 1) as f64;
-            [size * random.unit(), 90.0 * random.unit(), 60.0 * random.unit(), 6.28 * random.unit()]
+            [size * random.unit(), 90.0 * random.unit(), 60.0 * random.unit(), std::f64::consts::TAU * random.unit()]
         });
         move |x: f64, y: f64| {
             waves.iter().map(|[size, a, b, phase]| size * libm::sin(a * x + b * y + phase)).sum::<f64>()
