@@ -28,7 +28,7 @@ pub struct Deviation {
     pub maximum_m: f64,
 }
 
-/// What differs between the two sides of a seam: the largest of [`PLACES`] places along it.
+/// What differs between the two sides of a seam: the largest of 101 places along it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
 pub struct Continuity {
     /// Distance of the points of both sides, m.
