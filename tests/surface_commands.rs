@@ -106,3 +106,26 @@ fn a_reader_that_has_seen_enough_is_no_fault() {
     let output = child.wait_with_output().unwrap();
     assert!(output.status.success() && output.stderr.is_empty(), "{}", String::from_utf8_lossy(&output.stderr));
 }
+
+#[test]
+fn degrees_are_raised_without_a_change_and_lowered_with_a_bound() {
+    let directory = tempfile::tempdir().unwrap();
+    let run = |arguments: &[&str]| palpate(directory.path(), arguments);
+    let report = &lines(&run(&["degree", "builtin:teardrop", "--u", "4", "--v", "5", "-o", "up.json", "--json"]))[0];
+    assert_eq!((&report["degree"], report["error_bound"].as_f64()), (&serde_json::json!([4, 5]), Some(0.0)));
+    let drop = builtin("teardrop", None, None).unwrap();
+    let read = |name: &str| {
+        palpate::surface::file::read(&std::fs::read_to_string(directory.path().join(name)).unwrap()).unwrap()
+    };
+    let farthest = |surface: &palpate::surface::Surface| {
+        let parameters = (0..=40).flat_map(|i| (0..=40).map(move |j| (f64::from(i) / 40.0, f64::from(j) / 40.0)));
+        parameters.map(|(u, v)| (surface.point(u, v) - drop.point(u, v)).norm()).fold(0.0, f64::max)
+    };
+    assert!(farthest(&read("up.json")) < 1e-12 * drop.size());
+    let report = &lines(&run(&["degree", "builtin:teardrop", "--u", "2", "-o", "down.json", "--json"]))[0];
+    let bound = report["error_bound"].as_f64().unwrap();
+    let moved = farthest(&read("down.json"));
+    assert!(moved > 1e-6 && moved <= bound, "{moved} m moved, {bound} m allowed");
+    let refused = run(&["degree", "builtin:teardrop", "--u", "0", "-o", "x.json"]);
+    assert_eq!(refused.status.code(), Some(2));
+}

@@ -1,6 +1,7 @@
 //! `palpate surface`: what can be done with a surface in a file, in any format that has surfaces.
 
 mod branch;
+mod degree;
 mod info;
 mod isolate;
 mod make;
@@ -34,6 +35,8 @@ enum Command {
     Tessellate(make::TessellateArgs),
     /// A surface through a grid of points, or near scattered ones.
     Fit(make::FitArgs),
+    /// Degrees raised without any change of shape, or lowered with a bound on the change.
+    Degree(degree::Args),
     /// Patches of any degree, knots and size into one surface of chosen continuity.
     Merge(Box<merge::Args>),
     /// A body moved out of another one by a short translation; or all bodies of a file apart.
@@ -116,6 +119,7 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
         Command::Convert(args) => make::convert(args),
         Command::Tessellate(args) => make::tessellate(args),
         Command::Fit(args) => make::fit(args),
+        Command::Degree(args) => degree::run(args),
         Command::Merge(args) => merge::run(args),
         Command::Isolate(args) => isolate::run(args),
         Command::Pipe(args) => pipe::run(args),

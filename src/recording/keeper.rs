@@ -6,13 +6,14 @@ use super::head::Head;
 use super::memory::Memory;
 use super::message::{Kind, Message};
 use super::parts::{Parts, Split};
+use super::recorder::place;
 use super::stream::Stream;
 use super::views::Views;
-use super::{RecordingReport, RecordingSummary, default_path};
+use super::{RecordingReport, RecordingSummary};
 use crate::tick::archive::{ArchiveNews, ArchiveRequest};
 use crate::tick::journal::{JournalGauges, keeping};
 use std::collections::VecDeque;
-use std::path::{Component, Path, PathBuf};
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 use std::sync::mpsc::{Receiver, Sender};
@@ -324,7 +325,7 @@ impl Keeper {
                     let path = recording.parts.path().display().to_string();
                     return self.tell(refused(format!("{path} is being recorded; stop it first")));
                 }
-                let begun = self.place(path, "session").and_then(|path| {
+                let begun = place(&self.directory, path, "session").and_then(|path| {
                     self.report.failure = None;
                     self.begin(&path, Some(id)).map_err(|error| error.to_string())
                 });
@@ -360,7 +361,7 @@ impl Keeper {
         };
         let now = self.stream.last_tick();
         let (from, to) = (now.saturating_sub(ticks("before", before_s)?), now + ticks("after", after_s)?);
-        let path = self.place(path, "snapshot")?;
+        let path = place(&self.directory, path, "snapshot")?;
         let position = [("snapshot_tick", now.to_string())];
         let file = SessionFile::create(&*self.disk, &path, &self.head, &position, self.views.clone());
         let mut file = file.map_err(|error| error.to_string())?;
@@ -383,20 +384,6 @@ impl Keeper {
             Ok(path) => self.tell(ArchiveNews::Done { id, tick, path }),
             Err(error) => self.tell(ArchiveNews::Refused { id, reason: error.to_string() }),
         }
-    }
-
-    /// A client's name for a file, in our directory: it chooses the name, not the place.
-    fn place(&self, name: Option<PathBuf>, stem: &str) -> Result<PathBuf, String> {
-        let Some(name) = name else { return Ok(default_path(&self.directory, stem)) };
-        let plain = matches!(name.components().collect::<Vec<_>>()[..], [Component::Normal(_)]);
-        if !plain || name.extension().is_none_or(|extension| extension != "mcap") {
-            return Err(format!(
-                "{:?} is no file name; write one like session.mcap, without a directory: it goes to {}",
-                name,
-                self.directory.display()
-            ));
-        }
-        Ok(self.directory.join(name))
     }
 }
 

@@ -13,7 +13,7 @@ use crate::scene::spec::SceneSpec;
 use crate::tick::archive::{Archive, ArchiveNews, ArchiveRequest};
 use crate::tick::journal::JournalGauges;
 use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
+use std::path::{Component, Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 use std::sync::mpsc::{Receiver, Sender, channel};
@@ -233,4 +233,18 @@ pub fn default_path(directory: &Path, stem: &str) -> PathBuf {
         return first;
     }
     (2..).map(|k| name(format!("-{k}"))).find(free).unwrap_or(first)
+}
+
+/// A client's name for a file, in our directory: it chooses the name, not the place.
+pub(super) fn place(directory: &Path, name: Option<PathBuf>, stem: &str) -> Result<PathBuf, String> {
+    let Some(name) = name else { return Ok(default_path(directory, stem)) };
+    let plain = matches!(name.components().collect::<Vec<_>>()[..], [Component::Normal(_)]);
+    if !plain || name.extension().is_none_or(|extension| extension != "mcap") {
+        return Err(format!(
+            "{:?} is no file name; write one like session.mcap, without a directory: it goes to {}",
+            name,
+            directory.display()
+        ));
+    }
+    Ok(directory.join(name))
 }

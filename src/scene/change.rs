@@ -97,6 +97,15 @@ impl SceneChange {
         let contacts = renamed(&spec.contacts, &names, id);
         Ok(Self { spec: SceneSpec { bodies, contacts, ..spec }, origins })
     }
+
+    /// True when the bodies that stay have the same coordinates in both scenes.
+    pub fn fits(&self, old: &Scene, new: &Scene) -> bool {
+        let count = |scene: &Scene, body: usize| scene.lattice(body).map(|lattice| lattice.coordinate_count());
+        self.origins.iter().enumerate().all(|(body, origin)| match *origin {
+            Origin::Kept { from, .. } => count(old, from) == count(new, body),
+            Origin::New => true,
+        })
+    }
 }
 
 /// The file of a scene with every automatic refinement written out: it looks at all tools and bodies, and those that stay
@@ -201,16 +210,5 @@ impl Scene {
         let mut surface = self.rest_surface(body).clone();
         surface.net_mut().points_mut().copy_from_slice(points);
         surface
-    }
-}
-
-impl SceneChange {
-    /// True when the bodies that stay have the same coordinates in both scenes.
-    pub fn fits(&self, old: &Scene, new: &Scene) -> bool {
-        let count = |scene: &Scene, body: usize| scene.lattice(body).map(|lattice| lattice.coordinate_count());
-        self.origins.iter().enumerate().all(|(body, origin)| match *origin {
-            Origin::Kept { from, .. } => count(old, from) == count(new, body),
-            Origin::New => true,
-        })
     }
 }

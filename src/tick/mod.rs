@@ -20,6 +20,8 @@ mod face;
 mod feet;
 mod gather;
 mod grip;
+#[cfg(feature = "daemon")]
+mod inbox;
 mod iterate;
 pub mod journal;
 mod load;

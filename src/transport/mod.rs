@@ -12,6 +12,7 @@ mod edit;
 mod history;
 mod metrics;
 mod poses;
+mod publish;
 mod rpc;
 mod schemas;
 mod session;
