@@ -1,4 +1,5 @@
-//! Tells the program what it is built from, and links the C and C++ libraries that `palpate bench surface` can run beside ours, if their features are on.
+//! Tells the program what it is built from, and links the C and C++ libraries that `palpate bench
+//! surface` can run beside ours, if their features are on.
 
 use std::path::{Path, PathBuf};
 
@@ -18,9 +19,17 @@ fn main() {
             .flag_if_supported("-Wno-deprecated-declarations")
             .file("src/bench/peers/occt.cpp")
             .compile("palpate_occt");
-        for library in
-            ["TKShHealing", "TKTopAlgo", "TKBRep", "TKGeomAlgo", "TKGeomBase", "TKG3d", "TKG2d", "TKMath", "TKernel"]
-        {
+        for library in [
+            "TKShHealing",
+            "TKTopAlgo",
+            "TKBRep",
+            "TKGeomAlgo",
+            "TKGeomBase",
+            "TKG3d",
+            "TKG2d",
+            "TKMath",
+            "TKernel",
+        ] {
             println!("cargo::rustc-link-lib={library}");
         }
     }
@@ -42,16 +51,28 @@ fn identity() {
     }
     println!("cargo::rerun-if-changed=src");
     println!("cargo::rustc-env=PALPATE_SOURCE={hash:016x}");
-    println!("cargo::rustc-env=PALPATE_TARGET={}", std::env::var("TARGET").unwrap_or_default());
+    println!(
+        "cargo::rustc-env=PALPATE_TARGET={}",
+        std::env::var("TARGET").unwrap_or_default()
+    );
     let rustc = std::env::var("RUSTC").unwrap_or_else(|_| "rustc".into());
-    let version = std::process::Command::new(rustc).arg("--version").output().ok();
-    let version = version.map(|output| String::from_utf8_lossy(&output.stdout).trim().to_owned()).unwrap_or_default();
+    let version = std::process::Command::new(rustc)
+        .arg("--version")
+        .output()
+        .ok();
+    let version = version
+        .map(|output| String::from_utf8_lossy(&output.stdout).trim().to_owned())
+        .unwrap_or_default();
     println!("cargo::rustc-env=PALPATE_RUSTC={version}");
 }
 
 fn collect(directory: &Path, files: &mut Vec<PathBuf>) {
     for entry in std::fs::read_dir(directory).into_iter().flatten().flatten() {
         let path = entry.path();
-        if path.is_dir() { collect(&path, files) } else { files.push(path) }
+        if path.is_dir() {
+            collect(&path, files)
+        } else {
+            files.push(path)
+        }
     }
 }

@@ -1,8 +1,9 @@
-//! What the fuzz targets do with their bytes, and what they start from. `tests/hostile_bytes.rs` runs the same functions
-//! on changed copies of the seeds, so that every build tries them without libFuzzer.
+//! What the fuzz targets do with their bytes, and what they start from. `tests/hostile_bytes.rs`
+//! runs the same functions on changed copies of the seeds, so that every build tries them without
+//! libFuzzer.
 //!
-//! A reader may refuse, in a typed error; it may not panic, hang, or take memory that the length of its input does not
-//! justify. What it accepts must be written and read again.
+//! A reader may refuse, in a typed error; it may not panic, hang, or take memory that the length of
+//! its input does not justify. What it accepts must be written and read again.
 
 use palpate::basis::KnotVector;
 use palpate::exchange::{Format, Pick, read_points, read_surface, write_surface};
@@ -20,21 +21,55 @@ pub struct Target {
 
 /// All targets of this build.
 pub const TARGETS: &[Target] = &[
-    Target { name: "surface_json", run: surface_json, seeds: || surfaces(Format::Json) },
-    Target { name: "step", run: step, seeds: || surfaces(Format::Step) },
-    Target { name: "iges", run: iges, seeds: || surfaces(Format::Iges) },
-    Target { name: "points", run: points, seeds: point_seeds },
-    Target { name: "scene", run: scene, seeds: scene_seeds },
-    Target { name: "knots", run: knots, seeds: knot_seeds },
+    Target {
+        name: "surface_json",
+        run: surface_json,
+        seeds: || surfaces(Format::Json),
+    },
+    Target {
+        name: "step",
+        run: step,
+        seeds: || surfaces(Format::Step),
+    },
+    Target {
+        name: "iges",
+        run: iges,
+        seeds: || surfaces(Format::Iges),
+    },
+    Target {
+        name: "points",
+        run: points,
+        seeds: point_seeds,
+    },
+    Target {
+        name: "scene",
+        run: scene,
+        seeds: scene_seeds,
+    },
+    Target {
+        name: "knots",
+        run: knots,
+        seeds: knot_seeds,
+    },
     #[cfg(feature = "daemon")]
-    Target { name: "session", run: session, seeds: session_seeds },
+    Target {
+        name: "session",
+        run: session,
+        seeds: session_seeds,
+    },
 ];
 
 /// A `palpate.surface.v1` document.
 pub fn surface_json(bytes: &[u8]) {
-    let Ok(text) = std::str::from_utf8(bytes) else { return };
+    let Ok(text) = std::str::from_utf8(bytes) else {
+        return;
+    };
     if let Ok(surface) = file::read(text) {
-        assert_eq!(file::read(&file::write(&surface, Unit::Metre)).ok(), Some(surface), "not read back");
+        assert_eq!(
+            file::read(&file::write(&surface, Unit::Metre)).ok(),
+            Some(surface),
+            "not read back"
+        );
     }
 }
 
@@ -49,7 +84,9 @@ pub fn iges(bytes: &[u8]) {
 }
 
 fn surface(bytes: &[u8], format: Format) {
-    let Ok(imported) = read_surface(bytes, format, Pick::First) else { return };
+    let Ok(imported) = read_surface(bytes, format, Pick::First) else {
+        return;
+    };
     // Refused when it comes apart at a knot.
     if let Ok(written) = write_surface(&imported.surface, format, Unit::Metre) {
         let again = read_surface(&written, format, Pick::First);
@@ -61,14 +98,21 @@ fn surface(bytes: &[u8], format: Format) {
 pub fn points(bytes: &[u8]) {
     for format in [Format::Stl, Format::Obj, Format::Points] {
         if let Ok(points) = read_points(bytes, format, Unit::Metre) {
-            assert!(points.iter().all(|point| point.iter().all(|x| x.is_finite())), "{format:?}: not finite");
+            assert!(
+                points
+                    .iter()
+                    .all(|point| point.iter().all(|x| x.is_finite())),
+                "{format:?}: not finite"
+            );
         }
     }
 }
 
 /// A scene. Its files are not looked for.
 pub fn scene(bytes: &[u8]) {
-    let Ok(text) = std::str::from_utf8(bytes) else { return };
+    let Ok(text) = std::str::from_utf8(bytes) else {
+        return;
+    };
     if let Err(error) = scene::file::parse(text, "scene.toml", Path::new("/nowhere")) {
         assert!(!error.to_string().is_empty());
     }
@@ -76,15 +120,27 @@ pub fn scene(bytes: &[u8]) {
 
 /// A degree, whether periodic, and knots, eight bytes each.
 pub fn knots(bytes: &[u8]) {
-    let [degree, periodic, rest @ ..] = bytes else { return };
-    let values: Vec<f64> =
-        rest.chunks_exact(8).map(|c| f64::from_le_bytes([c[0], c[1], c[2], c[3], c[4], c[5], c[6], c[7]])).collect();
+    let [degree, periodic, rest @ ..] = bytes else {
+        return;
+    };
+    let values: Vec<f64> = rest
+        .chunks_exact(8)
+        .map(|c| f64::from_le_bytes([c[0], c[1], c[2], c[3], c[4], c[5], c[6], c[7]]))
+        .collect();
     let degree = usize::from(*degree);
-    let made = if periodic % 2 == 1 { KnotVector::periodic(degree, values) } else { KnotVector::new(degree, values) };
+    let made = if periodic % 2 == 1 {
+        KnotVector::periodic(degree, values)
+    } else {
+        KnotVector::new(degree, values)
+    };
     let Ok(knots) = made else { return };
     let (start, end) = knots.domain();
     for k in 0..=8 {
-        let sum: f64 = knots.window(start + (end - start) * (f64::from(k) / 8.0)).values().iter().sum();
+        let sum: f64 = knots
+            .window(start + (end - start) * (f64::from(k) / 8.0))
+            .values()
+            .iter()
+            .sum();
         assert!((sum - 1.0).abs() < 1e-9, "values sum to {sum}: {knots:?}");
     }
 }
@@ -101,16 +157,33 @@ fn surfaces(format: Format) -> Vec<Vec<u8>> {
     let small = r#"{"format": "palpate.surface.v1", "degree": [1, 2], "knots": [[0, 0, 1, 1], [0, 0, 0, 2, 2, 2]],
         "points": [[[0, 0, 0], [0, 1, 0], [0, 2, 1]], [[1, 0, 0], [1, 1, 0], [1, 2, 1]]], "weights": [[1, 1, 1], [1, 0.5, 1]]}"#;
     let small = file::read(small).expect("a surface");
-    let made = [("sheet", Some([4, 4])), ("torus", Some([4, 5])), ("sphere", None)];
+    let made = [
+        ("sheet", Some([4, 4])),
+        ("torus", Some([4, 5])),
+        ("sphere", None),
+    ];
     let made = made.map(|(name, net)| builtin(name, net, None).expect("a builtin"));
-    made.iter().chain([&small]).filter_map(|surface| write_surface(surface, format, Unit::Metre).ok()).collect()
+    made.iter()
+        .chain([&small])
+        .filter_map(|surface| write_surface(surface, format, Unit::Metre).ok())
+        .collect()
 }
 
 fn point_seeds() -> Vec<Vec<u8>> {
     let mut binary = vec![b' '; 80];
     binary.extend_from_slice(&2u32.to_le_bytes());
-    binary.extend((0..24).flat_map(|k| (k as f32).to_le_bytes()).take(48).chain([0, 0]));
-    binary.extend((0..24).flat_map(|k| (k as f32).to_le_bytes()).take(48).chain([0, 0]));
+    binary.extend(
+        (0..24)
+            .flat_map(|k| (k as f32).to_le_bytes())
+            .take(48)
+            .chain([0, 0]),
+    );
+    binary.extend(
+        (0..24)
+            .flat_map(|k| (k as f32).to_le_bytes())
+            .take(48)
+            .chain([0, 0]),
+    );
     let text = "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1e-3 0\nendloop\nendfacet\nendsolid a\n";
     let obj = "# a\nv 1 2 3\nv 0.5 -1 2e-2\nv 0 0 0\nvn 0 0 1\nf 1//1 2//1 3//1\n";
     let lines = "x,y,z\n1,2,3\n0.5;1;2 # a\n1e-3\t2\t3\n";
@@ -127,7 +200,10 @@ fn scene_seeds() -> Vec<Vec<u8>> {
 
 fn knot_seeds() -> Vec<Vec<u8>> {
     let seed = |degree: u8, periodic: u8, knots: &[f64]| {
-        [degree, periodic].into_iter().chain(knots.iter().flat_map(|knot| knot.to_le_bytes())).collect()
+        [degree, periodic]
+            .into_iter()
+            .chain(knots.iter().flat_map(|knot| knot.to_le_bytes()))
+            .collect()
     };
     vec![
         seed(2, 0, &[0.0, 0.0, 0.0, 0.5, 1.0, 1.0, 1.0]),

@@ -19,7 +19,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let all = protox::compile(&files, [ROOT])?;
     std::fs::write(out.join("descriptors.bin"), all.encode_to_vec())?;
 
-    // A channel of a recording carries its message's file and what that imports, not everything: a set for each file.
+    // A channel of a recording carries its message's file and what that imports, not everything: a
+    // set for each file.
     let mut arms = String::new();
     for (number, file) in files.iter().enumerate() {
         let mut wanted = BTreeSet::from([file.clone()]);
@@ -30,20 +31,38 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             }
         }
         let mut set = all.clone();
-        set.file.retain(|descriptor| wanted.contains(descriptor.name()));
-        // Comments of our own messages tell what their packed numbers are; the published ones are known.
-        set.file.iter_mut().filter(|descriptor| descriptor.name() != OURS).for_each(|d| d.source_code_info = None);
-        std::fs::write(out.join(format!("descriptors_{number}.bin")), set.encode_to_vec())?;
-        let own = all.file.iter().find(|descriptor| descriptor.name() == file.as_str()).ok_or("a file went missing")?;
-        let names: Vec<String> =
-            own.message_type.iter().map(|m| format!("\"{}.{}\"", own.package(), m.name())).collect();
+        set.file
+            .retain(|descriptor| wanted.contains(descriptor.name()));
+        // Comments of our own messages tell what their packed numbers are; the published ones are
+        // known.
+        set.file
+            .iter_mut()
+            .filter(|descriptor| descriptor.name() != OURS)
+            .for_each(|d| d.source_code_info = None);
+        std::fs::write(
+            out.join(format!("descriptors_{number}.bin")),
+            set.encode_to_vec(),
+        )?;
+        let own = all
+            .file
+            .iter()
+            .find(|descriptor| descriptor.name() == file.as_str())
+            .ok_or("a file went missing")?;
+        let names: Vec<String> = own
+            .message_type
+            .iter()
+            .map(|m| format!("\"{}.{}\"", own.package(), m.name()))
+            .collect();
         writeln!(
             arms,
             "{} => Some(include_bytes!(concat!(env!(\"OUT_DIR\"), \"/descriptors_{number}.bin\"))),",
             names.join(" | ")
         )?;
     }
-    std::fs::write(out.join("descriptor_sets.rs"), format!("match message {{\n{arms}_ => None,\n}}\n"))?;
+    std::fs::write(
+        out.join("descriptor_sets.rs"),
+        format!("match message {{\n{arms}_ => None,\n}}\n"),
+    )?;
     prost_build::Config::new().compile_fds(all)?;
     Ok(())
 }

@@ -1,9 +1,10 @@
 //! Palpate: touch on deforming B-spline surfaces at 1 kHz.
 //!
-//! Layers, in reading order; each imports only those before it:
-//! [`math`] → [`basis`] → [`surface`] → [`contact`] → [`body`] | [`haptics`] → [`scene`] → [`tick`] → wire →
-//! transport | recording → editing → viewer, bench, cli. Those from wire on come with the `daemon` feature. [`exchange`]
-//! hangs off [`surface`], [`modeling`] off [`contact`]: above them only editing, bench and cli use them.
+//! Layers, in reading order; each imports only those before it: [`math`] → [`basis`] → [`surface`]
+//! → [`contact`] → [`body`] | [`haptics`] → [`scene`] → [`tick`] → wire → transport | recording →
+//! editing → viewer, bench, cli. Those from wire on come with the `daemon` feature. [`exchange`]
+//! hangs off [`surface`], [`modeling`] off [`contact`]: above them only editing, bench and cli use
+//! them.
 
 pub mod basis;
 #[cfg(any(feature = "daemon", feature = "bench-peers"))]

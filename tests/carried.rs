@@ -43,7 +43,10 @@ fn tick(world: &mut World, position: [f64; 3], angle: f64) -> TickOutput {
     world.seq += 1;
     let mut input = TickInput::default();
     let orientation = Rotation::from_axis_angle(&Vector3::y_axis(), angle);
-    input.poses[0] = Some(DevicePose { orientation, ..pose(world.seq, position) });
+    input.poses[0] = Some(DevicePose {
+        orientation,
+        ..pose(world.seq, position)
+    });
     step(&world.scene, &mut world.state, &mut world.scratch, &input)
 }
 
@@ -54,15 +57,26 @@ fn a_carried_body_feels_its_hand_tilt_and_shake() {
         tick(&mut world, [0.0; 3], 0.0);
     }
     let level = drift(&world);
-    assert!(level.z < -1e-6 && level.x.abs() < 0.01 * level.z.abs(), "level: {level}");
+    assert!(
+        level.z < -1e-6 && level.x.abs() < 0.01 * level.z.abs(),
+        "level: {level}"
+    );
     for k in 0..3_000 {
-        tick(&mut world, [0.0; 3], 0.3 * (f64::from(k) / 1_000.0).min(1.0));
+        tick(
+            &mut world,
+            [0.0; 3],
+            0.3 * (f64::from(k) / 1_000.0).min(1.0),
+        );
     }
-    // Turned about y by a positive angle, down is towards −x … of the frame: g sin(angle) against g cos(angle).
+    // Turned about y by a positive angle, down is towards −x … of the frame: g sin(angle) against g
+    // cos(angle).
     let tilted = drift(&world);
     assert!(tilted.x.abs() > 0.2 * level.z.abs(), "tilted: {tilted}");
     assert!(
-        (tilted.x > 0.0) == (Rotation::from_axis_angle(&Vector3::y_axis(), -0.3) * -Vector3::z()).x.is_sign_positive()
+        (tilted.x > 0.0)
+            == (Rotation::from_axis_angle(&Vector3::y_axis(), -0.3) * -Vector3::z())
+                .x
+                .is_sign_positive()
     );
     // A hand that speeds up throws it back.
     for k in 0..100 {
@@ -83,12 +97,23 @@ fn a_carried_body_at_rest_stays_awake_for_its_hand() {
         tick(&mut table, [0.0, 0.0, 1.0], 0.0);
         tick(&mut carried, [0.0, 0.0, 1.0], 0.0);
     }
-    assert!(slept(&table) > 200, "on the table it slept {} ticks", slept(&table));
+    assert!(
+        slept(&table) > 200,
+        "on the table it slept {} ticks",
+        slept(&table)
+    );
     let level = drift(&carried);
     for k in 0..2_000 {
-        tick(&mut carried, [0.0, 0.0, 1.0], 0.3 * (f64::from(k) / 1_000.0).min(1.0));
+        tick(
+            &mut carried,
+            [0.0, 0.0, 1.0],
+            0.3 * (f64::from(k) / 1_000.0).min(1.0),
+        );
     }
     let tilted = drift(&carried);
-    assert!(tilted.x.abs() > 0.2 * level.z.abs(), "level: {level}, tilted: {tilted}");
+    assert!(
+        tilted.x.abs() > 0.2 * level.z.abs(),
+        "level: {level}, tilted: {tilted}"
+    );
     assert_eq!(slept(&carried), 0);
 }

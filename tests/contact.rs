@@ -17,7 +17,10 @@ fn sheet(degree: [usize; 2], points: &[Vec<[f64; 3]>], shape: &str, start: [f64;
         knots.extend(vec![1.0; p]);
         knots
     };
-    let knots = [clamped(degree[0], points.len()), clamped(degree[1], points[0].len())];
+    let knots = [
+        clamped(degree[0], points.len()),
+        clamped(degree[1], points[0].len()),
+    ];
     format!(
         r#"
 [[body]]
@@ -40,17 +43,27 @@ device = {{ force_max_n = 500.0, ramp_s = 0.0, speed_max_m_s = 1000.0 }}
 
 fn groove(shape: &str) -> String {
     let line = |x: f64, z: f64| vec![[x, -0.05, z], [x, 0.05, z]];
-    sheet([1, 1], &[line(-0.05, 0.05), line(0.0, 0.0), line(0.05, 0.05)], shape, [0.0, 0.0, 0.06])
+    sheet(
+        [1, 1],
+        &[line(-0.05, 0.05), line(0.0, 0.0), line(0.05, 0.05)],
+        shape,
+        [0.0, 0.0, 0.06],
+    )
 }
 
-// A ball of 10 mm in a groove of two planes at 45° rests at 10 mm × √2 above the crease. Held down by d it feels K d up,
-// half of that from either wall; drawn aside within the groove it is held by both as if the groove were a slot.
+// A ball of 10 mm in a groove of two planes at 45° rests at 10 mm × √2 above the crease. Held down
+// by d it feels K d up, half of that from either wall; drawn aside within the groove it is held by
+// both as if the groove were a slot.
 #[test]
 fn a_ball_in_a_groove_is_held_by_both_walls() {
     let mut world = World::new(&groove("{ sphere = { radius_m = 0.01 } }"));
     let rest = 0.01 * 2f64.sqrt();
     for k in 0..=400 {
-        world.at([0.0, 0.0, 0.06 - (0.06 - rest + 0.004) * f64::from(k) / 400.0]);
+        world.at([
+            0.0,
+            0.0,
+            0.06 - (0.06 - rest + 0.004) * f64::from(k) / 400.0,
+        ]);
     }
     let mut last: Option<TickOutput> = None;
     for k in -300i32..=300 {
@@ -59,12 +72,25 @@ fn a_ball_in_a_groove_is_held_by_both_walls() {
         let tool = out.tools[0];
         // Down by 4 mm and aside by at most 3: within the cone of the two normals.
         let expected = Vector3::new(-500.0 * x, 0.0, 500.0 * 0.004);
-        assert!((tool.force_n - expected).norm() < 2e-3 * expected.norm(), "at {x}: {} for {expected}", tool.force_n);
-        assert_eq!(out.contacts.list().len(), 2, "at {x}: {:?}", out.contacts.list());
+        assert!(
+            (tool.force_n - expected).norm() < 2e-3 * expected.norm(),
+            "at {x}: {} for {expected}",
+            tool.force_n
+        );
+        assert_eq!(
+            out.contacts.list().len(),
+            2,
+            "at {x}: {:?}",
+            out.contacts.list()
+        );
         let sum: Vector3 = out.contacts.list().iter().map(|c| c.force_n).sum();
         assert!((sum - tool.force_n).norm() < 1e-9);
         for contact in out.contacts.list() {
-            assert!((contact.normal.z - 0.5f64.sqrt()).abs() < 1e-6, "{}", contact.normal);
+            assert!(
+                (contact.normal.z - 0.5f64.sqrt()).abs() < 1e-6,
+                "{}",
+                contact.normal
+            );
         }
         last = Some(out);
     }
@@ -77,20 +103,33 @@ fn force_does_not_jump_when_a_region_appears_or_leaves() {
     let mut world = World::new(&groove("{ sphere = { radius_m = 0.01 } }"));
     let rest = 0.01 * 2f64.sqrt();
     for k in 0..=400 {
-        world.at([0.0, 0.0, 0.06 - (0.06 - rest + 0.002) * f64::from(k) / 400.0]);
+        world.at([
+            0.0,
+            0.0,
+            0.06 - (0.06 - rest + 0.002) * f64::from(k) / 400.0,
+        ]);
     }
-    let (mut before, mut place) =
-        (world.at([0.0, 0.0, rest - 0.002]).tools[0].force_n, Vector3::new(0.0, 0.0, rest - 0.002));
+    let (mut before, mut place) = (
+        world.at([0.0, 0.0, rest - 0.002]).tools[0].force_n,
+        Vector3::new(0.0, 0.0, rest - 0.002),
+    );
     let (mut seen, mut worst) = ([0u32; 3], 0.0f64);
     for k in 0..6_000 {
         let t = f64::from(k) * 1e-3;
-        let next =
-            Vector3::new(0.008 * (3.0 * t).sin(), 0.01 * (1.1 * t).sin(), rest - 0.002 + 0.001 * (5.0 * t).sin());
+        let next = Vector3::new(
+            0.008 * (3.0 * t).sin(),
+            0.01 * (1.1 * t).sin(),
+            rest - 0.002 + 0.001 * (5.0 * t).sin(),
+        );
         let out = world.at([next.x, next.y, next.z]);
         let step = (out.tools[0].force_n - before).norm();
         let moved = (next - place).norm();
-        // A projection onto a convex set moves no farther than what is projected; force is K times the way between both.
-        assert!(step <= 500.0 * 2.0 * moved + 1e-6, "tick {k}: force steps by {step} N, the hand by {moved} m");
+        // A projection onto a convex set moves no farther than what is projected; force is K times
+        // the way between both.
+        assert!(
+            step <= 500.0 * 2.0 * moved + 1e-6,
+            "tick {k}: force steps by {step} N, the hand by {moved} m"
+        );
         worst = worst.max(step / (500.0 * moved).max(1e-12));
         (before, place) = (out.tools[0].force_n, next);
         seen[out.contacts.list().len().min(2)] += 1;
@@ -106,7 +145,9 @@ fn hills() -> Vec<Vec<[f64; 3]>> {
     (0..8)
         .map(|i| {
             let x = -0.07 + 0.02 * i as f64;
-            (0..6).map(|j| [x, -0.05 + 0.02 * j as f64, height[i] * ridge[j]]).collect()
+            (0..6)
+                .map(|j| [x, -0.05 + 0.02 * j as f64, height[i] * ridge[j]])
+                .collect()
         })
         .collect()
 }
@@ -115,26 +156,48 @@ fn hills() -> Vec<Vec<[f64; 3]>> {
 fn posed(world: &mut World, position: [f64; 3], rotation: Rotation) -> TickOutput {
     world.seq += 1;
     let mut input = TickInput::default();
-    input.poses[0] = Some(palpate::haptics::DevicePose { orientation: rotation, ..pose(world.seq, position) });
+    input.poses[0] = Some(palpate::haptics::DevicePose {
+        orientation: rotation,
+        ..pose(world.seq, position)
+    });
     step(&world.scene, &mut world.state, &mut world.scratch, &input)
 }
 
-// The plane lies on both hills: each bears half, and the moment is that of both about the tool's reference point.
+// The plane lies on both hills: each bears half, and the moment is that of both about the tool's
+// reference point.
 #[test]
 fn a_plane_on_two_hills_feels_the_moment_of_both() {
-    let text = sheet([3, 3], &hills(), "{ plane = { normal = [0.0, 0.0, -1.0] } }", [0.0, 0.0, 0.02]);
+    let text = sheet(
+        [3, 3],
+        &hills(),
+        "{ plane = { normal = [0.0, 0.0, -1.0] } }",
+        [0.0, 0.0, 0.02],
+    );
     let mut world = World::new(&text);
     world.at([0.004, 0.0, 0.02]);
     let surface = world.scene.rest_surface(0).clone();
-    let top = (0..=400).map(|k| surface.point(f64::from(k) / 400.0, 0.5).z).fold(0.0, f64::max);
+    let top = (0..=400)
+        .map(|k| surface.point(f64::from(k) / 400.0, 0.5).z)
+        .fold(0.0, f64::max);
     let out = world.at([0.004, 0.0, top - 0.001]);
     let (tool, list) = (out.tools[0], out.contacts.list());
     assert_eq!(list.len(), 2, "{list:?}");
-    assert!((tool.force_n - Vector3::new(0.0, 0.0, 0.5)).norm() < 1e-3, "{}", tool.force_n);
+    assert!(
+        (tool.force_n - Vector3::new(0.0, 0.0, 0.5)).norm() < 1e-3,
+        "{}",
+        tool.force_n
+    );
     // Hills are mirror images: the mean of their places is x = 0, 4 mm beside the reference point.
     let expected = Vector3::new(0.0, 0.004 * 0.5, 0.0);
-    assert!((tool.torque_nm - expected).norm() < 1e-2 * expected.norm(), "{}", tool.torque_nm);
-    assert!((list[0].force_n.z - list[1].force_n.z).abs() < 1e-3, "{list:?}");
+    assert!(
+        (tool.torque_nm - expected).norm() < 1e-2 * expected.norm(),
+        "{}",
+        tool.torque_nm
+    );
+    assert!(
+        (list[0].force_n.z - list[1].force_n.z).abs() < 1e-3,
+        "{list:?}"
+    );
 
     // Rocked from one hill to the other, force and moment change by little in a small turn.
     let (mut before, mut hills_seen) = (None, [false; 3]);
@@ -142,10 +205,16 @@ fn a_plane_on_two_hills_feels_the_moment_of_both() {
         let turn = Rotation::from_axis_angle(&Vector3::y_axis(), f64::from(k) * 5e-4);
         let tool = posed(&mut world, [0.0, 0.0, top - 0.001], turn).tools[0];
         if let Some((force, torque)) = before {
-            let (df, dt): (f64, f64) =
-                ((tool.force_n - force as Vector3).norm(), (tool.torque_nm - torque as Vector3).norm());
-            // A turn of 0.5 mrad at 30 mm moves a hill's depth by 15 µm: 7.5 mN, 0.23 mN m, of either hill.
-            assert!(df < 0.03 && dt < 1e-3, "turn {k}: force steps by {df}, moment by {dt}");
+            let (df, dt): (f64, f64) = (
+                (tool.force_n - force as Vector3).norm(),
+                (tool.torque_nm - torque as Vector3).norm(),
+            );
+            // A turn of 0.5 mrad at 30 mm moves a hill's depth by 15 µm: 7.5 mN, 0.23 mN m, of
+            // either hill.
+            assert!(
+                df < 0.03 && dt < 1e-3,
+                "turn {k}: force steps by {df}, moment by {dt}"
+            );
         }
         before = Some((tool.force_n, tool.torque_nm));
         hills_seen[tool.contact_count.min(2) as usize] = true;
@@ -166,17 +235,36 @@ fn two_soft_bodies_press_each_other_apart_and_stay_apart() {
         world.at(far);
     }
     let out = world.at(far);
-    let touching: Vec<_> = out.contacts.list().iter().filter(|c| matches!(c.holder, Holder::Body(_))).collect();
+    let touching: Vec<_> = out
+        .contacts
+        .list()
+        .iter()
+        .filter(|c| matches!(c.holder, Holder::Body(_)))
+        .collect();
     assert!(!touching.is_empty(), "the drops overlap and do not touch");
     let force: Vector3 = touching.iter().map(|c| c.force_n).sum();
     let deepest = touching.iter().map(|c| c.depth_m).fold(0.0, f64::max);
-    println!("{} contacts, {:.4} N, left over {:.2e} m", touching.len(), force.norm(), deepest);
+    println!(
+        "{} contacts, {:.4} N, left over {:.2e} m",
+        touching.len(),
+        force.norm(),
+        deepest
+    );
     assert!(force.norm() > 0.01, "{force}");
     assert!(deepest < 2e-5, "they still overlap by {deepest} m");
     // At rest: nothing moves any more.
     let again = world.at(far);
-    let change: Vector3 = again.contacts.list().iter().map(|c| c.force_n).sum::<Vector3>() - force;
-    assert!(change.norm() < 1e-3 * force.norm(), "force still changes by {change}");
+    let change: Vector3 = again
+        .contacts
+        .list()
+        .iter()
+        .map(|c| c.force_n)
+        .sum::<Vector3>()
+        - force;
+    assert!(
+        change.norm() < 1e-3 * force.norm(),
+        "force still changes by {change}"
+    );
 }
 
 // A ball presses the first drop, the first drop the second.
@@ -189,7 +277,11 @@ fn a_push_goes_through_a_body_into_the_next() {
             out = world.at([x, 0.003, 0.045]);
         }
         let sum = |tool: bool| -> f64 {
-            let own = out.contacts.list().iter().filter(|c| matches!(c.holder, Holder::Tool(_)) == tool);
+            let own = out
+                .contacts
+                .list()
+                .iter()
+                .filter(|c| matches!(c.holder, Holder::Tool(_)) == tool);
             own.map(|c| c.force_n).sum::<Vector3>().norm()
         };
         (sum(true), sum(false))
@@ -222,7 +314,8 @@ device = {{ force_max_n = 500.0, ramp_s = 0.0, speed_max_m_s = 1000.0 }}
     )
 }
 
-/// The worst miss of K × depth over a path around the globe, relative to the largest force; ticks in touch.
+/// The worst miss of K × depth over a path around the globe, relative to the largest force; ticks
+/// in touch.
 fn worst_on_globe(text: &str) -> (f64, u32) {
     let mut world = World::new(text);
     let (mut worst, mut touched) = (0.0f64, 0);
@@ -230,7 +323,11 @@ fn worst_on_globe(text: &str) -> (f64, u32) {
         let t = f64::from(k) * 2e-3;
         let radius = 0.0585 + 0.0025 * (9.0 * t + 1.0).cos();
         let (polar, azimuth) = (1.57 - 0.3 * t, 0.4 * t);
-        let n = Vector3::new(polar.sin() * azimuth.cos(), polar.sin() * azimuth.sin(), polar.cos());
+        let n = Vector3::new(
+            polar.sin() * azimuth.cos(),
+            polar.sin() * azimuth.sin(),
+            polar.cos(),
+        );
         let place = n * radius;
         if k == 0 {
             for s in 0..=100 {
@@ -246,21 +343,45 @@ fn worst_on_globe(text: &str) -> (f64, u32) {
     (worst, touched)
 }
 
-// A surface tool in the shape of a ball, and a ball on sampled points: all feel K × depth, each to its own accuracy.
+// A surface tool in the shape of a ball, and a ball on sampled points: all feel K × depth, each to
+// its own accuracy.
 #[test]
 fn shapes_and_methods_agree_on_a_globe() {
     let ball = "{ sphere = { radius_m = 0.01 } }";
     let spheres = "[[contact]]\npair = [\"tool\", \"globe\"]\nmethod = \"spheres\"\nresolution = ";
     let cases = [
         ("ball", globe(ball, ""), 1e-9),
-        // Planes through the contacts of one more look: a hand 4 mm deep in a globe of 60 mm turns them by a fifteenth of
-        // what it turns by in a tick, a milliradian.
-        ("surface", globe("{ surface = { builtin = \"sphere\", size = 0.01 } }", ""), 2e-4),
-        ("implicit", globe("{ implicit = { f = \"sqrt(x^2 + y^2 + z^2) - 0.01\" } }", ""), 2e-4),
-        ("ellipsoid", globe("{ ellipsoid = { semi_axes_m = [0.01, 0.01, 0.01] } }", ""), 2e-4),
+        // Planes through the contacts of one more look: a hand 4 mm deep in a globe of 60 mm turns
+        // them by a fifteenth of what it turns by in a tick, a milliradian.
+        (
+            "surface",
+            globe("{ surface = { builtin = \"sphere\", size = 0.01 } }", ""),
+            2e-4,
+        ),
+        (
+            "implicit",
+            globe(
+                "{ implicit = { f = \"sqrt(x^2 + y^2 + z^2) - 0.01\" } }",
+                "",
+            ),
+            2e-4,
+        ),
+        (
+            "ellipsoid",
+            globe("{ ellipsoid = { semi_axes_m = [0.01, 0.01, 0.01] } }", ""),
+            2e-4,
+        ),
         // Triangles with sides of h = 2π R / rows tilt by up to h / 2 R = π / rows.
-        ("spheres 244", globe(ball, &format!("{spheres}[244, 244]")), std::f64::consts::PI / 244.0),
-        ("spheres 82", globe(ball, &format!("{spheres}[82, 82]")), std::f64::consts::PI / 82.0),
+        (
+            "spheres 244",
+            globe(ball, &format!("{spheres}[244, 244]")),
+            std::f64::consts::PI / 244.0,
+        ),
+        (
+            "spheres 82",
+            globe(ball, &format!("{spheres}[82, 82]")),
+            std::f64::consts::PI / 82.0,
+        ),
     ];
     for (name, text, bar) in cases {
         let (worst, touched) = worst_on_globe(&text);
@@ -279,7 +400,10 @@ const CUBE: &str = "{ mesh = { inline = { vertices = [[-0.01, -0.01, -0.01], [0.
 // The face of a cube on the top of the globe, moved about by less than the face is wide.
 #[test]
 fn a_cube_on_a_globe_feels_its_depth_as_a_function_and_as_a_mesh() {
-    for (name, shape) in [("box", "{ box = { half_extents_m = [0.01, 0.01, 0.01] } }"), ("mesh", CUBE)] {
+    for (name, shape) in [
+        ("box", "{ box = { half_extents_m = [0.01, 0.01, 0.01] } }"),
+        ("mesh", CUBE),
+    ] {
         let mut world = World::new(&globe(shape, ""));
         for k in 0..=200 {
             world.at([0.09 - 0.0305 * f64::from(k) / 200.0, 0.0, 0.0]);
@@ -291,7 +415,10 @@ fn a_cube_on_a_globe_feels_its_depth_as_a_function_and_as_a_mesh() {
             let out = world.at([0.06 - depth, 0.003 * t.sin(), 0.002 * (1.7 * t).cos()]);
             let expected = Vector3::new(700.0 * depth, 0.0, 0.0);
             worst = worst.max((out.tools[0].force_n - expected).norm() / expected.norm());
-            assert!(!out.contacts.list().is_empty(), "{name}: nothing touches at {t}");
+            assert!(
+                !out.contacts.list().is_empty(),
+                "{name}: nothing touches at {t}"
+            );
         }
         println!("{name}: {worst:.1e} of the force");
         assert!(worst < 1e-6, "{name}: {worst}");
@@ -301,11 +428,22 @@ fn a_cube_on_a_globe_feels_its_depth_as_a_function_and_as_a_mesh() {
 // 120 mm in one tick, past the middle of the globe.
 #[test]
 fn a_surface_tool_that_jumps_through_the_body_is_held_on_the_side_it_came_from() {
-    let mut world = World::new(&globe("{ surface = { builtin = \"sphere\", size = 0.01 } }", ""));
+    let mut world = World::new(&globe(
+        "{ surface = { builtin = \"sphere\", size = 0.01 } }",
+        "",
+    ));
     world.at([0.09, 0.0, 0.0]);
     let tool = world.at([-0.03, 0.0, 0.0]).tools[0];
-    assert!((tool.proxy_position.x - 0.06).abs() < 1e-6, "proxy at {}", tool.proxy_position);
-    assert!((tool.force_n.x - 700.0 * 0.09).abs() < 1e-2, "{}", tool.force_n);
+    assert!(
+        (tool.proxy_position.x - 0.06).abs() < 1e-6,
+        "proxy at {}",
+        tool.proxy_position
+    );
+    assert!(
+        (tool.force_n.x - 700.0 * 0.09).abs() < 1e-2,
+        "{}",
+        tool.force_n
+    );
 }
 
 /// A soft sausage folded to a hairpin, its lower arm held; a ball presses the upper arm onto it.
@@ -321,10 +459,18 @@ fn folded_sausage(self_contact: bool) -> String {
                     let (arm, bend) = (0.04, 0.01);
                     let s = t * (2.0 * arm + std::f64::consts::PI * bend);
                     let angle = ((s - arm) / bend).clamp(0.0, std::f64::consts::PI);
-                    let straight = if s < arm { arm - s } else { (s - arm - std::f64::consts::PI * bend).max(0.0) };
+                    let straight = if s < arm {
+                        arm - s
+                    } else {
+                        (s - arm - std::f64::consts::PI * bend).max(0.0)
+                    };
                     let tube = 0.009 * (1.0 - (2.0 * t - 1.0).powi(10)).max(0.0).sqrt();
                     let out = bend + tube * turn.cos();
-                    [straight - out * angle.sin(), out * angle.cos(), tube * turn.sin()]
+                    [
+                        straight - out * angle.sin(),
+                        out * angle.cos(),
+                        tube * turn.sin(),
+                    ]
                 })
                 .collect()
         })
@@ -370,9 +516,20 @@ fn a_folded_sausage_meets_itself_and_does_not_go_through() {
         out
     };
     let (with, without) = (press(true), press(false));
-    let own: Vec<_> = with.contacts.list().iter().filter(|c| c.holder == Holder::Body(0)).collect();
-    let (held, free) = (with.tools[0].force_n.norm(), without.tools[0].force_n.norm());
-    println!("{} places, hand {held:.4} N; {free:.4} N when the ends pass through each other", own.len());
+    let own: Vec<_> = with
+        .contacts
+        .list()
+        .iter()
+        .filter(|c| c.holder == Holder::Body(0))
+        .collect();
+    let (held, free) = (
+        with.tools[0].force_n.norm(),
+        without.tools[0].force_n.norm(),
+    );
+    println!(
+        "{} places, hand {held:.4} N; {free:.4} N when the ends pass through each other",
+        own.len()
+    );
     assert!(!own.is_empty(), "the ends do not meet");
     assert!(own.iter().all(|c| c.depth_m < 1e-5), "{own:?}");
     assert!(held > 1.05 * free, "{held} N against {free} N");
@@ -399,7 +556,11 @@ fn a_ball_among_many_bodies_meets_each_in_turn() {
         }
         let out = world.at([x, 0.0, 0.029]);
         let tool = out.tools[0];
-        assert!((tool.force_n - Vector3::new(0.0, 0.0, 0.7)).norm() < 1e-9, "globe {k}: {}", tool.force_n);
+        assert!(
+            (tool.force_n - Vector3::new(0.0, 0.0, 0.7)).norm() < 1e-9,
+            "globe {k}: {}",
+            tool.force_n
+        );
         assert_eq!(tool.contact.map(|c| c.body), Some(k as u32));
         world.at([x, 0.0, 0.05]);
     }

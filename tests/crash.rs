@@ -16,9 +16,17 @@ use std::time::{Duration, Instant};
 
 /// Runs the program; gives stdout, stderr and the exit code.
 fn palpate(arguments: &[&str]) -> (String, String, i32) {
-    let output = Command::new(PROGRAM).args(arguments).stdin(Stdio::null()).output().unwrap();
+    let output = Command::new(PROGRAM)
+        .args(arguments)
+        .stdin(Stdio::null())
+        .output()
+        .unwrap();
     let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
-    (text(&output.stdout), text(&output.stderr), output.status.code().unwrap_or(-1))
+    (
+        text(&output.stdout),
+        text(&output.stderr),
+        output.status.code().unwrap_or(-1),
+    )
 }
 
 // `palpate bench recording --only kill` does the same a hundred times.
@@ -27,7 +35,11 @@ fn a_killed_daemon_leaves_all_but_half_a_second() {
     let directory = tempfile::tempdir().unwrap();
     for (k, after_ms) in [150, 700].into_iter().enumerate() {
         let file = directory.path().join(format!("{k}.mcap"));
-        let mut daemon = Daemon::start(directory.path(), SCENE, &["--record", file.to_str().unwrap()]);
+        let mut daemon = Daemon::start(
+            directory.path(),
+            SCENE,
+            &["--record", file.to_str().unwrap()],
+        );
         let client = daemon.connect();
         let mut tool = client.tool("ball").unwrap();
         let (begun, mut first) = (Instant::now(), None);
@@ -48,15 +60,24 @@ fn a_killed_daemon_leaves_all_but_half_a_second() {
         assert_eq!(code, 0, "{words}");
         let told: serde_json::Value = serde_json::from_str(&text).unwrap();
         let last = told["last_tick"].as_u64().unwrap();
-        assert!(last + 2_000 >= seen, "tick {seen} was seen, {last} is the last of the file");
+        assert!(
+            last + 2_000 >= seen,
+            "tick {seen} was seen, {last} is the last of the file"
+        );
         println!("killed at tick {seen}, recovered up to {last}");
         let session = Session::open(&file).unwrap();
         assert!(session.gaps() == 0 && !session.is_clean());
         let report = replay(&session, 0, |_, _| {}).unwrap();
-        assert!(report.first_difference.is_none() && report.ticks_matched == last, "{report:?}");
+        assert!(
+            report.first_difference.is_none() && report.ticks_matched == last,
+            "{report:?}"
+        );
         // It is not mended twice over itself.
         let (_, words, code) = palpate(&["recover", &part]);
-        assert!(code == 2 && words.contains("exists already"), "{code}: {words}");
+        assert!(
+            code == 2 && words.contains("exists already"),
+            "{code}: {words}"
+        );
     }
 }
 
@@ -67,7 +88,11 @@ fn a_full_disk_is_told_and_the_loop_goes_on() {
     let scene = directory.path().join("scene.toml");
     std::fs::write(&scene, SCENE).unwrap();
     let file = directory.path().join("full.mcap");
-    let port = TcpListener::bind("127.0.0.1:0").unwrap().local_addr().unwrap().port();
+    let port = TcpListener::bind("127.0.0.1:0")
+        .unwrap()
+        .local_addr()
+        .unwrap()
+        .port();
     let endpoint = format!("tcp/127.0.0.1:{port}");
     let limited = format!(
         "trap '' XFSZ; ulimit -f 128; exec {PROGRAM} serve {} --listen {endpoint} --no-rt --record {}",
@@ -83,7 +108,10 @@ fn a_full_disk_is_told_and_the_loop_goes_on() {
         .unwrap();
     let begun = Instant::now();
     let client = loop {
-        match Palpate::connect(&Connect { timeout: Duration::from_secs(20), ..Connect::to(&endpoint) }) {
+        match Palpate::connect(&Connect {
+            timeout: Duration::from_secs(20),
+            ..Connect::to(&endpoint)
+        }) {
             Ok(client) => break client,
             Err(error) => assert!(begun.elapsed() < Duration::from_secs(60), "{error}"),
         }
@@ -106,20 +134,36 @@ fn a_full_disk_is_told_and_the_loop_goes_on() {
         std::thread::sleep(Duration::from_millis(20));
     }
     let (path, reason) = failures.lock().unwrap()[0].clone();
-    assert!(Path::new(&path).ends_with("full.mcap") && reason.contains("full.mcap.part"), "{path}: {reason}");
+    assert!(
+        Path::new(&path).ends_with("full.mcap") && reason.contains("full.mcap.part"),
+        "{path}: {reason}"
+    );
     client.rpc("shutdown", &Default::default()).unwrap();
     client.close();
-    assert_eq!(child.wait().unwrap().code(), Some(3), "an incomplete recording is no success");
+    assert_eq!(
+        child.wait().unwrap().code(),
+        Some(3),
+        "an incomplete recording is no success"
+    );
     let session = Session::open(&directory.path().join("full.mcap.part")).unwrap();
     assert!(session.ticks.len() > 100 && session.gaps() == 0);
-    assert!(replay(&session, 0, |_, _| {}).unwrap().first_difference.is_none());
+    assert!(
+        replay(&session, 0, |_, _| {})
+            .unwrap()
+            .first_difference
+            .is_none()
+    );
 }
 
 #[test]
 fn two_signals_end_a_daemon_and_one_ends_it_well() {
     let directory = tempfile::tempdir().unwrap();
     let file = directory.path().join("signal.mcap");
-    let daemon = Daemon::start(directory.path(), SCENE, &["--record", file.to_str().unwrap()]);
+    let daemon = Daemon::start(
+        directory.path(),
+        SCENE,
+        &["--record", file.to_str().unwrap()],
+    );
     // It listens before it ticks.
     let client = daemon.connect();
     while client.status().unwrap().tick < 50 {
@@ -127,8 +171,18 @@ fn two_signals_end_a_daemon_and_one_ends_it_well() {
     }
     client.close();
     let pid = daemon.child.id().to_string();
-    assert!(Command::new("kill").args(["-INT", &pid]).status().unwrap().success());
+    assert!(
+        Command::new("kill")
+            .args(["-INT", &pid])
+            .status()
+            .unwrap()
+            .success()
+    );
     let (text, code) = daemon.end();
     assert_eq!(code, 0, "{text}");
-    assert!(replay(&Session::open(&file).unwrap(), 0, |_, _| {}).unwrap().passed());
+    assert!(
+        replay(&Session::open(&file).unwrap(), 0, |_, _| {})
+            .unwrap()
+            .passed()
+    );
 }

@@ -29,21 +29,33 @@ fn rewrite(source: &Path, target: &Path, mut edit: impl FnMut(&str, &mut Vec<u8>
     for record in mcap::read::ChunkFlattener::new(&bytes).unwrap() {
         match record.unwrap() {
             Record::Channel(channel) => {
-                let id = out.add_channel(0, &channel.topic, "protobuf", &BTreeMap::new()).unwrap();
+                let id = out
+                    .add_channel(0, &channel.topic, "protobuf", &BTreeMap::new())
+                    .unwrap();
                 channels.insert(channel.id, (id, channel.topic));
             }
             Record::Message { header, data } => {
                 let (channel_id, topic) = &channels[&header.channel_id];
                 let mut data = data.into_owned();
                 edit(topic, &mut data);
-                let header = MessageHeader { channel_id: *channel_id, ..header };
+                let header = MessageHeader {
+                    channel_id: *channel_id,
+                    ..header
+                };
                 out.write_to_known_channel(&header, &data).unwrap();
             }
             Record::Metadata(metadata) => out.write_metadata(&metadata).unwrap(),
             Record::Attachment { header, data, .. } => {
                 let (log_time, create_time) = (header.log_time, header.create_time);
                 let (name, media_type) = (header.name, header.media_type);
-                out.attach(&mcap::Attachment { log_time, create_time, name, media_type, data }).unwrap();
+                out.attach(&mcap::Attachment {
+                    log_time,
+                    create_time,
+                    name,
+                    media_type,
+                    data,
+                })
+                .unwrap();
             }
             _ => {}
         }
@@ -52,13 +64,19 @@ fn rewrite(source: &Path, target: &Path, mut edit: impl FnMut(&str, &mut Vec<u8>
 }
 
 fn find(haystack: &[u8], needle: &[u8]) -> usize {
-    haystack.windows(needle.len()).position(|window| window == needle).unwrap()
+    haystack
+        .windows(needle.len())
+        .position(|window| window == needle)
+        .unwrap()
 }
 
 #[test]
 fn one_changed_byte_of_an_applied_pose_in_the_file_is_found_with_its_tick_and_field() {
     let directory = tempfile::tempdir().unwrap();
-    let (whole, forged) = (directory.path().join("whole.mcap"), directory.path().join("forged.mcap"));
+    let (whole, forged) = (
+        directory.path().join("whole.mcap"),
+        directory.path().join("forged.mcap"),
+    );
     let (_, records) = record(&whole, RIGID, 400, &[]);
     let record = &records[249];
     assert!(record.output.tools[0].contact.is_some());
@@ -75,17 +93,32 @@ fn one_changed_byte_of_an_applied_pose_in_the_file_is_found_with_its_tick_and_fi
     let report = replay(&Session::open(&forged).unwrap(), 0, |_, _| {}).unwrap();
     assert!(!report.passed());
     assert_eq!(report.ticks_matched, 249);
-    let difference = report.first_difference.expect("a forged byte went unnoticed");
-    assert_eq!((difference.tick, difference.field.as_str()), (250, "tools[0].force_n.x"));
-    assert_eq!(difference.recorded, format!("{:e}", record.output.tools[0].force_n.x));
-    assert!(difference.recorded != difference.replayed && difference.ulps.is_some_and(|ulps| ulps > 0));
+    let difference = report
+        .first_difference
+        .expect("a forged byte went unnoticed");
+    assert_eq!(
+        (difference.tick, difference.field.as_str()),
+        (250, "tools[0].force_n.x")
+    );
+    assert_eq!(
+        difference.recorded,
+        format!("{:e}", record.output.tools[0].force_n.x)
+    );
+    assert!(
+        difference.recorded != difference.replayed && difference.ulps.is_some_and(|ulps| ulps > 0)
+    );
 
     // The same through a copy that changes nothing: it is the byte that was found, not the copying.
     rewrite(&whole, &forged, |_, _| {});
-    assert!(replay(&Session::open(&forged).unwrap(), 0, |_, _| {}).unwrap().passed());
+    assert!(
+        replay(&Session::open(&forged).unwrap(), 0, |_, _| {})
+            .unwrap()
+            .passed()
+    );
 }
 
-// A byte of an exponent makes a pose huge or NaN; one of an unused velocity shows in nothing but the state.
+// A byte of an exponent makes a pose huge or NaN; one of an unused velocity shows in nothing but
+// the state.
 #[test]
 fn every_byte_of_a_pose_counts() {
     let directory = tempfile::tempdir().unwrap();
@@ -107,22 +140,32 @@ fn every_byte_of_a_pose_counts() {
             *slot = f64::from_bits(slot.to_bits() ^ 0x7f << (8 * byte));
             assert_ne!(format!("{whole:?}"), format!("{pose:?}"));
             let report = replay(&forged, 200, |_, _| {}).unwrap();
-            let difference = report.first_difference.unwrap_or_else(|| panic!("value {k}, byte {byte} unnoticed"));
-            assert_eq!(difference.tick, 250, "value {k}, byte {byte}: {difference:?}");
+            let difference = report
+                .first_difference
+                .unwrap_or_else(|| panic!("value {k}, byte {byte} unnoticed"));
+            assert_eq!(
+                difference.tick, 250,
+                "value {k}, byte {byte}: {difference:?}"
+            );
         }
     }
 }
 
-/// By hand from the layout of MCAP, as an oracle: for each chunk with its message indexes, where it is and how many
-/// messages of a channel it and those before it hold.
+/// By hand from the layout of MCAP, as an oracle: for each chunk with its message indexes, where it
+/// is and how many messages of a channel it and those before it hold.
 fn chunks(bytes: &[u8], channel: u16) -> Vec<(Range<usize>, usize)> {
-    let number =
-        |at: usize, len: usize| bytes[at..at + len].iter().rev().fold(0, |n, byte| n << 8 | usize::from(*byte));
+    let number = |at: usize, len: usize| {
+        bytes[at..at + len]
+            .iter()
+            .rev()
+            .fold(0, |n, byte| n << 8 | usize::from(*byte))
+    };
     let (mut at, mut chunk, mut count, mut chunks) = (8, 0..0, 0, Vec::new());
     while at + 9 < bytes.len() {
         let (op, len) = (bytes[at], number(at + 1, 8));
         match op {
-            // Chunk: its messages are readable once it is whole; how many it has, its message indexes tell.
+            // Chunk: its messages are readable once it is whole; how many it has, its message
+            // indexes tell.
             0x06 => chunk = at..at + 9 + len,
             0x07 if number(at + 9, 2) == usize::from(channel) => {
                 count += number(at + 11, 4) / 16;
@@ -137,7 +180,12 @@ fn chunks(bytes: &[u8], channel: u16) -> Vec<(Range<usize>, usize)> {
 
 fn tick_channel(bytes: &[u8]) -> u16 {
     let summary = mcap::Summary::read(bytes).unwrap().unwrap();
-    summary.channels.values().find(|channel| channel.topic == "/sim/tick").unwrap().id
+    summary
+        .channels
+        .values()
+        .find(|channel| channel.topic == "/sim/tick")
+        .unwrap()
+        .id
 }
 
 /// xorshift64*, for places in files.
@@ -156,42 +204,78 @@ impl Places {
 fn a_file_cut_anywhere_recovers_every_tick_of_every_whole_chunk() {
     let directory = tempfile::tempdir().unwrap();
     let path = directory.path().join("whole.mcap");
-    let commands = [(300, Command::Pause), (320, Command::Resume), (450, Command::Reset)];
+    let commands = [
+        (300, Command::Pause),
+        (320, Command::Resume),
+        (450, Command::Reset),
+    ];
     let (_, records) = record(&path, SOFT, 700, &commands);
     let bytes = std::fs::read(&path).unwrap();
     let chunks = chunks(&bytes, tick_channel(&bytes));
-    assert_eq!(chunks.last().unwrap().1, 700, "the oracle counts every tick");
+    assert_eq!(
+        chunks.last().unwrap().1,
+        700,
+        "the oracle counts every tick"
+    );
     // How many depends on how fast ticks come: chunks end by size or by time.
     assert!(chunks.len() > 4, "only {} chunks", chunks.len());
 
-    let (cut_file, mended) = (directory.path().join("cut.mcap.part"), directory.path().join("mended.mcap"));
+    let (cut_file, mended) = (
+        directory.path().join("cut.mcap.part"),
+        directory.path().join("mended.mcap"),
+    );
     let (mut places, mut recovered_files) = (Places(20260), 0);
     for round in 0..100 {
         let cut = places.below(bytes.len());
         let _ = std::fs::remove_file(&mended);
         std::fs::write(&cut_file, &bytes[..cut]).unwrap();
-        let flushed = chunks.iter().rev().find(|(chunk, _)| chunk.end <= cut).map_or(0, |(_, count)| *count);
+        let flushed = chunks
+            .iter()
+            .rev()
+            .find(|(chunk, _)| chunk.end <= cut)
+            .map_or(0, |(_, count)| *count);
         let recovered = match recover(&cut_file, &mended) {
             Ok(recovered) => recovered,
             Err(error) => {
-                assert!(matches!(error, RecoverError::Read(_)), "cut at {cut}: {error}");
+                assert!(
+                    matches!(error, RecoverError::Read(_)),
+                    "cut at {cut}: {error}"
+                );
                 assert_eq!(flushed, 0, "cut at {cut}: {error}");
                 continue;
             }
         };
         recovered_files += 1;
-        assert!(recovered.cut_short.is_some() && recovered.ticks >= flushed as u64, "cut at {cut}: {recovered:?}");
+        assert!(
+            recovered.cut_short.is_some() && recovered.ticks >= flushed as u64,
+            "cut at {cut}: {recovered:?}"
+        );
         let session = Session::open(&mended).unwrap();
-        assert!(session.cut_short.is_none() && !session.is_clean() && session.gaps() == 0, "cut at {cut}");
+        assert!(
+            session.cut_short.is_none() && !session.is_clean() && session.gaps() == 0,
+            "cut at {cut}"
+        );
         assert_eq!(session.ticks.len() as u64, recovered.ticks);
-        assert!(records.iter().zip(&session.ticks).all(|(was, is)| bits(was) == bits(is)), "cut at {cut}");
+        assert!(
+            records
+                .iter()
+                .zip(&session.ticks)
+                .all(|(was, is)| bits(was) == bits(is)),
+            "cut at {cut}"
+        );
         if round % 10 == 0 && !session.keyframes.is_empty() {
             let report = replay(&session, 0, |_, _| {}).unwrap();
-            assert!(report.first_difference.is_none() && !report.passed(), "cut at {cut}: {report:?}");
+            assert!(
+                report.first_difference.is_none() && !report.passed(),
+                "cut at {cut}: {report:?}"
+            );
             assert_eq!(report.ticks_matched, recovered.ticks);
         }
     }
-    assert!(recovered_files > 80, "only {recovered_files} pieces could be read");
+    assert!(
+        recovered_files > 80,
+        "only {recovered_files} pieces could be read"
+    );
 }
 
 #[test]
@@ -216,10 +300,18 @@ fn a_file_with_any_byte_changed_is_read_in_part_or_refused_but_never_trusted() {
         noticed += u32::from(session.cut_short.is_some());
         for is in &session.ticks {
             let was = &records[is.output.tick as usize - 1];
-            assert!(bits(was) == bits(is), "bit {bit} of byte {at} went through to tick {}", is.output.tick);
+            assert!(
+                bits(was) == bits(is),
+                "bit {bit} of byte {at} went through to tick {}",
+                is.output.tick
+            );
         }
         // A damaged chunk takes its own ticks along, not those after it.
-        if session.cut_short.as_ref().is_some_and(|why| why.contains("damaged chunk")) {
+        if session
+            .cut_short
+            .as_ref()
+            .is_some_and(|why| why.contains("damaged chunk"))
+        {
             // The first chunk may hold channels only; they are repeated at the end of the file.
             let hit = chunks.iter().position(|(chunk, _)| chunk.contains(&at));
             let up_to = |k: usize| if k == 0 { 0 } else { chunks[k - 1].1 };
@@ -228,7 +320,10 @@ fn a_file_with_any_byte_changed_is_read_in_part_or_refused_but_never_trusted() {
             skipped += 1;
         }
     }
-    assert!(noticed > 100 && skipped > 50, "only {noticed} of 300 flips were noticed, {skipped} chunks skipped");
+    assert!(
+        noticed > 100 && skipped > 50,
+        "only {noticed} of 300 flips were noticed, {skipped} chunks skipped"
+    );
 }
 
 #[test]
@@ -240,7 +335,10 @@ fn a_recording_under_way_is_readable_up_to_its_last_flush() {
     // Readable from the first moment on, with nothing in it.
     assert_eq!(Session::open(&part).unwrap().ticks.len(), 0);
     (0..500).for_each(|_| live.tick());
-    let (copy, mended) = (directory.path().join("copy.part"), directory.path().join("mended.mcap"));
+    let (copy, mended) = (
+        directory.path().join("copy.part"),
+        directory.path().join("mended.mcap"),
+    );
     let started = Instant::now();
     let session = loop {
         // What a kill at this moment would leave.
@@ -249,22 +347,43 @@ fn a_recording_under_way_is_readable_up_to_its_last_flush() {
         if session.ticks.len() == 500 {
             break session;
         }
-        assert!(started.elapsed() < Duration::from_secs(60), "{} of 500 ticks after a minute", session.ticks.len());
+        assert!(
+            started.elapsed() < Duration::from_secs(60),
+            "{} of 500 ticks after a minute",
+            session.ticks.len()
+        );
         std::thread::sleep(Duration::from_millis(20));
     };
     assert!(session.cut_short.is_some() && !session.is_clean());
     assert_eq!(recover(&copy, &mended).unwrap().ticks, 500);
     let report = replay(&Session::open(&mended).unwrap(), 0, |_, _| {}).unwrap();
-    assert!(report.first_difference.is_none() && report.ticks_matched == 500 && !report.clean, "{report:?}");
+    assert!(
+        report.first_difference.is_none() && report.ticks_matched == 500 && !report.clean,
+        "{report:?}"
+    );
     let (summary, _) = live.finish();
     assert_eq!(summary.ticks, 500);
-    assert!(replay(&Session::open(&path).unwrap(), 0, |_, _| {}).unwrap().passed());
+    assert!(
+        replay(&Session::open(&path).unwrap(), 0, |_, _| {})
+            .unwrap()
+            .passed()
+    );
     // Recovering a whole file gives it again, clean; recovering it onto itself would destroy it.
-    assert!(matches!(recover(&path, &mended), Err(RecoverError::Write(WriteError::Exists { .. }))));
+    assert!(matches!(
+        recover(&path, &mended),
+        Err(RecoverError::Write(WriteError::Exists { .. }))
+    ));
     std::fs::remove_file(&mended).unwrap();
     recover(&path, &mended).unwrap();
-    assert!(replay(&Session::open(&mended).unwrap(), 0, |_, _| {}).unwrap().passed());
-    assert!(matches!(recover(&path, &path), Err(RecoverError::SameFile(_))));
+    assert!(
+        replay(&Session::open(&mended).unwrap(), 0, |_, _| {})
+            .unwrap()
+            .passed()
+    );
+    assert!(matches!(
+        recover(&path, &path),
+        Err(RecoverError::SameFile(_))
+    ));
 }
 
 #[test]
@@ -276,33 +395,67 @@ fn files_of_other_kinds_are_told_apart() {
         path
     };
     let open = |path: &Path| Session::open(path).expect_err("read as a session");
-    for (name, content) in [("empty", &b""[..]), ("text", b"tick,force\n1,0.5\n"), ("half a magic", &mcap::MAGIC[..5])]
-    {
+    for (name, content) in [
+        ("empty", &b""[..]),
+        ("text", b"tick,force\n1,0.5\n"),
+        ("half a magic", &mcap::MAGIC[..5]),
+    ] {
         let error = open(&write(name, content));
-        assert!(matches!(error, ReadError::NotMcap { .. }), "{name}: {error}");
-        assert!(error.to_string().contains("not an MCAP file"), "{name}: {error}");
+        assert!(
+            matches!(error, ReadError::NotMcap { .. }),
+            "{name}: {error}"
+        );
+        assert!(
+            error.to_string().contains("not an MCAP file"),
+            "{name}: {error}"
+        );
     }
     let error = open(&write("magic only", mcap::MAGIC));
     assert!(matches!(error, ReadError::Foreign { .. }), "{error}");
-    assert!(matches!(open(&directory.path().join("none")), ReadError::Io { .. }));
+    assert!(matches!(
+        open(&directory.path().join("none")),
+        ReadError::Io { .. }
+    ));
     assert!(matches!(open(directory.path()), ReadError::Io { .. }));
 
     // Somebody else's MCAP, with a topic of ours even.
     let foreign = directory.path().join("foreign.mcap");
     let mut writer = mcap::Writer::new(std::fs::File::create(&foreign).unwrap()).unwrap();
-    let channel_id = writer.add_channel(0, "/sim/keyframe", "json", &BTreeMap::new()).unwrap();
-    let header = MessageHeader { channel_id, sequence: 0, log_time: 0, publish_time: 0 };
+    let channel_id = writer
+        .add_channel(0, "/sim/keyframe", "json", &BTreeMap::new())
+        .unwrap();
+    let header = MessageHeader {
+        channel_id,
+        sequence: 0,
+        log_time: 0,
+        publish_time: 0,
+    };
     writer.write_to_known_channel(&header, b"{}").unwrap();
     writer.finish().unwrap();
     let error = open(&foreign);
-    assert!(matches!(error, ReadError::Foreign { .. } | ReadError::Message { .. }), "{error}");
-    assert!(error.to_string().contains("not a Palpate recording"), "{error}");
+    assert!(
+        matches!(error, ReadError::Foreign { .. } | ReadError::Message { .. }),
+        "{error}"
+    );
+    assert!(
+        error.to_string().contains("not a Palpate recording"),
+        "{error}"
+    );
     let target = directory.path().join("x");
-    assert!(matches!(recover(&foreign, &target), Err(RecoverError::Read(_))));
-    assert!(!target.exists() && !directory.path().join("x.part").exists(), "a refused file leaves nothing behind");
+    assert!(matches!(
+        recover(&foreign, &target),
+        Err(RecoverError::Read(_))
+    ));
+    assert!(
+        !target.exists() && !directory.path().join("x.part").exists(),
+        "a refused file leaves nothing behind"
+    );
 
     // Ours, but from the future; and ours with a message that breaks its promise.
-    let (whole, other) = (directory.path().join("whole.mcap"), directory.path().join("other.mcap"));
+    let (whole, other) = (
+        directory.path().join("whole.mcap"),
+        directory.path().join("other.mcap"),
+    );
     record(&whole, RIGID, 20, &[]);
     let bytes = std::fs::read(&whole).unwrap();
     let mut future = bytes.clone();
@@ -310,7 +463,10 @@ fn files_of_other_kinds_are_told_apart() {
     future[at] = b'9';
     // Metadata records carry no checksum of their own.
     let error = Session::parse(Path::new("future"), &future).unwrap_err();
-    assert!(matches!(&error, ReadError::Format { found, .. } if found == "9"), "{error}");
+    assert!(
+        matches!(&error, ReadError::Format { found, .. } if found == "9"),
+        "{error}"
+    );
     rewrite(&whole, &other, |topic, data| {
         if topic == "/sim/tick" {
             let mut tick = pb::Tick::decode(&data[..]).unwrap();
@@ -327,7 +483,10 @@ fn files_of_other_kinds_are_told_apart() {
 #[test]
 fn impossible_numbers_in_a_file_are_no_reason_to_panic() {
     let directory = tempfile::tempdir().unwrap();
-    let (whole, odd) = (directory.path().join("whole.mcap"), directory.path().join("odd.mcap"));
+    let (whole, odd) = (
+        directory.path().join("whole.mcap"),
+        directory.path().join("odd.mcap"),
+    );
     record(&whole, RIGID, 20, &[(4, Command::Pause)]);
     for number in [0, 5, 1 << 40, u64::MAX] {
         rewrite(&whole, &odd, |topic, data| match topic {
@@ -339,7 +498,11 @@ fn impossible_numbers_in_a_file_are_no_reason_to_panic() {
                 }
             }
             "/sim/command" => {
-                *data = pb::Command { after_tick: number, ..pb::Command::decode(&data[..]).unwrap() }.encode_to_vec()
+                *data = pb::Command {
+                    after_tick: number,
+                    ..pb::Command::decode(&data[..]).unwrap()
+                }
+                .encode_to_vec()
             }
             _ => {}
         });
@@ -347,20 +510,44 @@ fn impossible_numbers_in_a_file_are_no_reason_to_panic() {
         let figures = info(&session);
         assert_eq!(figures.ticks, 20, "{figures}");
         assert!(!replay(&session, 0, |_, _| {}).unwrap().passed());
-        assert_eq!(recover(&odd, &directory.path().join(format!("mended-{number}.mcap"))).unwrap().ticks, 20);
+        assert_eq!(
+            recover(
+                &odd,
+                &directory.path().join(format!("mended-{number}.mcap"))
+            )
+            .unwrap()
+            .ticks,
+            20
+        );
     }
     let mut foreign_state = Session::open(&whole).unwrap();
     foreign_state.keyframes[0].saved.floats.pop();
-    assert!(replay(&foreign_state, 0, |_, _| {}).unwrap_err().to_string().contains("does not fit this scene"));
+    assert!(
+        replay(&foreign_state, 0, |_, _| {})
+            .unwrap_err()
+            .to_string()
+            .contains("does not fit this scene")
+    );
     foreign_state.keyframes.clear();
-    assert!(replay(&foreign_state, 0, |_, _| {}).unwrap_err().to_string().contains("no keyframe"));
+    assert!(
+        replay(&foreign_state, 0, |_, _| {})
+            .unwrap_err()
+            .to_string()
+            .contains("no keyframe")
+    );
 }
 
 #[test]
 fn what_a_full_ring_loses_is_counted_and_the_file_says_so() {
     let directory = tempfile::tempdir().unwrap();
     let path = directory.path().join("flood.mcap");
-    let Live { scene, mut state, recorder, mut port, .. } = Live::start(&path, RIGID);
+    let Live {
+        scene,
+        mut state,
+        recorder,
+        mut port,
+        ..
+    } = Live::start(&path, RIGID);
     let gauges = recorder.gauges();
     let mut pushed = 0;
     // Far faster than any writer: the ring is full within milliseconds.
@@ -368,19 +555,42 @@ fn what_a_full_ring_loses_is_counted_and_the_file_says_so() {
         for _ in 0..5_000 {
             pushed += 1;
             state.tick = pushed;
-            let output = TickOutput { tick: pushed, ..TickOutput::default() };
-            port.tick(&scene, &state, &TickRecord { output, ..TickRecord::default() });
+            let output = TickOutput {
+                tick: pushed,
+                ..TickOutput::default()
+            };
+            port.tick(
+                &scene,
+                &state,
+                &TickRecord {
+                    output,
+                    ..TickRecord::default()
+                },
+            );
         }
     }
     drop(port);
     let summary = recorder.finish().last().unwrap();
-    assert!(summary.dropped >= 100, "{pushed} ticks in no time, and all were written");
-    assert_eq!(summary.ticks + summary.dropped, pushed, "every tick is written or counted");
+    assert!(
+        summary.dropped >= 100,
+        "{pushed} ticks in no time, and all were written"
+    );
+    assert_eq!(
+        summary.ticks + summary.dropped,
+        pushed,
+        "every tick is written or counted"
+    );
     let session = Session::open(&path).unwrap();
     let figures = info(&session);
-    assert_eq!((figures.dropped_records, figures.ticks), (summary.dropped, summary.ticks));
+    assert_eq!(
+        (figures.dropped_records, figures.ticks),
+        (summary.dropped, summary.ticks)
+    );
     // Ticks lost at the very end leave no gap between others.
-    assert!(figures.gaps <= summary.dropped && !figures.clean, "{figures}");
+    assert!(
+        figures.gaps <= summary.dropped && !figures.clean,
+        "{figures}"
+    );
     let report = replay(&session, 0, |_, _| {}).unwrap();
     assert!(!report.clean && !report.passed(), "{report:?}");
     assert!(report.ticks_recorded == summary.ticks);
@@ -393,7 +603,9 @@ fn ticks_missing_in_the_middle_are_gaps_and_the_rest_is_still_compared() {
     let path = directory.path().join("whole.mcap");
     record(&path, SOFT, 500, &[(250, Command::Reset)]);
     let mut session = Session::open(&path).unwrap();
-    session.ticks.retain(|record| !(120..=130).contains(&record.output.tick));
+    session
+        .ticks
+        .retain(|record| !(120..=130).contains(&record.output.tick));
     let report = replay(&session, 0, |_, _| {}).unwrap();
     assert_eq!(report.first_difference, None);
     assert!(report.gaps == 11 && !report.passed());
@@ -410,10 +622,15 @@ fn a_place_that_cannot_be_written_is_an_error_at_the_start() {
     let scene = Scene::build(&loaded.spec, Path::new(".")).unwrap();
     let start = |path: PathBuf| {
         let settings = RecorderSettings::new(RIGID, &loaded.spec).to(&path);
-        Recorder::start(settings, &scene).map(|_| ()).expect_err("started")
+        Recorder::start(settings, &scene)
+            .map(|_| ())
+            .expect_err("started")
     };
     let error = start(blocker.join("below/a/file.mcap"));
-    assert!(matches!(&error, WriteError::Io { .. }) && error.to_string().contains("file.mcap"), "{error}");
+    assert!(
+        matches!(&error, WriteError::Io { .. }) && error.to_string().contains("file.mcap"),
+        "{error}"
+    );
     #[cfg(target_os = "linux")]
     {
         std::os::unix::fs::symlink("/dev/full", directory.path().join("full.mcap.part")).unwrap();

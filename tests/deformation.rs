@@ -13,7 +13,10 @@ fn first_touch(world: &World) -> f64 {
     let (mut low, mut high) = (0.02, 0.06);
     for _ in 0..60 {
         let middle = 0.5 * (low + high);
-        let gap = solver.closest(surface, &Point3::new(middle, 0.003, 0.045)).signed_distance - 0.01;
+        let gap = solver
+            .closest(surface, &Point3::new(middle, 0.003, 0.045))
+            .signed_distance
+            - 0.01;
         *if gap > 0.0 { &mut high } else { &mut low } = middle;
     }
     high
@@ -41,8 +44,8 @@ fn press_world(mut world: World) -> ([f64; 4], World, f64) {
     (forces, world, touch)
 }
 
-// Neo-Hookean finite elements, ν = 0.3, converged to about 1 %; the lattice's own law (ν = 1/4, linear springs) and its
-// resolution make the difference, which is printed.
+// Neo-Hookean finite elements, ν = 0.3, converged to about 1 %; the lattice's own law (ν = 1/4,
+// linear springs) and its resolution make the difference, which is printed.
 #[test]
 fn pressing_the_teardrop_meets_the_reference_within_25_percent() {
     let reference = [0.0450, 0.1045, 0.1720, 0.2461];
@@ -50,15 +53,34 @@ fn pressing_the_teardrop_meets_the_reference_within_25_percent() {
     println!("depth mm  force N  reference N  deviation");
     for k in 0..4 {
         let deviation = forces[k] / reference[k] - 1.0;
-        println!("{:>8}  {:.4}   {:.4}       {:+.1} %", k + 1, forces[k], reference[k], deviation * 100.0);
-        assert!(deviation.abs() < 0.25, "at {} mm: {} N for {} N", k + 1, forces[k], reference[k]);
+        println!(
+            "{:>8}  {:.4}   {:.4}       {:+.1} %",
+            k + 1,
+            forces[k],
+            reference[k],
+            deviation * 100.0
+        );
+        assert!(
+            deviation.abs() < 0.25,
+            "at {} mm: {} N for {} N",
+            k + 1,
+            forces[k],
+            reference[k]
+        );
     }
-    assert!(forces.windows(2).all(|pair| pair[0] < pair[1]), "force does not rise with depth: {forces:?}");
+    assert!(
+        forces.windows(2).all(|pair| pair[0] < pair[1]),
+        "force does not rise with depth: {forces:?}"
+    );
 
     // At rest the base bears what the tool presses: 0.1 % in the direction of the push.
     let lattice = world.scene.lattice(0).unwrap();
     let base = lattice.base_reaction_n(world.state.bodies[0].lattice.as_ref().unwrap());
-    assert!((base.x.abs() / forces[3] - 1.0).abs() < 1e-3, "base {base}, tool {}", forces[3]);
+    assert!(
+        (base.x.abs() / forces[3] - 1.0).abs() < 1e-3,
+        "base {base}, tool {}",
+        forces[3]
+    );
 
     // Released, it comes back.
     let mut world = world;
@@ -68,11 +90,19 @@ fn pressing_the_teardrop_meets_the_reference_within_25_percent() {
     let rest = world.scene.rest_surface(0).net().points().to_vec();
     let mut now = rest.clone();
     world.state.copy_net(&world.scene, 0, &mut now);
-    let farthest = rest.iter().zip(&now).map(|(a, b)| (a - b).norm()).fold(0.0, f64::max);
-    assert!(farthest < 1e-6, "farthest control point is {farthest} m from rest");
+    let farthest = rest
+        .iter()
+        .zip(&now)
+        .map(|(a, b)| (a - b).norm())
+        .fold(0.0, f64::max);
+    assert!(
+        farthest < 1e-6,
+        "farthest control point is {farthest} m from rest"
+    );
 }
 
-// The same body as a continuum of that law: 10 % from 2 mm on, 20 % at 1 mm, where the contact is two control points wide.
+// The same body as a continuum of that law: 10 % from 2 mm on, 20 % at 1 mm, where the contact is
+// two control points wide.
 #[test]
 fn pressing_the_teardrop_as_a_continuum_meets_the_reference_within_10_percent() {
     let reference = [0.0450, 0.1045, 0.1720, 0.2461];
@@ -80,8 +110,18 @@ fn pressing_the_teardrop_as_a_continuum_meets_the_reference_within_10_percent() 
     let (forces, ..) = press_world(World::new(&text));
     for k in 0..4 {
         let deviation = forces[k] / reference[k] - 1.0;
-        println!("{} mm: {:.4} N, {:+.1} %", k + 1, forces[k], deviation * 100.0);
-        assert!(deviation.abs() < if k == 0 { 0.2 } else { 0.1 }, "at {} mm: {} N", k + 1, forces[k]);
+        println!(
+            "{} mm: {:.4} N, {:+.1} %",
+            k + 1,
+            forces[k],
+            deviation * 100.0
+        );
+        assert!(
+            deviation.abs() < if k == 0 { 0.2 } else { 0.1 },
+            "at {} mm: {} N",
+            k + 1,
+            forces[k]
+        );
     }
 }
 
@@ -93,8 +133,16 @@ fn force_over_modulus_is_constant_over_three_decades() {
         let (stiff, ..) = press(20e3 * scale, "[16, 17]");
         for k in 0..4 {
             let ratio = stiff[k] / scale / soft[k];
-            println!("x{scale}: at {} mm F/E is {:.5} of that at x1", k + 1, ratio);
-            assert!((ratio - 1.0).abs() < 5e-3, "x{scale} at {} mm: {ratio}", k + 1);
+            println!(
+                "x{scale}: at {} mm F/E is {:.5} of that at x1",
+                k + 1,
+                ratio
+            );
+            assert!(
+                (ratio - 1.0).abs() < 5e-3,
+                "x{scale} at {} mm: {ratio}",
+                k + 1
+            );
         }
     }
 }
@@ -115,11 +163,21 @@ fn depth_and_force_rise_together_through_a_soft_coupling() {
             out = world.at([x, 0.003, 0.045]);
         }
         let tool = out.tools[0];
-        let Some(contact) = tool.contact else { continue };
+        let Some(contact) = tool.contact else {
+            continue;
+        };
         let now = (contact.depth_m, tool.force_n.norm());
-        assert!(now.0 > before.0 && now.1 > before.1, "{now:?} after {before:?}");
+        assert!(
+            now.0 > before.0 && now.1 > before.1,
+            "{now:?} after {before:?}"
+        );
         // Without damping the coupling's spring is the depth's only keeper.
-        assert!((now.1 / (500.0 * now.0) - 1.0).abs() < 0.02, "force {} N at depth {} m", now.1, now.0);
+        assert!(
+            (now.1 / (500.0 * now.0) - 1.0).abs() < 0.02,
+            "force {} N at depth {} m",
+            now.1,
+            now.0
+        );
         before = now;
     }
     assert!(before.1 > 0.05, "never touched");
@@ -133,7 +191,12 @@ fn nothing_moves_at_rest_to_the_last_bit() {
         world.at([0.06, 0.003, 0.045]);
     }
     let now = world.state.bodies[0].lattice.clone().unwrap();
-    let farthest = rest.positions.iter().zip(&now.positions).map(|(a, b)| (a - b).norm()).fold(0.0, f64::max);
+    let farthest = rest
+        .positions
+        .iter()
+        .zip(&now.positions)
+        .map(|(a, b)| (a - b).norm())
+        .fold(0.0, f64::max);
     // Rest lengths are rounded, so forces of 1e-16 of a spring's remain.
     assert!(farthest < 1e-15, "drifted by {farthest} m");
 }
@@ -142,8 +205,17 @@ fn nothing_moves_at_rest_to_the_last_bit() {
 fn what_is_fixed_never_moves() {
     let (_, world, _) = press(20e3, "[16, 17]");
     let lattice = world.scene.lattice(0).unwrap();
-    let (rest, now) = (lattice.rest_state(), world.state.bodies[0].lattice.as_ref().unwrap());
-    let fixed: Vec<usize> = (0..lattice.coordinate_count()).filter(|&node| lattice.unknown(node).is_none()).collect();
+    let (rest, now) = (
+        lattice.rest_state(),
+        world.state.bodies[0].lattice.as_ref().unwrap(),
+    );
+    let fixed: Vec<usize> = (0..lattice.coordinate_count())
+        .filter(|&node| lattice.unknown(node).is_none())
+        .collect();
     assert!(fixed.len() > 50);
-    assert!(fixed.iter().all(|&node| rest.positions[node] == now.positions[node]));
+    assert!(
+        fixed
+            .iter()
+            .all(|&node| rest.positions[node] == now.positions[node])
+    );
 }

@@ -1,7 +1,10 @@
-//! Golden recordings: what was simulated once is simulated again, bit for bit, by debug and release builds alike (`cargo test`
-//! and `cargo test --release` replay the same files), with every set of instructions there is, and by figures.
+//! Golden recordings: what was simulated once is simulated again, bit for bit, by debug and release
+//! builds alike (`cargo test` and `cargo test --release` replay the same files), with every set of
+//! instructions there is, and by figures.
 
-use palpate::recording::{Figures, Session, SessionHash, Start, deviations, replay, simulate_figures};
+use palpate::recording::{
+    Figures, Session, SessionHash, Start, deviations, replay, simulate_figures,
+};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
@@ -11,10 +14,18 @@ fn directory() -> PathBuf {
 
 /// Golden recordings, by name.
 fn golden() -> Vec<PathBuf> {
-    let entries = std::fs::read_dir(directory()).unwrap().map(|entry| entry.unwrap().path());
-    let mut paths: Vec<PathBuf> = entries.filter(|path| path.extension().is_some_and(|e| e == "mcap")).collect();
+    let entries = std::fs::read_dir(directory())
+        .unwrap()
+        .map(|entry| entry.unwrap().path());
+    let mut paths: Vec<PathBuf> = entries
+        .filter(|path| path.extension().is_some_and(|e| e == "mcap"))
+        .collect();
     paths.sort();
-    assert!(paths.len() >= 2, "only {} recordings were found", paths.len());
+    assert!(
+        paths.len() >= 2,
+        "only {} recordings were found",
+        paths.len()
+    );
     paths
 }
 
@@ -33,7 +44,11 @@ fn golden_recordings_replay_to_the_bit_and_to_their_hashes() {
             .unwrap_or_else(|| panic!("{name} is not described"));
         let report = replay(&Session::open(&path).unwrap(), 0, |_, _| {}).unwrap();
         assert!(report.passed(), "{name}: {:?}", report.first_difference);
-        assert!(row.contains(&report.session_hash), "{name}: hash {} is not the one described", report.session_hash);
+        assert!(
+            row.contains(&report.session_hash),
+            "{name}: hash {} is not the one described",
+            report.session_hash
+        );
     }
 }
 
@@ -52,21 +67,37 @@ fn golden_recordings_replay_to_the_bit_without_avx2() {
         let report: serde_json::Value = serde_json::from_str(&text).unwrap();
         let mut hash = SessionHash::default();
         let session = Session::open(&path).unwrap();
-        session.ticks.iter().for_each(|record| hash.push(record.output.tick, record.output.state_hash));
-        assert_eq!(report["session_hash"], format!("{:016x}", hash.0), "{}", name(&path));
+        session
+            .ticks
+            .iter()
+            .for_each(|record| hash.push(record.output.tick, record.output.state_hash));
+        assert_eq!(
+            report["session_hash"],
+            format!("{:016x}", hash.0),
+            "{}",
+            name(&path)
+        );
     }
 }
 
-// What another version must come to as well. After a change that is meant: `palpate replay FILE --check figures --bless`.
+// What another version must come to as well. After a change that is meant: `palpate replay FILE
+// --check figures --bless`.
 #[test]
 fn golden_recordings_keep_their_figures() {
     for path in golden() {
         let expected = Figures::read(&Figures::path_for(&path)).unwrap_or_else(|e| panic!("{e}"));
         let (found, start) = simulate_figures(&Session::open(&path).unwrap(), |_, _| {}).unwrap();
         assert_eq!(start, Start::Keyframe, "{}", name(&path));
-        let off: Vec<String> = deviations(&expected, &found, false).iter().map(ToString::to_string).collect();
+        let off: Vec<String> = deviations(&expected, &found, false)
+            .iter()
+            .map(ToString::to_string)
+            .collect();
         assert!(off.is_empty(), "{}: {}", name(&path), off.join("\n"));
-        assert!(found.tools.iter().any(|tool| tool.contact_ticks > 0), "{}: nothing is touched", name(&path));
+        assert!(
+            found.tools.iter().any(|tool| tool.contact_ticks > 0),
+            "{}: nothing is touched",
+            name(&path)
+        );
     }
 }
 
@@ -83,12 +114,28 @@ fn golden_recordings_are_small() {
 fn every_scene_has_a_golden_recording() {
     let recorded: Vec<String> = golden()
         .iter()
-        .map(|path| Session::open(path).unwrap().header.run.get("scene").cloned().unwrap_or_default())
+        .map(|path| {
+            Session::open(path)
+                .unwrap()
+                .header
+                .run
+                .get("scene")
+                .cloned()
+                .unwrap_or_default()
+        })
         .collect();
     let scenes = std::fs::read_dir(Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes")).unwrap();
-    let scenes = scenes.map(|entry| entry.unwrap().path()).filter(|path| path.extension().is_some_and(|e| e == "toml"));
+    let scenes = scenes
+        .map(|entry| entry.unwrap().path())
+        .filter(|path| path.extension().is_some_and(|e| e == "toml"));
     let mut missing: Vec<String> = scenes
-        .map(|path| palpate::scene::file::load(&path).unwrap_or_else(|e| panic!("{e}")).spec.name.unwrap_or_default())
+        .map(|path| {
+            palpate::scene::file::load(&path)
+                .unwrap_or_else(|e| panic!("{e}"))
+                .spec
+                .name
+                .unwrap_or_default()
+        })
         .filter(|name| !recorded.contains(name))
         .collect();
     missing.sort();

@@ -6,7 +6,9 @@ use palpate::bench::haptics::{hands, haptics};
 
 fn figures(only: &str) -> Vec<Figure> {
     let mut figures = Vec::new();
-    haptics(Effort::Quick, Some(only), &mut |figure| figures.push(figure));
+    haptics(Effort::Quick, Some(only), &mut |figure| {
+        figures.push(figure)
+    });
     assert!(!figures.is_empty(), "no case {only}");
     figures
 }
@@ -24,7 +26,10 @@ fn devices_hold_walls_as_stiff_as_theory_says() {
     for device in ["ideal", "touch-x", "falcon"] {
         for figure in all_met(&format!("zwidth/{device}")) {
             // Without anything that takes energy but its damping, not much more either.
-            assert!(figure.method != "without dry friction" || figure.value < 1.1, "{figure:?}");
+            assert!(
+                figure.method != "without dry friction" || figure.value < 1.1,
+                "{figure:?}"
+            );
         }
     }
 }
@@ -34,7 +39,10 @@ fn delays_make_energy_and_the_controller_takes_it() {
     for delay in ["1", "5", "20"] {
         all_met(&format!("energy/delay/{delay}/on"));
         let off = figures(&format!("energy/delay/{delay}/off"));
-        assert!(off.iter().all(|figure| figure.value > 0.05), "{delay} ms hardly make energy: {off:?}");
+        assert!(
+            off.iter().all(|figure| figure.value > 0.05),
+            "{delay} ms hardly make energy: {off:?}"
+        );
     }
 }
 
@@ -53,7 +61,10 @@ fn forces_on_a_ball_a_plane_and_a_cylinder_are_the_analytic_ones() {
 #[test]
 fn friction_holds_to_its_threshold_and_does_not_creep() {
     for figure in all_met("friction/") {
-        assert!(figure.unit != "1" || figure.value > 0.99 * figure.reference, "{figure:?}");
+        assert!(
+            figure.unit != "1" || figure.value > 0.99 * figure.reference,
+            "{figure:?}"
+        );
     }
 }
 
@@ -61,5 +72,10 @@ fn friction_holds_to_its_threshold_and_does_not_creep() {
 fn no_tool_gives_more_energy_than_it_got_on_rigid_and_on_soft_bodies() {
     let figures = all_met("energy/tool/");
     assert_eq!(figures.len(), 10);
-    assert!(figures.iter().all(|figure| !figure.note.starts_with("0 ticks")), "{figures:?}");
+    assert!(
+        figures
+            .iter()
+            .all(|figure| !figure.note.starts_with("0 ticks")),
+        "{figures:?}"
+    );
 }

@@ -1,4 +1,5 @@
-//! What a hand may count on: balance in six degrees of freedom, equal and opposite forces, energy that adds up, no steps.
+//! What a hand may count on: balance in six degrees of freedom, equal and opposite forces, energy
+//! that adds up, no steps.
 
 mod common;
 
@@ -26,24 +27,34 @@ coupling = {{ stiffness_n_m = 800.0, damping_n_s_m = 0.5, turning_stiffness_nm_r
 }
 
 fn turned(position: [f64; 3], orientation: Rotation) -> DevicePose {
-    DevicePose { orientation, ..pose(0, position) }
+    DevicePose {
+        orientation,
+        ..pose(0, position)
+    }
 }
 
 /// The bar's axis along x, its right end lower by an angle.
 fn leaning(angle: f64) -> Rotation {
-    rotation_by(&Vector3::new(0.0, angle, 0.0)) * rotation_by(&Vector3::new(0.0, std::f64::consts::FRAC_PI_2, 0.0))
+    rotation_by(&Vector3::new(0.0, angle, 0.0))
+        * rotation_by(&Vector3::new(0.0, std::f64::consts::FRAC_PI_2, 0.0))
 }
 
 /// Lowest point of the bar: of the rims of its two ends.
 fn lowest(position: &Point3, orientation: &Rotation) -> f64 {
     let axis = orientation * Vector3::z();
     let down = -Vector3::z();
-    let rim = (down - axis * down.dot(&axis)).try_normalize(1e-12).unwrap_or_default() * 0.004;
-    [0.03, -0.03].map(|s| position.z + axis.z * s + rim.z).into_iter().fold(f64::INFINITY, f64::min)
+    let rim = (down - axis * down.dot(&axis))
+        .try_normalize(1e-12)
+        .unwrap_or_default()
+        * 0.004;
+    [0.03, -0.03]
+        .map(|s| position.z + axis.z * s + rim.z)
+        .into_iter()
+        .fold(f64::INFINITY, f64::min)
 }
 
-// One end of the leaning bar touches. Held still, the proxy is where spring, torsion spring and floor balance: F = K (p − d),
-// τ = K_r × the turn, and the bar touches the floor and no more.
+// One end of the leaning bar touches. Held still, the proxy is where spring, torsion spring and
+// floor balance: F = K (p − d), τ = K_r × the turn, and the bar touches the floor and no more.
 #[test]
 fn a_bar_that_may_turn_finds_the_balance_of_force_and_torque() {
     for angle in [0.05, 0.2, 0.5] {
@@ -59,9 +70,16 @@ fn a_bar_that_may_turn_finds_the_balance_of_force_and_torque() {
             out = world.posed(turned([0.0, 0.0, height], device));
         }
         let tool = out.tools[0];
-        let (place, turn) = (tool.proxy_position, turn_between(&device, &tool.proxy_orientation));
+        let (place, turn) = (
+            tool.proxy_position,
+            turn_between(&device, &tool.proxy_orientation),
+        );
         let force = (place - Point3::new(0.0, 0.0, low - 0.003)) * 800.0;
-        assert!((tool.contact_force_n - force).norm() < 1e-6, "{angle}: {} for {force}", tool.contact_force_n);
+        assert!(
+            (tool.contact_force_n - force).norm() < 1e-6,
+            "{angle}: {} for {force}",
+            tool.contact_force_n
+        );
         assert!(
             (tool.contact_torque_nm - turn * 0.5).norm() < 1e-7,
             "{angle}: {} for {}",
@@ -69,17 +87,25 @@ fn a_bar_that_may_turn_finds_the_balance_of_force_and_torque() {
             turn * 0.5
         );
         let gap = lowest(&place, &tool.proxy_orientation);
-        assert!(gap.abs() < 1e-8, "{angle}: the bar is {gap} m off the floor");
-        // An end pushed up turns the bar, so it gives way more than the spring alone: softer by more than a tenth.
-        assert!(force.z > 0.2 && force.z < 0.9 * 800.0 * 0.003, "{angle}: {} N", force.z);
+        assert!(
+            gap.abs() < 1e-8,
+            "{angle}: the bar is {gap} m off the floor"
+        );
+        // An end pushed up turns the bar, so it gives way more than the spring alone: softer by
+        // more than a tenth.
+        assert!(
+            force.z > 0.2 && force.z < 0.9 * 800.0 * 0.003,
+            "{angle}: {} N",
+            force.z
+        );
         // Nothing moves any more.
         let again = world.posed(turned([0.0, 0.0, low - 0.003], device)).tools[0];
         assert!((again.contact_force_n - tool.contact_force_n).norm() < 1e-9);
     }
 }
 
-// Laid flat and turned about the vertical by the hand, the bar sticks by friction: the whole turn is in the torsion spring.
-// Turned on, it slips, and the torque stays what friction bears.
+// Laid flat and turned about the vertical by the hand, the bar sticks by friction: the whole turn
+// is in the torsion spring. Turned on, it slips, and the torque stays what friction bears.
 #[test]
 fn a_bar_that_sticks_is_wound_up_and_then_slips_round() {
     let mut world = World::new(&bar("friction = { mu = 0.4 }\n"));
@@ -102,13 +128,22 @@ fn a_bar_that_sticks_is_wound_up_and_then_slips_round() {
             wound = angle;
         }
         torques.push(torque);
-        assert!((tool.contact_force_n.z - push).abs() < 0.02 * push, "at {angle}: {} N", tool.contact_force_n);
+        assert!(
+            (tool.contact_force_n.z - push).abs() < 0.02 * push,
+            "at {angle}: {} N",
+            tool.contact_force_n
+        );
     }
     // μ F r, with r between the middle and the ends of the bar.
     let most = 0.4 * push * 0.03;
     let last = torques[999];
-    assert!(wound > 0.01 && last <= most * (1.0 + 1e-6) && last > 0.3 * most, "wound to {wound}, {last} of {most} N m");
-    let held = torques[800..].iter().fold(0.0, |worst: f64, t| worst.max((t / last - 1.0).abs()));
+    assert!(
+        wound > 0.01 && last <= most * (1.0 + 1e-6) && last > 0.3 * most,
+        "wound to {wound}, {last} of {most} N m"
+    );
+    let held = torques[800..]
+        .iter()
+        .fold(0.0, |worst: f64, t| worst.max((t / last - 1.0).abs()));
     assert!(held < 0.05, "slipping, the torque varies by {held}");
 }
 
@@ -128,16 +163,26 @@ fn drag_adds_to_friction_as_far_as_it_slips() {
         world.at([-0.1, 0.0, 0.0101]);
         let mut tool = Default::default();
         for k in 0..400 {
-            tool = world.at([-0.1 + speed * 1e-3 * f64::from(k), 0.0, 0.008]).tools[0];
+            tool = world
+                .at([-0.1 + speed * 1e-3 * f64::from(k), 0.0, 0.008])
+                .tools[0];
         }
         let expected = mu * 2.0 + 3.0 * speed;
-        assert!((-tool.force_n.x - expected).abs() < 1e-6 * expected, "μ {mu}, {speed} m/s: {}", tool.force_n);
+        assert!(
+            (-tool.force_n.x - expected).abs() < 1e-6 * expected,
+            "μ {mu}, {speed} m/s: {}",
+            tool.force_n
+        );
         assert!((tool.force_n.z - 2.0).abs() < 1e-9 && tool.force_n.y.abs() < 1e-9);
         // Let go along the floor, the ball is drawn after the hand until friction alone holds it.
         for _ in 0..3_000 {
             tool = world.at([-0.1 + speed * 0.4, 0.0, 0.008]).tools[0];
         }
-        assert!(-tool.force_n.x <= mu * 2.0 + 1e-9, "it rests with {}", tool.force_n);
+        assert!(
+            -tool.force_n.x <= mu * 2.0 + 1e-9,
+            "it rests with {}",
+            tool.force_n
+        );
     }
 }
 
@@ -157,9 +202,15 @@ fn the_body_feels_the_opposite_of_what_the_hand_feels() {
     let tools = [
         ("sphere = { radius_m = 0.01 }", ""),
         ("point = {}", ""),
-        ("sphere = { radius_m = 0.01 }", "friction = { mu = 0.5, viscous_n_s_m = 0.5 }\n"),
+        (
+            "sphere = { radius_m = 0.01 }",
+            "friction = { mu = 0.5, viscous_n_s_m = 0.5 }\n",
+        ),
         ("ellipsoid = { semi_axes_m = [0.008, 0.01, 0.012] }", ""),
-        ("box = { half_extents_m = [0.01, 0.01, 0.01] }", "friction = { mu = 0.5 }\n"),
+        (
+            "box = { half_extents_m = [0.01, 0.01, 0.01] }",
+            "friction = { mu = 0.5 }\n",
+        ),
     ];
     for (shape, friction) in tools {
         for turning in ["", ", turning_stiffness_nm_rad = 0.2"] {
@@ -172,7 +223,11 @@ fn the_body_feels_the_opposite_of_what_the_hand_feels() {
             let masses = world.scene.lattice(0).unwrap().masses().to_vec();
             let momentum = |world: &World| -> Vector3 {
                 let body = world.state.bodies[0].lattice.as_ref().unwrap();
-                body.velocities.iter().zip(&masses).map(|(v, m)| v * *m).sum()
+                body.velocities
+                    .iter()
+                    .zip(&masses)
+                    .map(|(v, m)| v * *m)
+                    .sum()
             };
             let (mut before, mut touched, mut limited) = (momentum(&world), 0, 0);
             for k in 0..600 {
@@ -190,16 +245,22 @@ fn the_body_feels_the_opposite_of_what_the_hand_feels() {
                 touched += u32::from(tool.force_n.norm() > 0.002);
                 limited += u32::from(tool.flags & flags::SATURATED != 0);
             }
-            assert!(touched > 50 && limited > 0, "{shape}: {touched} ticks in touch, {limited} limited");
+            assert!(
+                touched > 50 && limited > 0,
+                "{shape}: {touched} ticks in touch, {limited} limited"
+            );
         }
     }
 }
 
-// Pressed slowly and held: what the hand put in is in the body's springs and in the coupling; let go as slowly, it comes back.
+// Pressed slowly and held: what the hand put in is in the body's springs and in the coupling; let
+// go as slowly, it comes back.
 #[test]
 fn work_of_the_hand_is_stored_and_comes_back() {
     let fixed = "fixed = [{ point = [0.0, 0.0, 0.015], normal = [0.0, 0.0, 1.0] }]\nintegrator";
-    let text = FREE_DROP.replace("integrator", fixed).replace("net = [8, 8]", "net = [12, 12]");
+    let text = FREE_DROP
+        .replace("integrator", fixed)
+        .replace("net = [8, 8]", "net = [12, 12]");
     let text = format!(
         "{text}[[tool]]\nid = \"ball\"\npose = {{ position = [0.06, 0.003, 0.045] }}\n\
          coupling = {{ stiffness_n_m = 300.0, damping_n_s_m = 0.0 }}\n{WEAK}"
@@ -215,14 +276,23 @@ fn work_of_the_hand_is_stored_and_comes_back() {
     }
     let body = world.state.bodies[0].lattice.as_ref().unwrap();
     let in_coupling = 0.5 * tool.contact_force_n.norm_squared() / 300.0;
-    let (put_in, whole) = (tool.energy_j, world.scene.lattice(0).unwrap().energy_j(body) + in_coupling);
+    let (put_in, whole) = (
+        tool.energy_j,
+        world.scene.lattice(0).unwrap().energy_j(body) + in_coupling,
+    );
     assert!(tool.force_n.norm() > 0.3, "{}", tool.force_n);
     for k in (0..=ticks).rev() {
         tool = world.at(at(f64::from(k) / f64::from(ticks))).tools[0];
     }
     let lost = tool.energy_j;
-    println!("work differs from what is stored by {:.2} %; {lost} J did not come back", (put_in / whole - 1.0) * 100.0);
-    assert!((put_in / whole - 1.0).abs() < 0.01, "{put_in} J put in, {whole} J stored");
+    println!(
+        "work differs from what is stored by {:.2} %; {lost} J did not come back",
+        (put_in / whole - 1.0) * 100.0
+    );
+    assert!(
+        (put_in / whole - 1.0).abs() < 0.01,
+        "{put_in} J put in, {whole} J stored"
+    );
     // As much is lost on the way out as on the way in, within a share of it.
     assert!(
         lost >= 0.0 && (lost - 2.0 * (put_in - whole)).abs() < 0.5 * lost,
@@ -244,17 +314,26 @@ fn largest_step(world: &mut World, path: impl Fn(f64) -> [f64; 3], ticks: usize)
     (worst, touched)
 }
 
-// Once round a ring of two periodic directions: over seams and every knot, at 70 mm/s on a rigid one and at 35 mm/s on a soft
-// one. There a row of contacts that comes or goes bends the force, which goes with the speed; it does not break it.
+// Once round a ring of two periodic directions: over seams and every knot, at 70 mm/s on a rigid
+// one and at 35 mm/s on a soft one. There a row of contacts that comes or goes bends the force,
+// which goes with the speed; it does not break it.
 #[test]
 fn the_force_has_no_step_over_seams_and_knots() {
-    let tools = ["sphere = { radius_m = 0.006 }", "point = {}", "ellipsoid = { semi_axes_m = [0.005, 0.006, 0.007] }"];
+    let tools = [
+        "sphere = { radius_m = 0.006 }",
+        "point = {}",
+        "ellipsoid = { semi_axes_m = [0.005, 0.006, 0.007] }",
+    ];
     for shape in tools {
         for (model, ticks) in [("rigid", 5_000), ("membrane", 10_000)] {
             if shape.starts_with("ellipsoid") && model != "rigid" {
                 continue;
             }
-            let radius = if shape.starts_with("point") { 0.0 } else { 0.006 };
+            let radius = if shape.starts_with("point") {
+                0.0
+            } else {
+                0.006
+            };
             let text = format!(
                 "[[body]]\nid = \"ring\"\nsurface = {{ builtin = \"torus\", size = 0.05 }}\nmodel = \"{model}\"\n{}[[tool]]\nid = \"tool\"\n\
                  shape = {{ {shape} }}\npose = {{ position = [0.09, 0.0, 0.0] }}\n\
@@ -276,12 +355,21 @@ fn the_force_has_no_step_over_seams_and_knots() {
             };
             world.at(place(0.0, -0.004));
             for k in 0..600 {
-                world.at(place(0.0, -0.004 + 0.0055 * (f64::from(k) / 500.0).min(1.0)));
+                world.at(place(
+                    0.0,
+                    -0.004 + 0.0055 * (f64::from(k) / 500.0).min(1.0),
+                ));
             }
             let (worst, touched) = largest_step(&mut world, |share| place(share, 0.0015), ticks);
-            println!("{shape} on a {model} ring: largest step {:.3} % of the force", worst * 100.0);
+            println!(
+                "{shape} on a {model} ring: largest step {:.3} % of the force",
+                worst * 100.0
+            );
             assert!(touched > ticks - 100, "{touched} ticks in touch");
-            assert!(worst < 0.01, "{shape} on a {model} ring: a step of {worst} of the force");
+            assert!(
+                worst < 0.01,
+                "{shape} on a {model} ring: a step of {worst} of the force"
+            );
         }
     }
 }
@@ -320,10 +408,16 @@ fn the_passivity_controller_takes_what_a_wall_beyond_its_limit_makes() {
     let (_, _, swing) = bounce(false, 0.9 * limit, damping, 60_000);
     assert!(swing < 1e-6, "below the limit it still swings by {swing} m");
     let (_, made, swing) = bounce(false, 3.0 * limit, damping, 10_000);
-    assert!(made < -0.01 && swing > 1e-3, "beyond the limit: {made} J, {swing} m");
+    assert!(
+        made < -0.01 && swing > 1e-3,
+        "beyond the limit: {made} J, {swing} m"
+    );
     let (least, end, swing) = bounce(true, 3.0 * limit, damping, 10_000);
     println!("with the controller: least {least} J, end {end} J, swing {swing} m");
     // What one tick made is taken in the next.
-    assert!(end > -1e-6 && least > -1e-4, "with the controller: {end} J, at least {least} J");
+    assert!(
+        end > -1e-6 && least > -1e-4,
+        "with the controller: {end} J, at least {least} J"
+    );
     assert!(swing < 2e-4, "with the controller it swings by {swing} m");
 }

@@ -1,4 +1,5 @@
-//! Every reader on bytes that nobody wrote: the fuzz targets, on changed copies of what they start from.
+//! Every reader on bytes that nobody wrote: the fuzz targets, on changed copies of what they start
+//! from.
 
 #[path = "../fuzz/parsers.rs"]
 mod parsers;
@@ -29,7 +30,10 @@ fn changed(seed: &[u8], random: &mut Random) -> Vec<u8> {
         let end = (at + random.below(64)).min(bytes.len());
         match random.below(7) {
             0 => bytes.truncate(at),
-            1 => bytes.get_mut(at).into_iter().for_each(|byte| *byte ^= 1 << random.below(8)),
+            1 => bytes
+                .get_mut(at)
+                .into_iter()
+                .for_each(|byte| *byte ^= 1 << random.below(8)),
             2 => bytes
                 .get_mut(at)
                 .into_iter()
@@ -42,7 +46,13 @@ fn changed(seed: &[u8], random: &mut Random) -> Vec<u8> {
             }
             5 => bytes[at..end].fill([0, 0xff, b'9', b'('][random.below(4)]),
             _ => {
-                let digits = [&b"99999999999999999999"[..], b"-1", b"1e999", b"nan", b"4294967295"][random.below(5)];
+                let digits = [
+                    &b"99999999999999999999"[..],
+                    b"-1",
+                    b"1e999",
+                    b"nan",
+                    b"4294967295",
+                ][random.below(5)];
                 bytes.splice(at..at, digits.iter().copied());
             }
         }
@@ -56,7 +66,11 @@ fn no_reader_panics_on_changed_files() {
         let mut random = Random(17);
         for (k, seed) in (target.seeds)().iter().enumerate() {
             (target.run)(seed);
-            let changes = if seed.len() > 100_000 { CHANGES / 10 } else { CHANGES };
+            let changes = if seed.len() > 100_000 {
+                CHANGES / 10
+            } else {
+                CHANGES
+            };
             for change in 0..changes {
                 let bytes = changed(seed, &mut random);
                 let done = catch_unwind(AssertUnwindSafe(|| (target.run)(&bytes)));

@@ -12,16 +12,65 @@ const TABLE: [(&str, &[&str]); 17] = [
     ("modeling", &["math", "basis", "surface", "contact"]),
     ("body", &["math", "basis", "surface", "contact"]),
     ("haptics", &["math", "basis", "surface", "contact"]),
-    ("scene", &["math", "basis", "surface", "exchange", "contact", "body", "haptics"]),
-    ("tick", &["math", "basis", "surface", "contact", "body", "haptics", "scene"]),
-    ("wire", &["math", "basis", "surface", "contact", "body", "haptics", "scene", "tick"]),
-    ("transport", &["math", "basis", "surface", "contact", "body", "haptics", "scene", "tick", "wire"]),
-    ("recording", &["math", "basis", "surface", "contact", "body", "haptics", "scene", "tick", "wire"]),
-    ("editing", &["math", "basis", "surface", "contact", "modeling", "scene", "tick", "recording"]),
+    (
+        "scene",
+        &[
+            "math", "basis", "surface", "exchange", "contact", "body", "haptics",
+        ],
+    ),
+    (
+        "tick",
+        &[
+            "math", "basis", "surface", "contact", "body", "haptics", "scene",
+        ],
+    ),
+    (
+        "wire",
+        &[
+            "math", "basis", "surface", "contact", "body", "haptics", "scene", "tick",
+        ],
+    ),
+    (
+        "transport",
+        &[
+            "math", "basis", "surface", "contact", "body", "haptics", "scene", "tick", "wire",
+        ],
+    ),
+    (
+        "recording",
+        &[
+            "math", "basis", "surface", "contact", "body", "haptics", "scene", "tick", "wire",
+        ],
+    ),
+    (
+        "editing",
+        &[
+            "math",
+            "basis",
+            "surface",
+            "contact",
+            "modeling",
+            "scene",
+            "tick",
+            "recording",
+        ],
+    ),
     ("viewer", &["math", "wire", "transport"]),
     (
         "bench",
-        &["math", "basis", "surface", "contact", "modeling", "body", "haptics", "scene", "tick", "wire", "recording"],
+        &[
+            "math",
+            "basis",
+            "surface",
+            "contact",
+            "modeling",
+            "body",
+            "haptics",
+            "scene",
+            "tick",
+            "wire",
+            "recording",
+        ],
     ),
     (
         "cli",
@@ -46,9 +95,19 @@ const TABLE: [(&str, &[&str]); 17] = [
     ),
 ];
 
-/// Layers that are pure arithmetic. `scene` reads its files at build; `tick` has the loop's threads.
-const PURE: [&str; 7] = ["math", "basis", "surface", "contact", "modeling", "body", "haptics"];
-const IMPURE: [&str; 6] = ["std::time", "std::thread", "std::fs", "std::net", "std::process", "HashMap"];
+/// Layers that are pure arithmetic. `scene` reads its files at build; `tick` has the loop's
+/// threads.
+const PURE: [&str; 7] = [
+    "math", "basis", "surface", "contact", "modeling", "body", "haptics",
+];
+const IMPURE: [&str; 6] = [
+    "std::time",
+    "std::thread",
+    "std::fs",
+    "std::net",
+    "std::process",
+    "HashMap",
+];
 
 /// Lines of a file up to its tests that break the table.
 fn violations(layer: &str, allowed: &[&str], text: &str) -> Vec<String> {
@@ -57,7 +116,10 @@ fn violations(layer: &str, allowed: &[&str], text: &str) -> Vec<String> {
     for (k, line) in code.lines().enumerate() {
         let line = line.split("//").next().unwrap_or("");
         for (at, _) in line.match_indices("crate::") {
-            let name: String = line[at + 7..].chars().take_while(|c| c.is_alphanumeric() || *c == '_').collect();
+            let name: String = line[at + 7..]
+                .chars()
+                .take_while(|c| c.is_alphanumeric() || *c == '_')
+                .collect();
             let ours = TABLE.iter().any(|(layer, _)| *layer == name);
             if ours && name != layer && !allowed.contains(&name.as_str()) {
                 found.push(format!("line {}: {layer} imports {name}", k + 1));
@@ -94,7 +156,11 @@ fn layers_import_one_way() {
         for path in paths {
             read += 1;
             let text = std::fs::read_to_string(&path).unwrap();
-            broken.extend(violations(layer, allowed, &text).iter().map(|what| format!("{}: {what}", path.display())));
+            broken.extend(
+                violations(layer, allowed, &text)
+                    .iter()
+                    .map(|what| format!("{}: {what}", path.display())),
+            );
         }
     }
     assert!(read > 40, "only {read} files were read");
@@ -103,7 +169,21 @@ fn layers_import_one_way() {
 
 #[test]
 fn the_checker_sees_planted_violations() {
-    assert_eq!(violations("basis", &["math"], "use crate::surface::Surface;\n").len(), 1);
-    assert_eq!(violations("body", &["math"], "let now = std::time::Instant::now();\n").len(), 1);
-    assert_eq!(violations("basis", &["math"], "use crate::math::Point3; // crate::surface\n").len(), 0);
+    assert_eq!(
+        violations("basis", &["math"], "use crate::surface::Surface;\n").len(),
+        1
+    );
+    assert_eq!(
+        violations("body", &["math"], "let now = std::time::Instant::now();\n").len(),
+        1
+    );
+    assert_eq!(
+        violations(
+            "basis",
+            &["math"],
+            "use crate::math::Point3; // crate::surface\n"
+        )
+        .len(),
+        0
+    );
 }

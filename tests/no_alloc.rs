@@ -53,8 +53,10 @@ fn a_tick_on_a_lattice_allocates_nothing() {
 #[test]
 fn a_change_of_quality_allocates_nothing() {
     let text = teardrop(20e3, "[16, 17]").replace("stiffness_n_m = inf", "stiffness_n_m = 800.0");
-    let mut world =
-        World::new(&text.replace("model = \"lattice\"\n", "model = \"lattice\"\nintegrator = { iterations = 3 }\n"));
+    let mut world = World::new(&text.replace(
+        "model = \"lattice\"\n",
+        "model = \"lattice\"\nintegrator = { iterations = 3 }\n",
+    ));
     for x in [0.06, 0.052, 0.044, 0.036] {
         world.at([x, 0.003, 0.045]);
     }
@@ -63,7 +65,12 @@ fn a_change_of_quality_allocates_nothing() {
         for k in 0..800u32 {
             if k % 100 == 0 {
                 let level = [1, 2, 3, 2, 1, 0, 3, 0][k as usize / 100];
-                palpate::tick::apply(&world.scene, &mut world.state, &mut world.scratch, Command::Quality(level));
+                palpate::tick::apply(
+                    &world.scene,
+                    &mut world.state,
+                    &mut world.scratch,
+                    Command::Quality(level),
+                );
             }
             let out = world.at([0.03 - 0.006 * (0.01 * f64::from(k)).sin(), 0.003, 0.045]);
             touched += u32::from(out.tools[0].contact.is_some());
@@ -77,7 +84,9 @@ fn a_change_of_quality_allocates_nothing() {
 #[test]
 fn a_tick_with_friction_and_a_grip_allocates_nothing() {
     let soft = teardrop(20e3, "\"none\"").replace("stiffness_n_m = inf", "stiffness_n_m = 800.0");
-    let soft = format!("{soft}friction = {{ mu = 0.4, mu_kinetic = 0.3 }}\ngrip = {{ force_max_n = 0.3 }}\n");
+    let soft = format!(
+        "{soft}friction = {{ mu = 0.4, mu_kinetic = 0.3 }}\ngrip = {{ force_max_n = 0.3 }}\n"
+    );
     for text in [soft.replace("model = \"lattice\"\n", ""), soft] {
         let mut world = World::new(&text);
         for x in [0.06, 0.052, 0.044, 0.036] {
@@ -87,13 +96,20 @@ fn a_tick_with_friction_and_a_grip_allocates_nothing() {
         let count = allocations(|| {
             for k in 0..3_000 {
                 let t = f64::from(k) * 1e-3;
-                let place = [0.03 + 0.006 * (4.0 * t).cos(), 0.003 + 0.004 * (9.0 * t).sin(), 0.045];
+                let place = [
+                    0.03 + 0.006 * (4.0 * t).cos(),
+                    0.003 + 0.004 * (9.0 * t).sin(),
+                    0.045,
+                ];
                 let out = world.all(&[(place, u32::from(k % 900 > 300))]);
                 held += u32::from(out.tools[0].flags & palpate::scene::flags::GRABBING != 0);
                 touched += u32::from(out.tools[0].contact.is_some());
             }
         });
-        assert!(held > 200 && touched > 500, "held for {held}, touched for {touched} ticks");
+        assert!(
+            held > 200 && touched > 500,
+            "held for {held}, touched for {touched} ticks"
+        );
         assert_eq!(count, 0);
     }
 }
@@ -101,8 +117,14 @@ fn a_tick_with_friction_and_a_grip_allocates_nothing() {
 #[test]
 fn a_tick_of_a_tool_that_turns_allocates_nothing() {
     let soft = teardrop(20e3, "\"none\"")
-        .replace("sphere = { radius_m = 0.01 }", "cylinder = { radius_m = 0.008, half_length_m = 0.015 }")
-        .replace("stiffness_n_m = inf", "turning_stiffness_nm_rad = 0.3, stiffness_n_m = 800.0")
+        .replace(
+            "sphere = { radius_m = 0.01 }",
+            "cylinder = { radius_m = 0.008, half_length_m = 0.015 }",
+        )
+        .replace(
+            "stiffness_n_m = inf",
+            "turning_stiffness_nm_rad = 0.3, stiffness_n_m = 800.0",
+        )
         .replace("ramp_s = 0.0", "ramp_s = 0.0, passivity = true");
     for friction in ["", "friction = { mu = 0.4, viscous_n_s_m = 0.3 }\n"] {
         let soft = format!("{soft}{friction}");
@@ -115,12 +137,19 @@ fn a_tick_of_a_tool_that_turns_allocates_nothing() {
             let count = allocations(|| {
                 for k in 0..2_000 {
                     let t = f64::from(k) * 1e-3;
-                    let out = world.at([0.03 + 0.008 * (40.0 * t).cos(), 0.003 + 0.004 * (9.0 * t).sin(), 0.045]);
+                    let out = world.at([
+                        0.03 + 0.008 * (40.0 * t).cos(),
+                        0.003 + 0.004 * (9.0 * t).sin(),
+                        0.045,
+                    ]);
                     touched += u32::from(out.tools[0].contact.is_some());
                     damped += u32::from(out.tools[0].flags & palpate::scene::flags::DAMPED != 0);
                 }
             });
-            assert!(touched > 500, "touched for {touched} ticks, damped for {damped}");
+            assert!(
+                touched > 500,
+                "touched for {touched} ticks, damped for {damped}"
+            );
             assert_eq!(count, 0);
         }
     }
@@ -137,7 +166,12 @@ fn a_tick_of_two_soft_bodies_allocates_nothing() {
         for k in 0..2_000 {
             let t = f64::from(k) * 1e-3;
             let out = world.at([0.022 + 0.01 * (4.0 * t).cos(), 0.003, 0.045]);
-            met += u32::from(out.contacts.list().iter().any(|c| matches!(c.holder, Holder::Body(_))));
+            met += u32::from(
+                out.contacts
+                    .list()
+                    .iter()
+                    .any(|c| matches!(c.holder, Holder::Body(_))),
+            );
         }
     });
     assert!(met > 300, "the bodies met in {met} ticks only");
@@ -148,9 +182,13 @@ fn a_tick_of_two_soft_bodies_allocates_nothing() {
 fn a_tick_of_a_plane_allocates_nothing() {
     let plane = |text: String| {
         let tool = "{ plane = { normal = [-1.0, 0.0, 0.0] } }";
-        text.replace("{ sphere = { radius_m = 0.01 } }", tool).replace("stiffness_n_m = inf", "stiffness_n_m = 800.0")
+        text.replace("{ sphere = { radius_m = 0.01 } }", tool)
+            .replace("stiffness_n_m = inf", "stiffness_n_m = 800.0")
     };
-    for text in [teardrop(20e3, "[16, 17]"), teardrop(20e3, "\"none\"").replace("model = \"lattice\"\n", "")] {
+    for text in [
+        teardrop(20e3, "[16, 17]"),
+        teardrop(20e3, "\"none\"").replace("model = \"lattice\"\n", ""),
+    ] {
         let mut world = World::new(&plane(text));
         for _ in 0..5 {
             world.at([0.06, 0.003, 0.045]);
@@ -190,7 +228,10 @@ fn contacts_by_spheres_allocate_nothing() {
             b.load(&body);
             t.load_at(&tool, &Pose::translation(at.x, at.y, at.z));
             for margin_m in [0.0, 1e-3] {
-                let reach = Reach { margin_m, below: false };
+                let reach = Reach {
+                    margin_m,
+                    below: false,
+                };
                 b.ball(&at, 5e-3, &reach, &mut set);
                 met += set.contacts().len();
                 b.point(&at, &reach, &mut set);
@@ -216,7 +257,8 @@ fn a_tick_of_any_shape_allocates_nothing() {
          triangles = [[0, 1, 2], [0, 2, 3], [0, 3, 1], [1, 3, 2]] } } }",
     ];
     for shape in shapes {
-        let soft = teardrop(20e3, "\"none\"").replace("stiffness_n_m = inf", "stiffness_n_m = 800.0");
+        let soft =
+            teardrop(20e3, "\"none\"").replace("stiffness_n_m = inf", "stiffness_n_m = 800.0");
         for text in [soft.replace("model = \"lattice\"\n", ""), soft] {
             let mut world = World::new(&text.replace("{ sphere = { radius_m = 0.01 } }", shape));
             for _ in 0..5 {
@@ -255,7 +297,11 @@ fn press_and_slide(world: &mut World) -> u64 {
     let count = allocations(|| {
         for k in 0..800 {
             let t = f64::from(k) * 1e-3;
-            let out = world.at([0.01 * (9.0 * t).sin(), 0.0, 0.018 + 0.006 * (20.0 * t).cos()]);
+            let out = world.at([
+                0.01 * (9.0 * t).sin(),
+                0.0,
+                0.018 + 0.006 * (20.0 * t).cos(),
+            ]);
             touched += u32::from(out.tools[0].contact.is_some());
         }
         // Long enough to fall asleep.
@@ -272,18 +318,35 @@ fn a_tick_of_any_model_and_method_allocates_nothing() {
     let plastic = "plastic = { yield_strain = 0.005, rate_per_s = 20.0, hardening = 0.1, spread_m";
     let cases = [
         ("continuum", "integrator = { iterations = 2 }".to_owned()),
-        ("continuum", "integrator = { method = \"explicit\" }".to_owned()),
+        (
+            "continuum",
+            "integrator = { method = \"explicit\" }".to_owned(),
+        ),
         ("membrane", String::new()),
         ("net", String::new()),
-        ("lattice", "integrator = { method = \"explicit\" }".to_owned()),
-        ("lattice", "integrator = { method = \"xpbd\", substeps = 3 }".to_owned()),
+        (
+            "lattice",
+            "integrator = { method = \"explicit\" }".to_owned(),
+        ),
+        (
+            "lattice",
+            "integrator = { method = \"xpbd\", substeps = 3 }".to_owned(),
+        ),
         ("lattice", format!("material = {{ {plastic} = 0.0 }} }}")),
         ("lattice", format!("material = {{ {plastic} = 0.03 }} }}")),
-        ("lattice", "material = { stiffening = { strain = 0.05, ratio = 3.0, least_length = 0.7 } }".to_owned()),
+        (
+            "lattice",
+            "material = { stiffening = { strain = 0.05, ratio = 3.0, least_length = 0.7 } }"
+                .to_owned(),
+        ),
         ("continuum", "integrator = { every = 4 }".to_owned()),
     ];
     for (model, more) in cases {
-        assert_eq!(press_and_slide(&mut World::new(&slab(model, &more))), 0, "{model}, {more}");
+        assert_eq!(
+            press_and_slide(&mut World::new(&slab(model, &more))),
+            0,
+            "{model}, {more}"
+        );
     }
 }
 
@@ -300,7 +363,11 @@ fn a_tick_on_a_branching_body_allocates_nothing() {
         for k in 0..800 {
             let t = f64::from(k) * 1e-3;
             // Over the front joint, and up to where the branches part.
-            let out = world.at([0.008 * (9.0 * t).sin(), -0.023, -0.01 + 0.02 * (5.0 * t).sin()]);
+            let out = world.at([
+                0.008 * (9.0 * t).sin(),
+                -0.023,
+                -0.01 + 0.02 * (5.0 * t).sin(),
+            ]);
             touched += u32::from(out.tools[0].contact.is_some());
         }
     });
@@ -312,16 +379,21 @@ fn a_tick_on_a_branching_body_allocates_nothing() {
 #[test]
 fn a_tick_with_a_worker_beside_it_allocates_nothing() {
     let mut world = World::new(&slab("continuum", "integrator = { every = 4 }"));
-    let scene = std::sync::Arc::new(World::new(&slab("continuum", "integrator = { every = 4 }")).scene);
+    let scene =
+        std::sync::Arc::new(World::new(&slab("continuum", "integrator = { every = 4 }")).scene);
     let workers = palpate::tick::workers::Workers::start(&scene).unwrap();
-    world.scratch.set_pipeline(Box::new(workers.expect("a body that steps apart")));
+    world
+        .scratch
+        .set_pipeline(Box::new(workers.expect("a body that steps apart")));
     assert_eq!(press_and_slide(&mut world), 0);
 }
 
 #[test]
 fn a_tick_of_carried_bodies_allocates_nothing() {
     let carried = slab("continuum", "").replace("id = \"ball\"", "id = \"hand\"");
-    let mut world = World::new(&format!("[gravity]\nacceleration = [0.0, 0.0, -9.81]\nframe = \"hand\"\n{carried}"));
+    let mut world = World::new(&format!(
+        "[gravity]\nacceleration = [0.0, 0.0, -9.81]\nframe = \"hand\"\n{carried}"
+    ));
     for _ in 0..8 {
         world.at([0.0, 0.0, 0.03]);
     }
@@ -333,7 +405,8 @@ fn a_tick_of_carried_bodies_allocates_nothing() {
     assert_eq!(count, 0);
 }
 
-// A shadow that goes back now and then costs the tick copies into buffers that are there already, whatever contact rows come.
+// A shadow that goes back now and then costs the tick copies into buffers that are there already,
+// whatever contact rows come.
 #[cfg(feature = "daemon")]
 #[test]
 fn handing_ticks_to_a_self_check_allocates_nothing() {
@@ -353,13 +426,29 @@ fn handing_ticks_to_a_self_check_allocates_nothing() {
                 port.command(u64::from(k), Command::Quality(0));
             }
             let t = f64::from(k) * 1e-3;
-            let place = [0.06 - 0.038 * (20.0 * t).sin().abs(), 0.003 + 0.004 * (9.0 * t).sin(), 0.045];
+            let place = [
+                0.06 - 0.038 * (20.0 * t).sin().abs(),
+                0.003 + 0.004 * (9.0 * t).sin(),
+                0.045,
+            ];
             let mut input = TickInput::default();
             let buttons = u32::from(k % 300 > 100);
-            input.poses[0] = Some(palpate::haptics::DevicePose { buttons, ..common::pose(u64::from(k) + 1, place) });
-            let output = palpate::tick::step(&world.scene, &mut world.state, &mut world.scratch, &input);
+            input.poses[0] = Some(palpate::haptics::DevicePose {
+                buttons,
+                ..common::pose(u64::from(k) + 1, place)
+            });
+            let output =
+                palpate::tick::step(&world.scene, &mut world.state, &mut world.scratch, &input);
             touched += u32::from(output.tools[0].contact.is_some());
-            port.tick(&world.scene, &world.state, &TickRecord { input, output, ..TickRecord::default() });
+            port.tick(
+                &world.scene,
+                &world.state,
+                &TickRecord {
+                    input,
+                    output,
+                    ..TickRecord::default()
+                },
+            );
             if k % 20 == 0 {
                 std::thread::sleep(std::time::Duration::from_millis(5));
             }

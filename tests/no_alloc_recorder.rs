@@ -16,8 +16,8 @@ use palpate::tick::record::Command;
 use std::sync::atomic::Ordering;
 use std::time::Duration;
 
-/// Presses, slides, is reset and paused; allocations of all ticks. The test's own list of records has room. A reset itself
-/// makes scratch anew: that is between ticks.
+/// Presses, slides, is reset and paused; allocations of all ticks. The test's own list of records
+/// has room. A reset itself makes scratch anew: that is between ticks.
 fn session(live: &mut Live) -> u64 {
     live.records.reserve(2_000);
     let mut count = 0;
@@ -37,11 +37,16 @@ fn session(live: &mut Live) -> u64 {
 fn the_tick_allocates_nothing_for_a_recording_a_ring_or_none() {
     let directory = tempfile::tempdir().unwrap();
     let ring = Some(Duration::from_millis(300));
-    let mut recorded =
-        Live::with(SOFT, |settings| RecorderSettings { ring, ..settings.to(&directory.path().join("a.mcap")) });
+    let mut recorded = Live::with(SOFT, |settings| RecorderSettings {
+        ring,
+        ..settings.to(&directory.path().join("a.mcap"))
+    });
     assert_eq!(session(&mut recorded), 0);
     let (summary, records) = recorded.finish();
-    assert_eq!((summary.ticks, summary.dropped, records.len()), (900, 0, 900));
+    assert_eq!(
+        (summary.ticks, summary.dropped, records.len()),
+        (900, 0, 900)
+    );
     let mut ring = Live::with(SOFT, |settings| RecorderSettings { ring, ..settings });
     assert_eq!(session(&mut ring), 0);
     let mut none = Live::with(SOFT, |settings| settings);
@@ -51,7 +56,10 @@ fn the_tick_allocates_nothing_for_a_recording_a_ring_or_none() {
 #[test]
 fn a_recording_that_begins_and_ends_meanwhile_costs_no_allocation() {
     let directory = tempfile::tempdir().unwrap();
-    let mut live = Live::with(SOFT, |settings| RecorderSettings { directory: directory.path().into(), ..settings });
+    let mut live = Live::with(SOFT, |settings| RecorderSettings {
+        directory: directory.path().into(),
+        ..settings
+    });
     let mut archive = live.recorder.archive().unwrap();
     live.tick();
     archive.ask(1, ArchiveRequest::Start { path: None });

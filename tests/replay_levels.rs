@@ -1,5 +1,5 @@
-//! Levels of replay: bit for bit on any number of threads, workers and whatever the processor offers (R1 to R3), by figures
-//! where bits may differ (R4), and from any state gone back to (R5).
+//! Levels of replay: bit for bit on any number of threads, workers and whatever the processor
+//! offers (R1 to R3), by figures where bits may differ (R4), and from any state gone back to (R5).
 #![cfg(feature = "daemon")]
 
 mod common;
@@ -10,7 +10,8 @@ use common::World;
 use palpate::body::{DeformableState, Field};
 use palpate::math::{Point3, SavedState, Vector3, state_hash};
 use palpate::recording::{
-    Figures, ReplayOptions, Session, SessionHash, Start, deviations, info, replay, replay_with, simulate_figures,
+    Figures, ReplayOptions, Session, SessionHash, Start, deviations, info, replay, replay_with,
+    simulate_figures,
 };
 use palpate::scene::{Pipeline, SceneState};
 use palpate::tick::record::{TickOutput, TickRecord};
@@ -33,8 +34,9 @@ fn run(world: &mut World, script: &Script, from: u64, until: u64) -> Vec<TickOut
     outputs.collect()
 }
 
-// R5. Pauses, resets, levels of quality, devices that tell what they bear, and steps under way on threads are among what is
-// gone back to; the buffers are once those of a run that went elsewhere, once new.
+// R5. Pauses, resets, levels of quality, devices that tell what they bear, and steps under way on
+// threads are among what is gone back to; the buffers are once those of a run that went elsewhere,
+// once new.
 #[test]
 fn save_advance_restore_advance_comes_to_the_same_bits() {
     const TICKS: u64 = 240;
@@ -49,15 +51,28 @@ fn save_advance_restore_advance_comes_to_the_same_bits() {
             saved.save_from(&world.state);
             let hash = state_hash(&world.state);
             let first = run(&mut world, &script, at, TICKS);
-            touched += first.iter().filter(|output| output.tools[0].contact.is_some()).count();
-            let told = |k: usize| format!("{name}, seed {seed}, saved after tick {at}, tick {}", at + 1 + k as u64);
+            touched += first
+                .iter()
+                .filter(|output| output.tools[0].contact.is_some())
+                .count();
+            let told = |k: usize| {
+                format!(
+                    "{name}, seed {seed}, saved after tick {at}, tick {}",
+                    at + 1 + k as u64
+                )
+            };
             let same = |second: &[TickOutput], how: &str| {
                 for (k, (a, b)) in first.iter().zip(second).enumerate() {
                     assert_eq!(a, b, "{}: {how}", told(k));
                 }
             };
             // Used buffers; the run goes elsewhere before it comes back.
-            run(&mut world, &Script::new(seed + 100, 2 * TICKS, true), TICKS, TICKS + 30);
+            run(
+                &mut world,
+                &Script::new(seed + 100, 2 * TICKS, true),
+                TICKS,
+                TICKS + 30,
+            );
             restore(&world.scene, &mut world.state, &mut world.scratch, &saved).unwrap();
             assert_eq!(state_hash(&world.state), hash);
             same(&run(&mut world, &script, at, TICKS), "used buffers");
@@ -85,12 +100,24 @@ struct Few {
 }
 
 impl Pipeline for Few {
-    fn start(&mut self, body: usize, field: Field, state: &DeformableState, predicted: &[Point3], loads: &[Vector3]) {
+    fn start(
+        &mut self,
+        body: usize,
+        field: Field,
+        state: &DeformableState,
+        predicted: &[Point3],
+        loads: &[Vector3],
+    ) {
         if body < self.bodies {
             self.workers.start(body, field, state, predicted, loads);
         }
     }
-    fn finish(&mut self, body: usize, state: &mut DeformableState, predicted: &mut [Point3]) -> bool {
+    fn finish(
+        &mut self,
+        body: usize,
+        state: &mut DeformableState,
+        predicted: &mut [Point3],
+    ) -> bool {
         body < self.bodies && self.workers.finish(body, state, predicted)
     }
     fn cancel(&mut self) {
@@ -106,27 +133,51 @@ fn a_session_has_the_same_hash_with_any_number_of_workers() {
     let (head, one) = one.split_at(one.find("[[body]]").unwrap());
     let (body, tool) = one.split_at(one.find("[[tool]]").unwrap());
     let body_at = |k: usize| {
-        let place = format!("\npose = {{ position = [{:?}, 0.0, 0.0] }}\nmodel", 0.3 * k as f64);
-        body.replace("id = \"slab\"", &format!("id = \"slab{k}\"")).replacen("\nmodel", &place, 1)
+        let place = format!(
+            "\npose = {{ position = [{:?}, 0.0, 0.0] }}\nmodel",
+            0.3 * k as f64
+        );
+        body.replace("id = \"slab\"", &format!("id = \"slab{k}\""))
+            .replacen("\nmodel", &place, 1)
     };
     let tool_at = |k: usize| {
         let place = format!("position = [{:?}, 0.0, 0.03]", 0.3 * k as f64);
-        tool.replace("id = \"ball\"", &format!("id = \"ball{k}\"")).replace("position = [0.0, 0.0, 0.03]", &place)
+        tool.replace("id = \"ball\"", &format!("id = \"ball{k}\""))
+            .replace("position = [0.0, 0.0, 0.03]", &place)
     };
-    let text: String = std::iter::once(head.to_owned()).chain((0..4).map(body_at)).chain((0..4).map(tool_at)).collect();
+    let text: String = std::iter::once(head.to_owned())
+        .chain((0..4).map(body_at))
+        .chain((0..4).map(tool_at))
+        .collect();
     let script = Script::new(7, 300, true);
     let hash_with = |count: usize| {
         let mut world = World::new(&text);
         let scene = Arc::new(World::new(&text).scene);
         if count > 0 {
-            let workers = Workers::start(&scene).unwrap().expect("bodies that step apart");
-            world.scratch.set_pipeline(Box::new(Few { workers, bodies: count }));
+            let workers = Workers::start(&scene)
+                .unwrap()
+                .expect("bodies that step apart");
+            world.scratch.set_pipeline(Box::new(Few {
+                workers,
+                bodies: count,
+            }));
         }
         let mut hash = SessionHash::default();
         let outputs = run(&mut world, &script, 0, 300);
-        outputs.iter().for_each(|output| hash.push(output.tick, output.state_hash));
-        let pressed = |t: usize| outputs.iter().filter(|output| output.tools[t].contact.is_some()).count();
-        assert!((0..4).all(|t| pressed(t) > 20), "{:?}", [0, 1, 2, 3].map(pressed));
+        outputs
+            .iter()
+            .for_each(|output| hash.push(output.tick, output.state_hash));
+        let pressed = |t: usize| {
+            outputs
+                .iter()
+                .filter(|output| output.tools[t].contact.is_some())
+                .count()
+        };
+        assert!(
+            (0..4).all(|t| pressed(t) > 20),
+            "{:?}",
+            [0, 1, 2, 3].map(pressed)
+        );
         hash
     };
     let alone = hash_with(0);
@@ -137,16 +188,24 @@ fn a_session_has_the_same_hash_with_any_number_of_workers() {
 
 fn replayed_in_a_child(file: &Path, simd: Option<&str>) -> (serde_json::Value, i32) {
     let mut process = Process::new(env!("CARGO_BIN_EXE_palpate"));
-    process.arg("replay").arg(file).args(["--json", "--jobs", "1"]).env_remove("PALPATE_SIMD");
+    process
+        .arg("replay")
+        .arg(file)
+        .args(["--json", "--jobs", "1"])
+        .env_remove("PALPATE_SIMD");
     if let Some(simd) = simd {
         process.env("PALPATE_SIMD", simd);
     }
     let output = process.output().unwrap();
     let text = String::from_utf8_lossy(&output.stdout).into_owned();
-    (serde_json::from_str(&text).unwrap_or_default(), output.status.code().unwrap_or(-1))
+    (
+        serde_json::from_str(&text).unwrap_or_default(),
+        output.status.code().unwrap_or(-1),
+    )
 }
 
-// R3. There are two paths: the baseline, and AVX2 where the processor has it; nothing is written for AVX-512.
+// R3. There are two paths: the baseline, and AVX2 where the processor has it; nothing is written
+// for AVX-512.
 #[test]
 fn the_baseline_comes_to_every_hash_that_avx2_came_to() {
     let directory = tempfile::tempdir().unwrap();
@@ -160,12 +219,17 @@ fn the_baseline_comes_to_every_hash_that_avx2_came_to() {
             let (report, code) = replayed_in_a_child(&file, simd);
             assert_eq!(code, 0, "{name}, {simd:?}: {report}");
             assert_eq!(report["ticks_matched"], 200, "{name}, {simd:?}");
-            assert_eq!(report["session_hash"], here.session_hash.as_str(), "{name}, {simd:?}");
+            assert_eq!(
+                report["session_hash"],
+                here.session_hash.as_str(),
+                "{name}, {simd:?}"
+            );
         }
     }
 }
 
-// R1. Differences in three stretches: the first by tick is told, whichever thread came first, and with it the same counts.
+// R1. Differences in three stretches: the first by tick is told, whichever thread came first, and
+// with it the same counts.
 #[test]
 fn what_is_found_does_not_depend_on_the_number_of_threads() {
     let directory = tempfile::tempdir().unwrap();
@@ -178,7 +242,11 @@ fn what_is_found_does_not_depend_on_the_number_of_threads() {
         forged.ticks[tick - 1].output.tools[0].force_n.y += 1e-9;
     }
     let mut state = whole.clone();
-    let keyframe = state.keyframes.iter_mut().find(|keyframe| keyframe.tick == 400).unwrap();
+    let keyframe = state
+        .keyframes
+        .iter_mut()
+        .find(|keyframe| keyframe.tick == 400)
+        .unwrap();
     keyframe.saved.floats[3] += 1e-9;
     for (session, tick, matched) in [
         (&whole, None, 1_000),
@@ -186,25 +254,51 @@ fn what_is_found_does_not_depend_on_the_number_of_threads() {
         (&state, Some((400, "keyframe.state_hash")), 400),
     ] {
         let with = |jobs| {
-            let report = replay_with(session, &ReplayOptions { jobs, ..Default::default() }, |_, _| {}).unwrap();
+            let report = replay_with(
+                session,
+                &ReplayOptions {
+                    jobs,
+                    ..Default::default()
+                },
+                |_, _| {},
+            )
+            .unwrap();
             assert!(report.realtime_factor > 0.0);
-            palpate::recording::ReplayReport { realtime_factor: 0.0, jobs: 0, ..report }
+            palpate::recording::ReplayReport {
+                realtime_factor: 0.0,
+                jobs: 0,
+                ..report
+            }
         };
         let serial = with(1);
         let difference = serial.first_difference.as_ref();
-        assert_eq!(difference.map(|found| (found.tick, found.field.as_str())), tick);
+        assert_eq!(
+            difference.map(|found| (found.tick, found.field.as_str())),
+            tick
+        );
         assert_eq!(serial.ticks_matched, matched);
         for jobs in [2, 3, 8] {
             assert_eq!(with(jobs), serial, "{jobs} threads");
         }
     }
-    // A stretch must reach the state of the next keyframe: one that was saved elsewhere is found, though it has a true hash.
+    // A stretch must reach the state of the next keyframe: one that was saved elsewhere is found,
+    // though it has a true hash.
     let mut swapped = whole.clone();
     let other = swapped.keyframes[1].clone();
-    let keyframe = swapped.keyframes.iter_mut().find(|keyframe| keyframe.tick == 600).unwrap();
+    let keyframe = swapped
+        .keyframes
+        .iter_mut()
+        .find(|keyframe| keyframe.tick == 600)
+        .unwrap();
     (keyframe.saved, keyframe.state_hash) = (other.saved, other.state_hash);
-    let found = replay(&swapped, 0, |_, _| {}).unwrap().first_difference.unwrap();
-    assert_eq!((found.tick, found.field.as_str()), (600, "keyframe.state_hash"));
+    let found = replay(&swapped, 0, |_, _| {})
+        .unwrap()
+        .first_difference
+        .unwrap();
+    assert_eq!(
+        (found.tick, found.field.as_str()),
+        (600, "keyframe.state_hash")
+    );
 }
 
 #[test]
@@ -214,8 +308,13 @@ fn a_replay_runs_from_and_until_the_ticks_it_is_told() {
     record(&file, RIGID, &Script::new(3, 1_000, false));
     let mut session = Session::open(&file).unwrap();
     let matched = |session: &Session, from, until| {
-        let options = ReplayOptions { from, until, jobs: 2 };
-        replay_with(session, &options, |_, _| {}).map(|report| (report.ticks_matched, report.passed()))
+        let options = ReplayOptions {
+            from,
+            until,
+            jobs: 2,
+        };
+        replay_with(session, &options, |_, _| {})
+            .map(|report| (report.ticks_matched, report.passed()))
     };
     assert_eq!(matched(&session, 0, u64::MAX).unwrap(), (1_000, true));
     assert_eq!(matched(&session, 450, 700).unwrap(), (300, true));
@@ -228,41 +327,76 @@ fn a_replay_runs_from_and_until_the_ticks_it_is_told() {
     session.nets.retain(|net| net.tick > 400);
     assert_eq!(matched(&session, 0, u64::MAX).unwrap(), (600, true));
     let error = matched(&session, 100, u64::MAX).unwrap_err().to_string();
-    assert!(error.contains("at or before tick 100") && error.contains("at tick 400"), "{error}");
+    assert!(
+        error.contains("at or before tick 100") && error.contains("at tick 400"),
+        "{error}"
+    );
     // Without it, ticks up to the next keyframe cannot be compared, and that is told.
     session.keyframes.remove(0);
     assert_eq!(matched(&session, 0, u64::MAX).unwrap(), (400, false));
 }
 
-// The recorder was handed one force that nobody felt. `palpate replay` names it, and leaves both runs around it.
+// The recorder was handed one force that nobody felt. `palpate replay` names it, and leaves both
+// runs around it.
 #[test]
 fn the_ticks_around_a_difference_are_written_from_both_runs() {
     let directory = tempfile::tempdir().unwrap();
     let file = directory.path().join("lie.mcap");
-    record_lying(&file, RIGID, &Script::new(3, 600, false), |record: &mut TickRecord| {
-        if record.output.tick == 320 {
-            record.output.tools[0].force_n.x = f64::from_bits(record.output.tools[0].force_n.x.to_bits() ^ 2);
-        }
-    });
-    let output = Process::new(env!("CARGO_BIN_EXE_palpate")).arg("replay").arg(&file).output().unwrap();
+    record_lying(
+        &file,
+        RIGID,
+        &Script::new(3, 600, false),
+        |record: &mut TickRecord| {
+            if record.output.tick == 320 {
+                record.output.tools[0].force_n.x =
+                    f64::from_bits(record.output.tools[0].force_n.x.to_bits() ^ 2);
+            }
+        },
+    );
+    let output = Process::new(env!("CARGO_BIN_EXE_palpate"))
+        .arg("replay")
+        .arg(&file)
+        .output()
+        .unwrap();
     let told = String::from_utf8_lossy(&output.stdout).into_owned();
     assert_eq!(output.status.code(), Some(1), "{told}");
-    assert!(told.contains("tick 320: tools[0].force_n.x") && told.contains("(2 ULPs apart)"), "{told}");
+    assert!(
+        told.contains("tick 320: tools[0].force_n.x") && told.contains("(2 ULPs apart)"),
+        "{told}"
+    );
     let bytes = std::fs::read(directory.path().join("divergence-320.mcap")).unwrap();
-    let mut ticks = std::collections::BTreeMap::<String, Vec<palpate_proto::recording::Tick>>::new();
+    let mut ticks =
+        std::collections::BTreeMap::<String, Vec<palpate_proto::recording::Tick>>::new();
     for message in mcap::MessageStream::new(&bytes).unwrap() {
         let message = message.unwrap();
-        assert_eq!(message.channel.schema.as_ref().unwrap().name, "palpate.v1.Tick");
+        assert_eq!(
+            message.channel.schema.as_ref().unwrap().name,
+            "palpate.v1.Tick"
+        );
         let tick = prost::Message::decode(&message.data[..]).unwrap();
-        ticks.entry(message.channel.topic.clone()).or_default().push(tick);
+        ticks
+            .entry(message.channel.topic.clone())
+            .or_default()
+            .push(tick);
     }
     let (recorded, replayed) = (&ticks["/recorded/sim/tick"], &ticks["/replayed/sim/tick"]);
     for run in [recorded, replayed] {
-        assert_eq!(run.iter().map(|tick| tick.tick).collect::<Vec<_>>(), (270..=370).collect::<Vec<_>>());
+        assert_eq!(
+            run.iter().map(|tick| tick.tick).collect::<Vec<_>>(),
+            (270..=370).collect::<Vec<_>>()
+        );
     }
     for (a, b) in recorded.iter().zip(replayed) {
-        assert_eq!(a.tools[0].values == b.tools[0].values, a.tick != 320, "tick {}", a.tick);
-        assert_eq!((a.state_hash, &a.tools[0].applied), (b.state_hash, &b.tools[0].applied));
+        assert_eq!(
+            a.tools[0].values == b.tools[0].values,
+            a.tick != 320,
+            "tick {}",
+            a.tick
+        );
+        assert_eq!(
+            (a.state_hash, &a.tools[0].applied),
+            (b.state_hash, &b.tools[0].applied)
+        );
     }
     let summary = mcap::Summary::read(&bytes).unwrap().unwrap();
     let metadata = mcap::read::metadata(&bytes, &summary.metadata_indexes[0]).unwrap();
@@ -280,7 +414,8 @@ fn the_ticks_around_a_difference_are_written_from_both_runs() {
         .output()
         .unwrap();
     assert_eq!(output.status.code(), Some(1));
-    let report: serde_json::Value = serde_json::from_slice(&std::fs::read(place.join("replay.json")).unwrap()).unwrap();
+    let report: serde_json::Value =
+        serde_json::from_slice(&std::fs::read(place.join("replay.json")).unwrap()).unwrap();
     assert_eq!(report["first_difference"]["tick"], 320);
     assert!(place.join("divergence-320.mcap").exists());
 }
@@ -301,7 +436,10 @@ fn figures_are_blessed_checked_and_told_when_they_are_off() {
             .output();
         let output = output.unwrap();
         let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
-        (text(&output.stdout) + &text(&output.stderr), output.status.code().unwrap_or(-1))
+        (
+            text(&output.stdout) + &text(&output.stderr),
+            output.status.code().unwrap_or(-1),
+        )
     };
     let (told, code) = palpate(&[]);
     assert!(code == 2 && told.contains("--bless"), "{told}");
@@ -311,32 +449,56 @@ fn figures_are_blessed_checked_and_told_when_they_are_off() {
     let written = Figures::read(&path).unwrap();
     let session = Session::open(&file).unwrap();
     let (tool, seen) = (&written.tools[0], &info(&session).tools[0]);
-    assert!(tool.contact_ticks > 50 && tool.rms_force_n > 0.0 && tool.rms_force_n < tool.peak_force_n, "{tool:?}");
-    assert_eq!((tool.peak_force_n, tool.contact_ticks), (seen.peak_force_n, seen.contact_ticks));
-    let first = session.ticks.iter().find(|record| record.output.tools[0].contact.is_some()).unwrap();
+    assert!(
+        tool.contact_ticks > 50 && tool.rms_force_n > 0.0 && tool.rms_force_n < tool.peak_force_n,
+        "{tool:?}"
+    );
+    assert_eq!(
+        (tool.peak_force_n, tool.contact_ticks),
+        (seen.peak_force_n, seen.contact_ticks)
+    );
+    let first = session
+        .ticks
+        .iter()
+        .find(|record| record.output.tools[0].contact.is_some())
+        .unwrap();
     assert_eq!(tool.first_contact_tick, Some(first.output.tick));
     // The ball sinks in no deeper than the body gives way and it is allowed to.
     let body = &written.bodies[0];
-    assert!(body.peak_displacement_m > 1e-4 && body.peak_displacement_m < 0.03, "{body:?}");
+    assert!(
+        body.peak_displacement_m > 1e-4 && body.peak_displacement_m < 0.03,
+        "{body:?}"
+    );
 
     let mut off = written.clone();
     off.tools[0].peak_force_n *= 1.0 + 1e-4;
     off.write(&path).unwrap();
     let (told, code) = palpate(&[]);
-    assert!(code == 1 && told.contains("tools.ball.peak_force_n"), "{told}");
-    // A tolerance of its author, and it passes; a blessing says what changed and leaves the tolerance.
+    assert!(
+        code == 1 && told.contains("tools.ball.peak_force_n"),
+        "{told}"
+    );
+    // A tolerance of its author, and it passes; a blessing says what changed and leaves the
+    // tolerance.
     off.tolerances.force = 1e-3;
     off.write(&path).unwrap();
     assert_eq!(palpate(&[]).1, 0);
     let (told, code) = palpate(&["--bless"]);
-    assert!(code == 0 && told.contains("tools.ball.peak_force_n") && told.contains("1 figures changed"), "{told}");
+    assert!(
+        code == 0 && told.contains("tools.ball.peak_force_n") && told.contains("1 figures changed"),
+        "{told}"
+    );
     let blessed = Figures::read(&path).unwrap();
-    assert_eq!((blessed.tolerances.force, &blessed.tools), (1e-3, &written.tools));
+    assert_eq!(
+        (blessed.tolerances.force, &blessed.tools),
+        (1e-3, &written.tools)
+    );
     std::fs::write(&path, "{\"format\": \"something\"}").unwrap();
     assert_eq!(palpate(&[]).1, 2);
 }
 
-// A state of another version may have another size or another meaning. From tick 0 on the scene's own start will do.
+// A state of another version may have another size or another meaning. From tick 0 on the scene's
+// own start will do.
 #[test]
 fn figures_need_no_keyframe_that_fits_when_the_recording_begins_at_the_start() {
     let directory = tempfile::tempdir().unwrap();
@@ -354,17 +516,32 @@ fn figures_need_no_keyframe_that_fits_when_the_recording_begins_at_the_start() {
         assert!(matches!(start, Start::Scene { .. }));
         assert_eq!(deviations(&figures, &again, true), []);
         let mut late = other;
-        let keep = late.keyframes.iter().position(|keyframe| keyframe.tick >= 200).unwrap();
+        let keep = late
+            .keyframes
+            .iter()
+            .position(|keyframe| keyframe.tick >= 200)
+            .unwrap();
         late.keyframes.drain(..keep);
         late.keyframes[0].saved.floats.push(1.0);
-        assert!(simulate_figures(&late, |_, _| {}).unwrap_err().to_string().contains("tick 0"));
+        assert!(
+            simulate_figures(&late, |_, _| {})
+                .unwrap_err()
+                .to_string()
+                .contains("tick 0")
+        );
     }
     let mut torn = session.clone();
     torn.ticks.remove(300);
-    assert!(simulate_figures(&torn, |_, _| {}).unwrap_err().to_string().contains("tick 301 is missing"));
+    assert!(
+        simulate_figures(&torn, |_, _| {})
+            .unwrap_err()
+            .to_string()
+            .contains("tick 301 is missing")
+    );
 }
 
-// A state as it was before anything ran is as good as one in the middle: `SceneState` is all there is.
+// A state as it was before anything ran is as good as one in the middle: `SceneState` is all there
+// is.
 #[test]
 fn two_runs_of_one_script_are_one() {
     let script = Script::new(21, 150, true);

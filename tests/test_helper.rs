@@ -31,7 +31,9 @@ fn forces_can_be_asserted_to_the_last_digit_and_sessions_repeat_by_bits() {
         assert_eq!(above.force, [0.0; 3]);
         let mut force = above;
         for k in 1..=120 {
-            force = session.step(&mut pen, pose_at([0.0, 0.0, 0.03 - 1e-4 * f64::from(k)])).unwrap();
+            force = session
+                .step(&mut pen, pose_at([0.0, 0.0, 0.03 - 1e-4 * f64::from(k)]))
+                .unwrap();
         }
         // 2 mm deep: 500 N/m × 2 mm.
         assert!((force.force[2] - 1.0).abs() < 1e-9, "{force:?}");
@@ -42,17 +44,34 @@ fn forces_can_be_asserted_to_the_last_digit_and_sessions_repeat_by_bits() {
     let (first, second) = (run(), run());
     assert_eq!(first.ticks.len(), 121);
     assert!(replay(&first, 0, |_, _| {}).unwrap().passed());
-    let hashes = |session: &Session| session.ticks.iter().map(|tick| tick.output.state_hash).collect::<Vec<_>>();
+    let hashes = |session: &Session| {
+        session
+            .ticks
+            .iter()
+            .map(|tick| tick.output.state_hash)
+            .collect::<Vec<_>>()
+    };
     assert_eq!(hashes(&first), hashes(&second));
 }
 
 #[test]
 fn what_goes_wrong_is_told_with_the_words_of_the_daemon() {
-    let wrong = TestSession::of("[[boddy]]\nid = \"x\"\n").program(PROGRAM).start().map(|_| ());
-    let Err(TestError::Ended { stderr, .. }) = &wrong else { panic!("{wrong:?}") };
+    let wrong = TestSession::of("[[boddy]]\nid = \"x\"\n")
+        .program(PROGRAM)
+        .start()
+        .map(|_| ());
+    let Err(TestError::Ended { stderr, .. }) = &wrong else {
+        panic!("{wrong:?}")
+    };
     assert!(stderr.contains("boddy"), "{stderr}");
-    let nowhere = TestSession::of(SCENE).program("/nowhere/palpate").start().map(|_| ());
-    assert!(matches!(&nowhere, Err(TestError::Io { what, .. }) if what.contains("/nowhere")), "{nowhere:?}");
+    let nowhere = TestSession::of(SCENE)
+        .program("/nowhere/palpate")
+        .start()
+        .map(|_| ());
+    assert!(
+        matches!(&nowhere, Err(TestError::Io { what, .. }) if what.contains("/nowhere")),
+        "{nowhere:?}"
+    );
     let mut session = TestSession::of(SCENE).program(PROGRAM).start().unwrap();
     let error = session.tool("brush").map(|_| ()).unwrap_err().to_string();
     assert!(error.contains("brush") && error.contains("pen"), "{error}");

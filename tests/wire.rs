@@ -44,14 +44,21 @@ pub fn bare(endpoint: &str) -> zenoh::Session {
 }
 
 /// Waits until something holds; says what was seen last when it does not.
-pub fn until<T: std::fmt::Debug>(what: &str, mut look: impl FnMut() -> T, holds: impl Fn(&T) -> bool) -> T {
+pub fn until<T: std::fmt::Debug>(
+    what: &str,
+    mut look: impl FnMut() -> T,
+    holds: impl Fn(&T) -> bool,
+) -> T {
     let started = Instant::now();
     loop {
         let seen = look();
         if holds(&seen) {
             return seen;
         }
-        assert!(started.elapsed() < Duration::from_secs(60), "{what}: {seen:?}");
+        assert!(
+            started.elapsed() < Duration::from_secs(60),
+            "{what}: {seen:?}"
+        );
         std::thread::sleep(Duration::from_millis(10));
     }
 }
@@ -71,6 +78,8 @@ impl Random {
 
     /// Fewer than `most` of them.
     pub fn bytes(&mut self, most: u64) -> Vec<u8> {
-        (0..self.number() % most).map(|_| self.number() as u8).collect()
+        (0..self.number() % most)
+            .map(|_| self.number() as u8)
+            .collect()
     }
 }

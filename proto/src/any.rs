@@ -2,7 +2,8 @@
 
 use crate::codec::{DecodeError, decode};
 use crate::messages::{
-    ContactSet, ControlNet, DeviceInfo, LoopStatus, Message, SceneSnapshot, SimEvent, ToolContact, ToolForce, ToolPose,
+    ContactSet, ControlNet, DeviceInfo, LoopStatus, Message, SceneSnapshot, SimEvent, ToolContact,
+    ToolForce, ToolPose,
 };
 use serde_json::Value;
 
@@ -34,7 +35,9 @@ fn decoders() -> [(&'static str, Decoder); 9] {
 /// Versioned name of the messages under a key, where there is no encoding to tell it.
 pub fn name_of_key(key: &str) -> Option<&'static str> {
     let chunks: Vec<&str> = key.split('/').collect();
-    let ["palpate", _, rest @ ..] = &chunks[..] else { return None };
+    let ["palpate", _, rest @ ..] = &chunks[..] else {
+        return None;
+    };
     Some(match rest {
         ["tool", _, "pose"] => ToolPose::NAME,
         ["tool", _, "force"] => ToolForce::NAME,
@@ -54,7 +57,10 @@ pub fn name_of_key(key: &str) -> Option<&'static str> {
 /// # Errors
 /// Not the bytes of such a message.
 pub fn to_json(name: &str, bytes: &[u8]) -> Option<Result<Value, DecodeError>> {
-    decoders().iter().find(|(known, _)| *known == name).map(|(_, decode)| decode(bytes))
+    decoders()
+        .iter()
+        .find(|(known, _)| *known == name)
+        .map(|(_, decode)| decode(bytes))
 }
 
 #[cfg(test)]
@@ -65,11 +71,20 @@ mod tests {
     fn messages_are_shown_by_name_and_keys_tell_names() {
         let pose = [&[1, 2][..], &[0; 13 * 8], &[0, 0]].concat();
         let value = to_json("palpate.ToolPose.v1", &pose).unwrap().unwrap();
-        assert_eq!((value["seq"].as_u64(), value["t_client_ns"].as_u64()), (Some(1), Some(2)));
+        assert_eq!(
+            (value["seq"].as_u64(), value["t_client_ns"].as_u64()),
+            (Some(1), Some(2))
+        );
         assert!(to_json("palpate.ToolPose.v1", &pose[1..]).unwrap().is_err());
         assert!(to_json("palpate.ToolPose.v9", &pose).is_none());
-        assert_eq!(name_of_key("palpate/default/tool/ball/contact"), Some("palpate.ToolContact.v1"));
-        assert_eq!(name_of_key("palpate/default/contact"), Some("palpate.ContactSet.v1"));
+        assert_eq!(
+            name_of_key("palpate/default/tool/ball/contact"),
+            Some("palpate.ToolContact.v1")
+        );
+        assert_eq!(
+            name_of_key("palpate/default/contact"),
+            Some("palpate.ContactSet.v1")
+        );
         assert_eq!(name_of_key("demo/contact"), None);
     }
 }

@@ -2,7 +2,8 @@
 
 use crate::messages::{Message, ToolPose};
 
-/// Largest message we decode. A scene snapshot of twenty large bodies stays below; a hostile length does not get memory.
+/// Largest message we decode. A scene snapshot of twenty large bodies stays below; a hostile length
+/// does not get memory.
 pub const MAX_BYTES: usize = 16 << 20;
 
 /// Why bytes were refused.
@@ -54,7 +55,8 @@ pub fn encode<M: Message>(message: &M) -> Vec<u8> {
     postcard::to_allocvec(message).expect("messages hold only what postcard can write")
 }
 
-/// What can be told without reading the bytes: whether an `M` may have so many, under this schema (empty: none).
+/// What can be told without reading the bytes: whether an `M` may have so many, under this schema
+/// (empty: none).
 ///
 /// # Errors
 /// Another schema, or too many bytes.
@@ -62,10 +64,17 @@ pub fn check_head<M: Message>(bytes: usize, schema: &str) -> Result<(), DecodeEr
     if !schema.is_empty() && schema.strip_prefix("postcard;") != Some(M::NAME) {
         // A schema may be as long as its sender likes; a report of it is not.
         let got = schema.chars().take(128).collect();
-        return Err(DecodeError::WrongSchema { expected: encoding_schema::<M>(), got });
+        return Err(DecodeError::WrongSchema {
+            expected: encoding_schema::<M>(),
+            got,
+        });
     }
     if bytes > M::MAX_BYTES {
-        return Err(DecodeError::Oversized { name: M::NAME, bytes, most: M::MAX_BYTES });
+        return Err(DecodeError::Oversized {
+            name: M::NAME,
+            bytes,
+            most: M::MAX_BYTES,
+        });
     }
     Ok(())
 }
@@ -78,8 +87,14 @@ pub fn decode<M: Message>(bytes: &[u8], schema: &str) -> Result<M, DecodeError> 
     check_head::<M>(bytes.len(), schema)?;
     match postcard::take_from_bytes(bytes) {
         Ok((message, [])) => Ok(message),
-        Ok((_, rest)) => Err(DecodeError::Trailing { name: M::NAME, extra: rest.len() }),
-        Err(reason) => Err(DecodeError::Malformed { name: M::NAME, reason: reason.to_string() }),
+        Ok((_, rest)) => Err(DecodeError::Trailing {
+            name: M::NAME,
+            extra: rest.len(),
+        }),
+        Err(reason) => Err(DecodeError::Malformed {
+            name: M::NAME,
+            reason: reason.to_string(),
+        }),
     }
 }
 
@@ -109,7 +124,12 @@ impl ToolPose {
     /// Values that are not finite, or a quaternion whose length is not 1 within 1e-6.
     pub fn validated(mut self) -> Result<Self, PoseError> {
         let seq = self.seq;
-        let parts = [&self.position[..], &self.orientation, &self.linear_velocity, &self.angular_velocity];
+        let parts = [
+            &self.position[..],
+            &self.orientation,
+            &self.linear_velocity,
+            &self.angular_velocity,
+        ];
         if parts.iter().any(|part| part.iter().any(|x| !x.is_finite())) {
             return Err(PoseError::NotFinite { seq });
         }
@@ -128,7 +148,8 @@ impl ToolPose {
 mod tests {
     use super::*;
     use crate::messages::{
-        ContactSet, ControlNet, DeviceInfo, LoopStatus, SceneSnapshot, SimEvent, ToolContact, ToolForce,
+        ContactSet, ControlNet, DeviceInfo, LoopStatus, SceneSnapshot, SimEvent, ToolContact,
+        ToolForce,
     };
 
     fn pose() -> ToolPose {
@@ -159,17 +180,39 @@ mod tests {
             decode::<ToolPose>(&bytes, "postcard;palpate.ToolPose.v2"),
             Err(DecodeError::WrongSchema { .. })
         ));
-        assert!(matches!(decode::<ToolPose>(&bytes[..50], ""), Err(DecodeError::Malformed { .. })));
+        assert!(matches!(
+            decode::<ToolPose>(&bytes[..50], ""),
+            Err(DecodeError::Malformed { .. })
+        ));
         let mut long = bytes.clone();
         long.push(0);
-        assert!(matches!(decode::<ToolPose>(&[0; 200], ""), Err(DecodeError::Oversized { bytes: 200, most: 134, .. })));
-        assert!(matches!(decode::<ToolPose>(&long, ""), Err(DecodeError::Trailing { extra: 1, .. })));
-        assert!(matches!(decode::<ControlNet>(&vec![0; MAX_BYTES + 1], ""), Err(DecodeError::Oversized { .. })));
+        assert!(matches!(
+            decode::<ToolPose>(&[0; 200], ""),
+            Err(DecodeError::Oversized {
+                bytes: 200,
+                most: 134,
+                ..
+            })
+        ));
+        assert!(matches!(
+            decode::<ToolPose>(&long, ""),
+            Err(DecodeError::Trailing { extra: 1, .. })
+        ));
+        assert!(matches!(
+            decode::<ControlNet>(&vec![0; MAX_BYTES + 1], ""),
+            Err(DecodeError::Oversized { .. })
+        ));
     }
 
     #[test]
     fn the_largest_pose_and_device_are_as_large_as_they_say() {
-        let pose = ToolPose { seq: u64::MAX, t_client_ns: u64::MAX, buttons: u32::MAX, flags: u32::MAX, ..pose() };
+        let pose = ToolPose {
+            seq: u64::MAX,
+            t_client_ns: u64::MAX,
+            buttons: u32::MAX,
+            flags: u32::MAX,
+            ..pose()
+        };
         assert_eq!(encode(&pose).len(), ToolPose::MAX_BYTES);
         assert_eq!(decode::<ToolPose>(&encode(&pose), "").unwrap(), pose);
         let device = DeviceInfo {
@@ -196,20 +239,27 @@ mod tests {
     fn random_truncated_and_flipped_bytes_never_panic() {
         let mut state = 1u64;
         let mut random = || {
-            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+            state = state
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1);
             (state >> 33) as usize
         };
         let good = encode(&pose());
         let mut accepted = 0;
         for _ in 0..20_000 {
-            let mut bytes =
-                if random() % 2 == 0 { good.clone() } else { (0..random() % 200).map(|_| random() as u8).collect() };
+            let mut bytes = if random() % 2 == 0 {
+                good.clone()
+            } else {
+                (0..random() % 200).map(|_| random() as u8).collect()
+            };
             if !bytes.is_empty() {
                 let at = random() % bytes.len();
                 bytes[at] ^= 1 << (random() % 8);
                 bytes.truncate(bytes.len() - random() % 2);
             }
-            accepted += usize::from(decode::<ToolPose>(&bytes, "").is_ok_and(|pose| pose.validated().is_ok()));
+            accepted += usize::from(
+                decode::<ToolPose>(&bytes, "").is_ok_and(|pose| pose.validated().is_ok()),
+            );
             let _ = decode::<ToolForce>(&bytes, "");
             let _ = decode::<ToolContact>(&bytes, "");
             let _ = decode::<DeviceInfo>(&bytes, "").map(DeviceInfo::validated);
@@ -219,17 +269,35 @@ mod tests {
             let _ = decode::<SimEvent>(&bytes, "");
             let _ = decode::<SceneSnapshot>(&bytes, "");
         }
-        assert!(accepted > 0, "a flipped low bit of a position is still a pose");
+        assert!(
+            accepted > 0,
+            "a flipped low bit of a position is still a pose"
+        );
     }
 
     #[test]
     fn poses_that_no_rigid_body_can_have_are_refused() {
         assert!(pose().validated().is_ok());
-        let bent = ToolPose { orientation: [0.0, 0.0, 0.6, 0.9], ..pose() };
-        assert!(matches!(bent.validated(), Err(PoseError::Quaternion { seq: 300, .. })));
-        let lost = ToolPose { position: [0.0, f64::NAN, 0.0], ..pose() };
-        assert!(matches!(lost.validated(), Err(PoseError::NotFinite { seq: 300 })));
-        let nearly = ToolPose { orientation: [0.0, 0.0, 0.6, 0.8 + 1e-8], ..pose() };
+        let bent = ToolPose {
+            orientation: [0.0, 0.0, 0.6, 0.9],
+            ..pose()
+        };
+        assert!(matches!(
+            bent.validated(),
+            Err(PoseError::Quaternion { seq: 300, .. })
+        ));
+        let lost = ToolPose {
+            position: [0.0, f64::NAN, 0.0],
+            ..pose()
+        };
+        assert!(matches!(
+            lost.validated(),
+            Err(PoseError::NotFinite { seq: 300 })
+        ));
+        let nearly = ToolPose {
+            orientation: [0.0, 0.0, 0.6, 0.8 + 1e-8],
+            ..pose()
+        };
         let unit = nearly.validated().unwrap().orientation;
         assert!((unit.iter().map(|x| x * x).sum::<f64>() - 1.0).abs() < 1e-15);
     }

@@ -33,8 +33,8 @@ pub struct DeviceInfo {
     pub rate_hz: f64,
     /// Delay between it and the daemon, one way, s.
     pub delay_s: f64,
-    /// Relative change of the force below which a hand feels none (Weber fraction); the daemon then leaves such forces
-    /// out. 0: every force is sent.
+    /// Relative change of the force below which a hand feels none (Weber fraction); the daemon then
+    /// leaves such forces out. 0: every force is sent.
     pub deadband: f64,
 }
 
@@ -51,7 +51,9 @@ const NAME_BYTES: usize = 64;
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum DeviceError {
     /// Too long, or not to be shown.
-    #[error("the name of a device has {0} bytes; it must have at most {NAME_BYTES} and no control characters")]
+    #[error(
+        "the name of a device has {0} bytes; it must have at most {NAME_BYTES} and no control characters"
+    )]
     Name(usize),
     /// A number outside what a device can have.
     #[error("{field} of a device is {value}; it must be between {least} and {most}")]
@@ -97,7 +99,12 @@ impl DeviceInfo {
         for (field, value, most) in fields {
             // A NaN is in no range.
             if !(0.0..=most).contains(&value) {
-                return Err(DeviceError::Range { field, value, least: 0.0, most });
+                return Err(DeviceError::Range {
+                    field,
+                    value,
+                    least: 0.0,
+                    most,
+                });
             }
         }
         Ok(self)
@@ -145,7 +152,11 @@ mod tests {
         assert_eq!(refused(|d| d.dof_force = 4), Some("dof_force"));
         assert_eq!(refused(|d| d.workspace[2] = f64::NAN), Some("workspace[2]"));
         assert_eq!(refused(|d| d.force_max = f64::INFINITY), Some("force_max"));
-        assert_eq!(refused(|d| d.force_continuous = 3.4), Some("force_continuous"), "more for long than at all");
+        assert_eq!(
+            refused(|d| d.force_continuous = 3.4),
+            Some("force_continuous"),
+            "more for long than at all"
+        );
         assert_eq!(refused(|d| d.mass = -1e-9), Some("mass"));
         assert_eq!(refused(|d| d.rate_hz = 2e6), Some("rate_hz"));
         assert_eq!(refused(|d| d.delay_s = f64::NEG_INFINITY), Some("delay_s"));

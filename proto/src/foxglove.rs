@@ -1,6 +1,6 @@
-//! Messages that viewers know (Foxglove, Lichtblick, Rerun), generated from `proto/foxglove/`. Names, numbers and types of
-//! fields are the published ones: `tests/foxglove.rs` compares them. Their descriptors are in
-//! [`crate::recording::descriptors`].
+//! Messages that viewers know (Foxglove, Lichtblick, Rerun), generated from `proto/foxglove/`.
+//! Names, numbers and types of fields are the published ones: `tests/foxglove.rs` compares them.
+//! Their descriptors are in [`crate::recording::descriptors`].
 
 #![allow(missing_docs, clippy::all)]
 

@@ -1,4 +1,5 @@
-//! Key expressions. `palpate/{instance}/…`; ids are `[a-z0-9_-]{1,64}`; `@` chunks stay out of `**`.
+//! Key expressions. `palpate/{instance}/…`; ids are `[a-z0-9_-]{1,64}`; `@` chunks stay out of
+//! `**`.
 
 /// An id that cannot be a chunk of a key.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -11,7 +12,11 @@ pub struct IdError(pub String);
 /// Empty, longer than 64, or other characters.
 pub fn check_id(id: &str) -> Result<&str, IdError> {
     let fits = |b: u8| b.is_ascii_lowercase() || b.is_ascii_digit() || b == b'_' || b == b'-';
-    if (1..=64).contains(&id.len()) && id.bytes().all(fits) { Ok(id) } else { Err(IdError(id.to_owned())) }
+    if (1..=64).contains(&id.len()) && id.bytes().all(fits) {
+        Ok(id)
+    } else {
+        Err(IdError(id.to_owned()))
+    }
 }
 
 /// All keys of one instance.
@@ -26,7 +31,9 @@ impl Keys {
     /// # Errors
     /// A name that is no id.
     pub fn new(instance: &str) -> Result<Self, IdError> {
-        Ok(Self { root: format!("palpate/{}", check_id(instance)?) })
+        Ok(Self {
+            root: format!("palpate/{}", check_id(instance)?),
+        })
     }
 
     /// Poses of a tool, tool → daemon.
@@ -104,8 +111,8 @@ impl Keys {
         format!("{}/@live/viewer/{id}", self.root)
     }
 
-    /// A key given short: whole (`palpate/default/status`), without its head (`tool/ball/force`), or one word for all of a
-    /// kind (`force`, `pose`, `device`, `net`, `all`).
+    /// A key given short: whole (`palpate/default/status`), without its head (`tool/ball/force`),
+    /// or one word for all of a kind (`force`, `pose`, `device`, `net`, `all`).
     pub fn expand(&self, key: &str) -> String {
         let key = key.trim_matches('/');
         match key {
@@ -142,7 +149,13 @@ pub const INFO_EVERYWHERE: &str = "palpate/*/@meta/info";
 /// Instance, kind (`server`, `tool`, `recorder`, `viewer`) and id of a liveliness token.
 pub fn parse_live(key: &str) -> Option<(&str, &str, &str)> {
     let mut chunks = key.split('/');
-    let parsed = match (chunks.next()?, chunks.next()?, chunks.next()?, chunks.next()?, chunks.next()?) {
+    let parsed = match (
+        chunks.next()?,
+        chunks.next()?,
+        chunks.next()?,
+        chunks.next()?,
+        chunks.next()?,
+    ) {
         ("palpate", instance, "@live", kind, id) => (instance, kind, id),
         _ => return None,
     };
@@ -157,16 +170,28 @@ mod tests {
     fn keys_are_those_of_the_table_and_live_keys_parse_back() {
         let keys = Keys::new("default").unwrap();
         assert_eq!(keys.tool_pose("ball"), "palpate/default/tool/ball/pose");
-        assert_eq!(keys.tool_contact("ball"), "palpate/default/tool/ball/contact");
+        assert_eq!(
+            keys.tool_contact("ball"),
+            "palpate/default/tool/ball/contact"
+        );
         assert_eq!(keys.tool_device("ball"), "palpate/default/tool/ball/device");
         assert_eq!(keys.body_net("drop"), "palpate/default/body/drop/net");
         assert_eq!(keys.rpc("reset"), "palpate/default/rpc/reset");
         assert_eq!(keys.tool_of_live(&keys.live_tool("ball")), Some("ball"));
-        assert_eq!(keys.meta_schema("palpate.ToolPose.v1"), "palpate/default/@meta/schema/palpate.ToolPose.v1");
+        assert_eq!(
+            keys.meta_schema("palpate.ToolPose.v1"),
+            "palpate/default/@meta/schema/palpate.ToolPose.v1"
+        );
         assert_eq!(keys.expand("tool/ball/force"), keys.tool_force("ball"));
         assert_eq!(keys.expand("palpate/other/status"), "palpate/other/status");
-        assert_eq!((keys.expand("net"), keys.expand("status")), (keys.body_net("*"), keys.status()));
-        assert_eq!(parse_live(&keys.live_recorder("f00")), Some(("default", "recorder", "f00")));
+        assert_eq!(
+            (keys.expand("net"), keys.expand("status")),
+            (keys.body_net("*"), keys.status())
+        );
+        assert_eq!(
+            parse_live(&keys.live_recorder("f00")),
+            Some(("default", "recorder", "f00"))
+        );
         assert_eq!(parse_live("palpate/default/status"), None);
         assert_eq!(keys.tool_of_live("palpate/other/@live/tool/ball"), None);
     }

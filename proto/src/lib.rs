@@ -1,9 +1,10 @@
 //! What Palpate says on the bus and writes into recordings.
 //!
-//! [`messages`] are the bus messages, [`codec`] their bytes, [`keys`] where they travel, [`rpc`] the JSON of commands;
-//! with the `recording` feature, `recording` holds the Protobuf messages of MCAP files and `foxglove` those that common
-//! viewers know; with `schema`, `schema` holds the layouts of the bus messages. `docs/wire.md` of the project gives them for
-//! people who write a client without this crate.
+//! [`messages`] are the bus messages, [`codec`] their bytes, [`keys`] where they travel, [`rpc`]
+//! the JSON of commands; with the `recording` feature, `recording` holds the Protobuf messages of
+//! MCAP files and `foxglove` those that common viewers know; with `schema`, `schema` holds the
+//! layouts of the bus messages. `docs/wire.md` of the project gives them for people who write a
+//! client without this crate.
 
 pub mod any;
 pub mod codec;

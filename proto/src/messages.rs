@@ -1,8 +1,8 @@
 //! The messages of the bus. SI units; `f64`; quaternions are x y z w; times are nanoseconds.
 //!
-//! postcard has no field names and cannot evolve: a published struct is never edited. A change makes a new type with
-//! a new version in its [`Message::NAME`]. Only [`EventKind`] may grow, at its end: the number of a case stays, and who does
-//! not know a new one drops that event.
+//! postcard has no field names and cannot evolve: a published struct is never edited. A change
+//! makes a new type with a new version in its [`Message::NAME`]. Only [`EventKind`] may grow, at
+//! its end: the number of a case stays, and who does not know a new one drops that event.
 
 use serde::{Deserialize, Serialize};
 
@@ -101,8 +101,9 @@ pub struct ToolForce {
 }
 message!(ToolForce, "palpate.ToolForce.v1");
 
-/// What all contacts do to a tool, before anything is limited for the device: what a sensor between tool and body would
-/// read. World axes, at the tool's reference point. Sent while somebody subscribes.
+/// What all contacts do to a tool, before anything is limited for the device: what a sensor between
+/// tool and body would read. World axes, at the tool's reference point. Sent while somebody
+/// subscribes.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(postcard_schema::Schema))]
 pub struct ToolContact {
@@ -116,7 +117,8 @@ pub struct ToolContact {
     pub force: [f64; 3],
     /// N·m.
     pub torque: [f64; 3],
-    /// Net work done by the device on the loop since the start, J; what is below zero, the loop has made.
+    /// Net work done by the device on the loop since the start, J; what is below zero, the loop has
+    /// made.
     pub energy_j: f64,
     /// Part of it that the passivity controller took away, J.
     pub dissipated_j: f64,
@@ -154,7 +156,8 @@ message!(ControlNet, "palpate.ControlNet.v1");
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(postcard_schema::Schema))]
 pub struct Contact {
-    /// Tool id; between two bodies, the id of the other body (the same one, when a body touches itself).
+    /// Tool id; between two bodies, the id of the other body (the same one, when a body touches
+    /// itself).
     pub tool: String,
     /// Body id.
     pub body: String,
@@ -295,7 +298,8 @@ pub struct LoopStatus {
     pub recorder_bytes: u64,
     /// Records lost because the recorder could not keep up.
     pub recorder_drops: u64,
-    /// 0 is full quality; 1: bodies iterate once a step; 2: also fewer sweeps over contacts; 3: also nets ten times rarer.
+    /// 0 is full quality; 1: bodies iterate once a step; 2: also fewer sweeps over contacts; 3:
+    /// also nets ten times rarer.
     pub quality_level: u8,
 }
 message!(LoopStatus, "palpate.LoopStatus.v2");
@@ -344,9 +348,11 @@ pub enum EventKind {
     },
     /// The daemon is going down.
     Stopping,
-    /// Ticks took longer than their period, or were woken too late: at most one such event a second for each stage.
+    /// Ticks took longer than their period, or were woken too late: at most one such event a second
+    /// for each stage.
     Overrun {
-        /// Stage that took most of their time: `latch`, `render`, `deform`, `emit`; `wake`: the system came late.
+        /// Stage that took most of their time: `latch`, `render`, `deform`, `emit`; `wake`: the
+        /// system came late.
         stage: String,
         /// How many since the last such event.
         count: u64,

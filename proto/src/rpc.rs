@@ -28,7 +28,8 @@ pub struct Request {
     /// `step`: ticks to run, 1 if absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub ticks: Option<u32>,
-    /// `record_start`, `snapshot`: file on the daemon's machine; where it keeps recordings if absent.
+    /// `record_start`, `snapshot`: file on the daemon's machine; where it keeps recordings if
+    /// absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub path: Option<String>,
     /// `snapshot`: seconds before now.
@@ -88,12 +89,19 @@ pub struct Reply {
 impl Reply {
     /// Carried out, with effect from a tick on.
     pub fn at(tick: u64) -> Self {
-        Self { ok: true, tick: Some(tick), ..Self::default() }
+        Self {
+            ok: true,
+            tick: Some(tick),
+            ..Self::default()
+        }
     }
 
     /// Not carried out.
     pub fn refused(reason: impl Into<String>) -> Self {
-        Self { error: Some(reason.into()), ..Self::default() }
+        Self {
+            error: Some(reason.into()),
+            ..Self::default()
+        }
     }
 }
 
@@ -117,7 +125,9 @@ pub enum RequestError {
         source: serde_json::Error,
     },
     /// JSON, but no object.
-    #[error("the arguments of {method} do not parse: they are a JSON object, like {{\"ticks\": 5}}")]
+    #[error(
+        "the arguments of {method} do not parse: they are a JSON object, like {{\"ticks\": 5}}"
+    )]
     NotObject {
         /// Method.
         method: String,
@@ -172,9 +182,14 @@ impl Request {
         let request: Self = if payload.is_empty() {
             Self::default()
         } else if payload.trim_ascii_start().first() != Some(&b'{') {
-            return Err(RequestError::NotObject { method: method.into() });
+            return Err(RequestError::NotObject {
+                method: method.into(),
+            });
         } else {
-            serde_json::from_slice(payload).map_err(|source| RequestError::Parse { method: method.into(), source })?
+            serde_json::from_slice(payload).map_err(|source| RequestError::Parse {
+                method: method.into(),
+                source,
+            })?
         };
         request.checked(method)
     }
@@ -185,7 +200,10 @@ impl Request {
     /// Too long.
     pub fn check_length(method: &str, bytes: usize) -> Result<(), RequestError> {
         if bytes > MAX_REQUEST_BYTES {
-            return Err(RequestError::Oversized { method: method.into(), bytes });
+            return Err(RequestError::Oversized {
+                method: method.into(),
+                bytes,
+            });
         }
         Ok(())
     }
@@ -207,9 +225,20 @@ impl Request {
             ("gap", self.gap.is_some()),
             ("max_turn", self.max_turn.is_some()),
         ];
-        if let Some((argument, _)) = given.into_iter().find(|(argument, given)| *given && !known.contains(argument)) {
-            let known = if known.is_empty() { "none".into() } else { known.join(", ") };
-            return Err(RequestError::Foreign { method: method.into(), argument, known });
+        if let Some((argument, _)) = given
+            .into_iter()
+            .find(|(argument, given)| *given && !known.contains(argument))
+        {
+            let known = if known.is_empty() {
+                "none".into()
+            } else {
+                known.join(", ")
+            };
+            return Err(RequestError::Foreign {
+                method: method.into(),
+                argument,
+                known,
+            });
         }
         let ranges = [
             ("before", self.before, 0.0, 86_400.0),
@@ -221,7 +250,13 @@ impl Request {
         ];
         for (argument, value, least, most) in ranges {
             if let Some(value) = value.filter(|value| !(least..=most).contains(value)) {
-                return Err(RequestError::Range { method: method.into(), argument, value, least, most });
+                return Err(RequestError::Range {
+                    method: method.into(),
+                    argument,
+                    value,
+                    least,
+                    most,
+                });
             }
         }
         Ok(self)
@@ -233,7 +268,9 @@ mod tests {
     use super::*;
 
     fn error(method: &str, payload: &str) -> String {
-        Request::parse(method, payload.as_bytes()).unwrap_err().to_string()
+        Request::parse(method, payload.as_bytes())
+            .unwrap_err()
+            .to_string()
     }
 
     #[test]
@@ -241,18 +278,35 @@ mod tests {
         assert_eq!(Request::parse("step", b"").unwrap(), Request::default());
         assert_eq!(
             Request::parse("step", b"{\"ticks\": 5}").unwrap(),
-            Request { ticks: Some(5), ..Request::default() }
+            Request {
+                ticks: Some(5),
+                ..Request::default()
+            }
         );
         assert!(error("step", "{\"tick_count\": 5}").contains("do not parse"));
         // A list would be taken for the arguments in order.
-        assert!(error("step", "[5]").contains("do not parse") && error("step", "\u{fe}").contains("do not parse"));
+        assert!(
+            error("step", "[5]").contains("do not parse")
+                && error("step", "\u{fe}").contains("do not parse")
+        );
         assert!(error("step", "{\"ticks\": -5}").contains("do not parse"));
-        assert!(error("step", "{\"tick\": 5}").contains("step has no argument \"tick\"; it has ticks"));
+        assert!(
+            error("step", "{\"tick\": 5}").contains("step has no argument \"tick\"; it has ticks")
+        );
         assert!(error("reset", "{\"ticks\": 5}").contains("it has none"));
         assert!(error("rate", "{\"rate\": 0}").contains("between 0.001 and 10000"));
-        assert!(error("isolate", "{\"continuity\": 1}").contains("it has bodies, method, gap, max_turn"));
+        assert!(
+            error("isolate", "{\"continuity\": 1}")
+                .contains("it has bodies, method, gap, max_turn")
+        );
         assert!(error("merge", "{\"tolerance\": 0}").contains("tolerance of merge is 0"));
         assert!(error("snapshot", "{\"before\": -1}").contains("before of snapshot is -1"));
-        assert!(error("snapshot", &format!("{{\"path\": \"{}\"}}", "x".repeat(20_000))).contains("at most 16384"));
+        assert!(
+            error(
+                "snapshot",
+                &format!("{{\"path\": \"{}\"}}", "x".repeat(20_000))
+            )
+            .contains("at most 16384")
+        );
     }
 }

@@ -2,7 +2,8 @@
 
 use crate::codec::encoding_schema;
 use crate::messages::{
-    ContactSet, ControlNet, DeviceInfo, LoopStatus, Message, SceneSnapshot, SimEvent, ToolContact, ToolForce, ToolPose,
+    ContactSet, ControlNet, DeviceInfo, LoopStatus, Message, SceneSnapshot, SimEvent, ToolContact,
+    ToolForce, ToolPose,
 };
 use postcard_schema::Schema;
 use postcard_schema::schema::NamedType;
@@ -20,13 +21,18 @@ pub struct MessageSchema {
     pub name: &'static str,
     /// Most bytes that one has.
     pub max_bytes: usize,
-    /// Fields in order, as crate `postcard-schema` 0.2 writes them: `{"name": …, "ty": "U64" | {"Struct": […]} | …}`.
+    /// Fields in order, as crate `postcard-schema` 0.2 writes them: `{"name": …, "ty": "U64" |
+    /// {"Struct": […]} | …}`.
     pub layout: &'static NamedType,
 }
 
 impl MessageSchema {
     fn of<M: Message + Schema>() -> Self {
-        Self { name: M::NAME, max_bytes: M::MAX_BYTES, layout: M::SCHEMA }
+        Self {
+            name: M::NAME,
+            max_bytes: M::MAX_BYTES,
+            layout: M::SCHEMA,
+        }
     }
 
     /// What the encoding of such a message carries.
@@ -37,7 +43,10 @@ impl MessageSchema {
 
 /// All messages of the bus.
 pub fn all() -> [MessageSchema; 9] {
-    debug_assert_eq!(encoding_schema::<ToolPose>(), MessageSchema::of::<ToolPose>().encoding_schema());
+    debug_assert_eq!(
+        encoding_schema::<ToolPose>(),
+        MessageSchema::of::<ToolPose>().encoding_schema()
+    );
     [
         MessageSchema::of::<ToolPose>(),
         MessageSchema::of::<ToolForce>(),

@@ -1,10 +1,12 @@
-//! Blending matrices: what a set of parameters sees of the control points, and the least-squares way back.
+//! Blending matrices: what a set of parameters sees of the control points, and the least-squares
+//! way back.
 //!
-//! A has one row a parameter and one column a control point; a row holds `degree + 1` values that follow each other
-//! (round the end when periodic). Sampling is M = A P, fitting is P = (AᵀA)⁻¹ Aᵀ M (eq. 3.6 and 3.7 of the design's
-//! source thesis, a direction at a time). Both depend on knots and parameters only, never on the net. The fit is factored
-//! once: AᵀA is banded, with corners when periodic, so its Cholesky factor stays within the same envelope; one step of
-//! refinement then gives back the digits that squaring A has cost.
+//! A has one row a parameter and one column a control point; a row holds `degree + 1` values that
+//! follow each other (round the end when periodic). Sampling is M = A P, fitting is P = (AᵀA)⁻¹ Aᵀ
+//! M (eq. 3.6 and 3.7 of the design's source thesis, a direction at a time). Both depend on knots
+//! and parameters only, never on the net. The fit is factored once: AᵀA is banded, with corners
+//! when periodic, so its Cholesky factor stays within the same envelope; one step of refinement
+//! then gives back the digits that squaring A has cost.
 
 use super::KnotVector;
 use std::ops::{AddAssign, Mul, Range, SubAssign};
@@ -22,7 +24,8 @@ pub struct Blending {
     width: usize,
     /// (rows)
     parameters: Vec<f64>,
-    /// (rows) column of each row's first value, below `columns`; later ones follow, round the end if need be.
+    /// (rows) column of each row's first value, below `columns`; later ones follow, round the end
+    /// if need be.
     first: Vec<usize>,
     /// (rows × width) for orders 0, 1 and 2.
     values: [Vec<f64>; 3],
@@ -69,10 +72,13 @@ impl Blending {
         &self.parameters
     }
 
-    /// First column of a row, and its `degree + 1` values of derivative `order` (0, 1 or 2); value k belongs to column
-    /// `first + k`, modulo the number of columns.
+    /// First column of a row, and its `degree + 1` values of derivative `order` (0, 1 or 2); value
+    /// k belongs to column `first + k`, modulo the number of columns.
     pub fn row(&self, row: usize, order: usize) -> (usize, &[f64]) {
-        (self.first[row], &self.values[order][row * self.width..(row + 1) * self.width])
+        (
+            self.first[row],
+            &self.values[order][row * self.width..(row + 1) * self.width],
+        )
     }
 
     /// The non-zeros of a row: (column, value).
@@ -81,7 +87,14 @@ impl Blending {
         let columns = self.columns;
         values.iter().enumerate().map(move |(k, &value)| {
             let column = first + k;
-            (if column < columns { column } else { column - columns }, value)
+            (
+                if column < columns {
+                    column
+                } else {
+                    column - columns
+                },
+                value,
+            )
         })
     }
 
@@ -93,13 +106,22 @@ impl Blending {
             width: self.width,
             parameters: kept.iter().map(|&row| self.parameters[row]).collect(),
             first: kept.iter().map(|&row| self.first[row]).collect(),
-            values: std::array::from_fn(|order| kept.iter().flat_map(|&row| self.row(row, order).1).copied().collect()),
+            values: std::array::from_fn(|order| {
+                kept.iter()
+                    .flat_map(|&row| self.row(row, order).1)
+                    .copied()
+                    .collect()
+            }),
         }
     }
 
     /// `out = A^(order) points`: samples of a curve, (columns) → (rows).
     pub fn apply<T: Blendable>(&self, order: usize, points: &[T], out: &mut [T]) {
-        debug_assert_eq!((points.len(), out.len()), (self.columns, self.rows()), "points and blending disagree");
+        debug_assert_eq!(
+            (points.len(), out.len()),
+            (self.columns, self.rows()),
+            "points and blending disagree"
+        );
         for (row, out) in out.iter_mut().enumerate() {
             let mut sum = T::default();
             for (column, value) in self.entries(row, order) {
@@ -119,9 +141,11 @@ impl Blending {
     }
 }
 
-/// Least-squares fit for one [`Blending`]: of all control points, those whose samples miss least in the sum of squares.
+/// Least-squares fit for one [`Blending`]: of all control points, those whose samples miss least in
+/// the sum of squares.
 ///
-/// Control points that the samples leave free, alone or in combination, follow their neighbour: no fit is worse for it.
+/// Control points that the samples leave free, alone or in combination, follow their neighbour: no
+/// fit is worse for it.
 #[derive(Clone, Debug)]
 pub struct BlendingInverse {
     blending: Blending,
@@ -131,8 +155,9 @@ pub struct BlendingInverse {
     factor: Envelope,
 }
 
-/// A pivot that falls below this fraction of its diagonal is rounding: the column depends on those before. With
-/// samples spread over all spans, clamped and periodic bases stay above 1e-6 up to degree 15; noise was seen up to 1e-12.
+/// A pivot that falls below this fraction of its diagonal is rounding: the column depends on those
+/// before. With samples spread over all spans, clamped and periodic bases stay above 1e-6 up to
+/// degree 15; noise was seen up to 1e-12.
 const DEPENDENT: f64 = 1e-11;
 
 impl BlendingInverse {
@@ -142,8 +167,13 @@ impl BlendingInverse {
         let mut normal = Envelope::new(columns, |row| {
             // Columns meet in AᵀA when some window holds both; ties are neighbours.
             let reach = blending.width - 1;
-            let wraps = row + reach >= columns && (0..blending.rows()).any(|k| blending.first[k] + reach >= columns);
-            if wraps || row == columns - 1 { 0 } else { row.saturating_sub(reach.max(1)) }
+            let wraps = row + reach >= columns
+                && (0..blending.rows()).any(|k| blending.first[k] + reach >= columns);
+            if wraps || row == columns - 1 {
+                0
+            } else {
+                row.saturating_sub(reach.max(1))
+            }
         });
         for row in 0..blending.rows() {
             for (i, a) in blending.entries(row, 0) {
@@ -162,18 +192,32 @@ impl BlendingInverse {
         loop {
             let mut factor = normal.clone();
             match factor.factor(DEPENDENT, tie_weight) {
-                // A null vector that has no differences is constant, and samples hold constants: so this ends before
-                // every neighbour is tied.
+                // A null vector that has no differences is constant, and samples hold constants: so
+                // this ends before every neighbour is tied.
                 Err(column) if ties.len() < columns => {
                     let before = (column.saturating_sub(1), column);
-                    let after = (column.min((column + 1) % columns), column.max((column + 1) % columns));
-                    let (low, high) = if column > 0 && !ties.contains(&before) { before } else { after };
+                    let after = (
+                        column.min((column + 1) % columns),
+                        column.max((column + 1) % columns),
+                    );
+                    let (low, high) = if column > 0 && !ties.contains(&before) {
+                        before
+                    } else {
+                        after
+                    };
                     normal.add(low, low, tie_weight);
                     normal.add(high, high, tie_weight);
                     normal.add(high, low, -tie_weight);
                     ties.push((low, high));
                 }
-                _ => return Self { blending, ties, tie_weight, factor },
+                _ => {
+                    return Self {
+                        blending,
+                        ties,
+                        tie_weight,
+                        factor,
+                    };
+                }
             }
         }
     }
@@ -185,14 +229,22 @@ impl BlendingInverse {
 
     /// Number of control points that the samples alone do not determine.
     pub fn undetermined(&self) -> usize {
-        if self.blending.rows() == 0 { self.blending.columns() } else { self.ties.len() }
+        if self.blending.rows() == 0 {
+            self.blending.columns()
+        } else {
+            self.ties.len()
+        }
     }
 
-    /// Control points of the best curve, (rows) samples → (columns) points; `scratch` is (rows + columns) long. No
-    /// allocation, no factorisation.
+    /// Control points of the best curve, (rows) samples → (columns) points; `scratch` is (rows +
+    /// columns) long. No allocation, no factorisation.
     pub fn fit<T: Blendable>(&self, samples: &[T], out: &mut [T], scratch: &mut [T]) {
         let (rows, columns) = (self.blending.rows(), self.blending.columns());
-        debug_assert_eq!((samples.len(), out.len()), (rows, columns), "samples, points and blending disagree");
+        debug_assert_eq!(
+            (samples.len(), out.len()),
+            (rows, columns),
+            "samples, points and blending disagree"
+        );
         let (misses, correction) = scratch[..rows + columns].split_at_mut(rows);
         out.fill(T::default());
         self.blending.add_transposed(samples, out);
@@ -236,11 +288,18 @@ impl Envelope {
         for (row, start) in start.iter().enumerate() {
             offset.push(offset[row] + row + 1 - start);
         }
-        Self { values: vec![0.0; offset[count]], start, offset }
+        Self {
+            values: vec![0.0; offset[count]],
+            start,
+            offset,
+        }
     }
 
     fn index(&self, row: usize, column: usize) -> usize {
-        debug_assert!(self.start[row] <= column && column <= row, "({row}, {column}) is outside the envelope");
+        debug_assert!(
+            self.start[row] <= column && column <= row,
+            "({row}, {column}) is outside the envelope"
+        );
         self.offset[row] + column - self.start[row]
     }
 
@@ -253,20 +312,24 @@ impl Envelope {
         self.values[k] += value;
     }
 
-    /// Replaces the matrix by its Cholesky factor; fails at the first column that depends on those before. `typical` is
-    /// the size of a diagonal, for columns that are zero.
+    /// Replaces the matrix by its Cholesky factor; fails at the first column that depends on those
+    /// before. `typical` is the size of a diagonal, for columns that are zero.
     fn factor(&mut self, dependent: f64, typical: f64) -> Result<(), usize> {
         for i in 0..self.start.len() {
             let diagonal = self.at(i, i);
             for j in self.start[i]..=i {
                 let from = self.start[i].max(self.start[j]);
                 let (a, b) = (self.index(i, from), self.index(j, from));
-                let dot: f64 = (0..j - from).map(|k| self.values[a + k] * self.values[b + k]).sum();
+                let dot: f64 = (0..j - from)
+                    .map(|k| self.values[a + k] * self.values[b + k])
+                    .sum();
                 let rest = self.at(i, j) - dot;
                 let k = self.index(i, j);
                 if j < i {
                     self.values[k] = rest / self.at(j, j);
-                } else if rest > dependent * diagonal && rest > f64::EPSILON * f64::EPSILON * typical {
+                } else if rest > dependent * diagonal
+                    && rest > f64::EPSILON * f64::EPSILON * typical
+                {
                     self.values[k] = rest.sqrt();
                 } else {
                     // Left usable whatever the caller does: the column then counts as found.
@@ -307,7 +370,10 @@ mod tests {
     fn spread(knots: &KnotVector, per_span: usize) -> Vec<f64> {
         let t = knots.knots();
         let inside = |k: usize| (k as f64 + 0.5) / per_span as f64;
-        knots.spans().flat_map(|i| (0..per_span).map(move |k| t[i] + (t[i + 1] - t[i]) * inside(k))).collect()
+        knots
+            .spans()
+            .flat_map(|i| (0..per_span).map(move |k| t[i] + (t[i + 1] - t[i]) * inside(k)))
+            .collect()
     }
 
     #[test]
@@ -324,9 +390,14 @@ mod tests {
                         let wanted = twin_row(&knots, u, false, order);
                         let scale = wanted.iter().fold(1.0_f64, |a, x| a.max(x.abs()));
                         let mut got = vec![0.0; knots.count()];
-                        blending.entries(row, order).for_each(|(column, value)| got[column] += value);
+                        blending
+                            .entries(row, order)
+                            .for_each(|(column, value)| got[column] += value);
                         for (a, b) in got.iter().zip(&wanted) {
-                            assert!((a - b).abs() < 1e-13 * scale, "{knots:?} at {u}, order {order}: {got:?}");
+                            assert!(
+                                (a - b).abs() < 1e-13 * scale,
+                                "{knots:?} at {u}, order {order}: {got:?}"
+                            );
                         }
                     }
                 }
@@ -341,17 +412,27 @@ mod tests {
             for kind in KINDS {
                 for _ in 0..6 {
                     let knots = random_knots(&mut random, degree, kind, degree + 1);
-                    let points: Vec<f64> = (0..knots.count()).map(|_| random.float(-1.0, 1.0)).collect();
+                    let points: Vec<f64> = (0..knots.count())
+                        .map(|_| random.float(-1.0, 1.0))
+                        .collect();
                     let blending = Blending::new(&knots, &spread(&knots, degree + 2));
                     let mut samples = vec![0.0; blending.rows()];
                     blending.apply(0, &points, &mut samples);
                     let inverse = BlendingInverse::new(blending);
                     assert_eq!(inverse.undetermined(), 0, "{knots:?}");
                     let mut found = vec![0.0; points.len()];
-                    inverse.fit(&samples, &mut found, &mut vec![0.0; samples.len() + points.len()]);
-                    // The outermost points of an open vector reach the domain with 1/p! at most: the samples' rounding
-                    // shows there, whatever the method.
-                    let tolerance = if kind == KnotKind::Open && degree >= 6 { 1e-8 } else { 1e-10 };
+                    inverse.fit(
+                        &samples,
+                        &mut found,
+                        &mut vec![0.0; samples.len() + points.len()],
+                    );
+                    // The outermost points of an open vector reach the domain with 1/p! at most:
+                    // the samples' rounding shows there, whatever the method.
+                    let tolerance = if kind == KnotKind::Open && degree >= 6 {
+                        1e-8
+                    } else {
+                        1e-10
+                    };
                     for (a, b) in found.iter().zip(&points) {
                         assert!((a - b).abs() < tolerance, "{knots:?}: {a} is not {b}");
                     }
@@ -360,7 +441,8 @@ mod tests {
         }
     }
 
-    // Gauss's condition, whatever the data: the misses of the best fit are orthogonal to every column.
+    // Gauss's condition, whatever the data: the misses of the best fit are orthogonal to every
+    // column.
     #[test]
     fn misses_of_a_fit_are_orthogonal_to_the_basis() {
         let mut random = Random(73);
@@ -368,25 +450,45 @@ mod tests {
             for kind in KINDS {
                 let knots = random_knots(&mut random, degree, kind, degree);
                 let blending = Blending::new(&knots, &spread(&knots, 2 * degree + 3));
-                let samples: Vec<f64> = (0..blending.rows()).map(|_| random.float(-1.0, 1.0)).collect();
+                let samples: Vec<f64> = (0..blending.rows())
+                    .map(|_| random.float(-1.0, 1.0))
+                    .collect();
                 let inverse = BlendingInverse::new(blending);
                 let mut found = vec![0.0; knots.count()];
-                inverse.fit(&samples, &mut found, &mut vec![0.0; samples.len() + knots.count()]);
+                inverse.fit(
+                    &samples,
+                    &mut found,
+                    &mut vec![0.0; samples.len() + knots.count()],
+                );
                 let mut misses = vec![0.0; samples.len()];
                 inverse.blending().apply(0, &found, &mut misses);
-                misses.iter_mut().zip(&samples).for_each(|(miss, sample)| *miss -= sample);
+                misses
+                    .iter_mut()
+                    .zip(&samples)
+                    .for_each(|(miss, sample)| *miss -= sample);
                 let mut products = vec![0.0; knots.count()];
                 inverse.blending().add_transposed(&misses, &mut products);
-                assert!(products.iter().all(|p| p.abs() < 1e-11), "{knots:?}: {products:?}");
+                assert!(
+                    products.iter().all(|p| p.abs() < 1e-11),
+                    "{knots:?}: {products:?}"
+                );
             }
         }
     }
 
     #[test]
     fn points_without_samples_follow_their_neighbours_and_spoil_nothing() {
-        for knots in [KnotVector::clamped_uniform(3, 12).unwrap(), KnotVector::periodic_uniform(3, 12).unwrap()] {
+        for knots in [
+            KnotVector::clamped_uniform(3, 12).unwrap(),
+            KnotVector::periodic_uniform(3, 12).unwrap(),
+        ] {
             let points: Vec<f64> = (0..12).map(|k| f64::from(k * k % 7)).collect();
-            for at in [spread(&knots, 5)[..20].to_vec(), vec![0.31, 0.31, 0.62], vec![0.2; 9], Vec::new()] {
+            for at in [
+                spread(&knots, 5)[..20].to_vec(),
+                vec![0.31, 0.31, 0.62],
+                vec![0.2; 9],
+                Vec::new(),
+            ] {
                 let blending = Blending::new(&knots, &at);
                 let mut samples = vec![0.0; at.len()];
                 blending.apply(0, &points, &mut samples);
@@ -395,14 +497,22 @@ mod tests {
                 let mut distinct = at.clone();
                 distinct.dedup();
                 let least = 12 - distinct.len().min(12);
-                assert!((least..=12).contains(&inverse.undetermined()), "{} of {least}", inverse.undetermined());
+                assert!(
+                    (least..=12).contains(&inverse.undetermined()),
+                    "{} of {least}",
+                    inverse.undetermined()
+                );
                 assert!(inverse.undetermined() > 0);
                 let mut found = vec![0.0; 12];
                 inverse.fit(&samples, &mut found, &mut vec![0.0; at.len() + 12]);
                 let mut again = vec![0.0; at.len()];
                 inverse.blending().apply(0, &found, &mut again);
                 for (a, b) in again.iter().zip(&samples) {
-                    assert!((a - b).abs() < 1e-10, "{} samples: {a} is not {b}", at.len());
+                    assert!(
+                        (a - b).abs() < 1e-10,
+                        "{} samples: {a} is not {b}",
+                        at.len()
+                    );
                 }
                 assert!(found.iter().all(|x| x.abs() < 100.0), "{found:?}");
             }

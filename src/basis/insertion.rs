@@ -1,7 +1,8 @@
 //! Exact insertion of one knot: how control points follow from the old ones.
 //!
-//! Boehm's algorithm; Piegl & Tiller, *The NURBS Book*, §5.2. A periodic knot is inserted together with its images: no
-//! two images touch the same control points, since a period has more of them than `degree`.
+//! Boehm's algorithm; Piegl & Tiller, *The NURBS Book*, §5.2. A periodic knot is inserted together
+//! with its images: no two images touch the same control points, since a period has more of them
+//! than `degree`.
 
 use super::{KnotError, KnotVector, Side};
 
@@ -10,8 +11,9 @@ use super::{KnotError, KnotVector, Side};
 pub struct Insertion {
     /// The knots with the new one.
     pub knots: KnotVector,
-    /// New point `first + k` (modulo the new count) is `old[first + k − 1] + alphas[k] (old[first + k] − old[first + k − 1])`,
-    /// old indices modulo the old count; points before keep their place, points after move up by one.
+    /// New point `first + k` (modulo the new count) is `old[first + k − 1] + alphas[k] (old[first +
+    /// k] − old[first + k − 1])`, old indices modulo the old count; points before keep their place,
+    /// points after move up by one.
     pub first: usize,
     /// (degree), each in [0, 1].
     pub alphas: Vec<f64>,
@@ -27,12 +29,22 @@ impl KnotVector {
         let knot = self.confine_from(self.checked(knot)?, Side::Right);
         let mut values = self.file_knots().to_vec();
         values.insert(values.partition_point(|&k| k <= knot), knot);
-        let knots = if self.is_periodic() { Self::periodic(p, values)? } else { Self::new(p, values)? };
+        let knots = if self.is_periodic() {
+            Self::periodic(p, values)?
+        } else {
+            Self::new(p, values)?
+        };
         let span = self.span(knot, Side::Right);
         let t = self.knots();
         let first = span + 1 - p;
-        let alphas = (first..=span).map(|i| (knot - t[i]) / (t[i + p] - t[i])).collect();
-        Ok(Insertion { knots, first, alphas })
+        let alphas = (first..=span)
+            .map(|i| (knot - t[i]) / (t[i + p] - t[i]))
+            .collect();
+        Ok(Insertion {
+            knots,
+            first,
+            alphas,
+        })
     }
 }
 
@@ -46,7 +58,11 @@ impl Insertion {
         if self.knots.is_periodic() {
             // Walk once round, from the first new point on; then turn to where the period starts.
             for (k, &alpha) in self.alphas.iter().enumerate() {
-                new.push(blend(old[(self.first + k - 1) % count], old[(self.first + k) % count], alpha));
+                new.push(blend(
+                    old[(self.first + k - 1) % count],
+                    old[(self.first + k) % count],
+                    alpha,
+                ));
             }
             let last = self.first + degree - 1;
             new.extend((0..=count - degree).map(|k| old[(last + k) % count]));
@@ -68,7 +84,11 @@ mod tests {
     use super::*;
 
     fn value(knots: &KnotVector, points: &[f64], u: f64, from_left: bool) -> f64 {
-        twin_row(knots, u, from_left, 0).iter().zip(points).map(|(n, p)| n * p).sum()
+        twin_row(knots, u, from_left, 0)
+            .iter()
+            .zip(points)
+            .map(|(n, p)| n * p)
+            .sum()
     }
 
     #[test]
@@ -78,7 +98,9 @@ mod tests {
             for kind in KINDS {
                 for _ in 0..8 {
                     let knots = random_knots(&mut random, degree, kind, degree + 1);
-                    let points: Vec<f64> = (0..knots.count()).map(|_| random.float(-1.0, 1.0)).collect();
+                    let points: Vec<f64> = (0..knots.count())
+                        .map(|_| random.float(-1.0, 1.0))
+                        .collect();
                     let (start, end) = knots.domain();
                     let at = parameters(&mut random, &knots, 3);
                     for &knot in &at {
@@ -94,9 +116,14 @@ mod tests {
                                 if insertion.knots.is_periodic() && (u == start || u == end) {
                                     continue;
                                 }
-                                let (a, b) =
-                                    (value(&knots, &points, u, from_left), value(&insertion.knots, &new, u, from_left));
-                                assert!((a - b).abs() < 1e-13, "{knots:?}, {knot} inserted: at {u} {b} is not {a}");
+                                let (a, b) = (
+                                    value(&knots, &points, u, from_left),
+                                    value(&insertion.knots, &new, u, from_left),
+                                );
+                                assert!(
+                                    (a - b).abs() < 1e-13,
+                                    "{knots:?}, {knot} inserted: at {u} {b} is not {a}"
+                                );
                             }
                         }
                     }
@@ -107,9 +134,15 @@ mod tests {
 
     #[test]
     fn a_knot_can_be_inserted_until_it_disjoins_and_no_further() {
-        for mut knots in [KnotVector::clamped_uniform(3, 6).unwrap(), KnotVector::periodic_uniform(3, 6).unwrap()] {
+        for mut knots in [
+            KnotVector::clamped_uniform(3, 6).unwrap(),
+            KnotVector::periodic_uniform(3, 6).unwrap(),
+        ] {
             let mut points: Vec<f64> = (0..6).map(|k| f64::from(k * k % 5)).collect();
-            let (before, there) = (value(&knots, &points, 0.41, false), knots.multiplicity(1.0 / 3.0));
+            let (before, there) = (
+                value(&knots, &points, 0.41, false),
+                knots.multiplicity(1.0 / 3.0),
+            );
             for _ in there..4 {
                 let insertion = knots.insertion(1.0 / 3.0).unwrap();
                 points = insertion.apply(&points, |a, b, alpha| a + alpha * (b - a));
@@ -117,16 +150,28 @@ mod tests {
             }
             assert!((value(&knots, &points, 0.41, false) - before).abs() < 1e-14);
             assert_eq!(knots.disjoined(), vec![1.0 / 3.0]);
-            assert!(matches!(knots.insertion(1.0 / 3.0), Err(KnotError::Multiplicity { multiplicity: 5, .. })));
+            assert!(matches!(
+                knots.insertion(1.0 / 3.0),
+                Err(KnotError::Multiplicity {
+                    multiplicity: 5,
+                    ..
+                })
+            ));
         }
     }
 
     #[test]
     fn knots_outside_the_domain_are_refused_or_wrapped() {
         let clamped = KnotVector::clamped_uniform(3, 6).unwrap();
-        assert_eq!(clamped.insertion(1.5).unwrap_err().to_string(), "1.5 is outside the domain 0 ..= 1");
+        assert_eq!(
+            clamped.insertion(1.5).unwrap_err().to_string(),
+            "1.5 is outside the domain 0 ..= 1"
+        );
         assert!(clamped.insertion(f64::NAN).is_err());
         let periodic = KnotVector::periodic_uniform(3, 8).unwrap();
-        assert_eq!(periodic.insertion(1.3125).unwrap(), periodic.insertion(0.3125).unwrap());
+        assert_eq!(
+            periodic.insertion(1.3125).unwrap(),
+            periodic.insertion(0.3125).unwrap()
+        );
     }
 }

@@ -1,7 +1,8 @@
 //! Knot vectors: degree, knots and how the ends behave, checked once at construction.
 //!
-//! Piegl & Tiller, *The NURBS Book*, ch. 2. A periodic vector is stored extended: `degree` knots are continued on each
-//! side, and basis function `i` of the extended vector belongs to control point `i mod count` (scipy's convention).
+//! Piegl & Tiller, *The NURBS Book*, ch. 2. A periodic vector is stored extended: `degree` knots
+//! are continued on each side, and basis function `i` of the extended vector belongs to control
+//! point `i mod count` (scipy's convention).
 
 /// Largest degree we accept: windows live on the stack.
 pub const MAX_DEGREE: usize = 15;
@@ -15,7 +16,8 @@ const MIN_SPAN: f64 = 1e-100;
 /// How the ends of a knot vector behave.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum KnotKind {
-    /// Ends repeated `degree + 1` times: the curve starts and ends at its first and last control point.
+    /// Ends repeated `degree + 1` times: the curve starts and ends at its first and last control
+    /// point.
     Clamped,
     /// Neither clamped nor periodic: the domain is `knots[degree] ..= knots[count]`.
     Open,
@@ -124,7 +126,8 @@ pub enum KnotError {
     EmptyDomain(f64),
 }
 
-/// A degree with its knots: finite, non-decreasing, no multiplicity above `degree + 1`, a domain of positive length.
+/// A degree with its knots: finite, non-decreasing, no multiplicity above `degree + 1`, a domain of
+/// positive length.
 #[derive(Clone, Debug, PartialEq)]
 pub struct KnotVector {
     degree: usize,
@@ -155,8 +158,17 @@ impl KnotVector {
             return Err(KnotError::EmptyDomain(start));
         }
         let clamped = knots[0] == start && knots[count + degree] == end;
-        let kind = if clamped { KnotKind::Clamped } else { KnotKind::Open };
-        Ok(Self { degree, kind, count, knots })
+        let kind = if clamped {
+            KnotKind::Clamped
+        } else {
+            KnotKind::Open
+        };
+        Ok(Self {
+            degree,
+            kind,
+            count,
+            knots,
+        })
     }
 
     /// Periodic: one period, `count + 1` knots.
@@ -176,16 +188,34 @@ impl KnotVector {
         if period <= 0.0 {
             return Err(KnotError::EmptyDomain(period_knots[0]));
         }
-        // Rounding may not part or swap knots that are equal modulo the period: multiplicities are counted by equality.
+        // Rounding may not part or swap knots that are equal modulo the period: multiplicities are
+        // counted by equality.
         let (start, end) = (period_knots[0], period_knots[count]);
-        let before = |knot: f64| if knot == end { start } else { (knot - period).min(start) };
-        let after = |knot: f64| if knot == start { end } else { (knot + period).max(end) };
+        let before = |knot: f64| {
+            if knot == end {
+                start
+            } else {
+                (knot - period).min(start)
+            }
+        };
+        let after = |knot: f64| {
+            if knot == start {
+                end
+            } else {
+                (knot + period).max(end)
+            }
+        };
         let mut knots = Vec::with_capacity(count + 1 + 2 * degree);
         knots.extend((0..degree).map(|k| before(period_knots[count - degree + k])));
         knots.extend_from_slice(&period_knots);
         knots.extend((1..=degree).map(|k| after(period_knots[k])));
         check_values(degree, &knots)?;
-        Ok(Self { degree, kind: KnotKind::Periodic, count, knots })
+        Ok(Self {
+            degree,
+            kind: KnotKind::Periodic,
+            count,
+            knots,
+        })
     }
 
     /// Clamped with equally spaced interior knots on [0, 1].
@@ -211,7 +241,12 @@ impl KnotVector {
     /// # Errors
     /// Degree out of range, or fewer than `degree + 1` control points.
     pub fn periodic_uniform(degree: usize, count: usize) -> Result<Self, KnotError> {
-        Self::periodic(degree, (0..=count).map(|k| k as f64 / count.max(1) as f64).collect())
+        Self::periodic(
+            degree,
+            (0..=count)
+                .map(|k| k as f64 / count.max(1) as f64)
+                .collect(),
+        )
     }
 
     /// Degree.
@@ -246,7 +281,11 @@ impl KnotVector {
 
     /// The knots as `palpate.surface.v1` writes them: all, or one period of `count + 1`.
     pub fn file_knots(&self) -> &[f64] {
-        if self.is_periodic() { &self.knots[self.degree..=self.degree + self.count] } else { &self.knots }
+        if self.is_periodic() {
+            &self.knots[self.degree..=self.degree + self.count]
+        } else {
+            &self.knots
+        }
     }
 
     /// First and last parameter.
@@ -284,13 +323,17 @@ impl KnotVector {
         }
         let (start, end) = self.domain();
         if !self.is_periodic() && (u < start || u > end) {
-            return Err(KnotError::Outside { value: u, start, end });
+            return Err(KnotError::Outside {
+                value: u,
+                start,
+                end,
+            });
         }
         Ok(self.confine(u))
     }
 
-    /// [`KnotVector::confine`], and where a period closes the end is taken for the start (from the right) or the start
-    /// for the end (from the left).
+    /// [`KnotVector::confine`], and where a period closes the end is taken for the start (from the
+    /// right) or the start for the end (from the left).
     pub fn confine_from(&self, u: f64, side: Side) -> f64 {
         let u = self.confine(u);
         if !self.is_periodic() {
@@ -304,8 +347,8 @@ impl KnotVector {
         }
     }
 
-    /// The span `i` with `knots[i] <= u < knots[i + 1]` (from the right), or `knots[i] < u <= knots[i + 1]` (from the
-    /// left), kept inside the domain. `u` must be in the domain.
+    /// The span `i` with `knots[i] <= u < knots[i + 1]` (from the right), or `knots[i] < u <=
+    /// knots[i + 1]` (from the left), kept inside the domain. `u` must be in the domain.
     pub fn span(&self, u: f64, side: Side) -> usize {
         let first = self.degree;
         let last = self.basis_count() - 1;
@@ -315,7 +358,8 @@ impl KnotVector {
             Side::Left => inner.partition_point(|&k| k < u),
         };
         i = (first + i).saturating_sub(1).clamp(first, last);
-        // The end of the domain belongs to the last span of positive length, its start to the first.
+        // The end of the domain belongs to the last span of positive length, its start to the
+        // first.
         while i > first && self.knots[i] >= self.knots[i + 1] && u >= self.knots[i] {
             i -= 1;
         }
@@ -343,13 +387,21 @@ impl KnotVector {
         let (start, end) = self.domain();
         let mut knots = self.file_knots().to_vec();
         let inside = knot > start && knot < end;
-        let at = knots.iter().position(|&k| k == knot).filter(|_| inside).ok_or(KnotError::NotAKnot(knot))?;
+        let at = knots
+            .iter()
+            .position(|&k| k == knot)
+            .filter(|_| inside)
+            .ok_or(KnotError::NotAKnot(knot))?;
         knots.remove(at);
-        if self.is_periodic() { Self::periodic(self.degree, knots) } else { Self::new(self.degree, knots) }
+        if self.is_periodic() {
+            Self::periodic(self.degree, knots)
+        } else {
+            Self::new(self.degree, knots)
+        }
     }
 
-    /// The knots inside the domain with multiplicity `degree + 1`, where the curve is in two pieces; when periodic, also
-    /// the start of the period.
+    /// The knots inside the domain with multiplicity `degree + 1`, where the curve is in two
+    /// pieces; when periodic, also the start of the period.
     pub fn disjoined(&self) -> Vec<f64> {
         let (start, end) = self.domain();
         let mut found: Vec<f64> = self
@@ -363,13 +415,20 @@ impl KnotVector {
         found
     }
 
-    /// The control points after each of which the curve begins anew, in order: where [`KnotVector::disjoined`] parts it.
+    /// The control points after each of which the curve begins anew, in order: where
+    /// [`KnotVector::disjoined`] parts it.
     pub fn parted_after(&self) -> Vec<usize> {
-        let inside = self.disjoined().into_iter().filter(|&knot| knot > self.domain().0);
-        inside.map(|knot| self.knots.partition_point(|&k| k < knot) - 1).collect()
+        let inside = self
+            .disjoined()
+            .into_iter()
+            .filter(|&knot| knot > self.domain().0);
+        inside
+            .map(|knot| self.knots.partition_point(|&k| k < knot) - 1)
+            .collect()
     }
 
-    /// Greville abscissae, one per control point: means of `degree` knots, where the control point has most effect.
+    /// Greville abscissae, one per control point: means of `degree` knots, where the control point
+    /// has most effect.
     pub fn greville(&self) -> Vec<f64> {
         (0..self.count)
             .map(|i| {
@@ -387,18 +446,34 @@ fn check_values(degree: usize, knots: &[f64]) -> Result<(), KnotError> {
             return Err(KnotError::NotFinite { index, value });
         }
         if index > 0 && value < knots[index - 1] {
-            return Err(KnotError::Decreasing { index, value, previous: knots[index - 1] });
+            return Err(KnotError::Decreasing {
+                index,
+                value,
+                previous: knots[index - 1],
+            });
         }
         if value.abs() > MAX_KNOT {
             return Err(KnotError::Large { index, value });
         }
-        let span = if index > 0 { value - knots[index - 1] } else { 0.0 };
+        let span = if index > 0 {
+            value - knots[index - 1]
+        } else {
+            0.0
+        };
         if span > 0.0 && span < MIN_SPAN {
             return Err(KnotError::TooClose { index, span });
         }
-        multiplicity = if index > 0 && value == knots[index - 1] { multiplicity + 1 } else { 1 };
+        multiplicity = if index > 0 && value == knots[index - 1] {
+            multiplicity + 1
+        } else {
+            1
+        };
         if multiplicity > degree + 1 {
-            return Err(KnotError::Multiplicity { value, multiplicity, degree });
+            return Err(KnotError::Multiplicity {
+                value,
+                multiplicity,
+                degree,
+            });
         }
     }
     Ok(())
@@ -420,8 +495,15 @@ mod tests {
                     for u in parameters(&mut random, &knots, 5) {
                         for side in [Side::Left, Side::Right] {
                             let i = knots.span(u, side);
-                            assert!(t[i] < t[i + 1] && t[i] <= u && u <= t[i + 1], "{knots:?}: {u} in span {i}");
-                            assert_eq!(i, twin_span(&knots, u, side == Side::Left), "{knots:?}: {u} from {side:?}");
+                            assert!(
+                                t[i] < t[i + 1] && t[i] <= u && u <= t[i + 1],
+                                "{knots:?}: {u} in span {i}"
+                            );
+                            assert_eq!(
+                                i,
+                                twin_span(&knots, u, side == Side::Left),
+                                "{knots:?}: {u} from {side:?}"
+                            );
                         }
                     }
                 }
@@ -432,13 +514,27 @@ mod tests {
     #[test]
     fn parameters_wrap_or_are_clamped_into_the_domain() {
         let periodic = KnotVector::periodic(2, vec![1.0, 1.5, 2.0, 3.0]).unwrap();
-        for (u, wanted) in [(1.0, 1.0), (3.0, 3.0), (3.25, 1.25), (0.5, 2.5), (-3.5, 2.5), (7.75, 1.75)] {
+        for (u, wanted) in [
+            (1.0, 1.0),
+            (3.0, 3.0),
+            (3.25, 1.25),
+            (0.5, 2.5),
+            (-3.5, 2.5),
+            (7.75, 1.75),
+        ] {
             assert_eq!(periodic.confine(u), wanted, "{u}");
         }
         assert_eq!(periodic.confine_from(3.0, Side::Right), 1.0);
         assert_eq!(periodic.confine_from(1.0, Side::Left), 3.0);
         let clamped = KnotVector::clamped_uniform(3, 6).unwrap();
-        assert_eq!((clamped.confine(-1.0), clamped.confine(0.25), clamped.confine(7.0)), (0.0, 0.25, 1.0));
+        assert_eq!(
+            (
+                clamped.confine(-1.0),
+                clamped.confine(0.25),
+                clamped.confine(7.0)
+            ),
+            (0.0, 0.25, 1.0)
+        );
     }
 
     #[test]
@@ -458,7 +554,12 @@ mod tests {
                 }
                 for u in parameters(&mut random, &knots, 5) {
                     let window = knots.window(u);
-                    let sum: f64 = window.values().iter().zip(&greville[window.first..]).map(|(n, g)| n * g).sum();
+                    let sum: f64 = window
+                        .values()
+                        .iter()
+                        .zip(&greville[window.first..])
+                        .map(|(n, g)| n * g)
+                        .sum();
                     assert!((sum - u).abs() < 1e-13, "{knots:?}: {sum} is not {u}");
                 }
             }
@@ -469,27 +570,57 @@ mod tests {
     #[test]
     fn periodic_images_keep_multiplicities_when_the_period_rounds() {
         let knots = KnotVector::periodic(3, vec![0.1, 0.2, 0.3, 0.5, 0.7, 0.7]).unwrap();
-        assert_eq!((knots.multiplicity(0.1), knots.multiplicity(0.7)), (2, 2), "{:?}", knots.knots());
+        assert_eq!(
+            (knots.multiplicity(0.1), knots.multiplicity(0.7)),
+            (2, 2),
+            "{:?}",
+            knots.knots()
+        );
         let full = KnotVector::periodic(2, vec![0.1, 0.3, 0.4, 0.7, 0.7, 0.7]).unwrap();
         assert_eq!(full.multiplicity(0.1), 3);
         assert_eq!(full.disjoined(), vec![0.1]);
         let error = KnotVector::periodic(2, vec![0.1, 0.1, 0.4, 0.7, 0.7, 0.7]).unwrap_err();
-        assert!(matches!(error, KnotError::Multiplicity { multiplicity: 4, .. }), "{error}");
+        assert!(
+            matches!(
+                error,
+                KnotError::Multiplicity {
+                    multiplicity: 4,
+                    ..
+                }
+            ),
+            "{error}"
+        );
     }
 
     #[test]
     fn bad_knots_are_refused_with_what_and_where() {
-        let message = |degree, knots: &[f64]| KnotVector::new(degree, knots.to_vec()).unwrap_err().to_string();
+        let message = |degree, knots: &[f64]| {
+            KnotVector::new(degree, knots.to_vec())
+                .unwrap_err()
+                .to_string()
+        };
         assert_eq!(message(0, &[0.0, 1.0]), "degree 0 is outside 1..=15");
         assert_eq!(message(16, &[0.0; 40]), "degree 16 is outside 1..=15");
         assert_eq!(
             message(2, &[0.0, 0.0, 1.0, 1.0]),
             "1 control points are too few for degree 2: at least 3 are needed"
         );
-        assert_eq!(message(1, &[0.0, 0.0, f64::NAN, 1.0, 1.0]), "knot 2 is NaN, not a finite number");
-        assert_eq!(message(1, &[0.0, 0.0, 0.5, 0.4, 1.0, 1.0]), "knot 3 (0.4) is smaller than the one before it (0.5)");
-        assert_eq!(message(1, &[0.0, 0.0, 0.5, 0.5, 0.5, 1.0, 1.0]), "knot 0.5 is repeated 3 times; degree 1 allows 2");
-        assert_eq!(message(2, &[0.0, 0.5, 1.0, 1.0, 1.0, 2.0]), "the domain is empty: it starts and ends at 1");
+        assert_eq!(
+            message(1, &[0.0, 0.0, f64::NAN, 1.0, 1.0]),
+            "knot 2 is NaN, not a finite number"
+        );
+        assert_eq!(
+            message(1, &[0.0, 0.0, 0.5, 0.4, 1.0, 1.0]),
+            "knot 3 (0.4) is smaller than the one before it (0.5)"
+        );
+        assert_eq!(
+            message(1, &[0.0, 0.0, 0.5, 0.5, 0.5, 1.0, 1.0]),
+            "knot 0.5 is repeated 3 times; degree 1 allows 2"
+        );
+        assert_eq!(
+            message(2, &[0.0, 0.5, 1.0, 1.0, 1.0, 2.0]),
+            "the domain is empty: it starts and ends at 1"
+        );
         assert!(KnotVector::periodic(3, vec![0.0, 1.0, 2.0, 3.0]).is_err());
         assert!(KnotVector::periodic(1, vec![2.0, 2.0, 2.0]).is_err());
         assert!(KnotVector::new(1, vec![0.0, 0.0, f64::INFINITY, f64::INFINITY]).is_err());
@@ -497,13 +628,20 @@ mod tests {
             message(1, &[0.0, 0.0, 1e-200, 1.0, 1.0]),
             "knots 1 and 2 are 1e-200 apart: make them equal, or at least 1e-100 apart"
         );
-        assert_eq!(message(1, &[-1e200, -1e200, 1.0, 1.0]), "knot 0 is -1e200; knots stay within ±1e100");
+        assert_eq!(
+            message(1, &[-1e200, -1e200, 1.0, 1.0]),
+            "knot 0 is -1e200; knots stay within ±1e100"
+        );
     }
 
     // Equal but for a rounding, as files have them: a span of one unit in the last place is a span.
     #[test]
     fn knots_one_rounding_apart_are_evaluated() {
-        let knots = KnotVector::new(2, vec![0.0, 0.0, 0.0, 0.6, 0.600_000_000_000_000_1, 1.0, 1.0, 1.0]).unwrap();
+        let knots = KnotVector::new(
+            2,
+            vec![0.0, 0.0, 0.0, 0.6, 0.600_000_000_000_000_1, 1.0, 1.0, 1.0],
+        )
+        .unwrap();
         for u in [0.6, 0.600_000_000_000_000_1, 0.3, 0.8] {
             let sum: f64 = knots.window(u).values().iter().sum();
             assert!((sum - 1.0).abs() < 1e-14, "{u}");
@@ -514,8 +652,17 @@ mod tests {
     fn parameters_are_checked_where_they_come_from_outside() {
         let clamped = KnotVector::clamped_uniform(3, 6).unwrap();
         assert_eq!(clamped.checked(1.0), Ok(1.0));
-        assert_eq!(clamped.checked(1.5).unwrap_err().to_string(), "1.5 is outside the domain 0 ..= 1");
-        assert!(matches!(clamped.checked(f64::NAN), Err(KnotError::Parameter(_))));
-        assert_eq!(KnotVector::periodic_uniform(3, 6).unwrap().checked(1.5), Ok(0.5));
+        assert_eq!(
+            clamped.checked(1.5).unwrap_err().to_string(),
+            "1.5 is outside the domain 0 ..= 1"
+        );
+        assert!(matches!(
+            clamped.checked(f64::NAN),
+            Err(KnotError::Parameter(_))
+        ));
+        assert_eq!(
+            KnotVector::periodic_uniform(3, 6).unwrap().checked(1.5),
+            Ok(0.5)
+        );
     }
 }

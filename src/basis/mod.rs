@@ -1,4 +1,5 @@
-//! B-spline basis: knot vectors, the few basis functions that live at a parameter, and blending matrices.
+//! B-spline basis: knot vectors, the few basis functions that live at a parameter, and blending
+//! matrices.
 //!
 //! ```text
 //! KnotVector ── window(u) ──▶ BasisWindow: first column, degree + 1 values, first and second derivatives

@@ -9,7 +9,8 @@ const WIDTH: usize = MAX_DEGREE + 1;
 /// `degree + 1` basis functions at a parameter: everything else is zero there.
 #[derive(Clone, Copy, Debug)]
 pub struct BasisWindow {
-    /// Column of the first value, in the stored (extended) basis; take it modulo the control count when periodic.
+    /// Column of the first value, in the stored (extended) basis; take it modulo the control count
+    /// when periodic.
     pub first: usize,
     /// Number of values, `degree + 1`.
     pub len: usize,
@@ -45,7 +46,8 @@ impl BasisWindow {
 }
 
 impl KnotVector {
-    /// The basis window at `u` (confined to the domain), seen from the right; see [`KnotVector::window_from`].
+    /// The basis window at `u` (confined to the domain), seen from the right; see
+    /// [`KnotVector::window_from`].
     pub fn window(&self, u: f64) -> BasisWindow {
         self.window_from(u, Side::Right)
     }
@@ -78,7 +80,8 @@ impl KnotVector {
 fn fill(p: usize, t: &[f64], u: f64, window: &mut BasisWindow) {
     let t = &t[..2 * p];
     let values = &mut window.values;
-    // Of the last two rounds: N_{r,j-1} / Δ_r, and 1 / Δ_r of the last; the derivatives need no division of their own.
+    // Of the last two rounds: N_{r,j-1} / Δ_r, and 1 / Δ_r of the last; the derivatives need no
+    // division of their own.
     let (mut quotients, mut before) = ([0.0; WIDTH], [0.0; WIDTH]);
     let mut inverse = [0.0; WIDTH];
     values[0] = 1.0;
@@ -134,7 +137,10 @@ mod tests {
     fn assert_rows_agree(got: &[f64], wanted: &[f64], tolerance: f64, what: &str) {
         let scale = wanted.iter().fold(1.0_f64, |a, x| a.max(x.abs()));
         for (column, (a, b)) in got.iter().zip(wanted).enumerate() {
-            assert!((a - b).abs() <= tolerance * scale, "{what}: column {column} is {a}, not {b}");
+            assert!(
+                (a - b).abs() <= tolerance * scale,
+                "{what}: column {column} is {a}, not {b}"
+            );
         }
     }
 
@@ -156,9 +162,16 @@ mod tests {
                             let window = knots.window_from(u, side);
                             for order in 0..3 {
                                 let wanted = twin_row(&knots, at, side == Side::Left, order);
-                                let what = format!("{knots:?}, u = {u} from the {side:?}, order {order}");
-                                // Same values by another order of operations: some tens of roundings.
-                                assert_rows_agree(&dense(&knots, &window, order), &wanted, 1e-13, &what);
+                                let what =
+                                    format!("{knots:?}, u = {u} from the {side:?}, order {order}");
+                                // Same values by another order of operations: some tens of
+                                // roundings.
+                                assert_rows_agree(
+                                    &dense(&knots, &window, order),
+                                    &wanted,
+                                    1e-13,
+                                    &what,
+                                );
                             }
                         }
                     }
@@ -167,26 +180,43 @@ mod tests {
         }
     }
 
-    // Values of scipy.interpolate.BSpline 1.17 (unit coefficients, wrapped for periodic vectors), kept as data.
+    // Values of scipy.interpolate.BSpline 1.17 (unit coefficients, wrapped for periodic vectors),
+    // kept as data.
     #[test]
     fn windows_agree_with_scipy() {
-        let cases: serde_json::Value = serde_json::from_str(include_str!("data/scipy.json")).unwrap();
+        let cases: serde_json::Value =
+            serde_json::from_str(include_str!("data/scipy.json")).unwrap();
         let floats = |value: &serde_json::Value| -> Vec<f64> {
-            value.as_array().unwrap().iter().map(|x| x.as_f64().unwrap()).collect()
+            value
+                .as_array()
+                .unwrap()
+                .iter()
+                .map(|x| x.as_f64().unwrap())
+                .collect()
         };
         for case in cases.as_array().unwrap() {
             let degree = case["degree"].as_u64().unwrap() as usize;
             let values = floats(&case["knots"]);
             let periodic = case["periodic"].as_bool().unwrap();
-            let knots = if periodic { KnotVector::periodic(degree, values) } else { KnotVector::new(degree, values) };
+            let knots = if periodic {
+                KnotVector::periodic(degree, values)
+            } else {
+                KnotVector::new(degree, values)
+            };
             let knots = knots.unwrap();
             for row in case["rows"].as_array().unwrap() {
                 let u = row["u"].as_f64().unwrap();
                 for order in 0..3 {
                     let what = format!("{}, u = {u}, order {order}", case["name"]);
-                    // scipy differences coefficients for derivatives: a few roundings more than ours.
+                    // scipy differences coefficients for derivatives: a few roundings more than
+                    // ours.
                     let wanted = floats(&row["orders"][order]);
-                    assert_rows_agree(&dense(&knots, &knots.window(u), order), &wanted, 1e-12, &what);
+                    assert_rows_agree(
+                        &dense(&knots, &knots.window(u), order),
+                        &wanted,
+                        1e-12,
+                        &what,
+                    );
                 }
             }
         }
@@ -202,11 +232,17 @@ mod tests {
                     let window = knots.window(u);
                     let sum: f64 = window.values().iter().sum();
                     assert!((sum - 1.0).abs() < 1e-14, "{knots:?} at {u}: sum {sum}");
-                    assert!(window.values().iter().all(|&n| n >= 0.0), "{knots:?} at {u}: {window:?}");
+                    assert!(
+                        window.values().iter().all(|&n| n >= 0.0),
+                        "{knots:?} at {u}: {window:?}"
+                    );
                     for derivatives in [window.first_derivatives(), window.second_derivatives()] {
                         let size: f64 = derivatives.iter().map(|d| d.abs()).sum();
                         let sum: f64 = derivatives.iter().sum();
-                        assert!(sum.abs() <= 1e-13 * size, "{knots:?} at {u}: derivatives sum to {sum}");
+                        assert!(
+                            sum.abs() <= 1e-13 * size,
+                            "{knots:?} at {u}: derivatives sum to {sum}"
+                        );
                     }
                 }
             }
@@ -222,15 +258,22 @@ mod tests {
                 let t = knots.knots();
                 for i in knots.spans() {
                     let (u, h) = (0.5 * (t[i] + t[i + 1]), 1e-4 * (t[i + 1] - t[i]));
-                    let (before, at, after) = (knots.window(u - h), knots.window(u), knots.window(u + h));
+                    let (before, at, after) =
+                        (knots.window(u - h), knots.window(u), knots.window(u + h));
                     for k in 0..=degree {
                         let (a, b, c) = (before.values()[k], at.values()[k], after.values()[k]);
                         let (first, second) = ((c - a) / (2.0 * h), (a - 2.0 * b + c) / (h * h));
                         let span = t[i + 1] - t[i];
                         // Truncation h² p⁴ / span³ for the first; rounding ε / h² for the second.
                         let (one, two) = (at.first_derivatives()[k], at.second_derivatives()[k]);
-                        assert!((first - one).abs() * span < 1e-4, "{knots:?} at {u}: {one}, differences give {first}");
-                        assert!((second - two).abs() * span * span < 1e-3, "{knots:?} at {u}: {two}, not {second}");
+                        assert!(
+                            (first - one).abs() * span < 1e-4,
+                            "{knots:?} at {u}: {one}, differences give {first}"
+                        );
+                        assert!(
+                            (second - two).abs() * span * span < 1e-3,
+                            "{knots:?} at {u}: {two}, not {second}"
+                        );
                     }
                 }
             }

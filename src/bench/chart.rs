@@ -8,8 +8,8 @@ const HEIGHT: f64 = 600.0;
 pub(super) const FRAME: [f64; 4] = [80.0, 40.0, 720.0, 540.0];
 /// As many as a suite has methods.
 pub(crate) const COLOURS: [&str; 16] = [
-    "#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000", "#7f7f7f", "#8c564b", "#17becf",
-    "#4b0082", "#ff5c8a", "#7cb518", "#6b4c9a", "#b8860b", "#003f5c",
+    "#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000", "#7f7f7f",
+    "#8c564b", "#17becf", "#4b0082", "#ff5c8a", "#7cb518", "#6b4c9a", "#b8860b", "#003f5c",
 ];
 
 /// How an axis is divided.
@@ -82,15 +82,25 @@ impl Axis {
     pub fn new(scale: Scale, values: impl Iterator<Item = f64>) -> Self {
         let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
         for x in values.filter(|x| x.is_finite()) {
-            let x = if scale == Scale::Linear { x } else { libm::log10(x) };
+            let x = if scale == Scale::Linear {
+                x
+            } else {
+                libm::log10(x)
+            };
             (low, high) = (low.min(x), high.max(x));
         }
         let (step, unit) = match scale {
             Scale::Linear => {
-                (low, high) = (low.min(0.0), if high.is_finite() { high.max(0.0) } else { 1.0 });
+                (low, high) = (
+                    low.min(0.0),
+                    if high.is_finite() { high.max(0.0) } else { 1.0 },
+                );
                 let span = if high > low { high - low } else { 1.0 };
                 let decade = libm::pow(10.0, libm::floor(libm::log10(span / 4.0)));
-                let step = [1.0, 2.0, 5.0, 10.0].map(|k| k * decade).into_iter().find(|step| span / step <= 8.0);
+                let step = [1.0, 2.0, 5.0, 10.0]
+                    .map(|k| k * decade)
+                    .into_iter()
+                    .find(|step| span / step <= 8.0);
                 (step.unwrap_or(span), None)
             }
             Scale::Decades(unit) => (1.0, Some(unit)),
@@ -98,17 +108,29 @@ impl Axis {
         if !low.is_finite() {
             (low, high) = (0.0, step);
         }
-        let (first, last) = (libm::floor(low / step), libm::ceil(high / step).max(libm::floor(low / step) + 1.0));
+        let (first, last) = (
+            libm::floor(low / step),
+            libm::ceil(high / step).max(libm::floor(low / step) + 1.0),
+        );
         let ticks = (first as i64..=last as i64).map(|k| {
             let at = k as f64 * step;
             (at, unit.map_or_else(|| rounded(at), |unit| decade(unit, k)))
         });
-        Self { scale, low: first * step, high: last * step, ticks: ticks.collect() }
+        Self {
+            scale,
+            low: first * step,
+            high: last * step,
+            ticks: ticks.collect(),
+        }
     }
 
     /// 0 at the first tick, 1 at the last.
     pub fn share(&self, value: f64) -> f64 {
-        let value = if self.scale == Scale::Linear { value } else { libm::log10(value) };
+        let value = if self.scale == Scale::Linear {
+            value
+        } else {
+            libm::log10(value)
+        };
         (value - self.low) / (self.high - self.low)
     }
 }
@@ -129,7 +151,10 @@ fn decade(unit: Unit, exponent: i64) -> String {
                 -3..=-1 => ("ms", -3),
                 0.. => ("s", 0),
             };
-            format!("{} {name}", rounded(libm::pow(10.0, (exponent - least) as f64)))
+            format!(
+                "{} {name}",
+                rounded(libm::pow(10.0, (exponent - least) as f64))
+            )
         }
     }
 }
@@ -142,19 +167,37 @@ fn draw(chart: &Chart, front: &[(f64, f64)], svg: &mut String) {
     let across = |value: f64| left + x.share(value) * (right - left);
     let down = |value: f64| bottom - y.share(value) * (bottom - top);
     let middle = (0.5 * (left + right), 0.5 * (top + bottom));
-    let _ = writeln!(svg, "<text x=\"{left}\" y=\"24\" font-size=\"16\">{}</text>", escaped(&chart.title));
+    let _ = writeln!(
+        svg,
+        "<text x=\"{left}\" y=\"24\" font-size=\"16\">{}</text>",
+        escaped(&chart.title)
+    );
     for (at, label) in &x.ticks {
         let at = left + (at - x.low) / (x.high - x.low) * (right - left);
         let _ = writeln!(svg, "<path d=\"M{at:.1} {top}V{bottom}\" stroke=\"#ddd\"/>");
-        let _ = writeln!(svg, "<text x=\"{at:.1}\" y=\"{}\" text-anchor=\"middle\">{label}</text>", bottom + 18.0);
+        let _ = writeln!(
+            svg,
+            "<text x=\"{at:.1}\" y=\"{}\" text-anchor=\"middle\">{label}</text>",
+            bottom + 18.0
+        );
     }
     for (at, label) in &y.ticks {
         let at = bottom - (at - y.low) / (y.high - y.low) * (bottom - top);
         let _ = writeln!(svg, "<path d=\"M{left} {at:.1}H{right}\" stroke=\"#ddd\"/>");
-        let _ = writeln!(svg, "<text x=\"{}\" y=\"{:.1}\" text-anchor=\"end\">{label}</text>", left - 6.0, at + 4.0);
+        let _ = writeln!(
+            svg,
+            "<text x=\"{}\" y=\"{:.1}\" text-anchor=\"end\">{label}</text>",
+            left - 6.0,
+            at + 4.0
+        );
     }
     let name = escaped(&chart.across);
-    let _ = writeln!(svg, "<text x=\"{}\" y=\"{}\" text-anchor=\"middle\">{name}</text>", middle.0, bottom + 40.0);
+    let _ = writeln!(
+        svg,
+        "<text x=\"{}\" y=\"{}\" text-anchor=\"middle\">{name}</text>",
+        middle.0,
+        bottom + 40.0
+    );
     let name = escaped(&chart.down);
     let _ = writeln!(
         svg,
@@ -162,8 +205,15 @@ fn draw(chart: &Chart, front: &[(f64, f64)], svg: &mut String) {
         middle.1
     );
     let line = |points: &[(f64, f64)], colour: &str, svg: &mut String| {
-        let places: Vec<String> = points.iter().map(|p| format!("{:.1},{:.1}", across(p.0), down(p.1))).collect();
-        let _ = writeln!(svg, "<polyline points=\"{}\" fill=\"none\" stroke=\"{colour}\"/>", places.join(" "));
+        let places: Vec<String> = points
+            .iter()
+            .map(|p| format!("{:.1},{:.1}", across(p.0), down(p.1)))
+            .collect();
+        let _ = writeln!(
+            svg,
+            "<polyline points=\"{}\" fill=\"none\" stroke=\"{colour}\"/>",
+            places.join(" ")
+        );
     };
     if front.len() > 1 {
         line(front, "#aaa", svg);
@@ -175,17 +225,32 @@ fn draw(chart: &Chart, front: &[(f64, f64)], svg: &mut String) {
         }
         for (i, point) in curve.points.iter().enumerate() {
             let title = curve.titles.get(i).unwrap_or(&curve.name);
-            mark(svg, across(point.0), down(point.1), colour, curve.hollow, Some(title));
+            mark(
+                svg,
+                across(point.0),
+                down(point.1),
+                colour,
+                curve.hollow,
+                Some(title),
+            );
         }
         let at = top + 10.0 + 22.0 * k as f64;
         mark(svg, right + 24.0, at, colour, curve.hollow, None);
-        let _ = writeln!(svg, "<text x=\"{}\" y=\"{}\">{}</text>", right + 38.0, at + 4.0, escaped(&curve.name));
+        let _ = writeln!(
+            svg,
+            "<text x=\"{}\" y=\"{}\">{}</text>",
+            right + 38.0,
+            at + 4.0,
+            escaped(&curve.name)
+        );
     }
 }
 
 /// A disc, or a hollow square on its corner.
 fn mark(svg: &mut String, x: f64, y: f64, colour: &str, hollow: bool, title: Option<&str>) {
-    let title = title.map_or(String::new(), |title| format!("<title>{}</title>", escaped(title)));
+    let title = title.map_or(String::new(), |title| {
+        format!("<title>{}</title>", escaped(title))
+    });
     let _ = if hollow {
         writeln!(
             svg,
@@ -201,7 +266,9 @@ fn mark(svg: &mut String, x: f64, y: f64, colour: &str, hollow: bool, title: Opt
 }
 
 pub(crate) fn escaped(text: &str) -> String {
-    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;")
+    text.replace('&', "&amp;")
+        .replace('<', "&lt;")
+        .replace('>', "&gt;")
 }
 
 #[cfg(test)]

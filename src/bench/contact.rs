@@ -1,8 +1,9 @@
 //! The contact suite: the narrow phases and a triangle mesh on the same poses, each with its error.
 //!
-//! `exact` answers with certified queries, `spheres N` with points on an N × N grid, the mesh of parry with 82 × 82 vertices
-//! of the surface. All but the warm queries first take over a net that has moved: bounds, points, tree. "Cold" is a tool
-//! anywhere near, "warm" a rigid body and a tool that wanders.
+//! `exact` answers with certified queries, `spheres N` with points on an N × N grid, the mesh of
+//! parry with 82 × 82 vertices of the surface. All but the warm queries first take over a net that
+//! has moved: bounds, points, tree. "Cold" is a tool anywhere near, "warm" a rigid body and a tool
+//! that wanders.
 
 mod inputs;
 mod methods;
@@ -27,7 +28,8 @@ const AREAS: [u32; 5] = [1, 5, 25, 50, 100];
 /// Radius of the ball, m; the bodies are about 0.1 m long.
 const RADIUS_M: f64 = 0.01;
 
-/// Runs the suite; `only` keeps the cases whose names contain it. Each row is handed out as soon as it is measured.
+/// Runs the suite; `only` keeps the cases whose names contain it. Each row is handed out as soon as
+/// it is measured.
 pub fn contact(effort: Effort, only: Option<&str>, out: &mut dyn FnMut(Row)) {
     let mut suite = Suite { effort, out };
     let wanted = |case: &str| only.is_none_or(|part| case.contains(part));
@@ -62,7 +64,13 @@ pub fn contact(effort: Effort, only: Option<&str>, out: &mut dyn FnMut(Row)) {
         for (depth_m, name) in [(1e-3, ""), (4e-3, "/deep")] {
             let case = format!("surface/{count}x{count}{name}");
             if wanted(&case) && (name.is_empty() || count == 8 || count == 20) {
-                suite.surfaces(&case, &body(count), &tool(count), depth_m, resolutions(count));
+                suite.surfaces(
+                    &case,
+                    &body(count),
+                    &tool(count),
+                    depth_m,
+                    resolutions(count),
+                );
             }
         }
     }
@@ -88,11 +96,19 @@ pub fn contact(effort: Effort, only: Option<&str>, out: &mut dyn FnMut(Row)) {
 
 /// The whole dial on the nets of the thesis' second table, else its middle.
 fn resolutions(count: usize) -> &'static [[usize; 2]] {
-    if count == 8 || count == 20 { &RESOLUTIONS } else { &RESOLUTIONS[2..3] }
+    if count == 8 || count == 20 {
+        &RESOLUTIONS
+    } else {
+        &RESOLUTIONS[2..3]
+    }
 }
 
 fn label([u, v]: [usize; 2]) -> String {
-    if u == v { format!("spheres {u}") } else { format!("spheres {u}x{v}") }
+    if u == v {
+        format!("spheres {u}")
+    } else {
+        format!("spheres {u}x{v}")
+    }
 }
 
 /// How well a method did: its times, and its largest error where the answer is known.
@@ -108,11 +124,19 @@ struct Suite<'a> {
 
 impl Suite<'_> {
     fn count(&self, full: usize) -> usize {
-        if self.effort == Effort::Quick { full / 20 } else { full }
+        if self.effort == Effort::Quick {
+            full / 20
+        } else {
+            full
+        }
     }
 
     fn patience(&self) -> Duration {
-        Duration::from_millis(if self.effort == Effort::Quick { 100 } else { 3_000 })
+        Duration::from_millis(if self.effort == Effort::Quick {
+            100
+        } else {
+            3_000
+        })
     }
 
     fn report(&mut self, case: &str, method: &str, peer: bool, result: &Outcome) {
@@ -131,8 +155,8 @@ impl Suite<'_> {
         });
     }
 
-    /// Times `ask` over the poses, and compares the depths it gives with those that are known: (pose, depth), a depth below
-    /// zero standing for none.
+    /// Times `ask` over the poses, and compares the depths it gives with those that are known:
+    /// (pose, depth), a depth below zero standing for none.
     fn measure(
         &self,
         poses: usize,
@@ -150,6 +174,9 @@ impl Suite<'_> {
             Some(None) => exact.max(0.0),
             None => 0.0,
         };
-        Outcome { times, error: known.iter().map(miss).fold(0.0, f64::max) }
+        Outcome {
+            times,
+            error: known.iter().map(miss).fold(0.0, f64::max),
+        }
     }
 }

@@ -1,9 +1,10 @@
-//! The deformation suite: forces of pressed bodies and what a step costs, for all models, methods, grids and stiffnesses, and
-//! for other engines.
+//! The deformation suite: forces of pressed bodies and what a step costs, for all models, methods,
+//! grids and stiffnesses, and for other engines.
 //!
-//! The box of other engines' comparisons (0.1 m, bottom fixed, a ball of 30 mm pressed 10 mm deep into the middle of its
-//! top) and the teardrop (a ball of 10 mm from the side), both at E = 20 kPa against a converged neo-Hookean solid. A block
-//! of plasticine under forces and at stiffnesses as in the thesis' figures 5.9 and 5.10.
+//! The box of other engines' comparisons (0.1 m, bottom fixed, a ball of 30 mm pressed 10 mm deep
+//! into the middle of its top) and the teardrop (a ball of 10 mm from the side), both at E = 20 kPa
+//! against a converged neo-Hookean solid. A block of plasticine under forces and at stiffnesses as
+//! in the thesis' figures 5.9 and 5.10.
 
 mod indent;
 mod passes;
@@ -24,8 +25,8 @@ const BOX_REFERENCE_N: f64 = 5.25;
 /// Forces of the teardrop's, N, at 1, 2, 3 and 4 mm.
 const TEARDROP_REFERENCE_N: [f64; 4] = [0.0450, 0.1045, 0.1720, 0.2461];
 
-/// Runs the suite; `only` keeps the cases whose names contain it. Each row is handed out as soon as it is measured. Gives
-/// what the plasticine did.
+/// Runs the suite; `only` keeps the cases whose names contain it. Each row is handed out as soon as
+/// it is measured. Gives what the plasticine did.
 pub fn deformation(effort: Effort, only: Option<&str>, out: &mut dyn FnMut(Row)) -> Vec<Sweep> {
     let wanted = |case: &str| only.is_none_or(|part| case.contains(part));
     // Long cases run when there is time, or when they are asked for.
@@ -36,7 +37,12 @@ pub fn deformation(effort: Effort, only: Option<&str>, out: &mut dyn FnMut(Row))
             out(indent::box_row(&case, effort));
         }
     }
-    peers::rows(effort, effort == Effort::Quick && only.is_none(), &wanted, out);
+    peers::rows(
+        effort,
+        effort == Effort::Quick && only.is_none(),
+        &wanted,
+        out,
+    );
     for case in TeardropCase::all() {
         if wanted(&case.name) {
             out(indent::teardrop_row(&case, effort));

@@ -59,7 +59,11 @@ pub fn figures_table(figures: &[Figure]) -> String {
         };
         let met = if figure.is_met() { "" } else { "  NOT MET" };
         let unit = if figure.unit == "1" { "" } else { figure.unit };
-        let note = if figure.note.is_empty() { String::new() } else { format!("  ({})", figure.note) };
+        let note = if figure.note.is_empty() {
+            String::new()
+        } else {
+            format!("  ({})", figure.note)
+        };
         let _ = writeln!(
             text,
             "{:<26} {:<30} {:>10} {unit:<3} {} {}{bar}{met}{note}",
@@ -99,9 +103,18 @@ mod tests {
             note: String::new(),
         };
         assert!(figure(None, 5.0).is_met());
-        assert!(figure(Some(Bar::AtLeast(0.9)), 0.9).is_met() && !figure(Some(Bar::AtLeast(0.9)), 0.89).is_met());
-        assert!(figure(Some(Bar::AtMost(0.0)), -1.0).is_met() && !figure(Some(Bar::AtMost(0.0)), f64::NAN).is_met());
+        assert!(
+            figure(Some(Bar::AtLeast(0.9)), 0.9).is_met()
+                && !figure(Some(Bar::AtLeast(0.9)), 0.89).is_met()
+        );
+        assert!(
+            figure(Some(Bar::AtMost(0.0)), -1.0).is_met()
+                && !figure(Some(Bar::AtMost(0.0)), f64::NAN).is_met()
+        );
         let text = figures_table(&[figure(Some(Bar::AtMost(1.0)), 2.0)]);
-        assert!(text.contains("NOT MET") && text.lines().count() == 1, "{text}");
+        assert!(
+            text.contains("NOT MET") && text.lines().count() == 1,
+            "{text}"
+        );
     }
 }

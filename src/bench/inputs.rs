@@ -24,11 +24,18 @@ impl Random {
 pub(super) fn spread(domain: (f64, f64), count: usize) -> Vec<f64> {
     let last = (count - 1) as f64;
     (0..count)
-        .map(|k| if k + 1 == count { domain.1 } else { domain.0 + (domain.1 - domain.0) * k as f64 / last })
+        .map(|k| {
+            if k + 1 == count {
+                domain.1
+            } else {
+                domain.0 + (domain.1 - domain.0) * k as f64 / last
+            }
+        })
         .collect()
 }
 
-/// Queries in random order about a body: as many near its surface, between surface and axis, around it and far away.
+/// Queries in random order about a body: as many near its surface, between surface and axis, around
+/// it and far away.
 pub(super) fn scattered(surface: &Surface, count: usize) -> Vec<Point3> {
     let mut random = Random(count as u64);
     let size = surface.size();
@@ -51,8 +58,8 @@ pub(super) fn scattered(surface: &Surface, count: usize) -> Vec<Point3> {
         .collect()
 }
 
-/// The tip of a tool, once a millisecond: round and along the body at 0.1 m/s, up to 3 mm above and below the surface,
-/// over seam and poles.
+/// The tip of a tool, once a millisecond: round and along the body at 0.1 m/s, up to 3 mm above and
+/// below the surface, over seam and poles.
 pub(super) fn walk(surface: &Surface, count: usize) -> Vec<Point3> {
     const STEP_M: f64 = 1e-4;
     let at = |t: f64| {
@@ -63,7 +70,8 @@ pub(super) fn walk(surface: &Surface, count: usize) -> Vec<Point3> {
     let (mut t, mut place, mut pace) = (0.0, at(0.0), 1e-3);
     (0..count)
         .map(|_| {
-            // The pace that would have made the last step right; near a pole steps shrink and the pace grows.
+            // The pace that would have made the last step right; near a pole steps shrink and the
+            // pace grows.
             let next = at(t + pace);
             pace = (pace * STEP_M / (next - place).norm().max(0.3 * STEP_M)).min(5e-3);
             t += pace;
@@ -73,19 +81,25 @@ pub(super) fn walk(surface: &Surface, count: usize) -> Vec<Point3> {
         .collect()
 }
 
-/// A body that breathes: the net at a tick, from its rest. Control points move by up to 2 mm at up to 2 µm a tick.
+/// A body that breathes: the net at a tick, from its rest. Control points move by up to 2 mm at up
+/// to 2 µm a tick.
 pub(super) fn breathe(rest: &[Point3], tick: usize, net: &mut [Point3]) {
     let swell = 2e-3 * libm::sin(1e-3 * tick as f64);
     for (k, (point, rest)) in net.iter_mut().zip(rest).enumerate() {
         let phase = k as f64;
         let share = 0.577 * swell;
-        *point = rest + Vector3::new(libm::sin(phase), libm::cos(phase), libm::sin(0.1 * phase)) * share;
+        *point =
+            rest + Vector3::new(libm::sin(phase), libm::cos(phase), libm::sin(0.1 * phase)) * share;
     }
 }
 
 /// Largest movement of a point, m.
 pub(super) fn largest_movement(before: &[Point3], now: &[Point3]) -> f64 {
-    before.iter().zip(now).map(|(a, b)| (a - b).norm()).fold(0.0, f64::max)
+    before
+        .iter()
+        .zip(now)
+        .map(|(a, b)| (a - b).norm())
+        .fold(0.0, f64::max)
 }
 
 #[cfg(test)]
@@ -98,7 +112,11 @@ mod tests {
         let surface = builtin("teardrop", None, None).unwrap();
         let walk = walk(&surface, 3000);
         let steps: Vec<f64> = walk.windows(2).map(|w| (w[1] - w[0]).norm()).collect();
-        assert!(steps.iter().all(|s| *s < 1e-3), "{:?}", steps.iter().fold(0.0, |a: f64, b| a.max(*b)));
+        assert!(
+            steps.iter().all(|s| *s < 1e-3),
+            "{:?}",
+            steps.iter().fold(0.0, |a: f64, b| a.max(*b))
+        );
         assert!(steps.iter().sum::<f64>() > 0.1, "the walk gets around");
     }
 

@@ -10,7 +10,8 @@ pub(super) struct Times {
     pub n: usize,
 }
 
-/// Times each of at most `n` calls, which are numbered; stops early when `patience` is over, for peers that take long.
+/// Times each of at most `n` calls, which are numbered; stops early when `patience` is over, for
+/// peers that take long.
 pub(super) fn time(n: usize, patience: Duration, mut call: impl FnMut(usize) -> Duration) -> Times {
     let start = Instant::now();
     let mut times = Vec::with_capacity(n);
@@ -22,7 +23,11 @@ pub(super) fn time(n: usize, patience: Duration, mut call: impl FnMut(usize) -> 
     }
     times.sort_by(f64::total_cmp);
     let at = |share: f64| times[((times.len() - 1) as f64 * share) as usize];
-    Times { median_s: at(0.5), p99_s: at(0.99), n: times.len() }
+    Times {
+        median_s: at(0.5),
+        p99_s: at(0.99),
+        n: times.len(),
+    }
 }
 
 /// The time that `work` takes, and its answer.
@@ -38,7 +43,9 @@ mod tests {
 
     #[test]
     fn percentiles_are_those_of_the_given_times() {
-        let times = time(101, Duration::MAX, |k| Duration::from_millis(100 - k as u64));
+        let times = time(101, Duration::MAX, |k| {
+            Duration::from_millis(100 - k as u64)
+        });
         assert_eq!((times.median_s, times.p99_s, times.n), (0.05, 0.099, 101));
     }
 

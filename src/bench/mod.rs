@@ -1,7 +1,8 @@
-//! Benchmarks: our methods and other libraries on the same inputs in the same run, each with its error.
+//! Benchmarks: our methods and other libraries on the same inputs in the same run, each with its
+//! error.
 //!
-//! Wall clock on whatever machine this is: between runs only ratios mean anything. Errors are measured, not assumed,
-//! against answers that are computed another way.
+//! Wall clock on whatever machine this is: between runs only ratios mean anything. Errors are
+//! measured, not assumed, against answers that are computed another way.
 
 pub(crate) mod chart;
 mod contact;
@@ -53,7 +54,8 @@ pub struct Row {
     pub error_unit: &'static str,
     /// Calls timed.
     pub n: usize,
-    /// Answers that are wrong by more than 1e-9 of the surface's size, or missing; `None` where none can be.
+    /// Answers that are wrong by more than 1e-9 of the surface's size, or missing; `None` where
+    /// none can be.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub wrong: Option<usize>,
     /// What there is to say beyond that: forces, energies, counts.

@@ -1,4 +1,5 @@
-//! The distance of a point from a surface, slowly: 400 × 400 samples, the promising ones polished by Newton.
+//! The distance of a point from a surface, slowly: 400 × 400 samples, the promising ones polished
+//! by Newton.
 //!
 //! Shares nothing with the certified closest point but the evaluation of the surface.
 
@@ -23,10 +24,20 @@ pub(super) struct Oracle {
 
 impl Oracle {
     pub fn new(surface: &Surface) -> Self {
-        let (us, vs) = (spread(surface.knots_u().domain(), COUNT), spread(surface.knots_v().domain(), COUNT));
+        let (us, vs) = (
+            spread(surface.knots_u().domain(), COUNT),
+            spread(surface.knots_v().domain(), COUNT),
+        );
         let grid = SampleGrid::new(surface, &us, &vs);
         let zeros = || vec![0.0; COUNT * COUNT];
-        let mut new = Self { samples: grid.samples(), grid, us, vs, x: [zeros(), zeros(), zeros()], squares: zeros() };
+        let mut new = Self {
+            samples: grid.samples(),
+            grid,
+            us,
+            vs,
+            x: [zeros(), zeros(), zeros()],
+            squares: zeros(),
+        };
         new.moved(surface);
         new
     }
@@ -64,16 +75,20 @@ impl Oracle {
         // All samples of a pole are one point, and from each another meridian leads away.
         let last = starts.get(STARTS).map_or(f64::INFINITY, |start| start.0);
         let kept = starts.iter().take_while(|start| start.0 <= last);
-        kept.map(|&(_, k)| self.polish(surface, q, k)).fold(least, f64::min).sqrt()
+        kept.map(|&(_, k)| self.polish(surface, q, k))
+            .fold(least, f64::min)
+            .sqrt()
     }
 
     fn is_lowest_around(&self, k: usize, square: f64) -> bool {
         let (i, j) = (k / COUNT, k % COUNT);
-        (i.saturating_sub(1)..(i + 2).min(COUNT))
-            .all(|a| (j.saturating_sub(1)..(j + 2).min(COUNT)).all(|b| self.squares[a * COUNT + b] >= square))
+        (i.saturating_sub(1)..(i + 2).min(COUNT)).all(|a| {
+            (j.saturating_sub(1)..(j + 2).min(COUNT)).all(|b| self.squares[a * COUNT + b] >= square)
+        })
     }
 
-    /// Newton with damping (Levenberg and Marquardt's) from a sample; the squared distance where it ends.
+    /// Newton with damping (Levenberg and Marquardt's) from a sample; the squared distance where it
+    /// ends.
     fn polish(&self, surface: &Surface, q: &Point3, sample: usize) -> f64 {
         let ((u0, u1), (v0, v1)) = (surface.knots_u().domain(), surface.knots_v().domain());
         let (mut u, mut v) = (self.us[sample / COUNT], self.vs[sample % COUNT]);
@@ -83,10 +98,22 @@ impl Oracle {
         for _ in 0..200 {
             let r = frame.point - q;
             let (gu, gv) = (r.dot(&frame.du), r.dot(&frame.dv));
-            let first = (frame.du.norm_squared(), frame.du.dot(&frame.dv), frame.dv.norm_squared());
-            let full = (first.0 + r.dot(&frame.duu), first.1 + r.dot(&frame.duv), first.2 + r.dot(&frame.dvv));
+            let first = (
+                frame.du.norm_squared(),
+                frame.du.dot(&frame.dv),
+                frame.dv.norm_squared(),
+            );
+            let full = (
+                first.0 + r.dot(&frame.duu),
+                first.1 + r.dot(&frame.duv),
+                first.2 + r.dot(&frame.dvv),
+            );
             // Second derivatives only where they help.
-            let (e, f, g) = if full.0 > 0.0 && full.0 * full.2 > full.1 * full.1 { full } else { first };
+            let (e, f, g) = if full.0 > 0.0 && full.0 * full.2 > full.1 * full.1 {
+                full
+            } else {
+                first
+            };
             let (e, g) = (e * (1.0 + damping) + 1e-300, g * (1.0 + damping) + 1e-300);
             let held_u = (u <= u0 && gu > 0.0) || (u >= u1 && gu < 0.0);
             let held_v = (v <= v0 && gv > 0.0) || (v >= v1 && gv < 0.0);
@@ -94,7 +121,10 @@ impl Oracle {
                 (true, true) => break,
                 (true, false) => (0.0, -gv / g),
                 (false, true) => (-gu / e, 0.0),
-                (false, false) => ((f * gv - g * gu) / (e * g - f * f), (f * gu - e * gv) / (e * g - f * f)),
+                (false, false) => (
+                    (f * gv - g * gu) / (e * g - f * f),
+                    (f * gu - e * gv) / (e * g - f * f),
+                ),
             };
             let (x, y) = ((u + du).clamp(u0, u1), (v + dv).clamp(v0, v1));
             let next = surface.frame(x, y);
@@ -128,8 +158,14 @@ mod tests {
         let surface = builtin("teardrop", None, None).unwrap();
         let (mut oracle, mut solver) = (Oracle::new(&surface), ClosestSolver::new(&surface));
         for q in scattered(&surface, 40) {
-            let (slow, fast) = (oracle.distance(&surface, &q), solver.closest(&surface, &q).distance);
-            assert!((slow - fast).abs() < 1e-9 * surface.size(), "{q:?}: {slow} and {fast}");
+            let (slow, fast) = (
+                oracle.distance(&surface, &q),
+                solver.closest(&surface, &q).distance,
+            );
+            assert!(
+                (slow - fast).abs() < 1e-9 * surface.size(),
+                "{q:?}: {slow} and {fast}"
+            );
         }
     }
 }

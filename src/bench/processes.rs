@@ -40,10 +40,15 @@ impl Drop for Files {
 pub(super) struct Process(Child);
 
 impl Process {
-    /// With these arguments, silent. It dies with the calling thread even if this program is killed.
+    /// With these arguments, silent. It dies with the calling thread even if this program is
+    /// killed.
     pub(super) fn start(args: &[&str]) -> anyhow::Result<Self> {
         let mut command = Command::new(std::env::current_exe()?);
-        command.args(args).stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null());
+        command
+            .args(args)
+            .stdin(Stdio::null())
+            .stdout(Stdio::null())
+            .stderr(Stdio::null());
         // SAFETY: prctl is async-signal-safe and touches nothing but the new process.
         #[allow(unsafe_code)]
         unsafe {
@@ -78,8 +83,13 @@ pub(super) fn free_port() -> anyhow::Result<u16> {
 pub(super) fn connect(endpoint: &str) -> anyhow::Result<Palpate> {
     let begun = Instant::now();
     loop {
-        match Palpate::connect(&Connect { timeout: Duration::from_secs(10), ..Connect::to(endpoint) }) {
-            Err(_) if begun.elapsed() < Duration::from_secs(20) => std::thread::sleep(Duration::from_millis(50)),
+        match Palpate::connect(&Connect {
+            timeout: Duration::from_secs(10),
+            ..Connect::to(endpoint)
+        }) {
+            Err(_) if begun.elapsed() < Duration::from_secs(20) => {
+                std::thread::sleep(Duration::from_millis(50))
+            }
             answer => return Ok(answer?),
         }
     }

@@ -11,7 +11,8 @@ use std::time::Duration;
 
 const NETS: [usize; 3] = [8, 12, 20];
 
-/// Runs the suite; `only` keeps the cases whose names contain it. Each row is handed out as soon as it is measured.
+/// Runs the suite; `only` keeps the cases whose names contain it. Each row is handed out as soon as
+/// it is measured.
 pub fn surface(effort: Effort, only: Option<&str>, out: &mut dyn FnMut(Row)) {
     let mut suite = Suite { effort, out };
     let wanted = |case: &str| only.is_none_or(|part| case.contains(part));
@@ -65,15 +66,17 @@ struct Suite<'a> {
     out: &'a mut dyn FnMut(Row),
 }
 
-/// What a method answered: the worst excess over the exact distance, m, and how many answers are wrong.
+/// What a method answered: the worst excess over the exact distance, m, and how many answers are
+/// wrong.
 #[derive(Default)]
 struct Verdict {
     error: f64,
     wrong: usize,
 }
 
-/// The oracle may miss: beside a pole its samples start Newton on the wrong meridian. Our feet are points of the surface,
-/// so where one is nearer than what the oracle found, that distance is the better reference for all.
+/// The oracle may miss: beside a pole its samples start Newton on the wrong meridian. Our feet are
+/// points of the surface, so where one is nearer than what the oracle found, that distance is the
+/// better reference for all.
 fn sharpen(exact: &mut [(usize, f64)], feet: &[Option<Point3>], queries: &[Point3]) {
     for (k, distance) in exact {
         if let Some(foot) = feet[*k] {
@@ -83,7 +86,12 @@ fn sharpen(exact: &mut [(usize, f64)], feet: &[Option<Point3>], queries: &[Point
 }
 
 impl Verdict {
-    fn of(answers: &[Option<Point3>], queries: &[Point3], exact: &[(usize, f64)], size_m: f64) -> Self {
+    fn of(
+        answers: &[Option<Point3>],
+        queries: &[Point3],
+        exact: &[(usize, f64)],
+        size_m: f64,
+    ) -> Self {
         let mut verdict = Self::default();
         for &(k, distance) in exact.iter().filter(|(k, _)| *k < answers.len()) {
             // Rounding of the coordinates when the query is far away.
@@ -103,12 +111,20 @@ impl Verdict {
 
 impl Suite<'_> {
     fn queries(&self) -> usize {
-        if self.effort == Effort::Quick { 500 } else { 10_000 }
+        if self.effort == Effort::Quick {
+            500
+        } else {
+            10_000
+        }
     }
 
     /// Peers that take long are cut short; their `n` tells.
     fn patience(&self) -> Duration {
-        Duration::from_millis(if self.effort == Effort::Quick { 200 } else { 4_000 })
+        Duration::from_millis(if self.effort == Effort::Quick {
+            200
+        } else {
+            4_000
+        })
     }
 
     fn report(
@@ -138,8 +154,11 @@ impl Suite<'_> {
     fn cold(&mut self, case: &str, surface: &Surface) {
         let queries = scattered(surface, self.queries());
         let mut oracle = Oracle::new(surface);
-        let mut exact: Vec<(usize, f64)> =
-            queries.iter().enumerate().map(|(k, q)| (k, oracle.distance(surface, q))).collect();
+        let mut exact: Vec<(usize, f64)> = queries
+            .iter()
+            .enumerate()
+            .map(|(k, q)| (k, oracle.distance(surface, q)))
+            .collect();
         let mut solver = ClosestSolver::new(surface);
         let mut answers = Vec::with_capacity(queries.len());
         let times = time(queries.len(), Duration::MAX, |k| {
@@ -149,7 +168,14 @@ impl Suite<'_> {
         });
         sharpen(&mut exact, &answers, &queries);
         let verdict = Verdict::of(&answers, &queries, &exact, surface.size());
-        self.report(case, "palpate", false, times, (verdict.error, "m"), Some(verdict.wrong));
+        self.report(
+            case,
+            "palpate",
+            false,
+            times,
+            (verdict.error, "m"),
+            Some(verdict.wrong),
+        );
         for mut peer in peers::all(surface) {
             let mut answers = Vec::with_capacity(queries.len());
             let patience = self.patience();
@@ -161,7 +187,14 @@ impl Suite<'_> {
                 })
             });
             let verdict = Verdict::of(&answers, &queries, &exact, surface.size());
-            self.report(case, peer.name(), true, times, (verdict.error, "m"), Some(verdict.wrong));
+            self.report(
+                case,
+                peer.name(),
+                true,
+                times,
+                (verdict.error, "m"),
+                Some(verdict.wrong),
+            );
         }
     }
 
@@ -197,7 +230,13 @@ impl Suite<'_> {
                 if moving {
                     solver.net_changed();
                 }
-                solver.closest_warm_moved(&surface, &queries[k], (queries[k] - last).norm(), moved_m, &mut warm)
+                solver.closest_warm_moved(
+                    &surface,
+                    &queries[k],
+                    (queries[k] - last).norm(),
+                    moved_m,
+                    &mut warm,
+                )
             });
             last = queries[k];
             answers.push(Some(foot.point));
@@ -205,7 +244,14 @@ impl Suite<'_> {
         });
         sharpen(&mut exact, &answers, &queries);
         let verdict = Verdict::of(&answers, &queries, &exact, size_m);
-        self.report(case, "palpate", false, times, (verdict.error, "m"), Some(verdict.wrong));
+        self.report(
+            case,
+            "palpate",
+            false,
+            times,
+            (verdict.error, "m"),
+            Some(verdict.wrong),
+        );
         for mut peer in peers::all(&surface) {
             let mut answers = Vec::with_capacity(queries.len());
             let patience = self.patience();
@@ -225,15 +271,29 @@ impl Suite<'_> {
                 })
             });
             let verdict = Verdict::of(&answers, &queries, &exact, size_m);
-            self.report(case, peer.name(), true, times, (verdict.error, "m"), Some(verdict.wrong));
+            self.report(
+                case,
+                peer.name(),
+                true,
+                times,
+                (verdict.error, "m"),
+                Some(verdict.wrong),
+            );
         }
     }
 
     fn grid(&mut self, case: &str, surface: &Surface, count: usize, with_normals: bool) {
-        let (us, vs) = (spread(surface.knots_u().domain(), count), spread(surface.knots_v().domain(), count));
+        let (us, vs) = (
+            spread(surface.knots_u().domain(), count),
+            spread(surface.knots_v().domain(), count),
+        );
         let grid = SampleGrid::new(surface, &us, &vs);
         let mut samples = grid.samples();
-        let n = if self.effort == Effort::Quick { 50 } else { 2_000 };
+        let n = if self.effort == Effort::Quick {
+            50
+        } else {
+            2_000
+        };
         let times = time(n, Duration::MAX, |_| {
             clocked(|| {
                 if with_normals {
@@ -251,29 +311,62 @@ impl Suite<'_> {
                 (point_error(surface, &us, &vs, points), "m")
             }
         };
-        let normals = if with_normals { &samples.normals[..] } else { &[] };
-        self.report(case, "palpate", false, times, error(&samples.points, normals), None);
+        let normals = if with_normals {
+            &samples.normals[..]
+        } else {
+            &[]
+        };
+        self.report(
+            case,
+            "palpate",
+            false,
+            times,
+            error(&samples.points, normals),
+            None,
+        );
         for mut peer in peers::all(surface) {
             let mut points = vec![Point3::origin(); count * count];
-            let mut normals = if with_normals { vec![Vector3::zeros(); count * count] } else { vec![] };
+            let mut normals = if with_normals {
+                vec![Vector3::zeros(); count * count]
+            } else {
+                vec![]
+            };
             if !peer.grid(&us, &vs, &mut points, &mut normals) {
                 continue;
             }
-            let times = time(n, self.patience(), |_| clocked(|| peer.grid(&us, &vs, &mut points, &mut normals)).0);
-            self.report(case, peer.name(), true, times, error(&points, &normals), None);
+            let times = time(n, self.patience(), |_| {
+                clocked(|| peer.grid(&us, &vs, &mut points, &mut normals)).0
+            });
+            self.report(
+                case,
+                peer.name(),
+                true,
+                times,
+                error(&points, &normals),
+                None,
+            );
         }
     }
 
     fn fit(&mut self, case: &str, surface: &Surface) {
         // No sample lies on seam or poles twice: the net is determined.
-        let (us, vs) = (spread(surface.knots_u().domain(), 82), spread(surface.knots_v().domain(), 82));
+        let (us, vs) = (
+            spread(surface.knots_u().domain(), 82),
+            spread(surface.knots_v().domain(), 82),
+        );
         let grid = SampleGrid::new(surface, &us, &vs);
         let mut samples = grid.samples();
         grid.points_into(surface, &mut samples);
         let mut fit = GridFit::new(&grid);
         let mut net: ControlNet = surface.net().clone();
-        let n = if self.effort == Effort::Quick { 20 } else { 1_000 };
-        let times = time(n, Duration::MAX, |_| clocked(|| fit.fit_into(&samples.points, &mut net)).0);
+        let n = if self.effort == Effort::Quick {
+            20
+        } else {
+            1_000
+        };
+        let times = time(n, Duration::MAX, |_| {
+            clocked(|| fit.fit_into(&samples.points, &mut net)).0
+        });
         let error = largest_movement(net.points(), surface.net().points());
         self.report(case, "palpate", false, times, (error, "m"), None);
     }
@@ -291,7 +384,14 @@ impl Suite<'_> {
             })
             .0
         });
-        self.report(case, "palpate", false, times, (outside(&surface, &mut solver), "m"), None);
+        self.report(
+            case,
+            "palpate",
+            false,
+            times,
+            (outside(&surface, &mut solver), "m"),
+            None,
+        );
         let queries = scattered(&surface, n);
         let mut oracle = Oracle::new(&surface);
         let mut exact = Vec::new();
@@ -311,9 +411,18 @@ impl Suite<'_> {
         });
         sharpen(&mut exact, &answers, &queries);
         let verdict = Verdict::of(&answers, &queries, &exact, surface.size());
-        self.report(case, "palpate, with a cold query", false, times, (verdict.error, "m"), Some(verdict.wrong));
+        self.report(
+            case,
+            "palpate, with a cold query",
+            false,
+            times,
+            (verdict.error, "m"),
+            Some(verdict.wrong),
+        );
         // Of the peers only the mesh has anything to refresh.
-        let Some(mut peer) = peers::all(&surface).into_iter().next() else { return };
+        let Some(mut peer) = peers::all(&surface).into_iter().next() else {
+            return;
+        };
         let mut answers = Vec::new();
         let times = time(n, self.patience(), |k| {
             breathe(&rest, k, surface.net_mut().points_mut());
@@ -326,14 +435,24 @@ impl Suite<'_> {
         });
         let verdict = Verdict::of(&answers, &queries, &exact, surface.size());
         let name = format!("{}, with a query", peer.name());
-        self.report(case, &name, true, times, (verdict.error, "m"), Some(verdict.wrong));
+        self.report(
+            case,
+            &name,
+            true,
+            times,
+            (verdict.error, "m"),
+            Some(verdict.wrong),
+        );
     }
 }
 
 /// Largest miss of a grid's points, m.
 fn point_error(surface: &Surface, us: &[f64], vs: &[f64], points: &[Point3]) -> f64 {
     let pairs = us.iter().flat_map(|&u| vs.iter().map(move |&v| (u, v)));
-    pairs.zip(points).map(|((u, v), point)| (point - surface.point(u, v)).norm()).fold(0.0, f64::max)
+    pairs
+        .zip(points)
+        .map(|((u, v), point)| (point - surface.point(u, v)).norm())
+        .fold(0.0, f64::max)
 }
 
 /// Largest angle between a grid's normals and the exact ones, poles included, rad.

@@ -13,15 +13,29 @@ pub fn table(rows: &[Row]) -> String {
             cases.push(&row.case);
         }
     }
-    for row in cases.iter().flat_map(|case| rows.iter().filter(move |row| row.case == *case)) {
+    for row in cases
+        .iter()
+        .flat_map(|case| rows.iter().filter(move |row| row.case == *case))
+    {
         if row.case != case {
             case = &row.case;
             let _ = writeln!(text, "{case}");
         }
-        let ours = rows.iter().find(|other| other.case == row.case && !other.peer).filter(|_| row.peer);
-        let ratio = ours.map_or(String::new(), |ours| format!("{:.1} ×", row.median_s / ours.median_s));
-        let note = if row.note.is_empty() { String::new() } else { format!("  {}", row.note) };
-        let wrong = row.wrong.map_or(String::new(), |wrong| format!(", {wrong} wrong"));
+        let ours = rows
+            .iter()
+            .find(|other| other.case == row.case && !other.peer)
+            .filter(|_| row.peer);
+        let ratio = ours.map_or(String::new(), |ours| {
+            format!("{:.1} ×", row.median_s / ours.median_s)
+        });
+        let note = if row.note.is_empty() {
+            String::new()
+        } else {
+            format!("  {}", row.note)
+        };
+        let wrong = row
+            .wrong
+            .map_or(String::new(), |wrong| format!(", {wrong} wrong"));
         let _ = writeln!(
             text,
             "  {:<38} median {:>9}  p99 {:>9}  {:>9}  error {:.1e} {}{wrong}  ({} calls){note}",
@@ -66,6 +80,9 @@ mod tests {
         };
         let text = table(&[row("ours", false, 2e-6), row("theirs", true, 5e-6)]);
         assert_eq!(text.lines().count(), 3);
-        assert!(text.contains("2.5 ×") && text.contains("2.00 µs") && text.contains("0 wrong"), "{text}");
+        assert!(
+            text.contains("2.5 ×") && text.contains("2.00 µs") && text.contains("0 wrong"),
+            "{text}"
+        );
     }
 }

@@ -1,8 +1,9 @@
 //! Bending of membranes: three nodes in a row resist a change of how far the middle one stands off.
 //!
-//! v = α x₋ + β x₊ − (α + β) x, with α = 2 / (h₋ (h₋ + h₊)) and β = 2 / (h₊ (h₋ + h₊)), is the second derivative along the
-//! row. Its energy ½ w (|v| − |v₀|)² has w = D A, the bending stiffness D = E t³ / (12 (1 − ν²)) of a plate times the area
-//! that the row stands for. The direction of v is free, so turning costs nothing (Bouaziz et al. 2014, sec. 5.3).
+//! v = α x₋ + β x₊ − (α + β) x, with α = 2 / (h₋ (h₋ + h₊)) and β = 2 / (h₊ (h₋ + h₊)), is the
+//! second derivative along the row. Its energy ½ w (|v| − |v₀|)² has w = D A, the bending stiffness
+//! D = E t³ / (12 (1 − ν²)) of a plate times the area that the row stands for. The direction of v
+//! is free, so turning costs nothing (Bouaziz et al. 2014, sec. 5.3).
 
 use crate::math::{Lane, Point3, Vector3};
 
@@ -20,7 +21,8 @@ pub struct Bend {
 }
 
 impl Bend {
-    /// A row of nodes at rest, of bending stiffness D (N·m) over an area (m²); `None` where nodes coincide.
+    /// A row of nodes at rest, of bending stiffness D (N·m) over an area (m²); `None` where nodes
+    /// coincide.
     pub fn new(nodes: [u32; 3], rest: &[Point3], plate_n_m: f64, area_m2: f64) -> Option<Self> {
         let [a, b, c] = nodes.map(|k| rest[k as usize]);
         let (before, after) = ((b - a).norm(), (c - b).norm());
@@ -31,7 +33,12 @@ impl Bend {
         let (alpha, beta) = (2.0 / (before * whole), 2.0 / (after * whole));
         let weights = [alpha, -(alpha + beta), beta];
         let v: Vector3 = a.coords * weights[0] + b.coords * weights[1] + c.coords * weights[2];
-        Some(Self { nodes, weights, stiffness: plate_n_m * area_m2, rest: v.norm() })
+        Some(Self {
+            nodes,
+            weights,
+            stiffness: plate_n_m * area_m2,
+            rest: v.norm(),
+        })
     }
 
     /// w s sᵀ as edges (a, b, k) of a Laplacian: its rows sum to zero.
@@ -56,7 +63,11 @@ impl Bend {
     pub(super) fn add_force(&self, places: &[Lane], residual: &mut [Lane]) {
         let v = self.second_derivative(places);
         let length = (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]).sqrt();
-        let share = if length > 0.0 { 1.0 - self.rest / length } else { 0.0 };
+        let share = if length > 0.0 {
+            1.0 - self.rest / length
+        } else {
+            0.0
+        };
         for (&node, weight) in self.nodes.iter().zip(self.weights) {
             for c in 0..3 {
                 residual[node as usize][c] -= self.stiffness * share * weight * v[c];
@@ -84,7 +95,9 @@ mod tests {
     #[test]
     fn a_bent_row_has_the_energy_of_an_arc() {
         let (h, r, plate) = (1e-3, 0.2, 7.0);
-        let flat: Vec<Point3> = (0..3).map(|k| Point3::new(h * k as f64, 0.0, 0.0)).collect();
+        let flat: Vec<Point3> = (0..3)
+            .map(|k| Point3::new(h * k as f64, 0.0, 0.0))
+            .collect();
         let bend = Bend::new([0, 1, 2], &flat, plate, h * h).unwrap();
         let arc: Vec<Point3> = (0..3)
             .map(|k| {
@@ -100,9 +113,16 @@ mod tests {
 
     #[test]
     fn forces_are_the_falling_slope_and_edges_are_the_tangent_of_a_flat_row() {
-        let flat: Vec<Point3> = [0.0, 1.0, 2.5].iter().map(|&x| Point3::new(x, 0.0, 0.0)).collect();
+        let flat: Vec<Point3> = [0.0, 1.0, 2.5]
+            .iter()
+            .map(|&x| Point3::new(x, 0.0, 0.0))
+            .collect();
         let bend = Bend::new([0, 1, 2], &flat, 2.0, 0.5).unwrap();
-        let places = lanes(&[Point3::new(0.1, 0.2, 0.0), Point3::new(1.0, -0.1, 0.3), Point3::new(2.4, 0.5, 0.1)]);
+        let places = lanes(&[
+            Point3::new(0.1, 0.2, 0.0),
+            Point3::new(1.0, -0.1, 0.3),
+            Point3::new(2.4, 0.5, 0.1),
+        ]);
         let mut forces = vec![[0.0; 4]; 3];
         bend.add_force(&places, &mut forces);
         for node in 0..3 {
@@ -116,7 +136,11 @@ mod tests {
         }
         // Flat at rest: the energy is ½ w |s·x|², whose matrix the edges spell out.
         let x: [f64; 3] = [0.3, -0.7, 0.9];
-        let by_edges: f64 = bend.edges().iter().map(|&(a, b, k)| k * (x[a as usize] - x[b as usize]).powi(2)).sum();
+        let by_edges: f64 = bend
+            .edges()
+            .iter()
+            .map(|&(a, b, k)| k * (x[a as usize] - x[b as usize]).powi(2))
+            .sum();
         let s: f64 = x.iter().zip(bend.weights).map(|(x, w)| x * w).sum();
         assert!((by_edges - bend.stiffness * s * s).abs() < 1e-12);
     }

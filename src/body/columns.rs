@@ -1,4 +1,5 @@
-//! Sums of compliance columns, four at a time, so that the displacements are loaded and stored once for four forces.
+//! Sums of compliance columns, four at a time, so that the displacements are loaded and stored once
+//! for four forces.
 
 use crate::math::lanes::{Baseline, Lanes};
 use crate::math::{Lane, simd};
@@ -17,7 +18,12 @@ pub(super) fn add(columns: [&[f64]; 4], count: usize, forces: &[Lane; 4], moved:
 #[inline(always)]
 fn add_in<L: Lanes>(columns: [&[f64]; 4], count: usize, forces: &[Lane; 4], moved: &mut [Lane]) {
     let [a, b, c, d] = columns;
-    let [fa, fb, fc, fd] = [L::load(&forces[0]), L::load(&forces[1]), L::load(&forces[2]), L::load(&forces[3])];
+    let [fa, fb, fc, fd] = [
+        L::load(&forces[0]),
+        L::load(&forces[1]),
+        L::load(&forces[2]),
+        L::load(&forces[3]),
+    ];
     let n = moved.len();
     if count == 4 {
         let (a, b, c, d) = (&a[..n], &b[..n], &c[..n], &d[..n]);
@@ -49,9 +55,11 @@ mod tests {
 
     #[test]
     fn columns_are_summed_with_the_same_bits_on_every_processor() {
-        let column = |k: usize| -> Vec<f64> { (0..9).map(|i| libm::sin((9 * k + i) as f64)).collect() };
+        let column =
+            |k: usize| -> Vec<f64> { (0..9).map(|i| libm::sin((9 * k + i) as f64)).collect() };
         let columns: Vec<Vec<f64>> = (0..4).map(column).collect();
-        let forces: [Lane; 4] = std::array::from_fn(|k| [k as f64 + 0.5, -1.0, libm::cos(k as f64), 0.0]);
+        let forces: [Lane; 4] =
+            std::array::from_fn(|k| [k as f64 + 0.5, -1.0, libm::cos(k as f64), 0.0]);
         for count in 1..=4 {
             let all = std::array::from_fn(|k| columns[k].as_slice());
             let (mut slow, mut fast) = (vec![[0.1; 4]; 9], vec![[0.1; 4]; 9]);

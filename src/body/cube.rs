@@ -4,9 +4,10 @@
 //! transfinite: cubed sphere ─▶ (u, v) of each exterior node ─▶ harmonic interior ─▶ untangle
 //! som:         cube ─▶ learning cycles ─▶ exterior nodes to the surface ─▶ harmonic interior ─▶ untangle
 //! ```
-//! A cube mapped on a smooth body is flat along its twelve edges: the two faces of a cell that meet there both lie on the
-//! surface, so the corner between them tends to 180°, and its scaled Jacobian to 0, as the lattice gets finer. The cells'
-//! volumes stay positive. Springs live with this; a model that needs good corners takes [`layers`](super::layers).
+//! A cube mapped on a smooth body is flat along its twelve edges: the two faces of a cell that meet
+//! there both lie on the surface, so the corner between them tends to 180°, and its scaled Jacobian
+//! to 0, as the lattice gets finer. The cells' volumes stay positive. Springs live with this; a
+//! model that needs good corners takes [`layers`](super::layers).
 
 use super::cells::{Cell, CellGrid};
 use super::node_map::NodeMap;
@@ -81,19 +82,34 @@ pub enum CubeError {
 }
 
 impl CubeLattice {
-    /// Its nodes as sums of coordinates: the control points of the surface on which it rides (as `coordinate_of_control`
-    /// numbers them), then its interior nodes. Rows of the map, and the coordinates at rest.
-    pub fn riding(&self, surface: &Surface, coordinate_of_control: &[u32]) -> (NodeMap, Vec<Point3>) {
-        let controls = coordinate_of_control.iter().max().map_or(0, |&last| last as usize + 1);
+    /// Its nodes as sums of coordinates: the control points of the surface on which it rides (as
+    /// `coordinate_of_control` numbers them), then its interior nodes. Rows of the map, and the
+    /// coordinates at rest.
+    pub fn riding(
+        &self,
+        surface: &Surface,
+        coordinate_of_control: &[u32],
+    ) -> (NodeMap, Vec<Point3>) {
+        let controls = coordinate_of_control
+            .iter()
+            .max()
+            .map_or(0, |&last| last as usize + 1);
         let mut coordinates = vec![Point3::origin(); controls];
         for (point, &coordinate) in surface.net().points().iter().zip(coordinate_of_control) {
             coordinates[coordinate as usize] = *point;
         }
-        coordinates.extend(self.interior.iter().map(|&node| self.grid.nodes[node as usize]));
+        coordinates.extend(
+            self.interior
+                .iter()
+                .map(|&node| self.grid.nodes[node as usize]),
+        );
         let mut rows: Vec<Vec<(u32, f64)>> = vec![Vec::new(); self.grid.nodes.len()];
         for &(node, uv) in &self.exterior {
             let weights = super::exterior::weights_at(surface, uv);
-            rows[node as usize] = weights.into_iter().map(|(k, weight)| (coordinate_of_control[k], weight)).collect();
+            rows[node as usize] = weights
+                .into_iter()
+                .map(|(k, weight)| (coordinate_of_control[k], weight))
+                .collect();
         }
         for (k, &node) in self.interior.iter().enumerate() {
             rows[node as usize] = vec![((controls + k) as u32, 1.0)];
@@ -112,13 +128,30 @@ impl CubeLattice {
     /// Counts, or sides that are not positive.
     pub fn cuboid(low: &Point3, high: &Point3, counts: [usize; 3]) -> Result<Self, CubeError> {
         let sides = high - low;
-        if let Some(&value_m) = sides.iter().find(|side| !(side.is_finite() && **side > 0.0)) {
-            return Err(CubeError::Length { what: "a side of the box", value_m });
+        if let Some(&value_m) = sides
+            .iter()
+            .find(|side| !(side.is_finite() && **side > 0.0))
+        {
+            return Err(CubeError::Length {
+                what: "a side of the box",
+                value_m,
+            });
         }
         let share = |t: usize, n: usize| t as f64 / (n - 1) as f64;
         Self::new(counts, |[i, j, k]| {
-            let [a, b, c] = [share(i, counts[0]), share(j, counts[1]), share(k, counts[2])];
-            (Point3::new(low.x + sides.x * a, low.y + sides.y * b, low.z + sides.z * c), None)
+            let [a, b, c] = [
+                share(i, counts[0]),
+                share(j, counts[1]),
+                share(k, counts[2]),
+            ];
+            (
+                Point3::new(
+                    low.x + sides.x * a,
+                    low.y + sides.y * b,
+                    low.z + sides.z * c,
+                ),
+                None,
+            )
         })
     }
 
@@ -131,7 +164,8 @@ impl CubeLattice {
             return Err(CubeError::Counts { counts });
         }
         let total: usize = counts.iter().product();
-        let (mut nodes, mut exterior, mut interior) = (Vec::with_capacity(total), Vec::new(), Vec::new());
+        let (mut nodes, mut exterior, mut interior) =
+            (Vec::with_capacity(total), Vec::new(), Vec::new());
         for node in 0..total {
             let (point, parameters) = place(place_of(counts, node));
             nodes.push(point);
@@ -140,13 +174,23 @@ impl CubeLattice {
                 None => interior.push(node as u32),
             }
         }
-        let grid = CellGrid { nodes, cells: cells(counts), node_of_control: Vec::new() };
-        Ok(Self { counts, grid, exterior, interior })
+        let grid = CellGrid {
+            nodes,
+            cells: cells(counts),
+            node_of_control: Vec::new(),
+        };
+        Ok(Self {
+            counts,
+            grid,
+            exterior,
+            interior,
+        })
     }
 
-    /// Moves nodes, exterior ones along their surface, until the scaled Jacobian is above 0.02 at every corner, as far as
-    /// that goes: the flat edges of the cube become slightly convex. On the teardrops 0.00 becomes 0.02 and more, and no
-    /// corner stays folded. Costs more than building the lattice, and its symmetries.
+    /// Moves nodes, exterior ones along their surface, until the scaled Jacobian is above 0.02 at
+    /// every corner, as far as that goes: the flat edges of the cube become slightly convex. On the
+    /// teardrops 0.00 becomes 0.02 and more, and no corner stays folded. Costs more than building
+    /// the lattice, and its symmetries.
     pub fn mend_corners(&mut self, surface: &Surface) {
         untangle::mend(self, surface, untangle::Aim::Corners);
     }
@@ -155,14 +199,21 @@ impl CubeLattice {
     pub(super) fn unfolded(self) -> Result<Self, CubeError> {
         match self.grid.quality().folded_cells {
             0 => Ok(self),
-            folded => Err(CubeError::Folded { folded, cells: self.grid.cells.len() }),
+            folded => Err(CubeError::Folded {
+                folded,
+                cells: self.grid.cells.len(),
+            }),
         }
     }
 }
 
 /// (i, j, k) of a node.
 pub(super) fn place_of(counts: [usize; 3], node: usize) -> [usize; 3] {
-    [node / (counts[1] * counts[2]), node / counts[2] % counts[1], node % counts[2]]
+    [
+        node / (counts[1] * counts[2]),
+        node / counts[2] % counts[1],
+        node % counts[2],
+    ]
 }
 
 /// Node (i, j, k).
@@ -181,7 +232,9 @@ fn cells(counts: [usize; 3]) -> Vec<Cell> {
     for i in 0..steps[0] {
         for j in 0..steps[1] {
             for k in 0..steps[2] {
-                let corner = |c: usize| node_at(counts, [i + (c >> 2), j + (c >> 1 & 1), k + (c & 1)]) as u32;
+                let corner = |c: usize| {
+                    node_at(counts, [i + (c >> 2), j + (c >> 1 & 1), k + (c & 1)]) as u32
+                };
                 cells.push(std::array::from_fn(corner));
             }
         }
@@ -189,27 +242,41 @@ fn cells(counts: [usize; 3]) -> Vec<Cell> {
     cells
 }
 
-/// The door of the builders that fill a closed surface: finite, sphere-like, with room inside. Returns the enclosed
-/// volume, m³, positive where S_u × S_v points outwards.
+/// The door of the builders that fill a closed surface: finite, sphere-like, with room inside.
+/// Returns the enclosed volume, m³, positive where S_u × S_v points outwards.
 pub(super) fn check_closed(surface: &Surface) -> Result<f64, CubeError> {
     check_finite(surface)?;
     let topology = surface.topology();
     let round = |direction: usize| topology.wraps(direction);
     if !topology.is_closed() || (round(0) && round(1)) {
-        return Err(CubeError::Topology { needed: "a closed surface with two poles" });
+        return Err(CubeError::Topology {
+            needed: "a closed surface with two poles",
+        });
     }
     let volume = surface.volume();
     let size_m = surface.size();
     // A disc of that diameter has this volume when it is a millionth as thick as wide.
     if volume.is_nan() || volume.abs() <= 1e-6 * size_m * size_m * size_m {
-        return Err(CubeError::Flat { volume_m3: volume, size_m });
+        return Err(CubeError::Flat {
+            volume_m3: volume,
+            size_m,
+        });
     }
-    Ok(if surface.flip_normal() { -volume } else { volume })
+    Ok(if surface.flip_normal() {
+        -volume
+    } else {
+        volume
+    })
 }
 
 /// Refuses nets with coordinates that are not finite: a net can be moved after it was checked.
 pub(super) fn check_finite(surface: &Surface) -> Result<(), CubeError> {
-    match surface.net().points().iter().position(|point| !point.iter().all(|x| x.is_finite())) {
+    match surface
+        .net()
+        .points()
+        .iter()
+        .position(|point| !point.iter().all(|x| x.is_finite()))
+    {
         Some(control) => Err(CubeError::NotFinite { control }),
         None => Ok(()),
     }

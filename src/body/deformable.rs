@@ -1,8 +1,9 @@
 //! A deforming body: its constants, and what contact asks of it.
 //!
-//! A body has coordinates q, which move; nodes x = W q, which carry its law's forces; and a control net, each point of
-//! which is a coordinate. Contact acts on coordinates of the net through the compliance of one step: how far a force held
-//! through the step moves each coordinate, in columns kept from the start.
+//! A body has coordinates q, which move; nodes x = W q, which carry its law's forces; and a control
+//! net, each point of which is a coordinate. Contact acts on coordinates of the net through the
+//! compliance of one step: how far a force held through the step moves each coordinate, in columns
+//! kept from the start.
 
 mod queries;
 
@@ -26,11 +27,13 @@ pub struct StepSettings {
     pub dt_s: f64,
     /// Which method.
     pub integrator: Integrator,
-    /// A body in which no coordinate is faster, m/s, and which nothing touches, falls asleep; 0 keeps it awake.
+    /// A body in which no coordinate is faster, m/s, and which nothing touches, falls asleep; 0
+    /// keeps it awake.
     pub sleep_m_s: f64,
 }
 
-/// Acceleration of a free point in the body's frame, which may be carried about: gravity less that of the frame.
+/// Acceleration of a free point in the body's frame, which may be carried about: gravity less that
+/// of the frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Field {
     /// At the frame's origin, m/s².
@@ -44,7 +47,10 @@ pub struct Field {
 impl Field {
     /// Of a frame that stands still.
     pub fn gravity(acceleration_m_s2: Vector3) -> Self {
-        Self { at_origin: acceleration_m_s2, ..Self::default() }
+        Self {
+            at_origin: acceleration_m_s2,
+            ..Self::default()
+        }
     }
 
     /// g − a − dω/dt × r − ω × (ω × r) − 2 ω × v.
@@ -67,7 +73,8 @@ pub enum Integrator {
         /// Local–global iterations.
         iterations: usize,
     },
-    /// Symplectic Euler, the thesis' eqs. 5.14–5.16, in as many substeps as stability needs, or more.
+    /// Symplectic Euler, the thesis' eqs. 5.14–5.16, in as many substeps as stability needs, or
+    /// more.
     Explicit {
         /// At least so many.
         substeps: usize,
@@ -91,7 +98,9 @@ pub enum DeformableError {
         total: usize,
     },
     /// Every coordinate is fixed.
-    #[error("all {0} nodes are fixed: nothing can deform; use model = \"rigid\" or fix fewer nodes")]
+    #[error(
+        "all {0} nodes are fixed: nothing can deform; use model = \"rigid\" or fix fewer nodes"
+    )]
     AllFixed(usize),
     /// A coordinate without mass.
     #[error("{0} nodes have no mass; the surface is too thin there or folded")]
@@ -100,7 +109,9 @@ pub enum DeformableError {
     #[error("the matrix of the implicit step has no factor: {0}")]
     Factor(#[from] CholeskyError),
     /// Stability needs more substeps than anyone waits for.
-    #[error("the explicit step needs {needed} substeps a tick, more than {most}; use integrator = \"implicit\"")]
+    #[error(
+        "the explicit step needs {needed} substeps a tick, more than {most}; use integrator = \"implicit\""
+    )]
     Substeps {
         /// Needed.
         needed: usize,
@@ -174,14 +185,23 @@ impl Deformable {
     /// Builds the step and its compliance.
     ///
     /// # Errors
-    /// No free coordinate, one without mass, a matrix without factor, or a combination that is not there.
+    /// No free coordinate, one without mass, a matrix without factor, or a combination that is not
+    /// there.
     pub fn new(
         blueprint: Blueprint,
         damping_s: f64,
         plastic: Option<Plastic>,
         settings: StepSettings,
     ) -> Result<Self, DeformableError> {
-        let Blueprint { coordinates: rest, map, masses, law, coordinate_of_control, fixed, quality } = blueprint;
+        let Blueprint {
+            coordinates: rest,
+            map,
+            masses,
+            law,
+            coordinate_of_control,
+            fixed,
+            quality,
+        } = blueprint;
         let count = rest.len();
         let masses = map.lumped(&masses, count);
         let mut unknown = vec![FIXED; count];
@@ -193,14 +213,21 @@ impl Deformable {
         if coordinate_of_unknown.is_empty() {
             return Err(DeformableError::AllFixed(count));
         }
-        let weightless = masses.iter().filter(|&&m| !(m > 0.0 && m.is_finite())).count();
+        let weightless = masses
+            .iter()
+            .filter(|&&m| !(m > 0.0 && m.is_finite()))
+            .count();
         if weightless > 0 {
             return Err(DeformableError::NoMass(weightless));
         }
         if plastic.is_some() && law.continuum.is_some() {
-            return Err(DeformableError::Unsupported("only springs flow plastically; use model = \"lattice\""));
+            return Err(DeformableError::Unsupported(
+                "only springs flow plastically; use model = \"lattice\"",
+            ));
         }
-        let flow = plastic.map(|law_of_flow| Flow::new(law_of_flow, &law.springs, &map.nodes(&rest), settings.dt_s));
+        let flow = plastic.map(|law_of_flow| {
+            Flow::new(law_of_flow, &law.springs, &map.nodes(&rest), settings.dt_s)
+        });
         let mut body = Self {
             settings,
             damping_s,
@@ -218,7 +245,9 @@ impl Deformable {
             quality,
         };
         body.stepper = match settings.integrator {
-            Integrator::Implicit { iterations } => Stepper::Implicit(Implicit::new(&body, iterations)?),
+            Integrator::Implicit { iterations } => {
+                Stepper::Implicit(Implicit::new(&body, iterations)?)
+            }
             Integrator::Explicit { substeps } => Stepper::Explicit(Explicit::new(&body, substeps)?),
             Integrator::Xpbd { substeps } => Stepper::Xpbd(Xpbd::new(&body, substeps)?),
         };
@@ -229,7 +258,12 @@ impl Deformable {
     /// Columns of the surface's coordinates.
     fn keep_compliance(&mut self) {
         let free = |&c: &u32| self.unknown[c as usize] != FIXED;
-        let mut surface: Vec<u32> = self.coordinate_of_control.iter().copied().filter(free).collect();
+        let mut surface: Vec<u32> = self
+            .coordinate_of_control
+            .iter()
+            .copied()
+            .filter(free)
+            .collect();
         surface.sort_unstable();
         surface.dedup();
         let mut index = vec![FIXED; self.rest.len()];
@@ -243,16 +277,23 @@ impl Deformable {
         self.surface_index = index;
     }
 
-    /// Compliance of a step that has no matrix: what small forces do to the body at rest, made symmetric.
+    /// Compliance of a step that has no matrix: what small forces do to the body at rest, made
+    /// symmetric.
     fn columns_by_trial(&self, surface: &[u32]) -> Vec<f64> {
         let (n, state, mut scratch) = (self.unknown_count(), self.rest_state(), self.scratch());
         self.run(&state, &mut scratch);
         let free = scratch.predicted.clone();
-        let size = self.rest.iter().map(|p| (p - self.rest[0]).norm()).fold(0.0, f64::max);
+        let size = self
+            .rest
+            .iter()
+            .map(|p| (p - self.rest[0]).norm())
+            .fold(0.0, f64::max);
         let mut columns = Vec::with_capacity(surface.len() * n);
         for &coordinate in surface {
-            // Along z, which is as good as any; far above rounding and far below what bends the law.
-            let force_n = 1e-7 * size * self.masses[coordinate as usize] / self.settings.dt_s.powi(2);
+            // Along z, which is as good as any; far above rounding and far below what bends the
+            // law.
+            let force_n =
+                1e-7 * size * self.masses[coordinate as usize] / self.settings.dt_s.powi(2);
             scratch.forces[coordinate as usize] = Vector3::z() * force_n;
             self.run(&state, &mut scratch);
             scratch.forces[coordinate as usize] = Vector3::zeros();
@@ -270,7 +311,8 @@ impl Deformable {
         columns
     }
 
-    /// A step of a method without matrix, with the forces of the scratch, into its `predicted` and `speed`.
+    /// A step of a method without matrix, with the forces of the scratch, into its `predicted` and
+    /// `speed`.
     fn run(&self, state: &DeformableState, scratch: &mut DeformableScratch) {
         match &self.stepper {
             Stepper::Implicit(_) => {}
@@ -284,7 +326,8 @@ impl Deformable {
         scratch.field = field;
     }
 
-    /// x*: where the coordinates go in one step without contact; of several iterations, after the first.
+    /// x*: where the coordinates go in one step without contact; of several iterations, after the
+    /// first.
     pub fn predict(&self, state: &DeformableState, scratch: &mut DeformableScratch) {
         if self.asleep(state) {
             scratch.predicted.copy_from_slice(&state.positions);
@@ -296,10 +339,13 @@ impl Deformable {
         }
     }
 
-    /// One more iteration of an implicit step, from where the contact forces of the scratch, which are used up, take the
-    /// body: x* becomes what [`Deformable::advance`] with the same forces would end in the same place from.
+    /// One more iteration of an implicit step, from where the contact forces of the scratch, which
+    /// are used up, take the body: x* becomes what [`Deformable::advance`] with the same forces
+    /// would end in the same place from.
     pub fn iterate(&self, state: &DeformableState, scratch: &mut DeformableScratch) {
-        let Stepper::Implicit(implicit) = &self.stepper else { return self.drop_loads(scratch) };
+        let Stepper::Implicit(implicit) = &self.stepper else {
+            return self.drop_loads(scratch);
+        };
         if scratch.loaded.is_empty() && self.asleep(state) {
             return;
         }
@@ -311,7 +357,8 @@ impl Deformable {
         implicit.again(self, state, scratch);
     }
 
-    /// The step with contact forces, which are used up. [`Deformable::predict`] came before, on the same state.
+    /// The step with contact forces, which are used up. [`Deformable::predict`] came before, on the
+    /// same state.
     pub fn advance(&self, state: &mut DeformableState, scratch: &mut DeformableScratch) {
         if scratch.loaded.is_empty() && self.asleep(state) {
             state.slept += 1;
@@ -357,7 +404,8 @@ impl Deformable {
         let inverse_dt = 1.0 / self.settings.dt_s;
         for (moved, &coordinate) in scratch.lanes.iter().zip(&self.coordinate_of_unknown) {
             let coordinate = coordinate as usize;
-            let position = scratch.predicted[coordinate] + Vector3::new(moved[0], moved[1], moved[2]);
+            let position =
+                scratch.predicted[coordinate] + Vector3::new(moved[0], moved[1], moved[2]);
             state.velocities[coordinate] = (position - state.positions[coordinate]) * inverse_dt;
             state.positions[coordinate] = position;
         }
@@ -365,7 +413,12 @@ impl Deformable {
 
     fn flow(&self, state: &mut DeformableState, scratch: &mut DeformableScratch) -> bool {
         let Some(flow) = &self.flow else { return false };
-        let DeformableScratch { coordinates, nodes, flow: changes, .. } = scratch;
+        let DeformableScratch {
+            coordinates,
+            nodes,
+            flow: changes,
+            ..
+        } = scratch;
         lanes(&state.positions, coordinates);
         let places: &[Lane] = match &self.map {
             NodeMap::Same => coordinates,
@@ -374,14 +427,25 @@ impl Deformable {
                 nodes
             }
         };
-        flow.flow(&self.law.springs, places, &mut state.rest_lengths, &mut state.plastic_strain, changes)
+        flow.flow(
+            &self.law.springs,
+            places,
+            &mut state.rest_lengths,
+            &mut state.plastic_strain,
+            changes,
+        )
     }
 
     /// What moves no more for a while falls asleep; it wakes by a touch.
     fn count_still(&self, state: &mut DeformableState, busy: bool) {
         let limit = self.settings.sleep_m_s * self.settings.sleep_m_s;
-        let still = !busy && limit > 0.0 && state.velocities.iter().all(|v| v.norm_squared() <= limit);
-        state.still = if still { (state.still + 1).min(STILL_STEPS) } else { 0 };
+        let still =
+            !busy && limit > 0.0 && state.velocities.iter().all(|v| v.norm_squared() <= limit);
+        state.still = if still {
+            (state.still + 1).min(STILL_STEPS)
+        } else {
+            0
+        };
         if state.still == STILL_STEPS {
             state.velocities.fill(Vector3::zeros());
         }
@@ -409,14 +473,19 @@ impl Deformable {
         loads.fill(Vector3::zeros());
         for coordinate in scratch.loaded.drain(..) {
             let coordinate = coordinate as usize;
-            loads[coordinate] = std::mem::replace(&mut scratch.forces[coordinate], Vector3::zeros());
+            loads[coordinate] =
+                std::mem::replace(&mut scratch.forces[coordinate], Vector3::zeros());
             scratch.is_loaded[coordinate] = false;
         }
     }
 
     /// Gives back what [`Deformable::take_loads`] took.
     pub fn give_loads(&self, scratch: &mut DeformableScratch, loads: &[Vector3]) {
-        for (coordinate, load) in loads.iter().enumerate().filter(|(_, load)| **load != Vector3::zeros()) {
+        for (coordinate, load) in loads
+            .iter()
+            .enumerate()
+            .filter(|(_, load)| **load != Vector3::zeros())
+        {
             self.push(scratch, coordinate, *load);
         }
     }
@@ -429,8 +498,8 @@ impl Deformable {
         }
     }
 
-    /// Displacements of all free coordinates for a unit force held on one of the net over one step, m/N, by
-    /// [`Deformable::unknown`]; `None` for a fixed one.
+    /// Displacements of all free coordinates for a unit force held on one of the net over one step,
+    /// m/N, by [`Deformable::unknown`]; `None` for a fixed one.
     pub fn compliance_of(&self, coordinate: usize) -> Option<&[f64]> {
         let column = self.surface_index[coordinate];
         let n = self.unknown_count();
@@ -456,7 +525,11 @@ impl Deformable {
             positions: self.rest.clone(),
             velocities: vec![Vector3::zeros(); self.rest.len()],
             rest_lengths: if flows { rest.to_vec() } else { Vec::new() },
-            plastic_strain: if flows { vec![[0.0; 4]; rest.len()] } else { Vec::new() },
+            plastic_strain: if flows {
+                vec![[0.0; 4]; rest.len()]
+            } else {
+                Vec::new()
+            },
             still: 0,
             slept: 0,
         }
@@ -484,19 +557,38 @@ impl Deformable {
             lanes: Rows::zeros(self.unknown_count()),
             limited: 0,
             field: Field::default(),
-            flow: vec![[0.0; 4]; if self.flow.is_some() { self.law.springs.rest().len() } else { 0 }],
+            flow: vec![
+                [0.0; 4];
+                if self.flow.is_some() {
+                    self.law.springs.rest().len()
+                } else {
+                    0
+                }
+            ],
         }
     }
 
     /// Lengths of the springs without force.
     pub(super) fn rest_lengths<'a>(&'a self, state: &'a DeformableState) -> &'a [Lane] {
-        if self.flow.is_some() { &state.rest_lengths } else { self.law.springs.rest() }
+        if self.flow.is_some() {
+            &state.rest_lengths
+        } else {
+            self.law.springs.rest()
+        }
     }
 
     /// Adds Wᵀ of the law's forces at the coordinates of the scratch to its residual.
     pub(super) fn add_law_forces(&self, state: &DeformableState, scratch: &mut DeformableScratch) {
         let rest = self.rest_lengths(state);
-        let DeformableScratch { coordinates, nodes, residual, node_residual, springs, limited, .. } = scratch;
+        let DeformableScratch {
+            coordinates,
+            nodes,
+            residual,
+            node_residual,
+            springs,
+            limited,
+            ..
+        } = scratch;
         match &self.map {
             NodeMap::Same => *limited = self.law.add_forces(rest, coordinates, residual, springs),
             NodeMap::Sparse(map) => {

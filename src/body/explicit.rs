@@ -1,6 +1,7 @@
 //! Symplectic Euler, the thesis' eqs. 5.14–5.16, in as many substeps as its stability needs.
 //!
-//! With the greatest frequency ω and the damping time d, a substep h is stable while h² ω² + 2 h d ω² ≤ 4.
+//! With the greatest frequency ω and the damping time d, a substep h is stable while h² ω² + 2 h d
+//! ω² ≤ 4.
 
 use super::deformable::{Deformable, DeformableError, lanes};
 use super::implicit::{add_edges, greatest_frequency_squared};
@@ -24,7 +25,10 @@ pub(super) struct Explicit {
 impl Explicit {
     /// Of a body that has no step yet.
     pub(super) fn none() -> Self {
-        Self { substeps: 0, damping: Vec::new() }
+        Self {
+            substeps: 0,
+            damping: Vec::new(),
+        }
     }
 
     pub(super) fn new(body: &Deformable, at_least: usize) -> Result<Self, DeformableError> {
@@ -33,11 +37,21 @@ impl Explicit {
         let stable = (d * d + 4.0 / squared).sqrt() - d;
         let needed = (dt / (SAFETY * stable)).ceil();
         if needed.is_nan() || needed > MOST_SUBSTEPS as f64 {
-            return Err(DeformableError::Substeps { needed: needed as usize, most: MOST_SUBSTEPS });
+            return Err(DeformableError::Substeps {
+                needed: needed as usize,
+                most: MOST_SUBSTEPS,
+            });
         }
-        let damping = if d > 0.0 { body.law_edges() } else { Vec::new() };
+        let damping = if d > 0.0 {
+            body.law_edges()
+        } else {
+            Vec::new()
+        };
         let damping = damping.into_iter().map(|(a, b, k)| (a, b, k * d)).collect();
-        Ok(Self { substeps: at_least.max(needed as usize).max(1), damping })
+        Ok(Self {
+            substeps: at_least.max(needed as usize).max(1),
+            damping,
+        })
     }
 
     pub(super) fn substeps(&self) -> usize {
@@ -45,7 +59,12 @@ impl Explicit {
     }
 
     /// A step from `state` with the scratch's forces, into its `predicted` and `speed`.
-    pub(super) fn run(&self, body: &Deformable, state: &DeformableState, scratch: &mut DeformableScratch) {
+    pub(super) fn run(
+        &self,
+        body: &Deformable,
+        state: &DeformableState,
+        scratch: &mut DeformableScratch,
+    ) {
         let h = body.settings.dt_s / self.substeps as f64;
         scratch.predicted.copy_from_slice(&state.positions);
         scratch.speed.copy_from_slice(&state.velocities);
@@ -70,7 +89,14 @@ impl Explicit {
         if self.damping.is_empty() {
             return;
         }
-        let DeformableScratch { speed, coordinates, nodes, residual, node_residual, .. } = scratch;
+        let DeformableScratch {
+            speed,
+            coordinates,
+            nodes,
+            residual,
+            node_residual,
+            ..
+        } = scratch;
         for (lane, v) in coordinates.iter_mut().zip(speed.iter()) {
             *lane = [v.x, v.y, v.z, 0.0];
         }

@@ -1,14 +1,16 @@
 //! Do the exterior nodes of a cube lattice see every control point?
 //!
-//! With x_node = Σ N_c(u, v) P_c over the coordinates c of the net, a coordinate that no node feels, or a pattern of them
-//! that cancels at all nodes, has neither mass nor stiffness. The singular values of N (exterior nodes × coordinates)
-//! tell: a mass matrix made of these rows has the square of their condition.
+//! With x_node = Σ N_c(u, v) P_c over the coordinates c of the net, a coordinate that no node
+//! feels, or a pattern of them that cancels at all nodes, has neither mass nor stiffness. The
+//! singular values of N (exterior nodes × coordinates) tell: a mass matrix made of these rows has
+//! the square of their condition.
 
 use crate::surface::Surface;
 use nalgebra::{DMatrix, SymmetricEigen};
 
-/// Largest condition of the exterior map that is let pass; the mass matrix has the square of it. On the teardrops,
-/// transfinite lattices with six exterior nodes to a coordinate have 26 to 390, with three 700 to 1e4, with two 1e6.
+/// Largest condition of the exterior map that is let pass; the mass matrix has the square of it. On
+/// the teardrops, transfinite lattices with six exterior nodes to a coordinate have 26 to 390, with
+/// three 700 to 1e4, with two 1e6.
 pub const CONDITION_LIMIT: f64 = 1e3;
 
 /// How well the exterior nodes see a net.
@@ -57,11 +59,13 @@ pub enum ExteriorError {
     },
 }
 
-/// Checks that nodes at these parameters see every coordinate of the net; `coordinate_of_control` as
-/// [`coordinates_of_controls`](super::coordinates_of_controls) gives it. Offline: the cube of the number of coordinates.
+/// Checks that nodes at these parameters see every coordinate of the net; `coordinate_of_control`
+/// as [`coordinates_of_controls`](super::coordinates_of_controls) gives it. Offline: the cube of
+/// the number of coordinates.
 ///
 /// # Errors
-/// Coordinates that do not fit the net, or that are seen with a condition above [`CONDITION_LIMIT`].
+/// Coordinates that do not fit the net, or that are seen with a condition above
+/// [`CONDITION_LIMIT`].
 pub fn check_exterior(
     surface: &Surface,
     exterior: &[(u32, [f64; 2])],
@@ -129,21 +133,39 @@ fn exterior_map(
         }
     });
     if coordinate_of_control.len() != controls || coordinates > controls || used.contains(&false) {
-        return Err(ExteriorError::Ties { given: coordinate_of_control.len(), controls, largest });
+        return Err(ExteriorError::Ties {
+            given: coordinate_of_control.len(),
+            controls,
+            largest,
+        });
     }
-    let nothing = Least { count: coordinates, worst: 0 };
-    let unseen = ExteriorMap { nodes: exterior.len(), coordinates, condition: f64::INFINITY, rank: 0 };
-    if !exterior.iter().all(|(_, [u, v])| u.is_finite() && v.is_finite()) {
+    let nothing = Least {
+        count: coordinates,
+        worst: 0,
+    };
+    let unseen = ExteriorMap {
+        nodes: exterior.len(),
+        coordinates,
+        condition: f64::INFINITY,
+        rank: 0,
+    };
+    if !exterior
+        .iter()
+        .all(|(_, [u, v])| u.is_finite() && v.is_finite())
+    {
         return Ok((unseen, nothing));
     }
-    // NᵀN: the rows of N have a few entries each. Its eigenvalues are the squares of the singular values, so these are
-    // known to 1e-8 of the largest, far below the limit.
+    // NᵀN: the rows of N have a few entries each. Its eigenvalues are the squares of the singular
+    // values, so these are known to 1e-8 of the largest, far below the limit.
     let mut normal = DMatrix::<f64>::zeros(coordinates, coordinates);
     for (_, uv) in exterior {
         let entries = weights_at(surface, *uv);
         for (i, a) in &entries {
             for (j, b) in &entries {
-                normal[(coordinate_of_control[*i] as usize, coordinate_of_control[*j] as usize)] += a * b;
+                normal[(
+                    coordinate_of_control[*i] as usize,
+                    coordinate_of_control[*j] as usize,
+                )] += a * b;
             }
         }
     }
@@ -154,14 +176,40 @@ fn exterior_map(
         return Ok((unseen, nothing));
     };
     let most = eigen.eigenvalues.iter().copied().fold(0.0, f64::max);
-    let above = |share: f64| eigen.eigenvalues.iter().filter(|&&value| value > share * share * most).count();
+    let above = |share: f64| {
+        eigen
+            .eigenvalues
+            .iter()
+            .filter(|&&value| value > share * share * most)
+            .count()
+    };
     let rank = above(1e-7);
-    let weakest = (0..coordinates).min_by(|&a, &b| eigen.eigenvalues[a].total_cmp(&eigen.eigenvalues[b])).unwrap_or(0);
-    let condition = if rank == coordinates { (most / eigen.eigenvalues[weakest]).sqrt() } else { f64::INFINITY };
+    let weakest = (0..coordinates)
+        .min_by(|&a, &b| eigen.eigenvalues[a].total_cmp(&eigen.eigenvalues[b]))
+        .unwrap_or(0);
+    let condition = if rank == coordinates {
+        (most / eigen.eigenvalues[weakest]).sqrt()
+    } else {
+        f64::INFINITY
+    };
     let pattern = eigen.eigenvectors.column(weakest).iamax();
-    let worst = coordinate_of_control.iter().position(|&c| c as usize == pattern).unwrap_or(0);
-    let map = ExteriorMap { nodes: exterior.len(), coordinates, condition, rank };
-    Ok((map, Least { count: coordinates - above(1.0 / CONDITION_LIMIT), worst }))
+    let worst = coordinate_of_control
+        .iter()
+        .position(|&c| c as usize == pattern)
+        .unwrap_or(0);
+    let map = ExteriorMap {
+        nodes: exterior.len(),
+        coordinates,
+        condition,
+        rank,
+    };
+    Ok((
+        map,
+        Least {
+            count: coordinates - above(1.0 / CONDITION_LIMIT),
+            worst,
+        },
+    ))
 }
 
 #[cfg(test)]
@@ -216,11 +264,24 @@ mod tests {
         // 296 nodes for 344 coordinates: at least 48 patterns are not seen.
         let lattice = transfinite(&surface, [8; 3]).unwrap();
         let error = check_exterior(&surface, &lattice.exterior, &coordinates).unwrap_err();
-        let ExteriorError::UnseenControls { count, condition, nodes, coordinates: of, .. } = error.clone() else {
+        let ExteriorError::UnseenControls {
+            count,
+            condition,
+            nodes,
+            coordinates: of,
+            ..
+        } = error.clone()
+        else {
             panic!("{error}")
         };
-        assert!(count >= 48 && condition == f64::INFINITY && (nodes, of) == (296, 344), "{error:?}");
-        assert!(error.to_string().contains("finer lattice or a coarser net"), "{error}");
+        assert!(
+            count >= 48 && condition == f64::INFINITY && (nodes, of) == (296, 344),
+            "{error:?}"
+        );
+        assert!(
+            error.to_string().contains("finer lattice or a coarser net"),
+            "{error}"
+        );
         let lattice = transfinite(&surface, [20; 3]).unwrap();
         check_exterior(&surface, &lattice.exterior, &coordinates).unwrap();
     }
@@ -232,29 +293,55 @@ mod tests {
         let lattice = transfinite(&surface, [20; 3]).unwrap();
         for hidden in [18, 27, 45] {
             let felt = |uv: [f64; 2]| {
-                weights_at(&surface, uv).iter().any(|&(k, w)| coordinates[k] == coordinates[hidden] && w > 0.0)
+                weights_at(&surface, uv)
+                    .iter()
+                    .any(|&(k, w)| coordinates[k] == coordinates[hidden] && w > 0.0)
             };
-            let rest: Vec<_> = lattice.exterior.iter().copied().filter(|(_, uv)| !felt(*uv)).collect();
+            let rest: Vec<_> = lattice
+                .exterior
+                .iter()
+                .copied()
+                .filter(|(_, uv)| !felt(*uv))
+                .collect();
             let error = check_exterior(&surface, &rest, &coordinates).unwrap_err();
-            let ExteriorError::UnseenControls { count, .. } = error else { panic!("{error}") };
+            let ExteriorError::UnseenControls { count, .. } = error else {
+                panic!("{error}")
+            };
             assert!(count >= 1);
             let map = measure_exterior(&surface, &rest, &coordinates).unwrap();
             assert!(map.rank < map.coordinates, "{map:?}");
         }
         let alone = check_exterior(&surface, &lattice.exterior[..1], &coordinates).unwrap_err();
-        assert!(matches!(alone, ExteriorError::UnseenControls { count: 43, nodes: 1, .. }), "{alone:?}");
+        assert!(
+            matches!(
+                alone,
+                ExteriorError::UnseenControls {
+                    count: 43,
+                    nodes: 1,
+                    ..
+                }
+            ),
+            "{alone:?}"
+        );
     }
 
     #[test]
     fn coordinates_that_do_not_fit_are_refused_and_no_nodes_see_nothing() {
         let (surface, coordinates) = drop(8);
-        let check = |numbers: &[u32]| check_exterior(&surface, &[(0, [0.5, 0.5])], numbers).unwrap_err();
+        let check =
+            |numbers: &[u32]| check_exterior(&surface, &[(0, [0.5, 0.5])], numbers).unwrap_err();
         for numbers in [vec![], vec![0; 63], vec![1; 64], vec![u32::MAX; 64]] {
-            assert!(matches!(check(&numbers), ExteriorError::Ties { .. }), "{numbers:?}");
+            assert!(
+                matches!(check(&numbers), ExteriorError::Ties { .. }),
+                "{numbers:?}"
+            );
         }
         for exterior in [vec![], vec![(0, [f64::NAN, 0.5])]] {
             let error = check_exterior(&surface, &exterior, &coordinates).unwrap_err();
-            assert!(matches!(error, ExteriorError::UnseenControls { count: 44, .. }), "{error:?}");
+            assert!(
+                matches!(error, ExteriorError::UnseenControls { count: 44, .. }),
+                "{error:?}"
+            );
         }
     }
 }

@@ -1,8 +1,9 @@
 //! Interior nodes of a lattice from its outermost ones: each is the mean of its six neighbours.
 //!
-//! The discrete Laplace equation with given values on the faces, solved exactly: sines diagonalise the second difference
-//! along each axis (Buzbee, Golub, Nielson 1970), so three dense products per axis do, O(n⁴) for n³ nodes. The map is
-//! what transfinite interpolation tends to when it is smoothed for ever, so it needs no such start.
+//! The discrete Laplace equation with given values on the faces, solved exactly: sines diagonalise
+//! the second difference along each axis (Buzbee, Golub, Nielson 1970), so three dense products per
+//! axis do, O(n⁴) for n³ nodes. The map is what transfinite interpolation tends to when it is
+//! smoothed for ever, so it needs no such start.
 
 use super::cube::{CubeLattice, is_outermost, node_at};
 use crate::math::Vector3;
@@ -36,8 +37,14 @@ pub(super) fn fill(lattice: &mut CubeLattice) {
     let sines = inner.map(Sines::new);
     transform(&sines, inner, &mut values);
     for (node, value) in values.iter_mut().enumerate() {
-        let place = [node / (inner[1] * inner[2]), node / inner[2] % inner[1], node % inner[2]];
-        let eigenvalue: f64 = (0..3).map(|axis| sines[axis].eigenvalues[place[axis]]).sum();
+        let place = [
+            node / (inner[1] * inner[2]),
+            node / inner[2] % inner[1],
+            node % inner[2],
+        ];
+        let eigenvalue: f64 = (0..3)
+            .map(|axis| sines[axis].eigenvalues[place[axis]])
+            .sum();
         *value /= eigenvalue;
     }
     transform(&sines, inner, &mut values);
@@ -66,14 +73,19 @@ impl Sines {
         let scale = (2.0 / (n + 1) as f64).sqrt();
         // Products are reduced to the first period, so that large ones lose nothing.
         let sine = |m: usize| scale * libm::sin(step * (m % (2 * (n + 1))) as f64);
-        let matrix = (0..n * n).map(|k| sine((k / n + 1) * (k % n + 1))).collect();
+        let matrix = (0..n * n)
+            .map(|k| sine((k / n + 1) * (k % n + 1)))
+            .collect();
         let eigenvalues = (1..=n)
             .map(|m| {
                 let half = libm::sin(0.5 * step * m as f64);
                 4.0 * half * half
             })
             .collect();
-        Self { matrix, eigenvalues }
+        Self {
+            matrix,
+            eigenvalues,
+        }
     }
 }
 
@@ -109,10 +121,15 @@ mod tests {
         for counts in [[3, 3, 3], [4, 7, 5], [12, 12, 12], [2, 5, 5], [31, 3, 4]] {
             let mut state = 11_u64;
             let mut random = || {
-                state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+                state = state
+                    .wrapping_mul(6_364_136_223_846_793_005)
+                    .wrapping_add(1_442_695_040_888_963_407);
                 (state >> 11) as f64 / (1u64 << 53) as f64
             };
-            let mut lattice = CubeLattice::new(counts, |_| (Point3::new(random(), random(), random()), None)).unwrap();
+            let mut lattice = CubeLattice::new(counts, |_| {
+                (Point3::new(random(), random(), random()), None)
+            })
+            .unwrap();
             let before = lattice.grid.nodes.clone();
             fill(&mut lattice);
             for node in 0..before.len() {
@@ -131,14 +148,23 @@ mod tests {
                     }
                 }
                 // Six dense products of up to 30 terms of size 1.
-                assert!((x.coords - mean).norm() < 1e-13, "{counts:?}, node {place:?}: {}", (x.coords - mean).norm());
+                assert!(
+                    (x.coords - mean).norm() < 1e-13,
+                    "{counts:?}, node {place:?}: {}",
+                    (x.coords - mean).norm()
+                );
             }
         }
     }
 
     #[test]
     fn a_box_stays_evenly_divided() {
-        let even = CubeLattice::cuboid(&Point3::new(1.0, 2.0, 3.0), &Point3::new(2.0, 5.0, 3.5), [9, 6, 11]).unwrap();
+        let even = CubeLattice::cuboid(
+            &Point3::new(1.0, 2.0, 3.0),
+            &Point3::new(2.0, 5.0, 3.5),
+            [9, 6, 11],
+        )
+        .unwrap();
         let mut filled = even.clone();
         for node in 0..filled.grid.nodes.len() {
             if !is_outermost(even.counts, super::super::cube::place_of(even.counts, node)) {
@@ -150,6 +176,9 @@ mod tests {
             assert!((a - b).norm() < 1e-13);
         }
         let quality = even.quality();
-        assert!((quality.least_scaled_jacobian - 1.0).abs() < 1e-12 && (quality.volume_m3 - 1.5).abs() < 1e-12);
+        assert!(
+            (quality.least_scaled_jacobian - 1.0).abs() < 1e-12
+                && (quality.volume_m3 - 1.5).abs() < 1e-12
+        );
     }
 }

@@ -1,8 +1,8 @@
 //! Backward Euler by projective dynamics (Bouaziz et al. 2014) with one constant matrix
 //! `A = M / dt² + (1 + d / dt) Wᵀ L W`, `L = Σ k (e_a − e_b)(e_a − e_b)ᵀ`, factored at build.
 //!
-//! We solve for increments, `A Δ = M (v / dt + g) + f(x)`, so that rest is rest to the last bit, an error is relative to
-//! the motion, not to the position, and equilibrium does not depend on A.
+//! We solve for increments, `A Δ = M (v / dt + g) + f(x)`, so that rest is rest to the last bit, an
+//! error is relative to the motion, not to the position, and equilibrium does not depend on A.
 
 use super::deformable::{Deformable, DeformableError, FIXED, lanes};
 use super::node_map::NodeMap;
@@ -26,13 +26,27 @@ impl Implicit {
             matrix.add(row, row, body.masses[coordinate as usize] / (dt * dt));
         }
         let edges = body.law_edges();
-        let scaled: Vec<_> = edges.iter().map(|&(a, b, k)| (a, b, k * (1.0 + damping_s / dt))).collect();
-        body.map.add_edges(&scaled, |c| body.unknown(c as usize), &mut matrix);
+        let scaled: Vec<_> = edges
+            .iter()
+            .map(|&(a, b, k)| (a, b, k * (1.0 + damping_s / dt)))
+            .collect();
+        body.map
+            .add_edges(&scaled, |c| body.unknown(c as usize), &mut matrix);
         let factor = Cholesky::new(&matrix)?;
         let again = iterations > 1 && damping_s > 0.0;
-        let damping =
-            if again { edges.iter().map(|&(a, b, k)| (a, b, k * damping_s / dt)).collect() } else { Vec::new() };
-        Ok(Self { factor, iterations, damping })
+        let damping = if again {
+            edges
+                .iter()
+                .map(|&(a, b, k)| (a, b, k * damping_s / dt))
+                .collect()
+        } else {
+            Vec::new()
+        };
+        Ok(Self {
+            factor,
+            iterations,
+            damping,
+        })
     }
 
     pub(super) fn iterations(&self) -> usize {
@@ -57,18 +71,34 @@ impl Implicit {
     }
 
     /// The first iteration, from where the body is.
-    pub(super) fn predict(&self, body: &Deformable, state: &DeformableState, scratch: &mut DeformableScratch) {
+    pub(super) fn predict(
+        &self,
+        body: &Deformable,
+        state: &DeformableState,
+        scratch: &mut DeformableScratch,
+    ) {
         scratch.predicted.copy_from_slice(&state.positions);
         self.correct(body, state, scratch, false);
     }
 
     /// One more, from the guess in `predicted`.
-    pub(super) fn again(&self, body: &Deformable, state: &DeformableState, scratch: &mut DeformableScratch) {
+    pub(super) fn again(
+        &self,
+        body: &Deformable,
+        state: &DeformableState,
+        scratch: &mut DeformableScratch,
+    ) {
         self.correct(body, state, scratch, true);
     }
 
     /// Adds A⁻¹ of the residual of backward Euler, without contact, to the guess.
-    fn correct(&self, body: &Deformable, state: &DeformableState, scratch: &mut DeformableScratch, has_moved: bool) {
+    fn correct(
+        &self,
+        body: &Deformable,
+        state: &DeformableState,
+        scratch: &mut DeformableScratch,
+        has_moved: bool,
+    ) {
         let inverse_dt = 1.0 / body.settings.dt_s;
         for c in 0..state.positions.len() {
             let moved = scratch.predicted[c] - state.positions[c];
@@ -93,12 +123,28 @@ impl Implicit {
     }
 
     /// −(d / dt) L (x − x_now) of the guess.
-    fn add_damping(&self, body: &Deformable, state: &DeformableState, scratch: &mut DeformableScratch) {
+    fn add_damping(
+        &self,
+        body: &Deformable,
+        state: &DeformableState,
+        scratch: &mut DeformableScratch,
+    ) {
         if self.damping.is_empty() {
             return;
         }
-        let DeformableScratch { predicted, coordinates, nodes, residual, node_residual, .. } = scratch;
-        for ((lane, guess), now) in coordinates.iter_mut().zip(predicted.iter()).zip(&state.positions) {
+        let DeformableScratch {
+            predicted,
+            coordinates,
+            nodes,
+            residual,
+            node_residual,
+            ..
+        } = scratch;
+        for ((lane, guess), now) in coordinates
+            .iter_mut()
+            .zip(predicted.iter())
+            .zip(&state.positions)
+        {
             let moved = guess - now;
             *lane = [moved.x, moved.y, moved.z, 0.0];
         }
@@ -126,11 +172,16 @@ pub(super) fn add_edges(edges: &[(u32, u32, f64)], x: &[[f64; 4]], r: &mut [[f64
     }
 }
 
-/// Greatest squared frequency that a body can have, 1/s²: Gershgorin's bound of M⁻¹ L over coordinates.
+/// Greatest squared frequency that a body can have, 1/s²: Gershgorin's bound of M⁻¹ L over
+/// coordinates.
 pub(super) fn greatest_frequency_squared(body: &Deformable) -> f64 {
     let mut sums = vec![0.0; body.unknown_count()];
     let mut matrix = SymmetricTriplets::new(body.unknown_count());
-    body.map.add_edges(&body.law.steepest_edges(), |c| body.unknown(c as usize), &mut matrix);
+    body.map.add_edges(
+        &body.law.steepest_edges(),
+        |c| body.unknown(c as usize),
+        &mut matrix,
+    );
     // Entries may be given in parts; their sizes then only grow the bound.
     for &(i, j, value) in &matrix.entries {
         sums[i as usize] += value.abs();
@@ -140,5 +191,8 @@ pub(super) fn greatest_frequency_squared(body: &Deformable) -> f64 {
     }
     let mass = |row: usize| body.masses[body.coordinate_of_unknown[row] as usize];
     debug_assert!(body.unknown.iter().filter(|&&u| u != FIXED).count() == sums.len());
-    sums.iter().enumerate().map(|(row, sum)| sum / mass(row)).fold(0.0, f64::max)
+    sums.iter()
+        .enumerate()
+        .map(|(row, sum)| sum / mass(row))
+        .fold(0.0, f64::max)
 }

@@ -26,29 +26,55 @@ impl Law {
     /// Springs and bends of a sheet.
     pub fn membrane(springs: &[Spring], stiffening: Option<Stiffening>, bends: Vec<Bend>) -> Self {
         let slope = stiffening.map_or(1.0, |law| law.greatest_ratio());
-        Self { springs: SpringTable::new(springs, stiffening), bends, continuum: None, slope }
+        Self {
+            springs: SpringTable::new(springs, stiffening),
+            bends,
+            continuum: None,
+            slope,
+        }
     }
 
     /// A continuum energy.
     pub fn continuum(continuum: Continuum) -> Self {
-        Self { continuum: Some(continuum), slope: 1.0, ..Self::default() }
+        Self {
+            continuum: Some(continuum),
+            slope: 1.0,
+            ..Self::default()
+        }
     }
 
-    /// Edges (a, b, k) of the Laplacian of the step's matrix. The step is stable while its matrix is at least half of the
-    /// tangent; stiffening springs count with their steepest slope's half, if that is more than their slope at rest.
+    /// Edges (a, b, k) of the Laplacian of the step's matrix. The step is stable while its matrix
+    /// is at least half of the tangent; stiffening springs count with their steepest slope's half,
+    /// if that is more than their slope at rest.
     pub(super) fn edges(&self) -> Vec<(u32, u32, f64)> {
         let scale = (0.55 * self.slope).max(1.0);
-        let springs = self.springs.each().map(|(_, _, a, b, k)| (a as u32, b as u32, k * scale));
+        let springs = self
+            .springs
+            .each()
+            .map(|(_, _, a, b, k)| (a as u32, b as u32, k * scale));
         let continuum = self.continuum.iter().flat_map(Continuum::bounding_springs);
-        springs.chain(self.bends.iter().flat_map(Bend::edges)).chain(continuum).collect()
+        springs
+            .chain(self.bends.iter().flat_map(Bend::edges))
+            .chain(continuum)
+            .collect()
     }
 
     /// Edges of a Laplacian that is no less than any tangent: what explicit steps must resolve.
     pub(super) fn steepest_edges(&self) -> Vec<(u32, u32, f64)> {
-        let springs = self.springs.each().map(|(_, _, a, b, k)| (a as u32, b as u32, k * self.slope));
+        let springs = self
+            .springs
+            .each()
+            .map(|(_, _, a, b, k)| (a as u32, b as u32, k * self.slope));
         // Its step follows tangents up to twice its own matrix.
-        let continuum = self.continuum.iter().flat_map(Continuum::bounding_springs).map(|(a, b, k)| (a, b, 2.0 * k));
-        springs.chain(self.bends.iter().flat_map(Bend::edges)).chain(continuum).collect()
+        let continuum = self
+            .continuum
+            .iter()
+            .flat_map(Continuum::bounding_springs)
+            .map(|(a, b, k)| (a, b, 2.0 * k));
+        springs
+            .chain(self.bends.iter().flat_map(Bend::edges))
+            .chain(continuum)
+            .collect()
     }
 
     /// True without bends and without stiffening.
@@ -56,7 +82,8 @@ impl Law {
         self.continuum.is_none() && self.bends.is_empty() && self.slope == 1.0
     }
 
-    /// Adds −∂E/∂x, N. `rest`: lengths of the springs without force. Answers with the number of cells that were held back.
+    /// Adds −∂E/∂x, N. `rest`: lengths of the springs without force. Answers with the number of
+    /// cells that were held back.
     pub(super) fn add_forces(
         &self,
         rest: &[Lane],
@@ -68,13 +95,18 @@ impl Law {
         for bend in &self.bends {
             bend.add_force(places, residual);
         }
-        self.continuum.as_ref().map_or(0, |continuum| continuum.add_forces(places, residual).limited)
+        self.continuum.as_ref().map_or(0, |continuum| {
+            continuum.add_forces(places, residual).limited
+        })
     }
 
     /// J.
     pub(super) fn energy_j(&self, rest: &[Lane], places: &[Lane]) -> f64 {
         let at = |k: usize| Point3::new(places[k][0], places[k][1], places[k][2]);
-        let continuum = self.continuum.as_ref().map_or(0.0, |continuum| continuum.energy_j(places));
+        let continuum = self
+            .continuum
+            .as_ref()
+            .map_or(0.0, |continuum| continuum.energy_j(places));
         let bends: f64 = self.bends.iter().map(|bend| bend.energy_j(places)).sum();
         self.springs.energy_j(rest, at) + bends + continuum
     }

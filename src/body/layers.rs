@@ -1,9 +1,10 @@
 //! Builder `layers`: the control points of a surface are the outermost nodes of its lattice.
 //!
-//! Closed surfaces: rings of control points shrink in equal steps towards a medial curve, so the cells beside the curve are
-//! wedges. The curve follows the rings' centroids but ends short of the poles: were it to reach them, a flat end (a ring in
-//! one plane with its pole) would have cells without volume. Tori and open tubes keep their centroids. Open sheets: copies of the net at equal depths along the
-//! inward normals. Either way the surface is exact: no node is fitted to it.
+//! Closed surfaces: rings of control points shrink in equal steps towards a medial curve, so the
+//! cells beside the curve are wedges. The curve follows the rings' centroids but ends short of the
+//! poles: were it to reach them, a flat end (a ring in one plane with its pole) would have cells
+//! without volume. Tori and open tubes keep their centroids. Open sheets: copies of the net at
+//! equal depths along the inward normals. Either way the surface is exact: no node is fitted to it.
 
 use super::cells::{Cell, CellGrid};
 use crate::math::{Point3, Vector3};
@@ -19,7 +20,8 @@ pub struct RingEnds {
     pub last_pole: bool,
 }
 
-/// The control points of a surface as rings around an axis; those repeated at a seam are the first ones again.
+/// The control points of a surface as rings around an axis; those repeated at a seam are the first
+/// ones again.
 #[derive(Clone, Debug)]
 pub struct Rings {
     /// Control points around, repeated seam points not counted.
@@ -37,25 +39,45 @@ pub struct Rings {
 impl Rings {
     /// Of a net whose u goes around, without a seam.
     pub fn seamless(around: usize, along: usize, ends: RingEnds) -> Self {
-        Self { around, along, ends, u_around: true, columns: along }
+        Self {
+            around,
+            along,
+            ends,
+            u_around: true,
+            columns: along,
+        }
     }
 
     /// Index (u-major) of the control point i around, j along.
     pub fn control(&self, i: usize, j: usize) -> usize {
-        if self.u_around { i * self.columns + j } else { j * self.columns + i }
+        if self.u_around {
+            i * self.columns + j
+        } else {
+            j * self.columns + i
+        }
     }
 
     /// Place around and along of a control point.
     pub fn place(&self, control: usize) -> (usize, usize) {
         let (row, column) = (control / self.columns, control % self.columns);
-        let (i, j) = if self.u_around { (row, column) } else { (column, row) };
+        let (i, j) = if self.u_around {
+            (row, column)
+        } else {
+            (column, row)
+        };
         (i % self.around, j % self.along)
     }
 }
 
-/// Cells of a closed surface from its control points: `layers` shells, the surface's included, then the medial curve.
+/// Cells of a closed surface from its control points: `layers` shells, the surface's included, then
+/// the medial curve.
 pub fn rings(points: &[Point3], rings: &Rings, layers: usize) -> CellGrid {
-    rings_about(&medial_curve(points, rings, &Insets::EVEN), points, rings, layers)
+    rings_about(
+        &medial_curve(points, rings, &Insets::EVEN),
+        points,
+        rings,
+        layers,
+    )
 }
 
 /// [`rings`], with the ends of the medial curve moved to where the cells are best.
@@ -64,15 +86,27 @@ pub fn rings_at_best(points: &[Point3], rings: &Rings, layers: usize) -> CellGri
     build(&best_medial(points, rings, build))
 }
 
-/// The medial curve with which `build` makes the best cells: none folded, then the greatest least scaled Jacobian of the
-/// cells that are no wedges. At a pointed pole the even curve ends too far inside, and the cells beside it are slanted.
-pub(super) fn best_medial(points: &[Point3], rings: &Rings, build: impl Fn(&[Point3]) -> CellGrid) -> Vec<Point3> {
+/// The medial curve with which `build` makes the best cells: none folded, then the greatest least
+/// scaled Jacobian of the cells that are no wedges. At a pointed pole the even curve ends too far
+/// inside, and the cells beside it are slanted.
+pub(super) fn best_medial(
+    points: &[Point3],
+    rings: &Rings,
+    build: impl Fn(&[Point3]) -> CellGrid,
+) -> Vec<Point3> {
     let judge = |insets: &Insets| {
         let medial = medial_curve(points, rings, insets);
         let quality = build(&medial).quality();
         let count = |cells: usize| -(cells as f64);
         let least = quality.least_scaled_jacobian_hexahedra.min(GOOD_ENOUGH);
-        ([count(quality.folded_cells), count(quality.folded_corner_cells), least], medial)
+        (
+            [
+                count(quality.folded_cells),
+                count(quality.folded_corner_cells),
+                least,
+            ],
+            medial,
+        )
     };
     let mut best_insets = Insets::EVEN;
     let mut best = judge(&best_insets);
@@ -82,7 +116,10 @@ pub(super) fn best_medial(points: &[Point3], rings: &Rings, build: impl Fn(&[Poi
     for decay in DECAYS {
         for end in [0, 1, 0, 1] {
             for inset in INSETS {
-                let mut insets = Insets { decay, ..best_insets };
+                let mut insets = Insets {
+                    decay,
+                    ..best_insets
+                };
                 insets.radii[end] = inset;
                 if best.0 >= [0.0, 0.0, GOOD_ENOUGH] {
                     return best.1;
@@ -98,7 +135,12 @@ pub(super) fn best_medial(points: &[Point3], rings: &Rings, build: impl Fn(&[Poi
 }
 
 /// Cells between the rings and one medial point for each.
-pub(super) fn rings_about(medial: &[Point3], points: &[Point3], rings: &Rings, layers: usize) -> CellGrid {
+pub(super) fn rings_about(
+    medial: &[Point3],
+    points: &[Point3],
+    rings: &Rings,
+    layers: usize,
+) -> CellGrid {
     let Rings { around, along, .. } = *rings;
     let node = ring_nodes(rings, layers);
     let count = node.iter().max().map_or(0, |&last| last as usize + 1);
@@ -120,12 +162,22 @@ pub(super) fn rings_about(medial: &[Point3], points: &[Point3], rings: &Rings, l
             node[j * around + i]
         })
         .collect();
-    CellGrid { nodes, cells, node_of_control }.right_handed()
+    CellGrid {
+        nodes,
+        cells,
+        node_of_control,
+    }
+    .right_handed()
 }
 
 /// (layers + 1, along, around) → node; the medial curve and the poles of each shell repeat theirs.
 pub fn ring_nodes(rings: &Rings, layers: usize) -> Vec<u32> {
-    let Rings { around, along, ends, .. } = *rings;
+    let Rings {
+        around,
+        along,
+        ends,
+        ..
+    } = *rings;
     let pole = |j: usize| (j == 0 && ends.first_pole) || (j + 1 == along && ends.last_pole);
     let at = |layer: usize, j: usize, i: usize| (layer * along + j) * around + i;
     let mut node = vec![0u32; (layers + 1) * along * around];
@@ -147,7 +199,12 @@ pub fn ring_nodes(rings: &Rings, layers: usize) -> Vec<u32> {
 
 /// Cells between the nodes of [`ring_nodes`].
 pub fn ring_cells(rings: &Rings, layers: usize) -> Vec<Cell> {
-    let Rings { around, along, ends, .. } = *rings;
+    let Rings {
+        around,
+        along,
+        ends,
+        ..
+    } = *rings;
     let node = ring_nodes(rings, layers);
     let steps_along = if ends.axis_closed { along } else { along - 1 };
     let mut cells = Vec::with_capacity(layers * steps_along * around);
@@ -174,7 +231,10 @@ struct Insets {
 }
 
 impl Insets {
-    const EVEN: Self = Self { radii: [0.5; 2], decay: 1 };
+    const EVEN: Self = Self {
+        radii: [0.5; 2],
+        decay: 1,
+    };
 }
 
 /// Insets and decays that [`rings_at_best`] tries. Large insets first: they make the larger cells.
@@ -184,17 +244,24 @@ const DECAYS: [i32; 4] = [1, 2, 4, 8];
 /// A least scaled Jacobian beyond which nothing is gained: sin 30°.
 const GOOD_ENOUGH: f64 = 0.5;
 
-/// Steps of the medial curve shorter than this part of its length are no steps, and are widened to [`LEAST_STEP`] of the
-/// mean step.
+/// Steps of the medial curve shorter than this part of its length are no steps, and are widened to
+/// [`LEAST_STEP`] of the mean step.
 const NO_STEP: f64 = 1e-6;
 const LEAST_STEP: f64 = 0.25;
 
-/// One point a ring: along the polygon of ring centroids, drawn in at each pole (by 0.4 of the length at most).
+/// One point a ring: along the polygon of ring centroids, drawn in at each pole (by 0.4 of the
+/// length at most).
 fn medial_curve(points: &[Point3], rings: &Rings, insets: &Insets) -> Vec<Point3> {
-    let Rings { around, along, ends, .. } = *rings;
+    let Rings {
+        around,
+        along,
+        ends,
+        ..
+    } = *rings;
     let ring = |j: usize| (0..around).map(move |i| points[rings.control(i, j)]);
-    let centroids: Vec<Point3> =
-        (0..along).map(|j| Point3::from(ring(j).map(|p| p.coords).sum::<Vector3>() / around as f64)).collect();
+    let centroids: Vec<Point3> = (0..along)
+        .map(|j| Point3::from(ring(j).map(|p| p.coords).sum::<Vector3>() / around as f64))
+        .collect();
     if ends.axis_closed || !(ends.first_pole || ends.last_pole) {
         return centroids;
     }
@@ -211,22 +278,36 @@ fn medial_curve(points: &[Point3], rings: &Rings, insets: &Insets) -> Vec<Point3
     let place = |s: f64| {
         let k = arc.partition_point(|&a| a <= s).clamp(1, along - 1);
         let span = arc[k] - arc[k - 1];
-        let t = if span > 0.0 { (s - arc[k - 1]) / span } else { 0.0 };
+        let t = if span > 0.0 {
+            (s - arc[k - 1]) / span
+        } else {
+            0.0
+        };
         centroids[k - 1] + (centroids[k] - centroids[k - 1]) * t
     };
     let wanted = spread_out(&arc);
     if insets.decay == 1 {
-        return wanted.iter().map(|&s| place(first + s * (length - first - last) / length)).collect();
+        return wanted
+            .iter()
+            .map(|&s| place(first + s * (length - first - last) / length))
+            .collect();
     }
     let giving = |share: f64| share.max(0.0).powi(insets.decay);
-    wanted.iter().map(|&s| place(s + first * giving(1.0 - s / length) - last * giving(s / length))).collect()
+    wanted
+        .iter()
+        .map(|&s| place(s + first * giving(1.0 - s / length) - last * giving(s / length)))
+        .collect()
 }
 
-/// Where the medial points should lie: as the centroids do, but apart. At a smooth pole the next ring lies in the plane of
-/// the pole, and their centroids may be one point; two nodes there would be joined by a spring without length.
+/// Where the medial points should lie: as the centroids do, but apart. At a smooth pole the next
+/// ring lies in the plane of the pole, and their centroids may be one point; two nodes there would
+/// be joined by a spring without length.
 fn spread_out(arc: &[f64]) -> Vec<f64> {
     let length = arc[arc.len() - 1];
-    if arc.windows(2).all(|pair| pair[1] - pair[0] > NO_STEP * length) {
+    if arc
+        .windows(2)
+        .all(|pair| pair[1] - pair[0] > NO_STEP * length)
+    {
         return arc.to_vec();
     }
     let least = LEAST_STEP * length / (arc.len() - 1) as f64;
@@ -238,8 +319,8 @@ fn spread_out(arc: &[f64]) -> Vec<f64> {
     wanted.iter().map(|s| s * scale).collect()
 }
 
-/// Cells of an open sheet of `rows × columns` control points: `layers` ≥ 2 copies, the first is the net, the last lies
-/// `thickness_m` below along the inward normals.
+/// Cells of an open sheet of `rows × columns` control points: `layers` ≥ 2 copies, the first is the
+/// net, the last lies `thickness_m` below along the inward normals.
 pub fn sheet(
     points: &[Point3],
     inward_normals: &[Vector3],
@@ -251,10 +332,20 @@ pub fn sheet(
     let mut nodes = Vec::with_capacity(points.len() * layers);
     for layer in 0..layers {
         let depth = thickness_m * layer as f64 / (layers - 1) as f64;
-        nodes.extend(points.iter().zip(inward_normals).map(|(point, normal)| point + normal * depth));
+        nodes.extend(
+            points
+                .iter()
+                .zip(inward_normals)
+                .map(|(point, normal)| point + normal * depth),
+        );
     }
     let cells = sheet_cells(rows, columns, layers);
-    CellGrid { nodes, cells, node_of_control: (0..points.len() as u32).collect() }.right_handed()
+    CellGrid {
+        nodes,
+        cells,
+        node_of_control: (0..points.len() as u32).collect(),
+    }
+    .right_handed()
 }
 
 /// Cells between `layers` copies of rows × columns nodes.
@@ -290,7 +381,11 @@ mod tests {
                 points.push(Point3::new(radius * angle.cos(), radius * angle.sin(), z));
             }
         }
-        let ends = RingEnds { axis_closed: false, first_pole: true, last_pole: true };
+        let ends = RingEnds {
+            axis_closed: false,
+            first_pole: true,
+            last_pole: true,
+        };
         (points, Rings::seamless(around, along, ends))
     }
 
@@ -300,16 +395,26 @@ mod tests {
             let (points, shape) = double_cone(around, along);
             let grid = rings(&points, &shape, layers);
             // Shells with two poles each, then the medial curve.
-            assert_eq!(grid.nodes.len(), (around * (along - 2) + 2) * layers + along);
+            assert_eq!(
+                grid.nodes.len(),
+                (around * (along - 2) + 2) * layers + along
+            );
             for (k, point) in points.iter().enumerate() {
                 let node = grid.nodes[grid.node_of_control[k] as usize];
-                assert!((node - point).norm() < 1e-15, "control point {k} is not its node");
+                assert!(
+                    (node - point).norm() < 1e-15,
+                    "control point {k} is not its node"
+                );
             }
             // A double cone over a regular polygon: 1/3 base × height, base = n/2 r² sin(2π/n).
             let n = around as f64;
             let base = 0.5 * n * 0.25 * (std::f64::consts::TAU / n).sin();
             let volume = grid.quality().volume_m3;
-            assert!((volume - base / 3.0).abs() < 1e-12, "{volume} != {}", base / 3.0);
+            assert!(
+                (volume - base / 3.0).abs() < 1e-12,
+                "{volume} != {}",
+                base / 3.0
+            );
             assert!(grid.quality().least_volume_m3 > 0.0);
         }
     }
@@ -321,11 +426,25 @@ mod tests {
         let columns = surface.net().columns();
         let torus = topology.wraps(0) && topology.wraps(1);
         let [first_pole, last_pole] = topology.poles[1];
-        let ends = RingEnds { axis_closed: torus, first_pole, last_pole };
+        let ends = RingEnds {
+            axis_closed: torus,
+            first_pole,
+            last_pole,
+        };
         let (around, along) = if torus { (v, u) } else { (u, v) };
-        let shape = Rings { around, along, ends, u_around: !torus, columns };
+        let shape = Rings {
+            around,
+            along,
+            ends,
+            u_around: !torus,
+            columns,
+        };
         let points = surface.net().points();
-        if best { rings_at_best(points, &shape, layers) } else { rings(points, &shape, layers) }
+        if best {
+            rings_at_best(points, &shape, layers)
+        } else {
+            rings(points, &shape, layers)
+        }
     }
 
     /// 12 control points around, profile (radius, z) along.
@@ -336,8 +455,16 @@ mod tests {
             let angle = std::f64::consts::TAU * i as f64 / 12.0;
             Point3::new(radius * libm::cos(angle), radius * libm::sin(angle), z)
         };
-        let points = (0..12).flat_map(|i| profile.iter().map(move |&p| point(i, p))).collect();
-        Surface::new(around, along, ControlNet::new(12, profile.len(), points).unwrap(), None).unwrap()
+        let points = (0..12)
+            .flat_map(|i| profile.iter().map(move |&p| point(i, p)))
+            .collect();
+        Surface::new(
+            around,
+            along,
+            ControlNet::new(12, profile.len(), points).unwrap(),
+            None,
+        )
+        .unwrap()
     }
 
     fn drop(net: usize) -> Surface {
@@ -347,8 +474,16 @@ mod tests {
     #[test]
     fn every_surface_fills_with_right_handed_cells_and_edges_that_have_a_length() {
         let tube = turned(&std::array::from_fn::<_, 9, _>(|j| [0.02, 0.01 * j as f64]));
-        let can =
-            turned(&[[0.0, 0.0], [1.0, 0.0], [2.0, 0.0], [2.0, 1.0], [2.0, 2.0], [2.0, 3.0], [1.0, 3.0], [0.0, 3.0]]);
+        let can = turned(&[
+            [0.0, 0.0],
+            [1.0, 0.0],
+            [2.0, 0.0],
+            [2.0, 1.0],
+            [2.0, 2.0],
+            [2.0, 3.0],
+            [1.0, 3.0],
+            [0.0, 3.0],
+        ]);
         let sphere = |net| builtin("sphere", net, None).unwrap();
         let surfaces = [
             ("teardrop 8", drop(8)),
@@ -367,7 +502,10 @@ mod tests {
                     let quality = grid.quality();
                     let what = format!("{name}, {layers} layers, best {best}: {quality:?}");
                     assert_eq!(quality.folded_cells, 0, "{what}");
-                    assert!(grid.cells.iter().all(|cell| grid.signed_volume(cell) > 0.0), "{what}");
+                    assert!(
+                        grid.cells.iter().all(|cell| grid.signed_volume(cell) > 0.0),
+                        "{what}"
+                    );
                     assert!(quality.edge_m[0] > 1e-4 * surface.size(), "{what}");
                     for (k, point) in surface.net().points().iter().enumerate() {
                         let off = (grid.nodes[grid.node_of_control[k] as usize] - point).norm();
@@ -385,8 +523,14 @@ mod tests {
             let refined = drop(8).refined_to(net[0], net[1]).unwrap();
             for layers in 2..=4 {
                 let quality = solid(&refined, layers, true).quality();
-                assert!(quality.least_scaled_jacobian_hexahedra >= GOOD_ENOUGH, "{net:?} × {layers}: {quality:?}");
-                assert_eq!(quality.folded_corner_cells, 0, "{net:?} × {layers}: {quality:?}");
+                assert!(
+                    quality.least_scaled_jacobian_hexahedra >= GOOD_ENOUGH,
+                    "{net:?} × {layers}: {quality:?}"
+                );
+                assert_eq!(
+                    quality.folded_corner_cells, 0,
+                    "{net:?} × {layers}: {quality:?}"
+                );
             }
         }
     }

@@ -48,8 +48,16 @@ pub struct Stiffening {
 impl Stiffening {
     /// Greatest slope, relative to that at rest.
     pub fn greatest_ratio(&self) -> f64 {
-        let closed = if self.least_length > 0.0 { self.least_length_ratio } else { 1.0 };
-        let far = if self.strain.is_finite() { self.ratio } else { 1.0 };
+        let closed = if self.least_length > 0.0 {
+            self.least_length_ratio
+        } else {
+            1.0
+        };
+        let far = if self.strain.is_finite() {
+            self.ratio
+        } else {
+            1.0
+        };
         closed.max(far).max(1.0)
     }
 }
@@ -66,10 +74,18 @@ pub struct Preset {
 }
 
 const fn elastic(young_pa: f64, poisson: f64, density_kg_m3: f64, damping_s: f64) -> Material {
-    Material { young_pa, poisson, density_kg_m3, damping_s, plastic: None, stiffening: None }
+    Material {
+        young_pa,
+        poisson,
+        density_kg_m3,
+        damping_s,
+        plastic: None,
+        stiffening: None,
+    }
 }
 
-/// All presets. Moduli of soft matter scatter by a factor of two and more between samples: these are places to start from.
+/// All presets. Moduli of soft matter scatter by a factor of two and more between samples: these
+/// are places to start from.
 pub const PRESETS: [Preset; 7] = [
     Preset {
         name: "gel",
@@ -94,7 +110,13 @@ pub const PRESETS: [Preset; 7] = [
     Preset {
         name: "plasticine",
         material: Material {
-            plastic: Some(Plastic { yield_strain: 0.01, rate_per_s: 20.0, hardening: 0.1, limit: 0.6, spread_m: 0.0 }),
+            plastic: Some(Plastic {
+                yield_strain: 0.01,
+                rate_per_s: 20.0,
+                hardening: 0.1,
+                limit: 0.6,
+                spread_m: 0.0,
+            }),
             ..elastic(13e6, 0.3, 2_500.0, 1e-3)
         },
         source: "Pungotra 2010, figures 5.9 and 5.10: 13 MN/m2, 2,500 kg/m3; yield and flow are ours",
@@ -104,7 +126,11 @@ pub const PRESETS: [Preset; 7] = [
         material: elastic(2e6, 0.48, 1_100.0, 1e-3),
         source: "soft natural rubber, shear modulus 0.4 to 1 MPa (Gent, Engineering with Rubber, ch. 3)",
     },
-    Preset { name: "steel", material: elastic(210e9, 0.3, 7_850.0, 1e-5), source: "EN 1993-1-1, 3.2.6" },
+    Preset {
+        name: "steel",
+        material: elastic(210e9, 0.3, 7_850.0, 1e-5),
+        source: "EN 1993-1-1, 3.2.6",
+    },
 ];
 
 /// A preset by name.

@@ -1,4 +1,5 @@
-//! Model `membrane`: point masses at the control points of a surface, springs between neighbours, bending along rows.
+//! Model `membrane`: point masses at the control points of a surface, springs between neighbours,
+//! bending along rows.
 
 use super::bends::Bend;
 use super::cells::CellGrid;
@@ -13,8 +14,9 @@ use crate::math::Point3;
 /// ν of a square net of springs.
 const POISSON: f64 = 1.0 / 3.0;
 
-/// Builds a membrane of a thickness (m) over control points and their neighbours. `coordinate_of_control` says which of them
-/// are one (seams, poles, joints); `fixed[coordinate]` ones never move.
+/// Builds a membrane of a thickness (m) over control points and their neighbours.
+/// `coordinate_of_control` says which of them are one (seams, poles, joints); `fixed[coordinate]`
+/// ones never move.
 ///
 /// # Errors
 /// No free coordinate, coordinates without mass, or a step that cannot be built.
@@ -34,13 +36,19 @@ pub fn membrane(
     let quads = &sheet.quads;
     let mut areas = vec![0.0; coordinates.len()];
     // A sheet has no cells: its figures are those of the quadrilaterals times the thickness.
-    let mut quality = CellGrid { nodes: Vec::new(), cells: Vec::new(), node_of_control: Vec::new() }.quality();
+    let mut quality = CellGrid {
+        nodes: Vec::new(),
+        cells: Vec::new(),
+        node_of_control: Vec::new(),
+    }
+    .quality();
     (quality.least_volume_m3, quality.edge_m) = (f64::INFINITY, [f64::INFINITY, 0.0]);
     for quad in quads {
         let area = quad_area(&coordinates, quad);
         quality.volume_m3 += area * thickness_m;
         quality.least_volume_m3 = quality.least_volume_m3.min(area * thickness_m);
-        quad.iter().for_each(|&corner| areas[corner as usize] += 0.25 * area);
+        quad.iter()
+            .for_each(|&corner| areas[corner as usize] += 0.25 * area);
     }
     let springs = from_quads(&coordinates, quads, material.young_pa * thickness_m);
     for spring in &springs {
@@ -50,7 +58,10 @@ pub fn membrane(
     let plate = material.young_pa * thickness_m.powi(3) / (12.0 * (1.0 - POISSON * POISSON));
     let bend = |row: &[u32; 3]| Bend::new(*row, &coordinates, plate, areas[row[1] as usize]);
     let bends = sheet.rows.iter().filter_map(bend).collect();
-    let masses = areas.iter().map(|area| area * thickness_m * material.density_kg_m3).collect();
+    let masses = areas
+        .iter()
+        .map(|area| area * thickness_m * material.density_kg_m3)
+        .collect();
     let blueprint = Blueprint {
         coordinates,
         map: NodeMap::Same,

@@ -1,8 +1,8 @@
 //! Nodes from coordinates: x = W q.
 //!
-//! A lattice's nodes are its coordinates. Where they are not (a lattice that rides on a coarser net, a net that carries a
-//! finer grid of cells) every node is a sum of coordinates with weights that add up to one, and forces go back by the
-//! transpose: power is the same on both sides.
+//! A lattice's nodes are its coordinates. Where they are not (a lattice that rides on a coarser
+//! net, a net that carries a finer grid of cells) every node is a sum of coordinates with weights
+//! that add up to one, and forces go back by the transpose: power is the same on both sides.
 
 use crate::math::lanes::{Baseline, Lanes};
 use crate::math::{Lane, Point3, SymmetricTriplets, simd};
@@ -27,9 +27,13 @@ pub struct SparseRows {
 }
 
 impl SparseRows {
-    /// From rows of (column, weight); columns of a row are sorted, equal ones are added, zeros left out.
+    /// From rows of (column, weight); columns of a row are sorted, equal ones are added, zeros left
+    /// out.
     pub fn new(rows: impl IntoIterator<Item = Vec<(u32, f64)>>) -> Self {
-        let mut out = Self { starts: vec![0], ..Self::default() };
+        let mut out = Self {
+            starts: vec![0],
+            ..Self::default()
+        };
         for mut row in rows {
             row.sort_by_key(|entry| entry.0);
             row.dedup_by(|later, earlier| {
@@ -76,7 +80,11 @@ impl NodeMap {
     pub fn from_rows(rows: impl IntoIterator<Item = Vec<(u32, f64)>>) -> Self {
         let sparse = SparseRows::new(rows);
         let same = (0..sparse.rows()).all(|row| sparse.row(row) == (&[row as u32][..], &[1.0][..]));
-        if same { Self::Same } else { Self::Sparse(sparse) }
+        if same {
+            Self::Same
+        } else {
+            Self::Sparse(sparse)
+        }
     }
 
     /// Nodes of coordinates.
@@ -86,7 +94,10 @@ impl NodeMap {
             Self::Sparse(map) => (0..map.rows())
                 .map(|row| {
                     let (columns, weights) = map.row(row);
-                    let sum = columns.iter().zip(weights).map(|(&c, w)| coordinates[c as usize].coords * *w);
+                    let sum = columns
+                        .iter()
+                        .zip(weights)
+                        .map(|(&c, w)| coordinates[c as usize].coords * *w);
                     Point3::from(sum.sum::<crate::math::Vector3>())
                 })
                 .collect(),
@@ -110,7 +121,8 @@ impl NodeMap {
         }
     }
 
-    /// Adds k (W_a − W_b)ᵀ (W_a − W_b) for every edge (a, b, k), where `unknown` gives a coordinate a row.
+    /// Adds k (W_a − W_b)ᵀ (W_a − W_b) for every edge (a, b, k), where `unknown` gives a coordinate
+    /// a row.
     pub fn add_edges(
         &self,
         edges: &[(u32, u32, f64)],
@@ -237,14 +249,23 @@ mod tests {
     fn maps_go_there_and_back_with_the_same_bits_on_every_processor() {
         let mut state = 9u64;
         let mut random = || {
-            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            state = state
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1_442_695_040_888_963_407);
             (state >> 11) as f64 / (1u64 << 53) as f64 - 0.5
         };
         let (rows, columns) = (40, 13);
-        let map =
-            SparseRows::new((0..rows).map(|_| (0..5).map(|_| (((random() + 0.5) * 13.0) as u32, random())).collect()));
-        let q: Vec<Lane> = (0..columns).map(|_| [random(), random(), random(), 0.0]).collect();
-        let f: Vec<Lane> = (0..rows).map(|_| [random(), random(), random(), 0.0]).collect();
+        let map = SparseRows::new((0..rows).map(|_| {
+            (0..5)
+                .map(|_| (((random() + 0.5) * 13.0) as u32, random()))
+                .collect()
+        }));
+        let q: Vec<Lane> = (0..columns)
+            .map(|_| [random(), random(), random(), 0.0])
+            .collect();
+        let f: Vec<Lane> = (0..rows)
+            .map(|_| [random(), random(), random(), 0.0])
+            .collect();
         let (mut slow, mut fast) = (vec![[0.0; 4]; rows], vec![[0.0; 4]; rows]);
         map.apply_in::<Baseline>(&q, &mut slow);
         map.apply(&q, &mut fast);
@@ -254,8 +275,12 @@ mod tests {
         map.add_transposed(&f, &mut quick);
         assert_eq!(back, quick);
         // f · (W q) = (Wᵀ f) · q.
-        let dot =
-            |a: &[Lane], b: &[Lane]| a.iter().zip(b).map(|(a, b)| a[0] * b[0] + a[1] * b[1] + a[2] * b[2]).sum::<f64>();
+        let dot = |a: &[Lane], b: &[Lane]| {
+            a.iter()
+                .zip(b)
+                .map(|(a, b)| a[0] * b[0] + a[1] * b[1] + a[2] * b[2])
+                .sum::<f64>()
+        };
         assert!((dot(&f, &fast) - dot(&quick, &q)).abs() < 1e-13);
     }
 
@@ -263,6 +288,9 @@ mod tests {
     fn equal_columns_are_one_entry_and_the_identity_is_no_map() {
         let rows = SparseRows::new([vec![(3, 0.25), (1, 0.5), (3, 0.25), (2, 0.0)]]);
         assert_eq!(rows.row(0), (&[1, 3][..], &[0.5, 0.5][..]));
-        assert_eq!(NodeMap::from_rows([vec![(0, 1.0)], vec![(1, 1.0)]]), NodeMap::Same);
+        assert_eq!(
+            NodeMap::from_rows([vec![(0, 1.0)], vec![(1, 1.0)]]),
+            NodeMap::Same
+        );
     }
 }

@@ -1,11 +1,12 @@
 //! How good the cells of a solid are.
 //!
-//! The scaled Jacobian at a corner is the determinant of its three edges over the product of their lengths: 1 for a box,
-//! 0 when the edges lie in a plane, below 0 when the corner is turned inside out (Knupp 2001). At the sharp edge of a
-//! wedge one of the three edges has no length, and the Jacobian vanishes. What is judged there is its limit from inside
-//! the cell, which is the determinant of the three distinct edges that leave the node. A node with only two edges in its
-//! cell, as where a wedge beside a pole meets the medial curve, lies on an edge of a tetrahedron and is no corner: it is
-//! left to the Gauss points.
+//! The scaled Jacobian at a corner is the determinant of its three edges over the product of their
+//! lengths: 1 for a box, 0 when the edges lie in a plane, below 0 when the corner is turned inside
+//! out (Knupp 2001). At the sharp edge of a wedge one of the three edges has no length, and the
+//! Jacobian vanishes. What is judged there is its limit from inside the cell, which is the
+//! determinant of the three distinct edges that leave the node. A node with only two edges in its
+//! cell, as where a wedge beside a pole meets the medial curve, lies on an edge of a tetrahedron
+//! and is no corner: it is left to the Gauss points.
 
 use super::cells::{Cell, CellGrid, EDGES};
 use crate::math::{Matrix3, Vector3};
@@ -19,15 +20,18 @@ pub struct CellQuality {
     pub least_volume_m3: f64,
     /// Shortest and longest edge, m.
     pub edge_m: [f64; 2],
-    /// Standard deviation of the lengths of edges over their mean; an edge counts once for each cell around it.
+    /// Standard deviation of the lengths of edges over their mean; an edge counts once for each
+    /// cell around it.
     pub edge_spread: f64,
     /// Least scaled Jacobian at a corner of any cell, in [−1, 1].
     pub least_scaled_jacobian: f64,
     /// The same over the cells that have eight distinct nodes; 1 when there are none.
     pub least_scaled_jacobian_hexahedra: f64,
-    /// Cells whose Jacobian is not positive at one of the 2 × 2 × 2 Gauss points. No model can use such a cell.
+    /// Cells whose Jacobian is not positive at one of the 2 × 2 × 2 Gauss points. No model can use
+    /// such a cell.
     pub folded_cells: usize,
-    /// Cells whose Jacobian is not positive at a corner. Springs and one-point energies live with these.
+    /// Cells whose Jacobian is not positive at a corner. Springs and one-point energies live with
+    /// these.
     pub folded_corner_cells: usize,
 }
 
@@ -39,7 +43,8 @@ impl CellQuality {
 }
 
 impl CellGrid {
-    /// Figures for `palpate plan`, for builders and for tests. No cells: a volume of 0 and nothing folded.
+    /// Figures for `palpate plan`, for builders and for tests. No cells: a volume of 0 and nothing
+    /// folded.
     pub fn quality(&self) -> CellQuality {
         let total: f64 = self.cells.iter().map(|cell| self.signed_volume(cell)).sum();
         let sense = if total < 0.0 { -1.0 } else { 1.0 };
@@ -56,22 +61,30 @@ impl CellGrid {
         let (mut edges, mut sum, mut squares) = (0.0, 0.0, 0.0);
         for cell in &self.cells {
             quality.volume_m3 += self.volume(cell);
-            quality.least_volume_m3 = quality.least_volume_m3.min(sense * self.signed_volume(cell));
+            quality.least_volume_m3 = quality
+                .least_volume_m3
+                .min(sense * self.signed_volume(cell));
             for [a, b] in EDGES {
                 if cell[a] != cell[b] {
-                    let length = (self.nodes[cell[a] as usize] - self.nodes[cell[b] as usize]).norm();
+                    let length =
+                        (self.nodes[cell[a] as usize] - self.nodes[cell[b] as usize]).norm();
                     quality.edge_m = [quality.edge_m[0].min(length), quality.edge_m[1].max(length)];
                     (edges, sum, squares) = (edges + 1.0, sum + length, squares + length * length);
                 }
             }
-            let folded = self.gauss_determinants(cell).iter().any(|d| d.is_nan() || sense * d <= 0.0);
+            let folded = self
+                .gauss_determinants(cell)
+                .iter()
+                .any(|d| d.is_nan() || sense * d <= 0.0);
             quality.folded_cells += usize::from(folded);
-            let least =
-                (0..8).filter_map(|corner| Some(sense * self.scaled_jacobian(cell, corner)?)).fold(1.0, f64::min);
+            let least = (0..8)
+                .filter_map(|corner| Some(sense * self.scaled_jacobian(cell, corner)?))
+                .fold(1.0, f64::min);
             quality.folded_corner_cells += usize::from(least <= 0.0);
             quality.least_scaled_jacobian = quality.least_scaled_jacobian.min(least);
             if distinct(cell) == 8 {
-                quality.least_scaled_jacobian_hexahedra = quality.least_scaled_jacobian_hexahedra.min(least);
+                quality.least_scaled_jacobian_hexahedra =
+                    quality.least_scaled_jacobian_hexahedra.min(least);
             }
         }
         if sum > 0.0 {
@@ -81,8 +94,9 @@ impl CellGrid {
         quality
     }
 
-    /// Scaled Jacobian at a corner (0 to 7) of a cell, positive when it turns right-handed; see the module for collapsed
-    /// ones. `None` where the cell has fewer than three edges, 0 where it has no extent.
+    /// Scaled Jacobian at a corner (0 to 7) of a cell, positive when it turns right-handed; see the
+    /// module for collapsed ones. `None` where the cell has fewer than three edges, 0 where it has
+    /// no extent.
     pub fn scaled_jacobian(&self, cell: &Cell, corner: usize) -> Option<f64> {
         let at = |corner: usize| self.nodes[cell[corner] as usize];
         // The edge of an axis (bit 4, 2 or 1) at the corner `near`, towards rising a, b or c.
@@ -90,7 +104,10 @@ impl CellGrid {
         let collapsed = |near: usize, axis: usize| cell[near | axis] == cell[near & !axis];
         let mut columns = [Vector3::zeros(); 3];
         let mut scale = 1.0;
-        let here = [4, 2, 1].into_iter().filter(|&axis| collapsed(corner, axis)).count();
+        let here = [4, 2, 1]
+            .into_iter()
+            .filter(|&axis| collapsed(corner, axis))
+            .count();
         if here > 1 {
             return None;
         }
@@ -100,12 +117,20 @@ impl CellGrid {
                 scale *= column.norm();
                 continue;
             }
-            // The node's other corner in this cell has the third edge; across its foot the collapsed one has a length.
-            let near = [4, 2, 1].map(|other| corner ^ other).into_iter().find(|&near| !collapsed(near, axis))?;
+            // The node's other corner in this cell has the third edge; across its foot the
+            // collapsed one has a length.
+            let near = [4, 2, 1]
+                .map(|other| corner ^ other)
+                .into_iter()
+                .find(|&near| !collapsed(near, axis))?;
             *column = edge(near, axis);
             scale *= (at(near ^ axis) - at(corner)).norm();
         }
-        Some(if scale > 0.0 { Matrix3::from_columns(&columns).determinant() / scale } else { 0.0 })
+        Some(if scale > 0.0 {
+            Matrix3::from_columns(&columns).determinant() / scale
+        } else {
+            0.0
+        })
     }
 }
 
@@ -141,18 +166,29 @@ mod tests {
         for shear in [0.0, 0.3, -2.0] {
             let grid = cube(|p| turn * Point3::new(p.x * 3.0 + shear * p.y, p.y, p.z * 0.2));
             let quality = grid.quality();
-            close(quality.least_scaled_jacobian, 1.0 / (1.0_f64 + shear * shear).sqrt(), "sine");
-            close(quality.least_scaled_jacobian_hexahedra, quality.least_scaled_jacobian, "one hexahedron");
+            close(
+                quality.least_scaled_jacobian,
+                1.0 / (1.0_f64 + shear * shear).sqrt(),
+                "sine",
+            );
+            close(
+                quality.least_scaled_jacobian_hexahedra,
+                quality.least_scaled_jacobian,
+                "one hexahedron",
+            );
             close(quality.volume_m3, 0.6, "volume");
             assert_eq!((quality.folded_cells, quality.folded_corner_cells), (0, 0));
         }
         // Lengths 3, 1, 0.2: mean 1.4, mean square 10.04 / 3.
-        let spread = cube(|p| Point3::new(p.x * 3.0, p.y, p.z * 0.2)).quality().edge_spread;
+        let spread = cube(|p| Point3::new(p.x * 3.0, p.y, p.z * 0.2))
+            .quality()
+            .edge_spread;
         close(spread, (10.04 / 3.0 - 1.4_f64 * 1.4).sqrt() / 1.4, "spread");
     }
 
     #[test]
-    fn a_corner_pushed_through_its_opposite_face_is_folded_and_the_sense_of_turning_does_not_matter() {
+    fn a_corner_pushed_through_its_opposite_face_is_folded_and_the_sense_of_turning_does_not_matter()
+     {
         for mirror in [1.0, -1.0] {
             let pushed = |depth: f64| {
                 cube(|p| {
@@ -167,13 +203,17 @@ mod tests {
             let just_above = pushed(2.0 / 3.0 + 1e-9).quality();
             assert!(just_above.least_scaled_jacobian > 0.0 && just_above.folded_corner_cells == 0);
             let just_below = pushed(2.0 / 3.0 - 1e-9).quality();
-            assert!(just_below.least_scaled_jacobian < 0.0 && just_below.folded_corner_cells == 1, "{just_below:?}");
+            assert!(
+                just_below.least_scaled_jacobian < 0.0 && just_below.folded_corner_cells == 1,
+                "{just_below:?}"
+            );
             assert_eq!(just_below.folded_cells, 0);
             assert_eq!(pushed(-0.5).quality().folded_cells, 1);
         }
     }
 
-    // Corner c of the cube collapsed onto its neighbour makes a wedge: apex angle α between the two long sides.
+    // Corner c of the cube collapsed onto its neighbour makes a wedge: apex angle α between the two
+    // long sides.
     #[test]
     fn a_wedge_is_judged_by_its_angles_as_a_prism_would_be() {
         for angle in [0.2, 1.0, 1.5, 2.5_f64] {
@@ -187,13 +227,24 @@ mod tests {
                 Point3::origin(),
                 Point3::new(0.0, 0.0, 2.0),
             ];
-            let grid =
-                CellGrid { nodes, cells: vec![[0, 1, 2, 3, 4, 4, 5, 5]], node_of_control: vec![] }.right_handed();
+            let grid = CellGrid {
+                nodes,
+                cells: vec![[0, 1, 2, 3, 4, 4, 5, 5]],
+                node_of_control: vec![],
+            }
+            .right_handed();
             let quality = grid.quality();
             // At the apex sin α, at the base sin of (π − α) / 2.
-            close(quality.least_scaled_jacobian, s.min((angle / 2.0).cos()), "least sine");
+            close(
+                quality.least_scaled_jacobian,
+                s.min((angle / 2.0).cos()),
+                "least sine",
+            );
             close(quality.volume_m3, s, "volume");
-            assert_eq!(quality.least_scaled_jacobian_hexahedra, 1.0, "there is no hexahedron");
+            assert_eq!(
+                quality.least_scaled_jacobian_hexahedra, 1.0,
+                "there is no hexahedron"
+            );
             assert_eq!(quality.folded_cells, 0);
             for corner in 0..8 {
                 let node = grid.cells[0][corner];
@@ -209,9 +260,22 @@ mod tests {
     #[test]
     fn cells_without_extent_or_numbers_are_folded_and_nothing_panics() {
         assert_eq!(cube(|_| Point3::origin()).quality().folded_cells, 1);
-        assert_eq!(cube(|p| Point3::new(p.x, p.y, 0.0)).quality().folded_cells, 1);
-        assert_eq!(cube(|_| Point3::new(f64::NAN, 0.0, 0.0)).quality().folded_cells, 1);
-        let nothing = CellGrid { nodes: vec![], cells: vec![], node_of_control: vec![] }.quality();
+        assert_eq!(
+            cube(|p| Point3::new(p.x, p.y, 0.0)).quality().folded_cells,
+            1
+        );
+        assert_eq!(
+            cube(|_| Point3::new(f64::NAN, 0.0, 0.0))
+                .quality()
+                .folded_cells,
+            1
+        );
+        let nothing = CellGrid {
+            nodes: vec![],
+            cells: vec![],
+            node_of_control: vec![],
+        }
+        .quality();
         assert_eq!((nothing.volume_m3, nothing.folded_cells), (0.0, 0));
     }
 }

@@ -13,22 +13,42 @@ pub struct Sheet {
 }
 
 impl Sheet {
-    /// Of a surface, whose control points are these coordinates; `wraps` says which directions go on with their first points
-    /// after the last.
+    /// Of a surface, whose control points are these coordinates; `wraps` says which directions go
+    /// on with their first points after the last.
     pub fn of(surface: &Surface, wraps: [bool; 2], coordinate_of_control: &[u32]) -> Self {
         match surface.joints() {
-            Some(joints) => Self::of_patches(&joints, surface.net().columns(), coordinate_of_control),
-            None => Self::of_grid([surface.net().rows(), surface.net().columns()], wraps, coordinate_of_control),
+            Some(joints) => {
+                Self::of_patches(&joints, surface.net().columns(), coordinate_of_control)
+            }
+            None => Self::of_grid(
+                [surface.net().rows(), surface.net().columns()],
+                wraps,
+                coordinate_of_control,
+            ),
         }
     }
 
     /// Of a net in one piece.
-    fn of_grid([rows, columns]: [usize; 2], wraps: [bool; 2], coordinate_of_control: &[u32]) -> Self {
-        let at = |row: usize, column: usize| coordinate_of_control[row % rows * columns + column % columns];
-        let mut sheet = Self { quads: Vec::new(), rows: Vec::new() };
+    fn of_grid(
+        [rows, columns]: [usize; 2],
+        wraps: [bool; 2],
+        coordinate_of_control: &[u32],
+    ) -> Self {
+        let at = |row: usize, column: usize| {
+            coordinate_of_control[row % rows * columns + column % columns]
+        };
+        let mut sheet = Self {
+            quads: Vec::new(),
+            rows: Vec::new(),
+        };
         for row in 0..rows - usize::from(!wraps[0]) {
             for column in 0..columns - usize::from(!wraps[1]) {
-                sheet.quads.push([at(row, column), at(row, column + 1), at(row + 1, column + 1), at(row + 1, column)]);
+                sheet.quads.push([
+                    at(row, column),
+                    at(row, column + 1),
+                    at(row + 1, column + 1),
+                    at(row + 1, column),
+                ]);
             }
         }
         for row in 0..rows {
@@ -45,16 +65,30 @@ impl Sheet {
         sheet
     }
 
-    /// Of a branching surface: each patch by itself and once, and rows of three over the edges that join them.
+    /// Of a branching surface: each patch by itself and once, and rows of three over the edges that
+    /// join them.
     fn of_patches(joints: &Joints, columns: usize, coordinate_of_control: &[u32]) -> Self {
         let at = |row: usize, column: usize| coordinate_of_control[row * columns + column];
-        let mut sheet = Self { quads: Vec::new(), rows: Vec::new() };
-        for (k, _) in joints.patches().iter().enumerate().filter(|(_, patch)| patch.duplicate_of.is_none()) {
+        let mut sheet = Self {
+            quads: Vec::new(),
+            rows: Vec::new(),
+        };
+        for (k, _) in joints
+            .patches()
+            .iter()
+            .enumerate()
+            .filter(|(_, patch)| patch.duplicate_of.is_none())
+        {
             let [[u0, u1], [v0, v1]] = joints.controls_of(k);
             for row in u0..=u1 {
                 for column in v0..=v1 {
                     if row < u1 && column < v1 {
-                        let quad = [at(row, column), at(row, column + 1), at(row + 1, column + 1), at(row + 1, column)];
+                        let quad = [
+                            at(row, column),
+                            at(row, column + 1),
+                            at(row + 1, column + 1),
+                            at(row + 1, column),
+                        ];
                         sheet.quads.push(quad);
                     }
                     if row > u0 && row < u1 {
@@ -71,7 +105,9 @@ impl Sheet {
         }
         // A row along a joint belongs to both sides.
         let mut known = BTreeSet::new();
-        sheet.rows.retain(|&[a, b, c]| known.insert([a.min(c), b, a.max(c)]));
+        sheet
+            .rows
+            .retain(|&[a, b, c]| known.insert([a.min(c), b, a.max(c)]));
         sheet
     }
 

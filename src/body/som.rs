@@ -1,15 +1,17 @@
 //! Builder `som`: a volumetric self-organising feature map (Igwe 2008; Pungotra 2010, §5.3.2).
 //!
-//! A cube lattice inside the body is attracted to a cloud of points of its surface. In each learning cycle every point
-//! is won by the nearest exterior node, and every exterior node moves to the mean of the points won near it in the
-//! lattice, weighted by a Gaussian of the lattice distance that narrows from cycle to cycle. We use the batch form of the
-//! map (Kohonen 2001, §3.6): it has the same resting states as presenting the points one at a time, needs no learning
+//! A cube lattice inside the body is attracted to a cloud of points of its surface. In each
+//! learning cycle every point is won by the nearest exterior node, and every exterior node moves to
+//! the mean of the points won near it in the lattice, weighted by a Gaussian of the lattice
+//! distance that narrows from cycle to cycle. We use the batch form of the map (Kohonen 2001,
+//! §3.6): it has the same resting states as presenting the points one at a time, needs no learning
 //! rate and no order of presentation, and its Gaussian separates into three passes along the axes.
 //!
-//! The cloud is dense and each of its points weighs its area, so the nodes come to lie evenly on the surface. At the end
-//! every exterior node takes the nearest point of the surface as its own, so that nodes and surface points are one to
-//! one. (Matching the nodes with as many points fixed beforehand leaves the last few nodes with points far from their
-//! neighbours, and the cells there folded.) The interior is harmonic, and folded cells are mended.
+//! The cloud is dense and each of its points weighs its area, so the nodes come to lie evenly on
+//! the surface. At the end every exterior node takes the nearest point of the surface as its own,
+//! so that nodes and surface points are one to one. (Matching the nodes with as many points fixed
+//! beforehand leaves the last few nodes with points far from their neighbours, and the cells there
+//! folded.) The interior is harmonic, and folded cells are mended.
 
 use super::cube::{CubeError, CubeLattice, check_closed, is_outermost, place_of};
 use super::{harmonic, untangle};
@@ -27,27 +29,42 @@ pub struct SomSettings {
 
 impl Default for SomSettings {
     fn default() -> Self {
-        Self { cycles: 100, points_a_node: 6 }
+        Self {
+            cycles: 100,
+            points_a_node: 6,
+        }
     }
 }
 
-/// Radius of the Gaussian in the last cycle, in lattice steps. At 0.4 the cells are ragged, at 0.9 the thin end of the
-/// teardrop gets too few nodes.
+/// Radius of the Gaussian in the last cycle, in lattice steps. At 0.4 the cells are ragged, at 0.9
+/// the thin end of the teardrop gets too few nodes.
 const LAST_RADIUS: f64 = 0.6;
 
-/// Cycles in which the winner is sought among all nodes; in the others it is sought from the last winner.
+/// Cycles in which the winner is sought among all nodes; in the others it is sought from the last
+/// winner.
 const FULL_SEARCHES: [usize; 5] = [0, 3, 8, 20, 50];
 
-/// A lattice of `counts` nodes in a closed, sphere-like surface; the third axis lies along the body's longest one. All
-/// nodes of its six faces ride on the surface.
+/// A lattice of `counts` nodes in a closed, sphere-like surface; the third axis lies along the
+/// body's longest one. All nodes of its six faces ride on the surface.
 ///
 /// # Errors
 /// A surface that is not of this kind, encloses nothing, or whose cells stay folded; counts.
-pub fn som(surface: &Surface, counts: [usize; 3], settings: &SomSettings) -> Result<CubeLattice, CubeError> {
+pub fn som(
+    surface: &Surface,
+    counts: [usize; 3],
+    settings: &SomSettings,
+) -> Result<CubeLattice, CubeError> {
     check_closed(surface)?;
-    let mut lattice =
-        CubeLattice::new(counts, |place| (Point3::origin(), is_outermost(counts, place).then_some([0.0; 2])))?;
-    let cloud = Cloud::new(surface, lattice.exterior.len() * settings.points_a_node.clamp(1, 1000));
+    let mut lattice = CubeLattice::new(counts, |place| {
+        (
+            Point3::origin(),
+            is_outermost(counts, place).then_some([0.0; 2]),
+        )
+    })?;
+    let cloud = Cloud::new(
+        surface,
+        lattice.exterior.len() * settings.points_a_node.clamp(1, 1000),
+    );
     let mut map = Map::new(&lattice, &cloud);
     let cycles = settings.cycles.clamp(1, 10_000);
     let first_radius = 0.25 * counts.iter().copied().max().unwrap_or(2) as f64;
@@ -77,9 +94,15 @@ impl Cloud {
         let (low_u, high_u) = surface.knots_u().domain();
         let (low_v, high_v) = surface.knots_v().domain();
         let share = |k: usize| (k as f64 + 0.5) / side as f64;
-        let columns: Vec<_> =
-            (0..side).map(|k| low_v + (high_v - low_v) * share(k)).map(|v| (v, surface.knots_v().window(v))).collect();
-        let mut cloud = Self { points: Vec::new(), parameters: Vec::new(), areas: Vec::new() };
+        let columns: Vec<_> = (0..side)
+            .map(|k| low_v + (high_v - low_v) * share(k))
+            .map(|v| (v, surface.knots_v().window(v)))
+            .collect();
+        let mut cloud = Self {
+            points: Vec::new(),
+            parameters: Vec::new(),
+            areas: Vec::new(),
+        };
         for k in 0..side {
             let u = low_u + (high_u - low_u) * share(k);
             let row = surface.knots_u().window(u);
@@ -96,7 +119,13 @@ impl Cloud {
     /// Centre, and axes with their half lengths: the principal ones, shortest first, right-handed.
     fn frame(&self) -> (Point3, Matrix3, Vector3) {
         let total: f64 = self.areas.iter().sum();
-        let centre = self.points.iter().zip(&self.areas).map(|(p, a)| p.coords * *a).sum::<Vector3>() / total;
+        let centre = self
+            .points
+            .iter()
+            .zip(&self.areas)
+            .map(|(p, a)| p.coords * *a)
+            .sum::<Vector3>()
+            / total;
         let mut spread = Matrix3::zeros();
         for (point, area) in self.points.iter().zip(&self.areas) {
             let arm = point.coords - centre;
@@ -125,7 +154,8 @@ struct Map {
     beside: Vec<u32>,
     /// Exterior node that won each point of the cloud.
     winners: Vec<u32>,
-    /// (nodes of the lattice): area × point and area of what was won, then spread; and the buffer of one line.
+    /// (nodes of the lattice): area × point and area of what was won, then spread; and the buffer
+    /// of one line.
     field: Vec<[f64; 4]>,
     line: Vec<[f64; 4]>,
 }
@@ -142,13 +172,20 @@ impl Map {
         let (mut places, mut starts, mut beside) = (Vec::new(), vec![0], Vec::new());
         for &node in &nodes {
             let place = place_of(counts, node as usize);
-            let share = Vector3::from_fn(|axis, _| 2.0 * place[axis] as f64 / (counts[axis] - 1) as f64 - 1.0);
-            // Half as large as the body: inside, for most shapes, and it makes no difference otherwise.
+            let share = Vector3::from_fn(|axis, _| {
+                2.0 * place[axis] as f64 / (counts[axis] - 1) as f64 - 1.0
+            });
+            // Half as large as the body: inside, for most shapes, and it makes no difference
+            // otherwise.
             places.push(centre + axes * share.component_mul(&half) * 0.5);
             for offset in 0..27 {
                 let step = [offset / 9, offset / 3 % 3, offset % 3];
-                let near: [usize; 3] = std::array::from_fn(|axis| (place[axis] + step[axis]).wrapping_sub(1));
-                if offset != 13 && (0..3).all(|axis| near[axis] < counts[axis]) && is_outermost(counts, near) {
+                let near: [usize; 3] =
+                    std::array::from_fn(|axis| (place[axis] + step[axis]).wrapping_sub(1));
+                if offset != 13
+                    && (0..3).all(|axis| near[axis] < counts[axis])
+                    && is_outermost(counts, near)
+                {
                     beside.push(exterior_of[super::cube::node_at(counts, near)]);
                 }
             }
@@ -156,7 +193,16 @@ impl Map {
         }
         let line = vec![[0.0; 4]; counts.into_iter().max().unwrap_or(0)];
         let field = vec![[0.0; 4]; lattice.grid.nodes.len()];
-        Self { counts, nodes, places, starts, beside, winners: vec![0; cloud.points.len()], field, line }
+        Self {
+            counts,
+            nodes,
+            places,
+            starts,
+            beside,
+            winners: vec![0; cloud.points.len()],
+            field,
+            line,
+        }
     }
 
     /// One learning cycle with a Gaussian of this radius, lattice steps.
@@ -165,7 +211,10 @@ impl Map {
         self.field.fill([0.0; 4]);
         for ((point, area), &winner) in cloud.points.iter().zip(&cloud.areas).zip(&self.winners) {
             let slot = &mut self.field[self.nodes[winner as usize] as usize];
-            for (value, share) in slot.iter_mut().zip([point.x * area, point.y * area, point.z * area, *area]) {
+            for (value, share) in
+                slot.iter_mut()
+                    .zip([point.x * area, point.y * area, point.z * area, *area])
+            {
                 *value += share;
             }
         }
@@ -195,7 +244,9 @@ impl Map {
             // Downhill over the lattice: every step is strictly nearer, so it ends.
             loop {
                 let from = best.0;
-                for &entry in &self.beside[self.starts[from] as usize..self.starts[from + 1] as usize] {
+                for &entry in
+                    &self.beside[self.starts[from] as usize..self.starts[from + 1] as usize]
+                {
                     let there = distance(entry as usize);
                     if there < best.1 {
                         best = (entry as usize, there);
@@ -213,8 +264,9 @@ impl Map {
     fn spread(&mut self, radius: f64) {
         let most = self.line.len().saturating_sub(1);
         let reach = ((3.0 * radius).ceil() as usize).clamp(1, most.max(1));
-        let weights: Vec<f64> =
-            (0..=reach).map(|d| libm::exp(-0.5 * (d as f64 / radius) * (d as f64 / radius))).collect();
+        let weights: Vec<f64> = (0..=reach)
+            .map(|d| libm::exp(-0.5 * (d as f64 / radius) * (d as f64 / radius)))
+            .collect();
         for axis in 0..3 {
             let n = self.counts[axis];
             let stride: usize = self.counts[axis + 1..].iter().product();

@@ -1,11 +1,13 @@
 //! Springs of a lattice from its cells and Young's modulus: no stiffness is tuned by hand.
 //!
-//! On a cubic lattice of side h, edges and face diagonals with k = 0.4 E h, weighted by the share of cells around them,
-//! make an isotropic solid with ν = 1/4. With h = V / l² the rule carries over to distorted cells: every cell gives each
-//! of its edges 0.4 E V / l² / 4 and each of its face diagonals twice that, / 2.
+//! On a cubic lattice of side h, edges and face diagonals with k = 0.4 E h, weighted by the share
+//! of cells around them, make an isotropic solid with ν = 1/4. With h = V / l² the rule carries
+//! over to distorted cells: every cell gives each of its edges 0.4 E V / l² / 4 and each of its
+//! face diagonals twice that, / 2.
 //!
-//! On a square sheet of thickness t, edges with 3/4 E t and diagonals with 3/8 E t make an isotropic membrane with ν = 1/3;
-//! with the area A of a cell, every cell gives each of its edges 3/8 E t A / l² and each diagonal twice that.
+//! On a square sheet of thickness t, edges with 3/4 E t and diagonals with 3/8 E t make an
+//! isotropic membrane with ν = 1/3; with the area A of a cell, every cell gives each of its edges
+//! 3/8 E t A / l² and each diagonal twice that.
 
 use super::cells::{CellGrid, EDGES, FACES};
 use crate::math::Point3;
@@ -30,8 +32,8 @@ pub enum SpringRule {
     /// Isotropic, with the modulus asked for.
     #[default]
     Moduli,
-    /// K = E A / L for every spring by itself, as the thesis has it; with A = V / L of the cells around. Too stiff, as
-    /// springs side by side each count as if they were alone.
+    /// K = E A / L for every spring by itself, as the thesis has it; with A = V / L of the cells
+    /// around. Too stiff, as springs side by side each count as if they were alone.
     Seed,
 }
 
@@ -47,7 +49,8 @@ impl Shares<'_> {
         if a != b {
             let length_squared = (self.nodes[a as usize] - self.nodes[b as usize]).norm_squared();
             if length_squared > 0.0 {
-                *self.stiffness.entry((a.min(b), a.max(b))).or_insert(0.0) += scaled / length_squared;
+                *self.stiffness.entry((a.min(b), a.max(b))).or_insert(0.0) +=
+                    scaled / length_squared;
             }
         }
     }
@@ -56,15 +59,27 @@ impl Shares<'_> {
         let nodes = self.nodes;
         let spring = |((a, b), stiffness_n_m): ((u32, u32), f64)| {
             let rest_length_m = (nodes[a as usize] - nodes[b as usize]).norm();
-            Spring { a, b, stiffness_n_m, rest_length_m }
+            Spring {
+                a,
+                b,
+                stiffness_n_m,
+                rest_length_m,
+            }
         };
         self.stiffness.into_iter().map(spring).collect()
     }
 }
 
 /// All springs of a solid, ordered by their nodes. `young_pa`: modulus of each cell.
-pub fn from_cells(grid: &CellGrid, young_pa: impl Fn(usize) -> f64, rule: SpringRule) -> Vec<Spring> {
-    let mut shares = Shares { nodes: &grid.nodes, stiffness: BTreeMap::new() };
+pub fn from_cells(
+    grid: &CellGrid,
+    young_pa: impl Fn(usize) -> f64,
+    rule: SpringRule,
+) -> Vec<Spring> {
+    let mut shares = Shares {
+        nodes: &grid.nodes,
+        stiffness: BTreeMap::new(),
+    };
     let (edge, diagonal) = match rule {
         SpringRule::Moduli => (0.4 * 0.25, 0.4),
         SpringRule::Seed => (0.25, 0.5),
@@ -86,7 +101,10 @@ pub fn from_cells(grid: &CellGrid, young_pa: impl Fn(usize) -> f64, rule: Spring
 
 /// All springs of a sheet of quadrilaterals (corners in order around). `young_thickness`: E t, N/m.
 pub fn from_quads(nodes: &[Point3], quads: &[[u32; 4]], young_thickness: f64) -> Vec<Spring> {
-    let mut shares = Shares { nodes, stiffness: BTreeMap::new() };
+    let mut shares = Shares {
+        nodes,
+        stiffness: BTreeMap::new(),
+    };
     for quad in quads {
         let scale = 0.375 * young_thickness * quad_area(nodes, quad);
         for k in 0..4 {

@@ -70,8 +70,10 @@ impl DeformableState {
         source.floats(self.rest_lengths.as_flattened_mut())?;
         source.floats(self.plastic_strain.as_flattened_mut())?;
         let still = source.word()?;
-        self.still =
-            u32::try_from(still).map_err(|_| StateError::Value { what: "number of still steps", value: still })?;
+        self.still = u32::try_from(still).map_err(|_| StateError::Value {
+            what: "number of still steps",
+            value: still,
+        })?;
         self.slept = source.word()?;
         Ok(())
     }
@@ -96,7 +98,8 @@ pub struct DeformableScratch {
     pub predicted: Vec<Point3>,
     /// (coordinates), N: contact forces, by the caller, used up by [`super::Deformable::advance`].
     pub(super) forces: Vec<Vector3>,
-    /// Coordinates with a force, in the order they were given, and whether a coordinate is among them.
+    /// Coordinates with a force, in the order they were given, and whether a coordinate is among
+    /// them.
     pub(super) loaded: Vec<u32>,
     pub(super) is_loaded: Vec<bool>,
     /// (coordinates) and (nodes), x y z 0; the second is empty when nodes are coordinates.

@@ -3,9 +3,10 @@
 use crate::math::Point3;
 use crate::surface::Surface;
 
-/// Coordinate of each control point, numbered in order of first appearance. Points at the same place, bit for bit (the
-/// doubled row of a clamped seam, the row of a pole), are one; so are the pairs in `tied`, as merged and branching nets
-/// list them, and what they join. Pairs that name a point beyond the list are passed over.
+/// Coordinate of each control point, numbered in order of first appearance. Points at the same
+/// place, bit for bit (the doubled row of a clamped seam, the row of a pole), are one; so are the
+/// pairs in `tied`, as merged and branching nets list them, and what they join. Pairs that name a
+/// point beyond the list are passed over.
 ///
 /// ```
 /// use palpate::body::coordinates_of_controls;
@@ -56,13 +57,18 @@ pub fn coordinates_of_controls(points: &[Point3], tied: &[(u32, u32)]) -> Vec<u3
         .collect()
 }
 
-/// Coordinate of each control point of a surface: as [`coordinates_of_controls`] says, but of a branching surface what its
-/// edges and duplicates join, so that walls which only touch stay two.
+/// Coordinate of each control point of a surface: as [`coordinates_of_controls`] says, but of a
+/// branching surface what its edges and duplicates join, so that walls which only touch stay two.
 pub fn coordinates_of_surface(surface: &Surface) -> Vec<u32> {
     if surface.joints().is_none() {
         return coordinates_of_controls(surface.net().points(), &[]);
     }
-    surface.distinct_points(&surface.topology()).of.into_iter().map(|k| k as u32).collect()
+    surface
+        .distinct_points(&surface.topology())
+        .of
+        .into_iter()
+        .map(|k| k as u32)
+        .collect()
 }
 
 #[cfg(test)]
@@ -76,7 +82,11 @@ mod tests {
             let surface = builtin(name, None, None).unwrap().with_exact_seams();
             let expected = surface.distinct_points(&surface.topology());
             let found = coordinates_of_controls(surface.net().points(), &[]);
-            assert_eq!(found, expected.of.iter().map(|&k| k as u32).collect::<Vec<_>>(), "{name}");
+            assert_eq!(
+                found,
+                expected.of.iter().map(|&k| k as u32).collect::<Vec<_>>(),
+                "{name}"
+            );
         }
     }
 
@@ -85,14 +95,19 @@ mod tests {
     fn random_ties_join_what_a_slow_closure_joins() {
         let mut state = 5_u64;
         let mut next = |below: usize| {
-            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            state = state
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1_442_695_040_888_963_407);
             (state >> 33) as usize % below
         };
         for _ in 0..50 {
             let count = 1 + next(40);
-            let points: Vec<Point3> = (0..count).map(|_| Point3::new(next(30) as f64, 0.0, -0.0)).collect();
-            let tied: Vec<(u32, u32)> =
-                (0..next(20)).map(|_| (next(count + 2) as u32, next(count + 2) as u32)).collect();
+            let points: Vec<Point3> = (0..count)
+                .map(|_| Point3::new(next(30) as f64, 0.0, -0.0))
+                .collect();
+            let tied: Vec<(u32, u32)> = (0..next(20))
+                .map(|_| (next(count + 2) as u32, next(count + 2) as u32))
+                .collect();
             let mut label: Vec<usize> = (0..count).collect();
             loop {
                 let before = label.clone();
@@ -120,7 +135,10 @@ mod tests {
                 }
             }
             let most = found.iter().max().unwrap();
-            assert!((0..=*most).all(|k| found.contains(&k)), "numbers have gaps: {found:?}");
+            assert!(
+                (0..=*most).all(|k| found.contains(&k)),
+                "numbers have gaps: {found:?}"
+            );
         }
     }
 }

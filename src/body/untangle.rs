@@ -1,8 +1,9 @@
 //! Mends folded cells and flat corners of a cube lattice by moving their nodes.
 //!
-//! A node of a bad cell tries a few places: the mean of its neighbours and steps along the axes, or, when it rides on the
-//! surface, steps along the surface. It takes the one where the worst of its cells is best (Freitag & Ollivier-Gooch
-//! 1997, with fixed trial steps). Sweeps go on until no cell is bad, or no node moves.
+//! A node of a bad cell tries a few places: the mean of its neighbours and steps along the axes,
+//! or, when it rides on the surface, steps along the surface. It takes the one where the worst of
+//! its cells is best (Freitag & Ollivier-Gooch 1997, with fixed trial steps). Sweeps go on until no
+//! cell is bad, or no node moves.
 
 use super::cells::{Cell, CellGrid};
 use super::cube::{CubeLattice, node_at, place_of};
@@ -18,8 +19,8 @@ const BAD: f64 = 0.02;
 /// Trial steps, in mean lengths of the node's edges.
 const STEPS: [f64; 3] = [0.4, 0.15, 0.04];
 
-/// A corner is bad when its scaled Jacobian is below this. At 0.05 some teardrops never get there, and every lattice
-/// takes all sweeps.
+/// A corner is bad when its scaled Jacobian is below this. At 0.05 some teardrops never get there,
+/// and every lattice takes all sweeps.
 const BAD_CORNER: f64 = 0.02;
 
 /// What is mended.
@@ -32,14 +33,19 @@ pub(super) enum Aim {
 }
 
 impl Aim {
-    /// What a move should make greater, m³ for volumes, a scaled Jacobian for corners (below −1 when the cell is folded).
+    /// What a move should make greater, m³ for volumes, a scaled Jacobian for corners (below −1
+    /// when the cell is folded).
     fn measure(self, grid: &CellGrid, cell: &Cell) -> f64 {
-        let gauss = grid.gauss_determinants(cell).iter().copied().fold(f64::INFINITY, f64::min);
+        let gauss = grid
+            .gauss_determinants(cell)
+            .iter()
+            .copied()
+            .fold(f64::INFINITY, f64::min);
         match self {
             Self::Volumes => gauss,
-            Self::Corners if gauss > 0.0 => {
-                (0..8).filter_map(|corner| grid.scaled_jacobian(cell, corner)).fold(1.0, f64::min)
-            }
+            Self::Corners if gauss > 0.0 => (0..8)
+                .filter_map(|corner| grid.scaled_jacobian(cell, corner))
+                .fold(1.0, f64::min),
             Self::Corners => -1.0 + gauss,
         }
     }
@@ -125,10 +131,17 @@ fn shift(lattice: &mut CubeLattice, node: usize, aim: Aim) -> bool {
     let steps = STEPS.iter().flat_map(|step| (0..6).map(move |k| (step, k)));
     let trials = steps.map(|(step, k)| {
         let mut offset = Vector3::zeros();
-        offset[k / 2] = if k % 2 == 0 { step * length } else { -step * length };
+        offset[k / 2] = if k % 2 == 0 {
+            step * length
+        } else {
+            -step * length
+        };
         start + offset
     });
-    for trial in [mean, nalgebra::center(&start, &mean)].into_iter().chain(trials) {
+    for trial in [mean, nalgebra::center(&start, &mean)]
+        .into_iter()
+        .chain(trials)
+    {
         lattice.grid.nodes[node] = trial;
         let worst = worst_around(lattice, node, aim);
         if worst > best.0 {
@@ -153,7 +166,11 @@ impl<'a> Sliding<'a> {
         for (entry, (node, _)) in lattice.exterior.iter().enumerate() {
             exterior_of[*node as usize] = Some(entry as u32);
         }
-        Self { surface, solver: ClosestSolver::new(surface), exterior_of }
+        Self {
+            surface,
+            solver: ClosestSolver::new(surface),
+            exterior_of,
+        }
     }
 
     /// Tries places on the surface for an exterior node; true when it found a better one.
@@ -170,13 +187,22 @@ impl<'a> Sliding<'a> {
         let mut best = (worst_around(lattice, node, aim), start, [u, v]);
         let around = STEPS.iter().flat_map(|step| (0..8).map(move |k| (step, k)));
         let trials = around.map(|(step, k)| {
-            let [a, b] =
-                [[1.0, 0.0], [0.7, 0.7], [0.0, 1.0], [-0.7, 0.7], [-1.0, 0.0], [-0.7, -0.7], [0.0, -1.0], [0.7, -0.7]]
-                    [k];
+            let [a, b] = [
+                [1.0, 0.0],
+                [0.7, 0.7],
+                [0.0, 1.0],
+                [-0.7, 0.7],
+                [-1.0, 0.0],
+                [-0.7, -0.7],
+                [0.0, -1.0],
+                [0.7, -0.7],
+            ][k];
             start + (first * a + second * b) * (step * length)
         });
         for trial in std::iter::once(mean).chain(trials) {
-            let Some(foot) = self.solver.local(self.surface, &trial, u, v) else { continue };
+            let Some(foot) = self.solver.local(self.surface, &trial, u, v) else {
+                continue;
+            };
             let point = self.surface.point(foot.u, foot.v);
             lattice.grid.nodes[node] = point;
             let worst = worst_around(lattice, node, aim);

@@ -1,5 +1,5 @@
-//! Extended position-based dynamics with small steps (Macklin et al. 2019): every spring a compliant constraint, one
-//! Gauss–Seidel iteration a substep, Voigt damping with γ = d / h.
+//! Extended position-based dynamics with small steps (Macklin et al. 2019): every spring a
+//! compliant constraint, one Gauss–Seidel iteration a substep, Voigt damping with γ = d / h.
 //!
 //! Kept for comparison: with a fixed number of substeps it softens silently as stiffness grows.
 
@@ -16,14 +16,18 @@ pub(super) struct Xpbd {
 impl Xpbd {
     pub(super) fn new(body: &Deformable, substeps: usize) -> Result<Self, DeformableError> {
         if !matches!(body.map, NodeMap::Same) {
-            return Err(DeformableError::Unsupported("xpbd moves nodes themselves; reduced bodies need \"implicit\""));
+            return Err(DeformableError::Unsupported(
+                "xpbd moves nodes themselves; reduced bodies need \"implicit\"",
+            ));
         }
         if !body.law.is_plain_springs() {
             return Err(DeformableError::Unsupported(
                 "xpbd knows linear springs only; use \"implicit\" or \"explicit\"",
             ));
         }
-        Ok(Self { substeps: substeps.max(1) })
+        Ok(Self {
+            substeps: substeps.max(1),
+        })
     }
 
     pub(super) fn substeps(&self) -> usize {
@@ -31,14 +35,32 @@ impl Xpbd {
     }
 
     /// A step from `state` with the scratch's forces, into its `predicted` and `speed`.
-    pub(super) fn run(&self, body: &Deformable, state: &DeformableState, scratch: &mut DeformableScratch) {
+    pub(super) fn run(
+        &self,
+        body: &Deformable,
+        state: &DeformableState,
+        scratch: &mut DeformableScratch,
+    ) {
         let h = body.settings.dt_s / self.substeps as f64;
         let gamma = body.damping_s / h;
         let rest = body.rest_lengths(state);
-        let DeformableScratch { predicted, speed, forces, coordinates: before, field, .. } = scratch;
+        let DeformableScratch {
+            predicted,
+            speed,
+            forces,
+            coordinates: before,
+            field,
+            ..
+        } = scratch;
         predicted.copy_from_slice(&state.positions);
         speed.copy_from_slice(&state.velocities);
-        let weight = |c: usize| if body.unknown(c).is_some() { 1.0 / body.masses[c] } else { 0.0 };
+        let weight = |c: usize| {
+            if body.unknown(c).is_some() {
+                1.0 / body.masses[c]
+            } else {
+                0.0
+            }
+        };
         for _ in 0..self.substeps {
             super::deformable::lanes(predicted, before);
             for &c in &body.coordinate_of_unknown {

@@ -1,9 +1,10 @@
-//! `palpate bench`: times of our methods beside other libraries', in the same run and each with its error.
+//! `palpate bench`: times of our methods beside other libraries', in the same run and each with its
+//! error.
 
 use super::Outcome;
 use crate::bench::{
-    Effort, Figure, Row, contact, deformation, figures_table, haptics, modeling, pareto, picture, plasticine_picture,
-    plasticine_table, recording, surface, table,
+    Effort, Figure, Row, contact, deformation, figures_table, haptics, modeling, pareto, picture,
+    plasticine_picture, plasticine_table, recording, surface, table,
 };
 use anyhow::Context;
 use std::io::Write;
@@ -19,7 +20,8 @@ pub struct Args {
 enum Suite {
     /// Closest points, grids, fits and bounds of B-spline surfaces.
     Surface(Options),
-    /// Forces of pressed bodies and what a step costs, for all models, methods, grids and stiffnesses, and for other engines.
+    /// Forces of pressed bodies and what a step costs, for all models, methods, grids and
+    /// stiffnesses, and for other engines.
     ///
     /// MuJoCo and PyBullet run too when PALPATE_PYTHON names a Python that can import them.
     Deformation {
@@ -32,7 +34,8 @@ enum Suite {
         #[arg(long)]
         plasticine_svg: Option<std::path::PathBuf>,
     },
-    /// Stiffness that devices hold, energy over delays, force against the analytic one, latency and punctuality.
+    /// Stiffness that devices hold, energy over delays, force against the analytic one, latency and
+    /// punctuality.
     Haptics {
         #[command(flatten)]
         options: Options,
@@ -71,7 +74,12 @@ struct Options {
 }
 
 pub fn run(args: &Args) -> anyhow::Result<Outcome> {
-    if let Suite::Haptics { options, svg, energy_svg } = &args.suite {
+    if let Suite::Haptics {
+        options,
+        svg,
+        energy_svg,
+    } = &args.suite
+    {
         return run_haptics(options, svg.as_deref(), energy_svg.as_deref());
     }
     if let Suite::Recording(options) = &args.suite {
@@ -79,12 +87,18 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
         return Ok(Outcome::Ok);
     }
     let (options, svg) = match &args.suite {
-        Suite::Surface(options) | Suite::Recording(options) | Suite::Modeling(options) => (options, None),
+        Suite::Surface(options) | Suite::Recording(options) | Suite::Modeling(options) => {
+            (options, None)
+        }
         Suite::Contact { options, svg }
         | Suite::Deformation { options, svg, .. }
         | Suite::Haptics { options, svg, .. } => (options, svg.as_deref()),
     };
-    let effort = if options.quick { Effort::Quick } else { Effort::Full };
+    let effort = if options.quick {
+        Effort::Quick
+    } else {
+        Effort::Full
+    };
     let mut rows: Vec<Row> = Vec::new();
     let mut failed = None;
     let mut take = |row: Row| {
@@ -114,9 +128,20 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     }
     if let Some(path) = svg {
         let deforming = matches!(&args.suite, Suite::Deformation { .. });
-        write(path, if deforming { pareto(&rows) } else { picture(&rows) })?;
+        write(
+            path,
+            if deforming {
+                pareto(&rows)
+            } else {
+                picture(&rows)
+            },
+        )?;
     }
-    if let Suite::Deformation { plasticine_svg: Some(path), .. } = &args.suite {
+    if let Suite::Deformation {
+        plasticine_svg: Some(path),
+        ..
+    } = &args.suite
+    {
         write(path, plasticine_picture(&sweeps))?;
     }
     Ok(Outcome::Ok)
@@ -131,7 +156,11 @@ fn figures<T>(
     options: &Options,
     suite: impl FnOnce(Effort, Option<&str>, &mut dyn FnMut(Figure)) -> T,
 ) -> anyhow::Result<T> {
-    let effort = if options.quick { Effort::Quick } else { Effort::Full };
+    let effort = if options.quick {
+        Effort::Quick
+    } else {
+        Effort::Full
+    };
     let (mut figures, mut failed) = (Vec::new(), None);
     let made = suite(effort, options.only.as_deref(), &mut |figure| {
         if options.json {
@@ -157,7 +186,9 @@ fn run_haptics(
     svg: Option<&std::path::Path>,
     energy_svg: Option<&std::path::Path>,
 ) -> anyhow::Result<Outcome> {
-    let drawn = figures(options, |effort, only, out| haptics::haptics(effort, only, out))?;
+    let drawn = figures(options, |effort, only, out| {
+        haptics::haptics(effort, only, out)
+    })?;
     if let Some(path) = svg {
         write(path, haptics::zwidth_picture(&drawn.widths))?;
     }

@@ -23,7 +23,9 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     let mut scratch = scene.scratch(&state);
     let mut fault = false;
     for _ in 0..100 {
-        fault |= step(&scene, &mut state, &mut scratch, &TickInput::default()).fault.is_some();
+        fault |= step(&scene, &mut state, &mut scratch, &TickInput::default())
+            .fault
+            .is_some();
     }
     if args.json {
         let report = serde_json::json!({

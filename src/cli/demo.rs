@@ -36,19 +36,30 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     }
     let endpoint = common.listen[0].clone();
     let record = common.recording.record.clone();
-    common.recording.record = Some(record.unwrap_or_else(|| default_path(&common.recording.record_dir, "demo")));
+    common.recording.record =
+        Some(record.unwrap_or_else(|| default_path(&common.recording.record_dir, "demo")));
     let loaded = file::parse(SCENE, "teardrop.toml", Path::new("."))?;
-    eprintln!("scene teardrop, a simulated device presses it for {} s…", duration.as_secs_f64());
+    eprintln!(
+        "scene teardrop, a simulated device presses it for {} s…",
+        duration.as_secs_f64()
+    );
     let mut devices = None;
     let served = serve(&loaded, &common, || {
-        // Half of the time pressing, half sliding; each in a process of its own, as a real device would be.
+        // Half of the time pressing, half sliding; each in a process of its own, as a real device
+        // would be.
         let half = duration.as_secs_f64() * 0.5;
         let seconds = (half - 0.3).max(0.2);
-        devices = Some(press_then_slide(endpoint.clone(), common.instance.clone(), seconds));
+        devices = Some(press_then_slide(
+            endpoint.clone(),
+            common.instance.clone(),
+            seconds,
+        ));
         Ok(())
     })?;
     let reports = match devices {
-        Some(devices) => devices.join().map_err(|_| anyhow::anyhow!("waiting for a device failed"))?,
+        Some(devices) => devices
+            .join()
+            .map_err(|_| anyhow::anyhow!("waiting for a device failed"))?,
         None => Vec::new(),
     };
     summary(&served);
@@ -91,7 +102,11 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
 
 type DeviceReports = Vec<(&'static str, anyhow::Result<RunReport>)>;
 
-fn press_then_slide(endpoint: String, instance: String, seconds: f64) -> std::thread::JoinHandle<DeviceReports> {
+fn press_then_slide(
+    endpoint: String,
+    instance: String,
+    seconds: f64,
+) -> std::thread::JoinHandle<DeviceReports> {
     std::thread::spawn(move || {
         let run = |(motion, seed)| {
             let report = device(&endpoint, &instance, motion, seconds, seed).and_then(collect);
@@ -101,10 +116,27 @@ fn press_then_slide(endpoint: String, instance: String, seconds: f64) -> std::th
     })
 }
 
-fn device(endpoint: &str, instance: &str, motion: &str, seconds: f64, seed: u64) -> anyhow::Result<Child> {
+fn device(
+    endpoint: &str,
+    instance: &str,
+    motion: &str,
+    seconds: f64,
+    seed: u64,
+) -> anyhow::Result<Child> {
     let program = std::env::current_exe().context("the path of this program")?;
     std::process::Command::new(program)
-        .args(["device", "--tool", TOOL, "--motion", motion, "--json", "--connect", endpoint, "--instance", instance])
+        .args([
+            "device",
+            "--tool",
+            TOOL,
+            "--motion",
+            motion,
+            "--json",
+            "--connect",
+            endpoint,
+            "--instance",
+            instance,
+        ])
         .args(["--for", &format!("{seconds}s"), "--seed", &seed.to_string()])
         .stdin(Stdio::null())
         .stdout(Stdio::piped())
@@ -114,7 +146,11 @@ fn device(endpoint: &str, instance: &str, motion: &str, seconds: f64, seed: u64)
 
 fn collect(child: Child) -> anyhow::Result<RunReport> {
     let output = child.wait_with_output()?;
-    anyhow::ensure!(output.status.success(), "the device ended with {}", output.status);
+    anyhow::ensure!(
+        output.status.success(),
+        "the device ended with {}",
+        output.status
+    );
     Ok(serde_json::from_slice(&output.stdout)?)
 }
 

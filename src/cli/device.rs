@@ -27,7 +27,8 @@ pub struct Args {
     /// light, relaxed, firm, or a TOML file.
     #[arg(long, default_value = "relaxed")]
     hand: String,
-    /// press, slide, tap, circle, pull, tremor, hold, or a TOML file of [[step]] or [[waypoint]] entries.
+    /// press, slide, tap, circle, pull, tremor, hold, or a TOML file of [[step]] or [[waypoint]]
+    /// entries.
     #[arg(long, default_value = "press")]
     motion: String,
     /// How far past the first touch the hand wants to go, m.
@@ -75,10 +76,16 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
         list(args.json)?;
         return Ok(Outcome::Ok);
     }
-    let tool_id = args.tool.as_deref().context("--tool says which tool of the scene to hold")?;
+    let tool_id = args
+        .tool
+        .as_deref()
+        .context("--tool says which tool of the scene to hold")?;
     let model = model(&args.device)?;
     if let Some(rate_hz) = args.rate {
-        anyhow::ensure!((1.0..=20_000.0).contains(&rate_hz), "--rate must be 1 to 20000 Hz");
+        anyhow::ensure!(
+            (1.0..=20_000.0).contains(&rate_hz),
+            "--rate must be 1 to 20000 Hz"
+        );
     }
     let mut hand = hand(&args.hand)?;
     if let Some(tremor_m) = args.tremor {
@@ -103,9 +110,18 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     };
     let duration_s = args.duration.as_secs_f64();
     // In lockstep a tick waits for one pose, so the device's period is a tick.
-    let own_hz = if tool.is_lockstep() { 1e9 / scene.dt_ns as f64 } else { device.model().rate_hz };
+    let own_hz = if tool.is_lockstep() {
+        1e9 / scene.dt_ns as f64
+    } else {
+        device.model().rate_hz
+    };
     let rate_hz = args.rate.unwrap_or(own_hz);
-    let run = RunSettings { rate_hz, duration_s, network, passivity: args.passivity };
+    let run = RunSettings {
+        rate_hz,
+        duration_s,
+        network,
+        passivity: args.passivity,
+    };
     let mut csv = args.csv.as_deref().map(Csv::create).transpose()?;
     let mut watch = |sample: &Sample| {
         if let Some(csv) = &mut csv {
@@ -120,15 +136,23 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     palpate.close();
     print(&report, args.json)?;
     warn(&report, device.model());
-    Ok(if report.gave_up { Outcome::Fault } else { Outcome::Ok })
+    Ok(if report.gave_up {
+        Outcome::Fault
+    } else {
+        Outcome::Ok
+    })
 }
 
-/// Tells the daemon what the device can do. In lockstep the first tick waits until it is known there: sessions repeat by bits.
+/// Tells the daemon what the device can do. In lockstep the first tick waits until it is known
+/// there: sessions repeat by bits.
 fn announce(palpate: &Palpate, tool: &mut Tool, id: &str, info: &DeviceInfo) -> anyhow::Result<()> {
     tool.announce(info)?;
     let begun = Instant::now();
     while tool.is_lockstep() && palpate.device(id).ok().as_ref() != Some(info) {
-        anyhow::ensure!(begun.elapsed() < Duration::from_secs(5), "the daemon does not take the device's description");
+        anyhow::ensure!(
+            begun.elapsed() < Duration::from_secs(5),
+            "the daemon does not take the device's description"
+        );
         std::thread::sleep(Duration::from_millis(5));
     }
     Ok(())
@@ -153,12 +177,19 @@ fn hand(name: &str) -> anyhow::Result<Hand> {
 fn motion(args: &Args, scene: &SceneSnapshot, tool: &str) -> anyhow::Result<Motion> {
     if Path::new(&args.motion).is_file() {
         let text = std::fs::read_to_string(&args.motion).with_context(|| args.motion.clone())?;
-        return Ok(Motion::from_toml(&text, &args.motion, scene, tool, args.depth)?);
+        return Ok(Motion::from_toml(
+            &text,
+            &args.motion,
+            scene,
+            tool,
+            args.depth,
+        )?);
     }
     Ok(Motion::named(&args.motion, scene, tool, args.depth)?)
 }
 
-/// Every period of a run: time, true and reported position, force received and applied, energy given to the loop.
+/// Every period of a run: time, true and reported position, force received and applied, energy
+/// given to the loop.
 struct Csv {
     file: std::io::BufWriter<std::fs::File>,
     failed: Option<std::io::Error>,
@@ -167,10 +198,18 @@ struct Csv {
 impl Csv {
     fn create(path: &Path) -> anyhow::Result<Self> {
         let file = std::fs::File::create(path).with_context(|| path.display().to_string())?;
-        let mut csv = Self { file: std::io::BufWriter::new(file), failed: None };
+        let mut csv = Self {
+            file: std::io::BufWriter::new(file),
+            failed: None,
+        };
         let columns = ["true", "reported"].map(|what| format!("{what}_x_m,{what}_y_m,{what}_z_m"));
-        let forces = ["received", "applied"].map(|what| format!("{what}_x_n,{what}_y_n,{what}_z_n"));
-        csv.line(&format!("time_s,{},{},loop_j", columns.join(","), forces.join(",")));
+        let forces =
+            ["received", "applied"].map(|what| format!("{what}_x_n,{what}_y_n,{what}_z_n"));
+        csv.line(&format!(
+            "time_s,{},{},loop_j",
+            columns.join(","),
+            forces.join(",")
+        ));
         Ok(csv)
     }
 
@@ -195,7 +234,10 @@ impl Csv {
     }
 
     fn finish(mut self) -> anyhow::Result<()> {
-        self.failed.map_or(Ok(()), Err).and_then(|()| self.file.flush()).context("writing the CSV file")
+        self.failed
+            .map_or(Ok(()), Err)
+            .and_then(|()| self.file.flush())
+            .context("writing the CSV file")
     }
 }
 
@@ -225,7 +267,9 @@ fn list(json: bool) -> anyhow::Result<()> {
         false => "-".to_owned(),
     };
     for device in devices {
-        let [x, y, z] = device.workspace_m.map(|extent| format!("{:.0}", extent * 1e3));
+        let [x, y, z] = device
+            .workspace_m
+            .map(|extent| format!("{:.0}", extent * 1e3));
         println!(
             "{:12} {:>5} {:>18} {:>7.0} {:>8} {:>7} {:>8} {:>6.0} {:>7} {:>7} {:>7} {:>7}",
             device.name,
@@ -252,8 +296,15 @@ fn print(report: &RunReport, json: bool) -> anyhow::Result<()> {
     } else {
         let [p50, p99, max] = report.round_trip_us;
         let [peak, rms] = report.applied_force_n;
-        println!("device {}: {} poses sent, {} forces received", report.device, report.poses, report.forces);
-        println!("peak force {:.4} N, peak depth {:.3} mm", report.peak_force_n, report.peak_depth_m * 1e3);
+        println!(
+            "device {}: {} poses sent, {} forces received",
+            report.device, report.poses, report.forces
+        );
+        println!(
+            "peak force {:.4} N, peak depth {:.3} mm",
+            report.peak_force_n,
+            report.peak_depth_m * 1e3
+        );
         println!("applied: peak {peak:.4} N, rms {rms:.4} N");
         println!("pose to force: p50 {p50:.0} us, p99 {p99:.0} us, max {max:.0} us");
         println!(
@@ -262,7 +313,10 @@ fn print(report: &RunReport, json: bool) -> anyhow::Result<()> {
         );
         if report.lost != [0; 2] || report.late > 0 {
             let [poses, forces] = report.lost;
-            println!("network: {poses} poses and {forces} forces lost, {} forces late", report.late);
+            println!(
+                "network: {poses} poses and {forces} forces lost, {} forces late",
+                report.late
+            );
         }
     }
     if report.gave_up {
@@ -273,12 +327,22 @@ fn print(report: &RunReport, json: bool) -> anyhow::Result<()> {
 
 /// What the real device could not have done.
 fn warn(report: &RunReport, model: &DeviceModel) {
-    for (axis, (range, extent)) in ["x", "y", "z"].iter().zip(report.range_m.iter().zip(model.workspace_m)) {
+    for (axis, (range, extent)) in ["x", "y", "z"]
+        .iter()
+        .zip(report.range_m.iter().zip(model.workspace_m))
+    {
         if *range > extent {
-            eprintln!("the way along {axis} is {:.0} mm, the workspace {:.0} mm", range * 1e3, extent * 1e3);
+            eprintln!(
+                "the way along {axis} is {:.0} mm, the workspace {:.0} mm",
+                range * 1e3,
+                extent * 1e3
+            );
         }
     }
     if report.applied_force_n[1] > model.force_continuous_n {
-        eprintln!("{:.2} N on the mean, the motors hold {:.2} N", report.applied_force_n[1], model.force_continuous_n);
+        eprintln!(
+            "{:.2} N on the mean, the motors hold {:.2} N",
+            report.applied_force_n[1], model.force_continuous_n
+        );
     }
 }

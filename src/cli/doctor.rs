@@ -27,7 +27,10 @@ pub struct Args {
 
 /// Scenes that are run unless the user names one.
 const SCENES: [(&str, &str); 2] = [
-    ("rigid-teardrop.toml", include_str!("../../scenes/rigid-teardrop.toml")),
+    (
+        "rigid-teardrop.toml",
+        include_str!("../../scenes/rigid-teardrop.toml"),
+    ),
     ("teardrop.toml", include_str!("../../scenes/teardrop.toml")),
 ];
 
@@ -50,12 +53,18 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
             .collect::<Result<_, _>>()
             .context("a scene of our own")?,
     };
-    let scenes = loaded.iter().map(rate::Pressing::new).collect::<anyhow::Result<Vec<_>>>()?;
+    let scenes = loaded
+        .iter()
+        .map(rate::Pressing::new)
+        .collect::<anyhow::Result<Vec<_>>>()?;
     let timer_ticks = (args.duration.as_secs_f64() * 1e3) as u64;
     let ticks = args.ticks;
     if !args.json {
-        let seconds =
-            2.0 * args.duration.as_secs_f64() + scenes.iter().map(|scene| scene.period_s() * ticks as f64).sum::<f64>();
+        let seconds = 2.0 * args.duration.as_secs_f64()
+            + scenes
+                .iter()
+                .map(|scene| scene.period_s() * ticks as f64)
+                .sum::<f64>();
         eprintln!("measuring, {seconds:.0} s or more…");
     }
     // A thread of its own: what it is granted ends with it.
@@ -63,11 +72,15 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
         let plain = rate::lateness_ns(timer_ticks);
         let privileges = crate::tick::pacer::ask_privileges();
         let asked = rate::lateness_ns(timer_ticks);
-        let scenes: Vec<_> = scenes.into_iter().map(|scene| scene.run(ticks, &asked)).collect();
+        let scenes: Vec<_> = scenes
+            .into_iter()
+            .map(|scene| scene.run(ticks, &asked))
+            .collect();
         (privileges, plain, asked, scenes)
     });
-    let (privileges, plain, asked, scenes) =
-        measured.join().map_err(|_| anyhow::anyhow!("the measuring thread panicked"))?;
+    let (privileges, plain, asked, scenes) = measured
+        .join()
+        .map_err(|_| anyhow::anyhow!("the measuring thread panicked"))?;
     let report = Report {
         machine: machine::Machine::look(privileges),
         lateness_plain: rate::Figures::of(&plain),
@@ -84,9 +97,10 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
 
 fn print(report: &Report) {
     report.machine.print();
-    for (name, late) in
-        [("1 kHz timer, as it is", &report.lateness_plain), ("1 kHz timer, having asked", &report.lateness_asked)]
-    {
+    for (name, late) in [
+        ("1 kHz timer, as it is", &report.lateness_plain),
+        ("1 kHz timer, having asked", &report.lateness_asked),
+    ] {
         println!(
             "{name:<26}late by p50 {:.0} us, p99 {:.0} us, p99.9 {:.0} us, max {:.0} us",
             late.p50_us, late.p99_us, late.p999_us, late.max_us
@@ -96,15 +110,25 @@ fn print(report: &Report) {
         let tick = &scene.tick;
         println!(
             "tick of {:<18}p50 {:.0} us, p99 {:.0} us, p99.9 {:.0} us, max {:.0} us ({} of {} ticks in contact)",
-            scene.scene, tick.p50_us, tick.p99_us, tick.p999_us, tick.max_us, scene.contact_ticks, scene.ticks
+            scene.scene,
+            tick.p50_us,
+            tick.p99_us,
+            tick.p999_us,
+            tick.max_us,
+            scene.contact_ticks,
+            scene.ticks
         );
     }
     for scene in &report.scenes {
         let (asked_hz, name) = (scene.scene_hz, format!("{} can be held at", scene.scene));
         match scene.holds_hz {
-            _ if scene.contact_ticks == 0 => println!("{name:<35}not told: the script touches nothing"),
+            _ if scene.contact_ticks == 0 => {
+                println!("{name:<35}not told: the script touches nothing")
+            }
             Some(hz) if hz >= asked_hz => println!("{name:<35}{hz} Hz"),
-            Some(hz) => println!("{name:<35}{hz} Hz; it asks for {asked_hz:.0}: ticks will overrun"),
+            Some(hz) => {
+                println!("{name:<35}{hz} Hz; it asks for {asked_hz:.0}: ticks will overrun")
+            }
             None => println!("{name:<35}no rate of {:?} Hz", rate::RATES_HZ),
         }
     }

@@ -43,7 +43,9 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     let end = args.duration.map(|duration| Instant::now() + duration);
     let mut shown = 0;
     while args.count.is_none_or(|most| shown < most) {
-        let left = end.map_or(Duration::from_secs(3600), |end| end.saturating_duration_since(Instant::now()));
+        let left = end.map_or(Duration::from_secs(3600), |end| {
+            end.saturating_duration_since(Instant::now())
+        });
         match messages.recv_timeout(left) {
             Ok(seen) => {
                 // Whoever reads may have gone, as `head` does.
@@ -67,7 +69,11 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
 
 fn print(seen: &Seen, as_json: bool) -> bool {
     use std::io::Write as _;
-    let line = if as_json { in_json(seen).to_string() } else { in_words(seen) };
+    let line = if as_json {
+        in_json(seen).to_string()
+    } else {
+        in_words(seen)
+    };
     let mut out = std::io::stdout().lock();
     writeln!(out, "{line}").and_then(|()| out.flush()).is_ok()
 }
@@ -93,8 +99,18 @@ fn in_words(seen: &Seen) -> String {
         Some(value) => format!("{} {} {value}", seen.key, seen.name().unwrap_or_default()),
         None => {
             let some = &seen.bytes[..seen.bytes.len().min(SHOWN_BYTES)];
-            let more = if some.len() < seen.bytes.len() { "…" } else { "" };
-            format!("{} [{}] {} bytes: {}{more}", seen.key, seen.encoding, seen.bytes.len(), hex(some))
+            let more = if some.len() < seen.bytes.len() {
+                "…"
+            } else {
+                ""
+            };
+            format!(
+                "{} [{}] {} bytes: {}{more}",
+                seen.key,
+                seen.encoding,
+                seen.bytes.len(),
+                hex(some)
+            )
         }
     }
 }
@@ -105,10 +121,21 @@ mod tests {
 
     #[test]
     fn foreign_messages_are_shown_as_bytes_with_their_encoding() {
-        let foreign = Seen { key: "palpate/default/x".into(), encoding: "text/plain".into(), bytes: vec![0xab; 60] };
+        let foreign = Seen {
+            key: "palpate/default/x".into(),
+            encoding: "text/plain".into(),
+            bytes: vec![0xab; 60],
+        };
         assert_eq!(in_json(&foreign)["hex"].as_str().unwrap().len(), 120);
         assert!(in_words(&foreign).starts_with("palpate/default/x [text/plain] 60 bytes: abab"));
-        let broken = Seen { key: "palpate/default/status".into(), encoding: "zenoh/bytes".into(), bytes: vec![1] };
-        assert_eq!(in_json(&broken), json!({"key": broken.key, "encoding": "zenoh/bytes", "hex": "01"}));
+        let broken = Seen {
+            key: "palpate/default/status".into(),
+            encoding: "zenoh/bytes".into(),
+            bytes: vec![1],
+        };
+        assert_eq!(
+            in_json(&broken),
+            json!({"key": broken.key, "encoding": "zenoh/bytes", "hex": "01"})
+        );
     }
 }

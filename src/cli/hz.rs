@@ -68,7 +68,10 @@ impl Stream {
     }
 
     fn line(&self, key: &str) -> Line {
-        let seconds = self.first.zip(self.last).map_or(0.0, |(first, last)| (last - first).as_secs_f64());
+        let seconds = self
+            .first
+            .zip(self.last)
+            .map_or(0.0, |(first, last)| (last - first).as_secs_f64());
         let per_second = |value: f64| if seconds > 0.0 { value / seconds } else { 0.0 };
         let ms = |ns: u64| ns as f64 * 1e-6;
         Line {
@@ -101,7 +104,10 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     let watching = palpate.watch(&palpate.keys().expand(&args.key), move |seen| {
         let (at, number) = (Instant::now(), number(&seen));
         let mut streams = shared.lock().unwrap_or_else(PoisonError::into_inner);
-        streams.entry(seen.key).or_default().add(at, seen.bytes.len(), number);
+        streams
+            .entry(seen.key)
+            .or_default()
+            .add(at, seen.bytes.len(), number);
     })?;
     std::thread::sleep(args.duration);
     drop(watching);
@@ -111,7 +117,9 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
         if args.json {
             println!("{}", serde_json::to_string(&line)?);
         } else {
-            let lost = line.lost.map_or(String::new(), |lost| format!(", {lost} lost"));
+            let lost = line
+                .lost
+                .map_or(String::new(), |lost| format!(", {lost} lost"));
             println!(
                 "{key}: {:.1} Hz, period p50 {:.3} ms, p99 {:.3} ms, max {:.3} ms, {:.1} kB/s, {} messages{lost}",
                 line.rate_hz,
@@ -140,11 +148,18 @@ mod tests {
         let mut stream = Stream::default();
         let start = Instant::now();
         for (k, number) in [1u64, 2, 5, 6, 6, 3].into_iter().enumerate() {
-            stream.add(start + Duration::from_millis(10 * k as u64), 100, Some(number));
+            stream.add(
+                start + Duration::from_millis(10 * k as u64),
+                100,
+                Some(number),
+            );
         }
         let line = stream.line("x");
         assert_eq!((line.messages, line.lost), (6, Some(2)));
-        assert!((line.rate_hz - 100.0).abs() < 1e-9 && (line.bytes_per_s - 12_000.0).abs() < 1e-6, "{line:?}");
+        assert!(
+            (line.rate_hz - 100.0).abs() < 1e-9 && (line.bytes_per_s - 12_000.0).abs() < 1e-6,
+            "{line:?}"
+        );
         assert!((9.0..=11.3).contains(&line.p50_ms), "{line:?}");
     }
 }

@@ -25,13 +25,15 @@ pub enum Key {
 pub struct Keys;
 
 impl Keys {
-    /// Calls `take` on each key, on a thread of its own; `None` where stdin is no terminal. Ctrl-C stays a signal.
+    /// Calls `take` on each key, on a thread of its own; `None` where stdin is no terminal. Ctrl-C
+    /// stays a signal.
     #[allow(unsafe_code)]
     pub fn listen(mut take: impl FnMut(Key) + Send + 'static) -> Option<Self> {
         if !std::io::IsTerminal::is_terminal(&std::io::stdin()) {
             return None;
         }
-        // SAFETY: a termios is plain numbers; zeros are a valid one, and it is filled before it is used.
+        // SAFETY: a termios is plain numbers; zeros are a valid one, and it is filled before it is
+        // used.
         let mut now: libc::termios = unsafe { std::mem::zeroed() };
         // SAFETY: `now` is a valid termios of our own.
         if unsafe { libc::tcgetattr(libc::STDIN_FILENO, &mut now) } != 0 {
@@ -52,7 +54,10 @@ impl Keys {
                 keys(&bytes[..count]).for_each(&mut take);
             }
         };
-        std::thread::Builder::new().name("palpate-keys".into()).spawn(listener).ok()?;
+        std::thread::Builder::new()
+            .name("palpate-keys".into())
+            .spawn(listener)
+            .ok()?;
         Some(Self)
     }
 
@@ -95,6 +100,15 @@ mod tests {
     #[test]
     fn arrows_and_letters_are_told_apart() {
         let read: Vec<Key> = keys(b" \x1b[Cq\x1b[A\x1bOD").collect();
-        assert_eq!(read, [Key::Letter(b' '), Key::Right, Key::Letter(b'q'), Key::Up, Key::Left]);
+        assert_eq!(
+            read,
+            [
+                Key::Letter(b' '),
+                Key::Right,
+                Key::Letter(b'q'),
+                Key::Up,
+                Key::Left
+            ]
+        );
     }
 }

@@ -45,29 +45,43 @@ struct Tool {
 pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     let palpate = args.connection.look_on()?;
     // A fresh link learns of tokens and queryables a moment later.
-    let has_server =
-        |keys: &[String]| keys.iter().any(|key| parse_live(key).is_some_and(|(_, kind, _)| kind == "server"));
+    let has_server = |keys: &[String]| {
+        keys.iter()
+            .any(|key| parse_live(key).is_some_and(|(_, kind, _)| kind == "server"))
+    };
     let tokens = palpate.live(LIVE_EVERYWHERE, PATIENCE, has_server)?;
     let answers = palpate.ask(INFO_EVERYWHERE, PATIENCE)?;
     palpate.close();
     let mut instances = BTreeMap::<String, Instance>::new();
-    let named = |instances: &mut BTreeMap<String, Instance>, name: &str, change: &mut dyn FnMut(&mut Instance)| {
+    let named = |instances: &mut BTreeMap<String, Instance>,
+                 name: &str,
+                 change: &mut dyn FnMut(&mut Instance)| {
         change(
             instances
                 .entry(name.to_owned())
-                .or_insert_with(|| Instance { instance: name.to_owned(), ..Default::default() }),
+                .or_insert_with(|| Instance {
+                    instance: name.to_owned(),
+                    ..Default::default()
+                }),
         );
     };
     for answer in &answers {
-        let Ok(info) = serde_json::from_slice::<Value>(&answer.bytes) else { continue };
+        let Ok(info) = serde_json::from_slice::<Value>(&answer.bytes) else {
+            continue;
+        };
         let name = info["instance"].as_str().unwrap_or_default().to_owned();
         named(&mut instances, &name, &mut |instance| instance.learn(&info));
     }
     for token in &tokens {
-        let Some((name, kind, id)) = parse_live(token) else { continue };
+        let Some((name, kind, id)) = parse_live(token) else {
+            continue;
+        };
         named(&mut instances, name, &mut |instance| instance.see(kind, id));
     }
-    anyhow::ensure!(!instances.is_empty(), "somebody listens there, but no instance of palpate is to be seen");
+    anyhow::ensure!(
+        !instances.is_empty(),
+        "somebody listens there, but no instance of palpate is to be seen"
+    );
     for instance in instances.values() {
         if args.json {
             println!("{}", serde_json::to_string(instance)?);
@@ -81,19 +95,40 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
 impl Instance {
     fn learn(&mut self, info: &Value) {
         let text = |value: &Value| value.as_str().unwrap_or_default().to_owned();
-        let ids = |value: &Value| value.as_array().map_or_else(Vec::new, |ids| ids.iter().map(text).collect());
+        let ids = |value: &Value| {
+            value
+                .as_array()
+                .map_or_else(Vec::new, |ids| ids.iter().map(text).collect())
+        };
         self.version = text(&info["version"]);
         self.scene = text(&info["scene"]);
         self.rate_hz = info["rate_hz"].as_f64().unwrap_or_default();
         self.played = info["played"].as_bool().unwrap_or_default();
         self.viewer = info["viewer"].as_str().map(str::to_owned);
         self.bodies = ids(&info["bodies"]);
-        let device = |id: &String| info["devices"][id]["info"]["name"].as_str().map(str::to_owned);
-        self.tools = ids(&info["tools"]).into_iter().map(|id| Tool { held: false, device: device(&id), id }).collect();
-        let Ok(keys) = Keys::new(&self.instance) else { return };
+        let device = |id: &String| {
+            info["devices"][id]["info"]["name"]
+                .as_str()
+                .map(str::to_owned)
+        };
+        self.tools = ids(&info["tools"])
+            .into_iter()
+            .map(|id| Tool {
+                held: false,
+                device: device(&id),
+                id,
+            })
+            .collect();
+        let Ok(keys) = Keys::new(&self.instance) else {
+            return;
+        };
         let mut published = vec![keys.status(), keys.event(), keys.contact()];
         published.extend(self.bodies.iter().map(|id| keys.body_net(id)));
-        published.extend(self.tools.iter().flat_map(|tool| [keys.tool_force(&tool.id), keys.tool_contact(&tool.id)]));
+        published.extend(
+            self.tools
+                .iter()
+                .flat_map(|tool| [keys.tool_force(&tool.id), keys.tool_contact(&tool.id)]),
+        );
         self.publishes = published
             .into_iter()
             .filter_map(|key| palpate_proto::any::name_of_key(&key).map(|name| (key, name)))
@@ -108,14 +143,22 @@ impl Instance {
             "tool" => match self.tools.iter_mut().find(|tool| tool.id == id) {
                 Some(tool) => tool.held = true,
                 // Somebody waits for a daemon, or holds what this scene does not have.
-                None => self.tools.push(Tool { id: id.to_owned(), held: true, device: None }),
+                None => self.tools.push(Tool {
+                    id: id.to_owned(),
+                    held: true,
+                    device: None,
+                }),
             },
             _ => {}
         }
     }
 
     fn print(&self) {
-        let how = if self.played { ", played from a recording" } else { "" };
+        let how = if self.played {
+            ", played from a recording"
+        } else {
+            ""
+        };
         let server = match &self.servers[..] {
             [] => "no server".to_owned(),
             servers => format!("server {}", servers.join(", ")),
@@ -126,7 +169,10 @@ impl Instance {
         );
         for tool in &self.tools {
             let held = if tool.held { "held" } else { "free" };
-            let device = tool.device.as_ref().map_or(String::new(), |name| format!(", device {name:?}"));
+            let device = tool
+                .device
+                .as_ref()
+                .map_or(String::new(), |name| format!(", device {name:?}"));
             println!("  tool {}: {held}{device}", tool.id);
         }
         println!("  bodies {}", self.bodies.join(", "));

@@ -13,7 +13,8 @@ pub struct Args {
 pub fn run(args: &Args, command: clap::Command) -> anyhow::Result<Outcome> {
     let directory = &args.directory;
     std::fs::create_dir_all(directory).with_context(|| directory.display().to_string())?;
-    clap_mangen::generate_to(command, directory).with_context(|| directory.display().to_string())?;
+    clap_mangen::generate_to(command, directory)
+        .with_context(|| directory.display().to_string())?;
     println!("{}", directory.join("palpate.1").display());
     Ok(Outcome::Ok)
 }

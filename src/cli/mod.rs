@@ -1,7 +1,7 @@
 //! The command line: one file per subcommand. stdout is data, stderr is talk.
 //!
-//! Exit codes: 0 all well, 1 a difference was found, 2 usage or configuration, 3 a run-time fault or an incomplete
-//! recording.
+//! Exit codes: 0 all well, 1 a difference was found, 2 usage or configuration, 3 a run-time fault
+//! or an incomplete recording.
 
 mod bench;
 mod check;
@@ -39,7 +39,8 @@ struct Cli {
 
 #[derive(Subcommand, Debug)]
 enum Commands {
-    /// The main job on built-in input: a soft teardrop, a simulated device pressing it, a recording, a summary.
+    /// The main job on built-in input: a soft teardrop, a simulated device pressing it, a
+    /// recording, a summary.
     Demo(demo::Args),
     /// Run a scene: poses in, forces and nets out, over Zenoh.
     Serve(serve::Args),
@@ -61,7 +62,8 @@ enum Commands {
     Device(device::Args),
     /// Contacts and forces of a tool at given poses, without a loop.
     Probe(probe::Args),
-    /// Send a command to a running daemon: reset, pause, resume, step, record_start, snapshot, shutdown…
+    /// Send a command to a running daemon: reset, pause, resume, step, record_start, snapshot,
+    /// shutdown…
     Rpc(rpc::Args),
     /// Messages of the bus as they pass.
     Echo(echo::Args),
@@ -73,7 +75,8 @@ enum Commands {
     Bench(bench::Args),
     /// Surfaces in files: look at them, evaluate, project points, convert, tessellate, fit.
     Surface(surface::Args),
-    /// What this machine allows: scheduling, timers, ports, and the rate at which it can run a scene.
+    /// What this machine allows: scheduling, timers, ports, and the rate at which it can run a
+    /// scene.
     Doctor(doctor::Args),
     /// Completions for a shell, on stdout.
     Completions {
@@ -97,7 +100,9 @@ fn end_when_nobody_reads() {
     let usual = std::panic::take_hook();
     std::panic::set_hook(Box::new(move |panic| {
         let words = panic.payload().downcast_ref::<String>();
-        if words.is_some_and(|words| words.starts_with("failed printing to stdout") && words.contains("Broken pipe")) {
+        if words.is_some_and(|words| {
+            words.starts_with("failed printing to stdout") && words.contains("Broken pipe")
+        }) {
             std::process::exit(0);
         }
         usual(panic);
@@ -109,7 +114,8 @@ pub fn main() -> ExitCode {
     end_when_nobody_reads();
     let filter = tracing_subscriber::EnvFilter::try_from_default_env()
         .unwrap_or_else(|_| tracing_subscriber::EnvFilter::new("warn,palpate=info"));
-    let colour = std::env::var_os("NO_COLOR").is_none() && std::io::IsTerminal::is_terminal(&std::io::stderr());
+    let colour = std::env::var_os("NO_COLOR").is_none()
+        && std::io::IsTerminal::is_terminal(&std::io::stderr());
     tracing_subscriber::fmt()
         .with_env_filter(filter)
         .with_writer(std::io::stderr)
@@ -142,7 +148,12 @@ pub fn main() -> ExitCode {
         Commands::Surface(args) => surface::run(&args),
         Commands::Doctor(args) => doctor::run(&args),
         Commands::Completions { shell } => {
-            clap_complete::generate(shell, &mut Cli::command(), "palpate", &mut std::io::stdout());
+            clap_complete::generate(
+                shell,
+                &mut Cli::command(),
+                "palpate",
+                &mut std::io::stdout(),
+            );
             Ok(Outcome::Ok)
         }
     };

@@ -26,10 +26,20 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     let scene = Scene::build(&loaded.spec, &loaded.directory)?;
     let mut plan = scene.plan();
     let (render_us, deform_us) = measure(&scene);
-    let share = |prefix: &str| plan.stages.iter().filter(|stage| stage.stage.starts_with(prefix)).count().max(1) as f64;
+    let share = |prefix: &str| {
+        plan.stages
+            .iter()
+            .filter(|stage| stage.stage.starts_with(prefix))
+            .count()
+            .max(1) as f64
+    };
     let (renders, deforms) = (share("render"), share("deform"));
     for stage in &mut plan.stages {
-        let measured = if stage.stage.starts_with("render") { render_us / renders } else { deform_us / deforms };
+        let measured = if stage.stage.starts_with("render") {
+            render_us / renders
+        } else {
+            deform_us / deforms
+        };
         stage.measured_us = Some(measured);
     }
     if args.json {

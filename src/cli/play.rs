@@ -60,12 +60,17 @@ pub struct Args {
 }
 
 fn rate(text: &str) -> Result<f64, String> {
-    let rate = text.parse::<f64>().ok().filter(|rate| (1e-3..=1e4).contains(rate));
+    let rate = text
+        .parse::<f64>()
+        .ok()
+        .filter(|rate| (1e-3..=1e4).contains(rate));
     rate.ok_or_else(|| "a rate is a number from 0.001 to 10000".into())
 }
 
 fn remap(text: &str) -> Result<(String, String), String> {
-    let (old, new) = text.split_once(":=").ok_or("write old:=new, for example ball:=pen")?;
+    let (old, new) = text
+        .split_once(":=")
+        .ok_or("write old:=new, for example ball:=pen")?;
     Ok((old.to_owned(), new.to_owned()))
 }
 
@@ -94,13 +99,20 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
             _ => args.listen.clone(),
         };
         let config = args.zenoh_config.clone();
-        let bus_session = open(&SessionSettings { connect: args.connect.clone(), listen, config })?;
+        let bus_session = open(&SessionSettings {
+            connect: args.connect.clone(),
+            listen,
+            config,
+        })?;
         let (viewer, feed) = match args.http.map(|address| (address, Viewer::start(address))) {
             None => (None, None),
             Some((address, Err(e))) => anyhow::bail!("the viewer cannot listen on {address}: {e}"),
             Some((_, Ok((viewer, feed)))) => {
                 eprintln!("viewer: {}", viewer.url());
-                (Some(viewer), Some(Box::new(feed.with_gaps(scene.net_gaps())) as Box<dyn ViewSink>))
+                (
+                    Some(viewer),
+                    Some(Box::new(feed.with_gaps(scene.net_gaps())) as Box<dyn ViewSink>),
+                )
             }
         };
         let settings = BusSettings {
@@ -114,7 +126,10 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
             editor: None,
             player: Some(player_end),
         };
-        Ok((Bus::start(bus_session, bus_ports, settings).map_err(|e| anyhow::anyhow!("{e}"))?, viewer))
+        Ok((
+            Bus::start(bus_session, bus_ports, settings).map_err(|e| anyhow::anyhow!("{e}"))?,
+            viewer,
+        ))
     };
     let (bus, viewer) = bus_of(end)?;
     let signals = AtomicU32::new(0);
@@ -127,17 +142,30 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     });
     let keys = Keys::listen(move |key| steer(key, &own));
     if keys.is_some() {
-        eprintln!("space: pause, right: a tick on, left: a second back, up and down: rate, r: start, q: end");
+        eprintln!(
+            "space: pause, right: a tick on, left: a second back, up and down: rate, r: start, q: end"
+        );
     }
     let (first, last) = player.range();
-    tracing::info!(instance = args.instance, first, last, rate = args.rate, "playing {}", args.file.display());
+    tracing::info!(
+        instance = args.instance,
+        first,
+        last,
+        rate = args.rate,
+        "playing {}",
+        args.file.display()
+    );
     let report = player.run(&scene);
     drop(keys);
     bus.finish();
     drop(viewer);
     let report = report?;
     print(&report, args)?;
-    Ok(if report.gaps > 0 { Outcome::Fault } else { Outcome::Ok })
+    Ok(if report.gaps > 0 {
+        Outcome::Fault
+    } else {
+        Outcome::Ok
+    })
 }
 
 /// What a key means. Nobody waits for an answer to number 0.

@@ -64,8 +64,14 @@ struct SpheresRow {
 impl SpheresRow {
     fn new(holder: &str, body: &str, counters: &Counters) -> Self {
         let levels = |side: &[LevelCounters]| {
-            let used = side.iter().rposition(|level| level.spheres > 0).map_or(0, |last| last + 1);
-            side[..used].iter().map(|level| [level.points, level.spheres, level.tests, level.meets]).collect()
+            let used = side
+                .iter()
+                .rposition(|level| level.spheres > 0)
+                .map_or(0, |last| last + 1);
+            side[..used]
+                .iter()
+                .map(|level| [level.points, level.spheres, level.tests, level.meets])
+                .collect()
         };
         Self {
             holder: holder.to_owned(),
@@ -126,9 +132,14 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     }
     let scene = Scene::build(&spec, &loaded.directory)?;
     let tool = match &args.tool {
-        Some(id) => scene.tool_index(id).with_context(|| format!("the scene has no tool {id:?}"))?,
+        Some(id) => scene
+            .tool_index(id)
+            .with_context(|| format!("the scene has no tool {id:?}"))?,
         None if scene.tool_count() == 1 => 0,
-        None => anyhow::bail!("the scene has {} tools; name one with --tool", scene.tool_count()),
+        None => anyhow::bail!(
+            "the scene has {} tools; name one with --tool",
+            scene.tool_count()
+        ),
     };
     let poses = read_poses(&args.poses)?;
     if !args.json {
@@ -141,14 +152,32 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
         } else {
             let [x, y, z] = row.position;
             let [fx, fy, fz] = row.force;
-            println!("{x:>12.6}{y:>12.6}{z:>12.6}  {fx:>12.6}{fy:>12.6}{fz:>12.6} {:>10.4}", row.depth * 1e3);
+            println!(
+                "{x:>12.6}{y:>12.6}{z:>12.6}  {fx:>12.6}{fy:>12.6}{fz:>12.6} {:>10.4}",
+                row.depth * 1e3
+            );
             for row in &row.spheres {
-                let SpheresRow { holder, body, levels: [ours, theirs], triangle_tests, .. } = row;
+                let SpheresRow {
+                    holder,
+                    body,
+                    levels: [ours, theirs],
+                    triangle_tests,
+                    ..
+                } = row;
                 println!(
                     "    spheres {holder} on {body}: points, spheres, tests, meets by level {ours:?} {theirs:?}, {triangle_tests} triangle tests"
                 );
             }
-            for ContactRow { body, u, v, point: [x, y, z], depth, force, .. } in &row.contacts {
+            for ContactRow {
+                body,
+                u,
+                v,
+                point: [x, y, z],
+                depth,
+                force,
+                ..
+            } in &row.contacts
+            {
                 let force = Vector3::from(*force).norm();
                 println!(
                     "    {body} at u {u:.6} v {v:.6}: point {x:.6} {y:.6} {z:.6}, depth {:.4} mm, {force:.6} N",
@@ -169,13 +198,21 @@ fn read_poses(path: &PathBuf) -> anyhow::Result<Vec<DevicePose>> {
             continue;
         }
         let at = || format!("{}:{}", path.display(), k + 1);
-        let numbers: Result<Vec<f64>, _> = line.split(',').map(|field| field.trim().parse::<f64>()).collect();
+        let numbers: Result<Vec<f64>, _> = line
+            .split(',')
+            .map(|field| field.trim().parse::<f64>())
+            .collect();
         let numbers = numbers.with_context(|| format!("{}: not numbers: {line:?}", at()))?;
-        anyhow::ensure!(numbers.iter().all(|x| x.is_finite()), "{}: a value is not finite", at());
+        anyhow::ensure!(
+            numbers.iter().all(|x| x.is_finite()),
+            "{}: a value is not finite",
+            at()
+        );
         let orientation = match numbers.len() {
             3 => Rotation::identity(),
             7 => {
-                let quaternion = nalgebra::Quaternion::new(numbers[6], numbers[3], numbers[4], numbers[5]);
+                let quaternion =
+                    nalgebra::Quaternion::new(numbers[6], numbers[3], numbers[4], numbers[5]);
                 anyhow::ensure!(
                     (quaternion.norm() - 1.0).abs() < 1e-6,
                     "{}: the quaternion is not of unit length",
@@ -206,7 +243,11 @@ fn probe(scene: &Scene, tool: usize, pose: &DevicePose) -> Row {
     let start = Point3::from(scene.spec.tools[tool].pose.position);
     let way = pose.position - start;
     let deforming = (0..scene.body_count()).any(|body| scene.deforms(body));
-    let strides = if deforming { (way.norm() / STRIDE_M).ceil().max(1.0) as u64 } else { 1 };
+    let strides = if deforming {
+        (way.norm() / STRIDE_M).ceil().max(1.0) as u64
+    } else {
+        1
+    };
     let mut run = |position: Point3| -> TickOutput {
         let mut poses = [None; MAX_TOOLS];
         poses[tool] = Some(DevicePose { position, ..*pose });
@@ -227,7 +268,11 @@ fn probe(scene: &Scene, tool: usize, pose: &DevicePose) -> Row {
         settled = (force - before).norm() <= SETTLED * force.norm() + 1e-6;
         before = force;
     }
-    let own = out.contacts.list().iter().filter(|contact| contact.holder == Holder::Tool(tool as u32));
+    let own = out
+        .contacts
+        .list()
+        .iter()
+        .filter(|contact| contact.holder == Holder::Tool(tool as u32));
     let counters = scratch.spheres_counters(scene);
     let out = &out.tools[tool];
     Row {
@@ -237,9 +282,14 @@ fn probe(scene: &Scene, tool: usize, pose: &DevicePose) -> Row {
         proxy: out.proxy_position.coords.into(),
         depth: out.contact.map_or(0.0, |contact| contact.depth_m),
         contact_count: out.contact_count,
-        contact: out.contact.as_ref().map(|contact| ContactRow::new(scene, contact)),
+        contact: out
+            .contact
+            .as_ref()
+            .map(|contact| ContactRow::new(scene, contact)),
         contacts: own.map(|contact| ContactRow::new(scene, contact)).collect(),
-        spheres: counters.map(|(holder, body, counters)| SpheresRow::new(holder, body, counters)).collect(),
+        spheres: counters
+            .map(|(holder, body, counters)| SpheresRow::new(holder, body, counters))
+            .collect(),
         settled,
     }
 }

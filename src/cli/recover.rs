@@ -19,14 +19,28 @@ pub struct Args {
 pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     let output = match &args.output {
         Some(output) => output.clone(),
-        None if args.file.extension().is_some_and(|extension| extension == "part") => args.file.with_extension(""),
-        None => anyhow::bail!("{} does not end in .part: say with -o where to write", args.file.display()),
+        None if args
+            .file
+            .extension()
+            .is_some_and(|extension| extension == "part") =>
+        {
+            args.file.with_extension("")
+        }
+        None => anyhow::bail!(
+            "{} does not end in .part: say with -o where to write",
+            args.file.display()
+        ),
     };
     let recovered = recover(&args.file, &output)?;
     if args.json {
         println!("{}", serde_json::to_string(&recovered)?);
     } else {
-        println!("{}: {} ticks, up to tick {}", recovered.path.display(), recovered.ticks, recovered.last_tick);
+        println!(
+            "{}: {} ticks, up to tick {}",
+            recovered.path.display(),
+            recovered.ticks,
+            recovered.last_tick
+        );
         if let Some(reason) = &recovered.cut_short {
             println!("the source was cut short: {reason}");
         }

@@ -2,7 +2,8 @@
 
 use super::Outcome;
 use crate::recording::{
-    Deviation, Figures, ReplayOptions, ReplayReport, Session, Start, deviations, replay_with, simulate_figures,
+    Deviation, Figures, ReplayOptions, ReplayReport, Session, Start, deviations, replay_with,
+    simulate_figures,
 };
 use anyhow::Context as _;
 use std::path::{Path, PathBuf};
@@ -23,10 +24,12 @@ pub struct Args {
     /// What must be equal: every bit, or the figures in FILE.figures.json within their tolerances.
     #[arg(long, value_enum, default_value_t = Check::Bits)]
     check: Check,
-    /// With --check figures: write the figures of this version to FILE.figures.json and say what changed.
+    /// With --check figures: write the figures of this version to FILE.figures.json and say what
+    /// changed.
     #[arg(long)]
     bless: bool,
-    /// Where the report goes (FILE.json, or into this directory) and, on a difference, the ticks around it.
+    /// Where the report goes (FILE.json, or into this directory) and, on a difference, the ticks
+    /// around it.
     #[arg(long, value_name = "PATH")]
     report: Option<PathBuf>,
     /// Print one JSON object.
@@ -43,9 +46,15 @@ enum Check {
 pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     if args.check == Check::Figures {
         let whole = args.from == 0 && args.until.is_none();
-        anyhow::ensure!(whole, "figures are of a whole recording: --from and --until are for --check bits");
+        anyhow::ensure!(
+            whole,
+            "figures are of a whole recording: --from and --until are for --check bits"
+        );
     }
-    anyhow::ensure!(!args.bless || args.check == Check::Figures, "--bless writes figures: add --check figures");
+    anyhow::ensure!(
+        !args.bless || args.check == Check::Figures,
+        "--bless writes figures: add --check figures"
+    );
     let session = Session::open(&args.file)?;
     let bar = if std::io::IsTerminal::is_terminal(&std::io::stderr()) {
         indicatif::ProgressBar::new(session.ticks.len() as u64)
@@ -78,7 +87,9 @@ fn bits(args: &Args, session: &Session, progress: impl FnMut(u64, u64)) -> anyho
         tell(&report);
     }
     if !report.same_build {
-        eprintln!("note: recorded by another build; equal bits are promised for the same build only");
+        eprintln!(
+            "note: recorded by another build; equal bits are promised for the same build only"
+        );
     }
     if !report.is_complete() {
         eprintln!(
@@ -91,7 +102,9 @@ fn bits(args: &Args, session: &Session, progress: impl FnMut(u64, u64)) -> anyho
             Ok(path) => eprintln!("the ticks around it, of both runs: {}", path.display()),
             // What was found is told all the same.
             Err(error) => {
-                eprintln!("the ticks around it could not be written: {error}; name a directory with --report")
+                eprintln!(
+                    "the ticks around it could not be written: {error}; name a directory with --report"
+                )
             }
         }
     }
@@ -120,30 +133,51 @@ fn tell(report: &ReplayReport) {
 
 /// Where the ticks around a difference go, and where the report.
 fn places(args: &Args) -> (PathBuf, Option<PathBuf>) {
-    let directory = |path: &Path| path.parent().filter(|d| !d.as_os_str().is_empty()).unwrap_or(Path::new(".")).into();
+    let directory = |path: &Path| {
+        path.parent()
+            .filter(|d| !d.as_os_str().is_empty())
+            .unwrap_or(Path::new("."))
+            .into()
+    };
     match &args.report {
         None => (directory(&args.file), None),
-        Some(path) if path.extension().is_some_and(|e| e == "json") => (directory(path), Some(path.clone())),
+        Some(path) if path.extension().is_some_and(|e| e == "json") => {
+            (directory(path), Some(path.clone()))
+        }
         Some(path) => (path.clone(), Some(path.join("replay.json"))),
     }
 }
 
 fn write_report(args: &Args, told: &str) -> anyhow::Result<()> {
-    let (directory, Some(path)) = places(args) else { return Ok(()) };
+    let (directory, Some(path)) = places(args) else {
+        return Ok(());
+    };
     std::fs::create_dir_all(&directory).with_context(|| directory.display().to_string())?;
     std::fs::write(&path, format!("{told}\n")).with_context(|| path.display().to_string())
 }
 
-fn figures(args: &Args, session: &Session, progress: impl FnMut(u64, u64)) -> anyhow::Result<Outcome> {
+fn figures(
+    args: &Args,
+    session: &Session,
+    progress: impl FnMut(u64, u64),
+) -> anyhow::Result<Outcome> {
     let path = Figures::path_for(&args.file);
-    let before = if args.bless { Figures::read(&path).ok() } else { Some(Figures::read(&path)?) };
+    let before = if args.bless {
+        Figures::read(&path).ok()
+    } else {
+        Some(Figures::read(&path)?)
+    };
     let (mut now, start) = simulate_figures(session, progress)?;
     if let Start::Scene { reason } = &start {
-        eprintln!("note: the first keyframe does not fit this version ({reason}); it began with the scene's own start");
+        eprintln!(
+            "note: the first keyframe does not fit this version ({reason}); it began with the scene's own start"
+        );
     }
     if args.bless {
         // Tolerances are of the author: they stay.
-        now.tolerances = before.as_ref().map_or(now.tolerances, |before| before.tolerances);
+        now.tolerances = before
+            .as_ref()
+            .map_or(now.tolerances, |before| before.tolerances);
         let changed = before.as_ref().map(|before| deviations(before, &now, true));
         if changed.as_ref().is_none_or(|changed| !changed.is_empty()) {
             now.write(&path)?;
@@ -160,14 +194,27 @@ fn figures(args: &Args, session: &Session, progress: impl FnMut(u64, u64)) -> an
     let found = before.map_or_else(Vec::new, |before| deviations(&before, &now, false));
     told(args, &now, &start, &found)?;
     if !args.json {
-        let verdict = if found.is_empty() { "all figures are as written" } else { "figures are off" };
-        println!("{} ticks simulated: {verdict} in {}", now.ticks, path.display());
+        let verdict = if found.is_empty() {
+            "all figures are as written"
+        } else {
+            "figures are off"
+        };
+        println!(
+            "{} ticks simulated: {verdict} in {}",
+            now.ticks,
+            path.display()
+        );
     }
-    Ok(if found.is_empty() { Outcome::Ok } else { Outcome::Difference })
+    Ok(if found.is_empty() {
+        Outcome::Ok
+    } else {
+        Outcome::Difference
+    })
 }
 
 fn told(args: &Args, figures: &Figures, start: &Start, found: &[Deviation]) -> anyhow::Result<()> {
-    let told = serde_json::json!({ "figures": figures, "start": start, "deviations": found }).to_string();
+    let told =
+        serde_json::json!({ "figures": figures, "start": start, "deviations": found }).to_string();
     if args.json {
         println!("{told}");
     } else {

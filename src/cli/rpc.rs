@@ -19,8 +19,14 @@ pub struct Args {
 }
 
 pub fn run(args: &Args) -> anyhow::Result<Outcome> {
-    let request = Request::parse(&args.method, args.arguments.as_deref().unwrap_or("").as_bytes())?;
-    let request = Request { ticks: args.ticks.or(request.ticks), ..request };
+    let request = Request::parse(
+        &args.method,
+        args.arguments.as_deref().unwrap_or("").as_bytes(),
+    )?;
+    let request = Request {
+        ticks: args.ticks.or(request.ticks),
+        ..request
+    };
     let palpate = args.connection.open()?;
     let reply = palpate.call(&args.method, &request)?;
     println!("{}", serde_json::to_string(&reply)?);

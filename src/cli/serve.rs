@@ -3,8 +3,8 @@
 use super::{Outcome, text};
 use crate::editing::SceneEditor;
 use crate::recording::{
-    Recorder, RecorderSettings, RecordingReport, SelfCheck, SelfCheckReport, Split, default_path, stage_infos,
-    write_stages,
+    Recorder, RecorderSettings, RecordingReport, SelfCheck, SelfCheckReport, Split, default_path,
+    stage_infos, write_stages,
 };
 use crate::scene::spec::{Clock, SceneSpec};
 use crate::scene::{Scene, file, inline_files};
@@ -60,7 +60,8 @@ pub struct Common {
     /// End, as on a signal, when the process that started this one ends.
     #[arg(long)]
     pub with_parent: bool,
-    /// Every N ticks go back to the state before them on another thread and run them again: they must come to the same bits.
+    /// Every N ticks go back to the state before them on another thread and run them again: they
+    /// must come to the same bits.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000))]
     pub self_check: Option<u32>,
 }
@@ -92,12 +93,21 @@ pub struct Recording {
 }
 
 impl Recording {
-    fn settings(&self, loaded: &file::Loaded, effective: &SceneSpec, instance: &str) -> RecorderSettings {
+    fn settings(
+        &self,
+        loaded: &file::Loaded,
+        effective: &SceneSpec,
+        instance: &str,
+    ) -> RecorderSettings {
         let path = match &self.record {
             Some(path) if path.is_dir() => Some(default_path(path, "session")),
             path => path.clone(),
         };
-        let split = Split { bytes: self.split_size, duration: self.split_duration, total_bytes: self.max_total };
+        let split = Split {
+            bytes: self.split_size,
+            duration: self.split_duration,
+            total_bytes: self.max_total,
+        };
         RecorderSettings {
             directory: self.record_dir.clone(),
             path,
@@ -119,7 +129,11 @@ pub struct Served {
 pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     let mut loaded = file::load(&args.scene)?;
     if let Some(clock) = &args.clock {
-        loaded.spec.loop_.clock = if clock == "lockstep" { Clock::Lockstep } else { Clock::Realtime };
+        loaded.spec.loop_.clock = if clock == "lockstep" {
+            Clock::Lockstep
+        } else {
+            Clock::Realtime
+        };
     }
     let served = serve(&loaded, &args.common, || Ok(()))?;
     summary(&served);
@@ -132,7 +146,11 @@ pub fn outcome(served: &Served) -> Outcome {
         return Outcome::Difference;
     }
     let incomplete = served.recording.failure.is_some() || served.recording.dropped > 0;
-    if incomplete { Outcome::Fault } else { Outcome::Ok }
+    if incomplete {
+        Outcome::Fault
+    } else {
+        Outcome::Ok
+    }
 }
 
 /// Runs a scene to its end. `ready` is called once everything listens.
@@ -144,21 +162,33 @@ pub fn serve(
     let mut effective = inline_files(&loaded.spec, &loaded.directory)?;
     effective.record.views &= !common.recording.no_views;
     let scene = Arc::new(Scene::build(&effective, &loaded.directory)?);
-    let config = common
-        .zenoh_config
-        .clone()
-        .or_else(|| loaded.spec.zenoh.config.as_ref().map(|path| loaded.directory.join(path)));
+    let config = common.zenoh_config.clone().or_else(|| {
+        loaded
+            .spec
+            .zenoh
+            .config
+            .as_ref()
+            .map(|path| loaded.directory.join(path))
+    });
     let listen = match (&config, common.listen.is_empty()) {
         (None, true) => vec![DEFAULT_ENDPOINT.to_owned()],
         _ => common.listen.clone(),
     };
-    let session = open(&SessionSettings { connect: common.connect.clone(), listen: listen.clone(), config })?;
-    let (mut recorder, journal) =
-        Recorder::start(common.recording.settings(loaded, &effective, &common.instance), &scene)?;
+    let session = open(&SessionSettings {
+        connect: common.connect.clone(),
+        listen: listen.clone(),
+        config,
+    })?;
+    let (mut recorder, journal) = Recorder::start(
+        common
+            .recording
+            .settings(loaded, &effective, &common.instance),
+        &scene,
+    )?;
     let (viewer, feed) = match common.http {
         Some(address) => {
-            let (viewer, feed) =
-                Viewer::start(address).map_err(|e| anyhow::anyhow!("the viewer cannot listen on {address}: {e}"))?;
+            let (viewer, feed) = Viewer::start(address)
+                .map_err(|e| anyhow::anyhow!("the viewer cannot listen on {address}: {e}"))?;
             eprintln!("viewer: {}", viewer.url());
             (Some(viewer), Some(feed.with_gaps(scene.net_gaps())))
         }
@@ -200,7 +230,9 @@ pub fn serve(
     .map_err(|e| anyhow::anyhow!("{e}"))?;
     let settings = DriverSettings {
         clock: scene.clock,
-        ticks: common.duration.map(|duration| (duration.as_secs_f64() / scene.dt_s).round() as u64),
+        ticks: common
+            .duration
+            .map(|duration| (duration.as_secs_f64() / scene.dt_s).round() as u64),
         privileged: !common.no_rt,
     };
     let (self_check, journal) = match common.self_check {
@@ -216,7 +248,9 @@ pub fn serve(
         "serving; poses on palpate/{}/tool/ID/pose", common.instance
     );
     let begun = ready();
-    let report = thread.join().map_err(|_| anyhow::anyhow!("the tick thread panicked"));
+    let report = thread
+        .join()
+        .map_err(|_| anyhow::anyhow!("the tick thread panicked"));
     let bus_report = bus.finish();
     let self_check = self_check.map(SelfCheck::finish);
     drop(viewer);
@@ -230,7 +264,11 @@ pub fn serve(
     if settings.privileged && !report.privileges.fifo && scene.clock == Clock::Realtime {
         tracing::warn!("SCHED_FIFO was refused: ticks may start late; see `palpate doctor`");
     }
-    Ok(Served { report, recording, self_check })
+    Ok(Served {
+        report,
+        recording,
+        self_check,
+    })
 }
 
 /// The system sends the signal that ends us when our parent is gone.
@@ -246,7 +284,10 @@ fn end_with_parent() {
 pub fn summary(served: &Served) {
     let report = &served.report;
     let us = |q: f64| report.lateness.quantile(q) as f64 * 1e-3;
-    println!("ticks {}, late {}, skipped {}", report.ticks, report.late, report.skipped);
+    println!(
+        "ticks {}, late {}, skipped {}",
+        report.ticks, report.late, report.skipped
+    );
     println!(
         "start after deadline: p50 {:.1} us, p99 {:.1} us, max {:.1} us",
         us(0.5),
@@ -256,8 +297,17 @@ pub fn summary(served: &Served) {
     let mut table = String::new();
     let _ = write_stages(&mut table, &stage_infos(&report.stages));
     print!("{table}");
-    if let Some(SelfCheckReport { checks, ticks, unchecked, differences, .. }) = served.self_check {
-        println!("self-check: {ticks} ticks run again in {checks} checks, {unchecked} not; {differences} differences");
+    if let Some(SelfCheckReport {
+        checks,
+        ticks,
+        unchecked,
+        differences,
+        ..
+    }) = served.self_check
+    {
+        println!(
+            "self-check: {ticks} ticks run again in {checks} checks, {unchecked} not; {differences} differences"
+        );
     }
     for recording in &served.recording.files {
         println!(

@@ -50,7 +50,8 @@ enum Command {
 /// Which surface.
 #[derive(clap::Args, Debug)]
 struct Source {
-    /// Surface file (.json, .step, .stp, .iges, .igs), or builtin:NAME (sheet, sphere, teardrop, torus).
+    /// Surface file (.json, .step, .stp, .iges, .igs), or builtin:NAME (sheet, sphere, teardrop,
+    /// torus).
     file: PathBuf,
     /// Of a file with several surfaces, the one at this place, from 0.
     #[arg(long, value_name = "N", default_value_t = 0)]
@@ -69,19 +70,46 @@ struct Loaded {
 
 impl Source {
     fn load(&self) -> anyhow::Result<Loaded> {
-        if let Some(name) = self.file.to_str().and_then(|text| text.strip_prefix("builtin:")) {
+        if let Some(name) = self
+            .file
+            .to_str()
+            .and_then(|text| text.strip_prefix("builtin:"))
+        {
             let surface = builtin(name, None, None)?;
-            return Ok(Loaded { surface, unit: "m".into(), per_metre: 1.0, count: 1 });
+            return Ok(Loaded {
+                surface,
+                unit: "m".into(),
+                per_metre: 1.0,
+                count: 1,
+            });
         }
-        let Imported { surface, count, unit, .. } =
-            read_surface_file(&self.file, Pick::Index(self.index)).with_context(|| self.file.display().to_string())?;
+        let Imported {
+            surface,
+            count,
+            unit,
+            ..
+        } = read_surface_file(&self.file, Pick::Index(self.index))
+            .with_context(|| self.file.display().to_string())?;
         if !unit.is_stated() {
-            eprintln!("note: {} names no unit; {} are assumed", self.file.display(), unit.name());
+            eprintln!(
+                "note: {} names no unit; {} are assumed",
+                self.file.display(),
+                unit.name()
+            );
         }
         if count > 1 {
-            eprintln!("note: {} has {count} surfaces; this is number {} (--index)", self.file.display(), self.index);
+            eprintln!(
+                "note: {} has {count} surfaces; this is number {} (--index)",
+                self.file.display(),
+                self.index
+            );
         }
-        Ok(Loaded { surface, per_metre: per_metre(&unit), unit: unit.name().to_owned(), count })
+        Ok(Loaded {
+            surface,
+            per_metre: per_metre(&unit),
+            unit: unit.name().to_owned(),
+            count,
+        })
     }
 }
 
@@ -90,7 +118,8 @@ fn per_metre(unit: &LengthUnit) -> f64 {
     1.0 / unit.metres()
 }
 
-/// Lines of numbers between commas, semicolons or blanks; `#` starts a comment, and a first line of words is a heading.
+/// Lines of numbers between commas, semicolons or blanks; `#` starts a comment, and a first line of
+/// words is a heading.
 fn read_csv(path: &Path, width: usize, names: &str) -> anyhow::Result<Vec<Vec<f64>>> {
     let text = std::fs::read_to_string(path).with_context(|| path.display().to_string())?;
     let mut rows = Vec::new();
@@ -99,12 +128,24 @@ fn read_csv(path: &Path, width: usize, names: &str) -> anyhow::Result<Vec<Vec<f6
         if line.is_empty() {
             continue;
         }
-        let fields: Vec<&str> = line.split([',', ';', ' ', '\t']).filter(|field| !field.is_empty()).collect();
-        let numbers: Option<Vec<f64>> = fields.iter().map(|field| field.parse::<f64>().ok()).collect();
+        let fields: Vec<&str> = line
+            .split([',', ';', ' ', '\t'])
+            .filter(|field| !field.is_empty())
+            .collect();
+        let numbers: Option<Vec<f64>> = fields
+            .iter()
+            .map(|field| field.parse::<f64>().ok())
+            .collect();
         match numbers {
-            Some(numbers) if numbers.len() == width && numbers.iter().all(|x| x.is_finite()) => rows.push(numbers),
+            Some(numbers) if numbers.len() == width && numbers.iter().all(|x| x.is_finite()) => {
+                rows.push(numbers)
+            }
             None if rows.is_empty() && k == 0 => {}
-            _ => anyhow::bail!("{}:{}: {line:?} is not {names}, {width} finite numbers", path.display(), k + 1),
+            _ => anyhow::bail!(
+                "{}:{}: {line:?} is not {names}, {width} finite numbers",
+                path.display(),
+                k + 1
+            ),
         }
     }
     anyhow::ensure!(!rows.is_empty(), "{}: no line with {names}", path.display());

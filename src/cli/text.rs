@@ -44,7 +44,13 @@ mod tests {
 
     #[test]
     fn sizes_read_as_people_write_them() {
-        for (text, size) in [("500MB", 500_000_000), ("64KiB", 65_536), ("1.5GB", 1_500_000_000), ("7", 7), ("9B", 9)] {
+        for (text, size) in [
+            ("500MB", 500_000_000),
+            ("64KiB", 65_536),
+            ("1.5GB", 1_500_000_000),
+            ("7", 7),
+            ("9B", 9),
+        ] {
             assert_eq!(bytes(text), Ok(size), "{text}");
         }
         for text in ["", "MB", "-1MB", "0", "nan", "1e99", "ten", "10 elephants"] {
@@ -54,7 +60,13 @@ mod tests {
 
     #[test]
     fn durations_read_as_people_write_them() {
-        for (text, ms) in [("10s", 10_000), ("500ms", 500), ("2m", 120_000), ("1.5", 1_500), ("1h", 3_600_000)] {
+        for (text, ms) in [
+            ("10s", 10_000),
+            ("500ms", 500),
+            ("2m", 120_000),
+            ("1.5", 1_500),
+            ("1h", 3_600_000),
+        ] {
             assert_eq!(duration(text).unwrap().as_millis(), ms, "{text}");
         }
         for text in ["", "s", "-1s", "0", "nan", "1e99s", "ten"] {

@@ -1,9 +1,10 @@
 //! Contact forces as a linear complementarity problem: λ ≥ 0, D λ + gap ≥ 0, λᵀ(D λ + gap) = 0.
 //!
-//! Projected Gauss–Seidel with a fixed number of sweeps and a warm start. D is the Delassus matrix: what a unit force on
-//! one row moves another. It is positive semidefinite, so the gap after any number of sweeps shrinks towards feasible and
-//! the sum of forces settles long before their distribution over close rows does. Gaps are kept up to date with every
-//! change of a force, so that rows that stay free cost nothing.
+//! Projected Gauss–Seidel with a fixed number of sweeps and a warm start. D is the Delassus matrix:
+//! what a unit force on one row moves another. It is positive semidefinite, so the gap after any
+//! number of sweeps shrinks towards feasible and the sum of forces settles long before their
+//! distribution over close rows does. Gaps are kept up to date with every change of a force, so
+//! that rows that stay free cost nothing.
 
 use crate::math::simd;
 
@@ -64,7 +65,8 @@ impl Complementarity {
         self.force[i] = warm_n;
     }
 
-    /// Runs `sweeps` sweeps, or until one changes nothing; forces are then in [`Complementarity::forces`].
+    /// Runs `sweeps` sweeps, or until one changes nothing; forces are then in
+    /// [`Complementarity::forces`].
     pub fn solve(&mut self, sweeps: usize) {
         #[cfg(target_arch = "x86_64")]
         if simd::has_avx2() {
@@ -78,7 +80,13 @@ impl Complementarity {
     #[inline(always)]
     fn sweep(&mut self, sweeps: usize) {
         let n = self.len;
-        let Self { delassus, gap, force, under, .. } = self;
+        let Self {
+            delassus,
+            gap,
+            force,
+            under,
+            ..
+        } = self;
         let (force, under) = (&mut force[..n], &mut under[..n]);
         under.copy_from_slice(&gap[..n]);
         for (row, &force) in delassus.chunks_exact(n.max(1)).zip(force.iter()) {
@@ -91,7 +99,11 @@ impl Complementarity {
             for i in 0..n {
                 let row = &delassus[i * n..(i + 1) * n];
                 let wish = force[i] - under[i] / row[i];
-                let next = if row[i] > 0.0 && wish > 0.0 { wish } else { 0.0 };
+                let next = if row[i] > 0.0 && wish > 0.0 {
+                    wish
+                } else {
+                    0.0
+                };
                 let change = next - force[i];
                 if change != 0.0 {
                     (force[i], changed) = (next, true);
@@ -117,7 +129,12 @@ impl Complementarity {
     /// Gap of row i under the present forces, m.
     pub fn gap_after(&self, i: usize) -> f64 {
         let row = &self.delassus[i * self.len..(i + 1) * self.len];
-        self.gap[i] + row.iter().zip(self.forces()).map(|(d, force)| d * force).sum::<f64>()
+        self.gap[i]
+            + row
+                .iter()
+                .zip(self.forces())
+                .map(|(d, force)| d * force)
+                .sum::<f64>()
     }
 }
 
@@ -155,7 +172,9 @@ mod tests {
         let n = 12;
         let mut state = 7u64;
         let mut random = || {
-            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            state = state
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1_442_695_040_888_963_407);
             (state >> 11) as f64 / (1u64 << 53) as f64 - 0.5
         };
         let factor: Vec<f64> = (0..n * n).map(|_| random()).collect();
@@ -174,7 +193,10 @@ mod tests {
         for i in 0..n {
             let (gap, force) = (problem.gap_after(i), problem.forces()[i]);
             assert!(gap > -1e-12, "row {i} is violated by {gap}");
-            assert!(force >= 0.0 && (force * gap).abs() < 1e-12, "row {i}: force {force} with gap {gap}");
+            assert!(
+                force >= 0.0 && (force * gap).abs() < 1e-12,
+                "row {i}: force {force} with gap {gap}"
+            );
         }
     }
 
@@ -182,7 +204,10 @@ mod tests {
     fn what_nothing_can_move_bears_nothing_and_a_solution_stays() {
         let mut problem = Complementarity::new(3);
         problem.begin(3);
-        for (i, row) in [[2.0, 0.0, 0.5], [0.0, 0.0, 0.0], [0.5, 0.0, 1.0]].into_iter().enumerate() {
+        for (i, row) in [[2.0, 0.0, 0.5], [0.0, 0.0, 0.0], [0.5, 0.0, 1.0]]
+            .into_iter()
+            .enumerate()
+        {
             problem.row_mut(i).copy_from_slice(&row);
         }
         for (i, gap) in [-1.0, -1.0, 0.3].into_iter().enumerate() {
@@ -190,7 +215,10 @@ mod tests {
         }
         problem.solve(100);
         let forces = problem.forces().to_vec();
-        assert!((forces[0] - 0.5).abs() < 1e-15 && forces[1..] == [0.0, 0.0], "{forces:?}");
+        assert!(
+            (forces[0] - 0.5).abs() < 1e-15 && forces[1..] == [0.0, 0.0],
+            "{forces:?}"
+        );
         for (i, gap) in [-1.0, -1.0, 0.3].into_iter().enumerate() {
             problem.set(i, gap, forces[i]);
         }
@@ -209,7 +237,8 @@ mod tests {
         slow.begin(n);
         for i in 0..n {
             for j in 0..n {
-                slow.row_mut(i)[j] = 1.0 / (1.0 + (i as f64 - j as f64).abs()) + if i == j { 0.5 } else { 0.0 };
+                slow.row_mut(i)[j] =
+                    1.0 / (1.0 + (i as f64 - j as f64).abs()) + if i == j { 0.5 } else { 0.0 };
             }
             slow.set(i, libm::sin(3.0 * i as f64) - 0.4, 0.1);
         }

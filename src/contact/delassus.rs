@@ -1,6 +1,8 @@
-//! What rows on a deforming surface do to each other: C W Cᵀ, C the weights of the rows, W the surface's compliance.
+//! What rows on a deforming surface do to each other: C W Cᵀ, C the weights of the rows, W the
+//! surface's compliance.
 //!
-//! Rows share control points: each column of W that any row touches is read once, at those of its entries that matter.
+//! Rows share control points: each column of W that any row touches is read once, at those of its
+//! entries that matter.
 
 use crate::math::Lane;
 use crate::math::simd;
@@ -42,7 +44,8 @@ struct Concerned {
 }
 
 impl Delassus {
-    /// Room for `sides` of `width` weights each, on bodies of at most `unknowns`, `surface` of them of the net.
+    /// Room for `sides` of `width` weights each, on bodies of at most `unknowns`, `surface` of them
+    /// of the net.
     pub fn new(sides: usize, width: usize, unknowns: usize, surface: usize) -> Self {
         let entries = sides * width;
         let slots = surface.min(entries);
@@ -68,42 +71,67 @@ impl Delassus {
         self.concerned.clear();
     }
 
-    /// Adds a side of a row, pushed along the row's normal times `sign`: (unknown, coordinate, weight) of its control
-    /// points that move.
-    pub fn add(&mut self, row: usize, sign: f64, weights: impl Iterator<Item = (usize, usize, f64)>) {
+    /// Adds a side of a row, pushed along the row's normal times `sign`: (unknown, coordinate,
+    /// weight) of its control points that move.
+    pub fn add(
+        &mut self,
+        row: usize,
+        sign: f64,
+        weights: impl Iterator<Item = (usize, usize, f64)>,
+    ) {
         let start = self.entries.len() as u32;
         for (unknown, coordinate, weight) in weights {
             if self.slot_of[unknown] == NONE {
                 self.slot_of[unknown] = 0;
                 let (unknown, coordinate) = (unknown as u32, coordinate as u32);
-                self.concerned.push(Concerned { unknown, coordinate, start: 0 });
+                self.concerned.push(Concerned {
+                    unknown,
+                    coordinate,
+                    start: 0,
+                });
             }
             self.entries.push((unknown as u32, weight));
         }
-        self.sides.push(Side { row: row as u32, sign, start, end: self.entries.len() as u32 });
+        self.sides.push(Side {
+            row: row as u32,
+            sign,
+            start,
+            end: self.entries.len() as u32,
+        });
     }
 
-    /// Finds what each side does to all others. `column_of`: the column of W of a coordinate, by unknown, m/N.
+    /// Finds what each side does to all others. `column_of`: the column of W of a coordinate, by
+    /// unknown, m/N.
     pub fn respond<'a>(&mut self, column_of: impl Fn(usize) -> Option<&'a [f64]>) {
         self.sort();
         let lanes = self.concerned.len().div_ceil(4);
         self.response[..lanes * self.sides.len()].fill([0.0; 4]);
         self.column[..lanes].fill([0.0; 4]);
         for slot in 0..self.concerned.len() {
-            let Some(column) = column_of(self.concerned[slot].coordinate as usize) else { continue };
+            let Some(column) = column_of(self.concerned[slot].coordinate as usize) else {
+                continue;
+            };
             let to = self.column.as_flattened_mut().iter_mut();
             for (value, seen) in to.zip(&self.concerned) {
                 *value = column[seen.unknown as usize];
             }
-            let end = self.concerned.get(slot + 1).map_or(self.entries.len(), |next| next.start as usize);
+            let end = self
+                .concerned
+                .get(slot + 1)
+                .map_or(self.entries.len(), |next| next.start as usize);
             for &(side, weight) in &self.by_slot[self.concerned[slot].start as usize..end] {
                 let start = side as usize * lanes;
-                add_scaled(&mut self.response[start..start + lanes], &self.column[..lanes], weight);
+                add_scaled(
+                    &mut self.response[start..start + lanes],
+                    &self.column[..lanes],
+                    weight,
+                );
             }
         }
     }
 
-    /// Orders what is concerned by unknown, whose entries lie near each other in every column, and entries by slot.
+    /// Orders what is concerned by unknown, whose entries lie near each other in every column, and
+    /// entries by slot.
     fn sort(&mut self) {
         self.concerned.sort_unstable_by_key(|seen| seen.unknown);
         for (slot, seen) in self.concerned.iter_mut().enumerate() {
@@ -123,7 +151,10 @@ impl Delassus {
             seen.start = end;
         }
         for (s, side) in self.sides.iter().enumerate().rev() {
-            for &(slot, weight) in self.entries[side.start as usize..side.end as usize].iter().rev() {
+            for &(slot, weight) in self.entries[side.start as usize..side.end as usize]
+                .iter()
+                .rev()
+            {
                 let start = &mut self.concerned[slot as usize].start;
                 *start -= 1;
                 self.by_slot[*start as usize] = (s as u32, weight);
@@ -131,8 +162,8 @@ impl Delassus {
         }
     }
 
-    /// Calls `add` with (row, row, signs × what a force on the one does to the other) for every pair of sides, once each,
-    /// the first no later than the second.
+    /// Calls `add` with (row, row, signs × what a force on the one does to the other) for every
+    /// pair of sides, once each, the first no later than the second.
     pub fn each_pair(&self, mut add: impl FnMut(PairOfSides)) {
         let stride = 4 * self.concerned.len().div_ceil(4);
         let response = self.response.as_flattened();
@@ -144,7 +175,11 @@ impl Delassus {
                     moved += weight * response[slot as usize];
                 }
                 let rows = [a.row as usize, b.row as usize];
-                add(PairOfSides { rows, same: s == t, compliance: a.sign * b.sign * moved });
+                add(PairOfSides {
+                    rows,
+                    same: s == t,
+                    compliance: a.sign * b.sign * moved,
+                });
             }
         }
     }
@@ -157,7 +192,8 @@ pub struct PairOfSides {
     pub rows: [usize; 2],
     /// They are one side.
     pub same: bool,
-    /// What a unit force on the one moves the other along the same direction, m/N, with the signs of both.
+    /// What a unit force on the one moves the other along the same direction, m/N, with the signs
+    /// of both.
     pub compliance: f64,
 }
 
@@ -197,28 +233,49 @@ mod tests {
     fn pairs_are_those_of_the_dense_product() {
         let mut state = 3u64;
         let mut random = || {
-            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            state = state
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1_442_695_040_888_963_407);
             (state >> 11) as f64 / (1u64 << 53) as f64 - 0.5
         };
         let unknowns = 40;
         let factor: Vec<f64> = (0..unknowns * unknowns).map(|_| random()).collect();
-        let entry =
-            |i: usize, j: usize| (0..unknowns).map(|k| factor[i * unknowns + k] * factor[j * unknowns + k]).sum();
-        let compliance: Vec<f64> = (0..unknowns * unknowns).map(|k| entry(k / unknowns, k % unknowns)).collect();
+        let entry = |i: usize, j: usize| {
+            (0..unknowns)
+                .map(|k| factor[i * unknowns + k] * factor[j * unknowns + k])
+                .sum()
+        };
+        let compliance: Vec<f64> = (0..unknowns * unknowns)
+            .map(|k| entry(k / unknowns, k % unknowns))
+            .collect();
         let mut delassus = Delassus::new(24, 5, unknowns, unknowns);
         for round in 0..3 {
             delassus.clear();
-            // Coordinates are unknowns counted from the back; some rows have two sides here, some none.
+            // Coordinates are unknowns counted from the back; some rows have two sides here, some
+            // none.
             let mut dense: Vec<(usize, f64, Vec<f64>)> = Vec::new();
             for row in 0..12 {
                 for side in 0..(row + round) % 3 {
                     let sign = if side == 0 { -1.0 } else { 1.0 };
                     let weights: Vec<(usize, f64)> = (0..1 + row % 5)
-                        .map(|k| ((7 * row + 3 * k + 11 * side + 13 * round) % unknowns, random()))
+                        .map(|k| {
+                            (
+                                (7 * row + 3 * k + 11 * side + 13 * round) % unknowns,
+                                random(),
+                            )
+                        })
                         .collect();
                     let mut whole = vec![0.0; unknowns];
-                    weights.iter().for_each(|&(unknown, weight)| whole[unknown] += weight);
-                    delassus.add(row, sign, weights.iter().map(|&(u, weight)| (u, unknowns - 1 - u, weight)));
+                    weights
+                        .iter()
+                        .for_each(|&(unknown, weight)| whole[unknown] += weight);
+                    delassus.add(
+                        row,
+                        sign,
+                        weights
+                            .iter()
+                            .map(|&(u, weight)| (u, unknowns - 1 - u, weight)),
+                    );
                     dense.push((row, sign, whole));
                 }
             }
@@ -238,7 +295,11 @@ mod tests {
                     }
                 }
                 assert_eq!((pair.rows, pair.same), ([*row_a, *row_b], s == t));
-                assert!((pair.compliance - expected).abs() < 1e-12, "{} is not {expected}", pair.compliance);
+                assert!(
+                    (pair.compliance - expected).abs() < 1e-12,
+                    "{} is not {expected}",
+                    pair.compliance
+                );
                 seen += 1;
             });
             assert_eq!(seen, dense.len() * (dense.len() + 1) / 2);
@@ -251,7 +312,9 @@ mod tests {
         if !std::arch::is_x86_feature_detected!("avx2") {
             return;
         }
-        let x: Vec<Lane> = (0..9).map(|k| [0.1 * f64::from(k), 1.0 / 3.0, -7.7, 1e-30]).collect();
+        let x: Vec<Lane> = (0..9)
+            .map(|k| [0.1 * f64::from(k), 1.0 / 3.0, -7.7, 1e-30])
+            .collect();
         let (mut slow, mut fast) = (x.clone(), x.clone());
         add_scaled_lanes(&mut slow, &x, 0.37);
         // SAFETY: asked just above.

@@ -1,19 +1,24 @@
 //! Contact forces with Coulomb friction and grips.
 //!
-//! Couplings and bodies give way alike in x, y and z: a force f_j on row j moves row i by S_ij f_j with one number S_ij.
-//! Wanted are forces whose displacements u_i = b_i + Σ_j S_ij f_j keep each row's law:
+//! Couplings and bodies give way alike in x, y and z: a force f_j on row j moves row i by S_ij f_j
+//! with one number S_ij. Wanted are forces whose displacements u_i = b_i + Σ_j S_ij f_j keep each
+//! row's law:
 //!
-//! - push, normal n, coefficient μ, drag c: f = λ n + t with λ ≥ 0, u_n ≥ 0, λ u_n = 0 and |t| ≤ μ λ while u_t = 0; where the
-//!   row slips, t = −(μ λ / |u_t| + c) u_t (Signorini, Coulomb and Stokes);
+//! - push, normal n, coefficient μ, drag c: f = λ n + t with λ ≥ 0, u_n ≥ 0, λ u_n = 0 and |t| ≤ μ
+//!   λ while u_t = 0; where the row slips, t = −(μ λ / |u_t| + c) u_t (Signorini, Coulomb and
+//!   Stokes);
 //! - grip: u = 0 while |f| is below the limit, f = −limit u / |u| beyond it.
 //!
-//! A tool that may turn adds, for two of its rows with arms r_i and r_j, C (r_j × f_j) × r_i to what row i moves.
+//! A tool that may turn adds, for two of its rows with arms r_i and r_j, C (r_j × f_j) × r_i to
+//! what row i moves.
 //!
-//! Solved row by row in a fixed number of sweeps (nonsmooth contact dynamics: Jean 1999, "The non-smooth contact dynamics
-//! method", §5). S_ii being a number, each row's own problem has the closed form used here; with an arm S_ii + C |r_i|² stands for it,
-//! which is no less than the row's own compliance in any direction, so that every step still goes down. Grips and frictionless rows are
-//! minima of a convex function, which every sweep lowers; sliding rows are not, and jams at a high μ have more than one
-//! answer: the one nearest to the last tick's is found.
+//! Solved row by row in a fixed number of sweeps (nonsmooth contact dynamics: Jean 1999, "The
+//! non-smooth contact dynamics method", §5). S_ii being a number, each row's own problem has the
+//! closed form used here; with an arm S_ii + C |r_i|² stands for it, which is no less than the
+//! row's own compliance in any direction, so that every step still goes down. Grips and
+//! frictionless rows are minima of a convex function, which every sweep lowers; sliding rows are
+//! not, and jams at a high μ have more than one answer: the one nearest to the last tick's is
+//! found.
 
 use super::rows::MAX_TOOLS;
 use crate::math::{Lane, Vector3};
@@ -29,16 +34,16 @@ pub struct Friction {
     pub viscous_n_s_m: f64,
 }
 
-/// Where a row sticks: a place of the body, and how far from it the holder was. It lasts until the row slips, so nothing that
-/// sweeps leave over, and no trembling of the hand, adds up to a walk.
+/// Where a row sticks: a place of the body, and how far from it the holder was. It lasts until the
+/// row slips, so nothing that sweeps leave over, and no trembling of the hand, adds up to a walk.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Stick {
     /// On the body's surface.
     pub u: f64,
     /// On the body's surface.
     pub v: f64,
-    /// From there to the tool's reference point, m; in the tool's frame unless it is a ball. Between bodies, which have no such
-    /// point: what the row has crept.
+    /// From there to the tool's reference point, m; in the tool's frame unless it is a ball.
+    /// Between bodies, which have no such point: what the row has crept.
     pub offset: Vector3,
 }
 
@@ -61,7 +66,10 @@ pub enum Law {
 
 impl Law {
     /// It pushes, and nothing else.
-    pub const SMOOTH: Self = Self::Push { mu: 0.0, drag_n_m: 0.0 };
+    pub const SMOOTH: Self = Self::Push {
+        mu: 0.0,
+        drag_n_m: 0.0,
+    };
 
     /// It pushes, with Coulomb's friction.
     pub fn coulomb(mu: f64) -> Self {
@@ -94,7 +102,12 @@ fn dot(a: &Lane, b: &Lane) -> f64 {
 
 #[inline(always)]
 fn cross(a: &Lane, b: &Lane) -> Lane {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0], 0.0]
+    [
+        a[1] * b[2] - a[2] * b[1],
+        a[2] * b[0] - a[0] * b[2],
+        a[0] * b[1] - a[1] * b[0],
+        0.0,
+    ]
 }
 
 /// How a row turns its tool.
@@ -150,11 +163,25 @@ impl FrictionProblem {
         !self.rows.is_empty()
     }
 
-    /// Adds a row: its unit normal, its displacement without contact forces (m), its law, and where its force starts (N).
+    /// Adds a row: its unit normal, its displacement without contact forces (m), its law, and where
+    /// its force starts (N).
     pub fn push(&mut self, normal: &Vector3, free_m: &Vector3, law: Law, warm_n: &Vector3) {
-        debug_assert!(self.rows.len() < self.rows.capacity(), "more rows than room");
-        let turning = Turning { tool: 0, arm: [0.0; 4], compliance: 0.0 };
-        self.rows.push(Bound { normal: lane(normal), free: lane(free_m), law, turning, slips: false });
+        debug_assert!(
+            self.rows.len() < self.rows.capacity(),
+            "more rows than room"
+        );
+        let turning = Turning {
+            tool: 0,
+            arm: [0.0; 4],
+            compliance: 0.0,
+        };
+        self.rows.push(Bound {
+            normal: lane(normal),
+            free: lane(free_m),
+            law,
+            turning,
+            slips: false,
+        });
         self.forces.push(lane(warm_n));
         self.displaced.push([0.0; 4]);
     }
@@ -162,7 +189,11 @@ impl FrictionProblem {
     /// The row just added turns its tool.
     pub fn set_lever(&mut self, lever: &Lever) {
         if let Some(row) = self.rows.last_mut() {
-            row.turning = Turning { tool: lever.tool, arm: lane(&lever.arm), compliance: lever.compliance_rad_nm };
+            row.turning = Turning {
+                tool: lever.tool,
+                arm: lane(&lever.arm),
+                compliance: lever.compliance_rad_nm,
+            };
         }
     }
 
@@ -173,7 +204,11 @@ impl FrictionProblem {
 
     /// Runs `sweeps` sweeps on the compliance `matrix` (n × n, row by row, m/N).
     pub fn solve(&mut self, matrix: &[f64], sweeps: usize) {
-        debug_assert_eq!(matrix.len(), self.rows.len() * self.rows.len(), "matrix and rows disagree");
+        debug_assert_eq!(
+            matrix.len(),
+            self.rows.len() * self.rows.len(),
+            "matrix and rows disagree"
+        );
         #[cfg(target_arch = "x86_64")]
         if crate::math::simd::has_avx2() {
             // SAFETY: the processor has AVX2, asked just above.
@@ -186,7 +221,11 @@ impl FrictionProblem {
     #[inline(always)]
     fn sweep(&mut self, matrix: &[f64], sweeps: usize) {
         let n = self.rows.len();
-        let Self { rows, forces, displaced } = self;
+        let Self {
+            rows,
+            forces,
+            displaced,
+        } = self;
         // What turns each tool, N·m.
         let mut torques = [[0.0; 4]; MAX_TOOLS];
         for (row, force) in rows.iter().zip(forces.iter()) {
@@ -278,7 +317,10 @@ fn solve_avx2(problem: &mut FrictionProblem, matrix: &[f64], sweeps: usize) {
 fn total(compliances: &[f64], forces: &[Lane], free: &Lane) -> Lane {
     let mut sums = [*free, [0.0; 4], [0.0; 4], [0.0; 4]];
     let whole = compliances.len() / 4 * 4;
-    for (s, f) in compliances[..whole].chunks_exact(4).zip(forces[..whole].chunks_exact(4)) {
+    for (s, f) in compliances[..whole]
+        .chunks_exact(4)
+        .zip(forces[..whole].chunks_exact(4))
+    {
         for k in 0..4 {
             for c in 0..4 {
                 sums[k][c] += s[k] * f[k][c];
@@ -322,7 +364,8 @@ impl Turning {
 }
 
 impl Bound {
-    /// The force the row takes when `wish` would bring its displacement to zero; `own`: what a unit of force moves it, m/N.
+    /// The force the row takes when `wish` would bring its displacement to zero; `own`: what a unit
+    /// of force moves it, m/N.
     #[inline(always)]
     fn allowed(&mut self, wish: &Lane, own: f64) -> Lane {
         match self.law {
@@ -341,7 +384,11 @@ impl Bound {
                 self.slips = size > most;
                 // Slip is own (size − |t|) against the way, and |t| = most + drag × slip.
                 let drag = drag_n_m * own;
-                let scale = if self.slips { (most + drag * size) / ((1.0 + drag) * size) } else { 1.0 };
+                let scale = if self.slips {
+                    (most + drag * size) / ((1.0 + drag) * size)
+                } else {
+                    1.0
+                };
                 let mut force = [0.0; 4];
                 for c in 0..4 {
                     force[c] = along * self.normal[c] + scale * tangent[c];

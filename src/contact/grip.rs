@@ -1,8 +1,9 @@
 //! What a tool holds on to while its grab button is down.
 //!
-//! An anchor joins a point of the tool to a point of a surface in all three directions. Each of a tool's anchors bears an
-//! equal part of the grip force at most; beyond it the surface point slips off, and so that no hand feels a step the anchor
-//! weakens with the way it has slipped before it lets go.
+//! An anchor joins a point of the tool to a point of a surface in all three directions. Each of a
+//! tool's anchors bears an equal part of the grip force at most; beyond it the surface point slips
+//! off, and so that no hand feels a step the anchor weakens with the way it has slipped before it
+//! lets go.
 
 use crate::math::{Point3, StateError, StateSink, StateSource, Vector3};
 
@@ -40,8 +41,19 @@ pub struct GripState {
 
 impl Default for GripState {
     fn default() -> Self {
-        let none = Anchor { pair: 0, number: 0, u: 0.0, v: 0.0, offset: Vector3::zeros() };
-        Self { anchors: [none; MAX_ANCHORS], len: 0, made: 0, fresh: false }
+        let none = Anchor {
+            pair: 0,
+            number: 0,
+            u: 0.0,
+            v: 0.0,
+            offset: Vector3::zeros(),
+        };
+        Self {
+            anchors: [none; MAX_ANCHORS],
+            len: 0,
+            made: 0,
+            fresh: false,
+        }
     }
 }
 
@@ -74,7 +86,13 @@ impl GripState {
     /// Adds an anchor to a fresh grip, if there is room.
     pub fn make(&mut self, pair: u32, u: f64, v: f64) {
         if (self.len as usize) < MAX_ANCHORS {
-            self.anchors[self.len as usize] = Anchor { pair, number: self.len, u, v, offset: Vector3::zeros() };
+            self.anchors[self.len as usize] = Anchor {
+                pair,
+                number: self.len,
+                u,
+                v,
+                offset: Vector3::zeros(),
+            };
             self.len += 1;
             self.made = self.len;
             self.fresh = true;
@@ -99,7 +117,14 @@ impl GripState {
     /// All of it, in order.
     pub fn save(&self, sink: &mut impl StateSink) {
         sink.word(u64::from(self.len) | u64::from(self.made) << 16 | u64::from(self.fresh) << 32);
-        for Anchor { pair, number, u, v, offset } in self.anchors() {
+        for Anchor {
+            pair,
+            number,
+            u,
+            v,
+            offset,
+        } in self.anchors()
+        {
             sink.word(u64::from(*pair) | u64::from(*number) << 32);
             sink.floats(&[*u, *v]);
             sink.floats(offset.as_slice());
@@ -115,14 +140,20 @@ impl GripState {
         let head = source.word()?;
         let (len, made, fresh) = (head & 0xffff, (head >> 16) & 0xffff, head >> 32);
         if len > made || made > MAX_ANCHORS as u64 || fresh > 1 {
-            return Err(StateError::Value { what: "grip", value: head });
+            return Err(StateError::Value {
+                what: "grip",
+                value: head,
+            });
         }
         (self.len, self.made, self.fresh) = (len as u32, made as u32, fresh == 1);
         for anchor in &mut self.anchors[..len as usize] {
             let word = source.word()?;
             (anchor.pair, anchor.number) = (word as u32, (word >> 32) as u32);
             if u64::from(anchor.number) >= made {
-                return Err(StateError::Value { what: "anchor number", value: word });
+                return Err(StateError::Value {
+                    what: "anchor number",
+                    value: word,
+                });
             }
             let mut uv = [0.0; 2];
             source.floats(&mut uv)?;
@@ -133,14 +164,15 @@ impl GripState {
     }
 }
 
-/// What an anchor still bears, from 1 to 0, when its two points have come `apart_m` on a body of the size `size_m`.
+/// What an anchor still bears, from 1 to 0, when its two points have come `apart_m` on a body of
+/// the size `size_m`.
 pub fn strength(apart_m: f64, size_m: f64) -> f64 {
     let slipped = apart_m / (LETS_GO * size_m);
     (2.0 - 2.0 * slipped).clamp(0.0, 1.0)
 }
 
-/// An anchor lets go when its points are this far apart, relative to the body's size: a few millimetres on a body that fits
-/// a hand. From half of it on it weakens.
+/// An anchor lets go when its points are this far apart, relative to the body's size: a few
+/// millimetres on a body that fits a hand. From half of it on it weakens.
 const LETS_GO: f64 = 0.05;
 
 /// How far apart tool and surface point are, m.
@@ -171,7 +203,10 @@ mod tests {
         assert_eq!(grip.anchors().len(), MAX_ANCHORS);
         grip.fresh = false;
         grip.retain(|anchor| anchor.number % 2 == 0);
-        assert_eq!((grip.anchors().len(), grip.part()), (MAX_ANCHORS / 2, 1.0 / MAX_ANCHORS as f64));
+        assert_eq!(
+            (grip.anchors().len(), grip.part()),
+            (MAX_ANCHORS / 2, 1.0 / MAX_ANCHORS as f64)
+        );
         let mut saved = SavedState::default();
         saved.save_from(&grip);
         let mut again = GripState::default();

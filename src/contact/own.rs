@@ -1,9 +1,10 @@
 //! A surface in contact with itself.
 //!
-//! Places that face each other are found as between two surfaces. A fold that penetrates itself and the two sides of a
-//! wall look alike there: what tells them apart is how often the surface winds around the point between them, twice or
-//! once, none in a gap. The winding number is the solid angle the surface fills, in triangles that shrink towards the
-//! point (Van Oosterom & Strackee 1983), which gives it to a small fraction of one.
+//! Places that face each other are found as between two surfaces. A fold that penetrates itself and
+//! the two sides of a wall look alike there: what tells them apart is how often the surface winds
+//! around the point between them, twice or once, none in a gap. The winding number is the solid
+//! angle the surface fills, in triangles that shrink towards the point (Van Oosterom & Strackee
+//! 1983), which gives it to a small fraction of one.
 
 #[cfg(test)]
 mod tests;
@@ -21,9 +22,11 @@ use crate::surface::{BezierPieces, ClosestPoint, ClosestSolver, Frame, Surface};
 
 /// Parts looked at for one winding number.
 const MOST_PARTS: usize = 20_000;
-/// Halvings of a part in each direction: 2⁻²⁶ of a cell is about rounding of a difference of squares.
+/// Halvings of a part in each direction: 2⁻²⁶ of a cell is about rounding of a difference of
+/// squares.
 const DEEPEST: u32 = 26;
-/// What a tick asks for as the deepest fold, relative to the size: contact forces stop folds long before.
+/// What a tick asks for as the deepest fold, relative to the size: contact forces stop folds long
+/// before.
 pub const TICK_FOLD: f64 = 0.04;
 /// Walls remembered within a call, so that each costs one winding number.
 const MOST_WALLS: usize = 64;
@@ -69,10 +72,11 @@ impl SelfSolver {
         }
     }
 
-    /// Places where the surface penetrates itself, each with the greatest depth around, deepest first; and gaps up to
-    /// `reach.margin_m` across the outside. `on_tool` and `tool_uv` are the other place on the same surface. Only a closed
-    /// surface has an inside; others have no contacts. Folds deeper than `deepest_fold_m`, or than the radii of curvature at
-    /// their feet, are not looked for: the less is asked for, the fewer walls are told from folds.
+    /// Places where the surface penetrates itself, each with the greatest depth around, deepest
+    /// first; and gaps up to `reach.margin_m` across the outside. `on_tool` and `tool_uv` are the
+    /// other place on the same surface. Only a closed surface has an inside; others have no
+    /// contacts. Folds deeper than `deepest_fold_m`, or than the radii of curvature at their feet,
+    /// are not looked for: the less is asked for, the fewer walls are told from folds.
     pub fn contacts(
         &mut self,
         surface: &Surface,
@@ -89,8 +93,16 @@ impl SelfSolver {
         self.other.pieces(surface);
         self.cells.begin(solver.pieces(surface));
         let size_m = self.cells.whole.diagonal();
-        let margin_m = if reach.margin_m > 0.0 { reach.margin_m } else { 0.0 };
-        let fold_m = if deepest_fold_m > 0.0 { deepest_fold_m } else { 0.0 };
+        let margin_m = if reach.margin_m > 0.0 {
+            reach.margin_m
+        } else {
+            0.0
+        };
+        let fold_m = if deepest_fold_m > 0.0 {
+            deepest_fold_m
+        } else {
+            0.0
+        };
         // Places that face each other through a fold are as far apart as it is deep.
         let reach_m = margin_m.max(fold_m) + 1e-12 * size_m;
         if !reach_m.is_finite() {
@@ -101,16 +113,27 @@ impl SelfSolver {
         for k in 0..self.near.len() {
             let (x, y) = self.near[k];
             let mut a = Half { surface, solver };
-            let mut b = Half { surface, solver: &mut self.other };
-            let ((am, aw), (bm, bw)) = (self.cells.middle(x as usize), self.cells.middle(y as usize));
+            let mut b = Half {
+                surface,
+                solver: &mut self.other,
+            };
+            let ((am, aw), (bm, bw)) =
+                (self.cells.middle(x as usize), self.cells.middle(y as usize));
             if let Some(found) = face(&mut a, &mut b, [am, bm], [aw, bw]) {
                 self.judge(surface, solver, found.at, [margin_m, fold_m, size_m], out);
             }
         }
     }
 
-    /// Pairs of cells that come near each other and may face; those of pieces first, of which there are fewer.
-    fn find(&mut self, surface: &Surface, pieces: &BezierPieces, reach_m: f64, out: &mut ContactSet) {
+    /// Pairs of cells that come near each other and may face; those of pieces first, of which there
+    /// are fewer.
+    fn find(
+        &mut self,
+        surface: &Surface,
+        pieces: &BezierPieces,
+        reach_m: f64,
+        out: &mut ContactSet,
+    ) {
         self.near.clear();
         let count = pieces.len();
         for k in 0..count {
@@ -119,10 +142,12 @@ impl SelfSolver {
         for a in 0..count {
             let own = block(pieces, a);
             for b in a..count {
-                if !own.meets(&block(pieces, b), reach_m) || !self.cones[a].may_face(&self.cones[b]) {
+                if !own.meets(&block(pieces, b), reach_m) || !self.cones[a].may_face(&self.cones[b])
+                {
                     continue;
                 }
-                let (([i, j], [m, n]), ([k, l], [p, q])) = (self.cells.of_piece(a), self.cells.of_piece(b));
+                let (([i, j], [m, n]), ([k, l], [p, q])) =
+                    (self.cells.of_piece(a), self.cells.of_piece(b));
                 let columns = self.cells.counts[1];
                 for r in 0..m * n {
                     let x = (i + r / n) * columns + j + r % n;
@@ -134,7 +159,10 @@ impl SelfSolver {
                         }
                         self.cells.look(surface, pieces, y);
                         let near = self.cells.box_of(x).meets(self.cells.box_of(y), reach_m);
-                        if !near || !self.cells.cone_of(x).may_face(self.cells.cone_of(y)) || self.adjacent(x, y) {
+                        if !near
+                            || !self.cells.cone_of(x).may_face(self.cells.cone_of(y))
+                            || self.adjacent(x, y)
+                        {
                             continue;
                         }
                         if self.near.len() == MOST_PAIRS {
@@ -167,20 +195,39 @@ impl SelfSolver {
         if x == y || self.adjacent(x, y) {
             return;
         }
-        let (a, b) = (solver.frame_at(surface, u, v), solver.frame_at(surface, s, t));
+        let (a, b) = (
+            solver.frame_at(surface, u, v),
+            solver.frame_at(surface, s, t),
+        );
         let outward = |f: &Frame| {
             let n = f.du.cross(&f.dv) * if surface.flip_normal() { -1.0 } else { 1.0 };
             n.try_normalize(0.0)
         };
-        let (Some(na), Some(nb)) = (outward(&a), outward(&b)) else { return };
+        let (Some(na), Some(nb)) = (outward(&a), outward(&b)) else {
+            return;
+        };
         let depth_m = (b.point - a.point).dot(&nb);
         let near = depth_m >= -margin_m - 1e-12 * size_m && depth_m <= fold_m + 1e-12 * size_m;
         if na.dot(&nb) > -0.999_999 || !near {
             return;
         }
-        let at =
-            ClosestPoint { u: s, v: t, point: b.point, normal: nb, distance: depth_m.abs(), signed_distance: -depth_m };
-        let sounding = Sounding { depth_m, foot: Foot { at, frame: b, smooth: true }, normal: nb };
+        let at = ClosestPoint {
+            u: s,
+            v: t,
+            point: b.point,
+            normal: nb,
+            distance: depth_m.abs(),
+            signed_distance: -depth_m,
+        };
+        let sounding = Sounding {
+            depth_m,
+            foot: Foot {
+                at,
+                frame: b,
+                smooth: true,
+            },
+            normal: nb,
+        };
         let h = jet(&a, &sounding).h;
         if !(h[0] > 0.0 && h[2] > 0.0 && h[0] * h[2] > h[1] * h[1]) {
             return;
@@ -193,14 +240,23 @@ impl SelfSolver {
         if out.contacts().iter().any(same) {
             return;
         }
-        // Between places that touch there is nothing to wind around; a wall without thickness is no wall.
+        // Between places that touch there is nothing to wind around; a wall without thickness is no
+        // wall.
         if depth_m.abs() > 1e-9 * size_m {
             let middle = nalgebra::center(&a.point, &b.point);
-            if self.walls.iter().any(|w| (w - middle).norm() <= 1e-6 * size_m) {
+            if self
+                .walls
+                .iter()
+                .any(|w| (w - middle).norm() <= 1e-6 * size_m)
+            {
                 return;
             }
             let winding = self.winding(surface, solver, &middle);
-            let wanted = if depth_m > 0.0 { winding > 1.5 } else { winding < 0.5 };
+            let wanted = if depth_m > 0.0 {
+                winding > 1.5
+            } else {
+                winding < 0.5
+            };
             if !wanted {
                 if self.walls.len() < MOST_WALLS {
                     self.walls.push(middle);
@@ -210,11 +266,22 @@ impl SelfSolver {
         } else {
             out.set_overlap();
         }
-        out.push(Contact { u, v, on_body: a.point, on_tool: b.point, normal: -nb, depth_m, tool_uv: Some([s, t]) });
+        out.push(Contact {
+            u,
+            v,
+            on_body: a.point,
+            on_tool: b.point,
+            normal: -nb,
+            depth_m,
+            tool_uv: Some([s, t]),
+        });
         for cell in [x, y] {
             let ([u, v], [wide_u, wide_v]) = self.cells.middle(cell);
             let side = |x: f64, wide: f64| [x - 0.5 * wide, x + 0.5 * wide];
-            out.push_rectangle(Rectangle { u: side(u, wide_u), v: side(v, wide_v) });
+            out.push_rectangle(Rectangle {
+                u: side(u, wide_u),
+                v: side(v, wide_v),
+            });
         }
     }
 
@@ -240,13 +307,24 @@ impl SelfSolver {
                 continue;
             }
             self.stack.clear();
-            self.stack.push(Patch { range: [u0, u1, v0, v1], level: 0, corners });
-            while let Some(Patch { range: [u0, u1, v0, v1], level, corners }) = self.stack.pop() {
+            self.stack.push(Patch {
+                range: [u0, u1, v0, v1],
+                level: 0,
+                corners,
+            });
+            while let Some(Patch {
+                range: [u0, u1, v0, v1],
+                level,
+                corners,
+            }) = self.stack.pop()
+            {
                 parts += 1;
                 let mut at = |u: f64, v: f64| solver.frame_at(surface, u, v).point - point;
                 let (um, vm) = (0.5 * (u0 + u1), 0.5 * (v0 + v1));
                 let middle = at(um, vm);
-                let far = corners.iter().fold((middle - corners[0]).norm(), |m, c| m.max((c - corners[0]).norm()));
+                let far = corners.iter().fold((middle - corners[0]).norm(), |m, c| {
+                    m.max((c - corners[0]).norm())
+                });
                 let near = corners.iter().fold(middle.norm(), |m, c| m.min(c.norm()));
                 if (near < 1.5 * far || level < least) && level < DEEPEST && parts < MOST_PARTS {
                     let [a, b, c, d] = corners;
@@ -258,7 +336,11 @@ impl SelfSolver {
                         ([um, u1, vm, v1], [middle, bc, c, cd]),
                         ([u0, um, vm, v1], [da, middle, cd, d]),
                     ];
-                    self.stack.extend(parts.map(|(range, corners)| Patch { range, level, corners }));
+                    self.stack.extend(parts.map(|(range, corners)| Patch {
+                        range,
+                        level,
+                        corners,
+                    }));
                     continue;
                 }
                 sum += angle(&corners);
@@ -282,7 +364,10 @@ fn angle(corners: &[Vector3; 4]) -> f64 {
 
 fn block(pieces: &BezierPieces, k: usize) -> Block {
     let b = pieces.bounds(k);
-    Block { low: [b.min.x, b.min.y, b.min.z], high: [b.max.x, b.max.y, b.max.z] }
+    Block {
+        low: [b.min.x, b.min.y, b.min.z],
+        high: [b.max.x, b.max.y, b.max.z],
+    }
 }
 
 fn cone(surface: &Surface, pieces: &BezierPieces, k: usize) -> Cone {
@@ -292,5 +377,11 @@ fn cone(surface: &Surface, pieces: &BezierPieces, k: usize) -> Cone {
         *y = [x[0] / x[3], x[1] / x[3], x[2] / x[3]];
     }
     let (p, q) = (pieces.u.degree, pieces.v.degree);
-    Cone::of_normals(&flat[..points.len()], p, q, surface.flip_normal(), pieces.is_rational())
+    Cone::of_normals(
+        &flat[..points.len()],
+        p,
+        q,
+        surface.flip_normal(),
+        pieces.is_rational(),
+    )
 }

@@ -1,8 +1,9 @@
 //! The proxy of a ball-shaped tool: it goes where the coupling wants it, but not into the surface.
 //!
-//! A god-object (Zilles & Salisbury 1995; Ruspini et al. 1997 for balls) on the exact surface. Far away it advances by
-//! its certified distance, so that no speed takes it through a thin body; once it touches, it follows its foot by local
-//! Newton steps, so that it stays on the side it came from even when the device is deep inside.
+//! A god-object (Zilles & Salisbury 1995; Ruspini et al. 1997 for balls) on the exact surface. Far
+//! away it advances by its certified distance, so that no speed takes it through a thin body; once
+//! it touches, it follows its foot by local Newton steps, so that it stays on the side it came from
+//! even when the device is deep inside.
 
 use crate::math::{Point3, Vector3};
 use crate::surface::{ClosestPoint, ClosestSolver, Surface, WarmFoot};
@@ -21,7 +22,8 @@ pub struct ProxyState {
 }
 
 impl ProxyState {
-    /// The tool is out of the body's reach: nothing that was proven near it holds when it comes back.
+    /// The tool is out of the body's reach: nothing that was proven near it holds when it comes
+    /// back.
     pub fn leave(&mut self) {
         self.touching = false;
         self.foot.budget_m = 0.0;
@@ -56,16 +58,25 @@ pub struct BallContact<'a> {
     pub two_sided: bool,
 }
 
-/// Sphere-tracing steps while free; each takes the whole certified clearance, so this many only lie close to tangency.
+/// Sphere-tracing steps while free; each takes the whole certified clearance, so this many only lie
+/// close to tangency.
 const ADVANCES: usize = 32;
 /// Sliding steps in touch. Each contracts the error by curvature times depth.
 const SLIDES: usize = 16;
-/// Touching means closer than this share of the surface's size: far above rounding (1e-16), far below what a hand feels.
+/// Touching means closer than this share of the surface's size: far above rounding (1e-16), far
+/// below what a hand feels.
 const TOUCH: f64 = 1e-9;
 
 impl BallContact<'_> {
-    /// Moves the proxy from `start` towards `target`. `moved_m`: how far any control point moved since the last call.
-    pub fn constrain(&mut self, start: &Point3, target: &Point3, moved_m: f64, state: &mut ProxyState) -> Constrained {
+    /// Moves the proxy from `start` towards `target`. `moved_m`: how far any control point moved
+    /// since the last call.
+    pub fn constrain(
+        &mut self,
+        start: &Point3,
+        target: &Point3,
+        moved_m: f64,
+        state: &mut ProxyState,
+    ) -> Constrained {
         let mut centre = *start;
         let mut moved = moved_m;
         if !state.touching {
@@ -100,8 +111,12 @@ impl BallContact<'_> {
         let mut foot = self.follow(&centre, state);
         for _ in 0..SLIDES {
             let normal = foot.normal * side(state);
-            // The usual case: the target's own foot lies on the branch we stand on, and gives the answer at once.
-            if let Some(own) = self.solver.local(self.surface, target, state.foot.u, state.foot.v) {
+            // The usual case: the target's own foot lies on the branch we stand on, and gives the
+            // answer at once.
+            if let Some(own) = self
+                .solver
+                .local(self.surface, target, state.foot.u, state.foot.v)
+            {
                 let reach = (target - centre).norm() + self.radius_m;
                 let facing = own.normal.dot(&foot.normal) > 0.5;
                 if facing && (own.point - foot.point).norm() <= 2.0 * reach {
@@ -127,26 +142,45 @@ impl BallContact<'_> {
                 break;
             }
             // No further than half the ball, or the surface could bend away unseen.
-            let stride = if self.radius_m > 0.0 { 0.5 * self.radius_m } else { length };
-            centre += tangent * (if length < stride { 1.0 } else { stride / length });
+            let stride = if self.radius_m > 0.0 {
+                0.5 * self.radius_m
+            } else {
+                length
+            };
+            centre += tangent
+                * (if length < stride {
+                    1.0
+                } else {
+                    stride / length
+                });
             foot = self.follow(&centre, state);
         }
         self.held(foot, target, state)
     }
 
-    /// The certified closest point. `net_moved_m`: how far any control point moved since the last call.
-    fn closest(&mut self, query: &Point3, net_moved_m: f64, state: &mut ProxyState) -> ClosestPoint {
+    /// The certified closest point. `net_moved_m`: how far any control point moved since the last
+    /// call.
+    fn closest(
+        &mut self,
+        query: &Point3,
+        net_moved_m: f64,
+        state: &mut ProxyState,
+    ) -> ClosestPoint {
         let moved = (query - state.queried).norm();
         state.queried = *query;
-        self.solver.closest_warm_moved(self.surface, query, moved, net_moved_m, &mut state.foot)
+        self.solver
+            .closest_warm_moved(self.surface, query, moved, net_moved_m, &mut state.foot)
     }
 
     /// The foot of the centre on the branch it stands on; the global one where that branch ends.
     fn follow(&mut self, centre: &Point3, state: &mut ProxyState) -> ClosestPoint {
-        let foot = self.solver.local(self.surface, centre, state.foot.u, state.foot.v).unwrap_or_else(|| {
-            state.foot.budget_m = 0.0;
-            self.closest(centre, 0.0, state)
-        });
+        let foot = self
+            .solver
+            .local(self.surface, centre, state.foot.u, state.foot.v)
+            .unwrap_or_else(|| {
+                state.foot.budget_m = 0.0;
+                self.closest(centre, 0.0, state)
+            });
         (state.foot.u, state.foot.v) = (foot.u, foot.v);
         foot
     }
@@ -156,13 +190,25 @@ impl BallContact<'_> {
         self.outcome(centre, foot, target, state)
     }
 
-    fn outcome(&self, centre: Point3, foot: ClosestPoint, target: &Point3, state: &ProxyState) -> Constrained {
+    fn outcome(
+        &self,
+        centre: Point3,
+        foot: ClosestPoint,
+        target: &Point3,
+        state: &ProxyState,
+    ) -> Constrained {
         let normal = self.normal(&foot, target, state);
         let gap_m = (target - foot.point).dot(&normal) - self.radius_m;
-        Constrained { centre, foot, normal, gap_m }
+        Constrained {
+            centre,
+            foot,
+            normal,
+            gap_m,
+        }
     }
 
-    /// Where the target lies outside, the direction to it: at an edge or a crease that is not the surface's normal.
+    /// Where the target lies outside, the direction to it: at an edge or a crease that is not the
+    /// surface's normal.
     fn normal(&self, foot: &ClosestPoint, target: &Point3, state: &ProxyState) -> Vector3 {
         let away = target - foot.point;
         let distance = away.norm();

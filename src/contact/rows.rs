@@ -1,8 +1,9 @@
-//! Contact rows: constraints between two parties, with the weights that carry their force to control points.
+//! Contact rows: constraints between two parties, with the weights that carry their force to
+//! control points.
 //!
-//! The first party is a body, pushed against the normal; the second, the holder, is a tool or another body (or the same
-//! one, touching itself), pushed along it. Normals come from the surfaces as they stand (at rest that is exact), gaps from
-//! where their free motion will take both.
+//! The first party is a body, pushed against the normal; the second, the holder, is a tool or
+//! another body (or the same one, touching itself), pushed along it. Normals come from the surfaces
+//! as they stand (at rest that is exact), gaps from where their free motion will take both.
 
 use super::friction::Law;
 use super::samples::{SampleGrid, Weights};
@@ -51,7 +52,8 @@ pub struct Row {
     pub normal: Vector3,
     /// Gap under free motion of both, m.
     pub gap_m: f64,
-    /// How far free motion of both takes the holder past the body, m; a grip: from one point to the other.
+    /// How far free motion of both takes the holder past the body, m; a grip: from one point to the
+    /// other.
     pub slip: Vector3,
     /// What the row does.
     pub law: Law,
@@ -61,7 +63,8 @@ pub struct Row {
     pub u: f64,
     /// Its parameters.
     pub v: f64,
-    /// From a tool's reference point to where the tool touches, m; zero on balls, which may turn as they like.
+    /// From a tool's reference point to where the tool touches, m; zero on balls, which may turn as
+    /// they like.
     pub arm: Vector3,
     /// The same in the tool's frame, m.
     pub on_tool: Vector3,
@@ -151,7 +154,10 @@ impl RowSet {
             rows: Vec::with_capacity(MAX_ROWS),
             controls: Vec::with_capacity(room),
             weights: Vec::with_capacity(room),
-            scratch: Weights { controls: Vec::with_capacity(width), weights: Vec::with_capacity(width) },
+            scratch: Weights {
+                controls: Vec::with_capacity(width),
+                weights: Vec::with_capacity(width),
+            },
             pair_start: 0,
             free: [Point3::origin(); MAX_TOOLS],
             free_turns: [Rotation::identity(); MAX_TOOLS],
@@ -188,8 +194,9 @@ impl RowSet {
         self.rows.len() == MAX_ROWS || self.rows.len() - self.pair_start == MAX_ROWS_PER_PAIR
     }
 
-    /// Adds a row whose gap is `row.gap_m` now, if it closes to less than `margin_m` or has; the gap then becomes that
-    /// after free motion. `row.slip` is what the holder has slipped before the motions given here.
+    /// Adds a row whose gap is `row.gap_m` now, if it closes to less than `margin_m` or has; the
+    /// gap then becomes that after free motion. `row.slip` is what the holder has slipped before
+    /// the motions given here.
     pub fn push(&mut self, row: Row, body: Grip<'_>, holder: Grip<'_>, margin_m: f64) {
         if self.full() {
             return;
@@ -200,7 +207,13 @@ impl RowSet {
         let gap_m = row.gap_m + (towards - away).dot(&row.normal);
         if gap_m < margin_m || row.gap_m < margin_m {
             let slip = row.slip + (towards - away);
-            self.rows.push(Row { gap_m, slip, on_body, on_holder, ..row });
+            self.rows.push(Row {
+                gap_m,
+                slip,
+                on_body,
+                on_holder,
+                ..row
+            });
         } else {
             self.controls.truncate(controls);
             self.weights.truncate(weights);
@@ -219,14 +232,25 @@ impl RowSet {
                 let start = self.controls.len() as u32;
                 self.controls.extend_from_slice(&self.scratch.controls);
                 self.weights.extend_from_slice(&self.scratch.weights);
-                (then - now, Range { start, end: self.controls.len() as u32 })
+                (
+                    then - now,
+                    Range {
+                        start,
+                        end: self.controls.len() as u32,
+                    },
+                )
             }
         }
     }
 
     /// Free motion of a body changed, at its control points by this, m.
     pub fn shift(&mut self, body: usize, change: &[Vector3]) {
-        let Self { rows, controls, weights, .. } = self;
+        let Self {
+            rows,
+            controls,
+            weights,
+            ..
+        } = self;
         for row in rows {
             for (sign, range) in row.sides_on(body) {
                 let range = range.start as usize..range.end as usize;
@@ -243,7 +267,10 @@ impl RowSet {
 
     /// A point of a deforming surface after free motion, m.
     pub fn predicted_point(&mut self, view: &DeformingView<'_>, u: f64, v: f64) -> Point3 {
-        let (wu, wv) = (view.surface.knots_u().window(u), view.surface.knots_v().window(v));
+        let (wu, wv) = (
+            view.surface.knots_u().window(u),
+            view.surface.knots_v().window(v),
+        );
         self.scratch.set(view.surface, &wu, &wv);
         self.scratch.point(view.predicted)
     }
@@ -278,8 +305,9 @@ pub struct SampleInTouch {
 }
 
 impl DeformingView<'_> {
-    /// Samples nearer than `margin_m` to another party, at most [`MAX_SAMPLES_PER_PAIR`]. `meets` says whether a box is worth
-    /// a look, `look` what a point of the surface sees of the other party.
+    /// Samples nearer than `margin_m` to another party, at most [`MAX_SAMPLES_PER_PAIR`]. `meets`
+    /// says whether a box is worth a look, `look` what a point of the surface sees of the other
+    /// party.
     pub fn samples_in_touch(
         &self,
         margin_m: f64,
@@ -307,14 +335,19 @@ impl DeformingView<'_> {
                     if out.len() == MAX_SAMPLES_PER_PAIR {
                         return;
                     }
-                    out.push(SampleInTouch { index, point, facing });
+                    out.push(SampleInTouch {
+                        index,
+                        point,
+                        facing,
+                    });
                 }
             }
         }
     }
 }
 
-/// The surface there looks towards the other party; the far side of a thin body inside a large tool does not.
+/// The surface there looks towards the other party; the far side of a thin body inside a large tool
+/// does not.
 fn faces(surface: &Surface, wu: &BasisWindow, wv: &BasisWindow, normal: &Vector3) -> bool {
     let frame = surface.frame_in(wu, wv);
     let outward = frame.du.cross(&frame.dv);

@@ -1,10 +1,12 @@
-//! A fixed grid of surface samples, the same number in every knot span, with their basis windows at hand.
+//! A fixed grid of surface samples, the same number in every knot span, with their basis windows at
+//! hand.
 
 use crate::basis::{BasisWindow, KnotVector};
 use crate::math::{Point3, Vector3};
 use crate::surface::{Joints, Surface, wrap};
 
-/// Samples of a surface, grouped by patch (a pair of knot spans), so that whole patches are skipped by their control hull.
+/// Samples of a surface, grouped by patch (a pair of knot spans), so that whole patches are skipped
+/// by their control hull.
 #[derive(Clone, Debug)]
 pub struct SampleGrid {
     u: Direction,
@@ -31,10 +33,18 @@ impl Direction {
         for span in knots.spans() {
             let (a, b) = (knots.knots()[span], knots.knots()[span + 1]);
             // Mid-points of equal parts: no sample on a knot line, none doubled at a seam.
-            parameters.extend((0..per_span).map(|k| a + (b - a) * (k as f64 + 0.5) / per_span as f64));
+            parameters
+                .extend((0..per_span).map(|k| a + (b - a) * (k as f64 + 0.5) / per_span as f64));
         }
         let windows = parameters.iter().map(|&u| knots.window(u)).collect();
-        Self { per_span, count: knots.count(), wraps, parameters, windows, gaps: Vec::new() }
+        Self {
+            per_span,
+            count: knots.count(),
+            wraps,
+            parameters,
+            windows,
+            gaps: Vec::new(),
+        }
     }
 
     fn patches(&self) -> usize {
@@ -118,11 +128,13 @@ impl SampleGrid {
 
     /// A patch that is drawn elsewhere: its samples are not asked for.
     pub fn is_duplicate(&self, patch_u: usize, patch_v: usize) -> bool {
-        self.joints.as_ref().is_some_and(|joints| joints.is_duplicate(patch_u, patch_v))
+        self.joints
+            .as_ref()
+            .is_some_and(|joints| joints.is_duplicate(patch_u, patch_v))
     }
 
-    /// The four samples around a place, also over one joint; `None` where it lies outside of them all, beside an edge or a
-    /// pole, or where more than two patches meet.
+    /// The four samples around a place, also over one joint; `None` where it lies outside of them
+    /// all, beside an edge or a pole, or where more than two patches meet.
     pub fn around(&self, u: f64, v: f64) -> Option<[usize; 4]> {
         match (self.u.beside(u), self.v.beside(v)) {
             (Some(us), Some(vs)) => {
@@ -138,10 +150,17 @@ impl SampleGrid {
     /// Two samples with one index in direction `d` and two in the other.
     fn pair(&self, d: usize, index: usize, others: [usize; 2]) -> [usize; 2] {
         let columns = self.v.parameters.len();
-        others.map(|other| if d == 0 { index * columns + other } else { other * columns + index })
+        others.map(|other| {
+            if d == 0 {
+                index * columns + other
+            } else {
+                other * columns + index
+            }
+        })
     }
 
-    /// The four samples around a place beside an edge on which parameter `d` is held; `own` are those along it.
+    /// The four samples around a place beside an edge on which parameter `d` is held; `own` are
+    /// those along it.
     fn around_joint(&self, at: [f64; 2], d: usize, own: [usize; 2]) -> Option<[usize; 4]> {
         let joints = self.joints.as_ref()?;
         let patch = joints.patch_at(at);
@@ -154,15 +173,23 @@ impl SampleGrid {
         let along = of(1 - held).beside(there[1 - held])?;
         let [a, b] = self.pair(d, if upper { last } else { first }, own);
         let [x, y] = self.pair(held, if side.is_multiple_of(2) { low } else { high }, along);
-        // Own ones first: a ball in a crease has a foot on either side, and they are told apart by that.
+        // Own ones first: a ball in a crease has a foot on either side, and they are told apart by
+        // that.
         Some([a, b, x, y])
     }
 
     /// The first and the last sample of a patch in a direction.
     fn ends(&self, joints: &Joints, patch: usize, d: usize) -> (usize, usize) {
         let [from, to] = joints.rectangle(patch)[d];
-        let parameters = if d == 0 { &self.u.parameters } else { &self.v.parameters };
-        (parameters.partition_point(|&x| x <= from), parameters.partition_point(|&x| x < to) - 1)
+        let parameters = if d == 0 {
+            &self.u.parameters
+        } else {
+            &self.v.parameters
+        };
+        (
+            parameters.partition_point(|&x| x <= from),
+            parameters.partition_point(|&x| x < to) - 1,
+        )
     }
 
     /// All samples.
@@ -188,7 +215,10 @@ impl SampleGrid {
     }
 
     fn split(&self, sample: usize) -> (usize, usize) {
-        (sample / self.v.parameters.len(), sample % self.v.parameters.len())
+        (
+            sample / self.v.parameters.len(),
+            sample % self.v.parameters.len(),
+        )
     }
 
     /// Patches in u and v.
@@ -204,9 +234,13 @@ impl SampleGrid {
             .flat_map(move |iu| (patch_v * pv..(patch_v + 1) * pv).map(move |iv| iu * stride + iv))
     }
 
-    /// Axis-aligned box of the control points that shape a patch: it holds the patch (convex hull property).
+    /// Axis-aligned box of the control points that shape a patch: it holds the patch (convex hull
+    /// property).
     pub fn patch_box(&self, net: &[Point3], patch_u: usize, patch_v: usize) -> (Point3, Point3) {
-        let (wu, wv) = (&self.u.windows[patch_u * self.u.per_span], &self.v.windows[patch_v * self.v.per_span]);
+        let (wu, wv) = (
+            &self.u.windows[patch_u * self.u.per_span],
+            &self.v.windows[patch_v * self.v.per_span],
+        );
         let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
         for a in 0..wu.len {
             let row = wrap(wu.first + a, self.u.count) * self.v.count;

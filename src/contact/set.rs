@@ -1,5 +1,5 @@
-//! What every narrow phase answers: contacts in order of depth, the parameter rectangles in touch, and whether there is
-//! any overlap at all.
+//! What every narrow phase answers: contacts in order of depth, the parameter rectangles in touch,
+//! and whether there is any overlap at all.
 
 use crate::math::{Point3, Vector3};
 
@@ -27,8 +27,9 @@ pub struct Contact {
     pub tool_uv: Option<[f64; 2]>,
 }
 
-/// A part of the body's parameter domain that holds everything of one contact region, in the surface's own parameters. In
-/// a periodic direction `high` may pass the domain's end: the rectangle then goes on behind the seam.
+/// A part of the body's parameter domain that holds everything of one contact region, in the
+/// surface's own parameters. In a periodic direction `high` may pass the domain's end: the
+/// rectangle then goes on behind the seam.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rectangle {
     /// Least and greatest u.
@@ -48,7 +49,10 @@ pub struct Reach {
 
 impl Reach {
     /// Penetration only, from the outer side.
-    pub const TOUCH: Self = Self { margin_m: 0.0, below: false };
+    pub const TOUCH: Self = Self {
+        margin_m: 0.0,
+        below: false,
+    };
 
     /// +1, or −1 below a sheet: what normals and signed distances of the body are multiplied with.
     pub fn side(&self) -> f64 {
@@ -58,7 +62,10 @@ impl Reach {
 
 /// Deepest first, then by u, then by v.
 fn order(a: &Contact, b: &Contact) -> std::cmp::Ordering {
-    b.depth_m.total_cmp(&a.depth_m).then(a.u.total_cmp(&b.u)).then(a.v.total_cmp(&b.v))
+    b.depth_m
+        .total_cmp(&a.depth_m)
+        .then(a.u.total_cmp(&b.u))
+        .then(a.v.total_cmp(&b.v))
 }
 
 /// The contacts of one pair. Room is made once; filling it allocates nothing.
@@ -95,10 +102,13 @@ impl ContactSet {
         self.dropped = 0;
     }
 
-    /// Adds a contact at its place in the order: deepest first, then by u, then by v. The shallowest leaves a full set.
+    /// Adds a contact at its place in the order: deepest first, then by u, then by v. The
+    /// shallowest leaves a full set.
     pub fn push(&mut self, contact: Contact) {
         self.overlap |= contact.depth_m >= 0.0;
-        let at = self.contacts.partition_point(|held| order(held, &contact).is_lt());
+        let at = self
+            .contacts
+            .partition_point(|held| order(held, &contact).is_lt());
         if self.contacts.len() == MAX_CONTACTS {
             self.dropped += 1;
             if at == MAX_CONTACTS {
@@ -109,11 +119,15 @@ impl ContactSet {
         self.contacts.insert(at, contact);
     }
 
-    /// Replaces contacts where there is a better one; points of the tool follow from depth and normal.
+    /// Replaces contacts where there is a better one; points of the tool follow from depth and
+    /// normal.
     pub fn turn(&mut self, mut turned: impl FnMut(&Contact) -> Option<Contact>) {
         for contact in &mut self.contacts {
             if let Some(next) = turned(contact) {
-                *contact = Contact { on_tool: next.on_body - next.normal * next.depth_m, ..next };
+                *contact = Contact {
+                    on_tool: next.on_body - next.normal * next.depth_m,
+                    ..next
+                };
             }
         }
         self.contacts.sort_unstable_by(order);
@@ -134,7 +148,8 @@ impl ContactSet {
         self.overlap = true;
     }
 
-    /// For a narrow phase that had to leave something out: at least one more contact is counted as dropped.
+    /// For a narrow phase that had to leave something out: at least one more contact is counted as
+    /// dropped.
     pub fn note_dropped(&mut self) {
         self.dropped += 1;
     }
@@ -171,7 +186,15 @@ mod tests {
 
     fn contact(depth_m: f64, u: f64) -> Contact {
         let (on_body, normal) = (Point3::origin(), Vector3::z());
-        Contact { u, v: 0.0, on_body, on_tool: on_body - normal * depth_m, normal, depth_m, tool_uv: None }
+        Contact {
+            u,
+            v: 0.0,
+            on_body,
+            on_tool: on_body - normal * depth_m,
+            normal,
+            depth_m,
+            tool_uv: None,
+        }
     }
 
     #[test]

@@ -44,7 +44,12 @@ impl SurfaceShape {
     /// `surface` in the tool's frame, m.
     pub fn new(surface: Surface) -> Self {
         let surface = surface.oriented_outward();
-        let reach_m = surface.net().points().iter().map(|p| p.coords.norm()).fold(0.0, f64::max);
+        let reach_m = surface
+            .net()
+            .points()
+            .iter()
+            .map(|p| p.coords.norm())
+            .fold(0.0, f64::max);
         Self { surface, reach_m }
     }
 
@@ -55,7 +60,8 @@ impl SurfaceShape {
 }
 
 impl ToolShape {
-    /// Radius of the ball around the reference point, 0 for a point; `None` for shapes that are no ball.
+    /// Radius of the ball around the reference point, 0 for a point; `None` for shapes that are no
+    /// ball.
     pub fn ball_radius_m(&self) -> Option<f64> {
         match self {
             Self::Point => Some(0.0),
@@ -64,7 +70,8 @@ impl ToolShape {
         }
     }
 
-    /// Greatest distance of the tool's matter from its reference point, m; `None` when it has no bounds.
+    /// Greatest distance of the tool's matter from its reference point, m; `None` when it has no
+    /// bounds.
     pub fn reach_m(&self) -> Option<f64> {
         match self {
             Self::Point => Some(0.0),

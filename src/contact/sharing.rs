@@ -1,20 +1,22 @@
 //! How several rigid contacts of one tool share its force.
 //!
-//! A tool that only translates has three equations and any number of contacts: balance fixes the sum of their forces, not
-//! each. The moment needs each. Of all shares λ ≥ 0 with Σ λ_i n_i = F, the one with least Σ λ_i² / w_i is taken, w_i being
-//! how deep the device is in contact i: what springs of equal stiffness under every contact would do. A contact that
-//! appears begins with w = 0, so the moment does not jump.
+//! A tool that only translates has three equations and any number of contacts: balance fixes the
+//! sum of their forces, not each. The moment needs each. Of all shares λ ≥ 0 with Σ λ_i n_i = F,
+//! the one with least Σ λ_i² / w_i is taken, w_i being how deep the device is in contact i: what
+//! springs of equal stiffness under every contact would do. A contact that appears begins with w =
+//! 0, so the moment does not jump.
 //!
-//! The minimum is λ_i = w_i max(0, n_i · y), where y minimises ½ Σ w_i max(0, n_i · y)² − F · y: convex in three unknowns,
-//! solved by Newton's method over the set of contacts that carry.
+//! The minimum is λ_i = w_i max(0, n_i · y), where y minimises ½ Σ w_i max(0, n_i · y)² − F · y:
+//! convex in three unknowns, solved by Newton's method over the set of contacts that carry.
 
 use crate::math::Vector3;
 use nalgebra::Matrix3;
 
 /// Rounds of Newton; each that does not end changes the set of contacts that carry.
 const ROUNDS: usize = 60;
-/// Stiffness given to y itself, relative to the sum of the weights. Normals that nearly lie in a plane would otherwise share
-/// by how they do not; so the sum may be off by [`KEPT`] in that direction.
+/// Stiffness given to y itself, relative to the sum of the weights. Normals that nearly lie in a
+/// plane would otherwise share by how they do not; so the sum may be off by [`KEPT`] in that
+/// direction.
 const WHISPER: f64 = 1e-7;
 /// Largest slope left, relative to the force, that counts as solved: far above rounding.
 const SOLVED: f64 = 1e-9;
@@ -48,9 +50,13 @@ impl Look {
     }
 }
 
-/// y by Newton's method; `add` adds every contact at a y. `None` when there is no force or no weight to share by, or when
-/// the sum would not stay what it was to 1e-4 of itself.
-pub(super) fn multiplier(total: &Vector3, weights_m: f64, add: impl Fn(&Vector3, &mut Look)) -> Option<Vector3> {
+/// y by Newton's method; `add` adds every contact at a y. `None` when there is no force or no
+/// weight to share by, or when the sum would not stay what it was to 1e-4 of itself.
+pub(super) fn multiplier(
+    total: &Vector3,
+    weights_m: f64,
+    add: impl Fn(&Vector3, &mut Look),
+) -> Option<Vector3> {
     let size = total.norm();
     if !(size > 0.0 && weights_m > 0.0 && size.is_finite() && weights_m.is_finite()) {
         return None;
@@ -58,7 +64,11 @@ pub(super) fn multiplier(total: &Vector3, weights_m: f64, add: impl Fn(&Vector3,
     let whisper = WHISPER * weights_m;
     let look = |y: &Vector3| {
         let cost = 0.5 * whisper * y.norm_squared() - total.dot(y);
-        let mut look = Look { cost, miss: total - y * whisper, bend: Matrix3::identity() * whisper };
+        let mut look = Look {
+            cost,
+            miss: total - y * whisper,
+            bend: Matrix3::identity() * whisper,
+        };
         add(y, &mut look);
         look
     };
@@ -75,7 +85,8 @@ pub(super) fn multiplier(total: &Vector3, weights_m: f64, add: impl Fn(&Vector3,
             let next = y + step * scale;
             let looked = look(&next);
             // Near the end the cost is flat to rounding; the gradient still tells.
-            let better = looked.cost <= now.cost - 1e-4 * scale * slope || looked.miss.norm() <= 0.5 * now.miss.norm();
+            let better = looked.cost <= now.cost - 1e-4 * scale * slope
+                || looked.miss.norm() <= 0.5 * now.miss.norm();
             if better || scale < 1e-6 {
                 (y, now) = (next, looked);
                 break;
@@ -86,8 +97,8 @@ pub(super) fn multiplier(total: &Vector3, weights_m: f64, add: impl Fn(&Vector3,
     None
 }
 
-/// Shares Σ force · normal anew; the sum stays what it was to 1e-4 of itself. False, with nothing changed, when weights do
-/// not allow it.
+/// Shares Σ force · normal anew; the sum stays what it was to 1e-4 of itself. False, with nothing
+/// changed, when weights do not allow it.
 pub fn share(contacts: &mut [Share]) -> bool {
     let total: Vector3 = contacts.iter().map(|c| c.normal * c.force_n).sum();
     let weights: f64 = contacts.iter().map(|c| c.weight_m).sum();
@@ -101,7 +112,9 @@ pub fn share(contacts: &mut [Share]) -> bool {
             }
         }
     };
-    let Some(y) = multiplier(&total, weights, add) else { return false };
+    let Some(y) = multiplier(&total, weights, add) else {
+        return false;
+    };
     for c in contacts.iter_mut() {
         c.force_n = c.weight_m * c.normal.dot(&y).max(0.0);
     }
@@ -113,18 +126,26 @@ mod tests {
     use super::*;
 
     fn contacts(given: &[([f64; 3], f64, f64)]) -> Vec<Share> {
-        let share = |&(normal, weight_m, force_n)| Share { normal: Vector3::from(normal), weight_m, force_n };
+        let share = |&(normal, weight_m, force_n)| Share {
+            normal: Vector3::from(normal),
+            weight_m,
+            force_n,
+        };
         given.iter().map(share).collect()
     }
 
     #[test]
     fn parallel_contacts_share_by_depth() {
-        let mut three =
-            contacts(&[([0.0, 0.0, 1.0], 1.0, 4.0), ([0.0, 0.0, 1.0], 1.0, 0.0), ([0.0, 0.0, 1.0], 2.0, 0.0)]);
+        let mut three = contacts(&[
+            ([0.0, 0.0, 1.0], 1.0, 4.0),
+            ([0.0, 0.0, 1.0], 1.0, 0.0),
+            ([0.0, 0.0, 1.0], 2.0, 0.0),
+        ]);
         assert!(share(&mut three));
         let forces: Vec<f64> = three.iter().map(|c| c.force_n).collect();
         assert!(
-            (forces[0] - 1.0).abs() + (forces[1] - 1.0).abs() + (forces[2] - 2.0).abs() < 4.0 * WHISPER * 4.0,
+            (forces[0] - 1.0).abs() + (forces[1] - 1.0).abs() + (forces[2] - 2.0).abs()
+                < 4.0 * WHISPER * 4.0,
             "{forces:?}"
         );
     }
@@ -134,7 +155,11 @@ mod tests {
         for depth in [0.0, 1e-12, 1e-9, 1e-6] {
             let mut two = contacts(&[([0.0, 0.0, 1.0], 1.0, 5.0), ([0.0, 0.6, 0.8], depth, 0.0)]);
             assert!(share(&mut two));
-            assert!(two[1].force_n <= 10.0 * depth, "{} N at a depth of {depth}", two[1].force_n);
+            assert!(
+                two[1].force_n <= 10.0 * depth,
+                "{} N at a depth of {depth}",
+                two[1].force_n
+            );
         }
     }
 
@@ -143,7 +168,9 @@ mod tests {
     fn random_sets_keep_their_sum_and_meet_the_optimum() {
         let mut state = 11u64;
         let mut random = || {
-            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            state = state
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1_442_695_040_888_963_407);
             (state >> 11) as f64 / (1u64 << 53) as f64 - 0.5
         };
         let (mut solved, mut unsolved) = (0, 0);
@@ -152,11 +179,19 @@ mod tests {
             let mut set: Vec<Share> = (0..count)
                 .map(|_| {
                     let normal = Vector3::new(random(), random(), 0.3 + random().abs()).normalize();
-                    Share { normal, weight_m: 1e-4 + 1e-3 * random().abs(), force_n: (3.0 * random()).max(0.0) }
+                    Share {
+                        normal,
+                        weight_m: 1e-4 + 1e-3 * random().abs(),
+                        force_n: (3.0 * random()).max(0.0),
+                    }
                 })
                 .collect();
             let before: Vector3 = set.iter().map(|c| c.normal * c.force_n).sum();
-            let energy = |set: &[Share]| set.iter().map(|c| c.force_n * c.force_n / c.weight_m).sum::<f64>();
+            let energy = |set: &[Share]| {
+                set.iter()
+                    .map(|c| c.force_n * c.force_n / c.weight_m)
+                    .sum::<f64>()
+            };
             let energy_before = energy(&set);
             if share(&mut set) {
                 solved += 1;
@@ -165,10 +200,14 @@ mod tests {
                 assert!(set.iter().all(|c| c.force_n >= 0.0));
                 assert!(energy(&set) <= energy_before * (1.0 + 4.0 * KEPT));
             } else {
-                // Sums in the narrow cone of nearly parallel normals, just outside of what the weights reach.
+                // Sums in the narrow cone of nearly parallel normals, just outside of what the
+                // weights reach.
                 unsolved += u32::from(before.norm() > 0.0);
             }
         }
-        assert!(solved > 1_800 && unsolved < 10, "{solved} solved, {unsolved} not");
+        assert!(
+            solved > 1_800 && unsolved < 10,
+            "{solved} solved, {unsolved} not"
+        );
     }
 }

@@ -29,14 +29,21 @@ pub(super) fn isolate(
             format!("there is no method {name:?} of isolation; there are {known}")
         })?,
     };
-    let spec = IsolateSpec { method, gap_m: asked.gap_m, max_turn_deg: asked.max_turn_deg, ..usual };
+    let spec = IsolateSpec {
+        method,
+        gap_m: asked.gap_m,
+        max_turn_deg: asked.max_turn_deg,
+        ..usual
+    };
     let id = |k: usize| scene.body_id(bodies[k]);
     let last = bodies.len() - 1;
     let turned: Vec<Surface> = surfaces.iter().rev().cloned().collect();
-    let all =
-        isolate_all(&turned, &spec).map_err(|e| format!("{e} (surface k is the k-th from the end of those named)"))?;
+    let all = isolate_all(&turned, &spec)
+        .map_err(|e| format!("{e} (surface k is the k-th from the end of those named)"))?;
     if let Some(reason) = all.unsettled {
-        return Err(format!("{reason} (body k is the k-th from the end of those named, from 0)"));
+        return Err(format!(
+            "{reason} (body k is the k-th from the end of those named, from 0)"
+        ));
     }
     let moves: Vec<(usize, Vector3)> = (0..bodies.len())
         .map(|k| (k, all.translations_m[last - k]))
@@ -56,17 +63,28 @@ pub(super) fn isolate(
             })
         })
         .collect();
-    let translations: serde_json::Map<String, serde_json::Value> =
-        (0..bodies.len()).map(|k| (id(k).to_owned(), json!(xyz(&all.translations_m[last - k])))).collect();
+    let translations: serde_json::Map<String, serde_json::Value> = (0..bodies.len())
+        .map(|k| (id(k).to_owned(), json!(xyz(&all.translations_m[last - k]))))
+        .collect();
     let report = json!({
         "translation": xyz(&all.translations_m[last]), "translations": translations, "passes": all.passes, "moves": pairs,
     });
     if moves.is_empty() {
-        return Ok(Edited { change: None, what: String::new(), report });
+        return Ok(Edited {
+            change: None,
+            what: String::new(),
+            report,
+        });
     }
-    let words = moves.iter().map(|(k, by)| format!("{} by {:?} m", id(*k), xyz(by)));
+    let words = moves
+        .iter()
+        .map(|(k, by)| format!("{} by {:?} m", id(*k), xyz(by)));
     let what = format!("moved apart: {}", words.collect::<Vec<_>>().join(", "));
     let moved: Vec<(usize, Vector3)> = moves.iter().map(|&(k, by)| (bodies[k], by)).collect();
     let change = SceneChange::moved(scene, &moved).map_err(|e| e.to_string())?;
-    Ok(Edited { change: Some(change), what, report })
+    Ok(Edited {
+        change: Some(change),
+        what,
+        report,
+    })
 }

@@ -28,29 +28,49 @@ pub(super) fn merge(
         Some("constrained") => Method::Constrained,
         Some("exact") => Method::Exact,
         Some(name) => {
-            return Err(format!("there is no method {name:?} of merging; there are seed, constrained, exact"));
+            return Err(format!(
+                "there is no method {name:?} of merging; there are seed, constrained, exact"
+            ));
         }
     };
     let arrangement = match surfaces.len() {
         2 => Arrangement::Closest,
-        4 => Arrangement::Grid { rows: 2, columns: 2 },
+        4 => Arrangement::Grid {
+            rows: 2,
+            columns: 2,
+        },
         columns => Arrangement::Grid { rows: 1, columns },
     };
     let continuity = asked.continuity.map_or(usual.continuity, |c| c as usize);
-    let spec = MergeSpec { continuity, method, arrangement, tolerance_m: asked.tolerance_m, ..usual };
+    let spec = MergeSpec {
+        continuity,
+        method,
+        arrangement,
+        tolerance_m: asked.tolerance_m,
+        ..usual
+    };
     let merged = merge::merge(surfaces, &spec).map_err(|e| e.to_string())?;
     let names: Vec<&str> = bodies.iter().map(|&body| scene.body_id(body)).collect();
     let id = asked.id.map_or_else(|| joined(&names), ToOwned::to_owned);
     palpate_proto::keys::check_id(&id).map_err(|e| e.to_string())?;
-    let change = SceneChange::merged(scene, bodies, &id, &merged.surface).map_err(|e| e.to_string())?;
+    let change =
+        SceneChange::merged(scene, bodies, &id, &merged.surface).map_err(|e| e.to_string())?;
     let told = merged.report(surfaces);
-    let seams: Vec<serde_json::Value> = told.seams.iter().map(|(_, continuity)| json!(continuity)).collect();
+    let seams: Vec<serde_json::Value> = told
+        .seams
+        .iter()
+        .map(|(_, continuity)| json!(continuity))
+        .collect();
     let net = merged.surface.net();
     let report = json!({
         "id": id, "net": [net.rows(), net.columns()], "deviation": told.deviation, "seams": seams, "before": told.before,
     });
     let what = format!("merged {} into {id} with C{continuity}", names.join(", "));
-    Ok(Edited { change: Some(change), what, report })
+    Ok(Edited {
+        change: Some(change),
+        what,
+        report,
+    })
 }
 
 /// An id for what several bodies become.

@@ -3,7 +3,8 @@
 //! ```text
 //! bus ── request, nets ──▶ worker: model the surfaces ─▶ next scene file ─▶ Scene, buffers, journal ── Swap ──▶ bus ─▶ loop
 //! ```
-//! All of it happens on a thread of its own; the loop goes on meanwhile, and takes the next scene over between two ticks.
+//! All of it happens on a thread of its own; the loop goes on meanwhile, and takes the next scene
+//! over between two ticks.
 
 mod isolate;
 mod merge;
@@ -51,15 +52,18 @@ impl SceneEditor {
     pub fn start(changes: SceneChanges) -> std::io::Result<Self> {
         let (jobs, job_out) = channel::<Job>();
         let (news_in, news) = channel();
-        std::thread::Builder::new().name("palpate-editor".into()).spawn(move || {
-            for job in job_out {
-                let id = job.id;
-                let told = carry_out(&job, &changes).unwrap_or_else(|reason| EditNews::Refused { id, reason });
-                if news_in.send(told).is_err() {
-                    return;
+        std::thread::Builder::new()
+            .name("palpate-editor".into())
+            .spawn(move || {
+                for job in job_out {
+                    let id = job.id;
+                    let told = carry_out(&job, &changes)
+                        .unwrap_or_else(|reason| EditNews::Refused { id, reason });
+                    if news_in.send(told).is_err() {
+                        return;
+                    }
                 }
-            }
-        })?;
+            })?;
         Ok(Self { jobs, news })
     }
 }
@@ -67,7 +71,12 @@ impl SceneEditor {
 impl Editor for SceneEditor {
     fn ask(&mut self, id: u64, scene: &Arc<Scene>, nets: Vec<Vec<Point3>>, request: EditRequest) {
         // The thread lives as long as we do.
-        let _ = self.jobs.send(Job { id, scene: scene.clone(), nets, request });
+        let _ = self.jobs.send(Job {
+            id,
+            scene: scene.clone(),
+            nets,
+            request,
+        });
     }
 
     fn news(&mut self) -> Option<EditNews> {
@@ -76,11 +85,29 @@ impl Editor for SceneEditor {
 }
 
 fn carry_out(job: &Job, changes: &SceneChanges) -> Result<EditNews, String> {
-    let Job { id, scene, nets, request } = job;
-    let surfaces: Vec<Surface> =
-        request.bodies.iter().zip(nets).map(|(&body, points)| scene.surface_with(body, points)).collect();
-    let Edited { change, what, report } = match &request.edit {
-        Edit::Merge { id, continuity, method, tolerance_m } => {
+    let Job {
+        id,
+        scene,
+        nets,
+        request,
+    } = job;
+    let surfaces: Vec<Surface> = request
+        .bodies
+        .iter()
+        .zip(nets)
+        .map(|(&body, points)| scene.surface_with(body, points))
+        .collect();
+    let Edited {
+        change,
+        what,
+        report,
+    } = match &request.edit {
+        Edit::Merge {
+            id,
+            continuity,
+            method,
+            tolerance_m,
+        } => {
             let asked = merge::Asked {
                 id: id.as_deref(),
                 continuity: *continuity,
@@ -89,19 +116,39 @@ fn carry_out(job: &Job, changes: &SceneChanges) -> Result<EditNews, String> {
             };
             merge::merge(scene, &request.bodies, &surfaces, &asked)?
         }
-        Edit::Isolate { method, gap_m, max_turn_deg } => {
-            let asked = isolate::Asked { method: method.as_deref(), gap_m: *gap_m, max_turn_deg: *max_turn_deg };
+        Edit::Isolate {
+            method,
+            gap_m,
+            max_turn_deg,
+        } => {
+            let asked = isolate::Asked {
+                method: method.as_deref(),
+                gap_m: *gap_m,
+                max_turn_deg: *max_turn_deg,
+            };
             isolate::isolate(scene, &request.bodies, &surfaces, &asked)?
         }
     };
-    let Some(change) = change else { return Ok(EditNews::Nothing { id: *id, report }) };
+    let Some(change) = change else {
+        return Ok(EditNews::Nothing { id: *id, report });
+    };
     let next = Arc::new(Scene::build(&change.spec, Path::new("")).map_err(|e| e.to_string())?);
     if !change.fits(scene, &next) {
-        return Err("a body that stays would be built otherwise in the next scene; nothing was changed".into());
+        return Err(
+            "a body that stays would be built otherwise in the next scene; nothing was changed"
+                .into(),
+        );
     }
     let text = toml::to_string(&next.spec).map_err(|e| e.to_string())?;
     let scene_hash = sha2::Sha256::digest(text.as_bytes()).into();
     let journal = changes.journal(&next, &what).map_err(|e| e.to_string())?;
-    let (swap, nets) = Swap::new(*id, next, change.origins, Box::new(journal)).map_err(|e| e.to_string())?;
-    Ok(EditNews::Ready { swap: Box::new(swap), nets, scene_hash, what, report })
+    let (swap, nets) =
+        Swap::new(*id, next, change.origins, Box::new(journal)).map_err(|e| e.to_string())?;
+    Ok(EditNews::Ready {
+        swap: Box::new(swap),
+        nets,
+        scene_hash,
+        what,
+        report,
+    })
 }

@@ -4,8 +4,9 @@
 //! 80-column lines ── sections: start, global, directory, parameters ──▶ read: one entity 128, its matrices 124, the
 //!                                                                       unit of the global section ──▶ FileSurface
 //! ```
-//! The surface is taken whole: trimming (entities 142, 144) is passed over, and parameter ranges (the entity's last four
-//! values) that cut it are refused, since the surface would be larger than what the file means.
+//! The surface is taken whole: trimming (entities 142, 144) is passed over, and parameter ranges
+//! (the entity's last four values) that cut it are refused, since the surface would be larger than
+//! what the file means.
 
 mod read;
 mod sections;
@@ -47,7 +48,9 @@ pub enum IgesError {
         found: String,
     },
     /// A parameter of an entity.
-    #[error("entity {kind} at directory entry {id}: parameter {index} ({what}) should be {wanted}, but is {found}")]
+    #[error(
+        "entity {kind} at directory entry {id}: parameter {index} ({what}) should be {wanted}, but is {found}"
+    )]
     Parameter {
         /// 128 or 124.
         kind: u32,
@@ -75,7 +78,9 @@ pub enum IgesError {
         needed: u64,
     },
     /// Parameter lines that are not there.
-    #[error("directory entry {id} has its parameters at P {first} to {last}, but the file has {lines} such lines")]
+    #[error(
+        "directory entry {id} has its parameters at P {first} to {last}, but the file has {lines} such lines"
+    )]
     Pointer {
         /// Directory entry.
         id: u64,
@@ -87,7 +92,9 @@ pub enum IgesError {
         lines: usize,
     },
     /// A directory entry that is not there, or not what it should be.
-    #[error("directory entry {from} refers to {to} as its transformation matrix, which is no entity 124")]
+    #[error(
+        "directory entry {from} refers to {to} as its transformation matrix, which is no entity 124"
+    )]
     Matrix {
         /// The entry that refers.
         from: u64,
@@ -98,7 +105,9 @@ pub enum IgesError {
     #[error("the transformation matrices of directory entry {0} refer to each other without end")]
     Circle(u64),
     /// Nothing that we read.
-    #[error("no B-spline surface (entity 128) among the file's {0} entities; convert its surfaces to B-splines")]
+    #[error(
+        "no B-spline surface (entity 128) among the file's {0} entities; convert its surfaces to B-splines"
+    )]
     NoSurface(usize),
     /// No surface of that number.
     #[error("no B-spline surface {pick}; the file has {} of them", ids.len())]
@@ -152,8 +161,13 @@ pub fn read(bytes: &[u8], pick: Pick) -> Result<Imported, IgesError> {
     };
     let unit = file.unit()?;
     let (values, ranges) = read::surface(&file, id, &unit)?;
-    let surface = values.build().map_err(|source| IgesError::Spline { id, source })?;
-    for (direction, knots, (start, end)) in [('u', surface.knots_u(), ranges[0]), ('v', surface.knots_v(), ranges[1])] {
+    let surface = values
+        .build()
+        .map_err(|source| IgesError::Spline { id, source })?;
+    for (direction, knots, (start, end)) in [
+        ('u', surface.knots_u(), ranges[0]),
+        ('v', surface.knots_v(), ranges[1]),
+    ] {
         let domain = knots.domain();
         // Written with fewer digits than the knots, often. A period may be meant from any start.
         let slack = 1e-9 * knots.length();
@@ -163,10 +177,21 @@ pub fn read(bytes: &[u8], pick: Pick) -> Result<Imported, IgesError> {
             start <= domain.0 + slack && end >= domain.1 - slack
         };
         if !whole {
-            return Err(IgesError::Cut { id, direction, start, end, domain });
+            return Err(IgesError::Cut {
+                id,
+                direction,
+                start,
+                end,
+                domain,
+            });
         }
     }
-    Ok(Imported { surface: surface.oriented_outward(), id, count: ids.len(), unit })
+    Ok(Imported {
+        surface: surface.oriented_outward(),
+        id,
+        count: ids.len(),
+        unit,
+    })
 }
 
 #[cfg(test)]

@@ -1,6 +1,7 @@
 //! Meshes and point clouds: STL, OBJ, glTF, and points as text.
 //!
-//! STL and OBJ name no unit: they are written in the unit asked for, and read in the unit given. glTF is in metres.
+//! STL and OBJ name no unit: they are written in the unit asked for, and read in the unit given.
+//! glTF is in metres.
 
 mod glb;
 mod obj;
@@ -56,7 +57,9 @@ pub enum MeshError {
         count: usize,
     },
     /// A binary file whose length is not that of its triangles.
-    #[error("{bytes} bytes are no binary STL file: {triangles} triangles, as it says, take {needed}")]
+    #[error(
+        "{bytes} bytes are no binary STL file: {triangles} triangles, as it says, take {needed}"
+    )]
     Length {
         /// Bytes of the file.
         bytes: usize,
@@ -86,16 +89,31 @@ fn check(mesh: &Mesh, scale: f64, single: bool) -> Result<(), MeshError> {
         return Err(MeshError::Empty("triangles"));
     }
     if mesh.normals.len() != mesh.points.len() {
-        return Err(MeshError::Normals { given: mesh.normals.len(), needed: mesh.points.len() });
+        return Err(MeshError::Normals {
+            given: mesh.normals.len(),
+            needed: mesh.points.len(),
+        });
     }
-    for what in [("corners", mesh.points.len()), ("triangles", mesh.triangles.len())] {
+    for what in [
+        ("corners", mesh.points.len()),
+        ("triangles", mesh.triangles.len()),
+    ] {
         // Counters have 32 bits, and so have lengths in bytes: 24 a corner, 50 a triangle.
         if what.1 > (u32::MAX / 64) as usize {
-            return Err(MeshError::Many { what: what.0, count: what.1 });
+            return Err(MeshError::Many {
+                what: what.0,
+                count: what.1,
+            });
         }
     }
     for (corner, point) in mesh.points.iter().enumerate() {
-        let fits = |x: f64| if single { (x as f32).is_finite() } else { x.is_finite() };
+        let fits = |x: f64| {
+            if single {
+                (x as f32).is_finite()
+            } else {
+                x.is_finite()
+            }
+        };
         if let Some(&value) = point.iter().find(|x| !fits(**x * scale)) {
             return Err(MeshError::Coordinate { corner, value });
         }
@@ -103,31 +121,45 @@ fn check(mesh: &Mesh, scale: f64, single: bool) -> Result<(), MeshError> {
     let count = mesh.points.len();
     for (triangle, corners) in mesh.triangles.iter().enumerate() {
         if let Some(&corner) = corners.iter().find(|corner| **corner as usize >= count) {
-            return Err(MeshError::Corner { triangle, corner, count });
+            return Err(MeshError::Corner {
+                triangle,
+                corner,
+                count,
+            });
         }
     }
     Ok(())
 }
 
-/// Lines of a text with their numbers. Bytes that are no UTF-8 are shown as such, where they matter.
+/// Lines of a text with their numbers. Bytes that are no UTF-8 are shown as such, where they
+/// matter.
 fn lines(bytes: &[u8]) -> impl Iterator<Item = (usize, &[u8])> {
-    bytes.split(|&byte| byte == b'\n').enumerate().map(|(k, line)| (k + 1, line.trim_ascii()))
+    bytes
+        .split(|&byte| byte == b'\n')
+        .enumerate()
+        .map(|(k, line)| (k + 1, line.trim_ascii()))
 }
 
 /// The words of a line.
 fn words(line: &[u8]) -> impl Iterator<Item = &[u8]> {
-    line.split(u8::is_ascii_whitespace).filter(|word| !word.is_empty())
+    line.split(u8::is_ascii_whitespace)
+        .filter(|word| !word.is_empty())
 }
 
 /// The next three words as a point.
 fn point<'a>(mut words: impl Iterator<Item = &'a [u8]>, per_metre: f64) -> Option<Point3> {
-    let mut next = || Some(super::number::parse(words.next()?)? / per_metre).filter(|x| x.is_finite());
+    let mut next =
+        || Some(super::number::parse(words.next()?)? / per_metre).filter(|x| x.is_finite());
     Some(Point3::new(next()?, next()?, next()?))
 }
 
 fn wrong_line(line: usize, wanted: &'static str, text: &[u8]) -> MeshError {
     let head = String::from_utf8_lossy(&text[..text.len().min(40)]);
-    MeshError::Line { line, wanted, found: format!("\"{}\"", head.escape_debug()) }
+    MeshError::Line {
+        line,
+        wanted,
+        found: format!("\"{}\"", head.escape_debug()),
+    }
 }
 
 #[cfg(test)]

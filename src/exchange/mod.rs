@@ -13,7 +13,8 @@
 //! ```text
 //! bytes ── step | iges ──▶ FileSurface: net, knots with multiplicities ──▶ Surface ──▶ Written ── step | iges ──▶ text
 //! ```
-//! Whatever the bytes, reading ends with a value or a typed error; memory stays within a constant times their number.
+//! Whatever the bytes, reading ends with a value or a typed error; memory stays within a constant
+//! times their number.
 //!
 //! ```
 //! use palpate::exchange::{Format, Pick, read_surface, write_surface};
@@ -74,7 +75,11 @@ impl Format {
     /// # Errors
     /// An ending that none of ours has.
     pub fn of(path: impl AsRef<Path>) -> Result<Self, ExchangeError> {
-        let extension = path.as_ref().extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
+        let extension = path
+            .as_ref()
+            .extension()
+            .map(|e| e.to_string_lossy().to_lowercase())
+            .unwrap_or_default();
         match extension.as_str() {
             "json" => Ok(Self::Json),
             "step" | "stp" => Ok(Self::Step),
@@ -212,73 +217,106 @@ const SURFACES: &str = "STEP, IGES or JSON";
 pub fn read_surface(bytes: &[u8], format: Format, pick: Pick) -> Result<Imported, ExchangeError> {
     match format {
         Format::Json => {
-            let text = std::str::from_utf8(bytes).map_err(|error| ExchangeError::Text { at: error.valid_up_to() })?;
+            let text = std::str::from_utf8(bytes).map_err(|error| ExchangeError::Text {
+                at: error.valid_up_to(),
+            })?;
             let (surface, unit) = file::read_with_unit(text)?;
             let unit = LengthUnit::of_metres(unit.name(), 1.0, unit.per_metre());
-            Ok(Imported { surface, id: 0, count: 1, unit })
+            Ok(Imported {
+                surface,
+                id: 0,
+                count: 1,
+                unit,
+            })
         }
         Format::Step => Ok(step::read(bytes, pick)?),
         Format::Iges => Ok(iges::read(bytes, pick)?),
-        Format::Stl | Format::Obj | Format::Glb | Format::Points => {
-            Err(ExchangeError::Kind { format, verb: "read", what: "a surface from", instead: SURFACES })
-        }
+        Format::Stl | Format::Obj | Format::Glb | Format::Points => Err(ExchangeError::Kind {
+            format,
+            verb: "read",
+            what: "a surface from",
+            instead: SURFACES,
+        }),
     }
 }
 
 /// Reads one surface of a file, whose format its name's ending tells.
 ///
 /// # Errors
-/// A file that cannot be read, an ending that none of our formats has, or what [`read_surface`] says.
+/// A file that cannot be read, an ending that none of our formats has, or what [`read_surface`]
+/// says.
 pub fn read_surface_file(path: impl AsRef<Path>, pick: Pick) -> Result<Imported, ExchangeError> {
     let path = path.as_ref();
     let format = Format::of(path)?;
-    let bytes = std::fs::read(path).map_err(|source| ExchangeError::File { path: path.to_owned(), source })?;
+    let bytes = std::fs::read(path).map_err(|source| ExchangeError::File {
+        path: path.to_owned(),
+        source,
+    })?;
     read_surface(&bytes, format, pick)
 }
 
-/// The file of one surface, coordinates in `unit`. In metres, reading it gives the same numbers bit for bit.
+/// The file of one surface, coordinates in `unit`. In metres, reading it gives the same numbers bit
+/// for bit.
 ///
 /// # Errors
 /// A format without surfaces, or a surface that the format has no form for.
-pub fn write_surface(surface: &Surface, format: Format, unit: Unit) -> Result<Vec<u8>, ExchangeError> {
+pub fn write_surface(
+    surface: &Surface,
+    format: Format,
+    unit: Unit,
+) -> Result<Vec<u8>, ExchangeError> {
     match format {
         Format::Json => Ok(file::write(surface, unit).into_bytes()),
         Format::Step => Ok(step::write(surface, unit)?.into_bytes()),
         Format::Iges => Ok(iges::write(surface, unit)?.into_bytes()),
-        Format::Stl | Format::Obj | Format::Glb | Format::Points => {
-            Err(ExchangeError::Kind { format, verb: "write", what: "a surface to", instead: SURFACES })
-        }
+        Format::Stl | Format::Obj | Format::Glb | Format::Points => Err(ExchangeError::Kind {
+            format,
+            verb: "write",
+            what: "a surface to",
+            instead: SURFACES,
+        }),
     }
 }
 
 /// The file of a mesh, coordinates in `unit` (glTF: always metres); STL in its binary form.
 ///
 /// # Errors
-/// A format without meshes, or a mesh that is empty or whose parts do not fit each other or the format.
+/// A format without meshes, or a mesh that is empty or whose parts do not fit each other or the
+/// format.
 pub fn write_mesh(mesh: &Mesh, format: Format, unit: Unit) -> Result<Vec<u8>, ExchangeError> {
     match format {
         Format::Stl => Ok(mesh::write_stl(mesh, unit)?),
         Format::Obj => Ok(mesh::write_obj(mesh, unit)?.into_bytes()),
         Format::Glb => Ok(mesh::write_glb(mesh)?),
-        Format::Json | Format::Step | Format::Iges | Format::Points => {
-            Err(ExchangeError::Kind { format, verb: "write", what: "a mesh to", instead: "STL, OBJ or glTF" })
-        }
+        Format::Json | Format::Step | Format::Iges | Format::Points => Err(ExchangeError::Kind {
+            format,
+            verb: "write",
+            what: "a mesh to",
+            instead: "STL, OBJ or glTF",
+        }),
     }
 }
 
 /// The triangles of an STL or OBJ file; coordinates in `unit`.
 ///
 /// # Errors
-/// A format without triangles that are read, or a file that is cut short or names corners it does not have.
+/// A format without triangles that are read, or a file that is cut short or names corners it does
+/// not have.
 pub fn read_mesh(bytes: &[u8], format: Format, unit: Unit) -> Result<Mesh, ExchangeError> {
     match format {
         Format::Stl => Ok(mesh::read_stl(bytes, unit)?),
         Format::Obj => Ok(mesh::read_obj(bytes, unit)?),
-        _ => Err(ExchangeError::Kind { format, verb: "read", what: "a mesh from", instead: "STL or OBJ" }),
+        _ => Err(ExchangeError::Kind {
+            format,
+            verb: "read",
+            what: "a mesh from",
+            instead: "STL or OBJ",
+        }),
     }
 }
 
-/// The points of a cloud: corners of an STL (each once) or OBJ file, or lines of text; coordinates in `unit`.
+/// The points of a cloud: corners of an STL (each once) or OBJ file, or lines of text; coordinates
+/// in `unit`.
 ///
 /// # Errors
 /// A format without points, or a file that is cut short or has what is no point.
@@ -289,7 +327,12 @@ pub fn read_points(bytes: &[u8], format: Format, unit: Unit) -> Result<Vec<Point
         Format::Points => Ok(mesh::read_text_points(bytes, unit)?),
         Format::Json | Format::Step | Format::Iges | Format::Glb => {
             let instead = "STL, OBJ or text (.xyz, .csv)";
-            Err(ExchangeError::Kind { format, verb: "read", what: "points from", instead })
+            Err(ExchangeError::Kind {
+                format,
+                verb: "read",
+                what: "points from",
+                instead,
+            })
         }
     }
 }
@@ -315,7 +358,10 @@ mod tests {
             assert_eq!(Format::of(path).unwrap(), format, "{path}");
         }
         for path in ["a.ply", "a", "", ".step"] {
-            assert!(matches!(Format::of(path), Err(ExchangeError::Extension { .. })), "{path}");
+            assert!(
+                matches!(Format::of(path), Err(ExchangeError::Extension { .. })),
+                "{path}"
+            );
         }
     }
 
@@ -324,19 +370,52 @@ mod tests {
         for (name, surface) in testing::surfaces() {
             for format in [Format::Json, Format::Step, Format::Iges] {
                 let bytes = write_surface(&surface, format, Unit::Metre).unwrap();
-                assert_eq!(read_surface(&bytes, format, Pick::First).unwrap().surface, surface, "{name}, {format:?}");
+                assert_eq!(
+                    read_surface(&bytes, format, Pick::First).unwrap().surface,
+                    surface,
+                    "{name}, {format:?}"
+                );
             }
         }
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/opencascade/periodic.step");
-        assert!(read_surface_file(path, Pick::First).unwrap().surface.knots_u().is_periodic());
-        assert!(matches!(read_surface_file("/nowhere/a.step", Pick::First), Err(ExchangeError::File { .. })));
-        let message = read_surface(b"", Format::Stl, Pick::First).unwrap_err().to_string();
-        assert_eq!(message, "STL is no format to read a surface from; use STEP, IGES or JSON");
+        assert!(
+            read_surface_file(path, Pick::First)
+                .unwrap()
+                .surface
+                .knots_u()
+                .is_periodic()
+        );
+        assert!(matches!(
+            read_surface_file("/nowhere/a.step", Pick::First),
+            Err(ExchangeError::File { .. })
+        ));
+        let message = read_surface(b"", Format::Stl, Pick::First)
+            .unwrap_err()
+            .to_string();
+        assert_eq!(
+            message,
+            "STL is no format to read a surface from; use STEP, IGES or JSON"
+        );
         let mesh = Mesh::default();
-        assert!(matches!(write_mesh(&mesh, Format::Step, Unit::Metre), Err(ExchangeError::Kind { .. })));
-        assert!(matches!(write_mesh(&mesh, Format::Glb, Unit::Metre), Err(ExchangeError::Mesh(MeshError::Empty(_)))));
-        assert!(matches!(read_points(b"", Format::Glb, Unit::Metre), Err(ExchangeError::Kind { .. })));
-        assert_eq!(read_points(b"1 2 3", Format::Points, Unit::Metre).unwrap(), [Point3::new(1.0, 2.0, 3.0)]);
-        assert!(matches!(read_surface(&[b'{', 0xff], Format::Json, Pick::First), Err(ExchangeError::Text { at: 1 })));
+        assert!(matches!(
+            write_mesh(&mesh, Format::Step, Unit::Metre),
+            Err(ExchangeError::Kind { .. })
+        ));
+        assert!(matches!(
+            write_mesh(&mesh, Format::Glb, Unit::Metre),
+            Err(ExchangeError::Mesh(MeshError::Empty(_)))
+        ));
+        assert!(matches!(
+            read_points(b"", Format::Glb, Unit::Metre),
+            Err(ExchangeError::Kind { .. })
+        ));
+        assert_eq!(
+            read_points(b"1 2 3", Format::Points, Unit::Metre).unwrap(),
+            [Point3::new(1.0, 2.0, 3.0)]
+        );
+        assert!(matches!(
+            read_surface(&[b'{', 0xff], Format::Json, Pick::First),
+            Err(ExchangeError::Text { at: 1 })
+        ));
     }
 }

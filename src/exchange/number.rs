@@ -1,7 +1,7 @@
 //! Decimal numbers as exchange files write them.
 
-/// The shortest decimal that reads back as the same bits, with a decimal point and the format's exponent letter:
-/// `0.1`, `1.0`, `1.E-7`, `1.D-7`.
+/// The shortest decimal that reads back as the same bits, with a decimal point and the format's
+/// exponent letter: `0.1`, `1.0`, `1.E-7`, `1.D-7`.
 pub(super) fn real(value: f64, exponent: char) -> String {
     let text = format!("{value:?}");
     match text.split_once('e') {
@@ -38,13 +38,31 @@ mod tests {
     #[test]
     fn numbers_read_back_bit_for_bit() {
         let mut random = Random(3);
-        let some = [0.0, -0.0, 1.0, 0.1, 1e-7, -2.5e300, f64::MIN_POSITIVE, 5e-324, f64::MAX, 1e16, 123_456_789.125];
-        let more = (0..10_000).map(|_| f64::from_bits(random.word())).filter(|x| x.is_finite());
+        let some = [
+            0.0,
+            -0.0,
+            1.0,
+            0.1,
+            1e-7,
+            -2.5e300,
+            f64::MIN_POSITIVE,
+            5e-324,
+            f64::MAX,
+            1e16,
+            123_456_789.125,
+        ];
+        let more = (0..10_000)
+            .map(|_| f64::from_bits(random.word()))
+            .filter(|x| x.is_finite());
         for value in some.into_iter().chain(more.collect::<Vec<_>>()) {
             for letter in ['E', 'D'] {
                 let text = real(value, letter);
                 assert!(text.contains('.'), "{text} has no decimal point");
-                assert_eq!(parse(text.as_bytes()).map(f64::to_bits), Some(value.to_bits()), "{text}");
+                assert_eq!(
+                    parse(text.as_bytes()).map(f64::to_bits),
+                    Some(value.to_bits()),
+                    "{text}"
+                );
             }
         }
     }
@@ -54,6 +72,9 @@ mod tests {
         for text in ["", "inf", "nan", "1.0x", "--1", "1e", ".", "1.2.3", "E5"] {
             assert_eq!(parse(text.as_bytes()), None, "{text}");
         }
-        assert_eq!((parse(b"1."), parse(b".5D1"), parse(b"+3")), (Some(1.0), Some(5.0), Some(3.0)));
+        assert_eq!(
+            (parse(b"1."), parse(b".5D1"), parse(b"+3")),
+            (Some(1.0), Some(5.0), Some(3.0))
+        );
     }
 }

@@ -1,9 +1,10 @@
 //! What STEP and IGES call a B-spline surface, and how it becomes ours and back.
 //!
-//! Files close a direction in three ways. A clamped seam stays one. *Unclamped with repeated points* (the letter of both
-//! standards) and *one period of knots with unrepeated points* (what OpenCASCADE takes from STEP) become a periodic direction,
-//! whatever their flags say: both standards call these flags information only. A period of fewer points than
-//! `degree + 1` is no [`KnotVector::periodic`]; its points are repeated instead.
+//! Files close a direction in three ways. A clamped seam stays one. *Unclamped with repeated
+//! points* (the letter of both standards) and *one period of knots with unrepeated points* (what
+//! OpenCASCADE takes from STEP) become a periodic direction, whatever their flags say: both
+//! standards call these flags information only. A period of fewer points than `degree + 1` is no
+//! [`KnotVector::periodic`]; its points are repeated instead.
 
 use crate::basis::{KnotError, KnotVector, MAX_DEGREE};
 use crate::math::Point3;
@@ -76,22 +77,40 @@ impl FileSurface {
         let (rows, columns) = (self.rows, self.columns);
         let needed = rows * columns;
         if let Some(weights) = self.weights.as_ref().filter(|w| w.len() != needed) {
-            return Err(SurfaceError::WeightCount { given: weights.len(), needed }.into());
+            return Err(SurfaceError::WeightCount {
+                given: weights.len(),
+                needed,
+            }
+            .into());
         }
         // Counted before anything is picked from it.
         let net = ControlNet::new(rows, columns, self.points).map_err(SurfaceError::from)?;
         let points = net.points();
         let same = |a: usize, b: usize| {
-            points[a] == points[b] && self.weights.as_ref().is_none_or(|w| w[a].to_bits() == w[b].to_bits())
+            points[a] == points[b]
+                && self
+                    .weights
+                    .as_ref()
+                    .is_none_or(|w| w[a].to_bits() == w[b].to_bits())
         };
-        let same_rows = |i: usize, k: usize| (0..columns).all(|j| same(i * columns + j, k * columns + j));
-        let same_columns = |j: usize, k: usize| (0..rows).all(|i| same(i * columns + j, i * columns + k));
+        let same_rows =
+            |i: usize, k: usize| (0..columns).all(|j| same(i * columns + j, k * columns + j));
+        let same_columns =
+            |j: usize, k: usize| (0..rows).all(|i| same(i * columns + j, i * columns + k));
         let u = axis('u', self.degrees[0], rows, &self.knots[0], same_rows)?;
         let v = axis('v', self.degrees[1], columns, &self.knots[1], same_columns)?;
-        let order: Vec<usize> = u.rows.iter().flat_map(|i| v.rows.iter().map(move |j| i * columns + j)).collect();
+        let order: Vec<usize> = u
+            .rows
+            .iter()
+            .flat_map(|i| v.rows.iter().map(move |j| i * columns + j))
+            .collect();
         let picked = order.iter().map(|&k| points[k]).collect();
-        let weights = self.weights.as_ref().map(|w| order.iter().map(|&k| w[k]).collect());
-        let net = ControlNet::new(u.rows.len(), v.rows.len(), picked).map_err(SurfaceError::from)?;
+        let weights = self
+            .weights
+            .as_ref()
+            .map(|w| order.iter().map(|&k| w[k]).collect());
+        let net =
+            ControlNet::new(u.rows.len(), v.rows.len(), picked).map_err(SurfaceError::from)?;
         Ok(Surface::new(u.knots, v.knots, net, weights)?)
     }
 }
@@ -107,41 +126,70 @@ fn axis(
     if degree == 0 || degree > MAX_DEGREE {
         return Err(refuse(KnotError::Degree(degree)));
     }
-    let given = runs.iter().fold(0, |sum: u64, run| sum.saturating_add(run.1));
+    let given = runs
+        .iter()
+        .fold(0, |sum: u64, run| sum.saturating_add(run.1));
     let ends = [runs.first(), runs.last()].map(|run| run.map_or(0, |run| run.1));
-    let one_period = ends[0] == ends[1] && (1..=degree as u64).contains(&ends[0]) && given == count as u64 + ends[0];
+    let one_period = ends[0] == ends[1]
+        && (1..=degree as u64).contains(&ends[0])
+        && given == count as u64 + ends[0];
     if !one_period && given != (count + degree + 1) as u64 {
-        return Err(SplineError::KnotCount { direction, given, degree, count });
+        return Err(SplineError::KnotCount {
+            direction,
+            given,
+            degree,
+            count,
+        });
     }
-    let full: Vec<f64> = runs.iter().flat_map(|&(knot, times)| (0..times).map(move |_| knot)).collect();
+    let full: Vec<f64> = runs
+        .iter()
+        .flat_map(|&(knot, times)| (0..times).map(move |_| knot))
+        .collect();
     if one_period {
         let period = full[ends[0] as usize - 1..].to_vec();
         if count > degree {
             let knots = KnotVector::periodic(degree, period).map_err(refuse)?;
-            return Ok(Axis { knots, rows: (0..count).collect() });
+            return Ok(Axis {
+                knots,
+                rows: (0..count).collect(),
+            });
         }
         return few(degree, count, &period).map_err(refuse);
     }
     let knots = KnotVector::new(degree, full).map_err(refuse)?;
     if let Some(knots) = wrapped(&knots, same) {
         let count = knots.count();
-        return Ok(Axis { knots, rows: (0..count).collect() });
+        return Ok(Axis {
+            knots,
+            rows: (0..count).collect(),
+        });
     }
-    Ok(Axis { knots, rows: (0..count).collect() })
+    Ok(Axis {
+        knots,
+        rows: (0..count).collect(),
+    })
 }
 
-/// A period of `degree` points or fewer, written out: the open vector over one period, its points repeated.
+/// A period of `degree` points or fewer, written out: the open vector over one period, its points
+/// repeated.
 fn few(degree: usize, count: usize, period: &[f64]) -> Result<Axis, KnotError> {
     let last = period.len() - 1;
     let length = period[last] - period[0];
     if count == 0 || length.is_nan() || length <= 0.0 {
         return Err(KnotError::EmptyDomain(period[0]));
     }
-    // Knot k of the endless vector, knot 0 being where the period starts. Copies of its end are copies of the next one's
-    // start, and rounding may not part them.
+    // Knot k of the endless vector, knot 0 being where the period starts. Copies of its end are
+    // copies of the next one's start, and rounding may not part them.
     let knot = |k: isize| {
-        let (turn, at) = (k.div_euclid(count as isize), period[k.rem_euclid(count as isize) as usize]);
-        let (turn, at) = if at == period[last] { (turn + 1, period[0]) } else { (turn, at) };
+        let (turn, at) = (
+            k.div_euclid(count as isize),
+            period[k.rem_euclid(count as isize) as usize],
+        );
+        let (turn, at) = if at == period[last] {
+            (turn + 1, period[0])
+        } else {
+            (turn, at)
+        };
         at + length * turn as f64
     };
     let (p, n) = (degree as isize, count as isize);
@@ -152,20 +200,27 @@ fn few(degree: usize, count: usize, period: &[f64]) -> Result<Axis, KnotError> {
 
 /// The periodic vector of the same curve, if its knots and control points repeat after the domain.
 ///
-/// The domain may end at any copy of its last knot: we write the vector out to the last one and repeat `degree` points,
-/// OpenCASCADE to the first and repeats fewer.
+/// The domain may end at any copy of its last knot: we write the vector out to the last one and
+/// repeat `degree` points, OpenCASCADE to the first and repeats fewer.
 fn wrapped(knots: &KnotVector, same: impl Fn(usize, usize) -> bool) -> Option<KnotVector> {
     let (p, n, t) = (knots.degree(), knots.count(), knots.knots());
-    // Sums with the period round, and differently in other programs; and files have twelve decimals, often, of thirds.
+    // Sums with the period round, and differently in other programs; and files have twelve
+    // decimals, often, of thirds.
     let rounding = 2e-12 * t[0].abs().max(t[n + p].abs());
-    (n..=n + p).take_while(|&end| t[end] == t[n]).find_map(|end| {
-        let count = end - p;
-        let periodic = KnotVector::periodic(p, t[p..=end].to_vec()).ok()?;
-        let alike = periodic.knots().iter().zip(t).all(|(a, b)| (a - b).abs() <= rounding);
-        // A clamped vector repeats no points; as a periodic one it would be open at its seam.
-        let repeats = (0..n - count).all(|i| same(i, i + count));
-        (alike && repeats && periodic.disjoined().is_empty()).then_some(periodic)
-    })
+    (n..=n + p)
+        .take_while(|&end| t[end] == t[n])
+        .find_map(|end| {
+            let count = end - p;
+            let periodic = KnotVector::periodic(p, t[p..=end].to_vec()).ok()?;
+            let alike = periodic
+                .knots()
+                .iter()
+                .zip(t)
+                .all(|(a, b)| (a - b).abs() <= rounding);
+            // A clamped vector repeats no points; as a periodic one it would be open at its seam.
+            let repeats = (0..n - count).all(|i| same(i, i + count));
+            (alike && repeats && periodic.disjoined().is_empty()).then_some(periodic)
+        })
 }
 
 /// A surface as both formats write it: full knots, points repeated where a direction is periodic.
@@ -184,8 +239,9 @@ pub(super) struct Written {
 }
 
 impl Written {
-    /// Neither format says on its surface which side is out. A closed surface is turned outwards by who reads it; an
-    /// open one whose outward side is -(S_u × S_v) is written with u and v exchanged.
+    /// Neither format says on its surface which side is out. A closed surface is turned outwards by
+    /// who reads it; an open one whose outward side is -(S_u × S_v) is written with u and v
+    /// exchanged.
     pub fn new(surface: &Surface) -> Result<Self, SplineError> {
         let topology = surface.topology();
         if surface.flip_normal() && !topology.is_closed() {
@@ -199,8 +255,9 @@ impl Written {
         }
         let (rows, columns) = (u.basis_count(), v.basis_count());
         let (net_rows, net_columns) = (u.count(), v.count());
-        let order: Vec<usize> =
-            (0..rows).flat_map(|i| (0..columns).map(move |j| (i % net_rows) * net_columns + j % net_columns)).collect();
+        let order: Vec<usize> = (0..rows)
+            .flat_map(|i| (0..columns).map(move |j| (i % net_rows) * net_columns + j % net_columns))
+            .collect();
         Ok(Self {
             degrees: [u.degree(), v.degree()],
             knots: [u.knots().to_vec(), v.knots().to_vec()],
@@ -208,8 +265,12 @@ impl Written {
             rows,
             columns,
             points: order.iter().map(|&k| surface.net().points()[k]).collect(),
-            weights: surface.weights().map(|w| order.iter().map(|&k| w[k]).collect()),
-            closed: topology.closing.map(|closing| closing != crate::surface::Closing::Open),
+            weights: surface
+                .weights()
+                .map(|w| order.iter().map(|&k| w[k]).collect()),
+            closed: topology
+                .closing
+                .map(|closing| closing != crate::surface::Closing::Open),
             periodic: [u.is_periodic(), v.is_periodic()],
         })
     }

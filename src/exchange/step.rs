@@ -4,13 +4,15 @@
 //! bytes ── syntax: #id → where its text is ──▶ surface: one instance and its points ──▶ FileSurface ──▶ Surface
 //!                                         └──▶ units: the context above it → metres
 //! ```
-//! Read: `B_SPLINE_SURFACE_WITH_KNOTS`, `BEZIER_SURFACE`, `UNIFORM_SURFACE` and `QUASI_UNIFORM_SURFACE`, each also as
-//! a complex instance with `RATIONAL_B_SPLINE_SURFACE`. The surface is taken whole and in its own coordinates: trimming
-//! curves and the placements of assemblies are passed over.
+//! Read: `B_SPLINE_SURFACE_WITH_KNOTS`, `BEZIER_SURFACE`, `UNIFORM_SURFACE` and
+//! `QUASI_UNIFORM_SURFACE`, each also as a complex instance with `RATIONAL_B_SPLINE_SURFACE`. The
+//! surface is taken whole and in its own coordinates: trimming curves and the placements of
+//! assemblies are passed over.
 //!
-//! The parser is ours. Of the crates, `ruststep` 0.4 brings 47 others and `truck-stepio` 98, the latter writes no
-//! rational surfaces, and both build the whole file in memory by recursion, whose depth the file chooses. What is needed
-//! is small: an index of where each instance is, and a reader for the few that make the surface.
+//! The parser is ours. Of the crates, `ruststep` 0.4 brings 47 others and `truck-stepio` 98, the
+//! latter writes no rational surfaces, and both build the whole file in memory by recursion, whose
+//! depth the file chooses. What is needed is small: an index of where each instance is, and a
+//! reader for the few that make the surface.
 
 mod surface;
 mod syntax;
@@ -123,7 +125,8 @@ pub fn surfaces(bytes: &[u8]) -> Result<Vec<u64>, StepError> {
     surface::find(&Exchange::index(bytes)?)
 }
 
-/// Reads one surface of a file. A closed one is turned outwards; an open one follows the sense of the face that uses it.
+/// Reads one surface of a file. A closed one is turned outwards; an open one follows the sense of
+/// the face that uses it.
 ///
 /// # Errors
 /// See [`StepError`]; each says what is wrong and where.
@@ -135,10 +138,17 @@ pub fn read(bytes: &[u8], pick: Pick) -> Result<Imported, StepError> {
     };
     let unit = units::length_unit(&exchange, id)?;
     let file = surface::read(&exchange, id, &unit)?;
-    let built = file.build().map_err(|source| StepError::Spline { id, source })?;
+    let built = file
+        .build()
+        .map_err(|source| StepError::Spline { id, source })?;
     let flip = surface::face_sense(&exchange, id) == Some(false);
     let surface = built.with_flip_normal(flip).oriented_outward();
-    Ok(Imported { surface, id, count: ids.len(), unit })
+    Ok(Imported {
+        surface,
+        id,
+        count: ids.len(),
+        unit,
+    })
 }
 
 #[cfg(test)]

@@ -23,25 +23,44 @@ pub(super) fn surfaces() -> Vec<(&'static str, Surface)> {
 
 /// The torus with weights, and uneven knots.
 fn rational_torus() -> Surface {
-    let torus = builtin("torus", None, Some(0.3)).unwrap().insert_knots(Direction::U, &[0.11, 0.5, 0.5]).unwrap();
-    let weights = (0..torus.net().points().len()).map(|k| 1.0 + 0.1 * (k % 7) as f64).collect();
+    let torus = builtin("torus", None, Some(0.3))
+        .unwrap()
+        .insert_knots(Direction::U, &[0.11, 0.5, 0.5])
+        .unwrap();
+    let weights = (0..torus.net().points().len())
+        .map(|k| 1.0 + 0.1 * (k % 7) as f64)
+        .collect();
     let (u, v) = (torus.knots_u().clone(), torus.knots_v().clone());
-    Surface::new(u, v, torus.net().clone(), Some(weights)).unwrap().oriented_outward()
+    Surface::new(u, v, torus.net().clone(), Some(weights))
+        .unwrap()
+        .oriented_outward()
 }
 
 /// A surface of one span a direction, for files small enough to break at every byte.
 pub(super) fn small(rational: bool) -> Surface {
     let knots = || KnotVector::clamped_uniform(1, 2).unwrap();
-    let points = (0..4).map(|k| Point3::new(f64::from(k / 2), f64::from(k % 2), 0.25)).collect();
+    let points = (0..4)
+        .map(|k| Point3::new(f64::from(k / 2), f64::from(k % 2), 0.25))
+        .collect();
     let weights = rational.then(|| vec![1.0, 2.0, 1.0, 0.5]);
-    Surface::new(knots(), knots(), ControlNet::new(2, 2, points).unwrap(), weights).unwrap()
+    Surface::new(
+        knots(),
+        knots(),
+        ControlNet::new(2, 2, points).unwrap(),
+        weights,
+    )
+    .unwrap()
 }
 
 /// Largest distance of two surfaces at the same random parameters, over their size.
 pub(super) fn difference(a: &Surface, b: &Surface) -> f64 {
     let mut random = Random(5);
-    assert_eq!((a.knots_u().domain(), a.knots_v().domain()), (b.knots_u().domain(), b.knots_v().domain()));
-    let at = |random: &mut Random, knots: &KnotVector| random.float(knots.domain().0, knots.domain().1);
+    assert_eq!(
+        (a.knots_u().domain(), a.knots_v().domain()),
+        (b.knots_u().domain(), b.knots_v().domain())
+    );
+    let at =
+        |random: &mut Random, knots: &KnotVector| random.float(knots.domain().0, knots.domain().1);
     let distance = |_| {
         let (u, v) = (at(&mut random, a.knots_u()), at(&mut random, a.knots_v()));
         (a.point(u, v) - b.point(u, v)).norm() / a.size()
@@ -52,12 +71,16 @@ pub(super) fn difference(a: &Surface, b: &Surface) -> f64 {
 /// Calls `read` with every beginning of `bytes`; all that are shorter than `whole` must be refused.
 pub(super) fn every_prefix(bytes: &[u8], whole: usize, read: impl Fn(&[u8]) -> bool) {
     for end in 0..bytes.len() {
-        assert!(!read(&bytes[..end]) || end >= whole, "read although cut at {end} of {}", bytes.len());
+        assert!(
+            !read(&bytes[..end]) || end >= whole,
+            "read although cut at {end} of {}",
+            bytes.len()
+        );
     }
 }
 
-/// Calls `read` with changed copies of `bytes`: each byte replaced, stretches doubled, dropped or swapped. Nothing is
-/// asked but that it returns.
+/// Calls `read` with changed copies of `bytes`: each byte replaced, stretches doubled, dropped or
+/// swapped. Nothing is asked but that it returns.
 pub(super) fn mutations(bytes: &[u8], seed: u64, read: impl Fn(&[u8])) {
     let mut random = Random(seed);
     for at in 0..bytes.len() {

@@ -2,7 +2,8 @@
 
 use std::fmt;
 
-/// A length unit as a file names it. Kept as a fraction: a millimetre is 1 / 1000 m, and dividing by 1000 rounds once.
+/// A length unit as a file names it. Kept as a fraction: a millimetre is 1 / 1000 m, and dividing
+/// by 1000 rounds once.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LengthUnit {
     name: String,
@@ -14,22 +15,37 @@ pub struct LengthUnit {
 impl LengthUnit {
     /// `numerator / denominator` metres.
     pub(super) fn of_metres(name: &str, numerator: f64, denominator: f64) -> Self {
-        Self { name: name.to_owned(), numerator, denominator, stated: true }
+        Self {
+            name: name.to_owned(),
+            numerator,
+            denominator,
+            stated: true,
+        }
     }
 
     /// Millimetres, the file being silent.
     pub(super) fn assumed_millimetres() -> Self {
-        Self { stated: false, ..Self::of_metres("mm", 1.0, 1e3) }
+        Self {
+            stated: false,
+            ..Self::of_metres("mm", 1.0, 1e3)
+        }
     }
 
     /// A unit of that many of this.
     pub(super) fn times(&self, name: &str, factor: f64) -> Self {
-        Self { name: name.to_owned(), numerator: self.numerator * factor, ..self.clone() }
+        Self {
+            name: name.to_owned(),
+            numerator: self.numerator * factor,
+            ..self.clone()
+        }
     }
 
     /// The unit of a model that is `scale` times as large as the thing.
     pub(super) fn divided(&self, scale: f64) -> Self {
-        Self { denominator: self.denominator * scale, ..self.clone() }
+        Self {
+            denominator: self.denominator * scale,
+            ..self.clone()
+        }
     }
 
     /// True unless a file's own factor makes it something else.
@@ -59,7 +75,11 @@ impl LengthUnit {
 
 impl fmt::Display for LengthUnit {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let assumed = if self.stated { "" } else { " (assumed: the file names no unit)" };
+        let assumed = if self.stated {
+            ""
+        } else {
+            " (assumed: the file names no unit)"
+        };
         write!(f, "{}{assumed}", self.name)
     }
 }

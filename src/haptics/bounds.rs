@@ -1,10 +1,12 @@
 //! How stiff a coupling a device can hold.
 //!
-//! A spring K and a damper B, sampled every T and held, are passive on a device with viscous damping b when
-//! `b > K T / 2 + |B|` (Colgate & Schenkel 1997, "Passivity of a class of sampled-data systems"); a delay of t_d between a pose
-//! and its force counts as half a period more for each of its own (Gil, Sánchez, Hulin, Preusche & Hirzinger 2009, "Stability
-//! boundary for haptic rendering"). An encoder of step Δ makes energy that only dry friction f_c takes: `K ≤ 2 f_c / Δ` (Abbott &
-//! Okamura 2005, "Effects of position quantization and sampling rate on virtual-wall passivity").
+//! A spring K and a damper B, sampled every T and held, are passive on a device with viscous
+//! damping b when `b > K T / 2 + |B|` (Colgate & Schenkel 1997, "Passivity of a class of
+//! sampled-data systems"); a delay of t_d between a pose and its force counts as half a period more
+//! for each of its own (Gil, Sánchez, Hulin, Preusche & Hirzinger 2009, "Stability boundary for
+//! haptic rendering"). An encoder of step Δ makes energy that only dry friction f_c takes: `K ≤ 2
+//! f_c / Δ` (Abbott & Okamura 2005, "Effects of position quantization and sampling rate on
+//! virtual-wall passivity").
 
 use crate::math::{StateError, StateSink, StateSource};
 
@@ -28,7 +30,8 @@ pub struct DeviceFigures {
 pub struct StiffnessLimits {
     /// Above it oscillations grow: 2 (b − |B|) / (T + 2 t_d).
     pub sampling_n_m: f64,
-    /// Above it the encoder's steps keep a small tremble alive: 2 f_c / Δ; infinite without an encoder's step.
+    /// Above it the encoder's steps keep a small tremble alive: 2 f_c / Δ; infinite without an
+    /// encoder's step.
     pub quantization_n_m: f64,
 }
 
@@ -36,8 +39,15 @@ impl DeviceFigures {
     /// Limits with a coupling damper of `damping_n_s_m`; none below 0.
     pub fn stiffness_limits(&self, damping_n_s_m: f64) -> StiffnessLimits {
         let left = (self.damping_n_s_m - damping_n_s_m.abs()).max(0.0);
-        let quantization_n_m = if self.encoder_m > 0.0 { 2.0 * self.coulomb_n / self.encoder_m } else { f64::INFINITY };
-        StiffnessLimits { sampling_n_m: 2.0 * left / (self.period_s + 2.0 * self.delay_s), quantization_n_m }
+        let quantization_n_m = if self.encoder_m > 0.0 {
+            2.0 * self.coulomb_n / self.encoder_m
+        } else {
+            f64::INFINITY
+        };
+        StiffnessLimits {
+            sampling_n_m: 2.0 * left / (self.period_s + 2.0 * self.delay_s),
+            quantization_n_m,
+        }
     }
 }
 
@@ -48,7 +58,8 @@ impl StiffnessLimits {
     }
 }
 
-/// What a device that has told about itself allows; part of the state, because it may come at any tick.
+/// What a device that has told about itself allows; part of the state, because it may come at any
+/// tick.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DeviceBounds {
     /// Greatest force, N.
@@ -62,7 +73,11 @@ pub struct DeviceBounds {
 impl Default for DeviceBounds {
     /// Whatever the scene says.
     fn default() -> Self {
-        Self { force_max_n: f64::INFINITY, torque_max_nm: f64::INFINITY, stiffness_max_n_m: f64::INFINITY }
+        Self {
+            force_max_n: f64::INFINITY,
+            torque_max_nm: f64::INFINITY,
+            stiffness_max_n_m: f64::INFINITY,
+        }
     }
 }
 
@@ -70,7 +85,8 @@ impl DeviceBounds {
     /// The three, if they can be bounds.
     pub fn checked(self) -> Option<Self> {
         // A NaN is in no range.
-        let sound = self.force_max_n >= 0.0 && self.torque_max_nm >= 0.0 && self.stiffness_max_n_m > 0.0;
+        let sound =
+            self.force_max_n >= 0.0 && self.torque_max_nm >= 0.0 && self.stiffness_max_n_m > 0.0;
         sound.then_some(self)
     }
 
@@ -97,16 +113,35 @@ mod tests {
 
     #[test]
     fn limits_are_those_of_the_papers() {
-        let figures =
-            DeviceFigures { damping_n_s_m: 2.0, coulomb_n: 0.05, encoder_m: 5e-5, period_s: 1e-3, delay_s: 0.0 };
+        let figures = DeviceFigures {
+            damping_n_s_m: 2.0,
+            coulomb_n: 0.05,
+            encoder_m: 5e-5,
+            period_s: 1e-3,
+            delay_s: 0.0,
+        };
         let limits = figures.stiffness_limits(0.5);
-        assert!((limits.sampling_n_m - 3_000.0).abs() < 1e-9 && (limits.quantization_n_m - 2_000.0).abs() < 1e-9);
+        assert!(
+            (limits.sampling_n_m - 3_000.0).abs() < 1e-9
+                && (limits.quantization_n_m - 2_000.0).abs() < 1e-9
+        );
         assert_eq!(limits.passive_n_m(), limits.quantization_n_m);
         // A delay of half a period doubles the lag.
-        let late = DeviceFigures { delay_s: 0.5e-3, ..figures };
+        let late = DeviceFigures {
+            delay_s: 0.5e-3,
+            ..figures
+        };
         assert!((late.stiffness_limits(0.5).sampling_n_m - 1_500.0).abs() < 1e-9);
         // A damper beyond the device's own leaves nothing, whichever its sign.
         assert_eq!(figures.stiffness_limits(-3.0).sampling_n_m, 0.0);
-        assert_eq!(DeviceFigures { encoder_m: 0.0, ..figures }.stiffness_limits(0.0).passive_n_m(), 4_000.0);
+        assert_eq!(
+            DeviceFigures {
+                encoder_m: 0.0,
+                ..figures
+            }
+            .stiffness_limits(0.0)
+            .passive_n_m(),
+            4_000.0
+        );
     }
 }

@@ -1,14 +1,16 @@
-//! Virtual coupling: a spring and a damper between the device and a proxy without mass (Colgate, Stanley & Brown 1995), and
-//! the same for rotation (McNeely, Puterbaugh & Troy 1999).
+//! Virtual coupling: a spring and a damper between the device and a proxy without mass (Colgate,
+//! Stanley & Brown 1995), and the same for rotation (McNeely, Puterbaugh & Troy 1999).
 //!
-//! Implicit in time: with `K' = K + B / dt`, force balance of the proxy `K (d − p') + B (v_d − (p' − p) / dt) + F_c = 0`
-//! gives `p' = p_free + F_c / K'`. A contact force therefore sees the compliance `1 / K'`, which joins the body's own
-//! compliance in one contact solve: coupling and body cannot make each other unstable. Rotation has the same equation in
-//! rotation vectors, with the torque of the contacts about the tool's reference point.
+//! Implicit in time: with `K' = K + B / dt`, force balance of the proxy `K (d − p') + B (v_d − (p'
+//! − p) / dt) + F_c = 0` gives `p' = p_free + F_c / K'`. A contact force therefore sees the
+//! compliance `1 / K'`, which joins the body's own compliance in one contact solve: coupling and
+//! body cannot make each other unstable. Rotation has the same equation in rotation vectors, with
+//! the torque of the contacts about the tool's reference point.
 
 use crate::math::{Point3, Rotation, Vector3, rotation_by, turn_between};
 
-/// K_c and B_c, for translation and for rotation. An infinite stiffness holds the proxy to the device.
+/// K_c and B_c, for translation and for rotation. An infinite stiffness holds the proxy to the
+/// device.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Coupling {
     stiffness_n_m: f64,
@@ -19,21 +21,35 @@ pub struct Coupling {
 }
 
 impl Coupling {
-    /// `stiffness_n_m > 0` (or infinite), `damping_n_s_m >= 0`, `dt_s > 0`; the scene checked. The proxy is turned as the
-    /// device is.
+    /// `stiffness_n_m > 0` (or infinite), `damping_n_s_m >= 0`, `dt_s > 0`; the scene checked. The
+    /// proxy is turned as the device is.
     pub fn new(stiffness_n_m: f64, damping_n_s_m: f64, dt_s: f64) -> Self {
         let (turning_stiffness_nm_rad, turning_damping_nm_s_rad) = (f64::INFINITY, 0.0);
-        Self { stiffness_n_m, damping_n_s_m, turning_stiffness_nm_rad, turning_damping_nm_s_rad, dt_s }
+        Self {
+            stiffness_n_m,
+            damping_n_s_m,
+            turning_stiffness_nm_rad,
+            turning_damping_nm_s_rad,
+            dt_s,
+        }
     }
 
-    /// The same, with a spring and a damper for rotation: above 0 (or infinite) N·m/rad, 0 or more N·m·s/rad.
+    /// The same, with a spring and a damper for rotation: above 0 (or infinite) N·m/rad, 0 or more
+    /// N·m·s/rad.
     pub fn turning(self, stiffness_nm_rad: f64, damping_nm_s_rad: f64) -> Self {
-        Self { turning_stiffness_nm_rad: stiffness_nm_rad, turning_damping_nm_s_rad: damping_nm_s_rad, ..self }
+        Self {
+            turning_stiffness_nm_rad: stiffness_nm_rad,
+            turning_damping_nm_s_rad: damping_nm_s_rad,
+            ..self
+        }
     }
 
     /// The same, no stiffer than this in translation, N/m.
     pub fn bounded(self, stiffness_max_n_m: f64) -> Self {
-        Self { stiffness_n_m: self.stiffness_n_m.min(stiffness_max_n_m), ..self }
+        Self {
+            stiffness_n_m: self.stiffness_n_m.min(stiffness_max_n_m),
+            ..self
+        }
     }
 
     /// K_c, N/m.
@@ -72,7 +88,12 @@ impl Coupling {
     }
 
     /// Where the proxy goes without contact: p_free.
-    pub fn free_position(&self, device: &Point3, device_velocity: &Vector3, proxy: &Point3) -> Point3 {
+    pub fn free_position(
+        &self,
+        device: &Point3,
+        device_velocity: &Vector3,
+        proxy: &Point3,
+    ) -> Point3 {
         if self.is_rigid() {
             return *device;
         }
@@ -81,7 +102,12 @@ impl Coupling {
     }
 
     /// How the proxy is turned without contact; velocity in rad/s, world axes.
-    pub fn free_orientation(&self, device: &Rotation, angular_velocity: &Vector3, proxy: &Rotation) -> Rotation {
+    pub fn free_orientation(
+        &self,
+        device: &Rotation,
+        angular_velocity: &Vector3,
+        proxy: &Rotation,
+    ) -> Rotation {
         if !self.turns() || self.turning_damping_nm_s_rad == 0.0 {
             return *device;
         }
@@ -124,12 +150,24 @@ mod tests {
     #[test]
     fn a_rigid_coupling_has_no_compliance_and_no_lag() {
         let coupling = Coupling::new(f64::INFINITY, 0.0, 1e-3);
-        assert_eq!((coupling.compliance_m_n(), coupling.turning_compliance_rad_nm()), (0.0, 0.0));
+        assert_eq!(
+            (
+                coupling.compliance_m_n(),
+                coupling.turning_compliance_rad_nm()
+            ),
+            (0.0, 0.0)
+        );
         assert!(!coupling.turns());
         let device = Point3::new(1.0, 2.0, 3.0);
-        assert_eq!(coupling.free_position(&device, &Vector3::x(), &Point3::origin()), device);
+        assert_eq!(
+            coupling.free_position(&device, &Vector3::x(), &Point3::origin()),
+            device
+        );
         let turned = rotation_by(&Vector3::x());
-        assert_eq!(coupling.free_orientation(&turned, &Vector3::z(), &Rotation::identity()), turned);
+        assert_eq!(
+            coupling.free_orientation(&turned, &Vector3::z(), &Rotation::identity()),
+            turned
+        );
     }
 
     #[test]

@@ -1,4 +1,5 @@
-//! Whether a device's poses may be believed: stale, jumping and lost links lead to zero force by a ramp.
+//! Whether a device's poses may be believed: stale, jumping and lost links lead to zero force by a
+//! ramp.
 //!
 //! ```text
 //! Absent ─first pose─▶ Live ─stale or jump─▶ Fading ─limit at zero, next pose─▶ Live (proxy seated anew)
@@ -68,19 +69,31 @@ impl Default for Link {
             angular_velocity: Vector3::zeros(),
             buttons: 0,
         };
-        Self { phase: LinkPhase::Absent, pose, age_ticks: 0, limit_n: 0.0 }
+        Self {
+            phase: LinkPhase::Absent,
+            pose,
+            age_ticks: 0,
+            limit_n: 0.0,
+        }
     }
 }
 
 impl Link {
-    /// Takes this tick's pose, if any, and moves the force limit towards its goal. `wanted`: forces may be felt at all.
-    pub fn admit(&mut self, new: Option<&DevicePose>, limits: &LinkLimits, wanted: bool) -> Admission {
+    /// Takes this tick's pose, if any, and moves the force limit towards its goal. `wanted`: forces
+    /// may be felt at all.
+    pub fn admit(
+        &mut self,
+        new: Option<&DevicePose>,
+        limits: &LinkLimits,
+        wanted: bool,
+    ) -> Admission {
         let mut admission = Admission::default();
         self.age_ticks = self.age_ticks.saturating_add(1);
         if let Some(new) = new {
             let stride = (new.position - self.pose.position).norm();
             let plausible = stride <= limits.stride_max_m * f64::from(self.age_ticks);
-            let faded = self.limit_n == 0.0 && matches!(self.phase, LinkPhase::Stale | LinkPhase::Jumped);
+            let faded =
+                self.limit_n == 0.0 && matches!(self.phase, LinkPhase::Stale | LinkPhase::Jumped);
             if self.phase == LinkPhase::Absent || faded {
                 self.believe(new);
                 admission.seated = true;
@@ -93,7 +106,11 @@ impl Link {
         } else if self.phase == LinkPhase::Live && self.age_ticks > limits.stale_ticks {
             self.phase = LinkPhase::Stale;
         }
-        let goal = if wanted && self.phase == LinkPhase::Live { limits.force_max_n } else { 0.0 };
+        let goal = if wanted && self.phase == LinkPhase::Live {
+            limits.force_max_n
+        } else {
+            0.0
+        };
         self.limit_n = if self.limit_n < goal {
             (self.limit_n + limits.ramp_n).min(goal)
         } else {
@@ -110,12 +127,20 @@ impl Link {
 
     /// Velocity the coupling may use: none once the pose is old.
     pub fn velocity(&self) -> Vector3 {
-        if self.phase == LinkPhase::Live { self.pose.linear_velocity } else { Vector3::zeros() }
+        if self.phase == LinkPhase::Live {
+            self.pose.linear_velocity
+        } else {
+            Vector3::zeros()
+        }
     }
 
     /// Angular velocity the coupling may use, rad/s: none once the pose is old.
     pub fn angular_velocity(&self) -> Vector3 {
-        if self.phase == LinkPhase::Live { self.pose.angular_velocity } else { Vector3::zeros() }
+        if self.phase == LinkPhase::Live {
+            self.pose.angular_velocity
+        } else {
+            Vector3::zeros()
+        }
     }
 
     /// All of it, in order.
@@ -127,7 +152,13 @@ impl Link {
             LinkPhase::Stale => 2,
             LinkPhase::Jumped => 3,
         };
-        for word in [phase, u64::from(self.age_ticks), pose.seq, pose.t_client_ns, u64::from(pose.buttons)] {
+        for word in [
+            phase,
+            u64::from(self.age_ticks),
+            pose.seq,
+            pose.t_client_ns,
+            u64::from(pose.buttons),
+        ] {
             sink.word(word);
         }
         sink.floats(pose.position.coords.as_slice());
@@ -147,7 +178,12 @@ impl Link {
             1 => LinkPhase::Live,
             2 => LinkPhase::Stale,
             3 => LinkPhase::Jumped,
-            value => return Err(StateError::Value { what: "link phase", value }),
+            value => {
+                return Err(StateError::Value {
+                    what: "link phase",
+                    value,
+                });
+            }
         };
         self.age_ticks = small(source.word()?, "pose age")?;
         self.pose.seq = source.word()?;
@@ -157,8 +193,9 @@ impl Link {
         let mut quaternion = [0.0; 4];
         source.floats(&mut quaternion)?;
         // Taken as saved: normalising again would change the last bit.
-        self.pose.orientation =
-            Rotation::new_unchecked(nalgebra::Quaternion::from(nalgebra::Vector4::from(quaternion)));
+        self.pose.orientation = Rotation::new_unchecked(nalgebra::Quaternion::from(
+            nalgebra::Vector4::from(quaternion),
+        ));
         source.floats(self.pose.linear_velocity.as_mut_slice())?;
         source.floats(self.pose.angular_velocity.as_mut_slice())?;
         let mut limit = [0.0];
@@ -176,10 +213,19 @@ fn small(value: u64, what: &'static str) -> Result<u32, StateError> {
 mod tests {
     use super::*;
 
-    const LIMITS: LinkLimits = LinkLimits { force_max_n: 10.0, ramp_n: 1.0, stale_ticks: 50, stride_max_m: 0.01 };
+    const LIMITS: LinkLimits = LinkLimits {
+        force_max_n: 10.0,
+        ramp_n: 1.0,
+        stale_ticks: 50,
+        stride_max_m: 0.01,
+    };
 
     fn at(x: f64, seq: u64) -> DevicePose {
-        DevicePose { seq, position: Point3::new(x, 0.0, 0.0), ..Link::default().pose }
+        DevicePose {
+            seq,
+            position: Point3::new(x, 0.0, 0.0),
+            ..Link::default().pose
+        }
     }
 
     #[test]
@@ -232,6 +278,9 @@ mod tests {
         for seq in 11..=30 {
             link.admit(Some(&at(0.001, seq)), &LIMITS, false);
         }
-        assert_eq!((link.phase, link.limit_n, link.pose.seq), (LinkPhase::Live, 0.0, 30));
+        assert_eq!(
+            (link.phase, link.limit_n, link.pose.seq),
+            (LinkPhase::Live, 0.0, 30)
+        );
     }
 }

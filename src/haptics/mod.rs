@@ -1,5 +1,5 @@
-//! From device pose to rendered force: what a device says, whether it may be believed, the virtual coupling and how stiff it may
-//! be, the energy at the port, the limiter.
+//! From device pose to rendered force: what a device says, whether it may be believed, the virtual
+//! coupling and how stiff it may be, the energy at the port, the limiter.
 
 mod bounds;
 mod coupling;

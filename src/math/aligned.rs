@@ -1,6 +1,7 @@
 //! Rows of four numbers, each within one line of the cache.
 //!
-//! A plain `Vec<[f64; 4]>` may start in the middle of a row: every second load or store then touches two lines.
+//! A plain `Vec<[f64; 4]>` may start in the middle of a row: every second load or store then
+//! touches two lines.
 
 use super::Lane;
 use std::ops::{Deref, DerefMut};

@@ -1,8 +1,10 @@
-//! Sparse Cholesky factor of a constant symmetric positive definite matrix, solved for three right-hand sides at once.
+//! Sparse Cholesky factor of a constant symmetric positive definite matrix, solved for three
+//! right-hand sides at once.
 //!
-//! Davis, *Direct Methods for Sparse Linear Systems*, ch. 4: AMD ordering, elimination tree, up-looking factorisation.
-//! The numeric part is ours, scalar and in fixed order, because a factor must have the same bits on every machine;
-//! libraries that pick vector widths at run time do not promise that. Factored at build; a tick only solves.
+//! Davis, *Direct Methods for Sparse Linear Systems*, ch. 4: AMD ordering, elimination tree,
+//! up-looking factorisation. The numeric part is ours, scalar and in fixed order, because a factor
+//! must have the same bits on every machine; libraries that pick vector widths at run time do not
+//! promise that. Factored at build; a tick only solves.
 
 use super::Vector3;
 
@@ -34,7 +36,10 @@ pub struct SymmetricTriplets {
 impl SymmetricTriplets {
     /// An empty matrix of order `n`.
     pub fn new(n: usize) -> Self {
-        Self { n, entries: Vec::new() }
+        Self {
+            n,
+            entries: Vec::new(),
+        }
     }
 
     /// Adds to entry (i, j) and its mirror.
@@ -57,7 +62,8 @@ pub struct Cholesky {
     non_zeros: usize,
 }
 
-/// Up to [`PANEL`] neighbouring columns that share their rows below: loads and stores of the right-hand side are shared too.
+/// Up to [`PANEL`] neighbouring columns that share their rows below: loads and stores of the
+/// right-hand side are shared too.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Panel {
     first: u32,
@@ -82,7 +88,8 @@ impl Cholesky {
     /// A matrix that is not positive definite.
     pub fn new(matrix: &SymmetricTriplets) -> Result<Self, CholeskyError> {
         let n = matrix.n;
-        // Nested dissection by coordinate planes was tried on lattices of 1,700 nodes: no fewer non-zeros.
+        // Nested dissection by coordinate planes was tried on lattices of 1,700 nodes: no fewer
+        // non-zeros.
         let order = amd_order(matrix)?;
         let mut place = vec![0u32; n];
         for (k, &row) in order.iter().enumerate() {
@@ -126,7 +133,8 @@ impl Cholesky {
         self.solve_in_place::<Baseline>(x);
     }
 
-    // Values in f32 were tried: half of the memory, but slower, as each must be widened before it is used.
+    // Values in f32 were tried: half of the memory, but slower, as each must be widened before it
+    // is used.
     #[inline(always)]
     fn solve_in_place<K: Kernel>(&self, x: &mut [K::Row]) {
         for panel in &self.panels {
@@ -211,7 +219,8 @@ impl Cholesky {
     }
 }
 
-/// How a row of right-hand sides is held in registers. Each kernel does the same operations in the same order.
+/// How a row of right-hand sides is held in registers. Each kernel does the same operations in the
+/// same order.
 trait Kernel {
     type Row;
     type Register: Copy;
@@ -275,24 +284,31 @@ impl Kernel for Baseline {
     }
     #[inline(always)]
     fn minus(a: Lane, b: Lane, factor: f64) -> Lane {
-        [a[0] - b[0] * factor, a[1] - b[1] * factor, a[2] - b[2] * factor, a[3] - b[3] * factor]
+        [
+            a[0] - b[0] * factor,
+            a[1] - b[1] * factor,
+            a[2] - b[2] * factor,
+            a[3] - b[3] * factor,
+        ]
     }
 }
 
-/// Four right-hand sides in one 256-bit register; multiply and subtract stay apart, so the bits are the baseline's. Written
-/// out because the compiler, left alone, shuffles the sums of a panel between registers.
+/// Four right-hand sides in one 256-bit register; multiply and subtract stay apart, so the bits are
+/// the baseline's. Written out because the compiler, left alone, shuffles the sums of a panel
+/// between registers.
 #[cfg(target_arch = "x86_64")]
 mod avx2 {
     #![allow(unsafe_code)]
     use super::{Cholesky, Kernel, Lane};
     use std::arch::x86_64::{
-        __m256d, _mm256_loadu_pd, _mm256_mul_pd, _mm256_set1_pd, _mm256_setzero_pd, _mm256_storeu_pd, _mm256_sub_pd,
+        __m256d, _mm256_loadu_pd, _mm256_mul_pd, _mm256_set1_pd, _mm256_setzero_pd,
+        _mm256_storeu_pd, _mm256_sub_pd,
     };
 
     struct Wide;
 
-    // SAFETY of all blocks: only `solve` uses this kernel, and its caller has made sure of AVX2; the pointers come from
-    // references to four floats.
+    // SAFETY of all blocks: only `solve` uses this kernel, and its caller has made sure of AVX2;
+    // the pointers come from references to four floats.
     impl Kernel for Wide {
         type Row = Lane;
         type Register = __m256d;
@@ -347,8 +363,8 @@ fn amd_order(matrix: &SymmetricTriplets) -> Result<Vec<u32>, CholeskyError> {
     if rows.is_empty() {
         return Ok((0..n as u32).collect());
     }
-    let (order, _, _) =
-        amd::order(n as i64, &starts, &rows, &amd::Control::default()).map_err(|_| CholeskyError::Ordering)?;
+    let (order, _, _) = amd::order(n as i64, &starts, &rows, &amd::Control::default())
+        .map_err(|_| CholeskyError::Ordering)?;
     Ok(order.into_iter().map(|k| k as u32).collect())
 }
 
@@ -393,7 +409,13 @@ fn elimination_tree(n: usize, upper: &UpperColumns) -> Vec<u32> {
 }
 
 /// Columns i < k with L_ki ≠ 0, in topological order.
-fn row_pattern(k: usize, upper: &UpperColumns, parent: &[u32], mark: &mut [u32], pattern: &mut Vec<u32>) {
+fn row_pattern(
+    k: usize,
+    upper: &UpperColumns,
+    parent: &[u32],
+    mark: &mut [u32],
+    pattern: &mut Vec<u32>,
+) {
     pattern.clear();
     mark[k] = k as u32;
     for &(i, _) in &upper[k] {
@@ -408,7 +430,12 @@ fn row_pattern(k: usize, upper: &UpperColumns, parent: &[u32], mark: &mut [u32],
     pattern.sort_unstable();
 }
 
-fn factor(n: usize, order: Vec<u32>, upper: &UpperColumns, parent: &[u32]) -> Result<Cholesky, CholeskyError> {
+fn factor(
+    n: usize,
+    order: Vec<u32>,
+    upper: &UpperColumns,
+    parent: &[u32],
+) -> Result<Cholesky, CholeskyError> {
     let mut columns: Vec<Vec<(u32, f64)>> = vec![Vec::new(); n];
     let mut diagonal = vec![0.0; n];
     let mut mark = vec![NONE; n];
@@ -432,7 +459,10 @@ fn factor(n: usize, order: Vec<u32>, upper: &UpperColumns, parent: &[u32]) -> Re
             columns[i as usize].push((k as u32, l));
         }
         if !(pivot.is_finite() && pivot > 0.0) {
-            return Err(CholeskyError::Pivot { row: order[k] as usize, pivot });
+            return Err(CholeskyError::Pivot {
+                row: order[k] as usize,
+                pivot,
+            });
         }
         diagonal[k] = pivot.sqrt();
     }
@@ -444,7 +474,9 @@ fn packed(order: Vec<u32>, columns: &[Vec<(u32, f64)>], diagonal: &[f64]) -> Cho
     let n = columns.len();
     let follows = |k: usize| {
         let (a, b) = (&columns[k - 1], &columns[k]);
-        a.len() == b.len() + 1 && a[0].0 as usize == k && a[1..].iter().zip(b).all(|(x, y)| x.0 == y.0)
+        a.len() == b.len() + 1
+            && a[0].0 as usize == k
+            && a[1..].iter().zip(b).all(|(x, y)| x.0 == y.0)
     };
     let (mut panels, mut rows, mut values) = (Vec::new(), Vec::new(), Vec::new());
     let mut first = 0;
@@ -467,11 +499,25 @@ fn packed(order: Vec<u32>, columns: &[Vec<(u32, f64)>], diagonal: &[f64]) -> Cho
             values.extend((0..width).map(|i| columns[first + i][width - 1 - i + r].1));
         }
         let (first_column, rows_end) = (first as u32, rows.len() as u32);
-        panels.push(Panel { first: first_column, width: width as u32, rows_start, rows_end, values_start, inner });
+        panels.push(Panel {
+            first: first_column,
+            width: width as u32,
+            rows_start,
+            rows_end,
+            values_start,
+            inner,
+        });
         first += width;
     }
     let non_zeros = n + columns.iter().map(Vec::len).sum::<usize>();
-    Cholesky { n, order, panels, rows, values, non_zeros }
+    Cholesky {
+        n,
+        order,
+        panels,
+        rows,
+        values,
+        non_zeros,
+    }
 }
 
 #[cfg(test)]
@@ -518,7 +564,13 @@ mod tests {
         let factor = Cholesky::new(&sparse).unwrap();
         let oracle = dense.clone().cholesky().unwrap();
         let b: Vec<Vector3> = (0..sparse.n)
-            .map(|i| Vector3::new(i as f64 % 3.0 - 1.0, (i * i) as f64 % 7.0, 1.0 / (1.0 + i as f64)))
+            .map(|i| {
+                Vector3::new(
+                    i as f64 % 3.0 - 1.0,
+                    (i * i) as f64 % 7.0,
+                    1.0 / (1.0 + i as f64),
+                )
+            })
             .collect();
         let mut x = b.clone();
         factor.solve(&mut x, &mut vec![[0.0; 4]; sparse.n]);
@@ -528,8 +580,18 @@ mod tests {
             factor.solve_one(&mut one);
             for i in 0..sparse.n {
                 // Condition about 1e3: residuals of 1e-16 become 1e-13.
-                assert!((x[i][c] - expected[i]).abs() < 1e-12, "row {i}: {} != {}", x[i][c], expected[i]);
-                assert!((one[i] - expected[i]).abs() < 1e-12, "row {i}: {} != {}", one[i], expected[i]);
+                assert!(
+                    (x[i][c] - expected[i]).abs() < 1e-12,
+                    "row {i}: {} != {}",
+                    x[i][c],
+                    expected[i]
+                );
+                assert!(
+                    (one[i] - expected[i]).abs() < 1e-12,
+                    "row {i}: {} != {}",
+                    one[i],
+                    expected[i]
+                );
             }
         }
     }
@@ -543,7 +605,9 @@ mod tests {
         }
         let (sparse, _) = lattice(7);
         let factor = Cholesky::new(&sparse).unwrap();
-        let mut wide: Vec<Lane> = (0..sparse.n).map(|i| [i as f64, 1.0 / (i + 1) as f64, -3.3, 0.0]).collect();
+        let mut wide: Vec<Lane> = (0..sparse.n)
+            .map(|i| [i as f64, 1.0 / (i + 1) as f64, -3.3, 0.0])
+            .collect();
         let mut plain = wide.clone();
         factor.solve_in_place::<Baseline>(&mut plain);
         // SAFETY: asked just above.
@@ -551,7 +615,13 @@ mod tests {
         unsafe {
             avx2::solve(&factor, &mut wide);
         }
-        let bits = |lanes: &[Lane]| lanes.iter().flatten().map(|x| x.to_bits()).collect::<Vec<_>>();
+        let bits = |lanes: &[Lane]| {
+            lanes
+                .iter()
+                .flatten()
+                .map(|x| x.to_bits())
+                .collect::<Vec<_>>()
+        };
         assert_eq!(bits(&wide), bits(&plain));
     }
 
@@ -560,6 +630,9 @@ mod tests {
         let mut matrix = SymmetricTriplets::new(2);
         matrix.add(0, 0, 1.0);
         matrix.add(1, 1, -1.0);
-        assert!(matches!(Cholesky::new(&matrix), Err(CholeskyError::Pivot { row: 1, .. })));
+        assert!(matches!(
+            Cholesky::new(&matrix),
+            Err(CholeskyError::Pivot { row: 1, .. })
+        ));
     }
 }

@@ -1,8 +1,9 @@
 //! Four numbers at a time, with the same bits on every processor.
 //!
-//! Kernels are written once over [`Lanes`] and compiled twice: for [`Baseline`], which is plain arrays, and, behind
-//! [`has_avx2`](super::simd::has_avx2), for `Wide`, which is one register. Each operation rounds once in both, and nothing
-//! is fused, so the answers agree to the last bit. Four lanes only: wider ones would be another layout of the data.
+//! Kernels are written once over [`Lanes`] and compiled twice: for [`Baseline`], which is plain
+//! arrays, and, behind [`has_avx2`](super::simd::has_avx2), for `Wide`, which is one register. Each
+//! operation rounds once in both, and nothing is fused, so the answers agree to the last bit. Four
+//! lanes only: wider ones would be another layout of the data.
 
 use std::ops::{Add, Div, Mul, Sub};
 
@@ -42,8 +43,9 @@ macro_rules! triple {
             #[allow(unsafe_code)]
             fn flat(four: &mut [Self; 4]) -> &mut [f64; 12] {
                 const { assert!(size_of::<$type>() == 24 && align_of::<$type>() == align_of::<f64>()) };
-                // SAFETY: nalgebra lays vectors and points out in C's way around an array of three floats; their size,
-                // checked above, leaves no room for anything else, and any floats are valid.
+                // SAFETY: nalgebra lays vectors and points out in C's way around an array of three
+                // floats; their size, checked above, leaves no room for anything else, and any
+                // floats are valid.
                 unsafe { &mut *std::ptr::from_mut(four).cast() }
             }
         }
@@ -91,11 +93,23 @@ impl Lanes for Baseline {
     }
     #[inline(always)]
     fn least(self, other: Self) -> Self {
-        Self(std::array::from_fn(|k| if self.0[k] < other.0[k] { self.0[k] } else { other.0[k] }))
+        Self(std::array::from_fn(|k| {
+            if self.0[k] < other.0[k] {
+                self.0[k]
+            } else {
+                other.0[k]
+            }
+        }))
     }
     #[inline(always)]
     fn greatest(self, other: Self) -> Self {
-        Self(std::array::from_fn(|k| if self.0[k] > other.0[k] { self.0[k] } else { other.0[k] }))
+        Self(std::array::from_fn(|k| {
+            if self.0[k] > other.0[k] {
+                self.0[k]
+            } else {
+                other.0[k]
+            }
+        }))
     }
     #[inline(always)]
     fn above(self, other: Self) -> u8 {
@@ -144,7 +158,8 @@ mod avx2 {
     wide_operator!(Mul, mul, _mm256_mul_pd);
     wide_operator!(Div, div, _mm256_div_pd);
 
-    // SAFETY of all blocks: users have asked for AVX2; pointers come from references to as many floats as are touched.
+    // SAFETY of all blocks: users have asked for AVX2; pointers come from references to as many
+    // floats as are touched.
     impl Lanes for Wide {
         #[inline(always)]
         fn splat(x: f64) -> Self {
@@ -177,8 +192,10 @@ mod avx2 {
         #[inline(always)]
         fn transposed([a, b, c, d]: [Self; 4]) -> [Self; 4] {
             unsafe {
-                let (ab_even, ab_odd) = (_mm256_unpacklo_pd(a.0, b.0), _mm256_unpackhi_pd(a.0, b.0));
-                let (cd_even, cd_odd) = (_mm256_unpacklo_pd(c.0, d.0), _mm256_unpackhi_pd(c.0, d.0));
+                let (ab_even, ab_odd) =
+                    (_mm256_unpacklo_pd(a.0, b.0), _mm256_unpackhi_pd(a.0, b.0));
+                let (cd_even, cd_odd) =
+                    (_mm256_unpacklo_pd(c.0, d.0), _mm256_unpackhi_pd(c.0, d.0));
                 [
                     Self(_mm256_permute2f128_pd::<0x20>(ab_even, cd_even)),
                     Self(_mm256_permute2f128_pd::<0x20>(ab_odd, cd_odd)),
@@ -216,10 +233,21 @@ mod tests {
             lanes.store(&mut four);
             out.extend(four);
         };
-        [x + y, x - y, x * y, x / y, x.sqrt(), x.least(y), x.greatest(y), L::splat(a[2])]
+        [
+            x + y,
+            x - y,
+            x * y,
+            x / y,
+            x.sqrt(),
+            x.least(y),
+            x.greatest(y),
+            L::splat(a[2]),
+        ]
+        .into_iter()
+        .for_each(&mut keep);
+        L::transposed([x, y, x + y, x - y])
             .into_iter()
             .for_each(&mut keep);
-        L::transposed([x, y, x + y, x - y]).into_iter().for_each(&mut keep);
         out.push(f64::from(x.above(y)));
         let mut flat = [0.0; 12];
         L::interleave(x, y, x + y, &mut flat);
@@ -245,7 +273,16 @@ mod tests {
         if !std::arch::is_x86_feature_detected!("avx2") {
             return;
         }
-        let odd = [0.0, -0.0, f64::NAN, f64::INFINITY, -1.5, 1e-310, 3e200, 1.0 / 3.0];
+        let odd = [
+            0.0,
+            -0.0,
+            f64::NAN,
+            f64::INFINITY,
+            -1.5,
+            1e-310,
+            3e200,
+            1.0 / 3.0,
+        ];
         for k in 0..odd.len() * odd.len() {
             let at = |shift: usize| odd[(k / odd.len() + shift) % odd.len()];
             let of = |shift: usize| odd[(k + shift) % odd.len()];
@@ -253,7 +290,10 @@ mod tests {
             let (slow, fast) = (all::<Baseline>(&a, &b), all::<Wide>(&a, &b));
             for (x, y) in slow.iter().zip(&fast) {
                 // The sign and load of a NaN are not part of an answer.
-                assert!(x.to_bits() == y.to_bits() || (x.is_nan() && y.is_nan()), "{a:?} {b:?}: {x} is not {y}");
+                assert!(
+                    x.to_bits() == y.to_bits() || (x.is_nan() && y.is_nan()),
+                    "{a:?} {b:?}: {x} is not {y}"
+                );
             }
         }
     }

@@ -1,4 +1,5 @@
-//! Names for nalgebra's types, small dense and sparse linear algebra, and the state hash. Imports nothing of ours.
+//! Names for nalgebra's types, small dense and sparse linear algebra, and the state hash. Imports
+//! nothing of ours.
 
 use nalgebra as na;
 

@@ -1,6 +1,7 @@
 //! Gauss–Legendre quadrature.
 //!
-//! Nodes are the roots of the Legendre polynomial, by Newton from Tricomi's estimate; weights 2 / ((1 − x²) P'_n(x)²).
+//! Nodes are the roots of the Legendre polynomial, by Newton from Tricomi's estimate; weights 2 /
+//! ((1 − x²) P'_n(x)²).
 
 /// Nodes and weights on [−1, 1], in rising order: exact for polynomials of degree `2 · count − 1`.
 pub fn gauss_legendre(count: usize) -> Vec<(f64, f64)> {
@@ -29,7 +30,10 @@ fn legendre(count: usize, x: f64) -> (f64, f64) {
     let (mut value, mut before) = (1.0, 0.0);
     for k in 0..count {
         let k = k as f64;
-        (value, before) = (((2.0 * k + 1.0) * x * value - k * before) / (k + 1.0), value);
+        (value, before) = (
+            ((2.0 * k + 1.0) * x * value - k * before) / (k + 1.0),
+            value,
+        );
     }
     let derivative = count as f64 * (x * value - before) / (x * x - 1.0);
     (value, derivative)
@@ -45,9 +49,16 @@ mod tests {
             let rule = gauss_legendre(count);
             for power in 0..2 * count {
                 let sum: f64 = rule.iter().map(|(x, w)| w * x.powi(power as i32)).sum();
-                let exact = if power % 2 == 0 { 2.0 / (power as f64 + 1.0) } else { 0.0 };
+                let exact = if power % 2 == 0 {
+                    2.0 / (power as f64 + 1.0)
+                } else {
+                    0.0
+                };
                 // Weights are sums of some tens of roundings.
-                assert!((sum - exact).abs() < 1e-14, "count {count}, power {power}: {sum} is not {exact}");
+                assert!(
+                    (sum - exact).abs() < 1e-14,
+                    "count {count}, power {power}: {sum} is not {exact}"
+                );
             }
         }
     }

@@ -1,7 +1,8 @@
 //! Which vector instructions this run may use.
 //!
-//! Wider registers must not change a bit: functions compiled for them are the baseline's own code with more lanes, never
-//! with fused multiply-add. `PALPATE_SIMD=baseline` holds a run to the baseline, so that tests can compare.
+//! Wider registers must not change a bit: functions compiled for them are the baseline's own code
+//! with more lanes, never with fused multiply-add. `PALPATE_SIMD=baseline` holds a run to the
+//! baseline, so that tests can compare.
 
 use std::sync::OnceLock;
 

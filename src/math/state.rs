@@ -1,4 +1,5 @@
-//! One declared order for everything a replay must restore: the same walk hashes, saves and restores a state.
+//! One declared order for everything a replay must restore: the same walk hashes, saves and
+//! restores a state.
 
 use xxhash_rust::xxh3::Xxh3;
 
@@ -103,7 +104,11 @@ impl SavedState {
     /// # Errors
     /// Sizes that do not fit, or an impossible value.
     pub fn restore_into(&self, state: &mut impl Stateful) -> Result<(), StateError> {
-        let mut reader = Reader { saved: self, word: 0, float: 0 };
+        let mut reader = Reader {
+            saved: self,
+            word: 0,
+            float: 0,
+        };
         state.restore(&mut reader)?;
         if reader.word != self.words.len() || reader.float != self.floats.len() {
             return Err(reader.size_error());
@@ -129,19 +134,31 @@ struct Reader<'a> {
 
 impl Reader<'_> {
     fn size_error(&self) -> StateError {
-        StateError::Size { words: self.saved.words.len(), floats: self.saved.floats.len() }
+        StateError::Size {
+            words: self.saved.words.len(),
+            floats: self.saved.floats.len(),
+        }
     }
 }
 
 impl StateSource for Reader<'_> {
     fn word(&mut self) -> Result<u64, StateError> {
-        let word = self.saved.words.get(self.word).copied().ok_or_else(|| self.size_error())?;
+        let word = self
+            .saved
+            .words
+            .get(self.word)
+            .copied()
+            .ok_or_else(|| self.size_error())?;
         self.word += 1;
         Ok(word)
     }
     fn floats(&mut self, out: &mut [f64]) -> Result<(), StateError> {
         let end = self.float + out.len();
-        let values = self.saved.floats.get(self.float..end).ok_or_else(|| self.size_error())?;
+        let values = self
+            .saved
+            .floats
+            .get(self.float..end)
+            .ok_or_else(|| self.size_error())?;
         out.copy_from_slice(values);
         self.float = end;
         Ok(())

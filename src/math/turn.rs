@@ -10,12 +10,17 @@ pub fn rotation_by(turn: &Vector3) -> Rotation {
     let angle = turn.norm();
     let (sine, cosine) = (libm::sin(0.5 * angle), libm::cos(0.5 * angle));
     // sin(a / 2) / a
-    let share = if angle < SMALL { 0.5 - angle * angle / 48.0 } else { sine / angle };
+    let share = if angle < SMALL {
+        0.5 - angle * angle / 48.0
+    } else {
+        sine / angle
+    };
     let v = turn * share;
     Rotation::new_unchecked(nalgebra::Quaternion::new(cosine, v.x, v.y, v.z))
 }
 
-/// The vector by which `from` turns into `to`, in the frame in which both are given; by the short way.
+/// The vector by which `from` turns into `to`, in the frame in which both are given; by the short
+/// way.
 pub fn turn_between(from: &Rotation, to: &Rotation) -> Vector3 {
     if from == to {
         // Their quotient would differ from the identity in its last bits.
@@ -42,7 +47,9 @@ mod tests {
     fn both_maps_agree_with_the_rotation_matrix_and_with_each_other() {
         let mut state = 5u64;
         let mut random = || {
-            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            state = state
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1_442_695_040_888_963_407);
             (state >> 11) as f64 / (1u64 << 53) as f64 - 0.5
         };
         for k in 0..2_000 {
@@ -51,11 +58,17 @@ mod tests {
             let rotation = rotation_by(&(axis * angle));
             let x = Vector3::new(random(), random(), random());
             // Rodrigues' formula.
-            let turned = x * angle.cos() + axis.cross(&x) * angle.sin() + axis * (axis.dot(&x) * (1.0 - angle.cos()));
+            let turned = x * angle.cos()
+                + axis.cross(&x) * angle.sin()
+                + axis * (axis.dot(&x) * (1.0 - angle.cos()));
             assert!((rotation * x - turned).norm() < 1e-15 * 4.0);
             let from = rotation_by(&(Vector3::new(random(), random(), random()) * 4.0));
             let back = turn_between(&from, &(rotation * from));
-            assert!((back - axis * angle).norm() < 2e-15, "{angle}: {back} is not {}", axis * angle);
+            assert!(
+                (back - axis * angle).norm() < 2e-15,
+                "{angle}: {back} is not {}",
+                axis * angle
+            );
         }
     }
 

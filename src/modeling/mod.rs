@@ -7,7 +7,8 @@
 //! pipe     spine ──▶ the largest radius without self-intersection (by ipp), the pipe as a surface
 //! branch   tree ──▶ one tensor-product surface that bifurcates
 //! ```
-//! None of this runs inside a tick: people and `editing` call it, between sessions or beside the loop.
+//! None of this runs inside a tick: people and `editing` call it, between sessions or beside the
+//! loop.
 
 pub mod branch;
 pub mod ipp;

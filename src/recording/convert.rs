@@ -33,7 +33,12 @@ fn pose_to_proto(pose: &DevicePose) -> pb::Pose {
             pose.angular_velocity.as_slice(),
         ],
     );
-    pb::Pose { seq: pose.seq, t_client_ns: pose.t_client_ns, values, buttons: pose.buttons }
+    pb::Pose {
+        seq: pose.seq,
+        t_client_ns: pose.t_client_ns,
+        values,
+        buttons: pose.buttons,
+    }
 }
 
 /// Reads fixed groups of floats one after another.
@@ -44,11 +49,23 @@ struct Floats<'a> {
 }
 
 impl<'a> Floats<'a> {
-    fn new(tick: u64, what: &'static str, values: &'a [f64], len: usize) -> Result<Self, ConvertError> {
+    fn new(
+        tick: u64,
+        what: &'static str,
+        values: &'a [f64],
+        len: usize,
+    ) -> Result<Self, ConvertError> {
         if values.len() == len {
-            Ok(Self { tick, what, rest: values })
+            Ok(Self {
+                tick,
+                what,
+                rest: values,
+            })
         } else {
-            Err(ConvertError { tick, what: format!("{what} has {} values, not {len}", values.len()) })
+            Err(ConvertError {
+                tick,
+                what: format!("{what} has {} values, not {len}", values.len()),
+            })
         }
     }
 
@@ -69,7 +86,9 @@ impl<'a> Floats<'a> {
 
     /// As saved: normalising again would change the last bit.
     fn rotation(&mut self) -> Rotation {
-        Rotation::new_unchecked(nalgebra::Quaternion::from(nalgebra::Vector4::from(self.take::<4>())))
+        Rotation::new_unchecked(nalgebra::Quaternion::from(nalgebra::Vector4::from(
+            self.take::<4>(),
+        )))
     }
 }
 
@@ -116,7 +135,10 @@ pub fn tick_to_proto(record: &TickRecord, tool_count: usize) -> pb::Tick {
                     contact.force_n.as_slice(),
                 ],
             );
-            pb::Contact { body: contact.body, values }
+            pb::Contact {
+                body: contact.body,
+                values,
+            }
         });
         pb::Tool {
             applied: record.input.poses[t].as_ref().map(pose_to_proto),
@@ -154,15 +176,30 @@ pub fn tick_from_proto(tick: &pb::Tick) -> Result<TickRecord, ConvertError> {
     let number = tick.tick;
     let wrong = |what: String| ConvertError { tick: number, what };
     if tick.tools.len() > MAX_TOOLS {
-        return Err(wrong(format!("{} tools, more than {MAX_TOOLS}", tick.tools.len())));
+        return Err(wrong(format!(
+            "{} tools, more than {MAX_TOOLS}",
+            tick.tools.len()
+        )));
     }
-    let mut record = TickRecord { late_ns: tick.late_ns, skipped: tick.skipped, ..TickRecord::default() };
-    for (slot, ns) in record.stage_ns.iter_mut().zip(tick.stage_ns.iter().take(STAGE_COUNT)) {
+    let mut record = TickRecord {
+        late_ns: tick.late_ns,
+        skipped: tick.skipped,
+        ..TickRecord::default()
+    };
+    for (slot, ns) in record
+        .stage_ns
+        .iter_mut()
+        .zip(tick.stage_ns.iter().take(STAGE_COUNT))
+    {
         *slot = *ns;
     }
     let output = &mut record.output;
-    (output.tick, output.state_hash, output.net_revision, output.moving) =
-        (number, tick.state_hash, tick.net_revision, tick.moving);
+    (
+        output.tick,
+        output.state_hash,
+        output.net_revision,
+        output.moving,
+    ) = (number, tick.state_hash, tick.net_revision, tick.moving);
     output.fault = match tick.fault {
         0 => None,
         1 => Some(TickFault::NotFinite),
@@ -170,7 +207,11 @@ pub fn tick_from_proto(tick: &pb::Tick) -> Result<TickRecord, ConvertError> {
     };
     output.quality = level(number, tick.quality)?;
     for (t, tool) in tick.tools.iter().enumerate() {
-        record.input.poses[t] = tool.applied.as_ref().map(|pose| pose_from_proto(number, pose)).transpose()?;
+        record.input.poses[t] = tool
+            .applied
+            .as_ref()
+            .map(|pose| pose_from_proto(number, pose))
+            .transpose()?;
         let mut values = Floats::new(number, "tool", &tool.values, 21)?;
         let contact = tool.contact.as_ref().map(|contact| {
             let mut values = Floats::new(number, "contact", &contact.values, 12)?;
@@ -210,20 +251,31 @@ pub fn tick_from_proto(tick: &pb::Tick) -> Result<TickRecord, ConvertError> {
 }
 
 fn level(tick: u64, level: u32) -> Result<u8, ConvertError> {
-    let known = u8::try_from(level).ok().filter(|level| *level <= quality::LOWEST);
-    known.ok_or_else(|| ConvertError { tick, what: format!("unknown level of quality {level}") })
+    let known = u8::try_from(level)
+        .ok()
+        .filter(|level| *level <= quality::LOWEST);
+    known.ok_or_else(|| ConvertError {
+        tick,
+        what: format!("unknown level of quality {level}"),
+    })
 }
 
 fn bounds(command: &pb::Command) -> Result<DeviceBounds, ConvertError> {
     let told = match command.bounds[..] {
-        [force_max_n, torque_max_nm, stiffness_max_n_m] => {
-            DeviceBounds { force_max_n, torque_max_nm, stiffness_max_n_m }.checked()
+        [force_max_n, torque_max_nm, stiffness_max_n_m] => DeviceBounds {
+            force_max_n,
+            torque_max_nm,
+            stiffness_max_n_m,
         }
+        .checked(),
         _ => None,
     };
     told.ok_or_else(|| {
         let what = format!("{:?} are no bounds of a device", command.bounds);
-        ConvertError { tick: command.after_tick, what }
+        ConvertError {
+            tick: command.after_tick,
+            what,
+        }
     })
 }
 
@@ -232,7 +284,14 @@ pub fn command_to_proto(after_tick: u64, command: Command) -> pb::Command {
     let (mut device, mut values) = (0, Vec::new());
     let (name, ticks) = match command {
         Command::Device { tool, bounds } => {
-            (device, values) = (tool, vec![bounds.force_max_n, bounds.torque_max_nm, bounds.stiffness_max_n_m]);
+            (device, values) = (
+                tool,
+                vec![
+                    bounds.force_max_n,
+                    bounds.torque_max_nm,
+                    bounds.stiffness_max_n_m,
+                ],
+            );
             ("device", 0)
         }
         Command::Reset => ("reset", 0),
@@ -242,7 +301,13 @@ pub fn command_to_proto(after_tick: u64, command: Command) -> pb::Command {
         Command::Stop => ("stop", 0),
         Command::Quality(level) => ("quality", u32::from(level)),
     };
-    pb::Command { after_tick, name: name.into(), ticks, tool: device, bounds: values }
+    pb::Command {
+        after_tick,
+        name: name.into(),
+        ticks,
+        tool: device,
+        bounds: values,
+    }
 }
 
 /// The command again.
@@ -256,9 +321,17 @@ pub fn command_from_proto(command: &pb::Command) -> Result<Command, ConvertError
         "resume" => Command::Resume,
         "step" => Command::Step(command.ticks),
         "stop" => Command::Stop,
-        "device" => Command::Device { tool: command.tool, bounds: bounds(command)? },
+        "device" => Command::Device {
+            tool: command.tool,
+            bounds: bounds(command)?,
+        },
         "quality" => Command::Quality(level(command.after_tick, command.ticks)?),
-        other => return Err(ConvertError { tick: command.after_tick, what: format!("unknown command {other:?}") }),
+        other => {
+            return Err(ConvertError {
+                tick: command.after_tick,
+                what: format!("unknown command {other:?}"),
+            });
+        }
     })
 }
 
@@ -280,7 +353,8 @@ mod tests {
         ];
         for value in special {
             let vector = Vector3::new(value, -value, 1.0);
-            let rotation = Rotation::new_unchecked(nalgebra::Quaternion::new(1.0, value, -0.0, 0.0));
+            let rotation =
+                Rotation::new_unchecked(nalgebra::Quaternion::new(1.0, value, -0.0, 0.0));
             let mut record = TickRecord::default();
             record.input.poses[1] = Some(DevicePose {
                 seq: u64::MAX,
@@ -308,11 +382,18 @@ mod tests {
             });
             let bytes = tick_to_proto(&record, 2).encode_to_vec();
             let back = tick_from_proto(&pb::Tick::decode(&bytes[..]).unwrap()).unwrap();
-            // Equality of floats would not tell -0.0 from 0.0; the debug text and the bytes of a second trip do.
+            // Equality of floats would not tell -0.0 from 0.0; the debug text and the bytes of a
+            // second trip do.
             assert_eq!(tick_to_proto(&back, 2).encode_to_vec(), bytes);
             let bits = |record: &TickRecord| {
                 let tool = &record.output.tools[1];
-                [tool.force_n.x, tool.force_n.y, tool.energy_j, tool.contact.unwrap().depth_m].map(f64::to_bits)
+                [
+                    tool.force_n.x,
+                    tool.force_n.y,
+                    tool.energy_j,
+                    tool.contact.unwrap().depth_m,
+                ]
+                .map(f64::to_bits)
             };
             assert_eq!(bits(&back), bits(&record));
         }
@@ -322,17 +403,51 @@ mod tests {
     fn messages_of_the_wrong_shape_are_refused() {
         let mut tick = tick_to_proto(&TickRecord::default(), 1);
         tick.tools[0].values.pop();
-        assert!(tick_from_proto(&tick).unwrap_err().what.contains("20 values, not 21"));
-        let crowd = pb::Tick { tools: vec![tick.tools[0].clone(); 9], ..tick };
+        assert!(
+            tick_from_proto(&tick)
+                .unwrap_err()
+                .what
+                .contains("20 values, not 21")
+        );
+        let crowd = pb::Tick {
+            tools: vec![tick.tools[0].clone(); 9],
+            ..tick
+        };
         assert!(tick_from_proto(&crowd).is_err());
-        let poor = pb::Tick { quality: 4, ..tick_to_proto(&TickRecord::default(), 1) };
-        assert!(tick_from_proto(&poor).unwrap_err().what.contains("quality 4"));
-        let bounds = DeviceBounds { force_max_n: 3.3, torque_max_nm: 0.0, stiffness_max_n_m: f64::INFINITY };
+        let poor = pb::Tick {
+            quality: 4,
+            ..tick_to_proto(&TickRecord::default(), 1)
+        };
+        assert!(
+            tick_from_proto(&poor)
+                .unwrap_err()
+                .what
+                .contains("quality 4")
+        );
+        let bounds = DeviceBounds {
+            force_max_n: 3.3,
+            torque_max_nm: 0.0,
+            stiffness_max_n_m: f64::INFINITY,
+        };
         let told = Command::Device { tool: 2, bounds };
-        for command in [Command::Reset, Command::Step(7), Command::Stop, Command::Quality(3), told] {
-            assert_eq!(command_from_proto(&command_to_proto(5, command)), Ok(command));
+        for command in [
+            Command::Reset,
+            Command::Step(7),
+            Command::Stop,
+            Command::Quality(3),
+            told,
+        ] {
+            assert_eq!(
+                command_from_proto(&command_to_proto(5, command)),
+                Ok(command)
+            );
         }
-        let worse = pb::Command { after_tick: 5, name: "quality".into(), ticks: 260, ..Default::default() };
+        let worse = pb::Command {
+            after_tick: 5,
+            name: "quality".into(),
+            ticks: 260,
+            ..Default::default()
+        };
         assert!(command_from_proto(&worse).is_err());
     }
 }

@@ -1,8 +1,8 @@
 //! One MCAP file.
 //!
-//! It is `FILE.part` until it is finished; chunks are flushed five times a second, so that a killed daemon loses no more
-//! than that, and nothing written is ever touched again. log_time is tick × dt: plots are even and files comparable;
-//! publish_time is the wall clock.
+//! It is `FILE.part` until it is finished; chunks are flushed five times a second, so that a killed
+//! daemon loses no more than that, and nothing written is ever touched again. log_time is tick ×
+//! dt: plots are even and files comparable; publish_time is the wall clock.
 
 use super::disk::{Disk, DiskFile};
 use super::head::Head;
@@ -103,7 +103,10 @@ pub(super) fn part_of(target: &Path) -> PathBuf {
 
 /// What all our files say of who wrote them.
 pub(super) fn options() -> mcap::WriteOptions {
-    mcap::WriteOptions::library(mcap::WriteOptions::new(), format!("palpate {}", env!("CARGO_PKG_VERSION")))
+    mcap::WriteOptions::library(
+        mcap::WriteOptions::new(),
+        format!("palpate {}", env!("CARGO_PKG_VERSION")),
+    )
 }
 
 impl SessionFile {
@@ -129,7 +132,10 @@ impl SessionFile {
     ) -> Result<Self, WriteError> {
         if target.exists() {
             let advice = "move it away, or name another file";
-            return Err(WriteError::Exists { path: target.to_owned(), advice });
+            return Err(WriteError::Exists {
+                path: target.to_owned(),
+                advice,
+            });
         }
         let file = disk.create(&part).map_err(|source| match source.kind() {
             std::io::ErrorKind::AlreadyExists => {
@@ -140,14 +146,18 @@ impl SessionFile {
         })?;
         let written = Self::begin(file, head, position).and_then(|(mut mcap, channels)| {
             let views = views.map(|views| views.declared(&mut mcap)).transpose()?;
-            // Readable from the first moment on, and a full disk shows before anyone relies on the file.
+            // Readable from the first moment on, and a full disk shows before anyone relies on the
+            // file.
             mcap.flush()?;
             Ok((mcap, channels, views))
         });
         let (mcap, channels, views) = written.map_err(|source| {
             // Nothing is in it yet.
             let _ = std::fs::remove_file(&part);
-            WriteError::Mcap { path: part.clone(), source }
+            WriteError::Mcap {
+                path: part.clone(),
+                source,
+            }
         })?;
         Ok(Self {
             mcap,
@@ -182,9 +192,19 @@ impl SessionFile {
             .disable_seeking(true)
             .create(NoSeek::new(file))?;
         let mut run = head.metadata();
-        run.extend(position.iter().map(|(key, value)| ((*key).to_owned(), value.clone())));
-        mcap.write_metadata(&Metadata { name: RUN.into(), metadata: run })?;
-        for (name, text) in [(SCENE_TEXT, &head.scene_text), (SCENE_EFFECTIVE, &head.effective_scene)] {
+        run.extend(
+            position
+                .iter()
+                .map(|(key, value)| ((*key).to_owned(), value.clone())),
+        );
+        mcap.write_metadata(&Metadata {
+            name: RUN.into(),
+            metadata: run,
+        })?;
+        for (name, text) in [
+            (SCENE_TEXT, &head.scene_text),
+            (SCENE_EFFECTIVE, &head.effective_scene),
+        ] {
             let attachment = mcap::Attachment {
                 log_time: 0,
                 create_time: wall_ns(),
@@ -206,8 +226,15 @@ impl SessionFile {
     /// Writes a message, and what is shown of it.
     pub fn put(&mut self, message: &Message) -> Result<(), WriteError> {
         let channel_id = match message.kind {
-            Kind::Tick { state_hash, skipped } => {
-                self.first_tick = if self.ticks == 0 { message.tick } else { self.first_tick };
+            Kind::Tick {
+                state_hash,
+                skipped,
+            } => {
+                self.first_tick = if self.ticks == 0 {
+                    message.tick
+                } else {
+                    self.first_tick
+                };
                 self.ticks += 1;
                 self.skipped += u64::from(skipped);
                 (self.last_tick, self.last_hash) = (message.tick, state_hash);
@@ -225,8 +252,12 @@ impl SessionFile {
         };
         // Saturates for numbers that only a damaged file can hold.
         let log_time = message.tick.saturating_mul(self.dt_ns);
-        let header =
-            MessageHeader { channel_id, sequence: message.tick as u32, log_time, publish_time: message.wall_ns };
+        let header = MessageHeader {
+            channel_id,
+            sequence: message.tick as u32,
+            log_time,
+            publish_time: message.wall_ns,
+        };
         self.bytes += message.data.len() as u64;
         let mut written = self.mcap.write_to_known_channel(&header, &message.data);
         if let Some(views) = &mut self.views {
@@ -234,7 +265,13 @@ impl SessionFile {
             written = written.and_then(|()| {
                 views.show(message, |channel_id, data| {
                     *bytes += data.len() as u64;
-                    mcap.write_to_known_channel(&MessageHeader { channel_id, ..header }, data)
+                    mcap.write_to_known_channel(
+                        &MessageHeader {
+                            channel_id,
+                            ..header
+                        },
+                        data,
+                    )
                 })
             });
         }
@@ -242,43 +279,74 @@ impl SessionFile {
     }
 
     fn mcap_error(&self, source: mcap::McapError) -> WriteError {
-        WriteError::Mcap { path: self.part.clone(), source }
+        WriteError::Mcap {
+            path: self.part.clone(),
+            source,
+        }
     }
 
     /// Flushes when it is time, so that a kill loses little.
     pub fn flush_if_due(&mut self) -> Result<(), WriteError> {
         if std::mem::take(&mut self.urgent) || self.last_flush.elapsed() >= FLUSH_EVERY {
             self.last_flush = Instant::now();
-            self.mcap.flush().map_err(|source| self.mcap_error(source))?;
+            self.mcap
+                .flush()
+                .map_err(|source| self.mcap_error(source))?;
         }
         Ok(())
     }
 
     /// Ends the file and gives it its name.
-    pub fn finish(mut self, dropped: u64, clean: bool, position: &[(&str, String)]) -> Result<PathBuf, WriteError> {
+    pub fn finish(
+        mut self,
+        dropped: u64,
+        clean: bool,
+        position: &[(&str, String)],
+    ) -> Result<PathBuf, WriteError> {
         let mut end = BTreeMap::from([
             ("first_tick".to_string(), self.first_tick.to_string()),
             ("last_tick".to_string(), self.last_tick.to_string()),
             ("ticks".to_string(), self.ticks.to_string()),
             ("final_hash".to_string(), format!("{:016x}", self.last_hash)),
-            ("session_hash".to_string(), format!("{:016x}", self.session.0)),
+            (
+                "session_hash".to_string(),
+                format!("{:016x}", self.session.0),
+            ),
             ("dropped_records".to_string(), dropped.to_string()),
             ("skipped_ticks".to_string(), self.skipped.to_string()),
             ("clean".to_string(), (clean && dropped == 0).to_string()),
         ]);
-        end.extend(position.iter().map(|(key, value)| ((*key).to_owned(), value.clone())));
-        let bad = |source| WriteError::Mcap { path: self.part.clone(), source };
-        self.mcap.write_metadata(&Metadata { name: END.into(), metadata: end }).map_err(bad)?;
+        end.extend(
+            position
+                .iter()
+                .map(|(key, value)| ((*key).to_owned(), value.clone())),
+        );
+        let bad = |source| WriteError::Mcap {
+            path: self.part.clone(),
+            source,
+        };
+        self.mcap
+            .write_metadata(&Metadata {
+                name: END.into(),
+                metadata: end,
+            })
+            .map_err(bad)?;
         self.mcap.finish().map_err(bad)?;
         let mut file = self.mcap.into_inner().into_inner();
-        let io = |source| WriteError::Io { path: self.part.clone(), source };
+        let io = |source| WriteError::Io {
+            path: self.part.clone(),
+            source,
+        };
         file.flush().and_then(|()| file.sync()).map_err(io)?;
         // A hard link fails where a rename would overwrite what came there meanwhile.
         match std::fs::hard_link(&self.part, &self.target) {
             Ok(()) => std::fs::remove_file(&self.part).map_err(io)?,
             Err(e) if e.kind() == std::io::ErrorKind::AlreadyExists => {
                 let advice = "somebody made it meanwhile; the finished recording is in the .part file beside it";
-                return Err(WriteError::Exists { path: self.target, advice });
+                return Err(WriteError::Exists {
+                    path: self.target,
+                    advice,
+                });
             }
             Err(_) => std::fs::rename(&self.part, &self.target).map_err(io)?,
         }
@@ -287,10 +355,17 @@ impl SessionFile {
 }
 
 impl Channels {
-    fn add(mcap: &mut mcap::Writer<NoSeek<Box<dyn DiskFile>>>, head: &Head) -> mcap::McapResult<Self> {
+    fn add(
+        mcap: &mut mcap::Writer<NoSeek<Box<dyn DiskFile>>>,
+        head: &Head,
+    ) -> mcap::McapResult<Self> {
         let mut channel = |topic: &str, message: &str| {
             let name = format!("palpate.v1.{message}");
-            let schema = mcap.add_schema(&name, "protobuf", pb::descriptors(&name).unwrap_or_default())?;
+            let schema = mcap.add_schema(
+                &name,
+                "protobuf",
+                pb::descriptors(&name).unwrap_or_default(),
+            )?;
             mcap.add_channel(schema, topic, "protobuf", &BTreeMap::new())
         };
         Ok(Self {

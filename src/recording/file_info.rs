@@ -63,18 +63,33 @@ fn inspect(bytes: &[u8], duration_s: f64) -> FileInfo {
     if bytes.starts_with(mcap::MAGIC) {
         for (record, whole) in records(bytes).flatten() {
             if let Record::Chunk { header, .. } = &record {
-                seen.chunk(&header.compression, header.uncompressed_size, header.compressed_size);
+                seen.chunk(
+                    &header.compression,
+                    header.uncompressed_size,
+                    header.compressed_size,
+                );
                 // A damaged chunk counts for its size only.
-                chunk_records(whole).unwrap_or_default().into_iter().for_each(|record| seen.take(record));
+                chunk_records(whole)
+                    .unwrap_or_default()
+                    .into_iter()
+                    .for_each(|record| seen.take(record));
             } else {
                 seen.take(record);
             }
         }
     }
-    let Inspected { mut info, schemas, channels } = seen;
+    let Inspected {
+        mut info,
+        schemas,
+        channels,
+    } = seen;
     let channels = channels.into_values().map(|(schema, channel)| ChannelInfo {
         schema: schemas.get(&schema).cloned().unwrap_or_default(),
-        bytes_per_s: if duration_s > 0.0 { channel.bytes as f64 / duration_s } else { 0.0 },
+        bytes_per_s: if duration_s > 0.0 {
+            channel.bytes as f64 / duration_s
+        } else {
+            0.0
+        },
         ..channel
     });
     info.channels = channels.collect();
@@ -88,7 +103,11 @@ impl Inspected {
         info.chunks += 1;
         info.uncompressed_bytes = info.uncompressed_bytes.saturating_add(uncompressed);
         info.compressed_bytes = info.compressed_bytes.saturating_add(compressed);
-        let name = if compression.is_empty() { "none" } else { compression };
+        let name = if compression.is_empty() {
+            "none"
+        } else {
+            compression
+        };
         if !info.compression.iter().any(|known| known == name) {
             info.compression.push(name.to_owned());
         }
@@ -100,7 +119,16 @@ impl Inspected {
             // Told once more at the end of the file; what was counted stays.
             Record::Channel(channel) => {
                 let (topic, encoding) = (channel.topic, channel.message_encoding);
-                let fresh = || (channel.schema_id, ChannelInfo { topic, encoding, ..ChannelInfo::default() });
+                let fresh = || {
+                    (
+                        channel.schema_id,
+                        ChannelInfo {
+                            topic,
+                            encoding,
+                            ..ChannelInfo::default()
+                        },
+                    )
+                };
                 self.channels.entry(channel.id).or_insert_with(fresh);
             }
             Record::Message { header, data } => {
@@ -122,12 +150,30 @@ impl fmt::Display for FileInfo {
             "  {} bytes in {} chunks, compression {}, {ratio:.2} to 1",
             self.bytes,
             self.chunks,
-            if self.compression.is_empty() { "none".into() } else { self.compression.join(" and ") }
+            if self.compression.is_empty() {
+                "none".into()
+            } else {
+                self.compression.join(" and ")
+            }
         )?;
-        writeln!(f, "  {:<28} {:<24} {:>10} {:>14} {:>12}", "channel", "schema", "messages", "bytes", "bytes/s")?;
+        writeln!(
+            f,
+            "  {:<28} {:<24} {:>10} {:>14} {:>12}",
+            "channel", "schema", "messages", "bytes", "bytes/s"
+        )?;
         for channel in &self.channels {
-            let ChannelInfo { topic, schema, messages, bytes, bytes_per_s, .. } = channel;
-            writeln!(f, "  {topic:<28} {schema:<24} {messages:>10} {bytes:>14} {bytes_per_s:>12.0}")?;
+            let ChannelInfo {
+                topic,
+                schema,
+                messages,
+                bytes,
+                bytes_per_s,
+                ..
+            } = channel;
+            writeln!(
+                f,
+                "  {topic:<28} {schema:<24} {messages:>10} {bytes:>14} {bytes_per_s:>12.0}"
+            )?;
         }
         Ok(())
     }

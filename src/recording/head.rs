@@ -33,18 +33,33 @@ impl Head {
         effective: &SceneSpec,
         bodies: Vec<BodyHead>,
     ) -> Result<Self, WriteError> {
-        let clock = if scene.clock == Clock::Lockstep { "lockstep" } else { "realtime" };
-        let seed_free = [("clock", clock), ("float", "IEEE 754 binary64, round to nearest, subnormals kept")];
-        let mut extra: BTreeMap<String, String> =
-            seed_free.iter().map(|(key, value)| ((*key).to_owned(), (*value).to_owned())).collect();
+        let clock = if scene.clock == Clock::Lockstep {
+            "lockstep"
+        } else {
+            "realtime"
+        };
+        let seed_free = [
+            ("clock", clock),
+            (
+                "float",
+                "IEEE 754 binary64, round to nearest, subnormals kept",
+            ),
+        ];
+        let mut extra: BTreeMap<String, String> = seed_free
+            .iter()
+            .map(|(key, value)| ((*key).to_owned(), (*value).to_owned()))
+            .collect();
         extra.insert("simd".into(), crate::math::simd::path_name().into());
         extra.insert("rate_hz".into(), format!("{}", 1.0 / scene.dt_s));
         Ok(Self {
             scene: scene.name.clone(),
             scene_text: scene_text.to_owned(),
-            effective_scene: toml::to_string(effective).map_err(|e| WriteError::Scene(e.to_string()))?,
+            effective_scene: toml::to_string(effective)
+                .map_err(|e| WriteError::Scene(e.to_string()))?,
             dt_ns: (scene.dt_s * 1e9).round() as u64,
-            tools: (0..scene.tool_count()).map(|tool| scene.tool_id(tool).to_owned()).collect(),
+            tools: (0..scene.tool_count())
+                .map(|tool| scene.tool_id(tool).to_owned())
+                .collect(),
             bodies,
             extra,
         })
@@ -61,7 +76,14 @@ impl Head {
             ("scene_sha256".to_string(), sha256_hex(&self.scene_text)),
             ("dt_ns".to_string(), self.dt_ns.to_string()),
             ("tools".to_string(), self.tools.join(",")),
-            ("bodies".to_string(), self.bodies.iter().map(|body| body.id.as_str()).collect::<Vec<_>>().join(",")),
+            (
+                "bodies".to_string(),
+                self.bodies
+                    .iter()
+                    .map(|body| body.id.as_str())
+                    .collect::<Vec<_>>()
+                    .join(","),
+            ),
             ("started_unix_ns".to_string(), wall_ns().to_string()),
         ]);
         run.extend(self.extra.clone());
@@ -71,5 +93,8 @@ impl Head {
 
 fn sha256_hex(text: &str) -> String {
     use sha2::Digest as _;
-    sha2::Sha256::digest(text.as_bytes()).iter().map(|byte| format!("{byte:02x}")).collect()
+    sha2::Sha256::digest(text.as_bytes())
+        .iter()
+        .map(|byte| format!("{byte:02x}"))
+        .collect()
 }

@@ -122,7 +122,10 @@ pub fn info(session: &Session) -> Info {
     let mut session_hash = SessionHash::default();
     for record in &session.ticks {
         session_hash.push(record.output.tick, record.output.state_hash);
-        poses.iter_mut().zip(&record.input.poses).for_each(|(count, pose)| *count += u64::from(pose.is_some()));
+        poses
+            .iter_mut()
+            .zip(&record.input.poses)
+            .for_each(|(count, pose)| *count += u64::from(pose.is_some()));
         lateness.add(record.late_ns);
         let mut whole = 0;
         for (histogram, ns) in histograms.iter_mut().zip(record.stage_ns) {
@@ -133,11 +136,17 @@ pub fn info(session: &Session) -> Info {
     }
     let name = |command| convert::command_to_proto(0, command).name;
     let mut commands_by_name = BTreeMap::new();
-    session.commands.iter().for_each(|(_, command)| *commands_by_name.entry(name(*command)).or_default() += 1);
+    session
+        .commands
+        .iter()
+        .for_each(|(_, command)| *commands_by_name.entry(name(*command)).or_default() += 1);
     let (first, last) = (session.ticks.first(), session.ticks.last());
     let dt_s = session.run_number("dt_ns").unwrap_or(0) as f64 * 1e-9;
     let part = part(session);
-    let starts_late = session.keyframes.first().is_some_and(|keyframe| keyframe.tick > 0);
+    let starts_late = session
+        .keyframes
+        .first()
+        .is_some_and(|keyframe| keyframe.tick > 0);
     Info {
         path: session.path.display().to_string(),
         scene: run("scene"),
@@ -151,8 +160,16 @@ pub fn info(session: &Session) -> Info {
         last_tick: last.map(|record| record.output.tick),
         gaps: session.gaps(),
         dropped_records: session.end_number("dropped_records").unwrap_or(0),
-        skipped_ticks: session.ticks.iter().map(|record| u64::from(record.skipped)).sum(),
-        late_ticks: session.ticks.iter().filter(|record| record.late_ns > LATE_NS).count() as u64,
+        skipped_ticks: session
+            .ticks
+            .iter()
+            .map(|record| u64::from(record.skipped))
+            .sum(),
+        late_ticks: session
+            .ticks
+            .iter()
+            .filter(|record| record.late_ns > LATE_NS)
+            .count() as u64,
         clean: session.is_clean() && session.cut_short.is_none(),
         is_part: starts_late || !part.is_empty(),
         part,
@@ -164,7 +181,11 @@ pub fn info(session: &Session) -> Info {
         nets: session.nets.len() as u64,
         final_hash: format!("{:016x}", last.map_or(0, |record| record.output.state_hash)),
         session_hash: format!("{:016x}", session_hash.0),
-        tools: recorded_tools(session).into_iter().zip(poses).map(|(figures, poses)| tool(figures, poses)).collect(),
+        tools: recorded_tools(session)
+            .into_iter()
+            .zip(poses)
+            .map(|(figures, poses)| tool(figures, poses))
+            .collect(),
         stages: stage_infos(&histograms),
         lateness: stage_info("late", &lateness),
         file: None,
@@ -175,7 +196,9 @@ pub fn info(session: &Session) -> Info {
 fn part(session: &Session) -> BTreeMap<String, String> {
     let entries = session.header.run.iter().chain(&session.header.end);
     let about = entries.filter(|(key, _)| *key == "part" || key.ends_with("_part"));
-    about.map(|(key, value)| (key.clone(), value.clone())).collect()
+    about
+        .map(|(key, value)| (key.clone(), value.clone()))
+        .collect()
 }
 
 fn tool(figures: ToolFigures, poses: u64) -> ToolInfo {
@@ -195,7 +218,13 @@ fn tool(figures: ToolFigures, poses: u64) -> ToolInfo {
 
 /// Rows of a stage table: the stages, then the whole tick.
 pub(crate) fn stage_infos(histograms: &[Histogram]) -> Vec<StageInfo> {
-    STAGE_NAMES.iter().copied().chain(["tick"]).zip(histograms).map(|(stage, h)| stage_info(stage, h)).collect()
+    STAGE_NAMES
+        .iter()
+        .copied()
+        .chain(["tick"])
+        .zip(histograms)
+        .map(|(stage, h)| stage_info(stage, h))
+        .collect()
 }
 
 fn stage_info(stage: &str, histogram: &Histogram) -> StageInfo {
@@ -221,7 +250,10 @@ impl fmt::Display for Info {
             if self.clean { "clean" } else { "NOT clean" }
         )?;
         if let Some(reason) = &self.cut_short {
-            writeln!(f, "  cut short: {reason}; `palpate recover` makes a finished file of what is there")?;
+            writeln!(
+                f,
+                "  cut short: {reason}; `palpate recover` makes a finished file of what is there"
+            )?;
         }
         if let (true, Some(first), Some(last)) = (self.is_part, self.first_tick, self.last_tick) {
             writeln!(f, "  a part of a longer session: ticks {first} to {last}")?;
@@ -232,14 +264,26 @@ impl fmt::Display for Info {
         writeln!(
             f,
             "  {} keyframes, {} commands, {} nets; {} records lost, {} ticks skipped, {} late",
-            self.keyframes, self.commands, self.nets, self.dropped_records, self.skipped_ticks, self.late_ticks
+            self.keyframes,
+            self.commands,
+            self.nets,
+            self.dropped_records,
+            self.skipped_ticks,
+            self.late_ticks
         )?;
         if !self.commands_by_name.is_empty() {
-            let list: Vec<String> =
-                self.commands_by_name.iter().map(|(name, count)| format!("{count} {name}")).collect();
+            let list: Vec<String> = self
+                .commands_by_name
+                .iter()
+                .map(|(name, count)| format!("{count} {name}"))
+                .collect();
             writeln!(f, "  commands: {}", list.join(", "))?;
         }
-        writeln!(f, "  session hash {}, final state {}", self.session_hash, self.final_hash)?;
+        writeln!(
+            f,
+            "  session hash {}, final state {}",
+            self.session_hash, self.final_hash
+        )?;
         writeln!(f, "  made by {}", self.build)?;
         for tool in &self.tools {
             writeln!(
@@ -259,16 +303,26 @@ impl fmt::Display for Info {
         }
         write_stages(f, &self.stages)?;
         write_stage(f, &self.lateness)?;
-        self.file.as_ref().map_or(Ok(()), |file| write!(f, "{file}"))
+        self.file
+            .as_ref()
+            .map_or(Ok(()), |file| write!(f, "{file}"))
     }
 }
 
 /// The stage table.
 pub(crate) fn write_stages(f: &mut impl fmt::Write, stages: &[StageInfo]) -> fmt::Result {
-    writeln!(f, "  {:<8} {:>10} {:>10} {:>10}", "stage", "p50 us", "p99 us", "max us")?;
+    writeln!(
+        f,
+        "  {:<8} {:>10} {:>10} {:>10}",
+        "stage", "p50 us", "p99 us", "max us"
+    )?;
     stages.iter().try_for_each(|stage| write_stage(f, stage))
 }
 
 fn write_stage(f: &mut impl fmt::Write, stage: &StageInfo) -> fmt::Result {
-    writeln!(f, "  {:<8} {:>10.1} {:>10.1} {:>10.1}", stage.stage, stage.p50_us, stage.p99_us, stage.max_us)
+    writeln!(
+        f,
+        "  {:<8} {:>10.1} {:>10.1} {:>10.1}",
+        stage.stage, stage.p50_us, stage.p99_us, stage.max_us
+    )
 }

@@ -125,10 +125,24 @@ impl Keeper {
     /// Begins a recording: before the loop, from its first state on.
     pub fn begin(&mut self, path: &Path, asked: Option<u64>) -> Result<(), WriteError> {
         let dropped = self.dropped();
-        let parts = Parts::begin(&self.disk, &self.head, self.views.as_ref(), path, self.split, dropped)?;
+        let parts = Parts::begin(
+            &self.disk,
+            &self.head,
+            self.views.as_ref(),
+            path,
+            self.split,
+            dropped,
+        )?;
         self.generation += 1;
-        self.tell(ArchiveNews::Started { path: parts.path().to_owned() });
-        self.recording = Some(Recording { parts, generation: self.generation, begun: false, asked });
+        self.tell(ArchiveNews::Started {
+            path: parts.path().to_owned(),
+        });
+        self.recording = Some(Recording {
+            parts,
+            generation: self.generation,
+            begun: false,
+            asked,
+        });
         self.want();
         Ok(())
     }
@@ -148,7 +162,8 @@ impl Keeper {
         if any {
             self.generation = self.generation.max(1);
         }
-        self.wanted.store(if any { self.generation } else { 0 }, Ordering::Release);
+        self.wanted
+            .store(if any { self.generation } else { 0 }, Ordering::Release);
         let state = match (&self.recording, &self.report.failure) {
             (Some(_), _) => keeping::RECORDING,
             (None, Some(_)) => keeping::FAILED,
@@ -165,7 +180,9 @@ impl Keeper {
             while let Ok(mail) = self.mail.try_recv() {
                 match mail {
                     Mail::Ask { id, request } => self.answer(id, request),
-                    Mail::Event { tick, kind, detail } => self.keep(&Message::event(tick, &kind, &detail)),
+                    Mail::Event { tick, kind, detail } => {
+                        self.keep(&Message::event(tick, &kind, &detail))
+                    }
                     Mail::Next(next) => self.next.push_back(*next),
                 }
             }
@@ -191,7 +208,8 @@ impl Keeper {
             // Asked first: what came before it was abandoned is there by now.
             let over = self.stream.is_abandoned() && !self.next.is_empty();
             let mut messages = Vec::new();
-            self.stream.drain(stop || over, |message| messages.push(message));
+            self.stream
+                .drain(stop || over, |message| messages.push(message));
             for message in &messages {
                 self.keep(message);
             }
@@ -203,7 +221,8 @@ impl Keeper {
         }
     }
 
-    /// Another scene is another file: each can be replayed alone. Seconds in memory begin anew, snapshots end here.
+    /// Another scene is another file: each can be replayed alone. Seconds in memory begin anew,
+    /// snapshots end here.
     fn change_scene(&mut self, next: NextScene) {
         for snapshot in std::mem::take(&mut self.snapshots) {
             self.end_snapshot(snapshot);
@@ -214,7 +233,10 @@ impl Keeper {
         let (stats, dropped) = (self.stream.stats(), self.dropped());
         (self.stream, self.head, self.views) = (next.stream, next.head, next.views);
         if let Some(recording) = &mut self.recording
-            && let Err(error) = recording.parts.change(&self.head, self.views.as_ref(), &stats, dropped)
+            && let Err(error) =
+                recording
+                    .parts
+                    .change(&self.head, self.views.as_ref(), &stats, dropped)
         {
             self.fail(error);
         }
@@ -234,10 +256,18 @@ impl Keeper {
                 recording.begun = true;
                 if let Some(id) = recording.asked.take() {
                     let path = recording.parts.path().to_owned();
-                    let _ = self.news.send(ArchiveNews::Done { id, tick: message.tick + 1, path });
+                    let _ = self.news.send(ArchiveNews::Done {
+                        id,
+                        tick: message.tick + 1,
+                        path,
+                    });
                 }
             }
-            let kept = if recording.begun { recording.parts.put(message, dropped) } else { Ok(()) };
+            let kept = if recording.begun {
+                recording.parts.put(message, dropped)
+            } else {
+                Ok(())
+            };
             if let Err(error) = kept {
                 self.fail(error);
             }
@@ -248,14 +278,20 @@ impl Keeper {
         while at < self.snapshots.len() {
             let snapshot = &mut self.snapshots[at];
             match snapshot.file.put(message) {
-                Ok(()) if matches!(message.kind, Kind::Tick { .. }) && message.tick >= snapshot.last_tick => {
+                Ok(())
+                    if matches!(message.kind, Kind::Tick { .. })
+                        && message.tick >= snapshot.last_tick =>
+                {
                     let snapshot = self.snapshots.swap_remove(at);
                     self.end_snapshot(snapshot);
                 }
                 Ok(()) => at += 1,
                 Err(error) => {
                     let Snapshot { id, .. } = self.snapshots.swap_remove(at);
-                    self.tell(ArchiveNews::Refused { id, reason: error.to_string() });
+                    self.tell(ArchiveNews::Refused {
+                        id,
+                        reason: error.to_string(),
+                    });
                 }
             }
         }
@@ -265,7 +301,8 @@ impl Keeper {
         let mut failed = None;
         if let Some(recording) = &mut self.recording {
             failed = recording.parts.flush_if_due().err();
-            let bytes = self.report.files.iter().map(|file| file.bytes).sum::<u64>() + recording.parts.bytes();
+            let bytes = self.report.files.iter().map(|file| file.bytes).sum::<u64>()
+                + recording.parts.bytes();
             self.gauges.bytes.store(bytes, Ordering::Relaxed);
         }
         if let Some(error) = failed {
@@ -279,16 +316,28 @@ impl Keeper {
 
     /// The disk refused. The loop goes on without us; what was flushed stays readable.
     fn fail(&mut self, error: WriteError) {
-        let Some(recording) = self.recording.take() else { return };
+        let Some(recording) = self.recording.take() else {
+            return;
+        };
         tracing::error!(%error, "recording failed");
         let path = recording.parts.path().to_owned();
         self.report.files.extend(recording.parts.abandon());
-        self.tell(ArchiveNews::Failed { path: path.clone(), reason: error.to_string() });
+        self.tell(ArchiveNews::Failed {
+            path: path.clone(),
+            reason: error.to_string(),
+        });
         if let Some(id) = recording.asked {
-            self.tell(ArchiveNews::Refused { id, reason: error.to_string() });
+            self.tell(ArchiveNews::Refused {
+                id,
+                reason: error.to_string(),
+            });
         }
         if let Some(memory) = &mut self.memory {
-            memory.push(&Message::event(self.stream.last_tick(), "record_failed", &error.to_string()));
+            memory.push(&Message::event(
+                self.stream.last_tick(),
+                "record_failed",
+                &error.to_string(),
+            ));
         }
         self.report.failure = Some(error);
         // Ticks go on coming, to be counted as lost.
@@ -299,9 +348,15 @@ impl Keeper {
     fn end_recording(&mut self) -> Option<(u64, PathBuf)> {
         let recording = self.recording.take()?;
         if let Some(id) = recording.asked {
-            self.tell(ArchiveNews::Refused { id, reason: "it was ended before its first tick".into() });
+            self.tell(ArchiveNews::Refused {
+                id,
+                reason: "it was ended before its first tick".into(),
+            });
         }
-        let (path, tick) = (recording.parts.path().to_owned(), recording.parts.last_tick());
+        let (path, tick) = (
+            recording.parts.path().to_owned(),
+            recording.parts.last_tick(),
+        );
         let stats = self.stream.stats();
         let (files, ended) = recording.parts.finish(&stats, self.dropped());
         self.report.files.extend(files);
@@ -309,7 +364,10 @@ impl Keeper {
             Ok(()) => self.tell(ArchiveNews::Stopped { path: path.clone() }),
             Err(error) => {
                 tracing::error!(%error, "recording failed");
-                self.tell(ArchiveNews::Failed { path: path.clone(), reason: error.to_string() });
+                self.tell(ArchiveNews::Failed {
+                    path: path.clone(),
+                    reason: error.to_string(),
+                });
                 self.report.failure = Some(error);
             }
         }
@@ -327,7 +385,8 @@ impl Keeper {
                 }
                 let begun = place(&self.directory, path, "session").and_then(|path| {
                     self.report.failure = None;
-                    self.begin(&path, Some(id)).map_err(|error| error.to_string())
+                    self.begin(&path, Some(id))
+                        .map_err(|error| error.to_string())
                 });
                 if let Err(reason) = begun {
                     self.tell(refused(reason));
@@ -340,7 +399,11 @@ impl Keeper {
                     Some(error) => self.tell(refused(error.to_string())),
                 },
             },
-            ArchiveRequest::Snapshot { before_s, after_s, path } => {
+            ArchiveRequest::Snapshot {
+                before_s,
+                after_s,
+                path,
+            } => {
                 if let Err(reason) = self.snapshot(id, before_s, after_s, path) {
                     self.tell(refused(reason));
                 }
@@ -348,27 +411,51 @@ impl Keeper {
         }
     }
 
-    fn snapshot(&mut self, id: u64, before_s: f64, after_s: f64, path: Option<PathBuf>) -> Result<(), String> {
+    fn snapshot(
+        &mut self,
+        id: u64,
+        before_s: f64,
+        after_s: f64,
+        path: Option<PathBuf>,
+    ) -> Result<(), String> {
         let memory = self.memory.as_ref().filter(|memory| !memory.is_empty());
         let memory = memory.ok_or("nothing is kept in memory; start the daemon with --ring 30s")?;
         if self.snapshots.len() >= MAX_SNAPSHOTS {
-            return Err(format!("{MAX_SNAPSHOTS} snapshots are being written; wait for one to end"));
+            return Err(format!(
+                "{MAX_SNAPSHOTS} snapshots are being written; wait for one to end"
+            ));
         }
         let dt_s = self.head.dt_ns as f64 * 1e-9;
         let ticks = |name: &str, seconds: f64| match (0.0..=3_600.0).contains(&seconds) {
             true => Ok((seconds / dt_s).round() as u64),
-            false => Err(format!("{name} is {seconds} s; it must be between 0 and 3600")),
+            false => Err(format!(
+                "{name} is {seconds} s; it must be between 0 and 3600"
+            )),
         };
         let now = self.stream.last_tick();
-        let (from, to) = (now.saturating_sub(ticks("before", before_s)?), now + ticks("after", after_s)?);
+        let (from, to) = (
+            now.saturating_sub(ticks("before", before_s)?),
+            now + ticks("after", after_s)?,
+        );
         let path = place(&self.directory, path, "snapshot")?;
         let position = [("snapshot_tick", now.to_string())];
-        let file = SessionFile::create(&*self.disk, &path, &self.head, &position, self.views.clone());
+        let file = SessionFile::create(
+            &*self.disk,
+            &path,
+            &self.head,
+            &position,
+            self.views.clone(),
+        );
         let mut file = file.map_err(|error| error.to_string())?;
         for message in memory.since(from) {
             file.put(message).map_err(|error| error.to_string())?;
         }
-        let snapshot = Snapshot { id, file, last_tick: to, dropped_before: self.dropped() };
+        let snapshot = Snapshot {
+            id,
+            file,
+            last_tick: to,
+            dropped_before: self.dropped(),
+        };
         if to <= now {
             self.end_snapshot(snapshot);
         } else {
@@ -378,11 +465,19 @@ impl Keeper {
     }
 
     fn end_snapshot(&mut self, snapshot: Snapshot) {
-        let Snapshot { id, file, dropped_before, .. } = snapshot;
+        let Snapshot {
+            id,
+            file,
+            dropped_before,
+            ..
+        } = snapshot;
         let (tick, dropped) = (file.last_tick, self.dropped() - dropped_before);
         match file.finish(dropped, true, &[]) {
             Ok(path) => self.tell(ArchiveNews::Done { id, tick, path }),
-            Err(error) => self.tell(ArchiveNews::Refused { id, reason: error.to_string() }),
+            Err(error) => self.tell(ArchiveNews::Refused {
+                id,
+                reason: error.to_string(),
+            }),
         }
     }
 }

@@ -13,7 +13,11 @@ pub(super) struct Memory {
 
 impl Memory {
     pub fn new(ticks: u64) -> Self {
-        Self { ticks: ticks.max(1), messages: VecDeque::new(), keyframes: VecDeque::new() }
+        Self {
+            ticks: ticks.max(1),
+            messages: VecDeque::new(),
+            keyframes: VecDeque::new(),
+        }
     }
 
     pub fn push(&mut self, message: &Message) {
@@ -25,11 +29,14 @@ impl Memory {
         }
         self.messages.push_back(message.clone());
         // What comes before the second keyframe may go when the rest still reaches back far enough.
-        while self.keyframes.len() > 1 && message.tick.saturating_sub(self.keyframes[1]) >= self.ticks {
+        while self.keyframes.len() > 1
+            && message.tick.saturating_sub(self.keyframes[1]) >= self.ticks
+        {
             self.keyframes.pop_front();
             let mut met = false;
             while let Some(front) = self.messages.front() {
-                if matches!(front.kind, Kind::Keyframe { .. }) && std::mem::replace(&mut met, true) {
+                if matches!(front.kind, Kind::Keyframe { .. }) && std::mem::replace(&mut met, true)
+                {
                     break;
                 }
                 self.messages.pop_front();
@@ -39,7 +46,11 @@ impl Memory {
 
     /// From the last keyframe at or before `tick` on; from the first there is, when that is later.
     pub fn since(&self, tick: u64) -> impl Iterator<Item = &Message> {
-        let from = self.keyframes.iter().rposition(|keyframe| *keyframe <= tick).unwrap_or(0);
+        let from = self
+            .keyframes
+            .iter()
+            .rposition(|keyframe| *keyframe <= tick)
+            .unwrap_or(0);
         let mut before = from + 1;
         self.messages.iter().skip_while(move |message| {
             before -= usize::from(matches!(message.kind, Kind::Keyframe { .. }));
@@ -62,7 +73,12 @@ mod tests {
     use super::*;
 
     fn message(kind: Kind, tick: u64) -> Message {
-        Message { kind, tick, wall_ns: 0, data: vec![0; 10] }
+        Message {
+            kind,
+            tick,
+            wall_ns: 0,
+            data: vec![0; 10],
+        }
     }
 
     fn filled(ticks: u64, keep: u64, every: u64) -> Memory {
@@ -70,7 +86,13 @@ mod tests {
         memory.push(&message(Kind::Event, 0));
         memory.push(&message(Kind::Keyframe { generation: 1 }, 0));
         for tick in 1..=ticks {
-            memory.push(&message(Kind::Tick { state_hash: tick, skipped: 0 }, tick));
+            memory.push(&message(
+                Kind::Tick {
+                    state_hash: tick,
+                    skipped: 0,
+                },
+                tick,
+            ));
             if tick % every == 0 {
                 memory.push(&message(Kind::Keyframe { generation: 1 }, tick));
             }
@@ -83,9 +105,20 @@ mod tests {
         for ticks in 0..400 {
             let memory = filled(ticks, 100, 30);
             let first = memory.messages.front().unwrap();
-            assert!(matches!(first.kind, Kind::Keyframe { .. }), "after {ticks} ticks");
-            assert!(first.tick == 0 || ticks - first.tick >= 100, "after {ticks} ticks it begins at {}", first.tick);
-            assert!(ticks - first.tick < 100 + 30 + 1, "after {ticks} ticks it still begins at {}", first.tick);
+            assert!(
+                matches!(first.kind, Kind::Keyframe { .. }),
+                "after {ticks} ticks"
+            );
+            assert!(
+                first.tick == 0 || ticks - first.tick >= 100,
+                "after {ticks} ticks it begins at {}",
+                first.tick
+            );
+            assert!(
+                ticks - first.tick < 100 + 30 + 1,
+                "after {ticks} ticks it still begins at {}",
+                first.tick
+            );
         }
     }
 
@@ -93,7 +126,14 @@ mod tests {
     fn a_reach_into_the_past_begins_at_the_keyframe_before_it() {
         let memory = filled(395, 100, 30);
         assert_eq!(memory.keyframes, [270, 300, 330, 360, 390]);
-        for (tick, begins) in [(0, 270), (270, 270), (299, 270), (300, 300), (345, 330), (395, 390)] {
+        for (tick, begins) in [
+            (0, 270),
+            (270, 270),
+            (299, 270),
+            (300, 300),
+            (345, 330),
+            (395, 390),
+        ] {
             let found: Vec<_> = memory.since(tick).collect();
             assert_eq!(found[0].tick, begins, "since {tick}");
             assert!(matches!(found[0].kind, Kind::Keyframe { .. }));

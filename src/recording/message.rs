@@ -1,4 +1,5 @@
-//! What travels from the stream to files and to memory: encoded messages in the order of the simulation.
+//! What travels from the stream to files and to memory: encoded messages in the order of the
+//! simulation.
 
 use super::convert::{command_to_proto, tick_to_proto};
 use crate::math::{Point3, SavedState};
@@ -28,27 +29,63 @@ pub(super) struct Message {
 
 impl Message {
     fn new(kind: Kind, tick: u64, message: &impl prost::Message) -> Self {
-        Self { kind, tick, wall_ns: wall_ns(), data: message.encode_to_vec() }
+        Self {
+            kind,
+            tick,
+            wall_ns: wall_ns(),
+            data: message.encode_to_vec(),
+        }
     }
 
     pub fn tick(record: &TickRecord, tool_count: usize) -> Self {
         let output = &record.output;
-        let kind = Kind::Tick { state_hash: output.state_hash, skipped: record.skipped };
+        let kind = Kind::Tick {
+            state_hash: output.state_hash,
+            skipped: record.skipped,
+        };
         Self::new(kind, output.tick, &tick_to_proto(record, tool_count))
     }
 
     /// `commands`: how many of the commands after `tick` the state holds already.
-    pub fn keyframe(tick: u64, state_hash: u64, commands: u32, saved: &SavedState, generation: u32) -> Self {
+    pub fn keyframe(
+        tick: u64,
+        state_hash: u64,
+        commands: u32,
+        saved: &SavedState,
+        generation: u32,
+    ) -> Self {
         let (words, floats) = (saved.words.clone(), saved.floats.clone());
-        Self::new(Kind::Keyframe { generation }, tick, &pb::Keyframe { tick, state_hash, words, floats, commands })
+        Self::new(
+            Kind::Keyframe { generation },
+            tick,
+            &pb::Keyframe {
+                tick,
+                state_hash,
+                words,
+                floats,
+                commands,
+            },
+        )
     }
 
     pub fn command(after_tick: u64, command: Command) -> Self {
-        Self::new(Kind::Command, after_tick, &command_to_proto(after_tick, command))
+        Self::new(
+            Kind::Command,
+            after_tick,
+            &command_to_proto(after_tick, command),
+        )
     }
 
     pub fn event(tick: u64, kind: &str, detail: &str) -> Self {
-        Self::new(Kind::Event, tick, &pb::Event { tick, kind: kind.into(), detail: detail.into() })
+        Self::new(
+            Kind::Event,
+            tick,
+            &pb::Event {
+                tick,
+                kind: kind.into(),
+                detail: detail.into(),
+            },
+        )
     }
 
     pub fn stats(stats: &pb::Stats) -> Self {
@@ -84,7 +121,8 @@ pub(super) struct BodyHead {
 /// Wall clock, ns.
 pub(super) fn wall_ns() -> u64 {
     let now = std::time::SystemTime::now();
-    now.duration_since(std::time::UNIX_EPOCH).map_or(0, |t| t.as_nanos() as u64)
+    now.duration_since(std::time::UNIX_EPOCH)
+        .map_or(0, |t| t.as_nanos() as u64)
 }
 
 /// Running hash of all ticks of a file: two with equal hashes went through the same states.
@@ -94,7 +132,9 @@ pub struct SessionHash(pub u64);
 impl SessionHash {
     /// Takes the next tick in.
     pub fn push(&mut self, tick: u64, state_hash: u64) {
-        let mixed = (self.0 ^ state_hash).wrapping_mul(0x9e37_79b9_7f4a_7c15).rotate_left(29);
+        let mixed = (self.0 ^ state_hash)
+            .wrapping_mul(0x9e37_79b9_7f4a_7c15)
+            .rotate_left(29);
         self.0 = (mixed ^ tick).wrapping_mul(0xbf58_476d_1ce4_e5b9) ^ (mixed >> 31);
     }
 }

@@ -32,7 +32,8 @@ mod views;
 pub use disk::{Disk, DiskFile, FileSystem};
 pub use export::{Bucket, Curve, ExportError, Range, Series, csv, net_at, series};
 pub use figures::{
-    BodyFigures, Deviation, Figures, FiguresError, Start, Tolerances, ToolFigures, deviations, simulate_figures,
+    BodyFigures, Deviation, Figures, FiguresError, Start, Tolerances, ToolFigures, deviations,
+    simulate_figures,
 };
 pub use file::WriteError;
 pub use file_info::{ChannelInfo, FileInfo, file_info};
@@ -43,11 +44,14 @@ pub use parts::Split;
 pub use play::{PlayError, PlayReport, PlaySettings, Player, played_scene};
 pub use port::RecorderPort;
 pub use reader::{EventRecord, ReadError, Session, SessionHeader};
-pub use recorder::{Recorder, RecorderSettings, RecordingReport, RecordingSummary, SceneChanges, default_path};
+pub use recorder::{
+    Recorder, RecorderSettings, RecordingReport, RecordingSummary, SceneChanges, default_path,
+};
 pub use recover::RecoverError;
 pub use recover::{Recovered, recover};
 pub use replay::{
-    Difference, Divergence, Follower, ReplayError, ReplayOptions, ReplayReport, recorded_scene, replay, replay_with,
+    Difference, Divergence, Follower, ReplayError, ReplayOptions, ReplayReport, recorded_scene,
+    replay, replay_with,
 };
 pub use self_check::{SelfCheck, SelfCheckPort, SelfCheckReport, SelfDifference};
 
@@ -71,11 +75,23 @@ pub const FORMAT_VERSION: u32 = 2;
 /// Names in the head of a session, for example of its `tools`, by index.
 pub(crate) fn names(session: &Session, key: &str) -> Vec<String> {
     let names = session.header.run.get(key).map_or("", String::as_str);
-    names.split(',').filter(|name| !name.is_empty()).map(str::to_owned).collect()
+    names
+        .split(',')
+        .filter(|name| !name.is_empty())
+        .map(str::to_owned)
+        .collect()
 }
 
 /// What this program was built from: recordings made by another build may replay with other bits.
 pub fn build_id() -> String {
-    let profile = if cfg!(debug_assertions) { "debug" } else { "release" };
-    format!("palpate {} source {} {profile}", env!("CARGO_PKG_VERSION"), env!("PALPATE_SOURCE"))
+    let profile = if cfg!(debug_assertions) {
+        "debug"
+    } else {
+        "release"
+    };
+    format!(
+        "palpate {} source {} {profile}",
+        env!("CARGO_PKG_VERSION"),
+        env!("PALPATE_SOURCE")
+    )
 }

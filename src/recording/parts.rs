@@ -1,4 +1,5 @@
-//! A recording: one file, or numbered parts of bounded size and length, the oldest of which make room for the newest.
+//! A recording: one file, or numbered parts of bounded size and length, the oldest of which make
+//! room for the newest.
 
 use super::RecordingSummary;
 use super::disk::Disk;
@@ -11,7 +12,8 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Duration;
 
-/// When a new part begins, and how much all may take. Parts begin with a keyframe, so that each can be replayed alone.
+/// When a new part begins, and how much all may take. Parts begin with a keyframe, so that each can
+/// be replayed alone.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Split {
     /// Message bytes of a part before compression.
@@ -29,7 +31,10 @@ impl Split {
 
     /// Of a total without a size, a part is an eighth.
     fn part_bytes(&self) -> Option<u64> {
-        self.bytes.or(self.total_bytes.filter(|_| self.duration.is_none()).map(|total| (total / 8).max(1)))
+        self.bytes.or(self
+            .total_bytes
+            .filter(|_| self.duration.is_none())
+            .map(|total| (total / 8).max(1)))
     }
 }
 
@@ -58,7 +63,10 @@ fn numbered(path: &Path, number: u32) -> PathBuf {
 }
 
 fn name_of(path: &Path) -> String {
-    path.file_name().unwrap_or_default().to_string_lossy().into_owned()
+    path.file_name()
+        .unwrap_or_default()
+        .to_string_lossy()
+        .into_owned()
 }
 
 impl Parts {
@@ -97,7 +105,11 @@ impl Parts {
 
     /// Message bytes of the part under way.
     pub fn bytes(&self) -> u64 {
-        self.summaries.iter().map(|summary| summary.bytes).sum::<u64>() + self.file.bytes
+        self.summaries
+            .iter()
+            .map(|summary| summary.bytes)
+            .sum::<u64>()
+            + self.file.bytes
     }
 
     /// Newest tick written.
@@ -107,7 +119,8 @@ impl Parts {
 
     /// `dropped`: records lost so far, of all the daemon did.
     pub fn put(&mut self, message: &Message, dropped: u64) -> Result<(), WriteError> {
-        let begins = matches!(message.kind, Kind::Keyframe { .. }) && self.file.ticks > 0 && self.is_full();
+        let begins =
+            matches!(message.kind, Kind::Keyframe { .. }) && self.file.ticks > 0 && self.is_full();
         match message.kind {
             // The next part has a tick at least.
             Kind::Tick { .. } if !self.held.is_empty() => {
@@ -128,7 +141,9 @@ impl Parts {
     }
 
     fn release(&mut self) -> Result<(), WriteError> {
-        std::mem::take(&mut self.held).iter().try_for_each(|message| self.file.put(message))
+        std::mem::take(&mut self.held)
+            .iter()
+            .try_for_each(|message| self.file.put(message))
     }
 
     pub fn flush_if_due(&mut self) -> Result<(), WriteError> {
@@ -137,17 +152,34 @@ impl Parts {
 
     fn is_full(&self) -> bool {
         let ticks = self.file.last_tick.saturating_sub(self.file.first_tick) + 1;
-        let long = |most: Duration| u128::from(ticks) * u128::from(self.head.dt_ns) >= most.as_nanos();
-        self.split.part_bytes().is_some_and(|most| self.file.bytes >= most) || self.split.duration.is_some_and(long)
+        let long =
+            |most: Duration| u128::from(ticks) * u128::from(self.head.dt_ns) >= most.as_nanos();
+        self.split
+            .part_bytes()
+            .is_some_and(|most| self.file.bytes >= most)
+            || self.split.duration.is_some_and(long)
     }
 
     fn next_part(&mut self, dropped: u64) -> Result<(), WriteError> {
         self.number += 1;
         let target = numbered(&self.stem, self.number);
-        let position = [("part", self.number.to_string()), ("previous_part", name_of(self.file.target()))];
-        let next = SessionFile::create(&*self.disk, &target, &self.head, &position, self.views.clone())?;
+        let position = [
+            ("part", self.number.to_string()),
+            ("previous_part", name_of(self.file.target())),
+        ];
+        let next = SessionFile::create(
+            &*self.disk,
+            &target,
+            &self.head,
+            &position,
+            self.views.clone(),
+        )?;
         let done = std::mem::replace(&mut self.file, next);
-        let summary = close(done, dropped - self.dropped_before, &[("next_part", name_of(&target))])?;
+        let summary = close(
+            done,
+            dropped - self.dropped_before,
+            &[("next_part", name_of(&target))],
+        )?;
         self.dropped_before = dropped;
         let size = std::fs::metadata(&summary.path).map_or(0, |data| data.len());
         self.finished.push_back((summary.path.clone(), size));
@@ -172,21 +204,36 @@ impl Parts {
 
     /// Deletes the oldest parts of this recording until the rest, with one part more, fits.
     fn make_room(&mut self) {
-        let Some(most) = self.split.total_bytes else { return };
-        let largest = self.finished.iter().map(|(_, size)| *size).max().unwrap_or(0);
+        let Some(most) = self.split.total_bytes else {
+            return;
+        };
+        let largest = self
+            .finished
+            .iter()
+            .map(|(_, size)| *size)
+            .max()
+            .unwrap_or(0);
         while self.finished.len() > 1
             && self.finished.iter().map(|(_, size)| size).sum::<u64>() + largest > most
             && let Some((path, _)) = self.finished.pop_front()
         {
             match std::fs::remove_file(&path) {
-                Ok(()) => tracing::info!(part = %path.display(), "deleted to stay within the disk budget"),
-                Err(error) => tracing::warn!(part = %path.display(), %error, "a part could not be deleted"),
+                Ok(()) => {
+                    tracing::info!(part = %path.display(), "deleted to stay within the disk budget")
+                }
+                Err(error) => {
+                    tracing::warn!(part = %path.display(), %error, "a part could not be deleted")
+                }
             }
         }
     }
 
     /// Ends the recording.
-    pub fn finish(mut self, stats: &Message, dropped: u64) -> (Vec<RecordingSummary>, Result<(), WriteError>) {
+    pub fn finish(
+        mut self,
+        stats: &Message,
+        dropped: u64,
+    ) -> (Vec<RecordingSummary>, Result<(), WriteError>) {
         let ended = self.release().and_then(|()| self.file.put(stats));
         let ended = ended.and_then(|()| close(self.file, dropped - self.dropped_before, &[]));
         let ended = ended.map(|summary| self.summaries.push(summary));
@@ -199,7 +246,11 @@ impl Parts {
     }
 }
 
-fn close(file: SessionFile, dropped: u64, position: &[(&str, String)]) -> Result<RecordingSummary, WriteError> {
+fn close(
+    file: SessionFile,
+    dropped: u64,
+    position: &[(&str, String)],
+) -> Result<RecordingSummary, WriteError> {
     let mut summary = RecordingSummary {
         path: file.target().to_owned(),
         ticks: file.ticks,

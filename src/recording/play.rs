@@ -3,8 +3,9 @@
 //! ```text
 //! FILE ─▶ Cursor (state, step) ─▶ Player (pace, requests) ─▶ TickPorts ═▶ bus
 //! ```
-//! The recorded inputs go through the same step, so that all contacts and every net are there again; what was recorded wins
-//! where another build makes other forces. Poses and commands of clients do not reach the state.
+//! The recorded inputs go through the same step, so that all contacts and every net are there
+//! again; what was recorded wins where another build makes other forces. Poses and commands of
+//! clients do not reach the state.
 
 mod cursor;
 mod deadlines;
@@ -159,7 +160,18 @@ impl Player {
         let deadlines = Deadlines::new(period_ns(dt_s, settings.rate), now_ns());
         let paused = settings.paused;
         let report = PlayReport::default();
-        Ok(Self { cursor, ports, port, settings, dt_s, paused, deadlines, over: false, told: false, report })
+        Ok(Self {
+            cursor,
+            ports,
+            port,
+            settings,
+            dt_s,
+            paused,
+            deadlines,
+            over: false,
+            told: false,
+            report,
+        })
     }
 
     /// Plays to the end, or until somebody stops it.
@@ -232,7 +244,11 @@ impl Player {
             }
             Next::Gap { after, to } => {
                 self.report.gaps += 1;
-                tracing::warn!(after, to, "ticks are missing in the recording: going on at the next keyframe");
+                tracing::warn!(
+                    after,
+                    to,
+                    "ticks are missing in the recording: going on at the next keyframe"
+                );
                 self.ports.rewind();
             }
             Next::End if self.settings.looped => {
@@ -267,10 +283,23 @@ impl Player {
     fn show(&mut self, scene: &Scene, record: Option<TickRecord>) {
         self.ports.rewind();
         let tick = self.cursor.state.tick;
-        let output = TickOutput { tick, ..TickOutput::default() };
-        let record = record.unwrap_or(TickRecord { output, ..TickRecord::default() });
+        let output = TickOutput {
+            tick,
+            ..TickOutput::default()
+        };
+        let record = record.unwrap_or(TickRecord {
+            output,
+            ..TickRecord::default()
+        });
         // Its lateness was counted when it was played.
-        self.publish(scene, &TickRecord { late_ns: 0, skipped: 0, ..record });
+        self.publish(
+            scene,
+            &TickRecord {
+                late_ns: 0,
+                skipped: 0,
+                ..record
+            },
+        );
     }
 
     fn tell(&self, news: PlayNews) {
@@ -293,7 +322,8 @@ impl Player {
     fn show_net(&mut self, scene: &Scene) {
         self.wait_for_room();
         self.ports.rewind();
-        self.ports.hand_over_nets(scene, &self.cursor.state, self.cursor.state.tick);
+        self.ports
+            .hand_over_nets(scene, &self.cursor.state, self.cursor.state.tick);
     }
 
     fn pause(&mut self, scene: &Scene, paused: bool) {
@@ -326,7 +356,9 @@ impl Player {
                 tracing::info!(rate = self.settings.rate, "plays at another rate");
             }
             PlayRequest::Step(ticks) if self.paused => self.step(scene, ticks)?,
-            PlayRequest::Step(_) => done = Err("step is for a recording that stands still; pause it first".into()),
+            PlayRequest::Step(_) => {
+                done = Err("step is for a recording that stands still; pause it first".into())
+            }
             PlayRequest::Seek(tick) => done = self.seek(scene, tick)?,
             PlayRequest::Back => match self.cursor.keyframe_before() {
                 Some(tick) => done = self.seek(scene, tick)?,
@@ -341,7 +373,10 @@ impl Player {
             PlayRequest::Stop => self.over = true,
         }
         match done {
-            Ok(()) => self.tell(PlayNews::Done { id, tick: self.cursor.state.tick }),
+            Ok(()) => self.tell(PlayNews::Done {
+                id,
+                tick: self.cursor.state.tick,
+            }),
             Err(reason) => self.tell(PlayNews::Refused { id, reason }),
         }
         Ok(())
@@ -350,8 +385,10 @@ impl Player {
     /// So many ticks at once, fewer when the end comes before.
     fn step(&mut self, scene: &Scene, ticks: u32) -> Result<(), PlayError> {
         let until = self.report.ticks + u64::from(ticks);
-        let ends =
-            (std::mem::replace(&mut self.settings.looped, false), std::mem::replace(&mut self.settings.stay, true));
+        let ends = (
+            std::mem::replace(&mut self.settings.looped, false),
+            std::mem::replace(&mut self.settings.stay, true),
+        );
         while self.report.ticks < until && !self.ports.stop_asked() {
             let before = (self.report.ticks, self.report.gaps);
             self.tick(scene)?;

@@ -1,4 +1,5 @@
-//! The tick thread's side: bounded rings, no waiting, no allocation. What does not fit is counted and lost, and the file says so.
+//! The tick thread's side: bounded rings, no waiting, no allocation. What does not fit is counted
+//! and lost, and the file says so.
 
 use super::self_check::room_for_states;
 use super::stream::{KeyframeBuffer, NetBuffer, Stream, TickHead, ToolRow};
@@ -37,10 +38,20 @@ fn pool<T>(buffers: impl ExactSizeIterator<Item = T>) -> (Pool<T>, PoolEnd<T>) {
         let fits = free_in.push(Box::new(buffer)).is_ok();
         debug_assert!(fits, "the ring has room for all");
     }
-    (Pool { free: free_out, full: full_in }, PoolEnd { free: free_in, full: full_out })
+    (
+        Pool {
+            free: free_out,
+            full: full_in,
+        },
+        PoolEnd {
+            free: free_in,
+            full: full_out,
+        },
+    )
 }
 
-/// The journal of a scene's loop. It sleeps until somebody wants ticks, and then begins with a keyframe.
+/// The journal of a scene's loop. It sleeps until somebody wants ticks, and then begins with a
+/// keyframe.
 pub struct RecorderPort {
     heads: rtrb::Producer<TickHead>,
     rows: rtrb::Producer<ToolRow>,
@@ -65,7 +76,11 @@ pub struct RecorderPort {
 }
 
 /// Both ends for a scene.
-pub(super) fn port(scene: &Scene, gauges: Arc<JournalGauges>, wanted: Arc<AtomicU32>) -> (RecorderPort, Stream) {
+pub(super) fn port(
+    scene: &Scene,
+    gauges: Arc<JournalGauges>,
+    wanted: Arc<AtomicU32>,
+) -> (RecorderPort, Stream) {
     let (heads, heads_out) = rtrb::RingBuffer::new(RING_TICKS);
     let (rows, rows_out) = rtrb::RingBuffer::new(RING_TICKS * scene.tool_count().max(1));
     let (commands, commands_out) = rtrb::RingBuffer::new(256);
@@ -81,7 +96,12 @@ pub(super) fn port(scene: &Scene, gauges: Arc<JournalGauges>, wanted: Arc<Atomic
         .map(|body| {
             let points = scene.rest_surface(body).net().points().to_vec();
             let count = if scene.deforms(body) { NET_BUFFERS } else { 0 };
-            pool((0..count).map(move |_| NetBuffer { tick: 0, revision: 0, body, points: points.clone() }))
+            pool((0..count).map(move |_| NetBuffer {
+                tick: 0,
+                revision: 0,
+                body,
+                points: points.clone(),
+            }))
         })
         .unzip();
     let rate = 1.0 / scene.dt_s;
@@ -103,7 +123,18 @@ pub(super) fn port(scene: &Scene, gauges: Arc<JournalGauges>, wanted: Arc<Atomic
         sent: vec![(0, 0); scene.body_count()],
         commanded: (0, 0),
     };
-    (port, Stream::new(scene, heads_out, rows_out, commands_out, keyframes_end, net_ends, gauges))
+    (
+        port,
+        Stream::new(
+            scene,
+            heads_out,
+            rows_out,
+            commands_out,
+            keyframes_end,
+            net_ends,
+            gauges,
+        ),
+    )
 }
 
 impl RecorderPort {
@@ -128,21 +159,33 @@ impl RecorderPort {
             return self.lost();
         }
         for tool in 0..self.tool_count {
-            let row = ToolRow { pose: record.input.poses[tool], output: record.output.tools[tool] };
+            let row = ToolRow {
+                pose: record.input.poses[tool],
+                output: record.output.tools[tool],
+            };
             let _ = self.rows.push(row);
         }
         let _ = self.heads.push(TickHead::of(record));
     }
 
     fn push_nets(&mut self, scene: &Scene, state: &SceneState, tick: u64) {
-        let net_every = self.net_every * if state.quality < quality::RARE_NETS { 1 } else { 10 };
+        let net_every = self.net_every
+            * if state.quality < quality::RARE_NETS {
+                1
+            } else {
+                10
+            };
         for body in 0..self.nets.len() {
             let (revision, at) = self.sent[body];
-            if state.net_revision(body) == revision || (revision != u64::MAX && tick < at + net_every) {
+            if state.net_revision(body) == revision
+                || (revision != u64::MAX && tick < at + net_every)
+            {
                 continue;
             }
             // Without a free buffer the net of a later tick will do.
-            let Ok(mut buffer) = self.nets[body].free.pop() else { continue };
+            let Ok(mut buffer) = self.nets[body].free.pop() else {
+                continue;
+            };
             state.copy_net(scene, body, &mut buffer.points);
             (buffer.tick, buffer.revision) = (tick, state.net_revision(body));
             self.sent[body] = (buffer.revision, tick);
@@ -157,7 +200,11 @@ impl RecorderPort {
             return;
         };
         (buffer.tick, buffer.hash, buffer.generation) = (state.tick, state_hash, self.generation);
-        buffer.commands = if self.commanded.0 == state.tick { self.commanded.1 } else { 0 };
+        buffer.commands = if self.commanded.0 == state.tick {
+            self.commanded.1
+        } else {
+            0
+        };
         buffer.saved.save_from(state);
         let _ = self.keyframes.full.push(buffer);
         (self.owed, self.open) = (false, true);
@@ -188,7 +235,11 @@ impl Journal for RecorderPort {
         if self.commands.push((after_tick, command)).is_err() {
             return self.lost();
         }
-        let before = if self.commanded.0 == after_tick { self.commanded.1 } else { 0 };
+        let before = if self.commanded.0 == after_tick {
+            self.commanded.1
+        } else {
+            0
+        };
         self.commanded = (after_tick, before + 1);
     }
 

@@ -40,7 +40,9 @@ pub enum ReadError {
         missing: &'static str,
     },
     /// A later layout.
-    #[error("{path}: recording format {found}, this program reads {FORMAT_VERSION}; use the program that made it")]
+    #[error(
+        "{path}: recording format {found}, this program reads {FORMAT_VERSION}; use the program that made it"
+    )]
     Format {
         /// File.
         path: PathBuf,
@@ -132,9 +134,13 @@ impl Session {
     /// Reads all that can be read.
     ///
     /// # Errors
-    /// Not a file, not MCAP, not ours, or of another format. A file cut short is no error: see [`Session::cut_short`].
+    /// Not a file, not MCAP, not ours, or of another format. A file cut short is no error: see
+    /// [`Session::cut_short`].
     pub fn open(path: &Path) -> Result<Self, ReadError> {
-        let bytes = std::fs::read(path).map_err(|source| ReadError::Io { path: path.to_owned(), source })?;
+        let bytes = std::fs::read(path).map_err(|source| ReadError::Io {
+            path: path.to_owned(),
+            source,
+        })?;
         Self::parse(path, &bytes)
     }
 
@@ -145,7 +151,10 @@ impl Session {
     pub fn parse(path: &Path, bytes: &[u8]) -> Result<Self, ReadError> {
         let owned = || path.to_owned();
         if !bytes.starts_with(mcap::MAGIC) {
-            return Err(ReadError::NotMcap { path: owned(), reason: "the first eight bytes are not its magic".into() });
+            return Err(ReadError::NotMcap {
+                path: owned(),
+                reason: "the first eight bytes are not its magic".into(),
+            });
         }
         let header = SessionHeader {
             run: BTreeMap::new(),
@@ -163,7 +172,8 @@ impl Session {
             events: Vec::new(),
             cut_short: None,
         };
-        // A channel is announced in the first chunk that uses it and once more at the end: should the chunk be damaged.
+        // A channel is announced in the first chunk that uses it and once more at the end: should
+        // the chunk be damaged.
         let mut channels: BTreeMap<u16, String> = records(bytes)
             .filter_map(|record| match record {
                 Ok((Record::Channel(channel), _)) => Some((channel.id, channel.topic)),
@@ -180,8 +190,12 @@ impl Session {
                 }
             };
             match record {
-                Record::Metadata(metadata) if metadata.name == RUN => session.header.run = metadata.metadata,
-                Record::Metadata(metadata) if metadata.name == END => session.header.end = metadata.metadata,
+                Record::Metadata(metadata) if metadata.name == RUN => {
+                    session.header.run = metadata.metadata
+                }
+                Record::Metadata(metadata) if metadata.name == END => {
+                    session.header.end = metadata.metadata
+                }
                 Record::Attachment { header, data, .. } => {
                     let text = String::from_utf8_lossy(&data).into_owned();
                     match header.name.as_str() {
@@ -191,15 +205,25 @@ impl Session {
                     }
                 }
                 Record::Chunk { .. } => match chunk_records(whole) {
-                    Ok(records) => session
-                        .take_all(&mut channels, records)
-                        .map_err(|source| ReadError::Message { path: owned(), source })?,
+                    Ok(records) => session.take_all(&mut channels, records).map_err(|source| {
+                        ReadError::Message {
+                            path: owned(),
+                            source,
+                        }
+                    })?,
                     // What follows a damaged chunk is as good as ever.
-                    Err(e) => drop(session.cut_short.get_or_insert(format!("a damaged chunk: {e}"))),
+                    Err(e) => drop(
+                        session
+                            .cut_short
+                            .get_or_insert(format!("a damaged chunk: {e}")),
+                    ),
                 },
                 message @ Record::Message { .. } => session
                     .take_all(&mut channels, vec![message])
-                    .map_err(|source| ReadError::Message { path: owned(), source })?,
+                    .map_err(|source| ReadError::Message {
+                        path: owned(),
+                        source,
+                    })?,
                 Record::Footer(_) => ended = true,
                 _ => {}
             }
@@ -218,13 +242,20 @@ impl Session {
     }
 
     /// Takes messages in, and the channels announced among them.
-    fn take_all(&mut self, channels: &mut BTreeMap<u16, String>, records: Vec<Record<'_>>) -> Result<(), ConvertError> {
+    fn take_all(
+        &mut self,
+        channels: &mut BTreeMap<u16, String>,
+        records: Vec<Record<'_>>,
+    ) -> Result<(), ConvertError> {
         for record in records {
             match record {
                 Record::Channel(channel) => drop(channels.insert(channel.id, channel.topic)),
                 // Topics mean what we think only after our own head.
                 Record::Message { header, data } if self.header.run.contains_key("format") => {
-                    self.take(channels.get(&header.channel_id).map_or("", String::as_str), &data)?;
+                    self.take(
+                        channels.get(&header.channel_id).map_or("", String::as_str),
+                        &data,
+                    )?;
                 }
                 _ => {}
             }
@@ -233,20 +264,38 @@ impl Session {
     }
 
     fn take(&mut self, topic: &str, data: &[u8]) -> Result<(), ConvertError> {
-        let malformed = |e: prost::DecodeError| ConvertError { tick: 0, what: format!("{topic}: {e}") };
+        let malformed = |e: prost::DecodeError| ConvertError {
+            tick: 0,
+            what: format!("{topic}: {e}"),
+        };
         match topic {
-            topics::TICK => self.ticks.push(tick_from_proto(&pb::Tick::decode(data).map_err(malformed)?)?),
+            topics::TICK => self.ticks.push(tick_from_proto(
+                &pb::Tick::decode(data).map_err(malformed)?,
+            )?),
             topics::KEYFRAME => {
                 let keyframe = pb::Keyframe::decode(data).map_err(malformed)?;
-                let pb::Keyframe { tick, state_hash, words, floats, commands } = keyframe;
-                self.keyframes.push(Keyframe { tick, state_hash, commands, saved: SavedState { words, floats } });
+                let pb::Keyframe {
+                    tick,
+                    state_hash,
+                    words,
+                    floats,
+                    commands,
+                } = keyframe;
+                self.keyframes.push(Keyframe {
+                    tick,
+                    state_hash,
+                    commands,
+                    saved: SavedState { words, floats },
+                });
             }
             topics::COMMAND => {
                 let command = pb::Command::decode(data).map_err(malformed)?;
-                self.commands.push((command.after_tick, command_from_proto(&command)?));
+                self.commands
+                    .push((command.after_tick, command_from_proto(&command)?));
             }
             topics::EVENT => {
-                let pb::Event { tick, kind, detail } = pb::Event::decode(data).map_err(malformed)?;
+                let pb::Event { tick, kind, detail } =
+                    pb::Event::decode(data).map_err(malformed)?;
                 self.events.push(EventRecord { tick, kind, detail });
             }
             _ if topic.starts_with("/body/") => {
@@ -266,14 +315,25 @@ impl Session {
     fn check(&self) -> Result<(), ReadError> {
         let path = || self.path.clone();
         match self.header.run.get("format") {
-            None => return Err(ReadError::Foreign { path: path(), missing: "the metadata record palpate.run" }),
+            None => {
+                return Err(ReadError::Foreign {
+                    path: path(),
+                    missing: "the metadata record palpate.run",
+                });
+            }
             Some(found) if *found != FORMAT_VERSION.to_string() => {
-                return Err(ReadError::Format { path: path(), found: found.clone() });
+                return Err(ReadError::Format {
+                    path: path(),
+                    found: found.clone(),
+                });
             }
             Some(_) => {}
         }
         if self.header.effective_scene.is_empty() {
-            return Err(ReadError::Foreign { path: path(), missing: "the attachment scene.effective.toml" });
+            return Err(ReadError::Foreign {
+                path: path(),
+                missing: "the attachment scene.effective.toml",
+            });
         }
         Ok(())
     }
@@ -290,12 +350,18 @@ impl Session {
 
     /// The file says that nothing was lost and it was finished.
     pub fn is_clean(&self) -> bool {
-        self.header.end.get("clean").is_some_and(|clean| clean == "true")
+        self.header
+            .end
+            .get("clean")
+            .is_some_and(|clean| clean == "true")
     }
 
     /// Ticks missing between the first and the last.
     pub fn gaps(&self) -> u64 {
-        self.ticks.windows(2).map(|pair| (pair[1].output.tick - pair[0].output.tick).saturating_sub(1)).sum()
+        self.ticks
+            .windows(2)
+            .map(|pair| (pair[1].output.tick - pair[0].output.tick).saturating_sub(1))
+            .sum()
     }
 }
 
@@ -308,17 +374,25 @@ pub(super) fn records(bytes: &[u8]) -> impl Iterator<Item = Result<(Record<'_>, 
         let now = rest.take()?;
         let whole = now.split_first_chunk::<9>().and_then(|(head, after)| {
             let [op, len @ ..] = *head;
-            let len = usize::try_from(u64::from_le_bytes(len)).ok().filter(|len| *len <= after.len())?;
+            let len = usize::try_from(u64::from_le_bytes(len))
+                .ok()
+                .filter(|len| *len <= after.len())?;
             Some((op, after.split_at(len)))
         });
-        let Some((op, (body, after))) = whole else { return Some(Err("the file ends within a record".into())) };
+        let Some((op, (body, after))) = whole else {
+            return Some(Err("the file ends within a record".into()));
+        };
         rest = Some(after).filter(|after| op != FOOTER && !after.is_empty());
         // The parser expects an attachment to be at least as long as its fixed fields.
         if op == ATTACHMENT && !attachment_is_whole(body) {
             return Some(Err("an attachment is shorter than its own head".into()));
         }
         let whole = &now[..now.len() - after.len()];
-        Some(mcap::read::parse_record(op, body).map(|record| (record, whole)).map_err(|e| e.to_string()))
+        Some(
+            mcap::read::parse_record(op, body)
+                .map(|record| (record, whole))
+                .map_err(|e| e.to_string()),
+        )
     })
 }
 
@@ -326,16 +400,20 @@ pub(super) fn records(bytes: &[u8]) -> impl Iterator<Item = Result<(Record<'_>, 
 fn attachment_is_whole(body: &[u8]) -> bool {
     let mut need = 16_usize;
     for _ in 0..2 {
-        let Some(len) = body.get(need..).and_then(|rest| rest.first_chunk::<4>()) else { return false };
-        need = need.saturating_add(4).saturating_add(u32::from_le_bytes(*len) as usize);
+        let Some(len) = body.get(need..).and_then(|rest| rest.first_chunk::<4>()) else {
+            return false;
+        };
+        need = need
+            .saturating_add(4)
+            .saturating_add(u32::from_le_bytes(*len) as usize);
     }
     body.len() >= need.saturating_add(12)
 }
 
 /// The records of a chunk, or none of them. `chunk` is the whole chunk record.
 ///
-/// Its checksum is compared before anything in it is believed, and no length it claims, of itself or
-/// of a record inside, makes room for more than a chunk of ours can have.
+/// Its checksum is compared before anything in it is believed, and no length it claims, of itself
+/// or of a record inside, makes room for more than a chunk of ours can have.
 pub(super) fn chunk_records(chunk: &[u8]) -> Result<Vec<Record<'static>>, mcap::McapError> {
     /// Zstandard makes a few bytes of many equal ones; our chunks are far smaller than this.
     const LARGEST: usize = 64 << 20;

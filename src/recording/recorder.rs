@@ -1,4 +1,5 @@
-//! The recorder: what to keep, a port for the tick thread, a voice for the bus, a thread that writes.
+//! The recorder: what to keep, a port for the tick thread, a voice for the bus, a thread that
+//! writes.
 
 use super::disk::{Disk, FileSystem};
 use super::file::WriteError;
@@ -58,7 +59,10 @@ impl RecorderSettings {
 
     /// Records to a file from the first tick on.
     pub fn to(self, path: &Path) -> Self {
-        Self { path: Some(path.to_owned()), ..self }
+        Self {
+            path: Some(path.to_owned()),
+            ..self
+        }
     }
 }
 
@@ -88,7 +92,8 @@ pub struct RecordingSummary {
 pub struct RecordingReport {
     /// Finished recordings, or parts of them, in order.
     pub files: Vec<RecordingSummary>,
-    /// Why the last one ended early, if it did; what was flushed stays readable in the `.part` file.
+    /// Why the last one ended early, if it did; what was flushed stays readable in the `.part`
+    /// file.
     pub failure: Option<WriteError>,
     /// Records lost over all.
     pub dropped: u64,
@@ -108,17 +113,28 @@ impl Recorder {
     /// Starts the thread, and the file if one is wanted at once.
     ///
     /// # Errors
-    /// A file that cannot be created or is there already, a disk that is full, or a scene without a text form.
-    pub fn start(settings: RecorderSettings, scene: &Scene) -> Result<(Self, RecorderPort), WriteError> {
+    /// A file that cannot be created or is there already, a disk that is full, or a scene without a
+    /// text form.
+    pub fn start(
+        settings: RecorderSettings,
+        scene: &Scene,
+    ) -> Result<(Self, RecorderPort), WriteError> {
         let changes_text = (settings.scene_text.clone(), settings.extra.clone());
         let gauges = Arc::new(JournalGauges::default());
         let wanted = Arc::new(AtomicU32::new(0));
         let stop = Arc::new(AtomicBool::new(false));
         let (port, stream) = port(scene, gauges.clone(), wanted.clone());
-        let mut head = Head::new(scene, &settings.scene_text, &settings.effective, stream.bodies.clone())?;
+        let mut head = Head::new(
+            scene,
+            &settings.scene_text,
+            &settings.effective,
+            stream.bodies.clone(),
+        )?;
         head.extra.extend(settings.extra);
         let views = Views::of(scene);
-        let memory = settings.ring.map(|ring| Memory::new((ring.as_secs_f64() / scene.dt_s).round() as u64));
+        let memory = settings
+            .ring
+            .map(|ring| Memory::new((ring.as_secs_f64() / scene.dt_s).round() as u64));
         let (mail, mail_out) = channel();
         let (news, news_out) = channel();
         let mut keeper = Keeper::new(
@@ -141,10 +157,29 @@ impl Recorder {
         let thread = std::thread::Builder::new()
             .name("palpate-recorder".into())
             .spawn(move || keeper.run())
-            .map_err(|source| WriteError::Io { path: settings.path.unwrap_or_default(), source })?;
+            .map_err(|source| WriteError::Io {
+                path: settings.path.unwrap_or_default(),
+                source,
+            })?;
         let (scene_text, extra) = changes_text;
-        let changes = SceneChanges { gauges: gauges.clone(), wanted, mail: mail.clone(), scene_text, extra };
-        Ok((Self { gauges, changes, stop, mail, news: Some(news_out), thread }, port))
+        let changes = SceneChanges {
+            gauges: gauges.clone(),
+            wanted,
+            mail: mail.clone(),
+            scene_text,
+            extra,
+        };
+        Ok((
+            Self {
+                gauges,
+                changes,
+                stop,
+                mail,
+                news: Some(news_out),
+                thread,
+            },
+            port,
+        ))
     }
 
     /// For whoever gives the loop other scenes.
@@ -160,10 +195,14 @@ impl Recorder {
     /// What the bus talks to; there is one.
     pub fn archive(&mut self) -> Option<Box<dyn Archive>> {
         let news = self.news.take()?;
-        Some(Box::new(Post { mail: self.mail.clone(), news }))
+        Some(Box::new(Post {
+            mail: self.mail.clone(),
+            news,
+        }))
     }
 
-    /// Writes what is left, ends files and gives them their names. Call after the tick thread has ended.
+    /// Writes what is left, ends files and gives them their names. Call after the tick thread has
+    /// ended.
     pub fn finish(self) -> RecordingReport {
         self.stop.store(true, Ordering::Release);
         self.thread.join().unwrap_or_else(|_| RecordingReport {
@@ -187,8 +226,8 @@ pub struct SceneChanges {
 }
 
 impl SceneChanges {
-    /// The journal of another scene. `what` says how it came to be; the file that begins with it says so too. A scene that
-    /// the loop never takes leaves no trace.
+    /// The journal of another scene. `what` says how it came to be; the file that begins with it
+    /// says so too. A scene that the loop never takes leaves no trace.
     ///
     /// # Errors
     /// A scene without a text form.
@@ -197,7 +236,11 @@ impl SceneChanges {
         let mut head = Head::new(scene, &self.scene_text, &scene.spec, stream.bodies.clone())?;
         head.extra.extend(self.extra.clone());
         head.extra.insert("scene_change".into(), what.to_owned());
-        let next = NextScene { stream, head: Arc::new(head), views: Views::of(scene) };
+        let next = NextScene {
+            stream,
+            head: Arc::new(head),
+            views: Views::of(scene),
+        };
         // Without a recorder thread there is nothing to keep.
         let _ = self.mail.send(Mail::Next(Box::new(next)));
         Ok(port)
@@ -211,7 +254,11 @@ struct Post {
 
 impl Archive for Post {
     fn event(&mut self, tick: u64, kind: &str, detail: &str) {
-        let _ = self.mail.send(Mail::Event { tick, kind: kind.into(), detail: detail.into() });
+        let _ = self.mail.send(Mail::Event {
+            tick,
+            kind: kind.into(),
+            detail: detail.into(),
+        });
     }
 
     fn ask(&mut self, id: u64, request: ArchiveRequest) {
@@ -225,20 +272,34 @@ impl Archive for Post {
 
 /// Where a recording goes when nobody said: a file that is not there yet.
 pub fn default_path(directory: &Path, stem: &str) -> PathBuf {
-    let seconds = std::time::SystemTime::now().duration_since(std::time::UNIX_EPOCH).map_or(0, |t| t.as_secs());
+    let seconds = std::time::SystemTime::now()
+        .duration_since(std::time::UNIX_EPOCH)
+        .map_or(0, |t| t.as_secs());
     let name = |suffix: String| directory.join(format!("{stem}-{seconds}{suffix}.mcap"));
     let free = |path: &PathBuf| !path.exists() && !super::file::part_of(path).exists();
     let first = name(String::new());
     if free(&first) {
         return first;
     }
-    (2..).map(|k| name(format!("-{k}"))).find(free).unwrap_or(first)
+    (2..)
+        .map(|k| name(format!("-{k}")))
+        .find(free)
+        .unwrap_or(first)
 }
 
 /// A client's name for a file, in our directory: it chooses the name, not the place.
-pub(super) fn place(directory: &Path, name: Option<PathBuf>, stem: &str) -> Result<PathBuf, String> {
-    let Some(name) = name else { return Ok(default_path(directory, stem)) };
-    let plain = matches!(name.components().collect::<Vec<_>>()[..], [Component::Normal(_)]);
+pub(super) fn place(
+    directory: &Path,
+    name: Option<PathBuf>,
+    stem: &str,
+) -> Result<PathBuf, String> {
+    let Some(name) = name else {
+        return Ok(default_path(directory, stem));
+    };
+    let plain = matches!(
+        name.components().collect::<Vec<_>>()[..],
+        [Component::Normal(_)]
+    );
     if !plain || name.extension().is_none_or(|extension| extension != "mcap") {
         return Err(format!(
             "{:?} is no file name; write one like session.mcap, without a directory: it goes to {}",

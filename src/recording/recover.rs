@@ -1,4 +1,5 @@
-//! Mends a recording that was cut short: everything readable goes into a finished file that says it is not clean.
+//! Mends a recording that was cut short: everything readable goes into a finished file that says it
+//! is not clean.
 
 use super::disk::FileSystem;
 use super::file::{SessionFile, WriteError};
@@ -45,7 +46,11 @@ pub struct Recovered {
 /// # Errors
 /// A source that is no session, or a target that cannot be written.
 pub fn recover(source: &Path, target: &Path) -> Result<Recovered, RecoverError> {
-    if source.canonicalize().ok().is_some_and(|s| target.canonicalize().ok() == Some(s)) {
+    if source
+        .canonicalize()
+        .ok()
+        .is_some_and(|s| target.canonicalize().ok() == Some(s))
+    {
         return Err(RecoverError::SameFile(source.to_owned()));
     }
     let session = Session::open(source)?;
@@ -53,16 +58,26 @@ pub fn recover(source: &Path, target: &Path) -> Result<Recovered, RecoverError> 
     let scene = toml::from_str::<SceneSpec>(&header.effective_scene)
         .ok()
         .and_then(|spec| Scene::build(&spec, Path::new(".")).ok());
-    let bodies = names(&session, "bodies").into_iter().enumerate().map(|(b, id)| {
-        let surface = scene.as_ref().filter(|scene| b < scene.body_count()).map(|scene| scene.rest_surface(b));
-        BodyHead {
-            id,
-            degree: surface.map_or([0; 2], |s| [s.knots_u().degree(), s.knots_v().degree()]),
-            count: surface.map_or([0; 2], |s| [s.net().rows(), s.net().columns()]),
-        }
-    });
+    let bodies = names(&session, "bodies")
+        .into_iter()
+        .enumerate()
+        .map(|(b, id)| {
+            let surface = scene
+                .as_ref()
+                .filter(|scene| b < scene.body_count())
+                .map(|scene| scene.rest_surface(b));
+            BodyHead {
+                id,
+                degree: surface.map_or([0; 2], |s| [s.knots_u().degree(), s.knots_v().degree()]),
+                count: surface.map_or([0; 2], |s| [s.net().rows(), s.net().columns()]),
+            }
+        });
     let mut extra = header.run.clone();
-    let name = source.file_name().unwrap_or_default().to_string_lossy().into_owned();
+    let name = source
+        .file_name()
+        .unwrap_or_default()
+        .to_string_lossy()
+        .into_owned();
     extra.insert("recovered_from".into(), name);
     let head = Head {
         scene: header.run.get("scene").cloned().unwrap_or_default(),
@@ -81,25 +96,56 @@ pub fn recover(source: &Path, target: &Path) -> Result<Recovered, RecoverError> 
         file.put(&message)?;
     }
     let (ticks, last_tick) = (file.ticks, file.last_tick);
-    file.put(&Message::stats(&pb::Stats { tick: last_tick, ..pb::Stats::default() }))?;
+    file.put(&Message::stats(&pb::Stats {
+        tick: last_tick,
+        ..pb::Stats::default()
+    }))?;
     let clean = session.is_clean() && session.cut_short.is_none();
-    let path = file.finish(session.end_number("dropped_records").unwrap_or(0), clean, &[])?;
-    Ok(Recovered { path, ticks, last_tick, cut_short: session.cut_short })
+    let path = file.finish(
+        session.end_number("dropped_records").unwrap_or(0),
+        clean,
+        &[],
+    )?;
+    Ok(Recovered {
+        path,
+        ticks,
+        last_tick,
+        cut_short: session.cut_short,
+    })
 }
 
-/// All messages, in the order of the simulation: a tick, its nets, what came between it and the next.
+/// All messages, in the order of the simulation: a tick, its nets, what came between it and the
+/// next.
 fn messages(session: &Session, head: &Head) -> Vec<Message> {
     let mut all: Vec<(u64, u8, Message)> = Vec::new();
     for record in &session.ticks {
-        all.push((record.output.tick, 0, Message::tick(record, head.tools.len())));
+        all.push((
+            record.output.tick,
+            0,
+            Message::tick(record, head.tools.len()),
+        ));
     }
     for net in &session.nets {
-        let Some(body) = head.bodies.iter().position(|body| body.id == net.body) else { continue };
-        let points: Vec<_> = net.points.chunks_exact(3).map(|p| [p[0], p[1], p[2]].into()).collect();
-        all.push((net.tick, 1, Message::net(net.tick, net.revision, body, &head.bodies[body], &points)));
+        let Some(body) = head.bodies.iter().position(|body| body.id == net.body) else {
+            continue;
+        };
+        let points: Vec<_> = net
+            .points
+            .chunks_exact(3)
+            .map(|p| [p[0], p[1], p[2]].into())
+            .collect();
+        all.push((
+            net.tick,
+            1,
+            Message::net(net.tick, net.revision, body, &head.bodies[body], &points),
+        ));
     }
     for event in &session.events {
-        all.push((event.tick, 2, Message::event(event.tick, &event.kind, &event.detail)));
+        all.push((
+            event.tick,
+            2,
+            Message::event(event.tick, &event.kind, &event.detail),
+        ));
     }
     // Commands and keyframes of one tick keep the order that the keyframes tell.
     let mut commands = &session.commands[..];
@@ -107,16 +153,32 @@ fn messages(session: &Session, head: &Head) -> Vec<Message> {
         let before = commands.partition_point(|(after, _)| *after < keyframe.tick);
         let (first, rest) = commands.split_at(before);
         let own = rest.partition_point(|(after, _)| *after <= keyframe.tick);
-        let earlier = session.commands.partition_point(|(after, _)| *after < keyframe.tick);
+        let earlier = session
+            .commands
+            .partition_point(|(after, _)| *after < keyframe.tick);
         let passed = (session.commands.len() - rest.len()).saturating_sub(earlier);
-        let (held, rest) = rest.split_at(own.min((keyframe.commands as usize).saturating_sub(passed)));
+        let (held, rest) =
+            rest.split_at(own.min((keyframe.commands as usize).saturating_sub(passed)));
         let between = first.iter().chain(held);
         all.extend(between.map(|(after, command)| (*after, 3, Message::command(*after, *command))));
-        let Keyframe { tick, state_hash, commands: count, saved } = keyframe;
-        all.push((*tick, 3, Message::keyframe(*tick, *state_hash, *count, saved, 0)));
+        let Keyframe {
+            tick,
+            state_hash,
+            commands: count,
+            saved,
+        } = keyframe;
+        all.push((
+            *tick,
+            3,
+            Message::keyframe(*tick, *state_hash, *count, saved, 0),
+        ));
         commands = rest;
     }
-    all.extend(commands.iter().map(|(after, command)| (*after, 3, Message::command(*after, *command))));
+    all.extend(
+        commands
+            .iter()
+            .map(|(after, command)| (*after, 3, Message::command(*after, *command))),
+    );
     all.sort_by_key(|(tick, rank, _)| (*tick, *rank));
     all.into_iter().map(|(_, _, message)| message).collect()
 }

@@ -1,12 +1,12 @@
-//! A shadow of the running loop: it goes back to a state of a moment ago, runs the same ticks again, and must come to the same
-//! hashes. What a replay would find tomorrow, this finds now.
+//! A shadow of the running loop: it goes back to a state of a moment ago, runs the same ticks
+//! again, and must come to the same hashes. What a replay would find tomorrow, this finds now.
 //!
 //! ```text
 //! tick thread ─▶ SelfCheckPort ─▶ the journal it wraps
 //!                     └─ batch: a state, N ticks of poses, commands, hashes ═ring═▶ checking thread: restore, step, compare
 //! ```
-//! The tick thread neither waits nor allocates: batches go round between two rings. While none is free, ticks go unchecked
-//! and are counted.
+//! The tick thread neither waits nor allocates: batches go round between two rings. While none is
+//! free, ticks go unchecked and are counted.
 
 use crate::contact::grip::MAX_ANCHORS;
 use crate::contact::rows::MAX_ROWS;
@@ -92,7 +92,8 @@ pub struct SelfCheck {
     thread: JoinHandle<SelfCheckReport>,
 }
 
-/// An empty buffer that takes in any state of a scene without growing: contact rows and grips come and go.
+/// An empty buffer that takes in any state of a scene without growing: contact rows and grips come
+/// and go.
 pub(super) fn room_for_states(scene: &Scene) -> SavedState {
     const ROW: [usize; 2] = [3, 14];
     const ANCHOR: [usize; 2] = [1, 5];
@@ -110,7 +111,11 @@ impl SelfCheck {
     ///
     /// # Errors
     /// The system refuses a thread.
-    pub fn start(scene: &Arc<Scene>, every: usize, inner: Box<dyn Journal>) -> std::io::Result<(Self, SelfCheckPort)> {
+    pub fn start(
+        scene: &Arc<Scene>,
+        every: usize,
+        inner: Box<dyn Journal>,
+    ) -> std::io::Result<(Self, SelfCheckPort)> {
         let every = every.max(1);
         let tools = scene.tool_count();
         let (mut free_in, free) = rtrb::RingBuffer::new(BATCHES);
@@ -128,7 +133,15 @@ impl SelfCheck {
             debug_assert!(fits, "the ring has room for all");
         }
         let shared = Arc::new(Shared::default());
-        let port = SelfCheckPort { inner, every, tools, filling: None, free, full, shared: shared.clone() };
+        let port = SelfCheckPort {
+            inner,
+            every,
+            tools,
+            filling: None,
+            free,
+            full,
+            shared: shared.clone(),
+        };
         let (theirs, scene) = (shared.clone(), scene.clone());
         let thread = std::thread::Builder::new()
             .name("palpate-check".into())
@@ -141,15 +154,23 @@ impl SelfCheck {
         self.shared.stop.store(true, Ordering::Release);
         let report = self.thread.join().unwrap_or_else(|_| {
             tracing::error!("the thread of the self-check panicked");
-            SelfCheckReport { differences: 1, ..SelfCheckReport::default() }
+            SelfCheckReport {
+                differences: 1,
+                ..SelfCheckReport::default()
+            }
         });
-        SelfCheckReport { unchecked: self.shared.unchecked.load(Ordering::Relaxed), ..report }
+        SelfCheckReport {
+            unchecked: self.shared.unchecked.load(Ordering::Relaxed),
+            ..report
+        }
     }
 }
 
 impl SelfCheckPort {
     fn begin(&mut self, state: &SceneState, hash: u64) {
-        let Ok(mut batch) = self.free.pop() else { return };
+        let Ok(mut batch) = self.free.pop() else {
+            return;
+        };
         batch.saved.save_from(state);
         (batch.tick, batch.hash) = (state.tick, hash);
         batch.poses.clear();
@@ -165,7 +186,9 @@ impl Journal for SelfCheckPort {
         match &mut self.filling {
             None => drop(self.shared.unchecked.fetch_add(1, Ordering::Relaxed)),
             Some(batch) => {
-                batch.poses.extend_from_slice(&record.input.poses[..self.tools]);
+                batch
+                    .poses
+                    .extend_from_slice(&record.input.poses[..self.tools]);
                 batch.hashes.push(record.output.state_hash);
                 if batch.hashes.len() == self.every
                     && let Some(batch) = self.filling.take()
@@ -185,8 +208,11 @@ impl Journal for SelfCheckPort {
             if batch.commands.len() < MAX_COMMANDS {
                 batch.commands.push((after_tick, command));
             } else if let Some(batch) = self.filling.take() {
-                // Too many to keep: these ticks are not checked, and the empty batch goes the round.
-                self.shared.unchecked.fetch_add(batch.hashes.len() as u64, Ordering::Relaxed);
+                // Too many to keep: these ticks are not checked, and the empty batch goes the
+                // round.
+                self.shared
+                    .unchecked
+                    .fetch_add(batch.hashes.len() as u64, Ordering::Relaxed);
                 self.give_back(batch);
             }
         }
@@ -236,7 +262,12 @@ fn check_all(
                 report.differences += 1;
                 report.first_difference.get_or_insert(difference);
                 if report.differences <= MOST_TOLD {
-                    let SelfDifference { from, tick, first, second } = difference;
+                    let SelfDifference {
+                        from,
+                        tick,
+                        first,
+                        second,
+                    } = difference;
                     tracing::error!(
                         from, tick, first = %format_args!("{first:016x}"), second = %format_args!("{second:016x}"),
                         "self-check: the same inputs came to another state"
@@ -252,11 +283,23 @@ fn check_all(
     }
 }
 
-fn check(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch, batch: &Batch) -> Option<SelfDifference> {
+fn check(
+    scene: &Scene,
+    state: &mut SceneState,
+    scratch: &mut Scratch,
+    batch: &Batch,
+) -> Option<SelfDifference> {
     if batch.hashes.is_empty() {
         return None;
     }
-    let parted = |tick, first, second| Some(SelfDifference { from: batch.tick, tick, first, second });
+    let parted = |tick, first, second| {
+        Some(SelfDifference {
+            from: batch.tick,
+            tick,
+            first,
+            second,
+        })
+    };
     // A state that the scene does not take back has no hash.
     let hash = restore(scene, state, scratch, &batch.saved).map_or(0, |()| state_hash(state));
     if hash != batch.hash {
@@ -266,7 +309,10 @@ fn check(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch, batch: &B
     let mut commands = &batch.commands[..];
     for (k, &hash) in batch.hashes.iter().enumerate() {
         let tick = batch.tick + 1 + k as u64;
-        while let Some(((_, command), rest)) = commands.split_first().filter(|((after, _), _)| *after < tick) {
+        while let Some(((_, command), rest)) = commands
+            .split_first()
+            .filter(|((after, _), _)| *after < tick)
+        {
             apply(scene, state, scratch, *command);
             commands = rest;
         }

@@ -1,7 +1,7 @@
 //! The recorder thread's side of the rings: everything in the order of the simulation, encoded.
 //!
-//! Order: the record of tick t, its nets, then commands and keyframes of the state after it in the order in which they
-//! came (a keyframe says how many commands it holds), then tick t + 1.
+//! Order: the record of tick t, its nets, then commands and keyframes of the state after it in the
+//! order in which they came (a keyframe says how many commands it holds), then tick t + 1.
 
 use super::message::{BodyHead, Message};
 use super::port::{Applied, PoolEnd};
@@ -142,7 +142,8 @@ impl Stream {
         }
     }
 
-    /// The loop has gone on with another scene: nothing more comes. What is there still waits for [`Stream::drain`].
+    /// The loop has gone on with another scene: nothing more comes. What is there still waits for
+    /// [`Stream::drain`].
     pub fn is_abandoned(&self) -> bool {
         self.heads.is_abandoned()
     }
@@ -154,7 +155,8 @@ impl Stream {
 
     /// Hands over what has come, in order. At the `end` nothing waits for what may still come.
     pub fn drain(&mut self, end: bool, mut take: impl FnMut(Message)) {
-        // What a tick left beside its record came before the next record: of what comes meanwhile, records wait.
+        // What a tick left beside its record came before the next record: of what comes meanwhile,
+        // records wait.
         let ticks = self.heads.slots();
         self.collect();
         for _ in 0..ticks {
@@ -163,33 +165,59 @@ impl Stream {
             self.tick(&head, &mut take);
         }
         if end {
-            self.waiting.iter_mut().for_each(|waiting| waiting.settled = true);
+            self.waiting
+                .iter_mut()
+                .for_each(|waiting| waiting.settled = true);
         }
         // Without a next tick, what stood here before comes now.
-        let settled = self.waiting.iter().filter(|waiting| waiting.settled).map(|waiting| waiting.place).max();
+        let settled = self
+            .waiting
+            .iter()
+            .filter(|waiting| waiting.settled)
+            .map(|waiting| waiting.place)
+            .max();
         if let Some(place) = settled {
             self.release_at(place, &mut take);
         }
-        self.waiting.iter_mut().for_each(|waiting| waiting.settled = true);
+        self.waiting
+            .iter_mut()
+            .for_each(|waiting| waiting.settled = true);
     }
 
     /// Takes what waits beside the records.
     fn collect(&mut self) {
         while let Ok((after_tick, command)) = self.commands.pop() {
-            let before = if self.commanded.0 == after_tick { self.commanded.1 } else { 0 };
+            let before = if self.commanded.0 == after_tick {
+                self.commanded.1
+            } else {
+                0
+            };
             self.commanded = (after_tick, before + 1);
-            self.wait((after_tick, Rank::After(before + 1, false)), Message::command(after_tick, command));
+            self.wait(
+                (after_tick, Rank::After(before + 1, false)),
+                Message::command(after_tick, command),
+            );
         }
         while let Ok(buffer) = self.keyframes.full.pop() {
-            let message =
-                Message::keyframe(buffer.tick, buffer.hash, buffer.commands, &buffer.saved, buffer.generation);
+            let message = Message::keyframe(
+                buffer.tick,
+                buffer.hash,
+                buffer.commands,
+                &buffer.saved,
+                buffer.generation,
+            );
             self.wait((buffer.tick, Rank::After(buffer.commands, true)), message);
             let _ = self.keyframes.free.push(buffer);
         }
         for body in 0..self.nets.len() {
             while let Ok(buffer) = self.nets[body].full.pop() {
-                let message =
-                    Message::net(buffer.tick, buffer.revision, body, &self.bodies[buffer.body], &buffer.points);
+                let message = Message::net(
+                    buffer.tick,
+                    buffer.revision,
+                    body,
+                    &self.bodies[buffer.body],
+                    &buffer.points,
+                );
                 self.wait((buffer.tick, Rank::Net), message);
                 let _ = self.nets[body].free.push(buffer);
             }
@@ -197,19 +225,36 @@ impl Stream {
     }
 
     fn wait(&mut self, place: (u64, Rank), message: Message) {
-        let at = self.waiting.partition_point(|waiting| waiting.place <= place);
-        self.waiting.insert(at, Waiting { place, settled: false, message });
+        let at = self
+            .waiting
+            .partition_point(|waiting| waiting.place <= place);
+        self.waiting.insert(
+            at,
+            Waiting {
+                place,
+                settled: false,
+                message,
+            },
+        );
     }
 
     /// What comes before a place.
     fn release(&mut self, place: (u64, Rank), take: &mut impl FnMut(Message)) {
-        let end = self.waiting.partition_point(|waiting| waiting.place < place);
-        self.waiting.drain(..end).for_each(|waiting| take(waiting.message));
+        let end = self
+            .waiting
+            .partition_point(|waiting| waiting.place < place);
+        self.waiting
+            .drain(..end)
+            .for_each(|waiting| take(waiting.message));
     }
 
     fn release_at(&mut self, place: (u64, Rank), take: &mut impl FnMut(Message)) {
-        let end = self.waiting.partition_point(|waiting| waiting.place <= place);
-        self.waiting.drain(..end).for_each(|waiting| take(waiting.message));
+        let end = self
+            .waiting
+            .partition_point(|waiting| waiting.place <= place);
+        self.waiting
+            .drain(..end)
+            .for_each(|waiting| take(waiting.message));
     }
 
     fn tick(&mut self, head: &TickHead, take: &mut impl FnMut(Message)) {
@@ -219,9 +264,11 @@ impl Stream {
             (record.input.poses[tool], record.output.tools[tool]) = (row.pose, row.output);
         }
         let output = &mut record.output;
-        (output.tick, output.net_revision, output.state_hash) = (head.tick, head.net_revision, head.state_hash);
+        (output.tick, output.net_revision, output.state_hash) =
+            (head.tick, head.net_revision, head.state_hash);
         (output.moving, output.quality, output.fault) = (head.moving, head.quality, head.fault);
-        (record.late_ns, record.skipped, record.stage_ns) = (head.late_ns, head.skipped, head.stage_ns);
+        (record.late_ns, record.skipped, record.stage_ns) =
+            (head.late_ns, head.skipped, head.stage_ns);
         take(Message::tick(record, self.tool_count));
         self.last_tick = head.tick;
         let mut whole = 0;
@@ -233,7 +280,11 @@ impl Stream {
         self.late += u64::from(head.late_ns > LATE_NS);
         self.skipped += u64::from(head.skipped);
         if head.fault.is_some() {
-            take(Message::event(head.tick, "fault", "a state was not finite; the body was set back to rest"));
+            take(Message::event(
+                head.tick,
+                "fault",
+                "a state was not finite; the body was set back to rest",
+            ));
         }
         if head.tick.is_multiple_of(100) {
             take(self.stats());
@@ -246,7 +297,11 @@ impl Stream {
             tick: self.last_tick,
             late_ticks: self.late,
             skipped_ticks: self.skipped,
-            stage_ns: self.stages.iter().flat_map(|h| [h.quantile(0.5), h.quantile(0.99), h.max()]).collect(),
+            stage_ns: self
+                .stages
+                .iter()
+                .flat_map(|h| [h.quantile(0.5), h.quantile(0.99), h.max()])
+                .collect(),
             dropped_records: self.gauges.dropped.load(Ordering::Relaxed),
         })
     }

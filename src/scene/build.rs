@@ -2,8 +2,8 @@
 
 use super::frame::FrameOf;
 use super::spec::{
-    BodySpec, ContactMethod, DeviceSpec, FrictionSpec, IntegratorSpec, ModelSpec, PoseSpec, SPHERES_RESOLUTION,
-    SceneSpec, SurfaceSpec, ToolSpec,
+    BodySpec, ContactMethod, DeviceSpec, FrictionSpec, IntegratorSpec, ModelSpec, PoseSpec,
+    SPHERES_RESOLUTION, SceneSpec, SurfaceSpec, ToolSpec,
 };
 use super::{Body, BodyModel, Device, LatticeBody, Method, Pair, Scene, Tool};
 use super::{deforming, refine, shapes};
@@ -26,11 +26,15 @@ pub struct SceneError {
 }
 
 pub(super) fn error(path: impl Into<String>, reason: impl ToString) -> SceneError {
-    SceneError { path: path.into(), reason: reason.to_string() }
+    SceneError {
+        path: path.into(),
+        reason: reason.to_string(),
+    }
 }
 
-/// Contact samples a knot span and direction. Two were chosen between one (the force ripples by several percent as a ball
-/// slides over a control point) and three (twice the rows for a change of force below one percent).
+/// Contact samples a knot span and direction. Two were chosen between one (the force ripples by
+/// several percent as a ball slides over a control point) and three (twice the rows for a change of
+/// force below one percent).
 pub fn default_samples_per_span() -> usize {
     2
 }
@@ -44,7 +48,13 @@ impl Scene {
         let dt_s = 1.0 / f64::from(spec.loop_.rate_hz);
         let mut bodies = Vec::new();
         for (b, body) in spec.bodies.iter().enumerate() {
-            bodies.push(build_body(spec, body, &format!("body[{b}]"), directory, dt_s)?);
+            bodies.push(build_body(
+                spec,
+                body,
+                &format!("body[{b}]"),
+                directory,
+                dt_s,
+            )?);
         }
         let mut tools = Vec::new();
         for (t, tool) in spec.tools.iter().enumerate() {
@@ -66,11 +76,21 @@ impl Scene {
             }
         }
         let name = spec.name.clone().unwrap_or_else(|| "scene".into());
-        Ok(Self { name, dt_s, clock: spec.loop_.clock, spec: spec.clone(), bodies, tools, pairs, frame })
+        Ok(Self {
+            name,
+            dt_s,
+            clock: spec.loop_.clock,
+            spec: spec.clone(),
+            bodies,
+            tools,
+            pairs,
+            frame,
+        })
     }
 }
 
-/// The same scene with every surface file written out in place: what a recording carries, so that its replay needs no file.
+/// The same scene with every surface file written out in place: what a recording carries, so that
+/// its replay needs no file.
 ///
 /// # Errors
 /// A surface file that cannot be read or parsed.
@@ -85,13 +105,20 @@ pub fn inline_files(spec: &SceneSpec, directory: &Path) -> Result<SceneSpec, Sce
     Ok(inlined)
 }
 
-pub(super) fn inline_surface(surface: &mut SurfaceSpec, path: &str, directory: &Path) -> Result<(), SceneError> {
-    let Some(file) = surface.file.take() else { return Ok(()) };
+pub(super) fn inline_surface(
+    surface: &mut SurfaceSpec,
+    path: &str,
+    directory: &Path,
+) -> Result<(), SceneError> {
+    let Some(file) = surface.file.take() else {
+        return Ok(());
+    };
     let path = format!("{path}.file");
     let full = directory.join(file);
-    let text =
-        std::fs::read_to_string(&full).map_err(|e| error(&path, format!("cannot read {}: {e}", full.display())))?;
-    let mut document: serde_json::Value = serde_json::from_str(&text).map_err(|e| error(&path, e))?;
+    let text = std::fs::read_to_string(&full)
+        .map_err(|e| error(&path, format!("cannot read {}: {e}", full.display())))?;
+    let mut document: serde_json::Value =
+        serde_json::from_str(&text).map_err(|e| error(&path, e))?;
     // TOML, as which recordings keep the scene, has no null; absent says the same.
     if let Some(fields) = document.as_object_mut() {
         fields.retain(|_, value| !value.is_null());
@@ -102,19 +129,31 @@ pub(super) fn inline_surface(surface: &mut SurfaceSpec, path: &str, directory: &
 
 /// The tool in whose frame the bodies are, if the scene names one.
 fn frame(spec: &SceneSpec, tools: &[Tool]) -> Result<Option<FrameOf>, SceneError> {
-    let Some(id) = &spec.gravity.frame else { return Ok(None) };
-    let Some(tool) = tools.iter().position(|tool| &tool.id == id) else {
-        return Err(error("gravity.frame", format!("there is no tool {id:?} in this scene")));
+    let Some(id) = &spec.gravity.frame else {
+        return Ok(None);
     };
-    if let Some(b) = spec.bodies.iter().position(|body| body.model != ModelSpec::Rigid && body.integrator.every > 1) {
+    let Some(tool) = tools.iter().position(|tool| &tool.id == id) else {
+        return Err(error(
+            "gravity.frame",
+            format!("there is no tool {id:?} in this scene"),
+        ));
+    };
+    if let Some(b) = spec
+        .bodies
+        .iter()
+        .position(|body| body.model != ModelSpec::Rigid && body.integrator.every > 1)
+    {
         let reason = "a body in a carried frame steps every tick: what it feels changes with each; use every = 1";
         return Err(error(format!("body[{b}].integrator.every"), reason));
     }
-    Ok(Some(FrameOf { tool, smoothing_s: spec.gravity.smoothing_s }))
+    Ok(Some(FrameOf {
+        tool,
+        smoothing_s: spec.gravity.smoothing_s,
+    }))
 }
 
-/// Every tool against every body, bodies that deform against all others, and those that may touch themselves; exceptions
-/// as the scene lists them.
+/// Every tool against every body, bodies that deform against all others, and those that may touch
+/// themselves; exceptions as the scene lists them.
 fn build_pairs(
     spec: &SceneSpec,
     tools: &[Tool],
@@ -127,29 +166,53 @@ fn build_pairs(
     // The tool that carries the frame moves all bodies alike and touches none.
     for tool in (0..tools.len()).filter(|&tool| frame.is_none_or(|frame| frame.tool != tool)) {
         let holder = Holder::Tool(index(tool));
-        let friction = friction(spec.tools[tool].friction.as_ref(), || format!("tool[{tool}].friction"))?;
-        pairs.extend((0..bodies.len()).map(|body| Pair { holder, body, method: Method::Exact, friction }));
+        let friction = friction(spec.tools[tool].friction.as_ref(), || {
+            format!("tool[{tool}].friction")
+        })?;
+        pairs.extend((0..bodies.len()).map(|body| Pair {
+            holder,
+            body,
+            method: Method::Exact,
+            friction,
+        }));
     }
     for body in 0..bodies.len() {
         for other in body + 1..bodies.len() {
             if deforms(body) || deforms(other) {
                 // A sheet has no inside: it is asked for the side on which the other is.
                 let sheet_second = bodies[other].two_sided && !bodies[body].two_sided;
-                let (body, other) = if sheet_second { (other, body) } else { (body, other) };
+                let (body, other) = if sheet_second {
+                    (other, body)
+                } else {
+                    (body, other)
+                };
                 let holder = Holder::Body(index(other));
-                pairs.push(Pair { holder, body, method: Method::Exact, friction: None });
+                pairs.push(Pair {
+                    holder,
+                    body,
+                    method: Method::Exact,
+                    friction: None,
+                });
             }
         }
     }
     for body in 0..bodies.len() {
         if spec.bodies[body].self_contact && deforms(body) {
             let holder = Holder::Body(index(body));
-            pairs.push(Pair { holder, body, method: Method::Exact, friction: None });
+            pairs.push(Pair {
+                holder,
+                body,
+                method: Method::Exact,
+                friction: None,
+            });
         }
     }
     for (c, contact) in spec.contacts.iter().enumerate() {
         let [holder_id, body_id] = &contact.pair;
-        let tool = tools.iter().position(|tool| &tool.id == holder_id).map(|tool| Holder::Tool(index(tool)));
+        let tool = tools
+            .iter()
+            .position(|tool| &tool.id == holder_id)
+            .map(|tool| Holder::Tool(index(tool)));
         let find = |id: &str| bodies.iter().position(|body| body.id == id);
         let holder = tool.or_else(|| find(holder_id).map(|body| Holder::Body(index(body))));
         let (Some(holder), Some(body)) = (holder, find(body_id)) else {
@@ -160,14 +223,21 @@ fn build_pairs(
         };
         let named = |pair: &Pair| {
             let swapped = match holder {
-                Holder::Body(other) => pair.holder == Holder::Body(index(body)) && pair.body == other as usize,
+                Holder::Body(other) => {
+                    pair.holder == Holder::Body(index(body)) && pair.body == other as usize
+                }
                 Holder::Tool(_) => false,
             };
             (pair.holder == holder && pair.body == body) || swapped
         };
         if contact.friction.is_some() {
-            let friction = friction(contact.friction.as_ref(), || format!("contact[{c}].friction"))?;
-            pairs.iter_mut().filter(|pair| named(pair)).for_each(|pair| pair.friction = friction);
+            let friction = friction(contact.friction.as_ref(), || {
+                format!("contact[{c}].friction")
+            })?;
+            pairs
+                .iter_mut()
+                .filter(|pair| named(pair))
+                .for_each(|pair| pair.friction = friction);
         }
         match contact.method {
             ContactMethod::Exact => {}
@@ -192,38 +262,76 @@ fn build_pairs(
 }
 
 /// Without friction a pair has none, rather than a coefficient of zero: it is then solved as such.
-fn friction(spec: Option<&FrictionSpec>, path: impl Fn() -> String) -> Result<Option<Friction>, SceneError> {
-    let Some(&FrictionSpec { mu, mu_kinetic, viscous_n_s_m }) = spec else { return Ok(None) };
+fn friction(
+    spec: Option<&FrictionSpec>,
+    path: impl Fn() -> String,
+) -> Result<Option<Friction>, SceneError> {
+    let Some(&FrictionSpec {
+        mu,
+        mu_kinetic,
+        viscous_n_s_m,
+    }) = spec
+    else {
+        return Ok(None);
+    };
     let mu_kinetic = mu_kinetic.unwrap_or(mu);
     if !(mu.is_finite() && (0.0..=mu).contains(&mu_kinetic)) {
-        return Err(error(path(), "mu must be 0 or more and mu_kinetic at most mu"));
+        return Err(error(
+            path(),
+            "mu must be 0 or more and mu_kinetic at most mu",
+        ));
     }
     if !(viscous_n_s_m.is_finite() && viscous_n_s_m >= 0.0) {
         return Err(error(path(), "viscous_n_s_m must be 0 or more"));
     }
-    Ok((mu > 0.0 || viscous_n_s_m > 0.0).then_some(Friction { mu, mu_kinetic, viscous_n_s_m }))
+    Ok((mu > 0.0 || viscous_n_s_m > 0.0).then_some(Friction {
+        mu,
+        mu_kinetic,
+        viscous_n_s_m,
+    }))
 }
 
-fn build_tool(spec: &ToolSpec, path: &str, directory: &Path, dt_s: f64) -> Result<Tool, SceneError> {
+fn build_tool(
+    spec: &ToolSpec,
+    path: &str,
+    directory: &Path,
+    dt_s: f64,
+) -> Result<Tool, SceneError> {
     let shape = shapes::build(&spec.shape, &format!("{path}.shape"), directory)?;
     let coupling = &spec.coupling;
-    if !(coupling.stiffness_n_m > 0.0 && coupling.damping_n_s_m >= 0.0 && coupling.damping_n_s_m.is_finite()) {
-        return Err(error(format!("{path}.coupling"), "stiffness_n_m must be above 0 and damping_n_s_m at least 0"));
+    if !(coupling.stiffness_n_m > 0.0
+        && coupling.damping_n_s_m >= 0.0
+        && coupling.damping_n_s_m.is_finite())
+    {
+        return Err(error(
+            format!("{path}.coupling"),
+            "stiffness_n_m must be above 0 and damping_n_s_m at least 0",
+        ));
     }
-    let (turning, damping) = (coupling.turning_stiffness_nm_rad, coupling.turning_damping_nm_s_rad);
+    let (turning, damping) = (
+        coupling.turning_stiffness_nm_rad,
+        coupling.turning_damping_nm_s_rad,
+    );
     if !(turning > 0.0 && damping >= 0.0 && damping.is_finite()) {
-        let reason = "turning_stiffness_nm_rad must be above 0 and turning_damping_nm_s_rad at least 0";
+        let reason =
+            "turning_stiffness_nm_rad must be above 0 and turning_damping_nm_s_rad at least 0";
         return Err(error(format!("{path}.coupling"), reason));
     }
     let grip_n = spec.grip.force_max_n;
     if !(grip_n.is_finite() && grip_n >= 0.0) {
-        return Err(error(format!("{path}.grip.force_max_n"), "a grip holds with 0 N or more"));
+        return Err(error(
+            format!("{path}.grip.force_max_n"),
+            "a grip holds with 0 N or more",
+        ));
     }
     let pose = pose(&spec.pose, &format!("{path}.pose"))?;
     let (device, limits) = build_device(&spec.device, coupling.bounded, dt_s);
     let mut stiffness_n_m = coupling.stiffness_n_m;
     if coupling.bounded && spec.device.damping_n_s_m.is_some() {
-        let most = device.figures.stiffness_limits(coupling.damping_n_s_m).passive_n_m();
+        let most = device
+            .figures
+            .stiffness_limits(coupling.damping_n_s_m)
+            .passive_n_m();
         if most == 0.0 {
             let reason = "a bounded coupling needs a device with more damping than its own, and with dry friction if it has \
                           an encoder: give damping_n_s_m, coulomb_n and encoder_m of [tool.device], or drop bounded";
@@ -233,16 +341,31 @@ fn build_tool(spec: &ToolSpec, path: &str, directory: &Path, dt_s: f64) -> Resul
     }
     let mut built = Coupling::new(stiffness_n_m, coupling.damping_n_s_m, dt_s);
     if shape.ball_radius_m().is_none() {
-        built = built.turning(coupling.turning_stiffness_nm_rad, coupling.turning_damping_nm_s_rad);
+        built = built.turning(
+            coupling.turning_stiffness_nm_rad,
+            coupling.turning_damping_nm_s_rad,
+        );
     }
     let start = (Point3::from(pose.translation.vector), pose.rotation);
-    Ok(Tool { id: spec.id.clone(), shape, start, coupling: built, limits, device, grip_n })
+    Ok(Tool {
+        id: spec.id.clone(),
+        shape,
+        start,
+        coupling: built,
+        limits,
+        device,
+        grip_n,
+    })
 }
 
 fn build_device(spec: &DeviceSpec, bounded: bool, dt_s: f64) -> (Device, LinkLimits) {
     let limits = LinkLimits {
         force_max_n: spec.force_max_n,
-        ramp_n: if spec.ramp_s > 0.0 { spec.force_max_n * dt_s / spec.ramp_s } else { spec.force_max_n },
+        ramp_n: if spec.ramp_s > 0.0 {
+            spec.force_max_n * dt_s / spec.ramp_s
+        } else {
+            spec.force_max_n
+        },
         stale_ticks: (spec.stale_s / dt_s).ceil() as u32,
         stride_max_m: spec.speed_max_m_s * dt_s,
     };
@@ -255,7 +378,16 @@ fn build_device(spec: &DeviceSpec, bounded: bool, dt_s: f64) -> (Device, LinkLim
     };
     let passivity_damping_n_s_m = spec.passivity.then_some(spec.passivity_damping_n_s_m);
     let known = spec.damping_n_s_m.is_some();
-    (Device { torque_max_nm: spec.torque_max_nm, passivity_damping_n_s_m, bounded, figures, known }, limits)
+    (
+        Device {
+            torque_max_nm: spec.torque_max_nm,
+            passivity_damping_n_s_m,
+            bounded,
+            figures,
+            known,
+        },
+        limits,
+    )
 }
 
 pub(super) fn unit(normal: &[f64; 3], path: &str) -> Result<Vector3, SceneError> {
@@ -269,33 +401,60 @@ pub(super) fn pose(spec: &PoseSpec, path: &str) -> Result<Pose, SceneError> {
     let [x, y, z, w] = spec.orientation;
     let quaternion = nalgebra::Quaternion::new(w, x, y, z);
     if (quaternion.norm() - 1.0).abs() > 1e-6 || !spec.position.iter().all(|x| x.is_finite()) {
-        return Err(error(path, "position must be finite and orientation a unit quaternion x y z w"));
+        return Err(error(
+            path,
+            "position must be finite and orientation a unit quaternion x y z w",
+        ));
     }
-    Ok(Pose::from_parts(Vector3::from(spec.position).into(), Rotation::from_quaternion(quaternion)))
+    Ok(Pose::from_parts(
+        Vector3::from(spec.position).into(),
+        Rotation::from_quaternion(quaternion),
+    ))
 }
 
-pub(super) fn build_surface(spec: &SurfaceSpec, path: &str, directory: &Path) -> Result<Surface, SceneError> {
+pub(super) fn build_surface(
+    spec: &SurfaceSpec,
+    path: &str,
+    directory: &Path,
+) -> Result<Surface, SceneError> {
     match (&spec.builtin, &spec.file, &spec.inline) {
-        (Some(name), None, None) => {
-            surface::builtin(name, spec.net, spec.size).map_err(|e| error(format!("{path}.builtin"), e))
-        }
+        (Some(name), None, None) => surface::builtin(name, spec.net, spec.size)
+            .map_err(|e| error(format!("{path}.builtin"), e)),
         (None, Some(file), None) => {
             let full = directory.join(file);
-            let text = std::fs::read_to_string(&full)
-                .map_err(|e| error(format!("{path}.file"), format!("cannot read {}: {e}", full.display())))?;
-            surface::file::read(&text).map_err(|e| error(format!("{path}.file"), format!("{}: {e}", full.display())))
+            let text = std::fs::read_to_string(&full).map_err(|e| {
+                error(
+                    format!("{path}.file"),
+                    format!("cannot read {}: {e}", full.display()),
+                )
+            })?;
+            surface::file::read(&text)
+                .map_err(|e| error(format!("{path}.file"), format!("{}: {e}", full.display())))
         }
-        (None, None, Some(value)) => surface::file::from_value(value).map_err(|e| error(format!("{path}.inline"), e)),
+        (None, None, Some(value)) => {
+            surface::file::from_value(value).map_err(|e| error(format!("{path}.inline"), e))
+        }
         _ => Err(error(path, "give exactly one of builtin, file, inline")),
     }
 }
 
-fn build_body(scene: &SceneSpec, spec: &BodySpec, path: &str, directory: &Path, dt_s: f64) -> Result<Body, SceneError> {
+fn build_body(
+    scene: &SceneSpec,
+    spec: &BodySpec,
+    path: &str,
+    directory: &Path,
+    dt_s: f64,
+) -> Result<Body, SceneError> {
     let placement = pose(&spec.pose, &format!("{path}.pose"))?;
-    let original =
-        build_surface(&spec.surface, &format!("{path}.surface"), directory)?.oriented_outward().transformed(&placement);
+    let original = build_surface(&spec.surface, &format!("{path}.surface"), directory)?
+        .oriented_outward()
+        .transformed(&placement);
     // Copies of a branching surface move together, so they start equal bit for bit.
-    let original = if original.joints().is_some() { original.with_exact_seams() } else { original };
+    let original = if original.joints().is_some() {
+        original.with_exact_seams()
+    } else {
+        original
+    };
     let original_net = [original.net().rows(), original.net().columns()];
     let topology = original.topology();
     let two_sided = !topology.is_closed();
@@ -303,18 +462,41 @@ fn build_body(scene: &SceneSpec, spec: &BodySpec, path: &str, directory: &Path, 
     let (surface, model) = match spec.model {
         ModelSpec::Rigid => (original, BodyModel::Rigid),
         ModelSpec::Membrane | ModelSpec::Lattice | ModelSpec::Continuum | ModelSpec::Net => {
-            let parted = [original.knots_u(), original.knots_v()].iter().any(|knots| !knots.disjoined().is_empty());
+            let parted = [original.knots_u(), original.knots_v()]
+                .iter()
+                .any(|knots| !knots.disjoined().is_empty());
             if parted && original.joints().is_none() {
                 let reason = "the knots of this surface part it: to deform, it must be clamped in both directions and have at \
                               most 1024 patches; or use model = \"rigid\"";
                 return Err(error(format!("{path}.surface"), reason));
             }
             let surface = refine::refine(scene, spec, path, original)?;
-            let (lattice, choice) = deforming::build(scene, spec, path, &surface, &placement, dt_s)?;
+            let (lattice, choice) =
+                deforming::build(scene, spec, path, &surface, &placement, dt_s)?;
             let samples = SampleGrid::new(&surface, default_samples_per_span());
-            let IntegratorSpec { contact_sweeps: sweeps, every, .. } = spec.integrator;
-            (surface, BodyModel::Lattice(Box::new(LatticeBody { lattice, samples, sweeps, every, choice })))
+            let IntegratorSpec {
+                contact_sweeps: sweeps,
+                every,
+                ..
+            } = spec.integrator;
+            (
+                surface,
+                BodyModel::Lattice(Box::new(LatticeBody {
+                    lattice,
+                    samples,
+                    sweeps,
+                    every,
+                    choice,
+                })),
+            )
         }
     };
-    Ok(Body { id: spec.id.clone(), surface, original_net, size_m, two_sided, model })
+    Ok(Body {
+        id: spec.id.clone(),
+        surface,
+        original_net,
+        size_m,
+        two_sided,
+        model,
+    })
 }

@@ -31,7 +31,13 @@ pub struct FrameState {
 
 impl FrameState {
     /// Takes the pose of a tick.
-    pub(crate) fn follow(&mut self, position: &Point3, rotation: &Rotation, dt_s: f64, smoothing_s: f64) {
+    pub(crate) fn follow(
+        &mut self,
+        position: &Point3,
+        rotation: &Rotation,
+        dt_s: f64,
+        smoothing_s: f64,
+    ) {
         if self.seen > 0 {
             let velocity = (position - self.position) / dt_s;
             let turned = self.rotation.inverse() * rotation;
@@ -58,19 +64,33 @@ impl FrameState {
         let q = self.rotation.coords;
         sink.floats(q.as_slice());
         sink.floats(self.position.coords.as_slice());
-        for v in [self.velocity, self.turning, self.acceleration, self.turning_rate] {
+        for v in [
+            self.velocity,
+            self.turning,
+            self.acceleration,
+            self.turning_rate,
+        ] {
             sink.floats(v.as_slice());
         }
     }
 
     pub(super) fn restore(&mut self, source: &mut impl StateSource) -> Result<(), StateError> {
         let seen = source.word()?;
-        self.seen = u32::try_from(seen).map_err(|_| StateError::Value { what: "ticks of a frame", value: seen })?;
+        self.seen = u32::try_from(seen).map_err(|_| StateError::Value {
+            what: "ticks of a frame",
+            value: seen,
+        })?;
         let mut q = [0.0; 4];
         source.floats(&mut q)?;
-        self.rotation = Rotation::new_unchecked(nalgebra::Quaternion::from(nalgebra::Vector4::from(q)));
+        self.rotation =
+            Rotation::new_unchecked(nalgebra::Quaternion::from(nalgebra::Vector4::from(q)));
         source.floats(self.position.coords.as_mut_slice())?;
-        for v in [&mut self.velocity, &mut self.turning, &mut self.acceleration, &mut self.turning_rate] {
+        for v in [
+            &mut self.velocity,
+            &mut self.turning,
+            &mut self.acceleration,
+            &mut self.turning_rate,
+        ] {
             source.floats(v.as_mut_slice())?;
         }
         Ok(())
@@ -96,7 +116,12 @@ impl Scene {
     pub(crate) fn follow_frame(&self, state: &mut SceneState) {
         if let Some(frame) = &self.frame {
             let pose = &state.tools[frame.tool].link.pose;
-            state.frame.follow(&pose.position, &pose.orientation, self.dt_s, frame.smoothing_s);
+            state.frame.follow(
+                &pose.position,
+                &pose.orientation,
+                self.dt_s,
+                frame.smoothing_s,
+            );
         }
     }
 }
@@ -105,7 +130,8 @@ impl Scene {
 mod tests {
     use super::*;
 
-    // A point at rest in the world, seen from a frame that swings: the field is its acceleration there.
+    // A point at rest in the world, seen from a frame that swings: the field is its acceleration
+    // there.
     #[test]
     fn a_free_point_seen_from_a_swinging_frame_moves_as_the_field_says() {
         let dt = 1e-5;
@@ -113,7 +139,10 @@ mod tests {
         let pose = |t: f64| {
             let angle = 0.4 * libm::sin(3.0 * t);
             let rotation = Rotation::from_axis_angle(&Vector3::z_axis(), angle);
-            (Point3::new(0.1 * libm::cos(2.0 * t), 0.05 * t * t, 0.0), rotation)
+            (
+                Point3::new(0.1 * libm::cos(2.0 * t), 0.05 * t * t, 0.0),
+                rotation,
+            )
         };
         let seen = |t: f64| {
             let (position, rotation) = pose(t);
@@ -135,14 +164,28 @@ mod tests {
         let acceleration = (after.coords - now.coords * 2.0 + before.coords) / (dt * dt);
         // First differences lag by a step; rounding of second differences is 1e-16 / dt².
         let miss = (field.at(&now, &velocity) - acceleration).norm();
-        assert!(miss < 1e-3, "the field is off by {miss} m/s² of {}", acceleration.norm());
+        assert!(
+            miss < 1e-3,
+            "the field is off by {miss} m/s² of {}",
+            acceleration.norm()
+        );
     }
 
     #[test]
     fn the_first_poses_shake_nothing() {
         let mut frame = FrameState::default();
-        frame.follow(&Point3::new(5.0, 0.0, 0.0), &Rotation::identity(), 1e-3, 5e-3);
-        frame.follow(&Point3::new(5.0, 0.0, 0.0), &Rotation::identity(), 1e-3, 5e-3);
+        frame.follow(
+            &Point3::new(5.0, 0.0, 0.0),
+            &Rotation::identity(),
+            1e-3,
+            5e-3,
+        );
+        frame.follow(
+            &Point3::new(5.0, 0.0, 0.0),
+            &Rotation::identity(),
+            1e-3,
+            5e-3,
+        );
         assert_eq!(frame.acceleration, Vector3::zeros());
         assert_eq!(frame.velocity, Vector3::zeros());
     }

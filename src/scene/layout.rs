@@ -9,7 +9,12 @@ pub(super) fn layout(surface: &Surface, topology: &Topology) -> Option<Rings> {
     let (rows, columns) = (surface.net().rows(), surface.net().columns());
     let [distinct_u, distinct_v] = distinct(surface, topology);
     let goes_round = |d: usize| matches!(topology.closing[d], Closing::Seam | Closing::Periodic);
-    let length = |points: Vec<Point3>| points.windows(2).map(|pair| (pair[1] - pair[0]).norm()).sum::<f64>();
+    let length = |points: Vec<Point3>| {
+        points
+            .windows(2)
+            .map(|pair| (pair[1] - pair[0]).norm())
+            .sum::<f64>()
+    };
     let net = surface.net();
     let u_around = match (goes_round(0), goes_round(1)) {
         (false, false) => return None,
@@ -27,12 +32,25 @@ pub(super) fn layout(surface: &Surface, topology: &Topology) -> Option<Rings> {
     } else {
         (distinct_v, distinct_u, goes_round(0), topology.poles[0])
     };
-    let ends = RingEnds { axis_closed, first_pole: poles[0], last_pole: poles[1] };
-    Some(Rings { around, along, ends, u_around, columns })
+    let ends = RingEnds {
+        axis_closed,
+        first_pole: poles[0],
+        last_pole: poles[1],
+    };
+    Some(Rings {
+        around,
+        along,
+        ends,
+        u_around,
+        columns,
+    })
 }
 
 /// Control points in u and v, those repeated at a seam counted once.
 pub(super) fn distinct(surface: &Surface, topology: &Topology) -> [usize; 2] {
     let repeated = |d: usize| usize::from(topology.closing[d] == Closing::Seam);
-    [surface.net().rows() - repeated(0), surface.net().columns() - repeated(1)]
+    [
+        surface.net().rows() - repeated(0),
+        surface.net().columns() - repeated(1),
+    ]
 }

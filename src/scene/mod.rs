@@ -1,7 +1,8 @@
-//! Scenes: the file (`SceneSpec`), the constant (`Scene`), what a replay restores (`SceneState`), and `Scratch`.
+//! Scenes: the file (`SceneSpec`), the constant (`Scene`), what a replay restores (`SceneState`),
+//! and `Scratch`.
 //!
-//! `Scene::build` compiles exactly the bodies, tools and pairs that the file asks for; [`plan::Plan`] prints them. What a
-//! scene does not need has no buffer and no stage.
+//! `Scene::build` compiles exactly the bodies, tools and pairs that the file asks for;
+//! [`plan::Plan`] prints them. What a scene does not need has no buffer and no stage.
 
 mod build;
 mod change;
@@ -125,7 +126,8 @@ impl Tool {
     }
 }
 
-/// Two parties that may touch: a tool or a body that holds, and a body. A body that holds itself touches itself.
+/// Two parties that may touch: a tool or a body that holds, and a body. A body that holds itself
+/// touches itself.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Pair {
     pub holder: Holder,
@@ -158,12 +160,16 @@ impl Scene {
         self.tools.len()
     }
 
-    /// How stiff a tool may be coupled to a device with these figures: a bounded coupling no stiffer than is passive in any
-    /// hand. Where nothing is, or the scene does not ask for it, the scene's own stiffness stays, and a warning is due.
+    /// How stiff a tool may be coupled to a device with these figures: a bounded coupling no
+    /// stiffer than is passive in any hand. Where nothing is, or the scene does not ask for it, the
+    /// scene's own stiffness stays, and a warning is due.
     pub fn bounds_of(&self, tool: usize, figures: &DeviceFigures) -> DeviceBounds {
         let passive_n_m = self.passive_n_m(tool, figures);
         if self.tools[tool].device.bounded && passive_n_m > 0.0 {
-            return DeviceBounds { stiffness_max_n_m: passive_n_m, ..DeviceBounds::default() };
+            return DeviceBounds {
+                stiffness_max_n_m: passive_n_m,
+                ..DeviceBounds::default()
+            };
         }
         DeviceBounds::default()
     }
@@ -171,22 +177,34 @@ impl Scene {
     /// What such a device holds in any hand, N/m, if the tool's coupling is stiffer and stays so.
     pub fn stiffer_than(&self, tool: usize, figures: &DeviceFigures) -> Option<f64> {
         let passive_n_m = self.passive_n_m(tool, figures);
-        let Tool { coupling, device, .. } = &self.tools[tool];
+        let Tool {
+            coupling, device, ..
+        } = &self.tools[tool];
         (!device.bounded && coupling.stiffness_n_m() > passive_n_m).then_some(passive_n_m)
     }
 
     fn passive_n_m(&self, tool: usize, figures: &DeviceFigures) -> f64 {
-        let figures = DeviceFigures { period_s: figures.period_s.max(self.dt_s), ..*figures };
-        figures.stiffness_limits(self.tools[tool].coupling.damping_n_s_m()).passive_n_m()
+        let figures = DeviceFigures {
+            period_s: figures.period_s.max(self.dt_s),
+            ..*figures
+        };
+        figures
+            .stiffness_limits(self.tools[tool].coupling.damping_n_s_m())
+            .passive_n_m()
     }
 
-    /// Stiffness limits of a tool's coupling with the figures that the scene gives for its device; none if it gives no damping.
+    /// Stiffness limits of a tool's coupling with the figures that the scene gives for its device;
+    /// none if it gives no damping.
     pub fn stiffness_limits(&self, tool: usize) -> Option<StiffnessLimits> {
         self.stiffness_limits_of(&self.tools[tool])
     }
 
     pub(crate) fn stiffness_limits_of(&self, tool: &Tool) -> Option<StiffnessLimits> {
-        tool.device.known.then(|| tool.device.figures.stiffness_limits(tool.coupling.damping_n_s_m()))
+        tool.device.known.then(|| {
+            tool.device
+                .figures
+                .stiffness_limits(tool.coupling.damping_n_s_m())
+        })
     }
 
     /// Id of a tool.
@@ -229,9 +247,12 @@ impl Scene {
 
     /// Bodies whose nets are in pieces, by id: rows and columns after which they begin anew.
     pub fn net_gaps(&self) -> Vec<(String, [Vec<usize>; 2])> {
-        let gaps = |body: &Body| [body.surface.knots_u(), body.surface.knots_v()].map(|knots| knots.parted_after());
+        let gaps = |body: &Body| {
+            [body.surface.knots_u(), body.surface.knots_v()].map(|knots| knots.parted_after())
+        };
         let all = self.bodies.iter().map(|body| (body.id.clone(), gaps(body)));
-        all.filter(|(_, gaps)| gaps.iter().any(|gaps| !gaps.is_empty())).collect()
+        all.filter(|(_, gaps)| gaps.iter().any(|gaps| !gaps.is_empty()))
+            .collect()
     }
 
     /// The surface of a body at rest, refined as simulated and published (world frame).

@@ -68,9 +68,9 @@ impl Solid for Placed<'_> {
     fn signed_gap(&self, point: &Point3) -> (f64, Vector3) {
         // Ours point towards the tool's matter, theirs out of it.
         let (gap_m, inwards) = match self.shape {
-            ToolShape::Implicit { tool, .. } => {
-                tool.signed_gap(self.pose, point).unwrap_or((f64::INFINITY, Vector3::z()))
-            }
+            ToolShape::Implicit { tool, .. } => tool
+                .signed_gap(self.pose, point)
+                .unwrap_or((f64::INFINITY, Vector3::z())),
             ToolShape::Mesh(tool) => tool.signed_gap(self.pose, point),
             _ => (f64::INFINITY, Vector3::z()),
         };
@@ -85,7 +85,9 @@ impl Solid for Placed<'_> {
     }
 
     fn may_meet_box(&self, low: &Point3, high: &Point3, margin_m: f64) -> bool {
-        let Some((from, to)) = self.shape.bounds(self.pose) else { return true };
+        let Some((from, to)) = self.shape.bounds(self.pose) else {
+            return true;
+        };
         (0..3).all(|c| low[c] <= to[c] + margin_m && high[c] >= from[c] - margin_m)
     }
 }
@@ -99,18 +101,30 @@ struct PlacedSurface {
 
 impl PlacedSurface {
     fn new(at_rest: &Surface) -> Self {
-        Self { surface: at_rest.clone(), solver: ClosestSolver::new(at_rest) }
+        Self {
+            surface: at_rest.clone(),
+            solver: ClosestSolver::new(at_rest),
+        }
     }
 
     fn place(&mut self, at_rest: &Surface, pose: &Pose) {
-        for (now, rest) in self.surface.net_mut().points_mut().iter_mut().zip(at_rest.net().points()) {
+        for (now, rest) in self
+            .surface
+            .net_mut()
+            .points_mut()
+            .iter_mut()
+            .zip(at_rest.net().points())
+        {
             *now = pose * rest;
         }
         self.solver.net_changed();
     }
 
     fn side(&mut self) -> PairSide<'_> {
-        PairSide { surface: &self.surface, solver: &mut self.solver }
+        PairSide {
+            surface: &self.surface,
+            solver: &mut self.solver,
+        }
     }
 }
 
@@ -119,10 +133,13 @@ impl PairScratch {
     pub fn new(scene: &Scene, pair: &Pair) -> Self {
         let surface = &scene.bodies[pair.body].surface;
         let narrow = match (pair.holder, pair.method) {
-            (Holder::Body(other), _) if other as usize == pair.body => Narrow::Own(Box::new(SelfSolver::new(surface))),
-            (Holder::Body(other), Method::Exact) => {
-                Narrow::Bodies(Box::new(PairSolver::new(surface, &scene.bodies[other as usize].surface)))
+            (Holder::Body(other), _) if other as usize == pair.body => {
+                Narrow::Own(Box::new(SelfSolver::new(surface)))
             }
+            (Holder::Body(other), Method::Exact) => Narrow::Bodies(Box::new(PairSolver::new(
+                surface,
+                &scene.bodies[other as usize].surface,
+            ))),
             (Holder::Body(other), Method::Spheres(rows)) => {
                 let other = &scene.bodies[other as usize].surface;
                 Narrow::BodiesSpheres(Box::new(TwoSpheres::new(surface, other, rows)))
@@ -136,33 +153,66 @@ impl PairScratch {
                     Box::new(TwoSpheres::new(surface, tool.surface(), rows)),
                     Box::new(PlacedSurface::new(tool.surface())),
                 ),
-                (_, Method::Spheres(rows)) => Narrow::Spheres(Box::new(Spheres::new(surface, rows))),
+                (_, Method::Spheres(rows)) => {
+                    Narrow::Spheres(Box::new(Spheres::new(surface, rows)))
+                }
                 (shape, Method::Exact) => {
                     let solver = &mut ClosestSolver::new(surface);
                     match shape {
-                        ToolShape::Implicit { .. } => Narrow::Implicit(Box::new(ImplicitSolver::new(surface, solver))),
-                        ToolShape::Mesh(tool) => Narrow::Mesh(Box::new(MeshSolver::new(surface, solver, tool))),
+                        ToolShape::Implicit { .. } => {
+                            Narrow::Implicit(Box::new(ImplicitSolver::new(surface, solver)))
+                        }
+                        ToolShape::Mesh(tool) => {
+                            Narrow::Mesh(Box::new(MeshSolver::new(surface, solver, tool)))
+                        }
                         _ => Narrow::Simple(Box::new(ExactScratch::new(surface, solver))),
                     }
                 }
             },
         };
-        Self { set: ContactSet::new(), narrow }
+        Self {
+            set: ContactSet::new(),
+            narrow,
+        }
     }
 
     /// Contacts of a tool at `pose` with a body.
-    pub fn contacts(&mut self, shape: &ToolShape, pose: &Pose, parts: &mut BodyScratch, reach: Reach) {
+    pub fn contacts(
+        &mut self,
+        shape: &ToolShape,
+        pose: &Pose,
+        parts: &mut BodyScratch,
+        reach: Reach,
+    ) {
         let Self { set, narrow } = self;
         set.clear();
         let place = Point3::from(pose.translation.vector);
         match (narrow, shape) {
             (Narrow::Simple(scratch), ToolShape::Plane { normal }) => {
                 let plane = pose.rotation * normal;
-                exact::plane::contacts(&parts.surface, &mut parts.solver, &place, &plane, &reach, scratch, set);
+                exact::plane::contacts(
+                    &parts.surface,
+                    &mut parts.solver,
+                    &place,
+                    &plane,
+                    &reach,
+                    scratch,
+                    set,
+                );
             }
             (Narrow::Simple(scratch), shape) => {
-                let Some(radius_m) = shape.ball_radius_m() else { return };
-                exact::ball::contacts(&parts.surface, &mut parts.solver, &place, radius_m, &reach, scratch, set);
+                let Some(radius_m) = shape.ball_radius_m() else {
+                    return;
+                };
+                exact::ball::contacts(
+                    &parts.surface,
+                    &mut parts.solver,
+                    &place,
+                    radius_m,
+                    &reach,
+                    scratch,
+                    set,
+                );
             }
             (Narrow::Implicit(solver), ToolShape::Implicit { tool, .. }) => {
                 solver.contacts(&parts.surface, &mut parts.solver, tool, pose, &reach, set);
@@ -177,12 +227,16 @@ impl PairScratch {
             (Narrow::Spheres(spheres), shape) => {
                 spheres.load(&parts.surface);
                 match shape {
-                    ToolShape::Plane { normal } => spheres.plane(&place, &(pose.rotation * normal), &reach, set),
+                    ToolShape::Plane { normal } => {
+                        spheres.plane(&place, &(pose.rotation * normal), &reach, set)
+                    }
                     ToolShape::Implicit { .. } | ToolShape::Mesh(_) => {
                         spheres.solid(&Placed { shape, pose }, &reach, set);
                     }
                     shape => {
-                        let Some(radius_m) = shape.ball_radius_m() else { return };
+                        let Some(radius_m) = shape.ball_radius_m() else {
+                            return;
+                        };
                         spheres.ball(&place, radius_m, &reach, set);
                     }
                 }
@@ -197,7 +251,8 @@ impl PairScratch {
         }
     }
 
-    /// Samples of a deforming body in touch with a tool at `pose`, for which [`PairScratch::contacts`] was asked.
+    /// Samples of a deforming body in touch with a tool at `pose`, for which
+    /// [`PairScratch::contacts`] was asked.
     pub fn samples_in_touch(
         &self,
         shape: &ToolShape,
@@ -209,31 +264,61 @@ impl PairScratch {
     ) {
         hits.clear();
         if !matches!(shape, ToolShape::Point) {
-            view.samples_in_touch(margin_m, meets, |x| self.facing(shape, pose, x, margin_m), hits);
+            view.samples_in_touch(
+                margin_m,
+                meets,
+                |x| self.facing(shape, pose, x, margin_m),
+                hits,
+            );
         }
     }
 
-    /// What a point of the body sees of a tool at `pose`, for which [`PairScratch::contacts`] was asked.
-    pub fn facing(&self, shape: &ToolShape, pose: &Pose, x: &Point3, margin_m: f64) -> Option<Facing> {
+    /// What a point of the body sees of a tool at `pose`, for which [`PairScratch::contacts`] was
+    /// asked.
+    pub fn facing(
+        &self,
+        shape: &ToolShape,
+        pose: &Pose,
+        x: &Point3,
+        margin_m: f64,
+    ) -> Option<Facing> {
         let place = Point3::from(pose.translation.vector);
         let (gap_m, normal) = match shape {
-            ToolShape::Plane { normal } => exact::plane::signed_gap(&place, &(pose.rotation * normal), x),
+            ToolShape::Plane { normal } => {
+                exact::plane::signed_gap(&place, &(pose.rotation * normal), x)
+            }
             ToolShape::Point => return None,
             ToolShape::Sphere { radius_m } => exact::ball::signed_gap(&place, *radius_m, x),
             ToolShape::Implicit { tool, .. } => tool.signed_gap(pose, x)?,
             ToolShape::Mesh(tool) => tool.signed_gap(pose, x),
             ToolShape::Surface(_) => {
-                let (Narrow::Surface(_, placed) | Narrow::SurfaceSpheres(_, placed)) = &self.narrow else {
+                let (Narrow::Surface(_, placed) | Narrow::SurfaceSpheres(_, placed)) = &self.narrow
+                else {
                     return None;
                 };
-                return look_at(self.set.contacts(), x, margin_m, &placed.surface, &placed.solver);
+                return look_at(
+                    self.set.contacts(),
+                    x,
+                    margin_m,
+                    &placed.surface,
+                    &placed.solver,
+                );
             }
         };
-        Some(Facing { gap_m, normal, uv: [0.0; 2] })
+        Some(Facing {
+            gap_m,
+            normal,
+            uv: [0.0; 2],
+        })
     }
 
     /// Contacts of two bodies.
-    pub fn body_contacts(&mut self, mine: &mut BodyScratch, theirs: &mut BodyScratch, reach: Reach) {
+    pub fn body_contacts(
+        &mut self,
+        mine: &mut BodyScratch,
+        theirs: &mut BodyScratch,
+        reach: Reach,
+    ) {
         let Self { set, narrow } = self;
         set.clear();
         match narrow {
@@ -250,7 +335,13 @@ impl PairScratch {
     /// Contacts of a body with itself.
     pub fn own_contacts(&mut self, parts: &mut BodyScratch, reach: Reach, deepest_m: f64) {
         if let Narrow::Own(solver) = &mut self.narrow {
-            solver.contacts(&parts.surface, &mut parts.solver, reach, deepest_m, &mut self.set);
+            solver.contacts(
+                &parts.surface,
+                &mut parts.solver,
+                reach,
+                deepest_m,
+                &mut self.set,
+            );
         }
     }
 
@@ -258,20 +349,25 @@ impl PairScratch {
     pub fn counters(&self) -> Option<&Counters> {
         match &self.narrow {
             Narrow::Spheres(spheres) => Some(spheres.counters()),
-            Narrow::SurfaceSpheres(two, _) | Narrow::BodiesSpheres(two) => Some(two.pair.counters()),
+            Narrow::SurfaceSpheres(two, _) | Narrow::BodiesSpheres(two) => {
+                Some(two.pair.counters())
+            }
             _ => None,
         }
     }
 }
 
 fn side(parts: &mut BodyScratch) -> PairSide<'_> {
-    PairSide { surface: &parts.surface, solver: &mut parts.solver }
+    PairSide {
+        surface: &parts.surface,
+        solver: &mut parts.solver,
+    }
 }
 
 /// What a point of a body sees of the other surface, which touches it at these contacts.
 ///
-/// A point inside a convex solid lies beyond the tangent plane at the solid's deepest point: that sorts out nearly all.
-/// The foot is the one that leads on from the nearest contact's.
+/// A point inside a convex solid lies beyond the tangent plane at the solid's deepest point: that
+/// sorts out nearly all. The foot is the one that leads on from the nearest contact's.
 pub(crate) fn look_at(
     contacts: &[Contact],
     x: &Point3,
@@ -280,8 +376,14 @@ pub(crate) fn look_at(
     solver: &ClosestSolver,
 ) -> Option<Facing> {
     let away = |c: &Contact| (c.on_body - x).norm_squared();
-    let beyond = contacts.iter().filter(|c| (x - c.on_tool).dot(&c.normal) > -margin_m);
+    let beyond = contacts
+        .iter()
+        .filter(|c| (x - c.on_tool).dot(&c.normal) > -margin_m);
     let [s, t] = beyond.min_by(|a, b| away(a).total_cmp(&away(b)))?.tool_uv?;
     let foot = solver.local(other, x, s, t)?;
-    Some(Facing { gap_m: foot.signed_distance, normal: -foot.normal, uv: [foot.u, foot.v] })
+    Some(Facing {
+        gap_m: foot.signed_distance,
+        normal: -foot.normal,
+        uv: [foot.u, foot.v],
+    })
 }

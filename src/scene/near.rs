@@ -20,10 +20,17 @@ impl Near {
     /// Nothing is near.
     pub fn new(scene: &Scene) -> Self {
         let boxes = scene.bodies.len() + scene.tools.len();
-        let smallest = scene.bodies.iter().map(|body| body.size_m).fold(f64::INFINITY, f64::min);
+        let smallest = scene
+            .bodies
+            .iter()
+            .map(|body| body.size_m)
+            .fold(f64::INFINITY, f64::min);
         let worth = scene.pairs.len() >= FEW && boxes <= MAX_BOXES;
         let tree = worth.then(|| Box::new(BroadPhase::new(boxes, WIDER * smallest)));
-        Self { marks: vec![false; scene.pairs.len()], tree }
+        Self {
+            marks: vec![false; scene.pairs.len()],
+            tree,
+        }
     }
 
     /// True when it can.

@@ -120,8 +120,8 @@ pub struct BufferPlan {
     pub bytes: usize,
 }
 
-/// Cost of one spring of the force pass and of one non-zero of a solve with three right-hand sides, µs: medians on a
-/// 3 GHz x86-64 core.
+/// Cost of one spring of the force pass and of one non-zero of a solve with three right-hand sides,
+/// µs: medians on a 3 GHz x86-64 core.
 const SPRING_US: f64 = 0.003;
 const NON_ZERO_US: f64 = 0.0022;
 /// One cell of the continuum's pass, µs.
@@ -142,7 +142,9 @@ fn query_us(scene: &Scene, pair: &Pair) -> f64 {
     match pair.method {
         Method::Exact => exact,
         // Points of one surface or of two.
-        Method::Spheres([u, v]) => (u * v) as f64 * if exact == two_surfaces { 0.15 } else { 0.015 },
+        Method::Spheres([u, v]) => {
+            (u * v) as f64 * if exact == two_surfaces { 0.15 } else { 0.015 }
+        }
     }
 }
 
@@ -154,7 +156,9 @@ fn pass_us(body: &Deformable) -> f64 {
 /// A body's step, µs: passes and solves.
 pub(super) fn step_us(body: &Deformable) -> f64 {
     match body.integration() {
-        ("implicit", iterations) => (pass_us(body) + body.factor_non_zeros() as f64 * NON_ZERO_US) * iterations as f64,
+        ("implicit", iterations) => {
+            (pass_us(body) + body.factor_non_zeros() as f64 * NON_ZERO_US) * iterations as f64
+        }
         // Without and with contact.
         (_, substeps) => 2.0 * pass_us(body) * substeps as f64,
     }
@@ -166,12 +170,23 @@ impl Scene {
         let mut stages = Vec::new();
         let mut buffers = Vec::new();
         for pair in &self.pairs {
-            let stage = format!("render {} on {}", self.holder_id(pair), self.bodies[pair.body].id);
-            stages.push(StagePlan { stage, predicted_us: query_us(self, pair), measured_us: None });
+            let stage = format!(
+                "render {} on {}",
+                self.holder_id(pair),
+                self.bodies[pair.body].id
+            );
+            stages.push(StagePlan {
+                stage,
+                predicted_us: query_us(self, pair),
+                measured_us: None,
+            });
         }
         if !self.pairs.is_empty() {
             let bytes = MAX_ROWS * MAX_ROWS * size_of::<f64>();
-            buffers.push(BufferPlan { name: "contact problem".into(), bytes });
+            buffers.push(BufferPlan {
+                name: "contact problem".into(),
+                bytes,
+            });
         }
         for body in &self.bodies {
             if let BodyModel::Lattice(model) = &body.model {
@@ -185,8 +200,10 @@ impl Scene {
                     name: format!("{} nodes", body.id),
                     bytes: lattice.coordinate_count() * 6 * size_of::<f64>(),
                 });
-                buffers
-                    .push(BufferPlan { name: format!("{} factor", body.id), bytes: lattice.factor_non_zeros() * 12 });
+                buffers.push(BufferPlan {
+                    name: format!("{} factor", body.id),
+                    bytes: lattice.factor_non_zeros() * 12,
+                });
                 buffers.push(BufferPlan {
                     name: format!("{} surface compliance", body.id),
                     bytes: lattice.compliance_bytes(),
@@ -206,7 +223,9 @@ impl Scene {
                     force_max_n: tool.limits.force_max_n,
                     stiffness_n_m: finite(tool.coupling.stiffness_n_m()),
                     turning_stiffness_nm_rad: finite(tool.coupling.turning_stiffness_nm_rad()),
-                    passive_n_m: self.stiffness_limits_of(tool).and_then(|limits| finite(limits.passive_n_m())),
+                    passive_n_m: self
+                        .stiffness_limits_of(tool)
+                        .and_then(|limits| finite(limits.passive_n_m())),
                 })
                 .collect(),
             pairs: self
@@ -217,9 +236,13 @@ impl Scene {
                     body: self.bodies[pair.body].id.clone(),
                     method: match (pair.method, &self.bodies[pair.body].model) {
                         (Method::Exact, BodyModel::Rigid) => "exact",
-                        (Method::Exact, BodyModel::Lattice(_)) => "exact feet and samples, on the body's compliance",
+                        (Method::Exact, BodyModel::Lattice(_)) => {
+                            "exact feet and samples, on the body's compliance"
+                        }
                         (Method::Spheres(_), BodyModel::Rigid) => "spheres",
-                        (Method::Spheres(_), BodyModel::Lattice(_)) => "spheres and samples, on the body's compliance",
+                        (Method::Spheres(_), BodyModel::Lattice(_)) => {
+                            "spheres and samples, on the body's compliance"
+                        }
                     },
                 })
                 .collect(),
@@ -254,7 +277,13 @@ fn body_plan(body: &super::Body) -> BodyPlan {
             (model.choice.model, Some(plan))
         }
     };
-    BodyPlan { id: body.id.clone(), model, net: body.original_net, simulated_net, lattice }
+    BodyPlan {
+        id: body.id.clone(),
+        model,
+        net: body.original_net,
+        simulated_net,
+        lattice,
+    }
 }
 
 /// JSON has no infinity.
@@ -264,10 +293,19 @@ fn finite(value: f64) -> Option<f64> {
 
 impl fmt::Display for Plan {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        writeln!(f, "scene {}: one tick is {} ms", self.scene, self.dt_s * 1e3)?;
+        writeln!(
+            f,
+            "scene {}: one tick is {} ms",
+            self.scene,
+            self.dt_s * 1e3
+        )?;
         for body in &self.bodies {
             let ([r, s], [a, b]) = (body.net, body.simulated_net);
-            writeln!(f, "  body {}: {}, net {r} x {s}, simulated {a} x {b}", body.id, body.model)?;
+            writeln!(
+                f,
+                "  body {}: {}, net {r} x {s}, simulated {a} x {b}",
+                body.id, body.model
+            )?;
             if let Some(l) = &body.lattice {
                 writeln!(
                     f,
@@ -281,12 +319,24 @@ impl fmt::Display for Plan {
                     l.edge_m[0] * 1e3,
                     l.edge_m[1] * 1e3
                 )?;
-                let each = if l.method == "implicit" { "iterations" } else { "substeps" };
-                writeln!(f, "    {} {each} a step, a step every {} ticks; {}", l.passes, l.every, l.why)?;
+                let each = if l.method == "implicit" {
+                    "iterations"
+                } else {
+                    "substeps"
+                };
+                writeln!(
+                    f,
+                    "    {} {each} a step, a step every {} ticks; {}",
+                    l.passes, l.every, l.why
+                )?;
             }
         }
         for tool in &self.tools {
-            write!(f, "  tool {}: {}, at most {} N", tool.id, tool.shape, tool.force_max_n)?;
+            write!(
+                f,
+                "  tool {}: {}, at most {} N",
+                tool.id, tool.shape, tool.force_max_n
+            )?;
             match tool.stiffness_n_m {
                 Some(stiffness) => write!(f, ", coupled with {stiffness} N/m")?,
                 None => write!(f, ", held by its device")?,
@@ -302,10 +352,20 @@ impl fmt::Display for Plan {
         for pair in &self.pairs {
             writeln!(f, "  pair {} - {}: {}", pair.tool, pair.body, pair.method)?;
         }
-        writeln!(f, "  {:<40} {:>13} {:>12}", "stage", "predicted us", "measured us")?;
+        writeln!(
+            f,
+            "  {:<40} {:>13} {:>12}",
+            "stage", "predicted us", "measured us"
+        )?;
         for stage in &self.stages {
-            let measured = stage.measured_us.map_or("-".into(), |us| format!("{us:.1}"));
-            writeln!(f, "  {:<40} {:>13.1} {measured:>12}", stage.stage, stage.predicted_us)?;
+            let measured = stage
+                .measured_us
+                .map_or("-".into(), |us| format!("{us:.1}"));
+            writeln!(
+                f,
+                "  {:<40} {:>13.1} {measured:>12}",
+                stage.stage, stage.predicted_us
+            )?;
         }
         for buffer in &self.buffers {
             writeln!(f, "  buffer {:<33} {:>10} bytes", buffer.name, buffer.bytes)?;

@@ -15,7 +15,8 @@ use crate::contact::spheres::Counters;
 use crate::math::{Point3, Vector3};
 use crate::surface::{ClosestSolver, Surface};
 
-/// Buffers of a step; nothing in it outlives a tick except what can be computed anew from the state.
+/// Buffers of a step; nothing in it outlives a tick except what can be computed anew from the
+/// state.
 #[derive(Debug)]
 pub struct Scratch {
     /// By body.
@@ -36,7 +37,8 @@ pub struct Scratch {
     pub(crate) shares: Vec<Share>,
     /// Of one body after the other.
     pub(crate) delassus: Delassus,
-    /// Where bodies that take several ticks step; without it they step in the tick in which they are due.
+    /// Where bodies that take several ticks step; without it they step in the tick in which they
+    /// are due.
     pub(crate) pipeline: Option<Box<dyn Pipeline>>,
 }
 
@@ -49,16 +51,27 @@ impl Scratch {
     /// Gap of a row under the present forces, m.
     pub(crate) fn gap_after(&self, row: usize) -> f64 {
         if self.friction.is_active() {
-            self.friction.displaced_m(row).dot(&self.friction.normal(row))
+            self.friction
+                .displaced_m(row)
+                .dot(&self.friction.normal(row))
         } else {
             self.problem.gap_after(row)
         }
     }
 
     /// What the last queries of the `spheres` method did, by pair: holder, body, counters.
-    pub fn spheres_counters<'a>(&'a self, scene: &'a Scene) -> impl Iterator<Item = (&'a str, &'a str, &'a Counters)> {
+    pub fn spheres_counters<'a>(
+        &'a self,
+        scene: &'a Scene,
+    ) -> impl Iterator<Item = (&'a str, &'a str, &'a Counters)> {
         let pairs = scene.pairs.iter().zip(&self.pairs);
-        pairs.filter_map(|(pair, scratch)| Some((scene.holder_id(pair), scene.body_id(pair.body), scratch.counters()?)))
+        pairs.filter_map(|(pair, scratch)| {
+            Some((
+                scene.holder_id(pair),
+                scene.body_id(pair.body),
+                scratch.counters()?,
+            ))
+        })
     }
 }
 
@@ -85,11 +98,25 @@ pub(crate) struct DeformingScratch {
 impl Scene {
     /// Buffers for the steps of one simulation, prepared for `state`.
     pub fn scratch(&self, state: &SceneState) -> Scratch {
-        let width = |surface: &Surface| (surface.knots_u().degree() + 1) * (surface.knots_v().degree() + 1);
-        let rows = self.bodies.iter().map(|body| width(&body.surface)).max().unwrap_or(1);
+        let width =
+            |surface: &Surface| (surface.knots_u().degree() + 1) * (surface.knots_v().degree() + 1);
+        let rows = self
+            .bodies
+            .iter()
+            .map(|body| width(&body.surface))
+            .max()
+            .unwrap_or(1);
         let lattices = || (0..self.body_count()).filter_map(|body| self.lattice(body));
-        let unknowns = lattices().map(|lattice| lattice.unknown_count()).max().unwrap_or(0);
-        let surface = self.bodies.iter().map(|body| body.surface.net().points().len()).max().unwrap_or(0);
+        let unknowns = lattices()
+            .map(|lattice| lattice.unknown_count())
+            .max()
+            .unwrap_or(0);
+        let surface = self
+            .bodies
+            .iter()
+            .map(|body| body.surface.net().points().len())
+            .max()
+            .unwrap_or(0);
         let bodies = self.bodies.iter().map(|body| BodyScratch {
             surface: body.surface.clone(),
             solver: ClosestSolver::new(&body.surface),
@@ -104,10 +131,18 @@ impl Scene {
             },
         });
         let frictional = self.pairs.iter().any(|pair| pair.friction.is_some());
-        let frictional_rows = if frictional || self.tools.iter().any(|tool| tool.grip_n > 0.0) { MAX_ROWS } else { 0 };
+        let frictional_rows = if frictional || self.tools.iter().any(|tool| tool.grip_n > 0.0) {
+            MAX_ROWS
+        } else {
+            0
+        };
         let mut scratch = Scratch {
             bodies: bodies.collect(),
-            pairs: self.pairs.iter().map(|pair| PairScratch::new(self, pair)).collect(),
+            pairs: self
+                .pairs
+                .iter()
+                .map(|pair| PairScratch::new(self, pair))
+                .collect(),
             near: Near::new(self),
             rows: RowSet::new(rows),
             hits: Vec::with_capacity(MAX_ROWS_PER_PAIR),
@@ -125,13 +160,30 @@ impl Scene {
         scratch
     }
 
-    /// Brings a body's buffers in line with its state: surface now, free motion of the next step (unless that is there
-    /// already) and its net.
-    pub(crate) fn prepare_body(&self, body: usize, state: &SceneState, scratch: &mut Scratch, predicted: bool) {
-        let BodyModel::Lattice(model) = &self.bodies[body].model else { return };
-        let BodyScratch { surface, solver, bounds, deforming } = &mut scratch.bodies[body];
-        let (Some(deforming), Some(lattice)) = (deforming, &state.bodies[body].lattice) else { return };
-        model.lattice.set_field(&mut deforming.lattice, self.field(state));
+    /// Brings a body's buffers in line with its state: surface now, free motion of the next step
+    /// (unless that is there already) and its net.
+    pub(crate) fn prepare_body(
+        &self,
+        body: usize,
+        state: &SceneState,
+        scratch: &mut Scratch,
+        predicted: bool,
+    ) {
+        let BodyModel::Lattice(model) = &self.bodies[body].model else {
+            return;
+        };
+        let BodyScratch {
+            surface,
+            solver,
+            bounds,
+            deforming,
+        } = &mut scratch.bodies[body];
+        let (Some(deforming), Some(lattice)) = (deforming, &state.bodies[body].lattice) else {
+            return;
+        };
+        model
+            .lattice
+            .set_field(&mut deforming.lattice, self.field(state));
         if !predicted {
             model.lattice.predict(lattice, &mut deforming.lattice);
         }
@@ -141,7 +193,10 @@ impl Scene {
             deforming.predicted_net[control] = deforming.lattice.predicted[node];
         }
         solver.net_changed();
-        let (now, then) = (box_of(surface.net().points()), box_of(&deforming.predicted_net));
+        let (now, then) = (
+            box_of(surface.net().points()),
+            box_of(&deforming.predicted_net),
+        );
         *bounds = (now.0.inf(&then.0), now.1.sup(&then.1));
     }
 }
@@ -149,5 +204,7 @@ impl Scene {
 /// Least and greatest coordinates.
 fn box_of(points: &[Point3]) -> (Point3, Point3) {
     let infinite = Point3::from([f64::INFINITY; 3]);
-    points.iter().fold((infinite, -infinite), |(low, high), p| (low.inf(p), high.sup(p)))
+    points.iter().fold((infinite, -infinite), |(low, high), p| {
+        (low.inf(p), high.sup(p))
+    })
 }

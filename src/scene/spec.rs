@@ -52,7 +52,10 @@ pub struct LoopSpec {
 
 impl Default for LoopSpec {
     fn default() -> Self {
-        Self { rate_hz: 1_000, clock: Clock::Realtime }
+        Self {
+            rate_hz: 1_000,
+            clock: Clock::Realtime,
+        }
     }
 }
 
@@ -73,8 +76,8 @@ pub enum Clock {
 pub struct GravitySpec {
     /// m/s²; zero unless given.
     pub acceleration: [f64; 3],
-    /// Id of a tool that carries all bodies: the scene is seen from it, and bodies feel how it tilts and shakes. That tool
-    /// touches nothing itself.
+    /// Id of a tool that carries all bodies: the scene is seen from it, and bodies feel how it
+    /// tilts and shakes. That tool touches nothing itself.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub frame: Option<String>,
     /// Time constant with which that tool's velocities are smoothed, s.
@@ -83,7 +86,11 @@ pub struct GravitySpec {
 
 impl Default for GravitySpec {
     fn default() -> Self {
-        Self { acceleration: [0.0; 3], frame: None, smoothing_s: 5e-3 }
+        Self {
+            acceleration: [0.0; 3],
+            frame: None,
+            smoothing_s: 5e-3,
+        }
     }
 }
 
@@ -97,7 +104,8 @@ pub struct SurfaceSpec {
     /// Net of a builtin; its own default when absent.
     #[serde(default)]
     pub net: Option<[usize; 2]>,
-    /// Size of a builtin, m: side of the sheet, radius of the sphere, length of the teardrop, great radius of the torus.
+    /// Size of a builtin, m: side of the sheet, radius of the sphere, length of the teardrop, great
+    /// radius of the torus.
     #[serde(default)]
     pub size: Option<f64>,
     /// A `palpate.surface.v1` file, relative to the scene file.
@@ -120,7 +128,10 @@ pub struct PoseSpec {
 
 impl Default for PoseSpec {
     fn default() -> Self {
-        Self { position: [0.0; 3], orientation: [0.0, 0.0, 0.0, 1.0] }
+        Self {
+            position: [0.0; 3],
+            orientation: [0.0, 0.0, 0.0, 1.0],
+        }
     }
 }
 
@@ -173,7 +184,12 @@ pub struct RecordSpec {
 
 impl Default for RecordSpec {
     fn default() -> Self {
-        Self { keyframe_s: 1.0, net_hz: 30.0, views: true, view_hz: 30.0 }
+        Self {
+            keyframe_s: 1.0,
+            net_hz: 30.0,
+            views: true,
+            view_hz: 30.0,
+        }
     }
 }
 

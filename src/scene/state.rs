@@ -44,7 +44,8 @@ pub struct SceneState {
     pub frame: FrameState,
     /// A tool carries the bodies.
     pub(crate) carried: bool,
-    /// Contact forces of the last tick, the solver's warm start; `warm_len` of [`MAX_ROWS`] are valid.
+    /// Contact forces of the last tick, the solver's warm start; `warm_len` of [`MAX_ROWS`] are
+    /// valid.
     pub warm: Vec<WarmRow>,
     /// Valid entries of `warm`.
     pub warm_len: usize,
@@ -65,16 +66,31 @@ pub struct BodyState {
     pub moved_m: f64,
     /// Ticks since the body's step began, for bodies that step once in several ticks.
     pub phase: u32,
-    /// (coordinates), N: contact forces of the tick in which that step began; empty for bodies that step every tick.
+    /// (coordinates), N: contact forces of the tick in which that step began; empty for bodies that
+    /// step every tick.
     pub loads: Vec<Vector3>,
 }
 
-/// Steps of bodies on other threads: begun with the loads of one tick, taken over some ticks later, always the same number.
+/// Steps of bodies on other threads: begun with the loads of one tick, taken over some ticks later,
+/// always the same number.
 pub trait Pipeline: Send + std::fmt::Debug {
     /// Begins the step of a body: `predicted` is its free motion, `loads` are its contact forces.
-    fn start(&mut self, body: usize, field: Field, state: &DeformableState, predicted: &[Point3], loads: &[Vector3]);
-    /// Waits for that step: the state after it, and the free motion of the next. False if none was begun.
-    fn finish(&mut self, body: usize, state: &mut DeformableState, predicted: &mut [Point3]) -> bool;
+    fn start(
+        &mut self,
+        body: usize,
+        field: Field,
+        state: &DeformableState,
+        predicted: &[Point3],
+        loads: &[Vector3],
+    );
+    /// Waits for that step: the state after it, and the free motion of the next. False if none was
+    /// begun.
+    fn finish(
+        &mut self,
+        body: usize,
+        state: &mut DeformableState,
+        predicted: &mut [Point3],
+    ) -> bool;
     /// Forgets all steps that were begun.
     fn cancel(&mut self);
 }
@@ -126,21 +142,45 @@ impl Scene {
     /// The state at the start.
     pub fn initial_state(&self) -> SceneState {
         let bodies = self.bodies.iter().map(|body| match &body.model {
-            BodyModel::Rigid => BodyState { lattice: None, revision: 0, moved_m: 0.0, phase: 0, loads: Vec::new() },
+            BodyModel::Rigid => BodyState {
+                lattice: None,
+                revision: 0,
+                moved_m: 0.0,
+                phase: 0,
+                loads: Vec::new(),
+            },
             BodyModel::Lattice(model) => BodyState {
                 lattice: Some(model.lattice.rest_state()),
                 revision: 0,
                 moved_m: 0.0,
                 phase: 0,
-                loads: vec![Vector3::zeros(); if model.every > 1 { model.lattice.coordinate_count() } else { 0 }],
+                loads: vec![
+                    Vector3::zeros();
+                    if model.every > 1 {
+                        model.lattice.coordinate_count()
+                    } else {
+                        0
+                    }
+                ],
             },
         });
         let tools = self.tools.iter().map(|tool| {
             let mut link = Link::default();
             (link.pose.position, link.pose.orientation) = tool.start;
             let (proxy, orientation) = tool.start;
-            let (port, bounds, grip) = (Port::default(), DeviceBounds::default(), GripState::default());
-            ToolState { link, proxy, orientation, port, bounds, grip }
+            let (port, bounds, grip) = (
+                Port::default(),
+                DeviceBounds::default(),
+                GripState::default(),
+            );
+            ToolState {
+                link,
+                proxy,
+                orientation,
+                port,
+                bounds,
+                grip,
+            }
         });
         SceneState {
             tick: 0,
@@ -195,7 +235,9 @@ impl Stateful for SceneState {
                 lattice.save(sink);
                 if !body.loads.is_empty() {
                     sink.word(u64::from(body.phase));
-                    body.loads.iter().for_each(|load| sink.floats(load.as_slice()));
+                    body.loads
+                        .iter()
+                        .for_each(|load| sink.floats(load.as_slice()));
                 }
             }
         }
@@ -211,13 +253,22 @@ impl Stateful for SceneState {
         }
         for PairState { proxy } in &self.pairs {
             sink.word(u64::from(proxy.touching) | u64::from(proxy.below) << 1);
-            sink.floats(&[proxy.foot.u, proxy.foot.v, proxy.foot.budget_m, proxy.foot.net_cost]);
+            sink.floats(&[
+                proxy.foot.u,
+                proxy.foot.v,
+                proxy.foot.budget_m,
+                proxy.foot.net_cost,
+            ]);
             sink.floats(proxy.queried.coords.as_slice());
         }
         if self.carried {
             self.frame.save(sink);
         }
-        sink.word(self.warm_len as u64 | u64::from(self.warm_friction) << 32 | u64::from(self.warm_arms) << 33);
+        sink.word(
+            self.warm_len as u64
+                | u64::from(self.warm_friction) << 32
+                | u64::from(self.warm_arms) << 33,
+        );
         for row in &self.warm[..self.warm_len] {
             row.key.iter().for_each(|&part| sink.word(u64::from(part)));
             sink.floats(&[row.force_n]);
@@ -237,18 +288,31 @@ impl Stateful for SceneState {
     }
 
     fn restore(&mut self, source: &mut impl StateSource) -> Result<(), StateError> {
-        let small = |value: u64, what| u32::try_from(value).map_err(|_| StateError::Value { what, value });
+        let small =
+            |value: u64, what| u32::try_from(value).map_err(|_| StateError::Value { what, value });
         self.tick = source.word()?;
         let (head, steps) = (source.word()?, source.word()?);
         self.quality = match u8::try_from(head >> 32) {
             Ok(level) if level <= quality::LOWEST => level,
-            _ => return Err(StateError::Value { what: "quality", value: head >> 32 }),
+            _ => {
+                return Err(StateError::Value {
+                    what: "quality",
+                    value: head >> 32,
+                });
+            }
         };
         self.run = match head & u64::from(u32::MAX) {
             0 => RunState::Running,
-            1 => RunState::Paused { steps: small(steps, "step count")? },
+            1 => RunState::Paused {
+                steps: small(steps, "step count")?,
+            },
             2 => RunState::Stopping,
-            value => return Err(StateError::Value { what: "run state", value }),
+            value => {
+                return Err(StateError::Value {
+                    what: "run state",
+                    value,
+                });
+            }
         };
         for body in &mut self.bodies {
             body.revision = source.word()?;
@@ -269,7 +333,9 @@ impl Stateful for SceneState {
             let mut quaternion = [0.0; 4];
             source.floats(&mut quaternion)?;
             // Taken as saved: normalising again would change the last bit.
-            tool.orientation = Rotation::new_unchecked(nalgebra::Quaternion::from(nalgebra::Vector4::from(quaternion)));
+            tool.orientation = Rotation::new_unchecked(nalgebra::Quaternion::from(
+                nalgebra::Vector4::from(quaternion),
+            ));
             tool.port.restore(source)?;
             tool.bounds.restore(source)?;
             tool.grip = GripState::default();
@@ -283,7 +349,12 @@ impl Stateful for SceneState {
             let mut foot = [0.0; 4];
             source.floats(&mut foot)?;
             let [u, v, budget_m, net_cost] = foot;
-            proxy.foot = WarmFoot { u, v, budget_m, net_cost };
+            proxy.foot = WarmFoot {
+                u,
+                v,
+                budget_m,
+                net_cost,
+            };
             source.floats(proxy.queried.coords.as_mut_slice())?;
         }
         if self.carried {
@@ -292,9 +363,13 @@ impl Stateful for SceneState {
         let head = source.word()?;
         let (warm_len, kinds) = (head & u64::from(u32::MAX), head >> 32);
         if warm_len > MAX_ROWS as u64 || kinds > 3 {
-            return Err(StateError::Value { what: "number of contact rows", value: head });
+            return Err(StateError::Value {
+                what: "number of contact rows",
+                value: head,
+            });
         }
-        (self.warm_len, self.warm_friction, self.warm_arms) = (warm_len as usize, kinds & 1 != 0, kinds & 2 != 0);
+        (self.warm_len, self.warm_friction, self.warm_arms) =
+            (warm_len as usize, kinds & 1 != 0, kinds & 2 != 0);
         for row in &mut self.warm[..self.warm_len] {
             *row = WarmRow::default();
             for part in &mut row.key {

@@ -1,9 +1,10 @@
 //! The surface as Bézier pieces, with bounds.
 //!
-//! Every span of positive length in u and v gives one piece. Its homogeneous Bézier points are
-//! `Q = E_u · P · E_vᵀ`, where the extraction matrices E depend on the knots only (blossoming; Piegl & Tiller, *The NURBS
-//! Book*, §5.3 gives the same points by knot insertion), so a moved net costs two small matrix products a piece and no
-//! allocation. A piece lies in the convex hull of its points, hence in their axis-aligned box.
+//! Every span of positive length in u and v gives one piece. Its homogeneous Bézier points are `Q =
+//! E_u · P · E_vᵀ`, where the extraction matrices E depend on the knots only (blossoming; Piegl &
+//! Tiller, *The NURBS Book*, §5.3 gives the same points by knot insertion), so a moved net costs
+//! two small matrix products a piece and no allocation. A piece lies in the convex hull of its
+//! points, hence in their axis-aligned box.
 
 use super::joints::{Joints, Spot};
 use super::tensor::{Frame, Surface, wrap};
@@ -11,8 +12,9 @@ use crate::basis::{KnotVector, MAX_DEGREE};
 use crate::math::lanes::{Baseline, Four, Lanes};
 use crate::math::{Point3, Vector3};
 
-/// Movement of the net, relative to its size, up to which boxes are widened: at a hand's 2 mm/s a body of 0.1 m then
-/// computes all of them every hundred ticks, and the wider ones let few more pieces through.
+/// Movement of the net, relative to its size, up to which boxes are widened: at a hand's 2 mm/s a
+/// body of 0.1 m then computes all of them every hundred ticks, and the wider ones let few more
+/// pieces through.
 const MOST_SLACK: f64 = 2e-3;
 
 /// How two neighbouring spans meet.
@@ -33,8 +35,8 @@ pub(crate) struct Span {
     pub start: f64,
     /// Last parameter.
     pub end: f64,
-    /// Smallest parameter that can be reached from here over smooth joints; below the domain when that passes a period's
-    /// end, −∞ when nothing stops it.
+    /// Smallest parameter that can be reached from here over smooth joints; below the domain when
+    /// that passes a period's end, −∞ when nothing stops it.
     pub reach_low: f64,
     /// Largest such parameter.
     pub reach_high: f64,
@@ -69,7 +71,8 @@ impl Direction {
             m if m == p => Joint::Crease,
             _ => Joint::Apart,
         };
-        // The continued knots of a periodic vector may cut the multiplicity short at one end: take the larger.
+        // The continued knots of a periodic vector may cut the multiplicity short at one end: take
+        // the larger.
         let seam = if knots.is_periodic() {
             match (joint(domain.0), joint(domain.1)) {
                 (Joint::Apart, _) | (_, Joint::Apart) => Joint::Apart,
@@ -79,7 +82,13 @@ impl Direction {
         } else {
             Joint::Apart
         };
-        let at = |value: f64| if value == domain.0 || value == domain.1 { seam } else { joint(value) };
+        let at = |value: f64| {
+            if value == domain.0 || value == domain.1 {
+                seam
+            } else {
+                joint(value)
+            }
+        };
         let mut spans: Vec<Span> = knots
             .spans()
             .map(|i| Span {
@@ -96,7 +105,9 @@ impl Direction {
         let n = spans.len();
         for k in 0..n {
             let mut low = k as isize;
-            while spans[low.rem_euclid(n as isize) as usize].before == Joint::Smooth && low > k as isize - n as isize {
+            while spans[low.rem_euclid(n as isize) as usize].before == Joint::Smooth
+                && low > k as isize - n as isize
+            {
                 low -= 1;
             }
             let mut high = k;
@@ -111,14 +122,23 @@ impl Direction {
             } else {
                 f64::NEG_INFINITY
             };
-            spans[k].reach_high =
-                if stopped_high { spans[high % n].end + (high / n) as f64 * period } else { f64::INFINITY };
+            spans[k].reach_high = if stopped_high {
+                spans[high % n].end + (high / n) as f64 * period
+            } else {
+                f64::INFINITY
+            };
         }
-        Self { degree: p, count: knots.count(), periodic: knots.is_periodic(), domain, spans }
+        Self {
+            degree: p,
+            count: knots.count(),
+            periodic: knots.is_periodic(),
+            domain,
+            spans,
+        }
     }
 
-    /// Span and period offset of an unwrapped parameter that lies between the reaches of the span it came from. At the
-    /// upper reach the answer is the span that ends there.
+    /// Span and period offset of an unwrapped parameter that lies between the reaches of the span
+    /// it came from. At the upper reach the answer is the span that ends there.
     #[inline]
     pub fn locate(&self, x: f64, hint: usize, reach_high: f64) -> (usize, f64) {
         let here = &self.spans[hint];
@@ -150,7 +170,8 @@ impl Direction {
     }
 }
 
-/// Extraction matrix of span `i`: row k blossoms each basis function at `degree − k` times the start and k times the end.
+/// Extraction matrix of span `i`: row k blossoms each basis function at `degree − k` times the
+/// start and k times the end.
 fn extraction(t: &[f64], p: usize, i: usize) -> Vec<f64> {
     let n = p + 1;
     let mut out = vec![0.0; n * n];
@@ -160,7 +181,8 @@ fn extraction(t: &[f64], p: usize, i: usize) -> Vec<f64> {
         share[p] = 1.0;
         for r in (1..=p).rev() {
             let x = if r <= p - k { t[i] } else { t[i + 1] };
-            // Step r of de Boor: d_j ← (1 − a_j) d_{j−1} + a_j d_j for j = r ..= p; transposed, from the last step back.
+            // Step r of de Boor: d_j ← (1 − a_j) d_{j−1} + a_j d_j for j = r ..= p; transposed,
+            // from the last step back.
             let mut next = [0.0; MAX_DEGREE + 1];
             for j in r..=p {
                 let column = i - p + j;
@@ -198,7 +220,8 @@ pub struct BezierPieces {
     stamps: Vec<u64>,
     now: u64,
     bounds_stamp: u64,
-    /// The net that `bounds` hold, and how far any of its coordinates has moved since, m, with room for rounding.
+    /// The net that `bounds` hold, and how far any of its coordinates has moved since, m, with room
+    /// for rounding.
     bounded: Vec<Point3>,
     slack_m: f64,
     slack_stamp: u64,
@@ -213,7 +236,10 @@ pub struct BezierPieces {
 impl BezierPieces {
     /// Precomputes what depends on the knots, and the pieces of the present net.
     pub fn new(surface: &Surface) -> Self {
-        let (u, v) = (Direction::new(surface.knots_u()), Direction::new(surface.knots_v()));
+        let (u, v) = (
+            Direction::new(surface.knots_u()),
+            Direction::new(surface.knots_v()),
+        );
         let pieces = u.spans.len() * v.spans.len();
         let size = (u.degree + 1) * (v.degree + 1);
         let mut new = Self {
@@ -254,7 +280,10 @@ impl BezierPieces {
     /// Parameter rectangle of a piece: `([u_start, u_end], [v_start, v_end])`.
     pub fn rectangle(&self, piece: usize) -> ([f64; 2], [f64; 2]) {
         let (i, j) = (piece / self.v.spans.len(), piece % self.v.spans.len());
-        ([self.u.spans[i].start, self.u.spans[i].end], [self.v.spans[j].start, self.v.spans[j].end])
+        (
+            [self.u.spans[i].start, self.u.spans[i].end],
+            [self.v.spans[j].start, self.v.spans[j].end],
+        )
     }
 
     /// Homogeneous points of a piece, u-major, each (w x, w y, w z, w).
@@ -271,13 +300,19 @@ impl BezierPieces {
     /// The piece is drawn elsewhere: no query answers with it, and its box is empty.
     #[inline(always)]
     pub fn is_duplicate(&self, piece: usize) -> bool {
-        self.joints.as_ref().is_some_and(|joints| joints.hidden()[piece])
+        self.joints
+            .as_ref()
+            .is_some_and(|joints| joints.hidden()[piece])
     }
 
-    /// The place to go on from where edge `side` of a patch (see [`super::joints::Edge`]) holds a place: over a joint.
+    /// The place to go on from where edge `side` of a patch (see [`super::joints::Edge`]) holds a
+    /// place: over a joint.
     pub(crate) fn over_joint(&self, at: Spot, side: usize) -> Option<Spot> {
         let joints = self.joints()?;
-        joints.edges_at(at)[side].then(|| joints.beyond(at, side).next()).flatten().map(|(spot, _)| spot)
+        joints.edges_at(at)[side]
+            .then(|| joints.beyond(at, side).next())
+            .flatten()
+            .map(|(spot, _)| spot)
     }
 
     /// Box that holds a piece, as of the last [`BezierPieces::refresh`].
@@ -309,7 +344,11 @@ impl BezierPieces {
         if self.bounds_stamp == self.now {
             return;
         }
-        debug_assert_eq!(surface.net().columns(), self.v.count, "pieces belong to another surface");
+        debug_assert_eq!(
+            surface.net().columns(),
+            self.v.count,
+            "pieces belong to another surface"
+        );
         self.bounded.copy_from_slice(surface.net().points());
         (self.slack_m, self.slack_stamp, self.bounds_stamp) = (0.0, self.now, self.now);
         self.stamps.fill(self.now);
@@ -322,10 +361,12 @@ impl BezierPieces {
         self.refresh_all::<Baseline>(surface);
     }
 
-    /// Boxes that hold the net as it is: those of an earlier net, and by how much to widen them. They only sort out what
-    /// is far; what remains is to be judged by [`BezierPieces::fresh_box`], so no answer depends on how old they are.
+    /// Boxes that hold the net as it is: those of an earlier net, and by how much to widen them.
+    /// They only sort out what is far; what remains is to be judged by [`BezierPieces::fresh_box`],
+    /// so no answer depends on how old they are.
     ///
-    /// A piece's points are weighted means of the net's, so none moves farther than some point of the net.
+    /// A piece's points are weighted means of the net's, so none moves farther than some point of
+    /// the net.
     pub(crate) fn follow(&mut self, surface: &Surface) {
         if self.slack_stamp == self.now {
             return;
@@ -362,7 +403,10 @@ impl BezierPieces {
         self.refresh_piece(surface, piece / columns, piece % columns);
         if self.slack_m == 0.0 {
             let b = &self.bounds;
-            return ([b[0][piece], b[1][piece], b[2][piece]], [b[3][piece], b[4][piece], b[5][piece]]);
+            return (
+                [b[0][piece], b[1][piece], b[2][piece]],
+                [b[3][piece], b[4][piece], b[5][piece]],
+            );
         }
         let (min, max) = self.box_of::<Baseline>(piece);
         ([min[0], min[1], min[2]], [max[0], max[1], max[2]])
@@ -384,15 +428,23 @@ impl BezierPieces {
             }
         }
         if let Some(joints) = &self.joints {
-            for piece in joints.hidden().iter().enumerate().filter(|(_, hidden)| **hidden).map(|(piece, _)| piece) {
+            for piece in joints
+                .hidden()
+                .iter()
+                .enumerate()
+                .filter(|(_, hidden)| **hidden)
+                .map(|(piece, _)| piece)
+            {
                 for c in 0..3 {
-                    (self.bounds[c][piece], self.bounds[c + 3][piece]) = (f64::INFINITY, f64::NEG_INFINITY);
+                    (self.bounds[c][piece], self.bounds[c + 3][piece]) =
+                        (f64::INFINITY, f64::NEG_INFINITY);
                 }
             }
         }
     }
 
-    /// Recomputes the points of one piece if they are old; the same sums in the same order as a full refresh.
+    /// Recomputes the points of one piece if they are old; the same sums in the same order as a
+    /// full refresh.
     #[inline(always)]
     pub(crate) fn refresh_piece(&mut self, surface: &Surface, i: usize, j: usize) {
         if self.stamps[i * self.v.spans.len() + j] != self.now {
@@ -437,7 +489,11 @@ impl BezierPieces {
             let k = wrap(span.first + a, self.u.count) * columns + column;
             let w = surface.weights().map_or(1.0, |w| w[k]);
             let x = &points[k];
-            window[a] = L::load(&if self.rational { [x.x * w, x.y * w, x.z * w, w] } else { [x.x, x.y, x.z, 1.0] });
+            window[a] = L::load(&if self.rational {
+                [x.x * w, x.y * w, x.z * w, w]
+            } else {
+                [x.x, x.y, x.z, 1.0]
+            });
         }
         for k in 0..=p {
             let share = &span.extraction[k * (p + 1)..(k + 1) * (p + 1)];
@@ -503,16 +559,23 @@ impl BezierPieces {
         (low, high)
     }
 
-    /// Point and derivatives of piece (i, j) at local parameters (s, t) in [0, 1], by the surface's own parameters.
+    /// Point and derivatives of piece (i, j) at local parameters (s, t) in [0, 1], by the surface's
+    /// own parameters.
     #[inline(always)]
     pub(crate) fn frame(&self, i: usize, j: usize, s: f64, t: f64) -> Frame {
-        let scale =
-            (1.0 / (self.u.spans[i].end - self.u.spans[i].start), 1.0 / (self.v.spans[j].end - self.v.spans[j].start));
+        let scale = (
+            1.0 / (self.u.spans[i].end - self.u.spans[i].start),
+            1.0 / (self.v.spans[j].end - self.v.spans[j].start),
+        );
         let points = self.points(i * self.v.spans.len() + j);
         match (self.u.degree, self.v.degree, self.rational) {
             (3, 3, false) => polynomial_frame(contract::<4>(points, 3, 3, s, t), scale),
-            (p, q, false) => polynomial_frame(contract::<{ MAX_DEGREE + 1 }>(points, p, q, s, t), scale),
-            (p, q, true) => rational_frame(contract::<{ MAX_DEGREE + 1 }>(points, p, q, s, t), scale),
+            (p, q, false) => {
+                polynomial_frame(contract::<{ MAX_DEGREE + 1 }>(points, p, q, s, t), scale)
+            }
+            (p, q, true) => {
+                rational_frame(contract::<{ MAX_DEGREE + 1 }>(points, p, q, s, t), scale)
+            }
         }
     }
 }
@@ -568,7 +631,13 @@ pub(crate) fn bernstein<const N: usize>(p: usize, t: f64) -> [[f64; N]; 3] {
 
 /// Sums over a piece's points: value, ∂s, ∂t, ∂ss, ∂st, ∂tt.
 #[inline(always)]
-fn contract<const N: usize>(points: &[[f64; 4]], p: usize, q: usize, s: f64, t: f64) -> [[f64; 4]; 6] {
+fn contract<const N: usize>(
+    points: &[[f64; 4]],
+    p: usize,
+    q: usize,
+    s: f64,
+    t: f64,
+) -> [[f64; 4]; 6] {
     let (bu, bv) = (bernstein::<N>(p, s), bernstein::<N>(q, t));
     let points = &points[..(p + 1) * (q + 1)];
     let mut out = [[0.0; 4]; 6];
@@ -609,7 +678,12 @@ fn polynomial_frame([x, xu, xv, xuu, xuv, xvv]: [[f64; 4]; 6], (su, sv): (f64, f
 
 /// Quotient rule on A / w; *The NURBS Book*, eq. 4.20.
 fn rational_frame([x, xu, xv, xuu, xuv, xvv]: [[f64; 4]; 6], (su, sv): (f64, f64)) -> Frame {
-    let vector = |x: [f64; 4], scale: f64| (Vector3::new(x[0] * scale, x[1] * scale, x[2] * scale), x[3] * scale);
+    let vector = |x: [f64; 4], scale: f64| {
+        (
+            Vector3::new(x[0] * scale, x[1] * scale, x[2] * scale),
+            x[3] * scale,
+        )
+    };
     let (a, w) = vector(x, 1.0);
     let (a_u, w_u) = vector(xu, su);
     let (a_v, w_v) = vector(xv, sv);

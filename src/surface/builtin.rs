@@ -7,8 +7,8 @@
 //! | `sphere` | an exact sphere about the origin, rational biquadratic, seam in u, poles at both ends of v | radius | 8×5 |
 //! | `torus` | about the z axis, periodic bicubic through points of the exact one; small radius 0.4 × great | great radius | 16×12 |
 //!
-//! Nets count distinct control points except for the teardrop, whose rows include the seam's double. A sphere finer than
-//! 8×5 is the same sphere refined.
+//! Nets count distinct control points except for the teardrop, whose rows include the seam's
+//! double. A sphere finer than 8×5 is the same sphere refined.
 
 use super::{ControlNet, FileError, Surface, SurfaceError, file};
 use crate::basis::KnotVector;
@@ -60,7 +60,11 @@ pub enum BuiltinError {
 ///
 /// # Errors
 /// Unknown name, a net the builtin does not have, or a size that is not positive.
-pub fn builtin(name: &str, net: Option<[usize; 2]>, size_m: Option<f64>) -> Result<Surface, BuiltinError> {
+pub fn builtin(
+    name: &str,
+    net: Option<[usize; 2]>,
+    size_m: Option<f64>,
+) -> Result<Surface, BuiltinError> {
     let (name, default_m) = match name {
         "teardrop" => ("teardrop", 0.1),
         "sheet" => ("sheet", 0.1),
@@ -88,38 +92,62 @@ fn teardrop(net: [usize; 2], length_m: f64) -> Result<Surface, BuiltinError> {
         [20, 20] => include_str!("data/teardrop_20.json"),
         _ => {
             return Err(BuiltinError::Net {
-                name: "teardrop", net, allowed: "there are 8 × 8, 12 × 12 and 20 × 20"
+                name: "teardrop",
+                net,
+                allowed: "there are 8 × 8, 12 × 12 and 20 × 20",
             });
         }
     };
     let drop = file::read(json)?;
     // The data is 0.1 m long: that size stays as it is, bit for bit.
-    let drop = if length_m == 0.1 { drop } else { drop.scaled(length_m / 0.1) };
+    let drop = if length_m == 0.1 {
+        drop
+    } else {
+        drop.scaled(length_m / 0.1)
+    };
     Ok(drop.with_exact_seams())
 }
 
 fn sheet(net: [usize; 2], side_m: f64) -> Result<Surface, BuiltinError> {
     if !net.iter().all(|count| (4..=MAX_COUNT).contains(count)) {
-        return Err(BuiltinError::Net { name: "sheet", net, allowed: "each direction has 4 to 512" });
+        return Err(BuiltinError::Net {
+            name: "sheet",
+            net,
+            allowed: "each direction has 4 to 512",
+        });
     }
-    let (u, v) =
-        (knots(KnotVector::clamped_uniform(3, net[0]), 'u')?, knots(KnotVector::clamped_uniform(3, net[1]), 'v')?);
+    let (u, v) = (
+        knots(KnotVector::clamped_uniform(3, net[0]), 'u')?,
+        knots(KnotVector::clamped_uniform(3, net[1]), 'v')?,
+    );
     // Control points at the Greville abscissae make S affine in (u, v).
     let (x, y) = (u.greville(), v.greville());
     let at = |g: f64| (g - 0.5) * side_m;
-    let points = x.iter().flat_map(|&x| y.iter().map(move |&y| Point3::new(at(x), at(y), 0.0))).collect();
+    let points = x
+        .iter()
+        .flat_map(|&x| y.iter().map(move |&y| Point3::new(at(x), at(y), 0.0)))
+        .collect();
     surface(u, v, points, None)
 }
 
-/// A half circle in the xz plane, from the south pole to the north, turned about z; each arc of 90° has the middle weight
-/// cos 45° (Piegl & Tiller, §7.5 and §8.5).
+/// A half circle in the xz plane, from the south pole to the north, turned about z; each arc of 90°
+/// has the middle weight cos 45° (Piegl & Tiller, §7.5 and §8.5).
 fn sphere(net: [usize; 2], radius_m: f64) -> Result<Surface, BuiltinError> {
     if !(8..=MAX_COUNT).contains(&net[0]) || !(5..=MAX_COUNT).contains(&net[1]) {
-        return Err(BuiltinError::Net { name: "sphere", net, allowed: "it has 8 to 512 around and 5 to 512 up" });
+        return Err(BuiltinError::Net {
+            name: "sphere",
+            net,
+            allowed: "it has 8 to 512 around and 5 to 512 up",
+        });
     }
-    let around = vec![0.0, 0.0, 0.0, 0.25, 0.25, 0.5, 0.5, 0.75, 0.75, 1.0, 1.0, 1.0];
+    let around = vec![
+        0.0, 0.0, 0.0, 0.25, 0.25, 0.5, 0.5, 0.75, 0.75, 1.0, 1.0, 1.0,
+    ];
     let up = vec![0.0, 0.0, 0.0, 0.5, 0.5, 1.0, 1.0, 1.0];
-    let (u, v) = (knots(KnotVector::new(2, around), 'u')?, knots(KnotVector::new(2, up), 'v')?);
+    let (u, v) = (
+        knots(KnotVector::new(2, around), 'u')?,
+        knots(KnotVector::new(2, up), 'v')?,
+    );
     const SQUARE: [[f64; 2]; 9] = [
         [1.0, 0.0],
         [1.0, 1.0],
@@ -146,16 +174,30 @@ fn sphere(net: [usize; 2], radius_m: f64) -> Result<Surface, BuiltinError> {
 
 fn torus(net: [usize; 2], great_m: f64) -> Result<Surface, BuiltinError> {
     if !net.iter().all(|count| (4..=MAX_COUNT).contains(count)) {
-        return Err(BuiltinError::Net { name: "torus", net, allowed: "each direction has 4 to 512" });
+        return Err(BuiltinError::Net {
+            name: "torus",
+            net,
+            allowed: "each direction has 4 to 512",
+        });
     }
-    let (u, v) =
-        (knots(KnotVector::periodic_uniform(3, net[0]), 'u')?, knots(KnotVector::periodic_uniform(3, net[1]), 'v')?);
-    // A uniform cubic has (P₋ + 4 P + P₊) / 6 at its knots: control points on a circle give one smaller by (2 + cos h) / 3,
-    // so this net's surface goes through the exact torus at all pairs of knots.
+    let (u, v) = (
+        knots(KnotVector::periodic_uniform(3, net[0]), 'u')?,
+        knots(KnotVector::periodic_uniform(3, net[1]), 'v')?,
+    );
+    // A uniform cubic has (P₋ + 4 P + P₊) / 6 at its knots: control points on a circle give one
+    // smaller by (2 + cos h) / 3, so this net's surface goes through the exact torus at all pairs
+    // of knots.
     let ring = |count: usize| -> Vec<[f64; 2]> {
         let step = TAU / count as f64;
         let radius = 3.0 / (2.0 + libm::cos(step));
-        (0..count).map(|k| [radius * libm::cos(step * k as f64), radius * libm::sin(step * k as f64)]).collect()
+        (0..count)
+            .map(|k| {
+                [
+                    radius * libm::cos(step * k as f64),
+                    radius * libm::sin(step * k as f64),
+                ]
+            })
+            .collect()
     };
     let (around, small) = (ring(net[0]), ring(net[1]));
     let mut points = Vec::with_capacity(net[0] * net[1]);
@@ -168,7 +210,10 @@ fn torus(net: [usize; 2], great_m: f64) -> Result<Surface, BuiltinError> {
     surface(u, v, points, None)
 }
 
-fn knots(knots: Result<KnotVector, crate::basis::KnotError>, direction: char) -> Result<KnotVector, SurfaceError> {
+fn knots(
+    knots: Result<KnotVector, crate::basis::KnotError>,
+    direction: char,
+) -> Result<KnotVector, SurfaceError> {
     knots.map_err(|source| SurfaceError::Knots { direction, source })
 }
 
@@ -193,7 +238,10 @@ mod tests {
             let large = builtin(name, None, Some(1.0)).unwrap();
             assert!(large.size() > 5.0 * surface.size(), "{name}");
             if name != "sheet" {
-                assert!(surface.topology().is_closed() && surface.volume() > 0.0, "{name}");
+                assert!(
+                    surface.topology().is_closed() && surface.volume() > 0.0,
+                    "{name}"
+                );
             }
         }
     }
@@ -204,7 +252,10 @@ mod tests {
             for length in [0.1, 0.25] {
                 let drop = builtin("teardrop", Some([count; 2]), Some(length)).unwrap();
                 let (low, high) = (drop.net().at(0, 0).z, drop.net().at(0, count - 1).z);
-                assert!((high - low - length).abs() < 1e-15, "{count}: {low} to {high}");
+                assert!(
+                    (high - low - length).abs() < 1e-15,
+                    "{count}: {low} to {high}"
+                );
                 assert_eq!(drop.clone().with_exact_seams(), drop);
                 for i in 0..count {
                     assert_eq!(drop.net().at(i, 0), drop.net().at(0, 0));
@@ -261,18 +312,33 @@ mod tests {
     fn what_does_not_exist_is_refused_with_what_does() {
         let message = |name, net, size| builtin(name, net, size).unwrap_err().to_string();
         let unknown = message("cube", None, None);
-        assert!(BUILTINS.iter().all(|name| unknown.contains(name)), "{unknown}");
+        assert!(
+            BUILTINS.iter().all(|name| unknown.contains(name)),
+            "{unknown}"
+        );
         assert_eq!(
             message("teardrop", Some([9, 9]), None),
             "teardrop has no net of 9 × 9; there are 8 × 8, 12 × 12 and 20 × 20"
         );
         for name in ["sheet", "sphere", "torus"] {
             for net in [[0, 8], [8, 3], [1000, 8]] {
-                assert!(matches!(builtin(name, Some(net), None), Err(BuiltinError::Net { .. })), "{name} {net:?}");
+                assert!(
+                    matches!(
+                        builtin(name, Some(net), None),
+                        Err(BuiltinError::Net { .. })
+                    ),
+                    "{name} {net:?}"
+                );
             }
         }
         for size in [0.0, -1.0, f64::NAN, f64::INFINITY] {
-            assert!(matches!(builtin("sheet", None, Some(size)), Err(BuiltinError::Size { .. })), "{size}");
+            assert!(
+                matches!(
+                    builtin("sheet", None, Some(size)),
+                    Err(BuiltinError::Size { .. })
+                ),
+                "{size}"
+            );
         }
     }
 }

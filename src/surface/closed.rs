@@ -1,19 +1,22 @@
-//! How a surface closes: periodic directions, seams, poles, the volume inside and which side is out.
+//! How a surface closes: periodic directions, seams, poles, the volume inside and which side is
+//! out.
 //!
 //! Edges are compared as curves in homogeneous coordinates; two points are one when they are within
-//! [`SAME_POINT`] × size. Finds a surface closed when opposite edges meet or each is a single point (teardrop, sphere,
-//! torus); edges joined in other pairs, as on branching surfaces, are found by [`Surface::joints`].
+//! [`SAME_POINT`] × size. Finds a surface closed when opposite edges meet or each is a single point
+//! (teardrop, sphere, torus); edges joined in other pairs, as on branching surfaces, are found by
+//! [`Surface::joints`].
 
 use super::joints::Sets;
 use super::{Closing, ControlNet, Surface, Topology};
 use crate::basis::{KnotKind, KnotVector, Side};
 use crate::math::{Point3, Vector3, gauss_legendre};
 
-/// Points closer than this times [`Surface::size`] are one point. Files with 12 digits pass, features do not vanish.
+/// Points closer than this times [`Surface::size`] are one point. Files with 12 digits pass,
+/// features do not vanish.
 pub const SAME_POINT: f64 = 1e-9;
 
-/// Points a span and direction for rational surfaces, whose volume no rule gives exactly: a quarter circle's
-/// integrand then converges to rounding.
+/// Points a span and direction for rational surfaces, whose volume no rule gives exactly: a quarter
+/// circle's integrand then converges to rounding.
 pub(super) const RATIONAL_NODES: usize = 24;
 
 impl Surface {
@@ -31,7 +34,11 @@ impl Surface {
     /// How the surface closes, as its net is now.
     pub fn topology(&self) -> Topology {
         let tolerance = SAME_POINT * self.size();
-        let mut topology = Topology { closing: [Closing::Open; 2], poles: [[false; 2]; 2], torn: [false; 2] };
+        let mut topology = Topology {
+            closing: [Closing::Open; 2],
+            poles: [[false; 2]; 2],
+            torn: [false; 2],
+        };
         let whole = self.joints().is_some_and(|joints| joints.is_whole());
         for (direction, knots) in [self.knots_u(), self.knots_v()].into_iter().enumerate() {
             let (start, end) = knots.domain();
@@ -45,7 +52,10 @@ impl Surface {
                 KnotKind::Clamped | KnotKind::Open => Closing::Open,
             };
             if !knots.is_periodic() {
-                topology.poles[direction] = [is_one_point(&first, tolerance), is_one_point(&last, tolerance)];
+                topology.poles[direction] = [
+                    is_one_point(&first, tolerance),
+                    is_one_point(&last, tolerance),
+                ];
             }
             topology.torn[direction] = !whole
                 && knots.disjoined().into_iter().any(|knot| {
@@ -57,20 +67,32 @@ impl Surface {
         topology
     }
 
-    /// Signed volume inside a closed surface, m³: positive when the normals point outwards. Exact up to rounding
-    /// without weights. On a surface that is not closed, the volume of the cone from the net's centre to it.
+    /// Signed volume inside a closed surface, m³: positive when the normals point outwards. Exact
+    /// up to rounding without weights. On a surface that is not closed, the volume of the cone from
+    /// the net's centre to it.
     pub fn volume(&self) -> f64 {
         // ∫ div(x / 3) dV = 1/3 ∮ S · (S_u × S_v) du dv; from the centre, where least cancels.
         let points = self.net().points();
-        let centre: Vector3 = points.iter().map(|p| p.coords).sum::<Vector3>() / points.len() as f64;
+        let centre: Vector3 =
+            points.iter().map(|p| p.coords).sum::<Vector3>() / points.len() as f64;
         let count = |knots: &KnotVector| {
             // S is of degree p in u, S_u of p − 1, S_v of p: 3p − 1 together.
             let exact = (3 * knots.degree()).div_ceil(2);
-            if self.weights().is_some() { exact.max(RATIONAL_NODES) } else { exact }
+            if self.weights().is_some() {
+                exact.max(RATIONAL_NODES)
+            } else {
+                exact
+            }
         };
         let counts = [count(self.knots_u()), count(self.knots_v())];
-        let sum = self.integrate(counts, |frame| (frame.point.coords - centre).dot(&frame.du.cross(&frame.dv)));
-        if self.flip_normal() { -sum / 3.0 } else { sum / 3.0 }
+        let sum = self.integrate(counts, |frame| {
+            (frame.point.coords - centre).dot(&frame.du.cross(&frame.dv))
+        });
+        if self.flip_normal() {
+            -sum / 3.0
+        } else {
+            sum / 3.0
+        }
     }
 
     /// The same surface, its normals turned outwards if it is closed and they point inwards.
@@ -83,7 +105,8 @@ impl Surface {
         }
     }
 
-    /// The same surface with the control points of seams and poles that are within the tolerance made equal bit for bit.
+    /// The same surface with the control points of seams and poles that are within the tolerance
+    /// made equal bit for bit.
     pub fn with_exact_seams(mut self) -> Self {
         let nodes = self.distinct_points(&self.topology());
         let mut place: Vec<Option<Point3>> = vec![None; nodes.count];
@@ -93,12 +116,14 @@ impl Surface {
         self
     }
 
-    /// Which control points are one point: rows of a clamped seam, columns likewise, the rows of clamped poles, and what
-    /// [`Surface::joints`] finds on a branching surface.
+    /// Which control points are one point: rows of a clamped seam, columns likewise, the rows of
+    /// clamped poles, and what [`Surface::joints`] finds on a branching surface.
     pub fn distinct_points(&self, topology: &Topology) -> DistinctPoints {
         let (rows, columns) = (self.net().rows(), self.net().columns());
-        let clamped = [self.knots_u(), self.knots_v()].map(|knots| knots.kind() == KnotKind::Clamped);
-        let pole = |direction: usize, end: usize| clamped[direction] && topology.poles[direction][end];
+        let clamped =
+            [self.knots_u(), self.knots_v()].map(|knots| knots.kind() == KnotKind::Clamped);
+        let pole =
+            |direction: usize, end: usize| clamped[direction] && topology.poles[direction][end];
         let at = |i: usize, j: usize| i * columns + j;
         let mut joined = Sets::new(rows * columns);
         if topology.closing[0] == Closing::Seam {
@@ -116,7 +141,11 @@ impl Surface {
             }
         }
         if let Some(joints) = self.joints() {
-            joints.first_at_place().iter().enumerate().for_each(|(k, &first)| joined.join(k, first));
+            joints
+                .first_at_place()
+                .iter()
+                .enumerate()
+                .for_each(|(k, &first)| joined.join(k, first));
         }
         let mut number = vec![usize::MAX; rows * columns];
         let mut count = 0;
@@ -134,15 +163,22 @@ impl Surface {
     /// Control points (with weights) of the curve at one parameter of a direction (0: u, 1: v).
     fn iso_row(&self, direction: usize, parameter: f64, side: Side) -> Vec<(Point3, f64)> {
         let (rows, columns) = (self.net().rows(), self.net().columns());
-        let (knots, count, across) =
-            if direction == 0 { (self.knots_u(), columns, rows) } else { (self.knots_v(), rows, columns) };
+        let (knots, count, across) = if direction == 0 {
+            (self.knots_u(), columns, rows)
+        } else {
+            (self.knots_v(), rows, columns)
+        };
         let window = knots.window_from(parameter, side);
         (0..count)
             .map(|j| {
                 let (mut sum, mut weight) = (Vector3::zeros(), 0.0);
                 for (a, value) in window.values().iter().enumerate() {
                     let i = super::tensor::wrap(window.first + a, across);
-                    let k = if direction == 0 { i * columns + j } else { j * columns + i };
+                    let k = if direction == 0 {
+                        i * columns + j
+                    } else {
+                        j * columns + i
+                    };
                     let share = value * self.weights().map_or(1.0, |w| w[k]);
                     sum += self.net().points()[k].coords * share;
                     weight += share;
@@ -158,7 +194,8 @@ impl Surface {
 pub struct DistinctPoints {
     /// How many there are.
     pub count: usize,
-    /// (rows × columns) number of each control point, u-major; numbered in order of first appearance.
+    /// (rows × columns) number of each control point, u-major; numbered in order of first
+    /// appearance.
     pub of: Vec<usize>,
 }
 
@@ -176,7 +213,11 @@ impl DistinctPoints {
 
     /// Copies the positions of the distinct points, (count), into a net of this shape.
     pub fn scatter(&self, positions: &[Point3], net: &mut ControlNet) {
-        debug_assert_eq!(positions.len(), self.count, "one position for each distinct point");
+        debug_assert_eq!(
+            positions.len(),
+            self.count,
+            "one position for each distinct point"
+        );
         for (point, &node) in net.points_mut().iter_mut().zip(&self.of) {
             *point = positions[node];
         }
@@ -190,7 +231,10 @@ pub(crate) fn gauss_nodes(knots: &KnotVector, per_span: usize) -> Vec<(f64, f64)
     let mut nodes = Vec::new();
     for i in knots.spans() {
         let (middle, half) = (0.5 * (t[i] + t[i + 1]), 0.5 * (t[i + 1] - t[i]));
-        nodes.extend(rule.iter().map(|(x, weight)| (middle + half * x, half * weight)));
+        nodes.extend(
+            rule.iter()
+                .map(|(x, weight)| (middle + half * x, half * weight)),
+        );
     }
     nodes
 }
@@ -198,13 +242,14 @@ pub(crate) fn gauss_nodes(knots: &KnotVector, per_span: usize) -> Vec<(f64, f64)
 /// Same points, and weights in one constant ratio: then the curves are the same at every parameter.
 fn coincide(a: &[(Point3, f64)], b: &[(Point3, f64)], tolerance: f64) -> bool {
     let ratio = a[0].1 / b[0].1;
-    a.iter()
-        .zip(b)
-        .all(|(x, y)| (x.0 - y.0).norm() <= tolerance && (x.1 / y.1 - ratio).abs() <= SAME_POINT * ratio.abs())
+    a.iter().zip(b).all(|(x, y)| {
+        (x.0 - y.0).norm() <= tolerance && (x.1 / y.1 - ratio).abs() <= SAME_POINT * ratio.abs()
+    })
 }
 
 fn is_one_point(row: &[(Point3, f64)], tolerance: f64) -> bool {
-    row.iter().all(|(point, _)| (point - row[0].0).norm() <= tolerance)
+    row.iter()
+        .all(|(point, _)| (point - row[0].0).norm() <= tolerance)
 }
 
 #[cfg(test)]
@@ -228,9 +273,15 @@ mod tests {
     #[test]
     fn a_torus_is_periodic_twice_and_a_sheet_is_open() {
         let torus = builtin("torus", None, None).unwrap().topology();
-        assert_eq!((torus.closing, torus.is_closed()), ([Closing::Periodic; 2], true));
+        assert_eq!(
+            (torus.closing, torus.is_closed()),
+            ([Closing::Periodic; 2], true)
+        );
         let sheet = builtin("sheet", None, None).unwrap().topology();
-        assert_eq!((sheet.closing, sheet.poles), ([Closing::Open; 2], [[false; 2]; 2]));
+        assert_eq!(
+            (sheet.closing, sheet.poles),
+            ([Closing::Open; 2], [[false; 2]; 2])
+        );
         assert!(!sheet.is_closed());
     }
 
@@ -273,7 +324,10 @@ mod tests {
             let sphere = tilted(&builtin("sphere", None, Some(radius)).unwrap());
             let exact = 4.0 / 3.0 * PI * radius.powi(3);
             let error = sphere.volume() / exact - 1.0;
-            assert!(error.abs() < 1e-12, "radius {radius}: relative error {error}");
+            assert!(
+                error.abs() < 1e-12,
+                "radius {radius}: relative error {error}"
+            );
         }
     }
 
@@ -285,28 +339,53 @@ mod tests {
         let ring = [[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0]];
         let points = ring
             .iter()
-            .flat_map(|&[x, y]| [Point3::new(0.0, 0.0, -2.0), Point3::new(x, y, 0.0), Point3::new(0.0, 0.0, 1.0)])
+            .flat_map(|&[x, y]| {
+                [
+                    Point3::new(0.0, 0.0, -2.0),
+                    Point3::new(x, y, 0.0),
+                    Point3::new(0.0, 0.0, 1.0),
+                ]
+            })
             .collect();
-        let spindle = Surface::new(knots_u, knots_v, ControlNet::new(4, 3, points).unwrap(), None).unwrap();
+        let spindle = Surface::new(
+            knots_u,
+            knots_v,
+            ControlNet::new(4, 3, points).unwrap(),
+            None,
+        )
+        .unwrap();
         assert!(spindle.topology().is_closed());
         // Two pyramids over a square of area 2, heights 2 and 1.
-        assert!((spindle.volume() - 2.0 * 3.0 / 3.0).abs() < 1e-14, "{}", spindle.volume());
+        assert!(
+            (spindle.volume() - 2.0 * 3.0 / 3.0).abs() < 1e-14,
+            "{}",
+            spindle.volume()
+        );
     }
 
-    // Independent of quadrature: tetrahedra from the centre to a fine triangulation, whose error falls by 4 with each
-    // halving; extrapolated twice.
+    // Independent of quadrature: tetrahedra from the centre to a fine triangulation, whose error
+    // falls by 4 with each halving; extrapolated twice.
     #[test]
     fn volume_of_the_teardrop_is_what_fine_triangles_tend_to() {
         let drop = builtin("teardrop", None, None).unwrap();
         let triangles = |count: usize| -> f64 {
             let grid: Vec<Vec<Point3>> = (0..=count)
-                .map(|i| (0..=count).map(|j| drop.point(i as f64 / count as f64, j as f64 / count as f64)).collect())
+                .map(|i| {
+                    (0..=count)
+                        .map(|j| drop.point(i as f64 / count as f64, j as f64 / count as f64))
+                        .collect()
+                })
                 .collect();
             let mut six_times = 0.0;
             for i in 0..count {
                 for j in 0..count {
-                    let [a, b, c, d] =
-                        [grid[i][j], grid[i + 1][j], grid[i + 1][j + 1], grid[i][j + 1]].map(|p| p.coords);
+                    let [a, b, c, d] = [
+                        grid[i][j],
+                        grid[i + 1][j],
+                        grid[i + 1][j + 1],
+                        grid[i][j + 1],
+                    ]
+                    .map(|p| p.coords);
                     six_times += a.dot(&b.cross(&c)) + a.dot(&c.cross(&d));
                 }
             }
@@ -317,16 +396,21 @@ mod tests {
         let (first, second) = ((4.0 * middle - coarse) / 3.0, (4.0 * fine - middle) / 3.0);
         let limit = (16.0 * second - first) / 15.0;
         let volume = drop.volume();
-        assert!((volume - limit).abs() < 1e-9 * volume, "{volume} m³, triangles tend to {limit} m³");
+        assert!(
+            (volume - limit).abs() < 1e-9 * volume,
+            "{volume} m³, triangles tend to {limit} m³"
+        );
     }
 
     #[test]
     fn normals_are_turned_outwards_whatever_the_parametrisation() {
         for name in ["teardrop", "sphere", "torus"] {
             let surface = builtin(name, None, None).unwrap();
-            for twisted in
-                [surface.clone(), surface.swap_uv(), surface.clone().with_flip_normal(!surface.flip_normal())]
-            {
+            for twisted in [
+                surface.clone(),
+                surface.swap_uv(),
+                surface.clone().with_flip_normal(!surface.flip_normal()),
+            ] {
                 assert!(twisted.oriented_outward().volume() > 0.0, "{name}");
             }
         }
@@ -345,7 +429,11 @@ mod tests {
         assert_eq!(count("sheet"), 64);
         let drop = builtin("teardrop", None, None).unwrap();
         let distinct = drop.distinct_points(&drop.topology());
-        let positions: Vec<Point3> = distinct.representatives().iter().map(|&k| drop.net().points()[k]).collect();
+        let positions: Vec<Point3> = distinct
+            .representatives()
+            .iter()
+            .map(|&k| drop.net().points()[k])
+            .collect();
         let mut net = drop.net().clone();
         net.points_mut().fill(Point3::origin());
         distinct.scatter(&positions, &mut net);

@@ -5,11 +5,12 @@
 //! warm   last foot ──▶ descent, while query and net have moved less than the last certificate allows; else cold
 //! local  a given foot ──▶ descent; a local minimum, for following a contact
 //! ```
-//! The certificate: on a piece, squared distance less the best one is a polynomial whose Bernstein coefficients bound it
-//! from below, ever more tightly under halving (Johnson & Cohen 1998 bound distances the same way, by hulls). Minima at
-//! creases, seams, poles, open edges and disjoined knots are found because bounds do not ask for a vanishing gradient.
-//! The distance is never worse than the true minimum by more than 1e-9 of the surface's size (1e-12 unless whole curves
-//! are nearly equally close), or by rounding of the coordinates when the query is far away.
+//! The certificate: on a piece, squared distance less the best one is a polynomial whose Bernstein
+//! coefficients bound it from below, ever more tightly under halving (Johnson & Cohen 1998 bound
+//! distances the same way, by hulls). Minima at creases, seams, poles, open edges and disjoined
+//! knots are found because bounds do not ask for a vanishing gradient. The distance is never worse
+//! than the true minimum by more than 1e-9 of the surface's size (1e-12 unless whole curves are
+//! nearly equally close), or by rounding of the coordinates when the query is far away.
 //!
 //! Nothing here allocates after [`ClosestSolver::new`].
 
@@ -70,8 +71,9 @@ pub struct WarmFoot {
     pub net_cost: f64,
 }
 
-/// Closest-point queries on one surface whose net may move. Scratch: its answers depend on the arguments only, provided
-/// that [`ClosestSolver::net_changed`] is called after each movement of the net, restored states included.
+/// Closest-point queries on one surface whose net may move. Scratch: its answers depend on the
+/// arguments only, provided that [`ClosestSolver::net_changed`] is called after each movement of
+/// the net, restored states included.
 ///
 /// ```
 /// use palpate::basis::KnotVector;
@@ -114,10 +116,18 @@ impl Samples {
         let (p, q) = (pieces.u.degree, pieces.v.degree);
         let scale = 0.5_f64.powi((p + q) as i32);
         let middle = (0..=p)
-            .flat_map(|i| (0..=q).map(move |j| bernstein::binomial(p, i) * bernstein::binomial(q, j) * scale))
+            .flat_map(|i| {
+                (0..=q).map(move |j| bernstein::binomial(p, i) * bernstein::binomial(q, j) * scale)
+            })
             .collect();
         let zeros = || vec![0.0; 2 * pieces.len()];
-        Self { stamp: 0, middle, x: zeros(), y: zeros(), z: zeros() }
+        Self {
+            stamp: 0,
+            middle,
+            x: zeros(),
+            y: zeros(),
+            z: zeros(),
+        }
     }
 
     /// Samples all pieces; they must be fresh.
@@ -133,7 +143,8 @@ impl Samples {
             for k in (0..n).filter(|&k| joints.hidden()[k]) {
                 let first = joints.original(k);
                 for (slot, from) in [(k, first), (n + k, n + first)] {
-                    (self.x[slot], self.y[slot], self.z[slot]) = (self.x[from], self.y[from], self.z[from]);
+                    (self.x[slot], self.y[slot], self.z[slot]) =
+                        (self.x[from], self.y[from], self.z[from]);
                 }
             }
         }
@@ -142,7 +153,11 @@ impl Samples {
 
     fn corner(&self, pieces: &BezierPieces, piece: usize) -> [f64; 3] {
         let x = pieces.points(piece)[0];
-        let scale = if pieces.is_rational() { 1.0 / x[3] } else { 1.0 };
+        let scale = if pieces.is_rational() {
+            1.0 / x[3]
+        } else {
+            1.0
+        };
         [x[0] * scale, x[1] * scale, x[2] * scale]
     }
 
@@ -153,13 +168,18 @@ impl Samples {
                 sum[c] += share * x[c];
             }
         }
-        let scale = if pieces.is_rational() { 1.0 / sum[3] } else { 1.0 };
+        let scale = if pieces.is_rational() {
+            1.0 / sum[3]
+        } else {
+            1.0
+        };
         [sum[0] * scale, sum[1] * scale, sum[2] * scale]
     }
 
     /// The best sample.
     fn best(&self, pieces: &BezierPieces, objective: &impl Objective) -> Place {
-        // Four running minima and a look for the first that has the least: one would wait for itself.
+        // Four running minima and a look for the first that has the least: one would wait for
+        // itself.
         let n = self.x.len();
         let (x, y, z) = (&self.x[..n], &self.y[..n], &self.z[..n]);
         let mut lanes = [f64::INFINITY; 4];
@@ -169,18 +189,27 @@ impl Samples {
                 lanes[c] = if value < lanes[c] { value } else { lanes[c] };
             }
         }
-        let mut least = lanes.iter().fold(f64::INFINITY, |m, &l| if l < m { l } else { m });
+        let mut least = lanes
+            .iter()
+            .fold(f64::INFINITY, |m, &l| if l < m { l } else { m });
         for k in n / 4 * 4..n {
             let value = objective.value(x[k], y[k], z[k]);
             least = if value < least { value } else { least };
         }
-        let at = (0..n).find(|&k| objective.value(x[k], y[k], z[k]) == least).unwrap_or(0);
+        let at = (0..n)
+            .find(|&k| objective.value(x[k], y[k], z[k]) == least)
+            .unwrap_or(0);
         self.place(pieces, at)
     }
 
-    /// [`Samples::best`] of the present net, from samples of one that has moved by less than the pieces' slack: only those
-    /// that may be best now are computed anew.
-    fn best_after_movement(&self, pieces: &mut BezierPieces, surface: &Surface, objective: &Distance) -> Place {
+    /// [`Samples::best`] of the present net, from samples of one that has moved by less than the
+    /// pieces' slack: only those that may be best now are computed anew.
+    fn best_after_movement(
+        &self,
+        pieces: &mut BezierPieces,
+        surface: &Surface,
+        objective: &Distance,
+    ) -> Place {
         let old = |k: usize| objective.value(self.x[k], self.y[k], self.z[k]);
         let (n, mut least) = (pieces.len(), f64::INFINITY);
         for k in 0..2 * n {
@@ -196,7 +225,11 @@ impl Samples {
             if old(k) <= reach && !pieces.is_duplicate(piece) {
                 let columns = pieces.v.spans.len();
                 pieces.refresh_piece(surface, piece / columns, piece % columns);
-                let [x, y, z] = if k < n { self.corner(pieces, piece) } else { self.centre(pieces, piece) };
+                let [x, y, z] = if k < n {
+                    self.corner(pieces, piece)
+                } else {
+                    self.centre(pieces, piece)
+                };
                 let value = objective.value(x, y, z);
                 if value < least {
                     (least, at) = (value, k);
@@ -208,7 +241,11 @@ impl Samples {
 
     fn place(&self, pieces: &BezierPieces, sample: usize) -> Place {
         let n = pieces.len();
-        let (piece, local) = if sample < n { (sample, 0.0) } else { (sample - n, 0.5) };
+        let (piece, local) = if sample < n {
+            (sample, 0.0)
+        } else {
+            (sample - n, 0.5)
+        };
         search::Part::whole(pieces, piece).place(pieces, local, local)
     }
 }
@@ -267,14 +304,16 @@ impl ClosestSolver {
         }
     }
 
-    /// The global closest point. A query that is not finite gets some point of the surface at distance infinity.
+    /// The global closest point. A query that is not finite gets some point of the surface at
+    /// distance infinity.
     pub fn closest(&mut self, surface: &Surface, query: &Point3) -> ClosestPoint {
         let best = self.nearest(surface, &Distance { q: *query });
         self.answer(surface, query, &best)
     }
 
-    /// [`ClosestSolver::closest`], from the last foot where that is proved to be enough. `moved_m` is how far the query
-    /// moved since the last call with this `warm`, plus the largest movement of a control point.
+    /// [`ClosestSolver::closest`], from the last foot where that is proved to be enough. `moved_m`
+    /// is how far the query moved since the last call with this `warm`, plus the largest movement
+    /// of a control point.
     pub fn closest_warm(
         &mut self,
         surface: &Surface,
@@ -285,9 +324,9 @@ impl ClosestSolver {
         self.closest_warm_moved(surface, query, 0.0, moved_m, warm)
     }
 
-    /// [`ClosestSolver::closest_warm`] with the movements of query and net apart: the query's costs the certificate much
-    /// less, so on a rigid surface it lasts much longer. Movements are relative: a surface and a query that move together
-    /// have not moved.
+    /// [`ClosestSolver::closest_warm`] with the movements of query and net apart: the query's costs
+    /// the certificate much less, so on a rigid surface it lasts much longer. Movements are
+    /// relative: a surface and a query that move together have not moved.
     pub fn closest_warm_moved(
         &mut self,
         surface: &Surface,
@@ -298,14 +337,27 @@ impl ClosestSolver {
     ) -> ClosestPoint {
         let objective = Distance { q: *query };
         let left_m = warm.budget_m - (query_moved_m + warm.net_cost.max(1.0) * net_moved_m);
-        // A foot is worth following while the budget lasts (false for NaN too), and worth a new certificate after that.
+        // A foot is worth following while the budget lasts (false for NaN too), and worth a new
+        // certificate after that.
         if warm.budget_m > 0.0 {
             let start = self.place(warm.u, warm.v);
-            let found = descend(&mut OnPieces { pieces: &mut self.pieces, surface }, &objective, start);
+            let found = descend(
+                &mut OnPieces {
+                    pieces: &mut self.pieces,
+                    surface,
+                },
+                &objective,
+                start,
+            );
             if self.settled(&found) {
                 if left_m > 0.0 {
                     let answer = self.answer(surface, query, &found);
-                    *warm = WarmFoot { u: answer.u, v: answer.v, budget_m: left_m, ..*warm };
+                    *warm = WarmFoot {
+                        u: answer.u,
+                        v: answer.v,
+                        budget_m: left_m,
+                        ..*warm
+                    };
                     return answer;
                 }
                 self.follow(surface);
@@ -319,7 +371,12 @@ impl ClosestSolver {
             return answer;
         }
         let answer = self.answer(surface, query, &best);
-        *warm = WarmFoot { u: answer.u, v: answer.v, budget_m: 0.0, net_cost: 1.0 };
+        *warm = WarmFoot {
+            u: answer.u,
+            v: answer.v,
+            budget_m: 0.0,
+            net_cost: 1.0,
+        };
         answer
     }
 
@@ -334,28 +391,51 @@ impl ClosestSolver {
         if !self.settled(found) {
             return None;
         }
-        let grant =
-            warm::certificate(&mut self.search, &mut self.pieces, surface, &self.tables, objective, self.size_m, found);
+        let grant = warm::certificate(
+            &mut self.search,
+            &mut self.pieces,
+            surface,
+            &self.tables,
+            objective,
+            self.size_m,
+            found,
+        );
         (grant.budget_m > 0.0).then(|| {
             let answer = self.answer(surface, &objective.q, found);
-            *warm = WarmFoot { u: answer.u, v: answer.v, budget_m: grant.budget_m, net_cost: grant.net_cost };
+            *warm = WarmFoot {
+                u: answer.u,
+                v: answer.v,
+                budget_m: grant.budget_m,
+                net_cost: grant.net_cost,
+            };
             answer
         })
     }
 
-    /// The local minimum that descent from a foot leads to; `None` when it does not arrive (a saddle, or a query that is
-    /// not finite). For following a contact over the surface.
-    pub fn local(&self, surface: &Surface, query: &Point3, u0: f64, v0: f64) -> Option<ClosestPoint> {
+    /// The local minimum that descent from a foot leads to; `None` when it does not arrive (a
+    /// saddle, or a query that is not finite). For following a contact over the surface.
+    pub fn local(
+        &self,
+        surface: &Surface,
+        query: &Point3,
+        u0: f64,
+        v0: f64,
+    ) -> Option<ClosestPoint> {
         let objective = Distance { q: *query };
         let (u, v) = (surface.knots_u().confine(u0), surface.knots_v().confine(v0));
         if !(u.is_finite() && v.is_finite()) {
             return None;
         }
-        let mut eval = OnSurface { pieces: &self.pieces, surface };
+        let mut eval = OnSurface {
+            pieces: &self.pieces,
+            surface,
+        };
         let mut found = descend_over(&mut eval, &objective, self.place(u, v));
         // At a closed end or a pole, the surface goes on where the parameters do not.
         for _ in 0..6 {
-            let Some(start) = self.go_on(surface, query, &found) else { break };
+            let Some(start) = self.go_on(surface, query, &found) else {
+                break;
+            };
             let next = descend_over(&mut eval, &objective, start);
             if next.jet.f < found.jet.f - found.jet.noise {
                 found = next;
@@ -363,13 +443,17 @@ impl ClosestSolver {
                 break;
             }
         }
-        self.settled(&found).then(|| self.answer(surface, query, &found))
+        self.settled(&found)
+            .then(|| self.answer(surface, query, &found))
     }
 
-    /// The point of the surface farthest along a direction: `(u, v, point)` of the greatest `direction · S`, certified
-    /// like the closest point. A direction without length counts as +z.
+    /// The point of the surface farthest along a direction: `(u, v, point)` of the greatest
+    /// `direction · S`, certified like the closest point. A direction without length counts as +z.
     pub fn deepest_along(&mut self, surface: &Surface, direction: &Vector3) -> (f64, f64, Point3) {
-        let d = direction.try_normalize(0.0).filter(|d| d.iter().all(|x| x.is_finite())).unwrap_or_else(Vector3::z);
+        let d = direction
+            .try_normalize(0.0)
+            .filter(|d| d.iter().all(|x| x.is_finite()))
+            .unwrap_or_else(Vector3::z);
         let objective = Along { d };
         self.refresh(surface);
         let start = self.samples.best(&self.pieces, &objective);
@@ -381,21 +465,46 @@ impl ClosestSolver {
     fn nearest(&mut self, surface: &Surface, objective: &Distance) -> Descent {
         self.follow(surface);
         let start = if self.pieces.slack_m() > 0.0 {
-            self.samples.best_after_movement(&mut self.pieces, surface, objective)
+            self.samples
+                .best_after_movement(&mut self.pieces, surface, objective)
         } else {
             self.samples.best(&self.pieces, objective)
         };
         self.certified(surface, objective, start)
     }
 
-    fn certified<O: Objective>(&mut self, surface: &Surface, objective: &O, start: Place) -> Descent {
-        let mut best = descend_over(&mut OnPieces { pieces: &mut self.pieces, surface }, objective, start);
-        self.search.certify(&mut self.pieces, surface, &self.tables, objective, self.size_m, &mut best);
+    fn certified<O: Objective>(
+        &mut self,
+        surface: &Surface,
+        objective: &O,
+        start: Place,
+    ) -> Descent {
+        let mut best = descend_over(
+            &mut OnPieces {
+                pieces: &mut self.pieces,
+                surface,
+            },
+            objective,
+            start,
+        );
+        self.search.certify(
+            &mut self.pieces,
+            surface,
+            &self.tables,
+            objective,
+            self.size_m,
+            &mut best,
+        );
         best
     }
 
     fn place(&self, u: f64, v: f64) -> Place {
-        Place { i: self.pieces.u.span_of(u), j: self.pieces.v.span_of(v), u, v }
+        Place {
+            i: self.pieces.u.span_of(u),
+            j: self.pieces.v.span_of(v),
+            u,
+            v,
+        }
     }
 
     /// Arrived at a minimum: nothing left of the slope but rounding.
@@ -404,15 +513,24 @@ impl ClosestSolver {
         found.slope <= 1e-11 * scale && found.is_minimum()
     }
 
-    /// Where a foot that is held at an end of the domain can go on: across coinciding ends, or out of a pole along its
-    /// steepest meridian.
+    /// Where a foot that is held at an end of the domain can go on: across coinciding ends, or out
+    /// of a pole along its steepest meridian.
     fn go_on(&self, surface: &Surface, query: &Point3, found: &Descent) -> Option<Place> {
         let (du, dv) = (&self.pieces.u, &self.pieces.v);
-        let site = Site { surface, u: du, v: dv, joints: self.pieces.joints() };
+        let site = Site {
+            surface,
+            u: du,
+            v: dv,
+            joints: self.pieces.joints(),
+        };
         let (at, foot) = (found.place, found.frame.point);
         // Out of a pole: the variable along the collapsed edge has no length.
         for collapsed in 0..2 {
-            let (held, ring, x) = if collapsed == 0 { (dv, du, at.v) } else { (du, dv, at.u) };
+            let (held, ring, x) = if collapsed == 0 {
+                (dv, du, at.v)
+            } else {
+                (du, dv, at.u)
+            };
             let short = found.jet.metric[collapsed] <= 1e-24 * self.size_m * self.size_m;
             if other_end(held, x).is_none() || !short {
                 continue;
@@ -422,11 +540,16 @@ impl ClosestSolver {
             for (k, span) in ring.spans.iter().enumerate() {
                 for m in 0..8 {
                     let y = span.start + (span.end - span.start) * (m as f64 + 0.5) / 8.0;
-                    let place = if collapsed == 0 { Place { i: k, u: y, ..at } } else { Place { j: k, v: y, ..at } };
+                    let place = if collapsed == 0 {
+                        Place { i: k, u: y, ..at }
+                    } else {
+                        Place { j: k, v: y, ..at }
+                    };
                     let frame = site.frame(place);
                     let out = if collapsed == 0 { frame.dv } else { frame.du };
                     // How the distance changes per metre along this meridian, times the distance.
-                    let slope = inward * (foot - query).dot(&out) / out.norm().max(f64::MIN_POSITIVE);
+                    let slope =
+                        inward * (foot - query).dot(&out) / out.norm().max(f64::MIN_POSITIVE);
                     if slope < steepest {
                         (steepest, start) = (slope, Some(place));
                     }
@@ -446,25 +569,53 @@ impl ClosestSolver {
         across_u.filter(same).or_else(|| across_v.filter(same))
     }
 
-    /// Parameters to report: at the upper side of a disjoined knot just below it, where evaluation sees the same side.
+    /// Parameters to report: at the upper side of a disjoined knot just below it, where evaluation
+    /// sees the same side.
     fn parameters(&self, place: &Place) -> (f64, f64) {
         let one = |d: &Direction, k: usize, x: f64| {
             let torn = d.spans[k].after == Joint::Apart && (d.periodic || k + 1 < d.spans.len());
-            if torn && x >= d.spans[k].end { x.next_down() } else { x }
+            if torn && x >= d.spans[k].end {
+                x.next_down()
+            } else {
+                x
+            }
         };
-        (one(&self.pieces.u, place.i, place.u), one(&self.pieces.v, place.j, place.v))
+        (
+            one(&self.pieces.u, place.i, place.u),
+            one(&self.pieces.v, place.j, place.v),
+        )
     }
 
     fn answer(&self, surface: &Surface, query: &Point3, found: &Descent) -> ClosestPoint {
         let point = found.frame.point;
         let to_query = query - point;
         let distance = to_query.norm();
-        let distance = if distance.is_finite() { distance } else { f64::INFINITY };
-        let site = Site { surface, u: &self.pieces.u, v: &self.pieces.v, joints: self.pieces.joints() };
+        let distance = if distance.is_finite() {
+            distance
+        } else {
+            f64::INFINITY
+        };
+        let site = Site {
+            surface,
+            u: &self.pieces.u,
+            v: &self.pieces.v,
+            joints: self.pieces.joints(),
+        };
         let normal = site.normal(found.place, &found.frame, &to_query);
-        let signed_distance = if to_query.dot(&normal) < 0.0 { -distance } else { distance };
+        let signed_distance = if to_query.dot(&normal) < 0.0 {
+            -distance
+        } else {
+            distance
+        };
         let (u, v) = self.parameters(&found.place);
-        ClosestPoint { u, v, point, normal, distance, signed_distance }
+        ClosestPoint {
+            u,
+            v,
+            point,
+            normal,
+            distance,
+            signed_distance,
+        }
     }
 }
 

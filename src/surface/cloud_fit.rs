@@ -1,9 +1,10 @@
 //! Surfaces near scattered points: from a scanned object to a first design.
 //!
-//! Points get parameters by projection on their principal plane (open) or on their ellipsoid of inertia (closed: u runs round
-//! the longest axis, v from pole to pole). Then in turn: the net of the least sum of squared distances at these parameters plus
-//! a thin-plate energy `∬ S_uu² + 2 S_uv² + S_vv²`, whose weight falls by ten each round; and new parameters, the feet of the
-//! points on that surface (Hoschek's correction, by certified projection).
+//! Points get parameters by projection on their principal plane (open) or on their ellipsoid of
+//! inertia (closed: u runs round the longest axis, v from pole to pole). Then in turn: the net of
+//! the least sum of squared distances at these parameters plus a thin-plate energy `∬ S_uu² + 2
+//! S_uv² + S_vv²`, whose weight falls by ten each round; and new parameters, the feet of the points
+//! on that surface (Hoschek's correction, by certified projection).
 
 use super::grid_fit::{FitError, Fitted, MOST_POINTS, finite};
 use super::{ClosestSolver, ControlNet, Surface, SurfaceError};
@@ -14,13 +15,15 @@ use nalgebra::SymmetricEigen;
 /// What surface to look for.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CloudSpec {
-    /// A surface of the kind of a sphere (periodic in u, poles at the ends of v) instead of a sheet.
+    /// A surface of the kind of a sphere (periodic in u, poles at the ends of v) instead of a
+    /// sheet.
     pub closed: bool,
     /// Degrees in u and v.
     pub degree: [usize; 2],
     /// Control points in u and v.
     pub counts: [usize; 2],
-    /// Weight of the thin-plate energy in the last rounds, relative to the points: 1e-6 follows them, 1e-2 smooths noise.
+    /// Weight of the thin-plate energy in the last rounds, relative to the points: 1e-6 follows
+    /// them, 1e-2 smooths noise.
     pub smoothing: f64,
     /// Most rounds.
     pub rounds: usize,
@@ -28,7 +31,13 @@ pub struct CloudSpec {
 
 impl Default for CloudSpec {
     fn default() -> Self {
-        Self { closed: false, degree: [3; 2], counts: [8; 2], smoothing: 1e-7, rounds: 40 }
+        Self {
+            closed: false,
+            degree: [3; 2],
+            counts: [8; 2],
+            smoothing: 1e-7,
+            rounds: 40,
+        }
     }
 }
 
@@ -39,10 +48,12 @@ const FIRST_SMOOTHING: f64 = 1e-2;
 const LEAST_GAIN: f64 = 1e-3;
 
 impl Surface {
-    /// The surface near scattered points (m). The errors are distances from the points to their closest points on it.
+    /// The surface near scattered points (m). The errors are distances from the points to their
+    /// closest points on it.
     ///
     /// # Errors
-    /// Points that are not finite, too few or without the extent such a surface needs; degree, counts or smoothing out of range.
+    /// Points that are not finite, too few or without the extent such a surface needs; degree,
+    /// counts or smoothing out of range.
     pub fn fitted_to_cloud(points: &[Point3], spec: &CloudSpec) -> Result<Fitted, FitError> {
         finite(points)?;
         if !(spec.smoothing.is_finite() && spec.smoothing > 0.0) {
@@ -54,7 +65,11 @@ impl Surface {
         }
         let needed = spec.degree.iter().map(|p| p.min(&MAX_DEGREE) + 1).product();
         if points.len() < needed {
-            return Err(FitError::TooFew { direction: "all", points: points.len(), count: needed });
+            return Err(FitError::TooFew {
+                direction: "all",
+                points: points.len(),
+                count: needed,
+            });
         }
         let bad = |direction| move |source| SurfaceError::Knots { direction, source };
         let [p, q] = spec.degree;
@@ -65,14 +80,31 @@ impl Surface {
         let knots_u = knots_u.map_err(bad('u'))?;
         let knots_v = KnotVector::clamped_uniform(q, spec.counts[1]).map_err(bad('v'))?;
         let axes = PrincipalAxes::of(points);
-        let missing = axes.deviations.iter().filter(|d| **d <= 1e-9 * axes.deviations[0]).count();
+        let missing = axes
+            .deviations
+            .iter()
+            .filter(|d| **d <= 1e-9 * axes.deviations[0])
+            .count();
         if axes.deviations[0] == 0.0 || missing > usize::from(!spec.closed) {
-            return Err(FitError::Flat { missing: if axes.deviations[0] == 0.0 { 3 } else { missing } });
+            return Err(FitError::Flat {
+                missing: if axes.deviations[0] == 0.0 {
+                    3
+                } else {
+                    missing
+                },
+            });
         }
-        let mut parameters: Vec<(f64, f64)> =
-            if spec.closed { axes.on_ellipsoid(points) } else { axes.on_plane(points) };
+        let mut parameters: Vec<(f64, f64)> = if spec.closed {
+            axes.on_ellipsoid(points)
+        } else {
+            axes.on_plane(points)
+        };
         let count = knots_u.count() * knots_v.count();
-        let net = ControlNet::from_checked(knots_u.count(), knots_v.count(), vec![Point3::origin(); count]);
+        let net = ControlNet::from_checked(
+            knots_u.count(),
+            knots_v.count(),
+            vec![Point3::origin(); count],
+        );
         let problem = Problem::new(Self::from_checked(knots_u, knots_v, net, None), spec.closed);
         let mut best: Option<Fitted> = None;
         let mut smoothing = FIRST_SMOOTHING.max(spec.smoothing);
@@ -87,9 +119,16 @@ impl Surface {
                 sum += distance * distance;
                 most = most.max(distance);
             }
-            let now = Fitted { surface, rms_error: (sum / points.len() as f64).sqrt(), max_error: most };
-            let before = best.as_ref().map_or(f64::INFINITY, |fitted| fitted.rms_error);
-            let settled = smoothing <= spec.smoothing && now.rms_error > before * (1.0 - LEAST_GAIN);
+            let now = Fitted {
+                surface,
+                rms_error: (sum / points.len() as f64).sqrt(),
+                max_error: most,
+            };
+            let before = best
+                .as_ref()
+                .map_or(f64::INFINITY, |fitted| fitted.rms_error);
+            let settled =
+                smoothing <= spec.smoothing && now.rms_error > before * (1.0 - LEAST_GAIN);
             if now.rms_error < before {
                 best = Some(now);
             }
@@ -116,32 +155,52 @@ impl PrincipalAxes {
     fn of(points: &[Point3]) -> Self {
         let n = points.len() as f64;
         let mean = points[0] + points.iter().map(|p| p - points[0]).sum::<Vector3>() / n;
-        let covariance = points.iter().map(|p| (p - mean) * (p - mean).transpose()).sum::<crate::math::Matrix3>() / n;
+        let covariance = points
+            .iter()
+            .map(|p| (p - mean) * (p - mean).transpose())
+            .sum::<crate::math::Matrix3>()
+            / n;
         let eigen = SymmetricEigen::new(covariance);
         let mut order = [0, 1, 2];
         order.sort_by(|&a, &b| eigen.eigenvalues[b].total_cmp(&eigen.eigenvalues[a]));
         let axes = order.map(|k| eigen.eigenvectors.column(k).clone_owned());
         let deviations = order.map(|k| eigen.eigenvalues[k].max(0.0).sqrt());
-        Self { mean, axes, deviations }
+        Self {
+            mean,
+            axes,
+            deviations,
+        }
     }
 
     fn on_plane(&self, points: &[Point3]) -> Vec<(f64, f64)> {
-        let flat: Vec<[f64; 2]> = points.iter().map(|p| [0, 1].map(|k| (p - self.mean).dot(&self.axes[k]))).collect();
+        let flat: Vec<[f64; 2]> = points
+            .iter()
+            .map(|p| [0, 1].map(|k| (p - self.mean).dot(&self.axes[k])))
+            .collect();
         let range = |k: usize| {
-            let (low, high) =
-                flat.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(x[k]), h.max(x[k])));
+            let (low, high) = flat
+                .iter()
+                .fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| {
+                    (l.min(x[k]), h.max(x[k]))
+                });
             (low, high - low)
         };
         let [(x, width), (y, height)] = [range(0), range(1)];
-        flat.iter().map(|p| ((p[0] - x) / width, (p[1] - y) / height)).collect()
+        flat.iter()
+            .map(|p| ((p[0] - x) / width, (p[1] - y) / height))
+            .collect()
     }
 
     fn on_ellipsoid(&self, points: &[Point3]) -> Vec<(f64, f64)> {
         use std::f64::consts::{PI, TAU};
         let angle = |point: &Point3| {
-            let [z, x, y] = [0, 1, 2].map(|k| (point - self.mean).dot(&self.axes[k]) / self.deviations[k]);
+            let [z, x, y] =
+                [0, 1, 2].map(|k| (point - self.mean).dot(&self.axes[k]) / self.deviations[k]);
             let u = libm::atan2(y, x) / TAU;
-            (if u < 0.0 { u + 1.0 } else { u }, libm::atan2(x.hypot(y), z) / PI)
+            (
+                if u < 0.0 { u + 1.0 } else { u },
+                libm::atan2(x.hypot(y), z) / PI,
+            )
         };
         points.iter().map(angle).collect()
     }
@@ -169,9 +228,15 @@ impl Problem {
                 count += usize::from(!same);
             }
         }
-        let mut problem = Self { shape, unknown, count, energy: Vec::new() };
+        let mut problem = Self {
+            shape,
+            unknown,
+            count,
+            energy: Vec::new(),
+        };
         // Two points a span and direction integrate the second derivatives of a cubic exactly.
-        let nodes = |knots: &KnotVector| super::closed::gauss_nodes(knots, knots.degree().max(2) - 1);
+        let nodes =
+            |knots: &KnotVector| super::closed::gauss_nodes(knots, knots.degree().max(2) - 1);
         let mut rows: Vec<Vec<(usize, f64)>> = vec![Vec::new(); count];
         for (u, a) in nodes(problem.shape.knots_u()) {
             for (v, b) in nodes(problem.shape.knots_v()) {
@@ -197,9 +262,13 @@ impl Problem {
         problem
     }
 
-    /// What a point, or a derivative, is of the unknowns; control points that are one are one entry.
+    /// What a point, or a derivative, is of the unknowns; control points that are one are one
+    /// entry.
     fn row(&self, u: f64, v: f64, order_u: usize, order_v: usize) -> Vec<(usize, f64)> {
-        let (wu, wv) = (self.shape.knots_u().window(u), self.shape.knots_v().window(v));
+        let (wu, wv) = (
+            self.shape.knots_u().window(u),
+            self.shape.knots_v().window(v),
+        );
         let (rows, columns) = (self.shape.net().rows(), self.shape.net().columns());
         let mut row: Vec<(usize, f64)> = Vec::with_capacity(wu.len * wv.len);
         for (a, n) in wu.order(order_u).iter().enumerate() {
@@ -214,7 +283,13 @@ impl Problem {
         row
     }
 
-    fn solve(&self, points: &[Point3], parameters: &[(f64, f64)], smoothing: f64, origin: Point3) -> Surface {
+    fn solve(
+        &self,
+        points: &[Point3],
+        parameters: &[(f64, f64)],
+        smoothing: f64,
+        origin: Point3,
+    ) -> Surface {
         let mut matrix = SymmetricTriplets::new(self.count);
         let mut right = [(); 3].map(|()| vec![0.0; self.count]);
         let share = 1.0 / points.len() as f64;
@@ -231,14 +306,27 @@ impl Problem {
                 }
             }
         }
-        let bending: f64 = self.energy.iter().filter(|(i, j, _)| i == j).map(|(_, _, value)| value).sum();
-        let weight = if bending > 0.0 { smoothing * data / bending } else { 0.0 };
-        self.energy.iter().for_each(|&(i, j, value)| matrix.add(i, j, weight * value));
-        // Nothing holds a control point that no point sees where the energy is blind too; it goes to the middle.
+        let bending: f64 = self
+            .energy
+            .iter()
+            .filter(|(i, j, _)| i == j)
+            .map(|(_, _, value)| value)
+            .sum();
+        let weight = if bending > 0.0 {
+            smoothing * data / bending
+        } else {
+            0.0
+        };
+        self.energy
+            .iter()
+            .for_each(|&(i, j, value)| matrix.add(i, j, weight * value));
+        // Nothing holds a control point that no point sees where the energy is blind too; it goes
+        // to the middle.
         for i in 0..self.count {
             matrix.add(i, i, 1e-12 * data / self.count as f64);
         }
-        let factor = Cholesky::new(&matrix).expect("a sum of squares, and more than nothing on the diagonal");
+        let factor = Cholesky::new(&matrix)
+            .expect("a sum of squares, and more than nothing on the diagonal");
         right.iter_mut().for_each(|right| factor.solve_one(right));
         let mut surface = self.shape.clone();
         for (point, &k) in surface.net_mut().points_mut().iter_mut().zip(&self.unknown) {
@@ -270,11 +358,24 @@ mod tests {
     fn a_scanned_teardrop_becomes_a_closed_surface_near_every_point() {
         let drop = tilted(&builtin("teardrop", None, None).unwrap());
         let points = cloud(&drop, 3000, 0.0, 101);
-        let spec = CloudSpec { closed: true, counts: [12, 12], ..CloudSpec::default() };
+        let spec = CloudSpec {
+            closed: true,
+            counts: [12, 12],
+            ..CloudSpec::default()
+        };
         let fitted = Surface::fitted_to_cloud(&points, &spec).unwrap();
         assert!(fitted.surface.topology().is_closed() && fitted.surface.volume() > 0.0);
-        println!("rms {:e}, max {:e} of {}", fitted.rms_error, fitted.max_error, drop.size());
-        assert!(fitted.rms_error < 2e-3 * drop.size(), "{} m", fitted.rms_error);
+        println!(
+            "rms {:e}, max {:e} of {}",
+            fitted.rms_error,
+            fitted.max_error,
+            drop.size()
+        );
+        assert!(
+            fitted.rms_error < 2e-3 * drop.size(),
+            "{} m",
+            fitted.rms_error
+        );
         assert!((fitted.surface.volume() / drop.volume() - 1.0).abs() < 0.01);
     }
 
@@ -282,41 +383,87 @@ mod tests {
     fn a_bent_sheet_is_found_and_noise_is_not() {
         let mut sheet = tilted(&builtin("sheet", None, Some(0.1)).unwrap());
         let mut random = Random(102);
-        sheet.net_mut().points_mut().iter_mut().for_each(|p| *p += Vector3::new(0.0, 0.0, random.float(-0.01, 0.01)));
+        sheet
+            .net_mut()
+            .points_mut()
+            .iter_mut()
+            .for_each(|p| *p += Vector3::new(0.0, 0.0, random.float(-0.01, 0.01)));
         let fit = |noise: f64, smoothing: f64| {
-            let spec = CloudSpec { counts: [12, 12], smoothing, ..CloudSpec::default() };
+            let spec = CloudSpec {
+                counts: [12, 12],
+                smoothing,
+                ..CloudSpec::default()
+            };
             Surface::fitted_to_cloud(&cloud(&sheet, 2500, noise, 103), &spec).unwrap()
         };
         let exact = fit(0.0, 1e-8);
         println!("rms {:e}, max {:e}", exact.rms_error, exact.max_error);
         assert!(exact.rms_error < 1e-4, "{} m", exact.rms_error);
-        // Uniform noise of ± 1 mm in a direction has 0.58 mm; the surface should be nearer to the truth than that.
+        // Uniform noise of ± 1 mm in a direction has 0.58 mm; the surface should be nearer to the
+        // truth than that.
         let noisy = fit(1e-3, 1e-4);
-        // The fit may reach past the cloud's corners; what counts is that it passes where the sheet is.
+        // The fit may reach past the cloud's corners; what counts is that it passes where the sheet
+        // is.
         let mut solver = ClosestSolver::new(&noisy.surface);
-        let truth: f64 =
-            cloud(&sheet, 400, 0.0, 104).iter().map(|p| solver.closest(&noisy.surface, p).distance.powi(2)).sum();
+        let truth: f64 = cloud(&sheet, 400, 0.0, 104)
+            .iter()
+            .map(|p| solver.closest(&noisy.surface, p).distance.powi(2))
+            .sum();
         let truth = (truth / 400.0).sqrt();
         assert!(truth < 2.5e-4, "{truth} m from the surface without noise");
     }
 
     #[test]
     fn clouds_that_span_nothing_are_refused() {
-        let line: Vec<Point3> = (0..50).map(|k| Point3::new(f64::from(k), 0.0, 0.0)).collect();
+        let line: Vec<Point3> = (0..50)
+            .map(|k| Point3::new(f64::from(k), 0.0, 0.0))
+            .collect();
         let fit = |points: &[Point3], closed| {
-            Surface::fitted_to_cloud(points, &CloudSpec { closed, ..CloudSpec::default() }).unwrap_err()
+            Surface::fitted_to_cloud(
+                points,
+                &CloudSpec {
+                    closed,
+                    ..CloudSpec::default()
+                },
+            )
+            .unwrap_err()
         };
         assert_eq!(fit(&line, false), FitError::Flat { missing: 2 });
-        assert_eq!(fit(&[Point3::origin(); 30], false), FitError::Flat { missing: 3 });
+        assert_eq!(
+            fit(&[Point3::origin(); 30], false),
+            FitError::Flat { missing: 3 }
+        );
         let flat = cloud(&builtin("sheet", None, None).unwrap(), 50, 0.0, 105);
         assert_eq!(fit(&flat, true), FitError::Flat { missing: 1 });
-        assert_eq!(fit(&flat[..15], false), FitError::TooFew { direction: "all", points: 15, count: 16 });
+        assert_eq!(
+            fit(&flat[..15], false),
+            FitError::TooFew {
+                direction: "all",
+                points: 15,
+                count: 16
+            }
+        );
         let mut broken = flat.clone();
         broken[3].z = f64::INFINITY;
-        assert!(matches!(fit(&broken, false), FitError::NotFinite { index: 3, .. }));
-        let spec = CloudSpec { counts: [1 << 40, 1 << 40], ..CloudSpec::default() };
-        assert!(matches!(Surface::fitted_to_cloud(&flat, &spec), Err(FitError::TooMany { .. })));
-        let spec = CloudSpec { smoothing: f64::NAN, ..CloudSpec::default() };
-        assert!(matches!(Surface::fitted_to_cloud(&flat, &spec), Err(FitError::Smoothing(_))));
+        assert!(matches!(
+            fit(&broken, false),
+            FitError::NotFinite { index: 3, .. }
+        ));
+        let spec = CloudSpec {
+            counts: [1 << 40, 1 << 40],
+            ..CloudSpec::default()
+        };
+        assert!(matches!(
+            Surface::fitted_to_cloud(&flat, &spec),
+            Err(FitError::TooMany { .. })
+        ));
+        let spec = CloudSpec {
+            smoothing: f64::NAN,
+            ..CloudSpec::default()
+        };
+        assert!(matches!(
+            Surface::fitted_to_cloud(&flat, &spec),
+            Err(FitError::Smoothing(_))
+        ));
     }
 }

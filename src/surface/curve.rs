@@ -52,30 +52,55 @@ impl Curve {
     /// A curve of checked knots.
     ///
     /// # Errors
-    /// Numbers of points or weights that do not fit, points that are not finite, weights that are not above 0.
-    pub fn new(knots: KnotVector, points: Vec<Point3>, weights: Option<Vec<f64>>) -> Result<Self, CurveError> {
+    /// Numbers of points or weights that do not fit, points that are not finite, weights that are
+    /// not above 0.
+    pub fn new(
+        knots: KnotVector,
+        points: Vec<Point3>,
+        weights: Option<Vec<f64>>,
+    ) -> Result<Self, CurveError> {
         if points.len() != knots.count() {
-            return Err(CurveError::Count { needed: knots.count(), given: points.len() });
+            return Err(CurveError::Count {
+                needed: knots.count(),
+                given: points.len(),
+            });
         }
-        if let Some(index) = points.iter().position(|p| !p.coords.iter().all(|x| x.is_finite())) {
+        if let Some(index) = points
+            .iter()
+            .position(|p| !p.coords.iter().all(|x| x.is_finite()))
+        {
             return Err(CurveError::NotFinite { index });
         }
         if let Some(weights) = &weights {
             if weights.len() != points.len() {
-                return Err(CurveError::WeightCount { weights: weights.len(), points: points.len() });
+                return Err(CurveError::WeightCount {
+                    weights: weights.len(),
+                    points: points.len(),
+                });
             }
             if let Some(index) = weights.iter().position(|w| !(w.is_finite() && *w > 0.0)) {
-                return Err(CurveError::Weight { index, value: weights[index] });
+                return Err(CurveError::Weight {
+                    index,
+                    value: weights[index],
+                });
             }
         }
-        Ok(Self { knots, points, weights })
+        Ok(Self {
+            knots,
+            points,
+            weights,
+        })
     }
 
     /// From points that were checked.
     pub(super) fn from_line(knots: KnotVector, line: &[LinePoint], rational: bool) -> Self {
         debug_assert_eq!(knots.count(), line.len(), "points and knots disagree");
         let points = line.iter().map(|point| point.0).collect();
-        Self { knots, points, weights: rational.then(|| line.iter().map(|point| point.1).collect()) }
+        Self {
+            knots,
+            points,
+            weights: rational.then(|| line.iter().map(|point| point.1).collect()),
+        }
     }
 
     /// Knots.
@@ -101,8 +126,14 @@ impl Curve {
     /// The point and the derivative by the parameter, m.
     pub fn point_and_tangent(&self, t: f64) -> (Point3, Vector3) {
         let window = self.knots.window(t);
-        let (mut sum, mut slope, mut weight, mut weight_slope) = (Vector3::zeros(), Vector3::zeros(), 0.0, 0.0);
-        for (k, (n, d)) in window.values().iter().zip(window.first_derivatives()).enumerate() {
+        let (mut sum, mut slope, mut weight, mut weight_slope) =
+            (Vector3::zeros(), Vector3::zeros(), 0.0, 0.0);
+        for (k, (n, d)) in window
+            .values()
+            .iter()
+            .zip(window.first_derivatives())
+            .enumerate()
+        {
             let k = wrap(window.first + k, self.points.len());
             let w = self.weights.as_ref().map_or(1.0, |w| w[k]);
             sum += self.points[k].coords * (n * w);

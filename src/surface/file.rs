@@ -4,8 +4,9 @@
 //! {"format": "palpate.surface.v1", "degree": [3, 3], "periodic": [false, false], "knots": [[0, …], [0, …]],
 //!  "points": [[[x, y, z], …], …], "weights": [[1, …], …], "unit": "m", "flip_normal": false}
 //! ```
-//! Rows in u, columns in v. `weights`, `unit` ("m" unless given), `flip_normal` and `name` may be left out. Without
-//! `flip_normal` a closed surface is turned so that its normals point outwards, an open one has them along S_u × S_v.
+//! Rows in u, columns in v. `weights`, `unit` ("m" unless given), `flip_normal` and `name` may be
+//! left out. Without `flip_normal` a closed surface is turned so that its normals point outwards,
+//! an open one has them along S_u × S_v.
 
 use super::{ControlNet, Surface, SurfaceError};
 use crate::basis::{KnotError, KnotVector, MAX_DEGREE};
@@ -15,7 +16,17 @@ use serde_json::Value;
 /// The value of `format`.
 pub const FORMAT: &str = "palpate.surface.v1";
 
-const KEYS: [&str; 9] = ["format", "degree", "periodic", "knots", "points", "weights", "unit", "flip_normal", "name"];
+const KEYS: [&str; 9] = [
+    "format",
+    "degree",
+    "periodic",
+    "knots",
+    "points",
+    "weights",
+    "unit",
+    "flip_normal",
+    "name",
+];
 
 /// Unit of the points in a file.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -151,13 +162,23 @@ pub fn from_value(document: &Value) -> Result<Surface, FileError> {
     // First the format: of another one, other keys are no mistake.
     match map.get("format") {
         Some(Value::String(format)) if format == FORMAT => {}
-        Some(other) => return Err(FileError::Format { found: shortened(other) }),
+        Some(other) => {
+            return Err(FileError::Format {
+                found: shortened(other),
+            });
+        }
         None => return Err(FileError::Missing("format")),
     }
     for key in map.keys().filter(|key| !KEYS.contains(&key.as_str())) {
         // Strange keys are notes of other programs, unless they are nearly one of ours.
-        if let Some(suggestion) = KEYS.iter().find(|known| strsim::damerau_levenshtein(known, key) <= 2) {
-            return Err(FileError::Misspelt { key: key.clone(), suggestion });
+        if let Some(suggestion) = KEYS
+            .iter()
+            .find(|known| strsim::damerau_levenshtein(known, key) <= 2)
+        {
+            return Err(FileError::Misspelt {
+                key: key.clone(),
+                suggestion,
+            });
         }
     }
     let get = |key: &'static str| map.get(key).ok_or(FileError::Missing(key));
@@ -172,9 +193,16 @@ pub fn from_value(document: &Value) -> Result<Surface, FileError> {
     let knots = |k: usize| {
         let (direction, count) = [('u', rows), ('v', columns)][k];
         let degree = degrees[k].as_u64().and_then(|d| usize::try_from(d).ok());
-        let degree = degree.ok_or_else(|| wrong(&format!("degree[{k}]"), "a whole number above 0", &degrees[k]))?;
-        let periodic =
-            periodic[k].as_bool().ok_or_else(|| wrong(&format!("periodic[{k}]"), "true or false", &periodic[k]))?;
+        let degree = degree.ok_or_else(|| {
+            wrong(
+                &format!("degree[{k}]"),
+                "a whole number above 0",
+                &degrees[k],
+            )
+        })?;
+        let periodic = periodic[k]
+            .as_bool()
+            .ok_or_else(|| wrong(&format!("periodic[{k}]"), "true or false", &periodic[k]))?;
         let path = format!("knots[{k}]");
         let values: Vec<f64> = list(&knots[k], &path, "a list of numbers")?
             .iter()
@@ -182,20 +210,43 @@ pub fn from_value(document: &Value) -> Result<Surface, FileError> {
             .map(|(i, value)| number(value, || format!("{path}[{i}]")))
             .collect::<Result<_, _>>()?;
         let given = values.len();
-        let needed = if periodic { count.saturating_add(1) } else { count.saturating_add(degree).saturating_add(1) };
+        let needed = if periodic {
+            count.saturating_add(1)
+        } else {
+            count.saturating_add(degree).saturating_add(1)
+        };
         // Counts first: with a knot too many, what follows from the values is beside the point.
         let fits = (1..=MAX_DEGREE).contains(&degree);
         if fits && count <= degree {
-            return Err(SurfaceError::Knots { direction, source: KnotError::TooFew { count, degree } }.into());
+            return Err(SurfaceError::Knots {
+                direction,
+                source: KnotError::TooFew { count, degree },
+            }
+            .into());
         }
         if fits && given != needed {
-            return Err(FileError::KnotCount { direction, given, degree, count, needed, periodic });
+            return Err(FileError::KnotCount {
+                direction,
+                given,
+                degree,
+                count,
+                needed,
+                periodic,
+            });
         }
-        let made = if periodic { KnotVector::periodic(degree, values) } else { KnotVector::new(degree, values) };
+        let made = if periodic {
+            KnotVector::periodic(degree, values)
+        } else {
+            KnotVector::new(degree, values)
+        };
         made.map_err(|source| FileError::from(SurfaceError::Knots { direction, source }))
     };
     let (knots_u, knots_v) = (knots(0)?, knots(1)?);
-    let weights = map.get("weights").filter(|w| !w.is_null()).map(|w| weights(w, rows, columns)).transpose()?;
+    let weights = map
+        .get("weights")
+        .filter(|w| !w.is_null())
+        .map(|w| weights(w, rows, columns))
+        .transpose()?;
     let net = ControlNet::new(rows, columns, points).map_err(SurfaceError::from)?;
     let surface = Surface::new(knots_u, knots_v, net, weights)?;
     match map.get("flip_normal") {
@@ -213,7 +264,11 @@ pub fn write(surface: &Surface, unit: Unit) -> String {
         .net()
         .points()
         .chunks(columns)
-        .map(|row| row.iter().map(|p| [p.x * scale, p.y * scale, p.z * scale]).collect())
+        .map(|row| {
+            row.iter()
+                .map(|p| [p.x * scale, p.y * scale, p.z * scale])
+                .collect()
+        })
         .collect();
     let (u, v) = (surface.knots_u(), surface.knots_v());
     let mut document = serde_json::json!({
@@ -244,8 +299,12 @@ fn points(value: &Value, unit: Unit) -> Result<(usize, usize, Vec<Point3>), File
         for (j, point) in row.iter().enumerate() {
             let path = || format!("points[{i}][{j}]");
             let wanted = "three numbers";
-            let Value::Array(xyz) = point else { return Err(wrong(&path(), wanted, point)) };
-            let [x, y, z] = xyz.as_slice() else { return Err(wrong(&path(), wanted, point)) };
+            let Value::Array(xyz) = point else {
+                return Err(wrong(&path(), wanted, point));
+            };
+            let [x, y, z] = xyz.as_slice() else {
+                return Err(wrong(&path(), wanted, point));
+            };
             let coordinate = |value| number(value, path).map(|x| x / unit.per_metre());
             points.push(Point3::new(coordinate(x)?, coordinate(y)?, coordinate(z)?));
         }
@@ -256,14 +315,23 @@ fn points(value: &Value, unit: Unit) -> Result<(usize, usize, Vec<Point3>), File
 fn weights(value: &Value, rows: usize, columns: usize) -> Result<Vec<f64>, FileError> {
     let lines = list(value, "weights", "a list of rows")?;
     if lines.len() != rows {
-        return Err(SurfaceError::WeightCount { given: lines.len() * columns, needed: rows * columns }.into());
+        return Err(SurfaceError::WeightCount {
+            given: lines.len() * columns,
+            needed: rows * columns,
+        }
+        .into());
     }
     let mut weights = Vec::with_capacity(rows * columns);
     for (i, line) in lines.iter().enumerate() {
         let line = list(line, &format!("weights[{i}]"), "a row of numbers")?;
         if line.len() != columns {
             let (path, path_first) = (format!("weights[{i}]"), "points[0]".to_owned());
-            return Err(FileError::Ragged { path, path_first, given: line.len(), needed: columns });
+            return Err(FileError::Ragged {
+                path,
+                path_first,
+                given: line.len(),
+                needed: columns,
+            });
         }
         for (j, weight) in line.iter().enumerate() {
             weights.push(number(weight, || format!("weights[{i}][{j}]"))?);
@@ -276,24 +344,45 @@ fn same_length(list: &str, i: usize, given: usize, needed: usize) -> Result<(), 
     if given == needed {
         return Ok(());
     }
-    Err(FileError::Ragged { path: format!("{list}[{i}]"), path_first: format!("{list}[0]"), given, needed })
+    Err(FileError::Ragged {
+        path: format!("{list}[{i}]"),
+        path_first: format!("{list}[0]"),
+        given,
+        needed,
+    })
 }
 
-fn list<'a>(value: &'a Value, path: &str, wanted: &'static str) -> Result<&'a Vec<Value>, FileError> {
+fn list<'a>(
+    value: &'a Value,
+    path: &str,
+    wanted: &'static str,
+) -> Result<&'a Vec<Value>, FileError> {
     value.as_array().ok_or_else(|| wrong(path, wanted, value))
 }
 
-fn pair<'a>(value: &'a Value, path: &str, wanted: &'static str) -> Result<&'a [Value; 2], FileError> {
-    let pair = value.as_array().and_then(|values| values.as_slice().try_into().ok());
+fn pair<'a>(
+    value: &'a Value,
+    path: &str,
+    wanted: &'static str,
+) -> Result<&'a [Value; 2], FileError> {
+    let pair = value
+        .as_array()
+        .and_then(|values| values.as_slice().try_into().ok());
     pair.ok_or_else(|| wrong(path, wanted, value))
 }
 
 fn number(value: &Value, path: impl Fn() -> String) -> Result<f64, FileError> {
-    value.as_f64().ok_or_else(|| wrong(&path(), "a number", value))
+    value
+        .as_f64()
+        .ok_or_else(|| wrong(&path(), "a number", value))
 }
 
 fn wrong(path: &str, wanted: &'static str, found: &Value) -> FileError {
-    FileError::Type { path: path.to_owned(), wanted, found: shortened(found) }
+    FileError::Type {
+        path: path.to_owned(),
+        wanted,
+        found: shortened(found),
+    }
 }
 
 fn shortened(value: &Value) -> String {
@@ -302,7 +391,11 @@ fn shortened(value: &Value) -> String {
         Value::Object(_) => return "an object".to_owned(),
         other => other.to_string(),
     };
-    if text.chars().count() > 60 { text.chars().take(60).chain("…".chars()).collect() } else { text }
+    if text.chars().count() > 60 {
+        text.chars().take(60).chain("…".chars()).collect()
+    } else {
+        text
+    }
 }
 
 #[cfg(test)]
@@ -317,11 +410,20 @@ mod tests {
             let again = read(&write(&surface, Unit::Metre)).unwrap();
             assert_eq!(again, surface);
             let bits = |s: &Surface| -> Vec<u64> {
-                s.net().points().iter().flat_map(|p| p.iter().map(|x| x.to_bits()).collect::<Vec<_>>()).collect()
+                s.net()
+                    .points()
+                    .iter()
+                    .flat_map(|p| p.iter().map(|x| x.to_bits()).collect::<Vec<_>>())
+                    .collect()
             };
             assert_eq!(bits(&again), bits(&surface), "signs of zero too");
             let millimetres = read(&write(&surface, Unit::Millimetre)).unwrap();
-            for (a, b) in millimetres.net().points().iter().zip(surface.net().points()) {
+            for (a, b) in millimetres
+                .net()
+                .points()
+                .iter()
+                .zip(surface.net().points())
+            {
                 assert!((a - b).norm() <= 4e-16 * b.coords.norm(), "{a} is not {b}");
             }
         }
@@ -354,16 +456,46 @@ mod tests {
                 &|d| d["format"] = "palpate.surface.v2".into(),
                 "\"format\" is \"palpate.surface.v2\", this reads \"palpate.surface.v1\"",
             ),
-            (&|d| d["format"] = Value::Null, "\"format\" is null, this reads \"palpate.surface.v1\""),
-            (&|d| drop(d.as_object_mut().unwrap().remove("knots")), "\"knots\" is missing"),
-            (&|d| d["weight"] = 1.into(), "unknown key \"weight\"; did you mean \"weights\"?"),
-            (&|d| d["unit"] = "cm".into(), "unit should be \"m\" or \"mm\", but is \"cm\""),
-            (&|d| d["degree"] = 1.into(), "degree should be two whole numbers above 0, but is 1"),
-            (&|d| d["degree"][1] = 1.5.into(), "degree[1] should be a whole number above 0, but is 1.5"),
-            (&|d| d["degree"][0] = 0.into(), "knots in u: degree 0 is outside 1..=15"),
-            (&|d| d["periodic"][0] = "no".into(), "periodic[0] should be true or false, but is \"no\""),
-            (&|d| d["knots"][1][2] = Value::Null, "knots[1][2] should be a number, but is null"),
-            (&|d| d["knots"][0][3] = 0.5.into(), "knots in u: knot 3 (0.5) is smaller than the one before it (1)"),
+            (
+                &|d| d["format"] = Value::Null,
+                "\"format\" is null, this reads \"palpate.surface.v1\"",
+            ),
+            (
+                &|d| drop(d.as_object_mut().unwrap().remove("knots")),
+                "\"knots\" is missing",
+            ),
+            (
+                &|d| d["weight"] = 1.into(),
+                "unknown key \"weight\"; did you mean \"weights\"?",
+            ),
+            (
+                &|d| d["unit"] = "cm".into(),
+                "unit should be \"m\" or \"mm\", but is \"cm\"",
+            ),
+            (
+                &|d| d["degree"] = 1.into(),
+                "degree should be two whole numbers above 0, but is 1",
+            ),
+            (
+                &|d| d["degree"][1] = 1.5.into(),
+                "degree[1] should be a whole number above 0, but is 1.5",
+            ),
+            (
+                &|d| d["degree"][0] = 0.into(),
+                "knots in u: degree 0 is outside 1..=15",
+            ),
+            (
+                &|d| d["periodic"][0] = "no".into(),
+                "periodic[0] should be true or false, but is \"no\"",
+            ),
+            (
+                &|d| d["knots"][1][2] = Value::Null,
+                "knots[1][2] should be a number, but is null",
+            ),
+            (
+                &|d| d["knots"][0][3] = 0.5.into(),
+                "knots in u: knot 3 (0.5) is smaller than the one before it (1)",
+            ),
             (
                 &|d| d["knots"][0] = serde_json::json!([0, 0, 0.5, 1, 1]),
                 "5 knots in u, but degree 1 with 2 control points needs 4 (count + degree + 1)",
@@ -372,8 +504,14 @@ mod tests {
                 &|d| d["periodic"][1] = true.into(),
                 "4 knots in v, but degree 1 with 2 control points needs 3 (one period: count + 1)",
             ),
-            (&|d| d["points"][1][0] = serde_json::json!([1, 2]), "points[1][0] should be three numbers, but is [1,2]"),
-            (&|d| d["points"][0][1][2] = "x".into(), "points[0][1] should be a number, but is \"x\""),
+            (
+                &|d| d["points"][1][0] = serde_json::json!([1, 2]),
+                "points[1][0] should be three numbers, but is [1,2]",
+            ),
+            (
+                &|d| d["points"][0][1][2] = "x".into(),
+                "points[0][1] should be a number, but is \"x\"",
+            ),
             (
                 &|d| d["points"][1] = serde_json::json!([[0, 0, 0]]),
                 "points[1] has 1 values, points[0] has 2: all rows need the same number",
@@ -382,7 +520,10 @@ mod tests {
                 &|d| d["weights"] = serde_json::json!([[1, 1], [1, -2]]),
                 "weight (1, 1) is -2; weights are finite and above 0",
             ),
-            (&|d| d["weights"] = serde_json::json!([[1, 1]]), "2 weights for 4 control points"),
+            (
+                &|d| d["weights"] = serde_json::json!([[1, 1]]),
+                "2 weights for 4 control points",
+            ),
         ];
         for (change, wanted) in cases {
             assert_eq!(message(change), wanted);
@@ -393,11 +534,17 @@ mod tests {
     fn documents_cut_short_or_of_other_kinds_are_refused() {
         let whole = sheet().to_string();
         for end in 0..whole.len() {
-            assert!(matches!(read(&whole[..end]), Err(FileError::Json(_))), "cut at {end}");
+            assert!(
+                matches!(read(&whole[..end]), Err(FileError::Json(_))),
+                "cut at {end}"
+            );
         }
         assert!(matches!(read("[]"), Err(FileError::Type { .. })));
         assert!(matches!(read("{}"), Err(FileError::Missing("format"))));
-        assert!(read(&whole.replace("1000", "1e999")).is_err(), "no infinite coordinates");
+        assert!(
+            read(&whole.replace("1000", "1e999")).is_err(),
+            "no infinite coordinates"
+        );
         let empty = serde_json::json!({"format": FORMAT, "degree": [1, 1], "knots": [[], []], "points": []});
         assert!(from_value(&empty).is_err());
     }

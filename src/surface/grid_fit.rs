@@ -1,8 +1,9 @@
 //! Surfaces through, or near, a grid of points.
 //!
-//! Parameters are mean chord lengths, knots follow them so that every span has points (Piegl & Tiller, *The NURBS Book*,
-//! eq. 9.5, 9.8 and 9.69); as many control points as points interpolate, fewer give the least sum of squares
-//! between the ends of clamped lines, which stay in place: edges and poles are kept.
+//! Parameters are mean chord lengths, knots follow them so that every span has points (Piegl &
+//! Tiller, *The NURBS Book*, eq. 9.5, 9.8 and 9.69); as many control points as points interpolate,
+//! fewer give the least sum of squares between the ends of clamped lines, which stay in place:
+//! edges and poles are kept.
 
 use super::{ControlNet, Surface, SurfaceError};
 use crate::basis::{Blending, KnotError, KnotVector};
@@ -15,7 +16,8 @@ pub struct GridSpec {
     pub degree: [usize; 2],
     /// Control points in u and v; at most as many as grid points.
     pub counts: [usize; 2],
-    /// The grid's rows (u), columns (v) go round: the first follows the last, and is not given twice.
+    /// The grid's rows (u), columns (v) go round: the first follows the last, and is not given
+    /// twice.
     pub periodic: [bool; 2],
 }
 
@@ -24,7 +26,8 @@ pub struct GridSpec {
 pub struct Fitted {
     /// The surface.
     pub surface: Surface,
-    /// Root mean square of the distances, m: to the grid's points at their parameters, or to a cloud's at their feet.
+    /// Root mean square of the distances, m: to the grid's points at their parameters, or to a
+    /// cloud's at their feet.
     pub rms_error: f64,
     /// Largest distance, m.
     pub max_error: f64,
@@ -79,7 +82,9 @@ pub enum FitError {
         index: usize,
     },
     /// A cloud that is a point or a line, or, where a closed surface is wanted, flat.
-    #[error("the points have no extent in {missing} of three directions: no such surface spans them")]
+    #[error(
+        "the points have no extent in {missing} of three directions: no such surface spans them"
+    )]
     Flat {
         /// Directions without extent.
         missing: usize,
@@ -96,10 +101,20 @@ impl Surface {
     /// The surface through or near `rows × columns` points, u-major.
     ///
     /// # Errors
-    /// Points that are not such a grid or not finite, two equal lines, or counts that the points or the degree do not allow.
-    pub fn fitted_to_grid(points: &[Point3], rows: usize, columns: usize, spec: &GridSpec) -> Result<Fitted, FitError> {
+    /// Points that are not such a grid or not finite, two equal lines, or counts that the points or
+    /// the degree do not allow.
+    pub fn fitted_to_grid(
+        points: &[Point3],
+        rows: usize,
+        columns: usize,
+        spec: &GridSpec,
+    ) -> Result<Fitted, FitError> {
         if rows.checked_mul(columns) != Some(points.len()) || points.is_empty() {
-            return Err(FitError::Count { given: points.len(), rows, columns });
+            return Err(FitError::Count {
+                given: points.len(),
+                rows,
+                columns,
+            });
         }
         finite(points)?;
         let count = spec.counts[0].saturating_mul(spec.counts[1]);
@@ -108,7 +123,9 @@ impl Surface {
         }
         let lines = |direction: usize| -> Vec<Vec<Point3>> {
             match direction {
-                0 => (0..columns).map(|j| (0..rows).map(|i| points[i * columns + j]).collect()).collect(),
+                0 => (0..columns)
+                    .map(|j| (0..rows).map(|i| points[i * columns + j]).collect())
+                    .collect(),
                 _ => points.chunks(columns).map(<[Point3]>::to_vec).collect(),
             }
         };
@@ -116,13 +133,28 @@ impl Surface {
         for (direction, name) in ["u", "v"].into_iter().enumerate() {
             let (given, count) = ([rows, columns][direction], spec.counts[direction]);
             if count > given {
-                return Err(FitError::TooFew { direction: name, points: given, count });
+                return Err(FitError::TooFew {
+                    direction: name,
+                    points: given,
+                    count,
+                });
             }
             let parameters = chord_parameters(&lines(direction), spec.periodic[direction])
-                .map_err(|index| FitError::Coincident { direction: name, index })?;
-            let knots = knots_for(&parameters, spec.degree[direction], count, spec.periodic[direction]);
+                .map_err(|index| FitError::Coincident {
+                    direction: name,
+                    index,
+                })?;
+            let knots = knots_for(
+                &parameters,
+                spec.degree[direction],
+                count,
+                spec.periodic[direction],
+            );
             let letter = if direction == 0 { 'u' } else { 'v' };
-            let knots = knots.map_err(|source| SurfaceError::Knots { direction: letter, source })?;
+            let knots = knots.map_err(|source| SurfaceError::Knots {
+                direction: letter,
+                source,
+            })?;
             both.push((knots, parameters));
         }
         let [(knots_u, us), (knots_v, vs)] = <[_; 2]>::try_from(both).expect("two directions");
@@ -131,9 +163,18 @@ impl Surface {
         let offsets: Vec<Vector3> = points.iter().map(|point| point - origin).collect();
         let half = LineFit::new(&knots_v, &vs).apply(&offsets);
         let turned = transposed(&half, rows, knots_v.count());
-        let fitted = transposed(&LineFit::new(&knots_u, &us).apply(&turned), knots_v.count(), knots_u.count());
-        let net = ControlNet::new(knots_u.count(), knots_v.count(), fitted.iter().map(|x| origin + x).collect());
-        let surface = Self::new(knots_u, knots_v, net.map_err(SurfaceError::from)?, None)?.with_exact_seams();
+        let fitted = transposed(
+            &LineFit::new(&knots_u, &us).apply(&turned),
+            knots_v.count(),
+            knots_u.count(),
+        );
+        let net = ControlNet::new(
+            knots_u.count(),
+            knots_v.count(),
+            fitted.iter().map(|x| origin + x).collect(),
+        );
+        let surface =
+            Self::new(knots_u, knots_v, net.map_err(SurfaceError::from)?, None)?.with_exact_seams();
         let (mut sum, mut most) = (0.0, 0.0_f64);
         for (i, &u) in us.iter().enumerate() {
             for (j, &v) in vs.iter().enumerate() {
@@ -142,11 +183,16 @@ impl Surface {
                 most = most.max(distance);
             }
         }
-        Ok(Fitted { surface, rms_error: (sum / points.len() as f64).sqrt(), max_error: most })
+        Ok(Fitted {
+            surface,
+            rms_error: (sum / points.len() as f64).sqrt(),
+            max_error: most,
+        })
     }
 }
 
-/// Least squares for lines of points at fixed parameters; the ends of a clamped line stay where they are.
+/// Least squares for lines of points at fixed parameters; the ends of a clamped line stay where
+/// they are.
 struct LineFit {
     blending: Blending,
     pinned: usize,
@@ -156,7 +202,8 @@ struct LineFit {
 /// Keeps the factor positive where rounding would not; refinement takes its effect out again.
 const RIDGE: f64 = 1e-13;
 
-/// Rounds of refinement: the normal equations square the condition, each round gives back what that cost.
+/// Rounds of refinement: the normal equations square the condition, each round gives back what that
+/// cost.
 const REFINEMENTS: usize = 4;
 
 impl LineFit {
@@ -166,7 +213,11 @@ impl LineFit {
         let free = knots.count() - 2 * pinned;
         let mut normal = SymmetricTriplets::new(free);
         for row in 0..blending.rows() {
-            let inner = || blending.entries(row, 0).filter(|(k, _)| (pinned..pinned + free).contains(k));
+            let inner = || {
+                blending
+                    .entries(row, 0)
+                    .filter(|(k, _)| (pinned..pinned + free).contains(k))
+            };
             for (i, a) in inner() {
                 for (j, b) in inner().filter(|(j, _)| *j <= i) {
                     normal.add(i - pinned, j - pinned, a * b);
@@ -175,7 +226,11 @@ impl LineFit {
         }
         (0..free).for_each(|k| normal.add(k, k, RIDGE));
         let normal = (free > 0).then(|| Cholesky::new(&normal).expect("every span has its points"));
-        Self { blending, pinned, normal }
+        Self {
+            blending,
+            pinned,
+            normal,
+        }
     }
 
     /// Lines one after the other, each (parameters) → each (control points).
@@ -196,13 +251,18 @@ impl LineFit {
                 for (row, missed) in missed.iter().enumerate() {
                     for (k, value) in self.blending.entries(row, 0) {
                         if (self.pinned..self.pinned + free).contains(&k) {
-                            (0..3).for_each(|c| right[c][k - self.pinned] += value * (line[row][c] - missed[c]));
+                            (0..3).for_each(|c| {
+                                right[c][k - self.pinned] += value * (line[row][c] - missed[c])
+                            });
                         }
                     }
                 }
                 for (c, right) in right.iter_mut().enumerate() {
                     normal.solve_one(right);
-                    points[self.pinned..].iter_mut().zip(right).for_each(|(point, x)| point[c] += *x);
+                    points[self.pinned..]
+                        .iter_mut()
+                        .zip(right)
+                        .for_each(|(point, x)| point[c] += *x);
                 }
             }
             out.extend(points);
@@ -212,7 +272,9 @@ impl LineFit {
 }
 
 fn transposed(points: &[Vector3], rows: usize, columns: usize) -> Vec<Vector3> {
-    (0..columns).flat_map(|j| (0..rows).map(move |i| points[i * columns + j])).collect()
+    (0..columns)
+        .flat_map(|j| (0..rows).map(move |i| points[i * columns + j]))
+        .collect()
 }
 
 /// The first coordinate that is not finite.
@@ -225,22 +287,29 @@ pub(super) fn finite(points: &[Point3]) -> Result<(), FitError> {
     Ok(())
 }
 
-/// Shares of the chord length up to each point, the mean of all lines, in [0, 1]; below 1 when periodic. An error names the
-/// line that is no step on from the one before.
+/// Shares of the chord length up to each point, the mean of all lines, in [0, 1]; below 1 when
+/// periodic. An error names the line that is no step on from the one before.
 fn chord_parameters(lines: &[Vec<Point3>], periodic: bool) -> Result<Vec<f64>, usize> {
     let count = lines[0].len();
     let steps = if periodic { count } else { count - 1 };
     let mut mean = vec![0.0; steps];
     for line in lines {
-        let chords: Vec<f64> = (0..steps).map(|k| (line[(k + 1) % count] - line[k]).norm()).collect();
+        let chords: Vec<f64> = (0..steps)
+            .map(|k| (line[(k + 1) % count] - line[k]).norm())
+            .collect();
         let length: f64 = chords.iter().sum();
         // A line that is one point, at a pole, says nothing.
         if length > 0.0 {
-            mean.iter_mut().zip(&chords).for_each(|(sum, chord)| *sum += chord / length);
+            mean.iter_mut()
+                .zip(&chords)
+                .for_each(|(sum, chord)| *sum += chord / length);
         }
     }
     let total: f64 = mean.iter().sum();
-    if let Some(k) = mean.iter().position(|step| step.is_nan() || *step <= 1e-14 * total) {
+    if let Some(k) = mean
+        .iter()
+        .position(|step| step.is_nan() || *step <= 1e-14 * total)
+    {
         return Err(k + 1);
     }
     let mut at = 0.0;
@@ -258,7 +327,12 @@ fn chord_parameters(lines: &[Vec<Point3>], periodic: bool) -> Result<Vec<f64>, u
 }
 
 /// Knots of which every span has its points.
-fn knots_for(parameters: &[f64], degree: usize, count: usize, periodic: bool) -> Result<KnotVector, KnotError> {
+fn knots_for(
+    parameters: &[f64],
+    degree: usize,
+    count: usize,
+    periodic: bool,
+) -> Result<KnotVector, KnotError> {
     let n = parameters.len();
     if degree == 0 || degree > crate::basis::MAX_DEGREE {
         return Err(KnotError::Degree(degree));
@@ -273,10 +347,13 @@ fn knots_for(parameters: &[f64], degree: usize, count: usize, periodic: bool) ->
         value(k) + share * (value(k + 1) - value(k))
     };
     if periodic {
-        // A basis function of odd degree has a knot at its middle, one of even degree two beside it.
+        // A basis function of odd degree has a knot at its middle, one of even degree two beside
+        // it.
         let shift = if degree.is_multiple_of(2) { 0.5 } else { 0.0 };
         let start = at(shift);
-        let mut knots: Vec<f64> = (0..count).map(|k| at(shift + k as f64 * n as f64 / count as f64)).collect();
+        let mut knots: Vec<f64> = (0..count)
+            .map(|k| at(shift + k as f64 * n as f64 / count as f64))
+            .collect();
         knots.push(start + 1.0);
         return KnotVector::periodic(degree, knots);
     }
@@ -301,7 +378,9 @@ mod tests {
     use crate::basis::testing::Random;
 
     fn grid(surface: &Surface, us: &[f64], vs: &[f64]) -> Vec<Point3> {
-        us.iter().flat_map(|&u| vs.iter().map(move |&v| surface.point(u, v))).collect()
+        us.iter()
+            .flat_map(|&u| vs.iter().map(move |&v| surface.point(u, v)))
+            .collect()
     }
 
     fn even(count: usize, periodic: bool) -> Vec<f64> {
@@ -314,17 +393,30 @@ mod tests {
         let mut random = Random(91);
         for degree in 1..=5 {
             for periodic in [false, true] {
-                let (rows, columns) = (degree + random.integer(3, 9), degree + random.integer(3, 9));
+                let (rows, columns) =
+                    (degree + random.integer(3, 9), degree + random.integer(3, 9));
                 let points: Vec<Point3> = (0..rows * columns)
                     .map(|k| {
                         let turn = std::f64::consts::TAU * (k / columns) as f64 / rows as f64;
                         let mut jitter = || random.float(-0.05, 0.05);
-                        Point3::new(turn.cos() + jitter(), turn.sin() + jitter(), (k % columns) as f64 + jitter())
+                        Point3::new(
+                            turn.cos() + jitter(),
+                            turn.sin() + jitter(),
+                            (k % columns) as f64 + jitter(),
+                        )
                     })
                     .collect();
-                let spec = GridSpec { degree: [degree; 2], counts: [rows, columns], periodic: [periodic, false] };
+                let spec = GridSpec {
+                    degree: [degree; 2],
+                    counts: [rows, columns],
+                    periodic: [periodic, false],
+                };
                 let fitted = Surface::fitted_to_grid(&points, rows, columns, &spec).unwrap();
-                assert!(fitted.max_error < 1e-10, "degree {degree}, periodic {periodic}: {} m", fitted.max_error);
+                assert!(
+                    fitted.max_error < 1e-10,
+                    "degree {degree}, periodic {periodic}: {} m",
+                    fitted.max_error
+                );
             }
         }
     }
@@ -336,11 +428,20 @@ mod tests {
         let (us, vs) = (even(120, true), even(120, true));
         let points = grid(&torus, &us, &vs);
         let error = |count: usize| {
-            let spec = GridSpec { degree: [3; 2], counts: [count; 2], periodic: [true; 2] };
+            let spec = GridSpec {
+                degree: [3; 2],
+                counts: [count; 2],
+                periodic: [true; 2],
+            };
             Surface::fitted_to_grid(&points, 120, 120, &spec).unwrap()
         };
         let (coarse, fine) = (error(8), error(16));
-        assert!(fine.rms_error < coarse.rms_error / 10.0, "{} m, then {} m", coarse.rms_error, fine.rms_error);
+        assert!(
+            fine.rms_error < coarse.rms_error / 10.0,
+            "{} m, then {} m",
+            coarse.rms_error,
+            fine.rms_error
+        );
         assert!(fine.surface.topology().is_closed());
     }
 
@@ -348,27 +449,76 @@ mod tests {
     fn points_of_a_pole_stay_together() {
         let drop = builtin("teardrop", None, None).unwrap();
         let (us, vs) = (even(24, true), even(20, false));
-        let spec = GridSpec { degree: [3; 2], counts: [12, 10], periodic: [true, false] };
+        let spec = GridSpec {
+            degree: [3; 2],
+            counts: [12, 10],
+            periodic: [true, false],
+        };
         let fitted = Surface::fitted_to_grid(&grid(&drop, &us, &vs), 24, 20, &spec).unwrap();
-        assert!(fitted.surface.topology().is_closed(), "{:?}", fitted.surface.topology());
-        assert!(fitted.rms_error < 2e-3 * drop.size(), "{} m", fitted.rms_error);
+        assert!(
+            fitted.surface.topology().is_closed(),
+            "{:?}",
+            fitted.surface.topology()
+        );
+        assert!(
+            fitted.rms_error < 2e-3 * drop.size(),
+            "{} m",
+            fitted.rms_error
+        );
     }
 
     #[test]
     fn grids_that_cannot_be_fitted_are_refused_with_what_and_where() {
         let sheet = builtin("sheet", None, None).unwrap();
         let points = grid(&sheet, &even(5, false), &even(6, false));
-        let spec = |counts, degree| GridSpec { degree: [degree; 2], counts, periodic: [false; 2] };
-        let fit = |points: &[Point3], spec: &GridSpec| Surface::fitted_to_grid(points, 5, 6, spec).unwrap_err();
-        assert_eq!(fit(&points[1..], &spec([4, 4], 3)), FitError::Count { given: 29, rows: 5, columns: 6 });
-        assert_eq!(fit(&points, &spec([4, 7], 3)), FitError::TooFew { direction: "v", points: 6, count: 7 });
-        assert!(fit(&points, &spec([3, 3], 3)).to_string().contains("too few for degree 3"));
-        assert!(fit(&points, &spec([4, 4], 0)).to_string().contains("degree 0"));
+        let spec = |counts, degree| GridSpec {
+            degree: [degree; 2],
+            counts,
+            periodic: [false; 2],
+        };
+        let fit = |points: &[Point3], spec: &GridSpec| {
+            Surface::fitted_to_grid(points, 5, 6, spec).unwrap_err()
+        };
+        assert_eq!(
+            fit(&points[1..], &spec([4, 4], 3)),
+            FitError::Count {
+                given: 29,
+                rows: 5,
+                columns: 6
+            }
+        );
+        assert_eq!(
+            fit(&points, &spec([4, 7], 3)),
+            FitError::TooFew {
+                direction: "v",
+                points: 6,
+                count: 7
+            }
+        );
+        assert!(
+            fit(&points, &spec([3, 3], 3))
+                .to_string()
+                .contains("too few for degree 3")
+        );
+        assert!(
+            fit(&points, &spec([4, 4], 0))
+                .to_string()
+                .contains("degree 0")
+        );
         let mut twice = points.clone();
         twice.copy_within(6..12, 12);
-        assert_eq!(fit(&twice, &spec([4, 4], 3)), FitError::Coincident { direction: "u", index: 2 });
+        assert_eq!(
+            fit(&twice, &spec([4, 4], 3)),
+            FitError::Coincident {
+                direction: "u",
+                index: 2
+            }
+        );
         let mut broken = points.clone();
         broken[7] = Point3::from(Vector3::new(0.0, f64::NAN, 0.0));
-        assert!(matches!(fit(&broken, &spec([4, 4], 3)), FitError::NotFinite { index: 7, .. }));
+        assert!(matches!(
+            fit(&broken, &spec([4, 4], 3)),
+            FitError::NotFinite { index: 7, .. }
+        ));
     }
 }

@@ -1,12 +1,15 @@
 //! Branching surfaces: which parts of one net are the same place, and which edges are joined.
 //!
-//! A branching surface is one tensor product whose knots part it: multiplicity = degree creases it, degree + 1 disjoins it.
-//! Between such knots lie *patches*, which only touch where their edges are equal. Two edges are joined where they are equal
-//! as curves (control points, weights and relative knots, along each other or against), so two walls of a squeezed tube that
-//! touch in one control point stay apart. A patch that equals an earlier one as a whole is a *duplicate*: the stem of a
-//! branching tube is drawn once for each leaf. Found from the net itself, in order of the patches; nothing is hashed.
+//! A branching surface is one tensor product whose knots part it: multiplicity = degree creases it,
+//! degree + 1 disjoins it. Between such knots lie *patches*, which only touch where their edges are
+//! equal. Two edges are joined where they are equal as curves (control points, weights and relative
+//! knots, along each other or against), so two walls of a squeezed tube that touch in one control
+//! point stay apart. A patch that equals an earlier one as a whole is a *duplicate*: the stem of a
+//! branching tube is drawn once for each leaf. Found from the net itself, in order of the patches;
+//! nothing is hashed.
 //!
-//! Only surfaces with a disjoined knot, clamped in both directions, are looked at; others cost nothing.
+//! Only surfaces with a disjoined knot, clamped in both directions, are looked at; others cost
+//! nothing.
 
 mod cuts;
 mod find;
@@ -45,7 +48,8 @@ pub(crate) struct Strip {
     inner: Vec<f64>,
 }
 
-/// An edge of a patch: `2 d` where parameter d (0: u, 1: v) is at its start, `2 d + 1` where it is at its end.
+/// An edge of a patch: `2 d` where parameter d (0: u, 1: v) is at its start, `2 d + 1` where it is
+/// at its end.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Edge {
     pub patch: usize,
@@ -78,8 +82,8 @@ pub struct Joints {
 }
 
 impl Surface {
-    /// The patches of a branching surface; `None` for one without a disjoined knot, with a direction that is not clamped, or
-    /// with more than 1024 patches.
+    /// The patches of a branching surface; `None` for one without a disjoined knot, with a
+    /// direction that is not clamped, or with more than 1024 patches.
     pub fn joints(&self) -> Option<Joints> {
         let both = [self.knots_u(), self.knots_v()];
         let branches = both.iter().any(|knots| !knots.disjoined().is_empty());
@@ -117,10 +121,18 @@ impl Joints {
     /// The piece that a duplicate draws again; itself for one that is none.
     pub(crate) fn original(&self, piece: usize) -> usize {
         let at = [piece / self.columns, piece % self.columns];
-        let Some(patch) = self.patch_of(at) else { return piece };
-        let Some(other) = self.patches[patch].duplicate_of else { return piece };
+        let Some(patch) = self.patch_of(at) else {
+            return piece;
+        };
+        let Some(other) = self.patches[patch].duplicate_of else {
+            return piece;
+        };
         let from = |d: usize, patch: usize| {
-            let k = if d == 0 { patch / self.strips[1].len() } else { patch % self.strips[1].len() };
+            let k = if d == 0 {
+                patch / self.strips[1].len()
+            } else {
+                patch % self.strips[1].len()
+            };
             self.strips[d][k].spans.start
         };
         let [i, j] = [0, 1].map(|d| at[d] - from(d, patch) + from(d, other));
@@ -129,15 +141,25 @@ impl Joints {
 
     /// Parameters inside the domain between which patches lie.
     pub(crate) fn breaks(&self, direction: usize) -> Vec<f64> {
-        self.strips[direction].iter().skip(1).map(|strip| strip.range[0]).collect()
+        self.strips[direction]
+            .iter()
+            .skip(1)
+            .map(|strip| strip.range[0])
+            .collect()
     }
 
-    /// Pairs of edges of patches that are joined, each once; `against`: one runs the other way. Duplicates are left out.
+    /// Pairs of edges of patches that are joined, each once; `against`: one runs the other way.
+    /// Duplicates are left out.
     pub(crate) fn seams(&self) -> impl Iterator<Item = (Edge, Edge, bool)> + '_ {
         self.joined.iter().enumerate().flat_map(move |(k, list)| {
-            let edge = Edge { patch: k / 4, side: k % 4 };
+            let edge = Edge {
+                patch: k / 4,
+                side: k % 4,
+            };
             let shown = self.patches[edge.patch].duplicate_of.is_none();
-            let later = list.iter().filter(move |j| shown && (j.edge.patch, j.edge.side) > (edge.patch, edge.side));
+            let later = list
+                .iter()
+                .filter(move |j| shown && (j.edge.patch, j.edge.side) > (edge.patch, edge.side));
             later.map(move |j| (edge, j.edge, j.against))
         })
     }
@@ -147,8 +169,16 @@ impl Joints {
         (0..self.joined.len()).all(|e| {
             let (patch, side) = (e / 4, e % 4);
             let d = side / 2;
-            let k = if d == 0 { patch / self.strips[1].len() } else { patch % self.strips[1].len() };
-            let at_end = if side.is_multiple_of(2) { k == 0 } else { k + 1 == self.strips[d].len() };
+            let k = if d == 0 {
+                patch / self.strips[1].len()
+            } else {
+                patch % self.strips[1].len()
+            };
+            let at_end = if side.is_multiple_of(2) {
+                k == 0
+            } else {
+                k + 1 == self.strips[d].len()
+            };
             at_end || self.poles[e] || !self.joined[e].is_empty()
         })
     }
@@ -187,6 +217,9 @@ impl Joints {
     /// Strips of a patch, u and v.
     pub(crate) fn strips_of(&self, patch: usize) -> [&Strip; 2] {
         let across = self.strips[1].len();
-        [&self.strips[0][patch / across], &self.strips[1][patch % across]]
+        [
+            &self.strips[0][patch / across],
+            &self.strips[1][patch % across],
+        ]
     }
 }

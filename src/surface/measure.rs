@@ -12,8 +12,9 @@ const AREA_TOLERANCE: f64 = 1e-12;
 const MOST_NODES: usize = 96;
 
 impl Surface {
-    /// Area, m², each patch of a branching surface once; to about 1e-12 of itself where the surface is smooth in every span, 1e-8 where |S_u × S_v| has a kink
-    /// there. Gauss points are doubled until nothing changes.
+    /// Area, m², each patch of a branching surface once; to about 1e-12 of itself where the surface
+    /// is smooth in every span, 1e-8 where |S_u × S_v| has a kink there. Gauss points are doubled
+    /// until nothing changes.
     pub fn area(&self) -> f64 {
         let mut nodes = self.knots_u().degree().max(self.knots_v().degree()) + 2;
         let mut last = f64::NAN;
@@ -26,7 +27,8 @@ impl Surface {
         }
     }
 
-    /// Centre of mass of the closed surface's inside, m. `None` when it is not closed or encloses nothing.
+    /// Centre of mass of the closed surface's inside, m. `None` when it is not closed or encloses
+    /// nothing.
     pub fn centroid(&self) -> Option<Point3> {
         if !self.topology().is_closed() {
             return None;
@@ -35,11 +37,17 @@ impl Surface {
         // ∫ x dV = ½ ∮ x² n_x dA, and so on: degree 2p in the squares, 2p − 1 in the normal.
         let nodes = |knots: &KnotVector| {
             let exact = 2 * knots.degree();
-            if self.weights().is_some() { exact.max(RATIONAL_NODES) } else { exact }
+            if self.weights().is_some() {
+                exact.max(RATIONAL_NODES)
+            } else {
+                exact
+            }
         };
         let nodes = [nodes(self.knots_u()), nodes(self.knots_v())];
         let mut first = Vector3::zeros();
-        let volume = self.integrate(nodes, |frame| (frame.point - centre).dot(&frame.du.cross(&frame.dv)) / 3.0);
+        let volume = self.integrate(nodes, |frame| {
+            (frame.point - centre).dot(&frame.du.cross(&frame.dv)) / 3.0
+        });
         for axis in 0..3 {
             first[axis] = self.integrate(nodes, |frame| {
                 let x = frame.point[axis] - centre[axis];
@@ -47,29 +55,50 @@ impl Surface {
             });
         }
         let from_centre = first / volume;
-        from_centre.iter().all(|x| x.is_finite()).then(|| centre + from_centre)
+        from_centre
+            .iter()
+            .all(|x| x.is_finite())
+            .then(|| centre + from_centre)
     }
 
     /// Middle of the net's bounding box.
     fn bounding_centre(&self) -> Point3 {
         let points = self.net().points();
-        let (low, high) = points.iter().fold((points[0], points[0]), |(low, high), p| (low.inf(p), high.sup(p)));
+        let (low, high) = points
+            .iter()
+            .fold((points[0], points[0]), |(low, high), p| {
+                (low.inf(p), high.sup(p))
+            });
         nalgebra::center(&low, &high)
     }
 
-    /// ∬ f du dv, duplicates of a branching surface left out, with that many Gauss points a span in u and v.
+    /// ∬ f du dv, duplicates of a branching surface left out, with that many Gauss points a span in
+    /// u and v.
     pub(super) fn integrate(&self, nodes: [usize; 2], f: impl Fn(&super::Frame) -> f64) -> f64 {
         let joints = self.joints();
-        let hidden = |i: usize, j: usize| joints.as_ref().is_some_and(|t| t.is_duplicate(i / nodes[0], j / nodes[1]));
+        let hidden = |i: usize, j: usize| {
+            joints
+                .as_ref()
+                .is_some_and(|t| t.is_duplicate(i / nodes[0], j / nodes[1]))
+        };
         let windows: Vec<(BasisWindow, f64)> = gauss_nodes(self.knots_v(), nodes[1])
             .into_iter()
             .map(|(v, weight)| (self.knots_v().window(v), weight))
             .collect();
         let mut sum = 0.0;
-        for (i, (u, weight_u)) in gauss_nodes(self.knots_u(), nodes[0]).into_iter().enumerate() {
+        for (i, (u, weight_u)) in gauss_nodes(self.knots_u(), nodes[0])
+            .into_iter()
+            .enumerate()
+        {
             let wu = self.knots_u().window(u);
-            let shown = windows.iter().enumerate().filter(|(j, _)| !hidden(i, *j)).map(|(_, window)| window);
-            let along: f64 = shown.map(|(wv, weight)| weight * f(&self.frame_in(&wu, wv))).sum();
+            let shown = windows
+                .iter()
+                .enumerate()
+                .filter(|(j, _)| !hidden(i, *j))
+                .map(|(_, window)| window);
+            let along: f64 = shown
+                .map(|(wv, weight)| weight * f(&self.frame_in(&wu, wv)))
+                .sum();
             sum += weight_u * along;
         }
         sum
@@ -107,7 +136,10 @@ mod tests {
     fn area_and_centroid_of_the_teardrop_are_what_fine_triangles_tend_to() {
         let drop = tilted(&builtin("teardrop", None, None).unwrap());
         let measure = |count: usize| -> [f64; 4] {
-            let at = |i: usize, j: usize| drop.point(i as f64 / count as f64, j as f64 / count as f64).coords;
+            let at = |i: usize, j: usize| {
+                drop.point(i as f64 / count as f64, j as f64 / count as f64)
+                    .coords
+            };
             let (mut area, mut volume, mut first) = (0.0, 0.0, Vector3::zeros());
             for i in 0..count {
                 for j in 0..count {
@@ -125,14 +157,25 @@ mod tests {
         };
         let (coarse, middle, fine) = (measure(40), measure(80), measure(160));
         let limit = |k: usize| {
-            let (first, second) = ((4.0 * middle[k] - coarse[k]) / 3.0, (4.0 * fine[k] - middle[k]) / 3.0);
+            let (first, second) = (
+                (4.0 * middle[k] - coarse[k]) / 3.0,
+                (4.0 * fine[k] - middle[k]) / 3.0,
+            );
             (16.0 * second - first) / 15.0
         };
         let area = drop.area();
-        assert!((area / limit(0) - 1.0).abs() < 1e-8, "{area} m², triangles tend to {} m²", limit(0));
+        assert!(
+            (area / limit(0) - 1.0).abs() < 1e-8,
+            "{area} m², triangles tend to {} m²",
+            limit(0)
+        );
         let centroid = drop.centroid().unwrap();
         for axis in 0..3 {
-            assert!((centroid[axis] - limit(axis + 1)).abs() < 1e-9 * drop.size(), "axis {axis}: {}", centroid[axis]);
+            assert!(
+                (centroid[axis] - limit(axis + 1)).abs() < 1e-9 * drop.size(),
+                "axis {axis}: {}",
+                centroid[axis]
+            );
         }
     }
 }

@@ -14,19 +14,26 @@ pub struct Mesh {
 }
 
 impl Mesh {
-    /// A mesh whose normals are the means of those of its triangles, weighted with their areas; zero at a corner that
-    /// only triangles without area have. `None` when a triangle names a corner that does not exist.
+    /// A mesh whose normals are the means of those of its triangles, weighted with their areas;
+    /// zero at a corner that only triangles without area have. `None` when a triangle names a
+    /// corner that does not exist.
     pub fn from_triangles(points: Vec<Point3>, triangles: Vec<[u32; 3]>) -> Option<Self> {
         let mut normals = vec![Vector3::zeros(); points.len()];
         for triangle in &triangles {
             let [a, b, c] = triangle.map(|k| points.get(k as usize));
             let (a, b, c) = (a?, b?, c?);
             let twice_area = (b - a).cross(&(c - a));
-            triangle.iter().for_each(|&k| normals[k as usize] += twice_area);
+            triangle
+                .iter()
+                .for_each(|&k| normals[k as usize] += twice_area);
         }
         for normal in &mut normals {
             *normal = normal.try_normalize(0.0).unwrap_or_else(Vector3::zeros);
         }
-        Some(Self { points, normals, triangles })
+        Some(Self {
+            points,
+            normals,
+            triangles,
+        })
     }
 }

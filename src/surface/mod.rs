@@ -1,8 +1,9 @@
 //! Tensor-product B-spline and NURBS surfaces.
 //!
-//! `S(u, v) = Σ N_i(u) M_j(v) w_ij P_ij / Σ N_i M_j w_ij`, net u-major: point (i, j) is `points[i * s + j]`.
-//! The outward normal is `S_u × S_v`, unless the surface says `flip_normal`. Parameters are confined
-//! to the domain; [`KnotVector::checked`](crate::basis::KnotVector::checked) refuses those outside.
+//! `S(u, v) = Σ N_i(u) M_j(v) w_ij P_ij / Σ N_i M_j w_ij`, net u-major: point (i, j) is `points[i *
+//! s + j]`. The outward normal is `S_u × S_v`, unless the surface says `flip_normal`. Parameters
+//! are confined to the domain; [`KnotVector::checked`](crate::basis::KnotVector::checked) refuses
+//! those outside.
 //!
 //! ```
 //! use palpate::surface::builtin;

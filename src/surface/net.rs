@@ -42,20 +42,40 @@ impl ControlNet {
     /// Wrong count, or a coordinate that is not finite.
     pub fn new(rows: usize, columns: usize, points: Vec<Point3>) -> Result<Self, NetError> {
         if points.len() != rows * columns {
-            return Err(NetError::Count { given: points.len(), rows, columns });
+            return Err(NetError::Count {
+                given: points.len(),
+                rows,
+                columns,
+            });
         }
         for (k, point) in points.iter().enumerate() {
             if let Some(&value) = point.iter().find(|x| !x.is_finite()) {
-                return Err(NetError::NotFinite { row: k / columns, column: k % columns, value });
+                return Err(NetError::NotFinite {
+                    row: k / columns,
+                    column: k % columns,
+                    value,
+                });
             }
         }
-        Ok(Self { rows, columns, points })
+        Ok(Self {
+            rows,
+            columns,
+            points,
+        })
     }
 
     /// A net of points that were checked, or made of such.
     pub(crate) fn from_checked(rows: usize, columns: usize, points: Vec<Point3>) -> Self {
-        debug_assert_eq!(points.len(), rows * columns, "points and shape of the net disagree");
-        Self { rows, columns, points }
+        debug_assert_eq!(
+            points.len(),
+            rows * columns,
+            "points and shape of the net disagree"
+        );
+        Self {
+            rows,
+            columns,
+            points,
+        }
     }
 
     /// Rows, u.

@@ -1,7 +1,7 @@
 //! Exact refinement, placement and renaming: other nets of the same surface.
 //!
-//! Insertion works on points and weights apart, as `a + alpha (b − a)`: rows that were equal stay equal bit for bit, so
-//! seams and poles survive.
+//! Insertion works on points and weights apart, as `a + alpha (b − a)`: rows that were equal stay
+//! equal bit for bit, so seams and poles survive.
 
 use super::joints::{Joints, SAME_KNOT};
 use super::lines::{Direction, LinePoint};
@@ -10,23 +10,28 @@ use crate::basis::KnotVector;
 use crate::math::{Point3, Pose};
 
 impl Surface {
-    /// The same surface with knots inserted along a direction, each as often as it is listed; wrapped into the period if there
-    /// is one.
+    /// The same surface with knots inserted along a direction, each as often as it is listed;
+    /// wrapped into the period if there is one.
     ///
     /// # Errors
-    /// A knot that is not finite, outside a domain that does not wrap, or repeated more than `degree + 1` times.
+    /// A knot that is not finite, outside a domain that does not wrap, or repeated more than
+    /// `degree + 1` times.
     pub fn insert_knots(&self, direction: Direction, knots: &[f64]) -> Result<Self, SurfaceError> {
         let mut surface = self.clone();
         for &knot in knots {
-            let insertion = surface.knots(direction).insertion(knot).map_err(|e| direction.refused(e))?;
+            let insertion = surface
+                .knots(direction)
+                .insertion(knot)
+                .map_err(|e| direction.refused(e))?;
             let finer = insertion.knots.clone();
             surface = surface.with_lines(direction, finer, |line| insertion.apply(line, blend));
         }
         Ok(surface)
     }
 
-    /// [`Surface::insert_knots`] in both directions; on a branching surface also at all places that must be cut alike, so that
-    /// joined edges and duplicates stay equal. Knots that are listed for one of those places count for all of them.
+    /// [`Surface::insert_knots`] in both directions; on a branching surface also at all places that
+    /// must be cut alike, so that joined edges and duplicates stay equal. Knots that are listed for
+    /// one of those places count for all of them.
     ///
     /// # Errors
     /// As for [`Surface::insert_knots`].
@@ -35,13 +40,20 @@ impl Surface {
             None => knots.map(<[f64]>::to_vec),
             Some(joints) => all_alike(&joints, knots),
         };
-        let finer = self.insert_knots(Direction::U, &all[0])?.insert_knots(Direction::V, &all[1])?;
-        Ok(if self.joints().is_some() { finer.with_exact_seams() } else { finer })
+        let finer = self
+            .insert_knots(Direction::U, &all[0])?
+            .insert_knots(Direction::V, &all[1])?;
+        Ok(if self.joints().is_some() {
+            finer.with_exact_seams()
+        } else {
+            finer
+        })
     }
 
-    /// The same surface with its longest knot spans split evenly until the net has that many distinct control points in u
-    /// and v (a seam counts once, see [`Surface::distinct_counts`]). A direction that has as many already stays as it is. A
-    /// branching surface is cut in all copies alike, and may so get more.
+    /// The same surface with its longest knot spans split evenly until the net has that many
+    /// distinct control points in u and v (a seam counts once, see [`Surface::distinct_counts`]). A
+    /// direction that has as many already stays as it is. A branching surface is cut in all copies
+    /// alike, and may so get more.
     ///
     /// # Errors
     /// A span too short to be split once more in `f64`.
@@ -50,8 +62,14 @@ impl Surface {
         if self.joints().is_some() {
             return self.refined_alike([count_u, count_v]);
         }
-        self.insert_knots(Direction::U, &even_knots(self.knots_u(), count_u.saturating_sub(have_u)))?
-            .insert_knots(Direction::V, &even_knots(self.knots_v(), count_v.saturating_sub(have_v)))
+        self.insert_knots(
+            Direction::U,
+            &even_knots(self.knots_u(), count_u.saturating_sub(have_u)),
+        )?
+        .insert_knots(
+            Direction::V,
+            &even_knots(self.knots_v(), count_v.saturating_sub(have_v)),
+        )
     }
 
     /// Halves the longest span, and those that go with it, until there are enough.
@@ -59,7 +77,11 @@ impl Surface {
         let mut finer = self.clone();
         for (d, count) in counts.into_iter().enumerate() {
             loop {
-                let knots = if d == 0 { finer.knots_u() } else { finer.knots_v() };
+                let knots = if d == 0 {
+                    finer.knots_u()
+                } else {
+                    finer.knots_v()
+                };
                 if knots.count() >= count {
                     break;
                 }
@@ -71,7 +93,11 @@ impl Surface {
                     }
                 }
                 let middle = [0.5 * (longest.0 + longest.1)];
-                finer = finer.insert_knots_alike(if d == 0 { [&middle, &[]] } else { [&[], &middle] })?;
+                finer = finer.insert_knots_alike(if d == 0 {
+                    [&middle, &[]]
+                } else {
+                    [&[], &middle]
+                })?;
             }
         }
         Ok(finer)
@@ -87,28 +113,46 @@ impl Surface {
     /// Rotated, then moved.
     pub fn transformed(&self, pose: &Pose) -> Self {
         let mut moved = self.clone();
-        moved.net_mut().points_mut().iter_mut().for_each(|point| *point = pose * *point);
+        moved
+            .net_mut()
+            .points_mut()
+            .iter_mut()
+            .for_each(|point| *point = pose * *point);
         moved
     }
 
     /// Scaled about the origin by a factor above 0.
     pub fn scaled(&self, factor: f64) -> Self {
         let mut scaled = self.clone();
-        scaled.net_mut().points_mut().iter_mut().for_each(|point| *point *= factor);
+        scaled
+            .net_mut()
+            .points_mut()
+            .iter_mut()
+            .for_each(|point| *point *= factor);
         scaled
     }
 
     /// The same surface with u and v exchanged; the outward side stays.
     pub fn swap_uv(&self) -> Self {
         let (rows, columns) = (self.net().rows(), self.net().columns());
-        let order: Vec<usize> = (0..columns).flat_map(|j| (0..rows).map(move |i| i * columns + j)).collect();
+        let order: Vec<usize> = (0..columns)
+            .flat_map(|j| (0..rows).map(move |i| i * columns + j))
+            .collect();
         let points = order.iter().map(|&k| self.net().points()[k]).collect();
-        let weights = self.weights().map(|w| order.iter().map(|&k| w[k]).collect());
-        self.rebuilt(self.knots_v().clone(), self.knots_u().clone(), points, weights)
-            .with_flip_normal(!self.flip_normal())
+        let weights = self
+            .weights()
+            .map(|w| order.iter().map(|&k| w[k]).collect());
+        self.rebuilt(
+            self.knots_v().clone(),
+            self.knots_u().clone(),
+            points,
+            weights,
+        )
+        .with_flip_normal(!self.flip_normal())
     }
 
-    /// A surface whose parts are known to agree, and whose values are means of values that were checked.
+    /// A surface whose parts are known to agree, and whose values are means of values that were
+    /// checked.
     pub(super) fn rebuilt(
         &self,
         knots_u: KnotVector,
@@ -121,7 +165,8 @@ impl Surface {
     }
 }
 
-/// `a + alpha (b − a)` in homogeneous coordinates, written so that equal points give exactly that point.
+/// `a + alpha (b − a)` in homogeneous coordinates, written so that equal points give exactly that
+/// point.
 fn blend(a: LinePoint, b: LinePoint, alpha: f64) -> LinePoint {
     // At the ends the sum may miss b by a rounding, and the exact point is at hand.
     if alpha == 1.0 {
@@ -138,7 +183,8 @@ fn all_alike(joints: &Joints, knots: [&[f64]; 2]) -> [Vec<f64>; 2] {
     let mut owed: Vec<(usize, f64)> = Vec::new();
     for d in 0..2 {
         for &x in knots[d] {
-            let near = |&(e, y): &(usize, f64)| e == d && (y - x).abs() <= SAME_KNOT * x.abs().max(1.0);
+            let near =
+                |&(e, y): &(usize, f64)| e == d && (y - x).abs() <= SAME_KNOT * x.abs().max(1.0);
             if let Some(k) = owed.iter().position(near) {
                 owed.swap_remove(k);
                 continue;
@@ -183,7 +229,10 @@ mod tests {
     fn assert_same_shape(a: &Surface, b: &Surface, seed: u64) {
         for (u, v) in pairs(&mut Random(seed), a, 4) {
             let error = (a.point(u, v) - b.point(u, v)).norm();
-            assert!(error <= 1e-12 * a.size(), "{a:?} moved by {error} at ({u}, {v})");
+            assert!(
+                error <= 1e-12 * a.size(),
+                "{a:?} moved by {error} at ({u}, {v})"
+            );
         }
     }
 
@@ -198,8 +247,15 @@ mod tests {
             let mut vs = parameters(&mut random, surface.knots_v(), 3);
             vs.retain(|&v| room(surface.knots_v(), v));
             vs.pop();
-            let fine = surface.insert_knots(Direction::U, &us).unwrap().insert_knots(Direction::V, &vs).unwrap();
-            let (rows, columns) = (surface.net().rows() + us.len(), surface.net().columns() + vs.len());
+            let fine = surface
+                .insert_knots(Direction::U, &us)
+                .unwrap()
+                .insert_knots(Direction::V, &vs)
+                .unwrap();
+            let (rows, columns) = (
+                surface.net().rows() + us.len(),
+                surface.net().columns() + vs.len(),
+            );
             assert_eq!((fine.net().rows(), fine.net().columns()), (rows, columns));
             assert_same_shape(&surface, &fine, k as u64);
         }
@@ -213,14 +269,21 @@ mod tests {
             assert_eq!(fine.distinct_counts(), [22, 23], "{name}");
             assert_eq!(fine.topology(), surface.topology(), "{name}");
             assert_same_shape(&surface, &fine, 5);
-            assert_eq!(fine.clone().with_exact_seams(), fine, "{name}: seams and poles are equal bit for bit");
+            assert_eq!(
+                fine.clone().with_exact_seams(),
+                fine,
+                "{name}: seams and poles are equal bit for bit"
+            );
             assert!((fine.volume() - surface.volume()).abs() < 1e-12 * surface.size().powi(3));
         }
     }
 
     #[test]
     fn refinement_splits_spans_evenly() {
-        let sheet = builtin("sheet", Some([4, 4]), None).unwrap().refined_to(8, 4).unwrap();
+        let sheet = builtin("sheet", Some([4, 4]), None)
+            .unwrap()
+            .refined_to(8, 4)
+            .unwrap();
         assert_eq!(sheet.knots_u(), &KnotVector::clamped_uniform(3, 8).unwrap());
         assert_eq!(sheet.knots_v(), &KnotVector::clamped_uniform(3, 4).unwrap());
         assert_eq!(sheet.refined_to(3, 3).unwrap(), sheet, "as many already");
@@ -241,7 +304,10 @@ mod tests {
 
     #[test]
     fn placement_moves_points_as_the_net() {
-        let pose = Pose::new(crate::math::Vector3::new(0.1, -0.2, 0.3), crate::math::Vector3::new(0.4, 1.0, -0.3));
+        let pose = Pose::new(
+            crate::math::Vector3::new(0.1, -0.2, 0.3),
+            crate::math::Vector3::new(0.4, 1.0, -0.3),
+        );
         for surface in fifty_surfaces(43).into_iter().take(10) {
             let moved = surface.transformed(&pose);
             for (u, v) in pairs(&mut Random(1), &surface, 2) {
@@ -253,9 +319,18 @@ mod tests {
     #[test]
     fn a_knot_that_cannot_be_inserted_is_named() {
         let sheet = builtin("sheet", None, None).unwrap();
-        let message = sheet.insert_knots(Direction::V, &[0.1, 1.5]).unwrap_err().to_string();
+        let message = sheet
+            .insert_knots(Direction::V, &[0.1, 1.5])
+            .unwrap_err()
+            .to_string();
         assert_eq!(message, "knots in v: 1.5 is outside the domain 0 ..= 1");
-        let message = sheet.insert_knots(Direction::U, &[0.3; 5]).unwrap_err().to_string();
-        assert_eq!(message, "knots in u: knot 0.3 is repeated 5 times; degree 3 allows 4");
+        let message = sheet
+            .insert_knots(Direction::U, &[0.3; 5])
+            .unwrap_err()
+            .to_string();
+        assert_eq!(
+            message,
+            "knots in u: knot 0.3 is repeated 5 times; degree 3 allows 4"
+        );
     }
 }

@@ -1,7 +1,8 @@
-//! A fixed grid of parameters on surfaces with the same knots: points and normals out, nets back in.
+//! A fixed grid of parameters on surfaces with the same knots: points and normals out, nets back
+//! in.
 //!
-//! `M = A_u P A_vᵀ` and its inverse in the least-squares sense, a direction at a time. Everything is allocated at
-//! construction.
+//! `M = A_u P A_vᵀ` and its inverse in the least-squares sense, a direction at a time. Everything
+//! is allocated at construction.
 
 mod fit;
 mod sweep;
@@ -38,7 +39,10 @@ pub struct Samples {
 impl SampleGrid {
     /// The grid of all pairs of `us` and `vs` on surfaces with the knots of this one.
     pub fn new(surface: &Surface, us: &[f64], vs: &[f64]) -> Self {
-        Self { u: Blending::new(surface.knots_u(), us), v: Blending::new(surface.knots_v(), vs) }
+        Self {
+            u: Blending::new(surface.knots_u(), us),
+            v: Blending::new(surface.knots_v(), vs),
+        }
     }
 
     /// From blendings at hand, u and v.
@@ -90,7 +94,11 @@ impl SampleGrid {
 
     #[inline(always)]
     fn sweep_in<L: Lanes, const NORMALS: bool>(&self, surface: &Surface, out: &mut Samples) {
-        let sweep = Sweep { u: &self.u, v: &self.v, surface };
+        let sweep = Sweep {
+            u: &self.u,
+            v: &self.v,
+            surface,
+        };
         // Constant widths and a constant number of coordinates make straight loops.
         match (self.u.width(), self.v.width(), surface.weights().is_some()) {
             (4, 4, false) => sweep.run::<L, 4, 4, 3, NORMALS>(out),
@@ -118,7 +126,8 @@ mod tests {
     #[test]
     fn samples_are_the_points_and_normals_of_the_surface() {
         let mut random = Random(81);
-        let builtins = ["teardrop", "sphere", "torus", "sheet"].map(|name| builtin(name, None, None).unwrap());
+        let builtins =
+            ["teardrop", "sphere", "torus", "sheet"].map(|name| builtin(name, None, None).unwrap());
         for surface in fifty_surfaces(81).into_iter().chain(builtins) {
             let us = parameters(&mut random, surface.knots_u(), 5);
             let vs = parameters(&mut random, surface.knots_v(), 5);
@@ -129,8 +138,14 @@ mod tests {
                 for (j, &v) in vs.iter().enumerate() {
                     let k = i * vs.len() + j;
                     let (point, normal) = (surface.point(u, v), surface.normal(u, v));
-                    assert!((samples.points[k] - point).norm() < 1e-14, "({u}, {v}) of {surface:?}");
-                    assert!((samples.normals[k] - normal).norm() < 1e-8, "({u}, {v}) of {surface:?}");
+                    assert!(
+                        (samples.points[k] - point).norm() < 1e-14,
+                        "({u}, {v}) of {surface:?}"
+                    );
+                    assert!(
+                        (samples.normals[k] - normal).norm() < 1e-8,
+                        "({u}, {v}) of {surface:?}"
+                    );
                 }
             }
         }
@@ -139,7 +154,8 @@ mod tests {
     #[test]
     fn grids_have_the_same_bits_on_every_processor() {
         let mut random = Random(83);
-        let builtins = ["teardrop", "sphere", "torus", "sheet"].map(|name| builtin(name, None, None).unwrap());
+        let builtins =
+            ["teardrop", "sphere", "torus", "sheet"].map(|name| builtin(name, None, None).unwrap());
         for surface in fifty_surfaces(83).into_iter().chain(builtins) {
             let us = parameters(&mut random, surface.knots_u(), 7);
             let vs = parameters(&mut random, surface.knots_v(), 6);
@@ -157,7 +173,9 @@ mod tests {
     // Every number of samples from none to beyond two registers: the last register is not full.
     #[test]
     fn grids_of_any_count_fill_what_they_should() {
-        let surface = builtin("teardrop", None, None).unwrap().with_flip_normal(true);
+        let surface = builtin("teardrop", None, None)
+            .unwrap()
+            .with_flip_normal(true);
         for count in 0..10 {
             let vs: Vec<f64> = (0..count).map(|k| 0.03 + 0.1 * k as f64).collect();
             let grid = SampleGrid::new(&surface, &[0.2, 0.7], &vs);
@@ -165,27 +183,41 @@ mod tests {
             grid.evaluate_into(&surface, &mut samples);
             for (k, (point, normal)) in samples.points.iter().zip(&samples.normals).enumerate() {
                 let (u, v) = ([0.2, 0.7][k / count], vs[k % count]);
-                assert!((point - surface.point(u, v)).norm() < 1e-15 && (normal - surface.normal(u, v)).norm() < 1e-13);
+                assert!(
+                    (point - surface.point(u, v)).norm() < 1e-15
+                        && (normal - surface.normal(u, v)).norm() < 1e-13
+                );
             }
         }
     }
 
     #[test]
     fn a_fit_to_its_own_samples_recovers_the_net() {
-        for surface in fifty_surfaces(82).into_iter().filter(|s| s.weights().is_none()) {
+        for surface in fifty_surfaces(82)
+            .into_iter()
+            .filter(|s| s.weights().is_none())
+        {
             let spread = |knots: &KnotVector| -> Vec<f64> {
                 let (t, count) = (knots.knots(), knots.degree() + 2);
-                let at = |i: usize, k: usize| t[i] + (t[i + 1] - t[i]) * (k as f64 + 0.5) / count as f64;
-                knots.spans().flat_map(|i| (0..count).map(move |k| at(i, k))).collect()
+                let at =
+                    |i: usize, k: usize| t[i] + (t[i + 1] - t[i]) * (k as f64 + 0.5) / count as f64;
+                knots
+                    .spans()
+                    .flat_map(|i| (0..count).map(move |k| at(i, k)))
+                    .collect()
             };
-            let grid = SampleGrid::new(&surface, &spread(surface.knots_u()), &spread(surface.knots_v()));
+            let grid = SampleGrid::new(
+                &surface,
+                &spread(surface.knots_u()),
+                &spread(surface.knots_v()),
+            );
             let mut samples = grid.samples();
             grid.evaluate_into(&surface, &mut samples);
             let mut net = surface.net().clone();
             net.points_mut().fill(Point3::origin());
             GridFit::new(&grid).fit_into(&samples.points, &mut net);
-            // The outermost control points of an open vector reach the domain with 1/p! at most: from degree 6 on the
-            // samples' own rounding is worth more than the bar there.
+            // The outermost control points of an open vector reach the domain with 1/p! at most:
+            // from degree 6 on the samples' own rounding is worth more than the bar there.
             let faint = [surface.knots_u(), surface.knots_v()]
                 .iter()
                 .any(|knots| knots.kind() == KnotKind::Open && knots.degree() >= 6);

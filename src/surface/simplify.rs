@@ -1,8 +1,9 @@
 //! Fewer control points, with a bound on what that costs: knot removal and degree reduction.
 //!
-//! Both compare control points over common knots: by the convex-hull property no point of the surface moves further than the
-//! control points differ there. With weights the difference `(A − w S') / w`, where S' = A' / w', is bounded by
-//! `(max |A − A'| + max |w − w'| · max |S'|) / min w`, lengths measured from the net's centre.
+//! Both compare control points over common knots: by the convex-hull property no point of the
+//! surface moves further than the control points differ there. With weights the difference `(A − w
+//! S') / w`, where S' = A' / w', is bounded by `(max |A − A'| + max |w − w'| · max |S'|) / min w`,
+//! lengths measured from the net's centre.
 
 use super::lines::{Direction, LinePoint};
 use super::{Surface, SurfaceError};
@@ -20,19 +21,29 @@ pub struct Simplified {
 }
 
 impl Surface {
-    /// One copy of an interior knot less. Of all nets over the remaining knots the one whose control points, with the knot
-    /// put back, miss the old ones least.
+    /// One copy of an interior knot less. Of all nets over the remaining knots the one whose
+    /// control points, with the knot put back, miss the old ones least.
     ///
     /// # Errors
-    /// Not a knot inside the domain, too few control points left, or weights that come out at or below 0.
-    pub fn knot_removed(&self, direction: Direction, knot: f64) -> Result<Simplified, SurfaceError> {
-        let fewer = self.knots(direction).without(knot).map_err(|e| direction.refused(e))?;
+    /// Not a knot inside the domain, too few control points left, or weights that come out at or
+    /// below 0.
+    pub fn knot_removed(
+        &self,
+        direction: Direction,
+        knot: f64,
+    ) -> Result<Simplified, SurfaceError> {
+        let fewer = self
+            .knots(direction)
+            .without(knot)
+            .map_err(|e| direction.refused(e))?;
         let insertion = fewer.insertion(knot).map_err(|e| direction.refused(e))?;
         let chain = RemovalChain::new(&insertion.alphas);
         let first = insertion.first;
         self.simplified(direction, fewer.clone(), |old| {
             let (count, degree) = (old.len(), insertion.alphas.len());
-            let window: Vec<Homogeneous> = (0..degree + 2).map(|k| old[(first + count + k - 1) % count]).collect();
+            let window: Vec<Homogeneous> = (0..degree + 2)
+                .map(|k| old[(first + count + k - 1) % count])
+                .collect();
             let (inner, miss) = chain.solve(&window);
             // The points that the knot had made give way to those it was made of.
             let mut points = old.to_vec();
@@ -47,8 +58,9 @@ impl Surface {
         })
     }
 
-    /// One degree lower in a direction, every knot once less (but simple knots stay): the least-squares fit of the control
-    /// points over common knots, ends kept in place. An elevated surface gets back what it had.
+    /// One degree lower in a direction, every knot once less (but simple knots stay): the
+    /// least-squares fit of the control points over common knots, ends kept in place. An elevated
+    /// surface gets back what it had.
     ///
     /// # Errors
     /// Degree 1, or weights that come out at or below 0.
@@ -72,16 +84,23 @@ impl Surface {
             }
             let rest = &wanted - &e * &new;
             if let Some(solver) = &solver {
-                let solved = solver.solve(&rest, 1e-13).expect("both factors were asked for");
+                let solved = solver
+                    .solve(&rest, 1e-13)
+                    .expect("both factors were asked for");
                 new.rows_mut(fixed, free).copy_from(&solved);
             }
             let miss = &e * &new - wanted;
-            let rows = |m: &DMatrix<f64>| m.row_iter().map(|row| Homogeneous::from_fn(|c, _| row[c])).collect();
+            let rows = |m: &DMatrix<f64>| {
+                m.row_iter()
+                    .map(|row| Homogeneous::from_fn(|c, _| row[c]))
+                    .collect()
+            };
             (rows(&new), rows(&miss))
         })
     }
 
-    /// Every line replaced by `change`, which gives new points and by how much they miss the old ones over common knots.
+    /// Every line replaced by `change`, which gives new points and by how much they miss the old
+    /// ones over common knots.
     fn simplified(
         &self,
         direction: Direction,
@@ -92,9 +111,13 @@ impl Surface {
         let (mut moved, mut reweighted) = (0.0_f64, 0.0_f64);
         let mut fault = None;
         let surface = self.with_lines(direction, knots, |line| {
-            // From a point of the line: a line that is one point, as at a pole, stays exactly that point.
+            // From a point of the line: a line that is one point, as at a pole, stays exactly that
+            // point.
             let origin = line[0].0;
-            let old: Vec<Homogeneous> = line.iter().map(|point| homogeneous(point, origin)).collect();
+            let old: Vec<Homogeneous> = line
+                .iter()
+                .map(|point| homogeneous(point, origin))
+                .collect();
             let (new, miss) = change(&old);
             for m in &miss {
                 // What is missed as seen from the centre.
@@ -103,10 +126,15 @@ impl Surface {
                 reweighted = reweighted.max(m.w.abs());
             }
             let weighted = |m: &Homogeneous| if self.weights().is_some() { m.w } else { 1.0 };
-            if let Some(m) = new.iter().find(|m| !(weighted(m) > 0.0 && m.iter().all(|x| x.is_finite()))) {
+            if let Some(m) = new
+                .iter()
+                .find(|m| !(weighted(m) > 0.0 && m.iter().all(|x| x.is_finite())))
+            {
                 fault.get_or_insert(weighted(m));
             }
-            new.iter().map(|m| (origin + m.xyz() / weighted(m), weighted(m))).collect()
+            new.iter()
+                .map(|m| (origin + m.xyz() / weighted(m), weighted(m)))
+                .collect()
         });
         if let Some(value) = fault {
             return Err(SurfaceError::Unweighable { value });
@@ -115,17 +143,30 @@ impl Surface {
             None => moved,
             Some(weights) => {
                 let least = weights.iter().copied().fold(f64::INFINITY, f64::min);
-                let reach = surface.net().points().iter().map(|p| (p - centre).norm()).fold(0.0, f64::max);
+                let reach = surface
+                    .net()
+                    .points()
+                    .iter()
+                    .map(|p| (p - centre).norm())
+                    .fold(0.0, f64::max);
                 (moved + reweighted * reach) / least
             }
         };
-        Ok(Simplified { surface, error_bound })
+        Ok(Simplified {
+            surface,
+            error_bound,
+        })
     }
 
     /// Mean of the control points.
     fn centre(&self) -> Point3 {
         let points = self.net().points();
-        points[0] + points.iter().map(|point| point - points[0]).sum::<Vector3>() / points.len() as f64
+        points[0]
+            + points
+                .iter()
+                .map(|point| point - points[0])
+                .sum::<Vector3>()
+                / points.len() as f64
     }
 }
 
@@ -147,8 +188,8 @@ fn dense(change: &BasisChange) -> DMatrix<f64> {
     matrix
 }
 
-/// The equations `Q_k = (1 − α_k) P_{k−1} + α_k P_k`, k < degree, for the points before an insertion: one more than
-/// unknowns.
+/// The equations `Q_k = (1 − α_k) P_{k−1} + α_k P_k`, k < degree, for the points before an
+/// insertion: one more than unknowns.
 struct RemovalChain<'a> {
     alphas: &'a [f64],
     /// What is orthogonal to all that an insertion can make, its absolute values adding up to 1.
@@ -170,18 +211,37 @@ impl<'a> RemovalChain<'a> {
         Self { alphas, across }
     }
 
-    /// From Q_{−1} ..= Q_degree, the ends of which an insertion does not move: P_0 .. P_{degree − 1} without the last, and
-    /// by how much the insertion of the knot then misses each Q. The largest miss is the least that can be.
+    /// From Q_{−1} ..= Q_degree, the ends of which an insertion does not move: P_0 .. P_{degree −
+    /// 1} without the last, and by how much the insertion of the knot then misses each Q. The
+    /// largest miss is the least that can be.
     fn solve(&self, q: &[Homogeneous]) -> (Vec<Homogeneous>, Vec<Homogeneous>) {
         let (alphas, p) = (self.alphas, self.alphas.len());
         let (before, after) = (q[0], q[p + 1]);
         let mut off: Homogeneous = self.across.iter().zip(&q[1..]).map(|(n, q)| q * *n).sum();
-        off -= before * (self.across[0] * (1.0 - alphas[0])) + after * (self.across[p - 1] * alphas[p - 1]);
-        let miss: Vec<Homogeneous> =
-            self.across.iter().map(|n| if *n == 0.0 { Homogeneous::zeros() } else { off * n.signum() }).collect();
-        let fitted: Vec<Homogeneous> = q[1..=p].iter().zip(&miss).map(|(q, miss)| q - miss).collect();
+        off -= before * (self.across[0] * (1.0 - alphas[0]))
+            + after * (self.across[p - 1] * alphas[p - 1]);
+        let miss: Vec<Homogeneous> = self
+            .across
+            .iter()
+            .map(|n| {
+                if *n == 0.0 {
+                    Homogeneous::zeros()
+                } else {
+                    off * n.signum()
+                }
+            })
+            .collect();
+        let fitted: Vec<Homogeneous> = q[1..=p]
+            .iter()
+            .zip(&miss)
+            .map(|(q, miss)| q - miss)
+            .collect();
         // From either side, each time dividing by the larger share; α falls with k.
-        let forward = alphas.iter().take(p - 1).take_while(|alpha| **alpha >= 0.5).count();
+        let forward = alphas
+            .iter()
+            .take(p - 1)
+            .take_while(|alpha| **alpha >= 0.5)
+            .count();
         let mut inner = vec![Homogeneous::zeros(); p - 1];
         let mut last = before;
         for k in 0..forward {
@@ -210,12 +270,20 @@ mod tests {
     /// Largest distance at equal parameters, seen on a grid.
     fn distance(a: &Surface, b: &Surface, seed: u64) -> f64 {
         let pairs = pairs(&mut Random(seed), a, 9);
-        pairs.iter().map(|&(u, v)| (a.point(u, v) - b.point(u, v)).norm()).fold(0.0, f64::max)
+        pairs
+            .iter()
+            .map(|&(u, v)| (a.point(u, v) - b.point(u, v)).norm())
+            .fold(0.0, f64::max)
     }
 
     fn interior(knots: &KnotVector) -> Vec<f64> {
         let (start, end) = knots.domain();
-        let mut inner: Vec<f64> = knots.knots().iter().copied().filter(|&t| t > start && t < end).collect();
+        let mut inner: Vec<f64> = knots
+            .knots()
+            .iter()
+            .copied()
+            .filter(|&t| t > start && t < end)
+            .collect();
         inner.dedup();
         inner
     }
@@ -230,13 +298,23 @@ mod tests {
                 let mut at = vec![random.float(start, end)];
                 at.extend(interior(surface.knots(direction)).first());
                 for knot in at {
-                    let Ok(finer) = surface.insert_knots(direction, &[knot]) else { continue };
+                    let Ok(finer) = surface.insert_knots(direction, &[knot]) else {
+                        continue;
+                    };
                     let back = finer.knot_removed(direction, knot).unwrap();
                     assert_eq!(back.surface.knots(direction), surface.knots(direction));
-                    assert!(back.error_bound < 1e-12, "{surface:?}: {knot} {direction:?} costs {}", back.error_bound);
-                    // Points where the new knot is nearly another one's are hardly held by anything.
+                    assert!(
+                        back.error_bound < 1e-12,
+                        "{surface:?}: {knot} {direction:?} costs {}",
+                        back.error_bound
+                    );
+                    // Points where the new knot is nearly another one's are hardly held by
+                    // anything.
                     let error = distance(&surface, &back.surface, 5);
-                    assert!(error < 1e-11, "{surface:?}: {knot} {direction:?} moved points by {error}");
+                    assert!(
+                        error < 1e-11,
+                        "{surface:?}: {knot} {direction:?} moved points by {error}"
+                    );
                 }
             }
         }
@@ -248,23 +326,33 @@ mod tests {
         for surface in fifty_surfaces(72) {
             for direction in BOTH {
                 for knot in interior(surface.knots(direction)) {
-                    // The sides of a gap would be glued; a bound holds there too, but not at the knot itself.
+                    // The sides of a gap would be glued; a bound holds there too, but not at the
+                    // knot itself.
                     if surface.knots(direction).disjoined().contains(&knot) {
                         continue;
                     }
-                    let Ok(simple) = surface.knot_removed(direction, knot) else { continue };
+                    let Ok(simple) = surface.knot_removed(direction, knot) else {
+                        continue;
+                    };
                     let error = distance(&surface, &simple.surface, 6);
                     let bound = simple.error_bound;
-                    assert!(error <= bound * (1.0 + 1e-9) + 1e-14, "{surface:?}: {error} above {bound}");
+                    assert!(
+                        error <= bound * (1.0 + 1e-9) + 1e-14,
+                        "{surface:?}: {error} above {bound}"
+                    );
                     tried += 1;
                     tight += usize::from(error > 0.05 * bound);
                 }
             }
         }
-        assert!(tried > 60 && tight * 2 > tried, "{tight} of {tried} bounds are within twenty times the error");
+        assert!(
+            tried > 60 && tight * 2 > tried,
+            "{tight} of {tried} bounds are within twenty times the error"
+        );
     }
 
-    // One knot of a cubic: among all P the least largest miss, found by brute force over the two unknowns.
+    // One knot of a cubic: among all P the least largest miss, found by brute force over the two
+    // unknowns.
     #[test]
     fn no_other_points_would_miss_less() {
         let alphas = [0.9, 0.45, 0.2];
@@ -272,13 +360,18 @@ mod tests {
         let (inner, miss) = RemovalChain::new(&alphas).solve(&q);
         let largest = |a: f64, b: f64| -> f64 {
             let p = [q[0].x, a, b, q[4].x];
-            (0..3).map(|k| ((1.0 - alphas[k]) * p[k] + alphas[k] * p[k + 1] - q[k + 1].x).abs()).fold(0.0, f64::max)
+            (0..3)
+                .map(|k| ((1.0 - alphas[k]) * p[k] + alphas[k] * p[k + 1] - q[k + 1].x).abs())
+                .fold(0.0, f64::max)
         };
         let ours = largest(inner[0].x, inner[1].x);
         assert!((ours - miss[0].x.abs()).abs() < 1e-14);
         for i in -200..=200 {
             for j in -200..=200 {
-                let (a, b) = (inner[0].x + f64::from(i) * 0.01, inner[1].x + f64::from(j) * 0.01);
+                let (a, b) = (
+                    inner[0].x + f64::from(i) * 0.01,
+                    inner[1].x + f64::from(j) * 0.01,
+                );
                 assert!(largest(a, b) >= ours - 1e-12, "({a}, {b}) misses less");
             }
         }
@@ -288,13 +381,31 @@ mod tests {
     fn an_elevated_surface_is_reduced_to_what_it_was() {
         for surface in fifty_surfaces(73) {
             for direction in BOTH {
-                let back = surface.elevated(direction).unwrap().degree_reduced(direction).unwrap();
-                assert_eq!(back.surface.knots(direction).degree(), surface.knots(direction).degree());
-                assert!(back.error_bound < 1e-11, "{surface:?} in {direction:?}: {}", back.error_bound);
+                let back = surface
+                    .elevated(direction)
+                    .unwrap()
+                    .degree_reduced(direction)
+                    .unwrap();
+                assert_eq!(
+                    back.surface.knots(direction).degree(),
+                    surface.knots(direction).degree()
+                );
+                assert!(
+                    back.error_bound < 1e-11,
+                    "{surface:?} in {direction:?}: {}",
+                    back.error_bound
+                );
                 if surface.knots(direction).kind() == KnotKind::Clamped {
-                    let pairs = surface.net().points().iter().zip(back.surface.net().points());
+                    let pairs = surface
+                        .net()
+                        .points()
+                        .iter()
+                        .zip(back.surface.net().points());
                     let error = pairs.map(|(a, b)| (a - b).norm()).fold(0.0, f64::max);
-                    assert!(error < 1e-11, "{surface:?} in {direction:?}: the net is {error} off");
+                    assert!(
+                        error < 1e-11,
+                        "{surface:?} in {direction:?}: the net is {error} off"
+                    );
                 }
             }
         }
@@ -309,15 +420,23 @@ mod tests {
                     assert!(surface.knots(direction).degree() == 1 || surface.weights().is_some());
                     continue;
                 };
-                let parted =
-                    |knots: &KnotVector, t: f64| knots.disjoined().contains(&knots.confine_from(t, Side::Right));
+                let parted = |knots: &KnotVector, t: f64| {
+                    knots
+                        .disjoined()
+                        .contains(&knots.confine_from(t, Side::Right))
+                };
                 for (u, v) in pairs(&mut random, &surface, 5) {
                     if parted(surface.knots_u(), u) || parted(surface.knots_v(), v) {
                         continue;
                     }
-                    let (error, bound) =
-                        ((surface.point(u, v) - simple.surface.point(u, v)).norm(), simple.error_bound);
-                    assert!(error <= bound * (1.0 + 1e-9) + 1e-14, "{surface:?}: {error} above {bound}");
+                    let (error, bound) = (
+                        (surface.point(u, v) - simple.surface.point(u, v)).norm(),
+                        simple.error_bound,
+                    );
+                    assert!(
+                        error <= bound * (1.0 + 1e-9) + 1e-14,
+                        "{surface:?}: {error} above {bound}"
+                    );
                 }
             }
         }
@@ -325,12 +444,22 @@ mod tests {
 
     #[test]
     fn the_teardrop_stays_closed_with_less() {
-        let drop = builtin("teardrop", None, None).unwrap().refined_to(12, 13).unwrap();
+        let drop = builtin("teardrop", None, None)
+            .unwrap()
+            .refined_to(12, 13)
+            .unwrap();
         for direction in BOTH {
             let knot = interior(drop.knots(direction))[3];
-            for simple in [drop.knot_removed(direction, knot).unwrap(), drop.degree_reduced(direction).unwrap()] {
+            for simple in [
+                drop.knot_removed(direction, knot).unwrap(),
+                drop.degree_reduced(direction).unwrap(),
+            ] {
                 assert_eq!(simple.surface.topology(), drop.topology());
-                assert!(simple.error_bound < 0.1 * drop.size(), "{} m", simple.error_bound);
+                assert!(
+                    simple.error_bound < 0.1 * drop.size(),
+                    "{} m",
+                    simple.error_bound
+                );
             }
         }
     }
@@ -338,8 +467,14 @@ mod tests {
     #[test]
     fn what_is_no_interior_knot_cannot_be_removed() {
         let sheet = builtin("sheet", None, None).unwrap();
-        for (knot, text) in [(0.3, "0.3 is not a knot inside the domain"), (0.0, "0 is not a knot inside the domain")] {
-            let error = sheet.knot_removed(Direction::U, knot).unwrap_err().to_string();
+        for (knot, text) in [
+            (0.3, "0.3 is not a knot inside the domain"),
+            (0.0, "0 is not a knot inside the domain"),
+        ] {
+            let error = sheet
+                .knot_removed(Direction::U, knot)
+                .unwrap_err()
+                .to_string();
             assert_eq!(error, format!("knots in u: {text}"));
         }
         let flat = builtin("sheet", Some([4, 4]), None).unwrap();

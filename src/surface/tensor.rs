@@ -54,7 +54,8 @@ pub enum SurfaceError {
     },
 }
 
-/// Point and derivatives at a parameter: S, S_u, S_v, S_uu, S_uv, S_vv, metres per unit of parameter.
+/// Point and derivatives at a parameter: S, S_u, S_v, S_uu, S_uv, S_vv, metres per unit of
+/// parameter.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Frame {
     /// S.
@@ -92,21 +93,41 @@ impl Surface {
         net: ControlNet,
         weights: Option<Vec<f64>>,
     ) -> Result<Self, SurfaceError> {
-        for (direction, given, needed) in [('u', net.rows(), knots_u.count()), ('v', net.columns(), knots_v.count())] {
+        for (direction, given, needed) in [
+            ('u', net.rows(), knots_u.count()),
+            ('v', net.columns(), knots_v.count()),
+        ] {
             if given != needed {
-                return Err(SurfaceError::Size { direction, given, needed });
+                return Err(SurfaceError::Size {
+                    direction,
+                    given,
+                    needed,
+                });
             }
         }
         if let Some(weights) = &weights {
             if weights.len() != net.points().len() {
-                return Err(SurfaceError::WeightCount { given: weights.len(), needed: net.points().len() });
+                return Err(SurfaceError::WeightCount {
+                    given: weights.len(),
+                    needed: net.points().len(),
+                });
             }
             if let Some(k) = weights.iter().position(|w| !(w.is_finite() && *w > 0.0)) {
                 let (row, column) = (k / net.columns(), k % net.columns());
-                return Err(SurfaceError::Weight { row, column, value: weights[k] });
+                return Err(SurfaceError::Weight {
+                    row,
+                    column,
+                    value: weights[k],
+                });
             }
         }
-        Ok(Self { knots_u, knots_v, net, weights, flip_normal: false })
+        Ok(Self {
+            knots_u,
+            knots_v,
+            net,
+            weights,
+            flip_normal: false,
+        })
     }
 
     /// Parts that were checked, or made of such.
@@ -116,8 +137,18 @@ impl Surface {
         net: ControlNet,
         weights: Option<Vec<f64>>,
     ) -> Self {
-        debug_assert_eq!((net.rows(), net.columns()), (knots_u.count(), knots_v.count()), "net and knots disagree");
-        Self { knots_u, knots_v, net, weights, flip_normal: false }
+        debug_assert_eq!(
+            (net.rows(), net.columns()),
+            (knots_u.count(), knots_v.count()),
+            "net and knots disagree"
+        );
+        Self {
+            knots_u,
+            knots_v,
+            net,
+            weights,
+            flip_normal: false,
+        }
     }
 
     /// The same surface with its outward side at `-(S_u × S_v)`.
@@ -176,7 +207,11 @@ impl Surface {
             }
         }
         // Values sum to one: without weights there is nothing to divide by.
-        Point3::from(if self.weights.is_some() { sum / weight } else { sum })
+        Point3::from(if self.weights.is_some() {
+            sum / weight
+        } else {
+            sum
+        })
     }
 
     /// S and its derivatives to order 2, parameters confined to the domain.
@@ -184,9 +219,13 @@ impl Surface {
         self.frame_from(u, v, Side::Right, Side::Right)
     }
 
-    /// [`Surface::frame`], each parameter seen from a chosen side: matters at creases and where the surface is disjoined.
+    /// [`Surface::frame`], each parameter seen from a chosen side: matters at creases and where the
+    /// surface is disjoined.
     pub fn frame_from(&self, u: f64, v: f64, side_u: Side, side_v: Side) -> Frame {
-        self.frame_in(&self.knots_u.window_from(u, side_u), &self.knots_v.window_from(v, side_v))
+        self.frame_in(
+            &self.knots_u.window_from(u, side_u),
+            &self.knots_v.window_from(v, side_v),
+        )
     }
 
     /// [`Surface::frame`] from windows at hand.
@@ -195,7 +234,14 @@ impl Surface {
             return self.polynomial_frame(wu, wv);
         }
         // Quotient rule on A / w; The NURBS Book, eq. 4.20.
-        let [(a, w), (a_u, w_u), (a_v, w_v), (a_uu, w_uu), (a_uv, w_uv), (a_vv, w_vv)] = self.homogeneous_frame(wu, wv);
+        let [
+            (a, w),
+            (a_u, w_u),
+            (a_v, w_v),
+            (a_uu, w_uu),
+            (a_uv, w_uv),
+            (a_vv, w_vv),
+        ] = self.homogeneous_frame(wu, wv);
         let s = a / w;
         let du = (a_u - s * w_u) / w;
         let dv = (a_v - s * w_v) / w;
@@ -213,7 +259,8 @@ impl Surface {
         let columns = self.net.columns();
         let points = self.net.points();
         let zero = Vector3::zeros();
-        let (mut s, mut du, mut dv, mut duu, mut duv, mut dvv) = (zero, zero, zero, zero, zero, zero);
+        let (mut s, mut du, mut dv, mut duu, mut duv, mut dvv) =
+            (zero, zero, zero, zero, zero, zero);
         for a in 0..wu.len {
             let row = wrap(wu.first + a, self.net.rows()) * columns;
             let (mut p, mut q, mut r) = (zero, zero, zero);
@@ -223,7 +270,11 @@ impl Surface {
                 q += point * wv.first_derivatives()[b];
                 r += point * wv.second_derivatives()[b];
             }
-            let (n, d, dd) = (wu.values()[a], wu.first_derivatives()[a], wu.second_derivatives()[a]);
+            let (n, d, dd) = (
+                wu.values()[a],
+                wu.first_derivatives()[a],
+                wu.second_derivatives()[a],
+            );
             s += p * n;
             du += p * d;
             duu += p * dd;
@@ -231,7 +282,14 @@ impl Surface {
             duv += q * d;
             dvv += r * n;
         }
-        Frame { point: Point3::from(s), du, dv, duu, duv, dvv }
+        Frame {
+            point: Point3::from(s),
+            du,
+            dv,
+            duu,
+            duv,
+            dvv,
+        }
     }
 
     /// (Σ N_i M_j w_ij P_ij, Σ N_i M_j w_ij) and its derivatives u, v, uu, uv, vv.
@@ -252,8 +310,16 @@ impl Surface {
                     sum.1 += weight * m;
                 }
             }
-            let n = [wu.values()[a], wu.first_derivatives()[a], wu.second_derivatives()[a]];
-            for (sum, (order_u, order_v)) in frame.iter_mut().zip([(0, 0), (1, 0), (0, 1), (2, 0), (1, 1), (0, 2)]) {
+            let n = [
+                wu.values()[a],
+                wu.first_derivatives()[a],
+                wu.second_derivatives()[a],
+            ];
+            for (sum, (order_u, order_v)) in
+                frame
+                    .iter_mut()
+                    .zip([(0, 0), (1, 0), (0, 1), (2, 0), (1, 1), (0, 2)])
+            {
                 sum.0 += along[order_v].0 * n[order_u];
                 sum.1 += along[order_v].1 * n[order_u];
             }
@@ -283,39 +349,71 @@ mod tests {
                 let frame = surface.frame(u, v);
                 let point = twin_derivative(&surface, u, v, 0, 0);
                 let error = (frame.point.coords - point).norm();
-                assert!(error <= 1e-12 * surface.size(), "{surface:?} at ({u}, {v}): point off by {error}");
-                assert!((surface.point(u, v) - frame.point).norm() <= 1e-14, "point and frame disagree");
-                let derivatives =
-                    [(frame.du, 1, 0), (frame.dv, 0, 1), (frame.duu, 2, 0), (frame.duv, 1, 1), (frame.dvv, 0, 2)];
+                assert!(
+                    error <= 1e-12 * surface.size(),
+                    "{surface:?} at ({u}, {v}): point off by {error}"
+                );
+                assert!(
+                    (surface.point(u, v) - frame.point).norm() <= 1e-14,
+                    "point and frame disagree"
+                );
+                let derivatives = [
+                    (frame.du, 1, 0),
+                    (frame.dv, 0, 1),
+                    (frame.duu, 2, 0),
+                    (frame.duv, 1, 1),
+                    (frame.dvv, 0, 2),
+                ];
                 for (derivative, k, l) in derivatives {
                     let wanted = twin_derivative(&surface, u, v, k, l);
                     let error = (derivative - wanted).norm();
                     // Relative, but not to a derivative that cancels to nothing.
                     let scale = wanted.norm().max(surface.size());
-                    assert!(error <= 1e-10 * scale, "{surface:?} at ({u}, {v}), order ({k}, {l}): off by {error}");
+                    assert!(
+                        error <= 1e-10 * scale,
+                        "{surface:?} at ({u}, {v}), order ({k}, {l}): off by {error}"
+                    );
                 }
             }
         }
-        assert!(tried >= 10_000, "{tried} pairs are fewer than the bar names");
+        assert!(
+            tried >= 10_000,
+            "{tried} pairs are fewer than the bar names"
+        );
     }
 
-    // Values in 60 digits from another language, kept as data; tests/oracles/surface_values.py wrote them.
+    // Values in 60 digits from another language, kept as data; tests/oracles/surface_values.py
+    // wrote them.
     #[test]
     fn points_and_derivatives_agree_with_sixty_digits() {
-        let cases: serde_json::Value = serde_json::from_str(include_str!("data/high_precision.json")).unwrap();
+        let cases: serde_json::Value =
+            serde_json::from_str(include_str!("data/high_precision.json")).unwrap();
         let mut tried = 0;
         for case in cases.as_array().unwrap() {
             let surface = super::super::file::from_value(&case["surface"]).unwrap();
             for answer in case["answers"].as_array().unwrap() {
-                let frame = surface.frame(answer["u"].as_f64().unwrap(), answer["v"].as_f64().unwrap());
-                let got = [frame.point.coords, frame.du, frame.dv, frame.duu, frame.duv, frame.dvv];
+                let frame =
+                    surface.frame(answer["u"].as_f64().unwrap(), answer["v"].as_f64().unwrap());
+                let got = [
+                    frame.point.coords,
+                    frame.du,
+                    frame.dv,
+                    frame.duu,
+                    frame.duv,
+                    frame.dvv,
+                ];
                 for (order, got) in got.into_iter().enumerate() {
                     let wanted = &answer["orders"][order];
                     let wanted = Vector3::from_fn(|c, _| wanted[c].as_f64().unwrap());
-                    // Of the larger of value and size: what cancels to nothing has no relative error.
-                    let bar = if order == 0 { 1e-12 } else { 1e-10 } * wanted.norm().max(surface.size());
+                    // Of the larger of value and size: what cancels to nothing has no relative
+                    // error.
+                    let bar =
+                        if order == 0 { 1e-12 } else { 1e-10 } * wanted.norm().max(surface.size());
                     let error = (got - wanted).norm();
-                    assert!(error <= bar, "order {order} at {answer}: off by {error}, allowed {bar}");
+                    assert!(
+                        error <= bar,
+                        "order {order} at {answer}: off by {error}, allowed {bar}"
+                    );
                     tried += 1;
                 }
             }
@@ -325,10 +423,16 @@ mod tests {
 
     #[test]
     fn derivatives_of_rational_surfaces_agree_with_differences() {
-        for surface in fifty_surfaces(32).into_iter().filter(|s| s.weights().is_some()) {
+        for surface in fifty_surfaces(32)
+            .into_iter()
+            .filter(|s| s.weights().is_some())
+        {
             let middle = |knots: &KnotVector| {
                 let i = knots.spans().next().unwrap();
-                (0.5 * (knots.knots()[i] + knots.knots()[i + 1]), 1e-4 * (knots.knots()[i + 1] - knots.knots()[i]))
+                (
+                    0.5 * (knots.knots()[i] + knots.knots()[i + 1]),
+                    1e-4 * (knots.knots()[i + 1] - knots.knots()[i]),
+                )
             };
             let ((u, h), (v, k)) = (middle(surface.knots_u()), middle(surface.knots_v()));
             let at = |a: f64, b: f64| surface.frame(u + a * h, v + b * k);
@@ -338,18 +442,31 @@ mod tests {
             let uu = (at(1.0, 0.0).du - at(-1.0, 0.0).du) / (2.0 * h);
             let uv = (at(1.0, 0.0).dv - at(-1.0, 0.0).dv) / (2.0 * h);
             let vv = (at(0.0, 1.0).dv - at(0.0, -1.0).dv) / (2.0 * k);
-            let pairs = [(along_u, frame.du), (along_v, frame.dv), (uu, frame.duu), (uv, frame.duv), (vv, frame.dvv)];
+            let pairs = [
+                (along_u, frame.du),
+                (along_v, frame.dv),
+                (uu, frame.duu),
+                (uv, frame.duv),
+                (vv, frame.dvv),
+            ];
             for (k, (difference, derivative)) in pairs.into_iter().enumerate() {
                 // Truncation h² S''' with spans of about 1/2 and steps of 1e-4 of them.
                 let error = (difference - derivative).norm();
-                assert!(error < 1e-4 * derivative.norm().max(1.0), "{surface:?}: derivative {k} off by {error}");
+                assert!(
+                    error < 1e-4 * derivative.norm().max(1.0),
+                    "{surface:?}: derivative {k} off by {error}"
+                );
             }
         }
     }
 
     #[test]
     fn equal_weights_change_nothing() {
-        for surface in fifty_surfaces(33).into_iter().filter(|s| s.weights().is_none()).take(10) {
+        for surface in fifty_surfaces(33)
+            .into_iter()
+            .filter(|s| s.weights().is_none())
+            .take(10)
+        {
             let weights = vec![1.7; surface.net().points().len()];
             let rational = Surface::new(
                 surface.knots_u().clone(),
@@ -361,7 +478,12 @@ mod tests {
             for (u, v) in pairs(&mut Random(33), &surface, 2) {
                 let (a, b) = (surface.frame(u, v), rational.frame(u, v));
                 assert!((a.point - b.point).norm() < 1e-14);
-                assert!((a.duv - b.duv).norm() < 1e-11 * (1.0 + a.duv.norm()), "{} {}", a.duv, b.duv);
+                assert!(
+                    (a.duv - b.duv).norm() < 1e-11 * (1.0 + a.duv.norm()),
+                    "{} {}",
+                    a.duv,
+                    b.duv
+                );
             }
         }
     }
@@ -372,24 +494,71 @@ mod tests {
         let u = KnotVector::new(1, vec![0.0, 0.0, 1.0, 1.0, 2.0, 2.0]).unwrap();
         let v = KnotVector::clamped_uniform(1, 2).unwrap();
         let xs = [0.0, 1.0, 3.0, 4.0];
-        let points = xs.iter().flat_map(|&x| [Point3::new(x, 0.0, 0.0), Point3::new(x, 1.0, 0.0)]).collect();
+        let points = xs
+            .iter()
+            .flat_map(|&x| [Point3::new(x, 0.0, 0.0), Point3::new(x, 1.0, 0.0)])
+            .collect();
         let surface = Surface::new(u, v, ControlNet::new(4, 2, points).unwrap(), None).unwrap();
-        assert_eq!(surface.frame_from(1.0, 0.5, Side::Left, Side::Right).point, Point3::new(1.0, 0.5, 0.0));
-        assert_eq!(surface.frame_from(1.0, 0.5, Side::Right, Side::Right).point, Point3::new(3.0, 0.5, 0.0));
+        assert_eq!(
+            surface.frame_from(1.0, 0.5, Side::Left, Side::Right).point,
+            Point3::new(1.0, 0.5, 0.0)
+        );
+        assert_eq!(
+            surface.frame_from(1.0, 0.5, Side::Right, Side::Right).point,
+            Point3::new(3.0, 0.5, 0.0)
+        );
     }
 
     #[test]
     fn bad_nets_and_weights_are_refused_with_what_and_where() {
         let knots = || KnotVector::clamped_uniform(1, 2).unwrap();
-        let net = |rows, columns| ControlNet::new(rows, columns, vec![Point3::origin(); rows * columns]).unwrap();
+        let net = |rows, columns| {
+            ControlNet::new(rows, columns, vec![Point3::origin(); rows * columns]).unwrap()
+        };
         let error = Surface::new(knots(), knots(), net(2, 3), None).unwrap_err();
-        assert_eq!(error, SurfaceError::Size { direction: 'v', given: 3, needed: 2 });
-        let weighted = |weights: Vec<f64>| Surface::new(knots(), knots(), net(2, 2), Some(weights)).unwrap_err();
-        assert_eq!(weighted(vec![1.0; 3]), SurfaceError::WeightCount { given: 3, needed: 4 });
-        assert_eq!(weighted(vec![1.0, 1.0, 0.0, 1.0]), SurfaceError::Weight { row: 1, column: 0, value: 0.0 });
-        assert!(matches!(weighted(vec![1.0, f64::NAN, 1.0, 1.0]), SurfaceError::Weight { row: 0, column: 1, .. }));
+        assert_eq!(
+            error,
+            SurfaceError::Size {
+                direction: 'v',
+                given: 3,
+                needed: 2
+            }
+        );
+        let weighted = |weights: Vec<f64>| {
+            Surface::new(knots(), knots(), net(2, 2), Some(weights)).unwrap_err()
+        };
+        assert_eq!(
+            weighted(vec![1.0; 3]),
+            SurfaceError::WeightCount {
+                given: 3,
+                needed: 4
+            }
+        );
+        assert_eq!(
+            weighted(vec![1.0, 1.0, 0.0, 1.0]),
+            SurfaceError::Weight {
+                row: 1,
+                column: 0,
+                value: 0.0
+            }
+        );
+        assert!(matches!(
+            weighted(vec![1.0, f64::NAN, 1.0, 1.0]),
+            SurfaceError::Weight {
+                row: 0,
+                column: 1,
+                ..
+            }
+        ));
         let points = vec![Point3::origin(), Point3::new(0.0, f64::INFINITY, 0.0)];
         let error = ControlNet::new(1, 2, points).unwrap_err();
-        assert_eq!(error, NetError::NotFinite { row: 0, column: 1, value: f64::INFINITY });
+        assert_eq!(
+            error,
+            NetError::NotFinite {
+                row: 0,
+                column: 1,
+                value: f64::INFINITY
+            }
+        );
     }
 }

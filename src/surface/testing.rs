@@ -5,7 +5,8 @@ use crate::basis::KnotKind;
 use crate::basis::testing::{KINDS, Random, parameters, random_knots, twin_row};
 use crate::math::{Point3, Vector3};
 
-/// A bumpy sheet of some degree and kind, about 1 m across, knots repeated up to `most(degree)` times.
+/// A bumpy sheet of some degree and kind, about 1 m across, knots repeated up to `most(degree)`
+/// times.
 pub(crate) fn random_surface(
     random: &mut Random,
     degrees: [usize; 2],
@@ -21,14 +22,29 @@ pub(crate) fn random_surface(
         .map(|k| {
             let (i, j) = (k / columns, k % columns);
             let mut jitter = || random.float(-0.1, 0.1);
-            Point3::new(i as f64 / rows as f64 + jitter(), j as f64 / columns as f64 + jitter(), jitter())
+            Point3::new(
+                i as f64 / rows as f64 + jitter(),
+                j as f64 / columns as f64 + jitter(),
+                jitter(),
+            )
         })
         .collect();
-    let weights = rational.then(|| (0..rows * columns).map(|_| random.float(0.5, 2.0)).collect());
-    Surface::new(u, v, ControlNet::new(rows, columns, points).unwrap(), weights).unwrap()
+    let weights = rational.then(|| {
+        (0..rows * columns)
+            .map(|_| random.float(0.5, 2.0))
+            .collect()
+    });
+    Surface::new(
+        u,
+        v,
+        ControlNet::new(rows, columns, points).unwrap(),
+        weights,
+    )
+    .unwrap()
 }
 
-/// Fifty surfaces of degrees 1 to 7, every other one rational, with every multiplicity up to degree + 1.
+/// Fifty surfaces of degrees 1 to 7, every other one rational, with every multiplicity up to degree
+/// + 1.
 pub(crate) fn fifty_surfaces(seed: u64) -> Vec<Surface> {
     let mut random = Random(seed);
     (0..50)
@@ -41,8 +57,14 @@ pub(crate) fn fifty_surfaces(seed: u64) -> Vec<Surface> {
 
 /// Pairs of parameters: knots and ends against each other, and some random ones.
 pub(crate) fn pairs(random: &mut Random, surface: &Surface, more: usize) -> Vec<(f64, f64)> {
-    let (us, vs) = (parameters(random, surface.knots_u(), more), parameters(random, surface.knots_v(), more));
-    let mut pairs: Vec<(f64, f64)> = us.iter().flat_map(|&u| vs.iter().map(move |&v| (u, v))).collect();
+    let (us, vs) = (
+        parameters(random, surface.knots_u(), more),
+        parameters(random, surface.knots_v(), more),
+    );
+    let mut pairs: Vec<(f64, f64)> = us
+        .iter()
+        .flat_map(|&u| vs.iter().map(move |&v| (u, v)))
+        .collect();
     // A third of the grid is enough where it is large.
     if pairs.len() > 600 {
         pairs = pairs.into_iter().step_by(3).collect();
@@ -51,10 +73,27 @@ pub(crate) fn pairs(random: &mut Random, surface: &Surface, more: usize) -> Vec<
 }
 
 /// A^(k, l) and w^(k, l) from dense rows of the recursive basis.
-fn twin_homogeneous(surface: &Surface, u: f64, v: f64, order_u: usize, order_v: usize) -> (Vector3, f64) {
-    let wrapped = |knots: &crate::basis::KnotVector, u: f64| knots.confine_from(u, crate::basis::Side::Right);
-    let row = twin_row(surface.knots_u(), wrapped(surface.knots_u(), u), false, order_u);
-    let column = twin_row(surface.knots_v(), wrapped(surface.knots_v(), v), false, order_v);
+fn twin_homogeneous(
+    surface: &Surface,
+    u: f64,
+    v: f64,
+    order_u: usize,
+    order_v: usize,
+) -> (Vector3, f64) {
+    let wrapped =
+        |knots: &crate::basis::KnotVector, u: f64| knots.confine_from(u, crate::basis::Side::Right);
+    let row = twin_row(
+        surface.knots_u(),
+        wrapped(surface.knots_u(), u),
+        false,
+        order_u,
+    );
+    let column = twin_row(
+        surface.knots_v(),
+        wrapped(surface.knots_v(), v),
+        false,
+        order_v,
+    );
     let (mut sum, mut weight) = (Vector3::zeros(), 0.0);
     for (i, n) in row.iter().enumerate() {
         for (j, m) in column.iter().enumerate() {
@@ -76,7 +115,8 @@ pub(crate) fn twin_derivative(surface: &Surface, u: f64, v: f64, k: usize, l: us
             for j in 0..=l {
                 if i + j > 0 {
                     let (_, w) = twin_homogeneous(surface, u, v, i, j);
-                    sum -= twin_derivative(surface, u, v, k - i, l - j) * (binomial(k, i) * binomial(l, j) * w);
+                    sum -= twin_derivative(surface, u, v, k - i, l - j)
+                        * (binomial(k, i) * binomial(l, j) * w);
                 }
             }
         }
@@ -87,5 +127,8 @@ pub(crate) fn twin_derivative(surface: &Surface, u: f64, v: f64, k: usize, l: us
 /// The surface as it is, and turned, moved and scaled so that nothing is aligned with an axis.
 pub(crate) fn tilted(surface: &Surface) -> Surface {
     let rotation = crate::math::Rotation::from_euler_angles(0.3, -1.1, 2.0);
-    surface.transformed(&crate::math::Pose::from_parts(Vector3::new(0.3, -0.2, 0.7).into(), rotation))
+    surface.transformed(&crate::math::Pose::from_parts(
+        Vector3::new(0.3, -0.2, 0.7).into(),
+        rotation,
+    ))
 }

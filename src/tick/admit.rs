@@ -6,17 +6,29 @@ use crate::math::turn_between;
 use crate::scene::{Scene, SceneState, flags};
 
 /// Takes the poses.
-pub(super) fn admit(scene: &Scene, state: &mut SceneState, input: &TickInput, wanted: bool, output: &mut TickOutput) {
+pub(super) fn admit(
+    scene: &Scene,
+    state: &mut SceneState,
+    input: &TickInput,
+    wanted: bool,
+    output: &mut TickOutput,
+) {
     for (t, tool) in scene.tools.iter().enumerate() {
         let tool_state = &mut state.tools[t];
         let before = tool_state.link.pose;
         let force_max_n = tool.limits.force_max_n.min(tool_state.bounds.force_max_n);
-        let limits = LinkLimits { force_max_n, ..tool.limits };
-        let admission = tool_state.link.admit(input.poses[t].as_ref(), &limits, wanted);
+        let limits = LinkLimits {
+            force_max_n,
+            ..tool.limits
+        };
+        let admission = tool_state
+            .link
+            .admit(input.poses[t].as_ref(), &limits, wanted);
         let link = &tool_state.link;
         let out = &mut output.tools[t];
         if admission.seated {
-            (tool_state.proxy, tool_state.orientation) = (link.pose.position, link.pose.orientation);
+            (tool_state.proxy, tool_state.orientation) =
+                (link.pose.position, link.pose.orientation);
             tool_state.port.seat();
             for (pair, pair_state) in scene.pairs.iter().zip(&mut state.pairs) {
                 if pair.tool() == Some(t) {
@@ -27,7 +39,10 @@ pub(super) fn admit(scene: &Scene, state: &mut SceneState, input: &TickInput, wa
             out.device_moved = link.pose.position - before.position;
             out.device_turned = turn_between(&before.orientation, &link.pose.orientation);
         }
-        tool_state.port.observe(&Motion { moved: out.device_moved, turned: out.device_turned });
+        tool_state.port.observe(&Motion {
+            moved: out.device_moved,
+            turned: out.device_turned,
+        });
         out.pose_seq = link.pose.seq;
         out.t_client_ns = link.pose.t_client_ns;
         out.pose_age_ticks = link.age_ticks;

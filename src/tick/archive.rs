@@ -63,7 +63,8 @@ pub enum ArchiveNews {
 
 /// The keeper of recordings, as the bus thread sees it. Nothing here waits for a disk.
 pub trait Archive: Send {
-    /// Something happened that belongs into the recording: a name like `tool_joined`, and words about it.
+    /// Something happened that belongs into the recording: a name like `tool_joined`, and words
+    /// about it.
     fn event(&mut self, tick: u64, kind: &str, detail: &str);
     /// Asks for something; the answer comes with [`Archive::news`] under the same number.
     fn ask(&mut self, id: u64, request: ArchiveRequest);

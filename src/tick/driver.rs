@@ -47,7 +47,8 @@ pub struct DriverReport {
 /// Most ticks a stopping loop waits for its forces to fade.
 const FADE_TICKS: u64 = 1_000;
 
-/// Starts the tick thread. It owns the state; it ends after [`Command::Stop`], or after `settings.ticks`.
+/// Starts the tick thread. It owns the state; it ends after [`Command::Stop`], or after
+/// `settings.ticks`.
 ///
 /// # Errors
 /// The thread could not be made.
@@ -57,29 +58,47 @@ pub fn start(
     journal: Box<dyn Journal>,
     settings: DriverSettings,
 ) -> std::io::Result<JoinHandle<DriverReport>> {
-    std::thread::Builder::new().name("palpate-tick".into()).spawn(move || {
-        let state = scene.initial_state();
-        let mut scratch = scene.scratch(&state);
-        match Workers::start(&scene) {
-            Ok(Some(workers)) => scratch.set_pipeline(Box::new(workers)),
-            Ok(None) => {}
-            // Bodies then step in the tick in which they are due: the same bits, but late.
-            Err(error) => tracing::warn!("no threads for slow bodies: {error}"),
-        }
-        let _ = ports.tick_thread.set(std::thread::current());
-        let privileges = if settings.privileged { ask_privileges() } else { Privileges::default() };
-        let report = DriverReport {
-            ticks: 0,
-            late: 0,
-            skipped: 0,
-            lateness: Histogram::default(),
-            stages: (0..=STAGE_COUNT).map(|_| Histogram::default()).collect(),
-            privileges,
-        };
-        let period_ns = (scene.dt_s * 1e9).round() as u64;
-        let (overload, fading) = (Overload::new(period_ns), None);
-        Driver { scene, state, scratch, ports, journal, settings, report, overload, fading, emit_ns: 0 }.run()
-    })
+    std::thread::Builder::new()
+        .name("palpate-tick".into())
+        .spawn(move || {
+            let state = scene.initial_state();
+            let mut scratch = scene.scratch(&state);
+            match Workers::start(&scene) {
+                Ok(Some(workers)) => scratch.set_pipeline(Box::new(workers)),
+                Ok(None) => {}
+                // Bodies then step in the tick in which they are due: the same bits, but late.
+                Err(error) => tracing::warn!("no threads for slow bodies: {error}"),
+            }
+            let _ = ports.tick_thread.set(std::thread::current());
+            let privileges = if settings.privileged {
+                ask_privileges()
+            } else {
+                Privileges::default()
+            };
+            let report = DriverReport {
+                ticks: 0,
+                late: 0,
+                skipped: 0,
+                lateness: Histogram::default(),
+                stages: (0..=STAGE_COUNT).map(|_| Histogram::default()).collect(),
+                privileges,
+            };
+            let period_ns = (scene.dt_s * 1e9).round() as u64;
+            let (overload, fading) = (Overload::new(period_ns), None);
+            Driver {
+                scene,
+                state,
+                scratch,
+                ports,
+                journal,
+                settings,
+                report,
+                overload,
+                fading,
+                emit_ns: 0,
+            }
+            .run()
+        })
 }
 
 struct Driver {
@@ -109,11 +128,17 @@ impl Driver {
                     schedule.wake(now_ns())
                 }
                 Clock::Lockstep => {
-                    if !self.ports.all_have_news() && self.ports.commands.is_empty() && self.ports.swaps.is_empty() {
+                    if !self.ports.all_have_news()
+                        && self.ports.commands.is_empty()
+                        && self.ports.swaps.is_empty()
+                    {
                         std::thread::park_timeout(Duration::from_millis(1));
                         continue;
                     }
-                    Wake { late_ns: 0, skipped: 0 }
+                    Wake {
+                        late_ns: 0,
+                        skipped: 0,
+                    }
                 }
             };
             self.take_commands();
@@ -130,10 +155,13 @@ impl Driver {
     fn is_over(&mut self) -> bool {
         let ticks = self.state.tick;
         let asked = self.ports.counters.stop.load(Ordering::Acquire);
-        if (asked || self.settings.ticks.is_some_and(|most| ticks >= most)) && self.fading.is_none() {
+        if (asked || self.settings.ticks.is_some_and(|most| ticks >= most)) && self.fading.is_none()
+        {
             self.apply(Command::Stop);
         }
-        let Some(since) = self.fading else { return false };
+        let Some(since) = self.fading else {
+            return false;
+        };
         let faded = self.state.tools.iter().all(|tool| tool.link.limit_n == 0.0);
         self.settings.clock == Clock::Lockstep || faded || ticks >= since + FADE_TICKS
     }
@@ -144,14 +172,21 @@ impl Driver {
         match command {
             Command::Stop => self.fading = self.fading.or(Some(self.state.tick)),
             Command::Reset => self.journal.keyframe(&self.state, state_hash(&self.state)),
-            Command::Pause | Command::Resume | Command::Step(_) | Command::Quality(_) | Command::Device { .. } => {}
+            Command::Pause
+            | Command::Resume
+            | Command::Step(_)
+            | Command::Quality(_)
+            | Command::Device { .. } => {}
         }
     }
 
     fn take_commands(&mut self) {
         while let Ok(request) = self.ports.commands.pop() {
             self.apply(request.command);
-            let _ = self.ports.receipts.push(Receipt { id: request.id, tick: self.state.tick + 1 });
+            let _ = self.ports.receipts.push(Receipt {
+                id: request.id,
+                tick: self.state.tick + 1,
+            });
         }
     }
 
@@ -160,12 +195,17 @@ impl Driver {
         if self.ports.retired.slots() == 0 || self.fading.is_some() {
             return;
         }
-        let Ok(mut swap) = self.ports.swaps.pop() else { return };
+        let Ok(mut swap) = self.ports.swaps.pop() else {
+            return;
+        };
         swap.exchange(&mut self.scene, &mut self.state, &mut self.scratch);
         std::mem::swap(&mut self.ports.nets, &mut swap.nets);
         std::mem::swap(&mut self.journal, &mut swap.journal);
         self.journal.keyframe(&self.state, state_hash(&self.state));
-        let _ = self.ports.receipts.push(Receipt { id: swap.id, tick: self.state.tick + 1 });
+        let _ = self.ports.receipts.push(Receipt {
+            id: swap.id,
+            tick: self.state.tick + 1,
+        });
         // Dropped where time does not matter.
         let _ = self.ports.retired.push(swap);
     }
@@ -183,8 +223,19 @@ impl Driver {
         deform(&self.scene, &mut self.state, &mut self.scratch, &mut output);
         let deformed = now_ns();
         let ns = |from: u64, to: u64| (to - from).min(u64::from(u32::MAX)) as u32;
-        let stage_ns = [ns(start, latched), ns(latched, rendered), ns(rendered, deformed), self.emit_ns];
-        let record = TickRecord { input, output, late_ns: wake.late_ns, skipped: wake.skipped, stage_ns };
+        let stage_ns = [
+            ns(start, latched),
+            ns(latched, rendered),
+            ns(rendered, deformed),
+            self.emit_ns,
+        ];
+        let record = TickRecord {
+            input,
+            output,
+            late_ns: wake.late_ns,
+            skipped: wake.skipped,
+            stage_ns,
+        };
         self.journal.tick(&self.scene, &self.state, &record);
         self.ports.done(&self.scene, &self.state, &record);
         self.emit_ns = ns(deformed, now_ns());
@@ -195,7 +246,8 @@ impl Driver {
         }
     }
 
-    /// Counts an overrun; changes the quality of the next tick when there are too many, or none any more.
+    /// Counts an overrun; changes the quality of the next tick when there are too many, or none any
+    /// more.
     fn watch(&mut self, wake: Wake, stage_ns: &[u32; STAGE_COUNT]) {
         let verdict = self.overload.tick(wake.late_ns, wake.skipped, stage_ns);
         if let Some(overrun) = verdict.overrun {
@@ -204,7 +256,10 @@ impl Driver {
             overruns.worst_ns.fetch_max(overrun.ns, Ordering::Relaxed);
         }
         if let Some(change) = verdict.change {
-            self.ports.counters.quality_cause.store(change.cause, Ordering::Relaxed);
+            self.ports
+                .counters
+                .quality_cause
+                .store(change.cause, Ordering::Relaxed);
             self.apply(Command::Quality(change.level));
         }
     }

@@ -73,8 +73,8 @@ pub enum EditNews {
 
 /// Who remakes scenes, as the bus thread sees it. Nothing here waits.
 pub trait Editor: Send {
-    /// Asks for a change of a scene; `nets` are the control points of the bodies named, m, as they stand. The answer comes
-    /// with [`Editor::news`] under the same number.
+    /// Asks for a change of a scene; `nets` are the control points of the bodies named, m, as they
+    /// stand. The answer comes with [`Editor::news`] under the same number.
     fn ask(&mut self, id: u64, scene: &Arc<Scene>, nets: Vec<Vec<Point3>>, request: EditRequest);
     /// The next piece of news, if there is one.
     fn news(&mut self) -> Option<EditNews>;

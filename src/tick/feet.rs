@@ -9,9 +9,14 @@ use crate::scene::{Body, BodyModel, BodyScratch, Pair};
 /// Contacts of one pair that become rows.
 pub(super) const MAX_FEET: usize = 16;
 
-/// Rows join a little before they touch, so that a bulge is met by a row in the tick in which it rises.
+/// Rows join a little before they touch, so that a bulge is met by a row in the tick in which it
+/// rises.
 pub(super) fn margin_m(radius_m: f64, size_m: f64) -> f64 {
-    if radius_m > 0.0 { 0.02 * radius_m } else { 1e-4 * size_m }
+    if radius_m > 0.0 {
+        0.02 * radius_m
+    } else {
+        1e-4 * size_m
+    }
 }
 
 /// A body as rows see it, when it deforms.
@@ -28,9 +33,15 @@ pub(super) fn view<'a>(body: &'a Body, parts: &'a BodyScratch) -> Option<Deformi
 
 /// How far free motion takes any control point of a body within the tick, m.
 pub(super) fn moving(body: &Body, parts: &BodyScratch) -> f64 {
-    let Some(view) = view(body, parts) else { return 0.0 };
+    let Some(view) = view(body, parts) else {
+        return 0.0;
+    };
     let pairs = view.surface.net().points().iter().zip(view.predicted);
-    pairs.fold(0.0, |most: f64, (now, then)| most.max((then - now).norm_squared())).sqrt()
+    pairs
+        .fold(0.0, |most: f64, (now, then)| {
+            most.max((then - now).norm_squared())
+        })
+        .sqrt()
 }
 
 /// Two boxes come nearer than `margin_m`.
@@ -61,12 +72,23 @@ impl Way {
     /// The row of a contact, and how far the tool carries its point there.
     fn of(&self, row: Row, on_tool: &Point3) -> (Row, Vector3) {
         if !self.has_arms {
-            return (Row { slip: self.slipped, ..row }, self.carried);
+            return (
+                Row {
+                    slip: self.slipped,
+                    ..row
+                },
+                self.carried,
+            );
         }
         let arm = on_tool - self.from;
         let on_tool = self.rotation.inverse_transform_vector(&arm);
         (
-            Row { slip: self.slipped + self.twisted.cross(&arm), arm, on_tool, ..row },
+            Row {
+                slip: self.slipped + self.twisted.cross(&arm),
+                arm,
+                on_tool,
+                ..row
+            },
             self.carried + self.turned.cross(&arm),
         )
     }
@@ -87,7 +109,12 @@ pub(super) fn push_foot(
     match view {
         Some(view) => {
             let windows = windows(view, contact.u, contact.v);
-            rows.push(row, Grip::Deforming(view, &windows.0, &windows.1), Grip::Carried(carried), margin);
+            rows.push(
+                row,
+                Grip::Deforming(view, &windows.0, &windows.1),
+                Grip::Carried(carried),
+                margin,
+            );
         }
         None => rows.push(row, Grip::Fixed, Grip::Carried(carried), margin),
     }
@@ -115,11 +142,16 @@ pub(super) fn push_sample(
         tool_uv: None,
     };
     let (row, carried) = way.of(row(p, pair, hit.index as u32, &contact), &contact.on_tool);
-    rows.push(row, Grip::Deforming(view, wu, wv), Grip::Carried(carried), margin);
+    rows.push(
+        row,
+        Grip::Deforming(view, wu, wv),
+        Grip::Carried(carried),
+        margin,
+    );
 }
 
-/// A row that holds a point of a tool to a point of a body; `contact` says which, `away` leads from the body's to where the
-/// tool's is free to go, `arm` there from the tool's reference point.
+/// A row that holds a point of a tool to a point of a body; `contact` says which, `away` leads from
+/// the body's to where the tool's is free to go, `arm` there from the tool's reference point.
 pub(super) fn push_anchor(
     rows: &mut RowSet,
     p: usize,
@@ -130,7 +162,12 @@ pub(super) fn push_anchor(
     (away, arm): (Vector3, Vector3),
     limit_n: f64,
 ) {
-    let row = Row { slip: away, arm, law: Law::Grip { limit_n }, ..row(p, pair, sample, contact) };
+    let row = Row {
+        slip: away,
+        arm,
+        law: Law::Grip { limit_n },
+        ..row(p, pair, sample, contact)
+    };
     let mine = view.map(|view| (view, windows(view, contact.u, contact.v)));
     rows.push(row, grip_of(&mine), Grip::Fixed, f64::INFINITY);
 }
@@ -145,9 +182,13 @@ pub(super) fn push_between(
     views: &[Option<DeformingView<'_>>; 2],
     margin: f64,
 ) {
-    let Some([s, t]) = contact.tool_uv else { return };
+    let Some([s, t]) = contact.tool_uv else {
+        return;
+    };
     let row = row(p, pair, sample, contact);
-    let mine = views[0].as_ref().map(|view| (view, windows(view, contact.u, contact.v)));
+    let mine = views[0]
+        .as_ref()
+        .map(|view| (view, windows(view, contact.u, contact.v)));
     let theirs = views[1].as_ref().map(|view| (view, windows(view, s, t)));
     rows.push(row, grip_of(&mine), grip_of(&theirs), margin);
 }
@@ -162,12 +203,19 @@ fn grip_of<'a>(side: &'a Option<(&'a DeformingView<'a>, Windows)>) -> Grip<'a> {
 }
 
 fn windows(view: &DeformingView<'_>, u: f64, v: f64) -> Windows {
-    (view.surface.knots_u().window(u), view.surface.knots_v().window(v))
+    (
+        view.surface.knots_u().window(u),
+        view.surface.knots_v().window(v),
+    )
 }
 
-/// With friction a row begins as one that drags: how much of the pair's drag is its own, the solve knows.
+/// With friction a row begins as one that drags: how much of the pair's drag is its own, the solve
+/// knows.
 fn law(pair: &Pair) -> Law {
-    pair.friction.map_or(Law::SMOOTH, |friction| Law::Push { mu: friction.mu, drag_n_m: friction.viscous_n_s_m })
+    pair.friction.map_or(Law::SMOOTH, |friction| Law::Push {
+        mu: friction.mu,
+        drag_n_m: friction.viscous_n_s_m,
+    })
 }
 
 fn row(p: usize, pair: &Pair, sample: u32, contact: &Contact) -> Row {

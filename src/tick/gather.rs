@@ -21,12 +21,14 @@ use crate::contact::{Contact, Reach, ToolShape, distance_squared_to_box};
 use crate::haptics::LinkPhase;
 use crate::math::{Point3, Pose, Rotation, Vector3, rotation_by, turn_between};
 use crate::scene::{
-    Body, BodyModel, BodyScratch, Method, Pair, PairScratch, Scene, SceneState, Scratch, Tool, WarmRow,
+    Body, BodyModel, BodyScratch, Method, Pair, PairScratch, Scene, SceneState, Scratch, Tool,
+    WarmRow,
 };
 
 /// Most steps of an anchor through empty space in one tick.
 const STRIDES: usize = 64;
-/// Longest of these steps, relative to the body's size: within it, what is near is described by planes.
+/// Longest of these steps, relative to the body's size: within it, what is near is described by
+/// planes.
 const STRIDE: f64 = 0.05;
 /// A slide shorter than this, relative to the body's size, turns no normal that a hand could tell.
 const SLID: f64 = 1e-6;
@@ -41,11 +43,13 @@ pub(super) fn gather(scene: &Scene, state: &mut SceneState, scratch: &mut Scratc
     for (t, tool) in scene.tools.iter().enumerate() {
         let link = &state.tools[t].link;
         let coupling = tool.coupling(&state.tools[t]);
-        let free = coupling.free_position(&link.pose.position, &link.velocity(), &state.tools[t].proxy);
+        let free =
+            coupling.free_position(&link.pose.position, &link.velocity(), &state.tools[t].proxy);
         scratch.rows.free[t] = free;
         scratch.rows.proxies[t] = free;
         let (device, rate) = (&link.pose.orientation, &link.angular_velocity());
-        scratch.rows.free_turns[t] = coupling.free_orientation(device, rate, &state.tools[t].orientation);
+        scratch.rows.free_turns[t] =
+            coupling.free_orientation(device, rate, &state.tools[t].orientation);
     }
     super::near::find(scene, state, scratch);
     grip::update(scene, state, scratch);
@@ -66,7 +70,9 @@ pub(super) fn gather(scene: &Scene, state: &mut SceneState, scratch: &mut Scratc
                     continue;
                 }
                 match scene.tools[t].shape.ball_radius_m() {
-                    Some(radius_m) if pair.method == Method::Exact => ball(scene, state, scratch, p, t, radius_m),
+                    Some(radius_m) if pair.method == Method::Exact => {
+                        ball(scene, state, scratch, p, t, radius_m)
+                    }
                     _ => shape(scene, state, scratch, p, t),
                 }
             }
@@ -78,8 +84,21 @@ pub(super) fn gather(scene: &Scene, state: &mut SceneState, scratch: &mut Scratc
 }
 
 /// A point or a sphere: its proxy on the exact surface.
-fn ball(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch, p: usize, t: usize, radius_m: f64) {
-    let Scratch { bodies, pairs, rows, hits, .. } = scratch;
+fn ball(
+    scene: &Scene,
+    state: &mut SceneState,
+    scratch: &mut Scratch,
+    p: usize,
+    t: usize,
+    radius_m: f64,
+) {
+    let Scratch {
+        bodies,
+        pairs,
+        rows,
+        hits,
+        ..
+    } = scratch;
     let pair = &scene.pairs[p];
     let body = &scene.bodies[pair.body];
     let parts = &mut bodies[pair.body];
@@ -106,7 +125,10 @@ fn ball(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch, p: usize, 
     if held.gap_m >= margin {
         return;
     }
-    let reach = Reach { margin_m: margin, below: proxy.below };
+    let reach = Reach {
+        margin_m: margin,
+        below: proxy.below,
+    };
     let here = Pose::from_parts(held.centre.coords.into(), Rotation::identity());
     pairs[p].contacts(&scene.tools[t].shape, &here, parts, reach);
     let set = &pairs[p].set;
@@ -135,19 +157,36 @@ fn ball(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch, p: usize, 
     let centre = held.centre;
     let look = |point: &Point3| {
         let (gap_m, normal) = signed_gap(&centre, radius_m, point);
-        (*point != centre).then_some(Facing { gap_m, normal, uv: [0.0; 2] })
+        (*point != centre).then_some(Facing {
+            gap_m,
+            normal,
+            uv: [0.0; 2],
+        })
     };
     if let Some(view) = view.filter(|_| radius_m > 0.0) {
         let within = radius_m + margin;
-        let meets = |low: &Point3, high: &Point3| distance_squared_to_box(&centre, low, high) <= within * within;
+        let meets = |low: &Point3, high: &Point3| {
+            distance_squared_to_box(&centre, low, high) <= within * within
+        };
         view.samples_in_touch(margin, meets, look, hits);
         for hit in hits.iter() {
             push_sample(rows, p, pair, hit, &view, way, margin);
         }
     }
     push_feet(rows, p, pair, feet, view.as_ref(), way, margin);
-    let Some(view) = view.filter(|_| radius_m > 0.0) else { return };
-    keep_feet(rows, p, pair, &state.warm[..state.warm_len], &view, way, margin, look);
+    let Some(view) = view.filter(|_| radius_m > 0.0) else {
+        return;
+    };
+    keep_feet(
+        rows,
+        p,
+        pair,
+        &state.warm[..state.warm_len],
+        &view,
+        way,
+        margin,
+        look,
+    );
 }
 
 /// Rows of feet that carried in the last tick and are no deepest points any more.
@@ -162,14 +201,34 @@ fn keep_feet(
     facing: impl Fn(&Point3) -> Option<Facing>,
 ) {
     let placed = LEAST_FOOT..=FOOT - UNPLACED;
-    let carried = |row: &&WarmRow| row.key[0] as usize == p && placed.contains(&row.key[1]) && row.force_n > 0.0;
+    let carried = |row: &&WarmRow| {
+        row.key[0] as usize == p && placed.contains(&row.key[1]) && row.force_n > 0.0
+    };
     for warm in warm.iter().filter(carried) {
         let [u, v] = warm.uv;
         let on_body = view.surface.point(u, v);
-        let Some(Facing { gap_m, normal, .. }) = facing(&on_body) else { continue };
+        let Some(Facing { gap_m, normal, .. }) = facing(&on_body) else {
+            continue;
+        };
         let on_tool = on_body + normal * gap_m;
-        let contact = Contact { u, v, on_body, on_tool, normal, depth_m: -gap_m, tool_uv: None };
-        push_feet(rows, p, pair, std::iter::once(&contact), Some(view), way, margin);
+        let contact = Contact {
+            u,
+            v,
+            on_body,
+            on_tool,
+            normal,
+            depth_m: -gap_m,
+            tool_uv: None,
+        };
+        push_feet(
+            rows,
+            p,
+            pair,
+            std::iter::once(&contact),
+            Some(view),
+            way,
+            margin,
+        );
     }
 }
 
@@ -185,7 +244,9 @@ fn push_feet<'a>(
 ) {
     let mut kept = 0;
     for (k, contact) in feet.enumerate() {
-        let Some(name) = foot_name(rows, p, k, contact, view, margin) else { continue };
+        let Some(name) = foot_name(rows, p, k, contact, view, margin) else {
+            continue;
+        };
         push_foot(rows, p, pair, name, contact, view, way, margin);
         kept += 1;
         if kept == MAX_FEET {
@@ -208,7 +269,10 @@ impl Stand {
 
     /// From here to there: of the reference point, m, and of the orientation, rad.
     fn way_to(&self, there: &Self) -> (Vector3, Vector3) {
-        (there.place - self.place, turn_between(&self.rotation, &there.rotation))
+        (
+            there.place - self.place,
+            turn_between(&self.rotation, &there.rotation),
+        )
     }
 
     /// A part of the way.
@@ -220,21 +284,37 @@ impl Stand {
 
 /// Tools that are no ball, and all on the `spheres` method.
 fn shape(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch, p: usize, t: usize) {
-    let Scratch { bodies, pairs, rows, hits, .. } = scratch;
+    let Scratch {
+        bodies,
+        pairs,
+        rows,
+        hits,
+        ..
+    } = scratch;
     let pair = &scene.pairs[p];
     let (tool, body) = (&scene.tools[t], &scene.bodies[pair.body]);
     let parts = &mut bodies[pair.body];
-    let free = Stand { place: rows.free[t], rotation: rows.free_turns[t] };
+    let free = Stand {
+        place: rows.free[t],
+        rotation: rows.free_turns[t],
+    };
     let margin = margin_m(0.0, body.size_m);
     let mu = stick::coefficient(scene, state, p);
-    let last = Stand { place: state.tools[t].proxy, rotation: state.tools[t].orientation };
+    let last = Stand {
+        place: state.tools[t].proxy,
+        rotation: state.tools[t].orientation,
+    };
     let proxy = &mut state.pairs[p].proxy;
     let touched = proxy.touching;
     let scratch_pair = &mut pairs[p];
     let gripped = state.tools[t].grip.holds();
-    // A half-space looks the same from everywhere: its contacts are those where it is going to be. A tool that the device
-    // turns is looked at as it is turned.
-    let mut anchor = if tool.shape.is_plane() && !gripped { free } else { last };
+    // A half-space looks the same from everywhere: its contacts are those where it is going to be.
+    // A tool that the device turns is looked at as it is turned.
+    let mut anchor = if tool.shape.is_plane() && !gripped {
+        free
+    } else {
+        last
+    };
     if !tool.coupling.turns() {
         anchor.rotation = free.rotation;
     }
@@ -242,7 +322,10 @@ fn shape(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch, p: usize,
     let lever = tool.shape.reach_m().unwrap_or(body.size_m);
     if body.two_sided && !proxy.touching {
         // What lets go for a tick is still on the side it was.
-        let away_m = parts.solver.closest(&parts.surface, &anchor.place).signed_distance;
+        let away_m = parts
+            .solver
+            .closest(&parts.surface, &anchor.place)
+            .signed_distance;
         if away_m.abs() > margin {
             proxy.below = away_m < 0.0;
         }
@@ -251,9 +334,24 @@ fn shape(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch, p: usize,
     for stride in 0..STRIDES {
         let way = anchor.way_to(&free);
         let length = way.0.norm() + lever * way.1.norm();
-        let reach = Reach { margin_m: length.min(longest).max(margin), below: proxy.below };
-        touch(tool, body, pair, scratch_pair, &anchor.pose(), parts, reach, margin);
-        if length <= reach.margin_m || !scratch_pair.set.contacts().is_empty() || stride + 1 == STRIDES {
+        let reach = Reach {
+            margin_m: length.min(longest).max(margin),
+            below: proxy.below,
+        };
+        touch(
+            tool,
+            body,
+            pair,
+            scratch_pair,
+            &anchor.pose(),
+            parts,
+            reach,
+            margin,
+        );
+        if length <= reach.margin_m
+            || !scratch_pair.set.contacts().is_empty()
+            || stride + 1 == STRIDES
+        {
             break;
         }
         // Nothing is within reach: that far it may go.
@@ -270,12 +368,27 @@ fn shape(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch, p: usize,
             anchor.place += slid;
             let (way, turn) = anchor.way_to(&free);
             let margin_m = (way.norm() + lever * turn.norm()).min(longest).max(margin);
-            let reach = Reach { margin_m, below: proxy.below };
-            touch(tool, body, pair, scratch_pair, &anchor.pose(), parts, reach, margin);
+            let reach = Reach {
+                margin_m,
+                below: proxy.below,
+            };
+            touch(
+                tool,
+                body,
+                pair,
+                scratch_pair,
+                &anchor.pose(),
+                parts,
+                reach,
+                margin,
+            );
         }
     }
     let set = &scratch_pair.set;
-    proxy.touching = set.contacts().iter().any(|contact| contact.depth_m > -margin);
+    proxy.touching = set
+        .contacts()
+        .iter()
+        .any(|contact| contact.depth_m > -margin);
     let ((carried, turned), (slid, twisted)) = (anchor.way_to(&free), last.way_to(&anchor));
     let way = Way {
         from: anchor.place,
@@ -290,7 +403,9 @@ fn shape(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch, p: usize,
     let pose = anchor.pose();
     if let Some(view) = view.filter(|_| !set.contacts().is_empty()) {
         let bounds = tool.shape.bounds(&pose);
-        let meets = |low: &Point3, high: &Point3| bounds.is_none_or(|bounds| meet(&bounds, low, high, margin));
+        let meets = |low: &Point3, high: &Point3| {
+            bounds.is_none_or(|bounds| meet(&bounds, low, high, margin))
+        };
         scratch_pair.samples_in_touch(&tool.shape, &pose, &view, margin, meets, hits);
         for hit in hits.iter() {
             push_sample(rows, p, pair, hit, &view, way, margin);
@@ -299,10 +414,32 @@ fn shape(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch, p: usize,
     let warm = &state.warm[..state.warm_len];
     if tool.coupling.turns() && view.is_none() {
         let side = if proxy.below { -1.0 } else { 1.0 };
-        let stance = Stance { pose: &pose, size_m: body.size_m, side, margin_m: margin };
-        return push_manifold(rows, p, pair, scratch_pair.set.contacts(), warm, parts, &stance, way);
+        let stance = Stance {
+            pose: &pose,
+            size_m: body.size_m,
+            side,
+            margin_m: margin,
+        };
+        return push_manifold(
+            rows,
+            p,
+            pair,
+            scratch_pair.set.contacts(),
+            warm,
+            parts,
+            &stance,
+            way,
+        );
     }
-    push_feet(rows, p, pair, scratch_pair.set.contacts().iter(), view.as_ref(), way, margin);
+    push_feet(
+        rows,
+        p,
+        pair,
+        scratch_pair.set.contacts().iter(),
+        view.as_ref(),
+        way,
+        margin,
+    );
     if let Some(view) = view {
         let facing = |point: &Point3| scratch_pair.facing(&tool.shape, &pose, point, margin);
         keep_feet(rows, p, pair, warm, &view, way, margin, facing);
@@ -326,8 +463,19 @@ fn touch(
         (ToolShape::Mesh(_), Method::Exact) => &[],
         _ => return,
     };
-    let BodyScratch { surface, solver, bounds, .. } = parts;
-    let faced = Faced { surface, solver, bounds: *bounds, size_m: body.size_m, below: reach.below };
+    let BodyScratch {
+        surface,
+        solver,
+        bounds,
+        ..
+    } = parts;
+    let faced = Faced {
+        surface,
+        solver,
+        bounds: *bounds,
+        size_m: body.size_m,
+        below: reach.below,
+    };
     face_surface(&mut scratch_pair.set, faced, pose, tips, margin);
 }
 

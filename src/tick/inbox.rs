@@ -5,8 +5,8 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 use std::thread::Thread;
 
-/// Counters of a tool's link, by cause. Each pose that arrives is counted once: as received, or under the first cause for
-/// which it was refused.
+/// Counters of a tool's link, by cause. Each pose that arrives is counted once: as received, or
+/// under the first cause for which it was refused.
 #[derive(Debug, Default)]
 pub struct LinkCounters {
     /// Poses taken.
@@ -77,10 +77,14 @@ impl PoseInbox {
         // Numbers begin at 1: a first pose numbered 0 repeats nothing.
         if pose.seq == slot.newest && pose.seq > 0 {
             self.asked_again.store(true, Ordering::Release);
-            return Offered::Duplicate { first: LinkCounters::count(&self.counters.duplicated) };
+            return Offered::Duplicate {
+                first: LinkCounters::count(&self.counters.duplicated),
+            };
         }
         if pose.seq <= slot.newest {
-            return Offered::OutOfOrder { first: LinkCounters::count(&self.counters.out_of_order) };
+            return Offered::OutOfOrder {
+                first: LinkCounters::count(&self.counters.out_of_order),
+            };
         }
         slot.newest = pose.seq;
         slot.input.write(Some(pose));
@@ -94,6 +98,9 @@ impl PoseInbox {
 
     /// Whoever held the tool is gone: the next holder counts from anew.
     pub fn forget_sender(&self) {
-        self.slot.lock().unwrap_or_else(PoisonError::into_inner).newest = 0;
+        self.slot
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner)
+            .newest = 0;
     }
 }

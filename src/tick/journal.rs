@@ -4,7 +4,8 @@ use super::record::{Command, TickRecord};
 use crate::scene::{Scene, SceneState};
 use std::sync::atomic::{AtomicU8, AtomicU64};
 
-/// Keeps what a session needs for its replay. Called on the tick thread: an implementation neither waits nor allocates.
+/// Keeps what a session needs for its replay. Called on the tick thread: an implementation neither
+/// waits nor allocates.
 pub trait Journal: Send {
     /// A tick is done.
     fn tick(&mut self, scene: &Scene, state: &SceneState, record: &TickRecord);

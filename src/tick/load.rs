@@ -1,4 +1,5 @@
-//! What the rows' forces come to: a wrench on each tool, and forces on the control points of bodies.
+//! What the rows' forces come to: a wrench on each tool, and forces on the control points of
+//! bodies.
 
 use crate::contact::friction::Law;
 use crate::contact::rows::{Holder, Row};
@@ -7,7 +8,12 @@ use crate::math::{Point3, Vector3};
 use crate::scene::{BodyModel, LatticeBody, Scene, SceneState, Scratch, Tool, ToolState};
 
 /// Force (N) and torque (N m) of the rows on a tool, about its reference point.
-pub(super) fn wrench(scene: &Scene, state: &SceneState, scratch: &Scratch, t: usize) -> (Vector3, Vector3) {
+pub(super) fn wrench(
+    scene: &Scene,
+    state: &SceneState,
+    scratch: &Scratch,
+    t: usize,
+) -> (Vector3, Vector3) {
     if scratch.friction.is_active() {
         return whole_wrench(scene, state, scratch, t);
     }
@@ -28,14 +34,30 @@ pub(super) fn wrench(scene: &Scene, state: &SceneState, scratch: &Scratch, t: us
     (force, torque)
 }
 
-/// The same when forces have three components. Drag on a ball turns it about its centre; what presses it does not.
-fn whole_wrench(scene: &Scene, state: &SceneState, scratch: &Scratch, t: usize) -> (Vector3, Vector3) {
+/// The same when forces have three components. Drag on a ball turns it about its centre; what
+/// presses it does not.
+fn whole_wrench(
+    scene: &Scene,
+    state: &SceneState,
+    scratch: &Scratch,
+    t: usize,
+) -> (Vector3, Vector3) {
     let Scratch { rows, friction, .. } = scratch;
-    let own = || rows.rows.iter().enumerate().filter(|(_, row)| row.tool() == Some(t));
+    let own = || {
+        rows.rows
+            .iter()
+            .enumerate()
+            .filter(|(_, row)| row.tool() == Some(t))
+    };
     let force: Vector3 = own().map(|(i, _)| friction.force_n(i)).sum();
     let coupling = scene.tools[t].coupling(&state.tools[t]);
     if coupling.turns() {
-        return (force, own().map(|(i, row)| row.arm.cross(&friction.force_n(i))).sum());
+        return (
+            force,
+            own()
+                .map(|(i, row)| row.arm.cross(&friction.force_n(i)))
+                .sum(),
+        );
     }
     let ball = scene.tools[t].shape.ball_radius_m().is_some();
     let held: Point3 = rows.free[t] + force * coupling.compliance_m_n();
@@ -44,7 +66,9 @@ fn whole_wrench(scene: &Scene, state: &SceneState, scratch: &Scratch, t: usize) 
         Law::Push { .. } if ball => friction.tangent_n(i),
         _ => friction.force_n(i),
     };
-    let torque = own().map(|(i, row)| (row.point - centre).cross(&turns(i, row))).sum();
+    let torque = own()
+        .map(|(i, row)| (row.point - centre).cross(&turns(i, row)))
+        .sum();
     (force, torque)
 }
 
@@ -53,7 +77,11 @@ pub(super) fn torque_limit_nm(tool: &Tool, state: &ToolState) -> f64 {
     let force_max_n = tool.limits.force_max_n.min(state.bounds.force_max_n);
     let most = tool.device.torque_max_nm.min(state.bounds.torque_max_nm);
     // Infinity times zero is no number.
-    if state.link.limit_n >= force_max_n { most } else { most.min(f64::MAX) * (state.link.limit_n / force_max_n) }
+    if state.link.limit_n >= force_max_n {
+        most
+    } else {
+        most.min(f64::MAX) * (state.link.limit_n / force_max_n)
+    }
 }
 
 /// Writes what share of its rows' forces each tool's device bears.
@@ -78,9 +106,21 @@ pub(super) fn carries(scratch: &Scratch, i: usize) -> bool {
     }
 }
 
-/// ∓λ n N_i on the nodes of a row's sides, scaled as the hand's force was, for the bodies that are `wanted`.
-pub(super) fn push_bodies(scene: &Scene, scratch: &mut Scratch, i: usize, wanted: impl Fn(&LatticeBody) -> bool) {
-    let Scratch { bodies, rows, problem, friction, .. } = scratch;
+/// ∓λ n N_i on the nodes of a row's sides, scaled as the hand's force was, for the bodies that are
+/// `wanted`.
+pub(super) fn push_bodies(
+    scene: &Scene,
+    scratch: &mut Scratch,
+    i: usize,
+    wanted: impl Fn(&LatticeBody) -> bool,
+) {
+    let Scratch {
+        bodies,
+        rows,
+        problem,
+        friction,
+        ..
+    } = scratch;
     let row = &rows.rows[i];
     let factor = row.tool().map_or(1.0, |tool| rows.factors[tool]);
     let whole = friction.is_active().then(|| friction.force_n(i));
@@ -91,7 +131,8 @@ pub(super) fn push_bodies(scene: &Scene, scratch: &mut Scratch, i: usize, wanted
     };
     for body in std::iter::once(row.body).chain(other) {
         let constants = &scene.bodies[body as usize];
-        let (BodyModel::Lattice(model), Some(deforming)) = (&constants.model, &mut bodies[body as usize].deforming)
+        let (BodyModel::Lattice(model), Some(deforming)) =
+            (&constants.model, &mut bodies[body as usize].deforming)
         else {
             continue;
         };
@@ -106,7 +147,9 @@ pub(super) fn push_bodies(scene: &Scene, scratch: &mut Scratch, i: usize, wanted
             let (controls, weights) = rows.weights_in(range);
             for (&control, &weight) in controls.iter().zip(weights) {
                 let node = model.lattice.coordinate_of_control(control as usize);
-                model.lattice.push(&mut deforming.lattice, node, force * weight);
+                model
+                    .lattice
+                    .push(&mut deforming.lattice, node, force * weight);
             }
         }
     }

@@ -1,4 +1,5 @@
-//! The tick: `step` (pure), its records, and, with the `daemon` feature, ports, pacer and driver thread.
+//! The tick: `step` (pure), its records, and, with the `daemon` feature, ports, pacer and driver
+//! thread.
 //!
 //! ```text
 //! poses ─▶ latch ─▶ step = render (force known) ─▶ deform ─▶ TickRecord ─▶ bus, recorder

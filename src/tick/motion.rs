@@ -1,10 +1,13 @@
 //! Second half of a tick: bodies take the contact forces, and their next free motion is predicted.
 //!
-//! A body that steps once in k ticks begins a step with the forces of one tick and takes it over k ticks later, on whatever
-//! thread it was done. In between its surface stands still and answers with its compliance.
+//! A body that steps once in k ticks begins a step with the forces of one tick and takes it over k
+//! ticks later, on whatever thread it was done. In between its surface stands still and answers
+//! with its compliance.
 
 use crate::body::Field;
-use crate::scene::{BodyModel, BodyState, DeformingScratch, LatticeBody, Pipeline, Scene, SceneState, Scratch};
+use crate::scene::{
+    BodyModel, BodyState, DeformingScratch, LatticeBody, Pipeline, Scene, SceneState, Scratch,
+};
 
 /// What a tick did to a body.
 enum Stepped {
@@ -14,20 +17,34 @@ enum Stepped {
     Done { predicted: bool },
 }
 
-/// Moves every deforming body; false if one had to be set back to rest because its state was not finite.
+/// Moves every deforming body; false if one had to be set back to rest because its state was not
+/// finite.
 pub(super) fn advance(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch) -> bool {
     let mut sound = true;
     scene.follow_frame(state);
     let field = scene.field(state);
     for (b, body) in scene.bodies.iter().enumerate() {
-        let BodyModel::Lattice(model) = &body.model else { continue };
+        let BodyModel::Lattice(model) = &body.model else {
+            continue;
+        };
         let body_state = &mut state.bodies[b];
-        let Some(deforming) = &mut scratch.bodies[b].deforming else { continue };
-        let Stepped::Done { predicted } = step(b, model, field, body_state, deforming, &mut scratch.pipeline) else {
+        let Some(deforming) = &mut scratch.bodies[b].deforming else {
+            continue;
+        };
+        let Stepped::Done { predicted } = step(
+            b,
+            model,
+            field,
+            body_state,
+            deforming,
+            &mut scratch.pipeline,
+        ) else {
             body_state.moved_m = 0.0;
             continue;
         };
-        let Some(lattice) = &mut body_state.lattice else { continue };
+        let Some(lattice) = &mut body_state.lattice else {
+            continue;
+        };
         // A sum is finite only if every part is.
         let sum: f64 = lattice.positions.iter().map(|p| p.x + p.y + p.z).sum();
         let finite = sum.is_finite();
@@ -38,8 +55,13 @@ pub(super) fn advance(scene: &Scene, state: &mut SceneState, scratch: &mut Scrat
         let surface = &scratch.bodies[b].surface;
         let mut moved_squared: f64 = 0.0;
         for (control, old) in surface.net().points().iter().enumerate() {
-            let step = (lattice.positions[model.lattice.coordinate_of_control(control)] - old).norm_squared();
-            moved_squared = if step > moved_squared { step } else { moved_squared };
+            let step = (lattice.positions[model.lattice.coordinate_of_control(control)] - old)
+                .norm_squared();
+            moved_squared = if step > moved_squared {
+                step
+            } else {
+                moved_squared
+            };
         }
         body_state.moved_m = moved_squared.sqrt();
         if moved_squared > 0.0 {
@@ -68,7 +90,9 @@ fn step(
     deforming: &mut DeformingScratch,
     pipeline: &mut Option<Box<dyn Pipeline>>,
 ) -> Stepped {
-    let Some(lattice) = &mut body.lattice else { return Stepped::Not };
+    let Some(lattice) = &mut body.lattice else {
+        return Stepped::Not;
+    };
     let scratch = &mut deforming.lattice;
     if model.every > 1 {
         if body.phase == 0 {
@@ -84,7 +108,10 @@ fn step(
             return Stepped::Not;
         }
         body.phase = 0;
-        if pipeline.as_mut().is_some_and(|pipeline| pipeline.finish(b, lattice, &mut scratch.predicted)) {
+        if pipeline
+            .as_mut()
+            .is_some_and(|pipeline| pipeline.finish(b, lattice, &mut scratch.predicted))
+        {
             return Stepped::Done { predicted: true };
         }
         model.lattice.give_loads(scratch, &body.loads);

@@ -1,7 +1,7 @@
 //! Broad phase: which pairs can touch in this tick.
 //!
-//! In scenes of many pairs a tree of boxes sorts out most. What it lets through is looked at again, box against box, so that
-//! the answer does not depend on what the tree remembers.
+//! In scenes of many pairs a tree of boxes sorts out most. What it lets through is looked at again,
+//! box against box, so that the answer does not depend on what the tree remembers.
 
 use super::feet::{margin_m, meet};
 use crate::contact::rows::Holder;
@@ -11,9 +11,12 @@ use crate::surface::Bounds;
 
 type Corners = (Point3, Point3);
 
-/// Marks the pairs whose boxes meet. A tool's box holds its whole way from the last proxy to where it is free to go.
+/// Marks the pairs whose boxes meet. A tool's box holds its whole way from the last proxy to where
+/// it is free to go.
 pub(super) fn find(scene: &Scene, state: &SceneState, scratch: &mut Scratch) {
-    let Scratch { bodies, rows, near, .. } = scratch;
+    let Scratch {
+        bodies, rows, near, ..
+    } = scratch;
     let way_of = |t: usize| -> Option<Corners> {
         let (shape, rotation) = (&scene.tools[t].shape, state.tools[t].link.pose.orientation);
         let at = |place: Point3| shape.bounds(&Pose::from_parts(place.coords.into(), rotation));
@@ -25,15 +28,28 @@ pub(super) fn find(scene: &Scene, state: &SceneState, scratch: &mut Scratch) {
         let count = scene.bodies.len() as u32;
         for (b, parts) in bodies.iter().enumerate() {
             let margin = Vector3::repeat(margin_m(0.0, scene.bodies[b].size_m));
-            let bounds = Bounds { min: parts.bounds.0 - margin, max: parts.bounds.1 + margin };
+            let bounds = Bounds {
+                min: parts.bounds.0 - margin,
+                max: parts.bounds.1 + margin,
+            };
             tree.set(b as u32, &bounds, &Vector3::zeros());
         }
         for t in 0..scene.tools.len() {
             let number = count + t as u32;
             match way_of(t) {
                 Some((low, high)) => {
-                    let margin = Vector3::repeat(margin_m(scene.tools[t].shape.ball_radius_m().unwrap_or(0.0), 0.0));
-                    tree.set(number, &Bounds { min: low - margin, max: high + margin }, &Vector3::zeros());
+                    let margin = Vector3::repeat(margin_m(
+                        scene.tools[t].shape.ball_radius_m().unwrap_or(0.0),
+                        0.0,
+                    ));
+                    tree.set(
+                        number,
+                        &Bounds {
+                            min: low - margin,
+                            max: high + margin,
+                        },
+                        &Vector3::zeros(),
+                    );
                 }
                 None => {
                     tree.remove(number);

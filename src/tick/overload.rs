@@ -1,4 +1,5 @@
-//! What a loop does that cannot keep its rate: less work a tick, in a declared order, and back again.
+//! What a loop does that cannot keep its rate: less work a tick, in a declared order, and back
+//! again.
 //!
 //! ```text
 //! level 0  everything
@@ -6,14 +7,22 @@
 //! level 2  also a quarter of the sweeps over contacts
 //! level 3  also nets published ten times rarer
 //! ```
-//! Only decisions are here, no clock: durations come in, levels go out. One level down when a tenth of a window of ticks
-//! overran; one level up after a quiet while, which doubles each time it proves too short.
+//! Only decisions are here, no clock: durations come in, levels go out. One level down when a tenth
+//! of a window of ticks overran; one level up after a quiet while, which doubles each time it
+//! proves too short.
 
 use super::record::{STAGE_COUNT, STAGE_NAMES};
 use crate::scene::quality;
 
-/// What an overrun is put down to: the stages, then the system that woke a tick a whole period late.
-pub const CAUSES: [&str; STAGE_COUNT + 1] = [STAGE_NAMES[0], STAGE_NAMES[1], STAGE_NAMES[2], STAGE_NAMES[3], "wake"];
+/// What an overrun is put down to: the stages, then the system that woke a tick a whole period
+/// late.
+pub const CAUSES: [&str; STAGE_COUNT + 1] = [
+    STAGE_NAMES[0],
+    STAGE_NAMES[1],
+    STAGE_NAMES[2],
+    STAGE_NAMES[3],
+    "wake",
+];
 /// Index of the system in [`CAUSES`].
 pub const WAKE: usize = STAGE_COUNT;
 /// No cause: quality came back.
@@ -48,7 +57,8 @@ pub struct Overrun {
 pub struct Change {
     /// From now on.
     pub level: u8,
-    /// Stage in which most overruns were, as index in [`CAUSES`]; [`QUIET`] when quality comes back.
+    /// Stage in which most overruns were, as index in [`CAUSES`]; [`QUIET`] when quality comes
+    /// back.
     pub cause: usize,
 }
 
@@ -84,7 +94,8 @@ pub struct Overload {
 impl Overload {
     /// Full quality, at a period.
     pub fn new(period_ns: u64) -> Self {
-        let window_ticks = (WINDOW_NS / period_ns.max(1)).clamp(u64::from(WINDOW_TICKS), 1_000_000) as u32;
+        let window_ticks =
+            (WINDOW_NS / period_ns.max(1)).clamp(u64::from(WINDOW_TICKS), 1_000_000) as u32;
         Self {
             period_ns,
             window_ticks,
@@ -104,7 +115,8 @@ impl Overload {
         self.level
     }
 
-    /// Takes a tick: how late it was woken, how many deadlines were dropped before it, and its stages' durations.
+    /// Takes a tick: how late it was woken, how many deadlines were dropped before it, and its
+    /// stages' durations.
     pub fn tick(&mut self, late_ns: u64, skipped: u32, stage_ns: &[u32; STAGE_COUNT]) -> Verdict {
         let whole_ns: u64 = stage_ns.iter().map(|&ns| u64::from(ns)).sum();
         let mut verdict = Verdict::default();
@@ -115,10 +127,16 @@ impl Overload {
         if self.overran {
             let cause = largest(stage_ns);
             self.overruns[cause] += 1;
-            verdict.overrun = Some(Overrun { cause, ns: whole_ns });
+            verdict.overrun = Some(Overrun {
+                cause,
+                ns: whole_ns,
+            });
         } else if dropped_by_others {
             // Less work would not wake us sooner: told, but no reason to do less.
-            verdict.overrun = Some(Overrun { cause: WAKE, ns: late_ns });
+            verdict.overrun = Some(Overrun {
+                cause: WAKE,
+                ns: late_ns,
+            });
         }
         let overruns: u32 = self.overruns.iter().sum();
         if overruns * OVERRUN_SHARE >= self.window_ticks {
@@ -142,11 +160,18 @@ impl Overload {
         }
         // Back too soon: wait longer the next time.
         let too_soon = self.since_back < self.patience;
-        self.patience = if too_soon { (2 * self.patience).min(MOST_PATIENCE) } else { PATIENCE };
+        self.patience = if too_soon {
+            (2 * self.patience).min(MOST_PATIENCE)
+        } else {
+            PATIENCE
+        };
         // Further levels down belong to the same overload.
         self.since_back = u32::MAX;
         self.level += 1;
-        Some(Change { level: self.level, cause })
+        Some(Change {
+            level: self.level,
+            cause,
+        })
     }
 
     fn better(&mut self) -> Option<Change> {
@@ -155,7 +180,10 @@ impl Overload {
         }
         self.level -= 1;
         (self.quiet, self.since_back) = (0, 0);
-        Some(Change { level: self.level, cause: QUIET })
+        Some(Change {
+            level: self.level,
+            cause: QUIET,
+        })
     }
 
     fn next_window(&mut self) {
@@ -174,11 +202,21 @@ mod tests {
 
     const MS: u64 = 1_000_000;
 
-    /// Runs ticks whose deform stage takes `deform_us` at each level; the changes with the tick at which they came.
-    fn run(overload: &mut Overload, ticks: u64, deform_us: impl Fn(u64, u8) -> u32) -> Vec<(u64, u8)> {
+    /// Runs ticks whose deform stage takes `deform_us` at each level; the changes with the tick at
+    /// which they came.
+    fn run(
+        overload: &mut Overload,
+        ticks: u64,
+        deform_us: impl Fn(u64, u8) -> u32,
+    ) -> Vec<(u64, u8)> {
         let mut changes = Vec::new();
         for tick in 0..ticks {
-            let stage_ns = [1_000, 50_000, deform_us(tick, overload.level()) * 1_000, 9_000];
+            let stage_ns = [
+                1_000,
+                50_000,
+                deform_us(tick, overload.level()) * 1_000,
+                9_000,
+            ];
             if let Some(change) = overload.tick(0, 0, &stage_ns).change {
                 changes.push((tick, change.level));
             }
@@ -193,11 +231,23 @@ mod tests {
         assert_eq!(overload.tick(0, 0, &calm), Verdict::default());
         let long = [1_000, 900_000, 200_000, 5_000];
         let verdict = overload.tick(0, 0, &long);
-        assert_eq!(verdict.overrun, Some(Overrun { cause: 1, ns: 1_106_000 }));
+        assert_eq!(
+            verdict.overrun,
+            Some(Overrun {
+                cause: 1,
+                ns: 1_106_000
+            })
+        );
         // The deadline that this one dropped is not counted again.
         assert_eq!(overload.tick(106_000, 1, &calm), Verdict::default());
         let woken = overload.tick(3 * MS, 3, &calm);
-        assert_eq!(woken.overrun, Some(Overrun { cause: WAKE, ns: 3 * MS }));
+        assert_eq!(
+            woken.overrun,
+            Some(Overrun {
+                cause: WAKE,
+                ns: 3 * MS
+            })
+        );
         assert_eq!(CAUSES[WAKE], "wake");
         // A tick of exactly a period is none.
         assert_eq!(overload.tick(0, 0, &[0, MS as u32, 0, 0]).overrun, None);
@@ -207,7 +257,9 @@ mod tests {
     fn a_few_overruns_or_a_slow_system_change_nothing() {
         let mut overload = Overload::new(MS);
         // Nine in a hundred.
-        let changes = run(&mut overload, 10_000, |tick, _| if tick % 100 < 9 { 1_500 } else { 300 });
+        let changes = run(&mut overload, 10_000, |tick, _| {
+            if tick % 100 < 9 { 1_500 } else { 300 }
+        });
         assert_eq!(changes, []);
         for _ in 0..10_000 {
             assert_eq!(overload.tick(2 * MS, 2, &[1_000; STAGE_COUNT]).change, None);
@@ -219,10 +271,20 @@ mod tests {
     fn quality_falls_level_by_level_to_the_lowest_and_stays_there() {
         let mut overload = Overload::new(MS);
         let changes = run(&mut overload, 1_000, |_, _| 1_500);
-        assert_eq!(changes, [(9, 1), (19, 2), (29, 3)], "each after a tenth of a window");
+        assert_eq!(
+            changes,
+            [(9, 1), (19, 2), (29, 3)],
+            "each after a tenth of a window"
+        );
         let mut again = Overload::new(MS);
-        let verdicts: Vec<_> = (0..10).map(|_| again.tick(0, 0, &[0, 0, 1_500_000, 0])).collect();
-        assert_eq!(verdicts[9].change, Some(Change { level: 1, cause: 2 }), "deform is to blame");
+        let verdicts: Vec<_> = (0..10)
+            .map(|_| again.tick(0, 0, &[0, 0, 1_500_000, 0]))
+            .collect();
+        assert_eq!(
+            verdicts[9].change,
+            Some(Change { level: 1, cause: 2 }),
+            "deform is to blame"
+        );
     }
 
     #[test]
@@ -230,35 +292,62 @@ mod tests {
         let mut overload = Overload::new(MS);
         run(&mut overload, 30, |_, _| 1_500);
         assert_eq!(overload.level(), 3);
-        assert_eq!(run(&mut overload, 20_000, |_, _| 800), [], "86 % of the period: no room");
+        assert_eq!(
+            run(&mut overload, 20_000, |_, _| 800),
+            [],
+            "86 % of the period: no room"
+        );
         let changes = run(&mut overload, 10_000, |_, _| 300);
-        assert_eq!(changes.iter().map(|&(_, level)| level).collect::<Vec<_>>(), [2, 1, 0]);
+        assert_eq!(
+            changes.iter().map(|&(_, level)| level).collect::<Vec<_>>(),
+            [2, 1, 0]
+        );
         assert_eq!(changes[0].0 + 1, u64::from(PATIENCE) * 100, "two seconds");
         assert_eq!(changes[1].0 - changes[0].0, u64::from(PATIENCE) * 100);
     }
 
-    // Full quality never fits, the first level always does: each try comes after twice the time of the one before.
+    // Full quality never fits, the first level always does: each try comes after twice the time of
+    // the one before.
     #[test]
     fn a_load_between_two_levels_is_tried_ever_more_rarely() {
         let mut overload = Overload::new(MS);
         let load = |_, level| if level == 0 { 1_500 } else { 300 };
         let changes = run(&mut overload, 600_000, load);
-        let tries: Vec<u64> = changes.iter().filter(|(_, level)| *level == 0).map(|(tick, _)| *tick).collect();
-        assert!(tries.len() < 16, "{} tries in ten minutes: {tries:?}", tries.len());
-        let gaps: Vec<u64> = tries.windows(2).map(|pair| (pair[1] - pair[0]) / 1_000).collect();
+        let tries: Vec<u64> = changes
+            .iter()
+            .filter(|(_, level)| *level == 0)
+            .map(|(tick, _)| *tick)
+            .collect();
+        assert!(
+            tries.len() < 16,
+            "{} tries in ten minutes: {tries:?}",
+            tries.len()
+        );
+        let gaps: Vec<u64> = tries
+            .windows(2)
+            .map(|pair| (pair[1] - pair[0]) / 1_000)
+            .collect();
         assert_eq!(gaps[..5], [4, 8, 16, 32, 64], "{tries:?}");
         assert!(gaps[5..].iter().all(|&gap| gap == 64), "{gaps:?}");
         // Once it has held for long, a new overload is met with the patience of the first.
         run(&mut overload, 200_000, |_, _| 300);
         assert_eq!(overload.level(), 0);
-        let changes = run(&mut overload, 3_000, |tick, _| if tick < 10 { 1_500 } else { 300 });
+        let changes = run(
+            &mut overload,
+            3_000,
+            |tick, _| if tick < 10 { 1_500 } else { 300 },
+        );
         assert_eq!(changes, [(9, 1), (2_009, 0)]);
     }
 
     #[test]
     fn a_slow_loop_is_judged_over_enough_ticks_and_no_period_breaks_it() {
         let mut slow = Overload::new(50 * MS);
-        let changes = run(&mut slow, 40, |tick, _| if tick % 10 == 0 { 60_000 } else { 100 });
+        let changes = run(
+            &mut slow,
+            40,
+            |tick, _| if tick % 10 == 0 { 60_000 } else { 100 },
+        );
         assert_eq!(changes.first(), Some(&(10, 1)), "two of twenty");
         for period in [0, 1, u64::MAX] {
             let mut odd = Overload::new(period);

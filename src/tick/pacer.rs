@@ -1,7 +1,7 @@
 //! When ticks are due.
 
-/// Deadlines at a fixed period. A late tick keeps the next deadline; deadlines that have passed whole are dropped, never
-/// caught up in a burst.
+/// Deadlines at a fixed period. A late tick keeps the next deadline; deadlines that have passed
+/// whole are dropped, never caught up in a burst.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Schedule {
     period_ns: u64,
@@ -20,7 +20,10 @@ pub struct Wake {
 impl Schedule {
     /// First deadline one period after `now_ns`.
     pub fn new(period_ns: u64, now_ns: u64) -> Self {
-        Self { period_ns, next_ns: now_ns + period_ns }
+        Self {
+            period_ns,
+            next_ns: now_ns + period_ns,
+        }
     }
 
     /// Next deadline, ns.
@@ -33,14 +36,20 @@ impl Schedule {
         let late_ns = now_ns.saturating_sub(self.next_ns);
         let skipped = late_ns / self.period_ns;
         self.next_ns += (skipped + 1) * self.period_ns;
-        Wake { late_ns, skipped: skipped.min(u64::from(u32::MAX)) as u32 }
+        Wake {
+            late_ns,
+            skipped: skipped.min(u64::from(u32::MAX)) as u32,
+        }
     }
 }
 
 /// Monotonic clock, ns.
 #[allow(unsafe_code)]
 pub fn now_ns() -> u64 {
-    let mut t = libc::timespec { tv_sec: 0, tv_nsec: 0 };
+    let mut t = libc::timespec {
+        tv_sec: 0,
+        tv_nsec: 0,
+    };
     // SAFETY: `t` is a valid timespec; CLOCK_MONOTONIC always exists on Linux.
     unsafe { libc::clock_gettime(libc::CLOCK_MONOTONIC, &mut t) };
     t.tv_sec as u64 * 1_000_000_000 + t.tv_nsec as u64
@@ -54,8 +63,14 @@ pub fn sleep_until(deadline_ns: u64) {
         tv_nsec: (deadline_ns % 1_000_000_000) as libc::c_long,
     };
     // SAFETY: `t` is a valid timespec and the remainder pointer may be null with TIMER_ABSTIME.
-    while unsafe { libc::clock_nanosleep(libc::CLOCK_MONOTONIC, libc::TIMER_ABSTIME, &t, std::ptr::null_mut()) }
-        == libc::EINTR
+    while unsafe {
+        libc::clock_nanosleep(
+            libc::CLOCK_MONOTONIC,
+            libc::TIMER_ABSTIME,
+            &t,
+            std::ptr::null_mut(),
+        )
+    } == libc::EINTR
     {}
 }
 
@@ -70,11 +85,13 @@ pub struct Privileges {
     pub slack: bool,
 }
 
-/// Asks for what a tick thread wants: FIFO scheduling, locked memory, exact timers. A refusal is no error.
+/// Asks for what a tick thread wants: FIFO scheduling, locked memory, exact timers. A refusal is no
+/// error.
 #[allow(unsafe_code)]
 pub fn ask_privileges() -> Privileges {
     let param = libc::sched_param { sched_priority: 60 };
-    // SAFETY: plain system calls with valid arguments, acting on the calling thread (slack, scheduler) or process (lock).
+    // SAFETY: plain system calls with valid arguments, acting on the calling thread (slack,
+    // scheduler) or process (lock).
     unsafe {
         Privileges {
             fifo: libc::sched_setscheduler(0, libc::SCHED_FIFO, &param) == 0,
@@ -91,16 +108,38 @@ mod tests {
     #[test]
     fn a_late_tick_keeps_the_next_deadline() {
         let mut schedule = Schedule::new(1_000, 0);
-        assert_eq!(schedule.wake(1_400), Wake { late_ns: 400, skipped: 0 });
+        assert_eq!(
+            schedule.wake(1_400),
+            Wake {
+                late_ns: 400,
+                skipped: 0
+            }
+        );
         assert_eq!(schedule.next_ns(), 2_000);
     }
 
     #[test]
     fn passed_deadlines_are_dropped_and_never_caught_up() {
         let mut schedule = Schedule::new(1_000, 0);
-        assert_eq!(schedule.wake(4_700), Wake { late_ns: 3_700, skipped: 3 });
-        assert_eq!(schedule.next_ns(), 5_000, "the next deadline is on the grid and ahead");
-        assert_eq!(schedule.wake(5_000), Wake { late_ns: 0, skipped: 0 });
+        assert_eq!(
+            schedule.wake(4_700),
+            Wake {
+                late_ns: 3_700,
+                skipped: 3
+            }
+        );
+        assert_eq!(
+            schedule.next_ns(),
+            5_000,
+            "the next deadline is on the grid and ahead"
+        );
+        assert_eq!(
+            schedule.wake(5_000),
+            Wake {
+                late_ns: 0,
+                skipped: 0
+            }
+        );
     }
 
     #[test]

@@ -73,5 +73,15 @@ pub fn playback() -> (PlayerEnd, PlayPort, Sender<(u64, PlayRequest)>) {
     let (request_in, request_out) = channel();
     let (news_in, news_out) = channel();
     let own = request_in.clone();
-    (PlayerEnd { requests: request_in, news: news_out }, PlayPort { requests: request_out, news: news_in }, own)
+    (
+        PlayerEnd {
+            requests: request_in,
+            news: news_out,
+        },
+        PlayPort {
+            requests: request_out,
+            news: news_in,
+        },
+        own,
+    )
 }

@@ -1,4 +1,5 @@
-//! Between the tick thread and the rest: wait-free on the tick's side, nothing allocated after the start.
+//! Between the tick thread and the rest: wait-free on the tick's side, nothing allocated after the
+//! start.
 //!
 //! ```text
 //! PoseInbox (newest wins) ─▶ ┐                ┌─▶ outputs (force known)   ┐
@@ -166,7 +167,12 @@ pub(super) fn net_ports(scene: &Scene) -> (Vec<NetPort>, Vec<NetEnd>) {
         if scene.deforms(body) {
             let points = scene.rest_surface(body).net().points();
             for _ in 0..NET_BUFFERS {
-                let frame = NetFrame { tick: 0, revision: 0, body, points: points.to_vec() };
+                let frame = NetFrame {
+                    tick: 0,
+                    revision: 0,
+                    body,
+                    points: points.to_vec(),
+                };
                 let fits = free_in.push(Box::new(frame)).is_ok();
                 debug_assert!(fits, "the ring has room for all");
             }
@@ -178,7 +184,10 @@ pub(super) fn net_ports(scene: &Scene) -> (Vec<NetPort>, Vec<NetEnd>) {
             sent_tick: 0,
             moves: scene.deforms(body),
         });
-        net_ends.push(NetEnd { free: free_in, full: full_out });
+        net_ends.push(NetEnd {
+            free: free_in,
+            full: full_out,
+        });
     }
     (nets, net_ends)
 }
@@ -267,13 +276,18 @@ impl TickPorts {
         self.poses.iter().all(triple_buffer::Output::updated)
     }
 
-    /// The bus has room for another tick with all its nets. For those who may wait: the loop never does.
+    /// The bus has room for another tick with all its nets. For those who may wait: the loop never
+    /// does.
     pub fn has_room(&self) -> bool {
-        let nets = self.nets.iter().all(|port| !port.moves || port.free.slots() > 0);
+        let nets = self
+            .nets
+            .iter()
+            .all(|port| !port.moves || port.free.slots() > 0);
         nets && self.outputs.slots() > 0 && self.records.slots() > 0
     }
 
-    /// Every net is handed over next, whatever was sent before: time runs elsewhere, or stands still from here on.
+    /// Every net is handed over next, whatever was sent before: time runs elsewhere, or stands
+    /// still from here on.
     pub fn rewind(&mut self) {
         for port in &mut self.nets {
             (port.sent_revision, port.sent_tick) = (u64::MAX, 0);
@@ -305,13 +319,20 @@ impl TickPorts {
 
     /// Nets that changed and are due; all of them after [`TickPorts::rewind`].
     pub fn hand_over_nets(&mut self, scene: &Scene, state: &SceneState, tick: u64) {
-        let net_every = self.net_every * if state.quality < quality::RARE_NETS { 1 } else { 10 };
+        let net_every = self.net_every
+            * if state.quality < quality::RARE_NETS {
+                1
+            } else {
+                10
+            };
         for (body, port) in self.nets.iter_mut().enumerate() {
             let soon = tick < port.sent_tick + net_every && port.sent_revision != u64::MAX;
             if state.net_revision(body) == port.sent_revision || soon {
                 continue;
             }
-            let Ok(mut frame) = port.free.pop() else { continue };
+            let Ok(mut frame) = port.free.pop() else {
+                continue;
+            };
             (frame.tick, frame.revision) = (tick, state.net_revision(body));
             state.copy_net(scene, body, &mut frame.points);
             (port.sent_revision, port.sent_tick) = (frame.revision, tick);

@@ -5,7 +5,8 @@ use crate::haptics::{DeviceBounds, DevicePose};
 use crate::math::{Point3, Rotation, Vector3};
 use crate::scene::spec::MAX_TOOLS;
 
-/// Newly latched poses, by tool index; `None`: nothing new since the last tick. Poses here are finite with unit quaternions.
+/// Newly latched poses, by tool index; `None`: nothing new since the last tick. Poses here are
+/// finite with unit quaternions.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct TickInput {
     /// (tool_count used of MAX_TOOLS).
@@ -79,7 +80,10 @@ impl Default for ContactReports {
             depth_m: 0.0,
             force_n: Vector3::zeros(),
         };
-        Self { list: [none; MAX_REPORTS], len: 0 }
+        Self {
+            list: [none; MAX_REPORTS],
+            len: 0,
+        }
     }
 }
 
@@ -132,7 +136,8 @@ pub struct ToolOutput {
     pub contact_count: u32,
     /// Deepest contact.
     pub contact: Option<ContactReport>,
-    /// Net work done by the device on the loop since the start, J; what is below zero, the loop has made.
+    /// Net work done by the device on the loop since the start, J; what is below zero, the loop has
+    /// made.
     pub energy_j: f64,
     /// Part of it that the passivity controller took away, J.
     pub dissipated_j: f64,
@@ -175,7 +180,8 @@ pub struct TickOutput {
     pub tick: u64,
     /// By tool index.
     pub tools: [ToolOutput; MAX_TOOLS],
-    /// Contacts of all pairs. Recordings keep the deepest of each tool; a replay makes all of them again.
+    /// Contacts of all pairs. Recordings keep the deepest of each tool; a replay makes all of them
+    /// again.
     pub contacts: ContactReports,
     /// Grows when any net changed.
     pub net_revision: u64,

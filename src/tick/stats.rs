@@ -17,7 +17,11 @@ pub struct Histogram {
 
 impl Default for Histogram {
     fn default() -> Self {
-        Self { buckets: [0; PER_OCTAVE * OCTAVES], count: 0, max: 0 }
+        Self {
+            buckets: [0; PER_OCTAVE * OCTAVES],
+            count: 0,
+            max: 0,
+        }
     }
 }
 
@@ -42,7 +46,8 @@ impl Histogram {
         self.max
     }
 
-    /// Upper end of the bucket in which the quantile `q` (0 ..= 1) lies, at most the maximum, ns; 0 without values.
+    /// Upper end of the bucket in which the quantile `q` (0 ..= 1) lies, at most the maximum, ns; 0
+    /// without values.
     pub fn quantile(&self, q: f64) -> u64 {
         let rank = ((q * self.count as f64).ceil() as u64).max(1);
         let mut seen = 0;
@@ -76,7 +81,10 @@ mod tests {
         for q in [0.01, 0.5, 0.9, 0.99, 1.0] {
             let exact = q * 1e6;
             let got = histogram.quantile(q) as f64;
-            assert!(got >= exact * 0.999 && got <= exact * 1.126, "quantile {q}: {got} for {exact}");
+            assert!(
+                got >= exact * 0.999 && got <= exact * 1.126,
+                "quantile {q}: {got} for {exact}"
+            );
         }
         assert_eq!(histogram.max(), 1_000_000);
     }

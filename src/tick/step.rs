@@ -8,15 +8,25 @@ use crate::math::{SavedState, StateError, state_hash};
 use crate::scene::{RunState, Scene, SceneState, Scratch, quality};
 
 /// Advances by one tick: [`render`], then [`deform`].
-pub fn step(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch, input: &TickInput) -> TickOutput {
+pub fn step(
+    scene: &Scene,
+    state: &mut SceneState,
+    scratch: &mut Scratch,
+    input: &TickInput,
+) -> TickOutput {
     let mut output = render(scene, state, scratch, input);
     deform(scene, state, scratch, &mut output);
     output
 }
 
-/// First half: admits the poses, finds contacts and forces. Everything in the output but `state_hash`, `net_revision` and
-/// a fault of the bodies is final.
-pub fn render(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch, input: &TickInput) -> TickOutput {
+/// First half: admits the poses, finds contacts and forces. Everything in the output but
+/// `state_hash`, `net_revision` and a fault of the bodies is final.
+pub fn render(
+    scene: &Scene,
+    state: &mut SceneState,
+    scratch: &mut Scratch,
+    input: &TickInput,
+) -> TickOutput {
     state.tick += 1;
     let moving = match &mut state.run {
         RunState::Running => true,
@@ -26,7 +36,12 @@ pub fn render(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch, inpu
             true
         }
     };
-    let mut output = TickOutput { tick: state.tick, moving, quality: state.quality, ..TickOutput::default() };
+    let mut output = TickOutput {
+        tick: state.tick,
+        moving,
+        quality: state.quality,
+        ..TickOutput::default()
+    };
     let wanted = state.run == RunState::Running;
     admit::admit(scene, state, input, wanted, &mut output);
     gather::gather(scene, state, scratch);
@@ -37,7 +52,12 @@ pub fn render(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch, inpu
 }
 
 /// Second half: moves the bodies, predicts their next free motion, hashes the state.
-pub fn deform(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch, output: &mut TickOutput) {
+pub fn deform(
+    scene: &Scene,
+    state: &mut SceneState,
+    scratch: &mut Scratch,
+    output: &mut TickOutput,
+) {
     if !output.moving {
         motion::stand_still(scene, state, scratch);
     } else if !motion::advance(scene, state, scratch) {
@@ -52,13 +72,25 @@ pub fn apply(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch, comma
     match command {
         Command::Reset => {
             let (tick, quality) = (state.tick, state.quality);
-            let revisions = state.bodies.iter().map(|body| body.revision + 1).collect::<Vec<_>>();
+            let revisions = state
+                .bodies
+                .iter()
+                .map(|body| body.revision + 1)
+                .collect::<Vec<_>>();
             let mut bounds = [DeviceBounds::default(); MAX_TOOLS];
-            bounds.iter_mut().zip(&state.tools).for_each(|(bounds, tool)| *bounds = tool.bounds);
+            bounds
+                .iter_mut()
+                .zip(&state.tools)
+                .for_each(|(bounds, tool)| *bounds = tool.bounds);
             *state = scene.initial_state();
-            // Ticks are as long as before, and devices what they were: neither is part of the start.
+            // Ticks are as long as before, and devices what they were: neither is part of the
+            // start.
             (state.tick, state.quality) = (tick, quality);
-            state.tools.iter_mut().zip(bounds).for_each(|(tool, bounds)| tool.bounds = bounds);
+            state
+                .tools
+                .iter_mut()
+                .zip(bounds)
+                .for_each(|(tool, bounds)| tool.bounds = bounds);
             for (body, revision) in state.bodies.iter_mut().zip(revisions) {
                 body.revision = revision;
             }

@@ -1,8 +1,8 @@
 //! Where friction keeps a tool.
 //!
-//! Contacts are looked for where it is going to be, not where it would slide without friction; that is only the place at
-//! which the contact problem is made linear, its forces come from [`super::balance`]. And each row that sticks remembers
-//! where.
+//! Contacts are looked for where it is going to be, not where it would slide without friction; that
+//! is only the place at which the contact problem is made linear, its forces come from
+//! [`super::balance`]. And each row that sticks remembers where.
 
 use super::feet::view;
 use crate::contact::friction::{Law, Stick};
@@ -11,25 +11,36 @@ use crate::math::{Point3, Rotation, Vector3};
 use crate::scene::{Body, BodyScratch, Scene, SceneState, Scratch, WarmRow};
 use crate::surface::Surface;
 
-/// A contact that has rolled this far from where it stuck, relative to the body's size, sticks anew where it is: the body may
-/// turn under the tool, and another place of it moves otherwise. Far above what a trembling hand rolls.
+/// A contact that has rolled this far from where it stuck, relative to the body's size, sticks anew
+/// where it is: the body may turn under the tool, and another place of it moves otherwise. Far
+/// above what a trembling hand rolls.
 const ROLLS: f64 = 0.01;
 
 /// Coefficient that counts for a pair now: the kinetic one once any of its rows slips.
 pub(super) fn coefficient(scene: &Scene, state: &SceneState, p: usize) -> f64 {
-    let Some(friction) = scene.pairs[p].friction else { return 0.0 };
+    let Some(friction) = scene.pairs[p].friction else {
+        return 0.0;
+    };
     let slips = |row: &WarmRow| row.key[0] as usize == p && row.slips;
-    if state.warm[..state.warm_len].iter().any(slips) { friction.mu_kinetic } else { friction.mu }
+    if state.warm[..state.warm_len].iter().any(slips) {
+        friction.mu_kinetic
+    } else {
+        friction.mu
+    }
 }
 
 /// What friction leaves of a slide when the surface keeps the tool from going `blocked` as well.
 pub(super) fn held_back(slide: Vector3, blocked: Vector3, mu: f64) -> Vector3 {
     let (length, held) = (slide.norm(), mu * blocked.norm());
-    if length > held { slide * (1.0 - held / length) } else { Vector3::zeros() }
+    if length > held {
+        slide * (1.0 - held / length)
+    } else {
+        Vector3::zeros()
+    }
 }
 
-/// Where a ball that touches goes when it wants to go to `target`: on its tangent plane at `last`, as far as friction lets
-/// it.
+/// Where a ball that touches goes when it wants to go to `target`: on its tangent plane at `last`,
+/// as far as friction lets it.
 pub(super) fn ball_target(
     scene: &Scene,
     state: &SceneState,
@@ -57,8 +68,14 @@ pub(super) fn ball_target(
     last + along + held_back(way - along, normal * depth, coefficient(scene, state, p))
 }
 
-/// How far free motion takes a row past where it sticks, and where that is. `old`: the row in the last tick.
-pub(super) fn slip(scene: &Scene, scratch: &mut Scratch, row: &Row, old: Option<&WarmRow>) -> (Vector3, Stick) {
+/// How far free motion takes a row past where it sticks, and where that is. `old`: the row in the
+/// last tick.
+pub(super) fn slip(
+    scene: &Scene,
+    scratch: &mut Scratch,
+    row: &Row,
+    old: Option<&WarmRow>,
+) -> (Vector3, Stick) {
     let stuck = old.filter(|old| !old.slips).map(|old| old.stick);
     match (row.law, row.tool()) {
         (Law::Grip { .. }, _) => (row.slip, Stick::default()),
@@ -69,7 +86,11 @@ pub(super) fn slip(scene: &Scene, scratch: &mut Scratch, row: &Row, old: Option<
             let free = rows.free[t];
             // Where a ball sticks does not turn with it.
             let ball = scene.tools[t].shape.ball_radius_m().is_some();
-            let turn = if ball { Rotation::identity() } else { rows.free_turns[t] };
+            let turn = if ball {
+                Rotation::identity()
+            } else {
+                rows.free_turns[t]
+            };
             let here = predicted(rows, body, parts, row.u, row.v);
             let mut slip = row.slip;
             if let Some(stick) = stuck {
@@ -79,15 +100,30 @@ pub(super) fn slip(scene: &Scene, scratch: &mut Scratch, row: &Row, old: Option<
                     return (slip, stick);
                 }
             }
-            (slip, Stick { u: row.u, v: row.v, offset: turn.inverse_transform_vector(&(free - here - slip)) })
+            (
+                slip,
+                Stick {
+                    u: row.u,
+                    v: row.v,
+                    offset: turn.inverse_transform_vector(&(free - here - slip)),
+                },
+            )
         }
-        (Law::Push { .. }, None) => (row.slip + stuck.unwrap_or_default().offset, Stick::default()),
+        (Law::Push { .. }, None) => (
+            row.slip + stuck.unwrap_or_default().offset,
+            Stick::default(),
+        ),
     }
 }
 
 /// Where a row of this tick will stick in the next, if it did not slip.
 pub(super) fn kept(i: usize, scratch: &Scratch) -> Stick {
-    let Scratch { rows, friction, sticks, .. } = scratch;
+    let Scratch {
+        rows,
+        friction,
+        sticks,
+        ..
+    } = scratch;
     if friction.slips(i) || matches!(rows.rows[i].law, Law::Grip { .. }) {
         return Stick::default();
     }
@@ -95,7 +131,10 @@ pub(super) fn kept(i: usize, scratch: &Scratch) -> Stick {
         return sticks[i];
     }
     let (moved, normal) = (friction.displaced_m(i), friction.normal(i));
-    Stick { offset: moved - normal * moved.dot(&normal), ..Stick::default() }
+    Stick {
+        offset: moved - normal * moved.dot(&normal),
+        ..Stick::default()
+    }
 }
 
 /// A point of a body after free motion.

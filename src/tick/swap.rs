@@ -1,7 +1,7 @@
 //! Another scene in the place of the running one, between two ticks.
 //!
-//! Everything that takes time or memory is made beside the loop; the loop copies what goes on, and hands the old scene back
-//! to be dropped elsewhere.
+//! Everything that takes time or memory is made beside the loop; the loop copies what goes on, and
+//! hands the old scene back to be dropped elsewhere.
 
 use super::journal::Journal;
 use super::ports::{NetEnd, NetPort, net_ports};
@@ -22,8 +22,8 @@ pub struct Swap {
 }
 
 impl Swap {
-    /// Makes all that the loop needs for another scene with the same tools, whose bodies come from `origins`; the other ends
-    /// of its nets are for the bus.
+    /// Makes all that the loop needs for another scene with the same tools, whose bodies come from
+    /// `origins`; the other ends of its nets are for the bus.
     ///
     /// # Errors
     /// The system refuses a thread for bodies that step apart.
@@ -39,7 +39,18 @@ impl Swap {
             scratch.set_pipeline(Box::new(workers));
         }
         let (nets, ends) = net_ports(&scene);
-        Ok((Self { id, scene, state, scratch, origins, nets, journal }, ends))
+        Ok((
+            Self {
+                id,
+                scene,
+                state,
+                scratch,
+                origins,
+                nets,
+                journal,
+            },
+            ends,
+        ))
     }
 
     /// The scene.
@@ -47,11 +58,18 @@ impl Swap {
         &self.scene
     }
 
-    /// Puts the next scene in the place of a running one, which it keeps from then on: nothing is allocated, nothing dropped.
-    pub fn exchange(&mut self, scene: &mut Arc<Scene>, state: &mut SceneState, scratch: &mut Scratch) {
+    /// Puts the next scene in the place of a running one, which it keeps from then on: nothing is
+    /// allocated, nothing dropped.
+    pub fn exchange(
+        &mut self,
+        scene: &mut Arc<Scene>,
+        state: &mut SceneState,
+        scratch: &mut Scratch,
+    ) {
         self.scene.carry_over(state, &self.origins, &mut self.state);
         for body in 0..self.scene.body_count() {
-            self.scene.prepare_body(body, &self.state, &mut self.scratch, false);
+            self.scene
+                .prepare_body(body, &self.state, &mut self.scratch, false);
         }
         std::mem::swap(scene, &mut self.scene);
         std::mem::swap(state, &mut self.state);

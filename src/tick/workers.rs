@@ -46,9 +46,19 @@ impl Workers {
     /// # Errors
     /// The system refuses a thread.
     pub fn start(scene: &Arc<Scene>) -> std::io::Result<Option<Self>> {
-        let start = |body| scene.steps_apart(body).then(|| Worker::start(scene, body)).transpose();
-        let workers = (0..scene.body_count()).map(start).collect::<Result<Vec<_>, _>>()?;
-        Ok(workers.iter().any(Option::is_some).then_some(Self { workers }))
+        let start = |body| {
+            scene
+                .steps_apart(body)
+                .then(|| Worker::start(scene, body))
+                .transpose()
+        };
+        let workers = (0..scene.body_count())
+            .map(start)
+            .collect::<Result<Vec<_>, _>>()?;
+        Ok(workers
+            .iter()
+            .any(Option::is_some)
+            .then_some(Self { workers }))
     }
 }
 
@@ -59,7 +69,9 @@ impl Worker {
         let stop = Arc::new(AtomicBool::new(false));
         let (theirs, asked) = (scene.clone(), stop.clone());
         let run = move || {
-            let Some(model) = theirs.lattice(body) else { return };
+            let Some(model) = theirs.lattice(body) else {
+                return;
+            };
             while !asked.load(Ordering::Acquire) {
                 let Ok(mut job) = jobs.pop() else {
                     std::thread::park_timeout(Duration::from_millis(50));
@@ -71,10 +83,24 @@ impl Worker {
                 let _ = done.push(job);
             }
         };
-        let thread = std::thread::Builder::new().name(format!("body {}", scene.body_id(body))).spawn(run)?;
-        let idle =
-            scene.lattice(body).map(|model| Box::new(Job { state: model.rest_state(), scratch: model.scratch() }));
-        Ok(Self { scene: scene.clone(), body, idle, out, back, stop, thread: Some(thread) })
+        let thread = std::thread::Builder::new()
+            .name(format!("body {}", scene.body_id(body)))
+            .spawn(run)?;
+        let idle = scene.lattice(body).map(|model| {
+            Box::new(Job {
+                state: model.rest_state(),
+                scratch: model.scratch(),
+            })
+        });
+        Ok(Self {
+            scene: scene.clone(),
+            body,
+            idle,
+            out,
+            back,
+            stop,
+            thread: Some(thread),
+        })
     }
 
     /// Waits for the job that is out, if one is.
@@ -96,10 +122,22 @@ impl Worker {
 }
 
 impl Pipeline for Workers {
-    fn start(&mut self, body: usize, field: Field, state: &DeformableState, predicted: &[Point3], loads: &[Vector3]) {
-        let Some(worker) = &mut self.workers[body] else { return };
+    fn start(
+        &mut self,
+        body: usize,
+        field: Field,
+        state: &DeformableState,
+        predicted: &[Point3],
+        loads: &[Vector3],
+    ) {
+        let Some(worker) = &mut self.workers[body] else {
+            return;
+        };
         worker.wait();
-        let (Some(mut job), Some(model)) = (worker.idle.take(), worker.scene.lattice(worker.body)) else { return };
+        let (Some(mut job), Some(model)) = (worker.idle.take(), worker.scene.lattice(worker.body))
+        else {
+            return;
+        };
         job.state.clone_from(state);
         job.scratch.predicted.copy_from_slice(predicted);
         model.set_field(&mut job.scratch, field);
@@ -113,8 +151,15 @@ impl Pipeline for Workers {
         }
     }
 
-    fn finish(&mut self, body: usize, state: &mut DeformableState, predicted: &mut [Point3]) -> bool {
-        let Some(job) = self.workers[body].as_mut().and_then(Worker::wait) else { return false };
+    fn finish(
+        &mut self,
+        body: usize,
+        state: &mut DeformableState,
+        predicted: &mut [Point3],
+    ) -> bool {
+        let Some(job) = self.workers[body].as_mut().and_then(Worker::wait) else {
+            return false;
+        };
         state.clone_from(&job.state);
         predicted.copy_from_slice(&job.scratch.predicted);
         true

@@ -19,7 +19,8 @@ impl BusThread {
         match request {
             Inbox::Scene(query) => {
                 let scene = &self.settings.scene;
-                let snapshot = wire::scene_snapshot(scene, self.settings.scene_hash, &self.nets, &self.output);
+                let snapshot =
+                    wire::scene_snapshot(scene, self.settings.scene_hash, &self.nets, &self.output);
                 reply::<SceneSnapshot>(&query, &snapshot);
             }
             Inbox::Status(query) => {
@@ -38,7 +39,10 @@ impl BusThread {
                 self.count_links();
                 let text = self.figures().text();
                 let encoding = Encoding::APPLICATION_OPENMETRICS_TEXT;
-                let _ = query.reply(query.key_expr().clone(), text).encoding(encoding).wait();
+                let _ = query
+                    .reply(query.key_expr().clone(), text)
+                    .encoding(encoding)
+                    .wait();
             }
             Inbox::Events(query) => self.past_events(&query),
             Inbox::Device(tool, query) => {
@@ -49,7 +53,9 @@ impl BusThread {
             }
             Inbox::Told(tool, info) => self.told(tool, *info),
             Inbox::ToolToken { tool, present } => {
-                let Some(t) = self.settings.scene.tool_index(&tool) else { return };
+                let Some(t) = self.settings.scene.tool_index(&tool) else {
+                    return;
+                };
                 if present {
                     self.release(t);
                 } else {
@@ -85,7 +91,9 @@ impl BusThread {
         let after = match query.parameters().get("after").map(str::parse::<u64>) {
             None => 0,
             Some(Ok(after)) => after,
-            Some(Err(_)) => return reply_refused(query, "after is the number of an event: event?after=17"),
+            Some(Err(_)) => {
+                return reply_refused(query, "after is the number of an event: event?after=17");
+            }
         };
         for event in self.history.after(after) {
             reply(query, event);
@@ -94,17 +102,26 @@ impl BusThread {
 }
 
 fn reply<M: Message>(query: &Query, message: &M) {
-    let _ = query.reply(query.key_expr().clone(), encode(message)).encoding(encoding::<M>()).wait();
+    let _ = query
+        .reply(query.key_expr().clone(), encode(message))
+        .encoding(encoding::<M>())
+        .wait();
 }
 
 /// Answers under a key with JSON.
 pub(super) fn reply_json(query: &Query, key: KeyExpr<'static>, value: &impl serde::Serialize) {
     let text = serde_json::to_string(value).unwrap_or_default();
-    let _ = query.reply(key, text).encoding(Encoding::APPLICATION_JSON).wait();
+    let _ = query
+        .reply(key, text)
+        .encoding(Encoding::APPLICATION_JSON)
+        .wait();
 }
 
 /// Answers with an error: JSON like that of a refused command.
 pub(super) fn reply_refused(query: &Query, reason: &str) {
     let text = serde_json::to_string(&Reply::refused(reason)).unwrap_or_default();
-    let _ = query.reply_err(text).encoding(Encoding::APPLICATION_JSON).wait();
+    let _ = query
+        .reply_err(text)
+        .encoding(Encoding::APPLICATION_JSON)
+        .wait();
 }

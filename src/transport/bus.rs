@@ -38,7 +38,8 @@ pub trait ViewSink: Send {
     fn net(&mut self, net: &ControlNet);
     /// All contacts, some sixty times a second while there are any, and when they begin and end.
     fn contacts(&mut self, contacts: &ContactSet);
-    /// Other bodies than before; nets follow. `gaps`: by body, the rows and columns of its net after which no line goes on.
+    /// Other bodies than before; nets follow. `gaps`: by body, the rows and columns of its net
+    /// after which no line goes on.
     fn bodies(&mut self, ids: &[&str], gaps: Vec<(String, [Vec<usize>; 2])>);
     /// Health.
     fn status(&mut self, status: &LoopStatus);
@@ -86,7 +87,8 @@ pub struct BusReport {
     pub suppressed: Vec<u64>,
 }
 
-/// Requests that may wait for the bus thread; more are refused by silence, and the client's query times out.
+/// Requests that may wait for the bus thread; more are refused by silence, and the client's query
+/// times out.
 const INBOX: usize = 256;
 const STATUS_EVERY: Duration = Duration::from_millis(100);
 
@@ -95,25 +97,54 @@ impl Bus {
     ///
     /// # Errors
     /// Zenoh refused a declaration, or the instance name is no id.
-    pub fn start(session: zenoh::Session, ports: BusPorts, settings: BusSettings) -> Result<Self, String> {
+    pub fn start(
+        session: zenoh::Session,
+        ports: BusPorts,
+        settings: BusSettings,
+    ) -> Result<Self, String> {
         let keys = Keys::new(&settings.instance).map_err(|e| e.to_string())?;
         let stop = Arc::new(AtomicBool::new(false));
         let (inbox, requests) = sync_channel(INBOX);
         let devices = Devices::new(&settings.scene);
-        let roles = Roles { player: settings.player.is_some(), viewer: settings.viewer.is_some() };
-        let declared = Declared::new(&session, &keys, &settings.scene, &ports, &devices, &inbox, roles)
-            .map_err(|e| e.to_string())?;
+        let roles = Roles {
+            player: settings.player.is_some(),
+            viewer: settings.viewer.is_some(),
+        };
+        let declared = Declared::new(
+            &session,
+            &keys,
+            &settings.scene,
+            &ports,
+            &devices,
+            &inbox,
+            roles,
+        )
+        .map_err(|e| e.to_string())?;
         let shared_stop = stop.clone();
         let wake: Arc<OnceLock<Thread>> = ports.bus_thread.clone();
         let thread = std::thread::Builder::new()
             .name("palpate-bus".into())
             .spawn(move || {
-                BusThread::new(session, keys, ports, settings, declared, devices, requests, shared_stop).run()
+                BusThread::new(
+                    session,
+                    keys,
+                    ports,
+                    settings,
+                    declared,
+                    devices,
+                    requests,
+                    shared_stop,
+                )
+                .run()
             })
             .map_err(|e| e.to_string())?;
         let waker = thread.thread().clone();
         let _ = wake.set(waker.clone());
-        Ok(Self { stop, thread, waker })
+        Ok(Self {
+            stop,
+            thread,
+            waker,
+        })
     }
 
     /// Publishes what is left, undeclares everything and closes the session.
@@ -191,7 +222,8 @@ impl BusThread {
         Self {
             tools: vec![ToolTally::default(); scene.tool_count()],
             // In lockstep and out of a recording every force is told.
-            lockstep: scene.clock == crate::scene::spec::Clock::Lockstep || settings.player.is_some(),
+            lockstep: scene.clock == crate::scene::spec::Clock::Lockstep
+                || settings.player.is_some(),
             session,
             keys,
             ports,
@@ -239,7 +271,9 @@ impl BusThread {
         BusReport {
             events: self.events,
             poses: self.ports.poses.iter().map(received).collect(),
-            suppressed: (0..self.tools.len()).map(|tool| self.devices.suppressed(tool)).collect(),
+            suppressed: (0..self.tools.len())
+                .map(|tool| self.devices.suppressed(tool))
+                .collect(),
         }
     }
 
@@ -247,7 +281,8 @@ impl BusThread {
         let player_news = self.player_news();
         self.take_receipts();
         self.publish_forces();
-        // The receipt of a change comes before its first tick: all that came before the change is told now.
+        // The receipt of a change comes before its first tick: all that came before the change is
+        // told now.
         self.follow_change(None);
         while let Ok(record) = self.ports.records.pop() {
             self.tally(&record);
@@ -268,7 +303,9 @@ impl BusThread {
 
     /// What is declared.
     pub(super) fn declared(&self) -> &Declared {
-        self.declared.as_ref().expect("taken only at the end of run")
+        self.declared
+            .as_ref()
+            .expect("taken only at the end of run")
     }
 
     /// Declares the bodies of the scene as it is now.
@@ -282,7 +319,12 @@ impl BusThread {
     /// Publishes an event.
     pub(super) fn event(&mut self, kind: EventKind) {
         self.events += 1;
-        let event = SimEvent { tick: self.status.tick, seq: self.events, t_ns: server_ns(), kind };
+        let event = SimEvent {
+            tick: self.status.tick,
+            seq: self.events,
+            t_ns: server_ns(),
+            kind,
+        };
         let _ = self.declared().events.put(encode(&event)).wait();
         if let Some(archive) = &mut self.settings.archive {
             let (kind, detail) = wire::event_words(&event.kind);
@@ -301,5 +343,7 @@ impl BusThread {
 }
 
 pub(super) fn server_ns() -> u64 {
-    SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |t| t.as_nanos() as u64)
+    SystemTime::now()
+        .duration_since(UNIX_EPOCH)
+        .map_or(0, |t| t.as_nanos() as u64)
 }

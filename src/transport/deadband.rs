@@ -1,9 +1,10 @@
 //! Which forces a hand could tell from the last one.
 //!
-//! Weber's law as a filter: a force is sent when |f − f_last| > δ |f_last|, with f_last the last one sent (Hinterseer,
-//! Hirche, Chaudhuri, Steinbach and Buss 2008, "Perception-based data reduction and transmission of haptic data in
-//! telepresence and teleaction systems", IEEE Trans. Signal Processing 56 (2), eq. 3). The same for the torque. What a hand
-//! tells by itself passes always: contact that begins or ends, flags that change. After a while without any the newest is
+//! Weber's law as a filter: a force is sent when |f − f_last| > δ |f_last|, with f_last the last
+//! one sent (Hinterseer, Hirche, Chaudhuri, Steinbach and Buss 2008, "Perception-based data
+//! reduction and transmission of haptic data in telepresence and teleaction systems", IEEE Trans.
+//! Signal Processing 56 (2), eq. 3). The same for the torque. What a hand tells by itself passes
+//! always: contact that begins or ends, flags that change. After a while without any the newest is
 //! sent anyway, so that a lost message is mended.
 
 use crate::math::Vector3;
@@ -32,7 +33,12 @@ struct Sent {
 impl Deadband {
     /// Lets everything through; sends at least once in `longest_ticks`.
     pub(super) fn new(longest_ticks: u64) -> Self {
-        Self { fraction: 0.0, longest_ticks, last: None, suppressed: 0 }
+        Self {
+            fraction: 0.0,
+            longest_ticks,
+            last: None,
+            suppressed: 0,
+        }
     }
 
     /// From now on with the fraction δ.
@@ -57,7 +63,8 @@ impl Deadband {
             touching: out.contact.is_some(),
             flags: out.flags,
         };
-        let felt = |now: &Vector3, last: &Vector3| (now - last).norm() > self.fraction * last.norm();
+        let felt =
+            |now: &Vector3, last: &Vector3| (now - last).norm() > self.fraction * last.norm();
         let wanted = self.last.is_none_or(|last| {
             felt(&now.force_n, &last.force_n)
                 || felt(&now.torque_nm, &last.torque_nm)
@@ -92,12 +99,20 @@ mod tests {
             depth_m: 1e-3,
             force_n: Vector3::zeros(),
         };
-        ToolOutput { force_n: Vector3::new(0.0, 0.0, force_n), contact: Some(contact), ..ToolOutput::default() }
+        ToolOutput {
+            force_n: Vector3::new(0.0, 0.0, force_n),
+            contact: Some(contact),
+            ..ToolOutput::default()
+        }
     }
 
     /// Ticks (of those given, from 1) whose force was sent.
     fn sent(band: &mut Deadband, outs: impl IntoIterator<Item = ToolOutput>) -> Vec<u64> {
-        (1..).zip(outs).filter(|(tick, out)| band.wants(*tick, out)).map(|(tick, _)| tick).collect()
+        (1..)
+            .zip(outs)
+            .filter(|(tick, out)| band.wants(*tick, out))
+            .map(|(tick, _)| tick)
+            .collect()
     }
 
     #[test]
@@ -129,12 +144,31 @@ mod tests {
     fn a_turning_force_and_a_torque_are_felt() {
         let mut band = Deadband::new(1_000);
         band.set(0.1);
-        let turned =
-            |angle: f64| ToolOutput { force_n: Vector3::new(libm::sin(angle), 0.0, libm::cos(angle)), ..pushing(0.0) };
+        let turned = |angle: f64| ToolOutput {
+            force_n: Vector3::new(libm::sin(angle), 0.0, libm::cos(angle)),
+            ..pushing(0.0)
+        };
         // |f − f'| = 2 sin(angle / 2) passes 0.1 at 0.100042 rad.
-        assert_eq!(sent(&mut band, [turned(0.0), turned(0.1000), turned(0.1001)]), [1, 3]);
-        let twisted = |torque_nm| ToolOutput { torque_nm: Vector3::new(torque_nm, 0.0, 0.0), ..turned(0.1001) };
-        assert_eq!(sent(&mut band, [twisted(0.0), twisted(1e-6), twisted(1.05e-6), twisted(1.2e-6)]), [2, 4]);
+        assert_eq!(
+            sent(&mut band, [turned(0.0), turned(0.1000), turned(0.1001)]),
+            [1, 3]
+        );
+        let twisted = |torque_nm| ToolOutput {
+            torque_nm: Vector3::new(torque_nm, 0.0, 0.0),
+            ..turned(0.1001)
+        };
+        assert_eq!(
+            sent(
+                &mut band,
+                [
+                    twisted(0.0),
+                    twisted(1e-6),
+                    twisted(1.05e-6),
+                    twisted(1.2e-6)
+                ]
+            ),
+            [2, 4]
+        );
     }
 
     #[test]
@@ -143,21 +177,37 @@ mod tests {
         band.set(0.5);
         let free = ToolOutput::default();
         let ramping = ToolOutput { flags: 16, ..free };
-        assert_eq!(sent(&mut band, [free, free, ramping, ramping, free, free]), [1, 3, 5]);
+        assert_eq!(
+            sent(&mut band, [free, free, ramping, ramping, free, free]),
+            [1, 3, 5]
+        );
         let touching = pushing(0.0);
         band.set(0.5);
-        assert_eq!(sent(&mut band, [free, touching, touching, free, free]), [1, 2, 4]);
+        assert_eq!(
+            sent(&mut band, [free, touching, touching, free, free]),
+            [1, 2, 4]
+        );
         band.set(0.5);
         assert_eq!(sent(&mut band, [pushing(1.0); 25]), [1, 11, 21]);
     }
 
-    // From nothing every force is felt, and to nothing as well: δ |f_last| is 0, and |f_last| is more than its part.
+    // From nothing every force is felt, and to nothing as well: δ |f_last| is 0, and |f_last| is
+    // more than its part.
     #[test]
     fn from_zero_and_to_zero_are_felt() {
         let mut band = Deadband::new(1_000);
         band.set(0.99);
         assert_eq!(
-            sent(&mut band, [pushing(0.0), pushing(1e-9), pushing(1e-9), pushing(0.0), pushing(0.0)]),
+            sent(
+                &mut band,
+                [
+                    pushing(0.0),
+                    pushing(1e-9),
+                    pushing(1e-9),
+                    pushing(0.0),
+                    pushing(0.0)
+                ]
+            ),
             [1, 2, 4]
         );
     }

@@ -41,7 +41,8 @@ pub(super) fn encoding<M: Message>() -> Encoding {
 /// Schema part of a sample's encoding; empty when it has none.
 pub(super) fn schema_of(encoding: &Encoding) -> String {
     let text = encoding.to_string();
-    text.split_once(';').map_or(String::new(), |(_, schema)| schema.to_owned())
+    text.split_once(';')
+        .map_or(String::new(), |(_, schema)| schema.to_owned())
 }
 
 /// Everything declared. Undeclared in this order: nothing comes in before nothing goes out.
@@ -85,12 +86,25 @@ impl Declared {
                 .wait()
         };
         let (drop, block) = (CongestionControl::Drop, CongestionControl::Block);
-        let (mut forces, mut tool_contacts, mut tool_subscribers) = (Vec::new(), Vec::new(), Vec::new());
+        let (mut forces, mut tool_contacts, mut tool_subscribers) =
+            (Vec::new(), Vec::new(), Vec::new());
         for tool in 0..scene.tool_count() {
             let id = scene.tool_id(tool);
-            forces.push(publisher(keys.tool_force(id), encoding::<ToolForce>(), Priority::RealTime, drop, true)?);
+            forces.push(publisher(
+                keys.tool_force(id),
+                encoding::<ToolForce>(),
+                Priority::RealTime,
+                drop,
+                true,
+            )?);
             let key = keys.tool_contact(id);
-            tool_contacts.push(publisher(key, encoding::<ToolContact>(), Priority::RealTime, drop, true)?);
+            tool_contacts.push(publisher(
+                key,
+                encoding::<ToolContact>(),
+                Priority::RealTime,
+                drop,
+                true,
+            )?);
             // Nobody holds a tool of a recording.
             if roles.player {
                 continue;
@@ -110,7 +124,8 @@ impl Declared {
                 .declare_subscriber(keys.tool_device(id))
                 .callback(move |sample| {
                     if sample.kind() == SampleKind::Put
-                        && let Some(info) = take_device(&refused, sample.payload(), &schema_of(sample.encoding()))
+                        && let Some(info) =
+                            take_device(&refused, sample.payload(), &schema_of(sample.encoding()))
                     {
                         let _ = inbox.try_send(Inbox::Told(tool, Box::new(info)));
                     }
@@ -119,16 +134,20 @@ impl Declared {
             tool_subscribers.push(subscriber);
         }
         let mut queryables = Vec::new();
-        let mut queryable = |key: String, wrap: Box<dyn Fn(Query) -> Inbox + Send + Sync>| -> zenoh::Result<()> {
-            let inbox = inbox.clone();
-            let callback = move |query| {
-                let _ = inbox.try_send(wrap(query));
+        let mut queryable =
+            |key: String, wrap: Box<dyn Fn(Query) -> Inbox + Send + Sync>| -> zenoh::Result<()> {
+                let inbox = inbox.clone();
+                let callback = move |query| {
+                    let _ = inbox.try_send(wrap(query));
+                };
+                queryables.push(session.declare_queryable(key).callback(callback).wait()?);
+                Ok(())
             };
-            queryables.push(session.declare_queryable(key).callback(callback).wait()?);
-            Ok(())
-        };
         for tool in 0..scene.tool_count() {
-            queryable(keys.tool_device(scene.tool_id(tool)), Box::new(move |query| Inbox::Device(tool, query)))?;
+            queryable(
+                keys.tool_device(scene.tool_id(tool)),
+                Box::new(move |query| Inbox::Device(tool, query)),
+            )?;
         }
         queryable(keys.scene(), Box::new(Inbox::Scene))?;
         queryable(keys.status(), Box::new(Inbox::Status))?;
@@ -137,13 +156,30 @@ impl Declared {
         queryable(keys.meta_schema("*"), Box::new(Inbox::Schema))?;
         queryable(keys.meta_metrics(), Box::new(Inbox::Metrics))?;
         for method in METHODS {
-            queryable(keys.rpc(method), Box::new(move |query| Inbox::Rpc(method, query)))?;
+            queryable(
+                keys.rpc(method),
+                Box::new(move |query| Inbox::Rpc(method, query)),
+            )?;
         }
-        let live_subscriber = if roles.player { None } else { Some(tokens_of_tools(session, keys, inbox)?) };
+        let live_subscriber = if roles.player {
+            None
+        } else {
+            Some(tokens_of_tools(session, keys, inbox)?)
+        };
         let id = session.zid().to_string();
-        let mut tokens = vec![session.liveliness().declare_token(keys.live_server(&id)).wait()?];
+        let mut tokens = vec![
+            session
+                .liveliness()
+                .declare_token(keys.live_server(&id))
+                .wait()?,
+        ];
         if roles.viewer {
-            tokens.push(session.liveliness().declare_token(keys.live_viewer(&id)).wait()?);
+            tokens.push(
+                session
+                    .liveliness()
+                    .declare_token(keys.live_viewer(&id))
+                    .wait()?,
+            );
         }
         let mut declared = Self {
             _tool_subscribers: tool_subscribers,
@@ -157,16 +193,39 @@ impl Declared {
             nets: Vec::new(),
             net_queryables: Vec::new(),
             inbox: inbox.clone(),
-            contacts: publisher(keys.contact(), encoding::<ContactSet>(), Priority::DataHigh, drop, false)?,
-            status: publisher(keys.status(), encoding::<LoopStatus>(), Priority::DataHigh, drop, false)?,
-            events: publisher(keys.event(), encoding::<SimEvent>(), Priority::InteractiveLow, block, false)?,
+            contacts: publisher(
+                keys.contact(),
+                encoding::<ContactSet>(),
+                Priority::DataHigh,
+                drop,
+                false,
+            )?,
+            status: publisher(
+                keys.status(),
+                encoding::<LoopStatus>(),
+                Priority::DataHigh,
+                drop,
+                false,
+            )?,
+            events: publisher(
+                keys.event(),
+                encoding::<SimEvent>(),
+                Priority::InteractiveLow,
+                block,
+                false,
+            )?,
         };
         declared.bodies(session, keys, scene)?;
         Ok(declared)
     }
 
     /// Declares the nets of a scene in the place of those before.
-    pub(super) fn bodies(&mut self, session: &zenoh::Session, keys: &Keys, scene: &Scene) -> zenoh::Result<()> {
+    pub(super) fn bodies(
+        &mut self,
+        session: &zenoh::Session,
+        keys: &Keys,
+        scene: &Scene,
+    ) -> zenoh::Result<()> {
         self.nets.clear();
         self.net_queryables.clear();
         for body in 0..scene.body_count() {
@@ -182,7 +241,8 @@ impl Declared {
             let asked = move |query| {
                 let _ = inbox.try_send(Inbox::Net(id.clone(), query));
             };
-            self.net_queryables.push(session.declare_queryable(key).callback(asked).wait()?);
+            self.net_queryables
+                .push(session.declare_queryable(key).callback(asked).wait()?);
             self.nets.push(net);
         }
         Ok(())
@@ -194,8 +254,13 @@ impl Declared {
             return;
         }
         self.recorder_token = if recording {
-            let declared = session.liveliness().declare_token(self.recorder_key.clone()).wait();
-            declared.inspect_err(|error| tracing::warn!(%error, "the recorder's token")).ok()
+            let declared = session
+                .liveliness()
+                .declare_token(self.recorder_key.clone())
+                .wait();
+            declared
+                .inspect_err(|error| tracing::warn!(%error, "the recorder's token"))
+                .ok()
         } else {
             None
         };
@@ -224,7 +289,10 @@ fn tokens_of_tools(
         .callback(move |sample| {
             if let Some(tool) = live_keys.tool_of_live(sample.key_expr().as_str()) {
                 let present = sample.kind() == SampleKind::Put;
-                let _ = inbox.try_send(Inbox::ToolToken { tool: tool.to_owned(), present });
+                let _ = inbox.try_send(Inbox::ToolToken {
+                    tool: tool.to_owned(),
+                    present,
+                });
             }
         })
         .wait()

@@ -40,7 +40,9 @@ impl Devices {
             bounds: DeviceBounds::default(),
             refused: Arc::default(),
         };
-        Self { tools: (0..scene.tool_count()).map(|_| none()).collect() }
+        Self {
+            tools: (0..scene.tool_count()).map(|_| none()).collect(),
+        }
     }
 
     /// Counts what a receive thread drops.
@@ -90,8 +92,8 @@ impl Devices {
 }
 
 impl BusThread {
-    /// The client of a tool told what its device can do; `info` is validated. Comes again after each reconnect, often with
-    /// the same words.
+    /// The client of a tool told what its device can do; `info` is validated. Comes again after
+    /// each reconnect, often with the same words.
     pub(super) fn told(&mut self, tool: usize, info: DeviceInfo) {
         let device = &mut self.devices.tools[tool];
         if device.info.as_ref() == Some(&info) {
@@ -111,7 +113,11 @@ impl BusThread {
                 "the coupling is stiffer than this device holds in any hand; `bounded = true` would follow it"
             );
         }
-        let told = DeviceBounds { force_max_n: info.force_max, torque_max_nm: torque_max_nm(&info), ..bounds };
+        let told = DeviceBounds {
+            force_max_n: info.force_max,
+            torque_max_nm: torque_max_nm(&info),
+            ..bounds
+        };
         device.info = Some(info);
         self.bind(tool, told);
         let tool = self.settings.scene.tool_id(tool).to_owned();
@@ -125,11 +131,19 @@ impl BusThread {
         if self.devices.tools[tool].bounds == bounds {
             return;
         }
-        let request = CommandRequest { id: 0, command: Command::Device { tool: tool as u32, bounds } };
+        let request = CommandRequest {
+            id: 0,
+            command: Command::Device {
+                tool: tool as u32,
+                bounds,
+            },
+        };
         if self.ports.commands.push(request).is_ok() {
             self.devices.tools[tool].bounds = bounds;
         } else {
-            tracing::warn!("too many commands are waiting: what a device can bear was not taken over");
+            tracing::warn!(
+                "too many commands are waiting: what a device can bear was not taken over"
+            );
         }
     }
 
@@ -141,11 +155,19 @@ impl BusThread {
 
 /// A device that does not twist has no use for torque.
 fn torque_max_nm(info: &DeviceInfo) -> f64 {
-    if info.dof_torque == 0 { 0.0 } else { info.torque_max }
+    if info.dof_torque == 0 {
+        0.0
+    } else {
+        info.torque_max
+    }
 }
 
 /// Decodes and checks. Runs on a receive thread: counts what it refuses and never logs a flood.
-pub(super) fn take_device(refused: &AtomicU64, payload: &ZBytes, schema: &str) -> Option<DeviceInfo> {
+pub(super) fn take_device(
+    refused: &AtomicU64,
+    payload: &ZBytes,
+    schema: &str,
+) -> Option<DeviceInfo> {
     // What is too long is not even copied.
     let read = check_head::<DeviceInfo>(payload.len(), schema)
         .and_then(|()| decode::<DeviceInfo>(&payload.to_bytes(), schema))
@@ -154,7 +176,10 @@ pub(super) fn take_device(refused: &AtomicU64, payload: &ZBytes, schema: &str) -
         Ok(info) => Some(info),
         Err(error) => {
             if refused.fetch_add(1, Ordering::Relaxed) == 0 {
-                tracing::warn!(error, "a description of a device was dropped; later ones are only counted");
+                tracing::warn!(
+                    error,
+                    "a description of a device was dropped; later ones are only counted"
+                );
             }
             None
         }
@@ -189,7 +214,10 @@ mod tests {
         let take = |bytes: &[u8], schema| take_device(&refused, &ZBytes::from(bytes), schema);
         assert_eq!(take(&encode(&info), schema), Some(info.clone()));
         assert_eq!(refused.load(Ordering::Relaxed), 0);
-        let negative = DeviceInfo { mass: -1.0, ..info.clone() };
+        let negative = DeviceInfo {
+            mass: -1.0,
+            ..info.clone()
+        };
         assert_eq!(take(&encode(&negative), schema), None);
         assert_eq!(take(&encode(&info)[..20], schema), None);
         assert_eq!(take(&encode(&info), "postcard;palpate.DeviceInfo.v9"), None);

@@ -36,9 +36,19 @@ mod tests {
     fn the_newest_are_kept_and_given_by_number() {
         let mut history = History::default();
         for seq in 1..=300 {
-            history.push(SimEvent { tick: seq, seq, t_ns: 0, kind: EventKind::Reset });
+            history.push(SimEvent {
+                tick: seq,
+                seq,
+                t_ns: 0,
+                kind: EventKind::Reset,
+            });
         }
-        let seqs = |after| history.after(after).map(|event| event.seq).collect::<Vec<_>>();
+        let seqs = |after| {
+            history
+                .after(after)
+                .map(|event| event.seq)
+                .collect::<Vec<_>>()
+        };
         assert_eq!(seqs(0), (45..=300).collect::<Vec<_>>());
         assert_eq!(seqs(298), [299, 300]);
         assert_eq!(seqs(300), [0u64; 0]);

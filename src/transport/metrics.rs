@@ -46,7 +46,11 @@ impl Figures {
     }
 
     fn tools(&self) -> impl Iterator<Item = (usize, &str)> {
-        self.status.tools.iter().enumerate().map(|(t, tool)| (t, tool.tool.as_str()))
+        self.status
+            .tools
+            .iter()
+            .enumerate()
+            .map(|(t, tool)| (t, tool.tool.as_str()))
     }
 }
 
@@ -97,31 +101,113 @@ impl Collector for Figures {
         let count = |value: u64| ConstCounter::new(value);
         let gauge = |value: u64| ConstGauge::new(value as i64);
         let (version, instance, scene) = (env!("CARGO_PKG_VERSION"), &self.instance, &self.scene);
-        let words = vec![("version", version), ("instance", instance.as_str()), ("scene", scene.as_str())];
+        let words = vec![
+            ("version", version),
+            ("instance", instance.as_str()),
+            ("scene", scene.as_str()),
+        ];
         one(e, "build", "What runs here", None, &Info::new(words))?;
         one(e, "loop_ticks", "Ticks run", None, &count(status.tick))?;
-        one(e, "loop_late_ticks", "Ticks that began more than 100 us late", None, &count(status.late_ticks))?;
-        one(e, "loop_skipped_ticks", "Deadlines dropped", None, &count(status.skipped_ticks))?;
-        one(e, "loop_rate", "Nominal rate", Some(&hertz), &ConstGauge::new(status.rate_hz))?;
+        one(
+            e,
+            "loop_late_ticks",
+            "Ticks that began more than 100 us late",
+            None,
+            &count(status.late_ticks),
+        )?;
+        one(
+            e,
+            "loop_skipped_ticks",
+            "Deadlines dropped",
+            None,
+            &count(status.skipped_ticks),
+        )?;
+        one(
+            e,
+            "loop_rate",
+            "Nominal rate",
+            Some(&hertz),
+            &ConstGauge::new(status.rate_hz),
+        )?;
         let state = match status.state {
             LoopState::Running => 0,
             LoopState::Paused => 1,
             LoopState::Stopping => 2,
         };
-        one(e, "loop_state", "0 running, 1 paused, 2 stopping", None, &gauge(state))?;
-        one(e, "loop_quality", "Level of quality, 0 is full", None, &gauge(status.quality_level.into()))?;
+        one(
+            e,
+            "loop_state",
+            "0 running, 1 paused, 2 stopping",
+            None,
+            &gauge(state),
+        )?;
+        one(
+            e,
+            "loop_quality",
+            "Level of quality, 0 is full",
+            None,
+            &gauge(status.quality_level.into()),
+        )?;
         let help = "Time between tick starts over the last status period";
-        many(e, "loop_period", help, Some(&seconds), MetricType::Gauge, quantiles(&status.period))?;
+        many(
+            e,
+            "loop_period",
+            help,
+            Some(&seconds),
+            MetricType::Gauge,
+            quantiles(&status.period),
+        )?;
         let help = "Time in a tick over the last status period";
-        many(e, "loop_step", help, Some(&seconds), MetricType::Gauge, quantiles(&status.step))?;
-        let overruns = CAUSES.iter().zip(self.overruns).map(|(cause, value)| ([("stage", *cause)], count(value)));
-        many(e, "loop_overruns", "Ticks longer than their period", None, MetricType::Counter, overruns)?;
-        one(e, "bus_drops", "Records that the bus did not take in time", None, &count(self.bus_drops))?;
+        many(
+            e,
+            "loop_step",
+            help,
+            Some(&seconds),
+            MetricType::Gauge,
+            quantiles(&status.step),
+        )?;
+        let overruns = CAUSES
+            .iter()
+            .zip(self.overruns)
+            .map(|(cause, value)| ([("stage", *cause)], count(value)));
+        many(
+            e,
+            "loop_overruns",
+            "Ticks longer than their period",
+            None,
+            MetricType::Counter,
+            overruns,
+        )?;
+        one(
+            e,
+            "bus_drops",
+            "Records that the bus did not take in time",
+            None,
+            &count(self.bus_drops),
+        )?;
         one(e, "events", "Events published", None, &count(self.events))?;
-        one(e, "recorder_state", "0 off, 1 recording, 2 ring, 3 failed", None, &gauge(status.recorder as u64))?;
+        one(
+            e,
+            "recorder_state",
+            "0 off, 1 recording, 2 ring, 3 failed",
+            None,
+            &gauge(status.recorder as u64),
+        )?;
         let help = "Bytes written by the recorder";
-        one(e, "recorder_written", help, Some(&Unit::Bytes), &count(status.recorder_bytes))?;
-        one(e, "recorder_drops", "Records lost by the recorder", None, &count(status.recorder_drops))?;
+        one(
+            e,
+            "recorder_written",
+            help,
+            Some(&Unit::Bytes),
+            &count(status.recorder_bytes),
+        )?;
+        one(
+            e,
+            "recorder_drops",
+            "Records lost by the recorder",
+            None,
+            &count(status.recorder_drops),
+        )?;
         self.encode_tools(e)
     }
 }
@@ -132,29 +218,82 @@ impl Figures {
         let of = |values: &[u64], t: usize| ConstCounter::new(values.get(t).copied().unwrap_or(0));
         let counters: [(&str, &str, ToolCount); 4] = [
             ("tool_poses_received", "Poses taken", |tool| tool.received),
-            ("tool_poses_superseded", "Poses that a newer one replaced before a tick used them", |tool| {
-                tool.superseded
-            }),
-            ("tool_poses_jumped", "Poses that the loop refused as a jump", |tool| tool.jumps),
-            ("tool_stale_ticks", "Ticks whose newest pose was stale", |tool| tool.stale_ticks),
+            (
+                "tool_poses_superseded",
+                "Poses that a newer one replaced before a tick used them",
+                |tool| tool.superseded,
+            ),
+            (
+                "tool_poses_jumped",
+                "Poses that the loop refused as a jump",
+                |tool| tool.jumps,
+            ),
+            (
+                "tool_stale_ticks",
+                "Ticks whose newest pose was stale",
+                |tool| tool.stale_ticks,
+            ),
         ];
         for (name, help, value) in counters {
-            let values = tools.iter().map(|tool| ([("tool", tool.tool.as_str())], ConstCounter::new(value(tool))));
+            let values = tools.iter().map(|tool| {
+                (
+                    [("tool", tool.tool.as_str())],
+                    ConstCounter::new(value(tool)),
+                )
+            });
             many(e, name, help, None, MetricType::Counter, values)?;
         }
         let refused = tools.iter().flat_map(|tool| {
             let labels = |cause| [("tool", tool.tool.as_str()), ("cause", cause)];
-            tool.refused().map(|(cause, value)| (labels(cause), ConstCounter::new(value)))
+            tool.refused()
+                .map(|(cause, value)| (labels(cause), ConstCounter::new(value)))
         });
-        many(e, "tool_poses_refused", "Poses dropped before the loop", None, MetricType::Counter, refused)?;
-        let suppressed = self.tools().map(|(t, id)| ([("tool", id)], of(&self.suppressed, t)));
+        many(
+            e,
+            "tool_poses_refused",
+            "Poses dropped before the loop",
+            None,
+            MetricType::Counter,
+            refused,
+        )?;
+        let suppressed = self
+            .tools()
+            .map(|(t, id)| ([("tool", id)], of(&self.suppressed, t)));
         let help = "Forces left out by a deadband";
-        many(e, "tool_forces_suppressed", help, None, MetricType::Counter, suppressed)?;
-        let refused = self.tools().map(|(t, id)| ([("tool", id)], of(&self.descriptions_refused, t)));
+        many(
+            e,
+            "tool_forces_suppressed",
+            help,
+            None,
+            MetricType::Counter,
+            suppressed,
+        )?;
+        let refused = self
+            .tools()
+            .map(|(t, id)| ([("tool", id)], of(&self.descriptions_refused, t)));
         let help = "Descriptions of devices that were dropped";
-        many(e, "tool_descriptions_refused", help, None, MetricType::Counter, refused)?;
-        let energy = tools.iter().map(|tool| ([("tool", tool.tool.as_str())], ConstGauge::new(tool.energy_j)));
-        many(e, "tool_energy", "Net work of the hand", Some(&Unit::Joules), MetricType::Gauge, energy)
+        many(
+            e,
+            "tool_descriptions_refused",
+            help,
+            None,
+            MetricType::Counter,
+            refused,
+        )?;
+        let energy = tools.iter().map(|tool| {
+            (
+                [("tool", tool.tool.as_str())],
+                ConstGauge::new(tool.energy_j),
+            )
+        });
+        many(
+            e,
+            "tool_energy",
+            "Net work of the hand",
+            Some(&Unit::Joules),
+            MetricType::Gauge,
+            energy,
+        )
     }
 }
 
@@ -168,7 +307,9 @@ impl BusThread {
             overruns: self.overruns,
             bus_drops: self.ports.counters.bus_drops.load(Ordering::Relaxed),
             events: self.events,
-            suppressed: (0..self.tools.len()).map(|tool| self.devices.suppressed(tool)).collect(),
+            suppressed: (0..self.tools.len())
+                .map(|tool| self.devices.suppressed(tool))
+                .collect(),
             descriptions_refused: (0..self.tools.len())
                 .map(|tool| self.devices.refused(tool).load(Ordering::Relaxed))
                 .collect(),

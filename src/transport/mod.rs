@@ -1,7 +1,7 @@
 //! Zenoh: sessions, quality of service, and the bus thread.
 //!
-//! Callbacks run on Zenoh's receive threads: they decode to a stack value, store it and return. All puts and replies are
-//! made by the bus thread; the tick thread never calls Zenoh.
+//! Callbacks run on Zenoh's receive threads: they decode to a stack value, store it and return. All
+//! puts and replies are made by the bus thread; the tick thread never calls Zenoh.
 
 mod answers;
 mod bus;

@@ -1,6 +1,7 @@
 //! Poses as they come in: checked, counted by cause, handed to the loop.
 //!
-//! Runs on receive threads. Of each cause only the first is logged: a flood of bad poses must not become a flood of lines.
+//! Runs on receive threads. Of each cause only the first is logged: a flood of bad poses must not
+//! become a flood of lines.
 
 use super::declared::schema_of;
 use crate::tick::ports::{LinkCounters, Offered, PoseInbox};
@@ -12,7 +13,8 @@ use zenoh::bytes::{Encoding, ZBytes};
 /// Decodes, checks, stores. What is too long is not even copied.
 pub(super) fn take_pose(inbox: &PoseInbox, payload: &ZBytes, encoding: &Encoding) {
     let schema = schema_of(encoding);
-    let read = check_head::<ToolPose>(payload.len(), &schema).and_then(|()| decode(&payload.to_bytes(), &schema));
+    let read = check_head::<ToolPose>(payload.len(), &schema)
+        .and_then(|()| decode(&payload.to_bytes(), &schema));
     take(inbox, read);
 }
 
@@ -44,10 +46,15 @@ fn take(inbox: &PoseInbox, read: Result<ToolPose, DecodeError>) {
         }
         Ok(pose) => match inbox.offer(wire::device_pose(&pose)) {
             Offered::OutOfOrder { first: true } => {
-                tracing::warn!(seq = pose.seq, "a pose was older than the newest; later ones are only counted");
+                tracing::warn!(
+                    seq = pose.seq,
+                    "a pose was older than the newest; later ones are only counted"
+                );
             }
             // In lockstep that is how a client asks for a lost force.
-            Offered::Duplicate { first: true } => tracing::debug!(seq = pose.seq, "a pose came twice"),
+            Offered::Duplicate { first: true } => {
+                tracing::debug!(seq = pose.seq, "a pose came twice")
+            }
             Offered::Taken | Offered::Duplicate { .. } | Offered::OutOfOrder { .. } => {}
         },
     }

@@ -19,7 +19,9 @@ impl BusThread {
                 self.take_receipts();
                 self.follow_change(Some(tick));
             }
-            let Ok(output) = self.ports.outputs.pop() else { break };
+            let Ok(output) = self.ports.outputs.pop() else {
+                break;
+            };
             // In lockstep every tick's force is awaited; in real time only the newest counts.
             if self.lockstep || self.ports.outputs.is_empty() {
                 self.output = output;
@@ -50,7 +52,9 @@ impl BusThread {
             let limit_n = self.settings.scene.spec.tools[tool].device.force_max_n;
             let limit_n = limit_n.min(self.devices.force_max_n(tool));
             let contact = wire::tool_contact(self.output.tick, limit_n, &out);
-            let _ = self.declared().tool_contacts[tool].put(encode(&contact)).wait();
+            let _ = self.declared().tool_contacts[tool]
+                .put(encode(&contact))
+                .wait();
         }
     }
 
@@ -77,7 +81,11 @@ impl BusThread {
     /// A duplicate pose means that its force got lost.
     pub(super) fn answer_again(&mut self) {
         for tool in 0..self.tools.len() {
-            if self.ports.poses[tool].asked_again.swap(false, Ordering::AcqRel) && self.lockstep {
+            if self.ports.poses[tool]
+                .asked_again
+                .swap(false, Ordering::AcqRel)
+                && self.lockstep
+            {
                 self.put_force(tool);
             }
         }
@@ -106,7 +114,10 @@ impl BusThread {
 
     /// All nets go out next, changed or not.
     pub(super) fn refresh_nets(&mut self) {
-        self.last_nets = self.last_nets.checked_sub(NET_REFRESH).unwrap_or(self.last_nets);
+        self.last_nets = self
+            .last_nets
+            .checked_sub(NET_REFRESH)
+            .unwrap_or(self.last_nets);
     }
 
     pub(super) fn publish_nets(&mut self) {
@@ -115,14 +126,22 @@ impl BusThread {
             let mut fresh = None;
             let scene = &self.settings.scene;
             self.ports.nets[body].newest(|frame| {
-                fresh = Some(wire::control_net(scene, body, frame.tick, frame.revision, &frame.points));
+                fresh = Some(wire::control_net(
+                    scene,
+                    body,
+                    frame.tick,
+                    frame.revision,
+                    &frame.points,
+                ));
             });
             let changed = fresh.is_some();
             if let Some(net) = fresh {
                 self.nets[body] = net;
             }
             if changed || refresh {
-                let _ = self.declared().nets[body].put(encode(&self.nets[body])).wait();
+                let _ = self.declared().nets[body]
+                    .put(encode(&self.nets[body]))
+                    .wait();
                 if let Some(viewer) = &mut self.settings.viewer {
                     viewer.net(&self.nets[body]);
                 }

@@ -18,12 +18,16 @@ const MOST_PENDING: usize = 256;
 impl BusThread {
     /// Carries out a command, or passes it on and keeps the query until its answer comes.
     pub(super) fn rpc(&mut self, method: &'static str, query: Query) {
-        let refuse = |reason: String| reply_json(&query, query.key_expr().clone(), &Reply::refused(reason));
+        let refuse =
+            |reason: String| reply_json(&query, query.key_expr().clone(), &Reply::refused(reason));
         let length = query.payload().map_or(0, ZBytes::len);
         if let Err(error) = Request::check_length(method, length) {
             return refuse(error.to_string());
         }
-        let payload = query.payload().map(|p| p.to_bytes().into_owned()).unwrap_or_default();
+        let payload = query
+            .payload()
+            .map(|p| p.to_bytes().into_owned())
+            .unwrap_or_default();
         let request = match Request::parse(method, &payload) {
             Ok(request) => request,
             Err(error) => return refuse(error.to_string()),
@@ -51,7 +55,12 @@ impl BusThread {
     }
 
     fn ask_loop(&mut self, id: u64, command: Command) -> Result<(), String> {
-        if self.ports.commands.push(CommandRequest { id, command }).is_err() {
+        if self
+            .ports
+            .commands
+            .push(CommandRequest { id, command })
+            .is_err()
+        {
             return Err("too many commands are waiting; try again".into());
         }
         let (state, event) = match command {
@@ -103,8 +112,16 @@ impl BusThread {
             "resume" => PlayRequest::Resume,
             "step" => PlayRequest::Step(request.ticks.unwrap_or(1)),
             "shutdown" => PlayRequest::Stop,
-            "seek" => PlayRequest::Seek(request.tick.ok_or("seek needs its argument: {\"tick\": 1500}")?),
-            "rate" => PlayRequest::Rate(request.rate.ok_or("rate needs its argument: {\"rate\": 0.5}")?),
+            "seek" => PlayRequest::Seek(
+                request
+                    .tick
+                    .ok_or("seek needs its argument: {\"tick\": 1500}")?,
+            ),
+            "rate" => PlayRequest::Rate(
+                request
+                    .rate
+                    .ok_or("rate needs its argument: {\"rate\": 0.5}")?,
+            ),
             _ => {
                 return Err(format!(
                     "{method} makes no sense here: this is a recording that is played, not a live scene"
@@ -130,26 +147,47 @@ impl BusThread {
 
     /// What the keeper of recordings has to tell.
     pub(super) fn take_archive_news(&mut self) {
-        while let Some(news) = self.settings.archive.as_mut().and_then(|archive| archive.news()) {
+        while let Some(news) = self
+            .settings
+            .archive
+            .as_mut()
+            .and_then(|archive| archive.news())
+        {
             let text = |path: std::path::PathBuf| path.to_string_lossy().into_owned();
             match news {
                 ArchiveNews::Done { id, tick, path } => {
-                    self.settle(id, &Reply { path: Some(text(path)), ..Reply::at(tick) });
+                    self.settle(
+                        id,
+                        &Reply {
+                            path: Some(text(path)),
+                            ..Reply::at(tick)
+                        },
+                    );
                 }
                 ArchiveNews::Refused { id, reason } => self.settle(id, &Reply::refused(reason)),
-                ArchiveNews::Started { path } => self.event(EventKind::RecordStarted { path: text(path) }),
-                ArchiveNews::Stopped { path } => self.event(EventKind::RecordStopped { path: text(path) }),
+                ArchiveNews::Started { path } => {
+                    self.event(EventKind::RecordStarted { path: text(path) })
+                }
+                ArchiveNews::Stopped { path } => {
+                    self.event(EventKind::RecordStopped { path: text(path) })
+                }
                 ArchiveNews::Failed { path, reason } => {
-                    self.event(EventKind::RecordFailed { path: text(path), reason });
+                    self.event(EventKind::RecordFailed {
+                        path: text(path),
+                        reason,
+                    });
                 }
             }
         }
     }
 
-    /// What a player has told so far. Taken before its forces and nets are, answered after them: who has the answer to a
-    /// seek finds the net of that tick.
+    /// What a player has told so far. Taken before its forces and nets are, answered after them:
+    /// who has the answer to a seek finds the net of that tick.
     pub(super) fn player_news(&self) -> Vec<PlayNews> {
-        self.settings.player.as_ref().map_or_else(Vec::new, |player| player.news.try_iter().collect())
+        self.settings
+            .player
+            .as_ref()
+            .map_or_else(Vec::new, |player| player.news.try_iter().collect())
     }
 
     /// Tells clients.

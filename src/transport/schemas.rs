@@ -10,35 +10,56 @@ use zenoh::bytes::Encoding;
 use zenoh::key_expr::KeyExpr;
 use zenoh::query::Query;
 
-/// Answers for every type that the query names: layouts of bus messages, or with `?format=proto` the descriptors of a message of
-/// recordings and of what it imports.
+/// Answers for every type that the query names: layouts of bus messages, or with `?format=proto`
+/// the descriptors of a message of recordings and of what it imports.
 pub(super) fn answer(keys: &Keys, query: &Query) {
     let asked = |name: &str| {
         let key = keys.meta_schema(name);
-        KeyExpr::try_from(key).ok().filter(|key| query.key_expr().intersects(key))
+        KeyExpr::try_from(key)
+            .ok()
+            .filter(|key| query.key_expr().intersects(key))
     };
     let names = match query.parameters().get("format") {
         None | Some("json") => {
             let all = schema::all();
-            let found = all.iter().filter_map(|schema| Some((asked(schema.name)?, schema)));
-            if found.map(|(key, schema)| reply_json(query, key, schema)).count() > 0 {
+            let found = all
+                .iter()
+                .filter_map(|schema| Some((asked(schema.name)?, schema)));
+            if found
+                .map(|(key, schema)| reply_json(query, key, schema))
+                .count()
+                > 0
+            {
                 return;
             }
             all.map(|schema| schema.name.to_owned()).to_vec()
         }
         Some("proto") => {
             let names = recording_types();
-            let found = names.iter().filter_map(|name| Some((asked(name)?, descriptors(name)?)));
-            let encoding = Encoding::APPLICATION_PROTOBUF.with_schema("google.protobuf.FileDescriptorSet");
-            let put = |(key, set): (_, &'static [u8])| drop(query.reply(key, set).encoding(encoding.clone()).wait());
+            let found = names
+                .iter()
+                .filter_map(|name| Some((asked(name)?, descriptors(name)?)));
+            let encoding =
+                Encoding::APPLICATION_PROTOBUF.with_schema("google.protobuf.FileDescriptorSet");
+            let put = |(key, set): (_, &'static [u8])| {
+                drop(query.reply(key, set).encoding(encoding.clone()).wait())
+            };
             if found.map(put).count() > 0 {
                 return;
             }
             names
         }
-        Some(other) => return reply_refused(query, &format!("format={other} is unknown; there are json and proto")),
+        Some(other) => {
+            return reply_refused(
+                query,
+                &format!("format={other} is unknown; there are json and proto"),
+            );
+        }
     };
-    reply_refused(query, &format!("there is no such type; there are {}", names.join(", ")));
+    reply_refused(
+        query,
+        &format!("there is no such type; there are {}", names.join(", ")),
+    );
 }
 
 /// Full names of the messages of recordings.
@@ -61,8 +82,16 @@ fn recording_types() -> Vec<String> {
         name: String,
     }
     let set = Set::decode(DESCRIPTORS).unwrap_or_default();
-    let types = |file: &File| file.message_type.iter().map(|kind| format!("{}.{}", file.package, kind.name)).collect();
-    set.file.iter().flat_map(|file| -> Vec<String> { types(file) }).collect()
+    let types = |file: &File| {
+        file.message_type
+            .iter()
+            .map(|kind| format!("{}.{}", file.package, kind.name))
+            .collect()
+    };
+    set.file
+        .iter()
+        .flat_map(|file| -> Vec<String> { types(file) })
+        .collect()
 }
 
 #[cfg(test)]
@@ -70,6 +99,9 @@ mod tests {
     #[test]
     fn recording_types_are_read_from_the_descriptors() {
         let names = super::recording_types();
-        assert!(names.contains(&"palpate.v1.Tick".to_owned()) && names.contains(&"palpate.v1.Keyframe".to_owned()));
+        assert!(
+            names.contains(&"palpate.v1.Tick".to_owned())
+                && names.contains(&"palpate.v1.Keyframe".to_owned())
+        );
     }
 }

@@ -39,7 +39,9 @@ pub enum SessionError {
         reason: String,
     },
     /// Somebody listens there.
-    #[error("cannot listen on {endpoint}: {reason}; choose another with --listen, or stop whoever has it")]
+    #[error(
+        "cannot listen on {endpoint}: {reason}; choose another with --listen, or stop whoever has it"
+    )]
     InUse {
         /// As given.
         endpoint: String,
@@ -47,7 +49,9 @@ pub enum SessionError {
         reason: String,
     },
     /// Nobody answers there.
-    #[error("nobody answers at {endpoint}: {reason}; is `palpate serve` running there? see --connect")]
+    #[error(
+        "nobody answers at {endpoint}: {reason}; is `palpate serve` running there? see --connect"
+    )]
     Unreachable {
         /// As given.
         endpoint: String,
@@ -71,8 +75,10 @@ pub fn open(settings: &SessionSettings) -> Result<zenoh::Session, SessionError> 
         check_free(endpoint)?;
     }
     let mut config = match &settings.config {
-        Some(path) => zenoh::Config::from_file(path)
-            .map_err(|e| SessionError::Config { path: path.clone(), reason: e.to_string() })?,
+        Some(path) => zenoh::Config::from_file(path).map_err(|e| SessionError::Config {
+            path: path.clone(),
+            reason: e.to_string(),
+        })?,
         None => {
             let mut config = zenoh::Config::default();
             set(&mut config, "mode", "\"peer\"")?;
@@ -81,24 +87,37 @@ pub fn open(settings: &SessionSettings) -> Result<zenoh::Session, SessionError> 
             config
         }
     };
-    for (key, endpoints) in [("connect/endpoints", &settings.connect), ("listen/endpoints", &settings.listen)] {
+    for (key, endpoints) in [
+        ("connect/endpoints", &settings.connect),
+        ("listen/endpoints", &settings.listen),
+    ] {
         if !endpoints.is_empty() {
             let list = serde_json::to_string(endpoints).unwrap_or_default();
             config
                 .insert_json5(key, &list)
-                .map_err(|e| SessionError::Endpoint { endpoint: endpoints.join(", "), reason: e.to_string() })?;
+                .map_err(|e| SessionError::Endpoint {
+                    endpoint: endpoints.join(", "),
+                    reason: e.to_string(),
+                })?;
         }
     }
-    zenoh::open(config).wait().map_err(|e| SessionError::Zenoh(e.to_string()))
+    zenoh::open(config)
+        .wait()
+        .map_err(|e| SessionError::Zenoh(e.to_string()))
 }
 
 fn set(config: &mut zenoh::Config, key: &str, value: &str) -> Result<(), SessionError> {
-    config.insert_json5(key, value).map_err(|e| SessionError::Zenoh(format!("{key}: {e}")))
+    config
+        .insert_json5(key, value)
+        .map_err(|e| SessionError::Zenoh(format!("{key}: {e}")))
 }
 
 /// Host and port of a TCP endpoint; other transports are left to Zenoh.
 fn tcp_address(endpoint: &str) -> Result<Option<std::net::SocketAddr>, SessionError> {
-    let wrong = |reason: String| SessionError::Endpoint { endpoint: endpoint.to_owned(), reason };
+    let wrong = |reason: String| SessionError::Endpoint {
+        endpoint: endpoint.to_owned(),
+        reason,
+    };
     let Some((protocol, address)) = endpoint.split_once('/') else {
         return Err(wrong("the protocol is missing".into()));
     };
@@ -106,23 +125,38 @@ fn tcp_address(endpoint: &str) -> Result<Option<std::net::SocketAddr>, SessionEr
         return Ok(None);
     }
     let address = address.split(['#', '?']).next().unwrap_or_default();
-    let mut addresses = address.to_socket_addrs().map_err(|e| wrong(e.to_string()))?;
-    addresses.next().map(Some).ok_or_else(|| wrong("the host has no address".into()))
+    let mut addresses = address
+        .to_socket_addrs()
+        .map_err(|e| wrong(e.to_string()))?;
+    addresses
+        .next()
+        .map(Some)
+        .ok_or_else(|| wrong("the host has no address".into()))
 }
 
 fn check_reachable(endpoint: &str) -> Result<(), SessionError> {
-    let Some(address) = tcp_address(endpoint)? else { return Ok(()) };
+    let Some(address) = tcp_address(endpoint)? else {
+        return Ok(());
+    };
     match TcpStream::connect_timeout(&address, Duration::from_secs(3)) {
         Ok(_) => Ok(()),
-        Err(e) => Err(SessionError::Unreachable { endpoint: endpoint.to_owned(), reason: e.to_string() }),
+        Err(e) => Err(SessionError::Unreachable {
+            endpoint: endpoint.to_owned(),
+            reason: e.to_string(),
+        }),
     }
 }
 
 fn check_free(endpoint: &str) -> Result<(), SessionError> {
-    let Some(address) = tcp_address(endpoint)? else { return Ok(()) };
+    let Some(address) = tcp_address(endpoint)? else {
+        return Ok(());
+    };
     match TcpListener::bind(address) {
         Ok(_) => Ok(()),
-        Err(e) => Err(SessionError::InUse { endpoint: endpoint.to_owned(), reason: e.to_string() }),
+        Err(e) => Err(SessionError::InUse {
+            endpoint: endpoint.to_owned(),
+            reason: e.to_string(),
+        }),
     }
 }
 
@@ -134,14 +168,34 @@ mod tests {
     fn a_taken_port_and_a_silent_peer_are_named() {
         let listener = TcpListener::bind("127.0.0.1:0").unwrap();
         let taken = format!("tcp/{}", listener.local_addr().unwrap());
-        let error = open(&SessionSettings { listen: vec![taken.clone()], ..Default::default() }).unwrap_err();
-        assert!(matches!(&error, SessionError::InUse { endpoint, .. } if *endpoint == taken), "{error}");
+        let error = open(&SessionSettings {
+            listen: vec![taken.clone()],
+            ..Default::default()
+        })
+        .unwrap_err();
+        assert!(
+            matches!(&error, SessionError::InUse { endpoint, .. } if *endpoint == taken),
+            "{error}"
+        );
         drop(listener);
-        let error = open(&SessionSettings { connect: vec![taken.clone()], ..Default::default() }).unwrap_err();
-        assert!(matches!(&error, SessionError::Unreachable { endpoint, .. } if *endpoint == taken), "{error}");
+        let error = open(&SessionSettings {
+            connect: vec![taken.clone()],
+            ..Default::default()
+        })
+        .unwrap_err();
+        assert!(
+            matches!(&error, SessionError::Unreachable { endpoint, .. } if *endpoint == taken),
+            "{error}"
+        );
         for nonsense in ["127.0.0.1:7447", "tcp/nowhere", "tcp/127.0.0.1:99999"] {
-            let settings = SessionSettings { connect: vec![nonsense.into()], ..Default::default() };
-            assert!(matches!(open(&settings), Err(SessionError::Endpoint { .. })), "{nonsense}");
+            let settings = SessionSettings {
+                connect: vec![nonsense.into()],
+                ..Default::default()
+            };
+            assert!(
+                matches!(open(&settings), Err(SessionError::Endpoint { .. })),
+                "{nonsense}"
+            );
         }
     }
 }

@@ -34,8 +34,10 @@ impl BusThread {
         self.status.late_ticks += u64::from(record.late_ns > LATE_NS);
         self.status.skipped_ticks += u64::from(record.skipped);
         let dt_ns = (self.settings.scene.dt_s * 1e9) as u64;
-        self.period.add(dt_ns * (1 + u64::from(record.skipped)) + record.late_ns);
-        self.step.add(record.stage_ns.iter().map(|&ns| u64::from(ns)).sum());
+        self.period
+            .add(dt_ns * (1 + u64::from(record.skipped)) + record.late_ns);
+        self.step
+            .add(record.stage_ns.iter().map(|&ns| u64::from(ns)).sum());
         for t in 0..self.tools.len() {
             let out = &record.output.tools[t];
             let id = || self.settings.scene.tool_id(t).to_owned();
@@ -70,7 +72,9 @@ impl BusThread {
         }
         self.tell_quality(record.output.quality);
         if record.output.fault.is_some() {
-            self.event(EventKind::Fault { reason: "a state was not finite; the body was set back to rest".into() });
+            self.event(EventKind::Fault {
+                reason: "a state was not finite; the body was set back to rest".into(),
+            });
         }
     }
 
@@ -81,7 +85,10 @@ impl BusThread {
         }
         let reason = match self.ports.counters.quality_cause.load(Ordering::Relaxed) {
             QUIET => "ticks have ended in good time for a while".to_owned(),
-            cause => format!("a tenth of the ticks overran, most of their time in {}", cause_name(cause)),
+            cause => format!(
+                "a tenth of the ticks overran, most of their time in {}",
+                cause_name(cause)
+            ),
         };
         tracing::warn!(level, reason, "quality changed");
         self.status.quality_level = level;
@@ -99,7 +106,11 @@ impl BusThread {
             let worst_ns = overruns.worst_ns.swap(0, Ordering::Relaxed);
             self.overruns[cause] += count;
             if count > 0 {
-                self.event(EventKind::Overrun { stage: cause_name(cause).into(), count, worst_ns });
+                self.event(EventKind::Overrun {
+                    stage: cause_name(cause).into(),
+                    count,
+                    worst_ns,
+                });
             }
         }
     }

@@ -20,7 +20,10 @@ const OPENMETRICS: &str = "application/openmetrics-text; version=1.0.0; charset=
 
 impl Newest {
     fn get(&self) -> Option<(Instant, Figures)> {
-        self.0.lock().unwrap_or_else(PoisonError::into_inner).clone()
+        self.0
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner)
+            .clone()
     }
 
     /// Why nobody should be sent here, if so.
@@ -44,7 +47,9 @@ pub(super) fn routes(newest: Arc<Newest>) -> Router {
 
 async fn metrics(State(newest): State<Arc<Newest>>) -> Response {
     match newest.get() {
-        Some((_, figures)) => ([(header::CONTENT_TYPE, OPENMETRICS)], figures.text()).into_response(),
+        Some((_, figures)) => {
+            ([(header::CONTENT_TYPE, OPENMETRICS)], figures.text()).into_response()
+        }
         None => (StatusCode::SERVICE_UNAVAILABLE, "no status yet\n").into_response(),
     }
 }

@@ -1,7 +1,8 @@
 //! The viewer: one page on loopback, fed over a WebSocket.
 //!
-//! The bus thread hands newest states to watch channels and never waits; a small runtime of its own serves the page. The
-//! page draws control nets, tools and forces; nothing is loaded from elsewhere.
+//! The bus thread hands newest states to watch channels and never waits; a small runtime of its own
+//! serves the page. The page draws control nets, tools and forces; nothing is loaded from
+//! elsewhere.
 
 mod health;
 
@@ -12,7 +13,9 @@ use axum::extract::ws::{Message, WebSocket, WebSocketUpgrade};
 use axum::http::{HeaderMap, StatusCode, header};
 use axum::response::{IntoResponse, Response};
 use axum::routing::get;
-use palpate_proto::messages::{ContactSet, ControlNet, LoopStatus, RecorderState, ToolForce, ToolLink};
+use palpate_proto::messages::{
+    ContactSet, ControlNet, LoopStatus, RecorderState, ToolForce, ToolLink,
+};
 use serde::Serialize;
 use std::net::SocketAddr;
 use std::sync::{Arc, PoisonError};
@@ -24,8 +27,7 @@ const SCRIPT: &str = include_str!("page.js");
 /// Pictures a second.
 const FRAME: Duration = Duration::from_millis(33);
 /// Only our own page may be drawn and only our own socket opened.
-const POLICY: &str =
-    "default-src 'none'; script-src 'self'; style-src 'unsafe-inline'; connect-src 'self'; base-uri 'none'";
+const POLICY: &str = "default-src 'none'; script-src 'self'; style-src 'unsafe-inline'; connect-src 'self'; base-uri 'none'";
 
 /// What the page draws. JSON, metres and newtons.
 #[derive(Clone, Debug, Default, Serialize)]
@@ -92,36 +94,54 @@ impl Viewer {
         let listener = std::net::TcpListener::bind(address)?;
         listener.set_nonblocking(true)?;
         let address = listener.local_addr()?;
-        let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build()?;
+        let runtime = tokio::runtime::Builder::new_current_thread()
+            .enable_all()
+            .build()?;
         let (channel, pictures) = watch::channel(String::from("{}"));
         let health = Arc::new(health::Newest::default());
         let routes = health::routes(health.clone());
         let (stop, stopped) = oneshot::channel::<()>();
-        std::thread::Builder::new().name("palpate-viewer".into()).spawn(move || {
-            runtime.block_on(async move {
-                let app = Router::new()
-                    .route("/", get(|| asset("text/html; charset=utf-8", PAGE)))
-                    .route("/page.js", get(|| asset("text/javascript; charset=utf-8", SCRIPT)))
-                    .route("/live", get(live))
-                    .with_state(pictures)
-                    .merge(routes);
-                match tokio::net::TcpListener::from_std(listener) {
-                    // Open sockets do not keep the daemon: the runtime goes when it is told to.
-                    Ok(listener) => {
-                        tokio::select! {
-                            served = axum::serve(listener, app) => if let Err(error) = served {
-                                tracing::warn!(%error, "viewer");
-                            },
-                            _ = stopped => {}
+        std::thread::Builder::new()
+            .name("palpate-viewer".into())
+            .spawn(move || {
+                runtime.block_on(async move {
+                    let app = Router::new()
+                        .route("/", get(|| asset("text/html; charset=utf-8", PAGE)))
+                        .route(
+                            "/page.js",
+                            get(|| asset("text/javascript; charset=utf-8", SCRIPT)),
+                        )
+                        .route("/live", get(live))
+                        .with_state(pictures)
+                        .merge(routes);
+                    match tokio::net::TcpListener::from_std(listener) {
+                        // Open sockets do not keep the daemon: the runtime goes when it is told to.
+                        Ok(listener) => {
+                            tokio::select! {
+                                served = axum::serve(listener, app) => if let Err(error) = served {
+                                    tracing::warn!(%error, "viewer");
+                                },
+                                _ = stopped => {}
+                            }
                         }
+                        Err(error) => tracing::warn!(%error, "viewer"),
                     }
-                    Err(error) => tracing::warn!(%error, "viewer"),
-                }
-            });
-        })?;
-        let feed =
-            Feed { picture: Picture::default(), gaps: Vec::new(), channel, health, last: std::time::Instant::now() };
-        Ok((Self { address, _stop: stop }, feed))
+                });
+            })?;
+        let feed = Feed {
+            picture: Picture::default(),
+            gaps: Vec::new(),
+            channel,
+            health,
+            last: std::time::Instant::now(),
+        };
+        Ok((
+            Self {
+                address,
+                _stop: stop,
+            },
+            feed,
+        ))
     }
 
     /// Where the page is.
@@ -131,13 +151,20 @@ impl Viewer {
 }
 
 async fn asset(kind: &'static str, text: &'static str) -> Response {
-    let headers = [(header::CONTENT_TYPE, kind), (header::CONTENT_SECURITY_POLICY, POLICY)];
+    let headers = [
+        (header::CONTENT_TYPE, kind),
+        (header::CONTENT_SECURITY_POLICY, POLICY),
+    ];
     (headers, text).into_response()
 }
 
 /// A page of another site must not listen in: its Origin is not our Host.
 fn same_origin(headers: &HeaderMap) -> bool {
-    let text = |name| headers.get(name).and_then(|value: &header::HeaderValue| value.to_str().ok());
+    let text = |name| {
+        headers
+            .get(name)
+            .and_then(|value: &header::HeaderValue| value.to_str().ok())
+    };
     match (text(header::ORIGIN), text(header::HOST)) {
         (None, _) => true,
         (Some(origin), Some(host)) => origin.strip_prefix("http://") == Some(host),
@@ -170,7 +197,8 @@ async fn watch_over(mut socket: WebSocket, mut pictures: watch::Receiver<String>
 }
 
 impl Feed {
-    /// Tells where the nets of bodies are in pieces: body id, rows and columns after which each begins anew.
+    /// Tells where the nets of bodies are in pieces: body id, rows and columns after which each
+    /// begins anew.
     #[must_use]
     pub fn with_gaps(mut self, gaps: Vec<(String, [Vec<usize>; 2])>) -> Self {
         self.gaps = gaps;
@@ -180,7 +208,9 @@ impl Feed {
     fn show(&mut self) {
         if self.last.elapsed() >= FRAME && self.channel.receiver_count() > 0 {
             self.last = std::time::Instant::now();
-            let _ = self.channel.send(serde_json::to_string(&self.picture).unwrap_or_default());
+            let _ = self
+                .channel
+                .send(serde_json::to_string(&self.picture).unwrap_or_default());
         }
     }
 }
@@ -190,17 +220,35 @@ impl ViewSink for Feed {
         if self.picture.tools.len() <= tool {
             self.picture.tools.resize(tool + 1, Tool::default());
         }
-        self.picture.tools[tool] = Tool { proxy: force.proxy_position, force: force.force, depth: force.depth };
+        self.picture.tools[tool] = Tool {
+            proxy: force.proxy_position,
+            force: force.force,
+            depth: force.depth,
+        };
         self.picture.tick = force.tick;
         self.show();
     }
 
     fn net(&mut self, net: &ControlNet) {
         let points = net.points.iter().map(|p| p.map(|x| x as f32)).collect();
-        let gaps =
-            self.gaps.iter().find(|(body, _)| *body == net.body).map(|(_, gaps)| gaps.clone()).unwrap_or_default();
-        let drawn = Net { body: net.body.clone(), count: [net.count_u, net.count_v], points, gaps };
-        match self.picture.nets.iter_mut().find(|old| old.body == net.body) {
+        let gaps = self
+            .gaps
+            .iter()
+            .find(|(body, _)| *body == net.body)
+            .map(|(_, gaps)| gaps.clone())
+            .unwrap_or_default();
+        let drawn = Net {
+            body: net.body.clone(),
+            count: [net.count_u, net.count_v],
+            points,
+            gaps,
+        };
+        match self
+            .picture
+            .nets
+            .iter_mut()
+            .find(|old| old.body == net.body)
+        {
             Some(old) => *old = drawn,
             None => self.picture.nets.push(drawn),
         }
@@ -208,15 +256,21 @@ impl ViewSink for Feed {
     }
 
     fn contacts(&mut self, set: &ContactSet) {
-        let drawn =
-            set.contacts.iter().map(|c| Contact { point: c.point, normal: c.normal, depth: c.depth, force: c.force });
+        let drawn = set.contacts.iter().map(|c| Contact {
+            point: c.point,
+            normal: c.normal,
+            depth: c.depth,
+            force: c.force,
+        });
         self.picture.contacts = drawn.collect();
         self.show();
     }
 
     fn bodies(&mut self, ids: &[&str], gaps: Vec<(String, [Vec<usize>; 2])>) {
         self.gaps = gaps;
-        self.picture.nets.retain(|net| ids.contains(&net.body.as_str()));
+        self.picture
+            .nets
+            .retain(|net| ids.contains(&net.body.as_str()));
         self.picture.contacts.clear();
         self.picture.scene += 1;
         self.show();
@@ -226,7 +280,12 @@ impl ViewSink for Feed {
         self.picture.late = status.late_ticks;
         self.picture.skipped = status.skipped_ticks;
         self.picture.step_p99_us = status.step.p99_ns as f64 * 1e-3;
-        self.picture.refused = status.tools.iter().flat_map(ToolLink::refused).map(|(_, count)| count).sum();
+        self.picture.refused = status
+            .tools
+            .iter()
+            .flat_map(ToolLink::refused)
+            .map(|(_, count)| count)
+            .sum();
         self.picture.recorder = status.recorder;
         self.show();
     }
@@ -275,11 +334,17 @@ mod tests {
             weights: None,
         };
         feed.net(&net);
-        feed.net(&ControlNet { body: "other".into(), ..net });
+        feed.net(&ControlNet {
+            body: "other".into(),
+            ..net
+        });
         let picture = serde_json::to_value(&feed.picture).unwrap();
         assert_eq!(picture["nets"][0]["gaps"], serde_json::json!([[16], [7]]));
         assert_eq!(picture["nets"][1]["gaps"], serde_json::json!([[], []]));
-        assert!(SCRIPT.contains("!net.gaps[0].includes(i)") && SCRIPT.contains("!net.gaps[1].includes(j)"));
+        assert!(
+            SCRIPT.contains("!net.gaps[0].includes(i)")
+                && SCRIPT.contains("!net.gaps[1].includes(j)")
+        );
     }
 
     #[test]
@@ -287,11 +352,15 @@ mod tests {
         use std::io::{Read as _, Write as _};
         let (viewer, _feed) = Viewer::start("127.0.0.1:0".parse().unwrap()).unwrap();
         let mut stream = std::net::TcpStream::connect(viewer.address).unwrap();
-        stream.write_all(b"GET / HTTP/1.1\r\nHost: x\r\nConnection: close\r\n\r\n").unwrap();
+        stream
+            .write_all(b"GET / HTTP/1.1\r\nHost: x\r\nConnection: close\r\n\r\n")
+            .unwrap();
         let mut text = String::new();
         stream.read_to_string(&mut text).unwrap();
         assert!(
-            text.starts_with("HTTP/1.1 200") && text.contains("content-security-policy") && text.contains("Palpate")
+            text.starts_with("HTTP/1.1 200")
+                && text.contains("content-security-policy")
+                && text.contains("Palpate")
         );
     }
 }

@@ -67,13 +67,18 @@ pub fn tool_contact(tick: u64, force_limit_n: f64, tool: &ToolOutput) -> wire::T
     }
 }
 
-/// What a device told, as far as it decides how stiff it may be coupled. A pose and its force both take the delay.
+/// What a device told, as far as it decides how stiff it may be coupled. A pose and its force both
+/// take the delay.
 pub fn device_figures(info: &wire::DeviceInfo) -> DeviceFigures {
     DeviceFigures {
         damping_n_s_m: info.damping,
         coulomb_n: info.coulomb_friction,
         encoder_m: info.encoder_resolution,
-        period_s: if info.rate_hz > 0.0 { 1.0 / info.rate_hz } else { 0.0 },
+        period_s: if info.rate_hz > 0.0 {
+            1.0 / info.rate_hz
+        } else {
+            0.0
+        },
         delay_s: 2.0 * info.delay_s,
     }
 }
@@ -93,11 +98,20 @@ pub fn contact_set(scene: &Scene, output: &TickOutput) -> wire::ContactSet {
         depth: contact.depth_m,
         force: contact.force_n.into(),
     });
-    wire::ContactSet { tick: output.tick, contacts: contacts.collect() }
+    wire::ContactSet {
+        tick: output.tick,
+        contacts: contacts.collect(),
+    }
 }
 
 /// A net message.
-pub fn control_net(scene: &Scene, body: usize, tick: u64, revision: u64, points: &[Point3]) -> wire::ControlNet {
+pub fn control_net(
+    scene: &Scene,
+    body: usize,
+    tick: u64,
+    revision: u64,
+    points: &[Point3],
+) -> wire::ControlNet {
     let surface = scene.rest_surface(body);
     wire::ControlNet {
         tick,
@@ -126,8 +140,14 @@ pub fn scene_snapshot(
             id: net.body.clone(),
             model: scene.model_name(body).into(),
             degree: [net.degree_u, net.degree_v],
-            periodic: [surface.knots_u().is_periodic(), surface.knots_v().is_periodic()],
-            knots: [surface.knots_u().file_knots().to_vec(), surface.knots_v().file_knots().to_vec()],
+            periodic: [
+                surface.knots_u().is_periodic(),
+                surface.knots_v().is_periodic(),
+            ],
+            knots: [
+                surface.knots_u().file_knots().to_vec(),
+                surface.knots_v().file_knots().to_vec(),
+            ],
             count: [net.count_u, net.count_v],
             points: net.points.clone(),
             rest_points: rest_points(surface),
@@ -147,8 +167,16 @@ pub fn scene_snapshot(
             stiffness: spec.coupling.stiffness_n_m,
             damping: spec.coupling.damping_n_s_m,
             force_max: spec.device.force_max_n,
-            position: if output.tick == 0 { spec.pose.position } else { xyz(&out.proxy_position) },
-            orientation: if output.tick == 0 { spec.pose.orientation } else { xyzw(&out.proxy_orientation) },
+            position: if output.tick == 0 {
+                spec.pose.position
+            } else {
+                xyz(&out.proxy_position)
+            },
+            orientation: if output.tick == 0 {
+                spec.pose.orientation
+            } else {
+                xyzw(&out.proxy_orientation)
+            },
         }
     });
     wire::SceneSnapshot {
@@ -179,11 +207,21 @@ pub fn all_nets(scene: &Scene, state: &SceneState) -> Vec<wire::ControlNet> {
 
 /// Quantiles of a histogram.
 pub fn quantiles(histogram: &Histogram) -> wire::Quantiles {
-    wire::Quantiles { p50_ns: histogram.quantile(0.5), p99_ns: histogram.quantile(0.99), max_ns: histogram.max() }
+    wire::Quantiles {
+        p50_ns: histogram.quantile(0.5),
+        p99_ns: histogram.quantile(0.99),
+        max_ns: histogram.max(),
+    }
 }
 
 /// Counters of a tool's link.
-pub fn tool_link(id: &str, counters: &LinkCounters, jumps: u64, stale_ticks: u64, energy_j: f64) -> wire::ToolLink {
+pub fn tool_link(
+    id: &str,
+    counters: &LinkCounters,
+    jumps: u64,
+    stale_ticks: u64,
+    energy_j: f64,
+) -> wire::ToolLink {
     let read = |counter: &std::sync::atomic::AtomicU64| counter.load(Ordering::Relaxed);
     let received = read(&counters.received);
     wire::ToolLink {
@@ -227,7 +265,14 @@ pub fn event_words(kind: &wire::EventKind) -> (&'static str, String) {
         Kind::RecordStarted { path } => ("record_started", path.clone()),
         Kind::RecordStopped { path } => ("record_stopped", path.clone()),
         Kind::Stopping => ("stopping", String::new()),
-        Kind::Overrun { stage, count, worst_ns } => ("overrun", format!("{stage}: {count} ticks, worst {worst_ns} ns")),
+        Kind::Overrun {
+            stage,
+            count,
+            worst_ns,
+        } => (
+            "overrun",
+            format!("{stage}: {count} ticks, worst {worst_ns} ns"),
+        ),
         Kind::QualityChanged { level, reason } => ("quality_changed", format!("{level}: {reason}")),
         Kind::DeviceTold { tool, name } => ("device_told", format!("{tool}: {name}")),
         Kind::RecordFailed { path, reason } => ("record_failed", format!("{path}: {reason}")),

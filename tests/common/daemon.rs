@@ -32,7 +32,11 @@ pub struct Daemon {
 impl Daemon {
     /// Serves a scene on a free port.
     pub fn start(directory: &Path, text: &str, arguments: &[&str]) -> Self {
-        let port = TcpListener::bind("127.0.0.1:0").unwrap().local_addr().unwrap().port();
+        let port = TcpListener::bind("127.0.0.1:0")
+            .unwrap()
+            .local_addr()
+            .unwrap()
+            .port();
         Self::start_at(port, directory, text, arguments)
     }
 
@@ -41,7 +45,11 @@ impl Daemon {
         let scene = directory.join("scene.toml");
         std::fs::write(&scene, text).unwrap();
         let mut command = Command::new(PROGRAM);
-        command.arg("serve").arg(&scene).arg("--no-rt").args(arguments);
+        command
+            .arg("serve")
+            .arg(&scene)
+            .arg("--no-rt")
+            .args(arguments);
         Self::spawn(port, &mut command)
     }
 
@@ -49,17 +57,28 @@ impl Daemon {
     pub fn spawn(port: u16, command: &mut Command) -> Self {
         let endpoint = format!("tcp/127.0.0.1:{port}");
         let command = command.args(["--listen", &endpoint]).stdin(Stdio::null());
-        let child = command.stdout(Stdio::piped()).stderr(Stdio::null()).spawn().unwrap();
+        let child = command
+            .stdout(Stdio::piped())
+            .stderr(Stdio::null())
+            .spawn()
+            .unwrap();
         let started = Instant::now();
         while std::net::TcpStream::connect(("127.0.0.1", port)).is_err() {
-            assert!(started.elapsed() < Duration::from_secs(60), "nobody listens");
+            assert!(
+                started.elapsed() < Duration::from_secs(60),
+                "nobody listens"
+            );
             std::thread::sleep(Duration::from_millis(20));
         }
         Self { child, endpoint }
     }
 
     pub fn connect(&self) -> Palpate {
-        Palpate::connect(&Connect { timeout: Duration::from_secs(20), ..Connect::to(&self.endpoint) }).unwrap()
+        Palpate::connect(&Connect {
+            timeout: Duration::from_secs(20),
+            ..Connect::to(&self.endpoint)
+        })
+        .unwrap()
     }
 
     /// Waits for the end; gives stdout and the exit code.
@@ -86,5 +105,8 @@ pub fn device(endpoint: &str, arguments: &[&str]) -> (String, i32) {
         .stdin(Stdio::null())
         .output()
         .unwrap();
-    (String::from_utf8_lossy(&output.stdout).into_owned(), output.status.code().unwrap_or(-1))
+    (
+        String::from_utf8_lossy(&output.stdout).into_owned(),
+        output.status.code().unwrap_or(-1),
+    )
 }

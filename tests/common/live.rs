@@ -4,7 +4,9 @@
 use crate::common::pose;
 use palpate::haptics::DevicePose;
 use palpate::math::{Vector3, state_hash};
-use palpate::recording::{Recorder, RecorderPort, RecorderSettings, RecordingReport, RecordingSummary};
+use palpate::recording::{
+    Recorder, RecorderPort, RecorderSettings, RecordingReport, RecordingSummary,
+};
 use palpate::scene::{Scene, SceneState, Scratch, file};
 use palpate::tick::journal::Journal;
 use palpate::tick::record::{Command, TickInput, TickRecord};
@@ -58,7 +60,8 @@ pose = { position = [0.0, 0.0, -0.17] }
 keyframe_s = 0.1
 "#;
 
-/// Poses of tick `tick`: the first tool presses from the side, the second from above; every 10th tick brings no news.
+/// Poses of tick `tick`: the first tool presses from the side, the second from above; every 10th
+/// tick brings no news.
 pub fn poses(tick: u64, tools: usize) -> TickInput {
     let mut input = TickInput::default();
     if tick % 10 == 9 {
@@ -67,9 +70,16 @@ pub fn poses(tick: u64, tools: usize) -> TickInput {
     let phase = std::f64::consts::TAU * tick as f64 / 500.0;
     let press = 0.5 - 0.5 * phase.cos();
     let speed = Vector3::new(-0.1 * phase.sin(), -0.0, 0.0);
-    let places = [[0.06 - 0.036 * press, 0.003, 0.045], [0.002, -0.0, -0.17 - 0.035 * press]];
+    let places = [
+        [0.06 - 0.036 * press, 0.003, 0.045],
+        [0.002, -0.0, -0.17 - 0.035 * press],
+    ];
     for (slot, place) in input.poses.iter_mut().zip(places).take(tools) {
-        *slot = Some(DevicePose { t_client_ns: tick * 1_000_000, linear_velocity: speed, ..pose(tick, place) });
+        *slot = Some(DevicePose {
+            t_client_ns: tick * 1_000_000,
+            linear_velocity: speed,
+            ..pose(tick, place)
+        });
     }
     input
 }
@@ -91,21 +101,35 @@ impl Live {
 
     /// With settings of its own.
     pub fn with(text: &str, change: impl FnOnce(RecorderSettings) -> RecorderSettings) -> Self {
-        let loaded = file::parse(text, "test.toml", Path::new(".")).unwrap_or_else(|e| panic!("{e}"));
+        let loaded =
+            file::parse(text, "test.toml", Path::new(".")).unwrap_or_else(|e| panic!("{e}"));
         let scene = Scene::build(&loaded.spec, Path::new(".")).unwrap();
         let settings = change(RecorderSettings::new(&loaded.text, &loaded.spec));
         let (recorder, mut port) = Recorder::start(settings, &scene).unwrap();
         let state = scene.initial_state();
         let scratch = scene.scratch(&state);
         port.keyframe(&state, state_hash(&state));
-        Self { scene, state, scratch, recorder, port, records: Vec::new() }
+        Self {
+            scene,
+            state,
+            scratch,
+            recorder,
+            port,
+            records: Vec::new(),
+        }
     }
 
     pub fn tick(&mut self) {
         let input = poses(self.state.tick + 1, self.scene.tool_count());
         let output = step(&self.scene, &mut self.state, &mut self.scratch, &input);
         let stage_ns = [1, 20_000, 300_000, 4_000];
-        let record = TickRecord { input, output, late_ns: 7, skipped: u32::from(output.tick == 3), stage_ns };
+        let record = TickRecord {
+            input,
+            output,
+            late_ns: 7,
+            skipped: u32::from(output.tick == 3),
+            stage_ns,
+        };
         self.port.tick(&self.scene, &self.state, &record);
         self.records.push(record);
         // A disk has a second for a second; a test runs faster than its recorder may write.
@@ -133,7 +157,12 @@ impl Live {
     }
 }
 
-pub fn record(path: &Path, text: &str, ticks: u64, commands: &[(u64, Command)]) -> (RecordingSummary, Vec<TickRecord>) {
+pub fn record(
+    path: &Path,
+    text: &str,
+    ticks: u64,
+    commands: &[(u64, Command)],
+) -> (RecordingSummary, Vec<TickRecord>) {
     let mut live = Live::start(path, text);
     for tick in 0..ticks {
         for (_, command) in commands.iter().filter(|(after, _)| *after == tick) {
@@ -144,7 +173,8 @@ pub fn record(path: &Path, text: &str, ticks: u64, commands: &[(u64, Command)]) 
     live.finish()
 }
 
-/// All bits of a record that are recorded: equality of floats would not tell -0.0 from 0.0, and `Debug` does.
+/// All bits of a record that are recorded: equality of floats would not tell -0.0 from 0.0, and
+/// `Debug` does.
 pub fn bits(record: &TickRecord) -> String {
     let mut record = *record;
     // A replay makes these again; a recording has the deepest of each tool.
@@ -156,5 +186,8 @@ pub fn bits(record: &TickRecord) -> String {
 }
 
 pub fn in_contact(records: &[TickRecord], tool: usize) -> usize {
-    records.iter().filter(|record| record.output.tools[tool].contact.is_some()).count()
+    records
+        .iter()
+        .filter(|record| record.output.tools[tool].contact.is_some())
+        .count()
 }

@@ -18,11 +18,17 @@ pub struct World {
 
 impl World {
     pub fn new(text: &str) -> Self {
-        let loaded = file::parse(text, "test.toml", Path::new(".")).unwrap_or_else(|e| panic!("{e}"));
+        let loaded =
+            file::parse(text, "test.toml", Path::new(".")).unwrap_or_else(|e| panic!("{e}"));
         let scene = Scene::build(&loaded.spec, Path::new(".")).unwrap_or_else(|e| panic!("{e}"));
         let state = scene.initial_state();
         let scratch = scene.scratch(&state);
-        Self { scene, state, scratch, seq: 0 }
+        Self {
+            scene,
+            state,
+            scratch,
+            seq: 0,
+        }
     }
 
     /// One tick with the first tool at a place.
@@ -37,7 +43,10 @@ impl World {
     pub fn posed(&mut self, pose: DevicePose) -> TickOutput {
         self.seq += 1;
         let mut input = TickInput::default();
-        input.poses[0] = Some(DevicePose { seq: self.seq, ..pose });
+        input.poses[0] = Some(DevicePose {
+            seq: self.seq,
+            ..pose
+        });
         step(&self.scene, &mut self.state, &mut self.scratch, &input)
     }
 
@@ -46,14 +55,22 @@ impl World {
         self.seq += 1;
         let mut input = TickInput::default();
         for (slot, &(position, buttons)) in input.poses.iter_mut().zip(tools) {
-            *slot = Some(DevicePose { buttons, ..pose(self.seq, position) });
+            *slot = Some(DevicePose {
+                buttons,
+                ..pose(self.seq, position)
+            });
         }
         step(&self.scene, &mut self.state, &mut self.scratch, &input)
     }
 
     /// One tick without news.
     pub fn silent(&mut self) -> TickOutput {
-        step(&self.scene, &mut self.state, &mut self.scratch, &TickInput::default())
+        step(
+            &self.scene,
+            &mut self.state,
+            &mut self.scratch,
+            &TickInput::default(),
+        )
     }
 }
 
@@ -69,7 +86,8 @@ pub fn pose(seq: u64, position: [f64; 3]) -> DevicePose {
     }
 }
 
-/// The teardrop of the specification's table, pressed by a rigidly held ball of 10 mm: text of the scene.
+/// The teardrop of the specification's table, pressed by a rigidly held ball of 10 mm: text of the
+/// scene.
 pub fn teardrop(young_pa: f64, refine: &str) -> String {
     format!(
         r#"
@@ -90,12 +108,15 @@ device = {{ force_max_n = 1e9, ramp_s = 0.0 }}
     )
 }
 
-/// Force after a ball of 20 mm was lowered onto z = 0 by a depth within so many ticks, and held for as many.
+/// Force after a ball of 20 mm was lowered onto z = 0 by a depth within so many ticks, and held for
+/// as many.
 pub fn press(world: &mut World, depth_m: f64, ticks: usize) -> f64 {
     let mut force = 0.0;
     for k in 0..2 * ticks {
         let share = (k as f64 / ticks as f64).min(1.0);
-        force = world.at([0.0, 0.0, 0.02 - depth_m * share]).tools[0].force_n.z;
+        force = world.at([0.0, 0.0, 0.02 - depth_m * share]).tools[0]
+            .force_n
+            .z;
     }
     force
 }

@@ -44,17 +44,25 @@ pub fn scenes() -> Vec<(&'static str, String)> {
     let turning = RIGID
         .replace("sphere = { radius_m = 0.01 }", "cylinder = { radius_m = 0.008, half_length_m = 0.02 }")
         .replace("damping_n_s_m = 0.0 }", "damping_n_s_m = 0.5, turning_stiffness_nm_rad = 0.3, turning_damping_nm_s_rad = 1e-4 }\nfriction = { mu = 0.3, viscous_n_s_m = 0.2 }\ndevice = { passivity = true }\ngrip = { force_max_n = 0.3 }");
-    let plastic =
-        "material = { plastic = { yield_strain = 0.01, rate_per_s = 20.0, hardening = 0.1, spread_m = 0.03 } }";
-    let two = std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/two-drops.toml")).unwrap();
+    let plastic = "material = { plastic = { yield_strain = 0.01, rate_per_s = 20.0, hardening = 0.1, spread_m = 0.03 } }";
+    let two = std::fs::read_to_string(
+        Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/two-drops.toml"),
+    )
+    .unwrap();
     vec![
         ("rigid", RIGID.to_owned()),
         ("turning with friction and grip", turning),
-        ("lattice", slab("lattice", plain, "integrator = { iterations = 2 }")),
+        (
+            "lattice",
+            slab("lattice", plain, "integrator = { iterations = 2 }"),
+        ),
         ("membrane", slab("membrane", plain, "")),
         ("continuum", slab("continuum", plain, "")),
         ("net", slab("net", "layers = 3, refine = \"none\"", "")),
-        ("every = 4", slab("continuum", plain, "integrator = { every = 4 }")),
+        (
+            "every = 4",
+            slab("continuum", plain, "integrator = { every = 4 }"),
+        ),
         ("plastic", slab("lattice", plain, plastic)),
         ("two drops", two),
     ]
@@ -79,8 +87,8 @@ impl Random {
     }
 }
 
-/// What hands and clients do, by seed: every tool is pressed towards the body from where it starts, rubbed, turned, its button
-/// pressed; now and then there is no news, or a command.
+/// What hands and clients do, by seed: every tool is pressed towards the body from where it starts,
+/// rubbed, turned, its button pressed; now and then there is no news, or a command.
 pub struct Script {
     seed: u64,
     pub ticks: u64,
@@ -93,23 +101,51 @@ impl Script {
         let mut list = Vec::new();
         let mut at = 10;
         while commands && at + 10 < ticks {
-            let bounds = DeviceBounds { force_max_n: 1.5, torque_max_nm: 0.002, stiffness_max_n_m: 400.0 };
+            let bounds = DeviceBounds {
+                force_max_n: 1.5,
+                torque_max_nm: 0.002,
+                stiffness_max_n_m: 400.0,
+            };
             let made = match random.below(6) {
                 0 => vec![(at, Command::Reset)],
-                1 => vec![(at, Command::Pause), (at + 3, Command::Step(4)), (at + 9, Command::Resume)],
-                2 => vec![(at, Command::Quality(random.below(4) as u8)), (at + 8, Command::Quality(0))],
+                1 => vec![
+                    (at, Command::Pause),
+                    (at + 3, Command::Step(4)),
+                    (at + 9, Command::Resume),
+                ],
+                2 => vec![
+                    (at, Command::Quality(random.below(4) as u8)),
+                    (at + 8, Command::Quality(0)),
+                ],
                 3 => vec![(at, Command::Device { tool: 0, bounds })],
-                4 => vec![(at, Command::Quality(2)), (at, Command::Reset), (at, Command::Quality(0))],
-                _ => vec![(at, Command::Device { tool: 0, bounds: DeviceBounds::default() })],
+                4 => vec![
+                    (at, Command::Quality(2)),
+                    (at, Command::Reset),
+                    (at, Command::Quality(0)),
+                ],
+                _ => vec![(
+                    at,
+                    Command::Device {
+                        tool: 0,
+                        bounds: DeviceBounds::default(),
+                    },
+                )],
             };
             list.extend(made);
             at += 12 + random.below(60);
         }
-        Self { seed, ticks, commands: list }
+        Self {
+            seed,
+            ticks,
+            commands: list,
+        }
     }
 
     pub fn commands_after(&self, tick: u64) -> impl Iterator<Item = Command> {
-        self.commands.iter().filter(move |(after, _)| *after == tick).map(|(_, command)| *command)
+        self.commands
+            .iter()
+            .filter(move |(after, _)| *after == tick)
+            .map(|(_, command)| *command)
     }
 
     /// Poses of a tick.
@@ -122,11 +158,17 @@ impl Script {
                 continue;
             }
             let place = tool.proxy;
-            // Towards the nearest body: from the side where tools stand beside it, from above where they stand above it.
+            // Towards the nearest body: from the side where tools stand beside it, from above where
+            // they stand above it.
             let aside = place.z > 0.04;
-            let phase = std::f64::consts::TAU * (tick as f64 / 160.0 + 0.01 * (self.seed % 7) as f64);
+            let phase =
+                std::f64::consts::TAU * (tick as f64 / 160.0 + 0.01 * (self.seed % 7) as f64);
             let press = 0.5 - 0.5 * libm::cos(phase);
-            let deep = if aside { [-0.034, 0.0, 0.0] } else { [0.0, 0.0, -0.016] };
+            let deep = if aside {
+                [-0.034, 0.0, 0.0]
+            } else {
+                [0.0, 0.0, -0.016]
+            };
             let rub = 0.004 * libm::sin(2.3 * phase);
             let tremor = 1e-4 * random.share();
             let position = [
@@ -136,7 +178,10 @@ impl Script {
             ];
             input.poses[t] = Some(DevicePose {
                 t_client_ns: tick * 1_000_000,
-                orientation: Rotation::from_axis_angle(&Vector3::y_axis(), 0.2 * libm::sin(1.7 * phase)),
+                orientation: Rotation::from_axis_angle(
+                    &Vector3::y_axis(),
+                    0.2 * libm::sin(1.7 * phase),
+                ),
                 linear_velocity: Vector3::new(0.02 * libm::sin(phase), -0.0, 0.0),
                 buttons: u32::from(tick % 120 > 70),
                 ..pose(tick, position)
@@ -152,7 +197,12 @@ pub fn record(path: &Path, text: &str, script: &Script) -> RecordingSummary {
 }
 
 /// The same; the recorder is told what `lie` makes of each tick.
-pub fn record_lying(path: &Path, text: &str, script: &Script, lie: impl Fn(&mut TickRecord)) -> RecordingSummary {
+pub fn record_lying(
+    path: &Path,
+    text: &str,
+    script: &Script,
+    lie: impl Fn(&mut TickRecord),
+) -> RecordingSummary {
     let loaded = file::parse(text, "test.toml", Path::new(".")).unwrap_or_else(|e| panic!("{e}"));
     let scene = Scene::build(&loaded.spec, Path::new(".")).unwrap();
     let settings = RecorderSettings::new(&loaded.text, &loaded.spec).to(path);
@@ -170,8 +220,13 @@ pub fn record_lying(path: &Path, text: &str, script: &Script, lie: impl Fn(&mut 
         }
         let input = script.input(tick + 1, &scene);
         let output = step(&scene, &mut state, &mut scratch, &input);
-        let mut record =
-            TickRecord { input, output, late_ns: tick % 7, stage_ns: [1, 20, 300, 4], ..Default::default() };
+        let mut record = TickRecord {
+            input,
+            output,
+            late_ns: tick % 7,
+            stage_ns: [1, 20, 300, 4],
+            ..Default::default()
+        };
         lie(&mut record);
         port.tick(&scene, &state, &record);
         // A disk has a second for a second; a test runs faster than its recorder may write.

@@ -35,17 +35,29 @@ impl Archive for Pretender {
         match request {
             ArchiveRequest::Start { path } => {
                 let path = path.unwrap_or_else(|| PathBuf::from("kept/here.mcap"));
-                self.gauges.state.store(keeping::RECORDING, Ordering::Relaxed);
-                self.news.push_back(ArchiveNews::Started { path: path.clone() });
+                self.gauges
+                    .state
+                    .store(keeping::RECORDING, Ordering::Relaxed);
+                self.news
+                    .push_back(ArchiveNews::Started { path: path.clone() });
                 self.news.push_back(ArchiveNews::Done { id, tick: 7, path });
             }
             ArchiveRequest::Stop => {
-                self.news.push_back(ArchiveNews::Refused { id, reason: "nothing is being recorded".into() });
+                self.news.push_back(ArchiveNews::Refused {
+                    id,
+                    reason: "nothing is being recorded".into(),
+                });
             }
             ArchiveRequest::Snapshot { .. } => {
-                let (path, reason) = (PathBuf::from("s.mcap"), "no space left on device".to_owned());
+                let (path, reason) = (
+                    PathBuf::from("s.mcap"),
+                    "no space left on device".to_owned(),
+                );
                 self.gauges.state.store(keeping::FAILED, Ordering::Relaxed);
-                self.news.push_back(ArchiveNews::Failed { path, reason: reason.clone() });
+                self.news.push_back(ArchiveNews::Failed {
+                    path,
+                    reason: reason.clone(),
+                });
                 self.news.push_back(ArchiveNews::Refused { id, reason });
             }
         }
@@ -60,12 +72,24 @@ impl Archive for Pretender {
 fn requests_go_to_the_keeper_and_its_news_become_answers_events_and_tokens() {
     let loaded = file::parse(SCENE, "test.toml", Path::new(".")).unwrap();
     let scene = Arc::new(Scene::build(&loaded.spec, Path::new(".")).unwrap());
-    let port = std::net::TcpListener::bind("127.0.0.1:0").unwrap().local_addr().unwrap().port();
+    let port = std::net::TcpListener::bind("127.0.0.1:0")
+        .unwrap()
+        .local_addr()
+        .unwrap()
+        .port();
     let endpoint = format!("tcp/127.0.0.1:{port}");
-    let session = open(&SessionSettings { listen: vec![endpoint.clone()], ..Default::default() }).unwrap();
+    let session = open(&SessionSettings {
+        listen: vec![endpoint.clone()],
+        ..Default::default()
+    })
+    .unwrap();
     let (tick_ports, bus_ports) = ports(&scene);
     let (log, gauges) = (Log::default(), Arc::new(JournalGauges::default()));
-    let archive = Pretender { log: log.clone(), news: VecDeque::new(), gauges: gauges.clone() };
+    let archive = Pretender {
+        log: log.clone(),
+        news: VecDeque::new(),
+        gauges: gauges.clone(),
+    };
     let settings = BusSettings {
         scene: scene.clone(),
         scene_hash: loaded.sha256,
@@ -78,31 +102,86 @@ fn requests_go_to_the_keeper_and_its_news_become_answers_events_and_tokens() {
         player: None,
     };
     let bus = Bus::start(session, bus_ports, settings).unwrap();
-    let driving = DriverSettings { clock: scene.clock, ticks: None, privileged: false };
+    let driving = DriverSettings {
+        clock: scene.clock,
+        ticks: None,
+        privileged: false,
+    };
     let thread = driver::start(scene, tick_ports, Box::new(NoJournal), driving).unwrap();
 
-    let palpate = Palpate::connect(&Connect { timeout: Duration::from_secs(20), ..Connect::to(&endpoint) }).unwrap();
+    let palpate = Palpate::connect(&Connect {
+        timeout: Duration::from_secs(20),
+        ..Connect::to(&endpoint)
+    })
+    .unwrap();
     assert_eq!(palpate.status().unwrap().recorder, RecorderState::Off);
-    let with_path = |path: &str| Request { path: Some(path.into()), ..Request::default() };
+    let with_path = |path: &str| Request {
+        path: Some(path.into()),
+        ..Request::default()
+    };
     let reply = palpate.call("record_start", &with_path("a.mcap")).unwrap();
-    assert_eq!((reply.tick, reply.path.as_deref()), (Some(7), Some("a.mcap")));
-    assert_eq!(palpate.call("record_start", &Request::default()).unwrap().path.as_deref(), Some("kept/here.mcap"));
-    until("the status says so", || palpate.status().unwrap().recorder, |state| *state == RecorderState::Recording);
+    assert_eq!(
+        (reply.tick, reply.path.as_deref()),
+        (Some(7), Some("a.mcap"))
+    );
+    assert_eq!(
+        palpate
+            .call("record_start", &Request::default())
+            .unwrap()
+            .path
+            .as_deref(),
+        Some("kept/here.mcap")
+    );
+    until(
+        "the status says so",
+        || palpate.status().unwrap().recorder,
+        |state| *state == RecorderState::Recording,
+    );
     let token = "palpate/default/@live/recorder/*";
     let patience = Duration::from_secs(20);
-    assert_eq!(palpate.live(token, patience, |keys| !keys.is_empty()).unwrap().len(), 1);
-    let refused = palpate.call("record_stop", &Request::default()).unwrap_err().to_string();
-    assert!(refused.contains("record_stop was refused: nothing is being recorded"), "{refused}");
-    let request = Request { before: Some(2.5), after: Some(0.25), ..with_path("s.mcap") };
+    assert_eq!(
+        palpate
+            .live(token, patience, |keys| !keys.is_empty())
+            .unwrap()
+            .len(),
+        1
+    );
+    let refused = palpate
+        .call("record_stop", &Request::default())
+        .unwrap_err()
+        .to_string();
+    assert!(
+        refused.contains("record_stop was refused: nothing is being recorded"),
+        "{refused}"
+    );
+    let request = Request {
+        before: Some(2.5),
+        after: Some(0.25),
+        ..with_path("s.mcap")
+    };
     let refused = palpate.call("snapshot", &request).unwrap_err().to_string();
     assert!(refused.contains("no space left"), "{refused}");
-    until("the token goes", || palpate.live(token, Duration::ZERO, |_| true).unwrap(), Vec::is_empty);
+    until(
+        "the token goes",
+        || palpate.live(token, Duration::ZERO, |_| true).unwrap(),
+        Vec::is_empty,
+    );
     assert_eq!(palpate.status().unwrap().recorder, RecorderState::Failed);
 
-    let events: Vec<EventKind> = palpate.past_events(0).unwrap().into_iter().map(|event| event.kind).collect();
-    let failed = EventKind::RecordFailed { path: "s.mcap".into(), reason: "no space left on device".into() };
+    let events: Vec<EventKind> = palpate
+        .past_events(0)
+        .unwrap()
+        .into_iter()
+        .map(|event| event.kind)
+        .collect();
+    let failed = EventKind::RecordFailed {
+        path: "s.mcap".into(),
+        reason: "no space left on device".into(),
+    };
     assert!(
-        events.contains(&EventKind::RecordStarted { path: "a.mcap".into() }) && events.contains(&failed),
+        events.contains(&EventKind::RecordStarted {
+            path: "a.mcap".into()
+        }) && events.contains(&failed),
         "{events:?}"
     );
     palpate.rpc("pause", &Request::default()).unwrap();
@@ -120,6 +199,9 @@ fn requests_go_to_the_keeper_and_its_news_become_answers_events_and_tokens() {
         "paused ",
         "stopping ",
     ] {
-        assert!(log.iter().any(|entry| entry == line), "{line:?} is missing in {log:?}");
+        assert!(
+            log.iter().any(|entry| entry == line),
+            "{line:?} is missing in {log:?}"
+        );
     }
 }

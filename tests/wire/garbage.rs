@@ -1,4 +1,5 @@
-//! Random bytes on every key that a daemon listens to, and a flood of them beside a client that works.
+//! Random bytes on every key that a daemon listens to, and a flood of them beside a client that
+//! works.
 
 use crate::daemon::Daemon;
 use crate::{Random, SCENE, bare, pressing, until};
@@ -20,7 +21,12 @@ fn random_bytes_on_every_key_are_refused_and_the_loop_goes_on() {
     let mut random = Random(7);
     let before = palpate.status().unwrap();
     let answer = |key: String, payload: Vec<u8>| -> Option<Reply> {
-        let replies = session.get(&key).payload(payload).timeout(Duration::from_secs(20)).wait().unwrap();
+        let replies = session
+            .get(&key)
+            .payload(payload)
+            .timeout(Duration::from_secs(20))
+            .wait()
+            .unwrap();
         let reply = replies.recv().ok()?;
         let bytes = match reply.result() {
             Ok(sample) => sample.payload().to_bytes().into_owned(),
@@ -28,24 +34,45 @@ fn random_bytes_on_every_key_are_refused_and_the_loop_goes_on() {
         };
         Some(serde_json::from_slice(&bytes).unwrap_or_else(|e| panic!("{key}: {e}: {bytes:?}")))
     };
-    until("the methods are declared", || answer("palpate/default/rpc/step".into(), b"{".to_vec()), Option::is_some);
+    until(
+        "the methods are declared",
+        || answer("palpate/default/rpc/step".into(), b"{".to_vec()),
+        Option::is_some,
+    );
     for method in METHODS {
         for k in 0..8 {
             // What begins like this is no JSON; what is longer than 16 KiB is not even read.
             let most = if k == 7 { 200_000 } else { 400 };
             let payload = [&[0xfe], &random.bytes(most)[..]].concat();
             let too_long = payload.len() > 16 << 10;
-            let reply = answer(format!("palpate/default/rpc/{method}"), payload).expect("an answer");
+            let reply =
+                answer(format!("palpate/default/rpc/{method}"), payload).expect("an answer");
             let error = reply.error.unwrap_or_default();
             assert!(!reply.ok && error.contains(method), "{method}: {error}");
-            assert!(error.contains(if too_long { "at most 16384" } else { "do not parse" }), "{method}: {error}");
+            assert!(
+                error.contains(if too_long {
+                    "at most 16384"
+                } else {
+                    "do not parse"
+                }),
+                "{method}: {error}"
+            );
         }
         // Arguments of other methods, and nonsense that is JSON.
-        for payload in
-            ["[]", "17", "\"x\"", "{\"speed\": 1}", "{\"ticks\": -1}", "{\"ticks\": 1, \"rate\": 2, \"tick\": 3}"]
-        {
-            let reply = answer(format!("palpate/default/rpc/{method}"), payload.into()).expect("an answer");
-            assert!(!reply.ok && reply.error.is_some(), "{method} took {payload}");
+        for payload in [
+            "[]",
+            "17",
+            "\"x\"",
+            "{\"speed\": 1}",
+            "{\"ticks\": -1}",
+            "{\"ticks\": 1, \"rate\": 2, \"tick\": 3}",
+        ] {
+            let reply =
+                answer(format!("palpate/default/rpc/{method}"), payload.into()).expect("an answer");
+            assert!(
+                !reply.ok && reply.error.is_some(),
+                "{method} took {payload}"
+            );
         }
     }
     let selectors = [
@@ -57,7 +84,10 @@ fn random_bytes_on_every_key_are_refused_and_the_loop_goes_on() {
     ];
     for selector in selectors {
         let reply = answer(format!("palpate/default/{selector}"), Vec::new()).expect("an answer");
-        assert!(reply.error.is_some_and(|error| error.len() > 10), "{selector}");
+        assert!(
+            reply.error.is_some_and(|error| error.len() > 10),
+            "{selector}"
+        );
     }
     let mut sent = 0;
     for key in ["pose", "device"] {
@@ -72,13 +102,24 @@ fn random_bytes_on_every_key_are_refused_and_the_loop_goes_on() {
         sent += 500;
     }
     let refused = || {
-        let poses: u64 = palpate.status().unwrap().tools[0].refused().iter().map(|(_, count)| count).sum();
+        let poses: u64 = palpate.status().unwrap().tools[0]
+            .refused()
+            .iter()
+            .map(|(_, count)| count)
+            .sum();
         let info: serde_json::Value = serde_json::from_str(&palpate.info().unwrap()).unwrap();
         poses + info["devices"]["ball"]["refused"].as_u64().unwrap()
     };
     until("all are counted", refused, |refused| *refused == sent);
-    let after = until("the loop goes on", || palpate.status().unwrap(), |status| status.tick > before.tick + 100);
-    assert_eq!((after.state, after.tools[0].received), (LoopState::Running, 0));
+    let after = until(
+        "the loop goes on",
+        || palpate.status().unwrap(),
+        |status| status.tick > before.tick + 100,
+    );
+    assert_eq!(
+        (after.state, after.tools[0].received),
+        (LoopState::Running, 0)
+    );
     assert!(palpate.scene().is_ok());
 }
 
@@ -96,8 +137,17 @@ fn a_flood_of_garbage_does_not_change_a_bit_of_a_client_in_lockstep() {
                 let mut random = Random(3);
                 let mut sent = 0u64;
                 while !stop.load(Ordering::Relaxed) {
-                    let key = ["tool/ball/pose", "tool/ball/device", "status", "contact", "tool/ball/force/x"];
-                    let key = format!("palpate/default/{}", key[random.number() as usize % key.len()]);
+                    let key = [
+                        "tool/ball/pose",
+                        "tool/ball/device",
+                        "status",
+                        "contact",
+                        "tool/ball/force/x",
+                    ];
+                    let key = format!(
+                        "palpate/default/{}",
+                        key[random.number() as usize % key.len()]
+                    );
                     let _ = session.put(key, random.bytes(200)).wait();
                     sent += 1;
                 }
@@ -105,13 +155,21 @@ fn a_flood_of_garbage_does_not_change_a_bit_of_a_client_in_lockstep() {
             })
         });
         if flood {
-            let refused = || palpate.status().unwrap().tools[0].refused().iter().map(|(_, count)| count).sum::<u64>();
+            let refused = || {
+                palpate.status().unwrap().tools[0]
+                    .refused()
+                    .iter()
+                    .map(|(_, count)| count)
+                    .sum::<u64>()
+            };
             until("the flood has begun", refused, |refused| *refused > 100);
         }
         let forces = (0..250)
             .map(|tick| {
                 let seq = tool.send(pose_at(pressing(tick))).unwrap();
-                let force = tool.wait_force(seq, Duration::from_secs(60)).expect("no force");
+                let force = tool
+                    .wait_force(seq, Duration::from_secs(60))
+                    .expect("no force");
                 force.force.map(f64::to_bits)
             })
             .collect();
@@ -123,6 +181,11 @@ fn a_flood_of_garbage_does_not_change_a_bit_of_a_client_in_lockstep() {
         forces
     };
     let (quiet, flooded) = (forces(false), forces(true));
-    assert!(quiet.iter().any(|force| f64::from_bits(force[0]).abs() > 0.01), "the drop was never pressed");
+    assert!(
+        quiet
+            .iter()
+            .any(|force| f64::from_bits(force[0]).abs() > 0.01),
+        "the drop was never pressed"
+    );
     assert_eq!(quiet, flooded);
 }

@@ -22,13 +22,20 @@ fn publisher<'s>(session: &'s zenoh::Session, schema: &str) -> Publisher<'s> {
         .congestion_control(CongestionControl::Block)
         .wait()
         .unwrap();
-    until("nobody listens", || publisher.matching_status().wait().unwrap().matching(), |matching| *matching);
+    until(
+        "nobody listens",
+        || publisher.matching_status().wait().unwrap().matching(),
+        |matching| *matching,
+    );
     publisher
 }
 
 /// Elsewhere: a pose that would be seen to have moved the tool.
 fn elsewhere(seq: u64) -> ToolPose {
-    ToolPose { seq, ..pose_at([0.06, 0.003, 0.047]) }
+    ToolPose {
+        seq,
+        ..pose_at([0.06, 0.003, 0.047])
+    }
 }
 
 #[test]
@@ -43,16 +50,35 @@ fn every_cause_is_counted_apart_and_none_moves_the_tool() {
     let foreign = publisher(&session, "postcard;palpate.ToolForce.v1");
 
     // A quaternion within 1e-6 of unit length is a good one.
-    let nearly = ToolPose { seq: 100, orientation: [0.0, 0.0, 6e-7, 1.0 + 5e-7], ..pose_at(FREE) };
+    let nearly = ToolPose {
+        seq: 100,
+        orientation: [0.0, 0.0, 6e-7, 1.0 + 5e-7],
+        ..pose_at(FREE)
+    };
     ours.put(encode(&nearly)).wait().unwrap();
-    until("the first pose", || link(&palpate), |link| link.received == 1);
+    until(
+        "the first pose",
+        || link(&palpate),
+        |link| link.received == 1,
+    );
     let stands = |what: &str| {
         let tool = palpate.scene().unwrap().tools[0].clone();
-        assert_eq!(tool.position.map(f64::to_bits), FREE.map(f64::to_bits), "{what} moved the tool");
+        assert_eq!(
+            tool.position.map(f64::to_bits),
+            FREE.map(f64::to_bits),
+            "{what} moved the tool"
+        );
         let norm = tool.orientation.iter().map(|x| x * x).sum::<f64>().sqrt();
-        assert!((norm - 1.0).abs() < 1e-15, "the quaternion was not brought to unit length: {norm}");
+        assert!(
+            (norm - 1.0).abs() < 1e-15,
+            "the quaternion was not brought to unit length: {norm}"
+        );
     };
-    until("the first tick with it", || palpate.scene().unwrap().tools[0].position, |position| *position == FREE);
+    until(
+        "the first tick with it",
+        || palpate.scene().unwrap().tools[0].position,
+        |position| *position == FREE,
+    );
     stands("the first pose");
 
     let good = encode(&elsewhere(200));
@@ -61,7 +87,11 @@ fn every_cause_is_counted_apart_and_none_moves_the_tool() {
     let mut check = |what: &str, count: u64, field: fn(&mut ToolLink) -> &mut u64| {
         *field(&mut expected) += count;
         let refused = |link: &ToolLink| (link.received, link.refused());
-        let seen = until(what, || link(&palpate), |link| refused(link) == refused(&expected));
+        let seen = until(
+            what,
+            || link(&palpate),
+            |link| refused(link) == refused(&expected),
+        );
         assert_eq!(refused(&seen), refused(&expected), "{what}");
         stands(what);
     };
@@ -74,20 +104,44 @@ fn every_cause_is_counted_apart_and_none_moves_the_tool() {
     }
     put(&ours, &[&good[..], &[0]].concat());
     put(&none, &[0xff; 120]);
-    check("truncated, trailing and foreign bytes", 6, |link| &mut link.malformed);
+    check("truncated, trailing and foreign bytes", 6, |link| {
+        &mut link.malformed
+    });
     put(&ours, &[&good[..], &[0; 26]].concat());
     put(&none, &vec![0; 1 << 20]);
     check("too many bytes", 2, |link| &mut link.oversized);
-    for (k, bad) in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY].into_iter().cycle().take(13).enumerate() {
+    for (k, bad) in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY]
+        .into_iter()
+        .cycle()
+        .take(13)
+        .enumerate()
+    {
         let mut pose = elsewhere(200);
-        let fields =
-            [&mut pose.position[..], &mut pose.orientation, &mut pose.linear_velocity, &mut pose.angular_velocity];
+        let fields = [
+            &mut pose.position[..],
+            &mut pose.orientation,
+            &mut pose.linear_velocity,
+            &mut pose.angular_velocity,
+        ];
         *fields.into_iter().flatten().nth(k).unwrap() = bad;
         put(&ours, &encode(&pose));
     }
-    check("values that are not finite", 13, |link| &mut link.not_finite);
-    for orientation in [[0.0; 4], [0.0, 0.0, 0.0, 1.0 + 2e-6], [1.0; 4], [0.0, 0.0, 0.0, 1e300]] {
-        put(&ours, &encode(&ToolPose { orientation, ..elsewhere(200) }));
+    check("values that are not finite", 13, |link| {
+        &mut link.not_finite
+    });
+    for orientation in [
+        [0.0; 4],
+        [0.0, 0.0, 0.0, 1.0 + 2e-6],
+        [1.0; 4],
+        [0.0, 0.0, 0.0, 1e300],
+    ] {
+        put(
+            &ours,
+            &encode(&ToolPose {
+                orientation,
+                ..elsewhere(200)
+            }),
+        );
     }
     check("no rotations", 4, |link| &mut link.bad_quaternion);
     put(&ours, &encode(&elsewhere(100)));
@@ -101,7 +155,9 @@ fn every_cause_is_counted_apart_and_none_moves_the_tool() {
     // The same in the counters for machines.
     let metrics = palpate.metrics().unwrap();
     for (cause, count) in link(&palpate).refused() {
-        let line = format!("palpate_tool_poses_refused_total{{tool=\"ball\",cause=\"{cause}\"}} {count}\n");
+        let line = format!(
+            "palpate_tool_poses_refused_total{{tool=\"ball\",cause=\"{cause}\"}} {count}\n"
+        );
         assert!(metrics.contains(&line), "{line} is missing in\n{metrics}");
     }
     // And a good one still gets through.
@@ -111,7 +167,9 @@ fn every_cause_is_counted_apart_and_none_moves_the_tool() {
 
 fn check_moved(palpate: &Palpate) {
     let position = || palpate.scene().unwrap().tools[0].position;
-    until("the good pose", position, |position| *position == elsewhere(0).position);
+    until("the good pose", position, |position| {
+        *position == elsewhere(0).position
+    });
 }
 
 #[test]
@@ -129,10 +187,17 @@ fn a_jump_is_counted_and_does_not_move_the_tool() {
     let before = tool.force().unwrap();
     for far in [[3.0, 0.0, 0.0], [1e300, 0.0, 0.0]] {
         let seq = tool.send(pose_at(far)).unwrap();
-        // Until the force has faded the tool stays where it was; `pose_seq` is that of the pose in effect.
-        let force = until("the refusal", || tool.force().unwrap(), |force| force.tick >= seq);
+        // Until the force has faded the tool stays where it was; `pose_seq` is that of the pose in
+        // effect.
+        let force = until(
+            "the refusal",
+            || tool.force().unwrap(),
+            |force| force.tick >= seq,
+        );
         assert!(force.flags & force_flags::REFUSED != 0, "{force:?}");
-        let moved: f64 = (0..3).map(|k| (force.proxy_position[k] - before.proxy_position[k]).abs()).sum();
+        let moved: f64 = (0..3)
+            .map(|k| (force.proxy_position[k] - before.proxy_position[k]).abs())
+            .sum();
         assert!(moved < 1e-6, "a jump moved the tool by {moved} m");
         assert!(force.force.iter().all(|x| x.is_finite()));
     }

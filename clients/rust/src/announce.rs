@@ -21,10 +21,16 @@ pub(crate) struct Announcement {
 }
 
 impl Announcement {
-    pub(crate) fn new(session: &zenoh::Session, key: &str, info: &DeviceInfo) -> Result<Self, ClientError> {
+    pub(crate) fn new(
+        session: &zenoh::Session,
+        key: &str,
+        info: &DeviceInfo,
+    ) -> Result<Self, ClientError> {
         let publisher = session
             .declare_publisher(key.to_owned())
-            .encoding(Encoding::APPLICATION_OCTET_STREAM.with_schema(encoding_schema::<DeviceInfo>()))
+            .encoding(
+                Encoding::APPLICATION_OCTET_STREAM.with_schema(encoding_schema::<DeviceInfo>()),
+            )
             .priority(Priority::InteractiveHigh)
             .congestion_control(CongestionControl::Block)
             .wait()
@@ -40,7 +46,12 @@ impl Announcement {
             })
             .wait()
             .map_err(ClientError::zenoh)?;
-        let announcement = Self { bytes: encode(info), due, publisher, _listener: listener };
+        let announcement = Self {
+            bytes: encode(info),
+            due,
+            publisher,
+            _listener: listener,
+        };
         announcement.put()?;
         Ok(announcement)
     }
@@ -53,10 +64,17 @@ impl Announcement {
 
     /// Tells a daemon that has appeared.
     pub(crate) fn repeat_if_due(&self) -> Result<(), ClientError> {
-        if self.due.swap(false, Ordering::AcqRel) { self.put() } else { Ok(()) }
+        if self.due.swap(false, Ordering::AcqRel) {
+            self.put()
+        } else {
+            Ok(())
+        }
     }
 
     fn put(&self) -> Result<(), ClientError> {
-        self.publisher.put(self.bytes.clone()).wait().map_err(ClientError::zenoh)
+        self.publisher
+            .put(self.bytes.clone())
+            .wait()
+            .map_err(ClientError::zenoh)
     }
 }

@@ -4,7 +4,9 @@ use crate::Tool;
 use palpate_proto::DeviceError;
 use palpate_proto::codec::{DecodeError, decode};
 use palpate_proto::keys::{IdError, Keys};
-use palpate_proto::messages::{ControlNet, DeviceInfo, LoopStatus, Message, SceneSnapshot, SimEvent, ToolForce};
+use palpate_proto::messages::{
+    ControlNet, DeviceInfo, LoopStatus, Message, SceneSnapshot, SimEvent, ToolForce,
+};
 use palpate_proto::rpc::{Reply, Request};
 use std::net::{TcpStream, ToSocketAddrs};
 use std::path::PathBuf;
@@ -23,8 +25,9 @@ pub struct Connect {
     pub zenoh_config: Option<PathBuf>,
     /// How long to wait for answers.
     pub timeout: Duration,
-    /// Join as a Zenoh client of the daemon instead of a peer: messages then take one hop more, and what other clients
-    /// publish is heard, which peers that cannot reach each other do not. For who looks on.
+    /// Join as a Zenoh client of the daemon instead of a peer: messages then take one hop more, and
+    /// what other clients publish is heard, which peers that cannot reach each other do not. For
+    /// who looks on.
     pub onlooker: bool,
 }
 
@@ -99,7 +102,8 @@ impl ClientError {
         Self::Zenoh(error.to_string())
     }
 
-    /// What a daemon said in an answer that is an error; `None` for Zenoh's own, like a query whose time is over.
+    /// What a daemon said in an answer that is an error; `None` for Zenoh's own, like a query whose
+    /// time is over.
     pub(crate) fn words(error: &zenoh::query::ReplyError) -> Option<String> {
         let reply: Reply = serde_json::from_slice(&error.payload().to_bytes()).ok()?;
         reply.error
@@ -122,20 +126,33 @@ impl<M: Message + Send + 'static> Latest<M> {
                 *shared.lock().unwrap_or_else(PoisonError::into_inner) = Some(message);
             }
         };
-        let subscriber = session.declare_subscriber(key).callback(callback).wait().map_err(ClientError::zenoh)?;
-        Ok(Self { slot, _subscriber: Arc::new(subscriber) })
+        let subscriber = session
+            .declare_subscriber(key)
+            .callback(callback)
+            .wait()
+            .map_err(ClientError::zenoh)?;
+        Ok(Self {
+            slot,
+            _subscriber: Arc::new(subscriber),
+        })
     }
 }
 
 impl<M: Clone> Latest<M> {
     /// The newest so far.
     pub fn get(&self) -> Option<M> {
-        self.slot.lock().unwrap_or_else(PoisonError::into_inner).clone()
+        self.slot
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner)
+            .clone()
     }
 
     /// The newest, leaving nothing: each message is seen once at most.
     pub fn take(&self) -> Option<M> {
-        self.slot.lock().unwrap_or_else(PoisonError::into_inner).take()
+        self.slot
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner)
+            .take()
     }
 }
 
@@ -150,7 +167,8 @@ impl Palpate {
     /// Connects as a peer, without multicast.
     ///
     /// # Errors
-    /// An endpoint where nobody listens, a configuration Zenoh refuses, or an instance name that is no id.
+    /// An endpoint where nobody listens, a configuration Zenoh refuses, or an instance name that is
+    /// no id.
     pub fn connect(settings: &Connect) -> Result<Self, ClientError> {
         let keys = Keys::new(&settings.instance)?;
         for endpoint in &settings.endpoints {
@@ -160,18 +178,34 @@ impl Palpate {
             Some(path) => zenoh::Config::from_file(path).map_err(ClientError::zenoh)?,
             None => {
                 let mut config = zenoh::Config::default();
-                let mode = if settings.onlooker { "\"client\"" } else { "\"peer\"" };
-                let fixed = [("mode", mode), ("scouting/multicast/enabled", "false"), ("listen/endpoints", "[]")];
+                let mode = if settings.onlooker {
+                    "\"client\""
+                } else {
+                    "\"peer\""
+                };
+                let fixed = [
+                    ("mode", mode),
+                    ("scouting/multicast/enabled", "false"),
+                    ("listen/endpoints", "[]"),
+                ];
                 for (key, value) in fixed {
-                    config.insert_json5(key, value).map_err(ClientError::zenoh)?;
+                    config
+                        .insert_json5(key, value)
+                        .map_err(ClientError::zenoh)?;
                 }
                 config
             }
         };
         let endpoints = serde_json::to_string(&settings.endpoints).map_err(ClientError::zenoh)?;
-        config.insert_json5("connect/endpoints", &endpoints).map_err(ClientError::zenoh)?;
+        config
+            .insert_json5("connect/endpoints", &endpoints)
+            .map_err(ClientError::zenoh)?;
         let session = zenoh::open(config).wait().map_err(ClientError::zenoh)?;
-        Ok(Self { session, keys, settings: settings.clone() })
+        Ok(Self {
+            session,
+            keys,
+            settings: settings.clone(),
+        })
     }
 
     pub(crate) fn session(&self) -> &zenoh::Session {
@@ -200,10 +234,14 @@ impl Palpate {
         mut read: impl FnMut(&[u8]) -> Result<T, ClientError>,
     ) -> Result<T, ClientError> {
         let started = Instant::now();
-        // A fresh link may not have carried the daemon's declarations yet: ask again until the time is over.
+        // A fresh link may not have carried the daemon's declarations yet: ask again until the time
+        // is over.
         loop {
             let left = timeout.saturating_sub(started.elapsed());
-            let mut get = self.session.get(&key).timeout(left.max(Duration::from_millis(10)));
+            let mut get = self
+                .session
+                .get(&key)
+                .timeout(left.max(Duration::from_millis(10)));
             if let Some(payload) = &payload {
                 get = get.payload(payload.clone());
             }
@@ -212,14 +250,21 @@ impl Palpate {
                 Ok(Ok(sample)) => return read(&sample.payload().to_bytes()),
                 Ok(Err(error)) => {
                     if let Some(reason) = ClientError::words(error) {
-                        return Err(ClientError::Refused { method: key, reason });
+                        return Err(ClientError::Refused {
+                            method: key,
+                            reason,
+                        });
                     }
                 }
                 Err(_) => {}
             }
             if started.elapsed() >= timeout {
                 let instance = self.settings.instance.clone();
-                return Err(ClientError::NoAnswer { key, instance, timeout });
+                return Err(ClientError::NoAnswer {
+                    key,
+                    instance,
+                    timeout,
+                });
             }
             std::thread::sleep(Duration::from_millis(20));
         }
@@ -246,7 +291,9 @@ impl Palpate {
     /// # Errors
     /// No answer: nobody told, or no such tool.
     pub fn device(&self, tool: &str) -> Result<DeviceInfo, ClientError> {
-        self.query(self.keys.tool_device(tool), None, |bytes| Ok(decode(bytes, "")?))
+        self.query(self.keys.tool_device(tool), None, |bytes| {
+            Ok(decode(bytes, "")?)
+        })
     }
 
     /// JSON about the daemon: its scene, its messages, the devices it was told of.
@@ -254,7 +301,9 @@ impl Palpate {
     /// # Errors
     /// No answer.
     pub fn info(&self) -> Result<String, ClientError> {
-        self.query(self.keys.meta_info(), None, |bytes| Ok(String::from_utf8_lossy(bytes).into_owned()))
+        self.query(self.keys.meta_info(), None, |bytes| {
+            Ok(String::from_utf8_lossy(bytes).into_owned())
+        })
     }
 
     /// The daemon's counters as OpenMetrics text.
@@ -262,7 +311,9 @@ impl Palpate {
     /// # Errors
     /// No answer.
     pub fn metrics(&self) -> Result<String, ClientError> {
-        self.query(self.keys.meta_metrics(), None, |bytes| Ok(String::from_utf8_lossy(bytes).into_owned()))
+        self.query(self.keys.meta_metrics(), None, |bytes| {
+            Ok(String::from_utf8_lossy(bytes).into_owned())
+        })
     }
 
     /// The layout of a message by its versioned name, as JSON.
@@ -270,19 +321,24 @@ impl Palpate {
     /// # Errors
     /// No answer, or no such type.
     pub fn schema(&self, name: &str) -> Result<String, ClientError> {
-        self.query(self.keys.meta_schema(name), None, |bytes| Ok(String::from_utf8_lossy(bytes).into_owned()))
+        self.query(self.keys.meta_schema(name), None, |bytes| {
+            Ok(String::from_utf8_lossy(bytes).into_owned())
+        })
     }
 
-    /// The last events that the daemon still has (256) with numbers above `after`, oldest first: for who comes late, or saw
-    /// a gap in `seq`. Kinds of events that this client does not know are left out.
+    /// The last events that the daemon still has (256) with numbers above `after`, oldest first:
+    /// for who comes late, or saw a gap in `seq`. Kinds of events that this client does not know
+    /// are left out.
     ///
     /// # Errors
     /// Zenoh refused.
     pub fn past_events(&self, after: u64) -> Result<Vec<SimEvent>, ClientError> {
         let selector = format!("{}?after={after}", self.keys.event());
         let answers = self.ask(&selector, self.settings.timeout)?;
-        let mut events: Vec<SimEvent> =
-            answers.iter().filter_map(|seen| decode(&seen.bytes, seen.schema()).ok()).collect();
+        let mut events: Vec<SimEvent> = answers
+            .iter()
+            .filter_map(|seen| decode(&seen.bytes, seen.schema()).ok())
+            .collect();
         events.sort_by_key(|event| event.seq);
         Ok(events)
     }
@@ -292,8 +348,13 @@ impl Palpate {
     /// # Errors
     /// No answer, or the daemon refused.
     pub fn rpc(&self, method: &str, request: &Request) -> Result<u64, ClientError> {
-        let refused = |reason: &str| ClientError::Refused { method: method.to_owned(), reason: reason.to_owned() };
-        self.call(method, request)?.tick.ok_or_else(|| refused("its answer names no tick"))
+        let refused = |reason: &str| ClientError::Refused {
+            method: method.to_owned(),
+            reason: reason.to_owned(),
+        };
+        self.call(method, request)?
+            .tick
+            .ok_or_else(|| refused("its answer names no tick"))
     }
 
     /// Carries out a command; gives all of its answer.
@@ -302,14 +363,25 @@ impl Palpate {
     /// No answer, or the daemon refused.
     pub fn call(&self, method: &str, request: &Request) -> Result<Reply, ClientError> {
         let payload = serde_json::to_vec(request).map_err(ClientError::zenoh)?;
-        let refused = |reason: String| ClientError::Refused { method: method.to_owned(), reason };
+        let refused = |reason: String| ClientError::Refused {
+            method: method.to_owned(),
+            reason,
+        };
         // A snapshot of the next seconds is answered after them.
         let after = Duration::try_from_secs_f64(request.after.unwrap_or(0.0)).unwrap_or_default();
         let timeout = self.settings.timeout.saturating_add(after);
-        let reply: Reply = self.query_within(timeout, self.keys.rpc(method), Some(payload), |bytes| {
-            serde_json::from_slice(bytes).map_err(|e| refused(format!("its answer does not parse: {e}")))
-        })?;
-        if reply.ok { Ok(reply) } else { Err(refused(reply.error.unwrap_or_else(|| "no reason given".into()))) }
+        let reply: Reply =
+            self.query_within(timeout, self.keys.rpc(method), Some(payload), |bytes| {
+                serde_json::from_slice(bytes)
+                    .map_err(|e| refused(format!("its answer does not parse: {e}")))
+            })?;
+        if reply.ok {
+            Ok(reply)
+        } else {
+            Err(refused(
+                reply.error.unwrap_or_else(|| "no reason given".into()),
+            ))
+        }
     }
 
     /// Takes a tool of the scene.
@@ -319,8 +391,17 @@ impl Palpate {
     pub fn tool(&self, id: &str) -> Result<Tool, ClientError> {
         let scene = self.scene()?;
         if !scene.tools.iter().any(|tool| tool.id == id) {
-            let known = scene.tools.iter().map(|tool| tool.id.as_str()).collect::<Vec<_>>().join(", ");
-            return Err(ClientError::Unknown { kind: "tool", id: id.to_owned(), known });
+            let known = scene
+                .tools
+                .iter()
+                .map(|tool| tool.id.as_str())
+                .collect::<Vec<_>>()
+                .join(", ");
+            return Err(ClientError::Unknown {
+                kind: "tool",
+                id: id.to_owned(),
+                known,
+            });
         }
         Tool::new(self, id, scene.lockstep)
     }
@@ -362,10 +443,17 @@ impl Palpate {
                 take(event);
             }
         };
-        self.session.declare_subscriber(self.keys.event()).callback(callback).wait().map_err(ClientError::zenoh)
+        self.session
+            .declare_subscriber(self.keys.event())
+            .callback(callback)
+            .wait()
+            .map_err(ClientError::zenoh)
     }
 
-    fn latest<M: Message + Clone + Send + 'static>(&self, key: String) -> Result<Latest<M>, ClientError> {
+    fn latest<M: Message + Clone + Send + 'static>(
+        &self,
+        key: String,
+    ) -> Result<Latest<M>, ClientError> {
         Latest::subscribe(&self.session, key)
     }
 
@@ -377,7 +465,10 @@ impl Palpate {
 
 /// Zenoh would retry an absent peer without a word: ask the socket first.
 fn check_reachable(endpoint: &str, timeout: Duration) -> Result<(), ClientError> {
-    let wrong = |reason: String| ClientError::Unreachable { endpoint: endpoint.to_owned(), reason };
+    let wrong = |reason: String| ClientError::Unreachable {
+        endpoint: endpoint.to_owned(),
+        reason,
+    };
     let Some(address) = endpoint.strip_prefix("tcp/") else {
         return if endpoint.contains('/') {
             Ok(())
@@ -386,7 +477,13 @@ fn check_reachable(endpoint: &str, timeout: Duration) -> Result<(), ClientError>
         };
     };
     let address = address.split(['#', '?']).next().unwrap_or_default();
-    let mut addresses = address.to_socket_addrs().map_err(|e| wrong(e.to_string()))?;
-    let address = addresses.next().ok_or_else(|| wrong("the host has no address".into()))?;
-    TcpStream::connect_timeout(&address, timeout).map(drop).map_err(|e| wrong(e.to_string()))
+    let mut addresses = address
+        .to_socket_addrs()
+        .map_err(|e| wrong(e.to_string()))?;
+    let address = addresses
+        .next()
+        .ok_or_else(|| wrong("the host has no address".into()))?;
+    TcpStream::connect_timeout(&address, timeout)
+        .map(drop)
+        .map_err(|e| wrong(e.to_string()))
 }

@@ -11,7 +11,8 @@
 //! }
 //! # Ok::<(), palpate_client::ClientError>(())
 //! ```
-//! [`device`] holds a simulated haptic device for those without one, [`testing`] a daemon of one's own for integration tests.
+//! [`device`] holds a simulated haptic device for those without one, [`testing`] a daemon of one's
+//! own for integration tests.
 
 mod announce;
 mod connection;

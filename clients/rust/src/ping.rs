@@ -17,11 +17,15 @@ impl PingReport {
     /// A quantile (0 ..= 1), ns; 0 when nothing came back.
     pub fn quantile(&self, q: f64) -> u64 {
         let last = self.round_trips_ns.len().saturating_sub(1);
-        self.round_trips_ns.get((q * last as f64).round() as usize).copied().unwrap_or(0)
+        self.round_trips_ns
+            .get((q * last as f64).round() as usize)
+            .copied()
+            .unwrap_or(0)
     }
 }
 
-/// Sends `count` payloads of 120 bytes, `interval` apart, between two fresh sessions over a loopback port, and back.
+/// Sends `count` payloads of 120 bytes, `interval` apart, between two fresh sessions over a
+/// loopback port, and back.
 ///
 /// # Errors
 /// Zenoh refused.
@@ -37,7 +41,9 @@ pub fn raw_ping(port: u16, count: usize, interval: Duration) -> Result<PingRepor
             (format!("{key}/endpoints"), endpoint),
         ];
         for (key, value) in settings {
-            config.insert_json5(&key, &value).map_err(ClientError::zenoh)?;
+            config
+                .insert_json5(&key, &value)
+                .map_err(ClientError::zenoh)?;
         }
         zenoh::open(config).wait().map_err(ClientError::zenoh)
     };

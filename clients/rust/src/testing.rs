@@ -1,4 +1,5 @@
-//! For integration tests: a daemon of one's own, in lockstep, on a free endpoint, gone when the test is.
+//! For integration tests: a daemon of one's own, in lockstep, on a free endpoint, gone when the
+//! test is.
 //!
 //! ```rust,ignore
 //! let mut session = TestSession::of("[[body]]\nid = \"ball\"\n…").start()?;
@@ -67,28 +68,41 @@ pub struct TestSettings {
 }
 
 impl TestSettings {
-    /// The daemon's program; the environment variable `PALPATE`, or `palpate` in the path, if not said.
+    /// The daemon's program; the environment variable `PALPATE`, or `palpate` in the path, if not
+    /// said.
     pub fn program(self, program: impl Into<PathBuf>) -> Self {
-        Self { program: Some(program.into()), ..self }
+        Self {
+            program: Some(program.into()),
+            ..self
+        }
     }
 
-    /// Keeps the recording here instead of in a directory that goes with the test. The file must not exist.
+    /// Keeps the recording here instead of in a directory that goes with the test. The file must
+    /// not exist.
     pub fn record(self, path: impl Into<PathBuf>) -> Self {
-        Self { record: Some(path.into()), ..self }
+        Self {
+            record: Some(path.into()),
+            ..self
+        }
     }
 
     /// Ticks by the clock instead of one a pose.
     pub fn realtime(self) -> Self {
-        Self { lockstep: false, ..self }
+        Self {
+            lockstep: false,
+            ..self
+        }
     }
 
     /// More arguments of `palpate serve`.
     pub fn arguments(mut self, arguments: &[&str]) -> Self {
-        self.arguments.extend(arguments.iter().map(|argument| (*argument).to_owned()));
+        self.arguments
+            .extend(arguments.iter().map(|argument| (*argument).to_owned()));
         self
     }
 
-    /// How long to wait for the daemon, and for a force. 60 s if not said: machines that run tests are slow at times.
+    /// How long to wait for the daemon, and for a force. 60 s if not said: machines that run tests
+    /// are slow at times.
     pub fn timeout(self, timeout: Duration) -> Self {
         Self { timeout, ..self }
     }
@@ -115,18 +129,37 @@ impl TestSettings {
         let files = Files::new()?;
         let scene = files.0.join("scene.toml");
         std::fs::write(&scene, &self.scene).map_err(io(&scene.display()))?;
-        let record = self.record.clone().unwrap_or_else(|| files.0.join("session.mcap"));
+        let record = self
+            .record
+            .clone()
+            .unwrap_or_else(|| files.0.join("session.mcap"));
         let free = TcpListener::bind("127.0.0.1:0").and_then(|listener| listener.local_addr());
         let endpoint = format!("tcp/{}", free.map_err(io(&"a free port"))?);
-        let program = self.program.clone().or_else(|| std::env::var_os(PROGRAM_VARIABLE).map(PathBuf::from));
+        let program = self
+            .program
+            .clone()
+            .or_else(|| std::env::var_os(PROGRAM_VARIABLE).map(PathBuf::from));
         let program = program.unwrap_or_else(|| PathBuf::from("palpate"));
         let words = files.0.join("stderr");
         let stderr = std::fs::File::create(&words).map_err(io(&words.display()))?;
         let child = Command::new(&program)
             .arg("serve")
             .arg(&scene)
-            .args(["--clock", if self.lockstep { "lockstep" } else { "realtime" }])
-            .args(["--listen", &endpoint, "--no-rt", "--with-parent", "--record"])
+            .args([
+                "--clock",
+                if self.lockstep {
+                    "lockstep"
+                } else {
+                    "realtime"
+                },
+            ])
+            .args([
+                "--listen",
+                &endpoint,
+                "--no-rt",
+                "--with-parent",
+                "--record",
+            ])
             .arg(&record)
             .args(&self.arguments)
             .stdin(Stdio::null())
@@ -136,7 +169,10 @@ impl TestSettings {
             .map_err(io(&program.display()))?;
         let mut daemon = Daemon { child, words };
         let begun = Instant::now();
-        let settings = Connect { timeout: self.timeout, ..Connect::to(&endpoint) };
+        let settings = Connect {
+            timeout: self.timeout,
+            ..Connect::to(&endpoint)
+        };
         let palpate = loop {
             match Palpate::connect(&settings) {
                 Ok(palpate) => break palpate,
@@ -147,7 +183,14 @@ impl TestSettings {
         };
         // It listens before it answers.
         palpate.scene()?;
-        Ok(TestSession { palpate, daemon, record, endpoint, timeout: self.timeout, _files: files })
+        Ok(TestSession {
+            palpate,
+            daemon,
+            record,
+            endpoint,
+            timeout: self.timeout,
+            _files: files,
+        })
     }
 }
 
@@ -209,29 +252,40 @@ impl TestSession {
         if force.is_none() {
             self.daemon.still_runs()?;
         }
-        force.ok_or(TestError::NoForce { seq, timeout: self.timeout })
+        force.ok_or(TestError::NoForce {
+            seq,
+            timeout: self.timeout,
+        })
     }
 
-    /// Ends the daemon, which finishes its recording; gives the recording's bytes. Hand back the tools: they go first.
+    /// Ends the daemon, which finishes its recording; gives the recording's bytes. Hand back the
+    /// tools: they go first.
     ///
     /// # Errors
     /// The daemon did not end well: a recording with losses is an error.
     pub fn finish(mut self, tools: impl Sized) -> Result<Vec<u8>, TestError> {
-        // The last pose of a lockstep session may be under way no more: the daemon stops between ticks.
+        // The last pose of a lockstep session may be under way no more: the daemon stops between
+        // ticks.
         self.palpate.rpc("shutdown", &Request::default())?;
         drop(tools);
         let begun = Instant::now();
         while begun.elapsed() < self.timeout {
             if let Some(status) = self.daemon.status()? {
                 if !status.success() {
-                    return Err(TestError::Ended { status, stderr: self.daemon.words() });
+                    return Err(TestError::Ended {
+                        status,
+                        stderr: self.daemon.words(),
+                    });
                 }
                 return std::fs::read(&self.record).map_err(io(&self.record.display()));
             }
             std::thread::sleep(Duration::from_millis(10));
         }
         let source = std::io::Error::from(std::io::ErrorKind::TimedOut);
-        Err(TestError::Io { what: "the daemon does not end".into(), source })
+        Err(TestError::Io {
+            what: "the daemon does not end".into(),
+            source,
+        })
     }
 }
 
@@ -248,13 +302,17 @@ impl Daemon {
     fn still_runs(&mut self) -> Result<(), TestError> {
         match self.status()? {
             None => Ok(()),
-            Some(status) => Err(TestError::Ended { status, stderr: self.words() }),
+            Some(status) => Err(TestError::Ended {
+                status,
+                stderr: self.words(),
+            }),
         }
     }
 
     fn words(&self) -> String {
         let mut text = String::new();
-        let read = std::fs::File::open(&self.words).and_then(|mut file| file.read_to_string(&mut text));
+        let read =
+            std::fs::File::open(&self.words).and_then(|mut file| file.read_to_string(&mut text));
         read.map_or_else(|error| error.to_string(), |_| text)
     }
 }
@@ -273,7 +331,8 @@ impl Files {
     fn new() -> Result<Self, TestError> {
         static NUMBER: AtomicU32 = AtomicU32::new(0);
         let number = NUMBER.fetch_add(1, Ordering::Relaxed);
-        let path: &Path = &std::env::temp_dir().join(format!("palpate-test-{}-{number}", std::process::id()));
+        let path: &Path =
+            &std::env::temp_dir().join(format!("palpate-test-{}-{number}", std::process::id()));
         std::fs::create_dir_all(path).map_err(io(&path.display()))?;
         Ok(Self(path.to_owned()))
     }

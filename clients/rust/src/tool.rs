@@ -65,8 +65,11 @@ impl Tool {
             .callback(move |sample| {
                 if let Ok(force) = decode::<ToolForce>(&sample.payload().to_bytes(), "") {
                     let mut newest = shared.newest.lock().unwrap_or_else(PoisonError::into_inner);
-                    // A daemon that came back, or a recording wound back, counts from below: its clock tells.
-                    let newer = |old: ToolForce| force.tick >= old.tick || force.t_server_ns > old.t_server_ns;
+                    // A daemon that came back, or a recording wound back, counts from below: its
+                    // clock tells.
+                    let newer = |old: ToolForce| {
+                        force.tick >= old.tick || force.t_server_ns > old.t_server_ns
+                    };
                     if newest.force.is_none_or(newer) {
                         newest.force = Some(force);
                     }
@@ -84,7 +87,11 @@ impl Tool {
             .express(true)
             .wait()
             .map_err(ClientError::zenoh)?;
-        let token = session.liveliness().declare_token(keys.live_tool(id)).wait().map_err(ClientError::zenoh)?;
+        let token = session
+            .liveliness()
+            .declare_token(keys.live_tool(id))
+            .wait()
+            .map_err(ClientError::zenoh)?;
         Ok(Self {
             publisher,
             forces,
@@ -106,14 +113,23 @@ impl Tool {
         self.lockstep
     }
 
-    /// Sends a pose; gives the `seq` it got. In lockstep the pose's own time is kept, so that sessions repeat by bits.
+    /// Sends a pose; gives the `seq` it got. In lockstep the pose's own time is kept, so that
+    /// sessions repeat by bits.
     ///
     /// # Errors
     /// Zenoh refused.
     pub fn send(&mut self, pose: ToolPose) -> Result<u64, ClientError> {
         self.seq += 1;
-        let t_client_ns = if self.lockstep { pose.t_client_ns } else { now_ns() };
-        let pose = ToolPose { seq: self.seq, t_client_ns, ..pose };
+        let t_client_ns = if self.lockstep {
+            pose.t_client_ns
+        } else {
+            now_ns()
+        };
+        let pose = ToolPose {
+            seq: self.seq,
+            t_client_ns,
+            ..pose
+        };
         self.last = Some(pose);
         if let Some(announcement) = &self.announcement {
             announcement.repeat_if_due()?;
@@ -123,11 +139,15 @@ impl Tool {
     }
 
     fn put(&self, pose: &ToolPose) -> Result<(), ClientError> {
-        self.publisher.put(encode(pose)).wait().map_err(ClientError::zenoh)
+        self.publisher
+            .put(encode(pose))
+            .wait()
+            .map_err(ClientError::zenoh)
     }
 
-    /// Tells the daemon what this device can do, now and again whenever a daemon appears ([`Tool::send`] does it). Where the
-    /// description has a deadband, forces come more rarely: only those a hand could tell from the last one.
+    /// Tells the daemon what this device can do, now and again whenever a daemon appears
+    /// ([`Tool::send`] does it). Where the description has a deadband, forces come more rarely:
+    /// only those a hand could tell from the last one.
     ///
     /// # Errors
     /// No device can be like that, or Zenoh refused.
@@ -142,8 +162,9 @@ impl Tool {
         }
     }
 
-    /// What contacts do to the tool, the newest: a sensor's reading, not limited for the device. The first call
-    /// subscribes and gives `None`; what is asked for comes within some 100 ms, then every tick.
+    /// What contacts do to the tool, the newest: a sensor's reading, not limited for the device.
+    /// The first call subscribes and gives `None`; what is asked for comes within some 100 ms, then
+    /// every tick.
     ///
     /// # Errors
     /// Zenoh refused the subscription.
@@ -159,33 +180,57 @@ impl Tool {
 
     /// The newest force.
     pub fn force(&self) -> Option<ToolForce> {
-        self.forces.newest.lock().unwrap_or_else(PoisonError::into_inner).force
+        self.forces
+            .newest
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner)
+            .force
     }
 
     /// Forces received so far.
     pub fn received(&self) -> u64 {
-        self.forces.newest.lock().unwrap_or_else(PoisonError::into_inner).received
+        self.forces
+            .newest
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner)
+            .received
     }
 
-    /// Waits for a force that answers the pose `seq` or a later one. In lockstep the pose is sent again now and then.
+    /// Waits for a force that answers the pose `seq` or a later one. In lockstep the pose is sent
+    /// again now and then.
     pub fn wait_force(&self, seq: u64, timeout: Duration) -> Option<ToolForce> {
         let started = Instant::now();
-        let mut newest = self.forces.newest.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut newest = self
+            .forces
+            .newest
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner);
         loop {
             if let Some(force) = newest.force.filter(|force| force.pose_seq >= seq) {
                 return Some(force);
             }
             let left = timeout.checked_sub(started.elapsed())?;
-            let slice = if self.lockstep { left.min(RESEND) } else { left };
-            let (guard, waited) =
-                self.forces.arrived.wait_timeout(newest, slice).unwrap_or_else(PoisonError::into_inner);
+            let slice = if self.lockstep {
+                left.min(RESEND)
+            } else {
+                left
+            };
+            let (guard, waited) = self
+                .forces
+                .arrived
+                .wait_timeout(newest, slice)
+                .unwrap_or_else(PoisonError::into_inner);
             newest = guard;
             if waited.timed_out() && self.lockstep {
                 drop(newest);
                 if let Some(pose) = &self.last {
                     let _ = self.put(pose);
                 }
-                newest = self.forces.newest.lock().unwrap_or_else(PoisonError::into_inner);
+                newest = self
+                    .forces
+                    .newest
+                    .lock()
+                    .unwrap_or_else(PoisonError::into_inner);
             }
         }
     }
@@ -193,5 +238,7 @@ impl Tool {
 
 /// Wall clock, ns.
 pub(crate) fn now_ns() -> u64 {
-    SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |t| t.as_nanos() as u64)
+    SystemTime::now()
+        .duration_since(UNIX_EPOCH)
+        .map_or(0, |t| t.as_nanos() as u64)
 }

@@ -28,7 +28,9 @@ impl Seen {
 
     /// Schema part of the encoding; empty when it has none.
     pub fn schema(&self) -> &str {
-        self.encoding.split_once(';').map_or("", |(_, schema)| schema)
+        self.encoding
+            .split_once(';')
+            .map_or("", |(_, schema)| schema)
     }
 
     /// Versioned name of the message: from its schema, or where there is none from its key.
@@ -46,7 +48,8 @@ impl Seen {
 }
 
 impl Palpate {
-    /// Calls `take` on each message under a key (expression), on a receive thread: be quick. Ends when dropped.
+    /// Calls `take` on each message under a key (expression), on a receive thread: be quick. Ends
+    /// when dropped.
     ///
     /// # Errors
     /// No key, or Zenoh refused.
@@ -60,7 +63,11 @@ impl Palpate {
                 take(Seen::new(&sample));
             }
         };
-        self.session().declare_subscriber(key.to_owned()).callback(callback).wait().map_err(ClientError::zenoh)
+        self.session()
+            .declare_subscriber(key.to_owned())
+            .callback(callback)
+            .wait()
+            .map_err(ClientError::zenoh)
     }
 
     /// All answers to a query; none is no error.
@@ -79,16 +86,28 @@ impl Palpate {
             .map_err(ClientError::zenoh)?;
         let started = Instant::now();
         loop {
-            // A fresh link may not have carried the daemon's declarations yet: then nobody has said nothing.
-            let known = querier.matching_status().wait().map_err(ClientError::zenoh)?.matching();
-            let replies = querier.get().parameters(parameters).wait().map_err(ClientError::zenoh)?;
+            // A fresh link may not have carried the daemon's declarations yet: then nobody has said
+            // nothing.
+            let known = querier
+                .matching_status()
+                .wait()
+                .map_err(ClientError::zenoh)?
+                .matching();
+            let replies = querier
+                .get()
+                .parameters(parameters)
+                .wait()
+                .map_err(ClientError::zenoh)?;
             let mut answers = Vec::new();
             while let Ok(reply) = replies.recv() {
                 match reply.result() {
                     Ok(sample) => answers.push(Seen::new(sample)),
                     Err(error) => {
                         if let Some(reason) = ClientError::words(error) {
-                            return Err(ClientError::Refused { method: selector.to_owned(), reason });
+                            return Err(ClientError::Refused {
+                                method: selector.to_owned(),
+                                reason,
+                            });
                         }
                     }
                 }
@@ -112,10 +131,21 @@ impl Palpate {
     ) -> Result<Vec<String>, ClientError> {
         let started = Instant::now();
         loop {
-            let replies = self.session().liveliness().get(key).timeout(timeout).wait().map_err(ClientError::zenoh)?;
+            let replies = self
+                .session()
+                .liveliness()
+                .get(key)
+                .timeout(timeout)
+                .wait()
+                .map_err(ClientError::zenoh)?;
             let mut keys = Vec::new();
             while let Ok(reply) = replies.recv() {
-                keys.extend(reply.result().ok().map(|sample| sample.key_expr().to_string()));
+                keys.extend(
+                    reply
+                        .result()
+                        .ok()
+                        .map(|sample| sample.key_expr().to_string()),
+                );
             }
             keys.sort();
             keys.dedup();

@@ -1,5 +1,5 @@
-//! One value of every message, chosen so that each field differs from its neighbours. Integers stay below 2^53, so that
-//! readers whose JSON numbers are doubles can check them too.
+//! One value of every message, chosen so that each field differs from its neighbours. Integers stay
+//! below 2^53, so that readers whose JSON numbers are doubles can check them too.
 
 use palpate_proto::messages::*;
 
@@ -73,13 +73,18 @@ pub fn control_net() -> ControlNet {
         degree_v: 2,
         count_u: 2,
         count_v: 3,
-        points: (0..6).map(|k| [f64::from(k) * 0.01, -f64::from(k) * 0.5, 0.1 + f64::from(k)]).collect(),
+        points: (0..6)
+            .map(|k| [f64::from(k) * 0.01, -f64::from(k) * 0.5, 0.1 + f64::from(k)])
+            .collect(),
         weights: Some(vec![1.0, 0.5, 1.0, 1.0, 0.75, 1.0]),
     }
 }
 
 pub fn control_net_polynomial() -> ControlNet {
-    ControlNet { weights: None, ..control_net() }
+    ControlNet {
+        weights: None,
+        ..control_net()
+    }
 }
 
 pub fn contact_set() -> ContactSet {
@@ -93,8 +98,16 @@ pub fn contact_set() -> ContactSet {
         depth: 0.0015,
         force: [0.0, 0.5, 1.25],
     };
-    let other = Contact { tool: "thumb".into(), u: 0.5, depth: 0.0005, ..contact.clone() };
-    ContactSet { tick: 70_001, contacts: vec![contact, other] }
+    let other = Contact {
+        tool: "thumb".into(),
+        u: 0.5,
+        depth: 0.0005,
+        ..contact.clone()
+    };
+    ContactSet {
+        tick: 70_001,
+        contacts: vec![contact, other],
+    }
 }
 
 pub fn loop_status() -> LoopStatus {
@@ -104,8 +117,16 @@ pub fn loop_status() -> LoopStatus {
         rate_hz: 1000.0,
         late_ticks: 12,
         skipped_ticks: 3,
-        period: Quantiles { p50_ns: 1_000_000, p99_ns: 1_050_000, max_ns: 2_300_000 },
-        step: Quantiles { p50_ns: 310_000, p99_ns: 520_000, max_ns: 900_000 },
+        period: Quantiles {
+            p50_ns: 1_000_000,
+            p99_ns: 1_050_000,
+            max_ns: 2_300_000,
+        },
+        step: Quantiles {
+            p50_ns: 310_000,
+            p99_ns: 520_000,
+            max_ns: 900_000,
+        },
         tools: vec![ToolLink {
             tool: "pen".into(),
             received: 69_000,
@@ -136,22 +157,79 @@ pub fn events() -> Vec<(&'static str, SimEvent)> {
         ("resumed", EventKind::Resumed),
         ("tool_joined", EventKind::ToolJoined { tool: tool() }),
         ("tool_lost", EventKind::ToolLost { tool: tool() }),
-        ("pose_refused", EventKind::PoseRefused { tool: tool(), reason: "12.5 m/s is a jump ±".into() }),
-        ("fault", EventKind::Fault { reason: "force not finite".into() }),
-        ("record_started", EventKind::RecordStarted { path: "run.mcap".into() }),
-        ("record_stopped", EventKind::RecordStopped { path: "run.mcap".into() }),
+        (
+            "pose_refused",
+            EventKind::PoseRefused {
+                tool: tool(),
+                reason: "12.5 m/s is a jump ±".into(),
+            },
+        ),
+        (
+            "fault",
+            EventKind::Fault {
+                reason: "force not finite".into(),
+            },
+        ),
+        (
+            "record_started",
+            EventKind::RecordStarted {
+                path: "run.mcap".into(),
+            },
+        ),
+        (
+            "record_stopped",
+            EventKind::RecordStopped {
+                path: "run.mcap".into(),
+            },
+        ),
         ("stopping", EventKind::Stopping),
-        ("overrun", EventKind::Overrun { stage: "deform".into(), count: 400, worst_ns: 1_750_000 }),
-        ("quality_changed", EventKind::QualityChanged { level: 2, reason: "deform took too long".into() }),
-        ("device_told", EventKind::DeviceTold { tool: tool(), name: device_info().name }),
+        (
+            "overrun",
+            EventKind::Overrun {
+                stage: "deform".into(),
+                count: 400,
+                worst_ns: 1_750_000,
+            },
+        ),
+        (
+            "quality_changed",
+            EventKind::QualityChanged {
+                level: 2,
+                reason: "deform took too long".into(),
+            },
+        ),
+        (
+            "device_told",
+            EventKind::DeviceTold {
+                tool: tool(),
+                name: device_info().name,
+            },
+        ),
         (
             "record_failed",
-            EventKind::RecordFailed { path: "run.mcap".into(), reason: "no space left on device".into() },
+            EventKind::RecordFailed {
+                path: "run.mcap".into(),
+                reason: "no space left on device".into(),
+            },
         ),
-        ("scene_changed", EventKind::SceneChanged { what: "a and b are one body, a-b".into() }),
+        (
+            "scene_changed",
+            EventKind::SceneChanged {
+                what: "a and b are one body, a-b".into(),
+            },
+        ),
     ];
-    let event = |k: usize, kind| SimEvent { tick: 500, seq: k as u64 + 1, t_ns: 1_700_000_000_123, kind };
-    kinds.into_iter().enumerate().map(|(k, (name, kind))| (name, event(k, kind))).collect()
+    let event = |k: usize, kind| SimEvent {
+        tick: 500,
+        seq: k as u64 + 1,
+        t_ns: 1_700_000_000_123,
+        kind,
+    };
+    kinds
+        .into_iter()
+        .enumerate()
+        .map(|(k, (name, kind))| (name, event(k, kind)))
+        .collect()
 }
 
 pub fn scene_snapshot() -> SceneSnapshot {

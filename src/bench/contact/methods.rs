@@ -10,7 +10,8 @@ use parry3d_f64::query;
 use parry3d_f64::shape::{Ball, HalfSpace, TriMesh, TriMeshFlags};
 
 const COUNT: usize = 82;
-/// Between two meshes parry has the depth of one triangle in another, which says nothing of solids: its error shows that.
+/// Between two meshes parry has the depth of one triangle in another, which says nothing of solids:
+/// its error shows that.
 pub(super) const PARRY: &str = "parry mesh 82";
 
 pub(super) struct Mesh {
@@ -26,13 +27,20 @@ fn dvec(p: &Point3) -> DVec3 {
 
 fn posed(pose: &Pose) -> DPose3 {
     let (t, q) = (pose.translation.vector, pose.rotation.coords);
-    DPose3::from_parts(DVec3::new(t.x, t.y, t.z), DQuat::from_xyzw(q.x, q.y, q.z, q.w))
+    DPose3::from_parts(
+        DVec3::new(t.x, t.y, t.z),
+        DQuat::from_xyzw(q.x, q.y, q.z, q.w),
+    )
 }
 
 impl Mesh {
     pub fn new(surface: &Surface) -> Self {
         let domains = (surface.knots_u().domain(), surface.knots_v().domain());
-        let grid = SampleGrid::new(surface, &spread(domains.0, COUNT), &spread(domains.1, COUNT));
+        let grid = SampleGrid::new(
+            surface,
+            &spread(domains.0, COUNT),
+            &spread(domains.1, COUNT),
+        );
         let mut samples = grid.samples();
         grid.points_into(surface, &mut samples);
         let vertices: Vec<DVec3> = samples.points.iter().map(dvec).collect();
@@ -47,9 +55,14 @@ impl Mesh {
         if surface.flip_normal() {
             triangles.iter_mut().for_each(|t| t.swap(1, 2));
         }
-        let mesh =
-            TriMesh::with_flags(vertices.clone(), triangles, TriMeshFlags::ORIENTED).expect("a grid has triangles");
-        Self { grid, samples, vertices, mesh }
+        let mesh = TriMesh::with_flags(vertices.clone(), triangles, TriMeshFlags::ORIENTED)
+            .expect("a grid has triangles");
+        Self {
+            grid,
+            samples,
+            vertices,
+            mesh,
+        }
     }
 
     pub fn load(&mut self, surface: &Surface) {
@@ -73,13 +86,24 @@ impl Mesh {
 
     pub fn plane(&self, origin: &Point3, normal: &Vector3) -> Option<f64> {
         let half = HalfSpace::new(DVec3::new(normal.x, normal.y, normal.z));
-        let contact =
-            query::contact(&DPose3::IDENTITY, &self.mesh, &DPose3::from_translation(dvec(origin)), &half, 0.0);
+        let contact = query::contact(
+            &DPose3::IDENTITY,
+            &self.mesh,
+            &DPose3::from_translation(dvec(origin)),
+            &half,
+            0.0,
+        );
         contact.ok().flatten().map(|contact| -contact.dist)
     }
 
     pub fn other(&self, other: &Self, pose: &Pose) -> Option<f64> {
-        let contact = query::contact(&DPose3::IDENTITY, &self.mesh, &posed(pose), &other.mesh, 0.0);
+        let contact = query::contact(
+            &DPose3::IDENTITY,
+            &self.mesh,
+            &posed(pose),
+            &other.mesh,
+            0.0,
+        );
         contact.ok().flatten().map(|contact| -contact.dist)
     }
 }
@@ -91,14 +115,21 @@ pub(super) struct ToolMesh {
 
 /// The ball-shaped tool in 40 × 24 cells.
 pub(super) fn ball_mesh() -> ToolMesh {
-    let mesh = super::inputs::tool(8).tessellated([40, 24]).expect("a ball has triangles");
-    ToolMesh { tool: MeshTool::new(&mesh.points, &mesh.triangles).expect("a ball is closed") }
+    let mesh = super::inputs::tool(8)
+        .tessellated([40, 24])
+        .expect("a ball has triangles");
+    ToolMesh {
+        tool: MeshTool::new(&mesh.points, &mesh.triangles).expect("a ball is closed"),
+    }
 }
 
 impl ToolMesh {
     /// The mesh at a pose.
     pub fn at<'a>(&'a self, pose: &'a Pose) -> Placed<'a> {
-        Placed { tool: &self.tool, pose }
+        Placed {
+            tool: &self.tool,
+            pose,
+        }
     }
 }
 
@@ -119,7 +150,10 @@ impl Solid for Placed<'_> {
     }
 
     fn may_meet_box(&self, low: &Point3, high: &Point3, margin_m: f64) -> bool {
-        let (centre, reach) = (self.pose.translation.vector, super::inputs::TOOL_RADIUS_M + margin_m);
+        let (centre, reach) = (
+            self.pose.translation.vector,
+            super::inputs::TOOL_RADIUS_M + margin_m,
+        );
         (0..3).all(|c| low[c] <= centre[c] + reach && high[c] >= centre[c] - reach)
     }
 }

@@ -1,4 +1,5 @@
-//! The greatest value of a function over a surface, slowly: samples, then ever smaller grids about the best few.
+//! The greatest value of a function over a surface, slowly: samples, then ever smaller grids about
+//! the best few.
 
 use crate::bench::inputs::spread;
 use crate::math::Point3;
@@ -24,11 +25,18 @@ impl Sampled {
     }
 
     fn of(surface: &Surface, count: usize) -> Self {
-        let (us, vs) = (spread(surface.knots_u().domain(), count), spread(surface.knots_v().domain(), count));
+        let (us, vs) = (
+            spread(surface.knots_u().domain(), count),
+            spread(surface.knots_v().domain(), count),
+        );
         let grid = SampleGrid::new(surface, &us, &vs);
         let mut samples = grid.samples();
         grid.points_into(surface, &mut samples);
-        Self { points: samples.points, us, vs }
+        Self {
+            points: samples.points,
+            us,
+            vs,
+        }
     }
 
     pub fn greatest(&mut self, surface: &Surface, f: impl Fn(&Point3) -> f64) -> f64 {
@@ -36,8 +44,10 @@ impl Sampled {
         let values: Vec<f64> = self.points.iter().map(&f).collect();
         let best_around = |k: usize| {
             let (i, j) = (k / columns, k % columns);
-            (i.saturating_sub(1)..(i + 2).min(self.us.len()))
-                .all(|a| (j.saturating_sub(1)..(j + 2).min(columns)).all(|b| values[a * columns + b] <= values[k]))
+            (i.saturating_sub(1)..(i + 2).min(self.us.len())).all(|a| {
+                (j.saturating_sub(1)..(j + 2).min(columns))
+                    .all(|b| values[a * columns + b] <= values[k])
+            })
         };
         let mut starts: Vec<usize> = (0..values.len()).filter(|&k| best_around(k)).collect();
         starts.sort_by(|&a, &b| values[b].total_cmp(&values[a]));

@@ -24,14 +24,22 @@ impl Suite<'_> {
         resolutions: &[[usize; 2]],
     ) {
         let n = self.count(10_000);
-        let centres: Vec<Point3> = if warm { walk(surface, n) } else { near(surface, n, radius_m) };
+        let centres: Vec<Point3> = if warm {
+            walk(surface, n)
+        } else {
+            near(surface, n, radius_m)
+        };
         let mut oracle = Oracle::new(surface);
         let mut solver = ClosestSolver::new(surface);
-        // The oracle knows no sides: which one is taken from the certified answer, the distance is its own.
+        // The oracle knows no sides: which one is taken from the certified answer, the distance is
+        // its own.
         let known: Vec<(usize, f64)> = (0..n)
             .step_by((n / 200).max(1))
             .map(|k| {
-                let side = solver.closest(surface, &centres[k]).signed_distance.signum();
+                let side = solver
+                    .closest(surface, &centres[k])
+                    .signed_distance
+                    .signum();
                 (k, radius_m - side * oracle.distance(surface, &centres[k]))
             })
             .collect();
@@ -43,13 +51,22 @@ impl Suite<'_> {
                 // What the tick does: the foot is followed while its certificate lasts.
                 let moved_m = (centre - last).norm();
                 last = *centre;
-                let (time, found) = clocked(|| solver.closest_warm_moved(surface, centre, moved_m, 0.0, &mut foot));
+                let (time, found) =
+                    clocked(|| solver.closest_warm_moved(surface, centre, moved_m, 0.0, &mut foot));
                 let depth = radius_m - found.signed_distance;
                 return (time, (depth >= 0.0).then_some(depth));
             }
             let (time, ()) = clocked(|| {
                 solver.net_changed();
-                exact::ball::contacts(surface, &mut solver, centre, radius_m, &Reach::TOUCH, &mut scratch, &mut set);
+                exact::ball::contacts(
+                    surface,
+                    &mut solver,
+                    centre,
+                    radius_m,
+                    &Reach::TOUCH,
+                    &mut scratch,
+                    &mut set,
+                );
             });
             (time, set.deepest().map(|c| c.depth_m))
         });
@@ -87,14 +104,27 @@ impl Suite<'_> {
         let mut oracle = oracle::Sampled::new(surface);
         let known: Vec<(usize, f64)> = (0..n)
             .step_by((n / 40).max(1))
-            .map(|k| (k, oracle.greatest(surface, |p| (planes[k].0 - p).dot(&planes[k].1))))
+            .map(|k| {
+                (
+                    k,
+                    oracle.greatest(surface, |p| (planes[k].0 - p).dot(&planes[k].1)),
+                )
+            })
             .collect();
         let (mut scratch, mut set) = (ExactScratch::new(surface, &mut solver), ContactSet::new());
         let result = self.measure(n, &known, |k| {
             let (origin, normal) = &planes[k];
             let (time, ()) = clocked(|| {
                 solver.net_changed();
-                exact::plane::contacts(surface, &mut solver, origin, normal, &Reach::TOUCH, &mut scratch, &mut set);
+                exact::plane::contacts(
+                    surface,
+                    &mut solver,
+                    origin,
+                    normal,
+                    &Reach::TOUCH,
+                    &mut scratch,
+                    &mut set,
+                );
             });
             (time, set.deepest().map(|c| c.depth_m))
         });
@@ -137,7 +167,14 @@ impl Suite<'_> {
         let result = self.measure(n, &known, |k| {
             let (time, ()) = clocked(|| {
                 solver.net_changed();
-                exact.contacts(surface, &mut solver, &tools[k].tool, &tools[k].pose, &Reach::TOUCH, &mut set);
+                exact.contacts(
+                    surface,
+                    &mut solver,
+                    &tools[k].tool,
+                    &tools[k].pose,
+                    &Reach::TOUCH,
+                    &mut set,
+                );
             });
             (time, set.deepest().map(|c| c.depth_m))
         });
@@ -164,18 +201,36 @@ impl Suite<'_> {
         let mut oracle = oracle::Sampled::coarse(surface);
         let known: Vec<(usize, f64)> = (0..n)
             .step_by((n / 4).max(1))
-            .map(|k| (k, oracle.greatest(surface, |p| -tool_mesh.at(&poses[k]).signed_gap(p).0)))
+            .map(|k| {
+                (
+                    k,
+                    oracle.greatest(surface, |p| -tool_mesh.at(&poses[k]).signed_gap(p).0),
+                )
+            })
             .collect();
         let mut solver = ClosestSolver::new(surface);
-        let (mut exact, mut set) = (MeshSolver::new(surface, &mut solver, &tool_mesh.tool), ContactSet::new());
+        let (mut exact, mut set) = (
+            MeshSolver::new(surface, &mut solver, &tool_mesh.tool),
+            ContactSet::new(),
+        );
         let result = self.measure(n, &known, |k| {
             let (time, ()) = clocked(|| {
                 solver.net_changed();
-                exact.contacts(surface, &mut solver, &tool_mesh.tool, &poses[k], &Reach::TOUCH, &mut set);
+                exact.contacts(
+                    surface,
+                    &mut solver,
+                    &tool_mesh.tool,
+                    &poses[k],
+                    &Reach::TOUCH,
+                    &mut set,
+                );
             });
-            // Corners of the mesh inside the body are contacts too, and may be deeper than any point of the surface, which
-            // is what the oracle knows.
-            let wanted = known.iter().find(|known| known.0 == k).map_or(0.0, |known| known.1);
+            // Corners of the mesh inside the body are contacts too, and may be deeper than any
+            // point of the surface, which is what the oracle knows.
+            let wanted = known
+                .iter()
+                .find(|known| known.0 == k)
+                .map_or(0.0, |known| known.1);
             let miss = |depth: &f64| (depth - wanted).abs();
             let depths = set.contacts().iter().map(|c| c.depth_m);
             (time, depths.min_by(|a, b| miss(a).total_cmp(&miss(b))))

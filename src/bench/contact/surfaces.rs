@@ -14,20 +14,38 @@ use crate::surface::{ClosestSolver, Surface};
 
 impl Suite<'_> {
     /// The certified pair on nets that have both moved.
-    fn exact_pair(&mut self, case: &str, body: &Surface, tool: &Surface, poses: &[Pose], known: &[(usize, f64)]) {
+    fn exact_pair(
+        &mut self,
+        case: &str,
+        body: &Surface,
+        tool: &Surface,
+        poses: &[Pose],
+        known: &[(usize, f64)],
+    ) {
         let mut placed = tool.clone();
         let (mut of_body, mut of_tool) = (ClosestSolver::new(body), ClosestSolver::new(tool));
         let (mut pair, mut set) = (PairSolver::new(body, tool), ContactSet::new());
         let result = self.measure(poses.len(), known, |k| {
             let (time, ()) = clocked(|| {
-                for (to, from) in placed.net_mut().points_mut().iter_mut().zip(tool.net().points()) {
+                for (to, from) in placed
+                    .net_mut()
+                    .points_mut()
+                    .iter_mut()
+                    .zip(tool.net().points())
+                {
                     *to = poses[k] * from;
                 }
                 of_body.net_changed();
                 of_tool.net_changed();
                 let (body, tool) = (
-                    PairSide { surface: body, solver: &mut of_body },
-                    PairSide { surface: &placed, solver: &mut of_tool },
+                    PairSide {
+                        surface: body,
+                        solver: &mut of_body,
+                    },
+                    PairSide {
+                        surface: &placed,
+                        solver: &mut of_tool,
+                    },
                 );
                 pair.contacts(body, tool, Reach::TOUCH, &mut set);
             });
@@ -36,8 +54,9 @@ impl Suite<'_> {
         self.report(case, "exact", false, &result);
     }
 
-    /// Where a body and the ball-shaped tool cross, chords within a micrometre. The error is how far the points are from the
-    /// ball, whose radius is known; they are points of the body's surface by its own evaluation.
+    /// Where a body and the ball-shaped tool cross, chords within a micrometre. The error is how
+    /// far the points are from the ball, whose radius is known; they are points of the body's
+    /// surface by its own evaluation.
     pub(super) fn curves(&mut self, case: &str, body: &Surface, tool: &Surface) {
         let n = self.count(400);
         let poses = poses(body, n, 4e-3);
@@ -50,8 +69,14 @@ impl Suite<'_> {
                 of_body.net_changed();
                 of_tool.net_changed();
                 let sides = (
-                    PairSide { surface: body, solver: &mut of_body },
-                    PairSide { surface: &placed, solver: &mut of_tool },
+                    PairSide {
+                        surface: body,
+                        solver: &mut of_body,
+                    },
+                    PairSide {
+                        surface: &placed,
+                        solver: &mut of_tool,
+                    },
                 );
                 pair.curves(sides.0, sides.1, 1e-6)
             });
@@ -62,7 +87,11 @@ impl Suite<'_> {
                 off_ball.max((p.point - body.point(p.u, p.v)).norm())
             });
             // No curve at all would be a miss of any size: at these depths all poses cross.
-            let miss = if curves.is_empty() { f64::INFINITY } else { miss.fold(0.0, f64::max) };
+            let miss = if curves.is_empty() {
+                f64::INFINITY
+            } else {
+                miss.fold(0.0, f64::max)
+            };
             (time, Some(miss))
         });
         self.report(case, "exact", false, &result);
@@ -78,7 +107,13 @@ impl Suite<'_> {
         let result = self.measure(n, &known, |_| {
             let (time, ()) = clocked(|| {
                 solver.net_changed();
-                own.contacts(&surface, &mut solver, Reach::TOUCH, surface.size(), &mut set);
+                own.contacts(
+                    &surface,
+                    &mut solver,
+                    Reach::TOUCH,
+                    surface.size(),
+                    &mut set,
+                );
             });
             (time, set.deepest().map(|c| c.depth_m))
         });
@@ -95,11 +130,18 @@ impl Suite<'_> {
     ) {
         let n = self.count(1_000);
         let poses = poses(surface, n, depth_m);
-        // The tool is a ball with a net: its deepest point inside is as deep as the ball is, while its centre is outside.
+        // The tool is a ball with a net: its deepest point inside is as deep as the ball is, while
+        // its centre is outside.
         let mut oracle = Oracle::new(surface);
         let known: Vec<(usize, f64)> = (0..n)
             .step_by((n / 100).max(1))
-            .map(|k| (k, TOOL_RADIUS_M - oracle.distance(surface, &Point3::from(poses[k].translation.vector))))
+            .map(|k| {
+                (
+                    k,
+                    TOOL_RADIUS_M
+                        - oracle.distance(surface, &Point3::from(poses[k].translation.vector)),
+                )
+            })
             .collect();
         self.exact_pair(case, surface, tool, &poses, &known);
         for &rows in resolutions {
@@ -143,7 +185,10 @@ impl Suite<'_> {
                     pair.find(&mut b, &mut t, &Reach::TOUCH, &mut set);
                 });
                 // None here is a miss of any size.
-                (time, Some(set.deepest().map_or(f64::INFINITY, |c| c.depth_m)))
+                (
+                    time,
+                    Some(set.deepest().map_or(f64::INFINITY, |c| c.depth_m)),
+                )
             });
             self.report(case, &label(*rows), false, &result);
         }
@@ -170,10 +215,18 @@ impl Suite<'_> {
     pub(super) fn flat_plane(&mut self, case: &str, percent: u32) {
         let sheet = flat();
         let (origin, normal) = plane_over(percent);
-        self.flat_solid(case, &sheet, 1e-3, |spheres, set| spheres.plane(&origin, &normal, &Reach::TOUCH, set));
+        self.flat_solid(case, &sheet, 1e-3, |spheres, set| {
+            spheres.plane(&origin, &normal, &Reach::TOUCH, set)
+        });
     }
 
-    fn flat_solid(&mut self, case: &str, sheet: &Surface, exact: f64, ask: impl Fn(&mut Spheres, &mut ContactSet)) {
+    fn flat_solid(
+        &mut self,
+        case: &str,
+        sheet: &Surface,
+        exact: f64,
+        ask: impl Fn(&mut Spheres, &mut ContactSet),
+    ) {
         let n = self.count(1_000);
         let known: Vec<(usize, f64)> = (0..n).map(|k| (k, exact)).collect();
         for rows in &RESOLUTIONS[..3] {

@@ -1,4 +1,5 @@
-//! Time against error as a picture: logarithmic axes, a mark for each case and a colour for each method.
+//! Time against error as a picture: logarithmic axes, a mark for each case and a colour for each
+//! method.
 
 use super::Row;
 use crate::bench::chart::{Chart, Curve, Scale, Unit, page};
@@ -20,10 +21,14 @@ pub fn picture(rows: &[Row]) -> String {
         let hollow = of_method().any(|row| row.peer);
         Curve {
             name: format!("{method}{}", if hollow { " (peer)" } else { "" }),
-            points: shown().map(|row| (row.median_s.max(1e-9), row.error.max(LEAST_ERROR_M))).collect(),
+            points: shown()
+                .map(|row| (row.median_s.max(1e-9), row.error.max(LEAST_ERROR_M)))
+                .collect(),
             lined: false,
             hollow,
-            titles: shown().map(|row| format!("{} {}", row.case, row.method)).collect(),
+            titles: shown()
+                .map(|row| format!("{} {}", row.case, row.method))
+                .collect(),
         }
     };
     page(&[Chart {
@@ -58,16 +63,26 @@ mod tests {
 
     #[test]
     fn every_row_has_a_mark_inside_the_frame_and_every_method_a_line_of_the_legend() {
-        let rows =
-            [row("exact", false, 2e-6, 0.0), row("spheres 82", false, 3e-5, 1e-5), row("a <peer>", true, 1e-3, 1e-4)];
+        let rows = [
+            row("exact", false, 2e-6, 0.0),
+            row("spheres 82", false, 3e-5, 1e-5),
+            row("a <peer>", true, 1e-3, 1e-4),
+        ];
         let svg = picture(&rows);
-        assert_eq!(svg.matches("<circle").count(), 2 + 2, "two marks, two of the legend");
+        assert_eq!(
+            svg.matches("<circle").count(),
+            2 + 2,
+            "two marks, two of the legend"
+        );
         assert_eq!(svg.matches("stroke-width").count(), 1 + 1);
         assert!(svg.contains("a &lt;peer&gt; (peer)") && svg.contains("10 µs"));
         for part in svg.split("<circle cx=\"").skip(1) {
             let x: f64 = part.split('"').next().unwrap().parse().unwrap();
             assert!((FRAME[0]..=WIDTH).contains(&x), "{x}");
         }
-        assert!(picture(&[]).ends_with("</svg>\n"), "nothing measured is a picture too");
+        assert!(
+            picture(&[]).ends_with("</svg>\n"),
+            "nothing measured is a picture too"
+        );
     }
 }

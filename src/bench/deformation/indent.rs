@@ -31,7 +31,15 @@ impl World {
         let scene = Scene::build(&loaded.spec, Path::new(".")).map_err(|e| e.to_string())?;
         let state = scene.initial_state();
         let scratch = scene.scratch(&state);
-        Ok(Self { scene, state, scratch, seq: 0, ticks_s: Vec::new(), work_j: 0.0, last: None })
+        Ok(Self {
+            scene,
+            state,
+            scratch,
+            seq: 0,
+            ticks_s: Vec::new(),
+            work_j: 0.0,
+            last: None,
+        })
     }
 
     pub(super) fn at(&mut self, position: [f64; 3]) -> TickOutput {
@@ -95,10 +103,14 @@ struct Held {
     ripple_n: f64,
 }
 
-/// The force of a tick, held until its mean over 0.1 s changes by less than 1e-5 from one to the next, or for two seconds;
-/// quick: 1e-4, or one second.
+/// The force of a tick, held until its mean over 0.1 s changes by less than 1e-5 from one to the
+/// next, or for two seconds; quick: 1e-4, or one second.
 fn settled(dt_s: f64, effort: Effort, mut tick: impl FnMut() -> f64) -> Held {
-    let (bursts, share) = if effort == Effort::Quick { (10, 1e-4) } else { (20, 1e-5) };
+    let (bursts, share) = if effort == Effort::Quick {
+        (10, 1e-4)
+    } else {
+        (20, 1e-5)
+    };
     let ticks = (0.1 / dt_s).ceil().max(1.0) as usize;
     let mut held = Held::default();
     for _ in 0..bursts {
@@ -107,7 +119,13 @@ fn settled(dt_s: f64, effort: Effort, mut tick: impl FnMut() -> f64) -> Held {
             let force = tick();
             (sum, least, most) = (sum + force, force.min(least), force.max(most));
         }
-        let before = std::mem::replace(&mut held, Held { force_n: sum / ticks as f64, ripple_n: most - least });
+        let before = std::mem::replace(
+            &mut held,
+            Held {
+                force_n: sum / ticks as f64,
+                ripple_n: most - least,
+            },
+        );
         if (held.force_n - before.force_n).abs() <= share * held.force_n.abs() {
             break;
         }
@@ -118,7 +136,11 @@ fn settled(dt_s: f64, effort: Effort, mut tick: impl FnMut() -> f64) -> Held {
 /// A row with a relative error of a force.
 fn force_row(case: &str, method: &str, mut times: Vec<f64>, error: f64, note: String) -> Row {
     times.sort_by(f64::total_cmp);
-    let at = |share: f64| times.get((times.len().saturating_sub(1) as f64 * share) as usize).copied();
+    let at = |share: f64| {
+        times
+            .get((times.len().saturating_sub(1) as f64 * share) as usize)
+            .copied()
+    };
     Row {
         suite: "deformation",
         case: case.to_owned(),
@@ -144,18 +166,32 @@ pub(super) fn box_row(case: &BoxCase, effort: Effort) -> Row {
     let method = format!("{} {}", case.model, case.method);
     let mut world = match World::new(&case.text()) {
         Ok(world) => world,
-        Err(why) => return Row { method, ..failed(&case.group, &why) },
+        Err(why) => {
+            return Row {
+                method,
+                ..failed(&case.group, &why)
+            };
+        }
     };
     let ticks = (0.1 / case.dt_s).round() as usize;
     for k in 0..=ticks {
         world.at([0.0, 0.0, 0.03 - 0.01 * k as f64 / ticks as f64]);
     }
-    let Held { force_n: force, ripple_n } = world.settle([0.0, 0.0, 0.02], effort);
-    let base = world.scene.lattice(0).zip(world.state.bodies[0].lattice.as_ref());
+    let Held {
+        force_n: force,
+        ripple_n,
+    } = world.settle([0.0, 0.0, 0.02], effort);
+    let base = world
+        .scene
+        .lattice(0)
+        .zip(world.state.bodies[0].lattice.as_ref());
     let base = base.map_or(0.0, |(body, state)| body.base_reaction_n(state).z.abs());
     let error = force / case.scale / BOX_REFERENCE_N - 1.0;
     let [unscaled, ripple, base] = [force, ripple_n, base].map(|force_n| force_n / case.scale);
-    let note = format!("F/scale {unscaled:.4} N, ripple {ripple:.4} N, base {base:.4} N, {}", world.counts());
+    let note = format!(
+        "F/scale {unscaled:.4} N, ripple {ripple:.4} N, base {base:.4} N, {}",
+        world.counts()
+    );
     world.row(&case.group, &method, error, note)
 }
 
@@ -165,13 +201,17 @@ fn first_touch(surface: &Surface) -> f64 {
     let (mut low, mut high) = (0.02, 0.06);
     for _ in 0..60 {
         let middle = 0.5 * (low + high);
-        let gap = solver.closest(surface, &Point3::new(middle, 0.003, 0.045)).signed_distance - 0.01;
+        let gap = solver
+            .closest(surface, &Point3::new(middle, 0.003, 0.045))
+            .signed_distance
+            - 0.01;
         *if gap > 0.0 { &mut high } else { &mut low } = middle;
     }
     high
 }
 
-/// Forces at rest at 1 ... 4 mm beyond `touch`, reached slowly; `tick` is one of 1 ms at x and gives the force.
+/// Forces at rest at 1 ... 4 mm beyond `touch`, reached slowly; `tick` is one of 1 ms at x and
+/// gives the force.
 fn slowly(touch: f64, effort: Effort, mut tick: impl FnMut(f64) -> f64) -> [f64; 4] {
     let mut x = touch + 1e-3;
     [1.0, 2.0, 3.0, 4.0].map(|millimetres| {
@@ -186,9 +226,20 @@ fn slowly(touch: f64, effort: Effort, mut tick: impl FnMut(f64) -> f64) -> [f64;
 
 /// The largest deviation from 2 mm on, with its sign, and all of them in words.
 fn deviations(forces: &[f64; 4]) -> (f64, String) {
-    let each: Vec<f64> = forces.iter().zip(TEARDROP_REFERENCE_N).map(|(f, reference)| f / reference - 1.0).collect();
-    let error = each[1..].iter().copied().fold(0.0, |worst: f64, d| if d.abs() > worst.abs() { d } else { worst });
-    let listed: Vec<String> = forces.iter().zip(&each).map(|(f, d)| format!("{f:.4} ({:+.1} %)", d * 100.0)).collect();
+    let each: Vec<f64> = forces
+        .iter()
+        .zip(TEARDROP_REFERENCE_N)
+        .map(|(f, reference)| f / reference - 1.0)
+        .collect();
+    let error = each[1..].iter().copied().fold(
+        0.0,
+        |worst: f64, d| if d.abs() > worst.abs() { d } else { worst },
+    );
+    let listed: Vec<String> = forces
+        .iter()
+        .zip(&each)
+        .map(|(f, d)| format!("{f:.4} ({:+.1} %)", d * 100.0))
+        .collect();
     (error, format!("{} N", listed.join(" ")))
 }
 
@@ -196,10 +247,17 @@ fn deviations(forces: &[f64; 4]) -> (f64, String) {
 pub(super) fn teardrop_row(case: &TeardropCase, effort: Effort) -> Row {
     let mut world = match World::new(&case.text(1_000)) {
         Ok(world) => world,
-        Err(why) => return Row { method: case.method.clone(), ..failed(&case.name, &why) },
+        Err(why) => {
+            return Row {
+                method: case.method.clone(),
+                ..failed(&case.name, &why)
+            };
+        }
     };
     let touch = first_touch(world.scene.rest_surface(0));
-    let forces = slowly(touch, effort, |x| world.at([x, 0.003, 0.045]).tools[0].force_n.x);
+    let forces = slowly(touch, effort, |x| {
+        world.at([x, 0.003, 0.045]).tools[0].force_n.x
+    });
     let (error, listed) = deviations(&forces);
     let note = format!("{listed}, {}", world.counts());
     world.row(&case.name, &case.method, error, note)
@@ -210,7 +268,12 @@ pub(super) fn refit_row(case: &str, net: Option<[usize; 2]>, effort: Effort) -> 
     let method = net.map_or("free nodes".to_owned(), |_| "refit".to_owned());
     let mut refit = match Refit::new(12, net) {
         Ok(refit) => refit,
-        Err(why) => return Row { method, ..failed(case, &why) },
+        Err(why) => {
+            return Row {
+                method,
+                ..failed(case, &why)
+            };
+        }
     };
     let touch = first_touch(&refit.surface);
     let (mut times, mut work_j, mut last) = (Vec::new(), 0.0, touch + 1e-3);
@@ -223,8 +286,15 @@ pub(super) fn refit_row(case: &str, net: Option<[usize; 2]>, effort: Effort) -> 
         force
     });
     let (error, listed) = deviations(&forces);
-    let (energy_j, free) = (refit.body.energy_j(&refit.state), refit.body.unknown_count());
-    let note = format!("{listed}, {:.4} of {:.4} mJ stored, {free} free coordinates", energy_j * 1e3, work_j * 1e3);
+    let (energy_j, free) = (
+        refit.body.energy_j(&refit.state),
+        refit.body.unknown_count(),
+    );
+    let note = format!(
+        "{listed}, {:.4} of {:.4} mJ stored, {free} free coordinates",
+        energy_j * 1e3,
+        work_j * 1e3
+    );
     force_row(case, &method, times, error, note)
 }
 

@@ -3,8 +3,8 @@
 use super::super::measure::{clocked, time};
 use super::{Effort, Row};
 use crate::body::{
-    Continuum, CubeLattice, Elastic, Inside, Integrator, Material, Solid, SomSettings, SpringRule, StepSettings,
-    layers, preset, som, transfinite,
+    Continuum, CubeLattice, Elastic, Inside, Integrator, Material, Solid, SomSettings, SpringRule,
+    StepSettings, layers, preset, som, transfinite,
 };
 use crate::math::{Point3, Rows};
 use crate::surface::builtin;
@@ -24,10 +24,20 @@ pub(super) fn rows(effort: Effort, wanted: &dyn Fn(&str) -> bool, out: &mut dyn 
 }
 
 fn calls(effort: Effort) -> (usize, Duration) {
-    if effort == Effort::Quick { (200, Duration::from_millis(200)) } else { (5_000, Duration::from_secs(5)) }
+    if effort == Effort::Quick {
+        (200, Duration::from_millis(200))
+    } else {
+        (5_000, Duration::from_secs(5))
+    }
 }
 
-fn row(case: &str, method: &str, times: super::super::measure::Times, error: (f64, &'static str), note: String) -> Row {
+fn row(
+    case: &str,
+    method: &str,
+    times: super::super::measure::Times,
+    error: (f64, &'static str),
+    note: String,
+) -> Row {
     Row {
         suite: "deformation",
         case: case.to_owned(),
@@ -45,25 +55,43 @@ fn row(case: &str, method: &str, times: super::super::measure::Times, error: (f6
 
 /// A cube of 0.1 m, its lowest nodes fixed.
 fn cube(nodes: usize) -> Option<(CubeLattice, Vec<bool>)> {
-    let cube = CubeLattice::cuboid(&Point3::origin(), &Point3::new(0.1, 0.1, 0.1), [nodes; 3]).ok()?;
+    let cube =
+        CubeLattice::cuboid(&Point3::origin(), &Point3::new(0.1, 0.1, 0.1), [nodes; 3]).ok()?;
     let fixed = cube.grid.nodes.iter().map(|p| p.z <= 1e-9).collect();
     Some((cube, fixed))
 }
 
-/// One pass over the springs of a cube, as explicit steps do many; error: the sum of all forces, which is zero.
+/// One pass over the springs of a cube, as explicit steps do many; error: the sum of all forces,
+/// which is zero.
 fn springs(case: &str, nodes: usize, effort: Effort, out: &mut dyn FnMut(Row)) {
-    let (Some((cube, fixed)), Some(gel)) = (cube(nodes), preset("gel")) else { return };
+    let (Some((cube, fixed)), Some(gel)) = (cube(nodes), preset("gel")) else {
+        return;
+    };
     let material: Material = gel.material;
-    let settings = StepSettings { dt_s: 1e-4, integrator: Integrator::Explicit { substeps: 1 }, sleep_m_s: 0.0 };
-    let solid = Solid::whole(&cube.grid, &fixed, 1e-3, Inside::Springs(SpringRule::Moduli), |_| material);
-    let Ok(body) = solid.build(&material, settings) else { return };
+    let settings = StepSettings {
+        dt_s: 1e-4,
+        integrator: Integrator::Explicit { substeps: 1 },
+        sleep_m_s: 0.0,
+    };
+    let solid = Solid::whole(
+        &cube.grid,
+        &fixed,
+        1e-3,
+        Inside::Springs(SpringRule::Moduli),
+        |_| material,
+    );
+    let Ok(body) = solid.build(&material, settings) else {
+        return;
+    };
     let mut state = body.rest_state();
     for (k, p) in state.positions.iter_mut().enumerate() {
         p.x += 1e-4 * libm::sin(k as f64);
     }
     let mut scratch = body.scratch();
     let (n, patience) = calls(effort);
-    let times = time(n, patience, |_| clocked(|| body.internal_forces(&state, &mut scratch)[0][0]).0);
+    let times = time(n, patience, |_| {
+        clocked(|| body.internal_forces(&state, &mut scratch)[0][0]).0
+    });
     let forces = body.internal_forces(&state, &mut scratch);
     let (mut sum, mut largest) = ([0.0; 3], 0.0_f64);
     for force in forces {
@@ -78,18 +106,39 @@ fn springs(case: &str, nodes: usize, effort: Effort, out: &mut dyn FnMut(Row)) {
         body.spring_count(),
         times.median_s * 1e9 / body.spring_count() as f64
     );
-    out(row(case, "springs", times, (miss, "of the largest force"), note));
+    out(row(
+        case,
+        "springs",
+        times,
+        (miss, "of the largest force"),
+        note,
+    ));
 }
 
 fn continuum(case: &str, nodes: usize, effort: Effort, out: &mut dyn FnMut(Row)) {
     let Some((cube, _)) = cube(nodes) else { return };
-    let elastic = vec![Elastic { young_pa: 20e3, poisson: 0.3 }; cube.grid.cells.len()];
-    let Ok(continuum) = Continuum::new(&cube.grid, &elastic) else { return };
-    let places: Rows =
-        cube.grid.nodes.iter().enumerate().map(|(k, p)| [p.x + 1e-4 * libm::sin(k as f64), p.y, p.z, 0.0]).collect();
+    let elastic = vec![
+        Elastic {
+            young_pa: 20e3,
+            poisson: 0.3
+        };
+        cube.grid.cells.len()
+    ];
+    let Ok(continuum) = Continuum::new(&cube.grid, &elastic) else {
+        return;
+    };
+    let places: Rows = cube
+        .grid
+        .nodes
+        .iter()
+        .enumerate()
+        .map(|(k, p)| [p.x + 1e-4 * libm::sin(k as f64), p.y, p.z, 0.0])
+        .collect();
     let mut residual = Rows::zeros(places.len());
     let (n, patience) = calls(effort);
-    let times = time(n, patience, |_| clocked(|| continuum.add_forces(&places, &mut residual)).0);
+    let times = time(n, patience, |_| {
+        clocked(|| continuum.add_forces(&places, &mut residual)).0
+    });
     let note = format!(
         "{} cells, {:.1} ns a cell",
         cube.grid.cells.len(),
@@ -100,41 +149,67 @@ fn continuum(case: &str, nodes: usize, effort: Effort, out: &mut dyn FnMut(Row))
 
 /// Lattices in the teardrop; error: volume of the cells against that of the surface.
 fn builds(effort: Effort, wanted: &dyn Fn(&str) -> bool, out: &mut dyn FnMut(Row)) {
-    let Ok(surface) = builtin("teardrop", Some([8, 8]), None) else { return };
+    let Ok(surface) = builtin("teardrop", Some([8, 8]), None) else {
+        return;
+    };
     let enclosed = surface.volume();
     let mut cube = |case: &str, method: &str, build: &dyn Fn() -> Option<CubeLattice>| {
         if !wanted(case) {
             return;
         }
         let mut made = None;
-        let times = time(if effort == Effort::Quick { 1 } else { 5 }, Duration::from_secs(20), |_| {
-            let (took, lattice) = clocked(build);
-            made = lattice;
-            took
-        });
+        let times = time(
+            if effort == Effort::Quick { 1 } else { 5 },
+            Duration::from_secs(20),
+            |_| {
+                let (took, lattice) = clocked(build);
+                made = lattice;
+                took
+            },
+        );
         let Some(lattice) = made else { return };
         let quality = lattice.quality();
         let note = format!(
             "least scaled Jacobian {:.3}, edge spread {:.2}, {} folded",
             quality.least_scaled_jacobian, quality.edge_spread, quality.folded_cells
         );
-        out(row(case, method, times, (quality.volume_error(enclosed), "of the volume"), note));
+        out(row(
+            case,
+            method,
+            times,
+            (quality.volume_error(enclosed), "of the volume"),
+            note,
+        ));
     };
     for nodes in [12, 30] {
-        cube(&format!("build/transfinite/{nodes}"), "transfinite", &|| transfinite(&surface, [nodes; 3]).ok());
+        cube(
+            &format!("build/transfinite/{nodes}"),
+            "transfinite",
+            &|| transfinite(&surface, [nodes; 3]).ok(),
+        );
     }
-    let sides: &[usize] = if effort == Effort::Quick { &[12] } else { &[10, 12, 20, 30] };
+    let sides: &[usize] = if effort == Effort::Quick {
+        &[12]
+    } else {
+        &[10, 12, 20, 30]
+    };
     for &nodes in sides {
         let build = || som(&surface, [nodes; 3], &SomSettings::default()).ok();
         cube(&format!("build/som/{nodes}"), "som", &build);
     }
     let case = "build/layers/22x23x4";
     if wanted(case) {
-        let Ok(fine) = surface.refined_to(22, 23) else { return };
+        let Ok(fine) = surface.refined_to(22, 23) else {
+            return;
+        };
         let rings = layers::Rings {
             around: 22,
             along: 23,
-            ends: layers::RingEnds { axis_closed: false, first_pole: true, last_pole: true },
+            ends: layers::RingEnds {
+                axis_closed: false,
+                first_pole: true,
+                last_pole: true,
+            },
             u_around: true,
             columns: fine.net().columns(),
         };
@@ -145,11 +220,19 @@ fn builds(effort: Effort, wanted: &dyn Fn(&str) -> bool, out: &mut dyn FnMut(Row
             grid = Some(made);
             took
         });
-        let Some(quality) = grid.map(|grid| grid.quality()) else { return };
+        let Some(quality) = grid.map(|grid| grid.quality()) else {
+            return;
+        };
         let note = format!(
             "least scaled Jacobian {:.3} (cells with eight corners), edge spread {:.2}, {} folded",
             quality.least_scaled_jacobian_hexahedra, quality.edge_spread, quality.folded_cells
         );
-        out(row(case, "layers", times, (quality.volume_error(enclosed), "of the volume"), note));
+        out(row(
+            case,
+            "layers",
+            times,
+            (quality.volume_error(enclosed), "of the volume"),
+            note,
+        ));
     }
 }

@@ -25,15 +25,24 @@ struct Pressed {
 }
 
 /// Rows of all stiffnesses; only of the least and the greatest when `hurried`.
-pub(super) fn rows(effort: Effort, hurried: bool, wanted: &dyn Fn(&str) -> bool, out: &mut dyn FnMut(Row)) {
-    for (scale, label) in SCALES.into_iter().filter(|(scale, _)| !hurried || [1.0, 1000.0].contains(scale)) {
+pub(super) fn rows(
+    effort: Effort,
+    hurried: bool,
+    wanted: &dyn Fn(&str) -> bool,
+    out: &mut dyn FnMut(Row),
+) {
+    for (scale, label) in SCALES
+        .into_iter()
+        .filter(|(scale, _)| !hurried || [1.0, 1000.0].contains(scale))
+    {
         let case = format!("indent/12/{label}");
         #[cfg(feature = "bench-peers")]
         if wanted(&format!("indent/12/rapier3d/{label}")) || wanted(&format!("{case}/rapier3d")) {
             rapier(&case, scale, effort, out);
         }
         for engine in ["mujoco", "pybullet"] {
-            if wanted(&format!("indent/12/{engine}/{label}")) || wanted(&format!("{case}/{engine}")) {
+            if wanted(&format!("indent/12/{engine}/{label}")) || wanted(&format!("{case}/{engine}"))
+            {
                 python(&case, engine, scale, effort, out);
             }
         }
@@ -42,7 +51,11 @@ pub(super) fn rows(effort: Effort, hurried: bool, wanted: &dyn Fn(&str) -> bool,
 
 /// 0.1 s of pressing, then held.
 fn ticks(effort: Effort) -> [usize; 2] {
-    if effort == Effort::Quick { [100, 60] } else { [100, 500] }
+    if effort == Effort::Quick {
+        [100, 60]
+    } else {
+        [100, 500]
+    }
 }
 
 #[cfg(feature = "bench-peers")]
@@ -81,34 +94,64 @@ fn rapier(case: &str, scale: f64, effort: Effort, out: &mut dyn FnMut(Row)) {
 }
 
 fn python(case: &str, engine: &str, scale: f64, effort: Effort, out: &mut dyn FnMut(Row)) {
-    let Ok(program) = std::env::var(PYTHON) else { return };
+    let Ok(program) = std::env::var(PYTHON) else {
+        return;
+    };
     match pressed(&program, engine, scale, ticks(effort)) {
         Ok(pressed) => out(row(case, scale, &pressed)),
-        Err(why) => out(Row { method: engine.to_owned(), peer: true, ..super::indent::failed(case, &why) }),
+        Err(why) => out(Row {
+            method: engine.to_owned(),
+            peer: true,
+            ..super::indent::failed(case, &why)
+        }),
     }
 }
 
 /// What the script says; or why it says nothing.
-fn pressed(program: &str, engine: &str, scale: f64, [press, hold]: [usize; 2]) -> Result<Pressed, String> {
+fn pressed(
+    program: &str,
+    engine: &str,
+    scale: f64,
+    [press, hold]: [usize; 2],
+) -> Result<Pressed, String> {
     let mut command = Command::new(program);
-    command.args(["-", engine, &scale.to_string(), &press.to_string(), &hold.to_string()]);
-    let child = command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn();
+    command.args([
+        "-",
+        engine,
+        &scale.to_string(),
+        &press.to_string(),
+        &hold.to_string(),
+    ]);
+    let child = command
+        .stdin(Stdio::piped())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn();
     let mut child = child.map_err(|e| format!("{program}: {e}"))?;
     if let Some(mut stdin) = child.stdin.take() {
-        stdin.write_all(SCRIPT.as_bytes()).map_err(|e| format!("{program}: {e}"))?;
+        stdin
+            .write_all(SCRIPT.as_bytes())
+            .map_err(|e| format!("{program}: {e}"))?;
     }
-    let output = child.wait_with_output().map_err(|e| format!("{program}: {e}"))?;
+    let output = child
+        .wait_with_output()
+        .map_err(|e| format!("{program}: {e}"))?;
     let said = String::from_utf8_lossy(&output.stdout);
     parsed(&said).ok_or_else(|| {
         let errors = String::from_utf8_lossy(&output.stderr);
-        let last = errors.lines().rfind(|line| !line.trim().is_empty()).unwrap_or("no message");
+        let last = errors
+            .lines()
+            .rfind(|line| !line.trim().is_empty())
+            .unwrap_or("no message");
         format!("{engine} did not run: {last}")
     })
 }
 
 /// The last line that is an answer: engines print banners.
 fn parsed(said: &str) -> Option<Pressed> {
-    said.lines().rev().find_map(|line| serde_json::from_str(line).ok())
+    said.lines()
+        .rev()
+        .find_map(|line| serde_json::from_str(line).ok())
 }
 
 fn row(case: &str, scale: f64, pressed: &Pressed) -> Row {
@@ -125,7 +168,10 @@ fn row(case: &str, scale: f64, pressed: &Pressed) -> Row {
         error_unit: "of the force",
         n: pressed.n,
         wrong: None,
-        note: format!("F/scale {:.4} N, {least:.4} to {most:.4} N while held", unscaled(pressed.force_n)),
+        note: format!(
+            "F/scale {:.4} N, {least:.4} to {most:.4} N while held",
+            unscaled(pressed.force_n)
+        ),
     }
 }
 
@@ -138,13 +184,20 @@ mod tests {
         let said = "engine 4.0\n{\"method\": \"m\", \"median_s\": 0.01, \"p99_s\": 0.02, \"force_n\": 42.0, \
                     \"range_n\": [40.0, 44.0], \"n\": 200}\n";
         let row = row("indent/12/x10", 10.0, &parsed(said).unwrap());
-        assert!((row.error - (4.2 / 5.25 - 1.0)).abs() < 1e-12 && row.peer, "{row:?}");
+        assert!(
+            (row.error - (4.2 / 5.25 - 1.0)).abs() < 1e-12 && row.peer,
+            "{row:?}"
+        );
         assert!(row.note.contains("4.0000 to 4.4000"), "{}", row.note);
         assert_eq!(parsed("engine 4.0\n"), None);
     }
 
     #[test]
     fn a_python_that_is_not_there_is_a_reason_and_no_panic() {
-        assert!(pressed("no-such-python", "mujoco", 1.0, [1, 1]).unwrap_err().contains("no-such-python"));
+        assert!(
+            pressed("no-such-python", "mujoco", 1.0, [1, 1])
+                .unwrap_err()
+                .contains("no-such-python")
+        );
     }
 }

@@ -1,6 +1,8 @@
-//! A block of plasticine pressed by a given force, then left alone: the thesis' figures 5.9 (force) and 5.10 (stiffness).
+//! A block of plasticine pressed by a given force, then left alone: the thesis' figures 5.9 (force)
+//! and 5.10 (stiffness).
 //!
-//! A ball of 10 mm on a block of 0.1 × 0.1 × 0.06 m, its bottom fixed, pressed in or pulled out by its grip.
+//! A ball of 10 mm on a block of 0.1 × 0.1 × 0.06 m, its bottom fixed, pressed in or pulled out by
+//! its grip.
 
 use super::indent::{World, failed};
 use super::scenes::plasticine_text;
@@ -42,7 +44,12 @@ fn cases(effort: Effort) -> Vec<(String, bool, f64, f64)> {
     };
     for (pulled, way) in [(true, "pull"), (false, "press")] {
         for &force in forces {
-            cases.push((format!("plasticine/force/{force}/{way}"), pulled, f64::from(force), YOUNG_PA));
+            cases.push((
+                format!("plasticine/force/{force}/{way}"),
+                pulled,
+                f64::from(force),
+                YOUNG_PA,
+            ));
         }
         for &mega in stiffnesses {
             let name = format!("plasticine/stiffness/{mega}/{way}");
@@ -52,9 +59,15 @@ fn cases(effort: Effort) -> Vec<(String, bool, f64, f64)> {
     cases
 }
 
-pub(super) fn rows(effort: Effort, wanted: &dyn Fn(&str) -> bool, out: &mut dyn FnMut(Row)) -> Vec<Sweep> {
+pub(super) fn rows(
+    effort: Effort,
+    wanted: &dyn Fn(&str) -> bool,
+    out: &mut dyn FnMut(Row),
+) -> Vec<Sweep> {
     let mut sweeps = Vec::new();
-    for (case, pulled, force_n, young_pa) in cases(effort).into_iter().filter(|(case, ..)| wanted(case)) {
+    for (case, pulled, force_n, young_pa) in
+        cases(effort).into_iter().filter(|(case, ..)| wanted(case))
+    {
         match swept(&case, pulled, force_n, young_pa, effort) {
             Ok((row, sweep)) => {
                 out(row);
@@ -66,7 +79,13 @@ pub(super) fn rows(effort: Effort, wanted: &dyn Fn(&str) -> bool, out: &mut dyn 
     sweeps
 }
 
-fn swept(case: &str, pulled: bool, force_n: f64, young_pa: f64, effort: Effort) -> Result<(Row, Sweep), String> {
+fn swept(
+    case: &str,
+    pulled: bool,
+    force_n: f64,
+    young_pa: f64,
+    effort: Effort,
+) -> Result<(Row, Sweep), String> {
     let mut world = World::new(&plasticine_text(young_pa))?;
     let held = if effort == Effort::Quick { 400 } else { 1_500 };
     let (button, along) = if pulled { (GRAB, 1.0) } else { (0, -1.0) };
@@ -75,8 +94,8 @@ fn swept(case: &str, pulled: bool, force_n: f64, young_pa: f64, effort: Effort) 
     for _ in 0..20 {
         world.pressing([0.0, 0.0, z], button);
     }
-    // A hand that keeps the force: each tick it makes up for a fiftieth of what is missing, by the block's stiffness
-    // under this ball.
+    // A hand that keeps the force: each tick it makes up for a fiftieth of what is missing, by the
+    // block's stiffness under this ball.
     let gain_m_n = 0.02 / (PRESS_N_M * young_pa / YOUNG_PA);
     let mut force = 0.0;
     for _ in 0..held {
@@ -87,9 +106,22 @@ fn swept(case: &str, pulled: bool, force_n: f64, young_pa: f64, effort: Effort) 
     for _ in 0..held.min(1_000) {
         world.pressing([0.0, 0.0, 0.05], 0);
     }
-    let sweep = Sweep { pulled, force_n, young_pa, loaded_m, kept_m: along * middle(&world) };
-    let note = format!("{:.4} mm under the force, {:.4} mm stay", sweep.loaded_m * 1e3, sweep.kept_m * 1e3);
-    let row = Row { error_unit: "of the load", ..world.row(case, "lattice implicit", force / force_n - 1.0, note) };
+    let sweep = Sweep {
+        pulled,
+        force_n,
+        young_pa,
+        loaded_m,
+        kept_m: along * middle(&world),
+    };
+    let note = format!(
+        "{:.4} mm under the force, {:.4} mm stay",
+        sweep.loaded_m * 1e3,
+        sweep.kept_m * 1e3
+    );
+    let row = Row {
+        error_unit: "of the load",
+        ..world.row(case, "lattice implicit", force / force_n - 1.0, note)
+    };
     Ok((row, sweep))
 }
 
@@ -127,15 +159,33 @@ pub fn plasticine_picture(sweeps: &[Sweep]) -> String {
             let chosen: Vec<&Sweep> = sweeps
                 .iter()
                 .filter(|s| {
-                    s.pulled == pulled && if over_force { s.young_pa == YOUNG_PA } else { s.force_n == FORCE_N }
+                    s.pulled == pulled
+                        && if over_force {
+                            s.young_pa == YOUNG_PA
+                        } else {
+                            s.force_n == FORCE_N
+                        }
                 })
                 .collect();
             let mut add = |name: String, of: fn(&Sweep) -> f64| {
-                let x = |s: &Sweep| if over_force { s.force_n } else { s.young_pa * 1e-6 };
-                let mut points: Vec<(f64, f64)> = chosen.iter().map(|s| (x(s), of(s) * 1e3)).collect();
+                let x = |s: &Sweep| {
+                    if over_force {
+                        s.force_n
+                    } else {
+                        s.young_pa * 1e-6
+                    }
+                };
+                let mut points: Vec<(f64, f64)> =
+                    chosen.iter().map(|s| (x(s), of(s) * 1e3)).collect();
                 points.sort_by(|a, b| a.0.total_cmp(&b.0));
                 points.dedup();
-                curves.push(Curve { name, points, lined: true, hollow: !pulled, titles: Vec::new() });
+                curves.push(Curve {
+                    name,
+                    points,
+                    lined: true,
+                    hollow: !pulled,
+                    titles: Vec::new(),
+                });
             };
             add(format!("{way}, under load"), |s| s.loaded_m);
             add(format!("{way}, what stays"), |s| s.kept_m);
@@ -150,8 +200,16 @@ pub fn plasticine_picture(sweeps: &[Sweep]) -> String {
         curves: curves(over_force),
     };
     chart::page(&[
-        chart("Plasticine, 13 MN/m², 2,500 kg/m³: displacement over force", "force, N", true),
-        chart("Plasticine under 30 N: displacement over stiffness", "Young's modulus, MN/m²", false),
+        chart(
+            "Plasticine, 13 MN/m², 2,500 kg/m³: displacement over force",
+            "force, N",
+            true,
+        ),
+        chart(
+            "Plasticine under 30 N: displacement over stiffness",
+            "Young's modulus, MN/m²",
+            false,
+        ),
     ])
 }
 
@@ -160,17 +218,31 @@ mod tests {
     use super::*;
 
     fn sweep(force_n: f64, young_pa: f64, loaded_m: f64) -> Sweep {
-        Sweep { pulled: false, force_n, young_pa, loaded_m, kept_m: 0.5 * loaded_m }
+        Sweep {
+            pulled: false,
+            force_n,
+            young_pa,
+            loaded_m,
+            kept_m: 0.5 * loaded_m,
+        }
     }
 
     #[test]
     fn table_and_picture_show_every_sweep() {
-        let sweeps = [sweep(10.0, YOUNG_PA, 1e-4), sweep(30.0, YOUNG_PA, 4e-4), sweep(30.0, 5e6, 9e-4)];
+        let sweeps = [
+            sweep(10.0, YOUNG_PA, 1e-4),
+            sweep(30.0, YOUNG_PA, 4e-4),
+            sweep(30.0, 5e6, 9e-4),
+        ];
         let text = plasticine_table(&sweeps);
         assert_eq!(text.lines().count(), 3);
-        assert!(text.contains("0.9000 mm under load") && text.contains("0.4500 mm stay"), "{text}");
+        assert!(
+            text.contains("0.9000 mm under load") && text.contains("0.4500 mm stay"),
+            "{text}"
+        );
         let svg = plasticine_picture(&sweeps);
-        // Two sweeps over force and two over stiffness (30 N at 13 MN/m² is in both), each loaded and kept.
+        // Two sweeps over force and two over stiffness (30 N at 13 MN/m² is in both), each loaded
+        // and kept.
         assert_eq!(svg.matches("<title>").count(), 8, "{svg}");
         assert_eq!(plasticine_table(&[]), "");
     }

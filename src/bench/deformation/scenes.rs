@@ -1,7 +1,12 @@
 //! The scenes of the suite, as text.
 
 /// Stiffnesses of the box, as multiples of 20 kPa.
-pub(super) const SCALES: [(f64, &str); 4] = [(1.0, "x1"), (10.0, "x10"), (100.0, "x100"), (1000.0, "x1000")];
+pub(super) const SCALES: [(f64, &str); 4] = [
+    (1.0, "x1"),
+    (10.0, "x10"),
+    (100.0, "x100"),
+    (1000.0, "x1000"),
+];
 
 /// The lowest part of the teardrop, up to this height, is fixed, m.
 pub(super) const TEARDROP_FIXED_M: f64 = 0.015;
@@ -48,7 +53,10 @@ impl BoxCase {
 
     /// One model and method beside the others that press the same box.
     fn beside(name: String, group: &str, model: &'static str) -> Self {
-        Self { group: group.to_owned(), ..Self::new(&name, model, 12) }
+        Self {
+            group: group.to_owned(),
+            ..Self::new(&name, model, 12)
+        }
     }
 
     pub(super) fn all() -> Vec<Self> {
@@ -56,40 +64,95 @@ impl BoxCase {
         for (scale, label) in SCALES {
             let group = format!("indent/12/{label}");
             let lattice = |method, substeps| {
-                let case = Self::beside(format!("indent/12/lattice/{method}/{label}"), &group, "lattice");
-                Self { method, scale, substeps, ..case }
+                let case = Self::beside(
+                    format!("indent/12/lattice/{method}/{label}"),
+                    &group,
+                    "lattice",
+                );
+                Self {
+                    method,
+                    scale,
+                    substeps,
+                    ..case
+                }
             };
             cases.push(lattice("implicit", 1));
-            // Explicit steps of a stiff body are many: substeps grow with the square root of E, or with E where it is damped.
-            cases.push(Self { long: scale > 1.0, ..lattice("explicit", 1) });
-            cases.push(Self { long: scale > 1.0 && scale < 1000.0, ..lattice("xpbd", 10) });
-            cases.push(Self { scale, ..Self::beside(format!("indent/12/continuum/{label}"), &group, "continuum") });
+            // Explicit steps of a stiff body are many: substeps grow with the square root of E, or
+            // with E where it is damped.
+            cases.push(Self {
+                long: scale > 1.0,
+                ..lattice("explicit", 1)
+            });
+            cases.push(Self {
+                long: scale > 1.0 && scale < 1000.0,
+                ..lattice("xpbd", 10)
+            });
+            cases.push(Self {
+                scale,
+                ..Self::beside(format!("indent/12/continuum/{label}"), &group, "continuum")
+            });
         }
         for nodes in [6, 8, 16] {
             for model in ["lattice", "continuum"] {
                 let case = Self::new(&format!("indent/{nodes}/{model}"), model, nodes);
-                cases.push(Self { long: nodes == 16, ..case });
+                cases.push(Self {
+                    long: nodes == 16,
+                    ..case
+                });
             }
         }
-        cases.push(Self { cells: 11, ..Self::new("indent/12/net", "net", 8) });
-        cases.push(Self { cells: 11, ..Self::new("indent/12/net/10", "net", 10) });
-        cases.push(Self { cells: 29, long: true, ..Self::new("indent/30/net", "net", 8) });
-        for (dt_s, label) in [(0.5e-3, "0.5ms"), (2e-3, "2ms"), (5e-3, "5ms"), (20e-3, "20ms")] {
+        cases.push(Self {
+            cells: 11,
+            ..Self::new("indent/12/net", "net", 8)
+        });
+        cases.push(Self {
+            cells: 11,
+            ..Self::new("indent/12/net/10", "net", 10)
+        });
+        cases.push(Self {
+            cells: 29,
+            long: true,
+            ..Self::new("indent/30/net", "net", 8)
+        });
+        for (dt_s, label) in [
+            (0.5e-3, "0.5ms"),
+            (2e-3, "2ms"),
+            (5e-3, "5ms"),
+            (20e-3, "20ms"),
+        ] {
             for model in ["lattice", "continuum"] {
                 let case = Self::new(&format!("indent/12/{model}/dt/{label}"), model, 12);
-                cases.push(Self { dt_s, long: label == "0.5ms" || model == "continuum", ..case });
+                cases.push(Self {
+                    dt_s,
+                    long: label == "0.5ms" || model == "continuum",
+                    ..case
+                });
             }
         }
         for iterations in [2, 3] {
             let name = format!("indent/12/continuum/iterations/{iterations}");
-            cases.push(Self { iterations, long: true, ..Self::new(&name, "continuum", 12) });
+            cases.push(Self {
+                iterations,
+                long: true,
+                ..Self::new(&name, "continuum", 12)
+            });
         }
         cases
     }
 
     /// The scene: net on top, copies below.
     pub(super) fn text(&self) -> String {
-        let Self { model, method, nodes, cells, scale, dt_s, iterations, substeps, .. } = self;
+        let Self {
+            model,
+            method,
+            nodes,
+            cells,
+            scale,
+            dt_s,
+            iterations,
+            substeps,
+            ..
+        } = self;
         let rate = (1.0 / dt_s).round();
         let (per_span, layers) = (cells.div_ceil(nodes - 2), cells);
         format!(
@@ -117,13 +180,17 @@ device = {{ force_max_n = 1e9, ramp_s = 0.0 }}
     }
 }
 
-/// A biquadratic square of 0.1 m whose control points are evenly spaced, so that cells below them are cubes.
+/// A biquadratic square of 0.1 m whose control points are evenly spaced, so that cells below them
+/// are cubes.
 fn flat_surface(nodes: usize) -> String {
-    let knots: Vec<String> =
-        (0..nodes + 3).map(|k| format!("{:?}", (k.clamp(2, nodes) - 2) as f64 / (nodes - 2) as f64)).collect();
+    let knots: Vec<String> = (0..nodes + 3)
+        .map(|k| format!("{:?}", (k.clamp(2, nodes) - 2) as f64 / (nodes - 2) as f64))
+        .collect();
     let at = |k: usize| 0.1 * k as f64 / (nodes - 1) as f64 - 0.05;
     let row = |i: usize| {
-        let points: Vec<String> = (0..nodes).map(|j| format!("[{:?}, {:?}, 0.0]", at(i), at(j))).collect();
+        let points: Vec<String> = (0..nodes)
+            .map(|j| format!("[{:?}, {:?}, 0.0]", at(i), at(j)))
+            .collect();
         format!("[{}]", points.join(", "))
     };
     let rows: Vec<String> = (0..nodes).map(row).collect();
@@ -149,13 +216,23 @@ pub(super) struct TeardropCase {
 impl TeardropCase {
     pub(super) fn new(name: &str, model: &'static str, refine: &str, layers: usize) -> Self {
         let lattice = format!("layers = {layers}, refine = {refine}");
-        Self { name: name.to_owned(), method: model.to_owned(), model, lattice, seed_springs: false }
+        Self {
+            name: name.to_owned(),
+            method: model.to_owned(),
+            model,
+            lattice,
+            seed_springs: false,
+        }
     }
 
     /// A cube of nodes, the outermost on the surface.
     fn riding(name: &str, refine: &str) -> Self {
         let lattice = format!("builder = \"transfinite\", nodes = [12, 12, 12], refine = {refine}");
-        Self { method: "lattice riding".to_owned(), lattice, ..Self::new(name, "lattice", refine, 4) }
+        Self {
+            method: "lattice riding".to_owned(),
+            lattice,
+            ..Self::new(name, "lattice", refine, 4)
+        }
     }
 
     pub(super) fn all() -> Vec<Self> {
@@ -169,8 +246,18 @@ impl TeardropCase {
             Self::new("indent/teardrop/lattice/12x13", "lattice", "[12, 13]", 4),
             Self::new("indent/teardrop/lattice/22x23", "lattice", "[22, 23]", 4),
             Self::new("indent/teardrop/continuum", "continuum", "\"auto\"", 4),
-            Self::new("indent/teardrop/continuum/12x13", "continuum", "[12, 13]", 4),
-            Self::new("indent/teardrop/continuum/22x23", "continuum", "[22, 23]", 4),
+            Self::new(
+                "indent/teardrop/continuum/12x13",
+                "continuum",
+                "[12, 13]",
+                4,
+            ),
+            Self::new(
+                "indent/teardrop/continuum/22x23",
+                "continuum",
+                "[22, 23]",
+                4,
+            ),
             Self::new("indent/teardrop/net", "net", "\"auto\"", 2),
             Self::new("indent/teardrop/net/12x13", "net", "[12, 13]", 2),
             Self::new("indent/teardrop/net/16x17", "net", "[16, 17]", 2),
@@ -184,7 +271,11 @@ impl TeardropCase {
 
     pub(super) fn text(&self, rate_hz: u32) -> String {
         let Self { model, lattice, .. } = self;
-        let springs = if self.seed_springs { ", springs = \"seed\"" } else { "" };
+        let springs = if self.seed_springs {
+            ", springs = \"seed\""
+        } else {
+            ""
+        };
         format!(
             r#"
 [loop]
@@ -242,12 +333,23 @@ mod tests {
 
     #[test]
     fn every_scene_of_the_suite_is_one_and_the_cases_people_ask_for_are_there() {
-        let mut scenes: Vec<(String, String)> = BoxCase::all().iter().map(|c| (c.name.clone(), c.text())).collect();
-        scenes.extend(TeardropCase::all().iter().map(|c| (c.name.clone(), c.text(1_000))));
+        let mut scenes: Vec<(String, String)> = BoxCase::all()
+            .iter()
+            .map(|c| (c.name.clone(), c.text()))
+            .collect();
+        scenes.extend(
+            TeardropCase::all()
+                .iter()
+                .map(|c| (c.name.clone(), c.text(1_000))),
+        );
         scenes.push(("plasticine".to_owned(), plasticine_text(13e6)));
         for (name, text) in &scenes {
             let parsed = file::parse(text, "bench.toml", Path::new("."));
-            assert!(parsed.is_ok(), "{name}: {:?}", parsed.err().map(|e| e.to_string()));
+            assert!(
+                parsed.is_ok(),
+                "{name}: {:?}",
+                parsed.err().map(|e| e.to_string())
+            );
         }
         for part in [
             "indent/12/lattice/implicit/x1000",
@@ -258,7 +360,10 @@ mod tests {
             "indent/teardrop/continuum",
             "indent/teardrop/net",
         ] {
-            assert!(scenes.iter().any(|(name, _)| name.contains(part)), "no case is called {part}");
+            assert!(
+                scenes.iter().any(|(name, _)| name.contains(part)),
+                "no case is called {part}"
+            );
         }
         let mut names: Vec<&String> = scenes.iter().map(|(name, _)| name).collect();
         names.sort();

@@ -45,9 +45,16 @@ impl Task {
         let stroke = |t_s: f64, down_s: f64, hold_s: f64, rise_s: f64| -> (f64, f64) {
             let turn = |t: f64| {
                 let s = (t / rise_s).clamp(0.0, 1.0);
-                let rate = if (0.0..1.0).contains(&(t / rise_s)) { 1.0 / rise_s } else { 0.0 };
+                let rate = if (0.0..1.0).contains(&(t / rise_s)) {
+                    1.0 / rise_s
+                } else {
+                    0.0
+                };
                 let angle = std::f64::consts::PI * s;
-                (0.5 - 0.5 * libm::cos(angle), 0.5 * std::f64::consts::PI * libm::sin(angle) * rate)
+                (
+                    0.5 - 0.5 * libm::cos(angle),
+                    0.5 * std::f64::consts::PI * libm::sin(angle) * rate,
+                )
             };
             let (down, up) = (turn(t_s - down_s), turn(t_s - down_s - rise_s - hold_s));
             (down.0 - up.0, down.1 - up.1)
@@ -57,15 +64,28 @@ impl Task {
             Self::Tap => (stroke(t_s % 0.5, 0.05, 0.05, 0.12), 0.0, 0.0),
             Self::Slide => {
                 let w = std::f64::consts::TAU * 0.5;
-                (stroke(t_s, 0.2, 1e9, 0.5), 0.03 * libm::sin(w * t_s), 0.03 * w * libm::cos(w * t_s))
+                (
+                    stroke(t_s, 0.2, 1e9, 0.5),
+                    0.03 * libm::sin(w * t_s),
+                    0.03 * w * libm::cos(w * t_s),
+                )
             }
         };
         Goal::moving([x, 0.0, height - fall * share], [v, 0.0, -fall * rate])
     }
 }
 
-pub(super) fn run(effort: Effort, wanted: &dyn Fn(&str) -> bool, out: &mut dyn FnMut(Figure), traces: &mut Vec<Trace>) {
-    let presets: &[&str] = if effort == Effort::Quick { &["ideal"] } else { &["ideal", "touch", "omega.3"] };
+pub(super) fn run(
+    effort: Effort,
+    wanted: &dyn Fn(&str) -> bool,
+    out: &mut dyn FnMut(Figure),
+    traces: &mut Vec<Trace>,
+) {
+    let presets: &[&str] = if effort == Effort::Quick {
+        &["ideal"]
+    } else {
+        &["ideal", "touch", "omega.3"]
+    };
     for delay_s in DELAYS_S {
         for (control, name) in [(false, "off"), (true, "on")] {
             let case = format!("energy/delay/{}/{name}", (delay_s * 1e3).round());
@@ -80,7 +100,13 @@ pub(super) fn run(effort: Effort, wanted: &dyn Fn(&str) -> bool, out: &mut dyn F
     }
 }
 
-fn figure(case: &str, model: &DeviceModel, delay_s: f64, control: bool, traces: &mut Vec<Trace>) -> Figure {
+fn figure(
+    case: &str,
+    model: &DeviceModel,
+    delay_s: f64,
+    control: bool,
+    traces: &mut Vec<Trace>,
+) -> Figure {
     let mut worst = (f64::NEG_INFINITY, String::new());
     let mut ripple: f64 = 0.0;
     for hand in [Hand::light(), Hand::relaxed(), Hand::firm()] {
@@ -91,12 +117,20 @@ fn figure(case: &str, model: &DeviceModel, delay_s: f64, control: bool, traces: 
             }
             ripple = ripple.max(run.swing_m);
             if model.name == "ideal" && hand.name == "light" && task == Task::Press {
-                let name = format!("{} ms each way, control {}", delay_s * 1e3, if control { "on" } else { "off" });
-                traces.push(Trace { name, points: run.trace });
+                let name = format!(
+                    "{} ms each way, control {}",
+                    delay_s * 1e3,
+                    if control { "on" } else { "off" }
+                );
+                traces.push(Trace {
+                    name,
+                    points: run.trace,
+                });
             }
         }
     }
-    // What an encoder cannot show, nobody can keep account of: one of its steps at the greatest force, for each contact.
+    // What an encoder cannot show, nobody can keep account of: one of its steps at the greatest
+    // force, for each contact.
     Figure {
         suite: "haptics",
         case: case.to_owned(),
@@ -106,7 +140,11 @@ fn figure(case: &str, model: &DeviceModel, delay_s: f64, control: bool, traces: 
         reference: 0.0,
         reference_is: "passive",
         bar: control.then_some(Bar::AtMost(0.0)),
-        note: format!("worst: {}; held still, it moves by {:.2} mm", worst.1, ripple * 1e3),
+        note: format!(
+            "worst: {}; held still, it moves by {:.2} mm",
+            worst.1,
+            ripple * 1e3
+        ),
     }
 }
 
@@ -139,5 +177,9 @@ fn session(model: &DeviceModel, hand: &Hand, task: Task, delay_s: f64, control: 
         }
     }
     let swing_m = if high > low { high - low } else { 0.0 };
-    Run { made_j: -rig.device.energy().loop_j, swing_m, trace }
+    Run {
+        made_j: -rig.device.energy().loop_j,
+        swing_m,
+        trace,
+    }
 }

@@ -42,7 +42,15 @@ pub(super) fn run(wanted: &dyn Fn(&str) -> bool, out: &mut dyn FnMut(Figure)) {
                 }
                 held = -tool.force_n.x / tool.force_n.z;
             }
-            let mut row = figure("friction/threshold", format!("μ = {mu}"), held, "1", mu, "μ", 1.01 * mu);
+            let mut row = figure(
+                "friction/threshold",
+                format!("μ = {mu}"),
+                held,
+                "1",
+                mu,
+                "μ",
+                1.01 * mu,
+            );
             row.note = format!("{:+.2} %", (held / mu - 1.0) * 100.0);
             out(row);
         }
@@ -61,6 +69,14 @@ pub(super) fn run(wanted: &dyn Fn(&str) -> bool, out: &mut dyn FnMut(Figure)) {
             }
             drift = drift.max(libm::hypot(now[0] - place[0], now[1] - place[1]));
         }
-        out(figure("friction/drift", "60 s, trembling".to_owned(), drift, "m", 0.0, "at rest", 1e-9));
+        out(figure(
+            "friction/drift",
+            "60 s, trembling".to_owned(),
+            drift,
+            "m",
+            0.0,
+            "at rest",
+            1e-9,
+        ));
     }
 }

@@ -1,4 +1,5 @@
-//! A thousand hands: whatever the hand, a device whose coupling is within its limits gives back no more than it got.
+//! A thousand hands: whatever the hand, a device whose coupling is within its limits gives back no
+//! more than it got.
 
 use super::energy::Task;
 use super::rig::{Rig, World, wall};
@@ -14,7 +15,8 @@ pub struct HandsReport {
     pub hands: usize,
     /// Of those, how many felt a force.
     pub touched: usize,
-    /// Greatest energy that a device gave a hand beyond what it had got, over that of one encoder step at the greatest force.
+    /// Greatest energy that a device gave a hand beyond what it had got, over that of one encoder
+    /// step at the greatest force.
     pub worst_of_quantum: f64,
     /// Which.
     pub worst: String,
@@ -29,16 +31,25 @@ impl Random {
     }
 
     fn share(&mut self) -> f64 {
-        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        self.0 = self
+            .0
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1_442_695_040_888_963_407);
         (self.0 >> 11) as f64 / (1u64 << 53) as f64
     }
 }
 
-/// Lets `count` seeded hands press, tap and slide for three seconds each on a wall as stiff as their device's limit allows.
+/// Lets `count` seeded hands press, tap and slide for three seconds each on a wall as stiff as
+/// their device's limit allows.
 pub fn hands(count: usize, seed: u64) -> HandsReport {
     let models = devices();
     let mut random = Random(seed);
-    let mut report = HandsReport { hands: count, touched: 0, worst_of_quantum: 0.0, worst: String::new() };
+    let mut report = HandsReport {
+        hands: count,
+        touched: 0,
+        worst_of_quantum: 0.0,
+        worst: String::new(),
+    };
     for k in 0..count {
         let model = &models[k % models.len()];
         let hand = Hand {
@@ -46,14 +57,25 @@ pub fn hands(count: usize, seed: u64) -> HandsReport {
             mass_kg: random.between(0.005, 0.3),
             stiffness_n_m: random.between(20.0, 3_000.0),
             damping_n_s_m: random.between(0.1, 40.0),
-            tremor_m: if random.share() < 0.5 { random.between(1e-5, 1e-3) } else { 0.0 },
+            tremor_m: if random.share() < 0.5 {
+                random.between(1e-5, 1e-3)
+            } else {
+                0.0
+            },
             ..Hand::relaxed()
         };
         let (task, depth_m) = (Task::ALL[k / models.len() % 3], random.between(1e-3, 2e-2));
         let limit = figures(model, 1e-3).stiffness_limits(0.0).passive_n_m();
         let stiffness = limit * random.between(0.2, 1.0);
         let world = World::new(&wall(stiffness, 0.0, ""));
-        let mut rig = Rig::new(world, (model, &hand), task.goal(0.0, depth_m).position, 0.0, None, seed ^ k as u64);
+        let mut rig = Rig::new(
+            world,
+            (model, &hand),
+            task.goal(0.0, depth_m).position,
+            0.0,
+            None,
+            seed ^ k as u64,
+        );
         let (mut peak_n, mut given): (f64, f64) = (0.0, 0.0);
         for _ in 0..3_000 {
             let out = rig.period(task.goal(rig.device.time_s() + 0.5e-3, depth_m));
@@ -65,8 +87,12 @@ pub fn hands(count: usize, seed: u64) -> HandsReport {
         let quantum_j = (peak_n * model.encoder_m).max(1e-9);
         if given / quantum_j > report.worst_of_quantum {
             report.worst_of_quantum = given / quantum_j;
-            report.worst =
-                format!("{}, {}, {stiffness:.0} N/m, hand {:.0} N/m", model.name, task.name(), hand.stiffness_n_m);
+            report.worst = format!(
+                "{}, {}, {stiffness:.0} N/m, hand {:.0} N/m",
+                model.name,
+                task.name(),
+                hand.stiffness_n_m
+            );
         }
     }
     report

@@ -1,7 +1,8 @@
-//! The haptics suite: how stiff a wall each device can hold, what energy the loop makes over delays, how near to the analytic
-//! force it renders, and how fast and how punctual it is.
+//! The haptics suite: how stiff a wall each device can hold, what energy the loop makes over
+//! delays, how near to the analytic force it renders, and how fast and how punctual it is.
 //!
-//! Devices and hands are simulated, in lockstep with the loop, so all but the last two cases give the same figures everywhere.
+//! Devices and hands are simulated, in lockstep with the loop, so all but the last two cases give
+//! the same figures everywhere.
 
 mod energy;
 mod friction;
@@ -31,7 +32,8 @@ pub struct Drawn {
     pub traces: Vec<Trace>,
 }
 
-/// Runs the suite; `only` keeps the cases whose names contain it. Each figure is handed out as soon as it is measured.
+/// Runs the suite; `only` keeps the cases whose names contain it. Each figure is handed out as soon
+/// as it is measured.
 pub fn haptics(effort: Effort, only: Option<&str>, out: &mut dyn FnMut(Figure)) -> Drawn {
     let wanted = |case: &str| only.is_none_or(|part| case.contains(part));
     let mut drawn = Drawn::default();

@@ -1,4 +1,5 @@
-//! How punctual the loop is beside a bare timer, and how long a pose takes to its force beside a bare ping.
+//! How punctual the loop is beside a bare timer, and how long a pose takes to its force beside a
+//! bare ping.
 
 use super::processes::{Files, Process, connect, free_port};
 use super::{Bar, Figure};
@@ -22,7 +23,11 @@ const TEARDROP: &str = include_str!("../../../scenes/teardrop.toml");
 
 pub(super) fn run(effort: Effort, wanted: &dyn Fn(&str) -> bool, out: &mut dyn FnMut(Figure)) {
     if wanted("latency/pose-force") {
-        match latency(if effort == Effort::Quick { 1_000 } else { 10_000 }) {
+        match latency(if effort == Effort::Quick {
+            1_000
+        } else {
+            10_000
+        }) {
             Ok(figures) => figures.into_iter().for_each(&mut *out),
             Err(error) => eprintln!("latency/pose-force: {error}"),
         }
@@ -88,9 +93,19 @@ fn latency(count: usize) -> anyhow::Result<Vec<Figure>> {
     let note = format!("{} round trips, {lost} without answer", times.len());
     let row = |method: &str, q: f64, bar_s: f64| {
         let (reference, bar) = ((raw(q), "raw Zenoh"), Bar::AtMost(bar_s));
-        figure("latency/pose-force", method, quantile(q), "s", reference, bar)
+        figure(
+            "latency/pose-force",
+            method,
+            quantile(q),
+            "s",
+            reference,
+            bar,
+        )
     };
-    let (half, tail) = (row("median", 0.5, raw(0.5) + 0.55e-3), row("p99", 0.99, 2.0 * raw(0.99) + 1e-3));
+    let (half, tail) = (
+        row("median", 0.5, raw(0.5) + 0.55e-3),
+        row("p99", 0.99, 2.0 * raw(0.99) + 1e-3),
+    );
     Ok(vec![Figure { note, ..half }, tail])
 }
 
@@ -113,12 +128,29 @@ fn lateness(seconds: u64) -> anyhow::Result<Vec<Figure>> {
         bare.0.max() as f64 * 1e-3,
         whole.map_or(0.0, |h| us(h, 0.5)),
         whole.map_or(0.0, |h| us(h, 0.99)),
-        if report.privileges.fifo { "granted" } else { "refused" },
+        if report.privileges.fifo {
+            "granted"
+        } else {
+            "refused"
+        },
     );
     let case = "lateness/realtime";
-    let on_time =
-        figure(case, "ticks within 100 µs", punctual, "1", (bare_punctual, "bare timer"), Bar::AtLeast(0.999));
-    let skipped = figure(case, "deadlines skipped", report.skipped as f64, "1", (0.0, "none"), Bar::AtMost(0.0));
+    let on_time = figure(
+        case,
+        "ticks within 100 µs",
+        punctual,
+        "1",
+        (bare_punctual, "bare timer"),
+        Bar::AtLeast(0.999),
+    );
+    let skipped = figure(
+        case,
+        "deadlines skipped",
+        report.skipped as f64,
+        "1",
+        (0.0, "none"),
+        Bar::AtMost(0.0),
+    );
     Ok(vec![Figure { note, ..on_time }, skipped])
 }
 
@@ -139,7 +171,9 @@ fn bare_timer(ticks: u64) -> anyhow::Result<(Histogram, u64)> {
         }
         (histogram, late)
     });
-    thread.join().map_err(|_| anyhow::anyhow!("the timer's thread panicked"))
+    thread
+        .join()
+        .map_err(|_| anyhow::anyhow!("the timer's thread panicked"))
 }
 
 /// The loop on the teardrop, pressed 4 mm deep and let go, over and over.
@@ -147,7 +181,11 @@ fn loop_at_work(ticks: u64) -> anyhow::Result<DriverReport> {
     let loaded = file::parse(TEARDROP, "teardrop.toml", Path::new("."))?;
     let scene = Arc::new(Scene::build(&loaded.spec, Path::new("."))?);
     let (tick_ports, mut bus_ports) = ports(&scene);
-    let settings = DriverSettings { clock: Clock::Realtime, ticks: Some(ticks), privileged: true };
+    let settings = DriverSettings {
+        clock: Clock::Realtime,
+        ticks: Some(ticks),
+        privileged: true,
+    };
     let driver = driver::start(scene, tick_ports, Box::new(NoJournal), settings)?;
     let mut seq = 0;
     while !driver.is_finished() {
@@ -167,5 +205,7 @@ fn loop_at_work(ticks: u64) -> anyhow::Result<DriverReport> {
         while bus_ports.records.pop().is_ok() {}
         bus_ports.nets.iter_mut().for_each(|net| net.newest(|_| {}));
     }
-    driver.join().map_err(|_| anyhow::anyhow!("the tick thread panicked"))
+    driver
+        .join()
+        .map_err(|_| anyhow::anyhow!("the tick thread panicked"))
 }

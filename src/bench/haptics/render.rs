@@ -13,8 +13,16 @@ type Core = fn([f64; 3]) -> ([f64; 3], f64);
 
 pub(super) fn run(wanted: &dyn Fn(&str) -> bool, out: &mut dyn FnMut(Figure)) {
     let bodies: [(&str, String, Core); 3] = [
-        ("sphere", format!("{{ builtin = \"sphere\", size = {BODY_M} }}"), |_| ([0.0; 3], BODY_M)),
-        ("plane", "{ builtin = \"sheet\", size = 0.4 }".to_owned(), |p| ([p[0], p[1], 0.0], 0.0)),
+        (
+            "sphere",
+            format!("{{ builtin = \"sphere\", size = {BODY_M} }}"),
+            |_| ([0.0; 3], BODY_M),
+        ),
+        (
+            "plane",
+            "{ builtin = \"sheet\", size = 0.4 }".to_owned(),
+            |p| ([p[0], p[1], 0.0], 0.0),
+        ),
         ("cylinder", cylinder(), |p| ([0.0, 0.0, p[2]], BODY_M)),
     ];
     for (name, surface, core) in bodies {
@@ -32,24 +40,48 @@ pub(super) fn run(wanted: &dyn Fn(&str) -> bool, out: &mut dyn FnMut(Figure)) {
             reference: 0.0,
             reference_is: "analytic",
             bar: Some(Bar::AtMost(1e-3)),
-            note: format!("root mean square over that of the force; worst {worst:.1e}; {touched} ticks in touch"),
+            note: format!(
+                "root mean square over that of the force; worst {worst:.1e}; {touched} ticks in touch"
+            ),
         });
     }
 }
 
 /// The wall of a cylinder about z, as a quadratic NURBS.
 fn cylinder() -> String {
-    let ring = [(1, 0), (1, 1), (0, 1), (-1, 1), (-1, 0), (-1, -1), (0, -1), (1, -1), (1, 0)];
+    let ring = [
+        (1, 0),
+        (1, 1),
+        (0, 1),
+        (-1, 1),
+        (-1, 0),
+        (-1, -1),
+        (0, -1),
+        (1, -1),
+        (1, 0),
+    ];
     let points: Vec<String> = ring
         .iter()
         .map(|(x, y)| {
-            let at = |z: f64| format!("[{:?}, {:?}, {z:?}]", BODY_M * f64::from(*x), BODY_M * f64::from(*y));
+            let at = |z: f64| {
+                format!(
+                    "[{:?}, {:?}, {z:?}]",
+                    BODY_M * f64::from(*x),
+                    BODY_M * f64::from(*y)
+                )
+            };
             format!("[{}, {}]", at(-0.1), at(0.1))
         })
         .collect();
     let corner = std::f64::consts::FRAC_1_SQRT_2;
     let weights: Vec<String> = (0..9)
-        .map(|k| if k % 2 == 0 { "[1.0, 1.0]".to_owned() } else { format!("[{corner:?}, {corner:?}]") })
+        .map(|k| {
+            if k % 2 == 0 {
+                "[1.0, 1.0]".to_owned()
+            } else {
+                format!("[{corner:?}, {corner:?}]")
+            }
+        })
         .collect();
     format!(
         "{{ inline = {{ format = \"palpate.surface.v1\", degree = [2, 1], periodic = [false, false], \
@@ -72,9 +104,21 @@ fn along_path(surface: &str, name: &str, core: Core) -> (f64, f64, usize) {
         let (a, b) = (0.9 * t + 0.3, 0.6 * libm::sin(0.7 * t));
         let far = BODY_M + TOOL_M - depth;
         match name {
-            "plane" => [0.06 * libm::sin(1.1 * t), 0.05 * libm::cos(0.8 * t), TOOL_M - depth],
-            "cylinder" => [far * libm::cos(a), far * libm::sin(a), 0.05 * libm::sin(0.7 * t)],
-            _ => [far * libm::cos(a) * libm::cos(b), far * libm::sin(a) * libm::cos(b), far * libm::sin(b)],
+            "plane" => [
+                0.06 * libm::sin(1.1 * t),
+                0.05 * libm::cos(0.8 * t),
+                TOOL_M - depth,
+            ],
+            "cylinder" => [
+                far * libm::cos(a),
+                far * libm::sin(a),
+                0.05 * libm::sin(0.7 * t),
+            ],
+            _ => [
+                far * libm::cos(a) * libm::cos(b),
+                far * libm::sin(a) * libm::cos(b),
+                far * libm::sin(b),
+            ],
         }
     };
     // Out of touch to the path's begin.
@@ -95,7 +139,10 @@ fn along_path(surface: &str, name: &str, core: Core) -> (f64, f64, usize) {
         let distance = (away[0] * away[0] + away[1] * away[1] + away[2] * away[2]).sqrt();
         let push = (STIFFNESS_N_M * (radius + TOOL_M - distance)).max(0.0);
         let force = world.at(p).force_n;
-        let miss: f64 = (0..3).map(|c| force[c] - push * away[c] / distance).map(|x| x * x).sum();
+        let miss: f64 = (0..3)
+            .map(|c| force[c] - push * away[c] / distance)
+            .map(|x| x * x)
+            .sum();
         squares += miss;
         forces += push * push;
         worst = worst.max(miss.sqrt());

@@ -4,7 +4,9 @@ use crate::scene::{Scene, SceneState, Scratch, file};
 use crate::tick::record::{TickInput, ToolOutput};
 use crate::tick::step;
 use crate::wire;
-use palpate_client::device::{Channel, DeviceModel, Goal, Hand, Network, Passivity, SimulatedDevice};
+use palpate_client::device::{
+    Channel, DeviceModel, Goal, Hand, Network, Passivity, SimulatedDevice,
+};
 use palpate_proto::messages::ToolPose;
 use std::path::Path;
 
@@ -19,11 +21,18 @@ pub(super) struct World {
 impl World {
     /// The text is one of ours.
     pub fn new(text: &str) -> Self {
-        let loaded = file::parse(text, "bench.toml", Path::new(".")).unwrap_or_else(|error| panic!("{text}\n{error}"));
-        let scene = Scene::build(&loaded.spec, Path::new(".")).unwrap_or_else(|error| panic!("{text}\n{error}"));
+        let loaded = file::parse(text, "bench.toml", Path::new("."))
+            .unwrap_or_else(|error| panic!("{text}\n{error}"));
+        let scene = Scene::build(&loaded.spec, Path::new("."))
+            .unwrap_or_else(|error| panic!("{text}\n{error}"));
         let state = scene.initial_state();
         let scratch = scene.scratch(&state);
-        Self { scene, state, scratch, seq: 0 }
+        Self {
+            scene,
+            state,
+            scratch,
+            seq: 0,
+        }
     }
 
     /// One tick; a pose, or none.
@@ -31,7 +40,10 @@ impl World {
         let mut input = TickInput::default();
         input.poses[0] = pose.map(|pose| {
             self.seq += 1;
-            wire::device_pose(&ToolPose { seq: self.seq, ..*pose })
+            wire::device_pose(&ToolPose {
+                seq: self.seq,
+                ..*pose
+            })
         });
         step(&self.scene, &mut self.state, &mut self.scratch, &input).tools[0]
     }
@@ -73,7 +85,11 @@ impl Rig {
         passivity: Option<Passivity>,
         seed: u64,
     ) -> Self {
-        let channel = || Network { delay_s, seed, ..Network::default() };
+        let channel = || Network {
+            delay_s,
+            seed,
+            ..Network::default()
+        };
         let dt_s = world.scene.dt_s;
         Self {
             device: SimulatedDevice::new(model.clone(), hand.clone(), start, seed),
@@ -86,10 +102,13 @@ impl Rig {
         }
     }
 
-    /// One period: the device moves under the force it holds, reports where it is, and gets what has arrived.
+    /// One period: the device moves under the force it holds, reports where it is, and gets what
+    /// has arrived.
     pub fn period(&mut self, goal: Goal) -> ToolOutput {
         let held = match &mut self.passivity {
-            Some(passivity) => passivity.force(self.force_n, self.device.pose().position, self.dt_s),
+            Some(passivity) => {
+                passivity.force(self.force_n, self.device.pose().position, self.dt_s)
+            }
             None => self.force_n,
         };
         self.device.advance(goal, held, self.dt_s);

@@ -1,4 +1,5 @@
-//! Four devices in four processes hold contact with rigid and soft bodies for ten minutes: nothing drifts, nothing grows.
+//! Four devices in four processes hold contact with rigid and soft bodies for ten minutes: nothing
+//! drifts, nothing grows.
 //!
 //! In lockstep: ten minutes of the devices' time, whatever else the machine does.
 
@@ -12,13 +13,37 @@ const SCENE: &str = include_str!("../../../scenes/four-hands.toml");
 /// Tool, device, hand, from where, to where it presses.
 type Part = (&'static str, &'static str, &'static str, [f64; 3], [f64; 3]);
 
-/// Devices with much dry friction come to rest anywhere within it, and their tremor brings them on for minutes: the falcon is
-/// held fast by its own, the others have little or none.
+/// Devices with much dry friction come to rest anywhere within it, and their tremor brings them on
+/// for minutes: the falcon is held fast by its own, the others have little or none.
 const PARTS: [Part; 4] = [
-    ("tip", "touch-x", "relaxed", [0.3, 0.0, 0.06], [0.302, 0.001, 0.037]),
-    ("ring", "ideal", "firm", [0.38, 0.0, 0.0], [0.3585, 0.001, 0.002]),
-    ("ball", "ideal", "relaxed", [0.06, 0.003, 0.045], [0.026, 0.003, 0.045]),
-    ("plate", "falcon", "relaxed", [0.06, 0.2, 0.045], [0.0135, 0.2, 0.045]),
+    (
+        "tip",
+        "touch-x",
+        "relaxed",
+        [0.3, 0.0, 0.06],
+        [0.302, 0.001, 0.037],
+    ),
+    (
+        "ring",
+        "ideal",
+        "firm",
+        [0.38, 0.0, 0.0],
+        [0.3585, 0.001, 0.002],
+    ),
+    (
+        "ball",
+        "ideal",
+        "relaxed",
+        [0.06, 0.003, 0.045],
+        [0.026, 0.003, 0.045],
+    ),
+    (
+        "plate",
+        "falcon",
+        "relaxed",
+        [0.06, 0.2, 0.045],
+        [0.0135, 0.2, 0.045],
+    ),
 ];
 /// Until everything presses.
 const SETTLE_S: f64 = 5.0;
@@ -43,7 +68,9 @@ impl Moments {
     }
 
     fn deviation(&self) -> f64 {
-        (self.squares / self.count.max(1.0) - self.mean() * self.mean()).max(0.0).sqrt()
+        (self.squares / self.count.max(1.0) - self.mean() * self.mean())
+            .max(0.0)
+            .sqrt()
     }
 }
 
@@ -59,12 +86,18 @@ fn hold(seconds: f64) -> anyhow::Result<Vec<Figure>> {
     let files = Files::new("soak")?;
     let scene = files.write("four-hands.toml", SCENE)?;
     let endpoint = format!("tcp/127.0.0.1:{}", free_port()?);
-    let daemon = Process::start(&["serve", &scene, "--clock", "lockstep", "--listen", &endpoint])?;
+    let daemon = Process::start(&[
+        "serve", &scene, "--clock", "lockstep", "--listen", &endpoint,
+    ])?;
     let palpate = connect(&endpoint)?;
     let mut devices = Vec::new();
     for (k, (tool, device, hand, from, to)) in PARTS.iter().enumerate() {
-        let waypoint = |t: f64, p: &[f64; 3]| format!("[[waypoint]]\ntime_s = {t:?}\nposition = {p:?}\n");
-        let motion = files.write(&format!("{tool}.toml"), &(waypoint(0.0, from) + &waypoint(3.0, to)))?;
+        let waypoint =
+            |t: f64, p: &[f64; 3]| format!("[[waypoint]]\ntime_s = {t:?}\nposition = {p:?}\n");
+        let motion = files.write(
+            &format!("{tool}.toml"),
+            &(waypoint(0.0, from) + &waypoint(3.0, to)),
+        )?;
         let (seed, length) = ((k + 1).to_string(), format!("{}s", seconds + 30.0));
         devices.push(Process::start(&[
             "device",
@@ -86,7 +119,10 @@ fn hold(seconds: f64) -> anyhow::Result<Vec<Figure>> {
             &endpoint,
         ])?);
     }
-    let watched = PARTS.iter().map(|part| palpate.forces(part.0)).collect::<Result<Vec<_>, _>>()?;
+    let watched = PARTS
+        .iter()
+        .map(|part| palpate.forces(part.0))
+        .collect::<Result<Vec<_>, _>>()?;
     let mut tenths = [[Moments::default(); 10]; PARTS.len()];
     let mut least_j = [0.0f64; PARTS.len()];
     let statuses = palpate.statuses()?;
@@ -102,7 +138,10 @@ fn hold(seconds: f64) -> anyhow::Result<Vec<Figure>> {
                 tenths[tool][(share * 10.0) as usize].add(size);
             }
         }
-        anyhow::ensure!(moved.elapsed() < Duration::from_secs(20), "no tick since tick {ticks}");
+        anyhow::ensure!(
+            moved.elapsed() < Duration::from_secs(20),
+            "no tick since tick {ticks}"
+        );
         if let Some(status) = statuses.take() {
             for (least, link) in least_j.iter_mut().zip(&status.tools) {
                 *least = least.min(link.energy_j);
@@ -116,7 +155,11 @@ fn hold(seconds: f64) -> anyhow::Result<Vec<Figure>> {
     let mut figures = Vec::new();
     for (k, part) in PARTS.iter().enumerate() {
         let (first, last) = (&tenths[k][0], &tenths[k][9]);
-        let made = status.tools.iter().position(|link| link.tool == part.0).map_or(0.0, |at| least_j[at]);
+        let made = status
+            .tools
+            .iter()
+            .position(|link| link.tool == part.0)
+            .map_or(0.0, |at| least_j[at]);
         let figure = |case: &str, value, reference, reference_is, bar, note| Figure {
             suite: "haptics",
             case: case.to_owned(),
@@ -137,10 +180,29 @@ fn hold(seconds: f64) -> anyhow::Result<Vec<Figure>> {
             status.tick,
         );
         let drift = (last.mean() / first.mean() - 1.0).abs();
-        figures.push(figure("soak/drift", drift, 0.0, "steady", Bar::AtMost(0.01), whole));
+        figures.push(figure(
+            "soak/drift",
+            drift,
+            0.0,
+            "steady",
+            Bar::AtMost(0.01),
+            whole,
+        ));
         let growth = (last.deviation() - first.deviation()) / first.mean();
-        let note = format!("tremor of {:.3} N, after {:.0} s {:.3} N", first.deviation(), seconds, last.deviation());
-        figures.push(figure("soak/growth", growth, 0.0, "steady", Bar::AtMost(0.02), note));
+        let note = format!(
+            "tremor of {:.3} N, after {:.0} s {:.3} N",
+            first.deviation(),
+            seconds,
+            last.deviation()
+        );
+        figures.push(figure(
+            "soak/growth",
+            growth,
+            0.0,
+            "steady",
+            Bar::AtMost(0.02),
+            note,
+        ));
     }
     Ok(figures)
 }

@@ -4,16 +4,40 @@ use super::{Trace, WidthCurve};
 use crate::bench::chart::{Chart, Curve, Scale, Unit, page};
 
 fn curve(name: String, points: Vec<(f64, f64)>, lined: bool, hollow: bool) -> Curve {
-    Curve { name, points, lined, hollow, titles: Vec::new() }
+    Curve {
+        name,
+        points,
+        lined,
+        hollow,
+        titles: Vec::new(),
+    }
 }
 
-/// Stiffest steady walls over the damping of the coupling, measured (marks) and by theory (lines): an SVG document.
+/// Stiffest steady walls over the damping of the coupling, measured (marks) and by theory (lines):
+/// an SVG document.
 pub fn zwidth_picture(widths: &[WidthCurve]) -> String {
     let mut curves = Vec::new();
     for width in widths {
-        let points = |values: &[f64]| width.damping_share.iter().copied().zip(values.iter().copied()).collect();
-        curves.push(curve(width.device.clone(), points(&width.measured_n_m), false, false));
-        curves.push(curve(format!("{} (theory)", width.device), points(&width.sampling_n_m), true, true));
+        let points = |values: &[f64]| {
+            width
+                .damping_share
+                .iter()
+                .copied()
+                .zip(values.iter().copied())
+                .collect()
+        };
+        curves.push(curve(
+            width.device.clone(),
+            points(&width.measured_n_m),
+            false,
+            false,
+        ));
+        curves.push(curve(
+            format!("{} (theory)", width.device),
+            points(&width.sampling_n_m),
+            true,
+            true,
+        ));
     }
     page(&[Chart {
         title: "Stiffest wall that does not swing by itself".to_owned(),
@@ -38,7 +62,10 @@ pub fn energy_picture(traces: &[Trace]) -> String {
             .collect(),
     };
     page(&[
-        chart("A light hand presses a wall of 2000 N/m behind a delay, without passivity control", "off"),
+        chart(
+            "A light hand presses a wall of 2000 N/m behind a delay, without passivity control",
+            "off",
+        ),
         chart("The same with passivity control at the device", "on"),
     ])
 }

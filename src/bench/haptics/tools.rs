@@ -1,16 +1,28 @@
-//! Tools of every kind on a rigid and on a soft body, in a hand: no more energy comes out than went in.
+//! Tools of every kind on a rigid and on a soft body, in a hand: no more energy comes out than went
+//! in.
 
 use super::rig::{Rig, World};
 use super::{Bar, Figure};
 use palpate_client::device::{DeviceModel, Goal, Hand};
 
-/// Tool, how its reference point stands off the drop's side at first touch (m), and its coupling for rotation.
+/// Tool, how its reference point stands off the drop's side at first touch (m), and its coupling
+/// for rotation.
 const TOOLS: [(&str, &str, f64, &str); 5] = [
     ("point", "point = {}", 0.0, ""),
     ("sphere", "sphere = { radius_m = 0.01 }", 0.01, ""),
     ("plane", "plane = { normal = [-1.0, 0.0, 0.0] }", 0.0, ""),
-    ("surface", "surface = { builtin = \"torus\", size = 0.01 }", 0.014, ""),
-    ("bar", "cylinder = { radius_m = 0.006, half_length_m = 0.02 }", 0.006, ", turning_stiffness_nm_rad = 0.3"),
+    (
+        "surface",
+        "surface = { builtin = \"torus\", size = 0.01 }",
+        0.014,
+        "",
+    ),
+    (
+        "bar",
+        "cylinder = { radius_m = 0.006, half_length_m = 0.02 }",
+        0.006,
+        ", turning_stiffness_nm_rad = 0.3",
+    ),
 ];
 
 /// How far the side of the drop is from its axis at the height of the tools, m.
@@ -29,7 +41,13 @@ pub(super) fn run(wanted: &dyn Fn(&str) -> bool, out: &mut dyn FnMut(Figure)) {
 }
 
 /// Five seconds: in by 5 mm, to and fro along the body by 5 mm, out, again.
-fn press(case: String, (shape, turning): (&str, &str), touch_m: f64, soft: bool, model: &DeviceModel) -> Figure {
+fn press(
+    case: String,
+    (shape, turning): (&str, &str),
+    touch_m: f64,
+    soft: bool,
+    model: &DeviceModel,
+) -> Figure {
     let body = if soft {
         "model = \"lattice\"\nmaterial = { young_pa = 20e3, density_kg_m3 = 1000.0, damping_s = 2e-3 }\n\
          lattice = { layers = 2, refine = [12, 13] }\nfixed = [{ point = [0.0, 0.0, 0.015], normal = [0.0, 0.0, 1.0] }]\n"
@@ -47,9 +65,23 @@ fn press(case: String, (shape, turning): (&str, &str), touch_m: f64, soft: bool,
         let share = 0.5 - 0.5 * libm::cos(w * t_s);
         let x = touch_m + 0.01 - 0.015 * share;
         let z = 0.045 + 0.005 * libm::sin(u * t_s);
-        Goal::moving([x, 0.003, z], [-0.0075 * w * libm::sin(w * t_s), 0.0, 0.005 * u * libm::cos(u * t_s)])
+        Goal::moving(
+            [x, 0.003, z],
+            [
+                -0.0075 * w * libm::sin(w * t_s),
+                0.0,
+                0.005 * u * libm::cos(u * t_s),
+            ],
+        )
     };
-    let mut rig = Rig::new(World::new(&text), (model, &Hand::relaxed()), goal(0.0).position, 0.0, None, 1);
+    let mut rig = Rig::new(
+        World::new(&text),
+        (model, &Hand::relaxed()),
+        goal(0.0).position,
+        0.0,
+        None,
+        1,
+    );
     let (mut given, mut peak_n, mut touched): (f64, f64, usize) = (0.0, 0.0, 0);
     for _ in 0..5_000 {
         let out = rig.period(goal(rig.device.time_s() + 0.5e-3));

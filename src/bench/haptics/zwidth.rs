@@ -1,5 +1,6 @@
-//! The stiffest wall that a device holds without swinging by itself, over the damping of the coupling, beside the lines of
-//! theory (Colgate & Brown 1994, "Factors affecting the Z-width of a haptic display").
+//! The stiffest wall that a device holds without swinging by itself, over the damping of the
+//! coupling, beside the lines of theory (Colgate & Brown 1994, "Factors affecting the Z-width of a
+//! haptic display").
 
 use super::rig::{Rig, World, wall};
 use super::{Bar, Figure};
@@ -34,7 +35,11 @@ const SIGHT: f64 = 64.0;
 
 /// Figures of a device for the theory. The lag of its amplifier counts as a delay.
 pub(super) fn figures(model: &DeviceModel, dt_s: f64) -> DeviceFigures {
-    let lag_s = if model.bandwidth_hz.is_finite() { 1.0 / (std::f64::consts::TAU * model.bandwidth_hz) } else { 0.0 };
+    let lag_s = if model.bandwidth_hz.is_finite() {
+        1.0 / (std::f64::consts::TAU * model.bandwidth_hz)
+    } else {
+        0.0
+    };
     DeviceFigures {
         damping_n_s_m: model.damping_n_s_m,
         coulomb_n: model.coulomb_n,
@@ -50,7 +55,11 @@ pub(super) fn run(
     out: &mut dyn FnMut(Figure),
     curves: &mut Vec<WidthCurve>,
 ) {
-    let shares: &[f64] = if effort == Effort::Quick { &[0.0] } else { &[0.0, 0.2, 0.4, 0.6, 0.8] };
+    let shares: &[f64] = if effort == Effort::Quick {
+        &[0.0]
+    } else {
+        &[0.0, 0.2, 0.4, 0.6, 0.8]
+    };
     for model in devices() {
         let case = format!("zwidth/{}", model.name);
         if !wanted(&case) {
@@ -58,7 +67,11 @@ pub(super) fn run(
         }
         let theory = figures(&model, 1e-3);
         // Its lines without and with dry friction: as it is, and as Colgate's line has it.
-        let smooth = DeviceModel { coulomb_n: 0.0, encoder_m: 0.0, ..model.clone() };
+        let smooth = DeviceModel {
+            coulomb_n: 0.0,
+            encoder_m: 0.0,
+            ..model.clone()
+        };
         let mut curve = WidthCurve {
             device: model.name.clone(),
             damping_share: Vec::new(),
@@ -74,13 +87,31 @@ pub(super) fn run(
             curve.sampling_n_m.push(limits.sampling_n_m);
         }
         let limits = theory.stiffness_limits(0.0);
-        out(figure(&case, "without dry friction", curve.measured_n_m[0], limits.sampling_n_m, "of 2 b / (T + 2 t)"));
+        out(figure(
+            &case,
+            "without dry friction",
+            curve.measured_n_m[0],
+            limits.sampling_n_m,
+            "of 2 b / (T + 2 t)",
+        ));
         if model.coulomb_n > 0.0 || model.encoder_m > 0.0 {
-            let StiffnessLimits { quantization_n_m, .. } = limits;
+            let StiffnessLimits {
+                quantization_n_m, ..
+            } = limits;
             let passive = limits.passive_n_m();
             let measured = stiffest(&model, 0.0, passive);
-            let mut row = figure(&case, "as it is", measured, passive, "of min(2 b / (T + 2 t), 2 f / Δ)");
-            let more = if measured >= SIGHT * passive { ", and not looked beyond" } else { "" };
+            let mut row = figure(
+                &case,
+                "as it is",
+                measured,
+                passive,
+                "of min(2 b / (T + 2 t), 2 f / Δ)",
+            );
+            let more = if measured >= SIGHT * passive {
+                ", and not looked beyond"
+            } else {
+                ""
+            };
             row.note = format!("{}; 2 f / Δ = {quantization_n_m:.0} N/m{more}", row.note);
             out(row);
         }
@@ -88,7 +119,13 @@ pub(super) fn run(
     }
 }
 
-fn figure(case: &str, method: &str, measured_n_m: f64, line_n_m: f64, reference_is: &'static str) -> Figure {
+fn figure(
+    case: &str,
+    method: &str,
+    measured_n_m: f64,
+    line_n_m: f64,
+    reference_is: &'static str,
+) -> Figure {
     Figure {
         suite: "haptics",
         case: case.to_owned(),
@@ -102,7 +139,8 @@ fn figure(case: &str, method: &str, measured_n_m: f64, line_n_m: f64, reference_
     }
 }
 
-/// Bisection between a steady and a swinging wall, to 0.5 %; what is steady at [`SIGHT`] times the line is not looked beyond.
+/// Bisection between a steady and a swinging wall, to 0.5 %; what is steady at [`SIGHT`] times the
+/// line is not looked beyond.
 fn stiffest(model: &DeviceModel, damping_n_s_m: f64, line_n_m: f64) -> f64 {
     let (mut low, mut high) = (0.0, line_n_m * 0.25);
     while is_steady(model, high, damping_n_s_m) {
@@ -126,7 +164,10 @@ fn stiffest(model: &DeviceModel, damping_n_s_m: f64, line_n_m: f64) -> f64 {
 /// A device that falls on the wall comes to rest on it, or comes nearer to rest.
 fn is_steady(model: &DeviceModel, stiffness_n_m: f64, damping_n_s_m: f64) -> bool {
     // A spring so soft that it is a weight.
-    let hand = Hand { stiffness_n_m: 1e-3, ..Hand::absent() };
+    let hand = Hand {
+        stiffness_n_m: 1e-3,
+        ..Hand::absent()
+    };
     let world = World::new(&wall(stiffness_n_m, damping_n_s_m, ""));
     let start = [0.0, 0.0, DROP_M];
     let mut rig = Rig::new(world, (model, &hand), start, 0.0, None, 1);

@@ -7,8 +7,16 @@ use crate::modeling::branch::{Fork, GOAL_ANGLE_DEG, GOAL_GAP, Measures, Tree, gr
 use std::time::Duration;
 
 const CASES: [(&str, &str, &str); 2] = [
-    ("branch/34x15", "y", include_str!("../../modeling/branch/data/y.toml")),
-    ("branch/68x27", "four", include_str!("../../modeling/branch/data/four.toml")),
+    (
+        "branch/34x15",
+        "y",
+        include_str!("../../modeling/branch/data/y.toml"),
+    ),
+    (
+        "branch/68x27",
+        "four",
+        include_str!("../../modeling/branch/data/four.toml"),
+    ),
 ];
 
 pub(super) fn branch(effort: Effort, wanted: &dyn Fn(&str) -> bool, out: &mut dyn FnMut(Row)) {
@@ -38,7 +46,12 @@ fn generation(case: &str, name: &str, tree: &Tree, effort: Effort, out: &mut dyn
         wrong: Some(measures.misses(GOAL_ANGLE_DEG).len()),
         note: format!(
             "gap {:.1e} m, least sine {:.3}, Euler number {}, {} folded, {} crossing, coverage {:.3}",
-            measures.gap_m, measures.min_sine, measures.euler, measures.folded, measures.crossings, measures.coverage
+            measures.gap_m,
+            measures.min_sine,
+            measures.euler,
+            measures.folded,
+            measures.crossings,
+            measures.coverage
         ),
     });
 }
@@ -46,7 +59,9 @@ fn generation(case: &str, name: &str, tree: &Tree, effort: Effort, out: &mut dyn
 fn measurement(case: &str, name: &str, tree: &Tree, effort: Effort, out: &mut dyn FnMut(Row)) {
     let grown = grow(tree).expect("the tree is part of the program");
     let n = if effort == Effort::Full { 50 } else { 3 };
-    let times = time(n, Duration::from_secs(20), |_| clocked(|| Measures::of(&grown.surface, &grown.patches).0).0);
+    let times = time(n, Duration::from_secs(20), |_| {
+        clocked(|| Measures::of(&grown.surface, &grown.patches).0).0
+    });
     let (measures, _) = Measures::of(&grown.surface, &grown.patches);
     out(Row {
         suite: "modeling",
@@ -59,7 +74,11 @@ fn measurement(case: &str, name: &str, tree: &Tree, effort: Effort, out: &mut dy
         error_unit: "m",
         n: times.n,
         wrong: Some(0),
-        note: format!("{} joints, {} triangles", measures.joints.len(), measures.triangles),
+        note: format!(
+            "{} joints, {} triangles",
+            measures.joints.len(),
+            measures.triangles
+        ),
     });
 }
 
@@ -106,8 +125,13 @@ fn variation(tree: &Tree, random: &mut Random) -> Tree {
     let mut between = |low: f64, high: f64| low + (high - low) * random.unit();
     tree.stem.half_depth_m *= between(0.7, 1.2);
     let mut layer_m = tree.stem.layer_m;
-    let mut forks: Vec<(&mut Fork, f64)> =
-        tree.stem.fork.as_deref_mut().map(|fork| (fork, layer_m)).into_iter().collect();
+    let mut forks: Vec<(&mut Fork, f64)> = tree
+        .stem
+        .fork
+        .as_deref_mut()
+        .map(|fork| (fork, layer_m))
+        .into_iter()
+        .collect();
     while let Some((fork, below_m)) = forks.pop() {
         fork.arch_m *= between(0.9, 1.3);
         fork.raise *= between(0.5, 1.2);

@@ -1,7 +1,9 @@
-//! Merging: the seven cases, by the source's method and by ours, at C² and C⁰, planned and from scratch.
+//! Merging: the seven cases, by the source's method and by ours, at C² and C⁰, planned and from
+//! scratch.
 //!
-//! The error is the standard deviation of the distances of all points that show; the note holds the other statistics and
-//! the seam. `planned` has knots, parameters and fits at hand and new nets; `from scratch` has two surfaces.
+//! The error is the standard deviation of the distances of all points that show; the note holds the
+//! other statistics and the seam. `planned` has knots, parameters and fits at hand and new nets;
+//! `from scratch` has two surfaces.
 
 use crate::basis::KnotVector;
 use crate::bench::inputs::Random;
@@ -36,11 +38,21 @@ fn random(pairs: usize, out: &mut dyn FnMut(Row)) {
         let times = time(pairs, Duration::MAX, |_| {
             let patches = random_pair(&mut random);
             let deviation = |method| {
-                let spec = MergeSpec { continuity, method, ..MergeSpec::default() };
+                let spec = MergeSpec {
+                    continuity,
+                    method,
+                    ..MergeSpec::default()
+                };
                 let (took, merged) = clocked(|| merge_patches(&patches, &spec));
-                (took, merged.ok().map(|merged| merged.report(&patches).deviation.standard_m))
+                (
+                    took,
+                    merged
+                        .ok()
+                        .map(|merged| merged.report(&patches).deviation.standard_m),
+                )
             };
-            let ((took, ours), (_, seed)) = (deviation(Method::Constrained), deviation(Method::Seed));
+            let ((took, ours), (_, seed)) =
+                (deviation(Method::Constrained), deviation(Method::Seed));
             match (ours, seed) {
                 (Some(ours), Some(seed)) => ratios.push(ours / seed),
                 _ => refused += 1,
@@ -48,7 +60,11 @@ fn random(pairs: usize, out: &mut dyn FnMut(Row)) {
             took
         });
         ratios.sort_by(f64::total_cmp);
-        let at = |share: f64| ratios.get((ratios.len().max(1) - 1) * (share * 100.0) as usize / 100).copied();
+        let at = |share: f64| {
+            ratios
+                .get((ratios.len().max(1) - 1) * (share * 100.0) as usize / 100)
+                .copied()
+        };
         out(Row {
             suite: "modeling",
             case: "merge/random100".to_owned(),
@@ -72,17 +88,25 @@ fn random(pairs: usize, out: &mut dyn FnMut(Row)) {
     }
 }
 
-/// Two bicubic patches of 50 × 100 mm side by side, with uneven knots and waves of some millimetres each; their edges are up
-/// to 0.3 mm apart.
+/// Two bicubic patches of 50 × 100 mm side by side, with uneven knots and waves of some millimetres
+/// each; their edges are up to 0.3 mm apart.
 fn random_pair(random: &mut Random) -> [Surface; 2] {
     let columns = 4 + (5.0 * random.unit()) as usize;
     let mut height = || {
         let waves: [[f64; 4]; 3] = std::array::from_fn(|k| {
             let size = 4e-3 / (k + 1) as f64;
-            [size * random.unit(), 90.0 * random.unit(), 60.0 * random.unit(), std::f64::consts::TAU * random.unit()]
+            [
+                size * random.unit(),
+                90.0 * random.unit(),
+                60.0 * random.unit(),
+                std::f64::consts::TAU * random.unit(),
+            ]
         });
         move |x: f64, y: f64| {
-            waves.iter().map(|[size, a, b, phase]| size * libm::sin(a * x + b * y + phase)).sum::<f64>()
+            waves
+                .iter()
+                .map(|[size, a, b, phase]| size * libm::sin(a * x + b * y + phase))
+                .sum::<f64>()
         }
     };
     let (left, right) = (height(), height());
@@ -103,8 +127,10 @@ fn random_pair(random: &mut Random) -> [Surface; 2] {
     let net = |start: f64, knots: &KnotVector, z: &dyn Fn(f64, f64) -> f64| {
         let places = knots.greville();
         let point = |x: f64, y: f64| Point3::new(start + 0.05 * x, 0.1 * y, z(0.05 * x, 0.1 * y));
-        let points =
-            places.iter().flat_map(|&x| v.greville().into_iter().map(move |y| (x, y))).map(|(x, y)| point(x, y));
+        let points = places
+            .iter()
+            .flat_map(|&x| v.greville().into_iter().map(move |y| (x, y)))
+            .map(|(x, y)| point(x, y));
         ControlNet::new(places.len(), columns, points.collect()).expect("a full net")
     };
     // The second begins as high as the first ends, and goes its own way from there.
@@ -119,17 +145,25 @@ fn random_pair(random: &mut Random) -> [Surface; 2] {
 fn rows(name: &str, case: &Case, effort: Effort, out: &mut dyn FnMut(Row)) {
     for continuity in CONTINUITIES {
         for (label, method) in [("constrained", Method::Constrained), ("seed", Method::Seed)] {
-            let spec = MergeSpec { continuity, method, ..case.spec.clone() };
-            let Ok(merged) = merge_patches(&case.patches, &spec) else { continue };
+            let spec = MergeSpec {
+                continuity,
+                method,
+                ..case.spec.clone()
+            };
+            let Ok(merged) = merge_patches(&case.patches, &spec) else {
+                continue;
+            };
             let report = merged.report(&case.patches);
             let counts = [merged.surface.net().rows(), merged.surface.net().columns()];
             let note = note(&report, counts);
             let plan = merged.plan.expect("fits have plans");
             let mut row = |way: &str, work: &mut dyn FnMut()| {
                 let calls = if effort == Effort::Full { 2000 } else { 100 };
-                let times = time(calls, Duration::from_secs(if effort == Effort::Full { 10 } else { 1 }), |_| {
-                    clocked(&mut *work).0
-                });
+                let times = time(
+                    calls,
+                    Duration::from_secs(if effort == Effort::Full { 10 } else { 1 }),
+                    |_| clocked(&mut *work).0,
+                );
                 out(Row {
                     suite: "modeling",
                     case: name.to_owned(),

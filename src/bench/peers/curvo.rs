@@ -25,12 +25,21 @@ fn convert(surface: &Surface) -> NurbsSurface3D<f64> {
         })
         .collect();
     let (u, v) = (surface.knots_u(), surface.knots_v());
-    NurbsSurface3D::new(u.degree(), v.degree(), u.knots().to_vec(), v.knots().to_vec(), points)
+    NurbsSurface3D::new(
+        u.degree(),
+        v.degree(),
+        u.knots().to_vec(),
+        v.knots().to_vec(),
+        points,
+    )
 }
 
 impl Curvo {
     pub fn new(surface: &Surface) -> Self {
-        Self { surface: convert(surface), last: None }
+        Self {
+            surface: convert(surface),
+            last: None,
+        }
     }
 }
 
@@ -41,7 +50,8 @@ impl Peer for Curvo {
 
     fn closest(&mut self, query: &Point3, warm: bool) -> Option<Point3> {
         let hint = self.last.filter(|_| warm);
-        // It panics where Newton leaves it without a number: that is an answer missing, not the end of the run.
+        // It panics where Newton leaves it without a number: that is an answer missing, not the end
+        // of the run.
         let found = std::panic::catch_unwind(|| {
             let (u, v) = self.surface.find_closest_parameter(query, hint).ok()?;
             Some(((u, v), self.surface.point_at(u, v)))
@@ -55,11 +65,22 @@ impl Peer for Curvo {
         self.surface = convert(surface);
     }
 
-    fn grid(&mut self, us: &[f64], vs: &[f64], points: &mut [Point3], normals: &mut [Vector3]) -> bool {
+    fn grid(
+        &mut self,
+        us: &[f64],
+        vs: &[f64],
+        points: &mut [Point3],
+        normals: &mut [Vector3],
+    ) -> bool {
         if normals.is_empty() {
             // Its own way for equal steps, which are what it is asked for here.
-            let rows = self.surface.regular_sample_points(us.len() - 1, vs.len() - 1);
-            points.iter_mut().zip(rows.iter().flatten()).for_each(|(to, point)| *to = *point);
+            let rows = self
+                .surface
+                .regular_sample_points(us.len() - 1, vs.len() - 1);
+            points
+                .iter_mut()
+                .zip(rows.iter().flatten())
+                .for_each(|(to, point)| *to = *point);
             return true;
         }
         let mut evaluator = self.surface.evaluator();

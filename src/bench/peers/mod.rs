@@ -25,8 +25,15 @@ pub(super) trait Peer {
     /// Takes over a net that moved.
     fn moved(&mut self, surface: &Surface);
 
-    /// Points, and unit normals unless `normals` is empty, at all pairs of parameters, u-major; false if it cannot.
-    fn grid(&mut self, us: &[f64], vs: &[f64], points: &mut [Point3], normals: &mut [Vector3]) -> bool;
+    /// Points, and unit normals unless `normals` is empty, at all pairs of parameters, u-major;
+    /// false if it cannot.
+    fn grid(
+        &mut self,
+        us: &[f64],
+        vs: &[f64],
+        points: &mut [Point3],
+        normals: &mut [Vector3],
+    ) -> bool;
 }
 
 /// Runs peers without the messages of panics that their adapters catch.

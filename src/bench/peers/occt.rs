@@ -1,5 +1,6 @@
-//! OpenCASCADE: GeomAPI_ProjectPointOnSurf, from the last parameters ShapeAnalysis_Surface::NextValueOfUV, grids point by
-//! point. Feature `bench-occt`; compiles `occt.cpp` against Debian's libocct-*-dev.
+//! OpenCASCADE: GeomAPI_ProjectPointOnSurf, from the last parameters
+//! ShapeAnalysis_Surface::NextValueOfUV, grids point by point. Feature `bench-occt`; compiles
+//! `occt.cpp` against Debian's libocct-*-dev.
 #![allow(unsafe_code)]
 
 use super::Peer;
@@ -25,7 +26,12 @@ unsafe extern "C" {
         size: c_double,
     ) -> *mut c_void;
     fn occt_free(it: *mut c_void);
-    fn occt_closest(it: *mut c_void, query: *const c_double, warm: c_int, out: *mut c_double) -> c_int;
+    fn occt_closest(
+        it: *mut c_void,
+        query: *const c_double,
+        warm: c_int,
+        out: *mut c_double,
+    ) -> c_int;
     fn occt_grid(
         it: *mut c_void,
         m: c_int,
@@ -47,10 +53,19 @@ pub(super) struct Occt {
 fn convert(surface: &Surface) -> NonNull<c_void> {
     let clamped = surface.clamped();
     let knots = |knots: &KnotVector| -> (Vec<f64>, Vec<c_int>) {
-        knots.knots().chunk_by(|a, b| a == b).map(|equal| (equal[0], equal.len() as c_int)).unzip()
+        knots
+            .knots()
+            .chunk_by(|a, b| a == b)
+            .map(|equal| (equal[0], equal.len() as c_int))
+            .unzip()
     };
     let ((u, mu), (v, mv)) = (knots(clamped.knots_u()), knots(clamped.knots_v()));
-    let points: Vec<f64> = clamped.net().points().iter().flat_map(|p| [p.x, p.y, p.z]).collect();
+    let points: Vec<f64> = clamped
+        .net()
+        .points()
+        .iter()
+        .flat_map(|p| [p.x, p.y, p.z])
+        .collect();
     // SAFETY: the arrays have the lengths given and are copied.
     let it = unsafe {
         occt_new(
@@ -73,7 +88,12 @@ fn convert(surface: &Surface) -> NonNull<c_void> {
 
 impl Occt {
     pub fn new(surface: &Surface) -> Self {
-        Self { it: convert(surface), has_last: false, points: Vec::new(), normals: Vec::new() }
+        Self {
+            it: convert(surface),
+            has_last: false,
+            points: Vec::new(),
+            normals: Vec::new(),
+        }
     }
 }
 
@@ -93,7 +113,8 @@ impl Peer for Occt {
         let (query, mut out) = ([q.x, q.y, q.z], [0.0; 3]);
         let warm = c_int::from(warm && self.has_last);
         // SAFETY: three coordinates in, three out.
-        let found = unsafe { occt_closest(self.it.as_ptr(), query.as_ptr(), warm, out.as_mut_ptr()) };
+        let found =
+            unsafe { occt_closest(self.it.as_ptr(), query.as_ptr(), warm, out.as_mut_ptr()) };
         self.has_last = found == 1;
         self.has_last.then(|| Point3::from(out))
     }
@@ -102,14 +123,34 @@ impl Peer for Occt {
         *self = Self::new(surface);
     }
 
-    fn grid(&mut self, us: &[f64], vs: &[f64], points: &mut [Point3], normals: &mut [Vector3]) -> bool {
+    fn grid(
+        &mut self,
+        us: &[f64],
+        vs: &[f64],
+        points: &mut [Point3],
+        normals: &mut [Vector3],
+    ) -> bool {
         let (count, wanted) = (us.len() * vs.len(), !normals.is_empty());
         self.points.resize(3 * count, 0.0);
         self.normals.resize(3 * count, 0.0);
         let (m, n) = (us.len() as c_int, vs.len() as c_int);
-        let room = if wanted { self.normals.as_mut_ptr() } else { std::ptr::null_mut() };
+        let room = if wanted {
+            self.normals.as_mut_ptr()
+        } else {
+            std::ptr::null_mut()
+        };
         // SAFETY: three values a pair in each array; none in a null one.
-        unsafe { occt_grid(self.it.as_ptr(), m, us.as_ptr(), n, vs.as_ptr(), self.points.as_mut_ptr(), room) };
+        unsafe {
+            occt_grid(
+                self.it.as_ptr(),
+                m,
+                us.as_ptr(),
+                n,
+                vs.as_ptr(),
+                self.points.as_mut_ptr(),
+                room,
+            )
+        };
         for (point, x) in points.iter_mut().zip(self.points.chunks(3)) {
             *point = Point3::from_slice(x);
         }

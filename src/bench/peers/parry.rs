@@ -1,4 +1,5 @@
-//! parry3d-f64: a triangle mesh of 82 × 82 samples with a tree of boxes. Exact for the mesh, not for the surface.
+//! parry3d-f64: a triangle mesh of 82 × 82 samples with a tree of boxes. Exact for the mesh, not
+//! for the surface.
 
 use super::Peer;
 use crate::bench::inputs::spread;
@@ -20,10 +21,18 @@ pub(super) struct Parry {
 impl Parry {
     pub fn new(surface: &Surface) -> Self {
         let domains = (surface.knots_u().domain(), surface.knots_v().domain());
-        let grid = SampleGrid::new(surface, &spread(domains.0, COUNT), &spread(domains.1, COUNT));
+        let grid = SampleGrid::new(
+            surface,
+            &spread(domains.0, COUNT),
+            &spread(domains.1, COUNT),
+        );
         let mut samples = grid.samples();
         grid.points_into(surface, &mut samples);
-        let vertices: Vec<DVec3> = samples.points.iter().map(|p| DVec3::new(p.x, p.y, p.z)).collect();
+        let vertices: Vec<DVec3> = samples
+            .points
+            .iter()
+            .map(|p| DVec3::new(p.x, p.y, p.z))
+            .collect();
         let at = |i: usize, j: usize| (i * COUNT + j) as u32;
         let mut triangles = Vec::new();
         for i in 0..COUNT - 1 {
@@ -33,7 +42,12 @@ impl Parry {
             }
         }
         let mesh = TriMesh::new(vertices.clone(), triangles).expect("a grid has triangles");
-        Self { grid, samples, vertices, mesh }
+        Self {
+            grid,
+            samples,
+            vertices,
+            mesh,
+        }
     }
 }
 
@@ -43,7 +57,10 @@ impl Peer for Parry {
     }
 
     fn closest(&mut self, q: &Point3, _: bool) -> Option<Point3> {
-        let foot = self.mesh.project_local_point(DVec3::new(q.x, q.y, q.z), false).point;
+        let foot = self
+            .mesh
+            .project_local_point(DVec3::new(q.x, q.y, q.z), false)
+            .point;
         Some(Point3::new(foot.x, foot.y, foot.z))
     }
 

@@ -1,4 +1,5 @@
-//! rapier3d's soft bodies: tetrahedra of stable neo-Hookean material with pinned particles, touched by a kinematic ball.
+//! rapier3d's soft bodies: tetrahedra of stable neo-Hookean material with pinned particles, touched
+//! by a kinematic ball.
 
 use rapier3d_f64::prelude::*;
 
@@ -24,7 +25,13 @@ const BALL_M: f64 = 0.03;
 
 impl SoftBox {
     /// 0.1 m with `nodes` particles a side, the lowest pinned, its top at z = 0.
-    pub(in crate::bench) fn new(nodes: usize, young_pa: f64, dt_s: f64, substeps: usize, solver: Solver) -> Self {
+    pub(in crate::bench) fn new(
+        nodes: usize,
+        young_pa: f64,
+        dt_s: f64,
+        substeps: usize,
+        solver: Solver,
+    ) -> Self {
         let mut world = PhysicsWorld::new();
         world.gravity = Vector::ZERO;
         let parameters = &mut world.integration_parameters;
@@ -32,13 +39,25 @@ impl SoftBox {
         parameters.num_solver_iterations = substeps;
         // Its tolerances are shares of this length: a thousandth of it is let overlap.
         parameters.length_unit = 0.1;
-        let material = SoftBodyMaterial { young_modulus: young_pa, poisson_ratio: 0.3, ..SoftBodyMaterial::default() };
+        let material = SoftBodyMaterial {
+            young_modulus: young_pa,
+            poisson_ratio: 0.3,
+            ..SoftBodyMaterial::default()
+        };
         let of_solver = match solver {
             Solver::Rows => SoftBodySolver::Constraints,
             Solver::Elements => SoftBodySolver::Fem,
         };
-        let body = SoftBodyBuilder::cuboid(Vector::new(0.0, 0.0, -0.05), Vector::splat(0.05), nodes, nodes, nodes);
-        let lowest: Vec<u32> = (0..nodes * nodes).map(|column| (column * nodes) as u32).collect();
+        let body = SoftBodyBuilder::cuboid(
+            Vector::new(0.0, 0.0, -0.05),
+            Vector::splat(0.05),
+            nodes,
+            nodes,
+            nodes,
+        );
+        let lowest: Vec<u32> = (0..nodes * nodes)
+            .map(|column| (column * nodes) as u32)
+            .collect();
         let body = body
             .mass(1.0)
             .pinned_particles(lowest)
@@ -49,9 +68,17 @@ impl SoftBox {
             .can_sleep(false)
             .surface_collider(ColliderBuilder::ball(1.0).friction(0.0));
         world.insert_soft_body(body);
-        let start = RigidBodyBuilder::kinematic_position_based().translation(Vector::new(0.0, 0.0, BALL_M + 2e-3));
+        let start = RigidBodyBuilder::kinematic_position_based().translation(Vector::new(
+            0.0,
+            0.0,
+            BALL_M + 2e-3,
+        ));
         let (ball, collider) = world.insert(start, ColliderBuilder::ball(BALL_M).friction(0.0));
-        Self { world, ball, collider }
+        Self {
+            world,
+            ball,
+            collider,
+        }
     }
 
     /// One step with the ball pressed this deep, m; the force on it, N.
@@ -80,9 +107,16 @@ mod tests {
             force_n
         };
         let (shallow, deep) = (held(2e-3), held(8e-3));
-        // 4/3 E/(1 − ν²) √R d^1.5 of a half space; a box of finite depth is stiffer, a coarse one too.
+        // 4/3 E/(1 − ν²) √R d^1.5 of a half space; a box of finite depth is stiffer, a coarse one
+        // too.
         let hertz = |d: f64| 4.0 / 3.0 * 20e3 / 0.91 * libm::sqrt(0.03) * libm::pow(d, 1.5);
-        assert!(shallow > 0.3 * hertz(2e-3) && shallow < 3.0 * hertz(2e-3), "{shallow} N");
-        assert!(deep > 0.5 * hertz(8e-3) && deep < 2.0 * hertz(8e-3), "{deep} N");
+        assert!(
+            shallow > 0.3 * hertz(2e-3) && shallow < 3.0 * hertz(2e-3),
+            "{shallow} N"
+        );
+        assert!(
+            deep > 0.5 * hertz(8e-3) && deep < 2.0 * hertz(8e-3),
+            "{deep} N"
+        );
     }
 }

@@ -1,5 +1,5 @@
-//! SISL (SINTEF): global closest points by s1954, from the last parameters by s1775, grids by s1506. Feature `bench-sisl`;
-//! links Debian's libsisl-dev.
+//! SISL (SINTEF): global closest points by s1954, from the last parameters by s1775, grids by
+//! s1506. Feature `bench-sisl`; links Debian's libsisl-dev.
 #![allow(unsafe_code)]
 
 use super::Peer;
@@ -101,7 +101,8 @@ fn convert(surface: &Surface) -> NonNull<SislSurf> {
         .collect();
     let order = |knots: &KnotVector| knots.degree() as c_int + 1;
     let (u, v) = (clamped.knots_u(), clamped.knots_v());
-    // SAFETY: the arrays have the lengths that counts and orders say, and are copied (last argument 1).
+    // SAFETY: the arrays have the lengths that counts and orders say, and are copied (last argument
+    // 1).
     let made = unsafe {
         newSurf(
             rows as c_int,
@@ -122,7 +123,13 @@ fn convert(surface: &Surface) -> NonNull<SislSurf> {
 impl Sisl {
     pub fn new(surface: &Surface) -> Self {
         let domain = [surface.knots_u(), surface.knots_v()].map(|knots| knots.domain().into());
-        Self { surface: convert(surface), domain, last: None, values: Vec::new(), across: Vec::new() }
+        Self {
+            surface: convert(surface),
+            domain,
+            last: None,
+            values: Vec::new(),
+            across: Vec::new(),
+        }
     }
 
     fn point(&mut self, at: [f64; 2]) -> Option<Point3> {
@@ -162,7 +169,8 @@ impl Sisl {
                 &mut curves,
                 &mut status,
             );
-            let found = (status >= 0 && count > 0 && !parameters.is_null()).then(|| [*parameters, *parameters.add(1)]);
+            let found = (status >= 0 && count > 0 && !parameters.is_null())
+                .then(|| [*parameters, *parameters.add(1)]);
             free(parameters);
             if !curves.is_null() {
                 freeIntcrvlist(curves, curve_count);
@@ -216,7 +224,13 @@ impl Peer for Sisl {
         self.surface = convert(surface);
     }
 
-    fn grid(&mut self, us: &[f64], vs: &[f64], points: &mut [Point3], normals: &mut [Vector3]) -> bool {
+    fn grid(
+        &mut self,
+        us: &[f64],
+        vs: &[f64],
+        points: &mut [Point3],
+        normals: &mut [Vector3],
+    ) -> bool {
         let count = us.len() * vs.len();
         let order = i32::from(!normals.is_empty());
         let each = if order == 1 { 9 } else { 3 };
@@ -243,7 +257,8 @@ impl Peer for Sisl {
                 let (k, theirs) = (i * vs.len() + j, j * us.len() + i);
                 points[k] = Point3::from_slice(&self.values[each * theirs..each * theirs + 3]);
                 if let Some(normal) = normals.get_mut(k) {
-                    *normal = Vector3::from_column_slice(&self.across[3 * theirs..3 * theirs + 3]).normalize();
+                    *normal = Vector3::from_column_slice(&self.across[3 * theirs..3 * theirs + 3])
+                        .normalize();
                 }
             }
         }

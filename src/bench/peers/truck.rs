@@ -17,14 +17,19 @@ pub(super) struct Truck {
 fn convert(surface: &Surface) -> tg::BSplineSurface<tg::Point3> {
     let net = surface.net();
     let point = |p: &Point3| tg::Point3::new(p.x, p.y, p.z);
-    let points = (0..net.rows()).map(|i| (0..net.columns()).map(|j| point(net.at(i, j))).collect()).collect();
+    let points = (0..net.rows())
+        .map(|i| (0..net.columns()).map(|j| point(net.at(i, j))).collect())
+        .collect();
     let knots = |knots: &crate::basis::KnotVector| tg::KnotVec::from(knots.knots().to_vec());
     tg::BSplineSurface::new((knots(surface.knots_u()), knots(surface.knots_v())), points)
 }
 
 impl Truck {
     pub fn new(surface: &Surface) -> Self {
-        Self { surface: convert(surface), last: None }
+        Self {
+            surface: convert(surface),
+            last: None,
+        }
     }
 }
 
@@ -49,7 +54,13 @@ impl Peer for Truck {
         self.surface = convert(surface);
     }
 
-    fn grid(&mut self, us: &[f64], vs: &[f64], points: &mut [Point3], normals: &mut [Vector3]) -> bool {
+    fn grid(
+        &mut self,
+        us: &[f64],
+        vs: &[f64],
+        points: &mut [Point3],
+        normals: &mut [Vector3],
+    ) -> bool {
         for (i, &u) in us.iter().enumerate() {
             for (j, &v) in vs.iter().enumerate() {
                 let k = i * vs.len() + j;

@@ -26,18 +26,34 @@ pub(super) fn run(effort: Effort, out: &mut dyn FnMut(Figure)) -> anyhow::Result
     let scene = files.write("scene.toml", TEARDROP)?;
     let (mut worst, mut sound, mut random) = (0, 0, 20_261_121_u64);
     for k in 0..kills {
-        random = random.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        random = random
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1_442_695_040_888_963_407);
         let after = Duration::from_millis(SPAN_MS[0] + (random >> 33) % (SPAN_MS[1] - SPAN_MS[0]));
         let left = kill(&files, &scene, k, after)?;
         worst = worst.max(left.missing);
         sound += usize::from(left.sound);
     }
     let note = format!("worst of {kills} kills at random moments");
-    out(figure("kill/daemon", "ticks lost", worst as f64, "ms", Some(Bar::AtMost(500.0)), note));
+    out(figure(
+        "kill/daemon",
+        "ticks lost",
+        worst as f64,
+        "ms",
+        Some(Bar::AtMost(500.0)),
+        note,
+    ));
     let note = format!(
         "of {kills} files: opened by the mcap library as they were, mended, complete up to their end, replayed bit for bit"
     );
-    out(figure("kill/daemon", "files sound", sound as f64, "1", Some(Bar::AtLeast(kills as f64)), note));
+    out(figure(
+        "kill/daemon",
+        "files sound",
+        sound as f64,
+        "1",
+        Some(Bar::AtLeast(kills as f64)),
+        note,
+    ));
     Ok(())
 }
 
@@ -45,7 +61,9 @@ fn kill(files: &Files, scene: &str, k: usize, after: Duration) -> anyhow::Result
     let endpoint = format!("tcp/127.0.0.1:{}", free_port()?);
     let file = files.path(&format!("{k}.mcap"));
     let path = file.to_string_lossy().into_owned();
-    let daemon = Process::start(&["serve", scene, "--listen", &endpoint, "--record", &path, "--no-rt"])?;
+    let daemon = Process::start(&[
+        "serve", scene, "--listen", &endpoint, "--record", &path, "--no-rt",
+    ])?;
     let palpate = connect(&endpoint)?;
     let mut tool = palpate.tool("ball")?;
     let started = Instant::now();
@@ -56,7 +74,10 @@ fn kill(files: &Files, scene: &str, k: usize, after: Duration) -> anyhow::Result
         if tool.force().is_some() {
             touched.get_or_insert_with(Instant::now);
         }
-        anyhow::ensure!(started.elapsed() < Duration::from_secs(30), "the daemon gives no force");
+        anyhow::ensure!(
+            started.elapsed() < Duration::from_secs(30),
+            "the daemon gives no force"
+        );
         std::thread::sleep(Duration::from_millis(1));
     }
     daemon.kill();
@@ -68,7 +89,9 @@ fn kill(files: &Files, scene: &str, k: usize, after: Duration) -> anyhow::Result
     // As any reader of streams takes it: message by message, until it ends.
     let options = mcap::read::Options::IgnoreEndMagic.into();
     let read = mcap::MessageStream::new_with_options(&bytes, options)?.map_while(Result::ok);
-    let ticks = read.filter(|message| message.channel.topic == "/sim/tick").count() as u64;
+    let ticks = read
+        .filter(|message| message.channel.topic == "/sim/tick")
+        .count() as u64;
     let mended = recover(&part, &file)?;
     let session = Session::open(&file)?;
     let report = replay(&session, 0, |_, _| {})?;
@@ -78,5 +101,8 @@ fn kill(files: &Files, scene: &str, k: usize, after: Duration) -> anyhow::Result
         && report.ticks_matched == mended.ticks;
     std::fs::remove_file(&file)?;
     std::fs::remove_file(&part)?;
-    Ok(Left { missing: seen.saturating_sub(mended.last_tick), sound })
+    Ok(Left {
+        missing: seen.saturating_sub(mended.last_tick),
+        sound,
+    })
 }

@@ -27,7 +27,11 @@ struct StallingFile {
 impl Disk for Stalling {
     fn create(&self, path: &Path) -> io::Result<Box<dyn DiskFile>> {
         let file = FileSystem.create(path)?;
-        Ok(Box::new(StallingFile { file, stalls: self.0.clone(), last: Instant::now() }))
+        Ok(Box::new(StallingFile {
+            file,
+            stalls: self.0.clone(),
+            last: Instant::now(),
+        }))
     }
 }
 
@@ -59,8 +63,10 @@ pub(super) fn run(effort: Effort, out: &mut dyn FnMut(Figure)) -> anyhow::Result
     let mut simulated = Simulated::new(FOUR_HANDS, |_| {})?;
     let disk = Stalling::default();
     let stalls = disk.0.clone();
-    let (recorder, mut port) =
-        simulated.recorder(|settings| RecorderSettings { disk: Arc::new(disk), ..settings.to(&path) })?;
+    let (recorder, mut port) = simulated.recorder(|settings| RecorderSettings {
+        disk: Arc::new(disk),
+        ..settings.to(&path)
+    })?;
     let (mut next, mut late) = (now_ns(), 0_u64);
     for _ in 0..seconds * 1_000 {
         next += 1_000_000;
@@ -76,6 +82,13 @@ pub(super) fn run(effort: Effort, out: &mut dyn FnMut(Figure)) -> anyhow::Result
         summary.ticks,
         stalls.load(Ordering::Relaxed)
     );
-    out(figure("loss/stall", "records lost", summary.dropped as f64, "1", Some(Bar::AtMost(0.0)), note));
+    out(figure(
+        "loss/stall",
+        "records lost",
+        summary.dropped as f64,
+        "1",
+        Some(Bar::AtMost(0.0)),
+        note,
+    ));
     Ok(())
 }

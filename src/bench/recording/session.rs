@@ -37,16 +37,31 @@ impl Simulated {
         let scene = Scene::build(&loaded.spec, Path::new("."))?;
         let state = scene.initial_state();
         let scratch = scene.scratch(&state);
-        let snapshot = wire::scene_snapshot(&scene, [0; 32], &wire::all_nets(&scene, &state), &TickOutput::default());
+        let snapshot = wire::scene_snapshot(
+            &scene,
+            [0; 32],
+            &wire::all_nets(&scene, &state),
+            &TickOutput::default(),
+        );
         let motions = (0..scene.tool_count())
             .map(|tool| Motion::named("slide", &snapshot, scene.tool_id(tool), 0.004))
             .collect::<Result<_, _>>()?;
-        Ok(Self { scene, state, scratch, text: text.to_owned(), motions, noise: 1 })
+        Ok(Self {
+            scene,
+            state,
+            scratch,
+            text: text.to_owned(),
+            motions,
+            noise: 1,
+        })
     }
 
     /// Some micrometres, as a sensor has them.
     fn tremor(&mut self) -> f64 {
-        self.noise = self.noise.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        self.noise = self
+            .noise
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1_442_695_040_888_963_407);
         ((self.noise >> 11) as f64 / (1_u64 << 53) as f64 - 0.5) * 1e-5
     }
 
@@ -72,8 +87,19 @@ impl Simulated {
         let output = step(&self.scene, &mut self.state, &mut self.scratch, &input);
         // As a loop would have them: noise in the last bits of every number.
         let jitter = (self.noise >> 40) as u32 % 5_000;
-        let stage_ns = [200 + jitter / 50, 20_000 + jitter, 150_000 + 3 * jitter, 2_000 + jitter / 3];
-        TickRecord { input, output, late_ns: u64::from(jitter) * 4, skipped: 0, stage_ns }
+        let stage_ns = [
+            200 + jitter / 50,
+            20_000 + jitter,
+            150_000 + 3 * jitter,
+            2_000 + jitter / 3,
+        ];
+        TickRecord {
+            input,
+            output,
+            late_ns: u64::from(jitter) * 4,
+            skipped: 0,
+            stage_ns,
+        }
     }
 
     /// A recorder of its own; `change` says more.

@@ -7,7 +7,11 @@ use crate::tick::pacer::{now_ns, sleep_until};
 use crate::tick::stats::Histogram;
 
 pub(super) fn run(effort: Effort, out: &mut dyn FnMut(Figure)) -> anyhow::Result<()> {
-    let ticks = if effort == Effort::Quick { 2_000 } else { 20_000 };
+    let ticks = if effort == Effort::Quick {
+        2_000
+    } else {
+        20_000
+    };
     let files = Files::new("cost")?;
     for (name, text) in [("teardrop", TEARDROP), ("four-hands", FOUR_HANDS)] {
         let mut simulated = Simulated::new(text, |_| {})?;
@@ -38,7 +42,14 @@ pub(super) fn run(effort: Effort, out: &mut dyn FnMut(Figure)) -> anyhow::Result
             us(keyframes.quantile(0.5)),
             us(keyframes.max())
         );
-        out(figure("cost/tick", name, us(plain.quantile(0.5)), "us", Some(Bar::AtMost(2.0)), note));
+        out(figure(
+            "cost/tick",
+            name,
+            us(plain.quantile(0.5)),
+            "us",
+            Some(Bar::AtMost(2.0)),
+            note,
+        ));
     }
     Ok(())
 }

@@ -1,7 +1,8 @@
-//! Cells integrated at their centres, for grids whose nodes are moved by fewer, smoother coordinates.
+//! Cells integrated at their centres, for grids whose nodes are moved by fewer, smoother
+//! coordinates.
 //!
-//! At the centre G = [c_ξ, c_η, c_ζ] and V / 8 = [c_ξ, c_η, c_ζ]; the other modes do no work. Fields of [`Block`] that
-//! belong to a Gauss point are those of the centre, in the first place.
+//! At the centre G = [c_ξ, c_η, c_ζ] and V / 8 = [c_ξ, c_η, c_ζ]; the other modes do no work.
+//! Fields of [`Block`] that belong to a Gauss point are those of the centre, in the first place.
 
 use super::kernel::{Block, cross, dot, minus, modes, pressure, stretch, times};
 use super::{Cell, Elastic};
@@ -14,13 +15,21 @@ pub(super) fn reduce(block: &mut Block, nodes: &[Point3], cells: &[Cell], materi
         let mut map = Matrix3::zeros();
         for (corner, &node) in cell.iter().enumerate() {
             let half = |bit: usize| if corner & bit != 0 { 0.125 } else { -0.125 };
-            map += nodes[node as usize].coords * Vector3::new(half(4), half(2), half(1)).transpose();
+            map +=
+                nodes[node as usize].coords * Vector3::new(half(4), half(2), half(1)).transpose();
         }
         let volume = 8.0 * map.determinant();
         // A cell without volume at its centre has been refused; should one come, it has no energy.
         let inverse = map.try_inverse().unwrap_or_else(Matrix3::zeros);
         let s = inverse * inverse.transpose();
-        let six = [s[(0, 0)], s[(1, 1)], s[(2, 2)], s[(0, 1)], s[(0, 2)], s[(1, 2)]];
+        let six = [
+            s[(0, 0)],
+            s[(1, 1)],
+            s[(2, 2)],
+            s[(0, 1)],
+            s[(0, 2)],
+            s[(1, 2)],
+        ];
         for (row, value) in six.into_iter().enumerate() {
             block.metric[0][row][k] = value;
         }
@@ -48,9 +57,21 @@ pub(super) fn add_forces<L: Lanes>(block: &Block, places: &[Lane], residual: &mu
     for corner in 0..8 {
         let mut rows = [zero; 4];
         for axis in 0..3 {
-            let a = if corner & 4 != 0 { fx[axis] } else { zero - fx[axis] };
-            let b = if corner & 2 != 0 { a + fy[axis] } else { a - fy[axis] };
-            rows[axis] = if corner & 1 != 0 { b + fz[axis] } else { b - fz[axis] };
+            let a = if corner & 4 != 0 {
+                fx[axis]
+            } else {
+                zero - fx[axis]
+            };
+            let b = if corner & 2 != 0 {
+                a + fy[axis]
+            } else {
+                a - fy[axis]
+            };
+            rows[axis] = if corner & 1 != 0 {
+                b + fz[axis]
+            } else {
+                b - fz[axis]
+            };
         }
         let rows = L::transposed(rows);
         for cell in 0..4 {
@@ -85,17 +106,30 @@ mod tests {
     use crate::body::CubeLattice;
 
     fn cells() -> Continuum {
-        let cube = CubeLattice::cuboid(&Point3::origin(), &Point3::new(0.1, 0.12, 0.09), [3, 4, 3]).unwrap();
+        let cube = CubeLattice::cuboid(&Point3::origin(), &Point3::new(0.1, 0.12, 0.09), [3, 4, 3])
+            .unwrap();
         let mut grid = cube.grid;
         let mut random = Random(41);
-        grid.nodes.iter_mut().for_each(|p| *p += random.vector() * 0.005);
-        let elastic = vec![Elastic { young_pa: 3e4, poisson: 0.35 }; grid.cells.len()];
+        grid.nodes
+            .iter_mut()
+            .for_each(|p| *p += random.vector() * 0.005);
+        let elastic = vec![
+            Elastic {
+                young_pa: 3e4,
+                poisson: 0.35
+            };
+            grid.cells.len()
+        ];
         Continuum::at_centres(&grid, &elastic).unwrap()
     }
 
     fn moved(solid: &Continuum, by: f64, random: &mut Random) -> Vec<Lane> {
         let lane = |p: &Point3, d: Vector3| [p.x + d.x * by, p.y + d.y * by, p.z + d.z * by, 0.0];
-        solid.rest().iter().map(|p| lane(p, random.vector())).collect()
+        solid
+            .rest()
+            .iter()
+            .map(|p| lane(p, random.vector()))
+            .collect()
     }
 
     #[test]
@@ -105,7 +139,10 @@ mod tests {
         // Strains of a few units in the last place, times modulus and volume: E V is 32 J here.
         let rounding_j = 8.0 * f64::EPSILON * 3e4 * 0.1 * 0.12 * 0.09;
         let at_rest_j = solid.energy_j(&at_rest);
-        assert!(at_rest_j.abs() < rounding_j, "{at_rest_j} J at rest, rounding gives {rounding_j} J");
+        assert!(
+            at_rest_j.abs() < rounding_j,
+            "{at_rest_j} J at rest, rounding gives {rounding_j} J"
+        );
         for scale in [1e-3, 2e-2] {
             let places = moved(&solid, scale, &mut random);
             let forces = solid.exact_forces(&places);
@@ -117,7 +154,12 @@ mod tests {
                     above[node][c] += step;
                     below[node][c] -= step;
                     let slope = (solid.energy_j(&above) - solid.energy_j(&below)) / (2.0 * step);
-                    assert!((forces[node][c] + slope).abs() < 1e-5 * largest, "{} is not {}", forces[node][c], -slope);
+                    assert!(
+                        (forces[node][c] + slope).abs() < 1e-5 * largest,
+                        "{} is not {}",
+                        forces[node][c],
+                        -slope
+                    );
                 }
             }
         }
@@ -125,12 +167,25 @@ mod tests {
 
     #[test]
     fn centres_and_gauss_points_agree_on_an_even_strain() {
-        let cube = CubeLattice::cuboid(&Point3::origin(), &Point3::new(0.1, 0.1, 0.1), [3; 3]).unwrap();
-        let elastic = vec![Elastic { young_pa: 3e4, poisson: 0.3 }; cube.grid.cells.len()];
-        let solids =
-            [Continuum::new(&cube.grid, &elastic).unwrap(), Continuum::at_centres(&cube.grid, &elastic).unwrap()];
-        let places: Vec<Lane> =
-            cube.grid.nodes.iter().map(|p| [1.2 * p.x + 0.1 * p.y, 0.9 * p.y, p.z - 0.2 * p.x, 0.0]).collect();
+        let cube =
+            CubeLattice::cuboid(&Point3::origin(), &Point3::new(0.1, 0.1, 0.1), [3; 3]).unwrap();
+        let elastic = vec![
+            Elastic {
+                young_pa: 3e4,
+                poisson: 0.3
+            };
+            cube.grid.cells.len()
+        ];
+        let solids = [
+            Continuum::new(&cube.grid, &elastic).unwrap(),
+            Continuum::at_centres(&cube.grid, &elastic).unwrap(),
+        ];
+        let places: Vec<Lane> = cube
+            .grid
+            .nodes
+            .iter()
+            .map(|p| [1.2 * p.x + 0.1 * p.y, 0.9 * p.y, p.z - 0.2 * p.x, 0.0])
+            .collect();
         let [a, b] = solids.map(|solid| (solid.energy_j(&places), solid.exact_forces(&places)));
         assert!((a.0 / b.0 - 1.0).abs() < 1e-12);
         for (f, g) in a.1.iter().zip(&b.1) {

@@ -8,14 +8,23 @@ use nalgebra::{SMatrix, SymmetricEigen};
 type Block24 = SMatrix<f64, 24, 24>;
 
 /// The triple products of V / 8 by mode, and their factors.
-const TRIPLES: [([usize; 3], f64); 4] =
-    [([4, 2, 1], 1.0), ([4, 6, 5], 1.0 / 3.0), ([2, 3, 6], 1.0 / 3.0), ([1, 5, 3], 1.0 / 3.0)];
+const TRIPLES: [([usize; 3], f64); 4] = [
+    ([4, 2, 1], 1.0),
+    ([4, 6, 5], 1.0 / 3.0),
+    ([2, 3, 6], 1.0 / 3.0),
+    ([1, 5, 3], 1.0 / 3.0),
+];
 
 impl Continuum {
-    /// Hands out ∂²Ψ/∂x² (N/m) entry by entry, cell after cell: (3 node + axis, 3 node + axis, value), both triangles,
-    /// entries of one place to be added. `definite`: each cell's matrix without its negative eigenvalues. No cell is held
-    /// back here.
-    pub fn add_hessian(&self, places: &[Lane], definite: bool, out: &mut impl FnMut(usize, usize, f64)) {
+    /// Hands out ∂²Ψ/∂x² (N/m) entry by entry, cell after cell: (3 node + axis, 3 node + axis,
+    /// value), both triangles, entries of one place to be added. `definite`: each cell's matrix
+    /// without its negative eigenvalues. No cell is held back here.
+    pub fn add_hessian(
+        &self,
+        places: &[Lane],
+        definite: bool,
+        out: &mut impl FnMut(usize, usize, f64),
+    ) {
         for (cell, elastic) in self.cells.iter().zip(&self.materials) {
             let rest = RestCell::new(&self.rest, cell);
             let x = cell.map(|node| {
@@ -53,8 +62,9 @@ fn cell_hessian(rest: &RestCell, elastic: &Elastic, x: &[Vector3; 8]) -> Block24
         let pulls = gradients.map(|gradient| f * gradient);
         for a in 0..8 {
             for b in 0..8 {
-                let part = Matrix3::from_diagonal_element(straight * gradients[a].dot(&gradients[b]))
-                    + pulls[a] * pulls[b].transpose() * rank_one;
+                let part =
+                    Matrix3::from_diagonal_element(straight * gradients[a].dot(&gradients[b]))
+                        + pulls[a] * pulls[b].transpose() * rank_one;
                 let mut block = matrix.fixed_view_mut::<3, 3>(3 * a, 3 * b);
                 block += part;
             }
@@ -65,7 +75,8 @@ fn cell_hessian(rest: &RestCell, elastic: &Elastic, x: &[Vector3; 8]) -> Block24
     let rank_one = bulk / rest.volume.abs();
     for a in 0..8 {
         for b in 0..8 {
-            let part = growth[a] * growth[b].transpose() * rank_one + bend[a][b].cross_matrix() * pressure;
+            let part =
+                growth[a] * growth[b].transpose() * rank_one + bend[a][b].cross_matrix() * pressure;
             let mut block = matrix.fixed_view_mut::<3, 3>(3 * a, 3 * b);
             block += part;
         }
@@ -77,7 +88,8 @@ fn cell_hessian(rest: &RestCell, elastic: &Elastic, x: &[Vector3; 8]) -> Block24
 fn volume_derivatives(x: &[Vector3; 8]) -> (f64, [Vector3; 8], [[Vector3; 8]; 8]) {
     let mode = |m: usize| -> Vector3 { (0..8).map(|a| x[a] * (0.125 * sign(m, a))).sum() };
     let c: [Vector3; 8] = std::array::from_fn(mode);
-    let (mut volume, mut growth, mut bend) = (0.0, [Vector3::zeros(); 8], [[Vector3::zeros(); 8]; 8]);
+    let (mut volume, mut growth, mut bend) =
+        (0.0, [Vector3::zeros(); 8], [[Vector3::zeros(); 8]; 8]);
     for (modes, factor) in TRIPLES {
         volume += 8.0 * factor * c[modes[0]].dot(&c[modes[1]].cross(&c[modes[2]]));
         for k in 0..3 {
@@ -98,7 +110,10 @@ fn volume_derivatives(x: &[Vector3; 8]) -> (f64, [Vector3; 8], [[Vector3; 8]; 8]
 }
 
 fn without_negative(matrix: Block24) -> Block24 {
-    let SymmetricEigen { eigenvalues, eigenvectors } = SymmetricEigen::new(matrix);
+    let SymmetricEigen {
+        eigenvalues,
+        eigenvectors,
+    } = SymmetricEigen::new(matrix);
     if eigenvalues.iter().all(|&value| value >= 0.0) {
         return matrix;
     }

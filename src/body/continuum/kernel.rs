@@ -1,9 +1,10 @@
 //! Forces of four cells at a time.
 //!
-//! A cell's map is x(ξ) = Σ c_m ξ^m over the eight monomials 1, ζ, η, ηζ, ξ, ξζ, ξη, ξηζ (bit 4 of m: ξ, 2: η, 1: ζ); its
-//! modes c come from the corners by sums and differences alone. With G = ∂x/∂ξ and the metric S = J₀⁻¹ J₀⁻ᵀ of rest,
-//! I_C = tr(G S Gᵀ), so F itself is never formed. The volume is a polynomial of the modes:
-//! V / 8 = [c_ξ, c_η, c_ζ] + ⅓ ([c_ξ, c_ξη, c_ξζ] + [c_η, c_ηζ, c_ξη] + [c_ζ, c_ξζ, c_ηζ]).
+//! A cell's map is x(ξ) = Σ c_m ξ^m over the eight monomials 1, ζ, η, ηζ, ξ, ξζ, ξη, ξηζ (bit 4 of
+//! m: ξ, 2: η, 1: ζ); its modes c come from the corners by sums and differences alone. With G =
+//! ∂x/∂ξ and the metric S = J₀⁻¹ J₀⁻ᵀ of rest, I_C = tr(G S Gᵀ), so F itself is never formed. The
+//! volume is a polynomial of the modes: V / 8 = [c_ξ, c_η, c_ζ] + ⅓ ([c_ξ, c_ξη, c_ξζ] + [c_η,
+//! c_ηζ, c_ξη] + [c_ζ, c_ξζ, c_ηζ]).
 
 use super::rest::GAUSS;
 use crate::math::Lane;
@@ -54,7 +55,11 @@ pub(super) fn dot<L: Lanes>(a: Triple<L>, b: Triple<L>) -> L {
 
 #[inline(always)]
 pub(super) fn cross<L: Lanes>(a: Triple<L>, b: Triple<L>) -> Triple<L> {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+    [
+        a[1] * b[2] - a[2] * b[1],
+        a[2] * b[0] - a[0] * b[2],
+        a[0] * b[1] - a[1] * b[0],
+    ]
 }
 
 /// Modes from corners.
@@ -90,12 +95,22 @@ pub(super) fn modes<L: Lanes>(block: &Block, places: &[Lane]) -> [Triple<L>; 8] 
 
 /// base + s g first + t g second + s t g² both at (s, t) = (−, −), (−, +), (+, −), (+, +).
 #[inline(always)]
-fn spread<L: Lanes>(base: Triple<L>, first: Triple<L>, second: Triple<L>, both: Triple<L>) -> [Triple<L>; 4] {
+fn spread<L: Lanes>(
+    base: Triple<L>,
+    first: Triple<L>,
+    second: Triple<L>,
+    both: Triple<L>,
+) -> [Triple<L>; 4] {
     let (g, third) = (L::splat(GAUSS), L::splat(GAUSS * GAUSS));
     let (first, second, both) = (times(first, g), times(second, g), times(both, third));
     let (base_low, base_high) = (minus(base, first), plus(base, first));
     let (slope_low, slope_high) = (minus(second, both), plus(second, both));
-    [minus(base_low, slope_low), plus(base_low, slope_low), minus(base_high, slope_high), plus(base_high, slope_high)]
+    [
+        minus(base_low, slope_low),
+        plus(base_low, slope_low),
+        minus(base_high, slope_high),
+        plus(base_high, slope_high),
+    ]
 }
 
 /// The transpose of [`spread`].
@@ -115,7 +130,11 @@ fn gather<L: Lanes>(at: &[Triple<L>; 4]) -> [Triple<L>; 4] {
 /// ∂x/∂ξ by (η, ζ), ∂x/∂η by (ξ, ζ), ∂x/∂ζ by (ξ, η).
 #[inline(always)]
 pub(super) fn slopes<L: Lanes>(c: &[Triple<L>; 8]) -> [[Triple<L>; 4]; 3] {
-    [spread(c[4], c[6], c[5], c[7]), spread(c[2], c[6], c[3], c[7]), spread(c[1], c[5], c[3], c[7])]
+    [
+        spread(c[4], c[6], c[5], c[7]),
+        spread(c[2], c[6], c[3], c[7]),
+        spread(c[1], c[5], c[3], c[7]),
+    ]
 }
 
 /// Places of a Gauss point in each row of [`slopes`].
@@ -127,8 +146,16 @@ pub(super) fn at(gauss: usize) -> [usize; 3] {
 /// G S at a Gauss point and I_C.
 #[inline(always)]
 pub(super) fn stretch<L: Lanes>(metric: &[Four; 6], g: [Triple<L>; 3]) -> ([Triple<L>; 3], L) {
-    let [xx, yy, zz] = [L::load(&metric[0]), L::load(&metric[1]), L::load(&metric[2])];
-    let [xy, xz, yz] = [L::load(&metric[3]), L::load(&metric[4]), L::load(&metric[5])];
+    let [xx, yy, zz] = [
+        L::load(&metric[0]),
+        L::load(&metric[1]),
+        L::load(&metric[2]),
+    ];
+    let [xy, xz, yz] = [
+        L::load(&metric[3]),
+        L::load(&metric[4]),
+        L::load(&metric[5]),
+    ];
     let t = [
         plus(plus(times(g[0], xx), times(g[1], xy)), times(g[2], xz)),
         plus(plus(times(g[0], xy), times(g[1], yy)), times(g[2], yz)),
@@ -167,7 +194,10 @@ pub(super) fn add_forces<L: Lanes>(block: &Block, places: &[Lane], residual: &mu
     let mut largest = zero;
     for gauss in 0..8 {
         let [i, j, k] = at(gauss);
-        let (t, invariant) = stretch(&block.metric[gauss], [slopes[0][i], slopes[1][j], slopes[2][k]]);
+        let (t, invariant) = stretch(
+            &block.metric[gauss],
+            [slopes[0][i], slopes[1][j], slopes[2][k]],
+        );
         largest = largest.greatest(invariant);
         // P = μ' (1 − 1 / (I_C + 1)) F: Smith, de Goes & Kim 2018, eq. 14.
         let factor = L::load(&block.stiffness_j[gauss]) * (one - one / (invariant + one));
@@ -212,12 +242,15 @@ pub(super) fn add_forces<L: Lanes>(block: &Block, places: &[Lane], residual: &mu
     held
 }
 
-/// ∂Ψ/∂V = λ' (J̄ − 1) − μ, held back where its stiffness is more than the matrix of the step can follow.
+/// ∂Ψ/∂V = λ' (J̄ − 1) − μ, held back where its stiffness is more than the matrix of the step can
+/// follow.
 ///
-/// The stiffness is λ' (|cof F|² + |J̄ − 1| |∂²J|) in units of the Laplacian of rest, |cof F|² ≤ I_C² / 3 and
+/// The stiffness is λ' (|cof F|² + |J̄ − 1| |∂²J|) in units of the Laplacian of rest, |cof F|² ≤
+/// I_C² / 3 and
 /// |∂²J| ≤ 2 √(I_C / 3); at rest the sum is 3 λ'. Beyond reach the pressure is lowered by the square of the excess: the
-/// factor itself would do for the stiffness, but what is held back is no longer the gradient of an energy, and scrambled
-/// cells were pumped up by it. What is left draws such cells together until they can be followed again.
+/// factor itself would do for the stiffness, but what is held back is no longer the gradient of an
+/// energy, and scrambled cells were pumped up by it. What is left draws such cells together until
+/// they can be followed again.
 #[inline(always)]
 pub(super) fn pressure<L: Lanes>(block: &Block, volume: L, largest: L) -> (L, u8) {
     let one = L::splat(1.0);
@@ -230,5 +263,8 @@ pub(super) fn pressure<L: Lanes>(block: &Block, volume: L, largest: L) -> (L, u8
     let excess = (squared + bend).greatest(reach);
     let followed = reach / excess;
     let pressure = L::load(&block.bulk_pa) * grown - L::load(&block.shear_pa);
-    (pressure * followed * followed * L::load(&block.winding), excess.above(reach))
+    (
+        pressure * followed * followed * L::load(&block.winding),
+        excess.above(reach),
+    )
 }

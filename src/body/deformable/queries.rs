@@ -8,7 +8,11 @@ use crate::math::{Lane, Point3, Vector3};
 
 impl Deformable {
     /// Forces of the law on the coordinates at a state, N (x, y, z, 0).
-    pub fn internal_forces<'a>(&self, state: &DeformableState, scratch: &'a mut DeformableScratch) -> &'a [Lane] {
+    pub fn internal_forces<'a>(
+        &self,
+        state: &DeformableState,
+        scratch: &'a mut DeformableScratch,
+    ) -> &'a [Lane] {
         lanes(&state.positions, &mut scratch.coordinates);
         scratch.residual.fill([0.0; 4]);
         self.add_law_forces(state, scratch);
@@ -17,8 +21,17 @@ impl Deformable {
 
     /// Kinetic plus elastic energy, J.
     pub fn energy_j(&self, state: &DeformableState) -> f64 {
-        let kinetic: f64 = self.masses.iter().zip(&state.velocities).map(|(m, v)| 0.5 * m * v.norm_squared()).sum();
-        let places: Vec<Lane> = self.nodes(&state.positions).iter().map(|p| [p.x, p.y, p.z, 0.0]).collect();
+        let kinetic: f64 = self
+            .masses
+            .iter()
+            .zip(&state.velocities)
+            .map(|(m, v)| 0.5 * m * v.norm_squared())
+            .sum();
+        let places: Vec<Lane> = self
+            .nodes(&state.positions)
+            .iter()
+            .map(|p| [p.x, p.y, p.z, 0.0])
+            .collect();
         kinetic + self.law.energy_j(self.rest_lengths(state), &places)
     }
 
@@ -27,7 +40,9 @@ impl Deformable {
         let mut scratch = self.scratch();
         let forces = self.internal_forces(state, &mut scratch);
         let fixed = (0..self.rest.len()).filter(|&c| self.unknown[c] == FIXED);
-        fixed.map(|c| Vector3::from_column_slice(&forces[c][..3])).sum()
+        fixed
+            .map(|c| Vector3::from_column_slice(&forces[c][..3]))
+            .sum()
     }
 
     /// Nodes of coordinates.
@@ -55,7 +70,10 @@ impl Deformable {
 
     /// Cells with a continuum energy.
     pub fn cell_count(&self) -> usize {
-        self.law.continuum.as_ref().map_or(0, |continuum| continuum.cell_count())
+        self.law
+            .continuum
+            .as_ref()
+            .map_or(0, |continuum| continuum.cell_count())
     }
 
     /// Cells that the last pass held back, as their tangent passed what the step can follow.

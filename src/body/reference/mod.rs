@@ -1,9 +1,11 @@
-//! Quasi-static equilibrium, offline: full Newton on the energy of [`Continuum`] with frictionless rigid obstacles.
+//! Quasi-static equilibrium, offline: full Newton on the energy of [`Continuum`] with frictionless
+//! rigid obstacles.
 //!
-//! Contact holds at given places of the surface, each a weighted sum of nodes (a node, or Σ N_i(u, v) P_i of a B-spline
-//! surface whose control points are nodes), by an augmented Lagrangian (Simo & Laursen 1992):
-//! `φ = Ψ + Σ (max(0, λ − r g)² − λ²) / 2 r`, g the gap; Newton with line search on φ, then `λ ← max(0, λ − r g)`. Used for
-//! error figures and tests: it allocates, iterates to convergence, and its bits may differ between machines.
+//! Contact holds at given places of the surface, each a weighted sum of nodes (a node, or Σ N_i(u,
+//! v) P_i of a B-spline surface whose control points are nodes), by an augmented Lagrangian (Simo &
+//! Laursen 1992): `φ = Ψ + Σ (max(0, λ − r g)² − λ²) / 2 r`, g the gap; Newton with line search on
+//! φ, then `λ ← max(0, λ − r g)`. Used for error figures and tests: it allocates, iterates to
+//! convergence, and its bits may differ between machines.
 
 mod newton;
 mod obstacle;
@@ -22,7 +24,9 @@ pub type Sample = Vec<(u32, f64)>;
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum ReferenceError {
     /// Newton's method did not get there.
-    #[error("no equilibrium after {steps} Newton steps: {residual_n} N are left of {scale_n} N; move in smaller steps")]
+    #[error(
+        "no equilibrium after {steps} Newton steps: {residual_n} N are left of {scale_n} N; move in smaller steps"
+    )]
     Newton {
         /// Steps made.
         steps: usize,
@@ -32,7 +36,9 @@ pub enum ReferenceError {
         scale_n: f64,
     },
     /// The multipliers did not settle.
-    #[error("after {rounds} rounds a sample is still {depth_m} m inside the obstacle; move in smaller steps")]
+    #[error(
+        "after {rounds} rounds a sample is still {depth_m} m inside the obstacle; move in smaller steps"
+    )]
     Contact {
         /// Rounds made.
         rounds: usize,
@@ -78,7 +84,8 @@ pub struct Reference<'a> {
 }
 
 impl<'a> Reference<'a> {
-    /// `fixed[node][axis]` coordinates keep their rest value (all three on a base, one on a plane of symmetry).
+    /// `fixed[node][axis]` coordinates keep their rest value (all three on a base, one on a plane
+    /// of symmetry).
     pub fn new(solid: &'a Continuum, fixed: &[[bool; 3]], samples: Vec<Sample>) -> Self {
         debug_assert_eq!(fixed.len(), solid.node_count(), "one triple a node");
         let mut unknown_count = 0;
@@ -100,8 +107,13 @@ impl<'a> Reference<'a> {
             }
         });
         let on_surface = || samples.iter().flatten().map(|&(node, _)| node as usize);
-        let stiffest = on_surface().map(|node| diagonal[3 * node]).fold(0.0, f64::max);
-        let (mut low, mut high) = (Point3::from([f64::INFINITY; 3]), Point3::from([f64::NEG_INFINITY; 3]));
+        let stiffest = on_surface()
+            .map(|node| diagonal[3 * node])
+            .fold(0.0, f64::max);
+        let (mut low, mut high) = (
+            Point3::from([f64::INFINITY; 3]),
+            Point3::from([f64::NEG_INFINITY; 3]),
+        );
         for p in solid.rest() {
             (low, high) = (low.inf(p), high.sup(p));
         }
@@ -111,7 +123,8 @@ impl<'a> Reference<'a> {
             samples,
             rows,
             unknown_count,
-            // Stiff against the body, so that few rounds are needed, and not so stiff that Newton hunts for who touches.
+            // Stiff against the body, so that few rounds are needed, and not so stiff that Newton
+            // hunts for who touches.
             penalty_n_m: 3.0 * stiffest,
             length_m: (high - low).norm(),
         }
@@ -120,7 +133,12 @@ impl<'a> Reference<'a> {
     /// The body undisturbed.
     pub fn at_rest(&self) -> Equilibrium {
         Equilibrium {
-            places: self.solid.rest().iter().map(|p| [p.x, p.y, p.z, 0.0]).collect(),
+            places: self
+                .solid
+                .rest()
+                .iter()
+                .map(|p| [p.x, p.y, p.z, 0.0])
+                .collect(),
             multipliers_n: vec![0.0; self.samples.len()],
             force_n: Vector3::zeros(),
             base_n: Vector3::zeros(),
@@ -129,7 +147,8 @@ impl<'a> Reference<'a> {
         }
     }
 
-    /// Moves on to the equilibrium with an obstacle, from a neighbouring one. `load_n(node)` is added to the nodes.
+    /// Moves on to the equilibrium with an obstacle, from a neighbouring one. `load_n(node)` is
+    /// added to the nodes.
     ///
     /// # Errors
     /// Too large a step, or a body that nothing holds.
@@ -163,7 +182,10 @@ impl<'a> Reference<'a> {
                 return Ok(());
             }
         }
-        Err(ReferenceError::Contact { rounds: ROUNDS, depth_m })
+        Err(ReferenceError::Contact {
+            rounds: ROUNDS,
+            depth_m,
+        })
     }
 
     fn sum_up(&self, state: &mut Equilibrium, obstacle: Option<&Obstacle>) {

@@ -7,8 +7,9 @@ use faer::sparse::{SparseColMat, Triplet};
 use faer::{Col, Side};
 
 const STEPS: usize = 100;
-/// Force left on a node, over the largest contact force or load. Much below this, a sample that barely touches can switch
-/// on and off with every step, and the energies are too rounded for the line search to see it.
+/// Force left on a node, over the largest contact force or load. Much below this, a sample that
+/// barely touches can switch on and off with every step, and the energies are too rounded for the
+/// line search to see it.
 const TOLERANCE: f64 = 1e-6;
 
 /// Moves `state.places` to the minimum of φ with its multipliers; answers with the steps made.
@@ -18,7 +19,12 @@ pub(super) fn minimise(
     obstacle: Option<&Obstacle>,
     load_n: &dyn Fn(usize) -> Vector3,
 ) -> Result<usize, ReferenceError> {
-    let merit = Merit { problem, multipliers_n: &state.multipliers_n, obstacle, load_n };
+    let merit = Merit {
+        problem,
+        multipliers_n: &state.multipliers_n,
+        obstacle,
+        load_n,
+    };
     let (mut residual_n, mut scale_n) = (0.0, 0.0);
     for step in 0..STEPS {
         let (gradient, scale) = merit.gradient(&state.places);
@@ -37,13 +43,19 @@ pub(super) fn minimise(
         let mut length = 1.0;
         let mut best = merit.moved(&state.places, &direction, length);
         // Armijo, with room for the rounding of the energies.
-        while merit.value(&best) > here + 1e-4 * length * descent + 1e-13 * here.abs() && length > 1e-6 {
+        while merit.value(&best) > here + 1e-4 * length * descent + 1e-13 * here.abs()
+            && length > 1e-6
+        {
             length *= 0.5;
             best = merit.moved(&state.places, &direction, length);
         }
         state.places = best;
     }
-    Err(ReferenceError::Newton { steps: STEPS, residual_n, scale_n })
+    Err(ReferenceError::Newton {
+        steps: STEPS,
+        residual_n,
+        scale_n,
+    })
 }
 
 struct Merit<'a> {
@@ -73,8 +85,8 @@ impl Merit<'_> {
             value += (force * force - multiplier * multiplier) / (2.0 * self.problem.penalty_n_m);
         }
         for (node, p) in places.iter().enumerate() {
-            value -=
-                (self.load_n)(node).dot(&(Vector3::new(p[0], p[1], p[2]) - self.problem.solid.rest()[node].coords));
+            value -= (self.load_n)(node)
+                .dot(&(Vector3::new(p[0], p[1], p[2]) - self.problem.solid.rest()[node].coords));
         }
         value
     }
@@ -108,26 +120,39 @@ impl Merit<'_> {
     }
 
     /// −H⁻¹ gradient.
-    fn solve(&self, places: &[Lane], gradient: &[f64], definite: bool) -> Result<Vec<f64>, ReferenceError> {
+    fn solve(
+        &self,
+        places: &[Lane],
+        gradient: &[f64],
+        definite: bool,
+    ) -> Result<Vec<f64>, ReferenceError> {
         let rows = &self.problem.rows;
         let mut triplets = Vec::new();
         let mut add = |row: usize, column: usize, value: f64| {
-            if let (Some(row), Some(column)) = (rows[row / 3][row % 3], rows[column / 3][column % 3])
+            if let (Some(row), Some(column)) =
+                (rows[row / 3][row % 3], rows[column / 3][column % 3])
                 && row >= column
             {
                 triplets.push(Triplet::new(row, column, value));
             }
         };
         self.problem.solid.add_hessian(places, definite, &mut add);
-        for (sample, _, force, normal, bend) in self.contacts(places).filter(|contact| contact.2 > 0.0) {
-            // The obstacle's own curvature pushes samples apart: it is left out where the matrix is to be definite.
+        for (sample, _, force, normal, bend) in
+            self.contacts(places).filter(|contact| contact.2 > 0.0)
+        {
+            // The obstacle's own curvature pushes samples apart: it is left out where the matrix is
+            // to be definite.
             let bend = if definite { bend * 0.0 } else { bend };
             let matrix = normal * normal.transpose() * self.problem.penalty_n_m - bend * force;
             for &(a, near) in sample {
                 for &(b, far) in sample {
                     for i in 0..3 {
                         for j in 0..3 {
-                            add(3 * a as usize + i, 3 * b as usize + j, near * far * matrix[(i, j)]);
+                            add(
+                                3 * a as usize + i,
+                                3 * b as usize + j,
+                                near * far * matrix[(i, j)],
+                            );
                         }
                     }
                 }
@@ -135,7 +160,8 @@ impl Merit<'_> {
         }
         let n = self.problem.unknown_count;
         let wrong = |error: &dyn std::fmt::Debug| ReferenceError::Factor(format!("{error:?}"));
-        let matrix = SparseColMat::<usize, f64>::try_new_from_triplets(n, n, &triplets).map_err(|e| wrong(&e))?;
+        let matrix = SparseColMat::<usize, f64>::try_new_from_triplets(n, n, &triplets)
+            .map_err(|e| wrong(&e))?;
         let factor = matrix.sp_cholesky(Side::Lower).map_err(|e| wrong(&e))?;
         let answer = factor.solve(&Col::from_fn(n, |row| -gradient[row]));
         Ok((0..n).map(|row| answer[row]).collect())

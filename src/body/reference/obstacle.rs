@@ -33,7 +33,11 @@ impl Obstacle {
                     return (-radius_m, Vector3::z(), Matrix3::zeros());
                 }
                 let normal = from / distance;
-                (distance - radius_m, normal, (Matrix3::identity() - normal * normal.transpose()) / distance)
+                (
+                    distance - radius_m,
+                    normal,
+                    (Matrix3::identity() - normal * normal.transpose()) / distance,
+                )
             }
             Self::Plane { point, normal } => ((at - point).dot(&normal), normal, Matrix3::zeros()),
         }

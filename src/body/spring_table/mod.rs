@@ -1,8 +1,8 @@
 //! The force pass over springs, four side by side.
 //!
-//! g_i = Σ k (|d| − L) / |d| d, eqs. 5.8–5.13 of the thesis. A spring without length has no direction and no force. Most
-//! springs of a lattice lie in [`panels`]; those left over are taken in an order in which neighbours in memory share no
-//! node.
+//! g_i = Σ k (|d| − L) / |d| d, eqs. 5.8–5.13 of the thesis. A spring without length has no
+//! direction and no force. Most springs of a lattice lie in [`panels`]; those left over are taken
+//! in an order in which neighbours in memory share no node.
 
 mod panels;
 mod pull;
@@ -15,8 +15,8 @@ pub use panels::ByCoordinate;
 use panels::{Grouped, Panels};
 use pull::Pull;
 
-/// Springs four by four: first those in panels, then the others. The last block is filled up with springs without
-/// stiffness from a node to itself.
+/// Springs four by four: first those in panels, then the others. The last block is filled up with
+/// springs without stiffness from a node to itself.
 #[derive(Clone, Debug, Default)]
 pub(super) struct SpringTable {
     panels: Panels,
@@ -37,9 +37,23 @@ const WINDOW: usize = 64;
 impl SpringTable {
     /// Of springs in the order of their nodes, a < b.
     pub(super) fn new(springs: &[Spring], stiffening: Option<Stiffening>) -> Self {
-        let Grouped { panels, stiffness, rest, loose } = Panels::group(springs);
+        let Grouped {
+            panels,
+            stiffness,
+            rest,
+            loose,
+        } = Panels::group(springs);
         let (count, loose_count) = (springs.len(), loose.len());
-        let mut table = Self { panels, a: Vec::new(), b: Vec::new(), stiffness, rest, stiffening, count, loose_count };
+        let mut table = Self {
+            panels,
+            a: Vec::new(),
+            b: Vec::new(),
+            stiffness,
+            rest,
+            stiffening,
+            count,
+            loose_count,
+        };
         let mut waiting: Vec<&Spring> = Vec::with_capacity(WINDOW);
         let mut coming = loose.iter();
         loop {
@@ -53,16 +67,32 @@ impl SpringTable {
             }
             let mut block: Vec<&Spring> = Vec::with_capacity(4);
             while block.len() < 4 && !waiting.is_empty() {
-                let shares = |s: &&Spring| block.iter().any(|o| s.a == o.a || s.a == o.b || s.b == o.a || s.b == o.b);
+                let shares = |s: &&Spring| {
+                    block
+                        .iter()
+                        .any(|o| s.a == o.a || s.a == o.b || s.b == o.a || s.b == o.b)
+                };
                 // A store into a node and the next load from it would wait for each other.
-                let next = waiting.iter().position(|spring| !shares(spring)).unwrap_or(0);
+                let next = waiting
+                    .iter()
+                    .position(|spring| !shares(spring))
+                    .unwrap_or(0);
                 block.push(waiting.remove(next));
             }
-            let get = |k: usize, of: fn(&Spring) -> f64| block.get(k).map_or(0.0, |spring| of(spring));
-            table.a.push(std::array::from_fn(|k| block.get(k).map_or(block[0].a, |spring| spring.a)));
-            table.b.push(std::array::from_fn(|k| block.get(k).map_or(block[0].a, |spring| spring.b)));
-            table.stiffness.push(std::array::from_fn(|k| get(k, |spring| spring.stiffness_n_m)));
-            table.rest.push(std::array::from_fn(|k| get(k, |spring| spring.rest_length_m)));
+            let get =
+                |k: usize, of: fn(&Spring) -> f64| block.get(k).map_or(0.0, |spring| of(spring));
+            table.a.push(std::array::from_fn(|k| {
+                block.get(k).map_or(block[0].a, |spring| spring.a)
+            }));
+            table.b.push(std::array::from_fn(|k| {
+                block.get(k).map_or(block[0].a, |spring| spring.b)
+            }));
+            table.stiffness.push(std::array::from_fn(|k| {
+                get(k, |spring| spring.stiffness_n_m)
+            }));
+            table.rest.push(std::array::from_fn(|k| {
+                get(k, |spring| spring.rest_length_m)
+            }));
         }
     }
 
@@ -82,7 +112,12 @@ impl SpringTable {
         // Only the last block of loose springs may be short.
         let loose = (0..self.loose_count).map(move |k| {
             let (block, place) = (k / 4, k % 4);
-            (groups + block, place, self.a[block][place] as usize, self.b[block][place] as usize)
+            (
+                groups + block,
+                place,
+                self.a[block][place] as usize,
+                self.b[block][place] as usize,
+            )
         });
         let all = self.panels.each().chain(loose);
         all.map(|(block, place, a, b)| (block, place, a, b, self.stiffness[block][place]))
@@ -94,7 +129,13 @@ impl SpringTable {
     }
 
     /// Adds forces (N) to `residual`; `rest`: lengths without force, four by four.
-    pub(super) fn add_forces(&self, rest: &[Four], places: &[Lane], residual: &mut [Lane], buffers: &mut ByCoordinate) {
+    pub(super) fn add_forces(
+        &self,
+        rest: &[Four],
+        places: &[Lane],
+        residual: &mut [Lane],
+        buffers: &mut ByCoordinate,
+    ) {
         #[cfg(target_arch = "x86_64")]
         if simd::has_avx2() {
             // SAFETY: the processor has AVX2, asked just above.
@@ -113,12 +154,25 @@ impl SpringTable {
         buffers: &mut ByCoordinate,
     ) {
         match &self.stiffening {
-            None => self.run(&Pull::<L, false>::new(None), rest, places, residual, buffers),
-            Some(law) => self.run(&Pull::<L, true>::new(Some(law)), rest, places, residual, buffers),
+            None => self.run(
+                &Pull::<L, false>::new(None),
+                rest,
+                places,
+                residual,
+                buffers,
+            ),
+            Some(law) => self.run(
+                &Pull::<L, true>::new(Some(law)),
+                rest,
+                places,
+                residual,
+                buffers,
+            ),
         }
     }
 
-    // No closures here: what they call would not be compiled for the wider registers of the function around them.
+    // No closures here: what they call would not be compiled for the wider registers of the
+    // function around them.
     #[inline(always)]
     fn run<L: Lanes, const STIFFENING: bool>(
         &self,
@@ -130,7 +184,8 @@ impl SpringTable {
     ) {
         let (of_panels, stiffness) = self.stiffness.split_at(self.panels.len());
         let (rest_of_panels, rest) = rest.split_at(self.panels.len());
-        self.panels.add_forces(pull, (of_panels, rest_of_panels), places, residual, buffers);
+        self.panels
+            .add_forces(pull, (of_panels, rest_of_panels), places, residual, buffers);
         for (((a, b), k), rest) in self.a.iter().zip(&self.b).zip(stiffness).zip(rest) {
             let d = [
                 L::load(&places[b[0] as usize]) - L::load(&places[a[0] as usize]),
@@ -158,9 +213,11 @@ impl SpringTable {
             let mut twice = (length - rest).powi(2);
             if let Some(law) = &self.stiffening {
                 if law.strain.is_finite() {
-                    twice += (law.ratio - 1.0) * (length - rest * (1.0 + law.strain)).max(0.0).powi(2);
+                    twice +=
+                        (law.ratio - 1.0) * (length - rest * (1.0 + law.strain)).max(0.0).powi(2);
                 }
-                twice += (law.least_length_ratio - 1.0) * (length - rest * law.least_length).min(0.0).powi(2);
+                twice += (law.least_length_ratio - 1.0)
+                    * (length - rest * law.least_length).min(0.0).powi(2);
             }
             0.5 * k * twice
         };
@@ -188,17 +245,25 @@ mod tests {
     struct Random(u64);
     impl Random {
         fn next(&mut self) -> f64 {
-            self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            self.0 = self
+                .0
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1_442_695_040_888_963_407);
             (self.0 >> 11) as f64 / (1u64 << 53) as f64 - 0.5
         }
     }
 
     /// Random springs among random nodes; some nodes coincide.
     fn springs(random: &mut Random, nodes: usize, count: usize) -> (Vec<Spring>, Vec<Lane>) {
-        let mut places: Vec<Lane> = (0..nodes).map(|_| [random.next(), random.next(), random.next(), 0.0]).collect();
+        let mut places: Vec<Lane> = (0..nodes)
+            .map(|_| [random.next(), random.next(), random.next(), 0.0])
+            .collect();
         places[1] = places[0];
         let mut index = || ((random.next() + 0.5) * nodes as f64) as u32;
-        let pairs: Vec<(u32, u32)> = (0..count).map(|_| (index(), index())).filter(|(a, b)| a != b).collect();
+        let pairs: Vec<(u32, u32)> = (0..count)
+            .map(|_| (index(), index()))
+            .filter(|(a, b)| a != b)
+            .collect();
         let mut springs: Vec<Spring> = pairs
             .into_iter()
             .map(|(a, b)| Spring {
@@ -208,11 +273,21 @@ mod tests {
                 rest_length_m: random.next() + 0.5,
             })
             .collect();
-        springs.push(Spring { a: 0, b: 1, stiffness_n_m: 3.0, rest_length_m: 0.2 });
+        springs.push(Spring {
+            a: 0,
+            b: 1,
+            stiffness_n_m: 3.0,
+            rest_length_m: 0.2,
+        });
         (springs, places)
     }
 
-    const LAW: Stiffening = Stiffening { strain: 0.2, ratio: 4.0, least_length: 0.5, least_length_ratio: 9.0 };
+    const LAW: Stiffening = Stiffening {
+        strain: 0.2,
+        ratio: 4.0,
+        least_length: 0.5,
+        least_length_ratio: 9.0,
+    };
 
     #[test]
     fn forces_are_the_falling_slope_of_the_energy() {
@@ -222,7 +297,9 @@ mod tests {
             places[1] = [0.7, 0.1, -0.3, 0.0];
             let table = SpringTable::new(&springs, law);
             let energy = |places: &[Lane]| {
-                table.energy_j(table.rest(), |k| Point3::new(places[k][0], places[k][1], places[k][2]))
+                table.energy_j(table.rest(), |k| {
+                    Point3::new(places[k][0], places[k][1], places[k][2])
+                })
             };
             let mut forces = vec![[0.0; 4]; 30];
             table.add_forces(table.rest(), &places, &mut forces, &mut table.buffers());
@@ -235,7 +312,12 @@ mod tests {
                     moved[node][c] -= 2.0 * step;
                     let slope = (above - energy(&moved)) / (2.0 * step);
                     // Central differences of energies of some hundred joules.
-                    assert!((forces[node][c] + slope).abs() < 1e-5, "{} is not {}", forces[node][c], -slope);
+                    assert!(
+                        (forces[node][c] + slope).abs() < 1e-5,
+                        "{} is not {}",
+                        forces[node][c],
+                        -slope
+                    );
                 }
             }
         }
@@ -245,8 +327,17 @@ mod tests {
     fn lattice(random: &mut Random, [m, n, o]: [u32; 3]) -> (Vec<Spring>, Vec<Lane>) {
         let index = |i: u32, j: u32, k: u32| (i * n + j) * o + k;
         let mut pairs = Vec::new();
-        for (i, j, k) in (0..m).flat_map(|i| (0..n).flat_map(move |j| (0..o).map(move |k| (i, j, k)))) {
-            for (di, dj, dk) in [(0, 0, 1), (0, 1, 0), (0, 1, 1), (1, 0, 0), (1, 0, 1), (1, 1, 0)] {
+        for (i, j, k) in
+            (0..m).flat_map(|i| (0..n).flat_map(move |j| (0..o).map(move |k| (i, j, k))))
+        {
+            for (di, dj, dk) in [
+                (0, 0, 1),
+                (0, 1, 0),
+                (0, 1, 1),
+                (1, 0, 0),
+                (1, 0, 1),
+                (1, 1, 0),
+            ] {
                 if i + di < m && j + dj < n && k + dk < o {
                     pairs.push((index(i, j, k), index(i + di, j + dj, k + dk)));
                 }
@@ -254,10 +345,17 @@ mod tests {
         }
         pairs.extend([(0, m * n * o - 1), (1, m * n * o - 1), (2, 2 + m)]);
         pairs.sort_unstable();
-        let spring = |(a, b)| Spring { a, b, stiffness_n_m: 1.0 + random.next(), rest_length_m: 0.9 + random.next() };
+        let spring = |(a, b)| Spring {
+            a,
+            b,
+            stiffness_n_m: 1.0 + random.next(),
+            rest_length_m: 0.9 + random.next(),
+        };
         let springs = pairs.into_iter().map(spring).collect();
         let places = (0..m * n * o).map(|k| f64::from(k) + random.next());
-        let places = places.map(|k| [libm::sin(k), libm::cos(1.7 * k), 0.1 * k, 0.0]).collect();
+        let places = places
+            .map(|k| [libm::sin(k), libm::cos(1.7 * k), 0.1 * k, 0.0])
+            .collect();
         (springs, places)
     }
 
@@ -268,13 +366,24 @@ mod tests {
             for law in [None, Some(LAW)] {
                 let (springs, places) = lattice(&mut random, size);
                 let table = SpringTable::new(&springs, law);
-                assert!(table.loose_count < springs.len() / 4 + 12, "{} loose of {}", table.loose_count, springs.len());
-                let mut asked: Vec<_> = springs.iter().map(|s| (s.a as usize, s.b as usize, s.stiffness_n_m)).collect();
+                assert!(
+                    table.loose_count < springs.len() / 4 + 12,
+                    "{} loose of {}",
+                    table.loose_count,
+                    springs.len()
+                );
+                let mut asked: Vec<_> = springs
+                    .iter()
+                    .map(|s| (s.a as usize, s.b as usize, s.stiffness_n_m))
+                    .collect();
                 let mut seen: Vec<_> = table.each().map(|(.., a, b, k)| (a, b, k)).collect();
                 asked.sort_by(|s, t| s.partial_cmp(t).unwrap());
                 seen.sort_by(|s, t| s.partial_cmp(t).unwrap());
                 assert_eq!(seen, asked);
-                let rest: Vec<f64> = table.each().map(|(block, place, ..)| table.rest()[block][place]).collect();
+                let rest: Vec<f64> = table
+                    .each()
+                    .map(|(block, place, ..)| table.rest()[block][place])
+                    .collect();
                 let asked_rest: f64 = springs.iter().map(|s| s.rest_length_m).sum();
                 assert!((rest.iter().sum::<f64>() - asked_rest).abs() < 1e-9);
 
@@ -285,9 +394,10 @@ mod tests {
                     let length = d.iter().map(|x| x * x).sum::<f64>().sqrt();
                     let mut stretch = length - s.rest_length_m;
                     if let Some(law) = law {
-                        stretch += (law.ratio - 1.0) * (length - s.rest_length_m * (1.0 + law.strain)).max(0.0);
-                        stretch +=
-                            (law.least_length_ratio - 1.0) * (length - s.rest_length_m * law.least_length).min(0.0);
+                        stretch += (law.ratio - 1.0)
+                            * (length - s.rest_length_m * (1.0 + law.strain)).max(0.0);
+                        stretch += (law.least_length_ratio - 1.0)
+                            * (length - s.rest_length_m * law.least_length).min(0.0);
                     }
                     for c in 0..3 {
                         expected[a][c] += s.stiffness_n_m * stretch / length * d[c];
@@ -300,7 +410,10 @@ mod tests {
                     table.add_forces(table.rest(), &places, &mut forces, &mut buffers);
                     for (got, want) in forces.iter().zip(&expected) {
                         for c in 0..3 {
-                            assert!((got[c] - 0.5 - want[c]).abs() < 1e-12, "pass {pass}: {got:?} is not {want:?}");
+                            assert!(
+                                (got[c] - 0.5 - want[c]).abs() < 1e-12,
+                                "pass {pass}: {got:?} is not {want:?}"
+                            );
                         }
                     }
                 }
@@ -317,8 +430,12 @@ mod tests {
         for count in [1, 2, 3, 4, 5, 63, 64, 65, 300] {
             let (springs, places) = springs(&mut random, 20, count);
             let table = SpringTable::new(&springs, None);
-            let mut seen: Vec<(usize, usize)> = table.each().map(|(_, _, a, b, _)| (a, b)).collect();
-            let mut asked: Vec<(usize, usize)> = springs.iter().map(|s| (s.a as usize, s.b as usize)).collect();
+            let mut seen: Vec<(usize, usize)> =
+                table.each().map(|(_, _, a, b, _)| (a, b)).collect();
+            let mut asked: Vec<(usize, usize)> = springs
+                .iter()
+                .map(|s| (s.a as usize, s.b as usize))
+                .collect();
             seen.sort_unstable();
             asked.sort_unstable();
             assert_eq!(seen, asked);

@@ -1,8 +1,8 @@
 //! Springs of four nodes in a row to four nodes in a row, as lattices number them.
 //!
-//! Nodes a … a + 3 of a block and their neighbours b … b + 3 lie side by side in memory, coordinate by coordinate: forces
-//! of the block stay in registers, and nothing is gathered, scattered or transposed. A lane without a spring has no
-//! stiffness.
+//! Nodes a … a + 3 of a block and their neighbours b … b + 3 lie side by side in memory, coordinate
+//! by coordinate: forces of the block stay in registers, and nothing is gathered, scattered or
+//! transposed. A lane without a spring has no stiffness.
 
 use super::pull::Pull;
 use crate::body::springs::Spring;
@@ -52,7 +52,10 @@ impl Panels {
     pub(super) fn group(springs: &[Spring]) -> Grouped {
         let nodes = springs.iter().map(|s| s.b as usize + 1).max().unwrap_or(0);
         let mut out = Grouped {
-            panels: Self { room: nodes.next_multiple_of(4), ..Self::default() },
+            panels: Self {
+                room: nodes.next_multiple_of(4),
+                ..Self::default()
+            },
             stiffness: Vec::new(),
             rest: Vec::new(),
             loose: Vec::new(),
@@ -64,7 +67,10 @@ impl Panels {
             for group in sorted.chunk_by(|s, t| s.b - s.a == t.b - t.a) {
                 let offset = group[0].b - group[0].a;
                 let twice = group.windows(2).any(|pair| pair[0].a == pair[1].a);
-                if group.len() < LEAST_FILLED || twice || (first_node + offset) as usize + 4 > out.panels.room {
+                if group.len() < LEAST_FILLED
+                    || twice
+                    || (first_node + offset) as usize + 4 > out.panels.room
+                {
                     out.loose.extend(group.iter().copied());
                     continue;
                 }
@@ -81,7 +87,11 @@ impl Panels {
             }
             let end = out.panels.offsets.len() as u32;
             if end > begin {
-                out.panels.blocks.push(Block { first_node, begin, end });
+                out.panels.blocks.push(Block {
+                    first_node,
+                    begin,
+                    end,
+                });
             }
         }
         out
@@ -94,11 +104,19 @@ impl Panels {
 
     /// Springs: (group, lane, a, b).
     pub(super) fn each(&self) -> impl Iterator<Item = (usize, usize, usize, usize)> + '_ {
-        let lanes = move |group: usize| (0..4).filter(move |lane| self.filled[group] >> lane & 1 == 1);
+        let lanes =
+            move |group: usize| (0..4).filter(move |lane| self.filled[group] >> lane & 1 == 1);
         let of_block = move |block: &Block| {
             let first = block.first_node as usize;
             (block.begin as usize..block.end as usize).flat_map(move |group| {
-                lanes(group).map(move |k| (group, k, first + k, first + k + self.offsets[group] as usize))
+                lanes(group).map(move |k| {
+                    (
+                        group,
+                        k,
+                        first + k,
+                        first + k + self.offsets[group] as usize,
+                    )
+                })
             })
         };
         self.blocks.iter().flat_map(of_block)
@@ -106,12 +124,20 @@ impl Panels {
 
     /// Buffers of a pass.
     pub(super) fn buffers(&self) -> ByCoordinate {
-        let size = if self.blocks.is_empty() { 0 } else { 3 * self.room };
-        ByCoordinate { places: vec![0.0; size], forces: vec![0.0; size] }
+        let size = if self.blocks.is_empty() {
+            0
+        } else {
+            3 * self.room
+        };
+        ByCoordinate {
+            places: vec![0.0; size],
+            forces: vec![0.0; size],
+        }
     }
 
     /// Adds forces (N) to `residual`. `stiffness`, `rest`: of each group.
-    // No closures here: what they call would not be compiled for the wider registers of the function around them.
+    // No closures here: what they call would not be compiled for the wider registers of the
+    // function around them.
     #[inline(always)]
     pub(super) fn add_forces<L: Lanes, const STIFFENING: bool>(
         &self,
@@ -124,19 +150,33 @@ impl Panels {
         if self.blocks.is_empty() {
             return;
         }
-        let ByCoordinate { places: from, forces: to } = buffers;
+        let ByCoordinate {
+            places: from,
+            forces: to,
+        } = buffers;
         let (y, z) = (self.room, 2 * self.room);
         spread::<L>(places, from, self.room);
         to.fill(0.0);
         for block in &self.blocks {
             let a = block.first_node as usize;
             let groups = block.begin as usize..block.end as usize;
-            let (ax, ay, az) = (load::<L>(from, a), load::<L>(from, a + y), load::<L>(from, a + z));
+            let (ax, ay, az) = (
+                load::<L>(from, a),
+                load::<L>(from, a + y),
+                load::<L>(from, a + z),
+            );
             let (mut sx, mut sy, mut sz) = (L::splat(0.0), L::splat(0.0), L::splat(0.0));
-            let constants = self.offsets[groups.clone()].iter().zip(&stiffness[groups.clone()]).zip(&rest[groups]);
+            let constants = self.offsets[groups.clone()]
+                .iter()
+                .zip(&stiffness[groups.clone()])
+                .zip(&rest[groups]);
             for ((offset, stiffness), rest) in constants {
                 let b = a + *offset as usize;
-                let (bx, by, bz) = (load::<L>(from, b), load::<L>(from, b + y), load::<L>(from, b + z));
+                let (bx, by, bz) = (
+                    load::<L>(from, b),
+                    load::<L>(from, b + y),
+                    load::<L>(from, b + z),
+                );
                 let (dx, dy, dz) = (bx - ax, by - ay, bz - az);
                 let pull = pull.of([dx, dy, dz], stiffness, rest);
                 let (px, py, pz) = (dx * pull, dy * pull, dz * pull);
@@ -189,7 +229,11 @@ fn gather<L: Lanes>(from: &[f64], room: usize, rows: &mut [Lane]) {
     let count = rows.len().min(room);
     let (fours, odd) = rows[..count].as_chunks_mut::<4>();
     for (k, four) in fours.iter_mut().enumerate() {
-        let (x, y, z) = (load(from, 4 * k), load(from, 4 * k + room), load(from, 4 * k + 2 * room));
+        let (x, y, z) = (
+            load(from, 4 * k),
+            load(from, 4 * k + room),
+            load(from, 4 * k + 2 * room),
+        );
         let parts = L::transposed([x, y, z, L::splat(0.0)]);
         for j in 0..4 {
             (L::load(&four[j]) + parts[j]).store(&mut four[j]);

@@ -4,8 +4,14 @@ use crate::body::material::Stiffening;
 use crate::math::lanes::{Four, Lanes};
 
 /// No stiffening.
-const PLAIN: Stiffening = Stiffening { strain: f64::INFINITY, ratio: 1.0, least_length: 0.0, least_length_ratio: 1.0 };
-/// Lengths below this count as this long: the force of a spring without length is then zero, not undefined.
+const PLAIN: Stiffening = Stiffening {
+    strain: f64::INFINITY,
+    ratio: 1.0,
+    least_length: 0.0,
+    least_length_ratio: 1.0,
+};
+/// Lengths below this count as this long: the force of a spring without length is then zero, not
+/// undefined.
 const LEAST_LENGTH: f64 = 1e-100;
 
 /// Constants of the law in registers. Plain springs do no work for `STIFFENING`.

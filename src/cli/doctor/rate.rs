@@ -36,10 +36,16 @@ impl Figures {
     /// Of durations in ascending order, ns.
     pub(super) fn of(sorted_ns: &[u64]) -> Self {
         let at = |share: f64| {
-            let rank = ((share * sorted_ns.len() as f64).ceil() as usize).clamp(1, sorted_ns.len().max(1));
+            let rank =
+                ((share * sorted_ns.len() as f64).ceil() as usize).clamp(1, sorted_ns.len().max(1));
             sorted_ns.get(rank - 1).map_or(0.0, |&ns| ns as f64 * 1e-3)
         };
-        Self { p50_us: at(0.5), p99_us: at(0.99), p999_us: at(0.999), max_us: at(1.0) }
+        Self {
+            p50_us: at(0.5),
+            p99_us: at(0.99),
+            p999_us: at(0.999),
+            max_us: at(1.0),
+        }
     }
 }
 
@@ -77,7 +83,8 @@ impl Pressing {
         self.scene.dt_s
     }
 
-    /// Runs the ticks at the scene's own rate, as the loop does: between ticks the thread sleeps and caches cool.
+    /// Runs the ticks at the scene's own rate, as the loop does: between ticks the thread sleeps
+    /// and caches cool.
     pub(super) fn run(self, ticks: u64, sorted_lateness_ns: &[u64]) -> SceneRate {
         let Self { scene, motions } = self;
         let period_ns = (scene.dt_s * 1e9).round() as u64;
@@ -94,10 +101,12 @@ impl Pressing {
             let t = k.saturating_sub(WARM_TICKS) as f64 * pace_s;
             let mut input = TickInput::default();
             for (slot, motion) in input.poses.iter_mut().zip(&motions) {
-                *slot = motion.as_ref().map(|motion| pose(motion, k + 1, t, pace_s, scene.dt_s));
+                *slot = motion
+                    .as_ref()
+                    .map(|motion| pose(motion, k + 1, t, pace_s, scene.dt_s));
             }
-            // Ticks that fill their period leave the others a tenth of their time: Linux stops a real-time thread that
-            // takes more than 95 % of a second for the rest of it.
+            // Ticks that fill their period leave the others a tenth of their time: Linux stops a
+            // real-time thread that takes more than 95 % of a second for the rest of it.
             due = (due + period_ns).max(now_ns() + took / 9);
             sleep_until(due);
             let start = now_ns();
@@ -109,7 +118,9 @@ impl Pressing {
             }
         }
         took_ns.sort_unstable();
-        let holds = |hz: &u32| share_in_time(&took_ns, sorted_lateness_ns, 1_000_000_000 / u64::from(*hz)) >= IN_TIME;
+        let holds = |hz: &u32| {
+            share_in_time(&took_ns, sorted_lateness_ns, 1_000_000_000 / u64::from(*hz)) >= IN_TIME
+        };
         SceneRate {
             scene: scene.name.clone(),
             scene_hz: 1.0 / scene.dt_s,
@@ -151,15 +162,20 @@ pub(super) fn lateness_ns(ticks: u64) -> Vec<u64> {
     late_ns
 }
 
-/// Share of ticks that end before the next is due, when any may begin as late as any wake-up was: of all pairs of a tick and
-/// a lateness, those whose sum is below the period. Both lists in ascending order; without ticks, 0.
+/// Share of ticks that end before the next is due, when any may begin as late as any wake-up was:
+/// of all pairs of a tick and a lateness, those whose sum is below the period. Both lists in
+/// ascending order; without ticks, 0.
 fn share_in_time(took_ns: &[u64], late_ns: &[u64], period_ns: u64) -> f64 {
     let in_time = |took: &u64| {
         let left = period_ns.saturating_sub(*took);
         late_ns.partition_point(|&late| late < left) as f64
     };
     let pairs = took_ns.len() as f64 * late_ns.len() as f64;
-    if pairs > 0.0 { took_ns.iter().map(in_time).sum::<f64>() / pairs } else { 0.0 }
+    if pairs > 0.0 {
+        took_ns.iter().map(in_time).sum::<f64>() / pairs
+    } else {
+        0.0
+    }
 }
 
 #[cfg(test)]
@@ -171,7 +187,9 @@ mod tests {
     fn the_share_in_time_is_that_of_all_pairs() {
         let mut state = 3u64;
         let mut random = |most: u64| {
-            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            state = state
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1_442_695_040_888_963_407);
             (state >> 33) % most
         };
         let mut list = |len: usize, most: u64| {
@@ -182,9 +200,16 @@ mod tests {
         for (most_took, most_late) in [(1_000, 1_000), (2_500, 10), (10, 2_500)] {
             let (took, late) = (list(300, most_took), list(200, most_late));
             for period in [1, 500, 1_000, 2_000, 5_000] {
-                let in_time = took.iter().flat_map(|t| late.iter().map(move |l| t + l)).filter(|sum| *sum < period);
+                let in_time = took
+                    .iter()
+                    .flat_map(|t| late.iter().map(move |l| t + l))
+                    .filter(|sum| *sum < period);
                 let expected = in_time.count() as f64 / 60_000.0;
-                assert_eq!(share_in_time(&took, &late, period), expected, "{most_took} {most_late} {period}");
+                assert_eq!(
+                    share_in_time(&took, &late, period),
+                    expected,
+                    "{most_took} {most_late} {period}"
+                );
             }
         }
         assert_eq!(share_in_time(&[], &[1], 100), 0.0);
@@ -193,8 +218,24 @@ mod tests {
     #[test]
     fn figures_are_ranks_of_the_sorted_list() {
         let ns: Vec<u64> = (1..=1_000).map(|k| k * 1_000).collect();
-        assert_eq!(Figures::of(&ns), Figures { p50_us: 500.0, p99_us: 990.0, p999_us: 999.0, max_us: 1_000.0 });
-        assert_eq!(Figures::of(&[7_000]), Figures { p50_us: 7.0, p99_us: 7.0, p999_us: 7.0, max_us: 7.0 });
+        assert_eq!(
+            Figures::of(&ns),
+            Figures {
+                p50_us: 500.0,
+                p99_us: 990.0,
+                p999_us: 999.0,
+                max_us: 1_000.0
+            }
+        );
+        assert_eq!(
+            Figures::of(&[7_000]),
+            Figures {
+                p50_us: 7.0,
+                p99_us: 7.0,
+                p999_us: 7.0,
+                max_us: 7.0
+            }
+        );
         assert_eq!(Figures::of(&[]).max_us, 0.0);
     }
 
@@ -206,6 +247,10 @@ mod tests {
         let pressing = Pressing::new(&loaded).unwrap();
         assert!(pressing.motions.iter().all(Option::is_some));
         let rate = pressing.run(500, &[0]);
-        assert!(rate.contact_ticks > 100 && rate.ticks == 500, "{} in contact", rate.contact_ticks);
+        assert!(
+            rate.contact_ticks > 100 && rate.ticks == 500,
+            "{} in contact",
+            rate.contact_ticks
+        );
     }
 }

@@ -18,7 +18,8 @@ const DEFAULT_TOLERANCE: f64 = 1e-3;
 pub struct Args {
     /// Recording.
     file: PathBuf,
-    /// Where the net goes: .step, .stp, .iges, .igs or .json as a surface, .obj, .stl or .glb as triangles.
+    /// Where the net goes: .step, .stp, .iges, .igs or .json as a surface, .obj, .stl or .glb as
+    /// triangles.
     #[arg(requires = "net")]
     out: Option<PathBuf>,
     /// Write a row for each tick to this file; - is stdout.
@@ -33,7 +34,8 @@ pub struct Args {
     /// Tick of the net.
     #[arg(long, value_name = "TICK", requires = "net")]
     tick: Option<u64>,
-    /// Of triangles: no point of the surface further from them than this, m [default: a thousandth of its size].
+    /// Of triangles: no point of the surface further from them than this, m [default: a thousandth
+    /// of its size].
     #[arg(long, value_name = "M", requires = "net")]
     tolerance: Option<f64>,
     /// First tick of the table and of the plots.
@@ -48,13 +50,21 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     // A format that cannot be is told before anything is computed.
     let format = args.out.as_ref().map(Format::of).transpose()?;
     let session = Session::open(&args.file)?;
-    let range = Range { from: args.from, until: args.until };
+    let range = Range {
+        from: args.from,
+        until: args.until,
+    };
     if let Some(path) = &args.csv {
         if path == Path::new("-") {
-            csv(&session, &range, &mut BufWriter::new(std::io::stdout().lock()))?;
+            csv(
+                &session,
+                &range,
+                &mut BufWriter::new(std::io::stdout().lock()),
+            )?;
         } else {
             let file = std::fs::File::create(path).with_context(|| path.display().to_string())?;
-            csv(&session, &range, &mut BufWriter::new(file)).with_context(|| path.display().to_string())?;
+            csv(&session, &range, &mut BufWriter::new(file))
+                .with_context(|| path.display().to_string())?;
         }
     }
     if let Some(path) = &args.svg {
@@ -63,7 +73,9 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
         let page = plot::page(&format!("{name}: {scene}"), &series(&session, &range)?);
         std::fs::write(path, page).with_context(|| path.display().to_string())?;
     }
-    if let (Some(body), Some(tick), Some(path), Some(format)) = (&args.net, args.tick, &args.out, format) {
+    if let (Some(body), Some(tick), Some(path), Some(format)) =
+        (&args.net, args.tick, &args.out, format)
+    {
         let surface = net_at(&session, body, tick)?;
         let bytes = match format {
             Format::Stl | Format::Obj | Format::Glb => {

@@ -25,10 +25,30 @@ struct Panel<'a> {
 pub fn page(title: &str, series: &Series) -> String {
     let tick_s = std::slice::from_ref(&series.tick_s);
     let panels = [
-        Panel { name: "force, N", curves: &series.force_n, scale: 1.0, line: None },
-        Panel { name: "depth, mm", curves: &series.depth_m, scale: 1e3, line: None },
-        Panel { name: "energy, mJ", curves: &series.energy_j, scale: 1e3, line: None },
-        Panel { name: "tick time, µs", curves: tick_s, scale: 1e6, line: Some((series.dt_s, "due")) },
+        Panel {
+            name: "force, N",
+            curves: &series.force_n,
+            scale: 1.0,
+            line: None,
+        },
+        Panel {
+            name: "depth, mm",
+            curves: &series.depth_m,
+            scale: 1e3,
+            line: None,
+        },
+        Panel {
+            name: "energy, mJ",
+            curves: &series.energy_j,
+            scale: 1e3,
+            line: None,
+        },
+        Panel {
+            name: "tick time, µs",
+            curves: tick_s,
+            scale: 1e6,
+            line: Some((series.dt_s, "due")),
+        },
     ];
     let height = TOP + PITCH * panels.len() as f64 + 30.0;
     let mut svg = format!(
@@ -50,44 +70,87 @@ fn draw(svg: &mut String, panel: &Panel<'_>, span_s: [f64; 2], top: f64, last: b
     // Times are drawn from the first tick to the last; the axis finds round numbers between them.
     let [begin, end] = [span_s[0], span_s[1].max(span_s[0] + 1e-9)];
     let across = |t_s: f64| LEFT + (t_s - begin) / (end - begin) * (RIGHT - LEFT);
-    let buckets = || panel.curves.iter().flat_map(|curve| curve.pieces.iter().flatten());
-    let values = buckets().flat_map(|bucket| [bucket.least, bucket.most]).chain(panel.line.map(|line| line.0));
+    let buckets = || {
+        panel
+            .curves
+            .iter()
+            .flat_map(|curve| curve.pieces.iter().flatten())
+    };
+    let values = buckets()
+        .flat_map(|bucket| [bucket.least, bucket.most])
+        .chain(panel.line.map(|line| line.0));
     let y = Axis::new(Scale::Linear, values.map(|value| value * panel.scale));
     let down = |value: f64| bottom - y.share(value * panel.scale) * (bottom - top);
     for (t_s, label) in times(begin, end) {
         let at = across(t_s);
         let _ = writeln!(svg, "<path d=\"M{at:.1} {top}V{bottom}\" stroke=\"#ddd\"/>");
         if last {
-            let _ = writeln!(svg, "<text x=\"{at:.1}\" y=\"{}\" text-anchor=\"middle\">{label}</text>", bottom + 18.0);
+            let _ = writeln!(
+                svg,
+                "<text x=\"{at:.1}\" y=\"{}\" text-anchor=\"middle\">{label}</text>",
+                bottom + 18.0
+            );
         }
     }
     for (at, label) in &y.ticks {
         let at = bottom - (at - y.low) / (y.high - y.low) * (bottom - top);
         let _ = writeln!(svg, "<path d=\"M{LEFT} {at:.1}H{RIGHT}\" stroke=\"#ddd\"/>");
-        let _ = writeln!(svg, "<text x=\"{}\" y=\"{:.1}\" text-anchor=\"end\">{label}</text>", LEFT - 6.0, at + 4.0);
+        let _ = writeln!(
+            svg,
+            "<text x=\"{}\" y=\"{:.1}\" text-anchor=\"end\">{label}</text>",
+            LEFT - 6.0,
+            at + 4.0
+        );
     }
     let middle = 0.5 * (top + bottom);
     let name = escaped(panel.name);
-    let _ =
-        writeln!(svg, "<text transform=\"translate(20 {middle}) rotate(-90)\" text-anchor=\"middle\">{name}</text>");
+    let _ = writeln!(
+        svg,
+        "<text transform=\"translate(20 {middle}) rotate(-90)\" text-anchor=\"middle\">{name}</text>"
+    );
     if last {
         let middle = 0.5 * (LEFT + RIGHT);
-        let _ = writeln!(svg, "<text x=\"{middle}\" y=\"{}\" text-anchor=\"middle\">t, s</text>", bottom + 38.0);
+        let _ = writeln!(
+            svg,
+            "<text x=\"{middle}\" y=\"{}\" text-anchor=\"middle\">t, s</text>",
+            bottom + 38.0
+        );
     }
     if let Some((value, name)) = panel.line {
         let at = down(value);
-        let _ = writeln!(svg, "<path d=\"M{LEFT} {at:.1}H{RIGHT}\" stroke=\"#777\" stroke-dasharray=\"6 4\"/>");
-        let _ = writeln!(svg, "<text x=\"{}\" y=\"{:.1}\">{name}</text>", RIGHT + 6.0, at + 4.0);
+        let _ = writeln!(
+            svg,
+            "<path d=\"M{LEFT} {at:.1}H{RIGHT}\" stroke=\"#777\" stroke-dasharray=\"6 4\"/>"
+        );
+        let _ = writeln!(
+            svg,
+            "<text x=\"{}\" y=\"{:.1}\">{name}</text>",
+            RIGHT + 6.0,
+            at + 4.0
+        );
     }
     for (k, curve) in panel.curves.iter().enumerate() {
         let colour = COLOURS[k % COLOURS.len()];
         for piece in &curve.pieces {
             let places = outline(piece, across, down);
-            let _ = writeln!(svg, "<polyline points=\"{places}\" fill=\"none\" stroke=\"{colour}\"/>");
+            let _ = writeln!(
+                svg,
+                "<polyline points=\"{places}\" fill=\"none\" stroke=\"{colour}\"/>"
+            );
         }
         let at = top + 10.0 + 16.0 * k as f64;
-        let _ = writeln!(svg, "<path d=\"M{} {at}h14\" stroke=\"{colour}\" stroke-width=\"3\"/>", RIGHT + 20.0);
-        let _ = writeln!(svg, "<text x=\"{}\" y=\"{}\">{}</text>", RIGHT + 40.0, at + 4.0, escaped(&curve.name));
+        let _ = writeln!(
+            svg,
+            "<path d=\"M{} {at}h14\" stroke=\"{colour}\" stroke-width=\"3\"/>",
+            RIGHT + 20.0
+        );
+        let _ = writeln!(
+            svg,
+            "<text x=\"{}\" y=\"{}\">{}</text>",
+            RIGHT + 40.0,
+            at + 4.0,
+            escaped(&curve.name)
+        );
     }
 }
 
@@ -110,11 +173,18 @@ fn outline(piece: &[Bucket], across: impl Fn(f64) -> f64, down: impl Fn(f64) -> 
 fn times(begin: f64, end: f64) -> Vec<(f64, String)> {
     let span = end - begin;
     let decade = libm::pow(10.0, libm::floor(libm::log10(span / 5.0)));
-    let step = [1.0, 2.0, 5.0, 10.0].map(|k| k * decade).into_iter().find(|step| span / step <= 10.0).unwrap_or(span);
+    let step = [1.0, 2.0, 5.0, 10.0]
+        .map(|k| k * decade)
+        .into_iter()
+        .find(|step| span / step <= 10.0)
+        .unwrap_or(span);
     let first = libm::ceil(begin / step) as i64;
     let last = libm::floor(end / step) as i64;
     let decimals = libm::ceil(-libm::log10(step)).clamp(0.0, 9.0) as usize;
-    (first..=last).take(20).map(|k| (k as f64 * step, format!("{:.decimals$}", k as f64 * step))).collect()
+    (first..=last)
+        .take(20)
+        .map(|k| (k as f64 * step, format!("{:.decimals$}", k as f64 * step)))
+        .collect()
 }
 
 #[cfg(test)]
@@ -123,18 +193,39 @@ mod tests {
 
     #[test]
     fn times_are_round_and_few() {
-        let labels = |begin, end| times(begin, end).into_iter().map(|(_, label)| label).collect::<Vec<_>>();
-        assert_eq!(labels(0.001, 1.0), ["0.1", "0.2", "0.3", "0.4", "0.5", "0.6", "0.7", "0.8", "0.9", "1.0"]);
-        assert_eq!(labels(590.0, 600.0), (590..=600).map(|t| t.to_string()).collect::<Vec<_>>());
+        let labels = |begin, end| {
+            times(begin, end)
+                .into_iter()
+                .map(|(_, label)| label)
+                .collect::<Vec<_>>()
+        };
+        assert_eq!(
+            labels(0.001, 1.0),
+            [
+                "0.1", "0.2", "0.3", "0.4", "0.5", "0.6", "0.7", "0.8", "0.9", "1.0"
+            ]
+        );
+        assert_eq!(
+            labels(590.0, 600.0),
+            (590..=600).map(|t| t.to_string()).collect::<Vec<_>>()
+        );
         assert!(labels(3.0, 3.0 + 1e-9).len() <= 20);
     }
 
-    // However long a session: 800 buckets a curve, each with both its ends, for as many tools as a scene has.
+    // However long a session: 800 buckets a curve, each with both its ends, for as many tools as a
+    // scene has.
     #[test]
     fn the_largest_page_there_is_stays_below_a_megabyte() {
         let curve = |name: usize| {
-            let piece = (0..=800).map(|k| Bucket { t_s: 0.75 * f64::from(k), least: -f64::from(k % 7), most: 11.0 });
-            Curve { name: format!("tool {name}"), pieces: vec![piece.collect()] }
+            let piece = (0..=800).map(|k| Bucket {
+                t_s: 0.75 * f64::from(k),
+                least: -f64::from(k % 7),
+                most: 11.0,
+            });
+            Curve {
+                name: format!("tool {name}"),
+                pieces: vec![piece.collect()],
+            }
         };
         let curves: Vec<Curve> = (0..8).map(curve).collect();
         let series = Series {

@@ -2,7 +2,9 @@
 
 use super::{Loaded, Outcome, Source};
 use crate::exchange::{Format, write_mesh, write_surface};
-use crate::modeling::branch::{GOAL_ANGLE_DEG, GOAL_EDITED_ANGLE_DEG, Measures, Patch, PatchTable, Tree, Welded, grow};
+use crate::modeling::branch::{
+    GOAL_ANGLE_DEG, GOAL_EDITED_ANGLE_DEG, Measures, Patch, PatchTable, Tree, Welded, grow,
+};
 use crate::surface::Surface;
 use crate::surface::file::Unit;
 use anyhow::Context as _;
@@ -15,7 +17,8 @@ const FINENESS: f64 = 1e-3;
 pub struct Args {
     /// Tree (.toml); with --check a surface file (.json, .step, .stp, .iges, .igs).
     input: PathBuf,
-    /// File to write: .json; or triangles of the distinct patches: .stl, .obj, .glb; with --patch any surface file.
+    /// File to write: .json; or triangles of the distinct patches: .stl, .obj, .glb; with --patch
+    /// any surface file.
     #[arg(short, long)]
     output: Option<PathBuf>,
     /// Write only this row of the patch table: STEP and IGES have no form for a surface in pieces.
@@ -27,7 +30,8 @@ pub struct Args {
     /// With --check: of a file with several surfaces, the one at this place, from 0.
     #[arg(long, value_name = "N", default_value_t = 0, requires = "check")]
     index: usize,
-    /// Print one JSON object: measures in metres, the patch table, the places of the net that move together.
+    /// Print one JSON object: measures in metres, the patch table, the places of the net that move
+    /// together.
     #[arg(long)]
     json: bool,
 }
@@ -49,7 +53,11 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
         Some(path) => Some((path, Format::of(path)?)),
         None => None,
     };
-    let subject = if args.check { checked(args)? } else { grown(&args.input)? };
+    let subject = if args.check {
+        checked(args)?
+    } else {
+        grown(&args.input)?
+    };
     let (measures, welded) = Measures::of(&subject.surface, &subject.patches);
     if let Some((path, format)) = output {
         let bytes = file(&subject, &welded, format, args.patch)?;
@@ -61,15 +69,32 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     } else {
         print_text(&subject, &measures, &welded);
     }
-    misses.iter().for_each(|miss| eprintln!("not reached: {miss}"));
+    misses
+        .iter()
+        .for_each(|miss| eprintln!("not reached: {miss}"));
     for broken in measures.rules.iter() {
-        eprintln!("rule {} ({}): {}, off by {:.1e} m", broken.rule, broken.rule.asks(), broken.place, broken.off_m);
+        eprintln!(
+            "rule {} ({}): {}, off by {:.1e} m",
+            broken.rule,
+            broken.rule.asks(),
+            broken.place,
+            broken.off_m
+        );
     }
-    Ok(if misses.is_empty() { Outcome::Ok } else { Outcome::Difference })
+    Ok(if misses.is_empty() {
+        Outcome::Ok
+    } else {
+        Outcome::Difference
+    })
 }
 
 /// Of the whole, or of one patch.
-fn file(subject: &Subject, welded: &Welded, format: Format, patch: Option<usize>) -> anyhow::Result<Vec<u8>> {
+fn file(
+    subject: &Subject,
+    welded: &Welded,
+    format: Format,
+    patch: Option<usize>,
+) -> anyhow::Result<Vec<u8>> {
     let mesh = matches!(format, Format::Stl | Format::Obj | Format::Glb);
     let Some(row) = patch else {
         return if mesh {
@@ -80,11 +105,17 @@ fn file(subject: &Subject, welded: &Welded, format: Format, patch: Option<usize>
         };
     };
     let patches = &subject.patches.patches;
-    let patch = patches.get(row).with_context(|| format!("--patch {row}: the table ends at {}", patches.len() - 1))?;
+    let patch = patches
+        .get(row)
+        .with_context(|| format!("--patch {row}: the table ends at {}", patches.len() - 1))?;
     let surface = subject.surface.sub_surface(patch.u, patch.v)?;
     let size = surface.size();
     Ok(if mesh {
-        write_mesh(&surface.tessellated_to(FINENESS * size)?, format, Unit::Metre)?
+        write_mesh(
+            &surface.tessellated_to(FINENESS * size)?,
+            format,
+            Unit::Metre,
+        )?
     } else {
         write_surface(&surface, format, Unit::Metre)?
     })
@@ -95,18 +126,36 @@ fn grown(path: &Path) -> anyhow::Result<Subject> {
     let text = std::fs::read_to_string(path).with_context(name)?;
     let tree: Tree = toml::from_str(&text).with_context(name)?;
     let grown = grow(&tree).with_context(name)?;
-    Ok(Subject { surface: grown.surface, patches: grown.patches, ties: Some(grown.ties), angle_deg: GOAL_ANGLE_DEG })
+    Ok(Subject {
+        surface: grown.surface,
+        patches: grown.patches,
+        ties: Some(grown.ties),
+        angle_deg: GOAL_ANGLE_DEG,
+    })
 }
 
 fn checked(args: &Args) -> anyhow::Result<Subject> {
-    let Loaded { surface, .. } = Source { file: args.input.clone(), index: args.index }.load()?;
-    let patches = PatchTable::recovered(&surface).with_context(|| args.input.display().to_string())?;
-    Ok(Subject { surface, patches, ties: None, angle_deg: GOAL_EDITED_ANGLE_DEG })
+    let Loaded { surface, .. } = Source {
+        file: args.input.clone(),
+        index: args.index,
+    }
+    .load()?;
+    let patches =
+        PatchTable::recovered(&surface).with_context(|| args.input.display().to_string())?;
+    Ok(Subject {
+        surface,
+        patches,
+        ties: None,
+        angle_deg: GOAL_EDITED_ANGLE_DEG,
+    })
 }
 
 fn print_json(subject: &Subject, measures: &Measures, misses: &[String]) {
     let net = subject.surface.net();
-    let degrees = [subject.surface.knots_u().degree(), subject.surface.knots_v().degree()];
+    let degrees = [
+        subject.surface.knots_u().degree(),
+        subject.surface.knots_v().degree(),
+    ];
     let report = serde_json::json!({
         "degrees": degrees, "net": [net.rows(), net.columns()], "leaves": subject.patches.leaves,
         "parts": subject.patches.parts, "distinct_patches": subject.patches.distinct().count(),
@@ -143,8 +192,14 @@ fn print_text(subject: &Subject, measures: &Measures, welded: &Welded) {
         measures.crossings,
         welded.mesh.triangles.len()
     );
-    println!("  area {:.6} m², drawn {:.3} times over", measures.area_m2, measures.coverage);
-    println!("  {:>4} {:<8} {:>4} {:>4} {:>3}  {:<12} {:<12} same as", "row", "node", "part", "leaf", "arc", "u", "v");
+    println!(
+        "  area {:.6} m², drawn {:.3} times over",
+        measures.area_m2, measures.coverage
+    );
+    println!(
+        "  {:>4} {:<8} {:>4} {:>4} {:>3}  {:<12} {:<12} same as",
+        "row", "node", "part", "leaf", "arc", "u", "v"
+    );
     for (k, patch) in subject.patches.patches.iter().enumerate() {
         println!("{}", format!("  {k:>4} {}", line(patch)).trim_end());
     }
@@ -172,7 +227,14 @@ mod tests {
     const DATA: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/src/modeling/branch/data");
 
     fn args(input: impl Into<PathBuf>, output: Option<PathBuf>) -> Args {
-        Args { input: input.into(), output, patch: None, check: false, index: 0, json: true }
+        Args {
+            input: input.into(),
+            output,
+            patch: None,
+            check: false,
+            index: 0,
+            json: true,
+        }
     }
 
     #[test]
@@ -181,32 +243,64 @@ mod tests {
         let file = |name: &str| directory.path().join(name);
         let tree = format!("{DATA}/y.toml");
         for name in ["y.json", "y.stl", "y.obj", "y.glb"] {
-            assert_eq!(run(&args(&tree, Some(file(name)))).unwrap(), Outcome::Ok, "{name}");
-            assert!(std::fs::metadata(file(name)).unwrap().len() > 10_000, "{name}");
+            assert_eq!(
+                run(&args(&tree, Some(file(name)))).unwrap(),
+                Outcome::Ok,
+                "{name}"
+            );
+            assert!(
+                std::fs::metadata(file(name)).unwrap().len() > 10_000,
+                "{name}"
+            );
         }
-        let check = Args { check: true, ..args(file("y.json"), None) };
+        let check = Args {
+            check: true,
+            ..args(file("y.json"), None)
+        };
         assert_eq!(run(&check).unwrap(), Outcome::Ok);
         let whole = run(&args(&tree, Some(file("y.step")))).unwrap_err();
         assert!(format!("{whole:#}").contains("--patch ROW"), "{whole:#}");
         for name in ["patch.step", "patch.igs", "patch.json", "patch.stl"] {
-            let patch = Args { patch: Some(3), json: false, ..args(&tree, Some(file(name))) };
+            let patch = Args {
+                patch: Some(3),
+                json: false,
+                ..args(&tree, Some(file(name)))
+            };
             assert_eq!(run(&patch).unwrap(), Outcome::Ok, "{name}");
         }
-        let outside = Args { patch: Some(8), ..args(&tree, Some(file("patch.step"))) };
-        assert_eq!(run(&outside).unwrap_err().to_string(), "--patch 8: the table ends at 7");
+        let outside = Args {
+            patch: Some(8),
+            ..args(&tree, Some(file("patch.step")))
+        };
+        assert_eq!(
+            run(&outside).unwrap_err().to_string(),
+            "--patch 8: the table ends at 7"
+        );
     }
 
     #[test]
     fn files_keep_every_bit_of_the_surface_or_of_its_patches() {
         for name in ["asymmetric", "twisted"] {
-            let Subject { surface, patches, .. } = grown(Path::new(&format!("{DATA}/{name}.toml"))).unwrap();
+            let Subject {
+                surface, patches, ..
+            } = grown(Path::new(&format!("{DATA}/{name}.toml"))).unwrap();
             let file = write_surface(&surface, Format::Json, Unit::Metre).unwrap();
-            assert_eq!(read_surface(&file, Format::Json, Pick::First).unwrap().surface, surface, "{name}");
+            assert_eq!(
+                read_surface(&file, Format::Json, Pick::First)
+                    .unwrap()
+                    .surface,
+                surface,
+                "{name}"
+            );
             for patch in patches.distinct() {
                 let piece = surface.sub_surface(patch.u, patch.v).unwrap();
                 for format in [Format::Step, Format::Iges] {
                     let file = write_surface(&piece, format, Unit::Metre).unwrap();
-                    assert_eq!(read_surface(&file, format, Pick::First).unwrap().surface, piece, "{name}, {format:?}");
+                    assert_eq!(
+                        read_surface(&file, format, Pick::First).unwrap().surface,
+                        piece,
+                        "{name}, {format:?}"
+                    );
                 }
             }
         }
@@ -216,7 +310,8 @@ mod tests {
     fn edited_nets_are_judged_and_others_refused() {
         let directory = tempfile::tempdir().unwrap();
         let path = directory.path().join("edited.json");
-        let tree: Tree = toml::from_str(&std::fs::read_to_string(format!("{DATA}/y.toml")).unwrap()).unwrap();
+        let tree: Tree =
+            toml::from_str(&std::fs::read_to_string(format!("{DATA}/y.toml")).unwrap()).unwrap();
         let grown = grow(&tree).unwrap();
         let check = |move_m: f64| {
             let mut surface = grown.surface.clone();
@@ -224,12 +319,27 @@ mod tests {
             surface.net_mut().points_mut()[15 + 5].y += move_m;
             let file = write_surface(&surface, Format::Json, Unit::Millimetre).unwrap();
             std::fs::write(&path, file).unwrap();
-            run(&Args { check: true, ..args(&path, None) }).unwrap()
+            run(&Args {
+                check: true,
+                ..args(&path, None)
+            })
+            .unwrap()
         };
-        assert_eq!([check(0.0), check(1e-5), check(0.01)], [Outcome::Ok, Outcome::Ok, Outcome::Difference]);
-        let sheet = Args { check: true, ..args("builtin:sheet", None) };
+        assert_eq!(
+            [check(0.0), check(1e-5), check(0.01)],
+            [Outcome::Ok, Outcome::Ok, Outcome::Difference]
+        );
+        let sheet = Args {
+            check: true,
+            ..args("builtin:sheet", None)
+        };
         assert!(format!("{:#}", run(&sheet).unwrap_err()).contains("no branching net"));
-        assert!(run(&args(format!("{DATA}/y.toml"), None)).unwrap_err().to_string().contains("-o OUT"));
+        assert!(
+            run(&args(format!("{DATA}/y.toml"), None))
+                .unwrap_err()
+                .to_string()
+                .contains("-o OUT")
+        );
         assert!(run(&args("/nowhere/y.toml", Some(path.clone()))).is_err());
     }
 }

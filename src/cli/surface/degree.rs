@@ -1,4 +1,5 @@
-//! `palpate surface degree`: raised without any change of shape, or lowered with a bound on the change.
+//! `palpate surface degree`: raised without any change of shape, or lowered with a bound on the
+//! change.
 
 use super::{Loaded, Outcome, Source};
 use crate::basis::MAX_DEGREE;
@@ -18,7 +19,8 @@ pub struct Args {
     /// Degree wanted in v.
     #[arg(long, value_name = "DEGREE", value_parser = clap::value_parser!(u8).range(1..=MAX_DEGREE as i64))]
     v: Option<u8>,
-    /// File to write: .json, .step, .stp, .iges, .igs; lengths in the unit of the input where that is m or mm.
+    /// File to write: .json, .step, .stp, .iges, .igs; lengths in the unit of the input where that
+    /// is m or mm.
     #[arg(short, long)]
     output: PathBuf,
     /// Print one JSON object.
@@ -28,17 +30,29 @@ pub struct Args {
 
 pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     let format = Format::of(&args.output)?;
-    let Loaded { surface, unit, per_metre, .. } = args.source.load()?;
+    let Loaded {
+        surface,
+        unit,
+        per_metre,
+        ..
+    } = args.source.load()?;
     let (surface, in_u) = with_degree(surface, Direction::U, args.u)?;
     let (surface, in_v) = with_degree(surface, Direction::V, args.v)?;
-    let written = if unit == "mm" { Unit::Millimetre } else { Unit::Metre };
+    let written = if unit == "mm" {
+        Unit::Millimetre
+    } else {
+        Unit::Metre
+    };
     std::fs::write(&args.output, write_surface(&surface, format, written)?)
         .with_context(|| args.output.display().to_string())?;
     let degree = [surface.knots_u().degree(), surface.knots_v().degree()];
     let net = [surface.net().rows(), surface.net().columns()];
     let bound = (in_u + in_v) * per_metre;
     if args.json {
-        println!("{}", serde_json::json!({ "degree": degree, "net": net, "error_bound": bound, "unit": unit }));
+        println!(
+            "{}",
+            serde_json::json!({ "degree": degree, "net": net, "error_bound": bound, "unit": unit })
+        );
     } else {
         println!(
             "degree {} × {}, {} × {} control points; no point moved by more than {bound:e} {unit}",
@@ -49,7 +63,11 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
 }
 
 /// The surface with a degree in a direction, and how far its points may have moved, m.
-fn with_degree(mut surface: Surface, direction: Direction, wanted: Option<u8>) -> anyhow::Result<(Surface, f64)> {
+fn with_degree(
+    mut surface: Surface,
+    direction: Direction,
+    wanted: Option<u8>,
+) -> anyhow::Result<(Surface, f64)> {
     let wanted = wanted.map_or(surface.knots(direction).degree(), usize::from);
     let mut bound_m = 0.0;
     while surface.knots(direction).degree() < wanted {

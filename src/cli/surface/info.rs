@@ -14,7 +14,12 @@ pub struct Args {
 }
 
 pub fn run(args: &Args) -> anyhow::Result<Outcome> {
-    let Loaded { surface, unit, per_metre, count } = args.source.load()?;
+    let Loaded {
+        surface,
+        unit,
+        per_metre,
+        count,
+    } = args.source.load()?;
     let topology = surface.topology();
     let closed = topology.is_closed();
     let scaled = |value: f64, power: i32| value * per_metre.powi(power);
@@ -32,7 +37,11 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
         })
     };
     let points = surface.net().points();
-    let bounds = points.iter().fold((points[0], points[0]), |(low, high), p| (low.inf(p), high.sup(p)));
+    let bounds = points
+        .iter()
+        .fold((points[0], points[0]), |(low, high), p| {
+            (low.inf(p), high.sup(p))
+        });
     let corner = |p: crate::math::Point3| [p.x, p.y, p.z].map(|x| scaled(x, 1));
     let report = serde_json::json!({
         "unit": unit, "surfaces": count, "rational": surface.weights().is_some(), "closed": closed,
@@ -58,8 +67,15 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
         println!("{report}");
         return Ok(Outcome::Ok);
     }
-    let kind = if surface.weights().is_some() { "NURBS" } else { "B-spline" };
-    println!("{} {kind} surface, lengths in {unit}", if closed { "closed" } else { "open" });
+    let kind = if surface.weights().is_some() {
+        "NURBS"
+    } else {
+        "B-spline"
+    };
+    println!(
+        "{} {kind} surface, lengths in {unit}",
+        if closed { "closed" } else { "open" }
+    );
     for (name, k) in [("u", 0), ("v", 1)] {
         let d = &report[name];
         let poles = topology.poles[k].iter().filter(|pole| **pole).count();
@@ -71,17 +87,34 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
             d["domain"][0],
             d["domain"][1],
             d["closing"].as_str().unwrap_or_default(),
-            if poles > 0 { format!(", {poles} poles") } else { String::new() },
+            if poles > 0 {
+                format!(", {poles} poles")
+            } else {
+                String::new()
+            },
         );
     }
-    println!("  net within {} … {}", report["net_bounds"][0], report["net_bounds"][1]);
+    println!(
+        "  net within {} … {}",
+        report["net_bounds"][0], report["net_bounds"][1]
+    );
     println!("  area {} {unit}²", report["area"]);
     if let Some(patches) = report["patches"].as_object() {
-        let whole = if patches["whole"] == true { "" } else { "; not all edges inside are joined" };
-        println!("  in {} joined patches, {} of them distinct{whole}", patches["count"], patches["distinct"]);
+        let whole = if patches["whole"] == true {
+            ""
+        } else {
+            "; not all edges inside are joined"
+        };
+        println!(
+            "  in {} joined patches, {} of them distinct{whole}",
+            patches["count"], patches["distinct"]
+        );
     }
     if closed {
-        println!("  volume {} {unit}³, centroid {}", report["volume"], report["centroid"]);
+        println!(
+            "  volume {} {unit}³, centroid {}",
+            report["volume"], report["centroid"]
+        );
     }
     Ok(Outcome::Ok)
 }

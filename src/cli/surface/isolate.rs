@@ -14,8 +14,9 @@ use std::path::{Path, PathBuf};
 
 #[derive(clap::Args, Debug)]
 pub struct Args {
-    /// Closed surfaces (.json, .step, .stp, .iges, .igs, builtin:NAME). Two files: the first moves, the second stays. One
-    /// file, or three and more: all their bodies; of two that overlap the one listed first stays.
+    /// Closed surfaces (.json, .step, .stp, .iges, .igs, builtin:NAME). Two files: the first moves,
+    /// the second stays. One file, or three and more: all their bodies; of two that overlap the one
+    /// listed first stays.
     #[arg(required = true, value_names = ["MOVING", "FIXED"], num_args = 1..)]
     files: Vec<PathBuf>,
     /// Of a moving file with several surfaces, the one at this place, from 0.
@@ -24,17 +25,20 @@ pub struct Args {
     /// Of a fixed file with several surfaces, the one at this place, from 0.
     #[arg(long, value_name = "N", default_value_t = 0)]
     fixed_index: usize,
-    /// 1 farthest pair, 2 the same in the main region, 3 its normal, 4 all normals, 5 centres of mass, 6 half 4 half 5,
-    /// 7 the best of five blends; local: the nearest short way; global: the shortest way; thorough: looks longer.
+    /// 1 farthest pair, 2 the same in the main region, 3 its normal, 4 all normals, 5 centres of
+    /// mass, 6 half 4 half 5, 7 the best of five blends; local: the nearest short way; global: the
+    /// shortest way; thorough: looks longer.
     #[arg(long, default_value = "global", value_parser = method)]
     method: Method,
-    /// Gap to leave, in the unit of the file [default: a thousandth of the diagonal of the box round both].
+    /// Gap to leave, in the unit of the file [default: a thousandth of the diagonal of the box
+    /// round both].
     #[arg(long, value_name = "EPS", allow_negative_numbers = true)]
     gap: Option<f64>,
     /// The vector between the centres of mass turns by no more than this.
     #[arg(long, value_name = "DEG", allow_negative_numbers = true)]
     max_turn: Option<f64>,
-    /// Triangles for the search: auto; halving: finer until the answer changes by less than the gap; or cells such as 36x21.
+    /// Triangles for the search: auto; halving: finer until the answer changes by less than the
+    /// gap; or cells such as 36x21.
     #[arg(long, default_value = "auto", value_parser = resolution)]
     resolution: Resolution,
     /// The gap is that of the triangles; the surfaces themselves are not looked at.
@@ -43,7 +47,8 @@ pub struct Args {
     /// A method that has no answer fails; otherwise `global` answers in its place.
     #[arg(long)]
     strict: bool,
-    /// File for the moved surface: .json, .step, .stp, .iges, .igs. With all bodies of a file: OUT-0, OUT-1 and so on.
+    /// File for the moved surface: .json, .step, .stp, .iges, .igs. With all bodies of a file:
+    /// OUT-0, OUT-1 and so on.
     #[arg(short, long)]
     output: Option<PathBuf>,
     /// Print one JSON object.
@@ -61,14 +66,25 @@ fn resolution(text: &str) -> Result<Resolution, String> {
         "halving" => Ok(Resolution::Halving),
         _ => text
             .split_once(['x', 'X', '×'])
-            .and_then(|(u, v)| Some(Resolution::Cells([u.trim().parse().ok()?, v.trim().parse().ok()?])))
+            .and_then(|(u, v)| {
+                Some(Resolution::Cells([
+                    u.trim().parse().ok()?,
+                    v.trim().parse().ok()?,
+                ]))
+            })
             .ok_or_else(|| format!("{text:?} is none of auto, halving, cells such as 36x21")),
     }
 }
 
 pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     let format = args.output.as_ref().map(Format::of).transpose()?;
-    let one = |file: &PathBuf, index: usize| Source { file: file.clone(), index }.load();
+    let one = |file: &PathBuf, index: usize| {
+        Source {
+            file: file.clone(),
+            index,
+        }
+        .load()
+    };
     match args.files.as_slice() {
         [moving, fixed] => {
             let (moving, fixed) = (one(moving, args.index)?, one(fixed, args.fixed_index)?);
@@ -101,7 +117,12 @@ fn spec(args: &Args, per_metre: f64) -> IsolateSpec {
     }
 }
 
-fn pair(args: &Args, format: Option<Format>, moving: &Loaded, fixed: &Surface) -> anyhow::Result<Outcome> {
+fn pair(
+    args: &Args,
+    format: Option<Format>,
+    moving: &Loaded,
+    fixed: &Surface,
+) -> anyhow::Result<Outcome> {
     let answer = isolate(&moving.surface, fixed, &spec(args, moving.per_metre))?;
     if let (Some(path), Some(format), true) = (&args.output, format, answer.is_apart()) {
         write(path, format, moving, &answer.translation_m)?;
@@ -113,13 +134,22 @@ fn pair(args: &Args, format: Option<Format>, moving: &Loaded, fixed: &Surface) -
     } else {
         println!("{}", sentence(&answer, moving));
     }
-    Ok(if answer.is_apart() { Outcome::Ok } else { Outcome::Difference })
+    Ok(if answer.is_apart() {
+        Outcome::Ok
+    } else {
+        Outcome::Difference
+    })
 }
 
 fn all(args: &Args, format: Option<Format>, bodies: &[Loaded]) -> anyhow::Result<Outcome> {
     let per_metre = bodies[0].per_metre;
     let surfaces: Vec<Surface> = bodies.iter().map(|body| body.surface.clone()).collect();
-    let IsolatedAll { translations_m, moves, passes, unsettled } = isolate_all(&surfaces, &spec(args, per_metre))?;
+    let IsolatedAll {
+        translations_m,
+        moves,
+        passes,
+        unsettled,
+    } = isolate_all(&surfaces, &spec(args, per_metre))?;
     if let (Some(path), Some(format), None) = (&args.output, format, &unsettled) {
         for (k, (body, translation)) in bodies.iter().zip(&translations_m).enumerate() {
             write(&numbered(path, k), format, body, translation)?;
@@ -129,13 +159,24 @@ fn all(args: &Args, format: Option<Format>, bodies: &[Loaded]) -> anyhow::Result
     if args.json {
         let moves: Vec<Value> = moves
             .iter()
-            .map(|Move { pass, moving, fixed, answer }| {
-                let mut move_ = report(answer, per_metre);
-                (move_["pass"], move_["moving"], move_["fixed"]) = (json!(pass), json!(moving), json!(fixed));
-                move_
-            })
+            .map(
+                |Move {
+                     pass,
+                     moving,
+                     fixed,
+                     answer,
+                 }| {
+                    let mut move_ = report(answer, per_metre);
+                    (move_["pass"], move_["moving"], move_["fixed"]) =
+                        (json!(pass), json!(moving), json!(fixed));
+                    move_
+                },
+            )
             .collect();
-        let translations: Vec<[f64; 3]> = translations_m.iter().map(|t| scaled(t, per_metre)).collect();
+        let translations: Vec<[f64; 3]> = translations_m
+            .iter()
+            .map(|t| scaled(t, per_metre))
+            .collect();
         println!(
             "{}",
             json!({
@@ -148,9 +189,16 @@ fn all(args: &Args, format: Option<Format>, bodies: &[Loaded]) -> anyhow::Result
             let [x, y, z] = scaled(translation, per_metre);
             println!("body {k}: moved by {x} {y} {z} {}", bodies[0].unit);
         }
-        println!("{}", reason.as_deref().unwrap_or("no two bodies overlap now"));
+        println!(
+            "{}",
+            reason.as_deref().unwrap_or("no two bodies overlap now")
+        );
     }
-    Ok(if unsettled.is_none() { Outcome::Ok } else { Outcome::Difference })
+    Ok(if unsettled.is_none() {
+        Outcome::Ok
+    } else {
+        Outcome::Difference
+    })
 }
 
 fn report(answer: &Isolated, per_metre: f64) -> Value {
@@ -175,14 +223,18 @@ fn sentence(answer: &Isolated, moving: &Loaded) -> String {
     let unit = &moving.unit;
     let [x, y, z] = scaled(&answer.translation_m, moving.per_metre);
     let gap = answer.gap_m.unwrap_or_default() * moving.per_metre;
-    let instead = answer.fell_back.map_or(String::new(), |reason| format!("; method global, because {reason}"));
+    let instead = answer.fell_back.map_or(String::new(), |reason| {
+        format!("; method global, because {reason}")
+    });
     match answer.status {
         Status::Apart => format!("apart already: gap {gap} {unit}"),
         Status::Failed(reason) => format!("not isolated: {reason}"),
         Status::Isolated => format!(
             "move by {x} {y} {z} {unit}: length {}, gap {gap}, turn {}, {} steps, {} regions{instead}",
             answer.translation_m.norm() * moving.per_metre,
-            answer.turn_deg.map_or("undefined".to_owned(), |turn| format!("{turn:.2} degrees")),
+            answer
+                .turn_deg
+                .map_or("undefined".to_owned(), |turn| format!("{turn:.2} degrees")),
             answer.steps,
             answer.regions,
         ),
@@ -194,20 +246,41 @@ fn scaled(v: &Vector3, per_metre: f64) -> [f64; 3] {
 }
 
 /// The moved surface, in the unit of the file it came from where that can be written.
-fn write(path: &Path, format: Format, body: &Loaded, translation_m: &Vector3) -> anyhow::Result<()> {
+fn write(
+    path: &Path,
+    format: Format,
+    body: &Loaded,
+    translation_m: &Vector3,
+) -> anyhow::Result<()> {
     let mut moved = body.surface.clone();
-    moved.net_mut().points_mut().iter_mut().for_each(|point| *point += translation_m);
-    let unit = if body.unit == Unit::Millimetre.name() { Unit::Millimetre } else { Unit::Metre };
+    moved
+        .net_mut()
+        .points_mut()
+        .iter_mut()
+        .for_each(|point| *point += translation_m);
+    let unit = if body.unit == Unit::Millimetre.name() {
+        Unit::Millimetre
+    } else {
+        Unit::Metre
+    };
     if unit.name() != body.unit {
         eprintln!("note: {} is written in m", path.display());
     }
-    std::fs::write(path, write_surface(&moved, format, unit)?).with_context(|| path.display().to_string())
+    std::fs::write(path, write_surface(&moved, format, unit)?)
+        .with_context(|| path.display().to_string())
 }
 
 /// `parts.json` of body 2: `parts-2.json`.
 fn numbered(path: &Path, k: usize) -> PathBuf {
-    let part = |text: Option<&std::ffi::OsStr>| text.map(|t| t.to_string_lossy().into_owned()).unwrap_or_default();
-    path.with_file_name(format!("{}-{k}.{}", part(path.file_stem()), part(path.extension())))
+    let part = |text: Option<&std::ffi::OsStr>| {
+        text.map(|t| t.to_string_lossy().into_owned())
+            .unwrap_or_default()
+    };
+    path.with_file_name(format!(
+        "{}-{k}.{}",
+        part(path.file_stem()),
+        part(path.extension())
+    ))
 }
 
 #[cfg(test)]
@@ -227,6 +300,9 @@ mod tests {
 
     #[test]
     fn several_bodies_get_numbered_files() {
-        assert_eq!(numbered(Path::new("a/parts.v2.json"), 3), Path::new("a/parts.v2-3.json"));
+        assert_eq!(
+            numbered(Path::new("a/parts.v2.json"), 3),
+            Path::new("a/parts.v2-3.json")
+        );
     }
 }

@@ -30,7 +30,8 @@ impl From<UnitName> for Unit {
 #[derive(clap::Args, Debug)]
 #[group(multiple = false)]
 struct Fineness {
-    /// No point of the surface further from the triangles than this, m [default: a thousandth of its size].
+    /// No point of the surface further from the triangles than this, m [default: a thousandth of
+    /// its size].
     #[arg(long, value_name = "M")]
     tolerance: Option<f64>,
     /// Each knot span into so many cells in u and in v.
@@ -42,7 +43,9 @@ impl Fineness {
     fn mesh(&self, surface: &Surface) -> anyhow::Result<Mesh> {
         Ok(match (self.cells, self.tolerance) {
             (Some(cells), _) => surface.tessellated([cells; 2])?,
-            (None, tolerance) => surface.tessellated_to(tolerance.unwrap_or(DEFAULT_TOLERANCE * surface.size()))?,
+            (None, tolerance) => {
+                surface.tessellated_to(tolerance.unwrap_or(DEFAULT_TOLERANCE * surface.size()))?
+            }
         })
     }
 }
@@ -64,9 +67,17 @@ pub fn convert(args: &ConvertArgs) -> anyhow::Result<Outcome> {
     let surface = args.source.load()?.surface;
     match Format::of(&args.output)? {
         format @ (Format::Stl | Format::Obj | Format::Glb) => {
-            write_triangles(&args.fineness.mesh(&surface)?, format, args.unit, &args.output)?;
+            write_triangles(
+                &args.fineness.mesh(&surface)?,
+                format,
+                args.unit,
+                &args.output,
+            )?;
         }
-        format => write(&args.output, &write_surface(&surface, format, args.unit.into())?)?,
+        format => write(
+            &args.output,
+            &write_surface(&surface, format, args.unit.into())?,
+        )?,
     }
     Ok(Outcome::Ok)
 }
@@ -88,7 +99,12 @@ pub struct TessellateArgs {
 pub fn tessellate(args: &TessellateArgs) -> anyhow::Result<Outcome> {
     let format = Format::of(&args.output)?;
     let surface = args.source.load()?.surface;
-    write_triangles(&args.fineness.mesh(&surface)?, format, args.unit, &args.output)?;
+    write_triangles(
+        &args.fineness.mesh(&surface)?,
+        format,
+        args.unit,
+        &args.output,
+    )?;
     Ok(Outcome::Ok)
 }
 
@@ -134,10 +150,18 @@ pub fn fit(args: &FitArgs) -> anyhow::Result<Outcome> {
     let points: Vec<Point3> = read_points(&bytes, Format::of(&args.points)?, args.unit.into())
         .with_context(|| args.points.display().to_string())?;
     let degree = [args.degree; 2];
-    let Fitted { surface, rms_error, max_error } = match args.grid {
+    let Fitted {
+        surface,
+        rms_error,
+        max_error,
+    } = match args.grid {
         Some([rows, columns]) => {
             let counts = args.net.unwrap_or([rows, columns]);
-            let spec = GridSpec { degree, counts, periodic: [args.periodic_u, args.periodic_v] };
+            let spec = GridSpec {
+                degree,
+                counts,
+                periodic: [args.periodic_u, args.periodic_v],
+            };
             Surface::fitted_to_grid(&points, rows, columns, &spec)?
         }
         None => {
@@ -152,22 +176,29 @@ pub fn fit(args: &FitArgs) -> anyhow::Result<Outcome> {
             Surface::fitted_to_cloud(&points, &spec)?
         }
     };
-    write(&args.output, &write_surface(&surface, output, args.unit.into())?)?;
+    write(
+        &args.output,
+        &write_surface(&surface, output, args.unit.into())?,
+    )?;
     if args.json {
         println!(
             "{}",
             serde_json::json!({ "points": points.len(), "rms_error_m": rms_error, "max_error_m": max_error })
         );
     } else {
-        println!("{} points; off by {rms_error:.3e} m (root mean square), {max_error:.3e} m at most", points.len());
+        println!(
+            "{} points; off by {rms_error:.3e} m (root mean square), {max_error:.3e} m at most",
+            points.len()
+        );
     }
     Ok(Outcome::Ok)
 }
 
 /// `12x10`.
 fn counts(text: &str) -> Result<[usize; 2], String> {
-    let parsed =
-        text.split_once(['x', 'X', '×']).and_then(|(a, b)| Some([a.trim().parse().ok()?, b.trim().parse().ok()?]));
+    let parsed = text
+        .split_once(['x', 'X', '×'])
+        .and_then(|(a, b)| Some([a.trim().parse().ok()?, b.trim().parse().ok()?]));
     // A net of a million points is a mistake, not a surface.
     parsed
         .filter(|[a, b]: &[usize; 2]| *a > 0 && *b > 0 && a.saturating_mul(*b) <= 1 << 20)
@@ -176,7 +207,11 @@ fn counts(text: &str) -> Result<[usize; 2], String> {
 
 fn write_triangles(mesh: &Mesh, format: Format, unit: UnitName, path: &Path) -> anyhow::Result<()> {
     write(path, &write_mesh(mesh, format, unit.into())?)?;
-    eprintln!("{} triangles over {} corners", mesh.triangles.len(), mesh.points.len());
+    eprintln!(
+        "{} triangles over {} corners",
+        mesh.triangles.len(),
+        mesh.points.len()
+    );
     Ok(())
 }
 

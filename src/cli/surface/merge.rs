@@ -13,9 +13,12 @@ use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
 #[derive(clap::Args, Debug)]
-#[command(after_help = "Exit codes: 0 merged, 1 merged but the tolerance was not reached, 2 refused.")]
+#[command(
+    after_help = "Exit codes: 0 merged, 1 merged but the tolerance was not reached, 2 refused."
+)]
 pub struct Args {
-    /// Surface files (.json, .step, .stp, .iges, .igs): two, or as many as the grid has places, row after row.
+    /// Surface files (.json, .step, .stp, .iges, .igs): two, or as many as the grid has places, row
+    /// after row.
     #[arg(required_unless_present = "cases", value_name = "PATCH")]
     patches: Vec<PathBuf>,
     /// File to write: .json, .step, .stp, .iges, .igs.
@@ -24,7 +27,8 @@ pub struct Args {
     /// c of the C^c at the seams, below the degree.
     #[arg(long, value_name = "N", default_value_t = 2)]
     continuity: usize,
-    /// How: `constrained` is nearest for its number of control points, `seed` the source's, `exact` without a fit.
+    /// How: `constrained` is nearest for its number of control points, `seed` the source's, `exact`
+    /// without a fit.
     #[arg(long, default_value = "constrained")]
     method: MethodName,
     /// Degree, where those of the patches differ.
@@ -81,8 +85,17 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     }
     // The whole request is read before the files are.
     let format = args.output.as_ref().map(Format::of).transpose()?;
-    let loaded: Vec<Loaded> =
-        args.patches.iter().map(|file| Source { file: file.clone(), index: 0 }.load()).collect::<Result<_, _>>()?;
+    let loaded: Vec<Loaded> = args
+        .patches
+        .iter()
+        .map(|file| {
+            Source {
+                file: file.clone(),
+                index: 0,
+            }
+            .load()
+        })
+        .collect::<Result<_, _>>()?;
     let (unit, per_metre) = (loaded[0].unit.clone(), loaded[0].per_metre);
     let surfaces: Vec<Surface> = loaded.into_iter().map(|l| l.surface).collect();
     let spec = args.spec(per_metre);
@@ -91,7 +104,11 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     let taken = start.elapsed();
     let report = merged.report(&surfaces);
     if let (Some(output), Some(format)) = (&args.output, format) {
-        let unit = if unit == "mm" { Unit::Millimetre } else { Unit::Metre };
+        let unit = if unit == "mm" {
+            Unit::Millimetre
+        } else {
+            Unit::Metre
+        };
         let bytes = write_surface(&merged.surface, format, unit)?;
         std::fs::write(output, bytes).with_context(|| output.display().to_string())?;
     }
@@ -101,7 +118,9 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
         print(&merged, &report, &unit, per_metre, taken);
     }
     if merged.within_tolerance == Some(false) {
-        eprintln!("note: the tolerance was not reached; more points, or a sharper blend (--least-span), may help");
+        eprintln!(
+            "note: the tolerance was not reached; more points, or a sharper blend (--least-span), may help"
+        );
         return Ok(Outcome::Difference);
     }
     Ok(Outcome::Ok)
@@ -128,7 +147,13 @@ impl Args {
             },
             arrangement,
             hidden: hidden
-                .filter_map(|(patch, part)| part.map(|(direction, range)| Hidden { patch, direction, range }))
+                .filter_map(|(patch, part)| {
+                    part.map(|(direction, range)| Hidden {
+                        patch,
+                        direction,
+                        range,
+                    })
+                })
                 .collect(),
             find_overlap: !self.no_overlap,
             points: self.points,
@@ -142,7 +167,13 @@ fn letter(direction: Direction) -> char {
     if direction == Direction::U { 'u' } else { 'v' }
 }
 
-fn as_json(merged: &Merged, report: &Report, unit: &str, per_metre: f64, taken: Duration) -> serde_json::Value {
+fn as_json(
+    merged: &Merged,
+    report: &Report,
+    unit: &str,
+    per_metre: f64,
+    taken: Duration,
+) -> serde_json::Value {
     let d = &report.deviation;
     let continuity = |c: &Continuity| {
         serde_json::json!({
@@ -209,7 +240,12 @@ fn print(merged: &Merged, report: &Report, unit: &str, per_metre: f64, taken: Du
     ] {
         println!("  {name:<20}{:.6}", length(value));
     }
-    println!("  {:<20}{} (within {})", "close points", d.close, length(d.close_m));
+    println!(
+        "  {:<20}{} (within {})",
+        "close points",
+        d.close,
+        length(d.close_m)
+    );
     let line = |name: &str, c: &Continuity| {
         println!(
             "{name:<14} gap {:.2e} {unit}, tangents {:.2e}°, curvature jump {:.2e} of {:.2e} 1/{unit}",
@@ -221,7 +257,10 @@ fn print(merged: &Merged, report: &Report, unit: &str, per_metre: f64, taken: Du
     };
     line("edges before", &report.before);
     for (seam, continuity) in &report.seams {
-        line(&format!("seam {} = {:.4}", letter(seam.direction), seam.at), continuity);
+        line(
+            &format!("seam {} = {:.4}", letter(seam.direction), seam.at),
+            continuity,
+        );
     }
 }
 
@@ -231,24 +270,38 @@ fn all_cases(json: bool) -> Outcome {
     for case in cases() {
         for continuity in [2, 0] {
             for (name, method) in [("seed", Method::Seed), ("constrained", Method::Constrained)] {
-                let spec = MergeSpec { continuity, method, ..case.spec.clone() };
+                let spec = MergeSpec {
+                    continuity,
+                    method,
+                    ..case.spec.clone()
+                };
                 match merge(&case.patches, &spec) {
-                    Ok(merged) => rows.push((case.number, continuity, name, merged.report(&case.patches), merged)),
+                    Ok(merged) => rows.push((
+                        case.number,
+                        continuity,
+                        name,
+                        merged.report(&case.patches),
+                        merged,
+                    )),
                     Err(error) => eprintln!("case {}: {error}", case.number),
                 }
             }
         }
     }
     if json {
-        let value = |(number, continuity, name, report, merged): &(usize, usize, &str, Report, Merged)| {
-            let mut value = as_json(merged, report, "mm", 1e3, Duration::ZERO);
-            value["case"] = (*number).into();
-            value["continuity"] = (*continuity).into();
-            value["method"] = (*name).into();
-            value.as_object_mut().map(|object| object.remove("time_s"));
-            value
-        };
-        println!("{}", serde_json::json!({ "cases": rows.iter().map(value).collect::<Vec<_>>() }));
+        let value =
+            |(number, continuity, name, report, merged): &(usize, usize, &str, Report, Merged)| {
+                let mut value = as_json(merged, report, "mm", 1e3, Duration::ZERO);
+                value["case"] = (*number).into();
+                value["continuity"] = (*continuity).into();
+                value["method"] = (*name).into();
+                value.as_object_mut().map(|object| object.remove("time_s"));
+                value
+            };
+        println!(
+            "{}",
+            serde_json::json!({ "cases": rows.iter().map(value).collect::<Vec<_>>() })
+        );
         return Outcome::Ok;
     }
     println!(
@@ -257,7 +310,9 @@ fn all_cases(json: bool) -> Outcome {
     println!("|---|---|---|---|---|---|---|---|---|---|---|---|");
     for (number, continuity, name, report, merged) in &rows {
         let d = &report.deviation;
-        let worst = |of: fn(&Continuity) -> f64| report.seams.iter().map(|(_, c)| of(c)).fold(0.0, f64::max);
+        let worst = |of: fn(&Continuity) -> f64| {
+            report.seams.iter().map(|(_, c)| of(c)).fold(0.0, f64::max)
+        };
         println!(
             "| {number} | {continuity} | {name} | {}×{} | {} | {:.4} | {:.4} | {:.4} | {:.4} | {} | {:.1e} | {:.1e} of {:.1} |",
             merged.surface.net().rows(),
@@ -278,9 +333,12 @@ fn all_cases(json: bool) -> Outcome {
 
 /// `2x2`.
 fn grid(text: &str) -> Result<[usize; 2], String> {
-    let parsed =
-        text.split_once(['x', 'X', '×']).and_then(|(a, b)| Some([a.trim().parse().ok()?, b.trim().parse().ok()?]));
-    parsed.filter(|[a, b]: &[usize; 2]| *a > 0 && *b > 0).ok_or_else(|| format!("{text:?} is no grid such as 2x2"))
+    let parsed = text
+        .split_once(['x', 'X', '×'])
+        .and_then(|(a, b)| Some([a.trim().parse().ok()?, b.trim().parse().ok()?]));
+    parsed
+        .filter(|[a, b]: &[usize; 2]| *a > 0 && *b > 0)
+        .ok_or_else(|| format!("{text:?} is no grid such as 2x2"))
 }
 
 /// `u1:v0`.
@@ -292,7 +350,9 @@ fn edges(text: &str) -> Result<[Edge; 2], String> {
         "v1" => Some(Edge::V1),
         _ => None,
     };
-    let pair = text.split_once(':').and_then(|(a, b)| Some([edge(a)?, edge(b)?]));
+    let pair = text
+        .split_once(':')
+        .and_then(|(a, b)| Some([edge(a)?, edge(b)?]));
     pair.ok_or_else(|| format!("{text:?} is no pair of edges such as u1:v0 (u0, u1, v0, v1)"))
 }
 
@@ -339,7 +399,8 @@ mod tests {
         let path = |name: &str| folder.path().join(name);
         let case = &cases()[2];
         for (patch, name) in case.patches.iter().zip(["a.json", "b.json"]) {
-            let bytes = write_surface(patch, Format::of(path(name)).unwrap(), Unit::Millimetre).unwrap();
+            let bytes =
+                write_surface(patch, Format::of(path(name)).unwrap(), Unit::Millimetre).unwrap();
             std::fs::write(path(name), bytes).unwrap();
         }
         let args = |tolerance| Args {
@@ -360,13 +421,30 @@ mod tests {
             json: true,
         };
         assert_eq!(run(&args(None)).unwrap(), Outcome::Ok);
-        let back = Source { file: path("one.json"), index: 0 }.load().unwrap();
+        let back = Source {
+            file: path("one.json"),
+            index: 0,
+        }
+        .load()
+        .unwrap();
         assert_eq!(back.unit, "mm");
         let merged = merge(&case.patches, &case.spec).unwrap().surface;
-        for (a, b) in back.surface.net().points().iter().zip(merged.net().points()) {
+        for (a, b) in back
+            .surface
+            .net()
+            .points()
+            .iter()
+            .zip(merged.net().points())
+        {
             assert!((a - b).norm() < 1e-9, "{a} {b}");
         }
         assert_eq!(run(&args(Some(1e-12))).unwrap(), Outcome::Difference);
-        assert!(run(&Args { continuity: 3, ..args(None) }).is_err());
+        assert!(
+            run(&Args {
+                continuity: 3,
+                ..args(None)
+            })
+            .is_err()
+        );
     }
 }

@@ -21,11 +21,18 @@ pub struct Args {
     /// Is the pipe of this radius, in the file's unit, free of self-intersection?
     #[arg(long, value_name = "R", allow_negative_numbers = true)]
     radius: Option<f64>,
-    /// With --radius: surface file to write: .json, .step, .stp, .iges, .igs. Not written where the pipe meets itself.
+    /// With --radius: surface file to write: .json, .step, .stp, .iges, .igs. Not written where the
+    /// pipe meets itself.
     #[arg(short, long, value_name = "OUT", requires = "radius")]
     output: Option<PathBuf>,
-    /// No point of the surface further from the pipe than this, in the file's unit [default: a millionth of the radius].
-    #[arg(long, value_name = "LENGTH", requires = "output", allow_negative_numbers = true)]
+    /// No point of the surface further from the pipe than this, in the file's unit [default: a
+    /// millionth of the radius].
+    #[arg(
+        long,
+        value_name = "LENGTH",
+        requires = "output",
+        allow_negative_numbers = true
+    )]
     tolerance: Option<f64>,
     /// Write the surface also where it meets itself.
     #[arg(long, requires = "output")]
@@ -38,13 +45,24 @@ pub struct Args {
 pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     let format = args.output.as_ref().map(surface_format).transpose()?;
     if let Some(radius) = args.radius {
-        anyhow::ensure!(radius.is_finite() && radius > 0.0, "--radius is {radius}; it is a finite length above 0");
+        anyhow::ensure!(
+            radius.is_finite() && radius > 0.0,
+            "--radius is {radius}; it is a finite length above 0"
+        );
     }
     let (curve, unit) = load(&args.spine)?;
     let spine = Spine::new(&curve).with_context(|| args.spine.display().to_string())?;
     let limits = PipeLimits::of_spine(&spine);
-    let answer = args.radius.map(|radius| limits.answer(radius / unit.per_metre()));
-    let mut report = Report { curve: &curve, spine: &spine, limits: &limits, unit }.object();
+    let answer = args
+        .radius
+        .map(|radius| limits.answer(radius / unit.per_metre()));
+    let mut report = Report {
+        curve: &curve,
+        spine: &spine,
+        limits: &limits,
+        unit,
+    }
+    .object();
     if let (Some(radius), Some(answer)) = (args.radius, answer) {
         report["radius"] = json!(radius);
         report["free"] = match answer {
@@ -57,7 +75,10 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
         if answer == Some(Answer::Free) || args.force {
             report["surface"] = write(&spine, radius, args.tolerance, (path, format), unit)?;
         } else {
-            eprintln!("note: {} is not written; --force writes a pipe that meets itself", path.display());
+            eprintln!(
+                "note: {} is not written; --force writes a pipe that meets itself",
+                path.display()
+            );
         }
     }
     if args.json {
@@ -75,7 +96,11 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
 fn surface_format(path: &PathBuf) -> anyhow::Result<Format> {
     let format = Format::of(path)?;
     let surfaces = matches!(format, Format::Json | Format::Step | Format::Iges);
-    anyhow::ensure!(surfaces, "{} holds no surfaces; write .json, .step or .iges", format.name());
+    anyhow::ensure!(
+        surfaces,
+        "{} holds no surfaces; write .json, .step or .iges",
+        format.name()
+    );
     Ok(format)
 }
 
@@ -93,9 +118,13 @@ fn write(
 ) -> anyhow::Result<Value> {
     let per_metre = unit.per_metre();
     let tolerance = tolerance.unwrap_or(DEFAULT_TOLERANCE * radius);
-    let PipeSurface { surface, deviation_m, stretches } =
-        pipe_surface(spine, radius / per_metre, tolerance / per_metre)?;
-    std::fs::write(path, write_surface(&surface, format, unit)?).with_context(|| path.display().to_string())?;
+    let PipeSurface {
+        surface,
+        deviation_m,
+        stretches,
+    } = pipe_surface(spine, radius / per_metre, tolerance / per_metre)?;
+    std::fs::write(path, write_surface(&surface, format, unit)?)
+        .with_context(|| path.display().to_string())?;
     let net = [surface.net().rows(), surface.net().columns()];
     Ok(json!({
         "file": path.display().to_string(), "tolerance": tolerance, "deviation": deviation_m * per_metre,
@@ -122,7 +151,9 @@ impl Report<'_> {
 
     fn object(&self) -> Value {
         let limits = self.limits;
-        let [local, bb, ee, eb] = limits.bounds_m().map(|(_, radius_m)| radius_m.map(|r| self.length(r)));
+        let [local, bb, ee, eb] = limits
+            .bounds_m()
+            .map(|(_, radius_m)| radius_m.map(|r| self.length(r)));
         let pairs = &limits.body.pairs;
         json!({
             "unit": self.unit.name(), "degree": self.curve.knots().degree(), "rational": self.curve.weights().is_some(),
@@ -150,15 +181,26 @@ impl Report<'_> {
     /// The pair or the unresolved region that gives r_bb.
     fn nearest(&self) -> Option<Value> {
         let body = &self.limits.body;
-        let pairs = body.pairs.iter().map(|p| (p.distance_m, p.parameters, p.points, json!(p.kind)));
-        let regions = body.unresolved.iter().map(|u| (u.distance_m[0], u.parameters, u.points, json!(u.status)));
-        let (distance_m, parameters, points, kind) = pairs.chain(regions).min_by(|a, b| a.0.total_cmp(&b.0))?;
+        let pairs = body
+            .pairs
+            .iter()
+            .map(|p| (p.distance_m, p.parameters, p.points, json!(p.kind)));
+        let regions = body
+            .unresolved
+            .iter()
+            .map(|u| (u.distance_m[0], u.parameters, u.points, json!(u.status)));
+        let (distance_m, parameters, points, kind) =
+            pairs.chain(regions).min_by(|a, b| a.0.total_cmp(&b.0))?;
         let points = points.map(|p| self.point(&p));
-        Some(json!({"distance": self.length(distance_m), "parameters": parameters, "points": points, "kind": kind}))
+        Some(
+            json!({"distance": self.length(distance_m), "parameters": parameters, "points": points, "kind": kind}),
+        )
     }
 
     fn end_to_end(&self) -> Option<Value> {
-        self.limits.end_to_end.map(|touch| json!({"point": self.point(&touch.point)}))
+        self.limits
+            .end_to_end
+            .map(|touch| json!({"point": self.point(&touch.point)}))
     }
 
     fn touch(&self, k: usize) -> Option<Value> {
@@ -180,20 +222,53 @@ impl Report<'_> {
 
 fn print_for_people(report: &Value) {
     let unit = report["unit"].as_str().unwrap_or_default();
-    let radius = |value: &Value| value.as_f64().map_or("none".to_owned(), |r| format!("{r} {unit}"));
-    let shape = if report["closed"] == true { "closed" } else { "open" };
-    println!("{shape} spine of degree {}, {} pieces, lengths in {unit}", report["degree"], report["pieces"]);
-    let limit = report["limit"].as_str().map_or(String::new(), |limit| format!(" ({limit})"));
-    println!("  r_max    {}{limit}, {}", radius(&report["r_max"]), report["status"].as_str().unwrap_or_default());
+    let radius = |value: &Value| {
+        value
+            .as_f64()
+            .map_or("none".to_owned(), |r| format!("{r} {unit}"))
+    };
+    let shape = if report["closed"] == true {
+        "closed"
+    } else {
+        "open"
+    };
+    println!(
+        "{shape} spine of degree {}, {} pieces, lengths in {unit}",
+        report["degree"], report["pieces"]
+    );
+    let limit = report["limit"]
+        .as_str()
+        .map_or(String::new(), |limit| format!(" ({limit})"));
+    println!(
+        "  r_max    {}{limit}, {}",
+        radius(&report["r_max"]),
+        report["status"].as_str().unwrap_or_default()
+    );
     let local = &report["witness"]["local"];
-    for (name, key) in [("r_local", "r_local"), ("r_bb", "r_bb"), ("r_ee", "r_ee"), ("r_eb", "r_eb")] {
+    for (name, key) in [
+        ("r_local", "r_local"),
+        ("r_bb", "r_bb"),
+        ("r_ee", "r_ee"),
+        ("r_eb", "r_eb"),
+    ] {
         let witness = &report["witness"][key.trim_start_matches("r_")];
         let place = match key {
             _ if witness.is_null() => String::new(),
-            "r_local" => format!(" at {} ({})", local["parameter"], local["kind"].as_str().unwrap_or_default()),
-            "r_bb" => format!(" at {} and {}", witness["parameters"][0], witness["parameters"][1]),
+            "r_local" => format!(
+                " at {} ({})",
+                local["parameter"],
+                local["kind"].as_str().unwrap_or_default()
+            ),
+            "r_bb" => format!(
+                " at {} and {}",
+                witness["parameters"][0], witness["parameters"][1]
+            ),
             "r_ee" => format!(" at {}", witness["point"]),
-            _ => format!(" {} circle at {}", witness["end"].as_str().unwrap_or_default(), witness["parameter"]),
+            _ => format!(
+                " {} circle at {}",
+                witness["end"].as_str().unwrap_or_default(),
+                witness["parameter"]
+            ),
         };
         println!("  {name:<8} {}{place}", radius(&report[key]));
     }
@@ -201,8 +276,13 @@ fn print_for_people(report: &Value) {
     let unresolved = report["unresolved"].as_array().map_or(0, Vec::len);
     println!("  {pairs} stationary pairs, {unresolved} regions not told apart");
     if let Some(free) = report.get("free") {
-        let word =
-            free.as_bool().map_or("unknown", |free| if free { "free of self-intersection" } else { "meets itself" });
+        let word = free.as_bool().map_or("unknown", |free| {
+            if free {
+                "free of self-intersection"
+            } else {
+                "meets itself"
+            }
+        });
         println!("  radius {} {unit}: {word}", report["radius"]);
     }
     if let Some(surface) = report.get("surface") {

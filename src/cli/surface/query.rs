@@ -23,29 +23,47 @@ pub struct EvalArgs {
 }
 
 pub fn eval(args: &EvalArgs) -> anyhow::Result<Outcome> {
-    let Loaded { surface, per_metre, .. } = args.source.load()?;
+    let Loaded {
+        surface, per_metre, ..
+    } = args.source.load()?;
     for (k, row) in read_csv(&args.uv, 2, "u,v")?.into_iter().enumerate() {
         let inside = |knots: &KnotVector, value: f64, name: &str| {
-            knots
-                .checked(value)
-                .with_context(|| format!("{}: parameter {name} of line {} of numbers", args.uv.display(), k + 1))
+            knots.checked(value).with_context(|| {
+                format!(
+                    "{}: parameter {name} of line {} of numbers",
+                    args.uv.display(),
+                    k + 1
+                )
+            })
         };
-        let (u, v) = (inside(surface.knots_u(), row[0], "u")?, inside(surface.knots_v(), row[1], "v")?);
+        let (u, v) = (
+            inside(surface.knots_u(), row[0], "u")?,
+            inside(surface.knots_v(), row[1], "v")?,
+        );
         let frame = surface.frame(u, v);
         let scaled = |x: Vector3| [x.x, x.y, x.z].map(|x| x * per_metre);
         let point = scaled(frame.point.coords);
         if !args.json {
-            println!("{},{},{},{},{}", row[0], row[1], point[0], point[1], point[2]);
+            println!(
+                "{},{},{},{},{}",
+                row[0], row[1], point[0], point[1], point[2]
+            );
             continue;
         }
         let normal = surface.normal_of(&frame, u, v);
-        let mut out =
-            serde_json::json!({ "u": row[0], "v": row[1], "point": point, "normal": [normal.x, normal.y, normal.z] });
+        let mut out = serde_json::json!({ "u": row[0], "v": row[1], "point": point, "normal": [normal.x, normal.y, normal.z] });
         if args.derivatives >= 1 {
-            (out["S_u"], out["S_v"]) = (serde_json::json!(scaled(frame.du)), serde_json::json!(scaled(frame.dv)));
+            (out["S_u"], out["S_v"]) = (
+                serde_json::json!(scaled(frame.du)),
+                serde_json::json!(scaled(frame.dv)),
+            );
         }
         if args.derivatives >= 2 {
-            for (name, derivative) in [("S_uu", frame.duu), ("S_uv", frame.duv), ("S_vv", frame.dvv)] {
+            for (name, derivative) in [
+                ("S_uu", frame.duu),
+                ("S_uv", frame.duv),
+                ("S_vv", frame.dvv),
+            ] {
                 out[name] = serde_json::json!(scaled(derivative));
             }
         }
@@ -67,7 +85,9 @@ pub struct ClosestArgs {
 }
 
 pub fn closest(args: &ClosestArgs) -> anyhow::Result<Outcome> {
-    let Loaded { surface, per_metre, .. } = args.source.load()?;
+    let Loaded {
+        surface, per_metre, ..
+    } = args.source.load()?;
     let mut solver = ClosestSolver::new(&surface);
     for row in read_csv(&args.points, 3, "x,y,z")? {
         let query = Point3::new(row[0], row[1], row[2]) / per_metre;
@@ -75,7 +95,10 @@ pub fn closest(args: &ClosestArgs) -> anyhow::Result<Outcome> {
         let point = [foot.point.x, foot.point.y, foot.point.z].map(|x| x * per_metre);
         let distance = foot.distance * per_metre;
         if !args.json {
-            println!("{},{},{},{},{},{distance}", foot.u, foot.v, point[0], point[1], point[2]);
+            println!(
+                "{},{},{},{},{},{distance}",
+                foot.u, foot.v, point[0], point[1], point[2]
+            );
             continue;
         }
         let curvature = surface.curvature(foot.u, foot.v);

@@ -1,9 +1,10 @@
 //! Climbs to a local maximum of a depth over the surface's parameters, without derivatives of it.
 //!
-//! Newton on central differences where the depth is smooth: at a maximum an error of the place counts squared, so nine
-//! digits of depth need five of the place. Where it has kinks (edges of a box, creases of the surface), a cross of
-//! shrinking steps in turning directions comes near, and golden sections within golden sections finish: the greatest
-//! value along one parameter, as a function of the other, has one maximum too, however sharp a ridge runs through both.
+//! Newton on central differences where the depth is smooth: at a maximum an error of the place
+//! counts squared, so nine digits of depth need five of the place. Where it has kinks (edges of a
+//! box, creases of the surface), a cross of shrinking steps in turning directions comes near, and
+//! golden sections within golden sections finish: the greatest value along one parameter, as a
+//! function of the other, has one maximum too, however sharp a ridge runs through both.
 
 use crate::surface::{Closing, Surface, Topology};
 
@@ -36,7 +37,8 @@ const WINDOW: f64 = 8e-3;
 const WINDOWS: usize = 4;
 /// Steps of a golden section: 0.62³⁴ of the window is 1e-9 of a span.
 const SECTIONS: usize = 34;
-/// Steps of differences, in spans: rounding over step² and step² itself balance for Newton's purpose.
+/// Steps of differences, in spans: rounding over step² and step² itself balance for Newton's
+/// purpose.
 const DIFFERENCE: f64 = 2e-4;
 
 impl Map {
@@ -48,13 +50,18 @@ impl Map {
             domain,
             wraps: topology.closing.map(|c| c != Closing::Open),
             poles: topology.poles,
-            spans: std::array::from_fn(|k| (domain[k].1 - domain[k].0) / knots[k].spans().count() as f64),
+            spans: std::array::from_fn(|k| {
+                (domain[k].1 - domain[k].0) / knots[k].spans().count() as f64
+            }),
         }
     }
 
-    /// Of a patch of a branching surface: its edges hold, and the domain's poles count where they are its own.
+    /// Of a patch of a branching surface: its edges hold, and the domain's poles count where they
+    /// are its own.
     pub fn within(&self, patch: [[f64; 2]; 2]) -> Self {
-        let pole = |d: usize, e: usize| self.poles[d][e] && patch[d][e] == [self.domain[d].0, self.domain[d].1][e];
+        let pole = |d: usize, e: usize| {
+            self.poles[d][e] && patch[d][e] == [self.domain[d].0, self.domain[d].1][e]
+        };
         Self {
             domain: patch.map(|[a, b]| (a, b)),
             wraps: [false; 2],
@@ -92,9 +99,19 @@ impl Map {
         })
     }
 
-    /// The local maximum above a start. `height` gives −∞ where it means nothing; `size_m`: what digits are relative to.
-    pub fn climb(&self, start: [f64; 2], size_m: f64, mut height: impl FnMut([f64; 2]) -> f64) -> Top {
-        let mut top = Top { at: self.turn(start), height_m: 0.0, settled: false };
+    /// The local maximum above a start. `height` gives −∞ where it means nothing; `size_m`: what
+    /// digits are relative to.
+    pub fn climb(
+        &self,
+        start: [f64; 2],
+        size_m: f64,
+        mut height: impl FnMut([f64; 2]) -> f64,
+    ) -> Top {
+        let mut top = Top {
+            at: self.turn(start),
+            height_m: 0.0,
+            settled: false,
+        };
         top.height_m = height(top.at);
         top.settled = self.newton(&mut top, size_m, &mut height);
         let smooth = top;
@@ -112,7 +129,9 @@ impl Map {
             let half = self.spans.map(|s| window * s);
             // Values between: each inner section is a function of the outer place.
             let inner = |u: f64| {
-                let (v, value) = section(|v| height(self.turn([start.at[0] + u * half[0], start.at[1] + v * half[1]])));
+                let (v, value) = section(|v| {
+                    height(self.turn([start.at[0] + u * half[0], start.at[1] + v * half[1]]))
+                });
                 (v, value)
             };
             let (u, value) = section(|u| inner(u).1);
@@ -134,7 +153,8 @@ impl Map {
         let h = self.spans.map(|s| DIFFERENCE * s);
         let mut radius = 0.25;
         for _ in 0..NEWTON {
-            let mut at = |a: f64, b: f64| height(self.turn([top.at[0] + a * h[0], top.at[1] + b * h[1]]));
+            let mut at =
+                |a: f64, b: f64| height(self.turn([top.at[0] + a * h[0], top.at[1] + b * h[1]]));
             let f = top.height_m;
             let (e, w, n, s) = (at(1.0, 0.0), at(-1.0, 0.0), at(0.0, 1.0), at(0.0, -1.0));
             let mixed = 0.25 * (at(1.0, 1.0) - at(1.0, -1.0) - at(-1.0, 1.0) + at(-1.0, -1.0));
@@ -165,7 +185,11 @@ impl Map {
                 let next = self.turn([top.at[0] + x * h[0], top.at[1] + y * h[1]]);
                 let value = height(next);
                 if value > top.height_m {
-                    *top = Top { at: next, height_m: value, settled: false };
+                    *top = Top {
+                        at: next,
+                        height_m: value,
+                        settled: false,
+                    };
                     moved = true;
                     break;
                 }
@@ -179,7 +203,13 @@ impl Map {
     }
 
     /// Steps in sixteen directions, shorter when none leads up.
-    fn cross(&self, top: &mut Top, size_m: f64, settled: bool, height: &mut impl FnMut([f64; 2]) -> f64) {
+    fn cross(
+        &self,
+        top: &mut Top,
+        size_m: f64,
+        settled: bool,
+        height: &mut impl FnMut([f64; 2]) -> f64,
+    ) {
         // After Newton only to make sure; else from steps that reach the next sample.
         let mut step: f64 = if settled { 1e-5 } else { 0.05 };
         let mut lean = 0.0;
@@ -208,7 +238,11 @@ impl Map {
                 let value = height(next);
                 change = change.max((value - before.height_m).abs());
                 if value > top.height_m {
-                    *top = Top { at: next, height_m: value, settled: false };
+                    *top = Top {
+                        at: next,
+                        height_m: value,
+                        settled: false,
+                    };
                 }
             }
             // Directions turn by the golden angle, so that a ridge is met from every side.
@@ -253,13 +287,25 @@ impl Map {
     pub fn way(&self, a: [f64; 2], b: [f64; 2]) -> [f64; 2] {
         std::array::from_fn(|k| {
             let (direct, period) = (b[k] - a[k], self.domain[k].1 - self.domain[k].0);
-            if self.wraps[k] { direct - period * (direct / period).round() } else { direct }
+            if self.wraps[k] {
+                direct - period * (direct / period).round()
+            } else {
+                direct
+            }
         })
     }
 
     /// A straight way between two places on which the height stays at or above `level`.
-    pub fn joined(&self, a: [f64; 2], b: [f64; 2], level: f64, mut height: impl FnMut([f64; 2]) -> f64) -> bool {
+    pub fn joined(
+        &self,
+        a: [f64; 2],
+        b: [f64; 2],
+        level: f64,
+        mut height: impl FnMut([f64; 2]) -> f64,
+    ) -> bool {
         let way = self.way(a, b);
-        WAY.into_iter().all(|t| height(self.turn([a[0] + way[0] * t / 12.0, a[1] + way[1] * t / 12.0])) >= level)
+        WAY.into_iter().all(|t| {
+            height(self.turn([a[0] + way[0] * t / 12.0, a[1] + way[1] * t / 12.0])) >= level
+        })
     }
 }

@@ -1,9 +1,11 @@
-//! All places where a surface is deepest inside a solid that can only be asked for the depth of a point.
+//! All places where a surface is deepest inside a solid that can only be asked for the depth of a
+//! point.
 //!
-//! Pieces whose boxes the solid cannot reach are left out; the others are sampled. We climb from each sample that is deeper
-//! than its neighbours, and from the ridges between samples whose ways out differ (there depth has kinks, and its maxima
-//! often lie on them). Regions that lie wholly between samples can be missed when no slope of the depth leads there; a
-//! sample is a [`GRID`]th of a Bézier piece from the next.
+//! Pieces whose boxes the solid cannot reach are left out; the others are sampled. We climb from
+//! each sample that is deeper than its neighbours, and from the ridges between samples whose ways
+//! out differ (there depth has kinks, and its maxima often lie on them). Regions that lie wholly
+//! between samples can be missed when no slope of the depth leads there; a sample is a [`GRID`]th
+//! of a Bézier piece from the next.
 
 mod climb;
 
@@ -22,7 +24,8 @@ const MOST_CLIMBS: usize = 64;
 const MOST_RIDGES: usize = 48;
 /// Tops at kinks that are made exact.
 const MOST_FINISHED: usize = 12;
-/// Depths this near to each other, of the size, are equal: where they are exact, and where they are not yet.
+/// Depths this near to each other, of the size, are equal: where they are exact, and where they are
+/// not yet.
 const SAME: f64 = 1e-9;
 const SAME_ROUGHLY: f64 = 1e-5;
 /// Tops nearer to each other than this, of the size, on two sides of a joint are one.
@@ -37,7 +40,8 @@ const RIDGE: f64 = 0.5;
 
 /// A solid, in world coordinates.
 pub(super) trait DepthField {
-    /// False only if the solid, grown by the margin asked for, keeps out of a box (centre, half extents).
+    /// False only if the solid, grown by the margin asked for, keeps out of a box (centre, half
+    /// extents).
     fn may_reach(&self, centre: &Point3, half: &Vector3) -> bool;
     /// Depth to first order, m, and the unit way out; cheap. −∞ where it means nothing.
     fn rough(&self, p: &Point3) -> (f64, Vector3);
@@ -98,7 +102,10 @@ impl DepthSearch {
             let t = knots.knots();
             knots
                 .spans()
-                .flat_map(|k| (0..GRID).map(move |m| t[k] + (t[k + 1] - t[k]) * (m as f64 + 0.5) / GRID as f64))
+                .flat_map(|k| {
+                    (0..GRID)
+                        .map(move |m| t[k] + (t[k + 1] - t[k]) * (m as f64 + 0.5) / GRID as f64)
+                })
                 .collect()
         });
         let pieces = axes.each_ref().map(|a| a.len() / GRID);
@@ -118,8 +125,8 @@ impl DepthSearch {
         }
     }
 
-    /// Fills `tops` with the local maxima of depth that are no farther outside than the margin; one of each set that a way
-    /// of equal depth joins.
+    /// Fills `tops` with the local maxima of depth that are no farther outside than the margin; one
+    /// of each set that a way of equal depth joins.
     pub fn search(
         &mut self,
         surface: &Surface,
@@ -142,7 +149,11 @@ impl DepthSearch {
             let start = self.starts.0[k].1;
             // A start that a level or rising way joins with a top already climbed would end there.
             let here = depth(start);
-            let mut known = self.tops.iter().filter(|t| t.height_m >= here).map(|t| (t.at, here - 1e-3 * equal));
+            let mut known = self
+                .tops
+                .iter()
+                .filter(|t| t.height_m >= here)
+                .map(|t| (t.at, here - 1e-3 * equal));
             if known.any(|(at, level)| self.joined(start, at, level, depth)) {
                 continue;
             }
@@ -154,7 +165,9 @@ impl DepthSearch {
         }
         // What has kinks was climbed coarsely; now that there are few, exactly.
         self.tops.sort_unstable_by(|a, b| {
-            let place = a.at[0].total_cmp(&b.at[0]).then(a.at[1].total_cmp(&b.at[1]));
+            let place = a.at[0]
+                .total_cmp(&b.at[0])
+                .then(a.at[1].total_cmp(&b.at[1]));
             b.height_m.total_cmp(&a.height_m).then(place)
         });
         self.tops.truncate(MAX_CONTACTS);
@@ -176,16 +189,22 @@ impl DepthSearch {
 
     /// Where a climb from a place may go: of a branching surface, over one patch.
     fn map_at(&self, at: [f64; 2]) -> Map {
-        self.joints.as_ref().map_or(self.map, |joints| self.map.within(joints.rectangle(joints.patch_at(at))))
+        self.joints.as_ref().map_or(self.map, |joints| {
+            self.map.within(joints.rectangle(joints.patch_at(at)))
+        })
     }
 
     /// Climbs, going on over joints while that leads up.
     fn climb(&self, start: [f64; 2], depth: impl Fn([f64; 2]) -> f64) -> Top {
         let mut top = self.map_at(start).climb(start, self.size_m, &depth);
-        let Some(joints) = &self.joints else { return top };
+        let Some(joints) = &self.joints else {
+            return top;
+        };
         for _ in 0..MOST_CROSSED {
             let higher = |x: &[f64; 2]| depth(*x) > top.height_m;
-            let Some(next) = joints.just_beyond(top.at, JUST_BEYOND).find(higher) else { break };
+            let Some(next) = joints.just_beyond(top.at, JUST_BEYOND).find(higher) else {
+                break;
+            };
             let other = self.map_at(next).climb(next, self.size_m, &depth);
             if other.height_m <= top.height_m {
                 break;
@@ -196,12 +215,22 @@ impl DepthSearch {
     }
 
     /// A straight way of at least a height; between places of two patches there is none.
-    fn joined(&self, a: [f64; 2], b: [f64; 2], level: f64, depth: impl FnMut([f64; 2]) -> f64) -> bool {
-        let apart = self.joints.as_ref().is_some_and(|joints| joints.patch_at(a) != joints.patch_at(b));
+    fn joined(
+        &self,
+        a: [f64; 2],
+        b: [f64; 2],
+        level: f64,
+        depth: impl FnMut([f64; 2]) -> f64,
+    ) -> bool {
+        let apart = self
+            .joints
+            .as_ref()
+            .is_some_and(|joints| joints.patch_at(a) != joints.patch_at(b));
         !apart && self.map.joined(a, b, level, depth)
     }
 
-    /// Keeps a top that no level way joins with one from `first` on; of two that are joined, the higher.
+    /// Keeps a top that no level way joins with one from `first` on; of two that are joined, the
+    /// higher.
     fn keep_from(
         &mut self,
         first: usize,
@@ -211,11 +240,20 @@ impl DepthSearch {
     ) {
         for k in first..self.tops.len() {
             let t = self.tops[k];
-            let equal = if t.settled && top.settled { SAME } else { SAME_ROUGHLY } * self.size_m;
+            let equal = if t.settled && top.settled {
+                SAME
+            } else {
+                SAME_ROUGHLY
+            } * self.size_m;
             let level = t.height_m.min(top.height_m) - equal;
             // On a joint a top is found from either side.
-            let one_place = || self.joints.is_some() && (point(t.at) - point(top.at)).norm() <= ONE_PLACE * self.size_m;
-            if (t.height_m - top.height_m).abs() <= equal && (self.joined(t.at, top.at, level, &depth) || one_place()) {
+            let one_place = || {
+                self.joints.is_some()
+                    && (point(t.at) - point(top.at)).norm() <= ONE_PLACE * self.size_m
+            };
+            if (t.height_m - top.height_m).abs() <= equal
+                && (self.joined(t.at, top.at, level, &depth) || one_place())
+            {
                 if top.height_m > t.height_m {
                     self.tops[k] = top;
                 }
@@ -230,7 +268,8 @@ impl DepthSearch {
         for k in 0..self.reached.len() {
             let bounds = pieces.bounds(k);
             let half = (bounds.max - bounds.min) * 0.5;
-            self.reached[k] = !pieces.is_duplicate(k) && field.may_reach(&(bounds.min + half), &half);
+            self.reached[k] =
+                !pieces.is_duplicate(k) && field.may_reach(&(bounds.min + half), &half);
         }
     }
 
@@ -243,7 +282,10 @@ impl DepthSearch {
                 for b in 0..GRID {
                     let slot = (i * GRID + a) * columns + j * GRID + b;
                     self.samples[slot] = if self.reached[piece] {
-                        let (s, t) = ((a as f64 + 0.5) / GRID as f64, (b as f64 + 0.5) / GRID as f64);
+                        let (s, t) = (
+                            (a as f64 + 0.5) / GRID as f64,
+                            (b as f64 + 0.5) / GRID as f64,
+                        );
                         field.rough(&pieces.frame(i, j, s, t).point)
                     } else {
                         (f64::NEG_INFINITY, Vector3::zeros())
@@ -264,7 +306,12 @@ impl DepthSearch {
             let none = (outside[0] && !wraps[0]) || (outside[1] && !wraps[1]);
             (!none).then(|| (x.rem_euclid(n[0]) * n[1] + y.rem_euclid(n[1])) as usize)
         };
-        let at = |k: usize| [self.axes[0][k / n[1] as usize], self.axes[1][k % n[1] as usize]];
+        let at = |k: usize| {
+            [
+                self.axes[0][k / n[1] as usize],
+                self.axes[1][k % n[1] as usize],
+            ]
+        };
         let joints = self.joints.as_deref();
         let mut complete = true;
         for k in 0..self.samples.len() {
@@ -275,22 +322,36 @@ impl DepthSearch {
             let (a, b) = (k as i64 / n[1], k as i64 % n[1]);
             // Samples of two patches are no neighbours.
             let neighbour = |x: i64, y: i64| {
-                neighbour(x, y).filter(|&other| joints.is_none_or(|t| t.patch_at(at(k)) == t.patch_at(at(other))))
+                neighbour(x, y).filter(|&other| {
+                    joints.is_none_or(|t| t.patch_at(at(k)) == t.patch_at(at(other)))
+                })
             };
             // Of equal samples, the first.
-            let highest = (-1..=1).flat_map(|x| (-1..=1).map(move |y| (a + x, b + y))).all(|(x, y)| {
-                neighbour(x, y).is_none_or(|other| {
-                    let there = self.samples[other].0;
-                    if other < k { here > there } else { here >= there }
-                })
-            });
+            let highest = (-1..=1)
+                .flat_map(|x| (-1..=1).map(move |y| (a + x, b + y)))
+                .all(|(x, y)| {
+                    neighbour(x, y).is_none_or(|other| {
+                        let there = self.samples[other].0;
+                        if other < k {
+                            here > there
+                        } else {
+                            here >= there
+                        }
+                    })
+                });
             if highest {
                 complete &= self.starts.offer(here, at(k));
             }
-            for other in [neighbour(a, b + 1), neighbour(a + 1, b)].into_iter().flatten() {
+            for other in [neighbour(a, b + 1), neighbour(a + 1, b)]
+                .into_iter()
+                .flatten()
+            {
                 let (there, other_way) = self.samples[other];
                 let deep = here.max(there);
-                if deep > -margin_m && here.min(there) > f64::NEG_INFINITY && way.dot(&other_way) < RIDGE {
+                if deep > -margin_m
+                    && here.min(there) > f64::NEG_INFINITY
+                    && way.dot(&other_way) < RIDGE
+                {
                     // More ridges than room are usual; the deepest tell most.
                     self.ridges.offer(deep, [at(k), at(other)]);
                 }
@@ -307,7 +368,12 @@ impl DepthSearch {
     }
 
     /// The deepest place on the way between two samples, by golden section.
-    fn section(&self, from: [f64; 2], to: [f64; 2], depth: &impl Fn([f64; 2]) -> f64) -> ([f64; 2], f64) {
+    fn section(
+        &self,
+        from: [f64; 2],
+        to: [f64; 2],
+        depth: &impl Fn([f64; 2]) -> f64,
+    ) -> ([f64; 2], f64) {
         const GOLDEN: f64 = 0.618_033_988_749_894_8;
         let way = self.map.way(from, to);
         let at = |t: f64| self.map.turn([from[0] + t * way[0], from[1] + t * way[1]]);
@@ -325,6 +391,10 @@ impl DepthSearch {
                 at_b = depth(at(b));
             }
         }
-        if at_a > at_b { (at(a), at_a) } else { (at(b), at_b) }
+        if at_a > at_b {
+            (at(a), at_a)
+        } else {
+            (at(b), at_b)
+        }
     }
 }

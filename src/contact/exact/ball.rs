@@ -1,20 +1,22 @@
 //! A ball, or a point, against a surface.
 //!
-//! From outside, every local minimum of the distance of its centre that is nearer than the radius is a contact: each region
-//! of the surface inside the ball holds at least one, its deepest. From inside a closed body only the global foot counts:
-//! there the way out is shortest. An open sheet has no inside; a centre that came through is held by the global foot, as
-//! long as that is no point of the rim.
+//! From outside, every local minimum of the distance of its centre that is nearer than the radius
+//! is a contact: each region of the surface inside the ball holds at least one, its deepest. From
+//! inside a closed body only the global foot counts: there the way out is shortest. An open sheet
+//! has no inside; a centre that came through is held by the global foot, as long as that is no
+//! point of the rim.
 
 use super::{ExactScratch, TANGENT};
 use crate::contact::{Contact, ContactSet, Reach};
 use crate::math::{Point3, Vector3};
 use crate::surface::{ClosestPoint, ClosestSolver, Surface};
 
-/// Where the way to the centre turns from the surface's normal by more than this, the foot is on a crease, a rim or a tip.
+/// Where the way to the centre turns from the surface's normal by more than this, the foot is on a
+/// crease, a rim or a tip.
 const TURNED: f64 = 1e-6;
 
-/// Contacts of a ball of `radius_m` (0 for a point) around `centre`, deepest first. `out` is cleared first; a query that is
-/// not finite touches nothing.
+/// Contacts of a ball of `radius_m` (0 for a point) around `centre`, deepest first. `out` is
+/// cleared first; a query that is not finite touches nothing.
 pub fn contacts(
     surface: &Surface,
     solver: &mut ClosestSolver,
@@ -42,7 +44,8 @@ pub fn contacts(
         None if within_bounds(surface, centre) => Some(solver.closest(surface, centre)),
         None => None,
     };
-    let behind = global.filter(|foot| side * foot.signed_distance < 0.0 && foot.distance > tolerance);
+    let behind =
+        global.filter(|foot| side * foot.signed_distance < 0.0 && foot.distance > tolerance);
     if let Some(foot) = behind
         && (closed || faces(&foot, centre))
     {
@@ -63,17 +66,35 @@ fn faces(foot: &ClosestPoint, centre: &Point3) -> bool {
 }
 
 /// `front`: 1 for a centre on the tool's side of the surface, −1 for one that is behind it.
-fn push(foot: &ClosestPoint, centre: &Point3, radius_m: f64, front: f64, side: f64, out: &mut ContactSet) {
+fn push(
+    foot: &ClosestPoint,
+    centre: &Point3,
+    radius_m: f64,
+    front: f64,
+    side: f64,
+    out: &mut ContactSet,
+) {
     let own = foot.normal * side;
     let way = (centre - foot.point) * front;
-    // Where the surface is smooth its normal is the better known; elsewhere the way to the centre is the contact's.
+    // Where the surface is smooth its normal is the better known; elsewhere the way to the centre
+    // is the contact's.
     let normal = match way.try_normalize(0.0) {
-        Some(n) if (n - own).norm() > TURNED && foot.distance > 1e-9 * foot.point.coords.amax() => n,
+        Some(n) if (n - own).norm() > TURNED && foot.distance > 1e-9 * foot.point.coords.amax() => {
+            n
+        }
         _ => own,
     };
     let depth_m = radius_m - front * foot.distance;
     let on_tool = foot.point - normal * depth_m;
-    out.push(Contact { u: foot.u, v: foot.v, on_body: foot.point, on_tool, normal, depth_m, tool_uv: None });
+    out.push(Contact {
+        u: foot.u,
+        v: foot.v,
+        on_body: foot.point,
+        on_tool,
+        normal,
+        depth_m,
+        tool_uv: None,
+    });
 }
 
 /// Inside the box of the net, hence possibly inside the body.
@@ -86,9 +107,17 @@ fn within_bounds(surface: &Surface, p: &Point3) -> bool {
     (0..3).all(|c| p[c] >= low[c] && p[c] <= high[c])
 }
 
-/// Gap of a surface point to the ball and the unit vector out of the body there, towards the ball's matter.
+/// Gap of a surface point to the ball and the unit vector out of the body there, towards the ball's
+/// matter.
 pub fn signed_gap(centre: &Point3, radius_m: f64, point: &Point3) -> (f64, Vector3) {
     let way = centre - point;
     let distance = way.norm();
-    (distance - radius_m, if distance > 0.0 { way / distance } else { Vector3::z() })
+    (
+        distance - radius_m,
+        if distance > 0.0 {
+            way / distance
+        } else {
+            Vector3::z()
+        },
+    )
 }

@@ -15,10 +15,12 @@ pub(crate) use self::patches::Patches;
 use super::MAX_CONTACTS;
 use crate::surface::{ClosestPoint, ClosestSolver, Summit, Surface};
 
-/// Gaps above the margin by less than this share of the size still count: tangency is contact of depth 0.
+/// Gaps above the margin by less than this share of the size still count: tangency is contact of
+/// depth 0.
 const TANGENT: f64 = 1e-12;
 
-/// Scratch of the exact narrow phases against one surface, sized once. Nothing in it outlives a query.
+/// Scratch of the exact narrow phases against one surface, sized once. Nothing in it outlives a
+/// query.
 #[derive(Clone, Debug)]
 pub struct ExactScratch {
     feet: Vec<ClosestPoint>,

@@ -1,4 +1,5 @@
-//! From Bézier pieces that reach into a tool to parameter rectangles: one for each set of pieces that touch each other.
+//! From Bézier pieces that reach into a tool to parameter rectangles: one for each set of pieces
+//! that touch each other.
 
 use crate::contact::{ContactSet, Rectangle};
 use crate::surface::{ClosestSolver, Surface};
@@ -14,7 +15,8 @@ pub(crate) struct Patches {
     parted: [Vec<bool>; 2],
     /// (pieces): reached, and not yet part of a rectangle.
     open: Vec<bool>,
-    /// Pieces of the present set that are still to be looked around: unwrapped row and column, and those in the grid.
+    /// Pieces of the present set that are still to be looked around: unwrapped row and column, and
+    /// those in the grid.
     front: Vec<([i32; 2], [i32; 2])>,
 }
 
@@ -27,10 +29,17 @@ impl Patches {
         });
         let topology = surface.topology();
         let pieces = solver.pieces(surface).len();
-        debug_assert_eq!(pieces, (breaks[0].len() - 1) * (breaks[1].len() - 1), "a piece for each pair of spans");
+        debug_assert_eq!(
+            pieces,
+            (breaks[0].len() - 1) * (breaks[1].len() - 1),
+            "a piece for each pair of spans"
+        );
         let parted = [surface.knots_u(), surface.knots_v()].map(|knots| {
             let gaps = knots.disjoined();
-            knots.spans().map(|k| gaps.contains(&knots.knots()[k])).collect()
+            knots
+                .spans()
+                .map(|k| gaps.contains(&knots.knots()[k]))
+                .collect()
         });
         Self {
             breaks,
@@ -44,7 +53,10 @@ impl Patches {
     /// Adds a rectangle for each connected set of reached pieces.
     pub fn report(&mut self, reached: &[bool], out: &mut ContactSet) {
         self.open.copy_from_slice(reached);
-        let (rows, columns) = (self.breaks[0].len() as i32 - 1, self.breaks[1].len() as i32 - 1);
+        let (rows, columns) = (
+            self.breaks[0].len() as i32 - 1,
+            self.breaks[1].len() as i32 - 1,
+        );
         for k in 0..self.open.len() {
             if !self.open[k] {
                 continue;
@@ -55,11 +67,18 @@ impl Patches {
             self.front.clear();
             self.front.push((start, start));
             while let Some((at, piece)) = self.front.pop() {
-                (low, high) = ([low[0].min(at[0]), low[1].min(at[1])], [high[0].max(at[0]), high[1].max(at[1])]);
+                (low, high) = (
+                    [low[0].min(at[0]), low[1].min(at[1])],
+                    [high[0].max(at[0]), high[1].max(at[1])],
+                );
                 for a in -1..=1 {
-                    let Some(row) = self.beside(0, piece[0], a, rows) else { continue };
+                    let Some(row) = self.beside(0, piece[0], a, rows) else {
+                        continue;
+                    };
                     for b in -1..=1 {
-                        let Some(column) = self.beside(1, piece[1], b, columns) else { continue };
+                        let Some(column) = self.beside(1, piece[1], b, columns) else {
+                            continue;
+                        };
                         // Each piece enters once, so there is room.
                         let other = (row * columns + column) as usize;
                         if self.open[other] {
@@ -69,7 +88,10 @@ impl Patches {
                     }
                 }
             }
-            out.push_rectangle(Rectangle { u: self.range(0, low[0], high[0]), v: self.range(1, low[1], high[1]) });
+            out.push_rectangle(Rectangle {
+                u: self.range(0, low[0], high[0]),
+                v: self.range(1, low[1], high[1]),
+            });
         }
     }
 
@@ -96,7 +118,9 @@ impl Patches {
             return [start, end];
         }
         let turns = low.div_euclid(count);
-        let at = |x: i32| breaks[x.rem_euclid(count) as usize] + (end - start) * x.div_euclid(count) as f64;
+        let at = |x: i32| {
+            breaks[x.rem_euclid(count) as usize] + (end - start) * x.div_euclid(count) as f64
+        };
         let last = high - turns * count + 1;
         let upper = if last == count { end } else { at(last) };
         [at(low - turns * count), upper]

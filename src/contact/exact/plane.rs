@@ -1,15 +1,17 @@
 //! A half-space against a surface: everything below a plane.
 //!
-//! Depth of a surface point is its distance past the plane; each local maximum of it over the surface is a contact.
+//! Depth of a surface point is its distance past the plane; each local maximum of it over the
+//! surface is a contact.
 
 use super::{ExactScratch, TANGENT};
 use crate::contact::{Contact, ContactSet, Reach};
 use crate::math::{Point3, Vector3};
 use crate::surface::{ClosestSolver, Surface};
 
-/// Contacts of the half-space below the plane through `point` with outward unit `normal`, deepest first. Contact normals
-/// are `−normal`: out of the body, towards the tool's matter. `out` is cleared first; arguments that are not finite, or a
-/// normal without length, touch nothing. Both sides of an open sheet are alike to a plane.
+/// Contacts of the half-space below the plane through `point` with outward unit `normal`, deepest
+/// first. Contact normals are `−normal`: out of the body, towards the tool's matter. `out` is
+/// cleared first; arguments that are not finite, or a normal without length, touch nothing. Both
+/// sides of an open sheet are alike to a plane.
 pub fn contacts(
     surface: &Surface,
     solver: &mut ClosestSolver,
@@ -21,7 +23,12 @@ pub fn contacts(
 ) {
     out.clear();
     let margin_m = reach.margin_m;
-    let Some(normal) = normal.try_normalize(0.0).filter(|n| n.iter().all(|x| x.is_finite())) else { return };
+    let Some(normal) = normal
+        .try_normalize(0.0)
+        .filter(|n| n.iter().all(|x| x.is_finite()))
+    else {
+        return;
+    };
     // Towards the tool's matter: down.
     let down = -normal;
     let level_m = down.dot(&point.coords);
@@ -29,7 +36,12 @@ pub fn contacts(
     if !(level_m.is_finite() && margin_m.is_finite()) {
         return;
     }
-    if !solver.summits_along(surface, &down, level_m - margin_m - tolerance, &mut scratch.summits) {
+    if !solver.summits_along(
+        surface,
+        &down,
+        level_m - margin_m - tolerance,
+        &mut scratch.summits,
+    ) {
         out.note_dropped();
     }
     scratch.patches.report(solver.pieces_reached(), out);

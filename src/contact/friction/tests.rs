@@ -6,7 +6,10 @@ struct Random(u64);
 
 impl Random {
     fn next(&mut self) -> f64 {
-        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        self.0 = self
+            .0
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1_442_695_040_888_963_407);
         (self.0 >> 11) as f64 / (1u64 << 53) as f64 - 0.5
     }
 
@@ -33,17 +36,38 @@ fn one(normal: Vector3, free: Vector3, law: Law, own: f64) -> FrictionProblem {
 #[test]
 fn one_row_sticks_below_its_cone_and_slips_against_the_slip_at_its_edge() {
     for (slip, expected) in [(0.29, 0.29), (0.31, 0.3), (5.0, 0.3)] {
-        let problem = one(Vector3::z(), Vector3::new(slip, 0.0, -1.0), Law::coulomb(0.3), 0.5);
+        let problem = one(
+            Vector3::z(),
+            Vector3::new(slip, 0.0, -1.0),
+            Law::coulomb(0.3),
+            0.5,
+        );
         assert!((problem.normal_n(0) - 2.0).abs() < 1e-15);
         assert!((problem.tangent_n(0) + Vector3::x() * (2.0 * expected)).norm() < 1e-15);
         assert_eq!(problem.slips(0), slip > 0.3);
     }
-    assert_eq!(one(Vector3::z(), Vector3::new(1.0, 0.0, 1e-9), Law::coulomb(9.0), 0.5).force_n(0).norm(), 0.0);
-    let held = one(Vector3::z(), Vector3::new(3.0, 0.0, 4.0), Law::Grip { limit_n: 2.0 }, 1.0);
+    assert_eq!(
+        one(
+            Vector3::z(),
+            Vector3::new(1.0, 0.0, 1e-9),
+            Law::coulomb(9.0),
+            0.5
+        )
+        .force_n(0)
+        .norm(),
+        0.0
+    );
+    let held = one(
+        Vector3::z(),
+        Vector3::new(3.0, 0.0, 4.0),
+        Law::Grip { limit_n: 2.0 },
+        1.0,
+    );
     assert!((held.force_n(0) - Vector3::new(-1.2, 0.0, -1.6)).norm() < 1e-15);
 }
 
-/// How far forces and displacements are from the laws: written from the definitions, not from the solver.
+/// How far forces and displacements are from the laws: written from the definitions, not from the
+/// solver.
 fn residual(problem: &FrictionProblem, matrix: &[f64], free: &[Vector3]) -> f64 {
     let n = free.len();
     let mut worst = 0.0f64;
@@ -57,7 +81,11 @@ fn residual(problem: &FrictionProblem, matrix: &[f64], free: &[Vector3]) -> f64 
                 let (t, slip) = (f - normal * lambda, u - normal * gap);
                 // Maximal dissipation: t · u_t is the least that |t| ≤ μ λ allows.
                 let dissipation = t.dot(&slip) + mu * lambda * slip.norm();
-                (-lambda).max(-gap).max((lambda * gap).abs()).max(t.norm() - mu * lambda).max(dissipation)
+                (-lambda)
+                    .max(-gap)
+                    .max((lambda * gap).abs())
+                    .max(t.norm() - mu * lambda)
+                    .max(dissipation)
             }
             Law::Grip { limit_n } => (f.norm() - limit_n).max(f.dot(&u) + limit_n * u.norm()),
         };
@@ -86,12 +114,16 @@ fn random_problems_meet_cone_complementarity_and_maximal_dissipation() {
         }
         problem.solve(&matrix, 5_000);
         let miss = residual(&problem, &matrix, &free);
-        assert!(miss < 1e-10, "case {case} of {n} rows misses its laws by {miss}");
+        assert!(
+            miss < 1e-10,
+            "case {case} of {n} rows misses its laws by {miss}"
+        );
     }
 }
 
-// Another method: De Saxcé's reformulation turns Coulomb's law into one projection on the second-order cone, here in
-// a damped fixed-point iteration over all rows at once with steps so small that it converges.
+// Another method: De Saxcé's reformulation turns Coulomb's law into one projection on the
+// second-order cone, here in a damped fixed-point iteration over all rows at once with steps so
+// small that it converges.
 #[test]
 fn forces_agree_with_a_slow_projection_on_de_saxces_cone() {
     let mut random = Random(11);
@@ -113,7 +145,10 @@ fn forces_agree_with_a_slow_projection_on_de_saxces_cone() {
                 let u = (0..n).fold(free[i], |u, j| u + slow[j] * matrix[i * n + j]);
                 let slip = u - normals[i] * u.dot(&normals[i]);
                 let wish = slow[i] - (u + normals[i] * (mu * slip.norm())) * step;
-                let (along, across) = (wish.dot(&normals[i]), wish - normals[i] * wish.dot(&normals[i]));
+                let (along, across) = (
+                    wish.dot(&normals[i]),
+                    wish - normals[i] * wish.dot(&normals[i]),
+                );
                 let size = across.norm();
                 next[i] = if size <= mu * along {
                     wish
@@ -128,12 +163,17 @@ fn forces_agree_with_a_slow_projection_on_de_saxces_cone() {
         }
         for (i, expected) in slow.iter().enumerate() {
             let off = (problem.force_n(i) - expected).norm();
-            assert!(off < 1e-8, "case {case}, row {i}: {} for {expected}", problem.force_n(i));
+            assert!(
+                off < 1e-8,
+                "case {case}, row {i}: {} for {expected}",
+                problem.force_n(i)
+            );
         }
     }
 }
 
-// Jams have many answers or none, some matrices are singular: forces stay finite and in their cones.
+// Jams have many answers or none, some matrices are singular: forces stay finite and in their
+// cones.
 #[test]
 fn hopeless_problems_stay_finite_and_in_their_cones() {
     let mut random = Random(3);
@@ -146,15 +186,26 @@ fn hopeless_problems_stay_finite_and_in_their_cones() {
         };
         let mut problem = FrictionProblem::new(n);
         for _ in 0..n {
-            let law = if random.next() > 0.3 { Law::Grip { limit_n: 1.0 } } else { Law::coulomb(10.0) };
-            problem.push(&random.vector().normalize(), &random.vector(), law, &Vector3::zeros());
+            let law = if random.next() > 0.3 {
+                Law::Grip { limit_n: 1.0 }
+            } else {
+                Law::coulomb(10.0)
+            };
+            problem.push(
+                &random.vector().normalize(),
+                &random.vector(),
+                law,
+                &Vector3::zeros(),
+            );
         }
         problem.solve(&matrix, 50);
         for i in 0..n {
             let (f, along) = (problem.force_n(i), problem.normal_n(i));
             assert!(f.iter().all(|x| x.is_finite()), "case {case}: {f}");
             match problem.law(i) {
-                Law::Push { mu, .. } => assert!(problem.tangent_n(i).norm() <= mu * along * (1.0 + 1e-9) + 1e-12),
+                Law::Push { mu, .. } => {
+                    assert!(problem.tangent_n(i).norm() <= mu * along * (1.0 + 1e-9) + 1e-12)
+                }
                 Law::Grip { limit_n } => assert!(f.norm() <= limit_n * (1.0 + 1e-15)),
             }
         }
@@ -169,7 +220,12 @@ fn wide_registers_give_the_same_bits() {
         let mut problem = FrictionProblem::new(n);
         for _ in 0..n {
             let law = Law::coulomb(0.4);
-            problem.push(&random.vector().normalize(), &random.vector(), law, &random.vector());
+            problem.push(
+                &random.vector().normalize(),
+                &random.vector(),
+                law,
+                &random.vector(),
+            );
         }
         let mut plain = problem.clone();
         problem.solve(&matrix, 20);

@@ -27,7 +27,9 @@ pub enum ExpressionError {
         expected: &'static str,
     },
     /// A name nobody knows.
-    #[error("column {column}: '{name}' is unknown{hint}; there are x, y, z (m), pi and the functions {FUNCTIONS}")]
+    #[error(
+        "column {column}: '{name}' is unknown{hint}; there are x, y, z (m), pi and the functions {FUNCTIONS}"
+    )]
     Name {
         /// Where.
         column: usize,
@@ -57,7 +59,9 @@ pub enum ExpressionError {
         text: String,
     },
     /// Too many operations.
-    #[error("column {column}: more than {MAX_OPS} operations, or brackets deeper than {MAX_DEPTH}; write it shorter")]
+    #[error(
+        "column {column}: more than {MAX_OPS} operations, or brackets deeper than {MAX_DEPTH}; write it shorter"
+    )]
     Long {
         /// Where it became too much.
         column: usize,
@@ -72,7 +76,12 @@ impl Tape {
     /// # Errors
     /// What cannot be read, with its column and what would help.
     pub fn parse(text: &str) -> Result<Self, ExpressionError> {
-        let mut parser = Parser { chars: text.chars().collect(), at: 0, ops: Vec::new(), depth: 0 };
+        let mut parser = Parser {
+            chars: text.chars().collect(),
+            at: 0,
+            ops: Vec::new(),
+            depth: 0,
+        };
         parser.sum()?;
         match parser.peek() {
             None => Ok(Self::new(parser.ops)),
@@ -105,8 +114,14 @@ impl Parser {
     }
 
     fn unexpected(&mut self, expected: &'static str) -> ExpressionError {
-        let found = self.peek().map_or_else(|| "the end".to_owned(), |c| format!("'{c}'"));
-        ExpressionError::Unexpected { column: self.at + 1, found, expected }
+        let found = self
+            .peek()
+            .map_or_else(|| "the end".to_owned(), |c| format!("'{c}'"));
+        ExpressionError::Unexpected {
+            column: self.at + 1,
+            found,
+            expected,
+        }
     }
 
     fn push(&mut self, op: Op) -> Place {
@@ -164,7 +179,9 @@ impl Parser {
     fn signed(&mut self) -> Place {
         self.depth += 1;
         if self.depth > MAX_DEPTH {
-            return Err(ExpressionError::Long { column: self.at + 1 });
+            return Err(ExpressionError::Long {
+                column: self.at + 1,
+            });
         }
         let place = if self.eat('-') || self.eat('−') {
             let inner = self.signed()?;
@@ -188,7 +205,9 @@ impl Parser {
         }
         let exponent = self.signed()?;
         match self.ops[usize::from(exponent)] {
-            Op::Constant(n) if n.fract() == 0.0 && n.abs() <= 64.0 => self.push(Op::Power(base, n as i32)),
+            Op::Constant(n) if n.fract() == 0.0 && n.abs() <= 64.0 => {
+                self.push(Op::Power(base, n as i32))
+            }
             Op::Constant(0.5) => self.push(Op::Unary(Unary::Sqrt, base)),
             _ => self.push(Op::Binary(Binary::Power, base, exponent)),
         }
@@ -199,7 +218,11 @@ impl Parser {
             Some('(') => {
                 self.at += 1;
                 let inside = self.sum()?;
-                if self.eat(')') { Ok(inside) } else { Err(self.unexpected("')'")) }
+                if self.eat(')') {
+                    Ok(inside)
+                } else {
+                    Err(self.unexpected("')'"))
+                }
             }
             Some(c) if c.is_ascii_digit() || c == '.' => self.number(),
             Some(c) if c.is_alphabetic() || c == '_' => self.name(),
@@ -225,14 +248,21 @@ impl Parser {
         }
         match text.parse::<f64>() {
             Ok(x) if x.is_finite() => self.push(Op::Constant(x)),
-            _ => Err(ExpressionError::Number { column: start + 1, text }),
+            _ => Err(ExpressionError::Number {
+                column: start + 1,
+                text,
+            }),
         }
     }
 
     fn name(&mut self) -> Place {
         let start = self.at;
         let mut name = String::new();
-        while let Some(&c) = self.chars.get(self.at).filter(|c| c.is_alphanumeric() || **c == '_') {
+        while let Some(&c) = self
+            .chars
+            .get(self.at)
+            .filter(|c| c.is_alphanumeric() || **c == '_')
+        {
             name.push(c);
             self.at += 1;
         }
@@ -262,10 +292,19 @@ impl Parser {
             _ => None,
         };
         if unary.is_none() && binary.is_none() {
-            return Err(ExpressionError::Name { column: start + 1, hint: hint(&name), name });
+            return Err(ExpressionError::Name {
+                column: start + 1,
+                hint: hint(&name),
+                name,
+            });
         }
         let arguments = self.arguments()?;
-        let wrong = |takes| ExpressionError::Arguments { column: start + 1, name, takes, given: arguments.len() };
+        let wrong = |takes| ExpressionError::Arguments {
+            column: start + 1,
+            name,
+            takes,
+            given: arguments.len(),
+        };
         match (unary, binary) {
             (Some(u), _) if arguments.len() == 1 => self.push(Op::Unary(u, arguments[0])),
             (Some(_), _) => Err(wrong("1")),
@@ -277,7 +316,9 @@ impl Parser {
                 Ok(left)
             }
             (_, Some(Binary::Min | Binary::Max)) => Err(wrong("2 or more")),
-            (_, Some(b)) if arguments.len() == 2 => self.push(Op::Binary(b, arguments[0], arguments[1])),
+            (_, Some(b)) if arguments.len() == 2 => {
+                self.push(Op::Binary(b, arguments[0], arguments[1]))
+            }
             _ => Err(wrong("2")),
         }
     }
@@ -290,7 +331,11 @@ impl Parser {
         while self.eat(',') {
             arguments.push(self.sum()?);
         }
-        if self.eat(')') { Ok(arguments) } else { Err(self.unexpected("',' or ')'")) }
+        if self.eat(')') {
+            Ok(arguments)
+        } else {
+            Err(self.unexpected("',' or ')'"))
+        }
     }
 }
 

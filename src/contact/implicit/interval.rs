@@ -1,4 +1,5 @@
-//! Ranges of values: each operation's answer holds everything that its operands can give, rounding included.
+//! Ranges of values: each operation's answer holds everything that its operands can give, rounding
+//! included.
 
 use super::tape::{Binary, Unary, whole_power};
 
@@ -11,21 +12,38 @@ pub struct Interval {
     pub high: f64,
 }
 
-const WHOLE: Interval = Interval { low: f64::NEG_INFINITY, high: f64::INFINITY };
+const WHOLE: Interval = Interval {
+    low: f64::NEG_INFINITY,
+    high: f64::INFINITY,
+};
 
 impl Interval {
     /// One number; what is no number can be anything.
     pub fn point(x: f64) -> Self {
-        if x.is_nan() { WHOLE } else { Self { low: x, high: x } }
+        if x.is_nan() {
+            WHOLE
+        } else {
+            Self { low: x, high: x }
+        }
     }
 
-    /// Both ends moved outwards by a few roundings: `libm` is right to less than one of them, a power by squaring to some.
+    /// Both ends moved outwards by a few roundings: `libm` is right to less than one of them, a
+    /// power by squaring to some.
     fn widened(low: f64, high: f64) -> Self {
         if low.is_nan() || high.is_nan() {
             return WHOLE;
         }
-        let slack = |x: f64| if x.is_finite() { 16.0 * f64::EPSILON * x.abs() + f64::MIN_POSITIVE } else { 0.0 };
-        Self { low: low - slack(low), high: high + slack(high) }
+        let slack = |x: f64| {
+            if x.is_finite() {
+                16.0 * f64::EPSILON * x.abs() + f64::MIN_POSITIVE
+            } else {
+                0.0
+            }
+        };
+        Self {
+            low: low - slack(low),
+            high: high + slack(high),
+        }
     }
 
     fn holds(&self, x: f64) -> bool {
@@ -35,7 +53,10 @@ impl Interval {
     /// |x|.
     fn abs(self) -> Self {
         let (a, b) = (self.low.abs(), self.high.abs());
-        Self { low: if self.holds(0.0) { 0.0 } else { a.min(b) }, high: a.max(b) }
+        Self {
+            low: if self.holds(0.0) { 0.0 } else { a.min(b) },
+            high: a.max(b),
+        }
     }
 
     /// The ends through a function that grows.
@@ -48,7 +69,10 @@ impl Interval {
         use std::f64::consts::{FRAC_PI_2, TAU};
         // Beyond 1e6 the phase itself is uncertain by more than it is worth to find out.
         if !(self.high - self.low < TAU && self.low.abs() < 1e6 && self.high.abs() < 1e6) {
-            return Self { low: -1.0, high: 1.0 };
+            return Self {
+                low: -1.0,
+                high: 1.0,
+            };
         }
         let (a, b) = (self.low + lead, self.high + lead);
         // Whether a place that repeats with the period lies between, with room for rounding.
@@ -58,29 +82,52 @@ impl Interval {
         };
         let (p, q) = (libm::sin(a), libm::sin(b));
         Self {
-            low: if meets(-FRAC_PI_2) { -1.0 } else { p.min(q) - 1e-9 },
-            high: if meets(FRAC_PI_2) { 1.0 } else { p.max(q) + 1e-9 },
+            low: if meets(-FRAC_PI_2) {
+                -1.0
+            } else {
+                p.min(q) - 1e-9
+            },
+            high: if meets(FRAC_PI_2) {
+                1.0
+            } else {
+                p.max(q) + 1e-9
+            },
         }
     }
 
     pub(super) fn unary(self, op: Unary) -> Self {
         use std::f64::consts::{FRAC_PI_2, PI};
         match op {
-            Unary::Negate => Self { low: -self.high, high: -self.low },
+            Unary::Negate => Self {
+                low: -self.high,
+                high: -self.low,
+            },
             Unary::Abs => self.abs(),
             Unary::Sqrt if self.high < 0.0 => WHOLE,
-            Unary::Sqrt => Self { low: self.low.max(0.0), ..self }.rising(f64::sqrt),
+            Unary::Sqrt => Self {
+                low: self.low.max(0.0),
+                ..self
+            }
+            .rising(f64::sqrt),
             Unary::Sin => self.wave(0.0),
             Unary::Cos => self.wave(FRAC_PI_2),
             Unary::Tan => {
                 let turn = |x: f64| ((x + FRAC_PI_2) / PI).floor();
                 let safe = self.low.abs() < 1e6 && self.high.abs() < 1e6;
-                if safe && turn(self.low - 1e-9) == turn(self.high + 1e-9) { self.rising(libm::tan) } else { WHOLE }
+                if safe && turn(self.low - 1e-9) == turn(self.high + 1e-9) {
+                    self.rising(libm::tan)
+                } else {
+                    WHOLE
+                }
             }
             Unary::Exp => self.rising(libm::exp),
             Unary::Ln if self.high <= 0.0 => WHOLE,
             Unary::Ln => {
-                let low = if self.low > 0.0 { libm::log(self.low) } else { f64::NEG_INFINITY };
+                let low = if self.low > 0.0 {
+                    libm::log(self.low)
+                } else {
+                    f64::NEG_INFINITY
+                };
                 Self::widened(low, libm::log(self.high))
             }
             Unary::Tanh => self.rising(libm::tanh),
@@ -91,26 +138,41 @@ impl Interval {
         match op {
             Binary::Add => Self::widened(a.low + b.low, a.high + b.high),
             Binary::Subtract => Self::widened(a.low - b.high, a.high - b.low),
-            Binary::Multiply => Self::corners(a, b, |x, y| if x == 0.0 || y == 0.0 { 0.0 } else { x * y }),
+            Binary::Multiply => {
+                Self::corners(a, b, |x, y| if x == 0.0 || y == 0.0 { 0.0 } else { x * y })
+            }
             Binary::Divide if b.holds(0.0) => WHOLE,
             Binary::Divide => Self::corners(a, b, |x, y| x / y),
             // a^b = exp(b ln a): monotone in each for a > 0.
             Binary::Power if a.low > 0.0 => Self::corners(a, b, libm::pow),
             Binary::Power => WHOLE,
-            Binary::Min => Self { low: a.low.min(b.low), high: a.high.min(b.high) },
-            Binary::Max => Self { low: a.low.max(b.low), high: a.high.max(b.high) },
+            Binary::Min => Self {
+                low: a.low.min(b.low),
+                high: a.high.min(b.high),
+            },
+            Binary::Max => Self {
+                low: a.low.max(b.low),
+                high: a.high.max(b.high),
+            },
             Binary::Hypot => {
                 let (a, b) = (a.abs(), b.abs());
                 Self::widened(libm::hypot(a.low, b.low), libm::hypot(a.high, b.high))
             }
             // Away from its cut, the angle turns one way along each side: extremes are at corners.
-            Binary::Atan2 if b.low > 0.0 || a.low > 0.0 || a.high < 0.0 => Self::corners(a, b, libm::atan2),
+            Binary::Atan2 if b.low > 0.0 || a.low > 0.0 || a.high < 0.0 => {
+                Self::corners(a, b, libm::atan2)
+            }
             Binary::Atan2 => Self::widened(-std::f64::consts::PI, std::f64::consts::PI),
         }
     }
 
     fn corners(a: Self, b: Self, f: impl Fn(f64, f64) -> f64) -> Self {
-        let values = [f(a.low, b.low), f(a.low, b.high), f(a.high, b.low), f(a.high, b.high)];
+        let values = [
+            f(a.low, b.low),
+            f(a.low, b.high),
+            f(a.high, b.low),
+            f(a.high, b.high),
+        ];
         if values.iter().any(|x| x.is_nan()) {
             return WHOLE;
         }

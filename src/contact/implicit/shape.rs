@@ -78,37 +78,77 @@ impl ImplicitShape {
         let length = |name: &'static str, value: f64| {
             // Squares of it must stay numbers too.
             let good = (1e-9..=1e9).contains(&value);
-            good.then_some(value).ok_or(ImplicitError::Size { name, value, allowed: "a length from 1e-9 to 1e9 m" })
+            good.then_some(value).ok_or(ImplicitError::Size {
+                name,
+                value,
+                allowed: "a length from 1e-9 to 1e9 m",
+            })
         };
         Ok(match self {
-            Self::Sphere { radius_m } => format!("sqrt(x^2 + y^2 + z^2) - {:e}", length("radius", *radius_m)?),
-            Self::Cylinder { radius_m, half_length_m } => {
+            Self::Sphere { radius_m } => {
+                format!("sqrt(x^2 + y^2 + z^2) - {:e}", length("radius", *radius_m)?)
+            }
+            Self::Cylinder {
+                radius_m,
+                half_length_m,
+            } => {
                 let side = format!("hypot(x, y) - {:e}", length("radius", *radius_m)?);
                 match half_length_m {
                     None => side,
-                    Some(half) => format!("max({side}, abs(z) - {:e})", length("half length", *half)?),
+                    Some(half) => {
+                        format!("max({side}, abs(z) - {:e})", length("half length", *half)?)
+                    }
                 }
             }
-            Self::Cone { half_angle_rad, height_m } => {
+            Self::Cone {
+                half_angle_rad,
+                height_m,
+            } => {
                 let angle = *half_angle_rad;
                 if !(angle > 1e-6 && angle < std::f64::consts::FRAC_PI_2 - 1e-6) {
                     let (name, allowed) = ("half angle", "between 0 and π/2 rad");
-                    return Err(ImplicitError::Size { name, value: angle, allowed });
+                    return Err(ImplicitError::Size {
+                        name,
+                        value: angle,
+                        allowed,
+                    });
                 }
-                let (c, s, h) = (libm::cos(angle), libm::sin(angle), length("height", *height_m)?);
+                let (c, s, h) = (
+                    libm::cos(angle),
+                    libm::sin(angle),
+                    length("height", *height_m)?,
+                );
                 format!("max(hypot(x, y) * {c:e} - z * {s:e}, z - {h:e})")
             }
-            Self::Ellipsoid { semi_axes_m: [a, b, c] } => {
-                let [a, b, c] = [length("semi-axis", *a)?, length("semi-axis", *b)?, length("semi-axis", *c)?];
+            Self::Ellipsoid {
+                semi_axes_m: [a, b, c],
+            } => {
+                let [a, b, c] = [
+                    length("semi-axis", *a)?,
+                    length("semi-axis", *b)?,
+                    length("semi-axis", *c)?,
+                ];
                 let least = a.min(b).min(c);
                 format!("{least:e} * (sqrt((x / {a:e})^2 + (y / {b:e})^2 + (z / {c:e})^2) - 1)")
             }
-            Self::Torus { major_radius_m, minor_radius_m } => {
-                let (big, small) = (length("major radius", *major_radius_m)?, length("minor radius", *minor_radius_m)?);
+            Self::Torus {
+                major_radius_m,
+                minor_radius_m,
+            } => {
+                let (big, small) = (
+                    length("major radius", *major_radius_m)?,
+                    length("minor radius", *minor_radius_m)?,
+                );
                 format!("hypot(hypot(x, y) - {big:e}, z) - {small:e}")
             }
-            Self::Box { half_extents_m: [a, b, c] } => {
-                let [a, b, c] = [length("half extent", *a)?, length("half extent", *b)?, length("half extent", *c)?];
+            Self::Box {
+                half_extents_m: [a, b, c],
+            } => {
+                let [a, b, c] = [
+                    length("half extent", *a)?,
+                    length("half extent", *b)?,
+                    length("half extent", *c)?,
+                ];
                 format!("max(abs(x) - {a:e}, abs(y) - {b:e}, abs(z) - {c:e})")
             }
             Self::Expression { text } => text.clone(),
@@ -120,16 +160,23 @@ impl ImplicitShape {
     /// # Errors
     /// A size out of range, or a text that is no function.
     pub fn compile(&self) -> Result<ImplicitTool, ImplicitError> {
-        Ok(ImplicitTool { tape: Tape::parse(&self.text()?)?, tips: self.tips() })
+        Ok(ImplicitTool {
+            tape: Tape::parse(&self.text()?)?,
+            tips: self.tips(),
+        })
     }
 
     /// Points where the solid ends in a tip or a corner; for expressions they are not known.
     fn tips(&self) -> Vec<Point3> {
         match self {
             Self::Cone { .. } => vec![Point3::origin()],
-            Self::Box { half_extents_m: half } => {
-                let sign = |corner: usize, axis: usize| if corner >> axis & 1 == 0 { -1.0 } else { 1.0 };
-                let corner = |k| Point3::from(std::array::from_fn(|axis| sign(k, axis) * half[axis]));
+            Self::Box {
+                half_extents_m: half,
+            } => {
+                let sign =
+                    |corner: usize, axis: usize| if corner >> axis & 1 == 0 { -1.0 } else { 1.0 };
+                let corner =
+                    |k| Point3::from(std::array::from_fn(|axis| sign(k, axis) * half[axis]));
                 (0..8).map(corner).collect()
             }
             _ => Vec::new(),
@@ -179,24 +226,42 @@ impl ImplicitTool {
         let (f, gradient) = self.tape.gradient(p);
         let steepness = gradient.norm().max(1e-12);
         let depth_m = -f / steepness;
-        (if depth_m.is_nan() { f64::NEG_INFINITY } else { depth_m }, gradient / steepness)
+        (
+            if depth_m.is_nan() {
+                f64::NEG_INFINITY
+            } else {
+                depth_m
+            },
+            gradient / steepness,
+        )
     }
 
-    /// Depth of a point of the tool's frame along its gradient (along +z where that vanishes); `None` where f is no number
-    /// or the zero set is not on that line.
+    /// Depth of a point of the tool's frame along its gradient (along +z where that vanishes);
+    /// `None` where f is no number or the zero set is not on that line.
     pub(super) fn stand(&self, p: &Point3) -> Option<Stand> {
         let (f, gradient) = self.tape.gradient(p);
         let steepness = gradient.norm();
         if !f.is_finite() || !steepness.is_finite() {
             return None;
         }
-        let uphill = if steepness > 0.0 { gradient / steepness } else { Vector3::z() };
+        let uphill = if steepness > 0.0 {
+            gradient / steepness
+        } else {
+            Vector3::z()
+        };
         if f == 0.0 {
-            return Some(Stand { depth_m: 0.0, uphill });
+            return Some(Stand {
+                depth_m: 0.0,
+                uphill,
+            });
         }
         // Inside, uphill leads out.
         let along = if f < 0.0 { uphill } else { -uphill };
-        let guess = if steepness > 0.0 { f.abs() / steepness } else { 1e-3 * p.coords.amax().max(f.abs()).min(1e3) };
+        let guess = if steepness > 0.0 {
+            f.abs() / steepness
+        } else {
+            1e-3 * p.coords.amax().max(f.abs()).min(1e3)
+        };
         let at = |t: f64| {
             let (g, slope) = self.tape.gradient(&(p + along * t));
             // Made to fall towards zero from above, whichever side we are on.
@@ -231,7 +296,11 @@ impl ImplicitTool {
                 high = t
             }
             let newton = t - g / slope;
-            let next = if newton > low && newton < high { newton } else { 0.5 * (low + high) };
+            let next = if newton > low && newton < high {
+                newton
+            } else {
+                0.5 * (low + high)
+            };
             if (next - t).abs() <= 2.0 * f64::EPSILON * t.abs() || next <= low || next >= high {
                 t = next.clamp(low, high);
                 break;
@@ -242,15 +311,20 @@ impl ImplicitTool {
                 return None;
             }
         }
-        Some(Stand { depth_m: if f < 0.0 { t } else { -t }, uphill })
+        Some(Stand {
+            depth_m: if f < 0.0 { t } else { -t },
+            uphill,
+        })
     }
 
-    /// Gap of a world point to the tool at a pose, m, and the unit vector towards the tool's matter; first order, for
-    /// samples near the surface of the tool. `None` where the function means nothing.
+    /// Gap of a world point to the tool at a pose, m, and the unit vector towards the tool's
+    /// matter; first order, for samples near the surface of the tool. `None` where the function
+    /// means nothing.
     pub fn signed_gap(&self, pose: &Pose, point: &Point3) -> Option<(f64, Vector3)> {
         let (f, gradient) = self.tape.gradient(&pose.inverse_transform_point(point));
         let steepness = gradient.norm();
         let gap_m = f / steepness;
-        (gap_m.is_finite() && steepness > 0.0).then(|| (gap_m, -(pose.rotation * (gradient / steepness))))
+        (gap_m.is_finite() && steepness > 0.0)
+            .then(|| (gap_m, -(pose.rotation * (gradient / steepness))))
     }
 }

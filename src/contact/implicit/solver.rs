@@ -25,7 +25,11 @@ impl DepthField for Placed<'_> {
     fn may_reach(&self, centre: &Point3, half: &Vector3) -> bool {
         let half = self.turn * half * (1.0 + 1e-12) + Vector3::repeat(self.grow_m);
         // False for NaN too: then it may.
-        let outside = self.tool.range_around(&self.pose.inverse_transform_point(centre), &half).low > 0.0;
+        let outside = self
+            .tool
+            .range_around(&self.pose.inverse_transform_point(centre), &half)
+            .low
+            > 0.0;
         !outside
     }
 
@@ -34,18 +38,22 @@ impl DepthField for Placed<'_> {
     }
 
     fn depth_m(&self, p: &Point3) -> f64 {
-        self.tool.stand(&self.pose.inverse_transform_point(p)).map_or(f64::NEG_INFINITY, |s| s.depth_m)
+        self.tool
+            .stand(&self.pose.inverse_transform_point(p))
+            .map_or(f64::NEG_INFINITY, |s| s.depth_m)
     }
 }
 
 impl ImplicitSolver {
     /// Makes room for the pieces of a surface.
     pub fn new(surface: &Surface, solver: &mut ClosestSolver) -> Self {
-        Self { search: DepthSearch::new(surface, solver) }
+        Self {
+            search: DepthSearch::new(surface, solver),
+        }
     }
 
-    /// Contacts with a solid at a pose, deepest first; `out` is cleared first. A pose that is not finite touches nothing.
-    /// Both sides of an open sheet are alike to a solid.
+    /// Contacts with a solid at a pose, deepest first; `out` is cleared first. A pose that is not
+    /// finite touches nothing. Both sides of an open sheet are alike to a solid.
     pub fn contacts(
         &mut self,
         surface: &Surface,
@@ -56,20 +64,46 @@ impl ImplicitSolver {
         out: &mut ContactSet,
     ) {
         out.clear();
-        let finite = pose.translation.vector.iter().chain(pose.rotation.coords.iter()).all(|x| x.is_finite());
+        let finite = pose
+            .translation
+            .vector
+            .iter()
+            .chain(pose.rotation.coords.iter())
+            .all(|x| x.is_finite());
         if !finite || !reach.margin_m.is_finite() || reach.margin_m < 0.0 {
             return;
         }
-        let turn = pose.rotation.inverse().to_rotation_matrix().into_inner().abs();
-        let field = Placed { tool, pose, turn, grow_m: reach.margin_m + 1e-12 * self.search.size_m };
-        self.search.search(surface, solver, &field, reach.margin_m, out);
+        let turn = pose
+            .rotation
+            .inverse()
+            .to_rotation_matrix()
+            .into_inner()
+            .abs();
+        let field = Placed {
+            tool,
+            pose,
+            turn,
+            grow_m: reach.margin_m + 1e-12 * self.search.size_m,
+        };
+        self.search
+            .search(surface, solver, &field, reach.margin_m, out);
         for top in &self.search.tops {
             let [u, v] = top.at;
             let on_body = surface.point(u, v);
-            let Some(stand) = tool.stand(&pose.inverse_transform_point(&on_body)) else { continue };
+            let Some(stand) = tool.stand(&pose.inverse_transform_point(&on_body)) else {
+                continue;
+            };
             let normal = -(pose.rotation * stand.uphill);
             let on_tool = on_body - normal * stand.depth_m;
-            out.push(Contact { u, v, on_body, on_tool, normal, depth_m: stand.depth_m, tool_uv: None });
+            out.push(Contact {
+                u,
+                v,
+                on_body,
+                on_tool,
+                normal,
+                depth_m: stand.depth_m,
+                tool_uv: None,
+            });
         }
         if out.deepest().is_some() {
             self.search.patches.report(&self.search.reached, out);

@@ -1,8 +1,10 @@
-//! A function of x, y, z as a flat list of operations, evaluated as numbers, with its gradient, and over boxes.
+//! A function of x, y, z as a flat list of operations, evaluated as numbers, with its gradient, and
+//! over boxes.
 //!
-//! `fidget` compiles such functions to machine code but computes in f32, seven digits, where contacts are asked to nine;
-//! `exmex` evaluates in f64 but differentiates symbolically (its expressions double with each product) and has no
-//! intervals, which pruning needs. A tape of at most [`MAX_OPS`] operations serves all three and allocates nothing.
+//! `fidget` compiles such functions to machine code but computes in f32, seven digits, where
+//! contacts are asked to nine; `exmex` evaluates in f64 but differentiates symbolically (its
+//! expressions double with each product) and has no intervals, which pruning needs. A tape of at
+//! most [`MAX_OPS`] operations serves all three and allocates nothing.
 
 use super::interval::Interval;
 use crate::math::{Point3, Vector3};
@@ -62,20 +64,30 @@ struct Dual {
 }
 
 impl Dual {
-    const ZERO: Self = Self { f: 0.0, d: [0.0; 3] };
+    const ZERO: Self = Self {
+        f: 0.0,
+        d: [0.0; 3],
+    };
 
     #[inline(always)]
     fn chain(self, f: f64, slope: f64) -> Self {
-        Self { f, d: self.d.map(|d| scaled(slope, d)) }
+        Self {
+            f,
+            d: self.d.map(|d| scaled(slope, d)),
+        }
     }
 
     #[inline(always)]
     fn combine(a: Self, b: Self, f: f64, by_a: f64, by_b: f64) -> Self {
-        Self { f, d: std::array::from_fn(|k| scaled(by_a, a.d[k]) + scaled(by_b, b.d[k])) }
+        Self {
+            f,
+            d: std::array::from_fn(|k| scaled(by_a, a.d[k]) + scaled(by_b, b.d[k])),
+        }
     }
 }
 
-/// A slope times a derivative; what does not move does not care how steep it is (√ at 0, for example).
+/// A slope times a derivative; what does not move does not care how steep it is (√ at 0, for
+/// example).
 #[inline(always)]
 fn scaled(slope: f64, d: f64) -> f64 {
     if d == 0.0 { 0.0 } else { slope * d }
@@ -84,7 +96,10 @@ fn scaled(slope: f64, d: f64) -> f64 {
 impl Tape {
     /// Operations whose operands come before them; at least one.
     pub(super) fn new(ops: Vec<Op>) -> Self {
-        debug_assert!(!ops.is_empty() && ops.len() <= MAX_OPS, "the parser counts operations");
+        debug_assert!(
+            !ops.is_empty() && ops.len() <= MAX_OPS,
+            "the parser counts operations"
+        );
         Self { ops }
     }
 
@@ -112,7 +127,10 @@ impl Tape {
                 Op::Variable(v) => {
                     let mut d = [0.0; 3];
                     d[v as usize] = 1.0;
-                    Dual { f: p[v as usize], d }
+                    Dual {
+                        f: p[v as usize],
+                        d,
+                    }
                 }
                 Op::Unary(u, a) => {
                     let a = r[a as usize];
@@ -121,7 +139,11 @@ impl Tape {
                 }
                 Op::Power(a, n) => {
                     let a = r[a as usize];
-                    let slope = if n == 0 { 0.0 } else { f64::from(n) * whole_power(a.f, n - 1) };
+                    let slope = if n == 0 {
+                        0.0
+                    } else {
+                        f64::from(n) * whole_power(a.f, n - 1)
+                    };
                     a.chain(whole_power(a.f, n), slope)
                 }
                 Op::Binary(b, x, y) => dual(b, r[x as usize], r[y as usize]),
@@ -131,15 +153,21 @@ impl Tape {
         (f, Vector3::from(d))
     }
 
-    /// Holds every value over a box. Wider than the true range where a variable occurs more than once.
+    /// Holds every value over a box. Wider than the true range where a variable occurs more than
+    /// once.
     pub fn interval(&self, low: &Point3, high: &Point3) -> Interval {
         let mut r = [Interval::point(0.0); MAX_OPS];
         for (k, op) in self.ops.iter().enumerate() {
             r[k] = match *op {
                 Op::Constant(c) => Interval::point(c),
-                Op::Variable(v) => Interval { low: low[v as usize], high: high[v as usize] },
+                Op::Variable(v) => Interval {
+                    low: low[v as usize],
+                    high: high[v as usize],
+                },
                 Op::Unary(u, a) => r[a as usize].unary(u),
-                Op::Binary(b, x, y) if x == y && b == Binary::Multiply => r[x as usize].whole_power(2),
+                Op::Binary(b, x, y) if x == y && b == Binary::Multiply => {
+                    r[x as usize].whole_power(2)
+                }
                 Op::Binary(b, x, y) => Interval::binary(b, r[x as usize], r[y as usize]),
                 Op::Power(a, n) => r[a as usize].whole_power(n),
             };
@@ -235,7 +263,11 @@ fn dual(op: Binary, a: Dual, b: Dual) -> Dual {
         }
         Binary::Atan2 => {
             let square = a.f * a.f + b.f * b.f;
-            if square > 0.0 { (b.f / square, -a.f / square) } else { (0.0, 0.0) }
+            if square > 0.0 {
+                (b.f / square, -a.f / square)
+            } else {
+                (0.0, 0.0)
+            }
         }
     };
     Dual::combine(a, b, f, by_a, by_b)

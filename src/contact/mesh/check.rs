@@ -36,7 +36,9 @@ pub enum MeshError {
         triangle: usize,
     },
     /// Edges with a triangle on one side only.
-    #[error("the mesh is not closed: {edges} edges have one triangle only, the first from {from:?} to {to:?} (m)")]
+    #[error(
+        "the mesh is not closed: {edges} edges have one triangle only, the first from {from:?} to {to:?} (m)"
+    )]
     Open {
         /// How many.
         edges: usize,
@@ -46,7 +48,9 @@ pub enum MeshError {
         to: [f64; 3],
     },
     /// An edge that two triangles run along in the same direction, or more than two share.
-    #[error("the edge from {from:?} to {to:?} (m) has two triangles that disagree which side is out, or more than two")]
+    #[error(
+        "the edge from {from:?} to {to:?} (m) has two triangles that disagree which side is out, or more than two"
+    )]
     Orientation {
         /// Start, m.
         from: [f64; 3],
@@ -78,12 +82,22 @@ pub(super) struct Sound {
 }
 
 pub(super) fn check(vertices: &[Point3], triangles: &[[u32; 3]]) -> Result<Sound, MeshError> {
-    if let Some(vertex) = vertices.iter().position(|p| !p.iter().all(|x| x.is_finite())) {
-        return Err(MeshError::NotFinite { vertex, position: vertices[vertex].coords.into() });
+    if let Some(vertex) = vertices
+        .iter()
+        .position(|p| !p.iter().all(|x| x.is_finite()))
+    {
+        return Err(MeshError::NotFinite {
+            vertex,
+            position: vertices[vertex].coords.into(),
+        });
     }
     for (triangle, corners) in triangles.iter().enumerate() {
         if let Some(&vertex) = corners.iter().find(|&&k| k as usize >= vertices.len()) {
-            return Err(MeshError::Index { triangle, vertex, vertices: vertices.len() });
+            return Err(MeshError::Index {
+                triangle,
+                vertex,
+                vertices: vertices.len(),
+            });
         }
     }
     let (vertices, names) = merge(vertices);
@@ -102,10 +116,14 @@ pub(super) fn check(vertices: &[Point3], triangles: &[[u32; 3]]) -> Result<Sound
         kept.push([a, b, c]);
     }
     if kept.len() < 4 {
-        return Err(MeshError::Few { triangles: kept.len() });
+        return Err(MeshError::Few {
+            triangles: kept.len(),
+        });
     }
     closed(&vertices, &kept)?;
-    let (low, high) = vertices.iter().fold((vertices[0], vertices[0]), |(l, h), p| (l.inf(p), h.sup(p)));
+    let (low, high) = vertices
+        .iter()
+        .fold((vertices[0], vertices[0]), |(l, h), p| (l.inf(p), h.sup(p)));
     let (size_m, middle) = ((high - low).norm(), low + (high - low) * 0.5);
     let volume_m3: f64 = kept
         .iter()
@@ -120,27 +138,46 @@ pub(super) fn check(vertices: &[Point3], triangles: &[[u32; 3]]) -> Result<Sound
     if volume_m3 < 0.0 {
         kept.iter_mut().for_each(|t| t.swap(1, 2));
     }
-    Ok(Sound { vertices, triangles: kept, volume_m3: volume_m3.abs(), size_m })
+    Ok(Sound {
+        vertices,
+        triangles: kept,
+        volume_m3: volume_m3.abs(),
+        size_m,
+    })
 }
 
-/// One vertex for each place, along a curve that keeps neighbours together; and the new number of each old one.
+/// One vertex for each place, along a curve that keeps neighbours together; and the new number of
+/// each old one.
 fn merge(vertices: &[Point3]) -> (Vec<Point3>, Vec<u32>) {
-    let Some(first) = vertices.first() else { return (vec![], vec![]) };
-    let (low, high) = vertices.iter().fold((*first, *first), |(l, h), p| (l.inf(p), h.sup(p)));
+    let Some(first) = vertices.first() else {
+        return (vec![], vec![]);
+    };
+    let (low, high) = vertices
+        .iter()
+        .fold((*first, *first), |(l, h), p| (l.inf(p), h.sup(p)));
     let scale = (high - low).amax().max(f64::MIN_POSITIVE);
     // Morton order: the bits of the three coordinates in turn.
     let code = |p: &Point3| {
         let cell = (p - low).map(|x| ((x / scale) * 65_535.0) as u64);
         (0..16).fold(0_u64, |code, bit| {
-            code | (0..3).fold(0, |code, c| code | ((cell[c] >> bit) & 1) << (3 * bit + c as u64))
+            code | (0..3).fold(0, |code, c| {
+                code | ((cell[c] >> bit) & 1) << (3 * bit + c as u64)
+            })
         })
     };
     // −0 is 0.
     let key = |p: &Point3| p.coords.map(|x| x + 0.0);
-    let mut order: Vec<(u64, usize)> = vertices.iter().enumerate().map(|(k, p)| (code(p), k)).collect();
+    let mut order: Vec<(u64, usize)> = vertices
+        .iter()
+        .enumerate()
+        .map(|(k, p)| (code(p), k))
+        .collect();
     order.sort_unstable_by(|a, b| {
         let (p, q) = (key(&vertices[a.1]), key(&vertices[b.1]));
-        let place = p.x.total_cmp(&q.x).then(p.y.total_cmp(&q.y)).then(p.z.total_cmp(&q.z));
+        let place =
+            p.x.total_cmp(&q.x)
+                .then(p.y.total_cmp(&q.y))
+                .then(p.z.total_cmp(&q.z));
         a.0.cmp(&b.0).then(place).then(a.1.cmp(&b.1))
     });
     let (mut merged, mut names): (Vec<Point3>, Vec<u32>) = (Vec::new(), vec![0; vertices.len()]);
@@ -156,15 +193,27 @@ fn merge(vertices: &[Point3]) -> (Vec<Point3>, Vec<u32>) {
 
 /// Every edge has one triangle on each side, which run along it in opposite directions.
 fn closed(vertices: &[Point3], triangles: &[[u32; 3]]) -> Result<(), MeshError> {
-    let mut edges: Vec<(u32, u32)> = triangles.iter().flat_map(|&[a, b, c]| [(a, b), (b, c), (c, a)]).collect();
+    let mut edges: Vec<(u32, u32)> = triangles
+        .iter()
+        .flat_map(|&[a, b, c]| [(a, b), (b, c), (c, a)])
+        .collect();
     edges.sort_unstable();
     let place = |k: u32| vertices[k as usize].coords.into();
     if let Some(twice) = edges.windows(2).find(|w| w[0] == w[1]) {
-        return Err(MeshError::Orientation { from: place(twice[0].0), to: place(twice[0].1) });
+        return Err(MeshError::Orientation {
+            from: place(twice[0].0),
+            to: place(twice[0].1),
+        });
     }
-    let mut alone = edges.iter().filter(|&&(a, b)| edges.binary_search(&(b, a)).is_err());
+    let mut alone = edges
+        .iter()
+        .filter(|&&(a, b)| edges.binary_search(&(b, a)).is_err());
     match alone.next() {
         None => Ok(()),
-        Some(&(a, b)) => Err(MeshError::Open { edges: 1 + alone.count(), from: place(a), to: place(b) }),
+        Some(&(a, b)) => Err(MeshError::Open {
+            edges: 1 + alone.count(),
+            from: place(a),
+            to: place(b),
+        }),
     }
 }

@@ -47,19 +47,26 @@ impl std::fmt::Debug for MeshTool {
 }
 
 impl MeshTool {
-    /// Takes vertices (m, tool frame) and triangles over them. Vertices at the same place are merged, unused ones and
-    /// triangles with a repeated corner left out; a mesh whose triangles all face inwards is turned.
+    /// Takes vertices (m, tool frame) and triangles over them. Vertices at the same place are
+    /// merged, unused ones and triangles with a repeated corner left out; a mesh whose triangles
+    /// all face inwards is turned.
     ///
     /// # Errors
     /// A mesh that bounds no volume, with what is wrong and where.
     pub fn new(vertices: &[Point3], triangles: &[[u32; 3]]) -> Result<Self, MeshError> {
         let sound = check::check(vertices, triangles)?;
-        let mut pairs: Vec<(u32, u32)> =
-            sound.triangles.iter().flat_map(|&[a, b, c]| [(a, b), (b, c), (c, a)]).collect();
-        // Closed: each edge comes once in each direction, so these are all neighbours of all vertices.
+        let mut pairs: Vec<(u32, u32)> = sound
+            .triangles
+            .iter()
+            .flat_map(|&[a, b, c]| [(a, b), (b, c), (c, a)])
+            .collect();
+        // Closed: each edge comes once in each direction, so these are all neighbours of all
+        // vertices.
         pairs.sort_unstable();
         let mut offsets = vec![0_u32; sound.vertices.len() + 1];
-        pairs.iter().for_each(|&(a, _)| offsets[a as usize + 1] += 1);
+        pairs
+            .iter()
+            .for_each(|&(a, _)| offsets[a as usize + 1] += 1);
         for k in 1..offsets.len() {
             offsets[k] += offsets[k - 1];
         }
@@ -67,9 +74,17 @@ impl MeshTool {
             .vertices
             .chunks(BLOCK)
             .map(|block| {
-                let (low, high) = block.iter().fold((block[0], block[0]), |(l, h), p| (l.inf(p), h.sup(p)));
+                let (low, high) = block
+                    .iter()
+                    .fold((block[0], block[0]), |(l, h), p| (l.inf(p), h.sup(p)));
                 let centre = low + (high - low) * 0.5;
-                (centre, block.iter().map(|p| (p - centre).norm()).fold(0.0, f64::max))
+                (
+                    centre,
+                    block
+                        .iter()
+                        .map(|p| (p - centre).norm())
+                        .fold(0.0, f64::max),
+                )
             })
             .collect();
         Ok(Self {
@@ -90,7 +105,10 @@ impl MeshTool {
 
     /// Distance from the reference point that holds all of the mesh, m.
     pub fn reach_m(&self) -> f64 {
-        self.vertices.iter().map(|p| p.coords.norm()).fold(0.0, f64::max)
+        self.vertices
+            .iter()
+            .map(|p| p.coords.norm())
+            .fold(0.0, f64::max)
     }
 
     /// Diagonal of the box of the vertices, m.
@@ -103,13 +121,14 @@ impl MeshTool {
         &self.vertices
     }
 
-    /// Signed distance of a point of the tool's frame to the mesh, m, negative inside, and the unit way out of the mesh
-    /// there. A point that is not finite is infinitely far.
+    /// Signed distance of a point of the tool's frame to the mesh, m, negative inside, and the unit
+    /// way out of the mesh there. A point that is not finite is infinitely far.
     pub fn signed_distance(&self, p: &Point3) -> (f64, Vector3) {
         self.triangles.signed_distance(p, 1e-12 * self.size_m)
     }
 
-    /// Gap of a world point to the mesh at a pose, m, and the unit vector towards the mesh's matter.
+    /// Gap of a world point to the mesh at a pose, m, and the unit vector towards the mesh's
+    /// matter.
     pub fn signed_gap(&self, pose: &Pose, point: &Point3) -> (f64, Vector3) {
         let (gap_m, out) = self.signed_distance(&pose.inverse_transform_point(point));
         (gap_m, -(pose.rotation * out))

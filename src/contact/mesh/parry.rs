@@ -1,8 +1,8 @@
 //! parry's triangle mesh behind our types.
 //!
-//! Its tree is walked with a stack of 32 entries before it would allocate; what is kept there is one sibling a level, so a
-//! tree of at most that depth never does. Signs come from its angle-weighted normals of vertices and edges (Bærentzen &
-//! Aanæs 2005).
+//! Its tree is walked with a stack of 32 entries before it would allocate; what is kept there is
+//! one sibling a level, so a tree of at most that depth never does. Signs come from its
+//! angle-weighted normals of vertices and edges (Bærentzen & Aanæs 2005).
 
 use parry3d_f64::glamx::DVec3;
 use parry3d_f64::query::PointQueryWithLocation;
@@ -30,10 +30,14 @@ impl Triangles {
     pub fn new(vertices: &[Point3], triangles: &[[u32; 3]]) -> Result<Self, MeshError> {
         let points = vertices.iter().map(there).collect();
         let mesh = TriMesh::with_flags(points, triangles.to_vec(), TriMeshFlags::ORIENTED)
-            .map_err(|error| MeshError::Refused { reason: error.to_string() })?;
+            .map_err(|error| MeshError::Refused {
+                reason: error.to_string(),
+            })?;
         let depth = mesh.bvh().subtree_depth(0);
         if depth > DEPTH {
-            return Err(MeshError::Refused { reason: format!("its tree of boxes is {depth} deep, above {DEPTH}") });
+            return Err(MeshError::Refused {
+                reason: format!("its tree of boxes is {depth} deep, above {DEPTH}"),
+            });
         }
         Ok(Self(mesh))
     }
@@ -43,14 +47,17 @@ impl Triangles {
         if !p.iter().all(|x| x.is_finite()) {
             return (f64::INFINITY, Vector3::z());
         }
-        let (projection, (triangle, _)) = self.0.project_local_point_and_get_location(there(p), false);
+        let (projection, (triangle, _)) =
+            self.0.project_local_point_and_get_location(there(p), false);
         let way = p.coords - back(projection.point);
         let distance = way.norm();
         let sign = if projection.is_inside { -1.0 } else { 1.0 };
         let out = if distance > near_m {
             way * (sign / distance)
         } else {
-            back(self.0.triangle(triangle).scaled_normal()).try_normalize(0.0).unwrap_or_else(Vector3::z)
+            back(self.0.triangle(triangle).scaled_normal())
+                .try_normalize(0.0)
+                .unwrap_or_else(Vector3::z)
         };
         (sign * distance, out)
     }

@@ -1,9 +1,10 @@
 //! Contacts of a mesh with a surface.
 //!
-//! Two kinds: a vertex of the mesh inside the body, deeper than the vertices beside it; and a point of the surface inside
-//! the mesh, deeper than the surface around it. A region of overlap has one or the other or both; where a way inside the
-//! mesh leads from one to the other, the deeper one stands for both. (The inside of an edge or face of the mesh is deepest
-//! only where the body is hollowed out to its shape; there the second kind still finds the region.)
+//! Two kinds: a vertex of the mesh inside the body, deeper than the vertices beside it; and a point
+//! of the surface inside the mesh, deeper than the surface around it. A region of overlap has one
+//! or the other or both; where a way inside the mesh leads from one to the other, the deeper one
+//! stands for both. (The inside of an edge or face of the mesh is deepest only where the body is
+//! hollowed out to its shape; there the second kind still finds the region.)
 
 use super::{BLOCK, MeshTool};
 use crate::contact::depth::{DepthField, DepthSearch};
@@ -33,17 +34,24 @@ struct Placed<'a> {
 impl DepthField for Placed<'_> {
     fn may_reach(&self, centre: &Point3, half: &Vector3) -> bool {
         // No point of the box is nearer than its centre less its radius.
-        let (gap_m, _) = self.tool.signed_distance(&self.pose.inverse_transform_point(centre));
+        let (gap_m, _) = self
+            .tool
+            .signed_distance(&self.pose.inverse_transform_point(centre));
         gap_m <= half.norm() * (1.0 + 1e-9) + self.margin_m
     }
 
     fn rough(&self, p: &Point3) -> (f64, Vector3) {
-        let (gap_m, out) = self.tool.signed_distance(&self.pose.inverse_transform_point(p));
+        let (gap_m, out) = self
+            .tool
+            .signed_distance(&self.pose.inverse_transform_point(p));
         (-gap_m, out)
     }
 
     fn depth_m(&self, p: &Point3) -> f64 {
-        -self.tool.signed_distance(&self.pose.inverse_transform_point(p)).0
+        -self
+            .tool
+            .signed_distance(&self.pose.inverse_transform_point(p))
+            .0
     }
 }
 
@@ -58,7 +66,8 @@ impl MeshSolver {
         }
     }
 
-    /// Contacts with a mesh at a pose, deepest first; `out` is cleared first. A pose that is not finite touches nothing.
+    /// Contacts with a mesh at a pose, deepest first; `out` is cleared first. A pose that is not
+    /// finite touches nothing.
     pub fn contacts(
         &mut self,
         surface: &Surface,
@@ -69,13 +78,27 @@ impl MeshSolver {
         out: &mut ContactSet,
     ) {
         out.clear();
-        let finite = pose.translation.vector.iter().chain(pose.rotation.coords.iter()).all(|x| x.is_finite());
+        let finite = pose
+            .translation
+            .vector
+            .iter()
+            .chain(pose.rotation.coords.iter())
+            .all(|x| x.is_finite());
         if !finite || !reach.margin_m.is_finite() || reach.margin_m < 0.0 {
             return;
         }
-        debug_assert_eq!(self.depths.len(), tool.vertices.len(), "scratch of another mesh");
-        let field = Placed { tool, pose, margin_m: reach.margin_m };
-        self.search.search(surface, solver, &field, reach.margin_m, out);
+        debug_assert_eq!(
+            self.depths.len(),
+            tool.vertices.len(),
+            "scratch of another mesh"
+        );
+        let field = Placed {
+            tool,
+            pose,
+            margin_m: reach.margin_m,
+        };
+        self.search
+            .search(surface, solver, &field, reach.margin_m, out);
         self.vertices(surface, solver, tool, pose, reach, out);
         let level_m = -1e-9 * self.search.size_m;
         let depth = |x: [f64; 2]| field.depth_m(&surface.point(x[0], x[1]));
@@ -84,7 +107,10 @@ impl MeshSolver {
             let (map, tops) = (&self.search.map, &mut self.search.tops);
             let level_m = level_m.min(corner.depth_m - reach.margin_m);
             let same = |at: [f64; 2]| map.joined([corner.u, corner.v], at, level_m, depth);
-            if tops.iter().any(|t| t.height_m > corner.depth_m && same(t.at)) {
+            if tops
+                .iter()
+                .any(|t| t.height_m > corner.depth_m && same(t.at))
+            {
                 continue;
             }
             tops.retain(|t| !same(t.at));
@@ -96,7 +122,15 @@ impl MeshSolver {
             let (gap_m, way) = tool.signed_distance(&pose.inverse_transform_point(&on_body));
             let normal = -(pose.rotation * way);
             let on_tool = on_body + normal * gap_m;
-            out.push(Contact { u, v, on_body, on_tool, normal, depth_m: -gap_m, tool_uv: None });
+            out.push(Contact {
+                u,
+                v,
+                on_body,
+                on_tool,
+                normal,
+                depth_m: -gap_m,
+                tool_uv: None,
+            });
         }
         if out.deepest().is_some() {
             self.search.patches.report(&self.search.reached, out);
@@ -115,15 +149,19 @@ impl MeshSolver {
     ) {
         self.corners.clear();
         self.depths.fill(f64::NEG_INFINITY);
-        // A sheet has no inside to be in the box of: a vertex may be as far behind it as the mesh is large.
+        // A sheet has no inside to be in the box of: a vertex may be as far behind it as the mesh
+        // is large.
         let behind_m = if self.closed { 0.0 } else { tool.size_m };
         let (low, high) = bounds(surface, reach.margin_m + behind_m);
-        let gap = |solver: &mut ClosestSolver, p: &Point3| reach.side() * solver.closest(surface, p).signed_distance;
+        let gap = |solver: &mut ClosestSolver, p: &Point3| {
+            reach.side() * solver.closest(surface, p).signed_distance
+        };
         let mut queries = 0;
         let mut complete = true;
         for (block, (centre, radius_m)) in tool.blocks.iter().enumerate() {
             let centre = pose * centre;
-            let far = (0..3).any(|c| centre[c] + radius_m < low[c] || centre[c] - radius_m > high[c]);
+            let far =
+                (0..3).any(|c| centre[c] + radius_m < low[c] || centre[c] - radius_m > high[c]);
             if far {
                 continue;
             }
@@ -153,15 +191,23 @@ impl MeshSolver {
             let deepest = here > f64::NEG_INFINITY
                 && tool.neighbours(k).iter().all(|&other| {
                     let other = other as usize;
-                    if other < k { here > self.depths[other] } else { here >= self.depths[other] }
+                    if other < k {
+                        here > self.depths[other]
+                    } else {
+                        here >= self.depths[other]
+                    }
                 });
             if !deepest {
                 continue;
             }
             let p = pose * tool.vertices[k];
             let foot = solver.closest(surface, &p);
-            let Some(corner) = corner(&foot, &p, reach.side(), self.closed) else { continue };
-            let at = self.corners.partition_point(|held| held.depth_m >= corner.depth_m);
+            let Some(corner) = corner(&foot, &p, reach.side(), self.closed) else {
+                continue;
+            };
+            let at = self
+                .corners
+                .partition_point(|held| held.depth_m >= corner.depth_m);
             if self.corners.len() == MAX_CONTACTS {
                 complete = false;
                 if at == MAX_CONTACTS {
@@ -177,7 +223,8 @@ impl MeshSolver {
     }
 }
 
-/// The contact of a vertex with its foot. Behind an open sheet it counts only straight above or below a foot.
+/// The contact of a vertex with its foot. Behind an open sheet it counts only straight above or
+/// below a foot.
 fn corner(foot: &ClosestPoint, p: &Point3, side: f64, closed: bool) -> Option<Contact> {
     let gap_m = side * foot.signed_distance;
     let sign = if gap_m < 0.0 { -1.0 } else { 1.0 };
@@ -190,13 +237,23 @@ fn corner(foot: &ClosestPoint, p: &Point3, side: f64, closed: bool) -> Option<Co
         Some(n) if foot.distance > 1e-9 * foot.point.coords.amax() => n,
         _ => own,
     };
-    Some(Contact { u: foot.u, v: foot.v, on_body: foot.point, on_tool: *p, normal, depth_m: -gap_m, tool_uv: None })
+    Some(Contact {
+        u: foot.u,
+        v: foot.v,
+        on_body: foot.point,
+        on_tool: *p,
+        normal,
+        depth_m: -gap_m,
+        tool_uv: None,
+    })
 }
 
 /// Box of the net, grown.
 fn bounds(surface: &Surface, grow_m: f64) -> (Point3, Point3) {
     let points = surface.net().points();
-    let (low, high) = points.iter().fold((points[0], points[0]), |(l, h), p| (l.inf(p), h.sup(p)));
+    let (low, high) = points
+        .iter()
+        .fold((points[0], points[0]), |(l, h), p| (l.inf(p), h.sup(p)));
     let reach = Vector3::repeat(grow_m + 1e-9 * (high - low).norm());
     (low - reach, high + reach)
 }

@@ -23,7 +23,10 @@ const CUBE: [[u32; 3]; 12] = [
 
 fn cube_points(half: f64) -> Vec<Point3> {
     let square = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)];
-    [-1.0, 1.0].iter().flat_map(|z| square.map(|(x, y)| Point3::new(x * half, y * half, z * half))).collect()
+    [-1.0, 1.0]
+        .iter()
+        .flat_map(|z| square.map(|(x, y)| Point3::new(x * half, y * half, z * half)))
+        .collect()
 }
 
 fn cube(half: f64) -> MeshTool {
@@ -56,27 +59,59 @@ fn ball(radius: f64, n: usize) -> (Vec<Point3>, Vec<[u32; 3]>) {
 }
 
 fn vector(random: &mut Random) -> Vector3 {
-    Vector3::new(random.float(-1.0, 1.0), random.float(-1.0, 1.0), random.float(-1.0, 1.0))
+    Vector3::new(
+        random.float(-1.0, 1.0),
+        random.float(-1.0, 1.0),
+        random.float(-1.0, 1.0),
+    )
 }
 
 #[test]
 fn a_mesh_that_bounds_no_volume_is_refused_with_the_reason() {
     let points = cube_points(1.0);
-    assert!(matches!(MeshTool::new(&points, &CUBE[..3]), Err(MeshError::Few { triangles: 3 })));
-    assert!(matches!(MeshTool::new(&points, &CUBE[1..]), Err(MeshError::Open { edges: 3, .. })));
+    assert!(matches!(
+        MeshTool::new(&points, &CUBE[..3]),
+        Err(MeshError::Few { triangles: 3 })
+    ));
+    assert!(matches!(
+        MeshTool::new(&points, &CUBE[1..]),
+        Err(MeshError::Open { edges: 3, .. })
+    ));
     let mut turned = CUBE;
     turned[4].swap(0, 1);
-    assert!(matches!(MeshTool::new(&points, &turned), Err(MeshError::Orientation { .. })));
+    assert!(matches!(
+        MeshTool::new(&points, &turned),
+        Err(MeshError::Orientation { .. })
+    ));
     let mut wrong = CUBE;
     wrong[2][1] = 8;
     let error = MeshTool::new(&points, &wrong).unwrap_err();
-    assert_eq!(error, MeshError::Index { triangle: 2, vertex: 8, vertices: 8 });
+    assert_eq!(
+        error,
+        MeshError::Index {
+            triangle: 2,
+            vertex: 8,
+            vertices: 8
+        }
+    );
     let mut bad = points.clone();
     bad[3].y = f64::NAN;
-    assert!(matches!(MeshTool::new(&bad, &CUBE), Err(MeshError::NotFinite { vertex: 3, .. })));
-    let flat: Vec<Point3> = points.iter().map(|p| Point3::new(p.x, p.y, 1e-15 * p.z)).collect();
-    assert!(matches!(MeshTool::new(&flat, &CUBE), Err(MeshError::Degenerate { .. } | MeshError::Flat { .. })));
-    let line: Vec<Point3> = points.iter().map(|p| Point3::new(p.x + p.y * 0.3, 0.0, 0.0)).collect();
+    assert!(matches!(
+        MeshTool::new(&bad, &CUBE),
+        Err(MeshError::NotFinite { vertex: 3, .. })
+    ));
+    let flat: Vec<Point3> = points
+        .iter()
+        .map(|p| Point3::new(p.x, p.y, 1e-15 * p.z))
+        .collect();
+    assert!(matches!(
+        MeshTool::new(&flat, &CUBE),
+        Err(MeshError::Degenerate { .. } | MeshError::Flat { .. })
+    ));
+    let line: Vec<Point3> = points
+        .iter()
+        .map(|p| Point3::new(p.x + p.y * 0.3, 0.0, 0.0))
+        .collect();
     assert!(MeshTool::new(&line, &CUBE).is_err());
     assert!(MeshTool::new(&[], &[]).is_err());
 }
@@ -110,14 +145,19 @@ fn signed_distances_are_those_of_brute_force() {
         let (d, out) = tool.signed_distance(&p);
         assert!((d.abs() - nearest).abs() <= 1e-14, "{p:?}: {d} {nearest}");
         assert_eq!(d < 0.0, inside, "{p:?}");
-        assert!((tool.signed_distance(&(p - out * d)).0).abs() <= 1e-13, "{p:?}: the way out misses");
+        assert!(
+            (tool.signed_distance(&(p - out * d)).0).abs() <= 1e-13,
+            "{p:?}: the way out misses"
+        );
     }
 }
 
 /// Distance to a triangle: its plane's foot if inside, else the nearest edge.
 fn to_triangle(p: &Point3, a: &Point3, b: &Point3, c: &Point3) -> f64 {
     let n = (b - a).cross(&(c - a));
-    let within = [(a, b), (b, c), (c, a)].iter().all(|(x, y)| n.cross(&(*y - *x)).dot(&(p - *x)) >= 0.0);
+    let within = [(a, b), (b, c), (c, a)]
+        .iter()
+        .all(|(x, y)| n.cross(&(*y - *x)).dot(&(p - *x)) >= 0.0);
     if within {
         return (p - a).dot(&n).abs() / n.norm();
     }
@@ -138,44 +178,77 @@ fn touch(surface: &Surface, tool: &MeshTool, pose: &Pose, reach: &Reach) -> Cont
     mesh.contacts(surface, &mut solver, tool, pose, reach, &mut out);
     for c in out.contacts() {
         let scale = surface.size() + c.on_body.coords.amax();
-        assert!((surface.point(c.u, c.v) - c.on_body).norm() <= 1e-12 * scale, "{c:?}");
-        assert!((c.on_body - c.on_tool - c.normal * c.depth_m).norm() <= 1e-12 * scale, "{c:?}");
+        assert!(
+            (surface.point(c.u, c.v) - c.on_body).norm() <= 1e-12 * scale,
+            "{c:?}"
+        );
+        assert!(
+            (c.on_body - c.on_tool - c.normal * c.depth_m).norm() <= 1e-12 * scale,
+            "{c:?}"
+        );
         assert!((c.normal.norm() - 1.0).abs() < 1e-9, "{c:?}");
     }
     out
 }
 
-// A cube balanced on a corner, pressed into a sheet: the corner is deepest, and stands for its region.
+// A cube balanced on a corner, pressed into a sheet: the corner is deepest, and stands for its
+// region.
 #[test]
 fn a_corner_pressed_into_a_body_is_one_contact() {
     let body = builtin("sphere", None, Some(1.0)).unwrap();
     let tool = cube(0.2);
     let down = Rotation::rotation_between(&Vector3::new(-1.0, -1.0, -1.0), &-Vector3::z()).unwrap();
-    let top = ClosestSolver::new(&body).deepest_along(&body, &Vector3::z()).2;
+    let top = ClosestSolver::new(&body)
+        .deepest_along(&body, &Vector3::z())
+        .2;
     let tip = 0.2 * 3.0_f64.sqrt();
     let pose = Pose::from_parts((top.coords + Vector3::z() * (tip - 0.05)).into(), down);
     let set = touch(&body, &tool, &pose, &Reach::TOUCH);
     let c = set.deepest().unwrap();
-    assert!((c.depth_m - 0.05).abs() <= 1e-6 && c.normal.z > 0.999, "{set:?}");
+    assert!(
+        (c.depth_m - 0.05).abs() <= 1e-6 && c.normal.z > 0.999,
+        "{set:?}"
+    );
     assert_eq!(set.contacts().len(), 1, "{set:?}");
 }
 
-// A face larger than the body's bump: no vertex is inside, the surface's own highest point is the contact.
+// A face larger than the body's bump: no vertex is inside, the surface's own highest point is the
+// contact.
 #[test]
 fn a_face_on_a_round_body_is_touched_by_the_body() {
     let body = builtin("sphere", None, Some(0.5)).unwrap();
-    let top = ClosestSolver::new(&body).deepest_along(&body, &Vector3::z()).2;
+    let top = ClosestSolver::new(&body)
+        .deepest_along(&body, &Vector3::z())
+        .2;
     let tool = cube(2.0);
     let pose = Pose::translation(0.1, -0.2, top.z + 2.0 - 0.03);
     let set = touch(&body, &tool, &pose, &Reach::TOUCH);
     assert_eq!(set.contacts().len(), 1, "{set:?}");
     let c = set.deepest().unwrap();
-    assert!((c.depth_m - 0.03).abs() <= 1e-9 && (c.normal - Vector3::z()).norm() < 1e-9, "{c:?}");
+    assert!(
+        (c.depth_m - 0.03).abs() <= 1e-9 && (c.normal - Vector3::z()).norm() < 1e-9,
+        "{c:?}"
+    );
     // Lifted off, within the margin and without.
     let pose = Pose::translation(0.1, -0.2, top.z + 2.0 + 0.01);
-    assert!(touch(&body, &tool, &pose, &Reach::TOUCH).deepest().is_none());
-    let set = touch(&body, &tool, &pose, &Reach { margin_m: 0.02, below: false });
-    assert!((set.deepest().unwrap().depth_m + 0.01).abs() <= 1e-9, "{set:?}");
+    assert!(
+        touch(&body, &tool, &pose, &Reach::TOUCH)
+            .deepest()
+            .is_none()
+    );
+    let set = touch(
+        &body,
+        &tool,
+        &pose,
+        &Reach {
+            margin_m: 0.02,
+            below: false,
+        },
+    );
+    assert!(
+        (set.deepest().unwrap().depth_m + 0.01).abs() <= 1e-9,
+        "{set:?}"
+    );
 }
 
 #[test]
@@ -186,19 +259,31 @@ fn tool_entirely_inside_and_body_entirely_inside() {
     let tool = cube(0.02);
     let set = touch(&body, &tool, &pose, &Reach::TOUCH);
     // The deepest vertex is the one farthest from the surface.
-    let deepest = tool.vertices().iter().map(|p| -solver.closest(&body, &(pose * p)).signed_distance);
+    let deepest = tool
+        .vertices()
+        .iter()
+        .map(|p| -solver.closest(&body, &(pose * p)).signed_distance);
     let expected = deepest.fold(f64::NEG_INFINITY, f64::max);
-    assert!((set.deepest().unwrap().depth_m - expected).abs() <= 1e-12, "{set:?}");
+    assert!(
+        (set.deepest().unwrap().depth_m - expected).abs() <= 1e-12,
+        "{set:?}"
+    );
     let set = touch(&body, &cube(3.0), &Pose::identity(), &Reach::TOUCH);
     // Where the body is farthest from the six faces: at most 3 m less its least extent.
-    assert!(set.overlap() && set.deepest().unwrap().depth_m > 2.0, "{set:?}");
+    assert!(
+        set.overlap() && set.deepest().unwrap().depth_m > 2.0,
+        "{set:?}"
+    );
 }
 
 #[test]
 fn two_feet_are_two_contacts_and_moving_all_changes_nothing() {
     let sheet = builtin("sheet", None, Some(1.0)).unwrap();
     // Two cubes in one mesh.
-    let mut points: Vec<Point3> = cube_points(0.05).iter().map(|p| p + Vector3::x() * 0.2).collect();
+    let mut points: Vec<Point3> = cube_points(0.05)
+        .iter()
+        .map(|p| p + Vector3::x() * 0.2)
+        .collect();
     points.extend(cube_points(0.05).iter().map(|p| p - Vector3::x() * 0.2));
     let mut triangles = CUBE.to_vec();
     triangles.extend(CUBE.map(|t| t.map(|k| k + 8)));
@@ -208,9 +293,15 @@ fn two_feet_are_two_contacts_and_moving_all_changes_nothing() {
     let set = touch(&sheet, &tool, &pose, &Reach::TOUCH);
     let sides: Vec<bool> = set.contacts().iter().map(|c| c.on_body.x > 0.03).collect();
     assert!(sides.contains(&true) && sides.contains(&false), "{set:?}");
-    let by = Pose::from_parts(Vector3::new(0.7, -0.3, 0.2).into(), Rotation::from_euler_angles(0.4, 1.0, -0.6));
+    let by = Pose::from_parts(
+        Vector3::new(0.7, -0.3, 0.2).into(),
+        Rotation::from_euler_angles(0.4, 1.0, -0.6),
+    );
     let moved = touch(&sheet.transformed(&by), &tool, &(by * pose), &Reach::TOUCH);
-    assert!((set.deepest().unwrap().depth_m - moved.deepest().unwrap().depth_m).abs() <= 1e-9, "{set:?} {moved:?}");
+    assert!(
+        (set.deepest().unwrap().depth_m - moved.deepest().unwrap().depth_m).abs() <= 1e-9,
+        "{set:?} {moved:?}"
+    );
 }
 
 #[test]
@@ -218,7 +309,19 @@ fn poses_that_are_not_finite_touch_nothing() {
     let body = builtin("teardrop", None, None).unwrap();
     let tool = cube(0.05);
     for bad in [f64::NAN, f64::INFINITY] {
-        assert!(touch(&body, &tool, &Pose::translation(0.0, bad, 0.0), &Reach::TOUCH).deepest().is_none());
+        assert!(
+            touch(
+                &body,
+                &tool,
+                &Pose::translation(0.0, bad, 0.0),
+                &Reach::TOUCH
+            )
+            .deepest()
+            .is_none()
+        );
     }
-    assert_eq!(tool.signed_distance(&Point3::new(f64::NAN, 0.0, 0.0)).0, f64::INFINITY);
+    assert_eq!(
+        tool.signed_distance(&Point3::new(f64::NAN, 0.0, 0.0)).0,
+        f64::INFINITY
+    );
 }

@@ -1,4 +1,5 @@
-//! A surface as a grid of cells: equal parts of its Bézier pieces, with boxes, cones of normals and shared vertices.
+//! A surface as a grid of cells: equal parts of its Bézier pieces, with boxes, cones of normals and
+//! shared vertices.
 
 use super::cone::Cone;
 use super::restriction::{MOST_POINTS, restrict, restriction};
@@ -6,8 +7,8 @@ use crate::math::Point3;
 use crate::surface::bezier::Joint;
 use crate::surface::{BezierPieces, Surface};
 
-/// Cells in one direction, at least: a closed curve of ten cells turns by 36° in each, so cones are narrow enough to tell
-/// facing from crossing parts, and feet of neighbouring vertices are alike.
+/// Cells in one direction, at least: a closed curve of ten cells turns by 36° in each, so cones are
+/// narrow enough to tell facing from crossing parts, and feet of neighbouring vertices are alike.
 const LEAST_CELLS: usize = 10;
 
 /// Least and greatest corner.
@@ -18,7 +19,10 @@ pub(in crate::contact) struct Block {
 }
 
 impl Block {
-    pub const EMPTY: Self = Self { low: [f64::INFINITY; 3], high: [f64::NEG_INFINITY; 3] };
+    pub const EMPTY: Self = Self {
+        low: [f64::INFINITY; 3],
+        high: [f64::NEG_INFINITY; 3],
+    };
 
     #[inline(always)]
     pub fn meets(&self, other: &Self, margin: f64) -> bool {
@@ -36,12 +40,18 @@ impl Block {
 
     /// Distance of a point; 0 inside.
     pub fn distance(&self, point: &Point3) -> f64 {
-        let out = |c: usize| (self.low[c] - point[c]).max(point[c] - self.high[c]).max(0.0);
+        let out = |c: usize| {
+            (self.low[c] - point[c])
+                .max(point[c] - self.high[c])
+                .max(0.0)
+        };
         (0..3).map(|c| out(c) * out(c)).sum::<f64>().sqrt()
     }
 
     pub fn diagonal(&self) -> f64 {
-        let d: f64 = (0..3).map(|c| (self.high[c] - self.low[c]) * (self.high[c] - self.low[c])).sum();
+        let d: f64 = (0..3)
+            .map(|c| (self.high[c] - self.low[c]) * (self.high[c] - self.low[c]))
+            .sum();
         d.sqrt()
     }
 }
@@ -60,7 +70,8 @@ impl Parts<'_> {
     }
 }
 
-/// The cells of one surface. What depends on the knots is made once; boxes and the rest as asked for.
+/// The cells of one surface. What depends on the knots is made once; boxes and the rest as asked
+/// for.
 #[derive(Clone, Debug)]
 pub(in crate::contact) struct Cells {
     /// Cells in u and v.
@@ -101,22 +112,47 @@ impl Cells {
         let per = spans.map(|n| LEAST_CELLS.div_ceil(n));
         let counts = [spans[0] * per[0], spans[1] * per[1]];
         let line = |d: usize| -> Vec<f64> {
-            let all = if d == 0 { &pieces.u.spans } else { &pieces.v.spans };
+            let all = if d == 0 {
+                &pieces.u.spans
+            } else {
+                &pieces.v.spans
+            };
             let mut line: Vec<f64> = all
                 .iter()
-                .flat_map(|s| (0..per[d]).map(move |k| s.start + (s.end - s.start) * k as f64 / per[d] as f64))
+                .flat_map(|s| {
+                    (0..per[d]).map(move |k| s.start + (s.end - s.start) * k as f64 / per[d] as f64)
+                })
                 .collect();
             line.extend(all.last().map(|s| s.end));
             line
         };
         let wall = |d: usize| -> Vec<f64> {
-            let all = if d == 0 { &pieces.u.spans } else { &pieces.v.spans };
-            let before = all.iter().filter(|s| s.before != Joint::Smooth).map(|s| s.start);
-            before.chain(all.last().filter(|s| s.after != Joint::Smooth).map(|s| s.end)).collect()
+            let all = if d == 0 {
+                &pieces.u.spans
+            } else {
+                &pieces.v.spans
+            };
+            let before = all
+                .iter()
+                .filter(|s| s.before != Joint::Smooth)
+                .map(|s| s.start);
+            before
+                .chain(
+                    all.last()
+                        .filter(|s| s.after != Joint::Smooth)
+                        .map(|s| s.end),
+                )
+                .collect()
         };
         let part = |d: usize| -> Vec<f64> {
             (0..per[d])
-                .flat_map(|k| restriction(degree[d], k as f64 / per[d] as f64, (k + 1) as f64 / per[d] as f64))
+                .flat_map(|k| {
+                    restriction(
+                        degree[d],
+                        k as f64 / per[d] as f64,
+                        (k + 1) as f64 / per[d] as f64,
+                    )
+                })
                 .collect()
         };
         let (rows, columns) = (counts[0] + 1, counts[1] + 1);
@@ -163,9 +199,18 @@ impl Cells {
         self.touched.fill(false);
         self.facing.fill(false);
         let [x0, y0, z0, x1, y1, z1] = pieces.bound_arrays();
-        let least = |x: &[f64]| x.iter().fold(f64::INFINITY, |m, &x| if x < m { x } else { m });
-        let most = |x: &[f64]| x.iter().fold(f64::NEG_INFINITY, |m, &x| if x > m { x } else { m });
-        self.whole = Block { low: [least(x0), least(y0), least(z0)], high: [most(x1), most(y1), most(z1)] };
+        let least = |x: &[f64]| {
+            x.iter()
+                .fold(f64::INFINITY, |m, &x| if x < m { x } else { m })
+        };
+        let most = |x: &[f64]| {
+            x.iter()
+                .fold(f64::NEG_INFINITY, |m, &x| if x > m { x } else { m })
+        };
+        self.whole = Block {
+            low: [least(x0), least(y0), least(z0)],
+            high: [most(x1), most(y1), most(z1)],
+        };
     }
 
     pub fn cell_count(&self) -> usize {
@@ -178,7 +223,13 @@ impl Cells {
 
     /// The cells of a piece: first in u and v, and how many each.
     pub fn of_piece(&self, piece: usize) -> ([usize; 2], [usize; 2]) {
-        ([piece / self.spans[1] * self.per[0], piece % self.spans[1] * self.per[1]], self.per)
+        (
+            [
+                piece / self.spans[1] * self.per[0],
+                piece % self.spans[1] * self.per[1],
+            ],
+            self.per,
+        )
     }
 
     pub fn box_of(&self, cell: usize) -> &Block {
@@ -191,7 +242,11 @@ impl Cells {
 
     /// The four vertices of a cell, by their first names.
     pub fn corners(&self, cell: usize) -> [u32; 4] {
-        let (i, j, columns) = (cell / self.counts[1], cell % self.counts[1], self.counts[1] + 1);
+        let (i, j, columns) = (
+            cell / self.counts[1],
+            cell % self.counts[1],
+            self.counts[1] + 1,
+        );
         let at = |i: usize, j: usize| self.alias[i * columns + j];
         [at(i, j), at(i, j + 1), at(i + 1, j + 1), at(i + 1, j)]
     }
@@ -206,14 +261,19 @@ impl Cells {
 
     /// The cell that holds a parameter pair of the domain.
     pub fn cell_at(&self, u: f64, v: f64) -> usize {
-        let one = |d: usize, x: f64| (self.lines[d].partition_point(|&y| y <= x).max(1) - 1).min(self.counts[d] - 1);
+        let one = |d: usize, x: f64| {
+            (self.lines[d].partition_point(|&y| y <= x).max(1) - 1).min(self.counts[d] - 1)
+        };
         one(0, u) * self.counts[1] + one(1, v)
     }
 
     /// Parameters of a vertex.
     pub fn parameters(&self, vertex: usize) -> (f64, f64) {
         let columns = self.counts[1] + 1;
-        (self.lines[0][vertex / columns], self.lines[1][vertex % columns])
+        (
+            self.lines[0][vertex / columns],
+            self.lines[1][vertex % columns],
+        )
     }
 
     /// The eight vertices around one, by their first names; itself where there is none.
@@ -222,9 +282,22 @@ impl Cells {
         let at = [(vertex / columns) as isize, (vertex % columns) as isize];
         let step = |d: usize, by: isize| -> isize {
             let (n, x) = (self.counts[d] as isize, at[d] + by);
-            if self.wraps[d] { x.rem_euclid(n) } else { x.clamp(0, n) }
+            if self.wraps[d] {
+                x.rem_euclid(n)
+            } else {
+                x.clamp(0, n)
+            }
         };
-        const WAYS: [(isize, isize); 8] = [(-1, -1), (-1, 0), (-1, 1), (0, -1), (0, 1), (1, -1), (1, 0), (1, 1)];
+        const WAYS: [(isize, isize); 8] = [
+            (-1, -1),
+            (-1, 0),
+            (-1, 1),
+            (0, -1),
+            (0, 1),
+            (1, -1),
+            (1, 0),
+            (1, 1),
+        ];
         WAYS.map(|(a, b)| self.alias[step(0, a) as usize * columns + step(1, b) as usize])
     }
 
@@ -235,13 +308,24 @@ impl Cells {
             let n = self.counts[d];
             let x = at[d] + if up { 1 } else { n - 1 };
             let ends = at[d] + usize::from(up) == if up { n } else { 0 };
-            let to = if ends && !self.wraps[d] { None } else { Some(x % n) };
-            to.map(|x| if d == 0 { x * self.counts[1] + at[1] } else { at[0] * self.counts[1] + x })
+            let to = if ends && !self.wraps[d] {
+                None
+            } else {
+                Some(x % n)
+            };
+            to.map(|x| {
+                if d == 0 {
+                    x * self.counts[1] + at[1]
+                } else {
+                    at[0] * self.counts[1] + x
+                }
+            })
         };
         [step(0, false), step(0, true), step(1, false), step(1, true)]
     }
 
-    /// A parameter pair moved by a step: around where ends meet, over a pole to its far side, held at edges.
+    /// A parameter pair moved by a step: around where ends meet, over a pole to its far side, held
+    /// at edges.
     pub fn moved(&self, at: [f64; 2], step: [f64; 2]) -> [f64; 2] {
         let mut x = [at[0] + step[0], at[1] + step[1]];
         for d in 0..2 {
@@ -281,7 +365,8 @@ impl Cells {
     pub fn on_open_edge(&self, u: f64, v: f64) -> bool {
         let one = |d: usize, x: f64| {
             let (n, line) = (self.counts[d], &self.lines[d]);
-            !self.wraps[d] && ((x <= line[0] && !self.poles[d][0]) || (x >= line[n] && !self.poles[d][1]))
+            !self.wraps[d]
+                && ((x <= line[0] && !self.poles[d][0]) || (x >= line[n] && !self.poles[d][1]))
         };
         !self.closed && (one(0, u) || one(1, v))
     }
@@ -302,7 +387,15 @@ impl Cells {
     pub fn points_of(&self, pieces: &BezierPieces, cell: usize, out: &mut Vec<[f64; 4]>) {
         let (n, m) = (self.degree[0] + 1, self.degree[1] + 1);
         let parts = self.parts_of(cell);
-        restrict(parts.piece_of(pieces), parts.u, parts.v, n, m, self.per == [1, 1], |_, x| out.push(*x));
+        restrict(
+            parts.piece_of(pieces),
+            parts.u,
+            parts.v,
+            n,
+            m,
+            self.per == [1, 1],
+            |_, x| out.push(*x),
+        );
     }
 
     /// Degrees in u and v.
@@ -325,19 +418,45 @@ impl Cells {
         let (n, m) = (p + 1, q + 1);
         let mut points = [[0.0; 3]; MOST_POINTS];
         let parts = self.parts_of(cell);
-        restrict(parts.piece_of(pieces), parts.u, parts.v, n, m, self.per == [1, 1], |k, y| {
-            let scale = if pieces.is_rational() { 1.0 / y[3] } else { 1.0 };
-            points[k] = [y[0] * scale, y[1] * scale, y[2] * scale];
-        });
+        restrict(
+            parts.piece_of(pieces),
+            parts.u,
+            parts.v,
+            n,
+            m,
+            self.per == [1, 1],
+            |k, y| {
+                let scale = if pieces.is_rational() {
+                    1.0 / y[3]
+                } else {
+                    1.0
+                };
+                points[k] = [y[0] * scale, y[1] * scale, y[2] * scale];
+            },
+        );
         let mut block = Block::EMPTY;
         for x in &points[..n * m] {
             for c in 0..3 {
-                block.low[c] = if x[c] < block.low[c] { x[c] } else { block.low[c] };
-                block.high[c] = if x[c] > block.high[c] { x[c] } else { block.high[c] };
+                block.low[c] = if x[c] < block.low[c] {
+                    x[c]
+                } else {
+                    block.low[c]
+                };
+                block.high[c] = if x[c] > block.high[c] {
+                    x[c]
+                } else {
+                    block.high[c]
+                };
             }
         }
         self.boxes[cell] = block;
-        self.cones[cell] = Cone::of_normals(&points[..n * m], p, q, surface.flip_normal(), pieces.is_rational());
+        self.cones[cell] = Cone::of_normals(
+            &points[..n * m],
+            p,
+            q,
+            surface.flip_normal(),
+            pieces.is_rational(),
+        );
     }
 }
 

@@ -12,18 +12,26 @@ pub(in crate::contact) struct Cone {
 }
 
 impl Cone {
-    pub const ANY: Self = Self { axis: Vector3::new(0.0, 0.0, 1.0), cos: -1.0, sin: 0.0 };
+    pub const ANY: Self = Self {
+        axis: Vector3::new(0.0, 0.0, 1.0),
+        cos: -1.0,
+        sin: 0.0,
+    };
 
-    /// Normals of a Bézier part from its points, `(p + 1) × (q + 1)`, u-major; `flip` for those along −S_u × S_v.
+    /// Normals of a Bézier part from its points, `(p + 1) × (q + 1)`, u-major; `flip` for those
+    /// along −S_u × S_v.
     ///
-    /// S_u is a positive combination of differences along u, S_v of those along v, and the normals of two cones' products
-    /// fill the cone below (Sederberg & Meyers, *Loop detection in surface patch intersections*, 1988). Points of rational
-    /// parts are projected; there, the cone is widened by a third, which is generous where weights differ by less than 2.
+    /// S_u is a positive combination of differences along u, S_v of those along v, and the normals
+    /// of two cones' products fill the cone below (Sederberg & Meyers, *Loop detection in surface
+    /// patch intersections*, 1988). Points of rational parts are projected; there, the cone is
+    /// widened by a third, which is generous where weights differ by less than 2.
     pub fn of_normals(points: &[[f64; 3]], p: usize, q: usize, flip: bool, rational: bool) -> Self {
         let width = q + 1;
         let along_u = tangents(|k, l| &points[k * width + l], p, q);
         let along_v = tangents(|l, k| &points[k * width + l], q, p);
-        let (Some((a, cos_a)), Some((b, cos_b))) = (along_u, along_v) else { return Self::ANY };
+        let (Some((a, cos_a)), Some((b, cos_b))) = (along_u, along_v) else {
+            return Self::ANY;
+        };
         let across = a.cross(&b);
         let sin_ab = across.norm();
         let (sin2_a, sin2_b) = (1.0 - cos_a * cos_a, 1.0 - cos_b * cos_b);
@@ -35,7 +43,11 @@ impl Cone {
             return Self::ANY;
         }
         let axis = across * (if flip { -1.0 } else { 1.0 } / sin_ab);
-        Self { axis, cos: (1.0 - sin * sin).sqrt(), sin }
+        Self {
+            axis,
+            cos: (1.0 - sin * sin).sqrt(),
+            sin,
+        }
     }
 
     /// Some direction of this cone may be the opposite of one of the other.
@@ -48,8 +60,13 @@ impl Cone {
     }
 }
 
-/// Mean direction of the differences along the first index, and the cosine of the widest angle to it.
-fn tangents<'a>(at: impl Fn(usize, usize) -> &'a [f64; 3], p: usize, q: usize) -> Option<(Vector3, f64)> {
+/// Mean direction of the differences along the first index, and the cosine of the widest angle to
+/// it.
+fn tangents<'a>(
+    at: impl Fn(usize, usize) -> &'a [f64; 3],
+    p: usize,
+    q: usize,
+) -> Option<(Vector3, f64)> {
     let mut units = [Vector3::zeros(); (crate::basis::MAX_DEGREE + 1) * crate::basis::MAX_DEGREE];
     let (mut count, mut sum) = (0, Vector3::zeros());
     for k in 0..p {
@@ -67,6 +84,8 @@ fn tangents<'a>(at: impl Fn(usize, usize) -> &'a [f64; 3], p: usize, q: usize) -
         }
     }
     let axis = sum.try_normalize(1e-3)?;
-    let least = units[..count].iter().fold(1.0_f64, |m, x| m.min(x.dot(&axis)));
+    let least = units[..count]
+        .iter()
+        .fold(1.0_f64, |m, x| m.min(x.dot(&axis)));
     (least > 0.0).then_some((axis, least))
 }

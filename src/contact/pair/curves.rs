@@ -6,9 +6,10 @@
 //! join     Newton's steps back to the curve: two tangent planes and a plane across the way
 //! march    along n_A × n_B, steps as long as their chords allow
 //! ```
-//! A loop inside a pair of cells surrounds a stationary pair (Sederberg, Christiansen & Katz 1989). Curves along which the
-//! surfaces touch without crossing have no direction: they are given as far as they cross. Surfaces that lie on each
-//! other give no curve. Work is bounded, so of nearly coincident surfaces some curves may be missing or end early.
+//! A loop inside a pair of cells surrounds a stationary pair (Sederberg, Christiansen & Katz 1989).
+//! Curves along which the surfaces touch without crossing have no direction: they are given as far
+//! as they cross. Surfaces that lie on each other give no curve. Work is bounded, so of nearly
+//! coincident surfaces some curves may be missing or end early.
 
 mod join;
 mod march;
@@ -48,15 +49,23 @@ pub struct CurvePoint {
 pub struct IntersectionCurve {
     /// In order. Parameters jump where the curve passes a seam or a pole.
     pub points: Vec<CurvePoint>,
-    /// The last point is followed by the first. If not, the curve ends at open edges or where the surfaces are tangent.
+    /// The last point is followed by the first. If not, the curve ends at open edges or where the
+    /// surfaces are tangent.
     pub closed: bool,
 }
 
 impl PairSolver {
-    /// Every curve in which the surfaces cross; chords stay within `tolerance_m` of it. Allocates: not for the loop.
+    /// Every curve in which the surfaces cross; chords stay within `tolerance_m` of it. Allocates:
+    /// not for the loop.
     ///
-    /// A tolerance below 1e-9 of the size, or none, counts as that. Nets that are not finite cross nowhere.
-    pub fn curves(&mut self, body: PairSide<'_>, tool: PairSide<'_>, tolerance_m: f64) -> Vec<IntersectionCurve> {
+    /// A tolerance below 1e-9 of the size, or none, counts as that. Nets that are not finite cross
+    /// nowhere.
+    pub fn curves(
+        &mut self,
+        body: PairSide<'_>,
+        tool: PairSide<'_>,
+        tolerance_m: f64,
+    ) -> Vec<IntersectionCurve> {
         if ![body.surface, tool.surface].into_iter().all(usable) {
             return vec![];
         }
@@ -67,17 +76,34 @@ impl PairSolver {
             return vec![];
         }
         let (a, b) = (body.solver.pieces_now(), tool.solver.pieces_now());
-        self.touch.find(body.surface, a, &mut self.body, tool.surface, b, &mut self.tool, 1e-11 * size_m);
-        let mut joined =
-            Joined::new([body.surface, tool.surface], [body.solver, tool.solver], [&self.body, &self.tool], size_m);
+        self.touch.find(
+            body.surface,
+            a,
+            &mut self.body,
+            tool.surface,
+            b,
+            &mut self.tool,
+            1e-11 * size_m,
+        );
+        let mut joined = Joined::new(
+            [body.surface, tool.surface],
+            [body.solver, tool.solver],
+            [&self.body, &self.tool],
+            size_m,
+        );
         let tolerance_m = tolerance_m.max(1e-9 * size_m);
         let mut found = vec![];
         for seed in seeds(&mut joined) {
             if found.len() == MOST_CURVES || joined.spent() {
                 break;
             }
-            let Some(start) = joined.place(seed.at) else { continue };
-            if found.iter().any(|curve| passes(&mut joined, curve, &start, tolerance_m)) {
+            let Some(start) = joined.place(seed.at) else {
+                continue;
+            };
+            if found
+                .iter()
+                .any(|curve| passes(&mut joined, curve, &start, tolerance_m))
+            {
                 continue;
             }
             let traced = trace(&mut joined, &seed, start, tolerance_m);
@@ -95,8 +121,17 @@ struct Traced {
 
 impl Traced {
     fn published(self) -> IntersectionCurve {
-        let point = |p: &Place| CurvePoint { u: p.at[0], v: p.at[1], s: p.at[2], t: p.at[3], point: p.point };
-        IntersectionCurve { points: self.places.iter().map(point).collect(), closed: self.closed }
+        let point = |p: &Place| CurvePoint {
+            u: p.at[0],
+            v: p.at[1],
+            s: p.at[2],
+            t: p.at[3],
+            point: p.point,
+        };
+        IntersectionCurve {
+            points: self.places.iter().map(point).collect(),
+            closed: self.closed,
+        }
     }
 }
 
@@ -104,14 +139,24 @@ impl Traced {
 fn trace(joined: &mut Joined<'_>, seed: &Seed, start: Place, tolerance_m: f64) -> Option<Traced> {
     let (mut places, end) = march(joined, &start, 1.0, tolerance_m);
     if end == End::Closed {
-        return (places.len() > 2).then_some(Traced { places, closed: true });
+        return (places.len() > 2).then_some(Traced {
+            places,
+            closed: true,
+        });
     }
     // At an open edge one of the two ways leads out at once.
     if !(seed.edge && places.len() > 1) {
         let (back, _) = march(joined, &start, -1.0, tolerance_m);
-        places = back.into_iter().rev().chain(places.into_iter().skip(1)).collect();
+        places = back
+            .into_iter()
+            .rev()
+            .chain(places.into_iter().skip(1))
+            .collect();
     }
-    (places.len() > 1).then_some(Traced { places, closed: false })
+    (places.len() > 1).then_some(Traced {
+        places,
+        closed: false,
+    })
 }
 
 /// The curve passes through a place.
@@ -133,7 +178,8 @@ fn passes(joined: &mut Joined<'_>, curve: &Traced, place: &Place, tolerance_m: f
     if least > reach * reach {
         return false;
     }
-    // Near is not on: another branch may be as near. From both ends of the chord to the plane through the place.
+    // Near is not on: another branch may be as near. From both ends of the chord to the plane
+    // through the place.
     let ends = [curve.places[nearest], curve.places[(nearest + 1) % n]];
     let mut lost = true;
     for end in ends {
@@ -151,8 +197,9 @@ fn passes(joined: &mut Joined<'_>, curve: &Traced, place: &Place, tolerance_m: f
     lost
 }
 
-/// The first surface is on different sides of the second on both sides of the curve: else it is noise of surfaces that lie
-/// on each other. One place in five is enough, near a crease or a pole it may mislead.
+/// The first surface is on different sides of the second on both sides of the curve: else it is
+/// noise of surfaces that lie on each other. One place in five is enough, near a crease or a pole
+/// it may mislead.
 fn crosses(joined: &mut Joined<'_>, curve: &Traced) -> bool {
     let n = curve.places.len();
     let level_m = 1e-13 * joined.size_m;

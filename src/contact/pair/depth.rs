@@ -1,8 +1,9 @@
 //! Signed depth below one surface, as a field over another.
 //!
-//! With foot y, outward normal n and signed distance d of a place x, the gradient of d is n, and its Hessian along the
-//! surface is −Yᵀ g⁻¹ b (g − d b)⁻¹ Y, where Y holds the tangents at y and g, b are its fundamental forms: a parallel
-//! surface's curvature. So Newton's method climbs the depth without differences.
+//! With foot y, outward normal n and signed distance d of a place x, the gradient of d is n, and
+//! its Hessian along the surface is −Yᵀ g⁻¹ b (g − d b)⁻¹ Y, where Y holds the tangents at y and g,
+//! b are its fundamental forms: a parallel surface's curvature. So Newton's method climbs the depth
+//! without differences.
 
 use super::cells::Cells;
 use crate::math::{Point3, Vector3};
@@ -33,19 +34,34 @@ impl Below<'_> {
     fn sound(&self, query: &Point3, foot: Foot) -> Sounding {
         let at = &foot.at;
         let edge = self.cells.on_open_edge(at.u, at.v);
-        let depth_m = if edge { -at.distance } else { -self.side * at.signed_distance };
+        let depth_m = if edge {
+            -at.distance
+        } else {
+            -self.side * at.signed_distance
+        };
         let mut normal = at.normal * self.side;
         if !foot.smooth && at.distance > 1e-9 * self.cells.whole.diagonal() {
             normal = (query - at.point) * (-1.0 / depth_m);
         }
-        Sounding { depth_m, foot, normal }
+        Sounding {
+            depth_m,
+            foot,
+            normal,
+        }
     }
 
     /// Depth to four digits, and where its foot is.
     pub fn rough(&mut self, query: &Point3) -> (f64, (f64, f64)) {
         let at = self.solver.rough(self.surface, query);
         let edge = self.cells.on_open_edge(at.u, at.v);
-        (if edge { -at.distance } else { -self.side * at.signed_distance }, (at.u, at.v))
+        (
+            if edge {
+                -at.distance
+            } else {
+                -self.side * at.signed_distance
+            },
+            (at.u, at.v),
+        )
     }
 
     /// From a foot nearby.
@@ -92,7 +108,10 @@ pub(in crate::contact) fn jet(x: &Frame, sounding: &Sounding) -> Jet {
     let mut h = [n.dot(&x.duu), n.dot(&x.duv), n.dot(&x.dvv)];
     if sounding.foot.smooth {
         let bend = Bend::new(y, &n, d);
-        let (p, q) = ([y.du.dot(&x.du), y.dv.dot(&x.du)], [y.du.dot(&x.dv), y.dv.dot(&x.dv)]);
+        let (p, q) = (
+            [y.du.dot(&x.du), y.dv.dot(&x.du)],
+            [y.du.dot(&x.dv), y.dv.dot(&x.dv)],
+        );
         let (hp, hq) = (bend.turn(p), bend.turn(q));
         h[0] += p[0] * hp[0] + p[1] * hp[1];
         h[1] += p[0] * hq[0] + p[1] * hq[1];
@@ -152,7 +171,10 @@ impl Bend {
 
     #[inline]
     fn turn(&self, p: [f64; 2]) -> [f64; 2] {
-        [self.w[0] * p[0] + self.w[1] * p[1], self.w[1] * p[0] + self.w[2] * p[1]]
+        [
+            self.w[0] * p[0] + self.w[1] * p[1],
+            self.w[1] * p[0] + self.w[2] * p[1],
+        ]
     }
 }
 
@@ -164,40 +186,77 @@ mod tests {
     // The closed form against differences of certified distances.
     #[test]
     fn derivatives_of_depth_are_its_differences() {
-        let (mut lower, upper) = (builtin("teardrop", None, None).unwrap(), builtin("torus", None, None).unwrap());
+        let (mut lower, upper) = (
+            builtin("teardrop", None, None).unwrap(),
+            builtin("torus", None, None).unwrap(),
+        );
         for p in lower.net_mut().points_mut() {
             *p += Vector3::new(0.03, 0.01, -0.04);
         }
         let mut solver = ClosestSolver::new(&lower);
         let cells = Cells::new(&lower, solver.pieces(&lower));
-        let mut below = Below { surface: &lower, solver: &mut solver, cells: &cells, side: 1.0 };
+        let mut below = Below {
+            surface: &lower,
+            solver: &mut solver,
+            cells: &cells,
+            side: 1.0,
+        };
         let mut tried = 0;
         for k in 0..200 {
-            let (u, v) = (f64::from(k) * 0.618_033 % 1.0, f64::from(k) * 0.414_213 % 1.0);
+            let (u, v) = (
+                f64::from(k) * 0.618_033 % 1.0,
+                f64::from(k) * 0.414_213 % 1.0,
+            );
             let h = 1e-4;
             let mut at = |a: f64, b: f64| below.certain(&upper.point(u + a * h, v + b * h));
             let middle = at(0.0, 0.0);
             let feet = [at(1.0, 1.0), at(-1.0, -1.0), at(1.0, -1.0), at(-1.0, 1.0)];
             // Not where the foot jumps, or a knot lies between.
-            let far = feet.iter().any(|f| (f.foot.at.point - middle.foot.at.point).norm() > 1e-4);
-            if far || !middle.foot.smooth || !(0.05..0.95).contains(&u) || !(0.05..0.95).contains(&v) {
+            let far = feet
+                .iter()
+                .any(|f| (f.foot.at.point - middle.foot.at.point).norm() > 1e-4);
+            if far
+                || !middle.foot.smooth
+                || !(0.05..0.95).contains(&u)
+                || !(0.05..0.95).contains(&v)
+            {
                 continue;
             }
-            let d = |a: f64, b: f64, below: &mut Below<'_>| -below.certain(&upper.point(u + a * h, v + b * h)).depth_m;
-            let (c, e, w) = (-middle.depth_m, d(1.0, 0.0, &mut below), d(-1.0, 0.0, &mut below));
+            let d = |a: f64, b: f64, below: &mut Below<'_>| {
+                -below.certain(&upper.point(u + a * h, v + b * h)).depth_m
+            };
+            let (c, e, w) = (
+                -middle.depth_m,
+                d(1.0, 0.0, &mut below),
+                d(-1.0, 0.0, &mut below),
+            );
             let (n, s) = (d(0.0, 1.0, &mut below), d(0.0, -1.0, &mut below));
-            let cross = -(feet[0].depth_m + feet[1].depth_m - feet[2].depth_m - feet[3].depth_m) / (4.0 * h * h);
+            let cross = -(feet[0].depth_m + feet[1].depth_m - feet[2].depth_m - feet[3].depth_m)
+                / (4.0 * h * h);
             let frame = upper.frame(u, v);
             let jet = jet(&frame, &middle);
             let first = [(e - w) / (2.0 * h), (n - s) / (2.0 * h)];
-            let second = [(e - 2.0 * c + w) / (h * h), cross, (n - 2.0 * c + s) / (h * h)];
+            let second = [
+                (e - 2.0 * c + w) / (h * h),
+                cross,
+                (n - 2.0 * c + s) / (h * h),
+            ];
             let (mu, mv) = (jet.metric[0].sqrt(), jet.metric[1].sqrt());
             for (k, scale) in [mu, mv].into_iter().enumerate() {
-                assert!((first[k] - jet.g[k]).abs() < 1e-5 * scale, "({u}, {v}): {first:?} for {:?}", jet.g);
+                assert!(
+                    (first[k] - jet.g[k]).abs() < 1e-5 * scale,
+                    "({u}, {v}): {first:?} for {:?}",
+                    jet.g
+                );
             }
-            // Curvatures are up to 100 a metre; third derivatives and jumps of them at knots leave a few in a thousand.
+            // Curvatures are up to 100 a metre; third derivatives and jumps of them at knots leave
+            // a few in a thousand.
             for (k, scale) in [mu * mu, mu * mv, mv * mv].into_iter().enumerate() {
-                assert!((second[k] - jet.h[k]).abs() < 0.5 * scale, "({u}, {v}) {k}: {second:?} for {:?}", jet.h);
+                assert!(
+                    (second[k] - jet.h[k]).abs() < 0.5 * scale,
+                    "({u}, {v}) {k}: {second:?} for {:?}",
+                    jet.h
+                );
             }
             tried += 1;
         }

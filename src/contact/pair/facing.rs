@@ -1,8 +1,8 @@
 //! Pairs of places that face each other: each in the direction of the other's normal.
 //!
-//! Newton's method in four unknowns on n_B·A_u = n_B·A_v = 0 and (B − A)·B_s = (B − A)·B_t = 0, which say that the signed
-//! distance to B is stationary over A. Normals, not the difference of the places, stand in the first two: they do not
-//! vanish where the surfaces cross or touch.
+//! Newton's method in four unknowns on n_B·A_u = n_B·A_v = 0 and (B − A)·B_s = (B − A)·B_t = 0,
+//! which say that the signed distance to B is stationary over A. Normals, not the difference of the
+//! places, stand in the first two: they do not vanish where the surfaces cross or touch.
 
 use crate::math::Vector3;
 use crate::surface::bezier::Direction;
@@ -44,7 +44,8 @@ fn confine(d: &Direction, x: f64) -> f64 {
     x.clamp(start, end)
 }
 
-/// From the middles of two parts and their widths: the pair in or beside them, if Newton goes there.
+/// From the middles of two parts and their widths: the pair in or beside them, if Newton goes
+/// there.
 pub(in crate::contact) fn face(
     a: &mut Half<'_>,
     b: &mut Half<'_>,
@@ -60,7 +61,11 @@ pub(in crate::contact) fn face(
         let [da, db] = newton(&fa, &fb, flip)?;
         let mut short = true;
         for k in 0..2 {
-            let (mut d, w, held) = (if k == 0 { da } else { db }, widths[k], if k == 0 { at } else { bt });
+            let (mut d, w, held) = (
+                if k == 0 { da } else { db },
+                widths[k],
+                if k == 0 { at } else { bt },
+            );
             let most = (d[0].abs() / w[0]).max(d[1].abs() / w[1]);
             if most > 1.0 {
                 d = [d[0] / most, d[1] / most];
@@ -82,12 +87,18 @@ pub(in crate::contact) fn face(
                 if !direction.periodic {
                     x[k][c] = y[c];
                 }
-                short |= !direction.periodic && step > 3 && y[c] == held[c] && d[c] != 0.0 && most < 1e-3;
+                short |= !direction.periodic
+                    && step > 3
+                    && y[c] == held[c]
+                    && d[c] != 0.0
+                    && most < 1e-3;
             }
         }
         if short {
             let (at, bt) = (a.confine(x[0]), b.confine(x[1]));
-            return Some(Facing { at: [at[0], at[1], bt[0], bt[1]] });
+            return Some(Facing {
+                at: [at[0], at[1], bt[0], bt[1]],
+            });
         }
     }
     None
@@ -114,13 +125,21 @@ fn newton(a: &Frame, b: &Frame, flip: f64) -> Option<[[f64; 2]; 2]> {
     if !regular {
         return None;
     }
-    let solve_m = |x: [f64; 2]| [(mc * x[0] - mb * x[1]) / det_m, (ma * x[1] - mb * x[0]) / det_m];
+    let solve_m = |x: [f64; 2]| {
+        [
+            (mc * x[0] - mb * x[1]) / det_m,
+            (ma * x[1] - mb * x[0]) / det_m,
+        ]
+    };
     // n_k = −b_kl g^lm B_m; so C x = −(b g⁻¹ P)ᵀ x.
     let turn = |x: [f64; 2], p: [f64; 2]| {
         let y = [(g * p[0] - f * p[1]) / det_g, (e * p[1] - f * p[0]) / det_g];
         -(x[0] * (l * y[0] + m * y[1]) + x[1] * (m * y[0] + k * y[1]))
     };
-    let (pu, pv) = ([b.du.dot(&a.du), b.dv.dot(&a.du)], [b.du.dot(&a.dv), b.dv.dot(&a.dv)]);
+    let (pu, pv) = (
+        [b.du.dot(&a.du), b.dv.dot(&a.du)],
+        [b.du.dot(&a.dv), b.dv.dot(&a.dv)],
+    );
     let rb = [r.dot(&b.du), r.dot(&b.dv)];
     let (su, sv, sr) = (solve_m(pu), solve_m(pv), solve_m(rb));
     let huu = n.dot(&a.duu) + turn(su, pu);
@@ -134,7 +153,13 @@ fn newton(a: &Frame, b: &Frame, flip: f64) -> Option<[[f64; 2]; 2]> {
     if !regular {
         return None;
     }
-    let da = [(right[0] * hvv - right[1] * huv) / det, (right[1] * huu - right[0] * hvu) / det];
-    let db = [su[0] * da[0] + sv[0] * da[1] - sr[0], su[1] * da[0] + sv[1] * da[1] - sr[1]];
+    let da = [
+        (right[0] * hvv - right[1] * huv) / det,
+        (right[1] * huu - right[0] * hvu) / det,
+    ];
+    let db = [
+        su[0] * da[0] + sv[0] * da[1] - sr[0],
+        su[1] * da[0] + sv[1] * da[1] - sr[1],
+    ];
     Some([da, db])
 }

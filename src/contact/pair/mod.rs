@@ -7,10 +7,11 @@
 //!           deepest place of each region, whose foot is certified
 //! curves    where the surfaces cross, as polylines; only when asked for
 //! ```
-//! A region is a connected part of either surface inside the other solid; its contact is its point farthest from the other
-//! surface. Shallow regions of the two surfaces share their deepest pair: it is given once. Depths are certified (the
-//! closest point of the other surface is global); that every region was found rests on the grid of cells (at least ten in
-//! each direction) and on the facing pairs between its vertices.
+//! A region is a connected part of either surface inside the other solid; its contact is its point
+//! farthest from the other surface. Shallow regions of the two surfaces share their deepest pair:
+//! it is given once. Depths are certified (the closest point of the other surface is global); that
+//! every region was found rests on the grid of cells (at least ten in each direction) and on the
+//! facing pairs between its vertices.
 
 pub(super) mod cells;
 pub(super) mod cone;
@@ -44,7 +45,8 @@ const SAME_DEPTH: f64 = 1e-9;
 /// Depths within this of zero, relative to the size, touch.
 const TOUCHING: f64 = 1e-12;
 
-/// A surface as it stands with its solver; [`ClosestSolver::net_changed`] was called after each movement.
+/// A surface as it stands with its solver; [`ClosestSolver::net_changed`] was called after each
+/// movement.
 #[derive(Debug)]
 pub struct PairSide<'a> {
     /// The surface.
@@ -53,7 +55,8 @@ pub struct PairSide<'a> {
     pub solver: &'a mut ClosestSolver,
 }
 
-/// Contacts between two surfaces whose nets may move. Scratch, sized once: answers depend on the arguments only.
+/// Contacts between two surfaces whose nets may move. Scratch, sized once: answers depend on the
+/// arguments only.
 #[derive(Clone, Debug)]
 pub struct PairSolver {
     body: Cells,
@@ -67,7 +70,8 @@ pub struct PairSolver {
 impl PairSolver {
     /// Precomputes what depends on the knots.
     pub fn new(body: &Surface, tool: &Surface) -> Self {
-        let (body_solver, tool_solver) = (&mut ClosestSolver::new(body), &mut ClosestSolver::new(tool));
+        let (body_solver, tool_solver) =
+            (&mut ClosestSolver::new(body), &mut ClosestSolver::new(tool));
         let body_cells = Cells::new(body, body_solver.pieces(body));
         let tool_cells = Cells::new(tool, tool_solver.pieces(tool));
         Self {
@@ -80,11 +84,19 @@ impl PairSolver {
         }
     }
 
-    /// Every region with its deepest point, deepest first; gaps up to `reach.margin_m` as contacts of negative depth.
+    /// Every region with its deepest point, deepest first; gaps up to `reach.margin_m` as contacts
+    /// of negative depth.
     ///
-    /// `tool_uv` is set. A body that is an open sheet is inside where its normal points away from, or the other way round
-    /// when `reach.below`; an open tool has no inside. Nets that are not finite touch nothing.
-    pub fn contacts(&mut self, body: PairSide<'_>, tool: PairSide<'_>, reach: Reach, out: &mut ContactSet) {
+    /// `tool_uv` is set. A body that is an open sheet is inside where its normal points away from,
+    /// or the other way round when `reach.below`; an open tool has no inside. Nets that are not
+    /// finite touch nothing.
+    pub fn contacts(
+        &mut self,
+        body: PairSide<'_>,
+        tool: PairSide<'_>,
+        reach: Reach,
+        out: &mut ContactSet,
+    ) {
         out.clear();
         self.regions(body.surface, body.solver, tool.surface, tool.solver, reach);
         let size_m = self.body.whole.diagonal() + self.tool.whole.diagonal();
@@ -108,7 +120,10 @@ impl PairSolver {
             );
             if depth_m >= -TOUCHING * size_m {
                 let [u, v] = self.on_body.extent(&self.body, k);
-                out.push_rectangle(Rectangle { u: unwrapped(&self.body, 0, u), v: unwrapped(&self.body, 1, v) });
+                out.push_rectangle(Rectangle {
+                    u: unwrapped(&self.body, 0, u),
+                    v: unwrapped(&self.body, 1, v),
+                });
             }
         }
         for k in 0..self.on_tool.found.len() {
@@ -133,7 +148,13 @@ impl PairSolver {
 
     /// Whether the two solids share a point; touching counts.
     pub fn overlap(&mut self, body: PairSide<'_>, tool: PairSide<'_>) -> bool {
-        self.regions(body.surface, body.solver, tool.surface, tool.solver, Reach::TOUCH);
+        self.regions(
+            body.surface,
+            body.solver,
+            tool.surface,
+            tool.solver,
+            Reach::TOUCH,
+        );
         let size_m = self.body.whole.diagonal() + self.tool.whole.diagonal();
         let mut found = self.on_body.found.iter().chain(&self.on_tool.found);
         found.any(|region| region.top.sounding.depth_m >= -TOUCHING * size_m)
@@ -153,7 +174,11 @@ impl PairSolver {
         if ![body, tool].into_iter().all(usable) {
             return;
         }
-        let margin_m = if reach.margin_m > 0.0 { reach.margin_m } else { 0.0 };
+        let margin_m = if reach.margin_m > 0.0 {
+            reach.margin_m
+        } else {
+            0.0
+        };
         self.body.begin(body_solver.pieces(body));
         self.tool.begin(tool_solver.pieces(tool));
         let (body_m, tool_m) = (self.body.whole.diagonal(), self.tool.whole.diagonal());
@@ -167,13 +192,30 @@ impl PairSolver {
             return;
         }
         let (body_pieces, tool_pieces) = (body_solver.pieces_now(), tool_solver.pieces_now());
-        self.touch.find(body, body_pieces, &mut self.body, tool, tool_pieces, &mut self.tool, reach_m);
+        self.touch.find(
+            body,
+            body_pieces,
+            &mut self.body,
+            tool,
+            tool_pieces,
+            &mut self.tool,
+            reach_m,
+        );
         {
-            let mut a = Half { surface: body, solver: body_solver };
-            let mut b = Half { surface: tool, solver: tool_solver };
+            let mut a = Half {
+                surface: body,
+                solver: body_solver,
+            };
+            let mut b = Half {
+                surface: tool,
+                solver: tool_solver,
+            };
             for &(x, y) in self.touch.facing() {
-                let ((am, aw), (bm, bw)) = (self.body.middle(x as usize), self.tool.middle(y as usize));
-                let Some(found) = face(&mut a, &mut b, [am, bm], [aw, bw]) else { continue };
+                let ((am, aw), (bm, bw)) =
+                    (self.body.middle(x as usize), self.tool.middle(y as usize));
+                let Some(found) = face(&mut a, &mut b, [am, bm], [aw, bw]) else {
+                    continue;
+                };
                 let same = |f: &Facing| {
                     let near = |k: usize, w: f64| (f.at[k] - found.at[k]).abs() < 1e-6 * w;
                     near(0, aw[0]) && near(1, aw[1]) && near(2, bw[0]) && near(3, bw[1])
@@ -184,21 +226,47 @@ impl PairSolver {
             }
         }
         if self.tool.closed {
-            let mut upper = Upper { surface: body, solver: body_solver, size_m };
-            let mut below = Below { surface: tool, solver: tool_solver, cells: &self.tool, side: 1.0 };
+            let mut upper = Upper {
+                surface: body,
+                solver: body_solver,
+                size_m,
+            };
+            let mut below = Below {
+                surface: tool,
+                solver: tool_solver,
+                cells: &self.tool,
+                side: 1.0,
+            };
             let pairs = self.facing.iter().copied();
-            self.on_body.find(&mut upper, &mut self.body, &mut below, pairs, margin_m);
+            self.on_body
+                .find(&mut upper, &mut self.body, &mut below, pairs, margin_m);
         }
-        let mut upper = Upper { surface: tool, solver: tool_solver, size_m };
-        let mut below = Below { surface: body, solver: body_solver, cells: &self.body, side: reach.side() };
-        let pairs = self.facing.iter().map(|f| Facing { at: [f.at[2], f.at[3], f.at[0], f.at[1]] });
-        self.on_tool.find(&mut upper, &mut self.tool, &mut below, pairs, margin_m);
+        let mut upper = Upper {
+            surface: tool,
+            solver: tool_solver,
+            size_m,
+        };
+        let mut below = Below {
+            surface: body,
+            solver: body_solver,
+            cells: &self.body,
+            side: reach.side(),
+        };
+        let pairs = self.facing.iter().map(|f| Facing {
+            at: [f.at[2], f.at[3], f.at[0], f.at[1]],
+        });
+        self.on_tool
+            .find(&mut upper, &mut self.tool, &mut below, pairs, margin_m);
     }
 }
 
 /// Coordinates are finite, and so are their squares.
 pub(super) fn usable(surface: &Surface) -> bool {
-    surface.net().points().iter().all(|p| p.iter().all(|x| x.abs() < 1e100))
+    surface
+        .net()
+        .points()
+        .iter()
+        .all(|p| p.iter().all(|x| x.abs() < 1e100))
 }
 
 /// Adds a contact unless its places are already there.
@@ -210,8 +278,11 @@ fn push(out: &mut ContactSet, size_m: f64, other_side: bool, contact: Contact) {
     let same = |c: &Contact| {
         let d = c.on_body - contact.on_body;
         let one_place = d.norm() <= near && (c.on_tool - contact.on_tool).norm() <= near;
-        // Faces that lie on each other have their deepest place anywhere, and each side names its own.
-        let one_face = other_side && c.normal.dot(&contact.normal) > 1.0 - 1e-12 && d.dot(&c.normal).abs() <= level;
+        // Faces that lie on each other have their deepest place anywhere, and each side names its
+        // own.
+        let one_face = other_side
+            && c.normal.dot(&contact.normal) > 1.0 - 1e-12
+            && d.dot(&c.normal).abs() <= level;
         (c.depth_m - contact.depth_m).abs() <= level && (one_place || one_face)
     };
     if !out.contacts().iter().any(same) {
@@ -222,6 +293,12 @@ fn push(out: &mut ContactSet, size_m: f64, other_side: bool, contact: Contact) {
 /// Parameters of a range of cells.
 fn unwrapped(cells: &Cells, d: usize, [low, high]: [usize; 2]) -> [f64; 2] {
     let (n, line) = (cells.counts[d], &cells.lines[d]);
-    let at = |k: usize| if k <= n { line[k] } else { line[k - n] + (line[n] - line[0]) };
+    let at = |k: usize| {
+        if k <= n {
+            line[k]
+        } else {
+            line[k - n] + (line[n] - line[0])
+        }
+    };
     [at(low), at(high)]
 }

@@ -1,4 +1,5 @@
-//! The parts of one surface below another: which vertices are inside, which belong together, and where each is deepest.
+//! The parts of one surface below another: which vertices are inside, which belong together, and
+//! where each is deepest.
 
 use super::cells::{Cells, arc};
 use super::depth::Below;
@@ -38,7 +39,8 @@ pub(super) struct Regions {
     foot: Vec<(f64, f64)>,
     /// (vertices + tops): union–find.
     parent: Vec<u32>,
-    /// (vertices + tops): a class of vertices has one outside the other surface's box; or a component's best depth.
+    /// (vertices + tops): a class of vertices has one outside the other surface's box; or a
+    /// component's best depth.
     best: Vec<f64>,
     outer: Vec<bool>,
     shared: Vec<bool>,
@@ -99,8 +101,8 @@ impl Regions {
         self.state[vertex as usize] == State::Sounded && self.depth[vertex as usize] >= -self.flat_m
     }
 
-    /// Finds all regions of `upper` below `below`, and near places up to `margin_m`. `pairs` start climbs: places of the
-    /// upper surface and their feet.
+    /// Finds all regions of `upper` below `below`, and near places up to `margin_m`. `pairs` start
+    /// climbs: places of the upper surface and their feet.
     pub fn find(
         &mut self,
         upper: &mut Upper<'_>,
@@ -117,11 +119,19 @@ impl Regions {
         for pair in pairs {
             let [u, v, s, t] = pair.at;
             // Too far to be reported, if it is no way to a deeper place.
-            let (x, y) = (upper.solver.frame_at(upper.surface, u, v), below.solver.frame_at(below.surface, s, t));
+            let (x, y) = (
+                upper.solver.frame_at(upper.surface, u, v),
+                below.solver.frame_at(below.surface, s, t),
+            );
             let cell = cells.cell_at(u, v);
             cells.look(upper.surface, upper.solver.pieces_now(), cell);
             let way = x.point - y.point;
-            let outward = y.du.cross(&y.dv) * if below.surface.flip_normal() { -below.side } else { below.side };
+            let outward = y.du.cross(&y.dv)
+                * if below.surface.flip_normal() {
+                    -below.side
+                } else {
+                    below.side
+                };
             if way.norm() > margin_m + 1e-11 * upper.size_m && way.dot(&outward) > 0.0 {
                 continue;
             }
@@ -141,7 +151,8 @@ impl Regions {
                 self.order.push((d, vertex as u32));
             }
         }
-        self.order.sort_unstable_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
+        self.order
+            .sort_unstable_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
         for k in 0..self.order.len() {
             let (d, vertex) = self.order[k];
             let (u, v) = cells.parameters(vertex as usize);
@@ -162,13 +173,27 @@ impl Regions {
                 continue;
             }
             let from = self.foot[vertex as usize];
-            self.climb(upper, cells, below, (u, v), from, margin_m, (d >= -self.flat_m).then_some(vertex));
+            self.climb(
+                upper,
+                cells,
+                below,
+                (u, v),
+                from,
+                margin_m,
+                (d >= -self.flat_m).then_some(vertex),
+            );
         }
         self.gather(cells);
     }
 
     /// Which vertices are outside, and the depth of the others.
-    fn classify(&mut self, upper: &mut Upper<'_>, cells: &Cells, below: &mut Below<'_>, margin_m: f64) {
+    fn classify(
+        &mut self,
+        upper: &mut Upper<'_>,
+        cells: &Cells,
+        below: &mut Below<'_>,
+        margin_m: f64,
+    ) {
         let n = cells.vertex_count();
         for k in 0..n + MOST_TOPS {
             self.parent[k] = k as u32;
@@ -257,7 +282,8 @@ impl Regions {
         }
     }
 
-    /// Climbs from a place; what is found becomes a top, joined with the vertex it was climbed from and those around it.
+    /// Climbs from a place; what is found becomes a top, joined with the vertex it was climbed from
+    /// and those around it.
     fn climb(
         &mut self,
         upper: &mut Upper<'_>,
@@ -269,8 +295,14 @@ impl Regions {
         vertex: Option<u32>,
     ) {
         let across = cells.box_of(cells.cell_at(at.0, at.1)).diagonal();
-        let reach_m = if across.is_finite() { 0.5 * across } else { 0.05 * upper.size_m };
-        let Some(top) = upper.climb(cells, below, at.0, at.1, foot, reach_m) else { return };
+        let reach_m = if across.is_finite() {
+            0.5 * across
+        } else {
+            0.05 * upper.size_m
+        };
+        let Some(top) = upper.climb(cells, below, at.0, at.1, foot, reach_m) else {
+            return;
+        };
         let depth = top.sounding.depth_m;
         let near = depth >= -margin_m - 1e-12 * upper.size_m;
         if !near || (depth < -self.flat_m && !top.summit) {
@@ -296,12 +328,22 @@ impl Regions {
             self.join(node, vertex);
         } else {
             let cell = cells.cell_at(top.u, top.v);
-            let ((i, j), corners) = ((cell / cells.counts[1], cell % cells.counts[1]), cells.corners(cell));
+            let ((i, j), corners) = (
+                (cell / cells.counts[1], cell % cells.counts[1]),
+                cells.corners(cell),
+            );
             for (k, corner) in corners.into_iter().enumerate() {
                 if self.inside(corner) && self.root(corner) != self.root(node) {
                     let (a, b) = ([0, 0, 1, 1][k], [0, 1, 1, 0][k]);
                     let end = (cells.lines[0][i + a], cells.lines[1][j + b]);
-                    if self.passage(upper, below, (top.u, top.v), depth, end, self.depth[corner as usize]) {
+                    if self.passage(
+                        upper,
+                        below,
+                        (top.u, top.v),
+                        depth,
+                        end,
+                        self.depth[corner as usize],
+                    ) {
                         self.join(node, corner);
                     }
                 }
@@ -351,15 +393,18 @@ impl Regions {
             }
             let root = self.root(node);
             match self.found.iter_mut().find(|r| r.root == root) {
-                Some(region) if region.top.sounding.depth_m < top.sounding.depth_m => region.top = top,
+                Some(region) if region.top.sounding.depth_m < top.sounding.depth_m => {
+                    region.top = top
+                }
                 Some(_) => {}
                 None => self.found.push(Region { top, root }),
             }
         }
     }
 
-    /// Rows and columns of cells that may hold a part of a region, as index ranges; `high` may pass the count where ends
-    /// meet. A region goes from cell to cell through vertices inside, or where the other surface touches both.
+    /// Rows and columns of cells that may hold a part of a region, as index ranges; `high` may pass
+    /// the count where ends meet. A region goes from cell to cell through vertices inside, or where
+    /// the other surface touches both.
     pub fn extent(&mut self, cells: &Cells, region: usize) -> [[usize; 2]; 2] {
         let Region { top, root } = self.found[region];
         self.held.fill(false);
@@ -368,7 +413,10 @@ impl Regions {
         if top.sounding.depth_m >= -self.flat_m {
             for cell in 0..cells.cell_count() {
                 let corners = cells.corners(cell);
-                if corners.iter().any(|&c| self.inside(c) && self.root(c) == root) {
+                if corners
+                    .iter()
+                    .any(|&c| self.inside(c) && self.root(c) == root)
+                {
                     self.hold(cell);
                 }
             }

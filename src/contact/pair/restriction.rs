@@ -46,7 +46,8 @@ pub(super) fn restrict(
     }
 }
 
-/// The matrix, row by row, that gives the Bézier points of [a, b] from those of [0, 1]: blossoms at (a … a, b … b).
+/// The matrix, row by row, that gives the Bézier points of [a, b] from those of [0, 1]: blossoms at
+/// (a … a, b … b).
 pub(super) fn restriction(p: usize, a: f64, b: f64) -> Vec<f64> {
     let n = p + 1;
     let mut out = vec![0.0; n * n];

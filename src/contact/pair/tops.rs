@@ -1,8 +1,9 @@
 //! Places of greatest depth of one surface below another.
 //!
-//! Where the foot is unique the depth is smooth and Newton climbs it. The deepest place of a deep region may have two or
-//! three feet equally close (it lies on the medial axis): there the least of several smooth depths is greatest, which
-//! Newton finds from d₁ = d₂ and λ ∇d₁ + (1 − λ) ∇d₂ = 0, or from d₁ = d₂ = d₃.
+//! Where the foot is unique the depth is smooth and Newton climbs it. The deepest place of a deep
+//! region may have two or three feet equally close (it lies on the medial axis): there the least of
+//! several smooth depths is greatest, which Newton finds from d₁ = d₂ and λ ∇d₁ + (1 − λ) ∇d₂ = 0,
+//! or from d₁ = d₂ = d₃.
 
 use super::cells::Cells;
 use super::depth::{Below, Sounding, jet};
@@ -12,8 +13,8 @@ use crate::surface::{ClosestSolver, Frame, Surface};
 
 /// Steps of a climb, among them those after a certificate has shown a closer foot.
 const STEPS: usize = 40;
-/// Feet that a climb keeps in view. Three hold a place; the middle of a block has six, and with only three of them in view
-/// a climb steps towards the others.
+/// Feet that a climb keeps in view. Three hold a place; the middle of a block has six, and with
+/// only three of them in view a climb steps towards the others.
 const FEET: usize = 6;
 /// Depths closer than this, relative to the size, are one.
 const SAME_DEPTH: f64 = 1e-11;
@@ -57,7 +58,10 @@ impl View {
         if self.feet.iter().flatten().any(same) {
             return;
         }
-        let at = self.feet.iter().position(|f| f.is_none_or(|f| new.depth_m < f.depth_m));
+        let at = self
+            .feet
+            .iter()
+            .position(|f| f.is_none_or(|f| new.depth_m < f.depth_m));
         if let Some(at) = at {
             self.feet[at..].rotate_right(1);
             self.feet[at] = Some(new);
@@ -66,7 +70,8 @@ impl View {
 }
 
 impl Upper<'_> {
-    /// The greatest depth that can be climbed to from (u, v), whose foot is near `from`. `reach_m` is the longest step.
+    /// The greatest depth that can be climbed to from (u, v), whose foot is near `from`. `reach_m`
+    /// is the longest step.
     pub fn climb(
         &mut self,
         cells: &Cells,
@@ -77,7 +82,11 @@ impl Upper<'_> {
         reach_m: f64,
     ) -> Option<Top> {
         let (tolerance, short) = (SAME_DEPTH * self.size_m, SHORT * self.size_m);
-        let mut view = View { at: [u, v], frame: self.solver.frame_at(self.surface, u, v), feet: [None; FEET] };
+        let mut view = View {
+            at: [u, v],
+            frame: self.solver.frame_at(self.surface, u, v),
+            feet: [None; FEET],
+        };
         let first = below.follow(&view.frame.point, from.0, from.1);
         view.add(first, self.size_m);
         let mut radius = reach_m;
@@ -88,11 +97,19 @@ impl Upper<'_> {
             if !metres.is_finite() {
                 return None;
             }
-            let next = if metres > short { self.look(cells, below, &view, step) } else { None };
+            let next = if metres > short {
+                self.look(cells, below, &view, step)
+            } else {
+                None
+            };
             if let Some(next) = next {
                 let risen = next.depth_m() - view.depth_m();
                 if risen > 0.0 || (risen > -tolerance && metres < 1e-5 * self.size_m) {
-                    radius = if metres > 0.5 * radius { 2.0 * radius } else { radius };
+                    radius = if metres > 0.5 * radius {
+                        2.0 * radius
+                    } else {
+                        radius
+                    };
                     view = next;
                     // The next step would be shorter than rounding.
                     if metres > 1e-6 * self.size_m {
@@ -127,11 +144,20 @@ impl Upper<'_> {
             Some(sure) => sure,
             None => below.certain(&view.frame.point),
         };
-        // Steps may have shrunk to nothing where the feet's models do not hold: on a true top none promises anything.
+        // Steps may have shrunk to nothing where the feet's models do not hold: on a true top none
+        // promises anything.
         let trial_m = 1e-4 * self.size_m;
-        let promised = self.step(&view, trial_m).map_or(f64::INFINITY, |(_, _, gain)| gain);
+        let promised = self
+            .step(&view, trial_m)
+            .map_or(f64::INFINITY, |(_, _, gain)| gain);
         let arrived = arrived && promised <= 1e-5 * trial_m;
-        let top = Top { u: view.at[0], v: view.at[1], point: view.frame.point, sounding: sure, summit: arrived };
+        let top = Top {
+            u: view.at[0],
+            v: view.at[1],
+            point: view.frame.point,
+            sounding: sure,
+            summit: arrived,
+        };
         let held = cells.wall(top.u, top.v);
         if arrived && !held {
             return Some(top);
@@ -142,7 +168,8 @@ impl Upper<'_> {
 
     fn climb_edges(&mut self, below: &mut Below<'_>, top: Top) -> Top {
         let foot = top.sounding.foot.at;
-        let (bottom, guess) = below.climb(self.surface, self.solver, top.u, top.v, (foot.u, foot.v));
+        let (bottom, guess) =
+            below.climb(self.surface, self.solver, top.u, top.v, (foot.u, foot.v));
         let point = bottom.frame.point;
         let arrived = bottom.slope < 1e-7 && bottom.minimum;
         if !point.coords.amax().is_finite() || guess.depth_m < top.sounding.depth_m {
@@ -151,19 +178,35 @@ impl Upper<'_> {
         let sure = below.certain(&point);
         let agreed = (sure.depth_m - guess.depth_m).abs() <= SAME_DEPTH * self.size_m;
         if sure.depth_m >= top.sounding.depth_m - SAME_DEPTH * self.size_m && agreed {
-            return Top { u: bottom.u, v: bottom.v, point, sounding: sure, summit: arrived || top.summit };
+            return Top {
+                u: bottom.u,
+                v: bottom.v,
+                point,
+                sounding: sure,
+                summit: arrived || top.summit,
+            };
         }
         top
     }
 
     /// The view from a step away; `None` when the step leads nowhere.
-    fn look(&mut self, cells: &Cells, below: &mut Below<'_>, view: &View, step: [f64; 2]) -> Option<View> {
+    fn look(
+        &mut self,
+        cells: &Cells,
+        below: &mut Below<'_>,
+        view: &View,
+        step: [f64; 2],
+    ) -> Option<View> {
         let at = cells.moved(view.at, step);
         if at == view.at {
             return None;
         }
         let frame = self.solver.frame_at(self.surface, at[0], at[1]);
-        let mut next = View { at, frame, feet: [None; FEET] };
+        let mut next = View {
+            at,
+            frame,
+            feet: [None; FEET],
+        };
         for foot in view.feet.iter().flatten() {
             let sounding = below.follow(&frame.point, foot.foot.at.u, foot.foot.at.v);
             next.add(sounding, self.size_m);
@@ -176,25 +219,40 @@ impl Upper<'_> {
         Some(next)
     }
 
-    /// The step of at most `radius` metres that promises most, its length and the depth it promises to gain: the least of the feet's second-order models is greatest.
+    /// The step of at most `radius` metres that promises most, its length and the depth it promises
+    /// to gain: the least of the feet's second-order models is greatest.
     fn step(&self, view: &View, radius: f64) -> Option<([f64; 2], f64, f64)> {
         let mut jets = [None; FEET];
         for (slot, foot) in jets.iter_mut().zip(&view.feet) {
             // Feet that no step reaches hold nothing.
-            *slot = foot.filter(|f| f.depth_m <= view.depth_m() + 2.0 * radius).map(|f| jet(&view.frame, &f));
+            *slot = foot
+                .filter(|f| f.depth_m <= view.depth_m() + 2.0 * radius)
+                .map(|f| jet(&view.frame, &f));
         }
         let first = jets[0]?;
         let [mu, mv] = first.metric;
         let muv = view.frame.du.dot(&view.frame.dv);
-        let metres = |d: [f64; 2]| (d[0] * d[0] * mu + 2.0 * d[0] * d[1] * muv + d[1] * d[1] * mv).max(0.0).sqrt();
+        let metres = |d: [f64; 2]| {
+            (d[0] * d[0] * mu + 2.0 * d[0] * d[1] * muv + d[1] * d[1] * mv)
+                .max(0.0)
+                .sqrt()
+        };
         let mut best: Option<(f64, [f64; 2], f64)> = None;
         let mut offer = |step: [f64; 2]| {
             let length = metres(step);
-            let scale = if length > radius { radius / length } else { 1.0 };
+            let scale = if length > radius {
+                radius / length
+            } else {
+                1.0
+            };
             let step = [scale * step[0], scale * step[1]];
             let promise = jets.iter().flatten().fold(f64::INFINITY, |m, j| {
                 let h = turn(&j.h, step);
-                m.min(-j.f - j.g[0] * step[0] - j.g[1] * step[1] - 0.5 * (step[0] * h[0] + step[1] * h[1]))
+                m.min(
+                    -j.f - j.g[0] * step[0]
+                        - j.g[1] * step[1]
+                        - 0.5 * (step[0] * h[0] + step[1] * h[1]),
+                )
             });
             if promise.is_finite() && best.is_none_or(|(most, _, _)| promise > most) {
                 best = Some((promise, step, scale * length));
@@ -228,23 +286,39 @@ fn one(j: &Jet, muv: f64, radius: f64) -> [f64; 2] {
     }
     // Against the gradient, in metres; at a saddle along the direction of least curvature.
     let [mu, mv] = j.metric;
-    let det_m = (mu * mv - muv * muv).max(1e-12 * mu * mv).max(f64::MIN_POSITIVE);
+    let det_m = (mu * mv - muv * muv)
+        .max(1e-12 * mu * mv)
+        .max(f64::MIN_POSITIVE);
     let down = [-(mv * x - muv * y) / det_m, -(mu * y - muv * x) / det_m];
     let slope = -(down[0] * x + down[1] * y);
     let unit = slope.max(0.0).sqrt();
     if unit > 1e-7 {
         return [down[0] * radius / unit, down[1] * radius / unit];
     }
-    let (lu, lv) = (mu.max(f64::MIN_POSITIVE).sqrt(), mv.max(f64::MIN_POSITIVE).sqrt());
-    let (p, q, r) = (a / mu.max(f64::MIN_POSITIVE), b / (lu * lv), c / mv.max(f64::MIN_POSITIVE));
+    let (lu, lv) = (
+        mu.max(f64::MIN_POSITIVE).sqrt(),
+        mv.max(f64::MIN_POSITIVE).sqrt(),
+    );
+    let (p, q, r) = (
+        a / mu.max(f64::MIN_POSITIVE),
+        b / (lu * lv),
+        c / mv.max(f64::MIN_POSITIVE),
+    );
     let (mean, half) = (0.5 * (p + r), 0.5 * (p - r));
     let root = (half * half + q * q).sqrt();
     if mean - root > -1e-6 * (mean.abs() + root) {
         return [0.0, 0.0];
     }
-    let (ex, ey) = if half >= 0.0 { (-q, half + root) } else { (root - half, -q) };
+    let (ex, ey) = if half >= 0.0 {
+        (-q, half + root)
+    } else {
+        (root - half, -q)
+    };
     let length = (ex * ex + ey * ey).sqrt().max(f64::MIN_POSITIVE);
-    [0.3 * radius * ex / (length * lu), 0.3 * radius * ey / (length * lv)]
+    [
+        0.3 * radius * ex / (length * lu),
+        0.3 * radius * ey / (length * lv),
+    ]
 }
 
 /// Step and shares where two distances stay equal and the larger is least.
@@ -272,7 +346,10 @@ fn two(a: &Jet, b: &Jet) -> Option<([f64; 2], [f64; 3])> {
     let metres = t[0] * t[0] * mu + t[1] * t[1] * mv;
     // Uphill along the ridge also where it bends the wrong way.
     let x = -slope / bend.abs().max(1e-6 * metres);
-    Some(([c[0] + x * t[0], c[1] + x * t[1]], [share, 1.0 - share, 0.0]))
+    Some((
+        [c[0] + x * t[0], c[1] + x * t[1]],
+        [share, 1.0 - share, 0.0],
+    ))
 }
 
 fn turn(h: &[f64; 3], x: [f64; 2]) -> [f64; 2] {
@@ -281,7 +358,10 @@ fn turn(h: &[f64; 3], x: [f64; 2]) -> [f64; 2] {
 
 /// Step and shares where three distances are equal.
 fn three(a: &Jet, b: &Jet, c: &Jet) -> Option<([f64; 2], [f64; 3])> {
-    let (p, q) = ([a.g[0] - c.g[0], a.g[1] - c.g[1]], [b.g[0] - c.g[0], b.g[1] - c.g[1]]);
+    let (p, q) = (
+        [a.g[0] - c.g[0], a.g[1] - c.g[1]],
+        [b.g[0] - c.g[0], b.g[1] - c.g[1]],
+    );
     let det = p[0] * q[1] - p[1] * q[0];
     let scale = (p[0].abs() + p[1].abs()) * (q[0].abs() + q[1].abs());
     let apart = det.abs() > 1e-9 * scale;

@@ -92,7 +92,9 @@ impl Touch {
                 }
                 a_cells.touched[cell] = true;
                 b_cells.touched[other] = true;
-                if self.facing.len() < MOST_PAIRS && a_cells.cone_of(cell).may_face(b_cells.cone_of(other)) {
+                if self.facing.len() < MOST_PAIRS
+                    && a_cells.cone_of(cell).may_face(b_cells.cone_of(other))
+                {
                     a_cells.facing[cell] = true;
                     b_cells.facing[other] = true;
                     self.facing.push((cell as u32, other as u32));
@@ -104,5 +106,8 @@ impl Touch {
 
 fn block(pieces: &BezierPieces, k: usize) -> Block {
     let b = pieces.bounds(k);
-    Block { low: [b.min.x, b.min.y, b.min.z], high: [b.max.x, b.max.y, b.max.z] }
+    Block {
+        low: [b.min.x, b.min.y, b.min.z],
+        high: [b.max.x, b.max.y, b.max.z],
+    }
 }

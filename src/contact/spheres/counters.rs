@@ -42,12 +42,20 @@ pub struct Counters {
 impl Counters {
     /// Points computed on both sides and all levels.
     pub fn points(&self) -> u32 {
-        self.body.iter().chain(&self.tool).map(|level| level.points).sum()
+        self.body
+            .iter()
+            .chain(&self.tool)
+            .map(|level| level.points)
+            .sum()
     }
 
     /// Sphere tests on both sides and all levels.
     pub fn sphere_tests(&self) -> u32 {
-        self.body.iter().chain(&self.tool).map(|level| level.tests).sum()
+        self.body
+            .iter()
+            .chain(&self.tool)
+            .map(|level| level.tests)
+            .sum()
     }
 }
 

@@ -53,7 +53,9 @@ impl Cover {
         let v = Axis::new(surface.knots_v(), rows[1], topology.wraps(1));
         let none = (Lens::about(&[Point3::origin(); 4], 0.0), 0);
         let levels = u.levels.len().max(v.levels.len());
-        let lenses = (0..levels).map(|k| vec![none; u.level(k).len() * v.level(k).len()]).collect();
+        let lenses = (0..levels)
+            .map(|k| vec![none; u.level(k).len() * v.level(k).len()])
+            .collect();
         let spans = u.span_first.len() * v.span_first.len();
         let mut new = Self {
             points: Points::new(surface, &u, &v),
@@ -80,9 +82,14 @@ impl Cover {
     /// Takes over a net, placed by `pose`.
     pub fn load(&mut self, surface: &Surface, pose: &Pose) {
         for (to, p) in self.control.iter_mut().zip(surface.net().points()) {
-            *to = if *pose == Pose::identity() { *p } else { pose * p };
+            *to = if *pose == Pose::identity() {
+                *p
+            } else {
+                pose * p
+            };
         }
-        self.points.load(&self.control, surface.weights(), &self.u, &self.v);
+        self.points
+            .load(&self.control, surface.weights(), &self.u, &self.v);
         self.sag.refresh(&self.points, &self.u, &self.v);
         self.refresh_boxes();
         if self.now == u32::MAX {
@@ -94,19 +101,26 @@ impl Cover {
 
     fn refresh_boxes(&mut self) {
         let spans = self.v.span_first.len();
-        let join = |sum: [Point3; 2], other: &[Point3; 2]| [sum[0].inf(&other[0]), sum[1].sup(&other[1])];
-        let nothing = [Point3::from([f64::INFINITY; 3]), Point3::from([f64::NEG_INFINITY; 3])];
+        let join =
+            |sum: [Point3; 2], other: &[Point3; 2]| [sum[0].inf(&other[0]), sum[1].sup(&other[1])];
+        let nothing = [
+            Point3::from([f64::INFINITY; 3]),
+            Point3::from([f64::NEG_INFINITY; 3]),
+        ];
         for i in 0..self.u.columns[1] {
-            let line = &self.control[wrap(i, self.u.columns[0]) * self.v.columns[0]..][..self.v.columns[0]];
+            let line = &self.control[wrap(i, self.u.columns[0]) * self.v.columns[0]..]
+                [..self.v.columns[0]];
             for (j, &first) in self.v.span_first.iter().enumerate() {
-                let points = (first as usize..first as usize + self.v.width).map(|b| line[wrap(b, line.len())]);
+                let points = (first as usize..first as usize + self.v.width)
+                    .map(|b| line[wrap(b, line.len())]);
                 self.strips[i * spans + j] = points.fold(nothing, |sum, p| join(sum, &[p, p]));
             }
         }
         let mut whole = nothing;
         for (i, &first) in self.u.span_first.iter().enumerate() {
             for j in 0..spans {
-                let column = (first as usize..first as usize + self.u.width).map(|a| &self.strips[a * spans + j]);
+                let column = (first as usize..first as usize + self.u.width)
+                    .map(|a| &self.strips[a * spans + j]);
                 let joined = column.fold(nothing, join);
                 self.boxes[i * spans + j] = joined;
                 whole = join(whole, &joined);
@@ -145,7 +159,10 @@ impl Cover {
     #[inline(always)]
     pub fn cells(&self, id: CellId) -> (&Cell, &Cell) {
         let level = usize::from(id.level);
-        (&self.u.level(level)[usize::from(id.i)], &self.v.level(level)[usize::from(id.j)])
+        (
+            &self.u.level(level)[usize::from(id.i)],
+            &self.v.level(level)[usize::from(id.j)],
+        )
     }
 
     /// Corners of a cell, in order round it.
@@ -154,14 +171,22 @@ impl Cover {
         let (cell_u, cell_v) = self.cells(id);
         let ([a, b], [c, d]) = (cell_u.rows, cell_v.rows);
         let (points, u, v) = (&mut self.points, &self.u, &self.v);
-        [points.at(u, v, a, c), points.at(u, v, b, c), points.at(u, v, b, d), points.at(u, v, a, d)]
+        [
+            points.at(u, v, a, c),
+            points.at(u, v, b, c),
+            points.at(u, v, b, d),
+            points.at(u, v, a, d),
+        ]
     }
 
     /// Parameters at the corners of a cell, in the same order.
     #[inline(always)]
     pub fn parameters(&self, id: CellId) -> [[f64; 2]; 4] {
         let (u, v) = self.cells(id);
-        let (u, v) = (u.rows.map(|i| self.u.parameters[i as usize]), v.rows.map(|j| self.v.parameters[j as usize]));
+        let (u, v) = (
+            u.rows.map(|i| self.u.parameters[i as usize]),
+            v.rows.map(|j| self.v.parameters[j as usize]),
+        );
         [[u[0], v[0]], [u[1], v[0]], [u[1], v[1]], [u[0], v[1]]]
     }
 
@@ -182,12 +207,17 @@ impl Cover {
         &self.lenses[level][at].0
     }
 
-    /// Makes the lenses of all children of a cell, so that [`Cover::made_lenses`] may be read for them.
+    /// Makes the lenses of all children of a cell, so that [`Cover::made_lenses`] may be read for
+    /// them.
     pub fn make_children(&mut self, id: CellId) {
         let [[i0, i1], [j0, j1]] = self.children(id);
         for i in i0..i1 {
             for j in j0..j1 {
-                self.lens(CellId { level: id.level + 1, i: i as u16, j: j as u16 });
+                self.lens(CellId {
+                    level: id.level + 1,
+                    i: i as u16,
+                    j: j as u16,
+                });
             }
         }
     }
@@ -227,7 +257,11 @@ impl Cover {
     }
 
     /// Calls with every cell of the coarsest level over spans that `touched` says yes to.
-    pub fn concerned(&self, touched: impl Fn(&Point3, &Point3) -> bool, mut each: impl FnMut(CellId)) {
+    pub fn concerned(
+        &self,
+        touched: impl Fn(&Point3, &Point3) -> bool,
+        mut each: impl FnMut(CellId),
+    ) {
         let spans = self.v.span_first.len();
         for (i, u) in self.u.level(0).iter().enumerate() {
             for (j, v) in self.v.level(0).iter().enumerate() {
@@ -238,15 +272,25 @@ impl Cover {
                     })
                 });
                 if meets {
-                    each(CellId { level: 0, i: i as u16, j: j as u16 });
+                    each(CellId {
+                        level: 0,
+                        i: i as u16,
+                        j: j as u16,
+                    });
                 }
             }
         }
     }
 
-    /// Calls with the coarsest cells that may hold a point nearer than `within_m`, the most promising first; it answers how
-    /// near the next must be. By boxes, so that few spheres are made.
-    pub fn near(&mut self, q: &Point3, within_m: f64, mut each: impl FnMut(&mut Self, CellId) -> f64) {
+    /// Calls with the coarsest cells that may hold a point nearer than `within_m`, the most
+    /// promising first; it answers how near the next must be. By boxes, so that few spheres are
+    /// made.
+    pub fn near(
+        &mut self,
+        q: &Point3,
+        within_m: f64,
+        mut each: impl FnMut(&mut Self, CellId) -> f64,
+    ) {
         for (square, [low, high]) in self.squares.iter_mut().zip(&self.boxes) {
             *square = distance_squared_to_box(q, low, high);
         }
@@ -256,7 +300,9 @@ impl Cover {
             let (u, v) = (&cover.u.level(0)[i], &cover.v.level(0)[j]);
             let mut least = f64::INFINITY;
             for a in u.spans[0]..u.spans[1] {
-                for square in &cover.squares[a as usize * spans..][v.spans[0] as usize..v.spans[1] as usize] {
+                for square in
+                    &cover.squares[a as usize * spans..][v.spans[0] as usize..v.spans[1] as usize]
+                {
                     least = if *square < least { *square } else { least };
                 }
             }
@@ -272,9 +318,17 @@ impl Cover {
                 }
             }
         }
-        let id = |(i, j): (usize, usize)| CellId { level: 0, i: i as u16, j: j as u16 };
+        let id = |(i, j): (usize, usize)| CellId {
+            level: 0,
+            i: i as u16,
+            j: j as u16,
+        };
         let noise = self.noise_m;
-        let mut within = if least <= within_m * within_m { each(self, id(first)) } else { within_m };
+        let mut within = if least <= within_m * within_m {
+            each(self, id(first))
+        } else {
+            within_m
+        };
         for i in 0..count_u {
             for j in 0..count_v {
                 let reach = within + noise;
@@ -287,11 +341,14 @@ impl Cover {
 
     /// Box of the whole net.
     pub fn whole_box(&self) -> [Point3; 2] {
-        self.boxes.iter().fold(self.boxes[0], |sum, b| [sum[0].inf(&b[0]), sum[1].sup(&b[1])])
+        self.boxes.iter().fold(self.boxes[0], |sum, b| {
+            [sum[0].inf(&b[0]), sum[1].sup(&b[1])]
+        })
     }
 
-    /// The normals at the corners of a cell differ by less than `turn`, and the surface stays as near to its corners' patch
-    /// as that turn over the cell's size: between them a bump cannot hide.
+    /// The normals at the corners of a cell differ by less than `turn`, and the surface stays as
+    /// near to its corners' patch as that turn over the cell's size: between them a bump cannot
+    /// hide.
     pub fn is_flat(&mut self, id: CellId, turn: f64) -> bool {
         let sphere = self.sphere(id);
         if self.sag(id) > turn * sphere.radius_m {
@@ -299,8 +356,13 @@ impl Cover {
         }
         let (u, v) = self.cells(id);
         let ([a, b], [c, d]) = (u.rows, v.rows);
-        let normals = [(a, c), (b, c), (b, d), (a, d)].map(|(i, j)| self.points.normal(&self.u, &self.v, i, j));
-        let Some(first) = normals[0] else { return false };
-        normals.iter().all(|normal| normal.is_some_and(|n| (n - first).norm_squared() < turn * turn))
+        let normals = [(a, c), (b, c), (b, d), (a, d)]
+            .map(|(i, j)| self.points.normal(&self.u, &self.v, i, j));
+        let Some(first) = normals[0] else {
+            return false;
+        };
+        normals
+            .iter()
+            .all(|normal| normal.is_some_and(|n| (n - first).norm_squared() < turn * turn))
     }
 }

@@ -1,9 +1,10 @@
 //! The rows of a blending matrix in one direction, and the levels of cells between them.
 //!
-//! The finest level has one cell between neighbouring rows; each coarser one takes three cells for one, down to nine or
-//! fewer ("every k-th row"): 28, 82 and 244 rows give 27, 81 and 243 cells, which are powers of three. No cell reaches
-//! over a knot where the surface may have a crease, because the bound of what a cell misses needs a continuous tangent:
-//! such a knot gets two rows, one seen from each side.
+//! The finest level has one cell between neighbouring rows; each coarser one takes three cells for
+//! one, down to nine or fewer ("every k-th row"): 28, 82 and 244 rows give 27, 81 and 243 cells,
+//! which are powers of three. No cell reaches over a knot where the surface may have a crease,
+//! because the bound of what a cell misses needs a continuous tangent: such a knot gets two rows,
+//! one seen from each side.
 
 use crate::basis::{KnotVector, Side};
 
@@ -73,7 +74,11 @@ impl Axis {
             let share = (to - from) / knots.length();
             let cells = ((rows.max(2) - 1) as f64 * share).round().max(1.0) as usize;
             for k in 0..=cells {
-                let u = if k == cells { to } else { from + (to - from) * k as f64 / cells as f64 };
+                let u = if k == cells {
+                    to
+                } else {
+                    from + (to - from) * k as f64 / cells as f64
+                };
                 axis.push_row(knots, u, if k == cells { Side::Left } else { Side::Right });
                 if k > 0 {
                     let row = axis.parameters.len() as u32 - 1;
@@ -88,7 +93,8 @@ impl Axis {
     }
 
     fn push_row(&mut self, knots: &KnotVector, u: f64, side: Side) {
-        // The end of a period seen from the left is its start, one period on: windows take it there by themselves.
+        // The end of a period seen from the left is its start, one period on: windows take it there
+        // by themselves.
         let window = knots.window_from(u, side);
         self.parameters.push(u);
         self.first.push(window.first as u32);
@@ -96,11 +102,30 @@ impl Axis {
         self.values[1].extend_from_slice(window.first_derivatives());
     }
 
-    fn cell(&self, rows: [u32; 2], children: [u32; 2], finest: [u32; 2], spans: &[[f64; 2]]) -> Cell {
+    fn cell(
+        &self,
+        rows: [u32; 2],
+        children: [u32; 2],
+        finest: [u32; 2],
+        spans: &[[f64; 2]],
+    ) -> Cell {
         let [from, to] = rows.map(|row| self.parameters[row as usize]);
-        let low = spans.iter().position(|span| span[1] > from).unwrap_or(spans.len() - 1);
-        let high = spans.iter().rposition(|span| span[0] < to).unwrap_or(0).max(low);
-        Cell { rows, children, spans: [low as u32, high as u32 + 1], finest, eighth: (to - from) * (to - from) / 8.0 }
+        let low = spans
+            .iter()
+            .position(|span| span[1] > from)
+            .unwrap_or(spans.len() - 1);
+        let high = spans
+            .iter()
+            .rposition(|span| span[0] < to)
+            .unwrap_or(0)
+            .max(low);
+        Cell {
+            rows,
+            children,
+            spans: [low as u32, high as u32 + 1],
+            finest,
+            eighth: (to - from) * (to - from) / 8.0,
+        }
     }
 
     /// `starts`: the first cell of each smooth part, and the number of all.
@@ -127,11 +152,15 @@ impl Axis {
         self.levels = levels;
     }
 
-    /// Basis values (order 0) or first derivatives (1) of a row, `width` of them, and the column of the first.
+    /// Basis values (order 0) or first derivatives (1) of a row, `width` of them, and the column of
+    /// the first.
     #[inline(always)]
     pub fn row(&self, row: u32, order: usize) -> (usize, &[f64]) {
         let row = row as usize;
-        (self.first[row] as usize, &self.values[order][row * self.width..(row + 1) * self.width])
+        (
+            self.first[row] as usize,
+            &self.values[order][row * self.width..(row + 1) * self.width],
+        )
     }
 
     /// Cells of the finest level.
@@ -165,7 +194,11 @@ mod tests {
     #[test]
     fn powers_of_three_give_full_levels() {
         let knots = KnotVector::clamped_uniform(3, 8).unwrap();
-        for (rows, wanted) in [(28, vec![9, 27]), (82, vec![9, 27, 81]), (244, vec![9, 27, 81, 243])] {
+        for (rows, wanted) in [
+            (28, vec![9, 27]),
+            (82, vec![9, 27, 81]),
+            (244, vec![9, 27, 81, 243]),
+        ] {
             let axis = Axis::new(&knots, rows, false);
             assert_eq!(axis.levels.iter().map(Vec::len).collect::<Vec<_>>(), wanted);
             assert_eq!(axis.parameters.len(), rows);
@@ -174,22 +207,42 @@ mod tests {
 
     #[test]
     fn cells_of_every_level_tile_the_domain_and_stay_off_creases() {
-        let creased = KnotVector::new(2, vec![0.0, 0.0, 0.0, 0.2, 0.5, 0.5, 0.7, 1.0, 1.0, 1.0]).unwrap();
-        let others = [KnotVector::periodic_uniform(3, 7).unwrap(), KnotVector::clamped_uniform(1, 6).unwrap()];
+        let creased =
+            KnotVector::new(2, vec![0.0, 0.0, 0.0, 0.2, 0.5, 0.5, 0.7, 1.0, 1.0, 1.0]).unwrap();
+        let others = [
+            KnotVector::periodic_uniform(3, 7).unwrap(),
+            KnotVector::clamped_uniform(1, 6).unwrap(),
+        ];
         for knots in others.iter().chain([&creased]) {
             for rows in [2, 5, 28, 50, 82] {
                 let axis = Axis::new(knots, rows, false);
                 for level in &axis.levels {
                     let at = |row: u32| axis.parameters[row as usize];
-                    assert_eq!((at(level[0].rows[0]), at(level[level.len() - 1].rows[1])), knots.domain());
-                    assert!(level.windows(2).all(|w| at(w[0].rows[1]) == at(w[1].rows[0])), "{rows}: a hole");
+                    assert_eq!(
+                        (at(level[0].rows[0]), at(level[level.len() - 1].rows[1])),
+                        knots.domain()
+                    );
+                    assert!(
+                        level
+                            .windows(2)
+                            .all(|w| at(w[0].rows[1]) == at(w[1].rows[0])),
+                        "{rows}: a hole"
+                    );
                     if knots == &creased {
-                        assert!(level.iter().all(|c| at(c.rows[1]) <= 0.5 || at(c.rows[0]) >= 0.5), "{rows}");
+                        assert!(
+                            level
+                                .iter()
+                                .all(|c| at(c.rows[1]) <= 0.5 || at(c.rows[0]) >= 0.5),
+                            "{rows}"
+                        );
                     }
                 }
                 for pair in axis.levels.windows(2) {
                     let ends: Vec<u32> = pair[0].iter().flat_map(|c| c.children).collect();
-                    assert!(ends.chunks(2).all(|c| c[0] < c[1]) && ends[ends.len() - 1] as usize == pair[1].len());
+                    assert!(
+                        ends.chunks(2).all(|c| c[0] < c[1])
+                            && ends[ends.len() - 1] as usize == pair[1].len()
+                    );
                 }
             }
         }

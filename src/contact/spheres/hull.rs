@@ -1,8 +1,9 @@
 //! Are two convex hulls apart? By a direction that separates them.
 //!
-//! The last tick's direction, the witness, is tried first: one pass over the points. Otherwise GJK (Gilbert, Johnson &
-//! Keerthi 1988) looks for another on the difference of the two, which it knows by its farthest points only, so no hull is
-//! ever built. "Apart" is said on the strength of a direction that was checked; all doubt counts as "may touch".
+//! The last tick's direction, the witness, is tried first: one pass over the points. Otherwise GJK
+//! (Gilbert, Johnson & Keerthi 1988) looks for another on the difference of the two, which it knows
+//! by its farthest points only, so no hull is ever built. "Apart" is said on the strength of a
+//! direction that was checked; all doubt counts as "may touch".
 
 use crate::math::Vector3;
 
@@ -20,13 +21,17 @@ impl Default for Witness {
 }
 
 impl Witness {
-    /// More than `margin_m` apart. `support`: the point of (first − second) that is farthest along a unit direction.
+    /// More than `margin_m` apart. `support`: the point of (first − second) that is farthest along
+    /// a unit direction.
     pub fn separates(&mut self, support: impl Fn(&Vector3) -> Vector3, margin_m: f64) -> bool {
         let mut nearest = support(&self.0);
         if nearest.dot(&self.0) < -margin_m {
             return true;
         }
-        let mut simplex = Simplex { points: [nearest; 4], count: 1 };
+        let mut simplex = Simplex {
+            points: [nearest; 4],
+            count: 1,
+        };
         for _ in 0..STEPS {
             let distance = nearest.norm();
             if distance.is_nan() || distance <= margin_m {
@@ -39,7 +44,8 @@ impl Witness {
                 self.0 = direction;
                 return true;
             }
-            // Nothing lies beyond the nearest point: it is the distance, which is not above the margin.
+            // Nothing lies beyond the nearest point: it is the distance, which is not above the
+            // margin.
             if distance + along <= 1e-12 * distance {
                 return false;
             }
@@ -61,8 +67,8 @@ struct Simplex {
 }
 
 impl Simplex {
-    /// The point of the simplex nearest to the origin, and only those corners kept that hold it; `None` when the origin is
-    /// inside.
+    /// The point of the simplex nearest to the origin, and only those corners kept that hold it;
+    /// `None` when the origin is inside.
     fn nearest(&mut self) -> Option<Vector3> {
         let p = self.points;
         let mut best: Option<(f64, Vector3, [usize; 3], usize)> = None;
@@ -108,17 +114,21 @@ fn on_edge(a: &Vector3, b: &Vector3) -> Option<Vector3> {
 fn on_face(a: &Vector3, b: &Vector3, c: &Vector3) -> Option<Vector3> {
     let n = (b - a).cross(&(c - a));
     let square = n.norm_squared();
-    let inside = [(a, b), (b, c), (c, a)].iter().all(|(p, q)| (*q - *p).cross(&-**p).dot(&n) > 0.0);
+    let inside = [(a, b), (b, c), (c, a)]
+        .iter()
+        .all(|(p, q)| (*q - *p).cross(&-**p).dot(&n) > 0.0);
     (inside && square > 0.0).then(|| n * (a.dot(&n) / square))
 }
 
 /// The origin is in the tetrahedron: on the inner side of each face.
 fn inside(p: &[Vector3; 4]) -> bool {
-    [[0, 1, 2, 3], [0, 1, 3, 2], [0, 2, 3, 1], [1, 2, 3, 0]].iter().all(|&[a, b, c, d]| {
-        let n = (p[b] - p[a]).cross(&(p[c] - p[a]));
-        let (of_origin, of_other) = (-p[a].dot(&n), (p[d] - p[a]).dot(&n));
-        of_origin * of_other > 0.0
-    })
+    [[0, 1, 2, 3], [0, 1, 3, 2], [0, 2, 3, 1], [1, 2, 3, 0]]
+        .iter()
+        .all(|&[a, b, c, d]| {
+            let n = (p[b] - p[a]).cross(&(p[c] - p[a]));
+            let (of_origin, of_other) = (-p[a].dot(&n), (p[d] - p[a]).dot(&n));
+            of_origin * of_other > 0.0
+        })
 }
 
 #[cfg(test)]
@@ -127,22 +137,36 @@ mod tests {
     use crate::basis::testing::Random;
 
     fn farthest(points: &[Vector3], d: &Vector3) -> Vector3 {
-        *points.iter().max_by(|a, b| a.dot(d).total_cmp(&b.dot(d))).unwrap()
+        *points
+            .iter()
+            .max_by(|a, b| a.dot(d).total_cmp(&b.dot(d)))
+            .unwrap()
     }
 
-    // Two boxes, turned alike, at a known distance along one axis of theirs: closed form for the answer.
+    // Two boxes, turned alike, at a known distance along one axis of theirs: closed form for the
+    // answer.
     #[test]
     fn boxes_are_apart_exactly_when_their_distance_is_above_the_margin() {
         let mut random = Random(9);
         let (mut apart, mut close) = (0, 0);
         for _ in 0..3_000 {
-            let mut vector = || Vector3::new(random.float(-1.0, 1.0), random.float(-1.0, 1.0), random.float(-1.0, 1.0));
+            let mut vector = || {
+                Vector3::new(
+                    random.float(-1.0, 1.0),
+                    random.float(-1.0, 1.0),
+                    random.float(-1.0, 1.0),
+                )
+            };
             let turn = crate::math::Rotation::from_scaled_axis(vector() * 2.0);
             let corners = |centre: Vector3| -> Vec<Vector3> {
                 (0..8)
                     .map(|k| {
                         centre
-                            + Vector3::new(f64::from(k & 1) - 0.5, f64::from(k >> 1 & 1) - 0.5, f64::from(k >> 2) - 0.5)
+                            + Vector3::new(
+                                f64::from(k & 1) - 0.5,
+                                f64::from(k >> 1 & 1) - 0.5,
+                                f64::from(k >> 2) - 0.5,
+                            )
                     })
                     .map(|p| turn * p)
                     .collect()
@@ -159,7 +183,10 @@ mod tests {
             let answer = witness.separates(support, margin);
             assert_eq!(answer, gap > margin, "offset {offset}: gap {gap}");
             if answer {
-                assert!(support(&witness.0).dot(&witness.0) < -margin, "the witness holds");
+                assert!(
+                    support(&witness.0).dot(&witness.0) < -margin,
+                    "the witness holds"
+                );
                 apart += 1;
             } else {
                 close += 1;

@@ -1,4 +1,5 @@
-//! Refinement of one surface inside the spheres that meet a tool, and the search for the nearest point.
+//! Refinement of one surface inside the spheres that meet a tool, and the search for the nearest
+//! point.
 
 use super::counters::{self, Counters};
 use super::cover::{CellId, Cover};
@@ -11,7 +12,8 @@ use crate::math::{Point3, Vector3};
 pub(super) struct Limits {
     /// Gaps up to this count as meeting, m.
     pub margin_m: f64,
-    /// A cell whose normals turn by less than this may stay whole, rad; `None` where samples at corners would not do.
+    /// A cell whose normals turn by less than this may stay whole, rad; `None` where samples at
+    /// corners would not do.
     pub flat_turn: Option<f64>,
     /// Only corners of the last cells are asked for: no spheres there.
     pub corners_only: bool,
@@ -52,12 +54,21 @@ impl Levels {
     }
 
     /// Leaves the cells, finest or flat, whose spheres meet the tool.
-    pub fn refine<S: Solid>(&mut self, cover: &mut Cover, tool: &S, limits: Limits, counters: &mut Counters) {
+    pub fn refine<S: Solid>(
+        &mut self,
+        cover: &mut Cover,
+        tool: &S,
+        limits: Limits,
+        counters: &mut Counters,
+    ) {
         let margin = limits.margin_m;
         self.leaves.clear();
         self.now.clear();
         let reach = margin + cover.noise_m();
-        cover.concerned(|low, high| tool.may_meet_box(low, high, reach), |id| self.now.push(id));
+        cover.concerned(
+            |low, high| tool.may_meet_box(low, high, reach),
+            |id| self.now.push(id),
+        );
         for level in 0..cover.levels() {
             if self.now.is_empty() {
                 break;
@@ -71,7 +82,10 @@ impl Levels {
             for &id in &self.now {
                 let sphere = cover.sphere(id);
                 // False for NaN.
-                if tool.bounded_gap(&sphere.centre).is_none_or(|gap| gap <= sphere.radius_m + margin) {
+                if tool
+                    .bounded_gap(&sphere.centre)
+                    .is_none_or(|gap| gap <= sphere.radius_m + margin)
+                {
                     self.met.push(id);
                 }
             }
@@ -80,7 +94,10 @@ impl Levels {
             counts.tests += self.now.len() as u32;
             counts.meets += self.met.len() as u32;
             counts.points += std::mem::take(&mut cover.points.computed);
-            if self.met.len() == self.now.len() && limits.flat_turn.is_some() && !last && counters.early_stop.is_none()
+            if self.met.len() == self.now.len()
+                && limits.flat_turn.is_some()
+                && !last
+                && counters.early_stop.is_none()
             {
                 counters.early_stop = Some(level as u8);
             }
@@ -96,7 +113,8 @@ impl Levels {
         }
     }
 
-    /// The nearest point of the surface's triangles within `within_m`: only spheres that may hold a nearer one are refined.
+    /// The nearest point of the surface's triangles within `within_m`: only spheres that may hold a
+    /// nearer one are refined.
     pub fn nearest(&mut self, cover: &mut Cover, q: &Point3, within_m: f64) -> Option<Nearest> {
         let mut least = within_m;
         self.bounds.clear();
@@ -105,7 +123,11 @@ impl Levels {
         cover.near(q, within_m, |cover, id| {
             least = offer(cover, bounds, id, q, least);
             let square = (cover.sphere(id).centre - q).norm_squared();
-            closest = if square < closest.0 { (square, id) } else { closest };
+            closest = if square < closest.0 {
+                (square, id)
+            } else {
+                closest
+            };
             least
         });
         if !self.bounds.is_empty() {
@@ -137,19 +159,26 @@ impl Levels {
                 Some(best) if found.distance_m >= best.distance_m - tie => {
                     best.normals += found.normals;
                     if found.distance_m < best.distance_m {
-                        *best = Nearest { normals: best.normals, ..found };
+                        *best = Nearest {
+                            normals: best.normals,
+                            ..found
+                        };
                     }
                 }
                 _ => best = Some(found),
             }
-            least = if found.distance_m < least { found.distance_m + tie } else { least };
+            least = if found.distance_m < least {
+                found.distance_m + tie
+            } else {
+                least
+            };
         }
         best.filter(|best| best.distance_m.is_finite())
     }
 }
 
-/// How near a point of the surface is at most: straight down from a cell, by the most promising child each time. The bound
-/// spares the search most spheres.
+/// How near a point of the surface is at most: straight down from a cell, by the most promising
+/// child each time. The bound spares the search most spheres.
 fn dive(cover: &mut Cover, mut id: CellId, q: &Point3) -> f64 {
     while usize::from(id.level) + 1 < cover.levels() {
         let [[i0, i1], [j0, j1]] = cover.children(id);
@@ -157,7 +186,11 @@ fn dive(cover: &mut Cover, mut id: CellId, q: &Point3) -> f64 {
         let level = id.level + 1;
         for i in i0..i1 {
             for j in j0..j1 {
-                let child = CellId { level, i: i as u16, j: j as u16 };
+                let child = CellId {
+                    level,
+                    i: i as u16,
+                    j: j as u16,
+                };
                 let square = (cover.sphere(child).centre - q).norm_squared();
                 if square < best || id.level < level {
                     (best, id) = (square, child);
@@ -169,9 +202,16 @@ fn dive(cover: &mut Cover, mut id: CellId, q: &Point3) -> f64 {
     found.distance_m + 1e-9 * cover.size_m
 }
 
-/// Keeps a cell that may hold a point nearer than `least`, with the square of its bound; how near one surely is.
+/// Keeps a cell that may hold a point nearer than `least`, with the square of its bound; how near
+/// one surely is.
 #[inline(always)]
-fn offer(cover: &mut Cover, bounds: &mut Vec<(CellId, f64)>, id: CellId, q: &Point3, least: f64) -> f64 {
+fn offer(
+    cover: &mut Cover,
+    bounds: &mut Vec<(CellId, f64)>,
+    id: CellId,
+    q: &Point3,
+    least: f64,
+) -> f64 {
     let lens = cover.lens(id);
     let (bound, square) = lens.bound(q);
     if bound > least * least {
@@ -189,18 +229,31 @@ pub(super) fn nearest_in_cell(cover: &mut Cover, id: CellId, q: &Point3) -> Near
     let (corners, outward) = (cover.corners(id), cover.outward());
     let parameters = cover.parameters(id);
     let tie = 1e-12 * cover.size_m;
-    let mut best =
-        Nearest { point: corners[0], uv: parameters[0], distance_m: f64::INFINITY, normals: Vector3::zeros() };
+    let mut best = Nearest {
+        point: corners[0],
+        uv: parameters[0],
+        distance_m: f64::INFINITY,
+        normals: Vector3::zeros(),
+    };
     for t in triangles::split(&corners) {
         let [a, b, c] = t.map(|k| corners[k]);
         let w = triangles::nearest(q, &[a, b, c]);
         let point = Point3::from(a.coords * w[0] + b.coords * w[1] + c.coords * w[2]);
         let distance_m = (point - q).norm();
-        let normal = (b - a).cross(&(c - a)).try_normalize(0.0).unwrap_or_else(Vector3::zeros) * outward;
+        let normal = (b - a)
+            .cross(&(c - a))
+            .try_normalize(0.0)
+            .unwrap_or_else(Vector3::zeros)
+            * outward;
         let [x, y, z] = t.map(|k| parameters[k]);
         let uv = std::array::from_fn(|d| x[d] * w[0] + y[d] * w[1] + z[d] * w[2]);
         if distance_m < best.distance_m - tie {
-            best = Nearest { point, uv, distance_m, normals: normal };
+            best = Nearest {
+                point,
+                uv,
+                distance_m,
+                normals: normal,
+            };
         } else if distance_m <= best.distance_m + tie {
             best.normals += normal;
         }
@@ -213,7 +266,11 @@ fn push_children(cover: &Cover, id: CellId, to: &mut Vec<CellId>) {
     let [[i0, i1], [j0, j1]] = cover.children(id);
     for i in i0..i1 {
         for j in j0..j1 {
-            to.push(CellId { level: id.level + 1, i: i as u16, j: j as u16 });
+            to.push(CellId {
+                level: id.level + 1,
+                i: i as u16,
+                j: j as u16,
+            });
         }
     }
 }

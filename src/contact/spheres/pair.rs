@@ -1,4 +1,5 @@
-//! Two surfaces: spheres against spheres, refined alternately on body and tool, then triangles against triangles.
+//! Two surfaces: spheres against spheres, refined alternately on body and tool, then triangles
+//! against triangles.
 
 use super::counters::{self, Counters, LevelCounters, MAX_LEVELS};
 use super::cover::{CellId, Cover};
@@ -10,7 +11,8 @@ use super::triangles;
 use super::{SAME_DEPTH, Spheres};
 use crate::contact::{Contact, ContactSet, Reach};
 
-/// Pairs of cells for which there is room, for each cell of both surfaces. Coinciding curved surfaces need about 13.
+/// Pairs of cells for which there is room, for each cell of both surfaces. Coinciding curved
+/// surfaces need about 13.
 const PAIRS_PER_CELL: usize = 12;
 /// And at least so many.
 const LEAST_PAIRS: usize = 1 << 14;
@@ -48,8 +50,15 @@ const BITS: u32 = 5;
 
 impl Marks {
     fn new(cover: &Cover) -> Self {
-        let cells = (0..cover.levels()).map(|k| vec![0; cover.u.level(k).len() * cover.v.level(k).len()]).collect();
-        Self { cells, stamp: 0, seen: 0, met: 0 }
+        let cells = (0..cover.levels())
+            .map(|k| vec![0; cover.u.level(k).len() * cover.v.level(k).len()])
+            .collect();
+        Self {
+            cells,
+            stamp: 0,
+            seen: 0,
+            met: 0,
+        }
     }
 
     fn begin(&mut self) {
@@ -64,7 +73,8 @@ impl Marks {
     #[inline(always)]
     fn set(&mut self, cover: &Cover, id: CellId, bit: u32) -> bool {
         let level = usize::from(id.level);
-        let mark = &mut self.cells[level][usize::from(id.i) * cover.v.level(level).len() + usize::from(id.j)];
+        let mark = &mut self.cells[level]
+            [usize::from(id.i) * cover.v.level(level).len() + usize::from(id.j)];
         if *mark >> BITS != self.stamp {
             *mark = self.stamp << BITS;
         }
@@ -76,7 +86,8 @@ impl Marks {
     #[inline(always)]
     fn has(&self, cover: &Cover, id: CellId, bit: u32) -> bool {
         let level = usize::from(id.level);
-        let mark = self.cells[level][usize::from(id.i) * cover.v.level(level).len() + usize::from(id.j)];
+        let mark =
+            self.cells[level][usize::from(id.i) * cover.v.level(level).len() + usize::from(id.j)];
         mark >> BITS == self.stamp && mark & bit != 0
     }
 }
@@ -101,20 +112,34 @@ impl SpheresPair {
         &self.counters
     }
 
-    /// Contacts of two surfaces as loaded; both the ones this was made for. A contact for each connected part of either
-    /// surface inside the other, at the part's deepest point; where a margin is asked for and nothing crosses, the local
-    /// gaps within it. Parts behind an open surface reach as far as its feet are seen from the front.
-    pub fn find(&mut self, body: &mut Spheres, tool: &mut Spheres, reach: &Reach, set: &mut ContactSet) {
+    /// Contacts of two surfaces as loaded; both the ones this was made for. A contact for each
+    /// connected part of either surface inside the other, at the part's deepest point; where a
+    /// margin is asked for and nothing crosses, the local gaps within it. Parts behind an open
+    /// surface reach as far as its feet are seen from the front.
+    pub fn find(
+        &mut self,
+        body: &mut Spheres,
+        tool: &mut Spheres,
+        reach: &Reach,
+        set: &mut ContactSet,
+    ) {
         set.clear();
         self.counters = Counters::default();
-        let margin = if reach.margin_m.is_finite() && reach.margin_m > 0.0 { reach.margin_m } else { 0.0 };
+        let margin = if reach.margin_m.is_finite() && reach.margin_m > 0.0 {
+            reach.margin_m
+        } else {
+            0.0
+        };
         let (b, t) = (&mut body.cover, &mut tool.cover);
         if !(b.size_m.is_finite() && t.size_m.is_finite()) {
             return;
         }
         (b.points.computed, t.points.computed) = (0, 0);
         let support = |d: &crate::math::Vector3| b.farthest(d) - t.farthest(&-d);
-        if self.witness.separates(support, margin + b.noise_m() + t.noise_m()) {
+        if self
+            .witness
+            .separates(support, margin + b.noise_m() + t.noise_m())
+        {
             self.counters.hulls_apart = true;
             return;
         }
@@ -131,7 +156,15 @@ impl SpheresPair {
                     let (normal, depth_m) = (-deep.normal, deep.depth_m);
                     let ([u, v], on_body) = (deep.uv, deep.point);
                     let on_tool = on_body - normal * depth_m;
-                    set.push(Contact { u, v, on_body, on_tool, normal, depth_m, tool_uv: Some(deep.foot_uv) });
+                    set.push(Contact {
+                        u,
+                        v,
+                        on_body,
+                        on_tool,
+                        normal,
+                        depth_m,
+                        tool_uv: Some(deep.foot_uv),
+                    });
                 }
                 set.push_rectangle(area);
             });
@@ -140,12 +173,28 @@ impl SpheresPair {
                     let ([u, v], normal) = (deep.foot_uv, deep.normal);
                     let on_body = deep.point + normal * deep.depth_m;
                     let (on_tool, depth_m) = (deep.point, deep.depth_m);
-                    set.push(Contact { u, v, on_body, on_tool, normal, depth_m, tool_uv: Some(deep.uv) });
+                    set.push(Contact {
+                        u,
+                        v,
+                        on_body,
+                        on_tool,
+                        normal,
+                        depth_m,
+                        tool_uv: Some(deep.uv),
+                    });
                 }
             });
             self.counters.depth_queries += queries + more;
         } else if margin > 0.0 {
-            gaps(&self.pairs, b, t, &mut body.peaks, margin, reach.side(), set);
+            gaps(
+                &self.pairs,
+                b,
+                t,
+                &mut body.peaks,
+                margin,
+                reach.side(),
+                set,
+            );
         }
     }
 
@@ -165,7 +214,11 @@ impl SpheresPair {
         t.concerned(meets(box_b, reach), |id| self.next.push([id, id]));
         let (pairs, next) = (&mut self.pairs, &self.next);
         b.concerned(meets(box_t, reach), |id| {
-            pairs.extend(next.iter().map(|[tool, _]| [id, *tool]).take(pairs.capacity() - pairs.len()));
+            pairs.extend(
+                next.iter()
+                    .map(|[tool, _]| [id, *tool])
+                    .take(pairs.capacity() - pairs.len()),
+            );
         });
         let (mut kept, tests) = (0, self.pairs.len() as u32);
         for k in 0..self.pairs.len() {
@@ -188,16 +241,29 @@ impl SpheresPair {
     /// Closes a level of one side; true when all its spheres met.
     fn count(&mut self, b: &mut Cover, t: &mut Cover, side: usize, level: usize) -> bool {
         let marks = &mut self.marks[side];
-        let (seen, met) = (std::mem::take(&mut marks.seen), std::mem::take(&mut marks.met));
-        let (levels, cover): (&mut [LevelCounters; MAX_LEVELS], _) =
-            if side == 0 { (&mut self.counters.body, b) } else { (&mut self.counters.tool, t) };
+        let (seen, met) = (
+            std::mem::take(&mut marks.seen),
+            std::mem::take(&mut marks.met),
+        );
+        let (levels, cover): (&mut [LevelCounters; MAX_LEVELS], _) = if side == 0 {
+            (&mut self.counters.body, b)
+        } else {
+            (&mut self.counters.tool, t)
+        };
         let counts = counters::of(levels, level);
         counts.spheres += seen;
         counts.points += std::mem::take(&mut cover.points.computed);
         seen > 0 && seen == met
     }
 
-    fn refine(&mut self, b: &mut Cover, t: &mut Cover, margin: f64, turns: [f64; 2], mut all: [bool; 2]) {
+    fn refine(
+        &mut self,
+        b: &mut Cover,
+        t: &mut Cover,
+        margin: f64,
+        turns: [f64; 2],
+        mut all: [bool; 2],
+    ) {
         let mut levels = [0, 0];
         loop {
             let mut moved = false;
@@ -220,7 +286,15 @@ impl SpheresPair {
     }
 
     /// Takes the cells of one side to the next level, but for those that are flat.
-    fn descend(&mut self, b: &mut Cover, t: &mut Cover, side: usize, level: usize, turn: f64, margin: f64) -> bool {
+    fn descend(
+        &mut self,
+        b: &mut Cover,
+        t: &mut Cover,
+        side: usize,
+        level: usize,
+        turn: f64,
+        margin: f64,
+    ) -> bool {
         self.next.clear();
         let (mut moved, mut tests, mut meets) = (false, 0, 0);
         for k in 0..self.pairs.len() {
@@ -244,14 +318,25 @@ impl SpheresPair {
             }
             moved = true;
             let [[i0, i1], [j0, j1]] = cover.children(id);
-            let other = if side == 0 { *t.lens(pair[1]) } else { *b.lens(pair[0]) };
+            let other = if side == 0 {
+                *t.lens(pair[1])
+            } else {
+                *b.lens(pair[0])
+            };
             let cover = if side == 0 { &*b } else { &*t };
             tests += (i1 - i0) * (j1 - j0);
             let (lenses, columns) = cover.made_lenses(usize::from(id.level) + 1);
             for i in i0..i1 {
-                for (k, (lens, _)) in lenses[i as usize * columns..][j0 as usize..j1 as usize].iter().enumerate() {
+                for (k, (lens, _)) in lenses[i as usize * columns..][j0 as usize..j1 as usize]
+                    .iter()
+                    .enumerate()
+                {
                     if lens.meets(&other, margin) {
-                        let child = CellId { level: id.level + 1, i: i as u16, j: j0 as u16 + k as u16 };
+                        let child = CellId {
+                            level: id.level + 1,
+                            i: i as u16,
+                            j: j0 as u16 + k as u16,
+                        };
                         let marks = &mut self.marks[side];
                         marks.met += u32::from(marks.set(cover, child, MET));
                         meets += 1;
@@ -262,7 +347,11 @@ impl SpheresPair {
                 }
             }
         }
-        let levels = if side == 0 { &mut self.counters.body } else { &mut self.counters.tool };
+        let levels = if side == 0 {
+            &mut self.counters.body
+        } else {
+            &mut self.counters.tool
+        };
         let counts = counters::of(levels, level + 1);
         counts.tests += tests;
         counts.meets += meets;
@@ -279,7 +368,8 @@ impl SpheresPair {
         }
     }
 
-    /// Triangle–triangle tests of the pairs that are left; marks the cells that cross. True when any do.
+    /// Triangle–triangle tests of the pairs that are left; marks the cells that cross. True when
+    /// any do.
     fn cross(&mut self, b: &mut Cover, t: &mut Cover) -> bool {
         let [of_body, of_tool] = &mut self.regions;
         of_body.clear();
@@ -319,7 +409,13 @@ impl SpheresPair {
     }
 
     /// Nothing crosses: one may still be wholly inside the other.
-    fn contained(&mut self, b: &mut Cover, t: &mut Cover, levels: [&mut Levels; 2], reach: &Reach) -> bool {
+    fn contained(
+        &mut self,
+        b: &mut Cover,
+        t: &mut Cover,
+        levels: [&mut Levels; 2],
+        reach: &Reach,
+    ) -> bool {
         let [of_body, of_tool] = &mut self.regions;
         let [levels_b, levels_t] = levels;
         let tool_in_body = b.closed && of_tool.is_inside(t, b, levels_b, reach.side());

@@ -1,8 +1,10 @@
-//! From cells with depths to contacts: regions of cells that touch each other, and the local maxima of depth in them.
+//! From cells with depths to contacts: regions of cells that touch each other, and the local maxima
+//! of depth in them.
 //!
-//! Neighbours are found on the finest grid, on which every leaf writes its number; walking goes on across seams, and all
-//! cells round a pole are neighbours. Cells of equal depth are one plateau, so a flat contact is one contact; a plateau
-//! is a maximum when no neighbour of any of its cells is deeper.
+//! Neighbours are found on the finest grid, on which every leaf writes its number; walking goes on
+//! across seams, and all cells round a pole are neighbours. Cells of equal depth are one plateau,
+//! so a flat contact is one contact; a plateau is a maximum when no neighbour of any of its cells
+//! is deeper.
 
 use super::cover::{CellId, Cover};
 use super::grid::Axis;
@@ -79,7 +81,8 @@ impl Peaks {
         let (u, v) = cover.cells(self.leaves[leaf].id);
         let columns = cover.v.finest();
         for i in u.finest[0]..u.finest[1] {
-            self.owner[i as usize * columns + v.finest[0] as usize..][..(v.finest[1] - v.finest[0]) as usize]
+            self.owner[i as usize * columns + v.finest[0] as usize..]
+                [..(v.finest[1] - v.finest[0]) as usize]
                 .fill(number);
         }
     }
@@ -87,7 +90,8 @@ impl Peaks {
     fn link(&mut self, cover: &Cover, k: usize, noise_m: f64) {
         let (u, v) = cover.cells(self.leaves[k].id);
         let ([i0, i1], [j0, j1]) = (u.finest.map(i64::from), v.finest.map(i64::from));
-        // A smallest leaf looks on only, as its neighbours behind do the same; a larger one looks all round.
+        // A smallest leaf looks on only, as its neighbours behind do the same; a larger one looks
+        // all round.
         if i1 - i0 == 1 && j1 - j0 == 1 {
             for (i, j) in [(i0, j1), (i1, j0 - 1), (i1, j0), (i1, j1)] {
                 self.meet(cover, k, i, j, noise_m);
@@ -106,7 +110,9 @@ impl Peaks {
 
     #[inline(always)]
     fn meet(&mut self, cover: &Cover, k: usize, i: i64, j: i64, noise_m: f64) {
-        let (Some(i), Some(j)) = (wrapped(&cover.u, i), wrapped(&cover.v, j)) else { return };
+        let (Some(i), Some(j)) = (wrapped(&cover.u, i), wrapped(&cover.v, j)) else {
+            return;
+        };
         let other = self.owner[i * self.rows[1].len() + j] as usize;
         if other != 0 && other != k + 1 {
             self.compare(k, other - 1, noise_m);
@@ -134,10 +140,16 @@ impl Peaks {
                 }
                 let at_pole = |leaf: &Leaf| {
                     let cells = cover.cells(leaf.id);
-                    let [from, to] = if d == 0 { cells.0.finest } else { cells.1.finest };
+                    let [from, to] = if d == 0 {
+                        cells.0.finest
+                    } else {
+                        cells.1.finest
+                    };
                     (from..to).contains(&row)
                 };
-                let ring = |leaves: &[Leaf], from: usize| (from..leaves.len()).find(|&k| at_pole(&leaves[k]));
+                let ring = |leaves: &[Leaf], from: usize| {
+                    (from..leaves.len()).find(|&k| at_pole(&leaves[k]))
+                };
                 // All against the deepest: what is not within rounding of it is lower.
                 let mut deepest = ring(&self.leaves, 0);
                 let mut at = deepest;
@@ -160,14 +172,17 @@ impl Peaks {
 
     /// Calls with the deepest leaf of every maximum and the sum of its plateau's normals.
     pub fn maxima(&mut self, mut each: impl FnMut(&Leaf)) {
-        // The deepest of a plateau, and of equals the first: kept in the root's place, in the order of the grid.
+        // The deepest of a plateau, and of equals the first: kept in the root's place, in the order
+        // of the grid.
         for k in 0..self.leaves.len() {
             let root = find(&mut self.plateau, k as u32) as usize;
             if self.lower[root] || k == root {
                 continue;
             }
             if self.leaves[k].depth_m > self.leaves[root].depth_m {
-                let Leaf { depth_m, uv, point, .. } = self.leaves[k];
+                let Leaf {
+                    depth_m, uv, point, ..
+                } = self.leaves[k];
                 let root = &mut self.leaves[root];
                 (root.depth_m, root.uv, root.point) = (depth_m, uv, point);
             }
@@ -179,7 +194,8 @@ impl Peaks {
         }
     }
 
-    /// The parameter rectangles of the regions, in the order of their first leaves; all beyond [`MAX_CONTACTS`] in one.
+    /// The parameter rectangles of the regions, in the order of their first leaves; all beyond
+    /// [`MAX_CONTACTS`] in one.
     pub fn rectangles(&mut self, cover: &Cover, mut each: impl FnMut(Rectangle)) {
         let mut done = 0;
         for first in 0..self.leaves.len() {
@@ -196,7 +212,10 @@ impl Peaks {
                     self.rows[1][v.finest[0] as usize..v.finest[1] as usize].fill(true);
                 }
             }
-            each(Rectangle { u: interval(&cover.u, &self.rows[0]), v: interval(&cover.v, &self.rows[1]) });
+            each(Rectangle {
+                u: interval(&cover.u, &self.rows[0]),
+                v: interval(&cover.v, &self.rows[1]),
+            });
             done += 1;
             if rest {
                 return;
@@ -225,7 +244,9 @@ pub(super) fn interval(axis: &Axis, marked: &[bool]) -> [f64; 2] {
     let low = marked.iter().position(|m| *m).unwrap_or(0);
     let high = marked.iter().rposition(|m| *m).unwrap_or(0);
     let plain = [at(cells[low].rows[0]), at(cells[high].rows[1])];
-    let Some(period) = axis.period else { return plain };
+    let Some(period) = axis.period else {
+        return plain;
+    };
     // The longest run of cells that are not marked: it may be outside, or between.
     let (mut longest, mut from, mut run) = (low + marked.len() - 1 - high, None, 0);
     for k in low..=high {
@@ -235,7 +256,10 @@ pub(super) fn interval(axis: &Axis, marked: &[bool]) -> [f64; 2] {
         }
     }
     match from {
-        Some(end) => [at(cells[end + 1].rows[0]), at(cells[end - longest].rows[1]) + period],
+        Some(end) => [
+            at(cells[end + 1].rows[0]),
+            at(cells[end - longest].rows[1]) + period,
+        ],
         None => plain,
     }
 }

@@ -1,6 +1,7 @@
 //! Points of the surface at pairs of rows, computed when first asked for.
 //!
-//! A point stays until the net moves, so that the refinement pays for each once, and a rigid surface pays once for all.
+//! A point stays until the net moves, so that the refinement pays for each once, and a rigid
+//! surface pays once for all.
 
 use super::grid::Axis;
 use crate::math::{Point3, Vector3};
@@ -86,7 +87,11 @@ impl Points {
     #[inline(always)]
     pub fn at(&mut self, u: &Axis, v: &Axis, i: u32, j: u32) -> Point3 {
         let (point, stamp) = self.points[i as usize * v.parameters.len() + j as usize];
-        if stamp == self.now { point } else { self.compute(u, v, i, j) }
+        if stamp == self.now {
+            point
+        } else {
+            self.compute(u, v, i, j)
+        }
     }
 
     #[inline(never)]
@@ -102,7 +107,11 @@ impl Points {
         }
         let (row, n) = u.row(i, 0);
         let [x, y, z, w] = blended(&strip[row..], n);
-        let point = if self.rational { Point3::new(x / w, y / w, z / w) } else { Point3::new(x, y, z) };
+        let point = if self.rational {
+            Point3::new(x / w, y / w, z / w)
+        } else {
+            Point3::new(x, y, z)
+        };
         self.points[i as usize * v.parameters.len() + j as usize] = (point, self.now);
         self.computed += 1;
         point
@@ -110,8 +119,12 @@ impl Points {
 
     /// Unit outward normal by the tangents; `None` where they do not say, as at a pole.
     pub fn normal(&mut self, u: &Axis, v: &Axis, i: u32, j: u32) -> Option<Vector3> {
-        let lengths = [u, v].map(|axis| axis.parameters[axis.parameters.len() - 1] - axis.parameters[0]);
-        let (mut du, mut dv) = (self.blend(u, v, [i, j], [1, 0]), self.blend(u, v, [i, j], [0, 1]));
+        let lengths =
+            [u, v].map(|axis| axis.parameters[axis.parameters.len() - 1] - axis.parameters[0]);
+        let (mut du, mut dv) = (
+            self.blend(u, v, [i, j], [1, 0]),
+            self.blend(u, v, [i, j], [0, 1]),
+        );
         if self.rational {
             // Quotient rule, without the division by w that the direction does not need.
             let s = self.at(u, v, i, j);
@@ -126,7 +139,8 @@ impl Points {
         let longer = du.norm_squared().max(dv.norm_squared());
         let area = cross.norm_squared();
         // False for NaN and for no tangents at all.
-        (area > REGULAR * longer * longer).then(|| cross / if self.flip { -area.sqrt() } else { area.sqrt() })
+        (area > REGULAR * longer * longer)
+            .then(|| cross / if self.flip { -area.sqrt() } else { area.sqrt() })
     }
 
     fn blend(&self, u: &Axis, v: &Axis, [i, j]: [u32; 2], orders: [usize; 2]) -> [f64; 4] {
@@ -171,16 +185,23 @@ mod tests {
 
     #[test]
     fn points_and_normals_are_those_of_the_surface_before_and_after_it_moves() {
-        let builtins = ["teardrop", "sphere", "torus", "sheet"].map(|name| builtin(name, None, None).unwrap());
+        let builtins =
+            ["teardrop", "sphere", "torus", "sheet"].map(|name| builtin(name, None, None).unwrap());
         for mut surface in fifty_surfaces(7).into_iter().chain(builtins) {
             let Topology { torn, .. } = surface.topology();
-            let (u, v) = (Axis::new(surface.knots_u(), 9, false), Axis::new(surface.knots_v(), 12, false));
+            let (u, v) = (
+                Axis::new(surface.knots_u(), 9, false),
+                Axis::new(surface.knots_v(), 12, false),
+            );
             let mut points = Points::new(&surface, &u, &v);
             for round in 0..2 {
                 for (i, &x) in u.parameters.iter().enumerate() {
                     for (j, &y) in v.parameters.iter().enumerate() {
-                        // At a disjoined knot two rows share a parameter, which names one side only.
-                        if torn != [false, false] && (i == 0 || j == 0 || x == u.parameters[i - 1] || round > 1) {
+                        // At a disjoined knot two rows share a parameter, which names one side
+                        // only.
+                        if torn != [false, false]
+                            && (i == 0 || j == 0 || x == u.parameters[i - 1] || round > 1)
+                        {
                             continue;
                         }
                         let point = points.at(&u, &v, i as u32, j as u32);
@@ -195,7 +216,10 @@ mod tests {
                                     && x != axis.parameters[k + 1]
                             };
                             if inside(&u, i, x) && inside(&v, j, y) {
-                                assert!((normal - surface.normal(x, y)).norm() < 1e-7, "normal at ({x}, {y})");
+                                assert!(
+                                    (normal - surface.normal(x, y)).norm() < 1e-7,
+                                    "normal at ({x}, {y})"
+                                );
                             }
                         }
                     }

@@ -1,8 +1,10 @@
-//! The parts of one surface that are inside another: cells that cross it, and those that they enclose.
+//! The parts of one surface that are inside another: cells that cross it, and those that they
+//! enclose.
 //!
-//! Cells that cross come from the triangle tests. Beyond them the surface is inside or outside as a whole, so one signed
-//! distance decides for all cells that are joined without crossing. The deepest point of a part is looked for on its rows,
-//! first every 27th, 9th or 3rd, then closer and closer about the deepest.
+//! Cells that cross come from the triangle tests. Beyond them the surface is inside or outside as a
+//! whole, so one signed distance decides for all cells that are joined without crossing. The
+//! deepest point of a part is looked for on its rows, first every 27th, 9th or 3rd, then closer and
+//! closer about the deepest.
 
 use super::cover::{CellId, Cover};
 use super::levels::{Levels, Nearest};
@@ -78,7 +80,14 @@ impl Region {
     }
 
     /// A cell with these corners crosses a triangle of the other surface.
-    pub fn cross(&mut self, cover: &Cover, id: CellId, corners: &[Point3; 4], other: &Triangle, outward: f64) {
+    pub fn cross(
+        &mut self,
+        cover: &Cover,
+        id: CellId,
+        corners: &[Point3; 4],
+        other: &Triangle,
+        outward: f64,
+    ) {
         let normal = (other[1] - other[0]).cross(&(other[2] - other[0])) * outward;
         let mut state = CROSSING;
         for (k, p) in corners.iter().enumerate() {
@@ -98,11 +107,19 @@ impl Region {
     }
 
     /// The first point of this surface is inside the other.
-    pub fn is_inside(&self, cover: &mut Cover, other: &mut Cover, levels: &mut Levels, side: f64) -> bool {
-        depth(cover, other, levels, [0, 0], f64::INFINITY, side).is_some_and(|(deep, _)| deep.depth_m > 0.0)
+    pub fn is_inside(
+        &self,
+        cover: &mut Cover,
+        other: &mut Cover,
+        levels: &mut Levels,
+        side: f64,
+    ) -> bool {
+        depth(cover, other, levels, [0, 0], f64::INFINITY, side)
+            .is_some_and(|(deep, _)| deep.depth_m > 0.0)
     }
 
-    /// Calls with the deepest point and the parameters of every part; the number of distances asked for.
+    /// Calls with the deepest point and the parameters of every part; the number of distances asked
+    /// for.
     pub fn contacts(
         &mut self,
         cover: &mut Cover,
@@ -131,7 +148,13 @@ impl Region {
     }
 
     /// Finds the cells inside, starting beside corners that seem to be.
-    fn enclose(&mut self, cover: &mut Cover, other: &mut Cover, levels: &mut Levels, side: f64) -> u32 {
+    fn enclose(
+        &mut self,
+        cover: &mut Cover,
+        other: &mut Cover,
+        levels: &mut Levels,
+        side: f64,
+    ) -> u32 {
         let (mut queries, mut doubts) = (0, 0);
         // Those that are added on the way do not cross.
         for k in 0..self.touched.len() {
@@ -141,8 +164,15 @@ impl Region {
                 continue;
             }
             let (i, j) = (cell / cover.v.finest(), cell % cover.v.finest());
-            for (di, dj, beside) in [(1, 0, 0b0110), (-1, 0, 0b1001), (0, 1, 0b1100), (0, -1, 0b0011)] {
-                let Some(next) = neighbour(cover, i, j, di, dj) else { continue };
+            for (di, dj, beside) in [
+                (1, 0, 0b0110),
+                (-1, 0, 0b1001),
+                (0, 1, 0b1100),
+                (0, -1, 0b0011),
+            ] {
+                let Some(next) = neighbour(cover, i, j, di, dj) else {
+                    continue;
+                };
                 if state & beside == 0 || self.state[next] != UNKNOWN {
                     continue;
                 }
@@ -169,9 +199,14 @@ impl Region {
         self.touch(first, INSIDE);
         self.stack.push(first as u32);
         while let Some(cell) = self.stack.pop() {
-            let (i, j) = (cell as usize / cover.v.finest(), cell as usize % cover.v.finest());
+            let (i, j) = (
+                cell as usize / cover.v.finest(),
+                cell as usize % cover.v.finest(),
+            );
             for (di, dj) in [(1, 0), (-1, 0), (0, 1), (0, -1)] {
-                if let Some(next) = neighbour(cover, i, j, di, dj).filter(|&next| self.state[next] == UNKNOWN) {
+                if let Some(next) =
+                    neighbour(cover, i, j, di, dj).filter(|&next| self.state[next] == UNKNOWN)
+                {
                     self.touch(next, INSIDE);
                     self.stack.push(next as u32);
                 }
@@ -187,9 +222,23 @@ impl Region {
         self.stack.push(first as u32);
         while let Some(cell) = self.stack.pop() {
             self.part.push(cell);
-            let (i, j) = (cell as usize / cover.v.finest(), cell as usize % cover.v.finest());
-            for (di, dj) in [(1, 0), (-1, 0), (0, 1), (0, -1), (1, 1), (1, -1), (-1, 1), (-1, -1)] {
-                let Some(next) = neighbour(cover, i, j, di, dj) else { continue };
+            let (i, j) = (
+                cell as usize / cover.v.finest(),
+                cell as usize % cover.v.finest(),
+            );
+            for (di, dj) in [
+                (1, 0),
+                (-1, 0),
+                (0, 1),
+                (0, -1),
+                (1, 1),
+                (1, -1),
+                (-1, 1),
+                (-1, -1),
+            ] {
+                let Some(next) = neighbour(cover, i, j, di, dj) else {
+                    continue;
+                };
                 if self.state[next] & (CROSSING | INSIDE) != 0 && self.state[next] & DONE == 0 {
                     self.state[next] |= DONE;
                     self.stack.push(next as u32);
@@ -204,7 +253,10 @@ impl Region {
             self.marked[0][cell as usize / cover.v.finest()] = true;
             self.marked[1][cell as usize % cover.v.finest()] = true;
         }
-        Rectangle { u: peaks::interval(&cover.u, &self.marked[0]), v: peaks::interval(&cover.v, &self.marked[1]) }
+        Rectangle {
+            u: peaks::interval(&cover.u, &self.marked[0]),
+            v: peaks::interval(&cover.v, &self.marked[1]),
+        }
     }
 
     fn deepest(
@@ -216,13 +268,24 @@ impl Region {
         queries: &mut u32,
     ) -> Option<Deep> {
         let corner = |cover: &Cover, cell: u32, k: usize| {
-            let (i, j) = (cell as usize / cover.v.finest(), cell as usize % cover.v.finest());
-            [cover.u.level(usize::MAX)[i].rows[k & 1], cover.v.level(usize::MAX)[j].rows[k >> 1]]
+            let (i, j) = (
+                cell as usize / cover.v.finest(),
+                cell as usize % cover.v.finest(),
+            );
+            [
+                cover.u.level(usize::MAX)[i].rows[k & 1],
+                cover.v.level(usize::MAX)[j].rows[k >> 1],
+            ]
         };
         let on = |[i, j]: [u32; 2], step: u32| i.is_multiple_of(step) && j.is_multiple_of(step);
         // The lower corner of each cell stands for it; on the finest step all corners do.
-        let enough =
-            |step: &u32| self.part.iter().filter(|&&cell| on(corner(cover, cell, 0), *step)).nth(FEW - 1).is_some();
+        let enough = |step: &u32| {
+            self.part
+                .iter()
+                .filter(|&&cell| on(corner(cover, cell, 0), *step))
+                .nth(FEW - 1)
+                .is_some()
+        };
         let first_step = [27, 9, 3].into_iter().find(enough).unwrap_or(1);
         let mut best: Option<(Deep, [u32; 2])> = None;
         let mut last: Option<(Point3, f64)> = None;
@@ -237,12 +300,18 @@ impl Region {
             let point = cover.points.at(&cover.u, &cover.v, at[0], at[1]);
             // Distances differ by no more than the points do.
             let within = last.map_or(f64::INFINITY, |(from, distance)| {
-                (distance + (point - from).norm()) * (1.0 + 1e-9) + cover.noise_m() + other.noise_m()
+                (distance + (point - from).norm()) * (1.0 + 1e-9)
+                    + cover.noise_m()
+                    + other.noise_m()
             });
             *queries += 1;
-            let Some((deep, distance)) = depth(cover, other, levels, at, within, side) else { return false };
+            let Some((deep, distance)) = depth(cover, other, levels, at, within, side) else {
+                return false;
+            };
             last = Some((point, distance));
-            let deeper = best.as_ref().is_none_or(|(best, _)| deep.depth_m > best.depth_m);
+            let deeper = best
+                .as_ref()
+                .is_none_or(|(best, _)| deep.depth_m > best.depth_m);
             if deeper {
                 *best = Some((deep, at));
             }
@@ -264,9 +333,28 @@ impl Region {
             for _ in 0..MOVES {
                 let (_, [i, j]) = best?;
                 let mut moved = false;
-                for (di, dj) in [(1, 0), (-1, 0), (0, 1), (0, -1), (1, 1), (1, -1), (-1, 1), (-1, -1)] {
-                    let a = shifted(cover.u.parameters.len(), cover.u.wraps, i, di * i64::from(step));
-                    let b = shifted(cover.v.parameters.len(), cover.v.wraps, j, dj * i64::from(step));
+                for (di, dj) in [
+                    (1, 0),
+                    (-1, 0),
+                    (0, 1),
+                    (0, -1),
+                    (1, 1),
+                    (1, -1),
+                    (-1, 1),
+                    (-1, -1),
+                ] {
+                    let a = shifted(
+                        cover.u.parameters.len(),
+                        cover.u.wraps,
+                        i,
+                        di * i64::from(step),
+                    );
+                    let b = shifted(
+                        cover.v.parameters.len(),
+                        cover.v.wraps,
+                        j,
+                        dj * i64::from(step),
+                    );
                     if let (Some(a), Some(b)) = (a, b) {
                         moved |= ask([a, b], cover, &mut best);
                     }
@@ -277,12 +365,18 @@ impl Region {
             }
             step /= 3;
         }
-        best.map(|(deep, _)| Deep { depth_m: deep.depth_m.max(0.0), ..deep })
+        best.map(|(deep, _)| Deep {
+            depth_m: deep.depth_m.max(0.0),
+            ..deep
+        })
     }
 
     /// Corner `k` of a cell is the lower corner of another cell of the part.
     fn has_corner_elsewhere(&self, cover: &Cover, cell: u32, k: usize) -> bool {
-        let (i, j) = (cell as usize / cover.v.finest(), cell as usize % cover.v.finest());
+        let (i, j) = (
+            cell as usize / cover.v.finest(),
+            cell as usize % cover.v.finest(),
+        );
         neighbour(cover, i, j, (k & 1) as i64, (k >> 1) as i64)
             .is_some_and(|next| self.state[next] & (CROSSING | INSIDE) != 0)
     }
@@ -297,11 +391,15 @@ fn neighbour(cover: &Cover, i: usize, j: usize, di: i64, dj: i64) -> Option<usiz
 /// A row some steps on; the first and the last are one where the direction wraps.
 fn shifted(rows: usize, wraps: bool, row: u32, by: i64) -> Option<u32> {
     let (at, last) = (i64::from(row) + by, rows as i64 - 1);
-    if (0..=last).contains(&at) { Some(at as u32) } else { wraps.then(|| at.rem_euclid(last) as u32) }
+    if (0..=last).contains(&at) {
+        Some(at as u32)
+    } else {
+        wraps.then(|| at.rem_euclid(last) as u32)
+    }
 }
 
-/// How deep a point of a grid is inside the other surface, negative outside, and its distance; `None` when nothing is
-/// within `within_m`.
+/// How deep a point of a grid is inside the other surface, negative outside, and its distance;
+/// `None` when nothing is within `within_m`.
 fn depth(
     cover: &mut Cover,
     other: &mut Cover,
@@ -311,7 +409,12 @@ fn depth(
     side: f64,
 ) -> Option<(Deep, f64)> {
     let point = cover.points.at(&cover.u, &cover.v, i, j);
-    let Nearest { point: foot, uv: foot_uv, distance_m, normals } = levels.nearest(other, &point, within_m)?;
+    let Nearest {
+        point: foot,
+        uv: foot_uv,
+        distance_m,
+        normals,
+    } = levels.nearest(other, &point, within_m)?;
     let away = point - foot;
     let along = away.dot(&normals) * side;
     let inside = along < 0.0 && (other.closed || -along > FACING * distance_m * normals.norm());
@@ -321,6 +424,18 @@ fn depth(
     } else {
         normals.try_normalize(0.0).unwrap_or_else(Vector3::z) * side
     };
-    let uv = [cover.u.parameters[i as usize], cover.v.parameters[j as usize]];
-    Some((Deep { depth_m: -sign * distance_m, point, uv, foot_uv, normal }, distance_m))
+    let uv = [
+        cover.u.parameters[i as usize],
+        cover.v.parameters[j as usize],
+    ];
+    Some((
+        Deep {
+            depth_m: -sign * distance_m,
+            point,
+            uv,
+            foot_uv,
+            normal,
+        },
+        distance_m,
+    ))
 }

@@ -5,12 +5,13 @@ use crate::math::{Point3, Vector3};
 
 /// A solid tool, in the frame of the body.
 pub trait Solid {
-    /// Signed distance of a point to the solid's boundary, or the best there is, m: negative inside; and the unit normal
-    /// out of the solid there.
+    /// Signed distance of a point to the solid's boundary, or the best there is, m: negative
+    /// inside; and the unit normal out of the solid there.
     fn signed_gap(&self, point: &Point3) -> (f64, Vector3);
 
-    /// A function that is positive outside, negative inside, and changes by at most a metre a metre: it says whether a ball
-    /// about a point can reach the boundary. `None` when there is no such bound; then all points in range are tried.
+    /// A function that is positive outside, negative inside, and changes by at most a metre a
+    /// metre: it says whether a ball about a point can reach the boundary. `None` when there is no
+    /// such bound; then all points in range are tried.
     fn bounded_gap(&self, _point: &Point3) -> Option<f64> {
         None
     }
@@ -37,7 +38,10 @@ impl Solid for Ball {
     fn signed_gap(&self, point: &Point3) -> (f64, Vector3) {
         let away = point - self.centre;
         let distance = away.norm();
-        (distance - self.radius_m, away.try_normalize(0.0).unwrap_or_else(Vector3::z))
+        (
+            distance - self.radius_m,
+            away.try_normalize(0.0).unwrap_or_else(Vector3::z),
+        )
     }
 
     fn bounded_gap(&self, point: &Point3) -> Option<f64> {

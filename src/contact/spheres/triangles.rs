@@ -1,18 +1,23 @@
 //! The two triangles of a cell: nearest points, and whether two triangles meet.
 //!
-//! Nearest point: Ericson, *Real-Time Collision Detection*, §5.1.5. Meeting: Guigue & Devillers 2003, which decides by signs
-//! of determinants alone. Their test takes no degenerate triangles; those, and pairs in one plane, are decided by separating
-//! axes.
+//! Nearest point: Ericson, *Real-Time Collision Detection*, §5.1.5. Meeting: Guigue & Devillers
+//! 2003, which decides by signs of determinants alone. Their test takes no degenerate triangles;
+//! those, and pairs in one plane, are decided by separating axes.
 
 use crate::math::{Point3, Vector3};
 
 /// Corners.
 pub(super) type Triangle = [Point3; 3];
 
-/// Corners of the two triangles of a cell, among its four in order round it: split along the shorter diagonal.
+/// Corners of the two triangles of a cell, among its four in order round it: split along the
+/// shorter diagonal.
 #[inline]
 pub(super) fn split([a, b, c, d]: &[Point3; 4]) -> [[usize; 3]; 2] {
-    if (c - a).norm_squared() <= (d - b).norm_squared() { [[0, 1, 2], [0, 2, 3]] } else { [[0, 1, 3], [1, 2, 3]] }
+    if (c - a).norm_squared() <= (d - b).norm_squared() {
+        [[0, 1, 2], [0, 2, 3]]
+    } else {
+        [[0, 1, 3], [1, 2, 3]]
+    }
 }
 
 /// The point of a triangle nearest to `q`, by its weights of the corners.
@@ -49,7 +54,11 @@ pub(super) fn nearest(q: &Point3, [a, b, c]: &Triangle) -> [f64; 3] {
         return [0.0, 1.0 - t, t];
     }
     let sum = va + vb + vc;
-    if sum > 0.0 { [va / sum, vb / sum, vc / sum] } else { [1.0, 0.0, 0.0] }
+    if sum > 0.0 {
+        [va / sum, vb / sum, vc / sum]
+    } else {
+        [1.0, 0.0, 0.0]
+    }
 }
 
 /// Two triangles share a point.
@@ -68,17 +77,30 @@ pub(super) fn meet(first: &Triangle, second: &Triangle) -> bool {
     if one_sided(&second_sides) {
         return false;
     }
-    // The first triangle is turned so that its first corner is alone on its side of the second's plane, the second is
-    // mirrored where that side is below.
-    let Some((at, up)) = lone_corner(&first_sides) else { return !apart_in_plane(first, second, &n2) };
+    // The first triangle is turned so that its first corner is alone on its side of the second's
+    // plane, the second is mirrored where that side is below.
+    let Some((at, up)) = lone_corner(&first_sides) else {
+        return !apart_in_plane(first, second, &n2);
+    };
     let first = turned(first, at);
-    let (second, sides) = if up { (*second, second_sides) } else { mirrored(second, &second_sides) };
-    let Some((at, up)) = lone_corner(&sides) else { return !apart_in_plane(&first, &second, &n1) };
+    let (second, sides) = if up {
+        (*second, second_sides)
+    } else {
+        mirrored(second, &second_sides)
+    };
+    let Some((at, up)) = lone_corner(&sides) else {
+        return !apart_in_plane(&first, &second, &n1);
+    };
     let second = turned(&second, at);
-    let [p1, q1, r1] = if up { first } else { [first[0], first[2], first[1]] };
+    let [p1, q1, r1] = if up {
+        first
+    } else {
+        [first[0], first[2], first[1]]
+    };
     let [p2, q2, r2] = second;
     // Along the line of both planes the two intervals overlap: two determinants.
-    (p2 - q1).cross(&(p1 - q1)).dot(&(q2 - q1)) <= 0.0 && (p2 - p1).cross(&(r1 - p1)).dot(&(r2 - p1)) <= 0.0
+    (p2 - q1).cross(&(p1 - q1)).dot(&(q2 - q1)) <= 0.0
+        && (p2 - p1).cross(&(r1 - p1)).dot(&(r2 - p1)) <= 0.0
 }
 
 fn one_sided(s: &[f64; 3]) -> bool {
@@ -93,7 +115,8 @@ fn turned(t: &Triangle, at: usize) -> Triangle {
     [t[at], t[(at + 1) % 3], t[(at + 2) % 3]]
 }
 
-/// The corner that a plane parts from the two others, and whether it is above; `None` when all three lie in the plane.
+/// The corner that a plane parts from the two others, and whether it is above; `None` when all
+/// three lie in the plane.
 fn lone_corner(s: &[f64; 3]) -> Option<(usize, bool)> {
     let (above, below) = (s.map(|x| x > 0.0), s.map(|x| x < 0.0));
     let count = |flags: &[bool; 3]| flags.iter().filter(|f| **f).count();
@@ -110,7 +133,10 @@ fn lone_corner(s: &[f64; 3]) -> Option<(usize, bool)> {
 
 /// Without an area, to rounding.
 fn is_degenerate([a, b, c]: &Triangle, normal: &Vector3) -> bool {
-    let longest = (b - a).norm_squared().max((c - b).norm_squared()).max((a - c).norm_squared());
+    let longest = (b - a)
+        .norm_squared()
+        .max((c - b).norm_squared())
+        .max((a - c).norm_squared());
     normal.norm_squared() <= 1e-24 * longest * longest
 }
 
@@ -125,14 +151,19 @@ fn apart_in_plane(first: &Triangle, second: &Triangle, normal: &Vector3) -> bool
     (0..3).any(|k| separates(first, k, second) || separates(second, k, first))
 }
 
-/// Some axis separates them. All axes that any pair of triangles, segments or points may need; not quick.
+/// Some axis separates them. All axes that any pair of triangles, segments or points may need; not
+/// quick.
 fn apart(first: &Triangle, second: &Triangle) -> bool {
     let edges = |t: &Triangle| [t[1] - t[0], t[2] - t[1], t[0] - t[2]];
     let (e, f) = (edges(first), edges(second));
     let normal = |e: &[Vector3; 3]| {
         let n = e[0].cross(&e[1]);
         // Rounding is no direction.
-        if n.norm_squared() > 1e-24 * e[0].norm_squared() * e[1].norm_squared() { n } else { Vector3::zeros() }
+        if n.norm_squared() > 1e-24 * e[0].norm_squared() * e[1].norm_squared() {
+            n
+        } else {
+            Vector3::zeros()
+        }
     };
     let (n, m) = (normal(&e), normal(&f));
     let separates = |axis: Vector3| {
@@ -162,8 +193,10 @@ fn apart(first: &Triangle, second: &Triangle) -> bool {
         }
     }
     let rest = |a: &Vector3| between - a * (between.dot(a) / a.norm_squared());
-    e.iter().any(|a| separates(n.cross(a)) || separates(*a) || separates(rest(a)))
-        || f.iter().any(|a| separates(m.cross(a)) || separates(*a) || separates(rest(a)))
+    e.iter()
+        .any(|a| separates(n.cross(a)) || separates(*a) || separates(rest(a)))
+        || f.iter()
+            .any(|a| separates(m.cross(a)) || separates(*a) || separates(rest(a)))
         || separates(between) && e.iter().chain(&f).all(|a| a.norm_squared() <= 0.0)
 }
 
@@ -181,7 +214,9 @@ mod tests {
                 let m = crate::math::Matrix3::from_columns(&[from - to, s[1] - s[0], s[2] - s[0]]);
                 let inverse = m.try_inverse()?;
                 let x = inverse * (from - s[0]);
-                let slack = [x[0], 1.0 - x[0], x[1], x[2], 1.0 - x[1] - x[2]].into_iter().fold(f64::INFINITY, f64::min);
+                let slack = [x[0], 1.0 - x[0], x[1], x[2], 1.0 - x[1] - x[2]]
+                    .into_iter()
+                    .fold(f64::INFINITY, f64::min);
                 found |= slack > 0.0;
                 sure &= slack.abs() > 1e-9;
             }
@@ -190,7 +225,11 @@ mod tests {
     }
 
     fn point(random: &mut Random, size: f64) -> Point3 {
-        Point3::new(random.float(-size, size), random.float(-size, size), random.float(-size, size))
+        Point3::new(
+            random.float(-size, size),
+            random.float(-size, size),
+            random.float(-size, size),
+        )
     }
 
     #[test]
@@ -198,9 +237,17 @@ mod tests {
         let mut random = Random(3);
         let mut counts = [0, 0];
         for _ in 0..20_000 {
-            let mut three = |size: f64| [point(&mut random, size), point(&mut random, size), point(&mut random, size)];
+            let mut three = |size: f64| {
+                [
+                    point(&mut random, size),
+                    point(&mut random, size),
+                    point(&mut random, size),
+                ]
+            };
             let (a, b) = (three(1.0), three(1.0));
-            let Some(wanted) = oracle(&a, &b) else { continue };
+            let Some(wanted) = oracle(&a, &b) else {
+                continue;
+            };
             counts[usize::from(wanted)] += 1;
             for (x, y) in [(a, b), (b, a), ([a[1], a[2], a[0]], [b[2], b[1], b[0]])] {
                 assert_eq!(meet(&x, &y), wanted, "{x:?} {y:?}");
@@ -209,8 +256,9 @@ mod tests {
         assert!(counts[0] > 4_000 && counts[1] > 2_000, "{counts:?}");
     }
 
-    /// Corners on a small grid of integers: coplanar pairs, shared corners and edges, points on faces, no area at all.
-    /// Distances are then 0 or far from it, so an independent minimisation can tell.
+    /// Corners on a small grid of integers: coplanar pairs, shared corners and edges, points on
+    /// faces, no area at all. Distances are then 0 or far from it, so an independent minimisation
+    /// can tell.
     #[test]
     fn meeting_agrees_with_the_distance_on_degenerate_pairs() {
         let mut random = Random(4);
@@ -221,7 +269,10 @@ mod tests {
                 let mut c = || random.integer(0, 3) as f64;
                 Point3::new(c(), c(), if flat { 0.0 } else { c() })
             };
-            let (a, b) = ([corner(), corner(), corner()], [corner(), corner(), corner()]);
+            let (a, b) = (
+                [corner(), corner(), corner()],
+                [corner(), corner(), corner()],
+            );
             let wanted = distance(&a, &b) < 1e-6;
             counts[usize::from(wanted)] += 1;
             assert_eq!(meet(&a, &b), wanted, "{a:?} {b:?}: {}", distance(&a, &b));
@@ -229,8 +280,8 @@ mod tests {
         assert!(counts[0] > 1_000 && counts[1] > 1_000, "{counts:?}");
     }
 
-    /// Of segments with triangles, all six: the distance along a segment to a convex set is convex, so thirds close in. And
-    /// 0 where an edge goes through a face.
+    /// Of segments with triangles, all six: the distance along a segment to a convex set is convex,
+    /// so thirds close in. And 0 where an edge goes through a face.
     fn distance(a: &Triangle, b: &Triangle) -> f64 {
         let to = |q: Point3, t: &Triangle| {
             let w = nearest(&q, t);
@@ -243,7 +294,11 @@ mod tests {
                 let (mut low, mut high) = (0.0, 1.0);
                 for _ in 0..60 {
                     let (x, y) = (low + (high - low) / 3.0, high - (high - low) / 3.0);
-                    if to(p + d * x, s) <= to(p + d * y, s) { high = y } else { low = x }
+                    if to(p + d * x, s) <= to(p + d * y, s) {
+                        high = y
+                    } else {
+                        low = x
+                    }
                 }
                 for x in [0.0, 1.0, low] {
                     least = least.min(to(p + d * x, s));
@@ -257,7 +312,11 @@ mod tests {
     fn the_nearest_point_is_no_farther_than_any_other() {
         let mut random = Random(6);
         for k in 0..3_000 {
-            let mut t = [point(&mut random, 1.0), point(&mut random, 1.0), point(&mut random, 1.0)];
+            let mut t = [
+                point(&mut random, 1.0),
+                point(&mut random, 1.0),
+                point(&mut random, 1.0),
+            ];
             if k % 10 == 0 {
                 t[2] = nalgebra::center(&t[0], &t[1]);
             }
@@ -265,9 +324,14 @@ mod tests {
                 t[1] = t[0];
             }
             let q = point(&mut random, 2.0);
-            let at = |w: [f64; 3]| Point3::from(t[0].coords * w[0] + t[1].coords * w[1] + t[2].coords * w[2]);
+            let at = |w: [f64; 3]| {
+                Point3::from(t[0].coords * w[0] + t[1].coords * w[1] + t[2].coords * w[2])
+            };
             let weights = nearest(&q, &t);
-            assert!((weights.iter().sum::<f64>() - 1.0).abs() < 1e-12 && weights.iter().all(|w| *w >= 0.0));
+            assert!(
+                (weights.iter().sum::<f64>() - 1.0).abs() < 1e-12
+                    && weights.iter().all(|w| *w >= 0.0)
+            );
             let found = (at(weights) - q).norm();
             for i in 0..=40 {
                 for j in 0..=40 - i {

@@ -16,9 +16,16 @@ const MAX_MATRICES: usize = 16;
 
 /// Directory entries of all surfaces.
 pub(super) fn find(file: &File<'_>) -> Result<Vec<u64>, IgesError> {
-    let surfaces = file.entries().flatten().filter(|entry| entry.kind == u64::from(SURFACE));
+    let surfaces = file
+        .entries()
+        .flatten()
+        .filter(|entry| entry.kind == u64::from(SURFACE));
     let ids: Vec<u64> = surfaces.map(|entry| entry.id).collect();
-    if ids.is_empty() { Err(IgesError::NoSurface(file.count())) } else { Ok(ids) }
+    if ids.is_empty() {
+        Err(IgesError::NoSurface(file.count()))
+    } else {
+        Ok(ids)
+    }
 }
 
 /// The parameters of one entity, and how to complain about them.
@@ -30,33 +37,58 @@ struct Parameters {
 
 impl Parameters {
     fn of(file: &File<'_>, entry: &Entry, kind: u32) -> Result<Self, IgesError> {
-        Ok(Self { kind, id: entry.id, tokens: file.parameters(entry)? })
+        Ok(Self {
+            kind,
+            id: entry.id,
+            tokens: file.parameters(entry)?,
+        })
     }
 
     fn require(&self, needed: u64) -> Result<(), IgesError> {
         let given = self.tokens.len();
         if (given as u64) < needed {
-            return Err(IgesError::Few { kind: self.kind, id: self.id, given, needed });
+            return Err(IgesError::Few {
+                kind: self.kind,
+                id: self.id,
+                given,
+                needed,
+            });
         }
         Ok(())
     }
 
     fn wrong(&self, k: usize, what: &'static str, wanted: &'static str) -> IgesError {
         let found = shortened(&self.tokens[k]);
-        IgesError::Parameter { kind: self.kind, id: self.id, index: k + 1, what, wanted, found }
+        IgesError::Parameter {
+            kind: self.kind,
+            id: self.id,
+            index: k + 1,
+            what,
+            wanted,
+            found,
+        }
     }
 
     /// Empty parameters are 0.
     fn whole(&self, k: usize, what: &'static str) -> Result<u64, IgesError> {
         let token = &self.tokens[k];
-        let number =
-            if token.is_empty() { Some(0) } else { std::str::from_utf8(token).ok().and_then(|t| t.parse().ok()) };
-        number.filter(|&number: &u64| number < 1 << 40).ok_or_else(|| self.wrong(k, what, "a whole number"))
+        let number = if token.is_empty() {
+            Some(0)
+        } else {
+            std::str::from_utf8(token).ok().and_then(|t| t.parse().ok())
+        };
+        number
+            .filter(|&number: &u64| number < 1 << 40)
+            .ok_or_else(|| self.wrong(k, what, "a whole number"))
     }
 
     fn real(&self, k: usize, what: &'static str) -> Result<f64, IgesError> {
         let token = &self.tokens[k];
-        let number = if token.is_empty() { Some(0.0) } else { parse(token) };
+        let number = if token.is_empty() {
+            Some(0.0)
+        } else {
+            parse(token)
+        };
         number.ok_or_else(|| self.wrong(k, what, "a number"))
     }
 }
@@ -70,9 +102,14 @@ pub(super) fn surface(
     let entry = file.entry(id).ok_or(IgesError::NoSurface(file.count()))?;
     let parameters = Parameters::of(file, &entry, SURFACE)?;
     parameters.require(9)?;
-    let last =
-        [parameters.whole(0, "upper index of the first sum")?, parameters.whole(1, "upper index of the second sum")?];
-    let degrees = [parameters.whole(2, "degree in u")?, parameters.whole(3, "degree in v")?];
+    let last = [
+        parameters.whole(0, "upper index of the first sum")?,
+        parameters.whole(1, "upper index of the second sum")?,
+    ];
+    let degrees = [
+        parameters.whole(2, "degree in u")?,
+        parameters.whole(3, "degree in v")?,
+    ];
     for k in 0..2 {
         if degrees[k] > MAX_DEGREE as u64 {
             return Err(parameters.wrong(2 + k, ["degree in u", "degree in v"][k], "at most 15"));
@@ -102,8 +139,14 @@ pub(super) fn surface(
     let order = || (0..rows).flat_map(|i| (0..columns).map(move |j| i + j * rows));
     let points = order()
         .map(|k| {
-            let point = Vector3::new(coordinates[3 * k], coordinates[3 * k + 1], coordinates[3 * k + 2]);
-            let point = placed.as_ref().map_or(point, |(rotation, shift)| rotation * point + shift);
+            let point = Vector3::new(
+                coordinates[3 * k],
+                coordinates[3 * k + 1],
+                coordinates[3 * k + 2],
+            );
+            let point = placed
+                .as_ref()
+                .map_or(point, |(rotation, shift)| rotation * point + shift);
             Point3::from(point.map(|x| unit.to_metres(x)))
         })
         .collect();
@@ -122,8 +165,8 @@ pub(super) fn surface(
     Ok((values, [(range[0], range[1]), (range[2], range[3])]))
 }
 
-/// The product of the matrices that place an entity, in the file's unit; `None` without any, so that numbers stay
-/// as they are bit for bit.
+/// The product of the matrices that place an entity, in the file's unit; `None` without any, so
+/// that numbers stay as they are bit for bit.
 fn placement(file: &File<'_>, entry: &Entry) -> Result<Option<(Matrix3, Vector3)>, IgesError> {
     let mut placed: Option<(Matrix3, Vector3)> = None;
     let mut from = *entry;
@@ -131,8 +174,13 @@ fn placement(file: &File<'_>, entry: &Entry) -> Result<Option<(Matrix3, Vector3)
         if from.matrix == 0 {
             return Ok(placed);
         }
-        let to = file.entry(from.matrix).filter(|entry| entry.kind == u64::from(MATRIX));
-        let to = to.ok_or(IgesError::Matrix { from: from.id, to: from.matrix })?;
+        let to = file
+            .entry(from.matrix)
+            .filter(|entry| entry.kind == u64::from(MATRIX));
+        let to = to.ok_or(IgesError::Matrix {
+            from: from.id,
+            to: from.matrix,
+        })?;
         let parameters = Parameters::of(file, &to, MATRIX)?;
         parameters.require(12)?;
         let mut values = [0.0; 12];
@@ -140,7 +188,10 @@ fn placement(file: &File<'_>, entry: &Entry) -> Result<Option<(Matrix3, Vector3)
             *value = parameters.real(k, "element of the matrix")?;
         }
         let [a, b, c, x, d, e, f, y, g, h, i, z] = values;
-        let (rotation, shift) = (Matrix3::new(a, b, c, d, e, f, g, h, i), Vector3::new(x, y, z));
+        let (rotation, shift) = (
+            Matrix3::new(a, b, c, d, e, f, g, h, i),
+            Vector3::new(x, y, z),
+        );
         placed = Some(match placed {
             None => (rotation, shift),
             Some((inner, moved)) => (rotation * inner, rotation * moved + shift),

@@ -1,4 +1,5 @@
-//! The sections of an IGES file: lines by their letter in column 73, parameters by the delimiters of the global section.
+//! The sections of an IGES file: lines by their letter in column 73, parameters by the delimiters
+//! of the global section.
 
 use super::IgesError;
 use crate::exchange::LengthUnit;
@@ -58,7 +59,11 @@ impl<'a> File<'a> {
             if place(letter).is_none_or(|at| Some(at) < place(section)) {
                 let (line_number, found) = (k + 1, shortened(line));
                 let wanted = "a letter of S, G, D, P, T in column 73, in that order";
-                return Err(IgesError::Line { line: line_number, wanted, found });
+                return Err(IgesError::Line {
+                    line: line_number,
+                    wanted,
+                    found,
+                });
             }
             section = letter;
             match letter {
@@ -73,7 +78,9 @@ impl<'a> File<'a> {
             }
         }
         let Some(terminate) = terminate else {
-            return Err(IgesError::Unfinished("it has no terminate section (a line with T in column 73)"));
+            return Err(IgesError::Unfinished(
+                "it has no terminate section (a line with T in column 73)",
+            ));
         };
         let told = |letter: u8, from: usize| terminate.get(from) == Some(&letter);
         let number = |from: usize| terminate.get(from + 1..from + 8).and_then(whole);
@@ -82,19 +89,35 @@ impl<'a> File<'a> {
             && number(16) == Some(entries.len() as u64)
             && number(24) == Some(parameters.len() as u64);
         if !agree {
-            return Err(IgesError::Unfinished("sections D and P have not as many lines as the terminate section says"));
+            return Err(IgesError::Unfinished(
+                "sections D and P have not as many lines as the terminate section says",
+            ));
         }
         if entries.len() % 2 == 1 {
-            return Err(IgesError::Unfinished("a directory entry has one line instead of two"));
+            return Err(IgesError::Unfinished(
+                "a directory entry has one line instead of two",
+            ));
         }
         let delimiters = delimiters(&global_text)?;
         let mut global = Vec::new();
-        let mut reader = Reader { text: &global_text, at: 0, delimiters };
+        let mut reader = Reader {
+            text: &global_text,
+            at: 0,
+            delimiters,
+        };
         while let Some(token) = reader.next()? {
             global.push(Token::Owned(token.to_vec()));
         }
-        let directory = entries.chunks_exact(2).map(|pair| [pair[0], pair[1]]).collect();
-        Ok(Self { global, directory, parameters, delimiters })
+        let directory = entries
+            .chunks_exact(2)
+            .map(|pair| [pair[0], pair[1]])
+            .collect();
+        Ok(Self {
+            global,
+            directory,
+            parameters,
+            delimiters,
+        })
     }
 
     /// How many entities there are.
@@ -109,25 +132,43 @@ impl<'a> File<'a> {
 
     /// The entry whose first line is number `id`.
     pub fn entry(&self, id: u64) -> Option<Entry> {
-        let at = usize::try_from(id.checked_sub(1)?).ok().filter(|at| at % 2 == 0)? / 2;
+        let at = usize::try_from(id.checked_sub(1)?)
+            .ok()
+            .filter(|at| at % 2 == 0)?
+            / 2;
         let [one, two] = self.directory.get(at)?;
         let field = |line: &[u8], k: usize| line.get(8 * k..8 * k + 8).and_then(whole_or_zero);
         let (kind, first, matrix) = (field(one, 0)?, field(one, 1)?, field(one, 6)?);
         // Some files leave the number of lines out.
         let lines = field(two, 3)?.max(1);
-        Some(Entry { id, kind, first, lines, matrix })
+        Some(Entry {
+            id,
+            kind,
+            first,
+            lines,
+            matrix,
+        })
     }
 
     /// The parameters of an entity, without its number.
     pub fn parameters(&self, entry: &Entry) -> Result<Vec<Vec<u8>>, IgesError> {
         let (id, first) = (entry.id, entry.first);
         let last = first.saturating_add(entry.lines - 1);
-        let pointer = IgesError::Pointer { id, first, last, lines: self.parameters.len() };
+        let pointer = IgesError::Pointer {
+            id,
+            first,
+            last,
+            lines: self.parameters.len(),
+        };
         if first == 0 || last > self.parameters.len() as u64 {
             return Err(pointer);
         }
         let text = self.parameters[first as usize - 1..last as usize].concat();
-        let mut reader = Reader { text: &text, at: 0, delimiters: self.delimiters };
+        let mut reader = Reader {
+            text: &text,
+            at: 0,
+            delimiters: self.delimiters,
+        };
         let mut tokens = Vec::new();
         while let Some(token) = reader.next()? {
             tokens.push(token.to_vec());
@@ -146,11 +187,21 @@ impl<'a> File<'a> {
             IgesError::Global { index, what, found }
         };
         // Empty parameters have defaults: scale 1, inches.
-        let scale = if token(13).is_empty() { Some(1.0) } else { parse(token(13)) };
+        let scale = if token(13).is_empty() {
+            Some(1.0)
+        } else {
+            parse(token(13))
+        };
         let scale = scale.filter(|s| s.is_normal() && *s > 0.0);
         let scale = scale.ok_or_else(|| wrong(13, "the model's scale, a number above 0"))?;
-        let flag = if token(14).is_empty() { Some(1) } else { whole(token(14)) };
-        let unit = |name: &str, numerator: f64, denominator: f64| LengthUnit::of_metres(name, numerator, denominator);
+        let flag = if token(14).is_empty() {
+            Some(1)
+        } else {
+            whole(token(14))
+        };
+        let unit = |name: &str, numerator: f64, denominator: f64| {
+            LengthUnit::of_metres(name, numerator, denominator)
+        };
         let unit = match flag {
             Some(1) => unit("inch", 25.4, 1e3),
             Some(2) => unit("mm", 1.0, 1e3),
@@ -175,7 +226,11 @@ impl<'a> File<'a> {
             _ => return Err(wrong(14, "the unit's flag, 1 to 11")),
         };
         // The model is `scale` times as large as the thing.
-        Ok(if scale == 1.0 { unit } else { unit.divided(scale) })
+        Ok(if scale == 1.0 {
+            unit
+        } else {
+            unit.divided(scale)
+        })
     }
 }
 
@@ -187,7 +242,11 @@ fn whole(field: &[u8]) -> Option<u64> {
 /// The same, blanks being 0. Negative numbers (pointers to properties) are none that matter here.
 fn whole_or_zero(field: &[u8]) -> Option<u64> {
     let text = std::str::from_utf8(field).ok()?.trim();
-    if text.is_empty() || text.starts_with('-') { Some(0) } else { text.parse().ok() }
+    if text.is_empty() || text.starts_with('-') {
+        Some(0)
+    } else {
+        text.parse().ok()
+    }
 }
 
 pub(super) fn shortened(text: &[u8]) -> String {
@@ -195,16 +254,24 @@ pub(super) fn shortened(text: &[u8]) -> String {
         return "empty".to_owned();
     }
     let head = String::from_utf8_lossy(&text[..text.len().min(24)]);
-    format!("\"{}{}\"", head.escape_debug(), if text.len() > 24 { "…" } else { "" })
+    format!(
+        "\"{}{}\"",
+        head.escape_debug(),
+        if text.len() > 24 { "…" } else { "" }
+    )
 }
 
 /// `2HMM` → `MM`.
 fn hollerith_body(token: &[u8]) -> &[u8] {
-    let at = token.iter().position(|&byte| byte == b'H').map_or(0, |at| at + 1);
+    let at = token
+        .iter()
+        .position(|&byte| byte == b'H')
+        .map_or(0, |at| at + 1);
     token[at..].trim_ascii()
 }
 
-/// The parameter and record delimiters, which the global section begins with: `1H,,1H;,` or empty for these two.
+/// The parameter and record delimiters, which the global section begins with: `1H,,1H;,` or empty
+/// for these two.
 fn delimiters(global: &[u8]) -> Result<[u8; 2], IgesError> {
     let wrong = |index: usize| IgesError::Global {
         index,
@@ -222,7 +289,9 @@ fn delimiters(global: &[u8]) -> Result<[u8; 2], IgesError> {
         [next, ..] if *next == parameter => b';',
         _ => return Err(wrong(2)),
     };
-    let usable = |byte: u8| byte.is_ascii_graphic() && !byte.is_ascii_alphanumeric() && !b"+-.".contains(&byte);
+    let usable = |byte: u8| {
+        byte.is_ascii_graphic() && !byte.is_ascii_alphanumeric() && !b"+-.".contains(&byte)
+    };
     if !usable(parameter) || !usable(record) || parameter == record {
         return Err(wrong(1));
     }
@@ -249,21 +318,35 @@ impl<'a> Reader<'a> {
             at += 1;
         }
         // A Hollerith string: its count, H, and as many characters, delimiters among them.
-        let digits = text[at..].iter().take_while(|byte| byte.is_ascii_digit()).count();
+        let digits = text[at..]
+            .iter()
+            .take_while(|byte| byte.is_ascii_digit())
+            .count();
         if digits > 0 && text.get(at + digits) == Some(&b'H') {
             let count = whole(&text[at..at + digits]).and_then(|count| usize::try_from(count).ok());
-            let end = count.and_then(|count| (at + digits + 1).checked_add(count)).filter(|&end| end <= text.len());
-            at = end.ok_or(IgesError::Unfinished("a string is longer than the lines that hold it"))?;
+            let end = count
+                .and_then(|count| (at + digits + 1).checked_add(count))
+                .filter(|&end| end <= text.len());
+            at = end.ok_or(IgesError::Unfinished(
+                "a string is longer than the lines that hold it",
+            ))?;
         }
         let [parameter, record] = self.delimiters;
-        while text.get(at).is_some_and(|&byte| byte != parameter && byte != record) {
+        while text
+            .get(at)
+            .is_some_and(|&byte| byte != parameter && byte != record)
+        {
             at += 1;
         }
         match text.get(at) {
             None => Err(IgesError::Unfinished("a list of parameters has no end")),
             Some(byte) => {
                 // After the record's delimiter there is nothing.
-                self.at = if *byte == record { text.len() + 1 } else { at + 1 };
+                self.at = if *byte == record {
+                    text.len() + 1
+                } else {
+                    at + 1
+                };
                 Ok(Some(text[start..at].trim_ascii()))
             }
         }

@@ -8,8 +8,8 @@ use std::fmt::Write as _;
 
 /// The file of a surface, as entity 128. In metres, reading it gives the same numbers bit for bit.
 ///
-/// Which side is out has no place in the file: a closed surface is turned outwards when it is read, an open one with
-/// `flip_normal` is written with u and v exchanged.
+/// Which side is out has no place in the file: a closed surface is turned outwards when it is read,
+/// an open one with `flip_normal` is written with u and v exchanged.
 ///
 /// # Errors
 /// A surface that comes apart at a knot.
@@ -22,15 +22,39 @@ pub fn write(surface: &Surface, unit: Unit) -> Result<String, SplineError> {
     for (k, line) in global.iter().enumerate() {
         let _ = writeln!(out, "{line:<72}G{:>7}", k + 1);
     }
-    // Entity, its first parameter line, five defaults (structure, font, level, view, matrix), label display, status.
-    let _ = writeln!(out, "{:>8}{:>8}{:>8}{:>8}{:>8}{:>8}{:>8}{:>8}00000000D{:>7}", 128, 1, 0, 0, 0, 0, 0, 0, 1);
+    // Entity, its first parameter line, five defaults (structure, font, level, view, matrix), label
+    // display, status.
+    let _ = writeln!(
+        out,
+        "{:>8}{:>8}{:>8}{:>8}{:>8}{:>8}{:>8}{:>8}00000000D{:>7}",
+        128, 1, 0, 0, 0, 0, 0, 0, 1
+    );
     // Entity, weight, colour, lines of parameters, form, reserved twice, label, subscript.
-    let _ =
-        writeln!(out, "{:>8}{:>8}{:>8}{:>8}{:>8}{:>24}{:>8}D{:>7}", 128, 0, 0, parameters.len(), 0, "SURFACE", 0, 2);
+    let _ = writeln!(
+        out,
+        "{:>8}{:>8}{:>8}{:>8}{:>8}{:>24}{:>8}D{:>7}",
+        128,
+        0,
+        0,
+        parameters.len(),
+        0,
+        "SURFACE",
+        0,
+        2
+    );
     for (k, line) in parameters.iter().enumerate() {
         let _ = writeln!(out, "{line:<64}{:>8}P{:>7}", 1, k + 1);
     }
-    let _ = writeln!(out, "S{:>7}G{:>7}D{:>7}P{:>7}{:>40}T{:>7}", 1, global.len(), 2, parameters.len(), "", 1);
+    let _ = writeln!(
+        out,
+        "S{:>7}G{:>7}D{:>7}P{:>7}{:>40}T{:>7}",
+        1,
+        global.len(),
+        2,
+        parameters.len(),
+        "",
+        1
+    );
     Ok(out)
 }
 
@@ -55,7 +79,11 @@ fn hollerith(text: &str) -> String {
 }
 
 fn global(written: &Written, unit: Unit) -> Vec<String> {
-    let largest = written.points.iter().flat_map(|p| [p.x, p.y, p.z]).fold(0.0, |a: f64, x| a.max(x.abs()));
+    let largest = written
+        .points
+        .iter()
+        .flat_map(|p| [p.x, p.y, p.z])
+        .fold(0.0, |a: f64, x| a.max(x.abs()));
     let largest = largest * unit.per_metre();
     let (flag, name) = match unit {
         Unit::Metre => (6, "M"),
@@ -115,7 +143,14 @@ fn parameters(written: &Written, unit: Unit) -> Vec<String> {
     let order = || (0..columns).flat_map(|j| (0..rows).map(move |i| i * columns + j));
     out.extend(order().map(|k| real(written.weights.as_ref().map_or(1.0, |w| w[k]), 'D')));
     let scale = unit.per_metre();
-    out.extend(order().flat_map(|k| written.points[k].coords.data.0[0].map(|x| real(x * scale, 'D'))));
-    out.extend(written.domains.iter().flat_map(|domain| [real(domain.0, 'D'), real(domain.1, 'D')]));
+    out.extend(
+        order().flat_map(|k| written.points[k].coords.data.0[0].map(|x| real(x * scale, 'D'))),
+    );
+    out.extend(
+        written
+            .domains
+            .iter()
+            .flat_map(|domain| [real(domain.0, 'D'), real(domain.1, 'D')]),
+    );
     out
 }

@@ -9,7 +9,8 @@ const ELEMENT_ARRAY_BUFFER: u32 = 34963;
 const FLOAT: u32 = 5126;
 const UNSIGNED_INT: u32 = 5125;
 
-/// The file of a mesh, in metres. The mesh keeps its coordinates; a node turns our z up to the format's y up.
+/// The file of a mesh, in metres. The mesh keeps its coordinates; a node turns our z up to the
+/// format's y up.
 ///
 /// # Errors
 /// A mesh that is empty, or whose parts do not fit each other or the format.
@@ -27,11 +28,18 @@ pub fn write(mesh: &Mesh) -> Result<Vec<u8>, MeshError> {
     }
     for normal in &mesh.normals {
         // The format has unit normals only; where there is none, any will do.
-        let normal = normal.try_normalize(0.0).filter(|n| n.iter().all(|x| x.is_finite()));
+        let normal = normal
+            .try_normalize(0.0)
+            .filter(|n| n.iter().all(|x| x.is_finite()));
         let normal = normal.unwrap_or_else(crate::math::Vector3::z);
         body.extend(normal.iter().flat_map(|x| (*x as f32).to_le_bytes()));
     }
-    body.extend(mesh.triangles.iter().flatten().flat_map(|corner| corner.to_le_bytes()));
+    body.extend(
+        mesh.triangles
+            .iter()
+            .flatten()
+            .flat_map(|corner| corner.to_le_bytes()),
+    );
     let half = std::f32::consts::FRAC_1_SQRT_2;
     let document = serde_json::json!({
         "asset": {"version": "2.0", "generator": concat!("palpate ", env!("CARGO_PKG_VERSION"))},
@@ -55,7 +63,12 @@ pub fn write(mesh: &Mesh) -> Result<Vec<u8>, MeshError> {
     // Chunks are multiples of four bytes; those of the body are already.
     json.resize(json.len().next_multiple_of(4), b' ');
     let length = 12 + 8 + json.len() + 8 + body.len();
-    let count = |bytes: usize| u32::try_from(bytes).map_err(|_| MeshError::Many { what: "bytes", count: bytes });
+    let count = |bytes: usize| {
+        u32::try_from(bytes).map_err(|_| MeshError::Many {
+            what: "bytes",
+            count: bytes,
+        })
+    };
     let mut out = Vec::with_capacity(length);
     out.extend_from_slice(b"glTF");
     out.extend_from_slice(&2u32.to_le_bytes());

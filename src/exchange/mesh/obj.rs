@@ -12,7 +12,11 @@ use std::fmt::Write as _;
 /// A mesh that is empty, or whose parts do not fit each other.
 pub fn write(mesh: &Mesh, unit: Unit) -> Result<String, MeshError> {
     check(mesh, unit.per_metre(), false)?;
-    let mut out = format!("# palpate {}, {}\no surface\n", env!("CARGO_PKG_VERSION"), unit.name());
+    let mut out = format!(
+        "# palpate {}, {}\no surface\n",
+        env!("CARGO_PKG_VERSION"),
+        unit.name()
+    );
     for point in &mesh.points {
         let point = point * unit.per_metre();
         let _ = writeln!(out, "v {:?} {:?} {:?}", point.x, point.y, point.z);
@@ -41,14 +45,19 @@ pub fn read_points(bytes: &[u8], unit: Unit) -> Result<Vec<Point3>, MeshError> {
             points.push(corner.ok_or_else(|| wrong_line(number, "v and three numbers", line))?);
         }
     }
-    if points.is_empty() { Err(MeshError::Empty("corners (lines that begin with v)")) } else { Ok(points) }
+    if points.is_empty() {
+        Err(MeshError::Empty("corners (lines that begin with v)"))
+    } else {
+        Ok(points)
+    }
 }
 
-/// The corners and faces of a file; faces with more than three corners become fans, everything else is passed over.
-/// Normals are those of the triangles' turning, whatever the file has.
+/// The corners and faces of a file; faces with more than three corners become fans, everything else
+/// is passed over. Normals are those of the triangles' turning, whatever the file has.
 ///
 /// # Errors
-/// A corner that is not three finite numbers, a face that names a corner which is not there, or no face at all.
+/// A corner that is not three finite numbers, a face that names a corner which is not there, or no
+/// face at all.
 pub fn read(bytes: &[u8], unit: Unit) -> Result<Mesh, MeshError> {
     let (mut points, mut triangles) = (Vec::new(), Vec::new());
     for (number, line) in lines(bytes) {
@@ -59,10 +68,19 @@ pub fn read(bytes: &[u8], unit: Unit) -> Result<Mesh, MeshError> {
                 points.push(corner.ok_or_else(|| wrong_line(number, "v and three numbers", line))?);
             }
             Some(b"f") => {
-                let wrong = || wrong_line(number, "f and three or more corners that stand above", line);
-                let corners: Option<Vec<u32>> = words.map(|word| corner(word, points.len())).collect();
-                let corners = corners.filter(|corners| corners.len() >= 3).ok_or_else(wrong)?;
-                triangles.extend(corners.windows(2).skip(1).map(|pair| [corners[0], pair[0], pair[1]]));
+                let wrong =
+                    || wrong_line(number, "f and three or more corners that stand above", line);
+                let corners: Option<Vec<u32>> =
+                    words.map(|word| corner(word, points.len())).collect();
+                let corners = corners
+                    .filter(|corners| corners.len() >= 3)
+                    .ok_or_else(wrong)?;
+                triangles.extend(
+                    corners
+                        .windows(2)
+                        .skip(1)
+                        .map(|pair| [corners[0], pair[0], pair[1]]),
+                );
             }
             _ => {}
         }
@@ -70,7 +88,8 @@ pub fn read(bytes: &[u8], unit: Unit) -> Result<Mesh, MeshError> {
     if triangles.is_empty() {
         return Err(MeshError::Empty("faces (lines that begin with f)"));
     }
-    Mesh::from_triangles(points, triangles).ok_or(MeshError::Empty("corners (lines that begin with v)"))
+    Mesh::from_triangles(points, triangles)
+        .ok_or(MeshError::Empty("corners (lines that begin with v)"))
 }
 
 /// `7`, `7/1`, `7//3`, counted from 1, or from the last one back when negative.

@@ -19,14 +19,27 @@ pub fn write(mesh: &Mesh, unit: Unit) -> Result<Vec<u8>, MeshError> {
     check(mesh, unit.per_metre(), true)?;
     let mut out = Vec::with_capacity(HEAD + TRIANGLE * mesh.triangles.len());
     // Not "solid", by which readers know the text form.
-    let title = format!("binary STL, {}, palpate {}", unit.name(), env!("CARGO_PKG_VERSION"));
+    let title = format!(
+        "binary STL, {}, palpate {}",
+        unit.name(),
+        env!("CARGO_PKG_VERSION")
+    );
     out.extend_from_slice(title.as_bytes());
     out.resize(HEAD - 4, b' ');
     out.extend_from_slice(&(mesh.triangles.len() as u32).to_le_bytes());
     for triangle in &mesh.triangles {
         let corners = corners(mesh, triangle, unit);
-        let vectors = [normal(&corners), corners[0].coords, corners[1].coords, corners[2].coords];
-        out.extend(vectors.iter().flat_map(|v| v.iter().flat_map(|x| (*x as f32).to_le_bytes()).collect::<Vec<_>>()));
+        let vectors = [
+            normal(&corners),
+            corners[0].coords,
+            corners[1].coords,
+            corners[2].coords,
+        ];
+        out.extend(vectors.iter().flat_map(|v| {
+            v.iter()
+                .flat_map(|x| (*x as f32).to_le_bytes())
+                .collect::<Vec<_>>()
+        }));
         out.extend_from_slice(&[0, 0]);
     }
     Ok(out)
@@ -42,7 +55,11 @@ pub fn write_ascii(mesh: &Mesh, unit: Unit) -> Result<String, MeshError> {
     for triangle in &mesh.triangles {
         let corners = corners(mesh, triangle, unit);
         let n = normal(&corners);
-        let _ = writeln!(out, "facet normal {:?} {:?} {:?}\n outer loop", n.x, n.y, n.z);
+        let _ = writeln!(
+            out,
+            "facet normal {:?} {:?} {:?}\n outer loop",
+            n.x, n.y, n.z
+        );
         for corner in corners {
             let _ = writeln!(out, "  vertex {:?} {:?} {:?}", corner.x, corner.y, corner.z);
         }
@@ -52,15 +69,18 @@ pub fn write_ascii(mesh: &Mesh, unit: Unit) -> Result<String, MeshError> {
     Ok(out)
 }
 
-/// Reads either form; coordinates are in `unit`. Corners at the same place, bit for bit, become one; normals are those
-/// of the triangles' turning, whatever the file has.
+/// Reads either form; coordinates are in `unit`. Corners at the same place, bit for bit, become
+/// one; normals are those of the triangles' turning, whatever the file has.
 ///
 /// # Errors
 /// A file cut short, or coordinates that are not finite.
 pub fn read(bytes: &[u8], unit: Unit) -> Result<Mesh, MeshError> {
     // Some binary files begin with "solid" too: their length tells.
     let corners = match binary(bytes) {
-        Ok(triangles) => triangles.chunks_exact(TRIANGLE).flat_map(|t| corners_of(t, unit)).collect(),
+        Ok(triangles) => triangles
+            .chunks_exact(TRIANGLE)
+            .flat_map(|t| corners_of(t, unit))
+            .collect(),
         Err(_) if bytes.trim_ascii_start().starts_with(b"solid") => text(bytes, unit)?,
         Err(error) => return Err(error),
     };
@@ -73,7 +93,10 @@ fn corners(mesh: &Mesh, triangle: &[u32; 3], unit: Unit) -> [Point3; 3] {
 
 /// Zero for a triangle without area, as the format asks.
 fn normal([a, b, c]: &[Point3; 3]) -> Vector3 {
-    (b - a).cross(&(c - a)).try_normalize(0.0).unwrap_or_else(Vector3::zeros)
+    (b - a)
+        .cross(&(c - a))
+        .try_normalize(0.0)
+        .unwrap_or_else(Vector3::zeros)
 }
 
 fn binary(bytes: &[u8]) -> Result<&[u8], MeshError> {
@@ -83,7 +106,11 @@ fn binary(bytes: &[u8]) -> Result<&[u8], MeshError> {
     let count = u32::from_le_bytes([head[80], head[81], head[82], head[83]]);
     let needed = HEAD as u64 + TRIANGLE as u64 * u64::from(count);
     if needed != bytes.len() as u64 {
-        return Err(MeshError::Length { bytes: bytes.len(), triangles: count, needed });
+        return Err(MeshError::Length {
+            bytes: bytes.len(),
+            triangles: count,
+            needed,
+        });
     }
     Ok(triangles)
 }
@@ -91,10 +118,17 @@ fn binary(bytes: &[u8]) -> Result<&[u8], MeshError> {
 fn corners_of(triangle: &[u8], unit: Unit) -> Vec<Point3> {
     let number = |k: usize| {
         let at = 12 + 4 * k;
-        let bytes = [triangle[at], triangle[at + 1], triangle[at + 2], triangle[at + 3]];
+        let bytes = [
+            triangle[at],
+            triangle[at + 1],
+            triangle[at + 2],
+            triangle[at + 3],
+        ];
         f64::from(f32::from_le_bytes(bytes)) / unit.per_metre()
     };
-    (0..3).map(|k| Point3::new(number(3 * k), number(3 * k + 1), number(3 * k + 2))).collect()
+    (0..3)
+        .map(|k| Point3::new(number(3 * k), number(3 * k + 1), number(3 * k + 2)))
+        .collect()
 }
 
 fn text(bytes: &[u8], unit: Unit) -> Result<Vec<Point3>, MeshError> {
@@ -108,7 +142,9 @@ fn text(bytes: &[u8], unit: Unit) -> Result<Vec<Point3>, MeshError> {
         match first {
             b"vertex" => {
                 let corner = point(words, unit.per_metre());
-                corners.push(corner.ok_or_else(|| wrong_line(number, "vertex and three numbers", line))?);
+                corners.push(
+                    corner.ok_or_else(|| wrong_line(number, "vertex and three numbers", line))?,
+                );
             }
             // A corner may belong to no triangle only where a line is missing.
             b"endloop" if corners.len() % 3 != 0 || corners.is_empty() => {
@@ -117,11 +153,21 @@ fn text(bytes: &[u8], unit: Unit) -> Result<Vec<Point3>, MeshError> {
             b"endsolid" => ended = true,
             b"solid" => ended = false,
             b"facet" | b"outer" | b"endloop" | b"endfacet" => {}
-            _ => return Err(wrong_line(number, "a line of an STL file, such as vertex or facet", line)),
+            _ => {
+                return Err(wrong_line(
+                    number,
+                    "a line of an STL file, such as vertex or facet",
+                    line,
+                ));
+            }
         }
     }
     if !ended || corners.len() % 3 != 0 {
-        return Err(wrong_line(last, "endsolid: the file seems to be cut short", b""));
+        return Err(wrong_line(
+            last,
+            "endsolid: the file seems to be cut short",
+            b"",
+        ));
     }
     Ok(corners)
 }
@@ -132,10 +178,15 @@ fn welded(corners: Vec<Point3>) -> Result<Mesh, MeshError> {
         return Err(MeshError::Empty("triangles"));
     }
     if corners.len() > u32::MAX as usize {
-        return Err(MeshError::Many { what: "corners", count: corners.len() });
+        return Err(MeshError::Many {
+            what: "corners",
+            count: corners.len(),
+        });
     }
-    if let Some((corner, &value)) =
-        corners.iter().enumerate().find_map(|(k, p)| p.iter().find(|x| !x.is_finite()).map(|x| (k, x)))
+    if let Some((corner, &value)) = corners
+        .iter()
+        .enumerate()
+        .find_map(|(k, p)| p.iter().find(|x| !x.is_finite()).map(|x| (k, x)))
     {
         return Err(MeshError::Coordinate { corner, value });
     }

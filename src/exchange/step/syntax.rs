@@ -1,7 +1,8 @@
-//! The exchange structure of ISO 10303-21: first where each instance stands, then the values of one of them.
+//! The exchange structure of ISO 10303-21: first where each instance stands, then the values of one
+//! of them.
 //!
-//! The index holds three numbers for each instance; values are parsed when asked for, to a bounded depth. Text is kept
-//! as bytes: files in Latin-1 are read as well as those in UTF-8.
+//! The index holds three numbers for each instance; values are parsed when asked for, to a bounded
+//! depth. Text is kept as bytes: files in Latin-1 are read as well as those in UTF-8.
 
 use super::StepError;
 
@@ -71,7 +72,11 @@ impl Value<'_> {
 impl<'a> Exchange<'a> {
     /// Walks through the file once.
     pub fn index(bytes: &'a [u8]) -> Result<Self, StepError> {
-        let mut cursor = Cursor { bytes, at: 0, end: bytes.len() };
+        let mut cursor = Cursor {
+            bytes,
+            at: 0,
+            end: bytes.len(),
+        };
         if bytes.starts_with(b"\xef\xbb\xbf") {
             cursor.at = 3;
         }
@@ -90,12 +95,20 @@ impl<'a> Exchange<'a> {
             let text = &bytes[start..end];
             if text.first() == Some(&b'#') {
                 if in_data {
-                    let mut inside = Cursor { bytes, at: start, end };
+                    let mut inside = Cursor {
+                        bytes,
+                        at: start,
+                        end,
+                    };
                     let id = inside.reference()?;
                     inside.space()?;
                     inside.expect(b'=', "=")?;
                     inside.space()?;
-                    instances.push(Instance { id, start: inside.at, end });
+                    instances.push(Instance {
+                        id,
+                        start: inside.at,
+                        end,
+                    });
                 }
             } else if is_word(text, b"DATA") {
                 in_data = true;
@@ -126,13 +139,20 @@ impl<'a> Exchange<'a> {
 
     /// The instance that `from` refers to.
     pub fn find(&self, to: u64, from: u64) -> Result<&Instance, StepError> {
-        let at = self.instances.binary_search_by_key(&to, |instance| instance.id);
-        at.map(|at| &self.instances[at]).map_err(|_| StepError::Missing { from, to })
+        let at = self
+            .instances
+            .binary_search_by_key(&to, |instance| instance.id);
+        at.map(|at| &self.instances[at])
+            .map_err(|_| StepError::Missing { from, to })
     }
 
     /// Its records: one, or those of a complex instance.
     pub fn records(&self, instance: &Instance) -> Result<Vec<Record<'a>>, StepError> {
-        let mut cursor = Cursor { bytes: self.bytes, at: instance.start, end: instance.end };
+        let mut cursor = Cursor {
+            bytes: self.bytes,
+            at: instance.start,
+            end: instance.end,
+        };
         let mut records = Vec::new();
         if cursor.peek() == Some(b'(') {
             cursor.at += 1;
@@ -156,7 +176,11 @@ impl<'a> Exchange<'a> {
 
     /// The numbers that an instance refers to. Malformed text refers to nothing.
     pub fn references(&self, instance: &Instance) -> Vec<u64> {
-        let mut cursor = Cursor { bytes: self.bytes, at: instance.start, end: instance.end };
+        let mut cursor = Cursor {
+            bytes: self.bytes,
+            at: instance.start,
+            end: instance.end,
+        };
         let mut found = Vec::new();
         while let Some(byte) = cursor.peek() {
             match byte {
@@ -171,12 +195,19 @@ impl<'a> Exchange<'a> {
 }
 
 fn is_word(text: &[u8], word: &[u8]) -> bool {
-    text.strip_prefix(word).is_some_and(|rest| rest.first().is_none_or(|b| b.is_ascii_whitespace() || *b == b'('))
+    text.strip_prefix(word).is_some_and(|rest| {
+        rest.first()
+            .is_none_or(|b| b.is_ascii_whitespace() || *b == b'(')
+    })
 }
 
 fn shortened(text: &[u8]) -> String {
     let head = String::from_utf8_lossy(&text[..text.len().min(24)]);
-    format!("\"{}{}\"", head.escape_debug(), if text.len() > 24 { "…" } else { "" })
+    format!(
+        "\"{}{}\"",
+        head.escape_debug(),
+        if text.len() > 24 { "…" } else { "" }
+    )
 }
 
 /// A place in a stretch of the file.
@@ -196,16 +227,30 @@ impl<'a> Cursor<'a> {
     }
 
     fn line(&self, at: usize) -> usize {
-        1 + self.bytes[..at].iter().filter(|&&byte| byte == b'\n').count()
+        1 + self.bytes[..at]
+            .iter()
+            .filter(|&&byte| byte == b'\n')
+            .count()
     }
 
     fn unfinished(&self, at: usize, inside: &'static str) -> StepError {
-        StepError::Unfinished { line: self.line(at), inside }
+        StepError::Unfinished {
+            line: self.line(at),
+            inside,
+        }
     }
 
     fn syntax(&self, at: usize, wanted: &'static str) -> StepError {
-        let found = if at < self.end { shortened(&self.bytes[at..self.end]) } else { "its end".to_owned() };
-        StepError::Syntax { line: self.line(at), wanted, found }
+        let found = if at < self.end {
+            shortened(&self.bytes[at..self.end])
+        } else {
+            "its end".to_owned()
+        };
+        StepError::Syntax {
+            line: self.line(at),
+            wanted,
+            found,
+        }
     }
 
     fn expect(&mut self, byte: u8, wanted: &'static str) -> Result<(), StepError> {
@@ -230,7 +275,8 @@ impl<'a> Cursor<'a> {
         Ok(())
     }
 
-    /// Past a string, a binary, a comment, or a slash that begins none. Doubled quotes are two strings side by side.
+    /// Past a string, a binary, a comment, or a slash that begins none. Doubled quotes are two
+    /// strings side by side.
     fn skip_quoted(&mut self) -> Result<(), StepError> {
         let start = self.at;
         let rest = self.rest();
@@ -269,7 +315,10 @@ impl<'a> Cursor<'a> {
 
     fn while_in(&mut self, allowed: impl Fn(u8) -> bool) -> &'a [u8] {
         let rest = self.rest();
-        let length = rest.iter().position(|&byte| !allowed(byte)).unwrap_or(rest.len());
+        let length = rest
+            .iter()
+            .position(|&byte| !allowed(byte))
+            .unwrap_or(rest.len());
         self.at += length;
         &rest[..length]
     }
@@ -278,13 +327,16 @@ impl<'a> Cursor<'a> {
         let start = self.at;
         self.expect(b'#', "#")?;
         let digits = self.while_in(|byte| byte.is_ascii_digit());
-        let number = std::str::from_utf8(digits).ok().and_then(|digits| digits.parse().ok());
+        let number = std::str::from_utf8(digits)
+            .ok()
+            .and_then(|digits| digits.parse().ok());
         number.ok_or_else(|| self.syntax(start, "an instance number such as #7"))
     }
 
     fn name(&mut self) -> Result<&'a str, StepError> {
         let start = self.at;
-        let name = self.while_in(|byte| byte.is_ascii_alphanumeric() || byte == b'_' || byte == b'!');
+        let name =
+            self.while_in(|byte| byte.is_ascii_alphanumeric() || byte == b'_' || byte == b'!');
         match std::str::from_utf8(name) {
             Ok(name) if !name.is_empty() => Ok(name),
             _ => Err(self.syntax(start, "the name of an entity")),
@@ -344,14 +396,20 @@ impl<'a> Cursor<'a> {
                 }
                 Ok(Value::Text(&self.bytes[start + 1..self.at - 1]))
             }
-            Some(b'.') if self.rest().get(1).is_some_and(|byte| byte.is_ascii_alphabetic()) => {
+            Some(b'.')
+                if self
+                    .rest()
+                    .get(1)
+                    .is_some_and(|byte| byte.is_ascii_alphabetic()) =>
+            {
                 self.at += 1;
                 let name = self.name()?;
                 self.expect(b'.', ". after an enumeration")?;
                 Ok(Value::Enumeration(name))
             }
             Some(b'0'..=b'9' | b'+' | b'-' | b'.') => {
-                let token = self.while_in(|b| b.is_ascii_alphanumeric() || matches!(b, b'+' | b'-' | b'.'));
+                let token =
+                    self.while_in(|b| b.is_ascii_alphanumeric() || matches!(b, b'+' | b'-' | b'.'));
                 crate::exchange::number::parse(token)
                     .map(Value::Number)
                     .ok_or_else(|| self.syntax(start, "a number, such as 1.5E-3"))
@@ -371,7 +429,9 @@ mod tests {
     use super::*;
 
     fn file(data: &str) -> String {
-        format!("ISO-10303-21;\nHEADER;\nFILE_NAME('a;b');\nENDSEC;\nDATA;\n{data}\nENDSEC;\nEND-ISO-10303-21;\n")
+        format!(
+            "ISO-10303-21;\nHEADER;\nFILE_NAME('a;b');\nENDSEC;\nDATA;\n{data}\nENDSEC;\nEND-ISO-10303-21;\n"
+        )
     }
 
     fn records(data: &str) -> Result<Vec<Record<'static>>, StepError> {
@@ -382,24 +442,40 @@ mod tests {
 
     #[test]
     fn every_kind_of_value_is_read() {
-        let read =
-            records("#7 = /* it's; */ THING('it''s; ok', $,*,.T. , #12,(1,-2.5E-1,()),LENGTH_MEASURE(3.));").unwrap();
+        let read = records(
+            "#7 = /* it's; */ THING('it''s; ok', $,*,.T. , #12,(1,-2.5E-1,()),LENGTH_MEASURE(3.));",
+        )
+        .unwrap();
         let arguments = vec![
             Value::Text(b"it''s; ok"),
             Value::Omitted,
             Value::Derived,
             Value::Enumeration("T"),
             Value::Reference(12),
-            Value::List(vec![Value::Number(1.0), Value::Number(-0.25), Value::List(vec![])]),
+            Value::List(vec![
+                Value::Number(1.0),
+                Value::Number(-0.25),
+                Value::List(vec![]),
+            ]),
             Value::Typed("LENGTH_MEASURE", vec![Value::Number(3.0)]),
         ];
-        assert_eq!(read, vec![Record { name: "THING", arguments }]);
+        assert_eq!(
+            read,
+            vec![Record {
+                name: "THING",
+                arguments
+            }]
+        );
     }
 
     #[test]
     fn complex_instances_have_several_records() {
-        let read = records("#1=( LENGTH_UNIT() NAMED_UNIT(*)\nSI_UNIT(.MILLI.,.METRE.) );").unwrap();
-        assert_eq!(read.iter().map(|r| r.name).collect::<Vec<_>>(), ["LENGTH_UNIT", "NAMED_UNIT", "SI_UNIT"]);
+        let read =
+            records("#1=( LENGTH_UNIT() NAMED_UNIT(*)\nSI_UNIT(.MILLI.,.METRE.) );").unwrap();
+        assert_eq!(
+            read.iter().map(|r| r.name).collect::<Vec<_>>(),
+            ["LENGTH_UNIT", "NAMED_UNIT", "SI_UNIT"]
+        );
     }
 
     #[test]
@@ -412,18 +488,35 @@ mod tests {
     #[test]
     fn what_is_against_the_grammar_is_named_with_its_line() {
         let message = |data: &str| records(data).unwrap_err().to_string();
-        assert_eq!(message("#1=A(1,2"), "line 7: expected , or ) in a list, found \"ENDSEC\"");
-        assert_eq!(message("#1=A(1.2.3);"), "line 6: expected a number, such as 1.5E-3, found \"1.2.3)\"");
-        assert_eq!(message("#1=A('x);"), "line 6: the file ends inside a string; it seems to be cut short");
+        assert_eq!(
+            message("#1=A(1,2"),
+            "line 7: expected , or ) in a list, found \"ENDSEC\""
+        );
+        assert_eq!(
+            message("#1=A(1.2.3);"),
+            "line 6: expected a number, such as 1.5E-3, found \"1.2.3)\""
+        );
+        assert_eq!(
+            message("#1=A('x);"),
+            "line 6: the file ends inside a string; it seems to be cut short"
+        );
         assert_eq!(message("\n#1;"), "line 7: expected =, found its end");
         assert_eq!(message("#1=A();#1=B();"), "#1 is defined twice");
-        assert_eq!(message("#=A();"), "line 6: expected an instance number such as #7, found \"#=A()\"");
+        assert_eq!(
+            message("#=A();"),
+            "line 6: expected an instance number such as #7, found \"#=A()\""
+        );
         assert_eq!(
             message("A();"),
             "line 6: expected #, the number of an instance, or ENDSEC, found \"A();\\nENDSEC;\\nEND-ISO-103…\""
         );
         assert!(
-            message(&format!("#1=A({}1{});", "(".repeat(100_000), ")".repeat(100_000))).contains("nested at most 16")
+            message(&format!(
+                "#1=A({}1{});",
+                "(".repeat(100_000),
+                ")".repeat(100_000)
+            ))
+            .contains("nested at most 16")
         );
         assert!(message("#1=A(#99999999999999999999999);").contains("an instance number"));
         assert_eq!(Exchange::index(b"solid x").unwrap_err(), StepError::NotStep);

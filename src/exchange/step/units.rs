@@ -1,4 +1,5 @@
-//! The length unit that a surface's coordinates are in: that of the nearest context above it. ISO 10303-41.
+//! The length unit that a surface's coordinates are in: that of the nearest context above it. ISO
+//! 10303-41.
 
 use super::StepError;
 use super::syntax::{Exchange, Record, Value};
@@ -13,16 +14,23 @@ const MAX_TEXT: usize = 512;
 
 const CONTEXT: &str = "GLOBAL_UNIT_ASSIGNED_CONTEXT";
 
-/// The unit of the context above `surface`; of the only one in the file; millimetres, which STEP files are in unless they
-/// say something else.
+/// The unit of the context above `surface`; of the only one in the file; millimetres, which STEP
+/// files are in unless they say something else.
 pub(super) fn length_unit(exchange: &Exchange<'_>, surface: u64) -> Result<Unit, StepError> {
-    let mut units = Units { exchange, known: BTreeMap::new() };
+    let mut units = Units {
+        exchange,
+        known: BTreeMap::new(),
+    };
     let mut contexts: Vec<(u64, Unit)> = Vec::new();
     for instance in exchange.instances() {
         let text = exchange.text(instance);
         // The text tells without parsing every instance.
         let may_be = text.starts_with(b"(") || text.starts_with(CONTEXT.as_bytes());
-        if !may_be || !text.windows(CONTEXT.len()).any(|window| window == CONTEXT.as_bytes()) {
+        if !may_be
+            || !text
+                .windows(CONTEXT.len())
+                .any(|window| window == CONTEXT.as_bytes())
+        {
             continue;
         }
         let records = exchange.records(instance)?;
@@ -36,12 +44,17 @@ pub(super) fn length_unit(exchange: &Exchange<'_>, surface: u64) -> Result<Unit,
     if contexts.iter().all(|(_, unit)| unit == first) {
         return Ok(first.clone());
     }
-    let above = context_above(exchange, surface, &contexts.iter().map(|context| context.0).collect());
+    let above = context_above(
+        exchange,
+        surface,
+        &contexts.iter().map(|context| context.0).collect(),
+    );
     let found = contexts.iter().find(|context| Some(context.0) == above);
     Ok(found.map_or_else(|| first.clone(), |context| context.1.clone()))
 }
 
-/// Walks up from the surface through what refers to it, in rings, until something there refers to a context.
+/// Walks up from the surface through what refers to it, in rings, until something there refers to a
+/// context.
 fn context_above(exchange: &Exchange<'_>, surface: u64, contexts: &BTreeSet<u64>) -> Option<u64> {
     let mut up: Vec<(u64, u64)> = Vec::new();
     let mut context_of: BTreeMap<u64, u64> = BTreeMap::new();
@@ -63,7 +76,10 @@ fn context_above(exchange: &Exchange<'_>, surface: u64, contexts: &BTreeSet<u64>
         let mut next = Vec::new();
         for id in ring {
             let from = up.partition_point(|pair| pair.0 < id);
-            let users = up[from..].iter().take_while(|pair| pair.0 == id).map(|pair| pair.1);
+            let users = up[from..]
+                .iter()
+                .take_while(|pair| pair.0 == id)
+                .map(|pair| pair.1);
             next.extend(users.filter(|user| seen.insert(*user)));
         }
         ring = next;
@@ -107,13 +123,21 @@ impl Units<'_, '_> {
     /// Records of an instance that may be a unit.
     fn records(&self, id: u64, from: u64) -> Result<Vec<Record<'_>>, StepError> {
         let instance = self.exchange.find(id, from)?;
-        if self.exchange.text(instance).len() > MAX_TEXT { Ok(Vec::new()) } else { self.exchange.records(instance) }
+        if self.exchange.text(instance).len() > MAX_TEXT {
+            Ok(Vec::new())
+        } else {
+            self.exchange.records(instance)
+        }
     }
 
     fn read(&mut self, id: u64, from: u64, depth: usize) -> Result<Option<Unit>, StepError> {
         let records = self.records(id, from)?;
-        let part =
-            |name: &str| records.iter().find(|record| record.name == name).map(|record| record.arguments.as_slice());
+        let part = |name: &str| {
+            records
+                .iter()
+                .find(|record| record.name == name)
+                .map(|record| record.arguments.as_slice())
+        };
         if let Some([.., prefix, Value::Enumeration("METRE")]) = part("SI_UNIT") {
             let (what, wanted) = ("SI_UNIT".to_owned(), "with an SI prefix");
             let unit = match prefix {
@@ -121,12 +145,19 @@ impl Units<'_, '_> {
                 Value::Enumeration(prefix) => prefixed(prefix),
                 _ => None,
             };
-            return unit.map(Some).ok_or_else(|| StepError::Attribute { id, what, wanted, found: prefix.shown() });
+            return unit.map(Some).ok_or_else(|| StepError::Attribute {
+                id,
+                what,
+                wanted,
+                found: prefix.shown(),
+            });
         }
         // Angles are conversion-based too: only what says that it is a length counts.
-        let (Some(conversion), Some(_), true) =
-            (part("CONVERSION_BASED_UNIT"), part("LENGTH_UNIT"), depth < MAX_CONVERSIONS)
-        else {
+        let (Some(conversion), Some(_), true) = (
+            part("CONVERSION_BASED_UNIT"),
+            part("LENGTH_UNIT"),
+            depth < MAX_CONVERSIONS,
+        ) else {
             return Ok(None);
         };
         let [Value::Text(name), Value::Reference(measure)] = conversion else {
@@ -134,13 +165,15 @@ impl Units<'_, '_> {
         };
         let (name, measure) = (String::from_utf8_lossy(name).to_lowercase(), *measure);
         // Plain LENGTH_MEASURE_WITH_UNIT, or the complex form with MEASURE_WITH_UNIT.
-        let factor_and_base = self.records(measure, id)?.iter().find_map(|record| match record.arguments.as_slice() {
-            [Value::Typed(_, factor), Value::Reference(base)] => match factor.as_slice() {
-                [Value::Number(factor)] => Some((*factor, *base)),
+        let factor_and_base = self.records(measure, id)?.iter().find_map(|record| {
+            match record.arguments.as_slice() {
+                [Value::Typed(_, factor), Value::Reference(base)] => match factor.as_slice() {
+                    [Value::Number(factor)] => Some((*factor, *base)),
+                    _ => None,
+                },
+                [Value::Number(factor), Value::Reference(base)] => Some((*factor, *base)),
                 _ => None,
-            },
-            [Value::Number(factor), Value::Reference(base)] => Some((*factor, *base)),
-            _ => None,
+            }
         });
         let Some((factor, base)) = factor_and_base else {
             return Ok(None);
@@ -149,7 +182,14 @@ impl Units<'_, '_> {
             return Ok(None);
         };
         let unit = base.times(&name, factor);
-        if unit.is_length() { Ok(Some(unit)) } else { Err(StepError::Unit { id, metres: unit.metres() }) }
+        if unit.is_length() {
+            Ok(Some(unit))
+        } else {
+            Err(StepError::Unit {
+                id,
+                metres: unit.metres(),
+            })
+        }
     }
 }
 

@@ -1,7 +1,9 @@
-//! Writes one surface as an AP214 file: product, shape, a geometric set with the surface. Same surface, same bytes.
+//! Writes one surface as an AP214 file: product, shape, a geometric set with the surface. Same
+//! surface, same bytes.
 //!
-//! A geometric set needs no trimming curves, so nothing of the surface is cut at seams or poles; OpenCASCADE makes one
-//! face of it. A face with edges would have to be trimmed along curves that a reader may then heal.
+//! A geometric set needs no trimming curves, so nothing of the surface is cut at seams or poles;
+//! OpenCASCADE makes one face of it. A face with edges would have to be trimmed along curves that a
+//! reader may then heal.
 
 use crate::exchange::number::real;
 use crate::exchange::spline::{SplineError, Written, runs};
@@ -14,8 +16,8 @@ const SURFACE: usize = 21;
 
 /// The file of a surface. In metres, reading it gives the same numbers bit for bit.
 ///
-/// Which side is out has no place in the file: a closed surface is turned outwards when it is read, an open one with
-/// `flip_normal` is written with u and v exchanged.
+/// Which side is out has no place in the file: a closed surface is turned outwards when it is read,
+/// an open one with `flip_normal` is written with u and v exchanged.
 ///
 /// # Errors
 /// A surface that comes apart at a knot.
@@ -60,10 +62,18 @@ pub fn write(surface: &Surface, unit: Unit) -> Result<String, SplineError> {
         uncertainty = real(1e-9 * unit.per_metre(), 'E'),
     );
     surface_instance(&mut out, &written);
-    let _ = writeln!(out, "#{}=SHAPE_DEFINITION_REPRESENTATION(#9,#19);", SURFACE + 1);
+    let _ = writeln!(
+        out,
+        "#{}=SHAPE_DEFINITION_REPRESENTATION(#9,#19);",
+        SURFACE + 1
+    );
     for (k, point) in written.points.iter().enumerate() {
         let [x, y, z] = [point.x, point.y, point.z].map(|x| real(x * unit.per_metre(), 'E'));
-        let _ = writeln!(out, "#{}=CARTESIAN_POINT('',({x},{y},{z}));", SURFACE + 2 + k);
+        let _ = writeln!(
+            out,
+            "#{}=CARTESIAN_POINT('',({x},{y},{z}));",
+            SURFACE + 2 + k
+        );
     }
     out.push_str("ENDSEC;\nEND-ISO-10303-21;\n");
     Ok(out)
@@ -72,7 +82,9 @@ pub fn write(surface: &Surface, unit: Unit) -> Result<String, SplineError> {
 fn surface_instance(out: &mut String, written: &Written) {
     let [degree_u, degree_v] = written.degrees;
     let logical = |flag: bool| if flag { ".T." } else { ".F." };
-    let points = grid(written.rows, written.columns, |k| format!("#{}", SURFACE + 2 + k));
+    let points = grid(written.rows, written.columns, |k| {
+        format!("#{}", SURFACE + 2 + k)
+    });
     let common = format!(
         "{degree_u},{degree_v},{points},.UNSPECIFIED.,{},{},.U.",
         logical(written.closed[0]),
@@ -82,9 +94,18 @@ fn surface_instance(out: &mut String, written: &Written) {
     let list = |values: Vec<String>| format!("({})", values.join(","));
     let times = |runs: &[(f64, u64)]| list(runs.iter().map(|run| run.1.to_string()).collect());
     let values = |runs: &[(f64, u64)]| list(runs.iter().map(|run| real(run.0, 'E')).collect());
-    let knots = format!("{},{},\n{},\n{},.UNSPECIFIED.", times(&u), times(&v), values(&u), values(&v));
+    let knots = format!(
+        "{},{},\n{},\n{},.UNSPECIFIED.",
+        times(&u),
+        times(&v),
+        values(&u),
+        values(&v)
+    );
     let _ = match &written.weights {
-        None => writeln!(out, "#{SURFACE}=B_SPLINE_SURFACE_WITH_KNOTS('',{common},\n{knots});"),
+        None => writeln!(
+            out,
+            "#{SURFACE}=B_SPLINE_SURFACE_WITH_KNOTS('',{common},\n{knots});"
+        ),
         Some(weights) => {
             let weights = grid(written.rows, written.columns, |k| real(weights[k], 'E'));
             // Parts of a complex instance stand in alphabetical order.
@@ -101,7 +122,12 @@ fn surface_instance(out: &mut String, written: &Written) {
 
 /// `((…),(…))`, a row a line.
 fn grid(rows: usize, columns: usize, cell: impl Fn(usize) -> String) -> String {
-    let row = |i: usize| (0..columns).map(|j| cell(i * columns + j)).collect::<Vec<_>>().join(",");
+    let row = |i: usize| {
+        (0..columns)
+            .map(|j| cell(i * columns + j))
+            .collect::<Vec<_>>()
+            .join(",")
+    };
     let rows: Vec<String> = (0..rows).map(|i| format!("\n({})", row(i))).collect();
     format!("({})", rows.join(","))
 }

@@ -1,9 +1,10 @@
 //! Triangles of a mesh that cross each other.
 //!
-//! Boxes halve the triangles at the median of their longest side; boxes that meet are opened, two at a time. Two
-//! triangles that share no corner cross when an edge of one passes through the inside of the other: its ends lie on
-//! different sides of the plane and it goes round the three sides in one sense. What only touches, within rounding, does not
-//! count, and neither does what lies in one plane: a sheet folded in its plane is found by its edges.
+//! Boxes halve the triangles at the median of their longest side; boxes that meet are opened, two
+//! at a time. Two triangles that share no corner cross when an edge of one passes through the
+//! inside of the other: its ends lie on different sides of the plane and it goes round the three
+//! sides in one sense. What only touches, within rounding, does not count, and neither does what
+//! lies in one plane: a sheet folded in its plane is found by its edges.
 
 use crate::math::{Point3, Vector3};
 use crate::surface::Mesh;
@@ -69,7 +70,11 @@ struct Tree {
 
 impl Tree {
     fn new(mesh: &Mesh) -> Self {
-        let mut tree = Self { nodes: Vec::new(), order: (0..mesh.triangles.len()).collect(), flat: 0.0 };
+        let mut tree = Self {
+            nodes: Vec::new(),
+            order: (0..mesh.triangles.len()).collect(),
+            flat: 0.0,
+        };
         tree.add(mesh, [0, mesh.triangles.len()]);
         let size = (tree.nodes[0].high - tree.nodes[0].low).norm();
         tree.flat = FLAT * size * size * size;
@@ -87,13 +92,22 @@ impl Tree {
             }
         }
         let number = self.nodes.len();
-        self.nodes.push(Node { low, high, range, children: None });
+        self.nodes.push(Node {
+            low,
+            high,
+            range,
+            children: None,
+        });
         if range[1] - range[0] > LEAF {
             let axis = (high - low).imax();
             let middle = range[0] + (range[1] - range[0]) / 2;
             let height = |t: &usize| corners(*t).iter().map(|corner| corner[axis]).sum::<f64>();
-            self.order[range[0]..range[1]].sort_by(|a, b| height(a).total_cmp(&height(b)).then(a.cmp(b)));
-            let children = [self.add(mesh, [range[0], middle]), self.add(mesh, [middle, range[1]])];
+            self.order[range[0]..range[1]]
+                .sort_by(|a, b| height(a).total_cmp(&height(b)).then(a.cmp(b)));
+            let children = [
+                self.add(mesh, [range[0], middle]),
+                self.add(mesh, [middle, range[1]]),
+            ];
             self.nodes[number].children = Some(children);
         }
         number
@@ -127,7 +141,8 @@ fn pierces(edges_of: &[Point3; 3], triangle: &[Point3; 3], flat: f64) -> bool {
     let heights = edges_of.map(|x| volume(p, q, r, &x));
     (0..3).any(|k| {
         let (from, to) = (k, (k + 1) % 3);
-        let parted = (heights[from] > flat && heights[to] < -flat) || (heights[from] < -flat && heights[to] > flat);
+        let parted = (heights[from] > flat && heights[to] < -flat)
+            || (heights[from] < -flat && heights[to] > flat);
         parted && {
             let (s, t) = (&edges_of[from], &edges_of[to]);
             let round = [volume(s, t, p, q), volume(s, t, q, r), volume(s, t, r, p)];
@@ -154,16 +169,31 @@ mod tests {
     #[test]
     fn triangles_cross_when_an_edge_passes_through_the_inside() {
         let floor = triangle([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]);
-        let post =
-            |x: f64, y: f64, low: f64, high: f64| triangle([[x, y, low], [x, y, high], [x + 2.0, y + 2.0, high]]);
+        let post = |x: f64, y: f64, low: f64, high: f64| {
+            triangle([[x, y, low], [x, y, high], [x + 2.0, y + 2.0, high]])
+        };
         assert!(cross(&floor, &post(0.2, 0.3, -1.0, 1.0), 1e-13));
-        assert!(!cross(&floor, &post(0.7, 0.7, -1.0, 1.0), 1e-13), "beside it");
+        assert!(
+            !cross(&floor, &post(0.7, 0.7, -1.0, 1.0), 1e-13),
+            "beside it"
+        );
         assert!(!cross(&floor, &post(0.2, 0.3, 0.1, 1.0), 1e-13), "above it");
-        assert!(!cross(&floor, &post(0.2, 0.3, 0.0, 1.0), 1e-13), "standing on it");
-        assert!(!cross(&floor, &floor.map(|p| p + Vector3::new(0.1, 0.1, 0.0)), 1e-13), "in its plane");
+        assert!(
+            !cross(&floor, &post(0.2, 0.3, 0.0, 1.0), 1e-13),
+            "standing on it"
+        );
+        assert!(
+            !cross(
+                &floor,
+                &floor.map(|p| p + Vector3::new(0.1, 0.1, 0.0)),
+                1e-13
+            ),
+            "in its plane"
+        );
     }
 
-    /// By the interval that each triangle cuts from the line of the two planes; Möller's test, another way.
+    /// By the interval that each triangle cuts from the line of the two planes; Möller's test,
+    /// another way.
     fn cross_by_intervals(a: &[Point3; 3], b: &[Point3; 3]) -> bool {
         let normal = |t: &[Point3; 3]| (t[1] - t[0]).cross(&(t[2] - t[0]));
         let (na, nb) = (normal(a), normal(b));
@@ -192,14 +222,20 @@ mod tests {
             let mut points = Vec::new();
             for _ in 0..60 {
                 let centre = Point3::from([0; 3].map(|_| random.float(0.0, 1.0)));
-                points.extend([0; 3].map(|_| centre + Vector3::from([0; 3].map(|_| random.float(-0.3, 0.3)))));
+                points.extend(
+                    [0; 3].map(|_| centre + Vector3::from([0; 3].map(|_| random.float(-0.3, 0.3)))),
+                );
             }
             let triangles: Vec<[u32; 3]> = (0..60).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]).collect();
             let mesh = Mesh::from_triangles(points, triangles).unwrap();
             let corners = |t: usize| mesh.triangles[t].map(|k| mesh.points[k as usize]);
             let mut wanted = Vec::new();
             for i in 0..60 {
-                wanted.extend((i + 1..60).filter(|&j| cross_by_intervals(&corners(i), &corners(j))).map(|j| [i, j]));
+                wanted.extend(
+                    (i + 1..60)
+                        .filter(|&j| cross_by_intervals(&corners(i), &corners(j)))
+                        .map(|j| [i, j]),
+                );
             }
             assert!(wanted.len() >= 10, "{} pairs", wanted.len());
             assert_eq!(crossing_pairs(&mesh, usize::MAX), wanted);

@@ -7,7 +7,8 @@ use std::fmt;
 /// The rules that make a branching net exactly G1.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, serde::Serialize)]
 pub enum Rule {
-    /// Joints in u: the control points before, on and after a joint are collinear at one ratio, or in the joint's plane.
+    /// Joints in u: the control points before, on and after a joint are collinear at one ratio, or
+    /// in the joint's plane.
     R1,
     /// Arch: the open book is the inverted T moved along one direction.
     R2,
@@ -23,7 +24,9 @@ impl Rule {
     /// What it asks, in a line.
     pub fn asks(self) -> &'static str {
         match self {
-            Self::R1 => "joints in u: neighbours on one line at one ratio, or in the plane of the joint",
+            Self::R1 => {
+                "joints in u: neighbours on one line at one ratio, or in the plane of the joint"
+            }
             Self::R2 => "arch: the open book is the inverted T moved along one direction",
             Self::R3 => "outline: open book, inverted T and layers on straight lines at one ratio",
             Self::R4 => "no fold: neighbours of a joint no closer than the rows",

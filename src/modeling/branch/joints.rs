@@ -61,16 +61,28 @@ struct Edge {
 impl Edge {
     /// The border at one end of u.
     fn across(patch: &Patch, end: usize) -> Self {
-        Self { u: [patch.u[end]; 2], v: patch.v, sides: [[Side::Right, Side::Left][end], Side::Right] }
+        Self {
+            u: [patch.u[end]; 2],
+            v: patch.v,
+            sides: [[Side::Right, Side::Left][end], Side::Right],
+        }
     }
 
     /// The border at one end of v.
     fn along(patch: &Patch, end: usize) -> Self {
-        Self { u: patch.u, v: [patch.v[end]; 2], sides: [Side::Right, [Side::Right, Side::Left][end]] }
+        Self {
+            u: patch.u,
+            v: [patch.v[end]; 2],
+            sides: [Side::Right, [Side::Right, Side::Left][end]],
+        }
     }
 
     fn reversed(self) -> Self {
-        Self { u: [self.u[1], self.u[0]], v: [self.v[1], self.v[0]], ..self }
+        Self {
+            u: [self.u[1], self.u[0]],
+            v: [self.v[1], self.v[0]],
+            ..self
+        }
     }
 
     fn frame(&self, surface: &Surface, s: f64) -> Frame {
@@ -81,13 +93,21 @@ impl Edge {
             x if x == a.max(b) => Side::Left,
             _ => Side::Right,
         };
-        surface.frame_from(at(self.u), at(self.v), side(self.u, self.sides[0]), side(self.v, self.sides[1]))
+        surface.frame_from(
+            at(self.u),
+            at(self.v),
+            side(self.u, self.sides[0]),
+            side(self.v, self.sides[1]),
+        )
     }
 
     /// Greatest distance of two edges at a few points, m.
     fn distance(&self, other: &Self, surface: &Surface) -> f64 {
-        let probe = |edge: &Self, k: usize| edge.frame(surface, k as f64 / (PROBES - 1) as f64).point;
-        (0..PROBES).map(|k| (probe(self, k) - probe(other, k)).norm()).fold(0.0, f64::max)
+        let probe =
+            |edge: &Self, k: usize| edge.frame(surface, k as f64 / (PROBES - 1) as f64).point;
+        (0..PROBES)
+            .map(|k| (probe(self, k) - probe(other, k)).norm())
+            .fold(0.0, f64::max)
     }
 }
 
@@ -98,16 +118,27 @@ pub fn joints(surface: &Surface, table: &PatchTable) -> Vec<Joint> {
     for patch in table.distinct().filter(|patch| patch.arc == 1) {
         let other = table.patch(patch.part, patch.leaf, 2);
         for (kind, sides) in [
-            (JointKind::Front, [Edge::across(patch, 0), Edge::across(other, 1)]),
-            (JointKind::Back, [Edge::across(patch, 1), Edge::across(other, 0)]),
+            (
+                JointKind::Front,
+                [Edge::across(patch, 0), Edge::across(other, 1)],
+            ),
+            (
+                JointKind::Back,
+                [Edge::across(patch, 1), Edge::across(other, 0)],
+            ),
         ] {
             joints.push(normals_of(sides).named(kind, patch, other));
         }
     }
-    for patch in table.distinct().filter(|patch| patch.part + 1 < table.parts) {
+    for patch in table
+        .distinct()
+        .filter(|patch| patch.part + 1 < table.parts)
+    {
         let edge = Edge::along(patch, 1);
         let below = table.patch(patch.part + 1, patch.leaf, patch.arc);
-        let beside = table.distinct().filter(|other| other.part == patch.part && other.arc != patch.arc);
+        let beside = table
+            .distinct()
+            .filter(|other| other.part == patch.part && other.arc != patch.arc);
         let found = beside
             .map(|other| (JointKind::Arch, other, Edge::along(other, 1).reversed()))
             .chain([(JointKind::Outline, below, Edge::along(below, 0))])
@@ -131,7 +162,11 @@ struct Meeting {
 
 impl Meeting {
     fn of(surface: &Surface, sides: [Edge; 2]) -> Self {
-        let mut worst = Self { gap_m: 0.0, angle_deg: 0.0, min_sine: 1.0 };
+        let mut worst = Self {
+            gap_m: 0.0,
+            angle_deg: 0.0,
+            min_sine: 1.0,
+        };
         for k in 0..POINTS {
             let s = k as f64 / (POINTS - 1) as f64;
             let [a, b] = sides.map(|edge| edge.frame(surface, s));
@@ -157,7 +192,8 @@ impl Meeting {
 
 fn normal(frame: &Frame) -> Vector3 {
     let (du, dv) = (frame.du.try_normalize(0.0), frame.dv.try_normalize(0.0));
-    du.zip(dv).map_or_else(Vector3::zeros, |(du, dv)| du.cross(&dv))
+    du.zip(dv)
+        .map_or_else(Vector3::zeros, |(du, dv)| du.cross(&dv))
 }
 
 fn sine(frame: &Frame) -> f64 {

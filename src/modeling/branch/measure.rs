@@ -74,7 +74,11 @@ impl Measures {
         let joints = joints(surface, table);
         let worst = |f: fn(&Joint) -> f64| joints.iter().map(f).fold(0.0, f64::max);
         let welded = welded(surface, table, CELLS);
-        let areas: Vec<f64> = table.patches.iter().map(|patch| area(surface, patch)).collect();
+        let areas: Vec<f64> = table
+            .patches
+            .iter()
+            .map(|patch| area(surface, patch))
+            .collect();
         let distinct: f64 = table
             .patches
             .iter()
@@ -86,7 +90,10 @@ impl Measures {
             size_m: surface.size(),
             gap_m: worst(|joint| joint.gap_m),
             angle_deg: worst(|joint| joint.angle_deg),
-            min_sine: joints.iter().map(|joint| joint.min_sine).fold(1.0, f64::min),
+            min_sine: joints
+                .iter()
+                .map(|joint| joint.min_sine)
+                .fold(1.0, f64::min),
             rules: broken(surface, table),
             leaves: table.leaves,
             euler: welded.euler,
@@ -97,7 +104,11 @@ impl Measures {
             folded: welded.folded,
             crossings: crossing_pairs(&welded.mesh, MOST_CROSSINGS).len(),
             triangles: welded.mesh.triangles.len(),
-            coverage: if distinct > 0.0 { areas.iter().sum::<f64>() / distinct } else { 1.0 },
+            coverage: if distinct > 0.0 {
+                areas.iter().sum::<f64>() / distinct
+            } else {
+                1.0
+            },
             area_m2: distinct,
             copy_deviation_m: table.copy_deviation_m(surface),
             joints,
@@ -105,22 +116,44 @@ impl Measures {
         (measures, welded)
     }
 
-    /// What misses its goal when joints may open to an angle: [`GOAL_ANGLE_DEG`] or [`GOAL_EDITED_ANGLE_DEG`].
+    /// What misses its goal when joints may open to an angle: [`GOAL_ANGLE_DEG`] or
+    /// [`GOAL_EDITED_ANGLE_DEG`].
     pub fn misses(&self, angle_deg: f64) -> Vec<String> {
         let gap_m = GOAL_GAP * self.size_m;
         let mut misses = Vec::new();
         let mut say = |missed: bool, what: String| misses.extend(missed.then_some(what));
-        say(self.gap_m > gap_m, format!("a joint gapes by {:e} m, more than {gap_m:e} m", self.gap_m));
+        say(
+            self.gap_m > gap_m,
+            format!("a joint gapes by {:e} m, more than {gap_m:e} m", self.gap_m),
+        );
         say(
             self.angle_deg > angle_deg,
-            format!("normals differ by {:e}° at a joint, more than {angle_deg:e}°", self.angle_deg),
+            format!(
+                "normals differ by {:e}° at a joint, more than {angle_deg:e}°",
+                self.angle_deg
+            ),
         );
-        say(self.min_sine < REGULAR_SINE, format!("S_u and S_v are parallel at a joint: sine {:e}", self.min_sine));
-        say(self.euler != self.euler_wanted, format!("Euler number {}, not {}", self.euler, self.euler_wanted));
-        say(self.loops != self.leaves + 1, format!("{} open ends, not {}", self.loops, self.leaves + 1));
+        say(
+            self.min_sine < REGULAR_SINE,
+            format!(
+                "S_u and S_v are parallel at a joint: sine {:e}",
+                self.min_sine
+            ),
+        );
+        say(
+            self.euler != self.euler_wanted,
+            format!("Euler number {}, not {}", self.euler, self.euler_wanted),
+        );
+        say(
+            self.loops != self.leaves + 1,
+            format!("{} open ends, not {}", self.loops, self.leaves + 1),
+        );
         for (count, what) in [
             (self.non_manifold, "edges with more than two triangles"),
-            (self.inconsistent, "edges whose triangles turn against each other"),
+            (
+                self.inconsistent,
+                "edges whose triangles turn against each other",
+            ),
             (self.folded, "folded edges"),
             (self.crossings, "crossing pairs of triangles"),
         ] {
@@ -146,7 +179,10 @@ fn area(surface: &Surface, patch: &Patch) -> f64 {
             .map(|(at, weight)| (knots.window(at), weight))
             .collect()
     };
-    let (us, vs) = (nodes(surface.knots_u(), patch.u), nodes(surface.knots_v(), patch.v));
+    let (us, vs) = (
+        nodes(surface.knots_u(), patch.u),
+        nodes(surface.knots_v(), patch.v),
+    );
     let mut sum = 0.0;
     for (wu, a) in &us {
         for (wv, b) in &vs {

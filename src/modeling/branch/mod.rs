@@ -1,8 +1,9 @@
 //! Branching tubes: a whole tree as one tensor-product surface that is smooth (G1) at its forks.
 //!
-//! One control net, one knot vector a direction, nothing stitched. u runs round the sections, leaf after leaf, each a loop
-//! of two arcs that end at a front joint F and a back joint B: knots of multiplicity p at B ("terminate"), p + 1 after
-//! every leaf ("disjoin"). v runs from the branch tops down to the stem's end, disjoined (q + 1) at every fork.
+//! One control net, one knot vector a direction, nothing stitched. u runs round the sections, leaf
+//! after leaf, each a loop of two arcs that end at a front joint F and a back joint B: knots of
+//! multiplicity p at B ("terminate"), p + 1 after every leaf ("disjoin"). v runs from the branch
+//! tops down to the stem's end, disjoined (q + 1) at every fork.
 //!
 //! ```text
 //!   \  left  \      /  right /        free rows
@@ -17,12 +18,14 @@
 //! Tree ── check (R1 … R4) ── grow ──▶ BranchingSurface: Surface, PatchTable, ties
 //!                                     Surface ── PatchTable::recovered ──▶ Measures: gap, angle, Euler number, folds
 //! ```
-//! A tube under several leaves is drawn once by each: [`PatchTable`] says which rectangles of the domain repeat others.
-//! Five rules make the joints exactly G1; a tree that breaks one is refused by its name ([`Rule`]). They do not keep
-//! strongly bent branches from crossing or folding: [`Measures`] finds that.
+//! A tube under several leaves is drawn once by each: [`PatchTable`] says which rectangles of the
+//! domain repeat others. Five rules make the joints exactly G1; a tree that breaks one is refused
+//! by its name ([`Rule`]). They do not keep strongly bent branches from crossing or folding:
+//! [`Measures`] finds that.
 //!
-//! The construction follows an extended abstract on bifurcating B-spline surfaces by terminating and disjoining knots; its
-//! rules were worked out from "open book", "inverted T" and "overlap layer" there.
+//! The construction follows an extended abstract on bifurcating B-spline surfaces by terminating
+//! and disjoining knots; its rules were worked out from "open book", "inverted T" and "overlap
+//! layer" there.
 
 mod check;
 mod crossing;

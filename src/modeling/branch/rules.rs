@@ -1,7 +1,7 @@
 //! Rules R1 to R4 read off a net: which one an edit broke, and where.
 //!
-//! The rules are sufficient, not necessary: a net may break one and still be smooth to the eye. They are checked to 1e-9
-//! of the size. R5 is a matter of knots, see [`PatchTable::recovered`].
+//! The rules are sufficient, not necessary: a net may break one and still be smooth to the eye.
+//! They are checked to 1e-9 of the size. R5 is a matter of knots, see [`PatchTable::recovered`].
 
 use super::error::Rule;
 use super::patches::{Patch, PatchTable};
@@ -22,7 +22,11 @@ pub struct Broken {
 
 /// The rules that the net of a surface breaks, at the worst place of each joint and arc.
 pub(super) fn broken(surface: &Surface, table: &PatchTable) -> Vec<Broken> {
-    let net = Net { surface, table, tolerance: SAME_POINT * surface.size() };
+    let net = Net {
+        surface,
+        table,
+        tolerance: SAME_POINT * surface.size(),
+    };
     let mut broken = Vec::new();
     for patch in table.distinct().filter(|patch| patch.arc == 1) {
         for joint in Joint::ALL {
@@ -83,10 +87,12 @@ impl Net<'_> {
     }
 
     fn on_a_fork(&self, patch: &Patch) -> bool {
-        patch.part + 1 < self.table.parts && self.table.patch(patch.part + 1, patch.leaf, patch.arc).node != patch.node
+        patch.part + 1 < self.table.parts
+            && self.table.patch(patch.part + 1, patch.leaf, patch.arc).node != patch.node
     }
 
-    /// True for the arc that lies on the tube below: its last row is nearer to that than to another arch.
+    /// True for the arc that lies on the tube below: its last row is nearer to that than to another
+    /// arch.
     fn is_outline(&self, patch: &Patch) -> bool {
         let other = self.table.patch(patch.part, patch.leaf, 3 - patch.arc);
         self.drop(patch) <= self.drop(other)
@@ -96,7 +102,9 @@ impl Net<'_> {
     fn drop(&self, patch: &Patch) -> f64 {
         let row = patch.rows[1];
         let columns = patch.columns[0]..=patch.columns[1];
-        columns.map(|c| (self.at(c, row) - self.at(c, row + 1)).norm()).fold(0.0, f64::max)
+        columns
+            .map(|c| (self.at(c, row) - self.at(c, row + 1)).norm())
+            .fold(0.0, f64::max)
     }
 
     /// R1 in rows away from a fork: neighbours on a line with the joint, at one ratio.
@@ -114,7 +122,9 @@ impl Net<'_> {
                 worst = (off, row);
             }
         }
-        self.say(Rule::R1, worst.0, out, || format!("{}, {}, row {}", patch.node, joint.name(), worst.1));
+        self.say(Rule::R1, worst.0, out, || {
+            format!("{}, {}, row {}", patch.node, joint.name(), worst.1)
+        });
     }
 
     /// R1 at a fork: neighbours in one plane in inverted T, open book and the q rows above.
@@ -123,7 +133,9 @@ impl Net<'_> {
             return;
         }
         let [before, at, after] = self.around(patch, joint, patch.rows[1]);
-        let Some(normal) = (before - at).cross(&(after - at)).try_normalize(0.0) else { return };
+        let Some(normal) = (before - at).cross(&(after - at)).try_normalize(0.0) else {
+            return;
+        };
         let mut worst = (0.0, 0);
         for row in patch.rows[1] - 1 - self.surface.knots_v().degree()..=patch.rows[1] {
             for point in self.around(patch, joint, row) {
@@ -133,7 +145,9 @@ impl Net<'_> {
                 }
             }
         }
-        self.say(Rule::R1, worst.0, out, || format!("{}, {}, row {}", patch.node, joint.name(), worst.1));
+        self.say(Rule::R1, worst.0, out, || {
+            format!("{}, {}, row {}", patch.node, joint.name(), worst.1)
+        });
     }
 
     /// Columns of an arc between its joints.
@@ -141,22 +155,38 @@ impl Net<'_> {
         patch.columns[0] + 1..patch.columns[1]
     }
 
-    /// R2: from inverted T to open book every column of the arch moves alike, along one direction on both branches.
+    /// R2: from inverted T to open book every column of the arch moves alike, along one direction
+    /// on both branches.
     fn arch(&self, patch: &Patch, out: &mut Vec<Broken>) {
         let t = patch.rows[1];
         let place = || format!("{}, arch, row {}", patch.node, t - 1);
         // The middle of the arch speaks for it.
         let middle = self.rise(patch);
         if middle.norm() <= self.tolerance {
-            out.push(Broken { rule: Rule::R2, place: place(), off_m: 0.0 });
+            out.push(Broken {
+                rule: Rule::R2,
+                place: place(),
+                off_m: 0.0,
+            });
             return;
         }
-        let off = self.inner(patch).map(|column| (self.up(column, t) - middle).norm()).fold(0.0, f64::max);
+        let off = self
+            .inner(patch)
+            .map(|column| (self.up(column, t) - middle).norm())
+            .fold(0.0, f64::max);
         self.say(Rule::R2, off, out, place);
         if let Some(other) = self.across(patch) {
-            let along = self.rise(other).try_normalize(0.0).unwrap_or_else(Vector3::zeros);
+            let along = self
+                .rise(other)
+                .try_normalize(0.0)
+                .unwrap_or_else(Vector3::zeros);
             self.say(Rule::R2, middle.cross(&along).norm(), out, || {
-                format!("{} and {}, arch, row {}: two directions", patch.node, other.node, t - 1)
+                format!(
+                    "{} and {}, arch, row {}: two directions",
+                    patch.node,
+                    other.node,
+                    t - 1
+                )
             });
         }
         self.fold(patch, out);
@@ -164,7 +194,12 @@ impl Net<'_> {
 
     /// The arc on the other side of an arch, for the left one.
     fn across(&self, patch: &Patch) -> Option<&Patch> {
-        let below = |patch: &Patch| self.table.patch(patch.part + 1, patch.leaf, patch.arc).node.as_str();
+        let below = |patch: &Patch| {
+            self.table
+                .patch(patch.part + 1, patch.leaf, patch.arc)
+                .node
+                .as_str()
+        };
         self.table.distinct().find(|other| {
             (other.part, other.arc) == (patch.part, 3 - patch.arc)
                 && other.leaf > patch.leaf
@@ -187,17 +222,32 @@ impl Net<'_> {
     /// R3: open book, inverted T = overlap, and the second layer on straight lines at one ratio.
     fn outline(&self, patch: &Patch, out: &mut Vec<Broken>) {
         let t = patch.rows[1];
-        let off = self.inner(patch).map(|c| (self.at(c, t) - self.at(c, t + 1)).norm()).fold(0.0, f64::max);
-        self.say(Rule::R3, off, out, || format!("{}, outline, rows {t} and {}", patch.node, t + 1));
+        let off = self
+            .inner(patch)
+            .map(|c| (self.at(c, t) - self.at(c, t + 1)).norm())
+            .fold(0.0, f64::max);
+        self.say(Rule::R3, off, out, || {
+            format!("{}, outline, rows {t} and {}", patch.node, t + 1)
+        });
         let pair = |column: usize| (self.up(column, t), self.layer(column, t));
         let (up, down) = pair((patch.columns[0] + patch.columns[1]) / 2);
         if up.norm() <= self.tolerance {
-            out.push(Broken { rule: Rule::R3, place: format!("{}, outline, row {}", patch.node, t - 1), off_m: 0.0 });
+            out.push(Broken {
+                rule: Rule::R3,
+                place: format!("{}, outline, row {}", patch.node, t - 1),
+                off_m: 0.0,
+            });
             return;
         }
         let ratio = up.norm() / down.norm().max(f64::MIN_POSITIVE);
-        let off = self.inner(patch).map(pair).map(|(up, down)| (up - down * ratio).norm()).fold(0.0, f64::max);
-        self.say(Rule::R3, off, out, || format!("{}, outline, rows {} to {}", patch.node, t - 1, t + 2));
+        let off = self
+            .inner(patch)
+            .map(pair)
+            .map(|(up, down)| (up - down * ratio).norm())
+            .fold(0.0, f64::max);
+        self.say(Rule::R3, off, out, || {
+            format!("{}, outline, rows {} to {}", patch.node, t - 1, t + 2)
+        });
         self.fold(patch, out);
     }
 
@@ -208,8 +258,13 @@ impl Net<'_> {
         let (up, down) = pair(patch.columns[0]);
         let ratio = up.norm() / down.norm().max(f64::MIN_POSITIVE);
         let columns = patch.columns[0]..=patch.columns[1];
-        let off = columns.map(pair).map(|(up, down)| (up - down * ratio).norm()).fold(0.0, f64::max);
-        self.say(Rule::R3, off, out, || format!("{}, passage, rows {} to {}", patch.node, t - 1, t + 2));
+        let off = columns
+            .map(pair)
+            .map(|(up, down)| (up - down * ratio).norm())
+            .fold(0.0, f64::max);
+        self.say(Rule::R3, off, out, || {
+            format!("{}, passage, rows {} to {}", patch.node, t - 1, t + 2)
+        });
     }
 
     /// From the second layer to the overlap layer.
@@ -224,14 +279,21 @@ impl Net<'_> {
         for (joint, beside) in [(first, first + 1), (last, last - 1)] {
             let along = self.at(beside, t) - self.at(joint, t);
             let reach = along.norm();
-            let corner = (self.at(joint, t - 1) - self.at(joint, t)).dot(&along) / reach.max(f64::MIN_POSITIVE);
-            self.say(Rule::R4, corner - reach, out, || format!("{}, columns {joint} and {beside}", patch.node));
+            let corner = (self.at(joint, t - 1) - self.at(joint, t)).dot(&along)
+                / reach.max(f64::MIN_POSITIVE);
+            self.say(Rule::R4, corner - reach, out, || {
+                format!("{}, columns {joint} and {beside}", patch.node)
+            });
         }
     }
 
     fn say(&self, rule: Rule, off_m: f64, out: &mut Vec<Broken>, place: impl Fn() -> String) {
         if off_m > self.tolerance {
-            out.push(Broken { rule, place: place(), off_m });
+            out.push(Broken {
+                rule,
+                place: place(),
+                off_m,
+            });
         }
     }
 }

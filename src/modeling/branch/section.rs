@@ -22,7 +22,12 @@ pub(super) struct Place {
 impl Place {
     /// The frame of the stem's top.
     pub fn of_the_stem() -> Self {
-        Self { origin: Point3::origin(), x: Vector3::x(), y: Vector3::y(), z: Vector3::z() }
+        Self {
+            origin: Point3::origin(),
+            x: Vector3::x(),
+            y: Vector3::y(),
+            z: Vector3::z(),
+        }
     }
 
     /// A point of this frame.
@@ -34,19 +39,30 @@ impl Place {
 
     /// Further up by a distance.
     pub fn raised(&self, by_m: f64) -> Self {
-        Self { origin: self.at(0.0, 0.0, by_m), ..*self }
+        Self {
+            origin: self.at(0.0, 0.0, by_m),
+            ..*self
+        }
     }
 
     /// Turned about y: z towards x.
     pub fn turned(&self, angle: f64) -> Self {
         let (sin, cos) = libm::sincos(angle);
-        Self { x: self.x * cos - self.z * sin, z: self.z * cos + self.x * sin, ..*self }
+        Self {
+            x: self.x * cos - self.z * sin,
+            z: self.z * cos + self.x * sin,
+            ..*self
+        }
     }
 
     /// Turned about z: x towards y.
     pub fn twisted(&self, angle: f64) -> Self {
         let (sin, cos) = libm::sincos(angle);
-        Self { x: self.x * cos + self.y * sin, y: self.y * cos - self.x * sin, ..*self }
+        Self {
+            x: self.x * cos + self.y * sin,
+            y: self.y * cos - self.x * sin,
+            ..*self
+        }
     }
 }
 
@@ -55,7 +71,8 @@ pub(super) fn arc_columns(p: usize) -> usize {
     2 * p + 2
 }
 
-/// Distance from the joint of columns 0 ..= p along the front: the neighbour, then evenly to the corner.
+/// Distance from the joint of columns 0 ..= p along the front: the neighbour, then evenly to the
+/// corner.
 pub(super) fn front_columns(p: usize, neighbour: f64, corner: f64) -> Vec<f64> {
     let even = |k: usize| neighbour + (corner - neighbour) * ((k - 1) as f64 / (p - 1) as f64);
     (0..=p)
@@ -70,8 +87,14 @@ pub(super) fn front_columns(p: usize, neighbour: f64, corner: f64) -> Vec<f64> {
 
 /// (2n) the rectangle of width and depth 1 with its joints at x = front: columns 0 .. 2n.
 pub(super) fn rectangle(p: usize, front: f64, neighbour: f64) -> Vec<[f64; 2]> {
-    let left: Vec<f64> = front_columns(p, neighbour, 0.5 + front).into_iter().map(|d| front - d).collect();
-    let right: Vec<f64> = front_columns(p, neighbour, 0.5 - front).into_iter().map(|d| front + d).collect();
+    let left: Vec<f64> = front_columns(p, neighbour, 0.5 + front)
+        .into_iter()
+        .map(|d| front - d)
+        .collect();
+    let right: Vec<f64> = front_columns(p, neighbour, 0.5 - front)
+        .into_iter()
+        .map(|d| front + d)
+        .collect();
     let mut loop_ = Vec::with_capacity(2 * arc_columns(p));
     loop_.extend(left.iter().map(|&x| [x, -0.5]));
     loop_.push([-0.5, 0.0]);
@@ -82,7 +105,8 @@ pub(super) fn rectangle(p: usize, front: f64, neighbour: f64) -> Vec<[f64; 2]> {
     loop_
 }
 
-/// (n + 1) the arch from the back joint to the front one, as (y, z): straight up, across, straight down.
+/// (n + 1) the arch from the back joint to the front one, as (y, z): straight up, across, straight
+/// down.
 pub(super) fn arch(p: usize, half_depth_m: f64, height_m: f64, neighbour_m: f64) -> Vec<[f64; 2]> {
     let up = front_columns(p, neighbour_m, height_m);
     let mut arch = Vec::with_capacity(arc_columns(p) + 1);
@@ -124,7 +148,10 @@ mod tests {
     fn an_arch_goes_up_across_and_down() {
         let arch = arch(3, 0.8, 0.7, 0.24);
         let heights: Vec<f64> = arch.iter().map(|point| point[1]).collect();
-        for (got, wanted) in heights.iter().zip([0.0, 0.24, 0.47, 0.7, 0.7, 0.7, 0.47, 0.24, 0.0]) {
+        for (got, wanted) in heights
+            .iter()
+            .zip([0.0, 0.24, 0.47, 0.7, 0.7, 0.7, 0.47, 0.24, 0.0])
+        {
             assert!((got - wanted).abs() < 1e-15, "{heights:?}");
         }
     }

@@ -30,16 +30,35 @@ fn given(name: &str) -> Surface {
     let nets: serde_json::Value = serde_json::from_str(include_str!("data/nets.json")).unwrap();
     let net = &nets[name];
     let numbers = |value: &serde_json::Value| -> Vec<f64> {
-        value.as_array().unwrap().iter().map(|x| x.as_f64().unwrap()).collect()
+        value
+            .as_array()
+            .unwrap()
+            .iter()
+            .map(|x| x.as_f64().unwrap())
+            .collect()
     };
     let knots = |degree: &str, knots: &str| {
         KnotVector::new(net[degree].as_u64().unwrap() as usize, numbers(&net[knots])).unwrap()
     };
-    let pool: Vec<Point3> = net["points"].as_array().unwrap().iter().map(|p| Point3::from_slice(&numbers(p))).collect();
-    let points = numbers(&net["net"]).into_iter().map(|k| pool[k as usize]).collect();
+    let pool: Vec<Point3> = net["points"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|p| Point3::from_slice(&numbers(p)))
+        .collect();
+    let points = numbers(&net["net"])
+        .into_iter()
+        .map(|k| pool[k as usize])
+        .collect();
     let size = numbers(&net["size"]);
     let points = ControlNet::new(size[0] as usize, size[1] as usize, points).unwrap();
-    Surface::new(knots("degree_u", "knots_u"), knots("degree_v", "knots_v"), points, None).unwrap()
+    Surface::new(
+        knots("degree_u", "knots_u"),
+        knots("degree_v", "knots_v"),
+        points,
+        None,
+    )
+    .unwrap()
 }
 
 fn measured(surface: &Surface) -> Measures {
@@ -50,10 +69,23 @@ fn measured(surface: &Surface) -> Measures {
 fn the_nets_of_the_definition_are_made_from_their_parameters() {
     for (name, tree) in trees() {
         let (made, wanted) = (grow(&tree).unwrap().surface, given(name));
-        assert_eq!((made.knots_u(), made.knots_v()), (wanted.knots_u(), wanted.knots_v()), "{name}");
-        for (k, (a, b)) in made.net().points().iter().zip(wanted.net().points()).enumerate() {
+        assert_eq!(
+            (made.knots_u(), made.knots_v()),
+            (wanted.knots_u(), wanted.knots_v()),
+            "{name}"
+        );
+        for (k, (a, b)) in made
+            .net()
+            .points()
+            .iter()
+            .zip(wanted.net().points())
+            .enumerate()
+        {
             let (i, j) = (k / made.net().columns(), k % made.net().columns());
-            assert!((a - b).amax() <= 1e-9, "{name}: control point ({i}, {j}) is {a}, not {b}");
+            assert!(
+                (a - b).amax() <= 1e-9,
+                "{name}: control point ({i}, {j}) is {a}, not {b}"
+            );
         }
     }
 }
@@ -64,7 +96,10 @@ fn the_irregular_net_is_the_symmetric_one_from_the_tilted_rows_down() {
     let (made, wanted) = (grow(&trees()[0].1).unwrap().surface, given("y-irregular"));
     for i in 0..34 {
         for j in 4..15 {
-            assert!((made.net().at(i, j) - wanted.net().at(i, j)).amax() <= 1e-9, "control point ({i}, {j})");
+            assert!(
+                (made.net().at(i, j) - wanted.net().at(i, j)).amax() <= 1e-9,
+                "control point ({i}, {j})"
+            );
         }
     }
 }
@@ -87,12 +122,33 @@ fn the_given_nets_measure_as_the_definition_says() {
         assert_eq!(table.distinct().count(), distinct, "{name}");
         let (m, _) = Measures::of(&surface, &table);
         // Nine decimals of the file allow for a nanometre to a metre.
-        assert!(m.gap_m <= 4e-9 && m.angle_deg <= 2e-6, "{name}: gap {} m, angle {}°", m.gap_m, m.angle_deg);
-        assert_eq!((m.euler, m.loops, m.euler_wanted), (euler, loops, euler), "{name}");
-        assert_eq!((m.non_manifold, m.inconsistent, m.folded, m.crossings), (0, 0, 0, 0), "{name}");
+        assert!(
+            m.gap_m <= 4e-9 && m.angle_deg <= 2e-6,
+            "{name}: gap {} m, angle {}°",
+            m.gap_m,
+            m.angle_deg
+        );
+        assert_eq!(
+            (m.euler, m.loops, m.euler_wanted),
+            (euler, loops, euler),
+            "{name}"
+        );
+        assert_eq!(
+            (m.non_manifold, m.inconsistent, m.folded, m.crossings),
+            (0, 0, 0, 0),
+            "{name}"
+        );
         assert_eq!(m.rules, Vec::new(), "{name}");
-        assert!((m.min_sine - sine).abs() < 6e-4, "{name}: least sine {}", m.min_sine);
-        assert!((m.coverage - coverage).abs() < 6e-4, "{name}: coverage {}", m.coverage);
+        assert!(
+            (m.min_sine - sine).abs() < 6e-4,
+            "{name}: least sine {}",
+            m.min_sine
+        );
+        assert!(
+            (m.coverage - coverage).abs() < 6e-4,
+            "{name}: coverage {}",
+            m.coverage
+        );
     }
 }
 
@@ -102,14 +158,34 @@ fn grown_trees_reach_every_goal() {
         let grown = grow(&tree).unwrap();
         let (m, _) = Measures::of(&grown.surface, &grown.patches);
         assert_eq!(m.misses(GOAL_ANGLE_DEG), Vec::<String>::new(), "{name}");
-        assert!(m.gap_m <= 1e-14 * m.size_m && m.angle_deg <= 1e-11, "{name}: {} m, {}°", m.gap_m, m.angle_deg);
+        assert!(
+            m.gap_m <= 1e-14 * m.size_m && m.angle_deg <= 1e-11,
+            "{name}: {} m, {}°",
+            m.gap_m,
+            m.angle_deg
+        );
         assert_eq!((m.copy_deviation_m, &m.rules), (0.0, &Vec::new()), "{name}");
         // Front and back of each distinct tube; at each break outlines and arches.
-        let outlines = m.joints.iter().filter(|joint| joint.kind == JointKind::Outline).count();
-        let arches = m.joints.iter().filter(|joint| joint.kind == JointKind::Arch).count();
+        let outlines = m
+            .joints
+            .iter()
+            .filter(|joint| joint.kind == JointKind::Outline)
+            .count();
+        let arches = m
+            .joints
+            .iter()
+            .filter(|joint| joint.kind == JointKind::Arch)
+            .count();
         assert_eq!(arches, tree.leaves() - 1, "{name}");
-        let below = grown.patches.distinct().filter(|patch| patch.part > 0).count();
-        assert_eq!(outlines, below, "{name}: every arc of a lower tube carries one above");
+        let below = grown
+            .patches
+            .distinct()
+            .filter(|patch| patch.part > 0)
+            .count();
+        assert_eq!(
+            outlines, below,
+            "{name}: every arc of a lower tube carries one above"
+        );
     }
 }
 
@@ -118,7 +194,9 @@ fn with_degrees(mut tree: Tree, p: usize, q: usize) -> Tree {
     (tree.degree_u, tree.degree_v) = (p, q);
     let fork = tree.stem.fork.as_mut().unwrap();
     for branch in [&mut fork.left, &mut fork.right] {
-        branch.front = (0..q).map(|k| 0.15 * (1.0 - 0.3 * k.min(2) as f64)).collect();
+        branch.front = (0..q)
+            .map(|k| 0.15 * (1.0 - 0.3 * k.min(2) as f64))
+            .collect();
     }
     tree
 }
@@ -136,12 +214,23 @@ fn every_degree_from_two_up_is_smooth() {
     for (p, q, wanted) in cases {
         let grown = grow(&with_degrees(trees()[0].1.clone(), p, q)).unwrap();
         let net = grown.surface.net();
-        assert_eq!((net.rows(), net.columns()), (wanted.0, wanted.1), "degrees {p} × {q}");
+        assert_eq!(
+            (net.rows(), net.columns()),
+            (wanted.0, wanted.1),
+            "degrees {p} × {q}"
+        );
         let (m, _) = Measures::of(&grown.surface, &grown.patches);
-        assert_eq!(m.misses(GOAL_ANGLE_DEG), Vec::<String>::new(), "degrees {p} × {q}");
+        assert_eq!(
+            m.misses(GOAL_ANGLE_DEG),
+            Vec::<String>::new(),
+            "degrees {p} × {q}"
+        );
         assert!(m.angle_deg <= 1e-11, "degrees {p} × {q}: {}°", m.angle_deg);
         let (_, _, sine, coverage) = wanted;
-        assert!((m.min_sine - sine).abs() < 6e-4 && (m.coverage - coverage).abs() < 6e-4, "degrees {p} × {q}: {m:?}");
+        assert!(
+            (m.min_sine - sine).abs() < 6e-4 && (m.coverage - coverage).abs() < 6e-4,
+            "degrees {p} × {q}: {m:?}"
+        );
     }
 }
 
@@ -173,7 +262,8 @@ fn random_y(random: &mut Random) -> Tree {
     tree
 }
 
-// The rules bind angle, gap and topology. Folds and crossings they do not: a strong bend may have some.
+// The rules bind angle, gap and topology. Folds and crossings they do not: a strong bend may have
+// some.
 #[test]
 fn random_trees_within_the_rules_are_smooth_and_closed() {
     let mut random = Random(91);
@@ -181,13 +271,27 @@ fn random_trees_within_the_rules_are_smooth_and_closed() {
         let tree = random_y(&mut random);
         let grown = grow(&tree).unwrap();
         for joint in joints(&grown.surface, &grown.patches) {
-            assert!(joint.gap_m <= GOAL_GAP * grown.surface.size(), "{case}: {joint:?}");
-            assert!(joint.angle_deg <= 1e-10 && joint.min_sine > 0.1, "{case}: {joint:?}");
+            assert!(
+                joint.gap_m <= GOAL_GAP * grown.surface.size(),
+                "{case}: {joint:?}"
+            );
+            assert!(
+                joint.angle_deg <= 1e-10 && joint.min_sine > 0.1,
+                "{case}: {joint:?}"
+            );
         }
-        assert_eq!(rules::broken(&grown.surface, &grown.patches), Vec::new(), "{case}");
+        assert_eq!(
+            rules::broken(&grown.surface, &grown.patches),
+            Vec::new(),
+            "{case}"
+        );
         if case % 20 == 0 {
             let (m, _) = Measures::of(&grown.surface, &grown.patches);
-            assert_eq!((m.euler, m.loops, m.non_manifold, m.inconsistent), (-1, 3, 0, 0), "{case}");
+            assert_eq!(
+                (m.euler, m.loops, m.non_manifold, m.inconsistent),
+                (-1, 3, 0, 0),
+                "{case}"
+            );
         }
     }
 }
@@ -197,7 +301,10 @@ fn a_tree_without_forks_is_a_plain_tube() {
     let mut tree = trees()[0].1.clone();
     tree.stem.fork = None;
     let grown = grow(&tree).unwrap();
-    assert_eq!((grown.surface.net().rows(), grown.surface.net().columns()), (17, 7));
+    assert_eq!(
+        (grown.surface.net().rows(), grown.surface.net().columns()),
+        (17, 7)
+    );
     let (m, _) = Measures::of(&grown.surface, &grown.patches);
     assert_eq!(m.misses(GOAL_ANGLE_DEG), Vec::<String>::new());
     assert_eq!((m.euler, m.loops, m.coverage), (0, 2, 1.0));
@@ -239,8 +346,13 @@ fn leaves_of_any_order_and_depth_fit() {
     let grown = grow(&tree).unwrap();
     assert_eq!((grown.patches.leaves, grown.patches.parts), (4, 4));
     let (m, _) = Measures::of(&grown.surface, &grown.patches);
-    assert_eq!((m.misses(GOAL_ANGLE_DEG), m.rules), (Vec::new(), Vec::new()));
+    assert_eq!(
+        (m.misses(GOAL_ANGLE_DEG), m.rules),
+        (Vec::new(), Vec::new())
+    );
     assert_eq!((m.euler, m.loops), (-3, 5));
-    let nodes: Vec<&str> = (0..4).map(|leaf| grown.patches.patch(0, leaf, 1).node.as_str()).collect();
+    let nodes: Vec<&str> = (0..4)
+        .map(|leaf| grown.patches.patch(0, leaf, 1).node.as_str())
+        .collect();
     assert_eq!(nodes, ["LLL", "LLR", "LR", "R"]);
 }

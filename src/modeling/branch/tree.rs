@@ -1,8 +1,9 @@
 //! What a tree is asked to be: the parameters of its stem, its forks and its branches.
 //!
-//! Lengths are in metres, fractions are of a section's width. A fork lies in the frame of the section below it: x from
-//! left to right, y from front to back, z along the branch. Left and right are described as mirror images of each other:
-//! `outer_m` and `inner_m` count x away from the middle.
+//! Lengths are in metres, fractions are of a section's width. A fork lies in the frame of the
+//! section below it: x from left to right, y from front to back, z along the branch. Left and right
+//! are described as mirror images of each other: `outer_m` and `inner_m` count x away from the
+//! middle.
 
 use serde::{Deserialize, Serialize};
 
@@ -80,11 +81,13 @@ pub struct Branch {
     pub inner_m: [f64; 2],
     /// Between tilted rows, m.
     pub tilt_step_m: f64,
-    /// (q) from the middle of each tilted row to its joints, towards the arch; fractions of the width, from the fork up.
+    /// (q) from the middle of each tilted row to its joints, towards the arch; fractions of the
+    /// width, from the fork up.
     pub front: Vec<f64>,
     /// The same where the free rows begin; it fades to 0 at the end.
     pub free_front: f64,
-    /// From the joints to the control points beside them, fraction of the width, in every row from the first tilted one.
+    /// From the joints to the control points beside them, fraction of the width, in every row from
+    /// the first tilted one.
     pub neighbour: f64,
     /// Rows from the last tilted one (not counted) to the end (counted).
     pub free_rows: usize,
@@ -121,8 +124,9 @@ pub struct End {
     pub half_width_m: f64,
     /// Half of its size from front to back, m.
     pub half_depth_m: f64,
-    /// A loop of its own instead of a rectangle: 4p + 4 control points (x, y) from the front joint round by the left, in
-    /// units of width and depth (a rectangle fills −½ … ½). The control points beside a joint lie opposite each other.
+    /// A loop of its own instead of a rectangle: 4p + 4 control points (x, y) from the front joint
+    /// round by the left, in units of width and depth (a rectangle fills −½ … ½). The control
+    /// points beside a joint lie opposite each other.
     #[serde(default)]
     pub outline: Option<Vec<[f64; 2]>>,
 }
@@ -146,11 +150,19 @@ impl Fork {
     }
 
     fn leaves(&self) -> usize {
-        self.branches().iter().map(|(_, branch)| branch.fork.as_deref().map_or(1, Fork::leaves)).sum()
+        self.branches()
+            .iter()
+            .map(|(_, branch)| branch.fork.as_deref().map_or(1, Fork::leaves))
+            .sum()
     }
 
     fn depth(&self) -> usize {
-        1 + self.branches().iter().map(|(_, branch)| branch.fork.as_deref().map_or(0, Fork::depth)).max().unwrap_or(0)
+        1 + self
+            .branches()
+            .iter()
+            .map(|(_, branch)| branch.fork.as_deref().map_or(0, Fork::depth))
+            .max()
+            .unwrap_or(0)
     }
 }
 

@@ -1,4 +1,5 @@
-//! One mesh of the distinct patches, corners of their borders welded: what of the tree is closed, and what is folded.
+//! One mesh of the distinct patches, corners of their borders welded: what of the tree is closed,
+//! and what is folded.
 
 use super::patches::{Patch, PatchTable};
 use crate::basis::{KnotVector, Side};
@@ -41,7 +42,13 @@ pub(super) fn welded(surface: &Surface, table: &PatchTable, cells: usize) -> Wel
     }
     let triangles: Vec<[u32; 3]> = cells_of
         .iter()
-        .flat_map(|cell| halves(cell.map(|k| compact[number[k]]), &points, surface.flip_normal()))
+        .flat_map(|cell| {
+            halves(
+                cell.map(|k| compact[number[k]]),
+                &points,
+                surface.flip_normal(),
+            )
+        })
         .collect();
     let mesh = Mesh::from_triangles(points, triangles).unwrap_or_default();
     count(mesh)
@@ -72,7 +79,9 @@ impl Corners {
         }
         let at = |i: usize, j: usize| start + i * vs.len() + j;
         for i in 0..us.len() - 1 {
-            out.extend((0..vs.len() - 1).map(|j| [at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)]));
+            out.extend(
+                (0..vs.len() - 1).map(|j| [at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)]),
+            );
         }
     }
 
@@ -85,8 +94,13 @@ impl Corners {
         let height = |k: usize| self.points[k].coords.dot(&along);
         sorted.sort_by(|&a, &b| height(a).total_cmp(&height(b)).then(a.cmp(&b)));
         for (n, &k) in sorted.iter().enumerate() {
-            let near = sorted[..n].iter().rev().take_while(|&&other| height(k) - height(other) <= 2.0 * tolerance);
-            for &other in near.filter(|&&other| (self.points[k] - self.points[other]).norm() <= tolerance) {
+            let near = sorted[..n]
+                .iter()
+                .rev()
+                .take_while(|&&other| height(k) - height(other) <= 2.0 * tolerance);
+            for &other in
+                near.filter(|&&other| (self.points[k] - self.points[other]).norm() <= tolerance)
+            {
                 let (a, b) = (root(&number, k), root(&number, other));
                 number[a.max(b)] = a.min(b);
             }
@@ -106,7 +120,10 @@ fn root(to: &[usize], mut k: usize) -> usize {
 fn stations(knots: &KnotVector, range: [f64; 2], cells: usize) -> Vec<f64> {
     let t = knots.knots();
     let mut stations = vec![range[0]];
-    for i in knots.spans().filter(|&i| t[i] >= range[0] && t[i + 1] <= range[1]) {
+    for i in knots
+        .spans()
+        .filter(|&i| t[i] >= range[0] && t[i + 1] <= range[1])
+    {
         stations.extend((1..cells).map(|k| t[i] + (t[i + 1] - t[i]) * (k as f64 / cells as f64)));
         stations.push(t[i + 1]);
     }
@@ -116,9 +133,16 @@ fn stations(knots: &KnotVector, range: [f64; 2], cells: usize) -> Vec<f64> {
 /// Two triangles across the shorter diagonal, without those that welding closed.
 fn halves([a, b, c, d]: [u32; 4], points: &[Point3], flip: bool) -> impl Iterator<Item = [u32; 3]> {
     let length = |x: u32, y: u32| (points[x as usize] - points[y as usize]).norm_squared();
-    let halves = if length(a, c) <= length(b, d) { [[a, b, c], [a, c, d]] } else { [[a, b, d], [b, c, d]] };
+    let halves = if length(a, c) <= length(b, d) {
+        [[a, b, c], [a, c, d]]
+    } else {
+        [[a, b, d], [b, c, d]]
+    };
     let proper = |[x, y, z]: &[u32; 3]| x != y && y != z && z != x;
-    halves.into_iter().filter(proper).map(move |[x, y, z]| if flip { [x, z, y] } else { [x, y, z] })
+    halves
+        .into_iter()
+        .filter(proper)
+        .map(move |[x, y, z]| if flip { [x, z, y] } else { [x, y, z] })
 }
 
 /// Triangles at an edge, and how many of them walk it upwards.
@@ -141,17 +165,26 @@ fn count(mesh: Mesh) -> Welded {
         let [a, b, c] = mesh.triangles[t].map(|k| mesh.points[k as usize]);
         (b - a).cross(&(c - a))
     };
-    let folded = |around: &Around| across(around.triangles[0]).dot(&across(around.triangles[1])) < 0.0;
+    let folded =
+        |around: &Around| across(around.triangles[0]).dot(&across(around.triangles[1])) < 0.0;
     let pairs = || edges.values().filter(|around| around.triangles.len() == 2);
     let mut used = vec![false; mesh.points.len()];
-    mesh.triangles.iter().flatten().for_each(|&k| used[k as usize] = true);
+    mesh.triangles
+        .iter()
+        .flatten()
+        .for_each(|&k| used[k as usize] = true);
     let corners = used.iter().filter(|used| **used).count();
     Welded {
         euler: corners as i64 - edges.len() as i64 + mesh.triangles.len() as i64,
         loops: rings(&edges, mesh.points.len()),
-        non_manifold: edges.values().filter(|around| around.triangles.len() > 2).count(),
+        non_manifold: edges
+            .values()
+            .filter(|around| around.triangles.len() > 2)
+            .count(),
         inconsistent: pairs().filter(|around| around.upwards != 1).count(),
-        folded: pairs().filter(|around| around.upwards == 1 && folded(around)).count(),
+        folded: pairs()
+            .filter(|around| around.upwards == 1 && folded(around))
+            .count(),
         mesh,
     }
 }
@@ -160,7 +193,10 @@ fn count(mesh: Mesh) -> Welded {
 fn rings(edges: &BTreeMap<[u32; 2], Around>, corners: usize) -> usize {
     let mut to: Vec<usize> = (0..corners).collect();
     let mut touched = vec![false; corners];
-    for (edge, _) in edges.iter().filter(|(_, around)| around.triangles.len() == 1) {
+    for (edge, _) in edges
+        .iter()
+        .filter(|(_, around)| around.triangles.len() == 1)
+    {
         let [a, b] = edge.map(|k| k as usize);
         (touched[a], touched[b]) = (true, true);
         let (a, b) = (root(&to, a), root(&to, b));
@@ -174,10 +210,22 @@ mod tests {
     use super::*;
 
     fn counted(points: &[[f64; 3]], triangles: &[[u32; 3]]) -> Welded {
-        count(Mesh::from_triangles(points.iter().map(|&p| Point3::from(p)).collect(), triangles.to_vec()).unwrap())
+        count(
+            Mesh::from_triangles(
+                points.iter().map(|&p| Point3::from(p)).collect(),
+                triangles.to_vec(),
+            )
+            .unwrap(),
+        )
     }
 
-    const SQUARE: [[f64; 3]; 5] = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0], [0.2, 0.3, 1.0]];
+    const SQUARE: [[f64; 3]; 5] = [
+        [0.0, 0.0, 0.0],
+        [1.0, 0.0, 0.0],
+        [1.0, 1.0, 0.0],
+        [0.0, 1.0, 0.0],
+        [0.2, 0.3, 1.0],
+    ];
 
     #[test]
     fn counts_of_small_meshes_are_those_by_hand() {
@@ -189,12 +237,28 @@ mod tests {
         let third = counted(&SQUARE, &[[0, 1, 2], [0, 2, 3], [0, 2, 4]]);
         assert_eq!(numbers(&third), (1, 1, 1, 0, 0));
         // Both halves over the same side of the diagonal.
-        let folded =
-            counted(&[[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.9, 0.2, 0.1]], &[[0, 1, 2], [0, 2, 3]]);
+        let folded = counted(
+            &[
+                [0.0, 0.0, 0.0],
+                [1.0, 0.0, 0.0],
+                [1.0, 1.0, 0.0],
+                [0.9, 0.2, 0.1],
+            ],
+            &[[0, 1, 2], [0, 2, 3]],
+        );
         assert_eq!(numbers(&folded), (1, 1, 0, 0, 1));
-        let tetrahedron =
-            counted(&[SQUARE[0], SQUARE[1], SQUARE[3], SQUARE[4]], &[[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]]);
-        assert_eq!((tetrahedron.euler, tetrahedron.loops, tetrahedron.inconsistent), (2, 0, 0));
+        let tetrahedron = counted(
+            &[SQUARE[0], SQUARE[1], SQUARE[3], SQUARE[4]],
+            &[[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]],
+        );
+        assert_eq!(
+            (
+                tetrahedron.euler,
+                tetrahedron.loops,
+                tetrahedron.inconsistent
+            ),
+            (2, 0, 0)
+        );
     }
 
     // Corners a hair apart, some of them level with each other along the sweep.
@@ -203,7 +267,11 @@ mod tests {
         let mut corners = Corners::default();
         for k in 0..50 {
             let at = Point3::new(f64::from(k % 7), f64::from(k / 7), 0.5);
-            corners.points.extend([at, at + Vector3::new(3e-10, -2e-10, 0.0), at + Vector3::new(0.0, 0.0, 3e-9)]);
+            corners.points.extend([
+                at,
+                at + Vector3::new(3e-10, -2e-10, 0.0),
+                at + Vector3::new(0.0, 0.0, 3e-9),
+            ]);
         }
         corners.border = (0..150).rev().collect();
         let number = corners.welded(1e-9);

@@ -1,7 +1,8 @@
 //! Polynomials on [0, 1] in Bernstein form with interval coefficients: sums, products, derivatives.
 //!
-//! p(t) = Σ a_i B_i^m(t). With products, (a b)_k = Σ_{i+j=k} C(m,i) C(n,j) / C(m+n,k) a_i b_j: every factor is positive,
-//! so nothing cancels that does not cancel in the polynomials themselves (Farouki & Rajan 1988).
+//! p(t) = Σ a_i B_i^m(t). With products, (a b)_k = Σ_{i+j=k} C(m,i) C(n,j) / C(m+n,k) a_i b_j:
+//! every factor is positive, so nothing cancels that does not cancel in the polynomials themselves
+//! (Farouki & Rajan 1988).
 
 use super::Interval;
 
@@ -22,7 +23,9 @@ impl Bernstein {
 
     /// The polynomial 1, written in a degree.
     pub fn one(degree: usize) -> Self {
-        Self { coefficients: vec![Interval::point(1.0); degree + 1] }
+        Self {
+            coefficients: vec![Interval::point(1.0); degree + 1],
+        }
     }
 
     /// Nominal degree.
@@ -52,7 +55,14 @@ impl Bernstein {
     pub fn plus(&self, other: &Self) -> Self {
         let degree = self.degree().max(other.degree());
         let (a, b) = (self.elevated(degree), other.elevated(degree));
-        Self { coefficients: a.coefficients.iter().zip(&b.coefficients).map(|(&a, &b)| a + b).collect() }
+        Self {
+            coefficients: a
+                .coefficients
+                .iter()
+                .zip(&b.coefficients)
+                .map(|(&a, &b)| a + b)
+                .collect(),
+        }
     }
 
     /// The difference, of the larger degree.
@@ -63,26 +73,42 @@ impl Bernstein {
     /// Times a number.
     pub fn scaled(&self, factor: f64) -> Self {
         let factor = Interval::point(factor);
-        Self { coefficients: self.coefficients.iter().map(|&a| a * factor).collect() }
+        Self {
+            coefficients: self.coefficients.iter().map(|&a| a * factor).collect(),
+        }
     }
 
     /// The same polynomial in a degree at least its own.
     pub fn elevated(&self, degree: usize) -> Self {
         debug_assert!(degree >= self.degree(), "elevation goes up");
-        if degree == self.degree() { self.clone() } else { self.times(&Self::one(degree - self.degree())) }
+        if degree == self.degree() {
+            self.clone()
+        } else {
+            self.times(&Self::one(degree - self.degree()))
+        }
     }
 
     /// The derivative by t.
     pub fn derivative(&self) -> Self {
         let m = Interval::point(self.degree() as f64);
-        Self::new(self.coefficients.windows(2).map(|pair| (pair[1] - pair[0]) * m).collect())
+        Self::new(
+            self.coefficients
+                .windows(2)
+                .map(|pair| (pair[1] - pair[0]) * m)
+                .collect(),
+        )
     }
 
-    /// p(t) / t for a polynomial whose first coefficient is zero in exact arithmetic: what stands there is dropped.
+    /// p(t) / t for a polynomial whose first coefficient is zero in exact arithmetic: what stands
+    /// there is dropped.
     pub fn without_root_at_zero(&self) -> Self {
         let m = self.degree() as f64;
         let quotient = self.coefficients.iter().enumerate().skip(1);
-        Self::new(quotient.map(|(i, &a)| a.scaled(m / i as f64, f64::EPSILON)).collect())
+        Self::new(
+            quotient
+                .map(|(i, &a)| a.scaled(m / i as f64, f64::EPSILON))
+                .collect(),
+        )
     }
 
     /// The value by de Casteljau's algorithm from the middles of the coefficients.
@@ -131,9 +157,18 @@ pub(super) struct ProductWeights {
 impl ProductWeights {
     pub fn new(m: usize, n: usize) -> Self {
         // Binomials are exact below 2^53, that is up to degree 50; beyond, two roundings a factor.
-        let steps = if m + n <= 50 { 4.0 } else { 6.0 * (m + n) as f64 };
+        let steps = if m + n <= 50 {
+            4.0
+        } else {
+            6.0 * (m + n) as f64
+        };
         let slack = steps * f64::EPSILON;
-        Self { first: binomials(m), second: binomials(n), whole: binomials(m + n), slack }
+        Self {
+            first: binomials(m),
+            second: binomials(n),
+            whole: binomials(m + n),
+            slack,
+        }
     }
 
     pub fn at(&self, i: usize, j: usize) -> f64 {
@@ -158,7 +193,11 @@ mod tests {
     use crate::basis::testing::Random;
 
     fn random_polynomial(random: &mut Random, degree: usize) -> Bernstein {
-        Bernstein::new((0..=degree).map(|_| Interval::point(random.float(-1.0, 1.0))).collect())
+        Bernstein::new(
+            (0..=degree)
+                .map(|_| Interval::point(random.float(-1.0, 1.0)))
+                .collect(),
+        )
     }
 
     #[test]
@@ -166,7 +205,10 @@ mod tests {
         let mut random = Random(3);
         for _ in 0..300 {
             let (m, n) = (random.integer(0, 9), random.integer(0, 9));
-            let (a, b) = (random_polynomial(&mut random, m), random_polynomial(&mut random, n));
+            let (a, b) = (
+                random_polynomial(&mut random, m),
+                random_polynomial(&mut random, n),
+            );
             let t = random.float(0.0, 1.0);
             let (x, y) = (a.value(t), b.value(t));
             assert!((a.times(&b).value(t) - x * y).abs() < 1e-14);

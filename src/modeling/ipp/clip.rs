@@ -1,9 +1,12 @@
-//! Where the convex hull of control points meets the axis: one projection of the projected polyhedron.
+//! Where the convex hull of control points meets the axis: one projection of the projected
+//! polyhedron.
 //!
-//! Over x = i/m stand the lowest and the highest value of the coefficients with index i. The polynomial can vanish at x
-//! only where the lower hull is at or below 0 and the upper hull at or above (Sherbrooke & Patrikalakis 1993).
+//! Over x = i/m stand the lowest and the highest value of the coefficients with index i. The
+//! polynomial can vanish at x only where the lower hull is at or below 0 and the upper hull at or
+//! above (Sherbrooke & Patrikalakis 1993).
 
-/// The part of [0, 1] where the hull of the points (i/m, lower_i) and (i/m, upper_i) meets 0; `None` where it does not.
+/// The part of [0, 1] where the hull of the points (i/m, lower_i) and (i/m, upper_i) meets 0;
+/// `None` where it does not.
 pub fn crossing(lower: &[f64], upper: &[f64]) -> Option<(f64, f64)> {
     let (a, b) = below(lower.len(), |i| lower[i])?;
     let (c, d) = below(upper.len(), |i| -upper[i])?;
@@ -11,7 +14,8 @@ pub fn crossing(lower: &[f64], upper: &[f64]) -> Option<(f64, f64)> {
     (start <= end).then_some((start, end))
 }
 
-/// The x of the hull's points at or below 0: they end in a point there or on a segment that passes from above 0 to it.
+/// The x of the hull's points at or below 0: they end in a point there or on a segment that passes
+/// from above 0 to it.
 fn below(count: usize, value: impl Fn(usize) -> f64) -> Option<(f64, f64)> {
     let m = (count.max(2) - 1) as f64;
     let first = (0..count).find(|&i| value(i) <= 0.0)?;
@@ -49,9 +53,18 @@ mod tests {
         // The blossom of t − a, t − b, t − c at k ones.
         let coefficients: Vec<f64> = (0..4)
             .map(|k| {
-                let orders = [[0, 1, 2], [0, 2, 1], [1, 0, 2], [1, 2, 0], [2, 0, 1], [2, 1, 0]];
+                let orders = [
+                    [0, 1, 2],
+                    [0, 2, 1],
+                    [1, 0, 2],
+                    [1, 2, 0],
+                    [2, 0, 1],
+                    [2, 1, 0],
+                ];
                 let product = |o: &[usize; 3]| {
-                    (0..3).map(|place| f64::from(u8::from(place < k)) - roots[o[place]]).product::<f64>()
+                    (0..3)
+                        .map(|place| f64::from(u8::from(place < k)) - roots[o[place]])
+                        .product::<f64>()
                 };
                 orders.iter().map(product).sum::<f64>() / 6.0
             })
@@ -88,7 +101,10 @@ mod tests {
                 let inside = found.is_some_and(|(start, end)| start <= x && x <= end);
                 assert!(!meets || inside, "{lower:?}: {x} is missing from {found:?}");
                 let clear = hull(x, &lower, 1.0) > 1e-9 || hull(x, &upper, -1.0) > 1e-9;
-                assert!(!clear || !inside, "{lower:?}: {x} should not be in {found:?}");
+                assert!(
+                    !clear || !inside,
+                    "{lower:?}: {x} should not be in {found:?}"
+                );
             }
         }
     }

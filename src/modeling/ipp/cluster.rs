@@ -20,7 +20,8 @@ impl Cluster {
     }
 }
 
-/// Boxes that touch within a rounding, or within half their width, as one; in order of their first boxes.
+/// Boxes that touch within a rounding, or within half their width, as one; in order of their first
+/// boxes.
 pub(super) fn chains(areas: &[Area]) -> Vec<Cluster> {
     let mut leader: Vec<usize> = (0..areas.len()).collect();
     for i in 0..areas.len() {
@@ -42,7 +43,14 @@ pub(super) fn chains(areas: &[Area]) -> Vec<Cluster> {
                 cluster.high = [0, 1].map(|axis| cluster.high[axis].max(high[axis]));
                 cluster.middles.push(middle);
             }
-            None => clusters.push((first, Cluster { low: area.low, high, middles: vec![middle] })),
+            None => clusters.push((
+                first,
+                Cluster {
+                    low: area.low,
+                    high,
+                    middles: vec![middle],
+                },
+            )),
         }
     }
     clusters.into_iter().map(|(_, cluster)| cluster).collect()
@@ -69,10 +77,21 @@ mod tests {
 
     #[test]
     fn boxes_in_a_row_are_one_chain() {
-        let area = |x: f64, y: f64| Area { low: [x, y], width: [0.1, 0.1] };
-        let clusters = chains(&[area(0.0, 0.0), area(0.5, 0.5), area(0.2, 0.2), area(0.1, 0.1)]);
+        let area = |x: f64, y: f64| Area {
+            low: [x, y],
+            width: [0.1, 0.1],
+        };
+        let clusters = chains(&[
+            area(0.0, 0.0),
+            area(0.5, 0.5),
+            area(0.2, 0.2),
+            area(0.1, 0.1),
+        ]);
         assert_eq!(clusters.len(), 2);
-        assert_eq!((clusters[0].middles.len(), clusters[1].middles.len()), (3, 1));
+        assert_eq!(
+            (clusters[0].middles.len(), clusters[1].middles.len()),
+            (3, 1)
+        );
         assert!((clusters[0].extent() - 0.3).abs() < 1e-15);
     }
 }

@@ -1,4 +1,5 @@
-//! Plain arithmetic on grids of Bernstein coefficients: values, gradients, parts. The errors are bounded by the caller.
+//! Plain arithmetic on grids of Bernstein coefficients: values, gradients, parts. The errors are
+//! bounded by the caller.
 
 /// Value and gradient at a point, all from sums of non-negative basis functions.
 pub fn value_and_gradient(c: &[f64], [p, q]: [usize; 2], at: [f64; 2]) -> (f64, [f64; 2]) {
@@ -25,7 +26,10 @@ fn basis(degree: usize, t: f64) -> ([f64; MOST], [f64; MOST]) {
     for k in 1..=degree {
         if k == degree {
             for i in 0..=degree {
-                let (left, right) = (if i > 0 { b[i - 1] } else { 0.0 }, if i < degree { b[i] } else { 0.0 });
+                let (left, right) = (
+                    if i > 0 { b[i - 1] } else { 0.0 },
+                    if i < degree { b[i] } else { 0.0 },
+                );
                 d[i] = degree as f64 * (left - right);
             }
         }
@@ -36,7 +40,8 @@ fn basis(degree: usize, t: f64) -> ([f64; MOST], [f64; MOST]) {
     (b, d)
 }
 
-/// The part on [start, end] in one variable (0 or 1), in place. Ends may be a little outside [0, 1].
+/// The part on [start, end] in one variable (0 or 1), in place. Ends may be a little outside [0,
+/// 1].
 pub fn restrict(c: &mut [f64], [p, q]: [usize; 2], axis: usize, start: f64, end: f64) {
     let width = q + 1;
     if axis == 0 {
@@ -103,7 +108,9 @@ mod tests {
         let mut random = Random(8);
         for _ in 0..200 {
             let degree = [random.integer(0, 8), random.integer(0, 8)];
-            let c: Vec<f64> = (0..(degree[0] + 1) * (degree[1] + 1)).map(|_| random.float(-1.0, 1.0)).collect();
+            let c: Vec<f64> = (0..(degree[0] + 1) * (degree[1] + 1))
+                .map(|_| random.float(-1.0, 1.0))
+                .collect();
             let (start, end) = (random.float(-0.01, 0.4), random.float(0.6, 1.01));
             let at = [random.float(0.0, 1.0), random.float(0.0, 1.0)];
             for axis in 0..2 {
@@ -115,7 +122,8 @@ mod tests {
                 assert!((value_and_gradient(&part, degree, inner).0 - whole).abs() < 1e-13);
                 let (mut low, mut high) = (at, at);
                 (low[axis], high[axis]) = (at[axis] - 1e-6, at[axis] + 1e-6);
-                let change = value_and_gradient(&c, degree, high).0 - value_and_gradient(&c, degree, low).0;
+                let change =
+                    value_and_gradient(&c, degree, high).0 - value_and_gradient(&c, degree, low).0;
                 assert!((slope[axis] - change / 2e-6).abs() < 1e-7);
             }
         }

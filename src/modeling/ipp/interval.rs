@@ -1,7 +1,8 @@
-//! Intervals with outward rounding: the exact result of an operation on any members lies inside the result.
+//! Intervals with outward rounding: the exact result of an operation on any members lies inside the
+//! result.
 //!
-//! Each bound is rounded to nearest and then moved one number outwards, which covers the half unit in the last place of
-//! IEEE 754 arithmetic. Bounds that overflow become infinite and stay valid.
+//! Each bound is rounded to nearest and then moved one number outwards, which covers the half unit
+//! in the last place of IEEE 754 arithmetic. Bounds that overflow become infinite and stay valid.
 
 use std::ops::{Add, Mul, Neg, Sub};
 
@@ -25,7 +26,10 @@ impl Interval {
 
     /// Everything within `distance` of a number.
     pub fn around(x: f64, distance: f64) -> Self {
-        Self { lo: (x - distance).next_down(), hi: (x + distance).next_up() }
+        Self {
+            lo: (x - distance).next_down(),
+            hi: (x + distance).next_up(),
+        }
     }
 
     /// A number near the middle.
@@ -52,24 +56,42 @@ impl Interval {
     /// Times a factor of at least 0 that is known to a relative error of `slack`.
     pub fn scaled(self, factor: f64, slack: f64) -> Self {
         let (lo, hi) = (self.lo * factor, self.hi * factor);
-        Self { lo: (lo - lo.abs() * slack).next_down(), hi: (hi + hi.abs() * slack).next_up() }
+        Self {
+            lo: (lo - lo.abs() * slack).next_down(),
+            hi: (hi + hi.abs() * slack).next_up(),
+        }
     }
 
     /// `(1 − t) self + t other`; t may be a little outside [0, 1].
     pub fn lerp(self, other: Self, t: f64) -> Self {
         let s = 1.0 - t;
-        let (a, b) = if s < 0.0 { (self.hi, self.lo) } else { (self.lo, self.hi) };
-        let (c, d) = if t < 0.0 { (other.hi, other.lo) } else { (other.lo, other.hi) };
-        // 1 − t, the two products and the sum are rounded by half a unit each, of terms no larger than their sizes.
+        let (a, b) = if s < 0.0 {
+            (self.hi, self.lo)
+        } else {
+            (self.lo, self.hi)
+        };
+        let (c, d) = if t < 0.0 {
+            (other.hi, other.lo)
+        } else {
+            (other.lo, other.hi)
+        };
+        // 1 − t, the two products and the sum are rounded by half a unit each, of terms no larger
+        // than their sizes.
         let slack = |x: f64, y: f64| 2.0 * f64::EPSILON * ((s * x).abs() + (t * y).abs());
-        Self { lo: (s * a + t * c - slack(a, c)).next_down(), hi: (s * b + t * d + slack(b, d)).next_up() }
+        Self {
+            lo: (s * a + t * c - slack(a, c)).next_down(),
+            hi: (s * b + t * d + slack(b, d)).next_up(),
+        }
     }
 }
 
 impl Add for Interval {
     type Output = Self;
     fn add(self, other: Self) -> Self {
-        Self { lo: (self.lo + other.lo).next_down(), hi: (self.hi + other.hi).next_up() }
+        Self {
+            lo: (self.lo + other.lo).next_down(),
+            hi: (self.hi + other.hi).next_up(),
+        }
     }
 }
 
@@ -83,7 +105,10 @@ impl Sub for Interval {
 impl Neg for Interval {
     type Output = Self;
     fn neg(self) -> Self {
-        Self { lo: -self.hi, hi: -self.lo }
+        Self {
+            lo: -self.hi,
+            hi: -self.lo,
+        }
     }
 }
 
@@ -92,7 +117,10 @@ impl Mul for Interval {
     fn mul(self, other: Self) -> Self {
         let (a, b) = (self.lo * other.lo, self.lo * other.hi);
         let (c, d) = (self.hi * other.lo, self.hi * other.hi);
-        Self { lo: a.min(b).min(c.min(d)).next_down(), hi: a.max(b).max(c.max(d)).next_up() }
+        Self {
+            lo: a.min(b).min(c.min(d)).next_down(),
+            hi: a.max(b).max(c.max(d)).next_up(),
+        }
     }
 }
 
@@ -112,7 +140,8 @@ mod tests {
         (p, ((ah * bh - p) + ah * bl + al * bh) + al * bl)
     }
 
-    /// `(value, rest)` is inside: the rest is smaller than half a unit in the last place of the value.
+    /// `(value, rest)` is inside: the rest is smaller than half a unit in the last place of the
+    /// value.
     fn holds(interval: Interval, (value, rest): (f64, f64)) -> bool {
         let above = interval.lo < value || (interval.lo == value && rest >= 0.0);
         let below = interval.hi > value || (interval.hi == value && rest <= 0.0);
@@ -129,7 +158,11 @@ mod tests {
             assert!(holds(x * y, product), "{a} × {b}");
             assert!((x * y).radius() <= 3.0 * f64::EPSILON * product.0.abs());
             let sum = a + b;
-            let rest = if a.abs() > b.abs() { b - (sum - a) } else { a - (sum - b) };
+            let rest = if a.abs() > b.abs() {
+                b - (sum - a)
+            } else {
+                a - (sum - b)
+            };
             assert!(holds(x + y, (sum, rest)), "{a} + {b}");
         }
     }
@@ -142,10 +175,17 @@ mod tests {
             let y = Interval::around(random.float(-1.0, 1.0), random.float(0.0, 0.5));
             let (a, b) = (random.float(x.lo, x.hi), random.float(y.lo, y.hi));
             let t = random.float(-0.1, 1.1);
-            for (whole, member) in
-                [(x * y, a * b), (x + y, a + b), (x - y, a - b), (-x, -a), (x.lerp(y, t), (1.0 - t) * a + t * b)]
-            {
-                assert!(whole.lo <= member && member <= whole.hi, "{member} outside {whole:?}");
+            for (whole, member) in [
+                (x * y, a * b),
+                (x + y, a + b),
+                (x - y, a - b),
+                (-x, -a),
+                (x.lerp(y, t), (1.0 - t) * a + t * b),
+            ] {
+                assert!(
+                    whole.lo <= member && member <= whole.hi,
+                    "{member} outside {whole:?}"
+                );
             }
         }
     }

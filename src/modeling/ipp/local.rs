@@ -1,8 +1,10 @@
-//! A box in its own coordinates [0, 1]²: preconditioning, uniqueness, Newton's method, Krawczyk's test.
+//! A box in its own coordinates [0, 1]²: preconditioning, uniqueness, Newton's method, Krawczyk's
+//! test.
 //!
-//! With Y near the inverse of the mean Jacobian of (f₀, f₁) the combinations h = Y f are nearly (s − s₀, t − t₀). Let
-//! L bound |1 − H'| in the maximum norm over the box. If L < 1, h has at most one root there; and a ball of radius
-//! ρ ≥ |h(x)| / (1 − L) around x that lies in the box holds one (Krawczyk 1969; Rump 2010, theorem 13.3).
+//! With Y near the inverse of the mean Jacobian of (f₀, f₁) the combinations h = Y f are nearly (s
+//! − s₀, t − t₀). Let L bound |1 − H'| in the maximum norm over the box. If L < 1, h has at most
+//! one root there; and a ball of radius ρ ≥ |h(x)| / (1 − L) around x that lies in the box holds
+//! one (Krawczyk 1969; Rump 2010, theorem 13.3).
 
 use super::grid;
 
@@ -35,8 +37,9 @@ impl Local<'_> {
         (0..2).any(|k| has_sign(self.f[k], self.noise[k]))
     }
 
-    /// For each equation, true when nothing but rounding is left. Four times the bound: a box at the edge of what can be excluded would else
-    /// be cut to dust, each part a hair above the bound.
+    /// For each equation, true when nothing but rounding is left. Four times the bound: a box at
+    /// the edge of what can be excluded would else be cut to dust, each part a hair above the
+    /// bound.
     pub fn unresolvable(&self) -> [bool; 2] {
         [0, 1].map(|k| self.f[k].iter().all(|c| c.abs() <= 4.0 * self.noise[k]))
     }
@@ -63,11 +66,13 @@ impl Local<'_> {
         true
     }
 
-    /// Newton's method from the middle, then Krawczyk's test. `None` where the ball is not inside the box.
+    /// Newton's method from the middle, then Krawczyk's test. `None` where the ball is not inside
+    /// the box.
     pub fn prove(&self, h: &Preconditioned) -> Option<Proved> {
         let mut at = [0.5; 2];
         for _ in 0..12 {
-            let [(f, df), (g, dg)] = [0, 1].map(|k| grid::value_and_gradient(self.f[k], self.degree, at));
+            let [(f, df), (g, dg)] =
+                [0, 1].map(|k| grid::value_and_gradient(self.f[k], self.degree, at));
             let det = df[0] * dg[1] - df[1] * dg[0];
             let step = [(f * dg[1] - g * df[1]) / det, (g * df[0] - f * dg[0]) / det];
             at = [at[0] - step[0], at[1] - step[1]];
@@ -81,7 +86,8 @@ impl Local<'_> {
             }
         }
         let values = [0, 1].map(|k| grid::value_and_gradient(self.f[k], self.degree, at).0);
-        // The evaluation adds a rounding for each of its steps, of values no larger than the largest coefficient.
+        // The evaluation adds a rounding for each of its steps, of values no larger than the
+        // largest coefficient.
         let steps = 8.0 * (self.degree[0] + self.degree[1] + 4) as f64 * f64::EPSILON;
         let residual = (0..2).fold(0.0, |most: f64, k| {
             let [a, b] = h.y[k];
@@ -120,7 +126,9 @@ impl Preconditioned {
                 }
                 t = (q as f64 * (t.0 - noise), q as f64 * (t.1 + noise));
             }
-            let off = |range: (f64, f64), wanted: f64| (range.0 - wanted).abs().max((range.1 - wanted).abs());
+            let off = |range: (f64, f64), wanted: f64| {
+                (range.0 - wanted).abs().max((range.1 - wanted).abs())
+            };
             let (own, other) = if k == 0 { (s, t) } else { (t, s) };
             worst = worst.max(off(own, 1.0) + off(other, 0.0));
         }
@@ -134,11 +142,16 @@ impl Preconditioned {
 }
 
 fn has_sign(c: &[f64], noise: f64) -> bool {
-    let (low, high) = c.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), &x| (low.min(x), high.max(x)));
+    let (low, high) = c
+        .iter()
+        .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), &x| {
+            (low.min(x), high.max(x))
+        });
     low > noise || high < -noise
 }
 
-/// The mean of the gradient along the edges: what the corner rows and columns of the coefficients say.
+/// The mean of the gradient along the edges: what the corner rows and columns of the coefficients
+/// say.
 fn mean_gradient(c: &[f64], [p, q]: [usize; 2]) -> [f64; 2] {
     let width = q + 1;
     let last = p * width;

@@ -1,7 +1,8 @@
-//! All roots of polynomial equations on [0, 1] and [0, 1]²: the interval projected polyhedron method.
+//! All roots of polynomial equations on [0, 1] and [0, 1]²: the interval projected polyhedron
+//! method.
 //!
-//! Patrikalakis & Maekawa, *Shape Interrogation for Computer Aided Design and Manufacturing*, chapter 4; Sherbrooke &
-//! Patrikalakis 1993. Knows nothing of curves.
+//! Patrikalakis & Maekawa, *Shape Interrogation for Computer Aided Design and Manufacturing*,
+//! chapter 4; Sherbrooke & Patrikalakis 1993. Knows nothing of curves.
 //!
 //! ```text
 //! coefficients with their rounding (Interval, Bernstein, Tensor)
@@ -10,8 +11,9 @@
 //!          ├─ nothing but rounding left, or smaller than the tolerance ─▶ pending ─▶ verified again, or Cluster
 //!          └─ clip by the hulls' crossings, halve where that takes less than a fifth ─▶ smaller boxes
 //! ```
-//! A [`Root`] is proved to exist and to be alone in a ball around it. What cannot be proved or excluded is a [`Cluster`],
-//! never silence, and a [`Status`] says which of the two the answer rests on. Every loop is bounded by a budget of boxes.
+//! A [`Root`] is proved to exist and to be alone in a ball around it. What cannot be proved or
+//! excluded is a [`Cluster`], never silence, and a [`Status`] says which of the two the answer
+//! rests on. Every loop is bounded by a budget of boxes.
 
 mod bernstein;
 mod clip;
@@ -40,7 +42,8 @@ pub enum Status {
     /// All roots were found, each proved alone.
     #[default]
     Complete,
-    /// Some roots are so close to each other, or so nearly multiple, that rounding does not let them be told apart.
+    /// Some roots are so close to each other, or so nearly multiple, that rounding does not let
+    /// them be told apart.
     Cluster,
     /// A curve of roots.
     Continuum,

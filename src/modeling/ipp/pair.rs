@@ -19,7 +19,11 @@ pub struct Limits {
 
 impl Default for Limits {
     fn default() -> Self {
-        Self { budget: 3_000, coarse_budget: 6_000, half: false }
+        Self {
+            budget: 3_000,
+            coarse_budget: 6_000,
+            half: false,
+        }
     }
 }
 
@@ -47,8 +51,8 @@ pub struct Found {
 
 /// Narrower boxes are not cut further.
 const NARROWEST: f64 = 1e-13;
-/// Narrower boxes in which one equation is all rounding are not halved further. Wider ones are: the other equation may
-/// still shorten what is left to where the two curves touch.
+/// Narrower boxes in which one equation is all rounding are not halved further. Wider ones are: the
+/// other equation may still shorten what is left to where the two curves touch.
 const ROUNDING_WIDTH: f64 = 1e-5;
 /// Width at which the coarse search stops.
 const COARSE: f64 = 1e-2;
@@ -59,8 +63,8 @@ const CONTRACTION: f64 = 0.75;
 /// A root so little outside the square is on its edge: the equations are no more exact.
 const EDGE: f64 = 1e-12;
 
-/// How many times its extent a chain is widened for its verification: where rounding is large, only a wide box has a
-/// Jacobian that is told from it.
+/// How many times its extent a chain is widened for its verification: where rounding is large, only
+/// a wide box has a Jacobian that is told from it.
 const WIDENED: [f64; 4] = [2.0, 16.0, 128.0, 1024.0];
 
 /// Part of [0, 1]².
@@ -100,10 +104,17 @@ impl PairSolver {
         }
         let coarse = self.search(system, limits.half, COARSE, limits.coarse_budget);
         let boxes = fine.boxes + coarse.boxes;
-        let curve = !coarse.exhausted && chains(&coarse.pending).iter().any(|chain| chain.middles.len() >= CHAIN);
+        let curve = !coarse.exhausted
+            && chains(&coarse.pending)
+                .iter()
+                .any(|chain| chain.middles.len() >= CHAIN);
         let mut found = self.settled(system, coarse, limits);
         found.boxes = boxes;
-        found.status = found.status.max(if curve { Status::Continuum } else { Status::Budget });
+        found.status = found.status.max(if curve {
+            Status::Continuum
+        } else {
+            Status::Budget
+        });
         found
     }
 
@@ -112,7 +123,14 @@ impl PairSolver {
         let mut search = Search::default();
         self.stack.clear();
         self.coefficients.clear();
-        self.push(Area { low: [0.0; 2], width: [1.0; 2] }, system.noise, [&system.f[0], &system.f[1]]);
+        self.push(
+            Area {
+                low: [0.0; 2],
+                width: [1.0; 2],
+            },
+            system.noise,
+            [&system.f[0], &system.f[1]],
+        );
         while let Some((area, noise)) = self.stack.pop() {
             self.take(system.f[0].len());
             if half && area.low[0] > area.low[1] + area.width[1] {
@@ -140,13 +158,25 @@ impl PairSolver {
         let start = self.coefficients.len() - 2 * count;
         for k in 0..2 {
             self.f[k].clear();
-            self.f[k].extend_from_slice(&self.coefficients[start + k * count..start + (k + 1) * count]);
+            self.f[k]
+                .extend_from_slice(&self.coefficients[start + k * count..start + (k + 1) * count]);
         }
         self.coefficients.truncate(start);
     }
 
-    fn visit(&mut self, degree: [usize; 2], area: Area, noise: [f64; 2], narrowest: f64, search: &mut Search) {
-        let local = Local { degree, f: [&self.f[0], &self.f[1]], noise };
+    fn visit(
+        &mut self,
+        degree: [usize; 2],
+        area: Area,
+        noise: [f64; 2],
+        narrowest: f64,
+        search: &mut Search,
+    ) {
+        let local = Local {
+            degree,
+            f: [&self.f[0], &self.f[1]],
+            noise,
+        };
         if local.excluded() {
             return;
         }
@@ -163,15 +193,21 @@ impl PairSolver {
             && let Some(proved) = local.prove(&self.h)
         {
             let at = [0, 1].map(|k| area.low[k] + proved.at[k] * area.width[k]);
-            search.roots.push(Root { at, radius: proved.radius * area.width[0].max(area.width[1]) });
+            search.roots.push(Root {
+                at,
+                radius: proved.radius * area.width[0].max(area.width[1]),
+            });
             return;
         }
         if area.width[0].max(area.width[1]) < narrowest {
             search.pending.push(area);
             return;
         }
-        let Some(clips) = self.clips(degree, noise, conditioned) else { return };
-        // With one equation all rounding, halving would follow the curve of the other to the last digit.
+        let Some(clips) = self.clips(degree, noise, conditioned) else {
+            return;
+        };
+        // With one equation all rounding, halving would follow the curve of the other to the last
+        // digit.
         let narrow = area.width[0].max(area.width[1]) < ROUNDING_WIDTH;
         if unresolvable != [false; 2] && narrow && !shrinks(&clips) {
             search.pending.push(area);
@@ -181,7 +217,12 @@ impl PairSolver {
     }
 
     /// The part of the box that the hulls leave, in each variable.
-    fn clips(&mut self, degree: [usize; 2], noise: [f64; 2], conditioned: bool) -> Option<[(f64, f64); 2]> {
+    fn clips(
+        &mut self,
+        degree: [usize; 2],
+        noise: [f64; 2],
+        conditioned: bool,
+    ) -> Option<[(f64, f64); 2]> {
         let mut clips = [(0.0_f64, 1.0_f64); 2];
         let (lower, upper) = (&mut self.lower, &mut self.upper);
         let mut clip_by = |c: &[f64], noise: f64| -> Option<()> {
@@ -189,7 +230,8 @@ impl PairSolver {
                 project(c, degree, axis, noise, lower, upper);
                 let (start, end) = crossing(lower, upper)?;
                 *clip = (clip.0.max(start), clip.1.min(end));
-                // An empty section is empty by more than rounding only if the padding does not close it.
+                // An empty section is empty by more than rounding only if the padding does not
+                // close it.
                 if clip.0 > clip.1 + 1e-12 {
                     return None;
                 }
@@ -209,7 +251,13 @@ impl PairSolver {
     }
 
     /// Shrinks the box; halves it where a variable shrinks by less than a fifth.
-    fn descend(&mut self, degree: [usize; 2], mut area: Area, mut noise: [f64; 2], clips: [(f64, f64); 2]) {
+    fn descend(
+        &mut self,
+        degree: [usize; 2],
+        mut area: Area,
+        mut noise: [f64; 2],
+        clips: [(f64, f64); 2],
+    ) {
         for (axis, &(start, end)) in clips.iter().enumerate() {
             if (start, end) != (0.0, 1.0) {
                 self.restrict(degree, axis, (start, end), &mut area, &mut noise);
@@ -255,7 +303,11 @@ impl PairSolver {
 
     /// Verifies what is pending, this time with room around it, and puts everything in order.
     fn settled(&mut self, system: &System, search: Search, limits: &Limits) -> Found {
-        let mut found = Found { roots: search.roots, boxes: search.boxes, ..Found::default() };
+        let mut found = Found {
+            roots: search.roots,
+            boxes: search.boxes,
+            ..Found::default()
+        };
         for chain in chains(&search.pending) {
             match self.verify(system, &chain) {
                 Some(root) => found.roots.push(root),
@@ -279,17 +331,27 @@ impl PairSolver {
             }
             true
         });
-        found.roots.sort_by(|a, b| a.at[0].total_cmp(&b.at[0]).then(a.at[1].total_cmp(&b.at[1])));
+        found.roots.sort_by(|a, b| {
+            a.at[0]
+                .total_cmp(&b.at[0])
+                .then(a.at[1].total_cmp(&b.at[1]))
+        });
         let mut kept: Vec<Root> = Vec::new();
         for root in std::mem::take(&mut found.roots) {
             // Balls that overlap around proved roots hold the same root.
-            let same =
-                |other: &Root| (0..2).all(|k| (other.at[k] - root.at[k]).abs() <= other.radius + root.radius + EDGE);
+            let same = |other: &Root| {
+                (0..2)
+                    .all(|k| (other.at[k] - root.at[k]).abs() <= other.radius + root.radius + EDGE)
+            };
             if !kept.iter().any(same) {
                 kept.push(root);
             }
         }
-        found.clusters.retain(|cluster| !kept.iter().any(|root| cluster.extent() < 1e-9 && near(cluster, root)));
+        found.clusters.retain(|cluster| {
+            !kept
+                .iter()
+                .any(|root| cluster.extent() < 1e-9 && near(cluster, root))
+        });
         if found.clusters.is_empty() && found.status == Status::Cluster {
             found.status = Status::Complete;
         }
@@ -297,12 +359,15 @@ impl PairSolver {
         found
     }
 
-    /// Krawczyk's test on widened boxes around a chain, which may reach over the edge of the square.
+    /// Krawczyk's test on widened boxes around a chain, which may reach over the edge of the
+    /// square.
     fn verify(&mut self, system: &System, chain: &Cluster) -> Option<Root> {
         if chain.extent() > 2.0 * COARSE {
             return None;
         }
-        WIDENED.iter().find_map(|&factor| self.verify_around(system, chain, factor))
+        WIDENED
+            .iter()
+            .find_map(|&factor| self.verify_around(system, chain, factor))
     }
 
     fn verify_around(&mut self, system: &System, chain: &Cluster, factor: f64) -> Option<Root> {
@@ -310,20 +375,33 @@ impl PairSolver {
             self.f[k].clear();
             self.f[k].extend_from_slice(&system.f[k]);
         }
-        let mut area = Area { low: [0.0; 2], width: [1.0; 2] };
+        let mut area = Area {
+            low: [0.0; 2],
+            width: [1.0; 2],
+        };
         let mut noise = system.noise;
         for axis in 0..2 {
             let room = factor * (chain.high[axis] - chain.low[axis]) + 1e-9;
-            let part = ((chain.low[axis] - room).max(-0.02), (chain.high[axis] + room).min(1.02));
+            let part = (
+                (chain.low[axis] - room).max(-0.02),
+                (chain.high[axis] + room).min(1.02),
+            );
             self.restrict(system.degree, axis, part, &mut area, &mut noise);
         }
-        let local = Local { degree: system.degree, f: [&self.f[0], &self.f[1]], noise };
+        let local = Local {
+            degree: system.degree,
+            f: [&self.f[0], &self.f[1]],
+            noise,
+        };
         if !local.precondition(&mut self.h) || self.h.contraction >= CONTRACTION {
             return None;
         }
         let proved = local.prove(&self.h)?;
         let at = [0, 1].map(|k| area.low[k] + proved.at[k] * area.width[k]);
-        Some(Root { at, radius: proved.radius * area.width[0].max(area.width[1]) })
+        Some(Root {
+            at,
+            radius: proved.radius * area.width[0].max(area.width[1]),
+        })
     }
 }
 
@@ -337,14 +415,22 @@ fn near(cluster: &Cluster, root: &Root) -> bool {
     (0..2).all(|k| root.at[k] >= cluster.low[k] - 1e-9 && root.at[k] <= cluster.high[k] + 1e-9)
 }
 
-/// What the rounding of two cuts of a degree adds: 4 roundings a blend at most, of values no larger than the largest.
+/// What the rounding of two cuts of a degree adds: 4 roundings a blend at most, of values no larger
+/// than the largest.
 fn cutting_noise(c: &[f64], degree: usize) -> f64 {
     let most = c.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
     8.0 * degree as f64 * f64::EPSILON * most
 }
 
 /// Lowest and highest coefficient for each index of one variable.
-fn project(c: &[f64], [p, q]: [usize; 2], axis: usize, noise: f64, lower: &mut Vec<f64>, upper: &mut Vec<f64>) {
+fn project(
+    c: &[f64],
+    [p, q]: [usize; 2],
+    axis: usize,
+    noise: f64,
+    lower: &mut Vec<f64>,
+    upper: &mut Vec<f64>,
+) {
     let count = if axis == 0 { p + 1 } else { q + 1 };
     lower.clear();
     upper.clear();

@@ -51,8 +51,17 @@ pub fn roots(p: &Bernstein) -> SingleSolution {
         match judge(&part, high - low) {
             Verdict::None => {}
             Verdict::One { simple } => {
-                let at = if simple { low + bisect(&part) * (high - low) } else { 0.5 * (low + high) };
-                solution.roots.push(SingleRoot { at, low, high, simple });
+                let at = if simple {
+                    low + bisect(&part) * (high - low)
+                } else {
+                    0.5 * (low + high)
+                };
+                solution.roots.push(SingleRoot {
+                    at,
+                    low,
+                    high,
+                    simple,
+                });
             }
             Verdict::Cut(start, end) => {
                 let width = high - low;
@@ -69,17 +78,28 @@ pub fn roots(p: &Bernstein) -> SingleSolution {
         }
     }
     join(&mut solution);
-    solution.roots =
-        std::mem::take(&mut solution.roots).into_iter().filter_map(|root| looked_at_again(p, root)).collect();
-    if let Some(widest) =
-        solution.roots.iter().filter(|root| !root.simple).map(|root| root.high - root.low).reduce(f64::max)
+    solution.roots = std::mem::take(&mut solution.roots)
+        .into_iter()
+        .filter_map(|root| looked_at_again(p, root))
+        .collect();
+    if let Some(widest) = solution
+        .roots
+        .iter()
+        .filter(|root| !root.simple)
+        .map(|root| root.high - root.low)
+        .reduce(f64::max)
     {
-        solution.status = solution.status.max(if widest > CURVE { Status::Continuum } else { Status::Cluster });
+        solution.status = solution.status.max(if widest > CURVE {
+            Status::Continuum
+        } else {
+            Status::Cluster
+        });
     }
     solution
 }
 
-/// A root on a cut or on the edge of [0, 1] proves simple with some room around it. `None` where it proves to be outside.
+/// A root on a cut or on the edge of [0, 1] proves simple with some room around it. `None` where it
+/// proves to be outside.
 fn looked_at_again(p: &Bernstein, root: SingleRoot) -> Option<SingleRoot> {
     if root.simple || root.high - root.low > 1e-6 {
         return Some(root);
@@ -93,7 +113,11 @@ fn looked_at_again(p: &Bernstein, root: SingleRoot) -> Option<SingleRoot> {
     let at = low + bisect(&part) * (high - low);
     // A root so little outside is on the edge: the polynomial is no more exact.
     let inside = (-EDGE..=1.0 + EDGE).contains(&at);
-    inside.then_some(SingleRoot { at: at.clamp(0.0, 1.0), simple: true, ..root })
+    inside.then_some(SingleRoot {
+        at: at.clamp(0.0, 1.0),
+        simple: true,
+        ..root
+    })
 }
 
 enum Verdict {
@@ -107,9 +131,14 @@ fn judge(part: &Bernstein, width: f64) -> Verdict {
     if coefficients.iter().all(|a| a.lo > 0.0) || coefficients.iter().all(|a| a.hi < 0.0) {
         return Verdict::None;
     }
-    // Nothing but rounding is left, and parts would look the same: their coefficients are means of these. Four times the
-    // bound, or parts at the edge of what can be excluded would be cut to dust.
-    if width < NARROWEST || coefficients.iter().all(|a| a.mid().abs() <= 4.0 * a.radius()) {
+    // Nothing but rounding is left, and parts would look the same: their coefficients are means of
+    // these. Four times the bound, or parts at the edge of what can be excluded would be cut to
+    // dust.
+    if width < NARROWEST
+        || coefficients
+            .iter()
+            .all(|a| a.mid().abs() <= 4.0 * a.radius())
+    {
         return Verdict::One { simple: false };
     }
     let (first, last) = (coefficients[0], coefficients[coefficients.len() - 1]);
@@ -129,13 +158,15 @@ fn judge(part: &Bernstein, width: f64) -> Verdict {
     }
 }
 
-/// A clipped part with room for the rounding of its ends, and no thinner than 1e-4: the next step is cheap.
+/// A clipped part with room for the rounding of its ends, and no thinner than 1e-4: the next step
+/// is cheap.
 pub(super) fn padded((start, end): (f64, f64)) -> (f64, f64) {
     let room = 1e-9 + (0.5 * (1e-4 - (end - start))).max(0.0);
     ((start - room).max(0.0), (end + room).min(1.0))
 }
 
-/// The zero of a monotone polynomial with a change of sign: Newton's method kept inside a shrinking bracket.
+/// The zero of a monotone polynomial with a change of sign: Newton's method kept inside a shrinking
+/// bracket.
 fn bisect(p: &Bernstein) -> f64 {
     let slope = p.derivative();
     let rising = p.coefficients()[0].mid() < 0.0;
@@ -151,7 +182,11 @@ fn bisect(p: &Bernstein) -> f64 {
             high = t
         }
         let newton = t - value / slope.value(t);
-        let next = if newton > low && newton < high { newton } else { 0.5 * (low + high) };
+        let next = if newton > low && newton < high {
+            newton
+        } else {
+            0.5 * (low + high)
+        };
         if (next - t).abs() <= f64::EPSILON * 0.25 {
             break;
         }
@@ -187,22 +222,37 @@ fn join(solution: &mut SingleSolution) {
     solution.roots = joined;
 }
 
-/// A parameter where all the polynomials may vanish together; `None` proves that there is none. Of equal degree or not.
+/// A parameter where all the polynomials may vanish together; `None` proves that there is none. Of
+/// equal degree or not.
 pub fn common_zero(polynomials: &[Bernstein]) -> Option<f64> {
     let mut stack = vec![(0.0, 1.0, polynomials.to_vec())];
     for _ in 0..BUDGET {
         let (low, high, parts) = stack.pop()?;
-        let apart =
-            |p: &Bernstein| p.coefficients().iter().all(|a| a.lo > 0.0) || p.coefficients().iter().all(|a| a.hi < 0.0);
+        let apart = |p: &Bernstein| {
+            p.coefficients().iter().all(|a| a.lo > 0.0)
+                || p.coefficients().iter().all(|a| a.hi < 0.0)
+        };
         if parts.iter().any(apart) {
             continue;
         }
         let middle = 0.5 * (low + high);
-        if high - low < 1e-12 || parts.iter().all(|p| p.coefficients().iter().all(|a| a.has_zero())) {
+        if high - low < 1e-12
+            || parts
+                .iter()
+                .all(|p| p.coefficients().iter().all(|a| a.has_zero()))
+        {
             return Some(middle);
         }
-        stack.push((middle, high, parts.iter().map(|p| p.part(0.5, 1.0)).collect()));
-        stack.push((low, middle, parts.iter().map(|p| p.part(0.0, 0.5)).collect()));
+        stack.push((
+            middle,
+            high,
+            parts.iter().map(|p| p.part(0.5, 1.0)).collect(),
+        ));
+        stack.push((
+            low,
+            middle,
+            parts.iter().map(|p| p.part(0.0, 0.5)).collect(),
+        ));
     }
     stack.pop().map(|(low, high, _)| 0.5 * (low + high))
 }
@@ -214,8 +264,16 @@ mod tests {
     use crate::basis::testing::Random;
 
     fn with_roots(roots: &[f64]) -> Bernstein {
-        let factor = |r: &f64| Bernstein::new(vec![Interval::point(-r), Interval::point(1.0) - Interval::point(*r)]);
-        roots.iter().map(factor).fold(Bernstein::one(0), |product, next| product.times(&next))
+        let factor = |r: &f64| {
+            Bernstein::new(vec![
+                Interval::point(-r),
+                Interval::point(1.0) - Interval::point(*r),
+            ])
+        };
+        roots
+            .iter()
+            .map(factor)
+            .fold(Bernstein::one(0), |product, next| product.times(&next))
     }
 
     #[test]
@@ -226,7 +284,10 @@ mod tests {
             let mut wanted: Vec<f64> = Vec::new();
             while wanted.len() < count {
                 let next = random.float(-0.5, 1.5);
-                if wanted.iter().all(|r| (r - next).abs() > 0.03) && next.abs() > 1e-3 && (next - 1.0).abs() > 1e-3 {
+                if wanted.iter().all(|r| (r - next).abs() > 0.03)
+                    && next.abs() > 1e-3
+                    && (next - 1.0).abs() > 1e-3
+                {
                     wanted.push(next);
                 }
             }
@@ -235,9 +296,16 @@ mod tests {
             wanted.retain(|r| (0.0..=1.0).contains(r));
             wanted.sort_by(f64::total_cmp);
             assert_eq!(solution.status, Status::Complete, "{wanted:?}");
-            assert_eq!(solution.roots.len(), wanted.len(), "{wanted:?} {solution:?}");
+            assert_eq!(
+                solution.roots.len(),
+                wanted.len(),
+                "{wanted:?} {solution:?}"
+            );
             for (found, wanted) in solution.roots.iter().zip(&wanted) {
-                assert!((found.at - wanted).abs() < 1e-11 && found.simple, "{found:?} is not {wanted}");
+                assert!(
+                    (found.at - wanted).abs() < 1e-11 && found.simple,
+                    "{found:?} is not {wanted}"
+                );
             }
         }
     }
@@ -246,16 +314,34 @@ mod tests {
     fn roots_at_the_ends_are_kept() {
         let solution = roots(&with_roots(&[0.0, 0.5, 1.0]));
         let at: Vec<f64> = solution.roots.iter().map(|r| r.at).collect();
-        assert_eq!((at.len(), solution.status), (3, Status::Complete), "{solution:?}");
-        assert!(at[0].abs() < 1e-12 && (at[1] - 0.5).abs() < 1e-15 && (at[2] - 1.0).abs() < 1e-12, "{at:?}");
+        assert_eq!(
+            (at.len(), solution.status),
+            (3, Status::Complete),
+            "{solution:?}"
+        );
+        assert!(
+            at[0].abs() < 1e-12 && (at[1] - 0.5).abs() < 1e-15 && (at[2] - 1.0).abs() < 1e-12,
+            "{at:?}"
+        );
     }
 
     #[test]
     fn a_multiple_root_is_a_cluster_and_zero_a_continuum() {
         let double = roots(&with_roots(&[0.3, 0.3, 0.8]));
         assert_eq!(double.status, Status::Cluster);
-        assert!(double.roots.iter().any(|r| !r.simple && r.low <= 0.3 && 0.3 <= r.high && r.high - r.low < 1e-6));
-        assert!(double.roots.iter().any(|r| r.simple && (r.at - 0.8).abs() < 1e-13), "{double:?}");
+        assert!(
+            double
+                .roots
+                .iter()
+                .any(|r| !r.simple && r.low <= 0.3 && 0.3 <= r.high && r.high - r.low < 1e-6)
+        );
+        assert!(
+            double
+                .roots
+                .iter()
+                .any(|r| r.simple && (r.at - 0.8).abs() < 1e-13),
+            "{double:?}"
+        );
         assert!(double.boxes < 200, "{}", double.boxes);
         let zero = roots(&Bernstein::new(vec![Interval::around(0.0, 1e-16); 9]));
         assert_eq!((zero.status, zero.boxes), (Status::Continuum, 1));

@@ -1,4 +1,5 @@
-//! Polynomials in two variables on [0, 1]², tensor-product Bernstein form with interval coefficients.
+//! Polynomials in two variables on [0, 1]², tensor-product Bernstein form with interval
+//! coefficients.
 
 use super::bernstein::ProductWeights;
 use super::{Bernstein, Interval};
@@ -13,15 +14,28 @@ pub struct Tensor {
 impl Tensor {
     /// From `(p + 1)(q + 1)` coefficients, row after row.
     pub fn new(degree: [usize; 2], coefficients: Vec<Interval>) -> Self {
-        debug_assert_eq!(coefficients.len(), (degree[0] + 1) * (degree[1] + 1), "coefficients and degree disagree");
-        Self { degree, coefficients }
+        debug_assert_eq!(
+            coefficients.len(),
+            (degree[0] + 1) * (degree[1] + 1),
+            "coefficients and degree disagree"
+        );
+        Self {
+            degree,
+            coefficients,
+        }
     }
 
     /// a(s) b(t).
     pub fn outer(a: &Bernstein, b: &Bernstein) -> Self {
-        let coefficients =
-            a.coefficients().iter().flat_map(|&x| b.coefficients().iter().map(move |&y| x * y)).collect();
-        Self { degree: [a.degree(), b.degree()], coefficients }
+        let coefficients = a
+            .coefficients()
+            .iter()
+            .flat_map(|&x| b.coefficients().iter().map(move |&y| x * y))
+            .collect();
+        Self {
+            degree: [a.degree(), b.degree()],
+            coefficients,
+        }
     }
 
     /// Nominal degrees in s and t.
@@ -38,8 +52,13 @@ impl Tensor {
     pub fn swapped(&self) -> Self {
         let [p, q] = self.degree;
         let at = |i: usize, j: usize| self.coefficients[i * (q + 1) + j];
-        let coefficients = (0..=q).flat_map(|j| (0..=p).map(move |i| at(i, j))).collect();
-        Self { degree: [q, p], coefficients }
+        let coefficients = (0..=q)
+            .flat_map(|j| (0..=p).map(move |i| at(i, j)))
+            .collect();
+        Self {
+            degree: [q, p],
+            coefficients,
+        }
     }
 
     /// f(s, t) a(s).
@@ -56,7 +75,10 @@ impl Tensor {
                 }
             }
         }
-        Self { degree: [p + m, q], coefficients: out }
+        Self {
+            degree: [p + m, q],
+            coefficients: out,
+        }
     }
 
     /// f(s, t) a(t).
@@ -85,8 +107,16 @@ impl Tensor {
     /// The same polynomial in degrees at least its own.
     pub fn elevated(&self, degree: [usize; 2]) -> Self {
         let [p, q] = self.degree;
-        let in_s = if degree[0] > p { self.times_in_s(&Bernstein::one(degree[0] - p)) } else { self.clone() };
-        if degree[1] > q { in_s.times_in_t(&Bernstein::one(degree[1] - q)) } else { in_s }
+        let in_s = if degree[0] > p {
+            self.times_in_s(&Bernstein::one(degree[0] - p))
+        } else {
+            self.clone()
+        };
+        if degree[1] > q {
+            in_s.times_in_t(&Bernstein::one(degree[1] - q))
+        } else {
+            in_s
+        }
     }
 
     /// True when all coefficients are of one sign: no root on [0, 1]².
@@ -110,8 +140,16 @@ mod tests {
     fn operations_agree_with_values() {
         let mut random = Random(7);
         for _ in 0..200 {
-            let (p, q, m) = (random.integer(0, 6), random.integer(0, 6), random.integer(0, 6));
-            let mut points = |n: usize| (0..n).map(|_| Interval::point(random.float(-1.0, 1.0))).collect::<Vec<_>>();
+            let (p, q, m) = (
+                random.integer(0, 6),
+                random.integer(0, 6),
+                random.integer(0, 6),
+            );
+            let mut points = |n: usize| {
+                (0..n)
+                    .map(|_| Interval::point(random.float(-1.0, 1.0)))
+                    .collect::<Vec<_>>()
+            };
             let f = Tensor::new([p, q], points((p + 1) * (q + 1)));
             let a = Bernstein::new(points(m + 1));
             let at = [random.float(0.0, 1.0), random.float(0.0, 1.0)];
@@ -120,7 +158,10 @@ mod tests {
             close(value(&f.times_in_t(&a), at), value(&f, at) * a.value(at[1]));
             close(value(&f.swapped(), [at[1], at[0]]), value(&f, at));
             close(value(&f.elevated([p + 3, q + 1]), at), value(&f, at));
-            close(value(&Tensor::outer(&a, &a), at), a.value(at[0]) * a.value(at[1]));
+            close(
+                value(&Tensor::outer(&a, &a), at),
+                a.value(at[0]) * a.value(at[1]),
+            );
             close(value(&f.clone().plus(&f), at), 2.0 * value(&f, at));
             close(value(&f.clone().minus(&f), at), 0.0);
         }

@@ -21,21 +21,35 @@ pub struct Body {
 }
 
 impl Body {
-    /// Tessellates `surface` into `cells` in u and v and checks that it bounds a solid. `number` names it in errors.
+    /// Tessellates `surface` into `cells` in u and v and checks that it bounds a solid. `number`
+    /// names it in errors.
     ///
     /// # Errors
     /// Open, without volume, crossing itself, not finite; or a grid that is too coarse or too fine.
     pub fn new(surface: &Surface, cells: [usize; 2], number: usize) -> Result<Self, IsolateError> {
         let body = Self::unchecked(surface, cells, number)?;
         match body.crosses_itself() {
-            Some(at) => Err(IsolateError::SelfIntersecting { body: number, at: at.into() }),
+            Some(at) => Err(IsolateError::SelfIntersecting {
+                body: number,
+                at: at.into(),
+            }),
             None => Ok(body),
         }
     }
 
-    /// [`Body::new`] for a surface that was found free of self-intersections before, with another grid.
-    pub(super) fn unchecked(surface: &Surface, cells: [usize; 2], number: usize) -> Result<Self, IsolateError> {
-        if surface.net().points().iter().any(|p| p.iter().any(|x| !x.is_finite() || x.abs() > 1e60)) {
+    /// [`Body::new`] for a surface that was found free of self-intersections before, with another
+    /// grid.
+    pub(super) fn unchecked(
+        surface: &Surface,
+        cells: [usize; 2],
+        number: usize,
+    ) -> Result<Self, IsolateError> {
+        if surface
+            .net()
+            .points()
+            .iter()
+            .any(|p| p.iter().any(|x| !x.is_finite() || x.abs() > 1e60))
+        {
             return Err(IsolateError::TooLarge { body: number });
         }
         let topology = surface.topology();
@@ -46,14 +60,20 @@ impl Body {
         let (volume, _) = grid.volume_and_centroid();
         let size = surface.size();
         if grid.triangles.is_empty()
-            || volume.abs().partial_cmp(&(1e-9 * size * size * size)) != Some(std::cmp::Ordering::Greater)
+            || volume.abs().partial_cmp(&(1e-9 * size * size * size))
+                != Some(std::cmp::Ordering::Greater)
         {
             return Err(IsolateError::NoVolume { body: number });
         }
         let grid = if volume < 0.0 { grid.turned() } else { grid };
         let (_, centroid) = grid.volume_and_centroid();
         let bvh = Bvh::new(&grid.points, &grid.triangles);
-        Ok(Self { points: grid.points, bvh, centroid, cells })
+        Ok(Self {
+            points: grid.points,
+            bvh,
+            centroid,
+            cells,
+        })
     }
 
     /// Cells in u and v.
@@ -71,8 +91,9 @@ impl Body {
 
     /// How often the mesh winds round a point: 1 inside, 0 outside.
     ///
-    /// The signed triangles above the point are counted. Which triangles lie above is decided edge by edge, and both
-    /// triangles of an edge decide with the same numbers in the same order: no ray slips through an edge or counts it twice.
+    /// The signed triangles above the point are counted. Which triangles lie above is decided edge
+    /// by edge, and both triangles of an edge decide with the same numbers in the same order: no
+    /// ray slips through an edge or counts it twice.
     pub(super) fn winding(&self, point: &Vector3) -> i32 {
         let mut winding = 0;
         self.bvh.above(point, |k| {
@@ -100,7 +121,11 @@ impl Body {
             let (low, high) = if a < b { (p, q) } else { (q, p) };
             let turn = (high.x - low.x) * (point.y - low.y) - (point.x - low.x) * (high.y - low.y);
             // The edge crosses the ray to +x when the point is left of it, seen from its lower end.
-            let left = if high.y > low.y { turn > 0.0 } else { turn < 0.0 };
+            let left = if high.y > low.y {
+                turn > 0.0
+            } else {
+                turn < 0.0
+            };
             if left {
                 turns += if q.y > p.y { 1 } else { -1 };
             }

@@ -1,14 +1,15 @@
 //! A tree of boxes over triangles, built once: bodies are only translated.
 //!
-//! Split at the median of the centres along the longest axis, so the depth is the logarithm of the count. Nodes lie in
-//! depth-first order: the left child follows its parent.
+//! Split at the median of the centres along the longest axis, so the depth is the logarithm of the
+//! count. Nodes lie in depth-first order: the left child follows its parent.
 
 use super::triangle::Triangle;
 use crate::math::Vector3;
 
 /// Most triangles of a leaf.
 const LEAF: usize = 1;
-/// Room on the stack of a walk over two trees: more than twice the depth of a tree of 2³² triangles.
+/// Room on the stack of a walk over two trees: more than twice the depth of a tree of 2³²
+/// triangles.
 const STACK: usize = 160;
 
 /// An axis-aligned box, m.
@@ -19,7 +20,10 @@ pub(super) struct Block {
 }
 
 impl Block {
-    pub const EMPTY: Self = Self { low: [f64::INFINITY; 3], high: [f64::NEG_INFINITY; 3] };
+    pub const EMPTY: Self = Self {
+        low: [f64::INFINITY; 3],
+        high: [f64::NEG_INFINITY; 3],
+    };
 
     pub fn add(&mut self, p: &Vector3) {
         for k in 0..3 {
@@ -48,25 +52,33 @@ impl Block {
     fn distance_squared(&self, by: &Vector3, other: &Self) -> f64 {
         let mut sum = 0.0;
         for k in 0..3 {
-            let gap = (self.low[k] + by[k] - other.high[k]).max(other.low[k] - self.high[k] - by[k]).max(0.0);
+            let gap = (self.low[k] + by[k] - other.high[k])
+                .max(other.low[k] - self.high[k] - by[k])
+                .max(0.0);
             sum += gap * gap;
         }
         sum
     }
 
-    /// How far this box moved by `by` lies beyond the other along a unit vector; negative when it does not.
+    /// How far this box moved by `by` lies beyond the other along a unit vector; negative when it
+    /// does not.
     fn distance_along(&self, axis: &Vector3, by: &Vector3, other: &Self) -> f64 {
         let mut sum = 0.0;
         for k in 0..3 {
-            let near =
-                if axis[k] > 0.0 { self.low[k] + by[k] - other.high[k] } else { self.high[k] + by[k] - other.low[k] };
+            let near = if axis[k] > 0.0 {
+                self.low[k] + by[k] - other.high[k]
+            } else {
+                self.high[k] + by[k] - other.low[k]
+            };
             sum += axis[k] * near;
         }
         sum
     }
 
     fn longest(&self) -> f64 {
-        (0..3).map(|k| self.high[k] - self.low[k]).fold(0.0, f64::max)
+        (0..3)
+            .map(|k| self.high[k] - self.low[k])
+            .fold(0.0, f64::max)
     }
 }
 
@@ -94,7 +106,10 @@ impl Bvh {
     /// Over at least one triangle.
     pub fn new(points: &[Vector3], triangles: &[[u32; 3]]) -> Self {
         debug_assert!(!triangles.is_empty(), "a tree needs a triangle");
-        let all: Vec<Triangle> = triangles.iter().map(|t| Triangle::new(t.map(|k| points[k as usize]))).collect();
+        let all: Vec<Triangle> = triangles
+            .iter()
+            .map(|t| Triangle::new(t.map(|k| points[k as usize])))
+            .collect();
         let mut order: Vec<u32> = (0..all.len() as u32).collect();
         let mut nodes = Vec::with_capacity(2 * all.len());
         split(&all, &mut order, 0, &mut nodes);
@@ -122,8 +137,15 @@ impl Bvh {
         &self.nodes[0].block
     }
 
-    /// Calls `visit` for triangles of this tree moved by `by`, and of the other, whose boxes meet; ends when it says true.
-    pub fn pairs(&self, by: &Vector3, other: &Self, margin: f64, mut visit: impl FnMut(usize, usize) -> bool) -> bool {
+    /// Calls `visit` for triangles of this tree moved by `by`, and of the other, whose boxes meet;
+    /// ends when it says true.
+    pub fn pairs(
+        &self,
+        by: &Vector3,
+        other: &Self,
+        margin: f64,
+        mut visit: impl FnMut(usize, usize) -> bool,
+    ) -> bool {
         let mut stack = [(0_u32, 0_u32); STACK];
         let mut depth = 1;
         while depth > 0 {
@@ -144,19 +166,29 @@ impl Bvh {
                 continue;
             }
             let open_first = b.count > 0 || (a.count == 0 && a.longest >= b.longest);
-            let next = if open_first { [(i + 1, j), (a.at, j)] } else { [(i, j + 1), (i, b.at)] };
+            let next = if open_first {
+                [(i + 1, j), (a.at, j)]
+            } else {
+                [(i, j + 1), (i, b.at)]
+            };
             stack[depth..depth + 2].copy_from_slice(&next);
             depth += 2;
         }
         false
     }
 
-    /// Nearest points (on this tree moved by `by`, on the other) with their squared distance; or any that are within
-    /// `enough` of each other, with which the search ends.
+    /// Nearest points (on this tree moved by `by`, on the other) with their squared distance; or
+    /// any that are within `enough` of each other, with which the search ends.
     ///
-    /// Two bounds from below leave pairs of boxes out: their distance, and their distance along the line of the nearest
-    /// points so far, which is nearly normal to both bodies where they are near.
-    pub fn nearest(&self, by: &Vector3, other: &Self, enough: f64) -> Option<(f64, Vector3, Vector3)> {
+    /// Two bounds from below leave pairs of boxes out: their distance, and their distance along the
+    /// line of the nearest points so far, which is nearly normal to both bodies where they are
+    /// near.
+    pub fn nearest(
+        &self,
+        by: &Vector3,
+        other: &Self,
+        enough: f64,
+    ) -> Option<(f64, Vector3, Vector3)> {
         let mut best: Option<(f64, Vector3, Vector3)> = None;
         let (mut least, mut distance, mut axis) = (f64::INFINITY, f64::INFINITY, Vector3::zeros());
         let mut stack = [(0_u32, 0_u32, 0.0_f64); STACK];
@@ -179,15 +211,28 @@ impl Bvh {
                         let found = super::triangle::nearest(&moved, fixed);
                         if found.0 < least {
                             (least, distance, best) = (found.0, found.0.sqrt(), Some(found));
-                            axis = (found.1 - found.2).try_normalize(0.0).unwrap_or_else(Vector3::zeros);
+                            axis = (found.1 - found.2)
+                                .try_normalize(0.0)
+                                .unwrap_or_else(Vector3::zeros);
                         }
                     }
                 }
                 continue;
             }
             let open_first = b.count > 0 || (a.count == 0 && a.longest >= b.longest);
-            let mut next = if open_first { [(i + 1, j), (a.at, j)] } else { [(i, j + 1), (i, b.at)] }.map(|(i, j)| {
-                (i, j, self.nodes[i as usize].block.distance_squared(by, &other.nodes[j as usize].block))
+            let mut next = if open_first {
+                [(i + 1, j), (a.at, j)]
+            } else {
+                [(i, j + 1), (i, b.at)]
+            }
+            .map(|(i, j)| {
+                (
+                    i,
+                    j,
+                    self.nodes[i as usize]
+                        .block
+                        .distance_squared(by, &other.nodes[j as usize].block),
+                )
             });
             // The nearer one is looked at first: it lies on top.
             if next[0].2 < next[1].2 {
@@ -208,7 +253,11 @@ impl Bvh {
             let i = stack[depth];
             let node = &self.nodes[i as usize];
             let Block { low, high } = &node.block;
-            let beside = from.x < low[0] || from.x > high[0] || from.y < low[1] || from.y > high[1] || from.z > high[2];
+            let beside = from.x < low[0]
+                || from.x > high[0]
+                || from.y < low[1]
+                || from.y > high[1]
+                || from.z > high[2];
             if beside {
                 continue;
             }
@@ -232,17 +281,28 @@ fn split(all: &[Triangle], order: &mut [u32], start: usize, nodes: &mut Vec<Node
         centres.add(&centre(triangle));
     }
     let node = nodes.len();
-    nodes.push(Node { block, at: start as u32, count: order.len() as u32, longest: block.longest() });
+    nodes.push(Node {
+        block,
+        at: start as u32,
+        count: order.len() as u32,
+        longest: block.longest(),
+    });
     if order.len() <= LEAF {
         return;
     }
     let axis = (0..3).fold(0, |best, k| {
-        if centres.high[k] - centres.low[k] > centres.high[best] - centres.low[best] { k } else { best }
+        if centres.high[k] - centres.low[k] > centres.high[best] - centres.low[best] {
+            k
+        } else {
+            best
+        }
     });
     let middle = order.len() / 2;
     // Equal centres keep their order, so that the tree is the same everywhere.
     order.select_nth_unstable_by(middle, |&a, &b| {
-        centre(&all[a as usize])[axis].total_cmp(&centre(&all[b as usize])[axis]).then(a.cmp(&b))
+        centre(&all[a as usize])[axis]
+            .total_cmp(&centre(&all[b as usize])[axis])
+            .then(a.cmp(&b))
     });
     let (left, right) = order.split_at_mut(middle);
     split(all, left, start, nodes);

@@ -26,7 +26,11 @@ pub(super) enum Rule {
 }
 
 /// What a step moves by.
-pub(super) fn displacement(rule: Rule, pair: &Pair<'_>, translation: &Vector3) -> Result<Vector3, Reason> {
+pub(super) fn displacement(
+    rule: Rule,
+    pair: &Pair<'_>,
+    translation: &Vector3,
+) -> Result<Vector3, Reason> {
     if rule == Rule::Farthest {
         let by = pair.moved_by(translation);
         let moving: Vec<Vector3> = pair.moving.points.iter().map(|p| p + by).collect();
@@ -40,7 +44,8 @@ pub(super) fn displacement(rule: Rule, pair: &Pair<'_>, translation: &Vector3) -
     if rule == Rule::FarthestOfRegion {
         return Ok(signed);
     }
-    // The step length of all the others, the largest component, depends on the axes; the thesis has it so.
+    // The step length of all the others, the largest component, depends on the axes; the thesis has
+    // it so.
     let length = signed.amax();
     Ok(unit(rule, pair, translation, &regions, &signed)? * length)
 }
@@ -69,7 +74,9 @@ fn unit(
     signed: &Vector3,
 ) -> Result<Vector3, Reason> {
     match rule {
-        Rule::Farthest | Rule::FarthestOfRegion => signed.try_normalize(0.0).ok_or(Reason::NoNormal),
+        Rule::Farthest | Rule::FarthestOfRegion => {
+            signed.try_normalize(0.0).ok_or(Reason::NoNormal)
+        }
         Rule::Normal => {
             let normal = regions.region_1().normal.ok_or(Reason::NoNormal)?;
             Ok(sided(normal, pair, translation, signed))
@@ -77,8 +84,16 @@ fn unit(
         Rule::Normals => normals(pair, translation, regions, signed),
         Rule::Centroids => centroids(pair, translation),
         Rule::Blend(a, b) => {
-            let by_normals = if a > 0.0 { Some(normals(pair, translation, regions, signed)?) } else { None };
-            let by_centroids = if b > 0.0 { centroids(pair, translation).ok() } else { None };
+            let by_normals = if a > 0.0 {
+                Some(normals(pair, translation, regions, signed)?)
+            } else {
+                None
+            };
+            let by_centroids = if b > 0.0 {
+                centroids(pair, translation).ok()
+            } else {
+                None
+            };
             let sum = match (by_normals, by_centroids) {
                 (Some(x), Some(y)) => x * a + y * b,
                 (Some(x), None) | (None, Some(x)) => x,
@@ -90,7 +105,12 @@ fn unit(
 }
 
 /// Method 4: region 1 and its neighbours on either side, the i-th with the weight 1 / sqrt(1 + i).
-fn normals(pair: &Pair<'_>, translation: &Vector3, regions: &Regions, signed: &Vector3) -> Result<Vector3, Reason> {
+fn normals(
+    pair: &Pair<'_>,
+    translation: &Vector3,
+    regions: &Regions,
+    signed: &Vector3,
+) -> Result<Vector3, Reason> {
     let mut sum = Vector3::zeros();
     for (k, region) in regions.list.iter().enumerate() {
         let away = k.abs_diff(regions.first);
@@ -105,13 +125,20 @@ fn normals(pair: &Pair<'_>, translation: &Vector3, regions: &Regions, signed: &V
 /// Method 5.
 fn centroids(pair: &Pair<'_>, translation: &Vector3) -> Result<Vector3, Reason> {
     let between = pair.between_centroids() + translation;
-    between.try_normalize(1e-9 * pair.diameter_m).ok_or(Reason::CoincidentCentroids)
+    between
+        .try_normalize(1e-9 * pair.diameter_m)
+        .ok_or(Reason::CoincidentCentroids)
 }
 
-/// The normal or its opposite: with the displacement of method 2, or where that is nearly at right angles, with the centroids.
+/// The normal or its opposite: with the displacement of method 2, or where that is nearly at right
+/// angles, with the centroids.
 fn sided(normal: Vector3, pair: &Pair<'_>, translation: &Vector3, signed: &Vector3) -> Vector3 {
     let cosine = signed.try_normalize(0.0).map_or(0.0, |m| m.dot(&normal));
-    let decides = if cosine.abs() < UNDECIDED { (pair.between_centroids() + translation).dot(&normal) } else { cosine };
+    let decides = if cosine.abs() < UNDECIDED {
+        (pair.between_centroids() + translation).dot(&normal)
+    } else {
+        cosine
+    };
     if decides < 0.0 { -normal } else { normal }
 }
 

@@ -44,15 +44,24 @@ pub struct GivenPair {
 impl GivenPair {
     /// The shortest translation known for these triangles, m.
     pub fn least_translation_m(&self) -> Vector3 {
-        Vector3::from_fn(|k, _| self.document["mtd_translation_m"][k].as_f64().unwrap_or(f64::NAN))
+        Vector3::from_fn(|k, _| {
+            self.document["mtd_translation_m"][k]
+                .as_f64()
+                .unwrap_or(f64::NAN)
+        })
     }
 
     /// Both bodies on the pair's grids.
     pub fn bodies(&self) -> [Body; 2] {
         let [a, b] = self.cells;
         // The documents are part of the program: a test reads all of them.
-        let ready = |body: Result<Body, IsolateError>| body.unwrap_or_else(|error| panic!("{}: {error}", self.name));
-        [ready(Body::new(&self.moving, a, 0)), ready(Body::new(&self.fixed, b, 1))]
+        let ready = |body: Result<Body, IsolateError>| {
+            body.unwrap_or_else(|error| panic!("{}: {error}", self.name))
+        };
+        [
+            ready(Body::new(&self.moving, a, 0)),
+            ready(Body::new(&self.fixed, b, 1)),
+        ]
     }
 }
 

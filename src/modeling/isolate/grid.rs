@@ -1,7 +1,8 @@
 //! Triangles over a grid of parameters: the tessellation that all overlap tests share.
 //!
-//! Lines are even in the parameter, with those knots added at which the surface may have a crease. Ends that meet are one
-//! line of corners and a pole is one corner, so that a closed surface gives a closed mesh.
+//! Lines are even in the parameter, with those knots added at which the surface may have a crease.
+//! Ends that meet are one line of corners and a pole is one corner, so that a closed surface gives
+//! a closed mesh.
 
 use super::IsolateError;
 use crate::basis::KnotVector;
@@ -33,12 +34,20 @@ impl Grid {
     ///
     /// # Errors
     /// Fewer than three cells in a direction, or too many.
-    pub fn new(surface: &Surface, topology: &Topology, cells: [usize; 2]) -> Result<Self, IsolateError> {
-        let too_many = |[n, m]: [usize; 2]| n.checked_mul(m).is_none_or(|count| count > MOST_CORNERS);
+    pub fn new(
+        surface: &Surface,
+        topology: &Topology,
+        cells: [usize; 2],
+    ) -> Result<Self, IsolateError> {
+        let too_many =
+            |[n, m]: [usize; 2]| n.checked_mul(m).is_none_or(|count| count > MOST_CORNERS);
         if cells.iter().any(|n| *n < 3) || too_many(cells.map(|n| n.saturating_add(1))) {
             return Err(IsolateError::Resolution { cells });
         }
-        let (us, vs) = (lines(surface.knots_u(), cells[0]), lines(surface.knots_v(), cells[1]));
+        let (us, vs) = (
+            lines(surface.knots_u(), cells[0]),
+            lines(surface.knots_v(), cells[1]),
+        );
         if too_many([us.len(), vs.len()]) {
             return Err(IsolateError::Resolution { cells });
         }
@@ -64,7 +73,10 @@ impl Grid {
                 let at = |i: usize, j: usize| numbers[i * vs.len() + j];
                 let [a, b, c, d] = [at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)];
                 let two = [[a, b, c], [a, c, d]];
-                triangles.extend(two.into_iter().filter(|[a, b, c]| a != b && b != c && c != a));
+                triangles.extend(
+                    two.into_iter()
+                        .filter(|[a, b, c]| a != b && b != c && c != a),
+                );
             }
         }
         Ok(Self { points, triangles })
@@ -112,12 +124,15 @@ fn owner(topology: &Topology, at: [usize; 2], ends: [[bool; 2]; 2]) -> (usize, u
 /// Parameters from the start of the domain to its end.
 fn lines(knots: &KnotVector, cells: usize) -> Vec<f64> {
     let (start, end) = knots.domain();
-    let mut lines: Vec<f64> = (0..=cells).map(|k| start + (end - start) * (k as f64 / cells as f64)).collect();
+    let mut lines: Vec<f64> = (0..=cells)
+        .map(|k| start + (end - start) * (k as f64 / cells as f64))
+        .collect();
     lines[cells] = end;
     let near = (end - start) * 1e-9;
     let creases = knots.spans().map(|span| knots.knots()[span]);
-    let creases: Vec<f64> =
-        creases.filter(|&knot| knot > start && knots.multiplicity(knot) >= knots.degree()).collect();
+    let creases: Vec<f64> = creases
+        .filter(|&knot| knot > start && knots.multiplicity(knot) >= knots.degree())
+        .collect();
     lines.retain(|line| creases.iter().all(|crease| (crease - line).abs() > near));
     lines.extend(creases);
     lines.sort_by(f64::total_cmp);

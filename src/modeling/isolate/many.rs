@@ -1,8 +1,9 @@
 //! Several bodies: pair after pair, until a pass moves nothing.
 //!
-//! Of two bodies that overlap, or are nearer than the gap, the one listed first stays and the other moves. A pass takes all
-//! pairs in the order (0, 1), (0, 2), (1, 2), (0, 3), …; body 0 never moves. Moving apart from one body may push a body into
-//! another, which a later pass takes apart again; bodies may push each other to and fro for ever, so passes are bounded.
+//! Of two bodies that overlap, or are nearer than the gap, the one listed first stays and the other
+//! moves. A pass takes all pairs in the order (0, 1), (0, 2), (1, 2), (0, 3), …; body 0 never
+//! moves. Moving apart from one body may push a body into another, which a later pass takes apart
+//! again; bodies may push each other to and fro for ever, so passes are bounded.
 
 use super::grid;
 use super::pair::Pair;
@@ -40,7 +41,9 @@ pub enum Unsettled {
         reason: Reason,
     },
     /// Bodies push each other to and fro.
-    #[error("bodies still push each other after {passes} passes, the last ones {fixed} and {moving}")]
+    #[error(
+        "bodies still push each other after {passes} passes, the last ones {fixed} and {moving}"
+    )]
     Passes {
         /// Passes made.
         passes: usize,
@@ -98,17 +101,29 @@ pub fn isolate_all(surfaces: &[Surface], spec: &IsolateSpec) -> Result<IsolatedA
                 if far_apart(&bodies[moving], &bodies[fixed], &start, spec) {
                     continue;
                 }
-                let (a, b) = ((&surfaces[moving], &bodies[moving]), (&surfaces[fixed], &bodies[fixed]));
+                let (a, b) = (
+                    (&surfaces[moving], &bodies[moving]),
+                    (&surfaces[fixed], &bodies[fixed]),
+                );
                 let answer = isolate_ready(a, b, &start, spec)?;
                 match answer.status {
                     Status::Apart => {}
                     Status::Isolated => {
                         all.translations_m[moving] += answer.translation_m;
-                        all.moves.push(Move { pass, moving, fixed, answer });
+                        all.moves.push(Move {
+                            pass,
+                            moving,
+                            fixed,
+                            answer,
+                        });
                         last = Some((moving, fixed));
                     }
                     Status::Failed(reason) => {
-                        all.unsettled = Some(Unsettled::Pair { moving, fixed, reason });
+                        all.unsettled = Some(Unsettled::Pair {
+                            moving,
+                            fixed,
+                            reason,
+                        });
                         return Ok(all);
                     }
                 }
@@ -118,7 +133,11 @@ pub fn isolate_all(surfaces: &[Surface], spec: &IsolateSpec) -> Result<IsolatedA
             all.unsettled = None;
             return Ok(all);
         };
-        all.unsettled = Some(Unsettled::Passes { passes: pass, moving, fixed });
+        all.unsettled = Some(Unsettled::Passes {
+            passes: pass,
+            moving,
+            fixed,
+        });
     }
     Ok(all)
 }

@@ -1,8 +1,9 @@
 //! Isolation: the short translation that takes two overlapping solids apart.
 //!
-//! Both surfaces are closed; the first moves, the second stays, neither changes its shape. The answer is a translation after
-//! which they are apart by a small gap. Methods 1 to 7 are the heuristics of a thesis on isolating closed B-spline bodies
-//! (of a head, for planning radiotherapy); two searches, one local and one global, come close to the least length there is.
+//! Both surfaces are closed; the first moves, the second stays, neither changes its shape. The
+//! answer is a translation after which they are apart by a small gap. Methods 1 to 7 are the
+//! heuristics of a thesis on isolating closed B-spline bodies (of a head, for planning
+//! radiotherapy); two searches, one local and one global, come close to the least length there is.
 //!
 //! ```text
 //! body         surface → grid → triangles, tree of boxes, centroid; open or self-crossing surfaces are refused
@@ -13,7 +14,8 @@
 //! settle       contact → the wanted gap, of the triangles, then of the surfaces themselves
 //! many         several bodies: pair after pair until none overlaps
 //! ```
-//! No method is proven to be shortest. `Global` reached the best known length on all pairs of the tests.
+//! No method is proven to be shortest. `Global` reached the best known length on all pairs of the
+//! tests.
 
 mod body;
 mod bvh;
@@ -55,7 +57,8 @@ const MOST_HALVINGS: usize = 3;
 /// Isolates `moving` from `fixed`.
 ///
 /// # Errors
-/// A surface that is open, flat, not finite or crosses itself; a gap, turn or resolution out of range.
+/// A surface that is open, flat, not finite or crosses itself; a gap, turn or resolution out of
+/// range.
 ///
 /// ```
 /// use palpate::math::{Pose, Vector3};
@@ -69,14 +72,26 @@ const MOST_HALVINGS: usize = 3;
 /// assert!((answer.translation_m - Vector3::new(0.02, 0.0, 0.0)).norm() < 2e-4);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-pub fn isolate(moving: &Surface, fixed: &Surface, spec: &IsolateSpec) -> Result<Isolated, IsolateError> {
+pub fn isolate(
+    moving: &Surface,
+    fixed: &Surface,
+    spec: &IsolateSpec,
+) -> Result<Isolated, IsolateError> {
     let cells = [moving, fixed].map(|surface| cells_of(surface, spec));
-    let bodies = (Body::new(moving, cells[0], 0)?, Body::new(fixed, cells[1], 1)?);
-    isolate_ready((moving, &bodies.0), (fixed, &bodies.1), &Vector3::zeros(), spec)
+    let bodies = (
+        Body::new(moving, cells[0], 0)?,
+        Body::new(fixed, cells[1], 1)?,
+    );
+    isolate_ready(
+        (moving, &bodies.0),
+        (fixed, &bodies.1),
+        &Vector3::zeros(),
+        spec,
+    )
 }
 
-/// Isolates bodies that were made ready before, each with its surface. The moving one stands at `start` (m) beside its own
-/// coordinates; the answer's translation is from there.
+/// Isolates bodies that were made ready before, each with its surface. The moving one stands at
+/// `start` (m) beside its own coordinates; the answer's translation is from there.
 ///
 /// # Errors
 /// A gap or turn out of range, or a resolution too fine.
@@ -95,13 +110,18 @@ pub fn isolate_ready(
     }
     for _ in 0..MOST_HALVINGS {
         let [a, b] = answer.cells.map(|cells| cells.map(|n| 2 * n));
-        let finer = (Body::unchecked(moving.0, a, 0)?, Body::unchecked(fixed.0, b, 1)?);
+        let finer = (
+            Body::unchecked(moving.0, a, 0)?,
+            Body::unchecked(fixed.0, b, 1)?,
+        );
         let mut pair = Pair::new(&finer.0, &finer.1, *start);
         // The basin is known by now: the finer triangles only move its bottom.
         let again = match answer.method {
-            Method::Local | Method::Global | Method::Thorough => {
-                IsolateSpec { method: Method::Local, warm_m: Some(answer.contact_m), ..*spec }
-            }
+            Method::Local | Method::Global | Method::Thorough => IsolateSpec {
+                method: Method::Local,
+                warm_m: Some(answer.contact_m),
+                ..*spec
+            },
             method => IsolateSpec { method, ..*spec },
         };
         let next = asked.answer(&mut pair, exact.as_mut(), &again);
@@ -148,14 +168,27 @@ impl Asked {
         {
             return Err(IsolateError::MaxTurn(turn));
         }
-        if spec.warm_m.is_some_and(|warm| warm.iter().any(|x| !x.is_finite())) {
+        if spec
+            .warm_m
+            .is_some_and(|warm| warm.iter().any(|x| !x.is_finite()))
+        {
             return Err(IsolateError::Warm);
         }
-        Ok(Self { gap_m, limit: Limit { most_rad: spec.max_turn_deg.map(f64::to_radians) } })
+        Ok(Self {
+            gap_m,
+            limit: Limit {
+                most_rad: spec.max_turn_deg.map(f64::to_radians),
+            },
+        })
     }
 
     /// Contact, then the gap.
-    fn answer(&self, pair: &mut Pair<'_>, exact: Option<&mut Exact>, spec: &IsolateSpec) -> Isolated {
+    fn answer(
+        &self,
+        pair: &mut Pair<'_>,
+        exact: Option<&mut Exact>,
+        spec: &IsolateSpec,
+    ) -> Isolated {
         let mut answer = Isolated {
             status: Status::Apart,
             translation_m: Vector3::zeros(),
@@ -177,7 +210,11 @@ impl Asked {
         match settled {
             Ok((translation_m, gap_m)) => {
                 let moved = translation_m != Vector3::zeros();
-                answer.status = if moved { Status::Isolated } else { Status::Apart };
+                answer.status = if moved {
+                    Status::Isolated
+                } else {
+                    Status::Apart
+                };
                 (answer.translation_m, answer.gap_m) = (translation_m, Some(gap_m));
                 answer.turn_deg = pair.turn_rad(&translation_m).map(f64::to_degrees);
             }
@@ -186,7 +223,8 @@ impl Asked {
         answer
     }
 
-    /// A free place at contact, into `answer`; and the direction to widen the gap in, if there is one.
+    /// A free place at contact, into `answer`; and the direction to widen the gap in, if there is
+    /// one.
     fn contact(
         &self,
         pair: &mut Pair<'_>,
@@ -194,23 +232,35 @@ impl Asked {
         answer: &mut Isolated,
     ) -> Result<Option<Vector3>, Reason> {
         if !pair.overlap(&Vector3::zeros()) {
-            return Ok(self.limit.most_rad.and_then(|_| pair.between_centroids().try_normalize(0.0)));
+            return Ok(self
+                .limit
+                .most_rad
+                .and_then(|_| pair.between_centroids().try_normalize(0.0)));
         }
-        answer.regions = Regions::new(pair, &Vector3::zeros()).map_or(0, |regions| regions.list.len());
-        let found = self.by_method(pair, spec.method, spec.warm_m.as_ref()).or_else(|reason| {
-            let searched = matches!(spec.method, Method::Global | Method::Thorough);
-            if searched || !spec.fall_back {
-                return Err(reason);
-            }
-            (answer.method, answer.fell_back) = (Method::Global, Some(reason));
-            self.by_method(pair, Method::Global, None)
-        })?;
+        answer.regions =
+            Regions::new(pair, &Vector3::zeros()).map_or(0, |regions| regions.list.len());
+        let found = self
+            .by_method(pair, spec.method, spec.warm_m.as_ref())
+            .or_else(|reason| {
+                let searched = matches!(spec.method, Method::Global | Method::Thorough);
+                if searched || !spec.fall_back {
+                    return Err(reason);
+                }
+                (answer.method, answer.fell_back) = (Method::Global, Some(reason));
+                self.by_method(pair, Method::Global, None)
+            })?;
         (answer.contact_m, answer.steps) = (found.contact, found.steps);
         Ok(Some(found.along).filter(|along| along.norm_squared() > 0.0))
     }
 
-    /// The contact that a method finds; `along` is zero where the contact planes say best how to widen the gap.
-    fn by_method(&self, pair: &mut Pair<'_>, method: Method, warm: Option<&Vector3>) -> Result<Stepped, Reason> {
+    /// The contact that a method finds; `along` is zero where the contact planes say best how to
+    /// widen the gap.
+    fn by_method(
+        &self,
+        pair: &mut Pair<'_>,
+        method: Method,
+        warm: Option<&Vector3>,
+    ) -> Result<Stepped, Reason> {
         let limit = self.limit;
         let rule = match method {
             Method::Farthest => Rule::Farthest,
@@ -220,18 +270,28 @@ impl Asked {
             Method::Centroids => Rule::Centroids,
             Method::Blend => Rule::Blend(0.5, 0.5),
             Method::BestBlend => return best_of_blends(pair, &limit),
-            Method::Local | Method::Global | Method::Thorough => return self.searched(pair, method, warm),
+            Method::Local | Method::Global | Method::Thorough => {
+                return self.searched(pair, method, warm);
+            }
         };
         stepped(pair, rule, &limit)
     }
 
-    fn searched(&self, pair: &mut Pair<'_>, method: Method, warm: Option<&Vector3>) -> Result<Stepped, Reason> {
+    fn searched(
+        &self,
+        pair: &mut Pair<'_>,
+        method: Method,
+        warm: Option<&Vector3>,
+    ) -> Result<Stepped, Reason> {
         let between = pair.between_centroids();
         let axis = between.try_normalize(1e-9 * pair.diameter_m);
         if self.limit.most_rad.is_some() && axis.is_none() {
             return Err(Reason::CoincidentCentroids);
         }
-        let mut search = Search { pair, limit: self.limit };
+        let mut search = Search {
+            pair,
+            limit: self.limit,
+        };
         let contact = if method == Method::Local {
             search.local(warm)?
         } else {
@@ -245,9 +305,17 @@ impl Asked {
             }
             search.global(&spread, descents)?
         };
-        // Along the line of the centroids nothing turns; where nothing may, the gap is widened along it.
-        let along = self.limit.most_rad.and_then(|_| (between + contact).try_normalize(0.0));
-        Ok(Stepped { contact, along: along.unwrap_or_else(Vector3::zeros), steps: 0 })
+        // Along the line of the centroids nothing turns; where nothing may, the gap is widened
+        // along it.
+        let along = self
+            .limit
+            .most_rad
+            .and_then(|_| (between + contact).try_normalize(0.0));
+        Ok(Stepped {
+            contact,
+            along: along.unwrap_or_else(Vector3::zeros),
+            steps: 0,
+        })
     }
 
     /// Translation with the gap, and the gap.
@@ -259,7 +327,9 @@ impl Asked {
         along: Option<Vector3>,
     ) -> Result<(Vector3, f64), Reason> {
         let at = settle::settled(pair, &self.limit, contact, along, self.gap_m)?;
-        let Some(exact) = exact else { return Ok((at, pair.nearest(&at).gap_m)) };
+        let Some(exact) = exact else {
+            return Ok((at, pair.nearest(&at).gap_m));
+        };
         let start = pair.moved_by(&Vector3::zeros());
         if at == Vector3::zeros() {
             let mesh_gap_m = pair.nearest(&at).gap_m;
@@ -268,7 +338,11 @@ impl Asked {
                 return Ok((at, gap_m));
             }
         }
-        let turning = if self.limit.most_rad.is_some() { along } else { None };
+        let turning = if self.limit.most_rad.is_some() {
+            along
+        } else {
+            None
+        };
         let (at, gap_m) = exact
             .settled(&start, &at, turning, self.gap_m)
             .or_else(|| exact.settled(&start, &at, at.try_normalize(0.0), self.gap_m))
@@ -278,6 +352,10 @@ impl Asked {
         {
             return Ok(shorter);
         }
-        if self.limit.allows(pair, &at) { Ok((at, gap_m)) } else { Err(Reason::Turned) }
+        if self.limit.allows(pair, &at) {
+            Ok((at, gap_m))
+        } else {
+            Err(Reason::Turned)
+        }
     }
 }

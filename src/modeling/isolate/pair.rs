@@ -11,10 +11,12 @@ use super::bvh::Block;
 use super::triangle::{Crossing, crossing};
 use crate::math::Vector3;
 
-/// Normals of triangles whose cross product is shorter than this are parallel: their segment says nothing.
+/// Normals of triangles whose cross product is shorter than this are parallel: their segment says
+/// nothing.
 const PARALLEL: f64 = 1e-6;
 
-/// A moving and a fixed body. Translations are those of the moving one from where it stood at first.
+/// A moving and a fixed body. Translations are those of the moving one from where it stood at
+/// first.
 #[derive(Debug)]
 pub(super) struct Pair<'a> {
     pub moving: &'a Body,
@@ -74,9 +76,20 @@ impl<'a> Pair<'a> {
         both.add(&(Vector3::from(low) + start));
         both.add(&(Vector3::from(high) + start));
         let diameter_m = both.diagonal();
-        let farthest = both.low.iter().chain(&both.high).fold(0.0, |most: f64, x| most.max(x.abs()));
+        let farthest = both
+            .low
+            .iter()
+            .chain(&both.high)
+            .fold(0.0, |most: f64, x| most.max(x.abs()));
         let tolerance_m = TOUCHING * diameter_m + 8.0 * f64::EPSILON * farthest;
-        Self { moving, fixed, start, diameter_m, tolerance_m, tests: 0 }
+        Self {
+            moving,
+            fixed,
+            start,
+            diameter_m,
+            tolerance_m,
+            tests: 0,
+        }
     }
 
     /// What the moving body's own coordinates are moved by.
@@ -127,7 +140,11 @@ impl<'a> Pair<'a> {
         // A tree has a triangle, so there is a nearest pair.
         let (squared, p, q) = found.unwrap_or((0.0, by, by));
         let gap_m = squared.sqrt();
-        let normal = if gap_m > self.tolerance_m { (p - q).try_normalize(0.0) } else { None };
+        let normal = if gap_m > self.tolerance_m {
+            (p - q).try_normalize(0.0)
+        } else {
+            None
+        };
         Nearest { gap_m, normal }
     }
 
@@ -141,9 +158,14 @@ impl<'a> Pair<'a> {
             match crossing(&a, b, self.tolerance_m) {
                 None => {}
                 Some(Crossing::Coplanar) => cuts.parallel += 1,
-                Some(Crossing::Segment(..)) if a.normal.cross(&b.normal).norm() < PARALLEL => cuts.parallel += 1,
+                Some(Crossing::Segment(..)) if a.normal.cross(&b.normal).norm() < PARALLEL => {
+                    cuts.parallel += 1
+                }
                 Some(Crossing::Segment(p, q)) => {
-                    cuts.segments.push(Cut { triangles: [i as u32, j as u32], ends: [p, q] });
+                    cuts.segments.push(Cut {
+                        triangles: [i as u32, j as u32],
+                        ends: [p, q],
+                    });
                 }
             }
             false
@@ -151,15 +173,22 @@ impl<'a> Pair<'a> {
         cuts
     }
 
-    /// A translation along the unit vector `direction` that certainly frees: the boxes of supports no longer meet.
+    /// A translation along the unit vector `direction` that certainly frees: the boxes of supports
+    /// no longer meet.
     pub fn certain_exit_m(&self, direction: &Vector3) -> f64 {
-        let along = |points: &[Vector3]| points.iter().map(|p| direction.dot(p)).collect::<Vec<_>>();
-        let high = along(&self.fixed.points).into_iter().fold(f64::NEG_INFINITY, f64::max);
-        let low = along(&self.moving.points).into_iter().fold(f64::INFINITY, f64::min);
+        let along =
+            |points: &[Vector3]| points.iter().map(|p| direction.dot(p)).collect::<Vec<_>>();
+        let high = along(&self.fixed.points)
+            .into_iter()
+            .fold(f64::NEG_INFINITY, f64::max);
+        let low = along(&self.moving.points)
+            .into_iter()
+            .fold(f64::INFINITY, f64::min);
         (high - low - direction.dot(&self.start)).max(0.0) + 16.0 * self.tolerance_m
     }
 
-    /// Angle between the vectors of centroids before and after, rad; `None` where one of them is zero.
+    /// Angle between the vectors of centroids before and after, rad; `None` where one of them is
+    /// zero.
     pub fn turn_rad(&self, translation: &Vector3) -> Option<f64> {
         let before = self.between_centroids();
         let after = before + translation;

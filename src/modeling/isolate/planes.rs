@@ -21,14 +21,20 @@ pub(super) fn keep(planes: &mut Vec<HalfSpace>, plane: HalfSpace, most: usize) {
 
 /// The shortest x in all half spaces, `None` when there is none (or only beyond rounding).
 ///
-/// At most three of them hold it in place, so all sets of up to three are tried: the answer is the shortest of the points of
-/// least norm on their planes that the others allow.
+/// At most three of them hold it in place, so all sets of up to three are tried: the answer is the
+/// shortest of the points of least norm on their planes that the others allow.
 pub(super) fn shortest(planes: &[HalfSpace]) -> Option<Vector3> {
     let scale = planes.iter().map(|p| p.at_least.abs()).fold(0.0, f64::max);
-    let allowed = |x: &Vector3| planes.iter().all(|p| p.normal.dot(x) >= p.at_least - 1e-10 * scale);
+    let allowed = |x: &Vector3| {
+        planes
+            .iter()
+            .all(|p| p.normal.dot(x) >= p.at_least - 1e-10 * scale)
+    };
     let mut best: Option<Vector3> = Some(Vector3::zeros()).filter(allowed);
     let mut offer = |x: Option<Vector3>| {
-        if let Some(x) = x.filter(|x| x.iter().all(|c| c.is_finite())).filter(allowed)
+        if let Some(x) = x
+            .filter(|x| x.iter().all(|c| c.is_finite()))
+            .filter(allowed)
             && best.is_none_or(|best| x.norm_squared() < best.norm_squared())
         {
             best = Some(x);
@@ -59,7 +65,11 @@ fn on_two(a: &HalfSpace, b: &HalfSpace) -> Option<Vector3> {
 }
 
 fn on_three(a: &HalfSpace, b: &HalfSpace, c: &HalfSpace) -> Option<Vector3> {
-    let rows = Matrix3::from_rows(&[a.normal.transpose(), b.normal.transpose(), c.normal.transpose()]);
+    let rows = Matrix3::from_rows(&[
+        a.normal.transpose(),
+        b.normal.transpose(),
+        c.normal.transpose(),
+    ]);
     if rows.determinant().abs() < 1e-6 {
         return None;
     }
@@ -74,14 +84,21 @@ mod tests {
     fn planes(random: &mut Random, count: usize) -> Vec<HalfSpace> {
         (0..count)
             .map(|_| {
-                let v = Vector3::new(random.float(-1.0, 1.0), random.float(-1.0, 1.0), random.float(-1.0, 1.0));
-                HalfSpace { normal: v.normalize(), at_least: random.float(-0.5, 1.0) }
+                let v = Vector3::new(
+                    random.float(-1.0, 1.0),
+                    random.float(-1.0, 1.0),
+                    random.float(-1.0, 1.0),
+                );
+                HalfSpace {
+                    normal: v.normalize(),
+                    at_least: random.float(-0.5, 1.0),
+                }
             })
             .collect()
     }
 
-    // Karush, Kuhn, Tucker: x is a sum of the normals it rests on, none of them pulling. Checked against Dykstra's
-    // alternating projections, which know nothing of sets of three.
+    // Karush, Kuhn, Tucker: x is a sum of the normals it rests on, none of them pulling. Checked
+    // against Dykstra's alternating projections, which know nothing of sets of three.
     #[test]
     fn the_shortest_vector_is_what_alternating_projections_tend_to() {
         let mut random = Random(11);
@@ -102,15 +119,24 @@ mod tests {
                 }
             }
             let feasible = planes.iter().all(|p| p.normal.dot(&y) >= p.at_least - 1e-6);
-            assert!(!feasible || (x - y).norm() < 1e-4 * (1.0 + x.norm()), "{x} is not {y} of {planes:?}");
+            assert!(
+                !feasible || (x - y).norm() < 1e-4 * (1.0 + x.norm()),
+                "{x} is not {y} of {planes:?}"
+            );
         }
         assert!(solved > 200, "{solved} of 300 had an answer");
     }
 
     #[test]
     fn half_spaces_that_face_away_from_each_other_have_no_common_vector() {
-        let up = HalfSpace { normal: Vector3::z(), at_least: 1.0 };
-        let down = HalfSpace { normal: -Vector3::z(), at_least: 1.0 };
+        let up = HalfSpace {
+            normal: Vector3::z(),
+            at_least: 1.0,
+        };
+        let down = HalfSpace {
+            normal: -Vector3::z(),
+            at_least: 1.0,
+        };
         assert_eq!(shortest(&[up, down]), None);
         assert_eq!(shortest(&[]), Some(Vector3::zeros()));
         assert_eq!(shortest(&[up]), Some(Vector3::z()));

@@ -4,8 +4,9 @@
 //! cuts → segments that share a triangle are one line → its vector area is the region's normal
 //! corners of one body inside the other → the region whose line is nearest
 //! ```
-//! The vector area A = ½ Σ p × q of a closed line, with its segments p → q along n₁ × n₂, is for a quadrilateral the cross
-//! product of its diagonals over two, the normal of a region in the thesis; the sum holds for any line.
+//! The vector area A = ½ Σ p × q of a closed line, with its segments p → q along n₁ × n₂, is for a
+//! quadrilateral the cross product of its diagonals over two, the normal of a region in the thesis;
+//! the sum holds for any line.
 
 use super::pair::{Cut, Cuts, Pair};
 use crate::math::{Matrix3, Vector3};
@@ -56,7 +57,11 @@ impl Regions {
             return Err(NoRegions::NoLine);
         }
         let inside = inside(pair, translation);
-        let mut points = lines.iter().map(|line| line_points(line)).map(|p| [p.clone(), p]).collect::<Vec<_>>();
+        let mut points = lines
+            .iter()
+            .map(|line| line_points(line))
+            .map(|p| [p.clone(), p])
+            .collect::<Vec<_>>();
         let ends: Vec<Vec<Vector3>> = points.iter().map(|[p, _]| p.clone()).collect();
         for (k, corners) in inside.iter().enumerate() {
             for corner in corners {
@@ -74,7 +79,11 @@ impl Regions {
             .collect();
         sort(&mut list);
         let first = (0..list.len()).fold(0, |best, k| {
-            if list[k].farthest.norm_squared() > list[best].farthest.norm_squared() { k } else { best }
+            if list[k].farthest.norm_squared() > list[best].farthest.norm_squared() {
+                k
+            } else {
+                best
+            }
         });
         Ok(Self { list, first })
     }
@@ -129,8 +138,18 @@ fn line_points(line: &[Cut]) -> Vec<Vector3> {
 /// Corners of (the moving, the fixed) body inside the other one, where they stand.
 fn inside(pair: &Pair<'_>, translation: &Vector3) -> [Vec<Vector3>; 2] {
     let by = pair.moved_by(translation);
-    let moving = pair.moving.points.iter().map(|p| p + by).filter(|p| pair.fixed.winding(p) != 0);
-    let fixed = pair.fixed.points.iter().filter(|p| pair.moving.winding(&(*p - by)) != 0).copied();
+    let moving = pair
+        .moving
+        .points
+        .iter()
+        .map(|p| p + by)
+        .filter(|p| pair.fixed.winding(p) != 0);
+    let fixed = pair
+        .fixed
+        .points
+        .iter()
+        .filter(|p| pair.moving.winding(&(*p - by)) != 0)
+        .copied();
     [moving.collect(), fixed.collect()]
 }
 
@@ -138,7 +157,11 @@ fn nearest_line(lines: &[Vec<Vector3>], point: &Vector3) -> usize {
     if lines.len() == 1 {
         return 0;
     }
-    let distance = |line: &Vec<Vector3>| line.iter().map(|p| (p - point).norm_squared()).fold(f64::INFINITY, f64::min);
+    let distance = |line: &Vec<Vector3>| {
+        line.iter()
+            .map(|p| (p - point).norm_squared())
+            .fold(f64::INFINITY, f64::min)
+    };
     let mut best = (f64::INFINITY, 0);
     for (k, line) in lines.iter().enumerate() {
         let d = distance(line);
@@ -151,13 +174,18 @@ fn nearest_line(lines: &[Vec<Vector3>], point: &Vector3) -> usize {
 
 fn normal(line: &[Cut]) -> Option<Vector3> {
     let origin = line[0].ends[0];
-    let length: f64 = line.iter().map(|cut| (cut.ends[1] - cut.ends[0]).norm()).sum();
+    let length: f64 = line
+        .iter()
+        .map(|cut| (cut.ends[1] - cut.ends[0]).norm())
+        .sum();
     let area = line
         .iter()
         .map(|cut| (cut.ends[0] - origin).cross(&(cut.ends[1] - origin)))
         .fold(Vector3::zeros(), |sum, x| sum + x)
         / 2.0;
-    (area.norm() >= FLAT * length * length / (4.0 * PI)).then(|| area.try_normalize(0.0)).flatten()
+    (area.norm() >= FLAT * length * length / (4.0 * PI))
+        .then(|| area.try_normalize(0.0))
+        .flatten()
 }
 
 fn mean(a: &[Vector3], b: &[Vector3]) -> Vector3 {
@@ -167,12 +195,13 @@ fn mean(a: &[Vector3], b: &[Vector3]) -> Vector3 {
 
 /// From the point of `a` to the point of `b` that is farthest from it, of all pairs.
 ///
-/// Points far from the common mean come first; two of them are no farther apart than their distances from it together, so
-/// the search ends early.
+/// Points far from the common mean come first; two of them are no farther apart than their
+/// distances from it together, so the search ends early.
 pub(super) fn farthest(a: &[Vector3], b: &[Vector3]) -> Vector3 {
     let middle = mean(a, b);
     let sorted = |points: &[Vector3]| {
-        let mut far: Vec<(f64, Vector3)> = points.iter().map(|p| ((p - middle).norm(), *p)).collect();
+        let mut far: Vec<(f64, Vector3)> =
+            points.iter().map(|p| ((p - middle).norm(), *p)).collect();
         far.sort_by(|x, y| y.0.total_cmp(&x.0));
         far
     };
@@ -192,7 +221,8 @@ pub(super) fn farthest(a: &[Vector3], b: &[Vector3]) -> Vector3 {
     best.1
 }
 
-/// Along the first principal axis of the centres; where that is no axis, along the line through the two farthest apart.
+/// Along the first principal axis of the centres; where that is no axis, along the line through the
+/// two farthest apart.
 fn sort(list: &mut [Region]) {
     let middle = list.iter().fold(Vector3::zeros(), |sum, r| sum + r.centre) / list.len() as f64;
     let spread = list.iter().fold(Matrix3::zeros(), |sum, r| {
@@ -209,8 +239,13 @@ fn sort(list: &mut [Region]) {
         matrix /= scale;
         matrix = matrix * matrix;
     }
-    let column = (0..3)
-        .fold(0, |best, k| if matrix.column(k).norm_squared() > matrix.column(best).norm_squared() { k } else { best });
+    let column = (0..3).fold(0, |best, k| {
+        if matrix.column(k).norm_squared() > matrix.column(best).norm_squared() {
+            k
+        } else {
+            best
+        }
+    });
     let axis: Vector3 = matrix.column(column).into_owned();
     list.sort_by(|a, b| axis.dot(&a.centre).total_cmp(&axis.dot(&b.centre)));
 }

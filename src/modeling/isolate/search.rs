@@ -1,13 +1,15 @@
-//! Short translations by search: exits along directions, then descent along the boundary of what is free.
+//! Short translations by search: exits along directions, then descent along the boundary of what is
+//! free.
 //!
 //! ```text
 //! exit      along a direction: scan, then halve between the last overlap and the first free place
 //! descend   contact plane at T, the last five planes' shortest vector, back to free space; ends when nothing is gained
 //! turn      directions beside T: accepted when a place slightly shorter is free
 //! ```
-//! The free places need not be an interval along a direction (a bar in a ring), so exits scan. A descent finds a local
-//! minimum; `global` descends from the two shortest exits of spread directions, which reached the least of some hundred
-//! directions on all given pairs. It is no proof.
+//! The free places need not be an interval along a direction (a bar in a ring), so exits scan. A
+//! descent finds a local minimum; `global` descends from the two shortest exits of spread
+//! directions, which reached the least of some hundred directions on all given pairs. It is no
+//! proof.
 
 use super::Reason;
 use super::directions::starts;
@@ -45,7 +47,10 @@ pub(super) struct Limit {
 impl Limit {
     pub fn allows(&self, pair: &Pair<'_>, translation: &Vector3) -> bool {
         // 1e-12: a turn by nothing is nothing but rounding.
-        self.most_rad.is_none_or(|most| pair.turn_rad(translation).is_some_and(|turn| turn <= most + 1e-12))
+        self.most_rad.is_none_or(|most| {
+            pair.turn_rad(translation)
+                .is_some_and(|turn| turn <= most + 1e-12)
+        })
     }
 }
 
@@ -61,7 +66,8 @@ impl Search<'_, '_> {
         self.limit.allows(self.pair, translation) && !self.pair.overlap(translation)
     }
 
-    /// The first free place along a unit vector, at contact; `None` when the turn forbids all of them.
+    /// The first free place along a unit vector, at contact; `None` when the turn forbids all of
+    /// them.
     pub fn exit(&mut self, direction: &Vector3) -> Option<Vector3> {
         let end = self.pair.certain_exit_m(direction);
         let step = end / f64::from(SCAN);
@@ -96,7 +102,8 @@ impl Search<'_, '_> {
 
     /// Towards the origin as far as it stays free, from a free place.
     fn shrunk(&mut self, from: &Vector3) -> Vector3 {
-        // Small steps first: a jump to the origin could cross another body's part and end in a hole behind it.
+        // Small steps first: a jump to the origin could cross another body's part and end in a hole
+        // behind it.
         let mut at = *from;
         let mut share = 0.02;
         for _ in 0..40 {
@@ -132,13 +139,25 @@ impl Search<'_, '_> {
         let mut best = *from;
         let mut planes: Vec<HalfSpace> = Vec::new();
         for _ in 0..MOST_PLANES {
-            // At contact all points this near are in contact: the first that are found give a plane.
+            // At contact all points this near are in contact: the first that are found give a
+            // plane.
             let near = self.pair.near(&best, EXIT * self.pair.diameter_m);
-            let Some(normal) = near.normal else { return best };
-            let plane = HalfSpace { normal, at_least: normal.dot(&best) - near.gap_m };
+            let Some(normal) = near.normal else {
+                return best;
+            };
+            let plane = HalfSpace {
+                normal,
+                at_least: normal.dot(&best) - near.gap_m,
+            };
             keep(&mut planes, plane, KEPT);
-            let Some(target) = shortest(&planes) else { return best };
-            let landed = if self.free(&target) { target } else { self.halved(&target, &best) };
+            let Some(target) = shortest(&planes) else {
+                return best;
+            };
+            let landed = if self.free(&target) {
+                target
+            } else {
+                self.halved(&target, &best)
+            };
             let next = self.shrunk(&landed);
             let gain = best.norm() - next.norm();
             if gain > 0.0 {
@@ -168,13 +187,17 @@ impl Search<'_, '_> {
         None
     }
 
-    /// Local: the exit along the direction of method 6, or 5, or 4, or along `warm`; then the descent.
+    /// Local: the exit along the direction of method 6, or 5, or 4, or along `warm`; then the
+    /// descent.
     pub fn local(&mut self, warm: Option<&Vector3>) -> Result<Vector3, Reason> {
         let from = match warm.and_then(|warm| self.resumed(warm)) {
             Some(start) => Some(start),
-            None => starts(self.pair).into_iter().find_map(|direction| self.exit(&direction)),
+            None => starts(self.pair)
+                .into_iter()
+                .find_map(|direction| self.exit(&direction)),
         };
-        from.map(|from| self.descended(&from)).ok_or(Reason::NoStart)
+        from.map(|from| self.descended(&from))
+            .ok_or(Reason::NoStart)
     }
 
     /// A free place at contact near an earlier answer.
@@ -195,11 +218,17 @@ impl Search<'_, '_> {
         None
     }
 
-    /// Global: exits along `spread` and along the directions of the methods, descents from the `descents` shortest that
-    /// leave in different directions.
+    /// Global: exits along `spread` and along the directions of the methods, descents from the
+    /// `descents` shortest that leave in different directions.
     pub fn global(&mut self, spread: &[Vector3], descents: usize) -> Result<Vector3, Reason> {
-        let directions: Vec<Vector3> = starts(self.pair).into_iter().chain(spread.iter().copied()).collect();
-        let mut exits: Vec<Vector3> = directions.iter().filter_map(|direction| self.exit(direction)).collect();
+        let directions: Vec<Vector3> = starts(self.pair)
+            .into_iter()
+            .chain(spread.iter().copied())
+            .collect();
+        let mut exits: Vec<Vector3> = directions
+            .iter()
+            .filter_map(|direction| self.exit(direction))
+            .collect();
         // Stable: of equals the first stays first.
         exits.sort_by(|a, b| a.norm().total_cmp(&b.norm()));
         let mut chosen: Vec<Vector3> = Vec::with_capacity(descents);
@@ -210,7 +239,13 @@ impl Search<'_, '_> {
             }
         }
         let found = chosen.iter().map(|exit| self.descended(exit));
-        let best = found.reduce(|best, next| if next.norm() < best.norm() { next } else { best });
+        let best = found.reduce(|best, next| {
+            if next.norm() < best.norm() {
+                next
+            } else {
+                best
+            }
+        });
         best.ok_or(Reason::NoStart)
     }
 }
@@ -222,7 +257,8 @@ fn beside(direction: &Vector3) -> [Vector3; 2] {
     [side, direction.cross(&side)]
 }
 
-/// The 6 faces and 8 corners of a cube: each with its opposite, so that exchanging the bodies changes only the sign.
+/// The 6 faces and 8 corners of a cube: each with its opposite, so that exchanging the bodies
+/// changes only the sign.
 pub(super) fn fourteen() -> Vec<Vector3> {
     let mut directions = Vec::with_capacity(14);
     for sign in [1.0, -1.0] {
@@ -238,13 +274,27 @@ pub(super) fn fourteen() -> Vec<Vector3> {
 pub(super) fn forty_two() -> Vec<Vector3> {
     let golden = (1.0 + 5.0_f64.sqrt()) / 2.0;
     let mut corners = Vec::with_capacity(12);
-    for (a, b) in [(1.0, golden), (1.0, -golden), (-1.0, golden), (-1.0, -golden)] {
-        corners.extend([Vector3::new(0.0, a, b), Vector3::new(a, b, 0.0), Vector3::new(b, 0.0, a)]);
+    for (a, b) in [
+        (1.0, golden),
+        (1.0, -golden),
+        (-1.0, golden),
+        (-1.0, -golden),
+    ] {
+        corners.extend([
+            Vector3::new(0.0, a, b),
+            Vector3::new(a, b, 0.0),
+            Vector3::new(b, 0.0, a),
+        ]);
     }
     let mut directions: Vec<Vector3> = corners.iter().map(|c| c.normalize()).collect();
     for (k, a) in corners.iter().enumerate() {
         // Edges are 2 long; the next distance is twice the golden ratio.
-        directions.extend(corners[..k].iter().filter(|b| (a - **b).norm() < 2.5).map(|b| (a + b).normalize()));
+        directions.extend(
+            corners[..k]
+                .iter()
+                .filter(|b| (a - **b).norm() < 2.5)
+                .map(|b| (a + b).normalize()),
+        );
     }
     directions
 }
@@ -258,7 +308,8 @@ pub(super) fn cone(axis: &Vector3, half_angle: f64, count: usize) -> Vec<Vector3
         let cosine = 1.0 - depth * (k as f64 + 0.5) / count as f64;
         let sine = (1.0 - cosine * cosine).max(0.0).sqrt();
         let round = golden * k as f64;
-        (axis * cosine + side * (sine * libm::cos(round)) + other * (sine * libm::sin(round))).normalize()
+        (axis * cosine + side * (sine * libm::cos(round)) + other * (sine * libm::sin(round)))
+            .normalize()
     });
     std::iter::once(*axis).chain(spiral).collect()
 }

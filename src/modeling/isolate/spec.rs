@@ -73,7 +73,8 @@ pub enum Resolution {
     Usual,
     /// So many cells in u and v of every body.
     Cells([usize; 2]),
-    /// As usual, then twice as many in each direction until the length of the translation changes by less than the gap.
+    /// As usual, then twice as many in each direction until the length of the translation changes
+    /// by less than the gap.
     Halving,
 }
 
@@ -82,7 +83,8 @@ pub enum Resolution {
 pub struct IsolateSpec {
     /// The way.
     pub method: Method,
-    /// Gap to leave, m; the answer's is this to 1.3 times this. `None`: a thousandth of the diagonal of the box round both.
+    /// Gap to leave, m; the answer's is this to 1.3 times this. `None`: a thousandth of the
+    /// diagonal of the box round both.
     pub gap_m: Option<f64>,
     /// The most that the vector between the centres of mass may turn, degrees.
     pub max_turn_deg: Option<f64>,
@@ -114,7 +116,9 @@ impl Default for IsolateSpec {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum Reason {
     /// One body holds the other.
-    #[error("the surfaces do not cross: one body is inside the other, and a region is what this method starts from")]
+    #[error(
+        "the surfaces do not cross: one body is inside the other, and a region is what this method starts from"
+    )]
     NoRegion,
     /// Coplanar triangles.
     #[error("the surfaces coincide in parts: their lines of intersection mean nothing")]
@@ -166,7 +170,8 @@ pub struct Isolated {
     pub gap_m: Option<f64>,
     /// The gap is that of the surfaces, not of their triangles.
     pub exact: bool,
-    /// Angle between the vectors of centres of mass before and after, degrees; `None` where one of them is zero.
+    /// Angle between the vectors of centres of mass before and after, degrees; `None` where one of
+    /// them is zero.
     pub turn_deg: Option<f64>,
     /// The method that gave the answer.
     pub method: Method,
@@ -200,7 +205,9 @@ impl Isolated {
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum IsolateError {
     /// An open surface.
-    #[error("surface {body} is open: it bounds no solid. Close it (edges that meet, or poles) before isolating it")]
+    #[error(
+        "surface {body} is open: it bounds no solid. Close it (edges that meet, or poles) before isolating it"
+    )]
     Open {
         /// Its number, from 0.
         body: usize,

@@ -1,4 +1,5 @@
-//! The procedure of the methods 1 to 7: step while there is overlap, then back along the last step to contact.
+//! The procedure of the methods 1 to 7: step while there is overlap, then back along the last step
+//! to contact.
 
 use super::Reason;
 use super::directions::{Rule, displacement};
@@ -8,7 +9,8 @@ use crate::math::Vector3;
 
 /// Most steps, as in the thesis' worst cases and some more.
 pub(super) const MOST_STEPS: u32 = 20;
-/// Halvings of the last step: its contact is found to a thousandth of it, as the published tables were.
+/// Halvings of the last step: its contact is found to a thousandth of it, as the published tables
+/// were.
 const HALVINGS: u32 = 10;
 
 /// A free place reached by steps.
@@ -27,7 +29,9 @@ pub(super) fn stepped(pair: &mut Pair<'_>, rule: Rule, limit: &Limit) -> Result<
     let mut at = Vector3::zeros();
     for steps in 1..=MOST_STEPS {
         let step = displacement(rule, pair, &at)?;
-        let Some(along) = step.try_normalize(1e-12 * pair.diameter_m) else { return Err(Reason::NoNormal) };
+        let Some(along) = step.try_normalize(1e-12 * pair.diameter_m) else {
+            return Err(Reason::NoNormal);
+        };
         let next = at + step;
         if pair.overlap(&next) {
             at = next;
@@ -43,7 +47,15 @@ pub(super) fn stepped(pair: &mut Pair<'_>, rule: Rule, limit: &Limit) -> Result<
             }
         }
         let contact = at + step * outside;
-        return if limit.allows(pair, &contact) { Ok(Stepped { contact, along, steps }) } else { Err(Reason::Turned) };
+        return if limit.allows(pair, &contact) {
+            Ok(Stepped {
+                contact,
+                along,
+                steps,
+            })
+        } else {
+            Err(Reason::Turned)
+        };
     }
     Err(Reason::StepLimit { steps: MOST_STEPS })
 }
@@ -51,10 +63,23 @@ pub(super) fn stepped(pair: &mut Pair<'_>, rule: Rule, limit: &Limit) -> Result<
 /// Method 7: method 6 with five pairs of weights, the shortest.
 pub(super) fn best_of_blends(pair: &mut Pair<'_>, limit: &Limit) -> Result<Stepped, Reason> {
     let mut best: Result<Stepped, Reason> = Err(Reason::NoRegion);
-    for (k, (a, b)) in [(1.0, 0.0), (0.75, 0.25), (0.5, 0.5), (0.25, 0.75), (0.0, 1.0)].into_iter().enumerate() {
+    for (k, (a, b)) in [
+        (1.0, 0.0),
+        (0.75, 0.25),
+        (0.5, 0.5),
+        (0.25, 0.75),
+        (0.0, 1.0),
+    ]
+    .into_iter()
+    .enumerate()
+    {
         let found = stepped(pair, Rule::Blend(a, b), limit);
         best = match (best, found) {
-            (Ok(x), Ok(y)) => Ok(if y.contact.norm() < x.contact.norm() { y } else { x }),
+            (Ok(x), Ok(y)) => Ok(if y.contact.norm() < x.contact.norm() {
+                y
+            } else {
+                x
+            }),
             (Ok(x), Err(_)) | (Err(_), Ok(x)) => Ok(x),
             (Err(x), Err(y)) => Err(if k == 0 { y } else { x }),
         };

@@ -1,4 +1,5 @@
-//! One parametric direction of the grid: the patches seen as bundles of lines that follow each other.
+//! One parametric direction of the grid: the patches seen as bundles of lines that follow each
+//! other.
 //!
 //! ```text
 //! block 0            block 1            blocks follow each other along the direction,
@@ -67,9 +68,14 @@ impl Axis {
         };
         let block = |b: usize| Block {
             fractions: fractions[b].clone(),
-            strands: (0..strands).map(|s| Strand::new(&turned[place(b, s)], direction, &fractions[b])).collect(),
+            strands: (0..strands)
+                .map(|s| Strand::new(&turned[place(b, s)], direction, &fractions[b]))
+                .collect(),
         };
-        Self { degree, blocks: (0..blocks).map(block).collect() }
+        Self {
+            degree,
+            blocks: (0..blocks).map(block).collect(),
+        }
     }
 
     /// Mean length of the lines of a block from its first to its last sample, m.
@@ -87,23 +93,39 @@ impl Axis {
 
     /// Mean distance from the last samples of a block to the first of the next, m.
     pub(super) fn gap_m(&self, block: usize) -> f64 {
-        let pairs = self.blocks[block].strands.iter().zip(&self.blocks[block + 1].strands);
-        let gaps = pairs.map(|(a, b)| distance(&a.samples[a.samples.len() - LINE_WIDTH..], &b.samples[..LINE_WIDTH]));
+        let pairs = self.blocks[block]
+            .strands
+            .iter()
+            .zip(&self.blocks[block + 1].strands);
+        let gaps = pairs.map(|(a, b)| {
+            distance(
+                &a.samples[a.samples.len() - LINE_WIDTH..],
+                &b.samples[..LINE_WIDTH],
+            )
+        });
         gaps.sum::<f64>() / self.blocks[block].strands.len() as f64
     }
 
-    /// Mean speed of the lines, m for the whole patch, at the first (0) or last (1) sample of a block.
+    /// Mean speed of the lines, m for the whole patch, at the first (0) or last (1) sample of a
+    /// block.
     pub(super) fn speed_m(&self, block: usize, end: usize) -> f64 {
         let strands = &self.blocks[block].strands;
         let zero = [0.0; LINE_WIDTH];
-        strands.iter().map(|s| distance(&s.slopes[end], &zero)).sum::<f64>() / strands.len() as f64
+        strands
+            .iter()
+            .map(|s| distance(&s.slopes[end], &zero))
+            .sum::<f64>()
+            / strands.len() as f64
     }
 }
 
 /// Mean distance of the points of two samples.
 fn distance(a: &[f64], b: &[f64]) -> f64 {
     let square = |k: usize| (a[k] - b[k]) * (a[k] - b[k]);
-    (0..LINES).map(|k| (square(3 * k) + square(3 * k + 1) + square(3 * k + 2)).sqrt()).sum::<f64>() / LINES as f64
+    (0..LINES)
+        .map(|k| (square(3 * k) + square(3 * k + 1) + square(3 * k + 2)).sqrt())
+        .sum::<f64>()
+        / LINES as f64
 }
 
 impl Strand {
@@ -115,24 +137,40 @@ impl Strand {
         let knots = normalised(along);
         let lines = lines(surface, direction, across);
         let blending = Blending::new(&knots, fractions);
-        let samples = (0..blending.rows()).flat_map(|row| combine(&blending, row, 0, &lines)).collect();
-        let slopes = [0, blending.rows() - 1].map(|row| combine(&blending, row, 1, &lines).to_vec());
-        Self { knots, samples, slopes }
+        let samples = (0..blending.rows())
+            .flat_map(|row| combine(&blending, row, 0, &lines))
+            .collect();
+        let slopes =
+            [0, blending.rows() - 1].map(|row| combine(&blending, row, 1, &lines).to_vec());
+        Self {
+            knots,
+            samples,
+            slopes,
+        }
     }
 }
 
 /// Control points of [`LINES`] lines along a direction, evenly across: (count along × 3 LINES).
 fn lines(surface: &Surface, direction: Direction, across: &KnotVector) -> Vec<[f64; LINE_WIDTH]> {
-    let places: Vec<f64> =
-        (0..LINES).map(|k| across.domain().0 + across.length() * (k as f64 / (LINES - 1) as f64)).collect();
+    let places: Vec<f64> = (0..LINES)
+        .map(|k| across.domain().0 + across.length() * (k as f64 / (LINES - 1) as f64))
+        .collect();
     let blending = Blending::new(across, &places);
     let net = surface.net();
-    let count = if direction == Direction::U { net.rows() } else { net.columns() };
+    let count = if direction == Direction::U {
+        net.rows()
+    } else {
+        net.columns()
+    };
     let mut lines = vec![[0.0; LINE_WIDTH]; count];
     for (i, line) in lines.iter_mut().enumerate() {
         for k in 0..LINES {
             for (j, value) in blending.entries(k, 0) {
-                let point = if direction == Direction::U { net.at(i, j) } else { net.at(j, i) };
+                let point = if direction == Direction::U {
+                    net.at(i, j)
+                } else {
+                    net.at(j, i)
+                };
                 (0..3).for_each(|c| line[3 * k + c] += value * point[c]);
             }
         }
@@ -140,10 +178,17 @@ fn lines(surface: &Surface, direction: Direction, across: &KnotVector) -> Vec<[f
     lines
 }
 
-fn combine(blending: &Blending, row: usize, order: usize, lines: &[[f64; LINE_WIDTH]]) -> [f64; LINE_WIDTH] {
+fn combine(
+    blending: &Blending,
+    row: usize,
+    order: usize,
+    lines: &[[f64; LINE_WIDTH]],
+) -> [f64; LINE_WIDTH] {
     let mut sum = [0.0; LINE_WIDTH];
     for (i, value) in blending.entries(row, order) {
-        sum.iter_mut().zip(&lines[i]).for_each(|(s, x)| *s += value * x);
+        sum.iter_mut()
+            .zip(&lines[i])
+            .for_each(|(s, x)| *s += value * x);
     }
     sum
 }
@@ -152,7 +197,16 @@ fn combine(blending: &Blending, row: usize, order: usize, lines: &[[f64; LINE_WI
 pub(super) fn normalised(knots: &KnotVector) -> KnotVector {
     let ((start, end), length) = (knots.domain(), knots.length());
     // Both ends come out exactly: (end − start) / length is 1.
-    let share = |t: f64| if t >= end { 1.0 } else { ((t - start) / length).max(0.0) };
-    KnotVector::new(knots.degree(), knots.knots().iter().map(|&t| share(t)).collect())
-        .expect("clamped knots stay clamped when scaled")
+    let share = |t: f64| {
+        if t >= end {
+            1.0
+        } else {
+            ((t - start) / length).max(0.0)
+        }
+    };
+    KnotVector::new(
+        knots.degree(),
+        knots.knots().iter().map(|&t| share(t)).collect(),
+    )
+    .expect("clamped knots stay clamped when scaled")
 }

@@ -32,27 +32,51 @@ impl Job {
         check_spec(spec)?;
         check_nets(surfaces)?;
         let layout = Layout::new(surfaces, spec.arrangement)?;
-        let turned: Vec<Surface> = layout.places.iter().map(|p| p.turn.of(&surfaces[p.patch])).collect();
+        let turned: Vec<Surface> = layout
+            .places
+            .iter()
+            .map(|p| p.turn.of(&surfaces[p.patch]))
+            .collect();
         let degrees = degrees(&turned, &layout, spec)?;
         let fractions = fractions(surfaces, &turned, &layout, spec)?;
         let direction = [Direction::U, Direction::V];
-        let axis = |d: usize, rows: &[Vec<f64>]| Axis::new(&turned, &layout, direction[d], degrees[d], rows);
+        let axis = |d: usize, rows: &[Vec<f64>]| {
+            Axis::new(&turned, &layout, direction[d], degrees[d], rows)
+        };
         let axes = [0, 1].map(|d| axis(d, &fractions[d]));
         let choices = match spec.method {
-            Method::Seed => axes.each_ref().map(|axis| as_the_source(axis, spec.continuity)),
+            Method::Seed => axes
+                .each_ref()
+                .map(|axis| as_the_source(axis, spec.continuity)),
             _ => [0, 1].map(|d| {
                 let thin: Vec<Vec<f64>> = fractions[d].iter().map(|f| thinned(f)).collect();
                 choose(&axis(d, &thin), &axes[d], spec.continuity, spec.least_span)
             }),
         };
-        let ends = if spec.method == Method::Seed { Ends::Free } else { Ends::Held };
-        let job = Self { turned, layout, axes, choices, fractions, ends };
+        let ends = if spec.method == Method::Seed {
+            Ends::Free
+        } else {
+            Ends::Held
+        };
+        let job = Self {
+            turned,
+            layout,
+            axes,
+            choices,
+            fractions,
+            ends,
+        };
         job.check_rows()?;
         Ok(job)
     }
 
     pub(super) fn plan(&self) -> Result<MergePlan, MergeError> {
-        Ok(MergePlan::new(&self.turned, self.layout.clone(), [self.line(0)?, self.line(1)?], self.ends))
+        Ok(MergePlan::new(
+            &self.turned,
+            self.layout.clone(),
+            [self.line(0)?, self.line(1)?],
+            self.ends,
+        ))
     }
 
     pub(super) fn merged(&self) -> Result<Merged, MergeError> {
@@ -74,16 +98,25 @@ impl Job {
             Ends::Free => evenly(self.fractions[d].iter().map(Vec::len).sum()),
             Ends::Held => {
                 let blocks = self.fractions[d].iter().zip(&choice.at);
-                blocks.flat_map(|(fractions, at)| parameters(fractions, *at)).collect()
+                blocks
+                    .flat_map(|(fractions, at)| parameters(fractions, *at))
+                    .collect()
             }
         };
         let mut rest = all.as_slice();
         let rows = self.fractions[d].iter().map(|fractions| {
             let (own, others) = rest.split_at(fractions.len());
             rest = others;
-            BlockRows { fractions: fractions.clone(), parameters: own.to_vec() }
+            BlockRows {
+                fractions: fractions.clone(),
+                parameters: own.to_vec(),
+            }
         });
-        Ok(Line { knots: choice.knots.vector()?, seams: choice.knots.seams.clone(), rows: rows.collect() })
+        Ok(Line {
+            knots: choice.knots.vector()?,
+            seams: choice.knots.seams.clone(),
+            rows: rows.collect(),
+        })
     }
 
     /// Enough rows for the control points of every patch.
@@ -93,9 +126,17 @@ impl Job {
             for (block, fractions) in self.fractions[d].iter().enumerate() {
                 let needed = inner[block].len() + axis.degree + 1;
                 if fractions.len() < needed {
-                    let place = if d == 0 { block * self.layout.columns } else { block };
+                    let place = if d == 0 {
+                        block * self.layout.columns
+                    } else {
+                        block
+                    };
                     let patch = self.layout.places[place].patch;
-                    return Err(MergeError::TooFewRows { patch, rows: fractions.len(), needed });
+                    return Err(MergeError::TooFewRows {
+                        patch,
+                        rows: fractions.len(),
+                        needed,
+                    });
                 }
             }
         }
@@ -106,14 +147,26 @@ impl Job {
 pub(super) fn check_spec(spec: &MergeSpec) -> Result<(), MergeError> {
     let [least, most] = POINTS;
     if !(least..=most).contains(&spec.points) {
-        return Err(MergeError::Points { given: spec.points, least, most });
+        return Err(MergeError::Points {
+            given: spec.points,
+            least,
+            most,
+        });
     }
     if !(spec.least_span > 0.0 && spec.least_span < 0.5) {
         let wanted = "it is a share of a patch above 0 and below 0.5";
-        return Err(MergeError::Value { name: "least_span", value: spec.least_span, wanted });
+        return Err(MergeError::Value {
+            name: "least_span",
+            value: spec.least_span,
+            wanted,
+        });
     }
     if let Some(value) = spec.tolerance_m.filter(|t| !(*t > 0.0 && t.is_finite())) {
-        return Err(MergeError::Value { name: "tolerance_m", value, wanted: "it is a length above 0" });
+        return Err(MergeError::Value {
+            name: "tolerance_m",
+            value,
+            wanted: "it is a length above 0",
+        });
     }
     Ok(())
 }
@@ -121,7 +174,10 @@ pub(super) fn check_spec(spec: &MergeSpec) -> Result<(), MergeError> {
 /// Nets are finite and nothing is weighted.
 pub(super) fn check_nets(surfaces: &[Surface]) -> Result<(), MergeError> {
     for (patch, surface) in surfaces.iter().enumerate() {
-        if surface.weights().is_some_and(|w| w.iter().any(|x| *x != w[0])) {
+        if surface
+            .weights()
+            .is_some_and(|w| w.iter().any(|x| *x != w[0]))
+        {
             return Err(MergeError::Rational { patch });
         }
         // Powers of what passes are finite too.
@@ -134,16 +190,25 @@ pub(super) fn check_nets(surfaces: &[Surface]) -> Result<(), MergeError> {
 }
 
 /// Merged degrees in u and v.
-pub(super) fn degrees(turned: &[Surface], layout: &Layout, spec: &MergeSpec) -> Result<[usize; 2], MergeError> {
+pub(super) fn degrees(
+    turned: &[Surface],
+    layout: &Layout,
+    spec: &MergeSpec,
+) -> Result<[usize; 2], MergeError> {
     let of = |direction| turned.iter().map(move |s| s.knots(direction).degree());
     let chosen = |direction| match spec.degree {
         DegreeRule::Raise => of(direction).max(),
         DegreeRule::Lower => of(direction).min(),
     };
-    let [u, v] = [Direction::U, Direction::V].map(|d| chosen(d).expect("there are two patches or more"));
+    let [u, v] =
+        [Direction::U, Direction::V].map(|d| chosen(d).expect("there are two patches or more"));
     for (blocks, degree, direction) in [(layout.rows, u, 'u'), (layout.columns, v, 'v')] {
         if blocks > 1 && spec.continuity >= degree {
-            return Err(MergeError::Continuity { continuity: spec.continuity, degree, direction });
+            return Err(MergeError::Continuity {
+                continuity: spec.continuity,
+                degree,
+                direction,
+            });
         }
     }
     Ok([u, v])
@@ -188,7 +253,11 @@ fn fractions(
         if all[d][place].len() < 2 {
             let needed = turned[place].knots(direction).count();
             let patch = layout.places[place].patch;
-            return Err(MergeError::TooFewRows { patch, rows: all[d][place].len(), needed });
+            return Err(MergeError::TooFewRows {
+                patch,
+                rows: all[d][place].len(),
+                needed,
+            });
         }
     }
     Ok(all)
@@ -207,7 +276,10 @@ fn hidden_part(
     let turn: Turn = layout.places[place].turn;
     let (direction, backwards) = turn.direction(hidden.direction);
     if direction != [Direction::U, Direction::V][d] {
-        return Err(refused(hidden, "the patches follow each other in the other direction"));
+        return Err(refused(
+            hidden,
+            "the patches follow each other in the other direction",
+        ));
     }
     let [start, end] = hidden.range;
     if start.partial_cmp(&end) != Some(std::cmp::Ordering::Less) {
@@ -219,21 +291,44 @@ fn hidden_part(
         return Err(refused(hidden, "nothing of the patch would show"));
     }
     if (start > first && end < last) || end <= first || start >= last {
-        return Err(refused(hidden, "one end of the patch's domain must be in it"));
+        return Err(refused(
+            hidden,
+            "one end of the patch's domain must be in it",
+        ));
     }
     let [a, b] = [start, end].map(|t| ((t - first) / knots.length()).clamp(0.0, 1.0));
-    Ok((place, if backwards { [1.0 - b, 1.0 - a] } else { [a, b] }))
+    Ok((
+        place,
+        if backwards {
+            [1.0 - b, 1.0 - a]
+        } else {
+            [a, b]
+        },
+    ))
 }
 
 fn refused(hidden: &Hidden, reason: &'static str) -> MergeError {
-    MergeError::Hidden { patch: hidden.patch, start: hidden.range[0], end: hidden.range[1], reason }
+    MergeError::Hidden {
+        patch: hidden.patch,
+        start: hidden.range[0],
+        end: hidden.range[1],
+        reason,
+    }
 }
 
 /// Knots and shares of the source's steps 3 to 5.
 fn as_the_source(axis: &Axis, continuity: usize) -> Choice {
     let n = axis.blocks.len() as f64;
-    let at = (0..axis.blocks.len()).map(|b| [b as f64 / n, (b + 1) as f64 / n]).collect();
-    let knots = Knots::joined(axis.degree, continuity, &interiors(axis), &at, Knots::seed_blend(continuity));
+    let at = (0..axis.blocks.len())
+        .map(|b| [b as f64 / n, (b + 1) as f64 / n])
+        .collect();
+    let knots = Knots::joined(
+        axis.degree,
+        continuity,
+        &interiors(axis),
+        &at,
+        Knots::seed_blend(continuity),
+    );
     Choice { at, knots }
 }
 
@@ -245,5 +340,7 @@ pub(super) fn evenly(count: usize) -> Vec<f64> {
 /// Some of them, with the first and the last.
 fn thinned(fractions: &[f64]) -> Vec<f64> {
     let count = fractions.len().min(SEARCH_ROWS);
-    (0..count).map(|k| fractions[k * (fractions.len() - 1) / (count - 1)]).collect()
+    (0..count)
+        .map(|k| fractions[k * (fractions.len() - 1) / (count - 1)])
+        .collect()
 }

@@ -1,6 +1,7 @@
 //! Seven cases to compare methods by.
 //!
-//! The source describes its patches and does not publish them: these are made to its descriptions, about 100 mm wide.
+//! The source describes its patches and does not publish them: these are made to its descriptions,
+//! about 100 mm wide.
 
 use super::{Arrangement, Edge, MergeSpec};
 use crate::surface::{Surface, file};
@@ -24,28 +25,50 @@ type Entry = (&'static str, &'static [&'static str], Arrangement);
 const ENTRIES: [Entry; 7] = [
     (
         "similar curvature and knots",
-        &[include_str!("data/case1_a.json"), include_str!("data/case1_b.json")],
+        &[
+            include_str!("data/case1_a.json"),
+            include_str!("data/case1_b.json"),
+        ],
         Arrangement::Closest,
     ),
     (
         "different curvature",
-        &[include_str!("data/case2_a.json"), include_str!("data/case2_b.json")],
+        &[
+            include_str!("data/case2_a.json"),
+            include_str!("data/case2_b.json"),
+        ],
         Arrangement::Closest,
     ),
-    ("different knots", &[include_str!("data/case3_a.json"), include_str!("data/case3_b.json")], Arrangement::Closest),
+    (
+        "different knots",
+        &[
+            include_str!("data/case3_a.json"),
+            include_str!("data/case3_b.json"),
+        ],
+        Arrangement::Closest,
+    ),
     (
         "different knots and width",
-        &[include_str!("data/case4_a.json"), include_str!("data/case4_b.json")],
+        &[
+            include_str!("data/case4_a.json"),
+            include_str!("data/case4_b.json"),
+        ],
         Arrangement::Closest,
     ),
     (
         "intersecting, trimmed",
-        &[include_str!("data/case5_a.json"), include_str!("data/case5_b.json")],
+        &[
+            include_str!("data/case5_a.json"),
+            include_str!("data/case5_b.json"),
+        ],
         Arrangement::Edges([Edge::U1, Edge::U0]),
     ),
     (
         "degrees 3×3 and 4×5",
-        &[include_str!("data/case6_a.json"), include_str!("data/case6_b.json")],
+        &[
+            include_str!("data/case6_a.json"),
+            include_str!("data/case6_b.json"),
+        ],
         Arrangement::Closest,
     ),
     (
@@ -56,7 +79,10 @@ const ENTRIES: [Entry; 7] = [
             include_str!("data/case7_c.json"),
             include_str!("data/case7_d.json"),
         ],
-        Arrangement::Grid { rows: 2, columns: 2 },
+        Arrangement::Grid {
+            rows: 2,
+            columns: 2,
+        },
     ),
 ];
 
@@ -68,8 +94,14 @@ pub fn cases() -> Vec<Case> {
     let case = |(k, (title, files, arrangement)): (usize, Entry)| Case {
         number: k + 1,
         title,
-        patches: files.iter().map(|text| file::read(text).expect("a surface that comes with the program")).collect(),
-        spec: MergeSpec { arrangement, ..MergeSpec::default() },
+        patches: files
+            .iter()
+            .map(|text| file::read(text).expect("a surface that comes with the program"))
+            .collect(),
+        spec: MergeSpec {
+            arrangement,
+            ..MergeSpec::default()
+        },
     };
     ENTRIES.into_iter().enumerate().map(case).collect()
 }

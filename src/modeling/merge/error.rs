@@ -25,7 +25,9 @@ pub enum MergeError {
         columns: usize,
     },
     /// More than two patches and no grid.
-    #[error("{given} patches: say how many rows and columns they make; edges are found for two only")]
+    #[error(
+        "{given} patches: say how many rows and columns they make; edges are found for two only"
+    )]
     NoGrid {
         /// Patches given.
         given: usize,
@@ -37,7 +39,9 @@ pub enum MergeError {
         patch: usize,
     },
     /// A net with a coordinate that is not finite, or of no earthly size.
-    #[error("control point {index} of patch {patch} is not finite, or farther than 1e30 m from the origin")]
+    #[error(
+        "control point {index} of patch {patch} is not finite, or farther than 1e30 m from the origin"
+    )]
     NotFinite {
         /// Which patch.
         patch: usize,
@@ -90,7 +94,8 @@ pub enum MergeError {
         /// Larger distance between corners that should meet, along the edge, m.
         offset_m: f64,
     },
-    /// A hidden range of more than two patches, of the wrong direction, not finite or not at an end.
+    /// A hidden range of more than two patches, of the wrong direction, not finite or not at an
+    /// end.
     #[error("hidden range {start}..{end} of patch {patch}: {reason}")]
     Hidden {
         /// Which patch.
@@ -153,7 +158,9 @@ pub enum MergeError {
         what: &'static str,
     },
     /// A plan used for other patches than it was made for.
-    #[error("patch {patch} has a net of another size than when the merge was planned: plan it again")]
+    #[error(
+        "patch {patch} has a net of another size than when the merge was planned: plan it again"
+    )]
     OtherNet {
         /// Which patch.
         patch: usize,

@@ -1,7 +1,9 @@
-//! Knots of the merged surface: those of the patches end to end, the seam, and what the seam gives up.
+//! Knots of the merged surface: those of the patches end to end, the seam, and what the seam gives
+//! up.
 //!
-//! Of the k knots that a seam has for C⁰, C^c keeps k − c. The other c are not lost: they become simple knots beside it
-//! (the source's step 5 puts each half way to its neighbour), so every continuity has the same number of control points.
+//! Of the k knots that a seam has for C⁰, C^c keeps k − c. The other c are not lost: they become
+//! simple knots beside it (the source's step 5 puts each half way to its neighbour), so every
+//! continuity has the same number of control points.
 
 use super::axis::Axis;
 use crate::basis::{KnotError, KnotVector};
@@ -23,9 +25,15 @@ pub(super) struct Knots {
 }
 
 impl Knots {
-    /// Patches end to end. `blend` is how far the farthest knot given up by a seam lies from it, as a share of the way to
-    /// the next; the others lie evenly between.
-    pub(super) fn joined(degree: usize, continuity: usize, interiors: &Interiors, at: &Intervals, blend: f64) -> Self {
+    /// Patches end to end. `blend` is how far the farthest knot given up by a seam lies from it, as
+    /// a share of the way to the next; the others lie evenly between.
+    pub(super) fn joined(
+        degree: usize,
+        continuity: usize,
+        interiors: &Interiors,
+        at: &Intervals,
+        blend: f64,
+    ) -> Self {
         let seams: Vec<f64> = at.windows(2).map(|w| 0.5 * (w[0][1] + w[1][0])).collect();
         let mut values: Vec<f64> = Vec::new();
         for (inner, [start, end]) in interiors.iter().zip(at) {
@@ -34,15 +42,29 @@ impl Knots {
         let marks: Vec<f64> = values.iter().chain(&seams).copied().collect();
         for &seam in &seams {
             values.extend(std::iter::repeat_n(seam, degree - continuity));
-            let left = marks.iter().copied().filter(|&t| t < seam).fold(0.0, f64::max);
-            let right = marks.iter().copied().filter(|&t| t > seam).fold(1.0, f64::min);
+            let left = marks
+                .iter()
+                .copied()
+                .filter(|&t| t < seam)
+                .fold(0.0, f64::max);
+            let right = marks
+                .iter()
+                .copied()
+                .filter(|&t| t > seam)
+                .fold(1.0, f64::min);
             let before = continuity.div_ceil(2);
             for (neighbour, n) in [(left, before), (right, continuity - before)] {
-                values.extend((1..=n).map(|j| seam + (neighbour - seam) * blend * (j as f64 / n as f64)));
+                values.extend(
+                    (1..=n).map(|j| seam + (neighbour - seam) * blend * (j as f64 / n as f64)),
+                );
             }
         }
         values.sort_by(f64::total_cmp);
-        Self { degree, values: clamped(degree, values), seams }
+        Self {
+            degree,
+            values: clamped(degree, values),
+            seams,
+        }
     }
 
     /// The source's place of a knot given up: evenly between the seam and its neighbour.
@@ -58,16 +80,22 @@ impl Knots {
 
     /// Indices of the knots that may be moved.
     pub(super) fn movable(&self) -> impl Iterator<Item = usize> + '_ {
-        (self.degree + 1..self.values.len() - self.degree - 1).filter(|&k| !self.seams.contains(&self.values[k]))
+        (self.degree + 1..self.values.len() - self.degree - 1)
+            .filter(|&k| !self.seams.contains(&self.values[k]))
     }
 
     /// The shortest span that touches a seam.
     pub(super) fn least_span_at_seams(&self) -> f64 {
         let beside = |seam: f64| {
             let spans = self.values.iter().map(move |t| (t - seam).abs());
-            spans.filter(|&span| span > 0.0).fold(f64::INFINITY, f64::min)
+            spans
+                .filter(|&span| span > 0.0)
+                .fold(f64::INFINITY, f64::min)
         };
-        self.seams.iter().map(|&seam| beside(seam)).fold(f64::INFINITY, f64::min)
+        self.seams
+            .iter()
+            .map(|&seam| beside(seam))
+            .fold(f64::INFINITY, f64::min)
     }
 
     /// One knot more; the number of control points grows by one.
@@ -84,19 +112,26 @@ fn clamped(degree: usize, interior: Vec<f64>) -> Vec<f64> {
     values
 }
 
-/// Interior knots of the strand that has most along all blocks together, and how many each block has: the source's r is
-/// the larger of the sums. Where sums are equal the knots are averaged if their numbers agree block by block, as the source
-/// does across the seam; if not they come from the first.
+/// Interior knots of the strand that has most along all blocks together, and how many each block
+/// has: the source's r is the larger of the sums. Where sums are equal the knots are averaged if
+/// their numbers agree block by block, as the source does across the seam; if not they come from
+/// the first.
 pub(super) fn interiors(axis: &Axis) -> Interiors {
     let strands = axis.blocks[0].strands.len();
     let of = |s: usize| -> Interiors {
-        axis.blocks.iter().map(|block| inner(&block.strands[s].knots, axis.degree)).collect()
+        axis.blocks
+            .iter()
+            .map(|block| inner(&block.strands[s].knots, axis.degree))
+            .collect()
     };
     let all: Vec<Interiors> = (0..strands).map(of).collect();
     let total = |one: &Interiors| one.iter().map(Vec::len).sum::<usize>();
     let most = all.iter().map(total).max().unwrap_or(0);
     let counts = |one: &Interiors| one.iter().map(Vec::len).collect::<Vec<_>>();
-    let longest = all.iter().find(|one| total(one) == most).expect("there is a strand");
+    let longest = all
+        .iter()
+        .find(|one| total(one) == most)
+        .expect("there is a strand");
     if all.iter().all(|one| counts(one) == counts(longest)) {
         return averaged(&all);
     }
@@ -136,12 +171,15 @@ mod tests {
     // The source's own example (section 4.3.3), which prints four digits.
     #[test]
     fn knots_end_to_end_are_those_of_the_source() {
-        let interiors = vec![vec![0.2138, 0.4959, 0.7262], vec![0.1215, 0.2512, 0.3689, 0.5047, 0.7283, 0.8631]];
+        let interiors = vec![
+            vec![0.2138, 0.4959, 0.7262],
+            vec![0.1215, 0.2512, 0.3689, 0.5047, 0.7283, 0.8631],
+        ];
         let at = vec![[0.0, 0.5], [0.5, 1.0]];
         let c2 = Knots::joined(3, 2, &interiors, &at, Knots::seed_blend(2));
         let wanted = [
-            0.0, 0.0, 0.0, 0.0, 0.1069, 0.2480, 0.3631, 0.4315, 0.5, 0.5304, 0.5608, 0.6256, 0.6845, 0.7524, 0.8642,
-            0.9316, 1.0, 1.0, 1.0, 1.0,
+            0.0, 0.0, 0.0, 0.0, 0.1069, 0.2480, 0.3631, 0.4315, 0.5, 0.5304, 0.5608, 0.6256,
+            0.6845, 0.7524, 0.8642, 0.9316, 1.0, 1.0, 1.0, 1.0,
         ];
         assert_eq!(c2.values.len(), wanted.len());
         for (got, wanted) in c2.values.iter().zip(wanted) {

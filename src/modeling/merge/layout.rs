@@ -7,7 +7,8 @@ use crate::surface::{Closing, Direction, Surface};
 
 /// Points compared along an edge, less one.
 const STEPS: usize = 8;
-/// Edges whose ends are farther apart than this, along them and as a share of the shorter one, meet in part only.
+/// Edges whose ends are farther apart than this, along them and as a share of the shorter one, meet
+/// in part only.
 const T_JUNCTION: f64 = 1.0 / 3.0;
 /// An edge shorter than this, as a share of the patch, is a point.
 const POINT: f64 = 1e-6;
@@ -44,16 +45,25 @@ impl Layout {
         }
         let grids: Vec<Grid> = surfaces.iter().map(Grid::new).collect();
         let (layout, cost) = match arrangement {
-            Arrangement::Closest | Arrangement::Edges(_) if given > 2 => return Err(MergeError::NoGrid { given }),
+            Arrangement::Closest | Arrangement::Edges(_) if given > 2 => {
+                return Err(MergeError::NoGrid { given });
+            }
             Arrangement::Closest => pair(&grids, None),
             Arrangement::Edges(edges) => pair(&grids, Some(edges)),
             Arrangement::Grid { rows, columns } if rows.checked_mul(columns) != Some(given) => {
-                return Err(MergeError::Arrangement { given, rows, columns });
+                return Err(MergeError::Arrangement {
+                    given,
+                    rows,
+                    columns,
+                });
             }
             Arrangement::Grid { rows, columns } => fill(&grids, rows, columns),
         };
         if !cost.is_finite() {
-            let patch = grids.iter().position(|g| Edge::ALL.iter().all(|&e| !g.joins(Turn::default(), e))).unwrap_or(0);
+            let patch = grids
+                .iter()
+                .position(|g| Edge::ALL.iter().all(|&e| !g.joins(Turn::default(), e)))
+                .unwrap_or(0);
             return Err(MergeError::NoEdge { patch });
         }
         for (a, b, edges) in layout.seams() {
@@ -71,8 +81,10 @@ impl Layout {
     pub fn seams(&self) -> impl Iterator<Item = (Placed, Placed, [Edge; 2])> + '_ {
         let cells = (0..self.rows).flat_map(|i| (0..self.columns).map(move |j| (i, j)));
         cells.flat_map(move |(i, j)| {
-            let below = (i + 1 < self.rows).then(|| (self.at(i, j), self.at(i + 1, j), [Edge::U1, Edge::U0]));
-            let right = (j + 1 < self.columns).then(|| (self.at(i, j), self.at(i, j + 1), [Edge::V1, Edge::V0]));
+            let below = (i + 1 < self.rows)
+                .then(|| (self.at(i, j), self.at(i + 1, j), [Edge::U1, Edge::U0]));
+            let right = (j + 1 < self.columns)
+                .then(|| (self.at(i, j), self.at(i, j + 1), [Edge::V1, Edge::V0]));
             below.into_iter().chain(right)
         })
     }
@@ -88,15 +100,25 @@ struct Grid {
 
 impl Grid {
     fn new(surface: &Surface) -> Self {
-        let at =
-            |knots: &crate::basis::KnotVector, k: usize| knots.domain().0 + knots.length() * (k as f64 / STEPS as f64);
+        let at = |knots: &crate::basis::KnotVector, k: usize| {
+            knots.domain().0 + knots.length() * (k as f64 / STEPS as f64)
+        };
         let (us, vs) = (surface.knots_u(), surface.knots_v());
         let pairs = (0..=STEPS).flat_map(|i| (0..=STEPS).map(move |j| (i, j)));
-        let points: Vec<Point3> = pairs.map(|(i, j)| surface.point(at(us, i), at(vs, j))).collect();
+        let points: Vec<Point3> = pairs
+            .map(|(i, j)| surface.point(at(us, i), at(vs, j)))
+            .collect();
         let low = points.iter().fold(points[0], |low, p| low.inf(p));
         let high = points.iter().fold(points[0], |high, p| high.sup(p));
-        let closed = surface.topology().closing.map(|closing| closing != Closing::Open);
-        Self { points, size_m: (high - low).norm(), closed }
+        let closed = surface
+            .topology()
+            .closing
+            .map(|closing| closing != Closing::Open);
+        Self {
+            points,
+            size_m: (high - low).norm(),
+            closed,
+        }
     }
 
     fn edge(&self, turn: Turn, edge: Edge) -> [Point3; STEPS + 1] {
@@ -108,7 +130,9 @@ impl Grid {
                 Edge::V0 => [along, 0.0],
                 Edge::V1 => [along, 1.0],
             };
-            let [i, j] = turn.back(place).map(|x| (x * STEPS as f64).round() as usize);
+            let [i, j] = turn
+                .back(place)
+                .map(|x| (x * STEPS as f64).round() as usize);
             self.points[i * (STEPS + 1) + j]
         })
     }
@@ -116,7 +140,11 @@ impl Grid {
     /// The edge is one: the surface does not go on there, and it has a length.
     fn joins(&self, turn: Turn, edge: Edge) -> bool {
         let source = turn.source(edge);
-        let closed = self.closed[if source.direction() == Direction::U { 0 } else { 1 }];
+        let closed = self.closed[if source.direction() == Direction::U {
+            0
+        } else {
+            1
+        }];
         !closed && length(&self.edge(turn, edge)) > POINT * self.size_m
     }
 }
@@ -137,7 +165,10 @@ fn apart(grids: &[Grid], a: Placed, b: Placed, [at_a, at_b]: [Edge; 2]) -> f64 {
 
 /// Two patches: the first stays as it is, the second comes before or after it, in u or in v.
 fn pair(grids: &[Grid], named: Option<[Edge; 2]>) -> (Layout, f64) {
-    let a = Placed { patch: 0, turn: Turn::default() };
+    let a = Placed {
+        patch: 0,
+        turn: Turn::default(),
+    };
     let mut best: Option<(Layout, f64)> = None;
     for at_a in [Edge::U1, Edge::U0, Edge::V1, Edge::V0] {
         let (at_b, rows, columns) = match at_a {
@@ -152,28 +183,52 @@ fn pair(grids: &[Grid], named: Option<[Edge; 2]>) -> (Layout, f64) {
             }
             let b = Placed { patch: 1, turn };
             let cost = apart(grids, a, b, [at_a, at_b]);
-            // Turns that match equally well (a square of flat patches) are told apart by order, not by rounding.
-            if best.as_ref().is_none_or(|(_, least)| cost < least * (1.0 - 1e-9)) {
-                let places = if at_a.at_end() { vec![a, b] } else { vec![b, a] };
-                best = Some((Layout { rows, columns, places }, cost));
+            // Turns that match equally well (a square of flat patches) are told apart by order, not
+            // by rounding.
+            if best
+                .as_ref()
+                .is_none_or(|(_, least)| cost < least * (1.0 - 1e-9))
+            {
+                let places = if at_a.at_end() {
+                    vec![a, b]
+                } else {
+                    vec![b, a]
+                };
+                best = Some((
+                    Layout {
+                        rows,
+                        columns,
+                        places,
+                    },
+                    cost,
+                ));
             }
         }
     }
     best.expect("four edges and eight turns hold every named pair")
 }
 
-/// A grid: for each turn of the first patch the others follow, each turned to be nearest to those before it.
+/// A grid: for each turn of the first patch the others follow, each turned to be nearest to those
+/// before it.
 fn fill(grids: &[Grid], rows: usize, columns: usize) -> (Layout, f64) {
     let mut best: Option<(Layout, f64)> = None;
     for first in Turn::all() {
-        let (mut places, mut total) = (vec![Placed { patch: 0, turn: first }], 0.0);
+        let (mut places, mut total) = (
+            vec![Placed {
+                patch: 0,
+                turn: first,
+            }],
+            0.0,
+        );
         for patch in 1..grids.len() {
             let (i, j) = (patch / columns, patch % columns);
             let mut chosen: Option<(Placed, f64)> = None;
             for turn in Turn::all() {
                 let b = Placed { patch, turn };
-                let above = (i > 0).then(|| apart(grids, places[patch - columns], b, [Edge::U1, Edge::U0]));
-                let left = (j > 0).then(|| apart(grids, places[patch - 1], b, [Edge::V1, Edge::V0]));
+                let above =
+                    (i > 0).then(|| apart(grids, places[patch - columns], b, [Edge::U1, Edge::U0]));
+                let left =
+                    (j > 0).then(|| apart(grids, places[patch - 1], b, [Edge::V1, Edge::V0]));
                 let cost: f64 = above.into_iter().chain(left).sum();
                 if chosen.is_none_or(|(_, least)| cost < least * (1.0 - 1e-9)) {
                     chosen = Some((b, cost));
@@ -183,8 +238,18 @@ fn fill(grids: &[Grid], rows: usize, columns: usize) -> (Layout, f64) {
             places.push(place);
             total += cost;
         }
-        if best.as_ref().is_none_or(|(_, least)| total < least * (1.0 - 1e-9)) {
-            best = Some((Layout { rows, columns, places }, total));
+        if best
+            .as_ref()
+            .is_none_or(|(_, least)| total < least * (1.0 - 1e-9))
+        {
+            best = Some((
+                Layout {
+                    rows,
+                    columns,
+                    places,
+                },
+                total,
+            ));
         }
     }
     best.expect("eight turns were tried")
@@ -192,7 +257,10 @@ fn fill(grids: &[Grid], rows: usize, columns: usize) -> (Layout, f64) {
 
 /// Two edges can be joined: near enough, and whole against whole.
 fn check(grids: &[Grid], a: Placed, b: Placed, [at_a, at_b]: [Edge; 2]) -> Result<(), MergeError> {
-    let (x, y) = (grids[a.patch].edge(a.turn, at_a), grids[b.patch].edge(b.turn, at_b));
+    let (x, y) = (
+        grids[a.patch].edge(a.turn, at_a),
+        grids[b.patch].edge(b.turn, at_b),
+    );
     let [a_m, b_m] = [&x, &y].map(|edge| length(edge));
     let shorter = a_m.min(b_m);
     let longer = if a_m >= b_m { &x } else { &y };
@@ -204,10 +272,21 @@ fn check(grids: &[Grid], a: Placed, b: Placed, [at_a, at_b]: [Edge; 2]) -> Resul
     let offset_m = along(0, 1).max(along(STEPS, STEPS - 1));
     let gap_m = apart(grids, a, b, [at_a, at_b]);
     if gap_m > shorter {
-        return Err(MergeError::TooFar { a: a.patch, b: b.patch, gap_m, length_m: shorter });
+        return Err(MergeError::TooFar {
+            a: a.patch,
+            b: b.patch,
+            gap_m,
+            length_m: shorter,
+        });
     }
     if offset_m > T_JUNCTION * shorter {
-        return Err(MergeError::TJunction { a: a.patch, b: b.patch, a_m, b_m, offset_m });
+        return Err(MergeError::TJunction {
+            a: a.patch,
+            b: b.patch,
+            a_m,
+            b_m,
+            offset_m,
+        });
     }
     Ok(())
 }

@@ -14,9 +14,10 @@
 //! report     what the merged surface misses, and its continuity as measured
 //! cases      seven cases to compare methods by
 //! ```
-//! C^c is exact by construction: of all functions over knots with the seam k times (k = degree), those that are C^c there
-//! are the ones over knots with the seam k − c times. The linear constraints and their elimination are the basis itself.
-//! Source: refitting of discretised points with blending matrices (chapter 4 of the design's source thesis).
+//! C^c is exact by construction: of all functions over knots with the seam k times (k = degree),
+//! those that are C^c there are the ones over knots with the seam k − c times. The linear
+//! constraints and their elimination are the basis itself. Source: refitting of discretised points
+//! with blending matrices (chapter 4 of the design's source thesis).
 
 mod axis;
 mod build;
@@ -74,14 +75,17 @@ pub struct Merged {
 /// Merges patches. Pure: surfaces in, a surface out.
 ///
 /// # Errors
-/// Patches that cannot be joined, or a request that makes no sense: [`MergeError`] says which and what would help.
+/// Patches that cannot be joined, or a request that makes no sense: [`MergeError`] says which and
+/// what would help.
 pub fn merge(surfaces: &[Surface], spec: &MergeSpec) -> Result<Merged, MergeError> {
     match spec.method {
         Method::Exact => exact::merge(surfaces, spec),
         Method::Seed | Method::Constrained => {
             let job = build::Job::new(surfaces, spec)?;
             match spec.tolerance_m {
-                Some(tolerance_m) if spec.method == Method::Constrained => tolerance::merge(surfaces, job, tolerance_m),
+                Some(tolerance_m) if spec.method == Method::Constrained => {
+                    tolerance::merge(surfaces, job, tolerance_m)
+                }
                 _ => job.merged(),
             }
         }

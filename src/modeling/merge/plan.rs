@@ -1,12 +1,12 @@
 //! A merge as a pair of matrices for each patch.
 //!
-//! Sampling a patch is linear in its net (M = A_u P A_vᵀ), and so is fitting samples in each direction (P = F_u M F_vᵀ). Put
-//! together, the merged net is a sum over the patches,
+//! Sampling a patch is linear in its net (M = A_u P A_vᵀ), and so is fitting samples in each
+//! direction (P = F_u M F_vᵀ). Put together, the merged net is a sum over the patches,
 //! ```text
 //! P = Σ G_u P_patch G_vᵀ,   G_u = F_u A_u,   G_v = F_v A_v
 //! ```
-//! with small matrices that depend on knots and parameters only: the blendings at hand. A plan keeps them, so patches that
-//! move are merged again without sampling or fitting.
+//! with small matrices that depend on knots and parameters only: the blendings at hand. A plan
+//! keeps them, so patches that move are merged again without sampling or fitting.
 
 use super::axis::normalised;
 use super::build::check_nets;
@@ -59,9 +59,21 @@ impl MergePlan {
     pub(super) fn new(turned: &[Surface], layout: Layout, lines: [Line; 2], ends: Ends) -> Self {
         let maps_u = maps(turned, &layout, Direction::U, &lines[0], ends);
         let maps_v = maps(turned, &layout, Direction::V, &lines[1], ends);
-        let maps = maps_u.into_iter().zip(maps_v).map(|(u, v)| [u, v]).collect();
-        let counts = turned.iter().map(|s| [s.net().rows(), s.net().columns()]).collect();
-        Self { layout, lines, maps, counts }
+        let maps = maps_u
+            .into_iter()
+            .zip(maps_v)
+            .map(|(u, v)| [u, v])
+            .collect();
+        let counts = turned
+            .iter()
+            .map(|s| [s.net().rows(), s.net().columns()])
+            .collect();
+        Self {
+            layout,
+            lines,
+            maps,
+            counts,
+        }
     }
 
     /// Which patch lies where.
@@ -76,7 +88,12 @@ impl MergePlan {
 
     /// Where the merged surface was joined.
     pub fn seams(&self) -> Vec<Seam> {
-        let of = |direction| self.line(direction).seams.iter().map(move |&at| Seam { direction, at });
+        let of = |direction| {
+            self.line(direction)
+                .seams
+                .iter()
+                .map(move |&at| Seam { direction, at })
+        };
         of(Direction::U).chain(of(Direction::V)).collect()
     }
 
@@ -84,22 +101,33 @@ impl MergePlan {
         &self.lines[if direction == Direction::U { 0 } else { 1 }]
     }
 
-    /// The merged surface of patches as they stand now: those that the plan was made for, with nets that may have moved.
+    /// The merged surface of patches as they stand now: those that the plan was made for, with nets
+    /// that may have moved.
     ///
     /// # Errors
-    /// Another number of patches, nets of other sizes, or a net that is not finite. Knots must be the same: that is not
-    /// checked.
+    /// Another number of patches, nets of other sizes, or a net that is not finite. Knots must be
+    /// the same: that is not checked.
     pub fn merge(&self, surfaces: &[Surface]) -> Result<Surface, MergeError> {
         check_nets(surfaces)?;
         let (rows, columns) = (self.layout.rows, self.layout.columns);
         if surfaces.len() != rows * columns {
-            return Err(MergeError::Arrangement { given: surfaces.len(), rows, columns });
+            return Err(MergeError::Arrangement {
+                given: surfaces.len(),
+                rows,
+                columns,
+            });
         }
-        let turned: Vec<Surface> =
-            self.layout.places.iter().map(|place| place.turn.of(&surfaces[place.patch])).collect();
+        let turned: Vec<Surface> = self
+            .layout
+            .places
+            .iter()
+            .map(|place| place.turn.of(&surfaces[place.patch]))
+            .collect();
         for (k, surface) in turned.iter().enumerate() {
             if [surface.net().rows(), surface.net().columns()] != self.counts[k] {
-                return Err(MergeError::OtherNet { patch: self.layout.places[k].patch });
+                return Err(MergeError::OtherNet {
+                    patch: self.layout.places[k].patch,
+                });
             }
         }
         self.combined(&turned)
@@ -117,33 +145,60 @@ impl MergePlan {
             half.clear();
             for i in 0..net.rows() {
                 let line = &net.points()[i * net.columns()..(i + 1) * net.columns()];
-                half.extend(
-                    map_v.values.chunks_exact(map_v.columns).map(|share| {
-                        line.iter().zip(share).fold(Vector3::zeros(), |sum, (p, s)| sum + (p - origin) * *s)
-                    }),
-                );
+                half.extend(map_v.values.chunks_exact(map_v.columns).map(|share| {
+                    line.iter()
+                        .zip(share)
+                        .fold(Vector3::zeros(), |sum, (p, s)| sum + (p - origin) * *s)
+                }));
             }
-            for (share, out) in map_u.values.chunks_exact(map_u.columns).zip(points.chunks_exact_mut(columns)) {
+            for (share, out) in map_u
+                .values
+                .chunks_exact(map_u.columns)
+                .zip(points.chunks_exact_mut(columns))
+            {
                 for (s, line) in share.iter().zip(half.chunks_exact(columns)) {
                     out.iter_mut().zip(line).for_each(|(o, p)| *o += p * *s);
                 }
             }
         }
         let points: Vec<Point3> = points.into_iter().map(|p| origin + p).collect();
-        let net = ControlNet::new(rows, columns, points).map_err(crate::surface::SurfaceError::from)?;
-        let flip = turned[self.layout.places.iter().position(|p| p.patch == 0).unwrap_or(0)].flip_normal();
+        let net =
+            ControlNet::new(rows, columns, points).map_err(crate::surface::SurfaceError::from)?;
+        let flip = turned[self
+            .layout
+            .places
+            .iter()
+            .position(|p| p.patch == 0)
+            .unwrap_or(0)]
+        .flip_normal();
         Ok(Surface::new(u.clone(), v.clone(), net, None)?.with_flip_normal(flip))
     }
 }
 
 /// G of every place for one direction.
-fn maps(turned: &[Surface], layout: &Layout, direction: Direction, line: &Line, ends: Ends) -> Vec<Map> {
-    let parameters: Vec<f64> = line.rows.iter().flat_map(|rows| rows.parameters.iter().copied()).collect();
+fn maps(
+    turned: &[Surface],
+    layout: &Layout,
+    direction: Direction,
+    line: &Line,
+    ends: Ends,
+) -> Vec<Map> {
+    let parameters: Vec<f64> = line
+        .rows
+        .iter()
+        .flat_map(|rows| rows.parameters.iter().copied())
+        .collect();
     let fit = LineFit::new(&line.knots, &parameters, ends);
     let mut starts = vec![0];
-    line.rows.iter().for_each(|rows| starts.push(starts[starts.len() - 1] + rows.parameters.len()));
+    line.rows
+        .iter()
+        .for_each(|rows| starts.push(starts[starts.len() - 1] + rows.parameters.len()));
     let place_map = |k: usize| {
-        let block = if direction == Direction::U { k / layout.columns } else { k % layout.columns };
+        let block = if direction == Direction::U {
+            k / layout.columns
+        } else {
+            k % layout.columns
+        };
         let knots = normalised(turned[k].knots(direction));
         let blending = Blending::new(&knots, &line.rows[block].fractions);
         let width = knots.count();
@@ -154,7 +209,10 @@ fn maps(turned: &[Surface], layout: &Layout, direction: Direction, line: &Line, 
                 samples[(starts[block] + row) * width + column] = value;
             }
         }
-        Map { columns: width, values: fit.fit(&samples, width) }
+        Map {
+            columns: width,
+            values: fit.fit(&samples, width),
+        }
     };
     (0..turned.len()).map(place_map).collect()
 }

@@ -1,4 +1,5 @@
-//! What a merge did to the patches: distances of their points from the merged surface, and continuity as measured.
+//! What a merge did to the patches: distances of their points from the merged surface, and
+//! continuity as measured.
 
 use super::layout::Layout;
 use super::{BlockRows, Merged, Seam};
@@ -62,27 +63,42 @@ pub const CLOSE_M: f64 = 1e-5;
 impl Merged {
     /// Measures deviation and continuity; `surfaces` are those that were merged.
     pub fn report(&self, surfaces: &[Surface]) -> Report {
-        let turned: Vec<Surface> = self.layout.places.iter().map(|p| p.turn.of(&surfaces[p.patch])).collect();
+        let turned: Vec<Surface> = self
+            .layout
+            .places
+            .iter()
+            .map(|p| p.turn.of(&surfaces[p.patch]))
+            .collect();
         Report {
             deviation: deviation_of(&self.distances(&turned)),
-            seams: self.seams.iter().map(|seam| (*seam, across(&self.surface, *seam))).collect(),
+            seams: self
+                .seams
+                .iter()
+                .map(|seam| (*seam, across(&self.surface, *seam)))
+                .collect(),
             before: before(&turned, &self.layout),
         }
     }
 
     /// Distance of every point of the turned patches, place after place, row after row, m.
     ///
-    /// The distance is that of the foot to which descent from the point's own parameters leads: the closest point of that
-    /// neighbourhood, never farther than the surface at those parameters.
+    /// The distance is that of the foot to which descent from the point's own parameters leads: the
+    /// closest point of that neighbourhood, never farther than the surface at those parameters.
     pub(super) fn distances(&self, turned: &[Surface]) -> Vec<f64> {
         self.distances_on(turned, &self.rows)
     }
 
     /// The same half way between the rows: what a fit does where it was not looking.
     pub(super) fn distances_between(&self, turned: &[Surface]) -> Vec<f64> {
-        let means = |x: &[f64]| x.windows(2).map(|w| 0.5 * (w[0] + w[1])).collect::<Vec<f64>>();
-        let between =
-            |rows: &BlockRows| BlockRows { fractions: means(&rows.fractions), parameters: means(&rows.parameters) };
+        let means = |x: &[f64]| {
+            x.windows(2)
+                .map(|w| 0.5 * (w[0] + w[1]))
+                .collect::<Vec<f64>>()
+        };
+        let between = |rows: &BlockRows| BlockRows {
+            fractions: means(&rows.fractions),
+            parameters: means(&rows.parameters),
+        };
         let rows = [0, 1].map(|d: usize| self.rows[d].iter().map(between).collect());
         self.distances_on(turned, &rows)
     }
@@ -95,9 +111,12 @@ impl Merged {
             let (rows, columns) = (&all_rows[0][i], &all_rows[1][j]);
             for (&f, &u) in rows.fractions.iter().zip(&rows.parameters) {
                 for (&g, &v) in columns.fractions.iter().zip(&columns.parameters) {
-                    let point = patch.point(place(patch, Direction::U, f), place(patch, Direction::V, g));
+                    let point =
+                        patch.point(place(patch, Direction::U, f), place(patch, Direction::V, g));
                     let there = (self.surface.point(u, v) - point).norm();
-                    let foot = solver.local(&self.surface, &point, u, v).map_or(there, |foot| foot.distance);
+                    let foot = solver
+                        .local(&self.surface, &point, u, v)
+                        .map_or(there, |foot| foot.distance);
                     all.push(foot.min(there));
                 }
             }
@@ -117,7 +136,11 @@ pub(super) fn deviation_of(distances: &[f64]) -> Deviation {
     sorted.sort_by(f64::total_cmp);
     let n = sorted.len().max(1) as f64;
     let average_m = sorted.iter().sum::<f64>() / n;
-    let variance = sorted.iter().map(|d| (d - average_m) * (d - average_m)).sum::<f64>() / n;
+    let variance = sorted
+        .iter()
+        .map(|d| (d - average_m) * (d - average_m))
+        .sum::<f64>()
+        / n;
     let middle = |k: usize| sorted.get(k).copied().unwrap_or(0.0);
     Deviation {
         points: sorted.len(),
@@ -132,7 +155,11 @@ pub(super) fn deviation_of(distances: &[f64]) -> Deviation {
 
 /// Both sides of a seam of one surface.
 pub(super) fn across(surface: &Surface, seam: Seam) -> Continuity {
-    let other = if seam.direction == Direction::U { Direction::V } else { Direction::U };
+    let other = if seam.direction == Direction::U {
+        Direction::V
+    } else {
+        Direction::U
+    };
     let sides = (0..PLACES).map(|k| {
         let along = place(surface, other, k as f64 / (PLACES - 1) as f64);
         [Side::Left, Side::Right].map(|side| match seam.direction {
@@ -140,7 +167,9 @@ pub(super) fn across(surface: &Surface, seam: Seam) -> Continuity {
             Direction::V => surface.frame_from(along, seam.at, Side::Right, side),
         })
     });
-    sides.fold(Continuity::default(), |worst, [a, b]| worst.with(&a, &b, seam.direction, 1.0))
+    sides.fold(Continuity::default(), |worst, [a, b]| {
+        worst.with(&a, &b, seam.direction, 1.0)
+    })
 }
 
 /// Patches that meet, before they are merged.
@@ -154,12 +183,23 @@ fn before(turned: &[Surface], layout: &Layout) -> Continuity {
             for k in 0..PLACES {
                 let along = k as f64 / (PLACES - 1) as f64;
                 let frame = |s: &Surface, end: f64| match direction {
-                    Direction::U => s.frame(place(s, Direction::U, end), place(s, Direction::V, along)),
-                    Direction::V => s.frame(place(s, Direction::U, along), place(s, Direction::V, end)),
+                    Direction::U => {
+                        s.frame(place(s, Direction::U, end), place(s, Direction::V, along))
+                    }
+                    Direction::V => {
+                        s.frame(place(s, Direction::U, along), place(s, Direction::V, end))
+                    }
                 };
                 let (x, y) = (frame(a, 1.0), frame(b, 0.0));
-                // Parameters of patches are their own: lengths of derivatives are compared after scaling.
-                let d = |f: &Frame| if direction == Direction::U { f.du.norm() } else { f.dv.norm() };
+                // Parameters of patches are their own: lengths of derivatives are compared after
+                // scaling.
+                let d = |f: &Frame| {
+                    if direction == Direction::U {
+                        f.du.norm()
+                    } else {
+                        f.dv.norm()
+                    }
+                };
                 worst = worst.with(&x, &y, direction, d(&x) / d(&y).max(f64::MIN_POSITIVE));
             }
         }
@@ -168,7 +208,8 @@ fn before(turned: &[Surface], layout: &Layout) -> Continuity {
 }
 
 impl Continuity {
-    /// The larger of each, this and two one-sided frames; `scale` is the left parameter's unit over the right one's.
+    /// The larger of each, this and two one-sided frames; `scale` is the left parameter's unit over
+    /// the right one's.
     fn with(self, a: &Frame, b: &Frame, direction: Direction, scale: f64) -> Self {
         let parts = |f: &Frame, scale: f64| match direction {
             Direction::U => (f.du * scale, f.duu * (scale * scale)),
@@ -179,7 +220,11 @@ impl Continuity {
         let angle = libm::atan2(a1.cross(&b1).norm(), a1.dot(&b1)).to_degrees();
         let share = |x: &Vector3, y: &Vector3| {
             let largest = x.norm().max(y.norm());
-            if largest > 0.0 { (x - y).norm() / largest } else { 0.0 }
+            if largest > 0.0 {
+                (x - y).norm() / largest
+            } else {
+                0.0
+            }
         };
         Self {
             gap_m: self.gap_m.max((b.point - a.point).norm()),
@@ -196,5 +241,9 @@ impl Continuity {
 fn curvature(frame: &Frame, first: &Vector3, second: &Vector3) -> f64 {
     let normal = frame.du.cross(&frame.dv);
     let (length, speed) = (normal.norm(), first.norm_squared());
-    if length > 0.0 && speed > 0.0 { normal.dot(second) / (length * speed) } else { 0.0 }
+    if length > 0.0 && speed > 0.0 {
+        normal.dot(second) / (length * speed)
+    } else {
+        0.0
+    }
 }

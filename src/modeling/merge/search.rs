@@ -1,10 +1,12 @@
-//! The choice of parameters and knots: candidates are fitted on a few lines, and the one that misses least is kept.
+//! The choice of parameters and knots: candidates are fitted on a few lines, and the one that
+//! misses least is kept.
 //!
 //! ```text
 //! shares of the domain (lengths, or speeds at the seam) ─┐
 //! blends at the seam (the source's, or sharper) ─────────┴▶ fit on a few lines ──▶ the best ──▶ each knot tried to both sides
 //! ```
-//! Nothing here decides whether an answer is right, only which of several right ones is nearer. Work is bounded.
+//! Nothing here decides whether an answer is right, only which of several right ones is nearer.
+//! Work is bounded.
 
 use super::axis::{Axis, LINES};
 use super::fit::{Band, Ends, LineFit};
@@ -35,7 +37,8 @@ pub(super) struct Choice {
     pub knots: Knots,
 }
 
-/// Parameters and knots for a direction; as many as the source has. `axis` is sampled thinly, `full` in all rows.
+/// Parameters and knots for a direction; as many as the source has. `axis` is sampled thinly,
+/// `full` in all rows.
 pub(super) fn choose(axis: &Axis, full: &Axis, continuity: usize, least_span: f64) -> Choice {
     let interiors = shown(axis);
     let mut best: Option<(f64, Choice)> = None;
@@ -50,8 +53,17 @@ pub(super) fn choose(axis: &Axis, full: &Axis, continuity: usize, least_span: f6
                 continue;
             }
             let miss = data.miss(&knots);
-            if best.as_ref().is_none_or(|(fewest, _)| miss < fewest * WORTH - NOISE * data.square) {
-                best = Some((miss, Choice { at: at.clone(), knots }));
+            if best
+                .as_ref()
+                .is_none_or(|(fewest, _)| miss < fewest * WORTH - NOISE * data.square)
+            {
+                best = Some((
+                    miss,
+                    Choice {
+                        at: at.clone(),
+                        knots,
+                    },
+                ));
                 better = true;
             }
         }
@@ -59,11 +71,19 @@ pub(super) fn choose(axis: &Axis, full: &Axis, continuity: usize, least_span: f6
             best_data = Some(data);
         }
     }
-    let ((miss, mut choice), data) = best.zip(best_data).expect("lengths always give a candidate");
+    let ((miss, mut choice), data) = best
+        .zip(best_data)
+        .expect("lengths always give a candidate");
     let before = choice.knots.clone();
-    let moved = improve(&data, &mut choice.knots, miss, least_gap(&choice.at, least_span));
+    let moved = improve(
+        &data,
+        &mut choice.knots,
+        miss,
+        least_gap(&choice.at, least_span),
+    );
     if moved < UNSEEN * data.square {
-        // What a search cannot see, it may have made worse: patches that need no compromise are merged without one.
+        // What a search cannot see, it may have made worse: patches that need no compromise are
+        // merged without one.
         let data = Data::new(full, &choice.at);
         let unmoved = data.miss(&before);
         if unmoved <= ROUNDING * data.square() || data.miss(&choice.knots) >= unmoved {
@@ -73,8 +93,8 @@ pub(super) fn choose(axis: &Axis, full: &Axis, continuity: usize, least_span: f6
     choice
 }
 
-/// Continuities and blends to try. More continuity than asked for is no fault, and where patches are smooth, or apart, its
-/// freed knots do better elsewhere; a crease keeps its own.
+/// Continuities and blends to try. More continuity than asked for is no fault, and where patches
+/// are smooth, or apart, its freed knots do better elsewhere; a crease keeps its own.
 fn candidates(axis: &Axis, continuity: usize) -> Vec<(usize, f64)> {
     if axis.blocks.len() == 1 {
         return vec![(0, 1.0)];
@@ -90,19 +110,30 @@ fn candidates(axis: &Axis, continuity: usize) -> Vec<(usize, f64)> {
     all
 }
 
-/// Interior knots as fractions of what shows of each block. Those in hidden parts are put into the widest gaps instead, so
-/// that their number stays.
+/// Interior knots as fractions of what shows of each block. Those in hidden parts are put into the
+/// widest gaps instead, so that their number stays.
 fn shown(axis: &Axis) -> Interiors {
     let all = interiors(axis);
     let shown = all.into_iter().zip(&axis.blocks).map(|(inner, block)| {
         let (start, end) = block.shown();
         let wanted = inner.len();
-        let mut kept: Vec<f64> =
-            inner.into_iter().filter(|&t| t > start && t < end).map(|t| (t - start) / (end - start)).collect();
+        let mut kept: Vec<f64> = inner
+            .into_iter()
+            .filter(|&t| t > start && t < end)
+            .map(|t| (t - start) / (end - start))
+            .collect();
         while kept.len() < wanted {
-            let ends: Vec<f64> = std::iter::once(0.0).chain(kept.iter().copied()).chain([1.0]).collect();
-            let widest =
-                (1..ends.len()).fold(1, |w, k| if ends[k] - ends[k - 1] > ends[w] - ends[w - 1] { k } else { w });
+            let ends: Vec<f64> = std::iter::once(0.0)
+                .chain(kept.iter().copied())
+                .chain([1.0])
+                .collect();
+            let widest = (1..ends.len()).fold(1, |w, k| {
+                if ends[k] - ends[k - 1] > ends[w] - ends[w - 1] {
+                    k
+                } else {
+                    w
+                }
+            });
             kept.insert(widest - 1, 0.5 * (ends[widest - 1] + ends[widest]));
         }
         kept
@@ -110,20 +141,25 @@ fn shown(axis: &Axis) -> Interiors {
     shown.collect()
 }
 
-/// Shares of the merged parameter: by the speeds with which the patches arrive at the seams, which are exact where patches
-/// are smooth across them and so come first; and by lengths.
+/// Shares of the merged parameter: by the speeds with which the patches arrive at the seams, which
+/// are exact where patches are smooth across them and so come first; and by lengths.
 pub(super) fn intervals(axis: &Axis) -> Vec<Intervals> {
     let n = axis.blocks.len();
-    let lengths: Vec<f64> = (0..n).map(|b| axis.length_m(b).max(f64::MIN_POSITIVE)).collect();
+    let lengths: Vec<f64> = (0..n)
+        .map(|b| axis.length_m(b).max(f64::MIN_POSITIVE))
+        .collect();
     let whole: f64 = lengths.iter().sum();
-    let gaps: Vec<f64> =
-        (1..n).map(|b| axis.gap_m(b - 1)).map(|g| if g > TOUCHING * whole { g } else { 0.0 }).collect();
+    let gaps: Vec<f64> = (1..n)
+        .map(|b| axis.gap_m(b - 1))
+        .map(|g| if g > TOUCHING * whole { g } else { 0.0 })
+        .collect();
     let mut all = vec![laid(&lengths, &gaps)];
     let mut shares = vec![lengths[0]];
     let mut bridged = Vec::new();
     for b in 1..n {
         let part = |block: usize| axis.blocks[block].shown().1 - axis.blocks[block].shown().0;
-        // Metres for a unit of the merged parameter, on arriving at the seam; the next patch leaves it as fast.
+        // Metres for a unit of the merged parameter, on arriving at the seam; the next patch leaves
+        // it as fast.
         let arriving = axis.speed_m(b - 1, 1) * part(b - 1) / shares[b - 1];
         let leaving = axis.speed_m(b, 0) * part(b);
         if !(arriving > 1e-3 && leaving > 1e-3 * lengths[b] && arriving < 1e3) {
@@ -144,7 +180,11 @@ fn laid(lengths: &[f64], gaps: &[f64]) -> Intervals {
     let mut start = 0.0;
     let mut at = Vec::with_capacity(lengths.len());
     for (b, length) in lengths.iter().enumerate() {
-        let end = if b + 1 == lengths.len() { 1.0 } else { start + length / whole };
+        let end = if b + 1 == lengths.len() {
+            1.0
+        } else {
+            start + length / whole
+        };
         at.push([start, end]);
         start = end + gaps.get(b).map_or(0.0, |gap| gap / whole);
     }
@@ -153,7 +193,10 @@ fn laid(lengths: &[f64], gaps: &[f64]) -> Intervals {
 
 /// Least distance of a moved knot from its neighbours.
 fn least_gap(at: &Intervals, least_span: f64) -> f64 {
-    least_span * at.iter().map(|[start, end]| end - start).fold(1.0, f64::min)
+    least_span
+        * at.iter()
+            .map(|[start, end]| end - start)
+            .fold(1.0, f64::min)
 }
 
 /// Samples of the lines over the merged parameter.
@@ -166,12 +209,17 @@ pub(super) struct Data {
 impl Data {
     pub(super) fn new(axis: &Axis, at: &Intervals) -> Self {
         let strands = axis.blocks[0].strands.len();
-        let mut data = Self { parameters: Vec::new(), samples: Vec::new(), width: 3 * LINES * strands };
+        let mut data = Self {
+            parameters: Vec::new(),
+            samples: Vec::new(),
+            width: 3 * LINES * strands,
+        };
         for (block, &at) in axis.blocks.iter().zip(at) {
             data.parameters.extend(parameters(&block.fractions, at));
             for row in 0..block.fractions.len() {
                 for strand in &block.strands {
-                    data.samples.extend_from_slice(&strand.samples[row * 3 * LINES..(row + 1) * 3 * LINES]);
+                    data.samples
+                        .extend_from_slice(&strand.samples[row * 3 * LINES..(row + 1) * 3 * LINES]);
                 }
             }
         }
@@ -184,17 +232,24 @@ impl Data {
 
     /// Sum of squares that knots miss, m²: to the last digits, and slowly.
     fn miss(&self, knots: &Knots) -> f64 {
-        let Ok(knots) = knots.vector() else { return f64::INFINITY };
+        let Ok(knots) = knots.vector() else {
+            return f64::INFINITY;
+        };
         let fit = LineFit::new(&knots, &self.parameters, Ends::Held);
         let points = fit.fit(&self.samples, self.width);
-        fit.misses(&self.samples, &points, self.width).iter().map(|x| x * x).sum()
+        fit.misses(&self.samples, &points, self.width)
+            .iter()
+            .map(|x| x * x)
+            .sum()
     }
 
-    /// The same for searches: what every fit misses alike is taken away, and there are fewer columns.
+    /// The same for searches: what every fit misses alike is taken away, and there are fewer
+    /// columns.
     ///
-    /// A straight line through the ends is in every basis, so its place does not matter. Of the rest S, fits miss S Q as they
-    /// miss S when Q is orthogonal, and most columns of a good choice are nothing: S = U R by Gram and Schmidt, the largest
-    /// column first, and U L with L Lᵀ = R Rᵀ has as many columns as U.
+    /// A straight line through the ends is in every basis, so its place does not matter. Of the
+    /// rest S, fits miss S Q as they miss S when Q is orthogonal, and most columns of a good choice
+    /// are nothing: S = U R by Gram and Schmidt, the largest column first, and U L with L Lᵀ = R Rᵀ
+    /// has as many columns as U.
     fn compressed(&self) -> Compressed {
         let (rows, width) = (self.parameters.len(), self.width);
         let last = (rows - 1) * width;
@@ -202,7 +257,9 @@ impl Data {
             .map(|c| {
                 let (start, end) = (self.samples[c], self.samples[last + c]);
                 let straight = |u: f64| start * (1.0 - u) + end * u;
-                (0..rows).map(|r| self.samples[r * width + c] - straight(self.parameters[r])).collect()
+                (0..rows)
+                    .map(|r| self.samples[r * width + c] - straight(self.parameters[r]))
+                    .collect()
             })
             .collect();
         let square = |x: &[f64]| x.iter().map(|x| x * x).sum::<f64>();
@@ -219,7 +276,10 @@ impl Data {
             let mut share = Vec::with_capacity(width);
             for column in &mut columns {
                 let part: f64 = column.iter().zip(&unit).map(|(a, b)| a * b).sum();
-                column.iter_mut().zip(&unit).for_each(|(x, u)| *x -= part * u);
+                column
+                    .iter_mut()
+                    .zip(&unit)
+                    .for_each(|(x, u)| *x -= part * u);
                 share.push(part);
             }
             units.push(unit);
@@ -232,10 +292,16 @@ impl Data {
         }
         let factor = gram.factored();
         let samples = (0..rows).flat_map(|r| (0..n).map(move |c| (r, c)));
-        let samples: Vec<f64> =
-            samples.map(|(r, c)| (c..n).map(|k| units[k][r] * factor.at(k, c)).sum::<f64>()).collect();
+        let samples: Vec<f64> = samples
+            .map(|(r, c)| (c..n).map(|k| units[k][r] * factor.at(k, c)).sum::<f64>())
+            .collect();
         let square = square(&samples);
-        Compressed { parameters: self.parameters.clone(), samples, width: n, square }
+        Compressed {
+            parameters: self.parameters.clone(),
+            samples,
+            width: n,
+            square,
+        }
     }
 }
 
@@ -254,8 +320,11 @@ impl Compressed {
         if self.width == 0 {
             return 0.0;
         }
-        let Ok(knots) = knots.vector() else { return f64::INFINITY };
-        let fitted = LineFit::new(&knots, &self.parameters, Ends::Held).fitted_square(&self.samples, self.width);
+        let Ok(knots) = knots.vector() else {
+            return f64::INFINITY;
+        };
+        let fitted = LineFit::new(&knots, &self.parameters, Ends::Held)
+            .fitted_square(&self.samples, self.width);
         (self.square - fitted).max(0.0)
     }
 }
@@ -265,10 +334,14 @@ pub(super) fn parameters(fractions: &[f64], [start, end]: [f64; 2]) -> Vec<f64> 
     let (first, last) = (fractions[0], fractions[fractions.len() - 1]);
     // From both ends, so that both come out exactly.
     let share = |f: f64| (f - first) / (last - first);
-    fractions.iter().map(|&f| start * (1.0 - share(f)) + end * share(f)).collect()
+    fractions
+        .iter()
+        .map(|&f| start * (1.0 - share(f)) + end * share(f))
+        .collect()
 }
 
-/// Each knot in turn to both sides, kept where the fit misses less; gives what it misses in the end.
+/// Each knot in turn to both sides, kept where the fit misses less; gives what it misses in the
+/// end.
 fn improve(data: &Compressed, knots: &mut Knots, mut miss: f64, least: f64) -> f64 {
     let movable: Vec<usize> = knots.movable().collect();
     let mut step = FIRST_STEP;
@@ -276,7 +349,11 @@ fn improve(data: &Compressed, knots: &mut Knots, mut miss: f64, least: f64) -> f
         for &k in &movable {
             for side in [-1.0, 1.0] {
                 let old = knots.values[k];
-                let neighbour = if side < 0.0 { knots.values[k - 1] } else { knots.values[k + 1] };
+                let neighbour = if side < 0.0 {
+                    knots.values[k - 1]
+                } else {
+                    knots.values[k + 1]
+                };
                 let moved = old + (neighbour - old) * step;
                 if (neighbour - moved).abs() < least || moved == old {
                     continue;

@@ -7,10 +7,12 @@ use crate::surface::Direction;
 pub enum Method {
     /// The source's: uniform parameters, knots put end to end, a plain least-squares fit.
     Seed,
-    /// Chord-length parameters, outer edges held, knots placed where they miss least; as many control points as the seed's.
+    /// Chord-length parameters, outer edges held, knots placed where they miss least; as many
+    /// control points as the seed's.
     #[default]
     Constrained,
-    /// No fit: elevation and knot insertion; only control points near the seam move, for C¹ and higher.
+    /// No fit: elevation and knot insertion; only control points near the seam move, for C¹ and
+    /// higher.
     Exact,
 }
 
@@ -63,7 +65,8 @@ pub enum Arrangement {
     Closest,
     /// Two patches, at the named edge of each.
     Edges([Edge; 2]),
-    /// Patches row after row: those of a row follow each other in v, rows in u. Patches are turned to fit.
+    /// Patches row after row: those of a row follow each other in v, rows in u. Patches are turned
+    /// to fit.
     Grid {
         /// Rows, u.
         rows: usize,
@@ -100,7 +103,8 @@ pub struct MergeSpec {
     pub find_overlap: bool,
     /// Rows and columns of points on each patch.
     pub points: usize,
-    /// Least distance of a knot from its neighbours, as a share of the patch: how sharp a blend may become at the seam.
+    /// Least distance of a knot from its neighbours, as a share of the patch: how sharp a blend may
+    /// become at the seam.
     pub least_span: f64,
     /// With [`Method::Constrained`]: insert knots until no point is farther off than this, m.
     pub tolerance_m: Option<f64>,

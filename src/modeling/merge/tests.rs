@@ -13,9 +13,15 @@ pub(super) fn wavy(random: &mut Random, degrees: [usize; 2]) -> Surface {
     let counts = degrees.map(|k| random.integer(k + 2, k + 6));
     let knots = [0, 1].map(|d| {
         let n = counts[d] - degrees[d] - 1;
-        let inner: Vec<f64> = (1..=n).map(|k| (k as f64 + random.float(-0.3, 0.3)) / (n + 1) as f64).collect();
+        let inner: Vec<f64> = (1..=n)
+            .map(|k| (k as f64 + random.float(-0.3, 0.3)) / (n + 1) as f64)
+            .collect();
         let ends = |t: f64| std::iter::repeat_n(t, degrees[d] + 1);
-        KnotVector::new(degrees[d], ends(0.0).chain(inner).chain(ends(1.0)).collect()).unwrap()
+        KnotVector::new(
+            degrees[d],
+            ends(0.0).chain(inner).chain(ends(1.0)).collect(),
+        )
+        .unwrap()
     });
     let (u, v) = (knots[0].greville(), knots[1].greville());
     let mut points = Vec::new();

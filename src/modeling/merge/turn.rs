@@ -17,7 +17,11 @@ pub struct Turn {
 impl Turn {
     /// All eight, as given first.
     pub(super) fn all() -> impl Iterator<Item = Self> {
-        (0..8).map(|k| Self { swap: k & 4 != 0, reverse_u: k & 1 != 0, reverse_v: k & 2 != 0 })
+        (0..8).map(|k| Self {
+            swap: k & 4 != 0,
+            reverse_u: k & 1 != 0,
+            reverse_v: k & 2 != 0,
+        })
     }
 
     /// The surface laid so, clamped; every point stays where it is.
@@ -62,7 +66,8 @@ impl Turn {
         }
     }
 
-    /// The turned surface's direction in which a direction of the surface as given runs, and whether backwards.
+    /// The turned surface's direction in which a direction of the surface as given runs, and
+    /// whether backwards.
     pub(super) fn direction(self, given: Direction) -> (Direction, bool) {
         match (given == Direction::U) != self.swap {
             true => (Direction::U, self.reverse_u),
@@ -87,12 +92,19 @@ mod tests {
             let turned = turn.of(&sheet);
             for place in [[0.0, 0.3], [0.25, 1.0], [0.9, 0.1]] {
                 let gap = (at(&turned, place) - at(&sheet, turn.back(place))).norm();
-                assert!(gap < 1e-15 + 1e-12 * sheet.size(), "{turn:?} at {place:?}: {gap}");
+                assert!(
+                    gap < 1e-15 + 1e-12 * sheet.size(),
+                    "{turn:?} at {place:?}: {gap}"
+                );
             }
             for edge in Edge::ALL {
                 let (direction, backwards) = turn.direction(turn.source(edge).direction());
                 assert_eq!(direction, edge.direction());
-                assert_eq!(backwards, turn.source(edge).at_end() != edge.at_end(), "{turn:?} {edge:?}");
+                assert_eq!(
+                    backwards,
+                    turn.source(edge).at_end() != edge.at_end(),
+                    "{turn:?} {edge:?}"
+                );
             }
         }
     }

@@ -1,8 +1,9 @@
 //! Arcs that meet: their common point is a false root that no factor takes away.
 //!
-//! The cone rule: where every two hodograph coefficients of an arc, or of two consecutive arcs, have a positive scalar
-//! product, all tangents are within 90° of each other, so chord · tangent > 0 for every chord between points of it: no
-//! stationary pair. Consecutive arcs that break the rule are halved towards their common point until the rest keeps it.
+//! The cone rule: where every two hodograph coefficients of an arc, or of two consecutive arcs,
+//! have a positive scalar product, all tangents are within 90° of each other, so chord · tangent >
+//! 0 for every chord between points of it: no stationary pair. Consecutive arcs that break the rule
+//! are halved towards their common point until the rest keeps it.
 
 use super::forms::Forms;
 use super::piece::Piece;
@@ -25,10 +26,15 @@ impl Arc {
     }
 }
 
-/// True when all tangents of the arcs are within 90° of each other, those of an arc among themselves too.
+/// True when all tangents of the arcs are within 90° of each other, those of an arc among
+/// themselves too.
 pub(super) fn within_a_right_angle(arcs: &[&Forms]) -> bool {
     let directions: Vec<Direction> = arcs.iter().flat_map(|forms| directions(forms)).collect();
-    directions.iter().enumerate().all(|(k, a)| directions[k..].iter().all(|b| a.vector.dot(&b.vector) > a.doubt(b)))
+    directions.iter().enumerate().all(|(k, a)| {
+        directions[k..]
+            .iter()
+            .all(|b| a.vector.dot(&b.vector) > a.doubt(b))
+    })
 }
 
 /// A coefficient of a hodograph, and how far from it the exact one may be.
@@ -56,7 +62,8 @@ pub(super) fn directions(forms: &Forms) -> impl Iterator<Item = Direction> + '_ 
     })
 }
 
-/// The pairs of sub-arcs of two consecutive pieces, `first` ending where `second` starts, that may hold stationary pairs.
+/// The pairs of sub-arcs of two consecutive pieces, `first` ending where `second` starts, that may
+/// hold stationary pairs.
 pub(super) fn pairs_to_solve(first: &Arc, second: &Arc, mut visit: impl FnMut(&Arc, &Arc)) {
     let (mut a, mut b) = (first.clone(), second.clone());
     for _ in 0..DEPTH {

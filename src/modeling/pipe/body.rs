@@ -1,7 +1,8 @@
 //! Body to body: the pairs of points between which the spine's distance is stationary.
 //!
-//! (c(s) − c(t)) · c'(s) = 0 and (c(s) − c(t)) · c'(t) = 0 (Patrikalakis & Maekawa, (11.122) to (11.131)). Inside a piece
-//! the factor s − t is removed: f = G(s, t) · N(s) and g = f(t, s), of degrees (3n − 3, n − 1); on the diagonal both are
+//! (c(s) − c(t)) · c'(s) = 0 and (c(s) − c(t)) · c'(t) = 0 (Patrikalakis & Maekawa, (11.122) to
+//! (11.131)). Inside a piece the factor s − t is removed: f = G(s, t) · N(s) and g = f(t, s), of
+//! degrees (3n − 3, n − 1); on the diagonal both are
 //! |N|² > 0. Between pieces f = [X(s)V(t) − Y(t)W(s)] · N(s). The body touches itself at half the least distance.
 
 use super::adjacent::{Arc, directions, pairs_to_solve, within_a_right_angle};
@@ -40,7 +41,8 @@ pub struct StationaryPair {
     pub kind: PairKind,
 }
 
-/// A region where stationary pairs are not told apart: a curve of them, or some too close to each other.
+/// A region where stationary pairs are not told apart: a curve of them, or some too close to each
+/// other.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Unresolved {
     /// Range of the first parameter.
@@ -85,7 +87,12 @@ const MOST_MIDDLES: usize = 512;
 
 /// All stationary pairs of a spine.
 pub fn body_to_body(spine: &Spine) -> BodyToBody {
-    let mut search = Search { spine, solver: PairSolver::default(), found: Vec::new(), answer: BodyToBody::default() };
+    let mut search = Search {
+        spine,
+        solver: PairSolver::default(),
+        found: Vec::new(),
+        answer: BodyToBody::default(),
+    };
     let count = spine.pieces.len();
     for i in 0..count {
         search.inside(i);
@@ -127,7 +134,10 @@ impl Place {
 
 impl Search<'_> {
     fn arc(&self, k: usize) -> Arc {
-        Arc { piece: self.spine.pieces[k].clone(), forms: self.spine.forms[k].clone() }
+        Arc {
+            piece: self.spine.pieces[k].clone(),
+            forms: self.spine.forms[k].clone(),
+        }
     }
 
     /// A spine that runs along itself for hundreds of pieces would take minutes.
@@ -151,14 +161,23 @@ impl Search<'_> {
             return;
         }
         let system = System::new(&f, &f.swapped());
-        let found = self.solver.solve(&system, &Limits { half: true, ..Limits::default() });
+        let found = self.solver.solve(
+            &system,
+            &Limits {
+                half: true,
+                ..Limits::default()
+            },
+        );
         let piece = &self.spine.pieces[k];
         self.collect(&system, found, [piece, piece], [k, k]);
     }
 
     /// Two arcs of different pieces.
     fn between(&mut self, a: &Arc, b: &Arc, (i, j): (usize, usize)) {
-        if self.exhausted() || chords_lean(&a.piece, &b.piece, &a.forms) || chords_lean(&a.piece, &b.piece, &b.forms) {
+        if self.exhausted()
+            || chords_lean(&a.piece, &b.piece, &a.forms)
+            || chords_lean(&a.piece, &b.piece, &b.forms)
+        {
             self.answer.boxes += 1;
             return;
         }
@@ -195,11 +214,20 @@ impl Search<'_> {
             return Place { piece, x };
         }
         let x = (arc.parameter(x) - whole.start) / (whole.end - whole.start);
-        Place { piece, x: x.clamp(0.0, 1.0) }
+        Place {
+            piece,
+            x: x.clamp(0.0, 1.0),
+        }
     }
 
     /// Distance is constant along a curve of stationary pairs, so some of its points say it all.
-    fn unresolved(&self, system: &System, cluster: &Cluster, arcs: [&Piece; 2], status: Status) -> Unresolved {
+    fn unresolved(
+        &self,
+        system: &System,
+        cluster: &Cluster,
+        arcs: [&Piece; 2],
+        status: Status,
+    ) -> Unresolved {
         let stride = cluster.middles.len().div_ceil(MOST_MIDDLES);
         let mut range = [f64::INFINITY, f64::NEG_INFINITY];
         let (mut best, mut points) = ([0.0; 2], [Point3::origin(); 2]);
@@ -213,9 +241,21 @@ impl Search<'_> {
             }
             range = [range[0].min(distance_m), range[1].max(distance_m)];
         }
-        let span = |k: usize| [arcs[k].parameter(cluster.low[k]), arcs[k].parameter(cluster.high[k])];
+        let span = |k: usize| {
+            [
+                arcs[k].parameter(cluster.low[k]),
+                arcs[k].parameter(cluster.high[k]),
+            ]
+        };
         let status = status.max(Status::Cluster);
-        Unresolved { first: span(0), second: span(1), distance_m: range, parameters: best, points, status }
+        Unresolved {
+            first: span(0),
+            second: span(1),
+            distance_m: range,
+            parameters: best,
+            points,
+            status,
+        }
     }
 
     fn finish(mut self) -> BodyToBody {
@@ -234,19 +274,30 @@ impl Search<'_> {
             }
         }
         let order = |pair: &([Place; 2], f64), k: usize| pair.0[k].order();
-        found.sort_by(|a, b| order(a, 0).total_cmp(&order(b, 0)).then(order(a, 1).total_cmp(&order(b, 1))));
+        found.sort_by(|a, b| {
+            order(a, 0)
+                .total_cmp(&order(b, 0))
+                .then(order(a, 1).total_cmp(&order(b, 1)))
+        });
         let mut kept: Vec<([Place; 2], f64)> = Vec::new();
         for pair in found {
             let room = |other: &([Place; 2], f64)| SAME + pair.1 + other.1;
-            let same =
-                |other: &([Place; 2], f64)| (0..2).all(|k| (order(other, k) - order(&pair, k)).abs() < room(other));
+            let same = |other: &([Place; 2], f64)| {
+                (0..2).all(|k| (order(other, k) - order(&pair, k)).abs() < room(other))
+            };
             // In order of the first place: only the last ones can be the same.
-            let near = kept.iter().rev().take_while(|other| order(&pair, 0) - order(other, 0) < NEAR);
+            let near = kept
+                .iter()
+                .rev()
+                .take_while(|other| order(&pair, 0) - order(other, 0) < NEAR);
             if !near.into_iter().any(same) {
                 kept.push(pair);
             }
         }
-        self.answer.pairs = kept.iter().map(|(places, error)| self.pair(*places, *error)).collect();
+        self.answer.pairs = kept
+            .iter()
+            .map(|(places, error)| self.pair(*places, *error))
+            .collect();
         let mut unresolved = std::mem::take(&mut self.answer.unresolved);
         unresolved.retain(|region| !self.is_proved_elsewhere(region));
         if !unresolved.is_empty() {
@@ -254,7 +305,9 @@ impl Search<'_> {
         }
         self.answer.unresolved = unresolved;
         let distances = self.answer.pairs.iter().map(|pair| pair.distance_m);
-        let least = distances.chain(self.answer.unresolved.iter().map(|u| u.distance_m[0])).min_by(f64::total_cmp);
+        let least = distances
+            .chain(self.answer.unresolved.iter().map(|u| u.distance_m[0]))
+            .min_by(f64::total_cmp);
         self.answer.radius_m = least.map(|distance_m| 0.5 * distance_m);
         self.answer
     }
@@ -264,14 +317,24 @@ impl Search<'_> {
         let (start, end) = self.spine.domain();
         let room = SAME * (end - start) / self.spine.piece_count() as f64;
         let width = |range: [f64; 2]| (range[1] - range[0]).abs();
-        if region.status != Status::Cluster || width(region.first).max(width(region.second)) > room {
+        if region.status != Status::Cluster || width(region.first).max(width(region.second)) > room
+        {
             return false;
         }
         // The end of a closed spine is its start.
-        let inside = |t: f64| if self.spine.is_closed() && end - t < room { start } else { t };
+        let inside = |t: f64| {
+            if self.spine.is_closed() && end - t < room {
+                start
+            } else {
+                t
+            }
+        };
         let mut at = region.parameters.map(inside);
         at.sort_by(f64::total_cmp);
-        self.answer.pairs.iter().any(|pair| (0..2).all(|k| (pair.parameters[k] - at[k]).abs() < room))
+        self.answer
+            .pairs
+            .iter()
+            .any(|pair| (0..2).all(|k| (pair.parameters[k] - at[k]).abs() < room))
     }
 
     fn pair(&self, places: [Place; 2], error: f64) -> StationaryPair {
@@ -298,8 +361,9 @@ impl Search<'_> {
     }
 }
 
-/// True where every chord between control points has a positive, or every one a negative, scalar product with every
-/// hodograph coefficient of one arc: its equation is a mean of those products, so it has no root. Cheaper than the equation.
+/// True where every chord between control points has a positive, or every one a negative, scalar
+/// product with every hodograph coefficient of one arc: its equation is a mean of those products,
+/// so it has no root. Cheaper than the equation.
 fn chords_lean(a: &Piece, b: &Piece, along: &Forms) -> bool {
     let (mut forwards, mut backwards) = (true, true);
     for direction in directions(along) {
@@ -323,14 +387,22 @@ fn chords_lean(a: &Piece, b: &Piece, along: &Forms) -> bool {
 fn same_piece(forms: &Forms) -> Tensor {
     let g = forms.bezoutian();
     let n = &forms.hodograph;
-    g[0].times_in_s(&n[0]).plus(&g[1].times_in_s(&n[1])).plus(&g[2].times_in_s(&n[2]))
+    g[0].times_in_s(&n[0])
+        .plus(&g[1].times_in_s(&n[1]))
+        .plus(&g[2].times_in_s(&n[2]))
 }
 
 /// [X(s)V(t) − Y(t)W(s)] · N(s), and the same with the tangent of the other piece.
 fn different_pieces(a: &Forms, b: &Forms) -> (Tensor, Tensor) {
     let chord = a.chord(b);
     let (n, m) = (&a.hodograph, &b.hodograph);
-    let f = chord[0].times_in_s(&n[0]).plus(&chord[1].times_in_s(&n[1])).plus(&chord[2].times_in_s(&n[2]));
-    let g = chord[0].times_in_t(&m[0]).plus(&chord[1].times_in_t(&m[1])).plus(&chord[2].times_in_t(&m[2]));
+    let f = chord[0]
+        .times_in_s(&n[0])
+        .plus(&chord[1].times_in_s(&n[1]))
+        .plus(&chord[2].times_in_s(&n[2]));
+    let g = chord[0]
+        .times_in_t(&m[0])
+        .plus(&chord[1].times_in_t(&m[1]))
+        .plus(&chord[2].times_in_t(&m[2]));
     (f, g)
 }

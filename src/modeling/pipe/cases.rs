@@ -1,7 +1,8 @@
 //! The ten spines that the pipe is measured with, and what is known of them.
 //!
-//! `example-…` are those of Patrikalakis & Maekawa; the others were made to be hard. Parameters and distances of the pairs
-//! come from 40-digit arithmetic, the radii of the splines and all other figures from double precision.
+//! `example-…` are those of Patrikalakis & Maekawa; the others were made to be hard. Parameters and
+//! distances of the pairs come from 40-digit arithmetic, the radii of the splines and all other
+//! figures from double precision.
 
 use crate::basis::KnotVector;
 use crate::math::Point3;

@@ -1,14 +1,16 @@
 //! End circle to end circle, and end circle to body.
 //!
-//! Two end circles touch where a point y (from the first centre) lies in both planes and at equal distance from both
-//! centres: T₀ · y = 0, T₁ · y = T₁ · e, e · y = |e|² / 2 (Patrikalakis & Maekawa, (11.116) to (11.121)). We take the
-//! shortest solution; a planar spine makes the three planes share a line or none, so singular systems are the normal case.
+//! Two end circles touch where a point y (from the first centre) lies in both planes and at equal
+//! distance from both centres: T₀ · y = 0, T₁ · y = T₁ · e, e · y = |e|² / 2 (Patrikalakis &
+//! Maekawa, (11.116) to (11.121)). We take the shortest solution; a planar spine makes the three
+//! planes share a line or none, so singular systems are the normal case.
 //!
-//! An end circle touches the body at t where r = R(t) = |d|² / (2 |d⊥|) and R'(t) = 0, d = c(t) − c₀ and d⊥ its part normal
-//! to T₀: the angle on the circle of (11.132) to (11.134) is eliminated. In homogeneous form, with D = X − c₀ W,
-//! F = 2 (D · N) |D⊥|² − |D|² (D⊥ · N⊥) = 0; on the end's own piece D = t D̂, D⊥ = t² D̂⊥, N⊥ = t N̂⊥ leave degree 5n − 7,
-//! and what is left still vanishes at t = 0 (R runs into the radius of curvature there, F/t⁵ into 2 a² (b/2)² − a² (b/2) b
-//! with a = c', b the normal part of c''): degree 5n − 8.
+//! An end circle touches the body at t where r = R(t) = |d|² / (2 |d⊥|) and R'(t) = 0, d = c(t) −
+//! c₀ and d⊥ its part normal to T₀: the angle on the circle of (11.132) to (11.134) is eliminated.
+//! In homogeneous form, with D = X − c₀ W, F = 2 (D · N) |D⊥|² − |D|² (D⊥ · N⊥) = 0; on the end's
+//! own piece D = t D̂, D⊥ = t² D̂⊥, N⊥ = t N̂⊥ leave degree 5n − 7, and what is left still vanishes
+//! at t = 0 (R runs into the radius of curvature there, F/t⁵ into 2 a² (b/2)² − a² (b/2) b with a =
+//! c', b the normal part of c''): degree 5n − 8.
 
 use super::forms::{Bernstein3, Forms, dot};
 use super::piece::Piece;
@@ -63,21 +65,36 @@ pub fn end_to_end(spine: &Spine) -> Option<EndToEnd> {
     let e = end - start;
     let length = e.norm();
     if length <= SINGULAR {
-        return Some(EndToEnd { radius_m: 0.0, point: spine.place(&start) });
+        return Some(EndToEnd {
+            radius_m: 0.0,
+            point: spine.place(&start),
+        });
     }
     let toward = e / length;
     let y = least_norm([t0, t1, toward], [0.0, t1.dot(&e), 0.5 * length])?;
-    let residual = t0.dot(&y).abs().max((t1.dot(&y) - t1.dot(&e)).abs()).max((toward.dot(&y) - 0.5 * length).abs());
-    let touch = EndToEnd { radius_m: spine.metres(y.norm()), point: spine.place(&(start + y)) };
+    let residual = t0
+        .dot(&y)
+        .abs()
+        .max((t1.dot(&y) - t1.dot(&e)).abs())
+        .max((toward.dot(&y) - 0.5 * length).abs());
+    let touch = EndToEnd {
+        radius_m: spine.metres(y.norm()),
+        point: spine.place(&(start + y)),
+    };
     (residual <= SINGULAR * length).then_some(touch)
 }
 
-/// The shortest x with least |A x − b|, A given by unit rows: one-sided Jacobi rotations make the rows orthogonal.
+/// The shortest x with least |A x − b|, A given by unit rows: one-sided Jacobi rotations make the
+/// rows orthogonal.
 fn least_norm(mut rows: [Vector3; 3], mut b: [f64; 3]) -> Option<Vector3> {
     for _ in 0..30 {
         let mut turned = 0.0_f64;
         for (i, j) in [(0, 1), (0, 2), (1, 2)] {
-            let (ii, jj, ij) = (rows[i].norm_squared(), rows[j].norm_squared(), rows[i].dot(&rows[j]));
+            let (ii, jj, ij) = (
+                rows[i].norm_squared(),
+                rows[j].norm_squared(),
+                rows[i].dot(&rows[j]),
+            );
             if ij.abs() <= 1e-30 || ij * ij <= 1e-34 * ii * jj {
                 continue;
             }
@@ -109,10 +126,17 @@ pub fn ends_to_body(spine: &Spine) -> EndsToBody {
     if spine.is_closed() {
         return answer;
     }
-    for (end, pieces) in [spine.pieces.clone(), spine.reversed_pieces()].iter().enumerate() {
+    for (end, pieces) in [spine.pieces.clone(), spine.reversed_pieces()]
+        .iter()
+        .enumerate()
+    {
         let (centre, tangent) = (pieces[0].points[0], pieces[0].jet(0.0).first.normalize());
         for (k, piece) in pieces.iter().enumerate() {
-            let from = if k == 0 { FromEnd::own(piece, tangent) } else { FromEnd::other(piece, centre, tangent) };
+            let from = if k == 0 {
+                FromEnd::own(piece, tangent)
+            } else {
+                FromEnd::other(piece, centre, tangent)
+            };
             let Some(from) = from else { continue };
             let solution = roots(&from.equation);
             let mut counts = false;
@@ -124,7 +148,12 @@ pub fn ends_to_body(spine: &Spine) -> EndsToBody {
                 counts = true;
                 let point = touching_point(piece.jet(x).point, centre, tangent, radius);
                 let (parameter, radius_m) = (piece.parameter(x), spine.metres(radius));
-                answer.touches.push(EndToBody { radius_m, end, parameter, point: spine.place(&point) });
+                answer.touches.push(EndToBody {
+                    radius_m,
+                    end,
+                    parameter,
+                    point: spine.place(&point),
+                });
             }
             // A straight piece has F = 0 too, with R infinite: nothing is in doubt there.
             if counts || solution.status == Status::Budget {
@@ -132,7 +161,9 @@ pub fn ends_to_body(spine: &Spine) -> EndsToBody {
             }
         }
     }
-    answer.touches.sort_by(|a, b| a.radius_m.total_cmp(&b.radius_m));
+    answer
+        .touches
+        .sort_by(|a, b| a.radius_m.total_cmp(&b.radius_m));
     answer
 }
 
@@ -140,14 +171,20 @@ pub fn ends_to_body(spine: &Spine) -> EndsToBody {
 fn touching_point(body: Vector3, centre: Vector3, tangent: Vector3, radius: f64) -> Vector3 {
     let d = body - centre;
     let across = d - tangent * d.dot(&tangent);
-    if across.norm() > 0.0 { centre + across.normalize() * radius } else { centre }
+    if across.norm() > 0.0 {
+        centre + across.normalize() * radius
+    } else {
+        centre
+    }
 }
 
 fn places(root: &SingleRoot) -> Vec<f64> {
     if root.simple || root.high - root.low < 1e-9 {
         return vec![root.at];
     }
-    (0..=SAMPLES).map(|k| root.low + (root.high - root.low) * k as f64 / SAMPLES as f64).collect()
+    (0..=SAMPLES)
+        .map(|k| root.low + (root.high - root.low) * k as f64 / SAMPLES as f64)
+        .collect()
 }
 
 /// R along a piece, and the equation of its stationary points.
@@ -161,7 +198,8 @@ struct FromEnd {
 }
 
 impl FromEnd {
-    /// The piece that starts at the end, the trivial factors removed. `None` for a line of degree 1: R is infinite.
+    /// The piece that starts at the end, the trivial factors removed. `None` for a line of degree
+    /// 1: R is infinite.
     fn own(piece: &Piece, tangent: Vector3) -> Option<Self> {
         let forms = Forms::new(piece);
         if forms.degree < 2 {
@@ -189,13 +227,22 @@ impl FromEnd {
         let (square, across) = (dot(&d, &d), dot(&d_across, &d_across));
         let first = dot(&d, &forms.hodograph).times(&across).scaled(2.0);
         let equation = first.minus(&square.times(&dot(&d_across, &n_across)));
-        Self { equation, square, across, weight: forms.weight() }
+        Self {
+            equation,
+            square,
+            across,
+            weight: forms.weight(),
+        }
     }
 
     /// R, in units of the pieces; 0 where the body passes through the centre.
     fn radius(&self, x: f64) -> f64 {
         let square = self.square.value(x);
-        if square <= 0.0 { 0.0 } else { square / (2.0 * self.weight.value(x) * self.across.value(x).max(0.0).sqrt()) }
+        if square <= 0.0 {
+            0.0
+        } else {
+            square / (2.0 * self.weight.value(x) * self.across.value(x).max(0.0).sqrt())
+        }
     }
 }
 
@@ -215,10 +262,18 @@ fn intervals(unit: Vector3) -> [Interval; 3] {
 /// The part normal to a direction.
 fn across(a: &Bernstein3, direction: &[Interval; 3]) -> Bernstein3 {
     let along: Vec<Interval> = (0..=a[0].degree())
-        .map(|k| (0..3).fold(Interval::ZERO, |sum, axis| sum + a[axis].coefficients()[k] * direction[axis]))
+        .map(|k| {
+            (0..3).fold(Interval::ZERO, |sum, axis| {
+                sum + a[axis].coefficients()[k] * direction[axis]
+            })
+        })
         .collect();
     [0, 1, 2].map(|axis| {
         let terms = a[axis].coefficients().iter().zip(&along);
-        Bernstein::new(terms.map(|(&a, &along)| a - along * direction[axis]).collect())
+        Bernstein::new(
+            terms
+                .map(|(&a, &along)| a - along * direction[axis])
+                .collect(),
+        )
     })
 }

@@ -6,13 +6,17 @@ use crate::basis::KnotError;
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum PipeError {
     /// No extent, or one that overflows.
-    #[error("the control points span {size_m} m; a spine needs a length between 1e-140 and 1e140 m")]
+    #[error(
+        "the control points span {size_m} m; a spine needs a length between 1e-140 and 1e140 m"
+    )]
     Size {
         /// Largest side of the box around the control points, m.
         size_m: f64,
     },
     /// Coordinates whose rounding is as large as the spine.
-    #[error("the spine is {size_m} m large, {distance_m} m from the origin: its digits are lost; move it nearer")]
+    #[error(
+        "the spine is {size_m} m large, {distance_m} m from the origin: its digits are lost; move it nearer"
+    )]
     FarAway {
         /// Largest side of the box around the control points, m.
         size_m: f64,
@@ -20,13 +24,18 @@ pub enum PipeError {
         distance_m: f64,
     },
     /// More pieces than pairs can be searched.
-    #[error("{pieces} spans, at most {} are searched; cut the spine", super::MOST_PIECES)]
+    #[error(
+        "{pieces} spans, at most {} are searched; cut the spine",
+        super::MOST_PIECES
+    )]
     TooManyPieces {
         /// Spans of the curve.
         pieces: usize,
     },
     /// A gap.
-    #[error("the spine jumps by {gap_m} m at parameter {parameter}; a pipe needs a connected spine")]
+    #[error(
+        "the spine jumps by {gap_m} m at parameter {parameter}; a pipe needs a connected spine"
+    )]
     Disjoined {
         /// Where.
         parameter: f64,
@@ -42,7 +51,9 @@ pub enum PipeError {
         parameter: f64,
     },
     /// Weights of which some span lost all digits.
-    #[error("the span from parameter {parameter} has a Bézier weight of {weight}; bring the weights closer together")]
+    #[error(
+        "the span from parameter {parameter} has a Bézier weight of {weight}; bring the weights closer together"
+    )]
     Weights {
         /// Start of the span.
         parameter: f64,

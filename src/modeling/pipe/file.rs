@@ -4,8 +4,8 @@
 //! {"format": "palpate.curve.v1", "degree": 3, "knots": [0, …], "points": [[x, y, z], …], "weights": [1, …],
 //!  "unit": "m", "periodic": false}
 //! ```
-//! `weights`, `unit` ("m" unless given, or "mm") and `periodic` may be left out. A periodic curve has one period of
-//! knots, one more than control points; any other has `points + degree + 1`.
+//! `weights`, `unit` ("m" unless given, or "mm") and `periodic` may be left out. A periodic curve
+//! has one period of knots, one more than control points; any other has `points + degree + 1`.
 
 use crate::basis::{KnotError, KnotVector};
 use crate::math::Point3;
@@ -18,7 +18,8 @@ pub const FORMAT: &str = "palpate.curve.v1";
 /// Why a curve file was refused.
 #[derive(Debug, thiserror::Error)]
 pub enum CurveFileError {
-    /// Not JSON, cut short, a key that is unknown or missing, or a value of another kind; says where.
+    /// Not JSON, cut short, a key that is unknown or missing, or a value of another kind; says
+    /// where.
     #[error("not a {FORMAT} document: {0}")]
     Json(#[from] serde_json::Error),
     /// Another format.
@@ -78,27 +79,50 @@ struct Document {
 pub fn read(json: &str) -> Result<(Curve, Unit), CurveFileError> {
     let document: Document = serde_json::from_str(json)?;
     if document.format != FORMAT {
-        return Err(CurveFileError::Format { found: document.format });
+        return Err(CurveFileError::Format {
+            found: document.format,
+        });
     }
     let unit = match document.unit.as_deref() {
         None | Some("m") => Unit::Metre,
         Some("mm") => Unit::Millimetre,
-        Some(other) => return Err(CurveFileError::Unit { found: other.to_owned() }),
+        Some(other) => {
+            return Err(CurveFileError::Unit {
+                found: other.to_owned(),
+            });
+        }
     };
     let (degree, count, given) = (document.degree, document.points.len(), document.knots.len());
     let periodic = document.periodic;
-    let needed = if periodic { count.saturating_add(1) } else { count.saturating_add(degree).saturating_add(1) };
+    let needed = if periodic {
+        count.saturating_add(1)
+    } else {
+        count.saturating_add(degree).saturating_add(1)
+    };
     if (1..=crate::basis::MAX_DEGREE).contains(&degree) {
         if count <= degree {
             return Err(KnotError::TooFew { count, degree }.into());
         }
         if given != needed {
-            return Err(CurveFileError::KnotCount { given, degree, count, needed, periodic });
+            return Err(CurveFileError::KnotCount {
+                given,
+                degree,
+                count,
+                needed,
+                periodic,
+            });
         }
     }
-    let knots =
-        if periodic { KnotVector::periodic(degree, document.knots) } else { KnotVector::new(degree, document.knots) }?;
-    let points = document.points.iter().map(|p| Point3::from(p.map(|x| x / unit.per_metre()))).collect();
+    let knots = if periodic {
+        KnotVector::periodic(degree, document.knots)
+    } else {
+        KnotVector::new(degree, document.knots)
+    }?;
+    let points = document
+        .points
+        .iter()
+        .map(|p| Point3::from(p.map(|x| x / unit.per_metre())))
+        .collect();
     Ok((Curve::new(knots, points, document.weights)?, unit))
 }
 
@@ -124,22 +148,53 @@ mod tests {
             read(&ARC.replace(from, to)).unwrap_err().to_string()
         };
         for (from, to, wanted) in [
-            ("curve.v1", "surface.v1", "\"format\" is \"palpate.surface.v1\", this reads \"palpate.curve.v1\""),
-            ("\"mm\"", "\"cm\"", "\"unit\" is \"cm\"; it is \"m\" or \"mm\""),
+            (
+                "curve.v1",
+                "surface.v1",
+                "\"format\" is \"palpate.surface.v1\", this reads \"palpate.curve.v1\"",
+            ),
+            (
+                "\"mm\"",
+                "\"cm\"",
+                "\"unit\" is \"cm\"; it is \"m\" or \"mm\"",
+            ),
             (
                 "[0, 0, 0, 1, 1, 1]",
                 "[0, 0, 0, 1, 1]",
                 "5 knots, but degree 2 with 3 control points needs 6 (count + degree + 1)",
             ),
-            ("[0, 0, 0, 1, 1, 1]", "[0, 0, 0, 2, 1, 1]", "knots: knot 4 (1) is smaller than the one before it (2)"),
-            ("\"degree\": 2", "\"degree\": 16", "knots: degree 16 is outside 1..=15"),
-            ("\"degree\": 2", "\"degree\": 3", "knots: 3 control points are too few for degree 3"),
-            ("0.5, 1]", "-0.5, 1]", "weight 1 is -0.5; weights are finite and above 0"),
-            ("0.5, 1]", "0, 1]", "weight 1 is 0; weights are finite and above 0"),
+            (
+                "[0, 0, 0, 1, 1, 1]",
+                "[0, 0, 0, 2, 1, 1]",
+                "knots: knot 4 (1) is smaller than the one before it (2)",
+            ),
+            (
+                "\"degree\": 2",
+                "\"degree\": 16",
+                "knots: degree 16 is outside 1..=15",
+            ),
+            (
+                "\"degree\": 2",
+                "\"degree\": 3",
+                "knots: 3 control points are too few for degree 3",
+            ),
+            (
+                "0.5, 1]",
+                "-0.5, 1]",
+                "weight 1 is -0.5; weights are finite and above 0",
+            ),
+            (
+                "0.5, 1]",
+                "0, 1]",
+                "weight 1 is 0; weights are finite and above 0",
+            ),
             ("0.5, 1]", "1]", "2 weights for 3 control points"),
         ] {
             let said = message(from, to);
-            assert!(said.contains(wanted) || said == wanted, "{said}\nis not\n{wanted}");
+            assert!(
+                said.contains(wanted) || said == wanted,
+                "{said}\nis not\n{wanted}"
+            );
         }
         assert!(message("\"weights\"", "\"weight\"").contains("unknown field `weight`"));
         assert!(message("\"unit\": \"mm\"", "\"note\": 1").contains("unknown field `note`"));
@@ -150,7 +205,10 @@ mod tests {
     #[test]
     fn a_document_cut_short_is_refused() {
         for end in 0..ARC.len() {
-            assert!(matches!(read(&ARC[..end]), Err(CurveFileError::Json(_))), "cut at {end}");
+            assert!(
+                matches!(read(&ARC[..end]), Err(CurveFileError::Json(_))),
+                "cut at {end}"
+            );
         }
     }
 }

@@ -1,25 +1,26 @@
 //! The polynomials of a piece in Bernstein form, as intervals.
 //!
-//! X = Σ w_i P_i B_i and W = Σ w_i B_i; the hodograph's numerator N = X'W − XW' (c' = N / W²) of degree 2n − 2; the
-//! Wronskian K with c' × c'' = K / W³ of degree 3n − 6. Both come from control point differences only, so that nothing
-//! depends on where the origin is:
+//! X = Σ w_i P_i B_i and W = Σ w_i B_i; the hodograph's numerator N = X'W − XW' (c' = N / W²) of
+//! degree 2n − 2; the Wronskian K with c' × c'' = K / W³ of degree 3n − 6. Both come from control
+//! point differences only, so that nothing depends on where the origin is:
 //!
 //! ```text
 //! N_k = n Σ_{i+j=k} C(n−1,i) C(n−1,j) / C(2n−2,k)  w_i w_{j+1} (P_{j+1} − P_i)
 //! K_l = n²(n−1) Σ_{i+j+k=l} C(n−2,i) C(n−2,j) C(n−2,k) / C(3n−6,l)  w_i w_{j+1} w_{k+2} (P_{j+1} − P_i) × (P_{k+2} − P_i)
 //! ```
-//! K is the exterior product of the three points that de Casteljau's algorithm leaves before its last two steps; the
-//! factor W that N × N' = W K carries never appears, and the degree of the curvature's derivative falls from 13n − 15 to
-//! 11n − 17.
+//! K is the exterior product of the three points that de Casteljau's algorithm leaves before its
+//! last two steps; the factor W that N × N' = W K carries never appears, and the degree of the
+//! curvature's derivative falls from 13n − 15 to 11n − 17.
 
 use super::piece::Piece;
 use crate::modeling::ipp::{Bernstein, Interval, Tensor, binomials};
 
-/// Control points are as exact as knot insertion leaves them: a few roundings of coordinates of size 1. Roots at joints
-/// are kept by it, whichever of the two pieces rounding moves them to.
+/// Control points are as exact as knot insertion leaves them: a few roundings of coordinates of
+/// size 1. Roots at joints are kept by it, whichever of the two pieces rounding moves them to.
 const COORDINATE_ERROR: f64 = 4.0 * f64::EPSILON;
 
-/// Relative error of a factor of a few binomials, which are exact up to the degrees that splines have.
+/// Relative error of a factor of a few binomials, which are exact up to the degrees that splines
+/// have.
 const SLACK: f64 = 8.0 * f64::EPSILON;
 
 /// A vector of polynomials.
@@ -42,9 +43,16 @@ impl Forms {
     pub fn new(piece: &Piece) -> Self {
         let n = piece.degree();
         let near = |p: &f64| Interval::around(*p, COORDINATE_ERROR);
-        let points: Vec<[Interval; 3]> = piece.points.iter().map(|p| [near(&p.x), near(&p.y), near(&p.z)]).collect();
-        let weights: Vec<Interval> =
-            piece.weights.iter().map(|&w| Interval::around(w, 4.0 * f64::EPSILON * w)).collect();
+        let points: Vec<[Interval; 3]> = piece
+            .points
+            .iter()
+            .map(|p| [near(&p.x), near(&p.y), near(&p.z)])
+            .collect();
+        let weights: Vec<Interval> = piece
+            .weights
+            .iter()
+            .map(|&w| Interval::around(w, 4.0 * f64::EPSILON * w))
+            .collect();
         let (c, whole) = (binomials(n - 1), binomials(2 * n - 2));
         let mut sums = [0, 1, 2].map(|_| vec![Interval::ZERO; 2 * n - 1]);
         for i in 0..n {
@@ -56,7 +64,12 @@ impl Forms {
                 }
             }
         }
-        Self { degree: n, points, weights, hodograph: sums.map(Bernstein::new) }
+        Self {
+            degree: n,
+            points,
+            weights,
+            hodograph: sums.map(Bernstein::new),
+        }
     }
 
     /// W.
@@ -72,7 +85,9 @@ impl Forms {
         }
         let (c, whole) = (binomials(n - 2), binomials(3 * n - 6));
         let mut sums = [0, 1, 2].map(|_| vec![Interval::ZERO; 3 * n - 5]);
-        let from = |i: usize, j: usize| -> [Interval; 3] { [0, 1, 2].map(|a| self.points[j][a] - self.points[i][a]) };
+        let from = |i: usize, j: usize| -> [Interval; 3] {
+            [0, 1, 2].map(|a| self.points[j][a] - self.points[i][a])
+        };
         for i in 0..=n - 2 {
             for j in 0..=n - 2 {
                 let first = from(i, j + 1);
@@ -90,14 +105,16 @@ impl Forms {
         Some(sums.map(Bernstein::new))
     }
 
-    /// G(s, t) = [X(s)W(t) − X(t)W(s)] / (s − t), of degree (n − 1, n − 1): the Bezoutian of X and W for each
-    /// coordinate, in Bernstein form (Bini & Gemignani 2004).
+    /// G(s, t) = [X(s)W(t) − X(t)W(s)] / (s − t), of degree (n − 1, n − 1): the Bezoutian of X and
+    /// W for each coordinate, in Bernstein form (Bini & Gemignani 2004).
     pub fn bezoutian(&self) -> [Tensor; 3] {
         let n = self.degree;
         [0, 1, 2].map(|axis| {
-            let difference =
-                |i: usize, j: usize| self.weights[i] * self.weights[j] * (self.points[i][axis] - self.points[j][axis]);
-            // b[i − 1][j] of the paper's 1-based recursion, which looks one row ahead and one column back.
+            let difference = |i: usize, j: usize| {
+                self.weights[i] * self.weights[j] * (self.points[i][axis] - self.points[j][axis])
+            };
+            // b[i − 1][j] of the paper's 1-based recursion, which looks one row ahead and one
+            // column back.
             let mut b = vec![Interval::ZERO; n * n];
             for i in 1..=n {
                 b[(i - 1) * n] = difference(i, 0).scaled(n as f64 / i as f64, SLACK);
@@ -133,12 +150,18 @@ impl Forms {
 }
 
 fn cross(a: [Interval; 3], b: [Interval; 3]) -> [Interval; 3] {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+    [
+        a[1] * b[2] - a[2] * b[1],
+        a[2] * b[0] - a[0] * b[2],
+        a[0] * b[1] - a[1] * b[0],
+    ]
 }
 
 /// a · b.
 pub(super) fn dot(a: &Bernstein3, b: &Bernstein3) -> Bernstein {
-    a[0].times(&b[0]).plus(&a[1].times(&b[1])).plus(&a[2].times(&b[2]))
+    a[0].times(&b[0])
+        .plus(&a[1].times(&b[1]))
+        .plus(&a[2].times(&b[2]))
 }
 
 /// The derivative of each coordinate.
@@ -160,7 +183,9 @@ mod tests {
     fn tensor(a: &Tensor, s: f64, t: f64) -> f64 {
         let [p, q] = a.degree();
         let rows: Vec<_> = (0..=p)
-            .map(|i| Bernstein::new(a.coefficients()[i * (q + 1)..(i + 1) * (q + 1)].to_vec()).value(t))
+            .map(|i| {
+                Bernstein::new(a.coefficients()[i * (q + 1)..(i + 1) * (q + 1)].to_vec()).value(t)
+            })
             .collect();
         Bernstein::new(rows.into_iter().map(Interval::point).collect()).value(s)
     }
@@ -179,13 +204,27 @@ mod tests {
             assert!((vector(&forms.hodograph, s) / (wa * wa) - a.first).norm() < 1e-12 * scale);
             if let Some(k) = forms.wronskian() {
                 let wanted = a.first.cross(&a.second);
-                assert!((vector(&k, s) / (wa * wa * wa) - wanted).norm() < 1e-11 * scale * scale, "degree {degree}");
+                assert!(
+                    (vector(&k, s) / (wa * wa * wa) - wanted).norm() < 1e-11 * scale * scale,
+                    "degree {degree}"
+                );
             }
             let g = forms.bezoutian();
-            let value = Vector3::new(tensor(&g[0], s, t), tensor(&g[1], s, t), tensor(&g[2], s, t));
+            let value = Vector3::new(
+                tensor(&g[0], s, t),
+                tensor(&g[1], s, t),
+                tensor(&g[2], s, t),
+            );
             assert!((value * (s - t) - (a.point - b.point) * (wa * wb)).norm() < 1e-13 * scale);
-            let diagonal = Vector3::new(tensor(&g[0], s, s), tensor(&g[1], s, s), tensor(&g[2], s, s));
-            assert!((diagonal - vector(&forms.hodograph, s)).norm() < 1e-12 * scale, "G(t, t) = N(t)");
+            let diagonal = Vector3::new(
+                tensor(&g[0], s, s),
+                tensor(&g[1], s, s),
+                tensor(&g[2], s, s),
+            );
+            assert!(
+                (diagonal - vector(&forms.hodograph, s)).norm() < 1e-12 * scale,
+                "G(t, t) = N(t)"
+            );
         }
     }
 }

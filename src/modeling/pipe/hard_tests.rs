@@ -15,13 +15,23 @@ fn curled(random: &mut Random, degree: usize, count: usize, least_weight: f64) -
         .map(|k| {
             let angle = turn * k as f64;
             let rise = 0.2 * k as f64;
-            let jitter = Vector3::new(random.float(-0.2, 0.2), random.float(-0.2, 0.2), random.float(-0.2, 0.2));
+            let jitter = Vector3::new(
+                random.float(-0.2, 0.2),
+                random.float(-0.2, 0.2),
+                random.float(-0.2, 0.2),
+            );
             Point3::new(libm::cos(angle), libm::sin(angle), rise) + jitter
         })
         .collect();
-    let weights =
-        (0..count).map(|_| libm::exp(random.float(libm::log(least_weight), -libm::log(least_weight)))).collect();
-    Curve::new(KnotVector::clamped_uniform(degree, count).unwrap(), points, Some(weights)).unwrap()
+    let weights = (0..count)
+        .map(|_| libm::exp(random.float(libm::log(least_weight), -libm::log(least_weight))))
+        .collect();
+    Curve::new(
+        KnotVector::clamped_uniform(degree, count).unwrap(),
+        points,
+        Some(weights),
+    )
+    .unwrap()
 }
 
 #[test]
@@ -32,14 +42,30 @@ fn every_degree_is_answered() {
         let body = body_to_body(&Spine::new(&curve).unwrap());
         let found: Vec<[f64; 2]> = body.pairs.iter().map(|pair| pair.parameters).collect();
         let comparison = compare(&curve, &found, 160);
-        assert_eq!((comparison.missed, comparison.wrong), (0, 0), "degree {degree}: {comparison:?} {:?}", body.status);
-        assert!(body.status <= Status::Cluster, "degree {degree}: {:?}", body.status);
+        assert_eq!(
+            (comparison.missed, comparison.wrong),
+            (0, 0),
+            "degree {degree}: {comparison:?} {:?}",
+            body.status
+        );
+        assert!(
+            body.status <= Status::Cluster,
+            "degree {degree}: {:?}",
+            body.status
+        );
         let limits = PipeLimits::of(&curve).unwrap();
-        assert!(limits.bounds_m().iter().all(|(_, r)| r.is_none_or(|r| r.is_finite() && r >= 0.0)), "degree {degree}");
+        assert!(
+            limits
+                .bounds_m()
+                .iter()
+                .all(|(_, r)| r.is_none_or(|r| r.is_finite() && r >= 0.0)),
+            "degree {degree}"
+        );
     }
 }
 
-// Weights over eight orders of magnitude pull the curve onto its net: speeds and curvatures of all sizes.
+// Weights over eight orders of magnitude pull the curve onto its net: speeds and curvatures of all
+// sizes.
 #[test]
 fn extreme_weights_give_an_answer_or_an_error() {
     let mut random = Random(32);
@@ -51,7 +77,10 @@ fn extreme_weights_give_an_answer_or_an_error() {
             Ok(limits) => {
                 answered += 1;
                 for (limit, radius_m) in limits.bounds_m() {
-                    assert!(radius_m.is_none_or(|r| r.is_finite() && r >= 0.0), "{limit:?}: {radius_m:?}");
+                    assert!(
+                        radius_m.is_none_or(|r| r.is_finite() && r >= 0.0),
+                        "{limit:?}: {radius_m:?}"
+                    );
                 }
             }
             Err(error) => assert!(matches!(error, PipeError::NotRegular { .. }), "{error}"),
@@ -83,7 +112,10 @@ fn a_piece_a_millionth_as_long_as_the_others_loses_no_pair() {
     assert_eq!(after.body.pairs.len(), before.body.pairs.len());
     assert_eq!(after.body.status, Status::Complete);
     for (a, b) in after.body.pairs.iter().zip(&before.body.pairs) {
-        assert!((0..2).all(|k| (a.parameters[k] - b.parameters[k]).abs() < 1e-9), "{a:?} is not {b:?}");
+        assert!(
+            (0..2).all(|k| (a.parameters[k] - b.parameters[k]).abs() < 1e-9),
+            "{a:?} is not {b:?}"
+        );
         assert!((a.distance_m - b.distance_m).abs() < 1e-12);
     }
 }
@@ -95,19 +127,32 @@ fn knots_put_at_the_roots_do_not_double_or_lose_them() {
         let curve = curled(&mut random, 3, 6, 0.5);
         let before = body_to_body(&Spine::new(&curve).unwrap());
         let (mut knots, weights) = (curve.knots().clone(), curve.weights().unwrap());
-        let mut line: Vec<(Vector3, f64)> =
-            curve.points().iter().zip(weights).map(|(p, &w)| (p.coords * w, w)).collect();
+        let mut line: Vec<(Vector3, f64)> = curve
+            .points()
+            .iter()
+            .zip(weights)
+            .map(|(p, &w)| (p.coords * w, w))
+            .collect();
         for pair in before.pairs.iter().take(3) {
             let insertion = knots.insertion(pair.parameters[0]).unwrap();
-            line = insertion.apply(&line, |a, b, x| (a.0 + (b.0 - a.0) * x, a.1 + (b.1 - a.1) * x));
+            line = insertion.apply(&line, |a, b, x| {
+                (a.0 + (b.0 - a.0) * x, a.1 + (b.1 - a.1) * x)
+            });
             knots = insertion.knots;
         }
         let points = line.iter().map(|(p, w)| Point3::from(p / *w)).collect();
-        let refined = Curve::new(knots, points, Some(line.iter().map(|(_, w)| *w).collect())).unwrap();
+        let refined =
+            Curve::new(knots, points, Some(line.iter().map(|(_, w)| *w).collect())).unwrap();
         let after = body_to_body(&Spine::new(&refined).unwrap());
-        assert_eq!((after.pairs.len(), after.status), (before.pairs.len(), Status::Complete));
+        assert_eq!(
+            (after.pairs.len(), after.status),
+            (before.pairs.len(), Status::Complete)
+        );
         for (a, b) in after.pairs.iter().zip(&before.pairs) {
-            assert!((0..2).all(|k| (a.parameters[k] - b.parameters[k]).abs() < 1e-12), "{a:?} is not {b:?}");
+            assert!(
+                (0..2).all(|k| (a.parameters[k] - b.parameters[k]).abs() < 1e-12),
+                "{a:?} is not {b:?}"
+            );
         }
     }
 }
@@ -128,8 +173,16 @@ fn a_periodic_curve_is_the_same_spine_as_its_clamped_form() {
     let periodic = Curve::new(knots.clone(), points.clone(), None).unwrap();
     let change = knots.clamping();
     let rows = 0..change.knots().count();
-    let clamped_points =
-        rows.map(|row| Point3::from(change.entries(row).map(|(k, w)| points[k].coords * w).sum::<Vector3>())).collect();
+    let clamped_points = rows
+        .map(|row| {
+            Point3::from(
+                change
+                    .entries(row)
+                    .map(|(k, w)| points[k].coords * w)
+                    .sum::<Vector3>(),
+            )
+        })
+        .collect();
     let clamped = Curve::new(change.knots().clone(), clamped_points, None).unwrap();
     let [a, b] = [periodic, clamped].map(|curve| {
         let spine = Spine::new(&curve).unwrap();
@@ -146,23 +199,42 @@ fn a_periodic_curve_is_the_same_spine_as_its_clamped_form() {
 #[test]
 fn a_closed_spine_of_one_piece_has_no_false_pair_where_it_closes() {
     // A quartic loop whose first and last control points and tangents agree.
-    let points = [[0.0, 0.0], [2.0, 0.0], [1.0, 3.0], [-2.0, 0.0], [0.0, 0.0]].map(|[x, y]| Point3::new(x, y, 0.0));
-    let curve = Curve::new(KnotVector::clamped_uniform(4, 5).unwrap(), points.to_vec(), None).unwrap();
+    let points = [[0.0, 0.0], [2.0, 0.0], [1.0, 3.0], [-2.0, 0.0], [0.0, 0.0]]
+        .map(|[x, y]| Point3::new(x, y, 0.0));
+    let curve = Curve::new(
+        KnotVector::clamped_uniform(4, 5).unwrap(),
+        points.to_vec(),
+        None,
+    )
+    .unwrap();
     let spine = Spine::new(&curve).unwrap();
     assert!(spine.is_closed());
     let limits = PipeLimits::of_spine(&spine);
     assert_eq!(limits.body.status, Status::Complete);
-    assert!(limits.body.pairs.iter().all(|pair| pair.distance_m > 0.5), "{:?}", limits.body.pairs);
+    assert!(
+        limits.body.pairs.iter().all(|pair| pair.distance_m > 0.5),
+        "{:?}",
+        limits.body.pairs
+    );
     assert!(!limits.body.pairs.is_empty(), "an oval has its axes");
     assert!(pipe_surface(&spine, 0.1, 1e-5).unwrap().deviation_m <= 1e-5);
 }
 
 #[test]
 fn ends_that_meet_at_an_angle_touch_at_once() {
-    let points = [[0.0, 0.0], [2.0, 0.0], [0.0, 2.0], [0.0, 0.0]].map(|[x, y]| Point3::new(x, y, 0.0));
-    let curve = Curve::new(KnotVector::clamped_uniform(3, 4).unwrap(), points.to_vec(), None).unwrap();
+    let points =
+        [[0.0, 0.0], [2.0, 0.0], [0.0, 2.0], [0.0, 0.0]].map(|[x, y]| Point3::new(x, y, 0.0));
+    let curve = Curve::new(
+        KnotVector::clamped_uniform(3, 4).unwrap(),
+        points.to_vec(),
+        None,
+    )
+    .unwrap();
     let limits = PipeLimits::of(&curve).unwrap();
-    assert_eq!((limits.end_to_end.unwrap().radius_m, limits.answer(1e-9)), (0.0, Answer::Intersects));
+    assert_eq!(
+        (limits.end_to_end.unwrap().radius_m, limits.answer(1e-9)),
+        (0.0, Answer::Intersects)
+    );
 }
 
 #[test]
@@ -174,8 +246,8 @@ fn the_same_spine_gives_the_same_bits() {
     assert_eq!(a.bounds_m(), b.bounds_m());
 }
 
-// Opposite points of a cubic nearly-circle of 48 pieces: distances differ by less than 1e-5, and half the pairs lie at joints
-// of four pairs of pieces.
+// Opposite points of a cubic nearly-circle of 48 pieces: distances differ by less than 1e-5, and
+// half the pairs lie at joints of four pairs of pieces.
 #[test]
 fn a_near_circle_has_two_pairs_for_each_piece_and_no_continuum() {
     let points = (0..48)
@@ -186,7 +258,10 @@ fn a_near_circle_has_two_pairs_for_each_piece_and_no_continuum() {
         .collect();
     let curve = Curve::new(KnotVector::periodic_uniform(3, 48).unwrap(), points, None).unwrap();
     let body = body_to_body(&Spine::new(&curve).unwrap());
-    assert_eq!((body.pairs.len(), body.status, body.unresolved.len()), (48, Status::Complete, 0));
+    assert_eq!(
+        (body.pairs.len(), body.status, body.unresolved.len()),
+        (48, Status::Complete, 0)
+    );
     let distances = body.pairs.iter().map(|pair| pair.distance_m);
     let range = distances.clone().fold(0.0, f64::max) - distances.fold(f64::MAX, f64::min);
     assert!(range > 1e-8 && range < 1e-5, "{range}");

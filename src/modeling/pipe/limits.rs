@@ -71,22 +71,36 @@ impl PipeLimits {
             (Limit::Local, self.local.radius_m),
             (Limit::BodyToBody, self.body.radius_m),
             (Limit::EndToEnd, self.end_to_end.map(|touch| touch.radius_m)),
-            (Limit::EndToBody, self.ends_to_body.touches.first().map(|touch| touch.radius_m)),
+            (
+                Limit::EndToBody,
+                self.ends_to_body
+                    .touches
+                    .first()
+                    .map(|touch| touch.radius_m),
+            ),
         ]
     }
 
-    /// The least bound, m, and which it is; `None` for a straight spine, whose pipe may be of any radius.
+    /// The least bound, m, and which it is; `None` for a straight spine, whose pipe may be of any
+    /// radius.
     pub fn r_max_m(&self) -> Option<(f64, Limit)> {
-        let bounds = self.bounds_m().into_iter().filter_map(|(limit, radius_m)| Some((radius_m?, limit)));
+        let bounds = self
+            .bounds_m()
+            .into_iter()
+            .filter_map(|(limit, radius_m)| Some((radius_m?, limit)));
         bounds.min_by(|a, b| a.0.total_cmp(&b.0))
     }
 
     /// The worst status of the parts.
     pub fn status(&self) -> Status {
-        self.local.status.max(self.body.status).max(self.ends_to_body.status)
+        self.local
+            .status
+            .max(self.body.status)
+            .max(self.ends_to_body.status)
     }
 
-    /// Whether the pipe of a radius (m, above 0) is free of self-intersection: exactly below the least bound.
+    /// Whether the pipe of a radius (m, above 0) is free of self-intersection: exactly below the
+    /// least bound.
     pub fn answer(&self, radius_m: f64) -> Answer {
         match self.r_max_m() {
             Some((r_max_m, _)) if radius_m >= r_max_m => Answer::Intersects,

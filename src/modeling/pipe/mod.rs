@@ -1,8 +1,8 @@
 //! Pipe surfaces: the largest radius without self-intersection, and the pipe as a surface.
 //!
-//! Patrikalakis & Maekawa, *Shape Interrogation for Computer Aided Design and Manufacturing*, section 11.6: the pipe of
-//! radius r around a spine c(t) intersects itself nowhere if and only if r < min(1 / κ_max, r_bb, r_ee, r_eb)
-//! (theorem 11.6.1).
+//! Patrikalakis & Maekawa, *Shape Interrogation for Computer Aided Design and Manufacturing*,
+//! section 11.6: the pipe of radius r around a spine c(t) intersects itself nowhere if and only if
+//! r < min(1 / κ_max, r_bb, r_ee, r_eb) (theorem 11.6.1).
 //!
 //! ```text
 //! file ─▶ Curve ─▶ Spine: Bézier pieces, checked ─▶ forms: N, K, G as intervals
@@ -12,8 +12,8 @@
 //!                  Limits: r_max and what limits it; is_free(r)
 //!         Curve, r ─▶ sweep: sections with a rotation-minimising frame ─▶ Surface
 //! ```
-//! The pipe is open: end discs are no part of it. What cannot be decided in double precision is a status, see
-//! [`Status`](crate::modeling::ipp::Status).
+//! The pipe is open: end discs are no part of it. What cannot be decided in double precision is a
+//! status, see [`Status`](crate::modeling::ipp::Status).
 
 mod adjacent;
 mod body;

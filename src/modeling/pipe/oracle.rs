@@ -1,7 +1,7 @@
 //! A slow twin for body to body: dense sampling and Newton's method. For tests and the benchmark.
 //!
-//! Knows points and tangents of the curve only: no pieces, no polynomials. It may miss pairs that are closer to each other
-//! than its samples; what it finds is real.
+//! Knows points and tangents of the curve only: no pieces, no polynomials. It may miss pairs that
+//! are closer to each other than its samples; what it finds is real.
 
 use crate::basis::KnotVector;
 use crate::math::{Point3, Vector3};
@@ -14,7 +14,9 @@ pub type SampledPair = [f64; 2];
 pub fn sampled_pairs(curve: &Curve, samples: usize) -> Vec<SampledPair> {
     let (start, end) = curve.knots().domain();
     let at = |k: usize| start + (end - start) * k as f64 / samples as f64;
-    let places: Vec<(Point3, Vector3)> = (0..=samples).map(|k| curve.point_and_tangent(at(k))).collect();
+    let places: Vec<(Point3, Vector3)> = (0..=samples)
+        .map(|k| curve.point_and_tangent(at(k)))
+        .collect();
     // Both residuals divided by t − s, so that the diagonal is no root.
     let residuals = |i: usize, j: usize| {
         let ((p, u), (q, v)) = (places[i], places[j]);
@@ -36,7 +38,10 @@ pub fn sampled_pairs(curve: &Curve, samples: usize) -> Vec<SampledPair> {
                 - corners.iter().map(|&c| size(c)).fold(f64::MAX, f64::min);
             let small = corners.iter().any(|&c| size(c) < slope);
             if (changes(0) && changes(1)) || small {
-                let seed = [at(i) + 0.5 * (end - start) / samples as f64, at(j) + 0.5 * (end - start) / samples as f64];
+                let seed = [
+                    at(i) + 0.5 * (end - start) / samples as f64,
+                    at(j) + 0.5 * (end - start) / samples as f64,
+                ];
                 keep(&mut pairs, newton(curve, seed), 1e-7 * (end - start));
             }
         }
@@ -61,19 +66,26 @@ fn keep(pairs: &mut Vec<SampledPair>, found: Option<SampledPair>, same: f64) {
     }
 }
 
-/// Cosines of the angles between chord and tangents: 0 at a stationary pair. Where the curve meets itself the chord has no
-/// direction, and the cosines are 0 too.
+/// Cosines of the angles between chord and tangents: 0 at a stationary pair. Where the curve meets
+/// itself the chord has no direction, and the cosines are 0 too.
 pub fn cosines(curve: &Curve, [s, t]: [f64; 2]) -> [f64; 2] {
     let ((p, u), (q, v)) = (curve.point_and_tangent(s), curve.point_and_tangent(t));
     let chord = q - p;
-    let rounding = 64.0 * f64::EPSILON * curve.points().iter().map(|p| p.coords.amax()).fold(0.0, f64::max);
+    let rounding = 64.0
+        * f64::EPSILON
+        * curve
+            .points()
+            .iter()
+            .map(|p| p.coords.amax())
+            .fold(0.0, f64::max);
     if chord.norm() <= rounding {
         return [0.0; 2];
     }
     [u, v].map(|tangent| chord.dot(&tangent) / (chord.norm() * tangent.norm()))
 }
 
-/// Newton's method with differences of the tangents; the fixed points are those of the exact residuals.
+/// Newton's method with differences of the tangents; the fixed points are those of the exact
+/// residuals.
 fn newton(curve: &Curve, from: SampledPair) -> Option<SampledPair> {
     let (start, end) = curve.knots().domain();
     let length = end - start;
@@ -104,20 +116,31 @@ fn newton(curve: &Curve, from: SampledPair) -> Option<SampledPair> {
             break;
         }
     }
-    cosines(curve, at).iter().all(|c| c.abs() < 1e-9).then_some(at)
+    cosines(curve, at)
+        .iter()
+        .all(|c| c.abs() < 1e-9)
+        .then_some(at)
 }
 
-/// Spines at random: Bézier curves in a cube, curled ones, and curled splines of several pieces; degree 2 to 5, weights 0.3
-/// to 3. The same for the same seed.
+/// Spines at random: Bézier curves in a cube, curled ones, and curled splines of several pieces;
+/// degree 2 to 5, weights 0.3 to 3. The same for the same seed.
 pub fn random_spine(seed: u64) -> Curve {
     let mut random = SplitMix(seed);
     let degree = 2 + (random.float(0.0, 4.0) as usize).min(3);
     let kind = seed % 3;
-    let count = if kind == 2 { degree + 2 + (random.float(0.0, 6.0) as usize).min(5) } else { degree + 1 };
+    let count = if kind == 2 {
+        degree + 2 + (random.float(0.0, 6.0) as usize).min(5)
+    } else {
+        degree + 1
+    };
     let (turn, rise) = (random.float(0.5, 2.2), random.float(0.0, 0.3));
     let points = (0..count)
         .map(|k| {
-            let jitter = Vector3::new(random.float(-0.5, 0.5), random.float(-0.5, 0.5), random.float(-0.5, 0.5));
+            let jitter = Vector3::new(
+                random.float(-0.5, 0.5),
+                random.float(-0.5, 0.5),
+                random.float(-0.5, 0.5),
+            );
             if kind == 0 {
                 return Point3::from(jitter);
             }
@@ -165,10 +188,17 @@ pub struct Comparison {
 pub fn compare(curve: &Curve, pairs: &[[f64; 2]], samples: usize) -> Comparison {
     let (start, end) = curve.knots().domain();
     let sampled = sampled_pairs(curve, samples);
-    let difference = |a: &[f64; 2], b: &[f64; 2]| (a[0] - b[0]).abs().max((a[1] - b[1]).abs()) / (end - start);
-    let mut comparison = Comparison { pairs: pairs.len(), ..Comparison::default() };
+    let difference =
+        |a: &[f64; 2], b: &[f64; 2]| (a[0] - b[0]).abs().max((a[1] - b[1]).abs()) / (end - start);
+    let mut comparison = Comparison {
+        pairs: pairs.len(),
+        ..Comparison::default()
+    };
     for wanted in &sampled {
-        let nearest = pairs.iter().map(|pair| difference(pair, wanted)).fold(f64::INFINITY, f64::min);
+        let nearest = pairs
+            .iter()
+            .map(|pair| difference(pair, wanted))
+            .fold(f64::INFINITY, f64::min);
         if nearest < 1e-7 {
             comparison.error = comparison.error.max(nearest);
         } else {
@@ -177,7 +207,8 @@ pub fn compare(curve: &Curve, pairs: &[[f64; 2]], samples: usize) -> Comparison 
     }
     for pair in pairs {
         comparison.wrong += usize::from(cosines(curve, *pair).iter().any(|c| c.abs() > 1e-9));
-        comparison.unseen += usize::from(!sampled.iter().any(|wanted| difference(pair, wanted) < 1e-7));
+        comparison.unseen +=
+            usize::from(!sampled.iter().any(|wanted| difference(pair, wanted) < 1e-7));
     }
     comparison
 }

@@ -2,7 +2,8 @@
 
 use crate::math::Vector3;
 
-/// c(x) = Σ w_i P_i B_i(x) / Σ w_i B_i(x) for x in [0, 1]: the spine from `start` to `end` of its parameter.
+/// c(x) = Σ w_i P_i B_i(x) / Σ w_i B_i(x) for x in [0, 1]: the spine from `start` to `end` of its
+/// parameter.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Piece {
     /// Parameter of the spine where x = 0.
@@ -48,18 +49,27 @@ impl Piece {
 
     /// The spine's parameter at x.
     pub fn parameter(&self, x: f64) -> f64 {
-        if x == 1.0 { self.end } else { self.start + x * (self.end - self.start) }
+        if x == 1.0 {
+            self.end
+        } else {
+            self.start + x * (self.end - self.start)
+        }
     }
 
     fn homogeneous(&self) -> Vec<Homogeneous> {
-        self.points.iter().zip(&self.weights).map(|(p, &w)| (p * w, w)).collect()
+        self.points
+            .iter()
+            .zip(&self.weights)
+            .map(|(p, &w)| (p * w, w))
+            .collect()
     }
 
     /// Point and derivatives by de Casteljau's algorithm.
     pub fn jet(&self, x: f64) -> Jet {
         let n = self.degree();
         let mut line = self.homogeneous();
-        let (mut slope, mut bend): (Homogeneous, Homogeneous) = ((Vector3::zeros(), 0.0), (Vector3::zeros(), 0.0));
+        let (mut slope, mut bend): (Homogeneous, Homogeneous) =
+            ((Vector3::zeros(), 0.0), (Vector3::zeros(), 0.0));
         for count in (1..=n).rev() {
             if count == 2 {
                 let k = (n * (n - 1)) as f64;
@@ -69,7 +79,10 @@ impl Piece {
                 );
             }
             if count == 1 {
-                slope = ((line[1].0 - line[0].0) * n as f64, (line[1].1 - line[0].1) * n as f64);
+                slope = (
+                    (line[1].0 - line[0].0) * n as f64,
+                    (line[1].1 - line[0].1) * n as f64,
+                );
             }
             for i in 0..count {
                 line[i] = blend(line[i], line[i + 1], x);
@@ -79,7 +92,11 @@ impl Piece {
         let point = line[0].0 / weight;
         let first = (slope.0 - point * slope.1) / weight;
         let second = (bend.0 - first * (2.0 * slope.1) - point * bend.1) / weight;
-        Jet { point, first, second }
+        Jet {
+            point,
+            first,
+            second,
+        }
     }
 
     /// The parts before and after x.
@@ -96,7 +113,10 @@ impl Piece {
         }
         right.reverse();
         let middle = self.parameter(x);
-        (Self::from_homogeneous(self.start, middle, &left), Self::from_homogeneous(middle, self.end, &right))
+        (
+            Self::from_homogeneous(self.start, middle, &left),
+            Self::from_homogeneous(middle, self.end, &right),
+        )
     }
 
     /// The same part of the spine backwards: from `end` to `start`.
@@ -113,7 +133,12 @@ impl Piece {
         let largest = line.iter().fold(0.0, |most: f64, (_, w)| most.max(*w));
         let scale = power_of_two_below(largest);
         let points = line.iter().map(|(p, w)| p / *w).collect();
-        Self { start, end, points, weights: line.iter().map(|(_, w)| w / scale).collect() }
+        Self {
+            start,
+            end,
+            points,
+            weights: line.iter().map(|(_, w)| w / scale).collect(),
+        }
     }
 }
 
@@ -130,9 +155,16 @@ mod tests {
     fn random_piece(random: &mut Random) -> Piece {
         let n = random.integer(1, 6);
         let mut coordinate = || random.float(-1.0, 1.0);
-        let points = (0..=n).map(|_| Vector3::new(coordinate(), coordinate(), coordinate())).collect();
+        let points = (0..=n)
+            .map(|_| Vector3::new(coordinate(), coordinate(), coordinate()))
+            .collect();
         let weights = (0..=n).map(|_| random.float(0.3, 3.0)).collect();
-        Piece { start: 2.0, end: 5.0, points, weights }
+        Piece {
+            start: 2.0,
+            end: 5.0,
+            points,
+            weights,
+        }
     }
 
     #[test]

@@ -15,14 +15,21 @@ fn all_pairs_of_random_spines_are_found_and_no_others() {
         assert_eq!(body.status, Status::Complete, "seed {seed}");
         let found: Vec<[f64; 2]> = body.pairs.iter().map(|pair| pair.parameters).collect();
         let comparison = compare(&curve, &found, 160);
-        assert_eq!((comparison.missed, comparison.wrong), (0, 0), "seed {seed}: {comparison:?} {found:?}");
+        assert_eq!(
+            (comparison.missed, comparison.wrong),
+            (0, 0),
+            "seed {seed}: {comparison:?} {found:?}"
+        );
         assert!(comparison.error < 1e-10, "seed {seed}: {comparison:?}");
         pairs += comparison.pairs;
         unseen += comparison.unseen;
     }
     println!("{pairs} pairs, {unseen} not seen by sampling");
     // Sampling must see nearly all, or the test says little.
-    assert!(pairs > 300 && 20 * unseen < pairs, "{pairs} pairs, {unseen} unseen");
+    assert!(
+        pairs > 300 && 20 * unseen < pairs,
+        "{pairs} pairs, {unseen} unseen"
+    );
 }
 
 #[test]
@@ -55,20 +62,30 @@ fn no_sample_of_a_random_spine_bends_more_than_the_largest_curvature() {
         let limits = PipeLimits::of(&curve).unwrap();
         let kappa_max = 1.0 / limits.local.radius_m.unwrap();
         let (start, end) = curve.knots().domain();
-        let most =
-            (0..=2_000).map(|k| curvature(&curve, start + (end - start) * f64::from(k) / 2_000.0)).fold(0.0, f64::max);
-        assert!(most <= kappa_max * (1.0 + 1e-6), "seed {seed}: {most} is above {kappa_max}");
-        assert!(most >= kappa_max * 0.98, "seed {seed}: {kappa_max} is far above {most}");
+        let most = (0..=2_000)
+            .map(|k| curvature(&curve, start + (end - start) * f64::from(k) / 2_000.0))
+            .fold(0.0, f64::max);
+        assert!(
+            most <= kappa_max * (1.0 + 1e-6),
+            "seed {seed}: {most} is above {kappa_max}"
+        );
+        assert!(
+            most >= kappa_max * 0.98,
+            "seed {seed}: {kappa_max} is far above {most}"
+        );
     }
 }
 
-/// Gap between the end circle of a radius and the pipe's body near a parameter: negative where they overlap.
+/// Gap between the end circle of a radius and the pipe's body near a parameter: negative where they
+/// overlap.
 fn gap(curve: &Curve, end: usize, near: f64, radius: f64) -> f64 {
     let (start, stop) = curve.knots().domain();
     let here = [start, stop][end];
     let (centre, velocity) = curve.point_and_tangent(here);
     let tangent = velocity.normalize();
-    let a = tangent.cross(&Vector3::ith(tangent.iamin(), 1.0)).normalize();
+    let a = tangent
+        .cross(&Vector3::ith(tangent.iamin(), 1.0))
+        .normalize();
     let b = tangent.cross(&a);
     let window = 0.2 * (near - here).abs();
     let mut least = f64::INFINITY;
@@ -99,18 +116,26 @@ fn end_circles_clear_the_body_below_the_touching_radius_and_cut_it_above() {
     for seed in 1..=150 {
         let curve = random_spine(seed);
         let limits = PipeLimits::of(&curve).unwrap();
-        let Some(touch) = limits.ends_to_body.touches.first() else { continue };
+        let Some(touch) = limits.ends_to_body.touches.first() else {
+            continue;
+        };
         let (start, stop) = curve.knots().domain();
         // Away from the ends of the domain, where the window is cut.
         // Where R is largest the circle cuts the body on both sides of the touch already.
-        let radius = |share: f64| reach(&curve, touch.end, touch.parameter + share * (stop - start));
+        let radius =
+            |share: f64| reach(&curve, touch.end, touch.parameter + share * (stop - start));
         let least = radius(-0.02) > radius(0.0) && radius(0.02) > radius(0.0);
         let inside = (touch.parameter - start).min(stop - touch.parameter) > 0.05 * (stop - start);
         if !inside || !least {
             continue;
         }
         let at = |share: f64| gap(&curve, touch.end, touch.parameter, share * touch.radius_m);
-        assert!(at(0.99) > 0.0 && at(1.01) < 0.0, "seed {seed}: {touch:?} gaps {} {}", at(0.99), at(1.01));
+        assert!(
+            at(0.99) > 0.0 && at(1.01) < 0.0,
+            "seed {seed}: {touch:?} gaps {} {}",
+            at(0.99),
+            at(1.01)
+        );
         checked += 1;
     }
     assert!(checked > 20, "{checked}");

@@ -1,4 +1,5 @@
-//! A spine, ready for the questions: Bézier pieces in a scale of its own, checked to be one regular curve.
+//! A spine, ready for the questions: Bézier pieces in a scale of its own, checked to be one regular
+//! curve.
 
 use super::PipeError;
 use super::forms::Forms;
@@ -10,7 +11,8 @@ use crate::surface::Curve;
 /// End points nearer than this share of the spine's size are one point.
 const SAME: f64 = 1e-9;
 
-/// Tangents that turn by more than this at a joint make a corner, rad: files with seven digits pass.
+/// Tangents that turn by more than this at a joint make a corner, rad: files with seven digits
+/// pass.
 pub const CORNER_RAD: f64 = 1e-6;
 
 /// Most pieces of a spine: pairs grow with the square.
@@ -44,32 +46,59 @@ impl Spine {
     /// Splits a curve into its pieces and checks them.
     ///
     /// # Errors
-    /// A curve without length, of too many pieces, in parts that do not meet, or with a point where c' = 0.
+    /// A curve without length, of too many pieces, in parts that do not meet, or with a point where
+    /// c' = 0.
     pub fn new(curve: &Curve) -> Result<Self, PipeError> {
         let spans: Vec<usize> = curve.knots().spans().collect();
         if spans.len() > MOST_PIECES {
-            return Err(PipeError::TooManyPieces { pieces: spans.len() });
+            return Err(PipeError::TooManyPieces {
+                pieces: spans.len(),
+            });
         }
         let (origin, scale_m) = frame(curve.points())?;
         let knots = curve.knots().knots();
         let mut pieces = Vec::with_capacity(spans.len());
         for span in spans {
-            pieces.push(bezier(curve, knots[span], knots[span + 1], origin, scale_m)?);
+            pieces.push(bezier(
+                curve,
+                knots[span],
+                knots[span + 1],
+                origin,
+                scale_m,
+            )?);
         }
         let mut closed = false;
         join(&mut pieces, scale_m)?;
-        let (first, last) = (pieces[0].points[0], *pieces[pieces.len() - 1].points.last().expect("degree + 1 points"));
+        let (first, last) = (
+            pieces[0].points[0],
+            *pieces[pieces.len() - 1]
+                .points
+                .last()
+                .expect("degree + 1 points"),
+        );
         let forms: Vec<Forms> = pieces.iter().map(Forms::new).collect();
         for (piece, forms) in pieces.iter().zip(&forms) {
             if let Some(x) = common_zero(&forms.hodograph) {
-                return Err(PipeError::NotRegular { parameter: piece.parameter(x) });
+                return Err(PipeError::NotRegular {
+                    parameter: piece.parameter(x),
+                });
             }
         }
-        let ends = (pieces[0].jet(0.0).first, pieces[pieces.len() - 1].jet(1.0).first);
+        let ends = (
+            pieces[0].jet(0.0).first,
+            pieces[pieces.len() - 1].jet(1.0).first,
+        );
         if (first - last).norm() <= SAME {
             closed = angle(&ends.1, &ends.0) <= CORNER_RAD || curve.knots().is_periodic();
         }
-        let mut spine = Self { pieces, forms, origin, scale_m, closed, corners: Vec::new() };
+        let mut spine = Self {
+            pieces,
+            forms,
+            origin,
+            scale_m,
+            closed,
+            corners: Vec::new(),
+        };
         if spine.closed {
             spine.cut_to_three();
         }
@@ -116,7 +145,10 @@ impl Spine {
     pub(super) fn ends(&self) -> [(Vector3, Vector3); 2] {
         let (first, last) = (&self.pieces[0], &self.pieces[self.pieces.len() - 1]);
         let (a, b) = (first.jet(0.0), last.jet(1.0));
-        [(a.point, a.first.normalize()), (b.point, b.first.normalize())]
+        [
+            (a.point, a.first.normalize()),
+            (b.point, b.first.normalize()),
+        ]
     }
 
     /// The same curve backwards.
@@ -127,7 +159,11 @@ impl Spine {
     /// A closed spine of one or two pieces would have pieces that meet at both ends.
     fn cut_to_three(&mut self) {
         while self.pieces.len() < 3 {
-            self.pieces = self.pieces.iter().flat_map(|piece| <[Piece; 2]>::from(piece.split(0.5))).collect();
+            self.pieces = self
+                .pieces
+                .iter()
+                .flat_map(|piece| <[Piece; 2]>::from(piece.split(0.5)))
+                .collect();
             self.forms = self.pieces.iter().map(Forms::new).collect();
         }
     }
@@ -140,7 +176,11 @@ impl Spine {
             let (before, after) = (&self.pieces[piece], &self.pieces[(piece + 1) % count]);
             let turn_rad = angle(&before.jet(1.0).first, &after.jet(0.0).first);
             if turn_rad > CORNER_RAD {
-                corners.push(Corner { parameter: before.end, turn_rad, piece });
+                corners.push(Corner {
+                    parameter: before.end,
+                    turn_rad,
+                    piece,
+                });
             }
         }
         corners
@@ -166,25 +206,49 @@ fn frame(points: &[Point3]) -> Result<(Vector3, f64), PipeError> {
     let origin = low.coords + (high - low) * 0.5;
     // Coordinates that are all rounding: far from 0 beside their differences.
     if size_m < 1e-10 * origin.amax() {
-        return Err(PipeError::FarAway { size_m, distance_m: origin.amax() });
+        return Err(PipeError::FarAway {
+            size_m,
+            distance_m: origin.amax(),
+        });
     }
     Ok((origin, power_of_two_below(size_m)))
 }
 
 /// The control points of one span: blossoms of the homogeneous curve.
-fn bezier(curve: &Curve, start: f64, end: f64, origin: Vector3, scale_m: f64) -> Result<Piece, PipeError> {
-    // A periodic vector's spans may lie beside its domain by whole periods only; those of the domain are listed.
-    let change = curve.knots().restriction(start, end).map_err(PipeError::Knots)?;
+fn bezier(
+    curve: &Curve,
+    start: f64,
+    end: f64,
+    origin: Vector3,
+    scale_m: f64,
+) -> Result<Piece, PipeError> {
+    // A periodic vector's spans may lie beside its domain by whole periods only; those of the
+    // domain are listed.
+    let change = curve
+        .knots()
+        .restriction(start, end)
+        .map_err(PipeError::Knots)?;
     let line: Vec<(Vector3, f64)> = (0..change.knots().count())
         .map(|row| {
-            change.entries(row).fold((Vector3::zeros(), 0.0), |(point, weight), (k, factor)| {
-                let w = factor * curve.weights().map_or(1.0, |weights| weights[k]);
-                (point + (curve.points()[k].coords - origin) / scale_m * w, weight + w)
-            })
+            change
+                .entries(row)
+                .fold((Vector3::zeros(), 0.0), |(point, weight), (k, factor)| {
+                    let w = factor * curve.weights().map_or(1.0, |weights| weights[k]);
+                    (
+                        point + (curve.points()[k].coords - origin) / scale_m * w,
+                        weight + w,
+                    )
+                })
         })
         .collect();
-    if let Some(index) = line.iter().position(|(p, w)| !(*w > 0.0 && p.iter().all(|x| x.is_finite()))) {
-        return Err(PipeError::Weights { parameter: start, weight: line[index].1 });
+    if let Some(index) = line
+        .iter()
+        .position(|(p, w)| !(*w > 0.0 && p.iter().all(|x| x.is_finite())))
+    {
+        return Err(PipeError::Weights {
+            parameter: start,
+            weight: line[index].1,
+        });
     }
     Ok(Piece::from_homogeneous(start, end, &line))
 }
@@ -196,7 +260,10 @@ fn join(pieces: &mut [Piece], scale_m: f64) -> Result<(), PipeError> {
         let last = before[k - 1].points.last().expect("degree + 1 points");
         let gap = (last - after[0].points[0]).norm();
         if gap > SAME {
-            return Err(PipeError::Disjoined { parameter: after[0].start, gap_m: gap * scale_m });
+            return Err(PipeError::Disjoined {
+                parameter: after[0].start,
+                gap_m: gap * scale_m,
+            });
         }
         after[0].points[0] = *last;
     }

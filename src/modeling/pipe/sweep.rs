@@ -5,10 +5,11 @@
 //!             ▲                                   │ deviation from the exact pipe, stretch by stretch
 //!             └────────── halved where too large ◀┘
 //! ```
-//! Round the section (v) the surface is a rational quadratic circle of four arcs, periodic; along the spine (u, the spine's
-//! parameter) each of its eight control points is a cubic Hermite spline through its place at the sections, with double
-//! knots, triple ones where the curvature or the speed of the spine jumps. The error falls with the fourth power of the
-//! stretches' length. Normals point outwards.
+//! Round the section (v) the surface is a rational quadratic circle of four arcs, periodic; along
+//! the spine (u, the spine's parameter) each of its eight control points is a cubic Hermite spline
+//! through its place at the sections, with double knots, triple ones where the curvature or the
+//! speed of the spine jumps. The error falls with the fourth power of the stretches' length.
+//! Normals point outwards.
 
 use super::frame::{Section, Stretch, sections};
 use super::piece::Piece;
@@ -46,7 +47,9 @@ pub enum SweepError {
         value: f64,
     },
     /// A spine with a corner.
-    #[error("the spine turns by {turn_deg}° at parameter {parameter}; round the corner before sweeping")]
+    #[error(
+        "the spine turns by {turn_deg}° at parameter {parameter}; round the corner before sweeping"
+    )]
     Corner {
         /// Where.
         parameter: f64,
@@ -54,7 +57,9 @@ pub enum SweepError {
         turn_deg: f64,
     },
     /// A tolerance that takes too many stretches.
-    #[error("{stretches} stretches are {deviation_m} m off the pipe, not {tolerance_m} m; raise the tolerance")]
+    #[error(
+        "{stretches} stretches are {deviation_m} m off the pipe, not {tolerance_m} m; raise the tolerance"
+    )]
     Tolerance {
         /// Stretches along the spine.
         stretches: usize,
@@ -76,21 +81,30 @@ pub enum SweepError {
 
 /// The pipe of a radius (m) around a spine, no further than a tolerance (m) from the exact one.
 ///
-/// The radius may be above the largest one without self-intersection: the surface then intersects itself.
+/// The radius may be above the largest one without self-intersection: the surface then intersects
+/// itself.
 ///
 /// # Errors
 /// See [`SweepError`].
-pub fn pipe_surface(spine: &Spine, radius_m: f64, tolerance_m: f64) -> Result<PipeSurface, SweepError> {
+pub fn pipe_surface(
+    spine: &Spine,
+    radius_m: f64,
+    tolerance_m: f64,
+) -> Result<PipeSurface, SweepError> {
     for (what, value) in [("the radius", radius_m), ("the tolerance", tolerance_m)] {
         if !(value.is_finite() && value > 0.0) {
             return Err(SweepError::Length { what, value });
         }
     }
     if let Some(corner) = spine.corners().first() {
-        return Err(SweepError::Corner { parameter: corner.parameter, turn_deg: corner.turn_rad.to_degrees() });
+        return Err(SweepError::Corner {
+            parameter: corner.parameter,
+            turn_deg: corner.turn_rad.to_degrees(),
+        });
     }
     let (radius, tolerance) = (spine.units(radius_m), spine.units(tolerance_m));
-    let halves = |piece: usize| [(0.0, 0.5), (0.5, 1.0)].map(|(from, to)| Stretch { piece, from, to });
+    let halves =
+        |piece: usize| [(0.0, 0.5), (0.5, 1.0)].map(|(from, to)| Stretch { piece, from, to });
     let mut stretches: Vec<Stretch> = (0..spine.pieces.len()).flat_map(halves).collect();
     for _ in 0..ROUNDS {
         let strips = strips(spine, &stretches, radius);
@@ -102,11 +116,19 @@ pub fn pipe_surface(spine: &Spine, radius_m: f64, tolerance_m: f64) -> Result<Pi
         let deviation = deviations.iter().copied().fold(0.0, f64::max);
         if deviation <= tolerance {
             let surface = assemble(spine, &strips)?;
-            return Ok(PipeSurface { surface, deviation_m: spine.metres(deviation), stretches: strips.len() });
+            return Ok(PipeSurface {
+                surface,
+                deviation_m: spine.metres(deviation),
+                stretches: strips.len(),
+            });
         }
         // NaN counts as too far.
         let far = |d: f64| d.is_nan() || d > tolerance;
-        let next: Vec<Stretch> = stretches.iter().zip(&deviations).flat_map(|(s, &d)| s.halved_if(far(d))).collect();
+        let next: Vec<Stretch> = stretches
+            .iter()
+            .zip(&deviations)
+            .flat_map(|(s, &d)| s.halved_if(far(d)))
+            .collect();
         if next.len() > MOST_STRETCHES {
             break;
         }
@@ -117,7 +139,11 @@ pub fn pipe_surface(spine: &Spine, radius_m: f64, tolerance_m: f64) -> Result<Pi
         .zip(&stretches)
         .map(|(strip, s)| strip.deviation(&spine.pieces[s.piece], s, radius))
         .fold(0.0, f64::max);
-    Err(SweepError::Tolerance { stretches: stretches.len(), deviation_m: spine.metres(worst), tolerance_m })
+    Err(SweepError::Tolerance {
+        stretches: stretches.len(),
+        deviation_m: spine.metres(worst),
+        tolerance_m,
+    })
 }
 
 impl Stretch {
@@ -126,7 +152,13 @@ impl Stretch {
             return vec![self];
         }
         let middle = 0.5 * (self.from + self.to);
-        vec![Self { to: middle, ..self }, Self { from: middle, ..self }]
+        vec![
+            Self { to: middle, ..self },
+            Self {
+                from: middle,
+                ..self
+            },
+        ]
     }
 }
 
@@ -148,16 +180,28 @@ fn strips(spine: &Spine, stretches: &[Stretch], radius: f64) -> Vec<Strip> {
                 let (places, rates) = circle(&ends[end], radius);
                 std::array::from_fn(|j| places[j] + rates[j] * step)
             };
-            Strip { ends, rows: [row(0, 0.0), row(0, third), row(1, -third), row(1, 0.0)] }
+            Strip {
+                ends,
+                rows: [row(0, 0.0), row(0, third), row(1, -third), row(1, 0.0)],
+            }
         })
         .collect()
 }
 
-/// Control points of a section's circle and their derivatives by the spine's parameter: on the circle, and on the corners
-/// of the square around it. Clockwise about the tangent, so that S_u × S_v points outwards.
+/// Control points of a section's circle and their derivatives by the spine's parameter: on the
+/// circle, and on the corners of the square around it. Clockwise about the tangent, so that S_u ×
+/// S_v points outwards.
 fn circle(section: &Section, radius: f64) -> ([Vector3; ROUND], [Vector3; ROUND]) {
-    const DIRECTIONS: [[f64; 2]; ROUND] =
-        [[1.0, 0.0], [1.0, -1.0], [0.0, -1.0], [-1.0, -1.0], [-1.0, 0.0], [-1.0, 1.0], [0.0, 1.0], [1.0, 1.0]];
+    const DIRECTIONS: [[f64; 2]; ROUND] = [
+        [1.0, 0.0],
+        [1.0, -1.0],
+        [0.0, -1.0],
+        [-1.0, -1.0],
+        [-1.0, 0.0],
+        [-1.0, 1.0],
+        [0.0, 1.0],
+        [1.0, 1.0],
+    ];
     let ([n, b], [dn, db]) = (section.normals, section.turning);
     (
         DIRECTIONS.map(|[x, y]| section.centre + (n * x + b * y) * radius),
@@ -174,14 +218,25 @@ impl Strip {
         let mut worst = 0.0_f64;
         for k in 1..8 {
             let y = f64::from(k) / 8.0;
-            let basis = [(1.0 - y).powi(3), 3.0 * y * (1.0 - y).powi(2), 3.0 * y * y * (1.0 - y), y.powi(3)];
-            let round: [Vector3; ROUND] = std::array::from_fn(|j| (0..4).map(|i| self.rows[i][j] * basis[i]).sum());
+            let basis = [
+                (1.0 - y).powi(3),
+                3.0 * y * (1.0 - y).powi(2),
+                3.0 * y * y * (1.0 - y),
+                y.powi(3),
+            ];
+            let round: [Vector3; ROUND] =
+                std::array::from_fn(|j| (0..4).map(|i| self.rows[i][j] * basis[i]).sum());
             let x = stretch.from + y * (stretch.to - stretch.from);
             for arc in 0..4 {
                 let [a, corner, b] = [0, 1, 2].map(|j| round[(2 * arc + j) % ROUND]);
                 for z in [0.0, 0.25, 0.5, 0.75] {
-                    let weights = [(1.0 - z) * (1.0 - z), 2.0 * z * (1.0 - z) * CORNER_WEIGHT, z * z];
-                    let point = (a * weights[0] + corner * weights[1] + b * weights[2]) / weights.iter().sum::<f64>();
+                    let weights = [
+                        (1.0 - z) * (1.0 - z),
+                        2.0 * z * (1.0 - z) * CORNER_WEIGHT,
+                        z * z,
+                    ];
+                    let point = (a * weights[0] + corner * weights[1] + b * weights[2])
+                        / weights.iter().sum::<f64>();
                     worst = worst.max(distance_from_pipe(piece, x, &point, radius));
                 }
             }
@@ -196,7 +251,10 @@ fn distance_from_pipe(piece: &Piece, x: f64, point: &Vector3, radius: f64) -> f6
     for _ in 0..6 {
         let jet = piece.jet(x);
         let d = point - jet.point;
-        let (residual, slope) = (d.dot(&jet.first), jet.first.norm_squared() - d.dot(&jet.second));
+        let (residual, slope) = (
+            d.dot(&jet.first),
+            jet.first.norm_squared() - d.dot(&jet.second),
+        );
         let step = residual / slope;
         // On the axis of curvature all planes nearby meet: any of them will do.
         if step.is_nan() || step.abs() >= 0.1 {
@@ -260,7 +318,8 @@ fn assemble(spine: &Spine, strips: &[Strip]) -> Result<Surface, SweepError> {
     Ok(Surface::new(knots_u, knots_v, net, Some(weights))?)
 }
 
-/// True where the rows before and after a section have it on their segments, in proportion to the knots: a double knot.
+/// True where the rows before and after a section have it on their segments, in proportion to the
+/// knots: a double knot.
 fn joins(before: &Strip, after: &Strip) -> bool {
     let length = |strip: &Strip| strip.ends[1].parameter - strip.ends[0].parameter;
     let (a, b) = (length(before), length(after));

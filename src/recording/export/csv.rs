@@ -35,14 +35,19 @@ const CONTACT: [&str; 10] = [
     "contact_body",
 ];
 
-/// Writes a table with a heading: tick and time, then for each tool `ID.column`, then the loop. What there is not (a pose in a
-/// tick without news, a contact) is empty. Numbers read back as the same bits; quaternions are x y z w.
+/// Writes a table with a heading: tick and time, then for each tool `ID.column`, then the loop.
+/// What there is not (a pose in a tick without news, a contact) is empty. Numbers read back as the
+/// same bits; quaternions are x y z w.
 ///
 /// # Errors
 /// No tick in the range, or `out` refuses.
 pub fn csv(session: &Session, range: &Range, out: &mut impl Write) -> Result<(), ExportError> {
     let records = range.of(session)?;
-    let (tools, bodies, dt_s) = (names(session, "tools"), names(session, "bodies"), dt_s(session));
+    let (tools, bodies, dt_s) = (
+        names(session, "tools"),
+        names(session, "bodies"),
+        dt_s(session),
+    );
     let mut row = heading(&tools);
     out.write_all(row.as_bytes())?;
     for record in records {
@@ -56,7 +61,10 @@ pub fn csv(session: &Session, range: &Range, out: &mut impl Write) -> Result<(),
 
 fn heading(tools: &[String]) -> String {
     let parts = |groups: &[(&str, &[&str])]| -> Vec<String> {
-        groups.iter().flat_map(|(name, parts)| parts.iter().map(move |part| format!("{name}_{part}"))).collect()
+        groups
+            .iter()
+            .flat_map(|(name, parts)| parts.iter().map(move |part| format!("{name}_{part}")))
+            .collect()
     };
     let mut columns = vec!["tick".to_owned(), "t_s".to_owned()];
     for tool in tools {
@@ -68,8 +76,18 @@ fn heading(tools: &[String]) -> String {
         own.extend(["contact_count", "energy_j", "dissipated_j", "flags"].map(str::to_owned));
         columns.extend(own.into_iter().map(|column| format!("{tool}.{column}")));
     }
-    columns
-        .extend(["moving", "quality", "fault", "net_revision", "state_hash", "skipped", "late_ns"].map(str::to_owned));
+    columns.extend(
+        [
+            "moving",
+            "quality",
+            "fault",
+            "net_revision",
+            "state_hash",
+            "skipped",
+            "late_ns",
+        ]
+        .map(str::to_owned),
+    );
     columns.extend(STAGE_NAMES.map(|stage| format!("{stage}_ns")));
     columns.join(",") + "\n"
 }
@@ -120,7 +138,9 @@ fn write_row(line: &mut String, record: &TickRecord, tools: usize, bodies: &[Str
 }
 
 fn write_pose(row: &mut Row<'_>, pose: Option<&DevicePose>) {
-    let Some(pose) = pose else { return row.empty(14) };
+    let Some(pose) = pose else {
+        return row.empty(14);
+    };
     row.floats(pose.position.coords.as_slice());
     row.floats(pose.orientation.coords.as_slice());
     row.floats(pose.linear_velocity.as_slice());

@@ -69,12 +69,18 @@ pub enum ExportError {
 }
 
 fn known(ticks: Option<(u64, u64)>) -> String {
-    ticks.map_or("the recording has none".into(), |(first, last)| format!("the recording has {first} to {last}"))
+    ticks.map_or("the recording has none".into(), |(first, last)| {
+        format!("the recording has {first} to {last}")
+    })
 }
 
 fn near(nets: &[u64]) -> String {
     let list: Vec<String> = nets.iter().map(ToString::to_string).collect();
-    if list.is_empty() { "(none)".into() } else { list.join(" and ") }
+    if list.is_empty() {
+        "(none)".into()
+    } else {
+        list.join(" and ")
+    }
 }
 
 /// Ticks to export, both ends included.
@@ -88,25 +94,39 @@ pub struct Range {
 
 impl Default for Range {
     fn default() -> Self {
-        Self { from: 0, until: u64::MAX }
+        Self {
+            from: 0,
+            until: u64::MAX,
+        }
     }
 }
 
 impl Range {
     /// The ticks in it.
     fn of<'a>(&self, session: &'a Session) -> Result<&'a [TickRecord], ExportError> {
-        let start = session.ticks.partition_point(|record| record.output.tick < self.from);
-        let end = session.ticks.partition_point(|record| record.output.tick <= self.until);
+        let start = session
+            .ticks
+            .partition_point(|record| record.output.tick < self.from);
+        let end = session
+            .ticks
+            .partition_point(|record| record.output.tick <= self.until);
         if start >= end {
             let ticks = edges(session);
-            return Err(ExportError::NoTicks { from: self.from, until: self.until, ticks });
+            return Err(ExportError::NoTicks {
+                from: self.from,
+                until: self.until,
+                ticks,
+            });
         }
         Ok(&session.ticks[start..end])
     }
 }
 
 fn edges(session: &Session) -> Option<(u64, u64)> {
-    Some((session.ticks.first()?.output.tick, session.ticks.last()?.output.tick))
+    Some((
+        session.ticks.first()?.output.tick,
+        session.ticks.last()?.output.tick,
+    ))
 }
 
 /// Length of a tick, s.

@@ -1,5 +1,5 @@
-//! Curves of a session, reduced to what a plot can show: of each stretch of time the least and the largest value, so that no
-//! peak is lost, however long the session.
+//! Curves of a session, reduced to what a plot can show: of each stretch of time the least and the
+//! largest value, so that no peak is lost, however long the session.
 
 use super::super::names;
 use super::super::reader::Session;
@@ -54,14 +54,21 @@ pub fn series(session: &Session, range: &Range) -> Result<Series, ExportError> {
     let records = range.of(session)?;
     let (tools, dt_s) = (names(session, "tools"), dt_s(session));
     let of_tools = |value: fn(&TickRecord, usize) -> f64| {
-        let curve = |(t, name): (usize, &String)| curve(name.clone(), records, dt_s, |record| value(record, t));
+        let curve = |(t, name): (usize, &String)| {
+            curve(name.clone(), records, dt_s, |record| value(record, t))
+        };
         tools.iter().enumerate().map(curve).collect()
     };
-    let time = |record: Option<&TickRecord>| record.map_or(0.0, |record| record.output.tick as f64 * dt_s);
+    let time =
+        |record: Option<&TickRecord>| record.map_or(0.0, |record| record.output.tick as f64 * dt_s);
     Ok(Series {
         span_s: [time(records.first()), time(records.last())],
         force_n: of_tools(|record, t| record.output.tools[t].force_n.norm()),
-        depth_m: of_tools(|record, t| record.output.tools[t].contact.map_or(0.0, |contact| contact.depth_m)),
+        depth_m: of_tools(|record, t| {
+            record.output.tools[t]
+                .contact
+                .map_or(0.0, |contact| contact.depth_m)
+        }),
         energy_j: of_tools(|record, t| record.output.tools[t].energy_j),
         tick_s: curve("tick".into(), records, dt_s, |record| {
             record.stage_ns.iter().map(|&ns| f64::from(ns)).sum::<f64>() * 1e-9
@@ -70,9 +77,17 @@ pub fn series(session: &Session, range: &Range) -> Result<Series, ExportError> {
     })
 }
 
-fn curve(name: String, records: &[TickRecord], dt_s: f64, value: impl Fn(&TickRecord) -> f64) -> Curve {
+fn curve(
+    name: String,
+    records: &[TickRecord],
+    dt_s: f64,
+    value: impl Fn(&TickRecord) -> f64,
+) -> Curve {
     let tick = |record: &TickRecord| record.output.tick;
-    let (first, last) = (records.first().map_or(0, tick), records.last().map_or(0, tick));
+    let (first, last) = (
+        records.first().map_or(0, tick),
+        records.last().map_or(0, tick),
+    );
     let width = (last - first) / BUCKETS + 1;
     let mut pieces: Vec<Vec<Bucket>> = Vec::new();
     let (mut before, mut open) = (None, None);
@@ -89,8 +104,14 @@ fn curve(name: String, records: &[TickRecord], dt_s: f64, value: impl Fn(&TickRe
         }
         let piece = pieces.last_mut().expect("one was pushed");
         match piece.last_mut().filter(|_| open == Some(number)) {
-            Some(bucket) => (bucket.least, bucket.most) = (bucket.least.min(value), bucket.most.max(value)),
-            None => piece.push(Bucket { t_s: now as f64 * dt_s, least: value, most: value }),
+            Some(bucket) => {
+                (bucket.least, bucket.most) = (bucket.least.min(value), bucket.most.max(value))
+            }
+            None => piece.push(Bucket {
+                t_s: now as f64 * dt_s,
+                least: value,
+                most: value,
+            }),
         }
         (before, open) = (Some(now), Some(number));
     }
@@ -108,14 +129,26 @@ mod tests {
         let records: Vec<TickRecord> = ticks
             .map(|tick| {
                 let stage_ns = [if tick == 123_457 { 5_000 } else { 10 }, 0, 0, 0];
-                TickRecord { output: TickOutput { tick, ..TickOutput::default() }, stage_ns, ..TickRecord::default() }
+                TickRecord {
+                    output: TickOutput {
+                        tick,
+                        ..TickOutput::default()
+                    },
+                    stage_ns,
+                    ..TickRecord::default()
+                }
             })
             .collect();
-        let curve = curve("tick".into(), &records, 1e-3, |record| f64::from(record.stage_ns[0]));
+        let curve = curve("tick".into(), &records, 1e-3, |record| {
+            f64::from(record.stage_ns[0])
+        });
         assert_eq!(curve.pieces.len(), 2);
         let all: Vec<Bucket> = curve.pieces.concat();
         assert!(all.len() <= BUCKETS as usize + 1, "{}", all.len());
         let peaks: Vec<&Bucket> = all.iter().filter(|bucket| bucket.most == 5_000.0).collect();
-        assert!(peaks.len() == 1 && peaks[0].least == 10.0 && (peaks[0].t_s - 123.457).abs() < 0.3, "{peaks:?}");
+        assert!(
+            peaks.len() == 1 && peaks[0].least == 10.0 && (peaks[0].t_s - 123.457).abs() < 0.3,
+            "{peaks:?}"
+        );
     }
 }

@@ -5,10 +5,11 @@ use serde::{Deserialize, Serialize};
 
 /// How far figures of another version may be off.
 ///
-/// The contact solve is iterated to the last bits, so that another order of sums moves a force by some 1e-12 of itself; over
-/// thousands of ticks of contact that grows, but stays far below one millionth in sessions as short as the golden ones. What
-/// changes the answer (another law, another rule of friction) is far above. Ticks of contact are counted: a touch may begin
-/// or end a tick earlier.
+/// The contact solve is iterated to the last bits, so that another order of sums moves a force by
+/// some 1e-12 of itself; over thousands of ticks of contact that grows, but stays far below one
+/// millionth in sessions as short as the golden ones. What changes the answer (another law, another
+/// rule of friction) is far above. Ticks of contact are counted: a touch may begin or end a tick
+/// earlier.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Tolerances {
@@ -26,7 +27,13 @@ pub struct Tolerances {
 
 impl Default for Tolerances {
     fn default() -> Self {
-        Self { force: 1e-6, depth: 1e-6, energy: 1e-6, displacement: 1e-6, contact_ticks: 1 }
+        Self {
+            force: 1e-6,
+            depth: 1e-6,
+            energy: 1e-6,
+            displacement: 1e-6,
+            contact_ticks: 1,
+        }
     }
 }
 
@@ -57,7 +64,11 @@ pub struct Deviation {
 
 impl std::fmt::Display for Deviation {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(f, "{}: {} expected, {} found", self.figure, self.expected, self.found)?;
+        write!(
+            f,
+            "{}: {} expected, {} found",
+            self.figure, self.expected, self.found
+        )?;
         match (self.apart, self.allowed) {
             (Some(apart), Some(allowed)) => write!(f, " ({apart:e} apart, {allowed:e} allowed)"),
             _ => Ok(()),
@@ -67,15 +78,33 @@ impl std::fmt::Display for Deviation {
 
 /// Figures that are farther apart than `expected` allows; with `exact`, all that are not equal.
 pub fn deviations(expected: &Figures, found: &Figures, exact: bool) -> Vec<Deviation> {
-    let mut list = List { found: Vec::new(), exact };
+    let mut list = List {
+        found: Vec::new(),
+        exact,
+    };
     let tolerances = &expected.tolerances;
     list.text("scene", &expected.scene, &found.scene);
-    list.text("ticks", &expected.ticks.to_string(), &found.ticks.to_string());
+    list.text(
+        "ticks",
+        &expected.ticks.to_string(),
+        &found.ticks.to_string(),
+    );
     let ids = |figures: &Figures| -> Vec<String> {
         let tools = figures.tools.iter().map(|tool| format!("tool {}", tool.id));
-        tools.chain(figures.bodies.iter().map(|body| format!("body {}", body.id))).collect()
+        tools
+            .chain(
+                figures
+                    .bodies
+                    .iter()
+                    .map(|body| format!("body {}", body.id)),
+            )
+            .collect()
     };
-    list.text("tools and bodies", &ids(expected).join(", "), &ids(found).join(", "));
+    list.text(
+        "tools and bodies",
+        &ids(expected).join(", "),
+        &ids(found).join(", "),
+    );
     for (a, b) in expected.tools.iter().zip(&found.tools) {
         list.tool(tolerances, a, b);
     }
@@ -96,7 +125,13 @@ impl List {
     fn text(&mut self, figure: &str, expected: &str, found: &str) {
         if expected != found {
             let (figure, expected, found) = (figure.into(), expected.into(), found.into());
-            self.found.push(Deviation { figure, expected, found, apart: None, allowed: None });
+            self.found.push(Deviation {
+                figure,
+                expected,
+                found,
+                apart: None,
+                allowed: None,
+            });
         }
     }
 
@@ -108,16 +143,37 @@ impl List {
             return;
         }
         let (expected, found) = (format!("{expected:e}"), format!("{found:e}"));
-        self.found.push(Deviation { figure, expected, found, apart: Some(apart), allowed: Some(allowed) });
+        self.found.push(Deviation {
+            figure,
+            expected,
+            found,
+            apart: Some(apart),
+            allowed: Some(allowed),
+        });
     }
 
     fn tool(&mut self, tolerances: &Tolerances, a: &ToolFigures, b: &ToolFigures) {
         let name = |figure: &str| format!("tools.{}.{figure}", a.id);
         let energy_j = tolerances.energy * a.peak_energy_j;
         let numbers = [
-            ("peak_force_n", a.peak_force_n, b.peak_force_n, tolerances.force * a.peak_force_n),
-            ("rms_force_n", a.rms_force_n, b.rms_force_n, tolerances.force * a.rms_force_n),
-            ("peak_depth_m", a.peak_depth_m, b.peak_depth_m, tolerances.depth * a.peak_depth_m),
+            (
+                "peak_force_n",
+                a.peak_force_n,
+                b.peak_force_n,
+                tolerances.force * a.peak_force_n,
+            ),
+            (
+                "rms_force_n",
+                a.rms_force_n,
+                b.rms_force_n,
+                tolerances.force * a.rms_force_n,
+            ),
+            (
+                "peak_depth_m",
+                a.peak_depth_m,
+                b.peak_depth_m,
+                tolerances.depth * a.peak_depth_m,
+            ),
             ("energy_j", a.energy_j, b.energy_j, energy_j),
             ("peak_energy_j", a.peak_energy_j, b.peak_energy_j, energy_j),
             ("dissipated_j", a.dissipated_j, b.dissipated_j, energy_j),
@@ -127,13 +183,26 @@ impl List {
         }
         let ticks = tolerances.contact_ticks as f64;
         let allowed = ticks * a.contact_phases as f64;
-        self.number(name("contact_ticks"), a.contact_ticks as f64, b.contact_ticks as f64, allowed);
-        // A grazing touch may be one or two: how often contact began is told, and compared only when it must be equal.
+        self.number(
+            name("contact_ticks"),
+            a.contact_ticks as f64,
+            b.contact_ticks as f64,
+            allowed,
+        );
+        // A grazing touch may be one or two: how often contact began is told, and compared only
+        // when it must be equal.
         if self.exact {
-            self.number(name("contact_phases"), a.contact_phases as f64, b.contact_phases as f64, 0.0);
+            self.number(
+                name("contact_phases"),
+                a.contact_phases as f64,
+                b.contact_phases as f64,
+                0.0,
+            );
         }
         match (a.first_contact_tick, b.first_contact_tick) {
-            (Some(a), Some(b)) => self.number(name("first_contact_tick"), a as f64, b as f64, ticks),
+            (Some(a), Some(b)) => {
+                self.number(name("first_contact_tick"), a as f64, b as f64, ticks)
+            }
             (a, b) => {
                 let text = |tick: Option<u64>| tick.map_or("none".into(), |tick| tick.to_string());
                 self.text(&name("first_contact_tick"), &text(a), &text(b));
@@ -166,7 +235,10 @@ mod tests {
             ticks: 1_000,
             tolerances: Tolerances::default(),
             tools: vec![tool],
-            bodies: vec![BodyFigures { id: "drop".into(), peak_displacement_m: 2e-3 }],
+            bodies: vec![BodyFigures {
+                id: "drop".into(),
+                peak_displacement_m: 2e-3,
+            }],
         }
     }
 
@@ -174,15 +246,31 @@ mod tests {
     fn figures_are_the_same_up_to_their_tolerance_and_no_farther() {
         type Edit = fn(&mut Figures, f64);
         let edits: [(&str, Edit); 8] = [
-            ("tools.ball.peak_force_n", |f, off| f.tools[0].peak_force_n += 2e-6 * off),
-            ("tools.ball.rms_force_n", |f, off| f.tools[0].rms_force_n -= 1e-6 * off),
-            ("tools.ball.peak_depth_m", |f, off| f.tools[0].peak_depth_m += 1e-9 * off),
+            ("tools.ball.peak_force_n", |f, off| {
+                f.tools[0].peak_force_n += 2e-6 * off
+            }),
+            ("tools.ball.rms_force_n", |f, off| {
+                f.tools[0].rms_force_n -= 1e-6 * off
+            }),
+            ("tools.ball.peak_depth_m", |f, off| {
+                f.tools[0].peak_depth_m += 1e-9 * off
+            }),
             // Of the peak: what is left of an energy may be next to nothing.
-            ("tools.ball.energy_j", |f, off| f.tools[0].energy_j += 1e-8 * off),
-            ("tools.ball.dissipated_j", |f, off| f.tools[0].dissipated_j += 1e-8 * off),
-            ("tools.ball.contact_ticks", |f, off| f.tools[0].contact_ticks += (3.0 * off) as u64),
-            ("tools.ball.first_contact_tick", |f, off| f.tools[0].first_contact_tick = Some(40 + off as u64)),
-            ("bodies.drop.peak_displacement_m", |f, off| f.bodies[0].peak_displacement_m += 2e-9 * off),
+            ("tools.ball.energy_j", |f, off| {
+                f.tools[0].energy_j += 1e-8 * off
+            }),
+            ("tools.ball.dissipated_j", |f, off| {
+                f.tools[0].dissipated_j += 1e-8 * off
+            }),
+            ("tools.ball.contact_ticks", |f, off| {
+                f.tools[0].contact_ticks += (3.0 * off) as u64
+            }),
+            ("tools.ball.first_contact_tick", |f, off| {
+                f.tools[0].first_contact_tick = Some(40 + off as u64)
+            }),
+            ("bodies.drop.peak_displacement_m", |f, off| {
+                f.bodies[0].peak_displacement_m += 2e-9 * off
+            }),
         ];
         for (figure, edit) in edits {
             let (mut near, mut far) = (figures(), figures());
@@ -191,7 +279,10 @@ mod tests {
             assert_eq!(deviations(&figures(), &near, false), [], "{figure}");
             assert_eq!(deviations(&figures(), &near, true).len(), 1, "{figure}");
             let found = deviations(&figures(), &far, false);
-            assert!(found.len() == 1 && found[0].figure == figure, "{figure}: {found:?}");
+            assert!(
+                found.len() == 1 && found[0].figure == figure,
+                "{figure}: {found:?}"
+            );
         }
     }
 
@@ -200,8 +291,14 @@ mod tests {
         let mut other = figures();
         other.tools[0].peak_force_n = f64::NAN;
         other.tools[0].first_contact_tick = None;
-        let found: Vec<String> = deviations(&figures(), &other, false).iter().map(ToString::to_string).collect();
+        let found: Vec<String> = deviations(&figures(), &other, false)
+            .iter()
+            .map(ToString::to_string)
+            .collect();
         assert_eq!(found.len(), 2, "{found:?}");
-        assert_eq!(found[1], "tools.ball.first_contact_tick: 40 expected, none found");
+        assert_eq!(
+            found[1],
+            "tools.ball.first_contact_tick: 40 expected, none found"
+        );
     }
 }

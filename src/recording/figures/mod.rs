@@ -1,7 +1,9 @@
-//! Figures of a session that another version must come to again: forces, depths, energies, contacts, displacements.
+//! Figures of a session that another version must come to again: forces, depths, energies,
+//! contacts, displacements.
 //!
-//! Bits are promised by the same build only. What a change of the program may not change, beyond a tolerance, is written
-//! into `FILE.figures.json` beside the recording, with the tolerances, and held against a new simulation of the same inputs.
+//! Bits are promised by the same build only. What a change of the program may not change, beyond a
+//! tolerance, is written into `FILE.figures.json` beside the recording, with the tolerances, and
+//! held against a new simulation of the same inputs.
 
 mod compare;
 mod simulate;
@@ -126,7 +128,15 @@ pub(super) struct ToolSum {
 
 impl ToolSum {
     pub fn new(id: String) -> Self {
-        Self { figures: ToolFigures { id, ..ToolFigures::default() }, ticks: 0, squares_n2: 0.0, touching: false }
+        Self {
+            figures: ToolFigures {
+                id,
+                ..ToolFigures::default()
+            },
+            ticks: 0,
+            squares_n2: 0.0,
+            touching: false,
+        }
     }
 
     pub fn push(&mut self, tick: u64, output: &ToolOutput) {
@@ -148,8 +158,15 @@ impl ToolSum {
     }
 
     pub fn finish(&self) -> ToolFigures {
-        let rms_force_n = if self.ticks == 0 { 0.0 } else { libm::sqrt(self.squares_n2 / self.ticks as f64) };
-        ToolFigures { rms_force_n, ..self.figures.clone() }
+        let rms_force_n = if self.ticks == 0 {
+            0.0
+        } else {
+            libm::sqrt(self.squares_n2 / self.ticks as f64)
+        };
+        ToolFigures {
+            rms_force_n,
+            ..self.figures.clone()
+        }
     }
 }
 
@@ -164,15 +181,30 @@ struct Sum<'a> {
 
 impl<'a> Sum<'a> {
     fn new(scene: &'a Scene) -> Self {
-        let bodies = (0..scene.body_count()).map(|body| (0.0, scene.rest_surface(body).net().points().to_vec()));
-        let tools = (0..scene.tool_count()).map(|tool| ToolSum::new(scene.tool_id(tool).to_owned()));
-        Self { scene, ticks: 0, tools: tools.collect(), bodies: bodies.collect() }
+        let bodies = (0..scene.body_count())
+            .map(|body| (0.0, scene.rest_surface(body).net().points().to_vec()));
+        let tools =
+            (0..scene.tool_count()).map(|tool| ToolSum::new(scene.tool_id(tool).to_owned()));
+        Self {
+            scene,
+            ticks: 0,
+            tools: tools.collect(),
+            bodies: bodies.collect(),
+        }
     }
 
     fn push(&mut self, output: &TickOutput, state: &SceneState) {
         self.ticks += 1;
-        self.tools.iter_mut().zip(&output.tools).for_each(|(sum, output_of)| sum.push(output.tick, output_of));
-        for (body, (farthest_m, net)) in self.bodies.iter_mut().enumerate().filter(|(b, _)| self.scene.deforms(*b)) {
+        self.tools
+            .iter_mut()
+            .zip(&output.tools)
+            .for_each(|(sum, output_of)| sum.push(output.tick, output_of));
+        for (body, (farthest_m, net)) in self
+            .bodies
+            .iter_mut()
+            .enumerate()
+            .filter(|(b, _)| self.scene.deforms(*b))
+        {
             state.copy_net(self.scene, body, net);
             let rest = self.scene.rest_surface(body).net().points();
             let apart = net.iter().zip(rest).map(|(now, rest)| (now - rest).norm());
@@ -181,10 +213,14 @@ impl<'a> Sum<'a> {
     }
 
     fn finish(self) -> Figures {
-        let bodies = self.bodies.iter().enumerate().map(|(body, (peak_displacement_m, _))| BodyFigures {
-            id: self.scene.body_id(body).to_owned(),
-            peak_displacement_m: *peak_displacement_m,
-        });
+        let bodies = self
+            .bodies
+            .iter()
+            .enumerate()
+            .map(|(body, (peak_displacement_m, _))| BodyFigures {
+                id: self.scene.body_id(body).to_owned(),
+                peak_displacement_m: *peak_displacement_m,
+            });
         Figures {
             format: FORMAT.into(),
             scene: self.scene.name.clone(),
@@ -207,12 +243,20 @@ impl Figures {
     /// # Errors
     /// No such file, or one of something else.
     pub fn read(path: &Path) -> Result<Self, FiguresError> {
-        let text =
-            std::fs::read_to_string(path).map_err(|source| FiguresError::Io { path: path.to_owned(), source })?;
-        let wrong = |reason: String| FiguresError::Format { path: path.to_owned(), reason };
+        let text = std::fs::read_to_string(path).map_err(|source| FiguresError::Io {
+            path: path.to_owned(),
+            source,
+        })?;
+        let wrong = |reason: String| FiguresError::Format {
+            path: path.to_owned(),
+            reason,
+        };
         let figures: Self = serde_json::from_str(&text).map_err(|e| wrong(e.to_string()))?;
         if figures.format != FORMAT {
-            return Err(wrong(format!("its format is {:?}, not {FORMAT:?}", figures.format)));
+            return Err(wrong(format!(
+                "its format is {:?}, not {FORMAT:?}",
+                figures.format
+            )));
         }
         figures.tolerances.check().map_err(wrong)?;
         Ok(figures)
@@ -225,16 +269,25 @@ impl Figures {
     pub fn write(&self, path: &Path) -> Result<(), FiguresError> {
         let mut text = serde_json::to_string_pretty(self).expect("plain data");
         text.push('\n');
-        std::fs::write(path, text).map_err(|source| FiguresError::Io { path: path.to_owned(), source })
+        std::fs::write(path, text).map_err(|source| FiguresError::Io {
+            path: path.to_owned(),
+            source,
+        })
     }
 }
 
 /// What the tools of a session felt, as recorded.
 pub(super) fn recorded_tools(session: &Session) -> Vec<ToolFigures> {
-    let mut tools: Vec<ToolSum> = super::names(session, "tools").into_iter().map(ToolSum::new).collect();
+    let mut tools: Vec<ToolSum> = super::names(session, "tools")
+        .into_iter()
+        .map(ToolSum::new)
+        .collect();
     for record in &session.ticks {
         let outputs = &record.output.tools;
-        tools.iter_mut().zip(outputs).for_each(|(sum, output)| sum.push(record.output.tick, output));
+        tools
+            .iter_mut()
+            .zip(outputs)
+            .for_each(|(sum, output)| sum.push(record.output.tick, output));
     }
     tools.iter().map(ToolSum::finish).collect()
 }

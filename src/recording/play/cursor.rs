@@ -45,20 +45,45 @@ pub(super) struct Cursor {
 
 impl Cursor {
     /// Stands before the first tick to play.
-    pub fn new(session: Session, scene: Arc<Scene>, start: Option<u64>, end: Option<u64>) -> Result<Self, PlayError> {
+    pub fn new(
+        session: Session,
+        scene: Arc<Scene>,
+        start: Option<u64>,
+        end: Option<u64>,
+    ) -> Result<Self, PlayError> {
         let tick_of = |record: Option<&TickRecord>| record.map(|record| record.output.tick);
         let path = session.path.clone();
-        let (Some(first), Some(last)) = (tick_of(session.ticks.first()), tick_of(session.ticks.last())) else {
+        let (Some(first), Some(last)) = (
+            tick_of(session.ticks.first()),
+            tick_of(session.ticks.last()),
+        ) else {
             return Err(PlayError::Empty { path });
         };
-        let range = (start.unwrap_or(first).max(first), end.unwrap_or(last).min(last));
+        let range = (
+            start.unwrap_or(first).max(first),
+            end.unwrap_or(last).min(last),
+        );
         if range.0 > range.1 || start.is_some_and(|start| start > last) {
-            return Err(PlayError::Range { start: start.unwrap_or(first), end: end.unwrap_or(last), first, last });
+            return Err(PlayError::Range {
+                start: start.unwrap_or(first),
+                end: end.unwrap_or(last),
+                first,
+                last,
+            });
         }
         let state = scene.initial_state();
         let scratch = scene.scratch(&state);
-        let mut cursor =
-            Self { session, scene, state, scratch, range, next: 0, command: 0, seated: false, diverged: None };
+        let mut cursor = Self {
+            session,
+            scene,
+            state,
+            scratch,
+            range,
+            next: 0,
+            command: 0,
+            seated: false,
+            diverged: None,
+        };
         cursor.rewind()?;
         Ok(cursor)
     }
@@ -68,7 +93,8 @@ impl Cursor {
         self.range
     }
 
-    /// Back before the first tick to play. Where no state is known for it, to the first one after it.
+    /// Back before the first tick to play. Where no state is known for it, to the first one after
+    /// it.
     pub fn rewind(&mut self) -> Result<(), PlayError> {
         let first = self.index_from(self.range.0);
         (self.next, self.seated) = (first, false);
@@ -85,16 +111,21 @@ impl Cursor {
 
     /// Index of the first record after a tick.
     fn after(&self, tick: u64) -> usize {
-        self.session.ticks.partition_point(|record| record.output.tick <= tick)
+        self.session
+            .ticks
+            .partition_point(|record| record.output.tick <= tick)
     }
 
     /// Index of the first record at or after a tick.
     fn index_from(&self, tick: u64) -> usize {
-        self.session.ticks.partition_point(|record| record.output.tick < tick)
+        self.session
+            .ticks
+            .partition_point(|record| record.output.tick < tick)
     }
 
-    /// Goes to the state after `tick`, restored from the keyframe before it and stepped silently from there. Gives the record
-    /// of that tick, if there is one (before the first there is none). What cannot be reached leaves the place as it was.
+    /// Goes to the state after `tick`, restored from the keyframe before it and stepped silently
+    /// from there. Gives the record of that tick, if there is one (before the first there is none).
+    /// What cannot be reached leaves the place as it was.
     pub fn seek(&mut self, tick: u64) -> Result<Option<TickRecord>, PlayError> {
         let refuse = |reason: String| Err(PlayError::Seek { tick, reason });
         let (first, last) = self.range;
@@ -102,30 +133,49 @@ impl Cursor {
             return refuse(format!("the ticks played are {first} to {last}"));
         }
         // Of the state after a reset only the tick after it is known.
-        let fits = |keyframe: &&Keyframe| keyframe.tick < tick || (keyframe.tick == tick && keyframe.commands == 0);
+        let fits = |keyframe: &&Keyframe| {
+            keyframe.tick < tick || (keyframe.tick == tick && keyframe.commands == 0)
+        };
         let Some(keyframe) = self.session.keyframes.iter().rev().find(fits) else {
             return refuse("no state is known at or before it".into());
         };
         let (from, to) = (self.after(keyframe.tick), self.after(tick));
         if (to - from) as u64 != tick - keyframe.tick {
-            return refuse(format!("ticks are missing between it and the last known state, {}", keyframe.tick));
+            return refuse(format!(
+                "ticks are missing between it and the last known state, {}",
+                keyframe.tick
+            ));
         }
-        let (key_tick, commands, saved) = (keyframe.tick, keyframe.commands, keyframe.saved.clone());
+        let (key_tick, commands, saved) =
+            (keyframe.tick, keyframe.commands, keyframe.saved.clone());
         self.restore(key_tick, commands, &saved)?;
-        let record = to.checked_sub(1).map(|at| self.session.ticks[at]).filter(|record| record.output.tick == tick);
+        let record = to
+            .checked_sub(1)
+            .map(|at| self.session.ticks[at])
+            .filter(|record| record.output.tick == tick);
         let mut output = None;
         for at in from..to {
             output = Some(self.take(at));
         }
         self.next = to;
-        Ok(record.map(|record| TickRecord { output: output.unwrap_or(record.output), ..record }))
+        Ok(record.map(|record| TickRecord {
+            output: output.unwrap_or(record.output),
+            ..record
+        }))
     }
 
-    /// Tick of the last keyframe before the newest tick, so that going back again and again gets to the start.
+    /// Tick of the last keyframe before the newest tick, so that going back again and again gets to
+    /// the start.
     pub fn keyframe_before(&self) -> Option<u64> {
         let (now, first) = (self.state.tick, self.range.0);
-        let usable = |k: &&Keyframe| k.tick < now && k.tick.saturating_add(1) >= first && k.commands == 0;
-        self.session.keyframes.iter().rev().find(usable).map(|keyframe| keyframe.tick)
+        let usable =
+            |k: &&Keyframe| k.tick < now && k.tick.saturating_add(1) >= first && k.commands == 0;
+        self.session
+            .keyframes
+            .iter()
+            .rev()
+            .find(usable)
+            .map(|keyframe| keyframe.tick)
     }
 
     /// One tick on.
@@ -135,21 +185,38 @@ impl Cursor {
             self.next = self.next.max(self.after(self.state.tick));
         }
         let record = self.session.ticks.get(self.next);
-        let Some(tick) = record.map(|record| record.output.tick).filter(|tick| *tick <= self.range.1) else {
+        let Some(tick) = record
+            .map(|record| record.output.tick)
+            .filter(|tick| *tick <= self.range.1)
+        else {
             return Ok(Next::End);
         };
         if self.seated && Some(tick) == self.state.tick.checked_add(1) {
             let at = self.next;
             let output = self.take(at);
             self.next += 1;
-            return Ok(Next::Tick(TickRecord { output, ..self.session.ticks[at] }));
+            return Ok(Next::Tick(TickRecord {
+                output,
+                ..self.session.ticks[at]
+            }));
         }
         let after = self.state.tick;
         let follows = |keyframe: &&Keyframe| {
-            let Some(next) = keyframe.tick.checked_add(1).filter(|next| *next >= tick) else { return false };
-            self.session.ticks.get(self.index_from(next)).is_some_and(|record| record.output.tick == next)
+            let Some(next) = keyframe.tick.checked_add(1).filter(|next| *next >= tick) else {
+                return false;
+            };
+            self.session
+                .ticks
+                .get(self.index_from(next))
+                .is_some_and(|record| record.output.tick == next)
         };
-        let Some(keyframe) = self.session.keyframes.iter().find(follows).filter(|k| k.tick < self.range.1) else {
+        let Some(keyframe) = self
+            .session
+            .keyframes
+            .iter()
+            .find(follows)
+            .filter(|k| k.tick < self.range.1)
+        else {
             self.next = self.session.ticks.len();
             return Ok(Next::End);
         };
@@ -164,7 +231,10 @@ impl Cursor {
         restore(&self.scene, &mut self.state, &mut self.scratch, saved)
             .map_err(|source| PlayError::State { tick, source })?;
         if self.state.tick != tick {
-            let source = StateError::Value { what: "tick of a keyframe", value: self.state.tick };
+            let source = StateError::Value {
+                what: "tick of a keyframe",
+                value: self.state.tick,
+            };
             return Err(PlayError::State { tick, source });
         }
         let commands = &self.session.commands;
@@ -179,24 +249,42 @@ impl Cursor {
     fn take(&mut self, at: usize) -> TickOutput {
         let record = self.session.ticks[at];
         let tick = record.output.tick;
-        while let Some(&(_, command)) = self.session.commands.get(self.command).filter(|(after, _)| *after < tick) {
+        while let Some(&(_, command)) = self
+            .session
+            .commands
+            .get(self.command)
+            .filter(|(after, _)| *after < tick)
+        {
             self.apply(command);
             self.command += 1;
         }
-        let stepped = step(&self.scene, &mut self.state, &mut self.scratch, &record.input);
+        let stepped = step(
+            &self.scene,
+            &mut self.state,
+            &mut self.scratch,
+            &record.input,
+        );
         if same(&stepped, &record.output, self.scene.tool_count()) {
             return stepped;
         }
         if self.diverged.is_none() {
             self.diverged = Some(tick);
         }
-        // What was felt wins; what the recording does not hold (all contacts) is ours. The state comes back at keyframes.
-        let keyframe = self.session.keyframes.iter().find(|k| k.tick == tick && k.commands == 0);
+        // What was felt wins; what the recording does not hold (all contacts) is ours. The state
+        // comes back at keyframes.
+        let keyframe = self
+            .session
+            .keyframes
+            .iter()
+            .find(|k| k.tick == tick && k.commands == 0);
         if let Some(saved) = keyframe.map(|keyframe| keyframe.saved.clone()) {
             // Of another layout: our own state goes on.
             let _ = self.restore(tick, 0, &saved);
         }
-        TickOutput { contacts: stepped.contacts, ..record.output }
+        TickOutput {
+            contacts: stepped.contacts,
+            ..record.output
+        }
     }
 
     fn apply(&mut self, command: Command) {
@@ -210,5 +298,6 @@ fn same(stepped: &TickOutput, recorded: &TickOutput, tools: usize) -> bool {
         let tool = &output.tools[t];
         [tool.force_n, tool.torque_nm].map(|v| [v.x, v.y, v.z].map(f64::to_bits))
     };
-    stepped.state_hash == recorded.state_hash && (0..tools).all(|t| bits(stepped, t) == bits(recorded, t))
+    stepped.state_hash == recorded.state_hash
+        && (0..tools).all(|t| bits(stepped, t) == bits(recorded, t))
 }

@@ -1,4 +1,5 @@
-//! The ticks around a difference, from both runs, in an MCAP file that any reader of recordings opens.
+//! The ticks around a difference, from both runs, in an MCAP file that any reader of recordings
+//! opens.
 
 use super::super::file::{SCENE_EFFECTIVE, WriteError, options};
 use super::super::reader::Session;
@@ -26,40 +27,73 @@ const DIVERGENCE: &str = "palpate.divergence";
 pub struct Divergence {
     /// The first one.
     pub difference: Difference,
-    /// Up to 50 ticks before it (no farther back than the keyframe from which it was replayed), its own, up to 50 after.
+    /// Up to 50 ticks before it (no farther back than the keyframe from which it was replayed), its
+    /// own, up to 50 after.
     pub replayed: Vec<TickRecord>,
 }
 
 impl Divergence {
-    /// Ticks of both runs from `WINDOW` before the difference to `WINDOW` after it, as recorded and as replayed.
+    /// Ticks of both runs from `WINDOW` before the difference to `WINDOW` after it, as recorded and
+    /// as replayed.
     fn both<'a>(&'a self, session: &'a Session) -> (Vec<&'a TickRecord>, Vec<&'a TickRecord>) {
         let tick = self.difference.tick;
-        let (low, high) = (tick.saturating_sub(WINDOW as u64), tick.saturating_add(WINDOW as u64));
-        let first = session.ticks.partition_point(|record| record.output.tick < low);
-        let end = session.ticks.partition_point(|record| record.output.tick <= high);
+        let (low, high) = (
+            tick.saturating_sub(WINDOW as u64),
+            tick.saturating_add(WINDOW as u64),
+        );
+        let first = session
+            .ticks
+            .partition_point(|record| record.output.tick < low);
+        let end = session
+            .ticks
+            .partition_point(|record| record.output.tick <= high);
         let recorded: Vec<_> = session.ticks[first..end].iter().collect();
-        // Ticks before the keyframe were replayed by the stretch before, and all their bits were equal.
-        let begun = self.replayed.first().map_or(u64::MAX, |record| record.output.tick).min(tick.saturating_add(1));
-        let equal = recorded.iter().copied().take_while(|record| record.output.tick < begun);
-        let own = self.replayed.iter().filter(|record| record.output.tick >= low);
+        // Ticks before the keyframe were replayed by the stretch before, and all their bits were
+        // equal.
+        let begun = self
+            .replayed
+            .first()
+            .map_or(u64::MAX, |record| record.output.tick)
+            .min(tick.saturating_add(1));
+        let equal = recorded
+            .iter()
+            .copied()
+            .take_while(|record| record.output.tick < begun);
+        let own = self
+            .replayed
+            .iter()
+            .filter(|record| record.output.tick >= low);
         let replayed = equal.chain(own).collect();
         (recorded, replayed)
     }
 
-    /// Writes `divergence-<tick>.mcap` into a directory: both runs around the difference, the difference as metadata, and
-    /// the scene.
+    /// Writes `divergence-<tick>.mcap` into a directory: both runs around the difference, the
+    /// difference as metadata, and the scene.
     ///
     /// # Errors
     /// The file cannot be written.
     pub fn write(&self, session: &Session, directory: &Path) -> Result<PathBuf, WriteError> {
         let path = directory.join(format!("divergence-{}.mcap", self.difference.tick));
-        let io = |source| WriteError::Io { path: path.clone(), source };
-        let bad = |source| WriteError::Mcap { path: path.clone(), source };
+        let io = |source| WriteError::Io {
+            path: path.clone(),
+            source,
+        };
+        let bad = |source| WriteError::Mcap {
+            path: path.clone(),
+            source,
+        };
         std::fs::create_dir_all(directory).map_err(io)?;
         let file = std::fs::File::create(&path).map_err(io)?;
         // Two hundred ticks need no compression, and so the file opens everywhere.
-        let mut mcap = options().compression(None).create(std::io::BufWriter::new(file)).map_err(bad)?;
-        mcap.write_metadata(&Metadata { name: DIVERGENCE.into(), metadata: self.metadata(session) }).map_err(bad)?;
+        let mut mcap = options()
+            .compression(None)
+            .create(std::io::BufWriter::new(file))
+            .map_err(bad)?;
+        mcap.write_metadata(&Metadata {
+            name: DIVERGENCE.into(),
+            metadata: self.metadata(session),
+        })
+        .map_err(bad)?;
         let scene = mcap::Attachment {
             log_time: 0,
             create_time: 0,
@@ -71,15 +105,26 @@ impl Divergence {
         let tools = super::super::names(session, "tools").len();
         let dt_ns = session.run_number("dt_ns").unwrap_or(1_000_000);
         let schema = mcap
-            .add_schema("palpate.v1.Tick", "protobuf", pb::descriptors("palpate.v1.Tick").unwrap_or_default())
+            .add_schema(
+                "palpate.v1.Tick",
+                "protobuf",
+                pb::descriptors("palpate.v1.Tick").unwrap_or_default(),
+            )
             .map_err(bad)?;
         let (recorded, replayed) = self.both(session);
         for (topic, ticks) in [(RECORDED, recorded), (REPLAYED, replayed)] {
-            let channel_id = mcap.add_channel(schema, topic, "protobuf", &BTreeMap::new()).map_err(bad)?;
+            let channel_id = mcap
+                .add_channel(schema, topic, "protobuf", &BTreeMap::new())
+                .map_err(bad)?;
             for record in ticks {
                 let tick = record.output.tick;
                 let log_time = tick.saturating_mul(dt_ns);
-                let header = MessageHeader { channel_id, sequence: tick as u32, log_time, publish_time: log_time };
+                let header = MessageHeader {
+                    channel_id,
+                    sequence: tick as u32,
+                    log_time,
+                    publish_time: log_time,
+                };
                 let data = convert::tick_to_proto(record, tools).encode_to_vec();
                 mcap.write_to_known_channel(&header, &data).map_err(bad)?;
             }
@@ -90,7 +135,13 @@ impl Divergence {
     }
 
     fn metadata(&self, session: &Session) -> BTreeMap<String, String> {
-        let Difference { tick, field, recorded, replayed, ulps } = &self.difference;
+        let Difference {
+            tick,
+            field,
+            recorded,
+            replayed,
+            ulps,
+        } = &self.difference;
         let run = |key: &str| session.header.run.get(key).cloned().unwrap_or_default();
         let mut entries = BTreeMap::from([
             ("tick".to_string(), tick.to_string()),

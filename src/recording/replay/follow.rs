@@ -1,4 +1,5 @@
-//! A simulation that follows a session: from a keyframe on, the recorded inputs and commands, one tick after the other.
+//! A simulation that follows a session: from a keyframe on, the recorded inputs and commands, one
+//! tick after the other.
 
 use super::super::reader::{Keyframe, Session};
 use super::ReplayError;
@@ -14,8 +15,8 @@ use std::path::Path;
 /// # Errors
 /// A scene that this program cannot read or build.
 pub fn recorded_scene(session: &Session) -> Result<Scene, ReplayError> {
-    let spec: SceneSpec =
-        toml::from_str(&session.header.effective_scene).map_err(|e| ReplayError::SceneText(e.to_string()))?;
+    let spec: SceneSpec = toml::from_str(&session.header.effective_scene)
+        .map_err(|e| ReplayError::SceneText(e.to_string()))?;
     Ok(Scene::build(&spec, Path::new("."))?)
 }
 
@@ -34,7 +35,13 @@ impl<'a> Follower<'a> {
     pub fn new(scene: &'a Scene, session: &'a Session) -> Self {
         let state = scene.initial_state();
         let scratch = scene.scratch(&state);
-        Self { scene, session, state, scratch, commands: &session.commands }
+        Self {
+            scene,
+            session,
+            state,
+            scratch,
+            commands: &session.commands,
+        }
     }
 
     /// Takes the state of a keyframe; gives its hash as it is after that.
@@ -42,8 +49,16 @@ impl<'a> Follower<'a> {
     /// # Errors
     /// The state is of another scene.
     pub fn seat(&mut self, keyframe: &Keyframe) -> Result<u64, ReplayError> {
-        restore(self.scene, &mut self.state, &mut self.scratch, &keyframe.saved)
-            .map_err(|source| ReplayError::State { tick: keyframe.tick, source })?;
+        restore(
+            self.scene,
+            &mut self.state,
+            &mut self.scratch,
+            &keyframe.saved,
+        )
+        .map_err(|source| ReplayError::State {
+            tick: keyframe.tick,
+            source,
+        })?;
         let commands = &self.session.commands;
         let first = commands.partition_point(|(after, _)| *after < keyframe.tick);
         let end = commands.partition_point(|(after, _)| *after <= keyframe.tick);
@@ -54,19 +69,25 @@ impl<'a> Follower<'a> {
 
     /// Commands that act before tick `tick`, then one tick.
     pub fn tick(&mut self, tick: u64, input: &TickInput) -> TickOutput {
-        while let Some(((_, command), rest)) = self.commands.split_first().filter(|((after, _), _)| *after < tick) {
+        while let Some(((_, command), rest)) = self
+            .commands
+            .split_first()
+            .filter(|((after, _), _)| *after < tick)
+        {
             apply(self.scene, &mut self.state, &mut self.scratch, *command);
             self.commands = rest;
         }
         step(self.scene, &mut self.state, &mut self.scratch, input)
     }
 
-    /// Goes to the state of a keyframe of this very tick by the commands that it holds; gives the hash there. `done` are
-    /// the commands of this tick that were applied so far.
+    /// Goes to the state of a keyframe of this very tick by the commands that it holds; gives the
+    /// hash there. `done` are the commands of this tick that were applied so far.
     pub fn reach(&mut self, keyframe: &Keyframe, done: &mut u32) -> u64 {
         while *done < keyframe.commands {
-            let Some(((_, command), rest)) =
-                self.commands.split_first().filter(|((after, _), _)| *after == keyframe.tick)
+            let Some(((_, command), rest)) = self
+                .commands
+                .split_first()
+                .filter(|((after, _), _)| *after == keyframe.tick)
             else {
                 break;
             };

@@ -3,9 +3,10 @@
 //! ```text
 //! ticks ─ divide ─▶ stretches, each from a keyframe up to and including the next ─▶ threads ─▶ first difference by tick
 //! ```
-//! Each stretch must reach the state of the next keyframe, so that all of them together are as strong as one replay from end
-//! to end, and what is found does not depend on the number of threads. Where ticks are missing it goes on from the next
-//! keyframe: a loss is a gap, not a difference.
+//! Each stretch must reach the state of the next keyframe, so that all of them together are as
+//! strong as one replay from end to end, and what is found does not depend on the number of
+//! threads. Where ticks are missing it goes on from the next keyframe: a loss is a gap, not a
+//! difference.
 
 mod compare;
 mod divergence;
@@ -68,7 +69,10 @@ pub enum ReplayError {
 }
 
 fn first_keyframe(first: Option<u64>) -> String {
-    first.map_or_else(|| "; there is none at all".into(), |tick| format!("; the first one is at tick {tick}"))
+    first.map_or_else(
+        || "; there is none at all".into(),
+        |tick| format!("; the first one is at tick {tick}"),
+    )
 }
 
 /// What to replay.
@@ -85,7 +89,11 @@ pub struct ReplayOptions {
 impl Default for ReplayOptions {
     fn default() -> Self {
         let jobs = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
-        Self { from: 0, until: u64::MAX, jobs }
+        Self {
+            from: 0,
+            until: u64::MAX,
+            jobs,
+        }
     }
 }
 
@@ -133,13 +141,24 @@ impl ReplayReport {
     }
 }
 
-/// Replays a session from the keyframe at or before tick `from` (0: the start) to its end. `progress` is called now and then
-/// with the ticks done and all.
+/// Replays a session from the keyframe at or before tick `from` (0: the start) to its end.
+/// `progress` is called now and then with the ticks done and all.
 ///
 /// # Errors
 /// A file or scene that cannot be replayed; a difference is no error but part of the report.
-pub fn replay(session: &Session, from: u64, progress: impl FnMut(u64, u64)) -> Result<ReplayReport, ReplayError> {
-    replay_with(session, &ReplayOptions { from, ..ReplayOptions::default() }, progress)
+pub fn replay(
+    session: &Session,
+    from: u64,
+    progress: impl FnMut(u64, u64),
+) -> Result<ReplayReport, ReplayError> {
+    replay_with(
+        session,
+        &ReplayOptions {
+            from,
+            ..ReplayOptions::default()
+        },
+        progress,
+    )
 }
 
 /// The same, with more to choose.
@@ -155,27 +174,45 @@ pub fn replay_with(
     let wanted = wanted(session, options)?;
     let all = wanted.len() as u64;
     // Without the keyframe of the start, ticks before the first that there is.
-    let before = if options.from == 0 { wanted.start as u64 } else { 0 };
+    let before = if options.from == 0 {
+        wanted.start as u64
+    } else {
+        0
+    };
     let (stretches, unreached) = stretches::divide(session, wanted);
     let started = std::time::Instant::now();
     let next = AtomicUsize::new(0);
     // The first stretch that parts: those after it are of no interest.
     let parted = AtomicUsize::new(usize::MAX);
-    let mut found: Vec<Option<Result<Found, ReplayError>>> = (0..stretches.len()).map(|_| None).collect();
+    let mut found: Vec<Option<Result<Found, ReplayError>>> =
+        (0..stretches.len()).map(|_| None).collect();
     let jobs = options.jobs.clamp(1, stretches.len().max(1));
     std::thread::scope(|scope| {
         let (tell, told) = mpsc::channel();
         for _ in 0..jobs {
-            let (tell, next, parted, stretches, scene) = (tell.clone(), &next, &parted, &stretches, &scene);
+            let (tell, next, parted, stretches, scene) =
+                (tell.clone(), &next, &parted, &stretches, &scene);
             scope.spawn(move || {
                 let mut runner = Runner::new(session, Follower::new(scene, session));
                 loop {
                     let k = next.fetch_add(1, Ordering::Relaxed);
-                    let Some(stretch) = stretches.get(k).filter(|_| k < parted.load(Ordering::Relaxed)) else { break };
+                    let Some(stretch) = stretches
+                        .get(k)
+                        .filter(|_| k < parted.load(Ordering::Relaxed))
+                    else {
+                        break;
+                    };
                     let abandon = || parted.load(Ordering::Relaxed) < k;
-                    let done = runner.run(stretch, abandon, |ticks| drop(tell.send(News::Ticks(ticks))));
-                    let Some(done) = done.transpose() else { continue };
-                    if done.as_ref().map_or(true, |found| found.divergence.is_some()) {
+                    let done = runner.run(stretch, abandon, |ticks| {
+                        drop(tell.send(News::Ticks(ticks)))
+                    });
+                    let Some(done) = done.transpose() else {
+                        continue;
+                    };
+                    if done
+                        .as_ref()
+                        .map_or(true, |found| found.divergence.is_some())
+                    {
                         parted.fetch_min(k, Ordering::Relaxed);
                     }
                     let _ = tell.send(News::Found(k, Box::new(done)));
@@ -203,7 +240,11 @@ pub fn replay_with(
         stretches: stretches.len() as u64,
         gaps: session.gaps() + missing_at_start(session),
         clean: session.is_clean() && session.cut_short.is_none(),
-        same_build: session.header.run.get("build").is_some_and(|build| *build == build_id()),
+        same_build: session
+            .header
+            .run
+            .get("build")
+            .is_some_and(|build| *build == build_id()),
         first_difference: None,
         divergence: None,
         realtime_factor: 0.0,
@@ -213,7 +254,9 @@ pub fn replay_with(
     let mut session_hash = SessionHash::default();
     for (stretch, found) in stretches.iter().zip(found) {
         // In order of ticks: none is missing before the first that parts.
-        let Some(found) = found.transpose()? else { break };
+        let Some(found) = found.transpose()? else {
+            break;
+        };
         take_in(session, stretch, &found, &mut session_hash);
         report.ticks_matched += found.ticks;
         report.nets_matched += found.nets;
@@ -236,33 +279,63 @@ enum News {
 
 /// Hashes of ticks that were equal are those recorded.
 fn take_in(session: &Session, stretch: &Stretch, found: &Found, hash: &mut SessionHash) {
-    for record in session.ticks[stretch.records.clone()].iter().take(found.ticks as usize) {
+    for record in session.ticks[stretch.records.clone()]
+        .iter()
+        .take(found.ticks as usize)
+    {
         hash.push(record.output.tick, record.output.state_hash);
     }
 }
 
 /// Indices of the ticks to replay: all after the keyframe to start from.
-fn wanted(session: &Session, options: &ReplayOptions) -> Result<std::ops::Range<usize>, ReplayError> {
+fn wanted(
+    session: &Session,
+    options: &ReplayOptions,
+) -> Result<std::ops::Range<usize>, ReplayError> {
     let ReplayOptions { from, until, .. } = *options;
     let first = session.keyframes.first();
-    let none = ReplayError::NoKeyframe { from, first: first.map(|keyframe| keyframe.tick) };
+    let none = ReplayError::NoKeyframe {
+        from,
+        first: first.map(|keyframe| keyframe.tick),
+    };
     let keyframe = match from {
         0 => first,
-        _ => session.keyframes.iter().rev().find(|keyframe| keyframe.tick <= from),
+        _ => session
+            .keyframes
+            .iter()
+            .rev()
+            .find(|keyframe| keyframe.tick <= from),
     };
     let keyframe = keyframe.ok_or(none)?;
-    let start = session.ticks.partition_point(|record| record.output.tick <= keyframe.tick);
-    let end = session.ticks.partition_point(|record| record.output.tick <= until);
-    let edge = |record: Option<&crate::tick::record::TickRecord>| record.map_or(0, |record| record.output.tick);
+    let start = session
+        .ticks
+        .partition_point(|record| record.output.tick <= keyframe.tick);
+    let end = session
+        .ticks
+        .partition_point(|record| record.output.tick <= until);
+    let edge = |record: Option<&crate::tick::record::TickRecord>| {
+        record.map_or(0, |record| record.output.tick)
+    };
     let (first, last) = (edge(session.ticks.first()), edge(session.ticks.last()));
     if until < from || from > last || until < first {
-        return Err(ReplayError::NoTicks { from, until, first, last });
+        return Err(ReplayError::NoTicks {
+            from,
+            until,
+            first,
+            last,
+        });
     }
     Ok(start..end.max(start))
 }
 
-/// A recording begins with a keyframe, and its first tick is the next: of a part of a longer session as well.
+/// A recording begins with a keyframe, and its first tick is the next: of a part of a longer
+/// session as well.
 fn missing_at_start(session: &Session) -> u64 {
-    let (Some(keyframe), Some(record)) = (session.keyframes.first(), session.ticks.first()) else { return 0 };
-    record.output.tick.saturating_sub(keyframe.tick.saturating_add(1))
+    let (Some(keyframe), Some(record)) = (session.keyframes.first(), session.ticks.first()) else {
+        return 0;
+    };
+    record
+        .output
+        .tick
+        .saturating_sub(keyframe.tick.saturating_add(1))
 }

@@ -1,5 +1,6 @@
-//! Stretches of a session: each from a keyframe up to and including the next, whose state it must reach. Together they are as
-//! strong as one replay from end to end, and each may run on a thread of its own.
+//! Stretches of a session: each from a keyframe up to and including the next, whose state it must
+//! reach. Together they are as strong as one replay from end to end, and each may run on a thread
+//! of its own.
 
 use super::super::reader::{Keyframe, Session};
 use super::ReplayError;
@@ -27,13 +28,20 @@ pub(super) fn divide(session: &Session, records: Range<usize>) -> (Vec<Stretch>,
     let mut last = None;
     for at in records {
         let tick = session.ticks[at].output.tick;
-        let end = session.keyframes.partition_point(|keyframe| keyframe.tick < tick);
-        let before = session.keyframes[..end].last().filter(|keyframe| keyframe.tick + 1 == tick);
+        let end = session
+            .keyframes
+            .partition_point(|keyframe| keyframe.tick < tick);
+        let before = session.keyframes[..end]
+            .last()
+            .filter(|keyframe| keyframe.tick + 1 == tick);
         // A tick that is there twice is no gap: its stretch goes on, and the difference is found.
         let goes_on = last.is_some_and(|last: u64| tick <= last.saturating_add(1));
         match (before, stretches.last_mut()) {
             (Some(_), _) if last != Some(tick) => {
-                stretches.push(Stretch { keyframe: end - 1, records: at..at + 1 });
+                stretches.push(Stretch {
+                    keyframe: end - 1,
+                    records: at..at + 1,
+                });
             }
             (_, Some(open)) if goes_on => open.records.end = at + 1,
             // After a gap only a keyframe knows the state; ticks before the next one are skipped.
@@ -70,10 +78,16 @@ pub(super) struct Runner<'a> {
 
 impl<'a> Runner<'a> {
     pub fn new(session: &'a Session, follower: Follower<'a>) -> Self {
-        Self { session, follower, net: Vec::new(), recent: VecDeque::with_capacity(WINDOW + 1) }
+        Self {
+            session,
+            follower,
+            net: Vec::new(),
+            recent: VecDeque::with_capacity(WINDOW + 1),
+        }
     }
 
-    /// `None` when `abandon` says that nobody wants to know any more. `progress` is told of so many more ticks now and then.
+    /// `None` when `abandon` says that nobody wants to know any more. `progress` is told of so many
+    /// more ticks now and then.
     pub fn run(
         &mut self,
         stretch: &Stretch,
@@ -87,7 +101,12 @@ impl<'a> Runner<'a> {
         self.recent.clear();
         let hash = self.follower.seat(keyframe)?;
         if hash != keyframe.state_hash {
-            let difference = Difference::of_numbers(keyframe.tick, "keyframe.state_hash", keyframe.state_hash, hash);
+            let difference = Difference::of_numbers(
+                keyframe.tick,
+                "keyframe.state_hash",
+                keyframe.state_hash,
+                hash,
+            );
             found.divergence = Some(self.part(difference, stretch.records.start));
             return Ok(Some(found));
         }
@@ -114,7 +133,8 @@ impl<'a> Runner<'a> {
         for keyframe in keyframes_of(session, last) {
             let hash = self.follower.reach(keyframe, &mut done);
             if hash != keyframe.state_hash {
-                let difference = Difference::of_numbers(last, "keyframe.state_hash", keyframe.state_hash, hash);
+                let difference =
+                    Difference::of_numbers(last, "keyframe.state_hash", keyframe.state_hash, hash);
                 found.divergence = Some(self.part(difference, stretch.records.end));
                 break;
             }
@@ -133,10 +153,15 @@ impl<'a> Runner<'a> {
         let nets = &self.session.nets;
         let first = nets.partition_point(|net| net.tick < tick);
         for recorded in nets[first..].iter().take_while(|net| net.tick == tick) {
-            let Some(body) = (0..scene.body_count()).find(|&body| scene.body_id(body) == recorded.body) else {
+            let Some(body) =
+                (0..scene.body_count()).find(|&body| scene.body_id(body) == recorded.body)
+            else {
                 continue;
             };
-            self.net.resize(scene.rest_surface(body).net().points().len(), Point3::origin());
+            self.net.resize(
+                scene.rest_surface(body).net().points().len(),
+                Point3::origin(),
+            );
             self.follower.state().copy_net(scene, body, &mut self.net);
             if let Some(difference) = compare_net(recorded, &self.net) {
                 return Some(difference);
@@ -153,7 +178,8 @@ impl<'a> Runner<'a> {
         self.recent.push_back(replayed);
     }
 
-    /// Goes on for some ticks after a difference, so that one can see where it leads. `next` is the record to go on with.
+    /// Goes on for some ticks after a difference, so that one can see where it leads. `next` is the
+    /// record to go on with.
     fn part(&mut self, difference: Difference, next: usize) -> Divergence {
         let mut replayed: Vec<TickRecord> = self.recent.drain(..).collect();
         let mut tick = difference.tick;
@@ -162,14 +188,24 @@ impl<'a> Runner<'a> {
                 break;
             }
             tick = record.output.tick;
-            replayed.push(TickRecord { output: self.follower.tick(tick, &record.input), ..*record });
+            replayed.push(TickRecord {
+                output: self.follower.tick(tick, &record.input),
+                ..*record
+            });
         }
-        Divergence { difference, replayed }
+        Divergence {
+            difference,
+            replayed,
+        }
     }
 }
 
 fn keyframes_of(session: &Session, tick: u64) -> &[Keyframe] {
-    let first = session.keyframes.partition_point(|keyframe| keyframe.tick < tick);
-    let end = session.keyframes.partition_point(|keyframe| keyframe.tick <= tick);
+    let first = session
+        .keyframes
+        .partition_point(|keyframe| keyframe.tick < tick);
+    let end = session
+        .keyframes
+        .partition_point(|keyframe| keyframe.tick <= tick);
     &session.keyframes[first..end]
 }

@@ -15,22 +15,54 @@ const RED: f64 = 0.1;
 /// What has no shape of its own is a ball of this radius, relative to the size of the scene.
 const MARKER: f64 = 0.015;
 
-const TOOL: fox::Color = fox::Color { r: 0.95, g: 0.75, b: 0.25, a: 0.9 };
-const FORCE: fox::Color = fox::Color { r: 0.9, g: 0.2, b: 0.15, a: 1.0 };
-const SKIN: fox::Color = fox::Color { r: 0.55, g: 0.65, b: 0.85, a: 0.85 };
-const NET: fox::Color = fox::Color { r: 0.25, g: 0.3, b: 0.4, a: 0.6 };
+const TOOL: fox::Color = fox::Color {
+    r: 0.95,
+    g: 0.75,
+    b: 0.25,
+    a: 0.9,
+};
+const FORCE: fox::Color = fox::Color {
+    r: 0.9,
+    g: 0.2,
+    b: 0.15,
+    a: 1.0,
+};
+const SKIN: fox::Color = fox::Color {
+    r: 0.55,
+    g: 0.65,
+    b: 0.85,
+    a: 0.85,
+};
+const NET: fox::Color = fox::Color {
+    r: 0.25,
+    g: 0.3,
+    b: 0.4,
+    a: 0.6,
+};
 
 fn vector(x: f64, y: f64, z: f64) -> fox::Vector3 {
     fox::Vector3 { x, y, z }
 }
 
 fn point(p: &Point3) -> fox::Point3 {
-    fox::Point3 { x: p.x, y: p.y, z: p.z }
+    fox::Point3 {
+        x: p.x,
+        y: p.y,
+        z: p.z,
+    }
 }
 
 fn unturned(position: fox::Vector3) -> fox::Pose {
-    let orientation = fox::Quaternion { x: 0.0, y: 0.0, z: 0.0, w: 1.0 };
-    fox::Pose { position: Some(position), orientation: Some(orientation) }
+    let orientation = fox::Quaternion {
+        x: 0.0,
+        y: 0.0,
+        z: 0.0,
+        w: 1.0,
+    };
+    fox::Pose {
+        position: Some(position),
+        orientation: Some(orientation),
+    }
 }
 
 fn origin() -> fox::Pose {
@@ -63,7 +95,11 @@ impl Grid {
                     real[k].push(false);
                 }
                 real[k].extend(std::iter::repeat_n(true, count));
-                let last = if pair[1] < to { pair[1].next_down() } else { to };
+                let last = if pair[1] < to {
+                    pair[1].next_down()
+                } else {
+                    to
+                };
                 let at = |i: usize| pair[0] + (pair[1] - pair[0]) * i as f64 / count as f64;
                 parameters[k].extend((0..=count).map(|i| if i == count { last } else { at(i) }));
             }
@@ -73,7 +109,11 @@ impl Grid {
         let mut shown = Vec::with_capacity(real[0].len() * real[1].len());
         for (i, &in_u) in real[0].iter().enumerate() {
             for (j, &in_v) in real[1].iter().enumerate() {
-                let twice = || joints.as_ref().is_some_and(|t| t.is_duplicate_at(middle(0, i), middle(1, j)));
+                let twice = || {
+                    joints
+                        .as_ref()
+                        .is_some_and(|t| t.is_duplicate_at(middle(0, i), middle(1, j)))
+                };
                 shown.push(in_u && in_v && !twice());
             }
         }
@@ -82,19 +122,39 @@ impl Grid {
 
     fn points(&self, surface: &Surface) -> Vec<Point3> {
         let [us, vs] = &self.parameters;
-        us.iter().flat_map(|u| vs.iter().map(|v| surface.point(*u, *v))).collect()
+        us.iter()
+            .flat_map(|u| vs.iter().map(|v| surface.point(*u, *v)))
+            .collect()
     }
 
     /// Two triangles a cell.
     fn indices(&self) -> Vec<u32> {
         let [rows, columns] = [0, 1].map(|k| self.parameters[k].len() - 1);
         let at = |i: usize, j: usize| (i * (columns + 1) + j) as u32;
-        let cell = |i, j| [at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j), at(i + 1, j + 1), at(i, j + 1)];
+        let cell = |i, j| {
+            [
+                at(i, j),
+                at(i + 1, j),
+                at(i + 1, j + 1),
+                at(i, j),
+                at(i + 1, j + 1),
+                at(i, j + 1),
+            ]
+        };
         let cells = (0..rows).flat_map(|i| (0..columns).map(move |j| (i, j)));
-        cells.zip(&self.shown).filter(|(_, shown)| **shown).flat_map(|((i, j), _)| cell(i, j)).collect()
+        cells
+            .zip(&self.shown)
+            .filter(|(_, shown)| **shown)
+            .flat_map(|((i, j), _)| cell(i, j))
+            .collect()
     }
 
-    fn triangles(&self, points: &[Point3], pose: fox::Pose, color: fox::Color) -> fox::TriangleListPrimitive {
+    fn triangles(
+        &self,
+        points: &[Point3],
+        pose: fox::Pose,
+        color: fox::Color,
+    ) -> fox::TriangleListPrimitive {
         fox::TriangleListPrimitive {
             pose: Some(pose),
             points: points.iter().map(point).collect(),
@@ -109,7 +169,10 @@ impl Grid {
 fn size_m(surface: &Surface) -> f64 {
     let points = surface.net().points();
     let from = points.first().copied().unwrap_or_default();
-    points.iter().map(|p| (p - from).norm()).fold(1e-6, f64::max)
+    points
+        .iter()
+        .map(|p| (p - from).norm())
+        .fold(1e-6, f64::max)
 }
 
 /// A body that can be drawn with any net.
@@ -132,7 +195,13 @@ impl BodyShape {
         let rest = scene.rest_surface(body).clone();
         let grid = Grid::over(&rest);
         let size_m = size_m(&rest);
-        Self { id: scene.body_id(body).to_owned(), rest_points: grid.points(&rest), rest, grid, size_m }
+        Self {
+            id: scene.body_id(body).to_owned(),
+            rest_points: grid.points(&rest),
+            rest,
+            grid,
+            size_m,
+        }
     }
 
     pub fn topic(&self) -> String {
@@ -148,7 +217,10 @@ impl BodyShape {
                 *to = Point3::new(from[0], from[1], from[2]);
             }
         }
-        Drawn { points: self.grid.points(&surface), net: surface.net().points().to_vec() }
+        Drawn {
+            points: self.grid.points(&surface),
+            net: surface.net().points().to_vec(),
+        }
     }
 
     pub fn entity(&self, stamp: fox::Timestamp, drawn: &Drawn) -> fox::SceneEntity {
@@ -172,7 +244,8 @@ impl BodyShape {
         }
     }
 
-    /// x, y, z and how far from rest, four f32 a point, m; and that distance as a colour, from blue to red, four bytes.
+    /// x, y, z and how far from rest, four f32 a point, m; and that distance as a colour, from blue
+    /// to red, four bytes.
     pub fn cloud(&self, stamp: fox::Timestamp, drawn: &Drawn) -> fox::PointCloud {
         let mut data = Vec::with_capacity(20 * drawn.points.len());
         for (now, rest) in drawn.points.iter().zip(&self.rest_points) {
@@ -185,13 +258,21 @@ impl BodyShape {
             data.extend_from_slice(&[mix(90.0, 230.0), mix(120.0, 50.0), mix(210.0, 40.0), 255]);
         }
         use fox::packed_element_field::NumericType::{Float32, Uint8};
-        let distances = ["x", "y", "z", "displacement_m"].iter().enumerate().map(|(k, name)| (*name, 4 * k, Float32));
-        let colours = ["red", "green", "blue", "alpha"].iter().enumerate().map(|(k, name)| (*name, 16 + k, Uint8));
-        let fields = distances.chain(colours).map(|(name, offset, kind)| fox::PackedElementField {
-            name: name.into(),
-            offset: offset as u32,
-            r#type: kind.into(),
-        });
+        let distances = ["x", "y", "z", "displacement_m"]
+            .iter()
+            .enumerate()
+            .map(|(k, name)| (*name, 4 * k, Float32));
+        let colours = ["red", "green", "blue", "alpha"]
+            .iter()
+            .enumerate()
+            .map(|(k, name)| (*name, 16 + k, Uint8));
+        let fields = distances
+            .chain(colours)
+            .map(|(name, offset, kind)| fox::PackedElementField {
+                name: name.into(),
+                offset: offset as u32,
+                r#type: kind.into(),
+            });
         fox::PointCloud {
             timestamp: Some(stamp),
             frame_id: "world".into(),
@@ -221,13 +302,19 @@ enum Look {
 
 impl ToolShape {
     pub fn of(scene: &Scene, tool: usize) -> Self {
-        let size_m = (0..scene.body_count()).map(|body| size_m(scene.rest_surface(body))).fold(1e-3, f64::max);
+        let size_m = (0..scene.body_count())
+            .map(|body| size_m(scene.rest_surface(body)))
+            .fold(1e-3, f64::max);
         let look = match scene.tool_shape(tool) {
             Shape::Sphere { radius_m } => Look::Ball(*radius_m),
             Shape::Plane { normal } => {
-                let turn = crate::math::Rotation::rotation_between(&crate::math::Vector3::z(), normal);
+                let turn =
+                    crate::math::Rotation::rotation_between(&crate::math::Vector3::z(), normal);
                 let turn = turn.unwrap_or_else(|| {
-                    crate::math::Rotation::from_axis_angle(&crate::math::Vector3::x_axis(), std::f64::consts::PI)
+                    crate::math::Rotation::from_axis_angle(
+                        &crate::math::Vector3::x_axis(),
+                        std::f64::consts::PI,
+                    )
                 });
                 let [x, y, z, w]: [f64; 4] = turn.coords.into();
                 Look::Plate(fox::Quaternion { x, y, z, w }, size_m)
@@ -240,7 +327,12 @@ impl ToolShape {
             Shape::Point | Shape::Implicit { .. } | Shape::Mesh(_) => Look::Marker,
         };
         let id = scene.tool_id(tool).to_owned();
-        Self { id, look, arrow_m: ARROW * size_m, marker_m: MARKER * size_m }
+        Self {
+            id,
+            look,
+            arrow_m: ARROW * size_m,
+            marker_m: MARKER * size_m,
+        }
     }
 
     pub fn topic(&self) -> String {
@@ -266,7 +358,10 @@ impl ToolShape {
         position: fox::Vector3,
         orientation: fox::Quaternion,
     ) -> fox::SceneEntity {
-        let pose = fox::Pose { position: Some(position), orientation: Some(orientation) };
+        let pose = fox::Pose {
+            position: Some(position),
+            orientation: Some(orientation),
+        };
         let mut entity = fox::SceneEntity {
             timestamp: Some(stamp),
             frame_id: "world".into(),
@@ -282,11 +377,16 @@ impl ToolShape {
             Look::Ball(radius) => entity.spheres.push(ball(*radius)),
             Look::Marker => entity.spheres.push(ball(self.marker_m)),
             Look::Plate(turn, size) => entity.cubes.push(fox::CubePrimitive {
-                pose: Some(fox::Pose { position: Some(position), orientation: Some(product(orientation, *turn)) }),
+                pose: Some(fox::Pose {
+                    position: Some(position),
+                    orientation: Some(product(orientation, *turn)),
+                }),
                 size: Some(vector(*size, *size, 0.002 * size)),
                 color: Some(TOOL),
             }),
-            Look::Surface(shape) => entity.triangles.push(shape.0.triangles(&shape.1, pose, TOOL)),
+            Look::Surface(shape) => entity
+                .triangles
+                .push(shape.0.triangles(&shape.1, pose, TOOL)),
         }
         let force = [values[0], values[1], values[2]];
         let newtons = force.iter().map(|x| x * x).sum::<f64>().sqrt();
@@ -301,12 +401,18 @@ impl ToolShape {
         let direction = crate::math::Vector3::from(force);
         let turn = crate::math::Rotation::rotation_between(&crate::math::Vector3::x(), &direction);
         let turn = turn.unwrap_or_else(|| {
-            crate::math::Rotation::from_axis_angle(&crate::math::Vector3::z_axis(), std::f64::consts::PI)
+            crate::math::Rotation::from_axis_angle(
+                &crate::math::Vector3::z_axis(),
+                std::f64::consts::PI,
+            )
         });
         let [x, y, z, w]: [f64; 4] = turn.coords.into();
         let (length, width) = (self.arrow_m * newtons, 0.1 * self.arrow_m);
         fox::ArrowPrimitive {
-            pose: Some(fox::Pose { position: Some(from), orientation: Some(fox::Quaternion { x, y, z, w }) }),
+            pose: Some(fox::Pose {
+                position: Some(from),
+                orientation: Some(fox::Quaternion { x, y, z, w }),
+            }),
             shaft_length: 0.8 * length,
             shaft_diameter: width,
             head_length: 0.2 * length,
@@ -320,7 +426,12 @@ impl ToolShape {
 fn product(a: fox::Quaternion, b: fox::Quaternion) -> fox::Quaternion {
     let [a, b] = [a, b].map(|q| nalgebra::Quaternion::new(q.w, q.x, q.y, q.z));
     let q = a * b;
-    fox::Quaternion { x: q.i, y: q.j, z: q.k, w: q.w }
+    fox::Quaternion {
+        x: q.i,
+        y: q.j,
+        z: q.k,
+        w: q.w,
+    }
 }
 
 #[cfg(test)]
@@ -340,9 +451,16 @@ mod tests {
             0.5 * (b - a).cross(&(c - a)).norm()
         };
         let drawn: f64 = indices.chunks_exact(3).map(area).sum();
-        assert!((drawn / surface.area() - 1.0).abs() < 0.03, "{drawn} m² of {} m²", surface.area());
+        assert!(
+            (drawn / surface.area() - 1.0).abs() < 0.03,
+            "{drawn} m² of {} m²",
+            surface.area()
+        );
         let lines = surface.net_edges();
-        assert!(!lines.contains(&[16 * 15, 17 * 15]) && !lines.contains(&[7, 8]), "a line across a gap");
+        assert!(
+            !lines.contains(&[16 * 15, 17 * 15]) && !lines.contains(&[7, 8]),
+            "a line across a gap"
+        );
         assert!(lines.contains(&[15 * 15, 16 * 15]) && lines.contains(&[6, 7]));
     }
 }

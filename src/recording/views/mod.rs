@@ -1,5 +1,5 @@
-//! What viewers show of a session: Foxglove messages made from ticks and nets, so often as eyes can follow and only when
-//! something changed. A replay does not read them.
+//! What viewers show of a session: Foxglove messages made from ticks and nets, so often as eyes can
+//! follow and only when something changed. A replay does not read them.
 //!
 //! | topic | message | for |
 //! |---|---|---|
@@ -56,8 +56,12 @@ impl Views {
     pub fn of(scene: &Scene) -> Option<Self> {
         let record = &scene.spec.record;
         let shapes = Shapes {
-            bodies: (0..scene.body_count()).map(|body| BodyShape::of(scene, body)).collect(),
-            tools: (0..scene.tool_count()).map(|tool| ToolShape::of(scene, tool)).collect(),
+            bodies: (0..scene.body_count())
+                .map(|body| BodyShape::of(scene, body))
+                .collect(),
+            tools: (0..scene.tool_count())
+                .map(|tool| ToolShape::of(scene, tool))
+                .collect(),
             dt_ns: (scene.dt_s * 1e9).round() as u64,
         };
         record.views.then(|| Self {
@@ -72,18 +76,35 @@ impl Views {
     }
 
     /// The same with its channels in a file.
-    pub fn declared<W: Write + Seek>(mut self, mcap: &mut mcap::Writer<W>) -> mcap::McapResult<Self> {
+    pub fn declared<W: Write + Seek>(
+        mut self,
+        mcap: &mut mcap::Writer<W>,
+    ) -> mcap::McapResult<Self> {
         let mut channel = |topic: String, message: &str| {
             let name = format!("foxglove.{message}");
-            let schema = mcap.add_schema(&name, "protobuf", pb::descriptors(&name).unwrap_or_default())?;
+            let schema = mcap.add_schema(
+                &name,
+                "protobuf",
+                pb::descriptors(&name).unwrap_or_default(),
+            )?;
             mcap.add_channel(schema, &topic, "protobuf", &BTreeMap::new())
         };
         self.channels = Channels {
             scene: channel("/view/scene".into(), "SceneUpdate")?,
             tf: channel("/tf".into(), "FrameTransforms")?,
             log: channel("/log".into(), "Log")?,
-            points: self.shapes.bodies.iter().map(|b| channel(b.topic(), "PointCloud")).collect::<Result<_, _>>()?,
-            tools: self.shapes.tools.iter().map(|t| channel(t.topic(), "PoseInFrame")).collect::<Result<_, _>>()?,
+            points: self
+                .shapes
+                .bodies
+                .iter()
+                .map(|b| channel(b.topic(), "PointCloud"))
+                .collect::<Result<_, _>>()?,
+            tools: self
+                .shapes
+                .tools
+                .iter()
+                .map(|t| channel(t.topic(), "PoseInFrame"))
+                .collect::<Result<_, _>>()?,
         };
         Ok(self)
     }
@@ -98,11 +119,16 @@ impl Views {
             Kind::Net { body } => self.nets[usize::from(body)] = Some(message.data.clone()),
             Kind::Event => {
                 if let Ok(event) = pb::Event::decode(&message.data[..]) {
-                    put(self.channels.log, &log(self.stamp(message.tick), &event).encode_to_vec())?;
+                    put(
+                        self.channels.log,
+                        &log(self.stamp(message.tick), &event).encode_to_vec(),
+                    )?;
                 }
             }
             // The nets of a file's start come with its first ticks.
-            Kind::Tick { .. } if message.tick >= *self.next.get_or_insert(message.tick.saturating_add(1)) => {
+            Kind::Tick { .. }
+                if message.tick >= *self.next.get_or_insert(message.tick.saturating_add(1)) =>
+            {
                 self.next = Some(message.tick.saturating_add(self.every));
                 if let Ok(tick) = pb::Tick::decode(&message.data[..]) {
                     self.picture(&tick, put)?;
@@ -115,7 +141,10 @@ impl Views {
 
     fn stamp(&self, tick: u64) -> fox::Timestamp {
         let ns = tick.saturating_mul(self.shapes.dt_ns);
-        fox::Timestamp { seconds: (ns / 1_000_000_000) as i64, nanos: (ns % 1_000_000_000) as i32 }
+        fox::Timestamp {
+            seconds: (ns / 1_000_000_000) as i64,
+            nanos: (ns % 1_000_000_000) as i32,
+        }
     }
 
     fn picture(
@@ -127,13 +156,18 @@ impl Views {
         let shapes = self.shapes.clone();
         let mut scene = fox::SceneUpdate::default();
         for (body, shape) in shapes.bodies.iter().enumerate() {
-            let net = self.nets[body].take().and_then(|data| pb::ControlNet::decode(&data[..]).ok());
+            let net = self.nets[body]
+                .take()
+                .and_then(|data| pb::ControlNet::decode(&data[..]).ok());
             if net.is_none() && self.drawn {
                 continue;
             }
             let drawn = shape.drawn(net.as_ref().map_or(&[], |net| &net.points[..]));
             scene.entities.push(shape.entity(stamp, &drawn));
-            put(self.channels.points[body], &shape.cloud(stamp, &drawn).encode_to_vec())?;
+            put(
+                self.channels.points[body],
+                &shape.cloud(stamp, &drawn).encode_to_vec(),
+            )?;
         }
         let mut transforms = fox::FrameTransforms::default();
         for (t, (shape, tool)) in shapes.tools.iter().zip(&tick.tools).enumerate() {
@@ -141,8 +175,12 @@ impl Views {
                 continue;
             }
             self.tools[t].clone_from(&tool.values);
-            let Some((position, orientation)) = shape.pose(&tool.values) else { continue };
-            scene.entities.push(shape.entity(stamp, &tool.values, position, orientation));
+            let Some((position, orientation)) = shape.pose(&tool.values) else {
+                continue;
+            };
+            scene
+                .entities
+                .push(shape.entity(stamp, &tool.values, position, orientation));
             transforms.transforms.push(fox::FrameTransform {
                 timestamp: Some(stamp),
                 parent_frame_id: "world".into(),
@@ -150,8 +188,15 @@ impl Views {
                 translation: Some(position),
                 rotation: Some(orientation),
             });
-            let pose = fox::Pose { position: Some(position), orientation: Some(orientation) };
-            let pose = fox::PoseInFrame { timestamp: Some(stamp), frame_id: "world".into(), pose: Some(pose) };
+            let pose = fox::Pose {
+                position: Some(position),
+                orientation: Some(orientation),
+            };
+            let pose = fox::PoseInFrame {
+                timestamp: Some(stamp),
+                frame_id: "world".into(),
+                pose: Some(pose),
+            };
             put(self.channels.tools[t], &pose.encode_to_vec())?;
         }
         self.drawn = true;

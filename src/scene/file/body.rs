@@ -16,8 +16,16 @@ impl Check<'_> {
         if let Some(thickness) = body.lattice.thickness_m {
             self.above_zero("body", b, "thickness_m", thickness, "m");
         }
-        if body.lattice.nodes.iter().any(|n| !(2..=MOST_NODES_A_SIDE).contains(n)) {
-            let message = format!("nodes is {:?}; each must be 2 to {MOST_NODES_A_SIDE}", body.lattice.nodes);
+        if body
+            .lattice
+            .nodes
+            .iter()
+            .any(|n| !(2..=MOST_NODES_A_SIDE).contains(n))
+        {
+            let message = format!(
+                "nodes is {:?}; each must be 2 to {MOST_NODES_A_SIDE}",
+                body.lattice.nodes
+            );
             self.refuse("body", b, "nodes", message);
         }
         self.within(b, "cycles", body.lattice.cycles, 10_000);
@@ -45,8 +53,13 @@ impl Check<'_> {
                     self.direction("body", b, "normal", normal);
                 }
                 FixedSpec::Range { u, v } => {
-                    if [u, v].iter().any(|[from, to]| from.is_nan() || to.is_nan() || from > to) {
-                        let message = format!("u = {u:?}, v = {v:?} is no range; give [from, to] with from <= to");
+                    if [u, v]
+                        .iter()
+                        .any(|[from, to]| from.is_nan() || to.is_nan() || from > to)
+                    {
+                        let message = format!(
+                            "u = {u:?}, v = {v:?} is no range; give [from, to] with from <= to"
+                        );
                         self.refuse("body", b, "fixed", message);
                     }
                 }
@@ -56,7 +69,12 @@ impl Check<'_> {
 
     fn within(&mut self, b: usize, key: &str, value: usize, most: usize) {
         if !(1..=most).contains(&value) {
-            self.refuse("body", b, key, format!("{key} is {value}; it must be 1 to {most}"));
+            self.refuse(
+                "body",
+                b,
+                key,
+                format!("{key} is {value}; it must be 1 to {most}"),
+            );
         }
     }
 
@@ -65,11 +83,22 @@ impl Check<'_> {
             && crate::body::preset(name).is_none()
         {
             let known: Vec<&str> = PRESETS.iter().map(|preset| preset.name).collect();
-            let near = known.iter().min_by_key(|known| strsim::damerau_levenshtein(name, known)).unwrap_or(&"");
-            let message = format!("{name:?} is no material; did you mean {near:?}? (known: {})", known.join(", "));
+            let near = known
+                .iter()
+                .min_by_key(|known| strsim::damerau_levenshtein(name, known))
+                .unwrap_or(&"");
+            let message = format!(
+                "{name:?} is no material; did you mean {near:?}? (known: {})",
+                known.join(", ")
+            );
             self.refuse("body", b, "preset", message);
         }
-        self.moduli(b, material.young_pa, material.poisson, material.density_kg_m3);
+        self.moduli(
+            b,
+            material.young_pa,
+            material.poisson,
+            material.density_kg_m3,
+        );
         if let Some(damping_s) = material.damping_s {
             self.not_below_zero("body", b, "damping_s", damping_s, "s");
         }
@@ -84,22 +113,44 @@ impl Check<'_> {
             }
         }
         if let Some(law) = &material.stiffening {
-            for (key, ratio) in [("ratio", law.ratio), ("least_length_ratio", law.least_length_ratio)] {
+            for (key, ratio) in [
+                ("ratio", law.ratio),
+                ("least_length_ratio", law.least_length_ratio),
+            ] {
                 if !(1.0..=1_000.0).contains(&ratio) {
-                    self.refuse("body", b, key, format!("{key} is {ratio}; it must be 1 to 1000"));
+                    self.refuse(
+                        "body",
+                        b,
+                        key,
+                        format!("{key} is {ratio}; it must be 1 to 1000"),
+                    );
                 }
             }
             if law.strain.is_nan() || law.strain < 0.0 {
-                self.refuse("body", b, "strain", format!("strain is {}; it must be at least 0", law.strain));
+                self.refuse(
+                    "body",
+                    b,
+                    "strain",
+                    format!("strain is {}; it must be at least 0", law.strain),
+                );
             }
             if !(0.0..1.0).contains(&law.least_length) {
-                let message = format!("least_length is {}; it must be at least 0 and below 1", law.least_length);
+                let message = format!(
+                    "least_length is {}; it must be at least 0 and below 1",
+                    law.least_length
+                );
                 self.refuse("body", b, "least_length", message);
             }
         }
     }
 
-    fn moduli(&mut self, b: usize, young_pa: Option<f64>, poisson: Option<f64>, density_kg_m3: Option<f64>) {
+    fn moduli(
+        &mut self,
+        b: usize,
+        young_pa: Option<f64>,
+        poisson: Option<f64>,
+        density_kg_m3: Option<f64>,
+    ) {
         if let Some(young_pa) = young_pa {
             self.above_zero("body", b, "young_pa", young_pa, "Pa");
         }
@@ -117,16 +168,29 @@ impl Check<'_> {
     fn region(&mut self, b: usize, r: usize, region: &RegionSpec) {
         self.moduli(b, region.young_pa, region.poisson, region.density_kg_m3);
         if region.ball.is_some() == region.box_.is_some() {
-            self.refuse_part("body", b, "region", r, "a region needs exactly one of ball, box");
+            self.refuse_part(
+                "body",
+                b,
+                "region",
+                r,
+                "a region needs exactly one of ball, box",
+            );
         }
         if let Some(ball) = &region.ball {
             self.finite("body", b, "centre", &ball.centre);
             self.above_zero("body", b, "radius_m", ball.radius_m, "m");
         }
         if let Some(bounds) = &region.box_
-            && (0..3).any(|c| bounds.low[c].partial_cmp(&bounds.high[c]).is_none_or(|order| order.is_ge()))
+            && (0..3).any(|c| {
+                bounds.low[c]
+                    .partial_cmp(&bounds.high[c])
+                    .is_none_or(|order| order.is_ge())
+            })
         {
-            let message = format!("low = {:?} must be below high = {:?} in x, y and z", bounds.low, bounds.high);
+            let message = format!(
+                "low = {:?} must be below high = {:?} in x, y and z",
+                bounds.low, bounds.high
+            );
             self.refuse("body", b, "low", message);
         }
     }

@@ -16,11 +16,16 @@ impl Place<'_> {
         let before = &self.text[..at.start.min(self.text.len())];
         let line = before.matches('\n').count() + 1;
         let column = before.len() - before.rfind('\n').map_or(0, |k| k + 1) + 1;
-        Problem { file: self.file.to_owned(), line, column, message }
+        Problem {
+            file: self.file.to_owned(),
+            line,
+            column,
+            message,
+        }
     }
 
-    /// Where a key stands: in the `index`-th `[[table]]` (and its sub-tables), or in `[table]`; the table's header
-    /// otherwise.
+    /// Where a key stands: in the `index`-th `[[table]]` (and its sub-tables), or in `[table]`; the
+    /// table's header otherwise.
     pub fn find(&self, table: &str, index: usize, key: &str) -> Range<usize> {
         let mut header = 0..0;
         for Line { start, text, head } in self.lines_of(table, index) {
@@ -37,11 +42,17 @@ impl Place<'_> {
         header
     }
 
-    /// Header of the `nth` part `[[table.part]]` of the `index`-th `[[table]]`; that of the table if it is written inline.
+    /// Header of the `nth` part `[[table.part]]` of the `index`-th `[[table]]`; that of the table
+    /// if it is written inline.
     pub fn find_part(&self, table: &str, index: usize, part: &str, nth: usize) -> Range<usize> {
         let name = format!("{table}.{part}");
-        let mut parts = self.lines_of(table, index).filter(|line| line.head == Some(name.as_str()));
-        parts.nth(nth).map_or_else(|| self.find(table, index, part), |line| line.start..line.start + line.text.len())
+        let mut parts = self
+            .lines_of(table, index)
+            .filter(|line| line.head == Some(name.as_str()));
+        parts.nth(nth).map_or_else(
+            || self.find(table, index, part),
+            |line| line.start..line.start + line.text.len(),
+        )
     }
 
     /// Lines of the `index`-th `[[table]]` and of its sub-tables.
@@ -54,7 +65,9 @@ impl Place<'_> {
                 inside = seen == index;
                 seen += 1;
             } else if let Some(head) = head {
-                inside &= head.strip_prefix(table).is_some_and(|rest| rest.starts_with('.'));
+                inside &= head
+                    .strip_prefix(table)
+                    .is_some_and(|rest| rest.starts_with('.'));
             }
             inside.then_some(Line { start, text, head })
         })
@@ -70,13 +83,19 @@ struct Line<'a> {
 
 fn head(line: &str) -> Option<&str> {
     let line = line.trim();
-    line.starts_with('[').then(|| line.trim_start_matches('[').split(']').next().unwrap_or("").trim())
+    line.starts_with('[').then(|| {
+        line.trim_start_matches('[')
+            .split(']')
+            .next()
+            .unwrap_or("")
+            .trim()
+    })
 }
 
 fn word(line: &str, key: &str) -> Option<usize> {
     let code = line.split('#').next().unwrap_or("");
     let fits = |c: Option<char>| c.is_none_or(|c| !(c.is_alphanumeric() || c == '_' || c == '-'));
-    code.match_indices(key)
-        .map(|(at, _)| at)
-        .find(|&at| fits(code[..at].chars().next_back()) && fits(code[at + key.len()..].chars().next()))
+    code.match_indices(key).map(|(at, _)| at).find(|&at| {
+        fits(code[..at].chars().next_back()) && fits(code[at + key.len()..].chars().next())
+    })
 }

@@ -48,7 +48,8 @@ pub enum ModelSpec {
     Membrane,
     /// A solid of springs between nodes; the control points are nodes.
     Lattice,
-    /// An elastic solid (stable neo-Hookean) in the cells between the nodes: E and ν mean what they say.
+    /// An elastic solid (stable neo-Hookean) in the cells between the nodes: E and ν mean what they
+    /// say.
     Continuum,
     /// The same on a finer grid of cells, moved by the control points and few shells inside them.
     Net,
@@ -70,7 +71,8 @@ pub struct MaterialSpec {
     /// ρ, kg/m³.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub density_kg_m3: Option<f64>,
-    /// Stiffness-proportional (Voigt) damping time, s: a strain rate ε̇ adds the stress of a strain of this times ε̇.
+    /// Stiffness-proportional (Voigt) damping time, s: a strain rate ε̇ adds the stress of a strain
+    /// of this times ε̇.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub damping_s: Option<f64>,
     /// Springs that give for good; that of the preset when absent.
@@ -123,7 +125,12 @@ pub struct StiffeningSpec {
 
 impl Default for StiffeningSpec {
     fn default() -> Self {
-        Self { strain: f64::INFINITY, ratio: 1.0, least_length: 0.0, least_length_ratio: 10.0 }
+        Self {
+            strain: f64::INFINITY,
+            ratio: 1.0,
+            least_length: 0.0,
+            least_length_ratio: 10.0,
+        }
     }
 }
 
@@ -138,8 +145,8 @@ pub enum SpringsSpec {
     Seed,
 }
 
-/// `[[body.region]]`: cells of another material, by their centres, in the body's frame. What it does not say is as in the
-/// rest of the body.
+/// `[[body.region]]`: cells of another material, by their centres, in the body's frame. What it
+/// does not say is as in the rest of the body.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct RegionSpec {
@@ -190,7 +197,8 @@ pub struct LatticeSpec {
     pub nodes: [usize; 3],
     /// Of `som`: learning cycles.
     pub cycles: usize,
-    /// Shells from the surface inwards, the surface included (≥ 1); for an open sheet, layers through its thickness (≥ 2).
+    /// Shells from the surface inwards, the surface included (≥ 1); for an open sheet, layers
+    /// through its thickness (≥ 2).
     pub layers: usize,
     /// The net after refinement.
     pub refine: RefineSpec,
@@ -226,7 +234,8 @@ pub enum BuilderSpec {
     /// Shells below the surface: its control points are the outermost nodes.
     #[default]
     Layers,
-    /// A cube of nodes, drawn into the surface by a harmonic map; the outermost nodes ride on the surface.
+    /// A cube of nodes, drawn into the surface by a harmonic map; the outermost nodes ride on the
+    /// surface.
     Transfinite,
     /// The same by a self-organising map, as in the thesis.
     Som,
@@ -253,7 +262,8 @@ pub enum RefineSpec {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum RefineAuto {
-    /// About three control points across the smallest expected contact, within the node budget of a tick.
+    /// About three control points across the smallest expected contact, within the node budget of a
+    /// tick.
     Auto,
     /// The net as it is.
     None,
@@ -271,7 +281,8 @@ pub struct IntegratorSpec {
     pub substeps: usize,
     /// Sweeps of the contact solve a tick, 1 ..= 1 000.
     pub contact_sweeps: usize,
-    /// The body steps once in so many ticks, beside the loop; 1 ..= 100. Between, it answers with its compliance.
+    /// The body steps once in so many ticks, beside the loop; 1 ..= 100. Between, it answers with
+    /// its compliance.
     pub every: u32,
     /// An untouched body none of whose points is faster falls asleep, m/s; 0 keeps it awake.
     pub sleep_m_s: f64,
@@ -279,7 +290,14 @@ pub struct IntegratorSpec {
 
 impl Default for IntegratorSpec {
     fn default() -> Self {
-        Self { method: MethodSpec::Implicit, iterations: 1, substeps: 1, contact_sweeps: 30, every: 1, sleep_m_s: 1e-7 }
+        Self {
+            method: MethodSpec::Implicit,
+            iterations: 1,
+            substeps: 1,
+            contact_sweeps: 30,
+            every: 1,
+            sleep_m_s: 1e-7,
+        }
     }
 }
 
@@ -298,8 +316,8 @@ pub enum MethodSpec {
     Auto,
 }
 
-/// `[[body.fixed]]`: the nodes on the far side of a plane (body frame), `normal · (x − point) <= 0`, or the control points
-/// of a range of parameters.
+/// `[[body.fixed]]`: the nodes on the far side of a plane (body frame), `normal · (x − point) <=
+/// 0`, or the control points of a range of parameters.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(untagged, deny_unknown_fields)]
 pub enum FixedSpec {

@@ -33,8 +33,9 @@ pub struct ToolSpec {
     pub fixes_nodes: bool,
 }
 
-/// `shape = { point = {} }`, `{ sphere = { radius_m = 0.01 } }`, `{ plane = { normal = [0, 0, 1] } }` or
-/// `{ surface = { builtin = "torus" } }`, `{ cylinder = { radius_m = 0.005 } }`, `{ mesh = { file = "probe.stl" } }` …
+/// `shape = { point = {} }`, `{ sphere = { radius_m = 0.01 } }`, `{ plane = { normal = [0, 0, 1] }
+/// }` or `{ surface = { builtin = "torus" } }`, `{ cylinder = { radius_m = 0.005 } }`, `{ mesh = {
+/// file = "probe.stl" } }` …
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase", deny_unknown_fields)]
 pub enum ShapeSpec {
@@ -88,7 +89,8 @@ pub enum ShapeSpec {
     Implicit {
         /// Function of x, y, z in metres, tool frame: `"x^2 + y^2 + 4*z^2 - 1e-4"`.
         f: String,
-        /// Distance from the reference point that holds all of the solid, m; without it the tool is near everything.
+        /// Distance from the reference point that holds all of the solid, m; without it the tool is
+        /// near everything.
         #[serde(default)]
         reach_m: Option<f64>,
     },
@@ -146,11 +148,13 @@ pub struct CouplingSpec {
     pub stiffness_n_m: f64,
     /// B_c, N·s/m.
     pub damping_n_s_m: f64,
-    /// The same for rotation, N·m/rad; `inf` turns the proxy as the device is turned. A point or a ball never minds.
+    /// The same for rotation, N·m/rad; `inf` turns the proxy as the device is turned. A point or a
+    /// ball never minds.
     pub turning_stiffness_nm_rad: f64,
     /// N·m·s/rad.
     pub turning_damping_nm_s_rad: f64,
-    /// No stiffer in translation than the device can hold: with the figures of [`DeviceSpec`], or those the device tells.
+    /// No stiffer in translation than the device can hold: with the figures of [`DeviceSpec`], or
+    /// those the device tells.
     pub bounded: bool,
 }
 

@@ -1,9 +1,10 @@
-//! Tensor-product Bernstein polynomials as flat arrays: product, halving, restriction, and what their coefficients prove.
+//! Tensor-product Bernstein polynomials as flat arrays: product, halving, restriction, and what
+//! their coefficients prove.
 //!
-//! Coefficients of a polynomial with `nu × nv` of them are u-major: (i, j) at `i * nv + j`. The least coefficient is a
-//! lower bound of the polynomial on [0, 1]², off by O(width²) when the box is halved; the corners are values. The signs of
-//! first and second differences prove monotony and convexity. Functions are inlined so that callers with literal sizes
-//! get straight loops.
+//! Coefficients of a polynomial with `nu × nv` of them are u-major: (i, j) at `i * nv + j`. The
+//! least coefficient is a lower bound of the polynomial on [0, 1]², off by O(width²) when the box
+//! is halved; the corners are values. The signs of first and second differences prove monotony and
+//! convexity. Functions are inlined so that callers with literal sizes get straight loops.
 
 use crate::basis::MAX_DEGREE;
 use crate::surface::bezier::bernstein;
@@ -173,18 +174,31 @@ pub(super) fn curvature(a: &[f64], nu: usize, nv: usize) -> Curvature {
         uu: uu * su,
         vv: vv * sv,
         uv: uv * p * q,
-        spread: (uu_max.abs().max(uu.abs()) * su, vv_max.abs().max(vv.abs()) * sv),
+        spread: (
+            uu_max.abs().max(uu.abs()) * su,
+            vv_max.abs().max(vv.abs()) * sv,
+        ),
     }
 }
 
 /// Value, gradient and Hessian (uu, uv, vv) at (s, t).
 #[inline(always)]
 pub(super) fn jet(a: &[f64], nu: usize, nv: usize, s: f64, t: f64) -> (f64, [f64; 2], [f64; 3]) {
-    if nu.max(nv) <= 7 { jet_in::<7>(a, nu, nv, s, t) } else { jet_in::<MAX_ORDER>(a, nu, nv, s, t) }
+    if nu.max(nv) <= 7 {
+        jet_in::<7>(a, nu, nv, s, t)
+    } else {
+        jet_in::<MAX_ORDER>(a, nu, nv, s, t)
+    }
 }
 
 #[inline(always)]
-fn jet_in<const N: usize>(a: &[f64], nu: usize, nv: usize, s: f64, t: f64) -> (f64, [f64; 2], [f64; 3]) {
+fn jet_in<const N: usize>(
+    a: &[f64],
+    nu: usize,
+    nv: usize,
+    s: f64,
+    t: f64,
+) -> (f64, [f64; 2], [f64; 3]) {
     let (bs, bt) = (bernstein::<N>(nu - 1, s), bernstein::<N>(nv - 1, t));
     let (mut f, mut g, mut h) = (0.0, [0.0; 2], [0.0; 3]);
     for i in 0..nu {
@@ -216,9 +230,11 @@ pub(super) enum Verdict {
     Open,
 }
 
-/// Whether a univariate polynomial stays at or above `floor` on [0, 1]; `Below` carries the parameter in its first place.
+/// Whether a univariate polynomial stays at or above `floor` on [0, 1]; `Below` carries the
+/// parameter in its first place.
 ///
-/// Walks dyadic intervals from left to right, each restricted from the whole edge, so that nothing needs a stack.
+/// Walks dyadic intervals from left to right, each restricted from the whole edge, so that nothing
+/// needs a stack.
 pub(super) fn edge_verdict(edge: &[f64], floor: f64) -> Verdict {
     const SMALLEST: f64 = 1.0 / (1u64 << 44) as f64;
     let n = edge.len();
@@ -236,7 +252,8 @@ pub(super) fn edge_verdict(edge: &[f64], floor: f64) -> Verdict {
                 if start >= 1.0 {
                     return Verdict::Clear;
                 }
-                // As large as the next interval's place on the dyadic grid allows, at most twice this one.
+                // As large as the next interval's place on the dyadic grid allows, at most twice
+                // this one.
                 if (start / (2.0 * width)).fract() == 0.0 && start + 2.0 * width <= 1.0 {
                     width *= 2.0;
                 }
@@ -290,10 +307,17 @@ fn interval_verdict(a: &[f64], floor: f64) -> Verdict {
     Verdict::Open
 }
 
-/// Whether a convex polynomial stays at or above `floor` on the unit box: Newton from (s, t), and the tangent plane, which
-/// a convex function never goes below.
+/// Whether a convex polynomial stays at or above `floor` on the unit box: Newton from (s, t), and
+/// the tangent plane, which a convex function never goes below.
 #[inline(always)]
-pub(super) fn convex_verdict(a: &[f64], nu: usize, nv: usize, floor: f64, mut s: f64, mut t: f64) -> Verdict {
+pub(super) fn convex_verdict(
+    a: &[f64],
+    nu: usize,
+    nv: usize,
+    floor: f64,
+    mut s: f64,
+    mut t: f64,
+) -> Verdict {
     for _ in 0..12 {
         let (f, g, h) = jet(a, nu, nv, s, t);
         if f < floor {
@@ -310,7 +334,10 @@ pub(super) fn convex_verdict(a: &[f64], nu: usize, nv: usize, floor: f64, mut s:
             (false, true) => (-g[0] / h[0], 0.0),
             (false, false) => {
                 let det = h[0] * h[2] - h[1] * h[1];
-                ((h[1] * g[1] - h[2] * g[0]) / det, (h[1] * g[0] - h[0] * g[1]) / det)
+                (
+                    (h[1] * g[1] - h[2] * g[0]) / det,
+                    (h[1] * g[0] - h[0] * g[1]) / det,
+                )
             }
         };
         if !(ds.is_finite() && dt.is_finite()) {

@@ -1,7 +1,8 @@
-//! The distance to a surface as a field over space: what collisions between two surfaces ask, many places at a time.
+//! The distance to a surface as a field over space: what collisions between two surfaces ask, many
+//! places at a time.
 //!
-//! Feet here are local minima from a good start, several times quicker than certified ones; whoever reports a depth
-//! certifies it afterwards.
+//! Feet here are local minima from a good start, several times quicker than certified ones; whoever
+//! reports a depth certifies it afterwards.
 
 use super::newton::{Evaluate, OnPieces, Place, descend, descend_over};
 use super::objective::{Distance, Jet, Smooth};
@@ -45,7 +46,10 @@ impl Smooth for Rough {
     #[inline]
     fn jet(&self, frame: &Frame) -> Jet {
         let jet = self.0.jet(frame);
-        Jet { slope_noise: jet.slope_noise + 0.02 * jet.f.max(0.0).sqrt(), ..jet }
+        Jet {
+            slope_noise: jet.slope_noise + 0.02 * jet.f.max(0.0).sqrt(),
+            ..jet
+        }
     }
 }
 
@@ -57,12 +61,15 @@ impl<F: Fn(&Frame) -> Jet> Smooth for By<F> {
 }
 
 impl ClosestSolver {
-    /// The foot that the nearest of the sampled points leads to, its distance to four digits: where to follow from, and on
-    /// which side.
+    /// The foot that the nearest of the sampled points leads to, its distance to four digits: where
+    /// to follow from, and on which side.
     pub(crate) fn rough(&mut self, surface: &Surface, query: &Point3) -> ClosestPoint {
         let objective = Distance { q: *query };
         let start = self.samples.best(&self.pieces, &objective);
-        let mut eval = OnPieces { pieces: &mut self.pieces, surface };
+        let mut eval = OnPieces {
+            pieces: &mut self.pieces,
+            surface,
+        };
         let found = descend_over(&mut eval, &Rough(objective), start);
         if found.free != [true; 2] {
             return self.foot(surface, query, found.place).at;
@@ -78,13 +85,29 @@ impl ClosestSolver {
 
     fn foot(&mut self, surface: &Surface, query: &Point3, start: Place) -> Foot {
         let objective = Distance { q: *query };
-        let mut found = descend_over(&mut OnPieces { pieces: &mut self.pieces, surface }, &objective, start);
+        let mut found = descend_over(
+            &mut OnPieces {
+                pieces: &mut self.pieces,
+                surface,
+            },
+            &objective,
+            start,
+        );
         for _ in 0..6 {
             if found.free == [true; 2] {
                 break;
             }
-            let Some(start) = self.go_on(surface, query, &found) else { break };
-            let next = descend_over(&mut OnPieces { pieces: &mut self.pieces, surface }, &objective, start);
+            let Some(start) = self.go_on(surface, query, &found) else {
+                break;
+            };
+            let next = descend_over(
+                &mut OnPieces {
+                    pieces: &mut self.pieces,
+                    surface,
+                },
+                &objective,
+                start,
+            );
             if next.jet.f < found.jet.f - found.jet.noise {
                 found = next;
             } else {
@@ -110,10 +133,19 @@ impl ClosestSolver {
     }
 
     /// Descends on any objective over this surface, over creases where that helps.
-    pub(crate) fn descend_by(&mut self, surface: &Surface, u: f64, v: f64, jet: impl Fn(&Frame) -> Jet) -> Bottom {
+    pub(crate) fn descend_by(
+        &mut self,
+        surface: &Surface,
+        u: f64,
+        v: f64,
+        jet: impl Fn(&Frame) -> Jet,
+    ) -> Bottom {
         let start = self.place(u, v);
         let by = By(jet);
-        let mut eval = OnPieces { pieces: &mut self.pieces, surface };
+        let mut eval = OnPieces {
+            pieces: &mut self.pieces,
+            surface,
+        };
         let mut best = descend(&mut eval, &by, start);
         for _ in 0..8 {
             let Some(place) = best.beyond else { break };
@@ -126,7 +158,13 @@ impl ClosestSolver {
         }
         let minimum = best.is_minimum();
         let (u, v) = self.parameters(&best.place);
-        Bottom { u, v, frame: best.frame, slope: best.slope, minimum }
+        Bottom {
+            u,
+            v,
+            frame: best.frame,
+            slope: best.slope,
+            minimum,
+        }
     }
 
     /// The pieces as they were when last brought up to date.
@@ -137,6 +175,10 @@ impl ClosestSolver {
     /// Derivatives at a parameter pair of the domain, from the pieces.
     pub(crate) fn frame_at(&mut self, surface: &Surface, u: f64, v: f64) -> Frame {
         let Place { i, j, u, v } = self.place(u, v);
-        OnPieces { pieces: &mut self.pieces, surface }.frame(i, j, u, v)
+        OnPieces {
+            pieces: &mut self.pieces,
+            surface,
+        }
+        .frame(i, j, u, v)
     }
 }

@@ -1,4 +1,5 @@
-//! Whether a place found within one part is a local minimum of the whole surface, and whether two of them are one.
+//! Whether a place found within one part is a local minimum of the whole surface, and whether two
+//! of them are one.
 
 use super::newton::{Descent, Evaluate, OnPieces, Place, descend};
 use super::objective::Objective;
@@ -15,8 +16,8 @@ const MERIDIANS: usize = 4;
 const COLLAPSED: f64 = 1e-24;
 /// Points looked at between two places: these twelfths of the way, far ones first.
 const WAY: [f64; 11] = [6.0, 3.0, 9.0, 1.0, 11.0, 2.0, 10.0, 4.0, 8.0, 5.0, 7.0];
-/// Slopes are told from rounding when they are this many times larger, which is 1e-7 of the size for a squared distance
-/// and 1e-7 for a height; a neighbouring part then sees the same sign.
+/// Slopes are told from rounding when they are this many times larger, which is 1e-7 of the size
+/// for a squared distance and 1e-7 for a height; a neighbouring part then sees the same sign.
 pub(super) const STEEP: f64 = 1e8;
 
 /// A piecewise surface and what is minimised on it.
@@ -27,18 +28,24 @@ pub(super) struct Judge<'a, O: Objective> {
 }
 
 impl<O: Objective> Judge<'_, O> {
-    /// The local minimum of the surface at or next to a place; `None` when the surface is lower around it by more than
-    /// `equal`.
+    /// The local minimum of the surface at or next to a place; `None` when the surface is lower
+    /// around it by more than `equal`.
     pub fn minimum(&mut self, start: &Descent, equal: f64) -> Option<Descent> {
         let found = descend(&mut self.eval, self.objective, start.place);
         let equal = equal + found.jet.noise;
         let bend = self.bend(&found);
-        let collapsed = (0..2).any(|k| found.jet.metric[k] <= COLLAPSED * self.size_m * self.size_m);
-        if (bend < -1.0 && !collapsed) || (self.at_border(&found.place) && self.falls_across(&found, equal)) {
+        let collapsed =
+            (0..2).any(|k| found.jet.metric[k] <= COLLAPSED * self.size_m * self.size_m);
+        if (bend < -1.0 && !collapsed)
+            || (self.at_border(&found.place) && self.falls_across(&found, equal))
+        {
             return None;
         }
-        let sure = !collapsed && bend > 1.0 && (0..2).all(|k| found.free[k] || steep(&found, k, self.size_m));
-        let falls = !sure && (self.falls_around(&found, equal) || self.falls_from_pole(&found, equal));
+        let sure = !collapsed
+            && bend > 1.0
+            && (0..2).all(|k| found.free[k] || steep(&found, k, self.size_m));
+        let falls =
+            !sure && (self.falls_around(&found, equal) || self.falls_from_pole(&found, equal));
         (!falls).then_some(found)
     }
 
@@ -60,7 +67,8 @@ impl<O: Objective> Judge<'_, O> {
     fn at_border(&self, at: &Place) -> bool {
         let at_joint = |d: &Direction, k: usize, x: f64| {
             let span = &d.spans[k];
-            (x <= span.start && span.before != Joint::Smooth) || (x >= span.end && span.after != Joint::Smooth)
+            (x <= span.start && span.before != Joint::Smooth)
+                || (x >= span.end && span.after != Joint::Smooth)
         };
         at_joint(&self.eval.pieces.u, at.i, at.u) || at_joint(&self.eval.pieces.v, at.j, at.v)
     }
@@ -75,19 +83,31 @@ impl<O: Objective> Judge<'_, O> {
         let (at, point) = (found.place, found.frame.point);
         if let Some(joints) = self.eval.pieces.joints() {
             let meeting = joints.meeting(at.into());
-            let lower =
-                |spot: &Spot| descend(&mut self.eval, self.objective, Place::from(*spot)).jet.f < found.jet.f - equal;
+            let lower = |spot: &Spot| {
+                descend(&mut self.eval, self.objective, Place::from(*spot))
+                    .jet
+                    .f
+                    < found.jet.f - equal
+            };
             return meeting.spots()[1..].iter().any(lower);
         }
         let (du, dv) = (&self.eval.pieces.u, &self.eval.pieces.v);
-        let site = Site { surface: self.eval.surface, u: du, v: dv, joints: None };
-        let same =
-            |place: Place| (site.frame(place).point - point).norm() <= SAME * (point.coords.amax() + self.size_m);
+        let site = Site {
+            surface: self.eval.surface,
+            u: du,
+            v: dv,
+            joints: None,
+        };
+        let same = |place: Place| {
+            (site.frame(place).point - point).norm() <= SAME * (point.coords.amax() + self.size_m)
+        };
         let us = sides(du, at.i, at.u, |i, u| same(Place { i, u, ..at }));
         let vs = sides(dv, at.j, at.v, |j, v| same(Place { j, v, ..at }));
         for (a, u) in us.iter().enumerate() {
             for (b, v) in vs.iter().enumerate() {
-                let (Some((i, u, _)), Some((j, v, _)), true) = (*u, *v, a + b > 0) else { continue };
+                let (Some((i, u, _)), Some((j, v, _)), true) = (*u, *v, a + b > 0) else {
+                    continue;
+                };
                 let other = descend(&mut self.eval, self.objective, Place { i, j, u, v });
                 if other.jet.f < found.jet.f - equal {
                     return true;
@@ -102,14 +122,36 @@ impl<O: Objective> Judge<'_, O> {
         let at = found.place;
         for share in AROUND {
             for k in 0..9 {
-                let (a, b) = (&self.eval.pieces.u.spans[at.i], &self.eval.pieces.v.spans[at.j]);
-                let move_by =
-                    |step: f64, x: f64, width: f64, low: f64, high: f64| (x + step * share * width).clamp(low, high);
-                let u = move_by((k / 3) as f64 - 1.0, at.u, a.end - a.start, a.reach_low, a.reach_high);
-                let v = move_by((k % 3) as f64 - 1.0, at.v, b.end - b.start, b.reach_low, b.reach_high);
+                let (a, b) = (
+                    &self.eval.pieces.u.spans[at.i],
+                    &self.eval.pieces.v.spans[at.j],
+                );
+                let move_by = |step: f64, x: f64, width: f64, low: f64, high: f64| {
+                    (x + step * share * width).clamp(low, high)
+                };
+                let u = move_by(
+                    (k / 3) as f64 - 1.0,
+                    at.u,
+                    a.end - a.start,
+                    a.reach_low,
+                    a.reach_high,
+                );
+                let v = move_by(
+                    (k % 3) as f64 - 1.0,
+                    at.v,
+                    b.end - b.start,
+                    b.reach_low,
+                    b.reach_high,
+                );
                 let (i, offset_u) = self.eval.pieces.u.locate(u, at.i, a.reach_high);
                 let (j, offset_v) = self.eval.pieces.v.locate(v, at.j, b.reach_high);
-                if self.value(Place { i, j, u: u - offset_u, v: v - offset_v }) < found.jet.f - equal {
+                if self.value(Place {
+                    i,
+                    j,
+                    u: u - offset_u,
+                    v: v - offset_v,
+                }) < found.jet.f - equal
+                {
                     return true;
                 }
             }
@@ -123,8 +165,11 @@ impl<O: Objective> Judge<'_, O> {
         for collapsed in 0..2 {
             let short = found.jet.metric[collapsed] <= COLLAPSED * self.size_m * self.size_m;
             let (du, dv) = (&self.eval.pieces.u, &self.eval.pieces.v);
-            let (held, k, x, spans) =
-                if collapsed == 0 { (dv, at.j, at.v, du.spans.len()) } else { (du, at.i, at.u, dv.spans.len()) };
+            let (held, k, x, spans) = if collapsed == 0 {
+                (dv, at.j, at.v, du.spans.len())
+            } else {
+                (du, at.i, at.u, dv.spans.len())
+            };
             if !short || other_end(held, x).is_none() {
                 continue;
             }
@@ -132,22 +177,40 @@ impl<O: Objective> Judge<'_, O> {
             let inward = if x <= held.domain.0 { width } else { -width };
             for ring in 0..spans * MERIDIANS {
                 let span = ring / MERIDIANS;
-                let d = if collapsed == 0 { &self.eval.pieces.u } else { &self.eval.pieces.v };
+                let d = if collapsed == 0 {
+                    &self.eval.pieces.u
+                } else {
+                    &self.eval.pieces.v
+                };
                 let (start, end) = (d.spans[span].start, d.spans[span].end);
-                let z = start + (end - start) * ((ring % MERIDIANS) as f64 + 0.5) / MERIDIANS as f64;
+                let z =
+                    start + (end - start) * ((ring % MERIDIANS) as f64 + 0.5) / MERIDIANS as f64;
                 let place = |y: f64| {
                     if collapsed == 0 {
-                        Place { i: span, u: z, v: y, ..at }
+                        Place {
+                            i: span,
+                            u: z,
+                            v: y,
+                            ..at
+                        }
                     } else {
-                        Place { j: span, v: z, u: y, ..at }
+                        Place {
+                            j: span,
+                            v: z,
+                            u: y,
+                            ..at
+                        }
                     }
                 };
                 let Place { i, j, u, v } = place(x);
                 let jet = self.objective.jet(&self.eval.frame(i, j, u, v));
                 let out = 1 - collapsed;
-                let slope = jet.g[out] * inward.signum() / jet.metric[out].sqrt().max(f64::MIN_POSITIVE);
+                let slope =
+                    jet.g[out] * inward.signum() / jet.metric[out].sqrt().max(f64::MIN_POSITIVE);
                 if slope < -16.0 * jet.slope_noise
-                    || AROUND.into_iter().any(|share| self.value(place(x + share * inward)) < found.jet.f - equal)
+                    || AROUND
+                        .into_iter()
+                        .any(|share| self.value(place(x + share * inward)) < found.jet.f - equal)
                 {
                     return true;
                 }
@@ -161,7 +224,9 @@ impl<O: Objective> Judge<'_, O> {
         if let Some(joints) = self.eval.pieces.joints()
             && let Some(ways) = Detours::between(joints, *a, *b)
         {
-            return ways.spots().any(|[from, to]| self.straight(a, &from, limit) && self.straight(&to, b, limit));
+            return ways
+                .spots()
+                .any(|[from, to]| self.straight(a, &from, limit) && self.straight(&to, b, limit));
         }
         self.straight(a, b, limit)
     }
@@ -169,8 +234,13 @@ impl<O: Objective> Judge<'_, O> {
     fn straight(&mut self, a: &Place, b: &Place, limit: f64) -> bool {
         let ways = |d: &Direction, from: f64, to: f64| {
             let (direct, period) = (to - from, d.domain.1 - d.domain.0);
-            let around = if direct > 0.0 { direct - period } else { direct + period };
-            // Around a period is as smooth as anywhere: take the shorter way. Across ends, try both.
+            let around = if direct > 0.0 {
+                direct - period
+            } else {
+                direct + period
+            };
+            // Around a period is as smooth as anywhere: take the shorter way. Across ends, try
+            // both.
             match (d.periodic, around.abs() < direct.abs()) {
                 (true, true) => [Some(around), None],
                 (true, false) => [Some(direct), None],
@@ -179,16 +249,32 @@ impl<O: Objective> Judge<'_, O> {
         };
         let us = ways(&self.eval.pieces.u, a.u, b.u);
         let vs = ways(&self.eval.pieces.v, a.v, b.v);
-        us.into_iter().flatten().any(|u| vs.into_iter().flatten().any(|v| self.joined_by(a, u, v, limit)))
+        us.into_iter().flatten().any(|u| {
+            vs.into_iter()
+                .flatten()
+                .any(|v| self.joined_by(a, u, v, limit))
+        })
     }
 
     fn joined_by(&mut self, a: &Place, along_u: f64, along_v: f64, limit: f64) -> bool {
         // Of a branching surface a way stays on its patch, also where that ends.
-        let most = self.eval.pieces.joints().map_or([usize::MAX; 2], |joints| joints.last_spans([a.i, a.j]));
+        let most = self
+            .eval
+            .pieces
+            .joints()
+            .map_or([usize::MAX; 2], |joints| joints.last_spans([a.i, a.j]));
         let at = |judge: &Self, share: f64| {
             let (du, dv) = (&judge.eval.pieces.u, &judge.eval.pieces.v);
-            let (u, v) = (within(du, a.u + share * along_u), within(dv, a.v + share * along_v));
-            Place { i: du.span_of(u).min(most[0]), j: dv.span_of(v).min(most[1]), u, v }
+            let (u, v) = (
+                within(du, a.u + share * along_u),
+                within(dv, a.v + share * along_v),
+            );
+            Place {
+                i: du.span_of(u).min(most[0]),
+                j: dv.span_of(v).min(most[1]),
+                u,
+                v,
+            }
         };
         for twelfth in WAY {
             let place = at(self, twelfth / 12.0);
@@ -197,9 +283,14 @@ impl<O: Objective> Judge<'_, O> {
                 return false;
             }
         }
-        // Where the way leaves one end of the domain and goes on at the other, they must be one place.
+        // Where the way leaves one end of the domain and goes on at the other, they must be one
+        // place.
         for (in_u, x, along) in [(true, a.u, along_u), (false, a.v, along_v)] {
-            let d = if in_u { &self.eval.pieces.u } else { &self.eval.pieces.v };
+            let d = if in_u {
+                &self.eval.pieces.u
+            } else {
+                &self.eval.pieces.v
+            };
             let (start, end) = d.domain;
             let y = x + along;
             if d.periodic || (y >= start && y <= end) {
@@ -209,7 +300,19 @@ impl<O: Objective> Judge<'_, O> {
             let share = (if y > end { end - x } else { start - x }) / along;
             let place = at(self, share);
             let [p, q] = [(0, start), (last, end)].map(|(k, x)| {
-                let place = if in_u { Place { i: k, u: x, ..place } } else { Place { j: k, v: x, ..place } };
+                let place = if in_u {
+                    Place {
+                        i: k,
+                        u: x,
+                        ..place
+                    }
+                } else {
+                    Place {
+                        j: k,
+                        v: x,
+                        ..place
+                    }
+                };
                 self.eval.frame(place.i, place.j, place.u, place.v).point
             });
             if (p - q).norm() > SAME * (p.coords.amax() + self.size_m) {
@@ -220,7 +323,8 @@ impl<O: Objective> Judge<'_, O> {
     }
 }
 
-/// Ways from one patch to another over an edge that joins them: where it is left, and where the other patch is entered.
+/// Ways from one patch to another over an edge that joins them: where it is left, and where the
+/// other patch is entered.
 struct Detours {
     ways: [Option<[Place; 2]>; 12],
 }
@@ -255,7 +359,8 @@ impl Detours {
 /// Held at an edge by a slope that is no rounding, along a tangent that is none.
 pub(super) fn steep(found: &Descent, k: usize, size_m: f64) -> bool {
     let m = found.jet.metric[k];
-    m > COLLAPSED * size_m * size_m && found.jet.g[k].abs() > STEEP * found.jet.slope_noise * m.sqrt()
+    m > COLLAPSED * size_m * size_m
+        && found.jet.g[k].abs() > STEEP * found.jet.slope_noise * m.sqrt()
 }
 
 /// A parameter that may have left the domain by less than its length, wrapped into it.
@@ -272,7 +377,8 @@ fn within(d: &Direction, x: f64) -> f64 {
     .clamp(start, end)
 }
 
-/// The edges of the domain on which a place is, of u and of v: 0, 1 at start and end of u, 2, 3 of v.
+/// The edges of the domain on which a place is, of u and of v: 0, 1 at start and end of u, 2, 3 of
+/// v.
 pub(super) fn ends(pieces: &BezierPieces, at: &Place) -> [Option<usize>; 2] {
     let end = |d: &Direction, x: f64, first: usize| {
         if d.periodic {

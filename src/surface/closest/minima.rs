@@ -1,14 +1,16 @@
-//! All local minima of the distance to a point, or of the depth along a direction, that are better than a ceiling.
+//! All local minima of the distance to a point, or of the depth along a direction, that are better
+//! than a ceiling.
 //!
 //! ```text
 //! pieces whose boxes reach the ceiling ──▶ parts ──▶ nothing here │ one minimum at most │ halves
 //!                                                                  └▶ descent within the part ──▶ judged ──▶ merged
 //! ```
-//! A part is done when its coefficients prove that no minimum is in it, or that there is at most one ([`super::stationary`]).
-//! What a descent within the part finds is a minimum of the surface only if it also holds across the part's edges, creases,
-//! seams and poles ([`super::judge`]). Places that a path of equal values joins (a flat face on a plane, the line on which a
-//! cylinder lies) count as one. Work is bounded: after some thousand parts, places that differ by up to 5e-10 of the size
-//! count as equal, and after a few thousand more the search stops and says so.
+//! A part is done when its coefficients prove that no minimum is in it, or that there is at most
+//! one ([`super::stationary`]). What a descent within the part finds is a minimum of the surface
+//! only if it also holds across the part's edges, creases, seams and poles ([`super::judge`]).
+//! Places that a path of equal values joins (a flat face on a plane, the line on which a cylinder
+//! lies) count as one. Work is bounded: after some thousand parts, places that differ by up to
+//! 5e-10 of the size count as equal, and after a few thousand more the search stops and says so.
 
 use super::bernstein::MAX_ORDER;
 use super::judge::{Judge, ends, pole_at, steep};
@@ -100,26 +102,42 @@ impl Minima {
         (self.lost, self.starts, self.groups, self.judged) = (false, 0, 0, [false; 4]);
         search.visited = 0;
         search.candidates(pieces, surface, objective, ceiling);
-        let mut hunt = Hunt { surface, tables, objective, size_m, ceiling, delta_m: TOLERANCE * size_m };
+        let mut hunt = Hunt {
+            surface,
+            tables,
+            objective,
+            size_m,
+            ceiling,
+            delta_m: TOLERANCE * size_m,
+        };
         let orders = objective.orders(pieces.u.degree, pieces.v.degree);
         let mut k = 0;
         while let Some((_, piece)) = search.candidate(k) {
             match (orders, pieces.is_rational()) {
                 ((4, 4), false) => self.piece(&mut hunt, search, pieces, piece, 4, 4, false),
                 ((7, 7), false) => self.piece(&mut hunt, search, pieces, piece, 7, 7, false),
-                ((nu, nv), rational) => self.piece(&mut hunt, search, pieces, piece, nu, nv, rational),
+                ((nu, nv), rational) => {
+                    self.piece(&mut hunt, search, pieces, piece, nu, nv, rational)
+                }
             }
             k += 1;
         }
         self.found.sort_unstable_by(|a, b| {
             let (x, y) = (&a.descent, &b.descent);
-            let order = x.jet.f.total_cmp(&y.jet.f).then(x.place.u.total_cmp(&y.place.u));
+            let order = x
+                .jet
+                .f
+                .total_cmp(&y.jet.f)
+                .then(x.place.u.total_cmp(&y.place.u));
             order.then(x.place.v.total_cmp(&y.place.v))
         });
         let mut kept = 0;
         for k in 0..self.found.len() {
             let held = self.found[k];
-            if self.found[..kept].iter().all(|other| other.group != held.group) {
+            if self.found[..kept]
+                .iter()
+                .all(|other| other.group != held.group)
+            {
                 self.found[kept] = held;
                 kept += 1;
             }
@@ -139,7 +157,9 @@ impl Minima {
         rational: bool,
     ) {
         let len = nu * nv;
-        let noise = hunt.objective.form(pieces, piece, hunt.tables, &mut search.a, &mut search.w);
+        let noise = hunt
+            .objective
+            .form(pieces, piece, hunt.tables, &mut search.a, &mut search.w);
         search.parts.clear();
         search.parts.push(Part::whole(pieces, piece));
         let mut first = true;
@@ -190,7 +210,10 @@ impl Minima {
                 };
             }
             first = false;
-            let (wide_u, wide_v) = (part.s[1] - part.s[0] > SMALLEST, part.t[1] - part.t[0] > SMALLEST);
+            let (wide_u, wide_v) = (
+                part.s[1] - part.s[0] > SMALLEST,
+                part.t[1] - part.t[0] > SMALLEST,
+            );
             let start = match claim {
                 Claim::Nothing => None,
                 Claim::Start(s, t) => Some((s, t)),
@@ -213,28 +236,57 @@ impl Minima {
 
     /// Descends within a part and keeps what it finds, if that is a minimum of the surface.
     #[inline(never)]
-    fn start<O: Objective>(&mut self, hunt: &Hunt<'_, O>, pieces: &mut BezierPieces, part: &Part, s: f64, t: f64) {
+    fn start<O: Objective>(
+        &mut self,
+        hunt: &Hunt<'_, O>,
+        pieces: &mut BezierPieces,
+        part: &Part,
+        s: f64,
+        t: f64,
+    ) {
         if self.starts >= MOST_STARTS {
             self.lost = true;
             return;
         }
         self.starts += 1;
         let (low, high) = (part.place(pieces, 0.0, 0.0), part.place(pieces, 1.0, 1.0));
-        let mut eval = OnPieces { pieces, surface: hunt.surface };
+        let mut eval = OnPieces {
+            pieces,
+            surface: hunt.surface,
+        };
         let start = part.place(eval.pieces, s, t);
         // Every piece around a pole leads to it; it is the same place.
-        if ends(eval.pieces, &start).into_iter().flatten().any(|edge| self.judged[edge]) {
+        if ends(eval.pieces, &start)
+            .into_iter()
+            .flatten()
+            .any(|edge| self.judged[edge])
+        {
             return;
         }
-        let found = descend_between(&mut eval, hunt.objective, start, [low.u, low.v], [high.u, high.v]);
+        let found = descend_between(
+            &mut eval,
+            hunt.objective,
+            start,
+            [low.u, low.v],
+            [high.u, high.v],
+        );
         if let Some(edge) = pole_at(eval.pieces, &found, hunt.size_m)
             && std::mem::replace(&mut self.judged[edge], true)
         {
             return;
         }
         let slides = slides_out(eval.pieces, part, &found, low, high, hunt.size_m);
-        let mut judge = Judge { eval, objective: hunt.objective, size_m: hunt.size_m };
-        let Some(found) = (!slides).then(|| judge.minimum(&found, hunt.equal(found.jet.f))).flatten() else { return };
+        let mut judge = Judge {
+            eval,
+            objective: hunt.objective,
+            size_m: hunt.size_m,
+        };
+        let Some(found) = (!slides)
+            .then(|| judge.minimum(&found, hunt.equal(found.jet.f)))
+            .flatten()
+        else {
+            return;
+        };
         if found.jet.f >= hunt.ceiling {
             return;
         }
@@ -251,18 +303,33 @@ impl Minima {
             if other.group == group || (other.descent.jet.f - found.jet.f).abs() > equal {
                 continue;
             }
-            if judge.joined(&found.place, &other.descent.place, found.jet.f.max(other.descent.jet.f) + 4.0 * equal) {
+            if judge.joined(
+                &found.place,
+                &other.descent.place,
+                found.jet.f.max(other.descent.jet.f) + 4.0 * equal,
+            ) {
                 joined = true;
-                self.found.iter_mut().filter(|h| h.group == other.group).for_each(|h| h.group = group);
+                self.found
+                    .iter_mut()
+                    .filter(|h| h.group == other.group)
+                    .for_each(|h| h.group = group);
             }
         }
-        let held = Held { descent: found, group };
+        let held = Held {
+            descent: found,
+            group,
+        };
         if self.found.len() < MOST {
             self.found.push(held);
         } else if !joined {
             self.lost = true;
-            let worst =
-                (0..MOST).fold(0, |w, k| if self.found[k].descent.jet.f > self.found[w].descent.jet.f { k } else { w });
+            let worst = (0..MOST).fold(0, |w, k| {
+                if self.found[k].descent.jet.f > self.found[w].descent.jet.f {
+                    k
+                } else {
+                    w
+                }
+            });
             if found.jet.f < self.found[worst].descent.jet.f {
                 self.found[worst] = held;
             }
@@ -293,20 +360,38 @@ impl<O: Objective> Hunt<'_, O> {
 fn borders(pieces: &BezierPieces, part: &Part) -> [[bool; 2]; 2] {
     let (a, b) = (&pieces.u.spans[part.i], &pieces.v.spans[part.j]);
     [
-        [part.s[0] == 0.0 && a.before != Joint::Smooth, part.s[1] == 1.0 && a.after != Joint::Smooth],
-        [part.t[0] == 0.0 && b.before != Joint::Smooth, part.t[1] == 1.0 && b.after != Joint::Smooth],
+        [
+            part.s[0] == 0.0 && a.before != Joint::Smooth,
+            part.s[1] == 1.0 && a.after != Joint::Smooth,
+        ],
+        [
+            part.t[0] == 0.0 && b.before != Joint::Smooth,
+            part.t[1] == 1.0 && b.after != Joint::Smooth,
+        ],
     ]
 }
 
 /// Held at an edge behind which the smooth surface goes on downwards: a neighbour's affair.
-fn slides_out(pieces: &BezierPieces, part: &Part, found: &Descent, low: Place, high: Place, size_m: f64) -> bool {
+fn slides_out(
+    pieces: &BezierPieces,
+    part: &Part,
+    found: &Descent,
+    low: Place,
+    high: Place,
+    size_m: f64,
+) -> bool {
     let borders = borders(pieces, part);
     let (x, jet) = ([found.place.u, found.place.v], &found.jet);
     (0..2).any(|k| {
-        let (low, high) = if k == 0 { (low.u, high.u) } else { (low.v, high.v) };
+        let (low, high) = if k == 0 {
+            (low.u, high.u)
+        } else {
+            (low.v, high.v)
+        };
         // Steep enough that the neighbour sees it too; a slope near rounding is judged.
         steep(found, k, size_m)
-            && ((x[k] <= low && !borders[k][0] && jet.g[k] > 0.0) || (x[k] >= high && !borders[k][1] && jet.g[k] < 0.0))
+            && ((x[k] <= low && !borders[k][0] && jet.g[k] > 0.0)
+                || (x[k] >= high && !borders[k][1] && jet.g[k] < 0.0))
     })
 }
 
@@ -327,8 +412,9 @@ fn search_wide<O: Objective>(
 }
 
 impl ClosestSolver {
-    /// Every local minimum of the distance to `query` that is nearer than `radius_m`, nearest first: `out` is cleared and
-    /// filled up to its capacity. Of a connected set of equal minima, one is given. True when none was left out.
+    /// Every local minimum of the distance to `query` that is nearer than `radius_m`, nearest
+    /// first: `out` is cleared and filled up to its capacity. Of a connected set of equal minima,
+    /// one is given. True when none was left out.
     pub fn minima_within(
         &mut self,
         surface: &Surface,
@@ -340,7 +426,11 @@ impl ClosestSolver {
         if !(radius_m.is_finite() && query.iter().all(|x| x.is_finite())) {
             return true;
         }
-        self.all_minima(surface, &Distance { q: *query }, radius_m.max(0.0) * radius_m.max(0.0));
+        self.all_minima(
+            surface,
+            &Distance { q: *query },
+            radius_m.max(0.0) * radius_m.max(0.0),
+        );
         for held in self.minima.found.iter().take(out.capacity()) {
             out.push(self.answer(surface, query, &held.descent));
         }
@@ -364,24 +454,40 @@ impl ClosestSolver {
         for held in self.minima.found.iter().take(out.capacity()) {
             let (u, v) = self.parameters(&held.descent.place);
             let point = held.descent.frame.point;
-            out.push(Summit { u, v, point, height_m: direction.dot(&point.coords) });
+            out.push(Summit {
+                u,
+                v,
+                point,
+                height_m: direction.dot(&point.coords),
+            });
         }
         !self.minima.lost && self.minima.found.len() <= out.capacity()
     }
 
-    /// Which pieces (see [`ClosestSolver::pieces`]) may reach inside the ball or past the height of the last search for all
-    /// minima; no others do.
+    /// Which pieces (see [`ClosestSolver::pieces`]) may reach inside the ball or past the height of
+    /// the last search for all minima; no others do.
     pub fn pieces_reached(&self) -> &[bool] {
         &self.minima.reached
     }
 
     fn all_minima<O: Objective>(&mut self, surface: &Surface, objective: &O, ceiling: f64) {
-        let Self { minima, search, pieces, tables, size_m, .. } = self;
+        let Self {
+            minima,
+            search,
+            pieces,
+            tables,
+            size_m,
+            ..
+        } = self;
         #[cfg(target_arch = "x86_64")]
         if crate::math::simd::has_avx2() {
             // SAFETY: the processor has AVX2, asked just above.
             #[allow(unsafe_code)]
-            return unsafe { search_wide(minima, search, pieces, surface, tables, objective, *size_m, ceiling) };
+            return unsafe {
+                search_wide(
+                    minima, search, pieces, surface, tables, objective, *size_m, ceiling,
+                )
+            };
         }
         minima.search_in(search, pieces, surface, tables, objective, *size_m, ceiling);
     }

@@ -1,4 +1,5 @@
-//! Facts about all local minima, against a dense sampling that is polished in its own way, and closed forms.
+//! Facts about all local minima, against a dense sampling that is polished in its own way, and
+//! closed forms.
 
 use super::super::{ClosestPoint, ClosestSolver, ControlNet, Summit, Surface};
 use super::tests::{Random, cylinder, query, random_surface, size, sphere, teardrop};
@@ -15,11 +16,20 @@ fn summits() -> Vec<Summit> {
 
 /// A parameter that left the domain: round where that leads on, else held.
 fn turn(x: f64, (a, b): (f64, f64), wraps: bool) -> f64 {
-    if (a..=b).contains(&x) || !wraps { x.clamp(a, b) } else { a + (x - a).rem_euclid(b - a) }
+    if (a..=b).contains(&x) || !wraps {
+        x.clamp(a, b)
+    } else {
+        a + (x - a).rem_euclid(b - a)
+    }
 }
 
-/// Minima of `f` over samples of the domain, `cells` in each direction and span, sharpened by a shrinking cross.
-fn sampled_minima(surface: &Surface, cells: usize, f: &dyn Fn(&Point3) -> f64) -> Vec<(f64, f64, f64)> {
+/// Minima of `f` over samples of the domain, `cells` in each direction and span, sharpened by a
+/// shrinking cross.
+fn sampled_minima(
+    surface: &Surface,
+    cells: usize,
+    f: &dyn Fn(&Point3) -> f64,
+) -> Vec<(f64, f64, f64)> {
     let axis = |knots: &KnotVector| -> Vec<f64> {
         let mut out: Vec<f64> = vec![];
         for i in knots.spans() {
@@ -32,27 +42,43 @@ fn sampled_minima(surface: &Surface, cells: usize, f: &dyn Fn(&Point3) -> f64) -
     let topology = surface.topology();
     let (us, vs) = (axis(surface.knots_u()), axis(surface.knots_v()));
     let value = |u: f64, v: f64| f(&surface.point(u, v));
-    let grid: Vec<f64> = us.iter().flat_map(|&u| vs.iter().map(move |&v| (u, v))).map(|(u, v)| value(u, v)).collect();
+    let grid: Vec<f64> = us
+        .iter()
+        .flat_map(|&u| vs.iter().map(move |&v| (u, v)))
+        .map(|(u, v)| value(u, v))
+        .collect();
     let ((u0, u1), (v0, v1)) = (surface.knots_u().domain(), surface.knots_v().domain());
     let mut out = vec![];
     for a in 0..us.len() {
         for b in 0..vs.len() {
             let here = grid[a * vs.len() + b];
-            let lower = (a.saturating_sub(1)..(a + 2).min(us.len()))
-                .all(|x| (b.saturating_sub(1)..(b + 2).min(vs.len())).all(|y| grid[x * vs.len() + y] >= here));
+            let lower = (a.saturating_sub(1)..(a + 2).min(us.len())).all(|x| {
+                (b.saturating_sub(1)..(b + 2).min(vs.len())).all(|y| grid[x * vs.len() + y] >= here)
+            });
             if !lower {
                 continue;
             }
             let (mut u, mut v, mut best) = (us[a], vs[b], here);
             let mut step = 0.5 / cells as f64;
-            let (du, dv) = (surface.knots_u().spans().count() as f64, surface.knots_v().spans().count() as f64);
+            let (du, dv) = (
+                surface.knots_u().spans().count() as f64,
+                surface.knots_v().spans().count() as f64,
+            );
             let (du, dv) = ((u1 - u0) / du, (v1 - v0) / dv);
             for _ in 0..400 {
                 let mut moved = false;
                 for k in 0..16 {
                     let angle = std::f64::consts::PI * k as f64 / 8.0;
-                    let x = turn(u + step * du * libm::cos(angle), (u0, u1), topology.wraps(0));
-                    let y = turn(v + step * dv * libm::sin(angle), (v0, v1), topology.wraps(1));
+                    let x = turn(
+                        u + step * du * libm::cos(angle),
+                        (u0, u1),
+                        topology.wraps(0),
+                    );
+                    let y = turn(
+                        v + step * dv * libm::sin(angle),
+                        (v0, v1),
+                        topology.wraps(1),
+                    );
                     let there = value(x, y);
                     if there < best {
                         (u, v, best, moved) = (x, y, there, true);
@@ -71,8 +97,16 @@ fn sampled_minima(surface: &Surface, cells: usize, f: &dyn Fn(&Point3) -> f64) -
     out
 }
 
-/// Whether f is larger all around a place, by `clear` at a distance of `h` domains; at a seam the other side is looked at.
-fn is_minimum(surface: &Surface, u: f64, v: f64, h: f64, clear: f64, f: &dyn Fn(&Point3) -> f64) -> bool {
+/// Whether f is larger all around a place, by `clear` at a distance of `h` domains; at a seam the
+/// other side is looked at.
+fn is_minimum(
+    surface: &Surface,
+    u: f64,
+    v: f64,
+    h: f64,
+    clear: f64,
+    f: &dyn Fn(&Point3) -> f64,
+) -> bool {
     let here = f(&surface.point(u, v));
     let topology = surface.topology();
     let (du, dv) = (surface.knots_u().domain(), surface.knots_v().domain());
@@ -83,18 +117,36 @@ fn is_minimum(surface: &Surface, u: f64, v: f64, h: f64, clear: f64, f: &dyn Fn(
                 // A cross of parameters around this place would reach past the pole: no judgement.
                 return clear < 0.0;
             }
-            return [2.0 * h, 0.05 * h, 1e-3 * h, 1e-5 * h, 1e-7 * h].into_iter().all(|h| {
-                let y = if end == 0 { x + h * (dv.1 - dv.0) } else { x - h * (dv.1 - dv.0) };
-                (0..64).all(|k| f(&surface.point(du.0 + (du.1 - du.0) * k as f64 / 64.0, y)) >= here + clear.min(0.0))
-            });
+            return [2.0 * h, 0.05 * h, 1e-3 * h, 1e-5 * h, 1e-7 * h]
+                .into_iter()
+                .all(|h| {
+                    let y = if end == 0 {
+                        x + h * (dv.1 - dv.0)
+                    } else {
+                        x - h * (dv.1 - dv.0)
+                    };
+                    (0..64).all(|k| {
+                        f(&surface.point(du.0 + (du.1 - du.0) * k as f64 / 64.0, y))
+                            >= here + clear.min(0.0)
+                    })
+                });
         }
     }
     (0..64).all(|k| {
         let angle = std::f64::consts::PI * (k as f64 + 0.3) / 32.0;
-        let x = turn(u + h * (du.1 - du.0) * libm::cos(angle), du, topology.wraps(0));
-        let y = turn(v + h * (dv.1 - dv.0) * libm::sin(angle), dv, topology.wraps(1));
+        let x = turn(
+            u + h * (du.1 - du.0) * libm::cos(angle),
+            du,
+            topology.wraps(0),
+        );
+        let y = turn(
+            v + h * (dv.1 - dv.0) * libm::sin(angle),
+            dv,
+            topology.wraps(1),
+        );
         // A place held at an edge is its own neighbour there.
-        (surface.point(x, y) - surface.point(u, v)).norm() < 1e-12 || f(&surface.point(x, y)) >= here + clear
+        (surface.point(x, y) - surface.point(u, v)).norm() < 1e-12
+            || f(&surface.point(x, y)) >= here + clear
     })
 }
 
@@ -107,10 +159,14 @@ fn compare(
     f: &dyn Fn(&Point3) -> f64,
     found: &[(f64, f64, f64)],
 ) -> usize {
-    let near = |a: (f64, f64), b: (f64, f64)| (surface.point(a.0, a.1) - surface.point(b.0, b.1)).norm();
+    let near =
+        |a: (f64, f64), b: (f64, f64)| (surface.point(a.0, a.1) - surface.point(b.0, b.1)).norm();
     for &(u, v, value) in found {
         assert!(value < ceiling, "{name}: {value} is not below {ceiling}");
-        assert!(is_minimum(surface, u, v, 1e-8, -1e-11 * scale, f), "{name}: no minimum at {u} {v}");
+        assert!(
+            is_minimum(surface, u, v, 1e-8, -1e-11 * scale, f),
+            "{name}: no minimum at {u} {v}"
+        );
     }
     let mut counted = 0;
     for (u, v, value) in sampled_minima(surface, cells, f) {
@@ -118,9 +174,15 @@ fn compare(
             continue;
         }
         counted += 1;
-        // The same value within sight: values at a minimum agree to the square of what separates the places.
-        let same = found.iter().any(|x| (x.2 - value).abs() <= 1e-9 * scale && near((x.0, x.1), (u, v)) < 0.02);
-        assert!(same, "{name}: missed the minimum {value} at {u} {v}; found {found:?}");
+        // The same value within sight: values at a minimum agree to the square of what separates
+        // the places.
+        let same = found
+            .iter()
+            .any(|x| (x.2 - value).abs() <= 1e-9 * scale && near((x.0, x.1), (u, v)) < 0.02);
+        assert!(
+            same,
+            "{name}: missed the minimum {value} at {u} {v}; found {found:?}"
+        );
     }
     counted
 }
@@ -128,10 +190,21 @@ fn compare(
 fn check_point(surface: &Surface, q: &Point3, radius: f64, cells: usize, name: &str) -> usize {
     let mut solver = ClosestSolver::new(surface);
     let mut out = room();
-    assert!(solver.minima_within(surface, q, radius, &mut out), "{name}: not all");
+    assert!(
+        solver.minima_within(surface, q, radius, &mut out),
+        "{name}: not all"
+    );
     let found: Vec<_> = out.iter().map(|x| (x.u, x.v, x.distance)).collect();
     assert!(found.is_sorted_by(|a, b| a.2 <= b.2), "{name}");
-    compare(surface, name, cells, radius, size(surface), &|p| (p - q).norm(), &found)
+    compare(
+        surface,
+        name,
+        cells,
+        radius,
+        size(surface),
+        &|p| (p - q).norm(),
+        &found,
+    )
 }
 
 /// A random surface in one piece: the sampling does not know the two sides of a tear.
@@ -157,14 +230,26 @@ fn every_sampled_minimum_of_the_distance_is_found_and_each_found_one_is_a_minimu
             let q = query(&surface, &mut random, k);
             let nearest = ClosestSolver::new(&surface).closest(&surface, &q).distance;
             let radius = nearest + random.between(0.01, 0.6) * size;
-            counted += check_point(&surface, &q, radius, 6, &format!("teardrop {count}, query {k} {q:?}"));
+            counted += check_point(
+                &surface,
+                &q,
+                radius,
+                6,
+                &format!("teardrop {count}, query {k} {q:?}"),
+            );
         }
     }
     for k in 0..FEW {
         let surface = whole_surface(&mut random);
         let q = query(&surface, &mut random, k);
         let radius = random.between(0.05, 0.8) * size(&surface);
-        counted += check_point(&surface, &q, radius, 24, &format!("random surface {k}, query {q:?}"));
+        counted += check_point(
+            &surface,
+            &q,
+            radius,
+            24,
+            &format!("random surface {k}, query {q:?}"),
+        );
     }
     println!("{counted} sampled minima");
     assert!(counted > 2 * FEW, "only {counted} minima were compared");
@@ -175,19 +260,34 @@ fn every_sampled_summit_is_found_and_each_found_one_is_a_summit() {
     let mut random = Random(92);
     let mut counted = 0;
     for k in 0..2 * FEW {
-        let (surface, cells) =
-            if k % 4 == 0 { (teardrop([8, 12, 20][k / 4 % 3]), 5) } else { (whole_surface(&mut random), 24) };
+        let (surface, cells) = if k % 4 == 0 {
+            (teardrop([8, 12, 20][k / 4 % 3]), 5)
+        } else {
+            (whole_surface(&mut random), 24)
+        };
         let direction = random.vector().normalize();
         let size = size(&surface);
         let (_, _, top) = ClosestSolver::new(&surface).deepest_along(&surface, &direction);
         let height = direction.dot(&top.coords) - random.between(0.02, 0.7) * size;
         let mut out = summits();
-        let all = ClosestSolver::new(&surface).summits_along(&surface, &direction, height, &mut out);
+        let all =
+            ClosestSolver::new(&surface).summits_along(&surface, &direction, height, &mut out);
         let name = format!("surface {k} along {direction:?}");
         assert!(all, "{name}: not all");
-        assert!((direction.dot(&top.coords) - out[0].height_m).abs() <= 1e-11 * size, "{name}");
+        assert!(
+            (direction.dot(&top.coords) - out[0].height_m).abs() <= 1e-11 * size,
+            "{name}"
+        );
         let found: Vec<_> = out.iter().map(|x| (x.u, x.v, -x.height_m)).collect();
-        counted += compare(&surface, &name, cells, -height, size, &|p| -direction.dot(&p.coords), &found);
+        counted += compare(
+            &surface,
+            &name,
+            cells,
+            -height,
+            size,
+            &|p| -direction.dot(&p.coords),
+            &found,
+        );
     }
     println!("{counted} sampled summits");
     assert!(counted > 2 * FEW, "only {counted} summits were compared");
@@ -198,12 +298,18 @@ fn every_sampled_summit_is_found_and_each_found_one_is_a_summit() {
 fn the_centre_of_a_sphere_has_one_foot() {
     let surface = sphere(0.05);
     let mut out = room();
-    assert!(ClosestSolver::new(&surface).minima_within(&surface, &Point3::origin(), 0.06, &mut out));
+    assert!(ClosestSolver::new(&surface).minima_within(
+        &surface,
+        &Point3::origin(),
+        0.06,
+        &mut out
+    ));
     assert_eq!(out.len(), 1, "{out:?}");
     assert!((out[0].distance - 0.05).abs() < 1e-16);
 }
 
-// From a point on the axis the nearest points make a circle; from beside it, one foot on the near side.
+// From a point on the axis the nearest points make a circle; from beside it, one foot on the near
+// side.
 #[test]
 fn the_axis_of_a_cylinder_has_one_foot_and_its_side_two_rims() {
     let surface = cylinder(0.02, 0.1);
@@ -226,17 +332,28 @@ fn the_axis_of_a_cylinder_has_one_foot_and_its_side_two_rims() {
     assert!((tops[0].height_m - 0.02).abs() < 1e-15);
 }
 
-// A sheet in a plane is as high everywhere; with two bumps pushed up by as much, two places are highest.
+// A sheet in a plane is as high everywhere; with two bumps pushed up by as much, two places are
+// highest.
 #[test]
 fn equal_heights_that_touch_are_one_and_apart_are_two() {
     let knots = KnotVector::clamped_uniform(3, 12).unwrap();
     let flat = |lift: f64| {
         let points = (0..144).map(|k| {
             let (i, j) = (k / 12, k % 12);
-            let up = if (i, j) == (3, 3) || (i, j) == (8, 8) { lift } else { 0.0 };
+            let up = if (i, j) == (3, 3) || (i, j) == (8, 8) {
+                lift
+            } else {
+                0.0
+            };
             Point3::new(i as f64, j as f64, up)
         });
-        Surface::new(knots.clone(), knots.clone(), ControlNet::new(12, 12, points.collect()).unwrap(), None).unwrap()
+        Surface::new(
+            knots.clone(),
+            knots.clone(),
+            ControlNet::new(12, 12, points.collect()).unwrap(),
+            None,
+        )
+        .unwrap()
     };
     let mut out = summits();
     let sheet = flat(0.0);
@@ -246,7 +363,8 @@ fn equal_heights_that_touch_are_one_and_apart_are_two() {
     assert!(ClosestSolver::new(&bumps).summits_along(&bumps, &Vector3::z(), 0.1, &mut out));
     assert_eq!(out.len(), 2, "{out:?}");
     assert!((out[0].height_m - out[1].height_m).abs() < 1e-12);
-    // Seen from below, the whole sheet is a rim of equal heights around the bumps, or the sheet between them.
+    // Seen from below, the whole sheet is a rim of equal heights around the bumps, or the sheet
+    // between them.
     assert!(ClosestSolver::new(&bumps).summits_along(&bumps, &-Vector3::z(), -0.5, &mut out));
     assert_eq!(out.len(), 1, "{out:?}");
 }

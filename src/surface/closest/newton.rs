@@ -1,9 +1,11 @@
-//! Descent to a local minimum: Newton with second derivatives, inside the smooth patch that holds the start.
+//! Descent to a local minimum: Newton with second derivatives, inside the smooth patch that holds
+//! the start.
 //!
-//! A patch is a parameter rectangle between creases, disjoined knots and ends of the domain; smooth period ends are
-//! passed. At a patch's edge a variable that wants to leave is held (projected Newton; Bertsekas 1982), where the Hessian
-//! is not positive its eigenvalues are mirrored, and the step is halved until the objective falls. Near the answer, where
-//! the objective is flat to rounding, steps are taken while they reduce the gradient instead. Finds a local minimum only;
+//! A patch is a parameter rectangle between creases, disjoined knots and ends of the domain; smooth
+//! period ends are passed. At a patch's edge a variable that wants to leave is held (projected
+//! Newton; Bertsekas 1982), where the Hessian is not positive its eigenvalues are mirrored, and the
+//! step is halved until the objective falls. Near the answer, where the objective is flat to
+//! rounding, steps are taken while they reduce the gradient instead. Finds a local minimum only;
 //! who needs the global one asks the bounds.
 
 use super::objective::{Jet, Smooth};
@@ -37,7 +39,10 @@ impl Evaluate for OnPieces<'_> {
     fn frame(&mut self, i: usize, j: usize, u: f64, v: f64) -> Frame {
         self.pieces.refresh_piece(self.surface, i, j);
         let (a, b) = (&self.pieces.u.spans[i], &self.pieces.v.spans[j]);
-        let (s, t) = ((u - a.start) / (a.end - a.start), (v - b.start) / (b.end - b.start));
+        let (s, t) = (
+            (u - a.start) / (a.end - a.start),
+            (v - b.start) / (b.end - b.start),
+        );
         self.pieces.frame(i, j, s, t)
     }
 
@@ -60,7 +65,13 @@ impl Evaluate for OnSurface<'_> {
 
     fn frame(&mut self, i: usize, j: usize, u: f64, v: f64) -> Frame {
         let Self { pieces, surface } = *self;
-        Site { surface, u: &pieces.u, v: &pieces.v, joints: None }.frame(Place { i, j, u, v })
+        Site {
+            surface,
+            u: &pieces.u,
+            v: &pieces.v,
+            joints: None,
+        }
+        .frame(Place { i, j, u, v })
     }
 
     fn pieces(&self) -> &BezierPieces {
@@ -95,7 +106,8 @@ pub(super) struct Descent {
     pub place: Place,
     pub frame: Frame,
     pub jet: Jet,
-    /// The directions in which the objective could still fall: not held at an edge, with metres to move.
+    /// The directions in which the objective could still fall: not held at an edge, with metres to
+    /// move.
     pub free: [bool; 2],
     /// Largest slope along a free direction, objective per metre.
     pub slope: f64,
@@ -123,7 +135,11 @@ impl Descent {
 }
 
 /// [`descend`], going on over creases while that helps.
-pub(super) fn descend_over<E: Evaluate, O: Smooth>(eval: &mut E, objective: &O, start: Place) -> Descent {
+pub(super) fn descend_over<E: Evaluate, O: Smooth>(
+    eval: &mut E,
+    objective: &O,
+    start: Place,
+) -> Descent {
     let mut best = descend(eval, objective, start);
     for _ in 0..8 {
         let Some(place) = best.beyond else { break };
@@ -138,7 +154,11 @@ pub(super) fn descend_over<E: Evaluate, O: Smooth>(eval: &mut E, objective: &O, 
 }
 
 /// Descends from `start` within its smooth patch.
-pub(super) fn descend<E: Evaluate, O: Smooth>(eval: &mut E, objective: &O, start: Place) -> Descent {
+pub(super) fn descend<E: Evaluate, O: Smooth>(
+    eval: &mut E,
+    objective: &O,
+    start: Place,
+) -> Descent {
     let (du, dv) = eval.directions();
     let (a, b) = (&du.spans[start.i], &dv.spans[start.j]);
     let (low, high) = ([a.reach_low, b.reach_low], [a.reach_high, b.reach_high]);
@@ -184,7 +204,10 @@ fn descend_in<E: Evaluate, O: Smooth>(
     high: [f64; 2],
 ) -> Descent {
     // `x` is unwrapped; `at` is the same place inside the domain.
-    let mut x = [start.u.clamp(low[0], high[0]), start.v.clamp(low[1], high[1])];
+    let mut x = [
+        start.u.clamp(low[0], high[0]),
+        start.v.clamp(low[1], high[1]),
+    ];
     let (mut at, mut frame, mut jet) = look(eval, objective, x, start, high);
     let mut free;
     let mut slope;
@@ -198,7 +221,10 @@ fn descend_in<E: Evaluate, O: Smooth>(
         }
         let step = newton_step(&jet, free);
         let (du, dv) = eval.directions();
-        let widths = [du.spans[at.i].end - du.spans[at.i].start, dv.spans[at.j].end - dv.spans[at.j].start];
+        let widths = [
+            du.spans[at.i].end - du.spans[at.i].start,
+            dv.spans[at.j].end - dv.spans[at.j].start,
+        ];
         // No farther than a span at once: beyond it the second-order model says nothing.
         let mut shrink = 1.0_f64;
         for k in 0..2 {
@@ -256,9 +282,22 @@ fn descend_in<E: Evaluate, O: Smooth>(
         let (du, dv) = eval.directions();
         across(du, x[0], low[0], high[0], at.i, at.u, jet.g[0])
             .map(|(i, u)| Place { i, u, ..at })
-            .or_else(|| across(dv, x[1], low[1], high[1], at.j, at.v, jet.g[1]).map(|(j, v)| Place { j, v, ..at }))
+            .or_else(|| {
+                across(dv, x[1], low[1], high[1], at.j, at.v, jet.g[1]).map(|(j, v)| Place {
+                    j,
+                    v,
+                    ..at
+                })
+            })
     };
-    Descent { place: at, frame, jet, free, slope, beyond }
+    Descent {
+        place: at,
+        frame,
+        jet,
+        free,
+        slope,
+        beyond,
+    }
 }
 
 /// Evaluates at an unwrapped parameter pair that is reached smoothly from `near`.
@@ -274,13 +313,19 @@ fn look<E: Evaluate, O: Smooth>(
     let (i, offset_u) = du.locate(x[0], near.i, high[0]);
     let (j, offset_v) = dv.locate(x[1], near.j, high[1]);
     let (a, b) = (&du.spans[i], &dv.spans[j]);
-    let place = Place { i, j, u: (x[0] - offset_u).clamp(a.start, a.end), v: (x[1] - offset_v).clamp(b.start, b.end) };
+    let place = Place {
+        i,
+        j,
+        u: (x[0] - offset_u).clamp(a.start, a.end),
+        v: (x[1] - offset_v).clamp(b.start, b.end),
+    };
     let frame = eval.frame(i, j, place.u, place.v);
     (place, frame, objective.jet(&frame))
 }
 
-/// A step so short that Taylor's series to second order is the surface to rounding, from a point where Newton's error is
-/// safely squared by each step: the last one, and no evaluation is needed to take it.
+/// A step so short that Taylor's series to second order is the surface to rounding, from a point
+/// where Newton's error is safely squared by each step: the last one, and no evaluation is needed
+/// to take it.
 #[inline(always)]
 fn last_step(
     (du, dv): (&Direction, &Direction),
@@ -297,7 +342,11 @@ fn last_step(
     if !short || free != [true, true] || huu < 0.1 * mu || huu * hvv - huv * huv < 0.01 * mu * mv {
         return None;
     }
-    let place = Place { u: at.u + step[0], v: at.v + step[1], ..at };
+    let place = Place {
+        u: at.u + step[0],
+        v: at.v + step[1],
+        ..at
+    };
     let (a, b) = (&du.spans[at.i], &dv.spans[at.j]);
     let inside = place.u > a.start && place.u < a.end && place.v > b.start && place.v < b.end;
     inside.then_some(([x[0] + step[0], x[1] + step[1]], place))
@@ -317,24 +366,55 @@ fn extend(frame: &Frame, u: f64, v: f64) -> Frame {
 
 /// The place over a joint of a branching surface at which a variable is held.
 #[inline(never)]
-fn over_joint(joints: &Joints, at: Place, x: [f64; 2], low: [f64; 2], high: [f64; 2], g: [f64; 2]) -> Option<Place> {
+fn over_joint(
+    joints: &Joints,
+    at: Place,
+    x: [f64; 2],
+    low: [f64; 2],
+    high: [f64; 2],
+    g: [f64; 2],
+) -> Option<Place> {
     let edges = joints.edges_at(at.into());
     let held = |side: usize| {
         let k = side / 2;
         edges[side]
-            && if side.is_multiple_of(2) { x[k] <= low[k] && g[k] >= 0.0 } else { x[k] >= high[k] && g[k] <= 0.0 }
+            && if side.is_multiple_of(2) {
+                x[k] <= low[k] && g[k] >= 0.0
+            } else {
+                x[k] >= high[k] && g[k] <= 0.0
+            }
     };
-    let side = (0..4).find(|&side| held(side) && joints.beyond(at.into(), side).next().is_some())?;
-    joints.beyond(at.into(), side).next().map(|(spot, _)| spot.into())
+    let side =
+        (0..4).find(|&side| held(side) && joints.beyond(at.into(), side).next().is_some())?;
+    joints
+        .beyond(at.into(), side)
+        .next()
+        .map(|(spot, _)| spot.into())
 }
 
 /// The span across a crease at which the variable is held.
-fn across(d: &Direction, x: f64, low: f64, high: f64, span: usize, inside: f64, slope: f64) -> Option<(usize, f64)> {
+fn across(
+    d: &Direction,
+    x: f64,
+    low: f64,
+    high: f64,
+    span: usize,
+    inside: f64,
+    slope: f64,
+) -> Option<(usize, f64)> {
     let n = d.spans.len();
-    if x <= low && slope >= 0.0 && d.spans[span].before == Joint::Crease && inside == d.spans[span].start {
+    if x <= low
+        && slope >= 0.0
+        && d.spans[span].before == Joint::Crease
+        && inside == d.spans[span].start
+    {
         let other = (span + n - 1) % n;
         Some((other, d.spans[other].end))
-    } else if x >= high && slope <= 0.0 && d.spans[span].after == Joint::Crease && inside == d.spans[span].end {
+    } else if x >= high
+        && slope <= 0.0
+        && d.spans[span].after == Joint::Crease
+        && inside == d.spans[span].end
+    {
         let other = (span + 1) % n;
         Some((other, d.spans[other].start))
     } else {
@@ -357,12 +437,19 @@ fn freedom(jet: &Jet, x: [f64; 2], low: [f64; 2], high: [f64; 2]) -> ([bool; 2],
     (free, slope)
 }
 
-/// Newton's step over the free variables; where the Hessian is not positive, its eigenvalues are mirrored.
+/// Newton's step over the free variables; where the Hessian is not positive, its eigenvalues are
+/// mirrored.
 #[inline]
 fn newton_step(jet: &Jet, free: [bool; 2]) -> [f64; 2] {
     let [gu, gv] = jet.g;
     let [huu, huv, hvv] = jet.h;
-    let alone = |g: f64, h: f64, m: f64| -g / if h > 1e-12 * m { h } else { h.abs().max(1e-3 * m) };
+    let alone = |g: f64, h: f64, m: f64| {
+        -g / if h > 1e-12 * m {
+            h
+        } else {
+            h.abs().max(1e-3 * m)
+        }
+    };
     match free {
         [false, false] => [0.0, 0.0],
         [true, false] => [alone(gu, huu, jet.metric[0]), 0.0],
@@ -382,10 +469,21 @@ fn newton_step(jet: &Jet, free: [bool; 2]) -> [f64; 2] {
             let most = first.abs().max(second.abs()).max(f64::MIN_POSITIVE);
             let safe = |l: f64| l.abs().max(1e-6 * most);
             // Eigenvector of the larger eigenvalue.
-            let (ex, ey) = if half >= 0.0 { (half + root, b) } else { (b, root - half) };
+            let (ex, ey) = if half >= 0.0 {
+                (half + root, b)
+            } else {
+                (b, root - half)
+            };
             let length = (ex * ex + ey * ey).sqrt();
-            let (ex, ey) = if length > 0.0 { (ex / length, ey / length) } else { (1.0, 0.0) };
-            let (p, q) = (-(x * ex + y * ey) / safe(first), -(y * ex - x * ey) / safe(second));
+            let (ex, ey) = if length > 0.0 {
+                (ex / length, ey / length)
+            } else {
+                (1.0, 0.0)
+            };
+            let (p, q) = (
+                -(x * ex + y * ey) / safe(first),
+                -(y * ex - x * ey) / safe(second),
+            );
             [(p * ex - q * ey) / lu, (p * ey + q * ex) / lv]
         }
     }

@@ -1,7 +1,9 @@
-//! What is minimised over the surface: the squared distance to a point, or the height along a direction.
+//! What is minimised over the surface: the squared distance to a point, or the height along a
+//! direction.
 //!
-//! Both are a quotient A / W of Bernstein polynomials on every Bézier piece `N / w`: `|N − q w|² / w²` of degree (2p, 2q),
-//! and `−d·N / w` of degree (p, q). So `A − β W ≥ 0` says that nothing on the piece is better than β.
+//! Both are a quotient A / W of Bernstein polynomials on every Bézier piece `N / w`: `|N − q w|² /
+//! w²` of degree (2p, 2q), and `−d·N / w` of degree (p, q). So `A − β W ≥ 0` says that nothing on
+//! the piece is better than β.
 
 use super::bernstein::binomial;
 use crate::math::{Point3, Vector3};
@@ -37,8 +39,16 @@ pub(super) trait Objective: Smooth {
     fn value(&self, x: f64, y: f64, z: f64) -> f64;
     /// Lower bound over a box (least and greatest corner).
     fn box_bound(&self, low: [f64; 3], high: [f64; 3]) -> f64;
-    /// Coefficients of A, and of W when rational, for a piece; returns how far rounding may have moved A.
-    fn form(&self, pieces: &BezierPieces, piece: usize, tables: &Tables, a: &mut [f64], w: &mut [f64]) -> f64;
+    /// Coefficients of A, and of W when rational, for a piece; returns how far rounding may have
+    /// moved A.
+    fn form(
+        &self,
+        pieces: &BezierPieces,
+        piece: usize,
+        tables: &Tables,
+        a: &mut [f64],
+        w: &mut [f64],
+    ) -> f64;
     /// The value that counts as "better than `best` by more than `delta_m`".
     fn floor(&self, best: f64, delta_m: f64) -> f64;
 }
@@ -57,9 +67,16 @@ pub(super) struct Tables {
 impl Tables {
     pub fn new(p: usize, q: usize) -> Self {
         let grid = |p: usize, q: usize| -> Vec<f64> {
-            (0..=p).flat_map(|i| (0..=q).map(move |j| binomial(p, i) * binomial(q, j))).collect()
+            (0..=p)
+                .flat_map(|i| (0..=q).map(move |j| binomial(p, i) * binomial(q, j)))
+                .collect()
         };
-        Self { p, q, factors: grid(p, q), inverse: grid(2 * p, 2 * q).into_iter().map(|x| 1.0 / x).collect() }
+        Self {
+            p,
+            q,
+            factors: grid(p, q),
+            inverse: grid(2 * p, 2 * q).into_iter().map(|x| 1.0 / x).collect(),
+        }
     }
 }
 
@@ -78,7 +95,11 @@ impl Smooth for Distance {
         Jet {
             f,
             g: [2.0 * r.dot(&x.du), 2.0 * r.dot(&x.dv)],
-            h: [2.0 * (uu + r.dot(&x.duu)), 2.0 * (x.du.dot(&x.dv) + r.dot(&x.duv)), 2.0 * (vv + r.dot(&x.dvv))],
+            h: [
+                2.0 * (uu + r.dot(&x.duu)),
+                2.0 * (x.du.dot(&x.dv) + r.dot(&x.duv)),
+                2.0 * (vv + r.dot(&x.dvv)),
+            ],
             metric: [uu, vv],
             noise: 4.0 * f64::EPSILON * (f + f.sqrt() * size),
             slope_noise: 4.0 * f64::EPSILON * size,
@@ -110,7 +131,14 @@ impl Objective for Distance {
     }
 
     #[inline(always)]
-    fn form(&self, pieces: &BezierPieces, piece: usize, tables: &Tables, a: &mut [f64], w: &mut [f64]) -> f64 {
+    fn form(
+        &self,
+        pieces: &BezierPieces,
+        piece: usize,
+        tables: &Tables,
+        a: &mut [f64],
+        w: &mut [f64],
+    ) -> f64 {
         let points = pieces.points(piece);
         match (tables.p, tables.q, pieces.is_rational()) {
             (3, 3, false) => square(&self.q, points, tables, 3, 3, false, a, w),
@@ -161,11 +189,19 @@ fn square_with<const K: usize>(
     a: &mut [f64],
     w: &mut [f64],
 ) -> f64 {
-    let (points, factors, inverse) = (&points[..n * m], &tables.factors[..n * m], &tables.inverse[..nu * nv]);
+    let (points, factors, inverse) = (
+        &points[..n * m],
+        &tables.factors[..n * m],
+        &tables.inverse[..nu * nv],
+    );
     let mut largest: f64 = 0.0;
     for k in 0..n * m {
         let x = &points[k];
-        let r = [x[0] - query.x * x[3], x[1] - query.y * x[3], x[2] - query.z * x[3]];
+        let r = [
+            x[0] - query.x * x[3],
+            x[1] - query.y * x[3],
+            x[2] - query.z * x[3],
+        ];
         let square = r[0] * r[0] + r[1] * r[1] + r[2] * r[2];
         largest = if square > largest { square } else { largest };
         for c in 0..3 {
@@ -180,7 +216,11 @@ fn square_with<const K: usize>(
             let twice = if i == ii { 1.0 } else { 2.0 };
             let row = &mut a[(i + ii) * nv..(i + ii + 1) * nv];
             for j in 0..m {
-                let (x, y, z) = (twice * d[0][i * m + j], twice * d[1][i * m + j], twice * d[2][i * m + j]);
+                let (x, y, z) = (
+                    twice * d[0][i * m + j],
+                    twice * d[1][i * m + j],
+                    twice * d[2][i * m + j],
+                );
                 for jj in 0..m {
                     let k = ii * m + jj;
                     row[j + jj] += x * d[0][k] + y * d[1][k] + z * d[2][k];
@@ -251,7 +291,14 @@ impl Objective for Along {
     }
 
     #[inline(always)]
-    fn form(&self, pieces: &BezierPieces, piece: usize, _: &Tables, a: &mut [f64], w: &mut [f64]) -> f64 {
+    fn form(
+        &self,
+        pieces: &BezierPieces,
+        piece: usize,
+        _: &Tables,
+        a: &mut [f64],
+        w: &mut [f64],
+    ) -> f64 {
         let mut largest: f64 = 0.0;
         let points = pieces.points(piece);
         for (a, x) in a.iter_mut().zip(points) {

@@ -1,12 +1,14 @@
-//! Branch and bound over the Bézier pieces: proves that nothing on the surface is better than the best foot so far, or
-//! finds what is.
+//! Branch and bound over the Bézier pieces: proves that nothing on the surface is better than the
+//! best foot so far, or finds what is.
 //!
-//! With β the best value, a piece is done when the polynomial G = A − β W (see [`super::objective`]) is proved ≥ −tolerance:
-//! by its least coefficient; by its edge, where G is monotone across the piece; by Newton and a tangent plane, where its
-//! Hessian is positive on the whole piece; else by its halves. A value below starts a descent, which lowers β.
+//! With β the best value, a piece is done when the polynomial G = A − β W (see
+//! [`super::objective`]) is proved ≥ −tolerance: by its least coefficient; by its edge, where G is
+//! monotone across the piece; by Newton and a tangent plane, where its Hessian is positive on the
+//! whole piece; else by its halves. A value below starts a descent, which lowers β.
 
 use super::bernstein::{
-    MAX_ORDER, Verdict, convex_verdict, curvature, edge_verdict, first_differences, halve_u, halve_v, least,
+    MAX_ORDER, Verdict, convex_verdict, curvature, edge_verdict, first_differences, halve_u,
+    halve_v, least,
 };
 use super::newton::{Descent, OnPieces, Place, descend_over};
 use super::objective::{Objective, Tables};
@@ -17,8 +19,8 @@ use crate::surface::tensor::Surface;
 const SMALLEST: f64 = 1.0 / (1u64 << 40) as f64;
 /// Deepest stack: one entry a halving, 40 in each direction.
 const DEPTH: usize = 84;
-/// Parts after which the tolerance is widened tenfold, up to 5e-10 of the size: only where whole curves are nearly
-/// equally close (medial axes of nearly round bodies) do searches get there.
+/// Parts after which the tolerance is widened tenfold, up to 5e-10 of the size: only where whole
+/// curves are nearly equally close (medial axes of nearly round bodies) do searches get there.
 const PATIENCE: usize = 2_000;
 
 /// Better by less than this, relative to the surface's size, is equal.
@@ -37,13 +39,21 @@ pub(super) struct Part {
 impl Part {
     pub fn whole(pieces: &BezierPieces, piece: usize) -> Self {
         let columns = pieces.v.spans.len();
-        Self { i: piece / columns, j: piece % columns, s: [0.0, 1.0], t: [0.0, 1.0] }
+        Self {
+            i: piece / columns,
+            j: piece % columns,
+            s: [0.0, 1.0],
+            t: [0.0, 1.0],
+        }
     }
 
     /// The place at local (s, t) of this part.
     pub fn place(&self, pieces: &BezierPieces, s: f64, t: f64) -> Place {
         let (a, b) = (&pieces.u.spans[self.i], &pieces.v.spans[self.j]);
-        let (x, y) = (self.s[0] + s * (self.s[1] - self.s[0]), self.t[0] + t * (self.t[1] - self.t[0]));
+        let (x, y) = (
+            self.s[0] + s * (self.s[1] - self.s[0]),
+            self.t[0] + t * (self.t[1] - self.t[0]),
+        );
         Place {
             i: self.i,
             j: self.j,
@@ -64,7 +74,10 @@ impl Part {
             }
             y.clamp(0.0, 1.0)
         };
-        (local(&pieces.u, self.i, self.s, foot.u), local(&pieces.v, self.j, self.t, foot.v))
+        (
+            local(&pieces.u, self.i, self.s, foot.u),
+            local(&pieces.v, self.j, self.t, foot.v),
+        )
     }
 
     /// Halves: (lower, upper).
@@ -109,7 +122,11 @@ pub(super) struct Search {
 impl Search {
     pub fn new(pieces: &BezierPieces) -> Self {
         let stride = (2 * pieces.u.degree + 1) * (2 * pieces.v.degree + 1);
-        let weights = if pieces.is_rational() { DEPTH * stride } else { 0 };
+        let weights = if pieces.is_rational() {
+            DEPTH * stride
+        } else {
+            0
+        };
         Self {
             stride,
             a: vec![0.0; DEPTH * stride],
@@ -156,7 +173,8 @@ impl Search {
             }
             self.order.truncate(kept);
         }
-        self.order.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        self.order
+            .sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
     }
 
     /// Candidate `k` of the last [`Search::candidates`].
@@ -195,7 +213,12 @@ impl Search {
     ) {
         self.visited = 0;
         let mut delta_m = TOLERANCE * size_m;
-        self.candidates(pieces, surface, objective, objective.floor(best.jet.f, delta_m));
+        self.candidates(
+            pieces,
+            surface,
+            objective,
+            objective.floor(best.jet.f, delta_m),
+        );
         let orders = objective.orders(pieces.u.degree, pieces.v.degree);
         let mut k = 0;
         while let Some((bound, piece)) = self.candidate(k) {
@@ -204,11 +227,14 @@ impl Search {
             }
             let delta = &mut delta_m;
             match (orders, pieces.is_rational()) {
-                ((7, 7), false) => {
-                    self.clear(7, 7, false, pieces, surface, tables, objective, size_m, delta, piece, best)
-                }
+                ((7, 7), false) => self.clear(
+                    7, 7, false, pieces, surface, tables, objective, size_m, delta, piece, best,
+                ),
                 ((nu, nv), rational) => {
-                    self.clear(nu, nv, rational, pieces, surface, tables, objective, size_m, delta, piece, best);
+                    self.clear(
+                        nu, nv, rational, pieces, surface, tables, objective, size_m, delta, piece,
+                        best,
+                    );
                 }
             }
             k += 1;
@@ -267,7 +293,10 @@ impl Search {
                 }
                 Finding::Open(in_u) => in_u,
             };
-            let (wide_u, wide_v) = (part.s[1] - part.s[0] > SMALLEST, part.t[1] - part.t[0] > SMALLEST);
+            let (wide_u, wide_v) = (
+                part.s[1] - part.s[0] > SMALLEST,
+                part.t[1] - part.t[0] > SMALLEST,
+            );
             if !wide_u && !wide_v {
                 self.parts.pop();
                 continue;
@@ -328,7 +357,14 @@ fn certify_wide<O: Objective>(
 
 /// Tries every proof on one part.
 #[inline(always)]
-fn look(g: &[f64], nu: usize, nv: usize, floor: f64, noise: f64, start: impl FnOnce() -> (f64, f64)) -> Finding {
+fn look(
+    g: &[f64],
+    nu: usize,
+    nv: usize,
+    floor: f64,
+    noise: f64,
+    start: impl FnOnce() -> (f64, f64),
+) -> Finding {
     if least(g) >= floor {
         return Finding::Clear;
     }

@@ -1,8 +1,9 @@
 //! The normal at a foot, and so on which side of the surface a query lies.
 //!
-//! Where the surface is smooth the sign of (q − S)·n decides. At a crease, a seam or a pole several normals meet; their
-//! mean, each weighted by the angle of its sector, decides rightly for any closed surface (Bærentzen & Aanæs, *Signed
-//! distance computation using the angle weighted pseudonormal*, 2005).
+//! Where the surface is smooth the sign of (q − S)·n decides. At a crease, a seam or a pole several
+//! normals meet; their mean, each weighted by the angle of its sector, decides rightly for any
+//! closed surface (Bærentzen & Aanæs, *Signed distance computation using the angle weighted
+//! pseudonormal*, 2005).
 
 use super::newton::Place;
 use crate::basis::{KnotKind, KnotVector, Side};
@@ -11,7 +12,8 @@ use crate::surface::bezier::{Direction, Joint};
 use crate::surface::joints::Joints;
 use crate::surface::tensor::{Frame, Surface, wrap};
 
-/// Points closer than this, relative to their coordinates, are one: the two ends of a closed direction, a pole's row.
+/// Points closer than this, relative to their coordinates, are one: the two ends of a closed
+/// direction, a pole's row.
 pub(super) const SAME: f64 = 1e-9;
 /// Sectors of the fan around a pole, per span.
 const RING: usize = 2;
@@ -29,12 +31,23 @@ pub(super) struct Site<'a> {
 }
 
 impl Site<'_> {
-    /// Outward unit normal at a foot: never NaN; the surface's own where it has one, else the way to the query.
+    /// Outward unit normal at a foot: never NaN; the surface's own where it has one, else the way
+    /// to the query.
     pub fn normal(&self, place: Place, frame: &Frame, to_query: &Vector3) -> Vector3 {
         let (a, b) = (&self.u.spans[place.i], &self.v.spans[place.j]);
-        let at_knot = place.u <= a.start || place.u >= a.end || place.v <= b.start || place.v >= b.end;
-        let found = if at_knot { self.pole(place, frame).or_else(|| self.corner(place, frame)) } else { None };
-        let outward = if self.surface.flip_normal() { -1.0 } else { 1.0 };
+        let at_knot =
+            place.u <= a.start || place.u >= a.end || place.v <= b.start || place.v >= b.end;
+        let found = if at_knot {
+            self.pole(place, frame)
+                .or_else(|| self.corner(place, frame))
+        } else {
+            None
+        };
+        let outward = if self.surface.flip_normal() {
+            -1.0
+        } else {
+            1.0
+        };
         found
             .or_else(|| self.near(place, frame))
             .map(|n| n * outward)
@@ -44,17 +57,28 @@ impl Site<'_> {
 
     /// The frame of a place as its own piece sees it.
     pub fn frame(&self, Place { i, j, u, v }: Place) -> Frame {
-        let side = |x: f64, d: &Direction, k: usize| if x >= d.spans[k].end { Side::Left } else { Side::Right };
-        self.surface.frame_from(u, v, side(u, self.u, i), side(v, self.v, j))
+        let side = |x: f64, d: &Direction, k: usize| {
+            if x >= d.spans[k].end {
+                Side::Left
+            } else {
+                Side::Right
+            }
+        };
+        self.surface
+            .frame_from(u, v, side(u, self.u, i), side(v, self.v, j))
     }
 
-    /// The normal of a place as its own piece sees it, from a little farther inside where the tangents vanish.
+    /// The normal of a place as its own piece sees it, from a little farther inside where the
+    /// tangents vanish.
     fn near(&self, place: Place, frame: &Frame) -> Option<Vector3> {
         smooth_normal(frame).or_else(|| {
             let (a, b) = (&self.u.spans[place.i], &self.v.spans[place.j]);
             let (cu, cv) = (0.5 * (a.start + a.end), 0.5 * (b.start + b.end));
             [1e-6, 1e-4, 1e-2, 0.3].into_iter().find_map(|inward| {
-                let (u, v) = (place.u + inward * (cu - place.u), place.v + inward * (cv - place.v));
+                let (u, v) = (
+                    place.u + inward * (cu - place.u),
+                    place.v + inward * (cv - place.v),
+                );
                 smooth_normal(&self.frame(Place { u, v, ..place }))
             })
         })
@@ -67,8 +91,12 @@ impl Site<'_> {
         }
         let tolerance = SAME * frame.point.coords.amax();
         let same = |p: Point3| (p - frame.point).norm() <= tolerance;
-        let us = sides(self.u, place.i, place.u, |i, u| same(self.frame(Place { i, u, ..place }).point));
-        let vs = sides(self.v, place.j, place.v, |j, v| same(self.frame(Place { j, v, ..place }).point));
+        let us = sides(self.u, place.i, place.u, |i, u| {
+            same(self.frame(Place { i, u, ..place }).point)
+        });
+        let vs = sides(self.v, place.j, place.v, |j, v| {
+            same(self.frame(Place { j, v, ..place }).point)
+        });
         let corner = us[1].is_some() && vs[1].is_some();
         if us[1].is_none() && vs[1].is_none() {
             return None;
@@ -80,8 +108,13 @@ impl Site<'_> {
                 let place = Place { i, j, u, v };
                 let frame = self.frame(place);
                 if let Some(n) = self.near(place, &frame) {
-                    // On an edge both sectors are half turns; at a corner each is the angle between its tangents.
-                    let weight = if corner { angle(&(frame.du * into_u), &(frame.dv * into_v)) } else { 1.0 };
+                    // On an edge both sectors are half turns; at a corner each is the angle between
+                    // its tangents.
+                    let weight = if corner {
+                        angle(&(frame.du * into_u), &(frame.dv * into_v))
+                    } else {
+                        1.0
+                    };
                     sum += n * weight;
                     if let Some(slot) = sheets.iter_mut().find(|s| s.is_none()) {
                         *slot = Some((place, n, [into_u, into_v]));
@@ -101,7 +134,9 @@ impl Site<'_> {
         let mut sum = Vector3::zeros();
         for spot in meeting.spots() {
             let frame = self.frame(Place::from(*spot));
-            let Some(n) = self.near(Place::from(*spot), &frame) else { continue };
+            let Some(n) = self.near(Place::from(*spot), &frame) else {
+                continue;
+            };
             let [u0, u1, v0, v1] = joints.edges_at(*spot);
             let into = |low: bool, high: bool| if high && !low { -1.0 } else { 1.0 };
             let corner = (u0 || u1) && (v0 || v1);
@@ -116,17 +151,32 @@ impl Site<'_> {
         sum.try_normalize(1e-9)
     }
 
-    /// Where two sheets leave an edge the same way their normals cancel. Between the sheets is the solid, and then the edge
-    /// points out of it; or a crack, and then the edge points into the solid.
+    /// Where two sheets leave an edge the same way their normals cancel. Between the sheets is the
+    /// solid, and then the edge points out of it; or a crack, and then the edge points into the
+    /// solid.
     fn cusp(&self, sheets: &[Option<(Place, Vector3, [f64; 2])>; 4]) -> Option<Vector3> {
         let (a, normal, into) = sheets[0]?;
-        let (b, _, other) = sheets.iter().flatten().find(|(_, n, _)| n.dot(&normal) < -0.99)?;
+        let (b, _, other) = sheets
+            .iter()
+            .flatten()
+            .find(|(_, n, _)| n.dot(&normal) < -0.99)?;
         let inside = |p: Place, [into_u, into_v]: [f64; 2]| {
-            let (wide_u, wide_v) =
-                (self.u.spans[p.i].end - self.u.spans[p.i].start, self.v.spans[p.j].end - self.v.spans[p.j].start);
+            let (wide_u, wide_v) = (
+                self.u.spans[p.i].end - self.u.spans[p.i].start,
+                self.v.spans[p.j].end - self.v.spans[p.j].start,
+            );
             // Along the parameter in which the sheets differ.
-            let [du, dv] = if a.i == b.i && a.u == b.u { [0.0, into_v * wide_v] } else { [into_u * wide_u, 0.0] };
-            self.frame(Place { u: p.u + CUSP_STEP * du, v: p.v + CUSP_STEP * dv, ..p }).point
+            let [du, dv] = if a.i == b.i && a.u == b.u {
+                [0.0, into_v * wide_v]
+            } else {
+                [into_u * wide_u, 0.0]
+            };
+            self.frame(Place {
+                u: p.u + CUSP_STEP * du,
+                v: p.v + CUSP_STEP * dv,
+                ..p
+            })
+            .point
         };
         let (first, second) = (inside(a, into), inside(*b, *other));
         let away = self.frame(a).point - nalgebra::center(&first, &second);
@@ -148,11 +198,19 @@ impl Site<'_> {
         let row = end(self.u, self.surface.knots_u().kind(), place.u, rows);
         let column = end(self.v, self.surface.knots_v().kind(), place.v, columns);
         if row.is_some_and(|i| (0..columns).all(|j| same(net.at(i, j)))) {
-            let (next, turn) = if row == Some(0) { (1, 1.0) } else { (rows - 2, -1.0) };
+            let (next, turn) = if row == Some(0) {
+                (1, 1.0)
+            } else {
+                (rows - 2, -1.0)
+            };
             let leave = |j: usize| self.leaving(next, j, frame);
             fan(self.surface.knots_v(), leave).map(|n| n * turn)
         } else if column.is_some_and(|j| (0..rows).all(|i| same(net.at(i, j)))) {
-            let (next, turn) = if column == Some(0) { (1, -1.0) } else { (columns - 2, 1.0) };
+            let (next, turn) = if column == Some(0) {
+                (1, -1.0)
+            } else {
+                (columns - 2, 1.0)
+            };
             let leave = |i: usize| self.leaving(i, next, frame);
             fan(self.surface.knots_u(), leave).map(|n| n * turn)
         } else {
@@ -160,10 +218,14 @@ impl Site<'_> {
         }
     }
 
-    /// Weighted way from a pole to a control point of the next row: their blend is the tangent out of the pole.
+    /// Weighted way from a pole to a control point of the next row: their blend is the tangent out
+    /// of the pole.
     fn leaving(&self, row: usize, column: usize, pole: &Frame) -> Vector3 {
         let net = self.surface.net();
-        let weight = self.surface.weights().map_or(1.0, |w| w[row * net.columns() + column]);
+        let weight = self
+            .surface
+            .weights()
+            .map_or(1.0, |w| w[row * net.columns() + column]);
         (net.at(row, column) - pole.point) * weight
     }
 }
@@ -179,8 +241,8 @@ fn angle(a: &Vector3, b: &Vector3) -> f64 {
     libm::atan2(a.cross(b).norm(), a.dot(b))
 }
 
-/// The spans that meet at a parameter: (span, parameter, direction into the span). `coincide` says whether a place at the
-/// other end of the domain is the same point.
+/// The spans that meet at a parameter: (span, parameter, direction into the span). `coincide` says
+/// whether a place at the other end of the domain is the same point.
 pub(super) fn sides(
     d: &Direction,
     span: usize,
@@ -194,9 +256,16 @@ pub(super) fn sides(
     if !at_start && x < here.end {
         return [own, None];
     }
-    let (joint, other, into) =
-        if at_start { (here.before, (span + n - 1) % n, -1.0) } else { (here.after, (span + 1) % n, 1.0) };
-    let y = if at_start { d.spans[other].end } else { d.spans[other].start };
+    let (joint, other, into) = if at_start {
+        (here.before, (span + n - 1) % n, -1.0)
+    } else {
+        (here.after, (span + 1) % n, 1.0)
+    };
+    let y = if at_start {
+        d.spans[other].end
+    } else {
+        d.spans[other].start
+    };
     let at_end = if at_start { span == 0 } else { span + 1 == n };
     let meets = match joint {
         Joint::Smooth => false,
@@ -206,7 +275,8 @@ pub(super) fn sides(
     [own, meets.then_some((other, y, into))]
 }
 
-/// Angle-weighted mean of the normals `out × ∂out` around a pole, whose tangents out of it are the blends of `leave`.
+/// Angle-weighted mean of the normals `out × ∂out` around a pole, whose tangents out of it are the
+/// blends of `leave`.
 fn fan(along: &KnotVector, leave: impl Fn(usize) -> Vector3) -> Option<Vector3> {
     let out = |x: f64, side: Side| {
         let window = along.window_from(x, side);
@@ -222,7 +292,11 @@ fn fan(along: &KnotVector, leave: impl Fn(usize) -> Vector3) -> Option<Vector3> 
         let (start, end) = (t[k], t[k + 1]);
         let mut last = out(start, Side::Right);
         for m in 1..=RING {
-            let x = if m == RING { end } else { start + (end - start) * m as f64 / RING as f64 };
+            let x = if m == RING {
+                end
+            } else {
+                start + (end - start) * m as f64 / RING as f64
+            };
             let next = out(x, Side::Left);
             let across = last.cross(&next);
             if let Some(n) = across.try_normalize(1e-12 * last.norm() * next.norm()) {

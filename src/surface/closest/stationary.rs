@@ -1,8 +1,10 @@
-//! Where on a part of a Bézier piece local minima can be, by the signs of its Bernstein coefficients.
+//! Where on a part of a Bézier piece local minima can be, by the signs of its Bernstein
+//! coefficients.
 //!
-//! The objective is A / W with W > 0. Where its value is f, its slope has the sign of A_u − f W_u, and at a critical point
-//! its second derivatives are those of A − f W, over W. Both are linear in f, so what holds for the least and the greatest
-//! value that the part takes holds for all between them. A polynomial (W = 1) is its own only form.
+//! The objective is A / W with W > 0. Where its value is f, its slope has the sign of A_u − f W_u,
+//! and at a critical point its second derivatives are those of A − f W, over W. Both are linear in
+//! f, so what holds for the least and the greatest value that the part takes holds for all between
+//! them. A polynomial (W = 1) is its own only form.
 
 use super::bernstein::{MAX_ORDER, least};
 
@@ -20,7 +22,8 @@ pub(super) enum Claim {
 /// What is known of a part beside its coefficients.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Setting {
-    /// Its edges at least and greatest u, v beyond which the surface is not smooth: minima may sit there on a slope.
+    /// Its edges at least and greatest u, v beyond which the surface is not smooth: minima may sit
+    /// there on a slope.
     pub borders: [[bool; 2]; 2],
     /// In u and v, shares of the piece.
     pub widths: [f64; 2],
@@ -43,8 +46,9 @@ fn take(range: &mut Range, x: f64) {
     range.1 = if x > range.1 { x } else { range.1 };
 }
 
-/// Looks at one or two forms (A − f W at the least and greatest f) of a part, `nu × nv` coefficients each; `whole` is A and
-/// W, where there are two. The caller has made sure that the part reaches below the ceiling.
+/// Looks at one or two forms (A − f W at the least and greatest f) of a part, `nu × nv`
+/// coefficients each; `whole` is A and W, where there are two. The caller has made sure that the
+/// part reaches below the ceiling.
 #[inline(always)]
 pub(super) fn claim<const FORMS: usize>(
     forms: [&[f64]; FORMS],
@@ -84,7 +88,8 @@ pub(super) fn claim<const FORMS: usize>(
         }
         range
     };
-    // Monotone: the least value is on one edge. It is a minimum of the surface only if the slope ends there too.
+    // Monotone: the least value is on one edge. It is a minimum of the surface only if the slope
+    // ends there too.
     let mut held = [None; 2];
     for (k, slope) in [du, dv].into_iter().enumerate() {
         if slope.0 >= -noise {
@@ -103,7 +108,14 @@ pub(super) fn claim<const FORMS: usize>(
         [Some(s), Some(t)] => Claim::Start(s, t),
         [Some(s), None] => {
             let row = if s > 0.0 { (nu - 1) * nv } else { 0 };
-            match on_edge::<FORMS>(|j| row + j, nv, setting.borders[1], forms[0], whole, setting) {
+            match on_edge::<FORMS>(
+                |j| row + j,
+                nv,
+                setting.borders[1],
+                forms[0],
+                whole,
+                setting,
+            ) {
                 Some(Some(t)) => Claim::Start(s, t),
                 Some(None) => Claim::Nothing,
                 None => Claim::Halve(false),
@@ -111,7 +123,14 @@ pub(super) fn claim<const FORMS: usize>(
         }
         [None, Some(t)] => {
             let column = if t > 0.0 { nv - 1 } else { 0 };
-            match on_edge::<FORMS>(|i| i * nv + column, nu, setting.borders[0], forms[0], whole, setting) {
+            match on_edge::<FORMS>(
+                |i| i * nv + column,
+                nu,
+                setting.borders[0],
+                forms[0],
+                whole,
+                setting,
+            ) {
                 Some(Some(s)) => Claim::Start(s, t),
                 Some(None) => Claim::Nothing,
                 None => Claim::Halve(true),
@@ -121,8 +140,9 @@ pub(super) fn claim<const FORMS: usize>(
     }
 }
 
-/// On an edge that holds the least values: where to start, that there is nothing, or neither. `at` gives the place of its
-/// coefficients. A rational edge has forms of its own: its values spread less than those of the part.
+/// On an edge that holds the least values: where to start, that there is nothing, or neither. `at`
+/// gives the place of its coefficients. A rational edge has forms of its own: its values spread
+/// less than those of the part.
 #[inline(always)]
 fn on_edge<const FORMS: usize>(
     at: impl Fn(usize) -> usize,
@@ -142,7 +162,10 @@ fn on_edge<const FORMS: usize>(
         if range.0 >= setting.ceiling {
             return Some(None);
         }
-        for (edge, f) in edges.iter_mut().zip([range.0, range.1.min(setting.ceiling)]) {
+        for (edge, f) in edges
+            .iter_mut()
+            .zip([range.0, range.1.min(setting.ceiling)])
+        {
             (0..n).for_each(|k| edge[k] = whole.0[at(k)] - f * whole.1[at(k)]);
         }
     }
@@ -175,7 +198,12 @@ fn on_edge<const FORMS: usize>(
 
 /// Where neither slope has a sign, the Hessian decides.
 #[inline(always)]
-fn in_the_middle<const FORMS: usize>(forms: [&[f64]; FORMS], nu: usize, nv: usize, setting: &Setting) -> Claim {
+fn in_the_middle<const FORMS: usize>(
+    forms: [&[f64]; FORMS],
+    nu: usize,
+    nv: usize,
+    setting: &Setting,
+) -> Claim {
     let (mut uu, mut uv, mut vv) = (EMPTY, EMPTY, EMPTY);
     for a in forms {
         if nu < 3 {
@@ -201,8 +229,17 @@ fn in_the_middle<const FORMS: usize>(forms: [&[f64]; FORMS], nu: usize, nv: usiz
         }
     }
     let (p, q) = ((nu - 1) as f64, (nv - 1) as f64);
-    let scaled = |range: Range, s: f64| ((range.0 - 4.0 * setting.noise) * s, (range.1 + 4.0 * setting.noise) * s);
-    let (uu, uv, vv) = (scaled(uu, p * (p - 1.0)), scaled(uv, p * q), scaled(vv, q * (q - 1.0)));
+    let scaled = |range: Range, s: f64| {
+        (
+            (range.0 - 4.0 * setting.noise) * s,
+            (range.1 + 4.0 * setting.noise) * s,
+        )
+    };
+    let (uu, uv, vv) = (
+        scaled(uu, p * (p - 1.0)),
+        scaled(uv, p * q),
+        scaled(vv, q * (q - 1.0)),
+    );
     let most_uv = uv.0.abs().max(uv.1.abs());
     if uu.0 > 0.0 && vv.0 > 0.0 && uu.0 * vv.0 > most_uv * most_uv {
         // Start at the control point that is lowest: near the answer, and inside.
@@ -229,10 +266,16 @@ fn in_the_middle<const FORMS: usize>(forms: [&[f64]; FORMS], nu: usize, nv: usiz
     if down[0] != down[1] || (saddle && open(0) != open(1)) {
         return Claim::Halve(if down[0] != down[1] { down[0] } else { open(1) });
     }
-    let spread = |range: Range, s: f64| (range.0.abs().max(range.1.abs()) - 8.0 * setting.noise * s).max(0.0);
+    let spread = |range: Range, s: f64| {
+        (range.0.abs().max(range.1.abs()) - 8.0 * setting.noise * s).max(0.0)
+    };
     let (by_u, by_v) = (spread(uu, p * (p - 1.0)), spread(vv, q * (q - 1.0)));
     let both = spread(uv, p * q);
-    Claim::Halve(if saddle || both >= by_u.max(by_v) { wider } else { by_u >= by_v })
+    Claim::Halve(if saddle || both >= by_u.max(by_v) {
+        wider
+    } else {
+        by_u >= by_v
+    })
 }
 
 /// Least and greatest value of A / W by their coefficients.

@@ -1,14 +1,16 @@
 //! How far query and net may move before a foot could stop being the global one.
 //!
-//! Let d be the distance at the foot, B a parameter box around it, and c a lower bound of the distance everywhere outside
-//! B. While query and net together have moved by m < (c − d) / 2, every point outside B is farther than the foot's own
-//! neighbourhood, so the answer is inside B, and a descent that never goes up cannot leave B. If the squared distance is
-//! also convex on B, and stays so for such movements, Newton inside B finds the only minimum there.
+//! Let d be the distance at the foot, B a parameter box around it, and c a lower bound of the
+//! distance everywhere outside B. While query and net together have moved by m < (c − d) / 2, every
+//! point outside B is farther than the foot's own neighbourhood, so the answer is inside B, and a
+//! descent that never goes up cannot leave B. If the squared distance is also convex on B, and
+//! stays so for such movements, Newton inside B finds the only minimum there.
 //!
-//! The Hessian of |D|², D = S − q, is `2 (D_s·D_s + D·D_ss)` and so on. A movement of the query by m changes it by at most
-//! `2 m |D_ss|`; one of the control points also changes the derivatives, by at most 2p m (first) and 4p(p − 1) m (second,
-//! in a piece's own parameters). A symmetric 2 × 2 matrix with diagonal a, b and |off-diagonal| ≤ g stays positive while
-//! the entries change by less than θa, θb and θ√(ab), θ = (1 − g / √(ab)) / 2.
+//! The Hessian of |D|², D = S − q, is `2 (D_s·D_s + D·D_ss)` and so on. A movement of the query by
+//! m changes it by at most `2 m |D_ss|`; one of the control points also changes the derivatives, by
+//! at most 2p m (first) and 4p(p − 1) m (second, in a piece's own parameters). A symmetric 2 × 2
+//! matrix with diagonal a, b and |off-diagonal| ≤ g stays positive while the entries change by less
+//! than θa, θb and θ√(ab), θ = (1 − g / √(ab)) / 2.
 
 use super::bernstein::{curvature, least, restrict_u, restrict_v};
 use super::newton::Descent;
@@ -17,7 +19,8 @@ use super::search::{Part, Search};
 use crate::surface::bezier::{BezierPieces, Direction, Joint};
 use crate::surface::tensor::Surface;
 
-/// Share of the gap between distance and nearest outside value that is claimed; less is proved sooner.
+/// Share of the gap between distance and nearest outside value that is claimed; less is proved
+/// sooner.
 const CLAIM: f64 = 0.7;
 /// Parts looked at before giving up: then the next query searches again.
 const PATIENCE: usize = 600;
@@ -67,7 +70,9 @@ pub(super) fn certificate(
     if crate::math::simd::has_avx2() {
         // SAFETY: the processor has AVX2, asked just above.
         #[allow(unsafe_code)]
-        return unsafe { certificate_wide(search, pieces, surface, tables, objective, size_m, best) };
+        return unsafe {
+            certificate_wide(search, pieces, surface, tables, objective, size_m, best)
+        };
     }
     certificate_in(search, pieces, surface, tables, objective, size_m, best)
 }
@@ -99,8 +104,12 @@ fn certificate_in(
 ) -> Grant {
     let (nu, nv) = objective.orders(pieces.u.degree, pieces.v.degree);
     match (nu, nv, pieces.is_rational()) {
-        (7, 7, false) => certify(7, 7, false, search, pieces, surface, tables, objective, size_m, best),
-        (nu, nv, rational) => certify(nu, nv, rational, search, pieces, surface, tables, objective, size_m, best),
+        (7, 7, false) => certify(
+            7, 7, false, search, pieces, surface, tables, objective, size_m, best,
+        ),
+        (nu, nv, rational) => certify(
+            nu, nv, rational, search, pieces, surface, tables, objective, size_m, best,
+        ),
     }
 }
 
@@ -117,21 +126,26 @@ fn certify(
     size_m: f64,
     best: &Descent,
 ) -> Grant {
-    let nothing = Grant { budget_m: 0.0, net_cost: 1.0 };
+    let nothing = Grant {
+        budget_m: 0.0,
+        net_cost: 1.0,
+    };
     let distance = best.jet.f.max(0.0).sqrt();
     let mut share = 0.5;
     for _ in 0..5 {
         let around = surround(pieces, best, share);
-        if let Some((slacks, count)) =
-            slacks(nu, nv, rational, search, pieces, surface, tables, objective, best, around)
-        {
+        if let Some((slacks, count)) = slacks(
+            nu, nv, rational, search, pieces, surface, tables, objective, best, around,
+        ) {
             let slacks = &slacks[..count];
             let mut limit = f64::INFINITY;
             for slack in slacks {
                 limit = limit.min(if rational {
                     net_limit(slack, pieces, distance, 0.0)
                 } else {
-                    (0..3).fold(f64::INFINITY, |m, k| m.min(slack.room[k] / slack.query[k].max(f64::MIN_POSITIVE)))
+                    (0..3).fold(f64::INFINITY, |m, k| {
+                        m.min(slack.room[k] / slack.query[k].max(f64::MIN_POSITIVE))
+                    })
                 });
             }
             let limit = limit.min(10.0 * size_m);
@@ -156,7 +170,8 @@ fn certify(
             let mut net_cost: f64 = 1.0;
             if !rational {
                 for slack in slacks {
-                    net_cost = net_cost.max(budget_m / net_limit(slack, pieces, distance, budget_m));
+                    net_cost =
+                        net_cost.max(budget_m / net_limit(slack, pieces, distance, budget_m));
                 }
             }
             return Grant { budget_m, net_cost };
@@ -166,7 +181,8 @@ fn certify(
     nothing
 }
 
-/// A box of `share` of the foot's own spans to each side, not past a crease or the far end of a neighbouring span.
+/// A box of `share` of the foot's own spans to each side, not past a crease or the far end of a
+/// neighbouring span.
 fn surround(pieces: &BezierPieces, best: &Descent, share: f64) -> Around {
     let one = |d: &Direction, k: usize, x: f64| {
         let (n, span) = (d.spans.len(), &d.spans[k]);
@@ -182,24 +198,35 @@ fn surround(pieces: &BezierPieces, best: &Descent, share: f64) -> Around {
         }
         [(x - reach).max(low), (x + reach).min(high)]
     };
-    Around { u: one(&pieces.u, best.place.i, best.place.u), v: one(&pieces.v, best.place.j, best.place.v) }
+    Around {
+        u: one(&pieces.u, best.place.i, best.place.u),
+        v: one(&pieces.v, best.place.j, best.place.v),
+    }
 }
 
-/// The part of span `k` that a box covers, in the span's own [0, 1]; periodic directions are unwrapped.
+/// The part of span `k` that a box covers, in the span's own [0, 1]; periodic directions are
+/// unwrapped.
 fn covered(d: &Direction, k: usize, range: [f64; 2]) -> Option<[f64; 2]> {
     let span = &d.spans[k];
     let width = span.end - span.start;
     let period = d.domain.1 - d.domain.0;
-    let offsets: &[f64] = if d.periodic { &[0.0, -1.0, 1.0] } else { &[0.0] };
+    let offsets: &[f64] = if d.periodic {
+        &[0.0, -1.0, 1.0]
+    } else {
+        &[0.0]
+    };
     offsets.iter().find_map(|turn| {
         let low = ((range[0] + turn * period - span.start) / width).max(0.0);
         let high = ((range[1] + turn * period - span.start) / width).min(1.0);
-        (high - low > 1e-12)
-            .then_some([if low < 1e-12 { 0.0 } else { low }, if high > 1.0 - 1e-12 { 1.0 } else { high }])
+        (high - low > 1e-12).then_some([
+            if low < 1e-12 { 0.0 } else { low },
+            if high > 1.0 - 1e-12 { 1.0 } else { high },
+        ])
     })
 }
 
-/// Convexity over the box, part by part; `None` where it is not proved. At most nine pieces meet a box.
+/// Convexity over the box, part by part; `None` where it is not proved. At most nine pieces meet a
+/// box.
 #[inline(always)]
 fn slacks(
     nu: usize,
@@ -213,18 +240,31 @@ fn slacks(
     best: &Descent,
     around: Around,
 ) -> Option<([Slack; 9], usize)> {
-    let zero =
-        Slack { room: [0.0; 3], query: [0.0; 3], d: [0.0; 6], widths: [0.0; 2], weight: 1.0, weight_bends: [0.0; 3] };
+    let zero = Slack {
+        room: [0.0; 3],
+        query: [0.0; 3],
+        d: [0.0; 6],
+        widths: [0.0; 2],
+        weight: 1.0,
+        weight_bends: [0.0; 3],
+    };
     let (mut out, mut count) = ([zero; 9], 0);
     let len = nu * nv;
     for i in 0..pieces.u.spans.len() {
-        let Some(s) = covered(&pieces.u, i, around.u) else { continue };
+        let Some(s) = covered(&pieces.u, i, around.u) else {
+            continue;
+        };
         for j in 0..pieces.v.spans.len() {
-            let Some(t) = covered(&pieces.v, j, around.v) else { continue };
+            let Some(t) = covered(&pieces.v, j, around.v) else {
+                continue;
+            };
             let piece = i * pieces.v.spans.len() + j;
             pieces.refresh_piece(surface, i, j);
             let noise = objective.form(pieces, piece, tables, &mut search.a, &mut search.w);
-            let mut slack = Slack { widths: [s[1] - s[0], t[1] - t[0]], ..zero };
+            let mut slack = Slack {
+                widths: [s[1] - s[0], t[1] - t[0]],
+                ..zero
+            };
             if rational {
                 let w = &mut search.w[..len];
                 restrict_u(w, nu, nv, s[0], s[1]);
@@ -256,14 +296,19 @@ fn slacks(
     Some((out, count))
 }
 
-/// Bounds of D = N − q w and its derivatives in the part's own parameters, from the control points of the piece.
+/// Bounds of D = N − q w and its derivatives in the part's own parameters, from the control points
+/// of the piece.
 fn measure(pieces: &BezierPieces, piece: usize, objective: &Distance, slack: &mut Slack) {
     let (p, q) = (pieces.u.degree, pieces.v.degree);
     let points = pieces.points(piece);
     let width = q + 1;
     // Differences of (w x, w y, w z, w) are linear in the query: subtract it at the end.
     let length = |x: [f64; 4]| {
-        let d = [x[0] - objective.q.x * x[3], x[1] - objective.q.y * x[3], x[2] - objective.q.z * x[3]];
+        let d = [
+            x[0] - objective.q.x * x[3],
+            x[1] - objective.q.y * x[3],
+            x[2] - objective.q.z * x[3],
+        ];
         d[0] * d[0] + d[1] * d[1] + d[2] * d[2]
     };
     let mix = |x: &[f64; 4], a: f64, y: &[f64; 4], b: f64, z: &[f64; 4]| -> [f64; 4] {
@@ -281,24 +326,43 @@ fn measure(pieces: &BezierPieces, piece: usize, objective: &Distance, slack: &mu
                 let next = &points[(k + 1) * width + l];
                 raise(1, length(mix(next, -1.0, x, 0.0, &zero)));
                 if k + 1 < p {
-                    raise(3, length(mix(&points[(k + 2) * width + l], -2.0, next, 1.0, x)));
+                    raise(
+                        3,
+                        length(mix(&points[(k + 2) * width + l], -2.0, next, 1.0, x)),
+                    );
                 }
             }
             if l < q {
                 let next = &points[k * width + l + 1];
                 raise(2, length(mix(next, -1.0, x, 0.0, &zero)));
                 if l + 1 < q {
-                    raise(4, length(mix(&points[k * width + l + 2], -2.0, next, 1.0, x)));
+                    raise(
+                        4,
+                        length(mix(&points[k * width + l + 2], -2.0, next, 1.0, x)),
+                    );
                 }
                 if k < p {
-                    let across = mix(&points[(k + 1) * width + l + 1], -1.0, &points[(k + 1) * width + l], 0.0, &zero);
+                    let across = mix(
+                        &points[(k + 1) * width + l + 1],
+                        -1.0,
+                        &points[(k + 1) * width + l],
+                        0.0,
+                        &zero,
+                    );
                     raise(5, length(mix(&across, -1.0, next, 1.0, x)));
                 }
             }
         }
     }
     let (p, q, [s, t]) = (p as f64, q as f64, slack.widths);
-    let factors = [1.0, p * s, q * t, p * (p - 1.0) * s * s, q * (q - 1.0) * t * t, p * q * s * t];
+    let factors = [
+        1.0,
+        p * s,
+        q * t,
+        p * (p - 1.0) * s * s,
+        q * (q - 1.0) * t * t,
+        p * q * s * t,
+    ];
     for k in 0..6 {
         slack.d[k] = factors[k] * most[k].sqrt();
     }
@@ -313,14 +377,22 @@ fn net_limit(slack: &Slack, pieces: &BezierPieces, distance: f64, query_m: f64) 
     // What one metre does to D_s, D_t, D_ss, D_tt, D_st.
     let w = slack.weight;
     let (ms, mt) = (2.0 * p * s * w, 2.0 * q * t * w);
-    let (mss, mtt, mst) = (4.0 * p * (p - 1.0) * s * s * w, 4.0 * q * (q - 1.0) * t * t * w, 4.0 * p * q * s * t * w);
+    let (mss, mtt, mst) = (
+        4.0 * p * (p - 1.0) * s * s * w,
+        4.0 * q * (q - 1.0) * t * t * w,
+        4.0 * p * q * s * t * w,
+    );
     let b = slack.weight_bends;
     let linear = [
         2.0 * (2.0 * ds * ms + d * mss + w * dss) + 2.0 * distance * b[0],
         2.0 * (2.0 * dt * mt + d * mtt + w * dtt) + 2.0 * distance * b[1],
         2.0 * (ds * mt + dt * ms + d * mst + w * dst) + 2.0 * distance * b[2],
     ];
-    let square = [2.0 * (ms * ms + w * mss) + b[0], 2.0 * (mt * mt + w * mtt) + b[1], 2.0 * (ms * mt + w * mst) + b[2]];
+    let square = [
+        2.0 * (ms * ms + w * mss) + b[0],
+        2.0 * (mt * mt + w * mtt) + b[1],
+        2.0 * (ms * mt + w * mst) + b[2],
+    ];
     (0..3).fold(f64::INFINITY, |limit, k| {
         // linear m + square m² = room, without cancellation.
         let root = (linear[k] * linear[k] + 4.0 * square[k] * slack.room[k]).sqrt();
@@ -359,11 +431,20 @@ fn gap_outside(
         let noise = objective.form(pieces, piece, tables, &mut search.a, &mut search.w);
         let whole = Part::whole(pieces, piece);
         search.parts.clear();
-        match (covered(&pieces.u, whole.i, around.u), covered(&pieces.v, whole.j, around.v)) {
+        match (
+            covered(&pieces.u, whole.i, around.u),
+            covered(&pieces.v, whole.j, around.v),
+        ) {
             (Some(s), Some(t)) => {
-                // The piece without the box: strips on both sides in u, and what is left on both sides in v.
+                // The piece without the box: strips on both sides in u, and what is left on both
+                // sides in v.
                 search.g[..len].copy_from_slice(&search.a[..len]);
-                let strips = [([0.0, s[0]], [0.0, 1.0]), ([s[1], 1.0], [0.0, 1.0]), (s, [0.0, t[0]]), (s, [t[1], 1.0])];
+                let strips = [
+                    ([0.0, s[0]], [0.0, 1.0]),
+                    ([s[1], 1.0], [0.0, 1.0]),
+                    (s, [0.0, t[0]]),
+                    (s, [t[1], 1.0]),
+                ];
                 let mut used = 0;
                 for (s, t) in strips {
                     if s[1] <= s[0] || t[1] <= t[0] {

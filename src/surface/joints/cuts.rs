@@ -6,15 +6,19 @@ use super::{Joints, Patch};
 pub(crate) const SAME_KNOT: f64 = 1e-9;
 
 impl Joints {
-    /// Parameters, one in each direction, that a cut of a patch at `x` brings about elsewhere, itself included: joined edges
-    /// and duplicates are cut alike.
+    /// Parameters, one in each direction, that a cut of a patch at `x` brings about elsewhere,
+    /// itself included: joined edges and duplicates are cut alike.
     pub(crate) fn cuts(&self, direction: usize, x: f64) -> Vec<(usize, f64)> {
         let place = |d: usize, x: f64| {
-            let k = self.strips[d].iter().position(|s| x > s.range[0] && x < s.range[1])?;
+            let k = self.strips[d]
+                .iter()
+                .position(|s| x > s.range[0] && x < s.range[1])?;
             let [a, b] = self.strips[d][k].range;
             Some((k, (x - a) / (b - a)))
         };
-        let Some((k, share)) = place(direction, x) else { return vec![(direction, x)] };
+        let Some((k, share)) = place(direction, x) else {
+            return vec![(direction, x)];
+        };
         // (direction, strip, share of it).
         let mut all = vec![(direction, k, share)];
         let mut next = 0;
@@ -22,14 +26,19 @@ impl Joints {
             let (d, k, share) = all[next];
             next += 1;
             let mut add = |d: usize, k: usize, share: f64| {
-                let known =
-                    |&(e, l, other): &(usize, usize, f64)| e == d && l == k && (other - share).abs() < SAME_KNOT;
+                let known = |&(e, l, other): &(usize, usize, f64)| {
+                    e == d && l == k && (other - share).abs() < SAME_KNOT
+                };
                 if !all.iter().any(known) {
                     all.push((d, k, share));
                 }
             };
             let strip_of = |patch: usize, d: usize| {
-                if d == 0 { patch / self.strips[1].len() } else { patch % self.strips[1].len() }
+                if d == 0 {
+                    patch / self.strips[1].len()
+                } else {
+                    patch % self.strips[1].len()
+                }
             };
             for (patch, Patch { duplicate_of, .. }) in self.patches.iter().enumerate() {
                 let Some(other) = *duplicate_of else { continue };
@@ -69,9 +78,15 @@ impl Joints {
         while std::mem::take(&mut changed) {
             for &(a, b, against) in &seams {
                 let (along_a, along_b) = (1 - a.side / 2, 1 - b.side / 2);
-                let (x, y) = (&self.strips_of(a.patch)[along_a].spans, &self.strips_of(b.patch)[along_b].spans);
+                let (x, y) = (
+                    &self.strips_of(a.patch)[along_a].spans,
+                    &self.strips_of(b.patch)[along_b].spans,
+                );
                 for k in 0..x.len().min(y.len()) {
-                    let (i, j) = (x.start + k, if against { y.end - 1 - k } else { y.start + k });
+                    let (i, j) = (
+                        x.start + k,
+                        if against { y.end - 1 - k } else { y.start + k },
+                    );
                     let most = cells[along_a][i].max(cells[along_b][j]);
                     changed |= cells[along_a][i] != most || cells[along_b][j] != most;
                     (cells[along_a][i], cells[along_b][j]) = (most, most);

@@ -32,12 +32,17 @@ impl GridFit {
         }
     }
 
-    /// The net, without weights, whose points at the grid miss `points` (u-major) least in the sum of squares.
+    /// The net, without weights, whose points at the grid miss `points` (u-major) least in the sum
+    /// of squares.
     pub fn fit_into(&mut self, points: &[Point3], net: &mut ControlNet) {
         let (rows, per_row) = (self.u.blending().rows(), self.v.blending().rows());
         let (net_rows, net_columns) = (self.u.blending().columns(), self.v.blending().columns());
         debug_assert_eq!(points.len(), rows * per_row, "points and grid disagree");
-        debug_assert_eq!((net.rows(), net.columns()), (net_rows, net_columns), "net and grid disagree");
+        debug_assert_eq!(
+            (net.rows(), net.columns()),
+            (net_rows, net_columns),
+            "net and grid disagree"
+        );
         for i in 0..rows {
             for (j, sample) in self.line[..per_row].iter_mut().enumerate() {
                 *sample = points[i * per_row + j].coords;
@@ -49,7 +54,11 @@ impl GridFit {
             for (i, sample) in self.line[..rows].iter_mut().enumerate() {
                 *sample = self.half[i * net_columns + j];
             }
-            self.u.fit(&self.line[..rows], &mut self.fitted[..net_rows], &mut self.scratch);
+            self.u.fit(
+                &self.line[..rows],
+                &mut self.fitted[..net_rows],
+                &mut self.scratch,
+            );
             for (i, fitted) in self.fitted[..net_rows].iter().enumerate() {
                 net.points_mut()[i * net_columns + j] = Point3::from(*fitted);
             }

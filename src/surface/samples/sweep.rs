@@ -1,11 +1,14 @@
 //! The product `A_u P A_vᵀ`, four samples at a time.
 //!
-//! First `T = P A_vᵀ` and its derivative along v, for each row of the net: a [`Cell`] holds four neighbouring samples, one
-//! coordinate a register. Then each row of the grid blends `degree + 1` rows of cells, so that all sums of four points and
-//! their tangents stay in registers until the points and unit normals are stored. Tangents are in metres per length of the
-//! domain, as [`Surface::normal_from`] compares them; where they do not determine the normal the surface is asked.
+//! First `T = P A_vᵀ` and its derivative along v, for each row of the net: a [`Cell`] holds four
+//! neighbouring samples, one coordinate a register. Then each row of the grid blends `degree + 1`
+//! rows of cells, so that all sums of four points and their tangents stay in registers until the
+//! points and unit normals are stored. Tangents are in metres per length of the domain, as
+//! [`Surface::normal_from`] compares them; where they do not determine the normal the surface is
+//! asked.
 //!
-//! No closure touches a register here: closures are not compiled for AVX2, and the compiler then calls each instruction.
+//! No closure touches a register here: closures are not compiled for AVX2, and the compiler then
+//! calls each instruction.
 
 use super::Samples;
 use crate::basis::{Blending, MAX_DEGREE};
@@ -19,7 +22,8 @@ pub(super) type Cell = [[Four; 4]; 2];
 
 const WIDEST: usize = MAX_DEGREE + 1;
 
-/// The square of the least sine (times the ratio of the tangents) with which a cross product is taken for the normal.
+/// The square of the least sine (times the ratio of the tangents) with which a cross product is
+/// taken for the normal.
 const REGULAR: f64 = 1e-6;
 
 /// The square of the length of S_u over that of S_v below which S_u is rounding.
@@ -32,7 +36,8 @@ pub(super) struct Sweep<'a> {
 }
 
 impl Sweep<'_> {
-    /// `WU` and `WV` are the widths, or 0 to ask the blendings; `C` coordinates: 3, or 4 with weights.
+    /// `WU` and `WV` are the widths, or 0 to ask the blendings; `C` coordinates: 3, or 4 with
+    /// weights.
     #[inline(always)]
     pub fn run<L: Lanes, const WU: usize, const WV: usize, const C: usize, const NORMALS: bool>(
         &self,
@@ -49,8 +54,11 @@ impl Sweep<'_> {
         let (per_row, blocks) = (self.v.rows(), self.v.rows().div_ceil(4));
         for i in 0..self.u.rows() {
             let row = i * per_row..(i + 1) * per_row;
-            let (points, normals, masks) =
-                (&mut out.points[row.clone()], &mut out.normals[row], &mut out.regular[..blocks]);
+            let (points, normals, masks) = (
+                &mut out.points[row.clone()],
+                &mut out.normals[row],
+                &mut out.regular[..blocks],
+            );
             self.row::<L, WU, C, NORMALS>(i, blocks, &out.cells, points, normals, masks);
         }
     }
@@ -64,7 +72,10 @@ impl Sweep<'_> {
                     *to = [p.x * w, p.y * w, p.z * w, w];
                 }
             }
-            _ => net.iter_mut().zip(points).for_each(|(to, p)| *to = [p.x, p.y, p.z, 1.0]),
+            _ => net
+                .iter_mut()
+                .zip(points)
+                .for_each(|(to, p)| *to = [p.x, p.y, p.z, 1.0]),
         }
     }
 
@@ -72,11 +83,16 @@ impl Sweep<'_> {
     #[inline(always)]
     fn along_v<L: Lanes, const WV: usize>(&self, net: &[Four], cells: &mut [Cell]) {
         let width = if WV > 0 { WV } else { self.v.width() };
-        let (columns, rows, blocks) = (self.v.columns(), self.u.columns(), self.v.rows().div_ceil(4));
+        let (columns, rows, blocks) = (
+            self.v.columns(),
+            self.u.columns(),
+            self.v.rows().div_ceil(4),
+        );
         let length = self.surface.knots_v().length();
         for block in 0..blocks {
             // Past the last sample the register repeats it.
-            let samples: [usize; 4] = std::array::from_fn(|k| (4 * block + k).min(self.v.rows() - 1));
+            let samples: [usize; 4] =
+                std::array::from_fn(|k| (4 * block + k).min(self.v.rows() - 1));
             let windows = samples.map(|j| {
                 let ((first, values), (_, slopes)) = (self.v.row(j, 0), self.v.row(j, 1));
                 (first, &values[..width], &slopes[..width])
@@ -129,10 +145,15 @@ impl Sweep<'_> {
             lines[a] = &cells[row * blocks..][..blocks];
         }
         let one = L::splat(1.0);
-        let outward = L::splat(if self.surface.flip_normal() { -1.0 } else { 1.0 });
+        let outward = L::splat(if self.surface.flip_normal() {
+            -1.0
+        } else {
+            1.0
+        });
         let mut all_regular = true;
         for block in 0..blocks {
-            // First the points alone, then the tangents: all sums at once do not fit into the registers.
+            // First the points alone, then the tangents: all sums at once do not fit into the
+            // registers.
             let cell = &lines[0][block];
             let mut s = [one; C];
             for c in 0..C {
@@ -173,15 +194,23 @@ impl Sweep<'_> {
                     dv[c] = (dv[c] - point[c] * dv[C - 1]) * per_w;
                 }
             }
-            let cross = [du[1] * dv[2] - du[2] * dv[1], du[2] * dv[0] - du[0] * dv[2], du[0] * dv[1] - du[1] * dv[0]];
+            let cross = [
+                du[1] * dv[2] - du[2] * dv[1],
+                du[2] * dv[0] - du[0] * dv[2],
+                du[0] * dv[1] - du[1] * dv[0],
+            ];
             let area = cross[0] * cross[0] + cross[1] * cross[1] + cross[2] * cross[2];
             let along_u = du[0] * du[0] + du[1] * du[1] + du[2] * du[2];
             let along_v = dv[0] * dv[0] + dv[1] * dv[1] + dv[2] * dv[2];
             let tangent = along_u.greatest(along_v);
             let regular = area.above(L::splat(REGULAR) * (tangent * tangent));
-            // A root in single precision and two steps of Newton were tried: slower than this root and division.
+            // A root in single precision and two steps of Newton were tried: slower than this root
+            // and division.
             let scale = outward / area.sqrt();
-            put([cross[0] * scale, cross[1] * scale, cross[2] * scale], &mut normals[from..]);
+            put(
+                [cross[0] * scale, cross[1] * scale, cross[2] * scale],
+                &mut normals[from..],
+            );
             all_regular &= regular == 0b1111;
             masks[block] = regular;
         }
@@ -219,20 +248,30 @@ impl Sweep<'_> {
                     duv[c] = duv[c] + L::load(&lines[a][block][1][c]) * turns[a];
                 }
             }
-            let grows =
-                [duv[1] * dv[2] - duv[2] * dv[1], duv[2] * dv[0] - duv[0] * dv[2], duv[0] * dv[1] - duv[1] * dv[0]];
+            let grows = [
+                duv[1] * dv[2] - duv[2] * dv[1],
+                duv[2] * dv[0] - duv[0] * dv[2],
+                duv[0] * dv[1] - duv[1] * dv[0],
+            ];
             let growth = grows[0] * grows[0] + grows[1] * grows[1] + grows[2] * grows[2];
             let across = duv[0] * duv[0] + duv[1] * duv[1] + duv[2] * duv[2];
             let mut pole = (L::splat(COLLAPSED) * along_v).above(along_u);
             pole &= growth.above(L::splat(REGULAR) * (across * along_v));
             let scale = outward / growth.sqrt();
             let mut limits = [Vector3::zeros(); 4];
-            put([grows[0] * scale, grows[1] * scale, grows[2] * scale], &mut limits);
+            put(
+                [grows[0] * scale, grows[1] * scale, grows[2] * scale],
+                &mut limits,
+            );
             for (k, j) in (from..normals.len().min(from + 4)).enumerate() {
                 if regular & (1 << k) == 0 {
                     let inward = inward(self.surface.knots_v(), self.v.parameters()[j]);
                     let simple = C == 3 && pole & (1 << k) != 0 && inward != 0.0;
-                    normals[j] = if simple { limits[k] * inward } else { self.normal(i, j) };
+                    normals[j] = if simple {
+                        limits[k] * inward
+                    } else {
+                        self.normal(i, j)
+                    };
                 }
             }
         }
@@ -244,7 +283,8 @@ impl Sweep<'_> {
         if self.surface.weights().is_some() {
             return self.surface.normal(u, v);
         }
-        // The blendings have the derivatives at hand; computing them anew would take most of the time.
+        // The blendings have the derivatives at hand; computing them anew would take most of the
+        // time.
         let (rows, columns) = (self.surface.net().rows(), self.surface.net().columns());
         let points = self.surface.net().points();
         let mut sums = [[Vector3::zeros(); 3]; 3];
@@ -267,7 +307,18 @@ impl Sweep<'_> {
             }
         }
         let [[s, dv, dvv], [du, duv, _], [duu, _, _]] = sums;
-        self.surface.normal_of(&Frame { point: Point3::from(s), du, dv, duu, duv, dvv }, u, v)
+        self.surface.normal_of(
+            &Frame {
+                point: Point3::from(s),
+                du,
+                dv,
+                duu,
+                duv,
+                dvv,
+            },
+            u,
+            v,
+        )
     }
 }
 

@@ -1,8 +1,10 @@
-//! A point mass on a damper, held by a hand's spring and damper, pushed by a force and rubbed by dry friction.
+//! A point mass on a damper, held by a hand's spring and damper, pushed by a force and rubbed by
+//! dry friction.
 //!
-//! Between two changes of the friction's direction everything is linear, so each piece is taken exactly
-//! ([`Propagator`]); the pieces end where friction stops the mass. Work is integrated with Gauss and Legendre's five
-//! points, which for pieces this short (half a radian at most) is exact to rounding.
+//! Between two changes of the friction's direction everything is linear, so each piece is taken
+//! exactly ([`Propagator`]); the pieces end where friction stops the mass. Work is integrated with
+//! Gauss and Legendre's five points, which for pieces this short (half a radian at most) is exact
+//! to rounding.
 
 use super::oscillator::Propagator;
 use super::v3;
@@ -48,7 +50,8 @@ const GAUSS: [(f64, f64); 5] = [
     (0.953_089_922_969_332, 0.118_463_442_528_094_54),
 ];
 
-/// Pieces of one step: more than a mass that slides, stops and turns can need; what is left is friction's.
+/// Pieces of one step: more than a mass that slides, stops and turns can need; what is left is
+/// friction's.
 const PIECES: usize = 8;
 
 /// The linear motion over a time.
@@ -64,7 +67,11 @@ impl Piece {
         let alpha = (load.damping_n_s_m + load.hand_damping_n_s_m) / (2.0 * load.mass_kg);
         let kappa = load.hand_stiffness_n_m / load.mass_kg;
         let after = |share: f64| Propagator::new(alpha, kappa, share * step_s);
-        Self { step_s, whole: after(1.0), nodes: GAUSS.map(|(node, _)| after(node)) }
+        Self {
+            step_s,
+            whole: after(1.0),
+            nodes: GAUSS.map(|(node, _)| after(node)),
+        }
     }
 }
 
@@ -77,7 +84,10 @@ pub(super) struct Carriage {
 
 impl Carriage {
     pub(super) fn new(load: Load, step_s: f64) -> Self {
-        Self { load, piece: Piece::new(&load, step_s) }
+        Self {
+            load,
+            piece: Piece::new(&load, step_s),
+        }
     }
 
     /// True if it was made for this.
@@ -85,7 +95,8 @@ impl Carriage {
         self.load == *load && self.piece.step_s == step_s
     }
 
-    /// Steps a period needs so that none turns by more than half a radian or forgets more than half.
+    /// Steps a period needs so that none turns by more than half a radian or forgets more than
+    /// half.
     pub(super) fn steps(load: &Load, period_s: f64) -> usize {
         let rate = (load.damping_n_s_m + load.hand_damping_n_s_m) / load.mass_kg
             + (load.hand_stiffness_n_m / load.mass_kg).sqrt();
@@ -127,19 +138,32 @@ impl Carriage {
                 (*state, *work) = (after, done);
                 return;
             }
-            // It comes to rest along its way before the end. From rest the net force exceeds friction, so there the
-            // piece has a way to go before it stops again.
+            // It comes to rest along its way before the end. From rest the net force exceeds
+            // friction, so there the piece has a way to go before it stops again.
             let stop_s = self.stop(state, &pull, force_n, friction, direction, left_s);
             if stop_s > 0.0 {
-                self.slide(&Piece::new(load, stop_s), state, &pull, force_n, friction, work);
+                self.slide(
+                    &Piece::new(load, stop_s),
+                    state,
+                    &pull,
+                    force_n,
+                    friction,
+                    work,
+                );
             }
             left_s -= stop_s;
             pull.position = v3::add(pull.position, v3::scale(pull.velocity, stop_s));
-            let across = v3::sub(state.velocity, v3::scale(direction, v3::dot(state.velocity, direction)));
-            // What moves across is stopped too if friction can do it within this step; its energy is friction's.
+            let across = v3::sub(
+                state.velocity,
+                v3::scale(direction, v3::dot(state.velocity, direction)),
+            );
+            // What moves across is stopped too if friction can do it within this step; its energy
+            // is friction's.
             let stops = v3::norm(across) * load.mass_kg <= load.coulomb_n * self.piece.step_s;
             let kept = if stops { [0.0; 3] } else { across };
-            work.coulomb_j += 0.5 * load.mass_kg * (v3::dot(state.velocity, state.velocity) - v3::dot(kept, kept));
+            work.coulomb_j += 0.5
+                * load.mass_kg
+                * (v3::dot(state.velocity, state.velocity) - v3::dot(kept, kept));
             state.velocity = kept;
             if left_s <= 1e-12 * self.piece.step_s {
                 return;
@@ -153,10 +177,14 @@ impl Carriage {
     fn net(&self, state: &State, pull: &Pull, force_n: [f64; 3]) -> [f64; 3] {
         let stretch = v3::sub(pull.position, state.position);
         let held = v3::scale(stretch, self.load.hand_stiffness_n_m);
-        v3::add(force_n, v3::add(held, v3::scale(pull.velocity, self.load.hand_damping_n_s_m)))
+        v3::add(
+            force_n,
+            v3::add(held, v3::scale(pull.velocity, self.load.hand_damping_n_s_m)),
+        )
     }
 
-    /// When the velocity along `direction` ends, s: it is positive (or about to be) at 0 and not at `most_s`.
+    /// When the velocity along `direction` ends, s: it is positive (or about to be) at 0 and not at
+    /// `most_s`.
     fn stop(
         &self,
         state: &State,
@@ -173,7 +201,9 @@ impl Carriage {
         );
         let speed = |t: f64| {
             let propagator = Propagator::new(alpha, kappa, t);
-            (0..3).map(|c| direction[c] * self.axis(c, &propagator, state, pull, force_n, friction).1).sum::<f64>()
+            (0..3)
+                .map(|c| direction[c] * self.axis(c, &propagator, state, pull, force_n, friction).1)
+                .sum::<f64>()
         };
         let (mut low, mut high) = (0.0, most_s);
         for _ in 0..60 {
@@ -181,7 +211,11 @@ impl Carriage {
             if middle <= low || middle >= high {
                 break;
             }
-            if speed(middle) > 0.0 { low = middle } else { high = middle }
+            if speed(middle) > 0.0 {
+                low = middle
+            } else {
+                high = middle
+            }
         }
         high
     }
@@ -198,7 +232,10 @@ impl Carriage {
     ) -> (f64, f64) {
         // Seen from the moving pull: m y″ = F + f − b (y′ + r′) − c y′ − k y.
         let load = &self.load;
-        let (y, w) = (state.position[c] - pull.position[c], state.velocity[c] - pull.velocity[c]);
+        let (y, w) = (
+            state.position[c] - pull.position[c],
+            state.velocity[c] - pull.velocity[c],
+        );
         let a = (force_n[c] + friction[c] - load.damping_n_s_m * pull.velocity[c]) / load.mass_kg;
         let (y, w) = propagator.step(y, w, a);
         (y, w + pull.velocity[c])
@@ -217,7 +254,8 @@ impl Carriage {
         for (node, (_, weight)) in piece.nodes.iter().zip(GAUSS) {
             for c in 0..3 {
                 let (y, v) = self.axis(c, node, state, pull, force_n, friction);
-                let held = -load.hand_stiffness_n_m * y - load.hand_damping_n_s_m * (v - pull.velocity[c]);
+                let held =
+                    -load.hand_stiffness_n_m * y - load.hand_damping_n_s_m * (v - pull.velocity[c]);
                 work.hand_j += weight * piece.step_s * held * v;
                 work.viscous_j += weight * piece.step_s * load.damping_n_s_m * v * v;
             }

@@ -16,11 +16,19 @@ pub(super) struct Encoder {
 }
 
 fn counted(value: f64, quantum: f64) -> f64 {
-    if quantum > 0.0 { (value / quantum).round() * quantum } else { value }
+    if quantum > 0.0 {
+        (value / quantum).round() * quantum
+    } else {
+        value
+    }
 }
 
 fn counted_turn(q: [f64; 4], quantum: f64) -> [f64; 4] {
-    if quantum > 0.0 { v3::from_vector(v3::to_vector(q).map(|angle| counted(angle, quantum))) } else { q }
+    if quantum > 0.0 {
+        v3::from_vector(v3::to_vector(q).map(|angle| counted(angle, quantum)))
+    } else {
+        q
+    }
 }
 
 impl Encoder {
@@ -44,11 +52,18 @@ impl Encoder {
         period_s: f64,
     ) {
         // First-order low-pass, exact for a constant input over the period.
-        let new = if self.cutoff_hz.is_finite() { -libm::expm1(-TAU * self.cutoff_hz * period_s) } else { 1.0 };
+        let new = if self.cutoff_hz.is_finite() {
+            -libm::expm1(-TAU * self.cutoff_hz * period_s)
+        } else {
+            1.0
+        };
         let toward = |old: [f64; 3], raw: [f64; 3]| v3::add(old, v3::scale(v3::sub(raw, old), new));
         let counts = position.map(|x| counted(x, self.quantum_m));
         self.velocity = match self.quantum_m > 0.0 {
-            true => toward(self.velocity, v3::scale(v3::sub(counts, self.position), 1.0 / period_s)),
+            true => toward(
+                self.velocity,
+                v3::scale(v3::sub(counts, self.position), 1.0 / period_s),
+            ),
             false => velocity,
         };
         self.position = counts;
@@ -70,7 +85,11 @@ mod tests {
 
     #[test]
     fn counts_and_their_differences_are_what_is_told() {
-        let model = DeviceModel { encoder_m: 1e-3, encoder_rad: 0.01, ..DeviceModel::preset("ideal").unwrap() };
+        let model = DeviceModel {
+            encoder_m: 1e-3,
+            encoder_rad: 0.01,
+            ..DeviceModel::preset("ideal").unwrap()
+        };
         let mut encoder = Encoder::new(&model, [0.0004, 0.0, -0.0006]);
         assert_eq!(encoder.position, [0.0, 0.0, -0.001]);
         let spin = (v3::from_vector([0.0, 0.0, 0.0149]), [9.0; 3]);
@@ -83,10 +102,15 @@ mod tests {
 
     #[test]
     fn the_low_pass_forgets_at_its_cut_off() {
-        let model = DeviceModel { encoder_m: 1e-6, velocity_cutoff_hz: 20.0, ..DeviceModel::preset("ideal").unwrap() };
+        let model = DeviceModel {
+            encoder_m: 1e-6,
+            velocity_cutoff_hz: 20.0,
+            ..DeviceModel::preset("ideal").unwrap()
+        };
         let mut encoder = Encoder::new(&model, [0.0; 3]);
         let still = (v3::UNTURNED, [0.0; 3]);
-        // One jump of 1 mm in a period of 1 ms, then rest: 1 m/s, of which 1 − e^{−2π 20 ms/1000} is seen, then decays.
+        // One jump of 1 mm in a period of 1 ms, then rest: 1 m/s, of which 1 − e^{−2π 20 ms/1000}
+        // is seen, then decays.
         for k in 0..50 {
             encoder.sample(([1e-3, 0.0, 0.0], [0.0; 3]), still, 1e-3);
             let decay = (-TAU * 20.0 * 1e-3f64).exp();
@@ -100,7 +124,10 @@ mod tests {
         let mut encoder = Encoder::new(&DeviceModel::preset("ideal").unwrap(), [0.0; 3]);
         let spin = (v3::from_vector([0.1, 0.2, 0.3]), [4.0, 5.0, 6.0]);
         encoder.sample(([1.0, 2.0, 3.0], [7.0, 8.0, 9.0]), spin, 1e-3);
-        assert_eq!((encoder.position, encoder.velocity), ([1.0, 2.0, 3.0], [7.0, 8.0, 9.0]));
+        assert_eq!(
+            (encoder.position, encoder.velocity),
+            ([1.0, 2.0, 3.0], [7.0, 8.0, 9.0])
+        );
         assert_eq!((encoder.orientation, encoder.angular_velocity), spin);
     }
 }

@@ -30,7 +30,13 @@ impl Goal {
 
     /// Passing a place, unturned, at the hand's own grip.
     pub fn moving(position: [f64; 3], velocity: [f64; 3]) -> Self {
-        Self { position, velocity, orientation: v3::UNTURNED, angular_velocity: [0.0; 3], grip: 1.0 }
+        Self {
+            position,
+            velocity,
+            orientation: v3::UNTURNED,
+            angular_velocity: [0.0; 3],
+            grip: 1.0,
+        }
     }
 }
 
@@ -44,7 +50,8 @@ pub struct Grip {
     pub factor: f64,
 }
 
-/// A hand. Stiffness and damping grow with the force of the grip, the mass does not (Hasser & Cutkosky 2002).
+/// A hand. Stiffness and damping grow with the force of the grip, the mass does not (Hasser &
+/// Cutkosky 2002).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Hand {
@@ -99,7 +106,11 @@ impl Hand {
 
     /// No hand: the device is on its own.
     pub fn absent() -> Self {
-        Self { torsion_nm: 0.0, torsion_damping_nm_s: 0.0, ..Self::of("absent", 0.0, 0.0, 0.0) }
+        Self {
+            torsion_nm: 0.0,
+            torsion_damping_nm_s: 0.0,
+            ..Self::of("absent", 0.0, 0.0, 0.0)
+        }
     }
 
     fn of(name: &str, mass_kg: f64, stiffness_n_m: f64, damping_n_s_m: f64) -> Self {
@@ -138,8 +149,10 @@ impl Hand {
     /// # Errors
     /// Not such TOML, or a figure no hand has.
     pub fn from_toml(text: &str, origin: &str) -> Result<Self, DeviceError> {
-        let hand: Self = toml::from_str(text)
-            .map_err(|error| DeviceError::Toml { origin: origin.to_owned(), reason: error.to_string() })?;
+        let hand: Self = toml::from_str(text).map_err(|error| DeviceError::Toml {
+            origin: origin.to_owned(),
+            reason: error.to_string(),
+        })?;
         hand.checked().map_err(|error| error.at(origin))
     }
 
@@ -158,26 +171,47 @@ impl Hand {
             ("torsion_damping_nm_s", self.torsion_damping_nm_s),
             ("tremor_m", self.tremor_m),
         ] {
-            check(&what, field, value, value >= 0.0 && value.is_finite(), "a finite value, 0 or more")?;
+            check(
+                &what,
+                field,
+                value,
+                value >= 0.0 && value.is_finite(),
+                "a finite value, 0 or more",
+            )?;
         }
         let mut last_s = f64::NEG_INFINITY;
         for grip in &self.grip {
             let good = (0.0..=100.0).contains(&grip.factor);
-            check(&what, "grip.factor", grip.factor, good, "a factor from 0 to 100")?;
+            check(
+                &what,
+                "grip.factor",
+                grip.factor,
+                good,
+                "a factor from 0 to 100",
+            )?;
             let later = grip.time_s.is_finite() && grip.time_s > last_s;
-            check(&what, "grip.time_s", grip.time_s, later, "a time later than the one before")?;
+            check(
+                &what,
+                "grip.time_s",
+                grip.time_s,
+                later,
+                "a time later than the one before",
+            )?;
             last_s = grip.time_s;
         }
         Ok(self)
     }
 
-    /// Factor of stiffness and damping at a time: smooth between the profile's points, constant outside.
+    /// Factor of stiffness and damping at a time: smooth between the profile's points, constant
+    /// outside.
     pub fn grip_at(&self, time_s: f64) -> f64 {
         let k = self.grip.partition_point(|grip| grip.time_s <= time_s);
         match (k.checked_sub(1).map(|k| &self.grip[k]), self.grip.get(k)) {
             (None, None) => 1.0,
             (None, Some(only)) | (Some(only), None) => only.factor,
-            (Some(a), Some(b)) => a.factor + (b.factor - a.factor) * ramp((time_s - a.time_s) / (b.time_s - a.time_s)),
+            (Some(a), Some(b)) => {
+                a.factor + (b.factor - a.factor) * ramp((time_s - a.time_s) / (b.time_s - a.time_s))
+            }
         }
     }
 }
@@ -192,10 +226,11 @@ struct Wave {
     phase: f64,
 }
 
-/// Physiological tremor: in each axis a few sinusoids of 4 to 12 Hz, together never beyond the bound.
+/// Physiological tremor: in each axis a few sinusoids of 4 to 12 Hz, together never beyond the
+/// bound.
 ///
-/// Its band is 8 to 12 Hz in a healthy hand and 4 to 6 Hz in a resting one with Parkinson's disease (Elble & Koller
-/// 1990); a hand's is not one pure tone, so several are drawn.
+/// Its band is 8 to 12 Hz in a healthy hand and 4 to 6 Hz in a resting one with Parkinson's disease
+/// (Elble & Koller 1990); a hand's is not one pure tone, so several are drawn.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Tremor {
     waves: [[Wave; WAVES]; 3],
@@ -216,7 +251,10 @@ impl Tremor {
     /// Added to a goal.
     pub(super) fn shake(&self, goal: &mut Goal, time_s: f64) {
         for axis in 0..3 {
-            for wave in self.waves[axis].iter().filter(|wave| wave.amplitude_m > 0.0) {
+            for wave in self.waves[axis]
+                .iter()
+                .filter(|wave| wave.amplitude_m > 0.0)
+            {
                 let angle = wave.omega * time_s + wave.phase;
                 goal.position[axis] += wave.amplitude_m * libm::sin(angle);
                 goal.velocity[axis] += wave.amplitude_m * wave.omega * libm::cos(angle);
@@ -255,10 +293,28 @@ mod tests {
 
     #[test]
     fn the_grip_passes_its_points_smoothly_and_keeps_its_ends() {
-        let grip = vec![Grip { time_s: 1.0, factor: 0.5 }, Grip { time_s: 2.0, factor: 2.5 }];
-        let hand = Hand { grip, ..Hand::relaxed() }.checked().unwrap();
+        let grip = vec![
+            Grip {
+                time_s: 1.0,
+                factor: 0.5,
+            },
+            Grip {
+                time_s: 2.0,
+                factor: 2.5,
+            },
+        ];
+        let hand = Hand {
+            grip,
+            ..Hand::relaxed()
+        }
+        .checked()
+        .unwrap();
         let expected = [(0.0, 0.5), (1.0, 0.5), (1.5, 1.5), (2.0, 2.5), (9.0, 2.5)];
-        assert!(expected.iter().all(|&(t, factor)| (hand.grip_at(t) - factor).abs() < 1e-15));
+        assert!(
+            expected
+                .iter()
+                .all(|&(t, factor)| (hand.grip_at(t) - factor).abs() < 1e-15)
+        );
         assert_eq!(Hand::relaxed().grip_at(3.0), 1.0);
         // Smooth: the slope is at most 15/8 of the mean, and none at the ends.
         for k in 0..3_000 {
@@ -274,8 +330,13 @@ mod tests {
                     grip = [{ time_s = 0, factor = 1 }, { time_s = 2, factor = 0.3 }]\n";
         let hand = Hand::from_toml(text, "mine.toml").unwrap();
         assert_eq!((hand.grip.len(), hand.torsion_nm), (2, 0.5));
-        let bad = Hand::from_toml(&text.replace("time_s = 2", "time_s = 0"), "mine.toml").unwrap_err().to_string();
-        assert!(bad.starts_with("mine.toml: hand mine: grip.time_s is 0") && bad.contains("later"), "{bad}");
+        let bad = Hand::from_toml(&text.replace("time_s = 2", "time_s = 0"), "mine.toml")
+            .unwrap_err()
+            .to_string();
+        assert!(
+            bad.starts_with("mine.toml: hand mine: grip.time_s is 0") && bad.contains("later"),
+            "{bad}"
+        );
         let firmly = Hand::preset("firmly").unwrap_err().to_string();
         assert!(firmly.contains("light, relaxed, firm"), "{firmly}");
     }

@@ -5,8 +5,8 @@
 //!                        ▲                                      │
 //!                        └── Passivity (if wanted) ◀── Channel ◀┘
 //! ```
-//! [`DeviceModel`] has the figures of common devices (`docs/devices.md` their sources), [`Hand`] those of a hand.
-//! Stepping knows neither clock nor bus; [`run`] joins it to a [`crate::Tool`].
+//! [`DeviceModel`] has the figures of common devices (`docs/devices.md` their sources), [`Hand`]
+//! those of a hand. Stepping knows neither clock nor bus; [`run`] joins it to a [`crate::Tool`].
 
 mod carriage;
 mod encoder;

@@ -33,7 +33,8 @@ pub struct DeviceModel {
     /// Angle resolution, rad; 0: the true orientation is reported.
     #[serde(default)]
     pub encoder_rad: f64,
-    /// Cut-off of the first-order low-pass on the differences that give the velocity, Hz; infinite: none.
+    /// Cut-off of the first-order low-pass on the differences that give the velocity, Hz; infinite:
+    /// none.
     #[serde(default = "infinite")]
     pub velocity_cutoff_hz: f64,
     /// Rate of its servo loop, Hz.
@@ -85,7 +86,9 @@ pub enum DeviceError {
         expected: &'static str,
     },
     /// Not a preset.
-    #[error("{name:?} is no {kind}; there are {known}, or name a TOML file of that kind (docs/devices.md)")]
+    #[error(
+        "{name:?} is no {kind}; there are {known}, or name a TOML file of that kind (docs/devices.md)"
+    )]
     Unknown {
         /// As given.
         name: String,
@@ -108,9 +111,17 @@ impl DeviceError {
     /// The same, with the file it came from before the name.
     pub(super) fn at(self, origin: &str) -> Self {
         match self {
-            Self::Figure { what, field, value, expected } => {
-                Self::Figure { what: format!("{origin}: {what}"), field, value, expected }
-            }
+            Self::Figure {
+                what,
+                field,
+                value,
+                expected,
+            } => Self::Figure {
+                what: format!("{origin}: {what}"),
+                field,
+                value,
+                expected,
+            },
             other => other,
         }
     }
@@ -124,7 +135,16 @@ pub(super) fn check(
     good: bool,
     expected: &'static str,
 ) -> Result<(), DeviceError> {
-    if good { Ok(()) } else { Err(DeviceError::Figure { what: what.to_owned(), field, value, expected }) }
+    if good {
+        Ok(())
+    } else {
+        Err(DeviceError::Figure {
+            what: what.to_owned(),
+            field,
+            value,
+            expected,
+        })
+    }
 }
 
 impl DeviceModel {
@@ -134,11 +154,19 @@ impl DeviceModel {
     /// Not a preset.
     pub fn preset(name: &str) -> Result<Self, DeviceError> {
         let known = super::presets::devices();
-        known.iter().find(|model| model.name == name).cloned().ok_or_else(|| DeviceError::Unknown {
-            name: name.to_owned(),
-            kind: "device",
-            known: known.iter().map(|model| model.name.as_str()).collect::<Vec<_>>().join(", "),
-        })
+        known
+            .iter()
+            .find(|model| model.name == name)
+            .cloned()
+            .ok_or_else(|| DeviceError::Unknown {
+                name: name.to_owned(),
+                kind: "device",
+                known: known
+                    .iter()
+                    .map(|model| model.name.as_str())
+                    .collect::<Vec<_>>()
+                    .join(", "),
+            })
     }
 
     /// A device from TOML text. `origin` names it in errors.
@@ -146,8 +174,10 @@ impl DeviceModel {
     /// # Errors
     /// Not such TOML, or a figure no device has.
     pub fn from_toml(text: &str, origin: &str) -> Result<Self, DeviceError> {
-        let model: Self = toml::from_str(text)
-            .map_err(|error| DeviceError::Toml { origin: origin.to_owned(), reason: error.to_string() })?;
+        let model: Self = toml::from_str(text).map_err(|error| DeviceError::Toml {
+            origin: origin.to_owned(),
+            reason: error.to_string(),
+        })?;
         model.checked().map_err(|error| error.at(origin))
     }
 
@@ -176,9 +206,19 @@ impl DeviceModel {
     /// # Errors
     /// The first figure no device has.
     pub fn checked(self) -> Result<Self, DeviceError> {
-        let check = |field, value: f64, good: bool, expected| check(&self.name, field, value, good, expected);
-        for (field, value) in [("mass_kg", self.mass_kg), ("inertia_kg_m2", self.inertia_kg_m2)] {
-            check(field, value, value > 0.0 && value.is_finite(), "a finite value above 0")?;
+        let check = |field, value: f64, good: bool, expected| {
+            check(&self.name, field, value, good, expected)
+        };
+        for (field, value) in [
+            ("mass_kg", self.mass_kg),
+            ("inertia_kg_m2", self.inertia_kg_m2),
+        ] {
+            check(
+                field,
+                value,
+                value > 0.0 && value.is_finite(),
+                "a finite value above 0",
+            )?;
         }
         for (field, value) in [
             ("damping_n_s_m", self.damping_n_s_m),
@@ -189,21 +229,51 @@ impl DeviceModel {
             ("torque_max_nm", self.torque_max_nm),
             ("rotation_damping_nm_s", self.rotation_damping_nm_s),
         ] {
-            check(field, value, value >= 0.0 && value.is_finite(), "a finite value, 0 or more")?;
+            check(
+                field,
+                value,
+                value >= 0.0 && value.is_finite(),
+                "a finite value, 0 or more",
+            )?;
         }
         for (field, value) in [
             ("velocity_cutoff_hz", self.velocity_cutoff_hz),
             ("bandwidth_hz", self.bandwidth_hz),
             ("force_continuous_n", self.force_continuous_n),
         ] {
-            check(field, value, value > 0.0, "a value above 0, or inf for none")?;
+            check(
+                field,
+                value,
+                value > 0.0,
+                "a value above 0, or inf for none",
+            )?;
         }
-        check("rate_hz", self.rate_hz, (1.0..=1e5).contains(&self.rate_hz), "a rate from 1 to 100000 Hz")?;
+        check(
+            "rate_hz",
+            self.rate_hz,
+            (1.0..=1e5).contains(&self.rate_hz),
+            "a rate from 1 to 100000 Hz",
+        )?;
         for value in self.workspace_m {
-            check("workspace_m", value, value > 0.0, "an extent above 0 in each axis")?;
+            check(
+                "workspace_m",
+                value,
+                value > 0.0,
+                "an extent above 0 in each axis",
+            )?;
         }
-        check("force_dof", f64::from(self.force_dof), self.force_dof == 3, "3")?;
-        check("torque_dof", f64::from(self.torque_dof), matches!(self.torque_dof, 0 | 3), "0 or 3")?;
+        check(
+            "force_dof",
+            f64::from(self.force_dof),
+            self.force_dof == 3,
+            "3",
+        )?;
+        check(
+            "torque_dof",
+            f64::from(self.torque_dof),
+            matches!(self.torque_dof, 0 | 3),
+            "0 or 3",
+        )?;
         Ok(self)
     }
 }
@@ -228,10 +298,19 @@ mod tests {
         let least = "name = \"x\"\nworkspace_m = [0.1, 0.1, 0.1]\nmass_kg = 0.1\nrate_hz = 1000\nforce_max_n = 5\n";
         let model = DeviceModel::from_toml(least, "x.toml").unwrap();
         assert_eq!((model.force_dof, model.bandwidth_hz), (3, f64::INFINITY));
-        let wrong = DeviceModel::from_toml(&least.replace("0.1\nrate", "-1.0\nrate"), "x.toml").unwrap_err();
-        assert_eq!(wrong.to_string(), "x.toml: x: mass_kg is -1; a finite value above 0 is needed");
-        let unknown = DeviceModel::from_toml(&format!("{least}mas = 1\n"), "x.toml").unwrap_err().to_string();
-        assert!(unknown.contains("x.toml") && unknown.contains("mas"), "{unknown}");
+        let wrong = DeviceModel::from_toml(&least.replace("0.1\nrate", "-1.0\nrate"), "x.toml")
+            .unwrap_err();
+        assert_eq!(
+            wrong.to_string(),
+            "x.toml: x: mass_kg is -1; a finite value above 0 is needed"
+        );
+        let unknown = DeviceModel::from_toml(&format!("{least}mas = 1\n"), "x.toml")
+            .unwrap_err()
+            .to_string();
+        assert!(
+            unknown.contains("x.toml") && unknown.contains("mas"),
+            "{unknown}"
+        );
         let name = DeviceModel::preset("omni").unwrap_err().to_string();
         assert!(name.contains("touch-x") && name.contains("TOML"), "{name}");
     }

@@ -1,5 +1,6 @@
-//! Motions by name: where the hand wants to be at a time. Position, velocity and acceleration are continuous, and the
-//! velocity is the exact derivative, so that the hand's damper follows it without lag.
+//! Motions by name: where the hand wants to be at a time. Position, velocity and acceleration are
+//! continuous, and the velocity is the exact derivative, so that the hand's damper follows it
+//! without lag.
 
 use super::hand::Goal;
 use super::path::Path;
@@ -14,7 +15,9 @@ use std::f64::consts::TAU;
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum MotionError {
     /// Not a motion we know.
-    #[error("{0:?} is no motion; there are {NAMES}, or a TOML file with [[waypoint]] or [[step]] entries")]
+    #[error(
+        "{0:?} is no motion; there are {NAMES}, or a TOML file with [[waypoint]] or [[step]] entries"
+    )]
     Unknown(String),
     /// The scene has nothing to touch.
     #[error("the scene has no body to aim tool {0:?} at")]
@@ -108,11 +111,16 @@ impl Kind {
             }
             Self::Pull => {
                 let cycle = t.cycle(4.0);
-                // Half as deep as a press, then out beyond the surface; free of it before the next cycle.
+                // Half as deep as a press, then out beyond the surface; free of it before the next
+                // cycle.
                 let touch = cycle.ramp(0.3, 0.9) * (target.clear_m + 0.5 * depth_m);
                 let pull = cycle.ramp(1.7, 1.0) * (1.5 * depth_m);
                 let leave = cycle.ramp(3.3, 0.6) * (target.clear_m - depth_m);
-                target.place(Flow::constant(target.clear_m) - touch + pull + leave, none, none)
+                target.place(
+                    Flow::constant(target.clear_m) - touch + pull + leave,
+                    none,
+                    none,
+                )
             }
             Self::Slide => {
                 let height = target.height(t.ramp(0.5, 1.0), depth_m);
@@ -159,14 +167,24 @@ pub enum Motion {
 }
 
 impl Motion {
-    /// A motion by name, aimed at the nearest body of the scene for a tool that starts where the scene puts it.
+    /// A motion by name, aimed at the nearest body of the scene for a tool that starts where the
+    /// scene puts it.
     ///
     /// # Errors
     /// An unknown name, or a scene without a body.
-    pub fn named(name: &str, scene: &SceneSnapshot, tool: &str, depth_m: f64) -> Result<Self, MotionError> {
+    pub fn named(
+        name: &str,
+        scene: &SceneSnapshot,
+        tool: &str,
+        depth_m: f64,
+    ) -> Result<Self, MotionError> {
         let kind = Kind::named(name)?;
         let target = Target::of(scene, tool).ok_or_else(|| MotionError::NoBody(tool.to_owned()))?;
-        Ok(Self::Named { kind, target, depth_m })
+        Ok(Self::Named {
+            kind,
+            target,
+            depth_m,
+        })
     }
 
     /// What the hand holds down: bit 0 grabs.
@@ -181,7 +199,11 @@ impl Motion {
     /// Where the hand wants to be, and how fast it moves there.
     pub fn goal(&self, t: f64) -> Goal {
         match self {
-            Self::Named { kind, target, depth_m } => passing(kind.place(target, *depth_m, Flow::time(t))),
+            Self::Named {
+                kind,
+                target,
+                depth_m,
+            } => passing(kind.place(target, *depth_m, Flow::time(t))),
             Self::Path(path) => path.goal(t),
             Self::Session(session) => session.goal(t),
         }
@@ -196,8 +218,12 @@ pub(super) fn passing(place: [Flow; 3]) -> Goal {
 pub(super) mod tests {
     use super::*;
 
-    pub(in super::super) const TARGET: Target =
-        Target { point: [0.02, 0.0, 0.045], outward: [1.0, 0.0, 0.0], along: [0.0, 0.0, 1.0], clear_m: 0.01 };
+    pub(in super::super) const TARGET: Target = Target {
+        point: [0.02, 0.0, 0.045],
+        outward: [1.0, 0.0, 0.0],
+        along: [0.0, 0.0, 1.0],
+        clear_m: 0.01,
+    };
 
     /// Smooth enough for a hand, and the velocity told is that of the positions told.
     pub(in super::super) fn check_smooth(motion: &Motion, seconds: i32) {
@@ -207,12 +233,23 @@ pub(super) mod tests {
             let (before, here, after) = (at(k - 1), at(k), at(k + 1));
             for c in 0..3 {
                 let speed = (after.position[c] - before.position[c]) / (2.0 * dt);
-                let bend = (after.position[c] - 2.0 * here.position[c] + before.position[c]) / (dt * dt);
-                assert!(speed.abs() < 0.5, "{motion:?} at {k} ms moves at {speed} m/s");
-                assert!(bend.abs() < 10.0, "{motion:?} at {k} ms accelerates at {bend} m/s²");
+                let bend =
+                    (after.position[c] - 2.0 * here.position[c] + before.position[c]) / (dt * dt);
+                assert!(
+                    speed.abs() < 0.5,
+                    "{motion:?} at {k} ms moves at {speed} m/s"
+                );
+                assert!(
+                    bend.abs() < 10.0,
+                    "{motion:?} at {k} ms accelerates at {bend} m/s²"
+                );
                 // Central differences err by dt²/6 of the third derivative, here below 1000 m/s³.
                 let gap = (speed - here.velocity[c]).abs();
-                assert!(gap < 2e-4, "{motion:?} at {k} ms: {speed} m/s, told {}", here.velocity[c]);
+                assert!(
+                    gap < 2e-4,
+                    "{motion:?} at {k} ms: {speed} m/s, told {}",
+                    here.velocity[c]
+                );
             }
         }
     }
@@ -221,22 +258,48 @@ pub(super) mod tests {
     fn every_motion_is_smooth_enough_for_a_hand_and_tells_its_velocity() {
         for name in NAMES.split(", ") {
             let kind = Kind::named(name).unwrap();
-            check_smooth(&Motion::Named { kind, target: TARGET, depth_m: 0.004 }, 10);
+            check_smooth(
+                &Motion::Named {
+                    kind,
+                    target: TARGET,
+                    depth_m: 0.004,
+                },
+                10,
+            );
         }
     }
 
     #[test]
     fn a_press_reaches_its_depth_and_a_pull_grabs() {
-        let press = Motion::Named { kind: Kind::Press, target: TARGET, depth_m: 0.004 };
+        let press = Motion::Named {
+            kind: Kind::Press,
+            target: TARGET,
+            depth_m: 0.004,
+        };
         assert!((press.goal(2.0).position[0] - 0.016).abs() < 1e-15);
         assert!((press.goal(3.9).position[0] - 0.03).abs() < 1e-15);
-        let pull = Motion::Named { kind: Kind::Pull, target: TARGET, depth_m: 0.004 };
-        assert_eq!((pull.buttons(1.0), pull.buttons(2.0), pull.buttons(3.5), pull.buttons(6.0)), (0, 1, 0, 1));
+        let pull = Motion::Named {
+            kind: Kind::Pull,
+            target: TARGET,
+            depth_m: 0.004,
+        };
+        assert_eq!(
+            (
+                pull.buttons(1.0),
+                pull.buttons(2.0),
+                pull.buttons(3.5),
+                pull.buttons(6.0)
+            ),
+            (0, 1, 0, 1)
+        );
     }
 
     #[test]
     fn an_unknown_motion_is_told_what_there_is() {
         let error = Kind::named("poke").unwrap_err().to_string();
-        assert!(error.contains("poke") && error.contains("tremor") && error.contains("[[step]]"), "{error}");
+        assert!(
+            error.contains("poke") && error.contains("tremor") && error.contains("[[step]]"),
+            "{error}"
+        );
     }
 }

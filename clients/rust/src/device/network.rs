@@ -1,7 +1,8 @@
-//! A network between device and daemon: delay, jitter, loss and reordering, by the device's own time.
+//! A network between device and daemon: delay, jitter, loss and reordering, by the device's own
+//! time.
 //!
-//! What happens to an item depends on the seed and on how many went before it, not on a clock: a run in lockstep repeats
-//! by bits.
+//! What happens to an item depends on the seed and on how many went before it, not on a clock: a
+//! run in lockstep repeats by bits.
 
 use super::model::{DeviceError, check};
 use super::random::Random;
@@ -56,19 +57,44 @@ impl<T> Channel<T> {
     /// A figure no network has.
     pub fn new(network: Network) -> Result<Self, DeviceError> {
         for (field, value) in [("delay", network.delay_s), ("jitter", network.jitter_s)] {
-            check("network", field, value, (0.0..=60.0).contains(&value), "a time from 0 to 60 s")?;
+            check(
+                "network",
+                field,
+                value,
+                (0.0..=60.0).contains(&value),
+                "a time from 0 to 60 s",
+            )?;
         }
         for (field, value) in [("loss", network.loss), ("reorder", network.reorder)] {
-            check("network", field, value, (0.0..=1.0).contains(&value), "a share from 0 to 1")?;
+            check(
+                "network",
+                field,
+                value,
+                (0.0..=1.0).contains(&value),
+                "a share from 0 to 1",
+            )?;
         }
         let random = Random::new(network.seed);
-        Ok(Self { network, random, travelling: Vec::new(), last_sent_ns: 0, last_in_order_ns: 0, sent: 0, lost: 0 })
+        Ok(Self {
+            network,
+            random,
+            travelling: Vec::new(),
+            last_sent_ns: 0,
+            last_in_order_ns: 0,
+            sent: 0,
+            lost: 0,
+        })
     }
 
     /// Sends an item at a time that does not go back.
     pub fn send(&mut self, now_s: f64, item: T) {
-        // Three draws an item, used or not: one option of a network leaves what the others decide as it was.
-        let [lost, late, jitter] = [self.random.uniform(), self.random.uniform(), self.random.uniform()];
+        // Three draws an item, used or not: one option of a network leaves what the others decide
+        // as it was.
+        let [lost, late, jitter] = [
+            self.random.uniform(),
+            self.random.uniform(),
+            self.random.uniform(),
+        ];
         let now_ns = nanoseconds(now_s);
         let apart_ns = now_ns.saturating_sub(self.last_sent_ns);
         self.last_sent_ns = now_ns;
@@ -86,15 +112,22 @@ impl<T> Channel<T> {
             arrives_ns = arrives_ns.max(self.last_in_order_ns);
             self.last_in_order_ns = arrives_ns;
         }
-        let place = self.travelling.partition_point(|other| other.arrives_ns <= arrives_ns);
-        self.travelling.insert(place, Travelling { arrives_ns, item });
+        let place = self
+            .travelling
+            .partition_point(|other| other.arrives_ns <= arrives_ns);
+        self.travelling
+            .insert(place, Travelling { arrives_ns, item });
     }
 
     /// What has arrived by now, in order of arrival.
     pub fn receive(&mut self, now_s: f64) -> impl Iterator<Item = T> + '_ {
         let now_ns = nanoseconds(now_s);
-        let count = self.travelling.partition_point(|item| item.arrives_ns <= now_ns);
-        self.travelling.drain(..count).map(|travelling| travelling.item)
+        let count = self
+            .travelling
+            .partition_point(|item| item.arrives_ns <= now_ns);
+        self.travelling
+            .drain(..count)
+            .map(|travelling| travelling.item)
     }
 
     /// Items sent.
@@ -133,7 +166,16 @@ mod tests {
 
     #[test]
     fn a_delay_of_five_milliseconds_is_five_periods_exactly() {
-        for (k, items) in arrivals(Network { delay_s: 0.005, ..Network::default() }, 2_000).iter().enumerate() {
+        for (k, items) in arrivals(
+            Network {
+                delay_s: 0.005,
+                ..Network::default()
+            },
+            2_000,
+        )
+        .iter()
+        .enumerate()
+        {
             let expected: &[usize] = if k < 5 { &[] } else { &[k - 5] };
             assert_eq!(items, expected, "at {k} ms");
         }
@@ -141,7 +183,12 @@ mod tests {
 
     #[test]
     fn jitter_keeps_the_order_and_its_bounds() {
-        let network = Network { delay_s: 0.004, jitter_s: 0.003, seed: 5, ..Network::default() };
+        let network = Network {
+            delay_s: 0.004,
+            jitter_s: 0.003,
+            seed: 5,
+            ..Network::default()
+        };
         let mut delays = Vec::new();
         let mut last = None;
         for (k, items) in arrivals(network, 5_000).into_iter().enumerate() {
@@ -152,12 +199,20 @@ mod tests {
             }
         }
         // More than 4 and less than 7, seen at the next whole ms.
-        assert_eq!((delays.iter().min(), delays.iter().max()), (Some(&5), Some(&7)));
+        assert_eq!(
+            (delays.iter().min(), delays.iter().max()),
+            (Some(&5), Some(&7))
+        );
     }
 
     #[test]
     fn loss_and_reordering_come_in_the_share_asked_for() {
-        let network = Network { loss: 0.1, reorder: 0.05, seed: 3, ..Network::default() };
+        let network = Network {
+            loss: 0.1,
+            reorder: 0.05,
+            seed: 3,
+            ..Network::default()
+        };
         let mut channel = Channel::new(network).unwrap();
         let (mut got, mut overtaken, mut newest) = (0, 0, 0);
         for k in 1..=20_000u64 {
@@ -168,24 +223,62 @@ mod tests {
                 newest = newest.max(item);
             }
         }
-        // Standard deviations: 42 and 28. An item held back is not overtaken if the next is lost or late too.
-        assert!((channel.lost() as f64 - 2_000.0).abs() < 170.0, "{}", channel.lost());
-        assert!((overtaken as f64 - 0.9 * 0.05 * (0.9 * 0.95) * 20_000.0).abs() < 110.0, "{overtaken}");
+        // Standard deviations: 42 and 28. An item held back is not overtaken if the next is lost or
+        // late too.
+        assert!(
+            (channel.lost() as f64 - 2_000.0).abs() < 170.0,
+            "{}",
+            channel.lost()
+        );
+        assert!(
+            (overtaken as f64 - 0.9 * 0.05 * (0.9 * 0.95) * 20_000.0).abs() < 110.0,
+            "{overtaken}"
+        );
         assert!(channel.sent() == 20_000 && got + channel.lost() >= 19_998);
     }
 
     #[test]
     fn the_seed_decides_and_bad_figures_are_refused() {
-        let network = Network { delay_s: 0.002, jitter_s: 0.004, loss: 0.1, reorder: 0.1, seed: 9 };
+        let network = Network {
+            delay_s: 0.002,
+            jitter_s: 0.004,
+            loss: 0.1,
+            reorder: 0.1,
+            seed: 9,
+        };
         assert_eq!(arrivals(network, 500), arrivals(network, 500));
-        assert_ne!(arrivals(network, 500), arrivals(Network { seed: 10, ..network }, 500));
+        assert_ne!(
+            arrivals(network, 500),
+            arrivals(
+                Network {
+                    seed: 10,
+                    ..network
+                },
+                500
+            )
+        );
         for bad in [
-            Network { delay_s: -1.0, ..network },
-            Network { jitter_s: f64::NAN, ..network },
-            Network { loss: 1.5, ..network },
-            Network { reorder: f64::INFINITY, ..network },
+            Network {
+                delay_s: -1.0,
+                ..network
+            },
+            Network {
+                jitter_s: f64::NAN,
+                ..network
+            },
+            Network {
+                loss: 1.5,
+                ..network
+            },
+            Network {
+                reorder: f64::INFINITY,
+                ..network
+            },
         ] {
-            assert!(matches!(Channel::<u8>::new(bad), Err(DeviceError::Figure { .. })));
+            assert!(matches!(
+                Channel::<u8>::new(bad),
+                Err(DeviceError::Figure { .. })
+            ));
         }
     }
 }

@@ -30,12 +30,27 @@ struct Run {
 
 impl Run {
     fn see(&self) -> Seen {
-        let target = Target { point: [0.0; 3], ..TARGET };
-        let motion = Motion::Named { kind: self.kind, target, depth_m: self.depth_m };
+        let target = Target {
+            point: [0.0; 3],
+            ..TARGET
+        };
+        let motion = Motion::Named {
+            kind: self.kind,
+            target,
+            depth_m: self.depth_m,
+        };
         let dt = 1.0 / self.model.rate_hz;
-        let way = Network { delay_s: self.delay_s, ..Network::default() };
+        let way = Network {
+            delay_s: self.delay_s,
+            ..Network::default()
+        };
         let (mut there, mut back) = (Channel::new(way).unwrap(), Channel::new(way).unwrap());
-        let mut device = SimulatedDevice::new(self.model.clone(), self.hand.clone(), motion.goal(0.0).position, 1);
+        let mut device = SimulatedDevice::new(
+            self.model.clone(),
+            self.hand.clone(),
+            motion.goal(0.0).position,
+            1,
+        );
         let mut passivity = self.control.map(Passivity::new);
         let (mut received, mut seen) = ([0.0; 3], Seen::default());
         let mut forces: Vec<f64> = Vec::new();
@@ -48,13 +63,19 @@ impl Run {
                 back.send(now, [self.stiffness * (-position[0]).max(0.0), 0.0, 0.0]);
             }
             received = back.receive(now).last().unwrap_or(received);
-            let held = passivity.as_mut().map_or(received, |p| p.force(received, reported, dt));
+            let held = passivity
+                .as_mut()
+                .map_or(received, |p| p.force(received, reported, dt));
             seen.changed_n = seen.changed_n.max(v3::norm(v3::sub(held, received)));
             device.advance(motion.goal(now + 0.5 * dt), held, dt);
             let energy = device.energy();
             seen.least_j = seen.least_j.min(energy.loop_j);
-            seen.least_own_j = seen.least_own_j.min(energy.loop_j + energy.viscous_j + energy.coulomb_j);
-            seen.observed_j = seen.observed_j.min(passivity.as_ref().map_or(0.0, Passivity::energy_j));
+            seen.least_own_j = seen
+                .least_own_j
+                .min(energy.loop_j + energy.viscous_j + energy.coulomb_j);
+            seen.observed_j = seen
+                .observed_j
+                .min(passivity.as_ref().map_or(0.0, Passivity::energy_j));
             seen.most_n = seen.most_n.max(held[0].abs());
             forces.push(held[0]);
             if self.kind == Kind::Press && (1.9..2.45).contains(&(now % 4.0)) {
@@ -75,12 +96,24 @@ impl Run {
 
 fn run(device: &str, hand: Hand, stiffness: f64, delay_ms: f64, kind: Kind) -> Run {
     let model = DeviceModel::preset(device).unwrap();
-    Run { model, hand, stiffness, delay_s: delay_ms * 1e-3, kind, depth_m: 0.004, seconds: 10.0, control: None }
+    Run {
+        model,
+        hand,
+        stiffness,
+        delay_s: delay_ms * 1e-3,
+        kind,
+        depth_m: 0.004,
+        seconds: 10.0,
+        control: None,
+    }
 }
 
 impl Run {
     fn controlled(self) -> Self {
-        Self { control: Some(PassivitySettings::of(&self.model)), ..self }
+        Self {
+            control: Some(PassivitySettings::of(&self.model)),
+            ..self
+        }
     }
 }
 
@@ -91,16 +124,22 @@ fn what_is_passive_passes_to_the_bit() {
     // 2b/T is 1000 N/m for this device. Above it the controller has something to do.
     for hand in [Hand::light(), Hand::firm()] {
         for kind in KINDS {
-            let seen = run("ideal", hand.clone(), 1_000.0, 0.0, kind).controlled().see();
+            let seen = run("ideal", hand.clone(), 1_000.0, 0.0, kind)
+                .controlled()
+                .see();
             assert_eq!(seen.changed_n, 0.0, "{kind:?}");
             assert!(seen.most_n > 0.3);
         }
     }
-    let seen = run("ideal", Hand::light(), 3_000.0, 0.0, Kind::Tap).controlled().see();
+    let seen = run("ideal", Hand::light(), 3_000.0, 0.0, Kind::Tap)
+        .controlled()
+        .see();
     assert!(seen.changed_n > 0.1);
     // A real device's friction does for a press what its damping does not.
     for device in ["touch", "touch-x", "falcon"] {
-        let seen = run(device, Hand::firm(), 3_000.0, 0.0, Kind::Press).controlled().see();
+        let seen = run(device, Hand::firm(), 3_000.0, 0.0, Kind::Press)
+            .controlled()
+            .see();
         assert_eq!(seen.changed_n, 0.0, "{device}");
     }
 }
@@ -115,12 +154,17 @@ fn behind_a_delay_a_wall_makes_energy_and_under_control_it_does_not() {
                     for kind in KINDS {
                         let run = || run(device, hand.clone(), stiffness, delay_ms, kind);
                         let (off, on) = (run().see(), run().controlled().see());
-                        let case = format!("{device} {} K {stiffness} {delay_ms} ms {kind:?}", hand.name);
-                        // What the loop made never exceeds what the device took: the hand meets something passive.
+                        let case = format!(
+                            "{device} {} K {stiffness} {delay_ms} ms {kind:?}",
+                            hand.name
+                        );
+                        // What the loop made never exceeds what the device took: the hand meets
+                        // something passive.
                         let doubt = run().model.encoder_m * on.most_n;
                         assert!(on.least_own_j >= -doubt, "{case}: {on:?}");
                         unstable += i32::from(off.least_own_j < -0.1);
-                        // And it is still a wall: at least a quarter of the force that a stable one gives.
+                        // And it is still a wall: at least a quarter of the force that a stable one
+                        // gives.
                         if off.least_own_j == 0.0 {
                             assert!(on.most_n > 0.25 * off.most_n, "{case}: {off:?} {on:?}");
                         }
@@ -134,18 +178,32 @@ fn behind_a_delay_a_wall_makes_energy_and_under_control_it_does_not() {
 
 #[test]
 fn with_nothing_counted_but_the_loop_it_makes_nothing_either() {
-    // With an exact encoder the only doubt is how much farther the next period goes than the last: T²/m times the force
-    // and the hand's, whose goal is never more than 14 mm away; and that under the force.
+    // With an exact encoder the only doubt is how much farther the next period goes than the last:
+    // T²/m times the force and the hand's, whose goal is never more than 14 mm away; and that under
+    // the force.
     for hand in [Hand::light(), Hand::firm()] {
-        for (stiffness, delay_ms) in [(1_000.0, 1.0), (1_000.0, 20.0), (3_000.0, 0.0), (3_000.0, 5.0), (3_000.0, 20.0)]
-        {
+        for (stiffness, delay_ms) in [
+            (1_000.0, 1.0),
+            (1_000.0, 20.0),
+            (3_000.0, 0.0),
+            (3_000.0, 5.0),
+            (3_000.0, 20.0),
+        ] {
             for kind in KINDS {
                 let run = run("ideal", hand.clone(), stiffness, delay_ms, kind);
                 let mass_kg = run.model.mass_kg + run.hand.mass_kg;
-                let control = Some(PassivitySettings { damping_n_s_m: 0.0, ..PassivitySettings::of(&run.model) });
+                let control = Some(PassivitySettings {
+                    damping_n_s_m: 0.0,
+                    ..PassivitySettings::of(&run.model)
+                });
                 let seen = Run { control, ..run }.see();
-                let doubt = seen.most_n * (seen.most_n + 0.014 * hand.stiffness_n_m) / mass_kg * 1e-6;
-                assert!(seen.least_j >= -doubt, "{} K {stiffness} {delay_ms} ms {kind:?}: {seen:?}", hand.name);
+                let doubt =
+                    seen.most_n * (seen.most_n + 0.014 * hand.stiffness_n_m) / mass_kg * 1e-6;
+                assert!(
+                    seen.least_j >= -doubt,
+                    "{} K {stiffness} {delay_ms} ms {kind:?}: {seen:?}",
+                    hand.name
+                );
                 // What it saw is what there was.
                 assert!((seen.observed_j - seen.least_j).abs() <= 1e-12 * (1.0 + seen.most_n));
             }
@@ -166,7 +224,10 @@ fn a_held_press_is_quiet_where_it_would_swing() {
     ] {
         let run = || run(device, Hand::light(), stiffness, delay_ms, Kind::Press);
         let (off, on) = (run().see(), run().controlled().see());
-        assert!(off.ripple_n > without && on.ripple_n < with, "{device} {stiffness} {delay_ms}: {off:?} {on:?}");
+        assert!(
+            off.ripple_n > without && on.ripple_n < with,
+            "{device} {stiffness} {delay_ms}: {off:?} {on:?}"
+        );
     }
 }
 
@@ -203,7 +264,11 @@ fn one_contact_is_no_credit_for_the_next() {
     let held = drive(&mut passivity, &mut x, 2.0, &[1e-4; 10]);
     assert!(held[1..].iter().all(|force| *force <= 0.0), "{held:?}");
     // The report has them all: 10 − 2 mJ, and no more came out.
-    assert!((passivity.energy_j() - 8e-3).abs() < 3e-4, "{}", passivity.energy_j());
+    assert!(
+        (passivity.energy_j() - 8e-3).abs() < 3e-4,
+        "{}",
+        passivity.energy_j()
+    );
 }
 
 #[test]
@@ -219,15 +284,24 @@ fn forces_that_are_none_or_too_great_are_not_passed_on() {
     let (mut passivity, mut x) = (Passivity::new(plain()), 0.0);
     assert_eq!(drive(&mut passivity, &mut x, f64::NAN, &[0.0; 3]), [0.0; 3]);
     assert_eq!(drive(&mut passivity, &mut x, 90.0, &[-1e-3; 3]), [5.0; 3]);
-    let wild = drive(&mut passivity, &mut x, 90.0, &[0.01, -0.01, 0.01, 0.02, -0.03]);
+    let wild = drive(
+        &mut passivity,
+        &mut x,
+        90.0,
+        &[0.01, -0.01, 0.01, 0.02, -0.03],
+    );
     assert!(wild.iter().all(|force| force.abs() <= 5.0), "{wild:?}");
 }
 
 #[test]
 fn velocity_is_found_between_an_encoders_steps() {
-    let settings = PassivitySettings { encoder_m: 1e-4, ..plain() };
+    let settings = PassivitySettings {
+        encoder_m: 1e-4,
+        ..plain()
+    };
     let mut passivity = Passivity::new(settings);
-    // 1/7 of a step a period: differences are 0 or a whole step, the fitted line's slope is right within a fourth.
+    // 1/7 of a step a period: differences are 0 or a whole step, the fitted line's slope is right
+    // within a fourth.
     for k in 0..60 {
         let counted = (f64::from(k) / 7.0).round() * 1e-4;
         passivity.force([0.0; 3], [counted, 0.0, 0.0], 1e-3);

@@ -20,7 +20,8 @@ pub struct RunReport {
     pub forces: u64,
     /// Largest force received, N.
     pub peak_force_n: f64,
-    /// Largest force that acted, N, and its root mean square over the run (what the motors warm up by).
+    /// Largest force that acted, N, and its root mean square over the run (what the motors warm up
+    /// by).
     #[serde(default)]
     pub applied_force_n: [f64; 2],
     /// Deepest penetration, m.
@@ -28,7 +29,8 @@ pub struct RunReport {
     /// Extent of the way gone in each axis, m.
     #[serde(default)]
     pub range_m: [f64; 3],
-    /// Pose sent to its force received, real time only, without the network of the settings: p50, p99, max, µs.
+    /// Pose sent to its force received, real time only, without the network of the settings: p50,
+    /// p99, max, µs.
     pub round_trip_us: [f64; 3],
     /// Energy the device gave to the loop by the end, J. Negative: the loop made some.
     #[serde(default)]
@@ -65,7 +67,12 @@ pub struct RunSettings {
 impl RunSettings {
     /// At a rate for a time, with no network of its own and no control.
     pub fn plain(rate_hz: f64, duration_s: f64) -> Self {
-        Self { rate_hz, duration_s, network: Network::default(), passivity: false }
+        Self {
+            rate_hz,
+            duration_s,
+            network: Network::default(),
+            passivity: false,
+        }
     }
 }
 
@@ -112,9 +119,18 @@ struct Link {
 impl Link {
     fn new(network: Network) -> Result<Self, DeviceError> {
         // The two ways fail independently.
-        let back = Network { seed: network.seed ^ 0x5851_f42d_4c95_7f2d, ..network };
+        let back = Network {
+            seed: network.seed ^ 0x5851_f42d_4c95_7f2d,
+            ..network
+        };
         let (poses, forces) = (Channel::new(network)?, Channel::new(back)?);
-        Ok(Self { poses, forces, last_pose: None, held: None, late: 0 })
+        Ok(Self {
+            poses,
+            forces,
+            last_pose: None,
+            held: None,
+            late: 0,
+        })
     }
 
     /// What the daemon gets for the pose of now: those that have arrived, in their order.
@@ -161,8 +177,13 @@ pub fn run(
     let dt = 1.0 / settings.rate_hz;
     let lockstep = tool.is_lockstep();
     let mut link = Link::new(settings.network)?;
-    let mut passivity = settings.passivity.then(|| Passivity::new(PassivitySettings::of(device.model())));
-    let mut report = RunReport { device: device.model().name.clone(), ..RunReport::default() };
+    let mut passivity = settings
+        .passivity
+        .then(|| Passivity::new(PassivitySettings::of(device.model())));
+    let mut report = RunReport {
+        device: device.model().name.clone(),
+        ..RunReport::default()
+    };
     let mut round_trips: Vec<u64> = Vec::new();
     let mut last_tick = 0;
     let mut bounds = [device.true_position(); 2];
@@ -172,12 +193,19 @@ pub fn run(
         if stop.load(Ordering::Relaxed) {
             break;
         }
-        let (received, torque) = link.held.map_or(([0.0; 3], [0.0; 3]), |force| (force.force, force.torque));
+        let (received, torque) = link
+            .held
+            .map_or(([0.0; 3], [0.0; 3]), |force| (force.force, force.torque));
         let reported = device.pose().position;
-        let command = passivity.as_mut().map_or(received, |control| control.force(received, reported, dt));
+        let command = passivity
+            .as_mut()
+            .map_or(received, |control| control.force(received, reported, dt));
         device.advance_with_torque(motion.goal(device.time_s() + 0.5 * dt), command, torque, dt);
         let now_s = device.time_s();
-        let pose = ToolPose { buttons: motion.buttons(now_s), ..device.pose() };
+        let pose = ToolPose {
+            buttons: motion.buttons(now_s),
+            ..device.pose()
+        };
         watch(&sample(device, &pose, received));
         squares += note(&mut report, &mut bounds, device);
         let mut seq = None;
@@ -195,10 +223,12 @@ pub fn run(
                 force
             }
             _ => {
-                // The answer to this pose usually comes while we wait for the next; what is newest is felt.
+                // The answer to this pose usually comes while we wait for the next; what is newest
+                // is felt.
                 let due = Duration::from_secs_f64(k as f64 * dt);
                 let left = due.saturating_sub(started.elapsed());
-                let answer = seq.and_then(|seq| tool.wait_force(seq, left.min(Duration::from_millis(100))));
+                let answer =
+                    seq.and_then(|seq| tool.wait_force(seq, left.min(Duration::from_millis(100))));
                 if let Some(force) = answer.filter(|force| Some(force.pose_seq) == seq) {
                     round_trips.push(now_ns().saturating_sub(force.t_client_ns));
                 }
@@ -254,7 +284,9 @@ fn quantiles(round_trips_ns: &mut [u64]) -> [f64; 3] {
     round_trips_ns.sort_unstable();
     [0.5, 0.99, 1.0].map(|q: f64| {
         let last = round_trips_ns.len().saturating_sub(1);
-        round_trips_ns.get((q * last as f64).round() as usize).map_or(0.0, |&ns| ns as f64 * 1e-3)
+        round_trips_ns
+            .get((q * last as f64).round() as usize)
+            .map_or(0.0, |&ns| ns as f64 * 1e-3)
     })
 }
 
@@ -263,7 +295,10 @@ mod tests {
     use super::*;
 
     fn pose(k: u64) -> ToolPose {
-        ToolPose { t_client_ns: k, ..crate::pose_at([0.0; 3]) }
+        ToolPose {
+            t_client_ns: k,
+            ..crate::pose_at([0.0; 3])
+        }
     }
 
     fn force(tick: u64) -> ToolForce {
@@ -284,7 +319,13 @@ mod tests {
 
     #[test]
     fn in_lockstep_every_tick_gets_one_pose_whatever_the_network_does() {
-        let network = Network { delay_s: 0.003, jitter_s: 0.002, loss: 0.3, reorder: 0.2, seed: 4 };
+        let network = Network {
+            delay_s: 0.003,
+            jitter_s: 0.002,
+            loss: 0.3,
+            reorder: 0.2,
+            seed: 4,
+        };
         let mut link = Link::new(network).unwrap();
         let mut newest = 0;
         for k in 1..=1_000 {
@@ -298,7 +339,12 @@ mod tests {
 
     #[test]
     fn a_force_that_was_overtaken_is_left() {
-        let mut link = Link::new(Network { reorder: 0.3, seed: 2, ..Network::default() }).unwrap();
+        let mut link = Link::new(Network {
+            reorder: 0.3,
+            seed: 2,
+            ..Network::default()
+        })
+        .unwrap();
         let mut last = 0;
         for k in 1..=1_000 {
             link.answer(k as f64 * 1e-3, force(k));

@@ -55,31 +55,67 @@ impl Session {
     ///
     /// # Errors
     /// None, or a step that cannot be done.
-    pub fn new(target: Target, steps: Vec<Step>, repeat: bool, origin: &str) -> Result<Self, MotionError> {
+    pub fn new(
+        target: Target,
+        steps: Vec<Step>,
+        repeat: bool,
+        origin: &str,
+    ) -> Result<Self, MotionError> {
         if steps.is_empty() {
-            return Err(MotionError::Kind { origin: origin.to_owned() });
+            return Err(MotionError::Kind {
+                origin: origin.to_owned(),
+            });
         }
         for (k, step) in steps.iter().enumerate() {
             let check = |field, value: f64, good: bool, expected| match good {
                 true => Ok(()),
                 false => {
                     let (origin, entry, index) = (origin.to_owned(), "step", k + 1);
-                    Err(MotionError::Entry { origin, entry, index, field, value, expected })
+                    Err(MotionError::Entry {
+                        origin,
+                        entry,
+                        index,
+                        field,
+                        value,
+                        expected,
+                    })
                 }
             };
             let long = step.for_s.is_finite() && step.for_s > BLEND_S;
-            check("for_s", step.for_s, long, "a finite time above 0.4 s, in which one step goes over into the next")?;
-            check("depth_m", step.depth_m, step.depth_m.abs() <= 1.0, "a depth of at most 1 m")?;
-            check("grip", step.grip, (0.0..=100.0).contains(&step.grip), "a factor from 0 to 100")?;
+            check(
+                "for_s",
+                step.for_s,
+                long,
+                "a finite time above 0.4 s, in which one step goes over into the next",
+            )?;
+            check(
+                "depth_m",
+                step.depth_m,
+                step.depth_m.abs() <= 1.0,
+                "a depth of at most 1 m",
+            )?;
+            check(
+                "grip",
+                step.grip,
+                (0.0..=100.0).contains(&step.grip),
+                "a factor from 0 to 100",
+            )?;
         }
-        Ok(Self { target, steps, repeat })
+        Ok(Self {
+            target,
+            steps,
+            repeat,
+        })
     }
 
     /// The step at a time, the time within it, and the step before.
     fn at(&self, t: f64) -> (&Step, f64, Option<&Step>) {
         let length: f64 = self.steps.iter().map(|step| step.for_s).sum();
-        let (mut left, again) =
-            if self.repeat && t >= length { (t.rem_euclid(length), true) } else { (t.max(0.0), false) };
+        let (mut left, again) = if self.repeat && t >= length {
+            (t.rem_euclid(length), true)
+        } else {
+            (t.max(0.0), false)
+        };
         let last = self.steps.len() - 1;
         let mut before = if again { self.steps.last() } else { None };
         for (k, step) in self.steps.iter().enumerate() {
@@ -101,15 +137,27 @@ impl Session {
     /// Where the hand wants to be.
     pub fn goal(&self, t: f64) -> Goal {
         let (step, since, before) = self.at(t);
-        let new = step.kind.place(&self.target, step.depth_m, Flow::time(since));
+        let new = step
+            .kind
+            .place(&self.target, step.depth_m, Flow::time(since));
         let Some(before) = before.filter(|_| since < BLEND_S) else {
-            return Goal { grip: step.grip, ..passing(new) };
+            return Goal {
+                grip: step.grip,
+                ..passing(new)
+            };
         };
         // The step before goes on while it fades.
-        let old = before.kind.place(&self.target, before.depth_m, Flow::time(before.for_s + since));
+        let old = before.kind.place(
+            &self.target,
+            before.depth_m,
+            Flow::time(before.for_s + since),
+        );
         let share = Flow::time(since).ramp(0.0, BLEND_S);
         let place = [0, 1, 2].map(|c| old[c] + (new[c] - old[c]) * share);
-        Goal { grip: before.grip + (step.grip - before.grip) * share.value, ..passing(place) }
+        Goal {
+            grip: before.grip + (step.grip - before.grip) * share.value,
+            ..passing(place)
+        }
     }
 }
 
@@ -140,8 +188,8 @@ fn own() -> f64 {
 }
 
 impl Motion {
-    /// A motion from TOML text. `origin` names it in errors; steps are aimed as [`Motion::named`] are, and go `depth_m`
-    /// deep unless they say how deep.
+    /// A motion from TOML text. `origin` names it in errors; steps are aimed as [`Motion::named`]
+    /// are, and go `depth_m` deep unless they say how deep.
     ///
     /// # Errors
     /// Not such TOML, an entry that cannot be done, or a scene without a body to aim at.
@@ -163,12 +211,18 @@ fn parse(
     target: impl FnOnce() -> Result<Target, MotionError>,
     depth_m: f64,
 ) -> Result<Motion, MotionError> {
-    let file: MotionFile = toml::from_str(text)
-        .map_err(|error| MotionError::Toml { origin: origin.to_owned(), reason: error.to_string() })?;
+    let file: MotionFile = toml::from_str(text).map_err(|error| MotionError::Toml {
+        origin: origin.to_owned(),
+        reason: error.to_string(),
+    })?;
     match (file.waypoint.is_empty(), file.step.is_empty()) {
-        (false, true) => {
-            Path::new(file.waypoint, file.interpolation.unwrap_or_default(), file.repeat, origin).map(Motion::Path)
-        }
+        (false, true) => Path::new(
+            file.waypoint,
+            file.interpolation.unwrap_or_default(),
+            file.repeat,
+            origin,
+        )
+        .map(Motion::Path),
         (true, false) if file.interpolation.is_none() => {
             let step = |entry: StepEntry| Step {
                 kind: entry.motion,
@@ -179,7 +233,9 @@ fn parse(
             let steps = file.step.into_iter().map(step).collect();
             Session::new(target()?, steps, file.repeat, origin).map(Motion::Session)
         }
-        _ => Err(MotionError::Kind { origin: origin.to_owned() }),
+        _ => Err(MotionError::Kind {
+            origin: origin.to_owned(),
+        }),
     }
 }
 
@@ -203,7 +259,14 @@ mod tests {
         assert_eq!((session.goal(1.0).grip, session.goal(3.0).grip), (2.0, 1.0));
         assert!((session.goal(2.4).grip - 1.5).abs() < 1e-12);
         // Two seconds into the pull, and so again in the second round of 13.23 s.
-        assert_eq!((session.buttons(7.5), session.buttons(7.5 + 13.23), session.buttons(2.0)), (1, 1, 0));
+        assert_eq!(
+            (
+                session.buttons(7.5),
+                session.buttons(7.5 + 13.23),
+                session.buttons(2.0)
+            ),
+            (1, 1, 0)
+        );
         let once = read(&SESSION.replace("true", "false")).unwrap();
         assert_eq!(once.goal(1.0), session.goal(1.0));
         check_smooth(&once, 20);
@@ -212,13 +275,21 @@ mod tests {
     #[test]
     fn mistakes_are_told_with_their_place_and_what_would_do() {
         let told = |text: &str| read(text).unwrap_err().to_string();
-        assert!(told("").contains("m.toml: a motion needs [[waypoint]] entries or [[step]] entries"));
+        assert!(
+            told("").contains("m.toml: a motion needs [[waypoint]] entries or [[step]] entries")
+        );
         let both = format!("{SESSION}[[waypoint]]\ntime_s = 0\nposition = [0, 0, 0]\n");
         assert!(matches!(read(&both), Err(MotionError::Kind { .. })));
         let short = told("[[step]]\nmotion = \"tap\"\nfor_s = 0.1\n");
-        assert!(short.contains("m.toml: step 1: for_s is 0.1; a finite time above 0.4 s"), "{short}");
+        assert!(
+            short.contains("m.toml: step 1: for_s is 0.1; a finite time above 0.4 s"),
+            "{short}"
+        );
         let unknown = told("[[step]]\nmotion = \"poke\"\nfor_s = 1\n");
-        assert!(unknown.contains("poke") && unknown.contains("tremor") && unknown.contains("line 2"), "{unknown}");
+        assert!(
+            unknown.contains("poke") && unknown.contains("tremor") && unknown.contains("line 2"),
+            "{unknown}"
+        );
         assert!(told("speed = 1\n").contains("speed"));
     }
 

@@ -5,8 +5,9 @@
 //!                                            │        ▲ friction, damping
 //!                                            └─▶ encoder ─▶ pose
 //! ```
-//! The force is held over the period. Without lag the motion is exact (see `carriage`), so that the stability of a
-//! sampled loop is that of theory; with it, the amplifier's output is held at its mean over each of a few substeps.
+//! The force is held over the period. Without lag the motion is exact (see `carriage`), so that the
+//! stability of a sampled loop is that of theory; with it, the amplifier's output is held at its
+//! mean over each of a few substeps.
 
 use super::carriage::{Carriage, Load, Pull, State, Work};
 use super::encoder::Encoder;
@@ -23,7 +24,8 @@ use std::f64::consts::TAU;
 pub struct Energy {
     /// Work of the hand on the device.
     pub hand_j: f64,
-    /// Work of the device on the loop, against the force that really acted. Negative: the loop made energy.
+    /// Work of the device on the loop, against the force that really acted. Negative: the loop made
+    /// energy.
     pub loop_j: f64,
     /// Lost in the device's damping.
     pub viscous_j: f64,
@@ -56,13 +58,20 @@ pub struct SimulatedDevice {
 impl SimulatedDevice {
     /// At rest at a place. The seed decides the tremor and nothing else.
     ///
-    /// The figures of model and hand must be possible ones, see [`DeviceModel::checked`] and [`Hand::checked`].
+    /// The figures of model and hand must be possible ones, see [`DeviceModel::checked`] and
+    /// [`Hand::checked`].
     pub fn new(model: DeviceModel, hand: Hand, start: [f64; 3], seed: u64) -> Self {
         let load = load(&model, &hand, 1.0);
         Self {
             tremor: Tremor::new(hand.tremor_m, seed),
-            state: State { position: start, velocity: [0.0; 3] },
-            spin: Spin { orientation: v3::UNTURNED, angular_velocity: [0.0; 3] },
+            state: State {
+                position: start,
+                velocity: [0.0; 3],
+            },
+            spin: Spin {
+                orientation: v3::UNTURNED,
+                angular_velocity: [0.0; 3],
+            },
             encoder: Encoder::new(&model, start),
             carriage: Carriage::new(load, 1.0 / model.rate_hz),
             work: Work::default(),
@@ -105,7 +114,8 @@ impl SimulatedDevice {
         self.applied_n
     }
 
-    /// One servo period of `dt_s` under a held force. `goal` is where the hand wants to be in the middle of the period.
+    /// One servo period of `dt_s` under a held force. `goal` is where the hand wants to be in the
+    /// middle of the period.
     pub fn advance(&mut self, goal: Goal, force_n: [f64; 3], dt_s: f64) {
         self.advance_with_torque(goal, force_n, [0.0; 3], dt_s);
     }
@@ -113,25 +123,47 @@ impl SimulatedDevice {
     /// As [`Self::advance`], with a torque for devices that can twist.
     ///
     /// What exceeds the motors is shortened; what is not finite counts as none.
-    pub fn advance_with_torque(&mut self, goal: Goal, force_n: [f64; 3], torque_nm: [f64; 3], dt_s: f64) {
+    pub fn advance_with_torque(
+        &mut self,
+        goal: Goal,
+        force_n: [f64; 3],
+        torque_nm: [f64; 3],
+        dt_s: f64,
+    ) {
         let mut goal = goal;
         let middle_s = self.time_s + 0.5 * dt_s;
         self.tremor.shake(&mut goal, middle_s);
-        let load = load(&self.model, &self.hand, goal.grip * self.hand.grip_at(middle_s));
+        let load = load(
+            &self.model,
+            &self.hand,
+            goal.grip * self.hand.grip_at(middle_s),
+        );
         let lag = self.model.bandwidth_hz.is_finite();
-        let least = if lag || load.coulomb_n > 0.0 { SUBSTEPS } else { 1 };
+        let least = if lag || load.coulomb_n > 0.0 {
+            SUBSTEPS
+        } else {
+            1
+        };
         let count = Carriage::steps(&load, dt_s).max(least);
         let step_s = dt_s / count as f64;
         if !self.carriage.is_for(&load, step_s) {
             self.carriage = Carriage::new(load, step_s);
         }
         let wanted = v3::limited(force_n, self.model.force_max_n);
-        let mut pull =
-            Pull { position: v3::add(goal.position, v3::scale(goal.velocity, -0.5 * dt_s)), velocity: goal.velocity };
+        let mut pull = Pull {
+            position: v3::add(goal.position, v3::scale(goal.velocity, -0.5 * dt_s)),
+            velocity: goal.velocity,
+        };
         let mut applied = [0.0; 3];
         for _ in 0..count {
-            let force = lagged(&mut self.amplifier_n, wanted, self.model.bandwidth_hz, step_s);
-            self.carriage.step(&mut self.state, &pull, force, &mut self.work);
+            let force = lagged(
+                &mut self.amplifier_n,
+                wanted,
+                self.model.bandwidth_hz,
+                step_s,
+            );
+            self.carriage
+                .step(&mut self.state, &pull, force, &mut self.work);
             pull.position = v3::add(pull.position, v3::scale(pull.velocity, step_s));
             applied = v3::add(applied, force);
         }
@@ -139,13 +171,23 @@ impl SimulatedDevice {
         self.turn(&goal, torque_nm, dt_s);
         self.time_s += dt_s;
         let spin = (self.spin.orientation, self.spin.angular_velocity);
-        self.encoder.sample((self.state.position, self.state.velocity), spin, dt_s);
+        self.encoder
+            .sample((self.state.position, self.state.velocity), spin, dt_s);
     }
 
     fn turn(&mut self, goal: &Goal, torque_nm: [f64; 3], dt_s: f64) {
-        let most = if self.model.torque_dof == 3 { self.model.torque_max_nm } else { 0.0 };
+        let most = if self.model.torque_dof == 3 {
+            self.model.torque_max_nm
+        } else {
+            0.0
+        };
         let wanted = v3::limited(torque_nm, most);
-        let torque = lagged(&mut self.amplifier_nm, wanted, self.model.bandwidth_hz, dt_s);
+        let torque = lagged(
+            &mut self.amplifier_nm,
+            wanted,
+            self.model.bandwidth_hz,
+            dt_s,
+        );
         let grip = goal.grip * self.hand.grip_at(self.time_s + 0.5 * dt_s);
         let grasp = Grasp {
             inertia_kg_m2: self.model.inertia_kg_m2 + self.hand.inertia_kg_m2,
@@ -170,9 +212,20 @@ impl SimulatedDevice {
     /// Where the energy went.
     pub fn energy(&self) -> Energy {
         let mass_kg = self.model.mass_kg + self.hand.mass_kg;
-        let Work { hand_j, loop_j, viscous_j, coulomb_j } = self.work;
+        let Work {
+            hand_j,
+            loop_j,
+            viscous_j,
+            coulomb_j,
+        } = self.work;
         let kinetic_j = 0.5 * mass_kg * v3::dot(self.state.velocity, self.state.velocity);
-        Energy { hand_j, loop_j, viscous_j, coulomb_j, kinetic_j }
+        Energy {
+            hand_j,
+            loop_j,
+            viscous_j,
+            coulomb_j,
+            kinetic_j,
+        }
     }
 }
 
@@ -186,8 +239,14 @@ fn load(model: &DeviceModel, hand: &Hand, grip: f64) -> Load {
     }
 }
 
-/// Mean output of the amplifier over a step; `state` is its output at the begin and becomes that at the end.
-pub(super) fn lagged(state: &mut [f64; 3], wanted: [f64; 3], bandwidth_hz: f64, step_s: f64) -> [f64; 3] {
+/// Mean output of the amplifier over a step; `state` is its output at the begin and becomes that at
+/// the end.
+pub(super) fn lagged(
+    state: &mut [f64; 3],
+    wanted: [f64; 3],
+    bandwidth_hz: f64,
+    step_s: f64,
+) -> [f64; 3] {
     if !bandwidth_hz.is_finite() {
         *state = wanted;
         return wanted;

@@ -18,8 +18,12 @@ fn released_from_a_stretch_it_swings_as_the_closed_form_says() {
     for step in 1..=300 {
         device.advance(Goal::at([0.0; 3]), [0.0; 3], 1e-3);
         let t = f64::from(step) * 1e-3;
-        let exact = 0.01 * (-decay * t).exp() * ((omega * t).cos() + decay / omega * (omega * t).sin());
-        assert!((device.true_position()[0] - exact).abs() < 1e-15, "at {t} s");
+        let exact =
+            0.01 * (-decay * t).exp() * ((omega * t).cos() + decay / omega * (omega * t).sin());
+        assert!(
+            (device.true_position()[0] - exact).abs() < 1e-15,
+            "at {t} s"
+        );
     }
 }
 
@@ -35,11 +39,16 @@ fn a_held_force_moves_it_by_force_over_stiffness_and_saturates() {
 
 #[test]
 fn a_moving_goal_is_followed_behind_by_what_the_devices_damping_costs() {
-    // The hand's damper follows the goal's velocity, so only the device's own damping holds back: b v / k.
+    // The hand's damper follows the goal's velocity, so only the device's own damping holds back: b
+    // v / k.
     let mut device = SimulatedDevice::new(ideal(), Hand::relaxed(), [0.0; 3], 1);
     for k in 0..3_000 {
         let middle = (f64::from(k) + 0.5) * 1e-3;
-        device.advance(Goal::moving([0.05 * middle, 0.0, 0.0], [0.05, 0.0, 0.0]), [0.0; 3], 1e-3);
+        device.advance(
+            Goal::moving([0.05 * middle, 0.0, 0.0], [0.05, 0.0, 0.0]),
+            [0.0; 3],
+            1e-3,
+        );
     }
     assert!((device.true_position()[0] - (0.15 - 0.5 * 0.05 / 400.0)).abs() < 1e-13);
 }
@@ -48,7 +57,12 @@ fn a_moving_goal_is_followed_behind_by_what_the_devices_damping_costs() {
 fn the_sampled_spring_is_stable_up_to_two_b_over_t() {
     // ẍ = −(b/m) ẋ + (F/m) with F = −K x held over T: the product of the loop's two poles is
     // e^{−bT/m} + K (A²/m − G e^{−bT/m}), which is 1 at K = 2b/T (1 + O(bT/m)); bT/m is 1e-4 here.
-    let model = DeviceModel { mass_kg: 1.0, damping_n_s_m: 0.1, force_max_n: 1e9, ..ideal() };
+    let model = DeviceModel {
+        mass_kg: 1.0,
+        damping_n_s_m: 0.1,
+        force_max_n: 1e9,
+        ..ideal()
+    };
     let period = 1e-3;
     let product = |stiffness: f64| {
         let mut device = alone(model.clone());
@@ -65,10 +79,17 @@ fn the_sampled_spring_is_stable_up_to_two_b_over_t() {
     let (mut low, mut high) = (1.0, 1_000.0);
     for _ in 0..60 {
         let middle = 0.5 * (low + high);
-        if product(middle) < 1.0 { low = middle } else { high = middle }
+        if product(middle) < 1.0 {
+            low = middle
+        } else {
+            high = middle
+        }
     }
     let theory = 2.0 * model.damping_n_s_m / period;
-    assert!((low / theory - 1.0).abs() < 1e-3, "{low} N/m, by theory {theory}");
+    assert!(
+        (low / theory - 1.0).abs() < 1e-3,
+        "{low} N/m, by theory {theory}"
+    );
     // And so it does swing: 2 % below the limit it dies away, 2 % above it grows.
     for (share, grows) in [(0.98, false), (1.02, true)] {
         let mut device = alone(model.clone());
@@ -85,8 +106,13 @@ fn the_sampled_spring_is_stable_up_to_two_b_over_t() {
 
 #[test]
 fn friction_brings_it_to_rest_where_it_must_and_holds_it_there() {
-    // Pushed at 2 N for 50 ms against 0.5 N of friction, then left: v = 1.5 t/m, and ½ m v² = 0.5 N × way.
-    let model = DeviceModel { damping_n_s_m: 0.0, coulomb_n: 0.5, ..ideal() };
+    // Pushed at 2 N for 50 ms against 0.5 N of friction, then left: v = 1.5 t/m, and ½ m v² = 0.5 N
+    // × way.
+    let model = DeviceModel {
+        damping_n_s_m: 0.0,
+        coulomb_n: 0.5,
+        ..ideal()
+    };
     for period in [1e-3, 7.3e-4, 1e-2] {
         let mut device = alone(model.clone());
         let pushes = (0.05 / period) as usize;
@@ -95,18 +121,28 @@ fn friction_brings_it_to_rest_where_it_must_and_holds_it_there() {
         }
         let t = pushes as f64 * period;
         let (way, speed) = (0.5 * 15.0 * t * t, 15.0 * t);
-        assert!((device.true_position()[1] - way).abs() < 1e-12 && (device.true_velocity()[1] - speed).abs() < 1e-12);
+        assert!(
+            (device.true_position()[1] - way).abs() < 1e-12
+                && (device.true_velocity()[1] - speed).abs() < 1e-12
+        );
         let rest = way + 0.5 * 0.1 * speed * speed / 0.5;
         for _ in 0..(0.3 / period) as usize {
             device.advance(Goal::at([0.0; 3]), [0.0; 3], period);
         }
-        assert!((device.true_position()[1] - rest).abs() < 1e-12, "{} for {rest}", device.true_position()[1]);
+        assert!(
+            (device.true_position()[1] - rest).abs() < 1e-12,
+            "{} for {rest}",
+            device.true_position()[1]
+        );
         // Up to the friction nothing moves it: no creep, no chatter.
         let there = device.true_position();
         for k in 0..2_000 {
             let push = if k % 2 == 0 { 0.499_999 } else { -0.499_999 };
             device.advance(Goal::at([0.0; 3]), [0.0, push, 0.0], period);
-            assert_eq!((device.true_position(), device.true_velocity()), (there, [0.0; 3]));
+            assert_eq!(
+                (device.true_position(), device.true_velocity()),
+                (there, [0.0; 3])
+            );
         }
         device.advance(Goal::at([0.0; 3]), [0.0, 0.500_001, 0.0], period);
         assert!(device.true_position()[1] > there[1]);
@@ -127,7 +163,11 @@ fn a_hand_with_friction_stops_within_what_friction_can_hold() {
 
 #[test]
 fn the_amplifier_answers_at_its_bandwidth() {
-    let model = DeviceModel { bandwidth_hz: 100.0, damping_n_s_m: 0.0, ..ideal() };
+    let model = DeviceModel {
+        bandwidth_hz: 100.0,
+        damping_n_s_m: 0.0,
+        ..ideal()
+    };
     let mut device = alone(model);
     for k in 1..=20 {
         device.advance(Goal::at([0.0; 3]), [1.0, 0.0, 0.0], 1e-3);
@@ -158,16 +198,37 @@ fn the_books_of_energy_balance() {
         ("omega.7", Hand::firm()),
         ("virtuose-6d", Hand::light()),
     ] {
-        let grip =
-            vec![super::super::Grip { time_s: 0.5, factor: 0.3 }, super::super::Grip { time_s: 1.5, factor: 3.0 }];
-        let hand = Hand { tremor_m: 1e-3, grip, ..hand };
-        let mut device = SimulatedDevice::new(DeviceModel::preset(name).unwrap(), hand, [0.1, -0.2, 0.3], 5);
+        let grip = vec![
+            super::super::Grip {
+                time_s: 0.5,
+                factor: 0.3,
+            },
+            super::super::Grip {
+                time_s: 1.5,
+                factor: 3.0,
+            },
+        ];
+        let hand = Hand {
+            tremor_m: 1e-3,
+            grip,
+            ..hand
+        };
+        let mut device = SimulatedDevice::new(
+            DeviceModel::preset(name).unwrap(),
+            hand,
+            [0.1, -0.2, 0.3],
+            5,
+        );
         let mut random = super::super::random::Random::new(11);
         let mut loop_j = 0.0;
         for k in 0..4_000 {
             let angle = f64::from(k) * 5e-3;
             let goal = Goal::moving(
-                [0.1 + 0.02 * libm::sin(angle), -0.2, 0.3 + 0.01 * libm::sin(2.0 * angle)],
+                [
+                    0.1 + 0.02 * libm::sin(angle),
+                    -0.2,
+                    0.3 + 0.01 * libm::sin(2.0 * angle),
+                ],
                 [0.1 * libm::cos(angle), 0.0, 0.1 * libm::cos(2.0 * angle)],
             );
             let force = [0; 3].map(|_| 6.0 * random.uniform() - 3.0);
@@ -199,7 +260,9 @@ fn the_pose_is_what_the_encoder_sees() {
         for c in 0..3 {
             let counts = pose.position[c] / quantum;
             assert!((counts - counts.round()).abs() < 1e-9);
-            assert!((pose.position[c] - device.true_position()[c]).abs() <= 0.5 * quantum * 1.000_001);
+            assert!(
+                (pose.position[c] - device.true_position()[c]).abs() <= 0.5 * quantum * 1.000_001
+            );
         }
     }
 }
@@ -207,8 +270,16 @@ fn the_pose_is_what_the_encoder_sees() {
 #[test]
 fn the_seed_decides_the_tremor_to_the_bit() {
     let walk = |seed| {
-        let hand = Hand { tremor_m: 1e-3, ..Hand::relaxed() };
-        let mut device = SimulatedDevice::new(DeviceModel::preset("touch-x").unwrap(), hand, [0.0; 3], seed);
+        let hand = Hand {
+            tremor_m: 1e-3,
+            ..Hand::relaxed()
+        };
+        let mut device = SimulatedDevice::new(
+            DeviceModel::preset("touch-x").unwrap(),
+            hand,
+            [0.0; 3],
+            seed,
+        );
         (0..300).for_each(|_| device.advance(Goal::at([0.0; 3]), [0.0; 3], 1e-3));
         device.true_position().map(f64::to_bits)
     };

@@ -17,42 +17,73 @@ pub struct Target {
 }
 
 impl Target {
-    /// Aims a tool at the body nearest to where the scene puts it: straight towards the body's middle axis.
+    /// Aims a tool at the body nearest to where the scene puts it: straight towards the body's
+    /// middle axis.
     pub fn of(scene: &SceneSnapshot, tool: &str) -> Option<Self> {
         let tool = scene.tools.iter().find(|t| t.id == tool)?;
         let from = tool.position;
-        let distance = |p: &[f64; 3]| (0..3).map(|c| (p[c] - from[c]) * (p[c] - from[c])).sum::<f64>();
-        let body = scene.bodies.iter().filter(|b| !b.rest_points.is_empty()).min_by(|a, b| {
-            let least = |body: &palpate_proto::messages::BodySnapshot| {
-                body.rest_points.iter().map(distance).fold(f64::INFINITY, f64::min)
-            };
-            least(a).total_cmp(&least(b))
-        })?;
-        let near = *body.rest_points.iter().min_by(|a, b| distance(a).total_cmp(&distance(b)))?;
+        let distance = |p: &[f64; 3]| {
+            (0..3)
+                .map(|c| (p[c] - from[c]) * (p[c] - from[c]))
+                .sum::<f64>()
+        };
+        let body = scene
+            .bodies
+            .iter()
+            .filter(|b| !b.rest_points.is_empty())
+            .min_by(|a, b| {
+                let least = |body: &palpate_proto::messages::BodySnapshot| {
+                    body.rest_points
+                        .iter()
+                        .map(distance)
+                        .fold(f64::INFINITY, f64::min)
+                };
+                least(a).total_cmp(&least(b))
+            })?;
+        let near = *body
+            .rest_points
+            .iter()
+            .min_by(|a, b| distance(a).total_cmp(&distance(b)))?;
         // Straight in along the axis on which the tool is farthest from the net's nearest point.
         let away = [0, 1, 2].map(|c| from[c] - near[c]);
-        let axis = (0..3).max_by(|&a, &b| away[a].abs().total_cmp(&away[b].abs())).unwrap_or(0);
+        let axis = (0..3)
+            .max_by(|&a, &b| away[a].abs().total_cmp(&away[b].abs()))
+            .unwrap_or(0);
         let mut outward = [0.0; 3];
         outward[axis] = if away[axis] < 0.0 { -1.0 } else { 1.0 };
         let mut along = [0.0; 3];
         along[if axis == 2 { 0 } else { 2 }] = 1.0;
-        // First touch: the ball's centre stands off by its radius from the nearest net point's plane.
+        // First touch: the ball's centre stands off by its radius from the nearest net point's
+        // plane.
         let mut point = from;
         point[axis] = near[axis] + outward[axis] * tool.radius;
-        Some(Self { point, outward, along, clear_m: 0.01 })
+        Some(Self {
+            point,
+            outward,
+            along,
+            clear_m: 0.01,
+        })
     }
 
     /// Third direction.
     fn side(&self) -> [f64; 3] {
         let (a, b) = (self.outward, self.along);
-        [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+        [
+            a[1] * b[2] - a[2] * b[1],
+            a[2] * b[0] - a[0] * b[2],
+            a[0] * b[1] - a[1] * b[0],
+        ]
     }
 
     /// A place by its height over `point` and its distances along the surface, m.
     pub(super) fn place(&self, height: Flow, along: Flow, side: Flow) -> [Flow; 3] {
         let third = self.side();
-        [0, 1, 2]
-            .map(|c| Flow::constant(self.point[c]) + height * self.outward[c] + along * self.along[c] + side * third[c])
+        [0, 1, 2].map(|c| {
+            Flow::constant(self.point[c])
+                + height * self.outward[c]
+                + along * self.along[c]
+                + side * third[c]
+        })
     }
 
     /// Height for `pressed` from 0, clear of the surface, to 1, in by `depth_m`.

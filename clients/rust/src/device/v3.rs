@@ -51,14 +51,22 @@ pub(super) fn inverse(q: [f64; 4]) -> [f64; 4] {
 
 pub(super) fn unit(q: [f64; 4]) -> [f64; 4] {
     let size = q.iter().map(|x| x * x).sum::<f64>().sqrt();
-    if size > 0.0 && size.is_finite() { q.map(|x| x / size) } else { UNTURNED }
+    if size > 0.0 && size.is_finite() {
+        q.map(|x| x / size)
+    } else {
+        UNTURNED
+    }
 }
 
 /// Rotation by `vector` (axis times angle, rad).
 pub(super) fn from_vector(vector: [f64; 3]) -> [f64; 4] {
     let angle = norm(vector);
     // sin(a/2)/a by its series where the quotient loses its digits.
-    let share = if angle < 1e-4 { 0.5 - angle * angle / 48.0 } else { libm::sin(0.5 * angle) / angle };
+    let share = if angle < 1e-4 {
+        0.5 - angle * angle / 48.0
+    } else {
+        libm::sin(0.5 * angle) / angle
+    };
     let [x, y, z] = scale(vector, share);
     unit([x, y, z, libm::cos(0.5 * angle)])
 }
@@ -68,7 +76,11 @@ pub(super) fn to_vector(q: [f64; 4]) -> [f64; 3] {
     let q = if q[3] < 0.0 { q.map(|x| -x) } else { q };
     let part = [q[0], q[1], q[2]];
     let sine = norm(part);
-    let share = if sine < 1e-8 { 2.0 } else { 2.0 * libm::atan2(sine, q[3]) / sine };
+    let share = if sine < 1e-8 {
+        2.0
+    } else {
+        2.0 * libm::atan2(sine, q[3]) / sine
+    };
     scale(part, share)
 }
 
@@ -78,9 +90,18 @@ mod tests {
 
     #[test]
     fn a_rotation_vector_comes_back() {
-        for vector in [[0.0; 3], [1e-9, 0.0, 2e-9], [1e-4, -1e-4, 0.0], [0.3, -1.0, 2.0], [0.0, 3.1, 0.0]] {
+        for vector in [
+            [0.0; 3],
+            [1e-9, 0.0, 2e-9],
+            [1e-4, -1e-4, 0.0],
+            [0.3, -1.0, 2.0],
+            [0.0, 3.1, 0.0],
+        ] {
             let back = to_vector(from_vector(vector));
-            assert!(norm(sub(back, vector)) < 1e-14 * (1.0 + norm(vector)), "{vector:?} {back:?}");
+            assert!(
+                norm(sub(back, vector)) < 1e-14 * (1.0 + norm(vector)),
+                "{vector:?} {back:?}"
+            );
         }
     }
 
@@ -88,8 +109,12 @@ mod tests {
     fn turns_about_one_axis_add_up_and_order_matters_otherwise() {
         let z = |angle| from_vector([0.0, 0.0, angle]);
         assert!((to_vector(turn(z(0.4), z(0.5)))[2] - 0.9).abs() < 1e-15);
-        // x by a quarter, then z by a quarter: takes y to z, which stays; the other order takes y to −x.
-        let (x, z) = (from_vector([std::f64::consts::FRAC_PI_2, 0.0, 0.0]), z(std::f64::consts::FRAC_PI_2));
+        // x by a quarter, then z by a quarter: takes y to z, which stays; the other order takes y
+        // to −x.
+        let (x, z) = (
+            from_vector([std::f64::consts::FRAC_PI_2, 0.0, 0.0]),
+            z(std::f64::consts::FRAC_PI_2),
+        );
         let rotate = |q, v: [f64; 3]| {
             let [a, b, c, _] = turn(turn(q, [v[0], v[1], v[2], 0.0]), inverse(q));
             [a, b, c]

@@ -11,11 +11,15 @@ fn patch_test_holds_to_rounding() {
         let grid = distorted(cuboid([3, 3, 3], [0.03; 3]), 0.002, 3);
         let solid = uniform(&grid, 20e3, poisson);
         let edge = |x: f64| !(1e-9..=0.03 - 1e-9).contains(&x);
-        let fixed = |p: &Point3, axis: usize| p.iter().any(|&x| edge(x)).then(|| (map * p - p)[axis]);
+        let fixed =
+            |p: &Point3, axis: usize| p.iter().any(|&x| edge(x)).then(|| (map * p - p)[axis]);
         let places = equilibrium(&solid, &fixed, &|_| Vector3::zeros());
         for (place, rest) in places.iter().zip(&grid.nodes) {
             let error = (Point3::new(place[0], place[1], place[2]) - map * rest).norm();
-            assert!(error < 1e-13, "ν = {poisson}: a node is {error} m off the linear map");
+            assert!(
+                error < 1e-13,
+                "ν = {poisson}: a node is {error} m off the linear map"
+            );
         }
     }
 }
@@ -36,11 +40,21 @@ fn bar_shows_young_modulus_and_poisson_ratio() {
         };
         let places = equilibrium(&solid, &fixed, &|_| Vector3::zeros());
         let young = reaction(&solid, &places, |p| p.z == 0.04).z / (0.02 * 0.02 * strain);
-        let corner = grid.nodes.iter().position(|p| *p == Point3::new(0.02, 0.02, 0.04)).unwrap();
+        let corner = grid
+            .nodes
+            .iter()
+            .position(|p| *p == Point3::new(0.02, 0.02, 0.04))
+            .unwrap();
         let lateral = -(places[corner][0] - 0.02) / (0.02 * strain);
         println!("ν = {poisson}: E {young:.3} Pa, ν {lateral:.6}");
-        assert!((young / 20e3 - 1.0).abs() < 1e-4, "ν = {poisson}: E = {young}");
-        assert!((lateral - poisson).abs() < 1e-4, "ν = {poisson}: measured {lateral}");
+        assert!(
+            (young / 20e3 - 1.0).abs() < 1e-4,
+            "ν = {poisson}: E = {young}"
+        );
+        assert!(
+            (lateral - poisson).abs() < 1e-4,
+            "ν = {poisson}: measured {lateral}"
+        );
     }
 }
 
@@ -52,20 +66,31 @@ fn shear_shows_the_shear_modulus() {
         let solid = uniform(&grid, 20e3, poisson);
         let strain = 1e-5;
         let edge = |x: f64| !(1e-9..=0.03 - 1e-9).contains(&x);
-        let fixed =
-            |p: &Point3, axis: usize| p.iter().any(|&x| edge(x)).then(|| if axis == 0 { strain * p.z } else { 0.0 });
+        let fixed = |p: &Point3, axis: usize| {
+            p.iter()
+                .any(|&x| edge(x))
+                .then(|| if axis == 0 { strain * p.z } else { 0.0 })
+        };
         let places = equilibrium(&solid, &fixed, &|_| Vector3::zeros());
         // The virtual work of the boundary's forces in a unit of γ, over the volume.
         let forces = solid.exact_forces(&places);
-        let work: f64 = grid.nodes.iter().zip(&forces).map(|(p, f)| -f.x * p.z).sum();
+        let work: f64 = grid
+            .nodes
+            .iter()
+            .zip(&forces)
+            .map(|(p, f)| -f.x * p.z)
+            .sum();
         let shear = work / (strain * 2.7e-5);
         let expected = 20e3 / (2.0 * (1.0 + poisson));
-        assert!((shear / expected - 1.0).abs() < 1e-4, "ν = {poisson}: μ = {shear}, not {expected}");
+        assert!(
+            (shear / expected - 1.0).abs() < 1e-4,
+            "ν = {poisson}: μ = {shear}, not {expected}"
+        );
     }
 }
 
-/// Deflection of the tip under a small shear load over that of Timoshenko's beam: square bar, length 5 sides, held at the
-/// root as a beam is (axial motion only), `n` cells across.
+/// Deflection of the tip under a small shear load over that of Timoshenko's beam: square bar,
+/// length 5 sides, held at the root as a beam is (axial motion only), `n` cells across.
 fn cantilever(n: usize, poisson: f64) -> f64 {
     let (side, length, young, load) = (0.01, 0.05, 20e3, 1e-6);
     let grid = cuboid([n, n, 5 * n], [side, 0.5 * side, length]);
@@ -83,7 +108,11 @@ fn cantilever(n: usize, poisson: f64) -> f64 {
         .filter(|&k| grid.nodes[k].z == length)
         .map(|k| {
             let p = grid.nodes[k];
-            let across = if p.y == 0.0 || p.y == 0.5 * side { 0.5 } else { 1.0 };
+            let across = if p.y == 0.0 || p.y == 0.5 * side {
+                0.5
+            } else {
+                1.0
+            };
             let s = 2.0 * p.x / side - 1.0;
             let down = if p.x == 0.0 || p.x == side { 0.5 } else { 1.0 };
             (k, across * down * (1.0 - s * s + 0.5 / (n * n) as f64))
@@ -91,13 +120,20 @@ fn cantilever(n: usize, poisson: f64) -> f64 {
         .collect();
     let total: f64 = tip.iter().map(|(_, w)| w).sum();
     let mut share = vec![0.0; grid.nodes.len()];
-    tip.iter().for_each(|&(k, w)| share[k] = 0.5 * load * w / total);
+    tip.iter()
+        .for_each(|&(k, w)| share[k] = 0.5 * load * w / total);
     let places = equilibrium(&solid, &fixed, &|node| Vector3::new(share[node], 0.0, 0.0));
     let moved = |k: usize| places[k][0] - grid.nodes[k].x;
     let deflection = tip.iter().map(|&(k, w)| w * moved(k)).sum::<f64>() / total;
-    let (inertia, area, shear) = (side.powi(4) / 12.0, side * side, young / (2.0 * (1.0 + poisson)));
+    let (inertia, area, shear) = (
+        side.powi(4) / 12.0,
+        side * side,
+        young / (2.0 * (1.0 + poisson)),
+    );
     let factor = 10.0 * (1.0 + poisson) / (12.0 + 11.0 * poisson);
-    deflection / (load * length.powi(3) / (3.0 * young * inertia) + load * length / (factor * shear * area))
+    deflection
+        / (load * length.powi(3) / (3.0 * young * inertia)
+            + load * length / (factor * shear * area))
 }
 
 #[test]
@@ -105,6 +141,9 @@ fn cantilever_meets_the_beam_within_2_percent_from_two_cells_on_at_any_poisson_r
     for poisson in [0.0, 0.3, 0.49] {
         let ratios: Vec<f64> = [2, 4].into_iter().map(|n| cantilever(n, poisson)).collect();
         println!("ν = {poisson}: tip over Timoshenko's {ratios:.4?}");
-        assert!(ratios[0] > 0.98 && (ratios[1] - 1.0).abs() < 0.01, "ν = {poisson}: {ratios:?}");
+        assert!(
+            ratios[0] > 0.98 && (ratios[1] - 1.0).abs() < 0.01,
+            "ν = {poisson}: {ratios:?}"
+        );
     }
 }

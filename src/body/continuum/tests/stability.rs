@@ -16,7 +16,10 @@ fn settle(world: &mut Stepper, ticks: usize, close_m: f64) -> Option<usize> {
     for tick in 0..ticks {
         world.step(|_| Vector3::zeros());
         let far = world.farthest_m();
-        assert!(far.is_finite() && far < 10.0, "tick {tick}: a node is {far} m from rest");
+        assert!(
+            far.is_finite() && far < 10.0,
+            "tick {tick}: a node is {far} m from rest"
+        );
         if far > close_m {
             since = None;
         } else if since.is_none() {
@@ -40,8 +43,15 @@ fn scrambled_nodes_return_to_rest() {
             }
         }
         let settled = settle(&mut world, 10_000, 1e-5);
-        println!("E {young_pa} Pa, ν = {poisson}: at rest from tick {settled:?}, held back {}", world.limited);
-        assert!(settled.is_some(), "E {young_pa} Pa, ν = {poisson}: {} m from rest", world.farthest_m());
+        println!(
+            "E {young_pa} Pa, ν = {poisson}: at rest from tick {settled:?}, held back {}",
+            world.limited
+        );
+        assert!(
+            settled.is_some(),
+            "E {young_pa} Pa, ν = {poisson}: {} m from rest",
+            world.farthest_m()
+        );
     }
 }
 
@@ -52,10 +62,18 @@ fn inverted_cube_recovers() {
         let mut world = Stepper::new(&grid, &same(&grid, 20e3, poisson), 1000.0, 1e-3, base);
         world.places.iter_mut().for_each(|p| p[2] = -p[2]);
         world.places[1][0] += 1e-4;
-        // A matrix of one number a node makes shear slow where λ is 500 μ: 1,700 ticks to a part of e.
+        // A matrix of one number a node makes shear slow where λ is 500 μ: 1,700 ticks to a part of
+        // e.
         let settled = settle(&mut world, 10_000, 1e-2 * 2e-3);
-        println!("ν = {poisson}: at rest from tick {settled:?}, held back {}", world.limited);
-        assert!(settled.is_some(), "ν = {poisson}: {} m from rest", world.farthest_m());
+        println!(
+            "ν = {poisson}: at rest from tick {settled:?}, held back {}",
+            world.limited
+        );
+        assert!(
+            settled.is_some(),
+            "ν = {poisson}: {} m from rest",
+            world.farthest_m()
+        );
     }
 }
 
@@ -64,7 +82,14 @@ fn a_million_times_stiffer_neighbours_lose_energy_and_come_to_rest() {
     for poisson in [0.3, 0.499] {
         let grid = cuboid([4; 3], [0.04; 3]);
         let materials: Vec<Elastic> = (0..64)
-            .map(|k| Elastic { young_pa: if (k / 16 + k / 4 + k) % 2 == 0 { 20e3 } else { 20e9 }, poisson })
+            .map(|k| Elastic {
+                young_pa: if (k / 16 + k / 4 + k) % 2 == 0 {
+                    20e3
+                } else {
+                    20e9
+                },
+                poisson,
+            })
             .collect();
         let mut world = Stepper::new(&grid, &materials, 1000.0, 1e-3, base);
         let mut random = Random(3);
@@ -78,10 +103,20 @@ fn a_million_times_stiffer_neighbours_lose_energy_and_come_to_rest() {
         let before = world.energy_j();
         let settled = settle(&mut world, 10_000, 1e-5);
         let after = world.energy_j();
-        println!("ν = {poisson}: at rest from tick {settled:?}, {after} J of {before} J, held back {}", world.limited);
-        assert!(after < 1e-3 * before, "ν = {poisson}: {after} J of {before} J");
+        println!(
+            "ν = {poisson}: at rest from tick {settled:?}, {after} J of {before} J, held back {}",
+            world.limited
+        );
+        assert!(
+            after < 1e-3 * before,
+            "ν = {poisson}: {after} J of {before} J"
+        );
         // Soft cells of ν = 0.499 take longer than this test.
-        assert!(settled.is_some() || poisson > 0.49, "ν = {poisson}: {} m from rest", world.farthest_m());
+        assert!(
+            settled.is_some() || poisson > 0.49,
+            "ν = {poisson}: {} m from rest",
+            world.farthest_m()
+        );
     }
 }
 
@@ -89,7 +124,9 @@ fn a_million_times_stiffer_neighbours_lose_energy_and_come_to_rest() {
 fn squeezed_to_a_tenth_and_released_comes_back() {
     for poisson in [0.0, 0.3, 0.45, 0.499] {
         let grid = cuboid([4; 3], [0.04; 3]);
-        let mut world = Stepper::new(&grid, &same(&grid, 20e3, poisson), 1000.0, 1e-3, |p| p.z == 0.0 || p.z == 0.04);
+        let mut world = Stepper::new(&grid, &same(&grid, 20e3, poisson), 1000.0, 1e-3, |p| {
+            p.z == 0.0 || p.z == 0.04
+        });
         let mut largest = 0.0f64;
         for tick in 0..2_000 {
             let height = 0.04 * (1.0 - 0.9 * (tick as f64 / 1_000.0).min(1.0));
@@ -102,16 +139,32 @@ fn squeezed_to_a_tenth_and_released_comes_back() {
             largest = largest.max(world.farthest_m());
         }
         // Planes that move by themselves have no velocity of their own here.
-        let (held, calm) = (world.limited, world.velocities.iter().map(|v| v.norm()).fold(0.0, f64::max));
+        let (held, calm) = (
+            world.limited,
+            world
+                .velocities
+                .iter()
+                .map(|v| v.norm())
+                .fold(0.0, f64::max),
+        );
         for (place, p) in world.places.iter_mut().zip(&grid.nodes) {
             if p.z == 0.04 {
                 place[2] = 0.04;
             }
         }
-        assert!(largest < 0.08 && calm < 0.05, "ν = {poisson}: {largest} m from rest, still at {calm} m/s");
+        assert!(
+            largest < 0.08 && calm < 0.05,
+            "ν = {poisson}: {largest} m from rest, still at {calm} m/s"
+        );
         let settled = settle(&mut world, 10_000, 1e-5);
-        println!("ν = {poisson}: back from tick {settled:?}; squeezed at {calm} m/s, held back {held}");
-        assert!(settled.is_some(), "ν = {poisson}: {} m from rest", world.farthest_m());
+        println!(
+            "ν = {poisson}: back from tick {settled:?}; squeezed at {calm} m/s, held back {held}"
+        );
+        assert!(
+            settled.is_some(),
+            "ν = {poisson}: {} m from rest",
+            world.farthest_m()
+        );
     }
 }
 

@@ -25,8 +25,8 @@ impl Elastostatic for Continuum {
     }
 }
 
-/// Newton from rest to the equilibrium with `places` of the fixed coordinates given and loads on the others. Answers with
-/// the places.
+/// Newton from rest to the equilibrium with `places` of the fixed coordinates given and loads on
+/// the others. Answers with the places.
 pub(super) fn equilibrium(
     solid: &dyn Elastostatic,
     fixed: &dyn Fn(&Point3, usize) -> Option<f64>,
@@ -43,7 +43,9 @@ pub(super) fn equilibrium(
         }
     }
     let mut row_of = vec![usize::MAX; 3 * places.len()];
-    rows.iter().enumerate().for_each(|(row, &coordinate)| row_of[coordinate] = row);
+    rows.iter()
+        .enumerate()
+        .for_each(|(row, &coordinate)| row_of[coordinate] = row);
     for _ in 0..12 {
         let mut matrix = SymmetricTriplets::new(rows.len());
         solid.tangent(&places, &mut |i, j, value| {
@@ -57,7 +59,9 @@ pub(super) fn equilibrium(
             force[node][axis] + load(node)[axis]
         };
         let mut step: Vec<f64> = rows.iter().map(residual).collect();
-        Cholesky::new(&matrix).expect("small strains keep the tangent definite").solve_one(&mut step);
+        Cholesky::new(&matrix)
+            .expect("small strains keep the tangent definite")
+            .solve_one(&mut step);
         for (moved, &coordinate) in step.iter().zip(&rows) {
             places[coordinate / 3][coordinate % 3] += moved;
         }
@@ -74,12 +78,22 @@ pub(super) fn reactions(solid: &dyn Elastostatic, places: &[Lane]) -> Vec<Vector
 }
 
 /// Sum of those on the nodes that pass, N.
-pub(super) fn reaction(solid: &dyn Elastostatic, places: &[Lane], on: impl Fn(&Point3) -> bool) -> Vector3 {
-    solid.rest().iter().zip(reactions(solid, places)).filter(|(p, _)| on(p)).map(|(_, f)| f).sum()
+pub(super) fn reaction(
+    solid: &dyn Elastostatic,
+    places: &[Lane],
+    on: impl Fn(&Point3) -> bool,
+) -> Vector3 {
+    solid
+        .rest()
+        .iter()
+        .zip(reactions(solid, places))
+        .filter(|(p, _)| on(p))
+        .map(|(_, f)| f)
+        .sum()
 }
 
-/// The textbook's linear hexahedra with 2 × 2 × 2 points for all of the energy: what a continuum without mean dilatation
-/// would be.
+/// The textbook's linear hexahedra with 2 × 2 × 2 points for all of the energy: what a continuum
+/// without mean dilatation would be.
 pub(super) struct Textbook {
     grid: CellGrid,
     /// ∂²Ψ/∂x², (3 node + axis, 3 node + axis, N/m).
@@ -96,9 +110,14 @@ impl Textbook {
                 for (a, ga) in cell.iter().zip(gradients) {
                     for (b, gb) in cell.iter().zip(gradients) {
                         // λ ∇a ∇bᵀ + μ ∇b ∇aᵀ + μ ∇a·∇b: σ = λ tr ε + 2 μ ε.
-                        let block = (ga * gb.transpose() * lame + gb * ga.transpose() * shear) * *weight;
+                        let block =
+                            (ga * gb.transpose() * lame + gb * ga.transpose() * shear) * *weight;
                         for (i, j) in (0..9).map(|k| (k / 3, k % 3)) {
-                            let straight = if i == j { shear * ga.dot(gb) * weight } else { 0.0 };
+                            let straight = if i == j {
+                                shear * ga.dot(gb) * weight
+                            } else {
+                                0.0
+                            };
                             let place = (3 * *a as usize + i, 3 * *b as usize + j);
                             entries.push((place.0, place.1, block[(i, j)] + straight));
                         }
@@ -106,7 +125,10 @@ impl Textbook {
                 }
             }
         }
-        Self { grid: grid.clone(), entries }
+        Self {
+            grid: grid.clone(),
+            entries,
+        }
     }
 }
 
@@ -124,6 +146,8 @@ impl Elastostatic for Textbook {
     }
 
     fn tangent(&self, _: &[Lane], out: &mut dyn FnMut(usize, usize, f64)) {
-        self.entries.iter().for_each(|&(i, j, value)| out(i, j, value));
+        self.entries
+            .iter()
+            .for_each(|&(i, j, value)| out(i, j, value));
     }
 }

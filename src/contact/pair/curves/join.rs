@@ -52,7 +52,13 @@ impl<'a> Joined<'a> {
         cells: [&'a Cells; 2],
         size_m: f64,
     ) -> Self {
-        Self { surfaces, solvers, cells, size_m, work: 0 }
+        Self {
+            surfaces,
+            solvers,
+            cells,
+            size_m,
+            work: 0,
+        }
     }
 
     /// Nothing more is to be tried.
@@ -77,7 +83,12 @@ impl<'a> Joined<'a> {
         let across = frame.du.cross(&frame.dv);
         let area = across.norm();
         if area > 1e-9 * frame.du.norm() * frame.dv.norm() {
-            return across * (if self.surfaces[side].flip_normal() { -1.0 } else { 1.0 } / area);
+            return across
+                * (if self.surfaces[side].flip_normal() {
+                    -1.0
+                } else {
+                    1.0
+                } / area);
         }
         self.surfaces[side].normal_of(frame, at[2 * side], at[2 * side + 1])
     }
@@ -88,16 +99,28 @@ impl<'a> Joined<'a> {
         let across = self.normal(0, at, &a).cross(&self.normal(1, at, &b));
         let way = across.try_normalize(TANGENT)?;
         let reach = |side: usize, f: &Frame| {
-            let (_, wide) = self.cells[side].middle(self.cells[side].cell_at(at[2 * side], at[2 * side + 1]));
+            let (_, wide) =
+                self.cells[side].middle(self.cells[side].cell_at(at[2 * side], at[2 * side + 1]));
             0.7 * (f.du.norm() * wide[0]).max(f.dv.norm() * wide[1])
         };
-        Some(Place { at, point: a.point, way, reach_m: reach(0, &a).min(reach(1, &b)) })
+        Some(Place {
+            at,
+            point: a.point,
+            way,
+            reach_m: reach(0, &a).min(reach(1, &b)),
+        })
     }
 
     /// The common place in the plane through `target` across `way`, from a place nearby.
     ///
-    /// The next guess is where both tangent planes meet that plane: Newton's method in four unknowns.
-    pub fn correct(&mut self, from: [f64; 4], target: &Point3, way: &Vector3) -> Result<Place, Lost> {
+    /// The next guess is where both tangent planes meet that plane: Newton's method in four
+    /// unknowns.
+    pub fn correct(
+        &mut self,
+        from: [f64; 4],
+        target: &Point3,
+        way: &Vector3,
+    ) -> Result<Place, Lost> {
         let mut at = from;
         let mut best: Option<(f64, [f64; 4])> = None;
         let mut first_m = None;
@@ -144,7 +167,13 @@ impl<'a> Joined<'a> {
     }
 
     /// The common place with one parameter of one surface held, from a place nearby.
-    pub fn pierce(&mut self, side: usize, d: usize, value: f64, from: [f64; 4]) -> Option<[f64; 4]> {
+    pub fn pierce(
+        &mut self,
+        side: usize,
+        d: usize,
+        value: f64,
+        from: [f64; 4],
+    ) -> Option<[f64; 4]> {
         let (other, held, free) = (1 - side, 2 * side + d, 2 * side + 1 - d);
         let mut at = from;
         at[held] = value;
@@ -198,7 +227,13 @@ impl<'a> Joined<'a> {
     }
 
     /// Moves one surface's parameters by a step in space. Tells when an open edge is in the way.
-    fn walk(&mut self, side: usize, at: &mut [f64; 4], frame: &Frame, step: &Vector3) -> Option<Lost> {
+    fn walk(
+        &mut self,
+        side: usize,
+        at: &mut [f64; 4],
+        frame: &Frame,
+        step: &Vector3,
+    ) -> Option<Lost> {
         let cells = self.cells[side];
         let x = [at[2 * side], at[2 * side + 1]];
         let wide = [0, 1].map(|d| cells.lines[d][cells.counts[d]] - cells.lines[d][0]);
@@ -206,10 +241,16 @@ impl<'a> Joined<'a> {
         let Some(by) = by else {
             // Beside a pole a small step turns far around it.
             let target = frame.point + step;
-            let foot = self.solvers[side].near_from(self.surfaces[side], &target, x[0], x[1]).at;
+            let foot = self.solvers[side]
+                .near_from(self.surfaces[side], &target, x[0], x[1])
+                .at;
             let near = foot.distance <= 0.1 * step.norm();
             self.work += if near { FOOT_WORK / 8 } else { FOOT_WORK };
-            let foot = if near { foot } else { self.solvers[side].closest(self.surfaces[side], &target) };
+            let foot = if near {
+                foot
+            } else {
+                self.solvers[side].closest(self.surfaces[side], &target)
+            };
             (at[2 * side], at[2 * side + 1]) = (foot.u, foot.v);
             return None;
         };
@@ -218,15 +259,24 @@ impl<'a> Joined<'a> {
         (0..2).find_map(|d| {
             let (start, end) = (cells.lines[d][0], cells.lines[d][cells.counts[d]]);
             let beyond = !cells.wraps[d]
-                && ((x[d] + by[d] < start && !cells.poles[d][0]) || (x[d] + by[d] > end && !cells.poles[d][1]));
-            beyond.then_some(Lost::Left { side, d, value: next[d] })
+                && ((x[d] + by[d] < start && !cells.poles[d][0])
+                    || (x[d] + by[d] > end && !cells.poles[d][1]));
+            beyond.then_some(Lost::Left {
+                side,
+                d,
+                value: next[d],
+            })
         })
     }
 }
 
 /// Parameters of a step in the tangent plane; none at poles.
 fn tangential(frame: &Frame, step: &Vector3) -> Option<[f64; 2]> {
-    let (e, f, g) = (frame.du.norm_squared(), frame.du.dot(&frame.dv), frame.dv.norm_squared());
+    let (e, f, g) = (
+        frame.du.norm_squared(),
+        frame.du.dot(&frame.dv),
+        frame.dv.norm_squared(),
+    );
     let det = e * g - f * f;
     let regular = det > 1e-14 * e * g;
     let (p, q) = (step.dot(&frame.du), step.dot(&frame.dv));

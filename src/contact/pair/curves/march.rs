@@ -1,7 +1,7 @@
 //! Marching along a curve of intersection.
 //!
-//! A chord of length h whose ends turn by θ misses a smooth curve by about h θ / 8: that decides how long steps are.
-//! Steps that would pass a crease are cut there.
+//! A chord of length h whose ends turn by θ misses a smooth curve by about h θ / 8: that decides
+//! how long steps are. Steps that would pass a crease are cut there.
 
 use super::join::{Joined, Lost, Place};
 use crate::math::Point3;
@@ -23,7 +23,12 @@ pub(super) enum End {
 }
 
 /// Places from `start` on, itself first; `sense` −1 goes against the curve's direction.
-pub(super) fn march(joined: &mut Joined<'_>, start: &Place, sense: f64, tolerance_m: f64) -> (Vec<Place>, End) {
+pub(super) fn march(
+    joined: &mut Joined<'_>,
+    start: &Place,
+    sense: f64,
+    tolerance_m: f64,
+) -> (Vec<Place>, End) {
     let shortest = SHORTEST * joined.size_m;
     let mut places = vec![*start];
     let mut h = 0.1 * start.reach_m;
@@ -66,8 +71,12 @@ pub(super) fn march(joined: &mut Joined<'_>, start: &Place, sense: f64, toleranc
                 if let Some(at) = joined.pierce(side, d, value, here.at) {
                     let edge = joined.place(at);
                     let way = edge.map(|e| e.point - here.point);
-                    let reached = way.is_some_and(|w| w.norm() <= 2.0 * h && w.dot(&here.way) * sense >= -shortest);
-                    if let Some(edge) = edge.filter(|e| reached && small(&here, e, sense, tolerance_m, shortest)) {
+                    let reached = way.is_some_and(|w| {
+                        w.norm() <= 2.0 * h && w.dot(&here.way) * sense >= -shortest
+                    });
+                    if let Some(edge) =
+                        edge.filter(|e| reached && small(&here, e, sense, tolerance_m, shortest))
+                    {
                         if (edge.point - here.point).norm() > shortest {
                             places.push(edge);
                         }
@@ -87,34 +96,50 @@ fn small(here: &Place, next: &Place, sense: f64, tolerance_m: f64, shortest: f64
         || miss(here, next, sense).is_some_and(|missed_m| missed_m <= 0.5 * tolerance_m)
 }
 
-/// By how much the chord between two places misses the curve, m; none when the second is no place to go to.
+/// By how much the chord between two places misses the curve, m; none when the second is no place
+/// to go to.
 fn miss(here: &Place, next: &Place, sense: f64) -> Option<f64> {
     let chord = next.point - here.point;
     let length = chord.norm();
     let unit = chord.try_normalize(0.0)? * sense;
-    // Sines serve as angles; both ends also turn against the chord, by half as much where the curve is an arc.
+    // Sines serve as angles; both ends also turn against the chord, by half as much where the curve
+    // is an arc.
     let turn = here.way.cross(&next.way).norm();
-    let ends = unit.cross(&here.way).norm().max(unit.cross(&next.way).norm());
+    let ends = unit
+        .cross(&here.way)
+        .norm()
+        .max(unit.cross(&next.way).norm());
     let forward = here.way.dot(&next.way) > 0.0 && here.way.dot(&unit) > 0.0;
     let turn = turn.max(2.0 * ends);
     (forward && turn <= MOST_TURN).then_some(length * turn / 8.0)
 }
 
 /// The step to `next` passes the first place again: how many of the last places are to go.
-fn closes(joined: &mut Joined<'_>, places: &[Place], next: &Place, sense: f64, tolerance_m: f64) -> Option<usize> {
+fn closes(
+    joined: &mut Joined<'_>,
+    places: &[Place],
+    next: &Place,
+    sense: f64,
+    tolerance_m: f64,
+) -> Option<usize> {
     let (start, here) = (&places[0], &places[places.len() - 1]);
     if places.len() < 3 {
         return None;
     }
-    let (from, to) =
-        ((start.point - here.point).dot(&here.way) * sense, (next.point - start.point).dot(&next.way) * sense);
+    let (from, to) = (
+        (start.point - here.point).dot(&here.way) * sense,
+        (next.point - start.point).dot(&next.way) * sense,
+    );
     let chord = next.point - here.point;
     let same = 1e-8 * joined.size_m;
     if from < -same || to < -same || start.way.dot(&here.way) < 0.5 {
         return None;
     }
-    let away = (start.point - here.point) - chord * ((start.point - here.point).dot(&chord) / chord.norm_squared());
-    if away.norm() > 2.0 * tolerance_m + same || (start.point - here.point).norm() > 1.5 * chord.norm() + same {
+    let away = (start.point - here.point)
+        - chord * ((start.point - here.point).dot(&chord) / chord.norm_squared());
+    if away.norm() > 2.0 * tolerance_m + same
+        || (start.point - here.point).norm() > 1.5 * chord.norm() + same
+    {
         return None;
     }
     let there = joined.correct(here.at, &start.point, &start.way).ok()?;
@@ -123,7 +148,13 @@ fn closes(joined: &mut Joined<'_>, places: &[Place], next: &Place, sense: f64, t
 }
 
 /// A step that turns too far because a crease lies in it: the place on the crease.
-fn crease(joined: &mut Joined<'_>, here: &Place, next: &Place, sense: f64, tolerance_m: f64) -> Option<Place> {
+fn crease(
+    joined: &mut Joined<'_>,
+    here: &Place,
+    next: &Place,
+    sense: f64,
+    tolerance_m: f64,
+) -> Option<Place> {
     let shortest = SHORTEST * joined.size_m;
     for side in 0..2 {
         for d in 0..2 {
@@ -142,12 +173,32 @@ fn crease(joined: &mut Joined<'_>, here: &Place, next: &Place, sense: f64, toler
                     continue;
                 }
                 // Around a seam: on this side of it.
-                let value = if around { if x > 0.5 * (start + end) { end } else { start } } else { wall };
-                let Some(at) = joined.pierce(side, d, value, here.at) else { continue };
-                let Some(there) = joined.place(at) else { continue };
-                if straight(&here.point, &here.way, &there.point, sense, tolerance_m, shortest)
-                    && straight(&next.point, &next.way, &there.point, -sense, tolerance_m, shortest)
-                {
+                let value = if around {
+                    if x > 0.5 * (start + end) { end } else { start }
+                } else {
+                    wall
+                };
+                let Some(at) = joined.pierce(side, d, value, here.at) else {
+                    continue;
+                };
+                let Some(there) = joined.place(at) else {
+                    continue;
+                };
+                if straight(
+                    &here.point,
+                    &here.way,
+                    &there.point,
+                    sense,
+                    tolerance_m,
+                    shortest,
+                ) && straight(
+                    &next.point,
+                    &next.way,
+                    &there.point,
+                    -sense,
+                    tolerance_m,
+                    shortest,
+                ) {
                     return Some(there);
                 }
             }
@@ -156,7 +207,8 @@ fn crease(joined: &mut Joined<'_>, here: &Place, next: &Place, sense: f64, toler
     None
 }
 
-/// The way from a place to a crease is as straight as chords are to be; its own direction there is of either side.
+/// The way from a place to a crease is as straight as chords are to be; its own direction there is
+/// of either side.
 fn straight(
     from: &Point3,
     way: &crate::math::Vector3,

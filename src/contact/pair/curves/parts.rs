@@ -17,15 +17,26 @@ pub(super) struct Part {
 
 /// Points in space.
 pub(super) fn projected(points: &[[f64; 4]]) -> Vec<[f64; 3]> {
-    points.iter().map(|x| [x[0] / x[3], x[1] / x[3], x[2] / x[3]]).collect()
+    points
+        .iter()
+        .map(|x| [x[0] / x[3], x[1] / x[3], x[2] / x[3]])
+        .collect()
 }
 
 pub(super) fn boxed(points: &[[f64; 3]]) -> Block {
     let mut block = Block::EMPTY;
     for x in points {
         for c in 0..3 {
-            block.low[c] = if x[c] < block.low[c] { x[c] } else { block.low[c] };
-            block.high[c] = if x[c] > block.high[c] { x[c] } else { block.high[c] };
+            block.low[c] = if x[c] < block.low[c] {
+                x[c]
+            } else {
+                block.low[c]
+            };
+            block.high[c] = if x[c] > block.high[c] {
+                x[c]
+            } else {
+                block.high[c]
+            };
         }
     }
     block
@@ -66,13 +77,17 @@ pub(super) fn passes_once(curve: &[[f64; 3]], cone: &Cone) -> bool {
 pub(super) fn halves(part: Part, [p, q]: [usize; 2]) -> [Part; 2] {
     let depth = part.depth + 1;
     let length = |a: &[f64; 4], b: &[f64; 4]| {
-        (0..3).map(|c| (b[c] / b[3] - a[c] / a[3]) * (b[c] / b[3] - a[c] / a[3])).sum::<f64>()
+        (0..3)
+            .map(|c| (b[c] / b[3] - a[c] / a[3]) * (b[c] / b[3] - a[c] / a[3]))
+            .sum::<f64>()
     };
     let n = q + 1;
     let curve = length(&part.curve[0], &part.curve[part.curve.len() - 1]);
     let last = p * n;
-    let u = length(&part.sheet[0], &part.sheet[last]).max(length(&part.sheet[q], &part.sheet[last + q]));
-    let v = length(&part.sheet[0], &part.sheet[q]).max(length(&part.sheet[last], &part.sheet[last + q]));
+    let u = length(&part.sheet[0], &part.sheet[last])
+        .max(length(&part.sheet[q], &part.sheet[last + q]));
+    let v = length(&part.sheet[0], &part.sheet[q])
+        .max(length(&part.sheet[last], &part.sheet[last + q]));
     let halved = |[low, high]: [f64; 2]| [[low, 0.5 * (low + high)], [0.5 * (low + high), high]];
     if curve >= u && curve >= v {
         let (mut a, mut b) = (part.curve.clone(), part.curve);
@@ -80,8 +95,20 @@ pub(super) fn halves(part: Part, [p, q]: [usize; 2]) -> [Part; 2] {
         split(&mut a, &mut b, 0, 1, count);
         let [ra, rb] = halved(part.range);
         return [
-            Part { curve: a, range: ra, sheet: part.sheet.clone(), rectangle: part.rectangle, depth },
-            Part { curve: b, range: rb, sheet: part.sheet, rectangle: part.rectangle, depth },
+            Part {
+                curve: a,
+                range: ra,
+                sheet: part.sheet.clone(),
+                rectangle: part.rectangle,
+                depth,
+            },
+            Part {
+                curve: b,
+                range: rb,
+                sheet: part.sheet,
+                rectangle: part.rectangle,
+                depth,
+            },
         ];
     }
     let d = usize::from(v > u);
@@ -95,13 +122,25 @@ pub(super) fn halves(part: Part, [p, q]: [usize; 2]) -> [Part; 2] {
     let (mut low, mut high) = (part.rectangle, part.rectangle);
     (low[d], high[d]) = (ra, rb);
     [
-        Part { curve: part.curve.clone(), range: part.range, sheet: a, rectangle: low, depth },
-        Part { curve: part.curve, range: part.range, sheet: b, rectangle: high, depth },
+        Part {
+            curve: part.curve.clone(),
+            range: part.range,
+            sheet: a,
+            rectangle: low,
+            depth,
+        },
+        Part {
+            curve: part.curve,
+            range: part.range,
+            sheet: b,
+            rectangle: high,
+            depth,
+        },
     ]
 }
 
-/// De Casteljau at one half, for `count` points from `first` on, `stride` apart: `a` becomes the lower half, and `b`, whose
-/// last point of each round stays where it was, the upper.
+/// De Casteljau at one half, for `count` points from `first` on, `stride` apart: `a` becomes the
+/// lower half, and `b`, whose last point of each round stays where it was, the upper.
 fn split(a: &mut [[f64; 4]], b: &mut [[f64; 4]], first: usize, stride: usize, count: usize) {
     let at = |k: usize| first + k * stride;
     for r in 1..count {

@@ -1,7 +1,8 @@
 //! Places to start from, at least one on every curve.
 //!
-//! A line of cells and a cell are halved until the line's tangents all pass through the cell's tangent planes to one side:
-//! then it pierces the cell once at most, and Newton's method finds where.
+//! A line of cells and a cell are halved until the line's tangents all pass through the cell's
+//! tangent planes to one side: then it pierces the cell once at most, and Newton's method finds
+//! where.
 
 use super::super::cells::Cells;
 use super::super::cone::Cone;
@@ -12,7 +13,8 @@ use crate::math::Vector3;
 
 /// Pairs of cells that may cross.
 const MOST_PAIRS: usize = 1 << 14;
-/// Parts of one line against one cell looked at, first and when all lines have had their turn; and of all lines.
+/// Parts of one line against one cell looked at, first and when all lines have had their turn; and
+/// of all lines.
 const FIRST_PARTS: usize = 40;
 const MOST_PARTS: usize = 400;
 const ALL_PARTS: usize = 6_000;
@@ -21,7 +23,8 @@ const TRUSTED: u32 = 9;
 const DEEPEST: u32 = 21;
 /// Stationary pairs that loops are looked for around.
 const MOST_STATIONARY: usize = 48;
-/// Halvings of the distance that lines from a stationary pair are followed to: a loop may be a millionth of a cell.
+/// Halvings of the distance that lines from a stationary pair are followed to: a loop may be a
+/// millionth of a cell.
 const RAY_STEPS: i32 = 20;
 
 /// A place on a curve.
@@ -68,8 +71,12 @@ pub(super) fn seeds(joined: &mut Joined<'_>) -> Vec<Seed> {
     let points = [0, 1].map(|side| {
         let cells = joined.cells[side];
         let [p, q] = cells.degrees();
-        let mut points =
-            Points { first: vec![0; cells.cell_count()], all: vec![], flat: vec![], size: (p + 1) * (q + 1) };
+        let mut points = Points {
+            first: vec![0; cells.cell_count()],
+            all: vec![],
+            flat: vec![],
+            size: (p + 1) * (q + 1),
+        };
         for cell in 0..cells.cell_count() {
             if cells.touched[cell] {
                 points.first[cell] = points.all.len();
@@ -109,7 +116,12 @@ fn near(joined: &Joined<'_>, points: &[Points; 2]) -> Vec<(usize, usize)> {
 }
 
 /// Where lines of cells pierce cells of the other surface.
-fn pierced(joined: &mut Joined<'_>, points: &[Points; 2], pairs: &[(usize, usize)], found: &mut Vec<Seed>) {
+fn pierced(
+    joined: &mut Joined<'_>,
+    points: &[Points; 2],
+    pairs: &[(usize, usize)],
+    found: &mut Vec<Seed>,
+) {
     let mut left = ALL_PARTS;
     let mut again = vec![];
     for &(x, y) in pairs {
@@ -122,11 +134,19 @@ fn pierced(joined: &mut Joined<'_>, points: &[Points; 2], pairs: &[(usize, usize
                 for high in [false, true] {
                     // The upper line of a cell is the lower one of the next.
                     let end = if high { last && !cells.wraps[d] } else { true };
-                    let pole = if high { cells.poles[d][1] } else { place[d] == 0 && cells.poles[d][0] };
+                    let pole = if high {
+                        cells.poles[d][1]
+                    } else {
+                        place[d] == 0 && cells.poles[d][0]
+                    };
                     if !end || pole {
                         continue;
                     }
-                    let line = Line { side, d, value: cells.lines[d][place[d] + usize::from(high)] };
+                    let line = Line {
+                        side,
+                        d,
+                        value: cells.lines[d][place[d] + usize::from(high)],
+                    };
                     let start = whole(
                         cells,
                         points[side].of(own),
@@ -169,7 +189,9 @@ fn whole(
         let row = if high { p * (q + 1) } else { 0 };
         points[row..=row + q].to_vec()
     } else {
-        (0..=p).map(|k| points[k * (q + 1) + if high { q } else { 0 }]).collect()
+        (0..=p)
+            .map(|k| points[k * (q + 1) + if high { q } else { 0 }])
+            .collect()
     };
     let along = &cells.lines[1 - d];
     let (middle, wide) = others.middle(other);
@@ -219,7 +241,8 @@ fn halve(
                 found.push(seed(joined, at));
             }
             // Proved to be the only one here; or it is another part's.
-            if inside || (proved && !holds(joined, line, &part, &at, 0.5)) || part.depth >= TRUSTED {
+            if inside || (proved && !holds(joined, line, &part, &at, 0.5)) || part.depth >= TRUSTED
+            {
                 continue;
             }
         }
@@ -253,31 +276,52 @@ fn holds(joined: &Joined<'_>, line: Line, part: &Part, at: &[f64; 4], share: f64
         }
         off <= (0.5 + share) * (high - low) + 1e-12 * period
     };
-    within(line.side, 1 - line.d, part.range) && (0..2).all(|c| within(1 - line.side, c, part.rectangle[c]))
+    within(line.side, 1 - line.d, part.range)
+        && (0..2).all(|c| within(1 - line.side, c, part.rectangle[c]))
 }
 
 fn seed(joined: &Joined<'_>, at: [f64; 4]) -> Seed {
-    let any = |test: fn(&Cells, f64, f64) -> bool| (0..2).any(|k| test(joined.cells[k], at[2 * k], at[2 * k + 1]));
-    Seed { at, edge: any(Cells::on_open_edge), wall: any(Cells::wall) }
+    let any = |test: fn(&Cells, f64, f64) -> bool| {
+        (0..2).any(|k| test(joined.cells[k], at[2 * k], at[2 * k + 1]))
+    };
+    Seed {
+        at,
+        edge: any(Cells::on_open_edge),
+        wall: any(Cells::wall),
+    }
 }
 
-/// Crossings on lines away from stationary pairs of places: every loop inside a pair of cells goes around one.
+/// Crossings on lines away from stationary pairs of places: every loop inside a pair of cells goes
+/// around one.
 fn rays(joined: &mut Joined<'_>, pairs: &[(usize, usize)], found: &mut Vec<Seed>) {
     let mut stationary: Vec<([f64; 4], usize)> = vec![];
     for &(x, y) in pairs {
         let (a, b) = (joined.cells[0], joined.cells[1]);
         let (ca, cb) = (*a.cone_of(x), *b.cone_of(y));
-        let turned = Cone { axis: -cb.axis, ..cb };
+        let turned = Cone {
+            axis: -cb.axis,
+            ..cb
+        };
         if !(ca.may_face(&cb) || ca.may_face(&turned)) {
             continue;
         }
         let ((am, aw), (bm, bw)) = (a.middle(x), b.middle(y));
         let [first, second] = &mut joined.solvers;
-        let mut half_a = Half { surface: joined.surfaces[0], solver: first };
-        let mut half_b = Half { surface: joined.surfaces[1], solver: second };
-        let Some(pair) = face(&mut half_a, &mut half_b, [am, bm], [aw, bw]) else { continue };
+        let mut half_a = Half {
+            surface: joined.surfaces[0],
+            solver: first,
+        };
+        let mut half_b = Half {
+            surface: joined.surfaces[1],
+            solver: second,
+        };
+        let Some(pair) = face(&mut half_a, &mut half_b, [am, bm], [aw, bw]) else {
+            continue;
+        };
         let wide = [aw[0], aw[1], bw[0], bw[1]];
-        let same = |(other, _): &([f64; 4], usize)| (0..4).all(|k| (other[k] - pair.at[k]).abs() < 1e-6 * wide[k]);
+        let same = |(other, _): &([f64; 4], usize)| {
+            (0..4).all(|k| (other[k] - pair.at[k]).abs() < 1e-6 * wide[k])
+        };
         if stationary.len() < MOST_STATIONARY && !stationary.iter().any(same) {
             stationary.push((pair.at, x));
         }
@@ -295,7 +339,8 @@ fn rays(joined: &mut Joined<'_>, pairs: &[(usize, usize)], found: &mut Vec<Seed>
     }
 }
 
-/// Follows parameter `d` of the first surface from a stationary pair until it passes the second surface.
+/// Follows parameter `d` of the first surface from a stationary pair until it passes the second
+/// surface.
 fn ray(joined: &mut Joined<'_>, from: [f64; 4], d: usize, sense: f64, found: &mut Vec<Seed>) {
     let cells = joined.cells[0];
     let (_, wide) = cells.middle(cells.cell_at(from[0], from[1]));
@@ -308,14 +353,24 @@ fn ray(joined: &mut Joined<'_>, from: [f64; 4], d: usize, sense: f64, found: &mu
         if at[1 - d] != from[1 - d] || (r > 0.0 && at[d] == from[d]) {
             return None;
         }
-        let point = joined.solvers[0].frame_at(joined.surfaces[0], at[0], at[1]).point;
-        let near = joined.solvers[1].near_from(joined.surfaces[1], &point, foot[0], foot[1]).at;
+        let point = joined.solvers[0]
+            .frame_at(joined.surfaces[0], at[0], at[1])
+            .point;
+        let near = joined.solvers[1]
+            .near_from(joined.surfaces[1], &point, foot[0], foot[1])
+            .at;
         *foot = [near.u, near.v];
         (!joined.cells[1].on_open_edge(near.u, near.v)).then_some((at, near.signed_distance))
     };
     for k in 0..=RAY_STEPS {
-        let r = if k == 0 { 0.0 } else { 1.5 * wide[d] * 0.5_f64.powi(RAY_STEPS - k) };
-        let Some((_, value)) = sound(joined, r, &mut foot) else { return };
+        let r = if k == 0 {
+            0.0
+        } else {
+            1.5 * wide[d] * 0.5_f64.powi(RAY_STEPS - k)
+        };
+        let Some((_, value)) = sound(joined, r, &mut foot) else {
+            return;
+        };
         // A place that touches has no side.
         if value.abs() <= 1e-13 * joined.size_m {
             continue;
@@ -327,7 +382,9 @@ fn ray(joined: &mut Joined<'_>, from: [f64; 4], d: usize, sense: f64, found: &mu
             let mut middle = from;
             for _ in 0..8 {
                 let m = 0.5 * (low + high);
-                let Some((at, x)) = sound(joined, m, &mut foot) else { return };
+                let Some((at, x)) = sound(joined, m, &mut foot) else {
+                    return;
+                };
                 (middle[0], middle[1], middle[2], middle[3]) = (at[0], at[1], foot[0], foot[1]);
                 if (x > 0.0) == (side > 0.0) {
                     low = m;
