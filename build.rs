@@ -1,56 +1,13 @@
-//! Tells the program what it is built from, and links the C and C++ libraries that `palpate bench
-//! surface` can run beside ours, if their features are on.
+//! Records what the program is built from: a recording names the sources that decide its bits, the
+//! target and the compiler.
 
 use std::path::{Path, PathBuf};
 
-fn main() {
-    identity();
-    println!("cargo::rerun-if-changed=src/bench/peers/occt.cpp");
-    if std::env::var_os("CARGO_FEATURE_BENCH_SISL").is_some() {
-        println!("cargo::rustc-link-lib=static=sisl");
-        println!("cargo::rustc-link-search=native=/usr/lib");
-    }
-    #[cfg(feature = "bench-occt")]
-    {
-        cc::Build::new()
-            .cpp(true)
-            .std("c++17")
-            .include("/usr/include/opencascade")
-            .flag_if_supported("-Wno-deprecated-declarations")
-            .file("src/bench/peers/occt.cpp")
-            .compile("palpate_occt");
-        for library in [
-            "TKShHealing",
-            "TKTopAlgo",
-            "TKBRep",
-            "TKGeomAlgo",
-            "TKGeomBase",
-            "TKG3d",
-            "TKG2d",
-            "TKMath",
-            "TKernel",
-        ] {
-            println!("cargo::rustc-link-lib={library}");
-        }
-    }
-}
+/// What a tick runs through: a change anywhere else cannot change its bits.
+const DECIDING: [&str; 3] = ["crates/geometry/src", "crates/sim/src", "proto/src"];
 
-/// A recording says which sources, target and compiler made it.
-fn identity() {
-    let mut files = vec![PathBuf::from("Cargo.toml"), PathBuf::from("Cargo.lock")];
-    collect(Path::new("src"), &mut files);
-    files.sort();
-    // FNV-1a, 64 bits: names a state of the sources, guards nothing.
-    let mut hash = 0xcbf2_9ce4_8422_2325_u64;
-    for file in &files {
-        let text = std::fs::read(file).unwrap_or_default();
-        for byte in file.to_string_lossy().bytes().chain(text) {
-            hash = (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3);
-        }
-        println!("cargo::rerun-if-changed={}", file.display());
-    }
-    println!("cargo::rerun-if-changed=src");
-    println!("cargo::rustc-env=PALPATE_SOURCE={hash:016x}");
+fn main() {
+    println!("cargo::rustc-env=PALPATE_SOURCE={:016x}", source_hash());
     println!(
         "cargo::rustc-env=PALPATE_TARGET={}",
         std::env::var("TARGET").unwrap_or_default()
@@ -59,20 +16,52 @@ fn identity() {
     let version = std::process::Command::new(rustc)
         .arg("--version")
         .output()
-        .ok();
-    let version = version
         .map(|output| String::from_utf8_lossy(&output.stdout).trim().to_owned())
         .unwrap_or_default();
     println!("cargo::rustc-env=PALPATE_RUSTC={version}");
 }
 
+/// FNV-1a (64 bits) over the version, the locked dependencies and the deciding sources without
+/// their comments and tests. It names a state of the sources and guards nothing. A packaged crate
+/// has no sources of the others beside it; there the version says what they are.
+fn source_hash() -> u64 {
+    let mut files = vec![PathBuf::from("Cargo.lock")];
+    for directory in DECIDING {
+        println!("cargo::rerun-if-changed={directory}");
+        collect(Path::new(directory), &mut files);
+    }
+    println!("cargo::rerun-if-changed=Cargo.lock");
+    files.sort();
+    let mut hash = 0xcbf2_9ce4_8422_2325_u64;
+    let mut add = |text: &str| {
+        for byte in text.bytes() {
+            hash = (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3);
+        }
+    };
+    add(&std::env::var("CARGO_PKG_VERSION").unwrap_or_default());
+    for file in &files {
+        let text = std::fs::read_to_string(file).unwrap_or_default();
+        add(&file.to_string_lossy());
+        for line in text.lines().map(str::trim) {
+            if !line.is_empty() && !line.starts_with("//") {
+                add(line);
+            }
+        }
+    }
+    hash
+}
+
 fn collect(directory: &Path, files: &mut Vec<PathBuf>) {
     for entry in std::fs::read_dir(directory).into_iter().flatten().flatten() {
         let path = entry.path();
+        let name = entry.file_name();
+        let name = name.to_string_lossy();
         if path.is_dir() {
-            collect(&path, files)
-        } else {
-            files.push(path)
+            if name != "tests" {
+                collect(&path, files);
+            }
+        } else if name.ends_with(".rs") && !name.ends_with("tests.rs") {
+            files.push(path);
         }
     }
 }

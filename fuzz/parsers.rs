@@ -5,11 +5,11 @@
 //! A reader may refuse, in a typed error; it may not panic, hang, or take memory that the length of
 //! its input does not justify. What it accepts must be written and read again.
 
-use palpate::basis::KnotVector;
-use palpate::exchange::{Format, Pick, read_points, read_surface, write_surface};
-use palpate::scene;
-use palpate::surface::builtin;
-use palpate::surface::file::{self, Unit};
+use palpate_geometry::basis::KnotVector;
+use palpate_geometry::exchange::{Format, Pick, read_points, read_surface, write_surface};
+use palpate_geometry::surface::builtin;
+use palpate_geometry::surface::file::{self, Unit};
+use palpate_sim::scene;
 use std::path::Path;
 
 /// A target: its name, what it does, and what it starts from.
@@ -51,7 +51,6 @@ pub const TARGETS: &[Target] = &[
         run: knots,
         seeds: knot_seeds,
     },
-    #[cfg(feature = "daemon")]
     Target {
         name: "session",
         run: session,
@@ -146,7 +145,6 @@ pub fn knots(bytes: &[u8]) {
 }
 
 /// A recording.
-#[cfg(feature = "daemon")]
 pub fn session(bytes: &[u8]) {
     if let Ok(session) = palpate::recording::Session::parse(Path::new("session.mcap"), bytes) {
         let _ = palpate::recording::info(&session);
@@ -212,7 +210,6 @@ fn knot_seeds() -> Vec<Vec<u8>> {
     ]
 }
 
-#[cfg(feature = "daemon")]
 fn session_seeds() -> Vec<Vec<u8>> {
     vec![include_bytes!("../recordings/golden/rigid-teardrop-press.mcap").to_vec()]
 }

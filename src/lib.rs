@@ -1,33 +1,19 @@
-//! Palpate: touch on deforming B-spline surfaces at 1 kHz.
+//! The Palpate server: the simulation of [`palpate_sim`] driven at a fixed rate, over Zenoh, with
+//! recordings that replay bit for bit.
 //!
-//! Layers, in reading order; each imports only those before it: [`math`] → [`basis`] → [`surface`]
-//! → [`contact`] → [`body`] | [`haptics`] → [`scene`] → [`tick`] → wire → transport | recording →
-//! editing → viewer, bench, cli. Those from wire on come with the `daemon` feature. [`exchange`]
-//! hangs off [`surface`], [`modeling`] off [`contact`]: above them only editing, bench and cli use
-//! them.
+//! ```text
+//! drive ──▶ wire ──▶ transport | recording ──▶ editing, viewer ──▶ cli
+//! ```
+//! Transport and recording do not know each other; they meet in [`drive::archive`] and
+//! [`drive::playback`]. `docs/ARCHITECTURE.md` shows how a tick passes through all of it.
 
-pub mod basis;
-#[cfg(any(feature = "daemon", feature = "bench-peers"))]
-pub mod bench;
-pub mod body;
-pub mod contact;
-pub mod exchange;
-pub mod haptics;
-pub mod math;
-pub mod modeling;
-pub mod scene;
-pub mod surface;
-pub mod tick;
-
-#[cfg(feature = "daemon")]
+/// Pictures of curves as SVG, for `export --svg` and the benches; not part of the library.
+#[doc(hidden)]
+pub mod chart;
 pub mod cli;
-#[cfg(feature = "daemon")]
+pub mod drive;
 pub mod editing;
-#[cfg(feature = "daemon")]
 pub mod recording;
-#[cfg(feature = "daemon")]
 pub mod transport;
-#[cfg(feature = "daemon")]
 pub mod viewer;
-#[cfg(feature = "daemon")]
 pub mod wire;

@@ -1,10 +1,10 @@
 //! `palpate check`: read, build, dry-run.
 
 use super::Outcome;
-use crate::scene::Scene;
-use crate::scene::file;
-use crate::tick::record::TickInput;
-use crate::tick::step;
+use palpate_sim::scene::Scene;
+use palpate_sim::scene::file;
+use palpate_sim::tick::record::TickInput;
+use palpate_sim::tick::step;
 use std::path::PathBuf;
 
 #[derive(clap::Args, Debug)]

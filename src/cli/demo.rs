@@ -3,9 +3,9 @@
 use super::Outcome;
 use super::serve::{Common, outcome, serve, summary};
 use crate::recording::{Session, default_path, info};
-use crate::scene::file;
 use anyhow::Context as _;
 use palpate_client::device::run::RunReport;
+use palpate_sim::scene::file;
 use std::net::TcpListener;
 use std::path::Path;
 use std::process::{Child, Stdio};

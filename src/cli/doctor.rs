@@ -1,8 +1,8 @@
 //! `palpate doctor`: what this machine allows, and what rate it can hold.
 
 use super::{Outcome, text};
-use crate::scene::file;
 use anyhow::Context as _;
+use palpate_sim::scene::file;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
@@ -70,7 +70,7 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     // A thread of its own: what it is granted ends with it.
     let measured = std::thread::spawn(move || {
         let plain = rate::lateness_ns(timer_ticks);
-        let privileges = crate::tick::pacer::ask_privileges();
+        let privileges = crate::drive::pacer::ask_privileges();
         let asked = rate::lateness_ns(timer_ticks);
         let scenes: Vec<_> = scenes
             .into_iter()

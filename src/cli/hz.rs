@@ -2,7 +2,7 @@
 
 use super::connection::Connection;
 use super::{Outcome, text};
-use crate::tick::stats::Histogram;
+use crate::drive::stats::Histogram;
 use palpate_client::Seen;
 use serde::Serialize;
 use std::collections::BTreeMap;

@@ -3,7 +3,6 @@
 //! Exit codes: 0 all well, 1 a difference was found, 2 usage or configuration, 3 a run-time fault
 //! or an incomplete recording.
 
-mod bench;
 mod check;
 mod connection;
 mod demo;
@@ -71,8 +70,6 @@ enum Commands {
     Ls(ls::Args),
     /// How often messages come: rate, period, bandwidth, losses.
     Hz(hz::Args),
-    /// Our methods and other libraries timed on the same inputs, each with its error.
-    Bench(bench::Args),
     /// Surfaces in files: look at them, evaluate, project points, convert, tessellate, fit.
     Surface(surface::Args),
     /// What this machine allows: scheduling, timers, ports, and the rate at which it can run a
@@ -96,7 +93,7 @@ pub(crate) enum Outcome {
 }
 
 /// Whoever reads our output may have seen enough: `palpate info FILE | head` is no fault.
-fn end_when_nobody_reads() {
+pub fn end_when_nobody_reads() {
     let usual = std::panic::take_hook();
     std::panic::set_hook(Box::new(move |panic| {
         let words = panic.payload().downcast_ref::<String>();
@@ -144,7 +141,6 @@ pub fn main() -> ExitCode {
         Commands::Ls(args) => ls::run(&args),
         Commands::Hz(args) => hz::run(&args),
         Commands::Man(args) => man::run(&args, Cli::command()),
-        Commands::Bench(args) => bench::run(&args),
         Commands::Surface(args) => surface::run(&args),
         Commands::Doctor(args) => doctor::run(&args),
         Commands::Completions { shell } => {

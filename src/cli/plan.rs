@@ -1,11 +1,11 @@
 //! `palpate plan`: what a scene compiles to, with predicted and measured cost.
 
 use super::Outcome;
-use crate::haptics::DevicePose;
-use crate::math::{Point3, Rotation, Vector3};
-use crate::scene::{Scene, file};
-use crate::tick::record::TickInput;
-use crate::tick::{deform, render};
+use palpate_geometry::math::{Point3, Rotation, Vector3};
+use palpate_sim::haptics::DevicePose;
+use palpate_sim::scene::{Scene, file};
+use palpate_sim::tick::record::TickInput;
+use palpate_sim::tick::{deform, render};
 use std::path::PathBuf;
 use std::time::Instant;
 

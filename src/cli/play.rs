@@ -2,9 +2,9 @@
 
 use super::Outcome;
 use super::keys::{Key, Keys};
+use crate::drive::playback::{PlayRequest, playback};
+use crate::drive::ports::ports;
 use crate::recording::{PlayReport, PlaySettings, Player, Session, played_scene};
-use crate::tick::playback::{PlayRequest, playback};
-use crate::tick::ports::ports;
 use crate::transport::{Bus, BusSettings, DEFAULT_ENDPOINT, SessionSettings, ViewSink, open};
 use crate::viewer::Viewer;
 use sha2::Digest as _;

@@ -1,15 +1,15 @@
 //! `palpate probe`: quasi-static contacts and forces at given poses.
 
 use super::Outcome;
-use crate::contact::rows::Holder;
-use crate::contact::spheres::{Counters, LevelCounters};
-use crate::haptics::DevicePose;
-use crate::math::{Point3, Rotation, Vector3};
-use crate::scene::spec::MAX_TOOLS;
-use crate::scene::{Scene, file};
-use crate::tick::record::{ContactReport, TickInput, TickOutput};
-use crate::tick::{apply, record::Command, step};
 use anyhow::Context as _;
+use palpate_geometry::contact::spheres::{Counters, LevelCounters};
+use palpate_geometry::math::{Point3, Rotation, Vector3};
+use palpate_sim::haptics::DevicePose;
+use palpate_sim::scene::spec::MAX_TOOLS;
+use palpate_sim::scene::{Scene, file};
+use palpate_sim::solve::rows::Holder;
+use palpate_sim::tick::record::{ContactReport, TickInput, TickOutput};
+use palpate_sim::tick::{apply, record::Command, step};
 use serde::Serialize;
 use std::path::PathBuf;
 

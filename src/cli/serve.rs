@@ -1,19 +1,19 @@
 //! `palpate serve`: one scene, until it is told to stop.
 
 use super::{Outcome, text};
+use crate::drive::driver::{self, DriverReport, DriverSettings};
+use crate::drive::editor::Editor;
+use crate::drive::journal::Journal;
+use crate::drive::ports::ports;
 use crate::editing::SceneEditor;
 use crate::recording::{
     Recorder, RecorderSettings, RecordingReport, SelfCheck, SelfCheckReport, Split, default_path,
     stage_infos, write_stages,
 };
-use crate::scene::spec::{Clock, SceneSpec};
-use crate::scene::{Scene, file, inline_files};
-use crate::tick::driver::{self, DriverReport, DriverSettings};
-use crate::tick::editor::Editor;
-use crate::tick::journal::Journal;
-use crate::tick::ports::ports;
 use crate::transport::{Bus, BusSettings, DEFAULT_ENDPOINT, SessionSettings, ViewSink, open};
 use crate::viewer::Viewer;
+use palpate_sim::scene::spec::{Clock, SceneSpec};
+use palpate_sim::scene::{Scene, file, inline_files};
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::Arc;

@@ -10,9 +10,9 @@ mod pipe;
 mod query;
 
 use super::Outcome;
-use crate::exchange::{Imported, LengthUnit, Pick, read_surface_file};
-use crate::surface::{Surface, builtin};
 use anyhow::Context as _;
+use palpate_geometry::exchange::{Imported, LengthUnit, Pick, read_surface_file};
+use palpate_geometry::surface::{Surface, builtin};
 use std::path::{Path, PathBuf};
 
 #[derive(clap::Args, Debug)]

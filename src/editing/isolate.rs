@@ -1,10 +1,10 @@
 //! Overlapping bodies moved apart.
 
 use super::Edited;
-use crate::math::Vector3;
-use crate::modeling::isolate::{IsolateSpec, Method, isolate_all};
-use crate::scene::{Scene, SceneChange};
-use crate::surface::Surface;
+use palpate_geometry::math::Vector3;
+use palpate_geometry::surface::Surface;
+use palpate_modeling::isolate::{IsolateSpec, Method, isolate_all};
+use palpate_sim::scene::{Scene, SceneChange};
 use serde_json::json;
 
 /// As a client asked.

@@ -1,9 +1,9 @@
 //! One body in the place of several.
 
 use super::Edited;
-use crate::modeling::merge::{self, Arrangement, MergeSpec, Method};
-use crate::scene::{Scene, SceneChange};
-use crate::surface::Surface;
+use palpate_geometry::surface::Surface;
+use palpate_modeling::merge::{self, Arrangement, MergeSpec, Method};
+use palpate_sim::scene::{Scene, SceneChange};
 use serde_json::json;
 
 /// As a client asked.

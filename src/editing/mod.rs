@@ -9,12 +9,12 @@
 mod isolate;
 mod merge;
 
-use crate::math::Point3;
+use crate::drive::editor::{Edit, EditNews, EditRequest, Editor};
+use crate::drive::swap::Swap;
 use crate::recording::SceneChanges;
-use crate::scene::{Scene, SceneChange};
-use crate::surface::Surface;
-use crate::tick::editor::{Edit, EditNews, EditRequest, Editor};
-use crate::tick::swap::Swap;
+use palpate_geometry::math::Point3;
+use palpate_geometry::surface::Surface;
+use palpate_sim::scene::{Scene, SceneChange};
 use sha2::Digest as _;
 use std::path::Path;
 use std::sync::Arc;

@@ -1,12 +1,14 @@
 //! Tick records to Protobuf and back, bit for bit.
 
-use crate::contact::rows::Holder;
-use crate::haptics::{DeviceBounds, DevicePose};
-use crate::math::{Point3, Rotation, Vector3};
-use crate::scene::quality;
-use crate::scene::spec::MAX_TOOLS;
-use crate::tick::record::{Command, ContactReport, STAGE_COUNT, TickFault, TickRecord, ToolOutput};
+use palpate_geometry::math::{Point3, Rotation, Vector3};
 use palpate_proto::recording as pb;
+use palpate_sim::haptics::{DeviceBounds, DevicePose};
+use palpate_sim::scene::quality;
+use palpate_sim::scene::spec::MAX_TOOLS;
+use palpate_sim::solve::rows::Holder;
+use palpate_sim::tick::record::{
+    Command, ContactReport, STAGE_COUNT, TickFault, TickRecord, ToolOutput,
+};
 
 /// A message that does not hold what its type promises.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]

@@ -3,8 +3,8 @@
 use super::message::{BodyHead, wall_ns};
 use super::{FORMAT_VERSION, build_id};
 use crate::recording::WriteError;
-use crate::scene::Scene;
-use crate::scene::spec::{Clock, SceneSpec};
+use palpate_sim::scene::Scene;
+use palpate_sim::scene::spec::{Clock, SceneSpec};
 use std::collections::BTreeMap;
 
 /// Head of a session.
@@ -49,7 +49,10 @@ impl Head {
             .iter()
             .map(|(key, value)| ((*key).to_owned(), (*value).to_owned()))
             .collect();
-        extra.insert("simd".into(), crate::math::simd::path_name().into());
+        extra.insert(
+            "simd".into(),
+            palpate_geometry::math::simd::path_name().into(),
+        );
         extra.insert("rate_hz".into(), format!("{}", 1.0 / scene.dt_s));
         Ok(Self {
             scene: scene.name.clone(),

@@ -2,9 +2,9 @@
 //! simulation.
 
 use super::convert::{command_to_proto, tick_to_proto};
-use crate::math::{Point3, SavedState};
-use crate::tick::record::{Command, TickRecord};
+use palpate_geometry::math::{Point3, SavedState};
 use palpate_proto::recording as pb;
+use palpate_sim::tick::record::{Command, TickRecord};
 
 /// What a message is, with what its file has to know of it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -14,14 +14,14 @@ mod remap;
 pub use remap::played_scene;
 
 use super::reader::{ReadError, Session};
-use crate::scene::{Scene, SceneError};
-use crate::tick::pacer::{now_ns, sleep_until};
-use crate::tick::playback::{PlayNews, PlayPort, PlayRequest};
-use crate::tick::ports::TickPorts;
-use crate::tick::record::{TickOutput, TickRecord};
-use crate::tick::stats::LATE_NS;
+use crate::drive::pacer::{now_ns, sleep_until};
+use crate::drive::playback::{PlayNews, PlayPort, PlayRequest};
+use crate::drive::ports::TickPorts;
+use crate::drive::stats::LATE_NS;
 use cursor::{Cursor, Next};
 use deadlines::Deadlines;
+use palpate_sim::scene::{Scene, SceneError};
+use palpate_sim::tick::record::{TickOutput, TickRecord};
 use serde::Serialize;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -82,7 +82,7 @@ pub enum PlayError {
         /// Its tick.
         tick: u64,
         /// Cause.
-        source: crate::math::StateError,
+        source: palpate_geometry::math::StateError,
     },
 }
 

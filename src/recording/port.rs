@@ -3,9 +3,9 @@
 
 use super::self_check::room_for_states;
 use super::stream::{KeyframeBuffer, NetBuffer, Stream, TickHead, ToolRow};
-use crate::scene::{Scene, SceneState, quality};
-use crate::tick::journal::{Journal, JournalGauges};
-use crate::tick::record::{Command, TickRecord};
+use crate::drive::journal::{Journal, JournalGauges};
+use palpate_sim::scene::{Scene, SceneState, quality};
+use palpate_sim::tick::record::{Command, TickRecord};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU32, Ordering};
 

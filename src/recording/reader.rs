@@ -3,11 +3,11 @@
 use super::convert::{ConvertError, command_from_proto, tick_from_proto};
 use super::file::{END, RUN, SCENE_EFFECTIVE, SCENE_TEXT};
 use super::{FORMAT_VERSION, topics};
-use crate::math::SavedState;
-use crate::tick::record::{Command, TickRecord};
 use mcap::records::Record;
 use mcap::sans_io::{LinearReadEvent, LinearReader, LinearReaderOptions};
+use palpate_geometry::math::SavedState;
 use palpate_proto::recording as pb;
+use palpate_sim::tick::record::{Command, TickRecord};
 use prost::Message as _;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};

@@ -8,9 +8,9 @@ use super::message::{BodyHead, Message};
 use super::names;
 use super::reader::{Keyframe, ReadError, Session};
 use super::views::Views;
-use crate::scene::Scene;
-use crate::scene::spec::SceneSpec;
 use palpate_proto::recording as pb;
+use palpate_sim::scene::Scene;
+use palpate_sim::scene::spec::SceneSpec;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 

@@ -8,14 +8,14 @@
 //! The tick thread neither waits nor allocates: batches go round between two rings. While none is
 //! free, ticks go unchecked and are counted.
 
-use crate::contact::grip::MAX_ANCHORS;
-use crate::contact::rows::MAX_ROWS;
-use crate::haptics::DevicePose;
-use crate::math::{SavedState, state_hash};
-use crate::scene::{Scene, SceneState, Scratch};
-use crate::tick::journal::Journal;
-use crate::tick::record::{Command, TickInput, TickRecord};
-use crate::tick::{apply, restore, step};
+use crate::drive::journal::Journal;
+use palpate_geometry::math::{SavedState, state_hash};
+use palpate_sim::haptics::DevicePose;
+use palpate_sim::scene::{Scene, SceneState, Scratch};
+use palpate_sim::solve::grip::MAX_ANCHORS;
+use palpate_sim::solve::rows::MAX_ROWS;
+use palpate_sim::tick::record::{Command, TickInput, TickRecord};
+use palpate_sim::tick::{apply, restore, step};
 use serde::Serialize;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};

@@ -5,13 +5,13 @@
 
 use super::message::{BodyHead, Message};
 use super::port::{Applied, PoolEnd};
-use crate::haptics::DevicePose;
-use crate::math::{Point3, SavedState};
-use crate::scene::Scene;
-use crate::tick::journal::JournalGauges;
-use crate::tick::record::{STAGE_COUNT, TickFault, TickRecord, ToolOutput};
-use crate::tick::stats::{Histogram, LATE_NS};
+use crate::drive::journal::JournalGauges;
+use crate::drive::stats::{Histogram, LATE_NS};
+use palpate_geometry::math::{Point3, SavedState};
 use palpate_proto::recording as pb;
+use palpate_sim::haptics::DevicePose;
+use palpate_sim::scene::Scene;
+use palpate_sim::tick::record::{STAGE_COUNT, TickFault, TickRecord, ToolOutput};
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 

@@ -6,15 +6,13 @@ use super::edit::Change;
 use super::history::History;
 use super::metrics::Figures;
 use super::tally::ToolTally;
-use crate::scene::Scene;
-use crate::tick::archive::Archive;
-use crate::tick::editor::Editor;
-use crate::tick::journal::JournalGauges;
-use crate::tick::overload::CAUSES;
-use crate::tick::playback::PlayerEnd;
-use crate::tick::ports::{BusPorts, PoseInbox};
-use crate::tick::record::TickOutput;
-use crate::tick::stats::Histogram;
+use crate::drive::archive::Archive;
+use crate::drive::editor::Editor;
+use crate::drive::journal::JournalGauges;
+use crate::drive::overload::CAUSES;
+use crate::drive::playback::PlayerEnd;
+use crate::drive::ports::{BusPorts, PoseInbox};
+use crate::drive::stats::Histogram;
 use crate::wire;
 use palpate_proto::codec::encode;
 use palpate_proto::keys::Keys;
@@ -22,6 +20,8 @@ use palpate_proto::messages::{
     ContactSet, ControlNet, EventKind, LoopState, LoopStatus, RecorderState, SimEvent, ToolForce,
 };
 use palpate_proto::rpc::Reply;
+use palpate_sim::scene::Scene;
+use palpate_sim::tick::record::TickOutput;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, sync_channel};
 use std::sync::{Arc, OnceLock};
@@ -222,7 +222,7 @@ impl BusThread {
         Self {
             tools: vec![ToolTally::default(); scene.tool_count()],
             // In lockstep and out of a recording every force is told.
-            lockstep: scene.clock == crate::scene::spec::Clock::Lockstep
+            lockstep: scene.clock == palpate_sim::scene::spec::Clock::Lockstep
                 || settings.player.is_some(),
             session,
             keys,

@@ -7,8 +7,8 @@
 //! always: contact that begins or ends, flags that change. After a while without any the newest is
 //! sent anyway, so that a lost message is mended.
 
-use crate::math::Vector3;
-use crate::tick::record::ToolOutput;
+use palpate_geometry::math::Vector3;
+use palpate_sim::tick::record::ToolOutput;
 
 /// The last force sent, and what may be left out since.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -84,9 +84,9 @@ impl Deadband {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::contact::rows::Holder;
-    use crate::math::Point3;
-    use crate::tick::record::ContactReport;
+    use palpate_geometry::math::Point3;
+    use palpate_sim::solve::rows::Holder;
+    use palpate_sim::tick::record::ContactReport;
 
     fn pushing(force_n: f64) -> ToolOutput {
         let contact = ContactReport {

@@ -2,14 +2,14 @@
 
 use super::devices::{Devices, take_device};
 use super::poses::take_pose;
-use crate::scene::Scene;
-use crate::tick::ports::BusPorts;
+use crate::drive::ports::BusPorts;
 use palpate_proto::codec::encoding_schema;
 use palpate_proto::keys::Keys;
 use palpate_proto::messages::{
     ContactSet, ControlNet, DeviceInfo, LoopStatus, Message, SimEvent, ToolContact, ToolForce,
 };
 use palpate_proto::rpc::METHODS;
+use palpate_sim::scene::Scene;
 use std::sync::mpsc::SyncSender;
 use zenoh::Wait;
 use zenoh::bytes::Encoding;

@@ -2,13 +2,13 @@
 
 use super::bus::BusThread;
 use super::deadband::Deadband;
-use crate::haptics::DeviceBounds;
-use crate::scene::Scene;
-use crate::tick::ports::CommandRequest;
-use crate::tick::record::{Command, ToolOutput};
+use crate::drive::ports::CommandRequest;
 use crate::wire;
 use palpate_proto::codec::{check_head, decode};
 use palpate_proto::messages::{DeviceInfo, EventKind};
+use palpate_sim::haptics::DeviceBounds;
+use palpate_sim::scene::Scene;
+use palpate_sim::tick::record::{Command, ToolOutput};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use zenoh::bytes::ZBytes;

@@ -6,12 +6,12 @@
 //! ```
 
 use super::bus::BusThread;
-use crate::scene::Scene;
-use crate::tick::editor::{Edit, EditNews, EditRequest};
-use crate::tick::ports::NetEnd;
+use crate::drive::editor::{Edit, EditNews, EditRequest};
+use crate::drive::ports::NetEnd;
 use crate::wire;
 use palpate_proto::messages::EventKind;
 use palpate_proto::rpc::{Reply, Request};
+use palpate_sim::scene::Scene;
 use std::sync::Arc;
 
 /// A change under way; there is one at a time.

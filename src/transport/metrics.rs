@@ -1,7 +1,7 @@
 //! What is counted, as OpenMetrics text.
 
 use super::bus::BusThread;
-use crate::tick::overload::CAUSES;
+use crate::drive::overload::CAUSES;
 use palpate_proto::messages::{LoopState, LoopStatus, Quantiles, ToolLink};
 use prometheus_client::collector::Collector;
 use prometheus_client::encoding::{DescriptorEncoder, EncodeLabelSet, EncodeMetric, text};

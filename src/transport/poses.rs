@@ -4,7 +4,7 @@
 //! become a flood of lines.
 
 use super::declared::schema_of;
-use crate::tick::ports::{LinkCounters, Offered, PoseInbox};
+use crate::drive::ports::{LinkCounters, Offered, PoseInbox};
 use crate::wire;
 use palpate_proto::codec::{DecodeError, PoseError, check_head, decode};
 use palpate_proto::messages::ToolPose;

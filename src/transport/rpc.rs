@@ -3,12 +3,12 @@
 use super::answers::reply_json;
 use super::bus::BusThread;
 use super::edit::edit;
-use crate::tick::archive::{ArchiveNews, ArchiveRequest};
-use crate::tick::playback::{PlayNews, PlayRequest};
-use crate::tick::ports::CommandRequest;
-use crate::tick::record::Command;
+use crate::drive::archive::{ArchiveNews, ArchiveRequest};
+use crate::drive::playback::{PlayNews, PlayRequest};
+use crate::drive::ports::CommandRequest;
 use palpate_proto::messages::{EventKind, LoopState};
 use palpate_proto::rpc::{Reply, Request};
+use palpate_sim::tick::record::Command;
 use zenoh::bytes::ZBytes;
 use zenoh::query::Query;
 

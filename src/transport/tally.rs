@@ -1,14 +1,14 @@
 //! What the loop did, counted: events when something changes, and the status.
 
 use super::bus::BusThread;
-use crate::scene::flags;
-use crate::tick::overload::{CAUSES, QUIET};
-use crate::tick::ports::LinkCounters;
-use crate::tick::record::TickRecord;
-use crate::tick::stats::LATE_NS;
+use crate::drive::overload::{CAUSES, QUIET};
+use crate::drive::ports::LinkCounters;
+use crate::drive::stats::LATE_NS;
 use crate::wire;
 use palpate_proto::codec::encode;
 use palpate_proto::messages::EventKind;
+use palpate_sim::scene::flags;
+use palpate_sim::tick::record::TickRecord;
 use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
 use zenoh::Wait;

@@ -318,8 +318,8 @@ mod tests {
     #[test]
     fn nets_in_pieces_are_drawn_in_pieces() {
         let path = std::path::Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/vessel.toml"));
-        let loaded = crate::scene::file::load(path).unwrap();
-        let scene = crate::scene::Scene::build(&loaded.spec, path.parent().unwrap()).unwrap();
+        let loaded = palpate_sim::scene::file::load(path).unwrap();
+        let scene = palpate_sim::scene::Scene::build(&loaded.spec, path.parent().unwrap()).unwrap();
         let (_viewer, feed) = Viewer::start("127.0.0.1:0".parse().unwrap()).unwrap();
         let mut feed = feed.with_gaps(scene.net_gaps());
         let net = ControlNet {

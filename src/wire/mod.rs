@@ -1,16 +1,16 @@
 //! The only place where domain types meet palpate-proto.
 
-use crate::contact::ToolShape;
-use crate::contact::rows::Holder;
-use crate::haptics::{DeviceFigures, DevicePose};
-use crate::math::{Point3, Rotation, Vector3};
-use crate::scene::{Scene, SceneState};
-use crate::surface::Surface;
-use crate::tick::journal::keeping;
-use crate::tick::ports::LinkCounters;
-use crate::tick::record::{TickOutput, ToolOutput};
-use crate::tick::stats::Histogram;
+use crate::drive::journal::keeping;
+use crate::drive::ports::LinkCounters;
+use crate::drive::stats::Histogram;
+use palpate_geometry::contact::ToolShape;
+use palpate_geometry::math::{Point3, Rotation, Vector3};
+use palpate_geometry::surface::Surface;
 use palpate_proto::messages as wire;
+use palpate_sim::haptics::{DeviceFigures, DevicePose};
+use palpate_sim::scene::{Scene, SceneState};
+use palpate_sim::solve::rows::Holder;
+use palpate_sim::tick::record::{TickOutput, ToolOutput};
 use std::sync::atomic::Ordering;
 
 fn xyzw(rotation: &Rotation) -> [f64; 4] {
@@ -184,7 +184,7 @@ pub fn scene_snapshot(
         scene_hash,
         scene_name: scene.name.clone(),
         dt_ns: (scene.dt_s * 1e9).round() as u64,
-        lockstep: scene.clock == crate::scene::spec::Clock::Lockstep,
+        lockstep: scene.clock == palpate_sim::scene::spec::Clock::Lockstep,
         bodies: bodies.collect(),
         tools: tools.collect(),
     }

@@ -1,14 +1,14 @@
 //! How long ticks take here, and which rate that allows.
 
-use crate::haptics::DevicePose;
-use crate::math::{Point3, Vector3};
-use crate::scene::{Scene, file};
-use crate::tick::pacer::{now_ns, sleep_until};
-use crate::tick::record::{TickInput, TickOutput};
-use crate::tick::step;
-use crate::tick::workers::Workers;
+use crate::drive::pacer::{now_ns, sleep_until};
+use crate::drive::workers::Workers;
 use crate::wire;
 use palpate_client::device::Motion;
+use palpate_geometry::math::{Point3, Vector3};
+use palpate_sim::haptics::DevicePose;
+use palpate_sim::scene::{Scene, file};
+use palpate_sim::tick::record::{TickInput, TickOutput};
+use palpate_sim::tick::step;
 use serde::Serialize;
 use std::sync::Arc;
 
@@ -140,7 +140,7 @@ fn pose(motion: &Motion, seq: u64, t: f64, pace_s: f64, dt_s: f64) -> DevicePose
         seq,
         t_client_ns: 0,
         position: Point3::from(place.position),
-        orientation: crate::math::Rotation::identity(),
+        orientation: palpate_geometry::math::Rotation::identity(),
         linear_velocity: (Vector3::from(place.position) - Vector3::from(before.position)) / dt_s,
         angular_velocity: Vector3::zeros(),
         buttons: motion.buttons(t),

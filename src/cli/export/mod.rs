@@ -3,10 +3,10 @@
 mod plot;
 
 use super::Outcome;
-use crate::exchange::{Format, write_mesh, write_surface};
 use crate::recording::{Range, Session, csv, net_at, series};
-use crate::surface::file::Unit;
 use anyhow::Context as _;
+use palpate_geometry::exchange::{Format, write_mesh, write_surface};
+use palpate_geometry::surface::file::Unit;
 use std::io::BufWriter;
 use std::path::{Path, PathBuf};
 

@@ -1,6 +1,6 @@
 //! Four panels below each other over one axis of time: force, depth, energy, tick time.
 
-use crate::bench::chart::{Axis, COLOURS, Scale, escaped};
+use crate::chart::{Axis, COLOURS, Scale, escaped};
 use crate::recording::{Bucket, Curve, Series};
 use std::fmt::Write;
 

@@ -1,13 +1,13 @@
 //! `palpate surface branch`: a tree as one surface, or a given net measured as such.
 
 use super::{Loaded, Outcome, Source};
-use crate::exchange::{Format, write_mesh, write_surface};
-use crate::modeling::branch::{
+use anyhow::Context as _;
+use palpate_geometry::exchange::{Format, write_mesh, write_surface};
+use palpate_geometry::surface::Surface;
+use palpate_geometry::surface::file::Unit;
+use palpate_modeling::branch::{
     GOAL_ANGLE_DEG, GOAL_EDITED_ANGLE_DEG, Measures, Patch, PatchTable, Tree, Welded, grow,
 };
-use crate::surface::Surface;
-use crate::surface::file::Unit;
-use anyhow::Context as _;
 use std::path::{Path, PathBuf};
 
 /// Share of a patch's size that its triangles may be off.
@@ -222,9 +222,12 @@ fn line(patch: &Patch) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::exchange::{Pick, read_surface};
+    use palpate_geometry::exchange::{Pick, read_surface};
 
-    const DATA: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/src/modeling/branch/data");
+    const DATA: &str = concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/crates/modeling/src/branch/data"
+    );
 
     fn args(input: impl Into<PathBuf>, output: Option<PathBuf>) -> Args {
         Args {

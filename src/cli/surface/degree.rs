@@ -2,11 +2,11 @@
 //! change.
 
 use super::{Loaded, Outcome, Source};
-use crate::basis::MAX_DEGREE;
-use crate::exchange::{Format, write_surface};
-use crate::surface::file::Unit;
-use crate::surface::{Direction, Surface};
 use anyhow::Context as _;
+use palpate_geometry::basis::MAX_DEGREE;
+use palpate_geometry::exchange::{Format, write_surface};
+use palpate_geometry::surface::file::Unit;
+use palpate_geometry::surface::{Direction, Surface};
 use std::path::PathBuf;
 
 #[derive(clap::Args, Debug)]

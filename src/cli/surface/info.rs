@@ -1,8 +1,8 @@
 //! `palpate surface info`.
 
 use super::{Loaded, Outcome, Source};
-use crate::basis::KnotVector;
-use crate::surface::Closing;
+use palpate_geometry::basis::KnotVector;
+use palpate_geometry::surface::Closing;
 
 #[derive(clap::Args, Debug)]
 pub struct Args {
@@ -42,7 +42,7 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
         .fold((points[0], points[0]), |(low, high), p| {
             (low.inf(p), high.sup(p))
         });
-    let corner = |p: crate::math::Point3| [p.x, p.y, p.z].map(|x| scaled(x, 1));
+    let corner = |p: palpate_geometry::math::Point3| [p.x, p.y, p.z].map(|x| scaled(x, 1));
     let report = serde_json::json!({
         "unit": unit, "surfaces": count, "rational": surface.weights().is_some(), "closed": closed,
         "flip_normal": surface.flip_normal(),

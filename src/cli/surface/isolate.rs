@@ -1,14 +1,14 @@
 //! `palpate surface isolate`: two overlapping bodies, or all bodies of a file, moved apart.
 
 use super::{Loaded, Outcome, Source};
-use crate::exchange::{Format, write_surface};
-use crate::math::Vector3;
-use crate::modeling::isolate::{
+use anyhow::Context as _;
+use palpate_geometry::exchange::{Format, write_surface};
+use palpate_geometry::math::Vector3;
+use palpate_geometry::surface::Surface;
+use palpate_geometry::surface::file::Unit;
+use palpate_modeling::isolate::{
     IsolateSpec, Isolated, IsolatedAll, Method, Move, Resolution, Status, isolate, isolate_all,
 };
-use crate::surface::Surface;
-use crate::surface::file::Unit;
-use anyhow::Context as _;
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 

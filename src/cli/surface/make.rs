@@ -1,11 +1,11 @@
 //! `palpate surface convert`, `tessellate` and `fit`: files from files.
 
 use super::{Outcome, Source};
-use crate::exchange::{Format, read_points, write_mesh, write_surface};
-use crate::math::Point3;
-use crate::surface::file::Unit;
-use crate::surface::{CloudSpec, Fitted, GridSpec, Mesh, Surface};
 use anyhow::Context as _;
+use palpate_geometry::exchange::{Format, read_points, write_mesh, write_surface};
+use palpate_geometry::math::Point3;
+use palpate_geometry::surface::file::Unit;
+use palpate_geometry::surface::{CloudSpec, Fitted, GridSpec, Mesh, Surface};
 use std::path::{Path, PathBuf};
 
 /// Share of the size that triangles may be off when nobody says how far.

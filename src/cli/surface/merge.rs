@@ -1,14 +1,14 @@
 //! `palpate surface merge`: patches become one surface.
 
 use super::{Loaded, Outcome, Source};
-use crate::exchange::{Format, write_surface};
-use crate::modeling::merge::cases::cases;
-use crate::modeling::merge::{
+use anyhow::Context as _;
+use palpate_geometry::exchange::{Format, write_surface};
+use palpate_geometry::surface::file::Unit;
+use palpate_geometry::surface::{Direction, Surface};
+use palpate_modeling::merge::cases::cases;
+use palpate_modeling::merge::{
     Arrangement, Continuity, DegreeRule, Edge, Hidden, MergeSpec, Merged, Method, Report, merge,
 };
-use crate::surface::file::Unit;
-use crate::surface::{Direction, Surface};
-use anyhow::Context as _;
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 

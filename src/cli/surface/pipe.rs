@@ -1,13 +1,13 @@
 //! `palpate surface pipe`: the largest radius of a pipe around a spine, and the pipe itself.
 
 use super::Outcome;
-use crate::exchange::{Format, write_surface};
-use crate::math::Point3;
-use crate::modeling::ipp::Status;
-use crate::modeling::pipe::{Answer, PipeLimits, PipeSurface, Spine, file, pipe_surface};
-use crate::surface::Curve;
-use crate::surface::file::Unit;
 use anyhow::Context as _;
+use palpate_geometry::exchange::{Format, write_surface};
+use palpate_geometry::math::Point3;
+use palpate_geometry::surface::Curve;
+use palpate_geometry::surface::file::Unit;
+use palpate_modeling::ipp::Status;
+use palpate_modeling::pipe::{Answer, PipeLimits, PipeSurface, Spine, file, pipe_surface};
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 

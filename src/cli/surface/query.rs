@@ -1,10 +1,10 @@
 //! `palpate surface eval` and `closest`: numbers in the unit of the file.
 
 use super::{Loaded, Outcome, Source, read_csv};
-use crate::basis::KnotVector;
-use crate::math::{Point3, Vector3};
-use crate::surface::ClosestSolver;
 use anyhow::Context as _;
+use palpate_geometry::basis::KnotVector;
+use palpate_geometry::math::{Point3, Vector3};
+use palpate_geometry::surface::ClosestSolver;
 use std::path::PathBuf;
 
 #[derive(clap::Args, Debug)]

@@ -3,8 +3,8 @@
 use super::super::names;
 use super::super::reader::Session;
 use super::{ExportError, Range, dt_s};
-use crate::haptics::DevicePose;
-use crate::tick::record::{STAGE_NAMES, TickRecord, ToolOutput};
+use palpate_sim::haptics::DevicePose;
+use palpate_sim::tick::record::{STAGE_NAMES, TickRecord, ToolOutput};
 use std::io::Write;
 
 /// A field: its name, and where its three or four components stop.

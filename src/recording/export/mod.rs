@@ -10,7 +10,7 @@ pub use series::{Bucket, Curve, Series, series};
 
 use super::reader::Session;
 use super::replay::ReplayError;
-use crate::tick::record::TickRecord;
+use palpate_sim::tick::record::TickRecord;
 
 /// Why something could not be exported.
 #[derive(Debug, thiserror::Error)]

@@ -4,9 +4,9 @@
 use super::super::reader::Session;
 use super::super::replay::{Follower, recorded_scene};
 use super::ExportError;
-use crate::math::Point3;
-use crate::scene::Scene;
-use crate::surface::Surface;
+use palpate_geometry::math::Point3;
+use palpate_geometry::surface::Surface;
+use palpate_sim::scene::Scene;
 
 /// The surface of a body after tick `tick`, in the scene's axes, m.
 ///

@@ -4,7 +4,7 @@
 use super::super::names;
 use super::super::reader::Session;
 use super::{ExportError, Range, dt_s};
-use crate::tick::record::TickRecord;
+use palpate_sim::tick::record::TickRecord;
 
 /// Stretches of time that a curve is divided into at most.
 const BUCKETS: u64 = 800;
@@ -121,7 +121,7 @@ fn curve(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::tick::record::TickOutput;
+    use palpate_sim::tick::record::TickOutput;
 
     #[test]
     fn no_peak_is_lost_and_gaps_are_seen() {

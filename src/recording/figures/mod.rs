@@ -13,9 +13,9 @@ pub use simulate::{Start, simulate_figures};
 
 use super::reader::Session;
 use super::replay::ReplayError;
-use crate::math::Point3;
-use crate::scene::{Scene, SceneState};
-use crate::tick::record::{TickOutput, ToolOutput};
+use palpate_geometry::math::Point3;
+use palpate_sim::scene::{Scene, SceneState};
+use palpate_sim::tick::record::{TickOutput, ToolOutput};
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 

@@ -1,11 +1,11 @@
 //! A place in a recording, with the state that belongs to it.
 
 use super::PlayError;
-use crate::math::{SavedState, StateError};
 use crate::recording::reader::{Keyframe, Session};
-use crate::scene::{Scene, SceneState, Scratch};
-use crate::tick::record::{Command, TickOutput, TickRecord};
-use crate::tick::{apply, restore, step};
+use palpate_geometry::math::{SavedState, StateError};
+use palpate_sim::scene::{Scene, SceneState, Scratch};
+use palpate_sim::tick::record::{Command, TickOutput, TickRecord};
+use palpate_sim::tick::{apply, restore, step};
 use std::sync::Arc;
 
 /// What came next. Lives for a moment on the stack: its size costs less than a box.

@@ -2,9 +2,9 @@
 
 use super::PlayError;
 use crate::recording::reader::Session;
-use crate::scene::Scene;
-use crate::scene::spec::{Clock, SceneSpec};
 use palpate_proto::keys::check_id;
+use palpate_sim::scene::Scene;
+use palpate_sim::scene::spec::{Clock, SceneSpec};
 use std::path::Path;
 
 /// The scene of a recording, with other ids for its tools and bodies where `remap` (old, new) says
@@ -13,13 +13,14 @@ use std::path::Path;
 /// # Errors
 /// A scene that does not build, or an id that is not there, not allowed, or taken.
 pub fn played_scene(session: &Session, remap: &[(String, String)]) -> Result<Scene, PlayError> {
-    let spec: SceneSpec = toml::from_str(&session.header.effective_scene)
+    let mut spec: SceneSpec = toml::from_str(&session.header.effective_scene)
         .map_err(|e| PlayError::SceneText(e.to_string()))?;
-    let mut scene = Scene::build(&spec, Path::new("."))?;
-    // Ticks come by the player's clock: nobody's poses are waited for.
-    scene.clock = Clock::Realtime;
-    let tools_before: Vec<String> = scene.tools.iter().map(|tool| tool.id.clone()).collect();
-    let bodies_before: Vec<String> = scene.bodies.iter().map(|body| body.id.clone()).collect();
+    // The player's clock makes ticks due: no pose is waited for.
+    spec.loop_.clock = Clock::Realtime;
+    let tools = spec.tools.iter().map(|tool| tool.id.clone());
+    let known: Vec<String> = tools
+        .chain(spec.bodies.iter().map(|body| body.id.clone()))
+        .collect();
     for (old, new) in remap {
         let refuse = |reason: String| PlayError::Remap {
             old: old.clone(),
@@ -27,34 +28,16 @@ pub fn played_scene(session: &Session, remap: &[(String, String)]) -> Result<Sce
             reason,
         };
         check_id(new).map_err(|e| refuse(e.to_string()))?;
-        let mut found = false;
-        for (tool, _) in scene
-            .tools
-            .iter_mut()
-            .zip(&tools_before)
-            .filter(|(_, id)| *id == old)
-        {
-            tool.id.clone_from(new);
-            found = true;
-        }
-        for (body, _) in scene
-            .bodies
-            .iter_mut()
-            .zip(&bodies_before)
-            .filter(|(_, id)| *id == old)
-        {
-            body.id.clone_from(new);
-            found = true;
-        }
-        if !found {
-            let known = [&tools_before[..], &bodies_before].concat().join(", ");
+        if !known.contains(old) {
+            let known = known.join(", ");
             return Err(refuse(format!(
                 "the recording has no {old:?}; it has {known}"
             )));
         }
     }
-    let tools: Vec<&String> = scene.tools.iter().map(|tool| &tool.id).collect();
-    let bodies: Vec<&String> = scene.bodies.iter().map(|body| &body.id).collect();
+    spec.rename(remap);
+    let tools: Vec<&String> = spec.tools.iter().map(|tool| &tool.id).collect();
+    let bodies: Vec<&String> = spec.bodies.iter().map(|body| &body.id).collect();
     for ids in [tools, bodies] {
         let twice = (1..ids.len()).find(|&k| ids[..k].contains(&ids[k]));
         if let Some(k) = twice {
@@ -68,5 +51,5 @@ pub fn played_scene(session: &Session, remap: &[(String, String)]) -> Result<Sce
             });
         }
     }
-    Ok(scene)
+    Ok(Scene::build(&spec, Path::new("."))?)
 }

@@ -1,8 +1,8 @@
 //! Where two ticks part: field by field, bit for bit.
 
 use super::super::reader::NetRecord;
-use crate::math::Point3;
-use crate::tick::record::{ContactReport, TickOutput, ToolOutput};
+use palpate_geometry::math::Point3;
+use palpate_sim::tick::record::{ContactReport, TickOutput, ToolOutput};
 use serde::Serialize;
 
 /// The first place where recording and replay part.
@@ -254,8 +254,8 @@ fn first_vector(tick: u64, prefix: &str, pairs: &[(&str, &[f64], &[f64])]) -> Op
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::contact::rows::Holder;
-    use crate::math::{Rotation, Vector3};
+    use palpate_geometry::math::{Rotation, Vector3};
+    use palpate_sim::solve::rows::Holder;
 
     #[test]
     fn zeros_of_either_sign_are_apart_and_equal_nans_are_not() {
@@ -336,7 +336,7 @@ mod tests {
             }),
             ("net_revision", |o| o.net_revision = 1),
             ("fault", |o| {
-                o.fault = Some(crate::tick::record::TickFault::NotFinite)
+                o.fault = Some(palpate_sim::tick::record::TickFault::NotFinite)
             }),
             ("moving", |o| o.moving = true),
             ("quality", |o| o.quality = 1),

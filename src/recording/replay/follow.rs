@@ -3,11 +3,11 @@
 
 use super::super::reader::{Keyframe, Session};
 use super::ReplayError;
-use crate::math::state_hash;
-use crate::scene::spec::SceneSpec;
-use crate::scene::{Scene, SceneState, Scratch};
-use crate::tick::record::{Command, TickInput, TickOutput};
-use crate::tick::{apply, restore, step};
+use palpate_geometry::math::state_hash;
+use palpate_sim::scene::spec::SceneSpec;
+use palpate_sim::scene::{Scene, SceneState, Scratch};
+use palpate_sim::tick::record::{Command, TickInput, TickOutput};
+use palpate_sim::tick::{apply, restore, step};
 use std::path::Path;
 
 /// Builds the scene that a session holds.

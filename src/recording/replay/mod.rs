@@ -20,7 +20,7 @@ pub use follow::{Follower, recorded_scene};
 use super::build_id;
 use super::message::SessionHash;
 use super::reader::{ReadError, Session};
-use crate::scene::SceneError;
+use palpate_sim::scene::SceneError;
 use serde::Serialize;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::mpsc;
@@ -52,7 +52,7 @@ pub enum ReplayError {
         /// Its tick.
         tick: u64,
         /// Cause.
-        source: crate::math::StateError,
+        source: palpate_geometry::math::StateError,
     },
     /// A range without ticks.
     #[error("no tick from {from} to {until}; the recording has ticks {first} to {last}")]
@@ -313,7 +313,7 @@ fn wanted(
     let end = session
         .ticks
         .partition_point(|record| record.output.tick <= until);
-    let edge = |record: Option<&crate::tick::record::TickRecord>| {
+    let edge = |record: Option<&palpate_sim::tick::record::TickRecord>| {
         record.map_or(0, |record| record.output.tick)
     };
     let (first, last) = (edge(session.ticks.first()), edge(session.ticks.last()));

@@ -7,8 +7,8 @@ use super::ReplayError;
 use super::compare::{Difference, compare, compare_net};
 use super::divergence::{Divergence, WINDOW};
 use super::follow::Follower;
-use crate::math::Point3;
-use crate::tick::record::TickRecord;
+use palpate_geometry::math::Point3;
+use palpate_sim::tick::record::TickRecord;
 use std::collections::VecDeque;
 use std::ops::Range;
 

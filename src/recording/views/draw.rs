@@ -1,10 +1,10 @@
 //! Bodies and tools as Foxglove primitives.
 
-use crate::contact::ToolShape as Shape;
-use crate::math::Point3;
-use crate::scene::Scene;
-use crate::surface::Surface;
+use palpate_geometry::contact::ToolShape as Shape;
+use palpate_geometry::math::Point3;
+use palpate_geometry::surface::Surface;
 use palpate_proto::foxglove as fox;
+use palpate_sim::scene::Scene;
 
 /// Cells of a body's grid in each direction: between these.
 const CELLS: [usize; 2] = [12, 32];
@@ -308,11 +308,13 @@ impl ToolShape {
         let look = match scene.tool_shape(tool) {
             Shape::Sphere { radius_m } => Look::Ball(*radius_m),
             Shape::Plane { normal } => {
-                let turn =
-                    crate::math::Rotation::rotation_between(&crate::math::Vector3::z(), normal);
+                let turn = palpate_geometry::math::Rotation::rotation_between(
+                    &palpate_geometry::math::Vector3::z(),
+                    normal,
+                );
                 let turn = turn.unwrap_or_else(|| {
-                    crate::math::Rotation::from_axis_angle(
-                        &crate::math::Vector3::x_axis(),
+                    palpate_geometry::math::Rotation::from_axis_angle(
+                        &palpate_geometry::math::Vector3::x_axis(),
                         std::f64::consts::PI,
                     )
                 });
@@ -398,11 +400,14 @@ impl ToolShape {
 
     /// Points along x before it is turned.
     fn arrow(&self, from: fox::Vector3, force: [f64; 3], newtons: f64) -> fox::ArrowPrimitive {
-        let direction = crate::math::Vector3::from(force);
-        let turn = crate::math::Rotation::rotation_between(&crate::math::Vector3::x(), &direction);
+        let direction = palpate_geometry::math::Vector3::from(force);
+        let turn = palpate_geometry::math::Rotation::rotation_between(
+            &palpate_geometry::math::Vector3::x(),
+            &direction,
+        );
         let turn = turn.unwrap_or_else(|| {
-            crate::math::Rotation::from_axis_angle(
-                &crate::math::Vector3::z_axis(),
+            palpate_geometry::math::Rotation::from_axis_angle(
+                &palpate_geometry::math::Vector3::z_axis(),
                 std::f64::consts::PI,
             )
         });
@@ -442,7 +447,9 @@ mod tests {
     #[test]
     fn a_branching_body_is_drawn_once() {
         let text = include_str!("../../../scenes/vessel.json");
-        let surface = crate::surface::file::read(text).unwrap().with_exact_seams();
+        let surface = palpate_geometry::surface::file::read(text)
+            .unwrap()
+            .with_exact_seams();
         let grid = Grid::over(&surface);
         let points = grid.points(&surface);
         let indices = grid.indices();

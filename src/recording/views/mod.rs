@@ -12,10 +12,10 @@
 mod draw;
 
 use super::message::{Kind, Message};
-use crate::scene::Scene;
 use draw::{BodyShape, ToolShape};
 use palpate_proto::foxglove as fox;
 use palpate_proto::recording as pb;
+use palpate_sim::scene::Scene;
 use prost::Message as _;
 use std::collections::BTreeMap;
 use std::io::{Seek, Write};

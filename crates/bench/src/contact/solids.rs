@@ -1,0 +1,260 @@
+//! Cases of one surface and a tool that is no surface.
+
+use super::inputs::{near, planes, poses, solid_torus, tool};
+use super::methods::{Mesh, PARRY, ball_mesh};
+use super::{RESOLUTIONS, Suite, label, oracle};
+use crate::inputs::{Random, walk};
+use crate::measure::clocked;
+use crate::oracle::Oracle;
+use palpate_geometry::contact::exact::{self, ExactScratch};
+use palpate_geometry::contact::implicit::ImplicitSolver;
+use palpate_geometry::contact::mesh::MeshSolver;
+use palpate_geometry::contact::spheres::{Solid, Spheres};
+use palpate_geometry::contact::{ContactSet, Reach};
+use palpate_geometry::math::{Point3, Vector3};
+use palpate_geometry::surface::{ClosestSolver, Surface, WarmFoot};
+
+impl Suite<'_> {
+    pub(super) fn ball(
+        &mut self,
+        case: &str,
+        surface: &Surface,
+        radius_m: f64,
+        warm: bool,
+        resolutions: &[[usize; 2]],
+    ) {
+        let n = self.count(10_000);
+        let centres: Vec<Point3> = if warm {
+            walk(surface, n)
+        } else {
+            near(surface, n, radius_m)
+        };
+        let mut oracle = Oracle::new(surface);
+        let mut solver = ClosestSolver::new(surface);
+        // The oracle knows no sides: which one is taken from the certified answer, the distance is
+        // its own.
+        let known: Vec<(usize, f64)> = (0..n)
+            .step_by((n / 200).max(1))
+            .map(|k| {
+                let side = solver
+                    .closest(surface, &centres[k])
+                    .signed_distance
+                    .signum();
+                (k, radius_m - side * oracle.distance(surface, &centres[k]))
+            })
+            .collect();
+        let (mut foot, mut last) = (WarmFoot::default(), centres[0]);
+        let (mut scratch, mut set) = (ExactScratch::new(surface, &mut solver), ContactSet::new());
+        let result = self.measure(n, &known, |k| {
+            let centre = &centres[k];
+            if warm {
+                // What the tick does: the foot is followed while its certificate lasts.
+                let moved_m = (centre - last).norm();
+                last = *centre;
+                let (time, found) =
+                    clocked(|| solver.closest_warm_moved(surface, centre, moved_m, 0.0, &mut foot));
+                let depth = radius_m - found.signed_distance;
+                return (time, (depth >= 0.0).then_some(depth));
+            }
+            let (time, ()) = clocked(|| {
+                solver.net_changed();
+                exact::ball::contacts(
+                    surface,
+                    &mut solver,
+                    centre,
+                    radius_m,
+                    &Reach::TOUCH,
+                    &mut scratch,
+                    &mut set,
+                );
+            });
+            (time, set.deepest().map(|c| c.depth_m))
+        });
+        self.report(case, "exact", false, &result);
+        for &rows in resolutions {
+            let mut spheres = Spheres::new(surface, rows);
+            let mut set = ContactSet::new();
+            let result = self.measure(n, &known, |k| {
+                let (time, ()) = clocked(|| {
+                    if !warm {
+                        spheres.load(surface);
+                    }
+                    spheres.ball(&centres[k], radius_m, &Reach::TOUCH, &mut set);
+                });
+                (time, set.deepest().map(|c| c.depth_m))
+            });
+            self.report(case, &label(rows), false, &result);
+        }
+        let mut mesh = Mesh::new(surface);
+        let result = self.measure(n, &known, |k| {
+            clocked(|| {
+                if !warm {
+                    mesh.load(surface);
+                }
+                mesh.ball(&centres[k], radius_m)
+            })
+        });
+        self.report(case, PARRY, true, &result);
+    }
+
+    pub(super) fn plane(&mut self, case: &str, surface: &Surface, resolutions: &[[usize; 2]]) {
+        let n = self.count(2_000);
+        let mut solver = ClosestSolver::new(surface);
+        let planes: Vec<(Point3, Vector3)> = planes(surface, &mut solver, n);
+        let mut oracle = oracle::Sampled::new(surface);
+        let known: Vec<(usize, f64)> = (0..n)
+            .step_by((n / 40).max(1))
+            .map(|k| {
+                (
+                    k,
+                    oracle.greatest(surface, |p| (planes[k].0 - p).dot(&planes[k].1)),
+                )
+            })
+            .collect();
+        let (mut scratch, mut set) = (ExactScratch::new(surface, &mut solver), ContactSet::new());
+        let result = self.measure(n, &known, |k| {
+            let (origin, normal) = &planes[k];
+            let (time, ()) = clocked(|| {
+                solver.net_changed();
+                exact::plane::contacts(
+                    surface,
+                    &mut solver,
+                    origin,
+                    normal,
+                    &Reach::TOUCH,
+                    &mut scratch,
+                    &mut set,
+                );
+            });
+            (time, set.deepest().map(|c| c.depth_m))
+        });
+        self.report(case, "exact", false, &result);
+        for &rows in resolutions {
+            let mut spheres = Spheres::new(surface, rows);
+            let mut set = ContactSet::new();
+            let result = self.measure(n, &known, |k| {
+                let (origin, normal) = planes[k];
+                let (time, ()) = clocked(|| {
+                    spheres.load(surface);
+                    spheres.plane(&origin, &normal, &Reach::TOUCH, &mut set);
+                });
+                (time, set.deepest().map(|c| c.depth_m))
+            });
+            self.report(case, &label(rows), false, &result);
+        }
+        let mut mesh = Mesh::new(surface);
+        let result = self.measure(n, &known, |k| {
+            let (origin, normal) = planes[k];
+            clocked(|| {
+                mesh.load(surface);
+                mesh.plane(&origin, &normal)
+            })
+        });
+        self.report(case, PARRY, true, &result);
+    }
+
+    pub(super) fn implicit(&mut self, case: &str, surface: &Surface) {
+        let n = self.count(2_000);
+        let mut random = Random(4);
+        let tools: Vec<_> = (0..n).map(|_| solid_torus(surface, &mut random)).collect();
+        let mut oracle = oracle::Sampled::new(surface);
+        let known: Vec<(usize, f64)> = (0..n)
+            .step_by((n / 40).max(1))
+            .map(|k| (k, oracle.greatest(surface, |p| -tools[k].signed_gap(p).0)))
+            .collect();
+        let mut solver = ClosestSolver::new(surface);
+        let (mut exact, mut set) = (ImplicitSolver::new(surface, &mut solver), ContactSet::new());
+        let result = self.measure(n, &known, |k| {
+            let (time, ()) = clocked(|| {
+                solver.net_changed();
+                exact.contacts(
+                    surface,
+                    &mut solver,
+                    &tools[k].tool,
+                    &tools[k].pose,
+                    &Reach::TOUCH,
+                    &mut set,
+                );
+            });
+            (time, set.deepest().map(|c| c.depth_m))
+        });
+        self.report(case, "exact", false, &result);
+        for rows in RESOLUTIONS {
+            let mut spheres = Spheres::new(surface, rows);
+            let mut set = ContactSet::new();
+            let result = self.measure(n, &known, |k| {
+                let (time, ()) = clocked(|| {
+                    spheres.load(surface);
+                    spheres.solid(&tools[k], &Reach::TOUCH, &mut set);
+                });
+                (time, set.deepest().map(|c| c.depth_m))
+            });
+            self.report(case, &label(rows), false, &result);
+        }
+    }
+
+    /// The tool is a triangle mesh; for the spheres, a solid by its signed distance.
+    pub(super) fn mesh(&mut self, case: &str, surface: &Surface) {
+        let n = self.count(400);
+        let (tool_surface, tool_mesh) = (tool(8), ball_mesh());
+        let poses = poses(surface, n, 3e-3);
+        let mut oracle = oracle::Sampled::coarse(surface);
+        let known: Vec<(usize, f64)> = (0..n)
+            .step_by((n / 4).max(1))
+            .map(|k| {
+                (
+                    k,
+                    oracle.greatest(surface, |p| -tool_mesh.at(&poses[k]).signed_gap(p).0),
+                )
+            })
+            .collect();
+        let mut solver = ClosestSolver::new(surface);
+        let (mut exact, mut set) = (
+            MeshSolver::new(surface, &mut solver, &tool_mesh.tool),
+            ContactSet::new(),
+        );
+        let result = self.measure(n, &known, |k| {
+            let (time, ()) = clocked(|| {
+                solver.net_changed();
+                exact.contacts(
+                    surface,
+                    &mut solver,
+                    &tool_mesh.tool,
+                    &poses[k],
+                    &Reach::TOUCH,
+                    &mut set,
+                );
+            });
+            // Corners of the mesh inside the body are contacts too, and may be deeper than any
+            // point of the surface, which is what the oracle knows.
+            let wanted = known
+                .iter()
+                .find(|known| known.0 == k)
+                .map_or(0.0, |known| known.1);
+            let miss = |depth: &f64| (depth - wanted).abs();
+            let depths = set.contacts().iter().map(|c| c.depth_m);
+            (time, depths.min_by(|a, b| miss(a).total_cmp(&miss(b))))
+        });
+        self.report(case, "exact", false, &result);
+        for rows in &RESOLUTIONS[..3] {
+            let mut spheres = Spheres::new(surface, *rows);
+            let mut set = ContactSet::new();
+            let result = self.measure(n, &known, |k| {
+                let (time, ()) = clocked(|| {
+                    spheres.load(surface);
+                    spheres.solid(&tool_mesh.at(&poses[k]), &Reach::TOUCH, &mut set);
+                });
+                (time, set.deepest().map(|c| c.depth_m))
+            });
+            self.report(case, &label(*rows), false, &result);
+        }
+        let (mut mesh, other) = (Mesh::new(surface), Mesh::new(&tool_surface));
+        let result = self.measure(n, &known, |k| {
+            clocked(|| {
+                mesh.load(surface);
+                mesh.other(&other, &poses[k])
+            })
+        });
+        self.report(case, PARRY, true, &result);
+    }
+}

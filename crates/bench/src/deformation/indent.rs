@@ -1,0 +1,320 @@
+//! Pressing a body with a ball that a rigid hand holds.
+
+use super::refit::Refit;
+use super::scenes::{BoxCase, TeardropCase};
+use super::{BOX_REFERENCE_N, Effort, Row, TEARDROP_REFERENCE_N};
+use palpate_geometry::math::{Point3, Rotation, Vector3};
+use palpate_geometry::surface::{ClosestSolver, Surface};
+use palpate_sim::haptics::DevicePose;
+use palpate_sim::scene::{Scene, SceneState, Scratch, file};
+use palpate_sim::tick::record::{TickInput, TickOutput};
+use palpate_sim::tick::step;
+use std::path::Path;
+use std::time::Instant;
+
+/// A scene that runs.
+pub(super) struct World {
+    pub scene: Scene,
+    pub state: SceneState,
+    pub scratch: Scratch,
+    seq: u64,
+    /// Time of each tick so far, s.
+    pub ticks_s: Vec<f64>,
+    /// Done by the tools on the bodies, J.
+    work_j: f64,
+    last: Option<[f64; 3]>,
+}
+
+impl World {
+    pub(super) fn new(text: &str) -> Result<Self, String> {
+        let loaded = file::parse(text, "bench.toml", Path::new(".")).map_err(|e| e.to_string())?;
+        let scene = Scene::build(&loaded.spec, Path::new(".")).map_err(|e| e.to_string())?;
+        let state = scene.initial_state();
+        let scratch = scene.scratch(&state);
+        Ok(Self {
+            scene,
+            state,
+            scratch,
+            seq: 0,
+            ticks_s: Vec::new(),
+            work_j: 0.0,
+            last: None,
+        })
+    }
+
+    pub(super) fn at(&mut self, position: [f64; 3]) -> TickOutput {
+        self.pressing(position, 0)
+    }
+
+    /// One tick with the device there and these buttons down.
+    pub(super) fn pressing(&mut self, position: [f64; 3], buttons: u32) -> TickOutput {
+        self.seq += 1;
+        let mut input = TickInput::default();
+        input.poses[0] = Some(DevicePose {
+            seq: self.seq,
+            t_client_ns: 0,
+            position: Point3::from(position),
+            orientation: Rotation::identity(),
+            linear_velocity: Vector3::zeros(),
+            angular_velocity: Vector3::zeros(),
+            buttons,
+        });
+        let start = Instant::now();
+        let output = step(&self.scene, &mut self.state, &mut self.scratch, &input);
+        self.ticks_s.push(start.elapsed().as_secs_f64());
+        let proxy = output.tools[0].proxy_position;
+        let now = [proxy.x, proxy.y, proxy.z];
+        let before = self.last.replace(now).unwrap_or(now);
+        let force = output.tools[0].force_n;
+        self.work_j -= (0..3).map(|c| force[c] * (now[c] - before[c])).sum::<f64>();
+        output
+    }
+
+    /// Force on the tool held there until it is at rest.
+    fn settle(&mut self, position: [f64; 3], effort: Effort) -> Held {
+        let dt_s = self.scene.dt_s;
+        settled(dt_s, effort, || self.at(position).tools[0].force_n.z)
+    }
+
+    pub(super) fn row(&self, case: &str, method: &str, error: f64, note: String) -> Row {
+        force_row(case, method, self.ticks_s.clone(), error, note)
+    }
+
+    fn counts(&self) -> String {
+        let body = self.scene.lattice(0);
+        body.map_or(String::new(), |body| {
+            let energy = self.state.bodies[0].lattice.as_ref().map_or(0.0, |state| body.energy_j(state));
+            let (_, passes) = body.integration();
+            let held = self.scene.limited_cells(0, &self.scratch);
+            let held = if held > 0 { format!(", {held} cells held back") } else { String::new() };
+            let (energy_mj, work_mj, free) = (energy * 1e3, self.work_j * 1e3, body.unknown_count());
+            format!("{energy_mj:.4} of {work_mj:.4} mJ stored, {free} free coordinates, {passes} passes a step{held}")
+        })
+    }
+}
+
+/// A force that is held.
+#[derive(Clone, Copy, Default)]
+struct Held {
+    /// Mean over the last 0.1 s, N.
+    force_n: f64,
+    /// Greatest less least in that time, N.
+    ripple_n: f64,
+}
+
+/// The force of a tick, held until its mean over 0.1 s changes by less than 1e-5 from one to the
+/// next, or for two seconds; quick: 1e-4, or one second.
+fn settled(dt_s: f64, effort: Effort, mut tick: impl FnMut() -> f64) -> Held {
+    let (bursts, share) = if effort == Effort::Quick {
+        (10, 1e-4)
+    } else {
+        (20, 1e-5)
+    };
+    let ticks = (0.1 / dt_s).ceil().max(1.0) as usize;
+    let mut held = Held::default();
+    for _ in 0..bursts {
+        let (mut sum, mut least, mut most) = (0.0, f64::INFINITY, f64::NEG_INFINITY);
+        for _ in 0..ticks {
+            let force = tick();
+            (sum, least, most) = (sum + force, force.min(least), force.max(most));
+        }
+        let before = std::mem::replace(
+            &mut held,
+            Held {
+                force_n: sum / ticks as f64,
+                ripple_n: most - least,
+            },
+        );
+        if (held.force_n - before.force_n).abs() <= share * held.force_n.abs() {
+            break;
+        }
+    }
+    held
+}
+
+/// A row with a relative error of a force.
+fn force_row(case: &str, method: &str, mut times: Vec<f64>, error: f64, note: String) -> Row {
+    times.sort_by(f64::total_cmp);
+    let at = |share: f64| {
+        times
+            .get((times.len().saturating_sub(1) as f64 * share) as usize)
+            .copied()
+    };
+    Row {
+        suite: "deformation",
+        case: case.to_owned(),
+        method: method.to_owned(),
+        peer: false,
+        median_s: at(0.5).unwrap_or(f64::NAN),
+        p99_s: at(0.99).unwrap_or(f64::NAN),
+        error,
+        error_unit: "of the force",
+        n: times.len(),
+        wrong: None,
+        note,
+    }
+}
+
+/// A row that says why there is none.
+pub(super) fn failed(case: &str, why: &str) -> Row {
+    force_row(case, "none", Vec::new(), f64::NAN, why.to_owned())
+}
+
+/// 10 mm in 0.1 s, then held.
+pub(super) fn box_row(case: &BoxCase, effort: Effort) -> Row {
+    let method = format!("{} {}", case.model, case.method);
+    let mut world = match World::new(&case.text()) {
+        Ok(world) => world,
+        Err(why) => {
+            return Row {
+                method,
+                ..failed(&case.group, &why)
+            };
+        }
+    };
+    let ticks = (0.1 / case.dt_s).round() as usize;
+    for k in 0..=ticks {
+        world.at([0.0, 0.0, 0.03 - 0.01 * k as f64 / ticks as f64]);
+    }
+    let Held {
+        force_n: force,
+        ripple_n,
+    } = world.settle([0.0, 0.0, 0.02], effort);
+    let base = world
+        .scene
+        .lattice(0)
+        .zip(world.state.bodies[0].lattice.as_ref());
+    let base = base.map_or(0.0, |(body, state)| body.base_reaction_n(state).z.abs());
+    let error = force / case.scale / BOX_REFERENCE_N - 1.0;
+    let [unscaled, ripple, base] = [force, ripple_n, base].map(|force_n| force_n / case.scale);
+    let note = format!(
+        "F/scale {unscaled:.4} N, ripple {ripple:.4} N, base {base:.4} N, {}",
+        world.counts()
+    );
+    world.row(&case.group, &method, error, note)
+}
+
+/// x of the ball's centre at first touch, coming along -x at the height and side of the table.
+fn first_touch(surface: &Surface) -> f64 {
+    let mut solver = ClosestSolver::new(surface);
+    let (mut low, mut high) = (0.02, 0.06);
+    for _ in 0..60 {
+        let middle = 0.5 * (low + high);
+        let gap = solver
+            .closest(surface, &Point3::new(middle, 0.003, 0.045))
+            .signed_distance
+            - 0.01;
+        *if gap > 0.0 { &mut high } else { &mut low } = middle;
+    }
+    high
+}
+
+/// Forces at rest at 1 ... 4 mm beyond `touch`, reached slowly; `tick` is one of 1 ms at x and
+/// gives the force.
+fn slowly(touch: f64, effort: Effort, mut tick: impl FnMut(f64) -> f64) -> [f64; 4] {
+    let mut x = touch + 1e-3;
+    [1.0, 2.0, 3.0, 4.0].map(|millimetres| {
+        let goal = touch - 1e-3 * millimetres;
+        while x > goal {
+            x = (x - 4e-5).max(goal);
+            tick(x);
+        }
+        settled(1e-3, effort, || tick(x)).force_n
+    })
+}
+
+/// The largest deviation from 2 mm on, with its sign, and all of them in words.
+fn deviations(forces: &[f64; 4]) -> (f64, String) {
+    let each: Vec<f64> = forces
+        .iter()
+        .zip(TEARDROP_REFERENCE_N)
+        .map(|(f, reference)| f / reference - 1.0)
+        .collect();
+    let error = each[1..].iter().copied().fold(
+        0.0,
+        |worst: f64, d| if d.abs() > worst.abs() { d } else { worst },
+    );
+    let listed: Vec<String> = forces
+        .iter()
+        .zip(&each)
+        .map(|(f, d)| format!("{f:.4} ({:+.1} %)", d * 100.0))
+        .collect();
+    (error, format!("{} N", listed.join(" ")))
+}
+
+/// Forces at rest at 1 ... 4 mm, reached slowly.
+pub(super) fn teardrop_row(case: &TeardropCase, effort: Effort) -> Row {
+    let mut world = match World::new(&case.text(1_000)) {
+        Ok(world) => world,
+        Err(why) => {
+            return Row {
+                method: case.method.clone(),
+                ..failed(&case.name, &why)
+            };
+        }
+    };
+    let touch = first_touch(world.scene.rest_surface(0));
+    let forces = slowly(touch, effort, |x| {
+        world.at([x, 0.003, 0.045]).tools[0].force_n.x
+    });
+    let (error, listed) = deviations(&forces);
+    let note = format!("{listed}, {}", world.counts());
+    world.row(&case.name, &case.method, error, note)
+}
+
+/// The same by the seed's coupling, or with contact at free nodes.
+pub(super) fn refit_row(case: &str, net: Option<[usize; 2]>, effort: Effort) -> Row {
+    let method = net.map_or("free nodes".to_owned(), |_| "refit".to_owned());
+    let mut refit = match Refit::new(12, net) {
+        Ok(refit) => refit,
+        Err(why) => {
+            return Row {
+                method,
+                ..failed(case, &why)
+            };
+        }
+    };
+    let touch = first_touch(&refit.surface);
+    let (mut times, mut work_j, mut last) = (Vec::new(), 0.0, touch + 1e-3);
+    let forces = slowly(touch, effort, |x| {
+        let start = Instant::now();
+        let force = refit.step(&Point3::new(x, 0.003, 0.045)).x;
+        times.push(start.elapsed().as_secs_f64());
+        work_j -= force * (x - last);
+        last = x;
+        force
+    });
+    let (error, listed) = deviations(&forces);
+    let (energy_j, free) = (
+        refit.body.energy_j(&refit.state),
+        refit.body.unknown_count(),
+    );
+    let note = format!(
+        "{listed}, {:.4} of {:.4} mJ stored, {free} free coordinates",
+        energy_j * 1e3,
+        work_j * 1e3
+    );
+    force_row(case, &method, times, error, note)
+}
+
+/// Whole ticks of the main scene while the ball presses, slides and leaves.
+pub(super) fn tick_row(case: &str, model: &'static str, effort: Effort) -> Row {
+    let shape = match model {
+        "net" => TeardropCase::new(case, "net", "[12, 13]", 2),
+        _ => TeardropCase::new(case, "lattice", "[20, 21]", 4),
+    };
+    let mut world = match World::new(&shape.text(1_000)) {
+        Ok(world) => world,
+        Err(why) => return failed(case, &why),
+    };
+    let touch = first_touch(world.scene.rest_surface(0));
+    let ticks = if effort == Effort::Quick { 500 } else { 5_000 };
+    for k in 0..ticks {
+        let t = k as f64 * 1e-3;
+        let depth = 1.5e-3 + 1.5e-3 * libm::sin(std::f64::consts::TAU * 0.5 * t);
+        let along = 0.045 + 5e-3 * libm::sin(std::f64::consts::TAU * 0.3 * t);
+        world.at([touch - depth, 0.003, along]);
+    }
+    let note = world.counts();
+    world.row(case, model, f64::NAN, note)
+}

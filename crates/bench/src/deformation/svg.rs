@@ -1,0 +1,135 @@
+//! Picture of the suite: time against force error.
+
+use super::Row;
+use palpate::chart::{Chart, Curve, Scale, Unit, page_with};
+
+/// Smaller errors are drawn here: a logarithmic axis has no zero.
+const LEAST_ERROR: f64 = 1e-4;
+
+/// Median time of a step against the size of the force error, of the rows that have one: an SVG
+/// document. A line joins those of ours that nothing of ours beats in both.
+pub fn pareto(rows: &[Row]) -> String {
+    let shown: Vec<&Row> = rows
+        .iter()
+        .filter(|row| {
+            row.error_unit == "of the force" && row.error.is_finite() && row.median_s > 0.0
+        })
+        .collect();
+    let place = |row: &Row| (row.median_s, row.error.abs().max(LEAST_ERROR));
+    let mut curves: Vec<Curve> = Vec::new();
+    for row in &shown {
+        let k = curves
+            .iter()
+            .position(|curve| curve.name == row.method)
+            .unwrap_or_else(|| {
+                let (name, hollow) = (row.method.clone(), row.peer);
+                curves.push(Curve {
+                    name,
+                    points: Vec::new(),
+                    lined: false,
+                    hollow,
+                    titles: Vec::new(),
+                });
+                curves.len() - 1
+            });
+        curves[k].points.push(place(row));
+        curves[k].titles.push(format!(
+            "{} {}: {:+.1} %",
+            row.case,
+            row.method,
+            row.error * 100.0
+        ));
+    }
+    let ours: Vec<(f64, f64)> = shown
+        .iter()
+        .filter(|row| !row.peer)
+        .map(|row| place(row))
+        .collect();
+    let mut front: Vec<(f64, f64)> = ours
+        .iter()
+        .copied()
+        .filter(|a| {
+            !ours
+                .iter()
+                .any(|b| b.0 <= a.0 && b.1 <= a.1 && (b.0 < a.0 || b.1 < a.1))
+        })
+        .collect();
+    front.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let chart = Chart {
+        title: "Pressed bodies: median time of a step against error of the force".to_owned(),
+        across: "median time of one step".to_owned(),
+        down: "relative error of the force".to_owned(),
+        scales: [Scale::Decades(Unit::Seconds), Scale::Decades(Unit::Percent)],
+        curves,
+    };
+    page_with(&[chart], &front)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use palpate::chart::{FRAME, WIDTH};
+
+    fn row(method: &str, peer: bool, median_s: f64, error: f64) -> Row {
+        Row {
+            suite: "deformation",
+            case: "indent/12/x1".to_owned(),
+            method: method.to_owned(),
+            peer,
+            median_s,
+            p99_s: median_s,
+            error,
+            error_unit: "of the force",
+            n: 1,
+            wrong: None,
+            note: String::new(),
+        }
+    }
+
+    #[test]
+    fn every_force_has_a_mark_inside_the_frame_and_every_method_a_line_of_the_legend() {
+        let rows = [
+            row("lattice", false, 3e-4, -0.15),
+            row("continuum", false, 7e-4, 0.02),
+            row("net", false, 9e-4, 0.5),
+            row("a <peer>", true, 1e-2, -0.4),
+            row("none", false, f64::NAN, f64::NAN),
+            Row {
+                error_unit: "of the volume",
+                ..row("som", false, 3.0, 1e-3)
+            },
+        ];
+        let svg = pareto(&rows);
+        assert_eq!(
+            svg.matches("<circle").count(),
+            3 + 3,
+            "three marks, three of the legend"
+        );
+        assert_eq!(svg.matches("stroke-width").count(), 1 + 1);
+        assert!(
+            svg.contains("a &lt;peer&gt;") && svg.contains("10 ms") && svg.contains("100 %"),
+            "{svg}"
+        );
+        assert!(
+            svg.contains("-15.0 %"),
+            "errors keep their signs under the pointer"
+        );
+        for part in svg.split("<circle cx=\"").skip(1) {
+            let x: f64 = part.split('"').next().unwrap().parse().unwrap();
+            assert!((FRAME[0]..=WIDTH).contains(&x), "{x}");
+        }
+        // The front has two of ours: `net` is beaten in both.
+        let front = svg
+            .split("<polyline points=\"")
+            .nth(1)
+            .unwrap()
+            .split('"')
+            .next()
+            .unwrap();
+        assert_eq!(front.split(' ').count(), 2, "{front}");
+        assert!(
+            pareto(&[]).ends_with("</svg>\n"),
+            "nothing measured is a picture too"
+        );
+    }
+}

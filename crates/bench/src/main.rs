@@ -1,0 +1,214 @@
+//! The `palpate-bench` program: times of our methods beside other libraries', in the same run and
+//! each with its error.
+
+use anyhow::Context;
+use clap::Parser;
+use palpate_bench::{
+    Effort, Figure, Row, contact, deformation, figures_table, haptics, modeling, pareto, picture,
+    plasticine_picture, plasticine_table, recording, surface, table,
+};
+use std::io::Write;
+use std::process::ExitCode;
+
+/// Time against error: Palpate beside other libraries, in the same run on the same inputs.
+///
+/// Wall-clock times of one run on one machine; compare ratios, not runs.
+#[derive(Parser, Debug)]
+#[command(name = "palpate-bench", version)]
+struct Cli {
+    #[command(subcommand)]
+    suite: Suite,
+}
+
+#[derive(clap::Subcommand, Debug)]
+enum Suite {
+    /// Closest points, grids, fits and bounds of B-spline surfaces.
+    Surface(Options),
+    /// Forces of pressed bodies and what a step costs, for all models, methods, grids and
+    /// stiffnesses, and for other engines.
+    ///
+    /// MuJoCo and PyBullet run too when PALPATE_PYTHON names a Python that can import them.
+    Deformation {
+        #[command(flatten)]
+        options: Options,
+        /// Writes a picture of time against force error here, as SVG.
+        #[arg(long)]
+        svg: Option<std::path::PathBuf>,
+        /// Writes the displacements of plasticine over force and stiffness here, as SVG.
+        #[arg(long)]
+        plasticine_svg: Option<std::path::PathBuf>,
+    },
+    /// Stiffness that devices hold, energy over delays, force against the analytic one, latency and
+    /// punctuality.
+    Haptics {
+        #[command(flatten)]
+        options: Options,
+        /// Writes the stiffest walls over the damping here, as SVG.
+        #[arg(long)]
+        svg: Option<std::path::PathBuf>,
+        /// Writes energy over time, with and without passivity control, here, as SVG.
+        #[arg(long)]
+        energy_svg: Option<std::path::PathBuf>,
+    },
+    /// Cost, size, losses, kills and replay speed of recordings.
+    Recording(Options),
+    /// Merged, isolated, swept and branched surfaces: times, deviations, ratios, gaps and angles.
+    Modeling(Options),
+    /// Contacts of points, balls, planes, solids, meshes and surfaces with a body.
+    Contact {
+        #[command(flatten)]
+        options: Options,
+        /// Writes a picture of time against error here, as SVG.
+        #[arg(long)]
+        svg: Option<std::path::PathBuf>,
+    },
+}
+
+#[derive(clap::Args, Debug)]
+struct Options {
+    /// One JSON object a line, as soon as it is measured, instead of a table.
+    #[arg(long)]
+    json: bool,
+    /// Some seconds instead of minutes: fewer queries, coarser percentiles.
+    #[arg(long)]
+    quick: bool,
+    /// Only cases whose names contain this.
+    #[arg(long)]
+    only: Option<String>,
+}
+
+fn main() -> ExitCode {
+    palpate::cli::end_when_nobody_reads();
+    match run(&Cli::parse()) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: {error:#}");
+            ExitCode::from(3)
+        }
+    }
+}
+
+fn run(args: &Cli) -> anyhow::Result<()> {
+    if let Suite::Haptics {
+        options,
+        svg,
+        energy_svg,
+    } = &args.suite
+    {
+        return run_haptics(options, svg.as_deref(), energy_svg.as_deref());
+    }
+    if let Suite::Recording(options) = &args.suite {
+        figures(options, |effort, only, out| recording(effort, only, out))?;
+        return Ok(());
+    }
+    let (options, svg) = match &args.suite {
+        Suite::Surface(options) | Suite::Recording(options) | Suite::Modeling(options) => {
+            (options, None)
+        }
+        Suite::Contact { options, svg }
+        | Suite::Deformation { options, svg, .. }
+        | Suite::Haptics { options, svg, .. } => (options, svg.as_deref()),
+    };
+    let effort = if options.quick {
+        Effort::Quick
+    } else {
+        Effort::Full
+    };
+    let mut rows: Vec<Row> = Vec::new();
+    let mut failed = None;
+    let mut take = |row: Row| {
+        if options.json {
+            let line = serde_json::to_string(&row).map_err(anyhow::Error::from);
+            let written = line.and_then(|line| Ok(writeln!(std::io::stdout(), "{line}")?));
+            failed = failed.take().or(written.err());
+        } else {
+            eprintln!("{} {}", row.case, row.method);
+        }
+        rows.push(row);
+    };
+    let only = options.only.as_deref();
+    let mut sweeps = Vec::new();
+    match &args.suite {
+        Suite::Surface(_) => surface(effort, only, &mut take),
+        Suite::Contact { .. } => contact(effort, only, &mut take),
+        Suite::Modeling(_) => modeling(effort, only, &mut take),
+        Suite::Deformation { .. } => sweeps = deformation(effort, only, &mut take),
+        Suite::Haptics { .. } | Suite::Recording(_) => {}
+    }
+    if let Some(error) = failed {
+        return Err(error);
+    }
+    if !options.json {
+        print!("{}{}", table(&rows), plasticine_table(&sweeps));
+    }
+    if let Some(path) = svg {
+        let deforming = matches!(&args.suite, Suite::Deformation { .. });
+        write(
+            path,
+            if deforming {
+                pareto(&rows)
+            } else {
+                picture(&rows)
+            },
+        )?;
+    }
+    if let Suite::Deformation {
+        plasticine_svg: Some(path),
+        ..
+    } = &args.suite
+    {
+        write(path, plasticine_picture(&sweeps))?;
+    }
+    Ok(())
+}
+
+fn write(path: &std::path::Path, drawn: String) -> anyhow::Result<()> {
+    std::fs::write(path, drawn).with_context(|| format!("cannot write {}", path.display()))
+}
+
+/// Runs a suite of figures and prints them; gives back what else it made.
+fn figures<T>(
+    options: &Options,
+    suite: impl FnOnce(Effort, Option<&str>, &mut dyn FnMut(Figure)) -> T,
+) -> anyhow::Result<T> {
+    let effort = if options.quick {
+        Effort::Quick
+    } else {
+        Effort::Full
+    };
+    let (mut figures, mut failed) = (Vec::new(), None);
+    let made = suite(effort, options.only.as_deref(), &mut |figure| {
+        if options.json {
+            let line = serde_json::to_string(&figure).map_err(anyhow::Error::from);
+            let written = line.and_then(|line| Ok(writeln!(std::io::stdout(), "{line}")?));
+            failed = failed.take().or(written.err());
+        } else {
+            eprintln!("{} {}", figure.case, figure.method);
+        }
+        figures.push(figure);
+    });
+    if let Some(error) = failed {
+        return Err(error);
+    }
+    if !options.json {
+        print!("{}", figures_table(&figures));
+    }
+    Ok(made)
+}
+
+fn run_haptics(
+    options: &Options,
+    svg: Option<&std::path::Path>,
+    energy_svg: Option<&std::path::Path>,
+) -> anyhow::Result<()> {
+    let drawn = figures(options, |effort, only, out| {
+        haptics::haptics(effort, only, out)
+    })?;
+    if let Some(path) = svg {
+        write(path, haptics::zwidth_picture(&drawn.widths))?;
+    }
+    if let Some(path) = energy_svg {
+        write(path, haptics::energy_picture(&drawn.traces))?;
+    }
+    Ok(())
+}

@@ -1,0 +1,141 @@
+//! The recording suite: what keeping a session costs the tick, how large it is, what a disk that
+//! stands still and a daemon that is killed lose, and how fast a replay is.
+
+mod kill;
+mod loss;
+mod session;
+mod tick;
+
+use super::figure::{Bar, Figure};
+use super::{Effort, processes};
+use palpate::recording::{ReplayOptions, Session, replay_with};
+use processes::Files;
+use session::{RIGID, Simulated, TEARDROP};
+
+/// Runs the suite; `only` keeps the cases whose names contain it. Each figure is handed out as soon
+/// as it is measured.
+pub fn recording(effort: Effort, only: Option<&str>, out: &mut dyn FnMut(Figure)) {
+    let wanted = |case: &str| only.is_none_or(|part| case.contains(part));
+    let cases: [(&str, Run); 4] = [
+        ("cost/tick", tick::run),
+        ("size/teardrop", size),
+        ("loss/stall", loss::run),
+        ("kill/daemon", kill::run),
+    ];
+    for (case, run) in cases.into_iter().filter(|(case, _)| wanted(case)) {
+        if let Err(error) = run(effort, out) {
+            eprintln!("{case}: {error}");
+        }
+    }
+    if wanted("replay/speed")
+        && let Err(error) = speed(effort, out)
+    {
+        eprintln!("replay/speed: {error}");
+    }
+}
+
+type Run = fn(Effort, &mut dyn FnMut(Figure)) -> anyhow::Result<()>;
+
+fn figure(
+    case: &str,
+    method: &str,
+    value: f64,
+    unit: &'static str,
+    bar: Option<Bar>,
+    note: String,
+) -> Figure {
+    let (reference, reference_is) = match bar {
+        Some(Bar::AtMost(most)) => (most, "bar"),
+        Some(Bar::AtLeast(least)) => (least, "bar"),
+        None => (0.0, ""),
+    };
+    Figure {
+        suite: "recording",
+        case: case.to_owned(),
+        method: method.to_owned(),
+        value,
+        unit,
+        reference,
+        reference_is,
+        bar,
+        note,
+    }
+}
+
+/// Bytes on disk a second of simulated time, with and without what viewers read.
+fn size(effort: Effort, out: &mut dyn FnMut(Figure)) -> anyhow::Result<()> {
+    let files = Files::new("size")?;
+    let seconds = if effort == Effort::Quick { 4 } else { 60 };
+    // The main scene refines its net for contact; a body of 8 × 8 is the same without.
+    let plain = TEARDROP.replace("refine = \"auto\"", "refine = \"none\"");
+    let cases = [
+        ("one tool, one 8 x 8 body", plain.as_str(), false),
+        ("the same with views", plain.as_str(), true),
+        ("scene teardrop, refined net", TEARDROP, false),
+    ];
+    for (k, (method, text, views)) in cases.into_iter().enumerate() {
+        let path = files.path(&format!("{k}.mcap"));
+        let mut simulated = Simulated::new(text, |record| record.views = views)?;
+        let summary = simulated.record(&path, seconds * 1_000)?;
+        let bytes = std::fs::metadata(&path)?.len();
+        let bar = (k == 0).then_some(Bar::AtMost(200.0));
+        let note = format!(
+            "{seconds} s, {bytes} bytes on disk, {} before compression",
+            summary.bytes
+        );
+        out(figure(
+            "size/teardrop",
+            method,
+            bytes as f64 / seconds as f64 / 1e3,
+            "kB/s",
+            bar,
+            note,
+        ));
+    }
+    Ok(())
+}
+
+/// Simulated over wall time of a replay that compares every bit.
+fn speed(effort: Effort, out: &mut dyn FnMut(Figure)) -> anyhow::Result<()> {
+    let files = Files::new("replay")?;
+    let seconds = if effort == Effort::Quick { 4 } else { 20 };
+    let cores = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
+    // The main scene fills a tick; the other two are a coarser and a rigid body under the same
+    // ball.
+    let coarse = TEARDROP.replace("refine = \"auto\"", "refine = \"none\"");
+    let bar = Some(Bar::AtLeast(20.0));
+    let cases = [
+        ("teardrop", TEARDROP, bar),
+        ("teardrop, 8 x 8", coarse.as_str(), None),
+        ("rigid-teardrop", RIGID, None),
+    ];
+    for (name, text, bar) in cases {
+        let path = files.path(&format!("{name}.mcap"));
+        Simulated::new(text, |record| record.views = false)?.record(&path, seconds * 1_000)?;
+        let session = Session::open(&path)?;
+        for jobs in [1, cores] {
+            let report = replay_with(
+                &session,
+                &ReplayOptions {
+                    jobs,
+                    ..ReplayOptions::default()
+                },
+                |_, _| {},
+            )?;
+            let note = format!(
+                "{} of {} ticks equal by bits, {} nets",
+                report.ticks_matched, report.ticks_recorded, report.nets_matched
+            );
+            let method = format!("{name}, {jobs} thread{}", if jobs == 1 { "" } else { "s" });
+            out(figure(
+                "replay/speed",
+                &method,
+                report.realtime_factor,
+                "x",
+                bar,
+                note,
+            ));
+        }
+    }
+    Ok(())
+}

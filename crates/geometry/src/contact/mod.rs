@@ -1,0 +1,30 @@
+//! Contact queries: what a tool or a body touches, and how deep.
+//!
+//! ```text
+//! broad             pairs whose boxes meet
+//! exact, implicit,  contacts of one tool shape with a surface, certified or polished to rounding
+//! mesh, pair, own   … of a mesh, of two surfaces, of a surface with itself
+//! spheres           the same on sampled points, as fast or as exact as their number
+//!      └──────────▶ ContactSet: contacts in order of depth, rectangles in touch, overlap
+//! swept             first touch of a tool on its way
+//! ```
+//! Normals point out of the body, towards the tool; a gap is negative where the tool is inside.
+
+pub mod broad;
+mod depth;
+pub mod exact;
+pub mod implicit;
+#[cfg(test)]
+mod joint_tests;
+pub mod mesh;
+pub mod own;
+pub mod pair;
+mod samples;
+mod set;
+mod shape;
+pub mod spheres;
+pub mod swept;
+
+pub use samples::{SampleGrid, Weights, distance_squared_to_box};
+pub use set::{Contact, ContactSet, MAX_CONTACTS, Reach, Rectangle};
+pub use shape::{SurfaceShape, ToolShape};

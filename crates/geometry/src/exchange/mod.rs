@@ -1,0 +1,421 @@
+//! Surfaces and meshes to and from the files of other programs.
+//!
+//! | format | surfaces | meshes | points |
+//! |---|---|---|---|
+//! | JSON (`palpate.surface.v1`) | read, write | | |
+//! | STEP | read, write | | |
+//! | IGES | read, write | | |
+//! | STL | | read, write | read |
+//! | OBJ | | write | read |
+//! | glTF (`.glb`) | | write | |
+//! | text (`.xyz`, `.csv`, `.txt`) | | | read |
+//!
+//! ```text
+//! bytes ── step | iges ──▶ FileSurface: net, knots with multiplicities ──▶ Surface ──▶ Written ── step | iges ──▶ text
+//! ```
+//! Whatever the bytes, reading ends with a value or a typed error; memory stays within a constant
+//! times their number.
+//!
+//! ```
+//! use palpate_geometry::exchange::{Format, Pick, read_surface, write_surface};
+//! use palpate_geometry::surface::{builtin, file::Unit};
+//!
+//! let drop = builtin("teardrop", None, None)?;
+//! let file = write_surface(&drop, Format::Step, Unit::Metre)?;
+//! let read = read_surface(&file, Format::Step, Pick::First)?;
+//! assert_eq!(read.surface.net(), drop.net());
+//! assert_eq!((read.count, read.unit.to_string().as_str()), (1, "m"));
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+pub mod iges;
+pub mod mesh;
+mod number;
+mod spline;
+pub mod step;
+mod units;
+
+#[cfg(test)]
+mod testing;
+
+pub use iges::IgesError;
+pub use mesh::MeshError;
+pub use spline::SplineError;
+pub use step::StepError;
+pub use units::LengthUnit;
+
+use crate::math::Point3;
+use crate::surface::file::Unit;
+use crate::surface::{FileError, Mesh, Surface, file};
+use std::fmt;
+use std::path::{Path, PathBuf};
+
+/// A kind of file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Format {
+    /// `palpate.surface.v1`.
+    Json,
+    /// ISO 10303-21.
+    Step,
+    /// IGES 5.3.
+    Iges,
+    /// Triangles.
+    Stl,
+    /// Wavefront.
+    Obj,
+    /// glTF 2.0, binary.
+    Glb,
+    /// A point a line.
+    Points,
+}
+
+impl Format {
+    /// By the ending of a file's name, in either case.
+    ///
+    /// # Errors
+    /// An ending that none of ours has.
+    pub fn of(path: impl AsRef<Path>) -> Result<Self, ExchangeError> {
+        let extension = path
+            .as_ref()
+            .extension()
+            .map(|e| e.to_string_lossy().to_lowercase())
+            .unwrap_or_default();
+        match extension.as_str() {
+            "json" => Ok(Self::Json),
+            "step" | "stp" => Ok(Self::Step),
+            "iges" | "igs" => Ok(Self::Iges),
+            "stl" => Ok(Self::Stl),
+            "obj" => Ok(Self::Obj),
+            "glb" => Ok(Self::Glb),
+            "xyz" | "csv" | "txt" => Ok(Self::Points),
+            _ => Err(ExchangeError::Extension { extension }),
+        }
+    }
+
+    /// As people call it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Json => "palpate.surface.v1 (JSON)",
+            Self::Step => "STEP",
+            Self::Iges => "IGES",
+            Self::Stl => "STL",
+            Self::Obj => "OBJ",
+            Self::Glb => "glTF",
+            Self::Points => "points as text",
+        }
+    }
+}
+
+/// Which surface of a file.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Pick {
+    /// The first.
+    #[default]
+    First,
+    /// By place, from 0.
+    Index(usize),
+    /// By number: `#id` of STEP, the directory entry of IGES.
+    Id(u64),
+}
+
+impl Pick {
+    /// The number of the picked one.
+    fn among(self, ids: &[u64]) -> Option<u64> {
+        match self {
+            Self::First => ids.first().copied(),
+            Self::Index(index) => ids.get(index).copied(),
+            Self::Id(id) => ids.contains(&id).then_some(id),
+        }
+    }
+}
+
+impl fmt::Display for Pick {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::First => write!(f, "at place 0"),
+            Self::Index(index) => write!(f, "at place {index} (from 0)"),
+            Self::Id(id) => write!(f, "#{id}"),
+        }
+    }
+}
+
+/// A surface from a file.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Imported {
+    /// The surface, m.
+    pub surface: Surface,
+    /// Its number in the file (0 where files have none).
+    pub id: u64,
+    /// How many surfaces the file has that could have been picked.
+    pub count: usize,
+    /// The unit that the file's coordinates were in.
+    pub unit: LengthUnit,
+}
+
+/// Why a file was not read or written.
+#[derive(Debug, thiserror::Error)]
+pub enum ExchangeError {
+    /// An ending that none of ours has.
+    #[error(
+        "no format is known by the ending \".{extension}\"; there are .json, .step, .stp, .iges, .igs, .stl, .obj, .glb and, for points, \
+         .xyz, .csv, .txt"
+    )]
+    Extension {
+        /// The ending, without its point.
+        extension: String,
+    },
+    /// A file that cannot be read.
+    #[error("{}: {source}", path.display())]
+    File {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        source: std::io::Error,
+    },
+    /// A `palpate.surface.v1` document.
+    #[error(transparent)]
+    Json(#[from] FileError),
+    /// A text format with bytes that are no text.
+    #[error("byte {at} is not UTF-8 text")]
+    Text {
+        /// Where.
+        at: usize,
+    },
+    /// A STEP file.
+    #[error(transparent)]
+    Step(#[from] StepError),
+    /// An IGES file.
+    #[error(transparent)]
+    Iges(#[from] IgesError),
+    /// A mesh or a point cloud.
+    #[error(transparent)]
+    Mesh(#[from] MeshError),
+    /// A format that is for other things.
+    #[error("{} is no format to {verb} {what}; use {instead}", format.name())]
+    Kind {
+        /// The format.
+        format: Format,
+        /// `read` or `write`.
+        verb: &'static str,
+        /// What was to be read or written.
+        what: &'static str,
+        /// Formats that do.
+        instead: &'static str,
+    },
+    /// A surface that a format has no form for.
+    #[error(transparent)]
+    Spline(#[from] SplineError),
+}
+
+/// What has surfaces, for messages.
+const SURFACES: &str = "STEP, IGES or JSON";
+
+/// Reads one surface.
+///
+/// # Errors
+/// See [`ExchangeError`]; each says what is wrong and where.
+pub fn read_surface(bytes: &[u8], format: Format, pick: Pick) -> Result<Imported, ExchangeError> {
+    match format {
+        Format::Json => {
+            let text = std::str::from_utf8(bytes).map_err(|error| ExchangeError::Text {
+                at: error.valid_up_to(),
+            })?;
+            let (surface, unit) = file::read_with_unit(text)?;
+            let unit = LengthUnit::of_metres(unit.name(), 1.0, unit.per_metre());
+            Ok(Imported {
+                surface,
+                id: 0,
+                count: 1,
+                unit,
+            })
+        }
+        Format::Step => Ok(step::read(bytes, pick)?),
+        Format::Iges => Ok(iges::read(bytes, pick)?),
+        Format::Stl | Format::Obj | Format::Glb | Format::Points => Err(ExchangeError::Kind {
+            format,
+            verb: "read",
+            what: "a surface from",
+            instead: SURFACES,
+        }),
+    }
+}
+
+/// Reads one surface of a file, whose format its name's ending tells.
+///
+/// # Errors
+/// A file that cannot be read, an ending that none of our formats has, or what [`read_surface`]
+/// says.
+pub fn read_surface_file(path: impl AsRef<Path>, pick: Pick) -> Result<Imported, ExchangeError> {
+    let path = path.as_ref();
+    let format = Format::of(path)?;
+    let bytes = std::fs::read(path).map_err(|source| ExchangeError::File {
+        path: path.to_owned(),
+        source,
+    })?;
+    read_surface(&bytes, format, pick)
+}
+
+/// The file of one surface, coordinates in `unit`. In metres, reading it gives the same numbers bit
+/// for bit.
+///
+/// # Errors
+/// A format without surfaces, or a surface that the format has no form for.
+pub fn write_surface(
+    surface: &Surface,
+    format: Format,
+    unit: Unit,
+) -> Result<Vec<u8>, ExchangeError> {
+    match format {
+        Format::Json => Ok(file::write(surface, unit).into_bytes()),
+        Format::Step => Ok(step::write(surface, unit)?.into_bytes()),
+        Format::Iges => Ok(iges::write(surface, unit)?.into_bytes()),
+        Format::Stl | Format::Obj | Format::Glb | Format::Points => Err(ExchangeError::Kind {
+            format,
+            verb: "write",
+            what: "a surface to",
+            instead: SURFACES,
+        }),
+    }
+}
+
+/// The file of a mesh, coordinates in `unit` (glTF: always metres); STL in its binary form.
+///
+/// # Errors
+/// A format without meshes, or a mesh that is empty or whose parts do not fit each other or the
+/// format.
+pub fn write_mesh(mesh: &Mesh, format: Format, unit: Unit) -> Result<Vec<u8>, ExchangeError> {
+    match format {
+        Format::Stl => Ok(mesh::write_stl(mesh, unit)?),
+        Format::Obj => Ok(mesh::write_obj(mesh, unit)?.into_bytes()),
+        Format::Glb => Ok(mesh::write_glb(mesh)?),
+        Format::Json | Format::Step | Format::Iges | Format::Points => Err(ExchangeError::Kind {
+            format,
+            verb: "write",
+            what: "a mesh to",
+            instead: "STL, OBJ or glTF",
+        }),
+    }
+}
+
+/// The triangles of an STL or OBJ file; coordinates in `unit`.
+///
+/// # Errors
+/// A format without triangles that are read, or a file that is cut short or names corners it does
+/// not have.
+pub fn read_mesh(bytes: &[u8], format: Format, unit: Unit) -> Result<Mesh, ExchangeError> {
+    match format {
+        Format::Stl => Ok(mesh::read_stl(bytes, unit)?),
+        Format::Obj => Ok(mesh::read_obj(bytes, unit)?),
+        _ => Err(ExchangeError::Kind {
+            format,
+            verb: "read",
+            what: "a mesh from",
+            instead: "STL or OBJ",
+        }),
+    }
+}
+
+/// The points of a cloud: corners of an STL (each once) or OBJ file, or lines of text; coordinates
+/// in `unit`.
+///
+/// # Errors
+/// A format without points, or a file that is cut short or has what is no point.
+pub fn read_points(bytes: &[u8], format: Format, unit: Unit) -> Result<Vec<Point3>, ExchangeError> {
+    match format {
+        Format::Stl => Ok(mesh::read_stl(bytes, unit)?.points),
+        Format::Obj => Ok(mesh::read_obj_points(bytes, unit)?),
+        Format::Points => Ok(mesh::read_text_points(bytes, unit)?),
+        Format::Json | Format::Step | Format::Iges | Format::Glb => {
+            let instead = "STL, OBJ or text (.xyz, .csv)";
+            Err(ExchangeError::Kind {
+                format,
+                verb: "read",
+                what: "points from",
+                instead,
+            })
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn formats_are_known_by_the_ending_of_a_name() {
+        let cases = [
+            ("a/b.step", Format::Step),
+            ("b.STP", Format::Step),
+            ("c.igs", Format::Iges),
+            ("c.IGES", Format::Iges),
+            ("d.json", Format::Json),
+            ("e.stl", Format::Stl),
+            ("f.obj", Format::Obj),
+            ("g.glb", Format::Glb),
+            ("h.csv", Format::Points),
+        ];
+        for (path, format) in cases {
+            assert_eq!(Format::of(path).unwrap(), format, "{path}");
+        }
+        for path in ["a.ply", "a", "", ".step"] {
+            assert!(
+                matches!(Format::of(path), Err(ExchangeError::Extension { .. })),
+                "{path}"
+            );
+        }
+    }
+
+    #[test]
+    fn every_format_reads_and_writes_what_it_is_for_and_says_so_otherwise() {
+        for (name, surface) in testing::surfaces() {
+            for format in [Format::Json, Format::Step, Format::Iges] {
+                let bytes = write_surface(&surface, format, Unit::Metre).unwrap();
+                assert_eq!(
+                    read_surface(&bytes, format, Pick::First).unwrap().surface,
+                    surface,
+                    "{name}, {format:?}"
+                );
+            }
+        }
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/opencascade/periodic.step");
+        assert!(
+            read_surface_file(path, Pick::First)
+                .unwrap()
+                .surface
+                .knots_u()
+                .is_periodic()
+        );
+        assert!(matches!(
+            read_surface_file("/nowhere/a.step", Pick::First),
+            Err(ExchangeError::File { .. })
+        ));
+        let message = read_surface(b"", Format::Stl, Pick::First)
+            .unwrap_err()
+            .to_string();
+        assert_eq!(
+            message,
+            "STL is no format to read a surface from; use STEP, IGES or JSON"
+        );
+        let mesh = Mesh::default();
+        assert!(matches!(
+            write_mesh(&mesh, Format::Step, Unit::Metre),
+            Err(ExchangeError::Kind { .. })
+        ));
+        assert!(matches!(
+            write_mesh(&mesh, Format::Glb, Unit::Metre),
+            Err(ExchangeError::Mesh(MeshError::Empty(_)))
+        ));
+        assert!(matches!(
+            read_points(b"", Format::Glb, Unit::Metre),
+            Err(ExchangeError::Kind { .. })
+        ));
+        assert_eq!(
+            read_points(b"1 2 3", Format::Points, Unit::Metre).unwrap(),
+            [Point3::new(1.0, 2.0, 3.0)]
+        );
+        assert!(matches!(
+            read_surface(&[b'{', 0xff], Format::Json, Pick::First),
+            Err(ExchangeError::Text { at: 1 })
+        ));
+    }
+}

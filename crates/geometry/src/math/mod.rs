@@ -1,0 +1,32 @@
+//! Names for nalgebra's types, small dense and sparse linear algebra, and the state hash. Imports
+//! nothing of ours.
+
+use nalgebra as na;
+
+/// Displacement, velocity, force, normal: three components, SI.
+pub type Vector3 = na::Vector3<f64>;
+/// A place, m.
+pub type Point3 = na::Point3<f64>;
+/// Unit quaternion.
+pub type Rotation = na::UnitQuaternion<f64>;
+/// Rigid placement: rotation then translation, m.
+pub type Pose = na::Isometry3<f64>;
+/// 3 × 3 matrix.
+pub type Matrix3 = na::Matrix3<f64>;
+
+mod aligned;
+mod cholesky;
+#[doc(hidden)]
+pub mod lanes;
+mod quadrature;
+mod random;
+pub mod simd;
+mod state;
+mod turn;
+
+pub use aligned::Rows;
+pub use cholesky::{Cholesky, CholeskyError, Lane, SymmetricTriplets};
+pub use quadrature::gauss_legendre;
+pub use random::Random;
+pub use state::{SavedState, StateError, StateSink, StateSource, Stateful, state_hash};
+pub use turn::{rotation_by, turn_between};

@@ -1,0 +1,218 @@
+//! A merge as a pair of matrices for each patch.
+//!
+//! Sampling a patch is linear in its net (M = A_u P A_vᵀ), and so is fitting samples in each
+//! direction (P = F_u M F_vᵀ). Put together, the merged net is a sum over the patches,
+//! ```text
+//! P = Σ G_u P_patch G_vᵀ,   G_u = F_u A_u,   G_v = F_v A_v
+//! ```
+//! with small matrices that depend on knots and parameters only: the blendings at hand. A plan
+//! keeps them, so patches that move are merged again without sampling or fitting.
+
+use super::axis::normalised;
+use super::build::check_nets;
+use super::fit::{Ends, LineFit};
+use super::layout::Layout;
+use super::{MergeError, Seam};
+use palpate_geometry::basis::{Blending, KnotVector};
+use palpate_geometry::math::{Point3, Vector3};
+use palpate_geometry::surface::{ControlNet, Direction, Surface};
+
+/// Where the rows of one block lie: as fractions of its patches, and on the merged parameter.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BlockRows {
+    /// Fractions of the patch's domain, rising.
+    pub fractions: Vec<f64>,
+    /// Merged parameters, as many.
+    pub parameters: Vec<f64>,
+}
+
+/// One direction of the merged surface.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Line {
+    pub knots: KnotVector,
+    /// Parameters at which patches meet.
+    pub seams: Vec<f64>,
+    /// (blocks)
+    pub rows: Vec<BlockRows>,
+}
+
+/// Everything about a merge but the nets.
+#[derive(Clone, Debug)]
+pub struct MergePlan {
+    pub(super) layout: Layout,
+    pub(super) lines: [Line; 2],
+    /// (places) of the matrices G for u and v, (merged count × patch count), row after row.
+    maps: Vec<[Map; 2]>,
+    /// (places) control points of the turned patches.
+    counts: Vec<[usize; 2]>,
+}
+
+/// A dense matrix.
+#[derive(Clone, Debug)]
+struct Map {
+    columns: usize,
+    values: Vec<f64>,
+}
+
+impl MergePlan {
+    /// `turned` are the patches as the layout places them.
+    pub(super) fn new(turned: &[Surface], layout: Layout, lines: [Line; 2], ends: Ends) -> Self {
+        let maps_u = maps(turned, &layout, Direction::U, &lines[0], ends);
+        let maps_v = maps(turned, &layout, Direction::V, &lines[1], ends);
+        let maps = maps_u
+            .into_iter()
+            .zip(maps_v)
+            .map(|(u, v)| [u, v])
+            .collect();
+        let counts = turned
+            .iter()
+            .map(|s| [s.net().rows(), s.net().columns()])
+            .collect();
+        Self {
+            layout,
+            lines,
+            maps,
+            counts,
+        }
+    }
+
+    /// Which patch lies where.
+    pub fn layout(&self) -> &Layout {
+        &self.layout
+    }
+
+    /// Rows of points of the blocks in a direction.
+    pub fn rows(&self, direction: Direction) -> &[BlockRows] {
+        &self.line(direction).rows
+    }
+
+    /// Where the merged surface was joined.
+    pub fn seams(&self) -> Vec<Seam> {
+        let of = |direction| {
+            self.line(direction)
+                .seams
+                .iter()
+                .map(move |&at| Seam { direction, at })
+        };
+        of(Direction::U).chain(of(Direction::V)).collect()
+    }
+
+    fn line(&self, direction: Direction) -> &Line {
+        &self.lines[if direction == Direction::U { 0 } else { 1 }]
+    }
+
+    /// The merged surface of patches as they stand now: those that the plan was made for, with nets
+    /// that may have moved.
+    ///
+    /// # Errors
+    /// Another number of patches, nets of other sizes, or a net that is not finite. Knots must be
+    /// the same: that is not checked.
+    pub fn merge(&self, surfaces: &[Surface]) -> Result<Surface, MergeError> {
+        check_nets(surfaces)?;
+        let (rows, columns) = (self.layout.rows, self.layout.columns);
+        if surfaces.len() != rows * columns {
+            return Err(MergeError::Arrangement {
+                given: surfaces.len(),
+                rows,
+                columns,
+            });
+        }
+        let turned: Vec<Surface> = self
+            .layout
+            .places
+            .iter()
+            .map(|place| place.turn.of(&surfaces[place.patch]))
+            .collect();
+        for (k, surface) in turned.iter().enumerate() {
+            if [surface.net().rows(), surface.net().columns()] != self.counts[k] {
+                return Err(MergeError::OtherNet {
+                    patch: self.layout.places[k].patch,
+                });
+            }
+        }
+        self.combined(&turned)
+    }
+
+    pub(super) fn combined(&self, turned: &[Surface]) -> Result<Surface, MergeError> {
+        let [u, v] = [&self.lines[0].knots, &self.lines[1].knots];
+        let (rows, columns) = (u.count(), v.count());
+        // From a point of their own: far from the origin nothing is lost.
+        let origin = turned[0].net().points()[0];
+        let mut points = vec![Vector3::zeros(); rows * columns];
+        let mut half = Vec::new();
+        for (surface, [map_u, map_v]) in turned.iter().zip(&self.maps) {
+            let net = surface.net();
+            half.clear();
+            for i in 0..net.rows() {
+                let line = &net.points()[i * net.columns()..(i + 1) * net.columns()];
+                half.extend(map_v.values.chunks_exact(map_v.columns).map(|share| {
+                    line.iter()
+                        .zip(share)
+                        .fold(Vector3::zeros(), |sum, (p, s)| sum + (p - origin) * *s)
+                }));
+            }
+            for (share, out) in map_u
+                .values
+                .chunks_exact(map_u.columns)
+                .zip(points.chunks_exact_mut(columns))
+            {
+                for (s, line) in share.iter().zip(half.chunks_exact(columns)) {
+                    out.iter_mut().zip(line).for_each(|(o, p)| *o += p * *s);
+                }
+            }
+        }
+        let points: Vec<Point3> = points.into_iter().map(|p| origin + p).collect();
+        let net = ControlNet::new(rows, columns, points)
+            .map_err(palpate_geometry::surface::SurfaceError::from)?;
+        let flip = turned[self
+            .layout
+            .places
+            .iter()
+            .position(|p| p.patch == 0)
+            .unwrap_or(0)]
+        .flip_normal();
+        Ok(Surface::new(u.clone(), v.clone(), net, None)?.with_flip_normal(flip))
+    }
+}
+
+/// G of every place for one direction.
+fn maps(
+    turned: &[Surface],
+    layout: &Layout,
+    direction: Direction,
+    line: &Line,
+    ends: Ends,
+) -> Vec<Map> {
+    let parameters: Vec<f64> = line
+        .rows
+        .iter()
+        .flat_map(|rows| rows.parameters.iter().copied())
+        .collect();
+    let fit = LineFit::new(&line.knots, &parameters, ends);
+    let mut starts = vec![0];
+    line.rows
+        .iter()
+        .for_each(|rows| starts.push(starts[starts.len() - 1] + rows.parameters.len()));
+    let place_map = |k: usize| {
+        let block = if direction == Direction::U {
+            k / layout.columns
+        } else {
+            k % layout.columns
+        };
+        let knots = normalised(turned[k].knots(direction));
+        let blending = Blending::new(&knots, &line.rows[block].fractions);
+        let width = knots.count();
+        // The other blocks' samples are zero: fits add up.
+        let mut samples = vec![0.0; parameters.len() * width];
+        for row in 0..blending.rows() {
+            for (column, value) in blending.entries(row, 0) {
+                samples[(starts[block] + row) * width + column] = value;
+            }
+        }
+        Map {
+            columns: width,
+            values: fit.fit(&samples, width),
+        }
+    };
+    (0..turned.len()).map(place_map).collect()
+}

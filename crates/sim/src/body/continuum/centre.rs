@@ -1,0 +1,207 @@
+//! Cells integrated at their centres, for grids whose nodes are moved by fewer, smoother
+//! coordinates.
+//!
+//! At the centre G = [c_ξ, c_η, c_ζ] and V / 8 = [c_ξ, c_η, c_ζ]; the other modes do no work.
+//! Fields of [`Block`] that belong to a Gauss point are those of the centre, in the first place.
+
+use super::kernel::{Block, cross, dot, minus, modes, pressure, stretch, times};
+use super::{Cell, Elastic};
+use palpate_geometry::math::lanes::{Baseline, Four, Lanes};
+use palpate_geometry::math::{Lane, Matrix3, Point3, Vector3};
+
+/// Fills in what holds at the centres.
+pub(super) fn reduce(block: &mut Block, nodes: &[Point3], cells: &[Cell], materials: &[Elastic]) {
+    for (k, (cell, elastic)) in cells.iter().zip(materials).enumerate() {
+        let mut map = Matrix3::zeros();
+        for (corner, &node) in cell.iter().enumerate() {
+            let half = |bit: usize| if corner & bit != 0 { 0.125 } else { -0.125 };
+            map +=
+                nodes[node as usize].coords * Vector3::new(half(4), half(2), half(1)).transpose();
+        }
+        let volume = 8.0 * map.determinant();
+        // A cell without volume at its centre has been refused; should one come, it has no energy.
+        let inverse = map.try_inverse().unwrap_or_else(Matrix3::zeros);
+        let s = inverse * inverse.transpose();
+        let six = [
+            s[(0, 0)],
+            s[(1, 1)],
+            s[(2, 2)],
+            s[(0, 1)],
+            s[(0, 2)],
+            s[(1, 2)],
+        ];
+        for (row, value) in six.into_iter().enumerate() {
+            block.metric[0][row][k] = value;
+        }
+        block.stiffness_j[0][k] = 4.0 / 3.0 * elastic.lame_pa().0 * volume.abs();
+        block.per_volume[k] = 1.0 / volume;
+        block.winding[k] = volume.signum();
+    }
+}
+
+/// Adds −∂Ψ/∂x of a block's cells; bit k of the answer is set where cell k was held back.
+#[inline(always)]
+pub(super) fn add_forces<L: Lanes>(block: &Block, places: &[Lane], residual: &mut [Lane]) -> u8 {
+    let (zero, one) = (L::splat(0.0), L::splat(1.0));
+    let c = modes::<L>(block, places);
+    let (x, y, z) = (c[4], c[2], c[1]);
+    let (t, invariant) = stretch(&block.metric[0], [x, y, z]);
+    let factor = L::load(&block.stiffness_j[0]) * (one - one / (invariant + one));
+    let growth = [cross(y, z), cross(z, x), cross(x, y)];
+    let volume = dot(x, growth[0]) * L::splat(8.0);
+    let (pressure, held) = pressure(block, volume, invariant);
+    let share = factor * L::splat(-0.125);
+    let fx = minus(times(t[0], share), times(growth[0], pressure));
+    let fy = minus(times(t[1], share), times(growth[1], pressure));
+    let fz = minus(times(t[2], share), times(growth[2], pressure));
+    for corner in 0..8 {
+        let mut rows = [zero; 4];
+        for axis in 0..3 {
+            let a = if corner & 4 != 0 {
+                fx[axis]
+            } else {
+                zero - fx[axis]
+            };
+            let b = if corner & 2 != 0 {
+                a + fy[axis]
+            } else {
+                a - fy[axis]
+            };
+            rows[axis] = if corner & 1 != 0 {
+                b + fz[axis]
+            } else {
+                b - fz[axis]
+            };
+        }
+        let rows = L::transposed(rows);
+        for cell in 0..4 {
+            let lane = &mut residual[block.nodes[corner][cell] as usize];
+            (L::load(lane) + rows[cell]).store(lane);
+        }
+    }
+    held
+}
+
+/// J, by cell.
+pub(super) fn energy(block: &Block, places: &[Lane]) -> Four {
+    let c = modes::<Baseline>(block, places);
+    let (_, lanes) = stretch(&block.metric[0], [c[4], c[2], c[1]]);
+    let (mut invariant, mut volume) = ([0.0; 4], [0.0; 4]);
+    lanes.store(&mut invariant);
+    (dot(c[4], cross(c[2], c[1])) * Baseline::splat(8.0)).store(&mut volume);
+    std::array::from_fn(|cell| {
+        let strain = invariant[cell] - 3.0;
+        let shape = 0.5 * block.stiffness_j[0][cell] * (strain - libm::log1p(0.25 * strain));
+        let grown = volume[cell] * block.per_volume[cell] - 1.0;
+        let at_rest = block.winding[cell] / block.per_volume[cell];
+        shape + at_rest * (0.5 * block.bulk_pa[cell] * grown - block.shear_pa[cell]) * grown
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::Continuum;
+    use super::super::tests::Random;
+    use super::*;
+    use crate::body::CubeLattice;
+
+    fn cells() -> Continuum {
+        let cube = CubeLattice::cuboid(&Point3::origin(), &Point3::new(0.1, 0.12, 0.09), [3, 4, 3])
+            .unwrap();
+        let mut grid = cube.grid;
+        let mut random = Random(41);
+        grid.nodes
+            .iter_mut()
+            .for_each(|p| *p += random.vector() * 0.005);
+        let elastic = vec![
+            Elastic {
+                young_pa: 3e4,
+                poisson: 0.35
+            };
+            grid.cells.len()
+        ];
+        Continuum::at_centres(&grid, &elastic).unwrap()
+    }
+
+    fn moved(solid: &Continuum, by: f64, random: &mut Random) -> Vec<Lane> {
+        let lane = |p: &Point3, d: Vector3| [p.x + d.x * by, p.y + d.y * by, p.z + d.z * by, 0.0];
+        solid
+            .rest()
+            .iter()
+            .map(|p| lane(p, random.vector()))
+            .collect()
+    }
+
+    #[test]
+    fn forces_at_centres_are_the_falling_slope_of_their_energy() {
+        let (solid, mut random) = (cells(), Random(43));
+        let at_rest = moved(&solid, 0.0, &mut random);
+        // Strains of a few units in the last place, times modulus and volume: E V is 32 J here.
+        let rounding_j = 8.0 * f64::EPSILON * 3e4 * 0.1 * 0.12 * 0.09;
+        let at_rest_j = solid.energy_j(&at_rest);
+        assert!(
+            at_rest_j.abs() < rounding_j,
+            "{at_rest_j} J at rest, rounding gives {rounding_j} J"
+        );
+        for scale in [1e-3, 2e-2] {
+            let places = moved(&solid, scale, &mut random);
+            let forces = solid.exact_forces(&places);
+            let largest = forces.iter().map(|f| f.norm()).fold(0.0, f64::max);
+            for node in 0..places.len() {
+                for c in 0..3 {
+                    let step = 1e-7;
+                    let (mut above, mut below) = (places.clone(), places.clone());
+                    above[node][c] += step;
+                    below[node][c] -= step;
+                    let slope = (solid.energy_j(&above) - solid.energy_j(&below)) / (2.0 * step);
+                    assert!(
+                        (forces[node][c] + slope).abs() < 1e-5 * largest,
+                        "{} is not {}",
+                        forces[node][c],
+                        -slope
+                    );
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn centres_and_gauss_points_agree_on_an_even_strain() {
+        let cube =
+            CubeLattice::cuboid(&Point3::origin(), &Point3::new(0.1, 0.1, 0.1), [3; 3]).unwrap();
+        let elastic = vec![
+            Elastic {
+                young_pa: 3e4,
+                poisson: 0.3
+            };
+            cube.grid.cells.len()
+        ];
+        let solids = [
+            Continuum::new(&cube.grid, &elastic).unwrap(),
+            Continuum::at_centres(&cube.grid, &elastic).unwrap(),
+        ];
+        let places: Vec<Lane> = cube
+            .grid
+            .nodes
+            .iter()
+            .map(|p| [1.2 * p.x + 0.1 * p.y, 0.9 * p.y, p.z - 0.2 * p.x, 0.0])
+            .collect();
+        let [a, b] = solids.map(|solid| (solid.energy_j(&places), solid.exact_forces(&places)));
+        assert!((a.0 / b.0 - 1.0).abs() < 1e-12);
+        for (f, g) in a.1.iter().zip(&b.1) {
+            assert!((f - g).norm() < 1e-12 * f.norm().max(1.0));
+        }
+    }
+
+    #[test]
+    fn wide_registers_give_the_same_bits() {
+        let (solid, mut random) = (cells(), Random(47));
+        for scale in [0.0, 1e-3, 0.1, 1e3] {
+            let places = moved(&solid, scale, &mut random);
+            let (mut slow, mut fast) = (vec![[0.0; 4]; places.len()], vec![[0.0; 4]; places.len()]);
+            super::super::add_forces::<Baseline>(&solid.blocks, solid.points, &places, &mut slow);
+            solid.add_forces(&places, &mut fast);
+            assert_eq!(slow, fast);
+        }
+    }
+}

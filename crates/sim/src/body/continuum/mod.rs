@@ -1,0 +1,382 @@
+//! Elastic solids: stable neo-Hookean hexahedra.
+//!
+//! Smith, de Goes & Kim 2018, *Stable Neo-Hookean Flesh Simulation*, eq. 14 with their μ' = 4/3 μ
+//! and λ' = λ + 5/6 μ, so that E and ν are those of small strains and rest is without stress: `Ψ =
+//! ∫ μ'/2 (I_C − 3 − ln((I_C + 1) / 4)) dV + V₀ (λ'/2 (J̄ − 1)² − 3/4 μ' (J̄ − 1))`. The first
+//! integral is by 2 × 2 × 2 Gauss points. J̄ is the volume of the whole cell over that at rest
+//! (mean dilatation, Nagtegaal, Parks & Rice 1974), so nearly incompressible cells do not lock.
+//! Inverted and flat cells have finite forces that lead back.
+//!
+//! The step's constant matrix is a scalar Laplacian, [`Continuum::bounding_springs`]. It stays
+//! stable while it exceeds half of the tangent; where a cell is strained beyond that, its pressure
+//! is lowered for the tick and counted.
+
+mod bound;
+mod centre;
+mod hessian;
+mod kernel;
+mod rest;
+#[cfg(test)]
+pub(super) mod tests;
+
+use super::cells::{Cell, CellGrid};
+use kernel::Block;
+use palpate_geometry::math::lanes::{Baseline, Four, Lanes};
+use palpate_geometry::math::{Lane, Point3, Vector3};
+use rest::RestCell;
+
+/// Young's modulus and Poisson's ratio at small strain.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Elastic {
+    /// E, Pa.
+    pub young_pa: f64,
+    /// ν, in [0, 0.5).
+    pub poisson: f64,
+}
+
+impl Elastic {
+    /// Lamé's μ = E / (2 (1 + ν)) and λ = E ν / ((1 + ν) (1 − 2 ν)), Pa.
+    pub fn lame_pa(&self) -> (f64, f64) {
+        let Self { young_pa, poisson } = *self;
+        let shear = young_pa / (2.0 * (1.0 + poisson));
+        (
+            shear,
+            young_pa * poisson / ((1.0 + poisson) * (1.0 - 2.0 * poisson)),
+        )
+    }
+}
+
+/// Cells below this least scaled Jacobian are refused: their strains say little about the solid.
+pub const LEAST_SCALED_JACOBIAN: f64 = 0.2;
+
+/// Least share of a cell's volume at a Gauss point, over the mean share. A wedge has 0.42, a
+/// pyramid 0.13.
+const LEAST_EVENNESS: f64 = 0.01;
+
+/// Why cells cannot carry a continuum energy.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum ContinuumError {
+    /// One material a cell, please.
+    #[error("{materials} materials for {cells} cells")]
+    Count {
+        /// Materials given.
+        materials: usize,
+        /// Cells given.
+        cells: usize,
+    },
+    /// A material that no solid has.
+    #[error(
+        "cell {cell}: E = {young_pa} Pa, ν = {poisson}; E must be above 0 and ν from 0 to below 0.5"
+    )]
+    Material {
+        /// The first such cell.
+        cell: usize,
+        /// Its E.
+        young_pa: f64,
+        /// Its ν.
+        poisson: f64,
+    },
+    /// Cells too flat or folded.
+    #[error(
+        "{count} of {total} cells are too distorted: cell {worst} has scaled Jacobian {quality:.3}, the least allowed is \
+         {LEAST_SCALED_JACOBIAN}; refine the net where it is long and thin, use fewer layers, or model = \"lattice\""
+    )]
+    Distorted {
+        /// How many.
+        count: usize,
+        /// Of how many.
+        total: usize,
+        /// The worst of them.
+        worst: usize,
+        /// Its least scaled Jacobian; of a cell that folds at a Gauss point, its least share of
+        /// volume there.
+        quality: f64,
+    },
+}
+
+/// What a pass over the cells met.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Pass {
+    /// Cells whose pressure was lowered because they are strained beyond what the step can follow.
+    pub limited: u32,
+}
+
+/// The constant of an elastic solid.
+#[derive(Clone, Debug)]
+pub struct Continuum {
+    /// (cells / 4, rounded up).
+    blocks: Vec<Block>,
+    rest: Vec<Point3>,
+    cells: Vec<Cell>,
+    materials: Vec<Elastic>,
+    points: Points,
+}
+
+/// Where a cell's energy is integrated.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Points {
+    /// At 2 × 2 × 2 Gauss points, the volume over the whole cell.
+    Eight,
+    /// At its centre.
+    Centre,
+}
+
+impl Continuum {
+    /// Checks cells and materials (one a cell) and integrates the cells at rest.
+    ///
+    /// # Errors
+    /// A material out of range, or distorted cells.
+    pub fn new(grid: &CellGrid, elastic: &[Elastic]) -> Result<Self, ContinuumError> {
+        Self::integrated(grid, elastic, Points::Eight)
+    }
+
+    /// The same with one point a cell, a fifth of the work. A cell by itself then has motions
+    /// without energy: only for grids whose nodes are moved by fewer, smoother coordinates.
+    ///
+    /// # Errors
+    /// As [`Continuum::new`].
+    pub fn at_centres(grid: &CellGrid, elastic: &[Elastic]) -> Result<Self, ContinuumError> {
+        Self::integrated(grid, elastic, Points::Centre)
+    }
+
+    fn integrated(
+        grid: &CellGrid,
+        elastic: &[Elastic],
+        points: Points,
+    ) -> Result<Self, ContinuumError> {
+        check(grid, elastic)?;
+        let mut blocks = Vec::with_capacity(grid.cells.len().div_ceil(4));
+        for (cells, materials) in grid.cells.chunks(4).zip(elastic.chunks(4)) {
+            let mut block = block(&grid.nodes, cells, materials);
+            if points == Points::Centre {
+                centre::reduce(&mut block, &grid.nodes, cells, materials);
+            }
+            blocks.push(block);
+        }
+        let (cells, materials) = (grid.cells.clone(), elastic.to_vec());
+        Ok(Self {
+            blocks,
+            rest: grid.nodes.clone(),
+            cells,
+            materials,
+            points,
+        })
+    }
+
+    /// Nodes.
+    pub fn node_count(&self) -> usize {
+        self.rest.len()
+    }
+
+    /// Cells.
+    pub fn cell_count(&self) -> usize {
+        self.cells.len()
+    }
+
+    /// Rest positions, m.
+    pub fn rest(&self) -> &[Point3] {
+        &self.rest
+    }
+
+    /// Adds −∂Ψ/∂x (N) at `places` (m, fourth number ignored) to `residual`, both (node_count).
+    /// Finite for places up to 1e100 m.
+    pub fn add_forces(&self, places: &[Lane], residual: &mut [Lane]) -> Pass {
+        debug_assert!(
+            places.len() == self.rest.len() && residual.len() == places.len(),
+            "one place and force a node"
+        );
+        #[cfg(target_arch = "x86_64")]
+        if palpate_geometry::math::simd::has_avx2() {
+            // SAFETY: the processor has AVX2, asked just above.
+            #[allow(unsafe_code)]
+            return unsafe { add_forces_avx2(&self.blocks, self.points, places, residual) };
+        }
+        add_forces::<Baseline>(&self.blocks, self.points, places, residual)
+    }
+
+    /// −∂Ψ/∂x (node_count), N, with no cell held back: for offline solvers, which need no matrix to
+    /// follow.
+    pub fn exact_forces(&self, places: &[Lane]) -> Vec<Vector3> {
+        let mut residual = vec![[0.0; 4]; places.len()];
+        for block in &self.blocks {
+            let free = Block {
+                reach: [f64::MAX; 4],
+                ..block.clone()
+            };
+            add_forces::<Baseline>(&[free], self.points, places, &mut residual);
+        }
+        residual
+            .iter()
+            .map(|r| Vector3::new(r[0], r[1], r[2]))
+            .collect()
+    }
+
+    /// Ψ, J; zero at rest. Where [`Pass::limited`] counts a cell, forces are not its gradient.
+    pub fn energy_j(&self, places: &[Lane]) -> f64 {
+        let energy = match self.points {
+            Points::Eight => block_energy,
+            Points::Centre => centre::energy,
+        };
+        self.blocks
+            .iter()
+            .map(|block| energy(block, places).iter().sum::<f64>())
+            .sum()
+    }
+}
+
+#[inline(always)]
+fn add_forces<L: Lanes>(
+    blocks: &[Block],
+    points: Points,
+    places: &[Lane],
+    residual: &mut [Lane],
+) -> Pass {
+    let mut limited = 0;
+    match points {
+        Points::Eight => {
+            for block in blocks {
+                limited += kernel::add_forces::<L>(block, places, residual).count_ones();
+            }
+        }
+        Points::Centre => {
+            for block in blocks {
+                limited += centre::add_forces::<L>(block, places, residual).count_ones();
+            }
+        }
+    }
+    Pass { limited }
+}
+
+/// The same code with 256-bit registers; no fused multiply-add, so the bits are the same.
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx2")]
+fn add_forces_avx2(
+    blocks: &[Block],
+    points: Points,
+    places: &[Lane],
+    residual: &mut [Lane],
+) -> Pass {
+    add_forces::<palpate_geometry::math::lanes::Wide>(blocks, points, places, residual)
+}
+
+fn block_energy(block: &Block, places: &[Lane]) -> Four {
+    let c = kernel::modes::<Baseline>(block, places);
+    let slopes = kernel::slopes(&c);
+    let mut energy = [0.0; 4];
+    for gauss in 0..8 {
+        let [i, j, k] = kernel::at(gauss);
+        let (_, lanes) = kernel::stretch(
+            &block.metric[gauss],
+            [slopes[0][i], slopes[1][j], slopes[2][k]],
+        );
+        let mut invariant = [0.0; 4];
+        lanes.store(&mut invariant);
+        for cell in 0..4 {
+            let strain = invariant[cell] - 3.0;
+            energy[cell] +=
+                0.5 * block.stiffness_j[gauss][cell] * (strain - libm::log1p(0.25 * strain));
+        }
+    }
+    let mut volume = [0.0; 4];
+    kernel::volume(&c).1.store(&mut volume);
+    for cell in 0..4 {
+        let grown = volume[cell] * block.per_volume[cell] - 1.0;
+        let at_rest = block.winding[cell] / block.per_volume[cell];
+        energy[cell] +=
+            at_rest * (0.5 * block.bulk_pa[cell] * grown - block.shear_pa[cell]) * grown;
+    }
+    energy
+}
+
+fn check(grid: &CellGrid, elastic: &[Elastic]) -> Result<(), ContinuumError> {
+    let total = grid.cells.len();
+    if elastic.len() != total {
+        return Err(ContinuumError::Count {
+            materials: elastic.len(),
+            cells: total,
+        });
+    }
+    for (cell, &Elastic { young_pa, poisson }) in elastic.iter().enumerate() {
+        if !(young_pa.is_finite() && young_pa > 0.0 && (0.0..0.5).contains(&poisson)) {
+            return Err(ContinuumError::Material {
+                cell,
+                young_pa,
+                poisson,
+            });
+        }
+    }
+    // Places that are no numbers make cells of no quality.
+    let known = |x: f64| if x.is_nan() { f64::NEG_INFINITY } else { x };
+    let (mut count, mut worst, mut quality) = (0, 0, f64::INFINITY);
+    for (k, cell) in grid.cells.iter().enumerate() {
+        let rest = RestCell::new(&grid.nodes, cell);
+        let jacobian = known(rest::scaled_jacobian(&grid.nodes, cell, rest.volume).unwrap_or(1.0));
+        let evenness = known(rest.evenness);
+        if evenness <= LEAST_EVENNESS || jacobian < LEAST_SCALED_JACOBIAN {
+            count += 1;
+            let value = if evenness <= LEAST_EVENNESS {
+                jacobian.min(evenness)
+            } else {
+                jacobian
+            };
+            if value <= quality {
+                (worst, quality) = (k, value);
+            }
+        }
+    }
+    if count > 0 {
+        Err(ContinuumError::Distorted {
+            count,
+            total,
+            worst,
+            quality,
+        })
+    } else {
+        Ok(())
+    }
+}
+
+/// Up to four cells. The places of missing ones are those of the first, their stiffness is zero.
+fn block(nodes: &[Point3], cells: &[Cell], materials: &[Elastic]) -> Block {
+    let mut block = Block {
+        metric: [[[0.0; 4]; 6]; 8],
+        stiffness_j: [[0.0; 4]; 8],
+        nodes: cells[0].map(|node| [node; 4]),
+        per_volume: [1.0; 4],
+        winding: [1.0; 4],
+        bulk_pa: [0.0; 4],
+        shear_pa: [0.0; 4],
+        reach: [f64::MAX; 4],
+    };
+    for (k, (cell, elastic)) in cells.iter().zip(materials).enumerate() {
+        let rest = RestCell::new(nodes, cell);
+        let (shear, lame) = elastic.lame_pa();
+        let weight = bound::weight_pa(elastic);
+        for corner in 0..8 {
+            block.nodes[corner][k] = cell[corner];
+        }
+        for gauss in 0..8 {
+            let s = &rest.metrics[gauss];
+            let six = [
+                s[(0, 0)],
+                s[(1, 1)],
+                s[(2, 2)],
+                s[(0, 1)],
+                s[(0, 2)],
+                s[(1, 2)],
+            ];
+            for (row, value) in six.into_iter().enumerate() {
+                block.metric[gauss][row][k] = value;
+            }
+            block.stiffness_j[gauss][k] = 4.0 / 3.0 * shear * rest.weights[gauss];
+        }
+        block.per_volume[k] = 1.0 / rest.volume;
+        block.winding[k] = rest.volume.signum();
+        block.bulk_pa[k] = lame + 5.0 / 6.0 * shear;
+        block.shear_pa[k] = shear;
+        // At rest the tangent is at most 3 λ' − μ / 2 = 3 λ + 2 μ times the Laplacian; twice the
+        // matrix must reach it.
+        block.reach[k] = (2.0 * weight + 0.5 * shear) / block.bulk_pa[k];
+    }
+    block
+}

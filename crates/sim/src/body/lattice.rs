@@ -1,0 +1,151 @@
+//! Models `lattice` and `continuum`, whole or reduced: point masses at the nodes of cells, with
+//! springs along their edges and face diagonals, or with the energy of an elastic solid in them.
+
+use super::cells::CellGrid;
+use super::continuum::{Continuum, Elastic};
+use super::deformable::{Blueprint, Deformable, DeformableError, StepSettings};
+use super::law::Law;
+use super::material::Material;
+use super::node_map::NodeMap;
+use super::springs::{self, SpringRule};
+use palpate_geometry::math::Point3;
+
+/// What acts between the nodes of cells.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Inside {
+    /// Springs.
+    Springs(SpringRule),
+    /// Stable neo-Hookean solid.
+    Continuum,
+    /// The same, for nodes that few smooth coordinates move.
+    SmoothContinuum,
+}
+
+/// A solid to be built.
+pub struct Solid<'a, M: Fn(usize) -> Material> {
+    /// Its cells.
+    pub grid: &'a CellGrid,
+    /// Nodes from coordinates.
+    pub map: NodeMap,
+    /// (coordinates), m, at rest.
+    pub coordinates: Vec<Point3>,
+    /// (control points).
+    pub coordinate_of_control: Vec<u32>,
+    /// (coordinates): never move.
+    pub fixed: Vec<bool>,
+    /// Volume that the surface encloses, m³ (the control polyhedron is larger): it sets the mass.
+    pub enclosed_volume_m3: f64,
+    /// What acts between nodes.
+    pub inside: Inside,
+    /// What each cell is made of.
+    pub material: M,
+}
+
+impl<'a, M: Fn(usize) -> Material> Solid<'a, M> {
+    /// A solid whose nodes are its coordinates.
+    pub fn whole(
+        grid: &'a CellGrid,
+        fixed: &[bool],
+        enclosed_volume_m3: f64,
+        inside: Inside,
+        material: M,
+    ) -> Self {
+        Self {
+            grid,
+            map: NodeMap::Same,
+            coordinates: grid.nodes.clone(),
+            coordinate_of_control: grid.node_of_control.clone(),
+            fixed: fixed.to_vec(),
+            enclosed_volume_m3,
+            inside,
+            material,
+        }
+    }
+
+    /// Builds it. Damping, flow and stiffening are the body's, `common`'s.
+    ///
+    /// # Errors
+    /// Cells without volume or too distorted, no free coordinate, or a step that cannot be built.
+    pub fn build(
+        self,
+        common: &Material,
+        settings: StepSettings,
+    ) -> Result<Deformable, DeformableError> {
+        let Self {
+            grid,
+            map,
+            coordinates,
+            coordinate_of_control,
+            fixed,
+            enclosed_volume_m3,
+            inside,
+            material,
+        } = self;
+        let masses = cell_masses(
+            grid,
+            |cell| material(cell).density_kg_m3,
+            enclosed_volume_m3,
+        )?;
+        let law = match inside {
+            Inside::Springs(rule) => Law::springs(
+                &springs::from_cells(grid, |cell| material(cell).young_pa, rule),
+                common.stiffening,
+            ),
+            Inside::Continuum | Inside::SmoothContinuum => {
+                let elastic = |cell| Elastic {
+                    young_pa: material(cell).young_pa,
+                    poisson: material(cell).poisson,
+                };
+                let of_cells: Vec<Elastic> = (0..grid.cells.len()).map(elastic).collect();
+                // Smooth coordinates leave cells no motion without energy: one point a cell is
+                // enough.
+                let continuum = match inside {
+                    Inside::SmoothContinuum => Continuum::at_centres(grid, &of_cells),
+                    _ => Continuum::new(grid, &of_cells),
+                };
+                Law::continuum(continuum?)
+            }
+        };
+        let quality = grid.quality();
+        let blueprint = Blueprint {
+            coordinates,
+            map,
+            masses,
+            law,
+            coordinate_of_control,
+            fixed,
+            quality,
+        };
+        Deformable::new(blueprint, common.damping_s, common.plastic, settings)
+    }
+}
+
+/// Masses of nodes, kg: an eighth of each cell's for each of its corners, scaled so that the whole
+/// fills the enclosed volume.
+pub(super) fn cell_masses(
+    grid: &CellGrid,
+    density_kg_m3: impl Fn(usize) -> f64,
+    enclosed_volume_m3: f64,
+) -> Result<Vec<f64>, DeformableError> {
+    let volumes: Vec<f64> = grid.cells.iter().map(|cell| grid.volume(cell)).collect();
+    let whole: f64 = volumes.iter().sum();
+    let mean = whole / volumes.len() as f64;
+    let flat = volumes
+        .iter()
+        .filter(|&volume| volume.is_nan() || *volume <= 1e-9 * mean)
+        .count();
+    if flat > 0 {
+        return Err(DeformableError::FlatCells {
+            count: flat,
+            total: volumes.len(),
+        });
+    }
+    let mut masses = vec![0.0; grid.nodes.len()];
+    for (c, (cell, volume)) in grid.cells.iter().zip(&volumes).enumerate() {
+        let share = volume * (density_kg_m3(c) * enclosed_volume_m3 / whole) / 8.0;
+        for &node in cell {
+            masses[node as usize] += share;
+        }
+    }
+    Ok(masses)
+}

@@ -1,0 +1,57 @@
+//! Bodies: the constants of a deforming body, and the arithmetic of its step.
+//!
+//! ```text
+//! Surface ── layers ──▶ CellGrid ── springs ──▶ Law ─┐
+//!                            masses, NodeMap (x = W q) ├─▶ Deformable (constant: step, compliance of the net)
+//! tick: predict (x* = free motion) … contact solve … advance (x' = x* + A⁻¹ Cᵀ λ, v = (x' − x) / dt) … plastic flow
+//! ```
+//! A body knows coordinates, not tools: contact hands it forces on control points.
+
+mod bends;
+mod cells;
+mod columns;
+pub mod continuum;
+mod cube;
+#[cfg(test)]
+mod cube_tests;
+mod deformable;
+mod explicit;
+mod exterior;
+mod harmonic;
+mod implicit;
+mod lattice;
+mod law;
+pub mod layers;
+mod material;
+mod membrane;
+pub mod net;
+mod node_map;
+mod plastic;
+mod quality;
+mod sheet;
+mod som;
+mod spring_table;
+mod springs;
+mod state;
+mod ties;
+mod transfinite;
+mod untangle;
+mod xpbd;
+
+pub use bends::Bend;
+pub use cells::{Cell, CellGrid, CellQuality};
+pub use continuum::{Continuum, ContinuumError, Elastic, Pass};
+pub use cube::{CubeError, CubeLattice, MOST_NODES_A_SIDE};
+pub use deformable::{Blueprint, Deformable, DeformableError, Field, Integrator, StepSettings};
+pub use exterior::{CONDITION_LIMIT, ExteriorError, ExteriorMap, check_exterior, measure_exterior};
+pub use lattice::{Inside, Solid};
+pub use law::Law;
+pub use material::{Material, PRESETS, Plastic, Preset, Stiffening, preset};
+pub use membrane::membrane;
+pub use node_map::{NodeMap, SparseRows};
+pub use sheet::Sheet;
+pub use som::{SomSettings, som};
+pub use springs::{Spring, SpringRule};
+pub use state::{DeformableScratch, DeformableState};
+pub use ties::{coordinates_of_controls, coordinates_of_surface};
+pub use transfinite::{thick_sheet, transfinite};

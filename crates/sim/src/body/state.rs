@@ -1,0 +1,124 @@
+//! What a replay restores of a deforming body, and the buffers of its step.
+
+use super::deformable::Field;
+use super::spring_table::ByCoordinate;
+use palpate_geometry::math::{Lane, Point3, Rows, StateError, StateSink, StateSource, Vector3};
+
+/// What a replay restores.
+#[derive(Debug, PartialEq)]
+pub struct DeformableState {
+    /// (coordinates), m.
+    pub positions: Vec<Point3>,
+    /// (coordinates), m/s.
+    pub velocities: Vec<Vector3>,
+    /// Lengths of the springs without force, m, four by four; empty unless they flow.
+    pub rest_lengths: Vec<Lane>,
+    /// Plastic strain of each spring so far; empty unless they flow.
+    pub plastic_strain: Vec<Lane>,
+    /// Body steps in a row in which nothing moved; at a hundred the body sleeps.
+    pub still: u32,
+    /// Body steps slept through.
+    pub slept: u64,
+}
+
+impl Clone for DeformableState {
+    fn clone(&self) -> Self {
+        let mut copy = Self {
+            positions: Vec::new(),
+            velocities: Vec::new(),
+            rest_lengths: Vec::new(),
+            plastic_strain: Vec::new(),
+            still: 0,
+            slept: 0,
+        };
+        copy.clone_from(self);
+        copy
+    }
+
+    /// Allocates nothing between states of one body.
+    fn clone_from(&mut self, from: &Self) {
+        self.positions.clone_from(&from.positions);
+        self.velocities.clone_from(&from.velocities);
+        self.rest_lengths.clone_from(&from.rest_lengths);
+        self.plastic_strain.clone_from(&from.plastic_strain);
+        (self.still, self.slept) = (from.still, from.slept);
+    }
+}
+
+impl DeformableState {
+    /// All of it, in order.
+    pub fn save(&self, sink: &mut impl StateSink) {
+        save_triples(&self.positions, |p| &p.coords, sink);
+        save_triples(&self.velocities, |v| v, sink);
+        sink.floats(self.rest_lengths.as_flattened());
+        sink.floats(self.plastic_strain.as_flattened());
+        sink.word(u64::from(self.still));
+        sink.word(self.slept);
+    }
+
+    /// In the order of [`DeformableState::save`].
+    ///
+    /// # Errors
+    /// The source is too short.
+    pub fn restore(&mut self, source: &mut impl StateSource) -> Result<(), StateError> {
+        for p in &mut self.positions {
+            source.floats(p.coords.as_mut_slice())?;
+        }
+        for v in &mut self.velocities {
+            source.floats(v.as_mut_slice())?;
+        }
+        source.floats(self.rest_lengths.as_flattened_mut())?;
+        source.floats(self.plastic_strain.as_flattened_mut())?;
+        let still = source.word()?;
+        self.still = u32::try_from(still).map_err(|_| StateError::Value {
+            what: "number of still steps",
+            value: still,
+        })?;
+        self.slept = source.word()?;
+        Ok(())
+    }
+}
+
+/// In blocks: a hash of thousands of short slices would cost more than the step's force pass.
+fn save_triples<T>(items: &[T], triple: impl Fn(&T) -> &Vector3, sink: &mut impl StateSink) {
+    const BLOCK: usize = 64;
+    let mut block = [0.0; 3 * BLOCK];
+    for items in items.chunks(BLOCK) {
+        for (slot, item) in block.chunks_exact_mut(3).zip(items) {
+            slot.copy_from_slice(triple(item).as_slice());
+        }
+        sink.floats(&block[..3 * items.len()]);
+    }
+}
+
+/// Buffers of a body's step.
+#[derive(Clone, Debug)]
+pub struct DeformableScratch {
+    /// (coordinates): x*, the next free motion, by [`super::Deformable::predict`].
+    pub predicted: Vec<Point3>,
+    /// (coordinates), N: contact forces, by the caller, used up by [`super::Deformable::advance`].
+    pub(super) forces: Vec<Vector3>,
+    /// Coordinates with a force, in the order they were given, and whether a coordinate is among
+    /// them.
+    pub(super) loaded: Vec<u32>,
+    pub(super) is_loaded: Vec<bool>,
+    /// (coordinates) and (nodes), x y z 0; the second is empty when nodes are coordinates.
+    pub(super) coordinates: Rows,
+    pub(super) nodes: Rows,
+    /// (coordinates) and (nodes), N.
+    pub(super) residual: Rows,
+    pub(super) node_residual: Rows,
+    /// Of the force pass over springs.
+    pub(super) springs: ByCoordinate,
+    /// (coordinates), m/s: velocities within a tick of substeps.
+    pub(super) speed: Vec<Vector3>,
+    /// (unknowns).
+    pub(super) rhs: Vec<Vector3>,
+    pub(super) lanes: Rows,
+    /// What free points feel.
+    pub(super) field: Field,
+    /// Cells held back by the last pass.
+    pub(super) limited: u32,
+    /// Changes of the rest lengths within a step; empty unless springs flow.
+    pub(super) flow: Vec<Lane>,
+}

@@ -1,0 +1,22 @@
+//! What a device tells us.
+
+use palpate_geometry::math::{Point3, Rotation, Vector3};
+
+/// A pose as the loop takes it: finite, unit quaternion. World frame, SI.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DevicePose {
+    /// Sender's count.
+    pub seq: u64,
+    /// Sender's clock, ns.
+    pub t_client_ns: u64,
+    /// Reference point of the tool, m.
+    pub position: Point3,
+    /// Orientation of the tool.
+    pub orientation: Rotation,
+    /// m/s.
+    pub linear_velocity: Vector3,
+    /// rad/s.
+    pub angular_velocity: Vector3,
+    /// Bit 0: grab. While it is set, the tool holds on to what it touches.
+    pub buttons: u32,
+}

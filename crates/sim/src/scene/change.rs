@@ -1,0 +1,286 @@
+//! A scene that becomes another while it runs: bodies move, or merge into one.
+//!
+//! ```text
+//! SceneSpec ── moved, merged ──▶ SceneSpec' ── build ──▶ Scene'      beside the loop
+//! SceneState ── carry_over ────▶ SceneState'                         between two ticks, without allocating
+//! ```
+//! The new file says all that the new scene is, so a recording that begins with the state after the
+//! change replays alone.
+
+use super::build::{SceneError, build_surface, error};
+use super::spec::{
+    BodySpec, ContactSpec, FixedSpec, PoseSpec, RefineAuto, RefineSpec, SceneSpec, SurfaceSpec,
+};
+use super::{PairState, Scene, SceneState, WarmRow};
+use palpate_geometry::basis::KnotVector;
+use palpate_geometry::math::{Point3, Rotation, Vector3};
+use palpate_geometry::surface::{Surface, file};
+use std::path::Path;
+
+/// Where a body of the new scene comes from.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Origin {
+    /// It goes on as it is, moved by so much.
+    Kept {
+        /// Its index in the old scene.
+        from: usize,
+        /// m, world axes.
+        moved: Vector3,
+    },
+    /// It begins at rest.
+    New,
+}
+
+/// The next scene, and where its bodies come from.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SceneChange {
+    /// As a file.
+    pub spec: SceneSpec,
+    /// By body.
+    pub origins: Vec<Origin>,
+}
+
+impl SceneChange {
+    /// The same scene with bodies moved: (index, by how much in m, world axes).
+    ///
+    /// # Errors
+    /// The scene's own surfaces do not build any more.
+    pub fn moved(scene: &Scene, moves: &[(usize, Vector3)]) -> Result<Self, SceneError> {
+        let mut spec = pinned(scene)?;
+        let mut origins: Vec<Origin> = (0..spec.bodies.len())
+            .map(|from| Origin::Kept {
+                from,
+                moved: Vector3::zeros(),
+            })
+            .collect();
+        for &(body, by) in moves {
+            let position = &mut spec.bodies[body].pose.position;
+            *position = (Vector3::from(*position) + by).into();
+            origins[body] = Origin::Kept {
+                from: body,
+                moved: by,
+            };
+        }
+        Ok(Self { spec, origins })
+    }
+
+    /// The scene with one body in the place of several: `parts` in the order in which they were
+    /// merged, the first of which lends all that is not said here. `surface` is where it is, m, in
+    /// the world.
+    ///
+    /// # Errors
+    /// A name that another body has, or something of a part that its place in the surface decides.
+    pub fn merged(
+        scene: &Scene,
+        parts: &[usize],
+        id: &str,
+        surface: &Surface,
+    ) -> Result<Self, SceneError> {
+        let spec = pinned(scene)?;
+        let is_part = |body: usize| parts.contains(&body);
+        let taken = (0..spec.bodies.len()).any(|b| !is_part(b) && spec.bodies[b].id == id);
+        if taken || spec.tools.iter().any(|tool| tool.id == id) {
+            return Err(error(
+                "id",
+                format!("{id:?} is in use already; name the merged body otherwise"),
+            ));
+        }
+        let Some(&first) = parts.first() else {
+            return Err(error("bodies", "nothing to merge"));
+        };
+        let mut body = BodySpec {
+            id: id.to_owned(),
+            surface: inline(surface)?,
+            pose: PoseSpec::default(),
+            fixed: Vec::new(),
+            ..spec.bodies[first].clone()
+        };
+        body.lattice.refine = RefineSpec::Auto(RefineAuto::None);
+        for &part in parts {
+            body.fixed.extend(fixed_in_world(&spec.bodies[part], part)?);
+        }
+        if !body.regions.is_empty() {
+            let reason = "a part with regions of another material cannot be merged: their places are those of its frame";
+            return Err(error(format!("body[{first}].region"), reason));
+        }
+        let (mut bodies, mut origins) = (Vec::new(), Vec::new());
+        for (from, old) in spec.bodies.iter().enumerate() {
+            if from == first {
+                bodies.push(body.clone());
+                origins.push(Origin::New);
+            } else if !is_part(from) {
+                bodies.push(old.clone());
+                origins.push(Origin::Kept {
+                    from,
+                    moved: Vector3::zeros(),
+                });
+            }
+        }
+        let names: Vec<&str> = parts
+            .iter()
+            .map(|&part| spec.bodies[part].id.as_str())
+            .collect();
+        let contacts = renamed(&spec.contacts, &names, id);
+        Ok(Self {
+            spec: SceneSpec {
+                bodies,
+                contacts,
+                ..spec
+            },
+            origins,
+        })
+    }
+
+    /// True when the bodies that stay have the same coordinates in both scenes.
+    pub fn fits(&self, old: &Scene, new: &Scene) -> bool {
+        let count = |scene: &Scene, body: usize| {
+            scene
+                .lattice(body)
+                .map(|lattice| lattice.coordinate_count())
+        };
+        self.origins
+            .iter()
+            .enumerate()
+            .all(|(body, origin)| match *origin {
+                Origin::Kept { from, .. } => count(old, from) == count(new, body),
+                Origin::New => true,
+            })
+    }
+}
+
+/// The file of a scene with every automatic refinement written out: it looks at all tools and
+/// bodies, and those that stay must come out as they are.
+fn pinned(scene: &Scene) -> Result<SceneSpec, SceneError> {
+    let mut spec = scene.spec.clone();
+    for (b, body) in spec.bodies.iter_mut().enumerate() {
+        if scene.deforms(b) && body.lattice.refine == RefineSpec::Auto(RefineAuto::Auto) {
+            let coarse =
+                build_surface(&body.surface, &format!("body[{b}].surface"), Path::new(""))?;
+            let fine = scene.rest_surface(b);
+            let [u, v] = [
+                (coarse.knots_u(), fine.knots_u()),
+                (coarse.knots_v(), fine.knots_v()),
+            ]
+            .map(inserted);
+            body.lattice.refine = RefineSpec::Knots { u, v };
+        }
+    }
+    Ok(spec)
+}
+
+/// Knots of the second vector that the first does not have, ascending.
+fn inserted((coarse, fine): (&KnotVector, &KnotVector)) -> Vec<f64> {
+    let mut old = coarse.file_knots().iter().peekable();
+    let new = fine
+        .file_knots()
+        .iter()
+        .filter(|&knot| old.next_if_eq(&knot).is_none());
+    new.copied().collect()
+}
+
+/// A surface as it stands in a scene file.
+fn inline(surface: &Surface) -> Result<SurfaceSpec, SceneError> {
+    let text = file::write(surface, file::Unit::Metre);
+    let mut document: serde_json::Value =
+        serde_json::from_str(&text).map_err(|e| error("surface", e))?;
+    // TOML, as which recordings keep the scene, has no null; absent says the same.
+    if let Some(fields) = document.as_object_mut() {
+        fields.retain(|_, value| !value.is_null());
+    }
+    Ok(SurfaceSpec {
+        builtin: None,
+        net: None,
+        size: None,
+        file: None,
+        inline: Some(document),
+    })
+}
+
+/// Planes that hold a body, in the world; ranges of parameters say nothing on another surface.
+fn fixed_in_world(body: &BodySpec, index: usize) -> Result<Vec<FixedSpec>, SceneError> {
+    let [x, y, z, w] = body.pose.orientation;
+    let rotation = Rotation::from_quaternion(nalgebra::Quaternion::new(w, x, y, z));
+    let planes = body.fixed.iter().enumerate().map(|(k, fixed)| match fixed {
+        FixedSpec::Plane { point, normal } => Ok(FixedSpec::Plane {
+            point: (rotation * Vector3::from(*point) + Vector3::from(body.pose.position)).into(),
+            normal: (rotation * Vector3::from(*normal)).into(),
+        }),
+        FixedSpec::Range { .. } => {
+            let reason =
+                "a range of parameters says nothing on the merged surface; fix the part by a plane";
+            Err(error(format!("body[{index}].fixed[{k}]"), reason))
+        }
+    });
+    planes.collect()
+}
+
+/// Exceptions for contacts, with the merged body in the place of its parts. Among the parts none is
+/// left; the first of several that now speak of the same pair counts.
+fn renamed(contacts: &[ContactSpec], parts: &[&str], id: &str) -> Vec<ContactSpec> {
+    let mut out: Vec<ContactSpec> = Vec::new();
+    for contact in contacts {
+        let pair = contact.pair.clone().map(|name| {
+            if parts.contains(&name.as_str()) {
+                id.to_owned()
+            } else {
+                name
+            }
+        });
+        let inner = pair[0] == id && pair[1] == id && contact.pair[0] != contact.pair[1];
+        if !inner && out.iter().all(|held| held.pair != pair) {
+            out.push(ContactSpec {
+                pair,
+                ..contact.clone()
+            });
+        }
+    }
+    out
+}
+
+impl Scene {
+    /// Fills the state of this scene with what the old one goes on with: time, tools, and the
+    /// bodies it shares with it. Contacts begin anew. `state` is an initial state of this scene;
+    /// nothing is allocated.
+    pub fn carry_over(&self, from: &SceneState, origins: &[Origin], state: &mut SceneState) {
+        (state.tick, state.run, state.quality) = (from.tick, from.run, from.quality);
+        (state.frame, state.carried) = (from.frame, from.carried);
+        // Whoever keeps a net of the old scene must see that this is another.
+        let revision = from
+            .bodies
+            .iter()
+            .map(|body| body.revision)
+            .max()
+            .unwrap_or(0)
+            + 1;
+        for (body, origin) in origins.iter().enumerate() {
+            let new = &mut state.bodies[body];
+            if let Origin::Kept { from: old, moved } = *origin {
+                let old = &from.bodies[old];
+                if let (Some(new), Some(old)) = (&mut new.lattice, &old.lattice) {
+                    new.clone_from(old);
+                    if moved != Vector3::zeros() {
+                        new.positions.iter_mut().for_each(|p| *p += moved);
+                    }
+                }
+                new.loads.clone_from(&old.loads);
+                (new.moved_m, new.phase) = (old.moved_m, old.phase);
+            }
+            new.revision = revision;
+        }
+        for (new, old) in state.tools.iter_mut().zip(&from.tools) {
+            *new = *old;
+            // It held on to places of a body that may be no more.
+            new.grip = Default::default();
+        }
+        state.pairs.fill(PairState::default());
+        state.warm.fill(WarmRow::default());
+        (state.warm_len, state.warm_friction, state.warm_arms) = (0, false, false);
+    }
+
+    /// The surface of a body as it stands, m, in the world; `points` are its control points.
+    pub fn surface_with(&self, body: usize, points: &[Point3]) -> Surface {
+        let mut surface = self.rest_surface(body).clone();
+        surface.net_mut().points_mut().copy_from_slice(points);
+        surface
+    }
+}

@@ -1,0 +1,320 @@
+//! Scenes: the file (`SceneSpec`), the constant (`Scene`), what a replay restores (`SceneState`),
+//! and `Scratch`.
+//!
+//! `Scene::build` compiles exactly the bodies, tools and pairs that the file asks for;
+//! [`plan::Plan`] prints them. What a scene does not need has no buffer and no stage.
+
+mod build;
+mod change;
+mod deforming;
+pub mod file;
+mod frame;
+mod layout;
+mod narrow;
+mod near;
+pub mod plan;
+mod refine;
+mod scratch;
+mod shapes;
+pub mod spec;
+mod state;
+
+pub use build::{SceneError, default_samples_per_span, inline_files};
+pub use change::{Origin, SceneChange};
+use frame::FrameOf;
+pub use frame::FrameState;
+pub(crate) use narrow::{PairScratch, look_at};
+pub(crate) use near::Near;
+pub(crate) use scratch::DeformingScratch;
+pub use scratch::{BodyScratch, Scratch};
+pub use state::{BodyState, PairState, Pipeline, RunState, SceneState, ToolState, WarmRow};
+
+use crate::body::Deformable;
+use crate::haptics::{Coupling, DeviceBounds, DeviceFigures, LinkLimits, StiffnessLimits};
+use crate::solve::friction::Friction;
+use crate::solve::rows::Holder;
+use palpate_geometry::contact::{SampleGrid, ToolShape};
+use palpate_geometry::math::{Point3, Rotation};
+use palpate_geometry::surface::Surface;
+use spec::{Clock, SceneSpec};
+
+/// The constant of a simulation: built once, shared, never changed.
+#[derive(Debug)]
+pub struct Scene {
+    /// Name.
+    pub name: String,
+    /// Length of a tick, s.
+    pub dt_s: f64,
+    /// What makes a tick due.
+    pub clock: Clock,
+    /// The file it was built from.
+    pub spec: SceneSpec,
+    pub(crate) bodies: Vec<Body>,
+    pub(crate) tools: Vec<Tool>,
+    /// Those of tools first, ordered by tool, then body; then those of bodies.
+    pub(crate) pairs: Vec<Pair>,
+    /// The tool that carries the bodies.
+    pub(crate) frame: Option<FrameOf>,
+}
+
+/// A body's constants.
+#[derive(Debug)]
+pub(crate) struct Body {
+    pub id: String,
+    /// Refined, in the world, at rest.
+    pub surface: Surface,
+    /// Net before refinement: rows, columns.
+    pub original_net: [usize; 2],
+    /// Diagonal of the net's box, m: what tolerances refer to.
+    pub size_m: f64,
+    /// Open sheets can be touched from both sides.
+    pub two_sided: bool,
+    pub model: BodyModel,
+}
+
+/// What moves a body.
+#[derive(Debug)]
+pub(crate) enum BodyModel {
+    Rigid,
+    Lattice(Box<LatticeBody>),
+}
+
+/// A deforming body and the samples at which tools press it.
+#[derive(Debug)]
+pub(crate) struct LatticeBody {
+    pub lattice: Deformable,
+    pub samples: SampleGrid,
+    pub sweeps: usize,
+    /// The body steps once in so many ticks.
+    pub every: u32,
+    /// Model and method, and why this method.
+    pub choice: deforming::Choice,
+}
+
+/// A tool's constants.
+#[derive(Debug)]
+pub(crate) struct Tool {
+    pub id: String,
+    pub shape: ToolShape,
+    pub start: (Point3, Rotation),
+    pub coupling: Coupling,
+    pub limits: LinkLimits,
+    pub device: Device,
+    /// Greatest pull on what it grabs, N; 0: it grabs nothing.
+    pub grip_n: f64,
+}
+
+/// What a tool's device can bear and how it is looked after.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Device {
+    /// N·m.
+    pub torque_max_nm: f64,
+    /// Strongest damper of the passivity controller, N·s/m; none: it only watches.
+    pub passivity_damping_n_s_m: Option<f64>,
+    /// The coupling may not be stiffer than the device can hold.
+    pub bounded: bool,
+    /// Its physics, as far as the scene says.
+    pub figures: DeviceFigures,
+    /// The scene gives its damping.
+    pub known: bool,
+}
+
+impl Tool {
+    /// The coupling with what its device told.
+    pub fn coupling(&self, state: &ToolState) -> Coupling {
+        self.coupling.bounded(state.bounds.stiffness_max_n_m)
+    }
+}
+
+/// Two parties that may touch: a tool or a body that holds, and a body. A body that holds itself
+/// touches itself.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Pair {
+    pub holder: Holder,
+    pub body: usize,
+    pub method: Method,
+    pub friction: Option<Friction>,
+}
+
+/// Narrow phase of a pair.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Method {
+    Exact,
+    /// With this many points in u and in v.
+    Spheres([usize; 2]),
+}
+
+impl Pair {
+    /// The tool, when one holds.
+    pub fn tool(&self) -> Option<usize> {
+        match self.holder {
+            Holder::Tool(tool) => Some(tool as usize),
+            Holder::Body(_) => None,
+        }
+    }
+}
+
+impl Scene {
+    /// Number of tools.
+    pub fn tool_count(&self) -> usize {
+        self.tools.len()
+    }
+
+    /// How stiff a tool may be coupled to a device with these figures: a bounded coupling no
+    /// stiffer than is passive in any hand. Where nothing is, or the scene does not ask for it, the
+    /// scene's own stiffness stays, and a warning is due.
+    pub fn bounds_of(&self, tool: usize, figures: &DeviceFigures) -> DeviceBounds {
+        let passive_n_m = self.passive_n_m(tool, figures);
+        if self.tools[tool].device.bounded && passive_n_m > 0.0 {
+            return DeviceBounds {
+                stiffness_max_n_m: passive_n_m,
+                ..DeviceBounds::default()
+            };
+        }
+        DeviceBounds::default()
+    }
+
+    /// What such a device holds in any hand, N/m, if the tool's coupling is stiffer and stays so.
+    pub fn stiffer_than(&self, tool: usize, figures: &DeviceFigures) -> Option<f64> {
+        let passive_n_m = self.passive_n_m(tool, figures);
+        let Tool {
+            coupling, device, ..
+        } = &self.tools[tool];
+        (!device.bounded && coupling.stiffness_n_m() > passive_n_m).then_some(passive_n_m)
+    }
+
+    fn passive_n_m(&self, tool: usize, figures: &DeviceFigures) -> f64 {
+        let figures = DeviceFigures {
+            period_s: figures.period_s.max(self.dt_s),
+            ..*figures
+        };
+        figures
+            .stiffness_limits(self.tools[tool].coupling.damping_n_s_m())
+            .passive_n_m()
+    }
+
+    /// Stiffness limits of a tool's coupling with the figures that the scene gives for its device;
+    /// none if it gives no damping.
+    pub fn stiffness_limits(&self, tool: usize) -> Option<StiffnessLimits> {
+        self.stiffness_limits_of(&self.tools[tool])
+    }
+
+    pub(crate) fn stiffness_limits_of(&self, tool: &Tool) -> Option<StiffnessLimits> {
+        tool.device.known.then(|| {
+            tool.device
+                .figures
+                .stiffness_limits(tool.coupling.damping_n_s_m())
+        })
+    }
+
+    /// Id of a tool.
+    pub fn tool_id(&self, tool: usize) -> &str {
+        &self.tools[tool].id
+    }
+
+    /// Index of a tool.
+    pub fn tool_index(&self, id: &str) -> Option<usize> {
+        self.tools.iter().position(|tool| tool.id == id)
+    }
+
+    /// Index of a body.
+    pub fn body_index(&self, id: &str) -> Option<usize> {
+        self.bodies.iter().position(|body| body.id == id)
+    }
+
+    /// Shape of a tool.
+    pub fn tool_shape(&self, tool: usize) -> &ToolShape {
+        &self.tools[tool].shape
+    }
+
+    /// Id of the tool or body that holds a pair.
+    pub(crate) fn holder_id(&self, pair: &Pair) -> &str {
+        match pair.holder {
+            Holder::Tool(tool) => &self.tools[tool as usize].id,
+            Holder::Body(body) => &self.bodies[body as usize].id,
+        }
+    }
+
+    /// Number of bodies.
+    pub fn body_count(&self) -> usize {
+        self.bodies.len()
+    }
+
+    /// Id of a body.
+    pub fn body_id(&self, body: usize) -> &str {
+        &self.bodies[body].id
+    }
+
+    /// Bodies whose nets are in pieces, by id: rows and columns after which they begin anew.
+    pub fn net_gaps(&self) -> Vec<(String, [Vec<usize>; 2])> {
+        let gaps = |body: &Body| {
+            [body.surface.knots_u(), body.surface.knots_v()].map(|knots| knots.parted_after())
+        };
+        let all = self.bodies.iter().map(|body| (body.id.clone(), gaps(body)));
+        all.filter(|(_, gaps)| gaps.iter().any(|gaps| !gaps.is_empty()))
+            .collect()
+    }
+
+    /// The surface of a body at rest, refined as simulated and published (world frame).
+    pub fn rest_surface(&self, body: usize) -> &Surface {
+        &self.bodies[body].surface
+    }
+
+    /// True when the body's net can change.
+    pub fn deforms(&self, body: usize) -> bool {
+        matches!(self.bodies[body].model, BodyModel::Lattice(_))
+    }
+
+    /// True when a body steps once in several ticks.
+    pub fn steps_apart(&self, body: usize) -> bool {
+        matches!(&self.bodies[body].model, BodyModel::Lattice(model) if model.every > 1)
+    }
+
+    /// Name of a body's model, as scenes write it.
+    pub fn model_name(&self, body: usize) -> &'static str {
+        match &self.bodies[body].model {
+            BodyModel::Rigid => "rigid",
+            BodyModel::Lattice(model) => model.choice.model,
+        }
+    }
+
+    /// The constants of a body that deforms.
+    pub fn lattice(&self, body: usize) -> Option<&Deformable> {
+        match &self.bodies[body].model {
+            BodyModel::Lattice(body) => Some(&body.lattice),
+            BodyModel::Rigid => None,
+        }
+    }
+}
+
+/// Levels of `SceneState::quality`: from each on, a tick does less.
+pub mod quality {
+    /// Bodies iterate once a step.
+    pub const ONE_ITERATION: u8 = 1;
+    /// A quarter of the sweeps over contacts.
+    pub const FEWER_SWEEPS: u8 = 2;
+    /// Nets are published and recorded ten times rarer.
+    pub const RARE_NETS: u8 = 3;
+    /// The last level.
+    pub const LOWEST: u8 = RARE_NETS;
+}
+
+/// Bits of `ToolOutput::flags`; the wire uses the same.
+pub mod flags {
+    /// The newest pose is older than the stale limit; the force ramps to zero.
+    pub const STALE: u32 = 1;
+    /// The force was limited to what the device can bear.
+    pub const SATURATED: u32 = 1 << 1;
+    /// Bodies stand still.
+    pub const PAUSED: u32 = 1 << 2;
+    /// This tick's pose was refused.
+    pub const REFUSED: u32 = 1 << 3;
+    /// The force limit is not at its full value.
+    pub const RAMPING: u32 = 1 << 4;
+    /// The tick met a fault; the force is safe, not right.
+    pub const FAULT: u32 = 1 << 5;
+    /// The tool holds on to what it grabbed.
+    pub const GRABBING: u32 = 1 << 6;
+    /// A damper was added to keep the loop from making energy.
+    pub const DAMPED: u32 = 1 << 7;
+}

@@ -1,0 +1,375 @@
+//! The compiled plan: what a tick of this scene does and holds, and nothing else.
+
+use super::{BodyModel, Method, Pair, Scene};
+use crate::body::Deformable;
+use crate::solve::rows::{Holder, MAX_ROWS};
+use palpate_geometry::contact::ToolShape;
+use serde::Serialize;
+use std::fmt;
+
+/// What a scene compiled to.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Plan {
+    /// Scene name.
+    pub scene: String,
+    /// Length of a tick, s.
+    pub dt_s: f64,
+    /// Bodies.
+    pub bodies: Vec<BodyPlan>,
+    /// Tools.
+    pub tools: Vec<ToolPlan>,
+    /// Pairs that are tested.
+    pub pairs: Vec<PairPlan>,
+    /// Stages of a tick, in order.
+    pub stages: Vec<StagePlan>,
+    /// Buffers, with their bytes.
+    pub buffers: Vec<BufferPlan>,
+}
+
+/// A body of the plan.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct BodyPlan {
+    /// Id.
+    pub id: String,
+    /// `rigid`, `membrane`, `lattice` …
+    pub model: &'static str,
+    /// Net as given.
+    pub net: [usize; 2],
+    /// Net as simulated and published.
+    pub simulated_net: [usize; 2],
+    /// Of a body that deforms.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub lattice: Option<LatticePlan>,
+}
+
+/// A deforming body of the plan.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct LatticePlan {
+    /// Nodes that carry the law.
+    pub nodes: usize,
+    /// Coordinates that can move.
+    pub free_nodes: usize,
+    /// `implicit`, `explicit`, `xpbd`.
+    pub method: &'static str,
+    /// Iterations or substeps of a step.
+    pub passes: usize,
+    /// Why this method.
+    pub why: String,
+    /// The body steps once in so many ticks.
+    pub every: u32,
+    /// Springs.
+    pub springs: usize,
+    /// Non-zeros of the factor.
+    pub factor_non_zeros: usize,
+    /// Contact samples.
+    pub samples: usize,
+    /// kg.
+    pub mass_kg: f64,
+    /// Smallest cell, m³.
+    pub least_cell_m3: f64,
+    /// Shortest and longest edge, m.
+    pub edge_m: [f64; 2],
+}
+
+/// A tool of the plan.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ToolPlan {
+    /// Id.
+    pub id: String,
+    /// Shape name.
+    pub shape: &'static str,
+    /// Greatest force, N.
+    pub force_max_n: f64,
+    /// Stiffness of its coupling, N/m; `None`: rigid.
+    pub stiffness_n_m: Option<f64>,
+    /// The same for rotation, N·m/rad; `None`: turned as its device is.
+    pub turning_stiffness_nm_rad: Option<f64>,
+    /// The stiffest that its device holds in any hand, N/m, where the scene describes the device.
+    pub passive_n_m: Option<f64>,
+}
+
+/// A pair of the plan.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct PairPlan {
+    /// Id of the tool, or of the body that holds.
+    pub tool: String,
+    /// Body id.
+    pub body: String,
+    /// What is done for it.
+    pub method: &'static str,
+}
+
+/// A stage of a tick with its predicted cost on one core of a current machine.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct StagePlan {
+    /// `render` or `deform`, and of what.
+    pub stage: String,
+    /// Predicted from operation counts, µs.
+    pub predicted_us: f64,
+    /// Measured median over a dry run, µs.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub measured_us: Option<f64>,
+}
+
+/// A buffer of the plan.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct BufferPlan {
+    /// What it holds.
+    pub name: String,
+    /// Bytes.
+    pub bytes: usize,
+}
+
+/// Cost of one spring of the force pass and of one non-zero of a solve with three right-hand sides,
+/// µs: medians on a 3 GHz x86-64 core.
+const SPRING_US: f64 = 0.003;
+const NON_ZERO_US: f64 = 0.0022;
+/// One cell of the continuum's pass, µs.
+const CELL_US: f64 = 0.15;
+/// Contacts of a pair in touch, µs: medians of `palpate bench contact`.
+fn query_us(scene: &Scene, pair: &Pair) -> f64 {
+    let two_surfaces = 300.0;
+    let exact = match pair.holder {
+        Holder::Body(_) => two_surfaces,
+        Holder::Tool(t) => match &scene.tools[t as usize].shape {
+            ToolShape::Point | ToolShape::Sphere { .. } => 10.0,
+            ToolShape::Plane { .. } => 15.0,
+            ToolShape::Implicit { .. } => 250.0,
+            ToolShape::Mesh(_) => 2_000.0,
+            ToolShape::Surface(_) => two_surfaces,
+        },
+    };
+    match pair.method {
+        Method::Exact => exact,
+        // Points of one surface or of two.
+        Method::Spheres([u, v]) => {
+            (u * v) as f64 * if exact == two_surfaces { 0.15 } else { 0.015 }
+        }
+    }
+}
+
+/// One pass over a body's springs and cells, µs.
+fn pass_us(body: &Deformable) -> f64 {
+    body.spring_count() as f64 * SPRING_US + body.cell_count() as f64 * CELL_US
+}
+
+/// A body's step, µs: passes and solves.
+pub(super) fn step_us(body: &Deformable) -> f64 {
+    match body.integration() {
+        ("implicit", iterations) => {
+            (pass_us(body) + body.factor_non_zeros() as f64 * NON_ZERO_US) * iterations as f64
+        }
+        // Without and with contact.
+        (_, substeps) => 2.0 * pass_us(body) * substeps as f64,
+    }
+}
+
+impl Scene {
+    /// The plan this scene compiled to.
+    pub fn plan(&self) -> Plan {
+        let mut stages = Vec::new();
+        let mut buffers = Vec::new();
+        for pair in &self.pairs {
+            let stage = format!(
+                "render {} on {}",
+                self.holder_id(pair),
+                self.bodies[pair.body].id
+            );
+            stages.push(StagePlan {
+                stage,
+                predicted_us: query_us(self, pair),
+                measured_us: None,
+            });
+        }
+        if !self.pairs.is_empty() {
+            let bytes = MAX_ROWS * MAX_ROWS * size_of::<f64>();
+            buffers.push(BufferPlan {
+                name: "contact problem".into(),
+                bytes,
+            });
+        }
+        for body in &self.bodies {
+            if let BodyModel::Lattice(model) = &body.model {
+                let lattice = &model.lattice;
+                stages.push(StagePlan {
+                    stage: format!("deform {}", body.id),
+                    predicted_us: step_us(lattice) / f64::from(model.every),
+                    measured_us: None,
+                });
+                buffers.push(BufferPlan {
+                    name: format!("{} nodes", body.id),
+                    bytes: lattice.coordinate_count() * 6 * size_of::<f64>(),
+                });
+                buffers.push(BufferPlan {
+                    name: format!("{} factor", body.id),
+                    bytes: lattice.factor_non_zeros() * 12,
+                });
+                buffers.push(BufferPlan {
+                    name: format!("{} surface compliance", body.id),
+                    bytes: lattice.compliance_bytes(),
+                });
+            }
+        }
+        Plan {
+            scene: self.name.clone(),
+            dt_s: self.dt_s,
+            bodies: self.bodies.iter().map(body_plan).collect(),
+            tools: self
+                .tools
+                .iter()
+                .map(|tool| ToolPlan {
+                    id: tool.id.clone(),
+                    shape: tool.shape.name(),
+                    force_max_n: tool.limits.force_max_n,
+                    stiffness_n_m: finite(tool.coupling.stiffness_n_m()),
+                    turning_stiffness_nm_rad: finite(tool.coupling.turning_stiffness_nm_rad()),
+                    passive_n_m: self
+                        .stiffness_limits_of(tool)
+                        .and_then(|limits| finite(limits.passive_n_m())),
+                })
+                .collect(),
+            pairs: self
+                .pairs
+                .iter()
+                .map(|pair| PairPlan {
+                    tool: self.holder_id(pair).to_owned(),
+                    body: self.bodies[pair.body].id.clone(),
+                    method: match (pair.method, &self.bodies[pair.body].model) {
+                        (Method::Exact, BodyModel::Rigid) => "exact",
+                        (Method::Exact, BodyModel::Lattice(_)) => {
+                            "exact feet and samples, on the body's compliance"
+                        }
+                        (Method::Spheres(_), BodyModel::Rigid) => "spheres",
+                        (Method::Spheres(_), BodyModel::Lattice(_)) => {
+                            "spheres and samples, on the body's compliance"
+                        }
+                    },
+                })
+                .collect(),
+            stages,
+            buffers,
+        }
+    }
+}
+
+fn body_plan(body: &super::Body) -> BodyPlan {
+    let simulated_net = [body.surface.net().rows(), body.surface.net().columns()];
+    let (model, lattice) = match &body.model {
+        BodyModel::Rigid => ("rigid", None),
+        BodyModel::Lattice(model) => {
+            let lattice = &model.lattice;
+            let quality = lattice.quality();
+            let (method, passes) = lattice.integration();
+            let plan = LatticePlan {
+                nodes: lattice.node_count(),
+                free_nodes: lattice.unknown_count(),
+                method,
+                passes,
+                why: model.choice.why.clone(),
+                every: model.every,
+                springs: lattice.spring_count(),
+                factor_non_zeros: lattice.factor_non_zeros(),
+                samples: model.samples.len(),
+                mass_kg: lattice.mass_kg(),
+                least_cell_m3: quality.least_volume_m3,
+                edge_m: quality.edge_m,
+            };
+            (model.choice.model, Some(plan))
+        }
+    };
+    BodyPlan {
+        id: body.id.clone(),
+        model,
+        net: body.original_net,
+        simulated_net,
+        lattice,
+    }
+}
+
+/// JSON has no infinity.
+fn finite(value: f64) -> Option<f64> {
+    value.is_finite().then_some(value)
+}
+
+impl fmt::Display for Plan {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        writeln!(
+            f,
+            "scene {}: one tick is {} ms",
+            self.scene,
+            self.dt_s * 1e3
+        )?;
+        for body in &self.bodies {
+            let ([r, s], [a, b]) = (body.net, body.simulated_net);
+            writeln!(
+                f,
+                "  body {}: {}, net {r} x {s}, simulated {a} x {b}",
+                body.id, body.model
+            )?;
+            if let Some(l) = &body.lattice {
+                writeln!(
+                    f,
+                    "    {} nodes ({} free), {} springs, {} factor non-zeros, {} samples, {:.4} kg, edges {:.2} to {:.2} mm",
+                    l.nodes,
+                    l.free_nodes,
+                    l.springs,
+                    l.factor_non_zeros,
+                    l.samples,
+                    l.mass_kg,
+                    l.edge_m[0] * 1e3,
+                    l.edge_m[1] * 1e3
+                )?;
+                let each = if l.method == "implicit" {
+                    "iterations"
+                } else {
+                    "substeps"
+                };
+                writeln!(
+                    f,
+                    "    {} {each} a step, a step every {} ticks; {}",
+                    l.passes, l.every, l.why
+                )?;
+            }
+        }
+        for tool in &self.tools {
+            write!(
+                f,
+                "  tool {}: {}, at most {} N",
+                tool.id, tool.shape, tool.force_max_n
+            )?;
+            match tool.stiffness_n_m {
+                Some(stiffness) => write!(f, ", coupled with {stiffness} N/m")?,
+                None => write!(f, ", held by its device")?,
+            }
+            if tool.turning_stiffness_nm_rad.is_some() {
+                write!(f, ", free to turn")?;
+            }
+            if let Some(passive) = tool.passive_n_m {
+                write!(f, " (its device holds {passive:.0} N/m in any hand)")?;
+            }
+            writeln!(f)?;
+        }
+        for pair in &self.pairs {
+            writeln!(f, "  pair {} - {}: {}", pair.tool, pair.body, pair.method)?;
+        }
+        writeln!(
+            f,
+            "  {:<40} {:>13} {:>12}",
+            "stage", "predicted us", "measured us"
+        )?;
+        for stage in &self.stages {
+            let measured = stage
+                .measured_us
+                .map_or("-".into(), |us| format!("{us:.1}"));
+            writeln!(
+                f,
+                "  {:<40} {:>13.1} {measured:>12}",
+                stage.stage, stage.predicted_us
+            )?;
+        }
+        for buffer in &self.buffers {
+            writeln!(f, "  buffer {:<33} {:>10} bytes", buffer.name, buffer.bytes)?;
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,217 @@
+//! Buffers of a step, made anew from the state.
+
+use super::narrow::PairScratch;
+use super::near::Near;
+use super::state::{Pipeline, SceneState};
+use super::{BodyModel, Scene};
+use crate::body::DeformableScratch;
+use crate::solve::complementarity::Complementarity;
+use crate::solve::cones::ConeShare;
+use crate::solve::delassus::Delassus;
+use crate::solve::friction::{FrictionProblem, Stick};
+use crate::solve::rows::{MAX_ROWS, MAX_ROWS_PER_PAIR, RowSet, SampleInTouch};
+use crate::solve::sharing::Share;
+use palpate_geometry::contact::spheres::Counters;
+use palpate_geometry::math::{Point3, Vector3};
+use palpate_geometry::surface::{ClosestSolver, Surface};
+
+/// Buffers of a step; nothing in it outlives a tick except what can be computed anew from the
+/// state.
+#[derive(Debug)]
+pub struct Scratch {
+    /// By body.
+    pub(crate) bodies: Vec<BodyScratch>,
+    /// By pair.
+    pub(crate) pairs: Vec<PairScratch>,
+    pub(crate) near: Near,
+    pub(crate) rows: RowSet,
+    /// Samples of one pair in touch.
+    pub(crate) hits: Vec<SampleInTouch>,
+    pub(crate) problem: Complementarity,
+    /// In use in ticks with friction or a grip.
+    pub(crate) friction: FrictionProblem,
+    pub(crate) cones: Vec<ConeShare>,
+    /// By row, in such ticks.
+    pub(crate) sticks: Vec<Stick>,
+    /// Rigid contacts of one tool.
+    pub(crate) shares: Vec<Share>,
+    /// Of one body after the other.
+    pub(crate) delassus: Delassus,
+    /// Where bodies that take several ticks step; without it they step in the tick in which they
+    /// are due.
+    pub(crate) pipeline: Option<Box<dyn Pipeline>>,
+}
+
+impl Scratch {
+    /// Lets bodies that take several ticks step elsewhere.
+    pub fn set_pipeline(&mut self, pipeline: Box<dyn Pipeline>) {
+        self.pipeline = Some(pipeline);
+    }
+
+    /// Gap of a row under the present forces, m.
+    pub(crate) fn gap_after(&self, row: usize) -> f64 {
+        if self.friction.is_active() {
+            self.friction
+                .displaced_m(row)
+                .dot(&self.friction.normal(row))
+        } else {
+            self.problem.gap_after(row)
+        }
+    }
+
+    /// What the last queries of the `spheres` method did, by pair: holder, body, counters.
+    pub fn spheres_counters<'a>(
+        &'a self,
+        scene: &'a Scene,
+    ) -> impl Iterator<Item = (&'a str, &'a str, &'a Counters)> {
+        let pairs = scene.pairs.iter().zip(&self.pairs);
+        pairs.filter_map(|(pair, scratch)| {
+            Some((
+                scene.holder_id(pair),
+                scene.body_id(pair.body),
+                scratch.counters()?,
+            ))
+        })
+    }
+}
+
+/// Buffers of a body.
+#[derive(Debug)]
+pub struct BodyScratch {
+    /// The surface with the net of the state.
+    pub(crate) surface: Surface,
+    pub(crate) solver: ClosestSolver,
+    /// Box of the net now and after free motion: the surface stays in it through the tick.
+    pub(crate) bounds: (Point3, Point3),
+    pub(crate) deforming: Option<DeformingScratch>,
+}
+
+#[derive(Debug)]
+pub(crate) struct DeformingScratch {
+    pub lattice: DeformableScratch,
+    /// Net after the next free motion.
+    pub predicted_net: Vec<Point3>,
+    /// What one more iteration changed of it.
+    pub change: Vec<Vector3>,
+}
+
+impl Scene {
+    /// Buffers for the steps of one simulation, prepared for `state`.
+    pub fn scratch(&self, state: &SceneState) -> Scratch {
+        let width =
+            |surface: &Surface| (surface.knots_u().degree() + 1) * (surface.knots_v().degree() + 1);
+        let rows = self
+            .bodies
+            .iter()
+            .map(|body| width(&body.surface))
+            .max()
+            .unwrap_or(1);
+        let lattices = || (0..self.body_count()).filter_map(|body| self.lattice(body));
+        let unknowns = lattices()
+            .map(|lattice| lattice.unknown_count())
+            .max()
+            .unwrap_or(0);
+        let surface = self
+            .bodies
+            .iter()
+            .map(|body| body.surface.net().points().len())
+            .max()
+            .unwrap_or(0);
+        let bodies = self.bodies.iter().map(|body| BodyScratch {
+            surface: body.surface.clone(),
+            solver: ClosestSolver::new(&body.surface),
+            bounds: box_of(body.surface.net().points()),
+            deforming: match &body.model {
+                BodyModel::Rigid => None,
+                BodyModel::Lattice(model) => Some(DeformingScratch {
+                    lattice: model.lattice.scratch(),
+                    predicted_net: body.surface.net().points().to_vec(),
+                    change: vec![Vector3::zeros(); body.surface.net().points().len()],
+                }),
+            },
+        });
+        let frictional = self.pairs.iter().any(|pair| pair.friction.is_some());
+        let frictional_rows = if frictional || self.tools.iter().any(|tool| tool.grip_n > 0.0) {
+            MAX_ROWS
+        } else {
+            0
+        };
+        let mut scratch = Scratch {
+            bodies: bodies.collect(),
+            pairs: self
+                .pairs
+                .iter()
+                .map(|pair| PairScratch::new(self, pair))
+                .collect(),
+            near: Near::new(self),
+            rows: RowSet::new(rows),
+            hits: Vec::with_capacity(MAX_ROWS_PER_PAIR),
+            problem: Complementarity::new(MAX_ROWS),
+            friction: FrictionProblem::new(frictional_rows),
+            cones: Vec::with_capacity(frictional_rows),
+            sticks: Vec::with_capacity(frictional_rows),
+            shares: Vec::with_capacity(MAX_ROWS),
+            delassus: Delassus::new(2 * MAX_ROWS, rows, unknowns, surface),
+            pipeline: None,
+        };
+        for body in 0..self.body_count() {
+            self.prepare_body(body, state, &mut scratch, false);
+        }
+        scratch
+    }
+
+    /// Cells of a body that the last pass held back, because their tangent exceeded what the step follows.
+    pub fn limited_cells(&self, body: usize, scratch: &Scratch) -> u32 {
+        let deforming = scratch.bodies[body].deforming.as_ref();
+        let cells = self.lattice(body).zip(deforming);
+        cells.map_or(0, |(body, deforming)| body.limited(&deforming.lattice))
+    }
+
+    /// Brings a body's buffers in line with its state: surface now, free motion of the next step
+    /// (unless that is there already) and its net.
+    pub fn prepare_body(
+        &self,
+        body: usize,
+        state: &SceneState,
+        scratch: &mut Scratch,
+        predicted: bool,
+    ) {
+        let BodyModel::Lattice(model) = &self.bodies[body].model else {
+            return;
+        };
+        let BodyScratch {
+            surface,
+            solver,
+            bounds,
+            deforming,
+        } = &mut scratch.bodies[body];
+        let (Some(deforming), Some(lattice)) = (deforming, &state.bodies[body].lattice) else {
+            return;
+        };
+        model
+            .lattice
+            .set_field(&mut deforming.lattice, self.field(state));
+        if !predicted {
+            model.lattice.predict(lattice, &mut deforming.lattice);
+        }
+        for (control, point) in surface.net_mut().points_mut().iter_mut().enumerate() {
+            let node = model.lattice.coordinate_of_control(control);
+            *point = lattice.positions[node];
+            deforming.predicted_net[control] = deforming.lattice.predicted[node];
+        }
+        solver.net_changed();
+        let (now, then) = (
+            box_of(surface.net().points()),
+            box_of(&deforming.predicted_net),
+        );
+        *bounds = (now.0.inf(&then.0), now.1.sup(&then.1));
+    }
+}
+
+/// Least and greatest coordinates.
+fn box_of(points: &[Point3]) -> (Point3, Point3) {
+    let infinite = Point3::from([f64::INFINITY; 3]);
+    points.iter().fold((infinite, -infinite), |(low, high), p| {
+        (low.inf(p), high.sup(p))
+    })
+}

@@ -1,0 +1,20 @@
+//! Contact forces: from contacts to the forces that couplings and bodies feel.
+//!
+//! ```text
+//! proxy             a sphere held back by the surface as it stands
+//! rows              a unilateral row for each contact, and for each surface sample inside the other party
+//! delassus          D = C A⁻¹ Cᵀ: how each row's force moves every other
+//! complementarity   forces λ ≥ 0 with D λ + gap ≥ 0, by projected Gauss–Seidel
+//! friction          the same for forces with three components: Coulomb's cone, grips
+//! grip              what a tool holds on to while it grabs
+//! sharing, cones    how several rigid contacts of one tool share its force
+//! ```
+
+pub mod complementarity;
+pub mod cones;
+pub mod delassus;
+pub mod friction;
+pub mod grip;
+pub mod proxy;
+pub mod rows;
+pub mod sharing;

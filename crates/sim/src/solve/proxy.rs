@@ -1,0 +1,231 @@
+//! The proxy of a ball-shaped tool: it goes where the coupling wants it, but not into the surface.
+//!
+//! A god-object (Zilles & Salisbury 1995; Ruspini et al. 1997 for balls) on the exact surface. Far
+//! away it advances by its certified distance, so that no speed takes it through a thin body; once
+//! it touches, it follows its foot by local Newton steps, so that it stays on the side it came from
+//! even when the device is deep inside.
+
+use palpate_geometry::math::{Point3, Vector3};
+use palpate_geometry::surface::{ClosestPoint, ClosestSolver, Surface, WarmFoot};
+
+/// Where a proxy stands with one body. Part of the state.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct ProxyState {
+    /// The surface holds it.
+    pub touching: bool,
+    /// On an open sheet: the tool came from the side the normal points away from.
+    pub below: bool,
+    /// Foot on the surface and how far the answer is proven.
+    pub foot: WarmFoot,
+    /// Where the foot was last asked for, m.
+    pub queried: Point3,
+}
+
+impl ProxyState {
+    /// The tool is out of the body's reach: nothing that was proven near it holds when it comes
+    /// back.
+    pub fn leave(&mut self) {
+        self.touching = false;
+        self.foot.budget_m = 0.0;
+    }
+}
+
+/// Outcome of moving a proxy.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Constrained {
+    /// Centre of the proxy, m.
+    pub centre: Point3,
+    /// Closest surface point.
+    pub foot: ClosestPoint,
+    /// Unit vector from the body to the tool: the direction the surface pushes.
+    pub normal: Vector3,
+    /// Gap between the surface and the ball at the target, m; negative: depth.
+    pub gap_m: f64,
+}
+
+/// A ball-shaped tool against one surface as it stands.
+#[derive(Debug)]
+pub struct BallContact<'a> {
+    /// The surface now.
+    pub surface: &'a Surface,
+    /// Its solver.
+    pub solver: &'a mut ClosestSolver,
+    /// Length the tolerances refer to, m.
+    pub size_m: f64,
+    /// Radius of the tool, 0 for a point, m.
+    pub radius_m: f64,
+    /// An open sheet can be touched from both sides; a closed surface only from outside.
+    pub two_sided: bool,
+}
+
+/// Sphere-tracing steps while free; each takes the whole certified clearance, so this many only lie
+/// close to tangency.
+const ADVANCES: usize = 32;
+/// Sliding steps in touch. Each contracts the error by curvature times depth.
+const SLIDES: usize = 16;
+/// Touching means closer than this share of the surface's size: far above rounding (1e-16), far
+/// below what a hand feels.
+const TOUCH: f64 = 1e-9;
+
+impl BallContact<'_> {
+    /// Moves the proxy from `start` towards `target`. `moved_m`: how far any control point moved
+    /// since the last call.
+    pub fn constrain(
+        &mut self,
+        start: &Point3,
+        target: &Point3,
+        moved_m: f64,
+        state: &mut ProxyState,
+    ) -> Constrained {
+        let mut centre = *start;
+        let mut moved = moved_m;
+        if !state.touching {
+            for _ in 0..ADVANCES {
+                let foot = self.closest(&centre, moved, state);
+                moved = 0.0;
+                // On the sheet itself rounding decides no side.
+                if self.two_sided && foot.signed_distance.abs() > TOUCH * self.size_m {
+                    state.below = foot.signed_distance < 0.0;
+                }
+                let clearance = side(state) * foot.signed_distance - self.radius_m;
+                let wish = target - centre;
+                let length = wish.norm();
+                if length <= clearance {
+                    // Free all the way.
+                    let foot = self.closest(target, 0.0, state);
+                    return self.outcome(*target, foot, target, state);
+                }
+                if clearance <= TOUCH * self.size_m {
+                    break;
+                }
+                centre += wish * (clearance / length);
+            }
+            state.touching = true;
+        }
+        self.slide(centre, target, state)
+    }
+
+    fn slide(&mut self, start: Point3, target: &Point3, state: &mut ProxyState) -> Constrained {
+        let tolerance = TOUCH * self.size_m;
+        let mut centre = start;
+        let mut foot = self.follow(&centre, state);
+        for _ in 0..SLIDES {
+            let normal = foot.normal * side(state);
+            // The usual case: the target's own foot lies on the branch we stand on, and gives the
+            // answer at once.
+            if let Some(own) = self
+                .solver
+                .local(self.surface, target, state.foot.u, state.foot.v)
+            {
+                let reach = (target - centre).norm() + self.radius_m;
+                let facing = own.normal.dot(&foot.normal) > 0.5;
+                if facing && (own.point - foot.point).norm() <= 2.0 * reach {
+                    (state.foot.u, state.foot.v) = (own.u, own.v);
+                    if side(state) * own.signed_distance > self.radius_m + tolerance {
+                        release(state);
+                        return self.outcome(*target, own, target, state);
+                    }
+                    return self.held(own, target, state);
+                }
+            }
+            centre = foot.point + normal * self.radius_m;
+            let wish = target - centre;
+            let away = wish.dot(&normal);
+            if away > tolerance {
+                release(state);
+                let foot = self.closest(target, 0.0, state);
+                return self.outcome(*target, foot, target, state);
+            }
+            let tangent = wish - normal * away;
+            let length = tangent.norm();
+            if length <= tolerance {
+                break;
+            }
+            // No further than half the ball, or the surface could bend away unseen.
+            let stride = if self.radius_m > 0.0 {
+                0.5 * self.radius_m
+            } else {
+                length
+            };
+            centre += tangent
+                * (if length < stride {
+                    1.0
+                } else {
+                    stride / length
+                });
+            foot = self.follow(&centre, state);
+        }
+        self.held(foot, target, state)
+    }
+
+    /// The certified closest point. `net_moved_m`: how far any control point moved since the last
+    /// call.
+    fn closest(
+        &mut self,
+        query: &Point3,
+        net_moved_m: f64,
+        state: &mut ProxyState,
+    ) -> ClosestPoint {
+        let moved = (query - state.queried).norm();
+        state.queried = *query;
+        self.solver
+            .closest_warm_moved(self.surface, query, moved, net_moved_m, &mut state.foot)
+    }
+
+    /// The foot of the centre on the branch it stands on; the global one where that branch ends.
+    fn follow(&mut self, centre: &Point3, state: &mut ProxyState) -> ClosestPoint {
+        let foot = self
+            .solver
+            .local(self.surface, centre, state.foot.u, state.foot.v)
+            .unwrap_or_else(|| {
+                state.foot.budget_m = 0.0;
+                self.closest(centre, 0.0, state)
+            });
+        (state.foot.u, state.foot.v) = (foot.u, foot.v);
+        foot
+    }
+
+    fn held(&self, foot: ClosestPoint, target: &Point3, state: &ProxyState) -> Constrained {
+        let centre = foot.point + self.normal(&foot, target, state) * self.radius_m;
+        self.outcome(centre, foot, target, state)
+    }
+
+    fn outcome(
+        &self,
+        centre: Point3,
+        foot: ClosestPoint,
+        target: &Point3,
+        state: &ProxyState,
+    ) -> Constrained {
+        let normal = self.normal(&foot, target, state);
+        let gap_m = (target - foot.point).dot(&normal) - self.radius_m;
+        Constrained {
+            centre,
+            foot,
+            normal,
+            gap_m,
+        }
+    }
+
+    /// Where the target lies outside, the direction to it: at an edge or a crease that is not the
+    /// surface's normal.
+    fn normal(&self, foot: &ClosestPoint, target: &Point3, state: &ProxyState) -> Vector3 {
+        let away = target - foot.point;
+        let distance = away.norm();
+        if side(state) * foot.signed_distance > 0.0 && distance > 1e-6 * self.size_m {
+            away / distance
+        } else {
+            foot.normal * side(state)
+        }
+    }
+}
+
+fn side(state: &ProxyState) -> f64 {
+    if state.below { -1.0 } else { 1.0 }
+}
+
+/// Free again: what was proven in touch is no proof any more.
+fn release(state: &mut ProxyState) {
+    state.touching = false;
+    state.foot.budget_m = 0.0;
+}

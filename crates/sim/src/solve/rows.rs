@@ -1,0 +1,356 @@
+//! Contact rows: constraints between two parties, with the weights that carry their force to
+//! control points.
+//!
+//! The first party is a body, pushed against the normal; the second, the holder, is a tool or
+//! another body (or the same one, touching itself), pushed along it. Normals come from the surfaces
+//! as they stand (at rest that is exact), gaps from where their free motion will take both.
+
+use super::friction::Law;
+use palpate_geometry::basis::BasisWindow;
+use palpate_geometry::contact::{SampleGrid, Weights};
+use palpate_geometry::math::{Point3, Rotation, Vector3};
+use palpate_geometry::surface::Surface;
+
+/// Most rows of one tick over all pairs.
+pub const MAX_ROWS: usize = 192;
+/// Most tools of a scene: per-tick records have a fixed size.
+pub const MAX_TOOLS: usize = 8;
+/// Most rows of one pair.
+pub const MAX_ROWS_PER_PAIR: usize = 96;
+/// Most samples of one pair: the rest is for feet.
+pub const MAX_SAMPLES_PER_PAIR: usize = MAX_ROWS_PER_PAIR - 16;
+/// `sample` of the row at the first contact of a pair; others count down from it.
+pub const FOOT: u32 = u32::MAX;
+/// Least `sample` of a foot.
+pub const LEAST_FOOT: u32 = FOOT - (1 << 28);
+/// `sample` of the first anchor of a grip; the next ones count down from it.
+pub const ANCHOR: u32 = u32::MAX - 64;
+/// Samples of the holding body count up from here.
+pub const HOLDER_SAMPLES: u32 = 1 << 30;
+
+/// Who is pushed along a row's normal.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Holder {
+    /// A tool, by index.
+    Tool(u32),
+    /// A body, by index.
+    Body(u32),
+}
+
+/// One unilateral constraint.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Row {
+    /// Pair of the plan.
+    pub pair: u32,
+    /// What it is within its pair: a sample of a grid, or a contact counted down from [`FOOT`].
+    pub sample: u32,
+    /// Body index.
+    pub body: u32,
+    /// The other party.
+    pub holder: Holder,
+    /// Unit vector from the body to the holder.
+    pub normal: Vector3,
+    /// Gap under free motion of both, m.
+    pub gap_m: f64,
+    /// How far free motion of both takes the holder past the body, m; a grip: from one point to the
+    /// other.
+    pub slip: Vector3,
+    /// What the row does.
+    pub law: Law,
+    /// Point on the body's surface now, m.
+    pub point: Point3,
+    /// Its parameters.
+    pub u: f64,
+    /// Its parameters.
+    pub v: f64,
+    /// From a tool's reference point to where the tool touches, m; zero on balls, which may turn as
+    /// they like.
+    pub arm: Vector3,
+    /// The same in the tool's frame, m.
+    pub on_tool: Vector3,
+    /// Weights on the body in [`RowSet::weights_in`]; empty when it is rigid.
+    pub on_body: Range,
+    /// Weights on the holder; empty when it is a tool or rigid.
+    pub on_holder: Range,
+}
+
+/// A range of the weights of a [`RowSet`].
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Range {
+    start: u32,
+    end: u32,
+}
+
+impl Row {
+    /// What identifies the row from tick to tick; rows are ordered by it.
+    pub fn key(&self) -> [u32; 2] {
+        [self.pair, self.sample]
+    }
+
+    /// The tool, when one holds it.
+    pub fn tool(&self) -> Option<usize> {
+        match self.holder {
+            Holder::Tool(tool) => Some(tool as usize),
+            Holder::Body(_) => None,
+        }
+    }
+
+    /// Its sides on a body: the sign with which the normal pushes that body, and the weights.
+    pub fn sides_on(&self, body: usize) -> impl Iterator<Item = (f64, Range)> + use<> {
+        let first = (self.body as usize == body).then_some((-1.0, self.on_body));
+        let second = (self.holder == Holder::Body(body as u32)).then_some((1.0, self.on_holder));
+        first.into_iter().chain(second)
+    }
+}
+
+/// A party at the place of a row.
+#[derive(Clone, Copy, Debug)]
+pub enum Grip<'a> {
+    /// It does not move.
+    Fixed,
+    /// It is going to move by this, m.
+    Carried(Vector3),
+    /// A deforming surface, seen through the windows of a parameter.
+    Deforming(&'a DeformingView<'a>, &'a BasisWindow, &'a BasisWindow),
+}
+
+/// A deforming surface as rows see it.
+#[derive(Clone, Copy, Debug)]
+pub struct DeformingView<'a> {
+    /// The surface now.
+    pub surface: &'a Surface,
+    /// Its net after free motion.
+    pub predicted: &'a [Point3],
+    /// Its samples.
+    pub samples: &'a SampleGrid,
+}
+
+/// The rows of a tick and their basis weights.
+#[derive(Debug)]
+pub struct RowSet {
+    /// Rows, ordered by pair and sample.
+    pub rows: Vec<Row>,
+    controls: Vec<u32>,
+    weights: Vec<f64>,
+    scratch: Weights,
+    /// Where the rows of the present pair begin.
+    pair_start: usize,
+    /// By tool: where free motion of the coupling takes the proxy, m.
+    pub free: [Point3; MAX_TOOLS],
+    /// By tool: how free motion of the coupling turns the proxy.
+    pub free_turns: [Rotation; MAX_TOOLS],
+    /// By tool: the proxy held back by the surfaces as they stand, m.
+    pub proxies: [Point3; MAX_TOOLS],
+    /// By tool: share of its contact forces that the limiter let through.
+    pub factors: [f64; MAX_TOOLS],
+}
+
+impl RowSet {
+    /// Room for [`MAX_ROWS`] rows on surfaces whose points have at most `width` weights.
+    pub fn new(width: usize) -> Self {
+        // Two sides a row.
+        let room = 2 * MAX_ROWS * width;
+        Self {
+            rows: Vec::with_capacity(MAX_ROWS),
+            controls: Vec::with_capacity(room),
+            weights: Vec::with_capacity(room),
+            scratch: Weights {
+                controls: Vec::with_capacity(width),
+                weights: Vec::with_capacity(width),
+            },
+            pair_start: 0,
+            free: [Point3::origin(); MAX_TOOLS],
+            free_turns: [Rotation::identity(); MAX_TOOLS],
+            proxies: [Point3::origin(); MAX_TOOLS],
+            factors: [0.0; MAX_TOOLS],
+        }
+    }
+
+    /// No rows.
+    pub fn clear(&mut self) {
+        self.rows.clear();
+        self.controls.clear();
+        self.weights.clear();
+        self.pair_start = 0;
+    }
+
+    /// The rows that follow belong to the next pair.
+    pub fn begin_pair(&mut self) {
+        self.pair_start = self.rows.len();
+    }
+
+    /// Brings the rows of the present pair into their order.
+    pub fn end_pair(&mut self) {
+        self.rows[self.pair_start..].sort_unstable_by_key(|row| row.sample);
+    }
+
+    /// Rows of the present pair so far, in the order in which they came.
+    pub fn of_pair(&self) -> &[Row] {
+        &self.rows[self.pair_start..]
+    }
+
+    /// True when the present pair may not have more rows.
+    fn full(&self) -> bool {
+        self.rows.len() == MAX_ROWS || self.rows.len() - self.pair_start == MAX_ROWS_PER_PAIR
+    }
+
+    /// Adds a row whose gap is `row.gap_m` now, if it closes to less than `margin_m` or has; the
+    /// gap then becomes that after free motion. `row.slip` is what the holder has slipped before
+    /// the motions given here.
+    pub fn push(&mut self, row: Row, body: Grip<'_>, holder: Grip<'_>, margin_m: f64) {
+        if self.full() {
+            return;
+        }
+        let (controls, weights) = (self.controls.len(), self.weights.len());
+        let (away, on_body) = self.grip(body);
+        let (towards, on_holder) = self.grip(holder);
+        let gap_m = row.gap_m + (towards - away).dot(&row.normal);
+        if gap_m < margin_m || row.gap_m < margin_m {
+            let slip = row.slip + (towards - away);
+            self.rows.push(Row {
+                gap_m,
+                slip,
+                on_body,
+                on_holder,
+                ..row
+            });
+        } else {
+            self.controls.truncate(controls);
+            self.weights.truncate(weights);
+        }
+    }
+
+    /// Free motion of a party, and its weights.
+    fn grip(&mut self, party: Grip<'_>) -> (Vector3, Range) {
+        match party {
+            Grip::Fixed => (Vector3::zeros(), Range::default()),
+            Grip::Carried(motion) => (motion, Range::default()),
+            Grip::Deforming(view, wu, wv) => {
+                self.scratch.set(view.surface, wu, wv);
+                let now = self.scratch.point(view.surface.net().points());
+                let then = self.scratch.point(view.predicted);
+                let start = self.controls.len() as u32;
+                self.controls.extend_from_slice(&self.scratch.controls);
+                self.weights.extend_from_slice(&self.scratch.weights);
+                (
+                    then - now,
+                    Range {
+                        start,
+                        end: self.controls.len() as u32,
+                    },
+                )
+            }
+        }
+    }
+
+    /// Free motion of a body changed, at its control points by this, m.
+    pub fn shift(&mut self, body: usize, change: &[Vector3]) {
+        let Self {
+            rows,
+            controls,
+            weights,
+            ..
+        } = self;
+        for row in rows {
+            for (sign, range) in row.sides_on(body) {
+                let range = range.start as usize..range.end as usize;
+                let mut moved = Vector3::zeros();
+                for (&control, &weight) in controls[range.clone()].iter().zip(&weights[range]) {
+                    moved += change[control as usize] * weight;
+                }
+                // The holder's motion counts as it is, the body's turned round.
+                row.gap_m += sign * moved.dot(&row.normal);
+                row.slip += moved * sign;
+            }
+        }
+    }
+
+    /// A point of a deforming surface after free motion, m.
+    pub fn predicted_point(&mut self, view: &DeformingView<'_>, u: f64, v: f64) -> Point3 {
+        let (wu, wv) = (
+            view.surface.knots_u().window(u),
+            view.surface.knots_v().window(v),
+        );
+        self.scratch.set(view.surface, &wu, &wv);
+        self.scratch.point(view.predicted)
+    }
+
+    /// Control indices and weights of a side.
+    pub fn weights_in(&self, range: Range) -> (&[u32], &[f64]) {
+        let range = range.start as usize..range.end as usize;
+        (&self.controls[range.clone()], &self.weights[range])
+    }
+}
+
+/// What a point of one party sees of the other.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Facing {
+    /// Distance to the other party now, m; negative inside.
+    pub gap_m: f64,
+    /// Unit vector from the point's surface to the other party.
+    pub normal: Vector3,
+    /// Where on the other party, if that is a surface.
+    pub uv: [f64; 2],
+}
+
+/// A surface sample in touch.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SampleInTouch {
+    /// Index in its grid.
+    pub index: usize,
+    /// On the surface now, m.
+    pub point: Point3,
+    /// What it sees; the normal is from its surface to the other party.
+    pub facing: Facing,
+}
+
+impl DeformingView<'_> {
+    /// Samples nearer than `margin_m` to another party, at most [`MAX_SAMPLES_PER_PAIR`]. `meets`
+    /// says whether a box is worth a look, `look` what a point of the surface sees of the other
+    /// party.
+    pub fn samples_in_touch(
+        &self,
+        margin_m: f64,
+        meets: impl Fn(&Point3, &Point3) -> bool,
+        mut look: impl FnMut(&Point3) -> Option<Facing>,
+        out: &mut Vec<SampleInTouch>,
+    ) {
+        out.clear();
+        let net = self.surface.net().points();
+        let (patches_u, patches_v) = self.samples.patches();
+        for patch in 0..patches_u * patches_v {
+            let (patch_u, patch_v) = (patch / patches_v, patch % patches_v);
+            if self.samples.is_duplicate(patch_u, patch_v) {
+                continue;
+            }
+            let (low, high) = self.samples.patch_box(net, patch_u, patch_v);
+            if !meets(&low, &high) {
+                continue;
+            }
+            for index in self.samples.samples_of(patch_u, patch_v) {
+                let (wu, wv) = self.samples.windows(index);
+                let point = self.surface.point_in(wu, wv);
+                let Some(facing) = look(&point) else { continue };
+                if facing.gap_m < margin_m && faces(self.surface, wu, wv, &facing.normal) {
+                    if out.len() == MAX_SAMPLES_PER_PAIR {
+                        return;
+                    }
+                    out.push(SampleInTouch {
+                        index,
+                        point,
+                        facing,
+                    });
+                }
+            }
+        }
+    }
+}
+
+/// The surface there looks towards the other party; the far side of a thin body inside a large tool
+/// does not.
+fn faces(surface: &Surface, wu: &BasisWindow, wv: &BasisWindow, normal: &Vector3) -> bool {
+    let frame = surface.frame_in(wu, wv);
+    let outward = frame.du.cross(&frame.dv);
+    let toward = outward.dot(normal) * if surface.flip_normal() { -1.0 } else { 1.0 };
+    toward > 0.0
+}

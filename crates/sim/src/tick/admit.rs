@@ -1,0 +1,64 @@
+//! Takes the poses: which are believed, and how much force their tools may feel.
+
+use super::record::{TickInput, TickOutput};
+use crate::haptics::{LinkLimits, LinkPhase, Motion};
+use crate::scene::{Scene, SceneState, flags};
+use palpate_geometry::math::turn_between;
+
+/// Takes the poses.
+pub(super) fn admit(
+    scene: &Scene,
+    state: &mut SceneState,
+    input: &TickInput,
+    wanted: bool,
+    output: &mut TickOutput,
+) {
+    for (t, tool) in scene.tools.iter().enumerate() {
+        let tool_state = &mut state.tools[t];
+        let before = tool_state.link.pose;
+        let force_max_n = tool.limits.force_max_n.min(tool_state.bounds.force_max_n);
+        let limits = LinkLimits {
+            force_max_n,
+            ..tool.limits
+        };
+        let admission = tool_state
+            .link
+            .admit(input.poses[t].as_ref(), &limits, wanted);
+        let link = &tool_state.link;
+        let out = &mut output.tools[t];
+        if admission.seated {
+            (tool_state.proxy, tool_state.orientation) =
+                (link.pose.position, link.pose.orientation);
+            tool_state.port.seat();
+            for (pair, pair_state) in scene.pairs.iter().zip(&mut state.pairs) {
+                if pair.tool() == Some(t) {
+                    *pair_state = Default::default();
+                }
+            }
+        } else {
+            out.device_moved = link.pose.position - before.position;
+            out.device_turned = turn_between(&before.orientation, &link.pose.orientation);
+        }
+        tool_state.port.observe(&Motion {
+            moved: out.device_moved,
+            turned: out.device_turned,
+        });
+        out.pose_seq = link.pose.seq;
+        out.t_client_ns = link.pose.t_client_ns;
+        out.pose_age_ticks = link.age_ticks;
+        let mut bits = 0;
+        if link.phase == LinkPhase::Stale {
+            bits |= flags::STALE;
+        }
+        if admission.refused {
+            bits |= flags::REFUSED;
+        }
+        if !wanted {
+            bits |= flags::PAUSED;
+        }
+        if link.phase != LinkPhase::Absent && link.limit_n != force_max_n {
+            bits |= flags::RAMPING;
+        }
+        out.flags = bits;
+    }
+}

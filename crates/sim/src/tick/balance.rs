@@ -1,0 +1,362 @@
+//! Contact, virtual couplings and bodies solved together.
+//!
+//! Rows of one tool share the compliance of its coupling, rows on one body that of its surface:
+//! `D_ij = n_i · n_j ([same tool] / K' + Σ_sides ±± N_iᵀ W N_j)`, the sum over the sides of both
+//! rows on the same body, each with the sign with which its normal pushes it. A tool that may turn
+//! adds `(r_i × n_i) · (r_j × n_j) / K'_r` for two of its rows with arms r.
+//!
+//! With friction or grips, forces have three components and rows move each other by the bracket
+//! alone, without n_i · n_j.
+
+use super::stick;
+use crate::body::Deformable;
+use crate::scene::{BodyModel, Scene, SceneState, Scratch, WarmRow, quality};
+use crate::solve::cones::{self, ConeShare};
+use crate::solve::friction::{Law, Lever};
+use crate::solve::rows::Row;
+use crate::solve::sharing::{Share, share};
+use palpate_geometry::math::Vector3;
+
+/// Enough for a corner of three planes: rows on rigid bodies are few.
+const RIGID_SWEEPS: usize = 50;
+/// Rows of a tool that turns lean on each other through its arms.
+const TURNING_SWEEPS: usize = 200;
+/// Fewest sweeps under lower quality, where there are as many.
+const LEAST_SWEEPS: usize = 10;
+/// Weight of a row that carries, relative to the depth that its force means to the coupling.
+const LEAST_WEIGHT: f64 = 1e-3;
+
+/// Where a solve starts.
+#[derive(Clone, Copy, PartialEq)]
+enum Start {
+    /// With the forces of the last tick.
+    LastTick,
+    /// With those there are.
+    Here,
+}
+
+/// Solves for the force of every row.
+pub(super) fn solve(scene: &Scene, state: &SceneState, scratch: &mut Scratch) {
+    let count = scratch.rows.rows.len();
+    scratch.problem.begin(count);
+    scratch.friction.clear();
+    if count == 0 {
+        return;
+    }
+    let whole = is_whole(scratch);
+    for i in 0..count {
+        let a = scratch.rows.rows[i];
+        let Some(tool) = a.tool() else { continue };
+        let coupling = scene.tools[tool].coupling(&state.tools[tool]);
+        let (compliance, turning) = (
+            coupling.compliance_m_n(),
+            coupling.turning_compliance_rad_nm(),
+        );
+        let twist = a.arm.cross(&a.normal) * turning;
+        for j in 0..count {
+            let b = &scratch.rows.rows[j];
+            if a.holder == b.holder {
+                let mut moved = compliance * direction(&a, b, whole);
+                if turning > 0.0 && !whole {
+                    moved += twist.dot(&b.arm.cross(&b.normal));
+                }
+                scratch.problem.row_mut(i)[j] = moved;
+            }
+        }
+    }
+    for (b, body) in scene.bodies.iter().enumerate() {
+        if let BodyModel::Lattice(model) = &body.model {
+            add_body_compliance(b, &model.lattice, whole, scratch);
+        }
+    }
+    super::cover::ease_feet(scene, scratch);
+    solve_rows(scene, state, scratch, Start::LastTick);
+}
+
+/// Solves once more, on the same compliance, after gaps have changed.
+pub(super) fn solve_again(scene: &Scene, state: &SceneState, scratch: &mut Scratch) {
+    if !scratch.rows.rows.is_empty() {
+        solve_rows(scene, state, scratch, Start::Here);
+    }
+}
+
+/// Some force has three components.
+fn is_whole(scratch: &Scratch) -> bool {
+    scratch.rows.rows.iter().any(|row| row.law != Law::SMOOTH)
+}
+
+/// How often a solve goes over its rows. They start with the forces of the last tick: under lower
+/// quality, what few sweeps leave is settled over some ticks.
+fn sweeps(scene: &Scene, state: &SceneState, count: usize) -> usize {
+    let turns = scene.tools.iter().any(|tool| tool.coupling.turns());
+    let rigid = match (count, turns) {
+        (1, false) => 1,
+        (_, false) => RIGID_SWEEPS,
+        (_, true) => TURNING_SWEEPS,
+    };
+    let of_bodies = scene.bodies.iter().filter_map(|body| match &body.model {
+        BodyModel::Lattice(model) => Some(model.sweeps),
+        BodyModel::Rigid => None,
+    });
+    let full = of_bodies.fold(rigid, usize::max);
+    if state.quality < quality::FEWER_SWEEPS {
+        full
+    } else {
+        full.min((full / 4).max(LEAST_SWEEPS))
+    }
+}
+
+fn solve_rows(scene: &Scene, state: &SceneState, scratch: &mut Scratch, start: Start) {
+    if is_whole(scratch) {
+        return solve_whole(scene, state, scratch, start);
+    }
+    let mut warm = state.warm[..state.warm_len].iter().peekable();
+    for (i, row) in scratch.rows.rows.iter().enumerate() {
+        // Both lists are ordered by key.
+        while warm.next_if(|old| old.key < row.key()).is_some() {}
+        let old = warm.next_if(|old| old.key == row.key());
+        let force = match start {
+            Start::LastTick => old.map_or(0.0, |old| old.force_n),
+            Start::Here => scratch.problem.forces()[i],
+        };
+        scratch.problem.set(i, row.gap_m, force);
+    }
+    scratch
+        .problem
+        .solve(sweeps(scene, state, scratch.rows.rows.len()));
+    for tool in 0..scene.tools.len() {
+        share_among_rigid(scene, state, scratch, tool);
+    }
+}
+
+/// Solves for forces of three components.
+fn solve_whole(scene: &Scene, state: &SceneState, scratch: &mut Scratch, start: Start) {
+    let count = scratch.rows.rows.len();
+    scratch.sticks.clear();
+    let mut warm = state.warm[..state.warm_len].iter().peekable();
+    for i in 0..count {
+        let row = scratch.rows.rows[i];
+        // Both lists are ordered by key.
+        while warm.next_if(|old| old.key < row.key()).is_some() {}
+        let old = warm.next_if(|old| old.key == row.key());
+        let WarmRow {
+            force_n,
+            tangent_n,
+            slips,
+            ..
+        } = old.copied().unwrap_or_default();
+        let (slip, stuck) = stick::slip(scene, scratch, &row, old);
+        scratch.sticks.push(stuck);
+        let (law, free) = match row.law {
+            Law::Push {
+                mu,
+                drag_n_m: viscous_n_s_m,
+            } => {
+                let pair = scene.pairs[row.pair as usize].friction.filter(|_| slips);
+                let free = slip + row.normal * (row.gap_m - slip.dot(&row.normal));
+                let drag_n_m = match viscous_n_s_m > 0.0 {
+                    true => {
+                        viscous_n_s_m / scene.dt_s * share_of_drag(state, scratch, &row, force_n)
+                    }
+                    false => 0.0,
+                };
+                (
+                    Law::Push {
+                        mu: pair.map_or(mu, |friction| friction.mu_kinetic),
+                        drag_n_m,
+                    },
+                    free,
+                )
+            }
+            grip => (grip, row.slip),
+        };
+        match start {
+            Start::LastTick => {
+                scratch
+                    .friction
+                    .push(&row.normal, &free, law, &(row.normal * force_n + tangent_n));
+                if let Some(tool) = row
+                    .tool()
+                    .filter(|&tool| scene.tools[tool].coupling.turns())
+                {
+                    let compliance_rad_nm = scene.tools[tool].coupling.turning_compliance_rad_nm();
+                    scratch.friction.set_lever(&Lever {
+                        tool,
+                        arm: row.arm,
+                        compliance_rad_nm,
+                    });
+                }
+            }
+            Start::Here => scratch.friction.set_free(i, &free),
+        }
+    }
+    scratch
+        .friction
+        .solve(scratch.problem.matrix(), sweeps(scene, state, count));
+    for tool in 0..scene.tools.len() {
+        share_whole_among_rigid(scene, state, scratch, tool);
+    }
+    for i in 0..count {
+        scratch.problem.set_force(i, scratch.friction.normal_n(i));
+    }
+}
+
+/// Part of its pair's drag that a row has: as much as it carried of the pair's force in the last
+/// tick.
+fn share_of_drag(state: &SceneState, scratch: &Scratch, row: &Row, force_n: f64) -> f64 {
+    let warm = state.warm[..state.warm_len]
+        .iter()
+        .filter(|old| old.key[0] == row.pair);
+    let whole: f64 = warm.map(|old| old.force_n.max(0.0)).sum();
+    if whole > 0.0 {
+        return force_n.max(0.0) / whole;
+    }
+    // It has just come to touch.
+    1.0 / scratch
+        .rows
+        .rows
+        .iter()
+        .filter(|other| other.pair == row.pair)
+        .count() as f64
+}
+
+/// [`share_among_rigid`] with friction and grips. A grip counts as deep as its part of the force
+/// means to the coupling.
+fn share_whole_among_rigid(scene: &Scene, state: &SceneState, scratch: &mut Scratch, tool: usize) {
+    let Scratch {
+        rows,
+        friction,
+        cones,
+        ..
+    } = scratch;
+    let coupling = scene.tools[tool].coupling(&state.tools[tool]);
+    if coupling.turns() {
+        return;
+    }
+    let compliance = coupling.compliance_m_n();
+    cones.clear();
+    let total: Vector3 = rigid_rows(scene, &rows.rows, tool)
+        .map(|(i, _)| friction.force_n(i))
+        .sum();
+    let count = rigid_rows(scene, &rows.rows, tool).count() as f64;
+    for (i, row) in rigid_rows(scene, &rows.rows, tool) {
+        let (mut law, force_n) = (friction.law(i), friction.force_n(i));
+        if let Law::Push { mu, drag_n_m } = &mut law
+            && *drag_n_m > 0.0
+            && friction.normal_n(i) > 0.0
+        {
+            // Drag goes beyond the cone; it is shared as if the cone held it.
+            *mu = mu.max(friction.tangent_n(i).norm() / friction.normal_n(i));
+        }
+        let weight_m = match law {
+            Law::Push { .. } => {
+                (-row.gap_m).max(0.0) + LEAST_WEIGHT * compliance * friction.normal_n(i)
+            }
+            Law::Grip { .. } => compliance * total.norm() / count,
+        };
+        cones.push(ConeShare {
+            normal: row.normal,
+            law,
+            weight_m,
+            force_n,
+        });
+    }
+    if cones.len() > 1 && cones::share(cones) {
+        for ((i, _), share) in rigid_rows(scene, &rows.rows, tool).zip(cones.iter()) {
+            friction.set_force(i, &share.force_n);
+        }
+    }
+}
+
+/// Rows of a tool on bodies that do not give way.
+fn rigid_rows<'a>(
+    scene: &'a Scene,
+    rows: &'a [Row],
+    tool: usize,
+) -> impl Iterator<Item = (usize, &'a Row)> {
+    let rigid = |row: &Row| matches!(scene.bodies[row.body as usize].model, BodyModel::Rigid);
+    rows.iter()
+        .enumerate()
+        .filter(move |(_, row)| row.tool() == Some(tool) && rigid(row))
+}
+
+/// Rows of a tool on bodies that do not give way share their force by depth; balance does not say
+/// how.
+fn share_among_rigid(scene: &Scene, state: &SceneState, scratch: &mut Scratch, tool: usize) {
+    let Scratch {
+        rows,
+        problem,
+        shares,
+        ..
+    } = scratch;
+    let coupling = scene.tools[tool].coupling(&state.tools[tool]);
+    if coupling.turns() {
+        // Moments count: the solve has shared.
+        return;
+    }
+    let compliance = coupling.compliance_m_n();
+    let rigid = |row: &Row| {
+        row.tool() == Some(tool)
+            && matches!(scene.bodies[row.body as usize].model, BodyModel::Rigid)
+    };
+    shares.clear();
+    for (i, row) in rows.rows.iter().enumerate().filter(|(_, row)| rigid(row)) {
+        let force_n = problem.forces()[i];
+        // What carries has some weight, even where the device is not below that contact itself.
+        let weight_m = (-row.gap_m).max(0.0) + LEAST_WEIGHT * compliance * force_n;
+        shares.push(Share {
+            normal: row.normal,
+            weight_m,
+            force_n,
+        });
+    }
+    if shares.len() > 1 && share(shares) {
+        let indices = rows
+            .rows
+            .iter()
+            .enumerate()
+            .filter(|(_, row)| rigid(row))
+            .map(|(i, _)| i);
+        for (i, share) in indices.zip(shares.iter()) {
+            problem.set_force(i, share.force_n);
+        }
+    }
+}
+
+/// Adds what a body's surface gives way under its rows.
+fn add_body_compliance(body: usize, lattice: &Deformable, whole: bool, scratch: &mut Scratch) {
+    let Scratch {
+        rows,
+        problem,
+        delassus,
+        ..
+    } = scratch;
+    delassus.clear();
+    for (i, row) in rows.rows.iter().enumerate() {
+        for (sign, side) in row.sides_on(body) {
+            let (controls, weights) = rows.weights_in(side);
+            let moving = controls
+                .iter()
+                .zip(weights)
+                .filter_map(|(&control, &weight)| {
+                    let coordinate = lattice.coordinate_of_control(control as usize);
+                    Some((lattice.unknown(coordinate)?, coordinate, weight))
+                });
+            delassus.add(i, sign, moving);
+        }
+    }
+    delassus.respond(|coordinate| lattice.compliance_of(coordinate));
+    delassus.each_pair(|pair| {
+        let [i, j] = pair.rows;
+        let entry = pair.compliance * direction(&rows.rows[i], &rows.rows[j], whole);
+        problem.row_mut(i)[j] += entry;
+        if !pair.same {
+            problem.row_mut(j)[i] += entry;
+        }
+    });
+}
+
+/// How much a force of one row moves another, in terms of what their places give way.
+fn direction(a: &Row, b: &Row, whole: bool) -> f64 {
+    if whole { 1.0 } else { a.normal.dot(&b.normal) }
+}

@@ -1,0 +1,166 @@
+//! Bodies against each other, and against themselves.
+
+use super::feet::{MAX_FEET, margin_m, meet, moving, push_between, view};
+use crate::scene::{Scene, SceneState, Scratch, look_at};
+use crate::solve::rows::{FOOT, Facing, HOLDER_SAMPLES};
+use palpate_geometry::contact::{Contact, Reach};
+use palpate_geometry::math::Point3;
+
+/// Deepest fold of a body into itself that a tick looks for, relative to the size.
+const FOLD: f64 = 5e-3;
+
+/// A body against another, the holder: every contact of both surfaces, and samples of each inside
+/// the other.
+pub(super) fn bodies(
+    scene: &Scene,
+    state: &mut SceneState,
+    scratch: &mut Scratch,
+    p: usize,
+    other: usize,
+) {
+    let Scratch {
+        bodies,
+        pairs,
+        rows,
+        hits,
+        ..
+    } = scratch;
+    let pair = &scene.pairs[p];
+    let (my_body, their_body) = (&scene.bodies[pair.body], &scene.bodies[other]);
+    let Ok([mine, theirs]) = bodies.get_disjoint_mut([pair.body, other]) else {
+        return;
+    };
+    let proxy = &mut state.pairs[p].proxy;
+    if my_body.two_sided && !proxy.touching {
+        let corner = theirs.surface.net().points()[0];
+        proxy.below = mine.solver.closest(&mine.surface, &corner).signed_distance < 0.0;
+    }
+    // Free motion may close a gap within the tick.
+    let closing = moving(my_body, mine) + moving(their_body, theirs);
+    let margin = margin_m(0.0, my_body.size_m.min(their_body.size_m)) + 2.0 * closing;
+    let reach = Reach {
+        margin_m: margin,
+        below: proxy.below,
+    };
+    pairs[p].body_contacts(mine, theirs, reach);
+    let contacts = pairs[p].set.contacts();
+    proxy.touching = !contacts.is_empty();
+    let views = [view(my_body, mine), view(their_body, theirs)];
+    for (k, contact) in contacts.iter().take(MAX_FEET).enumerate() {
+        push_between(rows, p, pair, FOOT - k as u32, contact, &views, margin);
+    }
+    if let Some(view) = views[0].as_ref().filter(|_| !contacts.is_empty()) {
+        let bounds = theirs.bounds;
+        let look = |x: &Point3| look_at(contacts, x, margin, &theirs.surface, &theirs.solver);
+        view.samples_in_touch(
+            margin,
+            |low, high| meet(&bounds, low, high, margin),
+            look,
+            hits,
+        );
+        for hit in hits.iter() {
+            let (u, v) = view.samples.parameter(hit.index);
+            let Facing { gap_m, normal, uv } = hit.facing;
+            let on_tool = hit.point + normal * gap_m;
+            let contact = Contact {
+                u,
+                v,
+                on_body: hit.point,
+                on_tool,
+                normal,
+                depth_m: -gap_m,
+                tool_uv: Some(uv),
+            };
+            push_between(rows, p, pair, hit.index as u32, &contact, &views, margin);
+        }
+    }
+    if let Some(view) = views[1].as_ref().filter(|_| !contacts.is_empty()) {
+        let bounds = mine.bounds;
+        let side = reach.side();
+        let look = |x: &Point3| {
+            let near = nearest(contacts, x, |c| (x - c.on_body).dot(&c.normal) < margin)?;
+            let foot = mine.solver.local(&mine.surface, x, near.u, near.v)?;
+            let gap_m = side * foot.signed_distance;
+            Some(Facing {
+                gap_m,
+                normal: -foot.normal * side,
+                uv: [foot.u, foot.v],
+            })
+        };
+        view.samples_in_touch(
+            margin,
+            |low, high| meet(&bounds, low, high, margin),
+            look,
+            hits,
+        );
+        for hit in hits.iter() {
+            let (s, t) = view.samples.parameter(hit.index);
+            let Facing {
+                gap_m,
+                normal,
+                uv: [u, v],
+            } = hit.facing;
+            let on_body = hit.point + normal * gap_m;
+            let contact = Contact {
+                u,
+                v,
+                on_body,
+                on_tool: hit.point,
+                normal: -normal,
+                depth_m: -gap_m,
+                tool_uv: Some([s, t]),
+            };
+            push_between(
+                rows,
+                p,
+                pair,
+                HOLDER_SAMPLES + hit.index as u32,
+                &contact,
+                &views,
+                margin,
+            );
+        }
+    }
+}
+
+/// A body against itself: the places where it meets itself from outside.
+pub(super) fn itself(scene: &Scene, scratch: &mut Scratch, p: usize) {
+    let Scratch {
+        bodies,
+        pairs,
+        rows,
+        ..
+    } = scratch;
+    let pair = &scene.pairs[p];
+    let body = &scene.bodies[pair.body];
+    let parts = &mut bodies[pair.body];
+    let margin = margin_m(0.0, body.size_m) + 2.0 * moving(body, parts);
+    // Folds are met as they begin: what is deeper is a wall.
+    let deepest_m = FOLD * body.size_m + margin;
+    pairs[p].own_contacts(
+        parts,
+        Reach {
+            margin_m: margin,
+            below: false,
+        },
+        deepest_m,
+    );
+    let view = view(body, parts);
+    let views = [view, view];
+    for (k, contact) in pairs[p].set.contacts().iter().take(MAX_FEET).enumerate() {
+        push_between(rows, p, pair, FOOT - k as u32, contact, &views, margin);
+    }
+}
+
+/// The contact next to a point among those that pass.
+fn nearest<'a>(
+    contacts: &'a [Contact],
+    x: &Point3,
+    passes: impl Fn(&&Contact) -> bool,
+) -> Option<&'a Contact> {
+    let away = |c: &Contact| (c.on_body - x).norm_squared();
+    contacts
+        .iter()
+        .filter(passes)
+        .min_by(|a, b| away(a).total_cmp(&away(b)))
+}

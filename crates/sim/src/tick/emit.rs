@@ -1,0 +1,231 @@
+//! What comes out of the contact solve: limited forces for the hands, loads for the bodies, reports
+//! for everybody.
+
+use super::feet::margin_m;
+use super::record::{ContactReport, TickOutput, ToolOutput};
+use super::{grip, load, stick};
+use crate::haptics::{LinkPhase, Motion, RenderedForce, Wrench, limit};
+use crate::scene::{Method, Scene, SceneState, Scratch, ToolState, WarmRow, flags};
+use crate::solve::friction::Law;
+use crate::solve::rows::Row;
+use palpate_geometry::math::{Vector3, rotation_by, turn_between};
+
+/// Limits the forces, loads the bodies with their opposites, and writes what the tools get.
+pub(super) fn emit(
+    scene: &Scene,
+    state: &mut SceneState,
+    scratch: &mut Scratch,
+    output: &mut TickOutput,
+) {
+    for (t, tool) in scene.tools.iter().enumerate() {
+        let own = |row: &&Row| row.tool() == Some(t);
+        let tool_state = &state.tools[t];
+        let out = &mut output.tools[t];
+        if tool_state.link.phase == LinkPhase::Absent {
+            (out.proxy_position, out.proxy_orientation) =
+                (tool_state.proxy, tool_state.orientation);
+            continue;
+        }
+        let coupling = tool.coupling(tool_state);
+        let ball = tool.shape.ball_radius_m().is_some();
+        let free = scratch.rows.free[t];
+        let (force, torque) = load::wrench(scene, state, scratch, t);
+        let tool_state = &mut state.tools[t];
+        (out.contact_force_n, out.contact_torque_nm) = (force, torque);
+        let limit_n = tool_state.link.limit_n;
+        let limit_nm = load::torque_limit_nm(tool, tool_state);
+        let (rendered, factor) = limit(force, torque, limit_n, limit_nm);
+        let held = free + force * coupling.compliance_m_n();
+        let turn = torque * coupling.turning_compliance_rad_nm();
+        let turned = rotation_by(&turn) * scratch.rows.free_turns[t];
+        // A saturated coupling lets the device in further than the balance knows: a ball then stays
+        // on the surface as it stands; other shapes see at the next tick how far they are in.
+        let guarded = ball
+            && scene
+                .pairs
+                .iter()
+                .all(|pair| pair.tool() != Some(t) || pair.method == Method::Exact);
+        // A grip holds it where it is whatever the device bears.
+        let whole = (factor == 1.0 || !guarded || tool_state.grip.holds())
+            && held.iter().all(|x| x.is_finite());
+        tool_state.proxy = if whole { held } else { scratch.rows.proxies[t] };
+        tool_state.orientation = match coupling.turns() && turn.iter().all(|x| x.is_finite()) {
+            true => turned,
+            false => scratch.rows.free_turns[t],
+        };
+        let lifted = turn_between(&tool_state.link.pose.orientation, &tool_state.orientation);
+        let device = tool_state.link.pose.position;
+        for (i, row) in scratch
+            .rows
+            .rows
+            .iter()
+            .enumerate()
+            .filter(|(_, row)| own(row))
+        {
+            let lambda = scratch.problem.forces()[i];
+            let (carries, push) = if scratch.friction.is_active() {
+                let push = scratch.friction.force_n(i);
+                (push != Vector3::zeros(), push * factor)
+            } else {
+                (lambda > 0.0, row.normal * (lambda * factor))
+            };
+            if !carries {
+                continue;
+            }
+            out.contact_count += 1;
+            let depth_m =
+                row.normal.dot(&(held - device + lifted.cross(&row.arm))) - scratch.gap_after(i);
+            let report = report(row, depth_m, push);
+            if out.contact.is_none_or(|deepest| depth_m > deepest.depth_m) {
+                out.contact = Some(report);
+            }
+            output.contacts.push(report);
+        }
+        // A device without motors for torque lacks nothing that it could have.
+        if factor < 1.0 || limit_nm > 0.0 && rendered.torque_nm() != torque {
+            out.flags |= flags::SATURATED;
+        }
+        let (rendered, damped) = keep_passive(scene, tool_state, t, rendered, out, limit_nm);
+        if damped {
+            out.flags |= flags::DAMPED;
+        }
+        out.force_n = rendered.newtons();
+        out.torque_nm = rendered.torque_nm();
+        (out.proxy_position, out.proxy_orientation) = (tool_state.proxy, tool_state.orientation);
+        (out.energy_j, out.dissipated_j) =
+            (tool_state.port.energy_j(), tool_state.port.dissipated_j());
+        scratch.rows.factors[t] = factor;
+    }
+    for (i, row) in scratch
+        .rows
+        .rows
+        .iter()
+        .enumerate()
+        .filter(|(_, row)| row.tool().is_none())
+    {
+        let lambda = scratch.problem.forces()[i];
+        if lambda > 0.0 {
+            let push = if scratch.friction.is_active() {
+                scratch.friction.force_n(i)
+            } else {
+                row.normal * lambda
+            };
+            output
+                .contacts
+                .push(report(row, -scratch.gap_after(i), push));
+        }
+    }
+    for t in 0..scene.tools.len() {
+        grip::take(scene, state, scratch, t, &mut output.tools[t]);
+    }
+    load_bodies(scene, state, scratch);
+}
+
+/// Adds the damper of the passivity controller, if the tool has one and needs it; what the device
+/// then holds is remembered.
+fn keep_passive(
+    scene: &Scene,
+    tool: &mut ToolState,
+    t: usize,
+    rendered: RenderedForce,
+    out: &ToolOutput,
+    limit_nm: f64,
+) -> (RenderedForce, bool) {
+    let wanted = Wrench {
+        force_n: rendered.newtons(),
+        torque_nm: rendered.torque_nm(),
+    };
+    let most = scene.tools[t].device.passivity_damping_n_s_m;
+    let motion = Motion {
+        moved: out.device_moved,
+        turned: out.device_turned,
+    };
+    let damper = most.map_or(Wrench::default(), |most| {
+        tool.port.damper(&wanted, &motion, scene.dt_s, most)
+    });
+    if damper == Wrench::default() {
+        tool.port.hold(wanted, damper);
+        return (rendered, false);
+    }
+    let (force_n, torque_nm) = (
+        wanted.force_n + damper.force_n,
+        wanted.torque_nm + damper.torque_nm,
+    );
+    let (held, _) = limit(force_n, torque_nm, tool.link.limit_n, limit_nm);
+    let held_wrench = Wrench {
+        force_n: held.newtons(),
+        torque_nm: held.torque_nm(),
+    };
+    // The limit may have taken part of it.
+    let damper = Wrench {
+        force_n: held_wrench.force_n - wanted.force_n,
+        torque_nm: held_wrench.torque_nm - wanted.torque_nm,
+    };
+    tool.port.hold(held_wrench, damper);
+    (held, true)
+}
+
+fn report(row: &Row, depth_m: f64, force_n: Vector3) -> ContactReport {
+    let Row {
+        body,
+        holder,
+        u,
+        v,
+        point,
+        normal,
+        ..
+    } = *row;
+    ContactReport {
+        body,
+        holder,
+        u,
+        v,
+        point,
+        normal,
+        depth_m,
+        force_n,
+    }
+}
+
+/// Such a contact of a tool that may turn is remembered though it does not carry: the tool may tip
+/// onto it.
+fn is_near(scene: &Scene, row: &Row, gap_m: f64) -> bool {
+    matches!(row.law, Law::Push { .. })
+        && gap_m < margin_m(0.0, scene.bodies[row.body as usize].size_m)
+}
+
+/// Forces of all rows on the bodies, and the warm start of the next tick.
+fn load_bodies(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch) {
+    state.warm_len = 0;
+    state.warm_friction = scratch.friction.is_active();
+    state.warm_arms = false;
+    for i in 0..scratch.rows.rows.len() {
+        let row = scratch.rows.rows[i];
+        let turns = row
+            .tool()
+            .is_some_and(|tool| scene.tools[tool].coupling.turns());
+        let lasts =
+            load::carries(scratch, i) || turns && is_near(scene, &row, scratch.gap_after(i));
+        if !lasts {
+            continue;
+        }
+        state.warm_arms |= turns;
+        let (Row { u, v, on_tool, .. }, force_n) = (row, scratch.problem.forces()[i]);
+        let on_tool = if turns { on_tool } else { Vector3::zeros() };
+        let mut warm = WarmRow {
+            key: row.key(),
+            uv: [u, v],
+            force_n,
+            on_tool,
+            ..WarmRow::default()
+        };
+        if scratch.friction.is_active() {
+            warm.tangent_n = scratch.friction.tangent_n(i);
+            warm.slips = scratch.friction.slips(i);
+            warm.stick = stick::kept(i, scratch);
+        }
+        state.warm[state.warm_len] = warm;
+        state.warm_len += 1;
+        load::push_bodies(scene, scratch, i, |_| true);
+    }
+}

@@ -1,0 +1,242 @@
+//! From contacts to rows: which parties hold them, and how far free motion takes each.
+
+use crate::scene::{Body, BodyModel, BodyScratch, Pair};
+use crate::solve::friction::Law;
+use crate::solve::rows::{DeformingView, Grip, Row, RowSet, SampleInTouch};
+use palpate_geometry::contact::Contact;
+use palpate_geometry::math::{Point3, Rotation, Vector3};
+
+/// Contacts of one pair that become rows.
+pub(super) const MAX_FEET: usize = 16;
+
+/// Rows join a little before they touch, so that a bulge is met by a row in the tick in which it
+/// rises.
+pub(super) fn margin_m(radius_m: f64, size_m: f64) -> f64 {
+    if radius_m > 0.0 {
+        0.02 * radius_m
+    } else {
+        1e-4 * size_m
+    }
+}
+
+/// A body as rows see it, when it deforms.
+pub(super) fn view<'a>(body: &'a Body, parts: &'a BodyScratch) -> Option<DeformingView<'a>> {
+    match (&body.model, &parts.deforming) {
+        (BodyModel::Lattice(model), Some(deforming)) => Some(DeformingView {
+            surface: &parts.surface,
+            predicted: &deforming.predicted_net,
+            samples: &model.samples,
+        }),
+        _ => None,
+    }
+}
+
+/// How far free motion takes any control point of a body within the tick, m.
+pub(super) fn moving(body: &Body, parts: &BodyScratch) -> f64 {
+    let Some(view) = view(body, parts) else {
+        return 0.0;
+    };
+    let pairs = view.surface.net().points().iter().zip(view.predicted);
+    pairs
+        .fold(0.0, |most: f64, (now, then)| {
+            most.max((then - now).norm_squared())
+        })
+        .sqrt()
+}
+
+/// Two boxes come nearer than `margin_m`.
+pub(super) fn meet((a, b): &(Point3, Point3), low: &Point3, high: &Point3, margin_m: f64) -> bool {
+    (0..3).all(|c| low[c] <= b[c] + margin_m && high[c] >= a[c] - margin_m)
+}
+
+/// How far a tool goes within the tick, seen from where its contacts were looked for.
+#[derive(Clone, Copy)]
+pub(super) struct Way {
+    /// Its reference point there, m.
+    pub from: Point3,
+    /// How it is turned there.
+    pub rotation: Rotation,
+    /// From there to where it is free to go, m.
+    pub carried: Vector3,
+    /// The same for its orientation, rad.
+    pub turned: Vector3,
+    /// From where the last tick left it to there, m.
+    pub slipped: Vector3,
+    /// The same for its orientation, rad.
+    pub twisted: Vector3,
+    /// Its arms count: it is no ball.
+    pub has_arms: bool,
+}
+
+impl Way {
+    /// The row of a contact, and how far the tool carries its point there.
+    fn of(&self, row: Row, on_tool: &Point3) -> (Row, Vector3) {
+        if !self.has_arms {
+            return (
+                Row {
+                    slip: self.slipped,
+                    ..row
+                },
+                self.carried,
+            );
+        }
+        let arm = on_tool - self.from;
+        let on_tool = self.rotation.inverse_transform_vector(&arm);
+        (
+            Row {
+                slip: self.slipped + self.twisted.cross(&arm),
+                arm,
+                on_tool,
+                ..row
+            },
+            self.carried + self.turned.cross(&arm),
+        )
+    }
+}
+
+/// A row of a tool at a contact of its pair, named by [`super::cover::foot_name`].
+pub(super) fn push_foot(
+    rows: &mut RowSet,
+    p: usize,
+    pair: &Pair,
+    sample: u32,
+    contact: &Contact,
+    view: Option<&DeformingView<'_>>,
+    way: Way,
+    margin: f64,
+) {
+    let (row, carried) = way.of(row(p, pair, sample, contact), &contact.on_tool);
+    match view {
+        Some(view) => {
+            let windows = windows(view, contact.u, contact.v);
+            rows.push(
+                row,
+                Grip::Deforming(view, &windows.0, &windows.1),
+                Grip::Carried(carried),
+                margin,
+            );
+        }
+        None => rows.push(row, Grip::Fixed, Grip::Carried(carried), margin),
+    }
+}
+
+/// A row of a tool at a sample of a deforming body.
+pub(super) fn push_sample(
+    rows: &mut RowSet,
+    p: usize,
+    pair: &Pair,
+    hit: &SampleInTouch,
+    view: &DeformingView<'_>,
+    way: Way,
+    margin: f64,
+) {
+    let (u, v) = view.samples.parameter(hit.index);
+    let (wu, wv) = view.samples.windows(hit.index);
+    let contact = Contact {
+        u,
+        v,
+        on_body: hit.point,
+        on_tool: hit.point + hit.facing.normal * hit.facing.gap_m,
+        normal: hit.facing.normal,
+        depth_m: -hit.facing.gap_m,
+        tool_uv: None,
+    };
+    let (row, carried) = way.of(row(p, pair, hit.index as u32, &contact), &contact.on_tool);
+    rows.push(
+        row,
+        Grip::Deforming(view, wu, wv),
+        Grip::Carried(carried),
+        margin,
+    );
+}
+
+/// A row that holds a point of a tool to a point of a body; `contact` says which, `away` leads from
+/// the body's to where the tool's is free to go, `arm` there from the tool's reference point.
+pub(super) fn push_anchor(
+    rows: &mut RowSet,
+    p: usize,
+    pair: &Pair,
+    sample: u32,
+    contact: &Contact,
+    view: Option<&DeformingView<'_>>,
+    (away, arm): (Vector3, Vector3),
+    limit_n: f64,
+) {
+    let row = Row {
+        slip: away,
+        arm,
+        law: Law::Grip { limit_n },
+        ..row(p, pair, sample, contact)
+    };
+    let mine = view.map(|view| (view, windows(view, contact.u, contact.v)));
+    rows.push(row, grip_of(&mine), Grip::Fixed, f64::INFINITY);
+}
+
+/// A row between two bodies, `views[0]` of the pair's body and `views[1]` of its holder.
+pub(super) fn push_between(
+    rows: &mut RowSet,
+    p: usize,
+    pair: &Pair,
+    sample: u32,
+    contact: &Contact,
+    views: &[Option<DeformingView<'_>>; 2],
+    margin: f64,
+) {
+    let Some([s, t]) = contact.tool_uv else {
+        return;
+    };
+    let row = row(p, pair, sample, contact);
+    let mine = views[0]
+        .as_ref()
+        .map(|view| (view, windows(view, contact.u, contact.v)));
+    let theirs = views[1].as_ref().map(|view| (view, windows(view, s, t)));
+    rows.push(row, grip_of(&mine), grip_of(&theirs), margin);
+}
+
+type Windows = (
+    palpate_geometry::basis::BasisWindow,
+    palpate_geometry::basis::BasisWindow,
+);
+
+fn grip_of<'a>(side: &'a Option<(&'a DeformingView<'a>, Windows)>) -> Grip<'a> {
+    match side {
+        Some((view, windows)) => Grip::Deforming(view, &windows.0, &windows.1),
+        None => Grip::Fixed,
+    }
+}
+
+fn windows(view: &DeformingView<'_>, u: f64, v: f64) -> Windows {
+    (
+        view.surface.knots_u().window(u),
+        view.surface.knots_v().window(v),
+    )
+}
+
+/// With friction a row begins as one that drags: how much of the pair's drag is its own, the solve
+/// knows.
+fn law(pair: &Pair) -> Law {
+    pair.friction.map_or(Law::SMOOTH, |friction| Law::Push {
+        mu: friction.mu,
+        drag_n_m: friction.viscous_n_s_m,
+    })
+}
+
+fn row(p: usize, pair: &Pair, sample: u32, contact: &Contact) -> Row {
+    Row {
+        pair: p as u32,
+        sample,
+        body: pair.body as u32,
+        holder: pair.holder,
+        normal: contact.normal,
+        gap_m: -contact.depth_m,
+        slip: Vector3::zeros(),
+        law: law(pair),
+        point: contact.on_body,
+        arm: Vector3::zeros(),
+        on_tool: Vector3::zeros(),
+        u: contact.u,
+        v: contact.v,
+        on_body: Default::default(),
+        on_holder: Default::default(),
+    }
+}

@@ -1,0 +1,504 @@
+//! From poses to contact rows.
+//!
+//! ```text
+//! broad phase     pairs that can touch in this tick
+//! ball            proxy on the exact surface ─▶ its foot, every other region in touch, samples inside
+//! other shapes    anchor (the last proxy, moved on while nothing is near) ─▶ every contact in reach, samples inside
+//! two bodies      every contact of both surfaces in reach, samples of each inside the other
+//! itself          places where a body's surface meets itself from outside
+//! ```
+
+use super::between::{bodies, itself};
+use super::cover::{UNPLACED, foot_name};
+use super::face::{Faced, face_surface};
+use super::feet::{MAX_FEET, Way, margin_m, meet, push_foot, push_sample, view};
+use super::manifold::{Stance, push_manifold};
+use super::{grip, stick};
+use crate::haptics::LinkPhase;
+use crate::scene::{
+    Body, BodyModel, BodyScratch, Method, Pair, PairScratch, Scene, SceneState, Scratch, Tool,
+    WarmRow,
+};
+use crate::solve::proxy::BallContact;
+use crate::solve::rows::{DeformingView, FOOT, Facing, Holder, LEAST_FOOT, RowSet};
+use palpate_geometry::contact::exact::ball::signed_gap;
+use palpate_geometry::contact::{Contact, Reach, ToolShape, distance_squared_to_box};
+use palpate_geometry::math::{Point3, Pose, Rotation, Vector3, rotation_by, turn_between};
+
+/// Most steps of an anchor through empty space in one tick.
+const STRIDES: usize = 64;
+/// Longest of these steps, relative to the body's size: within it, what is near is described by
+/// planes.
+const STRIDE: f64 = 0.05;
+/// A slide shorter than this, relative to the body's size, turns no normal that a hand could tell.
+const SLID: f64 = 1e-6;
+/// Rounds of projection on contacts.
+const PROJECTIONS: usize = 20;
+/// Feet closer than this, relative to the body's size, are one.
+const SAME: f64 = 1e-6;
+
+/// Moves the proxies on the surfaces as they stand and writes the rows of the contact problem.
+pub(super) fn gather(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch) {
+    scratch.rows.clear();
+    for (t, tool) in scene.tools.iter().enumerate() {
+        let link = &state.tools[t].link;
+        let coupling = tool.coupling(&state.tools[t]);
+        let free =
+            coupling.free_position(&link.pose.position, &link.velocity(), &state.tools[t].proxy);
+        scratch.rows.free[t] = free;
+        scratch.rows.proxies[t] = free;
+        let (device, rate) = (&link.pose.orientation, &link.angular_velocity());
+        scratch.rows.free_turns[t] =
+            coupling.free_orientation(device, rate, &state.tools[t].orientation);
+    }
+    super::near::find(scene, state, scratch);
+    grip::update(scene, state, scratch);
+    for (p, pair) in scene.pairs.iter().enumerate() {
+        scratch.rows.begin_pair();
+        if let Some(t) = pair.tool() {
+            grip::push_anchors(scene, state, scratch, p, t);
+        }
+        if !scratch.near.is_near(p) {
+            state.pairs[p].proxy.leave();
+            scratch.rows.end_pair();
+            continue;
+        }
+        match pair.holder {
+            Holder::Tool(t) => {
+                let t = t as usize;
+                if state.tools[t].link.phase == LinkPhase::Absent {
+                    continue;
+                }
+                match scene.tools[t].shape.ball_radius_m() {
+                    Some(radius_m) if pair.method == Method::Exact => {
+                        ball(scene, state, scratch, p, t, radius_m)
+                    }
+                    _ => shape(scene, state, scratch, p, t),
+                }
+            }
+            Holder::Body(other) if other as usize == pair.body => itself(scene, scratch, p),
+            Holder::Body(other) => bodies(scene, state, scratch, p, other as usize),
+        }
+        scratch.rows.end_pair();
+    }
+}
+
+/// A point or a sphere: its proxy on the exact surface.
+fn ball(
+    scene: &Scene,
+    state: &mut SceneState,
+    scratch: &mut Scratch,
+    p: usize,
+    t: usize,
+    radius_m: f64,
+) {
+    let Scratch {
+        bodies,
+        pairs,
+        rows,
+        hits,
+        ..
+    } = scratch;
+    let pair = &scene.pairs[p];
+    let body = &scene.bodies[pair.body];
+    let parts = &mut bodies[pair.body];
+    let (free, margin) = (rows.free[t], margin_m(radius_m, body.size_m));
+    let last = state.tools[t].proxy;
+    let touched = state.pairs[p].proxy.touching;
+    let mut target = rows.proxies[t];
+    if state.tools[t].grip.holds() {
+        // Held where it is, not where the device pulls it.
+        target = last;
+    } else if touched && pair.friction.is_some() {
+        target = stick::ball_target(scene, state, &parts.surface, p, &last, &target, radius_m);
+    }
+    let proxy = &mut state.pairs[p].proxy;
+    let held = BallContact {
+        surface: &parts.surface,
+        solver: &mut parts.solver,
+        size_m: body.size_m,
+        radius_m,
+        two_sided: body.two_sided,
+    }
+    .constrain(&last, &target, state.bodies[pair.body].moved_m, proxy);
+    rows.proxies[t] = held.centre;
+    if held.gap_m >= margin {
+        return;
+    }
+    let reach = Reach {
+        margin_m: margin,
+        below: proxy.below,
+    };
+    let here = Pose::from_parts(held.centre.coords.into(), Rotation::identity());
+    pairs[p].contacts(&scene.tools[t].shape, &here, parts, reach);
+    let set = &pairs[p].set;
+    let gap_now = (held.centre - held.foot.point).dot(&held.normal) - radius_m;
+    let first = Contact {
+        u: held.foot.u,
+        v: held.foot.v,
+        on_body: held.foot.point,
+        on_tool: held.foot.point + held.normal * gap_now,
+        normal: held.normal,
+        depth_m: -gap_now,
+        tool_uv: None,
+    };
+    let same = |contact: &&Contact| (contact.on_body - first.on_body).norm() > SAME * body.size_m;
+    let way = Way {
+        from: held.centre,
+        rotation: Rotation::identity(),
+        carried: free - held.centre,
+        turned: Vector3::zeros(),
+        slipped: slipped(touched, held.centre - last),
+        twisted: Vector3::zeros(),
+        has_arms: false,
+    };
+    let feet = std::iter::once(&first).chain(set.contacts().iter().filter(same));
+    let view = view(body, parts);
+    let centre = held.centre;
+    let look = |point: &Point3| {
+        let (gap_m, normal) = signed_gap(&centre, radius_m, point);
+        (*point != centre).then_some(Facing {
+            gap_m,
+            normal,
+            uv: [0.0; 2],
+        })
+    };
+    if let Some(view) = view.filter(|_| radius_m > 0.0) {
+        let within = radius_m + margin;
+        let meets = |low: &Point3, high: &Point3| {
+            distance_squared_to_box(&centre, low, high) <= within * within
+        };
+        view.samples_in_touch(margin, meets, look, hits);
+        for hit in hits.iter() {
+            push_sample(rows, p, pair, hit, &view, way, margin);
+        }
+    }
+    push_feet(rows, p, pair, feet, view.as_ref(), way, margin);
+    let Some(view) = view.filter(|_| radius_m > 0.0) else {
+        return;
+    };
+    keep_feet(
+        rows,
+        p,
+        pair,
+        &state.warm[..state.warm_len],
+        &view,
+        way,
+        margin,
+        look,
+    );
+}
+
+/// Rows of feet that carried in the last tick and are no deepest points any more.
+fn keep_feet(
+    rows: &mut RowSet,
+    p: usize,
+    pair: &Pair,
+    warm: &[WarmRow],
+    view: &DeformingView<'_>,
+    way: Way,
+    margin: f64,
+    facing: impl Fn(&Point3) -> Option<Facing>,
+) {
+    let placed = LEAST_FOOT..=FOOT - UNPLACED;
+    let carried = |row: &&WarmRow| {
+        row.key[0] as usize == p && placed.contains(&row.key[1]) && row.force_n > 0.0
+    };
+    for warm in warm.iter().filter(carried) {
+        let [u, v] = warm.uv;
+        let on_body = view.surface.point(u, v);
+        let Some(Facing { gap_m, normal, .. }) = facing(&on_body) else {
+            continue;
+        };
+        let on_tool = on_body + normal * gap_m;
+        let contact = Contact {
+            u,
+            v,
+            on_body,
+            on_tool,
+            normal,
+            depth_m: -gap_m,
+            tool_uv: None,
+        };
+        push_feet(
+            rows,
+            p,
+            pair,
+            std::iter::once(&contact),
+            Some(view),
+            way,
+            margin,
+        );
+    }
+}
+
+/// Rows of the contacts that samples, whose rows are there already, do not hold.
+fn push_feet<'a>(
+    rows: &mut RowSet,
+    p: usize,
+    pair: &Pair,
+    feet: impl Iterator<Item = &'a Contact>,
+    view: Option<&DeformingView<'_>>,
+    way: Way,
+    margin: f64,
+) {
+    let mut kept = 0;
+    for (k, contact) in feet.enumerate() {
+        let Some(name) = foot_name(rows, p, k, contact, view, margin) else {
+            continue;
+        };
+        push_foot(rows, p, pair, name, contact, view, way, margin);
+        kept += 1;
+        if kept == MAX_FEET {
+            return;
+        }
+    }
+}
+
+/// Where a tool stands.
+#[derive(Clone, Copy)]
+struct Stand {
+    place: Point3,
+    rotation: Rotation,
+}
+
+impl Stand {
+    fn pose(&self) -> Pose {
+        Pose::from_parts(self.place.coords.into(), self.rotation)
+    }
+
+    /// From here to there: of the reference point, m, and of the orientation, rad.
+    fn way_to(&self, there: &Self) -> (Vector3, Vector3) {
+        (
+            there.place - self.place,
+            turn_between(&self.rotation, &there.rotation),
+        )
+    }
+
+    /// A part of the way.
+    fn go(&mut self, (way, turn): (Vector3, Vector3), part: f64) {
+        self.place += way * part;
+        self.rotation = rotation_by(&(turn * part)) * self.rotation;
+    }
+}
+
+/// Tools that are no ball, and all on the `spheres` method.
+fn shape(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch, p: usize, t: usize) {
+    let Scratch {
+        bodies,
+        pairs,
+        rows,
+        hits,
+        ..
+    } = scratch;
+    let pair = &scene.pairs[p];
+    let (tool, body) = (&scene.tools[t], &scene.bodies[pair.body]);
+    let parts = &mut bodies[pair.body];
+    let free = Stand {
+        place: rows.free[t],
+        rotation: rows.free_turns[t],
+    };
+    let margin = margin_m(0.0, body.size_m);
+    let mu = stick::coefficient(scene, state, p);
+    let last = Stand {
+        place: state.tools[t].proxy,
+        rotation: state.tools[t].orientation,
+    };
+    let proxy = &mut state.pairs[p].proxy;
+    let touched = proxy.touching;
+    let scratch_pair = &mut pairs[p];
+    let gripped = state.tools[t].grip.holds();
+    // A half-space looks the same from everywhere: its contacts are those where it is going to be.
+    // A tool that the device turns is looked at as it is turned.
+    let mut anchor = if tool.shape.is_plane() && !gripped {
+        free
+    } else {
+        last
+    };
+    if !tool.coupling.turns() {
+        anchor.rotation = free.rotation;
+    }
+    // How far the farthest point of the tool goes when it turns by one rad.
+    let lever = tool.shape.reach_m().unwrap_or(body.size_m);
+    if body.two_sided && !proxy.touching {
+        // What lets go for a tick is still on the side it was.
+        let away_m = parts
+            .solver
+            .closest(&parts.surface, &anchor.place)
+            .signed_distance;
+        if away_m.abs() > margin {
+            proxy.below = away_m < 0.0;
+        }
+    }
+    let longest = STRIDE * body.size_m;
+    for stride in 0..STRIDES {
+        let way = anchor.way_to(&free);
+        let length = way.0.norm() + lever * way.1.norm();
+        let reach = Reach {
+            margin_m: length.min(longest).max(margin),
+            below: proxy.below,
+        };
+        touch(
+            tool,
+            body,
+            pair,
+            scratch_pair,
+            &anchor.pose(),
+            parts,
+            reach,
+            margin,
+        );
+        if length <= reach.margin_m
+            || !scratch_pair.set.contacts().is_empty()
+            || stride + 1 == STRIDES
+        {
+            break;
+        }
+        // Nothing is within reach: that far it may go.
+        anchor.go(way, 0.99 * reach.margin_m / length);
+    }
+    if matches!(body.model, BodyModel::Rigid) && !gripped {
+        // Normals turn while the tool slides: look again from where these contacts let it go.
+        let way = free.place - anchor.place;
+        let mut slid = slide(scratch_pair.set.contacts(), way);
+        if touched && mu > 0.0 {
+            slid = stick::held_back(slid, way - slid, mu);
+        }
+        if slid.norm() > SLID * body.size_m && !scratch_pair.set.contacts().is_empty() {
+            anchor.place += slid;
+            let (way, turn) = anchor.way_to(&free);
+            let margin_m = (way.norm() + lever * turn.norm()).min(longest).max(margin);
+            let reach = Reach {
+                margin_m,
+                below: proxy.below,
+            };
+            touch(
+                tool,
+                body,
+                pair,
+                scratch_pair,
+                &anchor.pose(),
+                parts,
+                reach,
+                margin,
+            );
+        }
+    }
+    let set = &scratch_pair.set;
+    proxy.touching = set
+        .contacts()
+        .iter()
+        .any(|contact| contact.depth_m > -margin);
+    let ((carried, turned), (slid, twisted)) = (anchor.way_to(&free), last.way_to(&anchor));
+    let way = Way {
+        from: anchor.place,
+        rotation: anchor.rotation,
+        carried,
+        turned,
+        slipped: slipped(touched, slid),
+        twisted: slipped(touched, twisted),
+        has_arms: tool.shape.ball_radius_m().is_none(),
+    };
+    let view = view(body, parts);
+    let pose = anchor.pose();
+    if let Some(view) = view.filter(|_| !set.contacts().is_empty()) {
+        let bounds = tool.shape.bounds(&pose);
+        let meets = |low: &Point3, high: &Point3| {
+            bounds.is_none_or(|bounds| meet(&bounds, low, high, margin))
+        };
+        scratch_pair.samples_in_touch(&tool.shape, &pose, &view, margin, meets, hits);
+        for hit in hits.iter() {
+            push_sample(rows, p, pair, hit, &view, way, margin);
+        }
+    }
+    let warm = &state.warm[..state.warm_len];
+    if tool.coupling.turns() && view.is_none() {
+        let side = if proxy.below { -1.0 } else { 1.0 };
+        let stance = Stance {
+            pose: &pose,
+            size_m: body.size_m,
+            side,
+            margin_m: margin,
+        };
+        return push_manifold(
+            rows,
+            p,
+            pair,
+            scratch_pair.set.contacts(),
+            warm,
+            parts,
+            &stance,
+            way,
+        );
+    }
+    push_feet(
+        rows,
+        p,
+        pair,
+        scratch_pair.set.contacts().iter(),
+        view.as_ref(),
+        way,
+        margin,
+    );
+    if let Some(view) = view {
+        let facing = |point: &Point3| scratch_pair.facing(&tool.shape, &pose, point, margin);
+        keep_feet(rows, p, pair, warm, &view, way, margin, facing);
+    }
+}
+
+/// Contacts of a tool at `pose`, its edges and tips turned to the surface.
+fn touch(
+    tool: &Tool,
+    body: &Body,
+    pair: &Pair,
+    scratch_pair: &mut PairScratch,
+    pose: &Pose,
+    parts: &mut BodyScratch,
+    reach: Reach,
+    margin: f64,
+) {
+    scratch_pair.contacts(&tool.shape, pose, parts, reach);
+    let tips = match (&tool.shape, pair.method) {
+        (ToolShape::Implicit { tool, .. }, Method::Exact) => tool.tips(),
+        (ToolShape::Mesh(_), Method::Exact) => &[],
+        _ => return,
+    };
+    let BodyScratch {
+        surface,
+        solver,
+        bounds,
+        ..
+    } = parts;
+    let faced = Faced {
+        surface,
+        solver,
+        bounds: *bounds,
+        size_m: body.size_m,
+        below: reach.below,
+    };
+    face_surface(&mut scratch_pair.set, faced, pose, tips, margin);
+}
+
+/// A tool that did not touch before begins to resist from where it comes to touch.
+fn slipped(touched: bool, way: Vector3) -> Vector3 {
+    if touched { way } else { Vector3::zeros() }
+}
+
+/// The part of a way that contacts allow: projected on their half-spaces, one after the other.
+fn slide(contacts: &[Contact], way: Vector3) -> Vector3 {
+    let mut slid = way;
+    for _ in 0..PROJECTIONS {
+        let mut changed = false;
+        for contact in contacts {
+            let gap = slid.dot(&contact.normal) - contact.depth_m;
+            if gap < 0.0 {
+                slid -= contact.normal * gap;
+                changed = true;
+            }
+        }
+        if !changed {
+            break;
+        }
+    }
+    slid
+}

@@ -1,0 +1,138 @@
+//! Grips: made where a tool touches while its button is down, held as rows, let go.
+
+use super::feet::{margin_m, push_anchor, view};
+use super::record::ToolOutput;
+use crate::haptics::LinkPhase;
+use crate::scene::{Scene, SceneState, Scratch, ToolState, flags};
+use crate::solve::friction::Law;
+use crate::solve::grip::{GRAB, GripState, MAX_ANCHORS, apart_m, strength};
+use crate::solve::rows::{ANCHOR, Row};
+use palpate_geometry::contact::Contact;
+use palpate_geometry::math::Vector3;
+
+/// Brings the grips in line with the buttons and with where their points have come.
+pub(super) fn update(scene: &Scene, state: &mut SceneState, scratch: &Scratch) {
+    for ToolState {
+        link,
+        proxy,
+        orientation,
+        grip,
+        ..
+    } in &mut state.tools
+    {
+        if link.phase == LinkPhase::Absent || link.pose.buttons & GRAB == 0 {
+            *grip = GripState::default();
+            continue;
+        }
+        let rotation = *orientation;
+        let body_of = |pair: u32| scene.pairs[pair as usize].body;
+        if grip.fresh {
+            grip.fresh = false;
+            for anchor in grip.anchors_mut() {
+                let on_surface = scratch.bodies[body_of(anchor.pair)]
+                    .surface
+                    .point(anchor.u, anchor.v);
+                anchor.offset = rotation.inverse_transform_vector(&(on_surface - *proxy));
+            }
+        } else if grip.holds() {
+            grip.retain(|anchor| {
+                let body = body_of(anchor.pair);
+                let on_surface = scratch.bodies[body].surface.point(anchor.u, anchor.v);
+                let on_tool = *proxy + rotation * anchor.offset;
+                strength(apart_m(&on_tool, &on_surface), scene.bodies[body].size_m) > 0.0
+            });
+        }
+    }
+}
+
+/// Rows of what tool `t` holds of the body of pair `p`.
+pub(super) fn push_anchors(
+    scene: &Scene,
+    state: &SceneState,
+    scratch: &mut Scratch,
+    p: usize,
+    t: usize,
+) {
+    let Scratch { bodies, rows, .. } = scratch;
+    let ToolState { proxy, grip, .. } = &state.tools[t];
+    let pair = &scene.pairs[p];
+    let (body, parts) = (&scene.bodies[pair.body], &bodies[pair.body]);
+    let side = if state.pairs[p].proxy.below {
+        -1.0
+    } else {
+        1.0
+    };
+    for anchor in grip
+        .anchors()
+        .iter()
+        .filter(|anchor| anchor.pair as usize == p)
+    {
+        let on_body = parts.surface.point(anchor.u, anchor.v);
+        let arm = rows.free_turns[t] * anchor.offset;
+        let share = scene.tools[t].grip_n * grip.part();
+        let limit_n = share * strength(apart_m(&(proxy + arm), &on_body), body.size_m);
+        let on_tool = rows.free[t] + arm;
+        let normal = parts.surface.normal(anchor.u, anchor.v) * side;
+        // A row needs some direction to be reported by, even at a pole.
+        let normal = if normal.iter().all(|x| x.is_finite()) {
+            normal
+        } else {
+            Vector3::z()
+        };
+        let away = on_tool - on_body;
+        let (u, v) = (anchor.u, anchor.v);
+        let contact = Contact {
+            u,
+            v,
+            on_body,
+            on_tool,
+            normal,
+            depth_m: -away.dot(&normal),
+            tool_uv: None,
+        };
+        push_anchor(
+            rows,
+            p,
+            pair,
+            ANCHOR - anchor.number,
+            &contact,
+            view(body, parts).as_ref(),
+            (away, arm),
+            limit_n,
+        );
+    }
+}
+
+/// Grabs what the tool touches now, if its button is down and it has not grabbed yet.
+pub(super) fn take(
+    scene: &Scene,
+    state: &mut SceneState,
+    scratch: &Scratch,
+    t: usize,
+    out: &mut ToolOutput,
+) {
+    let (tool, tool_state) = (&scene.tools[t], &mut state.tools[t]);
+    let grip = &mut tool_state.grip;
+    if tool_state.link.pose.buttons & GRAB != 0 && tool.grip_n > 0.0 && grip.is_open() {
+        let touches = |(i, row): &(usize, &Row)| {
+            let margin = margin_m(
+                tool.shape.ball_radius_m().unwrap_or(0.0),
+                scene.bodies[row.body as usize].size_m,
+            );
+            row.tool() == Some(t)
+                && matches!(row.law, Law::Push { .. })
+                && scratch.gap_after(*i) < margin
+        };
+        let all = || scratch.rows.rows.iter().enumerate().filter(touches);
+        // Evenly over all of them when there are too many.
+        let count = all().count();
+        for (k, (_, row)) in all().enumerate() {
+            if count <= MAX_ANCHORS || k * MAX_ANCHORS / count != (k + 1) * MAX_ANCHORS / count {
+                grip.make(row.pair, row.u, row.v);
+            }
+        }
+    }
+    if grip.holds() {
+        out.flags |= flags::GRABBING;
+    }
+}

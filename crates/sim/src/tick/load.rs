@@ -1,0 +1,156 @@
+//! What the rows' forces come to: a wrench on each tool, and forces on the control points of
+//! bodies.
+
+use crate::haptics::{LinkPhase, limit};
+use crate::scene::{BodyModel, LatticeBody, Scene, SceneState, Scratch, Tool, ToolState};
+use crate::solve::friction::Law;
+use crate::solve::rows::{Holder, Row};
+use palpate_geometry::math::{Point3, Vector3};
+
+/// Force (N) and torque (N m) of the rows on a tool, about its reference point.
+pub(super) fn wrench(
+    scene: &Scene,
+    state: &SceneState,
+    scratch: &Scratch,
+    t: usize,
+) -> (Vector3, Vector3) {
+    if scratch.friction.is_active() {
+        return whole_wrench(scene, state, scratch, t);
+    }
+    let turns = scene.tools[t].coupling.turns();
+    let ball = scene.tools[t].shape.ball_radius_m().is_some();
+    let (mut force, mut torque) = (Vector3::zeros(), Vector3::zeros());
+    let rows = scratch.rows.rows.iter().zip(scratch.problem.forces());
+    for (row, &lambda) in rows.filter(|(row, _)| row.tool() == Some(t)) {
+        let push = row.normal * lambda;
+        force += push;
+        if turns {
+            // As the solve turned it.
+            torque += row.arm.cross(&push);
+        } else if !ball {
+            torque += (row.point - scratch.rows.free[t]).cross(&push);
+        }
+    }
+    (force, torque)
+}
+
+/// The same when forces have three components. Drag on a ball turns it about its centre; what
+/// presses it does not.
+fn whole_wrench(
+    scene: &Scene,
+    state: &SceneState,
+    scratch: &Scratch,
+    t: usize,
+) -> (Vector3, Vector3) {
+    let Scratch { rows, friction, .. } = scratch;
+    let own = || {
+        rows.rows
+            .iter()
+            .enumerate()
+            .filter(|(_, row)| row.tool() == Some(t))
+    };
+    let force: Vector3 = own().map(|(i, _)| friction.force_n(i)).sum();
+    let coupling = scene.tools[t].coupling(&state.tools[t]);
+    if coupling.turns() {
+        return (
+            force,
+            own()
+                .map(|(i, row)| row.arm.cross(&friction.force_n(i)))
+                .sum(),
+        );
+    }
+    let ball = scene.tools[t].shape.ball_radius_m().is_some();
+    let held: Point3 = rows.free[t] + force * coupling.compliance_m_n();
+    let centre = if ball { held } else { rows.free[t] };
+    let turns = |i: usize, row: &Row| match row.law {
+        Law::Push { .. } if ball => friction.tangent_n(i),
+        _ => friction.force_n(i),
+    };
+    let torque = own()
+        .map(|(i, row)| (row.point - centre).cross(&turns(i, row)))
+        .sum();
+    (force, torque)
+}
+
+/// What torque the device bears now, N m: it ramps as its force does.
+pub(super) fn torque_limit_nm(tool: &Tool, state: &ToolState) -> f64 {
+    let force_max_n = tool.limits.force_max_n.min(state.bounds.force_max_n);
+    let most = tool.device.torque_max_nm.min(state.bounds.torque_max_nm);
+    // Infinity times zero is no number.
+    if state.link.limit_n >= force_max_n {
+        most
+    } else {
+        most.min(f64::MAX) * (state.link.limit_n / force_max_n)
+    }
+}
+
+/// Writes what share of its rows' forces each tool's device bears.
+pub(super) fn limit_tools(scene: &Scene, state: &SceneState, scratch: &mut Scratch) {
+    for (t, tool) in state.tools.iter().enumerate() {
+        if tool.link.phase != LinkPhase::Absent {
+            let (force, torque) = wrench(scene, state, scratch, t);
+            let limit_nm = torque_limit_nm(&scene.tools[t], tool);
+            scratch.rows.factors[t] = limit(force, torque, tool.link.limit_n, limit_nm).1;
+        }
+    }
+}
+
+/// True when a row carries a force that is a number.
+pub(super) fn carries(scratch: &Scratch, i: usize) -> bool {
+    if scratch.friction.is_active() {
+        let push = scratch.friction.force_n(i);
+        push != Vector3::zeros() && push.iter().all(|x| x.is_finite())
+    } else {
+        let lambda = scratch.problem.forces()[i];
+        lambda != 0.0 && lambda.is_finite()
+    }
+}
+
+/// ∓λ n N_i on the nodes of a row's sides, scaled as the hand's force was, for the bodies that are
+/// `wanted`.
+pub(super) fn push_bodies(
+    scene: &Scene,
+    scratch: &mut Scratch,
+    i: usize,
+    wanted: impl Fn(&LatticeBody) -> bool,
+) {
+    let Scratch {
+        bodies,
+        rows,
+        problem,
+        friction,
+        ..
+    } = scratch;
+    let row = &rows.rows[i];
+    let factor = row.tool().map_or(1.0, |tool| rows.factors[tool]);
+    let whole = friction.is_active().then(|| friction.force_n(i));
+    let lambda = problem.forces()[i];
+    let other = match row.holder {
+        Holder::Body(other) if other != row.body => Some(other),
+        _ => None,
+    };
+    for body in std::iter::once(row.body).chain(other) {
+        let constants = &scene.bodies[body as usize];
+        let (BodyModel::Lattice(model), Some(deforming)) =
+            (&constants.model, &mut bodies[body as usize].deforming)
+        else {
+            continue;
+        };
+        if !wanted(model) {
+            continue;
+        }
+        for (sign, range) in row.sides_on(body as usize) {
+            let force = match whole {
+                Some(push) => push * (sign * factor),
+                None => row.normal * (sign * lambda * factor),
+            };
+            let (controls, weights) = rows.weights_in(range);
+            for (&control, &weight) in controls.iter().zip(weights) {
+                let node = model.lattice.coordinate_of_control(control as usize);
+                model
+                    .lattice
+                    .push(&mut deforming.lattice, node, force * weight);
+            }
+        }
+    }
+}

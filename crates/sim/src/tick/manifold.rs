@@ -1,0 +1,127 @@
+//! Where a tool that may turn rests on a rigid body.
+//!
+//! A bar that lies flat touches along a line, and a query answers with one point of it. With that
+//! row alone the bar would tip over it, to be found at its other end in the next tick: it would
+//! rock for ever. So the points of the tool that touched are remembered, in the tool's frame; each
+//! is looked up again where the tool now stands, by descent from its last foot. A point of the tool
+//! may never be inside of the body, so such a row is right wherever the tool has rolled to
+//! meanwhile.
+
+use super::cover::UNPLACED;
+use super::feet::{MAX_FEET, Way, push_foot};
+use crate::scene::{BodyScratch, Pair, WarmRow};
+use crate::solve::rows::{FOOT, RowSet};
+use palpate_geometry::contact::Contact;
+use palpate_geometry::math::{Point3, Pose};
+
+/// Points of the tool closer than this, relative to the body's size, are one.
+const SAME: f64 = 2e-3;
+
+/// Where the tool stands and how near counts.
+pub(super) struct Stance<'a> {
+    pub pose: &'a Pose,
+    pub size_m: f64,
+    /// +1, or −1 below a sheet.
+    pub side: f64,
+    pub margin_m: f64,
+}
+
+/// Rows of the contacts found now and of those remembered from the last tick; each keeps its name
+/// as long as it lasts.
+pub(super) fn push_manifold(
+    rows: &mut RowSet,
+    p: usize,
+    pair: &Pair,
+    found: &[Contact],
+    remembered: &[WarmRow],
+    parts: &BodyScratch,
+    stance: &Stance<'_>,
+    way: Way,
+) {
+    let names = FOOT - (UNPLACED - 1)..=FOOT;
+    let old = || {
+        remembered
+            .iter()
+            .filter(|row| row.key[0] as usize == p && names.contains(&row.key[1]))
+    };
+    let apart = |a: &Point3, b: &Point3| (a - b).norm() > SAME * stance.size_m;
+    let place = |row: &WarmRow| stance.pose * Point3::from(row.on_tool);
+    // Names in use, as bits; and those of contacts that are there already.
+    let mut used = old().fold(0u64, |used, row| used | 1 << (FOOT - row.key[1]));
+    let mut taken = 0u64;
+    let mut points = [Point3::origin(); MAX_FEET];
+    let mut count = 0;
+    for contact in found.iter().take(MAX_FEET) {
+        let near = |row: &&WarmRow| {
+            taken >> (FOOT - row.key[1]) & 1 == 0 && !apart(&place(row), &contact.on_tool)
+        };
+        let number = match old().find(near) {
+            Some(row) => FOOT - row.key[1],
+            None => (!used).trailing_zeros(),
+        };
+        if number >= UNPLACED {
+            continue;
+        }
+        used |= 1 << number;
+        taken |= 1 << number;
+        push_foot(
+            rows,
+            p,
+            pair,
+            FOOT - number,
+            contact,
+            None,
+            way,
+            stance.margin_m,
+        );
+        points[count] = contact.on_tool;
+        count += 1;
+    }
+    for row in old() {
+        let on_tool = place(row);
+        let number = FOOT - row.key[1];
+        if count == MAX_FEET
+            || taken >> number & 1 == 1
+            || !points[..count].iter().all(|point| apart(point, &on_tool))
+        {
+            continue;
+        }
+        let Some(foot) = parts
+            .solver
+            .local(&parts.surface, &on_tool, row.uv[0], row.uv[1])
+        else {
+            continue;
+        };
+        let (normal, depth_m) = (
+            foot.normal * stance.side,
+            -foot.signed_distance * stance.side,
+        );
+        // Far off, or no number.
+        let near = depth_m > -stance.size_m;
+        if !near {
+            continue;
+        }
+        let contact = Contact {
+            u: foot.u,
+            v: foot.v,
+            on_body: foot.point,
+            on_tool,
+            normal,
+            depth_m,
+            tool_uv: None,
+        };
+        taken |= 1 << number;
+        push_foot(
+            rows,
+            p,
+            pair,
+            FOOT - number,
+            &contact,
+            None,
+            way,
+            stance.margin_m,
+        );
+        points[count] = on_tool;
+        count += 1;
+    }
+}

@@ -1,0 +1,90 @@
+//! Broad phase: which pairs can touch in this tick.
+//!
+//! In scenes of many pairs a tree of boxes sorts out most. What it lets through is looked at again,
+//! box against box, so that the answer does not depend on what the tree remembers.
+
+use super::feet::{margin_m, meet};
+use crate::scene::{Near, Scene, SceneState, Scratch};
+use crate::solve::rows::Holder;
+use palpate_geometry::math::{Point3, Pose, Vector3};
+use palpate_geometry::surface::Bounds;
+
+type Corners = (Point3, Point3);
+
+/// Marks the pairs whose boxes meet. A tool's box holds its whole way from the last proxy to where
+/// it is free to go.
+pub(super) fn find(scene: &Scene, state: &SceneState, scratch: &mut Scratch) {
+    let Scratch {
+        bodies, rows, near, ..
+    } = scratch;
+    let way_of = |t: usize| -> Option<Corners> {
+        let (shape, rotation) = (&scene.tools[t].shape, state.tools[t].link.pose.orientation);
+        let at = |place: Point3| shape.bounds(&Pose::from_parts(place.coords.into(), rotation));
+        let ((low, high), (free_low, free_high)) = (at(state.tools[t].proxy)?, at(rows.free[t])?);
+        Some((low.inf(&free_low), high.sup(&free_high)))
+    };
+    let Near { marks, tree } = near;
+    let candidates = tree.as_deref_mut().map(|tree| {
+        let count = scene.bodies.len() as u32;
+        for (b, parts) in bodies.iter().enumerate() {
+            let margin = Vector3::repeat(margin_m(0.0, scene.bodies[b].size_m));
+            let bounds = Bounds {
+                min: parts.bounds.0 - margin,
+                max: parts.bounds.1 + margin,
+            };
+            tree.set(b as u32, &bounds, &Vector3::zeros());
+        }
+        for t in 0..scene.tools.len() {
+            let number = count + t as u32;
+            match way_of(t) {
+                Some((low, high)) => {
+                    let margin = Vector3::repeat(margin_m(
+                        scene.tools[t].shape.ball_radius_m().unwrap_or(0.0),
+                        0.0,
+                    ));
+                    tree.set(
+                        number,
+                        &Bounds {
+                            min: low - margin,
+                            max: high + margin,
+                        },
+                        &Vector3::zeros(),
+                    );
+                }
+                None => {
+                    tree.remove(number);
+                }
+            }
+        }
+        (count, tree.pairs())
+    });
+    for (p, pair) in scene.pairs.iter().enumerate() {
+        let body = &scene.bodies[pair.body];
+        let number = |count: u32| match pair.holder {
+            Holder::Tool(t) => count + t,
+            Holder::Body(other) => other,
+        };
+        let let_through = |&(count, pairs): &(u32, &[(u32, u32)])| {
+            let (a, b) = (pair.body as u32, number(count));
+            pairs.binary_search(&(a.min(b), a.max(b))).is_ok()
+        };
+        let bounds = &bodies[pair.body].bounds;
+        let near = match pair.holder {
+            Holder::Body(other) if other as usize == pair.body => true,
+            Holder::Body(other) => {
+                let (low, high) = &bodies[other as usize].bounds;
+                let margin = margin_m(0.0, body.size_m.max(scene.bodies[other as usize].size_m));
+                candidates.as_ref().is_none_or(let_through) && meet(bounds, low, high, margin)
+            }
+            Holder::Tool(t) => match way_of(t as usize) {
+                Some((low, high)) => {
+                    let radius = scene.tools[t as usize].shape.ball_radius_m().unwrap_or(0.0);
+                    let margin = margin_m(radius, body.size_m);
+                    candidates.as_ref().is_none_or(let_through) && meet(bounds, &low, &high, margin)
+                }
+                None => true,
+            },
+        };
+        marks[p] = near;
+    }
+}

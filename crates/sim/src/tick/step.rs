@@ -1,0 +1,147 @@
+//! One tick: pure, no clock, no I/O, no allocation, no lock, no error.
+
+use super::record::{Command, TickFault, TickInput, TickOutput};
+use super::{admit, balance, emit, gather, iterate, motion};
+use crate::haptics::DeviceBounds;
+use crate::scene::{RunState, Scene, SceneState, Scratch, quality};
+use crate::solve::rows::MAX_TOOLS;
+use palpate_geometry::math::{SavedState, StateError, state_hash};
+
+/// Advances by one tick: [`render`], then [`deform`].
+pub fn step(
+    scene: &Scene,
+    state: &mut SceneState,
+    scratch: &mut Scratch,
+    input: &TickInput,
+) -> TickOutput {
+    let mut output = render(scene, state, scratch, input);
+    deform(scene, state, scratch, &mut output);
+    output
+}
+
+/// First half: admits the poses, finds contacts and forces. Everything in the output but
+/// `state_hash`, `net_revision` and a fault of the bodies is final.
+pub fn render(
+    scene: &Scene,
+    state: &mut SceneState,
+    scratch: &mut Scratch,
+    input: &TickInput,
+) -> TickOutput {
+    state.tick += 1;
+    let moving = match &mut state.run {
+        RunState::Running => true,
+        RunState::Paused { steps: 0 } | RunState::Stopping => false,
+        RunState::Paused { steps } => {
+            *steps -= 1;
+            true
+        }
+    };
+    let mut output = TickOutput {
+        tick: state.tick,
+        moving,
+        quality: state.quality,
+        ..TickOutput::default()
+    };
+    let wanted = state.run == RunState::Running;
+    admit::admit(scene, state, input, wanted, &mut output);
+    gather::gather(scene, state, scratch);
+    balance::solve(scene, state, scratch);
+    iterate::iterate(scene, state, scratch);
+    emit::emit(scene, state, scratch, &mut output);
+    output
+}
+
+/// Second half: moves the bodies, predicts their next free motion, hashes the state.
+pub fn deform(
+    scene: &Scene,
+    state: &mut SceneState,
+    scratch: &mut Scratch,
+    output: &mut TickOutput,
+) {
+    if !output.moving {
+        motion::stand_still(scene, state, scratch);
+    } else if !motion::advance(scene, state, scratch) {
+        output.fault = Some(TickFault::NotFinite);
+    }
+    output.net_revision = state.bodies.iter().map(|body| body.revision).sum();
+    output.state_hash = state_hash(state);
+}
+
+/// Applies a command between ticks.
+pub fn apply(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch, command: Command) {
+    match command {
+        Command::Reset => {
+            let (tick, quality) = (state.tick, state.quality);
+            let revisions = state
+                .bodies
+                .iter()
+                .map(|body| body.revision + 1)
+                .collect::<Vec<_>>();
+            let mut bounds = [DeviceBounds::default(); MAX_TOOLS];
+            bounds
+                .iter_mut()
+                .zip(&state.tools)
+                .for_each(|(bounds, tool)| *bounds = tool.bounds);
+            *state = scene.initial_state();
+            // Ticks are as long as before, and devices what they were: neither is part of the
+            // start.
+            (state.tick, state.quality) = (tick, quality);
+            state
+                .tools
+                .iter_mut()
+                .zip(bounds)
+                .for_each(|(tool, bounds)| tool.bounds = bounds);
+            for (body, revision) in state.bodies.iter_mut().zip(revisions) {
+                body.revision = revision;
+            }
+            renew(scene, state, scratch);
+        }
+        Command::Pause => {
+            if state.run == RunState::Running {
+                state.run = RunState::Paused { steps: 0 };
+            }
+        }
+        Command::Resume => {
+            if matches!(state.run, RunState::Paused { .. }) {
+                state.run = RunState::Running;
+            }
+        }
+        Command::Step(more) => {
+            if let RunState::Paused { steps } = &mut state.run {
+                *steps = steps.saturating_add(more);
+            }
+        }
+        Command::Stop => state.run = RunState::Stopping,
+        Command::Device { tool, bounds } => {
+            if let Some(tool) = state.tools.get_mut(tool as usize) {
+                tool.bounds = bounds;
+            }
+        }
+        Command::Quality(level) => state.quality = level.min(quality::LOWEST),
+    }
+}
+
+/// Restores a saved state and prepares the scratch for its next tick.
+///
+/// # Errors
+/// The saved state is of another scene.
+pub fn restore(
+    scene: &Scene,
+    state: &mut SceneState,
+    scratch: &mut Scratch,
+    saved: &SavedState,
+) -> Result<(), StateError> {
+    saved.restore_into(state)?;
+    renew(scene, state, scratch);
+    Ok(())
+}
+
+/// Makes the scratch anew for a state; steps that were begun elsewhere belong to another.
+fn renew(scene: &Scene, state: &SceneState, scratch: &mut Scratch) {
+    let pipeline = scratch.pipeline.take();
+    *scratch = scene.scratch(state);
+    scratch.pipeline = pipeline;
+    if let Some(pipeline) = &mut scratch.pipeline {
+        pipeline.cancel();
+    }
+}

@@ -1,0 +1,159 @@
+//! Where friction keeps a tool.
+//!
+//! Contacts are looked for where it is going to be, not where it would slide without friction; that
+//! is only the place at which the contact problem is made linear, its forces come from
+//! [`super::balance`]. And each row that sticks remembers where.
+
+use super::feet::view;
+use crate::scene::{Body, BodyScratch, Scene, SceneState, Scratch, WarmRow};
+use crate::solve::friction::{Law, Stick};
+use crate::solve::rows::{Row, RowSet};
+use palpate_geometry::math::{Point3, Rotation, Vector3};
+use palpate_geometry::surface::Surface;
+
+/// A contact that has rolled this far from where it stuck, relative to the body's size, sticks anew
+/// where it is: the body may turn under the tool, and another place of it moves otherwise. Far
+/// above what a trembling hand rolls.
+const ROLLS: f64 = 0.01;
+
+/// Coefficient that counts for a pair now: the kinetic one once any of its rows slips.
+pub(super) fn coefficient(scene: &Scene, state: &SceneState, p: usize) -> f64 {
+    let Some(friction) = scene.pairs[p].friction else {
+        return 0.0;
+    };
+    let slips = |row: &WarmRow| row.key[0] as usize == p && row.slips;
+    if state.warm[..state.warm_len].iter().any(slips) {
+        friction.mu_kinetic
+    } else {
+        friction.mu
+    }
+}
+
+/// What friction leaves of a slide when the surface keeps the tool from going `blocked` as well.
+pub(super) fn held_back(slide: Vector3, blocked: Vector3, mu: f64) -> Vector3 {
+    let (length, held) = (slide.norm(), mu * blocked.norm());
+    if length > held {
+        slide * (1.0 - held / length)
+    } else {
+        Vector3::zeros()
+    }
+}
+
+/// Where a ball that touches goes when it wants to go to `target`: on its tangent plane at `last`,
+/// as far as friction lets it.
+pub(super) fn ball_target(
+    scene: &Scene,
+    state: &SceneState,
+    surface: &Surface,
+    p: usize,
+    last: &Point3,
+    target: &Point3,
+    radius_m: f64,
+) -> Point3 {
+    let proxy = &state.pairs[p].proxy;
+    let foot = surface.point(proxy.foot.u, proxy.foot.v);
+    let outward = surface.normal(proxy.foot.u, proxy.foot.v) * if proxy.below { -1.0 } else { 1.0 };
+    // At an edge the ball leans against it from where it is.
+    let away = last - foot;
+    let distance = away.norm();
+    let leans = radius_m > 0.0 && away.dot(&outward) > 0.5 * radius_m;
+    let normal = if leans { away / distance } else { outward };
+    let depth = radius_m - (target - foot).dot(&normal);
+    let pressed = depth > 0.0;
+    if !pressed {
+        return *target;
+    }
+    let way = target - last;
+    let along = normal * way.dot(&normal);
+    last + along + held_back(way - along, normal * depth, coefficient(scene, state, p))
+}
+
+/// How far free motion takes a row past where it sticks, and where that is. `old`: the row in the
+/// last tick.
+pub(super) fn slip(
+    scene: &Scene,
+    scratch: &mut Scratch,
+    row: &Row,
+    old: Option<&WarmRow>,
+) -> (Vector3, Stick) {
+    let stuck = old.filter(|old| !old.slips).map(|old| old.stick);
+    match (row.law, row.tool()) {
+        (Law::Grip { .. }, _) => (row.slip, Stick::default()),
+        (Law::Push { mu: 0.0, .. }, _) => (row.slip, Stick::default()),
+        (Law::Push { .. }, Some(t)) => {
+            let Scratch { bodies, rows, .. } = scratch;
+            let (body, parts) = (&scene.bodies[row.body as usize], &bodies[row.body as usize]);
+            let free = rows.free[t];
+            // Where a ball sticks does not turn with it.
+            let ball = scene.tools[t].shape.ball_radius_m().is_some();
+            let turn = if ball {
+                Rotation::identity()
+            } else {
+                rows.free_turns[t]
+            };
+            let here = predicted(rows, body, parts, row.u, row.v);
+            let mut slip = row.slip;
+            if let Some(stick) = stuck {
+                let there = predicted(rows, body, parts, stick.u, stick.v);
+                slip = free - there - turn * stick.offset;
+                if (here - there).norm() <= ROLLS * body.size_m {
+                    return (slip, stick);
+                }
+            }
+            (
+                slip,
+                Stick {
+                    u: row.u,
+                    v: row.v,
+                    offset: turn.inverse_transform_vector(&(free - here - slip)),
+                },
+            )
+        }
+        (Law::Push { .. }, None) => (
+            row.slip + stuck.unwrap_or_default().offset,
+            Stick::default(),
+        ),
+    }
+}
+
+/// Where a row of this tick will stick in the next, if it did not slip.
+pub(super) fn kept(i: usize, scratch: &Scratch) -> Stick {
+    let Scratch {
+        rows,
+        friction,
+        sticks,
+        ..
+    } = scratch;
+    if friction.slips(i) || matches!(rows.rows[i].law, Law::Grip { .. }) {
+        return Stick::default();
+    }
+    if rows.rows[i].tool().is_some() {
+        return sticks[i];
+    }
+    let (moved, normal) = (friction.displaced_m(i), friction.normal(i));
+    Stick {
+        offset: moved - normal * moved.dot(&normal),
+        ..Stick::default()
+    }
+}
+
+/// A point of a body after free motion.
+fn predicted(rows: &mut RowSet, body: &Body, parts: &BodyScratch, u: f64, v: f64) -> Point3 {
+    match view(body, parts) {
+        Some(view) => rows.predicted_point(&view, u, v),
+        None => parts.surface.point(u, v),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_slide_is_shortened_by_the_cone_and_never_turned_round() {
+        let (slide, blocked) = (Vector3::new(3.0, 4.0, 0.0), Vector3::new(0.0, 0.0, -2.0));
+        assert!((held_back(slide, blocked, 0.5).norm() - 4.0).abs() < 1e-15);
+        assert_eq!(held_back(slide, blocked, 2.5), Vector3::zeros());
+        assert_eq!(held_back(slide, blocked, 0.0), slide);
+    }
+}

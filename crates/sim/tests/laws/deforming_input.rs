@@ -1,0 +1,245 @@
+//! What is wrong with the deforming part of a scene is told where it is, before the first tick.
+
+use palpate_sim::scene::{Scene, file};
+use std::path::Path;
+
+/// Why a scene is refused.
+fn refusal(text: &str) -> String {
+    match file::parse(text, "s.toml", Path::new(".")) {
+        Err(problems) => problems.to_string(),
+        Ok(loaded) => match Scene::build(&loaded.spec, Path::new(".")) {
+            Err(error) => error.to_string(),
+            Ok(_) => String::new(),
+        },
+    }
+}
+
+/// A slab with these lines below line 7.
+fn slab(model: &str, more: &str) -> String {
+    format!(
+        "[[body]]\nid = \"slab\"\nsurface = {{ builtin = \"sheet\", net = [5, 5], size = 0.1 }}\nmodel = \"{model}\"\n\
+         \n\n\n{more}\n[[tool]]\nid = \"ball\"\nshape = {{ sphere = {{ radius_m = 0.01 }} }}\n"
+    )
+}
+
+const THICK: &str = "lattice = { thickness_m = 0.02, layers = 2, refine = \"none\" }\n";
+
+// Lines of the file where something is written down wrongly.
+#[test]
+fn a_value_out_of_range_is_told_with_its_line() {
+    let cases = [
+        (
+            "material = { preset = \"jely\" }",
+            "8:14: \"jely\" is no material; did you mean \"jelly\"?",
+        ),
+        (
+            "material = { poisson = 0.5 }",
+            "8:14: poisson is 0.5; it must be at least 0 and below 0.5",
+        ),
+        ("material = { poisson = nan }", "8:14: poisson is NaN"),
+        ("material = { poisson = -0.1 }", "8:14: poisson is -0.1"),
+        ("material = { young_pa = inf }", "8:14: young_pa is inf"),
+        (
+            "material = { density_kg_m3 = 0.0 }",
+            "8:14: density_kg_m3 is 0",
+        ),
+        ("material = { damping_s = -1.0 }", "8:14: damping_s is -1"),
+        (
+            "material = { plastic = { yield_strain = 0.1, rate_per_s = 1.0, limit = 1.0 } }",
+            "8:64: limit is 1; it must be",
+        ),
+        (
+            "material = { plastic = { yield_strain = -0.1, rate_per_s = 1.0 } }",
+            "8:26: yield_strain is -0.1",
+        ),
+        (
+            "material = { plastic = { yield_strain = 0.1, rate_per_s = nan } }",
+            "8:46: rate_per_s is NaN",
+        ),
+        (
+            "material = { plastic = { yield_strain = 0.1, rate_per_s = 1.0, spread_m = -1.0 } }",
+            "8:64: spread_m is -1",
+        ),
+        (
+            "material = { stiffening = { ratio = 0.5 } }",
+            "8:29: ratio is 0.5; it must be 1 to 1000",
+        ),
+        (
+            "material = { stiffening = { least_length = 1.0 } }",
+            "8:29: least_length is 1",
+        ),
+        (
+            "integrator = { every = 0 }",
+            "8:16: every is 0; it must be 1 to 100",
+        ),
+        (
+            "integrator = { every = 101 }",
+            "8:16: every is 101; it must be 1 to 100",
+        ),
+        (
+            "integrator = { iterations = 0 }",
+            "8:16: iterations is 0; it must be 1 to 10",
+        ),
+        (
+            "integrator = { iterations = 2, every = 4 }",
+            "8:16: iterations is 2 and every is 4: contact is settled between the iterations of one tick",
+        ),
+        ("integrator = { substeps = 1001 }", "8:16: substeps is 1001"),
+        ("integrator = { sleep_m_s = -1.0 }", "8:16: sleep_m_s is -1"),
+        ("integrator = { method = \"magic\" }", "8:"),
+        (
+            "lattice = { nodes = [1, 8, 8] }",
+            "8:13: nodes is [1, 8, 8]; each must be 2 to",
+        ),
+        (
+            "lattice = { nodes = [8, 8, 100000] }",
+            "8:13: nodes is [8, 8, 100000]",
+        ),
+        ("lattice = { cycles = 0 }", "8:13: cycles is 0"),
+        (
+            "lattice = { cells_per_span = 9 }",
+            "8:13: cells_per_span is 9; it must be 1 to 8",
+        ),
+        (
+            "lattice = { cell_layers = 0 }",
+            "8:13: cell_layers is 0; it must be 1 to 64",
+        ),
+        (
+            "lattice = { thickness_m = -0.1 }",
+            "8:13: thickness_m is -0.1",
+        ),
+        (
+            "fixed = [{ u = [0.5, 0.1], v = [0.0, 1.0] }]",
+            "8:1: u = [0.5, 0.1], v = [0.0, 1.0] is no range",
+        ),
+        (
+            "fixed = [{ u = [nan, 0.1], v = [0.0, 1.0] }]",
+            "8:1: u = [NaN, 0.1]",
+        ),
+        (
+            "fixed = [{ point = [0.0, 0.0, 0.0], normal = [0.0, 0.0, 0.0] }]",
+            "8:37: ",
+        ),
+        (
+            "[[body.region]]\nyoung_pa = 1e3",
+            "8:1: a region needs exactly one of ball, box",
+        ),
+        (
+            "[[body.region]]\nball = { centre = [0.0, 0.0, 0.0], radius_m = 0.1 }\n[[body.region]]\npoisson = 0.1",
+            "10:1: a region needs exactly one of ball, box",
+        ),
+        (
+            "[[body.region]]\nball = { centre = [0.0, 0.0, 0.0], radius_m = 0.0 }",
+            "9:36: radius_m is 0",
+        ),
+        (
+            "[[body.region]]\nbox = { low = [0.0, 0.0, 0.0], high = [1.0, 0.0, 1.0] }",
+            "9:9: low = ",
+        ),
+        (
+            "[[body.region]]\nball = { centre = [0.0, 0.0, 0.0], radius_m = 0.1 }\npoisson = 0.7",
+            "10:1: poisson is 0.7",
+        ),
+    ];
+    for (more, expected) in cases {
+        let told = refusal(&slab("lattice", more));
+        let expected = format!("s.toml:{expected}");
+        assert!(
+            told.lines().any(|line| line.starts_with(&expected)),
+            "{more:?} gives\n{told}\nnot\n{expected}"
+        );
+    }
+    let frame = format!("[gravity]\nframe = \"hnd\"\n{}", slab("lattice", THICK));
+    let told = refusal(&frame);
+    assert!(
+        told.starts_with("s.toml:2:1: there is no tool \"hnd\""),
+        "{told}"
+    );
+}
+
+// What only shows when a body is built names the key.
+#[test]
+fn what_does_not_go_together_is_told_with_its_key() {
+    let plastic = "material = { plastic = { yield_strain = 0.1, rate_per_s = 1.0 } }\n";
+    let cases = [
+        (
+            slab("continuum", &format!("{THICK}{plastic}")),
+            "body[0].integrator",
+            "only springs flow plastically",
+        ),
+        (
+            slab("net", &format!("{THICK}{plastic}")),
+            "body[0].integrator",
+            "only springs flow plastically",
+        ),
+        (
+            slab(
+                "continuum",
+                &format!("{THICK}integrator = {{ method = \"xpbd\" }}"),
+            ),
+            "body[0].integrator",
+            "xpbd knows linear springs only",
+        ),
+        (
+            slab(
+                "net",
+                &format!("{THICK}integrator = {{ method = \"xpbd\" }}"),
+            ),
+            "body[0].integrator",
+            "xpbd moves nodes themselves",
+        ),
+        (
+            slab("membrane", "lattice = { refine = \"none\" }"),
+            "body[0].lattice.thickness_m",
+            "needs a thickness",
+        ),
+        (
+            slab("lattice", "lattice = { refine = \"none\" }"),
+            "body[0].lattice.thickness_m",
+            "needs a thickness",
+        ),
+        (
+            slab(
+                "membrane",
+                &format!("{THICK}[[body.region]]\nball = {{ centre = [0, 0, 0], radius_m = 0.1 }}"),
+            ),
+            "body[0].region",
+            "one material",
+        ),
+        (
+            slab(
+                "lattice",
+                &format!(
+                    "{THICK}fixed = [{{ u = [0.0, 1.0], v = [0.0, 1.0] }}, {{ point = [0, 0, 1], normal = [0, 0, 1] }}]"
+                ),
+            ),
+            "body[0].lattice",
+            "nodes are fixed: nothing can deform",
+        ),
+        (
+            slab(
+                "lattice",
+                "lattice = { builder = \"transfinite\", nodes = [3, 3, 3], thickness_m = 0.02, refine = \"none\" }",
+            ),
+            "body[0].lattice",
+            "control points are not seen by the",
+        ),
+        (
+            slab(
+                "lattice",
+                &format!(
+                    "{THICK}material = {{ young_pa = 200e9 }}\nintegrator = {{ method = \"explicit\" }}"
+                ),
+            ),
+            "body[0].integrator",
+            "substeps a tick, more than",
+        ),
+    ];
+    for (text, key, why) in cases {
+        let told = refusal(&text);
+        assert!(
+            told.contains(key) && told.contains(why),
+            "{text}\ngives\n{told}\nnot {key}: {why}"
+        );
+    }
+}

@@ -1,0 +1,17 @@
+//! Laws of the simulation: forces, rest, energy, friction, couplings, refusals.
+
+mod carried;
+#[path = "../common/mod.rs"]
+mod common;
+mod contact;
+mod deformation;
+mod deforming_input;
+mod deforming_laws;
+mod friction;
+mod grip;
+mod haptics;
+mod hard_cases;
+mod models;
+mod quality;
+mod rigid;
+mod vessel;

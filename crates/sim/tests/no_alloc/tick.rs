@@ -1,0 +1,391 @@
+//! The tick allocates nothing once it runs.
+
+use crate::common::{World, teardrop};
+use crate::counting::allocations;
+use palpate_sim::solve::rows::Holder;
+use palpate_sim::tick::record::Command;
+
+#[test]
+fn the_counter_counts() {
+    assert!(allocations(|| drop(std::hint::black_box(vec![1u8; 100]))) > 0);
+}
+
+/// Approaches, presses, slides, leaves and comes back.
+fn touch(world: &mut World) -> u64 {
+    for _ in 0..5 {
+        world.at([0.06, 0.003, 0.045]);
+    }
+    let mut touched = 0;
+    let count = allocations(|| {
+        for k in 0..3_000 {
+            let t = f64::from(k) * 1e-3;
+            let x = 0.036 + 0.012 * (4.0 * t).cos();
+            let out = world.at([x, 0.003 + 0.004 * (3.0 * t).sin(), 0.045]);
+            touched += u32::from(out.tools[0].contact.is_some());
+        }
+        for _ in 0..200 {
+            world.silent();
+        }
+    });
+    assert!(touched > 500, "only {touched} ticks in touch");
+    count
+}
+
+#[test]
+fn a_tick_on_a_rigid_body_allocates_nothing() {
+    let text = teardrop(20e3, "\"none\"")
+        .replace("model = \"lattice\"\n", "")
+        .replace("stiffness_n_m = inf", "stiffness_n_m = 800.0");
+    assert_eq!(touch(&mut World::new(&text)), 0);
+}
+
+#[test]
+fn a_tick_on_a_lattice_allocates_nothing() {
+    let text = teardrop(20e3, "[16, 17]").replace("stiffness_n_m = inf", "stiffness_n_m = 800.0");
+    assert_eq!(touch(&mut World::new(&text)), 0);
+}
+
+/// Falls and comes back while it is pressed.
+#[test]
+fn a_change_of_quality_allocates_nothing() {
+    let text = teardrop(20e3, "[16, 17]").replace("stiffness_n_m = inf", "stiffness_n_m = 800.0");
+    let mut world = World::new(&text.replace(
+        "model = \"lattice\"\n",
+        "model = \"lattice\"\nintegrator = { iterations = 3 }\n",
+    ));
+    for x in [0.06, 0.052, 0.044, 0.036] {
+        world.at([x, 0.003, 0.045]);
+    }
+    let mut touched = 0;
+    let count = allocations(|| {
+        for k in 0..800u32 {
+            if k % 100 == 0 {
+                let level = [1, 2, 3, 2, 1, 0, 3, 0][k as usize / 100];
+                palpate_sim::tick::apply(
+                    &world.scene,
+                    &mut world.state,
+                    &mut world.scratch,
+                    Command::Quality(level),
+                );
+            }
+            let out = world.at([0.03 - 0.006 * (0.01 * f64::from(k)).sin(), 0.003, 0.045]);
+            touched += u32::from(out.tools[0].contact.is_some());
+        }
+    });
+    assert!(touched > 300, "only {touched} ticks in touch");
+    assert_eq!(count, 0);
+}
+
+/// Slides with friction, grabs, pulls, slips off and lets go.
+#[test]
+fn a_tick_with_friction_and_a_grip_allocates_nothing() {
+    let soft = teardrop(20e3, "\"none\"").replace("stiffness_n_m = inf", "stiffness_n_m = 800.0");
+    let soft = format!(
+        "{soft}friction = {{ mu = 0.4, mu_kinetic = 0.3 }}\ngrip = {{ force_max_n = 0.3 }}\n"
+    );
+    for text in [soft.replace("model = \"lattice\"\n", ""), soft] {
+        let mut world = World::new(&text);
+        for x in [0.06, 0.052, 0.044, 0.036] {
+            world.at([x, 0.003, 0.045]);
+        }
+        let (mut held, mut touched) = (0, 0);
+        let count = allocations(|| {
+            for k in 0..3_000 {
+                let t = f64::from(k) * 1e-3;
+                let place = [
+                    0.03 + 0.006 * (4.0 * t).cos(),
+                    0.003 + 0.004 * (9.0 * t).sin(),
+                    0.045,
+                ];
+                let out = world.all(&[(place, u32::from(k % 900 > 300))]);
+                held += u32::from(out.tools[0].flags & palpate_sim::scene::flags::GRABBING != 0);
+                touched += u32::from(out.tools[0].contact.is_some());
+            }
+        });
+        assert!(
+            held > 200 && touched > 500,
+            "held for {held}, touched for {touched} ticks"
+        );
+        assert_eq!(count, 0);
+    }
+}
+
+#[test]
+fn a_tick_of_a_tool_that_turns_allocates_nothing() {
+    let soft = teardrop(20e3, "\"none\"")
+        .replace(
+            "sphere = { radius_m = 0.01 }",
+            "cylinder = { radius_m = 0.008, half_length_m = 0.015 }",
+        )
+        .replace(
+            "stiffness_n_m = inf",
+            "turning_stiffness_nm_rad = 0.3, stiffness_n_m = 800.0",
+        )
+        .replace("ramp_s = 0.0", "ramp_s = 0.0, passivity = true");
+    for friction in ["", "friction = { mu = 0.4, viscous_n_s_m = 0.3 }\n"] {
+        let soft = format!("{soft}{friction}");
+        for text in [soft.replace("model = \"lattice\"\n", ""), soft] {
+            let mut world = World::new(&text);
+            for x in [0.06, 0.052, 0.044, 0.036] {
+                world.at([x, 0.003, 0.045]);
+            }
+            let (mut touched, mut damped) = (0, 0);
+            let count = allocations(|| {
+                for k in 0..2_000 {
+                    let t = f64::from(k) * 1e-3;
+                    let out = world.at([
+                        0.03 + 0.008 * (40.0 * t).cos(),
+                        0.003 + 0.004 * (9.0 * t).sin(),
+                        0.045,
+                    ]);
+                    touched += u32::from(out.tools[0].contact.is_some());
+                    damped +=
+                        u32::from(out.tools[0].flags & palpate_sim::scene::flags::DAMPED != 0);
+                }
+            });
+            assert!(
+                touched > 500,
+                "touched for {touched} ticks, damped for {damped}"
+            );
+            assert_eq!(count, 0);
+        }
+    }
+}
+
+#[test]
+fn a_tick_of_two_soft_bodies_allocates_nothing() {
+    let mut world = World::new(include_str!("../../../../scenes/two-drops.toml"));
+    for _ in 0..5 {
+        world.at([0.06, 0.003, 0.045]);
+    }
+    let mut met = 0;
+    let count = allocations(|| {
+        for k in 0..2_000 {
+            let t = f64::from(k) * 1e-3;
+            let out = world.at([0.022 + 0.01 * (4.0 * t).cos(), 0.003, 0.045]);
+            met += u32::from(
+                out.contacts
+                    .list()
+                    .iter()
+                    .any(|c| matches!(c.holder, Holder::Body(_))),
+            );
+        }
+    });
+    assert!(met > 300, "the bodies met in {met} ticks only");
+    assert_eq!(count, 0);
+}
+
+#[test]
+fn a_tick_of_a_plane_allocates_nothing() {
+    let plane = |text: String| {
+        let tool = "{ plane = { normal = [-1.0, 0.0, 0.0] } }";
+        text.replace("{ sphere = { radius_m = 0.01 } }", tool)
+            .replace("stiffness_n_m = inf", "stiffness_n_m = 800.0")
+    };
+    for text in [
+        teardrop(20e3, "[16, 17]"),
+        teardrop(20e3, "\"none\"").replace("model = \"lattice\"\n", ""),
+    ] {
+        let mut world = World::new(&plane(text));
+        for _ in 0..5 {
+            world.at([0.06, 0.003, 0.045]);
+        }
+        let mut touched = 0;
+        let count = allocations(|| {
+            for k in 0..1_500 {
+                let t = f64::from(k) * 1e-3;
+                let out = world.at([0.02 + 0.006 * (8.0 * t).cos(), 0.003, 0.045]);
+                touched += u32::from(out.tools[0].contact.is_some());
+            }
+        });
+        assert!(touched > 300, "only {touched} ticks in touch");
+        assert_eq!(count, 0);
+    }
+}
+
+/// Balls, points, planes and another surface, in touch and apart, on a net that moves.
+#[test]
+fn contacts_by_spheres_allocate_nothing() {
+    use palpate_geometry::contact::spheres::{Spheres, SpheresPair};
+    use palpate_geometry::contact::{ContactSet, Reach};
+    use palpate_geometry::math::{Point3, Pose, Vector3};
+    use palpate_geometry::surface::builtin;
+
+    let mut body = builtin("teardrop", None, None).unwrap();
+    let tool = builtin("sphere", None, Some(0.02)).unwrap();
+    let (mut b, mut t) = (Spheres::new(&body, [82; 2]), Spheres::new(&tool, [28, 82]));
+    let mut pair = SpheresPair::new(&b, &t);
+    let mut set = ContactSet::new();
+    let mut met = 0;
+    let count = allocations(|| {
+        for k in 0..60 {
+            let (u, v) = (0.017 * f64::from(k), 0.5 + 0.4 * (0.3 * f64::from(k)).sin());
+            let at = body.point(u, v) + body.normal(u, v) * (2e-3 * f64::from(k % 16));
+            body.net_mut().points_mut()[k as usize].x += 1e-4;
+            b.load(&body);
+            t.load_at(&tool, &Pose::translation(at.x, at.y, at.z));
+            for margin_m in [0.0, 1e-3] {
+                let reach = Reach {
+                    margin_m,
+                    below: false,
+                };
+                b.ball(&at, 5e-3, &reach, &mut set);
+                met += set.contacts().len();
+                b.point(&at, &reach, &mut set);
+                b.plane(&at, &Vector3::new(1.0, 0.2, 0.3), &reach, &mut set);
+                met += set.contacts().len();
+                pair.find(&mut b, &mut t, &reach, &mut set);
+                met += set.contacts().len();
+            }
+            b.ball(&Point3::new(1.0, 1.0, 1.0), 0.01, &Reach::TOUCH, &mut set);
+        }
+    });
+    assert!(met > 200, "{met}");
+    assert_eq!(count, 0);
+}
+
+#[test]
+fn a_tick_of_any_shape_allocates_nothing() {
+    let shapes = [
+        "{ cylinder = { radius_m = 0.008, half_length_m = 0.02 } }",
+        "{ implicit = { f = \"x^2 + 2*y^2 + z^2 - 1e-4\", reach_m = 0.01 } }",
+        "{ surface = { builtin = \"torus\", size = 0.01 } }",
+        "{ mesh = { inline = { vertices = [[0, 0, 0.01], [0.01, 0, -0.005], [-0.005, 0.009, -0.005], [-0.005, -0.009, -0.005]], \
+         triangles = [[0, 1, 2], [0, 2, 3], [0, 3, 1], [1, 3, 2]] } } }",
+    ];
+    for shape in shapes {
+        let soft =
+            teardrop(20e3, "\"none\"").replace("stiffness_n_m = inf", "stiffness_n_m = 800.0");
+        for text in [soft.replace("model = \"lattice\"\n", ""), soft] {
+            let mut world = World::new(&text.replace("{ sphere = { radius_m = 0.01 } }", shape));
+            for _ in 0..5 {
+                world.at([0.06, 0.003, 0.045]);
+            }
+            let mut touched = 0;
+            let count = allocations(|| {
+                for k in 0..300 {
+                    let t = f64::from(k) * 1e-2;
+                    let out = world.at([0.032 + 0.014 * (4.0 * t).cos(), 0.003, 0.045]);
+                    touched += u32::from(out.tools[0].contact.is_some());
+                }
+            });
+            assert!(touched > 30, "{shape}: only {touched} ticks in touch");
+            assert_eq!(count, 0, "{shape}");
+        }
+    }
+}
+
+/// A slab that a ball presses, slides on and leaves.
+fn slab(model: &str, more: &str) -> String {
+    format!(
+        "[[body]]\nid = \"slab\"\nsurface = {{ builtin = \"sheet\", net = [7, 7], size = 0.1 }}\nmodel = \"{model}\"\n\
+         lattice = {{ layers = 3, refine = \"none\", thickness_m = 0.03 }}\n\
+         fixed = [{{ point = [0.0, 0.0, -0.0299], normal = [0.0, 0.0, 1.0] }}, {{ u = [0.0, 0.1], v = [0.0, 1.0] }}]\n{more}\n\
+         [[tool]]\nid = \"ball\"\nshape = {{ sphere = {{ radius_m = 0.02 }} }}\n\
+         pose = {{ position = [0.0, 0.0, 0.03] }}\ncoupling = {{ stiffness_n_m = 800.0, damping_n_s_m = 0.0 }}\n"
+    )
+}
+
+fn press_and_slide(world: &mut World) -> u64 {
+    for _ in 0..8 {
+        world.at([0.0, 0.0, 0.03]);
+    }
+    let mut touched = 0;
+    let count = allocations(|| {
+        for k in 0..800 {
+            let t = f64::from(k) * 1e-3;
+            let out = world.at([
+                0.01 * (9.0 * t).sin(),
+                0.0,
+                0.018 + 0.006 * (20.0 * t).cos(),
+            ]);
+            touched += u32::from(out.tools[0].contact.is_some());
+        }
+        // Long enough to fall asleep.
+        for _ in 0..400 {
+            world.silent();
+        }
+    });
+    assert!(touched > 200, "only {touched} ticks in touch");
+    count
+}
+
+#[test]
+fn a_tick_of_any_model_and_method_allocates_nothing() {
+    let plastic = "plastic = { yield_strain = 0.005, rate_per_s = 20.0, hardening = 0.1, spread_m";
+    let cases = [
+        ("continuum", "integrator = { iterations = 2 }".to_owned()),
+        (
+            "continuum",
+            "integrator = { method = \"explicit\" }".to_owned(),
+        ),
+        ("membrane", String::new()),
+        ("net", String::new()),
+        (
+            "lattice",
+            "integrator = { method = \"explicit\" }".to_owned(),
+        ),
+        (
+            "lattice",
+            "integrator = { method = \"xpbd\", substeps = 3 }".to_owned(),
+        ),
+        ("lattice", format!("material = {{ {plastic} = 0.0 }} }}")),
+        ("lattice", format!("material = {{ {plastic} = 0.03 }} }}")),
+        (
+            "lattice",
+            "material = { stiffening = { strain = 0.05, ratio = 3.0, least_length = 0.7 } }"
+                .to_owned(),
+        ),
+        ("continuum", "integrator = { every = 4 }".to_owned()),
+    ];
+    for (model, more) in cases {
+        assert_eq!(
+            press_and_slide(&mut World::new(&slab(model, &more))),
+            0,
+            "{model}, {more}"
+        );
+    }
+}
+
+// Over a joint of a branching tube, whose stem is drawn twice.
+#[test]
+fn a_tick_on_a_branching_body_allocates_nothing() {
+    let text = include_str!("../../../../scenes/vessel.toml")
+        .replace("vessel.json", "../../scenes/vessel.json");
+    let mut world = World::new(&text.replace("point = {}", "sphere = { radius_m = 0.004 }"));
+    for _ in 0..8 {
+        world.at([0.01, -0.03, -0.02]);
+    }
+    let mut touched = 0;
+    let count = allocations(|| {
+        for k in 0..800 {
+            let t = f64::from(k) * 1e-3;
+            // Over the front joint, and up to where the branches part.
+            let out = world.at([
+                0.008 * (9.0 * t).sin(),
+                -0.023,
+                -0.01 + 0.02 * (5.0 * t).sin(),
+            ]);
+            touched += u32::from(out.tools[0].contact.is_some());
+        }
+    });
+    assert!(touched > 400, "only {touched} ticks in touch");
+    assert_eq!(count, 0);
+}
+
+#[test]
+fn a_tick_of_carried_bodies_allocates_nothing() {
+    let carried = slab("continuum", "").replace("id = \"ball\"", "id = \"hand\"");
+    let mut world = World::new(&format!(
+        "[gravity]\nacceleration = [0.0, 0.0, -9.81]\nframe = \"hand\"\n{carried}"
+    ));
+    for _ in 0..8 {
+        world.at([0.0, 0.0, 0.03]);
+    }
+    let count = allocations(|| {
+        for k in 0..500 {
+            world.at([0.02 * (f64::from(k) * 0.02).sin(), 0.0, 0.03]);
+        }
+    });
+    assert_eq!(count, 0);
+}

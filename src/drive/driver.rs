@@ -1,0 +1,280 @@
+//! The tick thread: waits, latches, steps, hands over.
+
+use super::journal::Journal;
+use super::overload::Overload;
+use super::pacer::{Privileges, Schedule, Wake, ask_privileges, now_ns, sleep_until};
+use super::ports::{Receipt, TickPorts};
+use super::stats::{Histogram, LATE_NS};
+use super::workers::Workers;
+use palpate_geometry::math::state_hash;
+use palpate_sim::scene::spec::Clock;
+use palpate_sim::scene::{Scene, SceneState, Scratch};
+use palpate_sim::tick::record::{Command, STAGE_COUNT, TickInput, TickRecord};
+use palpate_sim::tick::{apply, deform, render};
+use std::sync::Arc;
+use std::sync::atomic::Ordering;
+use std::thread::JoinHandle;
+use std::time::Duration;
+
+/// How to drive.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct DriverSettings {
+    /// What makes a tick due.
+    pub clock: Clock,
+    /// End after this many ticks.
+    pub ticks: Option<u64>,
+    /// Ask for FIFO scheduling and locked memory.
+    pub privileged: bool,
+}
+
+/// What a loop did.
+#[derive(Clone, Debug)]
+pub struct DriverReport {
+    /// Ticks.
+    pub ticks: u64,
+    /// Ticks that began more than 100 µs late.
+    pub late: u64,
+    /// Deadlines dropped.
+    pub skipped: u64,
+    /// Lateness, ns.
+    pub lateness: Histogram,
+    /// Stages, then the whole tick, ns.
+    pub stages: Vec<Histogram>,
+    /// What the operating system granted.
+    pub privileges: Privileges,
+}
+
+/// Most ticks a stopping loop waits for its forces to fade.
+const FADE_TICKS: u64 = 1_000;
+
+/// Starts the tick thread. It owns the state; it ends after [`Command::Stop`], or after
+/// `settings.ticks`.
+///
+/// # Errors
+/// The thread could not be made.
+pub fn start(
+    scene: Arc<Scene>,
+    ports: TickPorts,
+    journal: Box<dyn Journal>,
+    settings: DriverSettings,
+) -> std::io::Result<JoinHandle<DriverReport>> {
+    std::thread::Builder::new()
+        .name("palpate-tick".into())
+        .spawn(move || {
+            let state = scene.initial_state();
+            let mut scratch = scene.scratch(&state);
+            match Workers::start(&scene) {
+                Ok(Some(workers)) => scratch.set_pipeline(Box::new(workers)),
+                Ok(None) => {}
+                // Bodies then step in the tick in which they are due: the same bits, but late.
+                Err(error) => tracing::warn!("no threads for slow bodies: {error}"),
+            }
+            let _ = ports.tick_thread.set(std::thread::current());
+            let privileges = if settings.privileged {
+                ask_privileges()
+            } else {
+                Privileges::default()
+            };
+            let report = DriverReport {
+                ticks: 0,
+                late: 0,
+                skipped: 0,
+                lateness: Histogram::default(),
+                stages: (0..=STAGE_COUNT).map(|_| Histogram::default()).collect(),
+                privileges,
+            };
+            let period_ns = (scene.dt_s * 1e9).round() as u64;
+            let (overload, fading) = (Overload::new(period_ns), None);
+            Driver {
+                scene,
+                state,
+                scratch,
+                ports,
+                journal,
+                settings,
+                report,
+                overload,
+                fading,
+                emit_ns: 0,
+            }
+            .run()
+        })
+}
+
+struct Driver {
+    scene: Arc<Scene>,
+    state: SceneState,
+    scratch: Scratch,
+    ports: TickPorts,
+    journal: Box<dyn Journal>,
+    settings: DriverSettings,
+    report: DriverReport,
+    overload: Overload,
+    /// Tick at which stopping began.
+    fading: Option<u64>,
+    /// Hand-over of the tick before: a record leaves before its own is known.
+    emit_ns: u32,
+}
+
+impl Driver {
+    fn run(mut self) -> DriverReport {
+        self.journal.keyframe(&self.state, state_hash(&self.state));
+        let period_ns = (self.scene.dt_s * 1e9).round() as u64;
+        let mut schedule = Schedule::new(period_ns, now_ns());
+        while !self.is_over() {
+            let wake = match self.settings.clock {
+                Clock::Realtime => {
+                    sleep_until(schedule.next_ns());
+                    schedule.wake(now_ns())
+                }
+                Clock::Lockstep => {
+                    if !self.ports.all_have_news()
+                        && self.ports.commands.is_empty()
+                        && self.ports.swaps.is_empty()
+                    {
+                        std::thread::park_timeout(Duration::from_millis(1));
+                        continue;
+                    }
+                    Wake {
+                        late_ns: 0,
+                        skipped: 0,
+                    }
+                }
+            };
+            self.take_commands();
+            self.take_swap();
+            if self.settings.clock == Clock::Lockstep && !self.ports.all_have_news() {
+                continue;
+            }
+            self.tick(wake);
+        }
+        self.ports.counters.finished.store(true, Ordering::Release);
+        self.report
+    }
+
+    fn is_over(&mut self) -> bool {
+        let ticks = self.state.tick;
+        let asked = self.ports.counters.stop.load(Ordering::Acquire);
+        if (asked || self.settings.ticks.is_some_and(|most| ticks >= most)) && self.fading.is_none()
+        {
+            self.apply(Command::Stop);
+        }
+        let Some(since) = self.fading else {
+            return false;
+        };
+        let faded = self.state.tools.iter().all(|tool| tool.link.limit_n == 0.0);
+        self.settings.clock == Clock::Lockstep || faded || ticks >= since + FADE_TICKS
+    }
+
+    fn apply(&mut self, command: Command) {
+        self.journal.command(self.state.tick, command);
+        apply(&self.scene, &mut self.state, &mut self.scratch, command);
+        match command {
+            Command::Stop => self.fading = self.fading.or(Some(self.state.tick)),
+            Command::Reset => self.journal.keyframe(&self.state, state_hash(&self.state)),
+            Command::Pause
+            | Command::Resume
+            | Command::Step(_)
+            | Command::Quality(_)
+            | Command::Device { .. } => {}
+        }
+    }
+
+    fn take_commands(&mut self) {
+        while let Ok(request) = self.ports.commands.pop() {
+            self.apply(request.command);
+            let _ = self.ports.receipts.push(Receipt {
+                id: request.id,
+                tick: self.state.tick + 1,
+            });
+        }
+    }
+
+    /// Goes on with another scene, if there is one and room for the one that is left.
+    fn take_swap(&mut self) {
+        if self.ports.retired.slots() == 0 || self.fading.is_some() {
+            return;
+        }
+        let Ok(mut swap) = self.ports.swaps.pop() else {
+            return;
+        };
+        swap.exchange(&mut self.scene, &mut self.state, &mut self.scratch);
+        std::mem::swap(&mut self.ports.nets, &mut swap.nets);
+        std::mem::swap(&mut self.journal, &mut swap.journal);
+        self.journal.keyframe(&self.state, state_hash(&self.state));
+        let _ = self.ports.receipts.push(Receipt {
+            id: swap.id,
+            tick: self.state.tick + 1,
+        });
+        // Dropped where time does not matter.
+        let _ = self.ports.retired.push(swap);
+    }
+
+    fn tick(&mut self, wake: Wake) {
+        let start = now_ns();
+        let mut input = TickInput::default();
+        for tool in 0..self.scene.tool_count() {
+            input.poses[tool] = self.ports.latch(tool);
+        }
+        let latched = now_ns();
+        let mut output = render(&self.scene, &mut self.state, &mut self.scratch, &input);
+        self.ports.publish(&output);
+        let rendered = now_ns();
+        deform(&self.scene, &mut self.state, &mut self.scratch, &mut output);
+        let deformed = now_ns();
+        let ns = |from: u64, to: u64| (to - from).min(u64::from(u32::MAX)) as u32;
+        let stage_ns = [
+            ns(start, latched),
+            ns(latched, rendered),
+            ns(rendered, deformed),
+            self.emit_ns,
+        ];
+        let record = TickRecord {
+            input,
+            output,
+            late_ns: wake.late_ns,
+            skipped: wake.skipped,
+            stage_ns,
+        };
+        self.journal.tick(&self.scene, &self.state, &record);
+        self.ports.done(&self.scene, &self.state, &record);
+        self.emit_ns = ns(deformed, now_ns());
+        self.count(&record);
+        if self.settings.clock == Clock::Realtime {
+            let [latch, render, deform, _] = stage_ns;
+            self.watch(wake, &[latch, render, deform, self.emit_ns]);
+        }
+    }
+
+    /// Counts an overrun; changes the quality of the next tick when there are too many, or none any
+    /// more.
+    fn watch(&mut self, wake: Wake, stage_ns: &[u32; STAGE_COUNT]) {
+        let verdict = self.overload.tick(wake.late_ns, wake.skipped, stage_ns);
+        if let Some(overrun) = verdict.overrun {
+            let overruns = &self.ports.counters.overruns[overrun.cause];
+            overruns.count.fetch_add(1, Ordering::Relaxed);
+            overruns.worst_ns.fetch_max(overrun.ns, Ordering::Relaxed);
+        }
+        if let Some(change) = verdict.change {
+            self.ports
+                .counters
+                .quality_cause
+                .store(change.cause, Ordering::Relaxed);
+            self.apply(Command::Quality(change.level));
+        }
+    }
+
+    fn count(&mut self, record: &TickRecord) {
+        let report = &mut self.report;
+        report.ticks += 1;
+        report.late += u64::from(record.late_ns > LATE_NS);
+        report.skipped += u64::from(record.skipped);
+        report.lateness.add(record.late_ns);
+        let mut whole = 0;
+        for (histogram, ns) in report.stages.iter_mut().zip(record.stage_ns) {
+            histogram.add(u64::from(ns));
+            whole += u64::from(ns);
+        }
+        report.stages[STAGE_COUNT].add(whole);
+    }
+}

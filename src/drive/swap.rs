@@ -1,0 +1,78 @@
+//! Another scene in the place of the running one, between two ticks.
+//!
+//! Everything that takes time or memory is made beside the loop; the loop copies what goes on, and
+//! hands the old scene back to be dropped elsewhere.
+
+use super::journal::Journal;
+use super::ports::{NetEnd, NetPort, net_ports};
+use super::workers::Workers;
+use palpate_sim::scene::{Origin, Scene, SceneState, Scratch};
+use std::sync::Arc;
+
+/// A scene on its way into the loop; on its way back, the one before.
+pub struct Swap {
+    /// Of the request, under which the receipt comes back.
+    pub id: u64,
+    scene: Arc<Scene>,
+    state: SceneState,
+    scratch: Scratch,
+    origins: Vec<Origin>,
+    pub(super) nets: Vec<NetPort>,
+    pub(super) journal: Box<dyn Journal>,
+}
+
+impl Swap {
+    /// Makes all that the loop needs for another scene with the same tools, whose bodies come from
+    /// `origins`; the other ends of its nets are for the bus.
+    ///
+    /// # Errors
+    /// The system refuses a thread for bodies that step apart.
+    pub fn new(
+        id: u64,
+        scene: Arc<Scene>,
+        origins: Vec<Origin>,
+        journal: Box<dyn Journal>,
+    ) -> std::io::Result<(Self, Vec<NetEnd>)> {
+        let state = scene.initial_state();
+        let mut scratch = scene.scratch(&state);
+        if let Some(workers) = Workers::start(&scene)? {
+            scratch.set_pipeline(Box::new(workers));
+        }
+        let (nets, ends) = net_ports(&scene);
+        Ok((
+            Self {
+                id,
+                scene,
+                state,
+                scratch,
+                origins,
+                nets,
+                journal,
+            },
+            ends,
+        ))
+    }
+
+    /// The scene.
+    pub fn scene(&self) -> &Arc<Scene> {
+        &self.scene
+    }
+
+    /// Puts the next scene in the place of a running one, which it keeps from then on: nothing is
+    /// allocated, nothing dropped.
+    pub fn exchange(
+        &mut self,
+        scene: &mut Arc<Scene>,
+        state: &mut SceneState,
+        scratch: &mut Scratch,
+    ) {
+        self.scene.carry_over(state, &self.origins, &mut self.state);
+        for body in 0..self.scene.body_count() {
+            self.scene
+                .prepare_body(body, &self.state, &mut self.scratch, false);
+        }
+        std::mem::swap(scene, &mut self.scene);
+        std::mem::swap(state, &mut self.state);
+        std::mem::swap(scratch, &mut self.scratch);
+    }
+}

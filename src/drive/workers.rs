@@ -1,0 +1,183 @@
+//! Threads on which bodies step that take longer than a tick.
+//!
+//! ```text
+//! tick t       start ──▶ job (state, forces) ──▶ worker: advance, predict
+//! tick t + k   finish ◀── the same job ◀──────────┘   (waits if it is late: the bits do not depend on when it comes)
+//! ```
+//! Jobs go round between two rings, so nothing is allocated and nothing locked.
+
+use palpate_geometry::math::{Point3, Vector3};
+use palpate_sim::body::{DeformableScratch, DeformableState, Field};
+use palpate_sim::scene::{Pipeline, Scene};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::thread::JoinHandle;
+use std::time::Duration;
+
+/// A body's step.
+#[derive(Debug)]
+struct Job {
+    state: DeformableState,
+    scratch: DeformableScratch,
+}
+
+/// One worker a body that steps once in several ticks.
+#[derive(Debug)]
+pub struct Workers {
+    /// By body.
+    workers: Vec<Option<Worker>>,
+}
+
+#[derive(Debug)]
+struct Worker {
+    scene: Arc<Scene>,
+    body: usize,
+    /// Here between steps.
+    idle: Option<Box<Job>>,
+    out: rtrb::Producer<Box<Job>>,
+    back: rtrb::Consumer<Box<Job>>,
+    stop: Arc<AtomicBool>,
+    thread: Option<JoinHandle<()>>,
+}
+
+impl Workers {
+    /// Threads for the bodies that need one; `None` if none does.
+    ///
+    /// # Errors
+    /// The system refuses a thread.
+    pub fn start(scene: &Arc<Scene>) -> std::io::Result<Option<Self>> {
+        let start = |body| {
+            scene
+                .steps_apart(body)
+                .then(|| Worker::start(scene, body))
+                .transpose()
+        };
+        let workers = (0..scene.body_count())
+            .map(start)
+            .collect::<Result<Vec<_>, _>>()?;
+        Ok(workers
+            .iter()
+            .any(Option::is_some)
+            .then_some(Self { workers }))
+    }
+}
+
+impl Worker {
+    fn start(scene: &Arc<Scene>, body: usize) -> std::io::Result<Self> {
+        let (out, mut jobs) = rtrb::RingBuffer::<Box<Job>>::new(1);
+        let (mut done, back) = rtrb::RingBuffer::<Box<Job>>::new(1);
+        let stop = Arc::new(AtomicBool::new(false));
+        let (theirs, asked) = (scene.clone(), stop.clone());
+        let run = move || {
+            let Some(model) = theirs.lattice(body) else {
+                return;
+            };
+            while !asked.load(Ordering::Acquire) {
+                let Ok(mut job) = jobs.pop() else {
+                    std::thread::park_timeout(Duration::from_millis(50));
+                    continue;
+                };
+                let Job { state, scratch } = &mut *job;
+                model.advance(state, scratch);
+                model.predict(state, scratch);
+                let _ = done.push(job);
+            }
+        };
+        let thread = std::thread::Builder::new()
+            .name(format!("body {}", scene.body_id(body)))
+            .spawn(run)?;
+        let idle = scene.lattice(body).map(|model| {
+            Box::new(Job {
+                state: model.rest_state(),
+                scratch: model.scratch(),
+            })
+        });
+        Ok(Self {
+            scene: scene.clone(),
+            body,
+            idle,
+            out,
+            back,
+            stop,
+            thread: Some(thread),
+        })
+    }
+
+    /// Waits for the job that is out, if one is.
+    fn wait(&mut self) -> Option<&mut Box<Job>> {
+        if self.idle.is_some() {
+            return None;
+        }
+        loop {
+            if let Ok(job) = self.back.pop() {
+                return Some(self.idle.insert(job));
+            }
+            // A worker that died leaves the step to the tick.
+            if self.thread.as_ref().is_none_or(JoinHandle::is_finished) {
+                return None;
+            }
+            std::thread::yield_now();
+        }
+    }
+}
+
+impl Pipeline for Workers {
+    fn start(
+        &mut self,
+        body: usize,
+        field: Field,
+        state: &DeformableState,
+        predicted: &[Point3],
+        loads: &[Vector3],
+    ) {
+        let Some(worker) = &mut self.workers[body] else {
+            return;
+        };
+        worker.wait();
+        let (Some(mut job), Some(model)) = (worker.idle.take(), worker.scene.lattice(worker.body))
+        else {
+            return;
+        };
+        job.state.clone_from(state);
+        job.scratch.predicted.copy_from_slice(predicted);
+        model.set_field(&mut job.scratch, field);
+        model.give_loads(&mut job.scratch, loads);
+        if let Err(rtrb::PushError::Full(job)) = worker.out.push(job) {
+            worker.idle = Some(job);
+            return;
+        }
+        if let Some(thread) = &worker.thread {
+            thread.thread().unpark();
+        }
+    }
+
+    fn finish(
+        &mut self,
+        body: usize,
+        state: &mut DeformableState,
+        predicted: &mut [Point3],
+    ) -> bool {
+        let Some(job) = self.workers[body].as_mut().and_then(Worker::wait) else {
+            return false;
+        };
+        state.clone_from(&job.state);
+        predicted.copy_from_slice(&job.scratch.predicted);
+        true
+    }
+
+    fn cancel(&mut self) {
+        for worker in self.workers.iter_mut().flatten() {
+            worker.wait();
+        }
+    }
+}
+
+impl Drop for Worker {
+    fn drop(&mut self) {
+        self.stop.store(true, Ordering::Release);
+        if let Some(thread) = self.thread.take() {
+            thread.thread().unpark();
+            let _ = thread.join();
+        }
+    }
+}

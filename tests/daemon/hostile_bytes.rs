@@ -1,0 +1,81 @@
+//! Every reader on bytes that nobody wrote: the fuzz targets, on changed copies of what they start
+//! from.
+
+#[path = "../../fuzz/parsers.rs"]
+mod parsers;
+
+use std::panic::{AssertUnwindSafe, catch_unwind};
+
+/// Changed copies of each seed. Recordings are long, and each copy is read whole.
+const CHANGES: usize = 400;
+
+/// SplitMix64.
+struct Random(u64);
+
+impl Random {
+    fn below(&mut self, count: usize) -> usize {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        ((z ^ (z >> 31)) % count.max(1) as u64) as usize
+    }
+}
+
+/// One of: cut short, a byte changed, a stretch dropped, doubled or filled, numbers made huge.
+fn changed(seed: &[u8], random: &mut Random) -> Vec<u8> {
+    let mut bytes = seed.to_vec();
+    for _ in 0..=random.below(3) {
+        let at = random.below(bytes.len());
+        let end = (at + random.below(64)).min(bytes.len());
+        match random.below(7) {
+            0 => bytes.truncate(at),
+            1 => bytes
+                .get_mut(at)
+                .into_iter()
+                .for_each(|byte| *byte ^= 1 << random.below(8)),
+            2 => bytes
+                .get_mut(at)
+                .into_iter()
+                .for_each(|byte| *byte = b"0123456789.,;()#'$*-+eD\n{}[]\""[random.below(29)]),
+            3 => drop(bytes.drain(at..end)),
+            4 => {
+                let stretch = bytes[at..end].to_vec();
+                let to = random.below(bytes.len());
+                bytes.splice(to..to, stretch);
+            }
+            5 => bytes[at..end].fill([0, 0xff, b'9', b'('][random.below(4)]),
+            _ => {
+                let digits = [
+                    &b"99999999999999999999"[..],
+                    b"-1",
+                    b"1e999",
+                    b"nan",
+                    b"4294967295",
+                ][random.below(5)];
+                bytes.splice(at..at, digits.iter().copied());
+            }
+        }
+    }
+    bytes
+}
+
+#[test]
+fn no_reader_panics_on_changed_files() {
+    for target in parsers::TARGETS {
+        let mut random = Random(17);
+        for (k, seed) in (target.seeds)().iter().enumerate() {
+            (target.run)(seed);
+            let changes = if seed.len() > 100_000 {
+                CHANGES / 10
+            } else {
+                CHANGES
+            };
+            for change in 0..changes {
+                let bytes = changed(seed, &mut random);
+                let done = catch_unwind(AssertUnwindSafe(|| (target.run)(&bytes)));
+                assert!(done.is_ok(), "{}: seed {k}, change {change}", target.name);
+            }
+        }
+    }
+}

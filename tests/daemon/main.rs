@@ -1,0 +1,31 @@
+//! The program as its users meet it: daemons as processes, clients, recordings, commands.
+
+#[path = "../../crates/sim/tests/common/mod.rs"]
+mod common;
+#[path = "common/daemon.rs"]
+mod daemon;
+#[path = "common/live.rs"]
+mod live;
+#[path = "common/session.rs"]
+mod session;
+
+mod clients;
+mod crash;
+mod damage;
+mod editing;
+mod export;
+mod golden;
+mod haptic_link;
+mod hostile_bytes;
+mod keeping;
+mod play;
+mod recording;
+mod replay_levels;
+mod self_check;
+mod sessions;
+mod surface_commands;
+mod surface_pipe;
+mod test_helper;
+mod views;
+mod wire;
+mod workers;
