@@ -6,7 +6,7 @@ use super::schemas;
 use crate::wire;
 use palpate_proto::codec::encode;
 use palpate_proto::messages::{Message, SceneSnapshot};
-use palpate_proto::rpc::{METHODS, Reply};
+use palpate_proto::rpc::{Answer, METHODS};
 use palpate_proto::schema;
 use zenoh::Wait;
 use zenoh::bytes::Encoding;
@@ -119,7 +119,7 @@ pub(super) fn reply_json(query: &Query, key: KeyExpr<'static>, value: &impl serd
 
 /// Answers with an error: JSON like that of a refused command.
 pub(super) fn reply_refused(query: &Query, reason: &str) {
-    let text = serde_json::to_string(&Reply::refused(reason)).unwrap_or_default();
+    let text = serde_json::to_string(&Answer::<()>::refused(reason)).unwrap_or_default();
     let _ = query
         .reply_err(text)
         .encoding(Encoding::APPLICATION_JSON)

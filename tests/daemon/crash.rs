@@ -134,7 +134,7 @@ fn a_full_disk_is_told_and_the_loop_goes_on() {
         Path::new(&path).ends_with("full.mcap") && reason.contains("full.mcap.part"),
         "{path}: {reason}"
     );
-    client.rpc("shutdown", &Default::default()).unwrap();
+    client.rpc(Call::Shutdown).unwrap();
     client.close();
     assert_eq!(
         child.wait().unwrap().code(),

@@ -134,7 +134,7 @@ fn a_real_time_session_runs_beside_garbage_and_its_recording_survives_a_kill() {
         "the device never touched the drop: {:?}",
         status.tools
     );
-    assert!(palpate.rpc("pause", &Default::default()).unwrap() > status.tick);
+    assert!(palpate.rpc(Call::Pause).unwrap() > status.tick);
 
     // Killed without a word.
     std::thread::sleep(Duration::from_secs(2));
