@@ -3,6 +3,7 @@
 use crate::daemon::{Daemon, PROGRAM, SOFT_DROP as SCENE, device};
 use palpate::recording::{Session, replay};
 use palpate_client::proto::messages::EventKind;
+use palpate_client::proto::rpc::Call;
 use palpate_client::{Connect, Palpate, pose_at};
 use std::net::TcpListener;
 use std::path::Path;

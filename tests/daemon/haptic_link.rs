@@ -8,6 +8,7 @@ use palpate::transport::{SessionSettings, open};
 use palpate_client::pose_at;
 use palpate_client::proto::codec::decode;
 use palpate_client::proto::messages::{DeviceInfo, EventKind, ToolContact};
+use palpate_client::proto::rpc::Call;
 use palpate_geometry::math::Vector3;
 use palpate_sim::scene::flags;
 use palpate_sim::tick::record::TickRecord;

@@ -4,6 +4,7 @@
 use crate::daemon::{Daemon, SOFT_DROP as SCENE, device};
 use palpate::recording::{Session, info, recover, replay};
 use palpate_client::pose_at;
+use palpate_client::proto::rpc::Call;
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::Command;

@@ -3,6 +3,7 @@
 use super::{FREE, SCENE, pressing, until};
 use crate::daemon::{Daemon, PROGRAM};
 use palpate_client::proto::messages::EventKind;
+use palpate_client::proto::rpc::Call;
 use palpate_client::{Connect, Palpate, Tool, pose_at};
 use std::time::Duration;
 
