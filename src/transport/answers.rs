@@ -5,9 +5,8 @@ use super::declared::{Inbox, encoding};
 use super::schemas;
 use crate::wire;
 use palpate_proto::codec::encode;
-use palpate_proto::messages::{Message, SceneSnapshot};
+use palpate_proto::messages::{ALL, Message, SceneSnapshot};
 use palpate_proto::rpc::{Answer, METHODS};
-use palpate_proto::schema;
 use zenoh::Wait;
 use zenoh::bytes::Encoding;
 use zenoh::key_expr::KeyExpr;
@@ -78,7 +77,7 @@ impl BusThread {
             "tools": (0..scene.tool_count()).map(|t| scene.tool_id(t)).collect::<Vec<_>>(),
             "bodies": (0..scene.body_count()).map(|b| scene.body_id(b)).collect::<Vec<_>>(),
             "devices": self.devices.report(|tool| scene.tool_id(tool)),
-            "messages": schema::all().map(|schema| schema.name),
+            "messages": ALL.iter().map(|message| message.name).collect::<Vec<_>>(),
             "methods": METHODS,
             "played": self.settings.player.is_some(),
             "recorder": self.status.recorder,
