@@ -6,7 +6,7 @@ use std::path::PathBuf;
 
 #[derive(clap::Args, Debug)]
 pub struct Args {
-    /// Recording.
+    /// Recording file.
     file: PathBuf,
     /// Print one JSON object.
     #[arg(long)]
