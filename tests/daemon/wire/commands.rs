@@ -99,7 +99,7 @@ fn echo_hz_ls_and_rpc_show_and_steer_a_running_daemon() {
     );
     let (out, err, code) = run(&["hz", "nothing/here", "--for", "100ms"]);
     assert!(
-        code == 0 && out.is_empty() && err.contains("nothing came"),
+        code == 0 && out.is_empty() && err.contains("no message arrived"),
         "{err}"
     );
 
