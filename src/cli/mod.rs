@@ -111,6 +111,12 @@ pub fn end_when_nobody_reads() {
     }));
 }
 
+/// The command line's definition, for completions, manual pages and checks of documents.
+#[doc(hidden)]
+pub fn command() -> clap::Command {
+    Cli::command()
+}
+
 /// Runs the program.
 pub fn main() -> ExitCode {
     end_when_nobody_reads();

@@ -26,7 +26,7 @@ pub(super) fn isolate(
         None => usual.method,
         Some(name) => Method::of(name).ok_or_else(|| {
             let known = Method::ALL.map(Method::name).join(", ");
-            format!("there is no method {name:?} of isolation; there are {known}")
+            format!("{name:?} is not an isolation method; use one of {known}")
         })?,
     };
     let spec = IsolateSpec {

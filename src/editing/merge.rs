@@ -29,7 +29,7 @@ pub(super) fn merge(
         Some("exact") => Method::Exact,
         Some(name) => {
             return Err(format!(
-                "there is no method {name:?} of merging; there are seed, constrained, exact"
+                "{name:?} is not a merge method; use seed, constrained or exact"
             ));
         }
     };

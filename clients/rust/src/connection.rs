@@ -48,7 +48,7 @@ impl Connect {
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum ClientError {
     /// Nobody listens there.
-    #[error("nobody answers at {endpoint} ({reason}); is `palpate serve` running there?")]
+    #[error("no daemon answers at {endpoint} ({reason}); is `palpate serve` running there?")]
     Unreachable {
         /// As given.
         endpoint: String,

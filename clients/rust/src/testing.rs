@@ -1,12 +1,15 @@
-//! For integration tests: a daemon of one's own, in lockstep, on a free endpoint, gone when the
-//! test is.
+//! Sessions for integration tests: each starts its own daemon in lockstep on a free endpoint and ends
+//! it when dropped.
 //!
-//! ```rust,ignore
-//! let mut session = TestSession::of("[[body]]\nid = \"ball\"\n…").start()?;
-//! let mut pen = session.tool("pen")?;
-//! let force = session.step(&mut pen, pose_at([0.0, 0.0, 0.029]))?;
-//! assert!((force.force[2] - 1.0).abs() < 1e-9);
-//! let recording = session.finish(pen)?;
+//! ```no_run
+//! use palpate_client::{pose_at, testing::TestSession};
+//! let scene = std::fs::read_to_string("scenes/rigid-teardrop.toml").unwrap();
+//! let mut session = TestSession::of(&scene).start()?;
+//! let mut ball = session.tool("ball")?;
+//! let force = session.step(&mut ball, pose_at([0.05, 0.003, 0.045]))?;
+//! assert!(force.force[0] > 0.0);
+//! let recording = session.finish(ball)?; // the bytes of the MCAP file
+//! # Ok::<(), palpate_client::testing::TestError>(())
 //! ```
 
 use crate::{ClientError, Connect, Palpate, Tool};

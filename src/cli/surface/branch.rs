@@ -336,7 +336,7 @@ mod tests {
             check: true,
             ..args("builtin:sheet", None)
         };
-        assert!(format!("{:#}", run(&sheet).unwrap_err()).contains("no branching net"));
+        assert!(format!("{:#}", run(&sheet).unwrap_err()).contains("not a branching net"));
         assert!(
             run(&args(format!("{DATA}/y.toml"), None))
                 .unwrap_err()

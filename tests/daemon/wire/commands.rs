@@ -162,7 +162,7 @@ fn nobody_there_is_said_and_manual_pages_are_written() {
         arguments.extend((command != "ls").then_some("status"));
         let (_, err, code) = palpate(&arguments);
         assert!(
-            code == 2 && err.contains("nobody answers at"),
+            code == 2 && err.contains("no daemon answers at"),
             "{command}: {err}"
         );
     }

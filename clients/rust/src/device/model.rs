@@ -87,7 +87,7 @@ pub enum DeviceError {
     },
     /// Not a preset.
     #[error(
-        "{name:?} is no {kind}; there are {known}, or name a TOML file of that kind (docs/devices.md)"
+        "{name:?} is not a known {kind}; use one of {known}, or a TOML file of that kind (docs/devices.md)"
     )]
     Unknown {
         /// As given.

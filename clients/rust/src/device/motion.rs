@@ -16,7 +16,7 @@ use std::f64::consts::TAU;
 pub enum MotionError {
     /// Not a motion we know.
     #[error(
-        "{0:?} is no motion; there are {NAMES}, or a TOML file with [[waypoint]] or [[step]] entries"
+        "{0:?} is not a known motion; use one of {NAMES}, or a TOML file with [[waypoint]] or [[step]] entries"
     )]
     Unknown(String),
     /// The scene has nothing to touch.

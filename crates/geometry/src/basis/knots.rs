@@ -143,6 +143,15 @@ impl KnotVector {
     ///
     /// # Errors
     /// The first rule of [`KnotError`] that the knots break.
+    ///
+    /// # Examples
+    /// ```
+    /// use palpate_geometry::basis::KnotVector;
+    /// // Knots must not decrease.
+    /// assert!(KnotVector::new(1, vec![0.0, 0.0, 2.0, 1.0, 1.0]).is_err());
+    /// assert_eq!(KnotVector::new(1, vec![0.0, 0.0, 1.0, 1.0])?.count(), 2);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     pub fn new(degree: usize, knots: Vec<f64>) -> Result<Self, KnotError> {
         if degree == 0 || degree > MAX_DEGREE {
             return Err(KnotError::Degree(degree));
@@ -222,6 +231,15 @@ impl KnotVector {
     ///
     /// # Errors
     /// Degree out of range, or fewer than `degree + 1` control points.
+    ///
+    /// # Examples
+    /// ```
+    /// use palpate_geometry::basis::KnotVector;
+    /// let knots = KnotVector::clamped_uniform(3, 5)?;
+    /// assert_eq!(knots.knots(), [0.0, 0.0, 0.0, 0.0, 0.5, 1.0, 1.0, 1.0, 1.0]);
+    /// assert_eq!((knots.degree(), knots.count(), knots.domain()), (3, 5, (0.0, 1.0)));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     pub fn clamped_uniform(degree: usize, count: usize) -> Result<Self, KnotError> {
         if degree == 0 || degree > MAX_DEGREE {
             return Err(KnotError::Degree(degree));

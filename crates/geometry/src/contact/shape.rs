@@ -6,6 +6,14 @@ use crate::math::{Point3, Pose, Vector3};
 use crate::surface::Surface;
 
 /// A tool around its reference point, in its own frame.
+///
+/// # Examples
+/// ```
+/// use palpate_geometry::contact::ToolShape;
+/// let ball = ToolShape::Sphere { radius_m: 0.01 };
+/// assert_eq!((ball.ball_radius_m(), ball.reach_m()), (Some(0.01), Some(0.01)));
+/// assert_eq!(ball.name(), "sphere");
+/// ```
 #[derive(Clone, Debug)]
 pub enum ToolShape {
     /// The reference point itself.

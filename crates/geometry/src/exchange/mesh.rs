@@ -58,7 +58,7 @@ pub enum MeshError {
     },
     /// A binary file whose length is not that of its triangles.
     #[error(
-        "{bytes} bytes are no binary STL file: {triangles} triangles, as it says, take {needed}"
+        "not a binary STL file: {triangles} triangles, as its header says, need {needed} bytes, not {bytes}"
     )]
     Length {
         /// Bytes of the file.

@@ -157,7 +157,7 @@ pub struct Imported {
 pub enum ExchangeError {
     /// An ending that none of ours has.
     #[error(
-        "no format is known by the ending \".{extension}\"; there are .json, .step, .stp, .iges, .igs, .stl, .obj, .glb and, for points, \
+        "unknown file extension \".{extension}\"; use .json, .step, .stp, .iges, .igs, .stl, .obj, .glb and, for points, \
          .xyz, .csv, .txt"
     )]
     Extension {
@@ -191,7 +191,7 @@ pub enum ExchangeError {
     #[error(transparent)]
     Mesh(#[from] MeshError),
     /// A format that is for other things.
-    #[error("{} is no format to {verb} {what}; use {instead}", format.name())]
+    #[error("{} is not a format to {verb} {what}; use {instead}", format.name())]
     Kind {
         /// The format.
         format: Format,
@@ -260,6 +260,17 @@ pub fn read_surface_file(path: impl AsRef<Path>, pick: Pick) -> Result<Imported,
 ///
 /// # Errors
 /// A format without surfaces, or a surface that the format has no form for.
+///
+/// # Examples
+/// ```
+/// use palpate_geometry::exchange::{Format, Pick, read_surface, write_surface};
+/// use palpate_geometry::surface::{builtin, file::Unit};
+/// let sheet = builtin("sheet", None, None)?;
+/// let step = write_surface(&sheet, Format::Step, Unit::Metre)?;
+/// let back = read_surface(&step, Format::Step, Pick::First)?;
+/// assert_eq!(back.surface.net(), sheet.net());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn write_surface(
     surface: &Surface,
     format: Format,
@@ -394,7 +405,7 @@ mod tests {
             .to_string();
         assert_eq!(
             message,
-            "STL is no format to read a surface from; use STEP, IGES or JSON"
+            "STL is not a format to read a surface from; use STEP, IGES or JSON"
         );
         let mesh = Mesh::default();
         assert!(matches!(

@@ -37,8 +37,8 @@ pub enum SplineError {
     },
     /// A surface in several pieces, which other systems do not take.
     #[error(
-        "the surface comes apart at {direction} = {knot} (a knot of multiplicity degree + 1), which this format has no form \
-         for: export its pieces"
+        "the surface is separated at {direction} = {knot} (a knot of multiplicity degree + 1), which this format does \
+         not support: export its pieces"
     )]
     Disjoined {
         /// `u` or `v`.

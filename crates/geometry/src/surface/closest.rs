@@ -306,6 +306,17 @@ impl ClosestSolver {
 
     /// The global closest point. A query that is not finite gets some point of the surface at
     /// distance infinity.
+    ///
+    /// # Examples
+    /// ```
+    /// use palpate_geometry::math::Point3;
+    /// use palpate_geometry::surface::{ClosestSolver, builtin};
+    /// let sphere = builtin("sphere", None, Some(0.02))?; // radius 20 mm
+    /// let mut solver = ClosestSolver::new(&sphere);
+    /// let foot = solver.closest(&sphere, &Point3::new(0.0, 0.0, 0.05));
+    /// assert!((foot.signed_distance - 0.03).abs() < 1e-12);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     pub fn closest(&mut self, surface: &Surface, query: &Point3) -> ClosestPoint {
         let best = self.nearest(surface, &Distance { q: *query });
         self.answer(surface, query, &best)
@@ -314,6 +325,21 @@ impl ClosestSolver {
     /// [`ClosestSolver::closest`], from the last foot where that is proved to be enough. `moved_m`
     /// is how far the query moved since the last call with this `warm`, plus the largest movement
     /// of a control point.
+    ///
+    /// # Examples
+    /// ```
+    /// use palpate_geometry::math::Point3;
+    /// use palpate_geometry::surface::{ClosestSolver, WarmFoot, builtin};
+    /// let drop = builtin("teardrop", None, None)?;
+    /// let mut solver = ClosestSolver::new(&drop);
+    /// let mut warm = WarmFoot::default();
+    /// for k in 0..100 {
+    ///     let query = Point3::new(0.06, 0.003, 0.045 + 1e-5 * f64::from(k));
+    ///     let foot = solver.closest_warm(&drop, &query, 1e-5, &mut warm);
+    ///     assert!((foot.distance - solver.closest(&drop, &query).distance).abs() < 1e-12);
+    /// }
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     pub fn closest_warm(
         &mut self,
         surface: &Surface,

@@ -17,7 +17,7 @@ pub struct Curve {
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum CurveError {
     /// As many points as the knots ask for.
-    #[error("the knots ask for {needed} control points, {given} are given")]
+    #[error("the knots require {needed} control points, {given} are given")]
     Count {
         /// Of the knots.
         needed: usize,
@@ -54,6 +54,19 @@ impl Curve {
     /// # Errors
     /// Numbers of points or weights that do not fit, points that are not finite, weights that are
     /// not above 0.
+    ///
+    /// # Examples
+    /// ```
+    /// use palpate_geometry::basis::KnotVector;
+    /// use palpate_geometry::math::Point3;
+    /// use palpate_geometry::surface::Curve;
+    /// // A quarter of the unit circle, as a rational quadratic.
+    /// let points = [[1.0, 0.0], [1.0, 1.0], [0.0, 1.0]].map(|[x, y]| Point3::new(x, y, 0.0));
+    /// let weights = vec![1.0, std::f64::consts::FRAC_1_SQRT_2, 1.0];
+    /// let arc = Curve::new(KnotVector::clamped_uniform(2, 3)?, points.to_vec(), Some(weights))?;
+    /// assert!((arc.point(0.3).coords.norm() - 1.0).abs() < 1e-14);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     pub fn new(
         knots: KnotVector,
         points: Vec<Point3>,

@@ -129,6 +129,15 @@ pub enum FileError {
 ///
 /// # Errors
 /// See [`FileError`]; each says what is wrong and where.
+///
+/// # Examples
+/// ```
+/// use palpate_geometry::surface::{builtin, file};
+/// let torus = builtin("torus", None, None)?;
+/// let text = file::write(&torus, file::Unit::Metre);
+/// assert_eq!(file::read(&text)?.net(), torus.net());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn read(json: &str) -> Result<Surface, FileError> {
     from_value(&serde_json::from_str(json)?)
 }

@@ -40,7 +40,7 @@ pub(super) const MOST_POINTS: usize = 1 << 16;
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum FitError {
     /// Wrong number of points.
-    #[error("{given} points are no grid of {rows} × {columns}")]
+    #[error("{given} points do not form a grid of {rows} × {columns}")]
     Count {
         /// Points given.
         given: usize,
@@ -68,13 +68,13 @@ pub enum FitError {
         count: usize,
     },
     /// More than anyone means.
-    #[error("{count} control points are more than a fit takes ({MOST_POINTS})")]
+    #[error("{count} control points are more than a fit supports ({MOST_POINTS})")]
     TooMany {
         /// Control points asked for.
         count: usize,
     },
     /// Two lines of a grid at the same places.
-    #[error("lines {} and {index} in {direction} of the grid are the same: leave one out", index - 1)]
+    #[error("lines {} and {index} in {direction} of the grid are identical: remove one", index - 1)]
     Coincident {
         /// `u` or `v`.
         direction: &'static str,

@@ -69,7 +69,7 @@ pub enum BranchError {
         allowed: &'static str,
     },
     /// More than anyone wants.
-    #[error("the tree asks for {what} = {value}; at most {most} are made")]
+    #[error("the tree has {what} = {value}; at most {most} are supported")]
     TooLarge {
         /// What there is too much of.
         what: &'static str,
@@ -79,7 +79,7 @@ pub enum BranchError {
         most: usize,
     },
     /// A surface whose knots or net do not have the shape of a branching net.
-    #[error("no branching net: {what}; {mend}")]
+    #[error("not a branching net: {what}; {mend}")]
     NotBranched {
         /// What is missing, and where.
         what: String,

@@ -72,6 +72,19 @@ const MOST_HALVINGS: usize = 3;
 /// assert!((answer.translation_m - Vector3::new(0.02, 0.0, 0.0)).norm() < 2e-4);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
+///
+/// # Examples
+/// ```
+/// use palpate_geometry::surface::builtin;
+/// use palpate_modeling::isolate::{IsolateSpec, isolate};
+/// let fixed = builtin("sphere", None, Some(1.0))?; // radius 1 m
+/// let mut moving = fixed.clone();
+/// moving.net_mut().points_mut().iter_mut().for_each(|point| point.x += 1.9);
+/// let answer = isolate(&moving, &fixed, &IsolateSpec::default())?;
+/// assert!(answer.is_apart());
+/// assert!((0.1..0.11).contains(&answer.translation_m.norm()));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn isolate(
     moving: &Surface,
     fixed: &Surface,

@@ -117,11 +117,11 @@ impl Default for IsolateSpec {
 pub enum Reason {
     /// One body holds the other.
     #[error(
-        "the surfaces do not cross: one body is inside the other, and a region is what this method starts from"
+        "the surfaces do not cross: one body is inside the other, and this method needs an intersection region"
     )]
     NoRegion,
     /// Coplanar triangles.
-    #[error("the surfaces coincide in parts: their lines of intersection mean nothing")]
+    #[error("the surfaces coincide in parts, so their intersection lines are undefined")]
     Coincident,
     /// A region without a normal.
     #[error("the line of intersection encloses no area: it has no normal")]
@@ -130,7 +130,7 @@ pub enum Reason {
     #[error("the centres of mass coincide: there is no direction from one to the other")]
     CoincidentCentroids,
     /// The search had nowhere to start.
-    #[error("no direction to start from leads out, or none within the allowed turn")]
+    #[error("no starting direction separates the bodies within the allowed turn")]
     NoStart,
     /// Too many steps.
     #[error("still overlapping after {steps} steps")]
@@ -139,7 +139,7 @@ pub enum Reason {
         steps: u32,
     },
     /// The answer turns too far.
-    #[error("the translation found turns the bodies about each other by more than is allowed")]
+    #[error("the translation found turns the bodies about each other by more than the limit")]
     Turned,
     /// A gap that is not to be had.
     #[error("free of overlap, but there is no room for the gap")]
@@ -255,6 +255,6 @@ pub enum IsolateError {
     #[error("the earlier answer to start from is not finite")]
     Warm,
     /// Too few bodies.
-    #[error("{0} body: isolating takes at least two")]
+    #[error("{0} body: isolation needs at least two")]
     TooFew(usize),
 }

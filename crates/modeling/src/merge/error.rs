@@ -7,7 +7,7 @@ use palpate_geometry::surface::SurfaceError;
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum MergeError {
     /// Fewer than two.
-    #[error("{given} patches; a merge takes two or more")]
+    #[error("{given} patches; merging needs two or more")]
     TooFew {
         /// Patches given.
         given: usize,
@@ -33,7 +33,7 @@ pub enum MergeError {
         given: usize,
     },
     /// Weights that differ.
-    #[error("patch {patch} is rational; a merge takes surfaces without weights: refit it first")]
+    #[error("patch {patch} is rational; merging requires surfaces without weights: refit it first")]
     Rational {
         /// Which patch, from 0.
         patch: usize,
@@ -59,7 +59,9 @@ pub enum MergeError {
         direction: char,
     },
     /// An edge that is a point, or that the patch does not have because it is periodic there.
-    #[error("patch {patch} has no edge to join there: it goes round, or has shrunk to a point")]
+    #[error(
+        "patch {patch} has no edge to join there: the side is closed, or has collapsed to a point"
+    )]
     NoEdge {
         /// Which patch.
         patch: usize,
@@ -109,7 +111,7 @@ pub enum MergeError {
     },
     /// Fewer rows of points than control points.
     #[error(
-        "patch {patch} shows {rows} rows of points, too few for its {needed} control points: hide less, or ask for more points"
+        "patch {patch} shows {rows} rows of points, too few for its {needed} control points: exclude less, or use more points"
     )]
     TooFewRows {
         /// Which patch.
@@ -152,7 +154,7 @@ pub enum MergeError {
         gap_m: f64,
     },
     /// A request that the exact method does not take.
-    #[error("the exact method does not take {what}: use the constrained method")]
+    #[error("the exact method does not support {what}: use the constrained method")]
     NotExact {
         /// What it does not take.
         what: &'static str,

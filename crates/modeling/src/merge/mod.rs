@@ -77,6 +77,19 @@ pub struct Merged {
 /// # Errors
 /// Patches that cannot be joined, or a request that makes no sense: [`MergeError`] says which and
 /// what would help.
+///
+/// # Examples
+/// ```
+/// use palpate_geometry::surface::builtin;
+/// use palpate_modeling::merge::{MergeSpec, merge};
+/// let left = builtin("sheet", None, None)?;
+/// let mut right = left.clone();
+/// let width_m = left.point(1.0, 0.5).x - left.point(0.0, 0.5).x;
+/// right.net_mut().points_mut().iter_mut().for_each(|point| point.x += width_m);
+/// let merged = merge(&[left, right], &MergeSpec::default())?;
+/// assert!(merged.within_tolerance);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn merge(surfaces: &[Surface], spec: &MergeSpec) -> Result<Merged, MergeError> {
     match spec.method {
         Method::Exact => exact::merge(surfaces, spec),

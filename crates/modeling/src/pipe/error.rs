@@ -15,7 +15,7 @@ pub enum PipeError {
     },
     /// Coordinates whose rounding is as large as the spine.
     #[error(
-        "the spine is {size_m} m large, {distance_m} m from the origin: its digits are lost; move it nearer"
+        "the spine is {size_m} m large and {distance_m} m from the origin, which loses too many digits; move it closer"
     )]
     FarAway {
         /// Largest side of the box around the control points, m.

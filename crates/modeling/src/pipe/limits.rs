@@ -51,6 +51,19 @@ impl PipeLimits {
     ///
     /// # Errors
     /// What [`Spine::new`] refuses.
+    ///
+    /// # Examples
+    /// ```
+    /// use palpate_geometry::{basis::KnotVector, math::Point3, surface::Curve};
+    /// use palpate_modeling::pipe::PipeLimits;
+    /// // A quarter of the unit circle: a pipe around it can have a radius up to 1 m.
+    /// let points = [[1.0, 0.0], [1.0, 1.0], [0.0, 1.0]].map(|[x, y]| Point3::new(x, y, 0.0));
+    /// let weights = vec![1.0, std::f64::consts::FRAC_1_SQRT_2, 1.0];
+    /// let arc = Curve::new(KnotVector::clamped_uniform(2, 3)?, points.to_vec(), Some(weights))?;
+    /// let (r_max_m, _limit) = PipeLimits::of(&arc)?.r_max_m().unwrap();
+    /// assert!((r_max_m - 1.0).abs() < 1e-9);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     pub fn of(curve: &Curve) -> Result<Self, PipeError> {
         Ok(Self::of_spine(&Spine::new(curve)?))
     }

@@ -58,7 +58,7 @@ pub enum SweepError {
     },
     /// A tolerance that takes too many stretches.
     #[error(
-        "{stretches} stretches are {deviation_m} m off the pipe, not {tolerance_m} m; raise the tolerance"
+        "with {stretches} segments the surface still deviates by {deviation_m} m, more than {tolerance_m} m; raise the tolerance"
     )]
     Tolerance {
         /// Stretches along the spine.

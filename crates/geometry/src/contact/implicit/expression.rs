@@ -51,7 +51,7 @@ pub enum ExpressionError {
         given: usize,
     },
     /// A number that cannot be read.
-    #[error("column {column}: '{text}' is no number")]
+    #[error("column {column}: '{text}' is not a number")]
     Number {
         /// Where.
         column: usize,

@@ -159,6 +159,16 @@ impl ImplicitShape {
     ///
     /// # Errors
     /// A size out of range, or a text that is no function.
+    ///
+    /// # Examples
+    /// ```
+    /// use palpate_geometry::contact::implicit::ImplicitShape;
+    /// use palpate_geometry::math::Point3;
+    /// let text = "x^2 + y^2 + z^2 - 1".to_owned();
+    /// let ball = ImplicitShape::Expression { text }.compile()?;
+    /// assert_eq!(ball.tape().value(&Point3::new(0.0, 0.0, 2.0)), 3.0);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     pub fn compile(&self) -> Result<ImplicitTool, ImplicitError> {
         Ok(ImplicitTool {
             tape: Tape::parse(&self.text()?)?,
