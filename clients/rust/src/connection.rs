@@ -167,7 +167,7 @@ impl Palpate {
     /// Connects as a peer, without multicast.
     ///
     /// # Errors
-    /// An endpoint where nobody listens, a configuration Zenoh refuses, or an instance name that is
+    /// An endpoint without a listener, a configuration Zenoh refuses, or an instance name that is
     /// no id.
     pub fn connect(settings: &Connect) -> Result<Self, ClientError> {
         let keys = Keys::new(&settings.instance)?;
@@ -289,14 +289,14 @@ impl Palpate {
     /// What the device that holds a tool can do.
     ///
     /// # Errors
-    /// No answer: nobody told, or no such tool.
+    /// No reply: no device sent a description, or there is no such tool.
     pub fn device(&self, tool: &str) -> Result<DeviceInfo, ClientError> {
         self.query(self.keys.tool_device(tool), None, |bytes| {
             Ok(decode(bytes, "")?)
         })
     }
 
-    /// JSON about the daemon: its scene, its messages, the devices it was told of.
+    /// JSON about the daemon: its scene, its messages, the device descriptions it received.
     ///
     /// # Errors
     /// No answer.

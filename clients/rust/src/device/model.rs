@@ -181,7 +181,7 @@ impl DeviceModel {
         model.checked().map_err(|error| error.at(origin))
     }
 
-    /// What such a device tells the daemon, `delay_s` (one way) away from it.
+    /// The description that this device sends to a daemon, with a delay of `delay_s` each way.
     pub fn info(&self, delay_s: f64) -> DeviceInfo {
         DeviceInfo {
             name: self.name.clone(),

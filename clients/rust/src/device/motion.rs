@@ -225,7 +225,7 @@ pub(super) mod tests {
         clear_m: 0.01,
     };
 
-    /// Smooth enough for a hand, and the velocity told is that of the positions told.
+    /// Smooth enough for a hand, and the velocity is the derivative of the positions.
     pub(in super::super) fn check_smooth(motion: &Motion, seconds: i32) {
         let dt = 1e-3;
         let at = |k: i32| motion.goal(f64::from(k) * dt);

@@ -83,7 +83,7 @@ pub struct Sample {
     pub time_s: f64,
     /// Where it is, m.
     pub true_position: [f64; 3],
-    /// What it tells, m.
+    /// Reported position, m.
     pub reported_position: [f64; 3],
     /// Newest force received before the period, N.
     pub received_n: [f64; 3],

@@ -397,7 +397,7 @@ impl KnotVector {
         self.knots.iter().filter(|&&k| k == value).count()
     }
 
-    /// The same vector with one copy less of a knot inside the domain.
+    /// Returns this knot vector with one occurrence of an interior knot removed.
     ///
     /// # Errors
     /// No such knot strictly inside the domain, or too few control points left.

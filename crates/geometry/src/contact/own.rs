@@ -1,7 +1,7 @@
 //! A surface in contact with itself.
 //!
 //! Places that face each other are found as between two surfaces. A fold that penetrates itself and
-//! the two sides of a wall look alike there: what tells them apart is how often the surface winds
+//! the two sides of a wall look alike there: what distinguishes them is how often the surface winds
 //! around the point between them, twice or once, none in a gap. The winding number is the solid
 //! angle the surface fills, in triangles that shrink towards the point (Van Oosterom & Strackee
 //! 1983), which gives it to a small fraction of one.

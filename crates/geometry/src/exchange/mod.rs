@@ -240,7 +240,7 @@ pub fn read_surface(bytes: &[u8], format: Format, pick: Pick) -> Result<Imported
     }
 }
 
-/// Reads one surface of a file, whose format its name's ending tells.
+/// Reads one surface from a file; the file extension determines the format.
 ///
 /// # Errors
 /// A file that cannot be read, an ending that none of our formats has, or what [`read_surface`]

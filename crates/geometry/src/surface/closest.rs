@@ -54,7 +54,7 @@ pub struct ClosestPoint {
     pub normal: Vector3,
     /// |q − S|, m.
     pub distance: f64,
-    /// The same, negative on the inner side of the normal: inside, when the surface is closed.
+    /// Signed distance, m: negative on the inner side of the normal (inside a closed surface).
     pub signed_distance: f64,
 }
 

@@ -165,7 +165,7 @@ impl Surface {
         }
     }
 
-    /// The same surface with its outward side at `-(S_u × S_v)`.
+    /// Returns this surface with its outward side at `-(S_u × S_v)` if `flip` is true.
     pub fn with_flip_normal(mut self, flip: bool) -> Self {
         self.flip_normal = flip;
         self

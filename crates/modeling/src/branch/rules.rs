@@ -214,7 +214,7 @@ impl Net<'_> {
         self.at(column, t - 1) - self.at(column, t)
     }
 
-    /// The same in the middle of an arc.
+    /// The rise from inverted T to open book in the middle of an arc.
     fn rise(&self, patch: &Patch) -> Vector3 {
         self.up((patch.columns[0] + patch.columns[1]) / 2, patch.rows[1])
     }

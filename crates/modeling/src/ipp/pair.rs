@@ -11,7 +11,7 @@ use super::{Status, System, grid};
 pub struct Limits {
     /// Boxes of the search to the last digit.
     pub budget: usize,
-    /// Boxes of the coarse search that tells a curve of roots, once the budget is used up.
+    /// Boxes of the coarse search that detects a curve of roots, once the budget is used up.
     pub coarse_budget: usize,
     /// Only roots with s ≤ t: for systems that are the same when s and t are swapped.
     pub half: bool,
@@ -41,7 +41,7 @@ pub struct Root {
 pub struct Found {
     /// In ascending order of s, then t.
     pub roots: Vec<Root>,
-    /// Where roots may be that could not be told apart: points of [0, 1]², or curves of roots.
+    /// Where roots may be that could not be separated: points of [0, 1]², or curves of roots.
     pub clusters: Vec<Cluster>,
     /// What the answer rests on.
     pub status: Status,

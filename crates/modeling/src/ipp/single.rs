@@ -14,7 +14,7 @@ const CURVE: f64 = 0.05;
 /// Roots so little outside [0, 1] are on its edge.
 const EDGE: f64 = 1e-9;
 
-/// A root, or a part of [0, 1] in which roots cannot be told from rounding.
+/// A root, or a part of [0, 1] in which roots cannot be distinguished from rounding.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SingleRoot {
     /// The best parameter.

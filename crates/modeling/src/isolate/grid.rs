@@ -11,7 +11,7 @@ use palpate_geometry::surface::{Surface, Topology};
 
 /// Most corners of a mesh.
 pub(super) const MOST_CORNERS: usize = 1 << 20;
-/// Cells to a knot span, and the fewest and most in a direction, where nobody says how many.
+/// Default number of cells per knot span, and the smallest and largest number in a direction.
 const CELLS_PER_SPAN: usize = 3;
 const FEWEST_CELLS: usize = 24;
 const MOST_CELLS: usize = 96;

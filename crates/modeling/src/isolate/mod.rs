@@ -47,7 +47,7 @@ use self::steps::{Stepped, best_of_blends, stepped};
 use palpate_geometry::math::Vector3;
 use palpate_geometry::surface::Surface;
 
-/// Gap where nobody asks for one, as a share of the diagonal of the box round both bodies.
+/// Default gap, relative to the diagonal of the box around both bodies.
 const USUAL_GAP: f64 = 1e-3;
 /// Least gap, as a share of the same: below it the digits of a translation end.
 const LEAST_GAP: f64 = 1e-9;

@@ -193,7 +193,7 @@ fn combine(
     sum
 }
 
-/// The same knots over [0, 1].
+/// Returns these knots mapped to [0, 1].
 pub(super) fn normalised(knots: &KnotVector) -> KnotVector {
     let ((start, end), length) = (knots.domain(), knots.length());
     // Both ends come out exactly: (end − start) / length is 1.

@@ -41,7 +41,7 @@ pub struct StationaryPair {
     pub kind: PairKind,
 }
 
-/// A region where stationary pairs are not told apart: a curve of them, or some too close to each
+/// A region whose stationary pairs cannot be separated: a curve of them, or some too close to each
 /// other.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Unresolved {
@@ -66,7 +66,7 @@ pub struct BodyToBody {
     pub radius_m: Option<f64>,
     /// All stationary pairs that are proved, in ascending order of parameters.
     pub pairs: Vec<StationaryPair>,
-    /// What could not be told apart.
+    /// Regions whose pairs could not be separated.
     pub unresolved: Vec<Unresolved>,
     /// What the answer rests on.
     pub status: Status,

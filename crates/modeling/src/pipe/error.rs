@@ -2,7 +2,7 @@
 
 use palpate_geometry::basis::KnotError;
 
-/// What is wrong with a spine, where, and how to mend it.
+/// What is wrong with a spine, where, and how to fix it.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum PipeError {
     /// No extent, or one that overflows.

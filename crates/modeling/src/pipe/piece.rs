@@ -119,7 +119,7 @@ impl Piece {
         )
     }
 
-    /// The same part of the spine backwards: from `end` to `start`.
+    /// Returns this piece reversed: from `end` to `start`.
     pub fn reversed(&self) -> Self {
         let mut other = self.clone();
         other.points.reverse();

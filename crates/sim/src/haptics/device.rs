@@ -1,4 +1,4 @@
-//! What a device tells us.
+//! The pose of a device.
 
 use palpate_geometry::math::{Point3, Rotation, Vector3};
 

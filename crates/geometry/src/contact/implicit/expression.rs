@@ -26,7 +26,7 @@ pub enum ExpressionError {
         /// What could be.
         expected: &'static str,
     },
-    /// A name nobody knows.
+    /// An unknown name.
     #[error(
         "column {column}: '{name}' is unknown{hint}; there are x, y, z (m), pi and the functions {FUNCTIONS}"
     )]

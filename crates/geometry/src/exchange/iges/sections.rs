@@ -239,7 +239,7 @@ fn whole(field: &[u8]) -> Option<u64> {
     std::str::from_utf8(field).ok()?.trim().parse().ok()
 }
 
-/// The same, blanks being 0. Negative numbers (pointers to properties) are none that matter here.
+/// Reads a whole number, a blank field as 0. Negative numbers (pointers to properties) give `None`.
 fn whole_or_zero(field: &[u8]) -> Option<u64> {
     let text = std::str::from_utf8(field).ok()?.trim();
     if text.is_empty() || text.starts_with('-') {

@@ -16,7 +16,7 @@ const MERIDIANS: usize = 4;
 const COLLAPSED: f64 = 1e-24;
 /// Points looked at between two places: these twelfths of the way, far ones first.
 const WAY: [f64; 11] = [6.0, 3.0, 9.0, 1.0, 11.0, 2.0, 10.0, 4.0, 8.0, 5.0, 7.0];
-/// Slopes are told from rounding when they are this many times larger, which is 1e-7 of the size
+/// Slopes count as larger than rounding when they exceed it by this factor, which is 1e-7 of the size
 /// for a squared distance and 1e-7 for a height; a neighbouring part then sees the same sign.
 pub(super) const STEEP: f64 = 1e8;
 

@@ -395,7 +395,7 @@ fn slides_out(
     })
 }
 
-/// The same code with wider registers: plain sums in the same order, so the same bits.
+/// AVX2 build of the baseline function: sums in the same order, hence identical bits.
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2")]
 fn search_wide<O: Objective>(

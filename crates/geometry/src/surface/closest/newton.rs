@@ -182,7 +182,7 @@ pub(super) fn descend_between<E: Evaluate, O: Smooth>(
     descend_in(eval, objective, start, low, high)
 }
 
-/// The same code with wider registers: plain sums in the same order, so the same bits.
+/// AVX2 build of the baseline function: sums in the same order, hence identical bits.
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2")]
 fn descend_wide<E: Evaluate, O: Smooth>(

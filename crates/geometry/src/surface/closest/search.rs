@@ -94,7 +94,7 @@ impl Part {
     }
 }
 
-/// What looking at a part's coefficients told.
+/// What the coefficients of a part show.
 enum Finding {
     Clear,
     Below(f64, f64),
@@ -108,7 +108,7 @@ pub(super) struct Search {
     stride: usize,
     /// (DEPTH × stride): A of each open part.
     pub a: Vec<f64>,
-    /// The same for W, when rational.
+    /// Coefficients of W of a rational surface.
     pub w: Vec<f64>,
     /// (stride): A − β W.
     pub g: Vec<f64>,
@@ -340,7 +340,7 @@ impl Search {
     }
 }
 
-/// The same code with wider registers: plain sums in the same order, so the same bits.
+/// AVX2 build of the baseline function: sums in the same order, hence identical bits.
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2")]
 fn certify_wide<O: Objective>(

@@ -77,7 +77,7 @@ pub(super) fn certificate(
     certificate_in(search, pieces, surface, tables, objective, size_m, best)
 }
 
-/// The same code with wider registers: plain sums in the same order, so the same bits.
+/// AVX2 build of the baseline function: sums in the same order, hence identical bits.
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2")]
 fn certificate_wide(

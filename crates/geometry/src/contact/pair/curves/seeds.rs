@@ -51,7 +51,7 @@ struct Points {
     /// First point of each cell.
     first: Vec<usize>,
     all: Vec<[f64; 4]>,
-    /// The same, projected.
+    /// The points of `all`, projected.
     flat: Vec<[f64; 3]>,
     size: usize,
 }
