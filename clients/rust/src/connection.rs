@@ -58,9 +58,9 @@ pub enum ClientError {
     /// A query went unanswered.
     #[error("no answer to {key} within {timeout:?}: is instance {instance:?} served there?")]
     NoAnswer {
-        /// Key.
+        /// Key expression.
         key: String,
-        /// Instance.
+        /// Name of the instance.
         instance: String,
         /// How long we waited.
         timeout: Duration,
@@ -87,7 +87,7 @@ pub enum ClientError {
     /// The daemon refused a command.
     #[error("{method} was refused: {reason}")]
     Refused {
-        /// Method.
+        /// Name of the method.
         method: String,
         /// Its words.
         reason: String,

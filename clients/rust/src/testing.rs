@@ -33,7 +33,7 @@ pub enum TestError {
     Io {
         /// What was tried.
         what: String,
-        /// Cause.
+        /// The underlying error.
         source: std::io::Error,
     },
     /// The daemon ended by itself.
@@ -52,7 +52,7 @@ pub enum TestError {
         "no force for pose {seq} after {timeout:?}: in lockstep a tick waits for a pose of every tool of the scene"
     )]
     NoForce {
-        /// Pose.
+        /// Sequence number of the pose.
         seq: u64,
         /// How long the test waited.
         timeout: Duration,

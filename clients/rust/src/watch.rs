@@ -9,11 +9,11 @@ use zenoh::query::ConsolidationMode;
 /// A message as it came.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Seen {
-    /// Key.
+    /// Key expression.
     pub key: String,
     /// Its encoding, as Zenoh writes it.
     pub encoding: String,
-    /// Payload.
+    /// Payload of the message.
     pub bytes: Vec<u8>,
 }
 

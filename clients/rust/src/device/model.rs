@@ -78,7 +78,7 @@ pub enum DeviceError {
     Figure {
         /// Name of the device, the hand or the network.
         what: String,
-        /// Field.
+        /// Name of the field.
         field: &'static str,
         /// As given.
         value: f64,

@@ -45,7 +45,7 @@ pub enum MotionError {
         entry: &'static str,
         /// Counted from 1.
         index: usize,
-        /// Field.
+        /// Name of the field.
         field: &'static str,
         /// As given.
         value: f64,
@@ -153,9 +153,9 @@ impl Kind {
 pub enum Motion {
     /// One thing over and over.
     Named {
-        /// What.
+        /// Kind of motion.
         kind: Kind,
-        /// Where.
+        /// Where the motion is aimed.
         target: Target,
         /// Past the first touch, m.
         depth_m: f64,

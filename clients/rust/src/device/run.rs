@@ -56,7 +56,7 @@ pub struct RunReport {
 pub struct RunSettings {
     /// Poses a second.
     pub rate_hz: f64,
-    /// s.
+    /// Duration, s.
     pub duration_s: f64,
     /// What lies between device and daemon, besides the real one: this each way.
     pub network: Network,

@@ -46,7 +46,7 @@ pub enum KnotError {
     Count {
         /// Given number.
         given: usize,
-        /// Degree.
+        /// Polynomial degree.
         degree: usize,
         /// Control points.
         count: usize,
@@ -58,23 +58,23 @@ pub enum KnotError {
     TooFew {
         /// Control points.
         count: usize,
-        /// Degree.
+        /// Polynomial degree.
         degree: usize,
     },
     /// A knot that is not finite.
     #[error("knot {index} is {value}, not a finite number")]
     NotFinite {
-        /// Where.
+        /// Index in the list.
         index: usize,
-        /// What.
+        /// The value given.
         value: f64,
     },
     /// A knot smaller than the one before it.
     #[error("knot {index} ({value}) is smaller than the one before it ({previous})")]
     Decreasing {
-        /// Where.
+        /// Index in the list.
         index: usize,
-        /// What.
+        /// The value given.
         value: f64,
         /// The one before.
         previous: f64,
@@ -82,19 +82,19 @@ pub enum KnotError {
     /// A knot repeated more than degree + 1 times.
     #[error("knot {value} is repeated {multiplicity} times; degree {degree} allows {}", degree + 1)]
     Multiplicity {
-        /// Value.
+        /// The value given.
         value: f64,
         /// How often.
         multiplicity: usize,
-        /// Degree.
+        /// Polynomial degree.
         degree: usize,
     },
     /// A knot so large that differences overflow.
     #[error("knot {index} is {value:e}; knots stay within ±{MAX_KNOT:e}")]
     Large {
-        /// Where.
+        /// Index in the list.
         index: usize,
-        /// What.
+        /// The value given.
         value: f64,
     },
     /// A span so short that its inverse square overflows.
@@ -111,7 +111,7 @@ pub enum KnotError {
     /// A parameter outside a domain that does not wrap.
     #[error("{value} is outside the domain {start} ..= {end}")]
     Outside {
-        /// Value.
+        /// The value given.
         value: f64,
         /// First parameter.
         start: f64,
@@ -267,7 +267,7 @@ impl KnotVector {
         )
     }
 
-    /// Degree.
+    /// Polynomial degree.
     pub fn degree(&self) -> usize {
         self.degree
     }

@@ -25,7 +25,7 @@ pub enum MeshError {
     /// A triangle with a corner that does not exist.
     #[error("triangle {triangle} has corner {corner}, the mesh has {count}")]
     Corner {
-        /// Triangle.
+        /// Index of the triangle.
         triangle: usize,
         /// Its corner.
         corner: u32,
@@ -43,9 +43,9 @@ pub enum MeshError {
     /// A coordinate that is not finite, or too large for the format.
     #[error("corner {corner} has coordinate {value}, not a finite number in single precision")]
     Coordinate {
-        /// Corner.
+        /// Index of the corner.
         corner: usize,
-        /// Value.
+        /// The value given.
         value: f64,
     },
     /// More than the format's counters hold.
@@ -53,7 +53,7 @@ pub enum MeshError {
     Many {
         /// What there is too much of.
         what: &'static str,
-        /// Number.
+        /// Number given.
         count: usize,
     },
     /// A binary file whose length is not that of its triangles.

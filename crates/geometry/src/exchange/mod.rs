@@ -59,9 +59,9 @@ pub enum Format {
     Step,
     /// IGES 5.3.
     Iges,
-    /// Triangles.
+    /// STL triangles.
     Stl,
-    /// Wavefront.
+    /// Wavefront OBJ triangles.
     Obj,
     /// glTF 2.0, binary.
     Glb,
@@ -169,7 +169,7 @@ pub enum ExchangeError {
     File {
         /// The file.
         path: PathBuf,
-        /// Why.
+        /// The underlying error.
         source: std::io::Error,
     },
     /// A `palpate.surface.v1` document.
@@ -178,7 +178,7 @@ pub enum ExchangeError {
     /// A text format with bytes that are no text.
     #[error("byte {at} is not UTF-8 text")]
     Text {
-        /// Where.
+        /// Offset of the byte.
         at: usize,
     },
     /// A STEP file.

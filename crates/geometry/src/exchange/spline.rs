@@ -20,7 +20,7 @@ pub enum SplineError {
         direction: char,
         /// Knots of the file, with multiplicities.
         given: u64,
-        /// Degree.
+        /// Polynomial degree.
         degree: usize,
         /// Control points in this direction.
         count: usize,
@@ -30,9 +30,9 @@ pub enum SplineError {
     Multiplicities {
         /// `u` or `v`.
         direction: char,
-        /// Knots.
+        /// Number of knots given.
         knots: usize,
-        /// Multiplicities.
+        /// Number of multiplicities given.
         multiplicities: usize,
     },
     /// A surface in several pieces, which other systems do not take.
@@ -43,7 +43,7 @@ pub enum SplineError {
     Disjoined {
         /// `u` or `v`.
         direction: char,
-        /// Where.
+        /// Knot value.
         knot: f64,
     },
     /// Values that make no surface.

@@ -41,9 +41,9 @@ pub enum StateError {
     /// A value that this scene cannot hold.
     #[error("the saved state holds an impossible {what}: {value}")]
     Value {
-        /// Which.
+        /// Name of the quantity.
         what: &'static str,
-        /// Value.
+        /// The value given.
         value: u64,
     },
 }
@@ -85,9 +85,9 @@ pub fn state_hash(state: &impl Stateful) -> u64 {
 /// A saved state: integers and floats apart, each in order.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct SavedState {
-    /// Integers.
+    /// Integer values.
     pub words: Vec<u64>,
-    /// Floats.
+    /// Floating-point values.
     pub floats: Vec<f64>,
 }
 

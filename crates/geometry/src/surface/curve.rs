@@ -27,21 +27,21 @@ pub enum CurveError {
     /// One weight a point.
     #[error("{weights} weights for {points} control points")]
     WeightCount {
-        /// Weights.
+        /// Number of weights given.
         weights: usize,
-        /// Points.
+        /// Number of points given.
         points: usize,
     },
     /// A coordinate that is not finite.
     #[error("control point {index} is not finite")]
     NotFinite {
-        /// Which.
+        /// Index in the list.
         index: usize,
     },
     /// A weight that is zero, negative or not finite.
     #[error("weight {index} is {value}; weights are finite and above 0")]
     Weight {
-        /// Which.
+        /// Index in the list.
         index: usize,
         /// As given.
         value: f64,
@@ -116,7 +116,7 @@ impl Curve {
         }
     }
 
-    /// Knots.
+    /// The knot vector.
     pub fn knots(&self) -> &KnotVector {
         &self.knots
     }

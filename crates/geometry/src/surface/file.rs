@@ -111,7 +111,7 @@ pub enum FileError {
         direction: char,
         /// Knots of the file.
         given: usize,
-        /// Degree.
+        /// Polynomial degree.
         degree: usize,
         /// Control points in this direction.
         count: usize,

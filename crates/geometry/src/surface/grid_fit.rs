@@ -44,17 +44,17 @@ pub enum FitError {
     Count {
         /// Points given.
         given: usize,
-        /// Rows.
+        /// Number of rows.
         rows: usize,
-        /// Columns.
+        /// Number of columns.
         columns: usize,
     },
     /// A coordinate that is not finite.
     #[error("point {index} has coordinate {value}, not a finite number")]
     NotFinite {
-        /// Which.
+        /// Index in the list.
         index: usize,
-        /// What.
+        /// The value given.
         value: f64,
     },
     /// More unknowns than the points tell.
@@ -62,7 +62,7 @@ pub enum FitError {
     TooFew {
         /// `u` or `v`, or `all` of a cloud.
         direction: &'static str,
-        /// Points.
+        /// Number of points given.
         points: usize,
         /// Control points.
         count: usize,

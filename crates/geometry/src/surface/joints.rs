@@ -38,7 +38,7 @@ pub struct Patch {
 /// A direction between two such knots.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Strip {
-    /// Parameters.
+    /// Range of parameters.
     pub range: [f64; 2],
     /// Among the spans of positive length.
     pub spans: Range<usize>,

@@ -58,17 +58,17 @@ pub enum SurfaceError {
 /// parameter.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Frame {
-    /// S.
+    /// Point S(u, v), m.
     pub point: Point3,
-    /// S_u.
+    /// First derivative S_u.
     pub du: Vector3,
-    /// S_v.
+    /// First derivative S_v.
     pub dv: Vector3,
-    /// S_uu.
+    /// Second derivative S_uu.
     pub duu: Vector3,
-    /// S_uv.
+    /// Mixed derivative S_uv.
     pub duv: Vector3,
-    /// S_vv.
+    /// Second derivative S_vv.
     pub dvv: Vector3,
 }
 

@@ -86,7 +86,7 @@ pub enum BranchError {
         /// What to change.
         mend: &'static str,
     },
-    /// Knots.
+    /// The knots are invalid.
     #[error(transparent)]
     Knots(#[from] KnotError),
     /// The net: coordinates that are not finite.

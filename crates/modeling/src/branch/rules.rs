@@ -12,7 +12,7 @@ use serde::Serialize;
 /// A rule that a net breaks.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Broken {
-    /// Which.
+    /// The rule that is broken.
     pub rule: Rule,
     /// Tube, joint or arc, and row of the net (v), or columns (u).
     pub place: String,

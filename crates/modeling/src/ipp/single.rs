@@ -30,7 +30,7 @@ pub struct SingleRoot {
 /// All roots.
 #[derive(Clone, Debug, Default)]
 pub struct SingleSolution {
-    /// Ascending.
+    /// All roots, in ascending order.
     pub roots: Vec<SingleRoot>,
     /// What the answer rests on.
     pub status: Status,

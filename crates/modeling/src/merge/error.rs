@@ -19,9 +19,9 @@ pub enum MergeError {
     Arrangement {
         /// Patches given.
         given: usize,
-        /// Rows.
+        /// Number of rows.
         rows: usize,
-        /// Columns.
+        /// Number of columns.
         columns: usize,
     },
     /// More than two patches and no grid.
@@ -126,15 +126,15 @@ pub enum MergeError {
     Points {
         /// Asked for.
         given: usize,
-        /// Least.
+        /// Smallest possible number.
         least: usize,
-        /// Most.
+        /// Largest possible number.
         most: usize,
     },
     /// A number of the request that makes no sense.
     #[error("{name} is {value}; {wanted}")]
     Value {
-        /// Which.
+        /// Name of the quantity.
         name: &'static str,
         /// What it is.
         value: f64,

@@ -91,7 +91,7 @@ pub struct Hidden {
 pub struct MergeSpec {
     /// c of the C^c at the seams; below the merged degree.
     pub continuity: usize,
-    /// How.
+    /// Method to use.
     pub method: Method,
     /// Degree, where those of the patches differ.
     pub degree: DegreeRule,

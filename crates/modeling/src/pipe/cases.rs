@@ -12,7 +12,7 @@ use palpate_geometry::surface::Curve;
 #[derive(Clone, Debug, serde::Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Case {
-    /// Name.
+    /// Name of the case.
     pub name: String,
     degree: usize,
     knots: Vec<f64>,

@@ -29,7 +29,7 @@ pub enum LocalKind {
 pub struct Local {
     /// 1 / κ_max, m; `None` for a straight spine.
     pub radius_m: Option<f64>,
-    /// Where.
+    /// Where the bound is attained.
     pub witness: Option<LocalWitness>,
     /// What the answer rests on.
     pub status: Status,
@@ -38,7 +38,7 @@ pub struct Local {
 /// Where the spine bends most.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LocalWitness {
-    /// Parameter.
+    /// Parameter on the curve.
     pub parameter: f64,
     /// The point, m.
     pub point: Point3,

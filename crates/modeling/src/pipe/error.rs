@@ -37,7 +37,7 @@ pub enum PipeError {
         "the spine jumps by {gap_m} m at parameter {parameter}; a pipe needs a connected spine"
     )]
     Disjoined {
-        /// Where.
+        /// Parameter on the spine.
         parameter: f64,
         /// How far, m.
         gap_m: f64,
@@ -47,7 +47,7 @@ pub enum PipeError {
         "the derivative vanishes at parameter {parameter}: no tangent there; move apart the control points that meet"
     )]
     NotRegular {
-        /// Where.
+        /// Parameter on the spine.
         parameter: f64,
     },
     /// Weights of which some span lost all digits.

@@ -51,7 +51,7 @@ pub enum SweepError {
         "the spine turns by {turn_deg}° at parameter {parameter}; round the corner before sweeping"
     )]
     Corner {
-        /// Where.
+        /// Parameter on the spine.
         parameter: f64,
         /// How far, degrees.
         turn_deg: f64,

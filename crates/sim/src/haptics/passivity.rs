@@ -19,18 +19,18 @@ const REACH_M: f64 = 0.05;
 /// Force and torque.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Wrench {
-    /// N.
+    /// Force, N.
     pub force_n: Vector3,
-    /// N·m.
+    /// Torque, N·m.
     pub torque_nm: Vector3,
 }
 
 /// Motion of a device within a tick.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Motion {
-    /// m.
+    /// Displacement, m.
     pub moved: Vector3,
-    /// rad.
+    /// Rotation vector, rad.
     pub turned: Vector3,
 }
 

@@ -19,7 +19,7 @@ pub enum ExpressionError {
     /// Something else was expected.
     #[error("column {column}: found {found}, expected {expected}")]
     Unexpected {
-        /// Where.
+        /// Column in the text.
         column: usize,
         /// What is there.
         found: String,
@@ -31,7 +31,7 @@ pub enum ExpressionError {
         "column {column}: '{name}' is unknown{hint}; there are x, y, z (m), pi and the functions {FUNCTIONS}"
     )]
     Name {
-        /// Where.
+        /// Column in the text.
         column: usize,
         /// The name.
         name: String,
@@ -53,7 +53,7 @@ pub enum ExpressionError {
     /// A number that cannot be read.
     #[error("column {column}: '{text}' is not a number")]
     Number {
-        /// Where.
+        /// Column in the text.
         column: usize,
         /// What is there.
         text: String,

@@ -50,7 +50,7 @@ impl Interval {
         self.low <= x && x <= self.high
     }
 
-    /// |x|.
+    /// Absolute value |x|.
     fn abs(self) -> Self {
         let (a, b) = (self.low.abs(), self.high.abs());
         Self {

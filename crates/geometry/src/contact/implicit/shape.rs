@@ -10,12 +10,12 @@ use crate::math::{Point3, Pose, Vector3};
 pub enum ImplicitShape {
     /// A ball.
     Sphere {
-        /// m.
+        /// Radius, m.
         radius_m: f64,
     },
     /// A round bar, from −half_length to +half_length, or without end.
     Cylinder {
-        /// m.
+        /// Radius, m.
         radius_m: f64,
         /// Half the length, m; `None`: infinite.
         half_length_m: Option<f64>,
@@ -57,7 +57,7 @@ pub enum ImplicitError {
     /// A length or angle out of range.
     #[error("{name} is {value}; it must be {allowed}")]
     Size {
-        /// Which.
+        /// Name of the quantity.
         name: &'static str,
         /// Its value.
         value: f64,

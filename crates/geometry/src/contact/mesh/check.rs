@@ -60,15 +60,15 @@ pub enum MeshError {
     /// No volume.
     #[error("the mesh encloses {volume_m3} m³, nothing for its size of {size_m} m")]
     Flat {
-        /// m³.
+        /// Enclosed volume, m³.
         volume_m3: f64,
-        /// m.
+        /// Size, m.
         size_m: f64,
     },
     /// What the distance queries cannot take.
     #[error("the mesh is refused: {reason}")]
     Refused {
-        /// Why.
+        /// Explanation.
         reason: String,
     },
 }

@@ -6,7 +6,7 @@
 
 use crate::math::{Point3, Vector3};
 
-/// Corners.
+/// Corners of a triangle.
 pub(super) type Triangle = [Point3; 3];
 
 /// Corners of the two triangles of a cell, among its four in order round it: split along the

@@ -25,9 +25,9 @@ pub(crate) struct Foot {
 /// Where a descent over a surface ended.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Bottom {
-    /// Parameter.
+    /// Parameter u.
     pub u: f64,
-    /// Parameter.
+    /// Parameter v.
     pub v: f64,
     /// Derivatives there.
     pub frame: Frame,

@@ -163,12 +163,12 @@ impl Continuum {
         })
     }
 
-    /// Nodes.
+    /// Number of nodes.
     pub fn node_count(&self) -> usize {
         self.rest.len()
     }
 
-    /// Cells.
+    /// Number of cells.
     pub fn cell_count(&self) -> usize {
         self.cells.len()
     }
