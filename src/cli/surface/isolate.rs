@@ -7,7 +7,8 @@ use palpate_geometry::math::Vector3;
 use palpate_geometry::surface::Surface;
 use palpate_geometry::surface::file::Unit;
 use palpate_modeling::isolate::{
-    IsolateSpec, Isolated, IsolatedAll, Method, Move, Resolution, Status, isolate, isolate_all,
+    IsolateMethod, IsolateSpec, IsolateStatus, Isolated, IsolatedAll, Move, Resolution, isolate,
+    isolate_all,
 };
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
@@ -29,7 +30,7 @@ pub struct Args {
     /// of mass, 6 mean of 4 and 5, 7 best of five blends of 4 and 5; local: nearest local minimum;
     /// global: shortest of several; thorough: as global, with a longer search.
     #[arg(long, default_value = "global", value_parser = method)]
-    method: Method,
+    method: IsolateMethod,
     /// Gap to leave, in the unit of the file [default: a thousandth of the diagonal of the box
     /// around both].
     #[arg(long, value_name = "EPS", allow_negative_numbers = true)]
@@ -56,8 +57,8 @@ pub struct Args {
     json: bool,
 }
 
-fn method(text: &str) -> Result<Method, String> {
-    Method::of(text).ok_or_else(|| {
+fn method(text: &str) -> Result<IsolateMethod, String> {
+    IsolateMethod::of(text).ok_or_else(|| {
         format!("{text:?} is not a valid method; use 1 to 7, local, global or thorough")
     })
 }
@@ -209,9 +210,9 @@ fn all(args: &Args, format: Option<Format>, bodies: &[Loaded]) -> anyhow::Result
 
 fn report(answer: &Isolated, per_metre: f64) -> Value {
     let (status, reason) = match answer.status {
-        Status::Apart => ("apart", None),
-        Status::Isolated => ("isolated", None),
-        Status::Failed(reason) => ("failed", Some(reason.to_string())),
+        IsolateStatus::Apart => ("apart", None),
+        IsolateStatus::Isolated => ("isolated", None),
+        IsolateStatus::Failed(reason) => ("failed", Some(reason.to_string())),
     };
     json!({
         "status": status, "reason": reason,
@@ -233,9 +234,9 @@ fn sentence(answer: &Isolated, moving: &Loaded) -> String {
         format!("; method global, because {reason}")
     });
     match answer.status {
-        Status::Apart => format!("apart already: gap {gap} {unit}"),
-        Status::Failed(reason) => format!("not isolated: {reason}"),
-        Status::Isolated => format!(
+        IsolateStatus::Apart => format!("apart already: gap {gap} {unit}"),
+        IsolateStatus::Failed(reason) => format!("not isolated: {reason}"),
+        IsolateStatus::Isolated => format!(
             "move by {x} {y} {z} {unit}: length {}, gap {gap}, turn {}, {} steps, {} regions{instead}",
             answer.translation_m.norm() * moving.per_metre,
             answer
@@ -298,7 +299,7 @@ mod tests {
         assert_eq!(resolution("auto"), Ok(Resolution::Usual));
         assert_eq!(resolution("36x21"), Ok(Resolution::Cells([36, 21])));
         assert!(resolution("36").is_err() && resolution("x").is_err());
-        for known in Method::ALL {
+        for known in IsolateMethod::ALL {
             assert_eq!(method(known.name()), Ok(known));
         }
         assert!(method("8").is_err());

@@ -7,7 +7,8 @@ use palpate_geometry::surface::file::Unit;
 use palpate_geometry::surface::{Direction, Surface};
 use palpate_modeling::merge::cases::cases;
 use palpate_modeling::merge::{
-    Arrangement, Continuity, DegreeRule, Edge, Hidden, MergeSpec, Merged, Method, Report, merge,
+    Arrangement, Continuity, DegreeRule, Edge, Hidden, MergeMethod, MergeSpec, Merged, Report,
+    merge,
 };
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
@@ -137,9 +138,9 @@ impl Args {
         MergeSpec {
             continuity: self.continuity,
             method: match self.method {
-                MethodName::Seed => Method::Seed,
-                MethodName::Constrained => Method::Constrained,
-                MethodName::Exact => Method::Exact,
+                MethodName::Seed => MergeMethod::Seed,
+                MethodName::Constrained => MergeMethod::Constrained,
+                MethodName::Exact => MergeMethod::Exact,
             },
             degree: match self.degree {
                 DegreeName::Raise => DegreeRule::Raise,
@@ -269,7 +270,10 @@ fn all_cases(json: bool) -> Outcome {
     let mut rows = Vec::new();
     for case in cases() {
         for continuity in [2, 0] {
-            for (name, method) in [("seed", Method::Seed), ("constrained", Method::Constrained)] {
+            for (name, method) in [
+                ("seed", MergeMethod::Seed),
+                ("constrained", MergeMethod::Constrained),
+            ] {
                 let spec = MergeSpec {
                     continuity,
                     method,

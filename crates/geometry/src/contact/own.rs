@@ -42,13 +42,13 @@ pub struct SelfSolver {
     cones: Vec<Cone>,
     /// Cells of pairs of pieces that come near and may face, as pairs.
     near: Vec<(u32, u32)>,
-    stack: Vec<Patch>,
+    stack: Vec<OwnPatch>,
     walls: Vec<Point3>,
 }
 
 /// A part of the surface as the winding number sees it.
 #[derive(Clone, Copy, Debug)]
-struct Patch {
+struct OwnPatch {
     /// u from, u to, v from, v to.
     range: [f64; 4],
     level: u32,
@@ -307,12 +307,12 @@ impl SelfSolver {
                 continue;
             }
             self.stack.clear();
-            self.stack.push(Patch {
+            self.stack.push(OwnPatch {
                 range: [u0, u1, v0, v1],
                 level: 0,
                 corners,
             });
-            while let Some(Patch {
+            while let Some(OwnPatch {
                 range: [u0, u1, v0, v1],
                 level,
                 corners,
@@ -336,7 +336,7 @@ impl SelfSolver {
                         ([um, u1, vm, v1], [middle, bc, c, cd]),
                         ([u0, um, vm, v1], [da, middle, cd, d]),
                     ];
-                    self.stack.extend(parts.map(|(range, corners)| Patch {
+                    self.stack.extend(parts.map(|(range, corners)| OwnPatch {
                         range,
                         level,
                         corners,

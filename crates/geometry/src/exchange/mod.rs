@@ -39,7 +39,7 @@ mod units;
 mod testing;
 
 pub use iges::IgesError;
-pub use mesh::MeshError;
+pub use mesh::MeshFileError;
 pub use spline::SplineError;
 pub use step::StepError;
 pub use units::LengthUnit;
@@ -189,7 +189,7 @@ pub enum ExchangeError {
     Iges(#[from] IgesError),
     /// A mesh or a point cloud.
     #[error(transparent)]
-    Mesh(#[from] MeshError),
+    Mesh(#[from] MeshFileError),
     /// A format that is for other things.
     #[error("{} is not a format to {verb} {what}; use {instead}", format.name())]
     Kind {
@@ -414,7 +414,7 @@ mod tests {
         ));
         assert!(matches!(
             write_mesh(&mesh, Format::Glb, Unit::Metre),
-            Err(ExchangeError::Mesh(MeshError::Empty(_)))
+            Err(ExchangeError::Mesh(MeshFileError::Empty(_)))
         ));
         assert!(matches!(
             read_points(b"", Format::Glb, Unit::Metre),

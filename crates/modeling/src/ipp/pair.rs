@@ -88,7 +88,7 @@ pub struct PairSolver {
 
 /// What a search leaves.
 #[derive(Default)]
-struct Search {
+struct PairSearch {
     roots: Vec<Root>,
     pending: Vec<Area>,
     boxes: usize,
@@ -119,8 +119,8 @@ impl PairSolver {
     }
 
     /// Depth first, so that the coefficients of waiting boxes are a stack too.
-    fn search(&mut self, system: &System, half: bool, narrowest: f64, budget: usize) -> Search {
-        let mut search = Search::default();
+    fn search(&mut self, system: &System, half: bool, narrowest: f64, budget: usize) -> PairSearch {
+        let mut search = PairSearch::default();
         self.stack.clear();
         self.coefficients.clear();
         self.push(
@@ -170,7 +170,7 @@ impl PairSolver {
         area: Area,
         noise: [f64; 2],
         narrowest: f64,
-        search: &mut Search,
+        search: &mut PairSearch,
     ) {
         let local = Local {
             degree,
@@ -302,7 +302,7 @@ impl PairSolver {
     }
 
     /// Verifies what is pending, this time with room around it, and puts everything in order.
-    fn settled(&mut self, system: &System, search: Search, limits: &Limits) -> Found {
+    fn settled(&mut self, system: &System, search: PairSearch, limits: &Limits) -> Found {
         let mut found = Found {
             roots: search.roots,
             boxes: search.boxes,

@@ -18,7 +18,7 @@ const MOST_CELLS: usize = 96;
 
 /// Corners and triangles, counter-clockwise seen from outside.
 #[derive(Clone, Debug)]
-pub(super) struct Grid {
+pub(super) struct CellGrid {
     pub points: Vec<Vector3>,
     pub triangles: Vec<[u32; 3]>,
 }
@@ -29,7 +29,7 @@ pub(super) fn usual_cells(surface: &Surface) -> [usize; 2] {
         .map(|knots| (CELLS_PER_SPAN * knots.spans().count()).clamp(FEWEST_CELLS, MOST_CELLS))
 }
 
-impl Grid {
+impl CellGrid {
     /// A closed surface over `cells` in u and v.
     ///
     /// # Errors

@@ -48,6 +48,18 @@ pub enum MergeError {
         /// Which control point, u-major.
         index: usize,
     },
+    /// Knot spans of very different lengths.
+    #[error(
+        "the knots of patch {patch} in {direction} cannot be scaled to [0, 1]: {source}; remove or move the knots of its shortest span"
+    )]
+    Spans {
+        /// Which patch.
+        patch: usize,
+        /// `u` or `v` of the patch.
+        direction: char,
+        /// What is wrong with the scaled knots.
+        source: KnotError,
+    },
     /// The continuity is not below the degree.
     #[error("C{continuity} needs a degree above {continuity}, the merged degree is {degree} in {direction}: raise it first, or ask for C{}", degree - 1)]
     Continuity {

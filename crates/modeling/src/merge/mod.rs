@@ -41,7 +41,7 @@ pub use error::MergeError;
 pub use layout::{Layout, Placed};
 pub use plan::{BlockRows, MergePlan};
 pub use report::{CLOSE_M, Continuity, Deviation, Report};
-pub use spec::{Arrangement, DegreeRule, Edge, Hidden, MergeSpec, Method};
+pub use spec::{Arrangement, DegreeRule, Edge, Hidden, MergeMethod, MergeSpec};
 pub use turn::Turn;
 
 use palpate_geometry::surface::{Direction, Surface};
@@ -92,11 +92,11 @@ pub struct Merged {
 /// ```
 pub fn merge(surfaces: &[Surface], spec: &MergeSpec) -> Result<Merged, MergeError> {
     match spec.method {
-        Method::Exact => exact::merge(surfaces, spec),
-        Method::Seed | Method::Constrained => {
+        MergeMethod::Exact => exact::merge(surfaces, spec),
+        MergeMethod::Seed | MergeMethod::Constrained => {
             let job = build::Job::new(surfaces, spec)?;
             match spec.tolerance_m {
-                Some(tolerance_m) if spec.method == Method::Constrained => {
+                Some(tolerance_m) if spec.method == MergeMethod::Constrained => {
                     tolerance::merge(surfaces, job, tolerance_m)
                 }
                 _ => job.merged(),

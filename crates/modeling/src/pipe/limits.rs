@@ -1,6 +1,6 @@
 //! The largest radius and what limits it.
 
-use super::{BodyToBody, EndToEnd, EndsToBody, Local, PipeError, Spine};
+use super::{BodyToBody, EndToEnd, EndsToBody, LocalCurvature, PipeError, Spine};
 use super::{body_to_body, end_to_end, ends_to_body, largest_curvature};
 use crate::ipp::Status;
 use palpate_geometry::surface::Curve;
@@ -10,7 +10,7 @@ use palpate_geometry::surface::Curve;
 pub enum Limit {
     /// 1 / κ_max.
     #[serde(rename = "local")]
-    Local,
+    LocalCurvature,
     /// Body to body.
     #[serde(rename = "bb")]
     BodyToBody,
@@ -36,8 +36,8 @@ pub enum Answer {
 /// All bounds of the radius of a pipe.
 #[derive(Clone, Debug)]
 pub struct PipeLimits {
-    /// Local self-intersection.
-    pub local: Local,
+    /// LocalCurvature self-intersection.
+    pub local: LocalCurvature,
     /// Body to body.
     pub body: BodyToBody,
     /// End circle to end circle; `None` where they never touch.
@@ -81,7 +81,7 @@ impl PipeLimits {
     /// The four bounds, m; `None` where there is none.
     pub fn bounds_m(&self) -> [(Limit, Option<f64>); 4] {
         [
-            (Limit::Local, self.local.radius_m),
+            (Limit::LocalCurvature, self.local.radius_m),
             (Limit::BodyToBody, self.body.radius_m),
             (Limit::EndToEnd, self.end_to_end.map(|touch| touch.radius_m)),
             (

@@ -38,7 +38,7 @@ mod random_tests;
 mod testing;
 
 pub use body::{BodyToBody, PairKind, StationaryPair, Unresolved, body_to_body};
-pub use curvature::{Local, LocalKind, LocalWitness, largest_curvature};
+pub use curvature::{LocalCurvature, LocalKind, LocalWitness, largest_curvature};
 pub use ends::{EndToBody, EndToEnd, EndsToBody, end_to_end, ends_to_body};
 pub use error::PipeError;
 pub use limits::{Answer, Limit, PipeLimits};

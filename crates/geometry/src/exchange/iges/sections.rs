@@ -100,7 +100,7 @@ impl<'a> File<'a> {
         }
         let delimiters = delimiters(&global_text)?;
         let mut global = Vec::new();
-        let mut reader = Reader {
+        let mut reader = SectionReader {
             text: &global_text,
             at: 0,
             delimiters,
@@ -164,7 +164,7 @@ impl<'a> File<'a> {
             return Err(pointer);
         }
         let text = self.parameters[first as usize - 1..last as usize].concat();
-        let mut reader = Reader {
+        let mut reader = SectionReader {
             text: &text,
             at: 0,
             delimiters: self.delimiters,
@@ -299,13 +299,13 @@ fn delimiters(global: &[u8]) -> Result<[u8; 2], IgesError> {
 }
 
 /// Walks through free-format parameters.
-struct Reader<'a> {
+struct SectionReader<'a> {
     text: &'a [u8],
     at: usize,
     delimiters: [u8; 2],
 }
 
-impl<'a> Reader<'a> {
+impl<'a> SectionReader<'a> {
     /// The next parameter, without blanks around it; `None` after the record's end.
     fn next(&mut self) -> Result<Option<&'a [u8]>, IgesError> {
         let text = self.text;
