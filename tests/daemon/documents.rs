@@ -148,9 +148,9 @@ fn completed(part: &str) -> String {
                     .unwrap()
                     .clone();
                 whole.extend(first(&mut list));
-                scene.insert(key, vec![whole].into());
+                scene.insert(key.clone(), vec![whole].into());
             }
-            (_, value) => drop(scene.insert(key, value)),
+            (_, value) => drop(scene.insert(key.clone(), value)),
         }
     }
     if let Some(frame) = scene

@@ -21,13 +21,13 @@ pub struct Connect {
     pub endpoints: Vec<String>,
     /// Instance name.
     pub instance: String,
-    /// A stock Zenoh JSON5 configuration instead of a plain peer.
+    /// Zenoh configuration file (JSON5) to use instead of a plain peer.
     pub zenoh_config: Option<PathBuf>,
-    /// How long to wait for answers.
+    /// How long to wait for replies.
     pub timeout: Duration,
-    /// Join as a Zenoh client of the daemon instead of a peer: messages then take one hop more, and
-    /// what other clients publish is heard, which peers that cannot reach each other do not. For
-    /// who looks on.
+    /// Join in Zenoh client mode instead of as a peer, for observers: messages then take one more hop,
+    /// and what other clients publish is received too, which peers receive only if they can reach
+    /// each other.
     pub onlooker: bool,
 }
 

@@ -70,7 +70,7 @@ impl Palpate {
             .map_err(ClientError::zenoh)
     }
 
-    /// All answers to a query; none is no error.
+    /// All replies to a query; an empty list is not an error.
     ///
     /// # Errors
     /// No key, Zenoh refused, or a daemon did, in its words.

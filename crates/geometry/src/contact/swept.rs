@@ -28,7 +28,7 @@ pub struct FirstTouch {
 
 /// First touch of anything: `clearance_m(t)` is a lower bound of its distance to the surface after
 /// a share t of the motion, and no point of it moves farther than `path_m` during the whole of it.
-/// `None`: free all the way, or a bound that is no number. At most [`STEPS`] calls.
+/// `None`: free all the way, or a bound that is not a number. At most [`STEPS`] calls.
 pub fn first_touch(
     path_m: f64,
     touch_m: f64,

@@ -175,7 +175,7 @@ pub enum ExchangeError {
     /// A `palpate.surface.v1` document.
     #[error(transparent)]
     Json(#[from] FileError),
-    /// A text format with bytes that are no text.
+    /// A text format with bytes that are not text.
     #[error("byte {at} is not UTF-8 text")]
     Text {
         /// Offset of the byte.
@@ -330,7 +330,7 @@ pub fn read_mesh(bytes: &[u8], format: Format, unit: Unit) -> Result<Mesh, Excha
 /// in `unit`.
 ///
 /// # Errors
-/// A format without points, or a file that is cut short or has what is no point.
+/// A format without points, or a file that is cut short or has a line that is not a point.
 pub fn read_points(bytes: &[u8], format: Format, unit: Unit) -> Result<Vec<Point3>, ExchangeError> {
     match format {
         Format::Stl => Ok(mesh::read_stl(bytes, unit)?.points),

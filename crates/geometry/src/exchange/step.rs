@@ -98,7 +98,7 @@ pub enum StepError {
         /// What is wrong.
         source: SplineError,
     },
-    /// A length unit that is no length.
+    /// A length unit that is not a length.
     #[error("#{id}: the length unit is {metres} m; it should be above 0 and finite")]
     Unit {
         /// Number of the instance (`#id`) in the file.

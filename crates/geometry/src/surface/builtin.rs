@@ -24,7 +24,7 @@ const MAX_COUNT: usize = 512;
 /// Small radius of the torus over its great one.
 const TORUS_RATIO: f64 = 0.4;
 
-/// Why there is no such builtin.
+/// Why a builtin surface was not made.
 #[derive(Debug, thiserror::Error)]
 pub enum BuiltinError {
     /// Unknown name.

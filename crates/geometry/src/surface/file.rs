@@ -168,7 +168,7 @@ pub fn from_value(document: &Value) -> Result<Surface, FileError> {
     let Value::Object(map) = document else {
         return Err(wrong("the document", "an object", document));
     };
-    // First the format: of another one, other keys are no mistake.
+    // The format is checked first: another format may have other keys.
     match map.get("format") {
         Some(Value::String(format)) if format == FORMAT => {}
         Some(other) => {

@@ -36,7 +36,7 @@ pub struct Fitted {
 /// Most control points of a fit.
 pub(super) const MOST_POINTS: usize = 1 << 16;
 
-/// Why there is no fit.
+/// Why points were not fitted.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum FitError {
     /// Wrong number of points.
@@ -89,7 +89,7 @@ pub enum FitError {
         /// Directions without extent.
         missing: usize,
     },
-    /// Smoothing that is no weight.
+    /// A smoothing weight that is not finite and positive.
     #[error("smoothing is {0}; it must be finite and above 0, such as 1e-6")]
     Smoothing(f64),
     /// Degree or count.
@@ -288,7 +288,7 @@ pub(super) fn finite(points: &[Point3]) -> Result<(), FitError> {
 }
 
 /// Shares of the chord length up to each point, the mean of all lines, in [0, 1]; below 1 when
-/// periodic. An error names the line that is no step on from the one before.
+/// periodic. An error names the line that coincides with the one before.
 fn chord_parameters(lines: &[Vec<Point3>], periodic: bool) -> Result<Vec<f64>, usize> {
     let count = lines[0].len();
     let steps = if periodic { count } else { count - 1 };

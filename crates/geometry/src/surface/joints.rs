@@ -69,7 +69,7 @@ struct Joined {
 pub struct Joints {
     patches: Vec<Patch>,
     strips: [Vec<Strip>; 2],
-    /// (patches × 4): edges of patches that are no duplicates.
+    /// (patches × 4): edges of patches that are not duplicates.
     joined: Vec<Vec<Joined>>,
     /// (patches × 4): the edge is one point.
     poles: Vec<bool>,

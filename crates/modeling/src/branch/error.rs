@@ -41,7 +41,7 @@ impl fmt::Display for Rule {
     }
 }
 
-/// Why there is no surface, or why a surface is no branching net.
+/// Why a tree was rejected, or why a surface is not a branching net.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum BranchError {
     /// A tree that would not be smooth.

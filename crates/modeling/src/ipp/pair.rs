@@ -60,7 +60,7 @@ const COARSE: f64 = 1e-2;
 const CHAIN: usize = 64;
 /// Uniqueness is used from this contraction on: Newton's method then converges from the middle.
 const CONTRACTION: f64 = 0.75;
-/// A root so little outside the square is on its edge: the equations are no more exact.
+/// A root so little outside the square is on its edge: the equations are not known more exactly.
 const EDGE: f64 = 1e-12;
 
 /// How many times its extent a chain is widened for its verification: where rounding is large, only

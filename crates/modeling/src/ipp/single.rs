@@ -111,7 +111,7 @@ fn looked_at_again(p: &Bernstein, root: SingleRoot) -> Option<SingleRoot> {
         return Some(root);
     }
     let at = low + bisect(&part) * (high - low);
-    // A root so little outside is on the edge: the polynomial is no more exact.
+    // A root so little outside is on the edge: the polynomial is not known more exactly.
     let inside = (-EDGE..=1.0 + EDGE).contains(&at);
     inside.then_some(SingleRoot {
         at: at.clamp(0.0, 1.0),

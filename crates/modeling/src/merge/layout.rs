@@ -37,7 +37,7 @@ impl Layout {
     /// Lays the patches as asked, and refuses those that cannot be joined.
     ///
     /// # Errors
-    /// A count that does not fit, edges that are no edges, too far apart or meet in part only.
+    /// A count that does not fit, sides that are not edges, edges too far apart or meeting only in part.
     pub(super) fn new(surfaces: &[Surface], arrangement: Arrangement) -> Result<Self, MergeError> {
         let given = surfaces.len();
         if given < 2 {

@@ -84,7 +84,8 @@ pub struct Merged {
 /// use palpate_modeling::merge::{MergeSpec, merge};
 /// let left = builtin("sheet", None, None)?;
 /// let mut right = left.clone();
-/// let width_m = left.point(1.0, 0.5).x - left.point(0.0, 0.5).x;
+/// let x: Vec<f64> = left.net().points().iter().map(|point| point.x).collect();
+/// let width_m = x.iter().copied().fold(f64::MIN, f64::max) - x.iter().copied().fold(f64::MAX, f64::min);
 /// right.net_mut().points_mut().iter_mut().for_each(|point| point.x += width_m);
 /// let merged = merge(&[left, right], &MergeSpec::default())?;
 /// assert!(merged.within_tolerance);

@@ -12,7 +12,7 @@
 //!                  Limits: r_max and what limits it; is_free(r)
 //!         Curve, r ─▶ sweep: sections with a rotation-minimising frame ─▶ Surface
 //! ```
-//! The pipe is open: end discs are no part of it. What cannot be decided in double precision is a
+//! The pipe is open: its end discs are not part of it. What cannot be decided in double precision is a
 //! status, see [`Status`](crate::ipp::Status).
 
 mod adjacent;

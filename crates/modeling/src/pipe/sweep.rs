@@ -38,7 +38,7 @@ pub struct PipeSurface {
 /// Why no surface was made.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum SweepError {
-    /// A radius or a tolerance that is no length.
+    /// A radius or tolerance that is not a finite positive length.
     #[error("{what} is {value} m; it is a finite length above 0")]
     Length {
         /// `the radius` or `the tolerance`.

@@ -320,7 +320,7 @@ impl DepthSearch {
                 continue;
             }
             let (a, b) = (k as i64 / n[1], k as i64 % n[1]);
-            // Samples of two patches are no neighbours.
+            // Samples of two patches are not neighbours.
             let neighbour = |x: i64, y: i64| {
                 neighbour(x, y).filter(|&other| {
                     joints.is_none_or(|t| t.patch_at(at(k)) == t.patch_at(at(other)))

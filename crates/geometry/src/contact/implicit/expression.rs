@@ -13,7 +13,7 @@ use super::tape::{Binary, MAX_OPS, Op, Tape, Unary};
 /// Brackets and signs deeper than this are refused rather than followed.
 const MAX_DEPTH: usize = 64;
 
-/// Why a text is no function. Columns count characters from 1.
+/// Why a text is not a valid function. Columns count characters from 1.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum ExpressionError {
     /// Something else was expected.

@@ -18,7 +18,7 @@ const WHOLE: Interval = Interval {
 };
 
 impl Interval {
-    /// One number; what is no number can be anything.
+    /// One number; NaN stands for any value.
     pub fn point(x: f64) -> Self {
         if x.is_nan() {
             WHOLE

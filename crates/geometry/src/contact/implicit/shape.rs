@@ -158,7 +158,7 @@ impl ImplicitShape {
     /// Ready for queries.
     ///
     /// # Errors
-    /// A size out of range, or a text that is no function.
+    /// A size out of range, or a text that is not a valid function.
     ///
     /// # Examples
     /// ```
@@ -247,7 +247,7 @@ impl ImplicitTool {
     }
 
     /// Depth of a point of the tool's frame along its gradient (along +z where that vanishes);
-    /// `None` where f is no number or the zero set is not on that line.
+    /// `None` where f is not a number or the zero set is not on that line.
     pub(super) fn stand(&self, p: &Point3) -> Option<Stand> {
         let (f, gradient) = self.tape.gradient(p);
         let steepness = gradient.norm();

@@ -187,7 +187,7 @@ impl PairSolver {
             return;
         }
         let reach_m = margin_m + 1e-11 * size_m;
-        // Behind a sheet there is no end.
+        // A sheet has no far side.
         if self.body.closed && !self.body.whole.meets(&self.tool.whole, reach_m) {
             return;
         }

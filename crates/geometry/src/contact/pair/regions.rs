@@ -118,7 +118,7 @@ impl Regions {
         self.connect(cells);
         for pair in pairs {
             let [u, v, s, t] = pair.at;
-            // Too far to be reported, if it is no way to a deeper place.
+            // Too far to be reported, unless it leads to a deeper place.
             let (x, y) = (
                 upper.solver.frame_at(upper.surface, u, v),
                 below.solver.frame_at(below.surface, s, t),
@@ -259,7 +259,7 @@ impl Regions {
             self.foot[vertex] = foot;
         }
         self.best.fill(f64::NEG_INFINITY);
-        // Classes of vertices outside are no components.
+        // Classes of vertices outside are not components.
         if solid {
             for vertex in 0..n {
                 if self.state[vertex] == State::Out {

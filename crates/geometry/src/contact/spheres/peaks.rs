@@ -90,7 +90,7 @@ impl Peaks {
     fn link(&mut self, cover: &Cover, k: usize, noise_m: f64) {
         let (u, v) = cover.cells(self.leaves[k].id);
         let ([i0, i1], [j0, j1]) = (u.finest.map(i64::from), v.finest.map(i64::from));
-        // A smallest leaf looks on only, as its neighbours behind do the same; a larger one looks
+        // A smallest leaf looks forward only, because its neighbours behind do so too; a larger one looks
         // all round.
         if i1 - i0 == 1 && j1 - j0 == 1 {
             for (i, j) in [(i0, j1), (i1, j0 - 1), (i1, j0), (i1, j1)] {

@@ -26,7 +26,7 @@ pub(super) struct CurvePlace {
     pub reach_m: f64,
 }
 
-/// Why there is no place.
+/// Why no place was found.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Lost {
     /// Beyond an open edge: which surface, which of its parameters, at which value.
