@@ -86,7 +86,7 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
         };
         std::fs::write(path, bytes).with_context(|| path.display().to_string())?;
     }
-    if !session.is_clean() || session.cut_short.is_some() {
+    if !session.is_whole() {
         eprintln!("note: the recording is incomplete; what is there was exported");
     }
     Ok(Outcome::Ok)
