@@ -8,12 +8,12 @@ use serde_json::{Map, Value};
 
 #[derive(clap::Args, Debug)]
 pub struct Args {
-    /// What to do.
+    /// Method to call.
     #[arg(value_parser = clap::builder::PossibleValuesParser::new(METHODS))]
     method: String,
-    /// Arguments as JSON, for example '{"before": 10, "after": 2}' of a snapshot.
+    /// Arguments as JSON, for example '{"before": 10, "after": 2}' for a snapshot.
     arguments: Option<String>,
-    /// `step`: ticks to run.
+    /// For `step`: number of ticks to run.
     #[arg(long)]
     ticks: Option<u32>,
     #[command(flatten)]

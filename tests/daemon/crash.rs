@@ -143,7 +143,7 @@ fn a_full_disk_is_told_and_the_loop_goes_on() {
         "an incomplete recording is no success"
     );
     let session = Session::open(&directory.path().join("full.mcap.part")).unwrap();
-    assert!(session.ticks.len() > 100 && session.gaps() == 0);
+    assert!(session.tick_count() > 100 && session.gaps() == 0);
     assert!(
         replay(&session, 0, |_, _| {})
             .unwrap()

@@ -91,10 +91,7 @@ fn replays(path: &Path, after: u64) -> (Session, u64) {
         "{}",
         path.display()
     );
-    let (first, last) = (
-        session.ticks.first().unwrap().output.tick,
-        session.ticks.last().unwrap().output.tick,
-    );
+    let (first, last) = session.tick_range().unwrap();
     assert_eq!(first, after + 1, "{}", path.display());
     let report = replay(&session, 0, |_, _| {}).unwrap();
     assert!(

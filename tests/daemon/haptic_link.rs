@@ -3,7 +3,7 @@
 
 use crate::common::World;
 use crate::daemon::{Daemon, PROGRAM};
-use palpate::recording::Session;
+use palpate::recording::Contents;
 use palpate::transport::{SessionSettings, open};
 use palpate_client::pose_at;
 use palpate_client::proto::codec::decode;
@@ -193,7 +193,7 @@ fn a_device_killed_in_contact_leaves_by_the_ramp_and_the_next_one_joins_by_it() 
     let (text, code) = daemon.end();
     assert_eq!(code, 0, "{text}");
 
-    let recording = Session::open(&file).unwrap();
+    let recording = Contents::open(&file).unwrap();
     let ticks = &recording.ticks;
     let seq = |k: usize| ticks[k].output.tools[0].pose_seq;
     let joined = (1..ticks.len())

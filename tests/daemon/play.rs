@@ -3,7 +3,9 @@
 use crate::daemon::{Daemon, PROGRAM};
 use palpate::drive::playback::{PlayRequest, playback};
 use palpate::drive::ports::ports;
-use palpate::recording::{PlayError, PlayReport, PlaySettings, Player, Session, played_scene};
+use palpate::recording::{
+    Contents, PlayError, PlayReport, PlaySettings, Player, Session, played_scene,
+};
 use palpate_client::proto::messages::{EventKind, LoopState, ToolForce};
 use palpate_client::proto::rpc::Call;
 use palpate_client::{Palpate, pose_at};
@@ -75,6 +77,7 @@ fn net(scene: &Scene, state: &SceneState) -> Vec<u64> {
 /// Nets after some ticks, by a replay of our own: from the first keyframe through every record.
 fn nets_after(session: &Session, ticks: &[u64]) -> BTreeMap<u64, Vec<u64>> {
     let scene = played_scene(session, &[]).unwrap();
+    let session = Contents::of(session).unwrap();
     let mut state = scene.initial_state();
     let mut scratch = scene.scratch(&state);
     restore(
@@ -108,7 +111,7 @@ fn shown_net(palpate: &Palpate) -> (u64, Vec<u64>) {
     (scene.tick, bits(scene.bodies[0].points.as_flattened()))
 }
 
-fn recorded_force(session: &Session, tick: u64) -> Vec<u64> {
+fn recorded_force(session: &Contents, tick: u64) -> Vec<u64> {
     let force = session.ticks[tick as usize - 1].output.tools[0].force_n;
     bits(force.as_slice())
 }
@@ -116,7 +119,8 @@ fn recorded_force(session: &Session, tick: u64) -> Vec<u64> {
 #[test]
 fn a_recording_played_fast_gives_its_forces_and_its_last_net() {
     let session = Session::open(&golden()).unwrap();
-    let last = session.ticks.last().unwrap().output.tick;
+    let kept = Contents::of(&session).unwrap();
+    let last = session.tick_range().unwrap().1;
     let player = play(&["--paused", "--stay", "--rate", "10000"]);
     let palpate = player.connect();
     let forces = Arc::new(Mutex::new(Vec::<ToolForce>::new()));
@@ -150,7 +154,7 @@ fn a_recording_played_fast_gives_its_forces_and_its_last_net() {
     drop(watching);
     let forces = forces.lock().unwrap();
     for force in forces.iter() {
-        let recorded = &session.ticks[force.tick as usize - 1].output.tools[0];
+        let recorded = &kept.ticks[force.tick as usize - 1].output.tools[0];
         assert_eq!(
             bits(&force.force),
             bits(recorded.force_n.as_slice()),
@@ -189,7 +193,8 @@ fn a_recording_played_fast_gives_its_forces_and_its_last_net() {
 #[test]
 fn a_seek_shows_the_net_and_the_force_of_its_tick() {
     let session = Session::open(&golden()).unwrap();
-    let last = session.ticks.last().unwrap().output.tick;
+    let kept = Contents::of(&session).unwrap();
+    let last = session.tick_range().unwrap().1;
     let ticks = [700, 3, last, 1_000, 1_001, 999, 1, 700];
     let nets = nets_after(&session, &[&ticks[..], &[705]].concat());
     let player = play(&["--paused", "--stay"]);
@@ -210,7 +215,7 @@ fn a_seek_shows_the_net_and_the_force_of_its_tick() {
         );
         assert_eq!(palpate.status().unwrap().tick, tick);
         // A tick without a pose in effect has no force to send.
-        if session.ticks[tick as usize - 1].output.tools[0].pose_seq > 0 {
+        if kept.ticks[tick as usize - 1].output.tools[0].pose_seq > 0 {
             let felt = until(
                 "the force",
                 || force.get(),
@@ -219,7 +224,7 @@ fn a_seek_shows_the_net_and_the_force_of_its_tick() {
             .unwrap();
             assert_eq!(
                 bits(&felt.force),
-                recorded_force(&session, tick),
+                recorded_force(&kept, tick),
                 "tick {tick}"
             );
         }
@@ -398,11 +403,11 @@ const FAST: PlaySettings = PlaySettings {
 
 #[test]
 fn a_gap_is_jumped_to_the_next_keyframe() {
-    let mut session = Session::open(&golden()).unwrap();
+    let mut session = Contents::open(&golden()).unwrap();
     session
         .ticks
         .retain(|record| !(300..=900).contains(&record.output.tick));
-    let (outputs, report) = published(session.clone(), FAST, &[]);
+    let (outputs, report) = published(session.session().unwrap(), FAST, &[]);
     let ticks: Vec<u64> = outputs.iter().map(|output| output.tick).collect();
     // The start is shown, then 1 to 299, then from the keyframe at 1000 on.
     let expected: Vec<u64> = (0..=299).chain(1_001..=1_500).collect();
@@ -410,7 +415,7 @@ fn a_gap_is_jumped_to_the_next_keyframe() {
     assert_eq!((report.gaps, report.ticks, report.diverged), (1, 799, None));
     // Into the gap nobody can seek.
     let (outputs, _) = published(
-        session,
+        session.session().unwrap(),
         PlaySettings {
             paused: true,
             ..FAST
@@ -422,7 +427,7 @@ fn a_gap_is_jumped_to_the_next_keyframe() {
 
 #[test]
 fn where_this_build_steps_otherwise_the_recorded_force_wins() {
-    let mut session = Session::open(&golden()).unwrap();
+    let mut session = Contents::open(&golden()).unwrap();
     let forge = |record: &mut TickRecord| {
         record.output.tools[0].force_n.x += 0.125;
         record.output.state_hash ^= 1;
@@ -434,7 +439,7 @@ fn where_this_build_steps_otherwise_the_recorded_force_wins() {
     {
         forge(record);
     }
-    let (outputs, report) = published(session.clone(), FAST, &[]);
+    let (outputs, report) = published(session.session().unwrap(), FAST, &[]);
     assert_eq!((report.diverged, report.ticks), (Some(400), 1_500));
     for (output, record) in outputs[1..].iter().zip(&session.ticks) {
         let (felt, recorded) = (output.tools[0].force_n, record.output.tools[0].force_n);
@@ -527,12 +532,12 @@ fn damaged_recordings_are_played_as_far_as_they_go_or_refused() {
 
 #[test]
 fn ticks_that_repeat_or_states_of_other_ticks_do_not_hang() {
-    let mut twice = Session::open(&golden()).unwrap();
+    let mut twice = Contents::open(&golden()).unwrap();
     let again = twice.ticks[200];
     twice.ticks.insert(200, again);
-    let (outputs, report) = published(twice, FAST, &[]);
+    let (outputs, report) = published(twice.session().unwrap(), FAST, &[]);
     assert_eq!((report.ticks, outputs.last().unwrap().tick), (1_500, 1_500));
-    let mut moved = Session::open(&golden()).unwrap();
+    let mut moved = Contents::open(&golden()).unwrap();
     moved
         .ticks
         .retain(|record| !(300..=900).contains(&record.output.tick));
@@ -543,6 +548,8 @@ fn ticks_that_repeat_or_states_of_other_ticks_do_not_hang() {
     {
         keyframe.tick += 7;
     }
-    let error = try_published(moved, FAST, &[]).unwrap_err().to_string();
+    let error = try_published(moved.session().unwrap(), FAST, &[])
+        .unwrap_err()
+        .to_string();
     assert!(error.contains("keyframe at tick 1007"), "{error}");
 }

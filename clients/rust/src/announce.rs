@@ -12,7 +12,7 @@ use zenoh::pubsub::Publisher;
 
 pub(crate) struct Announcement {
     bytes: Vec<u8>,
-    /// A daemon appeared that has not been told.
+    /// A daemon appeared that does not have the description yet.
     due: Arc<AtomicBool>,
     // Fields are dropped in this order: a publisher that goes takes its listeners along.
     _listener: MatchingListener<()>,

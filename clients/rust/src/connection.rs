@@ -21,13 +21,13 @@ pub struct Connect {
     pub endpoints: Vec<String>,
     /// Instance name.
     pub instance: String,
-    /// A stock Zenoh JSON5 configuration instead of a plain peer.
+    /// Zenoh configuration file (JSON5) to use instead of a plain peer.
     pub zenoh_config: Option<PathBuf>,
-    /// How long to wait for answers.
+    /// How long to wait for replies.
     pub timeout: Duration,
-    /// Join as a Zenoh client of the daemon instead of a peer: messages then take one hop more, and
-    /// what other clients publish is heard, which peers that cannot reach each other do not. For
-    /// who looks on.
+    /// Join in Zenoh client mode instead of as a peer, for observers: messages then take one more hop,
+    /// and what other clients publish is received too, which peers receive only if they can reach
+    /// each other.
     pub onlooker: bool,
 }
 
@@ -48,7 +48,7 @@ impl Connect {
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum ClientError {
     /// Nobody listens there.
-    #[error("nobody answers at {endpoint} ({reason}); is `palpate serve` running there?")]
+    #[error("no daemon answers at {endpoint} ({reason}); is `palpate serve` running there?")]
     Unreachable {
         /// As given.
         endpoint: String,
@@ -58,9 +58,9 @@ pub enum ClientError {
     /// A query went unanswered.
     #[error("no answer to {key} within {timeout:?}: is instance {instance:?} served there?")]
     NoAnswer {
-        /// Key.
+        /// Key expression.
         key: String,
-        /// Instance.
+        /// Name of the instance.
         instance: String,
         /// How long we waited.
         timeout: Duration,
@@ -90,7 +90,7 @@ pub enum ClientError {
     /// The daemon refused a command.
     #[error("{method} was refused: {reason}")]
     Refused {
-        /// Method.
+        /// Name of the method.
         method: String,
         /// Its words.
         reason: String,
@@ -170,7 +170,7 @@ impl Palpate {
     /// Connects as a peer, without multicast.
     ///
     /// # Errors
-    /// An endpoint where nobody listens, a configuration Zenoh refuses, or an instance name that is
+    /// An endpoint without a listener, a configuration Zenoh refuses, or an instance name that is
     /// no id.
     pub fn connect(settings: &Connect) -> Result<Self, ClientError> {
         let keys = Keys::new(&settings.instance)?;
@@ -292,14 +292,14 @@ impl Palpate {
     /// What the device that holds a tool can do.
     ///
     /// # Errors
-    /// No answer: nobody told, or no such tool.
+    /// No reply: no device sent a description, or there is no such tool.
     pub fn device(&self, tool: &str) -> Result<DeviceInfo, ClientError> {
         self.query(self.keys.tool_device(tool), None, |bytes| {
             Ok(decode(bytes, "")?)
         })
     }
 
-    /// JSON about the daemon: its scene, its messages, the devices it was told of.
+    /// JSON about the daemon: its scene, its messages, the device descriptions it received.
     ///
     /// # Errors
     /// No answer.

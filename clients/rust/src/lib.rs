@@ -11,8 +11,8 @@
 //! }
 //! # Ok::<(), palpate_client::ClientError>(())
 //! ```
-//! [`device`] holds a simulated haptic device for those without one, [`testing`] a daemon of one's
-//! own for integration tests.
+//! [`device`] simulates haptic devices, hands and networks; [`testing`] starts daemons for integration
+//! tests.
 
 mod announce;
 mod connection;

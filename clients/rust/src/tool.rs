@@ -111,6 +111,16 @@ impl Tool {
     ///
     /// # Errors
     /// Zenoh refused.
+    ///
+    /// # Examples
+    /// ```no_run
+    /// use palpate_client::{Connect, Palpate, pose_at};
+    /// let palpate = Palpate::connect(&Connect::to("tcp/127.0.0.1:7447"))?;
+    /// let mut tool = palpate.tool("ball")?;
+    /// let seq = tool.send(pose_at([0.0, 0.0, 0.05]))?;
+    /// println!("{:?}", tool.wait_force(seq, std::time::Duration::from_millis(50)));
+    /// # Ok::<(), palpate_client::ClientError>(())
+    /// ```
     pub fn send(&mut self, pose: ToolPose) -> Result<u64, ClientError> {
         self.seq += 1;
         let t_client_ns = if self.lockstep {
