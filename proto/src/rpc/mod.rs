@@ -447,7 +447,7 @@ mod tests {
     fn every_method_and_argument_is_documented() {
         let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../docs/wire.md");
         let document = std::fs::read_to_string(path).unwrap();
-        let section = document.split("## rpc").nth(1).unwrap();
+        let section = document.split("## RPC").nth(1).unwrap();
         let section = section.split("## Layouts").next().unwrap();
         for method in METHODS {
             let rows: Vec<&str> = section
