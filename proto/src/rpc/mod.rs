@@ -377,7 +377,7 @@ mod tests {
             error("isolate", "{\"continuity\": 1}")
                 .contains("it takes bodies, method, gap, max_turn")
         );
-        assert!(error("fly", "").contains("there are reset, pause"));
+        assert!(error("fly", "").contains("there are reset, "));
     }
 
     #[test]
