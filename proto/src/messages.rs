@@ -351,8 +351,8 @@ pub enum EventKind {
     /// Ticks took longer than their period, or were woken too late: at most one such event a second
     /// for each stage.
     Overrun {
-        /// Stage that took most of their time: `latch`, `render`, `deform`, `emit`; `wake`: the
-        /// system came late.
+        /// Stage that took most of their time: `latch`, `render`, `deform`, `hash`, `emit`;
+        /// `wake`: the system came late.
         stage: String,
         /// How many since the last such event.
         count: u64,

@@ -5,8 +5,7 @@ use super::file_info::FileInfo;
 use super::message::SessionHash;
 use super::reader::Session;
 use super::{ToolFigures, convert, names};
-use crate::drive::stats::{Histogram, LATE_NS};
-use palpate_sim::tick::record::{STAGE_COUNT, STAGE_NAMES};
+use crate::drive::stats::{Histogram, StageHistograms};
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::fmt;
@@ -117,7 +116,7 @@ pub struct StageInfo {
 pub fn info(session: &Session) -> Info {
     let run = |key: &str| session.header.run.get(key).cloned().unwrap_or_default();
     let mut poses = vec![0; names(session, "tools").len()];
-    let mut histograms: Vec<Histogram> = (0..=STAGE_COUNT).map(|_| Histogram::default()).collect();
+    let mut histograms = StageHistograms::default();
     let mut lateness = Histogram::default();
     let mut session_hash = SessionHash::default();
     for record in &session.ticks {
@@ -127,12 +126,7 @@ pub fn info(session: &Session) -> Info {
             .zip(&record.input.poses)
             .for_each(|(count, pose)| *count += u64::from(pose.is_some()));
         lateness.add(record.late_ns);
-        let mut whole = 0;
-        for (histogram, ns) in histograms.iter_mut().zip(record.stage_ns) {
-            histogram.add(u64::from(ns));
-            whole += u64::from(ns);
-        }
-        histograms[STAGE_COUNT].add(whole);
+        histograms.add(&record.stage_ns);
     }
     let name = |command| convert::command_to_proto(0, command).name;
     let mut commands_by_name = BTreeMap::new();
@@ -217,12 +211,9 @@ fn tool(figures: ToolFigures, poses: u64) -> ToolInfo {
 }
 
 /// Rows of a stage table: the stages, then the whole tick.
-pub(crate) fn stage_infos(histograms: &[Histogram]) -> Vec<StageInfo> {
-    STAGE_NAMES
-        .iter()
-        .copied()
-        .chain(["tick"])
-        .zip(histograms)
+pub(crate) fn stage_infos(histograms: &StageHistograms) -> Vec<StageInfo> {
+    histograms
+        .named()
         .map(|(stage, h)| stage_info(stage, h))
         .collect()
 }

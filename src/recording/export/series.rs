@@ -71,7 +71,7 @@ pub fn series(session: &Session, range: &Range) -> Result<Series, ExportError> {
         }),
         energy_j: of_tools(|record, t| record.output.tools[t].energy_j),
         tick_s: curve("tick".into(), records, dt_s, |record| {
-            record.stage_ns.iter().map(|&ns| f64::from(ns)).sum::<f64>() * 1e-9
+            record.stage_ns.total() as f64 * 1e-9
         }),
         dt_s,
     })
@@ -122,13 +122,15 @@ fn curve(
 mod tests {
     use super::*;
     use palpate_sim::tick::record::TickOutput;
+    use palpate_sim::tick::stage::{Stage, StageTimes};
 
     #[test]
     fn no_peak_is_lost_and_gaps_are_seen() {
         let ticks = (1..=200_000u64).filter(|tick| !(90_000..100_000).contains(tick));
         let records: Vec<TickRecord> = ticks
             .map(|tick| {
-                let stage_ns = [if tick == 123_457 { 5_000 } else { 10 }, 0, 0, 0];
+                let mut stage_ns = StageTimes::default();
+                stage_ns[Stage::Latch] = if tick == 123_457 { 5_000 } else { 10 };
                 TickRecord {
                     output: TickOutput {
                         tick,
@@ -140,7 +142,7 @@ mod tests {
             })
             .collect();
         let curve = curve("tick".into(), &records, 1e-3, |record| {
-            f64::from(record.stage_ns[0])
+            f64::from(record.stage_ns[Stage::Latch])
         });
         assert_eq!(curve.pieces.len(), 2);
         let all: Vec<Bucket> = curve.pieces.concat();
