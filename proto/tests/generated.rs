@@ -92,14 +92,21 @@ fn golden_in(compiler: &str, arguments: &[&str]) {
         println!("skipped: no {compiler}");
         return;
     }
-    let name = format!("palpate-golden-{}-{compiler}", std::process::id());
-    let program = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
-    let manifest = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let directory = Path::new(env!("CARGO_TARGET_TMPDIR"));
+    let directory = directory.join(format!("golden-{}-{compiler}", std::process::id()));
+    std::fs::create_dir_all(&directory).unwrap();
+    let (program, manifest) = (
+        directory.join("golden"),
+        Path::new(env!("CARGO_MANIFEST_DIR")),
+    );
+    let checks = checks(&manifest.join("golden"));
+    std::fs::write(directory.join("checks.inc"), checks.concat()).unwrap();
     let compiled = Command::new(compiler)
         .args(arguments)
-        .args(["-Wall", "-Wextra", "-Werror", "-pedantic"])
-        .arg("-I")
+        .args(["-Wall", "-Wextra", "-Werror", "-pedantic", "-I"])
         .arg(root().join("clients/c"))
+        .arg("-I")
+        .arg(&directory)
         .arg("-o")
         .arg(&program)
         .arg(manifest.join("tests/c/golden.c"))
@@ -111,18 +118,39 @@ fn golden_in(compiler: &str, arguments: &[&str]) {
         .arg(manifest.join("golden"))
         .output()
         .unwrap();
-    std::fs::remove_file(&program).unwrap();
+    std::fs::remove_dir_all(&directory).unwrap();
     let (out, err) = (
         String::from_utf8_lossy(&ran.stdout),
         String::from_utf8_lossy(&ran.stderr),
     );
     assert!(ran.status.success(), "{compiler}: {out}{err}");
-    let files = std::fs::read_dir(manifest.join("golden")).unwrap();
-    let messages = files.filter(|file| {
-        file.as_ref()
-            .is_ok_and(|file| file.path().extension().is_some_and(|end| end == "bin"))
-    });
-    assert_eq!(out.trim(), format!("{} messages", messages.count()));
+    assert_eq!(out.trim(), format!("{} messages", checks.len()));
+}
+
+/// A line of C for each golden message.
+fn checks(golden: &Path) -> Vec<String> {
+    let paths = std::fs::read_dir(golden)
+        .unwrap()
+        .map(|entry| entry.unwrap().path());
+    let mut paths: Vec<PathBuf> = paths
+        .filter(|path| path.extension().is_some_and(|end| end == "json"))
+        .collect();
+    paths.sort();
+    assert!(paths.len() >= ALL.len(), "{paths:?}");
+    let line = |path: &PathBuf| {
+        let text = std::fs::read(path).unwrap();
+        let document: serde_json::Value = serde_json::from_slice(&text).unwrap();
+        let message = ALL
+            .iter()
+            .find(|message| document["type"] == message.name)
+            .unwrap();
+        let stem = path.file_stem().unwrap().to_str().unwrap();
+        format!(
+            "CHECK({}, \"{stem}\");\n",
+            files::snake(message.layout.name)
+        )
+    };
+    paths.iter().map(line).collect()
 }
 
 #[test]

@@ -155,7 +155,8 @@ pub struct BusPorts {
     pub counters: Arc<LoopCounters>,
     /// To be set to the thread that serves these ports: it is unparked when a force is ready.
     pub bus_thread: Arc<OnceLock<Thread>>,
-    tick_thread: Arc<OnceLock<Thread>>,
+    /// The thread that ticks, once it runs: in lockstep it sleeps until it is unparked.
+    pub tick_thread: Arc<OnceLock<Thread>>,
 }
 
 /// Both ends of the nets of a scene, by body.
@@ -247,15 +248,6 @@ pub fn ports(scene: &Scene) -> (TickPorts, BusPorts) {
         tick_thread,
     };
     (tick, bus)
-}
-
-impl BusPorts {
-    /// A loop in lockstep sleeps until there is news: this is some.
-    pub fn wake_tick(&self) {
-        if let Some(thread) = self.tick_thread.get() {
-            thread.unpark();
-        }
-    }
 }
 
 impl TickPorts {

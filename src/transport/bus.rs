@@ -1,51 +1,44 @@
 //! The bus thread: everything that leaves the daemon, and every answer.
+//!
+//! Each part has an owner with its own fields; the thread polls them in a fixed order.
+//!
+//! ```text
+//! Declared ─▶ Inbox ─▶ Rpc ─▶ LoopLink, Archive, Editor, Player     (commands and their answers)
+//! loop ─▶ Forces, Contacts, Nets, Tally, Events ─▶ clients, View    (what is published)
+//! ```
 
+use super::answers::{reply, reply_json};
+use super::contacts::Contacts;
 use super::declared::{Declared, Inbox, Roles};
 use super::devices::Devices;
-use super::edit::Change;
-use super::history::History;
+use super::edit::Edits;
+use super::events::Events;
+use super::forces::Forces;
+use super::link::LoopLink;
 use super::metrics::Figures;
-use super::tally::ToolTally;
+use super::nets::Nets;
+use super::rpc::{Parties, Rpc};
+use super::schemas;
+use super::tally::{Gauges, Tally};
+use super::view::{View, ViewSink};
 use crate::drive::archive::Archive;
 use crate::drive::editor::Editor;
 use crate::drive::journal::JournalGauges;
-use crate::drive::overload::CAUSES;
 use crate::drive::playback::PlayerEnd;
-use crate::drive::ports::{BusPorts, PoseInbox};
-use crate::drive::stats::Histogram;
+use crate::drive::ports::BusPorts;
 use crate::wire;
-use palpate_proto::codec::encode;
 use palpate_proto::keys::Keys;
-use palpate_proto::messages::{
-    ContactSet, ControlNet, EventKind, LoopState, LoopStatus, RecorderState, SimEvent, ToolForce,
-};
-use palpate_proto::rpc::Answer;
+use palpate_proto::messages::{ALL, EventKind, RecorderState};
+use palpate_proto::rpc::{Answer, METHODS};
 use palpate_sim::scene::Scene;
-use palpate_sim::tick::record::TickOutput;
+use palpate_sim::scene::spec::Clock;
+use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, sync_channel};
-use std::sync::{Arc, OnceLock};
 use std::thread::{JoinHandle, Thread};
-use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
+use std::time::{Duration, Instant};
 use zenoh::Wait;
-use zenoh::query::Query;
-
-/// Takes what a viewer shows. Called by the bus thread; must not wait.
-pub trait ViewSink: Send {
-    /// A tool's newest force.
-    fn force(&mut self, tool: usize, force: &ToolForce);
-    /// A body's newest net.
-    fn net(&mut self, net: &ControlNet);
-    /// All contacts, some sixty times a second while there are any, and when they begin and end.
-    fn contacts(&mut self, contacts: &ContactSet);
-    /// Other bodies than before; nets follow. `gaps`: by body, the rows and columns of its net
-    /// after which no line goes on.
-    fn bodies(&mut self, ids: &[&str], gaps: Vec<(String, [Vec<usize>; 2])>);
-    /// Health.
-    fn status(&mut self, status: &LoopStatus);
-    /// Everything that is counted, ten times a second.
-    fn figures(&mut self, figures: &Figures);
-}
+use zenoh::bytes::Encoding;
 
 /// What the bus needs to know beside its ports.
 pub struct BusSettings {
@@ -61,11 +54,11 @@ pub struct BusSettings {
     pub viewer_url: Option<String>,
     /// Bytes and drops of the recorder, if any.
     pub recorder: Option<Arc<JournalGauges>>,
-    /// Who records on demand, if anyone does.
+    /// The keeper of recordings, if there is one.
     pub archive: Option<Box<dyn Archive>>,
-    /// Who remakes the scene on demand, if anyone does.
+    /// The editor of the scene, if there is one.
     pub editor: Option<Box<dyn Editor>>,
-    /// Who plays a recording instead of a loop, if that is what runs here.
+    /// The player of a recording that runs here instead of a loop, if one does.
     pub player: Option<PlayerEnd>,
 }
 
@@ -96,7 +89,7 @@ impl Bus {
     /// Declares everything on the session and starts the thread.
     ///
     /// # Errors
-    /// Zenoh refused a declaration, or the instance name is no id.
+    /// Zenoh refused a declaration, or the instance name is not a valid id.
     pub fn start(
         session: zenoh::Session,
         ports: BusPorts,
@@ -104,39 +97,12 @@ impl Bus {
     ) -> Result<Self, String> {
         let keys = Keys::new(&settings.instance).map_err(|e| e.to_string())?;
         let stop = Arc::new(AtomicBool::new(false));
-        let (inbox, requests) = sync_channel(INBOX);
-        let devices = Devices::new(&settings.scene);
-        let roles = Roles {
-            player: settings.player.is_some(),
-            viewer: settings.viewer.is_some(),
-        };
-        let declared = Declared::new(
-            &session,
-            &keys,
-            &settings.scene,
-            &ports,
-            &devices,
-            &inbox,
-            roles,
-        )
-        .map_err(|e| e.to_string())?;
-        let shared_stop = stop.clone();
-        let wake: Arc<OnceLock<Thread>> = ports.bus_thread.clone();
+        let wake = ports.bus_thread.clone();
+        let bus = BusThread::new(session, keys, ports, settings, stop.clone())
+            .map_err(|e| e.to_string())?;
         let thread = std::thread::Builder::new()
             .name("palpate-bus".into())
-            .spawn(move || {
-                BusThread::new(
-                    session,
-                    keys,
-                    ports,
-                    settings,
-                    declared,
-                    devices,
-                    requests,
-                    shared_stop,
-                )
-                .run()
-            })
+            .spawn(move || bus.run())
             .map_err(|e| e.to_string())?;
         let waker = thread.thread().clone();
         let _ = wake.set(waker.clone());
@@ -155,40 +121,33 @@ impl Bus {
     }
 }
 
-/// The thread's own.
-pub(super) struct BusThread {
+/// What is served, as of now.
+struct Served {
+    scene: Arc<Scene>,
+    scene_hash: [u8; 32],
+    keys: Keys,
+    instance: String,
+    viewer_url: Option<String>,
+}
+
+/// The owners of all parts, and the order in which they are polled.
+struct BusThread {
     session: zenoh::Session,
-    pub(super) keys: Keys,
-    pub(super) ports: BusPorts,
-    pub(super) settings: BusSettings,
-    declared: Option<Declared>,
-    pub(super) devices: Devices,
-    /// Somebody subscribes to what contacts do, by tool.
-    pub(super) contact_wanted: Vec<bool>,
-    pub(super) requests: Receiver<Inbox>,
+    served: Served,
+    declared: Declared,
+    requests: Receiver<Inbox>,
     stop: Arc<AtomicBool>,
-    pub(super) output: TickOutput,
-    pub(super) nets: Vec<ControlNet>,
-    pub(super) status: LoopStatus,
-    pub(super) pending: Vec<(u64, Query)>,
-    pub(super) next_id: u64,
-    pub(super) events: u64,
-    pub(super) history: History,
-    /// Of the scene, under way.
-    pub(super) change: Option<Change>,
-    /// Since the start, by cause.
-    pub(super) overruns: [u64; CAUSES.len()],
-    pub(super) period: Histogram,
-    pub(super) step: Histogram,
-    /// By tool: refused poses, stale ticks, in contact, stale now.
-    pub(super) tools: Vec<ToolTally>,
-    pub(super) last_status: Instant,
-    pub(super) last_overruns: Instant,
-    pub(super) last_contacts: Instant,
-    /// Anything touched in the last tick seen.
-    pub(super) touching: bool,
-    pub(super) last_nets: Instant,
-    pub(super) lockstep: bool,
+    link: LoopLink,
+    rpc: Rpc,
+    edits: Edits,
+    devices: Devices,
+    forces: Forces,
+    contacts: Contacts,
+    nets: Nets,
+    tally: Tally,
+    last_status: Instant,
+    events: Events,
+    view: View,
 }
 
 impl BusThread {
@@ -197,59 +156,60 @@ impl BusThread {
         keys: Keys,
         ports: BusPorts,
         settings: BusSettings,
-        declared: Declared,
-        devices: Devices,
-        requests: Receiver<Inbox>,
         stop: Arc<AtomicBool>,
-    ) -> Self {
-        let scene = &settings.scene;
-        let nets = wire::all_nets(scene, &scene.initial_state());
-        let status = LoopStatus {
-            tick: 0,
-            state: LoopState::Running,
-            rate_hz: 1.0 / scene.dt_s,
-            late_ticks: 0,
-            skipped_ticks: 0,
-            period: Default::default(),
-            step: Default::default(),
-            tools: Vec::new(),
-            recorder: RecorderState::Off,
-            recorder_bytes: 0,
-            recorder_drops: 0,
-            quality_level: 0,
+    ) -> zenoh::Result<Self> {
+        let scene = settings.scene;
+        let (inbox, requests) = sync_channel(INBOX);
+        let devices = Devices::new(&scene);
+        let roles = Roles {
+            player: settings.player.is_some(),
+            viewer: settings.viewer.is_some(),
         };
-        let now = Instant::now();
-        Self {
-            tools: vec![ToolTally::default(); scene.tool_count()],
-            // In lockstep and out of a recording every force is told.
-            lockstep: scene.clock == palpate_sim::scene::spec::Clock::Lockstep
-                || settings.player.is_some(),
+        // In lockstep and out of a recording every force is told.
+        let every = scene.clock == Clock::Lockstep || roles.player;
+        let (session_of, poses) = (&session, &ports.poses);
+        let forces = Forces::new(session_of, &keys, &scene, ports.outputs, poses, every)?;
+        let contacts = Contacts::new(session_of, &keys, scene.tool_count())?;
+        let nets = Nets::new(session_of, &keys, &scene, ports.nets, inbox.clone())?;
+        let events = Events::new(session_of, &keys, settings.archive)?;
+        let gauges = Gauges {
+            poses: poses.clone(),
+            counters: ports.counters,
+            recorder: settings.recorder,
+        };
+        let tally = Tally::new(session_of, &keys, &scene, ports.records, gauges)?;
+        // Last, with the tokens that say that all of it is there.
+        let declared = Declared::new(session_of, &keys, &scene, poses, &devices, &inbox, roles)?;
+        Ok(Self {
             session,
-            keys,
-            ports,
-            declared: Some(declared),
-            devices,
-            contact_wanted: vec![false; scene.tool_count()],
+            declared,
             requests,
             stop,
-            output: TickOutput::default(),
+            link: LoopLink {
+                commands: ports.commands,
+                receipts: ports.receipts,
+                swaps: ports.swaps,
+                retired: ports.retired,
+                tick_thread: ports.tick_thread,
+            },
+            rpc: Rpc::new(settings.player),
+            edits: Edits::new(settings.editor),
+            devices,
+            forces,
+            contacts,
             nets,
-            status,
-            pending: Vec::new(),
-            next_id: 1,
-            events: 0,
-            history: History::default(),
-            change: None,
-            overruns: [0; CAUSES.len()],
-            period: Histogram::default(),
-            step: Histogram::default(),
-            last_status: now,
-            last_overruns: now,
-            last_contacts: now,
-            touching: false,
-            last_nets: now,
-            settings,
-        }
+            tally,
+            last_status: Instant::now(),
+            events,
+            view: View(settings.viewer),
+            served: Served {
+                scene,
+                scene_hash: settings.scene_hash,
+                keys,
+                instance: settings.instance,
+                viewer_url: settings.viewer_url,
+            },
+        })
     }
 
     fn run(mut self) -> BusReport {
@@ -258,92 +218,222 @@ impl BusThread {
             self.serve();
         }
         self.serve();
-        self.event(EventKind::Stopping);
+        self.events.tell(EventKind::Stopping);
         self.publish_status();
-        for id in self.pending.iter().map(|(id, _)| *id).collect::<Vec<_>>() {
-            self.settle(id, &Answer::refused("the daemon is going down"));
-        }
-        self.declared = None;
+        let reason = Answer::refused("the daemon is going down");
+        self.rpc.desk.settle_all(&reason);
+        let report = BusReport {
+            events: self.events.count(),
+            poses: self.forces.received(),
+            suppressed: self.devices.all_suppressed(),
+        };
+        // Nothing comes in before nothing goes out.
+        drop(self.declared);
+        drop((
+            self.nets,
+            self.forces,
+            self.contacts,
+            self.tally,
+            self.events,
+        ));
         if let Err(error) = self.session.close().wait() {
             tracing::warn!(%error, "closing the session");
         }
-        let received = |inbox: &Arc<PoseInbox>| inbox.counters.received.load(Ordering::Relaxed);
-        BusReport {
-            events: self.events,
-            poses: self.ports.poses.iter().map(received).collect(),
-            suppressed: (0..self.tools.len())
-                .map(|tool| self.devices.suppressed(tool))
-                .collect(),
-        }
+        report
     }
 
     fn serve(&mut self) {
-        let player_news = self.player_news();
+        let player_news = self.rpc.player_news();
         self.take_receipts();
         self.publish_forces();
         // The receipt of a change comes before its first tick: all that came before the change is
         // told now.
         self.follow_change(None);
-        while let Ok(record) = self.ports.records.pop() {
-            self.tally(&record);
-        }
-        self.answer_again();
-        self.publish_nets();
+        self.tally.poll(&self.served.scene, &mut self.events);
+        self.forces.answer_again(&mut self.view);
+        self.nets.publish(&self.served.scene, &mut self.view);
         while let Ok(request) = self.requests.try_recv() {
             self.answer(request);
         }
         self.take_receipts();
-        self.take_archive_news();
-        self.take_editor_news();
-        self.take_player_news(player_news);
+        self.rpc.take_archive_news(&mut self.events);
+        let next_tick = self.tally.status().tick + 1;
+        self.edits
+            .take_news(next_tick, &mut self.link, &mut self.rpc.desk);
+        self.rpc.take_player_news(player_news, &mut self.events);
         if self.last_status.elapsed() >= STATUS_EVERY {
             self.publish_status();
         }
     }
 
-    /// What is declared.
-    pub(super) fn declared(&self) -> &Declared {
-        self.declared
-            .as_ref()
-            .expect("taken only at the end of run")
-    }
-
-    /// Declares the bodies of the scene as it is now.
-    pub(super) fn declare_bodies(&mut self) -> zenoh::Result<()> {
-        match &mut self.declared {
-            Some(declared) => declared.bodies(&self.session, &self.keys, &self.settings.scene),
-            None => Ok(()),
+    /// Answers commands that have had their effect. That of a change waits until all of the scene
+    /// before it is told.
+    fn take_receipts(&mut self) {
+        while let Ok(receipt) = self.link.receipts.pop() {
+            if !self.edits.take_receipt(receipt) {
+                self.rpc.desk.settle(receipt.id, &Answer::at(receipt.tick));
+            }
         }
     }
 
-    /// Publishes an event.
-    pub(super) fn event(&mut self, kind: EventKind) {
-        self.events += 1;
-        let event = SimEvent {
-            tick: self.status.tick,
-            seq: self.events,
-            t_ns: server_ns(),
-            kind,
+    fn publish_forces(&mut self) {
+        let mut fresh = false;
+        while let Some(tick) = self.forces.next_tick() {
+            if self.edits.under_way() {
+                self.take_receipts();
+                self.follow_change(Some(tick));
+            }
+            let scene = &self.served.scene;
+            fresh |= self
+                .forces
+                .publish_next(scene, &mut self.devices, &mut self.view);
+        }
+        if fresh {
+            let (scene, output) = (&self.served.scene, self.forces.newest());
+            self.contacts.publish(scene, output, &mut self.view);
+        }
+    }
+
+    /// Goes on with the next scene if the loop does from `tick` on, or has told all before it
+    /// (`None`).
+    fn follow_change(&mut self, tick: Option<u64>) {
+        let Some(mut next) = self.edits.due(tick) else {
+            return;
         };
-        let _ = self.declared().events.put(encode(&event)).wait();
-        if let Some(archive) = &mut self.settings.archive {
-            let (kind, detail) = wire::event_words(&event.kind);
-            archive.event(event.tick, kind, &detail);
-        }
-        self.history.push(event);
+        let scene = next.scene.clone();
+        let ends = std::mem::take(&mut next.nets);
+        (self.served.scene, self.served.scene_hash) = (scene.clone(), next.scene_hash);
+        self.forces.forget_contacts();
+        self.nets
+            .change(&self.session, &self.served.keys, &scene, ends);
+        self.view.show(|sink| {
+            let ids: Vec<&str> = (0..scene.body_count()).map(|b| scene.body_id(b)).collect();
+            sink.bodies(&ids, scene.net_gaps());
+        });
+        let what = std::mem::take(&mut next.what);
+        self.events.tell(EventKind::SceneChanged { what });
+        self.link.drop_retired();
+        next.settle(&mut self.rpc.desk);
     }
 
-    /// Keeps the recorder's liveliness token as its state is.
-    pub(super) fn show_recording(&mut self) {
-        let recording = self.status.recorder == RecorderState::Recording;
-        if let Some(declared) = &mut self.declared {
-            declared.show_recording(&self.session, recording);
+    fn publish_status(&mut self) {
+        self.last_status = Instant::now();
+        self.forces.look_for_listeners();
+        self.tally.end_period(&mut self.events);
+        self.read_gauges();
+        let recording = self.tally.status().recorder == RecorderState::Recording;
+        self.declared.show_recording(&self.session, recording);
+        self.tally.publish();
+        if self.view.0.is_some() {
+            let figures = self.figures();
+            self.view.show(|sink| {
+                sink.status(&figures.status);
+                sink.figures(&figures);
+            });
         }
     }
-}
 
-pub(super) fn server_ns() -> u64 {
-    SystemTime::now()
-        .duration_since(UNIX_EPOCH)
-        .map_or(0, |t| t.as_nanos() as u64)
+    /// Brings the status up to date.
+    fn read_gauges(&mut self) {
+        let (scene, output) = (&self.served.scene, self.forces.newest());
+        self.tally.read_gauges(scene, output, self.rpc.state());
+    }
+
+    /// Answers a query, or takes what a client told.
+    fn answer(&mut self, request: Inbox) {
+        let served = &self.served;
+        match request {
+            Inbox::Scene(query) => {
+                let (nets, output) = (self.nets.all(), self.forces.newest());
+                let hash = served.scene_hash;
+                let snapshot = wire::scene_snapshot(&served.scene, hash, nets, output);
+                reply(&query, &snapshot);
+            }
+            Inbox::Status(query) => {
+                self.read_gauges();
+                reply(&query, self.tally.status());
+            }
+            Inbox::Net(body, query) => {
+                // A body that has just gone is not answered for: the query ends empty.
+                if let Some(net) = self.nets.all().iter().find(|net| net.body == body) {
+                    reply(&query, net);
+                }
+            }
+            Inbox::Info(query) => reply_json(&query, query.key_expr().clone(), &self.info()),
+            Inbox::Schema(query) => schemas::answer(&served.keys, &query),
+            Inbox::Metrics(query) => {
+                self.read_gauges();
+                let encoding = Encoding::APPLICATION_OPENMETRICS_TEXT;
+                let _ = query
+                    .reply(query.key_expr().clone(), self.figures().text())
+                    .encoding(encoding)
+                    .wait();
+            }
+            Inbox::Events(query) => self.events.answer(&query),
+            Inbox::Device(tool, query) => {
+                // Nothing to say is not an answer: the query ends empty.
+                if let Some(info) = self.devices.info(tool) {
+                    reply(&query, info);
+                }
+            }
+            Inbox::Told(tool, info) => {
+                let (link, events) = (&mut self.link, &mut self.events);
+                self.devices.told(tool, *info, &served.scene, link, events);
+            }
+            Inbox::ToolToken { tool, present } => {
+                let Some(tool) = served.scene.tool_index(&tool) else {
+                    return;
+                };
+                if present {
+                    self.devices.release(tool, &mut self.link);
+                } else {
+                    self.forces.forget_sender(tool);
+                    self.devices.forget(tool);
+                }
+            }
+            Inbox::Rpc(method, query) => {
+                let parties = Parties {
+                    link: &mut self.link,
+                    events: &mut self.events,
+                    edits: &mut self.edits,
+                    scene: &served.scene,
+                    nets: self.nets.all(),
+                };
+                self.rpc.take(method, query, parties);
+            }
+        }
+    }
+
+    fn info(&self) -> serde_json::Value {
+        let scene = &self.served.scene;
+        serde_json::json!({
+            "name": "palpate",
+            "version": env!("CARGO_PKG_VERSION"),
+            "instance": self.served.instance,
+            "scene": scene.name,
+            "rate_hz": 1.0 / scene.dt_s,
+            "tools": (0..scene.tool_count()).map(|t| scene.tool_id(t)).collect::<Vec<_>>(),
+            "bodies": (0..scene.body_count()).map(|b| scene.body_id(b)).collect::<Vec<_>>(),
+            "devices": self.devices.report(|tool| scene.tool_id(tool)),
+            "messages": ALL.iter().map(|message| message.name).collect::<Vec<_>>(),
+            "methods": METHODS,
+            "played": self.rpc.plays(),
+            "recorder": self.tally.status().recorder,
+            "viewer": self.served.viewer_url,
+        })
+    }
+
+    /// Everything that is counted, as of the last [`BusThread::read_gauges`].
+    fn figures(&self) -> Figures {
+        Figures {
+            instance: self.served.instance.clone(),
+            scene: self.served.scene.name.clone(),
+            status: self.tally.status().clone(),
+            overruns: self.tally.overruns(),
+            bus_drops: self.tally.bus_drops(),
+            events: self.events.count(),
+            suppressed: self.devices.all_suppressed(),
+            descriptions_refused: self.devices.all_refused(),
+        }
+    }
 }

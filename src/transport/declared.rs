@@ -1,21 +1,17 @@
-//! Everything the daemon declares on its session, and what its callbacks do.
+//! What the daemon listens to on its session, and what its callbacks do.
 
 use super::devices::{Devices, take_device};
 use super::poses::take_pose;
-use crate::drive::ports::BusPorts;
-use palpate_proto::codec::encoding_schema;
+use crate::drive::ports::PoseInbox;
 use palpate_proto::keys::Keys;
-use palpate_proto::messages::{
-    ContactSet, ControlNet, DeviceInfo, LoopStatus, Message, SimEvent, ToolContact, ToolForce,
-};
+use palpate_proto::messages::DeviceInfo;
 use palpate_proto::rpc::METHODS;
 use palpate_sim::scene::Scene;
+use std::sync::Arc;
 use std::sync::mpsc::SyncSender;
 use zenoh::Wait;
 use zenoh::bytes::Encoding;
 use zenoh::liveliness::LivelinessToken;
-use zenoh::pubsub::Publisher;
-use zenoh::qos::{CongestionControl, Priority};
 use zenoh::query::Query;
 use zenoh::sample::SampleKind;
 
@@ -34,10 +30,6 @@ pub(super) enum Inbox {
     ToolToken { tool: String, present: bool },
 }
 
-pub(super) fn encoding<M: Message>() -> Encoding {
-    Encoding::APPLICATION_OCTET_STREAM.with_schema(encoding_schema::<M>())
-}
-
 /// Schema part of a sample's encoding; empty when it has none.
 pub(super) fn schema_of(encoding: &Encoding) -> String {
     let text = encoding.to_string();
@@ -45,7 +37,7 @@ pub(super) fn schema_of(encoding: &Encoding) -> String {
         .map_or(String::new(), |(_, schema)| schema.to_owned())
 }
 
-/// Everything declared. Undeclared in this order: nothing comes in before nothing goes out.
+/// Everything through which something comes in, and the tokens that say who is here.
 pub(super) struct Declared {
     _tool_subscribers: Vec<zenoh::pubsub::Subscriber<()>>,
     _live_subscriber: Option<zenoh::pubsub::Subscriber<()>>,
@@ -54,16 +46,6 @@ pub(super) struct Declared {
     /// While something is recorded.
     recorder_token: Option<LivelinessToken>,
     recorder_key: String,
-    pub(super) forces: Vec<Publisher<'static>>,
-    /// What contacts do, by tool.
-    pub(super) tool_contacts: Vec<Publisher<'static>>,
-    pub(super) nets: Vec<Publisher<'static>>,
-    /// Of bodies: they may change.
-    net_queryables: Vec<zenoh::query::Queryable<()>>,
-    inbox: SyncSender<Inbox>,
-    pub(super) contacts: Publisher<'static>,
-    pub(super) status: Publisher<'static>,
-    pub(super) events: Publisher<'static>,
 }
 
 impl Declared {
@@ -71,45 +53,19 @@ impl Declared {
         session: &zenoh::Session,
         keys: &Keys,
         scene: &Scene,
-        ports: &BusPorts,
+        poses: &[Arc<PoseInbox>],
         devices: &Devices,
         inbox: &SyncSender<Inbox>,
         roles: Roles,
     ) -> zenoh::Result<Self> {
-        let publisher = |key: String, encoding, priority, congestion, express| {
-            session
-                .declare_publisher(key)
-                .encoding(encoding)
-                .priority(priority)
-                .congestion_control(congestion)
-                .express(express)
-                .wait()
-        };
-        let (drop, block) = (CongestionControl::Drop, CongestionControl::Block);
-        let (mut forces, mut tool_contacts, mut tool_subscribers) =
-            (Vec::new(), Vec::new(), Vec::new());
+        let mut tool_subscribers = Vec::new();
         for tool in 0..scene.tool_count() {
             let id = scene.tool_id(tool);
-            forces.push(publisher(
-                keys.tool_force(id),
-                encoding::<ToolForce>(),
-                Priority::RealTime,
-                drop,
-                true,
-            )?);
-            let key = keys.tool_contact(id);
-            tool_contacts.push(publisher(
-                key,
-                encoding::<ToolContact>(),
-                Priority::RealTime,
-                drop,
-                true,
-            )?);
             // Nobody holds a tool of a recording.
             if roles.player {
                 continue;
             }
-            let poses = ports.poses[tool].clone();
+            let poses = poses[tool].clone();
             let subscriber = session
                 .declare_subscriber(keys.tool_pose(id))
                 .callback(move |sample| {
@@ -181,71 +137,14 @@ impl Declared {
                     .wait()?,
             );
         }
-        let mut declared = Self {
+        Ok(Self {
             _tool_subscribers: tool_subscribers,
             _live_subscriber: live_subscriber,
             _queryables: queryables,
             _tokens: tokens,
             recorder_token: None,
             recorder_key: keys.live_recorder(&id),
-            forces,
-            tool_contacts,
-            nets: Vec::new(),
-            net_queryables: Vec::new(),
-            inbox: inbox.clone(),
-            contacts: publisher(
-                keys.contact(),
-                encoding::<ContactSet>(),
-                Priority::DataHigh,
-                drop,
-                false,
-            )?,
-            status: publisher(
-                keys.status(),
-                encoding::<LoopStatus>(),
-                Priority::DataHigh,
-                drop,
-                false,
-            )?,
-            events: publisher(
-                keys.event(),
-                encoding::<SimEvent>(),
-                Priority::InteractiveLow,
-                block,
-                false,
-            )?,
-        };
-        declared.bodies(session, keys, scene)?;
-        Ok(declared)
-    }
-
-    /// Declares the nets of a scene in the place of those before.
-    pub(super) fn bodies(
-        &mut self,
-        session: &zenoh::Session,
-        keys: &Keys,
-        scene: &Scene,
-    ) -> zenoh::Result<()> {
-        self.nets.clear();
-        self.net_queryables.clear();
-        for body in 0..scene.body_count() {
-            let id = scene.body_id(body).to_owned();
-            let key = keys.body_net(&id);
-            let net = session
-                .declare_publisher(key.clone())
-                .encoding(encoding::<ControlNet>())
-                .priority(Priority::Data)
-                .congestion_control(CongestionControl::Drop)
-                .wait()?;
-            let inbox = self.inbox.clone();
-            let asked = move |query| {
-                let _ = inbox.try_send(Inbox::Net(id.clone(), query));
-            };
-            self.net_queryables
-                .push(session.declare_queryable(key).callback(asked).wait()?);
-            self.nets.push(net);
-        }
-        Ok(())
+        })
     }
 
     /// Shows whether something is being recorded.

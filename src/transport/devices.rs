@@ -1,8 +1,8 @@
 //! What the devices of tools can do, as their clients told.
 
-use super::bus::BusThread;
 use super::deadband::Deadband;
-use crate::drive::ports::CommandRequest;
+use super::events::Events;
+use super::link::LoopLink;
 use crate::wire;
 use palpate_proto::codec::{check_head, decode};
 use palpate_proto::messages::{DeviceInfo, EventKind};
@@ -60,9 +60,16 @@ impl Devices {
         self.tools[tool].bounds.force_max_n
     }
 
-    /// Forces left out so far.
-    pub(super) fn suppressed(&self, tool: usize) -> u64 {
-        self.tools[tool].deadband.suppressed()
+    /// Forces left out so far, by tool.
+    pub(super) fn all_suppressed(&self) -> Vec<u64> {
+        let suppressed = |device: &Device| device.deadband.suppressed();
+        self.tools.iter().map(suppressed).collect()
+    }
+
+    /// Descriptions that were dropped, by tool.
+    pub(super) fn all_refused(&self) -> Vec<u64> {
+        let refused = |device: &Device| device.refused.load(Ordering::Relaxed);
+        self.tools.iter().map(refused).collect()
     }
 
     /// Whether the hand at this device could tell this force from the last one sent.
@@ -91,17 +98,23 @@ impl Devices {
     }
 }
 
-impl BusThread {
-    /// The client of a tool told what its device can do; `info` is validated. Comes again after
-    /// each reconnect, often with the same words.
-    pub(super) fn told(&mut self, tool: usize, info: DeviceInfo) {
-        let device = &mut self.devices.tools[tool];
+impl Devices {
+    /// The client of a tool described its device; `info` is validated. Comes again after each
+    /// reconnect, often with the same content.
+    pub(super) fn told(
+        &mut self,
+        tool: usize,
+        info: DeviceInfo,
+        scene: &Scene,
+        link: &mut LoopLink,
+        events: &mut Events,
+    ) {
+        let device = &mut self.tools[tool];
         if device.info.as_ref() == Some(&info) {
             return;
         }
         device.deadband.set(info.deadband);
         let name = info.name.clone();
-        let scene = self.settings.scene.clone();
         let bounds = scene.bounds_of(tool, &wire::device_figures(&info));
         if let Some(passive_n_m) = scene.stiffer_than(tool, &wire::device_figures(&info))
             && info.damping > 0.0
@@ -119,27 +132,23 @@ impl BusThread {
             ..bounds
         };
         device.info = Some(info);
-        self.bind(tool, told);
-        let tool = self.settings.scene.tool_id(tool).to_owned();
-        self.event(EventKind::DeviceTold { tool, name });
+        self.bind(tool, told, link);
+        let tool = scene.tool_id(tool).to_owned();
+        events.tell(EventKind::DeviceTold { tool, name });
     }
-}
 
-impl BusThread {
     /// Hands over what a device can bear, if that is news.
-    fn bind(&mut self, tool: usize, bounds: DeviceBounds) {
-        if self.devices.tools[tool].bounds == bounds {
+    fn bind(&mut self, tool: usize, bounds: DeviceBounds, link: &mut LoopLink) {
+        if self.tools[tool].bounds == bounds {
             return;
         }
-        let request = CommandRequest {
-            id: 0,
-            command: Command::Device {
-                tool: tool as u32,
-                bounds,
-            },
+        let command = Command::Device {
+            tool: tool as u32,
+            bounds,
         };
-        if self.ports.commands.push(request).is_ok() {
-            self.devices.tools[tool].bounds = bounds;
+        // Nobody waits for its receipt: number 0.
+        if link.command(0, command).is_ok() {
+            self.tools[tool].bounds = bounds;
         } else {
             tracing::warn!(
                 "too many commands are waiting: what a device can bear was not taken over"
@@ -148,8 +157,8 @@ impl BusThread {
     }
 
     /// A tool has a new holder: what the device before it could bear does not bind this one.
-    pub(super) fn release(&mut self, tool: usize) {
-        self.bind(tool, DeviceBounds::default());
+    pub(super) fn release(&mut self, tool: usize, link: &mut LoopLink) {
+        self.bind(tool, DeviceBounds::default(), link);
     }
 }
 

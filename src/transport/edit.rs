@@ -5,17 +5,17 @@
 //! rpc merge, isolate ─▶ Editor ─▶ EditNews::Ready ─▶ swap ─▶ loop ─▶ receipt: from this tick on
 //! ```
 
-use super::bus::BusThread;
-use crate::drive::editor::{Edit, EditNews, EditRequest};
-use crate::drive::ports::NetEnd;
-use crate::wire;
-use palpate_proto::messages::EventKind;
+use super::desk::Desk;
+use super::link::LoopLink;
+use crate::drive::editor::{Edit, EditNews, EditRequest, Editor};
+use crate::drive::ports::{NetEnd, Receipt};
+use palpate_proto::messages::ControlNet;
 use palpate_proto::rpc::Answer;
 use palpate_sim::scene::Scene;
 use std::sync::Arc;
 
 /// A change under way; there is one at a time.
-pub(super) enum Change {
+enum Change {
     /// The next scene is being made.
     Asked,
     /// The loop has it, or will.
@@ -25,26 +25,43 @@ pub(super) enum Change {
 /// What the bus goes on with after a change.
 pub(super) struct Next {
     id: u64,
-    scene: Arc<Scene>,
-    scene_hash: [u8; 32],
-    nets: Vec<NetEnd>,
-    what: String,
+    pub(super) scene: Arc<Scene>,
+    pub(super) scene_hash: [u8; 32],
+    pub(super) nets: Vec<NetEnd>,
+    /// Words for the event.
+    pub(super) what: String,
     report: serde_json::Value,
     /// First tick of the scene, once the loop has it.
     tick: Option<u64>,
 }
 
-impl BusThread {
-    pub(super) fn ask_editor(
+/// Changes of the scene: who makes them, and the one under way.
+pub(super) struct Edits {
+    editor: Option<Box<dyn Editor>>,
+    change: Option<Change>,
+}
+
+impl Edits {
+    /// No change is under way; without an editor none will be.
+    pub(super) fn new(editor: Option<Box<dyn Editor>>) -> Self {
+        Self {
+            editor,
+            change: None,
+        }
+    }
+
+    /// Asks for a change of a scene; `nets` are the newest ones, by body.
+    pub(super) fn ask(
         &mut self,
         id: u64,
+        scene: &Arc<Scene>,
+        nets: &[ControlNet],
         edit: Edit,
         names: &[String],
     ) -> Result<(), String> {
         if self.change.is_some() {
             return Err("the scene is being changed; try again".into());
         }
-        let scene = self.settings.scene.clone();
         let index = |name: &String| {
             scene.body_index(name).ok_or_else(|| {
                 let known: Vec<&str> = (0..scene.body_count())
@@ -63,26 +80,21 @@ impl BusThread {
         }
         let nets = bodies
             .iter()
-            .map(|&body| self.nets[body].points.iter().map(|&p| p.into()).collect())
+            .map(|&body| nets[body].points.iter().map(|&p| p.into()).collect())
             .collect();
-        let Some(editor) = &mut self.settings.editor else {
+        let Some(editor) = &mut self.editor else {
             return Err(
                 "this daemon keeps its scene: it runs with --self-check, or only plays".into(),
             );
         };
-        editor.ask(id, &scene, nets, EditRequest { bodies, edit });
+        editor.ask(id, scene, nets, EditRequest { bodies, edit });
         self.change = Some(Change::Asked);
         Ok(())
     }
 
-    /// What whoever remakes scenes has to tell.
-    pub(super) fn take_editor_news(&mut self) {
-        while let Some(news) = self
-            .settings
-            .editor
-            .as_mut()
-            .and_then(|editor| editor.news())
-        {
+    /// What whoever remakes scenes has to tell; `next_tick` is the one that runs next.
+    pub(super) fn take_news(&mut self, next_tick: u64, link: &mut LoopLink, desk: &mut Desk) {
+        while let Some(news) = self.editor.as_mut().and_then(|editor| editor.news()) {
             match news {
                 EditNews::Ready {
                     swap,
@@ -92,14 +104,10 @@ impl BusThread {
                     report,
                 } => {
                     let (id, scene) = (swap.id, swap.scene().clone());
-                    if self.ports.swaps.push(swap).is_err() {
+                    if !link.swap(swap) {
                         self.change = None;
-                        self.settle(
-                            id,
-                            &Answer::refused(
-                                "the loop has not taken the last change yet; try again",
-                            ),
-                        );
+                        let reason = "the loop has not taken the last change yet; try again";
+                        desk.settle(id, &Answer::refused(reason));
                         continue;
                     }
                     let next = Next {
@@ -112,76 +120,55 @@ impl BusThread {
                         tick: None,
                     };
                     self.change = Some(Change::Sent(Box::new(next)));
-                    // A loop in lockstep may sleep.
-                    self.ports.wake_tick();
                 }
                 EditNews::Nothing { id, report } => {
                     self.change = None;
-                    self.settle(id, &Answer::with_report(self.status.tick + 1, report));
+                    desk.settle(id, &Answer::with_report(next_tick, report));
                 }
                 EditNews::Refused { id, reason } => {
                     self.change = None;
-                    self.settle(id, &Answer::refused(reason));
+                    desk.settle(id, &Answer::refused(reason));
                 }
             }
         }
     }
 
-    /// Answers commands that have had their effect. That of a change waits until all of the scene
-    /// before it is told.
-    pub(super) fn take_receipts(&mut self) {
-        while let Ok(receipt) = self.ports.receipts.pop() {
-            match &mut self.change {
-                Some(Change::Sent(next)) if next.id == receipt.id => next.tick = Some(receipt.tick),
-                _ => self.settle(receipt.id, &Answer::at(receipt.tick)),
+    /// A change is being made, or waits for its first tick.
+    pub(super) fn under_way(&self) -> bool {
+        self.change.is_some()
+    }
+
+    /// Takes the receipt of a change; that of another command is not for here (false). A change is
+    /// answered when all of the scene before it is told.
+    pub(super) fn take_receipt(&mut self, receipt: Receipt) -> bool {
+        match &mut self.change {
+            Some(Change::Sent(next)) if next.id == receipt.id => {
+                next.tick = Some(receipt.tick);
+                true
             }
+            _ => false,
         }
     }
 
-    /// Goes on with the next scene if the loop does from `tick` on, or has told all before it
+    /// The next scene if the loop goes on with it from `tick` on, or has told all before it
     /// (`None`).
-    pub(super) fn follow_change(&mut self, tick: Option<u64>) {
-        let due = matches!(&self.change, Some(Change::Sent(next))
+    pub(super) fn due(&mut self, tick: Option<u64>) -> Option<Next> {
+        let is_due = matches!(&self.change, Some(Change::Sent(next))
             if next.tick.is_some_and(|first| tick.is_none_or(|tick| tick >= first)));
-        if !due {
-            return;
+        if !is_due {
+            return None;
         }
-        let Some(Change::Sent(next)) = self.change.take() else {
-            return;
-        };
-        let Next {
-            id,
-            scene,
-            scene_hash,
-            nets,
-            what,
-            report,
-            tick,
-        } = *next;
-        self.nets = wire::all_nets(&scene, &scene.initial_state());
-        (
-            self.ports.nets,
-            self.settings.scene,
-            self.settings.scene_hash,
-        ) = (nets, scene.clone(), scene_hash);
-        self.output.contacts = Default::default();
-        if let Err(error) = self.declare_bodies() {
-            tracing::error!(%error, "the bodies of the next scene");
+        match self.change.take() {
+            Some(Change::Sent(next)) => Some(*next),
+            _ => None,
         }
-        if let Some(viewer) = &mut self.settings.viewer {
-            let ids: Vec<&str> = (0..scene.body_count())
-                .map(|body| scene.body_id(body))
-                .collect();
-            viewer.bodies(&ids, scene.net_gaps());
-        }
-        self.refresh_nets();
-        self.event(EventKind::SceneChanged { what });
-        while let Ok(retired) = self.ports.retired.pop() {
-            // A large scene takes its time to go.
-            let _ = std::thread::Builder::new()
-                .name("palpate-retired".into())
-                .spawn(move || drop(retired));
-        }
-        self.settle(id, &Answer::with_report(tick.unwrap_or_default(), report));
+    }
+}
+
+impl Next {
+    /// Answers who asked for it.
+    pub(super) fn settle(self, desk: &mut Desk) {
+        let answer = Answer::with_report(self.tick.unwrap_or_default(), self.report);
+        desk.settle(self.id, &answer);
     }
 }

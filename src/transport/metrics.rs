@@ -1,6 +1,5 @@
 //! What is counted, as OpenMetrics text.
 
-use super::bus::BusThread;
 use crate::drive::overload::CAUSES;
 use palpate_proto::messages::{LoopState, LoopStatus, Quantiles, ToolLink};
 use prometheus_client::collector::Collector;
@@ -11,7 +10,6 @@ use prometheus_client::metrics::gauge::ConstGauge;
 use prometheus_client::metrics::info::Info;
 use prometheus_client::registry::{Registry, Unit};
 use std::fmt::Error;
-use std::sync::atomic::Ordering;
 
 /// Everything that is counted, at one moment.
 #[derive(Clone, Debug)]
@@ -294,25 +292,5 @@ impl Figures {
             MetricType::Gauge,
             energy,
         )
-    }
-}
-
-impl BusThread {
-    /// Everything that is counted, now.
-    pub(super) fn figures(&self) -> Figures {
-        Figures {
-            instance: self.settings.instance.clone(),
-            scene: self.settings.scene.name.clone(),
-            status: self.status.clone(),
-            overruns: self.overruns,
-            bus_drops: self.ports.counters.bus_drops.load(Ordering::Relaxed),
-            events: self.events,
-            suppressed: (0..self.tools.len())
-                .map(|tool| self.devices.suppressed(tool))
-                .collect(),
-            descriptions_refused: (0..self.tools.len())
-                .map(|tool| self.devices.refused(tool).load(Ordering::Relaxed))
-                .collect(),
-        }
     }
 }

@@ -5,19 +5,26 @@
 
 mod answers;
 mod bus;
+mod contacts;
 mod deadband;
 mod declared;
+mod desk;
 mod devices;
 mod edit;
+mod events;
+mod forces;
 mod history;
+mod link;
 mod metrics;
+mod nets;
 mod poses;
-mod publish;
 mod rpc;
 mod schemas;
 mod session;
 mod tally;
+mod view;
 
-pub use bus::{Bus, BusReport, BusSettings, ViewSink};
+pub use bus::{Bus, BusReport, BusSettings};
 pub use metrics::Figures;
 pub use session::{DEFAULT_ENDPOINT, SessionError, SessionSettings, open};
+pub use view::ViewSink;

@@ -1,74 +1,90 @@
-//! Commands of clients: to the loop, to the keeper of recordings, or to a player.
+//! Commands of clients: to the loop, to the keeper of recordings, to the editor or to a player.
 
-use super::answers::reply_json;
-use super::bus::BusThread;
+use super::answers::reply_to_call;
+use super::desk::Desk;
+use super::edit::Edits;
+use super::events::Events;
+use super::link::LoopLink;
 use crate::drive::archive::{ArchiveNews, ArchiveRequest};
 use crate::drive::editor::Edit;
-use crate::drive::playback::{PlayNews, PlayRequest};
-use crate::drive::ports::CommandRequest;
-use palpate_proto::messages::{EventKind, LoopState};
+use crate::drive::playback::{PlayNews, PlayRequest, PlayerEnd};
+use palpate_proto::messages::{ControlNet, EventKind, LoopState};
 use palpate_proto::rpc::{Answer, Call};
+use palpate_sim::scene::Scene;
 use palpate_sim::tick::record::Command;
+use std::sync::Arc;
 use zenoh::bytes::ZBytes;
 use zenoh::query::Query;
 
-/// Commands under way; more are refused.
-const MOST_PENDING: usize = 256;
+/// Takes commands, passes them on and answers them.
+pub(super) struct Rpc {
+    /// Commands under way.
+    pub(super) desk: Desk,
+    /// Plays a recording instead of a loop, if that is what runs here.
+    player: Option<PlayerEnd>,
+    /// What the loop was asked to do.
+    state: LoopState,
+}
 
-impl BusThread {
+/// Who carries out commands, and what they need to know.
+pub(super) struct Parties<'a> {
+    pub link: &'a mut LoopLink,
+    pub events: &'a mut Events,
+    pub edits: &'a mut Edits,
+    pub scene: &'a Arc<Scene>,
+    pub nets: &'a [ControlNet],
+}
+
+impl Rpc {
+    /// Nothing is under way.
+    pub(super) fn new(player: Option<PlayerEnd>) -> Self {
+        Self {
+            desk: Desk::new(),
+            player,
+            state: LoopState::Running,
+        }
+    }
+
+    /// What the loop was asked to do.
+    pub(super) fn state(&self) -> LoopState {
+        self.state
+    }
+
+    /// A recording is played.
+    pub(super) fn plays(&self) -> bool {
+        self.player.is_some()
+    }
+
     /// Carries out a command, or passes it on and keeps the query until its answer comes.
-    pub(super) fn rpc(&mut self, method: &'static str, query: Query) {
-        let refuse = |reason: String| {
-            reply_json(
-                &query,
-                query.key_expr().clone(),
-                &Answer::<()>::refused(reason),
-            )
-        };
-        let length = query.payload().map_or(0, ZBytes::len);
-        if let Err(error) = Call::check_length(method, length) {
-            return refuse(error.to_string());
-        }
-        let payload = query
-            .payload()
-            .map(|p| p.to_bytes().into_owned())
-            .unwrap_or_default();
-        let call = match Call::parse(method, &payload) {
-            Ok(call) => call,
-            Err(error) => return refuse(error.to_string()),
-        };
-        if self.pending.len() >= MOST_PENDING {
-            return refuse("too many commands are waiting; try again".into());
-        }
-        let id = self.next_id;
-        let asked = if self.settings.player.is_some() {
-            self.ask_player(id, call)
-        } else {
-            self.ask_live(id, call)
-        };
-        match asked {
-            Ok(()) => {
-                self.next_id += 1;
-                self.pending.push((id, query));
+    pub(super) fn take(&mut self, method: &str, query: Query, mut parties: Parties<'_>) {
+        let asked = read(method, &query).and_then(|call| {
+            let id = self.desk.next_id()?;
+            if self.player.is_some() {
+                self.ask_player(id, call)
+            } else {
+                self.ask_live(id, call, &mut parties)
             }
-            Err(reason) => refuse(reason),
+        });
+        match asked {
+            Ok(()) => self.desk.keep(query),
+            Err(reason) => reply_to_call(&query, &Answer::refused(reason)),
         }
     }
 
     /// Passes a call on to the loop, the keeper of recordings or the editor of a live scene.
-    fn ask_live(&mut self, id: u64, call: Call) -> Result<(), String> {
+    fn ask_live(&mut self, id: u64, call: Call, parties: &mut Parties<'_>) -> Result<(), String> {
         let method = call.method();
         match call {
-            Call::Reset => self.ask_loop(id, Command::Reset),
-            Call::Pause => self.ask_loop(id, Command::Pause),
-            Call::Resume => self.ask_loop(id, Command::Resume),
-            Call::Step { ticks } => self.ask_loop(id, Command::Step(ticks)),
-            Call::Shutdown => self.ask_loop(id, Command::Stop),
+            Call::Reset => self.ask_loop(id, parties, Command::Reset),
+            Call::Pause => self.ask_loop(id, parties, Command::Pause),
+            Call::Resume => self.ask_loop(id, parties, Command::Resume),
+            Call::Step { ticks } => self.ask_loop(id, parties, Command::Step(ticks)),
+            Call::Shutdown => self.ask_loop(id, parties, Command::Stop),
             Call::RecordStart { path } => {
                 let path = path.map(Into::into);
-                self.ask_archive(id, method, ArchiveRequest::Start { path })
+                ask_archive(id, parties.events, method, ArchiveRequest::Start { path })
             }
-            Call::RecordStop => self.ask_archive(id, method, ArchiveRequest::Stop),
+            Call::RecordStop => ask_archive(id, parties.events, method, ArchiveRequest::Stop),
             Call::Snapshot {
                 before,
                 after,
@@ -79,7 +95,7 @@ impl BusThread {
                     after_s: after,
                     path: path.map(Into::into),
                 };
-                self.ask_archive(id, method, wanted)
+                ask_archive(id, parties.events, method, wanted)
             }
             Call::Merge {
                 bodies,
@@ -94,7 +110,9 @@ impl BusThread {
                     method,
                     tolerance_m: tolerance,
                 };
-                self.ask_editor(id, edit, &bodies)
+                parties
+                    .edits
+                    .ask(id, parties.scene, parties.nets, edit, &bodies)
             }
             Call::Isolate {
                 bodies,
@@ -107,7 +125,9 @@ impl BusThread {
                     gap_m: gap,
                     max_turn_deg: max_turn,
                 };
-                self.ask_editor(id, edit, &bodies)
+                parties
+                    .edits
+                    .ask(id, parties.scene, parties.nets, edit, &bodies)
             }
             Call::Seek { .. } | Call::Rate { .. } => Err(format!(
                 "{method} is for recordings that are played (`palpate play`); this is a live scene"
@@ -115,15 +135,13 @@ impl BusThread {
         }
     }
 
-    fn ask_loop(&mut self, id: u64, command: Command) -> Result<(), String> {
-        if self
-            .ports
-            .commands
-            .push(CommandRequest { id, command })
-            .is_err()
-        {
-            return Err("too many commands are waiting; try again".into());
-        }
+    fn ask_loop(
+        &mut self,
+        id: u64,
+        parties: &mut Parties<'_>,
+        command: Command,
+    ) -> Result<(), String> {
+        parties.link.command(id, command)?;
         let (state, event) = match command {
             Command::Reset => (None, Some(EventKind::Reset)),
             Command::Pause => (Some(LoopState::Paused), Some(EventKind::Paused)),
@@ -132,23 +150,13 @@ impl BusThread {
             Command::Step(_) | Command::Quality(_) | Command::Device { .. } => (None, None),
         };
         // Once it is stopping it does nothing else.
-        if self.status.state != LoopState::Stopping {
-            self.status.state = state.unwrap_or(self.status.state);
+        if self.state != LoopState::Stopping {
+            self.state = state.unwrap_or(self.state);
         }
         if let Some(kind) = event {
-            self.event(kind);
+            parties.events.tell(kind);
         }
         Ok(())
-    }
-
-    fn ask_archive(&mut self, id: u64, method: &str, wanted: ArchiveRequest) -> Result<(), String> {
-        match &mut self.settings.archive {
-            Some(archive) => {
-                archive.ask(id, wanted);
-                Ok(())
-            }
-            None => Err(format!("{method}: recording is not enabled on this daemon")),
-        }
     }
 
     fn ask_player(&mut self, id: u64, call: Call) -> Result<(), String> {
@@ -168,44 +176,33 @@ impl BusThread {
             }
         };
         let gone = "the player has ended";
-        let player = self.settings.player.as_ref().ok_or(gone)?;
+        let player = self.player.as_ref().ok_or(gone)?;
         player.requests.send((id, wanted)).map_err(|_| gone)?;
         if wanted == PlayRequest::Stop {
-            self.status.state = LoopState::Stopping;
+            self.state = LoopState::Stopping;
         }
         Ok(())
     }
 
-    /// Answers the command that has this number.
-    pub(super) fn settle(&mut self, id: u64, answer: &Answer) {
-        if let Some(k) = self.pending.iter().position(|(pending, _)| *pending == id) {
-            let (_, query) = self.pending.swap_remove(k);
-            reply_json(&query, query.key_expr().clone(), answer);
-        }
-    }
-
     /// What the keeper of recordings has to tell.
-    pub(super) fn take_archive_news(&mut self) {
-        while let Some(news) = self
-            .settings
-            .archive
-            .as_mut()
-            .and_then(|archive| archive.news())
-        {
+    pub(super) fn take_archive_news(&mut self, events: &mut Events) {
+        while let Some(news) = events.archive().and_then(|archive| archive.news()) {
             let text = |path: std::path::PathBuf| path.to_string_lossy().into_owned();
             match news {
                 ArchiveNews::Done { id, tick, path } => {
-                    self.settle(id, &Answer::with_path(tick, text(path)));
+                    self.desk.settle(id, &Answer::with_path(tick, text(path)));
                 }
-                ArchiveNews::Refused { id, reason } => self.settle(id, &Answer::refused(reason)),
+                ArchiveNews::Refused { id, reason } => {
+                    self.desk.settle(id, &Answer::refused(reason));
+                }
                 ArchiveNews::Started { path } => {
-                    self.event(EventKind::RecordStarted { path: text(path) })
+                    events.tell(EventKind::RecordStarted { path: text(path) });
                 }
                 ArchiveNews::Stopped { path } => {
-                    self.event(EventKind::RecordStopped { path: text(path) })
+                    events.tell(EventKind::RecordStopped { path: text(path) });
                 }
                 ArchiveNews::Failed { path, reason } => {
-                    self.event(EventKind::RecordFailed {
+                    events.tell(EventKind::RecordFailed {
                         path: text(path),
                         reason,
                     });
@@ -217,29 +214,53 @@ impl BusThread {
     /// What a player has told so far. Taken before its forces and nets are, answered after them:
     /// who has the answer to a seek finds the net of that tick.
     pub(super) fn player_news(&self) -> Vec<PlayNews> {
-        self.settings
-            .player
+        self.player
             .as_ref()
             .map_or_else(Vec::new, |player| player.news.try_iter().collect())
     }
 
-    /// Tells clients.
-    pub(super) fn take_player_news(&mut self, news: Vec<PlayNews>) {
+    /// Tells clients what a player told.
+    pub(super) fn take_player_news(&mut self, news: Vec<PlayNews>, events: &mut Events) {
         for news in news {
             match news {
-                PlayNews::Done { id, tick } => self.settle(id, &Answer::at(tick)),
-                PlayNews::Refused { id, reason } => self.settle(id, &Answer::refused(reason)),
-                PlayNews::Reset => self.event(EventKind::Reset),
+                PlayNews::Done { id, tick } => self.desk.settle(id, &Answer::at(tick)),
+                PlayNews::Refused { id, reason } => {
+                    self.desk.settle(id, &Answer::refused(reason));
+                }
+                PlayNews::Reset => events.tell(EventKind::Reset),
                 PlayNews::Paused(paused) => {
                     let (state, kind) = if paused {
                         (LoopState::Paused, EventKind::Paused)
                     } else {
                         (LoopState::Running, EventKind::Resumed)
                     };
-                    self.status.state = state;
-                    self.event(kind);
+                    self.state = state;
+                    events.tell(kind);
                 }
             }
         }
+    }
+}
+
+/// The call of a query. What is too long is not even copied.
+fn read(method: &str, query: &Query) -> Result<Call, String> {
+    let length = query.payload().map_or(0, ZBytes::len);
+    Call::check_length(method, length).map_err(|e| e.to_string())?;
+    let payload = query.payload().map(|p| p.to_bytes().into_owned());
+    Call::parse(method, &payload.unwrap_or_default()).map_err(|e| e.to_string())
+}
+
+fn ask_archive(
+    id: u64,
+    events: &mut Events,
+    method: &str,
+    wanted: ArchiveRequest,
+) -> Result<(), String> {
+    match events.archive() {
+        Some(archive) => {
+            archive.ask(id, wanted);
+            Ok(())
+        }
+        None => Err(format!("{method}: recording is not enabled on this daemon")),
     }
 }

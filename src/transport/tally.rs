@@ -1,46 +1,115 @@
 //! What the loop did, counted: events when something changes, and the status.
 
-use super::bus::BusThread;
+use super::events::Events;
+use crate::drive::journal::JournalGauges;
 use crate::drive::overload::{CAUSES, QUIET};
-use crate::drive::ports::LinkCounters;
-use crate::drive::stats::LATE_NS;
+use crate::drive::ports::{LinkCounters, LoopCounters, PoseInbox};
+use crate::drive::stats::{Histogram, LATE_NS};
 use crate::wire;
+use palpate_client::publisher;
 use palpate_proto::codec::encode;
-use palpate_proto::messages::EventKind;
-use palpate_sim::scene::flags;
-use palpate_sim::tick::record::TickRecord;
+use palpate_proto::keys::Keys;
+use palpate_proto::messages::{EventKind, LoopState, LoopStatus, RecorderState};
+use palpate_sim::scene::{Scene, flags};
+use palpate_sim::tick::record::{TickOutput, TickRecord};
+use std::sync::Arc;
 use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
 use zenoh::Wait;
+use zenoh::pubsub::Publisher;
 
-/// Overruns are told at most this often.
+/// Overrun events come at most this often.
 const OVERRUNS_EVERY: Duration = Duration::from_secs(1);
 
 /// What was counted of a tool, and how it stood in the last record.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct ToolTally {
-    pub jumps: u64,
-    pub stale_ticks: u64,
-    pub touching: bool,
+struct ToolTally {
+    jumps: u64,
+    stale_ticks: u64,
     stale: bool,
     refused: bool,
     joined: bool,
 }
 
-impl BusThread {
-    /// Counts a tick, and tells what changed.
-    pub(super) fn tally(&mut self, record: &TickRecord) {
+/// What others count, to be read.
+pub(super) struct Gauges {
+    /// Links of tools.
+    pub poses: Vec<Arc<PoseInbox>>,
+    /// The loop.
+    pub counters: Arc<LoopCounters>,
+    /// The recorder, if there is one.
+    pub recorder: Option<Arc<JournalGauges>>,
+}
+
+/// The status of the loop, and what it is counted from.
+pub(super) struct Tally {
+    publisher: Publisher<'static>,
+    records: rtrb::Consumer<TickRecord>,
+    gauges: Gauges,
+    status: LoopStatus,
+    tools: Vec<ToolTally>,
+    period: Histogram,
+    step: Histogram,
+    /// Since the start, by cause.
+    overruns: [u64; CAUSES.len()],
+    last_overruns: Instant,
+}
+
+impl Tally {
+    /// Nothing is counted yet.
+    pub(super) fn new(
+        session: &zenoh::Session,
+        keys: &Keys,
+        scene: &Scene,
+        records: rtrb::Consumer<TickRecord>,
+        gauges: Gauges,
+    ) -> zenoh::Result<Self> {
+        let status = LoopStatus {
+            tick: 0,
+            state: LoopState::Running,
+            rate_hz: 1.0 / scene.dt_s,
+            late_ticks: 0,
+            skipped_ticks: 0,
+            period: Default::default(),
+            step: Default::default(),
+            tools: Vec::new(),
+            recorder: RecorderState::Off,
+            recorder_bytes: 0,
+            recorder_drops: 0,
+            quality_level: 0,
+        };
+        Ok(Self {
+            publisher: publisher::<LoopStatus>(session, keys.status())?,
+            records,
+            gauges,
+            status,
+            tools: vec![ToolTally::default(); scene.tool_count()],
+            period: Histogram::default(),
+            step: Histogram::default(),
+            overruns: [0; CAUSES.len()],
+            last_overruns: Instant::now(),
+        })
+    }
+
+    /// Counts the ticks that are done, and tells what changed.
+    pub(super) fn poll(&mut self, scene: &Scene, events: &mut Events) {
+        while let Ok(record) = self.records.pop() {
+            self.count(&record, scene, events);
+        }
+    }
+
+    fn count(&mut self, record: &TickRecord, scene: &Scene, events: &mut Events) {
+        events.reached(record.output.tick);
         self.status.tick = record.output.tick;
         self.status.late_ticks += u64::from(record.late_ns > LATE_NS);
         self.status.skipped_ticks += u64::from(record.skipped);
-        let dt_ns = (self.settings.scene.dt_s * 1e9) as u64;
+        let dt_ns = (scene.dt_s * 1e9) as u64;
         self.period
             .add(dt_ns * (1 + u64::from(record.skipped)) + record.late_ns);
         self.step.add(record.stage_ns.total());
         for t in 0..self.tools.len() {
             let out = &record.output.tools[t];
-            let id = || self.settings.scene.tool_id(t).to_owned();
-            let mut events = Vec::new();
+            let id = || scene.tool_id(t).to_owned();
             let tally = &mut self.tools[t];
             let stale = out.flags & flags::STALE != 0;
             let refused = out.flags & flags::REFUSED != 0;
@@ -48,13 +117,13 @@ impl BusThread {
             tally.jumps += u64::from(refused);
             if !stale && !tally.joined && out.pose_seq > 0 {
                 tally.joined = true;
-                events.push(EventKind::ToolJoined { tool: id() });
+                events.tell(EventKind::ToolJoined { tool: id() });
             }
             if stale && !tally.stale {
-                events.push(EventKind::ToolLost { tool: id() });
+                events.tell(EventKind::ToolLost { tool: id() });
             }
             if refused && !tally.refused {
-                events.push(EventKind::PoseRefused {
+                events.tell(EventKind::PoseRefused {
                     tool: id(),
                     reason: "it jumped farther than the tool can move".into(),
                 });
@@ -65,24 +134,21 @@ impl BusThread {
             } else if out.pose_seq > 0 {
                 tally.joined = true;
             }
-            for kind in events {
-                self.event(kind);
-            }
         }
-        self.tell_quality(record.output.quality);
+        self.tell_quality(record.output.quality, events);
         if record.output.fault.is_some() {
-            self.event(EventKind::Fault {
+            events.tell(EventKind::Fault {
                 reason: "a state was not finite; the body was set back to rest".into(),
             });
         }
     }
 
     /// The level of quality, when it is another than in the last record.
-    fn tell_quality(&mut self, level: u8) {
+    fn tell_quality(&mut self, level: u8, events: &mut Events) {
         if level == self.status.quality_level {
             return;
         }
-        let reason = match self.ports.counters.quality_cause.load(Ordering::Relaxed) {
+        let reason = match self.gauges.counters.quality_cause.load(Ordering::Relaxed) {
             QUIET => "ticks have ended in good time for a while".to_owned(),
             cause => format!(
                 "a tenth of the ticks overran, most of their time in {}",
@@ -91,21 +157,21 @@ impl BusThread {
         };
         tracing::warn!(level, reason, "quality changed");
         self.status.quality_level = level;
-        self.event(EventKind::QualityChanged { level, reason });
+        events.tell(EventKind::QualityChanged { level, reason });
     }
 
-    fn tell_overruns(&mut self) {
+    fn tell_overruns(&mut self, events: &mut Events) {
         if self.last_overruns.elapsed() < OVERRUNS_EVERY {
             return;
         }
         self.last_overruns = Instant::now();
-        let counters = self.ports.counters.clone();
+        let counters = self.gauges.counters.clone();
         for (cause, overruns) in counters.overruns.iter().enumerate() {
             let count = overruns.count.swap(0, Ordering::Relaxed);
             let worst_ns = overruns.worst_ns.swap(0, Ordering::Relaxed);
             self.overruns[cause] += count;
             if count > 0 {
-                self.event(EventKind::Overrun {
+                events.tell(EventKind::Overrun {
                     stage: cause_name(cause).into(),
                     count,
                     worst_ns,
@@ -114,49 +180,57 @@ impl BusThread {
         }
     }
 
-    pub(super) fn publish_status(&mut self) {
-        self.last_status = Instant::now();
-        self.look_for_listeners();
-        self.tell_overruns();
+    /// Ends a status period: quantiles are of what was counted since the last one.
+    pub(super) fn end_period(&mut self, events: &mut Events) {
+        self.tell_overruns(events);
         self.status.period = wire::quantiles(&self.period);
         self.status.step = wire::quantiles(&self.step);
         self.period.clear();
         self.step.clear();
-        self.count_links();
-        self.show_recording();
-        let _ = self.declared().status.put(encode(&self.status)).wait();
-        if let Some(viewer) = &mut self.settings.viewer {
-            viewer.status(&self.status);
-        }
-        if self.settings.viewer.is_some() {
-            let figures = self.figures();
-            if let Some(viewer) = &mut self.settings.viewer {
-                viewer.figures(&figures);
-            }
-        }
     }
 
-    /// Brings the counters of the status up to date.
-    pub(super) fn count_links(&mut self) {
-        let scene = self.settings.scene.clone();
+    /// Publishes the status as it stands.
+    pub(super) fn publish(&self) {
+        let _ = self.publisher.put(encode(&self.status)).wait();
+    }
+
+    /// Brings the status up to date with what others count: `output` is the newest one, `state`
+    /// what the loop was asked to do.
+    pub(super) fn read_gauges(&mut self, scene: &Scene, output: &TickOutput, state: LoopState) {
+        self.status.state = state;
         self.status.tools = (0..scene.tool_count())
             .map(|t| {
                 let tally = &self.tools[t];
-                let counters: &LinkCounters = &self.ports.poses[t].counters;
+                let counters: &LinkCounters = &self.gauges.poses[t].counters;
                 wire::tool_link(
                     scene.tool_id(t),
                     counters,
                     tally.jumps,
                     tally.stale_ticks,
-                    self.output.tools[t].energy_j,
+                    output.tools[t].energy_j,
                 )
             })
             .collect();
-        if let Some(recorder) = &self.settings.recorder {
+        if let Some(recorder) = &self.gauges.recorder {
             self.status.recorder = wire::recorder_state(recorder.state.load(Ordering::Relaxed));
             self.status.recorder_bytes = recorder.bytes.load(Ordering::Relaxed);
             self.status.recorder_drops = recorder.dropped.load(Ordering::Relaxed);
         }
+    }
+
+    /// The status as of the last [`Tally::read_gauges`].
+    pub(super) fn status(&self) -> &LoopStatus {
+        &self.status
+    }
+
+    /// Overruns since the start, by cause.
+    pub(super) fn overruns(&self) -> [u64; CAUSES.len()] {
+        self.overruns
+    }
+
+    /// Records that the bus did not take in time.
+    pub(super) fn bus_drops(&self) -> u64 {
+        self.gauges.counters.bus_drops.load(Ordering::Relaxed)
     }
 }
 

@@ -72,7 +72,7 @@ fn wrapped(text: &str, width: usize) -> Vec<String> {
 }
 
 /// `ToolPose` as `tool_pose`.
-fn snake(name: &str) -> String {
+pub fn snake(name: &str) -> String {
     let mut out = String::new();
     for (k, letter) in name.chars().enumerate() {
         if letter.is_ascii_uppercase() && k > 0 {

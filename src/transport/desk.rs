@@ -1,0 +1,53 @@
+//! Commands under way: queries that wait for their answer.
+
+use super::answers::reply_to_call;
+use palpate_proto::rpc::Answer;
+use zenoh::query::Query;
+
+/// Commands under way; more are refused.
+const MOST_PENDING: usize = 256;
+
+/// Queries by the number of their command.
+pub(super) struct Desk {
+    pending: Vec<(u64, Query)>,
+    next_id: u64,
+}
+
+impl Desk {
+    /// Nothing is under way. Numbers begin at 1; 0 is nobody's.
+    pub(super) fn new() -> Self {
+        Self {
+            pending: Vec::new(),
+            next_id: 1,
+        }
+    }
+
+    /// The number that the next command gets, or why there is no room for it.
+    pub(super) fn next_id(&self) -> Result<u64, String> {
+        if self.pending.len() >= MOST_PENDING {
+            return Err("too many commands are waiting; try again".into());
+        }
+        Ok(self.next_id)
+    }
+
+    /// Keeps the query of the command that was passed on as [`Desk::next_id`].
+    pub(super) fn keep(&mut self, query: Query) {
+        self.pending.push((self.next_id, query));
+        self.next_id += 1;
+    }
+
+    /// Answers the command that has this number.
+    pub(super) fn settle(&mut self, id: u64, answer: &Answer) {
+        if let Some(k) = self.pending.iter().position(|(pending, _)| *pending == id) {
+            let (_, query) = self.pending.swap_remove(k);
+            reply_to_call(&query, answer);
+        }
+    }
+
+    /// Answers all that are under way.
+    pub(super) fn settle_all(&mut self, answer: &Answer) {
+        for (_, query) in self.pending.drain(..) {
+            reply_to_call(&query, answer);
+        }
+    }
+}

@@ -1,0 +1,161 @@
+//! What a tick says of tools: forces for their devices, and what contacts do to them.
+
+use super::devices::Devices;
+use super::events::server_ns;
+use super::view::View;
+use crate::drive::ports::PoseInbox;
+use crate::wire;
+use palpate_client::publisher;
+use palpate_proto::codec::encode;
+use palpate_proto::keys::Keys;
+use palpate_proto::messages::{ToolContact, ToolForce};
+use palpate_sim::scene::Scene;
+use palpate_sim::tick::record::TickOutput;
+use std::sync::Arc;
+use std::sync::atomic::Ordering;
+use zenoh::Wait;
+use zenoh::pubsub::Publisher;
+
+/// The newest output of the loop, and where its parts for tools go.
+pub(super) struct Forces {
+    outputs: rtrb::Consumer<TickOutput>,
+    newest: TickOutput,
+    tools: Vec<ToolLine>,
+    /// Every tick's force is awaited, as in lockstep and out of a recording.
+    every: bool,
+}
+
+/// The line to one tool.
+struct ToolLine {
+    inbox: Arc<PoseInbox>,
+    force: Publisher<'static>,
+    contact: Publisher<'static>,
+    /// Somebody subscribes to what contacts do.
+    contact_wanted: bool,
+}
+
+impl Forces {
+    /// Declares the publishers of all tools.
+    pub(super) fn new(
+        session: &zenoh::Session,
+        keys: &Keys,
+        scene: &Scene,
+        outputs: rtrb::Consumer<TickOutput>,
+        poses: &[Arc<PoseInbox>],
+        every: bool,
+    ) -> zenoh::Result<Self> {
+        let line = |(tool, inbox): (usize, &Arc<PoseInbox>)| {
+            let id = scene.tool_id(tool);
+            Ok(ToolLine {
+                inbox: inbox.clone(),
+                force: publisher::<ToolForce>(session, keys.tool_force(id))?,
+                contact: publisher::<ToolContact>(session, keys.tool_contact(id))?,
+                contact_wanted: false,
+            })
+        };
+        let tools = poses.iter().enumerate().map(line);
+        Ok(Self {
+            outputs,
+            newest: TickOutput::default(),
+            tools: tools.collect::<zenoh::Result<_>>()?,
+            every,
+        })
+    }
+
+    /// The tick whose output is next, if it is there.
+    pub(super) fn next_tick(&mut self) -> Option<u64> {
+        self.outputs.peek().ok().map(|output| output.tick)
+    }
+
+    /// Takes the next output and publishes what it says of tools; false if a newer one waits that
+    /// makes it needless.
+    pub(super) fn publish_next(
+        &mut self,
+        scene: &Scene,
+        devices: &mut Devices,
+        view: &mut View,
+    ) -> bool {
+        let Ok(output) = self.outputs.pop() else {
+            return false;
+        };
+        // Where not every force is awaited only the newest counts.
+        if !self.every && !self.outputs.is_empty() {
+            return false;
+        }
+        self.newest = output;
+        for tool in 0..self.tools.len() {
+            self.put_tool(tool, scene, devices, view);
+        }
+        true
+    }
+
+    fn put_tool(&mut self, tool: usize, scene: &Scene, devices: &mut Devices, view: &mut View) {
+        let (tick, out) = (self.newest.tick, self.newest.tools[tool]);
+        if out.pose_seq == 0 {
+            return;
+        }
+        if self.every || devices.wants(tool, tick, &out) {
+            self.put_force(tool, view);
+        } else {
+            view.show(|sink| sink.force(tool, &wire::tool_force(tick, server_ns(), &out)));
+        }
+        if self.tools[tool].contact_wanted {
+            let limit_n = scene.spec.tools[tool].device.force_max_n;
+            let limit_n = limit_n.min(devices.force_max_n(tool));
+            let contact = wire::tool_contact(tick, limit_n, &out);
+            let _ = self.tools[tool].contact.put(encode(&contact)).wait();
+        }
+    }
+
+    fn put_force(&self, tool: usize, view: &mut View) {
+        let out = &self.newest.tools[tool];
+        if out.pose_seq == 0 {
+            return;
+        }
+        let force = wire::tool_force(self.newest.tick, server_ns(), out);
+        let _ = self.tools[tool].force.put(encode(&force)).wait();
+        view.show(|sink| sink.force(tool, &force));
+    }
+
+    /// A duplicate pose means that its force got lost.
+    pub(super) fn answer_again(&mut self, view: &mut View) {
+        for tool in 0..self.tools.len() {
+            let asked = self.tools[tool]
+                .inbox
+                .asked_again
+                .swap(false, Ordering::AcqRel);
+            if asked && self.every {
+                self.put_force(tool, view);
+            }
+        }
+    }
+
+    /// Whom to tell what contacts do: messages that nobody takes are not made.
+    pub(super) fn look_for_listeners(&mut self) {
+        for tool in &mut self.tools {
+            let status = tool.contact.matching_status().wait();
+            tool.contact_wanted = status.is_ok_and(|status| status.matching());
+        }
+    }
+
+    /// The newest output that was published.
+    pub(super) fn newest(&self) -> &TickOutput {
+        &self.newest
+    }
+
+    /// Other bodies than before: contacts with those that were are no more.
+    pub(super) fn forget_contacts(&mut self) {
+        self.newest.contacts = Default::default();
+    }
+
+    /// The tool's holder is gone: the next one counts its poses from 1.
+    pub(super) fn forget_sender(&self, tool: usize) {
+        self.tools[tool].inbox.forget_sender();
+    }
+
+    /// Poses taken, by tool.
+    pub(super) fn received(&self) -> Vec<u64> {
+        let received = |tool: &ToolLine| tool.inbox.counters.received.load(Ordering::Relaxed);
+        self.tools.iter().map(received).collect()
+    }
+}
