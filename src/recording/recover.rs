@@ -100,7 +100,7 @@ pub fn recover(source: &Path, target: &Path) -> Result<Recovered, RecoverError> 
 
 /// Copies all that can be read, in the order in which it is there.
 fn copy(session: &Session, head: &Head, mut file: SessionFile) -> Result<Recovered, RecoverError> {
-    for happening in Follower::new(session) {
+    for happening in Follower::new(session).reading_ahead() {
         if let Some(message) = message(&happening?, head) {
             file.put(&message)?;
         }
