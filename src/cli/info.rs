@@ -6,7 +6,7 @@ use std::path::PathBuf;
 
 #[derive(clap::Args, Debug)]
 pub struct Args {
-    /// Recording.
+    /// Recording file.
     file: PathBuf,
     /// Read every chunk: figures are computed, and damage is found. Without it they are those that
     /// the recorder summed up, where it could finish the file.

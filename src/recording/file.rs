@@ -364,7 +364,7 @@ impl SessionFile {
         match std::fs::hard_link(&self.part, &self.target) {
             Ok(()) => std::fs::remove_file(&self.part).map_err(io)?,
             Err(e) if e.kind() == std::io::ErrorKind::AlreadyExists => {
-                let advice = "somebody made it meanwhile; the finished recording is in the .part file beside it";
+                let advice = "another program created it in the meantime; the finished recording is in the .part file next to it";
                 return Err(WriteError::Exists {
                     path: self.target,
                     advice,

@@ -41,7 +41,7 @@ pub enum PlayError {
     #[error("the recorded scene does not build: {0}")]
     Scene(#[from] SceneError),
     /// No ticks.
-    #[error("{path}: there is no tick in it")]
+    #[error("{path}: the recording contains no ticks")]
     Empty {
         /// File.
         path: PathBuf,
@@ -247,7 +247,7 @@ impl Player {
                 tracing::warn!(
                     after,
                     to,
-                    "ticks are missing in the recording: going on at the next keyframe"
+                    "ticks are missing in the recording: continuing at the next keyframe"
                 );
                 self.ports.rewind();
             }
@@ -313,7 +313,7 @@ impl Player {
             self.report.diverged = Some(tick);
             tracing::warn!(
                 tick,
-                "this build steps otherwise than the one that recorded: recorded forces are published"
+                "this build diverges from the recording: publishing the recorded forces"
             );
         }
     }
@@ -353,11 +353,11 @@ impl Player {
             PlayRequest::Rate(rate) => self.set_rate(rate),
             PlayRequest::Scale(factor) => {
                 self.set_rate(self.settings.rate * factor);
-                tracing::info!(rate = self.settings.rate, "plays at another rate");
+                tracing::info!(rate = self.settings.rate, "playback rate changed");
             }
             PlayRequest::Step(ticks) if self.paused => self.step(scene, ticks)?,
             PlayRequest::Step(_) => {
-                done = Err("step is for a recording that stands still; pause it first".into())
+                done = Err("step works only while playback is paused; pause it first".into())
             }
             PlayRequest::Seek(tick) => done = self.seek(scene, tick)?,
             PlayRequest::Back => match self.cursor.keyframe_before()? {

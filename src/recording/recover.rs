@@ -93,7 +93,7 @@ pub fn recover(source: &Path, target: &Path) -> Result<Recovered, RecoverError> 
     let part = PathBuf::from(format!("{}.recovering", target.display()));
     let file = SessionFile::create_as(&FileSystem, part.clone(), target, &head, &[], views)?;
     copy(&session, &head, file).inspect_err(|_| {
-        // Of half a copy there is no use.
+        // Half a copy is of no use.
         let _ = std::fs::remove_file(&part);
     })
 }

@@ -269,7 +269,7 @@ fn check_all(
                     } = difference;
                     tracing::error!(
                         from, tick, first = %format_args!("{first:016x}"), second = %format_args!("{second:016x}"),
-                        "self-check: the same inputs came to another state"
+                        "self-check: re-running the same inputs gave a different state"
                     );
                 }
             }

@@ -222,7 +222,7 @@ fn a_client_names_a_file_but_no_place() {
         let expected = match *place {
             "there.mcap" => "exists already",
             "half.mcap" => "palpate recover",
-            _ => "is no file name",
+            _ => "is not a valid file name",
         };
         assert!(reason.contains(expected), "{place}: {reason}");
     }

@@ -7,7 +7,7 @@ use palpate::recording::{
     Contents, PlayError, PlayReport, PlaySettings, Player, Session, played_scene,
 };
 use palpate_client::proto::messages::{EventKind, LoopState, ToolForce};
-use palpate_client::proto::rpc::Request;
+use palpate_client::proto::rpc::Call;
 use palpate_client::{Palpate, pose_at};
 use palpate_geometry::math::Point3;
 use palpate_sim::scene::{Scene, SceneState};
@@ -137,7 +137,7 @@ fn a_recording_played_fast_gives_its_forces_and_its_last_net() {
         shown_net(&palpate),
         (0, nets_after(&session, &[])[&0].clone())
     );
-    palpate.rpc("resume", &Request::default()).unwrap();
+    palpate.rpc(Call::Resume).unwrap();
     until(
         "the end",
         || palpate.status().unwrap(),
@@ -148,15 +148,7 @@ fn a_recording_played_fast_gives_its_forces_and_its_last_net() {
         (last, nets_after(&session, &[last])[&last].clone())
     );
     // What a full network dropped is not sent again; where it stands still it is.
-    let tick = palpate
-        .rpc(
-            "seek",
-            &Request {
-                tick: Some(last),
-                ..Request::default()
-            },
-        )
-        .unwrap();
+    let tick = palpate.rpc(Call::Seek { tick: last }).unwrap();
     let newest = || forces.lock().unwrap().last().map_or(0, |force| force.tick);
     until("the last force", newest, |newest| *newest == tick);
     drop(watching);
@@ -184,7 +176,7 @@ fn a_recording_played_fast_gives_its_forces_and_its_last_net() {
         forces.iter().any(|force| force.force != [0.0; 3]),
         "nothing was felt"
     );
-    palpate.rpc("shutdown", &Request::default()).unwrap();
+    palpate.rpc(Call::Shutdown).unwrap();
     let (text, code) = player.end();
     let report: serde_json::Value = serde_json::from_str(&text).unwrap();
     assert_eq!(
@@ -213,15 +205,7 @@ fn a_seek_shows_the_net_and_the_force_of_its_tick() {
         || palpate.status().unwrap().tick,
         |tick| *tick == 0,
     );
-    let seek = |tick| {
-        palpate.rpc(
-            "seek",
-            &Request {
-                tick: Some(tick),
-                ..Request::default()
-            },
-        )
-    };
+    let seek = |tick| palpate.rpc(Call::Seek { tick });
     for tick in ticks {
         assert_eq!(seek(tick).unwrap(), tick);
         assert_eq!(
@@ -246,18 +230,7 @@ fn a_seek_shows_the_net_and_the_force_of_its_tick() {
         }
     }
     // From there it goes on by steps, and to where there is nothing it does not go.
-    assert_eq!(
-        palpate
-            .rpc(
-                "step",
-                &Request {
-                    ticks: Some(5),
-                    ..Request::default()
-                }
-            )
-            .unwrap(),
-        705
-    );
+    assert_eq!(palpate.rpc(Call::Step { ticks: 5 }).unwrap(), 705);
     assert_eq!(shown_net(&palpate), (705, nets[&705].clone()));
     let error = seek(last + 1).unwrap_err().to_string();
     assert!(
@@ -303,49 +276,21 @@ fn a_player_is_steered_by_rpc_and_hears_no_poses() {
             .count()
     };
     until("two rounds", resets, |resets| *resets >= 2);
-    let refused = |method: &str, request: Request, words: &str| {
-        let error = palpate.call(method, &request).unwrap_err().to_string();
-        assert!(error.contains(words), "{method}: {error}");
+    let refused = |call: Call, words: &str| {
+        let error = palpate.call(call.clone()).unwrap_err().to_string();
+        assert!(error.contains(words), "{call:?}: {error}");
     };
-    refused("step", Request::default(), "pause it first");
+    refused(Call::Step { ticks: 1 }, "pause it first");
     refused(
-        "record_start",
-        Request::default(),
+        Call::RecordStart { path: None },
         "record_start makes no sense here",
     );
-    refused(
-        "snapshot",
-        Request::default(),
-        "snapshot makes no sense here",
-    );
-    refused("seek", Request::default(), "needs its argument");
-    refused(
-        "rate",
-        Request {
-            rate: Some(1e9),
-            ..Request::default()
-        },
-        "between",
-    );
-    palpate
-        .rpc(
-            "rate",
-            &Request {
-                rate: Some(0.001),
-                ..Request::default()
-            },
-        )
-        .unwrap();
-    palpate.rpc("pause", &Request::default()).unwrap();
-    let tick = palpate
-        .rpc(
-            "seek",
-            &Request {
-                tick: Some(120),
-                ..Request::default()
-            },
-        )
-        .unwrap();
+    let snapshot = Call::parse("snapshot", b"").unwrap();
+    refused(snapshot, "snapshot makes no sense here");
+    refused(Call::Rate { rate: 1e9 }, "between");
+    palpate.rpc(Call::Rate { rate: 0.001 }).unwrap();
+    palpate.rpc(Call::Pause).unwrap();
+    let tick = palpate.rpc(Call::Seek { tick: 120 }).unwrap();
     assert_eq!(tick, 120);
     // Poses for a tool that is played do not move it.
     let mut tool = palpate.tool("pen").unwrap();
@@ -353,18 +298,7 @@ fn a_player_is_steered_by_rpc_and_hears_no_poses() {
     for _ in 0..20 {
         tool.send(pose_at([1.0, 2.0, 3.0])).unwrap();
     }
-    assert_eq!(
-        palpate
-            .rpc(
-                "step",
-                &Request {
-                    ticks: Some(1),
-                    ..Request::default()
-                }
-            )
-            .unwrap(),
-        121
-    );
+    assert_eq!(palpate.rpc(Call::Step { ticks: 1 }).unwrap(), 121);
     let after = palpate.scene().unwrap();
     assert!(
         (0..3).all(|k| (after.tools[0].position[k] - before.tools[0].position[k]).abs() < 1e-3),
@@ -372,21 +306,10 @@ fn a_player_is_steered_by_rpc_and_hears_no_poses() {
     );
     assert_eq!(palpate.status().unwrap().tools[0].received, 0);
     // Steps end at the last tick to play.
-    assert_eq!(
-        palpate
-            .rpc(
-                "step",
-                &Request {
-                    ticks: Some(10_000),
-                    ..Request::default()
-                }
-            )
-            .unwrap(),
-        300
-    );
-    assert_eq!(palpate.rpc("reset", &Request::default()).unwrap(), 0);
+    assert_eq!(palpate.rpc(Call::Step { ticks: 10_000 }).unwrap(), 300);
+    assert_eq!(palpate.rpc(Call::Reset).unwrap(), 0);
     drop(tool);
-    palpate.rpc("shutdown", &Request::default()).unwrap();
+    palpate.rpc(Call::Shutdown).unwrap();
     let (text, code) = player.end();
     assert_eq!(code, 0, "{text}");
 }

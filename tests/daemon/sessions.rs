@@ -4,6 +4,7 @@
 use crate::daemon::{Daemon, SOFT_DROP as SCENE, device};
 use palpate::recording::{Contents, Session, info, recover, replay};
 use palpate_client::pose_at;
+use palpate_client::proto::rpc::Call;
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -134,7 +135,7 @@ fn a_real_time_session_runs_beside_garbage_and_its_recording_survives_a_kill() {
         "the device never touched the drop: {:?}",
         status.tools
     );
-    assert!(palpate.rpc("pause", &Default::default()).unwrap() > status.tick);
+    assert!(palpate.rpc(Call::Pause).unwrap() > status.tick);
 
     // Killed without a word.
     std::thread::sleep(Duration::from_secs(2));

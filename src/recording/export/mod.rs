@@ -57,7 +57,7 @@ pub enum ExportError {
     },
     /// This build comes to another state.
     #[error(
-        "this build comes to another state after tick {tick} than was recorded; as recorded there are the nets of ticks {}",
+        "this build diverges from the recording at tick {tick}; recorded nets exist for ticks {}",
         near(nets)
     )]
     Inexact {

@@ -171,8 +171,8 @@ impl Follower {
         Self { only, ..self }
     }
 
-    /// Reads the next chunk on a thread of its own while messages of this one are taken: nobody waits
-    /// for the disk, or for a chunk to be decompressed.
+    /// Reads the next chunk on a thread of its own while messages of this one are used, to avoid waiting
+    /// for the disk and for decompression.
     #[must_use]
     pub fn reading_ahead(self) -> Self {
         Self {
