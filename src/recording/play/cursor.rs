@@ -93,8 +93,7 @@ impl Cursor {
         match self.seek(before) {
             Err(PlayError::Seek { .. }) => {
                 // `advance` finds a keyframe.
-                self.follower =
-                    Follower::between(&self.session, before, u64::MAX).reading_ahead();
+                self.follower = Follower::between(&self.session, before, u64::MAX).reading_ahead();
                 self.seated = false;
                 Ok(())
             }
