@@ -32,7 +32,7 @@ fn decoders() -> [(&'static str, Decoder); 9] {
     ]
 }
 
-/// Versioned name of the messages under a key, where there is no encoding to tell it.
+/// Versioned name of the messages under a key, for messages without an encoding.
 pub fn name_of_key(key: &str) -> Option<&'static str> {
     let chunks: Vec<&str> = key.split('/').collect();
     let ["palpate", _, rest @ ..] = &chunks[..] else {

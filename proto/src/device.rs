@@ -3,7 +3,7 @@
 use crate::messages::Message;
 use serde::{Deserialize, Serialize};
 
-/// What the device that holds a tool can do, told by its client. Zero where it does not know.
+/// Capabilities of the device that owns a tool, as sent by its client. Zero where unknown.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(postcard_schema::Schema))]
 pub struct DeviceInfo {
@@ -60,7 +60,7 @@ pub enum DeviceError {
     Range {
         /// Field.
         field: &'static str,
-        /// As told.
+        /// The value sent.
         value: f64,
         /// Least.
         least: f64,

@@ -3,7 +3,7 @@
 
 /// An id that cannot be a chunk of a key.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("{0:?} is no id: use 1 to 64 of a-z, 0-9, '_' and '-'")]
+#[error("{0:?} is not a valid id: use 1 to 64 of a-z, 0-9, '_' and '-'")]
 pub struct IdError(pub String);
 
 /// Checks an id.
@@ -29,7 +29,7 @@ impl Keys {
     /// Keys of an instance.
     ///
     /// # Errors
-    /// A name that is no id.
+    /// A name that is not a valid id.
     pub fn new(instance: &str) -> Result<Self, IdError> {
         Ok(Self {
             root: format!("palpate/{}", check_id(instance)?),
