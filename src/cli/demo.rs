@@ -84,7 +84,7 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
         Err(error) => println!("raw Zenoh ping: {error}"),
     }
     for recording in &served.recording.files {
-        let info = info(&Session::open(&recording.path)?);
+        let info = info(&Session::open(&recording.path)?)?;
         for tool in &info.tools {
             println!(
                 "tool {}: {} ticks in contact, peak force {:.4} N, peak depth {:.3} mm, work of the hand {:.6} J",

@@ -76,7 +76,7 @@ fn remap(text: &str) -> Result<(String, String), String> {
 
 pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     let session = Session::open(&args.file)?;
-    if let Some(reason) = &session.cut_short {
+    if let Some(reason) = session.cut_short() {
         eprintln!("note: the recording was cut short ({reason}); playing what it contains");
     }
     let scene = Arc::new(played_scene(&session, &args.remap)?);

@@ -56,7 +56,7 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     );
     let session = Session::open(&args.file)?;
     let bar = if std::io::IsTerminal::is_terminal(&std::io::stderr()) {
-        indicatif::ProgressBar::new(session.ticks.len() as u64)
+        indicatif::ProgressBar::new(session.tick_count())
     } else {
         indicatif::ProgressBar::hidden()
     };

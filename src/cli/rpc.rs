@@ -2,7 +2,9 @@
 
 use super::Outcome;
 use super::connection::Connection;
-use palpate_proto::rpc::{METHODS, Request};
+use anyhow::Context;
+use palpate_proto::rpc::{Answer, Call, METHODS};
+use serde_json::{Map, Value};
 
 #[derive(clap::Args, Debug)]
 pub struct Args {
@@ -19,17 +21,29 @@ pub struct Args {
 }
 
 pub fn run(args: &Args) -> anyhow::Result<Outcome> {
-    let request = Request::parse(
+    let call = call(
         &args.method,
-        args.arguments.as_deref().unwrap_or("").as_bytes(),
+        args.arguments.as_deref().unwrap_or(""),
+        args.ticks,
     )?;
-    let request = Request {
-        ticks: args.ticks.or(request.ticks),
-        ..request
-    };
     let palpate = args.connection.open()?;
-    let reply = palpate.call(&args.method, &request)?;
-    println!("{}", serde_json::to_string(&reply)?);
+    let done = palpate.call(call)?;
+    println!("{}", serde_json::to_string(&Answer::Done(done))?);
     palpate.close();
     Ok(Outcome::Ok)
+}
+
+/// The call of a method with arguments as JSON; `ticks` goes over the one given there.
+fn call(method: &str, arguments: &str, ticks: Option<u32>) -> anyhow::Result<Call> {
+    // What is not an object is refused here, with the words of the daemon.
+    let call = Call::parse(method, arguments.as_bytes());
+    let Some(ticks) = ticks else {
+        return Ok(call?);
+    };
+    let mut arguments: Map<String, Value> = match arguments.trim() {
+        "" => Map::new(),
+        text => serde_json::from_str(text).context("the arguments are a JSON object")?,
+    };
+    arguments.insert("ticks".into(), ticks.into());
+    Ok(Call::parse(method, &serde_json::to_vec(&arguments)?)?)
 }

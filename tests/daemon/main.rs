@@ -25,6 +25,7 @@ mod recording;
 mod replay_levels;
 mod self_check;
 mod sessions;
+mod streaming;
 mod surface_commands;
 mod surface_pipe;
 mod test_helper;

@@ -7,7 +7,7 @@ use palpate_proto::keys::{IdError, Keys};
 use palpate_proto::messages::{
     ControlNet, DeviceInfo, LoopStatus, Message, SceneSnapshot, SimEvent, ToolForce,
 };
-use palpate_proto::rpc::{Reply, Request};
+use palpate_proto::rpc::{Answer, Call, CallError, Done};
 use std::net::{TcpStream, ToSocketAddrs};
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -84,6 +84,9 @@ pub enum ClientError {
     /// A description that fits no device.
     #[error(transparent)]
     Device(#[from] DeviceError),
+    /// A command that no daemon would carry out.
+    #[error(transparent)]
+    Call(#[from] CallError),
     /// The daemon refused a command.
     #[error("{method} was refused: {reason}")]
     Refused {
@@ -105,8 +108,8 @@ impl ClientError {
     /// What a daemon said in an answer that is an error; `None` for Zenoh's own, like a query whose
     /// time is over.
     pub(crate) fn words(error: &zenoh::query::ReplyError) -> Option<String> {
-        let reply: Reply = serde_json::from_slice(&error.payload().to_bytes()).ok()?;
-        reply.error
+        let answer: Answer = serde_json::from_slice(&error.payload().to_bytes()).ok()?;
+        answer.into_result().err()
     }
 }
 
@@ -346,42 +349,35 @@ impl Palpate {
     /// Carries out a command; gives the first tick on which it has effect.
     ///
     /// # Errors
-    /// No answer, or the daemon refused.
-    pub fn rpc(&self, method: &str, request: &Request) -> Result<u64, ClientError> {
-        let refused = |reason: &str| ClientError::Refused {
-            method: method.to_owned(),
-            reason: reason.to_owned(),
-        };
-        self.call(method, request)?
-            .tick
-            .ok_or_else(|| refused("its answer names no tick"))
+    /// A number out of its range, no answer, or the daemon refused.
+    pub fn rpc(&self, call: Call) -> Result<u64, ClientError> {
+        self.call(call).map(|done| done.tick)
     }
 
-    /// Carries out a command; gives all of its answer.
+    /// Carries out a command; gives all that its answer has.
     ///
     /// # Errors
-    /// No answer, or the daemon refused.
-    pub fn call(&self, method: &str, request: &Request) -> Result<Reply, ClientError> {
-        let payload = serde_json::to_vec(request).map_err(ClientError::zenoh)?;
+    /// A number out of its range, no answer, or the daemon refused.
+    pub fn call(&self, call: Call) -> Result<Done, ClientError> {
+        let call = call.checked()?;
+        let payload = serde_json::to_vec(&call.arguments()).map_err(ClientError::zenoh)?;
+        let method = call.method();
         let refused = |reason: String| ClientError::Refused {
             method: method.to_owned(),
             reason,
         };
         // A snapshot of the next seconds is answered after them.
-        let after = Duration::try_from_secs_f64(request.after.unwrap_or(0.0)).unwrap_or_default();
+        let after = match call {
+            Call::Snapshot { after, .. } => Duration::try_from_secs_f64(after).unwrap_or_default(),
+            _ => Duration::ZERO,
+        };
         let timeout = self.settings.timeout.saturating_add(after);
-        let reply: Reply =
+        let answer: Answer =
             self.query_within(timeout, self.keys.rpc(method), Some(payload), |bytes| {
                 serde_json::from_slice(bytes)
                     .map_err(|e| refused(format!("its answer does not parse: {e}")))
             })?;
-        if reply.ok {
-            Ok(reply)
-        } else {
-            Err(refused(
-                reply.error.unwrap_or_else(|| "no reason given".into()),
-            ))
-        }
+        answer.into_result().map_err(refused)
     }
 
     /// Takes a tool of the scene.

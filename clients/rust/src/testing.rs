@@ -14,7 +14,7 @@
 
 use crate::{ClientError, Connect, Palpate, Tool};
 use palpate_proto::messages::{ToolForce, ToolPose};
-use palpate_proto::rpc::Request;
+use palpate_proto::rpc::Call;
 use std::io::Read as _;
 use std::net::TcpListener;
 use std::path::{Path, PathBuf};
@@ -269,7 +269,7 @@ impl TestSession {
     pub fn finish(mut self, tools: impl Sized) -> Result<Vec<u8>, TestError> {
         // The last pose of a lockstep session may be under way no more: the daemon stops between
         // ticks.
-        self.palpate.rpc("shutdown", &Request::default())?;
+        self.palpate.rpc(Call::Shutdown)?;
         drop(tools);
         let begun = Instant::now();
         while begun.elapsed() < self.timeout {

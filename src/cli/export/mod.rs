@@ -85,7 +85,7 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
         };
         std::fs::write(path, bytes).with_context(|| path.display().to_string())?;
     }
-    if !session.is_clean() || session.cut_short.is_some() {
+    if !session.is_whole() {
         eprintln!("note: the recording is incomplete; exported what it contains");
     }
     Ok(Outcome::Ok)
