@@ -2,7 +2,7 @@
 //!
 //! `cargo run --example recording_test`
 
-use palpate::recording::{Session, replay};
+use palpate::recording::{Contents, Session, replay};
 use palpate_client::pose_at;
 use palpate_client::testing::TestSession;
 use std::path::{Path, PathBuf};
@@ -32,7 +32,7 @@ pub fn run(daemon: PathBuf) -> Result<(), Error> {
     let (first, peak_n) = record(&daemon)?;
     println!(
         "{} ticks recorded, peak force {peak_n:.4} N",
-        first.ticks.len()
+        first.tick_count()
     );
     assert!((1.0..8.0).contains(&peak_n), "{peak_n} N");
 
@@ -44,8 +44,9 @@ pub fn run(daemon: PathBuf) -> Result<(), Error> {
     // A second session with the same poses has the same states.
     let (second, again_n) = record(&daemon)?;
     assert_eq!(peak_n, again_n);
-    let pairs = first.ticks.iter().zip(&second.ticks);
-    for (a, b) in pairs {
+    let (first, second) = (Contents::of(&first)?, Contents::of(&second)?);
+    assert_eq!(first.ticks.len(), second.ticks.len());
+    for (a, b) in first.ticks.iter().zip(&second.ticks) {
         assert_eq!(
             a.output.state_hash, b.output.state_hash,
             "tick {}",

@@ -55,7 +55,7 @@ pub fn encode<M: Message>(message: &M) -> Vec<u8> {
     postcard::to_allocvec(message).expect("messages hold only what postcard can write")
 }
 
-/// What can be told without reading the bytes: whether an `M` may have so many, under this schema
+/// What can be checked without reading the bytes: whether an `M` may have so many, under this schema
 /// (empty: none).
 ///
 /// # Errors

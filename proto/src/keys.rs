@@ -8,7 +8,7 @@ use crate::messages::{
 
 /// An id that cannot be a chunk of a key.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("{0:?} is no id: use 1 to 64 of a-z, 0-9, '_' and '-'")]
+#[error("{0:?} is not a valid id: use 1 to 64 of a-z, 0-9, '_' and '-'")]
 pub struct IdError(pub String);
 
 /// Checks an id.

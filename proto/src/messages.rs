@@ -348,7 +348,7 @@ crate::layout::messages! {
         /// Ticks took longer than their period, or were woken too late: at most one such event a second
         /// for each stage.
         Overrun {
-            /// Stage that took most of their time: `latch`, `render`, `deform`, `emit`; `wake`: the
+            /// Stage that took most of their time: `latch`, `render`, `deform`, `hash`, `emit`; `wake`: the
             /// system came late.
             stage: String,
             /// How many since the last such event.

@@ -5,7 +5,7 @@ use palpate_geometry::math::{Point3, Rotation, Vector3};
 use palpate_sim::haptics::DevicePose;
 use palpate_sim::scene::{Scene, file};
 use palpate_sim::tick::record::TickInput;
-use palpate_sim::tick::{deform, render};
+use palpate_sim::tick::{deform, hash, render};
 use std::path::PathBuf;
 use std::time::Instant;
 
@@ -72,6 +72,7 @@ fn measure(scene: &Scene) -> (f64, f64) {
         let mut output = render(scene, &mut state, &mut scratch, &input);
         let between = Instant::now();
         deform(scene, &mut state, &mut scratch, &mut output);
+        hash(&state, &mut output);
         renders.push((between - start).as_secs_f64() * 1e6);
         deforms.push(between.elapsed().as_secs_f64() * 1e6);
     }

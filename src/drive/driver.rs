@@ -4,13 +4,14 @@ use super::journal::Journal;
 use super::overload::Overload;
 use super::pacer::{Privileges, Schedule, Wake, ask_privileges, now_ns, sleep_until};
 use super::ports::{Receipt, TickPorts};
-use super::stats::{Histogram, LATE_NS};
+use super::stats::{Histogram, LATE_NS, StageHistograms};
 use super::workers::Workers;
 use palpate_geometry::math::state_hash;
 use palpate_sim::scene::spec::Clock;
 use palpate_sim::scene::{Scene, SceneState, Scratch};
-use palpate_sim::tick::record::{Command, STAGE_COUNT, TickInput, TickRecord};
-use palpate_sim::tick::{apply, deform, render};
+use palpate_sim::tick::record::{Command, TickInput, TickRecord};
+use palpate_sim::tick::stage::{Stage, StageTimes};
+use palpate_sim::tick::{apply, deform, hash, render};
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 use std::thread::JoinHandle;
@@ -38,8 +39,8 @@ pub struct DriverReport {
     pub skipped: u64,
     /// Lateness, ns.
     pub lateness: Histogram,
-    /// Stages, then the whole tick, ns.
-    pub stages: Vec<Histogram>,
+    /// Durations of stages and of whole ticks.
+    pub stages: StageHistograms,
     /// What the operating system granted.
     pub privileges: Privileges,
 }
@@ -82,7 +83,7 @@ pub fn start(
                 late: 0,
                 skipped: 0,
                 lateness: Histogram::default(),
-                stages: (0..=STAGE_COUNT).map(|_| Histogram::default()).collect(),
+                stages: StageHistograms::default(),
                 privileges,
             };
             let period_ns = (scene.dt_s * 1e9).round() as u64;
@@ -213,24 +214,21 @@ impl Driver {
     }
 
     fn tick(&mut self, wake: Wake) {
-        let start = now_ns();
+        let mut laps = Laps::start();
         let mut input = TickInput::default();
         for tool in 0..self.scene.tool_count() {
             input.poses[tool] = self.ports.latch(tool);
         }
-        let latched = now_ns();
+        laps.end(Stage::Latch);
         let mut output = render(&self.scene, &mut self.state, &mut self.scratch, &input);
         self.ports.publish(&output);
-        let rendered = now_ns();
+        laps.end(Stage::Render);
         deform(&self.scene, &mut self.state, &mut self.scratch, &mut output);
-        let deformed = now_ns();
-        let ns = |from: u64, to: u64| (to - from).min(u64::from(u32::MAX)) as u32;
-        let stage_ns = [
-            ns(start, latched),
-            ns(latched, rendered),
-            ns(rendered, deformed),
-            self.emit_ns,
-        ];
+        laps.end(Stage::Deform);
+        hash(&self.state, &mut output);
+        laps.end(Stage::Hash);
+        let mut stage_ns = laps.times;
+        stage_ns[Stage::Emit] = self.emit_ns;
         let record = TickRecord {
             input,
             output,
@@ -240,17 +238,17 @@ impl Driver {
         };
         self.journal.tick(&self.scene, &self.state, &record);
         self.ports.done(&self.scene, &self.state, &record);
-        self.emit_ns = ns(deformed, now_ns());
+        laps.end(Stage::Emit);
+        self.emit_ns = laps.times[Stage::Emit];
         self.count(&record);
         if self.settings.clock == Clock::Realtime {
-            let [latch, render, deform, _] = stage_ns;
-            self.watch(wake, &[latch, render, deform, self.emit_ns]);
+            self.watch(wake, &laps.times);
         }
     }
 
     /// Counts an overrun; changes the quality of the next tick when there are too many, or none any
     /// more.
-    fn watch(&mut self, wake: Wake, stage_ns: &[u32; STAGE_COUNT]) {
+    fn watch(&mut self, wake: Wake, stage_ns: &StageTimes) {
         let verdict = self.overload.tick(wake.late_ns, wake.skipped, stage_ns);
         if let Some(overrun) = verdict.overrun {
             let overruns = &self.ports.counters.overruns[overrun.cause];
@@ -272,11 +270,34 @@ impl Driver {
         report.late += u64::from(record.late_ns > LATE_NS);
         report.skipped += u64::from(record.skipped);
         report.lateness.add(record.late_ns);
-        let mut whole = 0;
-        for (histogram, ns) in report.stages.iter_mut().zip(record.stage_ns) {
-            histogram.add(u64::from(ns));
-            whole += u64::from(ns);
+        report.stages.add(&record.stage_ns);
+    }
+}
+
+/// Times the stages of a tick as they end, one after the other.
+struct Laps {
+    times: StageTimes,
+    ended: Option<Stage>,
+    since_ns: u64,
+}
+
+impl Laps {
+    fn start() -> Self {
+        Self {
+            times: StageTimes::default(),
+            ended: None,
+            since_ns: now_ns(),
         }
-        report.stages[STAGE_COUNT].add(whole);
+    }
+
+    fn end(&mut self, stage: Stage) {
+        debug_assert_eq!(
+            stage as usize,
+            self.ended.map_or(0, |last| last as usize + 1),
+            "stages out of order"
+        );
+        let now_ns = now_ns();
+        self.times[stage] = (now_ns - self.since_ns).min(u64::from(u32::MAX)) as u32;
+        (self.ended, self.since_ns) = (Some(stage), now_ns);
     }
 }

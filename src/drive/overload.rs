@@ -12,19 +12,21 @@
 //! proves too short.
 
 use palpate_sim::scene::quality;
-use palpate_sim::tick::record::{STAGE_COUNT, STAGE_NAMES};
+use palpate_sim::tick::stage::{PerStage, Stage, StageTimes};
 
 /// What an overrun is put down to: the stages, then the system that woke a tick a whole period
 /// late.
-pub const CAUSES: [&str; STAGE_COUNT + 1] = [
-    STAGE_NAMES[0],
-    STAGE_NAMES[1],
-    STAGE_NAMES[2],
-    STAGE_NAMES[3],
-    "wake",
-];
+pub const CAUSES: [&str; Stage::COUNT + 1] = {
+    let mut causes = ["wake"; Stage::COUNT + 1];
+    let mut k = 0;
+    while k < Stage::COUNT {
+        causes[k] = Stage::ALL[k].name();
+        k += 1;
+    }
+    causes
+};
 /// Index of the system in [`CAUSES`].
-pub const WAKE: usize = STAGE_COUNT;
+pub const WAKE: usize = Stage::COUNT;
 /// No cause: quality came back.
 pub const QUIET: usize = usize::MAX;
 
@@ -80,7 +82,7 @@ pub struct Overload {
     /// Of the window: ticks so far, busy ones, overruns by stage.
     ticks: u32,
     busy: u32,
-    overruns: [u32; STAGE_COUNT],
+    overruns: PerStage<u32>,
     /// The tick before overran: deadlines that it dropped are its own.
     overran: bool,
     /// Quiet windows in a row.
@@ -102,7 +104,7 @@ impl Overload {
             level: 0,
             ticks: 0,
             busy: 0,
-            overruns: [0; STAGE_COUNT],
+            overruns: PerStage::default(),
             overran: false,
             quiet: 0,
             patience: PATIENCE,
@@ -117,18 +119,18 @@ impl Overload {
 
     /// Takes a tick: how late it was woken, how many deadlines were dropped before it, and its
     /// stages' durations.
-    pub fn tick(&mut self, late_ns: u64, skipped: u32, stage_ns: &[u32; STAGE_COUNT]) -> Verdict {
-        let whole_ns: u64 = stage_ns.iter().map(|&ns| u64::from(ns)).sum();
+    pub fn tick(&mut self, late_ns: u64, skipped: u32, stage_ns: &StageTimes) -> Verdict {
+        let whole_ns = stage_ns.total();
         let mut verdict = Verdict::default();
         let dropped_by_others = skipped > 0 && !self.overran;
         self.overran = whole_ns > self.period_ns;
         self.ticks += 1;
         self.busy += u32::from(whole_ns as f64 > BUSY * self.period_ns as f64);
         if self.overran {
-            let cause = largest(stage_ns);
-            self.overruns[cause] += 1;
+            let stage = stage_ns.largest();
+            self.overruns[stage] += 1;
             verdict.overrun = Some(Overrun {
-                cause,
+                cause: stage as usize,
                 ns: whole_ns,
             });
         } else if dropped_by_others {
@@ -138,8 +140,8 @@ impl Overload {
                 ns: late_ns,
             });
         }
-        let overruns: u32 = self.overruns.iter().sum();
-        if overruns * OVERRUN_SHARE >= self.window_ticks {
+        let overruns = self.overruns.total();
+        if overruns * u64::from(OVERRUN_SHARE) >= u64::from(self.window_ticks) {
             verdict.change = self.worse();
             self.next_window();
         } else if self.ticks >= self.window_ticks {
@@ -153,7 +155,7 @@ impl Overload {
     }
 
     fn worse(&mut self) -> Option<Change> {
-        let cause = largest(&self.overruns);
+        let cause = self.overruns.largest() as usize;
         self.quiet = 0;
         if self.level >= quality::LOWEST {
             return None;
@@ -187,13 +189,8 @@ impl Overload {
     }
 
     fn next_window(&mut self) {
-        (self.ticks, self.busy, self.overruns) = (0, 0, [0; STAGE_COUNT]);
+        (self.ticks, self.busy, self.overruns) = (0, 0, PerStage::default());
     }
-}
-
-/// Index of the largest value, the first of equal ones.
-fn largest(values: &[u32; STAGE_COUNT]) -> usize {
-    (1..STAGE_COUNT).fold(0, |best, k| if values[k] > values[best] { k } else { best })
 }
 
 #[cfg(test)]
@@ -215,9 +212,10 @@ mod tests {
                 1_000,
                 50_000,
                 deform_us(tick, overload.level()) * 1_000,
+                0,
                 9_000,
             ];
-            if let Some(change) = overload.tick(0, 0, &stage_ns).change {
+            if let Some(change) = overload.tick(0, 0, &stage_ns.into()).change {
                 changes.push((tick, change.level));
             }
         }
@@ -227,9 +225,9 @@ mod tests {
     #[test]
     fn an_overrun_is_named_by_the_longest_stage_and_a_late_wake_by_the_system() {
         let mut overload = Overload::new(MS);
-        let calm = [1_000, 100_000, 200_000, 5_000];
+        let calm = StageTimes::from([1_000, 100_000, 150_000, 50_000, 5_000]);
         assert_eq!(overload.tick(0, 0, &calm), Verdict::default());
-        let long = [1_000, 900_000, 200_000, 5_000];
+        let long = StageTimes::from([1_000, 900_000, 150_000, 50_000, 5_000]);
         let verdict = overload.tick(0, 0, &long);
         assert_eq!(
             verdict.overrun,
@@ -250,7 +248,10 @@ mod tests {
         );
         assert_eq!(CAUSES[WAKE], "wake");
         // A tick of exactly a period is none.
-        assert_eq!(overload.tick(0, 0, &[0, MS as u32, 0, 0]).overrun, None);
+        assert_eq!(
+            overload.tick(0, 0, &[0, MS as u32, 0, 0, 0].into()).overrun,
+            None
+        );
     }
 
     #[test]
@@ -262,7 +263,12 @@ mod tests {
         });
         assert_eq!(changes, []);
         for _ in 0..10_000 {
-            assert_eq!(overload.tick(2 * MS, 2, &[1_000; STAGE_COUNT]).change, None);
+            assert_eq!(
+                overload
+                    .tick(2 * MS, 2, &[1_000; Stage::COUNT].into())
+                    .change,
+                None
+            );
         }
         assert_eq!(overload.level(), 0);
     }
@@ -278,7 +284,7 @@ mod tests {
         );
         let mut again = Overload::new(MS);
         let verdicts: Vec<_> = (0..10)
-            .map(|_| again.tick(0, 0, &[0, 0, 1_500_000, 0]))
+            .map(|_| again.tick(0, 0, &[0, 0, 1_500_000, 0, 0].into()))
             .collect();
         assert_eq!(
             verdicts[9].change,
@@ -352,7 +358,7 @@ mod tests {
         for period in [0, 1, u64::MAX] {
             let mut odd = Overload::new(period);
             for _ in 0..100 {
-                odd.tick(u64::MAX, u32::MAX, &[u32::MAX; STAGE_COUNT]);
+                odd.tick(u64::MAX, u32::MAX, &[u32::MAX; Stage::COUNT].into());
             }
             assert!(odd.level() <= quality::LOWEST);
         }

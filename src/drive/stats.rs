@@ -1,5 +1,7 @@
 //! Histograms of durations: fixed memory, one addition a value.
 
+use palpate_sim::tick::stage::{PerStage, Stage, StageTimes};
+
 /// A tick that starts later than this after its deadline counts as late, ns.
 pub const LATE_NS: u64 = 100_000;
 
@@ -65,6 +67,31 @@ impl Histogram {
     /// Forgets all.
     pub fn clear(&mut self) {
         *self = Self::default();
+    }
+}
+
+/// Durations of the stages of many ticks, and of whole ticks.
+#[derive(Clone, Debug, Default)]
+pub struct StageHistograms {
+    /// By stage, ns.
+    pub stages: PerStage<Histogram>,
+    /// All stages of a tick together, ns.
+    pub whole: Histogram,
+}
+
+impl StageHistograms {
+    /// Adds a tick.
+    pub fn add(&mut self, times: &StageTimes) {
+        for stage in Stage::ALL {
+            self.stages[stage].add(u64::from(times[stage]));
+        }
+        self.whole.add(times.total());
+    }
+
+    /// Names with histograms: the stages in their order, then `tick` for the whole.
+    pub fn named(&self) -> impl Iterator<Item = (&'static str, &Histogram)> {
+        let stages = Stage::ALL.map(|stage| (stage.name(), &self.stages[stage]));
+        stages.into_iter().chain([("tick", &self.whole)])
     }
 }
 

@@ -6,9 +6,8 @@ use palpate_sim::haptics::{DeviceBounds, DevicePose};
 use palpate_sim::scene::quality;
 use palpate_sim::scene::spec::MAX_TOOLS;
 use palpate_sim::solve::rows::Holder;
-use palpate_sim::tick::record::{
-    Command, ContactReport, STAGE_COUNT, TickFault, TickRecord, ToolOutput,
-};
+use palpate_sim::tick::record::{Command, ContactReport, TickFault, TickRecord, ToolOutput};
+use palpate_sim::tick::stage::StageTimes;
 
 /// A message that does not hold what its type promises.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -166,7 +165,7 @@ pub fn tick_to_proto(record: &TickRecord, tool_count: usize) -> pb::Tick {
         quality: u32::from(output.quality),
         late_ns: record.late_ns,
         skipped: record.skipped,
-        stage_ns: record.stage_ns.to_vec(),
+        stage_ns: record.stage_ns.values().to_vec(),
     }
 }
 
@@ -186,15 +185,9 @@ pub fn tick_from_proto(tick: &pb::Tick) -> Result<TickRecord, ConvertError> {
     let mut record = TickRecord {
         late_ns: tick.late_ns,
         skipped: tick.skipped,
+        stage_ns: StageTimes::from_recorded(&tick.stage_ns),
         ..TickRecord::default()
     };
-    for (slot, ns) in record
-        .stage_ns
-        .iter_mut()
-        .zip(tick.stage_ns.iter().take(STAGE_COUNT))
-    {
-        *slot = *ns;
-    }
     let output = &mut record.output;
     (
         output.tick,

@@ -84,7 +84,7 @@ pub fn info(session: &Session) -> Result<Info, ReadError> {
 /// As of [`Follower`].
 pub fn computed_info(session: &Session) -> Result<Info, ReadError> {
     let mut tally = Tally::new(&session.header.names("tools"));
-    let mut follower = Follower::new(session);
+    let mut follower = Follower::new(session).reading_ahead();
     for happening in &mut follower {
         tally.take(&happening?);
     }

@@ -93,14 +93,14 @@ pub fn recover(source: &Path, target: &Path) -> Result<Recovered, RecoverError> 
     let part = PathBuf::from(format!("{}.recovering", target.display()));
     let file = SessionFile::create_as(&FileSystem, part.clone(), target, &head, &[], views)?;
     copy(&session, &head, file).inspect_err(|_| {
-        // Of half a copy there is no use.
+        // Half a copy is of no use.
         let _ = std::fs::remove_file(&part);
     })
 }
 
 /// Copies all that can be read, in the order in which it is there.
 fn copy(session: &Session, head: &Head, mut file: SessionFile) -> Result<Recovered, RecoverError> {
-    for happening in Follower::new(session) {
+    for happening in Follower::new(session).reading_ahead() {
         if let Some(message) = message(&happening?, head) {
             file.put(&message)?;
         }

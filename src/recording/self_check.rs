@@ -13,8 +13,6 @@ use crate::drive::journal::Journal;
 use palpate_geometry::math::SavedState;
 use palpate_sim::haptics::DevicePose;
 use palpate_sim::scene::{Scene, SceneState};
-use palpate_sim::solve::grip::MAX_ANCHORS;
-use palpate_sim::solve::rows::MAX_ROWS;
 use palpate_sim::tick::record::{Command, TickInput, TickRecord};
 use serde::Serialize;
 use std::sync::Arc;
@@ -95,15 +93,7 @@ pub struct SelfCheck {
 /// An empty buffer that takes in any state of a scene without growing: contact rows and grips come
 /// and go.
 pub(super) fn room_for_states(scene: &Scene) -> SavedState {
-    const ROW: [usize; 2] = [3, 14];
-    const ANCHOR: [usize; 2] = [1, 5];
-    let mut sample = SavedState::default();
-    sample.save_from(&scene.initial_state());
-    let more = |k: usize| MAX_ROWS * ROW[k] + scene.tool_count() * (1 + MAX_ANCHORS * ANCHOR[k]);
-    SavedState {
-        words: Vec::with_capacity(sample.words.len() + more(0)),
-        floats: Vec::with_capacity(sample.floats.len() + more(1)),
-    }
+    SavedState::with_capacity(scene.initial_state().largest_size())
 }
 
 impl SelfCheck {

@@ -6,12 +6,13 @@
 use super::message::{BodyHead, Message};
 use super::port::{Applied, PoolEnd};
 use crate::drive::journal::JournalGauges;
-use crate::drive::stats::{Histogram, LATE_NS};
+use crate::drive::stats::{LATE_NS, StageHistograms};
 use palpate_geometry::math::{Point3, SavedState};
 use palpate_proto::recording as pb;
 use palpate_sim::haptics::DevicePose;
 use palpate_sim::scene::Scene;
-use palpate_sim::tick::record::{STAGE_COUNT, TickFault, TickRecord, ToolOutput};
+use palpate_sim::tick::record::{TickFault, TickRecord, ToolOutput};
+use palpate_sim::tick::stage::StageTimes;
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
@@ -23,7 +24,7 @@ pub(super) struct TickHead {
     state_hash: u64,
     late_ns: u64,
     skipped: u32,
-    stage_ns: [u32; STAGE_COUNT],
+    stage_ns: StageTimes,
     moving: bool,
     quality: u8,
     fault: Option<TickFault>,
@@ -99,7 +100,7 @@ pub(super) struct Stream {
     /// Tick after which the last commands acted, and how many.
     commanded: (u64, u32),
     record: Box<TickRecord>,
-    stages: Vec<Histogram>,
+    stages: StageHistograms,
     late: u64,
     skipped: u64,
     last_tick: u64,
@@ -135,7 +136,7 @@ impl Stream {
             waiting: Vec::new(),
             commanded: (0, 0),
             record: Box::default(),
-            stages: (0..=STAGE_COUNT).map(|_| Histogram::default()).collect(),
+            stages: StageHistograms::default(),
             late: 0,
             skipped: 0,
             last_tick: 0,
@@ -271,12 +272,7 @@ impl Stream {
             (head.late_ns, head.skipped, head.stage_ns);
         take(Message::tick(record, self.tool_count));
         self.last_tick = head.tick;
-        let mut whole = 0;
-        for (histogram, ns) in self.stages.iter_mut().zip(head.stage_ns) {
-            histogram.add(u64::from(ns));
-            whole += u64::from(ns);
-        }
-        self.stages[STAGE_COUNT].add(whole);
+        self.stages.add(&head.stage_ns);
         self.late += u64::from(head.late_ns > LATE_NS);
         self.skipped += u64::from(head.skipped);
         if head.fault.is_some() {
@@ -299,8 +295,8 @@ impl Stream {
             skipped_ticks: self.skipped,
             stage_ns: self
                 .stages
-                .iter()
-                .flat_map(|h| [h.quantile(0.5), h.quantile(0.99), h.max()])
+                .named()
+                .flat_map(|(_, h)| [h.quantile(0.5), h.quantile(0.99), h.max()])
                 .collect(),
             dropped_records: self.gauges.dropped.load(Ordering::Relaxed),
         })

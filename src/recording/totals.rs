@@ -8,9 +8,9 @@ use super::convert::{ConvertError, command_from_proto, command_to_proto, tick_fr
 use super::figures::{ToolFigures, ToolSum};
 use super::message::{Kind, Message, SessionHash};
 use super::reader::Happening;
-use crate::drive::stats::{Histogram, LATE_NS};
+use crate::drive::stats::{Histogram, LATE_NS, StageHistograms};
 use palpate_proto::recording as pb;
-use palpate_sim::tick::record::{STAGE_COUNT, STAGE_NAMES, TickRecord};
+use palpate_sim::tick::record::TickRecord;
 use prost::Message as _;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -101,7 +101,7 @@ pub(super) struct Tally {
     totals: Totals,
     tools: Vec<(ToolSum, u64)>,
     /// By stage, then of whole ticks.
-    histograms: Vec<Histogram>,
+    histograms: StageHistograms,
     lateness: Histogram,
     session_hash: SessionHash,
     final_hash: u64,
@@ -114,7 +114,7 @@ impl Tally {
         Self {
             totals: Totals::default(),
             tools: tools.collect(),
-            histograms: (0..=STAGE_COUNT).map(|_| Histogram::default()).collect(),
+            histograms: StageHistograms::default(),
             lateness: Histogram::default(),
             session_hash: SessionHash::default(),
             final_hash: 0,
@@ -196,12 +196,7 @@ impl Tally {
             sum.push(tick, output);
         }
         self.lateness.add(record.late_ns);
-        let mut whole = 0;
-        for (histogram, ns) in self.histograms.iter_mut().zip(record.stage_ns) {
-            histogram.add(u64::from(ns));
-            whole += u64::from(ns);
-        }
-        self.histograms[STAGE_COUNT].add(whole);
+        self.histograms.add(&record.stage_ns);
     }
 
     /// What it comes to.
@@ -236,12 +231,9 @@ fn tool(figures: ToolFigures, poses: u64) -> ToolInfo {
 }
 
 /// Rows of a stage table: the stages, then the whole tick.
-pub(crate) fn stage_infos(histograms: &[Histogram]) -> Vec<StageInfo> {
-    STAGE_NAMES
-        .iter()
-        .copied()
-        .chain(["tick"])
-        .zip(histograms)
+pub(crate) fn stage_infos(histograms: &StageHistograms) -> Vec<StageInfo> {
+    histograms
+        .named()
         .map(|(stage, h)| stage_info(stage, h))
         .collect()
 }

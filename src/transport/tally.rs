@@ -106,8 +106,7 @@ impl Tally {
         let dt_ns = (scene.dt_s * 1e9) as u64;
         self.period
             .add(dt_ns * (1 + u64::from(record.skipped)) + record.late_ns);
-        self.step
-            .add(record.stage_ns.iter().map(|&ns| u64::from(ns)).sum());
+        self.step.add(record.stage_ns.total());
         for t in 0..self.tools.len() {
             let out = &record.output.tools[t];
             let id = || scene.tool_id(t).to_owned();

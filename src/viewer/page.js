@@ -25,7 +25,7 @@ function connect() {
     if (chart.length > 400) chart.shift();
     draw();
   };
-  socket.onclose = () => { text.textContent = "the daemon is gone; waiting…"; setTimeout(connect, 1000); };
+  socket.onclose = () => { text.textContent = "connection to the daemon lost; reconnecting…"; setTimeout(connect, 1000); };
 }
 connect();
 

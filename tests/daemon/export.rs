@@ -7,6 +7,7 @@ use palpate::recording::{
 };
 use palpate_geometry::exchange::{Format, Pick, read_surface};
 use palpate_geometry::math::Point3;
+use palpate_sim::tick::stage::Stage;
 use palpate_sim::tick::{apply, step};
 use std::path::{Path, PathBuf};
 use std::process::Command as Process;
@@ -77,7 +78,10 @@ fn a_table_reads_back_to_the_bit() {
             fields[column("state_hash")],
             format!("{:016x}", output.state_hash)
         );
-        assert_eq!(fields[column("deform_ns")], record.stage_ns[2].to_string());
+        assert_eq!(
+            fields[column("deform_ns")],
+            record.stage_ns[Stage::Deform].to_string()
+        );
         assert_eq!(fields[column("late_ns")], record.late_ns.to_string());
         for (t, id) in ["ball", "second"].into_iter().enumerate() {
             let (tool, name) = (&output.tools[t], |what: &str| format!("{id}.{what}"));

@@ -337,7 +337,7 @@ fn what_cannot_be_played_is_said_and_ends_with_two() {
         (path.as_path(), &[][..], "not an MCAP file"),
         (&directory.path().join("none.mcap"), &[], "none.mcap"),
         (&golden, &["--remap", "bull:=pen"], "it has ball, drop"),
-        (&golden, &["--remap", "ball:=Pen"], "is no id"),
+        (&golden, &["--remap", "ball:=Pen"], "is not a valid id"),
         (&golden, &["--remap", "ball"], "write old:=new"),
         (&golden, &["--start", "5000"], "the recording has 1 to 1500"),
         (

@@ -3,7 +3,8 @@
 use super::super::reader::Session;
 use super::{ExportError, Range, dt_s};
 use palpate_sim::haptics::DevicePose;
-use palpate_sim::tick::record::{STAGE_NAMES, TickRecord, ToolOutput};
+use palpate_sim::tick::record::{TickRecord, ToolOutput};
+use palpate_sim::tick::stage::Stage;
 use std::io::Write;
 
 /// A field: its name, and where its three or four components stop.
@@ -90,7 +91,7 @@ fn heading(tools: &[String]) -> String {
         ]
         .map(str::to_owned),
     );
-    columns.extend(STAGE_NAMES.map(|stage| format!("{stage}_ns")));
+    columns.extend(Stage::ALL.map(|stage| format!("{}_ns", stage.name())));
     columns.join(",") + "\n"
 }
 
@@ -134,7 +135,8 @@ fn write_row(line: &mut String, record: &TickRecord, tools: usize, bodies: &[Str
     row.text(format_args!("{:016x}", output.state_hash));
     row.text(record.skipped);
     row.text(record.late_ns);
-    record.stage_ns.iter().for_each(|ns| row.text(ns));
+    let times = record.stage_ns.values();
+    times.iter().for_each(|ns| row.text(ns));
     line.pop();
     line.push('\n');
 }

@@ -105,6 +105,7 @@ impl Range {
     /// The ticks in it.
     fn of(&self, session: &Session) -> impl Iterator<Item = Result<Box<TickRecord>, ExportError>> {
         let ticks = Follower::between(session, self.from, self.until).only(&[Topic::Tick]);
+        let ticks = ticks.reading_ahead();
         ticks.filter_map(|happening| match happening {
             Ok(Happening::Tick(record)) => Some(Ok(record)),
             Ok(_) => None,

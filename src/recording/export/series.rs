@@ -77,8 +77,7 @@ pub fn series(session: &Session, range: &Range) -> Result<Series, ExportError> {
             depth_m[t].push(tick, output.contact.map_or(0.0, |contact| contact.depth_m));
             energy_j[t].push(tick, output.energy_j);
         }
-        let whole_ns = record.stage_ns.iter().map(|&ns| f64::from(ns));
-        tick_s.push(tick, whole_ns.sum::<f64>() * 1e-9);
+        tick_s.push(tick, record.stage_ns.total() as f64 * 1e-9);
     }
     let curves = |drawn: Vec<Drawing>| drawn.into_iter().map(Drawing::finish).collect();
     Ok(Series {

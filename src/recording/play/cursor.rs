@@ -65,7 +65,7 @@ impl Cursor {
             });
         }
         let mut cursor = Self {
-            follower: Follower::new(&session),
+            follower: Follower::new(&session).reading_ahead(),
             session,
             rerun: Rerun::new(scene),
             range,
@@ -93,7 +93,7 @@ impl Cursor {
         match self.seek(before) {
             Err(PlayError::Seek { .. }) => {
                 // `advance` finds a keyframe.
-                self.follower = Follower::between(&self.session, before, u64::MAX);
+                self.follower = Follower::between(&self.session, before, u64::MAX).reading_ahead();
                 self.seated = false;
                 Ok(())
             }
@@ -122,7 +122,7 @@ impl Cursor {
             ));
         }
         self.restore(keyframe.tick, &keyframe.saved)?;
-        self.follower = Follower::at(&self.session, place);
+        self.follower = Follower::at(&self.session, place).reading_ahead();
         // The keyframe itself.
         let _ = self.follower.next();
         let mut record = None;

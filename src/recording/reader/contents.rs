@@ -60,7 +60,7 @@ impl Contents {
     pub fn of(session: &Session) -> Result<Self, ReadError> {
         let mut all = Self {
             path: session.path.clone(),
-            header: session.header.clone(),
+            header: SessionHeader::clone(&session.header),
             ticks: Vec::new(),
             keyframes: Vec::new(),
             commands: Vec::new(),

@@ -13,6 +13,7 @@ use palpate_proto::recording as pb;
 use palpate_sim::tick::record::{Command, TickRecord};
 use prost::Message as _;
 use std::collections::BTreeMap;
+use std::thread::JoinHandle;
 
 /// A state to start a replay from.
 #[derive(Clone, Debug, PartialEq)]
@@ -114,6 +115,9 @@ pub struct Follower {
     /// First and last tick of interest.
     range: (u64, u64),
     only: &'static [Topic],
+    reads_ahead: bool,
+    /// A chunk that is being read, by number.
+    ahead: Option<(usize, JoinHandle<Result<Page, PageError>>)>,
     /// By channel: messages and bytes of the chunks read so far.
     counts: BTreeMap<u16, (u64, u64)>,
     failed: bool,
@@ -133,6 +137,8 @@ impl Follower {
             page: None,
             range: (0, u64::MAX),
             only: &[],
+            reads_ahead: false,
+            ahead: None,
             counts: BTreeMap::new(),
             failed: false,
         }
@@ -163,6 +169,16 @@ impl Follower {
     #[must_use]
     pub fn only(self, only: &'static [Topic]) -> Self {
         Self { only, ..self }
+    }
+
+    /// Reads the next chunk on a thread of its own while messages of this one are used, to avoid waiting
+    /// for the disk and for decompression.
+    #[must_use]
+    pub fn reading_ahead(self) -> Self {
+        Self {
+            reads_ahead: true,
+            ..self
+        }
     }
 
     /// Place of the next message.
@@ -219,6 +235,23 @@ impl Follower {
         None
     }
 
+    fn read(&mut self, chunk: usize) -> Result<Page, PageError> {
+        let ahead = self.ahead.take().filter(|(number, _)| *number == chunk);
+        let page = match ahead.map(|(_, thread)| thread.join()) {
+            Some(Ok(page)) => page,
+            _ => self.session.page(chunk),
+        };
+        let next = chunk + 1;
+        if self.reads_ahead && next < self.session.chunks().len() {
+            let session = self.session.clone();
+            // Without a thread it is read when it is needed.
+            let thread = std::thread::Builder::new().name("palpate-reader".into());
+            let thread = thread.spawn(move || session.page(next));
+            self.ahead = thread.ok().map(|thread| (next, thread));
+        }
+        page
+    }
+
     /// Goes to the start of the next chunk.
     fn leave(&mut self) {
         self.page = None;
@@ -236,7 +269,7 @@ impl Follower {
             if chunk.rest_from_ns > until_ns || self.next.chunk > last {
                 return None;
             }
-            match self.session.page(self.next.chunk) {
+            match self.read(self.next.chunk) {
                 Ok(page) => {
                     for (id, (messages, bytes)) in &page.counts {
                         let count = self.counts.entry(*id).or_default();

@@ -21,7 +21,7 @@ pub struct Session {
     /// File it came from.
     pub path: PathBuf,
     /// Head.
-    pub header: SessionHeader,
+    pub header: Arc<SessionHeader>,
     inner: Arc<Inner>,
 }
 
@@ -118,7 +118,7 @@ impl Session {
         let topics = topics_of(&layout);
         Ok(Self {
             path: path.to_owned(),
-            header: std::mem::take(&mut layout.header),
+            header: Arc::new(std::mem::take(&mut layout.header)),
             inner: Arc::new(Inner {
                 source,
                 layout,

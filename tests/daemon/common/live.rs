@@ -122,7 +122,7 @@ impl Live {
     pub fn tick(&mut self) {
         let input = poses(self.state.tick + 1, self.scene.tool_count());
         let output = step(&self.scene, &mut self.state, &mut self.scratch, &input);
-        let stage_ns = [1, 20_000, 300_000, 4_000];
+        let stage_ns = [1, 20_000, 250_000, 50_000, 4_000].into();
         let record = TickRecord {
             input,
             output,

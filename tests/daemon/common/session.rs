@@ -224,7 +224,7 @@ pub fn record_lying(
             input,
             output,
             late_ns: tick % 7,
-            stage_ns: [1, 20, 300, 4],
+            stage_ns: [1, 20, 250, 50, 4].into(),
             ..Default::default()
         };
         lie(&mut record);

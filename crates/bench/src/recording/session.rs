@@ -91,9 +91,11 @@ impl Simulated {
         let stage_ns = [
             200 + jitter / 50,
             20_000 + jitter,
-            150_000 + 3 * jitter,
+            100_000 + 2 * jitter,
+            50_000 + jitter,
             2_000 + jitter / 3,
-        ];
+        ]
+        .into();
         TickRecord {
             input,
             output,

@@ -6,12 +6,14 @@
 //! mesh, pair, own   … of a mesh, of two surfaces, of a surface with itself
 //! spheres           the same on sampled points, as fast or as exact as their number
 //!      └──────────▶ ContactSet: contacts in order of depth, rectangles in touch, overlap
+//! dispatch          which of these answers for a pair
 //! swept             first touch of a tool on its way
 //! ```
 //! Normals point out of the body, towards the tool; a gap is negative where the tool is inside.
 
 pub mod broad;
 mod depth;
+pub mod dispatch;
 pub mod exact;
 pub mod implicit;
 #[cfg(test)]
@@ -25,6 +27,7 @@ mod shape;
 pub mod spheres;
 pub mod swept;
 
+pub use dispatch::Facing;
 pub use samples::{SampleGrid, Weights, distance_squared_to_box};
 pub use set::{Contact, ContactSet, MAX_CONTACTS, Reach, Rectangle};
 pub use shape::{SurfaceShape, ToolShape};

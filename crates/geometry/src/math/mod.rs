@@ -23,10 +23,14 @@ mod random;
 pub mod simd;
 mod state;
 mod turn;
+mod walk;
 
 pub use aligned::Rows;
 pub use cholesky::{Cholesky, CholeskyError, Lane, SymmetricTriplets};
 pub use quadrature::gauss_legendre;
 pub use random::Random;
-pub use state::{SavedState, StateError, StateSink, StateSource, Stateful, state_hash};
+pub use state::{
+    SavedState, StateError, StateSink, StateSize, StateSource, Stateful, state_hash, state_size,
+};
 pub use turn::{rotation_by, turn_between};
+pub use walk::{Coded, Restorer, Saver, Triple};

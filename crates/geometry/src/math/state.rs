@@ -1,5 +1,5 @@
-//! One declared order for everything a replay must restore: the same walk hashes, saves and
-//! restores a state.
+//! What a replay must restore: saved, hashed, measured and restored in one declared order, which
+//! [`stateful!`](crate::stateful) writes down once for a type.
 
 use xxhash_rust::xxh3::Xxh3;
 
@@ -67,6 +67,16 @@ pub fn state_hash(state: &impl Stateful) -> u64 {
             self.0.update(&word.to_le_bytes());
         }
         fn floats(&mut self, values: &[f64]) {
+            if let [value] = values {
+                return self.0.update(&value.to_le_bytes());
+            }
+            if let &[x, y, z] = values {
+                let mut block = [0u8; 24];
+                for (bytes, value) in block.chunks_exact_mut(8).zip([x, y, z]) {
+                    bytes.copy_from_slice(&value.to_le_bytes());
+                }
+                return self.0.update(&block);
+            }
             // A fixed block keeps this free of allocation and of unsafe casts.
             let mut block = [0u8; 2048];
             for chunk in values.chunks(256) {
@@ -82,6 +92,31 @@ pub fn state_hash(state: &impl Stateful) -> u64 {
     hasher.0.digest()
 }
 
+/// How much there is of a state.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct StateSize {
+    /// Integers.
+    pub words: usize,
+    /// Floats.
+    pub floats: usize,
+}
+
+impl StateSink for StateSize {
+    fn word(&mut self, _word: u64) {
+        self.words += 1;
+    }
+    fn floats(&mut self, values: &[f64]) {
+        self.floats += values.len();
+    }
+}
+
+/// How much there is of a state: what [`SavedState::save_from`] makes of it.
+pub fn state_size(state: &impl Stateful) -> StateSize {
+    let mut size = StateSize::default();
+    state.save(&mut size);
+    size
+}
+
 /// A saved state: integers and floats apart, each in order.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct SavedState {
@@ -92,6 +127,14 @@ pub struct SavedState {
 }
 
 impl SavedState {
+    /// An empty one that takes in a state of this size without growing.
+    pub fn with_capacity(size: StateSize) -> Self {
+        Self {
+            words: Vec::with_capacity(size.words),
+            floats: Vec::with_capacity(size.floats),
+        }
+    }
+
     /// Overwrites `self`; allocates only while it grows.
     pub fn save_from(&mut self, state: &impl Stateful) {
         self.words.clear();

@@ -86,25 +86,19 @@ impl<'a, M: Fn(usize) -> Material> Solid<'a, M> {
             |cell| material(cell).density_kg_m3,
             enclosed_volume_m3,
         )?;
+        let elastic = |cell| Elastic {
+            young_pa: material(cell).young_pa,
+            poisson: material(cell).poisson,
+        };
+        let of_cells = || -> Vec<Elastic> { (0..grid.cells.len()).map(elastic).collect() };
         let law = match inside {
             Inside::Springs(rule) => Law::springs(
                 &springs::from_cells(grid, |cell| material(cell).young_pa, rule),
                 common.stiffening,
             ),
-            Inside::Continuum | Inside::SmoothContinuum => {
-                let elastic = |cell| Elastic {
-                    young_pa: material(cell).young_pa,
-                    poisson: material(cell).poisson,
-                };
-                let of_cells: Vec<Elastic> = (0..grid.cells.len()).map(elastic).collect();
-                // Smooth coordinates leave cells no motion without energy: one point a cell is
-                // enough.
-                let continuum = match inside {
-                    Inside::SmoothContinuum => Continuum::at_centres(grid, &of_cells),
-                    _ => Continuum::new(grid, &of_cells),
-                };
-                Law::continuum(continuum?)
-            }
+            Inside::Continuum => Law::continuum(Continuum::new(grid, &of_cells())?),
+            // Smooth coordinates leave cells no motion without energy: one point a cell is enough.
+            Inside::SmoothContinuum => Law::continuum(Continuum::at_centres(grid, &of_cells())?),
         };
         let quality = grid.quality();
         let blueprint = Blueprint {

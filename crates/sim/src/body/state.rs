@@ -2,7 +2,8 @@
 
 use super::deformable::Field;
 use super::spring_table::ByCoordinate;
-use palpate_geometry::math::{Lane, Point3, Rows, StateError, StateSink, StateSource, Vector3};
+use palpate_geometry::math::{Lane, Point3, Rows, Vector3};
+use palpate_geometry::stateful;
 
 /// What a replay restores.
 #[derive(Debug, PartialEq)]
@@ -45,51 +46,22 @@ impl Clone for DeformableState {
     }
 }
 
-impl DeformableState {
-    /// All of it, in order.
-    pub fn save(&self, sink: &mut impl StateSink) {
-        save_triples(&self.positions, |p| &p.coords, sink);
-        save_triples(&self.velocities, |v| v, sink);
-        sink.floats(self.rest_lengths.as_flattened());
-        sink.floats(self.plastic_strain.as_flattened());
-        sink.word(u64::from(self.still));
-        sink.word(self.slept);
-    }
-
-    /// In the order of [`DeformableState::save`].
-    ///
-    /// # Errors
-    /// The source is too short.
-    pub fn restore(&mut self, source: &mut impl StateSource) -> Result<(), StateError> {
-        for p in &mut self.positions {
-            source.floats(p.coords.as_mut_slice())?;
-        }
-        for v in &mut self.velocities {
-            source.floats(v.as_mut_slice())?;
-        }
-        source.floats(self.rest_lengths.as_flattened_mut())?;
-        source.floats(self.plastic_strain.as_flattened_mut())?;
-        let still = source.word()?;
-        self.still = u32::try_from(still).map_err(|_| StateError::Value {
-            what: "number of still steps",
-            value: still,
-        })?;
-        self.slept = source.word()?;
-        Ok(())
-    }
-}
-
-/// In blocks: a hash of thousands of short slices would cost more than the step's force pass.
-fn save_triples<T>(items: &[T], triple: impl Fn(&T) -> &Vector3, sink: &mut impl StateSink) {
-    const BLOCK: usize = 64;
-    let mut block = [0.0; 3 * BLOCK];
-    for items in items.chunks(BLOCK) {
-        for (slot, item) in block.chunks_exact_mut(3).zip(items) {
-            slot.copy_from_slice(triple(item).as_slice());
-        }
-        sink.floats(&block[..3 * items.len()]);
-    }
-}
+stateful!(DeformableState, |this, walk| {
+    let DeformableState {
+        positions,
+        velocities,
+        rest_lengths,
+        plastic_strain,
+        still,
+        slept,
+    } = this;
+    walk.triples(positions)?;
+    walk.triples(velocities)?;
+    walk.lanes(rest_lengths)?;
+    walk.lanes(plastic_strain)?;
+    walk.coded("number of still steps", still)?;
+    walk.word(slept)
+});
 
 /// Buffers of a body's step.
 #[derive(Clone, Debug)]

@@ -8,7 +8,7 @@
 //! f_c / Δ` (Abbott & Okamura 2005, "Effects of position quantization and sampling rate on
 //! virtual-wall passivity").
 
-use palpate_geometry::math::{StateError, StateSink, StateSource};
+use palpate_geometry::stateful;
 
 /// What decides how stiff a device may be coupled.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -89,23 +89,19 @@ impl DeviceBounds {
             self.force_max_n >= 0.0 && self.torque_max_nm >= 0.0 && self.stiffness_max_n_m > 0.0;
         sound.then_some(self)
     }
-
-    /// All of it, in order.
-    pub fn save(&self, sink: &mut impl StateSink) {
-        sink.floats(&[self.force_max_n, self.torque_max_nm, self.stiffness_max_n_m]);
-    }
-
-    /// In the order of [`DeviceBounds::save`].
-    ///
-    /// # Errors
-    /// The source is too short.
-    pub fn restore(&mut self, source: &mut impl StateSource) -> Result<(), StateError> {
-        let mut values = [0.0; 3];
-        source.floats(&mut values)?;
-        [self.force_max_n, self.torque_max_nm, self.stiffness_max_n_m] = values;
-        Ok(())
-    }
 }
+
+stateful!(DeviceBounds, |this, walk| {
+    let DeviceBounds {
+        force_max_n,
+        torque_max_nm,
+        stiffness_max_n_m,
+    } = this;
+    for limit in [force_max_n, torque_max_nm, stiffness_max_n_m] {
+        walk.float(limit)?;
+    }
+    Ok(())
+});
 
 #[cfg(test)]
 mod tests {

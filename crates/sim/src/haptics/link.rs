@@ -8,7 +8,8 @@
 //! Time is counted in ticks: a replay sees the same ages.
 
 use super::DevicePose;
-use palpate_geometry::math::{Point3, Rotation, StateError, StateSink, StateSource, Vector3};
+use palpate_geometry::math::{Coded, Point3, Rotation, Vector3};
+use palpate_geometry::stateful;
 
 /// Bounds of one tool's link, from the scene.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -142,72 +143,57 @@ impl Link {
             Vector3::zeros()
         }
     }
+}
 
-    /// All of it, in order.
-    pub fn save(&self, sink: &mut impl StateSink) {
-        let pose = &self.pose;
-        let phase = match self.phase {
-            LinkPhase::Absent => 0,
-            LinkPhase::Live => 1,
-            LinkPhase::Stale => 2,
-            LinkPhase::Jumped => 3,
-        };
-        for word in [
-            phase,
-            u64::from(self.age_ticks),
-            pose.seq,
-            pose.t_client_ns,
-            u64::from(pose.buttons),
-        ] {
-            sink.word(word);
+impl Coded for LinkPhase {
+    fn code(&self) -> u64 {
+        match self {
+            Self::Absent => 0,
+            Self::Live => 1,
+            Self::Stale => 2,
+            Self::Jumped => 3,
         }
-        sink.floats(pose.position.coords.as_slice());
-        sink.floats(pose.orientation.coords.as_slice());
-        sink.floats(pose.linear_velocity.as_slice());
-        sink.floats(pose.angular_velocity.as_slice());
-        sink.floats(&[self.limit_n]);
     }
 
-    /// In the order of [`Link::save`].
-    ///
-    /// # Errors
-    /// The source is too short or its phase unknown.
-    pub fn restore(&mut self, source: &mut impl StateSource) -> Result<(), StateError> {
-        self.phase = match source.word()? {
-            0 => LinkPhase::Absent,
-            1 => LinkPhase::Live,
-            2 => LinkPhase::Stale,
-            3 => LinkPhase::Jumped,
-            value => {
-                return Err(StateError::Value {
-                    what: "link phase",
-                    value,
-                });
-            }
+    fn set_code(&mut self, code: u64) -> bool {
+        *self = match code {
+            0 => Self::Absent,
+            1 => Self::Live,
+            2 => Self::Stale,
+            3 => Self::Jumped,
+            _ => return false,
         };
-        self.age_ticks = small(source.word()?, "pose age")?;
-        self.pose.seq = source.word()?;
-        self.pose.t_client_ns = source.word()?;
-        self.pose.buttons = small(source.word()?, "button mask")?;
-        source.floats(self.pose.position.coords.as_mut_slice())?;
-        let mut quaternion = [0.0; 4];
-        source.floats(&mut quaternion)?;
-        // Taken as saved: normalising again would change the last bit.
-        self.pose.orientation = Rotation::new_unchecked(nalgebra::Quaternion::from(
-            nalgebra::Vector4::from(quaternion),
-        ));
-        source.floats(self.pose.linear_velocity.as_mut_slice())?;
-        source.floats(self.pose.angular_velocity.as_mut_slice())?;
-        let mut limit = [0.0];
-        source.floats(&mut limit)?;
-        self.limit_n = limit[0];
-        Ok(())
+        true
     }
 }
 
-fn small(value: u64, what: &'static str) -> Result<u32, StateError> {
-    u32::try_from(value).map_err(|_| StateError::Value { what, value })
-}
+stateful!(Link, |this, walk| {
+    let Link {
+        phase,
+        pose,
+        age_ticks,
+        limit_n,
+    } = this;
+    let DevicePose {
+        seq,
+        t_client_ns,
+        position,
+        orientation,
+        linear_velocity,
+        angular_velocity,
+        buttons,
+    } = pose;
+    walk.coded("link phase", phase)?;
+    walk.coded("pose age", age_ticks)?;
+    walk.word(seq)?;
+    walk.word(t_client_ns)?;
+    walk.coded("button mask", buttons)?;
+    walk.point(position)?;
+    walk.rotation(orientation)?;
+    walk.vector(linear_velocity)?;
+    walk.vector(angular_velocity)?;
+    walk.float(limit_n)
+});
 
 #[cfg(test)]
 mod tests {

@@ -11,7 +11,8 @@
 //! This is the port as the loop sees it. Delays between here and the device make energy beyond it,
 //! which only a controller at the device can see: `palpate_client::device` has one.
 
-use palpate_geometry::math::{StateError, StateSink, StateSource, Vector3};
+use palpate_geometry::math::Vector3;
+use palpate_geometry::stateful;
 
 /// Length by which rotations count as motion, m: that of a stylus between the fingers.
 const REACH_M: f64 = 0.05;
@@ -108,31 +109,25 @@ impl Port {
     pub fn hold(&mut self, held: Wrench, damper: Wrench) {
         (self.held, self.damper) = (held, damper);
     }
-
-    /// All of it, in order.
-    pub fn save(&self, sink: &mut impl StateSink) {
-        sink.floats(&[self.energy_j, self.dissipated_j, self.credit_j]);
-        for wrench in [&self.held, &self.damper] {
-            sink.floats(wrench.force_n.as_slice());
-            sink.floats(wrench.torque_nm.as_slice());
-        }
-    }
-
-    /// In the order of [`Port::save`].
-    ///
-    /// # Errors
-    /// The source is too short.
-    pub fn restore(&mut self, source: &mut impl StateSource) -> Result<(), StateError> {
-        let mut sums = [0.0; 3];
-        source.floats(&mut sums)?;
-        [self.energy_j, self.dissipated_j, self.credit_j] = sums;
-        for wrench in [&mut self.held, &mut self.damper] {
-            source.floats(wrench.force_n.as_mut_slice())?;
-            source.floats(wrench.torque_nm.as_mut_slice())?;
-        }
-        Ok(())
-    }
 }
+
+stateful!(Port, |this, walk| {
+    let Port {
+        energy_j,
+        dissipated_j,
+        credit_j,
+        held,
+        damper,
+    } = this;
+    for sum in [energy_j, dissipated_j, credit_j] {
+        walk.float(sum)?;
+    }
+    for Wrench { force_n, torque_nm } in [held, damper] {
+        walk.vector(force_n)?;
+        walk.vector(torque_nm)?;
+    }
+    Ok(())
+});
 
 #[cfg(test)]
 mod tests {

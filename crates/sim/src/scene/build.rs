@@ -5,12 +5,13 @@ use super::spec::{
     BodySpec, ContactMethod, DeviceSpec, FrictionSpec, IntegratorSpec, ModelSpec, PoseSpec,
     SPHERES_RESOLUTION, SceneSpec, SurfaceSpec, ToolSpec,
 };
-use super::{Body, BodyModel, Device, LatticeBody, Method, Pair, Scene, Tool};
+use super::{Body, BodyModel, Device, LatticeBody, Pair, Scene, Tool};
 use super::{deforming, refine, shapes};
 use crate::haptics::{Coupling, DeviceFigures, LinkLimits};
 use crate::solve::friction::Friction;
 use crate::solve::rows::Holder;
 use palpate_geometry::contact::SampleGrid;
+use palpate_geometry::contact::dispatch::{self, Method};
 use palpate_geometry::math::{Point3, Pose, Rotation, Vector3};
 use palpate_geometry::surface::{self, Surface};
 use std::path::Path;
@@ -262,17 +263,15 @@ fn build_pairs(
             ContactMethod::Exact => {}
             ContactMethod::None => pairs.retain(|pair| !named(pair)),
             ContactMethod::Spheres => {
-                let other = match holder {
-                    Holder::Body(other) => bodies[other as usize].surface.joints().is_some(),
-                    Holder::Tool(_) => false,
-                };
-                if other || bodies[body].surface.joints().is_some() {
-                    let reason = "a surface in joined pieces has no \"spheres\" contact; use method = \"exact\"";
-                    return Err(error(format!("contact[{c}].method"), reason));
-                }
                 let resolution = contact.resolution.unwrap_or(SPHERES_RESOLUTION);
                 for pair in pairs.iter_mut().filter(|pair| named(pair)) {
                     pair.method = Method::Spheres(resolution);
+                    dispatch::check(
+                        &bodies[pair.body].surface,
+                        pair.party(tools, bodies),
+                        pair.method,
+                    )
+                    .map_err(|e| error(format!("contact[{c}].method"), e))?;
                 }
             }
         }

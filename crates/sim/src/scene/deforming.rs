@@ -183,8 +183,13 @@ fn riding(spec: &BodySpec, path: &str, surface: &Surface) -> Result<(Reduced, f6
             };
             body::som(surface, counts, &settings)
         }
-        (_, false, Some(thickness_m)) => body::thick_sheet(surface, counts, thickness_m),
-        _ => body::transfinite(surface, counts),
+        (BuilderSpec::Transfinite | BuilderSpec::Layers, false, Some(thickness_m)) => {
+            body::thick_sheet(surface, counts, thickness_m)
+        }
+        (BuilderSpec::Transfinite | BuilderSpec::Layers, true, _)
+        | (BuilderSpec::Transfinite | BuilderSpec::Layers, false, None) => {
+            body::transfinite(surface, counts)
+        }
     };
     let cube = cube.map_err(|e| bad(&e))?;
     let coordinate_of_control = body::coordinates_of_surface(surface);
@@ -210,7 +215,10 @@ fn inside(spec: &BodySpec) -> Inside {
     match spec.model {
         ModelSpec::Net => Inside::SmoothContinuum,
         ModelSpec::Continuum => Inside::Continuum,
-        _ => Inside::Springs(rule(&spec.material)),
+        // A membrane has no inside, a rigid body no law.
+        ModelSpec::Lattice | ModelSpec::Membrane | ModelSpec::Rigid => {
+            Inside::Springs(rule(&spec.material))
+        }
     }
 }
 

@@ -2,7 +2,8 @@
 
 use super::{Scene, SceneState};
 use crate::body::Field;
-use palpate_geometry::math::{Point3, Rotation, StateError, StateSink, StateSource, Vector3};
+use palpate_geometry::math::{Point3, Rotation, Vector3};
+use palpate_geometry::stateful;
 
 /// Which tool carries the bodies.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -58,44 +59,26 @@ impl FrameState {
         self.seen = (self.seen + 1).min(2);
         (self.position, self.rotation) = (*position, *rotation);
     }
-
-    pub(super) fn save(&self, sink: &mut impl StateSink) {
-        sink.word(u64::from(self.seen));
-        let q = self.rotation.coords;
-        sink.floats(q.as_slice());
-        sink.floats(self.position.coords.as_slice());
-        for v in [
-            self.velocity,
-            self.turning,
-            self.acceleration,
-            self.turning_rate,
-        ] {
-            sink.floats(v.as_slice());
-        }
-    }
-
-    pub(super) fn restore(&mut self, source: &mut impl StateSource) -> Result<(), StateError> {
-        let seen = source.word()?;
-        self.seen = u32::try_from(seen).map_err(|_| StateError::Value {
-            what: "ticks of a frame",
-            value: seen,
-        })?;
-        let mut q = [0.0; 4];
-        source.floats(&mut q)?;
-        self.rotation =
-            Rotation::new_unchecked(nalgebra::Quaternion::from(nalgebra::Vector4::from(q)));
-        source.floats(self.position.coords.as_mut_slice())?;
-        for v in [
-            &mut self.velocity,
-            &mut self.turning,
-            &mut self.acceleration,
-            &mut self.turning_rate,
-        ] {
-            source.floats(v.as_mut_slice())?;
-        }
-        Ok(())
-    }
 }
+
+stateful!(FrameState, |this, walk| {
+    let FrameState {
+        seen,
+        position,
+        rotation,
+        velocity,
+        turning,
+        acceleration,
+        turning_rate,
+    } = this;
+    walk.coded("ticks of a frame", seen)?;
+    walk.rotation(rotation)?;
+    walk.point(position)?;
+    for rate in [velocity, turning, acceleration, turning_rate] {
+        walk.vector(rate)?;
+    }
+    Ok(())
+});
 
 impl Scene {
     /// What free points of the bodies feel.

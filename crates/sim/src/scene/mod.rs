@@ -10,7 +10,6 @@ mod deforming;
 pub mod file;
 mod frame;
 mod layout;
-mod narrow;
 mod near;
 pub mod plan;
 mod refine;
@@ -23,7 +22,6 @@ pub use build::{SceneError, default_samples_per_span, inline_files};
 pub use change::{Origin, SceneChange};
 use frame::FrameOf;
 pub use frame::FrameState;
-pub(crate) use narrow::{PairScratch, look_at};
 pub(crate) use near::Near;
 pub(crate) use scratch::DeformingScratch;
 pub use scratch::{BodyScratch, Scratch};
@@ -33,6 +31,7 @@ use crate::body::Deformable;
 use crate::haptics::{Coupling, DeviceBounds, DeviceFigures, LinkLimits, StiffnessLimits};
 use crate::solve::friction::Friction;
 use crate::solve::rows::Holder;
+use palpate_geometry::contact::dispatch::{Method, Party};
 use palpate_geometry::contact::{SampleGrid, ToolShape};
 use palpate_geometry::math::{Point3, Rotation};
 use palpate_geometry::surface::Surface;
@@ -136,20 +135,21 @@ pub(crate) struct Pair {
     pub friction: Option<Friction>,
 }
 
-/// Narrow phase of a pair.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Method {
-    Exact,
-    /// With this many points in u and in v.
-    Spheres([usize; 2]),
-}
-
 impl Pair {
     /// The tool, when one holds.
     pub fn tool(&self) -> Option<usize> {
         match self.holder {
             Holder::Tool(tool) => Some(tool as usize),
             Holder::Body(_) => None,
+        }
+    }
+
+    /// What stands against its body.
+    pub fn party<'a>(&self, tools: &'a [Tool], bodies: &'a [Body]) -> Party<'a> {
+        match self.holder {
+            Holder::Tool(tool) => Party::Tool(&tools[tool as usize].shape),
+            Holder::Body(other) if other as usize == self.body => Party::Itself,
+            Holder::Body(other) => Party::Body(&bodies[other as usize].surface),
         }
     }
 }

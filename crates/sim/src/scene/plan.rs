@@ -1,9 +1,10 @@
 //! The compiled plan: what a tick of this scene does and holds, and nothing else.
 
-use super::{BodyModel, Method, Pair, Scene};
+use super::{BodyModel, Pair, Scene};
 use crate::body::Deformable;
 use crate::solve::rows::{Holder, MAX_ROWS};
 use palpate_geometry::contact::ToolShape;
+use palpate_geometry::contact::dispatch::Method;
 use serde::Serialize;
 use std::fmt;
 

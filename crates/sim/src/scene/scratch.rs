@@ -1,9 +1,8 @@
 //! Buffers of a step, made anew from the state.
 
-use super::narrow::PairScratch;
 use super::near::Near;
 use super::state::{Pipeline, SceneState};
-use super::{BodyModel, Scene};
+use super::{BodyModel, Pair, Scene};
 use crate::body::DeformableScratch;
 use crate::solve::complementarity::Complementarity;
 use crate::solve::cones::ConeShare;
@@ -11,6 +10,8 @@ use crate::solve::delassus::Delassus;
 use crate::solve::friction::{FrictionProblem, Stick};
 use crate::solve::rows::{MAX_ROWS, MAX_ROWS_PER_PAIR, RowSet, SampleInTouch};
 use crate::solve::sharing::Share;
+use palpate_geometry::contact::dispatch::Narrow;
+use palpate_geometry::contact::pair::PairSide;
 use palpate_geometry::contact::spheres::Counters;
 use palpate_geometry::math::{Point3, Vector3};
 use palpate_geometry::surface::{ClosestSolver, Surface};
@@ -22,7 +23,7 @@ pub struct Scratch {
     /// By body.
     pub(crate) bodies: Vec<BodyScratch>,
     /// By pair.
-    pub(crate) pairs: Vec<PairScratch>,
+    pub(crate) pairs: Vec<Narrow>,
     pub(crate) near: Near,
     pub(crate) rows: RowSet,
     /// Samples of one pair in touch.
@@ -86,6 +87,16 @@ pub struct BodyScratch {
     pub(crate) deforming: Option<DeformingScratch>,
 }
 
+impl BodyScratch {
+    /// The surface as contact queries take it.
+    pub(crate) fn side(&mut self) -> PairSide<'_> {
+        PairSide {
+            surface: &self.surface,
+            solver: &mut self.solver,
+        }
+    }
+}
+
 #[derive(Debug)]
 pub(crate) struct DeformingScratch {
     pub lattice: DeformableScratch,
@@ -96,6 +107,12 @@ pub(crate) struct DeformingScratch {
 }
 
 impl Scene {
+    fn narrow(&self, pair: &Pair) -> Narrow {
+        let party = pair.party(&self.tools, &self.bodies);
+        Narrow::new(&self.bodies[pair.body].surface, party, pair.method)
+            .unwrap_or_else(|e| unreachable!("the scene was built with a pair that has none: {e}"))
+    }
+
     /// Buffers for the steps of one simulation, prepared for `state`.
     pub fn scratch(&self, state: &SceneState) -> Scratch {
         let width =
@@ -138,11 +155,7 @@ impl Scene {
         };
         let mut scratch = Scratch {
             bodies: bodies.collect(),
-            pairs: self
-                .pairs
-                .iter()
-                .map(|pair| PairScratch::new(self, pair))
-                .collect(),
+            pairs: self.pairs.iter().map(|pair| self.narrow(pair)).collect(),
             near: Near::new(self),
             rows: RowSet::new(rows),
             hits: Vec::with_capacity(MAX_ROWS_PER_PAIR),

@@ -9,9 +9,8 @@ use crate::solve::grip::{GRAB, GripState};
 use crate::solve::proxy::ProxyState;
 use crate::solve::row_key::{RowId, RowKey};
 use crate::solve::rows::MAX_ROWS;
-use palpate_geometry::math::{
-    Point3, Rotation, StateError, StateSink, StateSource, Stateful, Vector3,
-};
+use palpate_geometry::math::{Coded, Point3, Rotation, StateSize, Vector3, state_size};
+use palpate_geometry::stateful;
 use palpate_geometry::surface::WarmFoot;
 
 /// Whether bodies move.
@@ -215,194 +214,179 @@ impl SceneState {
         }
     }
 
+    /// Size of the largest state of this scene: contact rows and grips come and go.
+    pub fn largest_size(&self) -> StateSize {
+        let mut largest = self.clone();
+        (largest.warm_len, largest.warm_friction, largest.warm_arms) = (MAX_ROWS, true, true);
+        for row in &mut largest.warm {
+            row.id.key = RowKey::Loose(0);
+        }
+        for tool in &mut largest.tools {
+            tool.link.pose.buttons |= GRAB;
+            tool.grip = GripState::full();
+        }
+        state_size(&largest)
+    }
+
     /// Grows with every change of that body's net.
     pub fn net_revision(&self, body: usize) -> u64 {
         self.bodies[body].revision
     }
 }
 
-impl Stateful for SceneState {
-    fn save(&self, sink: &mut impl StateSink) {
-        sink.word(self.tick);
-        let (run, steps) = match self.run {
-            RunState::Running => (0, 0),
-            RunState::Paused { steps } => (1, steps),
-            RunState::Stopping => (2, 0),
-        };
-        sink.word(run | u64::from(self.quality) << 32);
-        sink.word(u64::from(steps));
-        for body in &self.bodies {
-            sink.word(body.revision);
-            sink.floats(&[body.moved_m]);
-            if let Some(lattice) = &body.lattice {
-                lattice.save(sink);
-                if !body.loads.is_empty() {
-                    sink.word(u64::from(body.phase));
-                    body.loads
-                        .iter()
-                        .for_each(|load| sink.floats(load.as_slice()));
-                }
-            }
-        }
-        for tool in &self.tools {
-            tool.link.save(sink);
-            sink.floats(tool.proxy.coords.as_slice());
-            sink.floats(tool.orientation.coords.as_slice());
-            tool.port.save(sink);
-            tool.bounds.save(sink);
-            if tool.link.pose.buttons & GRAB != 0 {
-                tool.grip.save(sink);
-            }
-        }
-        for PairState { proxy } in &self.pairs {
-            sink.word(u64::from(proxy.touching) | u64::from(proxy.below) << 1);
-            sink.floats(&[
-                proxy.foot.u,
-                proxy.foot.v,
-                proxy.foot.budget_m,
-                proxy.foot.net_cost,
-            ]);
-            sink.floats(proxy.queried.coords.as_slice());
-        }
-        if self.carried {
-            self.frame.save(sink);
-        }
-        sink.word(
-            self.warm_len as u64
-                | u64::from(self.warm_friction) << 32
-                | u64::from(self.warm_arms) << 33,
-        );
-        for row in &self.warm[..self.warm_len] {
-            sink.word(u64::from(row.id.pair));
-            sink.word(u64::from(row.id.key.to_bits()));
-            sink.floats(&[row.force_n]);
-            if row.id.key.is_foot() {
-                sink.floats(&row.uv);
-            }
-            if self.warm_arms {
-                sink.floats(row.on_tool.as_slice());
-            }
-            if self.warm_friction {
-                sink.word(u64::from(row.slips));
-                sink.floats(row.tangent_n.as_slice());
-                sink.floats(&[row.stick.u, row.stick.v]);
-                sink.floats(row.stick.offset.as_slice());
-            }
+impl Coded for RunState {
+    /// The kind; the steps come after it.
+    fn code(&self) -> u64 {
+        match self {
+            Self::Running => 0,
+            Self::Paused { .. } => 1,
+            Self::Stopping => 2,
         }
     }
 
-    fn restore(&mut self, source: &mut impl StateSource) -> Result<(), StateError> {
-        let small =
-            |value: u64, what| u32::try_from(value).map_err(|_| StateError::Value { what, value });
-        self.tick = source.word()?;
-        let (head, steps) = (source.word()?, source.word()?);
-        self.quality = match u8::try_from(head >> 32) {
-            Ok(level) if level <= quality::LOWEST => level,
-            _ => {
-                return Err(StateError::Value {
-                    what: "quality",
-                    value: head >> 32,
-                });
-            }
+    fn set_code(&mut self, code: u64) -> bool {
+        *self = match code {
+            0 => Self::Running,
+            1 => Self::Paused { steps: 0 },
+            2 => Self::Stopping,
+            _ => return false,
         };
-        self.run = match head & u64::from(u32::MAX) {
-            0 => RunState::Running,
-            1 => RunState::Paused {
-                steps: small(steps, "step count")?,
+        true
+    }
+}
+
+stateful!(SceneState, |this, walk| {
+    let SceneState {
+        tick,
+        run,
+        quality,
+        bodies,
+        tools,
+        pairs,
+        frame,
+        carried,
+        warm,
+        warm_len,
+        warm_friction,
+        warm_arms,
+    } = this;
+    walk.word(tick)?;
+    walk.packed("run state or quality", [(0, run), (32, quality)])?;
+    walk.ensure(*quality <= quality::LOWEST, "quality", u64::from(*quality))?;
+    if let RunState::Paused { steps } = run {
+        walk.coded("step count", steps)?;
+    } else {
+        walk.nothing()?;
+    }
+    for body in bodies {
+        walk.part(body)?;
+    }
+    for tool in tools {
+        walk.part(tool)?;
+    }
+    for pair in pairs {
+        walk.part(pair)?;
+    }
+    if *carried {
+        walk.part(frame)?;
+    }
+    walk.packed(
+        "number of contact rows",
+        [(0, warm_len), (32, warm_friction), (33, warm_arms)],
+    )?;
+    let count = *warm_len as u64;
+    walk.ensure(*warm_len <= MAX_ROWS, "number of contact rows", count)?;
+    for (_, row) in std::iter::zip(0..*warm_len, warm) {
+        walk.clear(row)?;
+        let WarmRow {
+            id: RowId { pair, key },
+            uv,
+            force_n,
+            tangent_n,
+            stick: Stick { u, v, offset },
+            slips,
+            on_tool,
+        } = row;
+        walk.coded("pair of a contact row", pair)?;
+        walk.coded("key of a contact row", key)?;
+        walk.float(force_n)?;
+        if key.is_foot() {
+            walk.floats(uv)?;
+        }
+        if *warm_arms {
+            walk.vector(on_tool)?;
+        }
+        if *warm_friction {
+            walk.coded("slip of a contact row", slips)?;
+            walk.vector(tangent_n)?;
+            walk.float(u)?;
+            walk.float(v)?;
+            walk.vector(offset)?;
+        }
+    }
+    Ok(())
+});
+
+stateful!(BodyState, |this, walk| {
+    let BodyState {
+        lattice,
+        revision,
+        moved_m,
+        phase,
+        loads,
+    } = this;
+    walk.word(revision)?;
+    walk.float(moved_m)?;
+    if let Some(lattice) = lattice {
+        walk.part(lattice)?;
+        if !loads.is_empty() {
+            walk.coded("phase of a body's step", phase)?;
+            walk.triples(loads)?;
+        }
+    }
+    Ok(())
+});
+
+stateful!(ToolState, |this, walk| {
+    let ToolState {
+        link,
+        proxy,
+        orientation,
+        port,
+        bounds,
+        grip,
+    } = this;
+    walk.part(link)?;
+    walk.point(proxy)?;
+    walk.rotation(orientation)?;
+    walk.part(port)?;
+    walk.part(bounds)?;
+    if link.pose.buttons & GRAB != 0 {
+        walk.part(grip)
+    } else {
+        walk.clear(grip)
+    }
+});
+
+stateful!(PairState, |this, walk| {
+    let PairState {
+        proxy:
+            ProxyState {
+                touching,
+                below,
+                foot,
+                queried,
             },
-            2 => RunState::Stopping,
-            value => {
-                return Err(StateError::Value {
-                    what: "run state",
-                    value,
-                });
-            }
-        };
-        for body in &mut self.bodies {
-            body.revision = source.word()?;
-            body.moved_m = float(source)?;
-            if let Some(lattice) = &mut body.lattice {
-                lattice.restore(source)?;
-                if !body.loads.is_empty() {
-                    body.phase = small(source.word()?, "phase of a body's step")?;
-                    for load in &mut body.loads {
-                        source.floats(load.as_mut_slice())?;
-                    }
-                }
-            }
-        }
-        for tool in &mut self.tools {
-            tool.link.restore(source)?;
-            source.floats(tool.proxy.coords.as_mut_slice())?;
-            let mut quaternion = [0.0; 4];
-            source.floats(&mut quaternion)?;
-            // Taken as saved: normalising again would change the last bit.
-            tool.orientation = Rotation::new_unchecked(nalgebra::Quaternion::from(
-                nalgebra::Vector4::from(quaternion),
-            ));
-            tool.port.restore(source)?;
-            tool.bounds.restore(source)?;
-            tool.grip = GripState::default();
-            if tool.link.pose.buttons & GRAB != 0 {
-                tool.grip.restore(source)?;
-            }
-        }
-        for PairState { proxy } in &mut self.pairs {
-            let flags = source.word()?;
-            (proxy.touching, proxy.below) = (flags & 1 != 0, flags & 2 != 0);
-            let mut foot = [0.0; 4];
-            source.floats(&mut foot)?;
-            let [u, v, budget_m, net_cost] = foot;
-            proxy.foot = WarmFoot {
-                u,
-                v,
-                budget_m,
-                net_cost,
-            };
-            source.floats(proxy.queried.coords.as_mut_slice())?;
-        }
-        if self.carried {
-            self.frame.restore(source)?;
-        }
-        let head = source.word()?;
-        let (warm_len, kinds) = (head & u64::from(u32::MAX), head >> 32);
-        if warm_len > MAX_ROWS as u64 || kinds > 3 {
-            return Err(StateError::Value {
-                what: "number of contact rows",
-                value: head,
-            });
-        }
-        (self.warm_len, self.warm_friction, self.warm_arms) =
-            (warm_len as usize, kinds & 1 != 0, kinds & 2 != 0);
-        for row in &mut self.warm[..self.warm_len] {
-            *row = WarmRow::default();
-            row.id.pair = small(source.word()?, "pair of a contact row")?;
-            let bits = source.word()?;
-            let key = u32::try_from(bits).ok().and_then(RowKey::from_bits);
-            row.id.key = key.ok_or(StateError::Value {
-                what: "key of a contact row",
-                value: bits,
-            })?;
-            row.force_n = float(source)?;
-            if row.id.key.is_foot() {
-                source.floats(&mut row.uv)?;
-            }
-            if self.warm_arms {
-                source.floats(row.on_tool.as_mut_slice())?;
-            }
-            if self.warm_friction {
-                row.slips = source.word()? != 0;
-                source.floats(row.tangent_n.as_mut_slice())?;
-                (row.stick.u, row.stick.v) = (float(source)?, float(source)?);
-                source.floats(row.stick.offset.as_mut_slice())?;
-            }
-        }
-        Ok(())
+    } = this;
+    let WarmFoot {
+        u,
+        v,
+        budget_m,
+        net_cost,
+    } = foot;
+    walk.packed("proxy", [(0, touching), (1, below)])?;
+    for value in [u, v, budget_m, net_cost] {
+        walk.float(value)?;
     }
-}
-
-fn float(source: &mut impl StateSource) -> Result<f64, StateError> {
-    let mut value = [0.0];
-    source.floats(&mut value)?;
-    Ok(value[0])
-}
+    walk.point(queried)
+});

@@ -5,13 +5,14 @@
 //! off, and so that no hand feels a step the anchor weakens with the way it has slipped before it
 //! lets go.
 
-use palpate_geometry::math::{Point3, StateError, StateSink, StateSource, Vector3};
+use palpate_geometry::math::{Point3, Vector3};
+use palpate_geometry::stateful;
 
 /// Most anchors of a tool.
 pub const MAX_ANCHORS: usize = 16;
-/// Layout of a saved grip and of the rows of its anchors. Before 1 the keys of those rows stood for
-/// feet as well.
-const LAYOUT: u64 = 1;
+/// Layout of a saved grip and of the rows of its anchors, in bits that no grip of the layout before
+/// has: there the keys of those rows stood for feet as well.
+const LAYOUT: u64 = 1 << 48;
 /// Bit of the buttons that grabs.
 pub const GRAB: u32 = 1;
 
@@ -61,6 +62,15 @@ impl Default for GripState {
 }
 
 impl GripState {
+    /// As many anchors as a grip may have.
+    pub fn full() -> Self {
+        Self {
+            len: MAX_ANCHORS as u32,
+            made: MAX_ANCHORS as u32,
+            ..Self::default()
+        }
+    }
+
     /// The anchors that hold.
     pub fn anchors(&self) -> &[Anchor] {
         &self.anchors[..self.len as usize]
@@ -116,63 +126,40 @@ impl GripState {
         // States that behave alike are alike.
         self.anchors[kept..].fill(Self::default().anchors[0]);
     }
+}
 
-    /// All of it, in order.
-    pub fn save(&self, sink: &mut impl StateSink) {
-        let counts = u64::from(self.len) | u64::from(self.made) << 16;
-        sink.word(counts | u64::from(self.fresh) << 32 | LAYOUT << 48);
-        for Anchor {
+stateful!(GripState, |this, walk| {
+    walk.clear(this)?;
+    let GripState {
+        anchors,
+        len,
+        made,
+        fresh,
+    } = this;
+    walk.constant(
+        "layout of a grip, as another version of this program saves it",
+        LAYOUT,
+    )?;
+    walk.packed("grip", [(0, len), (16, made), (32, fresh)])?;
+    let (len, made) = (*len, *made);
+    let fits = len <= made && made as usize <= MAX_ANCHORS;
+    walk.ensure(fits, "number of anchors", u64::from(made))?;
+    for (_, anchor) in std::iter::zip(0..len, anchors) {
+        let Anchor {
             pair,
             number,
             u,
             v,
             offset,
-        } in self.anchors()
-        {
-            sink.word(u64::from(*pair) | u64::from(*number) << 32);
-            sink.floats(&[*u, *v]);
-            sink.floats(offset.as_slice());
-        }
+        } = anchor;
+        walk.packed("anchor", [(0, pair), (32, number)])?;
+        walk.ensure(*number < made, "anchor number", u64::from(*number))?;
+        walk.float(u)?;
+        walk.float(v)?;
+        walk.vector(offset)?;
     }
-
-    /// In the order of [`GripState::save`].
-    ///
-    /// # Errors
-    /// The source is too short, or holds too many anchors.
-    pub fn restore(&mut self, source: &mut impl StateSource) -> Result<(), StateError> {
-        *self = Self::default();
-        let head = source.word()?;
-        let [len, made, fresh, layout] = [0, 16, 32, 48].map(|shift| (head >> shift) & 0xffff);
-        if layout != LAYOUT {
-            return Err(StateError::Value {
-                what: "layout of a grip, as another version of this program saves it",
-                value: layout,
-            });
-        }
-        if len > made || made > MAX_ANCHORS as u64 || fresh > 1 {
-            return Err(StateError::Value {
-                what: "grip",
-                value: head,
-            });
-        }
-        (self.len, self.made, self.fresh) = (len as u32, made as u32, fresh == 1);
-        for anchor in &mut self.anchors[..len as usize] {
-            let word = source.word()?;
-            (anchor.pair, anchor.number) = (word as u32, (word >> 32) as u32);
-            if u64::from(anchor.number) >= made {
-                return Err(StateError::Value {
-                    what: "anchor number",
-                    value: word,
-                });
-            }
-            let mut uv = [0.0; 2];
-            source.floats(&mut uv)?;
-            [anchor.u, anchor.v] = uv;
-            source.floats(anchor.offset.as_mut_slice())?;
-        }
-        Ok(())
-    }
-}
+    Ok(())
+});
 
 /// What an anchor still bears, from 1 to 0, when its two points have come `apart_m` on a body of
 /// the size `size_m`.
@@ -193,16 +180,7 @@ pub fn apart_m(on_tool: &Point3, on_surface: &Point3) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use palpate_geometry::math::{SavedState, Stateful};
-
-    impl Stateful for GripState {
-        fn save(&self, sink: &mut impl StateSink) {
-            Self::save(self, sink);
-        }
-        fn restore(&mut self, source: &mut impl StateSource) -> Result<(), StateError> {
-            Self::restore(self, source)
-        }
-    }
+    use palpate_geometry::math::SavedState;
 
     #[test]
     fn a_grip_is_restored_as_it_was_and_never_overflows() {
@@ -224,11 +202,14 @@ mod tests {
         assert_eq!(again, grip);
         grip.retain(|_| false);
         assert!(!grip.holds() && !grip.is_open());
-        let head = saved.words[0];
-        for wrong in [head | 99, head & !(LAYOUT << 48), head + (1 << 48)] {
-            saved.words[0] = wrong;
-            assert!(saved.restore_into(&mut again).is_err(), "{wrong:#x}");
+        for (k, wrong) in [(0, LAYOUT + 1), (1, 99), (1, 1 | 17 << 16)] {
+            let mut other = saved.clone();
+            other.words[k] = wrong;
+            assert!(other.restore_into(&mut again).is_err(), "{wrong:#x}");
         }
+        // As the layout before began.
+        saved.words.remove(0);
+        assert!(saved.restore_into(&mut again).is_err());
     }
 
     #[test]

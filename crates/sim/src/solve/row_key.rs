@@ -15,6 +15,7 @@
 //!   … 2³² − 1   Loose       2³² − 1 − the number, below 64
 //! ```
 
+use palpate_geometry::math::Coded;
 use std::cmp::Ordering;
 
 /// A row within its pair. Ordered as rows are solved: samples, samples of the owner, feet, anchors,
@@ -118,6 +119,17 @@ impl RowKey {
             Self::Anchor(number) => (3, !u32::from(number)),
             Self::Loose(number) => (4, !u32::from(number)),
         }
+    }
+}
+
+impl Coded for RowKey {
+    fn code(&self) -> u64 {
+        u64::from(self.to_bits())
+    }
+
+    fn set_code(&mut self, code: u64) -> bool {
+        let key = u32::try_from(code).ok().and_then(Self::from_bits);
+        key.map(|key| *self = key).is_some()
     }
 }
 

@@ -8,7 +8,7 @@
 use super::friction::Law;
 use super::row_key::RowId;
 use palpate_geometry::basis::BasisWindow;
-use palpate_geometry::contact::{SampleGrid, Weights};
+use palpate_geometry::contact::{Facing, SampleGrid, Weights};
 use palpate_geometry::math::{Point3, Rotation, Vector3};
 use palpate_geometry::surface::Surface;
 
@@ -271,17 +271,6 @@ impl RowSet {
         let range = range.start as usize..range.end as usize;
         (&self.controls[range.clone()], &self.weights[range])
     }
-}
-
-/// What a point of one party sees of the other.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Facing {
-    /// Distance to the other party now, m; negative inside.
-    pub gap_m: f64,
-    /// Unit vector from the point's surface to the other party.
-    pub normal: Vector3,
-    /// Where on the other party, if that is a surface.
-    pub uv: [f64; 2],
 }
 
 /// A surface sample in touch.

@@ -1,10 +1,10 @@
 //! Bodies against each other, and against themselves.
 
 use super::feet::{MAX_FEET, margin_m, meet, moving, push_between, view};
-use crate::scene::{Scene, SceneState, Scratch, look_at};
+use crate::scene::{Scene, SceneState, Scratch};
 use crate::solve::row_key::RowKey;
-use crate::solve::rows::Facing;
-use palpate_geometry::contact::{Contact, Reach};
+use palpate_geometry::contact::dispatch::look_at;
+use palpate_geometry::contact::{Contact, Facing, Reach};
 use palpate_geometry::math::Point3;
 
 /// Deepest fold of a body into itself that a tick looks for, relative to the size.
@@ -43,7 +43,7 @@ pub(super) fn bodies(
         margin_m: margin,
         below: proxy.below,
     };
-    pairs[p].body_contacts(mine, theirs, reach);
+    pairs[p].body_contacts(mine.side(), theirs.side(), reach);
     let contacts = pairs[p].set.contacts();
     proxy.touching = !contacts.is_empty();
     let views = [view(my_body, mine), view(their_body, theirs)];
@@ -147,7 +147,7 @@ pub(super) fn itself(scene: &Scene, scratch: &mut Scratch, p: usize) {
     // Folds are met as they begin: what is deeper is a wall.
     let deepest_m = FOLD * body.size_m + margin;
     pairs[p].own_contacts(
-        parts,
+        parts.side(),
         Reach {
             margin_m: margin,
             below: false,

@@ -5,9 +5,10 @@ use super::feet::margin_m;
 use super::record::{ContactReport, TickOutput, ToolOutput};
 use super::{grip, load, stick};
 use crate::haptics::{LinkPhase, Motion, RenderedForce, Wrench, limit};
-use crate::scene::{Method, Scene, SceneState, Scratch, ToolState, WarmRow, flags};
+use crate::scene::{Scene, SceneState, Scratch, ToolState, WarmRow, flags};
 use crate::solve::friction::Law;
 use crate::solve::rows::Row;
+use palpate_geometry::contact::dispatch::Method;
 use palpate_geometry::math::{Vector3, rotation_by, turn_between};
 
 /// Limits the forces, loads the bodies with their opposites, and writes what the tools get.

@@ -15,15 +15,13 @@ use super::feet::{MAX_FEET, Way, margin_m, meet, push_foot, push_sample, view};
 use super::manifold::{Stance, push_manifold};
 use super::{grip, stick};
 use crate::haptics::LinkPhase;
-use crate::scene::{
-    Body, BodyModel, BodyScratch, Method, Pair, PairScratch, Scene, SceneState, Scratch, Tool,
-    WarmRow,
-};
+use crate::scene::{Body, BodyModel, BodyScratch, Pair, Scene, SceneState, Scratch, Tool, WarmRow};
 use crate::solve::proxy::BallContact;
 use crate::solve::row_key::RowKey;
-use crate::solve::rows::{DeformingView, Facing, Holder, RowSet};
+use crate::solve::rows::{DeformingView, Holder, RowSet};
+use palpate_geometry::contact::dispatch::{Method, Narrow};
 use palpate_geometry::contact::exact::ball::signed_gap;
-use palpate_geometry::contact::{Contact, Reach, ToolShape, distance_squared_to_box};
+use palpate_geometry::contact::{Contact, Facing, Reach, ToolShape, distance_squared_to_box};
 use palpate_geometry::math::{Point3, Pose, Rotation, Vector3, rotation_by, turn_between};
 
 /// Most steps of an anchor through empty space in one tick.
@@ -131,7 +129,7 @@ fn ball(
         below: proxy.below,
     };
     let here = Pose::from_parts(held.centre.coords.into(), Rotation::identity());
-    pairs[p].contacts(&scene.tools[t].shape, &here, parts, reach);
+    pairs[p].contacts(&scene.tools[t].shape, &here, parts.side(), reach);
     let set = &pairs[p].set;
     let gap_now = (held.centre - held.foot.point).dot(&held.normal) - radius_m;
     let first = Contact {
@@ -406,7 +404,11 @@ fn shape(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch, p: usize,
         let meets = |low: &Point3, high: &Point3| {
             bounds.is_none_or(|bounds| meet(&bounds, low, high, margin))
         };
-        scratch_pair.samples_in_touch(&tool.shape, &pose, &view, margin, meets, hits);
+        hits.clear();
+        if !matches!(tool.shape, ToolShape::Point) {
+            let look = |x: &Point3| scratch_pair.facing(&tool.shape, &pose, x, margin);
+            view.samples_in_touch(margin, meets, look, hits);
+        }
         for hit in hits.iter() {
             push_sample(rows, p, pair, hit, &view, way, margin);
         }
@@ -451,17 +453,24 @@ fn touch(
     tool: &Tool,
     body: &Body,
     pair: &Pair,
-    scratch_pair: &mut PairScratch,
+    scratch_pair: &mut Narrow,
     pose: &Pose,
     parts: &mut BodyScratch,
     reach: Reach,
     margin: f64,
 ) {
-    scratch_pair.contacts(&tool.shape, pose, parts, reach);
+    scratch_pair.contacts(&tool.shape, pose, parts.side(), reach);
     let tips = match (&tool.shape, pair.method) {
         (ToolShape::Implicit { tool, .. }, Method::Exact) => tool.tips(),
         (ToolShape::Mesh(_), Method::Exact) => &[],
-        _ => return,
+        (
+            ToolShape::Point
+            | ToolShape::Sphere { .. }
+            | ToolShape::Plane { .. }
+            | ToolShape::Surface(_),
+            Method::Exact,
+        ) => return,
+        (_, Method::Spheres(_)) => return,
     };
     let BodyScratch {
         surface,

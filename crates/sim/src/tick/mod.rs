@@ -1,8 +1,7 @@
-//! The tick: `step` (pure), its records, and, with the `daemon` feature, ports, pacer and driver
-//! thread.
+//! The tick: `step` (pure), its [stages](stage) and its records.
 //!
 //! ```text
-//! poses ─▶ latch ─▶ step = render (force known) ─▶ deform ─▶ TickRecord ─▶ bus, recorder
+//! poses ─▶ latch ─▶ step = render (force known) ─▶ deform ─▶ hash ─▶ TickRecord ─▶ bus, recorder
 //! commands ─▶ applied between ticks, recorded with the tick before which they took effect
 //! ```
 
@@ -21,7 +20,8 @@ mod manifold;
 mod motion;
 mod near;
 pub mod record;
+pub mod stage;
 mod step;
 mod stick;
 
-pub use step::{apply, deform, render, restore, step};
+pub use step::{apply, deform, hash, render, restore, step};

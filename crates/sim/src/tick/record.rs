@@ -1,5 +1,6 @@
 //! What goes into a tick and what comes out: fixed size, `Copy`, no allocation.
 
+use super::stage::StageTimes;
 use crate::haptics::{DeviceBounds, DevicePose};
 use crate::scene::spec::MAX_TOOLS;
 use crate::solve::rows::Holder;
@@ -195,26 +196,6 @@ pub struct TickOutput {
     pub fault: Option<TickFault>,
 }
 
-/// Stages of a tick, in order, as they are timed.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[repr(usize)]
-pub enum Stage {
-    /// Poses taken, admitted.
-    Latch,
-    /// Contacts, coupling and force: the force is known at its end.
-    Render,
-    /// Bodies moved, next free motion predicted.
-    Deform,
-    /// State hashed, results handed over.
-    Emit,
-}
-
-/// Number of stages.
-pub const STAGE_COUNT: usize = 4;
-
-/// Names of the stages, by index.
-pub const STAGE_NAMES: [&str; STAGE_COUNT] = ["latch", "render", "deform", "emit"];
-
 /// One tick for the journal: what was applied, what came out, and how long it took.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct TickRecord {
@@ -227,5 +208,5 @@ pub struct TickRecord {
     /// Deadlines dropped before it.
     pub skipped: u32,
     /// Wall time of each stage, ns.
-    pub stage_ns: [u32; STAGE_COUNT],
+    pub stage_ns: StageTimes,
 }

@@ -7,7 +7,7 @@ use crate::scene::{RunState, Scene, SceneState, Scratch, quality};
 use crate::solve::rows::MAX_TOOLS;
 use palpate_geometry::math::{SavedState, StateError, state_hash};
 
-/// Advances by one tick: [`render`], then [`deform`].
+/// Advances by one tick: [`render`], then [`deform`], then [`hash`].
 ///
 /// # Examples
 /// ```
@@ -40,11 +40,12 @@ pub fn step(
 ) -> TickOutput {
     let mut output = render(scene, state, scratch, input);
     deform(scene, state, scratch, &mut output);
+    hash(state, &mut output);
     output
 }
 
-/// First half: admits the poses, finds contacts and forces. Everything in the output but
-/// `state_hash`, `net_revision` and a fault of the bodies is final.
+/// [`Stage::Render`](super::stage::Stage): admits the poses, finds contacts and forces. Everything
+/// in the output but `state_hash`, `net_revision` and a fault of the bodies is final.
 pub fn render(
     scene: &Scene,
     state: &mut SceneState,
@@ -75,7 +76,7 @@ pub fn render(
     output
 }
 
-/// Second half: moves the bodies, predicts their next free motion, hashes the state.
+/// [`Stage::Deform`](super::stage::Stage): moves the bodies and predicts their next free motion.
 pub fn deform(
     scene: &Scene,
     state: &mut SceneState,
@@ -88,6 +89,10 @@ pub fn deform(
         output.fault = Some(TickFault::NotFinite);
     }
     output.net_revision = state.bodies.iter().map(|body| body.revision).sum();
+}
+
+/// [`Stage::Hash`](super::stage::Stage): hashes the state after the tick.
+pub fn hash(state: &SceneState, output: &mut TickOutput) {
     output.state_hash = state_hash(state);
 }
 

@@ -1,0 +1,567 @@
+//! Which query finds the contacts of a pair: a table over what stands against a body and the method
+//! that is asked for. A combination without a query is refused when the pair is made, and a tool
+//! shape that the table does not know does not compile.
+//!
+//! ```text
+//!                    exact                     spheres
+//! point, sphere      exact::ball               spheres
+//! plane              exact::plane              spheres
+//! implicit           implicit                  spheres
+//! mesh               mesh                      spheres
+//! surface, body      pair                      spheres on both
+//! the body itself    own                       refused
+//! ```
+//! Surfaces in joined pieces have no `spheres`.
+
+use super::exact::{self, ExactScratch};
+use super::implicit::{ImplicitSolver, ImplicitTool};
+use super::mesh::{MeshSolver, MeshTool};
+use super::own::SelfSolver;
+use super::pair::{PairSide, PairSolver};
+use super::spheres::{Counters, Solid, Spheres, SpheresPair};
+use super::{Contact, ContactSet, Reach, ToolShape};
+use crate::math::{Point3, Pose, Vector3};
+use crate::surface::{ClosestSolver, Surface};
+
+/// How the contacts of a pair are found.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Method {
+    /// On the surface itself.
+    Exact,
+    /// On this many points in u and in v.
+    Spheres([usize; 2]),
+}
+
+impl Method {
+    /// Name in files and messages.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Exact => "exact",
+            Self::Spheres(_) => "spheres",
+        }
+    }
+}
+
+/// What stands against a body.
+#[derive(Clone, Copy, Debug)]
+pub enum Party<'a> {
+    /// A tool.
+    Tool(&'a ToolShape),
+    /// Another body, by its surface at rest.
+    Body(&'a Surface),
+    /// The body itself, where it folds.
+    Itself,
+}
+
+impl Party<'_> {
+    /// The tool's shape, or `body` or `itself`.
+    pub fn name(&self) -> &'static str {
+        match self {
+            Self::Tool(shape) => shape.name(),
+            Self::Body(_) => "body",
+            Self::Itself => "itself",
+        }
+    }
+
+    fn surface(&self) -> Option<&Surface> {
+        match self {
+            Self::Body(surface) => Some(surface),
+            Self::Tool(ToolShape::Surface(shape)) => Some(shape.surface()),
+            Self::Tool(
+                ToolShape::Point
+                | ToolShape::Sphere { .. }
+                | ToolShape::Plane { .. }
+                | ToolShape::Implicit { .. }
+                | ToolShape::Mesh(_),
+            )
+            | Self::Itself => None,
+        }
+    }
+}
+
+/// A pair that no query answers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error(
+    "a body against {party:?} has no {method:?} contact: {why}; use method = \"exact\" or \"none\""
+)]
+pub struct UnsupportedPair {
+    /// What stands against the body: the name of a tool shape, `body` or `itself`.
+    pub party: &'static str,
+    /// The method that was asked for.
+    pub method: &'static str,
+    /// What it lacks.
+    pub why: &'static str,
+}
+
+/// Says whether a pair has a query; [`Narrow::new`] makes it.
+///
+/// # Errors
+/// The combination has none.
+pub fn check(body: &Surface, party: Party<'_>, method: Method) -> Result<(), UnsupportedPair> {
+    let refuse = |why| {
+        Err(UnsupportedPair {
+            party: party.name(),
+            method: method.name(),
+            why,
+        })
+    };
+    match (party, method) {
+        (_, Method::Exact) => Ok(()),
+        (Party::Itself, Method::Spheres(_)) => refuse("its points cannot tell a fold from a wall"),
+        (Party::Tool(_) | Party::Body(_), Method::Spheres(_)) => {
+            let joined = |surface: &Surface| surface.joints().is_some();
+            if joined(body) || party.surface().is_some_and(joined) {
+                refuse("the surface is in joined pieces")
+            } else {
+                Ok(())
+            }
+        }
+    }
+}
+
+/// The contacts of a pair and what finds them.
+#[derive(Debug)]
+pub struct Narrow {
+    /// What the last query found.
+    pub set: ContactSet,
+    query: Query,
+}
+
+/// What finds the contacts of a pair.
+#[derive(Debug)]
+enum Query {
+    /// Points, balls and planes.
+    Simple(Box<ExactScratch>),
+    /// A function's solid.
+    Implicit(Box<ImplicitSolver>),
+    /// A triangle mesh.
+    Mesh(Box<MeshSolver>),
+    /// A tool that is a surface.
+    Surface(Box<PairSolver>, Box<PlacedSurface>),
+    /// A tool without a surface, on points of the body's.
+    Spheres(Box<Spheres>),
+    /// A tool that is a surface, on points of both.
+    SurfaceSpheres(Box<TwoSpheres>, Box<PlacedSurface>),
+    /// Two bodies.
+    Bodies(Box<PairSolver>),
+    /// Two bodies, on points of both.
+    BodiesSpheres(Box<TwoSpheres>),
+    /// A body with itself.
+    Own(Box<SelfSolver>),
+}
+
+/// What a point of one party sees of the other.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Facing {
+    /// Distance to the other party now, m; negative inside.
+    pub gap_m: f64,
+    /// Unit vector from the point's surface to the other party.
+    pub normal: Vector3,
+    /// Where on the other party, if that is a surface.
+    pub uv: [f64; 2],
+}
+
+impl Narrow {
+    /// What a pair needs, and no more. `body` is the surface at rest.
+    ///
+    /// # Errors
+    /// No query answers the combination, as [`check`] says.
+    pub fn new(body: &Surface, party: Party<'_>, method: Method) -> Result<Self, UnsupportedPair> {
+        check(body, party, method)?;
+        let query = match (party, method) {
+            (Party::Itself, Method::Exact | Method::Spheres(_)) => {
+                Query::Own(Box::new(SelfSolver::new(body)))
+            }
+            (Party::Body(other), Method::Exact) => {
+                Query::Bodies(Box::new(PairSolver::new(body, other)))
+            }
+            (Party::Body(other), Method::Spheres(rows)) => {
+                Query::BodiesSpheres(Box::new(TwoSpheres::new(body, other, rows)))
+            }
+            (Party::Tool(shape), method) => match (shape, method) {
+                (
+                    ToolShape::Point | ToolShape::Sphere { .. } | ToolShape::Plane { .. },
+                    Method::Exact,
+                ) => {
+                    let solver = &mut ClosestSolver::new(body);
+                    Query::Simple(Box::new(ExactScratch::new(body, solver)))
+                }
+                (ToolShape::Implicit { .. }, Method::Exact) => {
+                    let solver = &mut ClosestSolver::new(body);
+                    Query::Implicit(Box::new(ImplicitSolver::new(body, solver)))
+                }
+                (ToolShape::Mesh(tool), Method::Exact) => {
+                    let solver = &mut ClosestSolver::new(body);
+                    Query::Mesh(Box::new(MeshSolver::new(body, solver, tool)))
+                }
+                (ToolShape::Surface(tool), Method::Exact) => Query::Surface(
+                    Box::new(PairSolver::new(body, tool.surface())),
+                    Box::new(PlacedSurface::new(tool.surface())),
+                ),
+                (ToolShape::Surface(tool), Method::Spheres(rows)) => Query::SurfaceSpheres(
+                    Box::new(TwoSpheres::new(body, tool.surface(), rows)),
+                    Box::new(PlacedSurface::new(tool.surface())),
+                ),
+                (
+                    ToolShape::Point
+                    | ToolShape::Sphere { .. }
+                    | ToolShape::Plane { .. }
+                    | ToolShape::Implicit { .. }
+                    | ToolShape::Mesh(_),
+                    Method::Spheres(rows),
+                ) => Query::Spheres(Box::new(Spheres::new(body, rows))),
+            },
+        };
+        Ok(Self {
+            set: ContactSet::new(),
+            query,
+        })
+    }
+
+    /// Contacts of a tool at `pose` with a body. `shape` is that with which the pair was made.
+    pub fn contacts(&mut self, shape: &ToolShape, pose: &Pose, body: PairSide<'_>, reach: Reach) {
+        let Self { set, query } = self;
+        set.clear();
+        let PairSide { surface, solver } = body;
+        let place = Point3::from(pose.translation.vector);
+        match shape {
+            ToolShape::Point | ToolShape::Sphere { .. } => {
+                let radius_m = shape.ball_radius_m().unwrap_or(0.0);
+                match query {
+                    Query::Simple(scratch) => {
+                        exact::ball::contacts(
+                            surface, solver, &place, radius_m, &reach, scratch, set,
+                        );
+                    }
+                    Query::Spheres(spheres) => {
+                        spheres.load(surface);
+                        spheres.ball(&place, radius_m, &reach, set);
+                    }
+                    _ => made_for_another(shape),
+                }
+            }
+            ToolShape::Plane { normal } => {
+                let plane = pose.rotation * normal;
+                match query {
+                    Query::Simple(scratch) => {
+                        exact::plane::contacts(
+                            surface, solver, &place, &plane, &reach, scratch, set,
+                        );
+                    }
+                    Query::Spheres(spheres) => {
+                        spheres.load(surface);
+                        spheres.plane(&place, &plane, &reach, set);
+                    }
+                    _ => made_for_another(shape),
+                }
+            }
+            ToolShape::Implicit { tool, .. } => match query {
+                Query::Implicit(found) => found.contacts(surface, solver, tool, pose, &reach, set),
+                Query::Spheres(spheres) => {
+                    spheres.load(surface);
+                    spheres.solid(&Placed::new(&**tool, shape, pose), &reach, set);
+                }
+                _ => made_for_another(shape),
+            },
+            ToolShape::Mesh(tool) => match query {
+                Query::Mesh(found) => found.contacts(surface, solver, tool, pose, &reach, set),
+                Query::Spheres(spheres) => {
+                    spheres.load(surface);
+                    spheres.solid(&Placed::new(&**tool, shape, pose), &reach, set);
+                }
+                _ => made_for_another(shape),
+            },
+            ToolShape::Surface(tool) => match query {
+                Query::Surface(found, placed) => {
+                    placed.place(tool.surface(), pose);
+                    found.contacts(PairSide { surface, solver }, placed.side(), reach, set);
+                }
+                Query::SurfaceSpheres(two, placed) => {
+                    placed.place(tool.surface(), pose);
+                    two.body.load(surface);
+                    two.other.load_at(tool.surface(), pose);
+                    two.pair.find(&mut two.body, &mut two.other, &reach, set);
+                }
+                _ => made_for_another(shape),
+            },
+        }
+    }
+
+    /// What a point of the body sees of a tool at `pose`, for which [`Narrow::contacts`] was asked.
+    /// A single point sees nothing of a point.
+    pub fn facing(
+        &self,
+        shape: &ToolShape,
+        pose: &Pose,
+        x: &Point3,
+        margin_m: f64,
+    ) -> Option<Facing> {
+        let place = Point3::from(pose.translation.vector);
+        let (gap_m, normal) = match shape {
+            ToolShape::Plane { normal } => {
+                exact::plane::signed_gap(&place, &(pose.rotation * normal), x)
+            }
+            ToolShape::Point => return None,
+            ToolShape::Sphere { radius_m } => exact::ball::signed_gap(&place, *radius_m, x),
+            ToolShape::Implicit { tool, .. } => tool.signed_gap(pose, x)?,
+            ToolShape::Mesh(tool) => tool.signed_gap(pose, x),
+            ToolShape::Surface(_) => {
+                let (Query::Surface(_, placed) | Query::SurfaceSpheres(_, placed)) = &self.query
+                else {
+                    made_for_another(shape);
+                    return None;
+                };
+                let contacts = self.set.contacts();
+                return look_at(contacts, x, margin_m, &placed.surface, &placed.solver);
+            }
+        };
+        Some(Facing {
+            gap_m,
+            normal,
+            uv: [0.0; 2],
+        })
+    }
+
+    /// Contacts of two bodies, for a pair made with [`Party::Body`].
+    pub fn body_contacts(&mut self, mine: PairSide<'_>, theirs: PairSide<'_>, reach: Reach) {
+        let Self { set, query } = self;
+        set.clear();
+        match query {
+            Query::Bodies(solver) => solver.contacts(mine, theirs, reach, set),
+            Query::BodiesSpheres(two) => {
+                two.body.load(mine.surface);
+                two.other.load(theirs.surface);
+                two.pair.find(&mut two.body, &mut two.other, &reach, set);
+            }
+            _ => debug_assert!(false, "this pair was not made for two bodies"),
+        }
+    }
+
+    /// Contacts of a body with itself no deeper than `deepest_m`, for a pair made with
+    /// [`Party::Itself`].
+    pub fn own_contacts(&mut self, body: PairSide<'_>, reach: Reach, deepest_m: f64) {
+        let Self { set, query } = self;
+        match query {
+            Query::Own(solver) => {
+                solver.contacts(body.surface, body.solver, reach, deepest_m, set);
+            }
+            _ => debug_assert!(false, "this pair was not made for a body with itself"),
+        }
+    }
+
+    /// What the last query of the `spheres` method did.
+    pub fn counters(&self) -> Option<&Counters> {
+        match &self.query {
+            Query::Spheres(spheres) => Some(spheres.counters()),
+            Query::SurfaceSpheres(two, _) | Query::BodiesSpheres(two) => Some(two.pair.counters()),
+            Query::Simple(_)
+            | Query::Implicit(_)
+            | Query::Mesh(_)
+            | Query::Surface(..)
+            | Query::Bodies(_)
+            | Query::Own(_) => None,
+        }
+    }
+}
+
+fn made_for_another(shape: &ToolShape) {
+    debug_assert!(false, "this pair was not made for a {}", shape.name());
+}
+
+#[derive(Debug)]
+struct TwoSpheres {
+    body: Spheres,
+    other: Spheres,
+    pair: SpheresPair,
+}
+
+impl TwoSpheres {
+    fn new(body: &Surface, other: &Surface, rows: [usize; 2]) -> Self {
+        let (body, other) = (Spheres::new(body, rows), Spheres::new(other, rows));
+        let pair = SpheresPair::new(&body, &other);
+        Self { body, other, pair }
+    }
+}
+
+/// A solid tool at a pose, as the `spheres` method sees it.
+struct Placed<'a, T> {
+    tool: &'a T,
+    pose: &'a Pose,
+    bounds: Option<(Point3, Point3)>,
+}
+
+impl<'a, T> Placed<'a, T> {
+    fn new(tool: &'a T, shape: &ToolShape, pose: &'a Pose) -> Self {
+        let bounds = shape.bounds(pose);
+        Self { tool, pose, bounds }
+    }
+
+    fn may_meet(&self, low: &Point3, high: &Point3, margin_m: f64) -> bool {
+        self.bounds.is_none_or(|(from, to)| {
+            (0..3).all(|c| low[c] <= to[c] + margin_m && high[c] >= from[c] - margin_m)
+        })
+    }
+}
+
+// The normals of tools point towards their matter, those of solids out of it.
+impl Solid for Placed<'_, ImplicitTool> {
+    fn signed_gap(&self, point: &Point3) -> (f64, Vector3) {
+        let seen = self.tool.signed_gap(self.pose, point);
+        let (gap_m, inwards) = seen.unwrap_or((f64::INFINITY, Vector3::z()));
+        (gap_m, -inwards)
+    }
+
+    fn may_meet_box(&self, low: &Point3, high: &Point3, margin_m: f64) -> bool {
+        self.may_meet(low, high, margin_m)
+    }
+}
+
+impl Solid for Placed<'_, MeshTool> {
+    fn signed_gap(&self, point: &Point3) -> (f64, Vector3) {
+        let (gap_m, inwards) = self.tool.signed_gap(self.pose, point);
+        (gap_m, -inwards)
+    }
+
+    fn bounded_gap(&self, point: &Point3) -> Option<f64> {
+        Some(self.tool.signed_gap(self.pose, point).0)
+    }
+
+    fn may_meet_box(&self, low: &Point3, high: &Point3, margin_m: f64) -> bool {
+        self.may_meet(low, high, margin_m)
+    }
+}
+
+/// A rigid surface where its tool stands.
+#[derive(Debug)]
+struct PlacedSurface {
+    surface: Surface,
+    solver: ClosestSolver,
+}
+
+impl PlacedSurface {
+    fn new(at_rest: &Surface) -> Self {
+        Self {
+            surface: at_rest.clone(),
+            solver: ClosestSolver::new(at_rest),
+        }
+    }
+
+    fn place(&mut self, at_rest: &Surface, pose: &Pose) {
+        for (now, rest) in self
+            .surface
+            .net_mut()
+            .points_mut()
+            .iter_mut()
+            .zip(at_rest.net().points())
+        {
+            *now = pose * rest;
+        }
+        self.solver.net_changed();
+    }
+
+    fn side(&mut self) -> PairSide<'_> {
+        PairSide {
+            surface: &self.surface,
+            solver: &mut self.solver,
+        }
+    }
+}
+
+/// What a point of a body sees of the other surface, which touches it at these contacts.
+///
+/// A point inside a convex solid lies beyond the tangent plane at the solid's deepest point: that
+/// sorts out nearly all. The foot is the one that leads on from the nearest contact's.
+pub fn look_at(
+    contacts: &[Contact],
+    x: &Point3,
+    margin_m: f64,
+    other: &Surface,
+    solver: &ClosestSolver,
+) -> Option<Facing> {
+    let away = |c: &Contact| (c.on_body - x).norm_squared();
+    let beyond = contacts
+        .iter()
+        .filter(|c| (x - c.on_tool).dot(&c.normal) > -margin_m);
+    let [s, t] = beyond.min_by(|a, b| away(a).total_cmp(&away(b)))?.tool_uv?;
+    let foot = solver.local(other, x, s, t)?;
+    Some(Facing {
+        gap_m: foot.signed_distance,
+        normal: -foot.normal,
+        uv: [foot.u, foot.v],
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::contact::SurfaceShape;
+    use crate::contact::implicit::ImplicitShape;
+    use crate::surface::builtin;
+
+    const METHODS: [Method; 2] = [Method::Exact, Method::Spheres([20, 20])];
+
+    /// A ball tool as each shape, the sheet z = 0 as the body: what touches is found by every query
+    /// of the table.
+    #[test]
+    fn every_tool_shape_touches_by_both_methods() {
+        let sheet = builtin("sheet", Some([7, 7]), Some(0.1)).unwrap();
+        let radius_m = 0.01;
+        let implicit = ImplicitShape::Sphere { radius_m };
+        let globe = builtin("sphere", None, Some(2.0 * radius_m)).unwrap();
+        let parameters = |k: i32| (f64::from(k % 50) / 50.0, f64::from(k / 50) / 50.0);
+        let heights = (0..2500).map(parameters).map(|(u, v)| globe.point(u, v).z);
+        let globe_low_m = -heights.fold(0.0, f64::min);
+        let shapes = [
+            ToolShape::Sphere { radius_m },
+            ToolShape::Plane {
+                normal: -Vector3::z(),
+            },
+            ToolShape::Implicit {
+                tool: Box::new(implicit.compile().unwrap()),
+                reach_m: Some(radius_m),
+            },
+            ToolShape::Surface(Box::new(SurfaceShape::new(globe))),
+        ];
+        for shape in shapes {
+            let low_m = match &shape {
+                ToolShape::Plane { .. } => 0.0,
+                ToolShape::Surface(_) => globe_low_m,
+                _ => radius_m,
+            };
+            let pose = Pose::translation(0.003, 0.001, low_m - 1e-3);
+            for method in METHODS {
+                let mut narrow = Narrow::new(&sheet, Party::Tool(&shape), method).unwrap();
+                let body = PairSide {
+                    surface: &sheet,
+                    solver: &mut ClosestSolver::new(&sheet),
+                };
+                let reach = Reach {
+                    margin_m: 1e-4,
+                    below: false,
+                };
+                narrow.contacts(&shape, &pose, body, reach);
+                let depth = narrow.set.deepest().map(|contact| contact.depth_m);
+                assert!(
+                    depth.is_some_and(|depth| (depth - 1e-3).abs() < 3e-4),
+                    "{} {method:?}: {depth:?}",
+                    shape.name()
+                );
+                assert_eq!(
+                    narrow.counters().is_some(),
+                    method != Method::Exact,
+                    "{}",
+                    shape.name()
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn a_body_against_itself_on_points_is_refused_by_name() {
+        let sheet = builtin("sheet", None, None).unwrap();
+        let refused = Narrow::new(&sheet, Party::Itself, METHODS[1]).unwrap_err();
+        assert_eq!((refused.party, refused.method), ("itself", "spheres"));
+        assert!(refused.to_string().contains("use method = \"exact\""));
+        assert!(Narrow::new(&sheet, Party::Itself, METHODS[0]).is_ok());
+    }
+}
