@@ -6,21 +6,26 @@
 
 mod build;
 mod change;
-mod deforming;
+mod door;
 pub mod file;
 mod frame;
 mod layout;
+mod model;
 mod narrow;
 mod near;
+mod pairs;
 pub mod plan;
 mod refine;
 mod scratch;
-mod shapes;
+pub mod shape;
 pub mod spec;
 mod state;
+mod surface;
+mod tool;
 
-pub use build::{SceneError, default_samples_per_span, inline_files};
+pub use build::{default_samples_per_span, inline_files};
 pub use change::{Origin, SceneChange};
+pub use door::{Place, Problem, SceneError};
 use frame::FrameOf;
 pub use frame::FrameState;
 pub(crate) use narrow::{PairScratch, look_at};
@@ -35,7 +40,7 @@ use crate::solve::friction::Friction;
 use crate::solve::rows::Holder;
 use palpate_geometry::contact::{SampleGrid, ToolShape};
 use palpate_geometry::math::{Point3, Rotation};
-use palpate_geometry::surface::Surface;
+use palpate_geometry::surface::{Mesh, Surface};
 use spec::{Clock, SceneSpec};
 
 /// The constant of a simulation: built once, shared, never changed.
@@ -88,7 +93,7 @@ pub(crate) struct LatticeBody {
     /// The body steps once in so many ticks.
     pub every: u32,
     /// Model and method, and why this method.
-    pub choice: deforming::Choice,
+    pub choice: model::Choice,
 }
 
 /// A tool's constants.
@@ -225,6 +230,19 @@ impl Scene {
     /// Shape of a tool.
     pub fn tool_shape(&self, tool: usize) -> &ToolShape {
         &self.tools[tool].shape
+    }
+
+    /// Name of a tool's shape, as scenes write it.
+    pub fn shape_name(&self, tool: usize) -> &'static str {
+        self.spec.tools[tool].shape.name()
+    }
+
+    /// A tool's shape as viewers draw it: triangles in the tool's frame, m, counter-clockwise seen
+    /// from outside, closed where the shape is a solid. What has no bounds is cut off at about
+    /// `view_m`, the size of the scene, which also gives a size to what has none.
+    pub fn tool_outline(&self, tool: usize, view_m: f64) -> Mesh {
+        let shape = self.spec.tools[tool].shape.shape();
+        shape.outline(&self.tools[tool].shape, view_m)
     }
 
     /// Id of the tool or body that holds a pair.

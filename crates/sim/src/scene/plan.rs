@@ -217,9 +217,10 @@ impl Scene {
             tools: self
                 .tools
                 .iter()
-                .map(|tool| ToolPlan {
+                .enumerate()
+                .map(|(t, tool)| ToolPlan {
                     id: tool.id.clone(),
-                    shape: tool.shape.name(),
+                    shape: self.shape_name(t),
                     force_max_n: tool.limits.force_max_n,
                     stiffness_n_m: finite(tool.coupling.stiffness_n_m()),
                     turning_stiffness_nm_rad: finite(tool.coupling.turning_stiffness_nm_rad()),

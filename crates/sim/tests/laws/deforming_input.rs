@@ -1,17 +1,13 @@
 //! What is wrong with the deforming part of a scene is told where it is, before the first tick.
 
-use palpate_sim::scene::{Scene, file};
+use palpate_sim::scene::file;
 use std::path::Path;
 
 /// Why a scene is refused.
 fn refusal(text: &str) -> String {
-    match file::parse(text, "s.toml", Path::new(".")) {
-        Err(problems) => problems.to_string(),
-        Ok(loaded) => match Scene::build(&loaded.spec, Path::new(".")) {
-            Err(error) => error.to_string(),
-            Ok(_) => String::new(),
-        },
-    }
+    file::parse(text, "s.toml", Path::new("."))
+        .and_then(|loaded| loaded.build())
+        .map_or_else(|error| error.to_string(), |_| String::new())
 }
 
 /// A slab with these lines below line 7.
