@@ -32,7 +32,7 @@ fn every_problem_is_told_with_its_line() {
         ("[loop\n", "s.toml:1:6: "),
         (
             "[[body]]\nid = \"x\"\nsurface = { builtin = \"teardrip\" }\n",
-            "s.toml:3:13: \"teardrip\" is no builtin surface; did you mean \"teardrop\"?",
+            "s.toml:3:13: \"teardrip\" is not a builtin surface; did you mean \"teardrop\"?",
         ),
         (
             "[[body]]\nid = \"x\"\nsurface = { file = \"no.json\" }\n",
@@ -52,7 +52,7 @@ fn every_problem_is_told_with_its_line() {
         ),
         (
             "[[body]]\nid = \"X y\"\nsurface = { builtin = \"sheet\" }\n",
-            "s.toml:2:1: \"X y\" is no id",
+            "s.toml:2:1: \"X y\" is not a valid id",
         ),
         (
             "[[tool]]\nid = \"a\"\nshape = { sphere = { radius_m = 0.0 } }\n",
@@ -84,7 +84,7 @@ fn every_problem_is_told_with_its_line() {
         ),
         (
             "[[tool]]\nid = \"a\"\ngrip = { force_max_n = -1 }\n",
-            "s.toml:3:1: the grip's force_max_n is -1",
+            "s.toml:3:10: the grip's force_max_n is -1",
         ),
         (
             "[[contact]]\npair = [\"ball\", \"drop\"]\nfriction = { mu = inf }\n",
