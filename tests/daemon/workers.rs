@@ -31,7 +31,7 @@ fixed = [{{ point = [0.0, 0.0, -0.0299], normal = [0.0, 0.0, 1.0] }}]
 }
 
 fn body(world: &World) -> &DeformableState {
-    world.state.bodies[0].lattice.as_ref().unwrap()
+    world.state.bodies[0].deformable.as_ref().unwrap()
 }
 
 #[test]

@@ -135,7 +135,7 @@ impl SceneChange {
     pub fn fits(&self, old: &Scene, new: &Scene) -> bool {
         let count = |scene: &Scene, body: usize| {
             scene
-                .lattice(body)
+                .deformable(body)
                 .map(|lattice| lattice.coordinate_count())
         };
         self.origins
@@ -259,7 +259,7 @@ impl Scene {
             let new = &mut state.bodies[body];
             if let Origin::Kept { from: old, moved } = *origin {
                 let old = &from.bodies[old];
-                if let (Some(new), Some(old)) = (&mut new.lattice, &old.lattice) {
+                if let (Some(new), Some(old)) = (&mut new.deformable, &old.deformable) {
                     new.clone_from(old);
                     if moved != Vector3::zeros() {
                         new.positions.iter_mut().for_each(|p| *p += moved);

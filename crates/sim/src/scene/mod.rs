@@ -81,13 +81,13 @@ pub(crate) struct Body {
 #[derive(Debug)]
 pub(crate) enum BodyModel {
     Rigid,
-    Lattice(Box<LatticeBody>),
+    Deforming(Box<DeformingBody>),
 }
 
 /// A deforming body and the samples at which tools press it.
 #[derive(Debug)]
-pub(crate) struct LatticeBody {
-    pub lattice: Deformable,
+pub(crate) struct DeformingBody {
+    pub deformable: Deformable,
     pub samples: SampleGrid,
     pub sweeps: usize,
     /// The body steps once in so many ticks.
@@ -280,26 +280,26 @@ impl Scene {
 
     /// True when the body's net can change.
     pub fn deforms(&self, body: usize) -> bool {
-        matches!(self.bodies[body].model, BodyModel::Lattice(_))
+        matches!(self.bodies[body].model, BodyModel::Deforming(_))
     }
 
     /// True when a body steps once in several ticks.
     pub fn steps_apart(&self, body: usize) -> bool {
-        matches!(&self.bodies[body].model, BodyModel::Lattice(model) if model.every > 1)
+        matches!(&self.bodies[body].model, BodyModel::Deforming(model) if model.every > 1)
     }
 
     /// Name of a body's model, as scenes write it.
     pub fn model_name(&self, body: usize) -> &'static str {
         match &self.bodies[body].model {
             BodyModel::Rigid => "rigid",
-            BodyModel::Lattice(model) => model.choice.model,
+            BodyModel::Deforming(model) => model.choice.model,
         }
     }
 
     /// The constants of a body that deforms.
-    pub fn lattice(&self, body: usize) -> Option<&Deformable> {
+    pub fn deformable(&self, body: usize) -> Option<&Deformable> {
         match &self.bodies[body].model {
-            BodyModel::Lattice(body) => Some(&body.lattice),
+            BodyModel::Deforming(body) => Some(&body.deformable),
             BodyModel::Rigid => None,
         }
     }

@@ -61,7 +61,7 @@ pub struct SceneState {
 #[derive(Clone, Debug, PartialEq)]
 pub struct BodyState {
     /// Nodes, when it deforms.
-    pub lattice: Option<DeformableState>,
+    pub deformable: Option<DeformableState>,
     /// Grows with every change of the net.
     pub revision: u64,
     /// How far the farthest control point moved in the last tick, m.
@@ -145,21 +145,21 @@ impl Scene {
     pub fn initial_state(&self) -> SceneState {
         let bodies = self.bodies.iter().map(|body| match &body.model {
             BodyModel::Rigid => BodyState {
-                lattice: None,
+                deformable: None,
                 revision: 0,
                 moved_m: 0.0,
                 phase: 0,
                 loads: Vec::new(),
             },
-            BodyModel::Lattice(model) => BodyState {
-                lattice: Some(model.lattice.rest_state()),
+            BodyModel::Deforming(model) => BodyState {
+                deformable: Some(model.deformable.rest_state()),
                 revision: 0,
                 moved_m: 0.0,
                 phase: 0,
                 loads: vec![
                     Vector3::zeros();
                     if model.every > 1 {
-                        model.lattice.coordinate_count()
+                        model.deformable.coordinate_count()
                     } else {
                         0
                     }
@@ -204,10 +204,10 @@ impl Scene {
 impl SceneState {
     /// Net of a body now, u-major, m; `out` is as long as the net of [`Scene::rest_surface`].
     pub fn copy_net(&self, scene: &Scene, body: usize, out: &mut [Point3]) {
-        match (&scene.bodies[body].model, &self.bodies[body].lattice) {
-            (BodyModel::Lattice(model), Some(lattice)) => {
+        match (&scene.bodies[body].model, &self.bodies[body].deformable) {
+            (BodyModel::Deforming(model), Some(deformable)) => {
                 for (control, point) in out.iter_mut().enumerate() {
-                    *point = lattice.positions[model.lattice.coordinate_of_control(control)];
+                    *point = deformable.positions[model.deformable.coordinate_of_control(control)];
                 }
             }
             _ => out.copy_from_slice(scene.bodies[body].surface.net().points()),
@@ -233,8 +233,8 @@ impl Stateful for SceneState {
         for body in &self.bodies {
             sink.word(body.revision);
             sink.floats(&[body.moved_m]);
-            if let Some(lattice) = &body.lattice {
-                lattice.save(sink);
+            if let Some(deformable) = &body.deformable {
+                deformable.save(sink);
                 if !body.loads.is_empty() {
                     sink.word(u64::from(body.phase));
                     body.loads
@@ -319,8 +319,8 @@ impl Stateful for SceneState {
         for body in &mut self.bodies {
             body.revision = source.word()?;
             body.moved_m = float(source)?;
-            if let Some(lattice) = &mut body.lattice {
-                lattice.restore(source)?;
+            if let Some(deformable) = &mut body.deformable {
+                deformable.restore(source)?;
                 if !body.loads.is_empty() {
                     body.phase = small(source.word()?, "phase of a body's step")?;
                     for load in &mut body.loads {

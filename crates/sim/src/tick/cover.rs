@@ -53,7 +53,7 @@ pub(super) fn ease_feet(scene: &Scene, scratch: &mut Scratch) {
     let Scratch { rows, problem, .. } = scratch;
     for (i, foot) in rows.rows.iter().enumerate().filter(|(_, row)| is_foot(row)) {
         let body = &scene.bodies[foot.body as usize];
-        let BodyModel::Lattice(model) = &body.model else {
+        let BodyModel::Deforming(model) = &body.model else {
             continue;
         };
         let Some(around) = model.samples.around(foot.u, foot.v) else {

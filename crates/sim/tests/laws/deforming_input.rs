@@ -209,7 +209,7 @@ fn what_does_not_go_together_is_told_with_its_key() {
                     "{THICK}fixed = [{{ u = [0.0, 1.0], v = [0.0, 1.0] }}, {{ point = [0, 0, 1], normal = [0, 0, 1] }}]"
                 ),
             ),
-            "body[0].lattice",
+            "body[0].deformable",
             "nodes are fixed: nothing can deform",
         ),
         (
@@ -217,7 +217,7 @@ fn what_does_not_go_together_is_told_with_its_key() {
                 "lattice",
                 "lattice = { builder = \"transfinite\", nodes = [3, 3, 3], thickness_m = 0.02, refine = \"none\" }",
             ),
-            "body[0].lattice",
+            "body[0].deformable",
             "control points are not seen by the",
         ),
         (
@@ -249,7 +249,7 @@ fn what_does_not_go_together_is_told_with_its_key() {
         assert!(
             line.contains(last)
                 || line == "[[body]]"
-                || key.starts_with("body[0].lattice.") && line.contains("lattice"),
+                || key.starts_with("body[0].deformable.") && line.contains("lattice"),
             "{key} at line {}: {line}",
             place.line
         );

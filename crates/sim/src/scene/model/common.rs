@@ -6,7 +6,7 @@ use crate::body::{Cell, CellGrid, Deformable, DeformableError, Inside, Integrato
 use crate::body::{Solid, StepSettings};
 use crate::scene::plan::step_us;
 use crate::scene::spec::{MethodSpec, RegionSpec};
-use crate::scene::{BodyModel, LatticeBody, default_samples_per_span, refine};
+use crate::scene::{BodyModel, DeformingBody, default_samples_per_span, refine};
 use palpate_geometry::contact::SampleGrid;
 use palpate_geometry::math::{Point3, Vector3};
 use palpate_geometry::surface::Surface;
@@ -43,20 +43,20 @@ pub(super) fn deforming<'b>(
     }
     let refined = refine::refine(scene, spec, at, body.surface.clone(), node_budget)?;
     let make = parts(&refined)?;
-    let (lattice, why) = stepped(body, &make)?;
+    let (deformable, why) = stepped(body, &make)?;
     let samples = SampleGrid::new(&refined, default_samples_per_span());
     let choice = Choice {
         model: spec.model.name(),
         why,
     };
-    let model = LatticeBody {
-        lattice,
+    let model = DeformingBody {
+        deformable,
         samples,
         sweeps: spec.integrator.contact_sweeps,
         every: spec.integrator.every,
         choice,
     };
-    Some((refined, BodyModel::Lattice(Box::new(model))))
+    Some((refined, BodyModel::Deforming(Box::new(model))))
 }
 
 /// The body with the method of its integrator, and why that one.
