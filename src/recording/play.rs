@@ -41,7 +41,7 @@ pub enum PlayError {
     #[error("the recorded scene does not build: {0}")]
     Scene(#[from] SceneError),
     /// No ticks.
-    #[error("{path}: there is no tick in it")]
+    #[error("{path}: the recording contains no ticks")]
     Empty {
         /// File.
         path: PathBuf,
@@ -156,7 +156,7 @@ impl Player {
         settings: PlaySettings,
     ) -> Result<Self, PlayError> {
         let dt_s = scene.dt_s;
-        let cursor = Cursor::new(session, scene.clone(), settings.start, settings.end)?;
+        let cursor = Cursor::new(session, &scene, settings.start, settings.end)?;
         let deadlines = Deadlines::new(period_ns(dt_s, settings.rate), now_ns());
         let paused = settings.paused;
         let report = PlayReport::default();
@@ -204,7 +204,7 @@ impl Player {
             resumed_ns = now;
             played += self.report.ticks - before;
         }
-        self.report.last_tick = self.cursor.state.tick;
+        self.report.last_tick = self.cursor.state().tick;
         self.report.rate = played as f64 * self.dt_s / self.report.wall_s.max(1e-9);
         Ok(self.report)
     }
@@ -247,7 +247,7 @@ impl Player {
                 tracing::warn!(
                     after,
                     to,
-                    "ticks are missing in the recording: going on at the next keyframe"
+                    "ticks are missing in the recording: continuing at the next keyframe"
                 );
                 self.ports.rewind();
             }
@@ -276,13 +276,13 @@ impl Player {
     fn publish(&mut self, scene: &Scene, record: &TickRecord) {
         self.wait_for_room();
         self.ports.publish(&record.output);
-        self.ports.done(scene, &self.cursor.state, record);
+        self.ports.done(scene, self.cursor.state(), record);
     }
 
     /// Shows a state that was jumped to; `record` is that of its tick.
     fn show(&mut self, scene: &Scene, record: Option<TickRecord>) {
         self.ports.rewind();
-        let tick = self.cursor.state.tick;
+        let tick = self.cursor.state().tick;
         let output = TickOutput {
             tick,
             ..TickOutput::default()
@@ -313,7 +313,7 @@ impl Player {
             self.report.diverged = Some(tick);
             tracing::warn!(
                 tick,
-                "this build steps otherwise than the one that recorded: recorded forces are published"
+                "this build diverges from the recording: publishing the recorded forces"
             );
         }
     }
@@ -323,7 +323,7 @@ impl Player {
         self.wait_for_room();
         self.ports.rewind();
         self.ports
-            .hand_over_nets(scene, &self.cursor.state, self.cursor.state.tick);
+            .hand_over_nets(scene, self.cursor.state(), self.cursor.state().tick);
     }
 
     fn pause(&mut self, scene: &Scene, paused: bool) {
@@ -353,14 +353,14 @@ impl Player {
             PlayRequest::Rate(rate) => self.set_rate(rate),
             PlayRequest::Scale(factor) => {
                 self.set_rate(self.settings.rate * factor);
-                tracing::info!(rate = self.settings.rate, "plays at another rate");
+                tracing::info!(rate = self.settings.rate, "playback rate changed");
             }
             PlayRequest::Step(ticks) if self.paused => self.step(scene, ticks)?,
             PlayRequest::Step(_) => {
-                done = Err("step is for a recording that stands still; pause it first".into())
+                done = Err("step works only while playback is paused; pause it first".into())
             }
             PlayRequest::Seek(tick) => done = self.seek(scene, tick)?,
-            PlayRequest::Back => match self.cursor.keyframe_before() {
+            PlayRequest::Back => match self.cursor.keyframe_before()? {
                 Some(tick) => done = self.seek(scene, tick)?,
                 None => done = Err("it is at its first state".into()),
             },
@@ -375,7 +375,7 @@ impl Player {
         match done {
             Ok(()) => self.tell(PlayNews::Done {
                 id,
-                tick: self.cursor.state.tick,
+                tick: self.cursor.state().tick,
             }),
             Err(reason) => self.tell(PlayNews::Refused { id, reason }),
         }

@@ -22,6 +22,25 @@ impl Scene {
     /// # Errors
     /// Everything that is wrong with the spec, each problem with the path of its key. What depends
     /// on a value that is wrong is not looked at.
+    ///
+    /// # Examples
+    /// ```
+    /// use palpate_sim::scene::{Scene, file};
+    /// use std::path::Path;
+    /// let text = r#"
+    ///     [[body]]
+    ///     id = "ball"
+    ///     surface = { builtin = "sphere" }
+    ///     [[tool]]
+    ///     id = "pen"
+    ///     shape = { point = {} }
+    ///     pose = { position = [0.0, 0.0, 0.1] }
+    /// "#;
+    /// let loaded = file::parse(text, "scene.toml", Path::new("."))?;
+    /// let scene = Scene::build(&loaded.spec, Path::new("."))?;
+    /// assert_eq!((scene.body_count(), scene.tool_count()), (1, 1));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     pub fn build(spec: &SceneSpec, directory: &Path) -> Result<Self, SceneError> {
         let door = Door::new(directory);
         let built = scene(spec, &door.top());

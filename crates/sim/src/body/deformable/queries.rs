@@ -55,7 +55,7 @@ impl Deformable {
         self.matter.map.nodes(coordinates)
     }
 
-    /// Coordinates.
+    /// Number of coordinates.
     pub fn coordinate_count(&self) -> usize {
         self.matter.rest.len()
     }
@@ -87,7 +87,7 @@ impl Deformable {
         scratch.limited
     }
 
-    /// Springs.
+    /// Number of springs.
     pub fn spring_count(&self) -> usize {
         self.matter.law.springs.len()
     }
