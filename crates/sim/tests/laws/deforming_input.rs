@@ -209,7 +209,7 @@ fn what_does_not_go_together_is_told_with_its_key() {
                     "{THICK}fixed = [{{ u = [0.0, 1.0], v = [0.0, 1.0] }}, {{ point = [0, 0, 1], normal = [0, 0, 1] }}]"
                 ),
             ),
-            "body[0].deformable",
+            "body[0].lattice",
             "nodes are fixed: nothing can deform",
         ),
         (
@@ -217,7 +217,7 @@ fn what_does_not_go_together_is_told_with_its_key() {
                 "lattice",
                 "lattice = { builder = \"transfinite\", nodes = [3, 3, 3], thickness_m = 0.02, refine = \"none\" }",
             ),
-            "body[0].deformable",
+            "body[0].lattice",
             "control points are not seen by the",
         ),
         (
@@ -249,7 +249,7 @@ fn what_does_not_go_together_is_told_with_its_key() {
         assert!(
             line.contains(last)
                 || line == "[[body]]"
-                || key.starts_with("body[0].deformable.") && line.contains("lattice"),
+                || key.starts_with("body[0].lattice.") && line.contains("lattice"),
             "{key} at line {}: {line}",
             place.line
         );
@@ -267,11 +267,11 @@ fn every_problem_of_a_scene_is_listed_at_once() {
     let told = refusal(text);
     let starts = [
         "s.toml:1:1: a membrane needs a thickness",
-        "s.toml:12:1: xpbd knows linear springs only",
-        "s.toml:16:20: half_angle_rad is 2; it must be between 0 and",
-        "s.toml:16:42: height_m is -1; it must be a length",
-        "s.toml:17:10: the grip's force_max_n is -1",
-        "s.toml:21:24: ",
+        "s.toml:11:1: xpbd knows linear springs only",
+        "s.toml:15:20: half_angle_rad is 2; it must be between 0 and",
+        "s.toml:15:42: height_m is -1; it must be a length",
+        "s.toml:16:10: the grip's force_max_n is -1",
+        "s.toml:20:24: ",
     ];
     let lines: Vec<&str> = told.lines().collect();
     assert_eq!(lines.len(), starts.len(), "{told}");

@@ -285,7 +285,7 @@ fn between_the_first_samples(shape: &str, grip_n: f64) -> String {
 [[body]]
 id = "slab"
 surface = {{ builtin = "sheet", net = [8, 8], size = 0.1 }}
-model = "deformable"
+model = "lattice"
 material = {{ young_pa = 20e3 }}
 lattice = {{ layers = 3, thickness_m = 0.03, refine = "none" }}
 fixed = [{{ point = [0.0, 0.0, -0.0299], normal = [0.0, 0.0, 1.0] }}]

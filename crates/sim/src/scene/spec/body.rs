@@ -169,7 +169,7 @@ pub struct BoxSpec {
     pub high: [f64; 3],
 }
 
-/// `[body.deformable]`.
+/// `[body.lattice]`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct LatticeSpec {
