@@ -1,7 +1,6 @@
-//! `palpate check`: read, build, dry-run.
+//! `palpate check`: read, build, dry-run. Prints every problem of the scene.
 
 use super::Outcome;
-use palpate_sim::scene::Scene;
 use palpate_sim::scene::file;
 use palpate_sim::tick::record::TickInput;
 use palpate_sim::tick::step;
@@ -18,7 +17,7 @@ pub struct Args {
 
 pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     let loaded = file::load(&args.scene)?;
-    let scene = Scene::build(&loaded.spec, &loaded.directory)?;
+    let scene = loaded.build()?;
     let mut state = scene.initial_state();
     let mut scratch = scene.scratch(&state);
     let mut fault = false;

@@ -23,7 +23,7 @@ const TICKS: usize = 300;
 
 pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     let loaded = file::load(&args.scene)?;
-    let scene = Scene::build(&loaded.spec, &loaded.directory)?;
+    let scene = loaded.build()?;
     let mut plan = scene.plan();
     let (render_us, deform_us) = measure(&scene);
     let share = |prefix: &str| {

@@ -111,7 +111,7 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
                 eprintln!("viewer: {}", viewer.url());
                 (
                     Some(viewer),
-                    Some(Box::new(feed.with_gaps(scene.net_gaps())) as Box<dyn ViewSink>),
+                    Some(Box::new(feed.with_scene(&scene)) as Box<dyn ViewSink>),
                 )
             }
         };

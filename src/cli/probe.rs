@@ -122,7 +122,7 @@ const STRIDE_M: f64 = 1e-4;
 
 pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     let loaded = file::load(&args.scene)?;
-    let mut spec = loaded.spec;
+    let mut spec = loaded.spec.clone();
     // Quasi-static: no ramp, no limit in the way of a jump between poses.
     for tool in &mut spec.tools {
         tool.device.ramp_s = 0.0;
@@ -130,7 +130,7 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
         tool.coupling.damping_n_s_m = 0.0;
         tool.coupling.turning_damping_nm_s_rad = 0.0;
     }
-    let scene = Scene::build(&spec, &loaded.directory)?;
+    let scene = Scene::build(&spec, &loaded.directory).map_err(|error| loaded.locate(error))?;
     let tool = match &args.tool {
         Some(id) => scene
             .tool_index(id)

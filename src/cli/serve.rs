@@ -158,9 +158,13 @@ pub fn serve(
     common: &Common,
     ready: impl FnOnce() -> anyhow::Result<()>,
 ) -> anyhow::Result<Served> {
-    let mut effective = inline_files(&loaded.spec, &loaded.directory)?;
+    // A file that cannot be read is one problem of perhaps many: building lists them all.
+    let unread = |error| loaded.build().err().unwrap_or_else(|| loaded.locate(error));
+    let mut effective = inline_files(&loaded.spec, &loaded.directory).map_err(unread)?;
     effective.record.views &= !common.recording.no_views;
-    let scene = Arc::new(Scene::build(&effective, &loaded.directory)?);
+    let scene = Arc::new(
+        Scene::build(&effective, &loaded.directory).map_err(|error| loaded.locate(error))?,
+    );
     let config = common.zenoh_config.clone().or_else(|| {
         loaded
             .spec
@@ -189,7 +193,7 @@ pub fn serve(
             let (viewer, feed) = Viewer::start(address)
                 .map_err(|e| anyhow::anyhow!("the viewer cannot listen on {address}: {e}"))?;
             eprintln!("viewer: {}", viewer.url());
-            (Some(viewer), Some(feed.with_gaps(scene.net_gaps())))
+            (Some(viewer), Some(feed.with_scene(&scene)))
         }
         None => (None, None),
     };

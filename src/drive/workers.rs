@@ -69,7 +69,7 @@ impl Worker {
         let stop = Arc::new(AtomicBool::new(false));
         let (theirs, asked) = (scene.clone(), stop.clone());
         let run = move || {
-            let Some(model) = theirs.lattice(body) else {
+            let Some(model) = theirs.deformable(body) else {
                 return;
             };
             while !asked.load(Ordering::Acquire) {
@@ -86,7 +86,7 @@ impl Worker {
         let thread = std::thread::Builder::new()
             .name(format!("body {}", scene.body_id(body)))
             .spawn(run)?;
-        let idle = scene.lattice(body).map(|model| {
+        let idle = scene.deformable(body).map(|model| {
             Box::new(Job {
                 state: model.rest_state(),
                 scratch: model.scratch(),
@@ -134,7 +134,8 @@ impl Pipeline for Workers {
             return;
         };
         worker.wait();
-        let (Some(mut job), Some(model)) = (worker.idle.take(), worker.scene.lattice(worker.body))
+        let (Some(mut job), Some(model)) =
+            (worker.idle.take(), worker.scene.deformable(worker.body))
         else {
             return;
         };

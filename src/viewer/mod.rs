@@ -16,9 +16,10 @@ use axum::routing::get;
 use palpate_proto::messages::{
     ContactSet, ControlNet, LoopStatus, RecorderState, ToolForce, ToolLink,
 };
+use palpate_sim::scene::Scene;
 use serde::Serialize;
 use std::net::SocketAddr;
-use std::sync::{Arc, PoisonError};
+use std::sync::{Arc, OnceLock, PoisonError};
 use std::time::Duration;
 use tokio::sync::{oneshot, watch};
 
@@ -58,8 +59,21 @@ struct Net {
 #[derive(Clone, Copy, Debug, Default, Serialize)]
 struct Tool {
     proxy: [f64; 3],
+    /// x y z w.
+    orientation: [f64; 4],
     force: [f64; 3],
     depth: f64,
+}
+
+/// The shape of a tool, in its frame: what `/tools.json` lists, by tool.
+#[derive(Clone, Debug, Serialize)]
+struct Outline {
+    id: String,
+    shape: &'static str,
+    /// m.
+    points: Vec<[f32; 3]>,
+    /// Counter-clockwise seen from outside.
+    triangles: Vec<[u32; 3]>,
 }
 
 #[derive(Clone, Copy, Debug, Default, Serialize)]
@@ -82,6 +96,8 @@ pub struct Feed {
     gaps: Vec<(String, [Vec<usize>; 2])>,
     channel: watch::Sender<String>,
     health: Arc<health::Newest>,
+    /// What `/tools.json` answers, once it is known.
+    outlines: Arc<OnceLock<String>>,
     last: std::time::Instant,
 }
 
@@ -100,16 +116,25 @@ impl Viewer {
         let (channel, pictures) = watch::channel(String::from("{}"));
         let health = Arc::new(health::Newest::default());
         let routes = health::routes(health.clone());
+        let outlines = Arc::new(OnceLock::<String>::new());
+        let answer = outlines.clone();
         let (stop, stopped) = oneshot::channel::<()>();
         std::thread::Builder::new()
             .name("palpate-viewer".into())
             .spawn(move || {
                 runtime.block_on(async move {
                     let app = Router::new()
-                        .route("/", get(|| asset("text/html; charset=utf-8", PAGE)))
+                        .route("/", get(async || asset("text/html; charset=utf-8", PAGE)))
                         .route(
                             "/page.js",
-                            get(|| asset("text/javascript; charset=utf-8", SCRIPT)),
+                            get(async || asset("text/javascript; charset=utf-8", SCRIPT)),
+                        )
+                        .route(
+                            "/tools.json",
+                            get(move || {
+                                let text = answer.get().map_or("[]", String::as_str);
+                                std::future::ready(asset("application/json", text.to_owned()))
+                            }),
                         )
                         .route("/live", get(live))
                         .with_state(pictures)
@@ -133,6 +158,7 @@ impl Viewer {
             gaps: Vec::new(),
             channel,
             health,
+            outlines,
             last: std::time::Instant::now(),
         };
         Ok((
@@ -150,7 +176,7 @@ impl Viewer {
     }
 }
 
-async fn asset(kind: &'static str, text: &'static str) -> Response {
+fn asset(kind: &'static str, text: impl IntoResponse) -> Response {
     let headers = [
         (header::CONTENT_TYPE, kind),
         (header::CONTENT_SECURITY_POLICY, POLICY),
@@ -197,11 +223,29 @@ async fn watch_over(mut socket: WebSocket, mut pictures: watch::Receiver<String>
 }
 
 impl Feed {
-    /// Tells where the nets of bodies are in pieces: body id, rows and columns after which each
-    /// begins anew.
+    /// Gives the page what does not change from tick to tick: where nets are in pieces, and the
+    /// shapes of tools.
     #[must_use]
-    pub fn with_gaps(mut self, gaps: Vec<(String, [Vec<usize>; 2])>) -> Self {
-        self.gaps = gaps;
+    pub fn with_scene(mut self, scene: &Scene) -> Self {
+        self.gaps = scene.net_gaps();
+        let size_m = (0..scene.body_count())
+            .map(|body| scene.rest_surface(body).size())
+            .fold(1e-3, f64::max);
+        let outlines = (0..scene.tool_count()).map(|tool| {
+            let mesh = scene.tool_outline(tool, size_m);
+            Outline {
+                id: scene.tool_id(tool).to_owned(),
+                shape: scene.shape_name(tool),
+                points: (mesh.points.iter())
+                    .map(|p| [p.x as f32, p.y as f32, p.z as f32])
+                    .collect(),
+                triangles: mesh.triangles,
+            }
+        });
+        let outlines: Vec<Outline> = outlines.collect();
+        let _ = self
+            .outlines
+            .set(serde_json::to_string(&outlines).unwrap_or_default());
         self
     }
 
@@ -222,6 +266,7 @@ impl ViewSink for Feed {
         }
         self.picture.tools[tool] = Tool {
             proxy: force.proxy_position,
+            orientation: force.proxy_orientation,
             force: force.force,
             depth: force.depth,
         };
@@ -319,9 +364,9 @@ mod tests {
     fn nets_in_pieces_are_drawn_in_pieces() {
         let path = std::path::Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/vessel.toml"));
         let loaded = palpate_sim::scene::file::load(path).unwrap();
-        let scene = palpate_sim::scene::Scene::build(&loaded.spec, path.parent().unwrap()).unwrap();
+        let scene = Scene::build(&loaded.spec, path.parent().unwrap()).unwrap();
         let (_viewer, feed) = Viewer::start("127.0.0.1:0".parse().unwrap()).unwrap();
-        let mut feed = feed.with_gaps(scene.net_gaps());
+        let mut feed = feed.with_scene(&scene);
         let net = ControlNet {
             tick: 1,
             revision: 1,

@@ -57,6 +57,8 @@ fn pictures_show_the_nets_and_tools_of_their_ticks() {
         ("/view/body/sheet/points", "foxglove.PointCloud"),
         ("/view/tool/ball", "foxglove.PoseInFrame"),
         ("/view/tool/pen", "foxglove.PoseInFrame"),
+        ("/view/tool/ball/shape", "foxglove.SceneUpdate"),
+        ("/view/tool/pen/shape", "foxglove.SceneUpdate"),
         ("/tf", "foxglove.FrameTransforms"),
         ("/log", "foxglove.Log"),
         ("/sim/tick", "palpate.v1.Tick"),
@@ -149,6 +151,18 @@ fn pictures_show_the_nets_and_tools_of_their_ticks() {
                     .all(|index| (*index as usize) < triangles.points.len())
             );
         }
+    }
+    // Shapes come once, in the frame of their tool, and whole.
+    for tool in ["ball", "pen"] {
+        let shapes = all::<fox::SceneUpdate>(&messages, &format!("/view/tool/{tool}/shape"));
+        assert_eq!((shapes.len(), shapes[0].1.entities.len()), (1, 1));
+        let entity = &shapes[0].1.entities[0];
+        assert_eq!(entity.frame_id, format!("tool/{tool}"));
+        assert!(entity.frame_locked);
+        let triangles = &entity.triangles[0];
+        let outline = scene.tool_outline(scene.tool_index(tool).unwrap(), 1.0);
+        assert_eq!(triangles.indices.len(), 3 * outline.triangles.len());
+        assert!(triangles.indices.len() > 300);
     }
     let arrows = scenes
         .iter()

@@ -86,7 +86,7 @@ fn a_moved_body_takes_its_state_along_and_the_others_stay_bit_for_bit() {
     new.carry_over(&before, &change.origins, &mut after);
     assert_eq!(after.tick, 600);
     assert_eq!(after.tools[0].link, before.tools[0].link);
-    let lattice = |state: &SceneState, body: usize| state.bodies[body].lattice.clone().unwrap();
+    let lattice = |state: &SceneState, body: usize| state.bodies[body].deformable.clone().unwrap();
     assert_eq!(lattice(&after, 0), lattice(&before, 0));
     assert_eq!(
         old.rest_surface(0),
@@ -264,7 +264,7 @@ pose = { position = [0.5, 0.0, 0.0] }
                 swap.exchange(&mut scene, &mut state, &mut scratch);
             }
         }
-        state.bodies[0].lattice.clone().unwrap()
+        state.bodies[0].deformable.clone().unwrap()
     };
     let undisturbed = run(None);
     assert!(

@@ -1,8 +1,7 @@
 //! Bodies and tools as Foxglove primitives.
 
-use palpate_geometry::contact::ToolShape as Shape;
 use palpate_geometry::math::Point3;
-use palpate_geometry::surface::Surface;
+use palpate_geometry::surface::{Mesh, Surface};
 use palpate_proto::foxglove as fox;
 use palpate_sim::scene::Scene;
 
@@ -12,8 +11,6 @@ const CELLS: [usize; 2] = [12, 32];
 const ARROW: f64 = 0.05;
 /// Displacement that is drawn red, relative to the size of the body.
 const RED: f64 = 0.1;
-/// What has no shape of its own is a ball of this radius, relative to the size of the scene.
-const MARKER: f64 = 0.015;
 
 const TOOL: fox::Color = fox::Color {
     r: 0.95,
@@ -287,17 +284,9 @@ impl BodyShape {
 /// A tool that can be drawn in any pose.
 pub(super) struct ToolShape {
     id: String,
-    look: Look,
+    outline: Mesh,
     /// m for 1 N.
     arrow_m: f64,
-    marker_m: f64,
-}
-
-enum Look {
-    Ball(f64),
-    Plate(fox::Quaternion, f64),
-    Surface(Box<(Grid, Vec<Point3>)>),
-    Marker,
 }
 
 impl ToolShape {
@@ -305,35 +294,37 @@ impl ToolShape {
         let size_m = (0..scene.body_count())
             .map(|body| size_m(scene.rest_surface(body)))
             .fold(1e-3, f64::max);
-        let look = match scene.tool_shape(tool) {
-            Shape::Sphere { radius_m } => Look::Ball(*radius_m),
-            Shape::Plane { normal } => {
-                let turn = palpate_geometry::math::Rotation::rotation_between(
-                    &palpate_geometry::math::Vector3::z(),
-                    normal,
-                );
-                let turn = turn.unwrap_or_else(|| {
-                    palpate_geometry::math::Rotation::from_axis_angle(
-                        &palpate_geometry::math::Vector3::x_axis(),
-                        std::f64::consts::PI,
-                    )
-                });
-                let [x, y, z, w]: [f64; 4] = turn.coords.into();
-                Look::Plate(fox::Quaternion { x, y, z, w }, size_m)
-            }
-            Shape::Surface(shape) => {
-                let grid = Grid::over(shape.surface());
-                let points = grid.points(shape.surface());
-                Look::Surface(Box::new((grid, points)))
-            }
-            Shape::Point | Shape::Implicit { .. } | Shape::Mesh(_) => Look::Marker,
-        };
-        let id = scene.tool_id(tool).to_owned();
         Self {
-            id,
-            look,
+            id: scene.tool_id(tool).to_owned(),
+            outline: scene.tool_outline(tool, size_m),
             arrow_m: ARROW * size_m,
-            marker_m: MARKER * size_m,
+        }
+    }
+
+    pub fn shape_topic(&self) -> String {
+        format!("/view/tool/{}/shape", self.id)
+    }
+
+    /// The shape, drawn once: it moves with the tool's frame.
+    pub fn shape(&self, stamp: fox::Timestamp) -> fox::SceneUpdate {
+        let triangles = fox::TriangleListPrimitive {
+            pose: Some(origin()),
+            points: self.outline.points.iter().map(point).collect(),
+            color: Some(TOOL),
+            colors: Vec::new(),
+            indices: self.outline.triangles.iter().flatten().copied().collect(),
+        };
+        let entity = fox::SceneEntity {
+            timestamp: Some(stamp),
+            frame_id: self.frame(),
+            id: format!("{}/shape", self.frame()),
+            frame_locked: true,
+            triangles: vec![triangles],
+            ..Default::default()
+        };
+        fox::SceneUpdate {
+            entities: vec![entity],
+            ..Default::default()
         }
     }
 
@@ -353,43 +344,19 @@ impl ToolShape {
         }
     }
 
+    /// The force on the tool.
     pub fn entity(
         &self,
         stamp: fox::Timestamp,
         values: &[f64],
         position: fox::Vector3,
-        orientation: fox::Quaternion,
     ) -> fox::SceneEntity {
-        let pose = fox::Pose {
-            position: Some(position),
-            orientation: Some(orientation),
-        };
         let mut entity = fox::SceneEntity {
             timestamp: Some(stamp),
             frame_id: "world".into(),
             id: self.frame(),
             ..Default::default()
         };
-        let ball = |radius: f64| fox::SpherePrimitive {
-            pose: Some(pose),
-            size: Some(vector(2.0 * radius, 2.0 * radius, 2.0 * radius)),
-            color: Some(TOOL),
-        };
-        match &self.look {
-            Look::Ball(radius) => entity.spheres.push(ball(*radius)),
-            Look::Marker => entity.spheres.push(ball(self.marker_m)),
-            Look::Plate(turn, size) => entity.cubes.push(fox::CubePrimitive {
-                pose: Some(fox::Pose {
-                    position: Some(position),
-                    orientation: Some(product(orientation, *turn)),
-                }),
-                size: Some(vector(*size, *size, 0.002 * size)),
-                color: Some(TOOL),
-            }),
-            Look::Surface(shape) => entity
-                .triangles
-                .push(shape.0.triangles(&shape.1, pose, TOOL)),
-        }
         let force = [values[0], values[1], values[2]];
         let newtons = force.iter().map(|x| x * x).sum::<f64>().sqrt();
         if newtons > 1e-6 && newtons.is_finite() {
@@ -424,18 +391,6 @@ impl ToolShape {
             head_diameter: 2.0 * width,
             color: Some(FORCE),
         }
-    }
-}
-
-/// a, then b in a's frame.
-fn product(a: fox::Quaternion, b: fox::Quaternion) -> fox::Quaternion {
-    let [a, b] = [a, b].map(|q| nalgebra::Quaternion::new(q.w, q.x, q.y, q.z));
-    let q = a * b;
-    fox::Quaternion {
-        x: q.i,
-        y: q.j,
-        z: q.k,
-        w: q.w,
     }
 }
 

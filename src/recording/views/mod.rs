@@ -3,9 +3,10 @@
 //!
 //! | topic | message | for |
 //! |---|---|---|
-//! | `/view/scene` | `foxglove.SceneUpdate` | bodies, control nets, tools, forces in a 3D panel |
+//! | `/view/scene` | `foxglove.SceneUpdate` | bodies, control nets, forces in a 3D panel |
 //! | `/view/body/{id}/points` | `foxglove.PointCloud` | x y z and displacement, for viewers that draw no scenes |
 //! | `/view/tool/{id}` | `foxglove.PoseInFrame` | the proxy of a tool |
+//! | `/view/tool/{id}/shape` | `foxglove.SceneUpdate` | its shape, once, in the frame of the tool |
 //! | `/tf` | `foxglove.FrameTransforms` | `world` → `tool/{id}` |
 //! | `/log` | `foxglove.Log` | events, as they come |
 
@@ -49,12 +50,16 @@ struct Channels {
     log: u16,
     points: Vec<u16>,
     tools: Vec<u16>,
+    tool_shapes: Vec<u16>,
 }
 
 impl Views {
     /// Views of a scene, if it wants any.
     pub fn of(scene: &Scene) -> Option<Self> {
         let record = &scene.spec.record;
+        if !record.views {
+            return None;
+        }
         let shapes = Shapes {
             bodies: (0..scene.body_count())
                 .map(|body| BodyShape::of(scene, body))
@@ -64,7 +69,7 @@ impl Views {
                 .collect(),
             dt_ns: (scene.dt_s * 1e9).round() as u64,
         };
-        record.views.then(|| Self {
+        Some(Self {
             nets: vec![None; shapes.bodies.len()],
             tools: vec![Vec::new(); shapes.tools.len()],
             shapes: Arc::new(shapes),
@@ -104,6 +109,12 @@ impl Views {
                 .tools
                 .iter()
                 .map(|t| channel(t.topic(), "PoseInFrame"))
+                .collect::<Result<_, _>>()?,
+            tool_shapes: self
+                .shapes
+                .tools
+                .iter()
+                .map(|t| channel(t.shape_topic(), "SceneUpdate"))
                 .collect::<Result<_, _>>()?,
         };
         Ok(self)
@@ -180,7 +191,7 @@ impl Views {
             };
             scene
                 .entities
-                .push(shape.entity(stamp, &tool.values, position, orientation));
+                .push(shape.entity(stamp, &tool.values, position));
             transforms.transforms.push(fox::FrameTransform {
                 timestamp: Some(stamp),
                 parent_frame_id: "world".into(),
@@ -198,6 +209,11 @@ impl Views {
                 pose: Some(pose),
             };
             put(self.channels.tools[t], &pose.encode_to_vec())?;
+        }
+        if !self.drawn {
+            for (shape, &channel) in shapes.tools.iter().zip(&self.channels.tool_shapes) {
+                put(channel, &shape.shape(stamp).encode_to_vec())?;
+            }
         }
         self.drawn = true;
         if !transforms.transforms.is_empty() {

@@ -81,9 +81,9 @@ impl World {
     }
 
     fn counts(&self) -> String {
-        let body = self.scene.lattice(0);
+        let body = self.scene.deformable(0);
         body.map_or(String::new(), |body| {
-            let energy = self.state.bodies[0].lattice.as_ref().map_or(0.0, |state| body.energy_j(state));
+            let energy = self.state.bodies[0].deformable.as_ref().map_or(0.0, |state| body.energy_j(state));
             let (_, passes) = body.integration();
             let held = self.scene.limited_cells(0, &self.scratch);
             let held = if held > 0 { format!(", {held} cells held back") } else { String::new() };
@@ -182,8 +182,8 @@ pub(super) fn box_row(case: &BoxCase, effort: Effort) -> Row {
     } = world.settle([0.0, 0.0, 0.02], effort);
     let base = world
         .scene
-        .lattice(0)
-        .zip(world.state.bodies[0].lattice.as_ref());
+        .deformable(0)
+        .zip(world.state.bodies[0].deformable.as_ref());
     let base = base.map_or(0.0, |(body, state)| body.base_reaction_n(state).z.abs());
     let error = force / case.scale / BOX_REFERENCE_N - 1.0;
     let [unscaled, ripple, base] = [force, ripple_n, base].map(|force_n| force_n / case.scale);

@@ -81,11 +81,11 @@ impl BoxCase {
             // with E where it is damped.
             cases.push(Self {
                 long: scale > 1.0,
-                ..lattice("explicit", 1)
+                ..deformable("explicit", 1)
             });
             cases.push(Self {
                 long: scale > 1.0 && scale < 1000.0,
-                ..lattice("xpbd", 10)
+                ..deformable("xpbd", 10)
             });
             cases.push(Self {
                 scale,

@@ -3,9 +3,10 @@
 //! With the greatest frequency ω and the damping time d, a substep h is stable while h² ω² + 2 h d
 //! ω² ≤ 4.
 
-use super::deformable::{Deformable, DeformableError, lanes};
 use super::implicit::{add_edges, greatest_frequency_squared};
+use super::matter::{Matter, lanes};
 use super::node_map::NodeMap;
+use super::settings::DeformableError;
 use super::state::{DeformableScratch, DeformableState};
 use palpate_geometry::math::{Lane, Vector3};
 
@@ -23,17 +24,9 @@ pub(super) struct Explicit {
 }
 
 impl Explicit {
-    /// Of a body that has no step yet.
-    pub(super) fn none() -> Self {
-        Self {
-            substeps: 0,
-            damping: Vec::new(),
-        }
-    }
-
-    pub(super) fn new(body: &Deformable, at_least: usize) -> Result<Self, DeformableError> {
-        let (dt, d) = (body.settings.dt_s, body.damping_s);
-        let squared = greatest_frequency_squared(body);
+    pub(super) fn new(matter: &Matter, at_least: usize) -> Result<Self, DeformableError> {
+        let (dt, d) = (matter.settings.dt_s, matter.damping_s);
+        let squared = greatest_frequency_squared(matter);
         let stable = (d * d + 4.0 / squared).sqrt() - d;
         let needed = (dt / (SAFETY * stable)).ceil();
         if needed.is_nan() || needed > MOST_SUBSTEPS as f64 {
@@ -43,7 +36,7 @@ impl Explicit {
             });
         }
         let damping = if d > 0.0 {
-            body.law_edges()
+            matter.law_edges()
         } else {
             Vec::new()
         };
@@ -61,31 +54,31 @@ impl Explicit {
     /// A step from `state` with the scratch's forces, into its `predicted` and `speed`.
     pub(super) fn run(
         &self,
-        body: &Deformable,
+        matter: &Matter,
         state: &DeformableState,
         scratch: &mut DeformableScratch,
     ) {
-        let h = body.settings.dt_s / self.substeps as f64;
+        let h = matter.settings.dt_s / self.substeps as f64;
         scratch.predicted.copy_from_slice(&state.positions);
         scratch.speed.copy_from_slice(&state.velocities);
         for _ in 0..self.substeps {
             for (load, force) in scratch.residual.iter_mut().zip(&scratch.forces) {
                 *load = [force.x, force.y, force.z, 0.0];
             }
-            self.add_damping(body, scratch);
+            self.add_damping(matter, scratch);
             lanes(&scratch.predicted, &mut scratch.coordinates);
-            body.add_law_forces(state, scratch);
-            for &c in &body.coordinate_of_unknown {
+            matter.add_law_forces(state, scratch);
+            for &c in &matter.coordinate_of_unknown {
                 let c = c as usize;
                 let force = Vector3::from_column_slice(&scratch.residual[c][..3]);
                 let felt = scratch.field.at(&scratch.predicted[c], &scratch.speed[c]);
-                scratch.speed[c] += (force / body.masses[c] + felt) * h;
+                scratch.speed[c] += (force / matter.masses[c] + felt) * h;
                 scratch.predicted[c] += scratch.speed[c] * h;
             }
         }
     }
 
-    fn add_damping(&self, body: &Deformable, scratch: &mut DeformableScratch) {
+    fn add_damping(&self, matter: &Matter, scratch: &mut DeformableScratch) {
         if self.damping.is_empty() {
             return;
         }
@@ -100,7 +93,7 @@ impl Explicit {
         for (lane, v) in coordinates.iter_mut().zip(speed.iter()) {
             *lane = [v.x, v.y, v.z, 0.0];
         }
-        match &body.map {
+        match &matter.map {
             NodeMap::Same => add_edges(&self.damping, coordinates, residual),
             NodeMap::Sparse(map) => {
                 map.apply(coordinates, nodes);

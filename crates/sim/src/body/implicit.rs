@@ -4,8 +4,9 @@
 //! We solve for increments, `A Δ = M (v / dt + g) + f(x)`, so that rest is rest to the last bit, an
 //! error is relative to the motion, not to the position, and equilibrium does not depend on A.
 
-use super::deformable::{Deformable, DeformableError, FIXED, lanes};
+use super::matter::{FIXED, Matter, lanes};
 use super::node_map::NodeMap;
+use super::settings::DeformableError;
 use super::state::{DeformableScratch, DeformableState};
 use palpate_geometry::math::{Cholesky, SymmetricTriplets, Vector3};
 
@@ -19,19 +20,20 @@ pub(super) struct Implicit {
 }
 
 impl Implicit {
-    pub(super) fn new(body: &Deformable, iterations: usize) -> Result<Self, DeformableError> {
-        let (dt, damping_s) = (body.settings.dt_s, body.damping_s);
-        let mut matrix = SymmetricTriplets::new(body.unknown_count());
-        for (row, &coordinate) in body.coordinate_of_unknown.iter().enumerate() {
-            matrix.add(row, row, body.masses[coordinate as usize] / (dt * dt));
+    pub(super) fn new(matter: &Matter, iterations: usize) -> Result<Self, DeformableError> {
+        let (dt, damping_s) = (matter.settings.dt_s, matter.damping_s);
+        let mut matrix = SymmetricTriplets::new(matter.unknown_count());
+        for (row, &coordinate) in matter.coordinate_of_unknown.iter().enumerate() {
+            matrix.add(row, row, matter.masses[coordinate as usize] / (dt * dt));
         }
-        let edges = body.law_edges();
+        let edges = matter.law_edges();
         let scaled: Vec<_> = edges
             .iter()
             .map(|&(a, b, k)| (a, b, k * (1.0 + damping_s / dt)))
             .collect();
-        body.map
-            .add_edges(&scaled, |c| body.unknown(c as usize), &mut matrix);
+        matter
+            .map
+            .add_edges(&scaled, |c| matter.unknown(c as usize), &mut matrix);
         let factor = Cholesky::new(&matrix)?;
         let again = iterations > 1 && damping_s > 0.0;
         let damping = if again {
@@ -58,13 +60,13 @@ impl Implicit {
     }
 
     /// A⁻¹ e of each of the given coordinates.
-    pub(super) fn columns(&self, body: &Deformable, surface: &[u32]) -> Vec<f64> {
+    pub(super) fn columns(&self, matter: &Matter, surface: &[u32]) -> Vec<f64> {
         let n = self.factor.n();
         let mut columns = Vec::with_capacity(surface.len() * n);
         for &coordinate in surface {
             let start = columns.len();
             columns.resize(start + n, 0.0);
-            columns[start + body.unknown[coordinate as usize] as usize] = 1.0;
+            columns[start + matter.unknown[coordinate as usize] as usize] = 1.0;
             self.factor.solve_one(&mut columns[start..]);
         }
         columns
@@ -73,51 +75,51 @@ impl Implicit {
     /// The first iteration, from where the body is.
     pub(super) fn predict(
         &self,
-        body: &Deformable,
+        matter: &Matter,
         state: &DeformableState,
         scratch: &mut DeformableScratch,
     ) {
         scratch.predicted.copy_from_slice(&state.positions);
-        self.correct(body, state, scratch, false);
+        self.correct(matter, state, scratch, false);
     }
 
     /// One more, from the guess in `predicted`.
     pub(super) fn again(
         &self,
-        body: &Deformable,
+        matter: &Matter,
         state: &DeformableState,
         scratch: &mut DeformableScratch,
     ) {
-        self.correct(body, state, scratch, true);
+        self.correct(matter, state, scratch, true);
     }
 
     /// Adds A⁻¹ of the residual of backward Euler, without contact, to the guess.
     fn correct(
         &self,
-        body: &Deformable,
+        matter: &Matter,
         state: &DeformableState,
         scratch: &mut DeformableScratch,
         has_moved: bool,
     ) {
-        let inverse_dt = 1.0 / body.settings.dt_s;
+        let inverse_dt = 1.0 / matter.settings.dt_s;
         for c in 0..state.positions.len() {
             let moved = scratch.predicted[c] - state.positions[c];
             let due = (state.velocities[c] - moved * inverse_dt) * inverse_dt
                 + scratch.field.at(&state.positions[c], &state.velocities[c]);
-            let load = due * body.masses[c];
+            let load = due * matter.masses[c];
             scratch.residual[c] = [load.x, load.y, load.z, 0.0];
         }
         if has_moved {
-            self.add_damping(body, state, scratch);
+            self.add_damping(matter, state, scratch);
         }
         lanes(&scratch.predicted, &mut scratch.coordinates);
-        body.add_law_forces(state, scratch);
-        for (rhs, &c) in scratch.rhs.iter_mut().zip(&body.coordinate_of_unknown) {
+        matter.add_law_forces(state, scratch);
+        for (rhs, &c) in scratch.rhs.iter_mut().zip(&matter.coordinate_of_unknown) {
             let [x, y, z, _] = scratch.residual[c as usize];
             *rhs = Vector3::new(x, y, z);
         }
         self.factor.solve(&mut scratch.rhs, &mut scratch.lanes);
-        for (moved, &c) in scratch.rhs.iter().zip(&body.coordinate_of_unknown) {
+        for (moved, &c) in scratch.rhs.iter().zip(&matter.coordinate_of_unknown) {
             scratch.predicted[c as usize] += *moved;
         }
     }
@@ -125,7 +127,7 @@ impl Implicit {
     /// −(d / dt) L (x − x_now) of the guess.
     fn add_damping(
         &self,
-        body: &Deformable,
+        matter: &Matter,
         state: &DeformableState,
         scratch: &mut DeformableScratch,
     ) {
@@ -148,7 +150,7 @@ impl Implicit {
             let moved = guess - now;
             *lane = [moved.x, moved.y, moved.z, 0.0];
         }
-        match &body.map {
+        match &matter.map {
             NodeMap::Same => add_edges(&self.damping, coordinates, residual),
             NodeMap::Sparse(map) => {
                 map.apply(coordinates, nodes);
@@ -174,12 +176,12 @@ pub(super) fn add_edges(edges: &[(u32, u32, f64)], x: &[[f64; 4]], r: &mut [[f64
 
 /// Greatest squared frequency that a body can have, 1/s²: Gershgorin's bound of M⁻¹ L over
 /// coordinates.
-pub(super) fn greatest_frequency_squared(body: &Deformable) -> f64 {
-    let mut sums = vec![0.0; body.unknown_count()];
-    let mut matrix = SymmetricTriplets::new(body.unknown_count());
-    body.map.add_edges(
-        &body.law.steepest_edges(),
-        |c| body.unknown(c as usize),
+pub(super) fn greatest_frequency_squared(matter: &Matter) -> f64 {
+    let mut sums = vec![0.0; matter.unknown_count()];
+    let mut matrix = SymmetricTriplets::new(matter.unknown_count());
+    matter.map.add_edges(
+        &matter.law.steepest_edges(),
+        |c| matter.unknown(c as usize),
         &mut matrix,
     );
     // Entries may be given in parts; their sizes then only grow the bound.
@@ -189,8 +191,8 @@ pub(super) fn greatest_frequency_squared(body: &Deformable) -> f64 {
             sums[j as usize] += value.abs();
         }
     }
-    let mass = |row: usize| body.masses[body.coordinate_of_unknown[row] as usize];
-    debug_assert!(body.unknown.iter().filter(|&&u| u != FIXED).count() == sums.len());
+    let mass = |row: usize| matter.masses[matter.coordinate_of_unknown[row] as usize];
+    debug_assert!(matter.unknown.iter().filter(|&&u| u != FIXED).count() == sums.len());
     sums.iter()
         .enumerate()
         .map(|(row, sum)| sum / mass(row))

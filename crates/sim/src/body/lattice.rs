@@ -3,10 +3,12 @@
 
 use super::cells::CellGrid;
 use super::continuum::{Continuum, Elastic};
-use super::deformable::{Blueprint, Deformable, DeformableError, StepSettings};
+use super::deformable::Deformable;
 use super::law::Law;
 use super::material::Material;
+use super::matter::Blueprint;
 use super::node_map::NodeMap;
+use super::settings::{DeformableError, StepSettings};
 use super::springs::{self, SpringRule};
 use palpate_geometry::math::Point3;
 

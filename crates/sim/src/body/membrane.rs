@@ -3,10 +3,12 @@
 
 use super::bends::Bend;
 use super::cells::CellGrid;
-use super::deformable::{Blueprint, Deformable, DeformableError, StepSettings};
+use super::deformable::Deformable;
 use super::law::Law;
 use super::material::Material;
+use super::matter::Blueprint;
 use super::node_map::NodeMap;
+use super::settings::{DeformableError, StepSettings};
 use super::sheet::Sheet;
 use super::springs::{from_quads, quad_area};
 use palpate_geometry::math::Point3;

@@ -1,6 +1,6 @@
 //! What a replay restores of a deforming body, and the buffers of its step.
 
-use super::deformable::Field;
+use super::field::Field;
 use super::spring_table::ByCoordinate;
 use palpate_geometry::math::{Lane, Point3, Rows, Vector3};
 use palpate_geometry::stateful;

@@ -3,8 +3,9 @@
 //!
 //! Kept for comparison: with a fixed number of substeps it softens silently as stiffness grows.
 
-use super::deformable::{Deformable, DeformableError};
+use super::matter::Matter;
 use super::node_map::NodeMap;
+use super::settings::DeformableError;
 use super::state::{DeformableScratch, DeformableState};
 
 /// Constants of the method.
@@ -14,13 +15,13 @@ pub(super) struct Xpbd {
 }
 
 impl Xpbd {
-    pub(super) fn new(body: &Deformable, substeps: usize) -> Result<Self, DeformableError> {
-        if !matches!(body.map, NodeMap::Same) {
+    pub(super) fn new(matter: &Matter, substeps: usize) -> Result<Self, DeformableError> {
+        if !matches!(matter.map, NodeMap::Same) {
             return Err(DeformableError::Unsupported(
                 "xpbd moves nodes themselves; reduced bodies need \"implicit\"",
             ));
         }
-        if !body.law.is_plain_springs() {
+        if !matter.law.is_plain_springs() {
             return Err(DeformableError::Unsupported(
                 "xpbd knows linear springs only; use \"implicit\" or \"explicit\"",
             ));
@@ -37,13 +38,13 @@ impl Xpbd {
     /// A step from `state` with the scratch's forces, into its `predicted` and `speed`.
     pub(super) fn run(
         &self,
-        body: &Deformable,
+        matter: &Matter,
         state: &DeformableState,
         scratch: &mut DeformableScratch,
     ) {
-        let h = body.settings.dt_s / self.substeps as f64;
-        let gamma = body.damping_s / h;
-        let rest = body.rest_lengths(state);
+        let h = matter.settings.dt_s / self.substeps as f64;
+        let gamma = matter.damping_s / h;
+        let rest = matter.rest_lengths(state);
         let DeformableScratch {
             predicted,
             speed,
@@ -55,21 +56,21 @@ impl Xpbd {
         predicted.copy_from_slice(&state.positions);
         speed.copy_from_slice(&state.velocities);
         let weight = |c: usize| {
-            if body.unknown(c).is_some() {
-                1.0 / body.masses[c]
+            if matter.unknown(c).is_some() {
+                1.0 / matter.masses[c]
             } else {
                 0.0
             }
         };
         for _ in 0..self.substeps {
-            super::deformable::lanes(predicted, before);
-            for &c in &body.coordinate_of_unknown {
+            super::matter::lanes(predicted, before);
+            for &c in &matter.coordinate_of_unknown {
                 let c = c as usize;
                 let felt = field.at(&predicted[c], &speed[c]);
-                speed[c] += (forces[c] / body.masses[c] + felt) * h;
+                speed[c] += (forces[c] / matter.masses[c] + felt) * h;
                 predicted[c] += speed[c] * h;
             }
-            for (block, place, a, b, k) in body.law.springs.each() {
+            for (block, place, a, b, k) in matter.law.springs.each() {
                 let (wa, wb) = (weight(a), weight(b));
                 let d = predicted[b] - predicted[a];
                 let length = d.norm();
@@ -88,7 +89,7 @@ impl Xpbd {
                 predicted[a] -= direction * (change * wa);
                 predicted[b] += direction * (change * wb);
             }
-            for &c in &body.coordinate_of_unknown {
+            for &c in &matter.coordinate_of_unknown {
                 let c = c as usize;
                 let [x, y, z, _] = before[c];
                 speed[c] = (predicted[c] - palpate_geometry::math::Point3::new(x, y, z)) / h;

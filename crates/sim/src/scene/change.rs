@@ -7,7 +7,7 @@
 //! The new file says all that the new scene is, so a recording that begins with the state after the
 //! change replays alone.
 
-use super::build::{SceneError, build_surface, error};
+use super::door::{Door, SceneError};
 use super::spec::{
     BodySpec, ContactSpec, FixedSpec, PoseSpec, RefineAuto, RefineSpec, SceneSpec, SurfaceSpec,
 };
@@ -80,13 +80,13 @@ impl SceneChange {
         let is_part = |body: usize| parts.contains(&body);
         let taken = (0..spec.bodies.len()).any(|b| !is_part(b) && spec.bodies[b].id == id);
         if taken || spec.tools.iter().any(|tool| tool.id == id) {
-            return Err(error(
+            return Err(SceneError::one(
                 "id",
                 format!("{id:?} is in use already; name the merged body otherwise"),
             ));
         }
         let Some(&first) = parts.first() else {
-            return Err(error("bodies", "nothing to merge"));
+            return Err(SceneError::one("bodies", "nothing to merge"));
         };
         let mut body = BodySpec {
             id: id.to_owned(),
@@ -101,7 +101,7 @@ impl SceneChange {
         }
         if !body.regions.is_empty() {
             let reason = "a part with regions of another material cannot be merged: their places are those of its frame";
-            return Err(error(format!("body[{first}].region"), reason));
+            return Err(SceneError::one(format!("body[{first}].region"), reason));
         }
         let (mut bodies, mut origins) = (Vec::new(), Vec::new());
         for (from, old) in spec.bodies.iter().enumerate() {
@@ -135,7 +135,7 @@ impl SceneChange {
     pub fn fits(&self, old: &Scene, new: &Scene) -> bool {
         let count = |scene: &Scene, body: usize| {
             scene
-                .lattice(body)
+                .deformable(body)
                 .map(|lattice| lattice.coordinate_count())
         };
         self.origins
@@ -154,8 +154,11 @@ fn pinned(scene: &Scene) -> Result<SceneSpec, SceneError> {
     let mut spec = scene.spec.clone();
     for (b, body) in spec.bodies.iter_mut().enumerate() {
         if scene.deforms(b) && body.lattice.refine == RefineSpec::Auto(RefineAuto::Auto) {
-            let coarse =
-                build_surface(&body.surface, &format!("body[{b}].surface"), Path::new(""))?;
+            let door = Door::new(Path::new(""));
+            let at = door.top().key("body").entry(b).key("surface");
+            let coarse = body.surface.surface(&at);
+            drop(at);
+            let coarse = door.close(coarse)?;
             let fine = scene.rest_surface(b);
             let [u, v] = [
                 (coarse.knots_u(), fine.knots_u()),
@@ -182,7 +185,7 @@ fn inserted((coarse, fine): (&KnotVector, &KnotVector)) -> Vec<f64> {
 fn inline(surface: &Surface) -> Result<SurfaceSpec, SceneError> {
     let text = file::write(surface, file::Unit::Metre);
     let mut document: serde_json::Value =
-        serde_json::from_str(&text).map_err(|e| error("surface", e))?;
+        serde_json::from_str(&text).map_err(|e| SceneError::one("surface", e))?;
     // TOML, as which recordings keep the scene, has no null; absent says the same.
     if let Some(fields) = document.as_object_mut() {
         fields.retain(|_, value| !value.is_null());
@@ -208,7 +211,7 @@ fn fixed_in_world(body: &BodySpec, index: usize) -> Result<Vec<FixedSpec>, Scene
         FixedSpec::Range { .. } => {
             let reason =
                 "a range of parameters says nothing on the merged surface; fix the part by a plane";
-            Err(error(format!("body[{index}].fixed[{k}]"), reason))
+            Err(SceneError::one(format!("body[{index}].fixed[{k}]"), reason))
         }
     });
     planes.collect()
@@ -256,7 +259,7 @@ impl Scene {
             let new = &mut state.bodies[body];
             if let Origin::Kept { from: old, moved } = *origin {
                 let old = &from.bodies[old];
-                if let (Some(new), Some(old)) = (&mut new.lattice, &old.lattice) {
+                if let (Some(new), Some(old)) = (&mut new.deformable, &old.deformable) {
                     new.clone_from(old);
                     if moved != Vector3::zeros() {
                         new.positions.iter_mut().for_each(|p| *p += moved);

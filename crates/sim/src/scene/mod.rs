@@ -6,20 +6,25 @@
 
 mod build;
 mod change;
-mod deforming;
+mod door;
 pub mod file;
 mod frame;
 mod layout;
+mod model;
 mod near;
+mod pairs;
 pub mod plan;
 mod refine;
 mod scratch;
-mod shapes;
+pub mod shape;
 pub mod spec;
 mod state;
+mod surface;
+mod tool;
 
-pub use build::{SceneError, default_samples_per_span, inline_files};
+pub use build::{default_samples_per_span, inline_files};
 pub use change::{Origin, SceneChange};
+pub use door::{Place, Problem, SceneError};
 use frame::FrameOf;
 pub use frame::FrameState;
 pub(crate) use near::Near;
@@ -34,7 +39,7 @@ use crate::solve::rows::Holder;
 use palpate_geometry::contact::dispatch::{Method, Party};
 use palpate_geometry::contact::{SampleGrid, ToolShape};
 use palpate_geometry::math::{Point3, Rotation};
-use palpate_geometry::surface::Surface;
+use palpate_geometry::surface::{Mesh, Surface};
 use spec::{Clock, SceneSpec};
 
 /// The constant of a simulation: built once, shared, never changed.
@@ -75,19 +80,19 @@ pub(crate) struct Body {
 #[derive(Debug)]
 pub(crate) enum BodyModel {
     Rigid,
-    Lattice(Box<LatticeBody>),
+    Deforming(Box<DeformingBody>),
 }
 
 /// A deforming body and the samples at which tools press it.
 #[derive(Debug)]
-pub(crate) struct LatticeBody {
-    pub lattice: Deformable,
+pub(crate) struct DeformingBody {
+    pub deformable: Deformable,
     pub samples: SampleGrid,
     pub sweeps: usize,
     /// The body steps once in so many ticks.
     pub every: u32,
     /// Model and method, and why this method.
-    pub choice: deforming::Choice,
+    pub choice: model::Choice,
 }
 
 /// A tool's constants.
@@ -227,6 +232,19 @@ impl Scene {
         &self.tools[tool].shape
     }
 
+    /// Name of a tool's shape, as scenes write it.
+    pub fn shape_name(&self, tool: usize) -> &'static str {
+        self.spec.tools[tool].shape.name()
+    }
+
+    /// A tool's shape as viewers draw it: triangles in the tool's frame, m, counter-clockwise seen
+    /// from outside, closed where the shape is a solid. What has no bounds is cut off at about
+    /// `view_m`, the size of the scene, which also gives a size to what has none.
+    pub fn tool_outline(&self, tool: usize, view_m: f64) -> Mesh {
+        let shape = self.spec.tools[tool].shape.shape();
+        shape.outline(&self.tools[tool].shape, view_m)
+    }
+
     /// Id of the tool or body that holds a pair.
     pub(crate) fn holder_id(&self, pair: &Pair) -> &str {
         match pair.holder {
@@ -262,26 +280,26 @@ impl Scene {
 
     /// True when the body's net can change.
     pub fn deforms(&self, body: usize) -> bool {
-        matches!(self.bodies[body].model, BodyModel::Lattice(_))
+        matches!(self.bodies[body].model, BodyModel::Deforming(_))
     }
 
     /// True when a body steps once in several ticks.
     pub fn steps_apart(&self, body: usize) -> bool {
-        matches!(&self.bodies[body].model, BodyModel::Lattice(model) if model.every > 1)
+        matches!(&self.bodies[body].model, BodyModel::Deforming(model) if model.every > 1)
     }
 
     /// Name of a body's model, as scenes write it.
     pub fn model_name(&self, body: usize) -> &'static str {
         match &self.bodies[body].model {
             BodyModel::Rigid => "rigid",
-            BodyModel::Lattice(model) => model.choice.model,
+            BodyModel::Deforming(model) => model.choice.model,
         }
     }
 
     /// The constants of a body that deforms.
-    pub fn lattice(&self, body: usize) -> Option<&Deformable> {
+    pub fn deformable(&self, body: usize) -> Option<&Deformable> {
         match &self.bodies[body].model {
-            BodyModel::Lattice(body) => Some(&body.lattice),
+            BodyModel::Deforming(body) => Some(&body.deformable),
             BodyModel::Rigid => None,
         }
     }

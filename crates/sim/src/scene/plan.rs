@@ -40,12 +40,12 @@ pub struct BodyPlan {
     pub simulated_net: [usize; 2],
     /// Of a body that deforms.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub lattice: Option<LatticePlan>,
+    pub deformable: Option<DeformingPlan>,
 }
 
 /// A deforming body of the plan.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct LatticePlan {
+pub struct DeformingPlan {
     /// Nodes that carry the law.
     pub nodes: usize,
     /// Coordinates that can move.
@@ -190,24 +190,24 @@ impl Scene {
             });
         }
         for body in &self.bodies {
-            if let BodyModel::Lattice(model) = &body.model {
-                let lattice = &model.lattice;
+            if let BodyModel::Deforming(model) = &body.model {
+                let deformable = &model.deformable;
                 stages.push(StagePlan {
                     stage: format!("deform {}", body.id),
-                    predicted_us: step_us(lattice) / f64::from(model.every),
+                    predicted_us: step_us(deformable) / f64::from(model.every),
                     measured_us: None,
                 });
                 buffers.push(BufferPlan {
                     name: format!("{} nodes", body.id),
-                    bytes: lattice.coordinate_count() * 6 * size_of::<f64>(),
+                    bytes: deformable.coordinate_count() * 6 * size_of::<f64>(),
                 });
                 buffers.push(BufferPlan {
                     name: format!("{} factor", body.id),
-                    bytes: lattice.factor_non_zeros() * 12,
+                    bytes: deformable.factor_non_zeros() * 12,
                 });
                 buffers.push(BufferPlan {
                     name: format!("{} surface compliance", body.id),
-                    bytes: lattice.compliance_bytes(),
+                    bytes: deformable.compliance_bytes(),
                 });
             }
         }
@@ -218,9 +218,10 @@ impl Scene {
             tools: self
                 .tools
                 .iter()
-                .map(|tool| ToolPlan {
+                .enumerate()
+                .map(|(t, tool)| ToolPlan {
                     id: tool.id.clone(),
-                    shape: tool.shape.name(),
+                    shape: self.shape_name(t),
                     force_max_n: tool.limits.force_max_n,
                     stiffness_n_m: finite(tool.coupling.stiffness_n_m()),
                     turning_stiffness_nm_rad: finite(tool.coupling.turning_stiffness_nm_rad()),
@@ -237,11 +238,11 @@ impl Scene {
                     body: self.bodies[pair.body].id.clone(),
                     method: match (pair.method, &self.bodies[pair.body].model) {
                         (Method::Exact, BodyModel::Rigid) => "exact",
-                        (Method::Exact, BodyModel::Lattice(_)) => {
+                        (Method::Exact, BodyModel::Deforming(_)) => {
                             "exact feet and samples, on the body's compliance"
                         }
                         (Method::Spheres(_), BodyModel::Rigid) => "spheres",
-                        (Method::Spheres(_), BodyModel::Lattice(_)) => {
+                        (Method::Spheres(_), BodyModel::Deforming(_)) => {
                             "spheres and samples, on the body's compliance"
                         }
                     },
@@ -255,23 +256,23 @@ impl Scene {
 
 fn body_plan(body: &super::Body) -> BodyPlan {
     let simulated_net = [body.surface.net().rows(), body.surface.net().columns()];
-    let (model, lattice) = match &body.model {
+    let (model, deformable) = match &body.model {
         BodyModel::Rigid => ("rigid", None),
-        BodyModel::Lattice(model) => {
-            let lattice = &model.lattice;
-            let quality = lattice.quality();
-            let (method, passes) = lattice.integration();
-            let plan = LatticePlan {
-                nodes: lattice.node_count(),
-                free_nodes: lattice.unknown_count(),
+        BodyModel::Deforming(model) => {
+            let deformable = &model.deformable;
+            let quality = deformable.quality();
+            let (method, passes) = deformable.integration();
+            let plan = DeformingPlan {
+                nodes: deformable.node_count(),
+                free_nodes: deformable.unknown_count(),
                 method,
                 passes,
                 why: model.choice.why.clone(),
                 every: model.every,
-                springs: lattice.spring_count(),
-                factor_non_zeros: lattice.factor_non_zeros(),
+                springs: deformable.spring_count(),
+                factor_non_zeros: deformable.factor_non_zeros(),
                 samples: model.samples.len(),
-                mass_kg: lattice.mass_kg(),
+                mass_kg: deformable.mass_kg(),
                 least_cell_m3: quality.least_volume_m3,
                 edge_m: quality.edge_m,
             };
@@ -283,7 +284,7 @@ fn body_plan(body: &super::Body) -> BodyPlan {
         model,
         net: body.original_net,
         simulated_net,
-        lattice,
+        deformable,
     }
 }
 
@@ -307,7 +308,7 @@ impl fmt::Display for Plan {
                 "  body {}: {}, net {r} x {s}, simulated {a} x {b}",
                 body.id, body.model
             )?;
-            if let Some(l) = &body.lattice {
+            if let Some(l) = &body.deformable {
                 writeln!(
                     f,
                     "    {} nodes ({} free), {} springs, {} factor non-zeros, {} samples, {:.4} kg, edges {:.2} to {:.2} mm",

@@ -3,18 +3,13 @@
 //! The net must resolve the contact: a ball that presses a net of coarse spans meets too much
 //! stiffness. Refinement is exact (knot insertion), so it costs nodes only.
 
-use super::build::{SceneError, error};
+use super::door::At;
 use super::layout::{distinct, layout};
-use super::spec::{BodySpec, BuilderSpec, ModelSpec, RefineAuto, RefineSpec, SceneSpec, ShapeSpec};
+use super::spec::{BodySpec, BuilderSpec, RefineAuto, RefineSpec, SceneSpec};
 use crate::body::layers::Rings;
 use palpate_geometry::basis::KnotVector;
 use palpate_geometry::math::Point3;
-use palpate_geometry::surface::{ClosestSolver, Closing, Surface, SurfaceError};
-
-/// Most nodes `refine = "auto"` makes: a tick with more does not fit a millisecond on one core.
-const NODE_BUDGET: usize = 1_900;
-/// The same for the coordinates of a net, whose matrix is nearly full.
-const NET_BUDGET: usize = 460;
+use palpate_geometry::surface::{ClosestSolver, Closing, Surface};
 
 /// Spans at the place a tool starts from are this much finer than far away. Chosen between 1 (on
 /// the teardrop a 10 mm ball pressed 1 mm meets 56 % too much force) and 6 (the spans far away grow
@@ -23,30 +18,32 @@ const GRADING: f64 = 3.0;
 /// Width of the fine zone, as a share of the domain.
 const ZONE: f64 = 0.15;
 
-/// The refined surface a scene asks for.
+/// The refined surface a scene asks for; `at` is the body, and `node_budget` the most nodes that
+/// `"auto"` makes.
 pub(super) fn refine(
     scene: &SceneSpec,
     spec: &BodySpec,
-    path: &str,
+    at: &At<'_>,
     surface: Surface,
-) -> Result<Surface, SceneError> {
-    let bad = |e: SurfaceError| error(format!("{path}.lattice.refine"), e);
+    node_budget: usize,
+) -> Option<Surface> {
+    let at = at.key("lattice").key("refine");
     // The nodes of a cube lattice must see every control point: its net is not refined unasked.
     let cube = spec.lattice.builder != BuilderSpec::Layers;
     match &spec.lattice.refine {
-        RefineSpec::Auto(RefineAuto::None) => Ok(surface),
-        RefineSpec::Auto(RefineAuto::Auto) if cube => Ok(surface),
-        RefineSpec::Counts([u, v]) => surface.refined_to(*u, *v).map_err(bad),
+        RefineSpec::Auto(RefineAuto::None) => Some(surface),
+        RefineSpec::Auto(RefineAuto::Auto) if cube => Some(surface),
+        RefineSpec::Counts([u, v]) => at.take(surface.refined_to(*u, *v)),
         RefineSpec::Knots { u, v } => {
-            let refined = surface.insert_knots_alike([u, v]).map_err(bad)?;
-            Ok(refined.with_exact_seams())
+            let refined = at.take(surface.insert_knots_alike([u, v]))?;
+            Some(refined.with_exact_seams())
         }
         RefineSpec::Auto(RefineAuto::Auto) => {
-            let counts = auto_counts(scene, spec, &surface);
+            let counts = auto_counts(scene, spec, &surface, node_budget);
             let now = distinct(&surface, &surface.topology());
             let [u, v] = graded_knots(scene, &surface, [counts[0] - now[0], counts[1] - now[1]]);
-            let refined = surface.insert_knots_alike([&u, &v]).map_err(bad)?;
-            Ok(refined.with_exact_seams())
+            let refined = at.take(surface.insert_knots_alike([&u, &v]))?;
+            Some(refined.with_exact_seams())
         }
     }
 }
@@ -57,7 +54,9 @@ fn focuses(scene: &SceneSpec, surface: &Surface) -> Vec<[f64; 2]> {
     let touching = scene
         .tools
         .iter()
-        .filter(|tool| !matches!(tool.shape, ShapeSpec::Plane { .. }));
+        .filter(|tool| tool.shape.shape().half_space().is_none())
+        // Others are reported where they stand.
+        .filter(|tool| tool.pose.position.iter().all(|x| x.is_finite()));
     touching
         .map(|tool| {
             let foot = solver.closest(surface, &Point3::from(tool.pose.position));
@@ -131,7 +130,12 @@ fn graded_knots(scene: &SceneSpec, surface: &Surface, more: [usize; 2]) -> [Vec<
 
 /// Control points wanted in u and v: three across the contact that the smallest ball makes at a
 /// tenth of its radius, but no more nodes than the budget, and never fewer than the surface has.
-fn auto_counts(scene: &SceneSpec, spec: &BodySpec, surface: &Surface) -> [usize; 2] {
+fn auto_counts(
+    scene: &SceneSpec,
+    spec: &BodySpec,
+    surface: &Surface,
+    node_budget: usize,
+) -> [usize; 2] {
     let topology = surface.topology();
     let net = surface.net();
     let (rows, columns) = (net.rows(), net.columns());
@@ -147,10 +151,10 @@ fn auto_counts(scene: &SceneSpec, spec: &BodySpec, surface: &Surface) -> [usize;
     };
     let length_u = (0..columns).map(row_length).fold(0.0, f64::max);
     let length_v = (0..rows).map(column_length).fold(0.0, f64::max);
-    let radius = scene.tools.iter().filter_map(|tool| match tool.shape {
-        ShapeSpec::Sphere { radius_m } => Some(radius_m),
-        _ => None,
-    });
+    let radius = scene
+        .tools
+        .iter()
+        .filter_map(|tool| tool.shape.shape().refines_to_radius_m());
     let radius = radius.fold(f64::INFINITY, f64::min);
     let width = if radius.is_finite() {
         2.0 * radius * 0.1_f64.sqrt()
@@ -168,18 +172,13 @@ fn auto_counts(scene: &SceneSpec, spec: &BodySpec, surface: &Surface) -> [usize;
         Some(_) => u * v * spec.lattice.layers + u,
         None => (share * (u * v) as f64) as usize * spec.lattice.layers.max(2),
     };
-    let budget = if spec.model == ModelSpec::Net {
-        NET_BUDGET
-    } else {
-        NODE_BUDGET
-    };
     let mut counts = now;
     loop {
         let spacing = [length_u / counts[0] as f64, length_v / counts[1] as f64];
         let coarser = usize::from(spacing[1] > spacing[0]);
         let mut next = counts;
         next[coarser] += 1;
-        if spacing[coarser] * 3.0 <= width || nodes(next[0], next[1]) > budget {
+        if spacing[coarser] * 3.0 <= width || nodes(next[0], next[1]) > node_budget {
             return counts;
         }
         counts = next;

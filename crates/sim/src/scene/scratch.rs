@@ -99,7 +99,7 @@ impl BodyScratch {
 
 #[derive(Debug)]
 pub(crate) struct DeformingScratch {
-    pub lattice: DeformableScratch,
+    pub deformable: DeformableScratch,
     /// Net after the next free motion.
     pub predicted_net: Vec<Point3>,
     /// What one more iteration changed of it.
@@ -123,9 +123,9 @@ impl Scene {
             .map(|body| width(&body.surface))
             .max()
             .unwrap_or(1);
-        let lattices = || (0..self.body_count()).filter_map(|body| self.lattice(body));
-        let unknowns = lattices()
-            .map(|lattice| lattice.unknown_count())
+        let deformables = || (0..self.body_count()).filter_map(|body| self.deformable(body));
+        let unknowns = deformables()
+            .map(|deformable| deformable.unknown_count())
             .max()
             .unwrap_or(0);
         let surface = self
@@ -140,8 +140,8 @@ impl Scene {
             bounds: box_of(body.surface.net().points()),
             deforming: match &body.model {
                 BodyModel::Rigid => None,
-                BodyModel::Lattice(model) => Some(DeformingScratch {
-                    lattice: model.lattice.scratch(),
+                BodyModel::Deforming(model) => Some(DeformingScratch {
+                    deformable: model.deformable.scratch(),
                     predicted_net: body.surface.net().points().to_vec(),
                     change: vec![Vector3::zeros(); body.surface.net().points().len()],
                 }),
@@ -176,8 +176,8 @@ impl Scene {
     /// Cells of a body that the last pass held back, because their tangent exceeded what the step follows.
     pub fn limited_cells(&self, body: usize, scratch: &Scratch) -> u32 {
         let deforming = scratch.bodies[body].deforming.as_ref();
-        let cells = self.lattice(body).zip(deforming);
-        cells.map_or(0, |(body, deforming)| body.limited(&deforming.lattice))
+        let cells = self.deformable(body).zip(deforming);
+        cells.map_or(0, |(body, deforming)| body.limited(&deforming.deformable))
     }
 
     /// Brings a body's buffers in line with its state: surface now, free motion of the next step
@@ -189,7 +189,7 @@ impl Scene {
         scratch: &mut Scratch,
         predicted: bool,
     ) {
-        let BodyModel::Lattice(model) = &self.bodies[body].model else {
+        let BodyModel::Deforming(model) = &self.bodies[body].model else {
             return;
         };
         let BodyScratch {
@@ -198,19 +198,22 @@ impl Scene {
             bounds,
             deforming,
         } = &mut scratch.bodies[body];
-        let (Some(deforming), Some(lattice)) = (deforming, &state.bodies[body].lattice) else {
+        let (Some(deforming), Some(deformable)) = (deforming, &state.bodies[body].deformable)
+        else {
             return;
         };
         model
-            .lattice
-            .set_field(&mut deforming.lattice, self.field(state));
+            .deformable
+            .set_field(&mut deforming.deformable, self.field(state));
         if !predicted {
-            model.lattice.predict(lattice, &mut deforming.lattice);
+            model
+                .deformable
+                .predict(deformable, &mut deforming.deformable);
         }
         for (control, point) in surface.net_mut().points_mut().iter_mut().enumerate() {
-            let node = model.lattice.coordinate_of_control(control);
-            *point = lattice.positions[node];
-            deforming.predicted_net[control] = deforming.lattice.predicted[node];
+            let node = model.deformable.coordinate_of_control(control);
+            *point = deformable.positions[node];
+            deforming.predicted_net[control] = deforming.deformable.predicted[node];
         }
         solver.net_changed();
         let (now, then) = (

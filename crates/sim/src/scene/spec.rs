@@ -5,6 +5,11 @@ use std::path::PathBuf;
 
 mod body;
 mod tool;
+pub use super::model::ModelSpec;
+pub use super::shape::{
+    Capsule, Cone, Cuboid, Cylinder, Ellipsoid, Implicit, InlineMesh, MeshSpec, MeshUnit, Plane,
+    Point, ShapeSpec, Sphere, Torus,
+};
 pub use body::*;
 pub use tool::*;
 

@@ -61,7 +61,7 @@ pub struct SceneState {
 #[derive(Clone, Debug, PartialEq)]
 pub struct BodyState {
     /// Nodes, when it deforms.
-    pub lattice: Option<DeformableState>,
+    pub deformable: Option<DeformableState>,
     /// Grows with every change of the net.
     pub revision: u64,
     /// How far the farthest control point moved in the last tick, m.
@@ -145,21 +145,21 @@ impl Scene {
     pub fn initial_state(&self) -> SceneState {
         let bodies = self.bodies.iter().map(|body| match &body.model {
             BodyModel::Rigid => BodyState {
-                lattice: None,
+                deformable: None,
                 revision: 0,
                 moved_m: 0.0,
                 phase: 0,
                 loads: Vec::new(),
             },
-            BodyModel::Lattice(model) => BodyState {
-                lattice: Some(model.lattice.rest_state()),
+            BodyModel::Deforming(model) => BodyState {
+                deformable: Some(model.deformable.rest_state()),
                 revision: 0,
                 moved_m: 0.0,
                 phase: 0,
                 loads: vec![
                     Vector3::zeros();
                     if model.every > 1 {
-                        model.lattice.coordinate_count()
+                        model.deformable.coordinate_count()
                     } else {
                         0
                     }
@@ -204,10 +204,10 @@ impl Scene {
 impl SceneState {
     /// Net of a body now, u-major, m; `out` is as long as the net of [`Scene::rest_surface`].
     pub fn copy_net(&self, scene: &Scene, body: usize, out: &mut [Point3]) {
-        match (&scene.bodies[body].model, &self.bodies[body].lattice) {
-            (BodyModel::Lattice(model), Some(lattice)) => {
+        match (&scene.bodies[body].model, &self.bodies[body].deformable) {
+            (BodyModel::Deforming(model), Some(deformable)) => {
                 for (control, point) in out.iter_mut().enumerate() {
-                    *point = lattice.positions[model.lattice.coordinate_of_control(control)];
+                    *point = deformable.positions[model.deformable.coordinate_of_control(control)];
                 }
             }
             _ => out.copy_from_slice(scene.bodies[body].surface.net().points()),
@@ -329,7 +329,7 @@ stateful!(SceneState, |this, walk| {
 
 stateful!(BodyState, |this, walk| {
     let BodyState {
-        lattice,
+        deformable,
         revision,
         moved_m,
         phase,
@@ -337,8 +337,8 @@ stateful!(BodyState, |this, walk| {
     } = this;
     walk.word(revision)?;
     walk.float(moved_m)?;
-    if let Some(lattice) = lattice {
-        walk.part(lattice)?;
+    if let Some(deformable) = deformable {
+        walk.part(deformable)?;
         if !loads.is_empty() {
             walk.coded("phase of a body's step", phase)?;
             walk.triples(loads)?;

@@ -65,8 +65,8 @@ pub(super) fn solve(scene: &Scene, state: &SceneState, scratch: &mut Scratch) {
         }
     }
     for (b, body) in scene.bodies.iter().enumerate() {
-        if let BodyModel::Lattice(model) = &body.model {
-            add_body_compliance(b, &model.lattice, whole, scratch);
+        if let BodyModel::Deforming(model) = &body.model {
+            add_body_compliance(b, &model.deformable, whole, scratch);
         }
     }
     super::cover::ease_feet(scene, scratch);
@@ -95,7 +95,7 @@ fn sweeps(scene: &Scene, state: &SceneState, count: usize) -> usize {
         (_, true) => TURNING_SWEEPS,
     };
     let of_bodies = scene.bodies.iter().filter_map(|body| match &body.model {
-        BodyModel::Lattice(model) => Some(model.sweeps),
+        BodyModel::Deforming(model) => Some(model.sweeps),
         BodyModel::Rigid => None,
     });
     let full = of_bodies.fold(rigid, usize::max);
@@ -324,7 +324,7 @@ fn share_among_rigid(scene: &Scene, state: &SceneState, scratch: &mut Scratch, t
 }
 
 /// Adds what a body's surface gives way under its rows.
-fn add_body_compliance(body: usize, lattice: &Deformable, whole: bool, scratch: &mut Scratch) {
+fn add_body_compliance(body: usize, deformable: &Deformable, whole: bool, scratch: &mut Scratch) {
     let Scratch {
         rows,
         problem,
@@ -339,13 +339,13 @@ fn add_body_compliance(body: usize, lattice: &Deformable, whole: bool, scratch: 
                 .iter()
                 .zip(weights)
                 .filter_map(|(&control, &weight)| {
-                    let coordinate = lattice.coordinate_of_control(control as usize);
-                    Some((lattice.unknown(coordinate)?, coordinate, weight))
+                    let coordinate = deformable.coordinate_of_control(control as usize);
+                    Some((deformable.unknown(coordinate)?, coordinate, weight))
                 });
             delassus.add(i, sign, moving);
         }
     }
-    delassus.respond(|coordinate| lattice.compliance_of(coordinate));
+    delassus.respond(|coordinate| deformable.compliance_of(coordinate));
     delassus.each_pair(|pair| {
         let [i, j] = pair.rows;
         let entry = pair.compliance * direction(&rows.rows[i], &rows.rows[j], whole);

@@ -49,7 +49,7 @@ pub(super) fn ease_feet(scene: &Scene, scratch: &mut Scratch) {
     let is_foot = |(_, row): &(usize, &Row)| row.id.key.is_foot();
     for (i, foot) in rows.rows.iter().enumerate().filter(is_foot) {
         let body = &scene.bodies[foot.body as usize];
-        let BodyModel::Lattice(model) = &body.model else {
+        let BodyModel::Deforming(model) = &body.model else {
             continue;
         };
         let Some(around) = model.samples.around(foot.u, foot.v) else {

@@ -23,7 +23,7 @@ pub(super) fn margin_m(radius_m: f64, size_m: f64) -> f64 {
 /// A body as rows see it, when it deforms.
 pub(super) fn view<'a>(body: &'a Body, parts: &'a BodyScratch) -> Option<DeformingView<'a>> {
     match (&body.model, &parts.deforming) {
-        (BodyModel::Lattice(model), Some(deforming)) => Some(DeformingView {
+        (BodyModel::Deforming(model), Some(deforming)) => Some(DeformingView {
             surface: &parts.surface,
             predicted: &deforming.predicted_net,
             samples: &model.samples,

@@ -6,17 +6,17 @@
 //! moves no more is at rest with its forces, however many iterations there are.
 
 use super::{balance, load};
-use crate::scene::{BodyModel, LatticeBody, Scene, SceneState, Scratch, quality};
+use crate::scene::{BodyModel, DeformingBody, Scene, SceneState, Scratch, quality};
 
 /// Runs what iterations are left after the first.
 pub(super) fn iterate(scene: &Scene, state: &SceneState, scratch: &mut Scratch) {
-    let of = |model: &LatticeBody| model.lattice.iterations();
-    let lattices = scene.bodies.iter().filter_map(|body| match &body.model {
-        BodyModel::Lattice(model) => Some(of(model)),
+    let of = |model: &DeformingBody| model.deformable.iterations();
+    let deformables = scene.bodies.iter().filter_map(|body| match &body.model {
+        BodyModel::Deforming(model) => Some(of(model)),
         BodyModel::Rigid => None,
     });
     let most = if state.quality < quality::ONE_ITERATION {
-        lattices.max().unwrap_or(1)
+        deformables.max().unwrap_or(1)
     } else {
         1
     };
@@ -28,7 +28,7 @@ pub(super) fn iterate(scene: &Scene, state: &SceneState, scratch: &mut Scratch) 
             }
         }
         for (b, body) in scene.bodies.iter().enumerate() {
-            if let BodyModel::Lattice(model) = &body.model
+            if let BodyModel::Deforming(model) = &body.model
                 && of(model) > iteration
             {
                 correct(b, model, state, scratch);
@@ -39,15 +39,18 @@ pub(super) fn iterate(scene: &Scene, state: &SceneState, scratch: &mut Scratch) 
 }
 
 /// One iteration of a body; its rows follow.
-fn correct(b: usize, model: &LatticeBody, state: &SceneState, scratch: &mut Scratch) {
+fn correct(b: usize, model: &DeformingBody, state: &SceneState, scratch: &mut Scratch) {
     let Scratch { bodies, rows, .. } = scratch;
-    let (Some(lattice), Some(deforming)) = (&state.bodies[b].lattice, &mut bodies[b].deforming)
+    let (Some(deformable), Some(deforming)) =
+        (&state.bodies[b].deformable, &mut bodies[b].deforming)
     else {
         return;
     };
-    model.lattice.iterate(lattice, &mut deforming.lattice);
+    model
+        .deformable
+        .iterate(deformable, &mut deforming.deformable);
     for (control, point) in deforming.predicted_net.iter_mut().enumerate() {
-        let next = deforming.lattice.predicted[model.lattice.coordinate_of_control(control)];
+        let next = deforming.deformable.predicted[model.deformable.coordinate_of_control(control)];
         deforming.change[control] = next - *point;
         *point = next;
     }
@@ -58,8 +61,8 @@ fn correct(b: usize, model: &LatticeBody, state: &SceneState, scratch: &mut Scra
 /// with the first.
 pub(super) fn forget(scene: &Scene, state: &SceneState, scratch: &mut Scratch) {
     for (b, body) in scene.bodies.iter().enumerate() {
-        if let BodyModel::Lattice(model) = &body.model
-            && model.lattice.iterations() > 1
+        if let BodyModel::Deforming(model) = &body.model
+            && model.deformable.iterations() > 1
         {
             scene.prepare_body(b, state, scratch, false);
         }

@@ -2,7 +2,7 @@
 //! bodies.
 
 use crate::haptics::{LinkPhase, limit};
-use crate::scene::{BodyModel, LatticeBody, Scene, SceneState, Scratch, Tool, ToolState};
+use crate::scene::{BodyModel, DeformingBody, Scene, SceneState, Scratch, Tool, ToolState};
 use crate::solve::friction::Law;
 use crate::solve::rows::{Holder, Row};
 use palpate_geometry::math::{Point3, Vector3};
@@ -112,7 +112,7 @@ pub(super) fn push_bodies(
     scene: &Scene,
     scratch: &mut Scratch,
     i: usize,
-    wanted: impl Fn(&LatticeBody) -> bool,
+    wanted: impl Fn(&DeformingBody) -> bool,
 ) {
     let Scratch {
         bodies,
@@ -131,7 +131,7 @@ pub(super) fn push_bodies(
     };
     for body in std::iter::once(row.body).chain(other) {
         let constants = &scene.bodies[body as usize];
-        let (BodyModel::Lattice(model), Some(deforming)) =
+        let (BodyModel::Deforming(model), Some(deforming)) =
             (&constants.model, &mut bodies[body as usize].deforming)
         else {
             continue;
@@ -146,10 +146,10 @@ pub(super) fn push_bodies(
             };
             let (controls, weights) = rows.weights_in(range);
             for (&control, &weight) in controls.iter().zip(weights) {
-                let node = model.lattice.coordinate_of_control(control as usize);
+                let node = model.deformable.coordinate_of_control(control as usize);
                 model
-                    .lattice
-                    .push(&mut deforming.lattice, node, force * weight);
+                    .deformable
+                    .push(&mut deforming.deformable, node, force * weight);
             }
         }
     }

@@ -6,7 +6,7 @@
 
 use crate::body::Field;
 use crate::scene::{
-    BodyModel, BodyState, DeformingScratch, LatticeBody, Pipeline, Scene, SceneState, Scratch,
+    BodyModel, BodyState, DeformingBody, DeformingScratch, Pipeline, Scene, SceneState, Scratch,
 };
 
 /// What a tick did to a body.
@@ -24,7 +24,7 @@ pub(super) fn advance(scene: &Scene, state: &mut SceneState, scratch: &mut Scrat
     scene.follow_frame(state);
     let field = scene.field(state);
     for (b, body) in scene.bodies.iter().enumerate() {
-        let BodyModel::Lattice(model) = &body.model else {
+        let BodyModel::Deforming(model) = &body.model else {
             continue;
         };
         let body_state = &mut state.bodies[b];
@@ -42,20 +42,21 @@ pub(super) fn advance(scene: &Scene, state: &mut SceneState, scratch: &mut Scrat
             body_state.moved_m = 0.0;
             continue;
         };
-        let Some(lattice) = &mut body_state.lattice else {
+        let Some(deformable) = &mut body_state.deformable else {
             continue;
         };
         // A sum is finite only if every part is.
-        let sum: f64 = lattice.positions.iter().map(|p| p.x + p.y + p.z).sum();
+        let sum: f64 = deformable.positions.iter().map(|p| p.x + p.y + p.z).sum();
         let finite = sum.is_finite();
         if !finite {
-            *lattice = model.lattice.rest_state();
+            *deformable = model.deformable.rest_state();
             sound = false;
         }
         let surface = &scratch.bodies[b].surface;
         let mut moved_squared: f64 = 0.0;
         for (control, old) in surface.net().points().iter().enumerate() {
-            let step = (lattice.positions[model.lattice.coordinate_of_control(control)] - old)
+            let step = (deformable.positions[model.deformable.coordinate_of_control(control)]
+                - old)
                 .norm_squared();
             moved_squared = if step > moved_squared {
                 step
@@ -75,8 +76,9 @@ pub(super) fn advance(scene: &Scene, state: &mut SceneState, scratch: &mut Scrat
 /// A tick in which bodies do not move: what pressed them is forgotten.
 pub(super) fn stand_still(scene: &Scene, state: &SceneState, scratch: &mut Scratch) {
     for (body, parts) in scene.bodies.iter().zip(&mut scratch.bodies) {
-        if let (BodyModel::Lattice(model), Some(deforming)) = (&body.model, &mut parts.deforming) {
-            model.lattice.drop_loads(&mut deforming.lattice);
+        if let (BodyModel::Deforming(model), Some(deforming)) = (&body.model, &mut parts.deforming)
+        {
+            model.deformable.drop_loads(&mut deforming.deformable);
         }
     }
     super::iterate::forget(scene, state, scratch);
@@ -84,24 +86,24 @@ pub(super) fn stand_still(scene: &Scene, state: &SceneState, scratch: &mut Scrat
 
 fn step(
     b: usize,
-    model: &LatticeBody,
+    model: &DeformingBody,
     field: Field,
     body: &mut BodyState,
     deforming: &mut DeformingScratch,
     pipeline: &mut Option<Box<dyn Pipeline>>,
 ) -> Stepped {
-    let Some(lattice) = &mut body.lattice else {
+    let Some(deformable) = &mut body.deformable else {
         return Stepped::Not;
     };
-    let scratch = &mut deforming.lattice;
+    let scratch = &mut deforming.deformable;
     if model.every > 1 {
         if body.phase == 0 {
-            model.lattice.take_loads(scratch, &mut body.loads);
+            model.deformable.take_loads(scratch, &mut body.loads);
             if let Some(pipeline) = pipeline {
-                pipeline.start(b, field, lattice, &scratch.predicted, &body.loads);
+                pipeline.start(b, field, deformable, &scratch.predicted, &body.loads);
             }
         } else {
-            model.lattice.drop_loads(scratch);
+            model.deformable.drop_loads(scratch);
         }
         body.phase += 1;
         if body.phase < model.every {
@@ -110,12 +112,12 @@ fn step(
         body.phase = 0;
         if pipeline
             .as_mut()
-            .is_some_and(|pipeline| pipeline.finish(b, lattice, &mut scratch.predicted))
+            .is_some_and(|pipeline| pipeline.finish(b, deformable, &mut scratch.predicted))
         {
             return Stepped::Done { predicted: true };
         }
-        model.lattice.give_loads(scratch, &body.loads);
+        model.deformable.give_loads(scratch, &body.loads);
     }
-    model.lattice.advance(lattice, scratch);
+    model.deformable.advance(deformable, scratch);
     Stepped::Done { predicted: false }
 }

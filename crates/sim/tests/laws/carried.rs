@@ -30,8 +30,8 @@ shape = {{ point = {{}} }}
 
 /// Mean displacement of the slab's coordinates from rest, m.
 fn drift(world: &World) -> Vector3 {
-    let rest = world.scene.lattice(0).unwrap().rest_state();
-    let now = &world.state.bodies[0].lattice.as_ref().unwrap().positions;
+    let rest = world.scene.deformable(0).unwrap().rest_state();
+    let now = &world.state.bodies[0].deformable.as_ref().unwrap().positions;
     let moved: Vector3 = now.iter().zip(&rest.positions).map(|(a, b)| a - b).sum();
     moved / rest.positions.len() as f64
 }
@@ -89,7 +89,7 @@ fn a_carried_body_at_rest_stays_awake_for_its_hand() {
     // Slower than a millimetre a second is still: at rest on a table this slab sleeps.
     let settings = "integrator = { sleep_m_s = 1e-3 }";
     let (mut table, mut carried) = (slab("", settings), slab("frame = \"hand\"", settings));
-    let slept = |world: &World| world.state.bodies[0].lattice.as_ref().unwrap().slept;
+    let slept = |world: &World| world.state.bodies[0].deformable.as_ref().unwrap().slept;
     for _ in 0..800 {
         // The point of the tool is out of the slab's way.
         tick(&mut table, [0.0, 0.0, 1.0], 0.0);

@@ -72,8 +72,8 @@ fn pressing_the_teardrop_meets_the_reference_within_25_percent() {
     );
 
     // At rest the base bears what the tool presses: 0.1 % in the direction of the push.
-    let lattice = world.scene.lattice(0).unwrap();
-    let base = lattice.base_reaction_n(world.state.bodies[0].lattice.as_ref().unwrap());
+    let deformable = world.scene.deformable(0).unwrap();
+    let base = deformable.base_reaction_n(world.state.bodies[0].deformable.as_ref().unwrap());
     assert!(
         (base.x.abs() / forces[3] - 1.0).abs() < 1e-3,
         "base {base}, tool {}",
@@ -184,11 +184,11 @@ fn depth_and_force_rise_together_through_a_soft_coupling() {
 #[test]
 fn nothing_moves_at_rest_to_the_last_bit() {
     let mut world = World::new(&teardrop(20e3, "[16, 17]"));
-    let rest = world.state.bodies[0].lattice.clone().unwrap();
+    let rest = world.state.bodies[0].deformable.clone().unwrap();
     for _ in 0..1_000 {
         world.at([0.06, 0.003, 0.045]);
     }
-    let now = world.state.bodies[0].lattice.clone().unwrap();
+    let now = world.state.bodies[0].deformable.clone().unwrap();
     let farthest = rest
         .positions
         .iter()
@@ -202,13 +202,13 @@ fn nothing_moves_at_rest_to_the_last_bit() {
 #[test]
 fn what_is_fixed_never_moves() {
     let (_, world, _) = press(20e3, "[16, 17]");
-    let lattice = world.scene.lattice(0).unwrap();
+    let deformable = world.scene.deformable(0).unwrap();
     let (rest, now) = (
-        lattice.rest_state(),
-        world.state.bodies[0].lattice.as_ref().unwrap(),
+        deformable.rest_state(),
+        world.state.bodies[0].deformable.as_ref().unwrap(),
     );
-    let fixed: Vec<usize> = (0..lattice.coordinate_count())
-        .filter(|&node| lattice.unknown(node).is_none())
+    let fixed: Vec<usize> = (0..deformable.coordinate_count())
+        .filter(|&node| deformable.unknown(node).is_none())
         .collect();
     assert!(fixed.len() > 50);
     assert!(

@@ -1,17 +1,13 @@
 //! What is wrong with the deforming part of a scene is told where it is, before the first tick.
 
-use palpate_sim::scene::{Scene, file};
+use palpate_sim::scene::file;
 use std::path::Path;
 
 /// Why a scene is refused.
 fn refusal(text: &str) -> String {
-    match file::parse(text, "s.toml", Path::new(".")) {
-        Err(problems) => problems.to_string(),
-        Ok(loaded) => match Scene::build(&loaded.spec, Path::new(".")) {
-            Err(error) => error.to_string(),
-            Ok(_) => String::new(),
-        },
-    }
+    file::parse(text, "s.toml", Path::new("."))
+        .and_then(|loaded| loaded.build())
+        .map_or_else(|error| error.to_string(), |_| String::new())
 }
 
 /// A slab with these lines below line 7.
@@ -30,7 +26,7 @@ fn a_value_out_of_range_is_told_with_its_line() {
     let cases = [
         (
             "material = { preset = \"jely\" }",
-            "8:14: \"jely\" is no material; did you mean \"jelly\"?",
+            "8:14: \"jely\" is not a material; did you mean \"jelly\"?",
         ),
         (
             "material = { poisson = 0.5 }",
@@ -110,11 +106,11 @@ fn a_value_out_of_range_is_told_with_its_line() {
         ),
         (
             "fixed = [{ u = [0.5, 0.1], v = [0.0, 1.0] }]",
-            "8:1: u = [0.5, 0.1], v = [0.0, 1.0] is no range",
+            "8:10: u = [0.5, 0.1], v = [0.0, 1.0] is not a range",
         ),
         (
             "fixed = [{ u = [nan, 0.1], v = [0.0, 1.0] }]",
-            "8:1: u = [NaN, 0.1]",
+            "8:10: u = [NaN, 0.1]",
         ),
         (
             "fixed = [{ point = [0.0, 0.0, 0.0], normal = [0.0, 0.0, 0.0] }]",
@@ -157,7 +153,7 @@ fn a_value_out_of_range_is_told_with_its_line() {
     );
 }
 
-// What only shows when a body is built names the key.
+// What only shows when a body is built stands at its key too, or at the table that lacks it.
 #[test]
 fn what_does_not_go_together_is_told_with_its_key() {
     let plastic = "material = { plastic = { yield_strain = 0.1, rate_per_s = 1.0 } }\n";
@@ -236,10 +232,50 @@ fn what_does_not_go_together_is_told_with_its_key() {
         ),
     ];
     for (text, key, why) in cases {
-        let told = refusal(&text);
+        let error = file::parse(&text, "s.toml", Path::new("."))
+            .unwrap()
+            .build()
+            .unwrap_err();
+        let found = error
+            .problems
+            .iter()
+            .find(|problem| problem.path == key && problem.reason.contains(why));
+        let Some(place) = found.and_then(|problem| problem.place.as_ref()) else {
+            panic!("{text}\ngives\n{error}\nnot {key}: {why}");
+        };
+        // The key is written in this line, or the body does not write it at all.
+        let last = key.rsplit('.').next().unwrap().split('[').next().unwrap();
+        let line = text.lines().nth(place.line - 1).unwrap();
         assert!(
-            told.contains(key) && told.contains(why),
-            "{text}\ngives\n{told}\nnot {key}: {why}"
+            line.contains(last)
+                || line == "[[body]]"
+                || key.starts_with("body[0].lattice.") && line.contains("lattice"),
+            "{key} at line {}: {line}",
+            place.line
         );
+    }
+}
+
+// Problems of values and problems that only building finds come together, in order of lines.
+#[test]
+fn every_problem_of_a_scene_is_listed_at_once() {
+    let text = "[[body]]\nid = \"slab\"\nsurface = { builtin = \"sheet\", net = [5, 5], size = 0.1 }\nmodel = \"membrane\"\n\n\
+                [[body]]\nid = \"solid\"\nsurface = { builtin = \"sheet\", net = [5, 5], size = 0.1 }\nmodel = \"continuum\"\n\
+                lattice = { thickness_m = 0.02, layers = 2, refine = \"none\" }\nintegrator = { method = \"xpbd\" }\n\n\
+                [[tool]]\nid = \"ball\"\nshape = { cone = { half_angle_rad = 2.0, height_m = -1.0 } }\ngrip = { force_max_n = -1.0 }\n\n\
+                [[tool]]\nid = \"pen\"\nshape = { implicit = { f = \"x +\" } }\n";
+    let told = refusal(text);
+    let starts = [
+        "s.toml:1:1: a membrane needs a thickness",
+        "s.toml:11:1: xpbd knows linear springs only",
+        "s.toml:15:20: half_angle_rad is 2; it must be between 0 and",
+        "s.toml:15:42: height_m is -1; it must be a length",
+        "s.toml:16:10: the grip's force_max_n is -1",
+        "s.toml:20:24: ",
+    ];
+    let lines: Vec<&str> = told.lines().collect();
+    assert_eq!(lines.len(), starts.len(), "{told}");
+    for (line, start) in lines.iter().zip(starts) {
+        assert!(line.starts_with(start), "{line}\nnot\n{start}");
     }
 }

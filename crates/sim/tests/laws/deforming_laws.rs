@@ -30,13 +30,13 @@ fn slab(model: &str, lattice: &str, more: &str) -> String {
 const PLAIN: &str = "layers = 4, refine = \"none\"";
 
 fn body(world: &World, b: usize) -> &DeformableState {
-    world.state.bodies[b].lattice.as_ref().unwrap()
+    world.state.bodies[b].deformable.as_ref().unwrap()
 }
 
 fn base_n(world: &World, b: usize) -> Vector3 {
     world
         .scene
-        .lattice(b)
+        .deformable(b)
         .unwrap()
         .base_reaction_n(body(world, b))
 }
@@ -448,7 +448,13 @@ fn a_restored_state_goes_on_with_the_same_bits() {
     };
     let mut sleeper = World::new(&slab("lattice", PLAIN, ""));
     (0..300).for_each(|k| late(&mut sleeper, k));
-    assert!(sleeper.scene.lattice(0).unwrap().asleep(body(&sleeper, 0)));
+    assert!(
+        sleeper
+            .scene
+            .deformable(0)
+            .unwrap()
+            .asleep(body(&sleeper, 0))
+    );
     goes_on("sleep", &slab("lattice", PLAIN, ""), 300, late);
     // 301 and 302 lie within a step of three ticks.
     for at in [300, 301, 302] {

@@ -318,8 +318,8 @@ fn a_slide_at_a_metre_a_second_over_a_soft_body_stays_calm() {
             let out = world.at([0.0248, 0.003, 0.045 + up]);
             let tool = &out.tools[0];
             assert!(tool.force_n.iter().all(|x| x.is_finite()) && out.fault.is_none());
-            let lattice = world.state.bodies[0].lattice.as_ref().unwrap();
-            most_energy = most_energy.max(world.scene.lattice(0).unwrap().energy_j(lattice));
+            let deformable = world.state.bodies[0].deformable.as_ref().unwrap();
+            most_energy = most_energy.max(world.scene.deformable(0).unwrap().energy_j(deformable));
             most_force = most_force.max(tool.force_n.norm());
             pressed += usize::from(tool.force_n.x > 0.02);
             for contact in out.contacts.list() {
@@ -355,8 +355,12 @@ fn at_rest_the_base_bears_what_the_hand_feels() {
     for _ in 0..6_000 {
         force = world.at([0.0238, 0.003, 0.047]).tools[0].force_n;
     }
-    let lattice = world.state.bodies[0].lattice.as_ref().unwrap();
-    let reaction = world.scene.lattice(0).unwrap().base_reaction_n(lattice);
+    let deformable = world.state.bodies[0].deformable.as_ref().unwrap();
+    let reaction = world
+        .scene
+        .deformable(0)
+        .unwrap()
+        .base_reaction_n(deformable);
     assert!(force.z < -0.02, "nothing drags: {force}");
     // Springs pull on the base as the hand is pushed back on.
     let off = (reaction + force).norm().min((reaction - force).norm());
@@ -379,7 +383,7 @@ fn two_tools_squeeze_and_lift_a_soft_body() {
         .replace("[0.06,", "[-0.06,");
     let floor = "[gravity]\nacceleration = [0.0, 0.0, -9.81]\n";
     let mut world = World::new(&format!("{floor}{text}{second}"));
-    let mass = world.scene.lattice(0).unwrap().mass_kg();
+    let mass = world.scene.deformable(0).unwrap().mass_kg();
     let places = |distance: f64, z: f64, turn: f64| {
         let (c, s) = (libm::cos(turn), libm::sin(turn));
         [
@@ -392,7 +396,7 @@ fn two_tools_squeeze_and_lift_a_soft_body() {
         world.all(&places(distance, 0.045, 0.0));
     }
     let middle = |world: &World| {
-        let positions = &world.state.bodies[0].lattice.as_ref().unwrap().positions;
+        let positions = &world.state.bodies[0].deformable.as_ref().unwrap().positions;
         positions
             .iter()
             .fold(Vector3::zeros(), |sum, p| sum + p.coords)

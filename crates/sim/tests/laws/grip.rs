@@ -77,8 +77,12 @@ fn a_grabbed_soft_body_is_pulled_out_and_springs_back_when_let_go() {
         farthest(&world) > before + 2e-3,
         "the surface did not come along"
     );
-    let lattice = world.state.bodies[0].lattice.as_ref().unwrap();
-    let reaction = world.scene.lattice(0).unwrap().base_reaction_n(lattice);
+    let deformable = world.state.bodies[0].deformable.as_ref().unwrap();
+    let reaction = world
+        .scene
+        .deformable(0)
+        .unwrap()
+        .base_reaction_n(deformable);
     let off = (reaction + out.force_n).norm();
     assert!(
         off < 1e-6 * out.force_n.norm(),
@@ -266,8 +270,8 @@ fn a_shaken_grip_stays_calm_and_within_its_force() {
             gripped <= 0.3 * (1.0 + 1e-9),
             "tick {k}: {gripped} N in the grip"
         );
-        let lattice = world.state.bodies[0].lattice.as_ref().unwrap();
-        energy = energy.max(world.scene.lattice(0).unwrap().energy_j(lattice));
+        let deformable = world.state.bodies[0].deformable.as_ref().unwrap();
+        energy = energy.max(world.scene.deformable(0).unwrap().energy_j(deformable));
     }
     assert!(held > 3_000, "held for {held} ticks");
     assert!(energy < 0.5 * 1000.0 * 0.01 * 0.01, "{energy} J");

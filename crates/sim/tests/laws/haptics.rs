@@ -218,9 +218,9 @@ fn the_body_feels_the_opposite_of_what_the_hand_feels() {
                  device = {{ force_max_n = 0.02, ramp_s = 0.0 }}\n{friction}"
             );
             let mut world = World::new(&text);
-            let masses = world.scene.lattice(0).unwrap().masses().to_vec();
+            let masses = world.scene.deformable(0).unwrap().masses().to_vec();
             let momentum = |world: &World| -> Vector3 {
-                let body = world.state.bodies[0].lattice.as_ref().unwrap();
+                let body = world.state.bodies[0].deformable.as_ref().unwrap();
                 body.velocities
                     .iter()
                     .zip(&masses)
@@ -272,11 +272,11 @@ fn work_of_the_hand_is_stored_and_comes_back() {
     for k in 0..=ticks {
         tool = world.at(at(f64::from(k) / f64::from(ticks))).tools[0];
     }
-    let body = world.state.bodies[0].lattice.as_ref().unwrap();
+    let body = world.state.bodies[0].deformable.as_ref().unwrap();
     let in_coupling = 0.5 * tool.contact_force_n.norm_squared() / 300.0;
     let (put_in, whole) = (
         tool.energy_j,
-        world.scene.lattice(0).unwrap().energy_j(body) + in_coupling,
+        world.scene.deformable(0).unwrap().energy_j(body) + in_coupling,
     );
     assert!(tool.force_n.norm() > 0.3, "{}", tool.force_n);
     for k in (0..=ticks).rev() {

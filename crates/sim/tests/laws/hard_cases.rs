@@ -75,22 +75,22 @@ device = {{ force_max_n = 1e9, ramp_s = 0.0, speed_max_m_s = 1e6 }}
 }
 
 fn body(world: &World) -> &DeformableState {
-    world.state.bodies[0].lattice.as_ref().unwrap()
+    world.state.bodies[0].deformable.as_ref().unwrap()
 }
 
 fn body_mut(world: &mut World) -> &mut DeformableState {
-    world.state.bodies[0].lattice.as_mut().unwrap()
+    world.state.bodies[0].deformable.as_mut().unwrap()
 }
 
 /// Energy of the body, J, and that it is a number.
 fn energy(world: &World) -> f64 {
-    let energy = world.scene.lattice(0).unwrap().energy_j(body(world));
+    let energy = world.scene.deformable(0).unwrap().energy_j(body(world));
     assert!(energy.is_finite(), "the energy is {energy}");
     energy
 }
 
 fn farthest_from_rest(world: &World) -> f64 {
-    let rest = world.scene.lattice(0).unwrap().rest_state();
+    let rest = world.scene.deformable(0).unwrap().rest_state();
     let away = rest
         .positions
         .iter()
@@ -132,7 +132,7 @@ fn press(world: &mut World, radius_m: f64, depth_m: f64, ticks: usize) -> f64 {
 fn assert_base_bears(world: &World, force_n: f64, share: f64) {
     let base = world
         .scene
-        .lattice(0)
+        .deformable(0)
         .unwrap()
         .base_reaction_n(body(world))
         .z;
@@ -262,7 +262,7 @@ fn collapsed_and_coincident_nodes_recover() {
         }
         .world();
         let free: Vec<usize> = (0..body(&world).positions.len())
-            .filter(|&k| world.scene.lattice(0).unwrap().unknown(k).is_some())
+            .filter(|&k| world.scene.deformable(0).unwrap().unknown(k).is_some())
             .collect();
         // A quarter of the free nodes in one place, with no length between them.
         let place = body(&world).positions[free[0]];
@@ -292,9 +292,9 @@ fn scrambled_and_inverted_cells_come_back() {
     }
     .world();
     let mut random = Random(17);
-    let lattice = world.scene.lattice(0).unwrap();
-    let free: Vec<usize> = (0..lattice.coordinate_count())
-        .filter(|&k| lattice.unknown(k).is_some())
+    let deformable = world.scene.deformable(0).unwrap();
+    let free: Vec<usize> = (0..deformable.coordinate_count())
+        .filter(|&k| deformable.unknown(k).is_some())
         .collect();
     for &node in &free {
         // Twice the size of the body, all mixed.
@@ -655,12 +655,12 @@ fn jelly_under_its_own_weight() {
     }
     assert!(jitter < 1e-9, "at rest it moves by {jitter} m");
     // The base bears the weight.
-    let lattice = world.scene.lattice(0).unwrap();
-    let free: f64 = (0..lattice.coordinate_count())
-        .filter(|&k| lattice.unknown(k).is_some())
-        .map(|k| lattice.masses()[k])
+    let deformable = world.scene.deformable(0).unwrap();
+    let free: f64 = (0..deformable.coordinate_count())
+        .filter(|&k| deformable.unknown(k).is_some())
+        .map(|k| deformable.masses()[k])
         .sum();
-    let base = lattice.base_reaction_n(body(&world)).z;
+    let base = deformable.base_reaction_n(body(&world)).z;
     assert!(
         (base.abs() / (free * 9.81) - 1.0).abs() < 1e-3,
         "base {base} N, weight {} N",
@@ -753,9 +753,9 @@ fn a_hundred_bodies() {
         .filter(|&b| {
             world
                 .scene
-                .lattice(b)
+                .deformable(b)
                 .unwrap()
-                .asleep(world.state.bodies[b].lattice.as_ref().unwrap())
+                .asleep(world.state.bodies[b].deformable.as_ref().unwrap())
         })
         .count();
     assert!(asleep >= 98, "{asleep} of 100 sleep");

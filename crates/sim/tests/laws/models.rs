@@ -46,7 +46,7 @@ fixed = [{{ point = [0.0, 0.0, 0.015], normal = [0.0, 0.0, 1.0] }}]
 }
 
 fn body(world: &World) -> &DeformableState {
-    world.state.bodies[0].lattice.as_ref().unwrap()
+    world.state.bodies[0].deformable.as_ref().unwrap()
 }
 
 /// How far the middle of the slab's surface is below where it was. Control points move farther than
@@ -62,7 +62,7 @@ fn dent_m(world: &World) -> f64 {
 fn base_n(world: &World) -> f64 {
     world
         .scene
-        .lattice(0)
+        .deformable(0)
         .unwrap()
         .base_reaction_n(body(world))
         .norm()
@@ -121,7 +121,7 @@ fn the_automatic_method_says_why() {
             format!("integrator = {{ method = \"auto\" }}\nmaterial = {{ young_pa = {young:?} }}");
         let world = World::new(&slab("lattice", &more));
         let plan = world.scene.plan();
-        let lattice = plan.bodies[0].lattice.as_ref().unwrap();
+        let lattice = plan.bodies[0].deformable.as_ref().unwrap();
         assert_eq!(lattice.method, method, "{}", lattice.why);
         assert!(lattice.why.contains(why), "{}", lattice.why);
     }
@@ -137,7 +137,7 @@ fn the_automatic_method_counts_the_cells_of_a_continuum() {
         );
         let world = World::new(&slab("continuum", &more));
         let plan = world.scene.plan();
-        let lattice = plan.bodies[0].lattice.as_ref().unwrap();
+        let lattice = plan.bodies[0].deformable.as_ref().unwrap();
         // "…: N explicit substeps would take X us, implicit Y us".
         let numbers: Vec<f64> = lattice
             .why
@@ -206,7 +206,7 @@ fn reduced_and_riding_bodies_carry_what_presses_them() {
 fn nodes_and_coordinates_agree_on_work() {
     let text = drop("net", "layers = 2, refine = [12, 13]", "");
     let world = World::new(&text);
-    let lattice = world.scene.lattice(0).unwrap();
+    let lattice = world.scene.deformable(0).unwrap();
     let mut state = lattice.rest_state();
     for (k, p) in state.positions.iter_mut().enumerate() {
         *p += Vector3::new(
@@ -253,9 +253,9 @@ fn a_free_body_keeps_its_momentum_and_loses_energy() {
                 "",
             );
             let mut world = World::new(&text);
-            let masses = world.scene.lattice(0).unwrap().masses().to_vec();
+            let masses = world.scene.deformable(0).unwrap().masses().to_vec();
             for (k, v) in world.state.bodies[0]
-                .lattice
+                .deformable
                 .as_mut()
                 .unwrap()
                 .velocities
@@ -279,7 +279,7 @@ fn a_free_body_keeps_its_momentum_and_loses_energy() {
             };
             let before = momentum(&world);
             let lattice_energy =
-                |world: &World| world.scene.lattice(0).unwrap().energy_j(body(world));
+                |world: &World| world.scene.deformable(0).unwrap().energy_j(body(world));
             let (first, mut energy) = (lattice_energy(&world), f64::INFINITY);
             for _ in 0..500 {
                 world.at([0.0, 0.0, 10.0]);
@@ -334,7 +334,7 @@ fixed = [{{ u = [0.0, 0.06], v = [0.0, 1.0] }}]
         .map(|p| -p.z)
         .fold(0.0, f64::max);
     // Clamped are the control points up to the last one within the range.
-    let clamped = world.scene.lattice(0).unwrap();
+    let clamped = world.scene.deformable(0).unwrap();
     let free = (0..clamped.coordinate_count()).filter(|&k| clamped.unknown(k).is_none());
     let held = free
         .map(|k| clamped.rest_state().positions[k].x + 0.5 * side)
@@ -438,7 +438,7 @@ fn a_stiff_nodule_is_felt() {
 fn an_untouched_body_sleeps_and_a_touch_wakes_it() {
     let mut world = World::new(&slab("lattice", ""));
     let mut never = World::new(&slab("lattice", "integrator = { sleep_m_s = 0.0 }"));
-    let asleep = |world: &World| world.scene.lattice(0).unwrap().asleep(body(world));
+    let asleep = |world: &World| world.scene.deformable(0).unwrap().asleep(body(world));
     for _ in 0..300 {
         world.at([0.0, 0.0, 0.05]);
         never.at([0.0, 0.0, 0.05]);
@@ -457,7 +457,7 @@ fn an_untouched_body_sleeps_and_a_touch_wakes_it() {
         world.at([0.0, 0.0, 0.05]);
     }
     assert!(asleep(&world));
-    let rest = world.scene.lattice(0).unwrap().rest_state();
+    let rest = world.scene.deformable(0).unwrap().rest_state();
     let away = body(&world)
         .positions
         .iter()

@@ -475,9 +475,11 @@ fn a_refined_vessel_keeps_its_joints() {
 fn solids_and_spheres_are_refused_with_what_to_use_instead() {
     let build = |text: &str| {
         let loaded = file::parse(text, "test.toml", Path::new(".")).unwrap();
-        Scene::build(&loaded.spec, Path::new("."))
+        let error = Scene::build(&loaded.spec, Path::new("."))
             .map(|_| ())
-            .unwrap_err()
+            .unwrap_err();
+        assert_eq!(error.problems.len(), 1, "{error}");
+        error.problems[0].clone()
     };
     for model in ["lattice", "continuum", "net"] {
         let error = build(&vessel("").replace("\"membrane\"", &format!("\"{model}\"")));

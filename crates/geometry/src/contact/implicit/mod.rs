@@ -4,11 +4,13 @@
 //! expression   text ──▶ tape
 //! tape         value, gradient, range over a box
 //! shape        quadrics, torus, box and expressions; depth of a point along the gradient
+//! outline      triangles around the solid, for pictures
 //! solver       contacts with a surface: prune by ranges, sample, climb
 //! ```
 
 mod expression;
 mod interval;
+mod outline;
 mod shape;
 mod solver;
 mod tape;

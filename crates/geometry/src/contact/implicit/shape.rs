@@ -69,88 +69,114 @@ pub enum ImplicitError {
     Expression(#[from] ExpressionError),
 }
 
+/// Lengths outside of this range are refused, m: squares of them must stay numbers too.
+const LENGTHS_M: std::ops::RangeInclusive<f64> = 1e-9..=1e9;
+
+impl ImplicitError {
+    /// Checks a length of a shape; `name` is the key that gives it.
+    ///
+    /// # Errors
+    /// A length outside of 1e-9 to 1e9 m.
+    pub fn check_length(name: &'static str, value: f64) -> Result<(), Self> {
+        if LENGTHS_M.contains(&value) {
+            return Ok(());
+        }
+        Err(Self::Size {
+            name,
+            value,
+            allowed: "a length from 1e-9 to 1e9 m",
+        })
+    }
+}
+
 impl ImplicitShape {
+    /// Every size that is out of range; `text` and `compile` answer with the first.
+    pub fn wrong_sizes(&self) -> Vec<ImplicitError> {
+        let mut wrong = Vec::new();
+        let mut length =
+            |name, value: f64| wrong.extend(ImplicitError::check_length(name, value).err());
+        match self {
+            Self::Sphere { radius_m } => length("radius_m", *radius_m),
+            Self::Cylinder {
+                radius_m,
+                half_length_m,
+            } => {
+                length("radius_m", *radius_m);
+                half_length_m
+                    .iter()
+                    .for_each(|&half| length("half_length_m", half));
+            }
+            Self::Cone {
+                half_angle_rad: angle,
+                height_m,
+            } => {
+                length("height_m", *height_m);
+                if !(*angle > 1e-6 && *angle < std::f64::consts::FRAC_PI_2 - 1e-6) {
+                    wrong.push(ImplicitError::Size {
+                        name: "half_angle_rad",
+                        value: *angle,
+                        allowed: "between 0 and π/2 rad",
+                    });
+                }
+            }
+            Self::Ellipsoid { semi_axes_m } => semi_axes_m
+                .iter()
+                .for_each(|&axis| length("semi_axes_m", axis)),
+            Self::Torus {
+                major_radius_m,
+                minor_radius_m,
+            } => {
+                length("major_radius_m", *major_radius_m);
+                length("minor_radius_m", *minor_radius_m);
+            }
+            Self::Box { half_extents_m } => half_extents_m
+                .iter()
+                .for_each(|&half| length("half_extents_m", half)),
+            Self::Expression { .. } => {}
+        }
+        wrong
+    }
+
     /// The function as text; it is compiled like any other.
     ///
     /// # Errors
     /// A size that is not positive and finite.
     pub fn text(&self) -> Result<String, ImplicitError> {
-        let length = |name: &'static str, value: f64| {
-            // Squares of it must stay numbers too.
-            let good = (1e-9..=1e9).contains(&value);
-            good.then_some(value).ok_or(ImplicitError::Size {
-                name,
-                value,
-                allowed: "a length from 1e-9 to 1e9 m",
-            })
-        };
+        if let Some(error) = self.wrong_sizes().into_iter().next() {
+            return Err(error);
+        }
         Ok(match self {
-            Self::Sphere { radius_m } => {
-                format!("sqrt(x^2 + y^2 + z^2) - {:e}", length("radius", *radius_m)?)
-            }
+            Self::Sphere { radius_m } => format!("sqrt(x^2 + y^2 + z^2) - {radius_m:e}"),
             Self::Cylinder {
                 radius_m,
                 half_length_m,
             } => {
-                let side = format!("hypot(x, y) - {:e}", length("radius", *radius_m)?);
+                let side = format!("hypot(x, y) - {radius_m:e}");
                 match half_length_m {
                     None => side,
-                    Some(half) => {
-                        format!("max({side}, abs(z) - {:e})", length("half length", *half)?)
-                    }
+                    Some(half) => format!("max({side}, abs(z) - {half:e})"),
                 }
             }
             Self::Cone {
-                half_angle_rad,
-                height_m,
+                half_angle_rad: angle,
+                height_m: h,
             } => {
-                let angle = *half_angle_rad;
-                if !(angle > 1e-6 && angle < std::f64::consts::FRAC_PI_2 - 1e-6) {
-                    let (name, allowed) = ("half angle", "between 0 and π/2 rad");
-                    return Err(ImplicitError::Size {
-                        name,
-                        value: angle,
-                        allowed,
-                    });
-                }
-                let (c, s, h) = (
-                    libm::cos(angle),
-                    libm::sin(angle),
-                    length("height", *height_m)?,
-                );
+                let (c, s) = (libm::cos(*angle), libm::sin(*angle));
                 format!("max(hypot(x, y) * {c:e} - z * {s:e}, z - {h:e})")
             }
             Self::Ellipsoid {
                 semi_axes_m: [a, b, c],
             } => {
-                let [a, b, c] = [
-                    length("semi-axis", *a)?,
-                    length("semi-axis", *b)?,
-                    length("semi-axis", *c)?,
-                ];
-                let least = a.min(b).min(c);
+                let least = a.min(*b).min(*c);
                 format!("{least:e} * (sqrt((x / {a:e})^2 + (y / {b:e})^2 + (z / {c:e})^2) - 1)")
             }
             Self::Torus {
-                major_radius_m,
-                minor_radius_m,
-            } => {
-                let (big, small) = (
-                    length("major radius", *major_radius_m)?,
-                    length("minor radius", *minor_radius_m)?,
-                );
-                format!("hypot(hypot(x, y) - {big:e}, z) - {small:e}")
-            }
+                major_radius_m: big,
+                minor_radius_m: small,
+            } => format!("hypot(hypot(x, y) - {big:e}, z) - {small:e}"),
             Self::Box {
                 half_extents_m: [a, b, c],
-            } => {
-                let [a, b, c] = [
-                    length("half extent", *a)?,
-                    length("half extent", *b)?,
-                    length("half extent", *c)?,
-                ];
-                format!("max(abs(x) - {a:e}, abs(y) - {b:e}, abs(z) - {c:e})")
-            }
+            } => format!("max(abs(x) - {a:e}, abs(y) - {b:e}, abs(z) - {c:e})"),
             Self::Expression { text } => text.clone(),
         })
     }

@@ -121,6 +121,11 @@ impl MeshTool {
         &self.vertices
     }
 
+    /// Triangles over [`MeshTool::vertices`], counter-clockwise seen from outside.
+    pub fn triangles(&self) -> &[[u32; 3]] {
+        self.triangles.indices()
+    }
+
     /// Signed distance of a point of the tool's frame to the mesh, m, negative inside, and the unit
     /// way out of the mesh there. A point that is not finite is infinitely far.
     pub fn signed_distance(&self, p: &Point3) -> (f64, Vector3) {

@@ -42,6 +42,11 @@ impl Triangles {
         Ok(Self(mesh))
     }
 
+    /// Corners of each triangle.
+    pub fn indices(&self) -> &[[u32; 3]] {
+        self.0.indices()
+    }
+
     /// Signed distance and way out; closer than `near_m` the way is the triangle's normal.
     pub fn signed_distance(&self, p: &Point3, near_m: f64) -> (f64, Vector3) {
         if !p.iter().all(|x| x.is_finite()) {

@@ -15,13 +15,14 @@ impl Deformable {
     ) -> &'a [Lane] {
         lanes(&state.positions, &mut scratch.coordinates);
         scratch.residual.fill([0.0; 4]);
-        self.add_law_forces(state, scratch);
+        self.matter.add_law_forces(state, scratch);
         &scratch.residual
     }
 
     /// Kinetic plus elastic energy, J.
     pub fn energy_j(&self, state: &DeformableState) -> f64 {
         let kinetic: f64 = self
+            .matter
             .masses
             .iter()
             .zip(&state.velocities)
@@ -32,14 +33,18 @@ impl Deformable {
             .iter()
             .map(|p| [p.x, p.y, p.z, 0.0])
             .collect();
-        kinetic + self.law.energy_j(self.rest_lengths(state), &places)
+        kinetic
+            + self
+                .matter
+                .law
+                .energy_j(self.matter.rest_lengths(state), &places)
     }
 
     /// Sum of the law's forces on the fixed coordinates, N: the reaction of the base.
     pub fn base_reaction_n(&self, state: &DeformableState) -> Vector3 {
         let mut scratch = self.scratch();
         let forces = self.internal_forces(state, &mut scratch);
-        let fixed = (0..self.rest.len()).filter(|&c| self.unknown[c] == FIXED);
+        let fixed = (0..self.matter.rest.len()).filter(|&c| self.matter.unknown[c] == FIXED);
         fixed
             .map(|c| Vector3::from_column_slice(&forces[c][..3]))
             .sum()
@@ -47,30 +52,31 @@ impl Deformable {
 
     /// Nodes of coordinates.
     pub fn nodes(&self, coordinates: &[Point3]) -> Vec<Point3> {
-        self.map.nodes(coordinates)
+        self.matter.map.nodes(coordinates)
     }
 
     /// Number of coordinates.
     pub fn coordinate_count(&self) -> usize {
-        self.rest.len()
+        self.matter.rest.len()
     }
 
     /// Nodes that carry the law.
     pub fn node_count(&self) -> usize {
-        match &self.map {
-            NodeMap::Same => self.rest.len(),
+        match &self.matter.map {
+            NodeMap::Same => self.matter.rest.len(),
             NodeMap::Sparse(map) => map.rows(),
         }
     }
 
     /// Coordinates that can move.
     pub fn unknown_count(&self) -> usize {
-        self.coordinate_of_unknown.len()
+        self.matter.unknown_count()
     }
 
     /// Cells with a continuum energy.
     pub fn cell_count(&self) -> usize {
-        self.law
+        self.matter
+            .law
             .continuum
             .as_ref()
             .map_or(0, |continuum| continuum.cell_count())
@@ -83,7 +89,7 @@ impl Deformable {
 
     /// Number of springs.
     pub fn spring_count(&self) -> usize {
-        self.law.springs.len()
+        self.matter.law.springs.len()
     }
 
     /// Non-zeros of the factor; 0 for methods without one.
@@ -113,26 +119,26 @@ impl Deformable {
 
     /// Bytes of the compliance columns.
     pub fn compliance_bytes(&self) -> usize {
-        self.compliance.len() * size_of::<f64>()
+        self.compliance.values.len() * size_of::<f64>()
     }
 
     /// Quality of the cells.
     pub fn quality(&self) -> &CellQuality {
-        &self.quality
+        &self.matter.quality
     }
 
     /// Total mass, kg.
     pub fn mass_kg(&self) -> f64 {
-        self.masses.iter().sum()
+        self.matter.masses.iter().sum()
     }
 
     /// Mass of each coordinate, kg.
     pub fn masses(&self) -> &[f64] {
-        &self.masses
+        &self.matter.masses
     }
 
     /// dt of the body, s.
     pub fn dt_s(&self) -> f64 {
-        self.settings.dt_s
+        self.matter.settings.dt_s
     }
 }

@@ -1,6 +1,6 @@
 //! `[[body]]` of a scene file.
 
-use super::{PoseSpec, SurfaceSpec};
+use super::{ModelSpec, PoseSpec, SurfaceSpec};
 use serde::{Deserialize, Serialize};
 
 /// `[[body]]`.
@@ -35,24 +35,6 @@ pub struct BodySpec {
     /// The body may touch itself.
     #[serde(default)]
     pub self_contact: bool,
-}
-
-/// How a body moves.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum ModelSpec {
-    /// It does not deform.
-    #[default]
-    Rigid,
-    /// A skin: springs between control points, bending along their rows.
-    Membrane,
-    /// A solid of springs between nodes; the control points are nodes.
-    Lattice,
-    /// An elastic solid (stable neo-Hookean) in the cells between the nodes: E and ν mean what they
-    /// say.
-    Continuum,
-    /// The same on a finer grid of cells, moved by the control points and few shells inside them.
-    Net,
 }
 
 /// `[body.material]`: a preset, and what differs from it.

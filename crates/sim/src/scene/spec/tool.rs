@@ -1,8 +1,7 @@
-//! Tools: shape, coupling, device, friction, grip.
+//! `[[tool]]` of a scene file: coupling, device, friction, grip.
 
-use super::{PoseSpec, SurfaceSpec};
+use super::{PoseSpec, ShapeSpec};
 use serde::{Deserialize, Serialize};
-use std::path::PathBuf;
 
 /// `[[tool]]`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -31,113 +30,6 @@ pub struct ToolSpec {
     /// A plane fixes the lattice nodes on its far side at the start.
     #[serde(default)]
     pub fixes_nodes: bool,
-}
-
-/// `shape = { point = {} }`, `{ sphere = { radius_m = 0.01 } }`, `{ plane = { normal = [0, 0, 1] }
-/// }` or `{ surface = { builtin = "torus" } }`, `{ cylinder = { radius_m = 0.005 } }`, `{ mesh = {
-/// file = "probe.stl" } }` …
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase", deny_unknown_fields)]
-pub enum ShapeSpec {
-    /// A point.
-    Point {},
-    /// A ball around the reference point.
-    Sphere {
-        /// m, above 0.
-        radius_m: f64,
-    },
-    /// Everything below a plane through the reference point.
-    Plane {
-        /// Outward normal in the tool's frame, any length above 0.
-        normal: [f64; 3],
-    },
-    /// A rigid B-spline surface in the tool's frame.
-    Surface(SurfaceSpec),
-    /// A round bar along the tool's z axis, around its reference point.
-    Cylinder {
-        /// m.
-        radius_m: f64,
-        /// Half the length, m; without it the bar has no ends.
-        #[serde(default)]
-        half_length_m: Option<f64>,
-    },
-    /// A cone with its tip at the reference point, opening towards the tool's +z.
-    Cone {
-        /// Angle between axis and side, rad, below π/2.
-        half_angle_rad: f64,
-        /// From tip to base, m.
-        height_m: f64,
-    },
-    /// An ellipsoid around the reference point.
-    Ellipsoid {
-        /// Along the tool's x, y, z, m.
-        semi_axes_m: [f64; 3],
-    },
-    /// A ring around the tool's z axis.
-    Torus {
-        /// From the centre to the middle of the tube, m.
-        major_radius_m: f64,
-        /// Of the tube, m.
-        minor_radius_m: f64,
-    },
-    /// A cuboid around the reference point.
-    Box {
-        /// Half of each edge, m.
-        half_extents_m: [f64; 3],
-    },
-    /// The solid in which a function is at most 0.
-    Implicit {
-        /// Function of x, y, z in metres, tool frame: `"x^2 + y^2 + 4*z^2 - 1e-4"`.
-        f: String,
-        /// Distance from the reference point that holds all of the solid, m; without it the tool is
-        /// near everything.
-        #[serde(default)]
-        reach_m: Option<f64>,
-    },
-    /// A closed triangle mesh in the tool's frame.
-    Mesh(MeshSpec),
-}
-
-/// `mesh = { file = "probe.stl", unit = "mm" }`.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct MeshSpec {
-    /// An STL or OBJ file, relative to the scene file.
-    #[serde(default)]
-    pub file: Option<PathBuf>,
-    /// The mesh in place, m.
-    #[serde(default)]
-    pub inline: Option<InlineMesh>,
-    /// Length unit of the file.
-    #[serde(default)]
-    pub unit: MeshUnit,
-}
-
-/// A mesh in place.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct InlineMesh {
-    /// (n), m.
-    pub vertices: Vec<[f64; 3]>,
-    /// Corners from 0, counter-clockwise seen from outside.
-    pub triangles: Vec<[u32; 3]>,
-}
-
-/// Length unit of a mesh file, which has none of its own.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum MeshUnit {
-    /// Metres.
-    #[default]
-    M,
-    /// Millimetres.
-    Mm,
-}
-
-impl Default for ShapeSpec {
-    fn default() -> Self {
-        Self::Sphere { radius_m: 0.01 }
-    }
 }
 
 /// `[tool.coupling]`.

@@ -1,0 +1,223 @@
+//! The matter of a deforming body: what moves, what it weighs and what acts between its nodes. How it
+//! steps is the business of the steppers, which are built from it.
+
+use super::cells::CellQuality;
+use super::field::Field;
+use super::law::Law;
+use super::material::Plastic;
+use super::node_map::NodeMap;
+use super::plastic::Flow;
+use super::settings::{DeformableError, StepSettings};
+use super::state::{DeformableScratch, DeformableState};
+use palpate_geometry::math::{Lane, Point3, Rows, Vector3};
+
+/// Marks a fixed coordinate where an index is expected.
+pub(super) const FIXED: u32 = u32::MAX;
+
+/// What a body is built from.
+#[derive(Debug)]
+pub struct Blueprint {
+    /// (coordinates), m, at rest.
+    pub coordinates: Vec<Point3>,
+    /// Nodes from coordinates.
+    pub map: NodeMap,
+    /// (nodes), kg.
+    pub masses: Vec<f64>,
+    /// Forces between nodes.
+    pub law: Law,
+    /// (control points): coordinate of each.
+    pub coordinate_of_control: Vec<u32>,
+    /// (coordinates): never move.
+    pub fixed: Vec<bool>,
+    /// Figures of the cells.
+    pub quality: CellQuality,
+}
+
+/// A body without its step.
+#[derive(Debug)]
+pub(super) struct Matter {
+    pub settings: StepSettings,
+    pub damping_s: f64,
+    /// (coordinates), m.
+    pub rest: Vec<Point3>,
+    pub map: NodeMap,
+    pub law: Law,
+    /// (coordinates), kg.
+    pub masses: Vec<f64>,
+    /// (coordinates): place among those that can move, or [`FIXED`].
+    pub unknown: Vec<u32>,
+    /// (unknowns): coordinate.
+    pub coordinate_of_unknown: Vec<u32>,
+    /// (control points): coordinate of each.
+    pub coordinate_of_control: Vec<u32>,
+    pub flow: Option<Flow>,
+    pub quality: CellQuality,
+}
+
+impl Matter {
+    /// Takes a blueprint.
+    ///
+    /// # Errors
+    /// No free coordinate, one without mass, or a combination that is not there.
+    pub fn new(
+        blueprint: Blueprint,
+        damping_s: f64,
+        plastic: Option<Plastic>,
+        settings: StepSettings,
+    ) -> Result<Self, DeformableError> {
+        let Blueprint {
+            coordinates: rest,
+            map,
+            masses,
+            law,
+            coordinate_of_control,
+            fixed,
+            quality,
+        } = blueprint;
+        let count = rest.len();
+        let masses = map.lumped(&masses, count);
+        let mut unknown = vec![FIXED; count];
+        let mut coordinate_of_unknown = Vec::new();
+        for coordinate in (0..count).filter(|&c| !fixed[c]) {
+            unknown[coordinate] = coordinate_of_unknown.len() as u32;
+            coordinate_of_unknown.push(coordinate as u32);
+        }
+        if coordinate_of_unknown.is_empty() {
+            return Err(DeformableError::AllFixed(count));
+        }
+        let weightless = masses
+            .iter()
+            .filter(|&&m| !(m > 0.0 && m.is_finite()))
+            .count();
+        if weightless > 0 {
+            return Err(DeformableError::NoMass(weightless));
+        }
+        if plastic.is_some() && law.continuum.is_some() {
+            return Err(DeformableError::Unsupported(
+                "only springs flow plastically; use model = \"lattice\"",
+            ));
+        }
+        let flow = plastic.map(|law_of_flow| {
+            Flow::new(law_of_flow, &law.springs, &map.nodes(&rest), settings.dt_s)
+        });
+        Ok(Self {
+            settings,
+            damping_s,
+            rest,
+            map,
+            law,
+            masses,
+            unknown,
+            coordinate_of_unknown,
+            coordinate_of_control,
+            flow,
+            quality,
+        })
+    }
+
+    /// Place of a coordinate among the free ones; `None` if it is fixed.
+    pub fn unknown(&self, coordinate: usize) -> Option<usize> {
+        let row = self.unknown[coordinate];
+        (row != FIXED).then_some(row as usize)
+    }
+
+    /// Coordinates that can move.
+    pub fn unknown_count(&self) -> usize {
+        self.coordinate_of_unknown.len()
+    }
+
+    /// The state at rest.
+    pub fn rest_state(&self) -> DeformableState {
+        let flows = self.flow.is_some();
+        let rest = self.law.springs.rest();
+        DeformableState {
+            positions: self.rest.clone(),
+            velocities: vec![Vector3::zeros(); self.rest.len()],
+            rest_lengths: if flows { rest.to_vec() } else { Vec::new() },
+            plastic_strain: if flows {
+                vec![[0.0; 4]; rest.len()]
+            } else {
+                Vec::new()
+            },
+            still: 0,
+            slept: 0,
+        }
+    }
+
+    /// Buffers; call [`super::Deformable::predict`] before the first step.
+    pub fn scratch(&self) -> DeformableScratch {
+        let count = self.rest.len();
+        let nodes = match &self.map {
+            NodeMap::Same => 0,
+            NodeMap::Sparse(map) => map.rows(),
+        };
+        DeformableScratch {
+            predicted: self.rest.clone(),
+            forces: vec![Vector3::zeros(); count],
+            loaded: Vec::with_capacity(self.coordinate_of_control.len()),
+            is_loaded: vec![false; count],
+            coordinates: Rows::zeros(count),
+            nodes: Rows::zeros(nodes),
+            residual: Rows::zeros(count),
+            node_residual: Rows::zeros(nodes),
+            springs: self.law.springs.buffers(),
+            speed: vec![Vector3::zeros(); count],
+            rhs: vec![Vector3::zeros(); self.unknown_count()],
+            lanes: Rows::zeros(self.unknown_count()),
+            limited: 0,
+            field: Field::default(),
+            flow: vec![
+                [0.0; 4];
+                if self.flow.is_some() {
+                    self.law.springs.rest().len()
+                } else {
+                    0
+                }
+            ],
+        }
+    }
+
+    /// Lengths of the springs without force.
+    pub fn rest_lengths<'a>(&'a self, state: &'a DeformableState) -> &'a [Lane] {
+        if self.flow.is_some() {
+            &state.rest_lengths
+        } else {
+            self.law.springs.rest()
+        }
+    }
+
+    /// Adds Wᵀ of the law's forces at the coordinates of the scratch to its residual.
+    pub fn add_law_forces(&self, state: &DeformableState, scratch: &mut DeformableScratch) {
+        let rest = self.rest_lengths(state);
+        let DeformableScratch {
+            coordinates,
+            nodes,
+            residual,
+            node_residual,
+            springs,
+            limited,
+            ..
+        } = scratch;
+        match &self.map {
+            NodeMap::Same => *limited = self.law.add_forces(rest, coordinates, residual, springs),
+            NodeMap::Sparse(map) => {
+                map.apply(coordinates, nodes);
+                node_residual.fill([0.0; 4]);
+                *limited = self.law.add_forces(rest, nodes, node_residual, springs);
+                map.add_transposed(node_residual, residual);
+            }
+        }
+    }
+
+    /// Entries of the step's matrix that come from the law, edges at nodes.
+    pub fn law_edges(&self) -> Vec<(u32, u32, f64)> {
+        self.law.edges()
+    }
+}
+
+/// Points as rows of registers.
+pub(super) fn lanes(points: &[Point3], out: &mut [Lane]) {
+    for (lane, p) in out.iter_mut().zip(points) {
+        *lane = [p.x, p.y, p.z, 0.0];
+    }
+}

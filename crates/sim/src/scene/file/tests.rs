@@ -1,0 +1,115 @@
+//! What is wrong with a scene file stands where the file says it.
+
+use super::*;
+
+const GOOD: &str =
+    "[[body]]\nid = \"drop\"\nsurface = { builtin = \"teardrop\" }\n\n[[tool]]\nid = \"ball\"\n";
+
+fn problems(text: &str) -> String {
+    parse(text, "s.toml", Path::new("."))
+        .and_then(|loaded| loaded.build())
+        .map_or_else(|e| e.to_string(), |_| "no problem".into())
+}
+
+#[test]
+fn ten_lines_make_a_scene() {
+    let loaded = parse(GOOD, "dir/drop.toml", Path::new(".")).unwrap();
+    assert_eq!(loaded.spec.name.as_deref(), Some("drop"));
+    assert_eq!(loaded.spec.loop_.rate_hz, 1_000);
+}
+
+#[test]
+fn every_problem_is_told_with_its_line() {
+    let cases: [(&str, &str); 18] = [
+        (
+            "[loop]\nrate_hz = 0\n",
+            "s.toml:2:1: rate_hz is 0; it must be 1 to 10000",
+        ),
+        (
+            "[loop]\nrate = 5\n",
+            "s.toml:2:1: \"rate\" is not known here; did you mean \"rate_hz\"?",
+        ),
+        ("[loop\n", "s.toml:1:6: "),
+        (
+            "[[body]]\nid = \"x\"\nsurface = { builtin = \"teardrip\" }\n",
+            "s.toml:3:13: \"teardrip\" is not a builtin surface; did you mean \"teardrop\"?",
+        ),
+        (
+            "[[body]]\nid = \"x\"\nsurface = { file = \"no.json\" }\n",
+            "s.toml:3:13: there is no file",
+        ),
+        (
+            "[[body]]\nid = \"x\"\nsurface = {}\n",
+            "s.toml:3:1: surface needs exactly one",
+        ),
+        (
+            "[[body]]\nid = \"x\"\nsurface = { builtin = \"sheet\" }\n[body.material]\nyoung_pa = -1.0\n",
+            "s.toml:5:1: young_pa is -1",
+        ),
+        (
+            "[[body]]\nid = \"x\"\nsurface = { builtin = \"sheet\" }\nlattice = { layers = 0 }\n",
+            "s.toml:4:13: layers is 0",
+        ),
+        (
+            "[[body]]\nid = \"X y\"\nsurface = { builtin = \"sheet\" }\n",
+            "s.toml:2:1: \"X y\" is not a valid id",
+        ),
+        (
+            "[[tool]]\nid = \"a\"\nshape = { sphere = { radius_m = 0.0 } }\n",
+            "s.toml:3:22: radius_m is 0",
+        ),
+        (
+            "[[tool]]\nid = \"a\"\n[[tool]]\nid = \"a\"\n",
+            "s.toml:4:1: id \"a\" is taken",
+        ),
+        (
+            "[[contact]]\npair = [\"ball\", \"drop\"]\nmethod = \"spheres\"\nresolution = [2, 82]\n",
+            "s.toml:4:1: resolution is [2, 82]; each of the two must be 4 to 1000",
+        ),
+        (
+            "[[body]]\nid = \"x\"\nsurface = { builtin = \"sheet\" }\nself_contact = true\n",
+            "s.toml:4:1: a rigid body cannot come to touch itself",
+        ),
+        (
+            "[[contact]]\npair = [\"pen\", \"drop\"]\n",
+            "s.toml:2:1: there is no tool and no body \"pen\"",
+        ),
+        (
+            "[[tool]]\nid = \"a\"\nfriction = { mu = -0.1 }\n",
+            "s.toml:3:14: mu is -0.1; it must be 0 or more",
+        ),
+        (
+            "[[tool]]\nid = \"a\"\nfriction = { mu = 0.3, mu_kinetic = 0.4 }\n",
+            "s.toml:3:24: mu_kinetic is 0.4; it must be 0 to mu, which is 0.3",
+        ),
+        (
+            "[[tool]]\nid = \"a\"\ngrip = { force_max_n = -1 }\n",
+            "s.toml:3:10: the grip's force_max_n is -1",
+        ),
+        (
+            "[[contact]]\npair = [\"ball\", \"drop\"]\nfriction = { mu = inf }\n",
+            "s.toml:3:14: mu is inf; it must be 0 or more",
+        ),
+    ];
+    for (text, expected) in cases {
+        // A whole scene around the case, after it, so that lines count from the case.
+        let whole = if text.contains("[[body]]") {
+            text.to_owned()
+        } else {
+            format!("{text}\n{GOOD}")
+        };
+        let told = problems(&whole);
+        assert!(
+            told.lines().any(|line| line.starts_with(expected)),
+            "{text:?} gives\n{told}\nnot\n{expected}"
+        );
+    }
+}
+
+#[test]
+fn all_problems_are_listed_not_only_the_first() {
+    let told = problems(
+        "[loop]\nrate_hz = 20000\n[record]\nnet_hz = 0.0\n[[body]]\nid = \"x\"\nsurface = { builtin = \"cube\" }\n",
+    );
+    assert_eq!(told.lines().count(), 3, "{told}");
+}

@@ -1,0 +1,127 @@
+//! Cells inside a surface, by the builder that the scene names.
+
+use super::Inputs;
+use crate::body::layers;
+use crate::body::net::Reduced;
+use crate::body::{CellGrid, NodeMap, SomSettings};
+use crate::scene::layout::layout;
+use crate::scene::spec::BuilderSpec;
+use palpate_geometry::math::Vector3;
+use palpate_geometry::surface::Surface;
+
+/// The cells, what moves them, and the volume that the surface encloses, m³.
+pub(super) fn of_builder<'a>(
+    body: &'a Inputs<'_>,
+    surface: &'a Surface,
+) -> impl FnOnce() -> Option<(Reduced, f64)> + 'a {
+    move || match body.spec.lattice.builder {
+        BuilderSpec::Layers => layered(body, surface),
+        BuilderSpec::Transfinite | BuilderSpec::Som => riding(body, surface),
+    }
+}
+
+/// Layers of nodes, which are the coordinates, and the volume that the surface encloses.
+fn layered(body: &Inputs<'_>, surface: &Surface) -> Option<(Reduced, f64)> {
+    let (grid, volume) = cells(body, surface)?;
+    let (coordinates, coordinate_of_control) = (grid.nodes.clone(), grid.node_of_control.clone());
+    Some((
+        Reduced {
+            grid,
+            map: NodeMap::Same,
+            coordinates,
+            coordinate_of_control,
+        },
+        volume,
+    ))
+}
+
+/// A cube of nodes, the outermost of which ride on the surface, and the volume that it encloses.
+fn riding(body: &Inputs<'_>, surface: &Surface) -> Option<(Reduced, f64)> {
+    let (spec, at) = (body.spec, body.at.key("lattice"));
+    let counts = spec.lattice.nodes;
+    let closed = surface.topology().is_closed();
+    let cube = match (spec.lattice.builder, closed, spec.lattice.thickness_m) {
+        (BuilderSpec::Som, ..) => {
+            let settings = SomSettings {
+                cycles: spec.lattice.cycles,
+                ..SomSettings::default()
+            };
+            crate::body::som(surface, counts, &settings)
+        }
+        (_, false, Some(thickness_m)) => crate::body::thick_sheet(surface, counts, thickness_m),
+        _ => crate::body::transfinite(surface, counts),
+    };
+    let cube = at.take(cube)?;
+    let coordinate_of_control = crate::body::coordinates_of_surface(surface);
+    at.take(crate::body::check_exterior(
+        surface,
+        &cube.exterior,
+        &coordinate_of_control,
+    ))?;
+    let (map, coordinates) = cube.riding(surface, &coordinate_of_control);
+    let volume = if closed {
+        surface.volume().abs()
+    } else {
+        cube.quality().volume_m3
+    };
+    Some((
+        Reduced {
+            grid: cube.grid,
+            map,
+            coordinates,
+            coordinate_of_control,
+        },
+        volume,
+    ))
+}
+
+/// Cells of a body and the volume its surface encloses.
+fn cells(body: &Inputs<'_>, surface: &Surface) -> Option<(CellGrid, f64)> {
+    let topology = surface.topology();
+    let points = surface.net().points();
+    let columns = surface.net().columns();
+    let count = body.spec.lattice.layers;
+    let Some(shape) = layout(surface, &topology) else {
+        let (thickness_m, inward) = sheet(body, surface)?;
+        let grid = layers::sheet(
+            points,
+            &inward,
+            surface.net().rows(),
+            columns,
+            count,
+            thickness_m,
+        );
+        let volume = grid.quality().volume_m3;
+        return Some((grid, volume));
+    };
+    debug_assert!(count >= 1, "the number of layers was checked");
+    let grid = layers::rings_at_best(points, &shape, count);
+    // An open tube encloses nothing by itself; its cells then say how much it holds.
+    let volume = if topology.is_closed() {
+        surface.volume().abs()
+    } else {
+        grid.quality().volume_m3
+    };
+    Some((grid, volume))
+}
+
+/// Thickness of an open sheet and its inward normals at control points.
+pub(super) fn sheet(body: &Inputs<'_>, surface: &Surface) -> Option<(f64, Vec<Vector3>)> {
+    let (lattice, at) = (&body.spec.lattice, body.at.key("lattice"));
+    let thickness_m = lattice.thickness_m.or_else(|| {
+        at.key("thickness_m")
+            .refused("an open sheet needs a thickness above 0; give lattice = { thickness_m = … }")
+    });
+    if lattice.layers < 2 {
+        let layers = lattice.layers;
+        return at.key("layers").refused(format!(
+            "layers is {layers}; an open sheet needs at least 2"
+        ));
+    }
+    let (us, vs) = (surface.knots_u().greville(), surface.knots_v().greville());
+    let places = us.iter().flat_map(|&u| vs.iter().map(move |&v| (u, v)));
+    Some((
+        thickness_m?,
+        places.map(|(u, v)| -surface.normal(u, v)).collect(),
+    ))
+}

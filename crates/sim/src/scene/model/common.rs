@@ -1,0 +1,203 @@
+//! What the deforming models have in common: the method of the step, the cells' materials, samples.
+
+use super::{Inputs, Make, fixed};
+use crate::body::net::Reduced;
+use crate::body::{Cell, CellGrid, Deformable, DeformableError, Inside, Integrator, Material};
+use crate::body::{Solid, StepSettings};
+use crate::scene::plan::step_us;
+use crate::scene::spec::{MethodSpec, RegionSpec};
+use crate::scene::{BodyModel, DeformingBody, default_samples_per_span, refine};
+use palpate_geometry::contact::SampleGrid;
+use palpate_geometry::math::{Point3, Vector3};
+use palpate_geometry::surface::Surface;
+
+/// Most nodes `refine = "auto"` makes: a tick with more does not fit a millisecond on one core.
+pub(super) const NODE_BUDGET: usize = 1_900;
+
+/// What moves a body, and why that way.
+#[derive(Clone, Debug)]
+pub(crate) struct Choice {
+    /// `lattice`, `membrane` …
+    pub model: &'static str,
+    /// One sentence for the plan.
+    pub why: String,
+}
+
+/// A deforming body on its refined surface, of which `parts` gives all but the step.
+pub(super) fn deforming<'b>(
+    body: &'b Inputs<'_>,
+    node_budget: usize,
+    parts: impl FnOnce(&Surface) -> Option<Make<'b>>,
+) -> Option<(Surface, BodyModel)> {
+    let Inputs {
+        scene, spec, at, ..
+    } = body;
+    let parted = [body.surface.knots_u(), body.surface.knots_v()]
+        .iter()
+        .any(|knots| !knots.disjoined().is_empty());
+    if parted && body.surface.joints().is_none() {
+        return at.key("surface").refused(
+            "the knots of this surface part it: to deform, it must be clamped in both directions and have at \
+             most 1024 patches; or use model = \"rigid\"",
+        );
+    }
+    let refined = refine::refine(scene, spec, at, body.surface.clone(), node_budget)?;
+    let make = parts(&refined)?;
+    let (deformable, why) = stepped(body, &make)?;
+    let samples = SampleGrid::new(&refined, default_samples_per_span());
+    let choice = Choice {
+        model: spec.model.name(),
+        why,
+    };
+    let model = DeformingBody {
+        deformable,
+        samples,
+        sweeps: spec.integrator.contact_sweeps,
+        every: spec.integrator.every,
+        choice,
+    };
+    Some((refined, BodyModel::Deforming(Box::new(model))))
+}
+
+/// The body with the method of its integrator, and why that one.
+fn stepped(body: &Inputs<'_>, make: &Make<'_>) -> Option<(Deformable, String)> {
+    let integrator = &body.spec.integrator;
+    let with = |integrator| {
+        make(StepSettings {
+            dt_s: body.dt_s * f64::from(body.spec.integrator.every),
+            integrator,
+            // What carries a body may move at any time, and nothing would wake it.
+            sleep_m_s: if body.scene.gravity.frame.is_some() {
+                0.0
+            } else {
+                body.spec.integrator.sleep_m_s
+            },
+        })
+    };
+    let implicit = || {
+        with(Integrator::Implicit {
+            iterations: integrator.iterations,
+        })
+    };
+    let substeps = integrator.substeps;
+    let explicit = || with(Integrator::Explicit { substeps });
+    let told = |result: Result<Deformable, DeformableError>| {
+        result
+            .map_err(|error| body.at.key(key_of(&error)).refuse(error))
+            .ok()
+    };
+    Some(match integrator.method {
+        MethodSpec::Implicit => (
+            told(implicit())?,
+            "implicit, as the scene says or by default".to_owned(),
+        ),
+        MethodSpec::Explicit => (told(explicit())?, "explicit, as the scene says".to_owned()),
+        MethodSpec::Xpbd => (
+            told(with(Integrator::Xpbd { substeps }))?,
+            "xpbd, as the scene says: compare its forces, it softens silently".to_owned(),
+        ),
+        MethodSpec::Auto => cheaper(told(implicit())?, explicit()),
+    })
+}
+
+/// The key of a `[[body]]` that decides over an error.
+fn key_of(error: &DeformableError) -> &'static str {
+    match error {
+        DeformableError::Substeps { .. } | DeformableError::Unsupported(_) => "integrator",
+        _ => "lattice",
+    }
+}
+
+/// The cheaper of two methods, by the plan's own prediction of their steps.
+fn cheaper(
+    implicit: Deformable,
+    explicit: Result<Deformable, DeformableError>,
+) -> (Deformable, String) {
+    let implicit_us = step_us(&implicit);
+    match explicit {
+        Err(error) => (implicit, format!("implicit: {error}")),
+        Ok(explicit) => {
+            let substeps = explicit.integration().1;
+            let explicit_us = step_us(&explicit);
+            let compared = format!(
+                "{substeps} explicit substeps would take {explicit_us:.0} us, implicit {implicit_us:.0} us"
+            );
+            if explicit_us < implicit_us {
+                (explicit, format!("explicit: {compared}"))
+            } else {
+                (implicit, format!("implicit: {compared}"))
+            }
+        }
+    }
+}
+
+/// A solid of cells: `moved` gives them with what moves them and the volume that the surface
+/// encloses, m³; `inside` is what acts between their nodes.
+pub(super) fn solid<'s>(
+    body: &'s Inputs<'_>,
+    surface: &Surface,
+    inside: Inside,
+    moved: impl FnOnce() -> Option<(Reduced, f64)>,
+) -> Option<Make<'s>> {
+    if surface.joints().is_some() {
+        return body.at.key("model").refused(
+            "the net of this surface is disjoined: its inside has no layers; use model = \"membrane\"",
+        );
+    }
+    let (moved, enclosed_volume_m3) = moved()?;
+    let Reduced {
+        grid,
+        map,
+        coordinates,
+        coordinate_of_control,
+    } = moved;
+    let fixed = fixed::fixed(body, surface, &coordinates, &coordinate_of_control);
+    let of_cell = materials(body, &grid);
+    Some(Box::new(move |settings| {
+        let solid = Solid {
+            grid: &grid,
+            map: map.clone(),
+            coordinates: coordinates.clone(),
+            coordinate_of_control: coordinate_of_control.clone(),
+            fixed: fixed.clone(),
+            enclosed_volume_m3,
+            inside,
+            material: |cell: usize| of_cell[cell],
+        };
+        solid.build(&body.material, settings)
+    }))
+}
+
+/// What each cell is made of: of the last region that holds its centre.
+fn materials(body: &Inputs<'_>, grid: &CellGrid) -> Vec<Material> {
+    let Inputs {
+        spec,
+        placement,
+        material: common,
+        ..
+    } = body;
+    let holds = |region: &RegionSpec, p: &Point3| match (&region.ball, &region.box_) {
+        (Some(ball), _) => (p - Point3::from(ball.centre)).norm() <= ball.radius_m,
+        (None, Some(bounds)) => (0..3).all(|c| (bounds.low[c]..=bounds.high[c]).contains(&p[c])),
+        (None, None) => false,
+    };
+    let of_cell = |cell: &Cell| {
+        let centre: Vector3 = cell
+            .iter()
+            .map(|&node| grid.nodes[node as usize].coords / 8.0)
+            .sum();
+        let centre = placement.inverse_transform_point(&Point3::from(centre));
+        let region = spec
+            .regions
+            .iter()
+            .rev()
+            .find(|region| holds(region, &centre));
+        region.map_or(*common, |region| Material {
+            young_pa: region.young_pa.unwrap_or(common.young_pa),
+            poisson: region.poisson.unwrap_or(common.poisson),
+            density_kg_m3: region.density_kg_m3.unwrap_or(common.density_kg_m3),
+            ..*common
+        })
+    };
+    grid.cells.iter().map(of_cell).collect()
+}

@@ -1,0 +1,142 @@
+//! Models of bodies: one file each, which knows what the model asks of a `[[body]]` and how a body
+//! is built from it.
+//!
+//! To add a model: its file, with a type that implements [`Model`], and its two lines here. A new
+//! law of forces between nodes is a part of [`crate::body::Law`].
+
+mod cells;
+mod common;
+mod continuum;
+mod fixed;
+mod lattice;
+mod membrane;
+mod net;
+mod rigid;
+mod values;
+
+pub(crate) use common::Choice;
+
+use super::door::At;
+use super::spec::{BodySpec, SceneSpec};
+use super::{Body, BodyModel, Tool};
+use crate::body::{Deformable, DeformableError, Material, StepSettings};
+use palpate_geometry::math::Pose;
+use palpate_geometry::surface::Surface;
+use serde::{Deserialize, Serialize};
+use values::{Held, Values};
+
+/// What the rest of the program asks of a model.
+pub(super) trait Model: Sync {
+    /// The surface as simulated, and what moves it. Problems go to `body.at`.
+    fn build(&self, body: &Inputs<'_>) -> Option<(Surface, BodyModel)>;
+
+    /// False where a surface never changes.
+    fn deforms(&self) -> bool {
+        true
+    }
+}
+
+/// What a body is built from, its values checked.
+pub(super) struct Inputs<'a> {
+    /// The whole scene: nets are refined where its tools are.
+    pub scene: &'a SceneSpec,
+    /// Its tools, as far as nothing is wrong with them.
+    pub tools: &'a [Option<Tool>],
+    /// The `[[body]]`.
+    pub spec: &'a BodySpec,
+    /// Where it stands.
+    pub at: &'a At<'a>,
+    /// Length of a tick, s.
+    pub dt_s: f64,
+    /// Body frame to world.
+    pub placement: Pose,
+    /// As given, oriented outwards, in the world.
+    pub surface: Surface,
+    /// Of all cells that no region holds.
+    pub material: Material,
+    /// What never moves.
+    pub held: Vec<Held>,
+}
+
+/// Makes a body with the step that it is given; what it needs for that is built once.
+type Make<'a> = Box<dyn Fn(StepSettings) -> Result<Deformable, DeformableError> + 'a>;
+
+macro_rules! models {
+    ($($(#[$doc:meta])* $variant:ident($model:expr) = $name:literal),* $(,)?) => {
+        /// How a body moves.
+        #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+        pub enum ModelSpec {
+            $($(#[$doc])* #[serde(rename = $name)] $variant),*
+        }
+
+        impl ModelSpec {
+            /// Name of the model, as scenes write it.
+            pub fn name(self) -> &'static str {
+                match self { $(Self::$variant => $name),* }
+            }
+
+            pub(super) fn model(self) -> &'static dyn Model {
+                match self { $(Self::$variant => &$model),* }
+            }
+        }
+    };
+}
+
+models! {
+    /// It does not deform.
+    #[default]
+    Rigid(rigid::Rigid) = "rigid",
+    /// A skin: springs between control points, bending along their rows.
+    Membrane(membrane::Membrane) = "membrane",
+    /// A solid of springs between nodes; the control points are nodes.
+    Lattice(lattice::Lattice) = "lattice",
+    /// An elastic solid (stable neo-Hookean) in the cells between the nodes: E and ν mean what they
+    /// say.
+    Continuum(continuum::Continuum) = "continuum",
+    /// The same on a finer grid of cells, moved by the control points and few shells inside them.
+    Net(net::Net) = "net",
+}
+
+/// Checks and builds a body; `at` is its table.
+pub(super) fn build(
+    scene: &SceneSpec,
+    tools: &[Option<Tool>],
+    spec: &BodySpec,
+    at: &At<'_>,
+    dt_s: f64,
+) -> Option<Body> {
+    let placement = at.key("pose").pose(&spec.pose);
+    let surface = spec.surface.surface(&at.key("surface"));
+    let values = values::check(spec, at);
+    let placement = placement?;
+    let original = surface?.oriented_outward().transformed(&placement);
+    // Copies of a branching surface move together, so they start equal bit for bit.
+    let original = if original.joints().is_some() {
+        original.with_exact_seams()
+    } else {
+        original
+    };
+    let Values { material, held } = values?;
+    let original_net = [original.net().rows(), original.net().columns()];
+    let two_sided = !original.topology().is_closed();
+    let size_m = original.size();
+    let (surface, model) = spec.model.model().build(&Inputs {
+        scene,
+        tools,
+        spec,
+        at,
+        dt_s,
+        placement,
+        surface: original,
+        material,
+        held,
+    })?;
+    Some(Body {
+        id: spec.id.clone(),
+        surface,
+        original_net,
+        size_m,
+        two_sided,
+        model,
+    })
+}

@@ -1,0 +1,161 @@
+//! Which tools and bodies may touch, and how their contacts are found.
+
+use super::door::At;
+use super::frame::FrameOf;
+use super::spec::{ContactMethod, ContactSpec, SPHERES_RESOLUTION, SceneSpec};
+use super::{Body, BodyModel, Method, Pair, Tool, tool};
+use crate::solve::friction::Friction;
+use crate::solve::rows::Holder;
+use palpate_geometry::contact::dispatch;
+
+/// What a `[[contact]]` says, checked against the names of the scene alone.
+pub(super) fn check(spec: &SceneSpec, contact: &ContactSpec, at: &At<'_>) -> Option<()> {
+    let before = at.problem_count();
+    let is_tool = |id: &str| spec.tools.iter().any(|tool| tool.id == id);
+    let is_body = |id: &str| spec.bodies.iter().any(|body| body.id == id);
+    let [holder, body] = &contact.pair;
+    if !is_tool(holder) && !is_body(holder) {
+        at.key("pair").refuse(format!(
+            "there is no tool and no body {holder:?}; pairs are [tool or body, body]"
+        ));
+    }
+    if !is_body(body) {
+        at.key("pair").refuse(format!(
+            "there is no body {body:?}; pairs are [tool or body, body]"
+        ));
+    }
+    match (contact.resolution, contact.method) {
+        (Some(resolution), ContactMethod::Spheres) => {
+            if resolution.iter().any(|n| !(4..=1_000).contains(n)) {
+                at.key("resolution").refuse(format!(
+                    "resolution is {resolution:?}; each of the two must be 4 to 1000"
+                ));
+            }
+        }
+        (Some(_), _) => at
+            .key("resolution")
+            .refuse("only method = \"spheres\" has a resolution; drop it or choose that method"),
+        (None, _) => {}
+    }
+    (at.problem_count() == before).then_some(())
+}
+
+/// Friction that the scene gives to its tools and contacts, by index.
+pub(super) struct Frictions {
+    tools: Vec<Option<Friction>>,
+    contacts: Vec<Option<Friction>>,
+}
+
+impl Frictions {
+    pub fn of(spec: &SceneSpec, top: &At<'_>) -> Option<Self> {
+        let tools = spec.tools.iter().enumerate().map(|(t, tool)| {
+            let at = top.key("tool").entry(t).key("friction");
+            tool::friction(tool.friction.as_ref(), &at)
+        });
+        let tools: Vec<_> = tools.collect();
+        let contacts = spec.contacts.iter().enumerate().map(|(c, contact)| {
+            let at = top.key("contact").entry(c).key("friction");
+            tool::friction(contact.friction.as_ref(), &at)
+        });
+        let contacts: Vec<_> = contacts.collect();
+        Some(Self {
+            tools: tools.into_iter().collect::<Option<_>>()?,
+            contacts: contacts.into_iter().collect::<Option<_>>()?,
+        })
+    }
+}
+
+/// Every tool against every body, bodies that deform against all others, and those that may touch
+/// themselves; exceptions as the scene lists them.
+pub(super) fn build(
+    spec: &SceneSpec,
+    frictions: &Frictions,
+    tools: &[Tool],
+    bodies: &[Body],
+    frame: Option<&FrameOf>,
+    top: &At<'_>,
+) -> Option<Vec<Pair>> {
+    let mut pairs = Vec::new();
+    let index = |k: usize| k as u32;
+    let deforms = |body: usize| !matches!(bodies[body].model, BodyModel::Rigid);
+    // The tool that carries the frame moves all bodies alike and touches none.
+    for tool in (0..tools.len()).filter(|&tool| frame.is_none_or(|frame| frame.tool != tool)) {
+        pairs.extend((0..bodies.len()).map(|body| Pair {
+            holder: Holder::Tool(index(tool)),
+            body,
+            method: Method::Exact,
+            friction: frictions.tools[tool],
+        }));
+    }
+    let of_bodies = |holder: usize, body: usize| Pair {
+        holder: Holder::Body(index(holder)),
+        body,
+        method: Method::Exact,
+        friction: None,
+    };
+    for body in 0..bodies.len() {
+        for other in body + 1..bodies.len() {
+            if deforms(body) || deforms(other) {
+                // A sheet has no inside: it is asked for the side on which the other is.
+                let sheet_second = bodies[other].two_sided && !bodies[body].two_sided;
+                pairs.push(if sheet_second {
+                    of_bodies(body, other)
+                } else {
+                    of_bodies(other, body)
+                });
+            }
+        }
+    }
+    for body in 0..bodies.len() {
+        if spec.bodies[body].self_contact && deforms(body) {
+            pairs.push(of_bodies(body, body));
+        }
+    }
+    let before = top.problem_count();
+    for (c, contact) in spec.contacts.iter().enumerate() {
+        let [holder_id, body_id] = &contact.pair;
+        let find = |id: &str| bodies.iter().position(|body| body.id == id);
+        let holder = tools
+            .iter()
+            .position(|tool| &tool.id == holder_id)
+            .map(|tool| Holder::Tool(index(tool)))
+            .or_else(|| find(holder_id).map(|body| Holder::Body(index(body))));
+        // Both exist: `check` has seen them.
+        let (Some(holder), Some(body)) = (holder, find(body_id)) else {
+            continue;
+        };
+        let named = |pair: &Pair| {
+            let swapped = match holder {
+                Holder::Body(other) => {
+                    pair.holder == Holder::Body(index(body)) && pair.body == other as usize
+                }
+                Holder::Tool(_) => false,
+            };
+            (pair.holder == holder && pair.body == body) || swapped
+        };
+        if contact.friction.is_some() {
+            pairs
+                .iter_mut()
+                .filter(|pair| named(pair))
+                .for_each(|pair| pair.friction = frictions.contacts[c]);
+        }
+        match contact.method {
+            ContactMethod::Exact => {}
+            ContactMethod::None => pairs.retain(|pair| !named(pair)),
+            ContactMethod::Spheres => {
+                let resolution = contact.resolution.unwrap_or(SPHERES_RESOLUTION);
+                for pair in pairs.iter_mut().filter(|pair| named(pair)) {
+                    pair.method = Method::Spheres(resolution);
+                    let surface = &bodies[pair.body].surface;
+                    if let Err(error) =
+                        dispatch::check(surface, pair.party(tools, bodies), pair.method)
+                    {
+                        let at = top.key("contact").entry(c).key("method");
+                        at.refuse(error.to_string());
+                    }
+                }
+            }
+        }
+    }
+    (top.problem_count() == before).then_some(pairs)
+}
