@@ -329,7 +329,8 @@ pub mod flags {
     pub const REFUSED: u32 = 1 << 3;
     /// The force limit is not at its full value.
     pub const RAMPING: u32 = 1 << 4;
-    /// The tick met a fault; the force is safe, not right.
+    /// The force was not finite and was made zero, or the tick before set a body back to rest: the
+    /// force is safe, not right.
     pub const FAULT: u32 = 1 << 5;
     /// The tool holds on to what it grabbed.
     pub const GRABBING: u32 = 1 << 6;

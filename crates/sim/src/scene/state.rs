@@ -36,6 +36,8 @@ pub struct SceneState {
     pub run: RunState,
     /// 0 is full quality; see [`super::quality`].
     pub quality: u8,
+    /// The last tick set a body back to rest: the next forces say so.
+    pub faulted: bool,
     /// By body.
     pub bodies: Vec<BodyState>,
     /// By tool.
@@ -188,6 +190,7 @@ impl Scene {
             tick: 0,
             run: RunState::Running,
             quality: 0,
+            faulted: false,
             bodies: bodies.collect(),
             tools: tools.collect(),
             pairs: vec![PairState::default(); self.pairs.len()],
@@ -260,6 +263,7 @@ stateful!(SceneState, |this, walk| {
         tick,
         run,
         quality,
+        faulted,
         bodies,
         tools,
         pairs,
@@ -271,7 +275,10 @@ stateful!(SceneState, |this, walk| {
         warm_arms,
     } = this;
     walk.word(tick)?;
-    walk.packed("run state or quality", [(0, run), (32, quality)])?;
+    walk.packed(
+        "run state or quality",
+        [(0, run), (32, quality), (40, faulted)],
+    )?;
     walk.ensure(*quality <= quality::LOWEST, "quality", u64::from(*quality))?;
     if let RunState::Paused { steps } = run {
         walk.coded("step count", steps)?;

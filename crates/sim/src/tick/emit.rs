@@ -2,7 +2,7 @@
 //! for everybody.
 
 use super::feet::margin_m;
-use super::record::{ContactReport, TickOutput, ToolOutput};
+use super::record::{ContactReport, TickFault, TickOutput, ToolOutput};
 use super::{grip, load, stick};
 use crate::haptics::{LinkPhase, Motion, RenderedForce, Wrench, limit};
 use crate::scene::{Scene, SceneState, Scratch, ToolState, WarmRow, flags};
@@ -36,6 +36,10 @@ pub(super) fn emit(
         let limit_n = tool_state.link.limit_n;
         let limit_nm = load::torque_limit_nm(tool, tool_state);
         let (rendered, factor) = limit(force, torque, limit_n, limit_nm);
+        if !force.iter().chain(&torque).all(|x| x.is_finite()) {
+            out.flags |= flags::FAULT;
+            output.fault = Some(TickFault::NotFinite);
+        }
         let held = free + force * coupling.compliance_m_n();
         let turn = torque * coupling.turning_compliance_rad_nm();
         let turned = rotation_by(&turn) * scratch.rows.free_turns[t];

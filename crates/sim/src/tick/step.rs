@@ -3,7 +3,7 @@
 use super::record::{Command, TickFault, TickInput, TickOutput};
 use super::{admit, balance, emit, gather, iterate, motion};
 use crate::haptics::DeviceBounds;
-use crate::scene::{RunState, Scene, SceneState, Scratch, quality};
+use crate::scene::{RunState, Scene, SceneState, Scratch, flags, quality};
 use crate::solve::rows::MAX_TOOLS;
 use palpate_geometry::math::{SavedState, StateError, state_hash};
 
@@ -73,6 +73,10 @@ pub fn render(
     balance::solve(scene, state, scratch);
     iterate::iterate(scene, state, scratch);
     emit::emit(scene, state, scratch, &mut output);
+    if std::mem::take(&mut state.faulted) {
+        let tools = output.tools.iter_mut().take(scene.tool_count());
+        tools.for_each(|tool| tool.flags |= flags::FAULT);
+    }
     output
 }
 
@@ -87,6 +91,8 @@ pub fn deform(
         motion::stand_still(scene, state, scratch);
     } else if !motion::advance(scene, state, scratch) {
         output.fault = Some(TickFault::NotFinite);
+        // The forces of this tick are out already.
+        state.faulted = true;
     }
     output.net_revision = state.bodies.iter().map(|body| body.revision).sum();
 }

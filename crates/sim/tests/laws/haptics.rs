@@ -1,10 +1,11 @@
 //! What a hand may count on: balance in six degrees of freedom, equal and opposite forces, energy
 //! that adds up, no steps.
 
-use crate::common::{World, pose};
+use crate::common::{World, pose, teardrop};
 use palpate_geometry::math::{Point3, Rotation, Vector3, rotation_by, turn_between};
 use palpate_sim::haptics::DevicePose;
 use palpate_sim::scene::flags;
+use palpate_sim::tick::record::TickOutput;
 
 const WEAK: &str = "device = { force_max_n = 1e6, ramp_s = 0.0, speed_max_m_s = 1e6 }\n";
 
@@ -418,4 +419,32 @@ fn the_passivity_controller_takes_what_a_wall_beyond_its_limit_makes() {
         "with the controller: {end} J, at least {least} J"
     );
     assert!(swing < 2e-4, "with the controller it swings by {swing} m");
+}
+
+#[test]
+fn a_body_that_is_not_finite_goes_back_to_rest_and_the_next_force_says_so() {
+    let mut world = World::new(&teardrop(20e3, "\"none\""));
+    let press = |world: &mut World| world.all(&[([0.027, 0.003, 0.045], 0)]);
+    for _ in 0..20 {
+        assert_eq!(press(&mut world).tools[0].flags & flags::FAULT, 0);
+    }
+    let body = world.state.bodies[0].deformable.as_mut().unwrap();
+    body.velocities.fill(Vector3::repeat(f64::NAN));
+    body.positions.fill(Point3::from(Vector3::repeat(f64::NAN)));
+    let ticks: Vec<_> = (0..6).map(|_| press(&mut world)).collect();
+    let faults: Vec<bool> = ticks.iter().map(|out| out.fault.is_some()).collect();
+    let flagged = |out: &TickOutput| out.tools[0].flags & flags::FAULT != 0;
+    let flag_set: Vec<bool> = ticks.iter().map(flagged).collect();
+    assert!(faults.contains(&true), "no fault was met");
+    assert_eq!(flag_set[1..], faults[..5], "flags follow faults by a tick");
+    assert!(!faults[5], "the body does not recover: {faults:?}");
+    for out in &ticks {
+        assert!(out.tools[0].force_n.iter().all(|x| x.is_finite()));
+    }
+    let body = world.state.bodies[0].deformable.as_ref().unwrap();
+    assert!(
+        body.positions
+            .iter()
+            .all(|p| p.iter().all(|x| x.is_finite()))
+    );
 }
