@@ -60,7 +60,7 @@ fn a_rigid_session_comes_back_bit_for_bit_and_replays() {
     assert!(report.passed() && report.same_build, "{report:?}");
     assert_eq!(
         (report.ticks_matched, report.session_hash),
-        (1_000, figures.session_hash)
+        (1_000, figures.session_hash.clone())
     );
 }
 

@@ -50,8 +50,8 @@ fn two_lockstep_sessions_in_separate_processes_are_equal_to_the_bit_and_replay()
         "{a}"
     );
     assert_eq!(
-        (a.session_hash, a.final_hash),
-        (b.session_hash, b.final_hash)
+        (&a.session_hash, &a.final_hash),
+        (&b.session_hash, &b.final_hash)
     );
 
     let report = replay(&first, 0, |_, _| {}).unwrap();

@@ -81,11 +81,11 @@ impl BoxCase {
             // with E where it is damped.
             cases.push(Self {
                 long: scale > 1.0,
-                ..deformable("explicit", 1)
+                ..lattice("explicit", 1)
             });
             cases.push(Self {
                 long: scale > 1.0 && scale < 1000.0,
-                ..deformable("xpbd", 10)
+                ..lattice("xpbd", 10)
             });
             cases.push(Self {
                 scale,

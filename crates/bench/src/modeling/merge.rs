@@ -11,7 +11,7 @@ use crate::{Effort, Row};
 use palpate_geometry::basis::KnotVector;
 use palpate_geometry::math::Point3;
 use palpate_geometry::surface::{ControlNet, Surface};
-use palpate_modeling::merge::cases::{Case, cases};
+use palpate_modeling::merge::cases::{MergeCase, cases};
 use palpate_modeling::merge::{MergeMethod, MergeSpec, Report, merge as merge_patches};
 use std::time::Duration;
 
@@ -144,7 +144,7 @@ fn random_pair(random: &mut Random) -> [Surface; 2] {
     [surface(ua, a), surface(ub, b)]
 }
 
-fn rows(name: &str, case: &Case, effort: Effort, out: &mut dyn FnMut(Row)) {
+fn rows(name: &str, case: &MergeCase, effort: Effort, out: &mut dyn FnMut(Row)) {
     for continuity in CONTINUITIES {
         for (label, method) in [
             ("constrained", MergeMethod::Constrained),

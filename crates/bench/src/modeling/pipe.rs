@@ -2,7 +2,7 @@
 
 use crate::measure::{Times, clocked, time};
 use crate::{Effort, Row};
-use palpate_modeling::pipe::cases::{Case, cases};
+use palpate_modeling::pipe::cases::{PipeCase, cases};
 use palpate_modeling::pipe::oracle::{Comparison, compare, random_spine};
 use palpate_modeling::pipe::{PipeLimits, Spine, body_to_body};
 use std::time::Duration;
@@ -48,7 +48,7 @@ fn row(
 }
 
 /// All bounds, and the pairs alone.
-fn table_case(name: &str, case: &Case, effort: Effort) -> [Row; 2] {
+fn table_case(name: &str, case: &PipeCase, effort: Effort) -> [Row; 2] {
     let curve = case.curve();
     let spine = Spine::new(&curve).expect("a spine of the table");
     let calls = if effort == Effort::Quick { 20 } else { 400 };
@@ -94,7 +94,7 @@ fn table_case(name: &str, case: &Case, effort: Effort) -> [Row; 2] {
 
 /// Largest relative error of the bounds that the table knows, and how many are off by more than
 /// 1e-10.
-fn radius_error(case: &Case, limits: &PipeLimits) -> (f64, usize) {
+fn radius_error(case: &PipeCase, limits: &PipeLimits) -> (f64, usize) {
     let wanted = [Some(case.r_local), case.r_bb, case.r_ee, case.r_eb];
     let (mut worst, mut wrong) = (0.0_f64, 0);
     for ((_, found), wanted) in limits.bounds_m().into_iter().zip(wanted) {
@@ -112,7 +112,7 @@ fn radius_error(case: &Case, limits: &PipeLimits) -> (f64, usize) {
 }
 
 /// A closed spine's pairs against the table: the twin samples open curves.
-fn known_pairs(case: &Case, limits: &PipeLimits) -> Comparison {
+fn known_pairs(case: &PipeCase, limits: &PipeLimits) -> Comparison {
     let (start, end) = case.curve().knots().domain();
     let inside = |t: f64| if t < start { t + (end - start) } else { t };
     let mut comparison = Comparison {
