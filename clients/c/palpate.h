@@ -1119,8 +1119,8 @@ typedef struct palpate_event_kind {
     } record_stopped;
     struct {
       /*
-       * Stage that took most of their time: latch, render, deform, emit; wake: the system came
-       * late.
+       * Stage that took most of their time: latch, render, deform, hash, emit; wake: the system
+       * came late.
        */
       palpate_text stage;
       /* How many since the last such event. */

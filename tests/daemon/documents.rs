@@ -481,7 +481,7 @@ fn commands_on_a_recording_run() {
     let reads = |command: &[String]| {
         ["info", "export", "replay"].contains(&&*command[1]) && command[2] == "session.mcap"
     };
-    assert_eq!(run("docs/recording.md", directory.path(), reads), 6);
+    assert_eq!(run("docs/recording.md", directory.path(), reads), 7);
     for name in ["ticks.csv", "plots.svg", "drop.step"] {
         assert!(at(name).exists(), "{name}");
     }

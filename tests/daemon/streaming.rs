@@ -47,7 +47,9 @@ fn figures_left_by_the_recorder_are_those_of_the_ticks() {
         let left = agreed(&path);
         assert_eq!((left.ticks, left.gaps, left.clean), (ticks, 0, true));
         assert_eq!(left.commands, COMMANDS.len() as u64);
-        assert!(left.tools[0].contact_ticks > 0 && left.stages.len() == 5);
+        // Five stages and the whole tick.
+        assert_eq!(left.stages.len(), 6);
+        assert!(left.tools[0].contact_ticks > 0);
         // What is recovered of it has figures of its own, and no index was needed for that.
         let bytes = std::fs::read(&path).unwrap();
         let (cut, mended) = (path.with_extension("part"), path.with_extension("mended"));

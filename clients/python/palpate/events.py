@@ -84,7 +84,8 @@ class Overrun:
     """Ticks took longer than their period, or were woken too late: at most one such event a second for each stage."""
 
     stage: str
-    """Stage that took most of their time: ``latch``, ``render``, ``deform``, ``hash``, ``emit``; ``wake``: the system came late.
+    """Stage that took most of their time: ``latch``, ``render``, ``deform``, ``hash``, ``emit``; ``wake``: the system
+    came late.
     """
     count: U64
     """How many since the last such event."""

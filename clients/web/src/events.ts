@@ -50,7 +50,9 @@ export const EventKind = cases({
   Stopping: struct({}),
   /** Ticks took longer than their period, or were woken too late: at most one such event a second for each stage. */
   Overrun: struct({
-    /** Stage that took most of their time: `latch`, `render`, `deform`, `hash`, `emit`; `wake`: the system came late. */
+    /**
+     * Stage that took most of their time: `latch`, `render`, `deform`, `hash`, `emit`; `wake`: the system came late.
+     */
     stage: text,
     /** How many since the last such event. */
     count: u64,

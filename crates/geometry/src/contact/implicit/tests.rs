@@ -121,7 +121,7 @@ fn a_wrong_text_says_where_and_what_would_help() {
         ("w + 1", 1, "x, y, z"),
         ("hypot(x)", 1, "takes 2 arguments, not 1"),
         ("sin x", 5, "'(' after a function"),
-        ("1.2.3", 1, "no number"),
+        ("1.2.3", 1, "not a number"),
         ("x $ y", 3, "'$'"),
     ] {
         let error = Tape::parse(text).unwrap_err().to_string();
