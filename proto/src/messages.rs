@@ -459,6 +459,8 @@ crate::layout::messages! {
     }
 }
 
+// The table that makes the enum takes no attributes on its variants.
+#[allow(clippy::derivable_impls)]
 impl Default for RecorderState {
     fn default() -> Self {
         Self::Off

@@ -65,7 +65,7 @@ pub(in super::super) fn last_keyframe_until(
         .rev()
         .filter(|(_, chunk)| chunk.keyframe && chunk.from_ns <= until_ns)
     {
-        if let Some(found) = keyframes_of(session, chunk, &accept)?.1 {
+        if let Some(found) = keyframes_of(session, chunk, accept)?.1 {
             return Ok(Some(found));
         }
     }

@@ -217,10 +217,7 @@ impl<'a> Runner<'a> {
         at.last = Some(tick);
         // A tick that is there twice is not a gap: its stretch goes on, and the difference is found.
         // After a gap only a keyframe knows the state; ticks before the next one are skipped.
-        if !at
-            .state
-            .is_some_and(|state| tick <= state.saturating_add(1))
-        {
+        if at.state.is_none_or(|state| tick > state.saturating_add(1)) {
             (at.state, at.fresh) = (None, false);
             found.unreached += 1;
             return None;

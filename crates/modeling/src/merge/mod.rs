@@ -81,14 +81,19 @@ pub struct Merged {
 /// # Examples
 /// ```
 /// use palpate_geometry::surface::builtin;
-/// use palpate_modeling::merge::{MergeSpec, merge};
+/// use palpate_modeling::merge::{MergeMethod, MergeSpec, merge};
 /// let left = builtin("sheet", None, None)?;
 /// let mut right = left.clone();
 /// let x: Vec<f64> = left.net().points().iter().map(|point| point.x).collect();
 /// let width_m = x.iter().copied().fold(f64::MIN, f64::max) - x.iter().copied().fold(f64::MAX, f64::min);
 /// right.net_mut().points_mut().iter_mut().for_each(|point| point.x += width_m);
-/// let merged = merge(&[left, right], &MergeSpec::default())?;
-/// assert!(merged.within_tolerance);
+/// let spec = MergeSpec {
+///     method: MergeMethod::Constrained,
+///     tolerance_m: Some(1e-9),
+///     ..MergeSpec::default()
+/// };
+/// let merged = merge(&[left, right], &spec)?;
+/// assert_eq!(merged.within_tolerance, Some(true));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn merge(surfaces: &[Surface], spec: &MergeSpec) -> Result<Merged, MergeError> {
