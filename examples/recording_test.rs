@@ -19,7 +19,7 @@ fn record(daemon: &Path) -> Result<(Session, f64), Error> {
     let mut ball = session.tool("ball")?;
     let mut peak_n = 0.0_f64;
     for k in 0..500 {
-        let x_m = 0.06 - 6e-5 * f64::from(k);
+        let x_m = 0.06 - 7.5e-5 * f64::from(k);
         let force = session.step(&mut ball, pose_at([x_m, 0.003, 0.045]))?;
         peak_n = peak_n.max(force.force[0]);
     }

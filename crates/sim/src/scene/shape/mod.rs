@@ -1,7 +1,7 @@
 //! Shapes of tools: one file each, which knows how a scene writes the shape, what may be wrong with
 //! it, what contact queries it becomes, and how it is drawn.
 //!
-//! To add a shape: its file, with a type that implements [`Shape`], and its two lines here.
+//! To add a shape: its file, with a type that implements `Shape`, and its two lines here.
 
 mod capsule;
 mod cone;
