@@ -16,6 +16,7 @@ mod documents;
 mod editing;
 mod examples;
 mod export;
+mod features;
 mod golden;
 mod haptic_link;
 mod hostile_bytes;
