@@ -6,7 +6,7 @@ use std::process::Command;
 /// Features of each package, `{""}` where it has none, as a build of `arguments` would choose them.
 fn features(arguments: &[&str]) -> BTreeMap<String, BTreeSet<String>> {
     let output = Command::new(env!("CARGO"))
-        .args(["tree", "--locked", "--offline", "--prefix", "none"])
+        .args(["tree", "--locked", "--prefix", "none"])
         .args(["--format", "{p}|{f}"])
         .args(arguments)
         .current_dir(env!("CARGO_MANIFEST_DIR"))
