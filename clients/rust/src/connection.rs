@@ -330,7 +330,7 @@ impl Palpate {
     }
 
     /// The last events that the daemon still has (256) with numbers above `after`, oldest first:
-    /// for who comes late, or saw a gap in `seq`. Kinds of events that this client does not know
+    /// for clients that connect late or saw a gap in `seq`. Kinds of events that this client does not know
     /// are left out.
     ///
     /// # Errors

@@ -76,7 +76,7 @@ impl SelfSolver {
     /// first; and gaps up to `reach.margin_m` across the outside. `on_tool` and `tool_uv` are the
     /// other place on the same surface. Only a closed surface has an inside; others have no
     /// contacts. Folds deeper than `deepest_fold_m`, or than the radii of curvature at their feet,
-    /// are not looked for: the less is asked for, the fewer walls are told from folds.
+    /// are not looked for: the less is asked for, the fewer walls are distinguished from folds.
     pub fn contacts(
         &mut self,
         surface: &Surface,

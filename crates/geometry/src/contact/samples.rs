@@ -173,8 +173,8 @@ impl SampleGrid {
         let along = of(1 - held).beside(there[1 - held])?;
         let [a, b] = self.pair(d, if upper { last } else { first }, own);
         let [x, y] = self.pair(held, if side.is_multiple_of(2) { low } else { high }, along);
-        // Own ones first: a ball in a crease has a foot on either side, and they are told apart by
-        // that.
+        // Own ones first: a ball in a crease has a foot on either side,
+        // which this order keeps apart.
         Some([a, b, x, y])
     }
 

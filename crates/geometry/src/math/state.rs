@@ -95,9 +95,9 @@ pub fn state_hash(state: &impl Stateful) -> u64 {
 /// How much there is of a state.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct StateSize {
-    /// Integers.
+    /// The integers of the state, in the order in which they were saved.
     pub words: usize,
-    /// Floats.
+    /// The floating-point numbers of the state, in the order in which they were saved.
     pub floats: usize,
 }
 

@@ -365,7 +365,7 @@ impl<'a, S: StateSource> Restorer<'a, S> {
     /// As [`Saver::clear`].
     ///
     /// # Errors
-    /// None.
+    /// It never fails; the result has the form of the other walks.
     pub fn clear<T: Default>(&mut self, value: &mut T) -> Taken {
         *value = T::default();
         Ok(())

@@ -72,12 +72,12 @@ fn finite(place: &str, field: &'static str, value: f64) -> Checked {
     })
 }
 
-fn broken(rule: Rule, place: &str, what: String, mend: impl Into<String>) -> BranchError {
+fn broken(rule: Rule, place: &str, what: String, fix: impl Into<String>) -> BranchError {
     BranchError::Rule {
         rule,
         place: place.to_owned(),
         what,
-        mend: mend.into(),
+        fix: fix.into(),
     }
 }
 

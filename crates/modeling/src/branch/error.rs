@@ -45,7 +45,7 @@ impl fmt::Display for Rule {
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum BranchError {
     /// A tree that would not be smooth.
-    #[error("rule {rule} ({}) is broken at {place}: {what}; {mend}", rule.asks())]
+    #[error("rule {rule} ({}) is broken at {place}: {what}; {fix}", rule.asks())]
     Rule {
         /// Which rule.
         rule: Rule,
@@ -54,7 +54,7 @@ pub enum BranchError {
         /// With the numbers.
         what: String,
         /// What to change.
-        mend: String,
+        fix: String,
     },
     /// A number outside its range.
     #[error("{place}: {field} is {value}; it must be {allowed}")]
@@ -79,12 +79,12 @@ pub enum BranchError {
         most: usize,
     },
     /// A surface whose knots or net do not have the shape of a branching net.
-    #[error("not a branching net: {what}; {mend}")]
+    #[error("not a branching net: {what}; {fix}")]
     NotBranched {
         /// What is missing, and where.
         what: String,
         /// What to change.
-        mend: &'static str,
+        fix: &'static str,
     },
     /// The knots are invalid.
     #[error(transparent)]

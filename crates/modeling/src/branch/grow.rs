@@ -36,7 +36,7 @@ pub struct BranchingSurface {
 ///
 /// # Errors
 /// A number out of range, or the rule (R1 to R4) that the tree breaks, with the place and how to
-/// mend it.
+/// fix it.
 ///
 /// # Examples
 /// ```

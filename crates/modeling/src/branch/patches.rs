@@ -211,8 +211,8 @@ fn pieces(knots: &KnotVector) -> Vec<NetPiece> {
     pieces
 }
 
-fn not_branched(what: String, mend: &'static str) -> BranchError {
-    BranchError::NotBranched { what, mend }
+fn not_branched(what: String, fix: &'static str) -> BranchError {
+    BranchError::NotBranched { what, fix }
 }
 
 fn clamped(knots: &KnotVector, name: char) -> Result<(), BranchError> {
@@ -241,11 +241,11 @@ fn arcs(surface: &Surface) -> Result<Vec<NetPiece>, BranchError> {
             _ => arcs.push(piece),
         }
     }
-    let mend = "give each leaf two arcs: multiplicity p at its back joint, p + 1 after it";
+    let fix = "give each leaf two arcs: multiplicity p at its back joint, p + 1 after it";
     if arcs.is_empty() || !arcs.len().is_multiple_of(2) {
         return Err(not_branched(
             format!("u has {} arcs, not two for each leaf", arcs.len()),
-            mend,
+            fix,
         ));
     }
     if let Some(k) = (0..arcs.len()).find(|&k| arcs[k].disjoined != (k % 2 == 1)) {
@@ -255,7 +255,7 @@ fn arcs(surface: &Surface) -> Result<Vec<NetPiece>, BranchError> {
         ];
         return Err(not_branched(
             format!("the knot u = {at} has not multiplicity {wanted}"),
-            mend,
+            fix,
         ));
     }
     let shape = |arc: &NetPiece| (arc.points[1] - arc.points[0], arc.range[1] - arc.range[0]);
@@ -300,7 +300,7 @@ fn parts(surface: &Surface) -> Result<Vec<NetPiece>, BranchError> {
             what: format!(
                 "its multiplicity is {q}: inner arcs are joined to the stem by a spurious sheet"
             ),
-            mend: format!("repeat it {} times and double the row", q + 1),
+            fix: format!("repeat it {} times and double the row", q + 1),
         });
     }
     Ok(parts)

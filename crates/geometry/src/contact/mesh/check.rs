@@ -68,7 +68,7 @@ pub enum MeshError {
     /// What the distance queries cannot take.
     #[error("the mesh is refused: {reason}")]
     Refused {
-        /// Explanation.
+        /// What the distance queries cannot take about it.
         reason: String,
     },
 }

@@ -81,22 +81,25 @@ fn stepped(body: &Inputs<'_>, make: &Make<'_>) -> Option<(Deformable, String)> {
     };
     let substeps = integrator.substeps;
     let explicit = || with(Integrator::Explicit { substeps });
-    let told = |result: Result<Deformable, DeformableError>| {
+    let checked = |result: Result<Deformable, DeformableError>| {
         result
             .map_err(|error| body.at.key(key_of(&error)).refuse(error))
             .ok()
     };
     Some(match integrator.method {
         MethodSpec::Implicit => (
-            told(implicit())?,
+            checked(implicit())?,
             "implicit, as the scene says or by default".to_owned(),
         ),
-        MethodSpec::Explicit => (told(explicit())?, "explicit, as the scene says".to_owned()),
+        MethodSpec::Explicit => (
+            checked(explicit())?,
+            "explicit, as the scene says".to_owned(),
+        ),
         MethodSpec::Xpbd => (
-            told(with(Integrator::Xpbd { substeps }))?,
+            checked(with(Integrator::Xpbd { substeps }))?,
             "xpbd, as the scene says: compare its forces, it softens silently".to_owned(),
         ),
-        MethodSpec::Auto => cheaper(told(implicit())?, explicit()),
+        MethodSpec::Auto => cheaper(checked(implicit())?, explicit()),
     })
 }
 
