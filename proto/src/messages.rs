@@ -175,7 +175,8 @@ pub struct Contact {
     pub force: [f64; 3],
 }
 
-/// Contacts that carry force in a tick: at most the sixteen deepest.
+/// Contacts that carry force in a tick, the deepest: at most sixteen, or two for each tool where
+/// that is more.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(postcard_schema::Schema))]
 pub struct ContactSet {

@@ -122,9 +122,10 @@ pub fn info(session: &Session) -> Info {
     let mut session_hash = SessionHash::default();
     for record in &session.ticks {
         session_hash.push(record.output.tick, record.output.state_hash);
+        let applied = record.input.poses.first(poses.len());
         poses
             .iter_mut()
-            .zip(&record.input.poses)
+            .zip(applied)
             .for_each(|(count, pose)| *count += u64::from(pose.is_some()));
         lateness.add(record.late_ns);
         let mut whole = 0;

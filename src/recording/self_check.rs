@@ -9,11 +9,11 @@
 //! free, ticks go unchecked and are counted.
 
 use crate::drive::journal::Journal;
+use crate::drive::nets::NetPool;
 use palpate_geometry::math::{SavedState, state_hash};
 use palpate_sim::haptics::DevicePose;
 use palpate_sim::scene::{Scene, SceneState, Scratch};
 use palpate_sim::solve::grip::MAX_ANCHORS;
-use palpate_sim::solve::rows::MAX_ROWS;
 use palpate_sim::tick::record::{Command, TickInput, TickRecord};
 use palpate_sim::tick::{apply, restore, step};
 use serde::Serialize;
@@ -99,7 +99,8 @@ pub(super) fn room_for_states(scene: &Scene) -> SavedState {
     const ANCHOR: [usize; 2] = [1, 5];
     let mut sample = SavedState::default();
     sample.save_from(&scene.initial_state());
-    let more = |k: usize| MAX_ROWS * ROW[k] + scene.tool_count() * (1 + MAX_ANCHORS * ANCHOR[k]);
+    let more =
+        |k: usize| scene.most_rows() * ROW[k] + scene.tool_count() * (1 + MAX_ANCHORS * ANCHOR[k]);
     SavedState {
         words: Vec::with_capacity(sample.words.len() + more(0)),
         floats: Vec::with_capacity(sample.floats.len() + more(1)),
@@ -181,14 +182,12 @@ impl SelfCheckPort {
 }
 
 impl Journal for SelfCheckPort {
-    fn tick(&mut self, scene: &Scene, state: &SceneState, record: &TickRecord) {
-        self.inner.tick(scene, state, record);
+    fn tick(&mut self, scene: &Scene, state: &SceneState, record: &TickRecord, nets: &mut NetPool) {
+        self.inner.tick(scene, state, record, nets);
         match &mut self.filling {
             None => drop(self.shared.unchecked.fetch_add(1, Ordering::Relaxed)),
             Some(batch) => {
-                batch
-                    .poses
-                    .extend_from_slice(&record.input.poses[..self.tools]);
+                batch.poses.extend(record.input.poses.first(self.tools));
                 batch.hashes.push(record.output.state_hash);
                 if batch.hashes.len() == self.every
                     && let Some(batch) = self.filling.take()
@@ -223,6 +222,10 @@ impl Journal for SelfCheckPort {
         if self.filling.is_none() {
             self.begin(state, state_hash);
         }
+    }
+
+    fn nets_held(&self) -> usize {
+        self.inner.nets_held()
     }
 }
 
@@ -317,7 +320,7 @@ fn check(
             commands = rest;
         }
         let mut input = TickInput::default();
-        input.poses[..tools].copy_from_slice(&batch.poses[k * tools..(k + 1) * tools]);
+        input.poses.set(&batch.poses[k * tools..(k + 1) * tools]);
         let output = step(scene, state, scratch, &input);
         if output.state_hash != hash {
             return parted(tick, hash, output.state_hash);

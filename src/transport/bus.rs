@@ -232,7 +232,7 @@ impl BusThread {
             contact_wanted: vec![false; scene.tool_count()],
             requests,
             stop,
-            output: TickOutput::default(),
+            output: TickOutput::for_tools(scene.tool_count()),
             nets,
             status,
             pending: Vec::new(),

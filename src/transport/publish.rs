@@ -24,7 +24,7 @@ impl BusThread {
             };
             // In lockstep every tick's force is awaited; in real time only the newest counts.
             if self.lockstep || self.ports.outputs.is_empty() {
-                self.output = output;
+                self.output.clone_from(&output);
                 fresh = true;
                 for tool in 0..self.tools.len() {
                     self.put_tool(tool);
@@ -93,7 +93,8 @@ impl BusThread {
 
     fn publish_contacts(&mut self) {
         let mut changed = false;
-        for (tally, out) in self.tools.iter_mut().zip(&self.output.tools) {
+        let outputs = self.output.tools.first(self.tools.len());
+        for (tally, out) in self.tools.iter_mut().zip(outputs) {
             changed |= tally.touching != out.contact.is_some();
             tally.touching = out.contact.is_some();
         }
@@ -123,20 +124,12 @@ impl BusThread {
     pub(super) fn publish_nets(&mut self) {
         let refresh = self.last_nets.elapsed() >= NET_REFRESH;
         for body in 0..self.nets.len() {
-            let mut fresh = None;
             let scene = &self.settings.scene;
-            self.ports.nets[body].newest(|frame| {
-                fresh = Some(wire::control_net(
-                    scene,
-                    body,
-                    frame.tick,
-                    frame.revision,
-                    &frame.points,
-                ));
-            });
+            let fresh = self.ports.nets[body].newest();
             let changed = fresh.is_some();
-            if let Some(net) = fresh {
-                self.nets[body] = net;
+            if let Some(frame) = fresh {
+                self.nets[body] =
+                    wire::control_net(scene, body, frame.tick, frame.revision, &frame.points);
             }
             if changed || refresh {
                 let _ = self.declared().nets[body]

@@ -445,9 +445,9 @@ fn try_published(
     loop {
         let over = thread.is_finished();
         while bus.records.pop().is_ok() {}
-        bus.nets.iter_mut().for_each(|net| net.newest(|_| {}));
+        bus.nets.iter_mut().for_each(|net| drop(net.newest()));
         while let Ok(output) = bus.outputs.pop() {
-            outputs.push(output);
+            outputs.push((*output).clone());
         }
         if over {
             return thread.join().unwrap().map(|report| (outputs, report));

@@ -204,7 +204,7 @@ class Contact:
 
 @dataclass(frozen=True)
 class ContactSet(Message):
-    """Contacts that carry force in a tick: at most the sixteen deepest."""
+    """Contacts that carry force in a tick, the deepest: at most sixteen, or two for each tool where that is more."""
 
     NAME = "palpate.ContactSet.v1"
 

@@ -184,7 +184,7 @@ export const Contact = struct({
 });
 export type Contact = Value<typeof Contact>;
 
-/** Contacts that carry force in a tick: at most the sixteen deepest. */
+/** Contacts that carry force in a tick, the deepest: at most sixteen, or two for each tool where that is more. */
 export const ContactSet = message("palpate.ContactSet.v1", {
   /** Tick. */
   tick: u64,

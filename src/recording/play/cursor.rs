@@ -10,7 +10,7 @@ use std::sync::Arc;
 
 /// What came next. Lives for a moment on the stack: its size costs less than a box.
 #[allow(clippy::large_enum_variant)]
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub(super) enum Next {
     /// A tick; the state is that after it.
     Tick(TickRecord),
@@ -151,7 +151,7 @@ impl Cursor {
         self.restore(key_tick, commands, &saved)?;
         let record = to
             .checked_sub(1)
-            .map(|at| self.session.ticks[at])
+            .map(|at| self.session.ticks[at].clone())
             .filter(|record| record.output.tick == tick);
         let mut output = None;
         for at in from..to {
@@ -195,9 +195,11 @@ impl Cursor {
             let at = self.next;
             let output = self.take(at);
             self.next += 1;
+            let record = &self.session.ticks[at];
             return Ok(Next::Tick(TickRecord {
+                input: record.input.clone(),
                 output,
-                ..self.session.ticks[at]
+                ..*record
             }));
         }
         let after = self.state.tick;
@@ -247,7 +249,7 @@ impl Cursor {
 
     /// Steps over the record at an index; gives its output, with what was recorded where they part.
     fn take(&mut self, at: usize) -> TickOutput {
-        let record = self.session.ticks[at];
+        let record = self.session.ticks[at].clone();
         let tick = record.output.tick;
         while let Some(&(_, command)) = self
             .session

@@ -145,10 +145,15 @@ impl<'a> Runner<'a> {
     fn tick(&mut self, record: &TickRecord, nets_matched: &mut u64) -> Option<Difference> {
         let tick = record.output.tick;
         let output = self.follower.tick(tick, &record.input);
-        self.remember(TickRecord { output, ..*record });
         let scene = self.follower.scene();
-        if let Some(difference) = compare(&record.output, &output, scene.tool_count()) {
-            return Some(difference);
+        let difference = compare(&record.output, &output, scene.tool_count());
+        self.remember(TickRecord {
+            input: record.input.clone(),
+            output,
+            ..*record
+        });
+        if difference.is_some() {
+            return difference;
         }
         let nets = &self.session.nets;
         let first = nets.partition_point(|net| net.tick < tick);
@@ -189,6 +194,7 @@ impl<'a> Runner<'a> {
             }
             tick = record.output.tick;
             replayed.push(TickRecord {
+                input: record.input.clone(),
                 output: self.follower.tick(tick, &record.input),
                 ..*record
             });

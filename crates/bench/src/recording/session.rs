@@ -1,6 +1,7 @@
 //! A scene whose tools are moved, with a recorder.
 
 use palpate::drive::journal::Journal;
+use palpate::drive::nets::NetPool;
 use palpate::recording::{Recorder, RecorderPort, RecorderSettings, RecordingSummary};
 use palpate::wire;
 use palpate_client::device::Motion;
@@ -116,9 +117,11 @@ impl Simulated {
     /// Records so many ticks, as fast as they come.
     pub fn record(&mut self, path: &Path, ticks: u64) -> anyhow::Result<RecordingSummary> {
         let (recorder, mut port) = self.recorder(|settings| settings.to(path))?;
+        let mut nets = NetPool::new(&self.scene, port.nets_held());
         for _ in 0..ticks {
             let record = self.tick();
-            port.tick(&self.scene, &self.state, &record);
+            nets.begin();
+            port.tick(&self.scene, &self.state, &record, &mut nets);
             // A loop gives its recorder a second for a second.
             if record.output.tick.is_multiple_of(1_000) {
                 std::thread::sleep(std::time::Duration::from_millis(30));

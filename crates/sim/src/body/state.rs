@@ -5,7 +5,7 @@ use super::spring_table::ByCoordinate;
 use palpate_geometry::math::{Lane, Point3, Rows, StateError, StateSink, StateSource, Vector3};
 
 /// What a replay restores.
-#[derive(Debug, PartialEq)]
+#[derive(Debug, Default, PartialEq)]
 pub struct DeformableState {
     /// (coordinates), m.
     pub positions: Vec<Point3>,
@@ -23,14 +23,7 @@ pub struct DeformableState {
 
 impl Clone for DeformableState {
     fn clone(&self) -> Self {
-        let mut copy = Self {
-            positions: Vec::new(),
-            velocities: Vec::new(),
-            rest_lengths: Vec::new(),
-            plastic_strain: Vec::new(),
-            still: 0,
-            slept: 0,
-        };
+        let mut copy = Self::default();
         copy.clone_from(self);
         copy
     }

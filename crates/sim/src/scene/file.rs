@@ -282,7 +282,7 @@ impl Check<'_> {
         }
         if spec.tools.len() > MAX_TOOLS {
             let message = format!(
-                "{} tools; at most {MAX_TOOLS} fit a tick's record",
+                "{} tools; a scene has at most {MAX_TOOLS} tools",
                 spec.tools.len()
             );
             self.refuse("tool", MAX_TOOLS, "id", message);

@@ -9,7 +9,7 @@ use crate::solve::complementarity::Complementarity;
 use crate::solve::cones::ConeShare;
 use crate::solve::delassus::Delassus;
 use crate::solve::friction::{FrictionProblem, Stick};
-use crate::solve::rows::{MAX_ROWS, MAX_ROWS_PER_PAIR, RowSet, SampleInTouch};
+use crate::solve::rows::{MAX_ROWS_PER_PAIR, RowSet, SampleInTouch};
 use crate::solve::sharing::Share;
 use palpate_geometry::contact::spheres::Counters;
 use palpate_geometry::math::{Point3, Vector3};
@@ -40,6 +40,8 @@ pub struct Scratch {
     /// Where bodies that take several ticks step; without it they step in the tick in which they
     /// are due.
     pub(crate) pipeline: Option<Box<dyn Pipeline>>,
+    /// The state at the start, for a reset.
+    pub(crate) start: SceneState,
 }
 
 impl Scratch {
@@ -98,12 +100,13 @@ pub(crate) struct DeformingScratch {
 impl Scene {
     /// Buffers for the steps of one simulation, prepared for `state`.
     pub fn scratch(&self, state: &SceneState) -> Scratch {
-        let width =
+        let width_of =
             |surface: &Surface| (surface.knots_u().degree() + 1) * (surface.knots_v().degree() + 1);
-        let rows = self
+        let most_rows = self.most_rows();
+        let width = self
             .bodies
             .iter()
-            .map(|body| width(&body.surface))
+            .map(|body| width_of(&body.surface))
             .max()
             .unwrap_or(1);
         let lattices = || (0..self.body_count()).filter_map(|body| self.lattice(body));
@@ -132,7 +135,7 @@ impl Scene {
         });
         let frictional = self.pairs.iter().any(|pair| pair.friction.is_some());
         let frictional_rows = if frictional || self.tools.iter().any(|tool| tool.grip_n > 0.0) {
-            MAX_ROWS
+            most_rows
         } else {
             0
         };
@@ -144,20 +147,37 @@ impl Scene {
                 .map(|pair| PairScratch::new(self, pair))
                 .collect(),
             near: Near::new(self),
-            rows: RowSet::new(rows),
+            rows: RowSet::new(most_rows, self.tools.len(), width),
             hits: Vec::with_capacity(MAX_ROWS_PER_PAIR),
-            problem: Complementarity::new(MAX_ROWS),
-            friction: FrictionProblem::new(frictional_rows),
+            problem: Complementarity::new(most_rows),
+            friction: FrictionProblem::new(frictional_rows, self.tools.len()),
             cones: Vec::with_capacity(frictional_rows),
             sticks: Vec::with_capacity(frictional_rows),
-            shares: Vec::with_capacity(MAX_ROWS),
-            delassus: Delassus::new(2 * MAX_ROWS, rows, unknowns, surface),
+            shares: Vec::with_capacity(most_rows),
+            delassus: Delassus::new(2 * most_rows, width, unknowns, surface),
             pipeline: None,
+            start: self.initial_state(),
         };
         for body in 0..self.body_count() {
             self.prepare_body(body, state, &mut scratch, false);
         }
         scratch
+    }
+
+    /// Brings buffers that have been through ticks in line with another state of the scene: what
+    /// they compute from here on has the bits that new ones would compute. Allocates nothing.
+    pub(crate) fn reuse_scratch(&self, state: &SceneState, scratch: &mut Scratch) {
+        for body in 0..self.body_count() {
+            let deforming = scratch.bodies[body].deforming.as_mut();
+            if let (Some(lattice), Some(deforming)) = (self.lattice(body), deforming) {
+                lattice.drop_loads(&mut deforming.lattice);
+            }
+            self.prepare_body(body, state, scratch, false);
+        }
+        // Steps that were begun elsewhere belong to the state before.
+        if let Some(pipeline) = &mut scratch.pipeline {
+            pipeline.cancel();
+        }
     }
 
     /// Cells of a body that the last pass held back, because their tangent exceeded what the step follows.

@@ -7,7 +7,7 @@ use crate::haptics::{DeviceBounds, Link, Port};
 use crate::solve::friction::Stick;
 use crate::solve::grip::{GRAB, GripState};
 use crate::solve::proxy::ProxyState;
-use crate::solve::rows::{LEAST_FOOT, MAX_ROWS};
+use crate::solve::rows::LEAST_FOOT;
 use palpate_geometry::math::{
     Point3, Rotation, StateError, StateSink, StateSource, Stateful, Vector3,
 };
@@ -28,7 +28,7 @@ pub enum RunState {
 }
 
 /// All that a replay must restore. Hashed every tick.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Debug, PartialEq)]
 pub struct SceneState {
     /// Ticks done.
     pub tick: u64,
@@ -46,8 +46,8 @@ pub struct SceneState {
     pub frame: FrameState,
     /// A tool carries the bodies.
     pub(crate) carried: bool,
-    /// Contact forces of the last tick, the solver's warm start; `warm_len` of [`MAX_ROWS`] are
-    /// valid.
+    /// (rows of a tick at most, [`Scene::most_rows`]): contact forces of the last tick, the
+    /// solver's warm start; `warm_len` are valid.
     pub warm: Vec<WarmRow>,
     /// Valid entries of `warm`.
     pub warm_len: usize,
@@ -58,7 +58,7 @@ pub struct SceneState {
 }
 
 /// State of a body.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Debug, Default, PartialEq)]
 pub struct BodyState {
     /// Nodes, when it deforms.
     pub lattice: Option<DeformableState>,
@@ -193,11 +193,81 @@ impl Scene {
             pairs: vec![PairState::default(); self.pairs.len()],
             frame: FrameState::default(),
             carried: self.frame.is_some(),
-            warm: vec![WarmRow::default(); MAX_ROWS],
+            warm: vec![WarmRow::default(); self.most_rows()],
             warm_len: 0,
             warm_friction: false,
             warm_arms: false,
         }
+    }
+}
+
+impl Clone for SceneState {
+    fn clone(&self) -> Self {
+        let mut copy = Self {
+            tick: 0,
+            run: RunState::Running,
+            quality: 0,
+            bodies: Vec::new(),
+            tools: Vec::new(),
+            pairs: Vec::new(),
+            frame: FrameState::default(),
+            carried: false,
+            warm: Vec::new(),
+            warm_len: 0,
+            warm_friction: false,
+            warm_arms: false,
+        };
+        copy.clone_from(self);
+        copy
+    }
+
+    /// Allocates nothing between states of one scene.
+    fn clone_from(&mut self, from: &Self) {
+        let Self {
+            tick,
+            run,
+            quality,
+            bodies,
+            tools,
+            pairs,
+            frame,
+            carried,
+            warm,
+            warm_len,
+            warm_friction,
+            warm_arms,
+        } = self;
+        (*tick, *run, *quality) = (from.tick, from.run, from.quality);
+        bodies.clone_from(&from.bodies);
+        tools.clone_from(&from.tools);
+        pairs.clone_from(&from.pairs);
+        (*frame, *carried) = (from.frame, from.carried);
+        warm.clone_from(&from.warm);
+        (*warm_len, *warm_friction, *warm_arms) =
+            (from.warm_len, from.warm_friction, from.warm_arms);
+    }
+}
+
+impl Clone for BodyState {
+    fn clone(&self) -> Self {
+        let mut copy = Self::default();
+        copy.clone_from(self);
+        copy
+    }
+
+    /// Allocates nothing between states of one body.
+    fn clone_from(&mut self, from: &Self) {
+        let Self {
+            lattice,
+            revision,
+            moved_m,
+            phase,
+            loads,
+        } = self;
+        // `Option` hands its value's own `clone_from` on.
+        lattice.clone_from(&from.lattice);
+        (*revision, *moved_m, *phase) = (from.revision, from.moved_m, from.phase);
+        loads.clone_from(&from.loads);
     }
 }
 
@@ -364,7 +434,7 @@ impl Stateful for SceneState {
         }
         let head = source.word()?;
         let (warm_len, kinds) = (head & u64::from(u32::MAX), head >> 32);
-        if warm_len > MAX_ROWS as u64 || kinds > 3 {
+        if warm_len > self.warm.len() as u64 || kinds > 3 {
             return Err(StateError::Value {
                 what: "number of contact rows",
                 value: head,

@@ -9,6 +9,7 @@
 mod admit;
 mod balance;
 mod between;
+mod by_tool;
 mod cover;
 mod emit;
 mod face;
@@ -24,4 +25,4 @@ pub mod record;
 mod step;
 mod stick;
 
-pub use step::{apply, deform, render, restore, step};
+pub use step::{apply, deform, render, restore, step, step_into};

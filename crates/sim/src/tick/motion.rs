@@ -49,7 +49,7 @@ pub(super) fn advance(scene: &Scene, state: &mut SceneState, scratch: &mut Scrat
         let sum: f64 = lattice.positions.iter().map(|p| p.x + p.y + p.z).sum();
         let finite = sum.is_finite();
         if !finite {
-            *lattice = model.lattice.rest_state();
+            model.lattice.set_to_rest(lattice);
             sound = false;
         }
         let surface = &scratch.bodies[b].surface;
