@@ -146,8 +146,13 @@ pub fn knots(bytes: &[u8]) {
 
 /// A recording.
 pub fn session(bytes: &[u8]) {
-    if let Ok(session) = palpate::recording::Session::parse(Path::new("session.mcap"), bytes) {
-        let _ = palpate::recording::info(&session);
+    use palpate::recording::{Contents, Session, computed_info, info};
+    if let Ok(session) = Session::parse(Path::new("session.mcap"), bytes) {
+        // From the index where there is one, and from the chunks; both must come to an end.
+        let _ = (info(&session), computed_info(&session));
+        if let Ok(contents) = Contents::of(&session) {
+            assert!(contents.session().is_ok(), "read, written, then refused");
+        }
     }
 }
 

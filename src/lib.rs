@@ -17,3 +17,14 @@ pub mod recording;
 pub mod transport;
 pub mod viewer;
 pub mod wire;
+
+/// Rust blocks of the guides are compiled, and run where they can be.
+#[cfg(doctest)]
+mod guides {
+    #[doc = include_str!("../README.md")]
+    struct Readme;
+    #[doc = include_str!("../docs/branch.md")]
+    struct Branch;
+    #[doc = include_str!("../docs/recording.md")]
+    struct Recording;
+}

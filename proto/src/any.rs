@@ -1,55 +1,34 @@
 //! Messages of whatever type, as JSON: for tools that show what is on the bus.
 
 use crate::codec::{DecodeError, decode};
-use crate::messages::{
-    ContactSet, ControlNet, DeviceInfo, LoopStatus, Message, SceneSnapshot, SimEvent, ToolContact,
-    ToolForce, ToolPose,
-};
+use crate::layout::MessageType;
+use crate::messages::{ALL, Message};
 use serde_json::Value;
 
-type Decoder = fn(&[u8]) -> Result<Value, DecodeError>;
-
-fn decoder<M: Message>() -> (&'static str, Decoder) {
-    fn to_json<M: Message>(bytes: &[u8]) -> Result<Value, DecodeError> {
-        let message: M = decode(bytes, "")?;
-        // Numbers that JSON does not have become null.
-        Ok(serde_json::to_value(message).unwrap_or(Value::Null))
-    }
-    (M::NAME, to_json::<M>)
+pub(crate) fn decode_to_json<M: Message>(bytes: &[u8]) -> Result<Value, DecodeError> {
+    let message: M = decode(bytes, "")?;
+    // Numbers that JSON does not have become null.
+    Ok(serde_json::to_value(message).unwrap_or(Value::Null))
 }
 
-fn decoders() -> [(&'static str, Decoder); 9] {
-    [
-        decoder::<ToolPose>(),
-        decoder::<ToolForce>(),
-        decoder::<ToolContact>(),
-        decoder::<DeviceInfo>(),
-        decoder::<ControlNet>(),
-        decoder::<ContactSet>(),
-        decoder::<LoopStatus>(),
-        decoder::<SimEvent>(),
-        decoder::<SceneSnapshot>(),
-    ]
-}
-
-/// Versioned name of the messages under a key, where there is no encoding to tell it.
-pub fn name_of_key(key: &str) -> Option<&'static str> {
-    let chunks: Vec<&str> = key.split('/').collect();
-    let ["palpate", _, rest @ ..] = &chunks[..] else {
-        return None;
-    };
-    Some(match rest {
-        ["tool", _, "pose"] => ToolPose::NAME,
-        ["tool", _, "force"] => ToolForce::NAME,
-        ["tool", _, "contact"] => ToolContact::NAME,
-        ["tool", _, "device"] => DeviceInfo::NAME,
-        ["body", _, "net"] => ControlNet::NAME,
-        ["contact"] => ContactSet::NAME,
-        ["status"] => LoopStatus::NAME,
-        ["event"] => SimEvent::NAME,
-        ["scene"] => SceneSnapshot::NAME,
-        _ => return None,
+/// The message under a key, where there is no encoding that names it.
+pub fn type_of_key(key: &str) -> Option<&'static MessageType> {
+    let rest = key.strip_prefix("palpate/")?.split_once('/')?.1;
+    ALL.iter().copied().find(|message| {
+        let (mut own, mut given) = (message.key.split('/'), rest.split('/'));
+        loop {
+            match (own.next(), given.next()) {
+                (None, None) => return true,
+                (Some(own), Some(given)) if own == given || own.starts_with('{') => {}
+                _ => return false,
+            }
+        }
     })
+}
+
+/// Versioned name of the messages under a key, where there is no encoding that names it.
+pub fn name_of_key(key: &str) -> Option<&'static str> {
+    type_of_key(key).map(|message| message.name)
 }
 
 /// A message as JSON by its versioned name; `None` for a name that is not ours.
@@ -57,10 +36,9 @@ pub fn name_of_key(key: &str) -> Option<&'static str> {
 /// # Errors
 /// Not the bytes of such a message.
 pub fn to_json(name: &str, bytes: &[u8]) -> Option<Result<Value, DecodeError>> {
-    decoders()
-        .iter()
-        .find(|(known, _)| *known == name)
-        .map(|(_, decode)| decode(bytes))
+    ALL.iter()
+        .find(|message| message.name == name)
+        .map(|message| (message.to_json)(bytes))
 }
 
 #[cfg(test)]

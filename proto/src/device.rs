@@ -1,58 +1,13 @@
-//! What a device can do, and which descriptions are believed.
+//! Which descriptions of devices are believed.
 
-use crate::messages::Message;
-use serde::{Deserialize, Serialize};
-
-/// What the device that holds a tool can do, told by its client. Zero where it does not know.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(postcard_schema::Schema))]
-pub struct DeviceInfo {
-    /// Its name, at most 64 bytes, without control characters.
-    pub name: String,
-    /// Directions in which it can push, 0 to 3.
-    pub dof_force: u8,
-    /// Axes about which it can turn, 0 to 3.
-    pub dof_torque: u8,
-    /// Box in which its tool can go, m.
-    pub workspace: [f64; 3],
-    /// Greatest force, N.
-    pub force_max: f64,
-    /// Greatest force that it can hold for long, N; at most `force_max`.
-    pub force_continuous: f64,
-    /// Greatest torque, N·m.
-    pub torque_max: f64,
-    /// Mass that the hand feels at its tool, kg.
-    pub mass: f64,
-    /// Its own viscous damping, N·s/m.
-    pub damping: f64,
-    /// Its own Coulomb friction, N.
-    pub coulomb_friction: f64,
-    /// Step of its position sensor at the tool, m.
-    pub encoder_resolution: f64,
-    /// Rate of its own loop, Hz.
-    pub rate_hz: f64,
-    /// Delay between it and the daemon, one way, s.
-    pub delay_s: f64,
-    /// Relative change of the force below which a hand feels none (Weber fraction); the daemon then
-    /// leaves such forces out. 0: every force is sent.
-    pub deadband: f64,
-}
-
-impl Message for DeviceInfo {
-    const NAME: &'static str = "palpate.DeviceInfo.v1";
-    // A count of at most 10 bytes, the name, two u8, thirteen f64.
-    const MAX_BYTES: usize = 10 + NAME_BYTES + 2 + 13 * 8;
-}
-
-/// Longest name, bytes.
-const NAME_BYTES: usize = 64;
+use crate::messages::{DEVICE_NAME_BYTES, DeviceInfo};
 
 /// Why a description was refused.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum DeviceError {
     /// Too long, or not to be shown.
     #[error(
-        "the name of a device has {0} bytes; it must have at most {NAME_BYTES} and no control characters"
+        "the name of a device has {0} bytes; it must have at most {DEVICE_NAME_BYTES} and no control characters"
     )]
     Name(usize),
     /// A number outside what a device can have.
@@ -75,7 +30,7 @@ impl DeviceInfo {
     /// # Errors
     /// The first field that no device has: not finite, negative, or far outside what is built.
     pub fn validated(self) -> Result<Self, DeviceError> {
-        if self.name.len() > NAME_BYTES || self.name.chars().any(char::is_control) {
+        if self.name.len() > DEVICE_NAME_BYTES || self.name.chars().any(char::is_control) {
             return Err(DeviceError::Name(self.name.len()));
         }
         let [x, y, z] = self.workspace;

@@ -1,5 +1,10 @@
 //! Key expressions. `palpate/{instance}/…`; ids are `[a-z0-9_-]{1,64}`; `@` chunks stay out of
-//! `**`.
+//! `**`. Where a message travels is in the table of [`crate::messages`].
+
+use crate::messages::{
+    ALL, ContactSet, ControlNet, DeviceInfo, LoopStatus, Message, SceneSnapshot, SimEvent,
+    ToolContact, ToolForce, ToolPose,
+};
 
 /// An id that cannot be a chunk of a key.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -29,56 +34,67 @@ impl Keys {
     /// Keys of an instance.
     ///
     /// # Errors
-    /// A name that is no id.
+    /// A name that is not a valid id.
     pub fn new(instance: &str) -> Result<Self, IdError> {
         Ok(Self {
             root: format!("palpate/{}", check_id(instance)?),
         })
     }
 
+    /// Key of a message; `id` is that of the tool or body whose message it is, or anything for a
+    /// message that has no owner.
+    pub fn of<M: Message>(&self, id: &str) -> String {
+        self.filled(M::KEY, id)
+    }
+
+    fn filled(&self, template: &str, id: &str) -> String {
+        let key = template.replace("{tool}", id).replace("{body}", id);
+        format!("{}/{key}", self.root)
+    }
+
     /// Poses of a tool, tool → daemon.
     pub fn tool_pose(&self, tool: &str) -> String {
-        format!("{}/tool/{tool}/pose", self.root)
+        self.of::<ToolPose>(tool)
     }
 
     /// Forces of a tool, daemon → tool.
     pub fn tool_force(&self, tool: &str) -> String {
-        format!("{}/tool/{tool}/force", self.root)
+        self.of::<ToolForce>(tool)
     }
 
     /// What contacts do to a tool, daemon → all.
     pub fn tool_contact(&self, tool: &str) -> String {
-        format!("{}/tool/{tool}/contact", self.root)
+        self.of::<ToolContact>(tool)
     }
 
     /// What the device of a tool can do, tool → daemon; also queryable.
     pub fn tool_device(&self, tool: &str) -> String {
-        format!("{}/tool/{tool}/device", self.root)
+        self.of::<DeviceInfo>(tool)
     }
 
     /// Control net of a body; also queryable.
     pub fn body_net(&self, body: &str) -> String {
-        format!("{}/body/{body}/net", self.root)
+        self.of::<ControlNet>(body)
     }
 
     /// Contacts.
     pub fn contact(&self) -> String {
-        format!("{}/contact", self.root)
+        self.of::<ContactSet>("")
     }
 
     /// Health; also queryable.
     pub fn status(&self) -> String {
-        format!("{}/status", self.root)
+        self.of::<LoopStatus>("")
     }
 
     /// Events.
     pub fn event(&self) -> String {
-        format!("{}/event", self.root)
+        self.of::<SimEvent>("")
     }
 
     /// Queryable: everything a late joiner needs.
     pub fn scene(&self) -> String {
-        format!("{}/scene", self.root)
+        self.of::<SceneSnapshot>("")
     }
 
     /// Queryable of one method.
@@ -115,12 +131,20 @@ impl Keys {
     /// or one word for all of a kind (`force`, `pose`, `device`, `net`, `all`).
     pub fn expand(&self, key: &str) -> String {
         let key = key.trim_matches('/');
-        match key {
-            "force" | "pose" | "device" => format!("{}/tool/*/{key}", self.root),
-            "net" => format!("{}/body/*/net", self.root),
-            "all" | "" => format!("{}/**", self.root),
-            _ if key == "palpate" || key.starts_with("palpate/") => key.to_owned(),
-            _ => format!("{}/{key}", self.root),
+        if key == "palpate" || key.starts_with("palpate/") {
+            return key.to_owned();
+        }
+        if key == "all" || key.is_empty() {
+            return format!("{}/**", self.root);
+        }
+        // `contact` is a key as it stands before it is the last word of another.
+        let kind = ALL.iter().find(|message| message.key == key).or_else(|| {
+            ALL.iter()
+                .find(|message| message.key.ends_with(&format!("}}/{key}")))
+        });
+        match kind {
+            Some(message) => self.filled(message.key, "*"),
+            None => format!("{}/{key}", self.root),
         }
     }
 

@@ -12,6 +12,7 @@ mod device;
 #[cfg(feature = "recording")]
 pub mod foxglove;
 pub mod keys;
+pub mod layout;
 pub mod messages;
 #[cfg(feature = "recording")]
 pub mod recording;

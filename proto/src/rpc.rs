@@ -1,113 +1,202 @@
-//! Commands over queryables, one a method; JSON in and out, so that any tool can send them.
+//! Commands over queryables, one key for each method; JSON in and out, so that any tool can send
+//! them.
+//!
+//! [`Call`] is the list of methods and their arguments. The method is the last chunk of the key,
+//! the payload holds the arguments as a JSON object. [`Answer`] is what comes back.
 
-use serde::{Deserialize, Serialize};
-
-/// Methods, as the last chunk of their keys.
-pub const METHODS: [&str; 12] = [
-    "reset",
-    "pause",
-    "resume",
-    "step",
-    "shutdown",
-    "record_start",
-    "record_stop",
-    "snapshot",
-    "seek",
-    "rate",
-    "merge",
-    "isolate",
-];
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
+use serde_json::{Map, Value};
 
 /// Longest arguments that are read, bytes.
 pub const MAX_REQUEST_BYTES: usize = 16 << 10;
 
-/// Arguments; absent ones take their defaults. An empty payload is `{}`.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Request {
-    /// `step`: ticks to run, 1 if absent.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub ticks: Option<u32>,
-    /// `record_start`, `snapshot`: file on the daemon's machine; where it keeps recordings if
-    /// absent.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub path: Option<String>,
-    /// `snapshot`: seconds before now.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub before: Option<f64>,
-    /// `snapshot`: seconds after now.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub after: Option<f64>,
-    /// `seek`: where to go on.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub tick: Option<u64>,
-    /// `rate`: simulated over real time.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub rate: Option<f64>,
-    /// `merge`, `isolate`: ids of bodies; of `isolate` the first moves.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub bodies: Option<Vec<String>>,
-    /// `merge`: id of the merged body; those of its parts, joined, if absent.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub id: Option<String>,
-    /// `merge`: continuous derivatives at the seam.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub continuity: Option<u32>,
-    /// `merge`: `seed`, `constrained` or `exact`; `isolate`: `1` … `7`, `local` or `global`.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub method: Option<String>,
-    /// `merge`: deviation allowed, m; knots are inserted until it is met.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub tolerance: Option<f64>,
-    /// `isolate`: gap left between the bodies, m.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub gap: Option<f64>,
-    /// `isolate`: most turn of one body about the other, degrees.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub max_turn: Option<f64>,
-}
+/// Makes everything that is known about methods from one block each. An argument has a type, a
+/// default (`= value`) or, where the method cannot do without it, an example for the error text
+/// (`=> value`), and the range of a number if it has one.
+macro_rules! calls {
+    ($(
+        $(#[$doc:meta])*
+        $method:literal => $variant:ident $({ $(
+            $(#[$argument_doc:meta])*
+            $argument:ident: $type:ty
+                $(= $default:expr)? $(=> $example:literal)? $(, $least:literal ..= $most:literal)?;
+        )* })?
+    )*) => {
+        /// A command to a daemon: a method with its arguments.
+        #[derive(Clone, Debug, PartialEq, Serialize)]
+        #[serde(rename_all = "snake_case")]
+        pub enum Call { $(
+            $(#[$doc])*
+            $variant $({ $( $(#[$argument_doc])* $argument: $type ),* })?
+        ),* }
 
-/// Answer to a command.
-#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Reply {
-    /// It was carried out.
-    pub ok: bool,
-    /// First tick it had effect on.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub tick: Option<u64>,
-    /// File that was begun or finished.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub path: Option<String>,
-    /// What else there is to say: figures of a merge, the translation of an isolation.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub report: Option<serde_json::Value>,
-    /// Why not.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub error: Option<String>,
-}
+        /// Methods, as the last chunk of their keys.
+        pub const METHODS: &[&str] = &[$($method),*];
 
-impl Reply {
-    /// Carried out, with effect from a tick on.
-    pub fn at(tick: u64) -> Self {
-        Self {
-            ok: true,
-            tick: Some(tick),
-            ..Self::default()
+        impl Call {
+            /// Method, as the last chunk of its key.
+            pub fn method(&self) -> &'static str {
+                match self { $( Self::$variant { .. } => $method ),* }
+            }
+
+            /// Names of the arguments of a method, in the order of the documentation; `None` for
+            /// a method that does not exist.
+            pub fn arguments_of(method: &str) -> Option<&'static [&'static str]> {
+                match method {
+                    $( $method => Some(&[$($( stringify!($argument) ),*)?]), )*
+                    _ => None,
+                }
+            }
+
+            /// The call, if its numbers are within their ranges.
+            ///
+            /// # Errors
+            /// The first argument that is not.
+            pub fn checked(self) -> Result<Self, CallError> {
+                match &self { $(
+                    Self::$variant $({ $( $argument ),* })? => { $($(
+                        let _ = $argument;
+                        $( check_range($method, stringify!($argument), $argument, $least, $most)?; )?
+                    )*)? }
+                )* }
+                Ok(self)
+            }
+
+            fn read(method: &str, payload: &[u8]) -> Result<Self, CallError> {
+                match method {
+                    $( $method => {
+                        // A missing argument and `null` are the same: each takes its default.
+                        #[derive(Default, Deserialize)]
+                        struct Arguments { $($( #[serde(default)] $argument: Option<$type> ),*)? }
+                        let given: Arguments = parse($method, payload)?;
+                        let _ = &given;
+                        Ok(Self::$variant $({ $(
+                            $argument: given.$argument
+                                $(.or_else(|| Some($default)))?
+                                .ok_or_else(|| missing($method, stringify!($argument), concat!("", $($example)?)))?
+                        ),* })?)
+                    } )*
+                    _ => Err(CallError::Method { method: method.chars().take(64).collect() }),
+                }
+            }
         }
+    };
+}
+
+calls! {
+    /// State back to the scene's start; a recording that is played goes back before its first
+    /// tick.
+    "reset" => Reset
+    /// Stop ticking; the forces fade.
+    "pause" => Pause
+    /// Go on after a pause.
+    "resume" => Resume
+    /// While paused: run a number of ticks.
+    "step" => Step {
+        /// How many.
+        ticks: u32 = 1;
+    }
+    /// Fade the forces and end the daemon.
+    "shutdown" => Shutdown
+    /// Record from the next tick on.
+    "record_start" => RecordStart {
+        /// File name on the daemon's machine; the daemon chooses one if absent.
+        path: Option<String> = None;
+    }
+    /// End the recording.
+    "record_stop" => RecordStop
+    /// Write the last seconds kept in memory, and the next ones.
+    "snapshot" => Snapshot {
+        /// Seconds before now.
+        before: f64 = 30.0, 0.0..=86_400.0;
+        /// Seconds after now.
+        after: f64 = 0.0, 0.0..=86_400.0;
+        /// File name on the daemon's machine; the daemon chooses one if absent.
+        path: Option<String> = None;
+    }
+    /// Of a recording that is played: go on from the state after a tick.
+    "seek" => Seek {
+        /// The tick.
+        tick: u64 => 1500;
+    }
+    /// Of a recording that is played: set its speed.
+    "rate" => Rate {
+        /// Simulated over real time.
+        rate: f64 => 0.5, 1e-3..=1e4;
+    }
+    /// One body in the place of several.
+    "merge" => Merge {
+        /// Ids of the bodies.
+        bodies: Vec<String> = Vec::new();
+        /// Id of the merged body; the ids of its parts, joined, if absent.
+        id: Option<String> = None;
+        /// Continuous derivatives at the seam.
+        continuity: Option<u32> = None;
+        /// `seed`, `constrained` or `exact`.
+        method: Option<String> = None;
+        /// Deviation allowed, m; knots are inserted until it is met.
+        tolerance: Option<f64> = None, 1e-12..=1e3;
+    }
+    /// Overlapping bodies moved apart.
+    "isolate" => Isolate {
+        /// Ids of the bodies; each moves away from those after it.
+        bodies: Vec<String> = Vec::new();
+        /// `1` … `7`, `local` or `global`.
+        method: Option<String> = None;
+        /// Gap left between the bodies, m.
+        gap: Option<f64> = None, 0.0..=1e3;
+        /// Greatest turn of one body about the other, degrees.
+        max_turn: Option<f64> = None, 0.0..=180.0;
+    }
+}
+
+impl Call {
+    /// Reads a call; no bytes count as `{}`.
+    ///
+    /// # Errors
+    /// A method that does not exist; arguments that are too long, not a JSON object, missing, of
+    /// another method, of another type or out of range.
+    pub fn parse(method: &str, payload: &[u8]) -> Result<Self, CallError> {
+        Self::check_length(method, payload.len())?;
+        Self::read(method, payload)?.checked()
     }
 
-    /// Not carried out.
-    pub fn refused(reason: impl Into<String>) -> Self {
-        Self {
-            error: Some(reason.into()),
-            ..Self::default()
+    /// What can be checked before the bytes are copied.
+    ///
+    /// # Errors
+    /// More than [`MAX_REQUEST_BYTES`].
+    pub fn check_length(method: &str, bytes: usize) -> Result<(), CallError> {
+        if bytes > MAX_REQUEST_BYTES {
+            let method = method.into();
+            return Err(CallError::Oversized { method, bytes });
+        }
+        Ok(())
+    }
+
+    /// The arguments as the JSON object that [`Call::parse`] reads. Absent ones are left out.
+    pub fn arguments(&self) -> Map<String, Value> {
+        match serde_json::to_value(self) {
+            Ok(Value::Object(call)) => match call.into_iter().next() {
+                Some((_, Value::Object(mut arguments))) => {
+                    arguments.retain(|_, value| !value.is_null());
+                    arguments
+                }
+                _ => Map::new(),
+            },
+            _ => Map::new(),
         }
     }
 }
 
-/// Why arguments were refused.
-#[derive(Debug, thiserror::Error)]
-pub enum RequestError {
+/// Why a call was refused before anyone acted on it.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum CallError {
+    /// No such method.
+    #[error("there is no method {method:?}; there are {}", METHODS.join(", "))]
+    Method {
+        /// As given, shortened.
+        method: String,
+    },
     /// Too long.
     #[error("the arguments of {method} have {bytes} bytes; at most {MAX_REQUEST_BYTES} are read")]
     Oversized {
@@ -116,37 +205,51 @@ pub enum RequestError {
         /// How many.
         bytes: usize,
     },
-    /// Not JSON, or arguments that no method has.
-    #[error("the arguments of {method} do not parse: {source}")]
+    /// Not JSON, or a value of another type.
+    #[error("the arguments of {method} do not parse: {reason}; it takes {known}")]
     Parse {
         /// Method.
-        method: String,
+        method: &'static str,
         /// Cause.
-        source: serde_json::Error,
+        reason: String,
+        /// Its arguments.
+        known: String,
     },
-    /// JSON, but no object.
+    /// JSON, but not an object.
     #[error(
-        "the arguments of {method} do not parse: they are a JSON object, like {{\"ticks\": 5}}"
+        "the arguments of {method} do not parse: they are a JSON object, like {{\"ticks\": 5}}; it takes {known}"
     )]
     NotObject {
         /// Method.
-        method: String,
+        method: &'static str,
+        /// Its arguments.
+        known: String,
     },
-    /// An argument of another method.
-    #[error("{method} has no argument {argument:?}; it has {known}")]
+    /// An argument that this method does not have.
+    #[error("{method} has no argument {argument:?}; it takes {known}")]
     Foreign {
         /// Method.
-        method: String,
-        /// As given.
-        argument: &'static str,
+        method: &'static str,
+        /// As given, shortened.
+        argument: String,
         /// What there is.
         known: String,
     },
-    /// A value that cannot be.
+    /// An argument without which the method does nothing.
+    #[error("{method} needs its argument {argument:?}, for example {{\"{argument}\": {example}}}")]
+    Missing {
+        /// Method.
+        method: &'static str,
+        /// Which.
+        argument: &'static str,
+        /// A value.
+        example: &'static str,
+    },
+    /// A number out of its range.
     #[error("{argument} of {method} is {value}; it must be between {least} and {most}")]
     Range {
         /// Method.
-        method: String,
+        method: &'static str,
         /// Which.
         argument: &'static str,
         /// As given.
@@ -158,108 +261,210 @@ pub enum RequestError {
     },
 }
 
-/// Arguments of a method.
-fn arguments(method: &str) -> &'static [&'static str] {
-    match method {
-        "step" => &["ticks"],
-        "record_start" => &["path"],
-        "snapshot" => &["before", "after", "path"],
-        "seek" => &["tick"],
-        "rate" => &["rate"],
-        "merge" => &["bodies", "id", "continuity", "method", "tolerance"],
-        "isolate" => &["bodies", "method", "gap", "max_turn"],
-        _ => &[],
+fn known(method: &str) -> String {
+    match Call::arguments_of(method) {
+        None | Some([]) => "no arguments".into(),
+        Some(arguments) => arguments.join(", "),
     }
 }
 
-impl Request {
-    /// Reads the arguments of a method; no bytes count as `{}`.
+fn parse<A: for<'de> Deserialize<'de> + Default>(
+    method: &'static str,
+    payload: &[u8],
+) -> Result<A, CallError> {
+    let refused = |error: serde_json::Error| CallError::Parse {
+        method,
+        reason: error.to_string(),
+        known: known(method),
+    };
+    if payload.is_empty() {
+        return Ok(A::default());
+    }
+    if payload.trim_ascii_start().first() != Some(&b'{') {
+        let known = known(method);
+        return Err(CallError::NotObject { method, known });
+    }
+    let names: Map<String, Value> = serde_json::from_slice(payload).map_err(refused)?;
+    let own = Call::arguments_of(method).unwrap_or_default();
+    if let Some(argument) = names.keys().find(|name| !own.contains(&name.as_str())) {
+        return Err(CallError::Foreign {
+            method,
+            argument: argument.chars().take(64).collect(),
+            known: known(method),
+        });
+    }
+    serde_json::from_slice(payload).map_err(refused)
+}
+
+fn missing(method: &'static str, argument: &'static str, example: &'static str) -> CallError {
+    CallError::Missing {
+        method,
+        argument,
+        example,
+    }
+}
+
+/// A number that may be absent.
+trait Number {
+    fn number(&self) -> Option<f64>;
+}
+
+impl Number for f64 {
+    fn number(&self) -> Option<f64> {
+        Some(*self)
+    }
+}
+
+impl Number for Option<f64> {
+    fn number(&self) -> Option<f64> {
+        *self
+    }
+}
+
+fn check_range(
+    method: &'static str,
+    argument: &'static str,
+    value: &impl Number,
+    least: f64,
+    most: f64,
+) -> Result<(), CallError> {
+    match value.number() {
+        Some(value) if !(least..=most).contains(&value) => Err(CallError::Range {
+            method,
+            argument,
+            value,
+            least,
+            most,
+        }),
+        _ => Ok(()),
+    }
+}
+
+/// What comes back from a command. `R` is the type of its report; any JSON if nothing else is
+/// said.
+///
+/// On the wire `{"ok": true, "tick": 1234, "path": …, "report": …}` without what is absent, or
+/// `{"ok": false, "error": "…"}`.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Answer<R = Value> {
+    /// It was carried out.
+    Done(Done<R>),
+    /// It was refused; nothing changed.
+    Refused {
+        /// Why.
+        error: String,
+    },
+}
+
+/// What a command did.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Done<R = Value> {
+    /// First tick on which it had effect; for a recording that ended, its last.
+    pub tick: u64,
+    /// File that was begun or finished.
+    pub path: Option<String>,
+    /// Figures of a merge, the translation of an isolation.
+    pub report: Option<R>,
+}
+
+impl<R> Answer<R> {
+    /// Carried out, with effect from a tick on.
+    pub fn at(tick: u64) -> Self {
+        Self::Done(Done {
+            tick,
+            path: None,
+            report: None,
+        })
+    }
+
+    /// Carried out, with a file to name.
+    pub fn with_path(tick: u64, path: impl Into<String>) -> Self {
+        Self::Done(Done {
+            tick,
+            path: Some(path.into()),
+            report: None,
+        })
+    }
+
+    /// Carried out, with a report.
+    pub fn with_report(tick: u64, report: R) -> Self {
+        Self::Done(Done {
+            tick,
+            path: None,
+            report: Some(report),
+        })
+    }
+
+    /// Not carried out.
+    pub fn refused(error: impl Into<String>) -> Self {
+        Self::Refused {
+            error: error.into(),
+        }
+    }
+
+    /// As a result; the error is the reason of the refusal.
     ///
     /// # Errors
-    /// Too long, not JSON, an argument that this method does not have, or a value that cannot be.
-    pub fn parse(method: &str, payload: &[u8]) -> Result<Self, RequestError> {
-        Self::check_length(method, payload.len())?;
-        let request: Self = if payload.is_empty() {
-            Self::default()
-        } else if payload.trim_ascii_start().first() != Some(&b'{') {
-            return Err(RequestError::NotObject {
-                method: method.into(),
-            });
-        } else {
-            serde_json::from_slice(payload).map_err(|source| RequestError::Parse {
-                method: method.into(),
-                source,
-            })?
+    /// It was refused.
+    pub fn into_result(self) -> Result<Done<R>, String> {
+        match self {
+            Self::Done(done) => Ok(done),
+            Self::Refused { error } => Err(error),
+        }
+    }
+}
+
+/// An answer as it is written.
+#[derive(Serialize, Deserialize)]
+struct Flat<R> {
+    ok: bool,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    tick: Option<u64>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    path: Option<String>,
+    #[serde(default = "Option::default", skip_serializing_if = "Option::is_none")]
+    report: Option<R>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    error: Option<String>,
+}
+
+impl<R: Serialize> Serialize for Answer<R> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let flat = match self {
+            Self::Done(done) => Flat {
+                ok: true,
+                tick: Some(done.tick),
+                path: done.path.clone(),
+                report: done.report.as_ref(),
+                error: None,
+            },
+            Self::Refused { error } => Flat {
+                ok: false,
+                tick: None,
+                path: None,
+                report: None,
+                error: Some(error.clone()),
+            },
         };
-        request.checked(method)
+        flat.serialize(serializer)
     }
+}
 
-    /// What can be told before the bytes are copied.
-    ///
-    /// # Errors
-    /// Too long.
-    pub fn check_length(method: &str, bytes: usize) -> Result<(), RequestError> {
-        if bytes > MAX_REQUEST_BYTES {
-            return Err(RequestError::Oversized {
-                method: method.into(),
-                bytes,
-            });
+impl<'de, R: Deserialize<'de>> Deserialize<'de> for Answer<R> {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let flat = Flat::deserialize(deserializer)?;
+        if !flat.ok {
+            let error = flat.error.unwrap_or_else(|| "no reason given".into());
+            return Ok(Self::Refused { error });
         }
-        Ok(())
-    }
-
-    fn checked(self, method: &str) -> Result<Self, RequestError> {
-        let known = arguments(method);
-        let given = [
-            ("ticks", self.ticks.is_some()),
-            ("path", self.path.is_some()),
-            ("before", self.before.is_some()),
-            ("after", self.after.is_some()),
-            ("tick", self.tick.is_some()),
-            ("rate", self.rate.is_some()),
-            ("bodies", self.bodies.is_some()),
-            ("id", self.id.is_some()),
-            ("continuity", self.continuity.is_some()),
-            ("method", self.method.is_some()),
-            ("tolerance", self.tolerance.is_some()),
-            ("gap", self.gap.is_some()),
-            ("max_turn", self.max_turn.is_some()),
-        ];
-        if let Some((argument, _)) = given
-            .into_iter()
-            .find(|(argument, given)| *given && !known.contains(argument))
-        {
-            let known = if known.is_empty() {
-                "none".into()
-            } else {
-                known.join(", ")
-            };
-            return Err(RequestError::Foreign {
-                method: method.into(),
-                argument,
-                known,
-            });
-        }
-        let ranges = [
-            ("before", self.before, 0.0, 86_400.0),
-            ("after", self.after, 0.0, 86_400.0),
-            ("rate", self.rate, 1e-3, 1e4),
-            ("tolerance", self.tolerance, 1e-12, 1e3),
-            ("gap", self.gap, 0.0, 1e3),
-            ("max_turn", self.max_turn, 0.0, 180.0),
-        ];
-        for (argument, value, least, most) in ranges {
-            if let Some(value) = value.filter(|value| !(least..=most).contains(value)) {
-                return Err(RequestError::Range {
-                    method: method.into(),
-                    argument,
-                    value,
-                    least,
-                    most,
-                });
-            }
-        }
-        Ok(self)
+        let tick = flat
+            .tick
+            .ok_or_else(|| serde::de::Error::missing_field("tick"))?;
+        Ok(Self::Done(Done {
+            tick,
+            path: flat.path,
+            report: flat.report,
+        }))
     }
 }
 
@@ -268,45 +473,144 @@ mod tests {
     use super::*;
 
     fn error(method: &str, payload: &str) -> String {
-        Request::parse(method, payload.as_bytes())
+        Call::parse(method, payload.as_bytes())
             .unwrap_err()
             .to_string()
     }
 
     #[test]
-    fn requests_parse_from_nothing_and_refuse_unknown_arguments() {
-        assert_eq!(Request::parse("step", b"").unwrap(), Request::default());
+    fn calls_parse_from_nothing_and_refuse_unknown_arguments_with_their_own() {
+        assert_eq!(Call::parse("step", b"").unwrap(), Call::Step { ticks: 1 });
+        for payload in ["{\"ticks\": 5}", " {\"ticks\":5} "] {
+            assert_eq!(
+                Call::parse("step", payload.as_bytes()).unwrap(),
+                Call::Step { ticks: 5 }
+            );
+        }
+        // `null` is an argument left out.
         assert_eq!(
-            Request::parse("step", b"{\"ticks\": 5}").unwrap(),
-            Request {
-                ticks: Some(5),
-                ..Request::default()
-            }
+            Call::parse("step", b"{\"ticks\": null}").unwrap(),
+            Call::Step { ticks: 1 }
         );
-        assert!(error("step", "{\"tick_count\": 5}").contains("do not parse"));
-        // A list would be taken for the arguments in order.
         assert!(
-            error("step", "[5]").contains("do not parse")
-                && error("step", "\u{fe}").contains("do not parse")
+            error("step", "{\"tick\": 5}")
+                .contains("step has no argument \"tick\"; it takes ticks")
         );
-        assert!(error("step", "{\"ticks\": -5}").contains("do not parse"));
-        assert!(
-            error("step", "{\"tick\": 5}").contains("step has no argument \"tick\"; it has ticks")
-        );
-        assert!(error("reset", "{\"ticks\": 5}").contains("it has none"));
-        assert!(error("rate", "{\"rate\": 0}").contains("between 0.001 and 10000"));
+        assert!(error("reset", "{\"ticks\": 5}").contains("it takes no arguments"));
         assert!(
             error("isolate", "{\"continuity\": 1}")
-                .contains("it has bodies, method, gap, max_turn")
+                .contains("it takes bodies, method, gap, max_turn")
         );
+        assert!(error("fly", "").contains("there are reset, pause"));
+    }
+
+    #[test]
+    fn what_does_not_parse_is_out_of_range_or_missing_is_named() {
+        // A list would be taken for the arguments in order.
+        for payload in [
+            "[5]",
+            "\u{fe}",
+            "{\"ticks\": -5}",
+            "{\"ticks\": 1, \"ticks\": 2}",
+        ] {
+            let error = error("step", payload);
+            assert!(
+                error.contains("do not parse") && error.contains("takes ticks"),
+                "{error}"
+            );
+        }
+        assert!(error("rate", "{\"rate\": 0}").contains("between 0.001 and 10000"));
         assert!(error("merge", "{\"tolerance\": 0}").contains("tolerance of merge is 0"));
         assert!(error("snapshot", "{\"before\": -1}").contains("before of snapshot is -1"));
         assert!(
-            error(
-                "snapshot",
-                &format!("{{\"path\": \"{}\"}}", "x".repeat(20_000))
-            )
-            .contains("at most 16384")
+            error("seek", "")
+                .contains("seek needs its argument \"tick\", for example {\"tick\": 1500}")
         );
+        let long = format!("{{\"path\": \"{}\"}}", "x".repeat(20_000));
+        assert!(error("snapshot", &long).contains("at most 16384"));
+    }
+
+    #[test]
+    fn every_call_comes_back_from_its_method_and_arguments() {
+        let bodies = || vec!["a".to_owned(), "b".to_owned()];
+        let calls = [
+            Call::Reset,
+            Call::Step { ticks: 7 },
+            Call::RecordStart { path: None },
+            Call::Snapshot {
+                before: 2.5,
+                after: 0.25,
+                path: Some("s.mcap".into()),
+            },
+            Call::Seek { tick: u64::MAX },
+            Call::Rate { rate: 0.1 },
+            Call::Merge {
+                bodies: bodies(),
+                id: None,
+                continuity: Some(1),
+                method: None,
+                tolerance: Some(1e-4),
+            },
+            Call::Isolate {
+                bodies: bodies(),
+                method: Some("global".into()),
+                gap: None,
+                max_turn: Some(30.0),
+            },
+        ];
+        for call in calls {
+            let payload = serde_json::to_vec(&call.arguments()).unwrap();
+            assert_eq!(Call::parse(call.method(), &payload).unwrap(), call);
+        }
+        assert_eq!(Call::RecordStart { path: None }.arguments(), Map::new());
+        assert!(Call::Rate { rate: f64::NAN }.checked().is_err());
+    }
+
+    #[test]
+    fn answers_are_written_without_what_is_absent_and_read_back() {
+        let text = |answer: &Answer| serde_json::to_string(answer).unwrap();
+        let answers: [(Answer, &str); 4] = [
+            (Answer::at(7), r#"{"ok":true,"tick":7}"#),
+            (
+                Answer::with_path(7, "a.mcap"),
+                r#"{"ok":true,"tick":7,"path":"a.mcap"}"#,
+            ),
+            (
+                Answer::with_report(7, serde_json::json!({"id": "ab"})),
+                r#"{"ok":true,"tick":7,"report":{"id":"ab"}}"#,
+            ),
+            (
+                Answer::refused("too late"),
+                r#"{"ok":false,"error":"too late"}"#,
+            ),
+        ];
+        for (answer, written) in answers {
+            assert_eq!(text(&answer), written);
+            assert_eq!(serde_json::from_str::<Answer>(written).unwrap(), answer);
+        }
+        assert!(serde_json::from_str::<Answer>(r#"{"ok":true}"#).is_err());
+    }
+
+    /// The table of methods in docs/wire.md names every method and every argument.
+    #[test]
+    fn every_method_and_argument_is_documented() {
+        let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../docs/wire.md");
+        let document = std::fs::read_to_string(path).unwrap();
+        let section = document.split("## rpc").nth(1).unwrap();
+        let section = section.split("## Layouts").next().unwrap();
+        for method in METHODS {
+            let rows: Vec<&str> = section
+                .lines()
+                .filter(|line| line.starts_with('|') && line.contains(&format!("`{method}`")))
+                .collect();
+            assert!(!rows.is_empty(), "no row of {method}");
+            for argument in Call::arguments_of(method).unwrap_or_default() {
+                assert!(
+                    rows.iter()
+                        .any(|row| row.contains(&format!("\"{argument}\": "))),
+                    "{argument} of {method} is not in its row"
+                );
+            }
+        }
     }
 }

@@ -1,11 +1,7 @@
 //! Layouts of the messages as data, for programs that do not know them.
 
-use crate::codec::encoding_schema;
-use crate::messages::{
-    ContactSet, ControlNet, DeviceInfo, LoopStatus, Message, SceneSnapshot, SimEvent, ToolContact,
-    ToolForce, ToolPose,
-};
-use postcard_schema::Schema;
+use crate::layout::MessageType;
+use crate::messages::ALL;
 use postcard_schema::schema::NamedType;
 use serde::Serialize;
 
@@ -19,43 +15,24 @@ pub struct MessageSchema {
     /// Versioned name.
     #[serde(rename = "type")]
     pub name: &'static str,
-    /// Most bytes that one has.
+    /// Greatest size of one message, bytes.
     pub max_bytes: usize,
     /// Fields in order, as crate `postcard-schema` 0.2 writes them: `{"name": …, "ty": "U64" |
     /// {"Struct": […]} | …}`.
     pub layout: &'static NamedType,
 }
 
-impl MessageSchema {
-    fn of<M: Message + Schema>() -> Self {
+impl From<&MessageType> for MessageSchema {
+    fn from(message: &MessageType) -> Self {
         Self {
-            name: M::NAME,
-            max_bytes: M::MAX_BYTES,
-            layout: M::SCHEMA,
+            name: message.name,
+            max_bytes: message.max_bytes,
+            layout: message.schema,
         }
-    }
-
-    /// What the encoding of such a message carries.
-    pub fn encoding_schema(&self) -> String {
-        format!("postcard;{}", self.name)
     }
 }
 
 /// All messages of the bus.
-pub fn all() -> [MessageSchema; 9] {
-    debug_assert_eq!(
-        encoding_schema::<ToolPose>(),
-        MessageSchema::of::<ToolPose>().encoding_schema()
-    );
-    [
-        MessageSchema::of::<ToolPose>(),
-        MessageSchema::of::<ToolForce>(),
-        MessageSchema::of::<ToolContact>(),
-        MessageSchema::of::<DeviceInfo>(),
-        MessageSchema::of::<ControlNet>(),
-        MessageSchema::of::<ContactSet>(),
-        MessageSchema::of::<LoopStatus>(),
-        MessageSchema::of::<SimEvent>(),
-        MessageSchema::of::<SceneSnapshot>(),
-    ]
+pub fn all() -> impl Iterator<Item = MessageSchema> {
+    ALL.iter().map(|message| MessageSchema::from(*message))
 }

@@ -46,14 +46,14 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
             && stiffness > passive
         {
             eprintln!(
-                "tool {}: {stiffness} N/m is stiffer than its device holds in any hand ({passive:.0} N/m); with \
-                 `bounded = true` in its coupling it is brought down",
+                "tool {}: a coupling of {stiffness} N/m exceeds what its device renders passively in any hand \
+                 ({passive:.0} N/m); `bounded = true` in its coupling reduces it to that",
                 tool.id
             );
         }
     }
     if fault {
-        eprintln!("a state was not finite after some ticks at rest");
+        eprintln!("the simulation diverged: a state is not finite after some ticks at rest");
         return Ok(Outcome::Fault);
     }
     Ok(Outcome::Ok)

@@ -7,27 +7,27 @@ use std::time::Duration;
 
 #[derive(clap::Args, Debug, Clone)]
 pub struct Connection {
-    /// Where the daemon listens; several may be given.
+    /// Endpoint of the daemon; can be repeated.
     #[arg(short = 'e', long, default_value = DEFAULT_ENDPOINT)]
     connect: Vec<String>,
     /// Instance name.
     #[arg(long, default_value = "default")]
     instance: String,
-    /// Stock Zenoh JSON5 configuration.
+    /// Zenoh configuration file (JSON5).
     #[arg(long)]
     zenoh_config: Option<PathBuf>,
 }
 
-/// How long to wait for answers.
+/// How long to wait for replies.
 pub const PATIENCE: Duration = Duration::from_secs(5);
 
 impl Connection {
-    /// Connects.
+    /// Connects as a client that sends and receives its own messages.
     pub fn open(&self) -> anyhow::Result<Palpate> {
         self.connect(false)
     }
 
-    /// Connects to look on: hears what other clients of the daemon publish.
+    /// Connects as an observer, which also receives what other clients of the daemon publish.
     pub fn look_on(&self) -> anyhow::Result<Palpate> {
         self.connect(true)
     }

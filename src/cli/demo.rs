@@ -15,7 +15,7 @@ use std::time::Duration;
 pub struct Args {
     #[command(flatten)]
     common: Common,
-    /// No viewer page (assumed without a terminal).
+    /// Do not serve the viewer page (default when not run from a terminal).
     #[arg(long)]
     headless: bool,
 }
@@ -40,7 +40,7 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
         Some(record.unwrap_or_else(|| default_path(&common.recording.record_dir, "demo")));
     let loaded = file::parse(SCENE, "teardrop.toml", Path::new("."))?;
     eprintln!(
-        "scene teardrop, a simulated device presses it for {} s…",
+        "scene teardrop: a simulated device presses it for {} s…",
         duration.as_secs_f64()
     );
     let mut devices = None;
@@ -77,14 +77,14 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     }
     match palpate_client::raw_ping(free_port()?, 500, Duration::from_millis(2)) {
         Ok(ping) => println!(
-            "raw Zenoh ping beside it: p50 {:.0} us, p99 {:.0} us (a pose also waits for the next tick: half a period on average)",
+            "raw Zenoh ping: p50 {:.0} us, p99 {:.0} us (a pose also waits for the next tick, half a period on average)",
             ping.quantile(0.5) as f64 * 1e-3,
             ping.quantile(0.99) as f64 * 1e-3
         ),
         Err(error) => println!("raw Zenoh ping: {error}"),
     }
     for recording in &served.recording.files {
-        let info = info(&Session::open(&recording.path)?);
+        let info = info(&Session::open(&recording.path)?)?;
         for tool in &info.tools {
             println!(
                 "tool {}: {} ticks in contact, peak force {:.4} N, peak depth {:.3} mm, work of the hand {:.6} J",
@@ -154,7 +154,7 @@ fn collect(child: Child) -> anyhow::Result<RunReport> {
     Ok(serde_json::from_slice(&output.stdout)?)
 }
 
-/// A loopback port that nobody uses now.
+/// A loopback port that is free at the moment.
 pub fn free_port() -> anyhow::Result<u16> {
     Ok(TcpListener::bind("127.0.0.1:0")?.local_addr()?.port())
 }

@@ -12,12 +12,12 @@ mod rate;
 
 #[derive(clap::Args, Debug)]
 pub struct Args {
-    /// Scene whose rate is wanted; without one, a rigid and a soft teardrop are run.
+    /// Scene to measure [default: a rigid and a soft teardrop].
     scene: Option<PathBuf>,
     /// How long to measure the timer.
     #[arg(long = "for", value_parser = text::duration, default_value = "2s")]
     duration: Duration,
-    /// Ticks of each scene.
+    /// Number of ticks to run for each scene.
     #[arg(long, default_value_t = 4_000, value_parser = clap::value_parser!(u64).range(100..=1_000_000))]
     ticks: u64,
     /// Print one JSON object.
@@ -25,7 +25,7 @@ pub struct Args {
     json: bool,
 }
 
-/// Scenes that are run unless the user names one.
+/// Scenes that are run by default.
 const SCENES: [(&str, &str); 2] = [
     (
         "rigid-teardrop.toml",
@@ -34,7 +34,7 @@ const SCENES: [(&str, &str); 2] = [
     ("teardrop.toml", include_str!("../../scenes/teardrop.toml")),
 ];
 
-/// All that was found. Times are µs.
+/// The results. Times are in µs.
 #[derive(Serialize)]
 struct Report {
     #[serde(flatten)]
@@ -51,7 +51,7 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
             .iter()
             .map(|(name, text)| file::parse(text, name, Path::new(".")))
             .collect::<Result<_, _>>()
-            .context("a scene of our own")?,
+            .context("a built-in scene")?,
     };
     let scenes = loaded
         .iter()
@@ -98,8 +98,8 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
 fn print(report: &Report) {
     report.machine.print();
     for (name, late) in [
-        ("1 kHz timer, as it is", &report.lateness_plain),
-        ("1 kHz timer, having asked", &report.lateness_asked),
+        ("1 kHz timer, default", &report.lateness_plain),
+        ("1 kHz timer, real-time", &report.lateness_asked),
     ] {
         println!(
             "{name:<26}late by p50 {:.0} us, p99 {:.0} us, p99.9 {:.0} us, max {:.0} us",
@@ -120,17 +120,21 @@ fn print(report: &Report) {
         );
     }
     for scene in &report.scenes {
-        let (asked_hz, name) = (scene.scene_hz, format!("{} can be held at", scene.scene));
+        let (asked_hz, name) = (scene.scene_hz, format!("{} can run at", scene.scene));
         match scene.holds_hz {
             _ if scene.contact_ticks == 0 => {
-                println!("{name:<35}not told: the script touches nothing")
+                println!("{name:<35}not measured: the script touches nothing")
             }
             Some(hz) if hz >= asked_hz => println!("{name:<35}{hz} Hz"),
             Some(hz) => {
-                println!("{name:<35}{hz} Hz; it asks for {asked_hz:.0}: ticks will overrun")
+                println!(
+                    "{name:<35}{hz} Hz; the scene asks for {asked_hz:.0}, so ticks will overrun"
+                )
             }
-            None => println!("{name:<35}no rate of {:?} Hz", rate::RATES_HZ),
+            None => println!("{name:<35}none of {:?} Hz", rate::RATES_HZ),
         }
     }
-    println!("(99.9 % of its ticks, begun as late as the timer wakes, end before the next is due)");
+    println!(
+        "(99.9 % of its ticks, started as late as the timer wakes, end before the next deadline)"
+    );
 }

@@ -10,24 +10,24 @@ use std::time::{Duration, Instant};
 
 #[derive(clap::Args, Debug)]
 pub struct Args {
-    /// A key, or short: status, event, contact, force, pose, net, tool/ball/force, all.
+    /// Key, or short form: status, event, contact, force, pose, net, tool/ball/force, all.
     key: String,
-    /// End after so many messages.
+    /// Stop after this many messages.
     #[arg(long)]
     count: Option<u64>,
-    /// End after this long, for example 5s.
+    /// Stop after this long, for example 5s.
     #[arg(long = "for", value_parser = text::duration)]
     duration: Option<Duration>,
-    /// One JSON object a line.
+    /// Print one JSON object per line.
     #[arg(long)]
     json: bool,
     #[command(flatten)]
     connection: Connection,
 }
 
-/// Messages that may wait to be printed; more are left out and counted.
+/// Messages that can wait to be printed; further ones are dropped and counted.
 const QUEUE: usize = 4096;
-/// Bytes of a foreign message shown to people.
+/// Bytes shown of a message of unknown type.
 const SHOWN_BYTES: usize = 48;
 
 pub fn run(args: &Args) -> anyhow::Result<Outcome> {
@@ -61,7 +61,9 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     drop(watching);
     let missed = missed.load(std::sync::atomic::Ordering::Relaxed);
     if missed > 0 {
-        eprintln!("{missed} messages came faster than they could be shown");
+        eprintln!(
+            "{missed} messages were dropped because they arrived faster than they could be printed"
+        );
     }
     palpate.close();
     Ok(Outcome::Ok)

@@ -11,19 +11,19 @@ use std::time::{Duration, Instant};
 
 #[derive(clap::Args, Debug)]
 pub struct Args {
-    /// A key, or short: status, event, contact, force, pose, net, tool/ball/force, all.
+    /// Key, or short form: status, event, contact, force, pose, net, tool/ball/force, all.
     key: String,
     /// How long to watch, for example 5s.
     #[arg(long = "for", value_parser = text::duration, default_value = "5s")]
     duration: Duration,
-    /// One JSON object a key.
+    /// Print one JSON object per key.
     #[arg(long)]
     json: bool,
     #[command(flatten)]
     connection: Connection,
 }
 
-/// What was seen of one key.
+/// Statistics of one key while it is watched.
 #[derive(Default)]
 struct Stream {
     periods: Histogram,
@@ -35,7 +35,7 @@ struct Stream {
     lost: Option<u64>,
 }
 
-/// One key, as told.
+/// Printed statistics of one key.
 #[derive(Debug, Serialize)]
 struct Line {
     key: String,
@@ -45,7 +45,7 @@ struct Line {
     p99_ms: f64,
     max_ms: f64,
     bytes_per_s: f64,
-    /// Numbers that were skipped; null where messages are not numbered one by one.
+    /// Numbers that were skipped; null if messages are not numbered consecutively.
     lost: Option<u64>,
 }
 
@@ -87,7 +87,7 @@ impl Stream {
     }
 }
 
-/// The number that grows by one from message to message, where there is such a one.
+/// Name of the field that grows by one from message to message, if the type has one.
 fn number(seen: &Seen) -> Option<u64> {
     let field = match seen.name()? {
         "palpate.ToolPose.v1" | "palpate.SimEvent.v1" => "seq",
@@ -132,7 +132,10 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
         }
     }
     if streams.is_empty() {
-        eprintln!("nothing came under {} within {:?}", args.key, args.duration);
+        eprintln!(
+            "no message arrived under {} within {:?}",
+            args.key, args.duration
+        );
     }
     drop(streams);
     palpate.close();

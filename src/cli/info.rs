@@ -1,21 +1,29 @@
 //! `palpate info`: a recording at a glance.
 
 use super::Outcome;
-use crate::recording::{Session, file_info, info};
+use crate::recording::{Session, computed_info, info};
 use std::path::PathBuf;
 
 #[derive(clap::Args, Debug)]
 pub struct Args {
-    /// Recording.
+    /// Recording file.
     file: PathBuf,
+    /// Read every chunk: figures are computed, and damage is found. Without it they are those that
+    /// the recorder summed up, where it could finish the file.
+    #[arg(long)]
+    check: bool,
     /// Print one JSON object.
     #[arg(long)]
     json: bool,
 }
 
 pub fn run(args: &Args) -> anyhow::Result<Outcome> {
-    let mut info = info(&Session::open(&args.file)?);
-    info.file = file_info(&args.file, info.duration_s).ok();
+    let session = Session::open(&args.file)?;
+    let info = if args.check {
+        computed_info(&session)?
+    } else {
+        info(&session)?
+    };
     if args.json {
         println!("{}", serde_json::to_string(&info)?);
     } else {

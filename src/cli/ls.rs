@@ -9,14 +9,14 @@ use std::collections::BTreeMap;
 
 #[derive(clap::Args, Debug)]
 pub struct Args {
-    /// One JSON object an instance.
+    /// Print one JSON object per instance.
     #[arg(long)]
     json: bool,
     #[command(flatten)]
     connection: Connection,
 }
 
-/// One daemon, from its tokens and from what it says of itself.
+/// One daemon, from its liveliness tokens and its `@meta/info`.
 #[derive(Debug, Default, Serialize)]
 struct Instance {
     instance: String,
@@ -36,9 +36,9 @@ struct Instance {
 #[derive(Debug, Default, Serialize)]
 struct Tool {
     id: String,
-    /// Somebody's token says that he holds it.
+    /// Whether a client holds it, from its liveliness token.
     held: bool,
-    /// Name of the device that told about itself.
+    /// Name from the device's description, if it sent one.
     device: Option<String>,
 }
 
@@ -80,7 +80,7 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     }
     anyhow::ensure!(
         !instances.is_empty(),
-        "somebody listens there, but no instance of palpate is to be seen"
+        "the endpoint accepts connections, but no palpate instance was found"
     );
     for instance in instances.values() {
         if args.json {

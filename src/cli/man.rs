@@ -6,7 +6,7 @@ use std::path::PathBuf;
 
 #[derive(clap::Args, Debug)]
 pub struct Args {
-    /// Directory to write them into, for example ~/.local/share/man/man1; made if it is not there.
+    /// Directory for the pages, for example ~/.local/share/man/man1; created if missing.
     directory: PathBuf,
 }
 

@@ -1,7 +1,7 @@
-//! The command line: one file per subcommand. stdout is data, stderr is talk.
+//! The command line: one file per subcommand. Results go to stdout, messages to stderr.
 //!
-//! Exit codes: 0 all well, 1 a difference was found, 2 usage or configuration, 3 a run-time fault
-//! or an incomplete recording.
+//! Exit codes: 0 success, 1 a difference was found, 2 usage or configuration error, 3 a run-time
+//! fault or an incomplete recording.
 
 mod check;
 mod connection;
@@ -28,9 +28,16 @@ mod text;
 use clap::{CommandFactory, Parser, Subcommand};
 use std::process::ExitCode;
 
-/// Touch on deforming B-spline surfaces at 1 kHz: a haptic-loop simulation server.
+/// Haptic simulation of deforming B-spline surfaces at 1 kHz, over Zenoh, with exact replay.
 #[derive(Parser, Debug)]
-#[command(version, about, long_about = None, arg_required_else_help = false)]
+#[command(
+    version,
+    about,
+    long_about = None,
+    arg_required_else_help = false,
+    after_help = "Results go to stdout, messages to stderr. Exit codes: 0 success, 1 a difference was \
+                  found, 2 usage or configuration error, 3 a run-time fault or an incomplete recording."
+)]
 struct Cli {
     #[command(subcommand)]
     command: Option<Commands>,
@@ -38,49 +45,47 @@ struct Cli {
 
 #[derive(Subcommand, Debug)]
 enum Commands {
-    /// The main job on built-in input: a soft teardrop, a simulated device pressing it, a
-    /// recording, a summary.
+    /// Run a built-in scene: a simulated device presses a soft teardrop; record and summarise it.
     Demo(demo::Args),
-    /// Run a scene: poses in, forces and nets out, over Zenoh.
+    /// Run a scene: receive poses, send forces and control nets, over Zenoh.
     Serve(serve::Args),
-    /// Read a scene, build it and run some ticks, without any socket.
+    /// Validate a scene: read it, build it and run some ticks, without opening sockets.
     Check(check::Args),
-    /// What a scene compiles to: bodies, pairs, stages with their cost, buffers.
+    /// Print what a scene builds: bodies, pairs, stages with their cost, buffers.
     Plan(plan::Args),
-    /// Run a recording through the same step and compare every bit.
+    /// Re-run a recording and compare every bit with what was recorded.
     Replay(replay::Args),
     /// Publish a recording as if it were live.
     Play(play::Args),
-    /// A recording at a glance.
+    /// Summarise a recording.
     Info(info::Args),
-    /// A recording for other programs: a table of ticks, plots, the net of a body at any tick.
+    /// Export a recording: a table of ticks, plots, the control net of a body at any tick.
     Export(export::Args),
-    /// Make a finished file of a recording that was cut short.
+    /// Turn a recording that was cut short into a finished file.
     Recover(recover::Args),
-    /// A simulated haptic device that holds a tool of a running scene.
+    /// Run a simulated haptic device that moves a tool of a running scene.
     Device(device::Args),
-    /// Contacts and forces of a tool at given poses, without a loop.
+    /// Compute contacts and forces of a tool at given poses, without a loop.
     Probe(probe::Args),
     /// Send a command to a running daemon: reset, pause, resume, step, record_start, snapshot,
     /// shutdown…
     Rpc(rpc::Args),
-    /// Messages of the bus as they pass.
+    /// Print messages on the bus as they arrive.
     Echo(echo::Args),
-    /// Who is on the bus: instances, tools, bodies, and what they publish.
+    /// List the instances on the bus with their tools, bodies and published keys.
     Ls(ls::Args),
-    /// How often messages come: rate, period, bandwidth, losses.
+    /// Measure message rate, period, bandwidth and losses per key.
     Hz(hz::Args),
-    /// Surfaces in files: look at them, evaluate, project points, convert, tessellate, fit.
+    /// Work with surface files: inspect, evaluate, convert, fit, merge, isolate, sweep, branch.
     Surface(surface::Args),
-    /// What this machine allows: scheduling, timers, ports, and the rate at which it can run a
-    /// scene.
+    /// Check this machine: scheduling, timers, ports, and the rate at which it can run a scene.
     Doctor(doctor::Args),
-    /// Completions for a shell, on stdout.
+    /// Print shell completions.
     Completions {
-        /// bash, zsh, fish, elvish or powershell.
+        /// Shell: bash, zsh, fish, elvish or powershell.
         shell: clap_complete::Shell,
     },
-    /// Manual pages, written into a directory.
+    /// Write manual pages into a directory.
     Man(man::Args),
 }
 
@@ -92,7 +97,7 @@ pub(crate) enum Outcome {
     Fault,
 }
 
-/// Whoever reads our output may have seen enough: `palpate info FILE | head` is no fault.
+/// Makes a closed stdout pipe end the program quietly: `palpate info FILE | head` is not an error.
 pub fn end_when_nobody_reads() {
     let usual = std::panic::take_hook();
     std::panic::set_hook(Box::new(move |panic| {
@@ -104,6 +109,12 @@ pub fn end_when_nobody_reads() {
         }
         usual(panic);
     }));
+}
+
+/// The command line's definition, for completions, manual pages and checks of documents.
+#[doc(hidden)]
+pub fn command() -> clap::Command {
+    Cli::command()
 }
 
 /// Runs the program.

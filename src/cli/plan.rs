@@ -18,7 +18,7 @@ pub struct Args {
     json: bool,
 }
 
-/// Dry ticks behind a measured figure.
+/// Ticks that are run for a measured figure.
 const TICKS: usize = 300;
 
 pub fn run(args: &Args) -> anyhow::Result<Outcome> {

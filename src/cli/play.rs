@@ -16,18 +16,18 @@ use std::sync::mpsc::Sender;
 
 #[derive(clap::Args, Debug)]
 pub struct Args {
-    /// Recording.
+    /// Recording file.
     file: PathBuf,
-    /// Simulated over real time: 0.1 is slow motion, 10000 as fast as it goes.
+    /// Ratio of simulated to real time: 0.1 is slow motion, 10000 as fast as possible.
     #[arg(long, default_value_t = 1.0, value_parser = rate)]
     rate: f64,
-    /// Stand still at first.
+    /// Start paused.
     #[arg(long)]
     paused: bool,
-    /// At the end go on from the start.
+    /// At the end, continue from the start.
     #[arg(long = "loop")]
     looped: bool,
-    /// At the end stand still instead of ending.
+    /// At the end, pause instead of exiting.
     #[arg(long, conflicts_with = "looped")]
     stay: bool,
     /// First tick to play.
@@ -36,22 +36,22 @@ pub struct Args {
     /// Last tick to play.
     #[arg(long)]
     end: Option<u64>,
-    /// Another id for a tool or body, old:=new; several may be given.
+    /// Rename a tool or body, old:=new; can be repeated.
     #[arg(long, value_parser = remap)]
     remap: Vec<(String, String)>,
-    /// Zenoh endpoint to listen on; several may be given.
+    /// Zenoh endpoint to listen on; can be repeated.
     #[arg(short, long)]
     listen: Vec<String>,
-    /// Zenoh endpoint to connect to; several may be given.
+    /// Zenoh endpoint to connect to; can be repeated.
     #[arg(short = 'e', long)]
     connect: Vec<String>,
-    /// Stock Zenoh JSON5 configuration.
+    /// Zenoh configuration file (JSON5).
     #[arg(long)]
     zenoh_config: Option<PathBuf>,
     /// Instance name.
     #[arg(long, default_value = "default")]
     instance: String,
-    /// Serve the viewer page here, for example 127.0.0.1:8080.
+    /// Serve the viewer page at this address, for example 127.0.0.1:8080.
     #[arg(long)]
     http: Option<SocketAddr>,
     /// Print the summary as one JSON object.
@@ -64,7 +64,7 @@ fn rate(text: &str) -> Result<f64, String> {
         .parse::<f64>()
         .ok()
         .filter(|rate| (1e-3..=1e4).contains(rate));
-    rate.ok_or_else(|| "a rate is a number from 0.001 to 10000".into())
+    rate.ok_or_else(|| "the rate must be a number from 0.001 to 10000".into())
 }
 
 fn remap(text: &str) -> Result<(String, String), String> {
@@ -76,8 +76,8 @@ fn remap(text: &str) -> Result<(String, String), String> {
 
 pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     let session = Session::open(&args.file)?;
-    if let Some(reason) = &session.cut_short {
-        eprintln!("note: the recording was cut short ({reason}); what is there is played");
+    if let Some(reason) = session.cut_short() {
+        eprintln!("note: the recording was cut short ({reason}); playing what it contains");
     }
     let scene = Arc::new(played_scene(&session, &args.remap)?);
     let scene_hash = sha2::Sha256::digest(session.header.scene_text.as_bytes()).into();
@@ -143,7 +143,7 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     let keys = Keys::listen(move |key| steer(key, &own));
     if keys.is_some() {
         eprintln!(
-            "space: pause, right: a tick on, left: a second back, up and down: rate, r: start, q: end"
+            "space: pause, right: one tick forward, left: one second back, up and down: rate, r: restart, q: quit"
         );
     }
     let (first, last) = player.range();
@@ -168,7 +168,7 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     })
 }
 
-/// What a key means. Nobody waits for an answer to number 0.
+/// The command of a key. Number 0 means that no reply is awaited.
 fn steer(key: Key, requests: &Sender<(u64, PlayRequest)>) {
     let request = match key {
         Key::Letter(b' ') => PlayRequest::Toggle,
@@ -193,10 +193,12 @@ fn print(report: &PlayReport, args: &Args) -> anyhow::Result<()> {
         report.ticks, report.wall_s, report.rate, args.rate, report.late
     );
     if report.gaps > 0 {
-        println!("{} gaps of the recording were jumped", report.gaps);
+        println!("{} gaps in the recording were skipped", report.gaps);
     }
     if let Some(tick) = report.diverged {
-        println!("from tick {tick} on forces are the recorded ones: this build steps otherwise");
+        println!(
+            "from tick {tick} on, forces are taken from the recording: this build diverges from it"
+        );
     }
     Ok(())
 }

@@ -16,18 +16,18 @@ use std::path::PathBuf;
 pub struct Args {
     /// Scene file.
     scene: PathBuf,
-    /// Tool to pose; the first if the scene has one only.
+    /// Tool to pose; optional if the scene has only one.
     #[arg(long)]
     tool: Option<String>,
     /// CSV lines `x,y,z[,qx,qy,qz,qw]`, m; `#` starts a comment.
     #[arg(long)]
     poses: PathBuf,
-    /// Print one JSON object a line.
+    /// Print one JSON object per line.
     #[arg(long)]
     json: bool,
 }
 
-/// One answer.
+/// Result for one pose.
 #[derive(Debug, Serialize)]
 struct Row {
     position: [f64; 3],
@@ -36,9 +36,9 @@ struct Row {
     proxy: [f64; 3],
     depth: f64,
     contact_count: u32,
-    /// The deepest.
+    /// Penetration depth of the deepest contact, m.
     contact: Option<ContactRow>,
-    /// All that carry force, deepest first, at most sixteen.
+    /// Contacts that carry force, deepest first, at most sixteen.
     contacts: Vec<ContactRow>,
     /// What the `spheres` method did in the last tick, by pair that uses it.
     #[serde(skip_serializing_if = "Vec::is_empty")]
@@ -114,7 +114,7 @@ impl ContactRow {
 /// At rest: the force changes by less than this share of itself (plus 1 µN) over [`WINDOW`] ticks.
 const SETTLED: f64 = 1e-5;
 const WINDOW: u64 = 50;
-/// Give up settling after this many ticks a pose.
+/// Ticks per pose after which settling is given up.
 const PATIENCE: u64 = 20_000;
 /// Stride towards a pose, m a tick: slow enough for a deforming body to follow.
 const STRIDE_M: f64 = 1e-4;
@@ -234,7 +234,7 @@ fn read_poses(path: &PathBuf) -> anyhow::Result<Vec<DevicePose>> {
     Ok(poses)
 }
 
-/// From the tool's start, straight to the pose, then still until the force has settled.
+/// Moves from the tool's start straight to the pose and holds it until the force has settled.
 fn probe(scene: &Scene, tool: usize, pose: &DevicePose) -> Row {
     let mut state = scene.initial_state();
     let mut scratch = scene.scratch(&state);

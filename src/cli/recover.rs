@@ -8,7 +8,7 @@ use std::path::PathBuf;
 pub struct Args {
     /// Recording that was cut short, usually `….mcap.part`.
     file: PathBuf,
-    /// New file; FILE without `.part` if left out.
+    /// New file [default: FILE without `.part`].
     #[arg(short, long)]
     output: Option<PathBuf>,
     /// Print one JSON object.
@@ -27,7 +27,7 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
             args.file.with_extension("")
         }
         None => anyhow::bail!(
-            "{} does not end in .part: say with -o where to write",
+            "{} does not end in .part: give the output file with -o",
             args.file.display()
         ),
     };

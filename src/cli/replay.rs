@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 
 #[derive(clap::Args, Debug)]
 pub struct Args {
-    /// Recording.
+    /// Recording file.
     file: PathBuf,
     /// Start at the keyframe at or before this tick.
     #[arg(long, value_name = "TICK", default_value_t = 0)]
@@ -18,18 +18,17 @@ pub struct Args {
     /// Last tick to replay.
     #[arg(long, value_name = "TICK")]
     until: Option<u64>,
-    /// Threads; what is found does not depend on their number. [default: one a core]
+    /// Number of threads; results do not depend on it [default: one per core].
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
     jobs: Option<u16>,
-    /// What must be equal: every bit, or the figures in FILE.figures.json within their tolerances.
+    /// What to compare: every bit, or the figures in FILE.figures.json within their tolerances.
     #[arg(long, value_enum, default_value_t = Check::Bits)]
     check: Check,
-    /// With --check figures: write the figures of this version to FILE.figures.json and say what
+    /// With --check figures: write the figures of this build to FILE.figures.json and print what
     /// changed.
     #[arg(long)]
     bless: bool,
-    /// Where the report goes (FILE.json, or into this directory) and, on a difference, the ticks
-    /// around it.
+    /// Write the report and, on a difference, the ticks around it to this FILE.json or directory.
     #[arg(long, value_name = "PATH")]
     report: Option<PathBuf>,
     /// Print one JSON object.
@@ -48,7 +47,7 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
         let whole = args.from == 0 && args.until.is_none();
         anyhow::ensure!(
             whole,
-            "figures are of a whole recording: --from and --until are for --check bits"
+            "figures cover a whole recording: --from and --until work with --check bits only"
         );
     }
     anyhow::ensure!(
@@ -57,7 +56,7 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     );
     let session = Session::open(&args.file)?;
     let bar = if std::io::IsTerminal::is_terminal(&std::io::stderr()) {
-        indicatif::ProgressBar::new(session.ticks.len() as u64)
+        indicatif::ProgressBar::new(session.tick_count())
     } else {
         indicatif::ProgressBar::hidden()
     };
@@ -88,22 +87,22 @@ fn bits(args: &Args, session: &Session, progress: impl FnMut(u64, u64)) -> anyho
     }
     if !report.same_build {
         eprintln!(
-            "note: recorded by another build; equal bits are promised for the same build only"
+            "note: recorded by another build; identical bits are guaranteed for the same build only"
         );
     }
     if !report.is_complete() {
         eprintln!(
-            "the recording is incomplete: {} ticks missing, {} that no keyframe leads to, finished cleanly: {}",
+            "the recording is incomplete: {} ticks missing, {} unreachable from a keyframe, finished cleanly: {}",
             report.gaps, report.ticks_unreached, report.clean
         );
     }
     if let Some(divergence) = &report.divergence {
         match divergence.write(session, &places(args).0) {
-            Ok(path) => eprintln!("the ticks around it, of both runs: {}", path.display()),
+            Ok(path) => eprintln!("the ticks around it, from both runs: {}", path.display()),
             // What was found is told all the same.
             Err(error) => {
                 eprintln!(
-                    "the ticks around it could not be written: {error}; name a directory with --report"
+                    "the ticks around it could not be written: {error}; give a directory with --report"
                 )
             }
         }
@@ -170,7 +169,7 @@ fn figures(
     let (mut now, start) = simulate_figures(session, progress)?;
     if let Start::Scene { reason } = &start {
         eprintln!(
-            "note: the first keyframe does not fit this version ({reason}); it began with the scene's own start"
+            "note: the first keyframe does not fit this version ({reason}); the replay started from the scene's initial state"
         );
     }
     if args.bless {
@@ -195,9 +194,9 @@ fn figures(
     told(args, &now, &start, &found)?;
     if !args.json {
         let verdict = if found.is_empty() {
-            "all figures are as written"
+            "all figures are within their tolerances"
         } else {
-            "figures are off"
+            "figures deviate"
         };
         println!(
             "{} ticks simulated: {verdict} in {}",

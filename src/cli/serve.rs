@@ -26,7 +26,7 @@ pub struct Args {
     scene: PathBuf,
     #[command(flatten)]
     common: Common,
-    /// What makes a tick due; overrides the scene.
+    /// Run in real time or in lockstep; overrides the scene.
     #[arg(long, value_parser = ["realtime", "lockstep"])]
     clock: Option<String>,
 }
@@ -34,60 +34,59 @@ pub struct Args {
 /// What `serve` and `demo` share.
 #[derive(clap::Args, Debug, Clone)]
 pub struct Common {
-    /// End after this long, for example 10s (in lockstep: of simulated time).
+    /// Stop after this long, for example 10s (in lockstep: simulated time).
     #[arg(long = "for", value_parser = text::duration)]
     pub duration: Option<Duration>,
     #[command(flatten)]
     pub recording: Recording,
-    /// Zenoh endpoint to listen on; several may be given.
+    /// Zenoh endpoint to listen on; can be repeated.
     #[arg(short, long)]
     pub listen: Vec<String>,
-    /// Zenoh endpoint to connect to; several may be given.
+    /// Zenoh endpoint to connect to; can be repeated.
     #[arg(short = 'e', long)]
     pub connect: Vec<String>,
-    /// Stock Zenoh JSON5 configuration.
+    /// Zenoh configuration file (JSON5).
     #[arg(long)]
     pub zenoh_config: Option<PathBuf>,
     /// Instance name.
     #[arg(long, default_value = "default")]
     pub instance: String,
-    /// Serve the viewer page here, for example 127.0.0.1:8080.
+    /// Serve the viewer page at this address, for example 127.0.0.1:8080.
     #[arg(long)]
     pub http: Option<std::net::SocketAddr>,
-    /// Do not ask for FIFO scheduling and locked memory.
+    /// Do not request FIFO scheduling and locked memory.
     #[arg(long)]
     pub no_rt: bool,
-    /// End, as on a signal, when the process that started this one ends.
+    /// Stop when the process that started this one ends.
     #[arg(long)]
     pub with_parent: bool,
-    /// Every N ticks go back to the state before them on another thread and run them again: they
-    /// must come to the same bits.
+    /// Re-run every N ticks on a second thread and check that the results are bit-identical.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000))]
     pub self_check: Option<u32>,
 }
 
-/// What is kept of a session.
+/// Recording options.
 #[derive(clap::Args, Debug, Clone)]
 pub struct Recording {
-    /// Record to this file, from the first tick on; into a directory under a name of its own.
+    /// Record to this file from the first tick on; given a directory, choose a name in it.
     #[arg(long)]
     pub record: Option<PathBuf>,
-    /// Where recordings and snapshots go that clients ask for (rpc record_start, snapshot).
+    /// Directory for recordings and snapshots requested over RPC (record_start, snapshot).
     #[arg(long, default_value = "recordings/local")]
     pub record_dir: PathBuf,
-    /// Keep the last seconds in memory for rpc snapshot, for example 30s.
+    /// Keep this long in memory for `rpc snapshot`, for example 30s.
     #[arg(long, value_parser = text::duration)]
     pub ring: Option<Duration>,
-    /// Begin a new file when one holds this much before compression, for example 500MB.
+    /// Start a new file at this size before compression, for example 500MB.
     #[arg(long, value_parser = text::bytes)]
     pub split_size: Option<u64>,
-    /// Begin a new file after this much simulated time, for example 10m.
+    /// Start a new file after this much simulated time, for example 10m.
     #[arg(long, value_parser = text::duration)]
     pub split_duration: Option<Duration>,
-    /// Keep files of a split recording within this much disk: the oldest are deleted.
+    /// Limit the disk space of a split recording: the oldest files are deleted.
     #[arg(long, value_parser = text::bytes)]
     pub max_total: Option<u64>,
-    /// Leave out what only viewers read.
+    /// Omit the channels that only viewers read.
     #[arg(long)]
     pub no_views: bool,
 }
@@ -153,7 +152,7 @@ pub fn outcome(served: &Served) -> Outcome {
     }
 }
 
-/// Runs a scene to its end. `ready` is called once everything listens.
+/// Runs a scene to its end. `ready` is called once all sockets are open.
 pub fn serve(
     loaded: &file::Loaded,
     common: &Common,
@@ -262,7 +261,7 @@ pub fn serve(
     tracing::debug!(events = bus_report.events, poses = ?bus_report.poses, suppressed = ?bus_report.suppressed, "bus closed");
     let report = report?;
     if settings.privileged && !report.privileges.fifo && scene.clock == Clock::Realtime {
-        tracing::warn!("SCHED_FIFO was refused: ticks may start late; see `palpate doctor`");
+        tracing::warn!("SCHED_FIFO was refused: ticks can start late; see `palpate doctor`");
     }
     Ok(Served {
         report,
@@ -271,7 +270,7 @@ pub fn serve(
     })
 }
 
-/// The system sends the signal that ends us when our parent is gone.
+/// Asks the system to send the terminating signal when the parent process ends.
 #[allow(unsafe_code)]
 fn end_with_parent() {
     // SAFETY: a plain system call that concerns this process only.
@@ -280,7 +279,7 @@ fn end_with_parent() {
     }
 }
 
-/// The figures of a session, on stdout.
+/// Prints the figures of a session.
 pub fn summary(served: &Served) {
     let report = &served.report;
     let us = |q: f64| report.lateness.quantile(q) as f64 * 1e-3;
@@ -306,7 +305,7 @@ pub fn summary(served: &Served) {
     }) = served.self_check
     {
         println!(
-            "self-check: {ticks} ticks run again in {checks} checks, {unchecked} not; {differences} differences"
+            "self-check: {ticks} ticks re-run in {checks} checks, {unchecked} unchecked, {differences} differences"
         );
     }
     for recording in &served.recording.files {

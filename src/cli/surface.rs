@@ -23,42 +23,42 @@ pub struct Args {
 
 #[derive(clap::Subcommand, Debug)]
 enum Command {
-    /// Degrees, net, knots, how it closes, measures.
+    /// Print degrees, control net, knots, closure and measures.
     Info(info::Args),
-    /// Points and derivatives at parameters.
+    /// Evaluate points and derivatives at parameters.
     Eval(query::EvalArgs),
-    /// The closest point of the surface for each of some points.
+    /// Find the closest point of the surface for each given point.
     Closest(query::ClosestArgs),
-    /// To another format: a surface as a surface, or as triangles.
+    /// Convert to another format, as a surface or as triangles.
     Convert(make::ConvertArgs),
-    /// Triangles: so many to a span, or as many as a distance takes.
+    /// Triangulate with given cells per span or to a chord tolerance.
     Tessellate(make::TessellateArgs),
-    /// A surface through a grid of points, or near scattered ones.
+    /// Fit a surface to a grid of points or to scattered points.
     Fit(make::FitArgs),
-    /// Degrees raised without any change of shape, or lowered with a bound on the change.
+    /// Raise the degree without changing the shape, or lower it with an error bound.
     Degree(degree::Args),
-    /// Patches of any degree, knots and size into one surface of chosen continuity.
+    /// Merge patches of any degree, knots and size into one surface of chosen continuity.
     Merge(Box<merge::Args>),
-    /// A body moved out of another one by a short translation; or all bodies of a file apart.
+    /// Separate overlapping bodies by short translations.
     Isolate(isolate::Args),
-    /// The largest radius of a pipe about a curve, and the pipe as a surface.
+    /// Find the largest radius of a pipe around a curve, and write the pipe as a surface.
     Pipe(pipe::Args),
-    /// A tree of branching tubes as one surface; or a given one measured.
+    /// Build one surface for a tree of branching tubes, or measure a given one.
     Branch(branch::Args),
 }
 
-/// Which surface.
+/// The surface to read.
 #[derive(clap::Args, Debug)]
 struct Source {
     /// Surface file (.json, .step, .stp, .iges, .igs), or builtin:NAME (sheet, sphere, teardrop,
     /// torus).
     file: PathBuf,
-    /// Of a file with several surfaces, the one at this place, from 0.
+    /// Index of the surface in a file with several, from 0.
     #[arg(long, value_name = "N", default_value_t = 0)]
     index: usize,
 }
 
-/// A surface (m) and the unit that its file counts in.
+/// A surface (m) and the unit of its file.
 struct Loaded {
     surface: Surface,
     unit: String,
@@ -92,14 +92,14 @@ impl Source {
             .with_context(|| self.file.display().to_string())?;
         if !unit.is_stated() {
             eprintln!(
-                "note: {} names no unit; {} are assumed",
+                "note: {} does not give a unit; assuming {}",
                 self.file.display(),
                 unit.name()
             );
         }
         if count > 1 {
             eprintln!(
-                "note: {} has {count} surfaces; this is number {} (--index)",
+                "note: {} has {count} surfaces; using number {} (--index)",
                 self.file.display(),
                 self.index
             );
@@ -142,13 +142,17 @@ fn read_csv(path: &Path, width: usize, names: &str) -> anyhow::Result<Vec<Vec<f6
             }
             None if rows.is_empty() && k == 0 => {}
             _ => anyhow::bail!(
-                "{}:{}: {line:?} is not {names}, {width} finite numbers",
+                "{}:{}: {line:?}: expected {names}, {width} finite numbers",
                 path.display(),
                 k + 1
             ),
         }
     }
-    anyhow::ensure!(!rows.is_empty(), "{}: no line with {names}", path.display());
+    anyhow::ensure!(
+        !rows.is_empty(),
+        "{}: the file has no line with {names}",
+        path.display()
+    );
     Ok(rows)
 }
 

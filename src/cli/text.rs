@@ -12,7 +12,9 @@ pub fn duration(text: &str) -> Result<Duration, String> {
     let seconds = number.trim().parse::<f64>().ok().map(|value| value * scale);
     match seconds {
         Some(seconds) if seconds > 0.0 && seconds < 1e7 => Ok(Duration::from_secs_f64(seconds)),
-        _ => Err(format!("{text:?} is no duration; write 10s, 500ms or 2m")),
+        _ => Err(format!(
+            "{text:?} is not a valid duration; write 10s, 500ms or 2m"
+        )),
     }
 }
 
@@ -34,7 +36,9 @@ pub fn bytes(text: &str) -> Result<u64, String> {
         .unwrap_or((text, 1.0));
     match number.trim().parse::<f64>().ok().map(|value| value * scale) {
         Some(bytes) if (1.0..1e15).contains(&bytes) => Ok(bytes as u64),
-        _ => Err(format!("{text:?} is no size; write 500MB, 2GB or 64KiB")),
+        _ => Err(format!(
+            "{text:?} is not a valid size; write 500MB, 2GB or 64KiB"
+        )),
     }
 }
 

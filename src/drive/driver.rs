@@ -68,7 +68,9 @@ pub fn start(
                 Ok(Some(workers)) => scratch.set_pipeline(Box::new(workers)),
                 Ok(None) => {}
                 // Bodies then step in the tick in which they are due: the same bits, but late.
-                Err(error) => tracing::warn!("no threads for slow bodies: {error}"),
+                Err(error) => tracing::warn!(
+                    "could not start threads for bodies that step separately: {error}"
+                ),
             }
             let _ = ports.tick_thread.set(std::thread::current());
             let privileges = if settings.privileged {

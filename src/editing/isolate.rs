@@ -3,7 +3,7 @@
 use super::Edited;
 use palpate_geometry::math::Vector3;
 use palpate_geometry::surface::Surface;
-use palpate_modeling::isolate::{IsolateSpec, Method, isolate_all};
+use palpate_modeling::isolate::{IsolateMethod, IsolateSpec, isolate_all};
 use palpate_sim::scene::{Scene, SceneChange};
 use serde_json::json;
 
@@ -24,9 +24,9 @@ pub(super) fn isolate(
     let usual = IsolateSpec::default();
     let method = match asked.method {
         None => usual.method,
-        Some(name) => Method::of(name).ok_or_else(|| {
-            let known = Method::ALL.map(Method::name).join(", ");
-            format!("there is no method {name:?} of isolation; there are {known}")
+        Some(name) => IsolateMethod::of(name).ok_or_else(|| {
+            let known = IsolateMethod::ALL.map(IsolateMethod::name).join(", ");
+            format!("{name:?} is not an isolation method; use one of {known}")
         })?,
     };
     let spec = IsolateSpec {

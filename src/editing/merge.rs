@@ -2,7 +2,7 @@
 
 use super::Edited;
 use palpate_geometry::surface::Surface;
-use palpate_modeling::merge::{self, Arrangement, MergeSpec, Method};
+use palpate_modeling::merge::{self, Arrangement, MergeMethod, MergeSpec};
 use palpate_sim::scene::{Scene, SceneChange};
 use serde_json::json;
 
@@ -24,12 +24,12 @@ pub(super) fn merge(
     let usual = MergeSpec::default();
     let method = match asked.method {
         None => usual.method,
-        Some("seed") => Method::Seed,
-        Some("constrained") => Method::Constrained,
-        Some("exact") => Method::Exact,
+        Some("seed") => MergeMethod::Seed,
+        Some("constrained") => MergeMethod::Constrained,
+        Some("exact") => MergeMethod::Exact,
         Some(name) => {
             return Err(format!(
-                "there is no method {name:?} of merging; there are seed, constrained, exact"
+                "{name:?} is not a merge method; use seed, constrained or exact"
             ));
         }
     };

@@ -16,9 +16,13 @@ use palpate_geometry::math::Point3;
 use palpate_geometry::surface::Surface;
 use palpate_sim::scene::{Scene, SceneChange};
 use sha2::Digest as _;
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, Sender, channel};
+
+const FAULT: &str = "an internal fault of the modeling code stopped the change; the scene is as \
+                     it was, and the daemon's log has the details";
 
 /// A request with what it is about.
 struct Job {
@@ -57,9 +61,12 @@ impl SceneEditor {
             .spawn(move || {
                 for job in job_out {
                     let id = job.id;
-                    let told = carry_out(&job, &changes)
+                    // A fault in modeling must not end the thread: later requests would wait
+                    // for an answer that never comes.
+                    let news = catch_unwind(AssertUnwindSafe(|| carry_out(&job, &changes)))
+                        .unwrap_or_else(|_| Err(FAULT.into()))
                         .unwrap_or_else(|reason| EditNews::Refused { id, reason });
-                    if news_in.send(told).is_err() {
+                    if news_in.send(news).is_err() {
                         return;
                     }
                 }

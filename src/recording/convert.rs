@@ -272,7 +272,7 @@ fn bounds(command: &pb::Command) -> Result<DeviceBounds, ConvertError> {
         _ => None,
     };
     told.ok_or_else(|| {
-        let what = format!("{:?} are no bounds of a device", command.bounds);
+        let what = format!("{:?} are not valid device bounds", command.bounds);
         ConvertError {
             tick: command.after_tick,
             what,

@@ -8,6 +8,7 @@ use super::disk::{Disk, DiskFile};
 use super::head::Head;
 use super::message::{Kind, Message, SessionHash, wall_ns};
 use super::topics;
+use super::totals::Tally;
 use super::views::Views;
 use mcap::records::{MessageHeader, Metadata};
 use mcap::write::NoSeek;
@@ -60,6 +61,8 @@ pub(super) const END: &str = "palpate.end";
 pub(super) const SCENE_TEXT: &str = "scene.toml";
 /// Attachment: the scene as built.
 pub(super) const SCENE_EFFECTIVE: &str = "scene.effective.toml";
+/// Attachment at the end: [`super::Totals`] as JSON.
+pub(super) const TOTALS: &str = "totals.json";
 
 /// Longest time between flushes.
 const FLUSH_EVERY: Duration = Duration::from_millis(200);
@@ -85,6 +88,7 @@ pub(super) struct SessionFile {
     pub last_hash: u64,
     pub session: SessionHash,
     skipped: u64,
+    tally: Tally,
 }
 
 struct Channels {
@@ -175,6 +179,7 @@ impl SessionFile {
             last_hash: 0,
             session: SessionHash::default(),
             skipped: 0,
+            tally: Tally::new(&head.tools),
         })
     }
 
@@ -259,12 +264,17 @@ impl SessionFile {
             publish_time: message.wall_ns,
         };
         self.bytes += message.data.len() as u64;
+        self.tally.count(channel_id, message.data.len());
+        let summed = self.tally.write(message);
+        debug_assert!(summed.is_ok(), "a message of ours: {summed:?}");
         let mut written = self.mcap.write_to_known_channel(&header, &message.data);
         if let Some(views) = &mut self.views {
             let (mcap, bytes) = (&mut self.mcap, &mut self.bytes);
+            let tally = &mut self.tally;
             written = written.and_then(|()| {
                 views.show(message, |channel_id, data| {
                     *bytes += data.len() as u64;
+                    tally.count(channel_id, data.len());
                     mcap.write_to_known_channel(
                         &MessageHeader {
                             channel_id,
@@ -325,6 +335,18 @@ impl SessionFile {
             path: self.part.clone(),
             source,
         };
+        // Numbers that JSON does not have, or a message that was not ours to sum up: readers count
+        // for themselves.
+        if let Ok(totals) = serde_json::to_vec(&self.tally.finish()) {
+            let attachment = mcap::Attachment {
+                log_time: self.last_tick.saturating_mul(self.dt_ns),
+                create_time: wall_ns(),
+                name: TOTALS.into(),
+                media_type: "application/json".into(),
+                data: totals.into(),
+            };
+            self.mcap.attach(&attachment).map_err(bad)?;
+        }
         self.mcap
             .write_metadata(&Metadata {
                 name: END.into(),
@@ -342,7 +364,7 @@ impl SessionFile {
         match std::fs::hard_link(&self.part, &self.target) {
             Ok(()) => std::fs::remove_file(&self.part).map_err(io)?,
             Err(e) if e.kind() == std::io::ErrorKind::AlreadyExists => {
-                let advice = "somebody made it meanwhile; the finished recording is in the .part file beside it";
+                let advice = "another program created it in the meantime; the finished recording is in the .part file next to it";
                 return Err(WriteError::Exists {
                     path: self.target,
                     advice,

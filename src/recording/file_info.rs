@@ -1,11 +1,9 @@
 //! What a recording is made of: size, compression, channels.
 
-use super::reader::{chunk_records, records};
-use mcap::records::Record;
+use super::reader::Session;
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::fmt;
-use std::path::Path;
 
 /// Figures of a file. Of one that was cut short, of what can be read.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
@@ -41,105 +39,38 @@ pub struct ChannelInfo {
     pub bytes_per_s: f64,
 }
 
-/// Looks into a file; `duration_s` is that of its session.
-///
-/// # Errors
-/// The file cannot be read. One that is no MCAP file has no chunks.
-pub fn file_info(path: &Path, duration_s: f64) -> std::io::Result<FileInfo> {
-    Ok(inspect(&std::fs::read(path)?, duration_s))
-}
-
-#[derive(Default)]
-struct Inspected {
-    info: FileInfo,
-    schemas: BTreeMap<u16, String>,
-    /// By channel id.
-    channels: BTreeMap<u16, (u16, ChannelInfo)>,
-}
-
-fn inspect(bytes: &[u8], duration_s: f64) -> FileInfo {
-    let mut seen = Inspected::default();
-    seen.info.bytes = bytes.len() as u64;
-    if bytes.starts_with(mcap::MAGIC) {
-        for (record, whole) in records(bytes).flatten() {
-            if let Record::Chunk { header, .. } = &record {
-                seen.chunk(
-                    &header.compression,
-                    header.uncompressed_size,
-                    header.compressed_size,
-                );
-                // A damaged chunk counts for its size only.
-                chunk_records(whole)
-                    .unwrap_or_default()
-                    .into_iter()
-                    .for_each(|record| seen.take(record));
+/// What a session's file is made of. `counts`: by channel id, messages and their bytes.
+pub(super) fn file_info(
+    session: &Session,
+    counts: &BTreeMap<u16, (u64, u64)>,
+    duration_s: f64,
+) -> FileInfo {
+    let (uncompressed_bytes, compressed_bytes, compression) = session.compression();
+    let channels = session.channels().into_iter().map(|(id, channel)| {
+        let (messages, bytes) = counts.get(&id).copied().unwrap_or_default();
+        ChannelInfo {
+            topic: channel.topic,
+            schema: channel.schema,
+            encoding: channel.encoding,
+            messages,
+            bytes,
+            bytes_per_s: if duration_s > 0.0 {
+                bytes as f64 / duration_s
             } else {
-                seen.take(record);
-            }
+                0.0
+            },
         }
-    }
-    let Inspected {
-        mut info,
-        schemas,
-        channels,
-    } = seen;
-    let channels = channels.into_values().map(|(schema, channel)| ChannelInfo {
-        schema: schemas.get(&schema).cloned().unwrap_or_default(),
-        bytes_per_s: if duration_s > 0.0 {
-            channel.bytes as f64 / duration_s
-        } else {
-            0.0
-        },
-        ..channel
     });
-    info.channels = channels.collect();
+    let mut info = FileInfo {
+        bytes: session.file_bytes(),
+        chunks: session.chunk_count() as u64,
+        compression,
+        uncompressed_bytes,
+        compressed_bytes,
+        channels: channels.collect(),
+    };
     info.channels.sort_by(|a, b| a.topic.cmp(&b.topic));
     info
-}
-
-impl Inspected {
-    fn chunk(&mut self, compression: &str, uncompressed: u64, compressed: u64) {
-        let info = &mut self.info;
-        info.chunks += 1;
-        info.uncompressed_bytes = info.uncompressed_bytes.saturating_add(uncompressed);
-        info.compressed_bytes = info.compressed_bytes.saturating_add(compressed);
-        let name = if compression.is_empty() {
-            "none"
-        } else {
-            compression
-        };
-        if !info.compression.iter().any(|known| known == name) {
-            info.compression.push(name.to_owned());
-        }
-    }
-
-    fn take(&mut self, record: Record<'_>) {
-        match record {
-            Record::Schema { header, .. } => drop(self.schemas.insert(header.id, header.name)),
-            // Told once more at the end of the file; what was counted stays.
-            Record::Channel(channel) => {
-                let (topic, encoding) = (channel.topic, channel.message_encoding);
-                let fresh = || {
-                    (
-                        channel.schema_id,
-                        ChannelInfo {
-                            topic,
-                            encoding,
-                            ..ChannelInfo::default()
-                        },
-                    )
-                };
-                self.channels.entry(channel.id).or_insert_with(fresh);
-            }
-            Record::Message { header, data } => {
-                if let Some((_, channel)) = self.channels.get_mut(&header.channel_id) {
-                    channel.messages += 1;
-                    channel.bytes += data.len() as u64;
-                }
-            }
-            _ => {}
-        }
-    }
 }
 
 impl fmt::Display for FileInfo {

@@ -28,7 +28,7 @@ pub(super) struct Message {
 }
 
 impl Message {
-    fn new(kind: Kind, tick: u64, message: &impl prost::Message) -> Self {
+    pub fn new(kind: Kind, tick: u64, message: &impl prost::Message) -> Self {
         Self {
             kind,
             tick,

@@ -4,7 +4,7 @@
 //! tick thread ─▶ RecorderPort ═bounded rings═▶ Stream ─in order─▶ Keeper ─┬▶ Parts ─▶ SessionFile ─▶ FILE.part ─▶ FILE
 //! bus thread ──▶ Archive: events, record_start/stop, snapshot ───────────▶ ├▶ Memory (the last seconds)
 //!                                                                         └▶ snapshots ─▶ SessionFile
-//! FILE ─▶ Session (reader) ─▶ replay, play, info, export, recover
+//! FILE ─▶ Session ─▶ Follower (reader) ─▶ replay, figures, play, info, export, recover
 //! ```
 
 mod convert;
@@ -25,8 +25,10 @@ mod reader;
 mod recorder;
 mod recover;
 mod replay;
+mod rerun;
 mod self_check;
 mod stream;
+mod totals;
 mod views;
 
 pub use disk::{Disk, DiskFile, FileSystem};
@@ -36,24 +38,28 @@ pub use figures::{
     simulate_figures,
 };
 pub use file::WriteError;
-pub use file_info::{ChannelInfo, FileInfo, file_info};
-pub use info::{Info, StageInfo, ToolInfo, info};
-pub(crate) use info::{stage_infos, write_stages};
+pub use file_info::{ChannelInfo, FileInfo};
+pub use info::{Info, Origin, computed_info, info};
 pub use message::SessionHash;
 pub use parts::Split;
 pub use play::{PlayError, PlayReport, PlaySettings, Player, played_scene};
 pub use port::RecorderPort;
-pub use reader::{EventRecord, ReadError, Session, SessionHeader};
+pub use reader::{
+    Contents, EventRecord, Follower, Happening, Keyframe, NetRecord, Place, ReadError, Session,
+    SessionHeader, Topic,
+};
 pub use recorder::{
     Recorder, RecorderSettings, RecordingReport, RecordingSummary, SceneChanges, default_path,
 };
 pub use recover::RecoverError;
 pub use recover::{Recovered, recover};
 pub use replay::{
-    Difference, Divergence, Follower, ReplayError, ReplayOptions, ReplayReport, recorded_scene,
-    replay, replay_with,
+    Difference, Divergence, ReplayError, ReplayOptions, ReplayReport, recorded_scene, replay,
+    replay_with,
 };
 pub use self_check::{SelfCheck, SelfCheckPort, SelfCheckReport, SelfDifference};
+pub use totals::{StageInfo, ToolInfo, Totals};
+pub(crate) use totals::{stage_infos, write_stages};
 
 /// Topics.
 pub(crate) mod topics {
@@ -71,16 +77,6 @@ pub(crate) mod topics {
 
 /// Layout of recordings; readers refuse others.
 pub const FORMAT_VERSION: u32 = 2;
-
-/// Names in the head of a session, for example of its `tools`, by index.
-pub(crate) fn names(session: &Session, key: &str) -> Vec<String> {
-    let names = session.header.run.get(key).map_or("", String::as_str);
-    names
-        .split(',')
-        .filter(|name| !name.is_empty())
-        .map(str::to_owned)
-        .collect()
-}
 
 /// What this program was built from: recordings made by another build may replay with other bits.
 pub fn build_id() -> String {

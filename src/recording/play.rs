@@ -42,7 +42,7 @@ pub enum PlayError {
     #[error("the recorded scene does not build: {0}")]
     Scene(#[from] SceneError),
     /// No ticks.
-    #[error("{path}: there is no tick in it")]
+    #[error("{path}: the recording contains no ticks")]
     Empty {
         /// File.
         path: PathBuf,
@@ -158,7 +158,7 @@ impl Player {
         settings: PlaySettings,
     ) -> Result<Self, PlayError> {
         let dt_s = scene.dt_s;
-        let cursor = Cursor::new(session, scene.clone(), settings.start, settings.end)?;
+        let cursor = Cursor::new(session, &scene, settings.start, settings.end)?;
         let deadlines = Deadlines::new(period_ns(dt_s, settings.rate), now_ns());
         let paused = settings.paused;
         let nets = NetPool::new(&scene, BUS_NETS);
@@ -208,7 +208,7 @@ impl Player {
             resumed_ns = now;
             played += self.report.ticks - before;
         }
-        self.report.last_tick = self.cursor.state.tick;
+        self.report.last_tick = self.cursor.state().tick;
         self.report.rate = played as f64 * self.dt_s / self.report.wall_s.max(1e-9);
         Ok(self.report)
     }
@@ -251,7 +251,7 @@ impl Player {
                 tracing::warn!(
                     after,
                     to,
-                    "ticks are missing in the recording: going on at the next keyframe"
+                    "ticks are missing in the recording: continuing at the next keyframe"
                 );
                 self.ports.rewind();
             }
@@ -282,13 +282,13 @@ impl Player {
         self.ports.publish(&record.output);
         self.nets.begin();
         self.ports
-            .done(scene, &self.cursor.state, record, &mut self.nets);
+            .done(scene, self.cursor.state(), record, &mut self.nets);
     }
 
     /// Shows a state that was jumped to; `record` is that of its tick.
     fn show(&mut self, scene: &Scene, record: Option<TickRecord>) {
         self.ports.rewind();
-        let tick = self.cursor.state.tick;
+        let tick = self.cursor.state().tick;
         let output = TickOutput {
             tick,
             ..TickOutput::default()
@@ -298,12 +298,14 @@ impl Player {
             ..TickRecord::default()
         });
         // Its lateness was counted when it was played.
-        let shown = TickRecord {
-            late_ns: 0,
-            skipped: 0,
-            ..record
-        };
-        self.publish(scene, &shown);
+        self.publish(
+            scene,
+            &TickRecord {
+                late_ns: 0,
+                skipped: 0,
+                ..record
+            },
+        );
     }
 
     fn tell(&self, news: PlayNews) {
@@ -317,7 +319,7 @@ impl Player {
             self.report.diverged = Some(tick);
             tracing::warn!(
                 tick,
-                "this build steps otherwise than the one that recorded: recorded forces are published"
+                "this build diverges from the recording: publishing the recorded forces"
             );
         }
     }
@@ -327,7 +329,7 @@ impl Player {
         self.wait_for_room();
         self.ports.rewind();
         self.nets.begin();
-        let state = &self.cursor.state;
+        let state = self.cursor.state();
         self.ports
             .hand_over_nets(scene, state, state.tick, &mut self.nets);
     }
@@ -359,14 +361,14 @@ impl Player {
             PlayRequest::Rate(rate) => self.set_rate(rate),
             PlayRequest::Scale(factor) => {
                 self.set_rate(self.settings.rate * factor);
-                tracing::info!(rate = self.settings.rate, "plays at another rate");
+                tracing::info!(rate = self.settings.rate, "playback rate changed");
             }
             PlayRequest::Step(ticks) if self.paused => self.step(scene, ticks)?,
             PlayRequest::Step(_) => {
-                done = Err("step is for a recording that stands still; pause it first".into())
+                done = Err("step works only while playback is paused; pause it first".into())
             }
             PlayRequest::Seek(tick) => done = self.seek(scene, tick)?,
-            PlayRequest::Back => match self.cursor.keyframe_before() {
+            PlayRequest::Back => match self.cursor.keyframe_before()? {
                 Some(tick) => done = self.seek(scene, tick)?,
                 None => done = Err("it is at its first state".into()),
             },
@@ -381,7 +383,7 @@ impl Player {
         match done {
             Ok(()) => self.tell(PlayNews::Done {
                 id,
-                tick: self.cursor.state.tick,
+                tick: self.cursor.state().tick,
             }),
             Err(reason) => self.tell(PlayNews::Refused { id, reason }),
         }

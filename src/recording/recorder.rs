@@ -302,7 +302,7 @@ pub(super) fn place(
     );
     if !plain || name.extension().is_none_or(|extension| extension != "mcap") {
         return Err(format!(
-            "{:?} is no file name; write one like session.mcap, without a directory: it goes to {}",
+            "{:?} is not a valid file name; use one like session.mcap, without a directory: the file is written to {}",
             name,
             directory.display()
         ));

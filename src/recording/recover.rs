@@ -5,8 +5,7 @@ use super::disk::FileSystem;
 use super::file::{SessionFile, WriteError};
 use super::head::Head;
 use super::message::{BodyHead, Message};
-use super::names;
-use super::reader::{Keyframe, ReadError, Session};
+use super::reader::{Follower, Happening, ReadError, Session};
 use super::views::Views;
 use palpate_proto::recording as pb;
 use palpate_sim::scene::Scene;
@@ -58,7 +57,8 @@ pub fn recover(source: &Path, target: &Path) -> Result<Recovered, RecoverError> 
     let scene = toml::from_str::<SceneSpec>(&header.effective_scene)
         .ok()
         .and_then(|spec| Scene::build(&spec, Path::new(".")).ok());
-    let bodies = names(&session, "bodies")
+    let bodies = header
+        .names("bodies")
         .into_iter()
         .enumerate()
         .map(|(b, id)| {
@@ -83,102 +83,59 @@ pub fn recover(source: &Path, target: &Path) -> Result<Recovered, RecoverError> 
         scene: header.run.get("scene").cloned().unwrap_or_default(),
         scene_text: header.scene_text.clone(),
         effective_scene: header.effective_scene.clone(),
-        dt_ns: session.run_number("dt_ns").unwrap_or(1_000_000),
-        tools: names(&session, "tools"),
+        dt_ns: session.dt_ns(),
+        tools: header.names("tools"),
         bodies: bodies.collect(),
         extra,
     };
     let views = scene.as_ref().and_then(Views::of);
     // The source may be the target's own `.part`.
     let part = PathBuf::from(format!("{}.recovering", target.display()));
-    let mut file = SessionFile::create_as(&FileSystem, part, target, &head, &[], views)?;
-    for message in messages(&session, &head) {
-        file.put(&message)?;
+    let file = SessionFile::create_as(&FileSystem, part.clone(), target, &head, &[], views)?;
+    copy(&session, &head, file).inspect_err(|_| {
+        // Of half a copy there is no use.
+        let _ = std::fs::remove_file(&part);
+    })
+}
+
+/// Copies all that can be read, in the order in which it is there.
+fn copy(session: &Session, head: &Head, mut file: SessionFile) -> Result<Recovered, RecoverError> {
+    for happening in Follower::new(session) {
+        if let Some(message) = message(&happening?, head) {
+            file.put(&message)?;
+        }
     }
     let (ticks, last_tick) = (file.ticks, file.last_tick);
     file.put(&Message::stats(&pb::Stats {
         tick: last_tick,
         ..pb::Stats::default()
     }))?;
-    let clean = session.is_clean() && session.cut_short.is_none();
-    let path = file.finish(
-        session.end_number("dropped_records").unwrap_or(0),
-        clean,
-        &[],
-    )?;
+    let dropped = session.end_number("dropped_records").unwrap_or(0);
+    let path = file.finish(dropped, session.is_whole(), &[])?;
     Ok(Recovered {
         path,
         ticks,
         last_tick,
-        cut_short: session.cut_short,
+        cut_short: session.cut_short().map(str::to_owned),
     })
 }
 
-/// All messages, in the order of the simulation: a tick, its nets, what came between it and the
-/// next.
-fn messages(session: &Session, head: &Head) -> Vec<Message> {
-    let mut all: Vec<(u64, u8, Message)> = Vec::new();
-    for record in &session.ticks {
-        all.push((
-            record.output.tick,
-            0,
-            Message::tick(record, head.tools.len()),
-        ));
-    }
-    for net in &session.nets {
-        let Some(body) = head.bodies.iter().position(|body| body.id == net.body) else {
-            continue;
-        };
-        let points: Vec<_> = net
-            .points
-            .chunks_exact(3)
-            .map(|p| [p[0], p[1], p[2]].into())
-            .collect();
-        all.push((
-            net.tick,
-            1,
-            Message::net(net.tick, net.revision, body, &head.bodies[body], &points),
-        ));
-    }
-    for event in &session.events {
-        all.push((
-            event.tick,
-            2,
-            Message::event(event.tick, &event.kind, &event.detail),
-        ));
-    }
-    // Commands and keyframes of one tick keep the order that the keyframes tell.
-    let mut commands = &session.commands[..];
-    for keyframe in &session.keyframes {
-        let before = commands.partition_point(|(after, _)| *after < keyframe.tick);
-        let (first, rest) = commands.split_at(before);
-        let own = rest.partition_point(|(after, _)| *after <= keyframe.tick);
-        let earlier = session
-            .commands
-            .partition_point(|(after, _)| *after < keyframe.tick);
-        let passed = (session.commands.len() - rest.len()).saturating_sub(earlier);
-        let (held, rest) =
-            rest.split_at(own.min((keyframe.commands as usize).saturating_sub(passed)));
-        let between = first.iter().chain(held);
-        all.extend(between.map(|(after, command)| (*after, 3, Message::command(*after, *command))));
-        let Keyframe {
-            tick,
-            state_hash,
-            commands: count,
-            saved,
-        } = keyframe;
-        all.push((
-            *tick,
-            3,
-            Message::keyframe(*tick, *state_hash, *count, saved, 0),
-        ));
-        commands = rest;
-    }
-    all.extend(
-        commands
-            .iter()
-            .map(|(after, command)| (*after, 3, Message::command(*after, *command))),
-    );
-    all.sort_by_key(|(tick, rank, _)| (*tick, *rank));
-    all.into_iter().map(|(_, _, message)| message).collect()
+/// `None`: a net of a body that the scene does not have.
+fn message(happening: &Happening, head: &Head) -> Option<Message> {
+    Some(match happening {
+        Happening::Tick(record) => Message::tick(record, head.tools.len()),
+        Happening::Keyframe(keyframe) => {
+            let (tick, hash, held) = (keyframe.tick, keyframe.state_hash, keyframe.commands);
+            Message::keyframe(tick, hash, held, &keyframe.saved, 0)
+        }
+        Happening::Command(after_tick, command) => Message::command(*after_tick, *command),
+        Happening::Event(event) => Message::event(event.tick, &event.kind, &event.detail),
+        Happening::Net(net) => {
+            let body = head.bodies.iter().position(|body| body.id == net.body)?;
+            let points = net.points.chunks_exact(3);
+            let points: Vec<_> = points.map(|p| [p[0], p[1], p[2]].into()).collect();
+            let of = &head.bodies[body];
+            Message::net(net.tick, net.revision, body, of, &points)
+        }
+    })
 }

@@ -8,14 +8,14 @@
 //! The tick thread neither waits nor allocates: batches go round between two rings. While none is
 //! free, ticks go unchecked and are counted.
 
+use super::rerun::Rerun;
 use crate::drive::journal::Journal;
 use crate::drive::nets::NetPool;
-use palpate_geometry::math::{SavedState, state_hash};
+use palpate_geometry::math::SavedState;
 use palpate_sim::haptics::DevicePose;
-use palpate_sim::scene::{Scene, SceneState, Scratch};
+use palpate_sim::scene::{Scene, SceneState};
 use palpate_sim::solve::grip::MAX_ANCHORS;
 use palpate_sim::tick::record::{Command, TickInput, TickRecord};
-use palpate_sim::tick::{apply, restore, step};
 use serde::Serialize;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
@@ -248,20 +248,19 @@ impl Drop for SelfCheckPort {
 }
 
 fn check_all(
-    scene: &Scene,
+    scene: &Arc<Scene>,
     mut full: rtrb::Consumer<Box<Batch>>,
     mut free: rtrb::Producer<Box<Batch>>,
     shared: &Shared,
 ) -> SelfCheckReport {
-    let mut state = scene.initial_state();
-    let mut scratch = scene.scratch(&state);
+    let mut rerun = Rerun::new(scene);
     let mut report = SelfCheckReport::default();
     loop {
         let stop = shared.stop.load(Ordering::Acquire);
         while let Ok(batch) = full.pop() {
             report.checks += u64::from(!batch.hashes.is_empty());
             report.ticks += batch.hashes.len() as u64;
-            if let Some(difference) = check(scene, &mut state, &mut scratch, &batch) {
+            if let Some(difference) = check(&mut rerun, &batch) {
                 report.differences += 1;
                 report.first_difference.get_or_insert(difference);
                 if report.differences <= MOST_TOLD {
@@ -273,7 +272,7 @@ fn check_all(
                     } = difference;
                     tracing::error!(
                         from, tick, first = %format_args!("{first:016x}"), second = %format_args!("{second:016x}"),
-                        "self-check: the same inputs came to another state"
+                        "self-check: re-running the same inputs gave a different state"
                     );
                 }
             }
@@ -286,12 +285,7 @@ fn check_all(
     }
 }
 
-fn check(
-    scene: &Scene,
-    state: &mut SceneState,
-    scratch: &mut Scratch,
-    batch: &Batch,
-) -> Option<SelfDifference> {
+fn check(rerun: &mut Rerun, batch: &Batch) -> Option<SelfDifference> {
     if batch.hashes.is_empty() {
         return None;
     }
@@ -304,11 +298,11 @@ fn check(
         })
     };
     // A state that the scene does not take back has no hash.
-    let hash = restore(scene, state, scratch, &batch.saved).map_or(0, |()| state_hash(state));
+    let hash = rerun.seat(&batch.saved).unwrap_or(0);
     if hash != batch.hash {
         return parted(batch.tick, batch.hash, hash);
     }
-    let tools = scene.tool_count();
+    let tools = rerun.scene().tool_count();
     let mut commands = &batch.commands[..];
     for (k, &hash) in batch.hashes.iter().enumerate() {
         let tick = batch.tick + 1 + k as u64;
@@ -316,12 +310,12 @@ fn check(
             .split_first()
             .filter(|((after, _), _)| *after < tick)
         {
-            apply(scene, state, scratch, *command);
+            rerun.command(*command);
             commands = rest;
         }
         let mut input = TickInput::default();
         input.poses.set(&batch.poses[k * tools..(k + 1) * tools]);
-        let output = step(scene, state, scratch, &input);
+        let output = rerun.tick(&input);
         if output.state_hash != hash {
             return parted(tick, hash, output.state_hash);
         }

@@ -5,9 +5,8 @@ use super::declared::{Inbox, encoding};
 use super::schemas;
 use crate::wire;
 use palpate_proto::codec::encode;
-use palpate_proto::messages::{Message, SceneSnapshot};
-use palpate_proto::rpc::{METHODS, Reply};
-use palpate_proto::schema;
+use palpate_proto::messages::{ALL, Message, SceneSnapshot};
+use palpate_proto::rpc::{Answer, METHODS};
 use zenoh::Wait;
 use zenoh::bytes::Encoding;
 use zenoh::key_expr::KeyExpr;
@@ -78,7 +77,7 @@ impl BusThread {
             "tools": (0..scene.tool_count()).map(|t| scene.tool_id(t)).collect::<Vec<_>>(),
             "bodies": (0..scene.body_count()).map(|b| scene.body_id(b)).collect::<Vec<_>>(),
             "devices": self.devices.report(|tool| scene.tool_id(tool)),
-            "messages": schema::all().map(|schema| schema.name),
+            "messages": ALL.iter().map(|message| message.name).collect::<Vec<_>>(),
             "methods": METHODS,
             "played": self.settings.player.is_some(),
             "recorder": self.status.recorder,
@@ -119,7 +118,7 @@ pub(super) fn reply_json(query: &Query, key: KeyExpr<'static>, value: &impl serd
 
 /// Answers with an error: JSON like that of a refused command.
 pub(super) fn reply_refused(query: &Query, reason: &str) {
-    let text = serde_json::to_string(&Reply::refused(reason)).unwrap_or_default();
+    let text = serde_json::to_string(&Answer::<()>::refused(reason)).unwrap_or_default();
     let _ = query
         .reply_err(text)
         .encoding(Encoding::APPLICATION_JSON)

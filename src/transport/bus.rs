@@ -19,7 +19,7 @@ use palpate_proto::keys::Keys;
 use palpate_proto::messages::{
     ContactSet, ControlNet, EventKind, LoopState, LoopStatus, RecorderState, SimEvent, ToolForce,
 };
-use palpate_proto::rpc::Reply;
+use palpate_proto::rpc::Answer;
 use palpate_sim::scene::Scene;
 use palpate_sim::tick::record::TickOutput;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -261,7 +261,7 @@ impl BusThread {
         self.event(EventKind::Stopping);
         self.publish_status();
         for id in self.pending.iter().map(|(id, _)| *id).collect::<Vec<_>>() {
-            self.settle(id, &Reply::refused("the daemon is going down"));
+            self.settle(id, &Answer::refused("the daemon is going down"));
         }
         self.declared = None;
         if let Err(error) = self.session.close().wait() {

@@ -155,7 +155,7 @@ impl Declared {
         queryable(keys.meta_info(), Box::new(Inbox::Info))?;
         queryable(keys.meta_schema("*"), Box::new(Inbox::Schema))?;
         queryable(keys.meta_metrics(), Box::new(Inbox::Metrics))?;
-        for method in METHODS {
+        for &method in METHODS {
             queryable(
                 keys.rpc(method),
                 Box::new(move |query| Inbox::Rpc(method, query)),

@@ -10,7 +10,7 @@ use crate::drive::editor::{Edit, EditNews, EditRequest};
 use crate::drive::ports::NetEnd;
 use crate::wire;
 use palpate_proto::messages::EventKind;
-use palpate_proto::rpc::{Reply, Request};
+use palpate_proto::rpc::Answer;
 use palpate_sim::scene::Scene;
 use std::sync::Arc;
 
@@ -39,13 +39,12 @@ impl BusThread {
         &mut self,
         id: u64,
         edit: Edit,
-        names: Option<Vec<String>>,
+        names: &[String],
     ) -> Result<(), String> {
         if self.change.is_some() {
             return Err("the scene is being changed; try again".into());
         }
         let scene = self.settings.scene.clone();
-        let names = names.unwrap_or_default();
         let index = |name: &String| {
             scene.body_index(name).ok_or_else(|| {
                 let known: Vec<&str> = (0..scene.body_count())
@@ -97,7 +96,7 @@ impl BusThread {
                         self.change = None;
                         self.settle(
                             id,
-                            &Reply::refused(
+                            &Answer::refused(
                                 "the loop has not taken the last change yet; try again",
                             ),
                         );
@@ -118,15 +117,11 @@ impl BusThread {
                 }
                 EditNews::Nothing { id, report } => {
                     self.change = None;
-                    let reply = Reply {
-                        report: Some(report),
-                        ..Reply::at(self.status.tick + 1)
-                    };
-                    self.settle(id, &reply);
+                    self.settle(id, &Answer::with_report(self.status.tick + 1, report));
                 }
                 EditNews::Refused { id, reason } => {
                     self.change = None;
-                    self.settle(id, &Reply::refused(reason));
+                    self.settle(id, &Answer::refused(reason));
                 }
             }
         }
@@ -138,7 +133,7 @@ impl BusThread {
         while let Ok(receipt) = self.ports.receipts.pop() {
             match &mut self.change {
                 Some(Change::Sent(next)) if next.id == receipt.id => next.tick = Some(receipt.tick),
-                _ => self.settle(receipt.id, &Reply::at(receipt.tick)),
+                _ => self.settle(receipt.id, &Answer::at(receipt.tick)),
             }
         }
     }
@@ -187,30 +182,6 @@ impl BusThread {
                 .name("palpate-retired".into())
                 .spawn(move || drop(retired));
         }
-        self.settle(
-            id,
-            &Reply {
-                report: Some(report),
-                ..Reply::at(tick.unwrap_or_default())
-            },
-        );
-    }
-}
-
-/// The change of the scene that a method asks for.
-pub(super) fn edit(method: &str, request: &Request) -> Option<Edit> {
-    match method {
-        "merge" => Some(Edit::Merge {
-            id: request.id.clone(),
-            continuity: request.continuity,
-            method: request.method.clone(),
-            tolerance_m: request.tolerance,
-        }),
-        "isolate" => Some(Edit::Isolate {
-            method: request.method.clone(),
-            gap_m: request.gap,
-            max_turn_deg: request.max_turn,
-        }),
-        _ => None,
+        self.settle(id, &Answer::with_report(tick.unwrap_or_default(), report));
     }
 }

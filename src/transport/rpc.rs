@@ -2,12 +2,12 @@
 
 use super::answers::reply_json;
 use super::bus::BusThread;
-use super::edit::edit;
 use crate::drive::archive::{ArchiveNews, ArchiveRequest};
+use crate::drive::editor::Edit;
 use crate::drive::playback::{PlayNews, PlayRequest};
 use crate::drive::ports::CommandRequest;
 use palpate_proto::messages::{EventKind, LoopState};
-use palpate_proto::rpc::{Reply, Request};
+use palpate_proto::rpc::{Answer, Call};
 use palpate_sim::tick::record::Command;
 use zenoh::bytes::ZBytes;
 use zenoh::query::Query;
@@ -18,18 +18,23 @@ const MOST_PENDING: usize = 256;
 impl BusThread {
     /// Carries out a command, or passes it on and keeps the query until its answer comes.
     pub(super) fn rpc(&mut self, method: &'static str, query: Query) {
-        let refuse =
-            |reason: String| reply_json(&query, query.key_expr().clone(), &Reply::refused(reason));
+        let refuse = |reason: String| {
+            reply_json(
+                &query,
+                query.key_expr().clone(),
+                &Answer::<()>::refused(reason),
+            )
+        };
         let length = query.payload().map_or(0, ZBytes::len);
-        if let Err(error) = Request::check_length(method, length) {
+        if let Err(error) = Call::check_length(method, length) {
             return refuse(error.to_string());
         }
         let payload = query
             .payload()
             .map(|p| p.to_bytes().into_owned())
             .unwrap_or_default();
-        let request = match Request::parse(method, &payload) {
-            Ok(request) => request,
+        let call = match Call::parse(method, &payload) {
+            Ok(call) => call,
             Err(error) => return refuse(error.to_string()),
         };
         if self.pending.len() >= MOST_PENDING {
@@ -37,13 +42,9 @@ impl BusThread {
         }
         let id = self.next_id;
         let asked = if self.settings.player.is_some() {
-            self.ask_player(id, method, &request)
-        } else if let Some(command) = loop_command(method, &request) {
-            self.ask_loop(id, command)
-        } else if let Some(edit) = edit(method, &request) {
-            self.ask_editor(id, edit, request.bodies)
+            self.ask_player(id, call)
         } else {
-            self.ask_archive(id, method, request)
+            self.ask_live(id, call)
         };
         match asked {
             Ok(()) => {
@@ -51,6 +52,66 @@ impl BusThread {
                 self.pending.push((id, query));
             }
             Err(reason) => refuse(reason),
+        }
+    }
+
+    /// Passes a call on to the loop, the keeper of recordings or the editor of a live scene.
+    fn ask_live(&mut self, id: u64, call: Call) -> Result<(), String> {
+        let method = call.method();
+        match call {
+            Call::Reset => self.ask_loop(id, Command::Reset),
+            Call::Pause => self.ask_loop(id, Command::Pause),
+            Call::Resume => self.ask_loop(id, Command::Resume),
+            Call::Step { ticks } => self.ask_loop(id, Command::Step(ticks)),
+            Call::Shutdown => self.ask_loop(id, Command::Stop),
+            Call::RecordStart { path } => {
+                let path = path.map(Into::into);
+                self.ask_archive(id, method, ArchiveRequest::Start { path })
+            }
+            Call::RecordStop => self.ask_archive(id, method, ArchiveRequest::Stop),
+            Call::Snapshot {
+                before,
+                after,
+                path,
+            } => {
+                let wanted = ArchiveRequest::Snapshot {
+                    before_s: before,
+                    after_s: after,
+                    path: path.map(Into::into),
+                };
+                self.ask_archive(id, method, wanted)
+            }
+            Call::Merge {
+                bodies,
+                id: name,
+                continuity,
+                method,
+                tolerance,
+            } => {
+                let edit = Edit::Merge {
+                    id: name,
+                    continuity,
+                    method,
+                    tolerance_m: tolerance,
+                };
+                self.ask_editor(id, edit, &bodies)
+            }
+            Call::Isolate {
+                bodies,
+                method,
+                gap,
+                max_turn,
+            } => {
+                let edit = Edit::Isolate {
+                    method,
+                    gap_m: gap,
+                    max_turn_deg: max_turn,
+                };
+                self.ask_editor(id, edit, &bodies)
+            }
+            Call::Seek { .. } | Call::Rate { .. } => Err(format!(
+                "{method} is for recordings that are played (`palpate play`); this is a live scene"
+            )),
         }
     }
 
@@ -80,51 +141,29 @@ impl BusThread {
         Ok(())
     }
 
-    fn ask_archive(&mut self, id: u64, method: &str, request: Request) -> Result<(), String> {
-        let path = request.path.map(Into::into);
-        let wanted = match method {
-            "record_start" => ArchiveRequest::Start { path },
-            "record_stop" => ArchiveRequest::Stop,
-            "snapshot" => ArchiveRequest::Snapshot {
-                before_s: request.before.unwrap_or(DEFAULT_BEFORE_S),
-                after_s: request.after.unwrap_or(0.0),
-                path,
-            },
-            _ => {
-                return Err(format!(
-                    "{method} is for recordings that are played (`palpate play`); this is a live scene"
-                ));
-            }
-        };
+    fn ask_archive(&mut self, id: u64, method: &str, wanted: ArchiveRequest) -> Result<(), String> {
         match &mut self.settings.archive {
             Some(archive) => {
                 archive.ask(id, wanted);
                 Ok(())
             }
-            None => Err(format!("{method}: this daemon has nobody who records")),
+            None => Err(format!("{method}: recording is not enabled on this daemon")),
         }
     }
 
-    fn ask_player(&mut self, id: u64, method: &str, request: &Request) -> Result<(), String> {
-        let wanted = match method {
-            "reset" => PlayRequest::Reset,
-            "pause" => PlayRequest::Pause,
-            "resume" => PlayRequest::Resume,
-            "step" => PlayRequest::Step(request.ticks.unwrap_or(1)),
-            "shutdown" => PlayRequest::Stop,
-            "seek" => PlayRequest::Seek(
-                request
-                    .tick
-                    .ok_or("seek needs its argument: {\"tick\": 1500}")?,
-            ),
-            "rate" => PlayRequest::Rate(
-                request
-                    .rate
-                    .ok_or("rate needs its argument: {\"rate\": 0.5}")?,
-            ),
+    fn ask_player(&mut self, id: u64, call: Call) -> Result<(), String> {
+        let wanted = match call {
+            Call::Reset => PlayRequest::Reset,
+            Call::Pause => PlayRequest::Pause,
+            Call::Resume => PlayRequest::Resume,
+            Call::Step { ticks } => PlayRequest::Step(ticks),
+            Call::Shutdown => PlayRequest::Stop,
+            Call::Seek { tick } => PlayRequest::Seek(tick),
+            Call::Rate { rate } => PlayRequest::Rate(rate),
             _ => {
                 return Err(format!(
-                    "{method} makes no sense here: this is a recording that is played, not a live scene"
+                    "{} makes no sense here: this is a recording that is played, not a live scene",
+                    call.method()
                 ));
             }
         };
@@ -138,10 +177,10 @@ impl BusThread {
     }
 
     /// Answers the command that has this number.
-    pub(super) fn settle(&mut self, id: u64, reply: &Reply) {
+    pub(super) fn settle(&mut self, id: u64, answer: &Answer) {
         if let Some(k) = self.pending.iter().position(|(pending, _)| *pending == id) {
             let (_, query) = self.pending.swap_remove(k);
-            reply_json(&query, query.key_expr().clone(), reply);
+            reply_json(&query, query.key_expr().clone(), answer);
         }
     }
 
@@ -156,15 +195,9 @@ impl BusThread {
             let text = |path: std::path::PathBuf| path.to_string_lossy().into_owned();
             match news {
                 ArchiveNews::Done { id, tick, path } => {
-                    self.settle(
-                        id,
-                        &Reply {
-                            path: Some(text(path)),
-                            ..Reply::at(tick)
-                        },
-                    );
+                    self.settle(id, &Answer::with_path(tick, text(path)));
                 }
-                ArchiveNews::Refused { id, reason } => self.settle(id, &Reply::refused(reason)),
+                ArchiveNews::Refused { id, reason } => self.settle(id, &Answer::refused(reason)),
                 ArchiveNews::Started { path } => {
                     self.event(EventKind::RecordStarted { path: text(path) })
                 }
@@ -194,8 +227,8 @@ impl BusThread {
     pub(super) fn take_player_news(&mut self, news: Vec<PlayNews>) {
         for news in news {
             match news {
-                PlayNews::Done { id, tick } => self.settle(id, &Reply::at(tick)),
-                PlayNews::Refused { id, reason } => self.settle(id, &Reply::refused(reason)),
+                PlayNews::Done { id, tick } => self.settle(id, &Answer::at(tick)),
+                PlayNews::Refused { id, reason } => self.settle(id, &Answer::refused(reason)),
                 PlayNews::Reset => self.event(EventKind::Reset),
                 PlayNews::Paused(paused) => {
                     let (state, kind) = if paused {
@@ -209,18 +242,4 @@ impl BusThread {
             }
         }
     }
-}
-
-/// A snapshot that does not say: seconds before now.
-const DEFAULT_BEFORE_S: f64 = 30.0;
-
-fn loop_command(method: &str, request: &Request) -> Option<Command> {
-    Some(match method {
-        "reset" => Command::Reset,
-        "pause" => Command::Pause,
-        "resume" => Command::Resume,
-        "step" => Command::Step(request.ticks.unwrap_or(1)),
-        "shutdown" => Command::Stop,
-        _ => return None,
-    })
 }

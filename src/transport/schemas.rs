@@ -21,18 +21,15 @@ pub(super) fn answer(keys: &Keys, query: &Query) {
     };
     let names = match query.parameters().get("format") {
         None | Some("json") => {
-            let all = schema::all();
-            let found = all
-                .iter()
-                .filter_map(|schema| Some((asked(schema.name)?, schema)));
+            let found = schema::all().filter_map(|schema| Some((asked(schema.name)?, schema)));
             if found
-                .map(|(key, schema)| reply_json(query, key, schema))
+                .map(|(key, schema)| reply_json(query, key, &schema))
                 .count()
                 > 0
             {
                 return;
             }
-            all.map(|schema| schema.name.to_owned()).to_vec()
+            schema::all().map(|schema| schema.name.to_owned()).collect()
         }
         Some("proto") => {
             let names = recording_types();

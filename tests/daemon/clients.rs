@@ -161,7 +161,7 @@ fn public_readers_decode_every_message_of_every_golden_recording() {
             .arg(&file));
         let told: Value = serde_json::from_str(&text).unwrap();
         let session = Session::open(&file).unwrap();
-        let figures = info(&session);
+        let figures = info(&session).unwrap();
         let counted = |topic: &str| told["topics"][topic]["count"].as_u64();
         assert_eq!(
             counted("/sim/tick"),
@@ -203,7 +203,7 @@ fn the_example_that_reads_recordings_has_our_figures() {
     for file in golden_recordings() {
         let text = run(Command::new(&python).arg(&example).arg("--json").arg(&file));
         let told: Value = serde_json::from_str(&text).unwrap();
-        let figures = info(&Session::open(&file).unwrap());
+        let figures = info(&Session::open(&file).unwrap()).unwrap();
         assert_eq!(told["scene"], figures.scene);
         for tool in &figures.tools {
             let peak = told["peak_force_n"][&tool.id].as_f64().unwrap();

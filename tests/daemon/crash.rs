@@ -3,6 +3,7 @@
 use crate::daemon::{Daemon, PROGRAM, SOFT_DROP as SCENE, device};
 use palpate::recording::{Session, replay};
 use palpate_client::proto::messages::EventKind;
+use palpate_client::proto::rpc::Call;
 use palpate_client::{Connect, Palpate, pose_at};
 use std::net::TcpListener;
 use std::path::Path;
@@ -134,7 +135,7 @@ fn a_full_disk_is_told_and_the_loop_goes_on() {
         Path::new(&path).ends_with("full.mcap") && reason.contains("full.mcap.part"),
         "{path}: {reason}"
     );
-    client.rpc("shutdown", &Default::default()).unwrap();
+    client.rpc(Call::Shutdown).unwrap();
     client.close();
     assert_eq!(
         child.wait().unwrap().code(),
@@ -142,7 +143,7 @@ fn a_full_disk_is_told_and_the_loop_goes_on() {
         "an incomplete recording is no success"
     );
     let session = Session::open(&directory.path().join("full.mcap.part")).unwrap();
-    assert!(session.ticks.len() > 100 && session.gaps() == 0);
+    assert!(session.tick_count() > 100 && session.gaps() == 0);
     assert!(
         replay(&session, 0, |_, _| {})
             .unwrap()

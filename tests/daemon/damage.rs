@@ -4,7 +4,8 @@ use crate::live::{Live, RIGID, SOFT, bits, record};
 use mcap::records::{MessageHeader, Record};
 use palpate::drive::journal::Journal;
 use palpate::recording::{
-    ReadError, Recorder, RecorderSettings, RecoverError, Session, WriteError, info, recover, replay,
+    Contents, ReadError, Recorder, RecorderSettings, RecoverError, Session, WriteError, info,
+    recover, replay,
 };
 use palpate_proto::recording as pb;
 use palpate_sim::scene::{Scene, file};
@@ -119,12 +120,12 @@ fn every_byte_of_a_pose_counts() {
     let directory = tempfile::tempdir().unwrap();
     let path = directory.path().join("rigid.mcap");
     record(&path, RIGID, 300, &[]);
-    let session = Session::open(&path).unwrap();
+    let mut session = Contents::open(&path).unwrap();
+    session.ticks.truncate(252);
     let whole = session.ticks[249].input.poses[0].unwrap();
     for k in 0..13 {
         for byte in 0..8 {
             let mut forged = session.clone();
-            forged.ticks.truncate(252);
             let pose = forged.ticks[249].input.poses[0].as_mut().unwrap();
             let slot = match k {
                 0..3 => &mut pose.position[k],
@@ -134,7 +135,7 @@ fn every_byte_of_a_pose_counts() {
             };
             *slot = f64::from_bits(slot.to_bits() ^ 0x7f << (8 * byte));
             assert_ne!(format!("{whole:?}"), format!("{pose:?}"));
-            let report = replay(&forged, 200, |_, _| {}).unwrap();
+            let report = replay(&forged.session().unwrap(), 200, |_, _| {}).unwrap();
             let difference = report
                 .first_difference
                 .unwrap_or_else(|| panic!("value {k}, byte {byte} unnoticed"));
@@ -246,19 +247,21 @@ fn a_file_cut_anywhere_recovers_every_tick_of_every_whole_chunk() {
             "cut at {cut}: {recovered:?}"
         );
         let session = Session::open(&mended).unwrap();
+        let kept = Contents::of(&session).unwrap();
         assert!(
-            session.cut_short.is_none() && !session.is_clean() && session.gaps() == 0,
+            session.cut_short().is_none() && !session.is_clean() && session.gaps() == 0,
             "cut at {cut}"
         );
-        assert_eq!(session.ticks.len() as u64, recovered.ticks);
+        assert_eq!(session.tick_count(), recovered.ticks);
+        assert_eq!(kept.ticks.len() as u64, recovered.ticks);
         assert!(
             records
                 .iter()
-                .zip(&session.ticks)
+                .zip(&kept.ticks)
                 .all(|(was, is)| bits(was) == bits(is)),
             "cut at {cut}"
         );
-        if round % 10 == 0 && !session.keyframes.is_empty() {
+        if round % 10 == 0 && !kept.keyframes.is_empty() {
             let report = replay(&session, 0, |_, _| {}).unwrap();
             assert!(
                 report.first_difference.is_none() && !report.passed(),
@@ -288,7 +291,7 @@ fn a_file_with_any_byte_changed_is_read_in_part_or_refused_but_never_trusted() {
         let (at, bit) = (places.below(last), places.below(8));
         let mut damaged = bytes.clone();
         damaged[at] ^= 1 << bit;
-        let Ok(session) = Session::parse(Path::new("damaged"), &damaged) else {
+        let Ok(session) = Contents::parse(Path::new("damaged"), &damaged) else {
             noticed += 1;
             continue;
         };
@@ -328,7 +331,7 @@ fn a_recording_under_way_is_readable_up_to_its_last_flush() {
     let part = directory.path().join("live.mcap.part");
     let mut live = Live::start(&path, SOFT);
     // Readable from the first moment on, with nothing in it.
-    assert_eq!(Session::open(&part).unwrap().ticks.len(), 0);
+    assert_eq!(Session::open(&part).unwrap().tick_count(), 0);
     (0..500).for_each(|_| live.tick());
     let (copy, mended) = (
         directory.path().join("copy.part"),
@@ -339,17 +342,17 @@ fn a_recording_under_way_is_readable_up_to_its_last_flush() {
         // What a kill at this moment would leave.
         std::fs::copy(&part, &copy).unwrap();
         let session = Session::open(&copy).unwrap();
-        if session.ticks.len() == 500 {
+        if session.tick_count() == 500 {
             break session;
         }
         assert!(
             started.elapsed() < Duration::from_secs(60),
             "{} of 500 ticks after a minute",
-            session.ticks.len()
+            session.tick_count()
         );
         std::thread::sleep(Duration::from_millis(20));
     };
-    assert!(session.cut_short.is_some() && !session.is_clean());
+    assert!(session.cut_short().is_some() && !session.is_clean());
     assert_eq!(recover(&copy, &mended).unwrap().ticks, 500);
     let report = replay(&Session::open(&mended).unwrap(), 0, |_, _| {}).unwrap();
     assert!(
@@ -389,7 +392,7 @@ fn files_of_other_kinds_are_told_apart() {
         std::fs::write(&path, bytes).unwrap();
         path
     };
-    let open = |path: &Path| Session::open(path).expect_err("read as a session");
+    let open = |path: &Path| Contents::open(path).expect_err("read as a session");
     for (name, content) in [
         ("empty", &b""[..]),
         ("text", b"tick,force\n1,0.5\n"),
@@ -502,7 +505,7 @@ fn impossible_numbers_in_a_file_are_no_reason_to_panic() {
             _ => {}
         });
         let session = Session::open(&odd).unwrap();
-        let figures = info(&session);
+        let figures = info(&session).unwrap();
         assert_eq!(figures.ticks, 20, "{figures}");
         assert!(!replay(&session, 0, |_, _| {}).unwrap().passed());
         assert_eq!(
@@ -515,17 +518,17 @@ fn impossible_numbers_in_a_file_are_no_reason_to_panic() {
             20
         );
     }
-    let mut foreign_state = Session::open(&whole).unwrap();
+    let mut foreign_state = Contents::open(&whole).unwrap();
     foreign_state.keyframes[0].saved.floats.pop();
     assert!(
-        replay(&foreign_state, 0, |_, _| {})
+        replay(&foreign_state.session().unwrap(), 0, |_, _| {})
             .unwrap_err()
             .to_string()
             .contains("does not fit this scene")
     );
     foreign_state.keyframes.clear();
     assert!(
-        replay(&foreign_state, 0, |_, _| {})
+        replay(&foreign_state.session().unwrap(), 0, |_, _| {})
             .unwrap_err()
             .to_string()
             .contains("no keyframe")
@@ -568,7 +571,7 @@ fn what_a_full_ring_loses_is_counted_and_the_file_says_so() {
         "every tick is written or counted"
     );
     let session = Session::open(&path).unwrap();
-    let figures = info(&session);
+    let figures = info(&session).unwrap();
     assert_eq!(
         (figures.dropped_records, figures.ticks),
         (summary.dropped, summary.ticks)
@@ -589,11 +592,11 @@ fn ticks_missing_in_the_middle_are_gaps_and_the_rest_is_still_compared() {
     let directory = tempfile::tempdir().unwrap();
     let path = directory.path().join("whole.mcap");
     record(&path, SOFT, 500, &[(250, Command::Reset)]);
-    let mut session = Session::open(&path).unwrap();
+    let mut session = Contents::open(&path).unwrap();
     session
         .ticks
         .retain(|record| !(120..=130).contains(&record.output.tick));
-    let report = replay(&session, 0, |_, _| {}).unwrap();
+    let report = replay(&session.session().unwrap(), 0, |_, _| {}).unwrap();
     assert_eq!(report.first_difference, None);
     assert!(report.gaps == 11 && !report.passed());
     // 1 ..= 119, then from the keyframe of tick 200 on.

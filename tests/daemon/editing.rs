@@ -3,7 +3,7 @@
 
 use palpate::recording::{Session, replay};
 use palpate_client::proto::messages::EventKind;
-use palpate_client::proto::rpc::Request;
+use palpate_client::proto::rpc::Call;
 use palpate_client::testing::TestSession;
 use palpate_client::{Palpate, pose_at};
 use std::path::Path;
@@ -44,15 +44,22 @@ shape = { sphere = { radius_m = 5e-3 } }
 pose = { position = [-0.05, 0.0, 0.0054] }
 "#;
 
-fn bodies(names: &[&str]) -> Request {
-    Request {
-        bodies: Some(names.iter().map(|&name| name.to_owned()).collect()),
-        ..Request::default()
-    }
+fn merge(names: &[&str], more: &str) -> Call {
+    call("merge", names, more)
 }
 
-fn refused(palpate: &Palpate, method: &str, request: &Request) -> String {
-    palpate.call(method, request).unwrap_err().to_string()
+fn isolate(names: &[&str], more: &str) -> Call {
+    call("isolate", names, more)
+}
+
+/// A call of bodies; `more`: its other arguments as JSON, each after a comma.
+fn call(method: &str, names: &[&str], more: &str) -> Call {
+    let arguments = format!("{{\"bodies\": {names:?}{more}}}");
+    Call::parse(method, arguments.as_bytes()).unwrap()
+}
+
+fn refused(palpate: &Palpate, call: Call) -> String {
+    palpate.call(call).unwrap_err().to_string()
 }
 
 fn ids(palpate: &Palpate) -> Vec<String> {
@@ -84,10 +91,7 @@ fn replays(path: &Path, after: u64) -> (Session, u64) {
         "{}",
         path.display()
     );
-    let (first, last) = (
-        session.ticks.first().unwrap().output.tick,
-        session.ticks.last().unwrap().output.tick,
-    );
+    let (first, last) = session.tick_range().unwrap();
     assert_eq!(first, after + 1, "{}", path.display());
     let report = replay(&session, 0, |_, _| {}).unwrap();
     assert!(
@@ -121,14 +125,10 @@ fn bodies_are_moved_apart_and_merged_under_a_tool_and_each_part_of_the_recording
 
     let before = net(session.palpate(), "moving");
     // The balls: centres 35 mm apart, radii 20 mm each.
-    let request = Request {
-        gap: Some(5e-4),
-        ..bodies(&["moving", "staying"])
-    };
-    let reply = session.palpate().call("isolate", &request).unwrap();
-    let moved_at = reply.tick.unwrap();
-    assert_eq!(moved_at, 601);
-    let report = reply.report.unwrap();
+    let apart = isolate(&["moving", "staying"], ", \"gap\": 5e-4");
+    let done = session.palpate().call(apart.clone()).unwrap();
+    assert_eq!(done.tick, 601);
+    let report = done.report.unwrap();
     let by: Vec<f64> = serde_json::from_value(report["translation"].clone()).unwrap();
     assert!(
         by[0] < -0.0054 && by[0] > -0.0058 && by[1].abs() < 1e-3 && by[2].abs() < 1e-3,
@@ -143,19 +143,15 @@ fn bodies_are_moved_apart_and_merged_under_a_tool_and_each_part_of_the_recording
     }
     press(&mut session, &mut pen, 200);
     // Once more there is nothing to do: no other scene, no other file.
-    let again = session.palpate().call("isolate", &request).unwrap();
+    let again = session.palpate().call(apart).unwrap();
     assert_eq!(
         again.report.unwrap()["translation"],
         serde_json::json!([0.0, 0.0, 0.0])
     );
 
-    let request = Request {
-        continuity: Some(1),
-        id: Some("sheet".into()),
-        ..bodies(&["left", "right"])
-    };
-    let reply = session.palpate().call("merge", &request).unwrap();
-    assert_eq!(reply.tick, Some(801));
+    let sheet = merge(&["left", "right"], ", \"continuity\": 1, \"id\": \"sheet\"");
+    let done = session.palpate().call(sheet).unwrap();
+    assert_eq!(done.tick, 801);
     assert_eq!(ids(session.palpate()), ["sheet", "moving", "staying"]);
     press(&mut session, &mut pen, 300);
     let net = session.palpate().scene().unwrap().bodies.remove(0);
@@ -212,68 +208,36 @@ fn what_cannot_be_edited_is_refused_and_the_scene_goes_on() {
     let mut pen = session.tool("pen").unwrap();
     session.step(&mut pen, pose_at([0.0, 0.0, 0.05])).unwrap();
     let palpate = session.palpate();
-    let one = refused(palpate, "merge", &bodies(&["left"]));
+    let one = refused(palpate, merge(&["left"], ""));
     assert!(one.contains("at least two bodies"), "{one}");
-    assert!(refused(palpate, "merge", &Request::default()).contains("at least two bodies"));
-    assert!(refused(palpate, "isolate", &bodies(&["left", "left"])).contains("each once"));
-    let unknown = refused(palpate, "isolate", &bodies(&["left", "rigth"]));
+    assert!(refused(palpate, merge(&[], "")).contains("at least two bodies"));
+    assert!(refused(palpate, isolate(&["left", "left"], "")).contains("each once"));
+    let unknown = refused(palpate, isolate(&["left", "rigth"], ""));
     assert!(
         unknown.contains("no body \"rigth\"") && unknown.contains("moving"),
         "{unknown}"
     );
-    let name = refused(
-        palpate,
-        "merge",
-        &Request {
-            id: Some("pen".into()),
-            ..bodies(&["left", "right"])
-        },
-    );
+    let name = refused(palpate, merge(&["left", "right"], ", \"id\": \"pen\""));
     assert!(name.contains("in use already"), "{name}");
-    let name = refused(
-        palpate,
-        "merge",
-        &Request {
-            id: Some("No Id".into()),
-            ..bodies(&["left", "right"])
-        },
-    );
+    let name = refused(palpate, merge(&["left", "right"], ", \"id\": \"No Id\""));
     assert!(name.contains("No Id"), "{name}");
     let method = refused(
         palpate,
-        "isolate",
-        &Request {
-            method: Some("fast".into()),
-            ..bodies(&["moving", "staying"])
-        },
+        isolate(&["moving", "staying"], ", \"method\": \"fast\""),
     );
     assert!(
         method.contains("fast") && method.contains("global"),
         "{method}"
     );
-    let method = refused(
-        palpate,
-        "merge",
-        &Request {
-            method: Some("fast".into()),
-            ..bodies(&["left", "right"])
-        },
-    );
+    let method = refused(palpate, merge(&["left", "right"], ", \"method\": \"fast\""));
     assert!(
         method.contains("fast") && method.contains("constrained"),
         "{method}"
     );
     // Surfaces that no merge joins, and an open surface that has no inside.
-    assert!(!refused(palpate, "merge", &bodies(&["left", "staying"])).is_empty());
-    assert!(!refused(palpate, "isolate", &bodies(&["left", "staying"])).is_empty());
-    let high = refused(
-        palpate,
-        "merge",
-        &Request {
-            continuity: Some(9),
-            ..bodies(&["left", "right"])
-        },
-    );
+    assert!(!refused(palpate, merge(&["left", "staying"], "")).is_empty());
+    assert!(!refused(palpate, isolate(&["left", "staying"], "")).is_empty());
+    let high = refused(palpate, merge(&["left", "right"], ", \"continuity\": 9"));
     assert!(high.contains("C9"), "{high}");
     assert_eq!(ids(palpate), ["left", "right", "moving", "staying"]);
     let force = session.step(&mut pen, pose_at([0.0, 0.0, 0.05])).unwrap();

@@ -3,7 +3,7 @@
 //! instructions there is, and by figures.
 
 use palpate::recording::{
-    Figures, Session, SessionHash, Start, deviations, replay, simulate_figures,
+    Contents, Figures, Session, SessionHash, Start, deviations, replay, simulate_figures,
 };
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -66,7 +66,7 @@ fn golden_recordings_replay_to_the_bit_without_avx2() {
         assert!(output.status.success(), "{}: {text}", name(&path));
         let report: serde_json::Value = serde_json::from_str(&text).unwrap();
         let mut hash = SessionHash::default();
-        let session = Session::open(&path).unwrap();
+        let session = Contents::open(&path).unwrap();
         session
             .ticks
             .iter()

@@ -3,11 +3,12 @@
 
 use crate::common::World;
 use crate::daemon::{Daemon, PROGRAM};
-use palpate::recording::Session;
+use palpate::recording::Contents;
 use palpate::transport::{SessionSettings, open};
 use palpate_client::pose_at;
 use palpate_client::proto::codec::decode;
 use palpate_client::proto::messages::{DeviceInfo, EventKind, ToolContact};
+use palpate_client::proto::rpc::Call;
 use palpate_geometry::math::Vector3;
 use palpate_sim::scene::flags;
 use palpate_sim::tick::record::TickRecord;
@@ -187,12 +188,12 @@ fn a_device_killed_in_contact_leaves_by_the_ramp_and_the_next_one_joins_by_it() 
         tool.force()
             .is_some_and(|force| force.pose_seq > 100 && force.pose_seq <= seq)
     });
-    palpate.rpc("shutdown", &Default::default()).unwrap();
+    palpate.rpc(Call::Shutdown).unwrap();
     drop(tool);
     let (text, code) = daemon.end();
     assert_eq!(code, 0, "{text}");
 
-    let recording = Session::open(&file).unwrap();
+    let recording = Contents::open(&file).unwrap();
     let ticks = &recording.ticks;
     let seq = |k: usize| ticks[k].output.tools[0].pose_seq;
     let joined = (1..ticks.len())

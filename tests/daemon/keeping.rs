@@ -5,8 +5,8 @@ use crate::live::{Live, RIGID, SOFT, bits};
 use palpate::drive::archive::{Archive, ArchiveNews, ArchiveRequest};
 use palpate::drive::journal::keeping;
 use palpate::recording::{
-    Disk, DiskFile, FileSystem, RecorderSettings, RecordingReport, Session, Split, WriteError,
-    recover, replay,
+    Contents, Disk, DiskFile, FileSystem, RecorderSettings, RecordingReport, Session, Split,
+    WriteError, recover, replay,
 };
 use palpate_sim::tick::record::{Command, TickRecord};
 use std::io::{self, Write};
@@ -53,21 +53,15 @@ fn ticks(live: &mut Live, count: usize) {
 fn holds(path: &Path, records: &[TickRecord], from: u64, to: u64) {
     let session = Session::open(path).unwrap();
     let name = path.display();
-    assert!(
-        session.is_clean() && session.cut_short.is_none() && session.gaps() == 0,
-        "{name}"
-    );
-    let (first, last) = (
-        session.ticks.first().unwrap().output.tick,
-        session.ticks.last().unwrap().output.tick,
-    );
-    assert_eq!((first, last), (from, to), "{name}");
+    assert!(session.is_whole() && session.gaps() == 0, "{name}");
+    assert_eq!(session.tick_range(), Some((from, to)), "{name}");
+    let kept = Contents::of(&session).unwrap();
     assert_eq!(
-        session.keyframes[0].tick,
+        kept.keyframes[0].tick,
         from - 1,
         "{name} begins with a keyframe"
     );
-    for is in &session.ticks {
+    for is in &kept.ticks {
         assert!(
             bits(&records[is.output.tick as usize - 1]) == bits(is),
             "{name}, tick {}",
@@ -133,8 +127,7 @@ fn recordings_begin_and_end_on_demand_and_each_replays() {
     let started = Instant::now();
     while Session::open(&directory.path().join("new/one/first.mcap.part"))
         .unwrap()
-        .ticks
-        .len()
+        .tick_count()
         < 200
     {
         assert!(started.elapsed() < Duration::from_secs(60));
@@ -145,7 +138,7 @@ fn recordings_begin_and_end_on_demand_and_each_replays() {
     assert_eq!(end, last);
     assert_eq!(state(&live), keeping::OFF);
     holds(&path, &live.records, 132, last);
-    let session = Session::open(&path).unwrap();
+    let session = Contents::open(&path).unwrap();
     assert_eq!(
         session
             .events
@@ -192,7 +185,7 @@ fn a_recording_that_ends_before_its_first_tick_is_answered() {
     );
     let (_, path) = answer(&mut archive, 2).unwrap();
     let session = Session::open(&path).unwrap();
-    assert!(session.ticks.is_empty() && session.cut_short.is_none());
+    assert!(session.tick_count() == 0 && session.cut_short().is_none());
     ticks(&mut live, 3);
 }
 
@@ -229,7 +222,7 @@ fn a_client_names_a_file_but_no_place() {
         let expected = match *place {
             "there.mcap" => "exists already",
             "half.mcap" => "palpate recover",
-            _ => "is no file name",
+            _ => "is not a valid file name",
         };
         assert!(reason.contains(expected), "{place}: {reason}");
     }
@@ -480,9 +473,9 @@ fn a_disk_that_stands_still_for_a_second_costs_no_record() {
     );
     assert_eq!((summary.ticks, summary.dropped), (2_500, 0));
     let session = Session::open(&path).unwrap();
+    let kept = Contents::of(&session).unwrap();
     assert!(
-        session
-            .ticks
+        kept.ticks
             .iter()
             .zip(&records)
             .all(|(is, was)| bits(is) == bits(was))
@@ -532,7 +525,7 @@ fn a_full_disk_ends_the_recording_and_nothing_else() {
     }
     let part = directory.path().join("full.mcap.part");
     let whole = Session::open(&part).unwrap();
-    assert!(whole.ticks.len() > 100 && whole.gaps() == 0 && whole.cut_short.is_some());
+    assert!(whole.tick_count() > 100 && whole.gaps() == 0 && whole.cut_short().is_some());
     recover(&part, &directory.path().join("mended.mcap")).unwrap();
     let mended = replay(
         &Session::open(&directory.path().join("mended.mcap")).unwrap(),
@@ -540,7 +533,7 @@ fn a_full_disk_ends_the_recording_and_nothing_else() {
         |_, _| {},
     )
     .unwrap();
-    assert!(mended.first_difference.is_none() && mended.ticks_matched == whole.ticks.len() as u64);
+    assert!(mended.first_difference.is_none() && mended.ticks_matched == whole.tick_count());
 
     // With room again, a new recording is as good as any.
     room.store(0, Ordering::Relaxed);

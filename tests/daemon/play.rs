@@ -3,9 +3,11 @@
 use crate::daemon::{Daemon, PROGRAM};
 use palpate::drive::playback::{PlayRequest, playback};
 use palpate::drive::ports::ports;
-use palpate::recording::{PlayError, PlayReport, PlaySettings, Player, Session, played_scene};
+use palpate::recording::{
+    Contents, PlayError, PlayReport, PlaySettings, Player, Session, played_scene,
+};
 use palpate_client::proto::messages::{EventKind, LoopState, ToolForce};
-use palpate_client::proto::rpc::Request;
+use palpate_client::proto::rpc::Call;
 use palpate_client::{Palpate, pose_at};
 use palpate_geometry::math::Point3;
 use palpate_sim::scene::{Scene, SceneState};
@@ -75,6 +77,7 @@ fn net(scene: &Scene, state: &SceneState) -> Vec<u64> {
 /// Nets after some ticks, by a replay of our own: from the first keyframe through every record.
 fn nets_after(session: &Session, ticks: &[u64]) -> BTreeMap<u64, Vec<u64>> {
     let scene = played_scene(session, &[]).unwrap();
+    let session = Contents::of(session).unwrap();
     let mut state = scene.initial_state();
     let mut scratch = scene.scratch(&state);
     restore(
@@ -108,7 +111,7 @@ fn shown_net(palpate: &Palpate) -> (u64, Vec<u64>) {
     (scene.tick, bits(scene.bodies[0].points.as_flattened()))
 }
 
-fn recorded_force(session: &Session, tick: u64) -> Vec<u64> {
+fn recorded_force(session: &Contents, tick: u64) -> Vec<u64> {
     let force = session.ticks[tick as usize - 1].output.tools[0].force_n;
     bits(force.as_slice())
 }
@@ -116,7 +119,8 @@ fn recorded_force(session: &Session, tick: u64) -> Vec<u64> {
 #[test]
 fn a_recording_played_fast_gives_its_forces_and_its_last_net() {
     let session = Session::open(&golden()).unwrap();
-    let last = session.ticks.last().unwrap().output.tick;
+    let kept = Contents::of(&session).unwrap();
+    let last = session.tick_range().unwrap().1;
     let player = play(&["--paused", "--stay", "--rate", "10000"]);
     let palpate = player.connect();
     let forces = Arc::new(Mutex::new(Vec::<ToolForce>::new()));
@@ -133,7 +137,7 @@ fn a_recording_played_fast_gives_its_forces_and_its_last_net() {
         shown_net(&palpate),
         (0, nets_after(&session, &[])[&0].clone())
     );
-    palpate.rpc("resume", &Request::default()).unwrap();
+    palpate.rpc(Call::Resume).unwrap();
     until(
         "the end",
         || palpate.status().unwrap(),
@@ -144,21 +148,13 @@ fn a_recording_played_fast_gives_its_forces_and_its_last_net() {
         (last, nets_after(&session, &[last])[&last].clone())
     );
     // What a full network dropped is not sent again; where it stands still it is.
-    let tick = palpate
-        .rpc(
-            "seek",
-            &Request {
-                tick: Some(last),
-                ..Request::default()
-            },
-        )
-        .unwrap();
+    let tick = palpate.rpc(Call::Seek { tick: last }).unwrap();
     let newest = || forces.lock().unwrap().last().map_or(0, |force| force.tick);
     until("the last force", newest, |newest| *newest == tick);
     drop(watching);
     let forces = forces.lock().unwrap();
     for force in forces.iter() {
-        let recorded = &session.ticks[force.tick as usize - 1].output.tools[0];
+        let recorded = &kept.ticks[force.tick as usize - 1].output.tools[0];
         assert_eq!(
             bits(&force.force),
             bits(recorded.force_n.as_slice()),
@@ -180,7 +176,7 @@ fn a_recording_played_fast_gives_its_forces_and_its_last_net() {
         forces.iter().any(|force| force.force != [0.0; 3]),
         "nothing was felt"
     );
-    palpate.rpc("shutdown", &Request::default()).unwrap();
+    palpate.rpc(Call::Shutdown).unwrap();
     let (text, code) = player.end();
     let report: serde_json::Value = serde_json::from_str(&text).unwrap();
     assert_eq!(
@@ -197,7 +193,8 @@ fn a_recording_played_fast_gives_its_forces_and_its_last_net() {
 #[test]
 fn a_seek_shows_the_net_and_the_force_of_its_tick() {
     let session = Session::open(&golden()).unwrap();
-    let last = session.ticks.last().unwrap().output.tick;
+    let kept = Contents::of(&session).unwrap();
+    let last = session.tick_range().unwrap().1;
     let ticks = [700, 3, last, 1_000, 1_001, 999, 1, 700];
     let nets = nets_after(&session, &[&ticks[..], &[705]].concat());
     let player = play(&["--paused", "--stay"]);
@@ -208,15 +205,7 @@ fn a_seek_shows_the_net_and_the_force_of_its_tick() {
         || palpate.status().unwrap().tick,
         |tick| *tick == 0,
     );
-    let seek = |tick| {
-        palpate.rpc(
-            "seek",
-            &Request {
-                tick: Some(tick),
-                ..Request::default()
-            },
-        )
-    };
+    let seek = |tick| palpate.rpc(Call::Seek { tick });
     for tick in ticks {
         assert_eq!(seek(tick).unwrap(), tick);
         assert_eq!(
@@ -226,7 +215,7 @@ fn a_seek_shows_the_net_and_the_force_of_its_tick() {
         );
         assert_eq!(palpate.status().unwrap().tick, tick);
         // A tick without a pose in effect has no force to send.
-        if session.ticks[tick as usize - 1].output.tools[0].pose_seq > 0 {
+        if kept.ticks[tick as usize - 1].output.tools[0].pose_seq > 0 {
             let felt = until(
                 "the force",
                 || force.get(),
@@ -235,24 +224,13 @@ fn a_seek_shows_the_net_and_the_force_of_its_tick() {
             .unwrap();
             assert_eq!(
                 bits(&felt.force),
-                recorded_force(&session, tick),
+                recorded_force(&kept, tick),
                 "tick {tick}"
             );
         }
     }
     // From there it goes on by steps, and to where there is nothing it does not go.
-    assert_eq!(
-        palpate
-            .rpc(
-                "step",
-                &Request {
-                    ticks: Some(5),
-                    ..Request::default()
-                }
-            )
-            .unwrap(),
-        705
-    );
+    assert_eq!(palpate.rpc(Call::Step { ticks: 5 }).unwrap(), 705);
     assert_eq!(shown_net(&palpate), (705, nets[&705].clone()));
     let error = seek(last + 1).unwrap_err().to_string();
     assert!(
@@ -298,49 +276,21 @@ fn a_player_is_steered_by_rpc_and_hears_no_poses() {
             .count()
     };
     until("two rounds", resets, |resets| *resets >= 2);
-    let refused = |method: &str, request: Request, words: &str| {
-        let error = palpate.call(method, &request).unwrap_err().to_string();
-        assert!(error.contains(words), "{method}: {error}");
+    let refused = |call: Call, words: &str| {
+        let error = palpate.call(call.clone()).unwrap_err().to_string();
+        assert!(error.contains(words), "{call:?}: {error}");
     };
-    refused("step", Request::default(), "pause it first");
+    refused(Call::Step { ticks: 1 }, "pause it first");
     refused(
-        "record_start",
-        Request::default(),
+        Call::RecordStart { path: None },
         "record_start makes no sense here",
     );
-    refused(
-        "snapshot",
-        Request::default(),
-        "snapshot makes no sense here",
-    );
-    refused("seek", Request::default(), "needs its argument");
-    refused(
-        "rate",
-        Request {
-            rate: Some(1e9),
-            ..Request::default()
-        },
-        "between",
-    );
-    palpate
-        .rpc(
-            "rate",
-            &Request {
-                rate: Some(0.001),
-                ..Request::default()
-            },
-        )
-        .unwrap();
-    palpate.rpc("pause", &Request::default()).unwrap();
-    let tick = palpate
-        .rpc(
-            "seek",
-            &Request {
-                tick: Some(120),
-                ..Request::default()
-            },
-        )
-        .unwrap();
+    let snapshot = Call::parse("snapshot", b"").unwrap();
+    refused(snapshot, "snapshot makes no sense here");
+    refused(Call::Rate { rate: 1e9 }, "between");
+    palpate.rpc(Call::Rate { rate: 0.001 }).unwrap();
+    palpate.rpc(Call::Pause).unwrap();
+    let tick = palpate.rpc(Call::Seek { tick: 120 }).unwrap();
     assert_eq!(tick, 120);
     // Poses for a tool that is played do not move it.
     let mut tool = palpate.tool("pen").unwrap();
@@ -348,18 +298,7 @@ fn a_player_is_steered_by_rpc_and_hears_no_poses() {
     for _ in 0..20 {
         tool.send(pose_at([1.0, 2.0, 3.0])).unwrap();
     }
-    assert_eq!(
-        palpate
-            .rpc(
-                "step",
-                &Request {
-                    ticks: Some(1),
-                    ..Request::default()
-                }
-            )
-            .unwrap(),
-        121
-    );
+    assert_eq!(palpate.rpc(Call::Step { ticks: 1 }).unwrap(), 121);
     let after = palpate.scene().unwrap();
     assert!(
         (0..3).all(|k| (after.tools[0].position[k] - before.tools[0].position[k]).abs() < 1e-3),
@@ -367,21 +306,10 @@ fn a_player_is_steered_by_rpc_and_hears_no_poses() {
     );
     assert_eq!(palpate.status().unwrap().tools[0].received, 0);
     // Steps end at the last tick to play.
-    assert_eq!(
-        palpate
-            .rpc(
-                "step",
-                &Request {
-                    ticks: Some(10_000),
-                    ..Request::default()
-                }
-            )
-            .unwrap(),
-        300
-    );
-    assert_eq!(palpate.rpc("reset", &Request::default()).unwrap(), 0);
+    assert_eq!(palpate.rpc(Call::Step { ticks: 10_000 }).unwrap(), 300);
+    assert_eq!(palpate.rpc(Call::Reset).unwrap(), 0);
     drop(tool);
-    palpate.rpc("shutdown", &Request::default()).unwrap();
+    palpate.rpc(Call::Shutdown).unwrap();
     let (text, code) = player.end();
     assert_eq!(code, 0, "{text}");
 }
@@ -475,11 +403,11 @@ const FAST: PlaySettings = PlaySettings {
 
 #[test]
 fn a_gap_is_jumped_to_the_next_keyframe() {
-    let mut session = Session::open(&golden()).unwrap();
+    let mut session = Contents::open(&golden()).unwrap();
     session
         .ticks
         .retain(|record| !(300..=900).contains(&record.output.tick));
-    let (outputs, report) = published(session.clone(), FAST, &[]);
+    let (outputs, report) = published(session.session().unwrap(), FAST, &[]);
     let ticks: Vec<u64> = outputs.iter().map(|output| output.tick).collect();
     // The start is shown, then 1 to 299, then from the keyframe at 1000 on.
     let expected: Vec<u64> = (0..=299).chain(1_001..=1_500).collect();
@@ -487,7 +415,7 @@ fn a_gap_is_jumped_to_the_next_keyframe() {
     assert_eq!((report.gaps, report.ticks, report.diverged), (1, 799, None));
     // Into the gap nobody can seek.
     let (outputs, _) = published(
-        session,
+        session.session().unwrap(),
         PlaySettings {
             paused: true,
             ..FAST
@@ -499,7 +427,7 @@ fn a_gap_is_jumped_to_the_next_keyframe() {
 
 #[test]
 fn where_this_build_steps_otherwise_the_recorded_force_wins() {
-    let mut session = Session::open(&golden()).unwrap();
+    let mut session = Contents::open(&golden()).unwrap();
     let forge = |record: &mut TickRecord| {
         record.output.tools[0].force_n.x += 0.125;
         record.output.state_hash ^= 1;
@@ -511,7 +439,7 @@ fn where_this_build_steps_otherwise_the_recorded_force_wins() {
     {
         forge(record);
     }
-    let (outputs, report) = published(session.clone(), FAST, &[]);
+    let (outputs, report) = published(session.session().unwrap(), FAST, &[]);
     assert_eq!((report.diverged, report.ticks), (Some(400), 1_500));
     for (output, record) in outputs[1..].iter().zip(&session.ticks) {
         let (felt, recorded) = (output.tools[0].force_n, record.output.tools[0].force_n);
@@ -604,12 +532,12 @@ fn damaged_recordings_are_played_as_far_as_they_go_or_refused() {
 
 #[test]
 fn ticks_that_repeat_or_states_of_other_ticks_do_not_hang() {
-    let mut twice = Session::open(&golden()).unwrap();
+    let mut twice = Contents::open(&golden()).unwrap();
     let again = twice.ticks[200];
     twice.ticks.insert(200, again);
-    let (outputs, report) = published(twice, FAST, &[]);
+    let (outputs, report) = published(twice.session().unwrap(), FAST, &[]);
     assert_eq!((report.ticks, outputs.last().unwrap().tick), (1_500, 1_500));
-    let mut moved = Session::open(&golden()).unwrap();
+    let mut moved = Contents::open(&golden()).unwrap();
     moved
         .ticks
         .retain(|record| !(300..=900).contains(&record.output.tick));
@@ -620,6 +548,8 @@ fn ticks_that_repeat_or_states_of_other_ticks_do_not_hang() {
     {
         keyframe.tick += 7;
     }
-    let error = try_published(moved, FAST, &[]).unwrap_err().to_string();
+    let error = try_published(moved.session().unwrap(), FAST, &[])
+        .unwrap_err()
+        .to_string();
     assert!(error.contains("keyframe at tick 1007"), "{error}");
 }

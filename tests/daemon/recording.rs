@@ -4,7 +4,7 @@ use crate::common::pose;
 use crate::live::{RIGID, SOFT, bits, in_contact, record};
 use palpate::drive::journal::Journal;
 use palpate::drive::nets::NetPool;
-use palpate::recording::{Recorder, RecorderSettings, Session, info, replay};
+use palpate::recording::{Contents, Origin, Recorder, RecorderSettings, Session, info, replay};
 use palpate_geometry::math::{Rotation, state_hash};
 use palpate_sim::haptics::DeviceBounds;
 use palpate_sim::scene::{Scene, file};
@@ -24,21 +24,25 @@ fn a_rigid_session_comes_back_bit_for_bit_and_replays() {
     assert!(!directory.path().join("deep/er/rigid.mcap.part").exists());
 
     let session = Session::open(&path).unwrap();
-    assert!(session.is_clean() && session.cut_short.is_none() && session.gaps() == 0);
-    for (was, is) in records.iter().zip(&session.ticks) {
+    assert!(session.has_index() && session.is_whole() && session.gaps() == 0);
+    assert_eq!(session.tick_range(), Some((1, 1_000)));
+    let kept = Contents::of(&session).unwrap();
+    assert_eq!((kept.ticks.len(), session.tick_count()), (1_000, 1_000));
+    for (was, is) in records.iter().zip(&kept.ticks) {
         assert_eq!(bits(was), bits(is));
     }
-    let kept = session.ticks[0].input.poses[0].unwrap();
+    let pose = kept.ticks[0].input.poses[0].unwrap();
     assert!(
-        kept.linear_velocity.y.to_bits() == (-0.0_f64).to_bits(),
+        pose.linear_velocity.y.to_bits() == (-0.0_f64).to_bits(),
         "the sign of zero is lost"
     );
     assert_eq!(
-        session.keyframes.iter().map(|k| k.tick).collect::<Vec<_>>(),
+        kept.keyframes.iter().map(|k| k.tick).collect::<Vec<_>>(),
         [0, 200, 400, 600, 800, 1_000]
     );
 
-    let figures = info(&session);
+    let figures = info(&session).unwrap();
+    assert_eq!(figures.figures_from, Origin::Index);
     assert_eq!(
         (figures.ticks, figures.skipped_ticks, figures.late_ticks),
         (1_000, 1, 0)
@@ -71,7 +75,7 @@ fn two_soft_bodies_replay_with_every_net_compared() {
         touching.iter().all(|ticks| *ticks > 50),
         "the tools hardly touch: {touching:?}"
     );
-    let session = Session::open(&path).unwrap();
+    let session = Contents::open(&path).unwrap();
     let of = |id: &str| session.nets.iter().filter(|net| net.body == id).count();
     assert!(
         of("drop") > 10 && of("sheet") > 10,
@@ -83,7 +87,7 @@ fn two_soft_bodies_replay_with_every_net_compared() {
         session.nets.is_sorted_by_key(|net| net.tick),
         "each list is ordered by tick"
     );
-    let report = replay(&session, 0, |_, _| {}).unwrap();
+    let report = replay(&Session::open(&path).unwrap(), 0, |_, _| {}).unwrap();
     assert!(report.passed(), "{report:?}");
     assert_eq!(
         (report.ticks_matched, report.nets_matched),
@@ -100,7 +104,7 @@ fn two_soft_bodies_replay_with_every_net_compared() {
         let mut forged = session.clone();
         let last = forged.nets[k].points.last_mut().unwrap();
         *last = f64::from_bits(last.to_bits() ^ 1);
-        let difference = replay(&forged, 0, |_, _| {})
+        let difference = replay(&forged.session().unwrap(), 0, |_, _| {})
             .unwrap()
             .first_difference
             .expect("a forged net went unnoticed");
@@ -113,7 +117,7 @@ fn two_soft_bodies_replay_with_every_net_compared() {
         let mut short = session.clone();
         short.nets[k].points.pop();
         assert!(
-            replay(&short, 0, |_, _| {})
+            replay(&short.session().unwrap(), 0, |_, _| {})
                 .unwrap()
                 .first_difference
                 .is_some(),
@@ -147,7 +151,8 @@ fn commands_replay_from_every_keyframe() {
             .count(),
         20 + 25 + 30 + 20
     );
-    let session = Session::open(&path).unwrap();
+    let recording = Session::open(&path).unwrap();
+    let session = Contents::of(&recording).unwrap();
     assert_eq!(session.commands, commands);
     let mut starts: Vec<u64> = session
         .keyframes
@@ -161,7 +166,7 @@ fn commands_replay_from_every_keyframe() {
     );
     starts.dedup();
     for from in starts {
-        let report = replay(&session, from, |_, _| {}).unwrap();
+        let report = replay(&recording, from, |_, _| {}).unwrap();
         assert!(
             report.first_difference.is_none(),
             "from {from}: {:?}",
@@ -173,7 +178,7 @@ fn commands_replay_from_every_keyframe() {
     let mut forged = session.clone();
     forged.commands.remove(1);
     assert_eq!(
-        replay(&forged, 0, |_, _| {})
+        replay(&forged.session().unwrap(), 0, |_, _| {})
             .unwrap()
             .first_difference
             .unwrap()
@@ -232,10 +237,11 @@ fn a_tool_that_turns_and_a_device_that_tells_replay_bit_for_bit_from_every_keyfr
             .iter()
             .any(|record| record.output.tools[0].force_n.norm() > 1.6)
     );
-    let session = Session::open(&path).unwrap();
+    let recording = Session::open(&path).unwrap();
+    let session = Contents::of(&recording).unwrap();
     assert_eq!(session.commands, commands);
     for keyframe in &session.keyframes {
-        let report = replay(&session, keyframe.tick, |_, _| {}).unwrap();
+        let report = replay(&recording, keyframe.tick, |_, _| {}).unwrap();
         assert!(
             report.first_difference.is_none(),
             "from {}: {:?}",
@@ -246,7 +252,7 @@ fn a_tool_that_turns_and_a_device_that_tells_replay_bit_for_bit_from_every_keyfr
     let mut forged = session.clone();
     forged.commands.remove(0);
     assert_eq!(
-        replay(&forged, 0, |_, _| {})
+        replay(&forged.session().unwrap(), 0, |_, _| {})
             .unwrap()
             .first_difference
             .unwrap()
@@ -292,10 +298,11 @@ fn quality_replays_bit_for_bit_from_every_keyframe() {
             "ticks {from} to {to} are not all of level {level}"
         );
     }
-    let session = Session::open(&path).unwrap();
+    let recording = Session::open(&path).unwrap();
+    let session = Contents::of(&recording).unwrap();
     assert_eq!(session.commands, commands);
     for from in [0, 100, 200, 300, 400, 500] {
-        let report = replay(&session, from, |_, _| {}).unwrap();
+        let report = replay(&recording, from, |_, _| {}).unwrap();
         assert!(
             report.first_difference.is_none(),
             "from {from}: {:?}",
@@ -314,7 +321,7 @@ fn quality_replays_bit_for_bit_from_every_keyframe() {
     // And one that is forgotten is found at the tick that missed it.
     let mut forged = session.clone();
     forged.commands.remove(0);
-    let difference = replay(&forged, 0, |_, _| {})
+    let difference = replay(&forged.session().unwrap(), 0, |_, _| {})
         .unwrap()
         .first_difference
         .expect("a lost command went unnoticed");

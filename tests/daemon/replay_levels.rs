@@ -5,8 +5,8 @@ use crate::common::World;
 use crate::session::{RIGID, Random, Script, record, record_lying, scenes, slab};
 use palpate::drive::workers::Workers;
 use palpate::recording::{
-    Figures, ReplayOptions, Session, SessionHash, Start, deviations, info, replay, replay_with,
-    simulate_figures,
+    Contents, Figures, ReplayOptions, Session, SessionHash, Start, deviations, info, replay,
+    replay_with, simulate_figures,
 };
 use palpate_geometry::math::{Point3, SavedState, Vector3, state_hash};
 use palpate_sim::body::{DeformableState, Field};
@@ -251,7 +251,7 @@ fn the_baseline_comes_to_every_hash_that_avx2_came_to() {
         let file = directory.path().join(format!("{k}.mcap"));
         let script = Script::new(11 + k as u64, 200, true);
         record(&file, &text, &script);
-        let here = info(&Session::open(&file).unwrap());
+        let here = info(&Session::open(&file).unwrap()).unwrap();
         for simd in [None, Some("baseline")] {
             // Each tick's hash, force and net is compared there with what was recorded here.
             let (report, code) = replayed_in_a_child(&file, simd);
@@ -273,7 +273,7 @@ fn what_is_found_does_not_depend_on_the_number_of_threads() {
     let directory = tempfile::tempdir().unwrap();
     let file = directory.path().join("rigid.mcap");
     record(&file, RIGID, &Script::new(3, 1_000, true));
-    let whole = Session::open(&file).unwrap();
+    let whole = Contents::open(&file).unwrap();
     assert!(whole.keyframes.len() >= 6, "{}", whole.keyframes.len());
     let mut forged = whole.clone();
     for tick in [850, 431, 655] {
@@ -291,9 +291,10 @@ fn what_is_found_does_not_depend_on_the_number_of_threads() {
         (&forged, Some((431, "tools[0].force_n.y")), 430),
         (&state, Some((400, "keyframe.state_hash")), 400),
     ] {
+        let session = session.session().unwrap();
         let with = |jobs| {
             let report = replay_with(
-                session,
+                &session,
                 &ReplayOptions {
                     jobs,
                     ..Default::default()
@@ -329,7 +330,7 @@ fn what_is_found_does_not_depend_on_the_number_of_threads() {
         .find(|keyframe| keyframe.tick == 600)
         .unwrap();
     (keyframe.saved, keyframe.state_hash) = (other.saved, other.state_hash);
-    let found = replay(&swapped, 0, |_, _| {})
+    let found = replay(&swapped.session().unwrap(), 0, |_, _| {})
         .unwrap()
         .first_difference
         .unwrap();
@@ -344,14 +345,14 @@ fn a_replay_runs_from_and_until_the_ticks_it_is_told() {
     let directory = tempfile::tempdir().unwrap();
     let file = directory.path().join("rigid.mcap");
     record(&file, RIGID, &Script::new(3, 1_000, false));
-    let mut session = Session::open(&file).unwrap();
-    let matched = |session: &Session, from, until| {
+    let mut session = Contents::open(&file).unwrap();
+    let matched = |session: &Contents, from, until| {
         let options = ReplayOptions {
             from,
             until,
             jobs: 2,
         };
-        replay_with(session, &options, |_, _| {})
+        replay_with(&session.session().unwrap(), &options, |_, _| {})
             .map(|report| (report.ticks_matched, report.passed()))
     };
     assert_eq!(matched(&session, 0, u64::MAX).unwrap(), (1_000, true));
@@ -486,7 +487,7 @@ fn figures_are_blessed_checked_and_told_when_they_are_off() {
     let path = Figures::path_for(&file);
     let written = Figures::read(&path).unwrap();
     let session = Session::open(&file).unwrap();
-    let (tool, seen) = (&written.tools[0], &info(&session).tools[0]);
+    let (tool, seen) = (&written.tools[0], &info(&session).unwrap().tools[0]);
     assert!(
         tool.contact_ticks > 50 && tool.rms_force_n > 0.0 && tool.rms_force_n < tool.peak_force_n,
         "{tool:?}"
@@ -495,7 +496,8 @@ fn figures_are_blessed_checked_and_told_when_they_are_off() {
         (tool.peak_force_n, tool.contact_ticks),
         (seen.peak_force_n, seen.contact_ticks)
     );
-    let first = session
+    let kept = Contents::of(&session).unwrap();
+    let first = kept
         .ticks
         .iter()
         .find(|record| record.output.tools[0].contact.is_some())
@@ -542,15 +544,15 @@ fn figures_need_no_keyframe_that_fits_when_the_recording_begins_at_the_start() {
     let directory = tempfile::tempdir().unwrap();
     let file = directory.path().join("rigid.mcap");
     record(&file, RIGID, &Script::new(5, 600, true));
-    let session = Session::open(&file).unwrap();
-    let (figures, start) = simulate_figures(&session, |_, _| {}).unwrap();
+    let session = Contents::open(&file).unwrap();
+    let (figures, start) = simulate_figures(&session.session().unwrap(), |_, _| {}).unwrap();
     assert_eq!(start, Start::Keyframe);
     let mut resized = session.clone();
     resized.keyframes[0].saved.floats.push(1.0);
     let mut meant_otherwise = session.clone();
     meant_otherwise.keyframes[0].state_hash ^= 1;
     for other in [resized, meant_otherwise] {
-        let (again, start) = simulate_figures(&other, |_, _| {}).unwrap();
+        let (again, start) = simulate_figures(&other.session().unwrap(), |_, _| {}).unwrap();
         assert!(matches!(start, Start::Scene { .. }));
         assert_eq!(deviations(&figures, &again, true), []);
         let mut late = other;
@@ -562,7 +564,7 @@ fn figures_need_no_keyframe_that_fits_when_the_recording_begins_at_the_start() {
         late.keyframes.drain(..keep);
         late.keyframes[0].saved.floats.push(1.0);
         assert!(
-            simulate_figures(&late, |_, _| {})
+            simulate_figures(&late.session().unwrap(), |_, _| {})
                 .unwrap_err()
                 .to_string()
                 .contains("tick 0")
@@ -571,7 +573,7 @@ fn figures_need_no_keyframe_that_fits_when_the_recording_begins_at_the_start() {
     let mut torn = session.clone();
     torn.ticks.remove(300);
     assert!(
-        simulate_figures(&torn, |_, _| {})
+        simulate_figures(&torn.session().unwrap(), |_, _| {})
             .unwrap_err()
             .to_string()
             .contains("tick 301 is missing")

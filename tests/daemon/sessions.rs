@@ -2,8 +2,9 @@
 //! garbage.
 
 use crate::daemon::{Daemon, SOFT_DROP as SCENE, device};
-use palpate::recording::{Session, info, recover, replay};
+use palpate::recording::{Contents, Session, info, recover, replay};
 use palpate_client::pose_at;
+use palpate_client::proto::rpc::Call;
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -41,7 +42,7 @@ fn two_lockstep_sessions_in_separate_processes_are_equal_to_the_bit_and_replay()
     let directory = tempfile::tempdir().unwrap();
     let first = Session::open(&lockstep(directory.path(), "a.mcap")).unwrap();
     let second = Session::open(&lockstep(directory.path(), "b.mcap")).unwrap();
-    let (a, b) = (info(&first), info(&second));
+    let (a, b) = (info(&first).unwrap(), info(&second).unwrap());
     assert_eq!(a.ticks, 2_000);
     assert!(a.clean && a.gaps == 0 && a.dropped_records == 0, "{a}");
     assert!(
@@ -65,10 +66,10 @@ fn two_lockstep_sessions_in_separate_processes_are_equal_to_the_bit_and_replay()
     );
 
     // One changed bit of one recorded pose: the tick and a field are named.
-    let mut forged = first.clone();
+    let mut forged = Contents::of(&first).unwrap();
     let pose = forged.ticks[900].input.poses[0].as_mut().unwrap();
     pose.position.x = f64::from_bits(pose.position.x.to_bits() ^ 1 << 20);
-    let difference = replay(&forged, 0, |_, _| {})
+    let difference = replay(&forged.session().unwrap(), 0, |_, _| {})
         .unwrap()
         .first_difference
         .expect("a forged pose went unnoticed");
@@ -134,7 +135,7 @@ fn a_real_time_session_runs_beside_garbage_and_its_recording_survives_a_kill() {
         "the device never touched the drop: {:?}",
         status.tools
     );
-    assert!(palpate.rpc("pause", &Default::default()).unwrap() > status.tick);
+    assert!(palpate.rpc(Call::Pause).unwrap() > status.tick);
 
     // Killed without a word.
     std::thread::sleep(Duration::from_secs(2));
@@ -168,8 +169,8 @@ fn truncated_and_foreign_files_are_told_apart_and_never_panic() {
         let cut = bytes.len() * k / 100;
         if let Ok(session) = Session::parse(Path::new("cut"), &bytes[..cut]) {
             readable += 1;
-            assert!(session.cut_short.is_some());
-            assert!(session.ticks.len() <= whole.ticks.len());
+            assert!(session.cut_short().is_some());
+            assert!(session.tick_count() <= whole.tick_count());
             assert_eq!(session.gaps(), 0, "cut at {k} %");
         }
     }

@@ -158,7 +158,7 @@ fn bad_input_is_refused_with_what_and_where() {
         .contains("the tolerance is -0.002 m")
     );
     assert!(said(HOOK, &["-o", "pipe.json"]).contains("--radius"));
-    assert!(said(HOOK, &["--radius", "1", "-o", "pipe.stl"]).contains("holds no surfaces"));
+    assert!(said(HOOK, &["--radius", "1", "-o", "pipe.stl"]).contains("is not a surface format"));
     assert!(
         said(
             HOOK,

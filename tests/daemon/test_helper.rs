@@ -1,6 +1,6 @@
 //! The client's helper for tests of one's own, as its guide shows it.
 
-use palpate::recording::{Session, replay};
+use palpate::recording::{Contents, Session, replay};
 use palpate_client::pose_at;
 use palpate_client::testing::{TestError, TestSession};
 use std::path::Path;
@@ -41,11 +41,11 @@ fn forces_can_be_asserted_to_the_last_digit_and_sessions_repeat_by_bits() {
         Session::parse(Path::new("session.mcap"), &bytes).unwrap()
     };
     let (first, second) = (run(), run());
-    assert_eq!(first.ticks.len(), 121);
+    assert_eq!(first.tick_count(), 121);
     assert!(replay(&first, 0, |_, _| {}).unwrap().passed());
     let hashes = |session: &Session| {
-        session
-            .ticks
+        let kept = Contents::of(session).unwrap();
+        kept.ticks
             .iter()
             .map(|tick| tick.output.state_hash)
             .collect::<Vec<_>>()

@@ -2,7 +2,7 @@
 //! something changed.
 
 use crate::live::{Live, RIGID, SOFT};
-use palpate::recording::{RecorderSettings, Session};
+use palpate::recording::{Contents, RecorderSettings};
 use palpate_proto::foxglove as fox;
 use palpate_sim::scene::{Scene, file};
 use prost::Message;
@@ -91,7 +91,7 @@ fn pictures_show_the_nets_and_tools_of_their_ticks() {
     }
 
     // Points are those of the surface with the newest net before them.
-    let session = Session::open(&path).unwrap();
+    let session = Contents::open(&path).unwrap();
     let loaded = file::parse(SOFT, "test.toml", Path::new(".")).unwrap();
     let scene = Scene::build(&loaded.spec, Path::new(".")).unwrap();
     let clouds = all::<fox::PointCloud>(&messages, "/view/body/drop/points");

@@ -3,7 +3,6 @@
 use crate::common::{World, press};
 use palpate::drive::workers::Workers;
 use palpate_geometry::math::{SavedState, state_hash};
-use palpate_sim::body::DeformableState;
 use palpate_sim::tick::restore;
 use std::sync::Arc;
 
@@ -28,10 +27,6 @@ fixed = [{{ point = [0.0, 0.0, -0.0299], normal = [0.0, 0.0, 1.0] }}]
 {more}
 {BALL}"#
     )
-}
-
-fn body(world: &World) -> &DeformableState {
-    world.state.bodies[0].lattice.as_ref().unwrap()
 }
 
 #[test]

@@ -20,5 +20,7 @@ class Message:
 
     #: Versioned name of the type.
     NAME: ClassVar[str]
+    #: Key, for example ``ToolPose.KEY.format(instance="default", tool="ball")``.
+    KEY: ClassVar[str]
     #: Most bytes that one has: more are refused before they are read.
     MAX_BYTES: ClassVar[int] = 16 << 20

@@ -1,4 +1,7 @@
-"""What a :class:`palpate.SimEvent` tells."""
+"""What happened: the kinds of a :class:`palpate.SimEvent`.
+
+Generated from proto/src/messages.rs by `cargo run -p palpate-proto --example generate`; do not edit.
+"""
 
 from dataclasses import dataclass
 from typing import Union
@@ -26,6 +29,7 @@ class ToolJoined:
     """A tool sends poses."""
 
     tool: str
+    """Tool id."""
 
 
 @dataclass(frozen=True)
@@ -33,6 +37,7 @@ class ToolLost:
     """A tool's poses went stale or its token vanished."""
 
     tool: str
+    """Tool id."""
 
 
 @dataclass(frozen=True)
@@ -40,7 +45,9 @@ class PoseRefused:
     """A pose was refused."""
 
     tool: str
+    """Tool id."""
     reason: str
+    """Why."""
 
 
 @dataclass(frozen=True)
@@ -48,6 +55,7 @@ class Fault:
     """A tick met a fault."""
 
     reason: str
+    """What and where."""
 
 
 @dataclass(frozen=True)
@@ -55,6 +63,7 @@ class RecordStarted:
     """A recording began."""
 
     path: str
+    """Path."""
 
 
 @dataclass(frozen=True)
@@ -62,6 +71,7 @@ class RecordStopped:
     """A recording ended."""
 
     path: str
+    """Path."""
 
 
 @dataclass(frozen=True)
@@ -71,10 +81,11 @@ class Stopping:
 
 @dataclass(frozen=True)
 class Overrun:
-    """Ticks took longer than their period, or were woken too late."""
+    """Ticks took longer than their period, or were woken too late: at most one such event a second for each stage."""
 
     stage: str
-    """Stage that took most of their time: latch, render, deform, emit; wake: the system came late."""
+    """Stage that took most of their time: ``latch``, ``render``, ``deform``, ``emit``; ``wake``: the system came late.
+    """
     count: U64
     """How many since the last such event."""
     worst_ns: U64
@@ -86,7 +97,9 @@ class QualityChanged:
     """The loop does less, or again more, to keep its rate."""
 
     level: U8
+    """As ``quality_level`` of :class:`LoopStatus`."""
     reason: str
+    """Why."""
 
 
 @dataclass(frozen=True)
@@ -94,7 +107,9 @@ class DeviceTold:
     """A device said what it can do."""
 
     tool: str
+    """Tool id."""
     name: str
+    """Name of the device."""
 
 
 @dataclass(frozen=True)
@@ -102,7 +117,9 @@ class RecordFailed:
     """A recording could not go on; the loop does, and what was flushed stays readable."""
 
     path: str
+    """Path."""
     reason: str
+    """Words of the system."""
 
 
 @dataclass(frozen=True)
@@ -110,6 +127,7 @@ class SceneChanged:
     """Another scene runs from this tick on: bodies were merged or moved. Ask for the scene anew."""
 
     what: str
+    """What became of which bodies."""
 
 
 #: What happened. May grow at its end: skip an event that raises :class:`palpate.UnknownCase`.

@@ -1,6 +1,9 @@
-"""The messages of the bus as frozen dataclasses. SI units; quaternions are x y z w; world frame; times are nanoseconds.
+"""The messages of the bus as frozen dataclasses. SI units; quaternions are x y z w; world frame; times are
+nanoseconds.
 
-``docs/wire.md`` of the project tells which key carries which message.
+``docs/wire.md`` of the project lists which key carries which message.
+
+Generated from proto/src/messages.rs by `cargo run -p palpate-proto --example generate`; do not edit.
 """
 
 import enum
@@ -13,16 +16,16 @@ from .events import EventKind
 
 @dataclass(frozen=True)
 class ToolPose(Message):
-    """Pose and velocity of a tool, sent by whoever holds it."""
+    """Pose and velocity of a tool, sent by whoever holds it. World frame."""
 
     NAME = "palpate.ToolPose.v1"
-    # Two u64 and two u32 of at most 10 and 5 bytes, thirteen f64.
-    MAX_BYTES = 2 * 10 + 13 * 8 + 2 * 5
+    KEY = "palpate/{instance}/tool/{tool}/pose"
+    MAX_BYTES = 134
 
     seq: U64
     """Counts the poses of this client from 1; must grow."""
     t_client_ns: U64
-    """Your clock, ns; echoed in :class:`ToolForce`, so that you can measure the round trip."""
+    """Sender's clock, ns; echoed in :class:`ToolForce` so that the sender can measure its round trip."""
     position: Vector
     """Reference point of the tool, m."""
     orientation: Quaternion
@@ -32,17 +35,17 @@ class ToolPose(Message):
     angular_velocity: Vector = (0.0, 0.0, 0.0)
     """rad/s."""
     buttons: U32 = 0
-    """Bit 0 (:data:`GRAB`): while it is set, the tool holds on to what it touches."""
+    """Bit 0: grab. While it is set, the tool holds on to what it touches."""
     flags: U32 = 0
     """Reserved, 0."""
 
 
-#: Bit of :attr:`ToolPose.buttons`.
+#: While it is set, the tool holds on to what it touches.
 GRAB = 1
 
 
 class ForceFlags(enum.IntFlag):
-    """Bits of :attr:`ToolForce.flags`: ``ForceFlags.STALE in ForceFlags(force.flags)``."""
+    """Bits of ``flags`` of :class:`ToolForce`."""
 
     STALE = 1
     """The newest pose is older than the stale limit; the force ramps to zero."""
@@ -67,6 +70,7 @@ class ToolForce(Message):
     """The force a hand should feel: wrench on the tool, world axes, at the tool's reference point."""
 
     NAME = "palpate.ToolForce.v1"
+    KEY = "palpate/{instance}/tool/{tool}/force"
 
     tick: U64
     """Tick that made it."""
@@ -94,9 +98,12 @@ class ToolForce(Message):
 
 @dataclass(frozen=True)
 class ToolContact(Message):
-    """What all contacts do to a tool, before anything is limited for the device."""
+    """What all contacts do to a tool, before anything is limited for the device: what a sensor between tool and body
+    would read. World axes, at the tool's reference point. Sent while somebody subscribes.
+    """
 
     NAME = "palpate.ToolContact.v1"
+    KEY = "palpate/{instance}/tool/{tool}/contact"
 
     tick: U64
     """Tick that made it."""
@@ -107,9 +114,9 @@ class ToolContact(Message):
     force: Vector
     """N."""
     torque: Vector
-    """N·m at the tool's reference point."""
+    """N·m."""
     energy_j: float
-    """Net work of the device on the loop since the start, J; what is below zero, the loop has made."""
+    """Net work done by the device on the loop since the start, J; what is below zero, the loop has made."""
     dissipated_j: float
     """Part of it that the passivity controller took away, J."""
     force_limit: float
@@ -118,14 +125,14 @@ class ToolContact(Message):
 
 @dataclass(frozen=True)
 class DeviceInfo(Message):
-    """What the device that holds a tool can do; 0 where you do not know."""
+    """What the device that holds a tool can do, as its client describes it. Zero where unknown."""
 
     NAME = "palpate.DeviceInfo.v1"
-    # A count of at most 10 bytes, a name of 64, two u8, thirteen f64.
-    MAX_BYTES = 10 + 64 + 2 + 13 * 8
+    KEY = "palpate/{instance}/tool/{tool}/device"
+    MAX_BYTES = 180
 
     name: str
-    """At most 64 bytes, no control characters."""
+    """Its name, at most 64 bytes, without control characters."""
     dof_force: U8 = 0
     """Directions in which it can push, 0 to 3."""
     dof_torque: U8 = 0
@@ -151,14 +158,17 @@ class DeviceInfo(Message):
     delay_s: float = 0.0
     """Delay between it and the daemon, one way, s."""
     deadband: float = 0.0
-    """Relative change of the force below which a hand feels none, 0 to 0.99. 0: every force is sent."""
+    """Relative change of the force below which a hand feels none (Weber fraction), 0 to 0.99; the daemon then leaves
+    such forces out. 0: every force is sent.
+    """
 
 
 @dataclass(frozen=True)
 class ControlNet(Message):
-    """Full control net of a body. A lost one is mended by the next."""
+    """Full control net of a body, u-major. The next one replaces a lost one."""
 
     NAME = "palpate.ControlNet.v1"
+    KEY = "palpate/{instance}/body/{body}/net"
 
     tick: U64
     """Tick it belongs to."""
@@ -185,7 +195,7 @@ class Contact:
     """One contact of a tool with a body, or of two bodies."""
 
     tool: str
-    """Tool id; between two bodies the id of the other body."""
+    """Tool id; between two bodies, the id of the other body (the same one, when a body touches itself)."""
     body: str
     """Body id."""
     u: float
@@ -204,9 +214,10 @@ class Contact:
 
 @dataclass(frozen=True)
 class ContactSet(Message):
-    """Contacts that carry force in a tick, the deepest: at most sixteen, or two for each tool where that is more."""
+    """Contacts that carry force in a tick, the deepest: 16, or 2 per tool if that is more."""
 
     NAME = "palpate.ContactSet.v1"
+    KEY = "palpate/{instance}/contact"
 
     tick: U64
     """Tick."""
@@ -230,19 +241,11 @@ class LoopState(enum.IntEnum):
     """What the loop does."""
 
     RUNNING = 0
+    """Ticking."""
     PAUSED = 1
+    """Paused by rpc."""
     STOPPING = 2
-
-
-class RecorderState(enum.IntEnum):
-    """What is being recorded."""
-
-    OFF = 0
-    RECORDING = 1
-    RING = 2
-    """The last seconds are kept in memory; no file."""
-    FAILED = 3
-    """The disk refused; what was flushed stays readable."""
+    """Ramping forces down before the end."""
 
 
 @dataclass(frozen=True)
@@ -252,7 +255,7 @@ class ToolLink:
     tool: str
     """Tool id."""
     received: U64
-    """Poses received and accepted."""
+    """Poses received and accepted by the wire."""
     superseded: U64
     """Poses that a newer one replaced before a tick could use them."""
     wrong_version: U64
@@ -277,11 +280,25 @@ class ToolLink:
     """Net work done by the hand on the tool so far, J."""
 
 
+class RecorderState(enum.IntEnum):
+    """What is being recorded."""
+
+    OFF = 0
+    """Nothing."""
+    RECORDING = 1
+    """A file is being written."""
+    RING = 2
+    """The last seconds are kept in memory; no file."""
+    FAILED = 3
+    """The disk refused; what was flushed stays readable."""
+
+
 @dataclass(frozen=True)
 class LoopStatus(Message):
     """Health of the loop, ten times a second."""
 
     NAME = "palpate.LoopStatus.v2"
+    KEY = "palpate/{instance}/status"
 
     tick: U64
     """Newest tick."""
@@ -298,7 +315,7 @@ class LoopStatus(Message):
     step: Quantiles
     """Time in a tick."""
     tools: tuple[ToolLink, ...]
-    """One a tool."""
+    """One per tool."""
     recorder: RecorderState
     """What is being recorded."""
     recorder_bytes: U64
@@ -306,7 +323,9 @@ class LoopStatus(Message):
     recorder_drops: U64
     """Records lost because the recorder could not keep up."""
     quality_level: U8
-    """0 is full quality."""
+    """0 is full quality; 1: bodies iterate once a step; 2: also fewer sweeps over contacts; 3: also nets ten times
+    rarer.
+    """
 
 
 @dataclass(frozen=True)
@@ -314,6 +333,7 @@ class SimEvent(Message):
     """An event, numbered so that a loss is seen."""
 
     NAME = "palpate.SimEvent.v1"
+    KEY = "palpate/{instance}/event"
 
     tick: U64
     """Tick."""
@@ -332,15 +352,15 @@ class BodySnapshot:
     id: str
     """Id."""
     model: str
-    """rigid or lattice."""
+    """Model name: ``rigid``, ``lattice``."""
     degree: tuple[U8, U8]
-    """u, then v."""
+    """Degree, u then v."""
     periodic: tuple[bool, bool]
-    """u, then v."""
+    """Periodic, u then v."""
     knots: tuple[tuple[float, ...], tuple[float, ...]]
-    """u, then v. Clamped or open: all ``count + degree + 1``; periodic: one period of ``count + 1``."""
+    """Knots in u and in v, in the convention of ``palpate.surface.v1``."""
     count: tuple[U16, U16]
-    """Size of the net, u then v."""
+    """Net size, u then v."""
     points: tuple[Vector, ...]
     """Net now, u-major, m."""
     rest_points: tuple[Vector, ...]
@@ -358,7 +378,7 @@ class ToolSnapshot:
     id: str
     """Id."""
     shape: str
-    """point, sphere, plane, implicit, mesh or surface."""
+    """``point``, ``sphere``, ``plane``, ``implicit``, ``mesh`` or ``surface``."""
     radius: float
     """Radius of a sphere, else 0, m."""
     stiffness: float
@@ -378,6 +398,7 @@ class SceneSnapshot(Message):
     """Everything a late joiner needs."""
 
     NAME = "palpate.SceneSnapshot.v1"
+    KEY = "palpate/{instance}/scene"
 
     tick: U64
     """Tick."""
@@ -396,7 +417,17 @@ class SceneSnapshot(Message):
 
 
 #: All messages that have a name.
-ALL = (ToolPose, ToolForce, ToolContact, DeviceInfo, ControlNet, ContactSet, LoopStatus, SimEvent, SceneSnapshot)
+ALL = (
+    ToolPose,
+    ToolForce,
+    ToolContact,
+    DeviceInfo,
+    ControlNet,
+    ContactSet,
+    LoopStatus,
+    SimEvent,
+    SceneSnapshot,
+)
 
 __all__ = [
     "GRAB",

@@ -1,19 +1,18 @@
 //! A description that every daemon gets: the one there is, and the one that comes after it.
 
 use crate::connection::ClientError;
-use palpate_proto::codec::{encode, encoding_schema};
+use crate::publish::publisher;
+use palpate_proto::codec::encode;
 use palpate_proto::messages::DeviceInfo;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use zenoh::Wait;
-use zenoh::bytes::Encoding;
 use zenoh::matching::MatchingListener;
 use zenoh::pubsub::Publisher;
-use zenoh::qos::{CongestionControl, Priority};
 
 pub(crate) struct Announcement {
     bytes: Vec<u8>,
-    /// A daemon appeared that has not been told.
+    /// A daemon appeared that does not have the description yet.
     due: Arc<AtomicBool>,
     // Fields are dropped in this order: a publisher that goes takes its listeners along.
     _listener: MatchingListener<()>,
@@ -26,15 +25,8 @@ impl Announcement {
         key: &str,
         info: &DeviceInfo,
     ) -> Result<Self, ClientError> {
-        let publisher = session
-            .declare_publisher(key.to_owned())
-            .encoding(
-                Encoding::APPLICATION_OCTET_STREAM.with_schema(encoding_schema::<DeviceInfo>()),
-            )
-            .priority(Priority::InteractiveHigh)
-            .congestion_control(CongestionControl::Block)
-            .wait()
-            .map_err(ClientError::zenoh)?;
+        let publisher =
+            publisher::<DeviceInfo>(session, key.to_owned()).map_err(ClientError::zenoh)?;
         let due = Arc::new(AtomicBool::new(false));
         let appeared = due.clone();
         let listener = publisher

@@ -7,7 +7,7 @@ use palpate_proto::keys::{IdError, Keys};
 use palpate_proto::messages::{
     ControlNet, DeviceInfo, LoopStatus, Message, SceneSnapshot, SimEvent, ToolForce,
 };
-use palpate_proto::rpc::{Reply, Request};
+use palpate_proto::rpc::{Answer, Call, CallError, Done};
 use std::net::{TcpStream, ToSocketAddrs};
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -21,13 +21,13 @@ pub struct Connect {
     pub endpoints: Vec<String>,
     /// Instance name.
     pub instance: String,
-    /// A stock Zenoh JSON5 configuration instead of a plain peer.
+    /// Zenoh configuration file (JSON5) to use instead of a plain peer.
     pub zenoh_config: Option<PathBuf>,
-    /// How long to wait for answers.
+    /// How long to wait for replies.
     pub timeout: Duration,
-    /// Join as a Zenoh client of the daemon instead of a peer: messages then take one hop more, and
-    /// what other clients publish is heard, which peers that cannot reach each other do not. For
-    /// who looks on.
+    /// Join in Zenoh client mode instead of as a peer, for observers: messages then take one more hop,
+    /// and what other clients publish is received too, which peers receive only if they can reach
+    /// each other.
     pub onlooker: bool,
 }
 
@@ -48,7 +48,7 @@ impl Connect {
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum ClientError {
     /// Nobody listens there.
-    #[error("nobody answers at {endpoint} ({reason}); is `palpate serve` running there?")]
+    #[error("no daemon answers at {endpoint} ({reason}); is `palpate serve` running there?")]
     Unreachable {
         /// As given.
         endpoint: String,
@@ -58,9 +58,9 @@ pub enum ClientError {
     /// A query went unanswered.
     #[error("no answer to {key} within {timeout:?}: is instance {instance:?} served there?")]
     NoAnswer {
-        /// Key.
+        /// Key expression.
         key: String,
-        /// Instance.
+        /// Name of the instance.
         instance: String,
         /// How long we waited.
         timeout: Duration,
@@ -84,10 +84,13 @@ pub enum ClientError {
     /// A description that fits no device.
     #[error(transparent)]
     Device(#[from] DeviceError),
+    /// A command that no daemon would carry out.
+    #[error(transparent)]
+    Call(#[from] CallError),
     /// The daemon refused a command.
     #[error("{method} was refused: {reason}")]
     Refused {
-        /// Method.
+        /// Name of the method.
         method: String,
         /// Its words.
         reason: String,
@@ -105,8 +108,8 @@ impl ClientError {
     /// What a daemon said in an answer that is an error; `None` for Zenoh's own, like a query whose
     /// time is over.
     pub(crate) fn words(error: &zenoh::query::ReplyError) -> Option<String> {
-        let reply: Reply = serde_json::from_slice(&error.payload().to_bytes()).ok()?;
-        reply.error
+        let answer: Answer = serde_json::from_slice(&error.payload().to_bytes()).ok()?;
+        answer.into_result().err()
     }
 }
 
@@ -167,7 +170,7 @@ impl Palpate {
     /// Connects as a peer, without multicast.
     ///
     /// # Errors
-    /// An endpoint where nobody listens, a configuration Zenoh refuses, or an instance name that is
+    /// An endpoint without a listener, a configuration Zenoh refuses, or an instance name that is
     /// no id.
     pub fn connect(settings: &Connect) -> Result<Self, ClientError> {
         let keys = Keys::new(&settings.instance)?;
@@ -289,14 +292,14 @@ impl Palpate {
     /// What the device that holds a tool can do.
     ///
     /// # Errors
-    /// No answer: nobody told, or no such tool.
+    /// No reply: no device sent a description, or there is no such tool.
     pub fn device(&self, tool: &str) -> Result<DeviceInfo, ClientError> {
         self.query(self.keys.tool_device(tool), None, |bytes| {
             Ok(decode(bytes, "")?)
         })
     }
 
-    /// JSON about the daemon: its scene, its messages, the devices it was told of.
+    /// JSON about the daemon: its scene, its messages, the device descriptions it received.
     ///
     /// # Errors
     /// No answer.
@@ -346,42 +349,35 @@ impl Palpate {
     /// Carries out a command; gives the first tick on which it has effect.
     ///
     /// # Errors
-    /// No answer, or the daemon refused.
-    pub fn rpc(&self, method: &str, request: &Request) -> Result<u64, ClientError> {
-        let refused = |reason: &str| ClientError::Refused {
-            method: method.to_owned(),
-            reason: reason.to_owned(),
-        };
-        self.call(method, request)?
-            .tick
-            .ok_or_else(|| refused("its answer names no tick"))
+    /// A number out of its range, no answer, or the daemon refused.
+    pub fn rpc(&self, call: Call) -> Result<u64, ClientError> {
+        self.call(call).map(|done| done.tick)
     }
 
-    /// Carries out a command; gives all of its answer.
+    /// Carries out a command; gives all that its answer has.
     ///
     /// # Errors
-    /// No answer, or the daemon refused.
-    pub fn call(&self, method: &str, request: &Request) -> Result<Reply, ClientError> {
-        let payload = serde_json::to_vec(request).map_err(ClientError::zenoh)?;
+    /// A number out of its range, no answer, or the daemon refused.
+    pub fn call(&self, call: Call) -> Result<Done, ClientError> {
+        let call = call.checked()?;
+        let payload = serde_json::to_vec(&call.arguments()).map_err(ClientError::zenoh)?;
+        let method = call.method();
         let refused = |reason: String| ClientError::Refused {
             method: method.to_owned(),
             reason,
         };
         // A snapshot of the next seconds is answered after them.
-        let after = Duration::try_from_secs_f64(request.after.unwrap_or(0.0)).unwrap_or_default();
+        let after = match call {
+            Call::Snapshot { after, .. } => Duration::try_from_secs_f64(after).unwrap_or_default(),
+            _ => Duration::ZERO,
+        };
         let timeout = self.settings.timeout.saturating_add(after);
-        let reply: Reply =
+        let answer: Answer =
             self.query_within(timeout, self.keys.rpc(method), Some(payload), |bytes| {
                 serde_json::from_slice(bytes)
                     .map_err(|e| refused(format!("its answer does not parse: {e}")))
             })?;
-        if reply.ok {
-            Ok(reply)
-        } else {
-            Err(refused(
-                reply.error.unwrap_or_else(|| "no reason given".into()),
-            ))
-        }
+        answer.into_result().map_err(refused)
     }
 
     /// Takes a tool of the scene.

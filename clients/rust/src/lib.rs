@@ -11,13 +11,14 @@
 //! }
 //! # Ok::<(), palpate_client::ClientError>(())
 //! ```
-//! [`device`] holds a simulated haptic device for those without one, [`testing`] a daemon of one's
-//! own for integration tests.
+//! [`device`] simulates haptic devices, hands and networks; [`testing`] starts daemons for integration
+//! tests.
 
 mod announce;
 mod connection;
 pub mod device;
 mod ping;
+mod publish;
 pub mod testing;
 mod tool;
 mod watch;
@@ -25,5 +26,6 @@ mod watch;
 pub use connection::{ClientError, Connect, Latest, Palpate};
 pub use palpate_proto as proto;
 pub use ping::{PingReport, raw_ping};
+pub use publish::{encoding, publisher};
 pub use tool::{Tool, pose_at};
 pub use watch::Seen;

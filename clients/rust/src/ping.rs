@@ -9,7 +9,7 @@ use zenoh::qos::{CongestionControl, Priority};
 /// Round trips, ns, sorted.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct PingReport {
-    /// Ascending.
+    /// All round trips, ns, in ascending order.
     pub round_trips_ns: Vec<u64>,
 }
 

@@ -1,17 +1,20 @@
-//! For integration tests: a daemon of one's own, in lockstep, on a free endpoint, gone when the
-//! test is.
+//! Sessions for integration tests: each starts its own daemon in lockstep on a free endpoint and ends
+//! it when dropped.
 //!
-//! ```rust,ignore
-//! let mut session = TestSession::of("[[body]]\nid = \"ball\"\n…").start()?;
-//! let mut pen = session.tool("pen")?;
-//! let force = session.step(&mut pen, pose_at([0.0, 0.0, 0.029]))?;
-//! assert!((force.force[2] - 1.0).abs() < 1e-9);
-//! let recording = session.finish(pen)?;
+//! ```no_run
+//! use palpate_client::{pose_at, testing::TestSession};
+//! let scene = std::fs::read_to_string("scenes/rigid-teardrop.toml").unwrap();
+//! let mut session = TestSession::of(&scene).start()?;
+//! let mut ball = session.tool("ball")?;
+//! let force = session.step(&mut ball, pose_at([0.05, 0.003, 0.045]))?;
+//! assert!(force.force[0] > 0.0);
+//! let recording = session.finish(ball)?; // the bytes of the MCAP file
+//! # Ok::<(), palpate_client::testing::TestError>(())
 //! ```
 
 use crate::{ClientError, Connect, Palpate, Tool};
 use palpate_proto::messages::{ToolForce, ToolPose};
-use palpate_proto::rpc::Request;
+use palpate_proto::rpc::Call;
 use std::io::Read as _;
 use std::net::TcpListener;
 use std::path::{Path, PathBuf};
@@ -19,10 +22,10 @@ use std::process::{Child, Command, ExitStatus, Stdio};
 use std::sync::atomic::{AtomicU32, Ordering};
 use std::time::{Duration, Instant};
 
-/// Where the daemon's program is, unless a test says it.
+/// Environment variable with the path of the daemon's program, unless a test sets it.
 pub const PROGRAM_VARIABLE: &str = "PALPATE";
 
-/// Why a session for a test did not go as it should.
+/// Why a test session failed.
 #[derive(Debug, thiserror::Error)]
 pub enum TestError {
     /// No such program, or a file that cannot be written.
@@ -30,7 +33,7 @@ pub enum TestError {
     Io {
         /// What was tried.
         what: String,
-        /// Cause.
+        /// The underlying error.
         source: std::io::Error,
     },
     /// The daemon ended by itself.
@@ -38,25 +41,25 @@ pub enum TestError {
     Ended {
         /// Its exit status.
         status: ExitStatus,
-        /// Its words.
+        /// What it wrote to stderr.
         stderr: String,
     },
-    /// Talking to it failed.
+    /// Communication with the daemon failed.
     #[error(transparent)]
     Client(#[from] ClientError),
-    /// No force came.
+    /// No force arrived.
     #[error(
         "no force for pose {seq} after {timeout:?}: in lockstep a tick waits for a pose of every tool of the scene"
     )]
     NoForce {
-        /// Pose.
+        /// Sequence number of the pose.
         seq: u64,
-        /// How long was waited.
+        /// How long the test waited.
         timeout: Duration,
     },
 }
 
-/// A session before it starts.
+/// Settings of a test session.
 #[derive(Clone, Debug)]
 pub struct TestSettings {
     scene: String,
@@ -68,8 +71,8 @@ pub struct TestSettings {
 }
 
 impl TestSettings {
-    /// The daemon's program; the environment variable `PALPATE`, or `palpate` in the path, if not
-    /// said.
+    /// Sets the daemon's program. The default is the environment variable `PALPATE`, or else `palpate`
+    /// on the path.
     pub fn program(self, program: impl Into<PathBuf>) -> Self {
         Self {
             program: Some(program.into()),
@@ -77,8 +80,7 @@ impl TestSettings {
         }
     }
 
-    /// Keeps the recording here instead of in a directory that goes with the test. The file must
-    /// not exist.
+    /// Keeps the recording in this file instead of a temporary directory. The file must not exist.
     pub fn record(self, path: impl Into<PathBuf>) -> Self {
         Self {
             record: Some(path.into()),
@@ -86,7 +88,7 @@ impl TestSettings {
         }
     }
 
-    /// Ticks by the clock instead of one a pose.
+    /// Runs in real time instead of one tick per pose.
     pub fn realtime(self) -> Self {
         Self {
             lockstep: false,
@@ -94,15 +96,15 @@ impl TestSettings {
         }
     }
 
-    /// More arguments of `palpate serve`.
+    /// Adds arguments of `palpate serve`.
     pub fn arguments(mut self, arguments: &[&str]) -> Self {
         self.arguments
             .extend(arguments.iter().map(|argument| (*argument).to_owned()));
         self
     }
 
-    /// How long to wait for the daemon, and for a force. 60 s if not said: machines that run tests
-    /// are slow at times.
+    /// Sets how long to wait for the daemon, and for a force. The default of 60 s allows for slow test
+    /// machines.
     pub fn timeout(self, timeout: Duration) -> Self {
         Self { timeout, ..self }
     }
@@ -110,7 +112,8 @@ impl TestSettings {
     /// Starts the daemon and connects.
     ///
     /// # Errors
-    /// No program, a scene that is refused (with the daemon's words), or no connection.
+    /// The program is missing, the scene is rejected (with the daemon's message), or the connection
+    /// fails.
     pub fn start(&self) -> Result<TestSession, TestError> {
         // Another process may take the port between our look and the daemon's.
         let mut last = None;
@@ -199,7 +202,7 @@ fn io(what: &dyn std::fmt::Display) -> impl FnOnce(std::io::Error) -> TestError 
     move |source| TestError::Io { what, source }
 }
 
-/// A running daemon, connected. It ends when this is dropped.
+/// A running daemon with a connection to it. Dropping it stops the daemon.
 pub struct TestSession {
     // Fields are dropped in this order: first the link, then the daemon, then its files.
     palpate: Palpate,
@@ -233,7 +236,7 @@ impl TestSession {
         &self.endpoint
     }
 
-    /// Takes a tool of the scene.
+    /// Takes ownership of a tool of the scene.
     ///
     /// # Errors
     /// No such tool, or the daemon has ended.
@@ -258,15 +261,15 @@ impl TestSession {
         })
     }
 
-    /// Ends the daemon, which finishes its recording; gives the recording's bytes. Hand back the
-    /// tools: they go first.
+    /// Stops the daemon, which finishes its recording, and returns the recording's bytes. Pass in the
+    /// tools: they are released first.
     ///
     /// # Errors
-    /// The daemon did not end well: a recording with losses is an error.
+    /// The daemon failed; a recording with losses counts as a failure.
     pub fn finish(mut self, tools: impl Sized) -> Result<Vec<u8>, TestError> {
         // The last pose of a lockstep session may be under way no more: the daemon stops between
         // ticks.
-        self.palpate.rpc("shutdown", &Request::default())?;
+        self.palpate.rpc(Call::Shutdown)?;
         drop(tools);
         let begun = Instant::now();
         while begun.elapsed() < self.timeout {

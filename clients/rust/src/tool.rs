@@ -2,13 +2,12 @@
 
 use crate::announce::Announcement;
 use crate::connection::{ClientError, Latest, Palpate};
-use palpate_proto::codec::{decode, encode, encoding_schema};
+use crate::publish::publisher;
+use palpate_proto::codec::{decode, encode};
 use palpate_proto::messages::{DeviceInfo, ToolContact, ToolForce, ToolPose};
 use std::sync::{Arc, Condvar, Mutex, PoisonError};
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 use zenoh::Wait;
-use zenoh::bytes::Encoding;
-use zenoh::qos::{CongestionControl, Priority};
 
 /// A pose at rest at a place, unrotated. Its `seq` and time are set when it is sent.
 pub fn pose_at(position: [f64; 3]) -> ToolPose {
@@ -79,14 +78,8 @@ impl Tool {
             })
             .wait()
             .map_err(ClientError::zenoh)?;
-        let publisher = session
-            .declare_publisher(keys.tool_pose(id))
-            .encoding(Encoding::APPLICATION_OCTET_STREAM.with_schema(encoding_schema::<ToolPose>()))
-            .priority(Priority::RealTime)
-            .congestion_control(CongestionControl::Drop)
-            .express(true)
-            .wait()
-            .map_err(ClientError::zenoh)?;
+        let publisher =
+            publisher::<ToolPose>(session, keys.tool_pose(id)).map_err(ClientError::zenoh)?;
         let token = session
             .liveliness()
             .declare_token(keys.live_tool(id))
@@ -118,6 +111,16 @@ impl Tool {
     ///
     /// # Errors
     /// Zenoh refused.
+    ///
+    /// # Examples
+    /// ```no_run
+    /// use palpate_client::{Connect, Palpate, pose_at};
+    /// let palpate = Palpate::connect(&Connect::to("tcp/127.0.0.1:7447"))?;
+    /// let mut tool = palpate.tool("ball")?;
+    /// let seq = tool.send(pose_at([0.0, 0.0, 0.05]))?;
+    /// println!("{:?}", tool.wait_force(seq, std::time::Duration::from_millis(50)));
+    /// # Ok::<(), palpate_client::ClientError>(())
+    /// ```
     pub fn send(&mut self, pose: ToolPose) -> Result<u64, ClientError> {
         self.seq += 1;
         let t_client_ns = if self.lockstep {

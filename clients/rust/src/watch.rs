@@ -9,11 +9,11 @@ use zenoh::query::ConsolidationMode;
 /// A message as it came.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Seen {
-    /// Key.
+    /// Key expression.
     pub key: String,
     /// Its encoding, as Zenoh writes it.
     pub encoding: String,
-    /// Payload.
+    /// Payload of the message.
     pub bytes: Vec<u8>,
 }
 
@@ -70,7 +70,7 @@ impl Palpate {
             .map_err(ClientError::zenoh)
     }
 
-    /// All answers to a query; none is no error.
+    /// All replies to a query; an empty list is not an error.
     ///
     /// # Errors
     /// No key, Zenoh refused, or a daemon did, in its words.

@@ -1,4 +1,8 @@
-/** What a `SimEvent` tells. */
+/**
+ * What happened: the kinds of a `SimEvent`.
+ *
+ * Generated from proto/src/messages.rs by `cargo run -p palpate-proto --example generate`; do not edit.
+ */
 
 import { cases, struct, text, u64, u8, type Value } from "./codec";
 
@@ -12,34 +16,41 @@ export const EventKind = cases({
   Resumed: struct({}),
   /** A tool sends poses. */
   ToolJoined: struct({
+    /** Tool id. */
     tool: text,
   }),
   /** A tool's poses went stale or its token vanished. */
   ToolLost: struct({
+    /** Tool id. */
     tool: text,
   }),
   /** A pose was refused. */
   PoseRefused: struct({
+    /** Tool id. */
     tool: text,
+    /** Why. */
     reason: text,
   }),
   /** A tick met a fault. */
   Fault: struct({
+    /** What and where. */
     reason: text,
   }),
   /** A recording began. */
   RecordStarted: struct({
+    /** Path. */
     path: text,
   }),
   /** A recording ended. */
   RecordStopped: struct({
+    /** Path. */
     path: text,
   }),
   /** The daemon is going down. */
   Stopping: struct({}),
-  /** Ticks took longer than their period, or were woken too late. */
+  /** Ticks took longer than their period, or were woken too late: at most one such event a second for each stage. */
   Overrun: struct({
-    /** Stage that took most of their time: latch, render, deform, emit; wake: the system came late. */
+    /** Stage that took most of their time: `latch`, `render`, `deform`, `emit`; `wake`: the system came late. */
     stage: text,
     /** How many since the last such event. */
     count: u64,
@@ -48,17 +59,23 @@ export const EventKind = cases({
   }),
   /** The loop does less, or again more, to keep its rate. */
   QualityChanged: struct({
+    /** As `quality_level` of {@link LoopStatus}. */
     level: u8,
+    /** Why. */
     reason: text,
   }),
   /** A device said what it can do. */
   DeviceTold: struct({
+    /** Tool id. */
     tool: text,
+    /** Name of the device. */
     name: text,
   }),
   /** A recording could not go on; the loop does, and what was flushed stays readable. */
   RecordFailed: struct({
+    /** Path. */
     path: text,
+    /** Words of the system. */
     reason: text,
   }),
   /** Another scene runs from this tick on: bodies were merged or moved. Ask for the scene anew. */

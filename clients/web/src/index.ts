@@ -1,4 +1,4 @@
 export { DecodeError, EncodeError, type DecodeFault } from "./errors";
 export * from "./events";
 export * from "./messages";
-export { decode, decodeNamed, encode, encodingSchema, toJson, type MessageType, type Named } from "./wire";
+export { decode, decodeNamed, encode, encodingSchema, keyOf, toJson, type MessageType, type Named } from "./wire";

@@ -1,12 +1,15 @@
 /**
  * The messages of the bus. SI units; quaternions are x y z w; world frame; times are nanoseconds. `u64` is a bigint;
- * lists of numbers and of points are flat `Float64Array`s. `docs/wire.md` of the project tells what each key carries.
+ * lists of numbers and of points are flat `Float64Array`s. `docs/wire.md` of the project lists what each key carries.
  *
  * Each name is a value, the table that `decode` and `encode` take, and a type, that of the message.
+ *
+ * Generated from proto/src/messages.rs by `cargo run -p palpate-proto --example generate`; do not edit.
  */
 
-import { array, bool, choice, f64, list, numbers, octets, optional, points } from "./codec";
-import { struct, text, u16, u32, u64, u8, type Value } from "./codec";
+import {
+  array, bool, choice, f64, list, numbers, octets, optional, points, struct, text, u16, u32, u64, u8, type Value,
+} from "./codec";
 import { EventKind } from "./events";
 import { message, type Of } from "./wire";
 
@@ -15,11 +18,11 @@ const vector = array(f64, 3);
 /** x y z w. */
 const quaternion = array(f64, 4);
 
-/** Pose and velocity of a tool, sent by whoever holds it. */
-export const ToolPose = message("palpate.ToolPose.v1", {
+/** Pose and velocity of a tool, sent by whoever holds it. World frame. */
+export const ToolPose = message("palpate.ToolPose.v1", "tool/{tool}/pose", {
   /** Counts the poses of this client from 1; must grow. */
   seq: u64,
-  /** Your clock, ns; echoed in {@link ToolForce}, so that you can measure the round trip. */
+  /** Sender's clock, ns; echoed in {@link ToolForce} so that the sender can measure its round trip. */
   t_client_ns: u64,
   /** Reference point of the tool, m. */
   position: vector,
@@ -29,17 +32,17 @@ export const ToolPose = message("palpate.ToolPose.v1", {
   linear_velocity: vector,
   /** rad/s. */
   angular_velocity: vector,
-  /** Bit 0 ({@link GRAB}): while it is set, the tool holds on to what it touches. */
+  /** Bit 0: grab. While it is set, the tool holds on to what it touches. */
   buttons: u32,
   /** Reserved, 0. */
   flags: u32,
-}, 2 * 10 + 13 * 8 + 2 * 5);
+}, 134);
 export type ToolPose = Of<typeof ToolPose>;
 
-/** Bit of {@link ToolPose} `buttons`. */
+/** While it is set, the tool holds on to what it touches. */
 export const GRAB = 1;
 
-/** Bits of {@link ToolForce} `flags`. */
+/** Bits of `flags` of {@link ToolForce}. */
 export const ForceFlags = {
   /** The newest pose is older than the stale limit; the force ramps to zero. */
   STALE: 1,
@@ -60,7 +63,7 @@ export const ForceFlags = {
 } as const;
 
 /** The force a hand should feel: wrench on the tool, world axes, at the tool's reference point. */
-export const ToolForce = message("palpate.ToolForce.v1", {
+export const ToolForce = message("palpate.ToolForce.v1", "tool/{tool}/force", {
   /** Tick that made it. */
   tick: u64,
   /** `seq` of the pose that took effect (0: none yet). */
@@ -86,8 +89,11 @@ export const ToolForce = message("palpate.ToolForce.v1", {
 });
 export type ToolForce = Of<typeof ToolForce>;
 
-/** What all contacts do to a tool, before anything is limited for the device. */
-export const ToolContact = message("palpate.ToolContact.v1", {
+/**
+ * What all contacts do to a tool, before anything is limited for the device: what a sensor between tool and body would
+ * read. World axes, at the tool's reference point. Sent while somebody subscribes.
+ */
+export const ToolContact = message("palpate.ToolContact.v1", "tool/{tool}/contact", {
   /** Tick that made it. */
   tick: u64,
   /** `seq` of the pose that took effect (0: none yet). */
@@ -96,9 +102,9 @@ export const ToolContact = message("palpate.ToolContact.v1", {
   t_client_ns: u64,
   /** N. */
   force: vector,
-  /** N·m at the tool's reference point. */
+  /** N·m. */
   torque: vector,
-  /** Net work of the device on the loop since the start, J; what is below zero, the loop has made. */
+  /** Net work done by the device on the loop since the start, J; what is below zero, the loop has made. */
   energy_j: f64,
   /** Part of it that the passivity controller took away, J. */
   dissipated_j: f64,
@@ -107,9 +113,9 @@ export const ToolContact = message("palpate.ToolContact.v1", {
 });
 export type ToolContact = Of<typeof ToolContact>;
 
-/** What the device that holds a tool can do; 0 where you do not know. */
-export const DeviceInfo = message("palpate.DeviceInfo.v1", {
-  /** At most 64 bytes, no control characters. */
+/** What the device that holds a tool can do, as its client describes it. Zero where unknown. */
+export const DeviceInfo = message("palpate.DeviceInfo.v1", "tool/{tool}/device", {
+  /** Its name, at most 64 bytes, without control characters. */
   name: text,
   /** Directions in which it can push, 0 to 3. */
   dof_force: u8,
@@ -135,13 +141,16 @@ export const DeviceInfo = message("palpate.DeviceInfo.v1", {
   rate_hz: f64,
   /** Delay between it and the daemon, one way, s. */
   delay_s: f64,
-  /** Relative change of the force below which a hand feels none, 0 to 0.99. 0: every force is sent. */
+  /**
+   * Relative change of the force below which a hand feels none (Weber fraction), 0 to 0.99; the daemon then leaves such
+   * forces out. 0: every force is sent.
+   */
   deadband: f64,
-}, 10 + 64 + 2 + 13 * 8);
+}, 180);
 export type DeviceInfo = Of<typeof DeviceInfo>;
 
-/** Full control net of a body. A lost one is mended by the next. */
-export const ControlNet = message("palpate.ControlNet.v1", {
+/** Full control net of a body, u-major. The next one replaces a lost one. */
+export const ControlNet = message("palpate.ControlNet.v1", "body/{body}/net", {
   /** Tick it belongs to. */
   tick: u64,
   /** Grows with every change of the net. */
@@ -165,7 +174,7 @@ export type ControlNet = Of<typeof ControlNet>;
 
 /** One contact of a tool with a body, or of two bodies. */
 export const Contact = struct({
-  /** Tool id; between two bodies the id of the other body. */
+  /** Tool id; between two bodies, the id of the other body (the same one, when a body touches itself). */
   tool: text,
   /** Body id. */
   body: text,
@@ -184,8 +193,8 @@ export const Contact = struct({
 });
 export type Contact = Value<typeof Contact>;
 
-/** Contacts that carry force in a tick, the deepest: at most sixteen, or two for each tool where that is more. */
-export const ContactSet = message("palpate.ContactSet.v1", {
+/** Contacts that carry force in a tick, the deepest: 16, or 2 per tool if that is more. */
+export const ContactSet = message("palpate.ContactSet.v1", "contact", {
   /** Tick. */
   tick: u64,
   /** Deepest first. */
@@ -205,18 +214,21 @@ export const Quantiles = struct({
 export type Quantiles = Value<typeof Quantiles>;
 
 /** What the loop does. */
-export const LoopState = choice("Running", "Paused", "Stopping");
+export const LoopState = choice(
+  /** Ticking. */
+  "Running",
+  /** Paused by rpc. */
+  "Paused",
+  /** Ramping forces down before the end. */
+  "Stopping",
+);
 export type LoopState = Value<typeof LoopState>;
-
-/** What is being recorded. */
-export const RecorderState = choice("Off", "Recording", "Ring", "Failed");
-export type RecorderState = Value<typeof RecorderState>;
 
 /** Counters of one tool's link. */
 export const ToolLink = struct({
   /** Tool id. */
   tool: text,
-  /** Poses received and accepted. */
+  /** Poses received and accepted by the wire. */
   received: u64,
   /** Poses that a newer one replaced before a tick could use them. */
   superseded: u64,
@@ -243,8 +255,21 @@ export const ToolLink = struct({
 });
 export type ToolLink = Value<typeof ToolLink>;
 
+/** What is being recorded. */
+export const RecorderState = choice(
+  /** Nothing. */
+  "Off",
+  /** A file is being written. */
+  "Recording",
+  /** The last seconds are kept in memory; no file. */
+  "Ring",
+  /** The disk refused; what was flushed stays readable. */
+  "Failed",
+);
+export type RecorderState = Value<typeof RecorderState>;
+
 /** Health of the loop, ten times a second. */
-export const LoopStatus = message("palpate.LoopStatus.v2", {
+export const LoopStatus = message("palpate.LoopStatus.v2", "status", {
   /** Newest tick. */
   tick: u64,
   /** What the loop does. */
@@ -259,7 +284,7 @@ export const LoopStatus = message("palpate.LoopStatus.v2", {
   period: Quantiles,
   /** Time in a tick. */
   step: Quantiles,
-  /** One a tool. */
+  /** One per tool. */
   tools: list(ToolLink),
   /** What is being recorded. */
   recorder: RecorderState,
@@ -267,13 +292,15 @@ export const LoopStatus = message("palpate.LoopStatus.v2", {
   recorder_bytes: u64,
   /** Records lost because the recorder could not keep up. */
   recorder_drops: u64,
-  /** 0 is full quality. */
+  /**
+   * 0 is full quality; 1: bodies iterate once a step; 2: also fewer sweeps over contacts; 3: also nets ten times rarer.
+   */
   quality_level: u8,
 });
 export type LoopStatus = Of<typeof LoopStatus>;
 
 /** An event, numbered so that a loss is seen. */
-export const SimEvent = message("palpate.SimEvent.v1", {
+export const SimEvent = message("palpate.SimEvent.v1", "event", {
   /** Tick. */
   tick: u64,
   /** Counts events from 1. */
@@ -289,15 +316,15 @@ export type SimEvent = Of<typeof SimEvent>;
 export const BodySnapshot = struct({
   /** Id. */
   id: text,
-  /** rigid or lattice. */
+  /** Model name: `rigid`, `lattice`. */
   model: text,
-  /** u, then v. */
+  /** Degree, u then v. */
   degree: array(u8, 2),
-  /** u, then v. */
+  /** Periodic, u then v. */
   periodic: array(bool, 2),
-  /** u, then v. Clamped or open: all `count + degree + 1`; periodic: one period of `count + 1`. */
+  /** Knots in u and in v, in the convention of `palpate.surface.v1`. */
   knots: array(numbers, 2),
-  /** Size of the net, u then v. */
+  /** Net size, u then v. */
   count: array(u16, 2),
   /** Net now, u-major, m. */
   points: points,
@@ -314,7 +341,7 @@ export type BodySnapshot = Value<typeof BodySnapshot>;
 export const ToolSnapshot = struct({
   /** Id. */
   id: text,
-  /** point, sphere, plane, implicit, mesh or surface. */
+  /** `point`, `sphere`, `plane`, `implicit`, `mesh` or `surface`. */
   shape: text,
   /** Radius of a sphere, else 0, m. */
   radius: f64,
@@ -332,7 +359,7 @@ export const ToolSnapshot = struct({
 export type ToolSnapshot = Value<typeof ToolSnapshot>;
 
 /** Everything a late joiner needs. */
-export const SceneSnapshot = message("palpate.SceneSnapshot.v1", {
+export const SceneSnapshot = message("palpate.SceneSnapshot.v1", "scene", {
   /** Tick. */
   tick: u64,
   /** SHA-256 of the scene file. */

@@ -7,6 +7,8 @@ import { DecodeError, EncodeError } from "./errors";
 export interface MessageType<T, N extends string = string> {
   /** Versioned name, for example `palpate.ToolPose.v1`. */
   readonly type: N;
+  /** Key below `palpate/{instance}/`, with `{tool}` or `{body}` for an id. */
+  readonly key: string;
   /** Most bytes that one has: more are refused before they are read. */
   readonly maxBytes: number;
   readonly wire: Wire<T>;
@@ -18,10 +20,16 @@ export type Of<M> = M extends MessageType<infer T> ? T : Value<M>;
 /** A message of these fields. */
 export function message<const F extends object, const N extends string>(
   type: N,
+  key: string,
   fields: F,
   maxBytes = 16 << 20,
 ): MessageType<StructOf<F>, N> {
-  return { type, maxBytes, wire: struct(fields) };
+  return { type, key, maxBytes, wire: struct(fields) };
+}
+
+/** Key expression of a message: `palpate/default/tool/ball/pose`. `id` is that of its tool or body, `*` for all. */
+export function keyOf(message: { readonly key: string }, id = "*", instance = "default"): string {
+  return `palpate/${instance}/${message.key.replace(/\{\w+\}/, id)}`;
 }
 
 /** Schema of the Zenoh encoding `application/octet-stream` that goes with a message: `postcard;palpate.ToolPose.v1`. */

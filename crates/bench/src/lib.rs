@@ -31,9 +31,9 @@ pub use table::table;
 pub struct Row {
     /// Group of cases.
     pub suite: &'static str,
-    /// What was asked.
+    /// Name of the case.
     pub case: String,
-    /// Who answered.
+    /// Library or method.
     pub method: String,
     /// True for other libraries.
     pub peer: bool,
@@ -51,7 +51,7 @@ pub struct Row {
     /// none can be.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub wrong: Option<usize>,
-    /// What there is to say beyond that: forces, energies, counts.
+    /// Further results: forces, energies, counts.
     #[serde(skip_serializing_if = "String::is_empty")]
     pub note: String,
 }
@@ -59,7 +59,7 @@ pub struct Row {
 /// How long to measure.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Effort {
-    /// Some seconds: enough to see that all is well.
+    /// Some seconds: a quick check.
     Quick,
     /// At least ten thousand queries a case.
     Full,

@@ -1,5 +1,5 @@
-//! The `palpate-bench` program: times of our methods beside other libraries', in the same run and
-//! each with its error.
+//! The `palpate-bench` program: times and errors of our methods and of other libraries, measured in
+//! the same run.
 
 use anyhow::Context;
 use clap::Parser;
@@ -10,7 +10,7 @@ use palpate_bench::{
 use std::io::Write;
 use std::process::ExitCode;
 
-/// Time against error: Palpate beside other libraries, in the same run on the same inputs.
+/// Time against error: Palpate next to other libraries, in the same run on the same inputs.
 ///
 /// Wall-clock times of one run on one machine; compare ratios, not runs.
 #[derive(Parser, Debug)]
@@ -24,41 +24,40 @@ struct Cli {
 enum Suite {
     /// Closest points, grids, fits and bounds of B-spline surfaces.
     Surface(Options),
-    /// Forces of pressed bodies and what a step costs, for all models, methods, grids and
+    /// Forces of pressed bodies and the cost of a step, for all models, methods, grids and
     /// stiffnesses, and for other engines.
     ///
     /// MuJoCo and PyBullet run too when PALPATE_PYTHON names a Python that can import them.
     Deformation {
         #[command(flatten)]
         options: Options,
-        /// Writes a picture of time against force error here, as SVG.
+        /// Write a plot of time against force error to this SVG file.
         #[arg(long)]
         svg: Option<std::path::PathBuf>,
-        /// Writes the displacements of plasticine over force and stiffness here, as SVG.
+        /// Write a plot of plasticine displacement over force and stiffness to this SVG file.
         #[arg(long)]
         plasticine_svg: Option<std::path::PathBuf>,
     },
-    /// Stiffness that devices hold, energy over delays, force against the analytic one, latency and
-    /// punctuality.
+    /// Stiffest stable walls of devices, energy with delay, accuracy of forces, latency and timing.
     Haptics {
         #[command(flatten)]
         options: Options,
-        /// Writes the stiffest walls over the damping here, as SVG.
+        /// Write a plot of the stiffest walls over damping to this SVG file.
         #[arg(long)]
         svg: Option<std::path::PathBuf>,
-        /// Writes energy over time, with and without passivity control, here, as SVG.
+        /// Write a plot of energy over time, with and without passivity control, to this SVG file.
         #[arg(long)]
         energy_svg: Option<std::path::PathBuf>,
     },
     /// Cost, size, losses, kills and replay speed of recordings.
     Recording(Options),
-    /// Merged, isolated, swept and branched surfaces: times, deviations, ratios, gaps and angles.
+    /// Merge, isolate, pipe and branch: times, deviations, ratios, gaps and angles.
     Modeling(Options),
-    /// Contacts of points, balls, planes, solids, meshes and surfaces with a body.
+    /// Contact queries of points, balls, planes, solids, meshes and surfaces with a body.
     Contact {
         #[command(flatten)]
         options: Options,
-        /// Writes a picture of time against error here, as SVG.
+        /// Write a plot of time against error to this SVG file.
         #[arg(long)]
         svg: Option<std::path::PathBuf>,
     },
@@ -66,13 +65,13 @@ enum Suite {
 
 #[derive(clap::Args, Debug)]
 struct Options {
-    /// One JSON object a line, as soon as it is measured, instead of a table.
+    /// Print one JSON object per line as soon as it is measured, instead of a table.
     #[arg(long)]
     json: bool,
-    /// Some seconds instead of minutes: fewer queries, coarser percentiles.
+    /// Run for seconds instead of minutes: fewer queries, coarser percentiles.
     #[arg(long)]
     quick: bool,
-    /// Only cases whose names contain this.
+    /// Run only cases whose name contains this.
     #[arg(long)]
     only: Option<String>,
 }

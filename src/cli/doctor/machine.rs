@@ -9,10 +9,10 @@ use std::time::Duration;
 
 /// Group in which Zenoh sessions look for each other.
 const GROUP: Ipv4Addr = Ipv4Addr::new(224, 0, 0, 224);
-/// Where a daemon listens unless told otherwise, and its neighbours.
+/// The default port of a daemon, and the ports after it.
 const PORTS: [u16; 4] = [7447, 7448, 7449, 7450];
 
-/// What was found.
+/// What this machine allows.
 #[derive(Serialize)]
 pub(super) struct Machine {
     cores: usize,
@@ -55,7 +55,7 @@ impl Machine {
             if yes {
                 "granted"
             } else {
-                "refused (the loop runs without)"
+                "refused (the loop runs without it)"
             }
         };
         let line = |name: &str, value: &str| println!("{name:<26}{value}");
@@ -64,7 +64,7 @@ impl Machine {
             Some("performance") => line("frequency governor", "performance"),
             Some(other) => line(
                 "frequency governor",
-                &format!("{other}: `performance` wakes sooner"),
+                &format!("{other}: `performance` gives lower latency"),
             ),
             None => line("frequency governor", "not readable"),
         }
@@ -79,10 +79,10 @@ impl Machine {
         }
         line("timer slack of 1 ns", granted(self.timer_slack));
         match &self.multicast_error {
-            None => line("multicast", "works; a daemon needs none"),
+            None => line("multicast", "works (not needed by a daemon)"),
             Some(error) => line(
                 "multicast",
-                &format!("does not work ({error}); a daemon needs none"),
+                &format!("does not work: {error} (not needed by a daemon)"),
             ),
         }
         let free: Vec<String> = self.free_ports.iter().map(u16::to_string).collect();
@@ -120,7 +120,7 @@ fn memory_lock_limit() -> Option<u64> {
     (done && limit.rlim_cur != libc::RLIM_INFINITY).then_some(limit.rlim_cur)
 }
 
-/// Joins the group on the loopback interface, sends a word to it and waits for that.
+/// Joins the group on the loopback interface, sends a message to it and waits for that message.
 fn hears_itself() -> io::Result<()> {
     let ears = UdpSocket::bind((Ipv4Addr::UNSPECIFIED, 0))?;
     ears.join_multicast_v4(&GROUP, &Ipv4Addr::LOCALHOST)?;
@@ -135,7 +135,7 @@ fn hears_itself() -> io::Result<()> {
     if heard[..len] == *word {
         Ok(())
     } else {
-        Err(io::Error::other("somebody else answered"))
+        Err(io::Error::other("another process answered"))
     }
 }
 

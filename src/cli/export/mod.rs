@@ -10,22 +10,22 @@ use palpate_geometry::surface::file::Unit;
 use std::io::BufWriter;
 use std::path::{Path, PathBuf};
 
-/// Share of the size that triangles may be off when nobody says how far.
+/// Default chord tolerance of triangles, relative to the size.
 const DEFAULT_TOLERANCE: f64 = 1e-3;
 
 #[derive(clap::Args, Debug)]
 #[command(group(clap::ArgGroup::new("what").required(true).multiple(true).args(["csv", "svg", "net"])))]
 pub struct Args {
-    /// Recording.
+    /// Recording file.
     file: PathBuf,
-    /// Where the net goes: .step, .stp, .iges, .igs or .json as a surface, .obj, .stl or .glb as
+    /// File for the net: .step, .stp, .iges, .igs or .json as a surface, .obj, .stl or .glb as
     /// triangles.
     #[arg(requires = "net")]
     out: Option<PathBuf>,
-    /// Write a row for each tick to this file; - is stdout.
+    /// Write one row per tick to this file; - is stdout.
     #[arg(long, value_name = "FILE.csv")]
     csv: Option<PathBuf>,
-    /// Plot force, depth, energy and tick time over time.
+    /// Plot force, depth, energy and tick time to this file.
     #[arg(long, value_name = "FILE.svg")]
     svg: Option<PathBuf>,
     /// Write the control net of this body as it was after --tick.
@@ -34,14 +34,13 @@ pub struct Args {
     /// Tick of the net.
     #[arg(long, value_name = "TICK", requires = "net")]
     tick: Option<u64>,
-    /// Of triangles: no point of the surface further from them than this, m [default: a thousandth
-    /// of its size].
+    /// Chord tolerance of triangles, m [default: a thousandth of the surface's size].
     #[arg(long, value_name = "M", requires = "net")]
     tolerance: Option<f64>,
-    /// First tick of the table and of the plots.
+    /// First tick of the table and the plots.
     #[arg(long, value_name = "TICK", default_value_t = 0)]
     from: u64,
-    /// Last tick of the table and of the plots.
+    /// Last tick of the table and the plots.
     #[arg(long, value_name = "TICK", default_value_t = u64::MAX, hide_default_value = true)]
     until: u64,
 }
@@ -86,8 +85,8 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
         };
         std::fs::write(path, bytes).with_context(|| path.display().to_string())?;
     }
-    if !session.is_clean() || session.cut_short.is_some() {
-        eprintln!("note: the recording is incomplete; what is there was exported");
+    if !session.is_whole() {
+        eprintln!("note: the recording is incomplete; exported what it contains");
     }
     Ok(Outcome::Ok)
 }

@@ -10,33 +10,33 @@ use palpate_modeling::branch::{
 };
 use std::path::{Path, PathBuf};
 
-/// Share of a patch's size that its triangles may be off.
+/// Chord tolerance of triangles, relative to the patch's size.
 const FINENESS: f64 = 1e-3;
 
 #[derive(clap::Args, Debug)]
 pub struct Args {
     /// Tree (.toml); with --check a surface file (.json, .step, .stp, .iges, .igs).
     input: PathBuf,
-    /// File to write: .json; or triangles of the distinct patches: .stl, .obj, .glb; with --patch
-    /// any surface file.
+    /// Output file: .json; triangles of the distinct patches as .stl, .obj, .glb; with --patch any
+    /// surface format.
     #[arg(short, long)]
     output: Option<PathBuf>,
-    /// Write only this row of the patch table: STEP and IGES have no form for a surface in pieces.
+    /// Write only this row of the patch table: STEP and IGES do not allow separated surfaces.
     #[arg(long, value_name = "ROW", requires = "output")]
     patch: Option<usize>,
-    /// Measure a given net; its joints may open to 0.1°.
+    /// Measure a given surface; its joints may open by up to 0.1°.
     #[arg(long)]
     check: bool,
-    /// With --check: of a file with several surfaces, the one at this place, from 0.
+    /// With --check: index of the surface in a file with several, from 0.
     #[arg(long, value_name = "N", default_value_t = 0, requires = "check")]
     index: usize,
-    /// Print one JSON object: measures in metres, the patch table, the places of the net that move
+    /// Print one JSON object: measures in metres, the patch table, the control points that move
     /// together.
     #[arg(long)]
     json: bool,
 }
 
-/// What is measured and told.
+/// What is measured and reported.
 struct Subject {
     surface: Surface,
     patches: PatchTable,
@@ -47,7 +47,7 @@ struct Subject {
 pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     anyhow::ensure!(
         args.check || args.output.is_some(),
-        "a file to write is missing: -o OUT (or --check to measure a surface)"
+        "the output file is missing: add -o OUT (or --check to measure a surface)"
     );
     let output = match args.output.as_deref() {
         Some(path) => Some((path, Format::of(path)?)),
@@ -71,7 +71,7 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     }
     misses
         .iter()
-        .for_each(|miss| eprintln!("not reached: {miss}"));
+        .for_each(|miss| eprintln!("goal missed: {miss}"));
     for broken in measures.rules.iter() {
         eprintln!(
             "rule {} ({}): {}, off by {:.1e} m",
@@ -88,7 +88,7 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     })
 }
 
-/// Of the whole, or of one patch.
+/// File content of the whole surface, or of one patch.
 fn file(
     subject: &Subject,
     welded: &Welded,
@@ -101,7 +101,7 @@ fn file(
             Ok(write_mesh(&welded.mesh, format, Unit::Metre)?)
         } else {
             write_surface(&subject.surface, format, Unit::Metre)
-                .context("STEP and IGES take the surface patch by patch (--patch ROW)")
+                .context("STEP and IGES can only be written patch by patch (--patch ROW)")
         };
     };
     let patches = &subject.patches.patches;
@@ -193,7 +193,7 @@ fn print_text(subject: &Subject, measures: &Measures, welded: &Welded) {
         welded.mesh.triangles.len()
     );
     println!(
-        "  area {:.6} m², drawn {:.3} times over",
+        "  area {:.6} m², drawn {:.3} times",
         measures.area_m2, measures.coverage
     );
     println!(
@@ -336,7 +336,7 @@ mod tests {
             check: true,
             ..args("builtin:sheet", None)
         };
-        assert!(format!("{:#}", run(&sheet).unwrap_err()).contains("no branching net"));
+        assert!(format!("{:#}", run(&sheet).unwrap_err()).contains("not a branching net"));
         assert!(
             run(&args(format!("{DATA}/y.toml"), None))
                 .unwrap_err()

@@ -13,14 +13,13 @@ use std::path::PathBuf;
 pub struct Args {
     #[command(flatten)]
     source: Source,
-    /// Degree wanted in u; as it is, if not said.
+    /// New degree in u [default: unchanged].
     #[arg(long, value_name = "DEGREE", value_parser = clap::value_parser!(u8).range(1..=MAX_DEGREE as i64))]
     u: Option<u8>,
-    /// Degree wanted in v.
+    /// New degree in v [default: unchanged].
     #[arg(long, value_name = "DEGREE", value_parser = clap::value_parser!(u8).range(1..=MAX_DEGREE as i64))]
     v: Option<u8>,
-    /// File to write: .json, .step, .stp, .iges, .igs; lengths in the unit of the input where that
-    /// is m or mm.
+    /// Output file: .json, .step, .stp, .iges, .igs; in the unit of the input if that is m or mm.
     #[arg(short, long)]
     output: PathBuf,
     /// Print one JSON object.

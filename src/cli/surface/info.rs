@@ -103,7 +103,7 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
         let whole = if patches["whole"] == true {
             ""
         } else {
-            "; not all edges inside are joined"
+            "; some inner edges are not joined"
         };
         println!(
             "  in {} joined patches, {} of them distinct{whole}",

@@ -7,48 +7,49 @@ use palpate_geometry::math::Vector3;
 use palpate_geometry::surface::Surface;
 use palpate_geometry::surface::file::Unit;
 use palpate_modeling::isolate::{
-    IsolateSpec, Isolated, IsolatedAll, Method, Move, Resolution, Status, isolate, isolate_all,
+    IsolateMethod, IsolateSpec, IsolateStatus, Isolated, IsolatedAll, Move, Resolution, isolate,
+    isolate_all,
 };
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 
 #[derive(clap::Args, Debug)]
 pub struct Args {
-    /// Closed surfaces (.json, .step, .stp, .iges, .igs, builtin:NAME). Two files: the first moves,
-    /// the second stays. One file, or three and more: all their bodies; of two that overlap the one
-    /// listed first stays.
+    /// Closed surfaces (.json, .step, .stp, .iges, .igs, builtin:NAME). With two files, the first
+    /// moves and the second stays. With one file, or three and more, all bodies are separated; of
+    /// two that overlap, the one listed first stays.
     #[arg(required = true, value_names = ["MOVING", "FIXED"], num_args = 1..)]
     files: Vec<PathBuf>,
-    /// Of a moving file with several surfaces, the one at this place, from 0.
+    /// Index of the surface in the moving file, from 0.
     #[arg(long, value_name = "N", default_value_t = 0)]
     index: usize,
-    /// Of a fixed file with several surfaces, the one at this place, from 0.
+    /// Index of the surface in the fixed file, from 0.
     #[arg(long, value_name = "N", default_value_t = 0)]
     fixed_index: usize,
-    /// 1 farthest pair, 2 the same in the main region, 3 its normal, 4 all normals, 5 centres of
-    /// mass, 6 half 4 half 5, 7 the best of five blends; local: the nearest short way; global: the
-    /// shortest way; thorough: looks longer.
+    /// 1 farthest pair, 2 farthest pair of the main region, 3 its normal, 4 all normals, 5 centres
+    /// of mass, 6 mean of 4 and 5, 7 best of five blends of 4 and 5; local: nearest local minimum;
+    /// global: shortest of several; thorough: as global, with a longer search.
     #[arg(long, default_value = "global", value_parser = method)]
-    method: Method,
+    method: IsolateMethod,
     /// Gap to leave, in the unit of the file [default: a thousandth of the diagonal of the box
-    /// round both].
+    /// around both].
     #[arg(long, value_name = "EPS", allow_negative_numbers = true)]
     gap: Option<f64>,
-    /// The vector between the centres of mass turns by no more than this.
+    /// Largest turn of the vector between the centres of mass, degrees.
     #[arg(long, value_name = "DEG", allow_negative_numbers = true)]
     max_turn: Option<f64>,
-    /// Triangles for the search: auto; halving: finer until the answer changes by less than the
-    /// gap; or cells such as 36x21.
+    /// Triangles for the search: auto; halving (refine until the result changes by less than the
+    /// gap); or cells such as 36x21.
     #[arg(long, default_value = "auto", value_parser = resolution)]
     resolution: Resolution,
-    /// The gap is that of the triangles; the surfaces themselves are not looked at.
+    /// Measure the gap between triangles instead of between the surfaces.
     #[arg(long)]
     triangles: bool,
-    /// A method that has no answer fails; otherwise `global` answers in its place.
+    /// Fail if the method finds no solution, instead of falling back to `global`.
     #[arg(long)]
     strict: bool,
-    /// File for the moved surface: .json, .step, .stp, .iges, .igs. With all bodies of a file:
-    /// OUT-0, OUT-1 and so on.
+    /// Output file for the moved surface: .json, .step, .stp, .iges, .igs. For all bodies of a
+    /// file: OUT-0, OUT-1 and so on.
     #[arg(short, long)]
     output: Option<PathBuf>,
     /// Print one JSON object.
@@ -56,8 +57,10 @@ pub struct Args {
     json: bool,
 }
 
-fn method(text: &str) -> Result<Method, String> {
-    Method::of(text).ok_or_else(|| format!("{text:?} is none of 1 to 7, local, global, thorough"))
+fn method(text: &str) -> Result<IsolateMethod, String> {
+    IsolateMethod::of(text).ok_or_else(|| {
+        format!("{text:?} is not a valid method; use 1 to 7, local, global or thorough")
+    })
 }
 
 fn resolution(text: &str) -> Result<Resolution, String> {
@@ -72,7 +75,11 @@ fn resolution(text: &str) -> Result<Resolution, String> {
                     v.trim().parse().ok()?,
                 ]))
             })
-            .ok_or_else(|| format!("{text:?} is none of auto, halving, cells such as 36x21")),
+            .ok_or_else(|| {
+                format!(
+                    "{text:?} is not a valid resolution; use auto, halving or cells such as 36x21"
+                )
+            }),
     }
 }
 
@@ -203,9 +210,9 @@ fn all(args: &Args, format: Option<Format>, bodies: &[Loaded]) -> anyhow::Result
 
 fn report(answer: &Isolated, per_metre: f64) -> Value {
     let (status, reason) = match answer.status {
-        Status::Apart => ("apart", None),
-        Status::Isolated => ("isolated", None),
-        Status::Failed(reason) => ("failed", Some(reason.to_string())),
+        IsolateStatus::Apart => ("apart", None),
+        IsolateStatus::Isolated => ("isolated", None),
+        IsolateStatus::Failed(reason) => ("failed", Some(reason.to_string())),
     };
     json!({
         "status": status, "reason": reason,
@@ -227,9 +234,9 @@ fn sentence(answer: &Isolated, moving: &Loaded) -> String {
         format!("; method global, because {reason}")
     });
     match answer.status {
-        Status::Apart => format!("apart already: gap {gap} {unit}"),
-        Status::Failed(reason) => format!("not isolated: {reason}"),
-        Status::Isolated => format!(
+        IsolateStatus::Apart => format!("apart already: gap {gap} {unit}"),
+        IsolateStatus::Failed(reason) => format!("not isolated: {reason}"),
+        IsolateStatus::Isolated => format!(
             "move by {x} {y} {z} {unit}: length {}, gap {gap}, turn {}, {} steps, {} regions{instead}",
             answer.translation_m.norm() * moving.per_metre,
             answer
@@ -245,7 +252,7 @@ fn scaled(v: &Vector3, per_metre: f64) -> [f64; 3] {
     [v.x, v.y, v.z].map(|x| x * per_metre)
 }
 
-/// The moved surface, in the unit of the file it came from where that can be written.
+/// Writes the moved surface, in the unit of its file if the format supports that unit.
 fn write(
     path: &Path,
     format: Format,
@@ -292,7 +299,7 @@ mod tests {
         assert_eq!(resolution("auto"), Ok(Resolution::Usual));
         assert_eq!(resolution("36x21"), Ok(Resolution::Cells([36, 21])));
         assert!(resolution("36").is_err() && resolution("x").is_err());
-        for known in Method::ALL {
+        for known in IsolateMethod::ALL {
             assert_eq!(method(known.name()), Ok(known));
         }
         assert!(method("8").is_err());

@@ -8,7 +8,7 @@ use palpate_geometry::surface::file::Unit;
 use palpate_geometry::surface::{CloudSpec, Fitted, GridSpec, Mesh, Surface};
 use std::path::{Path, PathBuf};
 
-/// Share of the size that triangles may be off when nobody says how far.
+/// Default chord tolerance of triangles, relative to the size.
 const DEFAULT_TOLERANCE: f64 = 1e-3;
 
 #[derive(Clone, Copy, Debug, clap::ValueEnum)]
@@ -26,15 +26,15 @@ impl From<UnitName> for Unit {
     }
 }
 
-/// How fine.
+/// Resolution of triangles.
 #[derive(clap::Args, Debug)]
 #[group(multiple = false)]
 struct Fineness {
-    /// No point of the surface further from the triangles than this, m [default: a thousandth of
-    /// its size].
+    /// Chord tolerance: largest distance of the surface from its triangles, m [default: a
+    /// thousandth of its size].
     #[arg(long, value_name = "M")]
     tolerance: Option<f64>,
-    /// Each knot span into so many cells in u and in v.
+    /// Number of cells per knot span in u and in v.
     #[arg(long, value_name = "N")]
     cells: Option<usize>,
 }
@@ -54,9 +54,9 @@ impl Fineness {
 pub struct ConvertArgs {
     #[command(flatten)]
     source: Source,
-    /// File to write: .json, .step, .stp, .iges, .igs; or triangles: .stl, .obj, .glb.
+    /// Output file: .json, .step, .stp, .iges, .igs; or triangles as .stl, .obj, .glb.
     output: PathBuf,
-    /// Unit of the file to write.
+    /// Unit of the output file.
     #[arg(long, default_value = "m")]
     unit: UnitName,
     #[command(flatten)]
@@ -86,10 +86,10 @@ pub fn convert(args: &ConvertArgs) -> anyhow::Result<Outcome> {
 pub struct TessellateArgs {
     #[command(flatten)]
     source: Source,
-    /// File to write: .stl, .obj or .glb.
+    /// Output file: .stl, .obj or .glb.
     #[arg(short, long)]
     output: PathBuf,
-    /// Unit of the file to write (glTF: always m).
+    /// Unit of the output file (glTF: always m).
     #[arg(long, default_value = "m")]
     unit: UnitName,
     #[command(flatten)]
@@ -112,31 +112,31 @@ pub fn tessellate(args: &TessellateArgs) -> anyhow::Result<Outcome> {
 pub struct FitArgs {
     /// Points: .xyz, .csv or .txt with lines `x,y,z`, or the corners of an .stl or .obj.
     points: PathBuf,
-    /// Surface file to write: .json, .step, .stp, .iges, .igs.
+    /// Output file: .json, .step, .stp, .iges, .igs.
     #[arg(short, long)]
     output: PathBuf,
-    /// Unit of the points, and of the file to write.
+    /// Unit of the points and of the output file.
     #[arg(long, default_value = "m")]
     unit: UnitName,
     /// Degree in both directions.
     #[arg(long, default_value_t = 3)]
     degree: usize,
-    /// Control points in u and v, such as 12x10 [default: 8x8; with --grid as many as points].
+    /// Control points in u and v, such as 12x10 [default: 8x8; with --grid one per point].
     #[arg(long, value_name = "RxS", value_parser = counts)]
     net: Option<[usize; 2]>,
-    /// The points are a grid, row after row (u), such as 40x30: no parameters to be found.
+    /// The points form a grid, row after row (u), such as 40x30.
     #[arg(long, value_name = "RxS", value_parser = counts, conflicts_with_all = ["closed", "smoothing"])]
     grid: Option<[usize; 2]>,
-    /// With --grid: the rows go round.
+    /// With --grid: close the surface in u.
     #[arg(long, requires = "grid")]
     periodic_u: bool,
-    /// With --grid: the columns go round.
+    /// With --grid: close the surface in v.
     #[arg(long, requires = "grid")]
     periodic_v: bool,
-    /// A closed surface with two poles instead of a sheet.
+    /// Fit a closed surface with two poles instead of a sheet.
     #[arg(long)]
     closed: bool,
-    /// How much smoothness counts beside the points: 1e-7 follows them, 1e-3 smooths noise.
+    /// Weight of smoothness against the points: 1e-7 follows the points, 1e-3 smooths noise.
     #[arg(long, value_name = "WEIGHT")]
     smoothing: Option<f64>,
     /// Print one JSON object.
@@ -187,7 +187,7 @@ pub fn fit(args: &FitArgs) -> anyhow::Result<Outcome> {
         );
     } else {
         println!(
-            "{} points; off by {rms_error:.3e} m (root mean square), {max_error:.3e} m at most",
+            "{} points; distance {rms_error:.3e} m (root mean square), {max_error:.3e} m (largest)",
             points.len()
         );
     }
@@ -202,13 +202,13 @@ fn counts(text: &str) -> Result<[usize; 2], String> {
     // A net of a million points is a mistake, not a surface.
     parsed
         .filter(|[a, b]: &[usize; 2]| *a > 0 && *b > 0 && a.saturating_mul(*b) <= 1 << 20)
-        .ok_or_else(|| format!("{text:?} is no pair of counts such as 12x10 (2^20 in all at most)"))
+        .ok_or_else(|| format!("{text:?} is not a valid pair of counts; write for example 12x10 (at most 2^20 in total)"))
 }
 
 fn write_triangles(mesh: &Mesh, format: Format, unit: UnitName, path: &Path) -> anyhow::Result<()> {
     write(path, &write_mesh(mesh, format, unit.into())?)?;
     eprintln!(
-        "{} triangles over {} corners",
+        "{} triangles, {} vertices",
         mesh.triangles.len(),
         mesh.points.len()
     );

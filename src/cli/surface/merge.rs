@@ -7,7 +7,8 @@ use palpate_geometry::surface::file::Unit;
 use palpate_geometry::surface::{Direction, Surface};
 use palpate_modeling::merge::cases::cases;
 use palpate_modeling::merge::{
-    Arrangement, Continuity, DegreeRule, Edge, Hidden, MergeSpec, Merged, Method, Report, merge,
+    Arrangement, Continuity, DegreeRule, Edge, Hidden, MergeMethod, MergeSpec, Merged, Report,
+    merge,
 };
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
@@ -17,48 +18,48 @@ use std::time::{Duration, Instant};
     after_help = "Exit codes: 0 merged, 1 merged but the tolerance was not reached, 2 refused."
 )]
 pub struct Args {
-    /// Surface files (.json, .step, .stp, .iges, .igs): two, or as many as the grid has places, row
-    /// after row.
+    /// Surface files (.json, .step, .stp, .iges, .igs): two, or one per place of the grid, row after
+    /// row.
     #[arg(required_unless_present = "cases", value_name = "PATCH")]
     patches: Vec<PathBuf>,
-    /// File to write: .json, .step, .stp, .iges, .igs.
+    /// Output file: .json, .step, .stp, .iges, .igs.
     #[arg(short, long)]
     output: Option<PathBuf>,
-    /// c of the C^c at the seams, below the degree.
+    /// Continuity at the seams: c of C^c, below the degree.
     #[arg(long, value_name = "N", default_value_t = 2)]
     continuity: usize,
-    /// How: `constrained` is nearest for its number of control points, `seed` the source's, `exact`
-    /// without a fit.
+    /// Method: `constrained` has the smallest deviation for its number of control points, `seed` is
+    /// that of the source, `exact` works without a fit.
     #[arg(long, default_value = "constrained")]
     method: MethodName,
-    /// Degree, where those of the patches differ.
+    /// Which degree to use if those of the patches differ.
     #[arg(long, default_value = "raise")]
     degree: DegreeName,
     /// Rows and columns of the patches, such as 2x2; rows follow each other in u.
     #[arg(long, value_name = "RxC", value_parser = grid, conflicts_with = "edges")]
     grid: Option<[usize; 2]>,
-    /// The edges of the two patches that meet, such as u1:v0 [default: the closest pair].
+    /// Edges of the two patches to join, such as u1:v0 [default: the closest pair].
     #[arg(long, value_name = "A:B", value_parser = edges)]
     edges: Option<[Edge; 2]>,
-    /// A hidden part of the first patch, such as u:0.8..1; its rows of points are left out.
+    /// Part of the first patch to exclude, such as u:0.8..1.
     #[arg(long, value_name = "D:FROM..TO", value_parser = range)]
     trim_a: Option<(Direction, [f64; 2])>,
-    /// The same of the second patch.
+    /// Part of the second patch to exclude.
     #[arg(long, value_name = "D:FROM..TO", value_parser = range)]
     trim_b: Option<(Direction, [f64; 2])>,
-    /// Do not look for a curve in which the patches cross.
+    /// Do not search for an intersection curve of the patches.
     #[arg(long)]
     no_overlap: bool,
-    /// Insert knots until no point is farther off than this, in the unit of the first file.
+    /// Insert knots until no point deviates by more than this, in the unit of the first file.
     #[arg(long, value_name = "LENGTH")]
     tolerance: Option<f64>,
-    /// Rows and columns of points on each patch.
+    /// Rows and columns of sample points on each patch.
     #[arg(long, value_name = "N", default_value_t = 101)]
     points: usize,
-    /// Least distance between knots at the seam, as a share of the patch: how sharp a blend may be.
+    /// Smallest distance between knots at the seam, relative to the patch: how sharp a blend can be.
     #[arg(long, value_name = "SHARE", default_value_t = 0.02)]
     least_span: f64,
-    /// Merge the seven cases that come with the program, by two methods, and print their table.
+    /// Merge the seven built-in cases with two methods and print their table.
     #[arg(long, conflicts_with_all = ["patches", "output", "grid", "edges", "trim_a", "trim_b"])]
     cases: bool,
     /// Print one JSON object.
@@ -119,7 +120,7 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     }
     if merged.within_tolerance == Some(false) {
         eprintln!(
-            "note: the tolerance was not reached; more points, or a sharper blend (--least-span), may help"
+            "note: the tolerance was not reached; try more points or a sharper blend (--least-span)"
         );
         return Ok(Outcome::Difference);
     }
@@ -137,9 +138,9 @@ impl Args {
         MergeSpec {
             continuity: self.continuity,
             method: match self.method {
-                MethodName::Seed => Method::Seed,
-                MethodName::Constrained => Method::Constrained,
-                MethodName::Exact => Method::Exact,
+                MethodName::Seed => MergeMethod::Seed,
+                MethodName::Constrained => MergeMethod::Constrained,
+                MethodName::Exact => MergeMethod::Exact,
             },
             degree: match self.degree {
                 DegreeName::Raise => DegreeRule::Raise,
@@ -269,7 +270,10 @@ fn all_cases(json: bool) -> Outcome {
     let mut rows = Vec::new();
     for case in cases() {
         for continuity in [2, 0] {
-            for (name, method) in [("seed", Method::Seed), ("constrained", Method::Constrained)] {
+            for (name, method) in [
+                ("seed", MergeMethod::Seed),
+                ("constrained", MergeMethod::Constrained),
+            ] {
                 let spec = MergeSpec {
                     continuity,
                     method,
@@ -338,7 +342,7 @@ fn grid(text: &str) -> Result<[usize; 2], String> {
         .and_then(|(a, b)| Some([a.trim().parse().ok()?, b.trim().parse().ok()?]));
     parsed
         .filter(|[a, b]: &[usize; 2]| *a > 0 && *b > 0)
-        .ok_or_else(|| format!("{text:?} is no grid such as 2x2"))
+        .ok_or_else(|| format!("{text:?} is not a valid grid; write for example 2x2"))
 }
 
 /// `u1:v0`.
@@ -353,7 +357,7 @@ fn edges(text: &str) -> Result<[Edge; 2], String> {
     let pair = text
         .split_once(':')
         .and_then(|(a, b)| Some([edge(a)?, edge(b)?]));
-    pair.ok_or_else(|| format!("{text:?} is no pair of edges such as u1:v0 (u0, u1, v0, v1)"))
+    pair.ok_or_else(|| format!("{text:?} is not a valid pair of edges; write for example u1:v0 (edges are u0, u1, v0, v1)"))
 }
 
 /// `u:0.8..1`.
@@ -369,7 +373,7 @@ fn range(text: &str) -> Result<(Direction, [f64; 2]), String> {
     });
     parsed
         .filter(|(_, [a, b]): &(Direction, [f64; 2])| a.is_finite() && b.is_finite())
-        .ok_or_else(|| format!("{text:?} is no range such as u:0.8..1"))
+        .ok_or_else(|| format!("{text:?} is not a valid range; write for example u:0.8..1"))
 }
 
 #[cfg(test)]

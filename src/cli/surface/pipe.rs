@@ -11,21 +11,21 @@ use palpate_modeling::pipe::{Answer, PipeLimits, PipeSurface, Spine, file, pipe_
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 
-/// Share of the radius that the surface may be off when nobody says how far.
+/// Default tolerance of the surface, relative to the radius.
 const DEFAULT_TOLERANCE: f64 = 1e-6;
 
 #[derive(clap::Args, Debug)]
 pub struct Args {
     /// Curve file (palpate.curve.v1, JSON).
     spine: PathBuf,
-    /// Is the pipe of this radius, in the file's unit, free of self-intersection?
+    /// Test whether the pipe of this radius, in the file's unit, is free of self-intersection.
     #[arg(long, value_name = "R", allow_negative_numbers = true)]
     radius: Option<f64>,
-    /// With --radius: surface file to write: .json, .step, .stp, .iges, .igs. Not written where the
-    /// pipe meets itself.
+    /// With --radius: output file of the pipe: .json, .step, .stp, .iges, .igs. Not written if the
+    /// pipe intersects itself.
     #[arg(short, long, value_name = "OUT", requires = "radius")]
     output: Option<PathBuf>,
-    /// No point of the surface further from the pipe than this, in the file's unit [default: a
+    /// Largest distance of the surface from the exact pipe, in the file's unit [default: a
     /// millionth of the radius].
     #[arg(
         long,
@@ -34,7 +34,7 @@ pub struct Args {
         allow_negative_numbers = true
     )]
     tolerance: Option<f64>,
-    /// Write the surface also where it meets itself.
+    /// Write the surface even if it intersects itself.
     #[arg(long, requires = "output")]
     force: bool,
     /// Print one JSON object.
@@ -47,7 +47,7 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     if let Some(radius) = args.radius {
         anyhow::ensure!(
             radius.is_finite() && radius > 0.0,
-            "--radius is {radius}; it is a finite length above 0"
+            "--radius is {radius}; it must be a finite length above 0"
         );
     }
     let (curve, unit) = load(&args.spine)?;
@@ -76,7 +76,7 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
             report["surface"] = write(&spine, radius, args.tolerance, (path, format), unit)?;
         } else {
             eprintln!(
-                "note: {} is not written; --force writes a pipe that meets itself",
+                "note: {} was not written because the pipe intersects itself; --force writes it anyway",
                 path.display()
             );
         }
@@ -98,7 +98,7 @@ fn surface_format(path: &PathBuf) -> anyhow::Result<Format> {
     let surfaces = matches!(format, Format::Json | Format::Step | Format::Iges);
     anyhow::ensure!(
         surfaces,
-        "{} holds no surfaces; write .json, .step or .iges",
+        "{} is not a surface format; write .json, .step or .iges",
         format.name()
     );
     Ok(format)
@@ -132,7 +132,7 @@ fn write(
     }))
 }
 
-/// What is printed, in the unit of the file.
+/// Everything that is printed, in the unit of the file.
 struct Report<'a> {
     curve: &'a Curve,
     spine: &'a Spine,
@@ -274,20 +274,20 @@ fn print_for_people(report: &Value) {
     }
     let pairs = report["pairs"].as_array().map_or(0, Vec::len);
     let unresolved = report["unresolved"].as_array().map_or(0, Vec::len);
-    println!("  {pairs} stationary pairs, {unresolved} regions not told apart");
+    println!("  {pairs} stationary pairs, {unresolved} unresolved regions");
     if let Some(free) = report.get("free") {
         let word = free.as_bool().map_or("unknown", |free| {
             if free {
                 "free of self-intersection"
             } else {
-                "meets itself"
+                "intersects itself"
             }
         });
         println!("  radius {} {unit}: {word}", report["radius"]);
     }
     if let Some(surface) = report.get("surface") {
         println!(
-            "  {}: {} × {} control points, {} {unit} off",
+            "  {}: {} × {} control points, deviation {} {unit}",
             surface["file"].as_str().unwrap_or_default(),
             surface["net"][0],
             surface["net"][1],

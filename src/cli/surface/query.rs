@@ -11,13 +11,13 @@ use std::path::PathBuf;
 pub struct EvalArgs {
     #[command(flatten)]
     source: Source,
-    /// CSV lines `u,v`.
+    /// CSV file with lines `u,v`.
     #[arg(long, value_name = "FILE")]
     uv: PathBuf,
     /// Derivatives up to this order.
     #[arg(long, value_name = "ORDER", default_value_t = 0, value_parser = clap::value_parser!(u8).range(0..=2))]
     derivatives: u8,
-    /// Print one JSON object a line.
+    /// Print one JSON object per line.
     #[arg(long)]
     json: bool,
 }
@@ -76,10 +76,10 @@ pub fn eval(args: &EvalArgs) -> anyhow::Result<Outcome> {
 pub struct ClosestArgs {
     #[command(flatten)]
     source: Source,
-    /// CSV lines `x,y,z`, in the unit of the surface file.
+    /// CSV file with lines `x,y,z`, in the unit of the surface file.
     #[arg(long, value_name = "FILE")]
     points: PathBuf,
-    /// Print one JSON object a line.
+    /// Print one JSON object per line.
     #[arg(long)]
     json: bool,
 }

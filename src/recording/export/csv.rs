@@ -1,6 +1,5 @@
 //! A row a tick, every number as exact as it was recorded.
 
-use super::super::names;
 use super::super::reader::Session;
 use super::{ExportError, Range, dt_s};
 use palpate_sim::haptics::DevicePose;
@@ -42,17 +41,20 @@ const CONTACT: [&str; 10] = [
 /// # Errors
 /// No tick in the range, or `out` refuses.
 pub fn csv(session: &Session, range: &Range, out: &mut impl Write) -> Result<(), ExportError> {
-    let records = range.of(session)?;
     let (tools, bodies, dt_s) = (
-        names(session, "tools"),
-        names(session, "bodies"),
+        session.header.names("tools"),
+        session.header.names("bodies"),
         dt_s(session),
     );
+    let mut records = range.of(session).peekable();
+    if records.peek().is_none() {
+        return Err(range.no_ticks(session));
+    }
     let mut row = heading(&tools);
     out.write_all(row.as_bytes())?;
     for record in records {
         row.clear();
-        write_row(&mut row, record, tools.len(), &bodies, dt_s);
+        write_row(&mut row, &*record?, tools.len(), &bodies, dt_s);
         out.write_all(row.as_bytes())?;
     }
     out.flush()?;

@@ -8,7 +8,7 @@ pub use csv::csv;
 pub use net::net_at;
 pub use series::{Bucket, Curve, Series, series};
 
-use super::reader::Session;
+use super::reader::{Follower, Happening, Session, Topic};
 use super::replay::ReplayError;
 use palpate_sim::tick::record::TickRecord;
 
@@ -57,7 +57,7 @@ pub enum ExportError {
     },
     /// This build comes to another state.
     #[error(
-        "this build comes to another state after tick {tick} than was recorded; as recorded there are the nets of ticks {}",
+        "this build diverges from the recording at tick {tick}; recorded nets exist for ticks {}",
         near(nets)
     )]
     Inexact {
@@ -103,33 +103,25 @@ impl Default for Range {
 
 impl Range {
     /// The ticks in it.
-    fn of<'a>(&self, session: &'a Session) -> Result<&'a [TickRecord], ExportError> {
-        let start = session
-            .ticks
-            .partition_point(|record| record.output.tick < self.from);
-        let end = session
-            .ticks
-            .partition_point(|record| record.output.tick <= self.until);
-        if start >= end {
-            let ticks = edges(session);
-            return Err(ExportError::NoTicks {
-                from: self.from,
-                until: self.until,
-                ticks,
-            });
-        }
-        Ok(&session.ticks[start..end])
+    fn of(&self, session: &Session) -> impl Iterator<Item = Result<Box<TickRecord>, ExportError>> {
+        let ticks = Follower::between(session, self.from, self.until).only(&[Topic::Tick]);
+        ticks.filter_map(|happening| match happening {
+            Ok(Happening::Tick(record)) => Some(Ok(record)),
+            Ok(_) => None,
+            Err(error) => Some(Err(ReplayError::Read(error).into())),
+        })
     }
-}
 
-fn edges(session: &Session) -> Option<(u64, u64)> {
-    Some((
-        session.ticks.first()?.output.tick,
-        session.ticks.last()?.output.tick,
-    ))
+    fn no_ticks(&self, session: &Session) -> ExportError {
+        ExportError::NoTicks {
+            from: self.from,
+            until: self.until,
+            ticks: session.tick_range(),
+        }
+    }
 }
 
 /// Length of a tick, s.
 fn dt_s(session: &Session) -> f64 {
-    session.run_number("dt_ns").unwrap_or(1_000_000) as f64 * 1e-9
+    session.dt_ns() as f64 * 1e-9
 }

@@ -1,12 +1,17 @@
 //! The surface of a body after any tick: as recorded, or by replaying to it from the keyframe
 //! before.
 
-use super::super::reader::Session;
-use super::super::replay::{Follower, recorded_scene};
+use super::super::reader::{
+    Follower, Happening, Keyframe, ReadError, Session, Topic, first_keyframe, first_keyframe_where,
+    last_keyframe_until,
+};
+use super::super::replay::{ReplayError, recorded_scene};
+use super::super::rerun::Rerun;
 use super::ExportError;
 use palpate_geometry::math::Point3;
 use palpate_geometry::surface::Surface;
 use palpate_sim::scene::Scene;
+use std::sync::Arc;
 
 /// The surface of a body after tick `tick`, in the scene's axes, m.
 ///
@@ -18,7 +23,7 @@ use palpate_sim::scene::Scene;
 /// A body or tick that there is not, a tick that no keyframe leads to, or a build that comes to
 /// another state.
 pub fn net_at(session: &Session, body: &str, tick: u64) -> Result<Surface, ExportError> {
-    let scene = recorded_scene(session)?;
+    let scene = Arc::new(recorded_scene(session)?);
     let ids = || (0..scene.body_count()).map(|body| scene.body_id(body));
     let Some(index) = ids().position(|id| id == body) else {
         let bodies = ids().map(str::to_owned).collect();
@@ -27,12 +32,8 @@ pub fn net_at(session: &Session, body: &str, tick: u64) -> Result<Surface, Expor
             bodies,
         });
     };
-    let points = match recorded(
-        session,
-        body,
-        tick,
-        scene.rest_surface(index).net().points().len(),
-    ) {
+    let count = scene.rest_surface(index).net().points().len();
+    let points = match recorded(session, body, tick, count).map_err(ReplayError::Read)? {
         Some(points) => points,
         None => replayed(session, &scene, index, tick)?,
     };
@@ -41,87 +42,102 @@ pub fn net_at(session: &Session, body: &str, tick: u64) -> Result<Surface, Expor
     Ok(surface)
 }
 
-fn recorded(session: &Session, body: &str, tick: u64, count: usize) -> Option<Vec<Point3>> {
-    let first = session.nets.partition_point(|net| net.tick < tick);
-    let mut of_tick = session.nets[first..]
-        .iter()
-        .take_while(|net| net.tick == tick);
-    let net = of_tick.find(|net| net.body == body && net.points.len() == 3 * count)?;
-    let points: Vec<Point3> = net
-        .points
-        .chunks_exact(3)
-        .map(|p| Point3::new(p[0], p[1], p[2]))
-        .collect();
-    points
-        .iter()
-        .all(|point| point.coords.iter().all(|x| x.is_finite()))
-        .then_some(points)
+fn recorded(
+    session: &Session,
+    body: &str,
+    tick: u64,
+    count: usize,
+) -> Result<Option<Vec<Point3>>, ReadError> {
+    for happening in Follower::between(session, tick, tick).only(&[Topic::Net]) {
+        let Happening::Net(net) = happening? else {
+            continue;
+        };
+        let finite = net.points.iter().all(|x| x.is_finite());
+        if net.body == body && net.points.len() == 3 * count && finite {
+            let points = net.points.chunks_exact(3);
+            return Ok(Some(
+                points.map(|p| Point3::new(p[0], p[1], p[2])).collect(),
+            ));
+        }
+    }
+    Ok(None)
 }
 
 fn replayed(
     session: &Session,
-    scene: &Scene,
+    scene: &Arc<Scene>,
     body: usize,
     tick: u64,
 ) -> Result<Vec<Point3>, ExportError> {
-    let keyframes = &session.keyframes;
-    let last = session.ticks.last().map(|record| record.output.tick);
-    let first = keyframes.first().map(|keyframe| keyframe.tick);
+    let read = |error: ReadError| ExportError::from(ReplayError::Read(error));
+    let first = first_keyframe(session).map_err(read)?.map(|(_, k)| k.tick);
+    let last = session.tick_range().map(|(_, last)| last);
     let known = first.map(|first| (first, last.unwrap_or(first).max(first)));
     if known.is_none_or(|(first, last)| tick < first || tick > last) {
         return Err(ExportError::UnknownTick { tick, ticks: known });
     }
     // One of this very tick will do, unless it holds commands that came after it: then the one
     // before leads here.
-    let before = keyframes.partition_point(|keyframe| keyframe.tick < tick);
-    let own = keyframes
-        .get(before)
-        .filter(|keyframe| keyframe.tick == tick && keyframe.commands == 0);
-    let earlier = || before.checked_sub(1).map(|k| &keyframes[k]);
-    let keyframe = own.or_else(earlier).unwrap_or_else(|| &keyframes[before]);
-    let mut follower = Follower::new(scene, session);
-    let mut hash = follower.seat(keyframe)?;
+    let fits = |keyframe: &Keyframe| keyframe.tick < tick || keyframe.commands == 0;
+    let before = match last_keyframe_until(session, tick, fits).map_err(read)? {
+        None => last_keyframe_until(session, tick, |_| true).map_err(read)?,
+        found => found,
+    };
+    let Some((place, keyframe)) = before else {
+        return Err(ExportError::UnknownTick { tick, ticks: known });
+    };
+    let mut rerun = Rerun::new(scene);
+    let state = |source| ReplayError::State {
+        tick: keyframe.tick,
+        source,
+    };
+    let mut hash = rerun.seat(&keyframe.saved).map_err(state)?;
     let mut expected = keyframe.state_hash;
-    let start = session
-        .ticks
-        .partition_point(|record| record.output.tick <= keyframe.tick);
-    let end = session
-        .ticks
-        .partition_point(|record| record.output.tick <= tick);
     let mut at = keyframe.tick;
-    for record in &session.ticks[start..end] {
-        at += 1;
-        if record.output.tick != at {
-            break;
+    let mut follower = Follower::at(session, place).only(&[Topic::Tick, Topic::Command]);
+    while at < tick {
+        match follower.next().transpose().map_err(read)? {
+            Some(Happening::Tick(record)) if record.output.tick == at + 1 => {
+                at += 1;
+                hash = rerun.tick(&record.input).state_hash;
+                expected = record.output.state_hash;
+            }
+            Some(Happening::Command(after_tick, command)) if after_tick <= at => {
+                rerun.command(command);
+            }
+            Some(Happening::Tick(_)) | None => break,
+            Some(_) => {}
         }
-        hash = follower.tick(at, &record.input).state_hash;
-        expected = record.output.state_hash;
     }
     if at != tick {
-        let next = keyframes
-            .iter()
-            .map(|keyframe| keyframe.tick)
-            .find(|next| *next > tick);
+        let next = first_keyframe_where(session, |keyframe| keyframe.tick > tick);
+        let next = next.map_err(read)?.map(|(_, keyframe)| keyframe.tick);
         return Err(ExportError::Unreached { tick, next });
     }
     if hash != expected {
-        let id = scene.body_id(body);
-        let ticks = || {
-            session
-                .nets
-                .iter()
-                .filter(|net| net.body == id)
-                .map(|net| net.tick)
-        };
-        let nets = ticks()
-            .take_while(|other| *other < tick)
-            .last()
-            .into_iter()
-            .chain(ticks().find(|other| *other > tick))
-            .collect();
+        let nets = nets_near(session, scene.body_id(body), tick).map_err(read)?;
         return Err(ExportError::Inexact { tick, nets });
     }
-    let mut points = scene.rest_surface(body).net().points().to_vec();
-    follower.state().copy_net(scene, body, &mut points);
+    let mut points = Vec::new();
+    rerun.copy_net(body, &mut points);
     Ok(points)
+}
+
+/// Ticks of the last net of a body before a tick and of the first after it.
+fn nets_near(session: &Session, body: &str, tick: u64) -> Result<Vec<u64>, ReadError> {
+    let mut near = Vec::new();
+    for happening in Follower::new(session).only(&[Topic::Net]) {
+        let Happening::Net(net) = happening? else {
+            continue;
+        };
+        if net.body != body || net.tick == tick {
+            continue;
+        }
+        if net.tick > tick {
+            near.push(net.tick);
+            break;
+        }
+        near = vec![net.tick];
+    }
+    Ok(near)
 }

@@ -1,10 +1,9 @@
 //! Curves of a session, reduced to what a plot can show: of each stretch of time the least and the
 //! largest value, so that no peak is lost, however long the session.
 
-use super::super::names;
-use super::super::reader::Session;
+use super::super::reader::{Session, last_tick_between};
+use super::super::replay::ReplayError;
 use super::{ExportError, Range, dt_s};
-use palpate_sim::tick::record::TickRecord;
 
 /// Stretches of time that a curve is divided into at most.
 const BUCKETS: u64 = 800;
@@ -49,99 +48,123 @@ pub struct Series {
 /// The curves of a range.
 ///
 /// # Errors
-/// No tick in the range.
+/// No tick in the range, or a file that cannot be read.
 pub fn series(session: &Session, range: &Range) -> Result<Series, ExportError> {
-    let records = range.of(session)?;
-    let (tools, dt_s) = (names(session, "tools"), dt_s(session));
-    let of_tools = |value: fn(&TickRecord, usize) -> f64| {
-        let curve = |(t, name): (usize, &String)| {
-            curve(name.clone(), records, dt_s, |record| value(record, t))
-        };
-        tools.iter().enumerate().map(curve).collect()
+    let (tools, dt_s) = (session.header.names("tools"), dt_s(session));
+    let mut records = range.of(session).peekable();
+    let first = match records.peek() {
+        None => return Err(range.no_ticks(session)),
+        // An error comes again below.
+        Some(record) => record
+            .as_ref()
+            .map_or(range.from, |record| record.output.tick),
     };
-    let time =
-        |record: Option<&TickRecord>| record.map_or(0.0, |record| record.output.tick as f64 * dt_s);
+    let last = last_tick_between(session, first, range.until).map_err(ReplayError::Read)?;
+    let ticks = [first, last.unwrap_or(first)];
+    let of_tools = || -> Vec<Drawing> {
+        let tools = tools.iter();
+        tools
+            .map(|name| Drawing::new(name.clone(), ticks, dt_s))
+            .collect()
+    };
+    let (mut force_n, mut depth_m, mut energy_j) = (of_tools(), of_tools(), of_tools());
+    let mut tick_s = Drawing::new("tick".into(), ticks, dt_s);
+    for record in records {
+        let record = *record?;
+        let tick = record.output.tick;
+        for (t, output) in record.output.tools.first(tools.len()).enumerate() {
+            force_n[t].push(tick, output.force_n.norm());
+            depth_m[t].push(tick, output.contact.map_or(0.0, |contact| contact.depth_m));
+            energy_j[t].push(tick, output.energy_j);
+        }
+        let whole_ns = record.stage_ns.iter().map(|&ns| f64::from(ns));
+        tick_s.push(tick, whole_ns.sum::<f64>() * 1e-9);
+    }
+    let curves = |drawn: Vec<Drawing>| drawn.into_iter().map(Drawing::finish).collect();
     Ok(Series {
-        span_s: [time(records.first()), time(records.last())],
-        force_n: of_tools(|record, t| record.output.tools[t].force_n.norm()),
-        depth_m: of_tools(|record, t| {
-            record.output.tools[t]
-                .contact
-                .map_or(0.0, |contact| contact.depth_m)
-        }),
-        energy_j: of_tools(|record, t| record.output.tools[t].energy_j),
-        tick_s: curve("tick".into(), records, dt_s, |record| {
-            record.stage_ns.iter().map(|&ns| f64::from(ns)).sum::<f64>() * 1e-9
-        }),
+        span_s: ticks.map(|tick| tick as f64 * dt_s),
+        force_n: curves(force_n),
+        depth_m: curves(depth_m),
+        energy_j: curves(energy_j),
+        tick_s: tick_s.finish(),
         dt_s,
     })
 }
 
-fn curve(
-    name: String,
-    records: &[TickRecord],
+/// A curve to which one tick after the other is added.
+struct Drawing {
+    curve: Curve,
+    first: u64,
+    /// Ticks of a bucket.
+    width: u64,
     dt_s: f64,
-    value: impl Fn(&TickRecord) -> f64,
-) -> Curve {
-    let tick = |record: &TickRecord| record.output.tick;
-    let (first, last) = (
-        records.first().map_or(0, tick),
-        records.last().map_or(0, tick),
-    );
-    let width = (last - first) / BUCKETS + 1;
-    let mut pieces: Vec<Vec<Bucket>> = Vec::new();
-    let (mut before, mut open) = (None, None);
-    for record in records {
-        let (now, value) = (tick(record), value(record));
-        if !value.is_finite() {
-            continue;
+    /// Tick of the last value, and the bucket that takes more.
+    before: Option<u64>,
+    open: Option<u64>,
+}
+
+impl Drawing {
+    /// Of ticks from one to another.
+    fn new(name: String, [first, last]: [u64; 2], dt_s: f64) -> Self {
+        Self {
+            curve: Curve {
+                name,
+                pieces: Vec::new(),
+            },
+            first,
+            width: last.saturating_sub(first) / BUCKETS + 1,
+            dt_s,
+            before: None,
+            open: None,
         }
-        let number = (now - first) / width;
-        // A gap of a few ticks is none to see; one that a bucket does not cover ends the line.
-        if before.is_none_or(|before| now - before > width) {
-            pieces.push(Vec::new());
-            open = None;
-        }
-        let piece = pieces.last_mut().expect("one was pushed");
-        match piece.last_mut().filter(|_| open == Some(number)) {
-            Some(bucket) => {
-                (bucket.least, bucket.most) = (bucket.least.min(value), bucket.most.max(value))
-            }
-            None => piece.push(Bucket {
-                t_s: now as f64 * dt_s,
-                least: value,
-                most: value,
-            }),
-        }
-        (before, open) = (Some(now), Some(number));
     }
-    Curve { name, pieces }
+
+    fn push(&mut self, now: u64, value: f64) {
+        // What is not in order has no place on the axis.
+        if !value.is_finite() || now < self.before.unwrap_or(self.first) {
+            return;
+        }
+        let number = (now - self.first) / self.width;
+        let pieces = &mut self.curve.pieces;
+        // A gap of a few ticks is too small to be seen; one that a bucket does not cover ends the
+        // line.
+        if self.before.is_none_or(|before| now - before > self.width) {
+            pieces.push(Vec::new());
+            self.open = None;
+        }
+        if let Some(piece) = pieces.last_mut() {
+            match piece.last_mut().filter(|_| self.open == Some(number)) {
+                Some(bucket) => {
+                    bucket.least = bucket.least.min(value);
+                    bucket.most = bucket.most.max(value);
+                }
+                None => piece.push(Bucket {
+                    t_s: now as f64 * self.dt_s,
+                    least: value,
+                    most: value,
+                }),
+            }
+        }
+        (self.before, self.open) = (Some(now), Some(number));
+    }
+
+    fn finish(self) -> Curve {
+        self.curve
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use palpate_sim::tick::record::TickOutput;
 
     #[test]
     fn no_peak_is_lost_and_gaps_are_seen() {
         let ticks = (1..=200_000u64).filter(|tick| !(90_000..100_000).contains(tick));
-        let records: Vec<TickRecord> = ticks
-            .map(|tick| {
-                let stage_ns = [if tick == 123_457 { 5_000 } else { 10 }, 0, 0, 0];
-                TickRecord {
-                    output: TickOutput {
-                        tick,
-                        ..TickOutput::default()
-                    },
-                    stage_ns,
-                    ..TickRecord::default()
-                }
-            })
-            .collect();
-        let curve = curve("tick".into(), &records, 1e-3, |record| {
-            f64::from(record.stage_ns[0])
-        });
+        let mut drawing = Drawing::new("tick".into(), [1, 200_000], 1e-3);
+        for tick in ticks {
+            drawing.push(tick, if tick == 123_457 { 5_000.0 } else { 10.0 });
+        }
+        let curve = drawing.finish();
         assert_eq!(curve.pieces.len(), 2);
         let all: Vec<Bucket> = curve.pieces.concat();
         assert!(all.len() <= BUCKETS as usize + 1, "{}", all.len());

@@ -11,7 +11,6 @@ mod simulate;
 pub use compare::{Deviation, Tolerances, deviations};
 pub use simulate::{Start, simulate_figures};
 
-use super::reader::Session;
 use super::replay::ReplayError;
 use palpate_geometry::math::Point3;
 use palpate_sim::scene::{Scene, SceneState};
@@ -275,20 +274,4 @@ impl Figures {
             source,
         })
     }
-}
-
-/// What the tools of a session felt, as recorded.
-pub(super) fn recorded_tools(session: &Session) -> Vec<ToolFigures> {
-    let mut tools: Vec<ToolSum> = super::names(session, "tools")
-        .into_iter()
-        .map(ToolSum::new)
-        .collect();
-    for record in &session.ticks {
-        let outputs = record.output.tools.first(tools.len());
-        tools
-            .iter_mut()
-            .zip(outputs)
-            .for_each(|(sum, output)| sum.push(record.output.tick, output));
-    }
-    tools.iter().map(ToolSum::finish).collect()
 }

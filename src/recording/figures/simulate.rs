@@ -1,9 +1,11 @@
 //! Figures by simulating a session anew, without asking for its bits.
 
-use super::super::reader::Session;
-use super::super::replay::{Follower, ReplayError, recorded_scene};
+use super::super::reader::{Follower, Happening, Place, Session, Topic, first_keyframe};
+use super::super::replay::{ReplayError, recorded_scene};
+use super::super::rerun::Rerun;
 use super::{Figures, FiguresError, Sum};
 use serde::Serialize;
+use std::sync::Arc;
 
 /// Where a simulation began.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
@@ -28,27 +30,32 @@ pub fn simulate_figures(
     session: &Session,
     mut progress: impl FnMut(u64, u64),
 ) -> Result<(Figures, Start), FiguresError> {
-    let scene = recorded_scene(session)?;
-    let keyframe = session.keyframes.first().ok_or(ReplayError::NoKeyframe {
+    let scene = Arc::new(recorded_scene(session)?);
+    let read = ReplayError::Read;
+    let none = ReplayError::NoKeyframe {
         from: 0,
         first: None,
-    })?;
-    let mut follower = Follower::new(&scene, session);
+    };
+    let (place, keyframe) = first_keyframe(session).map_err(read)?.ok_or(none)?;
+    let mut rerun = Rerun::new(&scene);
     // A state of another version may have another size, or fit and mean something else: then its
     // hash is another.
-    let unfit = match follower.seat(keyframe) {
+    let unfit = match rerun.seat(&keyframe.saved) {
         Ok(hash) if hash == keyframe.state_hash => None,
         Ok(hash) => Some(format!(
             "its state has the hash {hash:016x}, not {:016x}",
             keyframe.state_hash
         )),
-        Err(error) => Some(error.to_string()),
+        Err(source) => {
+            let tick = keyframe.tick;
+            Some(ReplayError::State { tick, source }.to_string())
+        }
     };
-    let start = match unfit {
-        None => Start::Keyframe,
+    let (start, place) = match unfit {
+        None => (Start::Keyframe, place),
         Some(reason) if keyframe.tick == 0 => {
-            follower = Follower::new(&scene, session);
-            Start::Scene { reason }
+            rerun = Rerun::new(&scene);
+            (Start::Scene { reason }, Place::default())
         }
         Some(reason) => {
             return Err(FiguresError::Start {
@@ -59,19 +66,24 @@ pub fn simulate_figures(
     };
     let mut sum = Sum::new(&scene);
     let mut tick = keyframe.tick;
-    let first = session
-        .ticks
-        .partition_point(|record| record.output.tick <= keyframe.tick);
-    let records = &session.ticks[first..];
-    for record in records {
-        tick = tick.saturating_add(1);
-        if record.output.tick != tick {
-            return Err(FiguresError::Gap { tick });
-        }
-        let output = follower.tick(tick, &record.input);
-        sum.push(&output, follower.state());
-        if sum.ticks.is_multiple_of(100) {
-            progress(sum.ticks, records.len() as u64);
+    for happening in Follower::at(session, place).only(&[Topic::Tick, Topic::Command]) {
+        match happening.map_err(read)? {
+            Happening::Tick(record) if record.output.tick <= keyframe.tick => {}
+            Happening::Tick(record) => {
+                tick = tick.saturating_add(1);
+                if record.output.tick != tick {
+                    return Err(FiguresError::Gap { tick });
+                }
+                let output = rerun.tick(&record.input);
+                sum.push(&output, rerun.state());
+                if sum.ticks.is_multiple_of(100) {
+                    progress(sum.ticks, session.tick_count());
+                }
+            }
+            Happening::Command(after_tick, command) if after_tick <= tick => {
+                rerun.command(command);
+            }
+            _ => {}
         }
     }
     Ok((sum.finish(), start))

@@ -1,11 +1,13 @@
 //! A place in a recording, with the state that belongs to it.
 
 use super::PlayError;
-use crate::recording::reader::{Keyframe, Session};
+use crate::recording::reader::{
+    Follower, Happening, Keyframe, Place, Session, Topic, last_keyframe_until,
+};
+use crate::recording::rerun::Rerun;
 use palpate_geometry::math::{SavedState, StateError};
-use palpate_sim::scene::{Scene, SceneState, Scratch};
-use palpate_sim::tick::record::{Command, TickOutput, TickRecord};
-use palpate_sim::tick::{apply, restore, step};
+use palpate_sim::scene::{Scene, SceneState};
+use palpate_sim::tick::record::{TickOutput, TickRecord};
 use std::sync::Arc;
 
 /// What came next. Lives for a moment on the stack: its size costs less than a box.
@@ -28,15 +30,10 @@ pub(super) enum Next {
 /// A place in a recording.
 pub(super) struct Cursor {
     session: Session,
-    scene: Arc<Scene>,
-    pub state: SceneState,
-    scratch: Scratch,
+    rerun: Rerun,
+    follower: Follower,
     /// Ticks to play: first and last.
     range: (u64, u64),
-    /// Index of the next record.
-    next: usize,
-    /// Index of the next command.
-    command: usize,
     /// The state is what the next record needs.
     seated: bool,
     /// First tick whose output was not the recorded one.
@@ -47,16 +44,12 @@ impl Cursor {
     /// Stands before the first tick to play.
     pub fn new(
         session: Session,
-        scene: Arc<Scene>,
+        scene: &Arc<Scene>,
         start: Option<u64>,
         end: Option<u64>,
     ) -> Result<Self, PlayError> {
-        let tick_of = |record: Option<&TickRecord>| record.map(|record| record.output.tick);
-        let path = session.path.clone();
-        let (Some(first), Some(last)) = (
-            tick_of(session.ticks.first()),
-            tick_of(session.ticks.last()),
-        ) else {
+        let Some((first, last)) = session.tick_range() else {
+            let path = session.path.clone();
             return Err(PlayError::Empty { path });
         };
         let range = (
@@ -71,16 +64,11 @@ impl Cursor {
                 last,
             });
         }
-        let state = scene.initial_state();
-        let scratch = scene.scratch(&state);
         let mut cursor = Self {
+            follower: Follower::new(&session),
             session,
-            scene,
-            state,
-            scratch,
+            rerun: Rerun::new(scene),
             range,
-            next: 0,
-            command: 0,
             seated: false,
             diverged: None,
         };
@@ -93,34 +81,24 @@ impl Cursor {
         self.range
     }
 
+    /// The state after the newest tick.
+    pub fn state(&self) -> &SceneState {
+        self.rerun.state()
+    }
+
     /// Back before the first tick to play. Where no state is known for it, to the first one after
     /// it.
     pub fn rewind(&mut self) -> Result<(), PlayError> {
-        let first = self.index_from(self.range.0);
-        (self.next, self.seated) = (first, false);
-        let tick = self.range.0.saturating_sub(1);
-        match self.seek(tick) {
+        let before = self.range.0.saturating_sub(1);
+        match self.seek(before) {
             Err(PlayError::Seek { .. }) => {
                 // `advance` finds a keyframe.
-                (self.next, self.seated) = (first, false);
+                self.follower = Follower::between(&self.session, before, u64::MAX);
+                self.seated = false;
                 Ok(())
             }
             other => other.map(drop),
         }
-    }
-
-    /// Index of the first record after a tick.
-    fn after(&self, tick: u64) -> usize {
-        self.session
-            .ticks
-            .partition_point(|record| record.output.tick <= tick)
-    }
-
-    /// Index of the first record at or after a tick.
-    fn index_from(&self, tick: u64) -> usize {
-        self.session
-            .ticks
-            .partition_point(|record| record.output.tick < tick)
     }
 
     /// Goes to the state after `tick`, restored from the keyframe before it and stepped silently
@@ -133,164 +111,176 @@ impl Cursor {
             return refuse(format!("the ticks played are {first} to {last}"));
         }
         // Of the state after a reset only the tick after it is known.
-        let fits = |keyframe: &&Keyframe| {
-            keyframe.tick < tick || (keyframe.tick == tick && keyframe.commands == 0)
-        };
-        let Some(keyframe) = self.session.keyframes.iter().rev().find(fits) else {
+        let fits = |keyframe: &Keyframe| keyframe.tick < tick || keyframe.commands == 0;
+        let Some((place, keyframe)) = last_keyframe_until(&self.session, tick, fits)? else {
             return refuse("no state is known at or before it".into());
         };
-        let (from, to) = (self.after(keyframe.tick), self.after(tick));
-        if (to - from) as u64 != tick - keyframe.tick {
+        if !self.all_there(place, keyframe.tick, tick)? {
             return refuse(format!(
                 "ticks are missing between it and the last known state, {}",
                 keyframe.tick
             ));
         }
-        let (key_tick, commands, saved) =
-            (keyframe.tick, keyframe.commands, keyframe.saved.clone());
-        self.restore(key_tick, commands, &saved)?;
-        let record = to
-            .checked_sub(1)
-            .map(|at| self.session.ticks[at].clone())
-            .filter(|record| record.output.tick == tick);
-        let mut output = None;
-        for at in from..to {
-            output = Some(self.take(at));
+        self.restore(keyframe.tick, &keyframe.saved)?;
+        self.follower = Follower::at(&self.session, place);
+        // The keyframe itself.
+        let _ = self.follower.next();
+        let mut record = None;
+        while self.state().tick < tick {
+            match self.advance()? {
+                Next::Tick(played) => record = Some(played),
+                Next::Gap { .. } | Next::End => break,
+            }
         }
-        self.next = to;
-        Ok(record.map(|record| TickRecord {
-            output: output.unwrap_or(record.output),
-            ..record
-        }))
+        Ok(match record {
+            None if self.state().tick == keyframe.tick => self.record_of(tick)?,
+            record => record,
+        })
+    }
+
+    /// The record of a tick as it is in the file.
+    fn record_of(&self, tick: u64) -> Result<Option<TickRecord>, PlayError> {
+        let mut records = Follower::between(&self.session, tick, tick).only(&[Topic::Tick]);
+        Ok(match records.next().transpose()? {
+            Some(Happening::Tick(record)) => Some(*record),
+            _ => None,
+        })
+    }
+
+    /// Is every tick after `from` up to `to` there, from a place on?
+    fn all_there(&self, place: Place, from: u64, to: u64) -> Result<bool, PlayError> {
+        let mut last = from;
+        let mut ticks = Follower::at(&self.session, place).only(&[Topic::Tick]);
+        while last < to {
+            match ticks.next().transpose()? {
+                Some(happening) if happening.tick() == last + 1 => last += 1,
+                // A tick that is there twice is played once.
+                Some(happening) if happening.tick() <= last => {}
+                _ => return Ok(false),
+            }
+        }
+        Ok(true)
     }
 
     /// Tick of the last keyframe before the newest tick, so that going back again and again gets to
     /// the start.
-    pub fn keyframe_before(&self) -> Option<u64> {
-        let (now, first) = (self.state.tick, self.range.0);
+    pub fn keyframe_before(&self) -> Result<Option<u64>, PlayError> {
+        let (now, first) = (self.state().tick, self.range.0);
         let usable =
-            |k: &&Keyframe| k.tick < now && k.tick.saturating_add(1) >= first && k.commands == 0;
-        self.session
-            .keyframes
-            .iter()
-            .rev()
-            .find(usable)
-            .map(|keyframe| keyframe.tick)
+            |k: &Keyframe| k.tick < now && k.tick.saturating_add(1) >= first && k.commands == 0;
+        let found = last_keyframe_until(&self.session, now, usable)?;
+        Ok(found.map(|(_, keyframe)| keyframe.tick))
     }
 
     /// One tick on.
     pub fn advance(&mut self) -> Result<Next, PlayError> {
-        // A tick that is there twice is played once.
-        if self.seated {
-            self.next = self.next.max(self.after(self.state.tick));
-        }
-        let record = self.session.ticks.get(self.next);
-        let Some(tick) = record
-            .map(|record| record.output.tick)
-            .filter(|tick| *tick <= self.range.1)
-        else {
-            return Ok(Next::End);
-        };
-        if self.seated && Some(tick) == self.state.tick.checked_add(1) {
-            let at = self.next;
-            let output = self.take(at);
-            self.next += 1;
-            let record = &self.session.ticks[at];
-            return Ok(Next::Tick(TickRecord {
-                input: record.input.clone(),
-                output,
-                ..*record
-            }));
-        }
-        let after = self.state.tick;
-        let follows = |keyframe: &&Keyframe| {
-            let Some(next) = keyframe.tick.checked_add(1).filter(|next| *next >= tick) else {
-                return false;
+        let after = self.state().tick;
+        // A keyframe that is not of the newest tick: where play may go on after a gap.
+        let mut ahead: Option<(Place, u64)> = None;
+        loop {
+            let place = self.follower.place();
+            let Some(happening) = self.follower.next().transpose()? else {
+                return Ok(Next::End);
             };
-            self.session
-                .ticks
-                .get(self.index_from(next))
-                .is_some_and(|record| record.output.tick == next)
-        };
-        let Some(keyframe) = self
-            .session
-            .keyframes
-            .iter()
-            .find(follows)
-            .filter(|k| k.tick < self.range.1)
-        else {
-            self.next = self.session.ticks.len();
-            return Ok(Next::End);
-        };
-        let (to, commands, saved) = (keyframe.tick, keyframe.commands, keyframe.saved.clone());
-        self.restore(to, commands, &saved)?;
-        self.next = self.after(to);
-        Ok(Next::Gap { after, to })
+            match happening {
+                Happening::Tick(record) => {
+                    let tick = record.output.tick;
+                    // A tick that is there twice is played once.
+                    if tick
+                        <= if self.seated {
+                            after
+                        } else {
+                            self.range.0.saturating_sub(1)
+                        }
+                    {
+                        continue;
+                    }
+                    if tick > self.range.1 {
+                        self.follower.step_back();
+                        return Ok(Next::End);
+                    }
+                    if self.seated && Some(tick) == after.checked_add(1) {
+                        let output = self.take(&record)?;
+                        return Ok(Next::Tick(TickRecord { output, ..*record }));
+                    }
+                    if let Some((place, to)) =
+                        ahead.filter(|(_, to)| Some(tick) == to.checked_add(1))
+                    {
+                        return self.jump(place, after, to);
+                    }
+                }
+                Happening::Keyframe(keyframe) if !self.seated || keyframe.tick > after => {
+                    ahead = Some((place, keyframe.tick));
+                }
+                Happening::Command(after_tick, command)
+                    if self.seated && after_tick <= after && ahead.is_none() =>
+                {
+                    self.rerun.command(command);
+                }
+                _ => {}
+            }
+        }
     }
 
-    /// Takes the state of a keyframe, and finds the first command that it does not hold.
-    fn restore(&mut self, tick: u64, held: u32, saved: &SavedState) -> Result<(), PlayError> {
-        restore(&self.scene, &mut self.state, &mut self.scratch, saved)
+    /// Over a gap, to a keyframe.
+    fn jump(&mut self, place: Place, after: u64, to: u64) -> Result<Next, PlayError> {
+        self.follower.go(place);
+        while let Some(happening) = self.follower.next().transpose()? {
+            if let Happening::Keyframe(keyframe) = happening
+                && keyframe.tick == to
+            {
+                self.restore(to, &keyframe.saved)?;
+                return Ok(Next::Gap { after, to });
+            }
+        }
+        Ok(Next::End)
+    }
+
+    /// Takes the state of a keyframe.
+    fn restore(&mut self, tick: u64, saved: &SavedState) -> Result<(), PlayError> {
+        self.rerun
+            .seat(saved)
             .map_err(|source| PlayError::State { tick, source })?;
-        if self.state.tick != tick {
-            let source = StateError::Value {
-                what: "tick of a keyframe",
-                value: self.state.tick,
-            };
+        let value = self.state().tick;
+        if value != tick {
+            let what = "tick of a keyframe";
+            let source = StateError::Value { what, value };
             return Err(PlayError::State { tick, source });
         }
-        let commands = &self.session.commands;
-        let first = commands.partition_point(|(after, _)| *after < tick);
-        let end = commands.partition_point(|(after, _)| *after <= tick);
-        self.command = end.min(first + held as usize);
         self.seated = true;
         Ok(())
     }
 
-    /// Steps over the record at an index; gives its output, with what was recorded where they part.
-    fn take(&mut self, at: usize) -> TickOutput {
-        let record = self.session.ticks[at].clone();
+    /// Steps over a record; gives its output, with what was recorded where they part.
+    fn take(&mut self, record: &TickRecord) -> Result<TickOutput, PlayError> {
         let tick = record.output.tick;
-        while let Some(&(_, command)) = self
-            .session
-            .commands
-            .get(self.command)
-            .filter(|(after, _)| *after < tick)
-        {
-            self.apply(command);
-            self.command += 1;
+        let stepped = self.rerun.tick(&record.input);
+        if same(&stepped, &record.output, self.rerun.scene().tool_count()) {
+            return Ok(stepped);
         }
-        let stepped = step(
-            &self.scene,
-            &mut self.state,
-            &mut self.scratch,
-            &record.input,
-        );
-        if same(&stepped, &record.output, self.scene.tool_count()) {
-            return stepped;
-        }
-        if self.diverged.is_none() {
-            self.diverged = Some(tick);
-        }
+        self.diverged.get_or_insert(tick);
         // What was felt wins; what the recording does not hold (all contacts) is ours. The state
         // comes back at keyframes.
-        let keyframe = self
-            .session
-            .keyframes
-            .iter()
-            .find(|k| k.tick == tick && k.commands == 0);
-        if let Some(saved) = keyframe.map(|keyframe| keyframe.saved.clone()) {
-            // Of another layout: our own state goes on.
-            let _ = self.restore(tick, 0, &saved);
+        while let Some(happening) = self.follower.next().transpose()? {
+            match happening {
+                Happening::Net(_) | Happening::Event(_) => {}
+                Happening::Keyframe(keyframe)
+                    if keyframe.tick == tick && keyframe.commands == 0 =>
+                {
+                    // Of another layout: our own state goes on.
+                    let _ = self.restore(tick, &keyframe.saved);
+                    break;
+                }
+                _ => {
+                    self.follower.step_back();
+                    break;
+                }
+            }
         }
-        TickOutput {
+        Ok(TickOutput {
             contacts: stepped.contacts,
-            ..record.output
-        }
-    }
-
-    fn apply(&mut self, command: Command) {
-        apply(&self.scene, &mut self.state, &mut self.scratch, command);
+            ..record.output.clone()
+        })
     }
 }
 

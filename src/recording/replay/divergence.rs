@@ -2,7 +2,7 @@
 //! opens.
 
 use super::super::file::{SCENE_EFFECTIVE, WriteError, options};
-use super::super::reader::Session;
+use super::super::reader::{Follower, Happening, Session, Topic};
 use super::super::{build_id, convert};
 use super::Difference;
 use mcap::records::{MessageHeader, Metadata};
@@ -35,19 +35,21 @@ pub struct Divergence {
 impl Divergence {
     /// Ticks of both runs from `WINDOW` before the difference to `WINDOW` after it, as recorded and
     /// as replayed.
-    fn both<'a>(&'a self, session: &'a Session) -> (Vec<&'a TickRecord>, Vec<&'a TickRecord>) {
+    fn both(&self, session: &Session) -> (Vec<TickRecord>, Vec<TickRecord>) {
         let tick = self.difference.tick;
         let (low, high) = (
             tick.saturating_sub(WINDOW as u64),
             tick.saturating_add(WINDOW as u64),
         );
-        let first = session
-            .ticks
-            .partition_point(|record| record.output.tick < low);
-        let end = session
-            .ticks
-            .partition_point(|record| record.output.tick <= high);
-        let recorded: Vec<_> = session.ticks[first..end].iter().collect();
+        // What cannot be read is not there; a tick may be there twice, but not a thousand times.
+        let recorded = Follower::between(session, low, high).only(&[Topic::Tick]);
+        let recorded = recorded.map_while(Result::ok).take(4 * WINDOW);
+        let recorded: Vec<TickRecord> = recorded
+            .filter_map(|happening| match happening {
+                Happening::Tick(record) => Some(*record),
+                _ => None,
+            })
+            .collect();
         // Ticks before the keyframe were replayed by the stretch before, and all their bits were
         // equal.
         let begun = self
@@ -57,13 +59,12 @@ impl Divergence {
             .min(tick.saturating_add(1));
         let equal = recorded
             .iter()
-            .copied()
             .take_while(|record| record.output.tick < begun);
         let own = self
             .replayed
             .iter()
             .filter(|record| record.output.tick >= low);
-        let replayed = equal.chain(own).collect();
+        let replayed = equal.chain(own).copied().collect();
         (recorded, replayed)
     }
 
@@ -102,8 +103,8 @@ impl Divergence {
             data: session.header.effective_scene.as_bytes().into(),
         };
         mcap.attach(&scene).map_err(bad)?;
-        let tools = super::super::names(session, "tools").len();
-        let dt_ns = session.run_number("dt_ns").unwrap_or(1_000_000);
+        let tools = session.header.names("tools").len();
+        let dt_ns = session.dt_ns();
         let schema = mcap
             .add_schema(
                 "palpate.v1.Tick",
@@ -125,7 +126,7 @@ impl Divergence {
                     log_time,
                     publish_time: log_time,
                 };
-                let data = convert::tick_to_proto(record, tools).encode_to_vec();
+                let data = convert::tick_to_proto(&record, tools).encode_to_vec();
                 mcap.write_to_known_channel(&header, &data).map_err(bad)?;
             }
         }

@@ -1,30 +1,34 @@
 //! Replay: the recorded inputs through the same step, compared bit for bit.
 //!
 //! ```text
-//! ticks ─ divide ─▶ stretches, each from a keyframe up to and including the next ─▶ threads ─▶ first difference by tick
+//! chunks with keyframes ─▶ segments, each from a keyframe up to and including another ─▶ threads ─▶ first difference by tick
 //! ```
-//! Each stretch must reach the state of the next keyframe, so that all of them together are as
+//! Each segment must reach the state of the next keyframe, so that all of them together are as
 //! strong as one replay from end to end, and what is found does not depend on the number of
 //! threads. Where ticks are missing it goes on from the next keyframe: a loss is a gap, not a
 //! difference.
 
 mod compare;
 mod divergence;
-mod follow;
+mod scene;
 mod stretches;
+mod team;
 
 pub use compare::Difference;
 pub use divergence::Divergence;
-pub use follow::{Follower, recorded_scene};
+pub use scene::recorded_scene;
 
 use super::build_id;
 use super::message::SessionHash;
-use super::reader::{ReadError, Session};
+use super::reader::{
+    Follower, Place, ReadError, Session, Topic, first_keyframe, keyframe_chunks,
+    last_keyframe_until,
+};
 use palpate_sim::scene::SceneError;
 use serde::Serialize;
-use std::sync::atomic::{AtomicUsize, Ordering};
-use std::sync::mpsc;
-use stretches::{Found, Runner, Stretch};
+use std::sync::Arc;
+use stretches::Segment;
+use team::Team;
 
 /// Why a session cannot be replayed at all.
 #[derive(Debug, thiserror::Error)]
@@ -39,7 +43,7 @@ pub enum ReplayError {
     #[error("the recorded scene does not build: {0}")]
     Scene(#[from] SceneError),
     /// No state to start from.
-    #[error("no keyframe at or before tick {from}, and one is needed to start from{}", first_keyframe(*.first))]
+    #[error("no keyframe at or before tick {from}, and one is needed to start from{}", first_known(*.first))]
     NoKeyframe {
         /// Wanted start.
         from: u64,
@@ -68,7 +72,7 @@ pub enum ReplayError {
     },
 }
 
-fn first_keyframe(first: Option<u64>) -> String {
+fn first_known(first: Option<u64>) -> String {
     first.map_or_else(
         || "; there is none at all".into(),
         |tick| format!("; the first one is at tick {tick}"),
@@ -145,7 +149,7 @@ impl ReplayReport {
 /// `progress` is called now and then with the ticks done and all.
 ///
 /// # Errors
-/// A file or scene that cannot be replayed; a difference is no error but part of the report.
+/// A file or scene that cannot be replayed; a difference is not an error but part of the report.
 pub fn replay(
     session: &Session,
     from: u64,
@@ -161,7 +165,7 @@ pub fn replay(
     )
 }
 
-/// The same, with more to choose.
+/// [`replay`] with more to choose.
 ///
 /// # Errors
 /// As there.
@@ -170,76 +174,21 @@ pub fn replay_with(
     options: &ReplayOptions,
     mut progress: impl FnMut(u64, u64),
 ) -> Result<ReplayReport, ReplayError> {
-    let scene = recorded_scene(session)?;
-    let wanted = wanted(session, options)?;
-    let all = wanted.len() as u64;
-    // Without the keyframe of the start, ticks before the first that there is.
-    let before = if options.from == 0 {
-        wanted.start as u64
-    } else {
-        0
-    };
-    let (stretches, unreached) = stretches::divide(session, wanted);
+    let scene = Arc::new(recorded_scene(session)?);
+    let (start, state_tick) = start(session, options)?;
+    let last = session.tick_range().map_or(0, |(_, last)| last);
+    let span = last.min(options.until).saturating_sub(state_tick);
+    let all = span.min(session.tick_count());
+    let segments = segments(session, start);
     let started = std::time::Instant::now();
-    let next = AtomicUsize::new(0);
-    // The first stretch that parts: those after it are of no interest.
-    let parted = AtomicUsize::new(usize::MAX);
-    let mut found: Vec<Option<Result<Found, ReplayError>>> =
-        (0..stretches.len()).map(|_| None).collect();
-    let jobs = options.jobs.clamp(1, stretches.len().max(1));
-    std::thread::scope(|scope| {
-        let (tell, told) = mpsc::channel();
-        for _ in 0..jobs {
-            let (tell, next, parted, stretches, scene) =
-                (tell.clone(), &next, &parted, &stretches, &scene);
-            scope.spawn(move || {
-                let mut runner = Runner::new(session, Follower::new(scene, session));
-                loop {
-                    let k = next.fetch_add(1, Ordering::Relaxed);
-                    let Some(stretch) = stretches
-                        .get(k)
-                        .filter(|_| k < parted.load(Ordering::Relaxed))
-                    else {
-                        break;
-                    };
-                    let abandon = || parted.load(Ordering::Relaxed) < k;
-                    let done = runner.run(stretch, abandon, |ticks| {
-                        drop(tell.send(News::Ticks(ticks)))
-                    });
-                    let Some(done) = done.transpose() else {
-                        continue;
-                    };
-                    if done
-                        .as_ref()
-                        .map_or(true, |found| found.divergence.is_some())
-                    {
-                        parted.fetch_min(k, Ordering::Relaxed);
-                    }
-                    let _ = tell.send(News::Found(k, Box::new(done)));
-                }
-            });
-        }
-        drop(tell);
-        let mut ticks_done = 0;
-        for news in told {
-            match news {
-                News::Ticks(ticks) => {
-                    ticks_done += ticks;
-                    progress(ticks_done, all);
-                }
-                News::Found(k, done) => found[k] = Some(*done),
-            }
-        }
-    });
-    let elapsed_s = started.elapsed().as_secs_f64();
     let mut report = ReplayReport {
         ticks_matched: 0,
-        ticks_recorded: session.ticks.len() as u64,
-        ticks_unreached: before + unreached,
+        ticks_recorded: session.tick_count(),
+        ticks_unreached: 0,
         nets_matched: 0,
-        stretches: stretches.len() as u64,
-        gaps: session.gaps() + missing_at_start(session),
-        clean: session.is_clean() && session.cut_short.is_none(),
+        stretches: 0,
+        gaps: 0,
+        clean: false,
         same_build: session
             .header
             .run
@@ -248,75 +197,67 @@ pub fn replay_with(
         first_difference: None,
         divergence: None,
         realtime_factor: 0.0,
-        jobs,
+        jobs: options.jobs.clamp(1, segments.len().max(1)),
         session_hash: String::new(),
     };
-    let mut session_hash = SessionHash::default();
-    for (stretch, found) in stretches.iter().zip(found) {
-        // In order of ticks: none is missing before the first that parts.
-        let Some(found) = found.transpose()? else {
-            break;
-        };
-        take_in(session, stretch, &found, &mut session_hash);
-        report.ticks_matched += found.ticks;
-        report.nets_matched += found.nets;
-        if let Some(divergence) = found.divergence {
-            report.first_difference = Some(divergence.difference.clone());
-            report.divergence = Some(divergence);
-            break;
-        }
+    if options.from == 0 {
+        // Without the keyframe of the start, ticks before the first that there is.
+        report.ticks_unreached = ticks_before(session, start)?;
     }
+    let mut session_hash = SessionHash::default();
+    let team = Team {
+        session,
+        scene: &scene,
+        segments: &segments,
+        until: options.until,
+        jobs: report.jobs,
+    };
+    let mut matched = 0;
+    team.run(
+        |done| progress(done, all),
+        |equal| {
+            // Hashes of ticks that were equal are those recorded.
+            for (tick, state_hash) in equal {
+                session_hash.push(tick, state_hash);
+                matched += 1;
+            }
+        },
+        |found| {
+            report.ticks_unreached += found.unreached;
+            report.nets_matched += found.nets;
+            report.stretches += found.stretches;
+            report.gaps = report.gaps.saturating_add(found.gaps);
+            report.divergence = found.divergence;
+        },
+    )?;
+    report.ticks_matched = matched;
+    let difference = report.divergence.as_ref();
+    report.first_difference = difference.map(|divergence| divergence.difference.clone());
+    // What the index says of ticks that were not replayed, and what was found of those that were.
+    let missing = session.gaps().saturating_add(missing_at_start(session)?);
+    report.gaps = report.gaps.max(missing);
+    report.clean = session.is_whole();
+    let elapsed_s = started.elapsed().as_secs_f64();
     report.realtime_factor = report.ticks_matched as f64 * scene.dt_s / elapsed_s.max(1e-9);
     report.session_hash = format!("{:016x}", session_hash.0);
     Ok(report)
 }
 
-/// What threads tell.
-enum News {
-    Ticks(u64),
-    Found(usize, Box<Result<Found, ReplayError>>),
-}
-
-/// Hashes of ticks that were equal are those recorded.
-fn take_in(session: &Session, stretch: &Stretch, found: &Found, hash: &mut SessionHash) {
-    for record in session.ticks[stretch.records.clone()]
-        .iter()
-        .take(found.ticks as usize)
-    {
-        hash.push(record.output.tick, record.output.state_hash);
-    }
-}
-
-/// Indices of the ticks to replay: all after the keyframe to start from.
-fn wanted(
-    session: &Session,
-    options: &ReplayOptions,
-) -> Result<std::ops::Range<usize>, ReplayError> {
+/// The keyframe to start from: its place, and its tick.
+fn start(session: &Session, options: &ReplayOptions) -> Result<(Place, u64), ReplayError> {
     let ReplayOptions { from, until, .. } = *options;
-    let first = session.keyframes.first();
-    let none = ReplayError::NoKeyframe {
-        from,
-        first: first.map(|keyframe| keyframe.tick),
-    };
+    let first = first_keyframe(session)?;
+    let first_tick = first.as_ref().map(|(_, keyframe)| keyframe.tick);
     let keyframe = match from {
         0 => first,
-        _ => session
-            .keyframes
-            .iter()
-            .rev()
-            .find(|keyframe| keyframe.tick <= from),
+        _ => last_keyframe_until(session, from, |_| true)?,
     };
-    let keyframe = keyframe.ok_or(none)?;
-    let start = session
-        .ticks
-        .partition_point(|record| record.output.tick <= keyframe.tick);
-    let end = session
-        .ticks
-        .partition_point(|record| record.output.tick <= until);
-    let edge = |record: Option<&palpate_sim::tick::record::TickRecord>| {
-        record.map_or(0, |record| record.output.tick)
+    let none = ReplayError::NoKeyframe {
+        from,
+        first: first_tick,
     };
-    let (first, last) = (edge(session.ticks.first()), edge(session.ticks.last()));
+    let (place, keyframe) = keyframe.ok_or(none)?;
+    let (first, last) = session.tick_range().unwrap_or((0, 0));
     if until < from || from > last || until < first {
         return Err(ReplayError::NoTicks {
             from,
@@ -325,17 +266,42 @@ fn wanted(
             last,
         });
     }
-    Ok(start..end.max(start))
+    Ok((place, keyframe.tick))
+}
+
+/// From a keyframe on: a segment for each chunk that has any.
+fn segments(session: &Session, start: Place) -> Vec<Segment> {
+    let mut chunks = keyframe_chunks(session);
+    chunks.retain(|chunk| *chunk > start.chunk());
+    let mut places = vec![start];
+    places.extend(chunks.iter().map(|&chunk| Place::of_chunk(chunk)));
+    let ends = chunks.into_iter().map(Some).chain([None]);
+    let segments = places.into_iter().zip(ends);
+    segments
+        .map(|(start, end)| Segment { start, end })
+        .collect()
+}
+
+/// Ticks before a place.
+fn ticks_before(session: &Session, place: Place) -> Result<u64, ReplayError> {
+    let mut follower = Follower::new(session).only(&[Topic::Tick]);
+    let mut ticks = 0;
+    while let Some(happening) = follower.next() {
+        happening?;
+        if follower.place() > place {
+            break;
+        }
+        ticks += 1;
+    }
+    Ok(ticks)
 }
 
 /// A recording begins with a keyframe, and its first tick is the next: of a part of a longer
 /// session as well.
-fn missing_at_start(session: &Session) -> u64 {
-    let (Some(keyframe), Some(record)) = (session.keyframes.first(), session.ticks.first()) else {
-        return 0;
+fn missing_at_start(session: &Session) -> Result<u64, ReplayError> {
+    let (Some((_, keyframe)), Some((first, _))) = (first_keyframe(session)?, session.tick_range())
+    else {
+        return Ok(0);
     };
-    record
-        .output
-        .tick
-        .saturating_sub(keyframe.tick.saturating_add(1))
+    Ok(first.saturating_sub(keyframe.tick.saturating_add(1)))
 }

@@ -7,7 +7,7 @@ use palpate::drive::journal::{JournalGauges, NoJournal, keeping};
 use palpate::drive::ports::ports;
 use palpate::transport::{Bus, BusSettings, SessionSettings, open};
 use palpate_client::proto::messages::{EventKind, RecorderState};
-use palpate_client::proto::rpc::Request;
+use palpate_client::proto::rpc::Call;
 use palpate_client::{Connect, Palpate};
 use palpate_sim::scene::{Scene, file};
 use std::collections::VecDeque;
@@ -115,23 +115,15 @@ fn requests_go_to_the_keeper_and_its_news_become_answers_events_and_tokens() {
     })
     .unwrap();
     assert_eq!(palpate.status().unwrap().recorder, RecorderState::Off);
-    let with_path = |path: &str| Request {
-        path: Some(path.into()),
-        ..Request::default()
-    };
-    let reply = palpate.call("record_start", &with_path("a.mcap")).unwrap();
-    assert_eq!(
-        (reply.tick, reply.path.as_deref()),
-        (Some(7), Some("a.mcap"))
-    );
-    assert_eq!(
-        palpate
-            .call("record_start", &Request::default())
-            .unwrap()
-            .path
-            .as_deref(),
-        Some("kept/here.mcap")
-    );
+    let path = |path: &str| Some(path.to_owned());
+    let done = palpate
+        .call(Call::RecordStart {
+            path: path("a.mcap"),
+        })
+        .unwrap();
+    assert_eq!((done.tick, done.path), (7, path("a.mcap")));
+    let done = palpate.call(Call::RecordStart { path: None }).unwrap();
+    assert_eq!(done.path, path("kept/here.mcap"));
     until(
         "the status says so",
         || palpate.status().unwrap().recorder,
@@ -146,20 +138,17 @@ fn requests_go_to_the_keeper_and_its_news_become_answers_events_and_tokens() {
             .len(),
         1
     );
-    let refused = palpate
-        .call("record_stop", &Request::default())
-        .unwrap_err()
-        .to_string();
+    let refused = palpate.call(Call::RecordStop).unwrap_err().to_string();
     assert!(
         refused.contains("record_stop was refused: nothing is being recorded"),
         "{refused}"
     );
-    let request = Request {
-        before: Some(2.5),
-        after: Some(0.25),
-        ..with_path("s.mcap")
+    let snapshot = Call::Snapshot {
+        before: 2.5,
+        after: 0.25,
+        path: path("s.mcap"),
     };
-    let refused = palpate.call("snapshot", &request).unwrap_err().to_string();
+    let refused = palpate.call(snapshot).unwrap_err().to_string();
     assert!(refused.contains("no space left"), "{refused}");
     until(
         "the token goes",
@@ -184,8 +173,8 @@ fn requests_go_to_the_keeper_and_its_news_become_answers_events_and_tokens() {
         }) && events.contains(&failed),
         "{events:?}"
     );
-    palpate.rpc("pause", &Request::default()).unwrap();
-    palpate.rpc("shutdown", &Request::default()).unwrap();
+    palpate.rpc(Call::Pause).unwrap();
+    palpate.rpc(Call::Shutdown).unwrap();
     thread.join().unwrap();
     bus.finish();
     let log = log.lock().unwrap();

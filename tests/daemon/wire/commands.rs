@@ -99,7 +99,7 @@ fn echo_hz_ls_and_rpc_show_and_steer_a_running_daemon() {
     );
     let (out, err, code) = run(&["hz", "nothing/here", "--for", "100ms"]);
     assert!(
-        code == 0 && out.is_empty() && err.contains("nothing came"),
+        code == 0 && out.is_empty() && err.contains("no message arrived"),
         "{err}"
     );
 
@@ -162,7 +162,7 @@ fn nobody_there_is_said_and_manual_pages_are_written() {
         arguments.extend((command != "ls").then_some("status"));
         let (_, err, code) = palpate(&arguments);
         assert!(
-            code == 2 && err.contains("nobody answers at"),
+            code == 2 && err.contains("no daemon answers at"),
             "{command}: {err}"
         );
     }

@@ -5,7 +5,7 @@ use super::{Random, SCENE, bare, pressing, until};
 use crate::daemon::Daemon;
 use palpate_client::pose_at;
 use palpate_client::proto::messages::LoopState;
-use palpate_client::proto::rpc::{METHODS, Reply};
+use palpate_client::proto::rpc::{Answer, METHODS};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
@@ -20,7 +20,7 @@ fn random_bytes_on_every_key_are_refused_and_the_loop_goes_on() {
     let session = bare(&daemon.endpoint);
     let mut random = Random(7);
     let before = palpate.status().unwrap();
-    let answer = |key: String, payload: Vec<u8>| -> Option<Reply> {
+    let answer = |key: String, payload: Vec<u8>| -> Option<Answer> {
         let replies = session
             .get(&key)
             .payload(payload)
@@ -47,8 +47,8 @@ fn random_bytes_on_every_key_are_refused_and_the_loop_goes_on() {
             let too_long = payload.len() > 16 << 10;
             let reply =
                 answer(format!("palpate/default/rpc/{method}"), payload).expect("an answer");
-            let error = reply.error.unwrap_or_default();
-            assert!(!reply.ok && error.contains(method), "{method}: {error}");
+            let error = reply.into_result().unwrap_err();
+            assert!(error.contains(method), "{method}: {error}");
             assert!(
                 error.contains(if too_long {
                     "at most 16384"
@@ -69,10 +69,7 @@ fn random_bytes_on_every_key_are_refused_and_the_loop_goes_on() {
         ] {
             let reply =
                 answer(format!("palpate/default/rpc/{method}"), payload.into()).expect("an answer");
-            assert!(
-                !reply.ok && reply.error.is_some(),
-                "{method} took {payload}"
-            );
+            assert!(reply.into_result().is_err(), "{method} took {payload}");
         }
     }
     let selectors = [
@@ -85,7 +82,7 @@ fn random_bytes_on_every_key_are_refused_and_the_loop_goes_on() {
     for selector in selectors {
         let reply = answer(format!("palpate/default/{selector}"), Vec::new()).expect("an answer");
         assert!(
-            reply.error.is_some_and(|error| error.len() > 10),
+            reply.into_result().is_err_and(|error| error.len() > 10),
             "{selector}"
         );
     }

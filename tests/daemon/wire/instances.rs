@@ -3,6 +3,7 @@
 use super::{FREE, SCENE, pressing, until};
 use crate::daemon::{Daemon, PROGRAM};
 use palpate_client::proto::messages::EventKind;
+use palpate_client::proto::rpc::Call;
 use palpate_client::{Connect, Palpate, Tool, pose_at};
 use std::time::Duration;
 
@@ -80,7 +81,7 @@ fn two_instances_on_one_network_do_not_disturb_each_other() {
     assert_eq!(first.status().unwrap().tools[0].received, 200);
     assert_eq!(second.status().unwrap().tools[0].received, 10);
     // A command reaches only the one it names.
-    first.rpc("pause", &Default::default()).unwrap();
+    first.rpc(Call::Pause).unwrap();
     assert_eq!(
         second
             .past_events(0)

@@ -3,7 +3,7 @@
 use super::{SCENE, until};
 use crate::daemon::Daemon;
 use palpate_client::proto::messages::EventKind;
-use palpate_client::proto::rpc::Request;
+use palpate_client::proto::rpc::Call;
 use serde_json::{Map, Value, json};
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -318,12 +318,13 @@ fn past_events_are_asked_for_by_number() {
     let palpate = daemon.connect();
     for k in 0..150 {
         palpate
-            .rpc(
-                if k % 2 == 0 { "pause" } else { "resume" },
-                &Request::default(),
-            )
+            .rpc(if k % 2 == 0 {
+                Call::Pause
+            } else {
+                Call::Resume
+            })
             .unwrap();
-        palpate.rpc("reset", &Request::default()).unwrap();
+        palpate.rpc(Call::Reset).unwrap();
     }
     // Of three hundred and more the last 256 are kept.
     let events = palpate.past_events(0).unwrap();

@@ -10,13 +10,13 @@ use std::f64::consts::TAU;
 /// Where the hand wants to be, how fast it moves there, and how firmly it holds.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Goal {
-    /// m.
+    /// Position, m.
     pub position: [f64; 3],
-    /// m/s.
+    /// Velocity, m/s.
     pub velocity: [f64; 3],
     /// x y z w.
     pub orientation: [f64; 4],
-    /// rad/s.
+    /// Angular velocity, rad/s.
     pub angular_velocity: [f64; 3],
     /// Times the hand's own stiffness and damping.
     pub grip: f64,
@@ -59,17 +59,17 @@ pub struct Hand {
     pub name: String,
     /// Mass that moves with the device, kg.
     pub mass_kg: f64,
-    /// N/m.
+    /// Stiffness, N/m.
     pub stiffness_n_m: f64,
-    /// N·s/m.
+    /// Damping, N·s/m.
     pub damping_n_s_m: f64,
     /// Moment of inertia that turns with the device, kg·m².
     #[serde(default)]
     pub inertia_kg_m2: f64,
-    /// N·m/rad.
+    /// Torsional stiffness, N·m/rad.
     #[serde(default = "torsion")]
     pub torsion_nm: f64,
-    /// N·m·s/rad.
+    /// Torsional damping, N·m·s/rad.
     #[serde(default = "torsion_damping")]
     pub torsion_damping_nm_s: f64,
     /// Bound of the tremor's amplitude in each axis, m.

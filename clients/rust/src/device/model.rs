@@ -78,7 +78,7 @@ pub enum DeviceError {
     Figure {
         /// Name of the device, the hand or the network.
         what: String,
-        /// Field.
+        /// Name of the field.
         field: &'static str,
         /// As given.
         value: f64,
@@ -87,7 +87,7 @@ pub enum DeviceError {
     },
     /// Not a preset.
     #[error(
-        "{name:?} is no {kind}; there are {known}, or name a TOML file of that kind (docs/devices.md)"
+        "{name:?} is not a known {kind}; use one of {known}, or a TOML file of that kind (docs/devices.md)"
     )]
     Unknown {
         /// As given.
@@ -181,7 +181,7 @@ impl DeviceModel {
         model.checked().map_err(|error| error.at(origin))
     }
 
-    /// What such a device tells the daemon, `delay_s` (one way) away from it.
+    /// The description that this device sends to a daemon, with a delay of `delay_s` each way.
     pub fn info(&self, delay_s: f64) -> DeviceInfo {
         DeviceInfo {
             name: self.name.clone(),

@@ -16,7 +16,7 @@ use std::f64::consts::TAU;
 pub enum MotionError {
     /// Not a motion we know.
     #[error(
-        "{0:?} is no motion; there are {NAMES}, or a TOML file with [[waypoint]] or [[step]] entries"
+        "{0:?} is not a known motion; use one of {NAMES}, or a TOML file with [[waypoint]] or [[step]] entries"
     )]
     Unknown(String),
     /// The scene has nothing to touch.
@@ -45,7 +45,7 @@ pub enum MotionError {
         entry: &'static str,
         /// Counted from 1.
         index: usize,
-        /// Field.
+        /// Name of the field.
         field: &'static str,
         /// As given.
         value: f64,
@@ -153,9 +153,9 @@ impl Kind {
 pub enum Motion {
     /// One thing over and over.
     Named {
-        /// What.
+        /// Kind of motion.
         kind: Kind,
-        /// Where.
+        /// Where the motion is aimed.
         target: Target,
         /// Past the first touch, m.
         depth_m: f64,
@@ -225,7 +225,7 @@ pub(super) mod tests {
         clear_m: 0.01,
     };
 
-    /// Smooth enough for a hand, and the velocity told is that of the positions told.
+    /// Smooth enough for a hand, and the velocity is the derivative of the positions.
     pub(in super::super) fn check_smooth(motion: &Motion, seconds: i32) {
         let dt = 1e-3;
         let at = |k: i32| motion.goal(f64::from(k) * dt);

@@ -34,7 +34,7 @@ pub struct PassivitySettings {
     /// Energy that every contact leaves behind, J: covers what predictions of the next period miss
     /// where the loop alone has to pay for itself. 0: none.
     pub reserve_j: f64,
-    /// Without force for this long a contact is over, s: what it gave is no credit for the next.
+    /// Without force for this long a contact is over, s: its energy is not credited to the next.
     pub rest_s: f64,
 }
 

@@ -12,7 +12,7 @@ use serde::{Deserialize, Serialize};
 pub struct Waypoint {
     /// s from the start, growing.
     pub time_s: f64,
-    /// m.
+    /// Position, m.
     pub position: [f64; 3],
     /// How long to stay, s.
     #[serde(default)]

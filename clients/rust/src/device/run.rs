@@ -56,7 +56,7 @@ pub struct RunReport {
 pub struct RunSettings {
     /// Poses a second.
     pub rate_hz: f64,
-    /// s.
+    /// Duration, s.
     pub duration_s: f64,
     /// What lies between device and daemon, besides the real one: this each way.
     pub network: Network,
@@ -83,7 +83,7 @@ pub struct Sample {
     pub time_s: f64,
     /// Where it is, m.
     pub true_position: [f64; 3],
-    /// What it tells, m.
+    /// Reported position, m.
     pub reported_position: [f64; 3],
     /// Newest force received before the period, N.
     pub received_n: [f64; 3],

@@ -32,7 +32,7 @@ pub const BLEND_S: f64 = 0.4;
 /// A step of a session.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Step {
-    /// What.
+    /// Kind of motion.
     pub kind: Kind,
     /// How long, s; longer than [`BLEND_S`].
     pub for_s: f64,

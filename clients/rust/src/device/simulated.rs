@@ -99,7 +99,7 @@ impl SimulatedDevice {
         self.state.position
     }
 
-    /// m/s.
+    /// True velocity, m/s.
     pub fn true_velocity(&self) -> [f64; 3] {
         self.state.velocity
     }

@@ -6,7 +6,9 @@ use super::super::measure::{clocked, time};
 use super::super::{Effort, Row};
 use palpate_geometry::math::Vector3;
 use palpate_modeling::isolate::given::{self, GivenPair};
-use palpate_modeling::isolate::{Body, IsolateSpec, Isolated, Method, Status, isolate_ready};
+use palpate_modeling::isolate::{
+    Body, IsolateMethod, IsolateSpec, IsolateStatus, Isolated, isolate_ready,
+};
 use std::time::Duration;
 
 /// Cases `isolate/<pair>/<method>`, where a pair is its number.
@@ -14,7 +16,7 @@ pub(super) fn isolate(effort: Effort, wanted: &dyn Fn(&str) -> bool, out: &mut d
     for pair in given::all() {
         let number = pair.name.split(' ').next().unwrap_or_default().to_owned();
         let case = |method: &str| format!("isolate/{number}/{method}");
-        let cases: Vec<(Method, String)> = Method::ALL
+        let cases: Vec<(IsolateMethod, String)> = IsolateMethod::ALL
             .into_iter()
             .map(|method| (method, case(method.name())))
             .collect();
@@ -131,7 +133,7 @@ fn method_row(
 
 /// By how much the length at contact is above the least one known, and the rest in words.
 fn figures(pair: &GivenPair, answer: &Isolated) -> (f64, String) {
-    if let Status::Failed(reason) = answer.status {
+    if let IsolateStatus::Failed(reason) = answer.status {
         return (f64::NAN, format!("no answer: {reason}"));
     }
     let ratio = answer.contact_m.norm() / pair.least_m;
@@ -157,7 +159,7 @@ mod tests {
             &|case| case.starts_with("isolate/01/"),
             &mut |row| rows.push(row),
         );
-        assert_eq!(rows.len(), 2 + Method::ALL.len());
+        assert_eq!(rows.len(), 2 + IsolateMethod::ALL.len());
         assert_eq!(rows[0].wrong, Some(0));
         let global = rows
             .iter()

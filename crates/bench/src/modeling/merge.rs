@@ -12,7 +12,7 @@ use palpate_geometry::basis::KnotVector;
 use palpate_geometry::math::Point3;
 use palpate_geometry::surface::{ControlNet, Surface};
 use palpate_modeling::merge::cases::{Case, cases};
-use palpate_modeling::merge::{MergeSpec, Method, Report, merge as merge_patches};
+use palpate_modeling::merge::{MergeMethod, MergeSpec, Report, merge as merge_patches};
 use std::time::Duration;
 
 /// Both continuities of the source's tables.
@@ -51,8 +51,10 @@ fn random(pairs: usize, out: &mut dyn FnMut(Row)) {
                         .map(|merged| merged.report(&patches).deviation.standard_m),
                 )
             };
-            let ((took, ours), (_, seed)) =
-                (deviation(Method::Constrained), deviation(Method::Seed));
+            let ((took, ours), (_, seed)) = (
+                deviation(MergeMethod::Constrained),
+                deviation(MergeMethod::Seed),
+            );
             match (ours, seed) {
                 (Some(ours), Some(seed)) => ratios.push(ours / seed),
                 _ => refused += 1,
@@ -144,7 +146,10 @@ fn random_pair(random: &mut Random) -> [Surface; 2] {
 
 fn rows(name: &str, case: &Case, effort: Effort, out: &mut dyn FnMut(Row)) {
     for continuity in CONTINUITIES {
-        for (label, method) in [("constrained", Method::Constrained), ("seed", Method::Seed)] {
+        for (label, method) in [
+            ("constrained", MergeMethod::Constrained),
+            ("seed", MergeMethod::Seed),
+        ] {
             let spec = MergeSpec {
                 continuity,
                 method,
@@ -168,7 +173,7 @@ fn rows(name: &str, case: &Case, effort: Effort, out: &mut dyn FnMut(Row)) {
                     suite: "modeling",
                     case: name.to_owned(),
                     method: format!("{label} C{continuity} {way}"),
-                    peer: method == Method::Seed,
+                    peer: method == MergeMethod::Seed,
                     median_s: times.median_s,
                     p99_s: times.p99_s,
                     error: report.deviation.standard_m,

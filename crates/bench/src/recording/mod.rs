@@ -2,6 +2,7 @@
 //! stands still and a daemon that is killed lose, and how fast a replay is.
 
 mod kill;
+mod long;
 mod loss;
 mod session;
 mod tick;
@@ -31,6 +32,12 @@ pub fn recording(effort: Effort, only: Option<&str>, out: &mut dyn FnMut(Figure)
         && let Err(error) = speed(effort, out)
     {
         eprintln!("replay/speed: {error}");
+    }
+    // Minutes, and a gigabyte on disk: only for those who ask.
+    if only.is_some_and(|part| part.contains("long"))
+        && let Err(error) = long::run(effort, out)
+    {
+        eprintln!("long: {error}");
     }
 }
 

@@ -22,7 +22,7 @@ pub struct Blending {
     columns: usize,
     /// `degree + 1`: values in a row.
     width: usize,
-    /// (rows)
+    /// Parameter of each row (rows).
     parameters: Vec<f64>,
     /// (rows) column of each row's first value, below `columns`; later ones follow, round the end
     /// if need be.

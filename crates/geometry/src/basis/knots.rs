@@ -46,7 +46,7 @@ pub enum KnotError {
     Count {
         /// Given number.
         given: usize,
-        /// Degree.
+        /// Polynomial degree.
         degree: usize,
         /// Control points.
         count: usize,
@@ -58,23 +58,23 @@ pub enum KnotError {
     TooFew {
         /// Control points.
         count: usize,
-        /// Degree.
+        /// Polynomial degree.
         degree: usize,
     },
     /// A knot that is not finite.
     #[error("knot {index} is {value}, not a finite number")]
     NotFinite {
-        /// Where.
+        /// Index in the list.
         index: usize,
-        /// What.
+        /// The value given.
         value: f64,
     },
     /// A knot smaller than the one before it.
     #[error("knot {index} ({value}) is smaller than the one before it ({previous})")]
     Decreasing {
-        /// Where.
+        /// Index in the list.
         index: usize,
-        /// What.
+        /// The value given.
         value: f64,
         /// The one before.
         previous: f64,
@@ -82,19 +82,19 @@ pub enum KnotError {
     /// A knot repeated more than degree + 1 times.
     #[error("knot {value} is repeated {multiplicity} times; degree {degree} allows {}", degree + 1)]
     Multiplicity {
-        /// Value.
+        /// The value given.
         value: f64,
         /// How often.
         multiplicity: usize,
-        /// Degree.
+        /// Polynomial degree.
         degree: usize,
     },
     /// A knot so large that differences overflow.
     #[error("knot {index} is {value:e}; knots stay within ±{MAX_KNOT:e}")]
     Large {
-        /// Where.
+        /// Index in the list.
         index: usize,
-        /// What.
+        /// The value given.
         value: f64,
     },
     /// A span so short that its inverse square overflows.
@@ -111,7 +111,7 @@ pub enum KnotError {
     /// A parameter outside a domain that does not wrap.
     #[error("{value} is outside the domain {start} ..= {end}")]
     Outside {
-        /// Value.
+        /// The value given.
         value: f64,
         /// First parameter.
         start: f64,
@@ -143,6 +143,15 @@ impl KnotVector {
     ///
     /// # Errors
     /// The first rule of [`KnotError`] that the knots break.
+    ///
+    /// # Examples
+    /// ```
+    /// use palpate_geometry::basis::KnotVector;
+    /// // Knots must not decrease.
+    /// assert!(KnotVector::new(1, vec![0.0, 0.0, 2.0, 1.0, 1.0]).is_err());
+    /// assert_eq!(KnotVector::new(1, vec![0.0, 0.0, 1.0, 1.0])?.count(), 2);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     pub fn new(degree: usize, knots: Vec<f64>) -> Result<Self, KnotError> {
         if degree == 0 || degree > MAX_DEGREE {
             return Err(KnotError::Degree(degree));
@@ -222,6 +231,15 @@ impl KnotVector {
     ///
     /// # Errors
     /// Degree out of range, or fewer than `degree + 1` control points.
+    ///
+    /// # Examples
+    /// ```
+    /// use palpate_geometry::basis::KnotVector;
+    /// let knots = KnotVector::clamped_uniform(3, 5)?;
+    /// assert_eq!(knots.knots(), [0.0, 0.0, 0.0, 0.0, 0.5, 1.0, 1.0, 1.0, 1.0]);
+    /// assert_eq!((knots.degree(), knots.count(), knots.domain()), (3, 5, (0.0, 1.0)));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     pub fn clamped_uniform(degree: usize, count: usize) -> Result<Self, KnotError> {
         if degree == 0 || degree > MAX_DEGREE {
             return Err(KnotError::Degree(degree));
@@ -249,7 +267,7 @@ impl KnotVector {
         )
     }
 
-    /// Degree.
+    /// Polynomial degree.
     pub fn degree(&self) -> usize {
         self.degree
     }
@@ -379,7 +397,7 @@ impl KnotVector {
         self.knots.iter().filter(|&&k| k == value).count()
     }
 
-    /// The same vector with one copy less of a knot inside the domain.
+    /// Returns this knot vector with one occurrence of an interior knot removed.
     ///
     /// # Errors
     /// No such knot strictly inside the domain, or too few control points left.

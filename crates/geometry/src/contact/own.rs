@@ -1,7 +1,7 @@
 //! A surface in contact with itself.
 //!
 //! Places that face each other are found as between two surfaces. A fold that penetrates itself and
-//! the two sides of a wall look alike there: what tells them apart is how often the surface winds
+//! the two sides of a wall look alike there: what distinguishes them is how often the surface winds
 //! around the point between them, twice or once, none in a gap. The winding number is the solid
 //! angle the surface fills, in triangles that shrink towards the point (Van Oosterom & Strackee
 //! 1983), which gives it to a small fraction of one.
@@ -42,13 +42,13 @@ pub struct SelfSolver {
     cones: Vec<Cone>,
     /// Cells of pairs of pieces that come near and may face, as pairs.
     near: Vec<(u32, u32)>,
-    stack: Vec<Patch>,
+    stack: Vec<OwnPatch>,
     walls: Vec<Point3>,
 }
 
 /// A part of the surface as the winding number sees it.
 #[derive(Clone, Copy, Debug)]
-struct Patch {
+struct OwnPatch {
     /// u from, u to, v from, v to.
     range: [f64; 4],
     level: u32,
@@ -307,12 +307,12 @@ impl SelfSolver {
                 continue;
             }
             self.stack.clear();
-            self.stack.push(Patch {
+            self.stack.push(OwnPatch {
                 range: [u0, u1, v0, v1],
                 level: 0,
                 corners,
             });
-            while let Some(Patch {
+            while let Some(OwnPatch {
                 range: [u0, u1, v0, v1],
                 level,
                 corners,
@@ -336,7 +336,7 @@ impl SelfSolver {
                         ([um, u1, vm, v1], [middle, bc, c, cd]),
                         ([u0, um, vm, v1], [da, middle, cd, d]),
                     ];
-                    self.stack.extend(parts.map(|(range, corners)| Patch {
+                    self.stack.extend(parts.map(|(range, corners)| OwnPatch {
                         range,
                         level,
                         corners,

@@ -9,14 +9,14 @@ use crate::surface::{Joints, Surface, wrap};
 /// by their control hull.
 #[derive(Clone, Debug)]
 pub struct SampleGrid {
-    u: Direction,
-    v: Direction,
+    u: SampledDirection,
+    v: SampledDirection,
     /// Of a branching surface.
     joints: Option<Box<Joints>>,
 }
 
 #[derive(Clone, Debug)]
-struct Direction {
+struct SampledDirection {
     per_span: usize,
     count: usize,
     /// The last sample is followed by the first.
@@ -27,7 +27,7 @@ struct Direction {
     gaps: Vec<f64>,
 }
 
-impl Direction {
+impl SampledDirection {
     fn new(knots: &KnotVector, per_span: usize, wraps: bool) -> Self {
         let mut parameters = Vec::new();
         for span in knots.spans() {
@@ -118,8 +118,8 @@ impl SampleGrid {
         let joints = surface.joints().map(Box::new);
         // Of a branching surface, ends that meet are joints like others.
         let wraps = [0, 1].map(|d| joints.is_none() && topology.wraps(d));
-        let mut u = Direction::new(surface.knots_u(), per_span, wraps[0]);
-        let mut v = Direction::new(surface.knots_v(), per_span, wraps[1]);
+        let mut u = SampledDirection::new(surface.knots_u(), per_span, wraps[0]);
+        let mut v = SampledDirection::new(surface.knots_v(), per_span, wraps[1]);
         if let Some(joints) = &joints {
             (u.gaps, v.gaps) = (joints.breaks(0), joints.breaks(1));
         }

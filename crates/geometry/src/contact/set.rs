@@ -1,12 +1,12 @@
-//! What every narrow phase answers: contacts in order of depth, the parameter rectangles in touch,
-//! and whether there is any overlap at all.
+//! The result of every narrow-phase query: contacts in order of depth, the parameter rectangles in
+//! contact, and whether there is any overlap.
 
 use crate::math::{Point3, Vector3};
 
 /// Most contacts kept of one pair; the deepest stay.
 pub const MAX_CONTACTS: usize = 32;
 
-/// One place where a tool and a body touch, or nearly do.
+/// A contact between a tool and a body, or a gap within the margin.
 ///
 /// `on_body − on_tool = depth · normal`, to rounding.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -38,7 +38,7 @@ pub struct Rectangle {
     pub v: [f64; 2],
 }
 
-/// How a narrow phase is asked.
+/// What a narrow-phase query reports.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Reach {
     /// Gaps up to this are reported as contacts of negative depth, m (≥ 0).
@@ -94,7 +94,7 @@ impl ContactSet {
         }
     }
 
-    /// Nothing touches.
+    /// Removes all contacts and rectangles.
     pub fn clear(&mut self) {
         self.contacts.clear();
         self.rectangles.clear();

@@ -6,6 +6,14 @@ use crate::math::{Point3, Pose, Vector3};
 use crate::surface::Surface;
 
 /// A tool around its reference point, in its own frame.
+///
+/// # Examples
+/// ```
+/// use palpate_geometry::contact::ToolShape;
+/// let ball = ToolShape::Sphere { radius_m: 0.01 };
+/// assert_eq!((ball.ball_radius_m(), ball.reach_m()), (Some(0.01), Some(0.01)));
+/// assert_eq!(ball.name(), "sphere");
+/// ```
 #[derive(Clone, Debug)]
 pub enum ToolShape {
     /// The reference point itself.
@@ -60,8 +68,7 @@ impl SurfaceShape {
 }
 
 impl ToolShape {
-    /// Radius of the ball around the reference point, 0 for a point; `None` for shapes that are no
-    /// ball.
+    /// Radius of the ball around the reference point, m: 0 for a point, `None` for other shapes.
     pub fn ball_radius_m(&self) -> Option<f64> {
         match self {
             Self::Point => Some(0.0),
@@ -70,8 +77,7 @@ impl ToolShape {
         }
     }
 
-    /// Greatest distance of the tool's matter from its reference point, m; `None` when it has no
-    /// bounds.
+    /// Largest distance of the tool's surface from its reference point, m; `None` if it is unbounded.
     pub fn reach_m(&self) -> Option<f64> {
         match self {
             Self::Point => Some(0.0),
@@ -83,12 +89,13 @@ impl ToolShape {
         }
     }
 
-    /// True for half-spaces: unbounded, the same from everywhere.
+    /// True for half-spaces.
     pub fn is_plane(&self) -> bool {
         matches!(self, Self::Plane { .. })
     }
 
-    /// A box that holds the tool; `None` when it has no bounds.
+    /// Axis-aligned box around the tool at a pose (lower and upper corner, m); `None` if it is
+    /// unbounded.
     pub fn bounds(&self, pose: &Pose) -> Option<(Point3, Point3)> {
         let reach = Vector3::repeat(self.reach_m()?);
         let centre = Point3::from(pose.translation.vector);

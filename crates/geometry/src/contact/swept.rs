@@ -19,7 +19,7 @@ const TOUCH: f64 = 1e-9;
 
 /// A first touch.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Touch {
+pub struct FirstTouch {
     /// Share of the motion that is free, in [0, 1].
     pub fraction: f64,
     /// Clearance left there, m: at most 1e-9 of the size, unless the steps ran out along a graze.
@@ -28,12 +28,12 @@ pub struct Touch {
 
 /// First touch of anything: `clearance_m(t)` is a lower bound of its distance to the surface after
 /// a share t of the motion, and no point of it moves farther than `path_m` during the whole of it.
-/// `None`: free all the way, or a bound that is no number. At most [`STEPS`] calls.
+/// `None`: free all the way, or a bound that is not a number. At most [`STEPS`] calls.
 pub fn first_touch(
     path_m: f64,
     touch_m: f64,
     mut clearance_m: impl FnMut(f64) -> f64,
-) -> Option<Touch> {
+) -> Option<FirstTouch> {
     let (mut fraction, mut gap_m) = (0.0_f64, f64::INFINITY);
     // What is known to be free: up to here.
     let mut free = 0.0_f64;
@@ -51,7 +51,7 @@ pub fn first_touch(
             continue;
         }
         if gap <= touch_m {
-            return Some(Touch {
+            return Some(FirstTouch {
                 fraction: at,
                 gap_m: gap,
             });
@@ -69,7 +69,7 @@ pub fn first_touch(
         ahead = (1.98 / (1.0 + lost.clamp(0.0, 1.0))).max(1.0);
         (fraction, gap_m, free) = (at, gap, at + half);
     }
-    Some(Touch { fraction, gap_m })
+    Some(FirstTouch { fraction, gap_m })
 }
 
 /// First touch of a ball (radius 0: a point) that moves along a straight line, with the contact
@@ -81,7 +81,7 @@ pub fn ball(
     start: &Point3,
     end: &Point3,
     radius_m: f64,
-) -> Option<(Touch, Contact)> {
+) -> Option<(FirstTouch, Contact)> {
     let way = end - start;
     let path_m = way.norm();
     if !(path_m.is_finite()
@@ -137,7 +137,7 @@ pub fn plane(
     solver: &mut ClosestSolver,
     points: [Point3; 2],
     normals: [Vector3; 2],
-) -> Option<(Touch, Contact)> {
+) -> Option<(FirstTouch, Contact)> {
     let [a, b] = normals.map(|n| {
         n.try_normalize(0.0)
             .filter(|n| n.iter().all(|x| x.is_finite()))

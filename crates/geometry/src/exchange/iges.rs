@@ -93,7 +93,7 @@ pub enum IgesError {
     },
     /// A directory entry that is not there, or not what it should be.
     #[error(
-        "directory entry {from} refers to {to} as its transformation matrix, which is no entity 124"
+        "directory entry {from} refers to {to} as its transformation matrix, which is not an entity 124"
     )]
     Matrix {
         /// The entry that refers.

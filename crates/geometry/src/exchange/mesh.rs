@@ -18,14 +18,14 @@ use crate::surface::Mesh;
 
 /// Why a mesh or a point cloud was not read or written.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum MeshError {
+pub enum MeshFileError {
     /// Nothing to write, or nothing in the file.
     #[error("there are no {0}")]
     Empty(&'static str),
     /// A triangle with a corner that does not exist.
     #[error("triangle {triangle} has corner {corner}, the mesh has {count}")]
     Corner {
-        /// Triangle.
+        /// Index of the triangle.
         triangle: usize,
         /// Its corner.
         corner: u32,
@@ -43,9 +43,9 @@ pub enum MeshError {
     /// A coordinate that is not finite, or too large for the format.
     #[error("corner {corner} has coordinate {value}, not a finite number in single precision")]
     Coordinate {
-        /// Corner.
+        /// Index of the corner.
         corner: usize,
-        /// Value.
+        /// The value given.
         value: f64,
     },
     /// More than the format's counters hold.
@@ -53,12 +53,12 @@ pub enum MeshError {
     Many {
         /// What there is too much of.
         what: &'static str,
-        /// Number.
+        /// Number given.
         count: usize,
     },
     /// A binary file whose length is not that of its triangles.
     #[error(
-        "{bytes} bytes are no binary STL file: {triangles} triangles, as it says, take {needed}"
+        "not a binary STL file: {triangles} triangles, as its header says, need {needed} bytes, not {bytes}"
     )]
     Length {
         /// Bytes of the file.
@@ -84,12 +84,12 @@ pub enum MeshError {
 }
 
 /// What every writer relies on; `single` if coordinates are written in single precision.
-fn check(mesh: &Mesh, scale: f64, single: bool) -> Result<(), MeshError> {
+fn check(mesh: &Mesh, scale: f64, single: bool) -> Result<(), MeshFileError> {
     if mesh.triangles.is_empty() {
-        return Err(MeshError::Empty("triangles"));
+        return Err(MeshFileError::Empty("triangles"));
     }
     if mesh.normals.len() != mesh.points.len() {
-        return Err(MeshError::Normals {
+        return Err(MeshFileError::Normals {
             given: mesh.normals.len(),
             needed: mesh.points.len(),
         });
@@ -100,7 +100,7 @@ fn check(mesh: &Mesh, scale: f64, single: bool) -> Result<(), MeshError> {
     ] {
         // Counters have 32 bits, and so have lengths in bytes: 24 a corner, 50 a triangle.
         if what.1 > (u32::MAX / 64) as usize {
-            return Err(MeshError::Many {
+            return Err(MeshFileError::Many {
                 what: what.0,
                 count: what.1,
             });
@@ -115,13 +115,13 @@ fn check(mesh: &Mesh, scale: f64, single: bool) -> Result<(), MeshError> {
             }
         };
         if let Some(&value) = point.iter().find(|x| !fits(**x * scale)) {
-            return Err(MeshError::Coordinate { corner, value });
+            return Err(MeshFileError::Coordinate { corner, value });
         }
     }
     let count = mesh.points.len();
     for (triangle, corners) in mesh.triangles.iter().enumerate() {
         if let Some(&corner) = corners.iter().find(|corner| **corner as usize >= count) {
-            return Err(MeshError::Corner {
+            return Err(MeshFileError::Corner {
                 triangle,
                 corner,
                 count,
@@ -153,9 +153,9 @@ fn point<'a>(mut words: impl Iterator<Item = &'a [u8]>, per_metre: f64) -> Optio
     Some(Point3::new(next()?, next()?, next()?))
 }
 
-fn wrong_line(line: usize, wanted: &'static str, text: &[u8]) -> MeshError {
+fn wrong_line(line: usize, wanted: &'static str, text: &[u8]) -> MeshFileError {
     let head = String::from_utf8_lossy(&text[..text.len().min(40)]);
-    MeshError::Line {
+    MeshFileError::Line {
         line,
         wanted,
         found: format!("\"{}\"", head.escape_debug()),

@@ -39,7 +39,7 @@ mod units;
 mod testing;
 
 pub use iges::IgesError;
-pub use mesh::MeshError;
+pub use mesh::MeshFileError;
 pub use spline::SplineError;
 pub use step::StepError;
 pub use units::LengthUnit;
@@ -59,9 +59,9 @@ pub enum Format {
     Step,
     /// IGES 5.3.
     Iges,
-    /// Triangles.
+    /// STL triangles.
     Stl,
-    /// Wavefront.
+    /// Wavefront OBJ triangles.
     Obj,
     /// glTF 2.0, binary.
     Glb,
@@ -157,7 +157,7 @@ pub struct Imported {
 pub enum ExchangeError {
     /// An ending that none of ours has.
     #[error(
-        "no format is known by the ending \".{extension}\"; there are .json, .step, .stp, .iges, .igs, .stl, .obj, .glb and, for points, \
+        "unknown file extension \".{extension}\"; use .json, .step, .stp, .iges, .igs, .stl, .obj, .glb and, for points, \
          .xyz, .csv, .txt"
     )]
     Extension {
@@ -169,16 +169,16 @@ pub enum ExchangeError {
     File {
         /// The file.
         path: PathBuf,
-        /// Why.
+        /// The underlying error.
         source: std::io::Error,
     },
     /// A `palpate.surface.v1` document.
     #[error(transparent)]
     Json(#[from] FileError),
-    /// A text format with bytes that are no text.
+    /// A text format with bytes that are not text.
     #[error("byte {at} is not UTF-8 text")]
     Text {
-        /// Where.
+        /// Offset of the byte.
         at: usize,
     },
     /// A STEP file.
@@ -189,9 +189,9 @@ pub enum ExchangeError {
     Iges(#[from] IgesError),
     /// A mesh or a point cloud.
     #[error(transparent)]
-    Mesh(#[from] MeshError),
+    Mesh(#[from] MeshFileError),
     /// A format that is for other things.
-    #[error("{} is no format to {verb} {what}; use {instead}", format.name())]
+    #[error("{} is not a format to {verb} {what}; use {instead}", format.name())]
     Kind {
         /// The format.
         format: Format,
@@ -240,7 +240,7 @@ pub fn read_surface(bytes: &[u8], format: Format, pick: Pick) -> Result<Imported
     }
 }
 
-/// Reads one surface of a file, whose format its name's ending tells.
+/// Reads one surface from a file; the file extension determines the format.
 ///
 /// # Errors
 /// A file that cannot be read, an ending that none of our formats has, or what [`read_surface`]
@@ -260,6 +260,17 @@ pub fn read_surface_file(path: impl AsRef<Path>, pick: Pick) -> Result<Imported,
 ///
 /// # Errors
 /// A format without surfaces, or a surface that the format has no form for.
+///
+/// # Examples
+/// ```
+/// use palpate_geometry::exchange::{Format, Pick, read_surface, write_surface};
+/// use palpate_geometry::surface::{builtin, file::Unit};
+/// let sheet = builtin("sheet", None, None)?;
+/// let step = write_surface(&sheet, Format::Step, Unit::Metre)?;
+/// let back = read_surface(&step, Format::Step, Pick::First)?;
+/// assert_eq!(back.surface.net(), sheet.net());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn write_surface(
     surface: &Surface,
     format: Format,
@@ -319,7 +330,7 @@ pub fn read_mesh(bytes: &[u8], format: Format, unit: Unit) -> Result<Mesh, Excha
 /// in `unit`.
 ///
 /// # Errors
-/// A format without points, or a file that is cut short or has what is no point.
+/// A format without points, or a file that is cut short or has a line that is not a point.
 pub fn read_points(bytes: &[u8], format: Format, unit: Unit) -> Result<Vec<Point3>, ExchangeError> {
     match format {
         Format::Stl => Ok(mesh::read_stl(bytes, unit)?.points),
@@ -394,7 +405,7 @@ mod tests {
             .to_string();
         assert_eq!(
             message,
-            "STL is no format to read a surface from; use STEP, IGES or JSON"
+            "STL is not a format to read a surface from; use STEP, IGES or JSON"
         );
         let mesh = Mesh::default();
         assert!(matches!(
@@ -403,7 +414,7 @@ mod tests {
         ));
         assert!(matches!(
             write_mesh(&mesh, Format::Glb, Unit::Metre),
-            Err(ExchangeError::Mesh(MeshError::Empty(_)))
+            Err(ExchangeError::Mesh(MeshFileError::Empty(_)))
         ));
         assert!(matches!(
             read_points(b"", Format::Glb, Unit::Metre),

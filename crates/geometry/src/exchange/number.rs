@@ -15,7 +15,7 @@ pub(super) fn real(value: f64, exponent: char) -> String {
 
 /// A number with `E` or `D` before its exponent. `None` for anything else, words such as `inf` too.
 pub(super) fn parse(text: &[u8]) -> Option<f64> {
-    // Longer than any decimal of an f64: such a token is no number that somebody wrote.
+    // Longer than any decimal of an f64: such a token is not a number.
     if text.is_empty() || text.len() > 400 {
         return None;
     }

@@ -20,7 +20,7 @@ pub enum SplineError {
         direction: char,
         /// Knots of the file, with multiplicities.
         given: u64,
-        /// Degree.
+        /// Polynomial degree.
         degree: usize,
         /// Control points in this direction.
         count: usize,
@@ -30,20 +30,20 @@ pub enum SplineError {
     Multiplicities {
         /// `u` or `v`.
         direction: char,
-        /// Knots.
+        /// Number of knots given.
         knots: usize,
-        /// Multiplicities.
+        /// Number of multiplicities given.
         multiplicities: usize,
     },
     /// A surface in several pieces, which other systems do not take.
     #[error(
-        "the surface comes apart at {direction} = {knot} (a knot of multiplicity degree + 1), which this format has no form \
-         for: export its pieces"
+        "the surface is separated at {direction} = {knot} (a knot of multiplicity degree + 1), which this format does \
+         not support: export its pieces"
     )]
     Disjoined {
         /// `u` or `v`.
         direction: char,
-        /// Where.
+        /// Knot value.
         knot: f64,
     },
     /// Values that make no surface.
@@ -66,7 +66,7 @@ pub(super) struct FileSurface {
 }
 
 /// A direction of the net: its knots, and which row of the file each row of ours is.
-struct Axis {
+struct SplineAxis {
     knots: KnotVector,
     rows: Vec<usize>,
 }
@@ -121,7 +121,7 @@ fn axis(
     count: usize,
     runs: &[(f64, u64)],
     same: impl Fn(usize, usize) -> bool,
-) -> Result<Axis, SplineError> {
+) -> Result<SplineAxis, SplineError> {
     let refuse = |source| SplineError::Surface(SurfaceError::Knots { direction, source });
     if degree == 0 || degree > MAX_DEGREE {
         return Err(refuse(KnotError::Degree(degree)));
@@ -149,7 +149,7 @@ fn axis(
         let period = full[ends[0] as usize - 1..].to_vec();
         if count > degree {
             let knots = KnotVector::periodic(degree, period).map_err(refuse)?;
-            return Ok(Axis {
+            return Ok(SplineAxis {
                 knots,
                 rows: (0..count).collect(),
             });
@@ -159,12 +159,12 @@ fn axis(
     let knots = KnotVector::new(degree, full).map_err(refuse)?;
     if let Some(knots) = wrapped(&knots, same) {
         let count = knots.count();
-        return Ok(Axis {
+        return Ok(SplineAxis {
             knots,
             rows: (0..count).collect(),
         });
     }
-    Ok(Axis {
+    Ok(SplineAxis {
         knots,
         rows: (0..count).collect(),
     })
@@ -172,7 +172,7 @@ fn axis(
 
 /// A period of `degree` points or fewer, written out: the open vector over one period, its points
 /// repeated.
-fn few(degree: usize, count: usize, period: &[f64]) -> Result<Axis, KnotError> {
+fn few(degree: usize, count: usize, period: &[f64]) -> Result<SplineAxis, KnotError> {
     let last = period.len() - 1;
     let length = period[last] - period[0];
     if count == 0 || length.is_nan() || length <= 0.0 {
@@ -195,7 +195,7 @@ fn few(degree: usize, count: usize, period: &[f64]) -> Result<Axis, KnotError> {
     let (p, n) = (degree as isize, count as isize);
     let knots = KnotVector::new(degree, (-p..=n + p).map(knot).collect())?;
     let rows = (0..knots.count()).map(|i| i % count).collect();
-    Ok(Axis { knots, rows })
+    Ok(SplineAxis { knots, rows })
 }
 
 /// The periodic vector of the same curve, if its knots and control points repeat after the domain.

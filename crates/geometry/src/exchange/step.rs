@@ -63,7 +63,7 @@ pub enum StepError {
     /// An attribute of another kind.
     #[error("#{id}: {what} should be {wanted}, but is {found}")]
     Attribute {
-        /// Instance.
+        /// Number of the instance (`#id`) in the file.
         id: u64,
         /// Entity and attribute.
         what: String,
@@ -93,15 +93,15 @@ pub enum StepError {
     /// Values that make no surface.
     #[error("#{id}: {source}")]
     Spline {
-        /// Instance.
+        /// Number of the instance (`#id`) in the file.
         id: u64,
         /// What is wrong.
         source: SplineError,
     },
-    /// A length unit that is no length.
+    /// A length unit that is not a length.
     #[error("#{id}: the length unit is {metres} m; it should be above 0 and finite")]
     Unit {
-        /// Instance.
+        /// Number of the instance (`#id`) in the file.
         id: u64,
         /// Its size.
         metres: f64,

@@ -1,4 +1,4 @@
-//! What every reader is put through: round trips, and bytes that nobody wrote.
+//! What every reader is put through: round trips, and malformed bytes.
 
 use crate::basis::KnotVector;
 use crate::basis::testing::Random;

@@ -15,7 +15,7 @@ pub struct Rows(Vec<Row>);
 struct Row(Lane);
 
 impl Rows {
-    /// Zeros.
+    /// A vector of zeros.
     pub fn zeros(count: usize) -> Self {
         Self(vec![Row::default(); count])
     }

@@ -27,7 +27,7 @@ pub enum CholeskyError {
 /// A symmetric matrix by its lower triangle; entries given twice are added.
 #[derive(Clone, Debug, Default)]
 pub struct SymmetricTriplets {
-    /// Order.
+    /// Order of the matrix.
     pub n: usize,
     /// (row, column, value) with row >= column.
     pub entries: Vec<(u32, u32, f64)>,

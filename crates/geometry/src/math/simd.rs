@@ -16,7 +16,7 @@ pub fn has_avx2() -> bool {
     })
 }
 
-/// The path this run takes, for whoever keeps a record of it.
+/// The code path used by this run, as noted in recordings.
 pub fn path_name() -> &'static str {
     #[cfg(target_arch = "x86_64")]
     if has_avx2() {

@@ -41,9 +41,9 @@ pub enum StateError {
     /// A value that this scene cannot hold.
     #[error("the saved state holds an impossible {what}: {value}")]
     Value {
-        /// Which.
+        /// Name of the quantity.
         what: &'static str,
-        /// Value.
+        /// The value given.
         value: u64,
     },
 }
@@ -85,9 +85,9 @@ pub fn state_hash(state: &impl Stateful) -> u64 {
 /// A saved state: integers and floats apart, each in order.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct SavedState {
-    /// Integers.
+    /// Integer values.
     pub words: Vec<u64>,
-    /// Floats.
+    /// Floating-point values.
     pub floats: Vec<f64>,
 }
 
@@ -104,7 +104,7 @@ impl SavedState {
     /// # Errors
     /// Sizes that do not fit, or an impossible value.
     pub fn restore_into(&self, state: &mut impl Stateful) -> Result<(), StateError> {
-        let mut reader = Reader {
+        let mut reader = StateReader {
             saved: self,
             word: 0,
             float: 0,
@@ -126,13 +126,13 @@ impl StateSink for SavedState {
     }
 }
 
-struct Reader<'a> {
+struct StateReader<'a> {
     saved: &'a SavedState,
     word: usize,
     float: usize,
 }
 
-impl Reader<'_> {
+impl StateReader<'_> {
     fn size_error(&self) -> StateError {
         StateError::Size {
             words: self.saved.words.len(),
@@ -141,7 +141,7 @@ impl Reader<'_> {
     }
 }
 
-impl StateSource for Reader<'_> {
+impl StateSource for StateReader<'_> {
     fn word(&mut self) -> Result<u64, StateError> {
         let word = self
             .saved

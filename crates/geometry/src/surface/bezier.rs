@@ -52,7 +52,7 @@ pub(crate) struct Span {
 
 /// The spans of one direction.
 #[derive(Clone, Debug)]
-pub(crate) struct Direction {
+pub(crate) struct PieceDirection {
     pub degree: usize,
     pub count: usize,
     pub periodic: bool,
@@ -60,7 +60,7 @@ pub(crate) struct Direction {
     pub spans: Vec<Span>,
 }
 
-impl Direction {
+impl PieceDirection {
     fn new(knots: &KnotVector) -> Self {
         let p = knots.degree();
         let t = knots.knots();
@@ -209,8 +209,8 @@ pub struct Bounds {
 /// The Bézier pieces of a surface: u-major over spans, homogeneous points u-major within a piece.
 #[derive(Clone, Debug)]
 pub struct BezierPieces {
-    pub(crate) u: Direction,
-    pub(crate) v: Direction,
+    pub(crate) u: PieceDirection,
+    pub(crate) v: PieceDirection,
     rational: bool,
     /// (pieces × (degree_u + 1)(degree_v + 1)), each (w x, w y, w z, w).
     points: Vec<[f64; 4]>,
@@ -237,8 +237,8 @@ impl BezierPieces {
     /// Precomputes what depends on the knots, and the pieces of the present net.
     pub fn new(surface: &Surface) -> Self {
         let (u, v) = (
-            Direction::new(surface.knots_u()),
-            Direction::new(surface.knots_v()),
+            PieceDirection::new(surface.knots_u()),
+            PieceDirection::new(surface.knots_v()),
         );
         let pieces = u.spans.len() * v.spans.len();
         let size = (u.degree + 1) * (v.degree + 1);

@@ -24,7 +24,7 @@ const MAX_COUNT: usize = 512;
 /// Small radius of the torus over its great one.
 const TORUS_RATIO: f64 = 0.4;
 
-/// Why there is no such builtin.
+/// Why a builtin surface was not made.
 #[derive(Debug, thiserror::Error)]
 pub enum BuiltinError {
     /// Unknown name.
@@ -33,7 +33,7 @@ pub enum BuiltinError {
     /// A net it does not come with.
     #[error("{name} has no net of {} × {}; {allowed}", net[0], net[1])]
     Net {
-        /// Builtin.
+        /// Name of the builtin surface.
         name: &'static str,
         /// Net asked for.
         net: [usize; 2],
@@ -43,7 +43,7 @@ pub enum BuiltinError {
     /// A size that is not a positive finite number.
     #[error("size of {name} is {size_m}; it is a length in m, above 0")]
     Size {
-        /// Builtin.
+        /// Name of the builtin surface.
         name: &'static str,
         /// Size asked for.
         size_m: f64,

@@ -95,7 +95,7 @@ impl Surface {
         }
     }
 
-    /// The same surface, its normals turned outwards if it is closed and they point inwards.
+    /// Returns this surface with its normals flipped if it is closed and they point inwards.
     pub fn oriented_outward(self) -> Self {
         if self.topology().is_closed() && self.volume() < 0.0 {
             let flip = !self.flip_normal();
@@ -105,7 +105,7 @@ impl Surface {
         }
     }
 
-    /// The same surface with the control points of seams and poles that are within the tolerance
+    /// Returns this surface with control points of seams and poles that agree within the tolerance
     /// made equal bit for bit.
     pub fn with_exact_seams(mut self) -> Self {
         let nodes = self.distinct_points(&self.topology());

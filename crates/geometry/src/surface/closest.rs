@@ -32,12 +32,12 @@ mod warm;
 pub(crate) use self::field::{Bottom, Foot};
 use self::minima::Minima;
 pub use self::minima::Summit;
-use self::newton::{Descent, OnPieces, OnSurface, Place, descend, descend_over};
+use self::newton::{Descent, NewtonPlace, OnPieces, OnSurface, descend, descend_over};
 pub(crate) use self::objective::Jet;
 use self::objective::{Along, Distance, Objective, Tables};
 use self::search::Search;
 use self::side::Site;
-use super::bezier::{BezierPieces, Direction, Joint};
+use super::bezier::{BezierPieces, Joint, PieceDirection};
 use super::tensor::Surface;
 use crate::math::{Point3, Vector3};
 
@@ -54,7 +54,7 @@ pub struct ClosestPoint {
     pub normal: Vector3,
     /// |q − S|, m.
     pub distance: f64,
-    /// The same, negative on the inner side of the normal: inside, when the surface is closed.
+    /// Signed distance, m: negative on the inner side of the normal (inside a closed surface).
     pub signed_distance: f64,
 }
 
@@ -93,14 +93,14 @@ pub struct ClosestSolver {
     tables: Tables,
     search: Search,
     minima: Minima,
-    samples: Samples,
+    samples: ClosestSamples,
     /// Diagonal of the box of the first net, m: what tolerances are relative to.
     size_m: f64,
 }
 
 /// One point or two on each piece, to start from.
 #[derive(Clone, Debug)]
-struct Samples {
+struct ClosestSamples {
     /// Which boxes of the pieces they go with.
     stamp: u64,
     /// Bernstein products at the middle, ((p + 1)(q + 1)).
@@ -111,7 +111,7 @@ struct Samples {
     z: Vec<f64>,
 }
 
-impl Samples {
+impl ClosestSamples {
     fn new(pieces: &BezierPieces) -> Self {
         let (p, q) = (pieces.u.degree, pieces.v.degree);
         let scale = 0.5_f64.powi((p + q) as i32);
@@ -177,7 +177,7 @@ impl Samples {
     }
 
     /// The best sample.
-    fn best(&self, pieces: &BezierPieces, objective: &impl Objective) -> Place {
+    fn best(&self, pieces: &BezierPieces, objective: &impl Objective) -> NewtonPlace {
         // Four running minima and a look for the first that has the least: one would wait for
         // itself.
         let n = self.x.len();
@@ -202,14 +202,14 @@ impl Samples {
         self.place(pieces, at)
     }
 
-    /// [`Samples::best`] of the present net, from samples of one that has moved by less than the
+    /// [`ClosestSamples::best`] of the present net, from samples of one that has moved by less than the
     /// pieces' slack: only those that may be best now are computed anew.
     fn best_after_movement(
         &self,
         pieces: &mut BezierPieces,
         surface: &Surface,
         objective: &Distance,
-    ) -> Place {
+    ) -> NewtonPlace {
         let old = |k: usize| objective.value(self.x[k], self.y[k], self.z[k]);
         let (n, mut least) = (pieces.len(), f64::INFINITY);
         for k in 0..2 * n {
@@ -239,14 +239,14 @@ impl Samples {
         self.place(pieces, at)
     }
 
-    fn place(&self, pieces: &BezierPieces, sample: usize) -> Place {
+    fn place(&self, pieces: &BezierPieces, sample: usize) -> NewtonPlace {
         let n = pieces.len();
         let (piece, local) = if sample < n {
             (sample, 0.0)
         } else {
             (sample - n, 0.5)
         };
-        search::Part::whole(pieces, piece).place(pieces, local, local)
+        search::SearchPart::whole(pieces, piece).place(pieces, local, local)
     }
 }
 
@@ -264,7 +264,7 @@ impl ClosestSolver {
             tables: Tables::new(pieces.u.degree, pieces.v.degree),
             search: Search::new(&pieces),
             minima: Minima::new(&pieces),
-            samples: Samples::new(&pieces),
+            samples: ClosestSamples::new(&pieces),
             size_m: (high - low).norm(),
             pieces,
         }
@@ -306,6 +306,17 @@ impl ClosestSolver {
 
     /// The global closest point. A query that is not finite gets some point of the surface at
     /// distance infinity.
+    ///
+    /// # Examples
+    /// ```
+    /// use palpate_geometry::math::Point3;
+    /// use palpate_geometry::surface::{ClosestSolver, builtin};
+    /// let sphere = builtin("sphere", None, Some(0.02))?; // radius 20 mm
+    /// let mut solver = ClosestSolver::new(&sphere);
+    /// let foot = solver.closest(&sphere, &Point3::new(0.0, 0.0, 0.05));
+    /// assert!((foot.signed_distance - 0.03).abs() < 1e-12);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     pub fn closest(&mut self, surface: &Surface, query: &Point3) -> ClosestPoint {
         let best = self.nearest(surface, &Distance { q: *query });
         self.answer(surface, query, &best)
@@ -314,6 +325,21 @@ impl ClosestSolver {
     /// [`ClosestSolver::closest`], from the last foot where that is proved to be enough. `moved_m`
     /// is how far the query moved since the last call with this `warm`, plus the largest movement
     /// of a control point.
+    ///
+    /// # Examples
+    /// ```
+    /// use palpate_geometry::math::Point3;
+    /// use palpate_geometry::surface::{ClosestSolver, WarmFoot, builtin};
+    /// let drop = builtin("teardrop", None, None)?;
+    /// let mut solver = ClosestSolver::new(&drop);
+    /// let mut warm = WarmFoot::default();
+    /// for k in 0..100 {
+    ///     let query = Point3::new(0.06, 0.003, 0.045 + 1e-5 * f64::from(k));
+    ///     let foot = solver.closest_warm(&drop, &query, 1e-5, &mut warm);
+    ///     assert!((foot.distance - solver.closest(&drop, &query).distance).abs() < 1e-12);
+    /// }
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     pub fn closest_warm(
         &mut self,
         surface: &Surface,
@@ -477,7 +503,7 @@ impl ClosestSolver {
         &mut self,
         surface: &Surface,
         objective: &O,
-        start: Place,
+        start: NewtonPlace,
     ) -> Descent {
         let mut best = descend_over(
             &mut OnPieces {
@@ -498,8 +524,8 @@ impl ClosestSolver {
         best
     }
 
-    fn place(&self, u: f64, v: f64) -> Place {
-        Place {
+    fn place(&self, u: f64, v: f64) -> NewtonPlace {
+        NewtonPlace {
             i: self.pieces.u.span_of(u),
             j: self.pieces.v.span_of(v),
             u,
@@ -515,7 +541,7 @@ impl ClosestSolver {
 
     /// Where a foot that is held at an end of the domain can go on: across coinciding ends, or out
     /// of a pole along its steepest meridian.
-    fn go_on(&self, surface: &Surface, query: &Point3, found: &Descent) -> Option<Place> {
+    fn go_on(&self, surface: &Surface, query: &Point3, found: &Descent) -> Option<NewtonPlace> {
         let (du, dv) = (&self.pieces.u, &self.pieces.v);
         let site = Site {
             surface,
@@ -541,9 +567,9 @@ impl ClosestSolver {
                 for m in 0..8 {
                     let y = span.start + (span.end - span.start) * (m as f64 + 0.5) / 8.0;
                     let place = if collapsed == 0 {
-                        Place { i: k, u: y, ..at }
+                        NewtonPlace { i: k, u: y, ..at }
                     } else {
-                        Place { j: k, v: y, ..at }
+                        NewtonPlace { j: k, v: y, ..at }
                     };
                     let frame = site.frame(place);
                     let out = if collapsed == 0 { frame.dv } else { frame.du };
@@ -560,19 +586,24 @@ impl ClosestSolver {
             }
         }
         if self.pieces.joints().is_some() {
-            let over = |side: usize| self.pieces.over_joint(at.into(), side).map(Place::from);
+            let over = |side: usize| {
+                self.pieces
+                    .over_joint(at.into(), side)
+                    .map(NewtonPlace::from)
+            };
             return (0..4).find_map(over);
         }
-        let across_u = other_end(du, at.u).map(|(i, u)| Place { i, u, ..at });
-        let across_v = other_end(dv, at.v).map(|(j, v)| Place { j, v, ..at });
-        let same = |place: &Place| (site.frame(*place).point - foot).norm() <= 1e-9 * self.size_m;
+        let across_u = other_end(du, at.u).map(|(i, u)| NewtonPlace { i, u, ..at });
+        let across_v = other_end(dv, at.v).map(|(j, v)| NewtonPlace { j, v, ..at });
+        let same =
+            |place: &NewtonPlace| (site.frame(*place).point - foot).norm() <= 1e-9 * self.size_m;
         across_u.filter(same).or_else(|| across_v.filter(same))
     }
 
     /// Parameters to report: at the upper side of a disjoined knot just below it, where evaluation
     /// sees the same side.
-    fn parameters(&self, place: &Place) -> (f64, f64) {
-        let one = |d: &Direction, k: usize, x: f64| {
+    fn parameters(&self, place: &NewtonPlace) -> (f64, f64) {
+        let one = |d: &PieceDirection, k: usize, x: f64| {
             let torn = d.spans[k].after == Joint::Apart && (d.periodic || k + 1 < d.spans.len());
             if torn && x >= d.spans[k].end {
                 x.next_down()
@@ -620,7 +651,7 @@ impl ClosestSolver {
 }
 
 /// The other end of a clamped or open direction, when a parameter is at one.
-fn other_end(d: &Direction, x: f64) -> Option<(usize, f64)> {
+fn other_end(d: &PieceDirection, x: f64) -> Option<(usize, f64)> {
     if d.periodic {
         None
     } else if x <= d.domain.0 {

@@ -17,7 +17,7 @@ pub struct Curve {
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum CurveError {
     /// As many points as the knots ask for.
-    #[error("the knots ask for {needed} control points, {given} are given")]
+    #[error("the knots require {needed} control points, {given} are given")]
     Count {
         /// Of the knots.
         needed: usize,
@@ -27,21 +27,21 @@ pub enum CurveError {
     /// One weight a point.
     #[error("{weights} weights for {points} control points")]
     WeightCount {
-        /// Weights.
+        /// Number of weights given.
         weights: usize,
-        /// Points.
+        /// Number of points given.
         points: usize,
     },
     /// A coordinate that is not finite.
     #[error("control point {index} is not finite")]
     NotFinite {
-        /// Which.
+        /// Index in the list.
         index: usize,
     },
     /// A weight that is zero, negative or not finite.
     #[error("weight {index} is {value}; weights are finite and above 0")]
     Weight {
-        /// Which.
+        /// Index in the list.
         index: usize,
         /// As given.
         value: f64,
@@ -54,6 +54,19 @@ impl Curve {
     /// # Errors
     /// Numbers of points or weights that do not fit, points that are not finite, weights that are
     /// not above 0.
+    ///
+    /// # Examples
+    /// ```
+    /// use palpate_geometry::basis::KnotVector;
+    /// use palpate_geometry::math::Point3;
+    /// use palpate_geometry::surface::Curve;
+    /// // A quarter of the unit circle, as a rational quadratic.
+    /// let points = [[1.0, 0.0], [1.0, 1.0], [0.0, 1.0]].map(|[x, y]| Point3::new(x, y, 0.0));
+    /// let weights = vec![1.0, std::f64::consts::FRAC_1_SQRT_2, 1.0];
+    /// let arc = Curve::new(KnotVector::clamped_uniform(2, 3)?, points.to_vec(), Some(weights))?;
+    /// assert!((arc.point(0.3).coords.norm() - 1.0).abs() < 1e-14);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     pub fn new(
         knots: KnotVector,
         points: Vec<Point3>,
@@ -103,7 +116,7 @@ impl Curve {
         }
     }
 
-    /// Knots.
+    /// The knot vector.
     pub fn knots(&self) -> &KnotVector {
         &self.knots
     }

@@ -111,7 +111,7 @@ pub enum FileError {
         direction: char,
         /// Knots of the file.
         given: usize,
-        /// Degree.
+        /// Polynomial degree.
         degree: usize,
         /// Control points in this direction.
         count: usize,
@@ -129,6 +129,15 @@ pub enum FileError {
 ///
 /// # Errors
 /// See [`FileError`]; each says what is wrong and where.
+///
+/// # Examples
+/// ```
+/// use palpate_geometry::surface::{builtin, file};
+/// let torus = builtin("torus", None, None)?;
+/// let text = file::write(&torus, file::Unit::Metre);
+/// assert_eq!(file::read(&text)?.net(), torus.net());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn read(json: &str) -> Result<Surface, FileError> {
     from_value(&serde_json::from_str(json)?)
 }
@@ -159,7 +168,7 @@ pub fn from_value(document: &Value) -> Result<Surface, FileError> {
     let Value::Object(map) = document else {
         return Err(wrong("the document", "an object", document));
     };
-    // First the format: of another one, other keys are no mistake.
+    // The format is checked first: another format may have other keys.
     match map.get("format") {
         Some(Value::String(format)) if format == FORMAT => {}
         Some(other) => {

@@ -36,25 +36,25 @@ pub struct Fitted {
 /// Most control points of a fit.
 pub(super) const MOST_POINTS: usize = 1 << 16;
 
-/// Why there is no fit.
+/// Why points were not fitted.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum FitError {
     /// Wrong number of points.
-    #[error("{given} points are no grid of {rows} × {columns}")]
+    #[error("{given} points do not form a grid of {rows} × {columns}")]
     Count {
         /// Points given.
         given: usize,
-        /// Rows.
+        /// Number of rows.
         rows: usize,
-        /// Columns.
+        /// Number of columns.
         columns: usize,
     },
     /// A coordinate that is not finite.
     #[error("point {index} has coordinate {value}, not a finite number")]
     NotFinite {
-        /// Which.
+        /// Index in the list.
         index: usize,
-        /// What.
+        /// The value given.
         value: f64,
     },
     /// More unknowns than the points tell.
@@ -62,19 +62,19 @@ pub enum FitError {
     TooFew {
         /// `u` or `v`, or `all` of a cloud.
         direction: &'static str,
-        /// Points.
+        /// Number of points given.
         points: usize,
         /// Control points.
         count: usize,
     },
     /// More than anyone means.
-    #[error("{count} control points are more than a fit takes ({MOST_POINTS})")]
+    #[error("{count} control points are more than a fit supports ({MOST_POINTS})")]
     TooMany {
         /// Control points asked for.
         count: usize,
     },
     /// Two lines of a grid at the same places.
-    #[error("lines {} and {index} in {direction} of the grid are the same: leave one out", index - 1)]
+    #[error("lines {} and {index} in {direction} of the grid are identical: remove one", index - 1)]
     Coincident {
         /// `u` or `v`.
         direction: &'static str,
@@ -89,7 +89,7 @@ pub enum FitError {
         /// Directions without extent.
         missing: usize,
     },
-    /// Smoothing that is no weight.
+    /// A smoothing weight that is not finite and positive.
     #[error("smoothing is {0}; it must be finite and above 0, such as 1e-6")]
     Smoothing(f64),
     /// Degree or count.
@@ -288,7 +288,7 @@ pub(super) fn finite(points: &[Point3]) -> Result<(), FitError> {
 }
 
 /// Shares of the chord length up to each point, the mean of all lines, in [0, 1]; below 1 when
-/// periodic. An error names the line that is no step on from the one before.
+/// periodic. An error names the line that coincides with the one before.
 fn chord_parameters(lines: &[Vec<Point3>], periodic: bool) -> Result<Vec<f64>, usize> {
     let count = lines[0].len();
     let steps = if periodic { count } else { count - 1 };

@@ -38,7 +38,7 @@ pub struct Patch {
 /// A direction between two such knots.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Strip {
-    /// Parameters.
+    /// Range of parameters.
     pub range: [f64; 2],
     /// Among the spans of positive length.
     pub spans: Range<usize>,
@@ -69,7 +69,7 @@ struct Joined {
 pub struct Joints {
     patches: Vec<Patch>,
     strips: [Vec<Strip>; 2],
-    /// (patches × 4): edges of patches that are no duplicates.
+    /// (patches × 4): edges of patches that are not duplicates.
     joined: Vec<Vec<Joined>>,
     /// (patches × 4): the edge is one point.
     poles: Vec<bool>,

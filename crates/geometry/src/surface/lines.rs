@@ -103,7 +103,7 @@ impl Surface {
             .with_flip_normal(self.flip_normal())
     }
 
-    /// The same surface over other knots.
+    /// Returns this surface expressed over other knots.
     pub(super) fn changed(&self, direction: Direction, change: &BasisChange) -> Self {
         self.with_lines(direction, change.knots().clone(), |line| {
             (0..change.knots().count())

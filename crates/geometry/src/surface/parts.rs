@@ -7,7 +7,7 @@ use crate::basis::{KnotError, KnotVector};
 use crate::math::{Matrix3, Vector3};
 
 impl Surface {
-    /// The same surface, one degree higher in a direction.
+    /// Returns this surface with the degree raised by one in a direction; the shape is unchanged.
     ///
     /// # Errors
     /// The degree would pass [`MAX_DEGREE`](crate::basis::MAX_DEGREE).
@@ -62,7 +62,7 @@ impl Surface {
         ])
     }
 
-    /// The same surface, clamped in both directions; what was periodic gets a seam.
+    /// Returns this surface clamped in both directions; a periodic direction gets a seam.
     pub fn clamped(&self) -> Self {
         [Direction::U, Direction::V]
             .into_iter()
@@ -96,8 +96,8 @@ impl Surface {
             .collect()
     }
 
-    /// The same surface walked the other way in a direction, over the same domain; the outward side
-    /// stays.
+    /// Returns this surface with the parameter of a direction reversed, over the original domain; the
+    /// outward side is unchanged.
     pub fn reversed(&self, direction: Direction) -> Self {
         let knots = self.knots(direction);
         let (start, end) = knots.domain();

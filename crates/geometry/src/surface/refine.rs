@@ -10,8 +10,8 @@ use crate::basis::KnotVector;
 use crate::math::{Point3, Pose};
 
 impl Surface {
-    /// The same surface with knots inserted along a direction, each as often as it is listed;
-    /// wrapped into the period if there is one.
+    /// Returns this surface with knots inserted in a direction, each as often as it is listed; knots
+    /// are wrapped into the period if there is one. The shape is unchanged.
     ///
     /// # Errors
     /// A knot that is not finite, outside a domain that does not wrap, or repeated more than
@@ -50,7 +50,7 @@ impl Surface {
         })
     }
 
-    /// The same surface with its longest knot spans split evenly until the net has that many
+    /// Returns this surface with its longest knot spans split evenly until the net has that many
     /// distinct control points in u and v (a seam counts once, see [`Surface::distinct_counts`]). A
     /// direction that has as many already stays as it is. A branching surface is cut in all copies
     /// alike, and may so get more.
@@ -132,7 +132,7 @@ impl Surface {
         scaled
     }
 
-    /// The same surface with u and v exchanged; the outward side stays.
+    /// Returns this surface with u and v exchanged; the outward side is unchanged.
     pub fn swap_uv(&self) -> Self {
         let (rows, columns) = (self.net().rows(), self.net().columns());
         let order: Vec<usize> = (0..columns)

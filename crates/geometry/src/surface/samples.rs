@@ -8,7 +8,7 @@ mod fit;
 mod sweep;
 
 pub use self::fit::GridFit;
-use self::sweep::{Cell, Sweep};
+use self::sweep::{Sweep, SweepCell};
 use super::Surface;
 use crate::basis::Blending;
 use crate::math::lanes::{Baseline, Four, Lanes};
@@ -31,7 +31,7 @@ pub struct Samples {
     /// (net rows × net columns): w x, w y, w z, w.
     net: Vec<Four>,
     /// (net rows × columns / 4): each row of the net sampled in v.
-    cells: Vec<Cell>,
+    cells: Vec<SweepCell>,
     /// (columns / 4): which samples of a row have a normal by their tangents, a bit each.
     regular: Vec<u8>,
 }

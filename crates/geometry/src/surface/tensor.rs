@@ -19,7 +19,7 @@ pub enum SurfaceError {
     #[error(transparent)]
     Net(#[from] NetError),
     /// Net and knots disagree.
-    #[error("the net has {given} points in {direction}, the knots want {needed}")]
+    #[error("the net has {given} points in {direction}, but the knots require {needed}")]
     Size {
         /// `u` or `v`.
         direction: char,
@@ -58,17 +58,17 @@ pub enum SurfaceError {
 /// parameter.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Frame {
-    /// S.
+    /// Point S(u, v), m.
     pub point: Point3,
-    /// S_u.
+    /// First derivative S_u.
     pub du: Vector3,
-    /// S_v.
+    /// First derivative S_v.
     pub dv: Vector3,
-    /// S_uu.
+    /// Second derivative S_uu.
     pub duu: Vector3,
-    /// S_uv.
+    /// Mixed derivative S_uv.
     pub duv: Vector3,
-    /// S_vv.
+    /// Second derivative S_vv.
     pub dvv: Vector3,
 }
 
@@ -87,6 +87,20 @@ impl Surface {
     ///
     /// # Errors
     /// Sizes that disagree, or weights that are not positive and finite.
+    ///
+    /// # Examples
+    /// ```
+    /// use palpate_geometry::basis::KnotVector;
+    /// use palpate_geometry::math::Point3;
+    /// use palpate_geometry::surface::{ControlNet, Surface};
+    /// // A bilinear patch over the unit square.
+    /// let corners = [[0.0, 0.0], [0.0, 1.0], [1.0, 0.0], [1.0, 1.0]];
+    /// let points = corners.map(|[x, y]| Point3::new(x, y, x * y)).to_vec();
+    /// let knots = KnotVector::clamped_uniform(1, 2)?;
+    /// let surface = Surface::new(knots.clone(), knots, ControlNet::new(2, 2, points)?, None)?;
+    /// assert_eq!(surface.point(0.5, 0.5), Point3::new(0.5, 0.5, 0.25));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     pub fn new(
         knots_u: KnotVector,
         knots_v: KnotVector,
@@ -151,7 +165,7 @@ impl Surface {
         }
     }
 
-    /// The same surface with its outward side at `-(S_u × S_v)`.
+    /// Returns this surface with its outward side at `-(S_u × S_v)` if `flip` is true.
     pub fn with_flip_normal(mut self, flip: bool) -> Self {
         self.flip_normal = flip;
         self
@@ -215,6 +229,16 @@ impl Surface {
     }
 
     /// S and its derivatives to order 2, parameters confined to the domain.
+    ///
+    /// # Examples
+    /// ```
+    /// use palpate_geometry::surface::builtin;
+    /// let sphere = builtin("sphere", None, Some(0.02))?;
+    /// let frame = sphere.frame(0.3, 0.4);
+    /// let normal = sphere.normal(0.3, 0.4);
+    /// assert!(normal.dot(&frame.du).abs() < 1e-12 && normal.dot(&frame.dv).abs() < 1e-12);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     pub fn frame(&self, u: f64, v: f64) -> Frame {
         self.frame_from(u, v, Side::Right, Side::Right)
     }

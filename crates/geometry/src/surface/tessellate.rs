@@ -18,7 +18,7 @@ use crate::math::{Point3, Vector3};
 /// Most corners of a mesh.
 const MOST_CORNERS: usize = 1 << 24;
 
-/// Why there is no mesh.
+/// Why a surface was not tessellated.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum TessellateError {
     /// Not a length.

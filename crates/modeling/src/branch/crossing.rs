@@ -20,7 +20,7 @@ pub(super) fn crossing_pairs(mesh: &Mesh, most: usize) -> Vec<[usize; 2]> {
     if mesh.triangles.is_empty() {
         return Vec::new();
     }
-    let tree = Tree::new(mesh);
+    let tree = CrossingTree::new(mesh);
     let mut pairs = Vec::new();
     let mut open = vec![(0, 0)];
     while let Some((a, b)) = open.pop() {
@@ -44,14 +44,14 @@ pub(super) fn crossing_pairs(mesh: &Mesh, most: usize) -> Vec<[usize; 2]> {
     pairs
 }
 
-struct Node {
+struct CrossingNode {
     low: Point3,
     high: Point3,
     range: [usize; 2],
     children: Option<[usize; 2]>,
 }
 
-impl Node {
+impl CrossingNode {
     fn meets(&self, other: &Self) -> bool {
         (0..3).all(|c| self.low[c] <= other.high[c] && other.low[c] <= self.high[c])
     }
@@ -61,14 +61,14 @@ impl Node {
     }
 }
 
-struct Tree {
-    nodes: Vec<Node>,
+struct CrossingTree {
+    nodes: Vec<CrossingNode>,
     order: Vec<usize>,
     /// Volumes that are rounding, m³.
     flat: f64,
 }
 
-impl Tree {
+impl CrossingTree {
     fn new(mesh: &Mesh) -> Self {
         let mut tree = Self {
             nodes: Vec::new(),
@@ -92,7 +92,7 @@ impl Tree {
             }
         }
         let number = self.nodes.len();
-        self.nodes.push(Node {
+        self.nodes.push(CrossingNode {
             low,
             high,
             range,
@@ -113,7 +113,14 @@ impl Tree {
         number
     }
 
-    fn test(&self, mesh: &Mesh, x: &Node, y: &Node, same: bool, pairs: &mut Vec<[usize; 2]>) {
+    fn test(
+        &self,
+        mesh: &Mesh,
+        x: &CrossingNode,
+        y: &CrossingNode,
+        same: bool,
+        pairs: &mut Vec<[usize; 2]>,
+    ) {
         for i in x.range[0]..x.range[1] {
             let others = if same { i + 1 } else { y.range[0] }..y.range[1];
             for j in others {

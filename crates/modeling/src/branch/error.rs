@@ -41,7 +41,7 @@ impl fmt::Display for Rule {
     }
 }
 
-/// Why there is no surface, or why a surface is no branching net.
+/// Why a tree was rejected, or why a surface is not a branching net.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum BranchError {
     /// A tree that would not be smooth.
@@ -69,7 +69,7 @@ pub enum BranchError {
         allowed: &'static str,
     },
     /// More than anyone wants.
-    #[error("the tree asks for {what} = {value}; at most {most} are made")]
+    #[error("the tree has {what} = {value}; at most {most} are supported")]
     TooLarge {
         /// What there is too much of.
         what: &'static str,
@@ -79,14 +79,14 @@ pub enum BranchError {
         most: usize,
     },
     /// A surface whose knots or net do not have the shape of a branching net.
-    #[error("no branching net: {what}; {mend}")]
+    #[error("not a branching net: {what}; {mend}")]
     NotBranched {
         /// What is missing, and where.
         what: String,
         /// What to change.
         mend: &'static str,
     },
-    /// Knots.
+    /// The knots are invalid.
     #[error(transparent)]
     Knots(#[from] KnotError),
     /// The net: coordinates that are not finite.

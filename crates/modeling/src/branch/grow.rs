@@ -37,6 +37,19 @@ pub struct BranchingSurface {
 /// # Errors
 /// A number out of range, or the rule (R1 to R4) that the tree breaks, with the place and how to
 /// mend it.
+///
+/// # Examples
+/// ```
+/// use palpate_modeling::branch::{Measures, Tree, grow};
+/// let tree: Tree = toml::from_str(include_str!(concat!(
+///     env!("CARGO_MANIFEST_DIR"),
+///     "/src/branch/data/y.toml"
+/// )))?;
+/// let grown = grow(&tree)?;
+/// let (measures, _mesh) = Measures::of(&grown.surface, &grown.patches);
+/// assert!(measures.misses(1e-6).is_empty());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn grow(tree: &Tree) -> Result<BranchingSurface, BranchError> {
     super::check::check(tree)?;
     grow_unchecked(tree)

@@ -52,13 +52,13 @@ pub struct Joint {
 
 /// A border of a patch, walked from s = 0 to 1.
 #[derive(Clone, Copy, Debug)]
-struct Edge {
+struct JointEdge {
     u: [f64; 2],
     v: [f64; 2],
     sides: [Side; 2],
 }
 
-impl Edge {
+impl JointEdge {
     /// The border at one end of u.
     fn across(patch: &Patch, end: usize) -> Self {
         Self {
@@ -114,17 +114,17 @@ impl Edge {
 /// All joints of the distinct patches, measured; the table is the surface's own.
 pub fn joints(surface: &Surface, table: &PatchTable) -> Vec<Joint> {
     let mut joints = Vec::new();
-    let normals_of = |sides: [Edge; 2]| Meeting::of(surface, sides);
+    let normals_of = |sides: [JointEdge; 2]| Meeting::of(surface, sides);
     for patch in table.distinct().filter(|patch| patch.arc == 1) {
         let other = table.patch(patch.part, patch.leaf, 2);
         for (kind, sides) in [
             (
                 JointKind::Front,
-                [Edge::across(patch, 0), Edge::across(other, 1)],
+                [JointEdge::across(patch, 0), JointEdge::across(other, 1)],
             ),
             (
                 JointKind::Back,
-                [Edge::across(patch, 1), Edge::across(other, 0)],
+                [JointEdge::across(patch, 1), JointEdge::across(other, 0)],
             ),
         ] {
             joints.push(normals_of(sides).named(kind, patch, other));
@@ -134,14 +134,20 @@ pub fn joints(surface: &Surface, table: &PatchTable) -> Vec<Joint> {
         .distinct()
         .filter(|patch| patch.part + 1 < table.parts)
     {
-        let edge = Edge::along(patch, 1);
+        let edge = JointEdge::along(patch, 1);
         let below = table.patch(patch.part + 1, patch.leaf, patch.arc);
         let beside = table
             .distinct()
             .filter(|other| other.part == patch.part && other.arc != patch.arc);
         let found = beside
-            .map(|other| (JointKind::Arch, other, Edge::along(other, 1).reversed()))
-            .chain([(JointKind::Outline, below, Edge::along(below, 0))])
+            .map(|other| {
+                (
+                    JointKind::Arch,
+                    other,
+                    JointEdge::along(other, 1).reversed(),
+                )
+            })
+            .chain([(JointKind::Outline, below, JointEdge::along(below, 0))])
             .map(|candidate| (edge.distance(&candidate.2, surface), candidate))
             .min_by(|a, b| a.0.total_cmp(&b.0));
         // An arch is found from both its sides.
@@ -161,7 +167,7 @@ struct Meeting {
 }
 
 impl Meeting {
-    fn of(surface: &Surface, sides: [Edge; 2]) -> Self {
+    fn of(surface: &Surface, sides: [JointEdge; 2]) -> Self {
         let mut worst = Self {
             gap_m: 0.0,
             angle_deg: 0.0,

@@ -48,7 +48,7 @@ pub(super) struct Groups(pub Vec<Vec<usize>>);
 
 /// A piece of a knot vector between knots where the surface creases or ends.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Piece {
+struct NetPiece {
     range: [f64; 2],
     points: [usize; 2],
     /// The knot after it has full multiplicity.
@@ -115,12 +115,12 @@ impl PatchTable {
         let arcs = arcs(surface)?;
         let parts = parts(surface)?;
         let tolerance = SAME_POINT * surface.size();
-        let same = |part: &Piece, a: usize, b: usize| {
+        let same = |part: &NetPiece, a: usize, b: usize| {
             (0..2).all(|arc| {
                 deviation(surface, arcs[2 * a + arc], arcs[2 * b + arc], part) <= tolerance
             })
         };
-        let group = |part: &Piece| {
+        let group = |part: &NetPiece| {
             let mut of: Vec<usize> = Vec::new();
             for leaf in 0..arcs.len() / 2 {
                 of.push(
@@ -174,7 +174,7 @@ impl PatchTable {
 }
 
 /// Greatest distance between the control points of two arcs in a part, m.
-fn deviation(surface: &Surface, a: Piece, b: Piece, part: &Piece) -> f64 {
+fn deviation(surface: &Surface, a: NetPiece, b: NetPiece, part: &NetPiece) -> f64 {
     let [first, last] = a.points;
     let mut worst = 0.0_f64;
     for k in 0..=last - first {
@@ -188,9 +188,9 @@ fn deviation(surface: &Surface, a: Piece, b: Piece, part: &Piece) -> f64 {
 }
 
 /// Pieces of a direction, cut at knots of multiplicity `degree` and more.
-fn pieces(knots: &KnotVector) -> Vec<Piece> {
+fn pieces(knots: &KnotVector) -> Vec<NetPiece> {
     let degree = knots.degree();
-    let mut pieces: Vec<Piece> = Vec::new();
+    let mut pieces: Vec<NetPiece> = Vec::new();
     let mut start = knots.domain().0;
     for i in knots.spans() {
         let end = knots.knots()[i + 1];
@@ -200,7 +200,7 @@ fn pieces(knots: &KnotVector) -> Vec<Piece> {
                 knots.span(start, Side::Right) - degree,
                 knots.span(end, Side::Left),
             ];
-            pieces.push(Piece {
+            pieces.push(NetPiece {
                 range: [start, end],
                 points,
                 disjoined: multiplicity > degree,
@@ -227,10 +227,10 @@ fn clamped(knots: &KnotVector, name: char) -> Result<(), BranchError> {
 
 /// Arcs, two a leaf. Pieces without extent, where a last point was repeated before disjoining, are
 /// passed over.
-fn arcs(surface: &Surface) -> Result<Vec<Piece>, BranchError> {
+fn arcs(surface: &Surface) -> Result<Vec<NetPiece>, BranchError> {
     let knots = surface.knots_u();
     clamped(knots, 'u')?;
-    let mut arcs: Vec<Piece> = Vec::new();
+    let mut arcs: Vec<NetPiece> = Vec::new();
     for piece in pieces(knots) {
         let [first, last] = piece.points;
         let net = surface.net();
@@ -258,7 +258,7 @@ fn arcs(surface: &Surface) -> Result<Vec<Piece>, BranchError> {
             mend,
         ));
     }
-    let shape = |arc: &Piece| (arc.points[1] - arc.points[0], arc.range[1] - arc.range[0]);
+    let shape = |arc: &NetPiece| (arc.points[1] - arc.points[0], arc.range[1] - arc.range[0]);
     if let Some(other) = arcs.iter().find(|arc| shape(arc) != shape(&arcs[0])) {
         let what = format!(
             "the arc at u = {} has other points or another length than the first",
@@ -273,7 +273,7 @@ fn arcs(surface: &Surface) -> Result<Vec<Piece>, BranchError> {
 }
 
 /// Parts of v, each disjoined from the next.
-fn parts(surface: &Surface) -> Result<Vec<Piece>, BranchError> {
+fn parts(surface: &Surface) -> Result<Vec<NetPiece>, BranchError> {
     let knots = surface.knots_v();
     clamped(knots, 'v')?;
     let parts = pieces(knots);

@@ -12,7 +12,7 @@ use serde::Serialize;
 /// A rule that a net breaks.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Broken {
-    /// Which.
+    /// The rule that is broken.
     pub rule: Rule,
     /// Tube, joint or arc, and row of the net (v), or columns (u).
     pub place: String,
@@ -29,7 +29,7 @@ pub(super) fn broken(surface: &Surface, table: &PatchTable) -> Vec<Broken> {
     };
     let mut broken = Vec::new();
     for patch in table.distinct().filter(|patch| patch.arc == 1) {
-        for joint in Joint::ALL {
+        for joint in JointAngle::ALL {
             net.lines(patch, joint, &mut broken);
             net.plane(patch, joint, &mut broken);
         }
@@ -49,12 +49,12 @@ pub(super) fn broken(surface: &Surface, table: &PatchTable) -> Vec<Broken> {
 }
 
 #[derive(Clone, Copy, Debug)]
-enum Joint {
+enum JointAngle {
     Front,
     Back,
 }
 
-impl Joint {
+impl JointAngle {
     const ALL: [Self; 2] = [Self::Front, Self::Back];
 
     fn name(self) -> &'static str {
@@ -77,11 +77,11 @@ impl Net<'_> {
     }
 
     /// Control points before, on and after a joint.
-    fn around(&self, patch: &Patch, joint: Joint, row: usize) -> [Point3; 3] {
+    fn around(&self, patch: &Patch, joint: JointAngle, row: usize) -> [Point3; 3] {
         let other = self.table.patch(patch.part, patch.leaf, 2);
         let columns = match joint {
-            Joint::Front => [other.columns[1] - 1, patch.columns[0], patch.columns[0] + 1],
-            Joint::Back => [patch.columns[1] - 1, patch.columns[1], other.columns[0] + 1],
+            JointAngle::Front => [other.columns[1] - 1, patch.columns[0], patch.columns[0] + 1],
+            JointAngle::Back => [patch.columns[1] - 1, patch.columns[1], other.columns[0] + 1],
         };
         columns.map(|column| self.at(column, row))
     }
@@ -108,7 +108,7 @@ impl Net<'_> {
     }
 
     /// R1 in rows away from a fork: neighbours on a line with the joint, at one ratio.
-    fn lines(&self, patch: &Patch, joint: Joint, out: &mut Vec<Broken>) {
+    fn lines(&self, patch: &Patch, joint: JointAngle, out: &mut Vec<Broken>) {
         let last = patch.rows[1] - if self.on_a_fork(patch) { 2 } else { 0 };
         let mut worst = (0.0, 0);
         let mut ratio = None;
@@ -128,7 +128,7 @@ impl Net<'_> {
     }
 
     /// R1 at a fork: neighbours in one plane in inverted T, open book and the q rows above.
-    fn plane(&self, patch: &Patch, joint: Joint, out: &mut Vec<Broken>) {
+    fn plane(&self, patch: &Patch, joint: JointAngle, out: &mut Vec<Broken>) {
         if !self.on_a_fork(patch) {
             return;
         }
@@ -214,7 +214,7 @@ impl Net<'_> {
         self.at(column, t - 1) - self.at(column, t)
     }
 
-    /// The same in the middle of an arc.
+    /// The rise from inverted T to open book in the middle of an arc.
     fn rise(&self, patch: &Patch) -> Vector3 {
         self.up((patch.columns[0] + patch.columns[1]) / 2, patch.rows[1])
     }

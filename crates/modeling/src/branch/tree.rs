@@ -84,7 +84,7 @@ pub struct Branch {
     /// (q) from the middle of each tilted row to its joints, towards the arch; fractions of the
     /// width, from the fork up.
     pub front: Vec<f64>,
-    /// The same where the free rows begin; it fades to 0 at the end.
+    /// Like `front`, where the free rows begin; it fades to 0 at the end.
     pub free_front: f64,
     /// From the joints to the control points beside them, fraction of the width, in every row from
     /// the first tilted one.
@@ -101,7 +101,7 @@ pub struct Branch {
     pub twist_deg: f64,
     /// The section at its end.
     pub end: End,
-    /// h1 of its own fork, and the step of rows that only pass a level, m; a free step unless told.
+    /// h1 of its own fork, and the step of rows that only pass a level, m; a free step by default.
     #[serde(default)]
     pub layer_m: Option<f64>,
     /// Where it divides again.

@@ -78,7 +78,7 @@ impl Bernstein {
         }
     }
 
-    /// The same polynomial in a degree at least its own.
+    /// Returns this polynomial in a degree at least its own.
     pub fn elevated(&self, degree: usize) -> Self {
         debug_assert!(degree >= self.degree(), "elevation goes up");
         if degree == self.degree() {

@@ -11,7 +11,7 @@ use super::{Status, System, grid};
 pub struct Limits {
     /// Boxes of the search to the last digit.
     pub budget: usize,
-    /// Boxes of the coarse search that tells a curve of roots, once the budget is used up.
+    /// Boxes of the coarse search that detects a curve of roots, once the budget is used up.
     pub coarse_budget: usize,
     /// Only roots with s ≤ t: for systems that are the same when s and t are swapped.
     pub half: bool,
@@ -41,7 +41,7 @@ pub struct Root {
 pub struct Found {
     /// In ascending order of s, then t.
     pub roots: Vec<Root>,
-    /// Where roots may be that could not be told apart: points of [0, 1]², or curves of roots.
+    /// Where roots may be that could not be separated: points of [0, 1]², or curves of roots.
     pub clusters: Vec<Cluster>,
     /// What the answer rests on.
     pub status: Status,
@@ -60,7 +60,7 @@ const COARSE: f64 = 1e-2;
 const CHAIN: usize = 64;
 /// Uniqueness is used from this contraction on: Newton's method then converges from the middle.
 const CONTRACTION: f64 = 0.75;
-/// A root so little outside the square is on its edge: the equations are no more exact.
+/// A root so little outside the square is on its edge: the equations are not known more exactly.
 const EDGE: f64 = 1e-12;
 
 /// How many times its extent a chain is widened for its verification: where rounding is large, only
@@ -88,7 +88,7 @@ pub struct PairSolver {
 
 /// What a search leaves.
 #[derive(Default)]
-struct Search {
+struct PairSearch {
     roots: Vec<Root>,
     pending: Vec<Area>,
     boxes: usize,
@@ -119,8 +119,8 @@ impl PairSolver {
     }
 
     /// Depth first, so that the coefficients of waiting boxes are a stack too.
-    fn search(&mut self, system: &System, half: bool, narrowest: f64, budget: usize) -> Search {
-        let mut search = Search::default();
+    fn search(&mut self, system: &System, half: bool, narrowest: f64, budget: usize) -> PairSearch {
+        let mut search = PairSearch::default();
         self.stack.clear();
         self.coefficients.clear();
         self.push(
@@ -170,7 +170,7 @@ impl PairSolver {
         area: Area,
         noise: [f64; 2],
         narrowest: f64,
-        search: &mut Search,
+        search: &mut PairSearch,
     ) {
         let local = Local {
             degree,
@@ -302,7 +302,7 @@ impl PairSolver {
     }
 
     /// Verifies what is pending, this time with room around it, and puts everything in order.
-    fn settled(&mut self, system: &System, search: Search, limits: &Limits) -> Found {
+    fn settled(&mut self, system: &System, search: PairSearch, limits: &Limits) -> Found {
         let mut found = Found {
             roots: search.roots,
             boxes: search.boxes,

@@ -14,7 +14,7 @@ const CURVE: f64 = 0.05;
 /// Roots so little outside [0, 1] are on its edge.
 const EDGE: f64 = 1e-9;
 
-/// A root, or a part of [0, 1] in which roots cannot be told from rounding.
+/// A root, or a part of [0, 1] in which roots cannot be distinguished from rounding.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SingleRoot {
     /// The best parameter.
@@ -30,7 +30,7 @@ pub struct SingleRoot {
 /// All roots.
 #[derive(Clone, Debug, Default)]
 pub struct SingleSolution {
-    /// Ascending.
+    /// All roots, in ascending order.
     pub roots: Vec<SingleRoot>,
     /// What the answer rests on.
     pub status: Status,
@@ -111,7 +111,7 @@ fn looked_at_again(p: &Bernstein, root: SingleRoot) -> Option<SingleRoot> {
         return Some(root);
     }
     let at = low + bisect(&part) * (high - low);
-    // A root so little outside is on the edge: the polynomial is no more exact.
+    // A root so little outside is on the edge: the polynomial is not known more exactly.
     let inside = (-EDGE..=1.0 + EDGE).contains(&at);
     inside.then_some(SingleRoot {
         at: at.clamp(0.0, 1.0),

@@ -104,7 +104,7 @@ impl Tensor {
         self
     }
 
-    /// The same polynomial in degrees at least its own.
+    /// Returns this polynomial in degrees at least its own.
     pub fn elevated(&self, degree: [usize; 2]) -> Self {
         let [p, q] = self.degree;
         let in_s = if degree[0] > p {

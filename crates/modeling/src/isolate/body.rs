@@ -2,7 +2,7 @@
 
 use super::IsolateError;
 use super::bvh::{Block, Bvh};
-use super::grid::Grid;
+use super::grid::CellGrid;
 use super::triangle::{Crossing, crossing};
 use palpate_geometry::math::Vector3;
 use palpate_geometry::surface::Surface;
@@ -56,7 +56,7 @@ impl Body {
         if !topology.is_closed() {
             return Err(IsolateError::Open { body: number });
         }
-        let grid = Grid::new(surface, &topology, cells)?;
+        let grid = CellGrid::new(surface, &topology, cells)?;
         let (volume, _) = grid.volume_and_centroid();
         let size = surface.size();
         if grid.triangles.is_empty()

@@ -10,7 +10,7 @@ const UNDECIDED: f64 = 0.05;
 
 /// Which displacement.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Rule {
+pub(super) enum DirectionRule {
     /// 1: from the farthest pair of all.
     Farthest,
     /// 2: components of the farthest pair of region 1, signs by the extents.
@@ -27,11 +27,11 @@ pub(super) enum Rule {
 
 /// What a step moves by.
 pub(super) fn displacement(
-    rule: Rule,
+    rule: DirectionRule,
     pair: &Pair<'_>,
     translation: &Vector3,
 ) -> Result<Vector3, Reason> {
-    if rule == Rule::Farthest {
+    if rule == DirectionRule::Farthest {
         let by = pair.moved_by(translation);
         let moving: Vec<Vector3> = pair.moving.points.iter().map(|p| p + by).collect();
         return Ok(farthest(&moving, &pair.fixed.points));
@@ -41,7 +41,7 @@ pub(super) fn displacement(
         NoRegions::Coincident => Reason::Coincident,
     })?;
     let signed = by_extents(pair, translation, &regions.region_1().farthest);
-    if rule == Rule::FarthestOfRegion {
+    if rule == DirectionRule::FarthestOfRegion {
         return Ok(signed);
     }
     // The step length of all the others, the largest component, depends on the axes; the thesis has
@@ -57,7 +57,11 @@ pub(super) fn starts(pair: &Pair<'_>) -> Vec<Vector3> {
     match Regions::new(pair, &at) {
         Ok(regions) => {
             let signed = by_extents(pair, &at, &regions.region_1().farthest);
-            for rule in [Rule::Blend(0.5, 0.5), Rule::Centroids, Rule::Normals] {
+            for rule in [
+                DirectionRule::Blend(0.5, 0.5),
+                DirectionRule::Centroids,
+                DirectionRule::Normals,
+            ] {
                 found.extend(unit(rule, pair, &at, &regions, &signed).ok());
             }
         }
@@ -67,23 +71,23 @@ pub(super) fn starts(pair: &Pair<'_>) -> Vec<Vector3> {
 }
 
 fn unit(
-    rule: Rule,
+    rule: DirectionRule,
     pair: &Pair<'_>,
     translation: &Vector3,
     regions: &Regions,
     signed: &Vector3,
 ) -> Result<Vector3, Reason> {
     match rule {
-        Rule::Farthest | Rule::FarthestOfRegion => {
+        DirectionRule::Farthest | DirectionRule::FarthestOfRegion => {
             signed.try_normalize(0.0).ok_or(Reason::NoNormal)
         }
-        Rule::Normal => {
+        DirectionRule::Normal => {
             let normal = regions.region_1().normal.ok_or(Reason::NoNormal)?;
             Ok(sided(normal, pair, translation, signed))
         }
-        Rule::Normals => normals(pair, translation, regions, signed),
-        Rule::Centroids => centroids(pair, translation),
-        Rule::Blend(a, b) => {
+        DirectionRule::Normals => normals(pair, translation, regions, signed),
+        DirectionRule::Centroids => centroids(pair, translation),
+        DirectionRule::Blend(a, b) => {
             let by_normals = if a > 0.0 {
                 Some(normals(pair, translation, regions, signed)?)
             } else {

@@ -11,14 +11,14 @@ use palpate_geometry::surface::{Surface, Topology};
 
 /// Most corners of a mesh.
 pub(super) const MOST_CORNERS: usize = 1 << 20;
-/// Cells to a knot span, and the fewest and most in a direction, where nobody says how many.
+/// Default number of cells per knot span, and the smallest and largest number in a direction.
 const CELLS_PER_SPAN: usize = 3;
 const FEWEST_CELLS: usize = 24;
 const MOST_CELLS: usize = 96;
 
 /// Corners and triangles, counter-clockwise seen from outside.
 #[derive(Clone, Debug)]
-pub(super) struct Grid {
+pub(super) struct CellGrid {
     pub points: Vec<Vector3>,
     pub triangles: Vec<[u32; 3]>,
 }
@@ -29,7 +29,7 @@ pub(super) fn usual_cells(surface: &Surface) -> [usize; 2] {
         .map(|knots| (CELLS_PER_SPAN * knots.spans().count()).clamp(FEWEST_CELLS, MOST_CELLS))
 }
 
-impl Grid {
+impl CellGrid {
     /// A closed surface over `cells` in u and v.
     ///
     /// # Errors

@@ -7,7 +7,9 @@
 
 use super::grid;
 use super::pair::Pair;
-use super::{Body, IsolateError, IsolateSpec, Isolated, Reason, Resolution, Status, isolate_ready};
+use super::{
+    Body, IsolateError, IsolateSpec, IsolateStatus, Isolated, Reason, Resolution, isolate_ready,
+};
 use palpate_geometry::math::Vector3;
 use palpate_geometry::surface::Surface;
 
@@ -107,8 +109,8 @@ pub fn isolate_all(surfaces: &[Surface], spec: &IsolateSpec) -> Result<IsolatedA
                 );
                 let answer = isolate_ready(a, b, &start, spec)?;
                 match answer.status {
-                    Status::Apart => {}
-                    Status::Isolated => {
+                    IsolateStatus::Apart => {}
+                    IsolateStatus::Isolated => {
                         all.translations_m[moving] += answer.translation_m;
                         all.moves.push(Move {
                             pass,
@@ -118,7 +120,7 @@ pub fn isolate_all(surfaces: &[Surface], spec: &IsolateSpec) -> Result<IsolatedA
                         });
                         last = Some((moving, fixed));
                     }
-                    Status::Failed(reason) => {
+                    IsolateStatus::Failed(reason) => {
                         all.unsettled = Some(Unsettled::Pair {
                             moving,
                             fixed,

@@ -36,18 +36,20 @@ mod triangle;
 
 pub use body::Body;
 pub use many::{IsolatedAll, Move, Unsettled, isolate_all};
-pub use spec::{IsolateError, IsolateSpec, Isolated, Method, Reason, Resolution, Status};
+pub use spec::{
+    IsolateError, IsolateMethod, IsolateSpec, IsolateStatus, Isolated, Reason, Resolution,
+};
 
-use self::directions::Rule;
+use self::directions::DirectionRule;
 use self::pair::Pair;
 use self::regions::Regions;
-use self::search::{Limit, Search};
+use self::search::{SearchLimit, TranslationSearch};
 use self::settle::Exact;
 use self::steps::{Stepped, best_of_blends, stepped};
 use palpate_geometry::math::Vector3;
 use palpate_geometry::surface::Surface;
 
-/// Gap where nobody asks for one, as a share of the diagonal of the box round both bodies.
+/// Default gap, relative to the diagonal of the box around both bodies.
 const USUAL_GAP: f64 = 1e-3;
 /// Least gap, as a share of the same: below it the digits of a translation end.
 const LEAST_GAP: f64 = 1e-9;
@@ -70,6 +72,19 @@ const MOST_HALVINGS: usize = 3;
 /// let answer = isolate(&moving, &fixed, &IsolateSpec { gap_m: Some(1e-4), ..IsolateSpec::default() })?;
 /// // Radii of 0.05 m, centres 0.08 m apart: 0.02 m and the gap are missing.
 /// assert!((answer.translation_m - Vector3::new(0.02, 0.0, 0.0)).norm() < 2e-4);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// # Examples
+/// ```
+/// use palpate_geometry::surface::builtin;
+/// use palpate_modeling::isolate::{IsolateSpec, isolate};
+/// let fixed = builtin("sphere", None, Some(1.0))?; // radius 1 m
+/// let mut moving = fixed.clone();
+/// moving.net_mut().points_mut().iter_mut().for_each(|point| point.x += 1.9);
+/// let answer = isolate(&moving, &fixed, &IsolateSpec::default())?;
+/// assert!(answer.is_apart());
+/// assert!((0.1..0.11).contains(&answer.translation_m.norm()));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn isolate(
@@ -105,7 +120,7 @@ pub fn isolate_ready(
     let asked = Asked::new(&pair, spec)?;
     let mut exact = spec.exact.then(|| Exact::new(moving.0, fixed.0));
     let mut answer = asked.answer(&mut pair, exact.as_mut(), spec);
-    if spec.resolution != Resolution::Halving || answer.status != Status::Isolated {
+    if spec.resolution != Resolution::Halving || answer.status != IsolateStatus::Isolated {
         return Ok(answer);
     }
     for _ in 0..MOST_HALVINGS {
@@ -117,15 +132,15 @@ pub fn isolate_ready(
         let mut pair = Pair::new(&finer.0, &finer.1, *start);
         // The basin is known by now: the finer triangles only move its bottom.
         let again = match answer.method {
-            Method::Local | Method::Global | Method::Thorough => IsolateSpec {
-                method: Method::Local,
+            IsolateMethod::Local | IsolateMethod::Global | IsolateMethod::Thorough => IsolateSpec {
+                method: IsolateMethod::Local,
                 warm_m: Some(answer.contact_m),
                 ..*spec
             },
             method => IsolateSpec { method, ..*spec },
         };
         let next = asked.answer(&mut pair, exact.as_mut(), &again);
-        if next.status != Status::Isolated {
+        if next.status != IsolateStatus::Isolated {
             break;
         }
         let change_m = (next.contact_m.norm() - answer.contact_m.norm()).abs();
@@ -153,7 +168,7 @@ fn cells_of(surface: &Surface, spec: &IsolateSpec) -> [usize; 2] {
 /// A question that was checked.
 struct Asked {
     gap_m: f64,
-    limit: Limit,
+    limit: SearchLimit,
 }
 
 impl Asked {
@@ -176,7 +191,7 @@ impl Asked {
         }
         Ok(Self {
             gap_m,
-            limit: Limit {
+            limit: SearchLimit {
                 most_rad: spec.max_turn_deg.map(f64::to_radians),
             },
         })
@@ -190,7 +205,7 @@ impl Asked {
         spec: &IsolateSpec,
     ) -> Isolated {
         let mut answer = Isolated {
-            status: Status::Apart,
+            status: IsolateStatus::Apart,
             translation_m: Vector3::zeros(),
             contact_m: Vector3::zeros(),
             gap_m: None,
@@ -211,14 +226,14 @@ impl Asked {
             Ok((translation_m, gap_m)) => {
                 let moved = translation_m != Vector3::zeros();
                 answer.status = if moved {
-                    Status::Isolated
+                    IsolateStatus::Isolated
                 } else {
-                    Status::Apart
+                    IsolateStatus::Apart
                 };
                 (answer.translation_m, answer.gap_m) = (translation_m, Some(gap_m));
                 answer.turn_deg = pair.turn_rad(&translation_m).map(f64::to_degrees);
             }
-            Err(reason) => answer.status = Status::Failed(reason),
+            Err(reason) => answer.status = IsolateStatus::Failed(reason),
         }
         answer
     }
@@ -242,12 +257,13 @@ impl Asked {
         let found = self
             .by_method(pair, spec.method, spec.warm_m.as_ref())
             .or_else(|reason| {
-                let searched = matches!(spec.method, Method::Global | Method::Thorough);
+                let searched =
+                    matches!(spec.method, IsolateMethod::Global | IsolateMethod::Thorough);
                 if searched || !spec.fall_back {
                     return Err(reason);
                 }
-                (answer.method, answer.fell_back) = (Method::Global, Some(reason));
-                self.by_method(pair, Method::Global, None)
+                (answer.method, answer.fell_back) = (IsolateMethod::Global, Some(reason));
+                self.by_method(pair, IsolateMethod::Global, None)
             })?;
         (answer.contact_m, answer.steps) = (found.contact, found.steps);
         Ok(Some(found.along).filter(|along| along.norm_squared() > 0.0))
@@ -258,19 +274,19 @@ impl Asked {
     fn by_method(
         &self,
         pair: &mut Pair<'_>,
-        method: Method,
+        method: IsolateMethod,
         warm: Option<&Vector3>,
     ) -> Result<Stepped, Reason> {
         let limit = self.limit;
         let rule = match method {
-            Method::Farthest => Rule::Farthest,
-            Method::FarthestOfRegion => Rule::FarthestOfRegion,
-            Method::Normal => Rule::Normal,
-            Method::Normals => Rule::Normals,
-            Method::Centroids => Rule::Centroids,
-            Method::Blend => Rule::Blend(0.5, 0.5),
-            Method::BestBlend => return best_of_blends(pair, &limit),
-            Method::Local | Method::Global | Method::Thorough => {
+            IsolateMethod::Farthest => DirectionRule::Farthest,
+            IsolateMethod::FarthestOfRegion => DirectionRule::FarthestOfRegion,
+            IsolateMethod::Normal => DirectionRule::Normal,
+            IsolateMethod::Normals => DirectionRule::Normals,
+            IsolateMethod::Centroids => DirectionRule::Centroids,
+            IsolateMethod::Blend => DirectionRule::Blend(0.5, 0.5),
+            IsolateMethod::BestBlend => return best_of_blends(pair, &limit),
+            IsolateMethod::Local | IsolateMethod::Global | IsolateMethod::Thorough => {
                 return self.searched(pair, method, warm);
             }
         };
@@ -280,7 +296,7 @@ impl Asked {
     fn searched(
         &self,
         pair: &mut Pair<'_>,
-        method: Method,
+        method: IsolateMethod,
         warm: Option<&Vector3>,
     ) -> Result<Stepped, Reason> {
         let between = pair.between_centroids();
@@ -288,15 +304,15 @@ impl Asked {
         if self.limit.most_rad.is_some() && axis.is_none() {
             return Err(Reason::CoincidentCentroids);
         }
-        let mut search = Search {
+        let mut search = TranslationSearch {
             pair,
             limit: self.limit,
         };
-        let contact = if method == Method::Local {
+        let contact = if method == IsolateMethod::Local {
             search.local(warm)?
         } else {
             let (mut spread, descents) = match method {
-                Method::Thorough => (search::forty_two(), 3),
+                IsolateMethod::Thorough => (search::forty_two(), 3),
                 _ => (search::fourteen(), 2),
             };
             if let (Some(half_angle), Some(axis)) = (self.limit.most_rad, axis) {

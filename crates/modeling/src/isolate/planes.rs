@@ -5,9 +5,9 @@ use palpate_geometry::math::{Matrix3, Vector3};
 /// Vectors x with normal · x ≥ at_least.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct HalfSpace {
-    /// Unit.
+    /// Unit normal.
     pub normal: Vector3,
-    /// m.
+    /// Lower bound of the distance, m.
     pub at_least: f64,
 }
 

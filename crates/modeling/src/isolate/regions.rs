@@ -28,7 +28,7 @@ pub(super) struct Region {
     pub farthest: Vector3,
 }
 
-/// Why there are no regions.
+/// Why no regions were found.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum NoRegions {
     /// The meshes do not cross.
@@ -221,7 +221,7 @@ pub(super) fn farthest(a: &[Vector3], b: &[Vector3]) -> Vector3 {
     best.1
 }
 
-/// Along the first principal axis of the centres; where that is no axis, along the line through the
+/// Along the first principal axis of the centres; if it is not defined, along the line through the
 /// two farthest apart.
 fn sort(list: &mut [Region]) {
     let middle = list.iter().fold(Vector3::zeros(), |sum, r| sum + r.centre) / list.len() as f64;

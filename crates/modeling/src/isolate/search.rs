@@ -39,12 +39,12 @@ const SAME_WAY: f64 = 0.85;
 
 /// How far the vector of centroids may turn.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Limit {
+pub(super) struct SearchLimit {
     /// rad; `None` for any turn.
     pub most_rad: Option<f64>,
 }
 
-impl Limit {
+impl SearchLimit {
     pub fn allows(&self, pair: &Pair<'_>, translation: &Vector3) -> bool {
         // 1e-12: a turn by nothing is nothing but rounding.
         self.most_rad.is_none_or(|most| {
@@ -55,12 +55,12 @@ impl Limit {
 }
 
 /// A search on one pair.
-pub(super) struct Search<'a, 'b> {
+pub(super) struct TranslationSearch<'a, 'b> {
     pub pair: &'a mut Pair<'b>,
-    pub limit: Limit,
+    pub limit: SearchLimit,
 }
 
-impl Search<'_, '_> {
+impl TranslationSearch<'_, '_> {
     /// No overlap, and not turned too far.
     fn free(&mut self, translation: &Vector3) -> bool {
         self.limit.allows(self.pair, translation) && !self.pair.overlap(translation)

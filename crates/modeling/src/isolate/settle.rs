@@ -3,7 +3,7 @@
 use super::Reason;
 use super::pair::Pair;
 use super::planes::{HalfSpace, keep, shortest};
-use super::search::Limit;
+use super::search::SearchLimit;
 use palpate_geometry::contact::pair::{PairSide, PairSolver};
 use palpate_geometry::contact::{ContactSet, Reach};
 use palpate_geometry::math::Vector3;
@@ -32,7 +32,7 @@ const MOST_PUSHES: usize = 60;
 /// seen so far allow; then straight on.
 pub(super) fn settled(
     pair: &mut Pair<'_>,
-    limit: &Limit,
+    limit: &SearchLimit,
     from: &Vector3,
     along: Option<Vector3>,
     gap_m: f64,

@@ -5,7 +5,7 @@ use palpate_geometry::math::Vector3;
 /// Which way to isolate.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Method {
+pub enum IsolateMethod {
     /// 1: along the farthest pair of points of the bodies.
     Farthest,
     /// 2: by the components of the farthest pair in the main region, signs from the extents.
@@ -28,7 +28,7 @@ pub enum Method {
     Thorough,
 }
 
-impl Method {
+impl IsolateMethod {
     /// All of them.
     pub const ALL: [Self; 10] = [
         Self::Farthest,
@@ -82,7 +82,7 @@ pub enum Resolution {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct IsolateSpec {
     /// The way.
-    pub method: Method,
+    pub method: IsolateMethod,
     /// Gap to leave, m; the answer's is this to 1.3 times this. `None`: a thousandth of the
     /// diagonal of the box round both.
     pub gap_m: Option<f64>,
@@ -101,7 +101,7 @@ pub struct IsolateSpec {
 impl Default for IsolateSpec {
     fn default() -> Self {
         Self {
-            method: Method::Global,
+            method: IsolateMethod::Global,
             gap_m: None,
             max_turn_deg: None,
             resolution: Resolution::Usual,
@@ -117,11 +117,11 @@ impl Default for IsolateSpec {
 pub enum Reason {
     /// One body holds the other.
     #[error(
-        "the surfaces do not cross: one body is inside the other, and a region is what this method starts from"
+        "the surfaces do not cross: one body is inside the other, and this method needs an intersection region"
     )]
     NoRegion,
     /// Coplanar triangles.
-    #[error("the surfaces coincide in parts: their lines of intersection mean nothing")]
+    #[error("the surfaces coincide in parts, so their intersection lines are undefined")]
     Coincident,
     /// A region without a normal.
     #[error("the line of intersection encloses no area: it has no normal")]
@@ -130,7 +130,7 @@ pub enum Reason {
     #[error("the centres of mass coincide: there is no direction from one to the other")]
     CoincidentCentroids,
     /// The search had nowhere to start.
-    #[error("no direction to start from leads out, or none within the allowed turn")]
+    #[error("no starting direction separates the bodies within the allowed turn")]
     NoStart,
     /// Too many steps.
     #[error("still overlapping after {steps} steps")]
@@ -139,7 +139,7 @@ pub enum Reason {
         steps: u32,
     },
     /// The answer turns too far.
-    #[error("the translation found turns the bodies about each other by more than is allowed")]
+    #[error("the translation found turns the bodies about each other by more than the limit")]
     Turned,
     /// A gap that is not to be had.
     #[error("free of overlap, but there is no room for the gap")]
@@ -148,7 +148,7 @@ pub enum Reason {
 
 /// How it ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Status {
+pub enum IsolateStatus {
     /// The bodies were apart by at least the gap: nothing to do.
     Apart,
     /// Now they are.
@@ -161,7 +161,7 @@ pub enum Status {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Isolated {
     /// How it ended.
-    pub status: Status,
+    pub status: IsolateStatus,
     /// What to move the moving body by, m; zero when there is nothing to do, and when it failed.
     pub translation_m: Vector3,
     /// The translation at which the triangles first were free, before the gap, m.
@@ -174,7 +174,7 @@ pub struct Isolated {
     /// them is zero.
     pub turn_deg: Option<f64>,
     /// The method that gave the answer.
-    pub method: Method,
+    pub method: IsolateMethod,
     /// Why it is not the one asked for.
     pub fell_back: Option<Reason>,
     /// Steps of methods 1 to 7.
@@ -197,7 +197,7 @@ impl Isolated {
 
     /// Whether the bodies are apart after the translation.
     pub fn is_apart(&self) -> bool {
-        !matches!(self.status, Status::Failed(_))
+        !matches!(self.status, IsolateStatus::Failed(_))
     }
 }
 
@@ -255,6 +255,6 @@ pub enum IsolateError {
     #[error("the earlier answer to start from is not finite")]
     Warm,
     /// Too few bodies.
-    #[error("{0} body: isolating takes at least two")]
+    #[error("{0} body: isolation needs at least two")]
     TooFew(usize),
 }

@@ -2,9 +2,9 @@
 //! to contact.
 
 use super::Reason;
-use super::directions::{Rule, displacement};
+use super::directions::{DirectionRule, displacement};
 use super::pair::Pair;
-use super::search::Limit;
+use super::search::SearchLimit;
 use palpate_geometry::math::Vector3;
 
 /// Most steps, as in the thesis' worst cases and some more.
@@ -25,7 +25,11 @@ pub(super) struct Stepped {
 }
 
 /// Steps until the bodies are apart. The pair overlaps at first.
-pub(super) fn stepped(pair: &mut Pair<'_>, rule: Rule, limit: &Limit) -> Result<Stepped, Reason> {
+pub(super) fn stepped(
+    pair: &mut Pair<'_>,
+    rule: DirectionRule,
+    limit: &SearchLimit,
+) -> Result<Stepped, Reason> {
     let mut at = Vector3::zeros();
     for steps in 1..=MOST_STEPS {
         let step = displacement(rule, pair, &at)?;
@@ -61,7 +65,7 @@ pub(super) fn stepped(pair: &mut Pair<'_>, rule: Rule, limit: &Limit) -> Result<
 }
 
 /// Method 7: method 6 with five pairs of weights, the shortest.
-pub(super) fn best_of_blends(pair: &mut Pair<'_>, limit: &Limit) -> Result<Stepped, Reason> {
+pub(super) fn best_of_blends(pair: &mut Pair<'_>, limit: &SearchLimit) -> Result<Stepped, Reason> {
     let mut best: Result<Stepped, Reason> = Err(Reason::NoRegion);
     for (k, (a, b)) in [
         (1.0, 0.0),
@@ -73,7 +77,7 @@ pub(super) fn best_of_blends(pair: &mut Pair<'_>, limit: &Limit) -> Result<Stepp
     .into_iter()
     .enumerate()
     {
-        let found = stepped(pair, Rule::Blend(a, b), limit);
+        let found = stepped(pair, DirectionRule::Blend(a, b), limit);
         best = match (best, found) {
             (Ok(x), Ok(y)) => Ok(if y.contact.norm() < x.contact.norm() {
                 y

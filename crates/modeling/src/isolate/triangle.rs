@@ -41,7 +41,7 @@ impl Triangle {
         }
     }
 
-    /// The same triangle elsewhere.
+    /// Returns this triangle translated by `by`, m.
     pub fn moved(&self, by: &Vector3) -> Self {
         Self {
             corners: self.corners.map(|p| p + by),

@@ -8,7 +8,7 @@
 //! ```
 
 use super::layout::Layout;
-use palpate_geometry::basis::{Blending, KnotVector};
+use palpate_geometry::basis::{Blending, KnotError, KnotVector};
 use palpate_geometry::surface::{Direction, Surface};
 
 /// Lines of a strand by which parameters and knots are chosen.
@@ -27,14 +27,14 @@ pub(super) struct Strand {
 }
 
 /// Patches side by side.
-pub(super) struct Block {
+pub(super) struct KnotBlock {
     /// Of the patch, from 0 to 1, rising: where it is sampled; those hidden are left out.
     pub fractions: Vec<f64>,
     /// One for each place across.
     pub strands: Vec<Strand>,
 }
 
-impl Block {
+impl KnotBlock {
     /// The first and last fraction that shows.
     pub(super) fn shown(&self) -> (f64, f64) {
         (self.fractions[0], self.fractions[self.fractions.len() - 1])
@@ -46,7 +46,7 @@ pub(super) struct Axis {
     /// Of the merged surface.
     pub degree: usize,
     /// One after the other.
-    pub blocks: Vec<Block>,
+    pub blocks: Vec<KnotBlock>,
 }
 
 impl Axis {
@@ -66,7 +66,7 @@ impl Axis {
             Direction::U => block * layout.columns + strand,
             Direction::V => strand * layout.columns + block,
         };
-        let block = |b: usize| Block {
+        let block = |b: usize| KnotBlock {
             fractions: fractions[b].clone(),
             strands: (0..strands)
                 .map(|s| Strand::new(&turned[place(b, s)], direction, &fractions[b]))
@@ -193,8 +193,11 @@ fn combine(
     sum
 }
 
-/// The same knots over [0, 1].
-pub(super) fn normalised(knots: &KnotVector) -> KnotVector {
+/// Knots scaled to [0, 1].
+///
+/// # Errors
+/// A span that is too short beside the length of the domain to remain a span.
+pub(super) fn try_normalised(knots: &KnotVector) -> Result<KnotVector, KnotError> {
     let ((start, end), length) = (knots.domain(), knots.length());
     // Both ends come out exactly: (end − start) / length is 1.
     let share = |t: f64| {
@@ -208,5 +211,9 @@ pub(super) fn normalised(knots: &KnotVector) -> KnotVector {
         knots.degree(),
         knots.knots().iter().map(|&t| share(t)).collect(),
     )
-    .expect("clamped knots stay clamped when scaled")
+}
+
+/// Knots scaled to [0, 1], of a patch that `check_nets` let pass.
+pub(super) fn normalised(knots: &KnotVector) -> KnotVector {
+    try_normalised(knots).expect("patches whose knots cannot be scaled are refused at the door")
 }

@@ -1,12 +1,12 @@
 //! From patches and request to a plan.
 
-use super::axis::Axis;
+use super::axis::{Axis, try_normalised};
 use super::fit::Ends;
 use super::knots::{Knots, interiors};
 use super::layout::Layout;
 use super::plan::{BlockRows, Line, MergePlan};
 use super::search::{Choice, choose, parameters};
-use super::{DegreeRule, Hidden, MergeError, MergeSpec, Merged, Method, Turn, overlap};
+use super::{DegreeRule, Hidden, MergeError, MergeMethod, MergeSpec, Merged, Turn, overlap};
 use palpate_geometry::surface::{Direction, Surface};
 
 /// Rows and columns of points that a patch may be given.
@@ -31,6 +31,7 @@ impl Job {
     pub(super) fn new(surfaces: &[Surface], spec: &MergeSpec) -> Result<Self, MergeError> {
         check_spec(spec)?;
         check_nets(surfaces)?;
+        check_knots(surfaces)?;
         let layout = Layout::new(surfaces, spec.arrangement)?;
         let turned: Vec<Surface> = layout
             .places
@@ -45,7 +46,7 @@ impl Job {
         };
         let axes = [0, 1].map(|d| axis(d, &fractions[d]));
         let choices = match spec.method {
-            Method::Seed => axes
+            MergeMethod::Seed => axes
                 .each_ref()
                 .map(|axis| as_the_source(axis, spec.continuity)),
             _ => [0, 1].map(|d| {
@@ -53,7 +54,7 @@ impl Job {
                 choose(&axis(d, &thin), &axes[d], spec.continuity, spec.least_span)
             }),
         };
-        let ends = if spec.method == Method::Seed {
+        let ends = if spec.method == MergeMethod::Seed {
             Ends::Free
         } else {
             Ends::Held
@@ -184,6 +185,23 @@ pub(super) fn check_nets(surfaces: &[Surface]) -> Result<(), MergeError> {
         let finite = |p: &palpate_geometry::math::Point3| p.iter().all(|x| x.abs() < 1e30);
         if let Some(index) = surface.net().points().iter().position(|p| !finite(p)) {
             return Err(MergeError::NotFinite { patch, index });
+        }
+    }
+    Ok(())
+}
+
+/// Knots can be scaled to [0, 1] without losing a span.
+pub(super) fn check_knots(surfaces: &[Surface]) -> Result<(), MergeError> {
+    for (patch, surface) in surfaces.iter().enumerate() {
+        let clamped = surface.clamped();
+        for (direction, name) in [(Direction::U, 'u'), (Direction::V, 'v')] {
+            if let Err(source) = try_normalised(clamped.knots(direction)) {
+                return Err(MergeError::Spans {
+                    patch,
+                    direction: name,
+                    source,
+                });
+            }
         }
     }
     Ok(())

@@ -8,7 +8,7 @@ use palpate_geometry::surface::{Surface, file};
 
 /// Patches and how they are arranged.
 #[derive(Clone, Debug)]
-pub struct Case {
+pub struct MergeCase {
     /// 1 … 7.
     pub number: usize,
     /// What makes it hard.
@@ -90,8 +90,8 @@ const ENTRIES: [Entry; 7] = [
 ///
 /// # Panics
 /// When the files that come with the program are damaged: a test reads them.
-pub fn cases() -> Vec<Case> {
-    let case = |(k, (title, files, arrangement)): (usize, Entry)| Case {
+pub fn cases() -> Vec<MergeCase> {
+    let case = |(k, (title, files, arrangement)): (usize, Entry)| MergeCase {
         number: k + 1,
         title,
         patches: files

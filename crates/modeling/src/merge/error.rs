@@ -7,7 +7,7 @@ use palpate_geometry::surface::SurfaceError;
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum MergeError {
     /// Fewer than two.
-    #[error("{given} patches; a merge takes two or more")]
+    #[error("{given} patches; merging needs two or more")]
     TooFew {
         /// Patches given.
         given: usize,
@@ -19,9 +19,9 @@ pub enum MergeError {
     Arrangement {
         /// Patches given.
         given: usize,
-        /// Rows.
+        /// Number of rows.
         rows: usize,
-        /// Columns.
+        /// Number of columns.
         columns: usize,
     },
     /// More than two patches and no grid.
@@ -33,7 +33,7 @@ pub enum MergeError {
         given: usize,
     },
     /// Weights that differ.
-    #[error("patch {patch} is rational; a merge takes surfaces without weights: refit it first")]
+    #[error("patch {patch} is rational; merging requires surfaces without weights: refit it first")]
     Rational {
         /// Which patch, from 0.
         patch: usize,
@@ -48,6 +48,18 @@ pub enum MergeError {
         /// Which control point, u-major.
         index: usize,
     },
+    /// Knot spans of very different lengths.
+    #[error(
+        "the knots of patch {patch} in {direction} cannot be scaled to [0, 1]: {source}; remove or move the knots of its shortest span"
+    )]
+    Spans {
+        /// Which patch.
+        patch: usize,
+        /// `u` or `v` of the patch.
+        direction: char,
+        /// What is wrong with the scaled knots.
+        source: KnotError,
+    },
     /// The continuity is not below the degree.
     #[error("C{continuity} needs a degree above {continuity}, the merged degree is {degree} in {direction}: raise it first, or ask for C{}", degree - 1)]
     Continuity {
@@ -59,7 +71,9 @@ pub enum MergeError {
         direction: char,
     },
     /// An edge that is a point, or that the patch does not have because it is periodic there.
-    #[error("patch {patch} has no edge to join there: it goes round, or has shrunk to a point")]
+    #[error(
+        "patch {patch} has no edge to join there: the side is closed, or has collapsed to a point"
+    )]
     NoEdge {
         /// Which patch.
         patch: usize,
@@ -109,7 +123,7 @@ pub enum MergeError {
     },
     /// Fewer rows of points than control points.
     #[error(
-        "patch {patch} shows {rows} rows of points, too few for its {needed} control points: hide less, or ask for more points"
+        "patch {patch} shows {rows} rows of points, too few for its {needed} control points: exclude less, or use more points"
     )]
     TooFewRows {
         /// Which patch.
@@ -124,15 +138,15 @@ pub enum MergeError {
     Points {
         /// Asked for.
         given: usize,
-        /// Least.
+        /// Smallest possible number.
         least: usize,
-        /// Most.
+        /// Largest possible number.
         most: usize,
     },
     /// A number of the request that makes no sense.
     #[error("{name} is {value}; {wanted}")]
     Value {
-        /// Which.
+        /// Name of the quantity.
         name: &'static str,
         /// What it is.
         value: f64,
@@ -152,7 +166,7 @@ pub enum MergeError {
         gap_m: f64,
     },
     /// A request that the exact method does not take.
-    #[error("the exact method does not take {what}: use the constrained method")]
+    #[error("the exact method does not support {what}: use the constrained method")]
     NotExact {
         /// What it does not take.
         what: &'static str,

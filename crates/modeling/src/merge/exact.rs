@@ -11,7 +11,7 @@
 //! the seam and the seam itself do, and no others.
 
 use super::axis::{Axis, normalised};
-use super::build::{check_nets, check_spec, degrees, evenly};
+use super::build::{check_knots, check_nets, check_spec, degrees, evenly};
 use super::fit::Band;
 use super::layout::Layout;
 use super::overlap::gap_m;
@@ -32,6 +32,7 @@ const ROWS: usize = 41;
 pub(super) fn merge(surfaces: &[Surface], spec: &MergeSpec) -> Result<Merged, MergeError> {
     check_spec(spec)?;
     check_nets(surfaces)?;
+    check_knots(surfaces)?;
     for (unfit, what) in [
         (!spec.hidden.is_empty(), "hidden parts"),
         (spec.tolerance_m.is_some(), "a tolerance"),

@@ -42,7 +42,7 @@ impl LineFit {
         let inner = windows.columns - 2 * skip;
         let mut normal = Band::new(inner, windows.width);
         for (first, values) in windows.rows() {
-            // The held ends are no unknowns.
+            // The held ends are not unknowns.
             let cut = skip.saturating_sub(first);
             let start = (first + cut).saturating_sub(skip);
             let length = (values.len() - cut).min(inner.saturating_sub(start));

@@ -37,13 +37,13 @@ impl Layout {
     /// Lays the patches as asked, and refuses those that cannot be joined.
     ///
     /// # Errors
-    /// A count that does not fit, edges that are no edges, too far apart or meet in part only.
+    /// A count that does not fit, sides that are not edges, edges too far apart or meeting only in part.
     pub(super) fn new(surfaces: &[Surface], arrangement: Arrangement) -> Result<Self, MergeError> {
         let given = surfaces.len();
         if given < 2 {
             return Err(MergeError::TooFew { given });
         }
-        let grids: Vec<Grid> = surfaces.iter().map(Grid::new).collect();
+        let grids: Vec<PatchGrid> = surfaces.iter().map(PatchGrid::new).collect();
         let (layout, cost) = match arrangement {
             Arrangement::Closest | Arrangement::Edges(_) if given > 2 => {
                 return Err(MergeError::NoGrid { given });
@@ -91,14 +91,14 @@ impl Layout {
 }
 
 /// Places of a patch, evenly in its parameters.
-struct Grid {
+struct PatchGrid {
     points: Vec<Point3>,
     size_m: f64,
     /// u, v go round, or both ends meet.
     closed: [bool; 2],
 }
 
-impl Grid {
+impl PatchGrid {
     fn new(surface: &Surface) -> Self {
         let at = |knots: &palpate_geometry::basis::KnotVector, k: usize| {
             knots.domain().0 + knots.length() * (k as f64 / STEPS as f64)
@@ -154,7 +154,7 @@ fn length(edge: &[Point3]) -> f64 {
 }
 
 /// Mean distance of points that should meet, m; infinite where an edge is none.
-fn apart(grids: &[Grid], a: Placed, b: Placed, [at_a, at_b]: [Edge; 2]) -> f64 {
+fn apart(grids: &[PatchGrid], a: Placed, b: Placed, [at_a, at_b]: [Edge; 2]) -> f64 {
     let (one, other) = (&grids[a.patch], &grids[b.patch]);
     if !(one.joins(a.turn, at_a) && other.joins(b.turn, at_b)) {
         return f64::INFINITY;
@@ -164,7 +164,7 @@ fn apart(grids: &[Grid], a: Placed, b: Placed, [at_a, at_b]: [Edge; 2]) -> f64 {
 }
 
 /// Two patches: the first stays as it is, the second comes before or after it, in u or in v.
-fn pair(grids: &[Grid], named: Option<[Edge; 2]>) -> (Layout, f64) {
+fn pair(grids: &[PatchGrid], named: Option<[Edge; 2]>) -> (Layout, f64) {
     let a = Placed {
         patch: 0,
         turn: Turn::default(),
@@ -210,7 +210,7 @@ fn pair(grids: &[Grid], named: Option<[Edge; 2]>) -> (Layout, f64) {
 
 /// A grid: for each turn of the first patch the others follow, each turned to be nearest to those
 /// before it.
-fn fill(grids: &[Grid], rows: usize, columns: usize) -> (Layout, f64) {
+fn fill(grids: &[PatchGrid], rows: usize, columns: usize) -> (Layout, f64) {
     let mut best: Option<(Layout, f64)> = None;
     for first in Turn::all() {
         let (mut places, mut total) = (
@@ -256,7 +256,12 @@ fn fill(grids: &[Grid], rows: usize, columns: usize) -> (Layout, f64) {
 }
 
 /// Two edges can be joined: near enough, and whole against whole.
-fn check(grids: &[Grid], a: Placed, b: Placed, [at_a, at_b]: [Edge; 2]) -> Result<(), MergeError> {
+fn check(
+    grids: &[PatchGrid],
+    a: Placed,
+    b: Placed,
+    [at_a, at_b]: [Edge; 2],
+) -> Result<(), MergeError> {
     let (x, y) = (
         grids[a.patch].edge(a.turn, at_a),
         grids[b.patch].edge(b.turn, at_b),

@@ -41,7 +41,7 @@ pub use error::MergeError;
 pub use layout::{Layout, Placed};
 pub use plan::{BlockRows, MergePlan};
 pub use report::{CLOSE_M, Continuity, Deviation, Report};
-pub use spec::{Arrangement, DegreeRule, Edge, Hidden, MergeSpec, Method};
+pub use spec::{Arrangement, DegreeRule, Edge, Hidden, MergeMethod, MergeSpec};
 pub use turn::Turn;
 
 use palpate_geometry::surface::{Direction, Surface};
@@ -77,13 +77,27 @@ pub struct Merged {
 /// # Errors
 /// Patches that cannot be joined, or a request that makes no sense: [`MergeError`] says which and
 /// what would help.
+///
+/// # Examples
+/// ```
+/// use palpate_geometry::surface::builtin;
+/// use palpate_modeling::merge::{MergeSpec, merge};
+/// let left = builtin("sheet", None, None)?;
+/// let mut right = left.clone();
+/// let x: Vec<f64> = left.net().points().iter().map(|point| point.x).collect();
+/// let width_m = x.iter().copied().fold(f64::MIN, f64::max) - x.iter().copied().fold(f64::MAX, f64::min);
+/// right.net_mut().points_mut().iter_mut().for_each(|point| point.x += width_m);
+/// let merged = merge(&[left, right], &MergeSpec::default())?;
+/// assert!(merged.within_tolerance);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn merge(surfaces: &[Surface], spec: &MergeSpec) -> Result<Merged, MergeError> {
     match spec.method {
-        Method::Exact => exact::merge(surfaces, spec),
-        Method::Seed | Method::Constrained => {
+        MergeMethod::Exact => exact::merge(surfaces, spec),
+        MergeMethod::Seed | MergeMethod::Constrained => {
             let job = build::Job::new(surfaces, spec)?;
             match spec.tolerance_m {
-                Some(tolerance_m) if spec.method == Method::Constrained => {
+                Some(tolerance_m) if spec.method == MergeMethod::Constrained => {
                     tolerance::merge(surfaces, job, tolerance_m)
                 }
                 _ => job.merged(),

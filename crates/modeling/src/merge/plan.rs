@@ -32,7 +32,7 @@ pub(super) struct Line {
     pub knots: KnotVector,
     /// Parameters at which patches meet.
     pub seams: Vec<f64>,
-    /// (blocks)
+    /// Rows of each block (blocks).
     pub rows: Vec<BlockRows>,
 }
 

@@ -42,7 +42,7 @@ pub struct Continuity {
     pub curvature_per_m: f64,
     /// Jump of the first derivative across the seam, as a share of it: 0 where the surface is C¹.
     pub first_jump: f64,
-    /// The same of the second: 0 where it is C².
+    /// Largest jump of the second derivative across the seam: 0 where it is C².
     pub second_jump: f64,
 }
 
@@ -88,7 +88,7 @@ impl Merged {
         self.distances_on(turned, &self.rows)
     }
 
-    /// The same half way between the rows: what a fit does where it was not looking.
+    /// Distances half way between the rows of points, where the fit had no data.
     pub(super) fn distances_between(&self, turned: &[Surface]) -> Vec<f64> {
         let means = |x: &[f64]| {
             x.windows(2)

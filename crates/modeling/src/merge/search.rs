@@ -93,7 +93,7 @@ pub(super) fn choose(axis: &Axis, full: &Axis, continuity: usize, least_span: f6
     choice
 }
 
-/// Continuities and blends to try. More continuity than asked for is no fault, and where patches
+/// Continuities and blends to try. More continuity than requested is allowed, and where patches
 /// are smooth, or apart, its freed knots do better elsewhere; a crease keeps its own.
 fn candidates(axis: &Axis, continuity: usize) -> Vec<(usize, f64)> {
     if axis.blocks.len() == 1 {
@@ -315,7 +315,7 @@ struct Compressed {
 }
 
 impl Compressed {
-    /// Sum of squares that knots miss, m²; infinite for knots that are no knots.
+    /// Sum of squares that knots miss, m²; infinite for an invalid knot vector.
     fn miss(&self, knots: &Knots) -> f64 {
         if self.width == 0 {
             return 0.0;

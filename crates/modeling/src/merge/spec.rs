@@ -4,7 +4,7 @@ use palpate_geometry::surface::Direction;
 
 /// How the merged net is found.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Method {
+pub enum MergeMethod {
     /// The source's: uniform parameters, knots put end to end, a plain least-squares fit.
     Seed,
     /// Chord-length parameters, outer edges held, knots placed where they miss least; as many
@@ -91,8 +91,8 @@ pub struct Hidden {
 pub struct MergeSpec {
     /// c of the C^c at the seams; below the merged degree.
     pub continuity: usize,
-    /// How.
-    pub method: Method,
+    /// Method to use.
+    pub method: MergeMethod,
     /// Degree, where those of the patches differ.
     pub degree: DegreeRule,
     /// Which edges meet.
@@ -106,7 +106,7 @@ pub struct MergeSpec {
     /// Least distance of a knot from its neighbours, as a share of the patch: how sharp a blend may
     /// become at the seam.
     pub least_span: f64,
-    /// With [`Method::Constrained`]: insert knots until no point is farther off than this, m.
+    /// With [`MergeMethod::Constrained`]: insert knots until no point is farther off than this, m.
     pub tolerance_m: Option<f64>,
 }
 
@@ -114,7 +114,7 @@ impl Default for MergeSpec {
     fn default() -> Self {
         Self {
             continuity: 2,
-            method: Method::Constrained,
+            method: MergeMethod::Constrained,
             degree: DegreeRule::Raise,
             arrangement: Arrangement::Closest,
             hidden: Vec::new(),

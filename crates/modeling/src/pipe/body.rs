@@ -41,7 +41,7 @@ pub struct StationaryPair {
     pub kind: PairKind,
 }
 
-/// A region where stationary pairs are not told apart: a curve of them, or some too close to each
+/// A region whose stationary pairs cannot be separated: a curve of them, or some too close to each
 /// other.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Unresolved {
@@ -66,7 +66,7 @@ pub struct BodyToBody {
     pub radius_m: Option<f64>,
     /// All stationary pairs that are proved, in ascending order of parameters.
     pub pairs: Vec<StationaryPair>,
-    /// What could not be told apart.
+    /// Regions whose pairs could not be separated.
     pub unresolved: Vec<Unresolved>,
     /// What the answer rests on.
     pub status: Status,
@@ -87,7 +87,7 @@ const MOST_MIDDLES: usize = 512;
 
 /// All stationary pairs of a spine.
 pub fn body_to_body(spine: &Spine) -> BodyToBody {
-    let mut search = Search {
+    let mut search = BodySearch {
         spine,
         solver: PairSolver::default(),
         found: Vec::new(),
@@ -110,29 +110,29 @@ pub fn body_to_body(spine: &Spine) -> BodyToBody {
     search.finish()
 }
 
-struct Search<'a> {
+struct BodySearch<'a> {
     spine: &'a Spine,
     solver: PairSolver,
     /// Pairs in places of the spine, with the error of the places.
-    found: Vec<([Place; 2], f64)>,
+    found: Vec<([BodyPlace; 2], f64)>,
     answer: BodyToBody,
 }
 
 /// A piece and x in [0, 1] in it.
 #[derive(Clone, Copy, Debug)]
-struct Place {
+struct BodyPlace {
     piece: usize,
     x: f64,
 }
 
-impl Place {
+impl BodyPlace {
     /// Counts pieces and parts of them.
     fn order(self) -> f64 {
         self.piece as f64 + self.x
     }
 }
 
-impl Search<'_> {
+impl BodySearch<'_> {
     fn arc(&self, k: usize) -> Arc {
         Arc {
             piece: self.spine.pieces[k].clone(),
@@ -208,13 +208,13 @@ impl Search<'_> {
     }
 
     /// From a place in an arc to the place in the piece that it is cut from.
-    fn place(&self, arc: &Piece, piece: usize, x: f64) -> Place {
+    fn place(&self, arc: &Piece, piece: usize, x: f64) -> BodyPlace {
         let whole = &self.spine.pieces[piece];
         if (arc.start, arc.end) == (whole.start, whole.end) {
-            return Place { piece, x };
+            return BodyPlace { piece, x };
         }
         let x = (arc.parameter(x) - whole.start) / (whole.end - whole.start);
-        Place {
+        BodyPlace {
             piece,
             x: x.clamp(0.0, 1.0),
         }
@@ -266,23 +266,23 @@ impl Search<'_> {
             for place in places.iter_mut() {
                 // The end of a closed spine is its start.
                 if self.spine.is_closed() && period - place.order() < SAME {
-                    *place = Place { piece: 0, x: 0.0 };
+                    *place = BodyPlace { piece: 0, x: 0.0 };
                 }
             }
             if places[0].order() > places[1].order() {
                 places.swap(0, 1);
             }
         }
-        let order = |pair: &([Place; 2], f64), k: usize| pair.0[k].order();
+        let order = |pair: &([BodyPlace; 2], f64), k: usize| pair.0[k].order();
         found.sort_by(|a, b| {
             order(a, 0)
                 .total_cmp(&order(b, 0))
                 .then(order(a, 1).total_cmp(&order(b, 1)))
         });
-        let mut kept: Vec<([Place; 2], f64)> = Vec::new();
+        let mut kept: Vec<([BodyPlace; 2], f64)> = Vec::new();
         for pair in found {
-            let room = |other: &([Place; 2], f64)| SAME + pair.1 + other.1;
-            let same = |other: &([Place; 2], f64)| {
+            let room = |other: &([BodyPlace; 2], f64)| SAME + pair.1 + other.1;
+            let same = |other: &([BodyPlace; 2], f64)| {
                 (0..2).all(|k| (order(other, k) - order(&pair, k)).abs() < room(other))
             };
             // In order of the first place: only the last ones can be the same.
@@ -337,7 +337,7 @@ impl Search<'_> {
             .any(|pair| (0..2).all(|k| (pair.parameters[k] - at[k]).abs() < room))
     }
 
-    fn pair(&self, places: [Place; 2], error: f64) -> StationaryPair {
+    fn pair(&self, places: [BodyPlace; 2], error: f64) -> StationaryPair {
         let [a, b] = places.map(|place| self.spine.pieces[place.piece].jet(place.x));
         let chord = a.point - b.point;
         let distance = chord.norm();

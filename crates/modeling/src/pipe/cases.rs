@@ -11,8 +11,8 @@ use palpate_geometry::surface::Curve;
 /// A spine with its reference figures, m.
 #[derive(Clone, Debug, serde::Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Case {
-    /// Name.
+pub struct PipeCase {
+    /// Name of the case.
     pub name: String,
     degree: usize,
     knots: Vec<f64>,
@@ -32,7 +32,7 @@ pub struct Case {
     pub t_kappa_max: Option<f64>,
 }
 
-impl Case {
+impl PipeCase {
     /// The spine.
     pub fn curve(&self) -> Curve {
         let knots = KnotVector::new(self.degree, self.knots.clone()).expect("knots of the data");
@@ -42,6 +42,6 @@ impl Case {
 }
 
 /// All cases, in order of the table.
-pub fn cases() -> Vec<Case> {
+pub fn cases() -> Vec<PipeCase> {
     serde_json::from_str(include_str!("data/cases.json")).expect("the data are a list of cases")
 }

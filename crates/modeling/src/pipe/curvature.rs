@@ -26,10 +26,10 @@ pub enum LocalKind {
 
 /// The answer for local self-intersection.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Local {
+pub struct LocalCurvature {
     /// 1 / κ_max, m; `None` for a straight spine.
     pub radius_m: Option<f64>,
-    /// Where.
+    /// Where the bound is attained.
     pub witness: Option<LocalWitness>,
     /// What the answer rests on.
     pub status: Status,
@@ -38,7 +38,7 @@ pub struct Local {
 /// Where the spine bends most.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LocalWitness {
-    /// Parameter.
+    /// Parameter on the curve.
     pub parameter: f64,
     /// The point, m.
     pub point: Point3,
@@ -51,7 +51,7 @@ pub struct LocalWitness {
 const SAMPLES: usize = 32;
 
 /// Largest curvature of a spine.
-pub fn largest_curvature(spine: &Spine) -> Local {
+pub fn largest_curvature(spine: &Spine) -> LocalCurvature {
     let mut status = Status::default();
     let (mut most, mut witness) = (0.0, None);
     let count = spine.pieces.len();
@@ -100,13 +100,13 @@ pub fn largest_curvature(spine: &Spine) -> Local {
             point,
             kind: LocalKind::Corner,
         };
-        return Local {
+        return LocalCurvature {
             radius_m: Some(0.0),
             witness: Some(witness),
             status: Status::Complete,
         };
     }
-    Local {
+    LocalCurvature {
         radius_m: witness.map(|_| spine.metres(1.0 / most)),
         witness,
         status,

@@ -21,7 +21,7 @@ use palpate_geometry::math::{Point3, Vector3};
 /// End circle to end circle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EndToEnd {
-    /// m.
+    /// Radius, m.
     pub radius_m: f64,
     /// Where the circles touch, m.
     pub point: Point3,
@@ -30,7 +30,7 @@ pub struct EndToEnd {
 /// End circle to body.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EndToBody {
-    /// m.
+    /// Radius, m.
     pub radius_m: f64,
     /// The end: 0 for the start, 1 for the end.
     pub end: usize,

@@ -2,7 +2,7 @@
 
 use palpate_geometry::basis::KnotError;
 
-/// What is wrong with a spine, where, and how to mend it.
+/// What is wrong with a spine, where, and how to fix it.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum PipeError {
     /// No extent, or one that overflows.
@@ -15,7 +15,7 @@ pub enum PipeError {
     },
     /// Coordinates whose rounding is as large as the spine.
     #[error(
-        "the spine is {size_m} m large, {distance_m} m from the origin: its digits are lost; move it nearer"
+        "the spine is {size_m} m large and {distance_m} m from the origin, which loses too many digits; move it closer"
     )]
     FarAway {
         /// Largest side of the box around the control points, m.
@@ -37,7 +37,7 @@ pub enum PipeError {
         "the spine jumps by {gap_m} m at parameter {parameter}; a pipe needs a connected spine"
     )]
     Disjoined {
-        /// Where.
+        /// Parameter on the spine.
         parameter: f64,
         /// How far, m.
         gap_m: f64,
@@ -47,7 +47,7 @@ pub enum PipeError {
         "the derivative vanishes at parameter {parameter}: no tangent there; move apart the control points that meet"
     )]
     NotRegular {
-        /// Where.
+        /// Parameter on the spine.
         parameter: f64,
     },
     /// Weights of which some span lost all digits.

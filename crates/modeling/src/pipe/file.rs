@@ -42,7 +42,7 @@ pub enum CurveFileError {
     KnotCount {
         /// Knots of the file.
         given: usize,
-        /// Degree.
+        /// Polynomial degree.
         degree: usize,
         /// Control points.
         count: usize,

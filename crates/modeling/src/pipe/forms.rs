@@ -31,11 +31,11 @@ pub(super) type Bernstein3 = [Bernstein; 3];
 pub(super) struct Forms {
     /// Degree of the piece, n.
     pub degree: usize,
-    /// P_i.
+    /// Control points P_i.
     pub points: Vec<[Interval; 3]>,
-    /// w_i.
+    /// Weights w_i.
     pub weights: Vec<Interval>,
-    /// N.
+    /// Numerator N of the hodograph c' = N / W².
     pub hodograph: Bernstein3,
 }
 
@@ -72,7 +72,7 @@ impl Forms {
         }
     }
 
-    /// W.
+    /// Weight polynomial W.
     pub fn weight(&self) -> Bernstein {
         Bernstein::new(self.weights.clone())
     }

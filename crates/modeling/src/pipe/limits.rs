@@ -1,6 +1,6 @@
 //! The largest radius and what limits it.
 
-use super::{BodyToBody, EndToEnd, EndsToBody, Local, PipeError, Spine};
+use super::{BodyToBody, EndToEnd, EndsToBody, LocalCurvature, PipeError, Spine};
 use super::{body_to_body, end_to_end, ends_to_body, largest_curvature};
 use crate::ipp::Status;
 use palpate_geometry::surface::Curve;
@@ -10,7 +10,7 @@ use palpate_geometry::surface::Curve;
 pub enum Limit {
     /// 1 / κ_max.
     #[serde(rename = "local")]
-    Local,
+    LocalCurvature,
     /// Body to body.
     #[serde(rename = "bb")]
     BodyToBody,
@@ -36,8 +36,8 @@ pub enum Answer {
 /// All bounds of the radius of a pipe.
 #[derive(Clone, Debug)]
 pub struct PipeLimits {
-    /// Local self-intersection.
-    pub local: Local,
+    /// LocalCurvature self-intersection.
+    pub local: LocalCurvature,
     /// Body to body.
     pub body: BodyToBody,
     /// End circle to end circle; `None` where they never touch.
@@ -51,6 +51,19 @@ impl PipeLimits {
     ///
     /// # Errors
     /// What [`Spine::new`] refuses.
+    ///
+    /// # Examples
+    /// ```
+    /// use palpate_geometry::{basis::KnotVector, math::Point3, surface::Curve};
+    /// use palpate_modeling::pipe::PipeLimits;
+    /// // A quarter of the unit circle: a pipe around it can have a radius up to 1 m.
+    /// let points = [[1.0, 0.0], [1.0, 1.0], [0.0, 1.0]].map(|[x, y]| Point3::new(x, y, 0.0));
+    /// let weights = vec![1.0, std::f64::consts::FRAC_1_SQRT_2, 1.0];
+    /// let arc = Curve::new(KnotVector::clamped_uniform(2, 3)?, points.to_vec(), Some(weights))?;
+    /// let (r_max_m, _limit) = PipeLimits::of(&arc)?.r_max_m().unwrap();
+    /// assert!((r_max_m - 1.0).abs() < 1e-9);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     pub fn of(curve: &Curve) -> Result<Self, PipeError> {
         Ok(Self::of_spine(&Spine::new(curve)?))
     }
@@ -68,7 +81,7 @@ impl PipeLimits {
     /// The four bounds, m; `None` where there is none.
     pub fn bounds_m(&self) -> [(Limit, Option<f64>); 4] {
         [
-            (Limit::Local, self.local.radius_m),
+            (Limit::LocalCurvature, self.local.radius_m),
             (Limit::BodyToBody, self.body.radius_m),
             (Limit::EndToEnd, self.end_to_end.map(|touch| touch.radius_m)),
             (

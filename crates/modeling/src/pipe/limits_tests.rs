@@ -1,10 +1,10 @@
-use super::super::cases::{Case, cases};
+use super::super::cases::{PipeCase, cases};
 use super::super::{LocalKind, PairKind};
 use super::*;
 use palpate_geometry::basis::KnotVector;
 use palpate_geometry::math::Point3;
 
-fn case(name: &str) -> (Case, PipeLimits) {
+fn case(name: &str) -> (PipeCase, PipeLimits) {
     let case = cases()
         .into_iter()
         .find(|case| case.name == name)

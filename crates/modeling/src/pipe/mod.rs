@@ -12,7 +12,7 @@
 //!                  Limits: r_max and what limits it; is_free(r)
 //!         Curve, r ─▶ sweep: sections with a rotation-minimising frame ─▶ Surface
 //! ```
-//! The pipe is open: end discs are no part of it. What cannot be decided in double precision is a
+//! The pipe is open: its end discs are not part of it. What cannot be decided in double precision is a
 //! status, see [`Status`](crate::ipp::Status).
 
 mod adjacent;
@@ -38,7 +38,7 @@ mod random_tests;
 mod testing;
 
 pub use body::{BodyToBody, PairKind, StationaryPair, Unresolved, body_to_body};
-pub use curvature::{Local, LocalKind, LocalWitness, largest_curvature};
+pub use curvature::{LocalCurvature, LocalKind, LocalWitness, largest_curvature};
 pub use ends::{EndToBody, EndToEnd, EndsToBody, end_to_end, ends_to_body};
 pub use error::PipeError;
 pub use limits::{Answer, Limit, PipeLimits};

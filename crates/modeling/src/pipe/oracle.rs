@@ -17,7 +17,7 @@ pub fn sampled_pairs(curve: &Curve, samples: usize) -> Vec<SampledPair> {
     let places: Vec<(Point3, Vector3)> = (0..=samples)
         .map(|k| curve.point_and_tangent(at(k)))
         .collect();
-    // Both residuals divided by t − s, so that the diagonal is no root.
+    // Both residuals divided by t − s, so that the diagonal is not a root.
     let residuals = |i: usize, j: usize| {
         let ((p, u), (q, v)) = (places[i], places[j]);
         let chord = if i == j { u } else { (q - p) / (at(j) - at(i)) };

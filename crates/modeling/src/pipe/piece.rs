@@ -19,11 +19,11 @@ pub struct Piece {
 /// Point and derivatives by x.
 #[derive(Clone, Copy, Debug)]
 pub struct Jet {
-    /// c.
+    /// Point c of the curve, m.
     pub point: Vector3,
-    /// c'.
+    /// First derivative c'.
     pub first: Vector3,
-    /// c''.
+    /// Second derivative c''.
     pub second: Vector3,
 }
 
@@ -119,7 +119,7 @@ impl Piece {
         )
     }
 
-    /// The same part of the spine backwards: from `end` to `start`.
+    /// Returns this piece reversed: from `end` to `start`.
     pub fn reversed(&self) -> Self {
         let mut other = self.clone();
         other.points.reverse();

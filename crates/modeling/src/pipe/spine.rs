@@ -151,7 +151,7 @@ impl Spine {
         ]
     }
 
-    /// The same curve backwards.
+    /// The pieces in reverse order, each reversed.
     pub(super) fn reversed_pieces(&self) -> Vec<Piece> {
         self.pieces.iter().rev().map(Piece::reversed).collect()
     }

@@ -38,7 +38,7 @@ pub struct PipeSurface {
 /// Why no surface was made.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum SweepError {
-    /// A radius or a tolerance that is no length.
+    /// A radius or tolerance that is not a finite positive length.
     #[error("{what} is {value} m; it is a finite length above 0")]
     Length {
         /// `the radius` or `the tolerance`.
@@ -51,14 +51,14 @@ pub enum SweepError {
         "the spine turns by {turn_deg}° at parameter {parameter}; round the corner before sweeping"
     )]
     Corner {
-        /// Where.
+        /// Parameter on the spine.
         parameter: f64,
         /// How far, degrees.
         turn_deg: f64,
     },
     /// A tolerance that takes too many stretches.
     #[error(
-        "{stretches} stretches are {deviation_m} m off the pipe, not {tolerance_m} m; raise the tolerance"
+        "with {stretches} segments the surface still deviates by {deviation_m} m, more than {tolerance_m} m; raise the tolerance"
     )]
     Tolerance {
         /// Stretches along the spine.

@@ -75,7 +75,7 @@ impl Bend {
         }
     }
 
-    /// J.
+    /// Elastic energy, J.
     pub(super) fn energy_j(&self, places: &[Lane]) -> f64 {
         let v = self.second_derivative(places);
         let length = (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]).sqrt();

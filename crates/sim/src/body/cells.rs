@@ -12,7 +12,7 @@ pub type Cell = [u32; 8];
 pub struct CellGrid {
     /// Rest positions, m.
     pub nodes: Vec<Point3>,
-    /// Cells.
+    /// All cells.
     pub cells: Vec<Cell>,
     /// (control points): node of each control point, u-major.
     pub node_of_control: Vec<u32>,

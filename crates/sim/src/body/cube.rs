@@ -64,7 +64,7 @@ pub enum CubeError {
     /// A length that must be positive.
     #[error("{what} is {value_m} m; it must be finite and above 0")]
     Length {
-        /// Which.
+        /// Name of the quantity.
         what: &'static str,
         /// Its value, m.
         value_m: f64,

@@ -113,9 +113,9 @@ pub enum DeformableError {
         "the explicit step needs {needed} substeps a tick, more than {most}; use integrator = \"implicit\""
     )]
     Substeps {
-        /// Needed.
+        /// Required number.
         needed: usize,
-        /// Allowed.
+        /// Largest allowed number.
         most: usize,
     },
     /// Cells that cannot carry a continuum energy.

@@ -54,7 +54,7 @@ pub enum ExteriorError {
         condition: f64,
         /// Exterior nodes.
         nodes: usize,
-        /// Coordinates.
+        /// Number of coordinates.
         coordinates: usize,
     },
 }

@@ -13,7 +13,7 @@ use palpate_geometry::math::Point3;
 /// What acts between the nodes of cells.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Inside {
-    /// Springs.
+    /// Springs between nodes.
     Springs(SpringRule),
     /// Stable neo-Hookean solid.
     Continuum,

@@ -100,7 +100,7 @@ impl Law {
         })
     }
 
-    /// J.
+    /// Elastic energy, J.
     pub(super) fn energy_j(&self, rest: &[Lane], places: &[Lane]) -> f64 {
         let at = |k: usize| Point3::new(places[k][0], places[k][1], places[k][2]);
         let continuum = self

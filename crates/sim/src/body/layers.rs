@@ -87,7 +87,7 @@ pub fn rings_at_best(points: &[Point3], rings: &Rings, layers: usize) -> CellGri
 }
 
 /// The medial curve with which `build` makes the best cells: none folded, then the greatest least
-/// scaled Jacobian of the cells that are no wedges. At a pointed pole the even curve ends too far
+/// scaled Jacobian of the cells that are not wedges. At a pointed pole the even curve ends too far
 /// inside, and the cells beside it are slanted.
 pub(super) fn best_medial(
     points: &[Point3],
@@ -244,7 +244,7 @@ const DECAYS: [i32; 4] = [1, 2, 4, 8];
 /// A least scaled Jacobian beyond which nothing is gained: sin 30°.
 const GOOD_ENOUGH: f64 = 0.5;
 
-/// Steps of the medial curve shorter than this part of its length are no steps, and are widened to
+/// Steps of the medial curve shorter than this part of its length are too short, and are widened to
 /// [`LEAST_STEP`] of the mean step.
 const NO_STEP: f64 = 1e-6;
 const LEAST_STEP: f64 = 0.25;

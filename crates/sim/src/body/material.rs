@@ -20,7 +20,7 @@ pub struct Material {
 /// Plastic flow of springs: beyond the yield strain the rest length follows.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Plastic {
-    /// Strain that springs bear without flow.
+    /// Strain up to which springs do not flow.
     pub yield_strain: f64,
     /// Share of the strain beyond yield that flows away in a second, 1/s.
     pub rate_per_s: f64,

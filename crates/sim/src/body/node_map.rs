@@ -52,12 +52,12 @@ impl SparseRows {
         out
     }
 
-    /// Rows.
+    /// Number of rows.
     pub fn rows(&self) -> usize {
         self.starts.len() - 1
     }
 
-    /// Entries.
+    /// Number of stored entries.
     pub fn len(&self) -> usize {
         self.columns.len()
     }

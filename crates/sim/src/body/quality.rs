@@ -6,7 +6,7 @@
 //! Jacobian vanishes. What is judged there is its limit from inside the cell, which is the
 //! determinant of the three distinct edges that leave the node. A node with only two edges in its
 //! cell, as where a wedge beside a pole meets the medial curve, lies on an edge of a tetrahedron
-//! and is no corner: it is left to the Gauss points.
+//! and is not a corner: it is left to the Gauss points.
 
 use super::cells::{Cell, CellGrid, EDGES};
 use palpate_geometry::math::{Matrix3, Vector3};

@@ -11,7 +11,7 @@
 //! the surface. At the end every exterior node takes the nearest point of the surface as its own,
 //! so that nodes and surface points are one to one. (Matching the nodes with as many points fixed
 //! beforehand leaves the last few nodes with points far from their neighbours, and the cells there
-//! folded.) The interior is harmonic, and folded cells are mended.
+//! folded.) The interior is harmonic, and folded cells are unfolded.
 
 use super::cube::{CubeError, CubeLattice, check_closed, is_outermost, place_of};
 use super::{harmonic, untangle};

@@ -105,7 +105,7 @@ pub struct DeformableScratch {
     pub(super) springs: ByCoordinate,
     /// (coordinates), m/s: velocities within a tick of substeps.
     pub(super) speed: Vec<Vector3>,
-    /// (unknowns).
+    /// Right-hand side of the linear solve (unknowns).
     pub(super) rhs: Vec<Vector3>,
     pub(super) lanes: Rows,
     /// What free points feel.

@@ -4,7 +4,7 @@
 //! Closed surfaces with two poles: the outermost nodes of the cube go to a sphere by equal angles
 //! (Ronchi, Iacono, Paolucci 1996), and its longitude and latitude to the parameters of the
 //! surface, by mean arc length around and along. The nodes inside are the harmonic map of those
-//! ([`harmonic`](super::harmonic)). Cells that come out folded, as where the body bends, are mended
+//! ([`harmonic`](super::harmonic)). Cells that come out folded, as where the body bends, are unfolded
 //! by [`untangle`](super::untangle).
 
 use super::cube::{CubeError, CubeLattice, check_closed, check_finite, is_outermost};

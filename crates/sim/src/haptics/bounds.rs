@@ -58,7 +58,7 @@ impl StiffnessLimits {
     }
 }
 
-/// What a device that has told about itself allows; part of the state, because it may come at any
+/// The limits of a device that has sent its description; part of the state, because it may come at any
 /// tick.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DeviceBounds {

@@ -1,4 +1,4 @@
-//! What a device tells us.
+//! The pose of a device.
 
 use palpate_geometry::math::{Point3, Rotation, Vector3};
 
@@ -13,9 +13,9 @@ pub struct DevicePose {
     pub position: Point3,
     /// Orientation of the tool.
     pub orientation: Rotation,
-    /// m/s.
+    /// Linear velocity, m/s.
     pub linear_velocity: Vector3,
-    /// rad/s.
+    /// Angular velocity, rad/s.
     pub angular_velocity: Vector3,
     /// Bit 0: grab. While it is set, the tool holds on to what it touches.
     pub buttons: u32,

@@ -39,7 +39,7 @@ pub enum LinkPhase {
 /// State of a tool's link.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Link {
-    /// Phase.
+    /// Current phase of the link.
     pub phase: LinkPhase,
     /// The pose in effect; of no meaning while absent.
     pub pose: DevicePose,

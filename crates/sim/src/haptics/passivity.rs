@@ -6,7 +6,7 @@
 //! Kim & Hannaford 2004, "Stable and high performance haptic interfaces"). A loop that gives back
 //! more than it got has E < 0. The controller then adds a damper whose size is just what pays for
 //! the next tick, if that goes on as this one did (Hannaford & Ryu 2002, "Time-domain passivity
-//! control of haptic interfaces"). What an earlier contact has taken is no credit for the next.
+//! control of haptic interfaces"). Energy taken by an earlier contact is not credited to the next.
 //!
 //! This is the port as the loop sees it. Delays between here and the device make energy beyond it,
 //! which only a controller at the device can see: `palpate_client::device` has one.
@@ -19,18 +19,18 @@ const REACH_M: f64 = 0.05;
 /// Force and torque.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Wrench {
-    /// N.
+    /// Force, N.
     pub force_n: Vector3,
-    /// N·m.
+    /// Torque, N·m.
     pub torque_nm: Vector3,
 }
 
 /// Motion of a device within a tick.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Motion {
-    /// m.
+    /// Displacement, m.
     pub moved: Vector3,
-    /// rad.
+    /// Rotation vector, rad.
     pub turned: Vector3,
 }
 

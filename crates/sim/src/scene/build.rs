@@ -44,6 +44,25 @@ impl Scene {
     ///
     /// # Errors
     /// The first value that cannot be built, with its path.
+    ///
+    /// # Examples
+    /// ```
+    /// use palpate_sim::scene::{Scene, file};
+    /// use std::path::Path;
+    /// let text = r#"
+    ///     [[body]]
+    ///     id = "ball"
+    ///     surface = { builtin = "sphere" }
+    ///     [[tool]]
+    ///     id = "pen"
+    ///     shape = { point = {} }
+    ///     pose = { position = [0.0, 0.0, 0.1] }
+    /// "#;
+    /// let loaded = file::parse(text, "scene.toml", Path::new("."))?;
+    /// let scene = Scene::build(&loaded.spec, Path::new("."))?;
+    /// assert_eq!((scene.body_count(), scene.tool_count()), (1, 1));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     pub fn build(spec: &SceneSpec, directory: &Path) -> Result<Self, SceneError> {
         let dt_s = 1.0 / f64::from(spec.loop_.rate_hz);
         let mut bodies = Vec::new();

@@ -7,7 +7,7 @@ use crate::haptics::{DeviceBounds, Link, Port};
 use crate::solve::friction::Stick;
 use crate::solve::grip::{GRAB, GripState};
 use crate::solve::proxy::ProxyState;
-use crate::solve::rows::LEAST_FOOT;
+use crate::solve::row_key::{RowId, RowKey};
 use palpate_geometry::math::{
     Point3, Rotation, StateError, StateSink, StateSource, Stateful, Vector3,
 };
@@ -124,8 +124,8 @@ pub struct PairState {
 /// A contact force to start from.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct WarmRow {
-    /// Pair and sample.
-    pub key: [u32; 2],
+    /// Which row of the last tick it was.
+    pub id: RowId,
     /// Where it is on the body; kept for feet, which have no sample to say so.
     pub uv: [f64; 2],
     /// Along the normal, N.
@@ -342,9 +342,10 @@ impl Stateful for SceneState {
                 | u64::from(self.warm_arms) << 33,
         );
         for row in &self.warm[..self.warm_len] {
-            row.key.iter().for_each(|&part| sink.word(u64::from(part)));
+            sink.word(u64::from(row.id.pair));
+            sink.word(u64::from(row.id.key.to_bits()));
             sink.floats(&[row.force_n]);
-            if row.key[1] >= LEAST_FOOT {
+            if row.id.key.is_foot() {
                 sink.floats(&row.uv);
             }
             if self.warm_arms {
@@ -444,11 +445,15 @@ impl Stateful for SceneState {
             (warm_len as usize, kinds & 1 != 0, kinds & 2 != 0);
         for row in &mut self.warm[..self.warm_len] {
             *row = WarmRow::default();
-            for part in &mut row.key {
-                *part = small(source.word()?, "contact row key")?;
-            }
+            row.id.pair = small(source.word()?, "pair of a contact row")?;
+            let bits = source.word()?;
+            let key = u32::try_from(bits).ok().and_then(RowKey::from_bits);
+            row.id.key = key.ok_or(StateError::Value {
+                what: "key of a contact row",
+                value: bits,
+            })?;
             row.force_n = float(source)?;
-            if row.key[1] >= LEAST_FOOT {
+            if row.id.key.is_foot() {
                 source.floats(&mut row.uv)?;
             }
             if self.warm_arms {

@@ -9,6 +9,9 @@ use palpate_geometry::math::{Point3, StateError, StateSink, StateSource, Vector3
 
 /// Most anchors of a tool.
 pub const MAX_ANCHORS: usize = 16;
+/// Layout of a saved grip and of the rows of its anchors. Before 1 the keys of those rows stood for
+/// feet as well.
+const LAYOUT: u64 = 1;
 /// Bit of the buttons that grabs.
 pub const GRAB: u32 = 1;
 
@@ -116,7 +119,8 @@ impl GripState {
 
     /// All of it, in order.
     pub fn save(&self, sink: &mut impl StateSink) {
-        sink.word(u64::from(self.len) | u64::from(self.made) << 16 | u64::from(self.fresh) << 32);
+        let counts = u64::from(self.len) | u64::from(self.made) << 16;
+        sink.word(counts | u64::from(self.fresh) << 32 | LAYOUT << 48);
         for Anchor {
             pair,
             number,
@@ -138,7 +142,13 @@ impl GripState {
     pub fn restore(&mut self, source: &mut impl StateSource) -> Result<(), StateError> {
         *self = Self::default();
         let head = source.word()?;
-        let (len, made, fresh) = (head & 0xffff, (head >> 16) & 0xffff, head >> 32);
+        let [len, made, fresh, layout] = [0, 16, 32, 48].map(|shift| (head >> shift) & 0xffff);
+        if layout != LAYOUT {
+            return Err(StateError::Value {
+                what: "layout of a grip, as another version of this program saves it",
+                value: layout,
+            });
+        }
         if len > made || made > MAX_ANCHORS as u64 || fresh > 1 {
             return Err(StateError::Value {
                 what: "grip",
@@ -214,8 +224,11 @@ mod tests {
         assert_eq!(again, grip);
         grip.retain(|_| false);
         assert!(!grip.holds() && !grip.is_open());
-        saved.words[0] = 99;
-        assert!(saved.restore_into(&mut again).is_err());
+        let head = saved.words[0];
+        for wrong in [head | 99, head & !(LAYOUT << 48), head + (1 << 48)] {
+            saved.words[0] = wrong;
+            assert!(saved.restore_into(&mut again).is_err(), "{wrong:#x}");
+        }
     }
 
     #[test]

@@ -16,5 +16,6 @@ pub mod delassus;
 pub mod friction;
 pub mod grip;
 pub mod proxy;
+pub mod row_key;
 pub mod rows;
 pub mod sharing;

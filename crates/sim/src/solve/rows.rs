@@ -6,6 +6,7 @@
 //! as they stand (at rest that is exact), gaps from where their free motion will take both.
 
 use super::friction::Law;
+use super::row_key::RowId;
 use palpate_geometry::basis::BasisWindow;
 use palpate_geometry::contact::{SampleGrid, Weights};
 use palpate_geometry::math::{Point3, Rotation, Vector3};
@@ -21,14 +22,6 @@ const PARTIES: [usize; 2] = [8, 64];
 pub const MAX_ROWS_PER_PAIR: usize = 96;
 /// Most samples of one pair: the rest is for feet.
 pub const MAX_SAMPLES_PER_PAIR: usize = MAX_ROWS_PER_PAIR - 16;
-/// `sample` of the row at the first contact of a pair; others count down from it.
-pub const FOOT: u32 = u32::MAX;
-/// Least `sample` of a foot.
-pub const LEAST_FOOT: u32 = FOOT - (1 << 28);
-/// `sample` of the first anchor of a grip; the next ones count down from it.
-pub const ANCHOR: u32 = u32::MAX - 64;
-/// Samples of the holding body count up from here.
-pub const HOLDER_SAMPLES: u32 = 1 << 30;
 
 /// Who is pushed along a row's normal.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -42,10 +35,8 @@ pub enum Holder {
 /// One unilateral constraint.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Row {
-    /// Pair of the plan.
-    pub pair: u32,
-    /// What it is within its pair: a sample of a grid, or a contact counted down from [`FOOT`].
-    pub sample: u32,
+    /// Its pair and which of the pair's rows it is: from tick to tick the same.
+    pub id: RowId,
     /// Body index.
     pub body: u32,
     /// The other party.
@@ -84,11 +75,6 @@ pub struct Range {
 }
 
 impl Row {
-    /// What identifies the row from tick to tick; rows are ordered by it.
-    pub fn key(&self) -> [u32; 2] {
-        [self.pair, self.sample]
-    }
-
     /// The tool, when one holds it.
     pub fn tool(&self) -> Option<usize> {
         match self.holder {
@@ -130,7 +116,7 @@ pub struct DeformingView<'a> {
 /// The rows of a tick and their basis weights.
 #[derive(Debug)]
 pub struct RowSet {
-    /// Rows, ordered by pair and sample.
+    /// Rows, ordered by pair and key.
     pub rows: Vec<Row>,
     controls: Vec<u32>,
     weights: Vec<f64>,
@@ -193,7 +179,12 @@ impl RowSet {
 
     /// Brings the rows of the present pair into their order.
     pub fn end_pair(&mut self) {
-        self.rows[self.pair_start..].sort_unstable_by_key(|row| row.sample);
+        let rows = &mut self.rows[self.pair_start..];
+        rows.sort_unstable_by_key(|row| row.id.key);
+        debug_assert!(
+            rows.is_sorted_by(|a, b| a.id < b.id),
+            "two rows of a pair have one key"
+        );
     }
 
     /// Rows of the present pair so far, in the order in which they came.

@@ -112,9 +112,9 @@ fn solve_rows(scene: &Scene, state: &SceneState, scratch: &mut Scratch, start: S
     }
     let mut warm = state.warm[..state.warm_len].iter().peekable();
     for (i, row) in scratch.rows.rows.iter().enumerate() {
-        // Both lists are ordered by key.
-        while warm.next_if(|old| old.key < row.key()).is_some() {}
-        let old = warm.next_if(|old| old.key == row.key());
+        // Both lists are ordered by it.
+        while warm.next_if(|old| old.id < row.id).is_some() {}
+        let old = warm.next_if(|old| old.id == row.id);
         let force = match start {
             Start::LastTick => old.map_or(0.0, |old| old.force_n),
             Start::Here => scratch.problem.forces()[i],
@@ -136,9 +136,9 @@ fn solve_whole(scene: &Scene, state: &SceneState, scratch: &mut Scratch, start: 
     let mut warm = state.warm[..state.warm_len].iter().peekable();
     for i in 0..count {
         let row = scratch.rows.rows[i];
-        // Both lists are ordered by key.
-        while warm.next_if(|old| old.key < row.key()).is_some() {}
-        let old = warm.next_if(|old| old.key == row.key());
+        // Both lists are ordered by it.
+        while warm.next_if(|old| old.id < row.id).is_some() {}
+        let old = warm.next_if(|old| old.id == row.id);
         let WarmRow {
             force_n,
             tangent_n,
@@ -152,7 +152,7 @@ fn solve_whole(scene: &Scene, state: &SceneState, scratch: &mut Scratch, start: 
                 mu,
                 drag_n_m: viscous_n_s_m,
             } => {
-                let pair = scene.pairs[row.pair as usize].friction.filter(|_| slips);
+                let pair = scene.pairs[row.id.pair as usize].friction.filter(|_| slips);
                 let free = slip + row.normal * (row.gap_m - slip.dot(&row.normal));
                 let drag_n_m = match viscous_n_s_m > 0.0 {
                     true => {
@@ -206,7 +206,7 @@ fn solve_whole(scene: &Scene, state: &SceneState, scratch: &mut Scratch, start: 
 fn share_of_drag(state: &SceneState, scratch: &Scratch, row: &Row, force_n: f64) -> f64 {
     let warm = state.warm[..state.warm_len]
         .iter()
-        .filter(|old| old.key[0] == row.pair);
+        .filter(|old| old.id.pair == row.id.pair);
     let whole: f64 = warm.map(|old| old.force_n.max(0.0)).sum();
     if whole > 0.0 {
         return force_n.max(0.0) / whole;
@@ -216,7 +216,7 @@ fn share_of_drag(state: &SceneState, scratch: &Scratch, row: &Row, force_n: f64)
         .rows
         .rows
         .iter()
-        .filter(|other| other.pair == row.pair)
+        .filter(|other| other.id.pair == row.id.pair)
         .count() as f64
 }
 

@@ -2,7 +2,8 @@
 
 use super::feet::{MAX_FEET, margin_m, meet, moving, push_between, view};
 use crate::scene::{Scene, SceneState, Scratch, look_at};
-use crate::solve::rows::{FOOT, Facing, HOLDER_SAMPLES};
+use crate::solve::row_key::RowKey;
+use crate::solve::rows::Facing;
 use palpate_geometry::contact::{Contact, Reach};
 use palpate_geometry::math::Point3;
 
@@ -47,7 +48,7 @@ pub(super) fn bodies(
     proxy.touching = !contacts.is_empty();
     let views = [view(my_body, mine), view(their_body, theirs)];
     for (k, contact) in contacts.iter().take(MAX_FEET).enumerate() {
-        push_between(rows, p, pair, FOOT - k as u32, contact, &views, margin);
+        push_between(rows, p, pair, RowKey::loose(k), contact, &views, margin);
     }
     if let Some(view) = views[0].as_ref().filter(|_| !contacts.is_empty()) {
         let bounds = theirs.bounds;
@@ -71,7 +72,15 @@ pub(super) fn bodies(
                 depth_m: -gap_m,
                 tool_uv: Some(uv),
             };
-            push_between(rows, p, pair, hit.index as u32, &contact, &views, margin);
+            push_between(
+                rows,
+                p,
+                pair,
+                RowKey::sample(hit.index),
+                &contact,
+                &views,
+                margin,
+            );
         }
     }
     if let Some(view) = views[1].as_ref().filter(|_| !contacts.is_empty()) {
@@ -114,7 +123,7 @@ pub(super) fn bodies(
                 rows,
                 p,
                 pair,
-                HOLDER_SAMPLES + hit.index as u32,
+                RowKey::of_owner(hit.index),
                 &contact,
                 &views,
                 margin,
@@ -148,7 +157,7 @@ pub(super) fn itself(scene: &Scene, scratch: &mut Scratch, p: usize) {
     let view = view(body, parts);
     let views = [view, view];
     for (k, contact) in pairs[p].set.contacts().iter().take(MAX_FEET).enumerate() {
-        push_between(rows, p, pair, FOOT - k as u32, contact, &views, margin);
+        push_between(rows, p, pair, RowKey::loose(k), contact, &views, margin);
     }
 }
 

@@ -11,47 +11,43 @@
 
 use super::feet::margin_m;
 use crate::scene::{BodyModel, Scene, Scratch};
-use crate::solve::friction::Law;
-use crate::solve::rows::{DeformingView, FOOT, LEAST_FOOT, Row, RowSet};
+use crate::solve::row_key::{RowId, RowKey};
+use crate::solve::rows::{DeformingView, Row, RowSet};
 use palpate_geometry::contact::Contact;
 
 /// Covered so far, a foot is left out.
 const MOST: f64 = 0.999;
-/// Feet without four samples around them are numbered down from [`FOOT`], the others from there
-/// less this.
-pub(super) const UNPLACED: u32 = 64;
 
-/// Name of the row of the `k`-th contact; `None` if rows of samples hold that place already, or
+/// Key of the row of the `k`-th contact; `None` if rows of samples hold that place already, or
 /// another foot does.
-pub(super) fn foot_name(
+pub(super) fn foot_key(
     rows: &RowSet,
     p: usize,
     k: usize,
     contact: &Contact,
     view: Option<&DeformingView<'_>>,
     margin: f64,
-) -> Option<u32> {
+) -> Option<RowKey> {
     let around = view.and_then(|view| view.samples.around(contact.u, contact.v));
     let here = rows.of_pair();
     debug_assert!(
-        here.iter().all(|row| row.pair as usize == p),
+        here.iter().all(|row| row.id.pair as usize == p),
         "rows of another pair"
     );
-    let Some(around) = around else {
-        let name = FOOT - (k as u32).min(UNPLACED - 1);
-        return here.iter().all(|row| row.sample != name).then_some(name);
-    };
-    let name = FOOT - UNPLACED - around[0] as u32;
-    let share = pressed(around, margin, |sample| {
-        here.iter().find(|row| row.sample == sample)
+    let key = RowKey::foot(k, around);
+    let share = around.map_or(0.0, |around| {
+        pressed(around, margin, |sample| {
+            here.iter().find(|row| row.id.key == sample)
+        })
     });
-    (share < MOST && here.iter().all(|row| row.sample != name)).then_some(name)
+    (share < MOST && here.iter().all(|row| row.id.key != key)).then_some(key)
 }
 
 /// Adds to the compliance of every foot on a deforming body what its samples take over.
 pub(super) fn ease_feet(scene: &Scene, scratch: &mut Scratch) {
     let Scratch { rows, problem, .. } = scratch;
-    for (i, foot) in rows.rows.iter().enumerate().filter(|(_, row)| is_foot(row)) {
+    let is_foot = |(_, row): &(usize, &Row)| row.id.key.is_foot();
+    for (i, foot) in rows.rows.iter().enumerate().filter(is_foot) {
         let body = &scene.bodies[foot.body as usize];
         let BodyModel::Lattice(model) = &body.model else {
             continue;
@@ -63,11 +59,10 @@ pub(super) fn ease_feet(scene: &Scene, scratch: &mut Scratch) {
             .tool()
             .and_then(|tool| scene.tools[tool].shape.ball_radius_m())
             .unwrap_or(0.0);
-        let share = pressed(around, margin_m(radius_m, body.size_m), |sample| {
-            // Rows are ordered by key.
-            let found = rows
-                .rows
-                .binary_search_by_key(&[foot.pair, sample], Row::key);
+        let share = pressed(around, margin_m(radius_m, body.size_m), |key| {
+            let id = RowId { key, ..foot.id };
+            // Rows are ordered by it.
+            let found = rows.rows.binary_search_by_key(&id, |row| row.id);
             found.ok().map(|row| &rows.rows[row])
         });
         let own = problem.entry(i, i);
@@ -77,13 +72,9 @@ pub(super) fn ease_feet(scene: &Scene, scratch: &mut Scratch) {
 
 /// How much the least pressed of four samples carries: 0 where it does not touch, [`MOST`] where it
 /// is deeper than the margin in free motion.
-fn pressed<'a>(around: [usize; 4], margin: f64, row: impl Fn(u32) -> Option<&'a Row>) -> f64 {
+fn pressed<'a>(around: [usize; 4], margin: f64, row: impl Fn(RowKey) -> Option<&'a Row>) -> f64 {
     let depth = |sample: usize| {
-        row(sample as u32).map_or(0.0, |row| (-row.gap_m / margin).clamp(0.0, MOST))
+        row(RowKey::sample(sample)).map_or(0.0, |row| (-row.gap_m / margin).clamp(0.0, MOST))
     };
     around.into_iter().map(depth).fold(MOST, f64::min)
-}
-
-fn is_foot(row: &Row) -> bool {
-    row.sample >= LEAST_FOOT && matches!(row.law, Law::Push { .. })
 }

@@ -213,8 +213,12 @@ fn load_bodies(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch) {
         let (Row { u, v, on_tool, .. }, force_n) = (row, scratch.problem.forces()[i]);
         let on_tool = if turns { on_tool } else { Vector3::zeros() };
         let mut warm = WarmRow {
-            key: row.key(),
-            uv: [u, v],
+            id: row.id,
+            uv: if row.id.key.is_foot() {
+                [u, v]
+            } else {
+                [0.0; 2]
+            },
             force_n,
             on_tool,
             ..WarmRow::default()

@@ -2,6 +2,7 @@
 
 use crate::scene::{Body, BodyModel, BodyScratch, Pair};
 use crate::solve::friction::Law;
+use crate::solve::row_key::{RowId, RowKey};
 use crate::solve::rows::{DeformingView, Grip, Row, RowSet, SampleInTouch};
 use palpate_geometry::contact::Contact;
 use palpate_geometry::math::{Point3, Rotation, Vector3};
@@ -94,18 +95,18 @@ impl Way {
     }
 }
 
-/// A row of a tool at a contact of its pair, named by [`super::cover::foot_name`].
+/// A row of a tool at a contact of its pair, with the key of [`super::cover::foot_key`].
 pub(super) fn push_foot(
     rows: &mut RowSet,
     p: usize,
     pair: &Pair,
-    sample: u32,
+    key: RowKey,
     contact: &Contact,
     view: Option<&DeformingView<'_>>,
     way: Way,
     margin: f64,
 ) {
-    let (row, carried) = way.of(row(p, pair, sample, contact), &contact.on_tool);
+    let (row, carried) = way.of(row(p, pair, key, contact), &contact.on_tool);
     match view {
         Some(view) => {
             let windows = windows(view, contact.u, contact.v);
@@ -141,7 +142,10 @@ pub(super) fn push_sample(
         depth_m: -hit.facing.gap_m,
         tool_uv: None,
     };
-    let (row, carried) = way.of(row(p, pair, hit.index as u32, &contact), &contact.on_tool);
+    let (row, carried) = way.of(
+        row(p, pair, RowKey::sample(hit.index), &contact),
+        &contact.on_tool,
+    );
     rows.push(
         row,
         Grip::Deforming(view, wu, wv),
@@ -156,7 +160,7 @@ pub(super) fn push_anchor(
     rows: &mut RowSet,
     p: usize,
     pair: &Pair,
-    sample: u32,
+    key: RowKey,
     contact: &Contact,
     view: Option<&DeformingView<'_>>,
     (away, arm): (Vector3, Vector3),
@@ -166,7 +170,7 @@ pub(super) fn push_anchor(
         slip: away,
         arm,
         law: Law::Grip { limit_n },
-        ..row(p, pair, sample, contact)
+        ..row(p, pair, key, contact)
     };
     let mine = view.map(|view| (view, windows(view, contact.u, contact.v)));
     rows.push(row, grip_of(&mine), Grip::Fixed, f64::INFINITY);
@@ -177,7 +181,7 @@ pub(super) fn push_between(
     rows: &mut RowSet,
     p: usize,
     pair: &Pair,
-    sample: u32,
+    key: RowKey,
     contact: &Contact,
     views: &[Option<DeformingView<'_>>; 2],
     margin: f64,
@@ -185,7 +189,7 @@ pub(super) fn push_between(
     let Some([s, t]) = contact.tool_uv else {
         return;
     };
-    let row = row(p, pair, sample, contact);
+    let row = row(p, pair, key, contact);
     let mine = views[0]
         .as_ref()
         .map(|view| (view, windows(view, contact.u, contact.v)));
@@ -221,10 +225,12 @@ fn law(pair: &Pair) -> Law {
     })
 }
 
-fn row(p: usize, pair: &Pair, sample: u32, contact: &Contact) -> Row {
+fn row(p: usize, pair: &Pair, key: RowKey, contact: &Contact) -> Row {
     Row {
-        pair: p as u32,
-        sample,
+        id: RowId {
+            pair: p as u32,
+            key,
+        },
         body: pair.body as u32,
         holder: pair.holder,
         normal: contact.normal,

@@ -9,7 +9,7 @@
 //! ```
 
 use super::between::{bodies, itself};
-use super::cover::{UNPLACED, foot_name};
+use super::cover::foot_key;
 use super::face::{Faced, face_surface};
 use super::feet::{MAX_FEET, Way, margin_m, meet, push_foot, push_sample, view};
 use super::manifold::{Stance, push_manifold};
@@ -20,7 +20,8 @@ use crate::scene::{
     WarmRow,
 };
 use crate::solve::proxy::BallContact;
-use crate::solve::rows::{DeformingView, FOOT, Facing, Holder, LEAST_FOOT, RowSet};
+use crate::solve::row_key::RowKey;
+use crate::solve::rows::{DeformingView, Facing, Holder, RowSet};
 use palpate_geometry::contact::exact::ball::signed_gap;
 use palpate_geometry::contact::{Contact, Reach, ToolShape, distance_squared_to_box};
 use palpate_geometry::math::{Point3, Pose, Rotation, Vector3, rotation_by, turn_between};
@@ -200,9 +201,8 @@ fn keep_feet(
     margin: f64,
     facing: impl Fn(&Point3) -> Option<Facing>,
 ) {
-    let placed = LEAST_FOOT..=FOOT - UNPLACED;
     let carried = |row: &&WarmRow| {
-        row.key[0] as usize == p && placed.contains(&row.key[1]) && row.force_n > 0.0
+        row.id.pair as usize == p && matches!(row.id.key, RowKey::Foot(_)) && row.force_n > 0.0
     };
     for warm in warm.iter().filter(carried) {
         let [u, v] = warm.uv;
@@ -244,10 +244,10 @@ fn push_feet<'a>(
 ) {
     let mut kept = 0;
     for (k, contact) in feet.enumerate() {
-        let Some(name) = foot_name(rows, p, k, contact, view, margin) else {
+        let Some(key) = foot_key(rows, p, k, contact, view, margin) else {
             continue;
         };
-        push_foot(rows, p, pair, name, contact, view, way, margin);
+        push_foot(rows, p, pair, key, contact, view, way, margin);
         kept += 1;
         if kept == MAX_FEET {
             return;

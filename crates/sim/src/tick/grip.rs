@@ -6,7 +6,8 @@ use crate::haptics::LinkPhase;
 use crate::scene::{Scene, SceneState, Scratch, ToolState, flags};
 use crate::solve::friction::Law;
 use crate::solve::grip::{GRAB, GripState, MAX_ANCHORS, apart_m, strength};
-use crate::solve::rows::{ANCHOR, Row};
+use crate::solve::row_key::RowKey;
+use crate::solve::rows::Row;
 use palpate_geometry::contact::Contact;
 use palpate_geometry::math::Vector3;
 
@@ -94,7 +95,7 @@ pub(super) fn push_anchors(
             rows,
             p,
             pair,
-            ANCHOR - anchor.number,
+            RowKey::Anchor(anchor.number as u8),
             &contact,
             view(body, parts).as_ref(),
             (away, arm),
@@ -128,7 +129,7 @@ pub(super) fn take(
         let count = all().count();
         for (k, (_, row)) in all().enumerate() {
             if count <= MAX_ANCHORS || k * MAX_ANCHORS / count != (k + 1) * MAX_ANCHORS / count {
-                grip.make(row.pair, row.u, row.v);
+                grip.make(row.id.pair, row.u, row.v);
             }
         }
     }

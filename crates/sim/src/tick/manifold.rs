@@ -7,10 +7,10 @@
 //! may never be inside of the body, so such a row is right wherever the tool has rolled to
 //! meanwhile.
 
-use super::cover::UNPLACED;
 use super::feet::{MAX_FEET, Way, push_foot};
 use crate::scene::{BodyScratch, Pair, WarmRow};
-use crate::solve::rows::{FOOT, RowSet};
+use crate::solve::row_key::{LOOSE_FEET, RowKey};
+use crate::solve::rows::RowSet;
 use palpate_geometry::contact::Contact;
 use palpate_geometry::math::{Point3, Pose};
 
@@ -26,7 +26,7 @@ pub(super) struct Stance<'a> {
     pub margin_m: f64,
 }
 
-/// Rows of the contacts found now and of those remembered from the last tick; each keeps its name
+/// Rows of the contacts found now and of those remembered from the last tick; each keeps its number
 /// as long as it lasts.
 pub(super) fn push_manifold(
     rows: &mut RowSet,
@@ -38,28 +38,29 @@ pub(super) fn push_manifold(
     stance: &Stance<'_>,
     way: Way,
 ) {
-    let names = FOOT - (UNPLACED - 1)..=FOOT;
     let old = || {
-        remembered
-            .iter()
-            .filter(|row| row.key[0] as usize == p && names.contains(&row.key[1]))
+        let own = remembered.iter().filter(|row| row.id.pair as usize == p);
+        own.filter_map(|row| match row.id.key {
+            RowKey::Loose(number) => Some((u32::from(number), row)),
+            _ => None,
+        })
     };
     let apart = |a: &Point3, b: &Point3| (a - b).norm() > SAME * stance.size_m;
     let place = |row: &WarmRow| stance.pose * Point3::from(row.on_tool);
-    // Names in use, as bits; and those of contacts that are there already.
-    let mut used = old().fold(0u64, |used, row| used | 1 << (FOOT - row.key[1]));
+    // Numbers in use, as bits; and those of contacts that are there already.
+    let mut used = old().fold(0u64, |used, (number, _)| used | 1 << number);
     let mut taken = 0u64;
     let mut points = [Point3::origin(); MAX_FEET];
     let mut count = 0;
     for contact in found.iter().take(MAX_FEET) {
-        let near = |row: &&WarmRow| {
-            taken >> (FOOT - row.key[1]) & 1 == 0 && !apart(&place(row), &contact.on_tool)
+        let near = |(number, row): &(u32, &WarmRow)| {
+            taken >> number & 1 == 0 && !apart(&place(row), &contact.on_tool)
         };
         let number = match old().find(near) {
-            Some(row) => FOOT - row.key[1],
+            Some((number, _)) => number,
             None => (!used).trailing_zeros(),
         };
-        if number >= UNPLACED {
+        if number >= LOOSE_FEET {
             continue;
         }
         used |= 1 << number;
@@ -68,7 +69,7 @@ pub(super) fn push_manifold(
             rows,
             p,
             pair,
-            FOOT - number,
+            RowKey::loose(number as usize),
             contact,
             None,
             way,
@@ -77,9 +78,8 @@ pub(super) fn push_manifold(
         points[count] = contact.on_tool;
         count += 1;
     }
-    for row in old() {
+    for (number, row) in old() {
         let on_tool = place(row);
-        let number = FOOT - row.key[1];
         if count == MAX_FEET
             || taken >> number & 1 == 1
             || !points[..count].iter().all(|point| apart(point, &on_tool))
@@ -115,7 +115,7 @@ pub(super) fn push_manifold(
             rows,
             p,
             pair,
-            FOOT - number,
+            RowKey::loose(number as usize),
             &contact,
             None,
             way,

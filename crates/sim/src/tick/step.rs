@@ -7,6 +7,30 @@ use palpate_geometry::math::{SavedState, StateError, state_hash};
 
 /// Advances by one tick. The output is made anew, and that is all that is allocated; loops fill
 /// one that is there with [`step_into`].
+///
+/// # Examples
+/// ```
+/// use palpate_sim::scene::{Scene, file};
+/// use palpate_sim::tick::{record::TickInput, step};
+/// use std::path::Path;
+/// let text = r#"
+///     [[body]]
+///     id = "ball"
+///     surface = { builtin = "sphere" }
+///     [[tool]]
+///     id = "pen"
+///     shape = { point = {} }
+///     pose = { position = [0.0, 0.0, 0.1] }
+/// "#;
+/// let loaded = file::parse(text, "scene.toml", Path::new("."))?;
+/// let scene = Scene::build(&loaded.spec, Path::new("."))?;
+/// let mut state = scene.initial_state();
+/// let mut scratch = scene.scratch(&state);
+/// let output = step(&scene, &mut state, &mut scratch, &TickInput::default());
+/// assert_eq!(output.tick, 1);
+/// assert!(output.fault.is_none());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn step(
     scene: &Scene,
     state: &mut SceneState,

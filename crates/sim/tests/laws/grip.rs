@@ -2,8 +2,10 @@
 
 use crate::common::{World, teardrop};
 use palpate_geometry::math::{SavedState, Vector3};
+use palpate_geometry::surface::ClosestSolver;
 use palpate_sim::scene::flags;
 use palpate_sim::solve::grip::GRAB;
+use palpate_sim::solve::row_key::RowKey;
 use palpate_sim::tick::record::TickOutput;
 use palpate_sim::tick::restore;
 
@@ -257,7 +259,7 @@ fn a_shaken_grip_stays_calm_and_within_its_force() {
         held += usize::from(out.tools[0].flags & flags::GRABBING != 0);
         let gripped: f64 = world.state.warm[..world.state.warm_len]
             .iter()
-            .filter(|row| row.key[1] > u32::MAX - 64 - 16 && row.key[1] <= u32::MAX - 64)
+            .filter(|row| matches!(row.id.key, RowKey::Anchor(_)))
             .map(|row| (row.force_n * row.force_n + row.tangent_n.norm_squared()).sqrt())
             .sum();
         assert!(
@@ -269,4 +271,75 @@ fn a_shaken_grip_stays_calm_and_within_its_force() {
     }
     assert!(held > 3_000, "held for {held} ticks");
     assert!(energy < 0.5 * 1000.0 * 0.01 * 0.01, "{energy} J");
+}
+
+/// A slab of jelly whose first samples lie 2.5 mm and 7.5 mm from its edges, with a thin tool above
+/// the middle of the first four.
+fn between_the_first_samples(shape: &str, grip_n: f64) -> String {
+    format!(
+        r#"
+[[body]]
+id = "slab"
+surface = {{ builtin = "sheet", net = [8, 8], size = 0.1 }}
+model = "lattice"
+material = {{ young_pa = 20e3 }}
+lattice = {{ layers = 3, thickness_m = 0.03, refine = "none" }}
+fixed = [{{ point = [0.0, 0.0, -0.0299], normal = [0.0, 0.0, 1.0] }}]
+[[tool]]
+id = "pen"
+shape = {shape}
+pose = {{ position = [{FIRST:?}, {FIRST:?}, 0.01] }}
+coupling = {{ stiffness_n_m = 1000.0, damping_n_s_m = 1.0 }}
+device = {{ force_max_n = 1e9, ramp_s = 0.0 }}
+grip = {{ force_max_n = {grip_n:?} }}
+"#
+    )
+}
+
+/// Between the first two samples of the slab, along either axis, m.
+const FIRST: f64 = -0.045;
+
+// What the tool holds on to is numbered from 0, and so are the samples: the row of the foot beside
+// sample 0 must stay when anchor 0 joins it, or the tool sinks in.
+#[test]
+fn a_tool_that_grabs_between_the_first_samples_still_presses_there() {
+    for (shape, radius) in [
+        ("{ point = {} }", 0.0),
+        ("{ sphere = { radius_m = 1.5e-3 } }", 1.5e-3),
+    ] {
+        let [grabbed, pressed] = [GRAB, 0].map(|buttons| {
+            let mut world = World::new(&between_the_first_samples(shape, 0.01));
+            let at = |z: f64| [FIRST, FIRST, radius + z];
+            for k in 0..400 {
+                world.all(&[(at(6e-4 - 1e-3 * f64::from(k) / 400.0), 0)]);
+            }
+            let mut last = None;
+            for k in 0..1_000 {
+                let depth = 4e-4 + 1e-3 * f64::from(k.min(600)) / 600.0;
+                let out = world.all(&[(at(-depth), buttons)]);
+                let held = out.tools[0].flags & flags::GRABBING != 0;
+                assert_eq!(held, buttons == GRAB, "{shape}, tick {k}");
+                last = Some(out.tools[0]);
+            }
+            let tool = last.unwrap();
+            let mut net = world.scene.rest_surface(0).net().points().to_vec();
+            world.state.copy_net(&world.scene, 0, &mut net);
+            let surface = world.scene.surface_with(0, &net);
+            let foot = ClosestSolver::new(&surface).closest(&surface, &tool.proxy_position);
+            let sunk_m = radius - foot.signed_distance;
+            (tool.force_n, sunk_m)
+        });
+        assert!(
+            grabbed.1.abs() < 2e-5,
+            "{shape}: {} m inside the body while it is held, {} m without",
+            grabbed.1,
+            pressed.1
+        );
+        assert!(
+            (grabbed.0 - pressed.0).norm() < 0.011,
+            "{shape}: {} with a grip of 0.01 N, {} without",
+            grabbed.0,
+            pressed.0
+        );
+    }
 }

@@ -7,6 +7,7 @@ mod contact;
 mod deformation;
 mod deforming_input;
 mod deforming_laws;
+mod examples;
 mod friction;
 mod grip;
 mod haptics;

@@ -20,7 +20,7 @@ pub(crate) struct Map {
 
 /// How a climb ended.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Top {
+pub(crate) struct ClimbTop {
     pub at: [f64; 2],
     pub height_m: f64,
     /// Smooth there, and as exact as it gets; else [`Map::finish`] is worth its price.
@@ -106,8 +106,8 @@ impl Map {
         start: [f64; 2],
         size_m: f64,
         mut height: impl FnMut([f64; 2]) -> f64,
-    ) -> Top {
-        let mut top = Top {
+    ) -> ClimbTop {
+        let mut top = ClimbTop {
             at: self.turn(start),
             height_m: 0.0,
             settled: false,
@@ -122,7 +122,7 @@ impl Map {
     }
 
     /// Makes a top that is not settled exact.
-    pub fn finish(&self, top: &mut Top, height: impl Fn([f64; 2]) -> f64) {
+    pub fn finish(&self, top: &mut ClimbTop, height: impl Fn([f64; 2]) -> f64) {
         let mut window = WINDOW;
         for _ in 0..WINDOWS {
             let start = *top;
@@ -149,7 +149,12 @@ impl Map {
     }
 
     /// True when it arrived where the depth is smooth and bent down.
-    fn newton(&self, top: &mut Top, size_m: f64, height: &mut impl FnMut([f64; 2]) -> f64) -> bool {
+    fn newton(
+        &self,
+        top: &mut ClimbTop,
+        size_m: f64,
+        height: &mut impl FnMut([f64; 2]) -> f64,
+    ) -> bool {
         let h = self.spans.map(|s| DIFFERENCE * s);
         let mut radius = 0.25;
         for _ in 0..NEWTON {
@@ -185,7 +190,7 @@ impl Map {
                 let next = self.turn([top.at[0] + x * h[0], top.at[1] + y * h[1]]);
                 let value = height(next);
                 if value > top.height_m {
-                    *top = Top {
+                    *top = ClimbTop {
                         at: next,
                         height_m: value,
                         settled: false,
@@ -205,7 +210,7 @@ impl Map {
     /// Steps in sixteen directions, shorter when none leads up.
     fn cross(
         &self,
-        top: &mut Top,
+        top: &mut ClimbTop,
         size_m: f64,
         settled: bool,
         height: &mut impl FnMut([f64; 2]) -> f64,
@@ -238,7 +243,7 @@ impl Map {
                 let value = height(next);
                 change = change.max((value - before.height_m).abs());
                 if value > top.height_m {
-                    *top = Top {
+                    *top = ClimbTop {
                         at: next,
                         height_m: value,
                         settled: false,

@@ -9,7 +9,7 @@
 
 mod climb;
 
-pub(super) use self::climb::{Map, Top};
+pub(super) use self::climb::{ClimbTop, Map};
 
 use super::exact::Patches;
 use super::{ContactSet, MAX_CONTACTS};
@@ -60,7 +60,7 @@ pub(super) struct DepthSearch {
     /// (pieces): the solid may reach into it.
     pub reached: Vec<bool>,
     /// What was found, deepest starts first.
-    pub tops: Vec<Top>,
+    pub tops: Vec<ClimbTop>,
     /// Rows and columns of pieces.
     pieces: [usize; 2],
     /// (rows × GRID × columns × GRID): rough depth, m, and way out.
@@ -195,7 +195,7 @@ impl DepthSearch {
     }
 
     /// Climbs, going on over joints while that leads up.
-    fn climb(&self, start: [f64; 2], depth: impl Fn([f64; 2]) -> f64) -> Top {
+    fn climb(&self, start: [f64; 2], depth: impl Fn([f64; 2]) -> f64) -> ClimbTop {
         let mut top = self.map_at(start).climb(start, self.size_m, &depth);
         let Some(joints) = &self.joints else {
             return top;
@@ -234,7 +234,7 @@ impl DepthSearch {
     fn keep_from(
         &mut self,
         first: usize,
-        top: Top,
+        top: ClimbTop,
         depth: impl Fn([f64; 2]) -> f64,
         point: impl Fn([f64; 2]) -> Point3,
     ) {
@@ -320,7 +320,7 @@ impl DepthSearch {
                 continue;
             }
             let (a, b) = (k as i64 / n[1], k as i64 % n[1]);
-            // Samples of two patches are no neighbours.
+            // Samples of two patches are not neighbours.
             let neighbour = |x: i64, y: i64| {
                 neighbour(x, y).filter(|&other| {
                     joints.is_none_or(|t| t.patch_at(at(k)) == t.patch_at(at(other)))

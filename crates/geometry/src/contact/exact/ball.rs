@@ -17,6 +17,23 @@ const TURNED: f64 = 1e-6;
 
 /// Contacts of a ball of `radius_m` (0 for a point) around `centre`, deepest first. `out` is
 /// cleared first; a query that is not finite touches nothing.
+///
+/// # Examples
+/// ```
+/// use palpate_geometry::contact::exact::{ExactScratch, ball};
+/// use palpate_geometry::contact::{ContactSet, Reach};
+/// use palpate_geometry::math::Point3;
+/// use palpate_geometry::surface::{ClosestSolver, builtin};
+/// let body = builtin("sphere", None, Some(0.02))?; // radius 20 mm
+/// let mut solver = ClosestSolver::new(&body);
+/// let mut scratch = ExactScratch::new(&body, &mut solver);
+/// let mut found = ContactSet::new();
+/// // A ball of radius 10 mm, 2 mm deep.
+/// let centre = Point3::new(0.0, 0.0, 0.028);
+/// ball::contacts(&body, &mut solver, &centre, 0.01, &Reach::TOUCH, &mut scratch, &mut found);
+/// assert!((found.deepest().unwrap().depth_m - 0.002).abs() < 1e-12);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn contacts(
     surface: &Surface,
     solver: &mut ClosestSolver,

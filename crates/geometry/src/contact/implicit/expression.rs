@@ -13,25 +13,25 @@ use super::tape::{Binary, MAX_OPS, Op, Tape, Unary};
 /// Brackets and signs deeper than this are refused rather than followed.
 const MAX_DEPTH: usize = 64;
 
-/// Why a text is no function. Columns count characters from 1.
+/// Why a text is not a valid function. Columns count characters from 1.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum ExpressionError {
     /// Something else was expected.
     #[error("column {column}: found {found}, expected {expected}")]
     Unexpected {
-        /// Where.
+        /// Column in the text.
         column: usize,
         /// What is there.
         found: String,
         /// What could be.
         expected: &'static str,
     },
-    /// A name nobody knows.
+    /// An unknown name.
     #[error(
         "column {column}: '{name}' is unknown{hint}; there are x, y, z (m), pi and the functions {FUNCTIONS}"
     )]
     Name {
-        /// Where.
+        /// Column in the text.
         column: usize,
         /// The name.
         name: String,
@@ -51,9 +51,9 @@ pub enum ExpressionError {
         given: usize,
     },
     /// A number that cannot be read.
-    #[error("column {column}: '{text}' is no number")]
+    #[error("column {column}: '{text}' is not a number")]
     Number {
-        /// Where.
+        /// Column in the text.
         column: usize,
         /// What is there.
         text: String,
@@ -97,7 +97,7 @@ struct Parser {
     depth: usize,
 }
 
-type Place = Result<u16, ExpressionError>;
+type Parsed = Result<u16, ExpressionError>;
 
 impl Parser {
     fn peek(&mut self) -> Option<char> {
@@ -124,7 +124,7 @@ impl Parser {
         }
     }
 
-    fn push(&mut self, op: Op) -> Place {
+    fn push(&mut self, op: Op) -> Parsed {
         // The same operation on the same operands is one: x*x squares, and boxes stay tight.
         if let Some(k) = self.ops.iter().position(|other| *other == op) {
             return Ok(k as u16);
@@ -136,7 +136,7 @@ impl Parser {
         Ok(self.ops.len() as u16 - 1)
     }
 
-    fn sum(&mut self) -> Place {
+    fn sum(&mut self) -> Parsed {
         let mut left = self.product()?;
         loop {
             let op = match self.peek() {
@@ -151,7 +151,7 @@ impl Parser {
     }
 
     /// The value of a tape is its last operation; one that was found earlier is repeated there.
-    fn last(&mut self, place: u16) -> Place {
+    fn last(&mut self, place: u16) -> Parsed {
         if self.depth > 0 || usize::from(place) + 1 == self.ops.len() {
             return Ok(place);
         }
@@ -162,7 +162,7 @@ impl Parser {
         Ok(self.ops.len() as u16 - 1)
     }
 
-    fn product(&mut self) -> Place {
+    fn product(&mut self) -> Parsed {
         let mut left = self.signed()?;
         loop {
             let op = match self.peek() {
@@ -176,7 +176,7 @@ impl Parser {
         }
     }
 
-    fn signed(&mut self) -> Place {
+    fn signed(&mut self) -> Parsed {
         self.depth += 1;
         if self.depth > MAX_DEPTH {
             return Err(ExpressionError::Long {
@@ -198,7 +198,7 @@ impl Parser {
         place
     }
 
-    fn power(&mut self) -> Place {
+    fn power(&mut self) -> Parsed {
         let base = self.atom()?;
         if !self.eat('^') {
             return Ok(base);
@@ -213,7 +213,7 @@ impl Parser {
         }
     }
 
-    fn atom(&mut self) -> Place {
+    fn atom(&mut self) -> Parsed {
         match self.peek() {
             Some('(') => {
                 self.at += 1;
@@ -230,7 +230,7 @@ impl Parser {
         }
     }
 
-    fn number(&mut self) -> Place {
+    fn number(&mut self) -> Parsed {
         let start = self.at;
         let mut text = String::new();
         while let Some(&c) = self.chars.get(self.at) {
@@ -255,7 +255,7 @@ impl Parser {
         }
     }
 
-    fn name(&mut self) -> Place {
+    fn name(&mut self) -> Parsed {
         let start = self.at;
         let mut name = String::new();
         while let Some(&c) = self

@@ -18,7 +18,7 @@ const WHOLE: Interval = Interval {
 };
 
 impl Interval {
-    /// One number; what is no number can be anything.
+    /// One number; NaN stands for any value.
     pub fn point(x: f64) -> Self {
         if x.is_nan() {
             WHOLE
@@ -50,7 +50,7 @@ impl Interval {
         self.low <= x && x <= self.high
     }
 
-    /// |x|.
+    /// Absolute value |x|.
     fn abs(self) -> Self {
         let (a, b) = (self.low.abs(), self.high.abs());
         Self {

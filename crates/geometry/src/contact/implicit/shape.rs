@@ -10,12 +10,12 @@ use crate::math::{Point3, Pose, Vector3};
 pub enum ImplicitShape {
     /// A ball.
     Sphere {
-        /// m.
+        /// Radius, m.
         radius_m: f64,
     },
     /// A round bar, from −half_length to +half_length, or without end.
     Cylinder {
-        /// m.
+        /// Radius, m.
         radius_m: f64,
         /// Half the length, m; `None`: infinite.
         half_length_m: Option<f64>,
@@ -57,7 +57,7 @@ pub enum ImplicitError {
     /// A length or angle out of range.
     #[error("{name} is {value}; it must be {allowed}")]
     Size {
-        /// Which.
+        /// Name of the quantity.
         name: &'static str,
         /// Its value.
         value: f64,
@@ -158,7 +158,17 @@ impl ImplicitShape {
     /// Ready for queries.
     ///
     /// # Errors
-    /// A size out of range, or a text that is no function.
+    /// A size out of range, or a text that is not a valid function.
+    ///
+    /// # Examples
+    /// ```
+    /// use palpate_geometry::contact::implicit::ImplicitShape;
+    /// use palpate_geometry::math::Point3;
+    /// let text = "x^2 + y^2 + z^2 - 1".to_owned();
+    /// let ball = ImplicitShape::Expression { text }.compile()?;
+    /// assert_eq!(ball.tape().value(&Point3::new(0.0, 0.0, 2.0)), 3.0);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     pub fn compile(&self) -> Result<ImplicitTool, ImplicitError> {
         Ok(ImplicitTool {
             tape: Tape::parse(&self.text()?)?,
@@ -237,7 +247,7 @@ impl ImplicitTool {
     }
 
     /// Depth of a point of the tool's frame along its gradient (along +z where that vanishes);
-    /// `None` where f is no number or the zero set is not on that line.
+    /// `None` where f is not a number or the zero set is not on that line.
     pub(super) fn stand(&self, p: &Point3) -> Option<Stand> {
         let (f, gradient) = self.tape.gradient(p);
         let steepness = gradient.norm();

@@ -13,7 +13,7 @@ pub struct ImplicitSolver {
 }
 
 /// The solid at its pose.
-struct Placed<'a> {
+struct PlacedShape<'a> {
     tool: &'a ImplicitTool,
     pose: &'a Pose,
     /// |entries| of the rotation into the tool's frame: turns half extents.
@@ -21,7 +21,7 @@ struct Placed<'a> {
     grow_m: f64,
 }
 
-impl DepthField for Placed<'_> {
+impl DepthField for PlacedShape<'_> {
     fn may_reach(&self, centre: &Point3, half: &Vector3) -> bool {
         let half = self.turn * half * (1.0 + 1e-12) + Vector3::repeat(self.grow_m);
         // False for NaN too: then it may.
@@ -79,7 +79,7 @@ impl ImplicitSolver {
             .to_rotation_matrix()
             .into_inner()
             .abs();
-        let field = Placed {
+        let field = PlacedShape {
             tool,
             pose,
             turn,

@@ -2,7 +2,7 @@
 
 use crate::math::Point3;
 
-/// Why a mesh is no tool.
+/// Why a mesh cannot be a tool.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum MeshError {
     /// Fewer triangles than a tetrahedron has.
@@ -11,7 +11,7 @@ pub enum MeshError {
         /// How many.
         triangles: usize,
     },
-    /// A coordinate that is no finite number.
+    /// A coordinate that is not a finite number.
     #[error("vertex {vertex} is {position:?}; coordinates must be finite")]
     NotFinite {
         /// Which, as given.
@@ -60,15 +60,15 @@ pub enum MeshError {
     /// No volume.
     #[error("the mesh encloses {volume_m3} m³, nothing for its size of {size_m} m")]
     Flat {
-        /// m³.
+        /// Enclosed volume, m³.
         volume_m3: f64,
-        /// m.
+        /// Size, m.
         size_m: f64,
     },
     /// What the distance queries cannot take.
     #[error("the mesh is refused: {reason}")]
     Refused {
-        /// Why.
+        /// Explanation.
         reason: String,
     },
 }

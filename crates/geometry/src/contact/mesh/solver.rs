@@ -25,13 +25,13 @@ pub struct MeshSolver {
     corners: Vec<Contact>,
 }
 
-struct Placed<'a> {
+struct PlacedMesh<'a> {
     tool: &'a MeshTool,
     pose: &'a Pose,
     margin_m: f64,
 }
 
-impl DepthField for Placed<'_> {
+impl DepthField for PlacedMesh<'_> {
     fn may_reach(&self, centre: &Point3, half: &Vector3) -> bool {
         // No point of the box is nearer than its centre less its radius.
         let (gap_m, _) = self
@@ -92,7 +92,7 @@ impl MeshSolver {
             tool.vertices.len(),
             "scratch of another mesh"
         );
-        let field = Placed {
+        let field = PlacedMesh {
             tool,
             pose,
             margin_m: reach.margin_m,

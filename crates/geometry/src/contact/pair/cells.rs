@@ -92,7 +92,7 @@ pub(in crate::contact) struct Cells {
     parts: [Vec<f64>; 2],
     /// (vertices): the first of all vertices at the same place.
     pub alias: Vec<u32>,
-    /// (cells).
+    /// Bounding box of each cell (cells).
     boxes: Vec<Block>,
     cones: Vec<Cone>,
     known: Vec<bool>,
@@ -100,7 +100,7 @@ pub(in crate::contact) struct Cells {
     pub touched: Vec<bool>,
     /// (cells): may face a part of the other surface.
     pub facing: Vec<bool>,
-    /// Everything.
+    /// Box around everything.
     pub whole: Block,
 }
 

@@ -18,7 +18,7 @@ mod seeds;
 #[cfg(test)]
 mod tests;
 
-use self::join::{Joined, Place};
+use self::join::{CurvePlace, JoinedCurve};
 use self::march::{End, march};
 use self::seeds::{Seed, seeds};
 use super::{PairSide, PairSolver, usable};
@@ -85,7 +85,7 @@ impl PairSolver {
             &mut self.tool,
             1e-11 * size_m,
         );
-        let mut joined = Joined::new(
+        let mut joined = JoinedCurve::new(
             [body.surface, tool.surface],
             [body.solver, tool.solver],
             [&self.body, &self.tool],
@@ -115,13 +115,13 @@ impl PairSolver {
 
 /// A curve while others are looked for.
 struct Traced {
-    places: Vec<Place>,
+    places: Vec<CurvePlace>,
     closed: bool,
 }
 
 impl Traced {
     fn published(self) -> IntersectionCurve {
-        let point = |p: &Place| CurvePoint {
+        let point = |p: &CurvePlace| CurvePoint {
             u: p.at[0],
             v: p.at[1],
             s: p.at[2],
@@ -136,7 +136,12 @@ impl Traced {
 }
 
 /// The curve through a seed, both ways unless it closes.
-fn trace(joined: &mut Joined<'_>, seed: &Seed, start: Place, tolerance_m: f64) -> Option<Traced> {
+fn trace(
+    joined: &mut JoinedCurve<'_>,
+    seed: &Seed,
+    start: CurvePlace,
+    tolerance_m: f64,
+) -> Option<Traced> {
     let (mut places, end) = march(joined, &start, 1.0, tolerance_m);
     if end == End::Closed {
         return (places.len() > 2).then_some(Traced {
@@ -160,7 +165,12 @@ fn trace(joined: &mut Joined<'_>, seed: &Seed, start: Place, tolerance_m: f64) -
 }
 
 /// The curve passes through a place.
-fn passes(joined: &mut Joined<'_>, curve: &Traced, place: &Place, tolerance_m: f64) -> bool {
+fn passes(
+    joined: &mut JoinedCurve<'_>,
+    curve: &Traced,
+    place: &CurvePlace,
+    tolerance_m: f64,
+) -> bool {
     let n = curve.places.len();
     let segments = if curve.closed { n } else { n - 1 };
     let (mut least, mut nearest) = (f64::INFINITY, 0);
@@ -200,7 +210,7 @@ fn passes(joined: &mut Joined<'_>, curve: &Traced, place: &Place, tolerance_m: f
 /// The first surface is on different sides of the second on both sides of the curve: else it is
 /// noise of surfaces that lie on each other. One place in five is enough, near a crease or a pole
 /// it may mislead.
-fn crosses(joined: &mut Joined<'_>, curve: &Traced) -> bool {
+fn crosses(joined: &mut JoinedCurve<'_>, curve: &Traced) -> bool {
     let n = curve.places.len();
     let level_m = 1e-13 * joined.size_m;
     (1..6).any(|k| {

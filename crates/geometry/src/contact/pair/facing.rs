@@ -5,7 +5,7 @@
 //! places, stand in the first two: they do not vanish where the surfaces cross or touch.
 
 use crate::math::Vector3;
-use crate::surface::bezier::Direction;
+use crate::surface::bezier::PieceDirection;
 use crate::surface::{ClosestSolver, Frame, Surface};
 
 /// Steps of Newton's method; it arrives in five or never.
@@ -35,7 +35,7 @@ impl Half<'_> {
     }
 }
 
-fn confine(d: &Direction, x: f64) -> f64 {
+fn confine(d: &PieceDirection, x: f64) -> f64 {
     let (start, end) = d.domain;
     if d.periodic && (x < start || x > end) {
         let period = end - start;

@@ -32,7 +32,7 @@ pub use self::curves::{CurvePoint, IntersectionCurve};
 use self::cells::Cells;
 use self::depth::Below;
 use self::facing::{Facing, Half, face};
-use self::regions::{Region, Regions};
+use self::regions::{PairRegion, Regions};
 use self::tops::Upper;
 use super::{Contact, ContactSet, Reach, Rectangle};
 use crate::surface::{ClosestSolver, Surface};
@@ -101,7 +101,7 @@ impl PairSolver {
         self.regions(body.surface, body.solver, tool.surface, tool.solver, reach);
         let size_m = self.body.whole.diagonal() + self.tool.whole.diagonal();
         for k in 0..self.on_body.found.len() {
-            let Region { top, .. } = self.on_body.found[k];
+            let PairRegion { top, .. } = self.on_body.found[k];
             let foot = top.sounding.foot.at;
             let depth_m = top.sounding.depth_m;
             push(
@@ -127,7 +127,7 @@ impl PairSolver {
             }
         }
         for k in 0..self.on_tool.found.len() {
-            let Region { top, .. } = self.on_tool.found[k];
+            let PairRegion { top, .. } = self.on_tool.found[k];
             let foot = top.sounding.foot.at;
             push(
                 out,
@@ -187,7 +187,7 @@ impl PairSolver {
             return;
         }
         let reach_m = margin_m + 1e-11 * size_m;
-        // Behind a sheet there is no end.
+        // A sheet has no far side.
         if self.body.closed && !self.body.whole.meets(&self.tool.whole, reach_m) {
             return;
         }

@@ -24,7 +24,7 @@ enum State {
 
 /// A region: its deepest place, or a place that nearly touches.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Region {
+pub(super) struct PairRegion {
     pub top: Top,
     /// Node of its component.
     root: u32,
@@ -48,7 +48,7 @@ pub(super) struct Regions {
     /// Depths that differ by less are level, m.
     flat_m: f64,
     tops: Vec<Top>,
-    pub found: Vec<Region>,
+    pub found: Vec<PairRegion>,
     /// Rows and columns of cells in a region.
     taken: [Vec<bool>; 2],
     /// (cells): in a region; and those whose neighbours are still to be looked at.
@@ -118,7 +118,7 @@ impl Regions {
         self.connect(cells);
         for pair in pairs {
             let [u, v, s, t] = pair.at;
-            // Too far to be reported, if it is no way to a deeper place.
+            // Too far to be reported, unless it leads to a deeper place.
             let (x, y) = (
                 upper.solver.frame_at(upper.surface, u, v),
                 below.solver.frame_at(below.surface, s, t),
@@ -259,7 +259,7 @@ impl Regions {
             self.foot[vertex] = foot;
         }
         self.best.fill(f64::NEG_INFINITY);
-        // Classes of vertices outside are no components.
+        // Classes of vertices outside are not components.
         if solid {
             for vertex in 0..n {
                 if self.state[vertex] == State::Out {
@@ -388,7 +388,7 @@ impl Regions {
             let top = self.tops[k];
             let node = (n + k) as u32;
             if top.sounding.depth_m < -self.flat_m {
-                self.found.push(Region { top, root: node });
+                self.found.push(PairRegion { top, root: node });
                 continue;
             }
             let root = self.root(node);
@@ -397,7 +397,7 @@ impl Regions {
                     region.top = top
                 }
                 Some(_) => {}
-                None => self.found.push(Region { top, root }),
+                None => self.found.push(PairRegion { top, root }),
             }
         }
     }
@@ -406,7 +406,7 @@ impl Regions {
     /// the count where ends meet. A region goes from cell to cell through vertices inside, or where
     /// the other surface touches both.
     pub fn extent(&mut self, cells: &Cells, region: usize) -> [[usize; 2]; 2] {
-        let Region { top, root } = self.found[region];
+        let PairRegion { top, root } = self.found[region];
         self.held.fill(false);
         self.stack.clear();
         self.hold(cells.cell_at(top.u, top.v));

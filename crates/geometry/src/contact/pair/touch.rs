@@ -6,7 +6,7 @@ use crate::surface::{BezierPieces, Surface};
 /// Most pairs of facing cells looked at.
 const MOST_PAIRS: usize = 4096;
 
-/// Scratch.
+/// Scratch memory of a query.
 #[derive(Clone, Debug)]
 pub(super) struct Touch {
     /// Pieces of the second surface that may touch the first at all.

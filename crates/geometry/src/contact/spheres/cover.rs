@@ -1,7 +1,7 @@
 //! A surface under spheres: at each level one for each cell, which holds the surface of the cell.
 
-use super::grid::{Axis, Cell};
-use super::points::Points;
+use super::grid::{GridAxis, GridCell};
+use super::points::SpherePoints;
 use super::sag::Sag;
 use super::sphere::{Lens, Sphere};
 use crate::contact::samples::distance_squared_to_box;
@@ -19,9 +19,9 @@ pub(super) struct CellId {
 /// Points, spheres and bounds of one surface on one grid.
 #[derive(Clone, Debug)]
 pub(super) struct Cover {
-    pub u: Axis,
-    pub v: Axis,
-    pub points: Points,
+    pub u: GridAxis,
+    pub v: GridAxis,
+    pub points: SpherePoints,
     sag: Sag,
     /// (net) as it is placed, m.
     control: Vec<Point3>,
@@ -49,8 +49,8 @@ pub(super) struct Cover {
 impl Cover {
     pub fn new(surface: &Surface, rows: [usize; 2]) -> Self {
         let topology = surface.topology();
-        let u = Axis::new(surface.knots_u(), rows[0], topology.wraps(0));
-        let v = Axis::new(surface.knots_v(), rows[1], topology.wraps(1));
+        let u = GridAxis::new(surface.knots_u(), rows[0], topology.wraps(0));
+        let v = GridAxis::new(surface.knots_v(), rows[1], topology.wraps(1));
         let none = (Lens::about(&[Point3::origin(); 4], 0.0), 0);
         let levels = u.levels.len().max(v.levels.len());
         let lenses = (0..levels)
@@ -58,7 +58,7 @@ impl Cover {
             .collect();
         let spans = u.span_first.len() * v.span_first.len();
         let mut new = Self {
-            points: Points::new(surface, &u, &v),
+            points: SpherePoints::new(surface, &u, &v),
             sag: Sag::new(surface.knots_u(), surface.knots_v(), &u, &v),
             control: surface.net().points().to_vec(),
             lenses,
@@ -157,7 +157,7 @@ impl Cover {
     }
 
     #[inline(always)]
-    pub fn cells(&self, id: CellId) -> (&Cell, &Cell) {
+    pub fn cells(&self, id: CellId) -> (&GridCell, &GridCell) {
         let level = usize::from(id.level);
         (
             &self.u.level(level)[usize::from(id.i)],
@@ -246,7 +246,7 @@ impl Cover {
     #[inline(always)]
     pub fn children(&self, id: CellId) -> [[u32; 2]; 2] {
         let level = usize::from(id.level);
-        let of = |axis: &Axis, k: u16| {
+        let of = |axis: &GridAxis, k: u16| {
             if level + 1 < axis.levels.len() {
                 axis.levels[level][usize::from(k)].children
             } else {

@@ -17,7 +17,7 @@ const STEP: usize = 3;
 
 /// A cell of one direction.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Cell {
+pub(super) struct GridCell {
     /// Rows at its ends.
     pub rows: [u32; 2],
     /// Cells of the next finer level: from, to (excluded). Itself on the finest.
@@ -32,7 +32,7 @@ pub(super) struct Cell {
 
 /// One direction of the grid.
 #[derive(Clone, Debug)]
-pub(super) struct Axis {
+pub(super) struct GridAxis {
     /// (rows) parameters.
     pub parameters: Vec<f64>,
     /// (rows) column of the first value, in the extended net.
@@ -42,7 +42,7 @@ pub(super) struct Axis {
     /// (rows × width) basis values and their first derivatives.
     pub values: [Vec<f64>; 2],
     /// Coarsest first.
-    pub levels: Vec<Vec<Cell>>,
+    pub levels: Vec<Vec<GridCell>>,
     /// (spans) column of the first control point that shapes a span.
     pub span_first: Vec<u32>,
     /// Columns of the net, and of the net with those that repeat after a period.
@@ -53,7 +53,7 @@ pub(super) struct Axis {
     pub period: Option<f64>,
 }
 
-impl Axis {
+impl GridAxis {
     /// About `rows` rows, more where creases ask for them.
     pub fn new(knots: &KnotVector, rows: usize, wraps: bool) -> Self {
         let t = knots.knots();
@@ -108,7 +108,7 @@ impl Axis {
         children: [u32; 2],
         finest: [u32; 2],
         spans: &[[f64; 2]],
-    ) -> Cell {
+    ) -> GridCell {
         let [from, to] = rows.map(|row| self.parameters[row as usize]);
         let low = spans
             .iter()
@@ -119,7 +119,7 @@ impl Axis {
             .rposition(|span| span[0] < to)
             .unwrap_or(0)
             .max(low);
-        Cell {
+        GridCell {
             rows,
             children,
             spans: [low as u32, high as u32 + 1],
@@ -129,7 +129,7 @@ impl Axis {
     }
 
     /// `starts`: the first cell of each smooth part, and the number of all.
-    fn build_levels(&mut self, finest: Vec<Cell>, mut starts: Vec<usize>, spans: &[[f64; 2]]) {
+    fn build_levels(&mut self, finest: Vec<GridCell>, mut starts: Vec<usize>, spans: &[[f64; 2]]) {
         let mut levels = vec![finest];
         while let Some(last) = levels.last().filter(|last| last.len() > COARSEST) {
             let (mut coarser, mut next_starts) = (Vec::new(), vec![0]);
@@ -170,7 +170,7 @@ impl Axis {
 
     /// The cells of a level of the whole grid; the direction with fewer levels stays at its finest.
     #[inline(always)]
-    pub fn level(&self, level: usize) -> &[Cell] {
+    pub fn level(&self, level: usize) -> &[GridCell] {
         &self.levels[level.min(self.levels.len() - 1)]
     }
 }
@@ -199,7 +199,7 @@ mod tests {
             (82, vec![9, 27, 81]),
             (244, vec![9, 27, 81, 243]),
         ] {
-            let axis = Axis::new(&knots, rows, false);
+            let axis = GridAxis::new(&knots, rows, false);
             assert_eq!(axis.levels.iter().map(Vec::len).collect::<Vec<_>>(), wanted);
             assert_eq!(axis.parameters.len(), rows);
         }
@@ -215,7 +215,7 @@ mod tests {
         ];
         for knots in others.iter().chain([&creased]) {
             for rows in [2, 5, 28, 50, 82] {
-                let axis = Axis::new(knots, rows, false);
+                let axis = GridAxis::new(knots, rows, false);
                 for level in &axis.levels {
                     let at = |row: u32| axis.parameters[row as usize];
                     assert_eq!(

@@ -6,7 +6,7 @@ use super::cover::{CellId, Cover};
 use super::gaps::gaps;
 use super::hull::Witness;
 use super::levels::Levels;
-use super::region::Region;
+use super::region::SphereRegion;
 use super::triangles;
 use super::{SAME_DEPTH, Spheres};
 use crate::contact::{Contact, ContactSet, Reach};
@@ -24,7 +24,7 @@ pub struct SpheresPair {
     pairs: Vec<[CellId; 2]>,
     next: Vec<[CellId; 2]>,
     marks: [Marks; 2],
-    regions: [Region; 2],
+    regions: [SphereRegion; 2],
     counters: Counters,
 }
 
@@ -102,7 +102,10 @@ impl SpheresPair {
             pairs: Vec::with_capacity(room),
             next: Vec::with_capacity(room),
             marks: [Marks::new(&body.cover), Marks::new(&tool.cover)],
-            regions: [Region::new(&body.cover), Region::new(&tool.cover)],
+            regions: [
+                SphereRegion::new(&body.cover),
+                SphereRegion::new(&tool.cover),
+            ],
             counters: Counters::default(),
         }
     }

@@ -7,7 +7,7 @@
 //! is deeper.
 
 use super::cover::{CellId, Cover};
-use super::grid::Axis;
+use super::grid::GridAxis;
 use crate::contact::{MAX_CONTACTS, Rectangle};
 use crate::math::{Point3, Vector3};
 
@@ -90,7 +90,7 @@ impl Peaks {
     fn link(&mut self, cover: &Cover, k: usize, noise_m: f64) {
         let (u, v) = cover.cells(self.leaves[k].id);
         let ([i0, i1], [j0, j1]) = (u.finest.map(i64::from), v.finest.map(i64::from));
-        // A smallest leaf looks on only, as its neighbours behind do the same; a larger one looks
+        // A smallest leaf looks forward only, because its neighbours behind do so too; a larger one looks
         // all round.
         if i1 - i0 == 1 && j1 - j0 == 1 {
             for (i, j) in [(i0, j1), (i1, j0 - 1), (i1, j0), (i1, j1)] {
@@ -226,7 +226,7 @@ impl Peaks {
 
 /// A place on the finest grid, on across a seam; `None` beyond an edge.
 #[inline(always)]
-pub(super) fn wrapped(axis: &Axis, k: i64) -> Option<usize> {
+pub(super) fn wrapped(axis: &GridAxis, k: i64) -> Option<usize> {
     let count = axis.finest() as i64;
     if (0..count).contains(&k) {
         Some(k as usize)
@@ -238,7 +238,7 @@ pub(super) fn wrapped(axis: &Axis, k: i64) -> Option<usize> {
 }
 
 /// The parameters of all cells that are marked; round a period the shortest way.
-pub(super) fn interval(axis: &Axis, marked: &[bool]) -> [f64; 2] {
+pub(super) fn interval(axis: &GridAxis, marked: &[bool]) -> [f64; 2] {
     let cells = axis.level(usize::MAX);
     let at = |row: u32| axis.parameters[row as usize];
     let low = marked.iter().position(|m| *m).unwrap_or(0);

@@ -3,13 +3,13 @@
 //! A point stays until the net moves, so that the refinement pays for each once, and a rigid
 //! surface pays once for all.
 
-use super::grid::Axis;
+use super::grid::GridAxis;
 use crate::math::{Point3, Vector3};
 use crate::surface::{Surface, wrap};
 
 /// The net and the points made of it.
 #[derive(Clone, Debug)]
-pub(super) struct Points {
+pub(super) struct SpherePoints {
     /// (extended u × extended v): w x, w y, w z, w; what a period repeats is there twice.
     net: Vec<[f64; 4]>,
     columns: usize,
@@ -28,8 +28,8 @@ pub(super) struct Points {
 /// Squared sine, times the ratio of the tangents, below which two tangents give no normal.
 const REGULAR: f64 = 1e-6;
 
-impl Points {
-    pub fn new(surface: &Surface, u: &Axis, v: &Axis) -> Self {
+impl SpherePoints {
+    pub fn new(surface: &Surface, u: &GridAxis, v: &GridAxis) -> Self {
         let count = u.parameters.len() * v.parameters.len();
         let mut new = Self {
             net: vec![[0.0; 4]; u.columns[1] * v.columns[1]],
@@ -47,7 +47,13 @@ impl Points {
     }
 
     /// Takes over control points; all points are to be computed anew.
-    pub fn load(&mut self, control: &[Point3], weights: Option<&[f64]>, u: &Axis, v: &Axis) {
+    pub fn load(
+        &mut self,
+        control: &[Point3],
+        weights: Option<&[f64]>,
+        u: &GridAxis,
+        v: &GridAxis,
+    ) {
         for i in 0..u.columns[1] {
             let row = wrap(i, u.columns[0]) * v.columns[0];
             for j in 0..v.columns[1] {
@@ -85,7 +91,7 @@ impl Points {
 
     /// S at row `i` in u and `j` in v.
     #[inline(always)]
-    pub fn at(&mut self, u: &Axis, v: &Axis, i: u32, j: u32) -> Point3 {
+    pub fn at(&mut self, u: &GridAxis, v: &GridAxis, i: u32, j: u32) -> Point3 {
         let (point, stamp) = self.points[i as usize * v.parameters.len() + j as usize];
         if stamp == self.now {
             point
@@ -95,7 +101,7 @@ impl Points {
     }
 
     #[inline(never)]
-    fn compute(&mut self, u: &Axis, v: &Axis, i: u32, j: u32) -> Point3 {
+    fn compute(&mut self, u: &GridAxis, v: &GridAxis, i: u32, j: u32) -> Point3 {
         let rows = u.columns[1];
         let strip = &mut self.strips[j as usize * rows..][..rows];
         if self.strip_stamps[j as usize] != self.now {
@@ -118,7 +124,7 @@ impl Points {
     }
 
     /// Unit outward normal by the tangents; `None` where they do not say, as at a pole.
-    pub fn normal(&mut self, u: &Axis, v: &Axis, i: u32, j: u32) -> Option<Vector3> {
+    pub fn normal(&mut self, u: &GridAxis, v: &GridAxis, i: u32, j: u32) -> Option<Vector3> {
         let lengths =
             [u, v].map(|axis| axis.parameters[axis.parameters.len() - 1] - axis.parameters[0]);
         let (mut du, mut dv) = (
@@ -143,7 +149,7 @@ impl Points {
             .then(|| cross / if self.flip { -area.sqrt() } else { area.sqrt() })
     }
 
-    fn blend(&self, u: &Axis, v: &Axis, [i, j]: [u32; 2], orders: [usize; 2]) -> [f64; 4] {
+    fn blend(&self, u: &GridAxis, v: &GridAxis, [i, j]: [u32; 2], orders: [usize; 2]) -> [f64; 4] {
         let ((row, n), (column, m)) = (u.row(i, orders[0]), v.row(j, orders[1]));
         let mut sum = [0.0; 4];
         for (a, n) in n.iter().enumerate() {
@@ -190,10 +196,10 @@ mod tests {
         for mut surface in fifty_surfaces(7).into_iter().chain(builtins) {
             let Topology { torn, .. } = surface.topology();
             let (u, v) = (
-                Axis::new(surface.knots_u(), 9, false),
-                Axis::new(surface.knots_v(), 12, false),
+                GridAxis::new(surface.knots_u(), 9, false),
+                GridAxis::new(surface.knots_v(), 12, false),
             );
-            let mut points = Points::new(&surface, &u, &v);
+            let mut points = SpherePoints::new(&surface, &u, &v);
             for round in 0..2 {
                 for (i, &x) in u.parameters.iter().enumerate() {
                     for (j, &y) in v.parameters.iter().enumerate() {
@@ -209,7 +215,7 @@ mod tests {
                         let ends = near(x, y) || near(x.next_down(), y) || near(x, y.next_down());
                         assert!(ends || near(x.next_down(), y.next_down()), "({x}, {y})");
                         if let Some(normal) = points.normal(&u, &v, i as u32, j as u32) {
-                            let inside = |axis: &Axis, k: usize, x: f64| {
+                            let inside = |axis: &GridAxis, k: usize, x: f64| {
                                 k > 0
                                     && k + 1 < axis.parameters.len()
                                     && x != axis.parameters[k - 1]

@@ -44,7 +44,7 @@ pub(super) struct Deep {
 
 /// Room for the parts of one surface.
 #[derive(Clone, Debug)]
-pub(super) struct Region {
+pub(super) struct SphereRegion {
     /// (finest u × finest v)
     state: Vec<u8>,
     touched: Vec<u32>,
@@ -53,7 +53,7 @@ pub(super) struct Region {
     marked: [Vec<bool>; 2],
 }
 
-impl Region {
+impl SphereRegion {
     pub fn new(cover: &Cover) -> Self {
         let (u, v) = (cover.u.finest(), cover.v.finest());
         let room = || Vec::with_capacity(u * v);

@@ -6,8 +6,8 @@
 //! from second differences of the net, of which S_uu is a convex combination. A bilinear patch lies
 //! in the hull of its corners: so their sphere, widened by this, holds the surface of the cell.
 
-use super::grid::Axis;
-use super::points::Points;
+use super::grid::GridAxis;
+use super::points::SpherePoints;
 use crate::basis::KnotVector;
 
 /// Bounds of second derivatives for every pair of knot spans.
@@ -68,7 +68,7 @@ impl Differences {
 }
 
 impl Sag {
-    pub fn new(knots_u: &KnotVector, knots_v: &KnotVector, u: &Axis, v: &Axis) -> Self {
+    pub fn new(knots_u: &KnotVector, knots_v: &KnotVector, u: &GridAxis, v: &GridAxis) -> Self {
         let (spans, size) = (
             u.span_first.len() * v.span_first.len(),
             u.columns[1] * v.columns[1],
@@ -83,7 +83,7 @@ impl Sag {
     }
 
     /// New bounds for a new net.
-    pub fn refresh(&mut self, points: &Points, u: &Axis, v: &Axis) {
+    pub fn refresh(&mut self, points: &SpherePoints, u: &GridAxis, v: &GridAxis) {
         if points.is_rational() {
             self.refresh_rational(points.net(), u, v);
         } else {
@@ -92,7 +92,13 @@ impl Sag {
         }
     }
 
-    fn refresh_direction(&mut self, direction: usize, net: &[[f64; 4]], u: &Axis, v: &Axis) {
+    fn refresh_direction(
+        &mut self,
+        direction: usize,
+        net: &[[f64; 4]],
+        u: &GridAxis,
+        v: &GridAxis,
+    ) {
         let (rows, columns) = (u.columns[1], v.columns[1]);
         let (factors, stride) = if direction == 0 {
             (&self.u, columns)
@@ -143,7 +149,7 @@ impl Sag {
     /// S = A / w, seen from the middle of the points that shape a span, of which none is farther
     /// than r:
     /// |S_u| ≤ (|A_u| + |w_u| r) / w and |S_uu| ≤ (|A_uu| + 2 |w_u| |S_u| + |w_uu| r) / w.
-    fn refresh_rational(&mut self, net: &[[f64; 4]], u: &Axis, v: &Axis) {
+    fn refresh_rational(&mut self, net: &[[f64; 4]], u: &GridAxis, v: &GridAxis) {
         let columns = v.columns[1];
         for (i, &first_u) in u.span_first.iter().enumerate() {
             for (j, &first_v) in v.span_first.iter().enumerate() {
@@ -204,7 +210,7 @@ impl Sag {
 
     /// How far the surface is from the bilinear patch of a cell, at most, m.
     #[inline]
-    pub fn of(&self, u: &super::grid::Cell, v: &super::grid::Cell, spans_v: usize) -> f64 {
+    pub fn of(&self, u: &super::grid::GridCell, v: &super::grid::GridCell, spans_v: usize) -> f64 {
         let (mut along_u, mut along_v) = (0.0, 0.0);
         for i in u.spans[0]..u.spans[1] {
             for j in v.spans[0]..v.spans[1] {

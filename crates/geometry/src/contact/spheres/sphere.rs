@@ -10,9 +10,9 @@ use crate::math::{Point3, Vector3};
 /// A ball, m.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sphere {
-    /// Centre.
+    /// Centre, m.
     pub centre: Point3,
-    /// Radius.
+    /// Radius, m.
     pub radius_m: f64,
 }
 

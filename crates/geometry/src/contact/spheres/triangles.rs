@@ -6,7 +6,7 @@
 
 use crate::math::{Point3, Vector3};
 
-/// Corners.
+/// Corners of a triangle.
 pub(super) type Triangle = [Point3; 3];
 
 /// Corners of the two triangles of a cell, among its four in order round it: split along the
@@ -158,7 +158,7 @@ fn apart(first: &Triangle, second: &Triangle) -> bool {
     let (e, f) = (edges(first), edges(second));
     let normal = |e: &[Vector3; 3]| {
         let n = e[0].cross(&e[1]);
-        // Rounding is no direction.
+        // A difference within rounding has no direction.
         if n.norm_squared() > 1e-24 * e[0].norm_squared() * e[1].norm_squared() {
             n
         } else {

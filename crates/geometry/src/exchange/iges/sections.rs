@@ -100,7 +100,7 @@ impl<'a> File<'a> {
         }
         let delimiters = delimiters(&global_text)?;
         let mut global = Vec::new();
-        let mut reader = Reader {
+        let mut reader = SectionReader {
             text: &global_text,
             at: 0,
             delimiters,
@@ -164,7 +164,7 @@ impl<'a> File<'a> {
             return Err(pointer);
         }
         let text = self.parameters[first as usize - 1..last as usize].concat();
-        let mut reader = Reader {
+        let mut reader = SectionReader {
             text: &text,
             at: 0,
             delimiters: self.delimiters,
@@ -239,7 +239,7 @@ fn whole(field: &[u8]) -> Option<u64> {
     std::str::from_utf8(field).ok()?.trim().parse().ok()
 }
 
-/// The same, blanks being 0. Negative numbers (pointers to properties) are none that matter here.
+/// Reads a whole number, a blank field as 0. Negative numbers (pointers to properties) give `None`.
 fn whole_or_zero(field: &[u8]) -> Option<u64> {
     let text = std::str::from_utf8(field).ok()?.trim();
     if text.is_empty() || text.starts_with('-') {
@@ -299,13 +299,13 @@ fn delimiters(global: &[u8]) -> Result<[u8; 2], IgesError> {
 }
 
 /// Walks through free-format parameters.
-struct Reader<'a> {
+struct SectionReader<'a> {
     text: &'a [u8],
     at: usize,
     delimiters: [u8; 2],
 }
 
-impl<'a> Reader<'a> {
+impl<'a> SectionReader<'a> {
     /// The next parameter, without blanks around it; `None` after the record's end.
     fn next(&mut self) -> Result<Option<&'a [u8]>, IgesError> {
         let text = self.text;

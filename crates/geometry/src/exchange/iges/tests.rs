@@ -158,11 +158,11 @@ fn matrices_place_the_surface_in_turn() {
     );
     assert_eq!(
         message(&[(128, 7, SHEET)]),
-        "directory entry 1 refers to 7 as its transformation matrix, which is no entity 124"
+        "directory entry 1 refers to 7 as its transformation matrix, which is not an entity 124"
     );
     assert_eq!(
         message(&[(128, 1, SHEET)]),
-        "directory entry 1 refers to 1 as its transformation matrix, which is no entity 124"
+        "directory entry 1 refers to 1 as its transformation matrix, which is not an entity 124"
     );
     assert_eq!(
         message(&[(128, 3, SHEET), (124, 0, "124,1.,0.;")]),

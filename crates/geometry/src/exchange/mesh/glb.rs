@@ -1,6 +1,6 @@
 //! glTF 2.0, binary: one mesh with positions, normals and indices, little-endian.
 
-use super::{MeshError, check};
+use super::{MeshFileError, check};
 use crate::surface::Mesh;
 
 /// Buffers of corners and of indices, in the format's numbers.
@@ -14,7 +14,7 @@ const UNSIGNED_INT: u32 = 5125;
 ///
 /// # Errors
 /// A mesh that is empty, or whose parts do not fit each other or the format.
-pub fn write(mesh: &Mesh) -> Result<Vec<u8>, MeshError> {
+pub fn write(mesh: &Mesh) -> Result<Vec<u8>, MeshFileError> {
     check(mesh, 1.0, true)?;
     let (corners, triangles) = (mesh.points.len(), mesh.triangles.len());
     let mut body = Vec::with_capacity(24 * corners + 12 * triangles);
@@ -64,7 +64,7 @@ pub fn write(mesh: &Mesh) -> Result<Vec<u8>, MeshError> {
     json.resize(json.len().next_multiple_of(4), b' ');
     let length = 12 + 8 + json.len() + 8 + body.len();
     let count = |bytes: usize| {
-        u32::try_from(bytes).map_err(|_| MeshError::Many {
+        u32::try_from(bytes).map_err(|_| MeshFileError::Many {
             what: "bytes",
             count: bytes,
         })

@@ -1,6 +1,6 @@
 //! Wavefront OBJ: corners, normals and faces as text.
 
-use super::{MeshError, check, lines, point, words, wrong_line};
+use super::{MeshFileError, check, lines, point, words, wrong_line};
 use crate::math::Point3;
 use crate::surface::Mesh;
 use crate::surface::file::Unit;
@@ -10,7 +10,7 @@ use std::fmt::Write as _;
 ///
 /// # Errors
 /// A mesh that is empty, or whose parts do not fit each other.
-pub fn write(mesh: &Mesh, unit: Unit) -> Result<String, MeshError> {
+pub fn write(mesh: &Mesh, unit: Unit) -> Result<String, MeshFileError> {
     check(mesh, unit.per_metre(), false)?;
     let mut out = format!(
         "# palpate {}, {}\no surface\n",
@@ -36,7 +36,7 @@ pub fn write(mesh: &Mesh, unit: Unit) -> Result<String, MeshError> {
 ///
 /// # Errors
 /// A corner that is not three finite numbers, or none at all.
-pub fn read_points(bytes: &[u8], unit: Unit) -> Result<Vec<Point3>, MeshError> {
+pub fn read_points(bytes: &[u8], unit: Unit) -> Result<Vec<Point3>, MeshFileError> {
     let mut points = Vec::new();
     for (number, line) in lines(bytes) {
         let mut words = words(line);
@@ -46,7 +46,7 @@ pub fn read_points(bytes: &[u8], unit: Unit) -> Result<Vec<Point3>, MeshError> {
         }
     }
     if points.is_empty() {
-        Err(MeshError::Empty("corners (lines that begin with v)"))
+        Err(MeshFileError::Empty("corners (lines that begin with v)"))
     } else {
         Ok(points)
     }
@@ -58,7 +58,7 @@ pub fn read_points(bytes: &[u8], unit: Unit) -> Result<Vec<Point3>, MeshError> {
 /// # Errors
 /// A corner that is not three finite numbers, a face that names a corner which is not there, or no
 /// face at all.
-pub fn read(bytes: &[u8], unit: Unit) -> Result<Mesh, MeshError> {
+pub fn read(bytes: &[u8], unit: Unit) -> Result<Mesh, MeshFileError> {
     let (mut points, mut triangles) = (Vec::new(), Vec::new());
     for (number, line) in lines(bytes) {
         let mut words = words(line);
@@ -86,10 +86,10 @@ pub fn read(bytes: &[u8], unit: Unit) -> Result<Mesh, MeshError> {
         }
     }
     if triangles.is_empty() {
-        return Err(MeshError::Empty("faces (lines that begin with f)"));
+        return Err(MeshFileError::Empty("faces (lines that begin with f)"));
     }
     Mesh::from_triangles(points, triangles)
-        .ok_or(MeshError::Empty("corners (lines that begin with v)"))
+        .ok_or(MeshFileError::Empty("corners (lines that begin with v)"))
 }
 
 /// `7`, `7/1`, `7//3`, counted from 1, or from the last one back when negative.

@@ -1,6 +1,6 @@
 //! Point clouds as text: a point a line, coordinates apart by blanks, commas, semicolons or tabs.
 
-use super::{MeshError, lines, point, wrong_line};
+use super::{MeshFileError, lines, point, wrong_line};
 use crate::math::Point3;
 use crate::surface::file::Unit;
 
@@ -9,7 +9,7 @@ use crate::surface::file::Unit;
 ///
 /// # Errors
 /// A line that does not begin with three finite numbers, or no point at all.
-pub fn read(bytes: &[u8], unit: Unit) -> Result<Vec<Point3>, MeshError> {
+pub fn read(bytes: &[u8], unit: Unit) -> Result<Vec<Point3>, MeshFileError> {
     let mut points = Vec::new();
     let mut titled = false;
     for (number, line) in lines(bytes) {
@@ -37,7 +37,7 @@ pub fn read(bytes: &[u8], unit: Unit) -> Result<Vec<Point3>, MeshError> {
         points.push(found.ok_or_else(|| wrong_line(number, "three numbers, x y z", line))?);
     }
     if points.is_empty() {
-        Err(MeshError::Empty("points"))
+        Err(MeshFileError::Empty("points"))
     } else {
         Ok(points)
     }

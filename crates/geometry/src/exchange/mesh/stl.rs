@@ -1,6 +1,6 @@
 //! STL: triangles with their normals, binary (single precision) or text.
 
-use super::{MeshError, check, lines, point, words, wrong_line};
+use super::{MeshFileError, check, lines, point, words, wrong_line};
 use crate::math::{Point3, Vector3};
 use crate::surface::Mesh;
 use crate::surface::file::Unit;
@@ -15,7 +15,7 @@ const TRIANGLE: usize = 50;
 ///
 /// # Errors
 /// A mesh that is empty, or whose parts do not fit each other or the format.
-pub fn write(mesh: &Mesh, unit: Unit) -> Result<Vec<u8>, MeshError> {
+pub fn write(mesh: &Mesh, unit: Unit) -> Result<Vec<u8>, MeshFileError> {
     check(mesh, unit.per_metre(), true)?;
     let mut out = Vec::with_capacity(HEAD + TRIANGLE * mesh.triangles.len());
     // Not "solid", by which readers know the text form.
@@ -49,7 +49,7 @@ pub fn write(mesh: &Mesh, unit: Unit) -> Result<Vec<u8>, MeshError> {
 ///
 /// # Errors
 /// As the binary form.
-pub fn write_ascii(mesh: &Mesh, unit: Unit) -> Result<String, MeshError> {
+pub fn write_ascii(mesh: &Mesh, unit: Unit) -> Result<String, MeshFileError> {
     check(mesh, unit.per_metre(), false)?;
     let mut out = String::from("solid surface\n");
     for triangle in &mesh.triangles {
@@ -74,7 +74,7 @@ pub fn write_ascii(mesh: &Mesh, unit: Unit) -> Result<String, MeshError> {
 ///
 /// # Errors
 /// A file cut short, or coordinates that are not finite.
-pub fn read(bytes: &[u8], unit: Unit) -> Result<Mesh, MeshError> {
+pub fn read(bytes: &[u8], unit: Unit) -> Result<Mesh, MeshFileError> {
     // Some binary files begin with "solid" too: their length tells.
     let corners = match binary(bytes) {
         Ok(triangles) => triangles
@@ -99,14 +99,14 @@ fn normal([a, b, c]: &[Point3; 3]) -> Vector3 {
         .unwrap_or_else(Vector3::zeros)
 }
 
-fn binary(bytes: &[u8]) -> Result<&[u8], MeshError> {
+fn binary(bytes: &[u8]) -> Result<&[u8], MeshFileError> {
     let Some((head, triangles)) = bytes.split_at_checked(HEAD) else {
-        return Err(MeshError::Short(bytes.len()));
+        return Err(MeshFileError::Short(bytes.len()));
     };
     let count = u32::from_le_bytes([head[80], head[81], head[82], head[83]]);
     let needed = HEAD as u64 + TRIANGLE as u64 * u64::from(count);
     if needed != bytes.len() as u64 {
-        return Err(MeshError::Length {
+        return Err(MeshFileError::Length {
             bytes: bytes.len(),
             triangles: count,
             needed,
@@ -131,7 +131,7 @@ fn corners_of(triangle: &[u8], unit: Unit) -> Vec<Point3> {
         .collect()
 }
 
-fn text(bytes: &[u8], unit: Unit) -> Result<Vec<Point3>, MeshError> {
+fn text(bytes: &[u8], unit: Unit) -> Result<Vec<Point3>, MeshFileError> {
     let mut corners = Vec::new();
     let mut ended = false;
     let mut last = 1;
@@ -173,12 +173,12 @@ fn text(bytes: &[u8], unit: Unit) -> Result<Vec<Point3>, MeshError> {
 }
 
 /// Corners, three a triangle, as a mesh with each place once, in order of first appearance.
-fn welded(corners: Vec<Point3>) -> Result<Mesh, MeshError> {
+fn welded(corners: Vec<Point3>) -> Result<Mesh, MeshFileError> {
     if corners.is_empty() {
-        return Err(MeshError::Empty("triangles"));
+        return Err(MeshFileError::Empty("triangles"));
     }
     if corners.len() > u32::MAX as usize {
-        return Err(MeshError::Many {
+        return Err(MeshFileError::Many {
             what: "corners",
             count: corners.len(),
         });
@@ -188,7 +188,7 @@ fn welded(corners: Vec<Point3>) -> Result<Mesh, MeshError> {
         .enumerate()
         .find_map(|(k, p)| p.iter().find(|x| !x.is_finite()).map(|x| (k, x)))
     {
-        return Err(MeshError::Coordinate { corner, value });
+        return Err(MeshFileError::Coordinate { corner, value });
     }
     // Plus zero makes one of the two zeros.
     let key = |k: usize| [corners[k].x, corners[k].y, corners[k].z].map(|x| (x + 0.0).to_bits());
@@ -211,5 +211,5 @@ fn welded(corners: Vec<Point3>) -> Result<Mesh, MeshError> {
         }
     }
     let triangles = number.chunks_exact(3).map(|t| [t[0], t[1], t[2]]).collect();
-    Mesh::from_triangles(points, triangles).ok_or(MeshError::Empty("triangles"))
+    Mesh::from_triangles(points, triangles).ok_or(MeshFileError::Empty("triangles"))
 }

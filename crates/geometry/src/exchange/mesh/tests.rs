@@ -176,7 +176,7 @@ fn points_are_read_from_text_of_many_habits() {
 
 #[test]
 fn what_is_no_mesh_or_point_is_refused_with_its_place() {
-    let message = |read: Result<usize, MeshError>| read.unwrap_err().to_string();
+    let message = |read: Result<usize, MeshFileError>| read.unwrap_err().to_string();
     let text =
         |text: &str| message(read_text_points(text.as_bytes(), Unit::Metre).map(|p| p.len()));
     assert_eq!(
@@ -207,7 +207,7 @@ fn what_is_no_mesh_or_point_is_refused_with_its_place() {
     huge[80..].fill(255);
     assert_eq!(
         stl(&huge),
-        "84 bytes are no binary STL file: 4294967295 triangles, as it says, take 214748364834"
+        "not a binary STL file: 4294967295 triangles, as its header says, need 214748364834 bytes, not 84"
     );
     assert_eq!(
         stl(b"solid\nvertex 1 2\n"),
@@ -245,7 +245,7 @@ fn meshes_whose_parts_disagree_are_not_written() {
     assert!(write_stl(&mesh, Unit::Metre).is_err() && write_stl_ascii(&mesh, Unit::Metre).is_ok());
     assert!(matches!(
         write_glb(&Mesh::default()),
-        Err(MeshError::Empty(_))
+        Err(MeshFileError::Empty(_))
     ));
     assert_eq!(
         Mesh::from_triangles(vec![Point3::origin()], vec![[0, 0, 1]]),

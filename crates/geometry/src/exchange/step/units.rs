@@ -110,7 +110,7 @@ impl Units<'_, '_> {
         Ok(None)
     }
 
-    /// The length that an instance is; `None` for an angle, or what is no unit at all.
+    /// The length that an instance is; `None` for an angle, or an instance that is not a unit.
     fn length(&mut self, id: u64, from: u64, depth: usize) -> Result<Option<Unit>, StepError> {
         if let Some(known) = self.known.get(&id) {
             return Ok(known.clone());

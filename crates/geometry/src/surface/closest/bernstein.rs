@@ -115,7 +115,7 @@ pub(super) fn first_differences(a: &[f64], nu: usize, nv: usize) -> [(f64, f64);
 
 /// Bounds of the second derivatives on the unit box.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Curvature {
+pub(super) struct CurvatureBound {
     /// Least ∂²/∂u².
     pub uu: f64,
     /// Least ∂²/∂v².
@@ -126,7 +126,7 @@ pub(super) struct Curvature {
     pub spread: (f64, f64),
 }
 
-impl Curvature {
+impl CurvatureBound {
     /// The Hessian is positive definite on the whole box, by more than rounding.
     pub fn convex(&self, noise: f64) -> bool {
         let (a, b, c) = (self.uu - noise, self.vv - noise, self.uv + noise);
@@ -136,7 +136,7 @@ impl Curvature {
 
 /// Second derivatives on the unit box, from second differences.
 #[inline(always)]
-pub(super) fn curvature(a: &[f64], nu: usize, nv: usize) -> Curvature {
+pub(super) fn curvature(a: &[f64], nu: usize, nv: usize) -> CurvatureBound {
     let (mut uu, mut uu_max) = (f64::INFINITY, f64::NEG_INFINITY);
     if nu > 2 {
         for x in 0..(nu - 2) * nv {
@@ -170,7 +170,7 @@ pub(super) fn curvature(a: &[f64], nu: usize, nv: usize) -> Curvature {
     }
     let (p, q) = ((nu - 1) as f64, (nv - 1) as f64);
     let (su, sv) = (p * (p - 1.0), q * (q - 1.0));
-    Curvature {
+    CurvatureBound {
         uu: uu * su,
         vv: vv * sv,
         uv: uv * p * q,

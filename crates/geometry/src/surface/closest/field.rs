@@ -4,7 +4,7 @@
 //! Feet here are local minima from a good start, several times quicker than certified ones; whoever
 //! reports a depth certifies it afterwards.
 
-use super::newton::{Evaluate, OnPieces, Place, descend, descend_over};
+use super::newton::{Evaluate, NewtonPlace, OnPieces, descend, descend_over};
 use super::objective::{Distance, Jet, Smooth};
 use super::{ClosestPoint, ClosestSolver};
 use crate::math::Point3;
@@ -25,9 +25,9 @@ pub(crate) struct Foot {
 /// Where a descent over a surface ended.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Bottom {
-    /// Parameter.
+    /// Parameter u.
     pub u: f64,
-    /// Parameter.
+    /// Parameter v.
     pub v: f64,
     /// Derivatives there.
     pub frame: Frame,
@@ -83,7 +83,7 @@ impl ClosestSolver {
         self.foot(surface, query, start)
     }
 
-    fn foot(&mut self, surface: &Surface, query: &Point3, start: Place) -> Foot {
+    fn foot(&mut self, surface: &Surface, query: &Point3, start: NewtonPlace) -> Foot {
         let objective = Distance { q: *query };
         let mut found = descend_over(
             &mut OnPieces {
@@ -174,7 +174,7 @@ impl ClosestSolver {
 
     /// Derivatives at a parameter pair of the domain, from the pieces.
     pub(crate) fn frame_at(&mut self, surface: &Surface, u: f64, v: f64) -> Frame {
-        let Place { i, j, u, v } = self.place(u, v);
+        let NewtonPlace { i, j, u, v } = self.place(u, v);
         OnPieces {
             pieces: &mut self.pieces,
             surface,

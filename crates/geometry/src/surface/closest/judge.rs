@@ -1,11 +1,11 @@
 //! Whether a place found within one part is a local minimum of the whole surface, and whether two
 //! of them are one.
 
-use super::newton::{Descent, Evaluate, OnPieces, Place, descend};
+use super::newton::{Descent, Evaluate, NewtonPlace, OnPieces, descend};
 use super::objective::Objective;
 use super::other_end;
 use super::side::{SAME, Site, sides};
-use crate::surface::bezier::{BezierPieces, Direction, Joint};
+use crate::surface::bezier::{BezierPieces, Joint, PieceDirection};
 use crate::surface::joints::{Joints, Spot};
 
 /// How far around a place that the Hessian does not decide values are looked at, in spans.
@@ -16,7 +16,7 @@ const MERIDIANS: usize = 4;
 const COLLAPSED: f64 = 1e-24;
 /// Points looked at between two places: these twelfths of the way, far ones first.
 const WAY: [f64; 11] = [6.0, 3.0, 9.0, 1.0, 11.0, 2.0, 10.0, 4.0, 8.0, 5.0, 7.0];
-/// Slopes are told from rounding when they are this many times larger, which is 1e-7 of the size
+/// Slopes count as larger than rounding when they exceed it by this factor, which is 1e-7 of the size
 /// for a squared distance and 1e-7 for a height; a neighbouring part then sees the same sign.
 pub(super) const STEEP: f64 = 1e8;
 
@@ -64,8 +64,8 @@ impl<O: Objective> Judge<'_, O> {
         least * self.size_m / (STEEP * found.jet.slope_noise)
     }
 
-    fn at_border(&self, at: &Place) -> bool {
-        let at_joint = |d: &Direction, k: usize, x: f64| {
+    fn at_border(&self, at: &NewtonPlace) -> bool {
+        let at_joint = |d: &PieceDirection, k: usize, x: f64| {
             let span = &d.spans[k];
             (x <= span.start && span.before != Joint::Smooth)
                 || (x >= span.end && span.after != Joint::Smooth)
@@ -73,7 +73,7 @@ impl<O: Objective> Judge<'_, O> {
         at_joint(&self.eval.pieces.u, at.i, at.u) || at_joint(&self.eval.pieces.v, at.j, at.v)
     }
 
-    fn value(&mut self, place: Place) -> f64 {
+    fn value(&mut self, place: NewtonPlace) -> f64 {
         let p = self.eval.frame(place.i, place.j, place.u, place.v).point;
         self.objective.value(p.x, p.y, p.z)
     }
@@ -84,7 +84,7 @@ impl<O: Objective> Judge<'_, O> {
         if let Some(joints) = self.eval.pieces.joints() {
             let meeting = joints.meeting(at.into());
             let lower = |spot: &Spot| {
-                descend(&mut self.eval, self.objective, Place::from(*spot))
+                descend(&mut self.eval, self.objective, NewtonPlace::from(*spot))
                     .jet
                     .f
                     < found.jet.f - equal
@@ -98,17 +98,17 @@ impl<O: Objective> Judge<'_, O> {
             v: dv,
             joints: None,
         };
-        let same = |place: Place| {
+        let same = |place: NewtonPlace| {
             (site.frame(place).point - point).norm() <= SAME * (point.coords.amax() + self.size_m)
         };
-        let us = sides(du, at.i, at.u, |i, u| same(Place { i, u, ..at }));
-        let vs = sides(dv, at.j, at.v, |j, v| same(Place { j, v, ..at }));
+        let us = sides(du, at.i, at.u, |i, u| same(NewtonPlace { i, u, ..at }));
+        let vs = sides(dv, at.j, at.v, |j, v| same(NewtonPlace { j, v, ..at }));
         for (a, u) in us.iter().enumerate() {
             for (b, v) in vs.iter().enumerate() {
                 let (Some((i, u, _)), Some((j, v, _)), true) = (*u, *v, a + b > 0) else {
                     continue;
                 };
-                let other = descend(&mut self.eval, self.objective, Place { i, j, u, v });
+                let other = descend(&mut self.eval, self.objective, NewtonPlace { i, j, u, v });
                 if other.jet.f < found.jet.f - equal {
                     return true;
                 }
@@ -145,7 +145,7 @@ impl<O: Objective> Judge<'_, O> {
                 );
                 let (i, offset_u) = self.eval.pieces.u.locate(u, at.i, a.reach_high);
                 let (j, offset_v) = self.eval.pieces.v.locate(v, at.j, b.reach_high);
-                if self.value(Place {
+                if self.value(NewtonPlace {
                     i,
                     j,
                     u: u - offset_u,
@@ -187,14 +187,14 @@ impl<O: Objective> Judge<'_, O> {
                     start + (end - start) * ((ring % MERIDIANS) as f64 + 0.5) / MERIDIANS as f64;
                 let place = |y: f64| {
                     if collapsed == 0 {
-                        Place {
+                        NewtonPlace {
                             i: span,
                             u: z,
                             v: y,
                             ..at
                         }
                     } else {
-                        Place {
+                        NewtonPlace {
                             j: span,
                             v: z,
                             u: y,
@@ -202,7 +202,7 @@ impl<O: Objective> Judge<'_, O> {
                         }
                     }
                 };
-                let Place { i, j, u, v } = place(x);
+                let NewtonPlace { i, j, u, v } = place(x);
                 let jet = self.objective.jet(&self.eval.frame(i, j, u, v));
                 let out = 1 - collapsed;
                 let slope =
@@ -220,7 +220,7 @@ impl<O: Objective> Judge<'_, O> {
     }
 
     /// A straight way in the parameters, perhaps across a seam, on which no value is above `limit`.
-    pub fn joined(&mut self, a: &Place, b: &Place, limit: f64) -> bool {
+    pub fn joined(&mut self, a: &NewtonPlace, b: &NewtonPlace, limit: f64) -> bool {
         if let Some(joints) = self.eval.pieces.joints()
             && let Some(ways) = Detours::between(joints, *a, *b)
         {
@@ -231,8 +231,8 @@ impl<O: Objective> Judge<'_, O> {
         self.straight(a, b, limit)
     }
 
-    fn straight(&mut self, a: &Place, b: &Place, limit: f64) -> bool {
-        let ways = |d: &Direction, from: f64, to: f64| {
+    fn straight(&mut self, a: &NewtonPlace, b: &NewtonPlace, limit: f64) -> bool {
+        let ways = |d: &PieceDirection, from: f64, to: f64| {
             let (direct, period) = (to - from, d.domain.1 - d.domain.0);
             let around = if direct > 0.0 {
                 direct - period
@@ -256,7 +256,7 @@ impl<O: Objective> Judge<'_, O> {
         })
     }
 
-    fn joined_by(&mut self, a: &Place, along_u: f64, along_v: f64, limit: f64) -> bool {
+    fn joined_by(&mut self, a: &NewtonPlace, along_u: f64, along_v: f64, limit: f64) -> bool {
         // Of a branching surface a way stays on its patch, also where that ends.
         let most = self
             .eval
@@ -269,7 +269,7 @@ impl<O: Objective> Judge<'_, O> {
                 within(du, a.u + share * along_u),
                 within(dv, a.v + share * along_v),
             );
-            Place {
+            NewtonPlace {
                 i: du.span_of(u).min(most[0]),
                 j: dv.span_of(v).min(most[1]),
                 u,
@@ -301,13 +301,13 @@ impl<O: Objective> Judge<'_, O> {
             let place = at(self, share);
             let [p, q] = [(0, start), (last, end)].map(|(k, x)| {
                 let place = if in_u {
-                    Place {
+                    NewtonPlace {
                         i: k,
                         u: x,
                         ..place
                     }
                 } else {
-                    Place {
+                    NewtonPlace {
                         j: k,
                         v: x,
                         ..place
@@ -326,12 +326,12 @@ impl<O: Objective> Judge<'_, O> {
 /// Ways from one patch to another over an edge that joins them: where it is left, and where the
 /// other patch is entered.
 struct Detours {
-    ways: [Option<[Place; 2]>; 12],
+    ways: [Option<[NewtonPlace; 2]>; 12],
 }
 
 impl Detours {
     /// `None` within one patch, whose places are reached straight.
-    fn between(joints: &Joints, a: Place, b: Place) -> Option<Self> {
+    fn between(joints: &Joints, a: NewtonPlace, b: NewtonPlace) -> Option<Self> {
         let (from, to) = (joints.patch_of([a.i, a.j])?, joints.patch_of([b.i, b.j])?);
         if from == to {
             return None;
@@ -343,7 +343,7 @@ impl Detours {
             let own = joints.on_edge(from, side, a.into());
             for spot in joints.crossings(own, side, to, b.into()) {
                 if count < ways.len() {
-                    ways[count] = Some(spot.map(Place::from));
+                    ways[count] = Some(spot.map(NewtonPlace::from));
                     count += 1;
                 }
             }
@@ -351,7 +351,7 @@ impl Detours {
         Some(Self { ways })
     }
 
-    fn spots(&self) -> impl Iterator<Item = [Place; 2]> + '_ {
+    fn spots(&self) -> impl Iterator<Item = [NewtonPlace; 2]> + '_ {
         self.ways.iter().flatten().copied()
     }
 }
@@ -364,7 +364,7 @@ pub(super) fn steep(found: &Descent, k: usize, size_m: f64) -> bool {
 }
 
 /// A parameter that may have left the domain by less than its length, wrapped into it.
-fn within(d: &Direction, x: f64) -> f64 {
+fn within(d: &PieceDirection, x: f64) -> f64 {
     let (start, end) = d.domain;
     let period = end - start;
     (if x > end {
@@ -379,8 +379,8 @@ fn within(d: &Direction, x: f64) -> f64 {
 
 /// The edges of the domain on which a place is, of u and of v: 0, 1 at start and end of u, 2, 3 of
 /// v.
-pub(super) fn ends(pieces: &BezierPieces, at: &Place) -> [Option<usize>; 2] {
-    let end = |d: &Direction, x: f64, first: usize| {
+pub(super) fn ends(pieces: &BezierPieces, at: &NewtonPlace) -> [Option<usize>; 2] {
+    let end = |d: &PieceDirection, x: f64, first: usize| {
         if d.periodic {
             None
         } else if x <= d.domain.0 {

@@ -14,9 +14,9 @@
 
 use super::bernstein::MAX_ORDER;
 use super::judge::{Judge, ends, pole_at, steep};
-use super::newton::{Descent, OnPieces, Place, descend_between};
+use super::newton::{Descent, NewtonPlace, OnPieces, descend_between};
 use super::objective::{Along, Distance, Objective, Tables};
-use super::search::{Part, Search, TOLERANCE};
+use super::search::{Search, SearchPart, TOLERANCE};
 use super::stationary::{Claim, Setting, above, claim, quotient_range};
 use super::{ClosestPoint, ClosestSolver};
 use crate::math::{Point3, Vector3};
@@ -161,7 +161,7 @@ impl Minima {
             .objective
             .form(pieces, piece, hunt.tables, &mut search.a, &mut search.w);
         search.parts.clear();
-        search.parts.push(Part::whole(pieces, piece));
+        search.parts.push(SearchPart::whole(pieces, piece));
         let mut first = true;
         while let Some(part) = search.parts.last().copied() {
             search.visited += 1;
@@ -240,7 +240,7 @@ impl Minima {
         &mut self,
         hunt: &Hunt<'_, O>,
         pieces: &mut BezierPieces,
-        part: &Part,
+        part: &SearchPart,
         s: f64,
         t: f64,
     ) {
@@ -357,7 +357,7 @@ impl<O: Objective> Hunt<'_, O> {
 
 /// Which edges of a part are edges of its smooth patch.
 #[inline(always)]
-fn borders(pieces: &BezierPieces, part: &Part) -> [[bool; 2]; 2] {
+fn borders(pieces: &BezierPieces, part: &SearchPart) -> [[bool; 2]; 2] {
     let (a, b) = (&pieces.u.spans[part.i], &pieces.v.spans[part.j]);
     [
         [
@@ -374,10 +374,10 @@ fn borders(pieces: &BezierPieces, part: &Part) -> [[bool; 2]; 2] {
 /// Held at an edge behind which the smooth surface goes on downwards: a neighbour's affair.
 fn slides_out(
     pieces: &BezierPieces,
-    part: &Part,
+    part: &SearchPart,
     found: &Descent,
-    low: Place,
-    high: Place,
+    low: NewtonPlace,
+    high: NewtonPlace,
     size_m: f64,
 ) -> bool {
     let borders = borders(pieces, part);
@@ -395,7 +395,7 @@ fn slides_out(
     })
 }
 
-/// The same code with wider registers: plain sums in the same order, so the same bits.
+/// AVX2 build of the baseline function: sums in the same order, hence identical bits.
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2")]
 fn search_wide<O: Objective>(

@@ -10,13 +10,13 @@
 
 use super::objective::{Jet, Smooth};
 use super::side::Site;
-use crate::surface::bezier::{BezierPieces, Direction, Joint};
+use crate::surface::bezier::{BezierPieces, Joint, PieceDirection};
 use crate::surface::joints::{Joints, Spot};
 use crate::surface::tensor::{Frame, Surface};
 
 /// Where a piecewise surface is evaluated: its directions, and a frame seen from given spans.
 pub(super) trait Evaluate {
-    fn directions(&self) -> (&Direction, &Direction);
+    fn directions(&self) -> (&PieceDirection, &PieceDirection);
     /// `u` in span `i`, `v` in span `j`.
     fn frame(&mut self, i: usize, j: usize, u: f64, v: f64) -> Frame;
     /// The pieces, which know how a branching surface is joined.
@@ -31,7 +31,7 @@ pub(super) struct OnPieces<'a> {
 
 impl Evaluate for OnPieces<'_> {
     #[inline(always)]
-    fn directions(&self) -> (&Direction, &Direction) {
+    fn directions(&self) -> (&PieceDirection, &PieceDirection) {
         (&self.pieces.u, &self.pieces.v)
     }
 
@@ -59,7 +59,7 @@ pub(super) struct OnSurface<'a> {
 }
 
 impl Evaluate for OnSurface<'_> {
-    fn directions(&self) -> (&Direction, &Direction) {
+    fn directions(&self) -> (&PieceDirection, &PieceDirection) {
         (&self.pieces.u, &self.pieces.v)
     }
 
@@ -71,7 +71,7 @@ impl Evaluate for OnSurface<'_> {
             v: &pieces.v,
             joints: None,
         }
-        .frame(Place { i, j, u, v })
+        .frame(NewtonPlace { i, j, u, v })
     }
 
     fn pieces(&self) -> &BezierPieces {
@@ -81,21 +81,21 @@ impl Evaluate for OnSurface<'_> {
 
 /// A place on the surface: parameters with the spans they are seen from.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Place {
+pub(super) struct NewtonPlace {
     pub i: usize,
     pub j: usize,
     pub u: f64,
     pub v: f64,
 }
 
-impl From<Spot> for Place {
+impl From<Spot> for NewtonPlace {
     fn from(Spot { i, j, u, v }: Spot) -> Self {
         Self { i, j, u, v }
     }
 }
 
-impl From<Place> for Spot {
-    fn from(Place { i, j, u, v }: Place) -> Self {
+impl From<NewtonPlace> for Spot {
+    fn from(NewtonPlace { i, j, u, v }: NewtonPlace) -> Self {
         Self { i, j, u, v }
     }
 }
@@ -103,7 +103,7 @@ impl From<Place> for Spot {
 /// Where a descent ended.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Descent {
-    pub place: Place,
+    pub place: NewtonPlace,
     pub frame: Frame,
     pub jet: Jet,
     /// The directions in which the objective could still fall: not held at an edge, with metres to
@@ -112,7 +112,7 @@ pub(super) struct Descent {
     /// Largest slope along a free direction, objective per metre.
     pub slope: f64,
     /// Parameters at which a variable is stuck at a crease: the span beyond, to go on from.
-    pub beyond: Option<Place>,
+    pub beyond: Option<NewtonPlace>,
 }
 
 impl Descent {
@@ -138,7 +138,7 @@ impl Descent {
 pub(super) fn descend_over<E: Evaluate, O: Smooth>(
     eval: &mut E,
     objective: &O,
-    start: Place,
+    start: NewtonPlace,
 ) -> Descent {
     let mut best = descend(eval, objective, start);
     for _ in 0..8 {
@@ -157,7 +157,7 @@ pub(super) fn descend_over<E: Evaluate, O: Smooth>(
 pub(super) fn descend<E: Evaluate, O: Smooth>(
     eval: &mut E,
     objective: &O,
-    start: Place,
+    start: NewtonPlace,
 ) -> Descent {
     let (du, dv) = eval.directions();
     let (a, b) = (&du.spans[start.i], &dv.spans[start.j]);
@@ -169,7 +169,7 @@ pub(super) fn descend<E: Evaluate, O: Smooth>(
 pub(super) fn descend_between<E: Evaluate, O: Smooth>(
     eval: &mut E,
     objective: &O,
-    start: Place,
+    start: NewtonPlace,
     low: [f64; 2],
     high: [f64; 2],
 ) -> Descent {
@@ -182,13 +182,13 @@ pub(super) fn descend_between<E: Evaluate, O: Smooth>(
     descend_in(eval, objective, start, low, high)
 }
 
-/// The same code with wider registers: plain sums in the same order, so the same bits.
+/// AVX2 build of the baseline function: sums in the same order, hence identical bits.
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2")]
 fn descend_wide<E: Evaluate, O: Smooth>(
     eval: &mut E,
     objective: &O,
-    start: Place,
+    start: NewtonPlace,
     low: [f64; 2],
     high: [f64; 2],
 ) -> Descent {
@@ -199,7 +199,7 @@ fn descend_wide<E: Evaluate, O: Smooth>(
 fn descend_in<E: Evaluate, O: Smooth>(
     eval: &mut E,
     objective: &O,
-    start: Place,
+    start: NewtonPlace,
     low: [f64; 2],
     high: [f64; 2],
 ) -> Descent {
@@ -276,20 +276,18 @@ fn descend_in<E: Evaluate, O: Smooth>(
             break;
         }
     }
-    let beyond = if let Some(joints) = eval.pieces().joints() {
-        over_joint(joints, at, x, low, high, jet.g)
-    } else {
-        let (du, dv) = eval.directions();
-        across(du, x[0], low[0], high[0], at.i, at.u, jet.g[0])
-            .map(|(i, u)| Place { i, u, ..at })
-            .or_else(|| {
-                across(dv, x[1], low[1], high[1], at.j, at.v, jet.g[1]).map(|(j, v)| Place {
-                    j,
-                    v,
-                    ..at
+    let beyond =
+        if let Some(joints) = eval.pieces().joints() {
+            over_joint(joints, at, x, low, high, jet.g)
+        } else {
+            let (du, dv) = eval.directions();
+            across(du, x[0], low[0], high[0], at.i, at.u, jet.g[0])
+                .map(|(i, u)| NewtonPlace { i, u, ..at })
+                .or_else(|| {
+                    across(dv, x[1], low[1], high[1], at.j, at.v, jet.g[1])
+                        .map(|(j, v)| NewtonPlace { j, v, ..at })
                 })
-            })
-    };
+        };
     Descent {
         place: at,
         frame,
@@ -306,14 +304,14 @@ fn look<E: Evaluate, O: Smooth>(
     eval: &mut E,
     objective: &O,
     x: [f64; 2],
-    near: Place,
+    near: NewtonPlace,
     high: [f64; 2],
-) -> (Place, Frame, Jet) {
+) -> (NewtonPlace, Frame, Jet) {
     let (du, dv) = eval.directions();
     let (i, offset_u) = du.locate(x[0], near.i, high[0]);
     let (j, offset_v) = dv.locate(x[1], near.j, high[1]);
     let (a, b) = (&du.spans[i], &dv.spans[j]);
-    let place = Place {
+    let place = NewtonPlace {
         i,
         j,
         u: (x[0] - offset_u).clamp(a.start, a.end),
@@ -328,21 +326,21 @@ fn look<E: Evaluate, O: Smooth>(
 /// to take it.
 #[inline(always)]
 fn last_step(
-    (du, dv): (&Direction, &Direction),
+    (du, dv): (&PieceDirection, &PieceDirection),
     jet: &Jet,
     free: [bool; 2],
     x: [f64; 2],
-    at: Place,
+    at: NewtonPlace,
     step: [f64; 2],
     widths: [f64; 2],
-) -> Option<([f64; 2], Place)> {
+) -> Option<([f64; 2], NewtonPlace)> {
     const SHORT: f64 = 1e-8;
     let ([mu, mv], [huu, huv, hvv]) = (jet.metric, jet.h);
     let short = step[0].abs() <= SHORT * widths[0] && step[1].abs() <= SHORT * widths[1];
     if !short || free != [true, true] || huu < 0.1 * mu || huu * hvv - huv * huv < 0.01 * mu * mv {
         return None;
     }
-    let place = Place {
+    let place = NewtonPlace {
         u: at.u + step[0],
         v: at.v + step[1],
         ..at
@@ -368,12 +366,12 @@ fn extend(frame: &Frame, u: f64, v: f64) -> Frame {
 #[inline(never)]
 fn over_joint(
     joints: &Joints,
-    at: Place,
+    at: NewtonPlace,
     x: [f64; 2],
     low: [f64; 2],
     high: [f64; 2],
     g: [f64; 2],
-) -> Option<Place> {
+) -> Option<NewtonPlace> {
     let edges = joints.edges_at(at.into());
     let held = |side: usize| {
         let k = side / 2;
@@ -394,7 +392,7 @@ fn over_joint(
 
 /// The span across a crease at which the variable is held.
 fn across(
-    d: &Direction,
+    d: &PieceDirection,
     x: f64,
     low: f64,
     high: f64,

@@ -10,7 +10,7 @@ use super::bernstein::{
     MAX_ORDER, Verdict, convex_verdict, curvature, edge_verdict, first_differences, halve_u,
     halve_v, least,
 };
-use super::newton::{Descent, OnPieces, Place, descend_over};
+use super::newton::{Descent, NewtonPlace, OnPieces, descend_over};
 use super::objective::{Objective, Tables};
 use crate::surface::bezier::BezierPieces;
 use crate::surface::tensor::Surface;
@@ -29,14 +29,14 @@ const WIDEST: f64 = 5e-10;
 
 /// A part of a piece, in the piece's own [0, 1]².
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Part {
+pub(super) struct SearchPart {
     pub i: usize,
     pub j: usize,
     pub s: [f64; 2],
     pub t: [f64; 2],
 }
 
-impl Part {
+impl SearchPart {
     pub fn whole(pieces: &BezierPieces, piece: usize) -> Self {
         let columns = pieces.v.spans.len();
         Self {
@@ -48,13 +48,13 @@ impl Part {
     }
 
     /// The place at local (s, t) of this part.
-    pub fn place(&self, pieces: &BezierPieces, s: f64, t: f64) -> Place {
+    pub fn place(&self, pieces: &BezierPieces, s: f64, t: f64) -> NewtonPlace {
         let (a, b) = (&pieces.u.spans[self.i], &pieces.v.spans[self.j]);
         let (x, y) = (
             self.s[0] + s * (self.s[1] - self.s[0]),
             self.t[0] + t * (self.t[1] - self.t[0]),
         );
-        Place {
+        NewtonPlace {
             i: self.i,
             j: self.j,
             u: (a.start + x * (a.end - a.start)).clamp(a.start, a.end),
@@ -63,17 +63,18 @@ impl Part {
     }
 
     /// Local parameters of the point of this part nearest to a foot, to start Newton from.
-    fn nearest(&self, pieces: &BezierPieces, foot: Place) -> (f64, f64) {
-        let local = |d: &crate::surface::bezier::Direction, k: usize, range: [f64; 2], x: f64| {
-            let span = &d.spans[k];
-            let width = span.end - span.start;
-            let mut y = ((x - span.start) / width - range[0]) / (range[1] - range[0]);
-            if d.periodic {
-                let period = (d.domain.1 - d.domain.0) / (width * (range[1] - range[0]));
-                y -= period * ((y - 0.5) / period).round();
-            }
-            y.clamp(0.0, 1.0)
-        };
+    fn nearest(&self, pieces: &BezierPieces, foot: NewtonPlace) -> (f64, f64) {
+        let local =
+            |d: &crate::surface::bezier::PieceDirection, k: usize, range: [f64; 2], x: f64| {
+                let span = &d.spans[k];
+                let width = span.end - span.start;
+                let mut y = ((x - span.start) / width - range[0]) / (range[1] - range[0]);
+                if d.periodic {
+                    let period = (d.domain.1 - d.domain.0) / (width * (range[1] - range[0]));
+                    y -= period * ((y - 0.5) / period).round();
+                }
+                y.clamp(0.0, 1.0)
+            };
         (
             local(&pieces.u, self.i, self.s, foot.u),
             local(&pieces.v, self.j, self.t, foot.v),
@@ -94,7 +95,7 @@ impl Part {
     }
 }
 
-/// What looking at a part's coefficients told.
+/// What the coefficients of a part show.
 enum Finding {
     Clear,
     Below(f64, f64),
@@ -108,11 +109,11 @@ pub(super) struct Search {
     stride: usize,
     /// (DEPTH × stride): A of each open part.
     pub a: Vec<f64>,
-    /// The same for W, when rational.
+    /// Coefficients of W of a rational surface.
     pub w: Vec<f64>,
     /// (stride): A − β W.
     pub g: Vec<f64>,
-    pub parts: Vec<Part>,
+    pub parts: Vec<SearchPart>,
     /// (pieces): lower bound and piece, sorted.
     order: Vec<(f64, usize)>,
     /// Parts looked at by the last search.
@@ -259,7 +260,7 @@ impl Search {
         let (len, stride) = (nu * nv, self.stride);
         let noise = objective.form(pieces, piece, tables, &mut self.a, &mut self.w);
         self.parts.clear();
-        self.parts.push(Part::whole(pieces, piece));
+        self.parts.push(SearchPart::whole(pieces, piece));
         while let Some(part) = self.parts.last().copied() {
             self.visited += 1;
             if self.visited.is_multiple_of(PATIENCE) {
@@ -340,7 +341,7 @@ impl Search {
     }
 }
 
-/// The same code with wider registers: plain sums in the same order, so the same bits.
+/// AVX2 build of the baseline function: sums in the same order, hence identical bits.
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2")]
 fn certify_wide<O: Objective>(

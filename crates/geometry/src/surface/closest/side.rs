@@ -5,10 +5,10 @@
 //! closed surface (Bærentzen & Aanæs, *Signed distance computation using the angle weighted
 //! pseudonormal*, 2005).
 
-use super::newton::Place;
+use super::newton::NewtonPlace;
 use crate::basis::{KnotKind, KnotVector, Side};
 use crate::math::{Point3, Vector3};
-use crate::surface::bezier::{Direction, Joint};
+use crate::surface::bezier::{Joint, PieceDirection};
 use crate::surface::joints::Joints;
 use crate::surface::tensor::{Frame, Surface, wrap};
 
@@ -24,8 +24,8 @@ const CUSP_STEP: f64 = 0.01;
 /// A surface with the spans its places refer to.
 pub(super) struct Site<'a> {
     pub surface: &'a Surface,
-    pub u: &'a Direction,
-    pub v: &'a Direction,
+    pub u: &'a PieceDirection,
+    pub v: &'a PieceDirection,
     /// Of a branching surface.
     pub joints: Option<&'a Joints>,
 }
@@ -33,7 +33,7 @@ pub(super) struct Site<'a> {
 impl Site<'_> {
     /// Outward unit normal at a foot: never NaN; the surface's own where it has one, else the way
     /// to the query.
-    pub fn normal(&self, place: Place, frame: &Frame, to_query: &Vector3) -> Vector3 {
+    pub fn normal(&self, place: NewtonPlace, frame: &Frame, to_query: &Vector3) -> Vector3 {
         let (a, b) = (&self.u.spans[place.i], &self.v.spans[place.j]);
         let at_knot =
             place.u <= a.start || place.u >= a.end || place.v <= b.start || place.v >= b.end;
@@ -56,8 +56,8 @@ impl Site<'_> {
     }
 
     /// The frame of a place as its own piece sees it.
-    pub fn frame(&self, Place { i, j, u, v }: Place) -> Frame {
-        let side = |x: f64, d: &Direction, k: usize| {
+    pub fn frame(&self, NewtonPlace { i, j, u, v }: NewtonPlace) -> Frame {
+        let side = |x: f64, d: &PieceDirection, k: usize| {
             if x >= d.spans[k].end {
                 Side::Left
             } else {
@@ -70,7 +70,7 @@ impl Site<'_> {
 
     /// The normal of a place as its own piece sees it, from a little farther inside where the
     /// tangents vanish.
-    fn near(&self, place: Place, frame: &Frame) -> Option<Vector3> {
+    fn near(&self, place: NewtonPlace, frame: &Frame) -> Option<Vector3> {
         smooth_normal(frame).or_else(|| {
             let (a, b) = (&self.u.spans[place.i], &self.v.spans[place.j]);
             let (cu, cv) = (0.5 * (a.start + a.end), 0.5 * (b.start + b.end));
@@ -79,23 +79,23 @@ impl Site<'_> {
                     place.u + inward * (cu - place.u),
                     place.v + inward * (cv - place.v),
                 );
-                smooth_normal(&self.frame(Place { u, v, ..place }))
+                smooth_normal(&self.frame(NewtonPlace { u, v, ..place }))
             })
         })
     }
 
     /// Mean normal where creases or coinciding ends meet; `None` where the foot is smooth.
-    fn corner(&self, place: Place, frame: &Frame) -> Option<Vector3> {
+    fn corner(&self, place: NewtonPlace, frame: &Frame) -> Option<Vector3> {
         if let Some(joints) = self.joints {
             return self.meeting(joints, place);
         }
         let tolerance = SAME * frame.point.coords.amax();
         let same = |p: Point3| (p - frame.point).norm() <= tolerance;
         let us = sides(self.u, place.i, place.u, |i, u| {
-            same(self.frame(Place { i, u, ..place }).point)
+            same(self.frame(NewtonPlace { i, u, ..place }).point)
         });
         let vs = sides(self.v, place.j, place.v, |j, v| {
-            same(self.frame(Place { j, v, ..place }).point)
+            same(self.frame(NewtonPlace { j, v, ..place }).point)
         });
         let corner = us[1].is_some() && vs[1].is_some();
         if us[1].is_none() && vs[1].is_none() {
@@ -105,7 +105,7 @@ impl Site<'_> {
         let mut sheets = [None; 4];
         for &(i, u, into_u) in us.iter().flatten() {
             for &(j, v, into_v) in vs.iter().flatten() {
-                let place = Place { i, j, u, v };
+                let place = NewtonPlace { i, j, u, v };
                 let frame = self.frame(place);
                 if let Some(n) = self.near(place, &frame) {
                     // On an edge both sectors are half turns; at a corner each is the angle between
@@ -126,15 +126,15 @@ impl Site<'_> {
     }
 
     /// Mean normal of the patches that edges join at a place; `None` where there is but one.
-    fn meeting(&self, joints: &Joints, place: Place) -> Option<Vector3> {
+    fn meeting(&self, joints: &Joints, place: NewtonPlace) -> Option<Vector3> {
         let meeting = joints.meeting(place.into());
         if meeting.spots().len() < 2 {
             return None;
         }
         let mut sum = Vector3::zeros();
         for spot in meeting.spots() {
-            let frame = self.frame(Place::from(*spot));
-            let Some(n) = self.near(Place::from(*spot), &frame) else {
+            let frame = self.frame(NewtonPlace::from(*spot));
+            let Some(n) = self.near(NewtonPlace::from(*spot), &frame) else {
                 continue;
             };
             let [u0, u1, v0, v1] = joints.edges_at(*spot);
@@ -154,13 +154,13 @@ impl Site<'_> {
     /// Where two sheets leave an edge the same way their normals cancel. Between the sheets is the
     /// solid, and then the edge points out of it; or a crack, and then the edge points into the
     /// solid.
-    fn cusp(&self, sheets: &[Option<(Place, Vector3, [f64; 2])>; 4]) -> Option<Vector3> {
+    fn cusp(&self, sheets: &[Option<(NewtonPlace, Vector3, [f64; 2])>; 4]) -> Option<Vector3> {
         let (a, normal, into) = sheets[0]?;
         let (b, _, other) = sheets
             .iter()
             .flatten()
             .find(|(_, n, _)| n.dot(&normal) < -0.99)?;
-        let inside = |p: Place, [into_u, into_v]: [f64; 2]| {
+        let inside = |p: NewtonPlace, [into_u, into_v]: [f64; 2]| {
             let (wide_u, wide_v) = (
                 self.u.spans[p.i].end - self.u.spans[p.i].start,
                 self.v.spans[p.j].end - self.v.spans[p.j].start,
@@ -171,7 +171,7 @@ impl Site<'_> {
             } else {
                 [into_u * wide_u, 0.0]
             };
-            self.frame(Place {
+            self.frame(NewtonPlace {
                 u: p.u + CUSP_STEP * du,
                 v: p.v + CUSP_STEP * dv,
                 ..p
@@ -185,12 +185,12 @@ impl Site<'_> {
     }
 
     /// Mean normal around a collapsed edge, when the foot lies on one.
-    fn pole(&self, place: Place, frame: &Frame) -> Option<Vector3> {
+    fn pole(&self, place: NewtonPlace, frame: &Frame) -> Option<Vector3> {
         let net = self.surface.net();
         let (rows, columns) = (net.rows(), net.columns());
         let tolerance = SAME * frame.point.coords.amax();
         let same = |p: &Point3| (p - frame.point).norm() <= tolerance;
-        let end = |d: &Direction, kind: KnotKind, x: f64, count: usize| match kind {
+        let end = |d: &PieceDirection, kind: KnotKind, x: f64, count: usize| match kind {
             KnotKind::Clamped if x <= d.domain.0 => Some(0),
             KnotKind::Clamped if x >= d.domain.1 => Some(count - 1),
             _ => None,
@@ -244,7 +244,7 @@ fn angle(a: &Vector3, b: &Vector3) -> f64 {
 /// The spans that meet at a parameter: (span, parameter, direction into the span). `coincide` says
 /// whether a place at the other end of the domain is the same point.
 pub(super) fn sides(
-    d: &Direction,
+    d: &PieceDirection,
     span: usize,
     x: f64,
     coincide: impl FnOnce(usize, f64) -> bool,

@@ -15,8 +15,8 @@
 use super::bernstein::{curvature, least, restrict_u, restrict_v};
 use super::newton::Descent;
 use super::objective::{Distance, Objective, Tables};
-use super::search::{Part, Search};
-use crate::surface::bezier::{BezierPieces, Direction, Joint};
+use super::search::{Search, SearchPart};
+use crate::surface::bezier::{BezierPieces, Joint, PieceDirection};
 use crate::surface::tensor::Surface;
 
 /// Share of the gap between distance and nearest outside value that is claimed; less is proved
@@ -77,7 +77,7 @@ pub(super) fn certificate(
     certificate_in(search, pieces, surface, tables, objective, size_m, best)
 }
 
-/// The same code with wider registers: plain sums in the same order, so the same bits.
+/// AVX2 build of the baseline function: sums in the same order, hence identical bits.
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2")]
 fn certificate_wide(
@@ -184,7 +184,7 @@ fn certify(
 /// A box of `share` of the foot's own spans to each side, not past a crease or the far end of a
 /// neighbouring span.
 fn surround(pieces: &BezierPieces, best: &Descent, share: f64) -> Around {
-    let one = |d: &Direction, k: usize, x: f64| {
+    let one = |d: &PieceDirection, k: usize, x: f64| {
         let (n, span) = (d.spans.len(), &d.spans[k]);
         let reach = share * (span.end - span.start);
         let (mut low, mut high) = (span.start, span.end);
@@ -206,7 +206,7 @@ fn surround(pieces: &BezierPieces, best: &Descent, share: f64) -> Around {
 
 /// The part of span `k` that a box covers, in the span's own [0, 1]; periodic directions are
 /// unwrapped.
-fn covered(d: &Direction, k: usize, range: [f64; 2]) -> Option<[f64; 2]> {
+fn covered(d: &PieceDirection, k: usize, range: [f64; 2]) -> Option<[f64; 2]> {
     let span = &d.spans[k];
     let width = span.end - span.start;
     let period = d.domain.1 - d.domain.0;
@@ -429,7 +429,7 @@ fn gap_outside(
             break;
         }
         let noise = objective.form(pieces, piece, tables, &mut search.a, &mut search.w);
-        let whole = Part::whole(pieces, piece);
+        let whole = SearchPart::whole(pieces, piece);
         search.parts.clear();
         match (
             covered(&pieces.u, whole.i, around.u),
@@ -454,7 +454,7 @@ fn gap_outside(
                     search.a[slot..slot + len].copy_from_slice(&search.g[..len]);
                     restrict_u(&mut search.a[slot..slot + len], nu, nv, s[0], s[1]);
                     restrict_v(&mut search.a[slot..slot + len], nu, nv, t[0], t[1]);
-                    search.parts.push(Part { s, t, ..whole });
+                    search.parts.push(SearchPart { s, t, ..whole });
                     used += 1;
                 }
                 if rational {
@@ -462,7 +462,7 @@ fn gap_outside(
                     let kept = 4 * stride;
                     search.w.copy_within(0..len, kept);
                     for slot in 0..used {
-                        let Part { s, t, .. } = search.parts[slot];
+                        let SearchPart { s, t, .. } = search.parts[slot];
                         search.w.copy_within(kept..kept + len, slot * stride);
                         let w = &mut search.w[slot * stride..slot * stride + len];
                         restrict_u(w, nu, nv, s[0], s[1]);

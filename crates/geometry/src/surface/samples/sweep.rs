@@ -1,6 +1,6 @@
 //! The product `A_u P A_vᵀ`, four samples at a time.
 //!
-//! First `T = P A_vᵀ` and its derivative along v, for each row of the net: a [`Cell`] holds four
+//! First `T = P A_vᵀ` and its derivative along v, for each row of the net: a [`SweepCell`] holds four
 //! neighbouring samples, one coordinate a register. Then each row of the grid blends `degree + 1`
 //! rows of cells, so that all sums of four points and their tangents stay in registers until the
 //! points and unit normals are stored. Tangents are in metres per length of the domain, as
@@ -18,7 +18,7 @@ use crate::surface::normal::inward;
 use crate::surface::tensor::{Frame, Surface, wrap};
 
 /// `cell[order][coordinate][sample]`: order 0 or 1 along v; w x, w y, w z, w; four samples.
-pub(super) type Cell = [[Four; 4]; 2];
+pub(super) type SweepCell = [[Four; 4]; 2];
 
 const WIDEST: usize = MAX_DEGREE + 1;
 
@@ -81,7 +81,7 @@ impl Sweep<'_> {
 
     /// Samples every row of the net in v.
     #[inline(always)]
-    fn along_v<L: Lanes, const WV: usize>(&self, net: &[Four], cells: &mut [Cell]) {
+    fn along_v<L: Lanes, const WV: usize>(&self, net: &[Four], cells: &mut [SweepCell]) {
         let width = if WV > 0 { WV } else { self.v.width() };
         let (columns, rows, blocks) = (
             self.v.columns(),
@@ -128,7 +128,7 @@ impl Sweep<'_> {
         &self,
         i: usize,
         blocks: usize,
-        cells: &[Cell],
+        cells: &[SweepCell],
         points: &mut [Point3],
         normals: &mut [Vector3],
         masks: &mut [u8],
@@ -138,7 +138,7 @@ impl Sweep<'_> {
         let length = self.surface.knots_u().length();
         let mut shares = [L::splat(0.0); WIDEST];
         let mut turns = shares;
-        let mut lines: [&[Cell]; WIDEST] = [&[]; WIDEST];
+        let mut lines: [&[SweepCell]; WIDEST] = [&[]; WIDEST];
         for a in 0..width {
             (shares[a], turns[a]) = (L::splat(values[a]), L::splat(slopes[a] * length));
             let row = wrap(first + a, self.u.columns());

@@ -2,8 +2,8 @@
 
 use super::{block, ellipsoid};
 use crate::isolate::{
-    Body, IsolateError, IsolateSpec, Method, Reason, Resolution, Status, Unsettled, isolate,
-    isolate_all,
+    Body, IsolateError, IsolateMethod, IsolateSpec, IsolateStatus, Reason, Resolution, Unsettled,
+    isolate, isolate_all,
 };
 use palpate_geometry::math::Random;
 use palpate_geometry::math::{Pose, Vector3};
@@ -24,7 +24,7 @@ fn bodies_that_are_apart_stay_and_their_gap_is_told() {
         let answer = isolate(&ball(0.0, 0.0, 0.0), &ball(0.0, 0.0, 2.5), &spec).unwrap();
         assert_eq!(
             (answer.status, answer.translation_m),
-            (Status::Apart, Vector3::zeros())
+            (IsolateStatus::Apart, Vector3::zeros())
         );
         // Poles lie on the axis: clamped ends pass through them.
         assert!((answer.gap_m.unwrap() - 0.5).abs() < 1e-9, "{answer:?}");
@@ -35,7 +35,7 @@ fn bodies_that_are_apart_stay_and_their_gap_is_told() {
 fn bodies_that_touch_are_pushed_along_the_contact_normal() {
     for distance in [2.0, 2.0 + 1e-6] {
         let answer = isolate(&ball(0.0, 0.0, distance), &ball(0.0, 0.0, 0.0), &plain()).unwrap();
-        assert_eq!(answer.status, Status::Isolated);
+        assert_eq!(answer.status, IsolateStatus::Isolated);
         let along = answer.translation_m.normalize().z;
         assert!(
             along > 0.999 && answer.translation_m.norm() < 0.01,
@@ -49,14 +49,14 @@ fn bodies_that_touch_are_pushed_along_the_contact_normal() {
 #[test]
 fn a_body_inside_another_comes_out_by_the_global_search_and_the_reason_is_told() {
     let spec = IsolateSpec {
-        method: Method::Blend,
+        method: IsolateMethod::Blend,
         ..plain()
     };
     let small = ellipsoid([0.2; 3], Vector3::new(0.3, 0.0, 0.0));
     let answer = isolate(&small, &ball(0.0, 0.0, 0.0), &spec).unwrap();
     assert_eq!(
         (answer.method, answer.fell_back),
-        (Method::Global, Some(Reason::NoRegion))
+        (IsolateMethod::Global, Some(Reason::NoRegion))
     );
     // 1 - 0.3 + 0.2, less what the splines stay inside their nets.
     assert!(
@@ -85,7 +85,7 @@ fn a_body_inside_another_comes_out_by_the_global_search_and_the_reason_is_told()
     .unwrap();
     assert_eq!(
         (strict.status, strict.gap_m),
-        (Status::Failed(Reason::NoRegion), None)
+        (IsolateStatus::Failed(Reason::NoRegion), None)
     );
     assert!(!strict.is_apart());
 }
@@ -93,9 +93,9 @@ fn a_body_inside_another_comes_out_by_the_global_search_and_the_reason_is_told()
 #[test]
 fn identical_bodies_part_along_their_shortest_width() {
     let body = ellipsoid([1.0, 0.7, 0.4], Vector3::new(0.1, 0.2, 0.3));
-    for method in Method::ALL {
+    for method in IsolateMethod::ALL {
         let answer = isolate(&body, &body, &IsolateSpec { method, ..plain() }).unwrap();
-        if method == Method::Farthest && answer.fell_back.is_none() {
+        if method == IsolateMethod::Farthest && answer.fell_back.is_none() {
             continue;
         }
         // Twice the half axis, which the clamped ends reach.
@@ -111,7 +111,7 @@ fn identical_bodies_part_along_their_shortest_width() {
     let answer = isolate(&body, &body, &limited).unwrap();
     assert_eq!(
         answer.status,
-        Status::Failed(Reason::CoincidentCentroids),
+        IsolateStatus::Failed(Reason::CoincidentCentroids),
         "there is no direction to keep"
     );
 }
@@ -130,12 +130,15 @@ fn coincident_centroids_leave_methods_5_and_6_without_a_line() {
         &long,
         &flat,
         &IsolateSpec {
-            method: Method::Centroids,
+            method: IsolateMethod::Centroids,
             ..strict
         },
     )
     .unwrap();
-    assert_eq!(five.status, Status::Failed(Reason::CoincidentCentroids));
+    assert_eq!(
+        five.status,
+        IsolateStatus::Failed(Reason::CoincidentCentroids)
+    );
     let global = isolate(&long, &flat, &strict).unwrap();
     assert!((1.0..1.31).contains(&global.contact_m.norm()), "{global:?}");
 }
@@ -155,7 +158,7 @@ fn boxes_with_coplanar_faces_part_by_their_least_overlap() {
         for (low, least) in cases {
             let moving = block(low, low.map(|x| x + 1.0));
             let answer = isolate(&moving, &fixed, &IsolateSpec { exact, ..plain() }).unwrap();
-            assert_eq!(answer.status, Status::Isolated, "{low:?}");
+            assert_eq!(answer.status, IsolateStatus::Isolated, "{low:?}");
             assert!(
                 (answer.contact_m.norm() - least).abs() < 1e-3,
                 "{low:?}: {answer:?}"
@@ -210,7 +213,11 @@ fn bodies_far_from_the_origin_or_very_small_or_very_large_are_answered_alike() {
     for (scale, at) in [(1e-6, 0.0), (1e6, 0.0), (1.0, 1e5), (1e-3, 10.0)] {
         let [moving, fixed] = pair(scale, at);
         let found = isolate(&moving, &fixed, &plain()).unwrap();
-        assert_eq!(found.status, Status::Isolated, "scale {scale} at {at}");
+        assert_eq!(
+            found.status,
+            IsolateStatus::Isolated,
+            "scale {scale} at {at}"
+        );
         let error = (found.contact_m / scale - wanted).norm();
         assert!(error < 5e-3, "scale {scale} at {at}: {error}");
     }

@@ -2,13 +2,13 @@
 
 use super::{ellipsoid, solved};
 use crate::isolate::pair::Pair;
-use crate::isolate::{Body, IsolateSpec, Method, Resolution, Status, given, isolate};
+use crate::isolate::{Body, IsolateMethod, IsolateSpec, IsolateStatus, Resolution, given, isolate};
 use palpate_geometry::contact::pair::{PairSide, PairSolver};
 use palpate_geometry::math::Random;
 use palpate_geometry::math::{Pose, Vector3, rotation_by};
 use palpate_geometry::surface::{ClosestSolver, Surface};
 
-fn triangles(method: Method) -> IsolateSpec {
+fn triangles(method: IsolateMethod) -> IsolateSpec {
     IsolateSpec {
         method,
         exact: false,
@@ -27,10 +27,10 @@ fn the_gap_is_as_asked_and_nothing_overlaps_on_any_pair() {
         let [a, b] = given.bodies();
         let gap = 1e-3 * Pair::new(&a, &b, Vector3::zeros()).diameter_m;
         for method in [
-            Method::Normals,
-            Method::BestBlend,
-            Method::Local,
-            Method::Global,
+            IsolateMethod::Normals,
+            IsolateMethod::BestBlend,
+            IsolateMethod::Local,
+            IsolateMethod::Global,
         ] {
             let bodies = [a.clone(), b.clone()];
             let answer = solved(
@@ -41,7 +41,12 @@ fn the_gap_is_as_asked_and_nothing_overlaps_on_any_pair() {
                     ..triangles(method)
                 },
             );
-            assert_eq!(answer.status, Status::Isolated, "{} {method:?}", given.name);
+            assert_eq!(
+                answer.status,
+                IsolateStatus::Isolated,
+                "{} {method:?}",
+                given.name
+            );
             assert!(
                 !a.overlaps(&answer.translation_m, &b),
                 "{} {method:?} overlaps",
@@ -83,11 +88,11 @@ fn exact_answers_are_free_by_the_test_of_the_surfaces_and_others_are_not() {
             &bodies,
             &IsolateSpec {
                 exact: true,
-                ..triangles(Method::Global)
+                ..triangles(IsolateMethod::Global)
             },
         );
         assert!(
-            exact.exact && exact.status == Status::Isolated,
+            exact.exact && exact.status == IsolateStatus::Isolated,
             "{}: {exact:?}",
             given.name
         );
@@ -96,7 +101,7 @@ fn exact_answers_are_free_by_the_test_of_the_surfaces_and_others_are_not() {
             "{}",
             given.name
         );
-        let rough = solved(given, &bodies, &triangles(Method::Global));
+        let rough = solved(given, &bodies, &triangles(IsolateMethod::Global));
         missed += usize::from(overlap(&given.moving, &given.fixed, &rough.translation_m));
     }
     assert!(
@@ -109,12 +114,16 @@ fn exact_answers_are_free_by_the_test_of_the_surfaces_and_others_are_not() {
 fn exchanging_the_bodies_turns_the_translation_round() {
     for given in given::all() {
         let [a, b] = given.bodies();
-        let there = solved(&given, &[a.clone(), b.clone()], &triangles(Method::Global));
+        let there = solved(
+            &given,
+            &[a.clone(), b.clone()],
+            &triangles(IsolateMethod::Global),
+        );
         let back = super::isolate_ready(
             (&given.fixed, &b),
             (&given.moving, &a),
             &Vector3::zeros(),
-            &triangles(Method::Global),
+            &triangles(IsolateMethod::Global),
         )
         .unwrap();
         let (there, back) = (there.contact_m, back.contact_m);
@@ -148,7 +157,7 @@ fn a_rotation_of_both_bodies_rotates_the_answers_of_methods_3_to_7() {
             let pose = Pose::from_parts(Vector3::new(0.3, -0.2, 0.5).into(), rotation);
             let turned = [&given.moving, &given.fixed].map(|surface| surface.transformed(&pose));
             let bodies = [0, 1].map(|k| Body::new(&turned[k], given.cells[k], k).unwrap());
-            for method in &Method::ALL[2..7] {
+            for method in &IsolateMethod::ALL[2..7] {
                 let before = solved(given, &given.bodies(), &triangles(*method)).contact_m;
                 let spec = triangles(*method);
                 let after = super::isolate_ready(
@@ -199,7 +208,7 @@ fn convex_bodies_part_by_the_least_overlap_of_their_supports() {
         let least = least_over_directions(&overlap);
         let spec = IsolateSpec {
             resolution: Resolution::Cells(cells),
-            ..triangles(Method::Global)
+            ..triangles(IsolateMethod::Global)
         };
         let found = isolate(&moving, &fixed, &spec).unwrap().contact_m.norm();
         assert!(
@@ -246,12 +255,12 @@ fn a_limit_on_the_turn_is_kept_and_costs_length() {
             let spec = IsolateSpec {
                 max_turn_deg: Some(most),
                 exact: true,
-                ..triangles(Method::Global)
+                ..triangles(IsolateMethod::Global)
             };
             let answer = solved(given, &bodies, &spec);
             assert_eq!(
                 answer.status,
-                Status::Isolated,
+                IsolateStatus::Isolated,
                 "{} at most {most}",
                 given.name
             );
@@ -280,10 +289,10 @@ fn no_turn_at_all_is_the_line_of_the_centroids() {
         &bodies,
         &IsolateSpec {
             max_turn_deg: Some(0.0),
-            ..triangles(Method::Global)
+            ..triangles(IsolateMethod::Global)
         },
     );
-    let line = solved(given, &bodies, &triangles(Method::Centroids));
+    let line = solved(given, &bodies, &triangles(IsolateMethod::Centroids));
     assert!(
         (none.contact_m.norm() / line.contact_m.norm() - 1.0).abs() < 2e-3,
         "{none:?}\n{line:?}"
@@ -295,7 +304,7 @@ fn no_turn_at_all_is_the_line_of_the_centroids() {
 fn a_local_search_from_an_earlier_answer_finds_the_same_minimum() {
     let given = &given::all()[7];
     let bodies = given.bodies();
-    let cold = solved(given, &bodies, &triangles(Method::Global));
+    let cold = solved(given, &bodies, &triangles(IsolateMethod::Global));
     for shift in [
         Vector3::zeros(),
         Vector3::new(0.003, 0.0, 0.0),
@@ -303,7 +312,7 @@ fn a_local_search_from_an_earlier_answer_finds_the_same_minimum() {
     ] {
         let spec = IsolateSpec {
             warm_m: Some(cold.translation_m + shift),
-            ..triangles(Method::Local)
+            ..triangles(IsolateMethod::Local)
         };
         let warm = solved(given, &bodies, &spec);
         assert!(
@@ -319,7 +328,7 @@ fn halving_the_step_ends_when_the_length_changes_by_less_than_the_gap() {
     let fixed = ellipsoid([1.0; 3], Vector3::new(1.5, 0.3, 0.2));
     let spec = IsolateSpec {
         resolution: Resolution::Halving,
-        ..triangles(Method::Global)
+        ..triangles(IsolateMethod::Global)
     };
     let answer = isolate(&moving, &fixed, &spec).unwrap();
     let gap = 1e-3

@@ -3,11 +3,11 @@
 use super::solved;
 use crate::isolate::given::{self, GivenPair};
 use crate::isolate::pair::Pair;
-use crate::isolate::search::{Limit, Search, cone};
-use crate::isolate::{Body, IsolateSpec, Isolated, Method, Reason, Status};
+use crate::isolate::search::{SearchLimit, TranslationSearch, cone};
+use crate::isolate::{Body, IsolateMethod, IsolateSpec, IsolateStatus, Isolated, Reason};
 use palpate_geometry::math::Vector3;
 
-fn strictly(pair: &GivenPair, bodies: &[Body; 2], method: Method) -> Isolated {
+fn strictly(pair: &GivenPair, bodies: &[Body; 2], method: IsolateMethod) -> Isolated {
     let spec = IsolateSpec {
         method,
         exact: false,
@@ -56,7 +56,7 @@ fn the_given_nets_on_the_given_grids_have_the_published_triangles_and_diameters(
 // intersection that are noise, which are refused here.
 #[test]
 fn methods_2_to_7_reproduce_the_published_ratios_and_steps() {
-    let methods = &Method::ALL[1..7];
+    let methods = &IsolateMethod::ALL[1..7];
     let mut compared = 0;
     for given in given::all()
         .iter()
@@ -69,7 +69,7 @@ fn methods_2_to_7_reproduce_the_published_ratios_and_steps() {
             if given.name.starts_with("16") {
                 assert_eq!(
                     answer.status,
-                    Status::Failed(Reason::Coincident),
+                    IsolateStatus::Failed(Reason::Coincident),
                     "{}",
                     given.name
                 );
@@ -78,7 +78,7 @@ fn methods_2_to_7_reproduce_the_published_ratios_and_steps() {
             let Some(wanted) = published["ratio"].as_f64() else {
                 assert_eq!(
                     answer.status,
-                    Status::Failed(Reason::NoRegion),
+                    IsolateStatus::Failed(Reason::NoRegion),
                     "{} {method:?}",
                     given.name
                 );
@@ -120,7 +120,10 @@ fn method_1_finds_the_published_exit_where_the_first_step_was_taken_for_free() {
         else {
             continue;
         };
-        let found = ratio(&given, &strictly(&given, &given.bodies(), Method::Farthest));
+        let found = ratio(
+            &given,
+            &strictly(&given, &given.bodies(), IsolateMethod::Farthest),
+        );
         assert!(
             (found - wanted).abs() < 0.005,
             "{}: {found}, published {wanted}",
@@ -137,11 +140,11 @@ fn method_1_finds_the_published_exit_where_the_first_step_was_taken_for_free() {
 fn the_global_search_reaches_the_least_known_length_of_every_pair() {
     for given in given::all() {
         let bodies = given.bodies();
-        let answer = strictly(&given, &bodies, Method::Global);
-        assert_eq!(answer.status, Status::Isolated, "{}", given.name);
+        let answer = strictly(&given, &bodies, IsolateMethod::Global);
+        assert_eq!(answer.status, IsolateStatus::Isolated, "{}", given.name);
         let found = ratio(&given, &answer);
         assert!((0.998..1.001).contains(&found), "{}: {found}", given.name);
-        let again = strictly(&given, &bodies, Method::Global);
+        let again = strictly(&given, &bodies, IsolateMethod::Global);
         assert_eq!(again, answer, "{}: the same bits each time", given.name);
     }
 }
@@ -151,10 +154,10 @@ fn the_global_search_reaches_the_least_known_length_of_every_pair() {
 #[test]
 fn the_local_search_reaches_it_on_all_but_the_deep_and_wrapped_pairs() {
     for given in given::all() {
-        let answer = strictly(&given, &given.bodies(), Method::Local);
+        let answer = strictly(&given, &given.bodies(), IsolateMethod::Local);
         let number = &given.name[..2];
         match number {
-            "16" => assert_eq!(answer.status, Status::Failed(Reason::NoStart)),
+            "16" => assert_eq!(answer.status, IsolateStatus::Failed(Reason::NoStart)),
             "03" => assert!(
                 (ratio(&given, &answer) - 1.3218).abs() < 0.01,
                 "{}",
@@ -176,9 +179,9 @@ fn no_spiral_of_three_hundred_directions_finds_a_shorter_way() {
     for given in given::all().iter().step_by(3) {
         let [a, b] = given.bodies();
         let mut pair = Pair::new(&a, &b, Vector3::zeros());
-        let mut search = Search {
+        let mut search = TranslationSearch {
             pair: &mut pair,
-            limit: Limit { most_rad: None },
+            limit: SearchLimit { most_rad: None },
         };
         let best = search
             .global(&cone(&Vector3::z(), std::f64::consts::PI, 300), 6)

@@ -69,7 +69,11 @@ fn continuity_that_the_degree_does_not_give() {
             degree: 3,
             direction: 'u',
         };
-        for method in [Method::Seed, Method::Constrained, Method::Exact] {
+        for method in [
+            MergeMethod::Seed,
+            MergeMethod::Constrained,
+            MergeMethod::Exact,
+        ] {
             assert_eq!(
                 refusal(
                     &patches,
@@ -271,7 +275,7 @@ fn numbers_out_of_range() {
 fn what_the_exact_method_does_not_take() {
     let case = &cases()[1];
     let exact = MergeSpec {
-        method: Method::Exact,
+        method: MergeMethod::Exact,
         ..MergeSpec::default()
     };
     let error = refusal(&case.patches, &exact);
@@ -336,7 +340,11 @@ fn whatever_is_asked_is_answered_or_refused() {
         let b = turns[random.integer(0, 7)].of(&shifted(&patch(&mut random), place));
         let spec = MergeSpec {
             continuity: random.integer(0, 4),
-            method: [Method::Seed, Method::Constrained, Method::Exact][random.integer(0, 2)],
+            method: [
+                MergeMethod::Seed,
+                MergeMethod::Constrained,
+                MergeMethod::Exact,
+            ][random.integer(0, 2)],
             degree: [DegreeRule::Raise, DegreeRule::Lower][random.integer(0, 1)],
             arrangement: [
                 Arrangement::Closest,
@@ -384,4 +392,49 @@ fn whatever_is_asked_is_answered_or_refused() {
         merged > 100 && refused > 30,
         "{merged} merged, {refused} refused"
     );
+}
+
+// Scaled to [0, 1] the short span would be 1e-110 long, below what knot vectors accept.
+#[test]
+fn a_span_that_vanishes_beside_its_domain() {
+    let mut knots = vec![0.0; 4];
+    knots.push(1e-60);
+    knots.extend([1e50; 4]);
+    let knots = KnotVector::new(3, knots).unwrap();
+    let [a, b] = pair();
+    let across = b.knots(Direction::V).clone();
+    let points = (0..5 * across.count())
+        .map(|k| {
+            Point3::new(
+                1.0 + (k / across.count()) as f64,
+                (k % across.count()) as f64,
+                0.0,
+            )
+        })
+        .collect();
+    let net = ControlNet::new(5, across.count(), points).unwrap();
+    let uneven = Surface::new(knots, across, net, None).unwrap();
+    for method in [
+        MergeMethod::Seed,
+        MergeMethod::Constrained,
+        MergeMethod::Exact,
+    ] {
+        let spec = MergeSpec {
+            method,
+            ..MergeSpec::default()
+        };
+        let error = refusal(&[a.clone(), uneven.clone()], &spec);
+        assert!(
+            matches!(
+                &error,
+                MergeError::Spans {
+                    patch: 1,
+                    direction: 'u',
+                    ..
+                }
+            ),
+            "{error}"
+        );
+        assert!(error.to_string().contains("shortest span"), "{error}");
+    }
 }

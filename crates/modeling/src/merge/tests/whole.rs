@@ -9,7 +9,7 @@ use palpate_geometry::math::Random;
 use palpate_geometry::math::{Point3, Vector3};
 use palpate_geometry::surface::{ClosestSolver, GridSpec};
 
-fn spec(continuity: usize, method: Method) -> MergeSpec {
+fn spec(continuity: usize, method: MergeMethod) -> MergeSpec {
     MergeSpec {
         continuity,
         method,
@@ -39,7 +39,10 @@ fn halves_of_a_surface_give_it_back() {
             turns[random.integer(0, 7)].of(&a),
             turns[random.integer(0, 7)].of(&b),
         ];
-        for (method, bar_m) in [(Method::Constrained, 1e-9), (Method::Exact, 1e-12)] {
+        for (method, bar_m) in [
+            (MergeMethod::Constrained, 1e-9),
+            (MergeMethod::Exact, 1e-12),
+        ] {
             let merged = merge(&patches, &spec(k - 1, method)).unwrap();
             let report = merged.report(&patches);
             let d = report.deviation;
@@ -68,7 +71,7 @@ fn halves_of_a_surface_give_it_back() {
 #[test]
 fn the_seed_method_is_the_source_s_formula() {
     let case = &cases()[2];
-    let merged = merge(&case.patches, &spec(2, Method::Seed)).unwrap();
+    let merged = merge(&case.patches, &spec(2, MergeMethod::Seed)).unwrap();
     let turned: Vec<Surface> = merged
         .layout
         .places
@@ -141,7 +144,8 @@ fn our_deviation_is_half_of_the_source_s() {
                 let net = [merged.surface.net().rows(), merged.surface.net().columns()];
                 (net, merged.report(&case.patches).deviation)
             };
-            let ((net, seed), (ours, constrained)) = (of(Method::Seed), of(Method::Constrained));
+            let ((net, seed), (ours, constrained)) =
+                (of(MergeMethod::Seed), of(MergeMethod::Constrained));
             assert_eq!(net, ours, "case {}", case.number);
             assert_eq!(seed.points, constrained.points);
             let bar = if (case.number, continuity) == (2, 0) {
@@ -158,7 +162,7 @@ fn our_deviation_is_half_of_the_source_s() {
 #[test]
 fn seams_are_as_continuous_as_asked() {
     for case in cases() {
-        for method in [Method::Constrained, Method::Seed] {
+        for method in [MergeMethod::Constrained, MergeMethod::Seed] {
             for continuity in 0..3 {
                 let merged = merge(
                     &case.patches,
@@ -189,7 +193,7 @@ fn seams_are_as_continuous_as_asked() {
     }
     // A crease that nobody asked to be smoothed is seen by the same measure.
     let case = &cases()[0];
-    let merged = merge(&case.patches, &spec(0, Method::Constrained)).unwrap();
+    let merged = merge(&case.patches, &spec(0, MergeMethod::Constrained)).unwrap();
     assert!(merged.report(&case.patches).seams[0].1.tangent_deg > 10.0);
 }
 
@@ -304,9 +308,9 @@ fn an_exact_merge_moves_only_what_is_next_to_the_seam() {
         }
         vec![a, bent]
     };
-    let creased = merge(&elevated, &spec(0, Method::Exact)).unwrap();
+    let creased = merge(&elevated, &spec(0, MergeMethod::Exact)).unwrap();
     assert!(creased.report(&elevated).deviation.maximum_m < 1e-13);
-    let smooth = merge(&elevated, &spec(2, Method::Exact)).unwrap();
+    let smooth = merge(&elevated, &spec(2, MergeMethod::Exact)).unwrap();
     let report = smooth.report(&elevated);
     assert!(
         report.deviation.maximum_m > 1e-6,
@@ -483,7 +487,7 @@ fn three_in_a_row_become_one() {
     let [a, rest] = whole.split(Direction::V, 0.3).unwrap();
     let [b, c] = rest.split(Direction::V, 0.65).unwrap();
     let patches = [a, b.reversed(Direction::U), c.swap_uv()];
-    for method in [Method::Constrained, Method::Exact] {
+    for method in [MergeMethod::Constrained, MergeMethod::Exact] {
         let merged = merge(
             &patches,
             &MergeSpec {
@@ -514,7 +518,7 @@ fn a_spoon_s_bowl_takes_its_handle() {
             assert!(continuity == 0 || report.seams[0].1.tangent_deg < 1e-9);
             report.deviation
         };
-        let (ours, seed) = (of(Method::Constrained), of(Method::Seed));
+        let (ours, seed) = (of(MergeMethod::Constrained), of(MergeMethod::Seed));
         assert!(
             ours.standard_m < seed.standard_m,
             "C{continuity}: {ours:?} {seed:?}"

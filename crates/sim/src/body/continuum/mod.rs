@@ -163,12 +163,12 @@ impl Continuum {
         })
     }
 
-    /// Nodes.
+    /// Number of nodes.
     pub fn node_count(&self) -> usize {
         self.rest.len()
     }
 
-    /// Cells.
+    /// Number of cells.
     pub fn cell_count(&self) -> usize {
         self.cells.len()
     }
@@ -305,7 +305,7 @@ fn check(grid: &CellGrid, elastic: &[Elastic]) -> Result<(), ContinuumError> {
             });
         }
     }
-    // Places that are no numbers make cells of no quality.
+    // Positions that are not numbers give the worst quality.
     let known = |x: f64| if x.is_nan() { f64::NEG_INFINITY } else { x };
     let (mut count, mut worst, mut quality) = (0, 0, f64::INFINITY);
     for (k, cell) in grid.cells.iter().enumerate() {

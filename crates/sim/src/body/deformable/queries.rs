@@ -50,7 +50,7 @@ impl Deformable {
         self.map.nodes(coordinates)
     }
 
-    /// Coordinates.
+    /// Number of coordinates.
     pub fn coordinate_count(&self) -> usize {
         self.rest.len()
     }
@@ -81,7 +81,7 @@ impl Deformable {
         scratch.limited
     }
 
-    /// Springs.
+    /// Number of springs.
     pub fn spring_count(&self) -> usize {
         self.law.springs.len()
     }

@@ -96,7 +96,7 @@ impl SpringTable {
         }
     }
 
-    /// Springs.
+    /// Number of springs.
     pub(super) fn len(&self) -> usize {
         self.count
     }

@@ -97,7 +97,7 @@ impl Panels {
         out
     }
 
-    /// Groups.
+    /// Number of groups.
     pub(super) fn len(&self) -> usize {
         self.offsets.len()
     }

@@ -16,7 +16,7 @@ const FOOT_WORK: usize = 20;
 
 /// A place on both surfaces.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Place {
+pub(super) struct CurvePlace {
     /// (u, v) on the first surface, (s, t) on the second.
     pub at: [f64; 4],
     pub point: Point3,
@@ -26,7 +26,7 @@ pub(super) struct Place {
     pub reach_m: f64,
 }
 
-/// Why there is no place.
+/// Why no place was found.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Lost {
     /// Beyond an open edge: which surface, which of its parameters, at which value.
@@ -36,7 +36,7 @@ pub(super) enum Lost {
 }
 
 /// Two surfaces with what is needed to walk on both.
-pub(super) struct Joined<'a> {
+pub(super) struct JoinedCurve<'a> {
     pub surfaces: [&'a Surface; 2],
     pub solvers: [&'a mut ClosestSolver; 2],
     pub cells: [&'a Cells; 2],
@@ -45,7 +45,7 @@ pub(super) struct Joined<'a> {
     work: usize,
 }
 
-impl<'a> Joined<'a> {
+impl<'a> JoinedCurve<'a> {
     pub fn new(
         surfaces: [&'a Surface; 2],
         solvers: [&'a mut ClosestSolver; 2],
@@ -94,7 +94,7 @@ impl<'a> Joined<'a> {
     }
 
     /// A common place with its direction; none where the surfaces are tangent.
-    pub fn place(&mut self, at: [f64; 4]) -> Option<Place> {
+    pub fn place(&mut self, at: [f64; 4]) -> Option<CurvePlace> {
         let (a, b) = (self.frame(0, at), self.frame(1, at));
         let across = self.normal(0, at, &a).cross(&self.normal(1, at, &b));
         let way = across.try_normalize(TANGENT)?;
@@ -103,7 +103,7 @@ impl<'a> Joined<'a> {
                 self.cells[side].middle(self.cells[side].cell_at(at[2 * side], at[2 * side + 1]));
             0.7 * (f.du.norm() * wide[0]).max(f.dv.norm() * wide[1])
         };
-        Some(Place {
+        Some(CurvePlace {
             at,
             point: a.point,
             way,
@@ -120,7 +120,7 @@ impl<'a> Joined<'a> {
         from: [f64; 4],
         target: &Point3,
         way: &Vector3,
-    ) -> Result<Place, Lost> {
+    ) -> Result<CurvePlace, Lost> {
         let mut at = from;
         let mut best: Option<(f64, [f64; 4])> = None;
         let mut first_m = None;
@@ -215,7 +215,7 @@ impl<'a> Joined<'a> {
     }
 
     /// Signed distance to the second surface of a place on the first, `by_m` beside the curve.
-    pub fn beside(&mut self, place: &Place, by_m: f64) -> Option<f64> {
+    pub fn beside(&mut self, place: &CurvePlace, by_m: f64) -> Option<f64> {
         let [u, v, s, t] = place.at;
         let frame = self.frame(0, place.at);
         let across = self.normal(0, place.at, &frame).cross(&place.way) * by_m;

@@ -3,7 +3,7 @@
 //! A chord of length h whose ends turn by θ misses a smooth curve by about h θ / 8: that decides
 //! how long steps are. Steps that would pass a crease are cut there.
 
-use super::join::{Joined, Lost, Place};
+use super::join::{CurvePlace, JoinedCurve, Lost};
 use crate::math::Point3;
 
 /// Most a curve turns in one step, rad.
@@ -24,11 +24,11 @@ pub(super) enum End {
 
 /// Places from `start` on, itself first; `sense` −1 goes against the curve's direction.
 pub(super) fn march(
-    joined: &mut Joined<'_>,
-    start: &Place,
+    joined: &mut JoinedCurve<'_>,
+    start: &CurvePlace,
     sense: f64,
     tolerance_m: f64,
-) -> (Vec<Place>, End) {
+) -> (Vec<CurvePlace>, End) {
     let shortest = SHORTEST * joined.size_m;
     let mut places = vec![*start];
     let mut h = 0.1 * start.reach_m;
@@ -91,14 +91,20 @@ pub(super) fn march(
     (places, End::Lost)
 }
 
-fn small(here: &Place, next: &Place, sense: f64, tolerance_m: f64, shortest: f64) -> bool {
+fn small(
+    here: &CurvePlace,
+    next: &CurvePlace,
+    sense: f64,
+    tolerance_m: f64,
+    shortest: f64,
+) -> bool {
     (next.point - here.point).norm() <= shortest
         || miss(here, next, sense).is_some_and(|missed_m| missed_m <= 0.5 * tolerance_m)
 }
 
 /// By how much the chord between two places misses the curve, m; none when the second is no place
 /// to go to.
-fn miss(here: &Place, next: &Place, sense: f64) -> Option<f64> {
+fn miss(here: &CurvePlace, next: &CurvePlace, sense: f64) -> Option<f64> {
     let chord = next.point - here.point;
     let length = chord.norm();
     let unit = chord.try_normalize(0.0)? * sense;
@@ -116,9 +122,9 @@ fn miss(here: &Place, next: &Place, sense: f64) -> Option<f64> {
 
 /// The step to `next` passes the first place again: how many of the last places are to go.
 fn closes(
-    joined: &mut Joined<'_>,
-    places: &[Place],
-    next: &Place,
+    joined: &mut JoinedCurve<'_>,
+    places: &[CurvePlace],
+    next: &CurvePlace,
     sense: f64,
     tolerance_m: f64,
 ) -> Option<usize> {
@@ -149,12 +155,12 @@ fn closes(
 
 /// A step that turns too far because a crease lies in it: the place on the crease.
 fn crease(
-    joined: &mut Joined<'_>,
-    here: &Place,
-    next: &Place,
+    joined: &mut JoinedCurve<'_>,
+    here: &CurvePlace,
+    next: &CurvePlace,
     sense: f64,
     tolerance_m: f64,
-) -> Option<Place> {
+) -> Option<CurvePlace> {
     let shortest = SHORTEST * joined.size_m;
     for side in 0..2 {
         for d in 0..2 {

@@ -5,7 +5,7 @@ use super::super::cone::Cone;
 use crate::math::Vector3;
 
 /// A part of a line of cells against a part of a cell.
-pub(super) struct Part {
+pub(super) struct CurvePart {
     /// (degree + 1), homogeneous.
     pub curve: Vec<[f64; 4]>,
     pub range: [f64; 2],
@@ -74,7 +74,7 @@ pub(super) fn passes_once(curve: &[[f64; 3]], cone: &Cone) -> bool {
 }
 
 /// Two halves along the longest of the three directions.
-pub(super) fn halves(part: Part, [p, q]: [usize; 2]) -> [Part; 2] {
+pub(super) fn halves(part: CurvePart, [p, q]: [usize; 2]) -> [CurvePart; 2] {
     let depth = part.depth + 1;
     let length = |a: &[f64; 4], b: &[f64; 4]| {
         (0..3)
@@ -95,14 +95,14 @@ pub(super) fn halves(part: Part, [p, q]: [usize; 2]) -> [Part; 2] {
         split(&mut a, &mut b, 0, 1, count);
         let [ra, rb] = halved(part.range);
         return [
-            Part {
+            CurvePart {
                 curve: a,
                 range: ra,
                 sheet: part.sheet.clone(),
                 rectangle: part.rectangle,
                 depth,
             },
-            Part {
+            CurvePart {
                 curve: b,
                 range: rb,
                 sheet: part.sheet,
@@ -122,14 +122,14 @@ pub(super) fn halves(part: Part, [p, q]: [usize; 2]) -> [Part; 2] {
     let (mut low, mut high) = (part.rectangle, part.rectangle);
     (low[d], high[d]) = (ra, rb);
     [
-        Part {
+        CurvePart {
             curve: part.curve.clone(),
             range: part.range,
             sheet: a,
             rectangle: low,
             depth,
         },
-        Part {
+        CurvePart {
             curve: part.curve,
             range: part.range,
             sheet: b,

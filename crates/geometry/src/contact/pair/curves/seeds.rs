@@ -7,8 +7,8 @@
 use super::super::cells::Cells;
 use super::super::cone::Cone;
 use super::super::facing::{Half, face};
-use super::join::Joined;
-use super::parts::{Part, boxed, halves, parted, passes_once, projected, range};
+use super::join::JoinedCurve;
+use super::parts::{CurvePart, boxed, halves, parted, passes_once, projected, range};
 use crate::math::Vector3;
 
 /// Pairs of cells that may cross.
@@ -47,16 +47,16 @@ struct Line {
 }
 
 /// Points of all touched cells of one surface.
-struct Points {
+struct SeedPoints {
     /// First point of each cell.
     first: Vec<usize>,
     all: Vec<[f64; 4]>,
-    /// The same, projected.
+    /// The points of `all`, projected.
     flat: Vec<[f64; 3]>,
     size: usize,
 }
 
-impl Points {
+impl SeedPoints {
     fn of(&self, cell: usize) -> &[[f64; 4]] {
         &self.all[self.first[cell]..self.first[cell] + self.size]
     }
@@ -67,11 +67,11 @@ impl Points {
 }
 
 /// Seeds: those on open edges first, those on creases last.
-pub(super) fn seeds(joined: &mut Joined<'_>) -> Vec<Seed> {
+pub(super) fn seeds(joined: &mut JoinedCurve<'_>) -> Vec<Seed> {
     let points = [0, 1].map(|side| {
         let cells = joined.cells[side];
         let [p, q] = cells.degrees();
-        let mut points = Points {
+        let mut points = SeedPoints {
             first: vec![0; cells.cell_count()],
             all: vec![],
             flat: vec![],
@@ -96,7 +96,7 @@ pub(super) fn seeds(joined: &mut Joined<'_>) -> Vec<Seed> {
 }
 
 /// Pairs of cells that no plane across either's mean normal parts.
-fn near(joined: &Joined<'_>, points: &[Points; 2]) -> Vec<(usize, usize)> {
+fn near(joined: &JoinedCurve<'_>, points: &[SeedPoints; 2]) -> Vec<(usize, usize)> {
     let [a, b] = joined.cells;
     let margin = 1e-12 * joined.size_m;
     let mut pairs = vec![];
@@ -117,8 +117,8 @@ fn near(joined: &Joined<'_>, points: &[Points; 2]) -> Vec<(usize, usize)> {
 
 /// Where lines of cells pierce cells of the other surface.
 fn pierced(
-    joined: &mut Joined<'_>,
-    points: &[Points; 2],
+    joined: &mut JoinedCurve<'_>,
+    points: &[SeedPoints; 2],
     pairs: &[(usize, usize)],
     found: &mut Vec<Seed>,
 ) {
@@ -182,8 +182,8 @@ fn whole(
     high: bool,
     others: &Cells,
     other: usize,
-    sheet: &Points,
-) -> Part {
+    sheet: &SeedPoints,
+) -> CurvePart {
     let [p, q] = cells.degrees();
     let curve = if d == 0 {
         let row = if high { p * (q + 1) } else { 0 };
@@ -195,7 +195,7 @@ fn whole(
     };
     let along = &cells.lines[1 - d];
     let (middle, wide) = others.middle(other);
-    Part {
+    CurvePart {
         curve,
         range: [along[place[1 - d]], along[place[1 - d] + 1]],
         sheet: sheet.of(other).to_vec(),
@@ -206,9 +206,9 @@ fn whole(
 
 /// Halves until every part is empty or has its crossing. False when parts are left.
 fn halve(
-    joined: &mut Joined<'_>,
+    joined: &mut JoinedCurve<'_>,
     line: Line,
-    start: Part,
+    start: CurvePart,
     most: usize,
     left: &mut usize,
     found: &mut Vec<Seed>,
@@ -255,7 +255,7 @@ fn halve(
     true
 }
 
-fn newton(joined: &mut Joined<'_>, line: Line, part: &Part) -> Option<[f64; 4]> {
+fn newton(joined: &mut JoinedCurve<'_>, line: Line, part: &CurvePart) -> Option<[f64; 4]> {
     let (own, other) = (2 * line.side, 2 * (1 - line.side));
     let mut at = [0.0; 4];
     at[own + 1 - line.d] = 0.5 * (part.range[0] + part.range[1]);
@@ -266,7 +266,13 @@ fn newton(joined: &mut Joined<'_>, line: Line, part: &Part) -> Option<[f64; 4]> 
 }
 
 /// A place lies in a part, widened by a share of its widths.
-fn holds(joined: &Joined<'_>, line: Line, part: &Part, at: &[f64; 4], share: f64) -> bool {
+fn holds(
+    joined: &JoinedCurve<'_>,
+    line: Line,
+    part: &CurvePart,
+    at: &[f64; 4],
+    share: f64,
+) -> bool {
     let within = |side: usize, d: usize, [low, high]: [f64; 2]| {
         let cells = joined.cells[side];
         let period = cells.lines[d][cells.counts[d]] - cells.lines[d][0];
@@ -280,7 +286,7 @@ fn holds(joined: &Joined<'_>, line: Line, part: &Part, at: &[f64; 4], share: f64
         && (0..2).all(|c| within(1 - line.side, c, part.rectangle[c]))
 }
 
-fn seed(joined: &Joined<'_>, at: [f64; 4]) -> Seed {
+fn seed(joined: &JoinedCurve<'_>, at: [f64; 4]) -> Seed {
     let any = |test: fn(&Cells, f64, f64) -> bool| {
         (0..2).any(|k| test(joined.cells[k], at[2 * k], at[2 * k + 1]))
     };
@@ -293,7 +299,7 @@ fn seed(joined: &Joined<'_>, at: [f64; 4]) -> Seed {
 
 /// Crossings on lines away from stationary pairs of places: every loop inside a pair of cells goes
 /// around one.
-fn rays(joined: &mut Joined<'_>, pairs: &[(usize, usize)], found: &mut Vec<Seed>) {
+fn rays(joined: &mut JoinedCurve<'_>, pairs: &[(usize, usize)], found: &mut Vec<Seed>) {
     let mut stationary: Vec<([f64; 4], usize)> = vec![];
     for &(x, y) in pairs {
         let (a, b) = (joined.cells[0], joined.cells[1]);
@@ -341,27 +347,28 @@ fn rays(joined: &mut Joined<'_>, pairs: &[(usize, usize)], found: &mut Vec<Seed>
 
 /// Follows parameter `d` of the first surface from a stationary pair until it passes the second
 /// surface.
-fn ray(joined: &mut Joined<'_>, from: [f64; 4], d: usize, sense: f64, found: &mut Vec<Seed>) {
+fn ray(joined: &mut JoinedCurve<'_>, from: [f64; 4], d: usize, sense: f64, found: &mut Vec<Seed>) {
     let cells = joined.cells[0];
     let (_, wide) = cells.middle(cells.cell_at(from[0], from[1]));
     let mut foot = [from[2], from[3]];
     let mut last: Option<(f64, f64)> = None;
-    let sound = |joined: &mut Joined<'_>, r: f64, foot: &mut [f64; 2]| -> Option<([f64; 2], f64)> {
-        let mut step = [0.0; 2];
-        step[d] = sense * r;
-        let at = cells.moved([from[0], from[1]], step);
-        if at[1 - d] != from[1 - d] || (r > 0.0 && at[d] == from[d]) {
-            return None;
-        }
-        let point = joined.solvers[0]
-            .frame_at(joined.surfaces[0], at[0], at[1])
-            .point;
-        let near = joined.solvers[1]
-            .near_from(joined.surfaces[1], &point, foot[0], foot[1])
-            .at;
-        *foot = [near.u, near.v];
-        (!joined.cells[1].on_open_edge(near.u, near.v)).then_some((at, near.signed_distance))
-    };
+    let sound =
+        |joined: &mut JoinedCurve<'_>, r: f64, foot: &mut [f64; 2]| -> Option<([f64; 2], f64)> {
+            let mut step = [0.0; 2];
+            step[d] = sense * r;
+            let at = cells.moved([from[0], from[1]], step);
+            if at[1 - d] != from[1 - d] || (r > 0.0 && at[d] == from[d]) {
+                return None;
+            }
+            let point = joined.solvers[0]
+                .frame_at(joined.surfaces[0], at[0], at[1])
+                .point;
+            let near = joined.solvers[1]
+                .near_from(joined.surfaces[1], &point, foot[0], foot[1])
+                .at;
+            *foot = [near.u, near.v];
+            (!joined.cells[1].on_open_edge(near.u, near.v)).then_some((at, near.signed_distance))
+        };
     for k in 0..=RAY_STEPS {
         let r = if k == 0 {
             0.0

@@ -1,0 +1,52 @@
+//! Why a recording cannot be read, or be read on.
+
+use super::super::FORMAT_VERSION;
+use super::super::convert::ConvertError;
+use std::path::PathBuf;
+
+/// Why a file could not be read as a session.
+#[derive(Debug, thiserror::Error)]
+pub enum ReadError {
+    /// The file system.
+    #[error("{path}: {source}")]
+    Io {
+        /// File.
+        path: PathBuf,
+        /// Cause.
+        source: std::io::Error,
+    },
+    /// Not an MCAP file.
+    #[error("{path}: not an MCAP file ({reason})")]
+    NotMcap {
+        /// File.
+        path: PathBuf,
+        /// What the reader met.
+        reason: String,
+    },
+    /// An MCAP file of something else.
+    #[error("{path}: an MCAP file, but not a Palpate recording: {missing} is missing")]
+    Foreign {
+        /// File.
+        path: PathBuf,
+        /// What.
+        missing: &'static str,
+    },
+    /// A later layout.
+    #[error(
+        "{path}: recording format {found}, this program reads {FORMAT_VERSION}; use the program that made it"
+    )]
+    Format {
+        /// File.
+        path: PathBuf,
+        /// Its version.
+        found: String,
+    },
+    /// A message that does not hold what its type promises.
+    #[error("{path}: {source}")]
+    Message {
+        /// File.
+        path: PathBuf,
+        /// Cause.
+        source: ConvertError,
+    },
+}
