@@ -204,7 +204,7 @@ crate::layout::messages! {
         force: [f64; 3],
     }
 
-    /// Contacts that carry force in a tick: at most the sixteen deepest.
+    /// Contacts that carry force in a tick, the deepest: 16, or 2 per tool if that is more.
     message ContactSet = "palpate.ContactSet.v1" on "contact" as Health {
         /// Tick.
         tick: u64,

@@ -4,7 +4,7 @@ use super::Outcome;
 use palpate_geometry::math::{Point3, Rotation, Vector3};
 use palpate_sim::haptics::DevicePose;
 use palpate_sim::scene::{Scene, file};
-use palpate_sim::tick::record::TickInput;
+use palpate_sim::tick::record::TickRecord;
 use palpate_sim::tick::{deform, hash, render};
 use std::path::PathBuf;
 use std::time::Instant;
@@ -55,8 +55,12 @@ fn measure(scene: &Scene) -> (f64, f64) {
     let mut state = scene.initial_state();
     let mut scratch = scene.scratch(&state);
     let (mut renders, mut deforms) = (Vec::with_capacity(TICKS), Vec::with_capacity(TICKS));
+    let TickRecord {
+        mut input,
+        mut output,
+        ..
+    } = TickRecord::for_tools(scene.tool_count());
     for k in 0..TICKS {
-        let mut input = TickInput::default();
         for (t, tool) in scene.spec.tools.iter().enumerate() {
             input.poses[t] = Some(DevicePose {
                 seq: k as u64 + 1,
@@ -69,7 +73,7 @@ fn measure(scene: &Scene) -> (f64, f64) {
             });
         }
         let start = Instant::now();
-        let mut output = render(scene, &mut state, &mut scratch, &input);
+        render(scene, &mut state, &mut scratch, &input, &mut output);
         let between = Instant::now();
         deform(scene, &mut state, &mut scratch, &mut output);
         hash(&state, &mut output);

@@ -5,7 +5,6 @@ use anyhow::Context as _;
 use palpate_geometry::contact::spheres::{Counters, LevelCounters};
 use palpate_geometry::math::{Point3, Rotation, Vector3};
 use palpate_sim::haptics::DevicePose;
-use palpate_sim::scene::spec::MAX_TOOLS;
 use palpate_sim::scene::{Scene, file};
 use palpate_sim::solve::rows::Holder;
 use palpate_sim::tick::record::{ContactReport, TickInput, TickOutput};
@@ -249,9 +248,9 @@ fn probe(scene: &Scene, tool: usize, pose: &DevicePose) -> Row {
         1
     };
     let mut run = |position: Point3| -> TickOutput {
-        let mut poses = [None; MAX_TOOLS];
-        poses[tool] = Some(DevicePose { position, ..*pose });
-        step(scene, &mut state, &mut scratch, &TickInput { poses })
+        let mut input = TickInput::default();
+        input.poses[tool] = Some(DevicePose { position, ..*pose });
+        step(scene, &mut state, &mut scratch, &input)
     };
     // The first pose seats the proxy; it belongs outside.
     let mut out = run(start);

@@ -1,15 +1,16 @@
 //! The tick thread: waits, latches, steps, hands over.
 
 use super::journal::Journal;
+use super::nets::NetPool;
 use super::overload::Overload;
 use super::pacer::{Privileges, Schedule, Wake, ask_privileges, now_ns, sleep_until};
-use super::ports::{Receipt, TickPorts};
+use super::ports::{BUS_NETS, Receipt, TickPorts};
 use super::stats::{Histogram, LATE_NS, StageHistograms};
 use super::workers::Workers;
 use palpate_geometry::math::state_hash;
 use palpate_sim::scene::spec::Clock;
 use palpate_sim::scene::{Scene, SceneState, Scratch};
-use palpate_sim::tick::record::{Command, TickInput, TickRecord};
+use palpate_sim::tick::record::{Command, TickRecord};
 use palpate_sim::tick::stage::{Stage, StageTimes};
 use palpate_sim::tick::{apply, deform, hash, render};
 use std::sync::Arc;
@@ -88,12 +89,16 @@ pub fn start(
             };
             let period_ns = (scene.dt_s * 1e9).round() as u64;
             let (overload, fading) = (Overload::new(period_ns), None);
+            let nets = NetPool::new(&scene, BUS_NETS + journal.nets_held());
+            let record = TickRecord::for_tools(scene.tool_count());
             Driver {
                 scene,
                 state,
                 scratch,
                 ports,
+                nets,
                 journal,
+                record,
                 settings,
                 report,
                 overload,
@@ -109,7 +114,10 @@ struct Driver {
     state: SceneState,
     scratch: Scratch,
     ports: TickPorts,
+    nets: NetPool,
     journal: Box<dyn Journal>,
+    /// Of the tick under way.
+    record: TickRecord,
     settings: DriverSettings,
     report: DriverReport,
     overload: Overload,
@@ -202,7 +210,8 @@ impl Driver {
             return;
         };
         swap.exchange(&mut self.scene, &mut self.state, &mut self.scratch);
-        std::mem::swap(&mut self.ports.nets, &mut swap.nets);
+        std::mem::swap(&mut self.nets, &mut swap.nets);
+        std::mem::swap(&mut self.ports.nets, &mut swap.net_port);
         std::mem::swap(&mut self.journal, &mut swap.journal);
         self.journal.keyframe(&self.state, state_hash(&self.state));
         let _ = self.ports.receipts.push(Receipt {
@@ -215,32 +224,36 @@ impl Driver {
 
     fn tick(&mut self, wake: Wake) {
         let mut laps = Laps::start();
-        let mut input = TickInput::default();
-        for tool in 0..self.scene.tool_count() {
-            input.poses[tool] = self.ports.latch(tool);
+        let Self {
+            scene,
+            state,
+            scratch,
+            ports,
+            nets,
+            journal,
+            record,
+            ..
+        } = self;
+        for tool in 0..scene.tool_count() {
+            record.input.poses[tool] = ports.latch(tool);
         }
         laps.end(Stage::Latch);
-        let mut output = render(&self.scene, &mut self.state, &mut self.scratch, &input);
-        self.ports.publish(&output);
+        render(scene, state, scratch, &record.input, &mut record.output);
+        ports.publish(&record.output);
         laps.end(Stage::Render);
-        deform(&self.scene, &mut self.state, &mut self.scratch, &mut output);
+        deform(scene, state, scratch, &mut record.output);
         laps.end(Stage::Deform);
-        hash(&self.state, &mut output);
+        hash(state, &mut record.output);
         laps.end(Stage::Hash);
-        let mut stage_ns = laps.times;
-        stage_ns[Stage::Emit] = self.emit_ns;
-        let record = TickRecord {
-            input,
-            output,
-            late_ns: wake.late_ns,
-            skipped: wake.skipped,
-            stage_ns,
-        };
-        self.journal.tick(&self.scene, &self.state, &record);
-        self.ports.done(&self.scene, &self.state, &record);
+        (record.late_ns, record.skipped) = (wake.late_ns, wake.skipped);
+        record.stage_ns = laps.times;
+        record.stage_ns[Stage::Emit] = self.emit_ns;
+        nets.begin();
+        journal.tick(scene, state, record, nets);
+        ports.done(scene, state, record, nets);
         laps.end(Stage::Emit);
         self.emit_ns = laps.times[Stage::Emit];
-        self.count(&record);
+        self.count();
         if self.settings.clock == Clock::Realtime {
             self.watch(wake, &laps.times);
         }
@@ -264,8 +277,8 @@ impl Driver {
         }
     }
 
-    fn count(&mut self, record: &TickRecord) {
-        let report = &mut self.report;
+    fn count(&mut self) {
+        let Self { report, record, .. } = self;
         report.ticks += 1;
         report.late += u64::from(record.late_ns > LATE_NS);
         report.skipped += u64::from(record.skipped);

@@ -9,11 +9,13 @@
 
 use super::inbox::InboxSlot;
 pub use super::inbox::{LinkCounters, Offered, PoseInbox};
+use super::nets::NetSchedule;
+pub use super::nets::{NetFrame, NetPool};
 use super::overload::CAUSES;
+use super::pool::Pool;
 use super::swap::Swap;
-use palpate_geometry::math::Point3;
 use palpate_sim::haptics::DevicePose;
-use palpate_sim::scene::{Scene, SceneState, quality};
+use palpate_sim::scene::{Scene, SceneState};
 use palpate_sim::tick::record::{Command, TickOutput, TickRecord};
 use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, OnceLock};
@@ -21,10 +23,14 @@ use std::thread::Thread;
 
 /// Outputs and records in flight: a quarter of a second at 1 kHz.
 const RING: usize = 256;
+/// Outputs or records that the bus reads at once, beside those in the ring.
+const IN_HAND: usize = 4;
 /// Nets a second at most.
 const NET_HZ: f64 = 60.0;
-/// Net buffers a body.
-const NET_BUFFERS: usize = 4;
+/// Nets of a body in flight.
+const NET_RING: usize = 4;
+/// Nets of a body that the bus has at once: in the ring, the newest, and the one before.
+pub const BUS_NETS: usize = NET_RING + 2;
 
 /// A command and the number under which its receipt comes back.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -44,48 +50,26 @@ pub struct Receipt {
     pub tick: u64,
 }
 
-/// A net on its way to the bus.
-#[derive(Clone, Debug)]
-pub struct NetFrame {
-    /// After this tick.
-    pub tick: u64,
-    /// Revision.
-    pub revision: u64,
-    /// Body index.
-    pub body: usize,
-    /// u-major, m.
-    pub points: Vec<Point3>,
-}
-
-/// The tick's end of a net port.
+/// The tick's end of a scene's nets.
 pub(super) struct NetPort {
-    free: rtrb::Consumer<Box<NetFrame>>,
-    full: rtrb::Producer<Box<NetFrame>>,
-    sent_revision: u64,
-    sent_tick: u64,
-    /// Its body moves, so that there are buffers.
-    moves: bool,
+    /// By body.
+    full: Vec<rtrb::Producer<Arc<NetFrame>>>,
+    schedule: NetSchedule,
 }
 
-/// The bus's end of a net port.
+/// The bus's end of a body's nets.
 pub struct NetEnd {
-    free: rtrb::Producer<Box<NetFrame>>,
-    full: rtrb::Consumer<Box<NetFrame>>,
+    full: rtrb::Consumer<Arc<NetFrame>>,
 }
 
 impl NetEnd {
-    /// Hands the newest net to `use_it`, dropping older ones.
-    pub fn newest(&mut self, mut use_it: impl FnMut(&NetFrame)) {
+    /// The newest net, if one has come; older ones are dropped.
+    pub fn newest(&mut self) -> Option<Arc<NetFrame>> {
         let mut newest = None;
         while let Ok(frame) = self.full.pop() {
-            if let Some(old) = newest.replace(frame) {
-                let _ = self.free.push(old);
-            }
+            newest = Some(frame);
         }
-        if let Some(frame) = newest {
-            use_it(&frame);
-            let _ = self.free.push(frame);
-        }
+        newest
     }
 }
 
@@ -124,10 +108,9 @@ pub struct TickPorts {
     /// Scenes to go on with, and those that were left.
     pub(super) swaps: rtrb::Consumer<Box<Swap>>,
     pub(super) retired: rtrb::Producer<Box<Swap>>,
-    outputs: rtrb::Producer<TickOutput>,
-    records: rtrb::Producer<TickRecord>,
-    pub(super) nets: Vec<NetPort>,
-    net_every: u64,
+    outputs: Outbox<TickOutput>,
+    records: Outbox<TickRecord>,
+    pub(super) nets: NetPort,
     pub(super) counters: Arc<LoopCounters>,
     bus_thread: Arc<OnceLock<Thread>>,
     pub(super) tick_thread: Arc<OnceLock<Thread>>,
@@ -146,9 +129,9 @@ pub struct BusPorts {
     /// The scene before it, from the tick.
     pub retired: rtrb::Consumer<Box<Swap>>,
     /// Forces, as soon as they are known.
-    pub outputs: rtrb::Consumer<TickOutput>,
+    pub outputs: rtrb::Consumer<Arc<TickOutput>>,
     /// Ticks, when they are done.
-    pub records: rtrb::Consumer<TickRecord>,
+    pub records: rtrb::Consumer<Arc<TickRecord>>,
     /// By body.
     pub nets: Vec<NetEnd>,
     /// Of the loop.
@@ -159,38 +142,44 @@ pub struct BusPorts {
     pub tick_thread: Arc<OnceLock<Thread>>,
 }
 
-/// Both ends of the nets of a scene, by body.
-pub(super) fn net_ports(scene: &Scene) -> (Vec<NetPort>, Vec<NetEnd>) {
-    let (mut nets, mut net_ends) = (Vec::new(), Vec::new());
-    for body in 0..scene.body_count() {
-        let (mut free_in, free_out) = rtrb::RingBuffer::new(NET_BUFFERS);
-        let (full_in, full_out) = rtrb::RingBuffer::new(NET_BUFFERS);
-        if scene.deforms(body) {
-            let points = scene.rest_surface(body).net().points();
-            for _ in 0..NET_BUFFERS {
-                let frame = NetFrame {
-                    tick: 0,
-                    revision: 0,
-                    body,
-                    points: points.to_vec(),
-                };
-                let fits = free_in.push(Box::new(frame)).is_ok();
-                debug_assert!(fits, "the ring has room for all");
-            }
-        }
-        nets.push(NetPort {
-            free: free_out,
-            full: full_in,
-            sent_revision: 0,
-            sent_tick: 0,
-            moves: scene.deforms(body),
-        });
-        net_ends.push(NetEnd {
-            free: free_in,
-            full: full_out,
-        });
+/// Copies on their way to the bus, in buffers that are there already.
+struct Outbox<T> {
+    pool: Pool<T>,
+    full: rtrb::Producer<Arc<T>>,
+}
+
+impl<T: Clone> Outbox<T> {
+    /// With the bus's end; `like`: as large as all that is going to be sent.
+    fn new(like: &T) -> (Self, rtrb::Consumer<Arc<T>>) {
+        let (full, end) = rtrb::RingBuffer::new(RING);
+        let pool = Pool::new(RING + IN_HAND, || like.clone());
+        (Self { pool, full }, end)
     }
-    (nets, net_ends)
+
+    fn has_room(&self) -> bool {
+        self.full.slots() > 0
+    }
+
+    /// False when the bus is behind: it does not get this one.
+    fn send(&mut self, item: &T) -> bool {
+        if !self.has_room() {
+            return false;
+        }
+        match self.pool.fill(|buffer| buffer.clone_from(item)) {
+            Some(buffer) => self.full.push(buffer.clone()).is_ok(),
+            None => false,
+        }
+    }
+}
+
+/// Both ends of the nets of a scene; the bus's are by body.
+pub(super) fn net_ports(scene: &Scene) -> (NetPort, Vec<NetEnd>) {
+    let rings = (0..scene.body_count()).map(|_| rtrb::RingBuffer::new(NET_RING));
+    let (full, ends) = rings
+        .map(|(full, end)| (full, NetEnd { full: end }))
+        .unzip();
+    let schedule = NetSchedule::new(scene, NET_HZ);
+    (NetPort { full, schedule }, ends)
 }
 
 /// Both sides for a scene.
@@ -213,8 +202,9 @@ pub fn ports(scene: &Scene) -> (TickPorts, BusPorts) {
     }
     let (command_in, command_out) = rtrb::RingBuffer::new(64);
     let (receipt_in, receipt_out) = rtrb::RingBuffer::new(64);
-    let (output_in, output_out) = rtrb::RingBuffer::new(RING);
-    let (record_in, record_out) = rtrb::RingBuffer::new(RING);
+    let record = TickRecord::for_tools(scene.tool_count());
+    let (output_in, output_out) = Outbox::new(&record.output);
+    let (record_in, record_out) = Outbox::new(&record);
     let (swap_in, swap_out) = rtrb::RingBuffer::new(1);
     let (retired_in, retired_out) = rtrb::RingBuffer::new(1);
     let (nets, net_ends) = net_ports(scene);
@@ -229,7 +219,6 @@ pub fn ports(scene: &Scene) -> (TickPorts, BusPorts) {
         outputs: output_in,
         records: record_in,
         nets,
-        net_every: ((1.0 / scene.dt_s / NET_HZ).round() as u64).max(1),
         counters: counters.clone(),
         bus_thread: bus_thread.clone(),
         tick_thread: tick_thread.clone(),
@@ -271,19 +260,14 @@ impl TickPorts {
     /// The bus has room for another tick with all its nets. For those who may wait: the loop never
     /// does.
     pub fn has_room(&self) -> bool {
-        let nets = self
-            .nets
-            .iter()
-            .all(|port| !port.moves || port.free.slots() > 0);
-        nets && self.outputs.slots() > 0 && self.records.slots() > 0
+        let nets = self.nets.full.iter().all(|full| full.slots() > 0);
+        nets && self.outputs.has_room() && self.records.has_room()
     }
 
     /// Every net is handed over next, whatever was sent before: time runs elsewhere, or stands
     /// still from here on.
     pub fn rewind(&mut self) {
-        for port in &mut self.nets {
-            (port.sent_revision, port.sent_tick) = (u64::MAX, 0);
-        }
+        self.nets.schedule.restart();
     }
 
     /// Somebody asks the loop to end.
@@ -293,7 +277,7 @@ impl TickPorts {
 
     /// The force is known: tell the bus.
     pub fn publish(&mut self, output: &TickOutput) {
-        if self.outputs.push(*output).is_err() {
+        if !self.outputs.send(output) {
             self.counters.bus_drops.fetch_add(1, Ordering::Relaxed);
         }
         if let Some(thread) = self.bus_thread.get() {
@@ -302,33 +286,37 @@ impl TickPorts {
     }
 
     /// The tick is done.
-    pub fn done(&mut self, scene: &Scene, state: &SceneState, record: &TickRecord) {
-        if self.records.push(*record).is_err() {
+    pub fn done(
+        &mut self,
+        scene: &Scene,
+        state: &SceneState,
+        record: &TickRecord,
+        nets: &mut NetPool,
+    ) {
+        if !self.records.send(record) {
             self.counters.bus_drops.fetch_add(1, Ordering::Relaxed);
         }
-        self.hand_over_nets(scene, state, record.output.tick);
+        self.hand_over_nets(scene, state, record.output.tick, nets);
     }
 
     /// Nets that changed and are due; all of them after [`TickPorts::rewind`].
-    pub fn hand_over_nets(&mut self, scene: &Scene, state: &SceneState, tick: u64) {
-        let net_every = self.net_every
-            * if state.quality < quality::RARE_NETS {
-                1
-            } else {
-                10
-            };
-        for (body, port) in self.nets.iter_mut().enumerate() {
-            let soon = tick < port.sent_tick + net_every && port.sent_revision != u64::MAX;
-            if state.net_revision(body) == port.sent_revision || soon {
+    pub fn hand_over_nets(
+        &mut self,
+        scene: &Scene,
+        state: &SceneState,
+        tick: u64,
+        nets: &mut NetPool,
+    ) {
+        let NetPort { full, schedule } = &mut self.nets;
+        for (body, full) in full.iter_mut().enumerate() {
+            if full.slots() == 0 || !schedule.is_due(state, body, tick) {
                 continue;
             }
-            let Ok(mut frame) = port.free.pop() else {
-                continue;
-            };
-            (frame.tick, frame.revision) = (tick, state.net_revision(body));
-            state.copy_net(scene, body, &mut frame.points);
-            (port.sent_revision, port.sent_tick) = (frame.revision, tick);
-            let _ = port.full.push(frame);
+            // Without a free frame the net of a later tick will do.
+            if let Some(frame) = nets.frame(scene, state, body, tick) {
+                schedule.sent(&frame);
+                let _ = full.push(frame);
+            }
         }
     }
 }

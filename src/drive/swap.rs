@@ -4,7 +4,8 @@
 //! hands the old scene back to be dropped elsewhere.
 
 use super::journal::Journal;
-use super::ports::{NetEnd, NetPort, net_ports};
+use super::nets::NetPool;
+use super::ports::{BUS_NETS, NetEnd, NetPort, net_ports};
 use super::workers::Workers;
 use palpate_sim::scene::{Origin, Scene, SceneState, Scratch};
 use std::sync::Arc;
@@ -17,7 +18,8 @@ pub struct Swap {
     state: SceneState,
     scratch: Scratch,
     origins: Vec<Origin>,
-    pub(super) nets: Vec<NetPort>,
+    pub(super) nets: NetPool,
+    pub(super) net_port: NetPort,
     pub(super) journal: Box<dyn Journal>,
 }
 
@@ -38,7 +40,8 @@ impl Swap {
         if let Some(workers) = Workers::start(&scene)? {
             scratch.set_pipeline(Box::new(workers));
         }
-        let (nets, ends) = net_ports(&scene);
+        let nets = NetPool::new(&scene, BUS_NETS + journal.nets_held());
+        let (net_port, ends) = net_ports(&scene);
         Ok((
             Self {
                 id,
@@ -47,6 +50,7 @@ impl Swap {
                 scratch,
                 origins,
                 nets,
+                net_port,
                 journal,
             },
             ends,

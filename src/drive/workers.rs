@@ -21,17 +21,26 @@ struct Job {
     scratch: DeformableScratch,
 }
 
-/// One worker a body that steps once in several ticks.
+/// A worker for each body that steps once in several ticks.
 #[derive(Debug)]
 pub struct Workers {
     /// By body.
     workers: Vec<Option<Worker>>,
 }
 
+/// Two threads for one body: after a reset the next step begins on the other one, so that nothing
+/// waits for the step that nobody wants any more.
 #[derive(Debug)]
 struct Worker {
     scene: Arc<Scene>,
     body: usize,
+    lanes: [Lane; 2],
+    current: usize,
+}
+
+/// A thread and its job.
+#[derive(Debug)]
+struct Lane {
     /// Here between steps.
     idle: Option<Box<Job>>,
     out: rtrb::Producer<Box<Job>>,
@@ -64,6 +73,21 @@ impl Workers {
 
 impl Worker {
     fn start(scene: &Arc<Scene>, body: usize) -> std::io::Result<Self> {
+        Ok(Self {
+            scene: scene.clone(),
+            body,
+            lanes: [Lane::start(scene, body)?, Lane::start(scene, body)?],
+            current: 0,
+        })
+    }
+
+    fn lane(&mut self) -> &mut Lane {
+        &mut self.lanes[self.current]
+    }
+}
+
+impl Lane {
+    fn start(scene: &Arc<Scene>, body: usize) -> std::io::Result<Self> {
         let (out, mut jobs) = rtrb::RingBuffer::<Box<Job>>::new(1);
         let (mut done, back) = rtrb::RingBuffer::<Box<Job>>::new(1);
         let stop = Arc::new(AtomicBool::new(false));
@@ -93,14 +117,20 @@ impl Worker {
             })
         });
         Ok(Self {
-            scene: scene.clone(),
-            body,
             idle,
             out,
             back,
             stop,
             thread: Some(thread),
         })
+    }
+
+    /// The job is here; fetches it if the thread is done with it.
+    fn is_idle(&mut self) -> bool {
+        if self.idle.is_none() {
+            self.idle = self.back.pop().ok();
+        }
+        self.idle.is_some()
     }
 
     /// Waits for the job that is out, if one is.
@@ -133,21 +163,29 @@ impl Pipeline for Workers {
         let Some(worker) = &mut self.workers[body] else {
             return;
         };
-        worker.wait();
-        let (Some(mut job), Some(model)) =
-            (worker.idle.take(), worker.scene.deformable(worker.body))
-        else {
+        let Worker {
+            scene,
+            body,
+            lanes,
+            current,
+        } = worker;
+        let Some(model) = scene.deformable(*body) else {
+            return;
+        };
+        let lane = &mut lanes[*current];
+        lane.wait();
+        let Some(mut job) = lane.idle.take() else {
             return;
         };
         job.state.clone_from(state);
         job.scratch.predicted.copy_from_slice(predicted);
         model.set_field(&mut job.scratch, field);
         model.give_loads(&mut job.scratch, loads);
-        if let Err(rtrb::PushError::Full(job)) = worker.out.push(job) {
-            worker.idle = Some(job);
+        if let Err(rtrb::PushError::Full(job)) = lane.out.push(job) {
+            lane.idle = Some(job);
             return;
         }
-        if let Some(thread) = &worker.thread {
+        if let Some(thread) = &lane.thread {
             thread.thread().unpark();
         }
     }
@@ -158,7 +196,8 @@ impl Pipeline for Workers {
         state: &mut DeformableState,
         predicted: &mut [Point3],
     ) -> bool {
-        let Some(job) = self.workers[body].as_mut().and_then(Worker::wait) else {
+        let worker = self.workers[body].as_mut();
+        let Some(job) = worker.and_then(|worker| worker.lane().wait()) else {
             return false;
         };
         state.clone_from(&job.state);
@@ -168,12 +207,16 @@ impl Pipeline for Workers {
 
     fn cancel(&mut self) {
         for worker in self.workers.iter_mut().flatten() {
-            worker.wait();
+            if !worker.lane().is_idle() {
+                worker.current = 1 - worker.current;
+                // Here a step is only if the one before was forgotten a moment ago as well.
+                worker.lane().wait();
+            }
         }
     }
 }
 
-impl Drop for Worker {
+impl Drop for Lane {
     fn drop(&mut self) {
         self.stop.store(true, Ordering::Release);
         if let Some(thread) = self.thread.take() {

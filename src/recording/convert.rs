@@ -109,8 +109,7 @@ fn pose_from_proto(tick: u64, pose: &pb::Pose) -> Result<DevicePose, ConvertErro
 /// A record of a scene with `tool_count` tools.
 pub fn tick_to_proto(record: &TickRecord, tool_count: usize) -> pb::Tick {
     let output = &record.output;
-    let tools = (0..tool_count).map(|t| {
-        let out = &output.tools[t];
+    let tools = output.tools.first(tool_count).enumerate().map(|(t, out)| {
         let mut values = Vec::with_capacity(21);
         extend(
             &mut values,
@@ -178,7 +177,7 @@ pub fn tick_from_proto(tick: &pb::Tick) -> Result<TickRecord, ConvertError> {
     let wrong = |what: String| ConvertError { tick: number, what };
     if tick.tools.len() > MAX_TOOLS {
         return Err(wrong(format!(
-            "{} tools, more than {MAX_TOOLS}",
+            "{} tools; a scene has at most {MAX_TOOLS}",
             tick.tools.len()
         )));
     }
@@ -186,7 +185,7 @@ pub fn tick_from_proto(tick: &pb::Tick) -> Result<TickRecord, ConvertError> {
         late_ns: tick.late_ns,
         skipped: tick.skipped,
         stage_ns: StageTimes::from_recorded(&tick.stage_ns),
-        ..TickRecord::default()
+        ..TickRecord::for_tools(tick.tools.len())
     };
     let output = &mut record.output;
     (
@@ -405,7 +404,7 @@ mod tests {
                 .contains("20 values, not 21")
         );
         let crowd = pb::Tick {
-            tools: vec![tick.tools[0].clone(); 9],
+            tools: vec![tick.tools[0].clone(); MAX_TOOLS + 1],
             ..tick
         };
         assert!(tick_from_proto(&crowd).is_err());

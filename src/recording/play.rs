@@ -14,9 +14,10 @@ mod remap;
 pub use remap::played_scene;
 
 use super::reader::{ReadError, Session};
+use crate::drive::nets::NetPool;
 use crate::drive::pacer::{now_ns, sleep_until};
 use crate::drive::playback::{PlayNews, PlayPort, PlayRequest};
-use crate::drive::ports::TickPorts;
+use crate::drive::ports::{BUS_NETS, TickPorts};
 use crate::drive::stats::LATE_NS;
 use cursor::{Cursor, Next};
 use deadlines::Deadlines;
@@ -128,6 +129,7 @@ pub struct PlayReport {
 pub struct Player {
     cursor: Cursor,
     ports: TickPorts,
+    nets: NetPool,
     port: PlayPort,
     settings: PlaySettings,
     dt_s: f64,
@@ -159,10 +161,12 @@ impl Player {
         let cursor = Cursor::new(session, &scene, settings.start, settings.end)?;
         let deadlines = Deadlines::new(period_ns(dt_s, settings.rate), now_ns());
         let paused = settings.paused;
+        let nets = NetPool::new(&scene, BUS_NETS);
         let report = PlayReport::default();
         Ok(Self {
             cursor,
             ports,
+            nets,
             port,
             settings,
             dt_s,
@@ -276,7 +280,9 @@ impl Player {
     fn publish(&mut self, scene: &Scene, record: &TickRecord) {
         self.wait_for_room();
         self.ports.publish(&record.output);
-        self.ports.done(scene, self.cursor.state(), record);
+        self.nets.begin();
+        self.ports
+            .done(scene, self.cursor.state(), record, &mut self.nets);
     }
 
     /// Shows a state that was jumped to; `record` is that of its tick.
@@ -322,8 +328,10 @@ impl Player {
     fn show_net(&mut self, scene: &Scene) {
         self.wait_for_room();
         self.ports.rewind();
+        self.nets.begin();
+        let state = self.cursor.state();
         self.ports
-            .hand_over_nets(scene, self.cursor.state(), self.cursor.state().tick);
+            .hand_over_nets(scene, state, state.tick, &mut self.nets);
     }
 
     fn pause(&mut self, scene: &Scene, paused: bool) {

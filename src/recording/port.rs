@@ -2,9 +2,11 @@
 //! and lost, and the file says so.
 
 use super::self_check::room_for_states;
-use super::stream::{KeyframeBuffer, NetBuffer, Stream, TickHead, ToolRow};
+use super::stream::{KeyframeBuffer, Stream, TickHead, ToolRow};
 use crate::drive::journal::{Journal, JournalGauges};
-use palpate_sim::scene::{Scene, SceneState, quality};
+use crate::drive::nets::{NetFrame, NetPool, NetSchedule};
+use crate::drive::pool::Pool;
+use palpate_sim::scene::{Scene, SceneState};
 use palpate_sim::tick::record::{Command, TickRecord};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU32, Ordering};
@@ -13,42 +15,11 @@ use std::sync::atomic::{AtomicU32, Ordering};
 const RING_TICKS: usize = 8_192;
 /// Keyframe buffers: one is filled while others are written.
 const KEYFRAME_BUFFERS: usize = 8;
-/// Net buffers a body: two seconds at 60 Hz.
-const NET_BUFFERS: usize = 128;
+/// Nets of a body in flight: two seconds at 60 Hz.
+const NET_RING: usize = 128;
 
 /// A command with the tick after which it acts.
 pub(super) type Applied = (u64, Command);
-
-/// Buffers that travel full one way and empty back.
-pub(super) struct Pool<T> {
-    free: rtrb::Consumer<Box<T>>,
-    full: rtrb::Producer<Box<T>>,
-}
-
-pub(super) struct PoolEnd<T> {
-    pub free: rtrb::Producer<Box<T>>,
-    pub full: rtrb::Consumer<Box<T>>,
-}
-
-fn pool<T>(buffers: impl ExactSizeIterator<Item = T>) -> (Pool<T>, PoolEnd<T>) {
-    let count = buffers.len().max(1);
-    let (mut free_in, free_out) = rtrb::RingBuffer::new(count);
-    let (full_in, full_out) = rtrb::RingBuffer::new(count);
-    for buffer in buffers {
-        let fits = free_in.push(Box::new(buffer)).is_ok();
-        debug_assert!(fits, "the ring has room for all");
-    }
-    (
-        Pool {
-            free: free_out,
-            full: full_in,
-        },
-        PoolEnd {
-            free: free_in,
-            full: full_out,
-        },
-    )
-}
 
 /// The journal of a scene's loop. It sleeps until somebody wants ticks, and then begins with a
 /// keyframe.
@@ -57,7 +28,10 @@ pub struct RecorderPort {
     rows: rtrb::Producer<ToolRow>,
     commands: rtrb::Producer<Applied>,
     keyframes: Pool<KeyframeBuffer>,
-    nets: Vec<Pool<NetBuffer>>,
+    full_keyframes: rtrb::Producer<Arc<KeyframeBuffer>>,
+    /// By body.
+    nets: Vec<rtrb::Producer<Arc<NetFrame>>>,
+    net_schedule: NetSchedule,
     gauges: Arc<JournalGauges>,
     /// 0: nobody wants ticks. When it changes, somebody wants a keyframe to begin with.
     wanted: Arc<AtomicU32>,
@@ -68,9 +42,6 @@ pub struct RecorderPort {
     open: bool,
     tool_count: usize,
     keyframe_every: u64,
-    net_every: u64,
-    /// By body: revision and tick of the last net sent.
-    sent: Vec<(u64, u64)>,
     /// Tick after which the last commands acted, and how many.
     commanded: (u64, u32),
 }
@@ -84,25 +55,16 @@ pub(super) fn port(
     let (heads, heads_out) = rtrb::RingBuffer::new(RING_TICKS);
     let (rows, rows_out) = rtrb::RingBuffer::new(RING_TICKS * scene.tool_count().max(1));
     let (commands, commands_out) = rtrb::RingBuffer::new(256);
-    let buffers = (0..KEYFRAME_BUFFERS).map(|_| KeyframeBuffer {
+    let keyframes = Pool::new(KEYFRAME_BUFFERS, || KeyframeBuffer {
         tick: 0,
         hash: 0,
         commands: 0,
         generation: 0,
         saved: room_for_states(scene),
     });
-    let (keyframes, keyframes_end) = pool(buffers);
-    let (nets, net_ends) = (0..scene.body_count())
-        .map(|body| {
-            let points = scene.rest_surface(body).net().points().to_vec();
-            let count = if scene.deforms(body) { NET_BUFFERS } else { 0 };
-            pool((0..count).map(move |_| NetBuffer {
-                tick: 0,
-                revision: 0,
-                body,
-                points: points.clone(),
-            }))
-        })
+    let (full_keyframes, keyframes_out) = rtrb::RingBuffer::new(KEYFRAME_BUFFERS);
+    let (nets, nets_out) = (0..scene.body_count())
+        .map(|_| rtrb::RingBuffer::new(NET_RING))
         .unzip();
     let rate = 1.0 / scene.dt_s;
     let record = &scene.spec.record;
@@ -111,7 +73,9 @@ pub(super) fn port(
         rows,
         commands,
         keyframes,
+        full_keyframes,
         nets,
+        net_schedule: NetSchedule::new(scene, record.net_hz),
         gauges: gauges.clone(),
         wanted,
         generation: 0,
@@ -119,8 +83,6 @@ pub(super) fn port(
         open: false,
         tool_count: scene.tool_count(),
         keyframe_every: ((record.keyframe_s * rate).round() as u64).max(1),
-        net_every: ((rate / record.net_hz).round() as u64).max(1),
-        sent: vec![(0, 0); scene.body_count()],
         commanded: (0, 0),
     };
     (
@@ -130,8 +92,8 @@ pub(super) fn port(
             heads_out,
             rows_out,
             commands_out,
-            keyframes_end,
-            net_ends,
+            keyframes_out,
+            nets_out,
             gauges,
         ),
     )
@@ -168,60 +130,53 @@ impl RecorderPort {
         let _ = self.heads.push(TickHead::of(record));
     }
 
-    fn push_nets(&mut self, scene: &Scene, state: &SceneState, tick: u64) {
-        let net_every = self.net_every
-            * if state.quality < quality::RARE_NETS {
-                1
-            } else {
-                10
-            };
-        for body in 0..self.nets.len() {
-            let (revision, at) = self.sent[body];
-            if state.net_revision(body) == revision
-                || (revision != u64::MAX && tick < at + net_every)
-            {
+    fn push_nets(&mut self, scene: &Scene, state: &SceneState, tick: u64, nets: &mut NetPool) {
+        for (body, full) in self.nets.iter_mut().enumerate() {
+            if full.slots() == 0 || !self.net_schedule.is_due(state, body, tick) {
                 continue;
             }
-            // Without a free buffer the net of a later tick will do.
-            let Ok(mut buffer) = self.nets[body].free.pop() else {
-                continue;
-            };
-            state.copy_net(scene, body, &mut buffer.points);
-            (buffer.tick, buffer.revision) = (tick, state.net_revision(body));
-            self.sent[body] = (buffer.revision, tick);
-            let _ = self.nets[body].full.push(buffer);
+            // Without a free frame the net of a later tick will do.
+            if let Some(frame) = nets.frame(scene, state, body, tick) {
+                self.net_schedule.sent(&frame);
+                let _ = full.push(frame);
+            }
         }
     }
 
     fn push_keyframe(&mut self, state: &SceneState, state_hash: u64) {
-        // Without a free buffer the next tick tries again: a replay starts from any keyframe.
-        let Ok(mut buffer) = self.keyframes.free.pop() else {
-            self.owed = true;
-            return;
-        };
-        (buffer.tick, buffer.hash, buffer.generation) = (state.tick, state_hash, self.generation);
-        buffer.commands = if self.commanded.0 == state.tick {
+        let commands = if self.commanded.0 == state.tick {
             self.commanded.1
         } else {
             0
         };
-        buffer.saved.save_from(state);
-        let _ = self.keyframes.full.push(buffer);
+        let generation = self.generation;
+        let fill = |buffer: &mut KeyframeBuffer| {
+            (buffer.tick, buffer.hash) = (state.tick, state_hash);
+            (buffer.commands, buffer.generation) = (commands, generation);
+            buffer.saved.save_from(state);
+        };
+        // Without a free buffer the next tick tries again: a replay starts from any keyframe.
+        let Some(buffer) = self.keyframes.fill(fill).cloned() else {
+            self.owed = true;
+            return;
+        };
+        // The ring has room for all buffers.
+        let _ = self.full_keyframes.push(buffer);
         (self.owed, self.open) = (false, true);
         // Whoever starts at a keyframe finds every net within a tick of it.
-        self.sent.fill((u64::MAX, 0));
+        self.net_schedule.restart();
     }
 }
 
 impl Journal for RecorderPort {
-    fn tick(&mut self, scene: &Scene, state: &SceneState, record: &TickRecord) {
+    fn tick(&mut self, scene: &Scene, state: &SceneState, record: &TickRecord, nets: &mut NetPool) {
         if !self.look() {
             return;
         }
         let tick = record.output.tick;
         if self.open {
             self.push_tick(record);
-            self.push_nets(scene, state, tick);
+            self.push_nets(scene, state, tick, nets);
         }
         if self.owed || tick.is_multiple_of(self.keyframe_every) {
             self.push_keyframe(state, record.output.state_hash);
@@ -247,5 +202,10 @@ impl Journal for RecorderPort {
         if self.look() {
             self.push_keyframe(state, hash);
         }
+    }
+
+    fn nets_held(&self) -> usize {
+        // In the ring, and the one that is being encoded.
+        NET_RING + 1
     }
 }

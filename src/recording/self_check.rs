@@ -10,6 +10,7 @@
 
 use super::rerun::Rerun;
 use crate::drive::journal::Journal;
+use crate::drive::nets::NetPool;
 use palpate_geometry::math::SavedState;
 use palpate_sim::haptics::DevicePose;
 use palpate_sim::scene::{Scene, SceneState};
@@ -171,14 +172,12 @@ impl SelfCheckPort {
 }
 
 impl Journal for SelfCheckPort {
-    fn tick(&mut self, scene: &Scene, state: &SceneState, record: &TickRecord) {
-        self.inner.tick(scene, state, record);
+    fn tick(&mut self, scene: &Scene, state: &SceneState, record: &TickRecord, nets: &mut NetPool) {
+        self.inner.tick(scene, state, record, nets);
         match &mut self.filling {
             None => drop(self.shared.unchecked.fetch_add(1, Ordering::Relaxed)),
             Some(batch) => {
-                batch
-                    .poses
-                    .extend_from_slice(&record.input.poses[..self.tools]);
+                batch.poses.extend(record.input.poses.first(self.tools));
                 batch.hashes.push(record.output.state_hash);
                 if batch.hashes.len() == self.every
                     && let Some(batch) = self.filling.take()
@@ -213,6 +212,10 @@ impl Journal for SelfCheckPort {
         if self.filling.is_none() {
             self.begin(state, state_hash);
         }
+    }
+
+    fn nets_held(&self) -> usize {
+        self.inner.nets_held()
     }
 }
 
@@ -301,7 +304,7 @@ fn check(rerun: &mut Rerun, batch: &Batch) -> Option<SelfDifference> {
             commands = rest;
         }
         let mut input = TickInput::default();
-        input.poses[..tools].copy_from_slice(&batch.poses[k * tools..(k + 1) * tools]);
+        input.poses.set(&batch.poses[k * tools..(k + 1) * tools]);
         let output = rerun.tick(&input);
         if output.state_hash != hash {
             return parted(tick, hash, output.state_hash);

@@ -4,10 +4,11 @@
 //! order in which they came (a keyframe says how many commands it holds), then tick t + 1.
 
 use super::message::{BodyHead, Message};
-use super::port::{Applied, PoolEnd};
+use super::port::Applied;
 use crate::drive::journal::JournalGauges;
+use crate::drive::nets::NetFrame;
 use crate::drive::stats::{LATE_NS, StageHistograms};
-use palpate_geometry::math::{Point3, SavedState};
+use palpate_geometry::math::SavedState;
 use palpate_proto::recording as pb;
 use palpate_sim::haptics::DevicePose;
 use palpate_sim::scene::Scene;
@@ -64,13 +65,6 @@ pub(super) struct KeyframeBuffer {
     pub saved: SavedState,
 }
 
-pub(super) struct NetBuffer {
-    pub tick: u64,
-    pub revision: u64,
-    pub body: usize,
-    pub points: Vec<Point3>,
-}
-
 /// Place of a message among those of the same tick.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 enum Rank {
@@ -91,15 +85,15 @@ pub(super) struct Stream {
     heads: rtrb::Consumer<TickHead>,
     rows: rtrb::Consumer<ToolRow>,
     commands: rtrb::Consumer<Applied>,
-    keyframes: PoolEnd<KeyframeBuffer>,
-    nets: Vec<PoolEnd<NetBuffer>>,
+    keyframes: rtrb::Consumer<Arc<KeyframeBuffer>>,
+    nets: Vec<rtrb::Consumer<Arc<NetFrame>>>,
     gauges: Arc<JournalGauges>,
     pub bodies: Vec<BodyHead>,
     tool_count: usize,
     waiting: Vec<Waiting>,
     /// Tick after which the last commands acted, and how many.
     commanded: (u64, u32),
-    record: Box<TickRecord>,
+    record: TickRecord,
     stages: StageHistograms,
     late: u64,
     skipped: u64,
@@ -112,8 +106,8 @@ impl Stream {
         heads: rtrb::Consumer<TickHead>,
         rows: rtrb::Consumer<ToolRow>,
         commands: rtrb::Consumer<Applied>,
-        keyframes: PoolEnd<KeyframeBuffer>,
-        nets: Vec<PoolEnd<NetBuffer>>,
+        keyframes: rtrb::Consumer<Arc<KeyframeBuffer>>,
+        nets: Vec<rtrb::Consumer<Arc<NetFrame>>>,
         gauges: Arc<JournalGauges>,
     ) -> Self {
         let bodies = (0..scene.body_count()).map(|body| {
@@ -135,7 +129,7 @@ impl Stream {
             tool_count: scene.tool_count(),
             waiting: Vec::new(),
             commanded: (0, 0),
-            record: Box::default(),
+            record: TickRecord::for_tools(scene.tool_count()),
             stages: StageHistograms::default(),
             late: 0,
             skipped: 0,
@@ -151,7 +145,7 @@ impl Stream {
 
     /// The loop never took this scene, and never will.
     pub fn is_unused(&self) -> bool {
-        self.heads.is_abandoned() && self.heads.is_empty() && self.keyframes.full.is_empty()
+        self.heads.is_abandoned() && self.heads.is_empty() && self.keyframes.is_empty()
     }
 
     /// Hands over what has come, in order. At the `end` nothing waits for what may still come.
@@ -199,7 +193,7 @@ impl Stream {
                 Message::command(after_tick, command),
             );
         }
-        while let Ok(buffer) = self.keyframes.full.pop() {
+        while let Ok(buffer) = self.keyframes.pop() {
             let message = Message::keyframe(
                 buffer.tick,
                 buffer.hash,
@@ -208,19 +202,12 @@ impl Stream {
                 buffer.generation,
             );
             self.wait((buffer.tick, Rank::After(buffer.commands, true)), message);
-            let _ = self.keyframes.free.push(buffer);
         }
         for body in 0..self.nets.len() {
-            while let Ok(buffer) = self.nets[body].full.pop() {
-                let message = Message::net(
-                    buffer.tick,
-                    buffer.revision,
-                    body,
-                    &self.bodies[buffer.body],
-                    &buffer.points,
-                );
-                self.wait((buffer.tick, Rank::Net), message);
-                let _ = self.nets[body].free.push(buffer);
+            while let Ok(frame) = self.nets[body].pop() {
+                let head = &self.bodies[body];
+                let message = Message::net(frame.tick, frame.revision, body, head, &frame.points);
+                self.wait((frame.tick, Rank::Net), message);
             }
         }
     }
@@ -259,7 +246,7 @@ impl Stream {
     }
 
     fn tick(&mut self, head: &TickHead, take: &mut impl FnMut(Message)) {
-        let record = &mut *self.record;
+        let record = &mut self.record;
         for tool in 0..self.tool_count {
             let Ok(row) = self.rows.pop() else { break };
             (record.input.poses[tool], record.output.tools[tool]) = (row.pose, row.output);

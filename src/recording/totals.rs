@@ -190,7 +190,9 @@ impl Tally {
         totals.late_ticks += u64::from(record.late_ns > LATE_NS);
         self.session_hash.push(tick, record.output.state_hash);
         self.final_hash = record.output.state_hash;
-        let outputs = record.input.poses.iter().zip(&record.output.tools);
+        let tools = self.tools.len();
+        let outputs = record.output.tools.first(tools);
+        let outputs = record.input.poses.first(tools).zip(outputs);
         for ((sum, poses), (pose, output)) in self.tools.iter_mut().zip(outputs) {
             *poses += u64::from(pose.is_some());
             sum.push(tick, output);

@@ -38,7 +38,8 @@ impl Contacts {
     /// Publishes the contacts of a tick if they are due.
     pub(super) fn publish(&mut self, scene: &Scene, output: &TickOutput, view: &mut View) {
         let mut changed = false;
-        for (touching, out) in self.touching.iter_mut().zip(&output.tools) {
+        let outputs = output.tools.first(self.touching.len());
+        for (touching, out) in self.touching.iter_mut().zip(outputs) {
             changed |= *touching != out.contact.is_some();
             *touching = out.contact.is_some();
         }

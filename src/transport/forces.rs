@@ -18,7 +18,7 @@ use zenoh::pubsub::Publisher;
 
 /// The newest output of the loop, and where its parts for tools go.
 pub(super) struct Forces {
-    outputs: rtrb::Consumer<TickOutput>,
+    outputs: rtrb::Consumer<Arc<TickOutput>>,
     newest: TickOutput,
     tools: Vec<ToolLine>,
     /// Every tick's force is awaited, as in lockstep and out of a recording.
@@ -40,7 +40,7 @@ impl Forces {
         session: &zenoh::Session,
         keys: &Keys,
         scene: &Scene,
-        outputs: rtrb::Consumer<TickOutput>,
+        outputs: rtrb::Consumer<Arc<TickOutput>>,
         poses: &[Arc<PoseInbox>],
         every: bool,
     ) -> zenoh::Result<Self> {
@@ -56,7 +56,7 @@ impl Forces {
         let tools = poses.iter().enumerate().map(line);
         Ok(Self {
             outputs,
-            newest: TickOutput::default(),
+            newest: TickOutput::for_tools(scene.tool_count()),
             tools: tools.collect::<zenoh::Result<_>>()?,
             every,
         })
@@ -82,7 +82,7 @@ impl Forces {
         if !self.every && !self.outputs.is_empty() {
             return false;
         }
-        self.newest = output;
+        self.newest.clone_from(&output);
         for tool in 0..self.tools.len() {
             self.put_tool(tool, scene, devices, view);
         }

@@ -94,11 +94,11 @@ impl Nets {
     pub(super) fn publish(&mut self, scene: &Scene, view: &mut View) {
         let refresh = self.last_refresh.elapsed() >= NET_REFRESH;
         for (body, net) in self.newest.iter_mut().enumerate() {
-            let mut changed = false;
-            self.ends[body].newest(|frame| {
-                changed = true;
+            let fresh = self.ends[body].newest();
+            let changed = fresh.is_some();
+            if let Some(frame) = fresh {
                 *net = wire::control_net(scene, body, frame.tick, frame.revision, &frame.points);
-            });
+            }
             if changed || refresh {
                 // After a failed declaration there is none.
                 if let Some(publisher) = self.publishers.get(body) {

@@ -44,7 +44,7 @@ pub(super) struct Gauges {
 /// The status of the loop, and what it is counted from.
 pub(super) struct Tally {
     publisher: Publisher<'static>,
-    records: rtrb::Consumer<TickRecord>,
+    records: rtrb::Consumer<Arc<TickRecord>>,
     gauges: Gauges,
     status: LoopStatus,
     tools: Vec<ToolTally>,
@@ -61,7 +61,7 @@ impl Tally {
         session: &zenoh::Session,
         keys: &Keys,
         scene: &Scene,
-        records: rtrb::Consumer<TickRecord>,
+        records: rtrb::Consumer<Arc<TickRecord>>,
         gauges: Gauges,
     ) -> zenoh::Result<Self> {
         let status = LoopStatus {

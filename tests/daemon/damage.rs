@@ -9,7 +9,7 @@ use palpate::recording::{
 };
 use palpate_proto::recording as pb;
 use palpate_sim::scene::{Scene, file};
-use palpate_sim::tick::record::{Command, TickOutput, TickRecord};
+use palpate_sim::tick::record::{Command, TickRecord};
 use prost::Message as _;
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -544,27 +544,19 @@ fn what_a_full_ring_loses_is_counted_and_the_file_says_so() {
         mut state,
         recorder,
         mut port,
+        mut nets,
         ..
     } = Live::start(&path, RIGID);
     let gauges = recorder.gauges();
-    let mut pushed = 0;
+    let (mut pushed, mut record) = (0, TickRecord::for_tools(1));
     // Far faster than any writer: the ring is full within milliseconds.
     while gauges.dropped.load(Ordering::Relaxed) < 100 && pushed < 20_000_000 {
         for _ in 0..5_000 {
             pushed += 1;
             state.tick = pushed;
-            let output = TickOutput {
-                tick: pushed,
-                ..TickOutput::default()
-            };
-            port.tick(
-                &scene,
-                &state,
-                &TickRecord {
-                    output,
-                    ..TickRecord::default()
-                },
-            );
+            record.output.tick = pushed;
+            nets.begin();
+            port.tick(&scene, &state, &record, &mut nets);
         }
     }
     drop(port);

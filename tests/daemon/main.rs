@@ -21,6 +21,7 @@ mod golden;
 mod haptic_link;
 mod hostile_bytes;
 mod keeping;
+mod many_tools;
 mod play;
 mod recording;
 mod replay_levels;

@@ -373,9 +373,9 @@ fn try_published(
     loop {
         let over = thread.is_finished();
         while bus.records.pop().is_ok() {}
-        bus.nets.iter_mut().for_each(|net| net.newest(|_| {}));
+        bus.nets.iter_mut().for_each(|net| drop(net.newest()));
         while let Ok(output) = bus.outputs.pop() {
-            outputs.push(output);
+            outputs.push((*output).clone());
         }
         if over {
             return thread.join().unwrap().map(|report| (outputs, report));
@@ -533,7 +533,7 @@ fn damaged_recordings_are_played_as_far_as_they_go_or_refused() {
 #[test]
 fn ticks_that_repeat_or_states_of_other_ticks_do_not_hang() {
     let mut twice = Contents::open(&golden()).unwrap();
-    let again = twice.ticks[200];
+    let again = twice.ticks[200].clone();
     twice.ticks.insert(200, again);
     let (outputs, report) = published(twice.session().unwrap(), FAST, &[]);
     assert_eq!((report.ticks, outputs.last().unwrap().tick), (1_500, 1_500));

@@ -3,6 +3,7 @@
 use crate::common::pose;
 use crate::live::{RIGID, SOFT, bits, in_contact, record};
 use palpate::drive::journal::Journal;
+use palpate::drive::nets::NetPool;
 use palpate::recording::{Contents, Origin, Recorder, RecorderSettings, Session, info, replay};
 use palpate_geometry::math::{Rotation, state_hash};
 use palpate_sim::haptics::DeviceBounds;
@@ -358,20 +359,19 @@ pose = { position = [0.0, 0.0, 0.06] }
     let mut scratch = scene.scratch(&state);
     port.keyframe(&state, state_hash(&state));
     let mut touched = 0;
+    let mut nets = NetPool::new(&scene, port.nets_held());
     for tick in 1..=200 {
         let mut input = TickInput::default();
         input.poses[0] = Some(pose(tick, [0.0, 0.0, 0.06 - 2e-4 * tick as f64]));
         let output = step(&scene, &mut state, &mut scratch, &input);
         touched += u32::from(output.tools[0].contact.is_some());
-        port.tick(
-            &scene,
-            &state,
-            &TickRecord {
-                input,
-                output,
-                ..TickRecord::default()
-            },
-        );
+        let record = TickRecord {
+            input,
+            output,
+            ..TickRecord::default()
+        };
+        nets.begin();
+        port.tick(&scene, &state, &record, &mut nets);
     }
     assert!(touched > 50, "only {touched} ticks in touch");
     drop(port);

@@ -11,7 +11,7 @@ use palpate::recording::{
 use palpate_geometry::math::{Point3, SavedState, Vector3, state_hash};
 use palpate_sim::body::{DeformableState, Field};
 use palpate_sim::scene::{Pipeline, SceneState};
-use palpate_sim::tick::record::{TickOutput, TickRecord};
+use palpate_sim::tick::record::{Command, TickOutput, TickRecord};
 use palpate_sim::tick::{apply, restore, step};
 use std::path::Path;
 use std::process::Command as Process;
@@ -85,6 +85,49 @@ fn save_advance_restore_advance_comes_to_the_same_bits() {
         }
     }
     assert!(touched > 1_000, "only {touched} ticks in touch");
+}
+
+// A reset writes into the state and the buffers that are there: what follows has the bits of a
+// state at the start with new buffers, also when steps are under way on threads.
+#[test]
+fn a_reset_goes_on_as_new_buffers_would() {
+    const TICKS: u64 = 200;
+    let mut touched = 0;
+    for (name, text) in scenes() {
+        for seed in 1..=2 {
+            let mut world = World::new(&text);
+            let scene = Arc::new(World::new(&text).scene);
+            if let Some(workers) = Workers::start(&scene).unwrap() {
+                world.scratch.set_pipeline(Box::new(workers));
+            }
+            let at = 60 + Random(seed).below(40);
+            touched += run(&mut world, &Script::new(seed, TICKS, false), 0, at)
+                .iter()
+                .filter(|output| output.tools[0].contact.is_some())
+                .count();
+            let mut expected = world.scene.initial_state();
+            expected.tick = world.state.tick;
+            for (start, body) in expected.bodies.iter_mut().zip(&world.state.bodies) {
+                start.revision = body.revision + 1;
+            }
+            apply(
+                &world.scene,
+                &mut world.state,
+                &mut world.scratch,
+                Command::Reset,
+            );
+            assert_eq!(world.state, expected, "{name}, seed {seed}");
+            let script = Script::new(seed + 10, TICKS, false);
+            let reset = run(&mut world, &script, at, TICKS);
+            world.scratch = world.scene.scratch(&expected);
+            world.state = expected;
+            let fresh = run(&mut world, &script, at, TICKS);
+            for (a, b) in reset.iter().zip(&fresh) {
+                assert_eq!(a, b, "{name}, seed {seed}, reset after tick {at}");
+            }
+        }
+    }
+    assert!(touched > 200, "only {touched} ticks in touch");
 }
 
 /// Workers for the first few bodies; others step in the tick in which they are due.

@@ -4,6 +4,7 @@ use crate::common::World;
 use crate::daemon::{Daemon, device};
 use crate::session::{RIGID, Script, scenes};
 use palpate::drive::journal::{Journal, NoJournal};
+use palpate::drive::nets::NetPool;
 use palpate::recording::{SelfCheck, SelfCheckReport};
 use palpate_geometry::math::state_hash;
 use palpate_sim::scene::Scene;
@@ -23,6 +24,7 @@ fn checked(
     let scene: Arc<Scene> = Arc::new(World::new(text).scene);
     let (check, mut port) = SelfCheck::start(&scene, every, Box::new(NoJournal)).unwrap();
     port.keyframe(&world.state, state_hash(&world.state));
+    let mut nets = NetPool::new(&scene, port.nets_held());
     for tick in 0..script.ticks {
         for command in script.commands_after(tick) {
             port.command(tick, command);
@@ -39,7 +41,8 @@ fn checked(
             ..TickRecord::default()
         };
         hand_over(&mut record);
-        port.tick(&world.scene, &world.state, &record);
+        nets.begin();
+        port.tick(&world.scene, &world.state, &record, &mut nets);
         // A loop has a millisecond for a tick; a test leaves its shadow some time now and then.
         if tick % 50 == 0 {
             std::thread::sleep(std::time::Duration::from_millis(20));

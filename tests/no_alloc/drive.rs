@@ -17,13 +17,13 @@ fn slab(model: &str, more: &str) -> String {
 
 fn press_and_slide(world: &mut World) -> u64 {
     for _ in 0..8 {
-        world.at([0.0, 0.0, 0.03]);
+        world.at_in_place([0.0, 0.0, 0.03]);
     }
     let mut touched = 0;
     let count = allocations(|| {
         for k in 0..800 {
             let t = f64::from(k) * 1e-3;
-            let out = world.at([
+            let out = world.at_in_place([
                 0.01 * (9.0 * t).sin(),
                 0.0,
                 0.018 + 0.006 * (20.0 * t).cos(),
@@ -32,7 +32,7 @@ fn press_and_slide(world: &mut World) -> u64 {
         }
         // Long enough to fall asleep.
         for _ in 0..400 {
-            world.silent();
+            world.silent_in_place();
         }
     });
     assert!(touched > 200, "only {touched} ticks in touch");
@@ -57,8 +57,9 @@ fn a_tick_with_a_worker_beside_it_allocates_nothing() {
 #[test]
 fn handing_ticks_to_a_self_check_allocates_nothing() {
     use palpate::drive::journal::{Journal as _, NoJournal};
+    use palpate::drive::nets::NetPool;
     use palpate::recording::SelfCheck;
-    use palpate_sim::tick::record::{TickInput, TickRecord};
+    use palpate_sim::tick::record::TickRecord;
     let soft = teardrop(20e3, "\"none\"").replace("stiffness_n_m = inf", "stiffness_n_m = 800.0");
     let text = format!("{soft}friction = {{ mu = 0.4 }}\ngrip = {{ force_max_n = 0.3 }}\n");
     let mut world = World::new(&text);
@@ -69,6 +70,8 @@ fn handing_ticks_to_a_self_check_allocates_nothing() {
         palpate_geometry::math::state_hash(&world.state),
     );
     let mut touched = 0;
+    let mut nets = NetPool::new(&scene, port.nets_held());
+    let mut record = TickRecord::for_tools(1);
     let count = allocations(|| {
         for k in 0..1_000u32 {
             if k % 50 == 0 {
@@ -80,24 +83,21 @@ fn handing_ticks_to_a_self_check_allocates_nothing() {
                 0.003 + 0.004 * (9.0 * t).sin(),
                 0.045,
             ];
-            let mut input = TickInput::default();
             let buttons = u32::from(k % 300 > 100);
-            input.poses[0] = Some(palpate_sim::haptics::DevicePose {
+            record.input.poses[0] = Some(palpate_sim::haptics::DevicePose {
                 buttons,
                 ..crate::common::pose(u64::from(k) + 1, place)
             });
-            let output =
-                palpate_sim::tick::step(&world.scene, &mut world.state, &mut world.scratch, &input);
-            touched += u32::from(output.tools[0].contact.is_some());
-            port.tick(
+            palpate_sim::tick::step_into(
                 &world.scene,
-                &world.state,
-                &TickRecord {
-                    input,
-                    output,
-                    ..TickRecord::default()
-                },
+                &mut world.state,
+                &mut world.scratch,
+                &record.input,
+                &mut record.output,
             );
+            touched += u32::from(record.output.tools[0].contact.is_some());
+            nets.begin();
+            port.tick(&world.scene, &world.state, &record, &mut nets);
             if k % 20 == 0 {
                 std::thread::sleep(std::time::Duration::from_millis(5));
             }

@@ -5,18 +5,19 @@ use crate::live::{Live, SOFT};
 use palpate::drive::archive::ArchiveRequest;
 use palpate::drive::journal::keeping;
 use palpate::recording::RecorderSettings;
-use palpate_sim::tick::record::Command;
+use palpate_sim::tick::record::{Command, TickRecord};
 use std::sync::atomic::Ordering;
 use std::time::Duration;
 
-/// Presses, slides, is reset and paused; allocations of all ticks. The test's own list of records
-/// has room. A reset itself makes scratch anew: that is between ticks.
+/// Presses, slides, is reset and paused; allocations of all ticks and of the commands between them.
+/// The test's own list of records has room.
 fn session(live: &mut Live) -> u64 {
     live.records.reserve(2_000);
+    live.spare = vec![TickRecord::for_tools(2); 1_000];
     let mut count = 0;
     for k in 0..900 {
         match k {
-            200 => live.command(Command::Reset),
+            200 => count += allocations(|| live.command(Command::Reset)),
             400 => count += allocations(|| live.command(Command::Pause)),
             430 => count += allocations(|| live.command(Command::Resume)),
             _ => {}

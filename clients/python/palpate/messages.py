@@ -214,7 +214,7 @@ class Contact:
 
 @dataclass(frozen=True)
 class ContactSet(Message):
-    """Contacts that carry force in a tick: at most the sixteen deepest."""
+    """Contacts that carry force in a tick, the deepest: 16, or 2 per tool if that is more."""
 
     NAME = "palpate.ContactSet.v1"
     KEY = "palpate/{instance}/contact"

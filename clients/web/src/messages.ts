@@ -193,7 +193,7 @@ export const Contact = struct({
 });
 export type Contact = Value<typeof Contact>;
 
-/** Contacts that carry force in a tick: at most the sixteen deepest. */
+/** Contacts that carry force in a tick, the deepest: 16, or 2 per tool if that is more. */
 export const ContactSet = message("palpate.ContactSet.v1", "contact", {
   /** Tick. */
   tick: u64,

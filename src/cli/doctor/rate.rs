@@ -7,8 +7,8 @@ use palpate_client::device::Motion;
 use palpate_geometry::math::{Point3, Vector3};
 use palpate_sim::haptics::DevicePose;
 use palpate_sim::scene::{Scene, file};
-use palpate_sim::tick::record::{TickInput, TickOutput};
-use palpate_sim::tick::step;
+use palpate_sim::tick::record::{TickOutput, TickRecord};
+use palpate_sim::tick::step_into;
 use serde::Serialize;
 use std::sync::Arc;
 
@@ -97,11 +97,15 @@ impl Pressing {
         let (mut contact_ticks, mut due, mut took) = (0, now_ns(), 0);
         // All ticks together are one press, however few they are.
         let pace_s = PRESS_S / ticks.max(1) as f64;
+        let TickRecord {
+            mut input,
+            mut output,
+            ..
+        } = TickRecord::for_tools(scene.tool_count());
         for k in 0..WARM_TICKS + ticks {
             let t = k.saturating_sub(WARM_TICKS) as f64 * pace_s;
-            let mut input = TickInput::default();
-            for (slot, motion) in input.poses.iter_mut().zip(&motions) {
-                *slot = motion
+            for (tool, motion) in motions.iter().enumerate() {
+                input.poses[tool] = motion
                     .as_ref()
                     .map(|motion| pose(motion, k + 1, t, pace_s, scene.dt_s));
             }
@@ -110,7 +114,7 @@ impl Pressing {
             due = (due + period_ns).max(now_ns() + took / 9);
             sleep_until(due);
             let start = now_ns();
-            let output = step(&scene, &mut state, &mut scratch, &input);
+            step_into(&scene, &mut state, &mut scratch, &input, &mut output);
             took = now_ns() - start;
             if k >= WARM_TICKS {
                 took_ns.push(took);

@@ -124,7 +124,8 @@ fn write_row(line: &mut String, record: &TickRecord, tools: usize, bodies: &[Str
     let mut row = Row(line);
     row.text(output.tick);
     row.float(output.tick as f64 * dt_s);
-    for (pose, tool) in record.input.poses.iter().zip(&output.tools).take(tools) {
+    let poses = record.input.poses.first(tools);
+    for (pose, tool) in poses.zip(output.tools.first(tools)) {
         write_pose(&mut row, pose.as_ref());
         write_tool(&mut row, tool, bodies);
     }

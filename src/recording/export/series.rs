@@ -72,7 +72,7 @@ pub fn series(session: &Session, range: &Range) -> Result<Series, ExportError> {
     for record in records {
         let record = *record?;
         let tick = record.output.tick;
-        for (t, output) in record.output.tools.iter().enumerate().take(tools.len()) {
+        for (t, output) in record.output.tools.first(tools.len()).enumerate() {
             force_n[t].push(tick, output.force_n.norm());
             depth_m[t].push(tick, output.contact.map_or(0.0, |contact| contact.depth_m));
             energy_j[t].push(tick, output.energy_j);

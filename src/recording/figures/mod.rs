@@ -194,9 +194,10 @@ impl<'a> Sum<'a> {
 
     fn push(&mut self, output: &TickOutput, state: &SceneState) {
         self.ticks += 1;
+        let outputs = output.tools.first(self.tools.len());
         self.tools
             .iter_mut()
-            .zip(&output.tools)
+            .zip(outputs)
             .for_each(|(sum, output_of)| sum.push(output.tick, output_of));
         for (body, (farthest_m, net)) in self
             .bodies

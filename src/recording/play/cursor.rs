@@ -12,7 +12,7 @@ use std::sync::Arc;
 
 /// What came next. Lives for a moment on the stack: its size costs less than a box.
 #[allow(clippy::large_enum_variant)]
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub(super) enum Next {
     /// A tick; the state is that after it.
     Tick(TickRecord),
@@ -279,7 +279,7 @@ impl Cursor {
         }
         Ok(TickOutput {
             contacts: stepped.contacts,
-            ..record.output
+            ..record.output.clone()
         })
     }
 }

@@ -86,13 +86,8 @@ pub(super) fn compare(
     if tick != replayed.tick {
         return Some(Difference::of_numbers(tick, "tick", tick, replayed.tick));
     }
-    for (t, (a, b)) in recorded
-        .tools
-        .iter()
-        .zip(&replayed.tools)
-        .enumerate()
-        .take(tool_count)
-    {
+    for t in 0..tool_count {
+        let (a, b) = (&recorded.tools[t], &replayed.tools[t]);
         let apart = compare_tool(tick, a, b);
         if let Some(mut difference) = apart {
             difference.field.insert_str(0, &format!("tools[{t}]."));
@@ -263,7 +258,7 @@ mod tests {
             tick: 7,
             ..TickOutput::default()
         };
-        let mut b = a;
+        let mut b = a.clone();
         (a.tools[1].force_n.y, b.tools[1].force_n.y) = (f64::NAN, f64::NAN);
         assert_eq!(compare(&a, &b, 2), None);
         (a.tools[1].force_n.z, b.tools[1].force_n.z) = (0.0, -0.0);
@@ -343,7 +338,7 @@ mod tests {
             ("state_hash", |o| o.state_hash = 1),
         ];
         for (field, edit) in edits {
-            let mut other = whole;
+            let mut other = whole.clone();
             edit(&mut other);
             assert_eq!(
                 compare(&whole, &other, 1)

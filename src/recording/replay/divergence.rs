@@ -64,7 +64,7 @@ impl Divergence {
             .replayed
             .iter()
             .filter(|record| record.output.tick >= low);
-        let replayed = equal.chain(own).copied().collect();
+        let replayed = equal.chain(own).cloned().collect();
         (recorded, replayed)
     }
 

@@ -224,13 +224,17 @@ impl<'a> Runner<'a> {
         }
         found.stretches += u64::from(std::mem::take(&mut at.fresh));
         let output = self.rerun.tick(&record.input);
-        self.remember(TickRecord { output, ..*record });
         at.state = Some(output.tick);
         let tools = self.rerun.scene().tool_count();
         let parted = compare(&record.output, &output, tools);
         if parted.is_none() {
             self.equal.push((tick, output.state_hash));
         }
+        self.remember(TickRecord {
+            input: record.input.clone(),
+            output,
+            ..*record
+        });
         parted
     }
 

@@ -3,6 +3,7 @@
 
 use crate::common::pose;
 use palpate::drive::journal::Journal;
+use palpate::drive::nets::NetPool;
 use palpate::recording::{
     Recorder, RecorderPort, RecorderSettings, RecordingReport, RecordingSummary,
 };
@@ -10,7 +11,7 @@ use palpate_geometry::math::{Vector3, state_hash};
 use palpate_sim::haptics::DevicePose;
 use palpate_sim::scene::{Scene, SceneState, Scratch, file};
 use palpate_sim::tick::record::{Command, TickInput, TickRecord};
-use palpate_sim::tick::{apply, step};
+use palpate_sim::tick::{apply, step_into};
 use std::path::Path;
 use std::time::Duration;
 
@@ -62,10 +63,10 @@ keyframe_s = 0.1
 
 /// Poses of tick `tick`: the first tool presses from the side, the second from above; every 10th
 /// tick brings no news.
-pub fn poses(tick: u64, tools: usize) -> TickInput {
-    let mut input = TickInput::default();
+pub fn poses(tick: u64, tools: usize, input: &mut TickInput) {
+    input.poses.reset(tools);
     if tick % 10 == 9 {
-        return input;
+        return;
     }
     let phase = std::f64::consts::TAU * tick as f64 / 500.0;
     let press = 0.5 - 0.5 * phase.cos();
@@ -74,14 +75,13 @@ pub fn poses(tick: u64, tools: usize) -> TickInput {
         [0.06 - 0.036 * press, 0.003, 0.045],
         [0.002, -0.0, -0.17 - 0.035 * press],
     ];
-    for (slot, place) in input.poses.iter_mut().zip(places).take(tools) {
-        *slot = Some(DevicePose {
+    for (tool, place) in places.into_iter().enumerate().take(tools) {
+        input.poses[tool] = Some(DevicePose {
             t_client_ns: tick * 1_000_000,
             linear_velocity: speed,
             ..pose(tick, place)
         });
     }
-    input
 }
 
 /// A simulation that keeps a journal, as the daemon's loop does.
@@ -91,7 +91,11 @@ pub struct Live {
     pub scratch: Scratch,
     pub recorder: Recorder,
     pub port: RecorderPort,
+    pub nets: NetPool,
     pub records: Vec<TickRecord>,
+    /// Room for further records, for tests that count allocations.
+    pub spare: Vec<TickRecord>,
+    record: TickRecord,
 }
 
 impl Live {
@@ -109,31 +113,41 @@ impl Live {
         let state = scene.initial_state();
         let scratch = scene.scratch(&state);
         port.keyframe(&state, state_hash(&state));
+        let nets = NetPool::new(&scene, port.nets_held());
+        let record = TickRecord::for_tools(scene.tool_count());
         Self {
             scene,
             state,
             scratch,
             recorder,
             port,
+            nets,
             records: Vec::new(),
+            spare: Vec::new(),
+            record,
         }
     }
 
     pub fn tick(&mut self) {
-        let input = poses(self.state.tick + 1, self.scene.tool_count());
-        let output = step(&self.scene, &mut self.state, &mut self.scratch, &input);
-        let stage_ns = [1, 20_000, 250_000, 50_000, 4_000].into();
-        let record = TickRecord {
-            input,
-            output,
-            late_ns: 7,
-            skipped: u32::from(output.tick == 3),
-            stage_ns,
-        };
-        self.port.tick(&self.scene, &self.state, &record);
-        self.records.push(record);
+        let Self {
+            scene,
+            state,
+            scratch,
+            record,
+            ..
+        } = self;
+        poses(state.tick + 1, scene.tool_count(), &mut record.input);
+        step_into(scene, state, scratch, &record.input, &mut record.output);
+        let tick = record.output.tick;
+        (record.late_ns, record.skipped) = (7, u32::from(tick == 3));
+        record.stage_ns = [1, 20_000, 250_000, 50_000, 4_000].into();
+        self.nets.begin();
+        self.port.tick(scene, state, record, &mut self.nets);
+        let mut kept = self.spare.pop().unwrap_or_default();
+        kept.clone_from(record);
+        self.records.push(kept);
         // A disk has a second for a second; a test runs faster than its recorder may write.
-        if output.tick.is_multiple_of(100) {
+        if tick.is_multiple_of(100) {
             std::thread::sleep(Duration::from_millis(10));
         }
     }
@@ -176,10 +190,10 @@ pub fn record(
 /// All bits of a record that are recorded: equality of floats would not tell -0.0 from 0.0, and
 /// `Debug` does.
 pub fn bits(record: &TickRecord) -> String {
-    let mut record = *record;
+    let mut record = record.clone();
     // A replay makes these again; a recording has the deepest of each tool.
     record.output.contacts = Default::default();
-    for tool in &mut record.output.tools {
+    for tool in record.output.tools.as_mut_slice() {
         (tool.device_moved, tool.device_turned) = Default::default();
     }
     format!("{record:?}")

@@ -3,6 +3,7 @@
 
 use crate::common::pose;
 use palpate::drive::journal::Journal;
+use palpate::drive::nets::NetPool;
 use palpate::recording::{Recorder, RecorderSettings, RecordingSummary};
 use palpate_geometry::math::{Rotation, Vector3, state_hash};
 use palpate_sim::haptics::{DeviceBounds, DevicePose};
@@ -207,6 +208,7 @@ pub fn record_lying(
     let scene = Scene::build(&loaded.spec, Path::new(".")).unwrap();
     let settings = RecorderSettings::new(&loaded.text, &loaded.spec).to(path);
     let (recorder, mut port) = Recorder::start(settings, &scene).unwrap();
+    let mut nets = NetPool::new(&scene, port.nets_held());
     let mut state = scene.initial_state();
     let mut scratch = scene.scratch(&state);
     port.keyframe(&state, state_hash(&state));
@@ -228,7 +230,8 @@ pub fn record_lying(
             ..Default::default()
         };
         lie(&mut record);
-        port.tick(&scene, &state, &record);
+        nets.begin();
+        port.tick(&scene, &state, &record, &mut nets);
         // A disk has a second for a second; a test runs faster than its recorder may write.
         if tick.is_multiple_of(100) {
             std::thread::sleep(Duration::from_millis(10));

@@ -3,6 +3,7 @@
 use super::session::{FOUR_HANDS, Simulated};
 use super::{Bar, Effort, Figure, Files, figure};
 use palpate::drive::journal::Journal;
+use palpate::drive::nets::NetPool;
 use palpate::drive::pacer::{now_ns, sleep_until};
 use palpate::recording::{Disk, DiskFile, FileSystem, RecorderSettings};
 use std::io::{self, Write};
@@ -67,13 +68,15 @@ pub(super) fn run(effort: Effort, out: &mut dyn FnMut(Figure)) -> anyhow::Result
         disk: Arc::new(disk),
         ..settings.to(&path)
     })?;
+    let mut nets = NetPool::new(&simulated.scene, port.nets_held());
     let (mut next, mut late) = (now_ns(), 0_u64);
     for _ in 0..seconds * 1_000 {
         next += 1_000_000;
         late += u64::from(now_ns() > next);
         sleep_until(next);
         let record = simulated.tick();
-        port.tick(&simulated.scene, &simulated.state, &record);
+        nets.begin();
+        port.tick(&simulated.scene, &simulated.state, &record, &mut nets);
     }
     drop(port);
     let summary = recorder.finish().last()?;

@@ -1,6 +1,7 @@
 //! A scene whose tools are moved, with a recorder.
 
 use palpate::drive::journal::Journal;
+use palpate::drive::nets::NetPool;
 use palpate::recording::{Recorder, RecorderPort, RecorderSettings, RecordingSummary};
 use palpate::wire;
 use palpate_client::device::Motion;
@@ -119,12 +120,14 @@ impl Simulated {
     /// Records so many ticks, as fast as they come.
     pub fn record(&mut self, path: &Path, ticks: u64) -> anyhow::Result<RecordingSummary> {
         let (recorder, mut port) = self.recorder(|settings| settings.to(path))?;
+        let mut nets = NetPool::new(&self.scene, port.nets_held());
         let gauges = recorder.gauges();
         let written = || gauges.bytes.load(Ordering::Relaxed);
         for _ in 0..ticks {
             let before = written();
             let record = self.tick();
-            port.tick(&self.scene, &self.state, &record);
+            nets.begin();
+            port.tick(&self.scene, &self.state, &record, &mut nets);
             // A loop gives its recorder a second for a second. Here it gets as long as it takes to
             // write something: its rings hold eight times as much.
             while record.output.tick.is_multiple_of(1_000) && written() == before {

@@ -3,6 +3,7 @@
 use super::session::{FOUR_HANDS, Simulated, TEARDROP};
 use super::{Bar, Effort, Figure, Files, figure};
 use palpate::drive::journal::Journal;
+use palpate::drive::nets::NetPool;
 use palpate::drive::pacer::{now_ns, sleep_until};
 use palpate::drive::stats::Histogram;
 
@@ -17,6 +18,7 @@ pub(super) fn run(effort: Effort, out: &mut dyn FnMut(Figure)) -> anyhow::Result
         let mut simulated = Simulated::new(text, |_| {})?;
         let path = files.path(&format!("{name}.mcap"));
         let (recorder, mut port) = simulated.recorder(|settings| settings.to(&path))?;
+        let mut nets = NetPool::new(&simulated.scene, port.nets_held());
         let (mut plain, mut keyframes) = (Histogram::default(), Histogram::default());
         let mut next = now_ns();
         for _ in 0..ticks {
@@ -25,7 +27,8 @@ pub(super) fn run(effort: Effort, out: &mut dyn FnMut(Figure)) -> anyhow::Result
             sleep_until(next);
             let record = simulated.tick();
             let begun = now_ns();
-            port.tick(&simulated.scene, &simulated.state, &record);
+            nets.begin();
+            port.tick(&simulated.scene, &simulated.state, &record, &mut nets);
             let took = now_ns() - begun;
             match record.output.tick.is_multiple_of(1_000) {
                 true => keyframes.add(took),

@@ -255,6 +255,11 @@ impl Deformable {
         self.matter.rest_state()
     }
 
+    /// Sets a state of this body back to rest. Allocates nothing.
+    pub fn set_to_rest(&self, state: &mut DeformableState) {
+        self.matter.set_to_rest(state);
+    }
+
     /// Buffers; call [`Deformable::predict`] before the first step.
     pub fn scratch(&self) -> DeformableScratch {
         self.matter.scratch()

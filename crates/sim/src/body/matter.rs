@@ -128,20 +128,33 @@ impl Matter {
 
     /// The state at rest.
     pub fn rest_state(&self) -> DeformableState {
-        let flows = self.flow.is_some();
-        let rest = self.law.springs.rest();
-        DeformableState {
-            positions: self.rest.clone(),
-            velocities: vec![Vector3::zeros(); self.rest.len()],
-            rest_lengths: if flows { rest.to_vec() } else { Vec::new() },
-            plastic_strain: if flows {
-                vec![[0.0; 4]; rest.len()]
-            } else {
-                Vec::new()
-            },
-            still: 0,
-            slept: 0,
-        }
+        let mut state = DeformableState::default();
+        self.set_to_rest(&mut state);
+        state
+    }
+
+    /// Sets a state of this body back to rest. Allocates nothing.
+    pub fn set_to_rest(&self, state: &mut DeformableState) {
+        let DeformableState {
+            positions,
+            velocities,
+            rest_lengths,
+            plastic_strain,
+            still,
+            slept,
+        } = state;
+        positions.clone_from(&self.rest);
+        velocities.clear();
+        velocities.resize(self.rest.len(), Vector3::zeros());
+        let rest: &[Lane] = match &self.flow {
+            Some(_) => self.law.springs.rest(),
+            None => &[],
+        };
+        rest_lengths.clear();
+        rest_lengths.extend_from_slice(rest);
+        plastic_strain.clear();
+        plastic_strain.resize(rest.len(), [0.0; 4]);
+        (*still, *slept) = (0, 0);
     }
 
     /// Buffers; call [`super::Deformable::predict`] before the first step.

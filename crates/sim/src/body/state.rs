@@ -6,7 +6,7 @@ use palpate_geometry::math::{Lane, Point3, Rows, Vector3};
 use palpate_geometry::stateful;
 
 /// What a replay restores.
-#[derive(Debug, PartialEq)]
+#[derive(Debug, Default, PartialEq)]
 pub struct DeformableState {
     /// (coordinates), m.
     pub positions: Vec<Point3>,
@@ -24,14 +24,7 @@ pub struct DeformableState {
 
 impl Clone for DeformableState {
     fn clone(&self) -> Self {
-        let mut copy = Self {
-            positions: Vec::new(),
-            velocities: Vec::new(),
-            rest_lengths: Vec::new(),
-            plastic_strain: Vec::new(),
-            still: 0,
-            slept: 0,
-        };
+        let mut copy = Self::default();
         copy.clone_from(self);
         copy
     }

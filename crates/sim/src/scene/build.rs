@@ -121,7 +121,7 @@ fn check_globals(spec: &SceneSpec, top: &At<'_>) {
     }
     if spec.tools.len() > MAX_TOOLS {
         top.key("tool").entry(MAX_TOOLS).key("id").refuse(format!(
-            "{} tools; at most {MAX_TOOLS} fit a tick's record",
+            "{} tools; a scene has at most {MAX_TOOLS} tools",
             spec.tools.len()
         ));
     }

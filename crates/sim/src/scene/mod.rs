@@ -35,7 +35,7 @@ pub use state::{BodyState, PairState, Pipeline, RunState, SceneState, ToolState,
 use crate::body::Deformable;
 use crate::haptics::{Coupling, DeviceBounds, DeviceFigures, LinkLimits, StiffnessLimits};
 use crate::solve::friction::Friction;
-use crate::solve::rows::Holder;
+use crate::solve::rows::{Holder, most_rows};
 use palpate_geometry::contact::dispatch::{Method, Party};
 use palpate_geometry::contact::{SampleGrid, ToolShape};
 use palpate_geometry::math::{Point3, Rotation};
@@ -210,6 +210,12 @@ impl Scene {
                 .figures
                 .stiffness_limits(tool.coupling.damping_n_s_m())
         })
+    }
+
+    /// Most contact rows of one tick, over all pairs.
+    pub fn most_rows(&self) -> usize {
+        let deforming = (0..self.body_count()).filter(|&body| self.deforms(body));
+        most_rows(self.tool_count() + deforming.count())
     }
 
     /// Id of a tool.

@@ -2,7 +2,7 @@
 
 use super::{BodyModel, Pair, Scene};
 use crate::body::Deformable;
-use crate::solve::rows::{Holder, MAX_ROWS};
+use crate::solve::rows::Holder;
 use palpate_geometry::contact::ToolShape;
 use palpate_geometry::contact::dispatch::Method;
 use serde::Serialize;
@@ -183,7 +183,7 @@ impl Scene {
             });
         }
         if !self.pairs.is_empty() {
-            let bytes = MAX_ROWS * MAX_ROWS * size_of::<f64>();
+            let bytes = self.most_rows().pow(2) * size_of::<f64>();
             buffers.push(BufferPlan {
                 name: "contact problem".into(),
                 bytes,

@@ -8,7 +8,7 @@ use crate::solve::complementarity::Complementarity;
 use crate::solve::cones::ConeShare;
 use crate::solve::delassus::Delassus;
 use crate::solve::friction::{FrictionProblem, Stick};
-use crate::solve::rows::{MAX_ROWS, MAX_ROWS_PER_PAIR, RowSet, SampleInTouch};
+use crate::solve::rows::{MAX_ROWS_PER_PAIR, RowSet, SampleInTouch};
 use crate::solve::sharing::Share;
 use palpate_geometry::contact::dispatch::Narrow;
 use palpate_geometry::contact::pair::PairSide;
@@ -41,6 +41,8 @@ pub struct Scratch {
     /// Where bodies that take several ticks step; without it they step in the tick in which they
     /// are due.
     pub(crate) pipeline: Option<Box<dyn Pipeline>>,
+    /// The state at the start, for a reset.
+    pub(crate) start: SceneState,
 }
 
 impl Scratch {
@@ -115,12 +117,13 @@ impl Scene {
 
     /// Buffers for the steps of one simulation, prepared for `state`.
     pub fn scratch(&self, state: &SceneState) -> Scratch {
-        let width =
+        let width_of =
             |surface: &Surface| (surface.knots_u().degree() + 1) * (surface.knots_v().degree() + 1);
-        let rows = self
+        let most_rows = self.most_rows();
+        let width = self
             .bodies
             .iter()
-            .map(|body| width(&body.surface))
+            .map(|body| width_of(&body.surface))
             .max()
             .unwrap_or(1);
         let deformables = || (0..self.body_count()).filter_map(|body| self.deformable(body));
@@ -149,7 +152,7 @@ impl Scene {
         });
         let frictional = self.pairs.iter().any(|pair| pair.friction.is_some());
         let frictional_rows = if frictional || self.tools.iter().any(|tool| tool.grip_n > 0.0) {
-            MAX_ROWS
+            most_rows
         } else {
             0
         };
@@ -157,20 +160,37 @@ impl Scene {
             bodies: bodies.collect(),
             pairs: self.pairs.iter().map(|pair| self.narrow(pair)).collect(),
             near: Near::new(self),
-            rows: RowSet::new(rows),
+            rows: RowSet::new(most_rows, self.tools.len(), width),
             hits: Vec::with_capacity(MAX_ROWS_PER_PAIR),
-            problem: Complementarity::new(MAX_ROWS),
-            friction: FrictionProblem::new(frictional_rows),
+            problem: Complementarity::new(most_rows),
+            friction: FrictionProblem::new(frictional_rows, self.tools.len()),
             cones: Vec::with_capacity(frictional_rows),
             sticks: Vec::with_capacity(frictional_rows),
-            shares: Vec::with_capacity(MAX_ROWS),
-            delassus: Delassus::new(2 * MAX_ROWS, rows, unknowns, surface),
+            shares: Vec::with_capacity(most_rows),
+            delassus: Delassus::new(2 * most_rows, width, unknowns, surface),
             pipeline: None,
+            start: self.initial_state(),
         };
         for body in 0..self.body_count() {
             self.prepare_body(body, state, &mut scratch, false);
         }
         scratch
+    }
+
+    /// Brings buffers that have been through ticks in line with another state of the scene: what
+    /// they compute from here on has the bits that new ones would compute. Allocates nothing.
+    pub(crate) fn reuse_scratch(&self, state: &SceneState, scratch: &mut Scratch) {
+        for body in 0..self.body_count() {
+            let deforming = scratch.bodies[body].deforming.as_mut();
+            if let (Some(deformable), Some(deforming)) = (self.deformable(body), deforming) {
+                deformable.drop_loads(&mut deforming.deformable);
+            }
+            self.prepare_body(body, state, scratch, false);
+        }
+        // Steps that were begun elsewhere belong to the state before.
+        if let Some(pipeline) = &mut scratch.pipeline {
+            pipeline.cancel();
+        }
     }
 
     /// Cells of a body that the last pass held back, because their tangent exceeded what the step follows.

@@ -8,7 +8,6 @@ use crate::solve::friction::Stick;
 use crate::solve::grip::{GRAB, GripState};
 use crate::solve::proxy::ProxyState;
 use crate::solve::row_key::{RowId, RowKey};
-use crate::solve::rows::MAX_ROWS;
 use palpate_geometry::math::{Coded, Point3, Rotation, StateSize, Vector3, state_size};
 use palpate_geometry::stateful;
 use palpate_geometry::surface::WarmFoot;
@@ -28,7 +27,7 @@ pub enum RunState {
 }
 
 /// All that a replay must restore. Hashed every tick.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Debug, PartialEq)]
 pub struct SceneState {
     /// Ticks done.
     pub tick: u64,
@@ -48,8 +47,8 @@ pub struct SceneState {
     pub frame: FrameState,
     /// A tool carries the bodies.
     pub(crate) carried: bool,
-    /// Contact forces of the last tick, the solver's warm start; `warm_len` of [`MAX_ROWS`] are
-    /// valid.
+    /// (rows of a tick at most, [`Scene::most_rows`]): contact forces of the last tick, the
+    /// solver's warm start; `warm_len` are valid.
     pub warm: Vec<WarmRow>,
     /// Valid entries of `warm`.
     pub warm_len: usize,
@@ -60,7 +59,7 @@ pub struct SceneState {
 }
 
 /// State of a body.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Debug, Default, PartialEq)]
 pub struct BodyState {
     /// Nodes, when it deforms.
     pub deformable: Option<DeformableState>,
@@ -196,11 +195,84 @@ impl Scene {
             pairs: vec![PairState::default(); self.pairs.len()],
             frame: FrameState::default(),
             carried: self.frame.is_some(),
-            warm: vec![WarmRow::default(); MAX_ROWS],
+            warm: vec![WarmRow::default(); self.most_rows()],
             warm_len: 0,
             warm_friction: false,
             warm_arms: false,
         }
+    }
+}
+
+impl Clone for SceneState {
+    fn clone(&self) -> Self {
+        let mut copy = Self {
+            tick: 0,
+            run: RunState::Running,
+            quality: 0,
+            faulted: false,
+            bodies: Vec::new(),
+            tools: Vec::new(),
+            pairs: Vec::new(),
+            frame: FrameState::default(),
+            carried: false,
+            warm: Vec::new(),
+            warm_len: 0,
+            warm_friction: false,
+            warm_arms: false,
+        };
+        copy.clone_from(self);
+        copy
+    }
+
+    /// Allocates nothing between states of one scene.
+    fn clone_from(&mut self, from: &Self) {
+        let Self {
+            tick,
+            run,
+            quality,
+            faulted,
+            bodies,
+            tools,
+            pairs,
+            frame,
+            carried,
+            warm,
+            warm_len,
+            warm_friction,
+            warm_arms,
+        } = self;
+        (*tick, *run) = (from.tick, from.run);
+        (*quality, *faulted) = (from.quality, from.faulted);
+        bodies.clone_from(&from.bodies);
+        tools.clone_from(&from.tools);
+        pairs.clone_from(&from.pairs);
+        (*frame, *carried) = (from.frame, from.carried);
+        warm.clone_from(&from.warm);
+        (*warm_len, *warm_friction, *warm_arms) =
+            (from.warm_len, from.warm_friction, from.warm_arms);
+    }
+}
+
+impl Clone for BodyState {
+    fn clone(&self) -> Self {
+        let mut copy = Self::default();
+        copy.clone_from(self);
+        copy
+    }
+
+    /// Allocates nothing between states of one body.
+    fn clone_from(&mut self, from: &Self) {
+        let Self {
+            deformable,
+            revision,
+            moved_m,
+            phase,
+            loads,
+        } = self;
+        // `Option` hands its value's own `clone_from` on.
+        deformable.clone_from(&from.deformable);
+        (*revision, *moved_m, *phase) = (from.revision, from.moved_m, from.phase);
+        loads.clone_from(&from.loads);
     }
 }
 
@@ -220,7 +292,8 @@ impl SceneState {
     /// Size of the largest state of this scene: contact rows and grips come and go.
     pub fn largest_size(&self) -> StateSize {
         let mut largest = self.clone();
-        (largest.warm_len, largest.warm_friction, largest.warm_arms) = (MAX_ROWS, true, true);
+        (largest.warm_len, largest.warm_friction, largest.warm_arms) =
+            (largest.warm.len(), true, true);
         for row in &mut largest.warm {
             row.id.key = RowKey::Loose(0);
         }
@@ -302,7 +375,7 @@ stateful!(SceneState, |this, walk| {
         [(0, warm_len), (32, warm_friction), (33, warm_arms)],
     )?;
     let count = *warm_len as u64;
-    walk.ensure(*warm_len <= MAX_ROWS, "number of contact rows", count)?;
+    walk.ensure(*warm_len <= warm.len(), "number of contact rows", count)?;
     for (_, row) in std::iter::zip(0..*warm_len, warm) {
         walk.clear(row)?;
         let WarmRow {

@@ -20,7 +20,6 @@
 //! not, and jams at a high μ have more than one answer: the one nearest to the last tick's is
 //! found.
 
-use super::rows::MAX_TOOLS;
 use palpate_geometry::math::{Lane, Vector3};
 
 /// Coulomb's law for a pair.
@@ -139,15 +138,18 @@ pub struct FrictionProblem {
     forces: Vec<Lane>,
     /// u, m.
     displaced: Vec<Lane>,
+    /// (tools), N·m: what turns each tool, within a solve.
+    torques: Vec<Lane>,
 }
 
 impl FrictionProblem {
-    /// Room for `capacity` rows.
-    pub fn new(capacity: usize) -> Self {
+    /// Room for `capacity` rows of `tools` tools.
+    pub fn new(capacity: usize, tools: usize) -> Self {
         Self {
             rows: Vec::with_capacity(capacity),
             forces: Vec::with_capacity(capacity),
             displaced: Vec::with_capacity(capacity),
+            torques: vec![[0.0; 4]; tools],
         }
     }
 
@@ -225,11 +227,11 @@ impl FrictionProblem {
             rows,
             forces,
             displaced,
+            torques,
         } = self;
-        // What turns each tool, N·m.
-        let mut torques = [[0.0; 4]; MAX_TOOLS];
+        torques.fill([0.0; 4]);
         for (row, force) in rows.iter().zip(forces.iter()) {
-            row.turning.add(&mut torques, force);
+            row.turning.add(torques, force);
         }
         for _ in 0..sweeps {
             for (i, row) in rows.iter_mut().enumerate() {
@@ -241,7 +243,7 @@ impl FrictionProblem {
                 let mut next = [0.0; 4];
                 if stiffness > 0.0 && stiffness.is_finite() {
                     let mut u = total(compliances, forces, &row.free);
-                    turning.displace(&torques, &mut u);
+                    turning.displace(torques, &mut u);
                     let mut wish = [0.0; 4];
                     for c in 0..4 {
                         wish[c] = forces[i][c] - u[c] * stiffness;
@@ -253,14 +255,14 @@ impl FrictionProblem {
                     for c in 0..4 {
                         change[c] = next[c] - forces[i][c];
                     }
-                    turning.add(&mut torques, &change);
+                    turning.add(torques, &change);
                 }
                 forces[i] = next;
             }
         }
         for (i, row) in rows.iter().enumerate() {
             displaced[i] = total(&matrix[i * n..(i + 1) * n], forces, &row.free);
-            row.turning.displace(&torques, &mut displaced[i]);
+            row.turning.displace(torques, &mut displaced[i]);
         }
     }
 
@@ -342,7 +344,7 @@ fn total(compliances: &[f64], forces: &[Lane], free: &Lane) -> Lane {
 impl Turning {
     /// A force turns the tool.
     #[inline(always)]
-    fn add(&self, torques: &mut [Lane; MAX_TOOLS], force: &Lane) {
+    fn add(&self, torques: &mut [Lane], force: &Lane) {
         if self.compliance > 0.0 {
             let torque = cross(&self.arm, force);
             for c in 0..4 {
@@ -353,7 +355,7 @@ impl Turning {
 
     /// The tool's turn moves the row.
     #[inline(always)]
-    fn displace(&self, torques: &[Lane; MAX_TOOLS], u: &mut Lane) {
+    fn displace(&self, torques: &[Lane], u: &mut Lane) {
         if self.compliance > 0.0 {
             let moved = cross(&torques[self.tool], &self.arm);
             for c in 0..4 {

@@ -12,10 +12,12 @@ use palpate_geometry::contact::{Facing, SampleGrid, Weights};
 use palpate_geometry::math::{Point3, Rotation, Vector3};
 use palpate_geometry::surface::Surface;
 
-/// Most rows of one tick over all pairs.
-pub const MAX_ROWS: usize = 192;
-/// Most tools of a scene: per-tick records have a fixed size.
-pub const MAX_TOOLS: usize = 8;
+/// Most tools of a scene.
+pub const MAX_TOOLS: usize = 64;
+/// Rows of a tick for each tool and each body that deforms.
+const ROWS_PER_PARTY: usize = 24;
+/// Parties for which there are rows at least and at most: buffers grow with the square of the rows.
+const PARTIES: [usize; 2] = [8, 64];
 /// Most rows of one pair.
 pub const MAX_ROWS_PER_PAIR: usize = 96;
 /// Most samples of one pair: the rest is for feet.
@@ -122,22 +124,31 @@ pub struct RowSet {
     /// Where the rows of the present pair begin.
     pair_start: usize,
     /// By tool: where free motion of the coupling takes the proxy, m.
-    pub free: [Point3; MAX_TOOLS],
+    pub free: Vec<Point3>,
     /// By tool: how free motion of the coupling turns the proxy.
-    pub free_turns: [Rotation; MAX_TOOLS],
+    pub free_turns: Vec<Rotation>,
     /// By tool: the proxy held back by the surfaces as they stand, m.
-    pub proxies: [Point3; MAX_TOOLS],
+    pub proxies: Vec<Point3>,
     /// By tool: share of its contact forces that the limiter let through.
-    pub factors: [f64; MAX_TOOLS],
+    pub factors: Vec<f64>,
+    /// Most rows.
+    most: usize,
+}
+
+/// Most rows of one tick over all pairs of a scene, whose tools and deforming bodies are `parties`
+/// together.
+pub fn most_rows(parties: usize) -> usize {
+    let [least, most] = PARTIES;
+    ROWS_PER_PARTY * parties.clamp(least, most)
 }
 
 impl RowSet {
-    /// Room for [`MAX_ROWS`] rows on surfaces whose points have at most `width` weights.
-    pub fn new(width: usize) -> Self {
+    /// Room for `most` rows of `tools` tools on surfaces whose points have at most `width` weights.
+    pub fn new(most: usize, tools: usize, width: usize) -> Self {
         // Two sides a row.
-        let room = 2 * MAX_ROWS * width;
+        let room = 2 * most * width;
         Self {
-            rows: Vec::with_capacity(MAX_ROWS),
+            rows: Vec::with_capacity(most),
             controls: Vec::with_capacity(room),
             weights: Vec::with_capacity(room),
             scratch: Weights {
@@ -145,10 +156,11 @@ impl RowSet {
                 weights: Vec::with_capacity(width),
             },
             pair_start: 0,
-            free: [Point3::origin(); MAX_TOOLS],
-            free_turns: [Rotation::identity(); MAX_TOOLS],
-            proxies: [Point3::origin(); MAX_TOOLS],
-            factors: [0.0; MAX_TOOLS],
+            free: vec![Point3::origin(); tools],
+            free_turns: vec![Rotation::identity(); tools],
+            proxies: vec![Point3::origin(); tools],
+            factors: vec![0.0; tools],
+            most,
         }
     }
 
@@ -182,7 +194,7 @@ impl RowSet {
 
     /// True when the present pair may not have more rows.
     fn full(&self) -> bool {
-        self.rows.len() == MAX_ROWS || self.rows.len() - self.pair_start == MAX_ROWS_PER_PAIR
+        self.rows.len() == self.most || self.rows.len() - self.pair_start == MAX_ROWS_PER_PAIR
     }
 
     /// Adds a row whose gap is `row.gap_m` now, if it closes to less than `margin_m` or has; the

@@ -84,7 +84,7 @@ pub(super) fn emit(
             if out.contact.is_none_or(|deepest| depth_m > deepest.depth_m) {
                 out.contact = Some(report);
             }
-            output.contacts.push(report);
+            output.contacts.push(report, scene.tools.len());
         }
         // A device without motors for torque lacks nothing that it could have.
         if factor < 1.0 || limit_nm > 0.0 && rendered.torque_nm() != torque {
@@ -117,7 +117,7 @@ pub(super) fn emit(
             };
             output
                 .contacts
-                .push(report(row, -scratch.gap_after(i), push));
+                .push(report(row, -scratch.gap_after(i), push), scene.tools.len());
         }
     }
     for t in 0..scene.tools.len() {

@@ -8,6 +8,7 @@
 mod admit;
 mod balance;
 mod between;
+mod by_tool;
 mod cover;
 mod emit;
 mod face;
@@ -24,4 +25,4 @@ pub mod stage;
 mod step;
 mod stick;
 
-pub use step::{apply, deform, hash, render, restore, step};
+pub use step::{apply, deform, hash, render, restore, step, step_into};

@@ -49,7 +49,7 @@ pub(super) fn advance(scene: &Scene, state: &mut SceneState, scratch: &mut Scrat
         let sum: f64 = deformable.positions.iter().map(|p| p.x + p.y + p.z).sum();
         let finite = sum.is_finite();
         if !finite {
-            *deformable = model.deformable.rest_state();
+            model.deformable.set_to_rest(deformable);
             sound = false;
         }
         let surface = &scratch.bodies[b].surface;

@@ -1,17 +1,41 @@
-//! What goes into a tick and what comes out: fixed size, `Copy`, no allocation.
+//! What goes into a tick and what comes out, as large as the scene has tools.
+//!
+//! Lists are made once, for a number of tools, and filled again every tick: copies between two of
+//! the same scene (`clone_from`) allocate nothing.
 
+pub use super::by_tool::{Absent, ByTool};
 use super::stage::StageTimes;
 use crate::haptics::{DeviceBounds, DevicePose};
-use crate::scene::spec::MAX_TOOLS;
 use crate::solve::rows::Holder;
 use palpate_geometry::math::{Point3, Rotation, Vector3};
 
-/// Newly latched poses, by tool index; `None`: nothing new since the last tick. Poses here are
-/// finite with unit quaternions.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+/// Newly latched poses. The default is an input without news, for any scene.
+#[derive(Debug, Default, PartialEq)]
 pub struct TickInput {
-    /// (tool_count used of MAX_TOOLS).
-    pub poses: [Option<DevicePose>; MAX_TOOLS],
+    /// Finite, with unit quaternions; `None`: nothing new since the last tick.
+    pub poses: ByTool<Option<DevicePose>>,
+}
+
+impl TickInput {
+    /// Without news, with room for so many tools.
+    pub fn for_tools(tool_count: usize) -> Self {
+        Self {
+            poses: ByTool::for_tools(tool_count),
+        }
+    }
+}
+
+impl Clone for TickInput {
+    fn clone(&self) -> Self {
+        Self {
+            poses: self.poses.clone(),
+        }
+    }
+
+    /// Allocates nothing where there is room for as many tools.
+    fn clone_from(&mut self, from: &Self) {
+        self.poses.clone_from(&from.poses);
+    }
 }
 
 /// A change between ticks, recorded with the tick before which it took effect.
@@ -59,50 +83,58 @@ pub struct ContactReport {
     pub force_n: Vector3,
 }
 
-/// Most contacts a tick reports.
-pub const MAX_REPORTS: usize = 16;
+/// Contacts that a tick reports at most, in a scene of few tools.
+const FEW_REPORTS: usize = 16;
+/// The same for each tool, in a scene of many.
+const REPORTS_PER_TOOL: usize = 2;
 
-/// The deepest contacts of a tick, deepest first.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// The deepest contacts of a tick, deepest first: 16, or 2 for each tool where that is more.
+#[derive(Debug, Default, PartialEq)]
 pub struct ContactReports {
-    list: [ContactReport; MAX_REPORTS],
-    len: usize,
+    list: Vec<ContactReport>,
 }
 
-impl Default for ContactReports {
-    fn default() -> Self {
-        let none = ContactReport {
-            body: 0,
-            holder: Holder::Tool(0),
-            u: 0.0,
-            v: 0.0,
-            point: Point3::origin(),
-            normal: Vector3::zeros(),
-            depth_m: 0.0,
-            force_n: Vector3::zeros(),
-        };
-        Self {
-            list: [none; MAX_REPORTS],
-            len: 0,
-        }
+impl Clone for ContactReports {
+    fn clone(&self) -> Self {
+        // With its room: a copy is filled as the first one was.
+        let mut list = Vec::with_capacity(self.list.capacity());
+        list.extend_from_slice(&self.list);
+        Self { list }
+    }
+
+    fn clone_from(&mut self, from: &Self) {
+        self.list.clone_from(&from.list);
     }
 }
 
 impl ContactReports {
-    /// Keeps it in its place; the shallowest leaves a full list.
-    pub(super) fn push(&mut self, report: ContactReport) {
-        let at = self.list[..self.len].partition_point(|held| held.depth_m >= report.depth_m);
-        if at == MAX_REPORTS {
+    fn most(tool_count: usize) -> usize {
+        FEW_REPORTS.max(REPORTS_PER_TOOL * tool_count)
+    }
+
+    fn for_tools(tool_count: usize) -> Self {
+        Self {
+            list: Vec::with_capacity(Self::most(tool_count)),
+        }
+    }
+
+    /// Keeps it in its place; the shallowest leaves a list that is full for a scene of so many
+    /// tools.
+    pub(super) fn push(&mut self, report: ContactReport, tool_count: usize) {
+        let at = self
+            .list
+            .partition_point(|held| held.depth_m >= report.depth_m);
+        let most = Self::most(tool_count);
+        if at == most {
             return;
         }
-        self.len = (self.len + 1).min(MAX_REPORTS);
-        self.list.copy_within(at..self.len - 1, at + 1);
-        self.list[at] = report;
+        self.list.truncate(most - 1);
+        self.list.insert(at, report);
     }
 
     /// Deepest first.
     pub fn list(&self) -> &[ContactReport] {
-        &self.list[..self.len]
+        &self.list
     }
 }
 
@@ -175,12 +207,12 @@ pub enum TickFault {
 }
 
 /// What comes out of a tick.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Debug, Default, PartialEq)]
 pub struct TickOutput {
     /// Number of the tick, from 1.
     pub tick: u64,
-    /// By tool index.
-    pub tools: [ToolOutput; MAX_TOOLS],
+    /// What each tool gets.
+    pub tools: ByTool<ToolOutput>,
     /// Contacts of all pairs. Recordings keep the deepest of each tool; a replay makes all of them
     /// again.
     pub contacts: ContactReports,
@@ -196,8 +228,67 @@ pub struct TickOutput {
     pub fault: Option<TickFault>,
 }
 
+impl TickOutput {
+    /// Before the first tick, with room for so many tools.
+    pub fn for_tools(tool_count: usize) -> Self {
+        Self {
+            tools: ByTool::for_tools(tool_count),
+            contacts: ContactReports::for_tools(tool_count),
+            ..Self::default()
+        }
+    }
+
+    /// Nothing has come out yet. Allocates nothing where there is room for as many tools.
+    pub(super) fn clear(&mut self, tool_count: usize) {
+        let Self {
+            tick,
+            tools,
+            contacts,
+            net_revision,
+            state_hash,
+            moving,
+            quality,
+            fault,
+        } = self;
+        tools.reset(tool_count);
+        contacts.list.clear();
+        contacts.list.reserve(ContactReports::most(tool_count));
+        (*tick, *net_revision, *state_hash) = (0, 0, 0);
+        (*moving, *quality, *fault) = (false, 0, None);
+    }
+}
+
+impl Clone for TickOutput {
+    fn clone(&self) -> Self {
+        let mut copy = Self {
+            contacts: self.contacts.clone(),
+            ..Self::default()
+        };
+        copy.clone_from(self);
+        copy
+    }
+
+    /// Allocates nothing where there is room for as many tools.
+    fn clone_from(&mut self, from: &Self) {
+        let Self {
+            tick,
+            tools,
+            contacts,
+            net_revision,
+            state_hash,
+            moving,
+            quality,
+            fault,
+        } = self;
+        tools.clone_from(&from.tools);
+        contacts.clone_from(&from.contacts);
+        (*tick, *net_revision, *state_hash) = (from.tick, from.net_revision, from.state_hash);
+        (*moving, *quality, *fault) = (from.moving, from.quality, from.fault);
+    }
+}
+
 /// One tick for the journal: what was applied, what came out, and how long it took.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Debug, Default, PartialEq)]
 pub struct TickRecord {
     /// What was applied.
     pub input: TickInput,
@@ -209,4 +300,74 @@ pub struct TickRecord {
     pub skipped: u32,
     /// Wall time of each stage, ns.
     pub stage_ns: StageTimes,
+}
+
+impl TickRecord {
+    /// Before the first tick, with room for so many tools.
+    pub fn for_tools(tool_count: usize) -> Self {
+        Self {
+            input: TickInput::for_tools(tool_count),
+            output: TickOutput::for_tools(tool_count),
+            ..Self::default()
+        }
+    }
+}
+
+impl Clone for TickRecord {
+    fn clone(&self) -> Self {
+        Self {
+            input: self.input.clone(),
+            output: self.output.clone(),
+            late_ns: self.late_ns,
+            skipped: self.skipped,
+            stage_ns: self.stage_ns,
+        }
+    }
+
+    /// Allocates nothing where there is room for as many tools.
+    fn clone_from(&mut self, from: &Self) {
+        let Self {
+            input,
+            output,
+            late_ns,
+            skipped,
+            stage_ns,
+        } = self;
+        input.clone_from(&from.input);
+        output.clone_from(&from.output);
+        (*late_ns, *skipped, *stage_ns) = (from.late_ns, from.skipped, from.stage_ns);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn report(depth_m: f64) -> ContactReport {
+        ContactReport {
+            body: 0,
+            holder: Holder::Tool(0),
+            u: 0.0,
+            v: 0.0,
+            point: Point3::origin(),
+            normal: Vector3::zeros(),
+            depth_m,
+            force_n: Vector3::zeros(),
+        }
+    }
+
+    #[test]
+    fn the_deepest_contacts_stay_deepest_first() {
+        for (tools, most) in [(1, 16), (8, 16), (9, 18), (64, 128)] {
+            let mut reports = ContactReports::for_tools(tools);
+            let room = reports.list.capacity();
+            for k in 0..400 {
+                reports.push(report(f64::from(k * 37 % 400)), tools);
+            }
+            let depths: Vec<f64> = reports.list().iter().map(|held| held.depth_m).collect();
+            let expected: Vec<f64> = (0..most).map(|k| 399.0 - f64::from(k)).collect();
+            assert_eq!(depths, expected);
+            assert_eq!(reports.list.capacity(), room, "the list grew");
+        }
+    }
 }

@@ -2,12 +2,11 @@
 
 use super::record::{Command, TickFault, TickInput, TickOutput};
 use super::{admit, balance, emit, gather, iterate, motion};
-use crate::haptics::DeviceBounds;
 use crate::scene::{RunState, Scene, SceneState, Scratch, flags, quality};
-use crate::solve::rows::MAX_TOOLS;
 use palpate_geometry::math::{SavedState, StateError, state_hash};
 
-/// Advances by one tick: [`render`], then [`deform`], then [`hash`].
+/// Advances by one tick: [`render`], then [`deform`], then [`hash`]. The output is made anew, and
+/// that is all that is allocated; loops fill one that is there with [`step_into`].
 ///
 /// # Examples
 /// ```
@@ -38,20 +37,35 @@ pub fn step(
     scratch: &mut Scratch,
     input: &TickInput,
 ) -> TickOutput {
-    let mut output = render(scene, state, scratch, input);
-    deform(scene, state, scratch, &mut output);
-    hash(state, &mut output);
+    let mut output = TickOutput::for_tools(scene.tool_count());
+    step_into(scene, state, scratch, input, &mut output);
     output
 }
 
-/// [`Stage::Render`](super::stage::Stage): admits the poses, finds contacts and forces. Everything
-/// in the output but `state_hash`, `net_revision` and a fault of the bodies is final.
+/// [`step`] into an output that is there already. Allocates nothing when `output` has room for the
+/// scene's tools ([`TickOutput::for_tools`]).
+pub fn step_into(
+    scene: &Scene,
+    state: &mut SceneState,
+    scratch: &mut Scratch,
+    input: &TickInput,
+    output: &mut TickOutput,
+) {
+    render(scene, state, scratch, input, output);
+    deform(scene, state, scratch, output);
+    hash(state, output);
+}
+
+/// [`Stage::Render`](super::stage::Stage): admits the poses, finds contacts and forces. What
+/// `output` held before is gone; everything in it but `state_hash`, `net_revision` and a fault of
+/// the bodies is final.
 pub fn render(
     scene: &Scene,
     state: &mut SceneState,
     scratch: &mut Scratch,
     input: &TickInput,
-) -> TickOutput {
+    output: &mut TickOutput,
+) {
     state.tick += 1;
     let moving = match &mut state.run {
         RunState::Running => true,
@@ -61,23 +75,18 @@ pub fn render(
             true
         }
     };
-    let mut output = TickOutput {
-        tick: state.tick,
-        moving,
-        quality: state.quality,
-        ..TickOutput::default()
-    };
+    output.clear(scene.tool_count());
+    (output.tick, output.moving, output.quality) = (state.tick, moving, state.quality);
     let wanted = state.run == RunState::Running;
-    admit::admit(scene, state, input, wanted, &mut output);
+    admit::admit(scene, state, input, wanted, output);
     gather::gather(scene, state, scratch);
     balance::solve(scene, state, scratch);
     iterate::iterate(scene, state, scratch);
-    emit::emit(scene, state, scratch, &mut output);
+    emit::emit(scene, state, scratch, output);
     if std::mem::take(&mut state.faulted) {
-        let tools = output.tools.iter_mut().take(scene.tool_count());
+        let tools = output.tools.as_mut_slice().iter_mut();
         tools.for_each(|tool| tool.flags |= flags::FAULT);
     }
-    output
 }
 
 /// [`Stage::Deform`](super::stage::Stage): moves the bodies and predicts their next free motion.
@@ -102,34 +111,23 @@ pub fn hash(state: &SceneState, output: &mut TickOutput) {
     output.state_hash = state_hash(state);
 }
 
-/// Applies a command between ticks.
+/// Applies a command between ticks. Allocates nothing: a reset writes the start into the state and
+/// the scratch that are there.
 pub fn apply(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch, command: Command) {
     match command {
         Command::Reset => {
-            let (tick, quality) = (state.tick, state.quality);
-            let revisions = state
-                .bodies
-                .iter()
-                .map(|body| body.revision + 1)
-                .collect::<Vec<_>>();
-            let mut bounds = [DeviceBounds::default(); MAX_TOOLS];
-            bounds
-                .iter_mut()
-                .zip(&state.tools)
-                .for_each(|(bounds, tool)| *bounds = tool.bounds);
-            *state = scene.initial_state();
+            let start = &mut scratch.start;
             // Ticks are as long as before, and devices what they were: neither is part of the
             // start.
-            (state.tick, state.quality) = (tick, quality);
-            state
-                .tools
-                .iter_mut()
-                .zip(bounds)
-                .for_each(|(tool, bounds)| tool.bounds = bounds);
-            for (body, revision) in state.bodies.iter_mut().zip(revisions) {
-                body.revision = revision;
+            (start.tick, start.quality) = (state.tick, state.quality);
+            for (start, tool) in start.tools.iter_mut().zip(&state.tools) {
+                start.bounds = tool.bounds;
             }
-            renew(scene, state, scratch);
+            for (start, body) in start.bodies.iter_mut().zip(&state.bodies) {
+                start.revision = body.revision + 1;
+            }
+            state.clone_from(start);
+            scene.reuse_scratch(state, scratch);
         }
         Command::Pause => {
             if state.run == RunState::Running {
@@ -167,16 +165,6 @@ pub fn restore(
     saved: &SavedState,
 ) -> Result<(), StateError> {
     saved.restore_into(state)?;
-    renew(scene, state, scratch);
+    scene.reuse_scratch(state, scratch);
     Ok(())
-}
-
-/// Makes the scratch anew for a state; steps that were begun elsewhere belong to another.
-fn renew(scene: &Scene, state: &SceneState, scratch: &mut Scratch) {
-    let pipeline = scratch.pipeline.take();
-    *scratch = scene.scratch(state);
-    scratch.pipeline = pipeline;
-    if let Some(pipeline) = &mut scratch.pipeline {
-        pipeline.cancel();
-    }
 }

@@ -4,8 +4,8 @@
 use palpate_geometry::math::{Point3, Rotation, Vector3};
 use palpate_sim::haptics::DevicePose;
 use palpate_sim::scene::{Scene, SceneState, Scratch, file};
-use palpate_sim::tick::record::{TickInput, TickOutput};
-use palpate_sim::tick::step;
+use palpate_sim::tick::record::{TickOutput, TickRecord};
+use palpate_sim::tick::step_into;
 use std::path::Path;
 
 /// A scene with its state.
@@ -14,6 +14,8 @@ pub struct World {
     pub state: SceneState,
     pub scratch: Scratch,
     pub seq: u64,
+    /// Of the tick before.
+    pub record: TickRecord,
 }
 
 impl World {
@@ -23,54 +25,80 @@ impl World {
         let scene = Scene::build(&loaded.spec, Path::new(".")).unwrap_or_else(|e| panic!("{e}"));
         let state = scene.initial_state();
         let scratch = scene.scratch(&state);
+        let record = TickRecord::for_tools(scene.tool_count());
         Self {
             scene,
             state,
             scratch,
             seq: 0,
+            record,
         }
     }
 
-    /// One tick with the first tool at a place.
-    pub fn at(&mut self, position: [f64; 3]) -> TickOutput {
-        self.seq += 1;
-        let mut input = TickInput::default();
-        input.poses[0] = Some(pose(self.seq, position));
-        step(&self.scene, &mut self.state, &mut self.scratch, &input)
+    /// One tick with the poses of the record, in buffers that are there already.
+    fn tick(&mut self) -> &TickOutput {
+        let TickRecord { input, output, .. } = &mut self.record;
+        step_into(
+            &self.scene,
+            &mut self.state,
+            &mut self.scratch,
+            input,
+            output,
+        );
+        output
     }
 
-    /// One tick with the first tool in a pose.
-    pub fn posed(&mut self, pose: DevicePose) -> TickOutput {
-        self.seq += 1;
-        let mut input = TickInput::default();
-        input.poses[0] = Some(DevicePose {
-            seq: self.seq,
-            ..pose
-        });
-        step(&self.scene, &mut self.state, &mut self.scratch, &input)
+    /// As [`World::at`], without allocating.
+    pub fn at_in_place(&mut self, position: [f64; 3]) -> &TickOutput {
+        self.posed_in_place(pose(0, position))
     }
 
-    /// One tick with every tool at a place, and its buttons.
-    pub fn all(&mut self, tools: &[([f64; 3], u32)]) -> TickOutput {
+    /// As [`World::posed`], without allocating.
+    pub fn posed_in_place(&mut self, pose: DevicePose) -> &TickOutput {
         self.seq += 1;
-        let mut input = TickInput::default();
-        for (slot, &(position, buttons)) in input.poses.iter_mut().zip(tools) {
-            *slot = Some(DevicePose {
+        let seq = self.seq;
+        self.record.input.poses.reset(self.scene.tool_count());
+        self.record.input.poses[0] = Some(DevicePose { seq, ..pose });
+        self.tick()
+    }
+
+    /// As [`World::all`], without allocating.
+    pub fn all_in_place(&mut self, tools: &[([f64; 3], u32)]) -> &TickOutput {
+        self.seq += 1;
+        self.record.input.poses.reset(self.scene.tool_count());
+        for (tool, &(position, buttons)) in tools.iter().enumerate() {
+            self.record.input.poses[tool] = Some(DevicePose {
                 buttons,
                 ..pose(self.seq, position)
             });
         }
-        step(&self.scene, &mut self.state, &mut self.scratch, &input)
+        self.tick()
+    }
+
+    /// As [`World::silent`], without allocating.
+    pub fn silent_in_place(&mut self) -> &TickOutput {
+        self.record.input.poses.reset(self.scene.tool_count());
+        self.tick()
+    }
+
+    /// One tick with the first tool at a place.
+    pub fn at(&mut self, position: [f64; 3]) -> TickOutput {
+        self.at_in_place(position).clone()
+    }
+
+    /// One tick with the first tool in a pose.
+    pub fn posed(&mut self, pose: DevicePose) -> TickOutput {
+        self.posed_in_place(pose).clone()
+    }
+
+    /// One tick with every tool at a place, and its buttons.
+    pub fn all(&mut self, tools: &[([f64; 3], u32)]) -> TickOutput {
+        self.all_in_place(tools).clone()
     }
 
     /// One tick without news.
     pub fn silent(&mut self) -> TickOutput {
-        step(
-            &self.scene,
-            &mut self.state,
-            &mut self.scratch,
-            &TickInput::default(),
-        )
+        self.silent_in_place().clone()
     }
 }
 
@@ -119,4 +147,29 @@ pub fn press(world: &mut World, depth_m: f64, ticks: usize) -> f64 {
             .z;
     }
     force
+}
+
+/// Place of a tool of [`many_tools`] at the start, m: an 8 × 8 grid 30 mm above the slab.
+pub fn place_of_many(tool: usize) -> [f64; 3] {
+    let along = |k: usize| 0.1 * k as f64 - 0.35;
+    [along(tool / 8), along(tool % 8), 0.03]
+}
+
+/// A soft slab of 0.8 m × 0.8 m × 20 mm on its underside, and balls of 20 mm above it, 0.1 m apart:
+/// those with these numbers. `more` is said of each.
+pub fn many_tools(tools: impl IntoIterator<Item = usize>, more: &str) -> String {
+    let mut text = "[record]\nkeyframe_s = 0.05\n[[body]]\nid = \"slab\"\n\
+                    surface = { builtin = \"sheet\", net = [19, 19], size = 0.8 }\nmodel = \"lattice\"\n\
+                    lattice = { layers = 2, refine = \"none\", thickness_m = 0.02 }\n\
+                    fixed = [{ point = [0.0, 0.0, -0.0199], normal = [0.0, 0.0, 1.0] }]\n"
+        .to_owned();
+    for tool in tools {
+        text += &format!(
+            "[[tool]]\nid = \"ball{tool}\"\nshape = {{ sphere = {{ radius_m = 0.02 }} }}\n\
+             pose = {{ position = {:?} }}\ncoupling = {{ stiffness_n_m = 800.0, damping_n_s_m = 0.0 }}\n\
+             device = {{ force_max_n = 1e9, ramp_s = 0.0 }}\n{more}\n",
+            place_of_many(tool)
+        );
+    }
+    text
 }

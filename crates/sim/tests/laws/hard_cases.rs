@@ -110,8 +110,8 @@ fn renew(world: &mut World) {
 fn all_at(world: &mut World, places: &[[f64; 3]]) -> TickOutput {
     world.seq += 1;
     let mut input = TickInput::default();
-    for (slot, place) in input.poses.iter_mut().zip(places) {
-        *slot = Some(pose(world.seq, *place));
+    for (tool, place) in places.iter().enumerate() {
+        input.poses[tool] = Some(pose(world.seq, *place));
     }
     step(&world.scene, &mut world.state, &mut world.scratch, &input)
 }

@@ -12,6 +12,7 @@ mod friction;
 mod grip;
 mod haptics;
 mod hard_cases;
+mod many_tools;
 mod models;
 mod quality;
 mod rigid;

@@ -1,6 +1,6 @@
 //! The tick allocates nothing once it runs.
 
-use crate::common::{World, teardrop};
+use crate::common::{World, many_tools, place_of_many, teardrop};
 use crate::counting::allocations;
 use palpate_sim::solve::rows::Holder;
 use palpate_sim::tick::record::Command;
@@ -13,18 +13,18 @@ fn the_counter_counts() {
 /// Approaches, presses, slides, leaves and comes back.
 fn touch(world: &mut World) -> u64 {
     for _ in 0..5 {
-        world.at([0.06, 0.003, 0.045]);
+        world.at_in_place([0.06, 0.003, 0.045]);
     }
     let mut touched = 0;
     let count = allocations(|| {
         for k in 0..3_000 {
             let t = f64::from(k) * 1e-3;
             let x = 0.036 + 0.012 * (4.0 * t).cos();
-            let out = world.at([x, 0.003 + 0.004 * (3.0 * t).sin(), 0.045]);
+            let out = world.at_in_place([x, 0.003 + 0.004 * (3.0 * t).sin(), 0.045]);
             touched += u32::from(out.tools[0].contact.is_some());
         }
         for _ in 0..200 {
-            world.silent();
+            world.silent_in_place();
         }
     });
     assert!(touched > 500, "only {touched} ticks in touch");
@@ -54,7 +54,7 @@ fn a_change_of_quality_allocates_nothing() {
         "model = \"lattice\"\nintegrator = { iterations = 3 }\n",
     ));
     for x in [0.06, 0.052, 0.044, 0.036] {
-        world.at([x, 0.003, 0.045]);
+        world.at_in_place([x, 0.003, 0.045]);
     }
     let mut touched = 0;
     let count = allocations(|| {
@@ -68,12 +68,47 @@ fn a_change_of_quality_allocates_nothing() {
                     Command::Quality(level),
                 );
             }
-            let out = world.at([0.03 - 0.006 * (0.01 * f64::from(k)).sin(), 0.003, 0.045]);
+            let out = world.at_in_place([0.03 - 0.006 * (0.01 * f64::from(k)).sin(), 0.003, 0.045]);
             touched += u32::from(out.tools[0].contact.is_some());
         }
     });
     assert!(touched > 300, "only {touched} ticks in touch");
     assert_eq!(count, 0);
+}
+
+/// Is set back to the start now and then while it is pressed.
+#[test]
+fn a_reset_allocates_nothing() {
+    let soft = teardrop(20e3, "[16, 17]").replace("stiffness_n_m = inf", "stiffness_n_m = 800.0");
+    let plastic = soft.replace(
+        "young_pa = 20000.0 }",
+        "young_pa = 20000.0, plastic = { yield_strain = 0.01, rate_per_s = 20.0, hardening = 0.1, spread_m = 0.03 } }",
+    );
+    assert_ne!(plastic, soft);
+    for text in [soft.replace("model = \"lattice\"\n", ""), soft, plastic] {
+        let mut world = World::new(&text);
+        for x in [0.06, 0.052, 0.044, 0.036] {
+            world.at_in_place([x, 0.003, 0.045]);
+        }
+        let mut touched = 0;
+        let count = allocations(|| {
+            for k in 0..400u32 {
+                if k % 100 == 50 {
+                    palpate_sim::tick::apply(
+                        &world.scene,
+                        &mut world.state,
+                        &mut world.scratch,
+                        Command::Reset,
+                    );
+                }
+                let out =
+                    world.at_in_place([0.03 - 0.006 * (0.01 * f64::from(k)).sin(), 0.003, 0.045]);
+                touched += u32::from(out.tools[0].contact.is_some());
+            }
+        });
+        assert!(touched > 200, "only {touched} ticks in touch");
+        assert_eq!(count, 0);
+    }
 }
 
 /// Slides with friction, grabs, pulls, slips off and lets go.
@@ -86,7 +121,7 @@ fn a_tick_with_friction_and_a_grip_allocates_nothing() {
     for text in [soft.replace("model = \"lattice\"\n", ""), soft] {
         let mut world = World::new(&text);
         for x in [0.06, 0.052, 0.044, 0.036] {
-            world.at([x, 0.003, 0.045]);
+            world.at_in_place([x, 0.003, 0.045]);
         }
         let (mut held, mut touched) = (0, 0);
         let count = allocations(|| {
@@ -97,7 +132,7 @@ fn a_tick_with_friction_and_a_grip_allocates_nothing() {
                     0.003 + 0.004 * (9.0 * t).sin(),
                     0.045,
                 ];
-                let out = world.all(&[(place, u32::from(k % 900 > 300))]);
+                let out = world.all_in_place(&[(place, u32::from(k % 900 > 300))]);
                 held += u32::from(out.tools[0].flags & palpate_sim::scene::flags::GRABBING != 0);
                 touched += u32::from(out.tools[0].contact.is_some());
             }
@@ -127,13 +162,13 @@ fn a_tick_of_a_tool_that_turns_allocates_nothing() {
         for text in [soft.replace("model = \"lattice\"\n", ""), soft] {
             let mut world = World::new(&text);
             for x in [0.06, 0.052, 0.044, 0.036] {
-                world.at([x, 0.003, 0.045]);
+                world.at_in_place([x, 0.003, 0.045]);
             }
             let (mut touched, mut damped) = (0, 0);
             let count = allocations(|| {
                 for k in 0..2_000 {
                     let t = f64::from(k) * 1e-3;
-                    let out = world.at([
+                    let out = world.at_in_place([
                         0.03 + 0.008 * (40.0 * t).cos(),
                         0.003 + 0.004 * (9.0 * t).sin(),
                         0.045,
@@ -156,13 +191,13 @@ fn a_tick_of_a_tool_that_turns_allocates_nothing() {
 fn a_tick_of_two_soft_bodies_allocates_nothing() {
     let mut world = World::new(include_str!("../../../../scenes/two-drops.toml"));
     for _ in 0..5 {
-        world.at([0.06, 0.003, 0.045]);
+        world.at_in_place([0.06, 0.003, 0.045]);
     }
     let mut met = 0;
     let count = allocations(|| {
         for k in 0..2_000 {
             let t = f64::from(k) * 1e-3;
-            let out = world.at([0.022 + 0.01 * (4.0 * t).cos(), 0.003, 0.045]);
+            let out = world.at_in_place([0.022 + 0.01 * (4.0 * t).cos(), 0.003, 0.045]);
             met += u32::from(
                 out.contacts
                     .list()
@@ -188,13 +223,13 @@ fn a_tick_of_a_plane_allocates_nothing() {
     ] {
         let mut world = World::new(&plane(text));
         for _ in 0..5 {
-            world.at([0.06, 0.003, 0.045]);
+            world.at_in_place([0.06, 0.003, 0.045]);
         }
         let mut touched = 0;
         let count = allocations(|| {
             for k in 0..1_500 {
                 let t = f64::from(k) * 1e-3;
-                let out = world.at([0.02 + 0.006 * (8.0 * t).cos(), 0.003, 0.045]);
+                let out = world.at_in_place([0.02 + 0.006 * (8.0 * t).cos(), 0.003, 0.045]);
                 touched += u32::from(out.tools[0].contact.is_some());
             }
         });
@@ -259,13 +294,13 @@ fn a_tick_of_any_shape_allocates_nothing() {
         for text in [soft.replace("model = \"lattice\"\n", ""), soft] {
             let mut world = World::new(&text.replace("{ sphere = { radius_m = 0.01 } }", shape));
             for _ in 0..5 {
-                world.at([0.06, 0.003, 0.045]);
+                world.at_in_place([0.06, 0.003, 0.045]);
             }
             let mut touched = 0;
             let count = allocations(|| {
                 for k in 0..300 {
                     let t = f64::from(k) * 1e-2;
-                    let out = world.at([0.032 + 0.014 * (4.0 * t).cos(), 0.003, 0.045]);
+                    let out = world.at_in_place([0.032 + 0.014 * (4.0 * t).cos(), 0.003, 0.045]);
                     touched += u32::from(out.tools[0].contact.is_some());
                 }
             });
@@ -288,13 +323,13 @@ fn slab(model: &str, more: &str) -> String {
 
 fn press_and_slide(world: &mut World) -> u64 {
     for _ in 0..8 {
-        world.at([0.0, 0.0, 0.03]);
+        world.at_in_place([0.0, 0.0, 0.03]);
     }
     let mut touched = 0;
     let count = allocations(|| {
         for k in 0..800 {
             let t = f64::from(k) * 1e-3;
-            let out = world.at([
+            let out = world.at_in_place([
                 0.01 * (9.0 * t).sin(),
                 0.0,
                 0.018 + 0.006 * (20.0 * t).cos(),
@@ -303,7 +338,7 @@ fn press_and_slide(world: &mut World) -> u64 {
         }
         // Long enough to fall asleep.
         for _ in 0..400 {
-            world.silent();
+            world.silent_in_place();
         }
     });
     assert!(touched > 200, "only {touched} ticks in touch");
@@ -354,14 +389,14 @@ fn a_tick_on_a_branching_body_allocates_nothing() {
         .replace("vessel.json", "../../scenes/vessel.json");
     let mut world = World::new(&text.replace("point = {}", "sphere = { radius_m = 0.004 }"));
     for _ in 0..8 {
-        world.at([0.01, -0.03, -0.02]);
+        world.at_in_place([0.01, -0.03, -0.02]);
     }
     let mut touched = 0;
     let count = allocations(|| {
         for k in 0..800 {
             let t = f64::from(k) * 1e-3;
             // Over the front joint, and up to where the branches part.
-            let out = world.at([
+            let out = world.at_in_place([
                 0.008 * (9.0 * t).sin(),
                 -0.023,
                 -0.01 + 0.02 * (5.0 * t).sin(),
@@ -380,12 +415,69 @@ fn a_tick_of_carried_bodies_allocates_nothing() {
         "[gravity]\nacceleration = [0.0, 0.0, -9.81]\nframe = \"hand\"\n{carried}"
     ));
     for _ in 0..8 {
-        world.at([0.0, 0.0, 0.03]);
+        world.at_in_place([0.0, 0.0, 0.03]);
     }
     let count = allocations(|| {
         for k in 0..500 {
-            world.at([0.02 * (f64::from(k) * 0.02).sin(), 0.0, 0.03]);
+            world.at_in_place([0.02 * (f64::from(k) * 0.02).sin(), 0.0, 0.03]);
         }
     });
     assert_eq!(count, 0);
+}
+
+/// 64 tools that press, rub, turn and grab, and a reset in between.
+#[test]
+fn a_tick_of_64_tools_allocates_nothing() {
+    let turning = many_tools(
+        0..64,
+        "friction = { mu = 0.4 }\ngrip = { force_max_n = 0.3 }",
+    )
+    .replace(
+        "damping_n_s_m = 0.0 }",
+        "damping_n_s_m = 0.0, turning_stiffness_nm_rad = 0.3 }",
+    )
+    .replace(
+        "sphere = { radius_m = 0.02 }",
+        "cylinder = { radius_m = 0.02, half_length_m = 0.02 }",
+    );
+    for text in [many_tools(0..64, ""), turning] {
+        let mut world = World::new(&text);
+        let mut places = [([0.0; 3], 0); 64];
+        let mut touched = 0;
+        let mut press = |world: &mut World, k: u32| {
+            for (tool, (place, buttons)) in places.iter_mut().enumerate() {
+                let [x, y, _] = place_of_many(tool);
+                let t = f64::from(k) * 0.02 + 0.1 * tool as f64;
+                *place = [x + 0.004 * (1.7 * t).sin(), y, 0.02 + 0.004 * t.cos()];
+                *buttons = u32::from((k + tool as u32) % 90 > 60);
+            }
+            let output = world.all_in_place(&places);
+            touched += output
+                .tools
+                .first(64)
+                .filter(|out| out.contact.is_some())
+                .count();
+        };
+        for k in 0..5 {
+            press(&mut world, k);
+        }
+        let count = allocations(|| {
+            for k in 5..150 {
+                if k == 100 {
+                    palpate_sim::tick::apply(
+                        &world.scene,
+                        &mut world.state,
+                        &mut world.scratch,
+                        Command::Reset,
+                    );
+                }
+                press(&mut world, k);
+            }
+            for _ in 0..20 {
+                world.silent_in_place();
+            }
+        });
+        assert!(touched > 3_000, "only {touched} tools in touch");
+        assert_eq!(count, 0);
+    }
 }

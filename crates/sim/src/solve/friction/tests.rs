@@ -27,7 +27,7 @@ impl Random {
 }
 
 fn one(normal: Vector3, free: Vector3, law: Law, own: f64) -> FrictionProblem {
-    let mut problem = FrictionProblem::new(1);
+    let mut problem = FrictionProblem::new(1, 8);
     problem.push(&normal, &free, law, &Vector3::zeros());
     problem.solve(&[own], 1);
     problem
@@ -101,7 +101,7 @@ fn random_problems_meet_cone_complementarity_and_maximal_dissipation() {
         let n = 1 + case % 14;
         let matrix = random.matrix(n, 0.5);
         let free: Vec<Vector3> = (0..n).map(|_| random.vector()).collect();
-        let mut problem = FrictionProblem::new(n);
+        let mut problem = FrictionProblem::new(n, 8);
         for b in &free {
             let normal = random.vector().normalize();
             let law = match case % 3 {
@@ -132,7 +132,7 @@ fn forces_agree_with_a_slow_projection_on_de_saxces_cone() {
         let matrix = random.matrix(n, 1.0);
         let free: Vec<Vector3> = (0..n).map(|_| random.vector()).collect();
         let normals: Vec<Vector3> = (0..n).map(|_| random.vector().normalize()).collect();
-        let mut problem = FrictionProblem::new(n);
+        let mut problem = FrictionProblem::new(n, 8);
         for (normal, b) in normals.iter().zip(&free) {
             problem.push(normal, b, Law::coulomb(mu), &Vector3::zeros());
         }
@@ -184,7 +184,7 @@ fn hopeless_problems_stay_finite_and_in_their_cones() {
             1 => vec![0.0; n * n],
             _ => random.matrix(n, 0.0),
         };
-        let mut problem = FrictionProblem::new(n);
+        let mut problem = FrictionProblem::new(n, 8);
         for _ in 0..n {
             let law = if random.next() > 0.3 {
                 Law::Grip { limit_n: 1.0 }
@@ -217,7 +217,7 @@ fn wide_registers_give_the_same_bits() {
     let mut random = Random(17);
     for n in [1, 3, 4, 17, 60] {
         let matrix = random.matrix(n, 0.1);
-        let mut problem = FrictionProblem::new(n);
+        let mut problem = FrictionProblem::new(n, 8);
         for _ in 0..n {
             let law = Law::coulomb(0.4);
             problem.push(
