@@ -765,7 +765,7 @@ static inline void palpate_contact_write(palpate_writer *writer, const palpate_c
   }
 }
 
-/* Contacts that carry force in a tick: at most the sixteen deepest. */
+/* Contacts that carry force in a tick, the deepest: 16, or 2 per tool if that is more. */
 typedef struct palpate_contact_set {
   /* Tick. */
   uint64_t tick;

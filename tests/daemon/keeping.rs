@@ -488,7 +488,7 @@ fn a_full_disk_ends_the_recording_and_nothing_else() {
     let directory = tempfile::tempdir().unwrap();
     let path = directory.path().join("full.mcap");
     let disk = Poor {
-        room: Arc::new(AtomicU64::new(150_000)),
+        room: Arc::new(AtomicU64::new(1_000_000)),
         ..Poor::default()
     };
     let room = disk.room.clone();
@@ -525,7 +525,13 @@ fn a_full_disk_ends_the_recording_and_nothing_else() {
     }
     let part = directory.path().join("full.mcap.part");
     let whole = Session::open(&part).unwrap();
-    assert!(whole.tick_count() > 100 && whole.gaps() == 0 && whole.cut_short().is_some());
+    assert!(
+        whole.tick_count() > 100 && whole.gaps() == 0 && whole.cut_short().is_some(),
+        "{} ticks, {} gaps, {:?}",
+        whole.tick_count(),
+        whole.gaps(),
+        whole.cut_short()
+    );
     recover(&part, &directory.path().join("mended.mcap")).unwrap();
     let mended = replay(
         &Session::open(&directory.path().join("mended.mcap")).unwrap(),
