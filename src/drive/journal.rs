@@ -1,7 +1,8 @@
 //! What a tick leaves behind, and who may keep it.
 
 use super::nets::NetPool;
-use palpate_sim::scene::{Scene, SceneState};
+use palpate_sim::scene::Scene;
+use palpate_sim::tick::SceneState;
 use palpate_sim::tick::record::{Command, TickRecord};
 use std::sync::atomic::{AtomicU8, AtomicU64};
 

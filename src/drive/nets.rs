@@ -3,7 +3,8 @@
 
 use super::pool::Pool;
 use palpate_geometry::math::Point3;
-use palpate_sim::scene::{Scene, SceneState, quality};
+use palpate_sim::scene::Scene;
+use palpate_sim::tick::{SceneState, quality};
 use std::sync::Arc;
 
 /// The net of a body after a tick.

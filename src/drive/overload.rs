@@ -11,7 +11,7 @@
 //! of a window of ticks overran; one level up after a quiet while, which doubles each time it
 //! proves too short.
 
-use palpate_sim::scene::quality;
+use palpate_sim::tick::quality;
 use palpate_sim::tick::stage::{PerStage, Stage, StageTimes};
 
 /// What an overrun is put down to: the stages, then the system that woke a tick a whole period

@@ -7,7 +7,8 @@ use super::journal::Journal;
 use super::nets::NetPool;
 use super::ports::{BUS_NETS, NetEnd, NetPort, net_ports};
 use super::workers::Workers;
-use palpate_sim::scene::{Origin, Scene, SceneState, Scratch};
+use palpate_sim::scene::{Origin, Scene};
+use palpate_sim::tick::{SceneState, Scratch};
 use std::sync::Arc;
 
 /// A scene on its way into the loop; on its way back, the one before.

@@ -8,7 +8,8 @@
 
 use palpate_geometry::math::{Point3, Vector3};
 use palpate_sim::body::{DeformableScratch, DeformableState, Field};
-use palpate_sim::scene::{Pipeline, Scene};
+use palpate_sim::scene::Scene;
+use palpate_sim::tick::Pipeline;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread::JoinHandle;

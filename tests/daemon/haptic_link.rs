@@ -10,7 +10,7 @@ use palpate_client::proto::codec::decode;
 use palpate_client::proto::messages::{DeviceInfo, EventKind, ToolContact};
 use palpate_client::proto::rpc::Call;
 use palpate_geometry::math::Vector3;
-use palpate_sim::scene::flags;
+use palpate_sim::tick::flags;
 use palpate_sim::tick::record::TickRecord;
 use std::process::{Command, Stdio};
 use std::sync::{Arc, Mutex};

@@ -8,7 +8,8 @@ use palpate::drive::swap::Swap;
 use palpate_geometry::math::Vector3;
 use palpate_sim::haptics::DevicePose;
 use palpate_sim::scene::spec::FixedSpec;
-use palpate_sim::scene::{Origin, Scene, SceneChange, SceneState, file};
+use palpate_sim::scene::{Origin, Scene, SceneChange, file};
+use palpate_sim::tick::SceneState;
 use palpate_sim::tick::record::{TickInput, TickRecord};
 use palpate_sim::tick::{step, step_into};
 use std::path::Path;
@@ -203,7 +204,7 @@ fn a_running_loop_takes_the_next_scene_over_without_a_gap_or_an_allocation() {
     } = TickRecord::for_tools(1);
     let mut tick = |scene: &Scene,
                     state: &mut SceneState,
-                    scratch: &mut palpate_sim::scene::Scratch,
+                    scratch: &mut palpate_sim::tick::Scratch,
                     seq: u64| {
         poses.poses[0] = Some(pressing(seq));
         step_into(scene, state, scratch, &poses, &mut output);

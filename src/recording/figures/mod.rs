@@ -13,7 +13,8 @@ pub use simulate::{Start, simulate_figures};
 
 use super::replay::ReplayError;
 use palpate_geometry::math::Point3;
-use palpate_sim::scene::{Scene, SceneState};
+use palpate_sim::scene::Scene;
+use palpate_sim::tick::SceneState;
 use palpate_sim::tick::record::{TickOutput, ToolOutput};
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};

@@ -6,7 +6,8 @@ use crate::recording::reader::{
 };
 use crate::recording::rerun::Rerun;
 use palpate_geometry::math::{SavedState, StateError};
-use palpate_sim::scene::{Scene, SceneState};
+use palpate_sim::scene::Scene;
+use palpate_sim::tick::SceneState;
 use palpate_sim::tick::record::{TickOutput, TickRecord};
 use std::sync::Arc;
 

@@ -5,7 +5,8 @@ use palpate_client::device::{
     Channel, DeviceModel, Goal, Hand, Network, Passivity, SimulatedDevice,
 };
 use palpate_proto::messages::ToolPose;
-use palpate_sim::scene::{Scene, SceneState, Scratch, file};
+use palpate_sim::scene::{Scene, file};
+use palpate_sim::tick::{SceneState, Scratch};
 use palpate_sim::tick::record::{TickInput, ToolOutput};
 use palpate_sim::tick::step;
 use std::path::Path;

@@ -1,10 +1,9 @@
 //! From a scene file's data to the constants of a simulation.
 
 use super::door::{At, Door, SceneError};
-use super::frame::FrameOf;
 use super::pairs::{self, Frictions};
 use super::spec::{MAX_TOOLS, SceneSpec};
-use super::{Body, BodyModel, Pair, Scene, Tool, model, tool};
+use super::{FrameOf, Body, BodyModel, Pair, Scene, Tool, model, tool};
 use std::path::Path;
 
 /// Contact samples a knot span and direction. Two were chosen between one (the force ripples by

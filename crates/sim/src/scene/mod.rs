@@ -1,5 +1,5 @@
-//! Scenes: the file (`SceneSpec`), the constant (`Scene`), what a replay restores (`SceneState`),
-//! and `Scratch`.
+//! Scenes: the file ([`SceneSpec`](spec::SceneSpec)) and the constant ([`Scene`]) that is built from
+//! it. What changes from tick to tick is in [`crate::tick`].
 //!
 //! `Scene::build` compiles exactly the bodies, tools and pairs that the file asks for;
 //! [`plan::Plan`] prints them. What a scene does not need has no buffer and no stage.
@@ -8,29 +8,19 @@ mod build;
 mod change;
 mod door;
 pub mod file;
-mod frame;
 mod layout;
 mod model;
-mod near;
 mod pairs;
 pub mod plan;
 mod refine;
-mod scratch;
 pub mod shape;
 pub mod spec;
-mod state;
 mod surface;
 mod tool;
 
 pub use build::{default_samples_per_span, inline_files};
 pub use change::{Origin, SceneChange};
 pub use door::{Place, Problem, SceneError};
-use frame::FrameOf;
-pub use frame::FrameState;
-pub(crate) use near::Near;
-pub(crate) use scratch::DeformingScratch;
-pub use scratch::{BodyScratch, Scratch};
-pub use state::{BodyState, PairState, Pipeline, RunState, SceneState, ToolState, WarmRow};
 
 use crate::body::Deformable;
 use crate::haptics::{Coupling, DeviceBounds, DeviceFigures, LinkLimits, StiffnessLimits};
@@ -59,6 +49,14 @@ pub struct Scene {
     pub(crate) pairs: Vec<Pair>,
     /// The tool that carries the bodies.
     pub(crate) frame: Option<FrameOf>,
+}
+
+/// Which tool carries the bodies.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct FrameOf {
+    pub tool: usize,
+    /// Time constant of its velocities, s.
+    pub smoothing_s: f64,
 }
 
 /// A body's constants.
@@ -124,9 +122,9 @@ pub(crate) struct Device {
 }
 
 impl Tool {
-    /// The coupling with what its device told.
-    pub fn coupling(&self, state: &ToolState) -> Coupling {
-        self.coupling.bounded(state.bounds.stiffness_max_n_m)
+    /// The coupling, no stiffer than the device holds.
+    pub fn coupling_for(&self, bounds: &DeviceBounds) -> Coupling {
+        self.coupling.bounded(bounds.stiffness_max_n_m)
     }
 }
 
@@ -309,37 +307,4 @@ impl Scene {
             BodyModel::Rigid => None,
         }
     }
-}
-
-/// Levels of `SceneState::quality`: from each on, a tick does less.
-pub mod quality {
-    /// Bodies iterate once a step.
-    pub const ONE_ITERATION: u8 = 1;
-    /// A quarter of the sweeps over contacts.
-    pub const FEWER_SWEEPS: u8 = 2;
-    /// Nets are published and recorded ten times rarer.
-    pub const RARE_NETS: u8 = 3;
-    /// The last level.
-    pub const LOWEST: u8 = RARE_NETS;
-}
-
-/// Bits of `ToolOutput::flags`; the wire uses the same.
-pub mod flags {
-    /// The newest pose is older than the stale limit; the force ramps to zero.
-    pub const STALE: u32 = 1;
-    /// The force was limited to what the device can bear.
-    pub const SATURATED: u32 = 1 << 1;
-    /// Bodies stand still.
-    pub const PAUSED: u32 = 1 << 2;
-    /// This tick's pose was refused.
-    pub const REFUSED: u32 = 1 << 3;
-    /// The force limit is not at its full value.
-    pub const RAMPING: u32 = 1 << 4;
-    /// The force was not finite and was made zero, or the tick before set a body back to rest: the
-    /// force is safe, not right.
-    pub const FAULT: u32 = 1 << 5;
-    /// The tool holds on to what it grabbed.
-    pub const GRABBING: u32 = 1 << 6;
-    /// A damper was added to keep the loop from making energy.
-    pub const DAMPED: u32 = 1 << 7;
 }

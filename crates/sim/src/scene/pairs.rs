@@ -1,9 +1,8 @@
 //! Which tools and bodies may touch, and how their contacts are found.
 
 use super::door::At;
-use super::frame::FrameOf;
 use super::spec::{ContactMethod, ContactSpec, SPHERES_RESOLUTION, SceneSpec};
-use super::{Body, BodyModel, Method, Pair, Tool, tool};
+use super::{FrameOf, Body, BodyModel, Method, Pair, Tool, tool};
 use crate::solve::friction::Friction;
 use crate::solve::rows::Holder;
 use palpate_geometry::contact::dispatch;

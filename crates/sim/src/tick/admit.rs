@@ -2,7 +2,8 @@
 
 use super::record::{TickInput, TickOutput};
 use crate::haptics::{LinkLimits, LinkPhase, Motion};
-use crate::scene::{Scene, SceneState, flags};
+use crate::scene::Scene;
+use crate::tick::{SceneState, flags};
 use palpate_geometry::math::turn_between;
 
 /// Takes the poses.

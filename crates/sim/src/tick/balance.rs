@@ -10,7 +10,8 @@
 
 use super::stick;
 use crate::body::Deformable;
-use crate::scene::{BodyModel, Scene, SceneState, Scratch, WarmRow, quality};
+use crate::scene::{BodyModel, Scene};
+use crate::tick::{SceneState, Scratch, WarmRow, quality};
 use crate::solve::cones::{self, ConeShare};
 use crate::solve::friction::{Law, Lever};
 use crate::solve::rows::Row;
@@ -47,7 +48,7 @@ pub(super) fn solve(scene: &Scene, state: &SceneState, scratch: &mut Scratch) {
     for i in 0..count {
         let a = scratch.rows.rows[i];
         let Some(tool) = a.tool() else { continue };
-        let coupling = scene.tools[tool].coupling(&state.tools[tool]);
+        let coupling = scene.tools[tool].coupling_for(&state.tools[tool].bounds);
         let (compliance, turning) = (
             coupling.compliance_m_n(),
             coupling.turning_compliance_rad_nm(),
@@ -229,7 +230,7 @@ fn share_whole_among_rigid(scene: &Scene, state: &SceneState, scratch: &mut Scra
         cones,
         ..
     } = scratch;
-    let coupling = scene.tools[tool].coupling(&state.tools[tool]);
+    let coupling = scene.tools[tool].coupling_for(&state.tools[tool].bounds);
     if coupling.turns() {
         return;
     }
@@ -289,7 +290,7 @@ fn share_among_rigid(scene: &Scene, state: &SceneState, scratch: &mut Scratch, t
         shares,
         ..
     } = scratch;
-    let coupling = scene.tools[tool].coupling(&state.tools[tool]);
+    let coupling = scene.tools[tool].coupling_for(&state.tools[tool].bounds);
     if coupling.turns() {
         // Moments count: the solve has shared.
         return;

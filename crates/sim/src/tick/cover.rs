@@ -10,7 +10,8 @@
 //! row it would bulge again.
 
 use super::feet::margin_m;
-use crate::scene::{BodyModel, Scene, Scratch};
+use crate::scene::{BodyModel, Scene};
+use crate::tick::Scratch;
 use crate::solve::row_key::{RowId, RowKey};
 use crate::solve::rows::{DeformingView, Row, RowSet};
 use palpate_geometry::contact::Contact;

@@ -5,7 +5,8 @@ use super::feet::margin_m;
 use super::record::{ContactReport, TickFault, TickOutput, ToolOutput};
 use super::{grip, load, stick};
 use crate::haptics::{LinkPhase, Motion, RenderedForce, Wrench, limit};
-use crate::scene::{Scene, SceneState, Scratch, ToolState, WarmRow, flags};
+use crate::scene::Scene;
+use crate::tick::{SceneState, Scratch, ToolState, WarmRow, flags};
 use crate::solve::friction::Law;
 use crate::solve::rows::Row;
 use palpate_geometry::contact::dispatch::Method;
@@ -27,7 +28,7 @@ pub(super) fn emit(
                 (tool_state.proxy, tool_state.orientation);
             continue;
         }
-        let coupling = tool.coupling(tool_state);
+        let coupling = tool.coupling_for(&tool_state.bounds);
         let ball = tool.shape.ball_radius_m().is_some();
         let free = scratch.rows.free[t];
         let (force, torque) = load::wrench(scene, state, scratch, t);

@@ -15,7 +15,8 @@ use super::feet::{MAX_FEET, Way, margin_m, meet, push_foot, push_sample, view};
 use super::manifold::{Stance, push_manifold};
 use super::{grip, stick};
 use crate::haptics::LinkPhase;
-use crate::scene::{Body, BodyModel, BodyScratch, Pair, Scene, SceneState, Scratch, Tool, WarmRow};
+use crate::scene::{Body, BodyModel, Pair, Scene, Tool};
+use crate::tick::{BodyScratch, SceneState, Scratch, WarmRow};
 use crate::solve::proxy::BallContact;
 use crate::solve::row_key::RowKey;
 use crate::solve::rows::{DeformingView, Holder, RowSet};
@@ -41,7 +42,7 @@ pub(super) fn gather(scene: &Scene, state: &mut SceneState, scratch: &mut Scratc
     scratch.rows.clear();
     for (t, tool) in scene.tools.iter().enumerate() {
         let link = &state.tools[t].link;
-        let coupling = tool.coupling(&state.tools[t]);
+        let coupling = tool.coupling_for(&state.tools[t].bounds);
         let free =
             coupling.free_position(&link.pose.position, &link.velocity(), &state.tools[t].proxy);
         scratch.rows.free[t] = free;

@@ -6,7 +6,8 @@
 //! moves no more is at rest with its forces, however many iterations there are.
 
 use super::{balance, load};
-use crate::scene::{BodyModel, DeformingBody, Scene, SceneState, Scratch, quality};
+use crate::scene::{BodyModel, DeformingBody, Scene};
+use crate::tick::{SceneState, Scratch, quality};
 
 /// Runs what iterations are left after the first.
 pub(super) fn iterate(scene: &Scene, state: &SceneState, scratch: &mut Scratch) {

@@ -2,7 +2,8 @@
 //! bodies.
 
 use crate::haptics::{LinkPhase, limit};
-use crate::scene::{BodyModel, DeformingBody, Scene, SceneState, Scratch, Tool, ToolState};
+use crate::scene::{BodyModel, DeformingBody, Scene, Tool};
+use crate::tick::{SceneState, Scratch, ToolState};
 use crate::solve::friction::Law;
 use crate::solve::rows::{Holder, Row};
 use palpate_geometry::math::{Point3, Vector3};
@@ -50,7 +51,7 @@ fn whole_wrench(
             .filter(|(_, row)| row.tool() == Some(t))
     };
     let force: Vector3 = own().map(|(i, _)| friction.force_n(i)).sum();
-    let coupling = scene.tools[t].coupling(&state.tools[t]);
+    let coupling = scene.tools[t].coupling_for(&state.tools[t].bounds);
     if coupling.turns() {
         return (
             force,

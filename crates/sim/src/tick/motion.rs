@@ -5,9 +5,8 @@
 //! with its compliance.
 
 use crate::body::Field;
-use crate::scene::{
-    BodyModel, BodyState, DeformingBody, DeformingScratch, Pipeline, Scene, SceneState, Scratch,
-};
+use crate::scene::{BodyModel, DeformingBody, Scene};
+use crate::tick::{BodyState, DeformingScratch, Pipeline, SceneState, Scratch};
 
 /// What a tick did to a body.
 enum Stepped {

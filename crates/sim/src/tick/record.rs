@@ -58,7 +58,7 @@ pub enum Command {
     },
     /// Ramp forces to zero for good; the driver ends when they are there.
     Stop,
-    /// Do less a tick, or again more: a level of [`crate::scene::quality`].
+    /// Do less a tick, or again more: a level of [`crate::tick::quality`].
     Quality(u8),
 }
 

@@ -2,7 +2,8 @@
 
 use super::record::{Command, TickFault, TickInput, TickOutput};
 use super::{admit, balance, emit, gather, iterate, motion};
-use crate::scene::{RunState, Scene, SceneState, Scratch, flags, quality};
+use crate::scene::Scene;
+use crate::tick::{RunState, SceneState, Scratch, flags, quality};
 use palpate_geometry::math::{SavedState, StateError, state_hash};
 
 /// Advances by one tick: [`render`], then [`deform`], then [`hash`]. The output is made anew, and

@@ -3,7 +3,8 @@
 
 use palpate_geometry::math::{Point3, Rotation, Vector3};
 use palpate_sim::haptics::DevicePose;
-use palpate_sim::scene::{Scene, SceneState, Scratch, file};
+use palpate_sim::scene::{Scene, file};
+use palpate_sim::tick::{SceneState, Scratch};
 use palpate_sim::tick::record::{TickOutput, TickRecord};
 use palpate_sim::tick::step_into;
 use std::path::Path;

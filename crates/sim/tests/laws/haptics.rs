@@ -4,7 +4,7 @@
 use crate::common::{World, pose, teardrop};
 use palpate_geometry::math::{Point3, Rotation, Vector3, rotation_by, turn_between};
 use palpate_sim::haptics::DevicePose;
-use palpate_sim::scene::flags;
+use palpate_sim::tick::flags;
 use palpate_sim::tick::record::TickOutput;
 
 const WEAK: &str = "device = { force_max_n = 1e6, ramp_s = 0.0, speed_max_m_s = 1e6 }\n";

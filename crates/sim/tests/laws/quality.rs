@@ -1,7 +1,7 @@
 //! Lower quality: what a tick leaves out is work, not balance.
 
 use crate::common::World;
-use palpate_sim::scene::quality;
+use palpate_sim::tick::quality;
 use palpate_sim::tick::apply;
 use palpate_sim::tick::record::{Command, TickOutput};
 

@@ -204,7 +204,7 @@ fn stale_and_jumping_poses_fade_the_force_to_zero_without_a_step() {
         world.at([0.09 - 0.0316 * f64::from(k.min(100)) / 100.0, 0.0, 0.0]);
     }
     let out = world.at([0.0, 0.0, -0.09]);
-    assert_ne!(out.tools[0].flags & palpate_sim::scene::flags::REFUSED, 0);
+    assert_ne!(out.tools[0].flags & palpate_sim::tick::flags::REFUSED, 0);
     let mut moved = 0;
     while world.state.tools[0].link.pose.position.z > -0.08 {
         world.at([0.0, 0.0, -0.09]);

@@ -133,7 +133,7 @@ fn a_tick_with_friction_and_a_grip_allocates_nothing() {
                     0.045,
                 ];
                 let out = world.all_in_place(&[(place, u32::from(k % 900 > 300))]);
-                held += u32::from(out.tools[0].flags & palpate_sim::scene::flags::GRABBING != 0);
+                held += u32::from(out.tools[0].flags & palpate_sim::tick::flags::GRABBING != 0);
                 touched += u32::from(out.tools[0].contact.is_some());
             }
         });
@@ -175,7 +175,7 @@ fn a_tick_of_a_tool_that_turns_allocates_nothing() {
                     ]);
                     touched += u32::from(out.tools[0].contact.is_some());
                     damped +=
-                        u32::from(out.tools[0].flags & palpate_sim::scene::flags::DAMPED != 0);
+                        u32::from(out.tools[0].flags & palpate_sim::tick::flags::DAMPED != 0);
                 }
             });
             assert!(

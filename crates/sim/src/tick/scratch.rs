@@ -2,8 +2,8 @@
 
 use super::near::Near;
 use super::state::{Pipeline, SceneState};
-use super::{BodyModel, Pair, Scene};
 use crate::body::DeformableScratch;
+use crate::scene::{BodyModel, Pair, Scene};
 use crate::solve::complementarity::Complementarity;
 use crate::solve::cones::ConeShare;
 use crate::solve::delassus::Delassus;

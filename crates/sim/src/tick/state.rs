@@ -1,9 +1,10 @@
 //! What a replay restores.
 
-use super::FrameState;
-use super::{BodyModel, Scene, quality};
+use super::frame::FrameState;
+use super::quality;
 use crate::body::{DeformableState, Field};
 use crate::haptics::{DeviceBounds, Link, Port};
+use crate::scene::{BodyModel, Scene};
 use crate::solve::friction::Stick;
 use crate::solve::grip::{GRAB, GripState};
 use crate::solve::proxy::ProxyState;

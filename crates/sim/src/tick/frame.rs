@@ -1,17 +1,10 @@
 //! A frame that a tool carries about: bodies in it feel how it tilts, shakes and turns.
 
-use super::{Scene, SceneState};
+use super::state::SceneState;
 use crate::body::Field;
+use crate::scene::Scene;
 use palpate_geometry::math::{Point3, Rotation, Vector3};
 use palpate_geometry::stateful;
-
-/// Which tool carries the bodies.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct FrameOf {
-    pub tool: usize,
-    /// Time constant of its velocities, s.
-    pub smoothing_s: f64,
-}
 
 /// How the frame moves, from the poses of its tool.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

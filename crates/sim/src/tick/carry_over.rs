@@ -1,0 +1,46 @@
+//! What goes on when one scene becomes another between two ticks.
+
+use super::state::{PairState, SceneState, WarmRow};
+use crate::scene::{Origin, Scene};
+use palpate_geometry::math::Vector3;
+
+impl Scene {
+    /// Fills the state of this scene with what the old one goes on with: time, tools, and the
+    /// bodies it shares with it. Contacts begin anew. `state` is an initial state of this scene;
+    /// nothing is allocated.
+    pub fn carry_over(&self, from: &SceneState, origins: &[Origin], state: &mut SceneState) {
+        (state.tick, state.run, state.quality) = (from.tick, from.run, from.quality);
+        (state.frame, state.carried) = (from.frame, from.carried);
+        // Whoever keeps a net of the old scene must see that this is another.
+        let revision = from
+            .bodies
+            .iter()
+            .map(|body| body.revision)
+            .max()
+            .unwrap_or(0)
+            + 1;
+        for (body, origin) in origins.iter().enumerate() {
+            let new = &mut state.bodies[body];
+            if let Origin::Kept { from: old, moved } = *origin {
+                let old = &from.bodies[old];
+                if let (Some(new), Some(old)) = (&mut new.deformable, &old.deformable) {
+                    new.clone_from(old);
+                    if moved != Vector3::zeros() {
+                        new.positions.iter_mut().for_each(|p| *p += moved);
+                    }
+                }
+                new.loads.clone_from(&old.loads);
+                (new.moved_m, new.phase) = (old.moved_m, old.phase);
+            }
+            new.revision = revision;
+        }
+        for (new, old) in state.tools.iter_mut().zip(&from.tools) {
+            *new = *old;
+            // It held on to places of a body that may be no more.
+            new.grip = Default::default();
+        }
+        state.pairs.fill(PairState::default());
+        state.warm.fill(WarmRow::default());
+        (state.warm_len, state.warm_friction, state.warm_arms) = (0, false, false);
+    }
+}

@@ -1,0 +1,19 @@
+//! Bits of [`ToolOutput::flags`](super::record::ToolOutput::flags); the wire uses the same.
+
+/// The newest pose is older than the stale limit; the force ramps to zero.
+pub const STALE: u32 = 1;
+/// The force was limited to what the device can bear.
+pub const SATURATED: u32 = 1 << 1;
+/// Bodies stand still.
+pub const PAUSED: u32 = 1 << 2;
+/// This tick's pose was refused.
+pub const REFUSED: u32 = 1 << 3;
+/// The force limit is not at its full value.
+pub const RAMPING: u32 = 1 << 4;
+/// The force was not finite and was made zero, or the tick before set a body back to rest: the
+/// force is safe, not right.
+pub const FAULT: u32 = 1 << 5;
+/// The tool holds on to what it grabbed.
+pub const GRABBING: u32 = 1 << 6;
+/// A damper was added to keep the loop from making energy.
+pub const DAMPED: u32 = 1 << 7;
