@@ -3,9 +3,9 @@
 use palpate_geometry::math::{Point3, Rotation, Vector3};
 use palpate_proto::recording as pb;
 use palpate_sim::haptics::{DeviceBounds, DevicePose};
-use palpate_sim::tick::quality;
 use palpate_sim::scene::spec::MAX_TOOLS;
 use palpate_sim::solve::rows::Holder;
+use palpate_sim::tick::quality;
 use palpate_sim::tick::record::{Command, ContactReport, TickFault, TickRecord, ToolOutput};
 use palpate_sim::tick::stage::StageTimes;
 

@@ -3,8 +3,8 @@
 
 use palpate_geometry::math::{Point3, SavedState, StateError, state_hash};
 use palpate_sim::scene::Scene;
-use palpate_sim::tick::{SceneState, Scratch};
 use palpate_sim::tick::record::{Command, TickInput, TickOutput};
+use palpate_sim::tick::{SceneState, Scratch};
 use palpate_sim::tick::{apply, restore, step};
 use std::sync::Arc;
 

@@ -9,8 +9,8 @@ use palpate_geometry::surface::Surface;
 use palpate_proto::messages as wire;
 use palpate_sim::haptics::{DeviceFigures, DevicePose};
 use palpate_sim::scene::Scene;
-use palpate_sim::tick::SceneState;
 use palpate_sim::solve::rows::Holder;
+use palpate_sim::tick::SceneState;
 use palpate_sim::tick::record::{TickOutput, ToolOutput};
 use std::sync::atomic::Ordering;
 

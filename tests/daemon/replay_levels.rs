@@ -10,8 +10,8 @@ use palpate::recording::{
 };
 use palpate_geometry::math::{Point3, SavedState, Vector3, state_hash};
 use palpate_sim::body::{DeformableState, Field};
-use palpate_sim::tick::{Pipeline, SceneState};
 use palpate_sim::tick::record::{Command, TickOutput, TickRecord};
+use palpate_sim::tick::{Pipeline, SceneState};
 use palpate_sim::tick::{apply, restore, step};
 use std::path::Path;
 use std::process::Command as Process;

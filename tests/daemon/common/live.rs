@@ -10,8 +10,8 @@ use palpate::recording::{
 use palpate_geometry::math::{Vector3, state_hash};
 use palpate_sim::haptics::DevicePose;
 use palpate_sim::scene::{Scene, file};
-use palpate_sim::tick::{SceneState, Scratch};
 use palpate_sim::tick::record::{Command, TickInput, TickRecord};
+use palpate_sim::tick::{SceneState, Scratch};
 use palpate_sim::tick::{apply, step_into};
 use std::path::Path;
 use std::time::Duration;

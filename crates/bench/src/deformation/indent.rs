@@ -7,9 +7,9 @@ use palpate_geometry::math::{Point3, Rotation, Vector3};
 use palpate_geometry::surface::{ClosestSolver, Surface};
 use palpate_sim::haptics::DevicePose;
 use palpate_sim::scene::{Scene, file};
-use palpate_sim::tick::{SceneState, Scratch};
 use palpate_sim::tick::record::{TickInput, TickOutput};
 use palpate_sim::tick::step;
+use palpate_sim::tick::{SceneState, Scratch};
 use std::path::Path;
 use std::time::Instant;
 

@@ -6,9 +6,9 @@ use palpate_client::device::{
 };
 use palpate_proto::messages::ToolPose;
 use palpate_sim::scene::{Scene, file};
-use palpate_sim::tick::{SceneState, Scratch};
 use palpate_sim::tick::record::{TickInput, ToolOutput};
 use palpate_sim::tick::step;
+use palpate_sim::tick::{SceneState, Scratch};
 use std::path::Path;
 
 /// A scene at work.

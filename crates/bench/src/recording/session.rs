@@ -9,9 +9,9 @@ use palpate_geometry::math::{Point3, Rotation, Vector3, state_hash};
 use palpate_sim::haptics::DevicePose;
 use palpate_sim::scene::spec::RecordSpec;
 use palpate_sim::scene::{Scene, file};
-use palpate_sim::tick::{SceneState, Scratch};
 use palpate_sim::tick::record::{TickInput, TickOutput, TickRecord};
 use palpate_sim::tick::step;
+use palpate_sim::tick::{SceneState, Scratch};
 use std::path::Path;
 use std::sync::atomic::Ordering;
 

@@ -3,7 +3,7 @@
 use super::door::{At, Door, SceneError};
 use super::pairs::{self, Frictions};
 use super::spec::{MAX_TOOLS, SceneSpec};
-use super::{FrameOf, Body, BodyModel, Pair, Scene, Tool, model, tool};
+use super::{Body, BodyModel, FrameOf, Pair, Scene, Tool, model, tool};
 use std::path::Path;
 
 /// Contact samples a knot span and direction. Two were chosen between one (the force ripples by

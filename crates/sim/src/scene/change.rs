@@ -7,11 +7,11 @@
 //! The new file says all that the new scene is, so a recording that begins with the state after the
 //! change replays alone.
 
+use super::Scene;
 use super::door::{Door, SceneError};
 use super::spec::{
     BodySpec, ContactSpec, FixedSpec, PoseSpec, RefineAuto, RefineSpec, SceneSpec, SurfaceSpec,
 };
-use super::Scene;
 use palpate_geometry::basis::KnotVector;
 use palpate_geometry::math::{Point3, Rotation, Vector3};
 use palpate_geometry::surface::{Surface, file};

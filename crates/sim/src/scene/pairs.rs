@@ -2,7 +2,7 @@
 
 use super::door::At;
 use super::spec::{ContactMethod, ContactSpec, SPHERES_RESOLUTION, SceneSpec};
-use super::{FrameOf, Body, BodyModel, Method, Pair, Tool, tool};
+use super::{Body, BodyModel, FrameOf, Method, Pair, Tool, tool};
 use crate::solve::friction::Friction;
 use crate::solve::rows::Holder;
 use palpate_geometry::contact::dispatch;

@@ -1,9 +1,9 @@
 //! Takes the poses: which are believed, and how much force their tools may feel.
 
 use super::record::{TickInput, TickOutput};
+use super::{SceneState, flags};
 use crate::haptics::{LinkLimits, LinkPhase, Motion};
 use crate::scene::Scene;
-use crate::tick::{SceneState, flags};
 use palpate_geometry::math::turn_between;
 
 /// Takes the poses.

@@ -9,9 +9,9 @@
 //! alone, without n_i · n_j.
 
 use super::stick;
+use super::{SceneState, Scratch, WarmRow, quality};
 use crate::body::Deformable;
 use crate::scene::{BodyModel, Scene};
-use crate::tick::{SceneState, Scratch, WarmRow, quality};
 use crate::solve::cones::{self, ConeShare};
 use crate::solve::friction::{Law, Lever};
 use crate::solve::rows::Row;

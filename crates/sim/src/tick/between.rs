@@ -1,8 +1,8 @@
 //! Bodies against each other, and against themselves.
 
 use super::feet::{MAX_FEET, margin_m, meet, moving, push_between, view};
+use super::{SceneState, Scratch};
 use crate::scene::Scene;
-use crate::tick::{SceneState, Scratch};
 use crate::solve::row_key::RowKey;
 use palpate_geometry::contact::dispatch::look_at;
 use palpate_geometry::contact::{Contact, Facing, Reach};

@@ -9,9 +9,9 @@
 //! unless a new one takes its place: pressed flat it is no deepest point any more, and without its
 //! row it would bulge again.
 
+use super::Scratch;
 use super::feet::margin_m;
 use crate::scene::{BodyModel, Scene};
-use crate::tick::Scratch;
 use crate::solve::row_key::{RowId, RowKey};
 use crate::solve::rows::{DeformingView, Row, RowSet};
 use palpate_geometry::contact::Contact;

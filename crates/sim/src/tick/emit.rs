@@ -3,10 +3,10 @@
 
 use super::feet::margin_m;
 use super::record::{ContactReport, TickFault, TickOutput, ToolOutput};
+use super::{SceneState, Scratch, ToolState, WarmRow, flags};
 use super::{grip, load, stick};
 use crate::haptics::{LinkPhase, Motion, RenderedForce, Wrench, limit};
 use crate::scene::Scene;
-use crate::tick::{SceneState, Scratch, ToolState, WarmRow, flags};
 use crate::solve::friction::Law;
 use crate::solve::rows::Row;
 use palpate_geometry::contact::dispatch::Method;

@@ -1,7 +1,7 @@
 //! From contacts to rows: which parties hold them, and how far free motion takes each.
 
+use super::BodyScratch;
 use crate::scene::{Body, BodyModel, Pair};
-use crate::tick::BodyScratch;
 use crate::solve::friction::Law;
 use crate::solve::row_key::{RowId, RowKey};
 use crate::solve::rows::{DeformingView, Grip, Row, RowSet, SampleInTouch};

@@ -25,7 +25,7 @@ pub struct FrameState {
 
 impl FrameState {
     /// Takes the pose of a tick.
-    pub(crate) fn follow(
+    pub(super) fn follow(
         &mut self,
         position: &Point3,
         rotation: &Rotation,
@@ -75,7 +75,7 @@ stateful!(FrameState, |this, walk| {
 
 impl Scene {
     /// What free points of the bodies feel.
-    pub(crate) fn field(&self, state: &SceneState) -> Field {
+    pub(super) fn field(&self, state: &SceneState) -> Field {
         let gravity = Vector3::from(self.spec.gravity.acceleration);
         if self.frame.is_none() {
             return Field::gravity(gravity);
@@ -89,7 +89,7 @@ impl Scene {
     }
 
     /// The frame follows its tool.
-    pub(crate) fn follow_frame(&self, state: &mut SceneState) {
+    pub(super) fn follow_frame(&self, state: &mut SceneState) {
         if let Some(frame) = &self.frame {
             let pose = &state.tools[frame.tool].link.pose;
             state.frame.follow(

@@ -2,9 +2,9 @@
 
 use super::feet::{margin_m, push_anchor, view};
 use super::record::ToolOutput;
+use super::{SceneState, Scratch, ToolState, flags};
 use crate::haptics::LinkPhase;
 use crate::scene::Scene;
-use crate::tick::{SceneState, Scratch, ToolState, flags};
 use crate::solve::friction::Law;
 use crate::solve::grip::{GRAB, GripState, MAX_ANCHORS, apart_m, strength};
 use crate::solve::row_key::RowKey;

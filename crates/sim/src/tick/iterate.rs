@@ -5,9 +5,9 @@
 //! corrected, the gaps follow, and the forces are solved for anew on the same compliance. What
 //! moves no more is at rest with its forces, however many iterations there are.
 
+use super::{SceneState, Scratch, quality};
 use super::{balance, load};
 use crate::scene::{BodyModel, DeformingBody, Scene};
-use crate::tick::{SceneState, Scratch, quality};
 
 /// Runs what iterations are left after the first.
 pub(super) fn iterate(scene: &Scene, state: &SceneState, scratch: &mut Scratch) {

@@ -1,9 +1,9 @@
 //! What the rows' forces come to: a wrench on each tool, and forces on the control points of
 //! bodies.
 
+use super::{SceneState, Scratch, ToolState};
 use crate::haptics::{LinkPhase, limit};
 use crate::scene::{BodyModel, DeformingBody, Scene, Tool};
-use crate::tick::{SceneState, Scratch, ToolState};
 use crate::solve::friction::Law;
 use crate::solve::rows::{Holder, Row};
 use palpate_geometry::math::{Point3, Vector3};

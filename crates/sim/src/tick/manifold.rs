@@ -8,8 +8,8 @@
 //! meanwhile.
 
 use super::feet::{MAX_FEET, Way, push_foot};
+use super::{BodyScratch, WarmRow};
 use crate::scene::Pair;
-use crate::tick::{BodyScratch, WarmRow};
 use crate::solve::row_key::{LOOSE_FEET, RowKey};
 use crate::solve::rows::RowSet;
 use palpate_geometry::contact::Contact;

@@ -4,9 +4,10 @@
 //! ticks later, on whatever thread it was done. In between its surface stands still and answers
 //! with its compliance.
 
+use super::scratch::{DeformingScratch, Scratch};
+use super::state::{BodyState, Pipeline, SceneState};
 use crate::body::Field;
 use crate::scene::{BodyModel, DeformingBody, Scene};
-use crate::tick::{BodyState, DeformingScratch, Pipeline, SceneState, Scratch};
 
 /// What a tick did to a body.
 enum Stepped {

@@ -21,28 +21,28 @@ use palpate_geometry::surface::{ClosestSolver, Surface};
 #[derive(Debug)]
 pub struct Scratch {
     /// By body.
-    pub(crate) bodies: Vec<BodyScratch>,
+    pub(super) bodies: Vec<BodyScratch>,
     /// By pair.
-    pub(crate) pairs: Vec<Narrow>,
-    pub(crate) near: Near,
-    pub(crate) rows: RowSet,
+    pub(super) pairs: Vec<Narrow>,
+    pub(super) near: Near,
+    pub(super) rows: RowSet,
     /// Samples of one pair in touch.
-    pub(crate) hits: Vec<SampleInTouch>,
-    pub(crate) problem: Complementarity,
+    pub(super) hits: Vec<SampleInTouch>,
+    pub(super) problem: Complementarity,
     /// In use in ticks with friction or a grip.
-    pub(crate) friction: FrictionProblem,
-    pub(crate) cones: Vec<ConeShare>,
+    pub(super) friction: FrictionProblem,
+    pub(super) cones: Vec<ConeShare>,
     /// By row, in such ticks.
-    pub(crate) sticks: Vec<Stick>,
+    pub(super) sticks: Vec<Stick>,
     /// Rigid contacts of one tool.
-    pub(crate) shares: Vec<Share>,
+    pub(super) shares: Vec<Share>,
     /// Of one body after the other.
-    pub(crate) delassus: Delassus,
+    pub(super) delassus: Delassus,
     /// Where bodies that take several ticks step; without it they step in the tick in which they
     /// are due.
-    pub(crate) pipeline: Option<Box<dyn Pipeline>>,
+    pub(super) pipeline: Option<Box<dyn Pipeline>>,
     /// The state at the start, for a reset.
-    pub(crate) start: SceneState,
+    pub(super) start: SceneState,
 }
 
 impl Scratch {
@@ -52,7 +52,7 @@ impl Scratch {
     }
 
     /// Gap of a row under the present forces, m.
-    pub(crate) fn gap_after(&self, row: usize) -> f64 {
+    pub(super) fn gap_after(&self, row: usize) -> f64 {
         if self.friction.is_active() {
             self.friction
                 .displaced_m(row)
@@ -82,16 +82,16 @@ impl Scratch {
 #[derive(Debug)]
 pub struct BodyScratch {
     /// The surface with the net of the state.
-    pub(crate) surface: Surface,
-    pub(crate) solver: ClosestSolver,
+    pub(super) surface: Surface,
+    pub(super) solver: ClosestSolver,
     /// Box of the net now and after free motion: the surface stays in it through the tick.
-    pub(crate) bounds: (Point3, Point3),
-    pub(crate) deforming: Option<DeformingScratch>,
+    pub(super) bounds: (Point3, Point3),
+    pub(super) deforming: Option<DeformingScratch>,
 }
 
 impl BodyScratch {
     /// The surface as contact queries take it.
-    pub(crate) fn side(&mut self) -> PairSide<'_> {
+    pub(super) fn side(&mut self) -> PairSide<'_> {
         PairSide {
             surface: &self.surface,
             solver: &mut self.solver,
@@ -100,7 +100,7 @@ impl BodyScratch {
 }
 
 #[derive(Debug)]
-pub(crate) struct DeformingScratch {
+pub(super) struct DeformingScratch {
     pub deformable: DeformableScratch,
     /// Net after the next free motion.
     pub predicted_net: Vec<Point3>,
@@ -179,7 +179,7 @@ impl Scene {
 
     /// Brings buffers that have been through ticks in line with another state of the scene: what
     /// they compute from here on has the bits that new ones would compute. Allocates nothing.
-    pub(crate) fn reuse_scratch(&self, state: &SceneState, scratch: &mut Scratch) {
+    pub(super) fn reuse_scratch(&self, state: &SceneState, scratch: &mut Scratch) {
         for body in 0..self.body_count() {
             let deforming = scratch.bodies[body].deforming.as_mut();
             if let (Some(deformable), Some(deforming)) = (self.deformable(body), deforming) {

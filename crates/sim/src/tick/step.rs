@@ -1,9 +1,9 @@
 //! One tick: pure, no clock, no I/O, no allocation, no lock, no error.
 
 use super::record::{Command, TickFault, TickInput, TickOutput};
+use super::{RunState, SceneState, Scratch, flags, quality};
 use super::{admit, balance, emit, gather, iterate, motion};
 use crate::scene::Scene;
-use crate::tick::{RunState, SceneState, Scratch, flags, quality};
 use palpate_geometry::math::{SavedState, StateError, state_hash};
 
 /// Advances by one tick: [`render`], then [`deform`], then [`hash`]. The output is made anew, and

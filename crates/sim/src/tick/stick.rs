@@ -5,8 +5,8 @@
 //! [`super::balance`]. And each row that sticks remembers where.
 
 use super::feet::view;
+use super::{BodyScratch, SceneState, Scratch, WarmRow};
 use crate::scene::{Body, Scene};
-use crate::tick::{BodyScratch, SceneState, Scratch, WarmRow};
 use crate::solve::friction::{Law, Stick};
 use crate::solve::rows::{Row, RowSet};
 use palpate_geometry::math::{Point3, Rotation, Vector3};

@@ -4,9 +4,9 @@
 use palpate_geometry::math::{Point3, Rotation, Vector3};
 use palpate_sim::haptics::DevicePose;
 use palpate_sim::scene::{Scene, file};
-use palpate_sim::tick::{SceneState, Scratch};
 use palpate_sim::tick::record::{TickOutput, TickRecord};
 use palpate_sim::tick::step_into;
+use palpate_sim::tick::{SceneState, Scratch};
 use std::path::Path;
 
 /// A scene with its state.

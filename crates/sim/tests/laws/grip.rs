@@ -3,9 +3,9 @@
 use crate::common::{World, teardrop};
 use palpate_geometry::math::{SavedState, Vector3};
 use palpate_geometry::surface::ClosestSolver;
-use palpate_sim::tick::flags;
 use palpate_sim::solve::grip::GRAB;
 use palpate_sim::solve::row_key::RowKey;
+use palpate_sim::tick::flags;
 use palpate_sim::tick::record::TickOutput;
 use palpate_sim::tick::restore;
 

@@ -1,8 +1,8 @@
 //! Lower quality: what a tick leaves out is work, not balance.
 
 use crate::common::World;
-use palpate_sim::tick::quality;
 use palpate_sim::tick::apply;
+use palpate_sim::tick::quality;
 use palpate_sim::tick::record::{Command, TickOutput};
 
 /// A soft slab on a rigid floor that iterates four times a step, and a ball of 20 mm that many of

@@ -174,8 +174,7 @@ fn a_tick_of_a_tool_that_turns_allocates_nothing() {
                         0.045,
                     ]);
                     touched += u32::from(out.tools[0].contact.is_some());
-                    damped +=
-                        u32::from(out.tools[0].flags & palpate_sim::tick::flags::DAMPED != 0);
+                    damped += u32::from(out.tools[0].flags & palpate_sim::tick::flags::DAMPED != 0);
                 }
             });
             assert!(
