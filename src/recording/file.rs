@@ -4,15 +4,14 @@
 //! daemon loses no more than that, and nothing written is ever touched again. log_time is tick ×
 //! dt: plots are even and files comparable; publish_time is the wall clock.
 
+use super::channel::Channels;
 use super::disk::{Disk, DiskFile};
 use super::head::Head;
-use super::message::{Kind, Message, SessionHash, wall_ns};
-use super::topics;
+use super::message::{Mark, Message, SessionHash, wall_ns};
 use super::totals::Tally;
 use super::views::Views;
 use mcap::records::{MessageHeader, Metadata};
 use mcap::write::NoSeek;
-use palpate_proto::recording as pb;
 use std::collections::BTreeMap;
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
@@ -89,15 +88,6 @@ pub(super) struct SessionFile {
     pub session: SessionHash,
     skipped: u64,
     tally: Tally,
-}
-
-struct Channels {
-    tick: u16,
-    keyframe: u16,
-    command: u16,
-    event: u16,
-    stats: u16,
-    nets: Vec<u16>,
 }
 
 /// `FILE.part`.
@@ -219,7 +209,7 @@ impl SessionFile {
             };
             mcap.attach(&attachment)?;
         }
-        let channels = Channels::add(&mut mcap, head)?;
+        let channels = Channels::announce(&mut mcap, &head.bodies)?;
         Ok((mcap, channels))
     }
 
@@ -230,31 +220,23 @@ impl SessionFile {
 
     /// Writes a message, and what is shown of it.
     pub fn put(&mut self, message: &Message) -> Result<(), WriteError> {
-        let channel_id = match message.kind {
-            Kind::Tick {
+        match message.mark {
+            Mark::Tick {
                 state_hash,
                 skipped,
             } => {
-                self.first_tick = if self.ticks == 0 {
-                    message.tick
-                } else {
-                    self.first_tick
-                };
+                if self.ticks == 0 {
+                    self.first_tick = message.tick;
+                }
                 self.ticks += 1;
                 self.skipped += u64::from(skipped);
                 (self.last_tick, self.last_hash) = (message.tick, state_hash);
                 self.session.push(message.tick, state_hash);
-                self.channels.tick
             }
-            Kind::Keyframe { .. } => {
-                self.urgent = true;
-                self.channels.keyframe
-            }
-            Kind::Command => self.channels.command,
-            Kind::Event => self.channels.event,
-            Kind::Stats => self.channels.stats,
-            Kind::Net { body } => self.channels.nets[usize::from(body)],
-        };
+            Mark::Keyframe { .. } => self.urgent = true,
+            Mark::None => {}
+        }
+        let channel_id = self.channels.number(message.topic, message.body);
         // Saturates for numbers that only a damaged file can hold.
         let log_time = message.tick.saturating_mul(self.dt_ns);
         let header = MessageHeader {
@@ -373,34 +355,5 @@ impl SessionFile {
             Err(_) => std::fs::rename(&self.part, &self.target).map_err(io)?,
         }
         Ok(self.target)
-    }
-}
-
-impl Channels {
-    fn add(
-        mcap: &mut mcap::Writer<NoSeek<Box<dyn DiskFile>>>,
-        head: &Head,
-    ) -> mcap::McapResult<Self> {
-        let mut channel = |topic: &str, message: &str| {
-            let name = format!("palpate.v1.{message}");
-            let schema = mcap.add_schema(
-                &name,
-                "protobuf",
-                pb::descriptors(&name).unwrap_or_default(),
-            )?;
-            mcap.add_channel(schema, topic, "protobuf", &BTreeMap::new())
-        };
-        Ok(Self {
-            tick: channel(topics::TICK, "Tick")?,
-            keyframe: channel(topics::KEYFRAME, "Keyframe")?,
-            command: channel(topics::COMMAND, "Command")?,
-            event: channel(topics::EVENT, "Event")?,
-            stats: channel(topics::STATS, "Stats")?,
-            nets: head
-                .bodies
-                .iter()
-                .map(|body| channel(&format!("/body/{}/net", body.id), "ControlNet"))
-                .collect::<Result<_, _>>()?,
-        })
     }
 }

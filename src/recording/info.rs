@@ -1,7 +1,8 @@
 //! A session at a glance.
 
+use super::channel::Topic;
 use super::file_info::{FileInfo, file_info};
-use super::reader::{Follower, ReadError, Session, Topic};
+use super::reader::{Follower, ReadError, Session};
 use super::totals::{Tally, Totals, write_stage, write_stages};
 use serde::Serialize;
 use std::collections::BTreeMap;

@@ -4,7 +4,7 @@ use super::disk::Disk;
 use super::file::{SessionFile, WriteError};
 use super::head::Head;
 use super::memory::Memory;
-use super::message::{Kind, Message};
+use super::message::{Mark, Message};
 use super::parts::{Parts, Split};
 use super::recorder::place;
 use super::stream::Stream;
@@ -249,7 +249,7 @@ impl Keeper {
             memory.push(message);
         }
         if let Some(recording) = &mut self.recording {
-            if let Kind::Keyframe { generation } = message.kind
+            if let Mark::Keyframe { generation } = message.mark
                 && !recording.begun
                 && generation >= recording.generation
             {
@@ -271,17 +271,14 @@ impl Keeper {
             if let Err(error) = kept {
                 self.fail(error);
             }
-        } else if self.report.failure.is_some() && matches!(message.kind, Kind::Tick { .. }) {
+        } else if self.report.failure.is_some() && message.is_tick() {
             self.gauges.dropped.fetch_add(1, Ordering::Relaxed);
         }
         let mut at = 0;
         while at < self.snapshots.len() {
             let snapshot = &mut self.snapshots[at];
             match snapshot.file.put(message) {
-                Ok(())
-                    if matches!(message.kind, Kind::Tick { .. })
-                        && message.tick >= snapshot.last_tick =>
-                {
+                Ok(()) if message.is_tick() && message.tick >= snapshot.last_tick => {
                     let snapshot = self.snapshots.swap_remove(at);
                     self.end_snapshot(snapshot);
                 }

@@ -1,6 +1,6 @@
 //! The last seconds of a session in memory, for whoever wants them afterwards.
 
-use super::message::{Kind, Message};
+use super::message::Message;
 use std::collections::VecDeque;
 
 /// Messages of at least the last so many ticks, from a keyframe on.
@@ -21,11 +21,11 @@ impl Memory {
     }
 
     pub fn push(&mut self, message: &Message) {
-        match message.kind {
-            Kind::Keyframe { .. } => self.keyframes.push_back(message.tick),
+        if message.is_keyframe() {
+            self.keyframes.push_back(message.tick);
+        } else if self.keyframes.is_empty() {
             // Without a keyframe before it nothing can be replayed.
-            _ if self.keyframes.is_empty() => return,
-            _ => {}
+            return;
         }
         self.messages.push_back(message.clone());
         // What comes before the second keyframe may go when the rest still reaches back far enough.
@@ -35,8 +35,7 @@ impl Memory {
             self.keyframes.pop_front();
             let mut met = false;
             while let Some(front) = self.messages.front() {
-                if matches!(front.kind, Kind::Keyframe { .. }) && std::mem::replace(&mut met, true)
-                {
+                if front.is_keyframe() && std::mem::replace(&mut met, true) {
                     break;
                 }
                 self.messages.pop_front();
@@ -53,7 +52,7 @@ impl Memory {
             .unwrap_or(0);
         let mut before = from + 1;
         self.messages.iter().skip_while(move |message| {
-            before -= usize::from(matches!(message.kind, Kind::Keyframe { .. }));
+            before -= usize::from(message.is_keyframe());
             before > 0
         })
     }
@@ -71,30 +70,20 @@ impl Memory {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::recording::Topic;
 
-    fn message(kind: Kind, tick: u64) -> Message {
-        Message {
-            kind,
-            tick,
-            wall_ns: 0,
-            data: vec![0; 10],
-        }
+    fn message(topic: Topic, tick: u64) -> Message {
+        Message::encoded(topic, tick, vec![0; 10])
     }
 
     fn filled(ticks: u64, keep: u64, every: u64) -> Memory {
         let mut memory = Memory::new(keep);
-        memory.push(&message(Kind::Event, 0));
-        memory.push(&message(Kind::Keyframe { generation: 1 }, 0));
+        memory.push(&message(Topic::Event, 0));
+        memory.push(&message(Topic::Keyframe, 0));
         for tick in 1..=ticks {
-            memory.push(&message(
-                Kind::Tick {
-                    state_hash: tick,
-                    skipped: 0,
-                },
-                tick,
-            ));
+            memory.push(&message(Topic::Tick, tick));
             if tick % every == 0 {
-                memory.push(&message(Kind::Keyframe { generation: 1 }, tick));
+                memory.push(&message(Topic::Keyframe, tick));
             }
         }
         memory
@@ -105,10 +94,7 @@ mod tests {
         for ticks in 0..400 {
             let memory = filled(ticks, 100, 30);
             let first = memory.messages.front().unwrap();
-            assert!(
-                matches!(first.kind, Kind::Keyframe { .. }),
-                "after {ticks} ticks"
-            );
+            assert!(first.is_keyframe(), "after {ticks} ticks");
             assert!(
                 first.tick == 0 || ticks - first.tick >= 100,
                 "after {ticks} ticks it begins at {}",
@@ -136,7 +122,7 @@ mod tests {
         ] {
             let found: Vec<_> = memory.since(tick).collect();
             assert_eq!(found[0].tick, begins, "since {tick}");
-            assert!(matches!(found[0].kind, Kind::Keyframe { .. }));
+            assert!(found[0].is_keyframe());
             assert_eq!(found.last().unwrap().tick, 395);
         }
     }

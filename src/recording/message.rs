@@ -1,26 +1,34 @@
 //! What travels from the stream to files and to memory: encoded messages in the order of the
 //! simulation.
 
+use super::channel::Topic;
 use super::convert::{command_to_proto, tick_to_proto};
 use palpate_geometry::math::{Point3, SavedState};
 use palpate_proto::recording as pb;
 use palpate_sim::tick::record::{Command, TickRecord};
 
-/// What a message is, with what its file has to know of it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Kind {
-    Tick { state_hash: u64, skipped: u32 },
-    Keyframe { generation: u32 },
-    Command,
-    Event,
-    Stats,
-    Net { body: u16 },
+/// What its file has to know of a message without decoding it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) enum Mark {
+    /// Nothing.
+    #[default]
+    None,
+    Tick {
+        state_hash: u64,
+        skipped: u32,
+    },
+    Keyframe {
+        generation: u32,
+    },
 }
 
 /// An encoded message.
 #[derive(Clone, Debug)]
 pub(super) struct Message {
-    pub kind: Kind,
+    pub topic: Topic,
+    /// Body index, for topics that each body has; else 0.
+    pub body: u16,
+    pub mark: Mark,
     pub tick: u64,
     /// Wall clock when it was encoded, ns.
     pub wall_ns: u64,
@@ -28,22 +36,39 @@ pub(super) struct Message {
 }
 
 impl Message {
-    pub fn new(kind: Kind, tick: u64, message: &impl prost::Message) -> Self {
+    pub fn new(topic: Topic, tick: u64, message: &impl prost::Message) -> Self {
+        Self::encoded(topic, tick, message.encode_to_vec())
+    }
+
+    pub fn encoded(topic: Topic, tick: u64, data: Vec<u8>) -> Self {
         Self {
-            kind,
+            topic,
+            body: 0,
+            mark: Mark::None,
             tick,
             wall_ns: wall_ns(),
-            data: message.encode_to_vec(),
+            data,
         }
+    }
+
+    pub fn is_tick(&self) -> bool {
+        self.topic == Topic::Tick
+    }
+
+    pub fn is_keyframe(&self) -> bool {
+        self.topic == Topic::Keyframe
     }
 
     pub fn tick(record: &TickRecord, tool_count: usize) -> Self {
         let output = &record.output;
-        let kind = Kind::Tick {
+        let mark = Mark::Tick {
             state_hash: output.state_hash,
             skipped: record.skipped,
         };
-        Self::new(kind, output.tick, &tick_to_proto(record, tool_count))
+        Self {
+            mark,
+            ..Self::new(Topic::Tick, output.tick, &tick_to_proto(record, tool_count))
+        }
     }
 
     /// `commands`: how many of the commands after `tick` the state holds already.
@@ -55,41 +80,27 @@ impl Message {
         generation: u32,
     ) -> Self {
         let (words, floats) = (saved.words.clone(), saved.floats.clone());
-        Self::new(
-            Kind::Keyframe { generation },
+        let keyframe = pb::Keyframe {
             tick,
-            &pb::Keyframe {
-                tick,
-                state_hash,
-                words,
-                floats,
-                commands,
-            },
-        )
+            state_hash,
+            words,
+            floats,
+            commands,
+        };
+        Self {
+            mark: Mark::Keyframe { generation },
+            ..Self::new(Topic::Keyframe, tick, &keyframe)
+        }
     }
 
     pub fn command(after_tick: u64, command: Command) -> Self {
-        Self::new(
-            Kind::Command,
-            after_tick,
-            &command_to_proto(after_tick, command),
-        )
+        let message = command_to_proto(after_tick, command);
+        Self::new(Topic::Command, after_tick, &message)
     }
 
     pub fn event(tick: u64, kind: &str, detail: &str) -> Self {
-        Self::new(
-            Kind::Event,
-            tick,
-            &pb::Event {
-                tick,
-                kind: kind.into(),
-                detail: detail.into(),
-            },
-        )
-    }
-
-    pub fn stats(stats: &pb::Stats) -> Self {
-        Self::new(Kind::Stats, stats.tick, stats)
+        let (kind, detail) = (kind.into(), detail.into());
+        Self::new(Topic::Event, tick, &pb::Event { tick, kind, detail })
     }
 
     pub fn net(tick: u64, revision: u64, body: usize, head: &BodyHead, points: &[Point3]) -> Self {
@@ -103,7 +114,10 @@ impl Message {
             count_v: head.count[1] as u32,
             points: points.iter().flat_map(|p| [p.x, p.y, p.z]).collect(),
         };
-        Self::new(Kind::Net { body: body as u16 }, tick, &message)
+        Self {
+            body: body as u16,
+            ..Self::new(Topic::Net, tick, &message)
+        }
     }
 }
 

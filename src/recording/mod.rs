@@ -7,6 +7,7 @@
 //! FILE ─▶ Session ─▶ Follower (reader) ─▶ replay, figures, play, info, export, recover
 //! ```
 
+mod channel;
 mod convert;
 mod disk;
 mod export;
@@ -31,6 +32,7 @@ mod stream;
 mod totals;
 mod views;
 
+pub use channel::{EventRecord, Happening, Keyframe, NetRecord, OtherRecord, Topic};
 pub use disk::{Disk, DiskFile, FileSystem};
 pub use export::{Bucket, Curve, ExportError, Range, Series, csv, net_at, series};
 pub use figures::{
@@ -44,10 +46,7 @@ pub use message::SessionHash;
 pub use parts::Split;
 pub use play::{PlayError, PlayReport, PlaySettings, Player, played_scene};
 pub use port::RecorderPort;
-pub use reader::{
-    Contents, EventRecord, Follower, Happening, Keyframe, NetRecord, Place, ReadError, Session,
-    SessionHeader, Topic,
-};
+pub use reader::{Contents, Follower, Place, ReadError, Session, SessionHeader};
 pub use recorder::{
     Recorder, RecorderSettings, RecordingReport, RecordingSummary, SceneChanges, default_path,
 };
@@ -60,20 +59,6 @@ pub use replay::{
 pub use self_check::{SelfCheck, SelfCheckPort, SelfCheckReport, SelfDifference};
 pub use totals::{StageInfo, ToolInfo, Totals};
 pub(crate) use totals::{stage_infos, write_stages};
-
-/// Topics.
-pub(crate) mod topics {
-    /// Every tick.
-    pub const TICK: &str = "/sim/tick";
-    /// Full states.
-    pub const KEYFRAME: &str = "/sim/keyframe";
-    /// Commands.
-    pub const COMMAND: &str = "/sim/command";
-    /// Events.
-    pub const EVENT: &str = "/sim/event";
-    /// Loop statistics.
-    pub const STATS: &str = "/sim/stats";
-}
 
 /// Layout of recordings; readers refuse others.
 pub const FORMAT_VERSION: u32 = 2;

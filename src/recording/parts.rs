@@ -2,10 +2,11 @@
 //! room for the newest.
 
 use super::RecordingSummary;
+use super::channel::Topic;
 use super::disk::Disk;
 use super::file::{SessionFile, WriteError};
 use super::head::Head;
-use super::message::{Kind, Message};
+use super::message::Message;
 use super::views::Views;
 use std::collections::VecDeque;
 use std::path::{Path, PathBuf};
@@ -119,11 +120,10 @@ impl Parts {
 
     /// `dropped`: records lost so far, of all the daemon did.
     pub fn put(&mut self, message: &Message, dropped: u64) -> Result<(), WriteError> {
-        let begins =
-            matches!(message.kind, Kind::Keyframe { .. }) && self.file.ticks > 0 && self.is_full();
-        match message.kind {
+        let begins = message.is_keyframe() && self.file.ticks > 0 && self.is_full();
+        match message.topic {
             // The next part has a tick at least.
-            Kind::Tick { .. } if !self.held.is_empty() => {
+            Topic::Tick if !self.held.is_empty() => {
                 self.next_part(dropped)?;
                 self.release()?;
             }

@@ -19,9 +19,8 @@ mod source;
 
 pub use contents::Contents;
 pub use error::ReadError;
-pub use follower::{EventRecord, Follower, Happening, Keyframe, NetRecord, Place};
+pub use follower::{Follower, Place};
 pub use layout::SessionHeader;
-pub use page::Topic;
 pub use session::Session;
 
 pub(super) use keyframes::{

@@ -1,13 +1,13 @@
 //! Mends a recording that was cut short: everything readable goes into a finished file that says it
 //! is not clean.
 
+use super::channel::Happening;
 use super::disk::FileSystem;
 use super::file::{SessionFile, WriteError};
 use super::head::Head;
 use super::message::{BodyHead, Message};
-use super::reader::{Follower, Happening, ReadError, Session};
+use super::reader::{Follower, ReadError, Session};
 use super::views::Views;
-use palpate_proto::recording as pb;
 use palpate_sim::scene::Scene;
 use palpate_sim::scene::spec::SceneSpec;
 use serde::Serialize;
@@ -106,10 +106,6 @@ fn copy(session: &Session, head: &Head, mut file: SessionFile) -> Result<Recover
         }
     }
     let (ticks, last_tick) = (file.ticks, file.last_tick);
-    file.put(&Message::stats(&pb::Stats {
-        tick: last_tick,
-        ..pb::Stats::default()
-    }))?;
     let dropped = session.end_number("dropped_records").unwrap_or(0);
     let path = file.finish(dropped, session.is_whole(), &[])?;
     Ok(Recovered {
@@ -137,5 +133,6 @@ fn message(happening: &Happening, head: &Head) -> Option<Message> {
             let of = &head.bodies[body];
             Message::net(net.tick, net.revision, body, of, &points)
         }
+        Happening::Other(other) => Message::encoded(other.topic, other.tick, other.data.clone()),
     })
 }

@@ -3,6 +3,7 @@
 //! Order: the record of tick t, its nets, then commands and keyframes of the state after it in the
 //! order in which they came (a keyframe says how many commands it holds), then tick t + 1.
 
+use super::channel::Topic;
 use super::message::{BodyHead, Message};
 use super::port::Applied;
 use crate::drive::journal::JournalGauges;
@@ -276,7 +277,7 @@ impl Stream {
 
     /// Statistics since the start.
     pub fn stats(&self) -> Message {
-        Message::stats(&pb::Stats {
+        let stats = pb::Stats {
             tick: self.last_tick,
             late_ticks: self.late,
             skipped_ticks: self.skipped,
@@ -286,7 +287,8 @@ impl Stream {
                 .flat_map(|(_, h)| [h.quantile(0.5), h.quantile(0.99), h.max()])
                 .collect(),
             dropped_records: self.gauges.dropped.load(Ordering::Relaxed),
-        })
+        };
+        Message::new(Topic::Stats, self.last_tick, &stats)
     }
 
     /// Newest tick handed over.

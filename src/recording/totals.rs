@@ -4,14 +4,12 @@
 //! only wants the figures need not read the ticks. Whoever reads the ticks sums up with the same
 //! code, in the same order, and comes to the same bits.
 
-use super::convert::{ConvertError, command_from_proto, command_to_proto, tick_from_proto};
+use super::channel::Happening;
+use super::convert::{ConvertError, command_to_proto};
 use super::figures::{ToolFigures, ToolSum};
-use super::message::{Kind, Message, SessionHash};
-use super::reader::Happening;
+use super::message::{Message, SessionHash};
 use crate::drive::stats::{Histogram, LATE_NS, StageHistograms};
-use palpate_proto::recording as pb;
 use palpate_sim::tick::record::TickRecord;
-use prost::Message as _;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::fmt;
@@ -133,35 +131,13 @@ impl Tally {
             }
             Happening::Event(_) => totals.events += 1,
             Happening::Net(_) => totals.nets += 1,
+            Happening::Other(_) => {}
         }
     }
 
     /// Takes in what a recorder writes.
     pub fn write(&mut self, message: &Message) -> Result<(), ConvertError> {
-        let data = &message.data[..];
-        let malformed = |e: prost::DecodeError| ConvertError {
-            tick: message.tick,
-            what: e.to_string(),
-        };
-        match message.kind {
-            Kind::Tick { .. } => {
-                let tick = pb::Tick::decode(data).map_err(malformed)?;
-                self.tick(&tick_from_proto(&tick)?);
-            }
-            Kind::Keyframe { .. } => self.keyframe(message.tick),
-            Kind::Command => {
-                let command = pb::Command::decode(data).map_err(malformed)?;
-                command_from_proto(&command)?;
-                *self
-                    .totals
-                    .commands_by_name
-                    .entry(command.name)
-                    .or_default() += 1;
-            }
-            Kind::Event => self.totals.events += 1,
-            Kind::Net { .. } => self.totals.nets += 1,
-            Kind::Stats => {}
-        }
+        self.take(&message.topic.decode(&message.data)?);
         Ok(())
     }
 

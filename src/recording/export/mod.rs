@@ -8,7 +8,8 @@ pub use csv::csv;
 pub use net::net_at;
 pub use series::{Bucket, Curve, Series, series};
 
-use super::reader::{Follower, Happening, Session, Topic};
+use super::channel::{Happening, Topic};
+use super::reader::{Follower, Session};
 use super::replay::ReplayError;
 use palpate_sim::tick::record::TickRecord;
 

@@ -1,9 +1,9 @@
 //! The surface of a body after any tick: as recorded, or by replaying to it from the keyframe
 //! before.
 
+use super::super::channel::{Happening, Keyframe, Topic};
 use super::super::reader::{
-    Follower, Happening, Keyframe, ReadError, Session, Topic, first_keyframe, first_keyframe_where,
-    last_keyframe_until,
+    Follower, ReadError, Session, first_keyframe, first_keyframe_where, last_keyframe_until,
 };
 use super::super::replay::{ReplayError, recorded_scene};
 use super::super::rerun::Rerun;

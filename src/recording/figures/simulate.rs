@@ -1,6 +1,7 @@
 //! Figures by simulating a session anew, without asking for its bits.
 
-use super::super::reader::{Follower, Happening, Place, Session, Topic, first_keyframe};
+use super::super::channel::{Happening, Topic};
+use super::super::reader::{Follower, Place, Session, first_keyframe};
 use super::super::replay::{ReplayError, recorded_scene};
 use super::super::rerun::Rerun;
 use super::{Figures, FiguresError, Sum};

@@ -1,9 +1,8 @@
 //! A place in a recording, with the state that belongs to it.
 
 use super::PlayError;
-use crate::recording::reader::{
-    Follower, Happening, Keyframe, Place, Session, Topic, last_keyframe_until,
-};
+use crate::recording::channel::{Happening, Keyframe, Topic};
+use crate::recording::reader::{Follower, Place, Session, last_keyframe_until};
 use crate::recording::rerun::Rerun;
 use palpate_geometry::math::{SavedState, StateError};
 use palpate_sim::scene::Scene;
@@ -264,7 +263,7 @@ impl Cursor {
         // comes back at keyframes.
         while let Some(happening) = self.follower.next().transpose()? {
             match happening {
-                Happening::Net(_) | Happening::Event(_) => {}
+                Happening::Net(_) | Happening::Event(_) | Happening::Other(_) => {}
                 Happening::Keyframe(keyframe)
                     if keyframe.tick == tick && keyframe.commands == 0 =>
                 {

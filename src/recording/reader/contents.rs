@@ -1,10 +1,10 @@
 //! All of a short recording at once, to compare, to edit, and to make a recording of again.
 
+use super::super::channel::{EventRecord, Happening, Keyframe, NetRecord, Topic};
 use super::super::file::{END, RUN, SCENE_EFFECTIVE, SCENE_TEXT};
-use super::super::message::{Kind, Message};
-use super::super::topics;
+use super::super::message::Message;
 use super::error::ReadError;
-use super::follower::{EventRecord, Follower, Happening, Keyframe, NetRecord};
+use super::follower::Follower;
 use super::layout::SessionHeader;
 use super::session::Session;
 use mcap::records::{MessageHeader, Metadata};
@@ -75,6 +75,7 @@ impl Contents {
                 Happening::Command(after_tick, command) => all.commands.push((after_tick, command)),
                 Happening::Net(net) => all.nets.push(net),
                 Happening::Event(event) => all.events.push(event),
+                Happening::Other(_) => {}
             }
         }
         all.cut_short = session.cut_short().map(str::to_owned);
@@ -151,14 +152,14 @@ impl Contents {
     fn messages(&self) -> Vec<(String, Message)> {
         let mut all: Vec<(u64, u8, String, Message)> = Vec::new();
         let tools = self.header.names("tools").len();
-        let mut put = |rank: u8, topic: &str, message: Message| {
-            all.push((message.tick, rank, topic.to_owned(), message));
+        let mut put = |rank: u8, body: &str, message: Message| {
+            let name = message.topic.name(body).into_owned();
+            all.push((message.tick, rank, name, message));
         };
         for record in &self.ticks {
-            put(0, topics::TICK, Message::tick(record, tools));
+            put(0, "", Message::tick(record, tools));
         }
         for net in &self.nets {
-            let topic = format!("/body/{}/net", net.body);
             let message = pb::ControlNet {
                 tick: net.tick,
                 revision: net.revision,
@@ -166,17 +167,17 @@ impl Contents {
                 points: net.points.clone(),
                 ..pb::ControlNet::default()
             };
-            let message = Message::new(Kind::Net { body: 0 }, net.tick, &message);
-            put(1, &topic, message);
+            let message = Message::new(Topic::Net, net.tick, &message);
+            put(1, &net.body, message);
         }
         for event in &self.events {
             let message = Message::event(event.tick, &event.kind, &event.detail);
-            put(2, topics::EVENT, message);
+            put(2, "", message);
         }
         let mut rest = &self.commands[..];
         let commands = |commands: &[(u64, Command)], put: &mut dyn FnMut(u8, &str, Message)| {
             for (after_tick, command) in commands {
-                put(3, topics::COMMAND, Message::command(*after_tick, *command));
+                put(3, "", Message::command(*after_tick, *command));
             }
         };
         for keyframe in &self.keyframes {
@@ -199,7 +200,7 @@ impl Contents {
                 saved,
             } = keyframe;
             let message = Message::keyframe(*tick, *state_hash, *held, saved, 0);
-            put(3, topics::KEYFRAME, message);
+            put(3, "", message);
         }
         commands(rest, &mut put);
         all.sort_by_key(|(tick, rank, ..)| (*tick, *rank));

@@ -4,81 +4,12 @@
 //! of the state after it in the order in which they came (a keyframe holds the commands before it),
 //! then tick t + 1. Events stand where they became known.
 
-use super::super::convert::{ConvertError, command_from_proto, tick_from_proto};
+use super::super::channel::{Happening, Topic};
 use super::error::ReadError;
-use super::page::{Entry, Page, PageError, Topic};
+use super::page::{Page, PageError};
 use super::session::Session;
-use palpate_geometry::math::SavedState;
-use palpate_proto::recording as pb;
-use palpate_sim::tick::record::{Command, TickRecord};
-use prost::Message as _;
 use std::collections::BTreeMap;
 use std::thread::JoinHandle;
-
-/// A state to start a replay from.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Keyframe {
-    /// The state is that after this tick.
-    pub tick: u64,
-    /// Its hash.
-    pub state_hash: u64,
-    /// How many of the commands after that tick it holds already: those up to a reset.
-    pub commands: u32,
-    /// The state.
-    pub saved: SavedState,
-}
-
-/// Something that happened beside the ticks.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct EventRecord {
-    /// When.
-    pub tick: u64,
-    /// For example `tool_joined`.
-    pub kind: String,
-    /// Words about it.
-    pub detail: String,
-}
-
-/// A net as recorded.
-#[derive(Clone, Debug, PartialEq)]
-pub struct NetRecord {
-    /// After this tick.
-    pub tick: u64,
-    /// Revision.
-    pub revision: u64,
-    /// Body id.
-    pub body: String,
-    /// x y z of each point, m.
-    pub points: Vec<f64>,
-}
-
-/// One thing that a recording holds.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Happening {
-    /// A tick: what was applied and what came out.
-    Tick(Box<TickRecord>),
-    /// The state after a tick.
-    Keyframe(Keyframe),
-    /// A command, with the tick after which it acts.
-    Command(u64, Command),
-    /// Something else.
-    Event(EventRecord),
-    /// A control net after a tick.
-    Net(NetRecord),
-}
-
-impl Happening {
-    /// The tick, or that after which it is.
-    pub fn tick(&self) -> u64 {
-        match self {
-            Self::Tick(record) => record.output.tick,
-            Self::Keyframe(keyframe) => keyframe.tick,
-            Self::Command(after_tick, _) => *after_tick,
-            Self::Event(event) => event.tick,
-            Self::Net(net) => net.tick,
-        }
-    }
-}
 
 /// A place in a recording.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
@@ -220,7 +151,7 @@ impl Follower {
             if !self.only.is_empty() && !self.only.contains(&entry.topic) {
                 continue;
             }
-            match decoded(page, entry) {
+            match entry.topic.decode(page.message(entry)) {
                 Ok(happening) if (self.range.0..=self.range.1).contains(&happening.tick()) => {
                     return Some(Ok(happening));
                 }
@@ -297,47 +228,4 @@ impl Iterator for Follower {
     fn next(&mut self) -> Option<Self::Item> {
         self.next_until(usize::MAX)
     }
-}
-
-fn decoded(page: &Page, entry: &Entry) -> Result<Happening, ConvertError> {
-    let data = page.message(entry);
-    let malformed = |e: prost::DecodeError| ConvertError {
-        tick: 0,
-        what: format!("{:?}: {e}", entry.topic),
-    };
-    Ok(match entry.topic {
-        Topic::Tick => {
-            let tick = pb::Tick::decode(data).map_err(malformed)?;
-            Happening::Tick(Box::new(tick_from_proto(&tick)?))
-        }
-        Topic::Keyframe => {
-            let keyframe = pb::Keyframe::decode(data).map_err(malformed)?;
-            Happening::Keyframe(Keyframe {
-                tick: keyframe.tick,
-                state_hash: keyframe.state_hash,
-                commands: keyframe.commands,
-                saved: SavedState {
-                    words: keyframe.words,
-                    floats: keyframe.floats,
-                },
-            })
-        }
-        Topic::Command => {
-            let command = pb::Command::decode(data).map_err(malformed)?;
-            Happening::Command(command.after_tick, command_from_proto(&command)?)
-        }
-        Topic::Event => {
-            let pb::Event { tick, kind, detail } = pb::Event::decode(data).map_err(malformed)?;
-            Happening::Event(EventRecord { tick, kind, detail })
-        }
-        Topic::Net => {
-            let net = pb::ControlNet::decode(data).map_err(malformed)?;
-            Happening::Net(NetRecord {
-                tick: net.tick,
-                revision: net.revision,
-                body: net.body,
-                points: net.points,
-            })
-        }
-    })
 }

@@ -4,7 +4,7 @@
 //! its order, and that it leaves out no chunk are checked here; what it says of a chunk, when that
 //! chunk is read.
 
-use super::super::topics;
+use super::super::channel::Topic;
 use super::layout::{Chunk, LARGEST, Layout, RECORD_HEAD, head};
 use super::source::Source;
 use mcap::records::{Record, op};
@@ -155,7 +155,7 @@ impl Summary {
             ));
         }
         let keyframes: Vec<u16> = (self.layout.channels.iter())
-            .filter(|(_, channel)| channel.topic == topics::KEYFRAME)
+            .filter(|(_, channel)| Topic::of(&channel.topic) == Some(Topic::Keyframe))
             .map(|(id, _)| *id)
             .collect();
         let total: u64 = messages.values().fold(0, |sum, n| sum.saturating_add(*n));

@@ -1,8 +1,8 @@
 //! Where the states are that a replay or a player may start from.
 
+use super::super::channel::{Happening, Keyframe, Topic};
 use super::error::ReadError;
-use super::follower::{Follower, Happening, Keyframe, Place};
-use super::page::Topic;
+use super::follower::{Follower, Place};
 use super::session::Session;
 
 /// Chunks that have keyframes, in order.

@@ -1,6 +1,6 @@
 //! A chunk, decompressed: its messages in the order of the file.
 
-use super::super::topics;
+use super::super::channel::Topic;
 use super::layout::{Channel, Chunk, LARGEST, RECORD_HEAD};
 use super::source::Source;
 use mcap::records::{Record, op};
@@ -8,35 +8,6 @@ use mcap::sans_io::{LinearReadEvent, LinearReader, LinearReaderOptions};
 use std::collections::BTreeMap;
 use std::io;
 use std::ops::Range;
-
-/// What a message is about.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Topic {
-    /// Ticks.
-    Tick,
-    /// Full states.
-    Keyframe,
-    /// Commands.
-    Command,
-    /// Events.
-    Event,
-    /// Control nets.
-    Net,
-}
-
-impl Topic {
-    /// `None`: what only viewers read.
-    pub(super) fn of(topic: &str) -> Option<Self> {
-        match topic {
-            topics::TICK => Some(Self::Tick),
-            topics::KEYFRAME => Some(Self::Keyframe),
-            topics::COMMAND => Some(Self::Command),
-            topics::EVENT => Some(Self::Event),
-            _ if topic.starts_with("/body/") => Some(Self::Net),
-            _ => None,
-        }
-    }
-}
 
 /// Topics by channel.
 pub(super) type Topics = BTreeMap<u16, Option<Topic>>;

@@ -1,10 +1,11 @@
 //! A recording: its head, where its chunks are, and what is known of them without reading them all.
 
-use super::super::{FORMAT_VERSION, topics};
+use super::super::FORMAT_VERSION;
+use super::super::channel::Topic;
 use super::error::ReadError;
 use super::index::{self, Indexed};
 use super::layout::{Chunk, Layout, SessionHeader};
-use super::page::{Page, PageError, Topic, Topics};
+use super::page::{Page, PageError, Topics};
 use super::source::Source;
 use prost::Message as _;
 use std::collections::BTreeMap;
@@ -326,7 +327,7 @@ fn survey(source: &Source, layout: &mut Layout) -> std::io::Result<Option<(u64, 
 /// The first and the last tick of a file with an index, from the first and the last chunk that has
 /// any.
 fn ends(source: &Source, layout: &mut Layout) -> std::io::Result<Option<(u64, u64)>> {
-    let ticks_of = |topic: &str| topic == topics::TICK;
+    let ticks_of = |name: &str| Topic::of(name) == Some(Topic::Tick);
     let ids = layout.channels.iter().filter(|(_, c)| ticks_of(&c.topic));
     let counted = |(id, _): (&u16, _)| layout.messages.get(id).is_some_and(|n| *n > 0);
     if !ids.into_iter().any(counted) {

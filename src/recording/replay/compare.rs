@@ -1,6 +1,6 @@
 //! Where two ticks part: field by field, bit for bit.
 
-use super::super::reader::NetRecord;
+use super::super::channel::NetRecord;
 use palpate_geometry::math::Point3;
 use palpate_sim::tick::record::{ContactReport, TickOutput, ToolOutput};
 use serde::Serialize;

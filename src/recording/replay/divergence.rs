@@ -1,8 +1,9 @@
 //! The ticks around a difference, from both runs, in an MCAP file that any reader of recordings
 //! opens.
 
+use super::super::channel::{Happening, Topic};
 use super::super::file::{SCENE_EFFECTIVE, WriteError, options};
-use super::super::reader::{Follower, Happening, Session, Topic};
+use super::super::reader::{Follower, Session};
 use super::super::{build_id, convert};
 use super::Difference;
 use mcap::records::{MessageHeader, Metadata};

@@ -19,10 +19,10 @@ pub use divergence::Divergence;
 pub use scene::recorded_scene;
 
 use super::build_id;
+use super::channel::Topic;
 use super::message::SessionHash;
 use super::reader::{
-    Follower, Place, ReadError, Session, Topic, first_keyframe, keyframe_chunks,
-    last_keyframe_until,
+    Follower, Place, ReadError, Session, first_keyframe, keyframe_chunks, last_keyframe_until,
 };
 use palpate_sim::scene::SceneError;
 use serde::Serialize;

@@ -4,7 +4,8 @@
 //!
 //! A segment has a stretch for each keyframe in it: ticks without a gap, from the keyframe on.
 
-use super::super::reader::{Follower, Happening, Keyframe, NetRecord, Place, Session};
+use super::super::channel::{Happening, Keyframe, NetRecord};
+use super::super::reader::{Follower, Place, Session};
 use super::super::rerun::Rerun;
 use super::ReplayError;
 use super::compare::{Difference, compare, compare_net};
@@ -139,7 +140,7 @@ impl<'a> Runner<'a> {
                 Happening::Net(net) if at.state == Some(net.tick) && at.keyframe.is_none() => {
                     self.recorded_net(&net, &mut found)
                 }
-                Happening::Net(_) | Happening::Event(_) => None,
+                Happening::Net(_) | Happening::Event(_) | Happening::Other(_) => None,
             };
             if let Some(difference) = parted {
                 found.divergence = Some(self.part(difference, follower.place())?);

@@ -12,7 +12,8 @@
 
 mod draw;
 
-use super::message::{Kind, Message};
+use super::channel::Topic;
+use super::message::Message;
 use draw::{BodyShape, ToolShape};
 use palpate_proto::foxglove as fox;
 use palpate_proto::recording as pb;
@@ -126,9 +127,9 @@ impl Views {
         message: &Message,
         mut put: impl FnMut(u16, &[u8]) -> mcap::McapResult<()>,
     ) -> mcap::McapResult<()> {
-        match message.kind {
-            Kind::Net { body } => self.nets[usize::from(body)] = Some(message.data.clone()),
-            Kind::Event => {
+        match message.topic {
+            Topic::Net => self.nets[usize::from(message.body)] = Some(message.data.clone()),
+            Topic::Event => {
                 if let Ok(event) = pb::Event::decode(&message.data[..]) {
                     put(
                         self.channels.log,
@@ -137,7 +138,7 @@ impl Views {
                 }
             }
             // The nets of a file's start come with its first ticks.
-            Kind::Tick { .. }
+            Topic::Tick
                 if message.tick >= *self.next.get_or_insert(message.tick.saturating_add(1)) =>
             {
                 self.next = Some(message.tick.saturating_add(self.every));

@@ -50,11 +50,16 @@ fn each_of_64_tools_feels_on_a_rigid_plate_what_it_feels_alone() {
     for tool in [0, 7, 27, 36, 63] {
         let alone = pressed(&rigid([tool])).tools[0];
         assert!(alone.force_n.z > 1.0, "tool {tool}: {} N", alone.force_n.z);
-        let mut among = together.tools[tool];
-        let contact = among.contact.as_mut().expect("it touches");
+        let among = together.tools[tool];
+        let contact = among.contact.expect("it touches");
         assert_eq!(contact.holder, Holder::Tool(tool as u32));
-        contact.holder = Holder::Tool(0);
-        assert_eq!(among, alone, "tool {tool}");
+        // One solve for all: it may take other sweeps than that for one.
+        let apart = (among.force_n - alone.force_n).norm();
+        assert!(
+            apart < 1e-12 * alone.force_n.norm(),
+            "tool {tool}: {apart} N"
+        );
+        assert_eq!(among.contact_count, alone.contact_count);
     }
     assert_eq!(together.contacts.list().len(), 64);
 }
