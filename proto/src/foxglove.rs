@@ -1,4 +1,5 @@
-//! Messages that viewers know (Foxglove, Lichtblick, Rerun), generated from `proto/foxglove/`.
+//! Messages that viewers know (Foxglove, Lichtblick, Rerun), generated from `proto/foxglove/` by
+//! `cargo run -p palpate-proto --example generate`.
 //! Names, numbers and types of fields are the published ones: `tests/foxglove.rs` compares them.
 //! Their descriptors are in [`crate::recording::descriptors`].
 
@@ -6,4 +7,4 @@
 
 pub use prost_types::{Duration, Timestamp};
 
-include!(concat!(env!("OUT_DIR"), "/foxglove.rs"));
+include!("generated/foxglove.rs");

@@ -96,7 +96,7 @@ fn the_descriptors_of_a_message_are_complete() {
     {
         for message in &file.message_type {
             let name = format!("{}.{}", file.package(), message.name());
-            let set = FileDescriptorSet::decode(descriptors(&name).unwrap()).unwrap();
+            let set = FileDescriptorSet::decode(&descriptors(&name).unwrap()[..]).unwrap();
             let mut before: Vec<&str> = Vec::new();
             for member in &set.file {
                 for import in &member.dependency {
@@ -119,7 +119,7 @@ fn the_descriptors_of_a_message_are_complete() {
 
 #[test]
 fn our_own_schema_stays_free_of_the_published_ones() {
-    let set = FileDescriptorSet::decode(descriptors("palpate.v1.Tick").unwrap()).unwrap();
+    let set = FileDescriptorSet::decode(&descriptors("palpate.v1.Tick").unwrap()[..]).unwrap();
     let names: Vec<&str> = set.file.iter().map(|file| file.name()).collect();
     assert_eq!(names, ["palpate/v1/recording.proto"]);
     assert!(

@@ -15,11 +15,16 @@ fn root() -> PathBuf {
 
 #[test]
 fn the_files_in_the_tree_are_those_of_the_generator() {
-    for (path, text) in files::all() {
-        let kept = std::fs::read_to_string(root().join(path)).unwrap();
-        let differs = kept.lines().zip(text.lines()).position(|(a, b)| a != b);
+    for (path, contents) in files::all() {
+        let kept = std::fs::read(root().join(path)).unwrap();
+        let lines = |contents: &[u8]| -> Vec<String> {
+            let text = String::from_utf8_lossy(contents);
+            text.lines().map(str::to_owned).collect()
+        };
+        let (old, new) = (lines(&kept), lines(&contents));
+        let differs = old.iter().zip(&new).position(|(a, b)| a != b);
         assert!(
-            kept == text,
+            kept == contents,
             "{path} differs from line {}: cargo run -p palpate-proto --example generate",
             differs.map_or("its end".into(), |line| (line + 1).to_string())
         );

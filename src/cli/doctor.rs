@@ -36,11 +36,11 @@ const SCENES: [(&str, &str); 2] = [
 
 /// The results. Times are in µs.
 #[derive(Serialize)]
-struct Report {
+struct DoctorReport {
     #[serde(flatten)]
     machine: machine::Machine,
-    lateness_plain: rate::Figures,
-    lateness_asked: rate::Figures,
+    lateness_plain: rate::RateFigures,
+    lateness_asked: rate::RateFigures,
     scenes: Vec<rate::SceneRate>,
 }
 
@@ -81,10 +81,10 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     let (privileges, plain, asked, scenes) = measured
         .join()
         .map_err(|_| anyhow::anyhow!("the measuring thread panicked"))?;
-    let report = Report {
+    let report = DoctorReport {
         machine: machine::Machine::look(privileges),
-        lateness_plain: rate::Figures::of(&plain),
-        lateness_asked: rate::Figures::of(&asked),
+        lateness_plain: rate::RateFigures::of(&plain),
+        lateness_asked: rate::RateFigures::of(&asked),
         scenes,
     };
     if args.json {
@@ -95,7 +95,7 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     Ok(Outcome::Ok)
 }
 
-fn print(report: &Report) {
+fn print(report: &DoctorReport) {
     report.machine.print();
     for (name, late) in [
         ("1 kHz timer, default", &report.lateness_plain),

@@ -25,7 +25,7 @@ pub struct Args {
 
 /// Statistics of one key while it is watched.
 #[derive(Default)]
-struct Stream {
+struct KeyRate {
     periods: Histogram,
     first: Option<Instant>,
     last: Option<Instant>,
@@ -49,7 +49,7 @@ struct Line {
     lost: Option<u64>,
 }
 
-impl Stream {
+impl KeyRate {
     fn add(&mut self, at: Instant, bytes: usize, number: Option<u64>) {
         if let Some(last) = self.last {
             self.periods.add((at - last).as_nanos() as u64);
@@ -99,7 +99,7 @@ fn number(seen: &Seen) -> Option<u64> {
 
 pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     let palpate = args.connection.look_on()?;
-    let streams = Arc::new(Mutex::new(BTreeMap::<String, Stream>::new()));
+    let streams = Arc::new(Mutex::new(BTreeMap::<String, KeyRate>::new()));
     let shared = streams.clone();
     let watching = palpate.watch(&palpate.keys().expand(&args.key), move |seen| {
         let (at, number) = (Instant::now(), number(&seen));
@@ -148,7 +148,7 @@ mod tests {
 
     #[test]
     fn rates_and_losses_are_counted() {
-        let mut stream = Stream::default();
+        let mut stream = KeyRate::default();
         let start = Instant::now();
         for (k, number) in [1u64, 2, 5, 6, 6, 3].into_iter().enumerate() {
             stream.add(

@@ -27,14 +27,14 @@ struct Instance {
     scene: String,
     rate_hz: f64,
     played: bool,
-    tools: Vec<Tool>,
+    tools: Vec<ListedTool>,
     bodies: Vec<String>,
     /// Keys on which it publishes, with the type of their messages.
     publishes: BTreeMap<String, &'static str>,
 }
 
 #[derive(Debug, Default, Serialize)]
-struct Tool {
+struct ListedTool {
     id: String,
     /// Whether a client holds it, from its liveliness token.
     held: bool,
@@ -113,7 +113,7 @@ impl Instance {
         };
         self.tools = ids(&info["tools"])
             .into_iter()
-            .map(|id| Tool {
+            .map(|id| ListedTool {
                 held: false,
                 device: device(&id),
                 id,
@@ -143,7 +143,7 @@ impl Instance {
             "tool" => match self.tools.iter_mut().find(|tool| tool.id == id) {
                 Some(tool) => tool.held = true,
                 // Somebody waits for a daemon, or holds what this scene does not have.
-                None => self.tools.push(Tool {
+                None => self.tools.push(ListedTool {
                     id: id.to_owned(),
                     held: true,
                     device: None,

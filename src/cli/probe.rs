@@ -29,7 +29,7 @@ pub struct Args {
 
 /// Result for one pose.
 #[derive(Debug, Serialize)]
-struct Row {
+struct ProbeRow {
     position: [f64; 3],
     force: [f64; 3],
     torque: [f64; 3],
@@ -235,7 +235,7 @@ fn read_poses(path: &PathBuf) -> anyhow::Result<Vec<DevicePose>> {
 }
 
 /// Moves from the tool's start straight to the pose and holds it until the force has settled.
-fn probe(scene: &Scene, tool: usize, pose: &DevicePose) -> Row {
+fn probe(scene: &Scene, tool: usize, pose: &DevicePose) -> ProbeRow {
     let mut state = scene.initial_state();
     let mut scratch = scene.scratch(&state);
     apply(scene, &mut state, &mut scratch, Command::Reset);
@@ -274,7 +274,7 @@ fn probe(scene: &Scene, tool: usize, pose: &DevicePose) -> Row {
         .filter(|contact| contact.holder == Holder::Tool(tool as u32));
     let counters = scratch.spheres_counters(scene);
     let out = &out.tools[tool];
-    Row {
+    ProbeRow {
         position: pose.position.coords.into(),
         force: out.force_n.into(),
         torque: out.torque_nm.into(),

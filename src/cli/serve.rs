@@ -38,7 +38,7 @@ pub struct Common {
     #[arg(long = "for", value_parser = text::duration)]
     pub duration: Option<Duration>,
     #[command(flatten)]
-    pub recording: Recording,
+    pub recording: RecordArgs,
     /// Zenoh endpoint to listen on; can be repeated.
     #[arg(short, long)]
     pub listen: Vec<String>,
@@ -67,7 +67,7 @@ pub struct Common {
 
 /// Recording options.
 #[derive(clap::Args, Debug, Clone)]
-pub struct Recording {
+pub struct RecordArgs {
     /// Record to this file from the first tick on; given a directory, choose a name in it.
     #[arg(long)]
     pub record: Option<PathBuf>,
@@ -91,7 +91,7 @@ pub struct Recording {
     pub no_views: bool,
 }
 
-impl Recording {
+impl RecordArgs {
     fn settings(
         &self,
         loaded: &file::Loaded,
@@ -119,7 +119,7 @@ impl Recording {
 }
 
 /// A daemon that has ended.
-pub struct Served {
+pub struct EndedSession {
     pub report: DriverReport,
     pub recording: RecordingReport,
     pub self_check: Option<SelfCheckReport>,
@@ -140,7 +140,7 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
 }
 
 /// Exit code of a served session.
-pub fn outcome(served: &Served) -> Outcome {
+pub fn outcome(served: &EndedSession) -> Outcome {
     if served.self_check.is_some_and(|check| check.differences > 0) {
         return Outcome::Difference;
     }
@@ -157,7 +157,7 @@ pub fn serve(
     loaded: &file::Loaded,
     common: &Common,
     ready: impl FnOnce() -> anyhow::Result<()>,
-) -> anyhow::Result<Served> {
+) -> anyhow::Result<EndedSession> {
     // A file that cannot be read is one problem of perhaps many: building lists them all.
     let unread = |error| loaded.build().err().unwrap_or_else(|| loaded.locate(error));
     let mut effective = inline_files(&loaded.spec, &loaded.directory).map_err(unread)?;
@@ -267,7 +267,7 @@ pub fn serve(
     if settings.privileged && !report.privileges.fifo && scene.clock == Clock::Realtime {
         tracing::warn!("SCHED_FIFO was refused: ticks can start late; see `palpate doctor`");
     }
-    Ok(Served {
+    Ok(EndedSession {
         report,
         recording,
         self_check,
@@ -284,7 +284,7 @@ fn end_with_parent() {
 }
 
 /// Prints the figures of a session.
-pub fn summary(served: &Served) {
+pub fn summary(served: &EndedSession) {
     let report = &served.report;
     let us = |q: f64| report.lateness.quantile(q) as f64 * 1e-3;
     println!(

@@ -49,7 +49,7 @@ enum Command {
 
 /// The surface to read.
 #[derive(clap::Args, Debug)]
-struct Source {
+struct SurfaceArg {
     /// Surface file (.json, .step, .stp, .iges, .igs), or builtin:NAME (sheet, sphere, teardrop,
     /// torus).
     file: PathBuf,
@@ -68,7 +68,7 @@ struct Loaded {
     count: usize,
 }
 
-impl Source {
+impl SurfaceArg {
     fn load(&self) -> anyhow::Result<Loaded> {
         if let Some(name) = self
             .file

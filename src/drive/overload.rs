@@ -56,7 +56,7 @@ pub struct Overrun {
 
 /// Another level of quality.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Change {
+pub struct QualityChange {
     /// From now on.
     pub level: u8,
     /// Stage in which most overruns were, as index in [`CAUSES`]; [`QUIET`] when quality comes
@@ -70,7 +70,7 @@ pub struct Verdict {
     /// It overran.
     pub overrun: Option<Overrun>,
     /// The next tick is to be of another quality.
-    pub change: Option<Change>,
+    pub change: Option<QualityChange>,
 }
 
 /// Watches the durations of ticks.
@@ -154,7 +154,7 @@ impl Overload {
         verdict
     }
 
-    fn worse(&mut self) -> Option<Change> {
+    fn worse(&mut self) -> Option<QualityChange> {
         let cause = self.overruns.largest() as usize;
         self.quiet = 0;
         if self.level >= quality::LOWEST {
@@ -170,19 +170,19 @@ impl Overload {
         // Further levels down belong to the same overload.
         self.since_back = u32::MAX;
         self.level += 1;
-        Some(Change {
+        Some(QualityChange {
             level: self.level,
             cause,
         })
     }
 
-    fn better(&mut self) -> Option<Change> {
+    fn better(&mut self) -> Option<QualityChange> {
         if self.level == 0 || self.quiet < self.patience {
             return None;
         }
         self.level -= 1;
         (self.quiet, self.since_back) = (0, 0);
-        Some(Change {
+        Some(QualityChange {
             level: self.level,
             cause: QUIET,
         })
@@ -288,7 +288,7 @@ mod tests {
             .collect();
         assert_eq!(
             verdicts[9].change,
-            Some(Change { level: 1, cause: 2 }),
+            Some(QualityChange { level: 1, cause: 2 }),
             "deform is to blame"
         );
     }

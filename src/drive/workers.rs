@@ -17,7 +17,7 @@ use std::time::Duration;
 
 /// A body's step.
 #[derive(Debug)]
-struct Job {
+struct BodyStep {
     state: DeformableState,
     scratch: DeformableScratch,
 }
@@ -43,9 +43,9 @@ struct Worker {
 #[derive(Debug)]
 struct Lane {
     /// Here between steps.
-    idle: Option<Box<Job>>,
-    out: rtrb::Producer<Box<Job>>,
-    back: rtrb::Consumer<Box<Job>>,
+    idle: Option<Box<BodyStep>>,
+    out: rtrb::Producer<Box<BodyStep>>,
+    back: rtrb::Consumer<Box<BodyStep>>,
     stop: Arc<AtomicBool>,
     thread: Option<JoinHandle<()>>,
 }
@@ -89,8 +89,8 @@ impl Worker {
 
 impl Lane {
     fn start(scene: &Arc<Scene>, body: usize) -> std::io::Result<Self> {
-        let (out, mut jobs) = rtrb::RingBuffer::<Box<Job>>::new(1);
-        let (mut done, back) = rtrb::RingBuffer::<Box<Job>>::new(1);
+        let (out, mut jobs) = rtrb::RingBuffer::<Box<BodyStep>>::new(1);
+        let (mut done, back) = rtrb::RingBuffer::<Box<BodyStep>>::new(1);
         let stop = Arc::new(AtomicBool::new(false));
         let (theirs, asked) = (scene.clone(), stop.clone());
         let run = move || {
@@ -102,7 +102,7 @@ impl Lane {
                     std::thread::park_timeout(Duration::from_millis(50));
                     continue;
                 };
-                let Job { state, scratch } = &mut *job;
+                let BodyStep { state, scratch } = &mut *job;
                 model.advance(state, scratch);
                 model.predict(state, scratch);
                 let _ = done.push(job);
@@ -112,7 +112,7 @@ impl Lane {
             .name(format!("body {}", scene.body_id(body)))
             .spawn(run)?;
         let idle = scene.deformable(body).map(|model| {
-            Box::new(Job {
+            Box::new(BodyStep {
                 state: model.rest_state(),
                 scratch: model.scratch(),
             })
@@ -135,7 +135,7 @@ impl Lane {
     }
 
     /// Waits for the job that is out, if one is.
-    fn wait(&mut self) -> Option<&mut Box<Job>> {
+    fn wait(&mut self) -> Option<&mut Box<BodyStep>> {
         if self.idle.is_some() {
             return None;
         }

@@ -8,7 +8,7 @@ use palpate_sim::scene::{Scene, SceneChange};
 use serde_json::json;
 
 /// As a client asked.
-pub(super) struct Asked<'a> {
+pub(super) struct IsolateRequest<'a> {
     pub method: Option<&'a str>,
     pub gap_m: Option<f64>,
     pub max_turn_deg: Option<f64>,
@@ -19,7 +19,7 @@ pub(super) fn isolate(
     scene: &Scene,
     bodies: &[usize],
     surfaces: &[Surface],
-    asked: &Asked<'_>,
+    asked: &IsolateRequest<'_>,
 ) -> Result<Edited, String> {
     let usual = IsolateSpec::default();
     let method = match asked.method {

@@ -7,7 +7,7 @@ use palpate_sim::scene::{Scene, SceneChange};
 use serde_json::json;
 
 /// As a client asked.
-pub(super) struct Asked<'a> {
+pub(super) struct MergeRequest<'a> {
     pub id: Option<&'a str>,
     pub continuity: Option<u32>,
     pub method: Option<&'a str>,
@@ -19,7 +19,7 @@ pub(super) fn merge(
     scene: &Scene,
     bodies: &[usize],
     surfaces: &[Surface],
-    asked: &Asked<'_>,
+    asked: &MergeRequest<'_>,
 ) -> Result<Edited, String> {
     let usual = MergeSpec::default();
     let method = match asked.method {

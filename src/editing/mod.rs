@@ -25,7 +25,7 @@ const FAULT: &str = "an internal fault of the modeling code stopped the change; 
                      it was, and the daemon's log has the details";
 
 /// A request with what it is about.
-struct Job {
+struct EditJob {
     id: u64,
     scene: Arc<Scene>,
     nets: Vec<Vec<Point3>>,
@@ -44,7 +44,7 @@ struct Edited {
 
 /// The thread that remakes scenes; it ends when this is dropped.
 pub struct SceneEditor {
-    jobs: Sender<Job>,
+    jobs: Sender<EditJob>,
     news: Receiver<EditNews>,
 }
 
@@ -54,7 +54,7 @@ impl SceneEditor {
     /// # Errors
     /// The system refuses a thread.
     pub fn start(changes: SceneChanges) -> std::io::Result<Self> {
-        let (jobs, job_out) = channel::<Job>();
+        let (jobs, job_out) = channel::<EditJob>();
         let (news_in, news) = channel();
         std::thread::Builder::new()
             .name("palpate-editor".into())
@@ -78,7 +78,7 @@ impl SceneEditor {
 impl Editor for SceneEditor {
     fn ask(&mut self, id: u64, scene: &Arc<Scene>, nets: Vec<Vec<Point3>>, request: EditRequest) {
         // The thread lives as long as we do.
-        let _ = self.jobs.send(Job {
+        let _ = self.jobs.send(EditJob {
             id,
             scene: scene.clone(),
             nets,
@@ -91,8 +91,8 @@ impl Editor for SceneEditor {
     }
 }
 
-fn carry_out(job: &Job, changes: &SceneChanges) -> Result<EditNews, String> {
-    let Job {
+fn carry_out(job: &EditJob, changes: &SceneChanges) -> Result<EditNews, String> {
+    let EditJob {
         id,
         scene,
         nets,
@@ -115,7 +115,7 @@ fn carry_out(job: &Job, changes: &SceneChanges) -> Result<EditNews, String> {
             method,
             tolerance_m,
         } => {
-            let asked = merge::Asked {
+            let asked = merge::MergeRequest {
                 id: id.as_deref(),
                 continuity: *continuity,
                 method: method.as_deref(),
@@ -128,7 +128,7 @@ fn carry_out(job: &Job, changes: &SceneChanges) -> Result<EditNews, String> {
             gap_m,
             max_turn_deg,
         } => {
-            let asked = isolate::Asked {
+            let asked = isolate::IsolateRequest {
                 method: method.as_deref(),
                 gap_m: *gap_m,
                 max_turn_deg: *max_turn_deg,

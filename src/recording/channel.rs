@@ -35,7 +35,7 @@ enum Name {
 }
 
 /// A channel.
-struct Row {
+struct ChannelRow {
     topic: Topic,
     name: Name,
     /// Message in the package `palpate.v1`.
@@ -45,8 +45,8 @@ struct Row {
 
 /// All channels but those that only viewers read ([`super::views`]), in the order in which files
 /// announce them.
-const ROWS: &[Row] = &[
-    Row {
+const ROWS: &[ChannelRow] = &[
+    ChannelRow {
         topic: Topic::Tick,
         name: Name::Whole("/sim/tick"),
         message: "Tick",
@@ -55,7 +55,7 @@ const ROWS: &[Row] = &[
             Ok(Happening::Tick(Box::new(tick)))
         },
     },
-    Row {
+    ChannelRow {
         topic: Topic::Keyframe,
         name: Name::Whole("/sim/keyframe"),
         message: "Keyframe",
@@ -72,7 +72,7 @@ const ROWS: &[Row] = &[
             }))
         },
     },
-    Row {
+    ChannelRow {
         topic: Topic::Command,
         name: Name::Whole("/sim/command"),
         message: "Command",
@@ -85,7 +85,7 @@ const ROWS: &[Row] = &[
             ))
         },
     },
-    Row {
+    ChannelRow {
         topic: Topic::Event,
         name: Name::Whole("/sim/event"),
         message: "Event",
@@ -94,7 +94,7 @@ const ROWS: &[Row] = &[
             Ok(Happening::Event(EventRecord { tick, kind, detail }))
         },
     },
-    Row {
+    ChannelRow {
         topic: Topic::Stats,
         name: Name::Whole("/sim/stats"),
         message: "Stats",
@@ -103,7 +103,7 @@ const ROWS: &[Row] = &[
             Ok(Happening::other(Topic::Stats, tick, data))
         },
     },
-    Row {
+    ChannelRow {
         topic: Topic::Net,
         name: Name::PerBody("/body/", "/net"),
         message: "ControlNet",
@@ -148,7 +148,7 @@ impl Topic {
         })
     }
 
-    fn row(self) -> &'static Row {
+    fn row(self) -> &'static ChannelRow {
         let row = ROWS.iter().find(|row| row.topic == self);
         row.unwrap_or_else(|| unreachable!("every topic has a row"))
     }
@@ -163,10 +163,10 @@ impl Channels {
         mcap: &mut mcap::Writer<W>,
         bodies: &[BodyHead],
     ) -> mcap::McapResult<Self> {
-        let mut channel = |row: &Row, body: &str| {
+        let mut channel = |row: &ChannelRow, body: &str| {
             let message = format!("palpate.v1.{}", row.message);
             let descriptors = pb::descriptors(&message).unwrap_or_default();
-            let schema = mcap.add_schema(&message, "protobuf", descriptors)?;
+            let schema = mcap.add_schema(&message, "protobuf", &descriptors)?;
             mcap.add_channel(schema, &row.topic.name(body), "protobuf", &BTreeMap::new())
         };
         let rows = ROWS.iter().map(|row| {

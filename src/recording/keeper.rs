@@ -7,7 +7,7 @@ use super::memory::Memory;
 use super::message::{Mark, Message};
 use super::parts::{Parts, Split};
 use super::recorder::place;
-use super::stream::Stream;
+use super::stream::TickStream;
 use super::views::Views;
 use super::{RecordingReport, RecordingSummary};
 use crate::drive::archive::{ArchiveNews, ArchiveRequest};
@@ -36,7 +36,7 @@ pub(super) enum Mail {
 
 /// Another scene that the loop may go on with.
 pub(super) struct NextScene {
-    pub stream: Stream,
+    pub stream: TickStream,
     pub head: Arc<Head>,
     pub views: Option<Views>,
 }
@@ -50,7 +50,7 @@ struct Snapshot {
 }
 
 /// A recording that waits for its first keyframe, or is under way.
-struct Recording {
+struct OpenRecording {
     parts: Parts,
     /// Begins with the keyframe that answers this.
     generation: u32,
@@ -60,7 +60,7 @@ struct Recording {
 }
 
 pub(super) struct Keeper {
-    pub stream: Stream,
+    pub stream: TickStream,
     pub head: Arc<Head>,
     pub disk: Arc<dyn Disk>,
     pub views: Option<Views>,
@@ -72,7 +72,7 @@ pub(super) struct Keeper {
     pub stop: Arc<AtomicBool>,
     pub mail: Receiver<Mail>,
     pub news: Sender<ArchiveNews>,
-    recording: Option<Recording>,
+    recording: Option<OpenRecording>,
     snapshots: Vec<Snapshot>,
     generation: u32,
     /// Scenes made, in order; the loop took some of them.
@@ -86,7 +86,7 @@ const MAX_SNAPSHOTS: usize = 8;
 impl Keeper {
     #[allow(clippy::too_many_arguments)]
     pub fn new(
-        stream: Stream,
+        stream: TickStream,
         head: Arc<Head>,
         disk: Arc<dyn Disk>,
         views: Option<Views>,
@@ -137,7 +137,7 @@ impl Keeper {
         self.tell(ArchiveNews::Started {
             path: parts.path().to_owned(),
         });
-        self.recording = Some(Recording {
+        self.recording = Some(OpenRecording {
             parts,
             generation: self.generation,
             begun: false,

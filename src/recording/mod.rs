@@ -34,7 +34,7 @@ mod views;
 
 pub use channel::{EventRecord, Happening, Keyframe, NetRecord, OtherRecord, Topic};
 pub use disk::{Disk, DiskFile, FileSystem};
-pub use export::{Bucket, Curve, ExportError, Range, Series, csv, net_at, series};
+pub use export::{Bucket, BucketedCurve, ExportError, Range, Series, csv, net_at, series};
 pub use figures::{
     BodyFigures, Deviation, Figures, FiguresError, Start, Tolerances, ToolFigures, deviations,
     simulate_figures,

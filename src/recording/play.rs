@@ -19,7 +19,7 @@ use crate::drive::pacer::{now_ns, sleep_until};
 use crate::drive::playback::{PlayNews, PlayPort, PlayRequest};
 use crate::drive::ports::{BUS_NETS, TickPorts};
 use crate::drive::stats::LATE_NS;
-use cursor::{Cursor, Next};
+use cursor::{Advance, Cursor};
 use deadlines::Deadlines;
 use palpate_sim::scene::{Scene, SceneError};
 use palpate_sim::tick::record::{TickOutput, TickRecord};
@@ -241,12 +241,12 @@ impl Player {
     /// The next tick, published.
     fn tick(&mut self, scene: &Scene) -> Result<(), PlayError> {
         match self.cursor.advance()? {
-            Next::Tick(record) => {
+            Advance::Tick(record) => {
                 self.report.ticks += 1;
                 self.publish(scene, &record);
                 self.tell_divergence();
             }
-            Next::Gap { after, to } => {
+            Advance::Gap { after, to } => {
                 self.report.gaps += 1;
                 tracing::warn!(
                     after,
@@ -255,14 +255,14 @@ impl Player {
                 );
                 self.ports.rewind();
             }
-            Next::End if self.settings.looped => {
+            Advance::End if self.settings.looped => {
                 self.report.loops += 1;
                 self.cursor.rewind()?;
                 self.show(scene, None);
                 self.tell(PlayNews::Reset);
             }
-            Next::End if self.settings.stay => self.pause(scene, true),
-            Next::End => {
+            Advance::End if self.settings.stay => self.pause(scene, true),
+            Advance::End => {
                 self.show_net(scene);
                 self.over = true;
             }

@@ -2,7 +2,7 @@
 //! and lost, and the file says so.
 
 use super::self_check::room_for_states;
-use super::stream::{KeyframeBuffer, Stream, TickHead, ToolRow};
+use super::stream::{KeyframeBuffer, TickHead, TickStream, ToolRow};
 use crate::drive::journal::{Journal, JournalGauges};
 use crate::drive::nets::{NetFrame, NetPool, NetSchedule};
 use crate::drive::pool::Pool;
@@ -52,7 +52,7 @@ pub(super) fn port(
     scene: &Scene,
     gauges: Arc<JournalGauges>,
     wanted: Arc<AtomicU32>,
-) -> (RecorderPort, Stream) {
+) -> (RecorderPort, TickStream) {
     let (heads, heads_out) = rtrb::RingBuffer::new(RING_TICKS);
     let (rows, rows_out) = rtrb::RingBuffer::new(RING_TICKS * scene.tool_count().max(1));
     let (commands, commands_out) = rtrb::RingBuffer::new(256);
@@ -88,7 +88,7 @@ pub(super) fn port(
     };
     (
         port,
-        Stream::new(
+        TickStream::new(
             scene,
             heads_out,
             rows_out,

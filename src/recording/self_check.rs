@@ -70,7 +70,7 @@ struct Batch {
 }
 
 #[derive(Debug, Default)]
-struct Shared {
+struct CheckerShare {
     unchecked: AtomicU64,
     stop: AtomicBool,
 }
@@ -83,12 +83,12 @@ pub struct SelfCheckPort {
     filling: Option<Box<Batch>>,
     free: rtrb::Consumer<Box<Batch>>,
     full: rtrb::Producer<Box<Batch>>,
-    shared: Arc<Shared>,
+    shared: Arc<CheckerShare>,
 }
 
 /// A running shadow.
 pub struct SelfCheck {
-    shared: Arc<Shared>,
+    shared: Arc<CheckerShare>,
     thread: JoinHandle<SelfCheckReport>,
 }
 
@@ -124,7 +124,7 @@ impl SelfCheck {
             let fits = free_in.push(Box::new(batch)).is_ok();
             debug_assert!(fits, "the ring has room for all");
         }
-        let shared = Arc::new(Shared::default());
+        let shared = Arc::new(CheckerShare::default());
         let port = SelfCheckPort {
             inner,
             every,
@@ -242,7 +242,7 @@ fn check_all(
     scene: &Arc<Scene>,
     mut full: rtrb::Consumer<Box<Batch>>,
     mut free: rtrb::Producer<Box<Batch>>,
-    shared: &Shared,
+    shared: &CheckerShare,
 ) -> SelfCheckReport {
     let mut rerun = Rerun::new(scene);
     let mut report = SelfCheckReport::default();

@@ -74,7 +74,7 @@ enum Rank {
     After(u32, bool),
 }
 
-struct Waiting {
+struct WaitingMessage {
     place: (u64, Rank),
     /// Seen by an earlier drain: whatever comes before it has come.
     settled: bool,
@@ -82,7 +82,7 @@ struct Waiting {
 }
 
 /// Reads the rings.
-pub(super) struct Stream {
+pub(super) struct TickStream {
     heads: rtrb::Consumer<TickHead>,
     rows: rtrb::Consumer<ToolRow>,
     commands: rtrb::Consumer<Applied>,
@@ -91,7 +91,7 @@ pub(super) struct Stream {
     gauges: Arc<JournalGauges>,
     pub bodies: Vec<BodyHead>,
     tool_count: usize,
-    waiting: Vec<Waiting>,
+    waiting: Vec<WaitingMessage>,
     /// Tick after which the last commands acted, and how many.
     commanded: (u64, u32),
     record: TickRecord,
@@ -101,7 +101,7 @@ pub(super) struct Stream {
     last_tick: u64,
 }
 
-impl Stream {
+impl TickStream {
     pub fn new(
         scene: &Scene,
         heads: rtrb::Consumer<TickHead>,
@@ -139,7 +139,7 @@ impl Stream {
     }
 
     /// The loop has gone on with another scene: nothing more comes. What is there still waits for
-    /// [`Stream::drain`].
+    /// [`TickStream::drain`].
     pub fn is_abandoned(&self) -> bool {
         self.heads.is_abandoned()
     }
@@ -219,7 +219,7 @@ impl Stream {
             .partition_point(|waiting| waiting.place <= place);
         self.waiting.insert(
             at,
-            Waiting {
+            WaitingMessage {
                 place,
                 settled: false,
                 message,

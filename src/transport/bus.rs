@@ -15,11 +15,11 @@ use super::edit::Edits;
 use super::events::Events;
 use super::forces::Forces;
 use super::link::LoopLink;
-use super::metrics::Figures;
+use super::metrics::LoopMetrics;
 use super::nets::Nets;
 use super::rpc::{Parties, Rpc};
 use super::schemas;
-use super::tally::{Gauges, Tally};
+use super::tally::{Gauges, LoopTally};
 use super::view::{View, ViewSink};
 use crate::drive::archive::Archive;
 use crate::drive::editor::Editor;
@@ -144,7 +144,7 @@ struct BusThread {
     forces: Forces,
     contacts: Contacts,
     nets: Nets,
-    tally: Tally,
+    tally: LoopTally,
     last_status: Instant,
     events: Events,
     view: View,
@@ -177,7 +177,7 @@ impl BusThread {
             counters: ports.counters,
             recorder: settings.recorder,
         };
-        let tally = Tally::new(session_of, &keys, &scene, ports.records, gauges)?;
+        let tally = LoopTally::new(session_of, &keys, &scene, ports.records, gauges)?;
         // Last, with the tokens that say that all of it is there.
         let declared = Declared::new(session_of, &keys, &scene, poses, &devices, &inbox, roles)?;
         Ok(Self {
@@ -424,8 +424,8 @@ impl BusThread {
     }
 
     /// Everything that is counted, as of the last [`BusThread::read_gauges`].
-    fn figures(&self) -> Figures {
-        Figures {
+    fn figures(&self) -> LoopMetrics {
+        LoopMetrics {
             instance: self.served.instance.clone(),
             scene: self.served.scene.name.clone(),
             status: self.tally.status().clone(),

@@ -15,15 +15,15 @@ use palpate_sim::scene::Scene;
 use std::sync::Arc;
 
 /// A change under way; there is one at a time.
-enum Change {
+enum SceneEdit {
     /// The next scene is being made.
     Asked,
     /// The loop has it, or will.
-    Sent(Box<Next>),
+    Sent(Box<NextScene>),
 }
 
 /// What the bus goes on with after a change.
-pub(super) struct Next {
+pub(super) struct NextScene {
     id: u64,
     pub(super) scene: Arc<Scene>,
     pub(super) scene_hash: [u8; 32],
@@ -38,7 +38,7 @@ pub(super) struct Next {
 /// Changes of the scene: who makes them, and the one under way.
 pub(super) struct Edits {
     editor: Option<Box<dyn Editor>>,
-    change: Option<Change>,
+    change: Option<SceneEdit>,
 }
 
 impl Edits {
@@ -88,7 +88,7 @@ impl Edits {
             );
         };
         editor.ask(id, scene, nets, EditRequest { bodies, edit });
-        self.change = Some(Change::Asked);
+        self.change = Some(SceneEdit::Asked);
         Ok(())
     }
 
@@ -110,7 +110,7 @@ impl Edits {
                         desk.settle(id, &Answer::refused(reason));
                         continue;
                     }
-                    let next = Next {
+                    let next = NextScene {
                         id,
                         scene,
                         scene_hash,
@@ -119,7 +119,7 @@ impl Edits {
                         report,
                         tick: None,
                     };
-                    self.change = Some(Change::Sent(Box::new(next)));
+                    self.change = Some(SceneEdit::Sent(Box::new(next)));
                 }
                 EditNews::Nothing { id, report } => {
                     self.change = None;
@@ -142,7 +142,7 @@ impl Edits {
     /// answered when all of the scene before it is told.
     pub(super) fn take_receipt(&mut self, receipt: Receipt) -> bool {
         match &mut self.change {
-            Some(Change::Sent(next)) if next.id == receipt.id => {
+            Some(SceneEdit::Sent(next)) if next.id == receipt.id => {
                 next.tick = Some(receipt.tick);
                 true
             }
@@ -152,20 +152,20 @@ impl Edits {
 
     /// The next scene if the loop goes on with it from `tick` on, or has told all before it
     /// (`None`).
-    pub(super) fn due(&mut self, tick: Option<u64>) -> Option<Next> {
-        let is_due = matches!(&self.change, Some(Change::Sent(next))
+    pub(super) fn due(&mut self, tick: Option<u64>) -> Option<NextScene> {
+        let is_due = matches!(&self.change, Some(SceneEdit::Sent(next))
             if next.tick.is_some_and(|first| tick.is_none_or(|tick| tick >= first)));
         if !is_due {
             return None;
         }
         match self.change.take() {
-            Some(Change::Sent(next)) => Some(*next),
+            Some(SceneEdit::Sent(next)) => Some(*next),
             _ => None,
         }
     }
 }
 
-impl Next {
+impl NextScene {
     /// Answers who asked for it.
     pub(super) fn settle(self, desk: &mut Desk) {
         let answer = Answer::with_report(self.tick.unwrap_or_default(), self.report);

@@ -13,7 +13,7 @@ use std::fmt::Error;
 
 /// Everything that is counted, at one moment.
 #[derive(Clone, Debug)]
-pub struct Figures {
+pub struct LoopMetrics {
     /// Instance name.
     pub instance: String,
     /// Scene name.
@@ -32,7 +32,7 @@ pub struct Figures {
     pub descriptions_refused: Vec<u64>,
 }
 
-impl Figures {
+impl LoopMetrics {
     /// OpenMetrics text.
     pub fn text(&self) -> String {
         let mut registry = Registry::with_prefix("palpate");
@@ -91,7 +91,7 @@ fn quantiles(values: &Quantiles) -> [(Label<'static>, ConstGauge<f64>); 3] {
     ]
 }
 
-impl Collector for Figures {
+impl Collector for LoopMetrics {
     fn encode(&self, mut encoder: DescriptorEncoder<'_>) -> Result<(), Error> {
         let e = &mut encoder;
         let status = &self.status;
@@ -210,7 +210,7 @@ impl Collector for Figures {
     }
 }
 
-impl Figures {
+impl LoopMetrics {
     fn encode_tools(&self, e: &mut DescriptorEncoder<'_>) -> Result<(), Error> {
         let tools = &self.status.tools;
         let of = |values: &[u64], t: usize| ConstCounter::new(values.get(t).copied().unwrap_or(0));

@@ -25,6 +25,6 @@ mod tally;
 mod view;
 
 pub use bus::{Bus, BusReport, BusSettings};
-pub use metrics::Figures;
+pub use metrics::LoopMetrics;
 pub use session::{DEFAULT_ENDPOINT, SessionError, SessionSettings, open};
 pub use view::ViewSink;

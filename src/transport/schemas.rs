@@ -38,7 +38,7 @@ pub(super) fn answer(keys: &Keys, query: &Query) {
                 .filter_map(|name| Some((asked(name)?, descriptors(name)?)));
             let encoding =
                 Encoding::APPLICATION_PROTOBUF.with_schema("google.protobuf.FileDescriptorSet");
-            let put = |(key, set): (_, &'static [u8])| {
+            let put = |(key, set): (_, Vec<u8>)| {
                 drop(query.reply(key, set).encoding(encoding.clone()).wait())
             };
             if found.map(put).count() > 0 {

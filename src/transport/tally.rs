@@ -43,7 +43,7 @@ pub(super) struct Gauges {
 }
 
 /// The status of the loop, and what it is counted from.
-pub(super) struct Tally {
+pub(super) struct LoopTally {
     publisher: Publisher<'static>,
     records: rtrb::Consumer<Arc<TickRecord>>,
     gauges: Gauges,
@@ -56,7 +56,7 @@ pub(super) struct Tally {
     last_overruns: Instant,
 }
 
-impl Tally {
+impl LoopTally {
     /// Nothing is counted yet.
     pub(super) fn new(
         session: &zenoh::Session,
@@ -219,7 +219,7 @@ impl Tally {
         }
     }
 
-    /// The status as of the last [`Tally::read_gauges`].
+    /// The status as of the last [`LoopTally::read_gauges`].
     pub(super) fn status(&self) -> &LoopStatus {
         &self.status
     }

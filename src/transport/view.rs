@@ -1,6 +1,6 @@
 //! What a viewer is shown.
 
-use super::metrics::Figures;
+use super::metrics::LoopMetrics;
 use palpate_proto::messages::{ContactSet, ControlNet, LoopStatus, ToolForce};
 
 /// Takes what a viewer shows. Called by the bus thread; must not wait.
@@ -17,7 +17,7 @@ pub trait ViewSink: Send {
     /// Health.
     fn status(&mut self, status: &LoopStatus);
     /// Everything that is counted, ten times a second.
-    fn figures(&mut self, figures: &Figures);
+    fn figures(&mut self, figures: &LoopMetrics);
 }
 
 /// The viewer, if there is one.

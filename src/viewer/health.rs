@@ -1,6 +1,6 @@
 //! For machines: `/metrics`, `/healthz`, `/readyz`.
 
-use crate::transport::Figures;
+use crate::transport::LoopMetrics;
 use axum::Router;
 use axum::extract::State;
 use axum::http::{StatusCode, header};
@@ -12,14 +12,14 @@ use std::time::{Duration, Instant};
 
 /// The newest figures, and when they came.
 #[derive(Debug, Default)]
-pub(super) struct Newest(pub(super) Mutex<Option<(Instant, Figures)>>);
+pub(super) struct Newest(pub(super) Mutex<Option<(Instant, LoopMetrics)>>);
 
-/// Figures come ten times a second: after this long without, the bus stands still.
+/// LoopMetrics come ten times a second: after this long without, the bus stands still.
 const SILENCE: Duration = Duration::from_secs(2);
 const OPENMETRICS: &str = "application/openmetrics-text; version=1.0.0; charset=utf-8";
 
 impl Newest {
-    fn get(&self) -> Option<(Instant, Figures)> {
+    fn get(&self) -> Option<(Instant, LoopMetrics)> {
         self.0
             .lock()
             .unwrap_or_else(PoisonError::into_inner)

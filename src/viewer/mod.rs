@@ -6,7 +6,7 @@
 
 mod health;
 
-use crate::transport::{Figures, ViewSink};
+use crate::transport::{LoopMetrics, ViewSink};
 use axum::Router;
 use axum::extract::State;
 use axum::extract::ws::{Message, WebSocket, WebSocketUpgrade};
@@ -36,7 +36,7 @@ struct Picture {
     nets: Vec<Net>,
     /// Grows when the bodies become others: displacements begin anew.
     scene: u32,
-    tools: Vec<Tool>,
+    tools: Vec<ToolView>,
     contacts: Vec<Contact>,
     tick: u64,
     late: u64,
@@ -57,7 +57,7 @@ struct Net {
 }
 
 #[derive(Clone, Copy, Debug, Default, Serialize)]
-struct Tool {
+struct ToolView {
     proxy: [f64; 3],
     /// x y z w.
     orientation: [f64; 4],
@@ -262,9 +262,9 @@ impl Feed {
 impl ViewSink for Feed {
     fn force(&mut self, tool: usize, force: &ToolForce) {
         if self.picture.tools.len() <= tool {
-            self.picture.tools.resize(tool + 1, Tool::default());
+            self.picture.tools.resize(tool + 1, ToolView::default());
         }
-        self.picture.tools[tool] = Tool {
+        self.picture.tools[tool] = ToolView {
             proxy: force.proxy_position,
             orientation: force.proxy_orientation,
             force: force.force,
@@ -335,7 +335,7 @@ impl ViewSink for Feed {
         self.show();
     }
 
-    fn figures(&mut self, figures: &Figures) {
+    fn figures(&mut self, figures: &LoopMetrics) {
         let newest = (std::time::Instant::now(), figures.clone());
         *self.health.0.lock().unwrap_or_else(PoisonError::into_inner) = Some(newest);
     }

@@ -197,7 +197,7 @@ fn a_plot_has_four_panels_with_units_and_every_peak() {
         info(&session).unwrap(),
     );
     for (t, tool) in figures.tools.iter().enumerate() {
-        let most = |curve: &palpate::recording::Curve| {
+        let most = |curve: &palpate::recording::BucketedCurve| {
             curve
                 .pieces
                 .iter()
@@ -480,10 +480,10 @@ fn damaged_files_are_no_reason_to_panic() {
     for k in 0..60 {
         let mut bytes = whole.clone();
         if k % 3 == 0 {
-            bytes.truncate(random.below(whole.len() as u64) as usize);
+            bytes.truncate(random.below(whole.len()));
         } else {
             for _ in 0..1 + k % 4 {
-                let at = random.below(bytes.len() as u64) as usize;
+                let at = random.below(bytes.len());
                 bytes[at] ^= 1 << random.below(8);
             }
         }

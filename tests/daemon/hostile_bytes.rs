@@ -4,23 +4,11 @@
 #[path = "../../fuzz/parsers.rs"]
 mod parsers;
 
+use palpate_geometry::math::Random;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
 /// Changed copies of each seed. Recordings are long, and each copy is read whole.
 const CHANGES: usize = 400;
-
-/// SplitMix64.
-struct Random(u64);
-
-impl Random {
-    fn below(&mut self, count: usize) -> usize {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((z ^ (z >> 31)) % count.max(1) as u64) as usize
-    }
-}
 
 /// One of: cut short, a byte changed, a stretch dropped, doubled or filled, numbers made huge.
 fn changed(seed: &[u8], random: &mut Random) -> Vec<u8> {

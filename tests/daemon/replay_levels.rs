@@ -40,7 +40,7 @@ fn save_advance_restore_advance_comes_to_the_same_bits() {
         for seed in 1..=3 {
             let script = Script::new(seed, TICKS, true);
             let mut world = World::new(&text);
-            let at = 20 + Random(seed).below(TICKS - 40);
+            let at = 20 + Random(seed).below(TICKS as usize - 40) as u64;
             run(&mut world, &script, 0, at);
             let mut saved = SavedState::default();
             saved.save_from(&world.state);
@@ -100,7 +100,7 @@ fn a_reset_goes_on_as_new_buffers_would() {
             if let Some(workers) = Workers::start(&scene).unwrap() {
                 world.scratch.set_pipeline(Box::new(workers));
             }
-            let at = 60 + Random(seed).below(40);
+            let at = 60 + Random(seed).below(40) as u64;
             touched += run(&mut world, &Script::new(seed, TICKS, false), 0, at)
                 .iter()
                 .filter(|output| output.tools[0].contact.is_some())

@@ -1,18 +1,27 @@
 //! The generated files, and what their generators share.
 
 mod c;
+mod protobuf;
 mod python;
 mod typescript;
 
 /// Path from the root of the repository, and contents, of every generated file.
-pub fn all() -> Vec<(&'static str, String)> {
-    vec![
+pub fn all() -> Vec<(&'static str, Vec<u8>)> {
+    let clients = [
         ("clients/python/palpate/messages.py", python::messages()),
         ("clients/python/palpate/events.py", python::events()),
         ("clients/web/src/messages.ts", typescript::messages()),
         ("clients/web/src/events.ts", typescript::events()),
         ("clients/c/palpate.h", c::header()),
-    ]
+    ];
+    let recordings = [
+        "proto/src/generated/recording.rs",
+        "proto/src/generated/foxglove.rs",
+        "proto/src/generated/descriptors.bin",
+    ];
+    let clients = clients.map(|(path, text)| (path, text.into_bytes()));
+    let recordings = recordings.into_iter().zip(protobuf::files());
+    clients.into_iter().chain(recordings).collect()
 }
 
 /// What every generated file says of itself.

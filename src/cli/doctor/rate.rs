@@ -25,14 +25,14 @@ const DEPTH_M: f64 = 0.004;
 
 /// Quantiles of durations, µs.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub(super) struct Figures {
+pub(super) struct RateFigures {
     pub p50_us: f64,
     pub p99_us: f64,
     pub p999_us: f64,
     pub max_us: f64,
 }
 
-impl Figures {
+impl RateFigures {
     /// Of durations in ascending order, ns.
     pub(super) fn of(sorted_ns: &[u64]) -> Self {
         let at = |share: f64| {
@@ -57,7 +57,7 @@ pub(super) struct SceneRate {
     pub scene_hz: f64,
     pub ticks: u64,
     pub contact_ticks: u64,
-    pub tick: Figures,
+    pub tick: RateFigures,
     /// Highest of [`RATES_HZ`] that the machine holds.
     pub holds_hz: Option<f64>,
 }
@@ -130,7 +130,7 @@ impl Pressing {
             scene_hz: 1.0 / scene.dt_s,
             ticks,
             contact_ticks,
-            tick: Figures::of(&took_ns),
+            tick: RateFigures::of(&took_ns),
             holds_hz: RATES_HZ.into_iter().find(holds).map(f64::from),
         }
     }
@@ -223,8 +223,8 @@ mod tests {
     fn figures_are_ranks_of_the_sorted_list() {
         let ns: Vec<u64> = (1..=1_000).map(|k| k * 1_000).collect();
         assert_eq!(
-            Figures::of(&ns),
-            Figures {
+            RateFigures::of(&ns),
+            RateFigures {
                 p50_us: 500.0,
                 p99_us: 990.0,
                 p999_us: 999.0,
@@ -232,15 +232,15 @@ mod tests {
             }
         );
         assert_eq!(
-            Figures::of(&[7_000]),
-            Figures {
+            RateFigures::of(&[7_000]),
+            RateFigures {
                 p50_us: 7.0,
                 p99_us: 7.0,
                 p999_us: 7.0,
                 max_us: 7.0
             }
         );
-        assert_eq!(Figures::of(&[]).max_us, 0.0);
+        assert_eq!(RateFigures::of(&[]).max_us, 0.0);
     }
 
     // The script reaches the bodies: a rate without contact would be a rate of nothing.

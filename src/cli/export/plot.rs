@@ -1,7 +1,7 @@
 //! Four panels below each other over one axis of time: force, depth, energy, tick time.
 
 use crate::chart::{Axis, COLOURS, Scale, escaped};
-use crate::recording::{Bucket, Curve, Series};
+use crate::recording::{Bucket, BucketedCurve, Series};
 use std::fmt::Write;
 
 const WIDTH: f64 = 1000.0;
@@ -14,7 +14,7 @@ const PITCH: f64 = 210.0;
 
 struct Panel<'a> {
     name: &'static str,
-    curves: &'a [Curve],
+    curves: &'a [BucketedCurve],
     /// Units of the axis in one of SI.
     scale: f64,
     /// A line across, in SI, with its name.
@@ -222,12 +222,12 @@ mod tests {
                 least: -f64::from(k % 7),
                 most: 11.0,
             });
-            Curve {
+            BucketedCurve {
                 name: format!("tool {name}"),
                 pieces: vec![piece.collect()],
             }
         };
-        let curves: Vec<Curve> = (0..8).map(curve).collect();
+        let curves: Vec<BucketedCurve> = (0..8).map(curve).collect();
         let series = Series {
             span_s: [0.0, 600.0],
             force_n: curves.clone(),

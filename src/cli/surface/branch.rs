@@ -1,6 +1,6 @@
 //! `palpate surface branch`: a tree as one surface, or a given net measured as such.
 
-use super::{Loaded, Outcome, Source};
+use super::{Loaded, Outcome, SurfaceArg};
 use anyhow::Context as _;
 use palpate_geometry::exchange::{Format, write_mesh, write_surface};
 use palpate_geometry::surface::Surface;
@@ -135,7 +135,7 @@ fn grown(path: &Path) -> anyhow::Result<Subject> {
 }
 
 fn checked(args: &Args) -> anyhow::Result<Subject> {
-    let Loaded { surface, .. } = Source {
+    let Loaded { surface, .. } = SurfaceArg {
         file: args.input.clone(),
         index: args.index,
     }

@@ -1,7 +1,7 @@
 //! `palpate surface degree`: raised without any change of shape, or lowered with a bound on the
 //! change.
 
-use super::{Loaded, Outcome, Source};
+use super::{Loaded, Outcome, SurfaceArg};
 use anyhow::Context as _;
 use palpate_geometry::basis::MAX_DEGREE;
 use palpate_geometry::exchange::{Format, write_surface};
@@ -12,7 +12,7 @@ use std::path::PathBuf;
 #[derive(clap::Args, Debug)]
 pub struct Args {
     #[command(flatten)]
-    source: Source,
+    source: SurfaceArg,
     /// New degree in u [default: unchanged].
     #[arg(long, value_name = "DEGREE", value_parser = clap::value_parser!(u8).range(1..=MAX_DEGREE as i64))]
     u: Option<u8>,

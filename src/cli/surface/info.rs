@@ -1,13 +1,13 @@
 //! `palpate surface info`.
 
-use super::{Loaded, Outcome, Source};
+use super::{Loaded, Outcome, SurfaceArg};
 use palpate_geometry::basis::KnotVector;
 use palpate_geometry::surface::Closing;
 
 #[derive(clap::Args, Debug)]
 pub struct Args {
     #[command(flatten)]
-    source: Source,
+    source: SurfaceArg,
     /// Print one JSON object.
     #[arg(long)]
     json: bool,

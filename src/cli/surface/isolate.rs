@@ -1,6 +1,6 @@
 //! `palpate surface isolate`: two overlapping bodies, or all bodies of a file, moved apart.
 
-use super::{Loaded, Outcome, Source};
+use super::{Loaded, Outcome, SurfaceArg};
 use anyhow::Context as _;
 use palpate_geometry::exchange::{Format, write_surface};
 use palpate_geometry::math::Vector3;
@@ -86,7 +86,7 @@ fn resolution(text: &str) -> Result<Resolution, String> {
 pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     let format = args.output.as_ref().map(Format::of).transpose()?;
     let one = |file: &PathBuf, index: usize| {
-        Source {
+        SurfaceArg {
             file: file.clone(),
             index,
         }

@@ -1,6 +1,6 @@
 //! `palpate surface convert`, `tessellate` and `fit`: files from files.
 
-use super::{Outcome, Source};
+use super::{Outcome, SurfaceArg};
 use anyhow::Context as _;
 use palpate_geometry::exchange::{Format, read_points, write_mesh, write_surface};
 use palpate_geometry::math::Point3;
@@ -53,7 +53,7 @@ impl Fineness {
 #[derive(clap::Args, Debug)]
 pub struct ConvertArgs {
     #[command(flatten)]
-    source: Source,
+    source: SurfaceArg,
     /// Output file: .json, .step, .stp, .iges, .igs; or triangles as .stl, .obj, .glb.
     output: PathBuf,
     /// Unit of the output file.
@@ -85,7 +85,7 @@ pub fn convert(args: &ConvertArgs) -> anyhow::Result<Outcome> {
 #[derive(clap::Args, Debug)]
 pub struct TessellateArgs {
     #[command(flatten)]
-    source: Source,
+    source: SurfaceArg,
     /// Output file: .stl, .obj or .glb.
     #[arg(short, long)]
     output: PathBuf,

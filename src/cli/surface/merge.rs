@@ -1,6 +1,6 @@
 //! `palpate surface merge`: patches become one surface.
 
-use super::{Loaded, Outcome, Source};
+use super::{Loaded, Outcome, SurfaceArg};
 use anyhow::Context as _;
 use palpate_geometry::exchange::{Format, write_surface};
 use palpate_geometry::surface::file::Unit;
@@ -90,7 +90,7 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
         .patches
         .iter()
         .map(|file| {
-            Source {
+            SurfaceArg {
                 file: file.clone(),
                 index: 0,
             }
@@ -425,7 +425,7 @@ mod tests {
             json: true,
         };
         assert_eq!(run(&args(None)).unwrap(), Outcome::Ok);
-        let back = Source {
+        let back = SurfaceArg {
             file: path("one.json"),
             index: 0,
         }

@@ -56,7 +56,7 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     let answer = args
         .radius
         .map(|radius| limits.answer(radius / unit.per_metre()));
-    let mut report = Report {
+    let mut report = PipeReport {
         curve: &curve,
         spine: &spine,
         limits: &limits,
@@ -133,14 +133,14 @@ fn write(
 }
 
 /// Everything that is printed, in the unit of the file.
-struct Report<'a> {
+struct PipeReport<'a> {
     curve: &'a Curve,
     spine: &'a Spine,
     limits: &'a PipeLimits,
     unit: Unit,
 }
 
-impl Report<'_> {
+impl PipeReport<'_> {
     fn length(&self, length_m: f64) -> f64 {
         length_m * self.unit.per_metre()
     }

@@ -1,6 +1,6 @@
 //! `palpate surface eval` and `closest`: numbers in the unit of the file.
 
-use super::{Loaded, Outcome, Source, read_csv};
+use super::{Loaded, Outcome, SurfaceArg, read_csv};
 use anyhow::Context as _;
 use palpate_geometry::basis::KnotVector;
 use palpate_geometry::math::{Point3, Vector3};
@@ -10,7 +10,7 @@ use std::path::PathBuf;
 #[derive(clap::Args, Debug)]
 pub struct EvalArgs {
     #[command(flatten)]
-    source: Source,
+    source: SurfaceArg,
     /// CSV file with lines `u,v`.
     #[arg(long, value_name = "FILE")]
     uv: PathBuf,
@@ -75,7 +75,7 @@ pub fn eval(args: &EvalArgs) -> anyhow::Result<Outcome> {
 #[derive(clap::Args, Debug)]
 pub struct ClosestArgs {
     #[command(flatten)]
-    source: Source,
+    source: SurfaceArg,
     /// CSV file with lines `x,y,z`, in the unit of the surface file.
     #[arg(long, value_name = "FILE")]
     points: PathBuf,

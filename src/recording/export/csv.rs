@@ -96,9 +96,9 @@ fn heading(tools: &[String]) -> String {
 }
 
 /// Adds fields to a row, each followed by a comma.
-struct Row<'a>(&'a mut String);
+struct CsvRow<'a>(&'a mut String);
 
-impl Row<'_> {
+impl CsvRow<'_> {
     fn text(&mut self, value: impl std::fmt::Display) {
         use std::fmt::Write as _;
         let _ = write!(self.0, "{value},");
@@ -121,7 +121,7 @@ impl Row<'_> {
 
 fn write_row(line: &mut String, record: &TickRecord, tools: usize, bodies: &[String], dt_s: f64) {
     let output = &record.output;
-    let mut row = Row(line);
+    let mut row = CsvRow(line);
     row.text(output.tick);
     row.float(output.tick as f64 * dt_s);
     let poses = record.input.poses.first(tools);
@@ -142,7 +142,7 @@ fn write_row(line: &mut String, record: &TickRecord, tools: usize, bodies: &[Str
     line.push('\n');
 }
 
-fn write_pose(row: &mut Row<'_>, pose: Option<&DevicePose>) {
+fn write_pose(row: &mut CsvRow<'_>, pose: Option<&DevicePose>) {
     let Some(pose) = pose else {
         return row.empty(14);
     };
@@ -153,7 +153,7 @@ fn write_pose(row: &mut Row<'_>, pose: Option<&DevicePose>) {
     row.text(pose.buttons);
 }
 
-fn write_tool(row: &mut Row<'_>, tool: &ToolOutput, bodies: &[String]) {
+fn write_tool(row: &mut CsvRow<'_>, tool: &ToolOutput, bodies: &[String]) {
     row.text(tool.pose_seq);
     row.text(tool.t_client_ns);
     row.text(tool.pose_age_ticks);

@@ -6,7 +6,7 @@ mod series;
 
 pub use csv::csv;
 pub use net::net_at;
-pub use series::{Bucket, Curve, Series, series};
+pub use series::{Bucket, BucketedCurve, Series, series};
 
 use super::channel::{Happening, Topic};
 use super::reader::{Follower, Session};

@@ -21,7 +21,7 @@ pub struct Bucket {
 
 /// A quantity over time.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Curve {
+pub struct BucketedCurve {
     /// For example the id of a tool.
     pub name: String,
     /// Pieces without a gap between them.
@@ -34,13 +34,13 @@ pub struct Series {
     /// First and last tick, s.
     pub span_s: [f64; 2],
     /// N, by tool.
-    pub force_n: Vec<Curve>,
+    pub force_n: Vec<BucketedCurve>,
     /// m, by tool; zero without contact.
-    pub depth_m: Vec<Curve>,
+    pub depth_m: Vec<BucketedCurve>,
     /// J, by tool.
-    pub energy_j: Vec<Curve>,
+    pub energy_j: Vec<BucketedCurve>,
     /// s.
-    pub tick_s: Curve,
+    pub tick_s: BucketedCurve,
     /// Length of a tick, s.
     pub dt_s: f64,
 }
@@ -92,7 +92,7 @@ pub fn series(session: &Session, range: &Range) -> Result<Series, ExportError> {
 
 /// A curve to which one tick after the other is added.
 struct Drawing {
-    curve: Curve,
+    curve: BucketedCurve,
     first: u64,
     /// Ticks of a bucket.
     width: u64,
@@ -106,7 +106,7 @@ impl Drawing {
     /// Of ticks from one to another.
     fn new(name: String, [first, last]: [u64; 2], dt_s: f64) -> Self {
         Self {
-            curve: Curve {
+            curve: BucketedCurve {
                 name,
                 pieces: Vec::new(),
             },
@@ -147,7 +147,7 @@ impl Drawing {
         (self.before, self.open) = (Some(now), Some(number));
     }
 
-    fn finish(self) -> Curve {
+    fn finish(self) -> BucketedCurve {
         self.curve
     }
 }

@@ -244,8 +244,8 @@ mod tests {
 
     #[test]
     fn figures_are_the_same_up_to_their_tolerance_and_no_farther() {
-        type Edit = fn(&mut Figures, f64);
-        let edits: [(&str, Edit); 8] = [
+        type FigureEdit = fn(&mut Figures, f64);
+        let edits: [(&str, FigureEdit); 8] = [
             ("tools.ball.peak_force_n", |f, off| {
                 f.tools[0].peak_force_n += 2e-6 * off
             }),

@@ -13,7 +13,7 @@ use std::sync::Arc;
 /// What came next. Lives for a moment on the stack: its size costs less than a box.
 #[allow(clippy::large_enum_variant)]
 #[derive(Clone, Debug, PartialEq)]
-pub(super) enum Next {
+pub(super) enum Advance {
     /// A tick; the state is that after it.
     Tick(TickRecord),
     /// Ticks are missing: the state is now that of the keyframe after them.
@@ -128,8 +128,8 @@ impl Cursor {
         let mut record = None;
         while self.state().tick < tick {
             match self.advance()? {
-                Next::Tick(played) => record = Some(played),
-                Next::Gap { .. } | Next::End => break,
+                Advance::Tick(played) => record = Some(played),
+                Advance::Gap { .. } | Advance::End => break,
             }
         }
         Ok(match record {
@@ -173,14 +173,14 @@ impl Cursor {
     }
 
     /// One tick on.
-    pub fn advance(&mut self) -> Result<Next, PlayError> {
+    pub fn advance(&mut self) -> Result<Advance, PlayError> {
         let after = self.state().tick;
         // A keyframe that is not of the newest tick: where play may go on after a gap.
         let mut ahead: Option<(Place, u64)> = None;
         loop {
             let place = self.follower.place();
             let Some(happening) = self.follower.next().transpose()? else {
-                return Ok(Next::End);
+                return Ok(Advance::End);
             };
             match happening {
                 Happening::Tick(record) => {
@@ -197,11 +197,11 @@ impl Cursor {
                     }
                     if tick > self.range.1 {
                         self.follower.step_back();
-                        return Ok(Next::End);
+                        return Ok(Advance::End);
                     }
                     if self.seated && Some(tick) == after.checked_add(1) {
                         let output = self.take(&record)?;
-                        return Ok(Next::Tick(TickRecord { output, ..*record }));
+                        return Ok(Advance::Tick(TickRecord { output, ..*record }));
                     }
                     if let Some((place, to)) =
                         ahead.filter(|(_, to)| Some(tick) == to.checked_add(1))
@@ -223,17 +223,17 @@ impl Cursor {
     }
 
     /// Over a gap, to a keyframe.
-    fn jump(&mut self, place: Place, after: u64, to: u64) -> Result<Next, PlayError> {
+    fn jump(&mut self, place: Place, after: u64, to: u64) -> Result<Advance, PlayError> {
         self.follower.go(place);
         while let Some(happening) = self.follower.next().transpose()? {
             if let Happening::Keyframe(keyframe) = happening
                 && keyframe.tick == to
             {
                 self.restore(to, &keyframe.saved)?;
-                return Ok(Next::Gap { after, to });
+                return Ok(Advance::Gap { after, to });
             }
         }
-        Ok(Next::End)
+        Ok(Advance::End)
     }
 
     /// Takes the state of a keyframe.

@@ -72,14 +72,14 @@ pub(in super::super) fn last_keyframe_until(
     Ok(None)
 }
 
-type Found = Option<(Place, Keyframe)>;
+type PlacedKeyframe = Option<(Place, Keyframe)>;
 
 /// The first and the last keyframe of a chunk that are accepted.
 fn keyframes_of(
     session: &Session,
     chunk: usize,
     accept: impl Fn(&Keyframe) -> bool,
-) -> Result<(Found, Found), ReadError> {
+) -> Result<(PlacedKeyframe, PlacedKeyframe), ReadError> {
     let place = Place::of_chunk(chunk);
     let mut follower = Follower::at(session, place).only(&[Topic::Keyframe]);
     let (mut first, mut last) = (None, None);

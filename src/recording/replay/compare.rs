@@ -288,12 +288,12 @@ mod tests {
             ..TickOutput::default()
         };
         whole.tools[0].contact = Some(contact);
-        type Edit = fn(&mut TickOutput);
+        type OutputEdit = fn(&mut TickOutput);
         let turned = |output: &mut TickOutput| {
             output.tools[0].proxy_orientation =
                 Rotation::new_unchecked(nalgebra::Quaternion::new(0.5, 0.0, 0.0, 0.0));
         };
-        let edits: [(&str, Edit); 24] = [
+        let edits: [(&str, OutputEdit); 24] = [
             ("tick", |o| o.tick = 4),
             ("tools[0].pose_seq", |o| o.tools[0].pose_seq = 1),
             ("tools[0].t_client_ns", |o| o.tools[0].t_client_ns = 1),

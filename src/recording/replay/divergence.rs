@@ -110,7 +110,7 @@ impl Divergence {
             .add_schema(
                 "palpate.v1.Tick",
                 "protobuf",
-                pb::descriptors("palpate.v1.Tick").unwrap_or_default(),
+                &pb::descriptors("palpate.v1.Tick").unwrap_or_default(),
             )
             .map_err(bad)?;
         let (recorded, replayed) = self.both(session);

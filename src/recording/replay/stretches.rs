@@ -27,7 +27,7 @@ pub(super) struct Segment {
 
 /// What the replay of a segment found.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub(super) struct Found {
+pub(super) struct Findings {
     /// Nets equal by bits.
     pub nets: u64,
     /// Ticks that no keyframe leads to.
@@ -92,10 +92,10 @@ impl<'a> Runner<'a> {
         segment: &Segment,
         abandon: impl Fn() -> bool,
         equal: impl Fn(Equal),
-    ) -> Result<Option<Found>, ReplayError> {
+    ) -> Result<Option<Findings>, ReplayError> {
         const AT_A_TIME: usize = 100;
         let mut follower = Follower::at(self.session, segment.start);
-        let (mut at, mut found) = (At::default(), Found::default());
+        let (mut at, mut found) = (At::default(), Findings::default());
         self.equal.clear();
         loop {
             let place = follower.place();
@@ -178,7 +178,7 @@ impl<'a> Runner<'a> {
         &mut self,
         keyframe: Keyframe,
         at: &mut At,
-        found: &mut Found,
+        found: &mut Findings,
     ) -> Option<Difference> {
         let (tick, recorded) = (keyframe.tick, keyframe.state_hash);
         at.begun = true;
@@ -208,7 +208,7 @@ impl<'a> Runner<'a> {
         &mut self,
         record: &TickRecord,
         at: &mut At,
-        found: &mut Found,
+        found: &mut Findings,
     ) -> Option<Difference> {
         let tick = record.output.tick;
         if let Some(last) = at.last {
@@ -239,7 +239,7 @@ impl<'a> Runner<'a> {
         parted
     }
 
-    fn recorded_net(&mut self, recorded: &NetRecord, found: &mut Found) -> Option<Difference> {
+    fn recorded_net(&mut self, recorded: &NetRecord, found: &mut Findings) -> Option<Difference> {
         let scene = self.rerun.scene();
         let body = (0..scene.body_count()).find(|&body| scene.body_id(body) == recorded.body)?;
         self.rerun.copy_net(body, &mut self.net);

@@ -2,7 +2,7 @@
 
 use super::super::reader::Session;
 use super::ReplayError;
-use super::stretches::{Equal, Found, Runner, Segment};
+use super::stretches::{Equal, Findings, Runner, Segment};
 use palpate_sim::scene::Scene;
 use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -25,18 +25,18 @@ enum News {
     /// Of a segment, some that were equal.
     Equal(usize, Equal),
     /// What was found of a segment, after all its ticks.
-    Found(usize, Box<Result<Found, ReplayError>>),
+    Found(usize, Box<Result<Findings, ReplayError>>),
 }
 
 /// What came of a segment before those ahead of it were done.
 #[derive(Default)]
-struct Waiting {
+struct WaitingStretch {
     equal: Vec<Equal>,
-    found: Option<Result<Found, ReplayError>>,
+    found: Option<Result<Findings, ReplayError>>,
 }
 
 /// What threads share.
-struct Shared {
+struct TeamShare {
     next: AtomicUsize,
     /// The first segment that parts: those after it are of no interest.
     parted: AtomicUsize,
@@ -49,7 +49,7 @@ struct Shared {
 /// Segments that may wait for an earlier one, for each thread.
 const AHEAD: usize = 8;
 
-impl Shared {
+impl TeamShare {
     /// Waits until segment `k` may begin; false when it is not wanted.
     fn admit(&self, k: usize, ahead: usize) -> bool {
         let mut taken = self.taken.lock().unwrap_or_else(PoisonError::into_inner);
@@ -76,9 +76,9 @@ impl Team<'_> {
         &self,
         mut progress: impl FnMut(u64),
         mut take_equal: impl FnMut(Equal),
-        mut take: impl FnMut(Found),
+        mut take: impl FnMut(Findings),
     ) -> Result<(), ReplayError> {
-        let shared = Shared {
+        let shared = TeamShare {
             next: AtomicUsize::new(0),
             parted: AtomicUsize::new(usize::MAX),
             taken: Mutex::new(0),
@@ -92,7 +92,7 @@ impl Team<'_> {
             }
             drop(sender);
             let (mut done, mut taken, mut over) = (0, 0, Ok(()));
-            let mut waiting = BTreeMap::<usize, Waiting>::new();
+            let mut waiting = BTreeMap::<usize, WaitingStretch>::new();
             for news in receiver {
                 match news {
                     News::Equal(k, equal) => {
@@ -130,7 +130,7 @@ impl Team<'_> {
         })
     }
 
-    fn work(&self, shared: &Shared, sender: &mpsc::Sender<News>) {
+    fn work(&self, shared: &TeamShare, sender: &mpsc::Sender<News>) {
         let mut runner = Runner::new(self.session, self.scene, self.until);
         loop {
             let k = shared.next.fetch_add(1, Ordering::Relaxed);

@@ -27,7 +27,7 @@ use std::sync::Arc;
 #[derive(Clone)]
 pub(super) struct Views {
     shapes: Arc<Shapes>,
-    channels: Channels,
+    channels: ViewChannels,
     /// Tick of the next picture.
     next: Option<u64>,
     every: u64,
@@ -45,7 +45,7 @@ struct Shapes {
 }
 
 #[derive(Clone, Default)]
-struct Channels {
+struct ViewChannels {
     scene: u16,
     tf: u16,
     log: u16,
@@ -74,7 +74,7 @@ impl Views {
             nets: vec![None; shapes.bodies.len()],
             tools: vec![Vec::new(); shapes.tools.len()],
             shapes: Arc::new(shapes),
-            channels: Channels::default(),
+            channels: ViewChannels::default(),
             next: None,
             every: ((1.0 / scene.dt_s / record.view_hz).round() as u64).max(1),
             drawn: false,
@@ -91,11 +91,11 @@ impl Views {
             let schema = mcap.add_schema(
                 &name,
                 "protobuf",
-                pb::descriptors(&name).unwrap_or_default(),
+                &pb::descriptors(&name).unwrap_or_default(),
             )?;
             mcap.add_channel(schema, &topic, "protobuf", &BTreeMap::new())
         };
-        self.channels = Channels {
+        self.channels = ViewChannels {
             scene: channel("/view/scene".into(), "SceneUpdate")?,
             tf: channel("/tf".into(), "FrameTransforms")?,
             log: channel("/log".into(), "Log")?,

@@ -5,6 +5,7 @@ use crate::common::pose;
 use palpate::drive::journal::Journal;
 use palpate::drive::nets::NetPool;
 use palpate::recording::{Recorder, RecorderSettings, RecordingSummary};
+pub use palpate_geometry::math::Random;
 use palpate_geometry::math::{Rotation, Vector3, state_hash};
 use palpate_sim::haptics::{DeviceBounds, DevicePose};
 use palpate_sim::scene::{Scene, file};
@@ -69,25 +70,6 @@ pub fn scenes() -> Vec<(&'static str, String)> {
     ]
 }
 
-/// SplitMix64.
-pub struct Random(pub u64);
-
-impl Random {
-    pub fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mixed = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        let mixed = (mixed ^ (mixed >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        mixed ^ (mixed >> 31)
-    }
-    pub fn below(&mut self, end: u64) -> u64 {
-        self.next() % end
-    }
-    /// From -1 to 1.
-    pub fn share(&mut self) -> f64 {
-        (self.next() >> 11) as f64 / (1u64 << 52) as f64 - 1.0
-    }
-}
-
 /// What hands and clients do, by seed: every tool is pressed towards the body from where it starts,
 /// rubbed, turned, its button pressed; now and then there is no news, or a command.
 pub struct Script {
@@ -133,7 +115,7 @@ impl Script {
                 )],
             };
             list.extend(made);
-            at += 12 + random.below(60);
+            at += 12 + random.below(60) as u64;
         }
         Self {
             seed,
@@ -171,7 +153,7 @@ impl Script {
                 [0.0, 0.0, -0.016]
             };
             let rub = 0.004 * libm::sin(2.3 * phase);
-            let tremor = 1e-4 * random.share();
+            let tremor = 1e-4 * random.signed();
             let position = [
                 place.x + deep[0] * press + if aside { 0.0 } else { rub } + tremor,
                 place.y + if aside { rub } else { 0.0 },

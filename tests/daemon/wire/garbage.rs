@@ -1,11 +1,12 @@
 //! Random bytes on every key that a daemon listens to, and a flood of them beside a client that
 //! works.
 
-use super::{Random, SCENE, bare, pressing, until};
+use super::{SCENE, any_bytes, bare, pressing, until};
 use crate::daemon::Daemon;
 use palpate_client::pose_at;
 use palpate_client::proto::messages::LoopState;
 use palpate_client::proto::rpc::{Answer, METHODS};
+use palpate_geometry::math::Random;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
@@ -43,7 +44,7 @@ fn random_bytes_on_every_key_are_refused_and_the_loop_goes_on() {
         for k in 0..8 {
             // What begins like this is no JSON; what is longer than 16 KiB is not even read.
             let most = if k == 7 { 200_000 } else { 400 };
-            let payload = [&[0xfe], &random.bytes(most)[..]].concat();
+            let payload = [&[0xfe], &any_bytes(&mut random, most)[..]].concat();
             let too_long = payload.len() > 16 << 10;
             let reply =
                 answer(format!("palpate/default/rpc/{method}"), payload).expect("an answer");
@@ -89,7 +90,7 @@ fn random_bytes_on_every_key_are_refused_and_the_loop_goes_on() {
     let mut sent = 0;
     for key in ["pose", "device"] {
         for _ in 0..500 {
-            let bytes = random.bytes(300);
+            let bytes = any_bytes(&mut random, 300);
             session
                 .put(format!("palpate/default/tool/ball/{key}"), bytes)
                 .congestion_control(CongestionControl::Block)
@@ -141,11 +142,8 @@ fn a_flood_of_garbage_does_not_change_a_bit_of_a_client_in_lockstep() {
                         "contact",
                         "tool/ball/force/x",
                     ];
-                    let key = format!(
-                        "palpate/default/{}",
-                        key[random.number() as usize % key.len()]
-                    );
-                    let _ = session.put(key, random.bytes(200)).wait();
+                    let key = format!("palpate/default/{}", key[random.below(key.len())]);
+                    let _ = session.put(key, any_bytes(&mut random, 200)).wait();
                     sent += 1;
                 }
                 sent

@@ -7,6 +7,7 @@ mod instances;
 mod meta;
 mod poses;
 
+use palpate_geometry::math::Random;
 use std::time::{Duration, Instant};
 use zenoh::Wait;
 
@@ -55,23 +56,9 @@ pub fn until<T: std::fmt::Debug>(
     }
 }
 
-/// Numbers that nobody chose (SplitMix64).
-pub struct Random(pub u64);
-
-impl Random {
-    /// The next.
-    pub fn number(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ (z >> 31)
-    }
-
-    /// Fewer than `most` of them.
-    pub fn bytes(&mut self, most: u64) -> Vec<u8> {
-        (0..self.number() % most)
-            .map(|_| self.number() as u8)
-            .collect()
-    }
+/// Fewer than `most` bytes that nobody chose.
+pub fn any_bytes(random: &mut Random, most: usize) -> Vec<u8> {
+    (0..random.below(most))
+        .map(|_| random.word() as u8)
+        .collect()
 }

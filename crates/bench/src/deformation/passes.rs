@@ -5,8 +5,8 @@ use super::{Effort, Row};
 use palpate_geometry::math::{Point3, Rows};
 use palpate_geometry::surface::builtin;
 use palpate_sim::body::{
-    Continuum, CubeLattice, Elastic, Inside, Integrator, Material, Solid, SomSettings, SpringRule,
-    StepSettings, layers, preset, som, transfinite,
+    ContinuumLaw, CubeLattice, Elastic, Inside, Integrator, Material, Solid, SomSettings,
+    SpringRule, StepSettings, layers, preset, som, transfinite,
 };
 use std::time::Duration;
 
@@ -124,7 +124,7 @@ fn continuum(case: &str, nodes: usize, effort: Effort, out: &mut dyn FnMut(Row))
         };
         cube.grid.cells.len()
     ];
-    let Ok(continuum) = Continuum::new(&cube.grid, &elastic) else {
+    let Ok(continuum) = ContinuumLaw::new(&cube.grid, &elastic) else {
         return;
     };
     let places: Rows = cube

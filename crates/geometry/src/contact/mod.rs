@@ -28,6 +28,6 @@ pub mod spheres;
 pub mod swept;
 
 pub use dispatch::Facing;
-pub use samples::{SampleGrid, Weights, distance_squared_to_box};
+pub use samples::{ContactSamples, Weights, distance_squared_to_box};
 pub use set::{Contact, ContactSet, MAX_CONTACTS, Reach, Rectangle};
 pub use shape::{SurfaceShape, ToolShape};

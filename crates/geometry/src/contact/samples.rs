@@ -8,7 +8,7 @@ use crate::surface::{Joints, Surface, wrap};
 /// Samples of a surface, grouped by patch (a pair of knot spans), so that whole patches are skipped
 /// by their control hull.
 #[derive(Clone, Debug)]
-pub struct SampleGrid {
+pub struct ContactSamples {
     u: SampledDirection,
     v: SampledDirection,
     /// Of a branching surface.
@@ -111,7 +111,7 @@ impl Weights {
     }
 }
 
-impl SampleGrid {
+impl ContactSamples {
     /// `per_span²` samples in every patch.
     pub fn new(surface: &Surface, per_span: usize) -> Self {
         let topology = surface.topology();

@@ -130,7 +130,7 @@ impl Cholesky {
             #[allow(unsafe_code)]
             return unsafe { avx2::solve(self, x) };
         }
-        self.solve_in_place::<Baseline>(x);
+        self.solve_in_place::<BaselineKernel>(x);
     }
 
     // Values in f32 were tried: half of the memory, but slower, as each must be widened before it
@@ -261,9 +261,9 @@ impl Kernel for Single {
 }
 
 /// Four right-hand sides, any processor.
-struct Baseline;
+struct BaselineKernel;
 
-impl Kernel for Baseline {
+impl Kernel for BaselineKernel {
     type Row = Lane;
     type Register = Lane;
     #[inline(always)]
@@ -609,7 +609,7 @@ mod tests {
             .map(|i| [i as f64, 1.0 / (i + 1) as f64, -3.3, 0.0])
             .collect();
         let mut plain = wide.clone();
-        factor.solve_in_place::<Baseline>(&mut plain);
+        factor.solve_in_place::<BaselineKernel>(&mut plain);
         // SAFETY: asked just above.
         #[allow(unsafe_code)]
         unsafe {

@@ -1,5 +1,7 @@
 //! Pseudo-random numbers with a fixed sequence, for tests, benches and sampling.
 
+use super::{Rotation, Vector3};
+
 /// SplitMix64 (Steele, Lea & Flood, 2014): one word of state, the same sequence on every machine.
 /// The field is the seed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -23,6 +25,26 @@ impl Random {
     /// In [low, high).
     pub fn float(&mut self, low: f64, high: f64) -> f64 {
         low + (high - low) * self.unit()
+    }
+
+    /// In [−1, 1).
+    pub fn signed(&mut self) -> f64 {
+        self.float(-1.0, 1.0)
+    }
+
+    /// In 0 .. count; 0 when `count` is 0.
+    pub fn below(&mut self, count: usize) -> usize {
+        (self.word() % count.max(1) as u64) as usize
+    }
+
+    /// Each component in [−1, 1).
+    pub fn vector(&mut self) -> Vector3 {
+        Vector3::from_fn(|_, _| self.signed())
+    }
+
+    /// A rotation about any axis, by up to 5.2 rad.
+    pub fn rotation(&mut self) -> Rotation {
+        Rotation::from_scaled_axis(self.vector() * 3.0)
     }
 
     /// In low ..= high.

@@ -12,14 +12,14 @@ use palpate_geometry::math::{Cholesky, SymmetricTriplets, Vector3};
 
 /// The factor, and what further iterations need.
 #[derive(Debug)]
-pub(super) struct Implicit {
+pub(super) struct ImplicitStep {
     factor: Cholesky,
     iterations: usize,
     /// Edges that damp, k d / dt; empty for a single iteration, whose guess has not moved.
     damping: Vec<(u32, u32, f64)>,
 }
 
-impl Implicit {
+impl ImplicitStep {
     pub(super) fn new(matter: &Matter, iterations: usize) -> Result<Self, DeformableError> {
         let (dt, damping_s) = (matter.settings.dt_s, matter.damping_s);
         let mut matrix = SymmetricTriplets::new(matter.unknown_count());

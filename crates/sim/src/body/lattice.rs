@@ -2,9 +2,9 @@
 //! springs along their edges and face diagonals, or with the energy of an elastic solid in them.
 
 use super::cells::CellGrid;
-use super::continuum::{Continuum, Elastic};
+use super::continuum::{ContinuumLaw, Elastic};
 use super::deformable::Deformable;
-use super::law::Law;
+use super::law::MaterialLaw;
 use super::material::Material;
 use super::matter::Blueprint;
 use super::node_map::NodeMap;
@@ -94,13 +94,15 @@ impl<'a, M: Fn(usize) -> Material> Solid<'a, M> {
         };
         let of_cells = || -> Vec<Elastic> { (0..grid.cells.len()).map(elastic).collect() };
         let law = match inside {
-            Inside::Springs(rule) => Law::springs(
+            Inside::Springs(rule) => MaterialLaw::springs(
                 &springs::from_cells(grid, |cell| material(cell).young_pa, rule),
                 common.stiffening,
             ),
-            Inside::Continuum => Law::continuum(Continuum::new(grid, &of_cells())?),
+            Inside::Continuum => MaterialLaw::continuum(ContinuumLaw::new(grid, &of_cells())?),
             // Smooth coordinates leave cells no motion without energy: one point a cell is enough.
-            Inside::SmoothContinuum => Law::continuum(Continuum::at_centres(grid, &of_cells())?),
+            Inside::SmoothContinuum => {
+                MaterialLaw::continuum(ContinuumLaw::at_centres(grid, &of_cells())?)
+            }
         };
         let quality = grid.quality();
         let blueprint = Blueprint {

@@ -1,7 +1,7 @@
 //! Internal forces of a body: what its model is made of, and nothing else.
 
 use super::bends::Bend;
-use super::continuum::Continuum;
+use super::continuum::ContinuumLaw;
 use super::material::Stiffening;
 use super::spring_table::{ByCoordinate, SpringTable};
 use super::springs::Spring;
@@ -9,15 +9,15 @@ use palpate_geometry::math::{Lane, Point3};
 
 /// Springs, bends for membranes, or a continuum energy.
 #[derive(Debug, Default)]
-pub struct Law {
+pub struct MaterialLaw {
     pub(super) springs: SpringTable,
     pub(super) bends: Vec<Bend>,
-    pub(super) continuum: Option<Continuum>,
+    pub(super) continuum: Option<ContinuumLaw>,
     /// Greatest slope of the springs, relative to that at rest.
     slope: f64,
 }
 
-impl Law {
+impl MaterialLaw {
     /// Springs of a solid.
     pub fn springs(springs: &[Spring], stiffening: Option<Stiffening>) -> Self {
         Self::membrane(springs, stiffening, Vec::new())
@@ -35,7 +35,7 @@ impl Law {
     }
 
     /// A continuum energy.
-    pub fn continuum(continuum: Continuum) -> Self {
+    pub fn continuum(continuum: ContinuumLaw) -> Self {
         Self {
             continuum: Some(continuum),
             slope: 1.0,
@@ -52,7 +52,10 @@ impl Law {
             .springs
             .each()
             .map(|(_, _, a, b, k)| (a as u32, b as u32, k * scale));
-        let continuum = self.continuum.iter().flat_map(Continuum::bounding_springs);
+        let continuum = self
+            .continuum
+            .iter()
+            .flat_map(ContinuumLaw::bounding_springs);
         springs
             .chain(self.bends.iter().flat_map(Bend::edges))
             .chain(continuum)
@@ -69,7 +72,7 @@ impl Law {
         let continuum = self
             .continuum
             .iter()
-            .flat_map(Continuum::bounding_springs)
+            .flat_map(ContinuumLaw::bounding_springs)
             .map(|(a, b, k)| (a, b, 2.0 * k));
         springs
             .chain(self.bends.iter().flat_map(Bend::edges))

@@ -3,7 +3,7 @@
 
 use super::cells::CellQuality;
 use super::field::Field;
-use super::law::Law;
+use super::law::MaterialLaw;
 use super::material::Plastic;
 use super::node_map::NodeMap;
 use super::plastic::Flow;
@@ -24,7 +24,7 @@ pub struct Blueprint {
     /// (nodes), kg.
     pub masses: Vec<f64>,
     /// Forces between nodes.
-    pub law: Law,
+    pub law: MaterialLaw,
     /// (control points): coordinate of each.
     pub coordinate_of_control: Vec<u32>,
     /// (coordinates): never move.
@@ -41,7 +41,7 @@ pub(super) struct Matter {
     /// (coordinates), m.
     pub rest: Vec<Point3>,
     pub map: NodeMap,
-    pub law: Law,
+    pub law: MaterialLaw,
     /// (coordinates), kg.
     pub masses: Vec<f64>,
     /// (coordinates): place among those that can move, or [`FIXED`].

@@ -4,7 +4,7 @@
 use super::bends::Bend;
 use super::cells::CellGrid;
 use super::deformable::Deformable;
-use super::law::Law;
+use super::law::MaterialLaw;
 use super::material::Material;
 use super::matter::Blueprint;
 use super::node_map::NodeMap;
@@ -68,7 +68,7 @@ pub fn membrane(
         coordinates,
         map: NodeMap::Same,
         masses,
-        law: Law::membrane(&springs, material.stiffening, bends),
+        law: MaterialLaw::membrane(&springs, material.stiffening, bends),
         coordinate_of_control: coordinate_of_control.to_vec(),
         fixed: fixed.to_vec(),
         quality,

@@ -44,13 +44,13 @@ mod xpbd;
 
 pub use bends::Bend;
 pub use cells::{Cell, CellGrid, CellQuality};
-pub use continuum::{Continuum, ContinuumError, Elastic, Pass};
+pub use continuum::{ContinuumError, ContinuumLaw, Elastic, Pass};
 pub use cube::{CubeError, CubeLattice, MOST_NODES_A_SIDE};
 pub use deformable::Deformable;
 pub use exterior::{CONDITION_LIMIT, ExteriorError, ExteriorMap, check_exterior, measure_exterior};
 pub use field::Field;
 pub use lattice::{Inside, Solid};
-pub use law::Law;
+pub use law::MaterialLaw;
 pub use material::{Material, PRESETS, Plastic, Preset, Stiffening, preset};
 pub use matter::Blueprint;
 pub use membrane::membrane;

@@ -70,7 +70,7 @@ pub enum DeformableError {
     },
     /// Cells that cannot carry a continuum energy.
     #[error(transparent)]
-    Continuum(#[from] ContinuumError),
+    ContinuumLaw(#[from] ContinuumError),
     /// A combination that is not there.
     #[error("{0}")]
     Unsupported(&'static str),

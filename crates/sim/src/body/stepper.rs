@@ -1,7 +1,7 @@
 //! The step of a body: one of three methods.
 
 use super::explicit::Explicit;
-use super::implicit::Implicit;
+use super::implicit::ImplicitStep;
 use super::matter::{FIXED, Matter};
 use super::settings::{DeformableError, Integrator};
 use super::state::{DeformableScratch, DeformableState};
@@ -11,7 +11,7 @@ use palpate_geometry::math::Vector3;
 /// Constants of a body's method.
 #[derive(Debug)]
 pub(super) enum Stepper {
-    Implicit(Implicit),
+    Implicit(ImplicitStep),
     Explicit(Explicit),
     Xpbd(Xpbd),
 }
@@ -33,7 +33,7 @@ impl Stepper {
     pub fn new(matter: &Matter) -> Result<Self, DeformableError> {
         Ok(match matter.settings.integrator {
             Integrator::Implicit { iterations } => {
-                Self::Implicit(Implicit::new(matter, iterations)?)
+                Self::Implicit(ImplicitStep::new(matter, iterations)?)
             }
             Integrator::Explicit { substeps } => Self::Explicit(Explicit::new(matter, substeps)?),
             Integrator::Xpbd { substeps } => Self::Xpbd(Xpbd::new(matter, substeps)?),

@@ -27,7 +27,7 @@ use crate::haptics::{Coupling, DeviceBounds, DeviceFigures, LinkLimits, Stiffnes
 use crate::solve::friction::Friction;
 use crate::solve::rows::{Holder, most_rows};
 use palpate_geometry::contact::dispatch::{Method, Party};
-use palpate_geometry::contact::{SampleGrid, ToolShape};
+use palpate_geometry::contact::{ContactSamples, ToolShape};
 use palpate_geometry::math::{Point3, Rotation};
 use palpate_geometry::surface::{Mesh, Surface};
 use spec::{Clock, SceneSpec};
@@ -85,7 +85,7 @@ pub(crate) enum BodyModel {
 #[derive(Debug)]
 pub(crate) struct DeformingBody {
     pub deformable: Deformable,
-    pub samples: SampleGrid,
+    pub samples: ContactSamples,
     pub sweeps: usize,
     /// The body steps once in so many ticks.
     pub every: u32,

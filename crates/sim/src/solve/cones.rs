@@ -7,7 +7,7 @@
 //! projections' derivatives. Without friction a cone is a ray, and this is the other module's
 //! formula.
 
-use super::friction::Law;
+use super::friction::FrictionLaw;
 use super::sharing::{Look, multiplier};
 use palpate_geometry::math::{Matrix3, Vector3};
 
@@ -17,7 +17,7 @@ pub struct ConeShare {
     /// Unit vector on which it pushes the tool.
     pub normal: Vector3,
     /// What force it may have.
-    pub law: Law,
+    pub law: FrictionLaw,
     /// How deep the device is in it, m (≥ 0).
     pub weight_m: f64,
     /// Its part of the force, N.
@@ -25,8 +25,8 @@ pub struct ConeShare {
 }
 
 /// The point of a contact's cone nearest to y, and its derivative.
-fn nearest(law: Law, normal: &Vector3, y: &Vector3) -> (Vector3, Matrix3) {
-    let Law::Push { mu, .. } = law else {
+fn nearest(law: FrictionLaw, normal: &Vector3, y: &Vector3) -> (Vector3, Matrix3) {
+    let FrictionLaw::Push { mu, .. } = law else {
         return (*y, Matrix3::identity());
     };
     let along = normal.dot(y);
@@ -62,8 +62,8 @@ pub fn share(contacts: &mut [ConeShare]) -> bool {
         return false;
     };
     let over = |c: &ConeShare| match c.law {
-        Law::Grip { limit_n } => y.norm() * c.weight_m > limit_n,
-        Law::Push { .. } => false,
+        FrictionLaw::Grip { limit_n } => y.norm() * c.weight_m > limit_n,
+        FrictionLaw::Push { .. } => false,
     };
     if contacts.iter().any(over) {
         return false;
@@ -79,9 +79,9 @@ pub fn share(contacts: &mut [ConeShare]) -> bool {
 /// module's whisper.
 fn keep_sum(contacts: &mut [ConeShare], total: &Vector3) {
     let left = total - contacts.iter().map(|c| c.force_n).sum::<Vector3>();
-    let grip = contacts
-        .iter_mut()
-        .find(|c| matches!(c.law, Law::Grip { limit_n } if (c.force_n + left).norm() <= limit_n));
+    let grip = contacts.iter_mut().find(
+        |c| matches!(c.law, FrictionLaw::Grip { limit_n } if (c.force_n + left).norm() <= limit_n),
+    );
     if let Some(grip) = grip {
         grip.force_n += left;
     }
@@ -91,26 +91,21 @@ fn keep_sum(contacts: &mut [ConeShare], total: &Vector3) {
 mod tests {
     use super::super::sharing::KEPT;
     use super::*;
-
-    struct Random(u64);
-
-    impl Random {
-        fn next(&mut self) -> f64 {
-            self.0 = self
-                .0
-                .wrapping_mul(6_364_136_223_846_793_005)
-                .wrapping_add(1_442_695_040_888_963_407);
-            (self.0 >> 11) as f64 / (1u64 << 53) as f64 - 0.5
-        }
-    }
+    use palpate_geometry::math::Random;
 
     #[test]
     fn the_nearest_point_is_nearest_and_its_derivative_that_of_differences() {
         let mut random = Random(2);
         for _ in 0..2_000 {
-            let mut any = || Vector3::new(random.next(), random.next(), random.next());
+            let mut any = || {
+                Vector3::new(
+                    random.float(-0.5, 0.5),
+                    random.float(-0.5, 0.5),
+                    random.float(-0.5, 0.5),
+                )
+            };
             let (normal, y, towards) = (any().normalize(), any(), any());
-            let law = Law::coulomb(0.4);
+            let law = FrictionLaw::coulomb(0.4);
             let (onto, derivative) = nearest(law, &normal, &y);
             // Moreau: y splits into a point of the cone and one of its polar, which are at right
             // angles.
@@ -139,36 +134,47 @@ mod tests {
         let mut random = Random(11);
         let mut solved = 0;
         for case in 0..1_000 {
-            let count = 2 + (random.next().abs() * 20.0) as usize;
+            let count = 2 + (random.float(-0.5, 0.5).abs() * 20.0) as usize;
             let mut set: Vec<ConeShare> = (0..count)
                 .map(|k| {
-                    let normal =
-                        Vector3::new(random.next(), random.next(), 0.3 + random.next().abs())
-                            .normalize();
+                    let normal = Vector3::new(
+                        random.float(-0.5, 0.5),
+                        random.float(-0.5, 0.5),
+                        0.3 + random.float(-0.5, 0.5).abs(),
+                    )
+                    .normalize();
                     let mu = if case % 2 == 0 {
                         0.5
                     } else {
-                        0.5 * random.next().abs()
+                        0.5 * random.float(-0.5, 0.5).abs()
                     };
-                    let lambda = (3.0 * random.next()).max(0.0);
+                    let lambda = (3.0 * random.float(-0.5, 0.5)).max(0.0);
                     let across = normal
-                        .cross(&Vector3::new(random.next(), random.next(), random.next()))
+                        .cross(&Vector3::new(
+                            random.float(-0.5, 0.5),
+                            random.float(-0.5, 0.5),
+                            random.float(-0.5, 0.5),
+                        ))
                         .normalize();
                     let (law, force_n) = if case % 5 == 0 && k == 0 {
                         (
-                            Law::Grip { limit_n: 100.0 },
-                            Vector3::new(random.next(), random.next(), random.next()),
+                            FrictionLaw::Grip { limit_n: 100.0 },
+                            Vector3::new(
+                                random.float(-0.5, 0.5),
+                                random.float(-0.5, 0.5),
+                                random.float(-0.5, 0.5),
+                            ),
                         )
                     } else {
                         (
-                            Law::coulomb(mu),
-                            (normal + across * (mu * random.next().abs())) * lambda,
+                            FrictionLaw::coulomb(mu),
+                            (normal + across * (mu * random.float(-0.5, 0.5).abs())) * lambda,
                         )
                     };
                     ConeShare {
                         normal,
                         law,
-                        weight_m: 1e-4 + 1e-3 * random.next().abs(),
+                        weight_m: 1e-4 + 1e-3 * random.float(-0.5, 0.5).abs(),
                         force_n,
                     }
                 })
@@ -187,7 +193,9 @@ mod tests {
                 for c in &set {
                     let along = c.force_n.dot(&c.normal);
                     let across = (c.force_n - c.normal * along).norm();
-                    assert!(!matches!(c.law, Law::Push { mu, .. } if across > mu * along + 1e-12));
+                    assert!(
+                        !matches!(c.law, FrictionLaw::Push { mu, .. } if across > mu * along + 1e-12)
+                    );
                 }
                 assert!(energy(&set) <= energy_before * (1.0 + 4.0 * KEPT));
             }
@@ -199,7 +207,7 @@ mod tests {
     fn a_flat_contact_shares_push_and_drag_by_depth() {
         let contact = |weight_m: f64, force_n: Vector3| ConeShare {
             normal: Vector3::z(),
-            law: Law::coulomb(0.5),
+            law: FrictionLaw::coulomb(0.5),
             weight_m,
             force_n,
         };

@@ -48,7 +48,7 @@ pub struct Stick {
 
 /// What a row may do.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Law {
+pub enum FrictionLaw {
     /// It pushes, and resists slip by at most this multiple of its normal force.
     Push {
         /// μ (≥ 0).
@@ -63,7 +63,7 @@ pub enum Law {
     },
 }
 
-impl Law {
+impl FrictionLaw {
     /// It pushes, and nothing else.
     pub const SMOOTH: Self = Self::Push {
         mu: 0.0,
@@ -124,7 +124,7 @@ struct Bound {
     normal: Lane,
     /// b, m.
     free: Lane,
-    law: Law,
+    law: FrictionLaw,
     turning: Turning,
     /// The last sweep met the edge of its cone.
     slips: bool,
@@ -167,7 +167,7 @@ impl FrictionProblem {
 
     /// Adds a row: its unit normal, its displacement without contact forces (m), its law, and where
     /// its force starts (N).
-    pub fn push(&mut self, normal: &Vector3, free_m: &Vector3, law: Law, warm_n: &Vector3) {
+    pub fn push(&mut self, normal: &Vector3, free_m: &Vector3, law: FrictionLaw, warm_n: &Vector3) {
         debug_assert!(
             self.rows.len() < self.rows.capacity(),
             "more rows than room"
@@ -302,7 +302,7 @@ impl FrictionProblem {
     }
 
     /// The row's law.
-    pub fn law(&self, i: usize) -> Law {
+    pub fn law(&self, i: usize) -> FrictionLaw {
         self.rows[i].law
     }
 }
@@ -371,7 +371,7 @@ impl Bound {
     #[inline(always)]
     fn allowed(&mut self, wish: &Lane, own: f64) -> Lane {
         match self.law {
-            Law::Push { mu, drag_n_m } => {
+            FrictionLaw::Push { mu, drag_n_m } => {
                 let along = dot(wish, &self.normal);
                 let pushes = along > 0.0;
                 if !pushes {
@@ -397,7 +397,7 @@ impl Bound {
                 }
                 force
             }
-            Law::Grip { limit_n } => {
+            FrictionLaw::Grip { limit_n } => {
                 let size = dot(wish, wish).sqrt();
                 self.slips = size > limit_n;
                 let scale = if self.slips { limit_n / size } else { 1.0 };

@@ -5,10 +5,10 @@
 //! another body (or the same one, touching itself), pushed along it. Normals come from the surfaces
 //! as they stand (at rest that is exact), gaps from where their free motion will take both.
 
-use super::friction::Law;
+use super::friction::FrictionLaw;
 use super::row_key::RowId;
 use palpate_geometry::basis::BasisWindow;
-use palpate_geometry::contact::{Facing, SampleGrid, Weights};
+use palpate_geometry::contact::{ContactSamples, Facing, Weights};
 use palpate_geometry::math::{Point3, Rotation, Vector3};
 use palpate_geometry::surface::Surface;
 
@@ -49,7 +49,7 @@ pub struct Row {
     /// other.
     pub slip: Vector3,
     /// What the row does.
-    pub law: Law,
+    pub law: FrictionLaw,
     /// Point on the body's surface now, m.
     pub point: Point3,
     /// Its parameters.
@@ -110,7 +110,7 @@ pub struct DeformingView<'a> {
     /// Its net after free motion.
     pub predicted: &'a [Point3],
     /// Its samples.
-    pub samples: &'a SampleGrid,
+    pub samples: &'a ContactSamples,
 }
 
 /// The rows of a tick and their basis weights.

@@ -13,7 +13,7 @@ use super::{SceneState, Scratch, WarmRow, quality};
 use crate::body::Deformable;
 use crate::scene::{BodyModel, Scene};
 use crate::solve::cones::{self, ConeShare};
-use crate::solve::friction::{Law, Lever};
+use crate::solve::friction::{FrictionLaw, Lever};
 use crate::solve::rows::Row;
 use crate::solve::sharing::{Share, share};
 use palpate_geometry::math::Vector3;
@@ -83,7 +83,11 @@ pub(super) fn solve_again(scene: &Scene, state: &SceneState, scratch: &mut Scrat
 
 /// Some force has three components.
 fn is_whole(scratch: &Scratch) -> bool {
-    scratch.rows.rows.iter().any(|row| row.law != Law::SMOOTH)
+    scratch
+        .rows
+        .rows
+        .iter()
+        .any(|row| row.law != FrictionLaw::SMOOTH)
 }
 
 /// How often a solve goes over its rows. They start with the forces of the last tick: under lower
@@ -149,7 +153,7 @@ fn solve_whole(scene: &Scene, state: &SceneState, scratch: &mut Scratch, start: 
         let (slip, stuck) = stick::slip(scene, scratch, &row, old);
         scratch.sticks.push(stuck);
         let (law, free) = match row.law {
-            Law::Push {
+            FrictionLaw::Push {
                 mu,
                 drag_n_m: viscous_n_s_m,
             } => {
@@ -162,7 +166,7 @@ fn solve_whole(scene: &Scene, state: &SceneState, scratch: &mut Scratch, start: 
                     false => 0.0,
                 };
                 (
-                    Law::Push {
+                    FrictionLaw::Push {
                         mu: pair.map_or(mu, |friction| friction.mu_kinetic),
                         drag_n_m,
                     },
@@ -242,7 +246,7 @@ fn share_whole_among_rigid(scene: &Scene, state: &SceneState, scratch: &mut Scra
     let count = rigid_rows(scene, &rows.rows, tool).count() as f64;
     for (i, row) in rigid_rows(scene, &rows.rows, tool) {
         let (mut law, force_n) = (friction.law(i), friction.force_n(i));
-        if let Law::Push { mu, drag_n_m } = &mut law
+        if let FrictionLaw::Push { mu, drag_n_m } = &mut law
             && *drag_n_m > 0.0
             && friction.normal_n(i) > 0.0
         {
@@ -250,10 +254,10 @@ fn share_whole_among_rigid(scene: &Scene, state: &SceneState, scratch: &mut Scra
             *mu = mu.max(friction.tangent_n(i).norm() / friction.normal_n(i));
         }
         let weight_m = match law {
-            Law::Push { .. } => {
+            FrictionLaw::Push { .. } => {
                 (-row.gap_m).max(0.0) + LEAST_WEIGHT * compliance * friction.normal_n(i)
             }
-            Law::Grip { .. } => compliance * total.norm() / count,
+            FrictionLaw::Grip { .. } => compliance * total.norm() / count,
         };
         cones.push(ConeShare {
             normal: row.normal,

@@ -7,7 +7,7 @@ use super::{SceneState, Scratch, ToolState, WarmRow, flags};
 use super::{grip, load, stick};
 use crate::haptics::{LinkPhase, Motion, RenderedForce, Wrench, limit};
 use crate::scene::Scene;
-use crate::solve::friction::Law;
+use crate::solve::friction::FrictionLaw;
 use crate::solve::rows::Row;
 use palpate_geometry::contact::dispatch::Method;
 use palpate_geometry::math::{Vector3, rotation_by, turn_between};
@@ -196,7 +196,7 @@ fn report(row: &Row, depth_m: f64, force_n: Vector3) -> ContactReport {
 /// Such a contact of a tool that may turn is remembered though it does not carry: the tool may tip
 /// onto it.
 fn is_near(scene: &Scene, row: &Row, gap_m: f64) -> bool {
-    matches!(row.law, Law::Push { .. })
+    matches!(row.law, FrictionLaw::Push { .. })
         && gap_m < margin_m(0.0, scene.bodies[row.body as usize].size_m)
 }
 

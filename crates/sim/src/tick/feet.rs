@@ -2,7 +2,7 @@
 
 use super::BodyScratch;
 use crate::scene::{Body, BodyModel, Pair};
-use crate::solve::friction::Law;
+use crate::solve::friction::FrictionLaw;
 use crate::solve::row_key::{RowId, RowKey};
 use crate::solve::rows::{DeformingView, Grip, Row, RowSet, SampleInTouch};
 use palpate_geometry::contact::Contact;
@@ -170,7 +170,7 @@ pub(super) fn push_anchor(
     let row = Row {
         slip: away,
         arm,
-        law: Law::Grip { limit_n },
+        law: FrictionLaw::Grip { limit_n },
         ..row(p, pair, key, contact)
     };
     let mine = view.map(|view| (view, windows(view, contact.u, contact.v)));
@@ -219,11 +219,12 @@ fn windows(view: &DeformingView<'_>, u: f64, v: f64) -> Windows {
 
 /// With friction a row begins as one that drags: how much of the pair's drag is its own, the solve
 /// knows.
-fn law(pair: &Pair) -> Law {
-    pair.friction.map_or(Law::SMOOTH, |friction| Law::Push {
-        mu: friction.mu,
-        drag_n_m: friction.viscous_n_s_m,
-    })
+fn law(pair: &Pair) -> FrictionLaw {
+    pair.friction
+        .map_or(FrictionLaw::SMOOTH, |friction| FrictionLaw::Push {
+            mu: friction.mu,
+            drag_n_m: friction.viscous_n_s_m,
+        })
 }
 
 fn row(p: usize, pair: &Pair, key: RowKey, contact: &Contact) -> Row {

@@ -5,7 +5,7 @@ use super::record::ToolOutput;
 use super::{SceneState, Scratch, ToolState, flags};
 use crate::haptics::LinkPhase;
 use crate::scene::Scene;
-use crate::solve::friction::Law;
+use crate::solve::friction::FrictionLaw;
 use crate::solve::grip::{GRAB, GripState, MAX_ANCHORS, apart_m, strength};
 use crate::solve::row_key::RowKey;
 use crate::solve::rows::Row;
@@ -122,7 +122,7 @@ pub(super) fn take(
                 scene.bodies[row.body as usize].size_m,
             );
             row.tool() == Some(t)
-                && matches!(row.law, Law::Push { .. })
+                && matches!(row.law, FrictionLaw::Push { .. })
                 && scratch.gap_after(*i) < margin
         };
         let all = || scratch.rows.rows.iter().enumerate().filter(touches);

@@ -4,7 +4,7 @@
 use super::{SceneState, Scratch, ToolState};
 use crate::haptics::{LinkPhase, limit};
 use crate::scene::{BodyModel, DeformingBody, Scene, Tool};
-use crate::solve::friction::Law;
+use crate::solve::friction::FrictionLaw;
 use crate::solve::rows::{Holder, Row};
 use palpate_geometry::math::{Point3, Vector3};
 
@@ -64,7 +64,7 @@ fn whole_wrench(
     let held: Point3 = rows.free[t] + force * coupling.compliance_m_n();
     let centre = if ball { held } else { rows.free[t] };
     let turns = |i: usize, row: &Row| match row.law {
-        Law::Push { .. } if ball => friction.tangent_n(i),
+        FrictionLaw::Push { .. } if ball => friction.tangent_n(i),
         _ => friction.force_n(i),
     };
     let torque = own()

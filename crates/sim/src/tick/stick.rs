@@ -7,7 +7,7 @@
 use super::feet::view;
 use super::{BodyScratch, SceneState, Scratch, WarmRow};
 use crate::scene::{Body, Scene};
-use crate::solve::friction::{Law, Stick};
+use crate::solve::friction::{FrictionLaw, Stick};
 use crate::solve::rows::{Row, RowSet};
 use palpate_geometry::math::{Point3, Rotation, Vector3};
 use palpate_geometry::surface::Surface;
@@ -79,9 +79,9 @@ pub(super) fn slip(
 ) -> (Vector3, Stick) {
     let stuck = old.filter(|old| !old.slips).map(|old| old.stick);
     match (row.law, row.tool()) {
-        (Law::Grip { .. }, _) => (row.slip, Stick::default()),
-        (Law::Push { mu: 0.0, .. }, _) => (row.slip, Stick::default()),
-        (Law::Push { .. }, Some(t)) => {
+        (FrictionLaw::Grip { .. }, _) => (row.slip, Stick::default()),
+        (FrictionLaw::Push { mu: 0.0, .. }, _) => (row.slip, Stick::default()),
+        (FrictionLaw::Push { .. }, Some(t)) => {
             let Scratch { bodies, rows, .. } = scratch;
             let (body, parts) = (&scene.bodies[row.body as usize], &bodies[row.body as usize]);
             let free = rows.free[t];
@@ -110,7 +110,7 @@ pub(super) fn slip(
                 },
             )
         }
-        (Law::Push { .. }, None) => (
+        (FrictionLaw::Push { .. }, None) => (
             row.slip + stuck.unwrap_or_default().offset,
             Stick::default(),
         ),
@@ -125,7 +125,7 @@ pub(super) fn kept(i: usize, scratch: &Scratch) -> Stick {
         sticks,
         ..
     } = scratch;
-    if friction.slips(i) || matches!(rows.rows[i].law, Law::Grip { .. }) {
+    if friction.slips(i) || matches!(rows.rows[i].law, FrictionLaw::Grip { .. }) {
         return Stick::default();
     }
     if rows.rows[i].tool().is_some() {

@@ -33,8 +33,9 @@ pub(in crate::contact) struct Sounding {
 impl Below<'_> {
     fn sound(&self, query: &Point3, foot: Foot) -> Sounding {
         let at = &foot.at;
-        let edge = self.cells.on_open_edge(at.u, at.v);
-        let depth_m = if edge {
+        // Beyond an open edge there is no inside; straight over or under the edge itself there is.
+        let beyond = !foot.smooth && self.cells.on_open_edge(at.u, at.v);
+        let depth_m = if beyond {
             -at.distance
         } else {
             -self.side * at.signed_distance

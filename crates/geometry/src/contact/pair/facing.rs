@@ -13,7 +13,7 @@ const STEPS: usize = 12;
 
 /// A stationary pair.
 #[derive(Clone, Copy, Debug)]
-pub(in crate::contact) struct Facing {
+pub(in crate::contact) struct StationaryPair {
     /// (u, v) on the first surface, (s, t) on the second.
     pub at: [f64; 4],
 }
@@ -51,7 +51,7 @@ pub(in crate::contact) fn face(
     b: &mut Half<'_>,
     start: [[f64; 2]; 2],
     widths: [[f64; 2]; 2],
-) -> Option<Facing> {
+) -> Option<StationaryPair> {
     // Unwrapped, so that leaving is noticed.
     let mut x = start;
     for step in 0..STEPS {
@@ -96,7 +96,7 @@ pub(in crate::contact) fn face(
         }
         if short {
             let (at, bt) = (a.confine(x[0]), b.confine(x[1]));
-            return Some(Facing {
+            return Some(StationaryPair {
                 at: [at[0], at[1], bt[0], bt[1]],
             });
         }

@@ -31,7 +31,7 @@ pub use self::curves::{CurvePoint, IntersectionCurve};
 
 use self::cells::Cells;
 use self::depth::Below;
-use self::facing::{Facing, Half, face};
+use self::facing::{Half, StationaryPair, face};
 use self::regions::{PairRegion, Regions};
 use self::tops::Upper;
 use super::{Contact, ContactSet, Reach, Rectangle};
@@ -64,7 +64,7 @@ pub struct PairSolver {
     on_body: Regions,
     on_tool: Regions,
     touch: touch::Touch,
-    facing: Vec<Facing>,
+    facing: Vec<StationaryPair>,
 }
 
 impl PairSolver {
@@ -216,7 +216,7 @@ impl PairSolver {
                 let Some(found) = face(&mut a, &mut b, [am, bm], [aw, bw]) else {
                     continue;
                 };
-                let same = |f: &Facing| {
+                let same = |f: &StationaryPair| {
                     let near = |k: usize, w: f64| (f.at[k] - found.at[k]).abs() < 1e-6 * w;
                     near(0, aw[0]) && near(1, aw[1]) && near(2, bw[0]) && near(3, bw[1])
                 };
@@ -252,7 +252,7 @@ impl PairSolver {
             cells: &self.body,
             side: reach.side(),
         };
-        let pairs = self.facing.iter().map(|f| Facing {
+        let pairs = self.facing.iter().map(|f| StationaryPair {
             at: [f.at[2], f.at[3], f.at[0], f.at[1]],
         });
         self.on_tool

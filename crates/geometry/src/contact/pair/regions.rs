@@ -3,7 +3,7 @@
 
 use super::cells::{Cells, arc};
 use super::depth::Below;
-use super::facing::Facing;
+use super::facing::StationaryPair;
 use super::tops::{Top, Upper};
 use crate::math::Point3;
 
@@ -108,7 +108,7 @@ impl Regions {
         upper: &mut Upper<'_>,
         cells: &mut Cells,
         below: &mut Below<'_>,
-        pairs: impl Iterator<Item = Facing>,
+        pairs: impl Iterator<Item = StationaryPair>,
         margin_m: f64,
     ) {
         self.found.clear();

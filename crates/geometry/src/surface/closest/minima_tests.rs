@@ -229,7 +229,7 @@ fn every_sampled_minimum_of_the_distance_is_found_and_each_found_one_is_a_minimu
         for k in 0..FEW {
             let q = query(&surface, &mut random, k);
             let nearest = ClosestSolver::new(&surface).closest(&surface, &q).distance;
-            let radius = nearest + random.between(0.01, 0.6) * size;
+            let radius = nearest + random.float(0.01, 0.6) * size;
             counted += check_point(
                 &surface,
                 &q,
@@ -242,7 +242,7 @@ fn every_sampled_minimum_of_the_distance_is_found_and_each_found_one_is_a_minimu
     for k in 0..FEW {
         let surface = whole_surface(&mut random);
         let q = query(&surface, &mut random, k);
-        let radius = random.between(0.05, 0.8) * size(&surface);
+        let radius = random.float(0.05, 0.8) * size(&surface);
         counted += check_point(
             &surface,
             &q,
@@ -268,7 +268,7 @@ fn every_sampled_summit_is_found_and_each_found_one_is_a_summit() {
         let direction = random.vector().normalize();
         let size = size(&surface);
         let (_, _, top) = ClosestSolver::new(&surface).deepest_along(&surface, &direction);
-        let height = direction.dot(&top.coords) - random.between(0.02, 0.7) * size;
+        let height = direction.dot(&top.coords) - random.float(0.02, 0.7) * size;
         let mut out = summits();
         let all =
             ClosestSolver::new(&surface).summits_along(&surface, &direction, height, &mut out);

@@ -3,36 +3,8 @@
 
 use super::super::{BezierPieces, ClosestSolver, ControlNet, Surface, WarmFoot};
 use crate::basis::{KnotVector, Side};
+pub(super) use crate::math::Random;
 use crate::math::{Point3, Vector3};
-
-/// SplitMix64; Steele, Lea & Flood, 2014.
-pub(super) struct Random(pub u64);
-
-impl Random {
-    pub(super) fn bits(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ (z >> 31)
-    }
-    pub(super) fn unit(&mut self) -> f64 {
-        (self.bits() >> 11) as f64 / (1u64 << 53) as f64
-    }
-    pub(super) fn between(&mut self, low: f64, high: f64) -> f64 {
-        low + (high - low) * self.unit()
-    }
-    pub(super) fn below(&mut self, n: usize) -> usize {
-        (self.bits() % n as u64) as usize
-    }
-    pub(super) fn vector(&mut self) -> Vector3 {
-        Vector3::new(
-            self.between(-1.0, 1.0),
-            self.between(-1.0, 1.0),
-            self.between(-1.0, 1.0),
-        )
-    }
-}
 
 fn read(text: &str) -> Surface {
     let file: serde_json::Value = serde_json::from_str(text).unwrap();
@@ -217,8 +189,8 @@ impl Brute {
 pub(super) fn query(surface: &Surface, random: &mut Random, k: usize) -> Point3 {
     let size = size(surface);
     let ((u0, u1), (v0, v1)) = (surface.knots_u().domain(), surface.knots_v().domain());
-    let u = random.between(u0, u1);
-    let v = random.between(v0, v1);
+    let u = random.float(u0, u1);
+    let v = random.float(v0, v1);
     let frame = surface.frame(u, v);
     let normal = frame
         .du
@@ -228,8 +200,8 @@ pub(super) fn query(surface: &Surface, random: &mut Random, k: usize) -> Point3 
     let net = surface.net().points();
     let centre = Point3::from(net.iter().map(|p| p.coords).sum::<Vector3>() / net.len() as f64);
     match k % 8 {
-        0 => frame.point + normal * random.between(-1e-2, 1e-2) * size,
-        1 => frame.point + normal * random.between(-0.3, 0.3) * size,
+        0 => frame.point + normal * random.float(-1e-2, 1e-2) * size,
+        1 => frame.point + normal * random.float(-0.3, 0.3) * size,
         2 => centre + random.vector() * size * 0.6,
         3 => centre + random.vector() * size * [2.0, 10.0, 50.0][random.below(3)],
         4 => frame.point,
@@ -310,7 +282,7 @@ fn random_knots(random: &mut Random) -> KnotVector {
             let mut t = 0.0;
             let knots: Vec<f64> = (0..=count)
                 .map(|_| {
-                    t += random.between(0.3, 1.0);
+                    t += random.float(0.3, 1.0);
                     t
                 })
                 .collect();
@@ -320,7 +292,7 @@ fn random_knots(random: &mut Random) -> KnotVector {
             let mut t = 0.0;
             let knots: Vec<f64> = (0..count + degree + 1)
                 .map(|_| {
-                    t += random.between(0.3, 1.0);
+                    t += random.float(0.3, 1.0);
                     t
                 })
                 .collect();
@@ -331,7 +303,7 @@ fn random_knots(random: &mut Random) -> KnotVector {
             let mut knots = vec![0.0; degree + 1];
             let mut t = 0.0;
             while knots.len() < count {
-                t += random.between(0.3, 1.0);
+                t += random.float(0.3, 1.0);
                 let left = count - knots.len();
                 let times = if random.below(2) == 0 {
                     1
@@ -350,7 +322,7 @@ fn random_knots(random: &mut Random) -> KnotVector {
 pub(super) fn random_surface(random: &mut Random) -> Surface {
     let (u, v) = (random_knots(random), random_knots(random));
     let (rows, columns) = (u.count(), v.count());
-    let rough = random.between(0.05, 0.6);
+    let rough = random.float(0.05, 0.6);
     let points = (0..rows * columns)
         .map(|k| {
             let (i, j) = (k / columns, k % columns);
@@ -360,7 +332,7 @@ pub(super) fn random_surface(random: &mut Random) -> Surface {
         .collect();
     let weights = (random.below(3) == 0).then(|| {
         (0..rows * columns)
-            .map(|_| random.between(0.3, 3.0))
+            .map(|_| random.float(0.3, 3.0))
             .collect()
     });
     Surface::new(
@@ -541,16 +513,16 @@ fn local_descent_from_a_foot_nearby_finds_that_foot() {
     let mut solver = ClosestSolver::new(&surface);
     let mut random = Random(60);
     for k in 0..500 {
-        let (u, v) = (random.between(0.02, 0.98), random.between(0.05, 0.95));
+        let (u, v) = (random.float(0.02, 0.98), random.float(0.05, 0.95));
         let frame = surface.frame(u, v);
         let normal = frame.du.cross(&frame.dv).normalize();
-        let q = frame.point + normal * random.between(-2e-3, 5e-3);
+        let q = frame.point + normal * random.float(-2e-3, 5e-3);
         let cold = solver.closest(&surface, &q);
         let local = solver.local(
             &surface,
             &q,
-            u + random.between(-0.02, 0.02),
-            v + random.between(-0.02, 0.02),
+            u + random.float(-0.02, 0.02),
+            v + random.float(-0.02, 0.02),
         );
         let local = local.unwrap_or_else(|| panic!("query {k} did not settle"));
         assert!(

@@ -1,6 +1,6 @@
 //! The scalar matrix that stands for the tangent in the implicit step.
 
-use super::{Continuum, Elastic, RestCell};
+use super::{ContinuumLaw, Elastic, RestCell};
 use std::collections::BTreeMap;
 
 /// How far above the least stable weight of rest the matrix is, so that strained cells can be
@@ -17,7 +17,7 @@ pub(super) fn weight_pa(elastic: &Elastic) -> f64 {
     MARGIN * (lame + 2.0 * shear).max(1.5 * lame + shear)
 }
 
-impl Continuum {
+impl ContinuumLaw {
     /// L = Σ k (e_a − e_b)(e_a − e_b)ᵀ as (a, b, k), a < b, ordered, N/m: the Laplacian of the
     /// cells with the weight that keeps the step stable. Some k are negative or zero (edges of a
     /// cube); their sum is positive semidefinite.

@@ -2,15 +2,20 @@
 //! coordinates.
 //!
 //! At the centre G = [c_ξ, c_η, c_ζ] and V / 8 = [c_ξ, c_η, c_ζ]; the other modes do no work.
-//! Fields of [`Block`] that belong to a Gauss point are those of the centre, in the first place.
+//! Fields of [`CellBlock`] that belong to a Gauss point are those of the centre, in the first place.
 
-use super::kernel::{Block, cross, dot, minus, modes, pressure, stretch, times};
+use super::kernel::{CellBlock, cross, dot, minus, modes, pressure, stretch, times};
 use super::{Cell, Elastic};
 use palpate_geometry::math::lanes::{Baseline, Four, Lanes};
 use palpate_geometry::math::{Lane, Matrix3, Point3, Vector3};
 
 /// Fills in what holds at the centres.
-pub(super) fn reduce(block: &mut Block, nodes: &[Point3], cells: &[Cell], materials: &[Elastic]) {
+pub(super) fn reduce(
+    block: &mut CellBlock,
+    nodes: &[Point3],
+    cells: &[Cell],
+    materials: &[Elastic],
+) {
     for (k, (cell, elastic)) in cells.iter().zip(materials).enumerate() {
         let mut map = Matrix3::zeros();
         for (corner, &node) in cell.iter().enumerate() {
@@ -41,7 +46,11 @@ pub(super) fn reduce(block: &mut Block, nodes: &[Point3], cells: &[Cell], materi
 
 /// Adds −∂Ψ/∂x of a block's cells; bit k of the answer is set where cell k was held back.
 #[inline(always)]
-pub(super) fn add_forces<L: Lanes>(block: &Block, places: &[Lane], residual: &mut [Lane]) -> u8 {
+pub(super) fn add_forces<L: Lanes>(
+    block: &CellBlock,
+    places: &[Lane],
+    residual: &mut [Lane],
+) -> u8 {
     let (zero, one) = (L::splat(0.0), L::splat(1.0));
     let c = modes::<L>(block, places);
     let (x, y, z) = (c[4], c[2], c[1]);
@@ -83,7 +92,7 @@ pub(super) fn add_forces<L: Lanes>(block: &Block, places: &[Lane], residual: &mu
 }
 
 /// J, by cell.
-pub(super) fn energy(block: &Block, places: &[Lane]) -> Four {
+pub(super) fn energy(block: &CellBlock, places: &[Lane]) -> Four {
     let c = modes::<Baseline>(block, places);
     let (_, lanes) = stretch(&block.metric[0], [c[4], c[2], c[1]]);
     let (mut invariant, mut volume) = ([0.0; 4], [0.0; 4]);
@@ -100,12 +109,12 @@ pub(super) fn energy(block: &Block, places: &[Lane]) -> Four {
 
 #[cfg(test)]
 mod tests {
-    use super::super::Continuum;
+    use super::super::ContinuumLaw;
     use super::super::tests::Random;
     use super::*;
     use crate::body::CubeLattice;
 
-    fn cells() -> Continuum {
+    fn cells() -> ContinuumLaw {
         let cube = CubeLattice::cuboid(&Point3::origin(), &Point3::new(0.1, 0.12, 0.09), [3, 4, 3])
             .unwrap();
         let mut grid = cube.grid;
@@ -120,10 +129,10 @@ mod tests {
             };
             grid.cells.len()
         ];
-        Continuum::at_centres(&grid, &elastic).unwrap()
+        ContinuumLaw::at_centres(&grid, &elastic).unwrap()
     }
 
-    fn moved(solid: &Continuum, by: f64, random: &mut Random) -> Vec<Lane> {
+    fn moved(solid: &ContinuumLaw, by: f64, random: &mut Random) -> Vec<Lane> {
         let lane = |p: &Point3, d: Vector3| [p.x + d.x * by, p.y + d.y * by, p.z + d.z * by, 0.0];
         solid
             .rest()
@@ -177,8 +186,8 @@ mod tests {
             cube.grid.cells.len()
         ];
         let solids = [
-            Continuum::new(&cube.grid, &elastic).unwrap(),
-            Continuum::at_centres(&cube.grid, &elastic).unwrap(),
+            ContinuumLaw::new(&cube.grid, &elastic).unwrap(),
+            ContinuumLaw::at_centres(&cube.grid, &elastic).unwrap(),
         ];
         let places: Vec<Lane> = cube
             .grid

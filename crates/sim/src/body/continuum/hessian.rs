@@ -1,7 +1,7 @@
 //! Second derivatives, for offline solvers and tests.
 
 use super::rest::sign;
-use super::{Continuum, Elastic, RestCell};
+use super::{ContinuumLaw, Elastic, RestCell};
 use nalgebra::{SMatrix, SymmetricEigen};
 use palpate_geometry::math::{Lane, Matrix3, Vector3};
 
@@ -15,7 +15,7 @@ const TRIPLES: [([usize; 3], f64); 4] = [
     ([1, 5, 3], 1.0 / 3.0),
 ];
 
-impl Continuum {
+impl ContinuumLaw {
     /// Hands out ∂²Ψ/∂x² (N/m) entry by entry, cell after cell: (3 node + axis, 3 node + axis,
     /// value), both triangles, entries of one place to be added. `definite`: each cell's matrix
     /// without its negative eigenvalues. No cell is held back here.

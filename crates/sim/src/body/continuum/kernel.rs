@@ -12,7 +12,7 @@ use palpate_geometry::math::lanes::{Four, Lanes};
 
 /// Four cells side by side; missing ones have no stiffness.
 #[derive(Clone, Debug)]
-pub(super) struct Block {
+pub(super) struct CellBlock {
     /// (Gauss point, xx yy zz xy xz yz): J₀⁻¹ J₀⁻ᵀ, 1/m².
     pub metric: [[Four; 6]; 8],
     /// (Gauss point): μ' × share of the volume, J.
@@ -64,7 +64,7 @@ pub(super) fn cross<L: Lanes>(a: Triple<L>, b: Triple<L>) -> Triple<L> {
 
 /// Modes from corners.
 #[inline(always)]
-pub(super) fn modes<L: Lanes>(block: &Block, places: &[Lane]) -> [Triple<L>; 8] {
+pub(super) fn modes<L: Lanes>(block: &CellBlock, places: &[Lane]) -> [Triple<L>; 8] {
     let zero = L::splat(0.0);
     let eighth = L::splat(0.125);
     let mut c = [[zero; 3]; 8];
@@ -186,7 +186,11 @@ pub(super) fn volume<L: Lanes>(c: &[Triple<L>; 8]) -> ([Triple<L>; 8], L) {
 
 /// Adds −∂Ψ/∂x of a block's cells; bit k of the answer is set where cell k was held back.
 #[inline(always)]
-pub(super) fn add_forces<L: Lanes>(block: &Block, places: &[Lane], residual: &mut [Lane]) -> u8 {
+pub(super) fn add_forces<L: Lanes>(
+    block: &CellBlock,
+    places: &[Lane],
+    residual: &mut [Lane],
+) -> u8 {
     let (zero, one) = (L::splat(0.0), L::splat(1.0));
     let c = modes::<L>(block, places);
     let slopes = slopes(&c);
@@ -252,7 +256,7 @@ pub(super) fn add_forces<L: Lanes>(block: &Block, places: &[Lane], residual: &mu
 /// energy, and scrambled cells were pumped up by it. What is left draws such cells together until
 /// they can be followed again.
 #[inline(always)]
-pub(super) fn pressure<L: Lanes>(block: &Block, volume: L, largest: L) -> (L, u8) {
+pub(super) fn pressure<L: Lanes>(block: &CellBlock, volume: L, largest: L) -> (L, u8) {
     let one = L::splat(1.0);
     let grown = volume * L::load(&block.per_volume) - one;
     // The bounds are far out: they only turn what has overflowed into numbers.

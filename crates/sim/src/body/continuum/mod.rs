@@ -7,7 +7,7 @@
 //! (mean dilatation, Nagtegaal, Parks & Rice 1974), so nearly incompressible cells do not lock.
 //! Inverted and flat cells have finite forces that lead back.
 //!
-//! The step's constant matrix is a scalar Laplacian, [`Continuum::bounding_springs`]. It stays
+//! The step's constant matrix is a scalar Laplacian, [`ContinuumLaw::bounding_springs`]. It stays
 //! stable while it exceeds half of the tangent; where a cell is strained beyond that, its pressure
 //! is lowered for the tick and counted.
 
@@ -20,7 +20,7 @@ mod rest;
 pub(super) mod tests;
 
 use super::cells::{Cell, CellGrid};
-use kernel::Block;
+use kernel::CellBlock;
 use palpate_geometry::math::lanes::{Baseline, Four, Lanes};
 use palpate_geometry::math::{Lane, Point3, Vector3};
 use rest::RestCell;
@@ -103,9 +103,9 @@ pub struct Pass {
 
 /// The constant of an elastic solid.
 #[derive(Clone, Debug)]
-pub struct Continuum {
+pub struct ContinuumLaw {
     /// (cells / 4, rounded up).
-    blocks: Vec<Block>,
+    blocks: Vec<CellBlock>,
     rest: Vec<Point3>,
     cells: Vec<Cell>,
     materials: Vec<Elastic>,
@@ -121,7 +121,7 @@ enum Points {
     Centre,
 }
 
-impl Continuum {
+impl ContinuumLaw {
     /// Checks cells and materials (one a cell) and integrates the cells at rest.
     ///
     /// # Errors
@@ -134,7 +134,7 @@ impl Continuum {
     /// without energy: only for grids whose nodes are moved by fewer, smoother coordinates.
     ///
     /// # Errors
-    /// As [`Continuum::new`].
+    /// As [`ContinuumLaw::new`].
     pub fn at_centres(grid: &CellGrid, elastic: &[Elastic]) -> Result<Self, ContinuumError> {
         Self::integrated(grid, elastic, Points::Centre)
     }
@@ -199,7 +199,7 @@ impl Continuum {
     pub fn exact_forces(&self, places: &[Lane]) -> Vec<Vector3> {
         let mut residual = vec![[0.0; 4]; places.len()];
         for block in &self.blocks {
-            let free = Block {
+            let free = CellBlock {
                 reach: [f64::MAX; 4],
                 ..block.clone()
             };
@@ -226,7 +226,7 @@ impl Continuum {
 
 #[inline(always)]
 fn add_forces<L: Lanes>(
-    blocks: &[Block],
+    blocks: &[CellBlock],
     points: Points,
     places: &[Lane],
     residual: &mut [Lane],
@@ -251,7 +251,7 @@ fn add_forces<L: Lanes>(
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2")]
 fn add_forces_avx2(
-    blocks: &[Block],
+    blocks: &[CellBlock],
     points: Points,
     places: &[Lane],
     residual: &mut [Lane],
@@ -259,7 +259,7 @@ fn add_forces_avx2(
     add_forces::<palpate_geometry::math::lanes::Wide>(blocks, points, places, residual)
 }
 
-fn block_energy(block: &Block, places: &[Lane]) -> Four {
+fn block_energy(block: &CellBlock, places: &[Lane]) -> Four {
     let c = kernel::modes::<Baseline>(block, places);
     let slopes = kernel::slopes(&c);
     let mut energy = [0.0; 4];
@@ -337,8 +337,8 @@ fn check(grid: &CellGrid, elastic: &[Elastic]) -> Result<(), ContinuumError> {
 }
 
 /// Up to four cells. The places of missing ones are those of the first, their stiffness is zero.
-fn block(nodes: &[Point3], cells: &[Cell], materials: &[Elastic]) -> Block {
-    let mut block = Block {
+fn block(nodes: &[Point3], cells: &[Cell], materials: &[Elastic]) -> CellBlock {
+    let mut block = CellBlock {
         metric: [[[0.0; 4]; 6]; 8],
         stiffness_j: [[0.0; 4]; 8],
         nodes: cells[0].map(|node| [node; 4]),

@@ -9,24 +9,8 @@ mod statics;
 
 use super::*;
 use crate::body::layers::{RingEnds, Rings, rings};
+pub(in crate::body) use palpate_geometry::math::Random;
 use palpate_geometry::math::{Cholesky, SymmetricTriplets, Vector3};
-
-/// Numbers in [−1, 1), the same in each run.
-pub(in crate::body) struct Random(pub u64);
-
-impl Random {
-    pub fn next(&mut self) -> f64 {
-        self.0 = self
-            .0
-            .wrapping_mul(6_364_136_223_846_793_005)
-            .wrapping_add(1_442_695_040_888_963_407);
-        (self.0 >> 11) as f64 / (1u64 << 52) as f64 - 1.0
-    }
-
-    pub fn vector(&mut self) -> Vector3 {
-        Vector3::new(self.next(), self.next(), self.next())
-    }
-}
 
 /// A box of equal cells; node (i, j, k) at `(i (ny + 1) + j) (nz + 1) + k`.
 pub(in crate::body) fn cuboid(counts: [usize; 3], sides_m: [f64; 3]) -> CellGrid {
@@ -106,11 +90,11 @@ pub(in crate::body) fn lanes(points: &[Point3]) -> Vec<Lane> {
     points.iter().map(|p| [p.x, p.y, p.z, 0.0]).collect()
 }
 
-pub(in crate::body) fn uniform(grid: &CellGrid, young_pa: f64, poisson: f64) -> Continuum {
-    Continuum::new(grid, &vec![Elastic { young_pa, poisson }; grid.cells.len()]).unwrap()
+pub(in crate::body) fn uniform(grid: &CellGrid, young_pa: f64, poisson: f64) -> ContinuumLaw {
+    ContinuumLaw::new(grid, &vec![Elastic { young_pa, poisson }; grid.cells.len()]).unwrap()
 }
 
-fn forces(solid: &Continuum, places: &[Lane]) -> (Vec<Vector3>, Pass) {
+fn forces(solid: &ContinuumLaw, places: &[Lane]) -> (Vec<Vector3>, Pass) {
     let mut residual = vec![[0.0; 4]; places.len()];
     let pass = solid.add_forces(places, &mut residual);
     (
@@ -141,8 +125,8 @@ fn samples() -> Vec<(&'static str, CellGrid, f64)> {
 }
 
 /// The implicit step as a body does it, one iteration.
-struct Stepper {
-    solid: Continuum,
+struct ReferenceWorld {
+    solid: ContinuumLaw,
     masses: Vec<f64>,
     dt_s: f64,
     unknown: Vec<Option<usize>>,
@@ -152,7 +136,7 @@ struct Stepper {
     limited: u64,
 }
 
-impl Stepper {
+impl ReferenceWorld {
     fn new(
         grid: &CellGrid,
         elastic: &[Elastic],
@@ -160,7 +144,7 @@ impl Stepper {
         dt_s: f64,
         fixed: impl Fn(&Point3) -> bool,
     ) -> Self {
-        let solid = Continuum::new(grid, elastic).unwrap();
+        let solid = ContinuumLaw::new(grid, elastic).unwrap();
         let mut masses = vec![0.0; grid.nodes.len()];
         for cell in &grid.cells {
             for &node in cell {

@@ -241,25 +241,22 @@ fn add_forces_wide(
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    struct Random(u64);
-    impl Random {
-        fn next(&mut self) -> f64 {
-            self.0 = self
-                .0
-                .wrapping_mul(6_364_136_223_846_793_005)
-                .wrapping_add(1_442_695_040_888_963_407);
-            (self.0 >> 11) as f64 / (1u64 << 53) as f64 - 0.5
-        }
-    }
+    use palpate_geometry::math::Random;
 
     /// Random springs among random nodes; some nodes coincide.
     fn springs(random: &mut Random, nodes: usize, count: usize) -> (Vec<Spring>, Vec<Lane>) {
         let mut places: Vec<Lane> = (0..nodes)
-            .map(|_| [random.next(), random.next(), random.next(), 0.0])
+            .map(|_| {
+                [
+                    random.float(-0.5, 0.5),
+                    random.float(-0.5, 0.5),
+                    random.float(-0.5, 0.5),
+                    0.0,
+                ]
+            })
             .collect();
         places[1] = places[0];
-        let mut index = || ((random.next() + 0.5) * nodes as f64) as u32;
+        let mut index = || ((random.float(-0.5, 0.5) + 0.5) * nodes as f64) as u32;
         let pairs: Vec<(u32, u32)> = (0..count)
             .map(|_| (index(), index()))
             .filter(|(a, b)| a != b)
@@ -269,8 +266,8 @@ mod tests {
             .map(|(a, b)| Spring {
                 a: a.min(b),
                 b: a.max(b),
-                stiffness_n_m: 50.0 * (random.next() + 0.6),
-                rest_length_m: random.next() + 0.5,
+                stiffness_n_m: 50.0 * (random.float(-0.5, 0.5) + 0.6),
+                rest_length_m: random.float(-0.5, 0.5) + 0.5,
             })
             .collect();
         springs.push(Spring {
@@ -348,11 +345,11 @@ mod tests {
         let spring = |(a, b)| Spring {
             a,
             b,
-            stiffness_n_m: 1.0 + random.next(),
-            rest_length_m: 0.9 + random.next(),
+            stiffness_n_m: 1.0 + random.float(-0.5, 0.5),
+            rest_length_m: 0.9 + random.float(-0.5, 0.5),
         };
         let springs = pairs.into_iter().map(spring).collect();
-        let places = (0..m * n * o).map(|k| f64::from(k) + random.next());
+        let places = (0..m * n * o).map(|k| f64::from(k) + random.float(-0.5, 0.5));
         let places = places
             .map(|k| [libm::sin(k), libm::cos(1.7 * k), 0.1 * k, 0.0])
             .collect();

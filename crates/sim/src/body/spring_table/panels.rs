@@ -15,7 +15,7 @@ const LEAST_FILLED: usize = 2;
 /// All groups of four.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Panels {
-    blocks: Vec<Block>,
+    blocks: Vec<PanelBlock>,
     /// (groups): b − a.
     offsets: Vec<u32>,
     /// (groups): bit k where lane k has a spring.
@@ -26,7 +26,7 @@ pub(super) struct Panels {
 
 /// Four nodes, and their groups.
 #[derive(Clone, Copy, Debug)]
-struct Block {
+struct PanelBlock {
     first_node: u32,
     begin: u32,
     end: u32,
@@ -87,7 +87,7 @@ impl Panels {
             }
             let end = out.panels.offsets.len() as u32;
             if end > begin {
-                out.panels.blocks.push(Block {
+                out.panels.blocks.push(PanelBlock {
                     first_node,
                     begin,
                     end,
@@ -106,7 +106,7 @@ impl Panels {
     pub(super) fn each(&self) -> impl Iterator<Item = (usize, usize, usize, usize)> + '_ {
         let lanes =
             move |group: usize| (0..4).filter(move |lane| self.filled[group] >> lane & 1 == 1);
-        let of_block = move |block: &Block| {
+        let of_block = move |block: &PanelBlock| {
             let first = block.first_node as usize;
             (block.begin as usize..block.end as usize).flat_map(move |group| {
                 lanes(group).map(move |k| {

@@ -7,7 +7,7 @@ use crate::body::{Solid, StepSettings};
 use crate::scene::plan::step_us;
 use crate::scene::spec::{MethodSpec, RegionSpec};
 use crate::scene::{BodyModel, DeformingBody, default_samples_per_span, refine};
-use palpate_geometry::contact::SampleGrid;
+use palpate_geometry::contact::ContactSamples;
 use palpate_geometry::math::{Point3, Vector3};
 use palpate_geometry::surface::Surface;
 
@@ -44,7 +44,7 @@ pub(super) fn deforming<'b>(
     let refined = refine::refine(scene, spec, at, body.surface.clone(), node_budget)?;
     let make = parts(&refined)?;
     let (deformable, why) = stepped(body, &make)?;
-    let samples = SampleGrid::new(&refined, default_samples_per_span());
+    let samples = ContactSamples::new(&refined, default_samples_per_span());
     let choice = Choice {
         model: spec.model.name(),
         why,

@@ -2,7 +2,7 @@
 //! is built from it.
 //!
 //! To add a model: its file, with a type that implements [`Model`], and its two lines here. A new
-//! law of forces between nodes is a part of [`crate::body::Law`].
+//! law of forces between nodes is a part of [`crate::body::FrictionLaw`].
 
 mod cells;
 mod common;

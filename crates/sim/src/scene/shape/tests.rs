@@ -12,10 +12,10 @@ const VIEW_M: f64 = 0.1;
 
 fn built(text: &str) -> (ShapeSpec, ToolShape) {
     #[derive(Deserialize)]
-    struct Tool {
+    struct ToolFile {
         shape: ShapeSpec,
     }
-    let tool: Tool = toml::from_str(&format!("shape = {{ {text} }}")).unwrap();
+    let tool: ToolFile = toml::from_str(&format!("shape = {{ {text} }}")).unwrap();
     let door = Door::new(Path::new("."));
     let shape = tool.shape.build(&door.top().key("shape"));
     (tool.shape, door.close(shape).unwrap())

@@ -1,32 +1,17 @@
 //! The solver against its laws as they are written, and against another method.
 
 use super::*;
+use palpate_geometry::math::Random;
 
-struct Random(u64);
-
-impl Random {
-    fn next(&mut self) -> f64 {
-        self.0 = self
-            .0
-            .wrapping_mul(6_364_136_223_846_793_005)
-            .wrapping_add(1_442_695_040_888_963_407);
-        (self.0 >> 11) as f64 / (1u64 << 53) as f64 - 0.5
-    }
-
-    fn vector(&mut self) -> Vector3 {
-        Vector3::new(self.next(), self.next(), self.next())
-    }
-
-    /// S = G Gᵀ + shift 1.
-    fn matrix(&mut self, n: usize, shift: f64) -> Vec<f64> {
-        let g: Vec<f64> = (0..n * n).map(|_| self.next()).collect();
-        let entry = |i: usize, j: usize| (0..n).map(|k| g[i * n + k] * g[j * n + k]).sum::<f64>();
-        let both = |k: usize| entry(k / n, k % n) + if k / n == k % n { shift } else { 0.0 };
-        (0..n * n).map(both).collect()
-    }
+/// S = G Gᵀ + shift 1.
+fn matrix(random: &mut Random, n: usize, shift: f64) -> Vec<f64> {
+    let g: Vec<f64> = (0..n * n).map(|_| random.float(-0.5, 0.5)).collect();
+    let entry = |i: usize, j: usize| (0..n).map(|k| g[i * n + k] * g[j * n + k]).sum::<f64>();
+    let both = |k: usize| entry(k / n, k % n) + if k / n == k % n { shift } else { 0.0 };
+    (0..n * n).map(both).collect()
 }
 
-fn one(normal: Vector3, free: Vector3, law: Law, own: f64) -> FrictionProblem {
+fn one(normal: Vector3, free: Vector3, law: FrictionLaw, own: f64) -> FrictionProblem {
     let mut problem = FrictionProblem::new(1, 8);
     problem.push(&normal, &free, law, &Vector3::zeros());
     problem.solve(&[own], 1);
@@ -39,7 +24,7 @@ fn one_row_sticks_below_its_cone_and_slips_against_the_slip_at_its_edge() {
         let problem = one(
             Vector3::z(),
             Vector3::new(slip, 0.0, -1.0),
-            Law::coulomb(0.3),
+            FrictionLaw::coulomb(0.3),
             0.5,
         );
         assert!((problem.normal_n(0) - 2.0).abs() < 1e-15);
@@ -50,7 +35,7 @@ fn one_row_sticks_below_its_cone_and_slips_against_the_slip_at_its_edge() {
         one(
             Vector3::z(),
             Vector3::new(1.0, 0.0, 1e-9),
-            Law::coulomb(9.0),
+            FrictionLaw::coulomb(9.0),
             0.5
         )
         .force_n(0)
@@ -60,7 +45,7 @@ fn one_row_sticks_below_its_cone_and_slips_against_the_slip_at_its_edge() {
     let held = one(
         Vector3::z(),
         Vector3::new(3.0, 0.0, 4.0),
-        Law::Grip { limit_n: 2.0 },
+        FrictionLaw::Grip { limit_n: 2.0 },
         1.0,
     );
     assert!((held.force_n(0) - Vector3::new(-1.2, 0.0, -1.6)).norm() < 1e-15);
@@ -76,7 +61,7 @@ fn residual(problem: &FrictionProblem, matrix: &[f64], free: &[Vector3]) -> f64 
         let f = problem.force_n(i);
         let normal = problem.normal(i);
         let miss = match problem.law(i) {
-            Law::Push { mu, .. } => {
+            FrictionLaw::Push { mu, .. } => {
                 let (lambda, gap) = (f.dot(&normal), u.dot(&normal));
                 let (t, slip) = (f - normal * lambda, u - normal * gap);
                 // Maximal dissipation: t · u_t is the least that |t| ≤ μ λ allows.
@@ -87,7 +72,9 @@ fn residual(problem: &FrictionProblem, matrix: &[f64], free: &[Vector3]) -> f64 
                     .max(t.norm() - mu * lambda)
                     .max(dissipation)
             }
-            Law::Grip { limit_n } => (f.norm() - limit_n).max(f.dot(&u) + limit_n * u.norm()),
+            FrictionLaw::Grip { limit_n } => {
+                (f.norm() - limit_n).max(f.dot(&u) + limit_n * u.norm())
+            }
         };
         worst = worst.max(miss);
     }
@@ -99,16 +86,16 @@ fn random_problems_meet_cone_complementarity_and_maximal_dissipation() {
     let mut random = Random(5);
     for case in 0..200 {
         let n = 1 + case % 14;
-        let matrix = random.matrix(n, 0.5);
-        let free: Vec<Vector3> = (0..n).map(|_| random.vector()).collect();
+        let matrix = matrix(&mut random, n, 0.5);
+        let free: Vec<Vector3> = (0..n).map(|_| random.vector() * 0.5).collect();
         let mut problem = FrictionProblem::new(n, 8);
         for b in &free {
-            let normal = random.vector().normalize();
+            let normal = (random.vector() * 0.5).normalize();
             let law = match case % 3 {
-                0 => Law::coulomb(0.3),
-                1 => Law::coulomb(0.8 * (random.next() + 0.5)),
-                _ if random.next() > 0.0 => Law::Grip { limit_n: 0.4 },
-                _ => Law::coulomb(0.3),
+                0 => FrictionLaw::coulomb(0.3),
+                1 => FrictionLaw::coulomb(0.8 * (random.float(-0.5, 0.5) + 0.5)),
+                _ if random.float(-0.5, 0.5) > 0.0 => FrictionLaw::Grip { limit_n: 0.4 },
+                _ => FrictionLaw::coulomb(0.3),
             };
             problem.push(&normal, b, law, &Vector3::zeros());
         }
@@ -129,12 +116,14 @@ fn forces_agree_with_a_slow_projection_on_de_saxces_cone() {
     let mut random = Random(11);
     for case in 0..20 {
         let (n, mu) = (2 + case % 5, 0.25);
-        let matrix = random.matrix(n, 1.0);
-        let free: Vec<Vector3> = (0..n).map(|_| random.vector()).collect();
-        let normals: Vec<Vector3> = (0..n).map(|_| random.vector().normalize()).collect();
+        let matrix = matrix(&mut random, n, 1.0);
+        let free: Vec<Vector3> = (0..n).map(|_| random.vector() * 0.5).collect();
+        let normals: Vec<Vector3> = (0..n)
+            .map(|_| (random.vector() * 0.5).normalize())
+            .collect();
         let mut problem = FrictionProblem::new(n, 8);
         for (normal, b) in normals.iter().zip(&free) {
-            problem.push(normal, b, Law::coulomb(mu), &Vector3::zeros());
+            problem.push(normal, b, FrictionLaw::coulomb(mu), &Vector3::zeros());
         }
         problem.solve(&matrix, 2_000);
         let mut slow = vec![Vector3::zeros(); n];
@@ -182,18 +171,18 @@ fn hopeless_problems_stay_finite_and_in_their_cones() {
         let matrix = match case % 3 {
             0 => vec![1e-3; n * n],
             1 => vec![0.0; n * n],
-            _ => random.matrix(n, 0.0),
+            _ => matrix(&mut random, n, 0.0),
         };
         let mut problem = FrictionProblem::new(n, 8);
         for _ in 0..n {
-            let law = if random.next() > 0.3 {
-                Law::Grip { limit_n: 1.0 }
+            let law = if random.float(-0.5, 0.5) > 0.3 {
+                FrictionLaw::Grip { limit_n: 1.0 }
             } else {
-                Law::coulomb(10.0)
+                FrictionLaw::coulomb(10.0)
             };
             problem.push(
-                &random.vector().normalize(),
-                &random.vector(),
+                &(random.vector() * 0.5).normalize(),
+                &(random.vector() * 0.5),
                 law,
                 &Vector3::zeros(),
             );
@@ -203,10 +192,10 @@ fn hopeless_problems_stay_finite_and_in_their_cones() {
             let (f, along) = (problem.force_n(i), problem.normal_n(i));
             assert!(f.iter().all(|x| x.is_finite()), "case {case}: {f}");
             match problem.law(i) {
-                Law::Push { mu, .. } => {
+                FrictionLaw::Push { mu, .. } => {
                     assert!(problem.tangent_n(i).norm() <= mu * along * (1.0 + 1e-9) + 1e-12)
                 }
-                Law::Grip { limit_n } => assert!(f.norm() <= limit_n * (1.0 + 1e-15)),
+                FrictionLaw::Grip { limit_n } => assert!(f.norm() <= limit_n * (1.0 + 1e-15)),
             }
         }
     }
@@ -216,15 +205,15 @@ fn hopeless_problems_stay_finite_and_in_their_cones() {
 fn wide_registers_give_the_same_bits() {
     let mut random = Random(17);
     for n in [1, 3, 4, 17, 60] {
-        let matrix = random.matrix(n, 0.1);
+        let matrix = matrix(&mut random, n, 0.1);
         let mut problem = FrictionProblem::new(n, 8);
         for _ in 0..n {
-            let law = Law::coulomb(0.4);
+            let law = FrictionLaw::coulomb(0.4);
             problem.push(
-                &random.vector().normalize(),
-                &random.vector(),
+                &(random.vector() * 0.5).normalize(),
+                &(random.vector() * 0.5),
                 law,
-                &random.vector(),
+                &(random.vector() * 0.5),
             );
         }
         let mut plain = problem.clone();

@@ -7,13 +7,13 @@ pub(super) trait Elastostatic {
     fn rest(&self) -> &[Point3];
     /// −∂Ψ/∂x by node, N.
     fn forces(&self, places: &[Lane]) -> Vec<Vector3>;
-    /// ∂²Ψ/∂x² entry by entry, both triangles, as [`Continuum::add_hessian`] hands it out.
+    /// ∂²Ψ/∂x² entry by entry, both triangles, as [`ContinuumLaw::add_hessian`] hands it out.
     fn tangent(&self, places: &[Lane], out: &mut dyn FnMut(usize, usize, f64));
 }
 
-impl Elastostatic for Continuum {
+impl Elastostatic for ContinuumLaw {
     fn rest(&self) -> &[Point3] {
-        Continuum::rest(self)
+        ContinuumLaw::rest(self)
     }
 
     fn forces(&self, places: &[Lane]) -> Vec<Vector3> {
