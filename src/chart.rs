@@ -1,4 +1,5 @@
 //! Plots as SVG: linear or logarithmic axes, a colour and a line of the legend for each curve.
+//! Each mark says under the pointer what it is, which the crate `plotters` does not write.
 
 use std::fmt::Write;
 

@@ -1,10 +1,15 @@
 //! Single keys of a terminal, without Enter.
+//!
+//! The crate `console` sets the terminal back only after a key, so a program that ends meanwhile
+//! would leave it as it is.
 
+use rustix::stdio::stdin;
+use rustix::termios::{LocalModes, OptionalActions, Termios, tcgetattr, tcsetattr};
 use std::io::Read as _;
 use std::sync::OnceLock;
 
 /// How the terminal was before.
-static BEFORE: OnceLock<libc::termios> = OnceLock::new();
+static BEFORE: OnceLock<Termios> = OnceLock::new();
 
 /// A key that means something to us.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -27,24 +32,13 @@ pub struct Keys;
 impl Keys {
     /// Calls `take` on each key, on a thread of its own; `None` where stdin is no terminal. Ctrl-C
     /// stays a signal.
-    #[allow(unsafe_code)]
     pub fn listen(mut take: impl FnMut(Key) + Send + 'static) -> Option<Self> {
-        if !std::io::IsTerminal::is_terminal(&std::io::stdin()) {
-            return None;
-        }
-        // SAFETY: a termios is plain numbers; zeros are a valid one, and it is filled before it is
-        // used.
-        let mut now: libc::termios = unsafe { std::mem::zeroed() };
-        // SAFETY: `now` is a valid termios of our own.
-        if unsafe { libc::tcgetattr(libc::STDIN_FILENO, &mut now) } != 0 {
-            return None;
-        }
-        BEFORE.get_or_init(|| now);
-        now.c_lflag &= !(libc::ICANON | libc::ECHO);
-        // SAFETY: `now` is a valid termios.
-        if unsafe { libc::tcsetattr(libc::STDIN_FILENO, libc::TCSANOW, &now) } != 0 {
-            return None;
-        }
+        // What is no terminal has no modes.
+        let mut now = tcgetattr(stdin()).ok()?;
+        BEFORE.get_or_init(|| now.clone());
+        now.local_modes
+            .remove(LocalModes::ICANON | LocalModes::ECHO);
+        tcsetattr(stdin(), OptionalActions::Now, &now).ok()?;
         let listener = move || {
             let mut bytes = [0; 16];
             while let Ok(count) = std::io::stdin().lock().read(&mut bytes) {
@@ -62,11 +56,10 @@ impl Keys {
     }
 
     /// Puts the terminal back.
-    #[allow(unsafe_code)]
     pub fn restore() {
         if let Some(before) = BEFORE.get() {
-            // SAFETY: `before` was read from this terminal.
-            unsafe { libc::tcsetattr(libc::STDIN_FILENO, libc::TCSANOW, before) };
+            // A terminal that has gone away needs nothing.
+            let _ = tcsetattr(stdin(), OptionalActions::Now, before);
         }
     }
 }

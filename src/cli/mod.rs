@@ -15,6 +15,7 @@ mod info;
 mod keys;
 mod ls;
 mod man;
+mod numbers;
 mod plan;
 mod play;
 mod probe;
@@ -117,8 +118,13 @@ pub fn command() -> clap::Command {
     Cli::command()
 }
 
-/// Runs the program.
+/// Runs the program with the arguments of the process.
 pub fn main() -> ExitCode {
+    main_with(std::env::args_os().skip(1))
+}
+
+/// Runs the program with these arguments, without the program's name.
+pub fn main_with(arguments: impl IntoIterator<Item = std::ffi::OsString>) -> ExitCode {
     end_when_nobody_reads();
     let filter = tracing_subscriber::EnvFilter::try_from_default_env()
         .unwrap_or_else(|_| tracing_subscriber::EnvFilter::new("warn,palpate=info"));
@@ -130,7 +136,8 @@ pub fn main() -> ExitCode {
         .with_ansi(colour)
         .without_time()
         .init();
-    let cli = Cli::parse();
+    let named = std::iter::once("palpate".into()).chain(arguments);
+    let cli = Cli::parse_from(named);
     let Some(command) = cli.command else {
         let _ = Cli::command().print_help();
         return ExitCode::SUCCESS;

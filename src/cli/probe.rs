@@ -1,6 +1,7 @@
 //! `palpate probe`: quasi-static contacts and forces at given poses.
 
 use super::Outcome;
+use super::numbers::{self, NumberLine};
 use anyhow::Context as _;
 use palpate_geometry::contact::spheres::{Counters, LevelCounters};
 use palpate_geometry::math::{Point3, Rotation, Vector3};
@@ -10,7 +11,7 @@ use palpate_sim::solve::rows::Holder;
 use palpate_sim::tick::record::{ContactReport, TickInput, TickOutput};
 use palpate_sim::tick::{apply, record::Command, step};
 use serde::Serialize;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 #[derive(clap::Args, Debug)]
 pub struct Args {
@@ -188,50 +189,31 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     Ok(Outcome::Ok)
 }
 
-fn read_poses(path: &PathBuf) -> anyhow::Result<Vec<DevicePose>> {
-    let text = std::fs::read_to_string(path).with_context(|| path.display().to_string())?;
-    let mut poses = Vec::new();
-    for (k, line) in text.lines().enumerate() {
-        let line = line.split('#').next().unwrap_or("").trim();
-        if line.is_empty() || (k == 0 && line.starts_with(|c: char| c.is_alphabetic())) {
-            continue;
-        }
-        let at = || format!("{}:{}", path.display(), k + 1);
-        let numbers: Result<Vec<f64>, _> = line
-            .split(',')
-            .map(|field| field.trim().parse::<f64>())
-            .collect();
-        let numbers = numbers.with_context(|| format!("{}: not numbers: {line:?}", at()))?;
-        anyhow::ensure!(
-            numbers.iter().all(|x| x.is_finite()),
-            "{}: a value is not finite",
-            at()
-        );
-        let orientation = match numbers.len() {
-            3 => Rotation::identity(),
-            7 => {
-                let quaternion =
-                    nalgebra::Quaternion::new(numbers[6], numbers[3], numbers[4], numbers[5]);
-                anyhow::ensure!(
-                    (quaternion.norm() - 1.0).abs() < 1e-6,
-                    "{}: the quaternion is not of unit length",
-                    at()
-                );
-                Rotation::from_quaternion(quaternion)
-            }
-            n => anyhow::bail!("{}: {n} values; write x,y,z or x,y,z,qx,qy,qz,qw", at()),
+fn read_poses(path: &Path) -> anyhow::Result<Vec<DevicePose>> {
+    let rows = numbers::read(path, &[3, 7], "x,y,z or x,y,z,qx,qy,qz,qw")?;
+    let pose = |NumberLine { line, values }: NumberLine| {
+        let orientation = if let [_, _, _, x, y, z, w] = values[..] {
+            let quaternion = nalgebra::Quaternion::new(w, x, y, z);
+            anyhow::ensure!(
+                (quaternion.norm() - 1.0).abs() < 1e-6,
+                "{}:{line}: the quaternion is not of unit length",
+                path.display()
+            );
+            Rotation::from_quaternion(quaternion)
+        } else {
+            Rotation::identity()
         };
-        poses.push(DevicePose {
-            seq: k as u64 + 1,
+        Ok(DevicePose {
+            seq: line as u64,
             t_client_ns: 0,
-            position: Point3::new(numbers[0], numbers[1], numbers[2]),
+            position: Point3::new(values[0], values[1], values[2]),
             orientation,
             linear_velocity: Vector3::zeros(),
             angular_velocity: Vector3::zeros(),
             buttons: 0,
-        });
-    }
-    Ok(poses)
+        })
+    };
+    rows.into_iter().map(pose).collect()
 }
 
 /// Moves from the tool's start straight to the pose and holds it until the force has settled.

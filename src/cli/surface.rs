@@ -13,7 +13,7 @@ use super::Outcome;
 use anyhow::Context as _;
 use palpate_geometry::exchange::{Imported, LengthUnit, Pick, read_surface_file};
 use palpate_geometry::surface::{Surface, builtin};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 #[derive(clap::Args, Debug)]
 pub struct Args {
@@ -116,44 +116,6 @@ impl SurfaceArg {
 /// Exact for metres and millimetres.
 fn per_metre(unit: &LengthUnit) -> f64 {
     1.0 / unit.metres()
-}
-
-/// Lines of numbers between commas, semicolons or blanks; `#` starts a comment, and a first line of
-/// words is a heading.
-fn read_csv(path: &Path, width: usize, names: &str) -> anyhow::Result<Vec<Vec<f64>>> {
-    let text = std::fs::read_to_string(path).with_context(|| path.display().to_string())?;
-    let mut rows = Vec::new();
-    for (k, line) in text.lines().enumerate() {
-        let line = line.split('#').next().unwrap_or_default().trim();
-        if line.is_empty() {
-            continue;
-        }
-        let fields: Vec<&str> = line
-            .split([',', ';', ' ', '\t'])
-            .filter(|field| !field.is_empty())
-            .collect();
-        let numbers: Option<Vec<f64>> = fields
-            .iter()
-            .map(|field| field.parse::<f64>().ok())
-            .collect();
-        match numbers {
-            Some(numbers) if numbers.len() == width && numbers.iter().all(|x| x.is_finite()) => {
-                rows.push(numbers)
-            }
-            None if rows.is_empty() && k == 0 => {}
-            _ => anyhow::bail!(
-                "{}:{}: {line:?}: expected {names}, {width} finite numbers",
-                path.display(),
-                k + 1
-            ),
-        }
-    }
-    anyhow::ensure!(
-        !rows.is_empty(),
-        "{}: the file has no line with {names}",
-        path.display()
-    );
-    Ok(rows)
 }
 
 pub fn run(args: &Args) -> anyhow::Result<Outcome> {

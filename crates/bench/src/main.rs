@@ -77,6 +77,11 @@ struct Options {
 }
 
 fn main() -> ExitCode {
+    // Daemons and devices of the suites are this program as well, so that they are of the same build.
+    let mut arguments = std::env::args_os().skip(1).peekable();
+    if arguments.next_if(|first| first == "palpate").is_some() {
+        return palpate::cli::main_with(arguments);
+    }
     palpate::cli::end_when_nobody_reads();
     match run(&Cli::parse()) {
         Ok(()) => ExitCode::SUCCESS,
@@ -97,8 +102,7 @@ fn run(args: &Cli) -> anyhow::Result<()> {
         return run_haptics(options, svg.as_deref(), energy_svg.as_deref());
     }
     if let Suite::Recording(options) = &args.suite {
-        figures(options, |effort, only, out| recording(effort, only, out))?;
-        return Ok(());
+        return all_measured(&figures(options, recording)?);
     }
     let (options, svg) = match &args.suite {
         Suite::Surface(options) | Suite::Recording(options) | Suite::Modeling(options) => {
@@ -209,5 +213,15 @@ fn run_haptics(
     if let Some(path) = energy_svg {
         write(path, haptics::energy_picture(&drawn.traces))?;
     }
+    all_measured(&drawn.failed)
+}
+
+fn all_measured(failed: &[String]) -> anyhow::Result<()> {
+    anyhow::ensure!(
+        failed.is_empty(),
+        "{} cases could not be measured\n{}",
+        failed.len(),
+        failed.join("\n")
+    );
     Ok(())
 }

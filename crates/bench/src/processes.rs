@@ -36,7 +36,7 @@ impl Drop for Files {
     }
 }
 
-/// This program in a process of its own; it dies with this.
+/// `palpate` in a process of its own, out of this program; it dies with this.
 pub(super) struct Process(Child);
 
 impl Process {
@@ -45,6 +45,7 @@ impl Process {
     pub(super) fn start(args: &[&str]) -> anyhow::Result<Self> {
         let mut command = Command::new(std::env::current_exe()?);
         command
+            .arg("palpate")
             .args(args)
             .stdin(Stdio::null())
             .stdout(Stdio::null())

@@ -1,6 +1,7 @@
 //! `palpate surface eval` and `closest`: numbers in the unit of the file.
 
-use super::{Loaded, Outcome, SurfaceArg, read_csv};
+use super::{Loaded, Outcome, SurfaceArg};
+use crate::cli::numbers::{self, NumberLine};
 use anyhow::Context as _;
 use palpate_geometry::basis::KnotVector;
 use palpate_geometry::math::{Point3, Vector3};
@@ -26,19 +27,15 @@ pub fn eval(args: &EvalArgs) -> anyhow::Result<Outcome> {
     let Loaded {
         surface, per_metre, ..
     } = args.source.load()?;
-    for (k, row) in read_csv(&args.uv, 2, "u,v")?.into_iter().enumerate() {
+    for NumberLine { line, values } in numbers::read(&args.uv, &[2], "u,v")? {
         let inside = |knots: &KnotVector, value: f64, name: &str| {
-            knots.checked(value).with_context(|| {
-                format!(
-                    "{}: parameter {name} of line {} of numbers",
-                    args.uv.display(),
-                    k + 1
-                )
-            })
+            knots
+                .checked(value)
+                .with_context(|| format!("{}:{line}: parameter {name}", args.uv.display()))
         };
         let (u, v) = (
-            inside(surface.knots_u(), row[0], "u")?,
-            inside(surface.knots_v(), row[1], "v")?,
+            inside(surface.knots_u(), values[0], "u")?,
+            inside(surface.knots_v(), values[1], "v")?,
         );
         let frame = surface.frame(u, v);
         let scaled = |x: Vector3| [x.x, x.y, x.z].map(|x| x * per_metre);
@@ -46,12 +43,12 @@ pub fn eval(args: &EvalArgs) -> anyhow::Result<Outcome> {
         if !args.json {
             println!(
                 "{},{},{},{},{}",
-                row[0], row[1], point[0], point[1], point[2]
+                values[0], values[1], point[0], point[1], point[2]
             );
             continue;
         }
         let normal = surface.normal_of(&frame, u, v);
-        let mut out = serde_json::json!({ "u": row[0], "v": row[1], "point": point, "normal": [normal.x, normal.y, normal.z] });
+        let mut out = serde_json::json!({ "u": values[0], "v": values[1], "point": point, "normal": [normal.x, normal.y, normal.z] });
         if args.derivatives >= 1 {
             (out["S_u"], out["S_v"]) = (
                 serde_json::json!(scaled(frame.du)),
@@ -89,8 +86,8 @@ pub fn closest(args: &ClosestArgs) -> anyhow::Result<Outcome> {
         surface, per_metre, ..
     } = args.source.load()?;
     let mut solver = ClosestSolver::new(&surface);
-    for row in read_csv(&args.points, 3, "x,y,z")? {
-        let query = Point3::new(row[0], row[1], row[2]) / per_metre;
+    for NumberLine { values, .. } in numbers::read(&args.points, &[3], "x,y,z")? {
+        let query = Point3::new(values[0], values[1], values[2]) / per_metre;
         let foot = solver.closest(&surface, &query);
         let point = [foot.point.x, foot.point.y, foot.point.z].map(|x| x * per_metre);
         let distance = foot.distance * per_metre;

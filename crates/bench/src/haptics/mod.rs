@@ -30,6 +30,8 @@ pub struct Drawn {
     pub widths: Vec<WidthCurve>,
     /// Energy over time, with and without control.
     pub traces: Vec<Trace>,
+    /// Cases that could not be measured, with the reason.
+    pub failed: Vec<String>,
 }
 
 /// Runs the suite; `only` keeps the cases whose names contain it. Each figure is handed out as soon
@@ -45,10 +47,10 @@ pub fn haptics(effort: Effort, only: Option<&str>, out: &mut dyn FnMut(Figure)) 
     tools::run(&wanted, out);
     render::run(&wanted, out);
     friction::run(&wanted, out);
-    realtime::run(effort, &wanted, out);
+    realtime::run(effort, &wanted, out, &mut drawn.failed);
     // Ten minutes: only when asked for.
     if only.is_some_and(|part| part.contains("soak")) {
-        soak::run(effort, out);
+        soak::run(effort, out, &mut drawn.failed);
     }
     drawn
 }

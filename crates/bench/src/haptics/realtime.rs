@@ -21,7 +21,12 @@ use std::time::{Duration, Instant};
 /// The scene of the bars: a soft teardrop with as many nodes as fill a tick.
 const TEARDROP: &str = include_str!("../../../../scenes/teardrop.toml");
 
-pub(super) fn run(effort: Effort, wanted: &dyn Fn(&str) -> bool, out: &mut dyn FnMut(Figure)) {
+pub(super) fn run(
+    effort: Effort,
+    wanted: &dyn Fn(&str) -> bool,
+    out: &mut dyn FnMut(Figure),
+    failed: &mut Vec<String>,
+) {
     if wanted("latency/pose-force") {
         match latency(if effort == Effort::Quick {
             1_000
@@ -29,14 +34,14 @@ pub(super) fn run(effort: Effort, wanted: &dyn Fn(&str) -> bool, out: &mut dyn F
             10_000
         }) {
             Ok(figures) => figures.into_iter().for_each(&mut *out),
-            Err(error) => eprintln!("latency/pose-force: {error}"),
+            Err(error) => failed.push(format!("latency/pose-force: {error:#}")),
         }
     }
     if wanted("lateness/realtime") {
         let seconds = if effort == Effort::Quick { 5 } else { 60 };
         match lateness(seconds) {
             Ok(figures) => figures.into_iter().for_each(&mut *out),
-            Err(error) => eprintln!("lateness/realtime: {error}"),
+            Err(error) => failed.push(format!("lateness/realtime: {error:#}")),
         }
     }
 }

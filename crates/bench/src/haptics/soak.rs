@@ -74,11 +74,11 @@ impl Moments {
     }
 }
 
-pub(super) fn run(effort: Effort, out: &mut dyn FnMut(Figure)) {
+pub(super) fn run(effort: Effort, out: &mut dyn FnMut(Figure), failed: &mut Vec<String>) {
     let seconds = if effort == Effort::Quick { 30.0 } else { 600.0 };
     match hold(seconds) {
         Ok(figures) => figures.into_iter().for_each(out),
-        Err(error) => eprintln!("soak: {error:#}"),
+        Err(error) => failed.push(format!("soak: {error:#}")),
     }
 }
 

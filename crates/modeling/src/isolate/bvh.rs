@@ -2,6 +2,9 @@
 //!
 //! Split at the median of the centres along the longest axis, so the depth is the logarithm of the
 //! count. Nodes lie in depth-first order: the left child follows its parent.
+//!
+//! The tree of parry3d has no search for the nearest pair of two trees under a translation, which is
+//! what bodies are moved apart with.
 
 use super::triangle::Triangle;
 use palpate_geometry::math::Vector3;
