@@ -165,7 +165,7 @@ fn what_cannot_be_done_says_why_and_ends_with_two() {
         ),
         (
             &["eval", "builtin:sheet", "--uv", "words.csv"],
-            "words.csv:3",
+            "words.csv:1",
         ),
         (
             &[
