@@ -1,49 +1,11 @@
 //! Bytes of messages: postcard, with the type's versioned name in the encoding's schema.
 
+pub use crate::decode_error::DecodeError;
 use crate::messages::{Message, ToolPose};
 
 /// Largest message we decode. A scene snapshot of twenty large bodies stays below; a hostile length
 /// does not get memory.
 pub const MAX_BYTES: usize = 16 << 20;
-
-/// Why bytes were refused.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-pub enum DecodeError {
-    /// Another type or version.
-    #[error("the encoding's schema is {got:?}, not {expected:?}")]
-    WrongSchema {
-        /// Ours.
-        expected: String,
-        /// Theirs.
-        got: String,
-    },
-    /// Too long.
-    #[error("{bytes} bytes are more than any {name} has ({most})")]
-    Oversized {
-        /// Type name.
-        name: &'static str,
-        /// How many.
-        bytes: usize,
-        /// Most that it has.
-        most: usize,
-    },
-    /// Not the bytes of this type.
-    #[error("not the bytes of a {name}: {reason}")]
-    Malformed {
-        /// Type name.
-        name: &'static str,
-        /// postcard's words.
-        reason: String,
-    },
-    /// Bytes after the end.
-    #[error("{extra} bytes after the end of a {name}")]
-    Trailing {
-        /// Type name.
-        name: &'static str,
-        /// How many.
-        extra: usize,
-    },
-}
 
 /// Schema string of the encoding that goes with a message: `postcard;palpate.ToolPose.v1`.
 pub fn encoding_schema<M: Message>() -> String {

@@ -3,7 +3,7 @@
 //! [`crate::messages`] is written as one table; this is what the table becomes besides Rust types.
 //! `proto/examples/generate` makes the modules of clients in other languages from it.
 
-use crate::codec::DecodeError;
+use crate::decode_error::DecodeError;
 use serde_json::Value;
 
 /// A message that travels on the bus under a name and a key.

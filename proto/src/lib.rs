@@ -8,6 +8,7 @@
 
 pub mod any;
 pub mod codec;
+mod decode_error;
 mod device;
 #[cfg(feature = "recording")]
 pub mod foxglove;

@@ -1,7 +1,6 @@
 //! The channels of a recording, one row each: topic, message, and how readers take it in.
 
 use super::convert::{ConvertError, command_from_proto, tick_from_proto};
-use super::message::BodyHead;
 use palpate_geometry::math::SavedState;
 use palpate_proto::recording as pb;
 use palpate_sim::tick::record::{Command, TickRecord};
@@ -158,10 +157,10 @@ impl Topic {
 pub(super) struct Channels(Vec<(Topic, Vec<u16>)>);
 
 impl Channels {
-    /// Announces all channels with their schemas.
+    /// Announces all channels with their schemas, for bodies with these ids.
     pub(super) fn announce<W: Write + Seek>(
         mcap: &mut mcap::Writer<W>,
-        bodies: &[BodyHead],
+        bodies: &[&str],
     ) -> mcap::McapResult<Self> {
         let mut channel = |row: &ChannelRow, body: &str| {
             let message = format!("palpate.v1.{}", row.message);
@@ -173,7 +172,7 @@ impl Channels {
             let numbers = match row.name {
                 Name::Whole(_) => vec![channel(row, "")?],
                 Name::PerBody(..) => {
-                    let bodies = bodies.iter().map(|body| channel(row, &body.id));
+                    let bodies = bodies.iter().map(|body| channel(row, body));
                     bodies.collect::<mcap::McapResult<_>>()?
                 }
             };
@@ -227,7 +226,7 @@ pub struct NetRecord {
     pub points: Vec<f64>,
 }
 
-/// A message that our readers pass on as it is.
+/// A message that readers pass on without decoding it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct OtherRecord {
     /// When.
@@ -251,7 +250,7 @@ pub enum Happening {
     Event(EventRecord),
     /// A control net after a tick.
     Net(NetRecord),
-    /// What has no use but to be kept.
+    /// A message that no reader uses; `recover` keeps it.
     Other(OtherRecord),
 }
 

@@ -6,6 +6,7 @@
 
 use super::channel::Channels;
 use super::disk::{Disk, DiskFile};
+use super::format::{END, RUN, SCENE_EFFECTIVE, SCENE_TEXT, TOTALS, WriteError, options};
 use super::head::Head;
 use super::message::{Mark, Message, SessionHash, wall_ns};
 use super::totals::Tally;
@@ -16,52 +17,6 @@ use std::collections::BTreeMap;
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
-
-/// Why a recording could not be written.
-#[derive(Debug, thiserror::Error)]
-pub enum WriteError {
-    /// A file is in the way; nothing is overwritten.
-    #[error("{path} exists already; {advice}")]
-    Exists {
-        /// File.
-        path: PathBuf,
-        /// What to do.
-        advice: &'static str,
-    },
-    /// The file system.
-    #[error("{path}: {source}")]
-    Io {
-        /// File.
-        path: PathBuf,
-        /// Cause.
-        source: std::io::Error,
-    },
-    /// The MCAP writer.
-    #[error("{path}: {source}")]
-    Mcap {
-        /// File.
-        path: PathBuf,
-        /// Cause.
-        source: mcap::McapError,
-    },
-    /// There was nothing to write.
-    #[error("nothing was recorded")]
-    Nothing,
-    /// The scene has no text form, so nothing could be replayed.
-    #[error("the scene cannot be written out: {0}")]
-    Scene(String),
-}
-
-/// Metadata record at the start.
-pub(super) const RUN: &str = "palpate.run";
-/// Metadata record at the end.
-pub(super) const END: &str = "palpate.end";
-/// Attachment: the scene file as written.
-pub(super) const SCENE_TEXT: &str = "scene.toml";
-/// Attachment: the scene as built.
-pub(super) const SCENE_EFFECTIVE: &str = "scene.effective.toml";
-/// Attachment at the end: [`super::Totals`] as JSON.
-pub(super) const TOTALS: &str = "totals.json";
 
 /// Longest time between flushes.
 const FLUSH_EVERY: Duration = Duration::from_millis(200);
@@ -93,14 +48,6 @@ pub(super) struct SessionFile {
 /// `FILE.part`.
 pub(super) fn part_of(target: &Path) -> PathBuf {
     PathBuf::from(format!("{}.part", target.display()))
-}
-
-/// What all our files say of who wrote them.
-pub(super) fn options() -> mcap::WriteOptions {
-    mcap::WriteOptions::library(
-        mcap::WriteOptions::new(),
-        format!("palpate {}", env!("CARGO_PKG_VERSION")),
-    )
 }
 
 impl SessionFile {
@@ -209,7 +156,8 @@ impl SessionFile {
             };
             mcap.attach(&attachment)?;
         }
-        let channels = Channels::announce(&mut mcap, &head.bodies)?;
+        let bodies: Vec<&str> = head.bodies.iter().map(|body| body.id.as_str()).collect();
+        let channels = Channels::announce(&mut mcap, &bodies)?;
         Ok((mcap, channels))
     }
 

@@ -1,11 +1,22 @@
 //! What stands at the start of every file of a session.
 
-use super::message::{BodyHead, wall_ns};
+use super::format::WriteError;
+use super::message::wall_ns;
 use super::{FORMAT_VERSION, build_id};
-use crate::recording::WriteError;
 use palpate_sim::scene::Scene;
 use palpate_sim::scene::spec::{Clock, SceneSpec};
 use std::collections::BTreeMap;
+
+/// What a net message says of its body.
+#[derive(Clone, Debug)]
+pub(super) struct BodyHead {
+    /// Id.
+    pub id: String,
+    /// Degree, u then v.
+    pub degree: [usize; 2],
+    /// Net size, u then v.
+    pub count: [usize; 2],
+}
 
 /// Head of a session.
 #[derive(Clone, Debug)]

@@ -1,15 +1,16 @@
 //! The recorder thread: takes the stream and keeps it, in a recording, in memory, in snapshots.
 
 use super::disk::Disk;
-use super::file::{SessionFile, WriteError};
+use super::file::SessionFile;
+use super::format::WriteError;
 use super::head::Head;
 use super::memory::Memory;
 use super::message::{Mark, Message};
 use super::parts::{Parts, Split};
 use super::recorder::place;
+use super::report::RecordingReport;
 use super::stream::TickStream;
 use super::views::Views;
-use super::{RecordingReport, RecordingSummary};
 use crate::drive::archive::{ArchiveNews, ArchiveRequest};
 use crate::drive::journal::{JournalGauges, keeping};
 use std::collections::VecDeque;
@@ -475,20 +476,6 @@ impl Keeper {
                 id,
                 reason: error.to_string(),
             }),
-        }
-    }
-}
-
-impl RecordingReport {
-    /// The last file, if all went well.
-    ///
-    /// # Errors
-    /// The disk refused, or nothing was recorded.
-    pub fn last(mut self) -> Result<RecordingSummary, WriteError> {
-        match (self.failure, self.files.pop()) {
-            (Some(error), _) => Err(error),
-            (None, Some(file)) => Ok(file),
-            (None, None) => Err(WriteError::Nothing),
         }
     }
 }

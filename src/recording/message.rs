@@ -3,6 +3,7 @@
 
 use super::channel::Topic;
 use super::convert::{command_to_proto, tick_to_proto};
+use super::head::BodyHead;
 use palpate_geometry::math::{Point3, SavedState};
 use palpate_proto::recording as pb;
 use palpate_sim::tick::record::{Command, TickRecord};
@@ -119,17 +120,6 @@ impl Message {
             ..Self::new(Topic::Net, tick, &message)
         }
     }
-}
-
-/// What a net message says of its body.
-#[derive(Clone, Debug)]
-pub(super) struct BodyHead {
-    /// Id.
-    pub id: String,
-    /// Degree, u then v.
-    pub degree: [usize; 2],
-    /// Net size, u then v.
-    pub count: [usize; 2],
 }
 
 /// Wall clock, ns.

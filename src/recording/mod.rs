@@ -14,6 +14,7 @@ mod export;
 mod figures;
 mod file;
 mod file_info;
+mod format;
 mod head;
 mod info;
 mod keeper;
@@ -26,6 +27,7 @@ mod reader;
 mod recorder;
 mod recover;
 mod replay;
+mod report;
 mod rerun;
 mod self_check;
 mod stream;
@@ -39,23 +41,22 @@ pub use figures::{
     BodyFigures, Deviation, Figures, FiguresError, Start, Tolerances, ToolFigures, deviations,
     simulate_figures,
 };
-pub use file::WriteError;
 pub use file_info::{ChannelInfo, FileInfo};
+pub use format::WriteError;
 pub use info::{Info, Origin, computed_info, info};
 pub use message::SessionHash;
 pub use parts::Split;
 pub use play::{PlayError, PlayReport, PlaySettings, Player, played_scene};
 pub use port::RecorderPort;
 pub use reader::{Contents, Follower, Place, ReadError, Session, SessionHeader};
-pub use recorder::{
-    Recorder, RecorderSettings, RecordingReport, RecordingSummary, SceneChanges, default_path,
-};
+pub use recorder::{Recorder, RecorderSettings, SceneChanges, default_path};
 pub use recover::RecoverError;
 pub use recover::{Recovered, recover};
 pub use replay::{
     Difference, Divergence, ReplayError, ReplayOptions, ReplayReport, recorded_scene, replay,
     replay_with,
 };
+pub use report::{RecordingReport, RecordingSummary};
 pub use self_check::{SelfCheck, SelfCheckPort, SelfCheckReport, SelfDifference};
 pub use totals::{StageInfo, ToolInfo, Totals};
 pub(crate) use totals::{stage_infos, write_stages};

@@ -1,12 +1,13 @@
 //! A recording: one file, or numbered parts of bounded size and length, the oldest of which make
 //! room for the newest.
 
-use super::RecordingSummary;
 use super::channel::Topic;
 use super::disk::Disk;
-use super::file::{SessionFile, WriteError};
+use super::file::SessionFile;
+use super::format::WriteError;
 use super::head::Head;
 use super::message::Message;
+use super::report::RecordingSummary;
 use super::views::Views;
 use std::collections::VecDeque;
 use std::path::{Path, PathBuf};

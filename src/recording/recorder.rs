@@ -2,12 +2,13 @@
 //! writes.
 
 use super::disk::{Disk, FileSystem};
-use super::file::WriteError;
+use super::format::WriteError;
 use super::head::Head;
 use super::keeper::{Keeper, Mail, NextScene};
 use super::memory::Memory;
 use super::parts::Split;
 use super::port::{RecorderPort, port};
+use super::report::RecordingReport;
 use super::views::Views;
 use crate::drive::archive::{Archive, ArchiveNews, ArchiveRequest};
 use crate::drive::journal::JournalGauges;
@@ -64,39 +65,6 @@ impl RecorderSettings {
             ..self
         }
     }
-}
-
-/// A finished file.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct RecordingSummary {
-    /// File.
-    pub path: PathBuf,
-    /// Ticks in it.
-    pub ticks: u64,
-    /// First of them.
-    pub first_tick: u64,
-    /// Last of them.
-    pub last_tick: u64,
-    /// Hash of the last state.
-    pub final_hash: u64,
-    /// Hash of all ticks.
-    pub session_hash: u64,
-    /// Records lost.
-    pub dropped: u64,
-    /// Message bytes before compression.
-    pub bytes: u64,
-}
-
-/// What a recorder did.
-#[derive(Debug, Default)]
-pub struct RecordingReport {
-    /// Finished recordings, or parts of them, in order.
-    pub files: Vec<RecordingSummary>,
-    /// Why the last one ended early, if it did; what was flushed stays readable in the `.part`
-    /// file.
-    pub failure: Option<WriteError>,
-    /// Records lost over all.
-    pub dropped: u64,
 }
 
 /// A running recorder.

@@ -3,9 +3,10 @@
 
 use super::channel::Happening;
 use super::disk::FileSystem;
-use super::file::{SessionFile, WriteError};
-use super::head::Head;
-use super::message::{BodyHead, Message};
+use super::file::SessionFile;
+use super::format::WriteError;
+use super::head::{BodyHead, Head};
+use super::message::Message;
 use super::reader::{Follower, ReadError, Session};
 use super::views::Views;
 use palpate_sim::scene::Scene;

@@ -4,7 +4,8 @@
 //! order in which they came (a keyframe says how many commands it holds), then tick t + 1.
 
 use super::channel::Topic;
-use super::message::{BodyHead, Message};
+use super::head::BodyHead;
+use super::message::Message;
 use super::port::Applied;
 use crate::drive::journal::JournalGauges;
 use crate::drive::nets::NetFrame;

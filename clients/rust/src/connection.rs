@@ -1,6 +1,5 @@
 //! A session with one daemon.
 
-use crate::Tool;
 use palpate_proto::DeviceError;
 use palpate_proto::codec::{DecodeError, decode};
 use palpate_proto::keys::{IdError, Keys};
@@ -378,28 +377,6 @@ impl Palpate {
                     .map_err(|e| refused(format!("its answer does not parse: {e}")))
             })?;
         answer.into_result().map_err(refused)
-    }
-
-    /// Takes a tool of the scene.
-    ///
-    /// # Errors
-    /// No such tool, or Zenoh refused.
-    pub fn tool(&self, id: &str) -> Result<Tool, ClientError> {
-        let scene = self.scene()?;
-        if !scene.tools.iter().any(|tool| tool.id == id) {
-            let known = scene
-                .tools
-                .iter()
-                .map(|tool| tool.id.as_str())
-                .collect::<Vec<_>>()
-                .join(", ");
-            return Err(ClientError::Unknown {
-                kind: "tool",
-                id: id.to_owned(),
-                known,
-            });
-        }
-        Tool::new(self, id, scene.lockstep)
     }
 
     /// The newest net of a body, as it changes.

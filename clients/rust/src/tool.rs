@@ -54,6 +54,30 @@ struct Newest {
     received: u64,
 }
 
+impl Palpate {
+    /// Takes a tool of the scene.
+    ///
+    /// # Errors
+    /// No such tool, or Zenoh refused.
+    pub fn tool(&self, id: &str) -> Result<Tool, ClientError> {
+        let scene = self.scene()?;
+        if !scene.tools.iter().any(|tool| tool.id == id) {
+            let known = scene
+                .tools
+                .iter()
+                .map(|tool| tool.id.as_str())
+                .collect::<Vec<_>>()
+                .join(", ");
+            return Err(ClientError::Unknown {
+                kind: "tool",
+                id: id.to_owned(),
+                known,
+            });
+        }
+        Tool::new(self, id, scene.lockstep)
+    }
+}
+
 impl Tool {
     pub(crate) fn new(palpate: &Palpate, id: &str, lockstep: bool) -> Result<Self, ClientError> {
         let (session, keys) = (palpate.session(), palpate.keys());

@@ -1,7 +1,7 @@
 //! All of a short recording at once, to compare, to edit, and to make a recording of again.
 
 use super::super::channel::{EventRecord, Happening, Keyframe, NetRecord, Topic};
-use super::super::file::{END, RUN, SCENE_EFFECTIVE, SCENE_TEXT};
+use super::super::format::{END, RUN, SCENE_EFFECTIVE, SCENE_TEXT};
 use super::super::message::Message;
 use super::error::ReadError;
 use super::follower::Follower;

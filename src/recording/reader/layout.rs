@@ -1,6 +1,6 @@
 //! Where things are in a file: its records from end to end, without looking into chunks.
 
-use super::super::file::{END, RUN, SCENE_EFFECTIVE, SCENE_TEXT, TOTALS};
+use super::super::format::{END, RUN, SCENE_EFFECTIVE, SCENE_TEXT, TOTALS};
 use super::source::Source;
 use mcap::records::{ChunkHeader, Record, op};
 use std::collections::{BTreeMap, BTreeSet};

@@ -2,7 +2,7 @@
 //! opens.
 
 use super::super::channel::{Happening, Topic};
-use super::super::file::{SCENE_EFFECTIVE, WriteError, options};
+use super::super::format::{SCENE_EFFECTIVE, WriteError, options};
 use super::super::reader::{Follower, Session};
 use super::super::{build_id, convert};
 use super::Difference;

@@ -1,7 +1,7 @@
 //! The scene of a session.
 
 use super::super::reader::Session;
-use super::ReplayError;
+use super::error::ReplayError;
 use palpate_sim::scene::Scene;
 use palpate_sim::scene::spec::SceneSpec;
 use std::path::Path;

@@ -7,9 +7,9 @@
 use super::super::channel::{Happening, Keyframe, NetRecord};
 use super::super::reader::{Follower, Place, Session};
 use super::super::rerun::Rerun;
-use super::ReplayError;
 use super::compare::{Difference, compare, compare_net};
 use super::divergence::{Divergence, WINDOW};
+use super::error::ReplayError;
 use palpate_geometry::math::Point3;
 use palpate_sim::scene::Scene;
 use palpate_sim::tick::record::TickRecord;

@@ -1,7 +1,7 @@
 //! Threads that replay segments, and whoever puts together what they find.
 
 use super::super::reader::Session;
-use super::ReplayError;
+use super::error::ReplayError;
 use super::stretches::{Equal, Findings, Runner, Segment};
 use palpate_sim::scene::Scene;
 use std::collections::BTreeMap;

@@ -13,6 +13,7 @@ mod encoder;
 mod hand;
 mod model;
 mod motion;
+mod motion_error;
 mod network;
 mod oscillator;
 mod passivity;
@@ -29,7 +30,8 @@ mod v3;
 
 pub use hand::{Goal, Grip, Hand};
 pub use model::{DeviceError, DeviceModel};
-pub use motion::{Kind, Motion, MotionError};
+pub use motion::{Kind, Motion};
+pub use motion_error::MotionError;
 pub use network::{Channel, Network};
 pub use passivity::{Passivity, PassivitySettings};
 pub use path::{Interpolation, Path, Waypoint};

@@ -1,7 +1,7 @@
 //! A path through given places.
 
 use super::hand::Goal;
-use super::motion::MotionError;
+use super::motion_error::MotionError;
 use super::smooth::Flow;
 use super::v3;
 use serde::{Deserialize, Serialize};

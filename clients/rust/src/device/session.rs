@@ -19,7 +19,8 @@
 //! ```
 
 use super::hand::Goal;
-use super::motion::{Kind, Motion, MotionError, passing};
+use super::motion::{Kind, Motion, passing};
+use super::motion_error::MotionError;
 use super::path::{Interpolation, Path, Waypoint};
 use super::smooth::Flow;
 use super::target::Target;

@@ -558,7 +558,7 @@ impl ClosestSolver {
                 (du, dv, at.u)
             };
             let short = found.jet.metric[collapsed] <= 1e-24 * self.size_m * self.size_m;
-            if other_end(held, x).is_none() || !short {
+            if side::other_end(held, x).is_none() || !short {
                 continue;
             }
             let inward = if x <= held.domain.0 { 1.0 } else { -1.0 };
@@ -593,8 +593,8 @@ impl ClosestSolver {
             };
             return (0..4).find_map(over);
         }
-        let across_u = other_end(du, at.u).map(|(i, u)| NewtonPlace { i, u, ..at });
-        let across_v = other_end(dv, at.v).map(|(j, v)| NewtonPlace { j, v, ..at });
+        let across_u = side::other_end(du, at.u).map(|(i, u)| NewtonPlace { i, u, ..at });
+        let across_v = side::other_end(dv, at.v).map(|(j, v)| NewtonPlace { j, v, ..at });
         let same =
             |place: &NewtonPlace| (site.frame(*place).point - foot).norm() <= 1e-9 * self.size_m;
         across_u.filter(same).or_else(|| across_v.filter(same))
@@ -647,18 +647,5 @@ impl ClosestSolver {
             distance,
             signed_distance,
         }
-    }
-}
-
-/// The other end of a clamped or open direction, when a parameter is at one.
-fn other_end(d: &PieceDirection, x: f64) -> Option<(usize, f64)> {
-    if d.periodic {
-        None
-    } else if x <= d.domain.0 {
-        Some((d.spans.len() - 1, d.domain.1))
-    } else if x >= d.domain.1 {
-        Some((0, d.domain.0))
-    } else {
-        None
     }
 }

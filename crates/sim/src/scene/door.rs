@@ -13,8 +13,6 @@ use std::cell::RefCell;
 use std::fmt::{self, Display};
 use std::path::Path;
 
-use super::spec::PoseSpec;
-
 /// Everything that is wrong with a scene. Never empty.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct SceneError {
@@ -237,10 +235,10 @@ impl<'d> At<'d> {
         })
     }
 
-    /// A placement, here.
-    pub fn pose(&self, spec: &PoseSpec) -> Option<Pose> {
-        let position = self.finite("position", &spec.position);
-        let [x, y, z, w] = spec.orientation;
+    /// A placement, here: m, and a unit quaternion x y z w.
+    pub fn pose(&self, position: &[f64; 3], orientation: &[f64; 4]) -> Option<Pose> {
+        let finite = self.finite("position", position);
+        let [x, y, z, w] = *orientation;
         let quaternion = nalgebra::Quaternion::new(w, x, y, z);
         let norm = quaternion.norm();
         if norm.is_nan() || (norm - 1.0).abs() > 1e-6 {
@@ -248,9 +246,9 @@ impl<'d> At<'d> {
                 "orientation has length {norm}; give a unit quaternion [x, y, z, w]"
             ));
         }
-        position?;
+        finite?;
         Some(Pose::from_parts(
-            Vector3::from(spec.position).into(),
+            Vector3::from(*position).into(),
             Rotation::from_quaternion(quaternion),
         ))
     }

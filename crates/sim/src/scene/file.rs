@@ -6,9 +6,12 @@ mod spans;
 use super::Scene;
 use super::door::{Place, Problem, SceneError, nearest};
 use super::spec::SceneSpec;
+use serde::Deserialize as _;
 use spans::Spans;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
+use toml::Spanned;
+use toml::de::{DeTable, DeValue, Deserializer};
 
 /// A scene file, read but not yet built.
 #[derive(Clone, Debug)]
@@ -49,14 +52,14 @@ pub fn load(path: &Path) -> Result<Loaded, SceneError> {
 /// paths start.
 ///
 /// # Errors
-/// Every mistake of syntax, or the first key or value of a wrong kind, with lines.
+/// Every mistake of syntax; or unknown keys, all of them unless a value is of a wrong kind; with lines.
 pub fn parse(text: &str, name: &str, directory: &Path) -> Result<Loaded, SceneError> {
     let at = |span: Option<Range<usize>>, reason: String| Problem {
         path: String::new(),
         reason,
         place: Some(place(name, text, span.map_or(0, |span| span.start))),
     };
-    let (_, mistakes) = toml::de::DeTable::parse_recoverable(text);
+    let (document, mistakes) = DeTable::parse_recoverable(text);
     if !mistakes.is_empty() {
         let mut problems: Vec<Problem> = mistakes
             .iter()
@@ -65,8 +68,11 @@ pub fn parse(text: &str, name: &str, directory: &Path) -> Result<Loaded, SceneEr
         in_order(&mut problems);
         return Err(SceneError { problems });
     }
-    let mut spec: SceneSpec = toml::from_str(text).map_err(|error| SceneError {
-        problems: vec![at(error.span(), with_suggestion(error.message()))],
+    let mut spec = read(document).map_err(|errors| {
+        let problem = |error: &toml::de::Error| at(error.span(), with_suggestion(error.message()));
+        let mut problems: Vec<Problem> = errors.iter().map(problem).collect();
+        in_order(&mut problems);
+        SceneError { problems }
     })?;
     if spec.name.is_none() {
         spec.name = Path::new(name)
@@ -82,6 +88,45 @@ pub fn parse(text: &str, name: &str, directory: &Path) -> Result<Loaded, SceneEr
         directory: directory.to_owned(),
         sha256,
     })
+}
+
+/// Reads a scene. A key that it does not know is taken out, and it is read again: all of them are
+/// found, up to the first error of another kind. Tables are read in the order of their keys' names.
+fn read(mut document: Spanned<DeTable<'_>>) -> Result<SceneSpec, Vec<toml::de::Error>> {
+    let mut errors: Vec<toml::de::Error> = Vec::new();
+    loop {
+        match SceneSpec::deserialize(Deserializer::from(document.clone())) {
+            Ok(spec) if errors.is_empty() => return Ok(spec),
+            Ok(_) => return Err(errors),
+            Err(error) => {
+                let unknown = error.message().starts_with("unknown field");
+                let key = error.span().filter(|_| unknown);
+                errors.push(error);
+                if !key.is_some_and(|key| take_out(document.get_mut(), &key)) {
+                    return Err(errors);
+                }
+            }
+        }
+    }
+}
+
+/// Takes the key at this place of the text out of a table, or of one inside it; false if it is not
+/// there.
+fn take_out(table: &mut DeTable<'_>, key: &Range<usize>) -> bool {
+    fn inside(value: &mut DeValue<'_>, key: &Range<usize>) -> bool {
+        match value {
+            DeValue::Table(table) => take_out(table, key),
+            DeValue::Array(array) => array.iter_mut().any(|value| inside(value.get_mut(), key)),
+            _ => false,
+        }
+    }
+    let named = table.iter().find(|(name, _)| name.span() == *key);
+    match named.map(|(name, _)| name.get_ref().clone().into_owned()) {
+        Some(name) => table.remove(name.as_str()).is_some(),
+        None => table
+            .iter_mut()
+            .any(|(_, value)| inside(value.get_mut(), key)),
+    }
 }
 
 impl Loaded {

@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 
 mod body;
+mod surface;
 mod tool;
 pub use super::model::ModelSpec;
 pub use super::shape::{
@@ -11,6 +12,7 @@ pub use super::shape::{
     Point, ShapeSpec, Sphere, Torus,
 };
 pub use body::*;
+pub use surface::SurfaceSpec;
 pub use tool::*;
 
 /// A whole scene file.
@@ -119,28 +121,6 @@ impl Default for GravitySpec {
             smoothing_s: 5e-3,
         }
     }
-}
-
-/// `surface = { builtin = "teardrop", net = [8, 8] }`, `{ file = "x.json" }` or `{ inline = {…} }`.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct SurfaceSpec {
-    /// Name of a builtin: `sheet`, `sphere`, `teardrop`, `torus`.
-    #[serde(default)]
-    pub builtin: Option<String>,
-    /// Net of a builtin; its own default when absent.
-    #[serde(default)]
-    pub net: Option<[usize; 2]>,
-    /// Size of a builtin, m: side of the sheet, radius of the sphere, length of the teardrop, great
-    /// radius of the torus.
-    #[serde(default)]
-    pub size: Option<f64>,
-    /// A `palpate.surface.v1` file, relative to the scene file.
-    #[serde(default)]
-    pub file: Option<PathBuf>,
-    /// A `palpate.surface.v1` document in place.
-    #[serde(default)]
-    pub inline: Option<serde_json::Value>,
 }
 
 /// Placement: rotate, then translate.

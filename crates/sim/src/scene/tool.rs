@@ -10,7 +10,9 @@ use palpate_geometry::math::Point3;
 /// Checks and builds a tool; `at` is its table.
 pub(super) fn build(spec: &ToolSpec, at: &At<'_>, dt_s: f64) -> Option<Tool> {
     let shape = spec.shape.build(&at.key("shape"));
-    let pose = at.key("pose").pose(&spec.pose);
+    let pose = at
+        .key("pose")
+        .pose(&spec.pose.position, &spec.pose.orientation);
     let coupling = check_coupling(&spec.coupling, &at.key("coupling"));
     let device = build_device(&spec.device, spec.coupling.bounded, dt_s, &at.key("device"));
     let grip_n = grip(&spec.grip, &at.key("grip"));

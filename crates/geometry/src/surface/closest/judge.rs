@@ -3,8 +3,7 @@
 
 use super::newton::{Descent, Evaluate, NewtonPlace, OnPieces, descend};
 use super::objective::Objective;
-use super::other_end;
-use super::side::{SAME, Site, sides};
+use super::side::{SAME, Site, other_end, sides};
 use crate::surface::bezier::{BezierPieces, Joint, PieceDirection};
 use crate::surface::joints::{Joints, Spot};
 

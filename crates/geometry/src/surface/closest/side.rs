@@ -307,3 +307,16 @@ fn fan(along: &KnotVector, leave: impl Fn(usize) -> Vector3) -> Option<Vector3> 
     }
     sum.try_normalize(1e-9)
 }
+
+/// The other end of a clamped or open direction, when a parameter is at one.
+pub(super) fn other_end(d: &PieceDirection, x: f64) -> Option<(usize, f64)> {
+    if d.periodic {
+        None
+    } else if x <= d.domain.0 {
+        Some((d.spans.len() - 1, d.domain.1))
+    } else if x >= d.domain.1 {
+        Some((0, d.domain.0))
+    } else {
+        None
+    }
+}

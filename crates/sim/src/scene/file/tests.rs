@@ -113,3 +113,36 @@ fn all_problems_are_listed_not_only_the_first() {
     );
     assert_eq!(told.lines().count(), 3, "{told}");
 }
+
+#[test]
+fn every_unknown_key_is_named_with_its_line() {
+    let text = "nmae = \"x\"\n[[body]]\nid = \"drop\"\nsurface = { builtin = \"teardrop\", nett = [8, 8] }\n\
+                materiel = 3\n[[tool]]\nid = \"ball\"\nshape = { sphere = { radius = 0.01, radius_m = 0.01 } }\n\
+                [loop]\nrate = 1000\n";
+    let error = parse(text, "s.toml", Path::new(".")).unwrap_err();
+    let found: Vec<(usize, &str)> = (error.problems.iter())
+        .map(|problem| {
+            let word = problem.reason.split('"').nth(1).unwrap();
+            (problem.place.as_ref().unwrap().line, word)
+        })
+        .collect();
+    let expected = [
+        (1, "nmae"),
+        (4, "nett"),
+        (5, "materiel"),
+        (8, "radius"),
+        (10, "rate"),
+    ];
+    assert_eq!(found, expected);
+}
+
+#[test]
+fn unknown_keys_are_found_up_to_a_value_of_a_wrong_kind() {
+    let text = "[[body]]\ncolour = \"red\"\nid = 3\nsurface = { builtin = \"teardrop\" }\n";
+    let error = parse(text, "s.toml", Path::new(".")).unwrap_err();
+    let lines = error
+        .problems
+        .iter()
+        .map(|problem| problem.place.as_ref().unwrap().line);
+    assert_eq!(lines.collect::<Vec<_>>(), [2, 3]);
+}

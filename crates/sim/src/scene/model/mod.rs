@@ -1,8 +1,8 @@
 //! Models of bodies: one file each, which knows what the model asks of a `[[body]]` and how a body
 //! is built from it.
 //!
-//! To add a model: its file, with a type that implements [`Model`], and its two lines here. A new
-//! law of forces between nodes is a part of [`crate::body::FrictionLaw`].
+//! To add a model: its file, with a type that implements [`Model`], its name in `names`, and its two
+//! lines here. A new law of forces between nodes is a part of [`crate::body::MaterialLaw`].
 
 mod cells;
 mod common;
@@ -10,11 +10,13 @@ mod continuum;
 mod fixed;
 mod lattice;
 mod membrane;
+mod names;
 mod net;
 mod rigid;
 mod values;
 
 pub(crate) use common::Choice;
+pub use names::ModelSpec;
 
 use super::door::At;
 use super::spec::{BodySpec, SceneSpec};
@@ -22,7 +24,6 @@ use super::{Body, BodyModel, Tool};
 use crate::body::{Deformable, DeformableError, Material, StepSettings};
 use palpate_geometry::math::Pose;
 use palpate_geometry::surface::Surface;
-use serde::{Deserialize, Serialize};
 use values::{Held, Values};
 
 /// What the rest of the program asks of a model.
@@ -61,40 +62,16 @@ pub(super) struct Inputs<'a> {
 /// Makes a body with the step that it is given; what it needs for that is built once.
 type Make<'a> = Box<dyn Fn(StepSettings) -> Result<Deformable, DeformableError> + 'a>;
 
-macro_rules! models {
-    ($($(#[$doc:meta])* $variant:ident($model:expr) = $name:literal),* $(,)?) => {
-        /// How a body moves.
-        #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-        pub enum ModelSpec {
-            $($(#[$doc])* #[serde(rename = $name)] $variant),*
+impl ModelSpec {
+    pub(super) fn model(self) -> &'static dyn Model {
+        match self {
+            Self::Rigid => &rigid::Rigid,
+            Self::Membrane => &membrane::Membrane,
+            Self::Lattice => &lattice::Lattice,
+            Self::Continuum => &continuum::Continuum,
+            Self::Net => &net::Net,
         }
-
-        impl ModelSpec {
-            /// Name of the model, as scenes write it.
-            pub fn name(self) -> &'static str {
-                match self { $(Self::$variant => $name),* }
-            }
-
-            pub(super) fn model(self) -> &'static dyn Model {
-                match self { $(Self::$variant => &$model),* }
-            }
-        }
-    };
-}
-
-models! {
-    /// It does not deform.
-    #[default]
-    Rigid(rigid::Rigid) = "rigid",
-    /// A skin: springs between control points, bending along their rows.
-    Membrane(membrane::Membrane) = "membrane",
-    /// A solid of springs between nodes; the control points are nodes.
-    Lattice(lattice::Lattice) = "lattice",
-    /// An elastic solid (stable neo-Hookean) in the cells between the nodes: E and ν mean what they
-    /// say.
-    Continuum(continuum::Continuum) = "continuum",
-    /// The same on a finer grid of cells, moved by the control points and few shells inside them.
-    Net(net::Net) = "net",
+    }
 }
 
 /// Checks and builds a body; `at` is its table.
@@ -105,7 +82,9 @@ pub(super) fn build(
     at: &At<'_>,
     dt_s: f64,
 ) -> Option<Body> {
-    let placement = at.key("pose").pose(&spec.pose);
+    let placement = at
+        .key("pose")
+        .pose(&spec.pose.position, &spec.pose.orientation);
     let surface = spec.surface.surface(&at.key("surface"));
     let values = values::check(spec, at);
     let placement = placement?;

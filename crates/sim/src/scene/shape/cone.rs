@@ -1,6 +1,7 @@
 //! A cone.
 
-use super::{Shape, outline, solid};
+use super::interface::Shape;
+use super::{outline, solid};
 use crate::scene::door::At;
 use palpate_geometry::contact::ToolShape;
 use palpate_geometry::contact::implicit::ImplicitShape;

@@ -9,6 +9,7 @@ mod cuboid;
 mod cylinder;
 mod ellipsoid;
 mod implicit;
+mod interface;
 mod mesh;
 mod outline;
 mod plane;
@@ -20,8 +21,9 @@ mod torus;
 use super::door::At;
 use palpate_geometry::contact::ToolShape;
 use palpate_geometry::contact::implicit::{ImplicitError, ImplicitShape};
-use palpate_geometry::surface::Mesh;
 use serde::{Deserialize, Serialize};
+
+pub(super) use interface::Shape;
 
 pub use capsule::Capsule;
 pub use cone::Cone;
@@ -34,32 +36,6 @@ pub use plane::Plane;
 pub use point::Point;
 pub use sphere::Sphere;
 pub use torus::Torus;
-
-/// What the rest of the program asks of a shape.
-pub(super) trait Shape {
-    /// Checks the values and builds what contact queries work with. `at` is the shape's own table.
-    fn build(&self, at: &At<'_>) -> Option<ToolShape>;
-
-    /// The shape as a viewer draws it: triangles in the tool's frame, m, counter-clockwise seen from
-    /// outside. `built` is what [`Shape::build`] gave; `view_m` is the size of the scene, which
-    /// bounds what has no bounds and gives a size to what has none.
-    fn outline(&self, built: &ToolShape, view_m: f64) -> Mesh;
-
-    /// Replaces files by what is in them.
-    fn inline_files(&mut self, _at: &At<'_>) -> Option<()> {
-        Some(())
-    }
-
-    /// Radius of a ball, m, to which nets are refined; `None` for other shapes.
-    fn refines_to_radius_m(&self) -> Option<f64> {
-        None
-    }
-
-    /// Outward normal of a half-space, in the tool's frame, any length; `None` for other shapes.
-    fn half_space(&self) -> Option<[f64; 3]> {
-        None
-    }
-}
 
 macro_rules! shapes {
     ($($(#[$doc:meta])* $variant:ident($spec:ty) = $name:literal),* $(,)?) => {

@@ -1,6 +1,7 @@
 //! A ball.
 
-use super::{Shape, outline};
+use super::interface::Shape;
+use super::outline;
 use crate::scene::door::At;
 use palpate_geometry::contact::ToolShape;
 use palpate_geometry::surface::Mesh;

@@ -1,6 +1,7 @@
 //! A rigid B-spline surface.
 
-use super::{Shape, outline};
+use super::interface::Shape;
+use super::outline;
 use crate::scene::door::At;
 use crate::scene::spec::SurfaceSpec;
 use palpate_geometry::contact::{SurfaceShape, ToolShape};

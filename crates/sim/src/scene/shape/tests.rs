@@ -4,6 +4,7 @@ use super::outline::MOST_TRIANGLES;
 use super::*;
 use crate::scene::door::Door;
 use palpate_geometry::math::{Point3, Pose};
+use palpate_geometry::surface::Mesh;
 use std::collections::BTreeMap;
 use std::path::Path;
 

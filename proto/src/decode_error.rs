@@ -1,0 +1,40 @@
+//! Why a message is refused.
+
+/// Why bytes were refused.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum DecodeError {
+    /// Another type or version.
+    #[error("the encoding's schema is {got:?}, not {expected:?}")]
+    WrongSchema {
+        /// Ours.
+        expected: String,
+        /// Theirs.
+        got: String,
+    },
+    /// Too long.
+    #[error("{bytes} bytes are more than any {name} has ({most})")]
+    Oversized {
+        /// Type name.
+        name: &'static str,
+        /// How many.
+        bytes: usize,
+        /// Most that it has.
+        most: usize,
+    },
+    /// Not the bytes of this type.
+    #[error("not the bytes of a {name}: {reason}")]
+    Malformed {
+        /// Type name.
+        name: &'static str,
+        /// postcard's words.
+        reason: String,
+    },
+    /// Bytes after the end.
+    #[error("{extra} bytes after the end of a {name}")]
+    Trailing {
+        /// Type name.
+        name: &'static str,
+        /// How many.
+        extra: usize,
+    },
+}

@@ -1,0 +1,53 @@
+//! Why a session cannot be replayed.
+
+use super::super::reader::ReadError;
+use palpate_sim::scene::SceneError;
+
+/// Why a session cannot be replayed at all.
+#[derive(Debug, thiserror::Error)]
+pub enum ReplayError {
+    /// The file.
+    #[error(transparent)]
+    Read(#[from] ReadError),
+    /// Its scene.
+    #[error("the recorded scene does not parse: {0}")]
+    SceneText(String),
+    /// Its scene.
+    #[error("the recorded scene does not build: {0}")]
+    Scene(#[from] SceneError),
+    /// No state to start from.
+    #[error("no keyframe at or before tick {from}, and one is needed to start from{}", first_known(*.first))]
+    NoKeyframe {
+        /// Wanted start.
+        from: u64,
+        /// Tick of the first keyframe that there is.
+        first: Option<u64>,
+    },
+    /// The state is of another scene.
+    #[error("keyframe at tick {tick}: {source}")]
+    State {
+        /// Its tick.
+        tick: u64,
+        /// Cause.
+        source: palpate_geometry::math::StateError,
+    },
+    /// A range without ticks.
+    #[error("no tick from {from} to {until}; the recording has ticks {first} to {last}")]
+    NoTicks {
+        /// Wanted start.
+        from: u64,
+        /// Wanted end.
+        until: u64,
+        /// What there is.
+        first: u64,
+        /// What there is.
+        last: u64,
+    },
+}
+
+fn first_known(first: Option<u64>) -> String {
+    first.map_or_else(
+        || "; there is none at all".into(),
+        |tick| format!("; the first one is at tick {tick}"),
+    )
+}
