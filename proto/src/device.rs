@@ -15,7 +15,7 @@ pub enum DeviceError {
     Range {
         /// Field.
         field: &'static str,
-        /// As told.
+        /// As given.
         value: f64,
         /// Least.
         least: f64,

@@ -30,10 +30,10 @@ pub enum Key {
 pub struct Keys;
 
 impl Keys {
-    /// Calls `take` on each key, on a thread of its own; `None` where stdin is no terminal. Ctrl-C
+    /// Calls `take` on each key, on a thread of its own; `None` where stdin is not a terminal. Ctrl-C
     /// stays a signal.
     pub fn listen(mut take: impl FnMut(Key) + Send + 'static) -> Option<Self> {
-        // What is no terminal has no modes.
+        // Only a terminal has modes.
         let mut now = tcgetattr(stdin()).ok()?;
         BEFORE.get_or_init(|| now.clone());
         now.local_modes

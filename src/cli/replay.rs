@@ -79,9 +79,9 @@ fn bits(args: &Args, session: &Session, progress: impl FnMut(u64, u64)) -> anyho
         jobs: args.jobs.map_or(defaults.jobs, usize::from),
     };
     let report = replay_with(session, &options, progress)?;
-    let told = serde_json::to_string(&report)?;
+    let report_text = serde_json::to_string(&report)?;
     if args.json {
-        println!("{told}");
+        println!("{report_text}");
     } else {
         tell(&report);
     }
@@ -99,7 +99,7 @@ fn bits(args: &Args, session: &Session, progress: impl FnMut(u64, u64)) -> anyho
     if let Some(divergence) = &report.divergence {
         match divergence.write(session, &places(args).0) {
             Ok(path) => eprintln!("the ticks around it, from both runs: {}", path.display()),
-            // What was found is told all the same.
+            // What was found is printed all the same.
             Err(error) => {
                 eprintln!(
                     "the ticks around it could not be written: {error}; give a directory with --report"
@@ -107,7 +107,7 @@ fn bits(args: &Args, session: &Session, progress: impl FnMut(u64, u64)) -> anyho
             }
         }
     }
-    write_report(args, &told)?;
+    write_report(args, &report_text)?;
     Ok(match (&report.first_difference, report.is_complete()) {
         (Some(_), _) => Outcome::Difference,
         (None, true) => Outcome::Ok,
@@ -147,12 +147,12 @@ fn places(args: &Args) -> (PathBuf, Option<PathBuf>) {
     }
 }
 
-fn write_report(args: &Args, told: &str) -> anyhow::Result<()> {
+fn write_report(args: &Args, report_text: &str) -> anyhow::Result<()> {
     let (directory, Some(path)) = places(args) else {
         return Ok(());
     };
     std::fs::create_dir_all(&directory).with_context(|| directory.display().to_string())?;
-    std::fs::write(&path, format!("{told}\n")).with_context(|| path.display().to_string())
+    std::fs::write(&path, format!("{report_text}\n")).with_context(|| path.display().to_string())
 }
 
 fn figures(
@@ -181,7 +181,7 @@ fn figures(
         if changed.as_ref().is_none_or(|changed| !changed.is_empty()) {
             now.write(&path)?;
         }
-        told(args, &now, &start, changed.as_deref().unwrap_or_default())?;
+        print_figures(args, &now, &start, changed.as_deref().unwrap_or_default())?;
         if !args.json {
             match &changed {
                 None => println!("{} was written", path.display()),
@@ -191,7 +191,7 @@ fn figures(
         return Ok(Outcome::Ok);
     }
     let found = before.map_or_else(Vec::new, |before| deviations(&before, &now, false));
-    told(args, &now, &start, &found)?;
+    print_figures(args, &now, &start, &found)?;
     if !args.json {
         let verdict = if found.is_empty() {
             "all figures are within their tolerances"
@@ -211,13 +211,13 @@ fn figures(
     })
 }
 
-fn told(args: &Args, figures: &Figures, start: &Start, found: &[Deviation]) -> anyhow::Result<()> {
-    let told =
+fn print_figures(args: &Args, figures: &Figures, start: &Start, found: &[Deviation]) -> anyhow::Result<()> {
+    let report_text =
         serde_json::json!({ "figures": figures, "start": start, "deviations": found }).to_string();
     if args.json {
-        println!("{told}");
+        println!("{report_text}");
     } else {
         found.iter().for_each(|deviation| println!("{deviation}"));
     }
-    write_report(args, &told)
+    write_report(args, &report_text)
 }

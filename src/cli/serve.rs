@@ -1,4 +1,4 @@
-//! `palpate serve`: one scene, until it is told to stop.
+//! `palpate serve`: one scene, until it is asked to stop.
 
 use super::{Outcome, text};
 use crate::drive::driver::{self, DriverReport, DriverSettings};

@@ -19,7 +19,7 @@ pub struct LinkCounters {
     pub oversized: AtomicU64,
     /// Values that are NaN or infinite.
     pub not_finite: AtomicU64,
-    /// Quaternions that are no rotation.
+    /// Quaternions that are not rotations.
     pub bad_quaternion: AtomicU64,
     /// The newest number once more.
     pub duplicated: AtomicU64,

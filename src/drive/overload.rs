@@ -134,7 +134,7 @@ impl Overload {
                 ns: whole_ns,
             });
         } else if dropped_by_others {
-            // Less work would not wake us sooner: told, but no reason to do less.
+            // Less work would not wake us sooner: counted, but no reason to do less.
             verdict.overrun = Some(Overrun {
                 cause: WAKE,
                 ns: late_ns,

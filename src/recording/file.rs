@@ -80,7 +80,7 @@ impl SessionFile {
         }
         let file = disk.create(&part).map_err(|source| match source.kind() {
             std::io::ErrorKind::AlreadyExists => {
-                let advice = "it is what a killed daemon left, or another writes it now: `palpate recover` mends it";
+                let advice = "a killed daemon left it, or another process is writing it: `palpate recover` completes it";
                 WriteError::Exists { path: part.clone(), advice }
             }
             _ => WriteError::Io { path: part.clone(), source },

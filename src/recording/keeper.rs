@@ -174,7 +174,7 @@ impl Keeper {
         self.gauges.state.store(state, Ordering::Relaxed);
     }
 
-    /// Runs until it is told to stop and everything is written.
+    /// Runs until it is asked to stop and everything is written.
     pub fn run(mut self) -> RecordingReport {
         loop {
             let stop = self.stop.load(Ordering::Acquire);

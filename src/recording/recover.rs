@@ -44,7 +44,7 @@ pub struct Recovered {
 /// Writes what `source` holds to `target`. A source that was finished cleanly stays clean.
 ///
 /// # Errors
-/// A source that is no session, or a target that cannot be written.
+/// A source that is not a session, or a target that cannot be written.
 pub fn recover(source: &Path, target: &Path) -> Result<Recovered, RecoverError> {
     if source
         .canonicalize()

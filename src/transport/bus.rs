@@ -165,7 +165,7 @@ impl BusThread {
             player: settings.player.is_some(),
             viewer: settings.viewer.is_some(),
         };
-        // In lockstep and out of a recording every force is told.
+        // In lockstep and out of a recording every force is published.
         let every = scene.clock == Clock::Lockstep || roles.player;
         let (session_of, poses) = (&session, &ports.poses);
         let forces = Forces::new(session_of, &keys, &scene, ports.outputs, poses, every)?;
@@ -247,7 +247,7 @@ impl BusThread {
         self.take_receipts();
         self.publish_forces();
         // The receipt of a change comes before its first tick: all that came before the change is
-        // told now.
+        // published now.
         self.follow_change(None);
         self.tally.poll(&self.served.scene, &mut self.events);
         self.forces.answer_again(&mut self.view);
@@ -267,7 +267,7 @@ impl BusThread {
     }
 
     /// Answers commands that have had their effect. That of a change waits until all of the scene
-    /// before it is told.
+    /// before it is published.
     fn take_receipts(&mut self) {
         while let Ok(receipt) = self.link.receipts.pop() {
             if !self.edits.take_receipt(receipt) {
@@ -294,7 +294,7 @@ impl BusThread {
         }
     }
 
-    /// Goes on with the next scene if the loop does from `tick` on, or has told all before it
+    /// Goes on with the next scene if the loop does from `tick` on, or has published all before it
     /// (`None`).
     fn follow_change(&mut self, tick: Option<u64>) {
         let Some(mut next) = self.edits.due(tick) else {
@@ -339,7 +339,7 @@ impl BusThread {
         self.tally.read_gauges(scene, output, self.rpc.state());
     }
 
-    /// Answers a query, or takes what a client told.
+    /// Answers a query, or takes what a client reported.
     fn answer(&mut self, request: Inbox) {
         let served = &self.served;
         match request {

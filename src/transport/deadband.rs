@@ -5,7 +5,7 @@
 //! reduction and transmission of haptic data in telepresence and teleaction systems", IEEE Trans.
 //! Signal Processing 56 (2), eq. 3). The same for the torque. What a hand tells by itself passes
 //! always: contact that begins or ends, flags that change. After a while without any the newest is
-//! sent anyway, so that a lost message is mended.
+//! sent anyway, so that a lost message does no lasting harm.
 
 use palpate_geometry::math::Vector3;
 use palpate_sim::tick::record::ToolOutput;

@@ -1,4 +1,4 @@
-//! What the devices of tools can do, as their clients told.
+//! What the devices of tools can do, as their clients report.
 
 use super::deadband::Deadband;
 use super::events::Events;
@@ -31,7 +31,7 @@ struct Device {
 }
 
 impl Devices {
-    /// None told yet.
+    /// None reported yet.
     pub(super) fn new(scene: &Scene) -> Self {
         let longest_ticks = ((LONGEST_S / scene.dt_s).round() as u64).max(1);
         let none = || Device {
@@ -55,7 +55,7 @@ impl Devices {
         self.tools[tool].info.as_ref()
     }
 
-    /// Greatest force that the device told it can bear, N.
+    /// Greatest force that the device can bear, as reported, N.
     pub(super) fn force_max_n(&self, tool: usize) -> f64 {
         self.tools[tool].bounds.force_max_n
     }
@@ -126,13 +126,13 @@ impl Devices {
                 "the coupling is stiffer than this device holds in any hand; `bounded = true` would follow it"
             );
         }
-        let told = DeviceBounds {
+        let bounds = DeviceBounds {
             force_max_n: info.force_max,
             torque_max_nm: torque_max_nm(&info),
             ..bounds
         };
         device.info = Some(info);
-        self.bind(tool, told, link);
+        self.bind(tool, bounds, link);
         let tool = scene.tool_id(tool).to_owned();
         events.tell(EventKind::DeviceTold { tool, name });
     }

@@ -139,7 +139,7 @@ impl Edits {
     }
 
     /// Takes the receipt of a change; that of another command is not for here (false). A change is
-    /// answered when all of the scene before it is told.
+    /// answered when all of the scene before it is published.
     pub(super) fn take_receipt(&mut self, receipt: Receipt) -> bool {
         match &mut self.change {
             Some(SceneEdit::Sent(next)) if next.id == receipt.id => {
@@ -150,7 +150,7 @@ impl Edits {
         }
     }
 
-    /// The next scene if the loop goes on with it from `tick` on, or has told all before it
+    /// The next scene if the loop goes on with it from `tick` on, or has published all before it
     /// (`None`).
     pub(super) fn due(&mut self, tick: Option<u64>) -> Option<NextScene> {
         let is_due = matches!(&self.change, Some(SceneEdit::Sent(next))

@@ -1,4 +1,4 @@
-//! What happened, told to clients and to the recording.
+//! What happened, for clients and for the recording.
 
 use super::answers::{reply, reply_refused};
 use super::history::History;

@@ -143,7 +143,7 @@ impl Forces {
         &self.newest
     }
 
-    /// Other bodies than before: contacts with those that were are no more.
+    /// The bodies changed: contacts with the bodies before are dropped.
     pub(super) fn forget_contacts(&mut self) {
         self.newest.contacts = Default::default();
     }

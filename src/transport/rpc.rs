@@ -211,7 +211,7 @@ impl Rpc {
         }
     }
 
-    /// What a player has told so far. Taken before its forces and nets are, answered after them:
+    /// What a player has reported so far. Taken before its forces and nets are, answered after them:
     /// who has the answer to a seek finds the net of that tick.
     pub(super) fn player_news(&self) -> Vec<PlayNews> {
         self.player
@@ -219,7 +219,7 @@ impl Rpc {
             .map_or_else(Vec::new, |player| player.news.try_iter().collect())
     }
 
-    /// Tells clients what a player told.
+    /// Tells clients what a player reported.
     pub(super) fn take_player_news(&mut self, news: Vec<PlayNews>, events: &mut Events) {
         for news in news {
             match news {

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use std::time::Duration;
 use zenoh::Wait;
 
-/// Where a daemon listens unless told otherwise.
+/// Where a daemon listens by default.
 pub const DEFAULT_ENDPOINT: &str = "tcp/127.0.0.1:7447";
 
 /// How to join the bus.
@@ -31,7 +31,7 @@ pub enum SessionError {
         reason: String,
     },
     /// An endpoint Zenoh does not understand.
-    #[error("{endpoint:?} is no endpoint ({reason}); write one like {DEFAULT_ENDPOINT}")]
+    #[error("{endpoint:?} is not a valid endpoint ({reason}); write one like {DEFAULT_ENDPOINT}")]
     Endpoint {
         /// As given.
         endpoint: String,

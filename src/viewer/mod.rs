@@ -140,7 +140,7 @@ impl Viewer {
                         .with_state(pictures)
                         .merge(routes);
                     match tokio::net::TcpListener::from_std(listener) {
-                        // Open sockets do not keep the daemon: the runtime goes when it is told to.
+                        // Open sockets do not keep the daemon: the runtime ends when it is asked to.
                         Ok(listener) => {
                             tokio::select! {
                                 served = axum::serve(listener, app) => if let Err(error) = served {
@@ -359,7 +359,7 @@ mod tests {
         assert!(!headers(Some("http://evil.example")) && !headers(Some("null")));
     }
 
-    // The page draws no line across a gap: it is told of them, and looks at them.
+    // The page draws no line across a gap: it gets a list of them and uses it.
     #[test]
     fn nets_in_pieces_are_drawn_in_pieces() {
         let path = std::path::Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/vessel.toml"));

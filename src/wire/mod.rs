@@ -68,7 +68,7 @@ pub fn tool_contact(tick: u64, force_limit_n: f64, tool: &ToolOutput) -> wire::T
     }
 }
 
-/// What a device told, as far as it decides how stiff it may be coupled. A pose and its force both
+/// What a device reported, as far as it decides how stiff it may be coupled. A pose and its force both
 /// take the delay.
 pub fn device_figures(info: &wire::DeviceInfo) -> DeviceFigures {
     DeviceFigures {

@@ -69,7 +69,7 @@ fn a_killed_daemon_leaves_all_but_half_a_second() {
             report.first_difference.is_none() && report.ticks_matched == last,
             "{report:?}"
         );
-        // It is not mended twice over itself.
+        // It is not recovered onto itself.
         let (_, words, code) = palpate(&["recover", &part]);
         assert!(
             code == 2 && words.contains("exists already"),

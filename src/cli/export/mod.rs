@@ -46,7 +46,7 @@ pub struct Args {
 }
 
 pub fn run(args: &Args) -> anyhow::Result<Outcome> {
-    // A format that cannot be is told before anything is computed.
+    // A format that does not exist is refused before anything is computed.
     let format = args.out.as_ref().map(Format::of).transpose()?;
     let session = Session::open(&args.file)?;
     let range = Range {

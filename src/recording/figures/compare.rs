@@ -189,7 +189,7 @@ impl List {
             b.contact_ticks as f64,
             allowed,
         );
-        // A grazing touch may be one or two: how often contact began is told, and compared only
+        // A grazing touch may be one or two: how often contact began is reported, and compared only
         // when it must be equal.
         if self.exact {
             self.number(

@@ -1,4 +1,4 @@
-//! Cases of one surface and a tool that is no surface.
+//! Cases of one surface and a tool of another kind.
 
 use super::inputs::{near, planes, poses, solid_torus, tool};
 use super::methods::{Mesh, PARRY, ball_mesh};

@@ -16,7 +16,7 @@ const SPAN_MS: [u64; 2] = [50, 1_500];
 struct Left {
     /// Ticks that the file lacks of what had been seen.
     missing: u64,
-    /// The file, mended, is whole, and what it holds replays.
+    /// The recovered file is whole, and what it holds replays.
     sound: bool,
 }
 
@@ -44,7 +44,7 @@ pub(super) fn run(effort: Effort, out: &mut dyn FnMut(Figure)) -> anyhow::Result
         note,
     ));
     let note = format!(
-        "of {kills} files: opened by the mcap library as they were, mended, complete up to their end, replayed bit for bit"
+        "of {kills} files: opened by the mcap library as they were, recovered, complete up to their end, replayed bit for bit"
     );
     out(figure(
         "kill/daemon",
@@ -92,17 +92,17 @@ fn kill(files: &Files, scene: &str, k: usize, after: Duration) -> anyhow::Result
     let ticks = read
         .filter(|message| message.channel.topic == "/sim/tick")
         .count() as u64;
-    let mended = recover(&part, &file)?;
+    let recovered = recover(&part, &file)?;
     let session = Session::open(&file)?;
     let report = replay(&session, 0, |_, _| {})?;
-    let sound = ticks == mended.ticks
+    let sound = ticks == recovered.ticks
         && session.gaps() == 0
         && report.first_difference.is_none()
-        && report.ticks_matched == mended.ticks;
+        && report.ticks_matched == recovered.ticks;
     std::fs::remove_file(&file)?;
     std::fs::remove_file(&part)?;
     Ok(Left {
-        missing: seen.saturating_sub(mended.last_tick),
+        missing: seen.saturating_sub(recovered.last_tick),
         sound,
     })
 }

@@ -79,7 +79,7 @@ pub struct Reference<'a> {
     unknown_count: usize,
     /// r, N/m.
     penalty_n_m: f64,
-    /// A length of the contact samples, m: depths are told from zero by it.
+    /// A length of the contact samples, m: depths are compared with zero relative to it.
     length_m: f64,
 }
 

@@ -276,7 +276,7 @@ impl Unrolled {
             1 => end,
             _ => start + f64::from(turns) * period,
         };
-        // Knots equal modulo the period stay equal: multiplicities are told by equality.
+        // Knots equal modulo the period stay equal: multiplicities are found by equality.
         let image = |knot: f64, turns: i32| match knot {
             k if k == start => boundary(turns),
             k if k == end => boundary(turns + 1),

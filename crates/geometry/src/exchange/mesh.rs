@@ -131,7 +131,7 @@ fn check(mesh: &Mesh, scale: f64, single: bool) -> Result<(), MeshFileError> {
     Ok(())
 }
 
-/// Lines of a text with their numbers. Bytes that are no UTF-8 are shown as such, where they
+/// Lines of a text with their numbers. Bytes that are not UTF-8 are shown as such, where they
 /// matter.
 fn lines(bytes: &[u8]) -> impl Iterator<Item = (usize, &[u8])> {
     bytes

@@ -43,7 +43,7 @@ pub enum Status {
     #[default]
     Complete,
     /// Some roots are so close to each other, or so nearly multiple, that rounding does not let
-    /// them be told apart.
+    /// them be distinguished.
     Cluster,
     /// A curve of roots.
     Continuum,

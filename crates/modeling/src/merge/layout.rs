@@ -183,7 +183,7 @@ fn pair(grids: &[PatchGrid], named: Option<[Edge; 2]>) -> (Layout, f64) {
             }
             let b = Placed { patch: 1, turn };
             let cost = apart(grids, a, b, [at_a, at_b]);
-            // Turns that match equally well (a square of flat patches) are told apart by order, not
+            // Turns that match equally well (a square of flat patches) are distinguished by order, not
             // by rounding.
             if best
                 .as_ref()

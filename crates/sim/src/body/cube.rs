@@ -191,8 +191,8 @@ impl CubeLattice {
     /// every corner, as far as that goes: the flat edges of the cube become slightly convex. On the
     /// teardrops 0.00 becomes 0.02 and more, and no corner stays folded. Costs more than building
     /// the lattice, and its symmetries.
-    pub fn mend_corners(&mut self, surface: &Surface) {
-        untangle::mend(self, surface, untangle::Aim::Corners);
+    pub fn fix_corners(&mut self, surface: &Surface) {
+        untangle::untangle(self, surface, untangle::Aim::Corners);
     }
 
     /// Refuses cells that are not positive at every Gauss point.

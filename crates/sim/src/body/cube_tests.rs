@@ -208,7 +208,7 @@ fn a_learned_lattice_is_as_good_as_a_mapped_one_and_stays_so_with_more_cycles() 
 
 // Along the cube's edges the corners are flat to ± 0.002, and on the teardrop some are folded.
 #[test]
-fn mended_corners_are_not_folded_and_nodes_stay_on_the_surface() {
+fn fixed_corners_are_not_folded_and_nodes_stay_on_the_surface() {
     for net in [8, 12] {
         let surface = drop(net);
         for (builder, build) in BUILDERS {
@@ -218,7 +218,7 @@ fn mended_corners_are_not_folded_and_nodes_stay_on_the_surface() {
                 before.least_scaled_jacobian.abs() < 0.01,
                 "{builder}, net {net}: {before:?}"
             );
-            lattice.mend_corners(&surface);
+            lattice.fix_corners(&surface);
             let after = lattice.quality();
             assert_eq!(
                 (after.folded_cells, after.folded_corner_cells),

@@ -23,7 +23,7 @@ const STEPS: [f64; 3] = [0.4, 0.15, 0.04];
 /// and every lattice takes all sweeps.
 const BAD_CORNER: f64 = 0.02;
 
-/// What is mended.
+/// What is untangled.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Aim {
     /// Jacobians at the Gauss points: no cell inside out.
@@ -59,7 +59,7 @@ impl Aim {
 }
 
 /// Moves nodes until no cell is bad, if it can.
-pub(super) fn mend(lattice: &mut CubeLattice, surface: &Surface, aim: Aim) {
+pub(super) fn untangle(lattice: &mut CubeLattice, surface: &Surface, aim: Aim) {
     let mut place_on_surface: Option<Sliding<'_>> = None;
     for _ in 0..MOST_SWEEPS {
         let mut touched = vec![false; lattice.grid.nodes.len()];

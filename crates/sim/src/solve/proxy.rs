@@ -224,7 +224,7 @@ fn side(state: &ProxyState) -> f64 {
     if state.below { -1.0 } else { 1.0 }
 }
 
-/// Free again: what was proven in touch is no proof any more.
+/// Free again: what was proven in touch no longer holds.
 fn release(state: &mut ProxyState) {
     state.touching = false;
     state.foot.budget_m = 0.0;

@@ -6,7 +6,7 @@
 //! and the force would tremble. So the row of a foot gives way as the four samples around it come
 //! to be pressed, smoothly from nothing to everything; and it is named after its place between the
 //! samples, so that the next tick knows it again. A foot that carried stays a row where it was,
-//! unless a new one takes its place: pressed flat it is no deepest point any more, and without its
+//! unless a new one takes its place: pressed flat it is no longer a deepest point, and without its
 //! row it would bulge again.
 
 use super::Scratch;

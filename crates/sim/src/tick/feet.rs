@@ -66,7 +66,7 @@ pub(super) struct Way {
     pub slipped: Vector3,
     /// The same for its orientation, rad.
     pub twisted: Vector3,
-    /// Its arms count: it is no ball.
+    /// Its lever arms count: it is not a ball.
     pub has_arms: bool,
 }
 

@@ -189,7 +189,7 @@ fn ball(
     );
 }
 
-/// Rows of feet that carried in the last tick and are no deepest points any more.
+/// Rows of feet that carried in the last tick and are no longer deepest points.
 fn keep_feet(
     rows: &mut RowSet,
     p: usize,
@@ -281,7 +281,7 @@ impl Stand {
     }
 }
 
-/// Tools that are no ball, and all on the `spheres` method.
+/// Tools other than balls, and all on the `spheres` method.
 fn shape(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch, p: usize, t: usize) {
     let Scratch {
         bodies,

@@ -77,7 +77,7 @@ fn whole_wrench(
 pub(super) fn torque_limit_nm(tool: &Tool, state: &ToolState) -> f64 {
     let force_max_n = tool.limits.force_max_n.min(state.bounds.force_max_n);
     let most = tool.device.torque_max_nm.min(state.bounds.torque_max_nm);
-    // Infinity times zero is no number.
+    // Infinity times zero is not a number.
     if state.link.limit_n >= force_max_n {
         most
     } else {

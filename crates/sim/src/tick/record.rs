@@ -49,7 +49,7 @@ pub enum Command {
     Resume,
     /// While paused: run this many ticks.
     Step(u32),
-    /// A device told what it can bear; infinite where the scene alone decides.
+    /// What a device can bear, as reported; infinite where the scene alone decides.
     Device {
         /// Index of its tool.
         tool: u32,

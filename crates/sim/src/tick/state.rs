@@ -110,7 +110,7 @@ pub struct ToolState {
     pub orientation: Rotation,
     /// Energy between its device and the loop.
     pub port: Port,
-    /// What its device told it can bear.
+    /// What its device can bear, as reported.
     pub bounds: DeviceBounds,
     /// What it grabs; nothing while the button is up.
     pub grip: GripState,

@@ -48,7 +48,7 @@ impl<O: Objective> Judge<'_, O> {
         (!falls).then_some(found)
     }
 
-    /// Least curvature over the free variables, in units of what can be told from rounding.
+    /// Least curvature over the free variables, in units of what can be distinguished from rounding.
     fn bend(&self, found: &Descent) -> f64 {
         let ([mu, mv], [huu, huv, hvv]) = (found.jet.metric, found.jet.h);
         let least = match found.free {
@@ -355,7 +355,7 @@ impl Detours {
     }
 }
 
-/// Held at an edge by a slope that is no rounding, along a tangent that is none.
+/// Held at an edge by a slope that exceeds rounding, along a tangent that is none.
 pub(super) fn steep(found: &Descent, k: usize, size_m: f64) -> bool {
     let m = found.jet.metric[k];
     m > COLLAPSED * size_m * size_m
