@@ -211,7 +211,12 @@ fn figures(
     })
 }
 
-fn print_figures(args: &Args, figures: &Figures, start: &Start, found: &[Deviation]) -> anyhow::Result<()> {
+fn print_figures(
+    args: &Args,
+    figures: &Figures,
+    start: &Start,
+    found: &[Deviation],
+) -> anyhow::Result<()> {
     let report_text =
         serde_json::json!({ "figures": figures, "start": start, "deviations": found }).to_string();
     if args.json {

@@ -96,7 +96,7 @@ pub struct Command {
     /// Of a step: how many. Of quality: the level.
     #[prost(uint32, tag = "3")]
     pub ticks: u32,
-    /// Of a device that told about itself: index of its tool; greatest force N, greatest torque N m, stiffest coupling N/m.
+    /// Of a device that describes itself: index of its tool; greatest force N, greatest torque N m, stiffest coupling N/m.
     #[prost(uint32, tag = "4")]
     pub tool: u32,
     #[prost(double, repeated, tag = "5")]

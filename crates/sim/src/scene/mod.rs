@@ -1,5 +1,5 @@
-//! Scenes: the file ([`SceneSpec`](spec::SceneSpec)) and the constant ([`Scene`]) that is built from
-//! it. What changes from tick to tick is in [`crate::tick`].
+//! Scenes: the file ([`SceneSpec`]) and the constant ([`Scene`]) that is built from it. What changes
+//! from tick to tick is in [`crate::tick`].
 //!
 //! `Scene::build` compiles exactly the bodies, tools and pairs that the file asks for;
 //! [`plan::Plan`] prints them. What a scene does not need has no buffer and no stage.
