@@ -310,7 +310,7 @@ impl TickPorts {
     ) {
         let NetPort { full, schedule } = &mut self.nets;
         for (body, full) in full.iter_mut().enumerate() {
-            if full.slots() == 0 || !schedule.is_due(state, body, tick) {
+            if !schedule.is_due(state, body, tick) || full.slots() == 0 {
                 continue;
             }
             // Without a free frame the net of a later tick will do.

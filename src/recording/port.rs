@@ -133,7 +133,7 @@ impl RecorderPort {
 
     fn push_nets(&mut self, scene: &Scene, state: &SceneState, tick: u64, nets: &mut NetPool) {
         for (body, full) in self.nets.iter_mut().enumerate() {
-            if full.slots() == 0 || !self.net_schedule.is_due(state, body, tick) {
+            if !self.net_schedule.is_due(state, body, tick) || full.slots() == 0 {
                 continue;
             }
             // Without a free frame the net of a later tick will do.
