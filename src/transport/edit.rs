@@ -19,11 +19,11 @@ enum SceneEdit {
     /// The next scene is being made.
     Asked,
     /// The loop has it, or will.
-    Sent(Box<NextScene>),
+    Sent(Box<DueScene>),
 }
 
 /// What the bus goes on with after a change.
-pub(super) struct NextScene {
+pub(super) struct DueScene {
     id: u64,
     pub(super) scene: Arc<Scene>,
     pub(super) scene_hash: [u8; 32],
@@ -110,7 +110,7 @@ impl Edits {
                         desk.settle(id, &Answer::refused(reason));
                         continue;
                     }
-                    let next = NextScene {
+                    let next = DueScene {
                         id,
                         scene,
                         scene_hash,
@@ -152,7 +152,7 @@ impl Edits {
 
     /// The next scene if the loop goes on with it from `tick` on, or has published all before it
     /// (`None`).
-    pub(super) fn due(&mut self, tick: Option<u64>) -> Option<NextScene> {
+    pub(super) fn due(&mut self, tick: Option<u64>) -> Option<DueScene> {
         let is_due = matches!(&self.change, Some(SceneEdit::Sent(next))
             if next.tick.is_some_and(|first| tick.is_none_or(|tick| tick >= first)));
         if !is_due {
@@ -165,7 +165,7 @@ impl Edits {
     }
 }
 
-impl NextScene {
+impl DueScene {
     /// Answers who asked for it.
     pub(super) fn settle(self, desk: &mut Desk) {
         let answer = Answer::with_report(self.tick.unwrap_or_default(), self.report);
