@@ -6,9 +6,9 @@ pub enum DecodeError {
     /// Another type or version.
     #[error("the encoding's schema is {got:?}, not {expected:?}")]
     WrongSchema {
-        /// Ours.
+        /// The schema of the type that was asked for.
         expected: String,
-        /// Theirs.
+        /// The schema that the sender gave.
         got: String,
     },
     /// Too long.

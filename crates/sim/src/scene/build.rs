@@ -47,7 +47,7 @@ impl Scene {
     }
 }
 
-/// The same scene with every surface and mesh file written out in place: what a recording carries,
+/// A copy of a scene with every surface and mesh file written out in place: what a recording carries,
 /// so that its replay needs no file.
 ///
 /// # Errors

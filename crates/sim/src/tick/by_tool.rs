@@ -10,9 +10,9 @@ use std::sync::LazyLock;
 #[derive(Debug, Default)]
 pub struct ByTool<T>(Vec<T>);
 
-/// What a tool has of which nothing is known.
+/// A type whose default stands for a tool about which nothing is known.
 pub trait Absent: Clone + Default + PartialEq + 'static {
-    /// The default, at a place that lasts.
+    /// The default, as a static.
     fn absent() -> &'static Self;
 }
 
@@ -30,12 +30,12 @@ impl Absent for ToolOutput {
 }
 
 impl<T: Absent> ByTool<T> {
-    /// Defaults for so many tools.
+    /// Defaults for `tool_count` tools.
     pub fn for_tools(tool_count: usize) -> Self {
         Self(vec![T::default(); tool_count])
     }
 
-    /// Defaults for so many tools again. Allocates nothing where there is room.
+    /// Back to defaults for `tool_count` tools. Allocates nothing where there is room.
     pub fn reset(&mut self, tool_count: usize) {
         self.0.clear();
         self.0.resize(tool_count, T::default());
@@ -47,17 +47,17 @@ impl<T: Absent> ByTool<T> {
         self.0.extend_from_slice(values);
     }
 
-    /// Those of the first so many tools.
+    /// The values of the first `tool_count` tools.
     pub fn first(&self, tool_count: usize) -> impl Iterator<Item = &T> {
         (0..tool_count).map(|tool| &self[tool])
     }
 
-    /// Those there is room for.
+    /// The stored values: as many as there is room for.
     pub fn as_slice(&self) -> &[T] {
         &self.0
     }
 
-    /// Those there is room for.
+    /// The stored values, mutable.
     pub fn as_mut_slice(&mut self) -> &mut [T] {
         &mut self.0
     }

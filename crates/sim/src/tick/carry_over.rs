@@ -10,6 +10,7 @@ impl Scene {
     /// nothing is allocated.
     pub fn carry_over(&self, from: &SceneState, origins: &[Origin], state: &mut SceneState) {
         (state.tick, state.run, state.quality) = (from.tick, from.run, from.quality);
+        state.faulted = from.faulted;
         (state.frame, state.carried) = (from.frame, from.carried);
         // Whoever keeps a net of the old scene must see that this is another.
         let revision = from

@@ -83,9 +83,9 @@ pub struct ContactReport {
     pub force_n: Vector3,
 }
 
-/// Contacts that a tick reports at most, in a scene of few tools.
+/// Most contacts reported per tick, where there are few tools.
 const FEW_REPORTS: usize = 16;
-/// The same for each tool, in a scene of many.
+/// Most contacts reported per tick and tool, where there are many tools.
 const REPORTS_PER_TOOL: usize = 2;
 
 /// The deepest contacts of a tick, deepest first: 16, or 2 for each tool where that is more.

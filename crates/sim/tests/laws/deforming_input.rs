@@ -22,7 +22,7 @@ const THICK: &str = "lattice = { thickness_m = 0.02, layers = 2, refine = \"none
 
 // Lines of the file where something is written down wrongly.
 #[test]
-fn a_value_out_of_range_is_told_with_its_line() {
+fn a_value_out_of_range_names_its_line() {
     let cases = [
         (
             "material = { preset = \"jely\" }",
@@ -155,7 +155,7 @@ fn a_value_out_of_range_is_told_with_its_line() {
 
 // What only shows when a body is built stands at its key too, or at the table that lacks it.
 #[test]
-fn what_does_not_go_together_is_told_with_its_key() {
+fn what_does_not_go_together_names_its_key() {
     let plastic = "material = { plastic = { yield_strain = 0.1, rate_per_s = 1.0 } }\n";
     let cases = [
         (

@@ -30,8 +30,8 @@ const TETRAHEDRA: [[usize; 4]; 6] = [
 
 impl ImplicitTool {
     /// Closed triangles on the boundary of the solid within `reach_m` of the origin in x, y and z,
-    /// counter-clockwise seen from outside, at most `most` of them. What goes on beyond the reach
-    /// is closed there. Empty where there is no boundary.
+    /// counter-clockwise seen from outside, at most `most` of them. A solid that extends beyond
+    /// `reach_m` is cut off and closed there. Empty if no boundary lies within it.
     pub fn outline(&self, reach_m: f64, most: usize) -> Mesh {
         let empty = || Mesh {
             points: Vec::new(),

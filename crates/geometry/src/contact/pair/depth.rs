@@ -33,7 +33,8 @@ pub(in crate::contact) struct Sounding {
 impl Below<'_> {
     fn sound(&self, query: &Point3, foot: Foot) -> Sounding {
         let at = &foot.at;
-        // Beyond an open edge there is no inside; straight over or under the edge itself there is.
+        // Beyond an open edge the distance has no sign. Straight over or under the edge the foot is
+        // smooth, and the sign is that of the surface.
         let beyond = !foot.smooth && self.cells.on_open_edge(at.u, at.v);
         let depth_m = if beyond {
             -at.distance

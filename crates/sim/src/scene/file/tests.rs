@@ -19,7 +19,7 @@ fn ten_lines_make_a_scene() {
 }
 
 #[test]
-fn every_problem_is_told_with_its_line() {
+fn every_problem_names_its_line() {
     let cases: [(&str, &str); 18] = [
         (
             "[loop]\nrate_hz = 0\n",

@@ -16,7 +16,7 @@ pub enum ModelSpec {
     /// An elastic solid (stable neo-Hookean) in the cells between the nodes: E and ν mean what they
     /// say.
     Continuum,
-    /// The same on a finer grid of cells, moved by the control points and few shells inside them.
+    /// A continuum on a finer grid of cells, moved by the control points and a few shells inside them.
     Net,
 }
 

@@ -41,10 +41,10 @@ pub struct InlineMesh {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum MeshUnit {
-    /// Metres.
+    /// The mesh file is in metres.
     #[default]
     M,
-    /// Millimetres.
+    /// The mesh file is in millimetres.
     Mm,
 }
 
