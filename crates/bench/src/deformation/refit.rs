@@ -138,7 +138,10 @@ impl Refit {
         let material = preset("gel").ok_or("no gel")?.material;
         let settings = StepSettings {
             dt_s: 1e-3,
-            integrator: Integrator::Implicit { iterations: 1 },
+            integrator: Integrator::Implicit {
+                iterations: 1,
+                matrix: StepMatrix::Auto,
+            },
             sleep_m_s: 0.0,
         };
         let fixed: Vec<bool> = cube

@@ -341,9 +341,9 @@ mod avx2 {
 }
 
 /// Upper triangle of P A Pᵀ by columns: for each column k, (row i <= k, value), rows ascending.
-type UpperColumns = Vec<Vec<(u32, f64)>>;
+pub(super) type UpperColumns = Vec<Vec<(u32, f64)>>;
 
-fn amd_order(matrix: &SymmetricTriplets) -> Result<Vec<u32>, CholeskyError> {
+pub(super) fn amd_order(matrix: &SymmetricTriplets) -> Result<Vec<u32>, CholeskyError> {
     let n = matrix.n;
     let mut columns: Vec<Vec<i64>> = vec![Vec::new(); n];
     for &(i, j, _) in &matrix.entries {
@@ -389,7 +389,7 @@ fn permuted_upper(matrix: &SymmetricTriplets, place: &[u32]) -> UpperColumns {
 
 const NONE: u32 = u32::MAX;
 
-fn elimination_tree(n: usize, upper: &UpperColumns) -> Vec<u32> {
+pub(super) fn elimination_tree(n: usize, upper: &UpperColumns) -> Vec<u32> {
     let mut parent = vec![NONE; n];
     let mut ancestor = vec![NONE; n];
     for k in 0..n {

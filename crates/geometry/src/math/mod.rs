@@ -15,7 +15,10 @@ pub type Pose = na::Isometry3<f64>;
 pub type Matrix3 = na::Matrix3<f64>;
 
 mod aligned;
+mod block_cholesky;
 mod cholesky;
+mod eigen;
+mod eight;
 #[doc(hidden)]
 pub mod lanes;
 mod quadrature;
@@ -26,7 +29,9 @@ mod turn;
 mod walk;
 
 pub use aligned::Rows;
+pub use block_cholesky::{BlockCholesky, BlockTriplets, BlockWork};
 pub use cholesky::{Cholesky, CholeskyError, Lane, SymmetricTriplets};
+pub use eigen::symmetric_eigen;
 pub use quadrature::gauss_legendre;
 pub use random::Random;
 pub use state::{

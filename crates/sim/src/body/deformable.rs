@@ -9,9 +9,11 @@ mod queries;
 
 use super::columns;
 use super::field::Field;
+use super::implicit::{ImplicitScratch, ImplicitStep};
 use super::material::Plastic;
 use super::matter::{Blueprint, FIXED, Matter, lanes};
 use super::node_map::NodeMap;
+use super::rigid_motion::Momentum;
 use super::settings::{DeformableError, StepSettings};
 use super::state::{DeformableScratch, DeformableState};
 use super::stepper::{Compliance, Stepper};
@@ -42,7 +44,7 @@ impl Deformable {
     ) -> Result<Self, DeformableError> {
         let matter = Matter::new(blueprint, damping_s, plastic, settings)?;
         let stepper = Stepper::new(&matter)?;
-        let compliance = stepper.compliance(&matter);
+        let compliance = stepper.compliance(&matter)?;
         Ok(Self {
             matter,
             stepper,
@@ -59,14 +61,94 @@ impl Deformable {
     /// first.
     pub fn predict(&self, state: &DeformableState, scratch: &mut DeformableScratch) {
         if self.asleep(state) {
-            scratch.predicted.copy_from_slice(&state.positions);
+            if !scratch.at_rest {
+                scratch.predicted.copy_from_slice(&state.positions);
+                if let Stepper::Implicit(implicit) = &self.stepper {
+                    self.begin(implicit, state, scratch);
+                }
+                scratch.at_rest = true;
+            }
             return;
         }
+        scratch.at_rest = false;
         match &self.stepper {
-            Stepper::Implicit(implicit) => implicit.predict(&self.matter, state, scratch),
+            Stepper::Implicit(implicit) => {
+                self.begin(implicit, state, scratch);
+                self.correct(implicit, state, scratch, true);
+            }
             Stepper::Explicit(_) | Stepper::Xpbd(_) => {
                 self.stepper.run(&self.matter, state, scratch)
             }
+        }
+    }
+
+    /// The inertial prediction, with the contact forces of the step before.
+    fn begin(
+        &self,
+        implicit: &ImplicitStep,
+        state: &DeformableState,
+        scratch: &mut DeformableScratch,
+    ) {
+        let dt = self.matter.settings.dt_s;
+        let moved = state.positions.iter().zip(&state.velocities);
+        for (reached, (x, v)) in scratch.reached.iter_mut().zip(moved) {
+            *reached = x + v * dt;
+        }
+        scratch.carried.clear();
+        let forces = self.matter.surface.iter().zip(&state.contact_n);
+        let acting = forces.filter(|(_, force)| **force != Vector3::zeros());
+        scratch
+            .carried
+            .extend(acting.map(|(&c, &force)| (c, force)));
+        scratch.turning = (self.matter.is_free() && self.matter.damping_s > 0.0).then(|| {
+            let (places, velocities) = (&state.positions, &state.velocities);
+            Momentum::of(&self.matter, places, velocities).rigid(&self.matter, places)
+        });
+        implicit.begin(&self.matter, state, scratch);
+    }
+
+    /// One correction of where the step has come; on the net, x* is that without what contact moved.
+    fn correct(
+        &self,
+        implicit: &ImplicitStep,
+        state: &DeformableState,
+        scratch: &mut DeformableScratch,
+        first: bool,
+    ) {
+        implicit.correct(&self.matter, state, scratch);
+        if first {
+            implicit.settle_response(scratch);
+        }
+        scratch.predicted.copy_from_slice(&scratch.reached);
+        if scratch.carried.is_empty() {
+            return;
+        }
+        let DeformableScratch {
+            carried,
+            predicted,
+            amounts,
+            implicit,
+            ..
+        } = scratch;
+        let bounding = implicit.answers_bounding;
+        self.weigh_modes(carried, implicit, amounts);
+        let (n, columns) = (self.unknown_count(), self.columns(bounding));
+        let with_modes = !(bounding || amounts.is_empty());
+        for &c in &self.matter.surface {
+            let unknown = self.matter.unknown[c as usize] as usize;
+            let mut moved = Vector3::zeros();
+            for (coordinate, force) in carried.iter() {
+                let column = self.compliance.column[*coordinate as usize] as usize;
+                moved += force * columns[column * n + unknown];
+            }
+            if with_modes {
+                moved += self.compliance.response.modes.moved(
+                    unknown,
+                    &implicit.frames[unknown],
+                    amounts,
+                );
+            }
+            predicted[c as usize] -= moved;
         }
     }
 
@@ -80,12 +162,126 @@ impl Deformable {
         if scratch.loaded.is_empty() && self.asleep(state) {
             return;
         }
-        self.respond(scratch);
-        for (moved, &coordinate) in scratch.lanes.iter().zip(&self.matter.coordinate_of_unknown) {
-            scratch.predicted[coordinate as usize] += Vector3::new(moved[0], moved[1], moved[2]);
-        }
+        scratch.at_rest = false;
+        self.take_contact(scratch);
         self.drop_loads(scratch);
-        implicit.again(&self.matter, state, scratch);
+        self.correct(implicit, state, scratch, false);
+    }
+
+    /// Moves `reached` by what the contact forces of the scratch change against those that it knows.
+    fn take_contact(&self, scratch: &mut DeformableScratch) {
+        let DeformableScratch {
+            carried,
+            changed,
+            loaded,
+            forces,
+            reached,
+            lanes,
+            amounts,
+            implicit,
+            ..
+        } = scratch;
+        // What it knows, less; what acts now, more; by coordinate.
+        changed.clear();
+        changed.extend(carried.iter().map(|&(c, force)| (c, -force)));
+        carried.clear();
+        carried.extend(loaded.iter().map(|&c| (c, forces[c as usize])));
+        carried.sort_unstable_by_key(|entry| entry.0);
+        for &(c, force) in carried.iter() {
+            match changed.binary_search_by_key(&c, |entry| entry.0) {
+                Ok(k) => changed[k].1 += force,
+                Err(k) => changed.insert(k, (c, force)),
+            }
+        }
+        changed.retain(|entry| entry.1 != Vector3::zeros());
+        if changed.is_empty() {
+            return;
+        }
+        let bounding = implicit.answers_bounding;
+        self.respond(changed, bounding, lanes);
+        self.weigh_modes(changed, implicit, amounts);
+        let with_modes = !(bounding || amounts.is_empty());
+        for (unknown, &c) in self.matter.coordinate_of_unknown.iter().enumerate() {
+            let moved = lanes[unknown];
+            let place = &mut reached[c as usize];
+            *place += Vector3::new(moved[0], moved[1], moved[2]);
+            if with_modes {
+                *place += self.compliance.response.modes.moved(
+                    unknown,
+                    &implicit.frames[unknown],
+                    amounts,
+                );
+            }
+        }
+    }
+
+    /// Columns of the response.
+    fn columns(&self, bounding: bool) -> &[f64] {
+        let response = &self.compliance.response;
+        match bounding && !response.bounding.is_empty() {
+            true => &response.bounding,
+            false => &response.columns,
+        }
+    }
+
+    /// How much of each soft mode forces on the net excite.
+    fn weigh_modes(
+        &self,
+        forces: &[(u32, Vector3)],
+        implicit: &ImplicitScratch,
+        amounts: &mut [f64],
+    ) {
+        amounts.fill(0.0);
+        let (modes, frames) = (&self.compliance.response.modes, &implicit.frames);
+        if amounts.is_empty() || implicit.answers_bounding {
+            return;
+        }
+        for (coordinate, force) in forces {
+            let unknown = self.matter.unknown[*coordinate as usize] as usize;
+            modes.add_work(unknown, &frames[unknown], force, amounts);
+        }
+        for (amount, gain) in amounts.iter_mut().zip(modes.gains()) {
+            *amount *= gain;
+        }
+    }
+
+    /// Number of soft modes in the compliance.
+    pub fn mode_count(&self) -> usize {
+        self.compliance.response.modes.len()
+    }
+
+    /// Gain of each soft mode: with p the work of unit forces on it, two of them move each other by
+    /// p_i gain p_jᵀ more than [`Deformable::compliance_of`] says.
+    pub fn mode_gains(&self) -> &[f64] {
+        self.compliance.response.modes.gains()
+    }
+
+    /// Adds `weight` times how each soft mode moves a coordinate of the net to `to` (modes).
+    pub fn add_modes(
+        &self,
+        scratch: &DeformableScratch,
+        coordinate: usize,
+        weight: f64,
+        to: &mut [Vector3],
+    ) {
+        if let Some(unknown) = self.unknown(coordinate)
+            && !scratch.implicit.answers_bounding
+        {
+            let frame = &scratch.implicit.frames[unknown];
+            self.compliance
+                .response
+                .modes
+                .add_shapes(unknown, frame, weight, to);
+        }
+    }
+
+    /// Brings what contact needs of the scratch in line with a state whose free motion was predicted
+    /// with another scratch.
+    pub fn follow(&self, state: &DeformableState, scratch: &mut DeformableScratch) {
+        scratch.at_rest = false;
+        if let Stepper::Implicit(implicit) = &self.stepper {
+            self.begin(implicit, state, scratch);
+        }
     }
 
     /// The step with contact forces, which are used up. [`Deformable::predict`] came before, on the
@@ -97,7 +293,10 @@ impl Deformable {
         }
         let touched = !scratch.loaded.is_empty();
         match &self.stepper {
-            Stepper::Implicit(_) => self.advance_on_compliance(state, scratch),
+            Stepper::Implicit(implicit) => {
+                self.advance_on_compliance(state, scratch);
+                implicit.end(state, scratch);
+            }
             Stepper::Explicit(_) | Stepper::Xpbd(_) => {
                 // Again from the start: the prediction knew no contact.
                 self.stepper.run(&self.matter, state, scratch);
@@ -110,35 +309,78 @@ impl Deformable {
         self.count_still(state, touched || flowed);
     }
 
-    /// A⁻¹ Cᵀ λ, into the scratch's lanes.
-    fn respond(&self, scratch: &mut DeformableScratch) {
-        let n = self.unknown_count();
-        let column_of = |coordinate: u32| {
-            let column = self.compliance.column[coordinate as usize] as usize;
-            &self.compliance.values[column * n..(column + 1) * n]
-        };
-        scratch.lanes.fill([0.0; 4]);
-        for four in scratch.loaded.chunks(4) {
+    /// W F of forces on the net, into `lanes` (unknowns).
+    fn respond(&self, forces: &[(u32, Vector3)], bounding: bool, lanes: &mut [Lane]) {
+        let (n, values) = (self.unknown_count(), self.columns(bounding));
+        lanes.fill([0.0; 4]);
+        for four in forces.chunks(4) {
             let mut columns: [&[f64]; 4] = [&[]; 4];
-            let mut forces = [[0.0; 4]; 4];
-            for (k, &coordinate) in four.iter().enumerate() {
-                let force = scratch.forces[coordinate as usize];
-                (columns[k], forces[k]) = (column_of(coordinate), [force.x, force.y, force.z, 0.0]);
+            let mut lanes_of_forces = [[0.0; 4]; 4];
+            for (k, &(coordinate, force)) in four.iter().enumerate() {
+                let column = self.compliance.column[coordinate as usize] as usize;
+                columns[k] = &values[column * n..(column + 1) * n];
+                lanes_of_forces[k] = [force.x, force.y, force.z, 0.0];
             }
-            columns::add(columns, four.len(), &forces, &mut scratch.lanes);
+            columns::add(columns, four.len(), &lanes_of_forces, lanes);
         }
     }
 
-    /// x' = x* + A⁻¹ Cᵀ λ, v = (x' − x) / dt.
+    /// x' = z + W (F − F₀), v = (x' − x) / dt; a free body keeps its momentum.
     fn advance_on_compliance(&self, state: &mut DeformableState, scratch: &mut DeformableScratch) {
-        self.respond(scratch);
-        let inverse_dt = 1.0 / self.matter.settings.dt_s;
-        for (moved, &coordinate) in scratch.lanes.iter().zip(&self.matter.coordinate_of_unknown) {
+        let matter = &self.matter;
+        self.take_contact(scratch);
+        let before =
+            (matter.is_free()).then(|| Momentum::of(matter, &state.positions, &state.velocities));
+        if before.is_some() {
+            // What free points feel now; places are about to change.
+            let points = state.positions.iter().zip(&state.velocities);
+            for ((load, (x, v)), m) in scratch.speed.iter_mut().zip(points).zip(&matter.masses) {
+                *load = scratch.field.at(x, v) * *m;
+            }
+        }
+        let inverse_dt = 1.0 / matter.settings.dt_s;
+        for &coordinate in &matter.coordinate_of_unknown {
             let coordinate = coordinate as usize;
-            let position =
-                scratch.predicted[coordinate] + Vector3::new(moved[0], moved[1], moved[2]);
+            let position = scratch.reached[coordinate];
             state.velocities[coordinate] = (position - state.positions[coordinate]) * inverse_dt;
             state.positions[coordinate] = position;
+        }
+        state.contact_n.fill(Vector3::zeros());
+        for &(coordinate, force) in &scratch.carried {
+            state.contact_n[self.compliance.column[coordinate as usize] as usize] = force;
+        }
+        if let Some(before) = before {
+            self.keep_momentum(&before, state, scratch);
+        }
+    }
+
+    /// Gives a free body the momentum that it had and what acted on it in the step.
+    fn keep_momentum(
+        &self,
+        before: &Momentum,
+        state: &mut DeformableState,
+        scratch: &DeformableScratch,
+    ) {
+        let (matter, dt) = (&self.matter, self.matter.settings.dt_s);
+        let now = Momentum::of(matter, &state.positions, &state.velocities);
+        let (mut force, mut torque) = (Vector3::zeros(), Vector3::zeros());
+        for (load, x) in scratch.speed.iter().zip(&state.positions) {
+            force += load;
+            torque += (x - now.centre).cross(load);
+        }
+        for &(coordinate, load) in &scratch.carried {
+            force += load;
+            torque += (state.positions[coordinate as usize] - now.centre).cross(&load);
+        }
+        let missing = Momentum {
+            linear: before.linear + force * dt - now.linear,
+            angular: before.angular + torque * dt - now.angular,
+            ..now
+        };
+        let change = missing.rigid(matter, &state.positions);
+        for (v, x) in state.velocities.iter_mut().zip(state.positions.iter_mut()) {
+            *v += change.velocity(x);
+            *x += change.linear * dt;
         }
     }
 
@@ -223,6 +465,12 @@ impl Deformable {
         }
     }
 
+    /// Forgets what was prepared for another state.
+    pub fn forget(&self, scratch: &mut DeformableScratch) {
+        scratch.at_rest = false;
+        self.drop_loads(scratch);
+    }
+
     /// Forgets the forces given so far.
     pub fn drop_loads(&self, scratch: &mut DeformableScratch) {
         for coordinate in scratch.loaded.drain(..) {
@@ -231,13 +479,13 @@ impl Deformable {
         }
     }
 
-    /// Displacements of all free coordinates for a unit force held on one of the net over one step,
-    /// m/N, by [`Deformable::unknown`]; `None` for a fixed one.
-    pub fn compliance_of(&self, coordinate: usize) -> Option<&[f64]> {
+    /// Displacements of all free coordinates for a unit force held on one of the net over the step
+    /// that the scratch stands for, m/N, by [`Deformable::unknown`]; `None` for a fixed one.
+    pub fn compliance_of(&self, scratch: &DeformableScratch, coordinate: usize) -> Option<&[f64]> {
         let column = self.compliance.column[coordinate];
         let n = self.unknown_count();
-        (column != FIXED)
-            .then(|| &self.compliance.values[column as usize * n..(column as usize + 1) * n])
+        let values = self.columns(scratch.implicit.answers_bounding);
+        (column != FIXED).then(|| &values[column as usize * n..(column as usize + 1) * n])
     }
 
     /// Place of a coordinate among the free ones; `None` if it is fixed.
@@ -252,7 +500,11 @@ impl Deformable {
 
     /// The state at rest.
     pub fn rest_state(&self) -> DeformableState {
-        self.matter.rest_state()
+        let mut state = self.matter.rest_state();
+        if let Stepper::Implicit(implicit) = &self.stepper {
+            state.caution = implicit.caution(&self.matter);
+        }
+        state
     }
 
     /// Sets a state of this body back to rest. Allocates nothing.
@@ -262,6 +514,11 @@ impl Deformable {
 
     /// Buffers; call [`Deformable::predict`] before the first step.
     pub fn scratch(&self) -> DeformableScratch {
-        self.matter.scratch()
+        let mut scratch = self.matter.scratch();
+        if let Stepper::Implicit(implicit) = &self.stepper {
+            scratch.implicit = implicit.scratch(&self.matter);
+            scratch.amounts = vec![0.0; self.mode_count()];
+        }
+        scratch
     }
 }

@@ -3,12 +3,11 @@
 //! With the greatest frequency ω and the damping time d, a substep h is stable while h² ω² + 2 h d
 //! ω² ≤ 4.
 
-use super::implicit::{add_edges, greatest_frequency_squared};
+use super::implicit::{LOOK_AHEAD, greatest_frequency_squared, shortest_edges};
 use super::matter::{Matter, lanes};
-use super::node_map::NodeMap;
 use super::settings::DeformableError;
 use super::state::{DeformableScratch, DeformableState};
-use palpate_geometry::math::{Lane, Vector3};
+use palpate_geometry::math::Vector3;
 
 /// Most substeps of a step.
 pub(super) const MOST_SUBSTEPS: usize = 20_000;
@@ -19,8 +18,8 @@ const SAFETY: f64 = 0.9;
 #[derive(Debug)]
 pub(super) struct Explicit {
     substeps: usize,
-    /// Edges that damp, k d.
-    damping: Vec<(u32, u32, f64)>,
+    /// (coordinates): most that damping looks ahead, m; empty without damping.
+    reach_m: Vec<f64>,
 }
 
 impl Explicit {
@@ -35,15 +34,17 @@ impl Explicit {
                 most: MOST_SUBSTEPS,
             });
         }
-        let damping = if d > 0.0 {
-            matter.law_edges()
+        let reach_m = if d > 0.0 {
+            shortest_edges(matter)
+                .into_iter()
+                .map(|edge| LOOK_AHEAD * edge)
+                .collect()
         } else {
             Vec::new()
         };
-        let damping = damping.into_iter().map(|(a, b, k)| (a, b, k * d)).collect();
         Ok(Self {
             substeps: at_least.max(needed as usize).max(1),
-            damping,
+            reach_m,
         })
     }
 
@@ -65,8 +66,8 @@ impl Explicit {
             for (load, force) in scratch.residual.iter_mut().zip(&scratch.forces) {
                 *load = [force.x, force.y, force.z, 0.0];
             }
-            self.add_damping(matter, scratch);
             lanes(&scratch.predicted, &mut scratch.coordinates);
+            self.look_ahead(matter, scratch);
             matter.add_law_forces(state, scratch);
             for &c in &matter.coordinate_of_unknown {
                 let c = c as usize;
@@ -78,29 +79,17 @@ impl Explicit {
         }
     }
 
-    fn add_damping(&self, matter: &Matter, scratch: &mut DeformableScratch) {
-        if self.damping.is_empty() {
-            return;
-        }
-        let DeformableScratch {
-            speed,
-            coordinates,
-            nodes,
-            residual,
-            node_residual,
-            ..
-        } = scratch;
-        for (lane, v) in coordinates.iter_mut().zip(speed.iter()) {
-            *lane = [v.x, v.y, v.z, 0.0];
-        }
-        match &matter.map {
-            NodeMap::Same => add_edges(&self.damping, coordinates, residual),
-            NodeMap::Sparse(map) => {
-                map.apply(coordinates, nodes);
-                node_residual.fill([0.0; 4]);
-                add_edges(&self.damping, nodes, node_residual);
-                let forces: &[Lane] = node_residual;
-                map.add_transposed(forces, residual);
+    /// Moves the coordinates at which the law is asked ahead by d ẋ, as the implicit step does.
+    fn look_ahead(&self, matter: &Matter, scratch: &mut DeformableScratch) {
+        let moving = scratch.speed.iter().zip(&self.reach_m);
+        for ((v, reach_m), lane) in moving.zip(scratch.coordinates.iter_mut()) {
+            let mut ahead = v * matter.damping_s;
+            let length = ahead.norm();
+            if length > *reach_m {
+                ahead *= reach_m / length;
+            }
+            for (value, part) in lane.iter_mut().zip(ahead.iter()) {
+                *value += part;
             }
         }
     }

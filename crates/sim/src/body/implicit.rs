@@ -1,53 +1,158 @@
-//! Backward Euler by projective dynamics (Bouaziz et al. 2014) with one constant matrix
-//! `A = M / dt² + (1 + d / dt) Wᵀ L W`, `L = Σ k (e_a − e_b)(e_a − e_b)ᵀ`, factored at build.
+//! Backward Euler, one or a few iterations of a quasi-Newton method with a constant matrix B, factored
+//! at build.
 //!
-//! We solve for increments, `A Δ = M (v / dt + g) + f(x)`, so that rest is rest to the last bit, an
-//! error is relative to the motion, not to the position, and equilibrium does not depend on A.
+//! A step starts from the inertial prediction y = x + dt v and corrects it by
+//! `B⁻¹ (M (g − (z − y) / dt²) + f(z) + F)`, F the contact forces so far. What is at rest stays at rest
+//! to the last bit, and equilibrium does not depend on B. Linear analysis: stable while the tangent of
+//! backward Euler is below 4/3 of B.
+//!
+//! B is the tangent of rest, turned with each coordinate's neighbourhood (stiffness warping), or, where
+//! that is too large, too stiff for single precision or no solid, a scalar matrix above every tangent:
+//! projective dynamics (Bouaziz et al. 2014). Contact answers by a third matrix, that of
+//! [`MaterialLaw::response_edges`](super::law::MaterialLaw::response_edges), whose columns W are scalar.
+//! The contact forces of the step before stand in the correction from the start, and W answers for what
+//! they change: x' = y + B⁻¹ (… + F₀) + W (F − F₀).
 
+use super::frames::{Frame, Frames, from_rest, into_rest};
 use super::matter::{FIXED, Matter, lanes};
-use super::node_map::NodeMap;
-use super::settings::DeformableError;
+use super::settings::{DeformableError, StepMatrix};
+use super::soft_modes::SoftModes;
 use super::state::{DeformableScratch, DeformableState};
-use palpate_geometry::math::{Cholesky, SymmetricTriplets, Vector3};
+use super::tangent;
+use palpate_geometry::math::{
+    BlockCholesky, BlockWork, Cholesky, Lane, Rows, SymmetricTriplets, Vector3,
+};
 
-/// The factor, and what further iterations need.
+/// Most numbers of a factor in blocks: what a core reads in about a millisecond.
+const MOST_NUMBERS: usize = 3_000_000;
+/// Most stiffness over inertia for which a factor in single precision is good.
+const MOST_STIFF: f64 = 1e5;
+/// Springs around a node must hold it about as well in every direction, else it gives way sideways at
+/// rest and is held by the springs' tension once they are drawn: regular lattices have 0.3 at their
+/// corners, and the thin cells near the axis of a teardrop 0.02.
+const LEAST_RIGIDITY: f64 = 0.1;
+/// Of the length of a coordinate's shortest edge: how far damping looks ahead.
+pub(super) const LOOK_AHEAD: f64 = 0.3;
+
+/// The factors, and what further iterations need.
 #[derive(Debug)]
 pub(super) struct ImplicitStep {
-    factor: Cholesky,
+    matrix: Matrix,
     iterations: usize,
-    /// Edges that damp, k d / dt; empty for a single iteration, whose guess has not moved.
-    damping: Vec<(u32, u32, f64)>,
+    /// (coordinates): most that damping looks ahead, m; empty without damping.
+    reach_m: Vec<f64>,
 }
 
+#[derive(Debug)]
+enum Matrix {
+    Bounding(Cholesky),
+    Tangent(Box<Tangent>),
+}
+
+#[derive(Debug)]
+struct Tangent {
+    /// The tangent of rest, and one that is firmer against turning, for strained bodies.
+    factors: [BlockCholesky; 2],
+    frames: Frames,
+    /// For states whose tangent is beyond 4/3 of both.
+    bounding: Cholesky,
+    /// (unknowns), m: corrections below this are rounding; and those that are watched at once.
+    watched_m: Vec<[f64; 2]>,
+}
+
+/// How corrections went so far: whether the tangent of rest can follow the body.
+#[derive(Debug, Default, PartialEq)]
+pub struct Caution {
+    /// (unknowns): last correction, m, and how often in a row it has turned over.
+    pub corrections: Vec<Lane>,
+    /// Which matrix: the tangent of rest, the firmer one, the bounding one.
+    pub level: u32,
+    /// For so many steps more.
+    pub steps: u32,
+    /// For how many it would be next time.
+    pub next: u32,
+}
+
+/// The level of the bounding matrix.
+const BOUNDING: u32 = 2;
+
+impl Clone for Caution {
+    fn clone(&self) -> Self {
+        let mut copy = Self::default();
+        copy.clone_from(self);
+        copy
+    }
+
+    /// Allocates nothing between states of one body.
+    fn clone_from(&mut self, from: &Self) {
+        self.corrections.clone_from(&from.corrections);
+        (self.level, self.steps, self.next) = (from.level, from.steps, from.next);
+    }
+}
+
+/// What forces held on the net through one step move.
+#[derive(Debug, Default)]
+pub(super) struct Response {
+    /// (coordinates of the net × unknowns), row by row, m/N.
+    pub columns: Vec<f64>,
+    /// Motions for which the columns are too stiff.
+    pub modes: SoftModes,
+    /// As `columns`, in steps that take the bounding matrix; empty where all do.
+    pub bounding: Vec<f64>,
+}
+
+/// Buffers of a correction.
+#[derive(Clone, Debug, Default)]
+pub(super) struct ImplicitScratch {
+    /// (unknowns).
+    pub(super) frames: Vec<Frame>,
+    work: BlockWork,
+    /// (unknowns): right-hand side in blocks.
+    blocks: Rows,
+    /// (unknowns): the same for the scalar matrix, and its buffer.
+    rhs: Vec<Vector3>,
+    lanes: Rows,
+    /// The state's caution after the step.
+    caution: Caution,
+    /// Contact answers by the bounding matrix in this step.
+    pub(super) answers_bounding: bool,
+}
+
+/// Fewest and most steps that are left to a firmer matrix once one cannot follow.
+const CAUTIOUS_STEPS: [u32; 2] = [16, 1024];
+/// A correction that turns over this often in a row without becoming smaller grows; a large one
+/// need only do so twice.
+const TURNS: [f64; 2] = [3.0, 2.0];
+/// Of the shortest edge: corrections below are rounding, and those above are large.
+const WATCHED: [f64; 2] = [1e-8, 1e-2];
+
 impl ImplicitStep {
-    pub(super) fn new(matter: &Matter, iterations: usize) -> Result<Self, DeformableError> {
-        let (dt, damping_s) = (matter.settings.dt_s, matter.damping_s);
-        let mut matrix = SymmetricTriplets::new(matter.unknown_count());
-        for (row, &coordinate) in matter.coordinate_of_unknown.iter().enumerate() {
-            matrix.add(row, row, matter.masses[coordinate as usize] / (dt * dt));
-        }
-        let edges = matter.law_edges();
-        let scaled: Vec<_> = edges
-            .iter()
-            .map(|&(a, b, k)| (a, b, k * (1.0 + damping_s / dt)))
-            .collect();
-        matter
-            .map
-            .add_edges(&scaled, |c| matter.unknown(c as usize), &mut matrix);
-        let factor = Cholesky::new(&matrix)?;
-        let again = iterations > 1 && damping_s > 0.0;
-        let damping = if again {
-            edges
-                .iter()
-                .map(|&(a, b, k)| (a, b, k * damping_s / dt))
+    pub(super) fn new(
+        matter: &Matter,
+        iterations: usize,
+        wanted: StepMatrix,
+    ) -> Result<Self, DeformableError> {
+        let tangent = match wanted {
+            StepMatrix::Bounding => None,
+            StepMatrix::Auto => tangent_of(matter, !matter.law.is_springs()),
+            StepMatrix::Tangent => tangent_of(matter, true),
+        };
+        let matrix = match tangent {
+            Some(tangent) => Matrix::Tangent(Box::new(tangent)),
+            None => Matrix::Bounding(Cholesky::new(&scalar_matrix(matter, &matter.law.edges()))?),
+        };
+        let reach_m = if matter.damping_s > 0.0 {
+            shortest_edges(matter)
+                .into_iter()
+                .map(|edge| LOOK_AHEAD * edge)
                 .collect()
         } else {
             Vec::new()
         };
         Ok(Self {
-            factor,
+            matrix,
             iterations,
-            damping,
+            reach_m,
         })
     }
 
@@ -55,123 +160,330 @@ impl ImplicitStep {
         self.iterations
     }
 
+    /// Numbers in the factor.
     pub(super) fn factor_non_zeros(&self) -> usize {
-        self.factor.non_zeros()
-    }
-
-    /// A⁻¹ e of each of the given coordinates.
-    pub(super) fn columns(&self, matter: &Matter, surface: &[u32]) -> Vec<f64> {
-        let n = self.factor.n();
-        let mut columns = Vec::with_capacity(surface.len() * n);
-        for &coordinate in surface {
-            let start = columns.len();
-            columns.resize(start + n, 0.0);
-            columns[start + matter.unknown[coordinate as usize] as usize] = 1.0;
-            self.factor.solve_one(&mut columns[start..]);
+        match &self.matrix {
+            Matrix::Bounding(factor) => factor.non_zeros(),
+            Matrix::Tangent(tangent) => tangent.factors[0].non_zeros(),
         }
-        columns
     }
 
-    /// The first iteration, from where the body is.
-    pub(super) fn predict(
+    pub(super) fn scratch(&self, matter: &Matter) -> ImplicitScratch {
+        let n = matter.unknown_count();
+        match &self.matrix {
+            Matrix::Bounding(_) => ImplicitScratch {
+                rhs: vec![Vector3::zeros(); n],
+                lanes: Rows::zeros(n),
+                ..ImplicitScratch::default()
+            },
+            Matrix::Tangent(tangent) => ImplicitScratch {
+                frames: vec![Frame::default(); n],
+                work: tangent.factors[0].work(),
+                blocks: Rows::zeros(n),
+                rhs: vec![Vector3::zeros(); n],
+                lanes: Rows::zeros(n),
+                caution: self.caution(matter),
+                answers_bounding: false,
+            },
+        }
+    }
+
+    /// That of a body at rest.
+    pub(super) fn caution(&self, matter: &Matter) -> Caution {
+        match &self.matrix {
+            Matrix::Bounding(_) => Caution::default(),
+            Matrix::Tangent(_) => Caution {
+                corrections: vec![[0.0; 4]; matter.unknown_count()],
+                level: 0,
+                steps: 0,
+                next: CAUTIOUS_STEPS[0],
+            },
+        }
+    }
+
+    /// Hands the caution of the step over to the state.
+    pub(super) fn end(&self, state: &mut DeformableState, scratch: &DeformableScratch) {
+        state.caution.clone_from(&scratch.implicit.caution);
+    }
+
+    /// What contact forces move in the step in which they change: W e of each of the given
+    /// coordinates, and the motions that W is too stiff for.
+    pub(super) fn response(
+        &self,
+        matter: &Matter,
+        surface: &[u32],
+    ) -> Result<Response, DeformableError> {
+        let columns = |factor: &Cholesky| {
+            let n = factor.n();
+            let mut columns = Vec::with_capacity(surface.len() * n);
+            for &coordinate in surface {
+                let start = columns.len();
+                columns.resize(start + n, 0.0);
+                columns[start + matter.unknown[coordinate as usize] as usize] = 1.0;
+                factor.solve_one(&mut columns[start..]);
+            }
+            columns
+        };
+        Ok(match &self.matrix {
+            Matrix::Bounding(factor) => Response {
+                columns: columns(factor),
+                ..Response::default()
+            },
+            Matrix::Tangent(tangent) => {
+                let matrix = scalar_matrix(matter, &matter.law.response_edges());
+                Response {
+                    columns: columns(&Cholesky::new(&matrix)?),
+                    modes: SoftModes::new(&tangent.factors[0], &matrix),
+                    bounding: columns(&tangent.bounding),
+                }
+            }
+        })
+    }
+
+    /// What belongs to the whole step: the frames of the neighbourhoods.
+    pub(super) fn begin(
         &self,
         matter: &Matter,
         state: &DeformableState,
         scratch: &mut DeformableScratch,
     ) {
-        scratch.predicted.copy_from_slice(&state.positions);
-        self.correct(matter, state, scratch, false);
+        if let Matrix::Tangent(tangent) = &self.matrix {
+            lanes(&state.positions, &mut scratch.coordinates);
+            let ImplicitScratch {
+                frames, caution, ..
+            } = &mut scratch.implicit;
+            tangent.frames.fit(matter, &scratch.coordinates, frames);
+            caution.clone_from(&state.caution);
+            caution.step();
+        }
     }
 
-    /// One more, from the guess in `predicted`.
-    pub(super) fn again(
+    /// Settles by which response contact answers in this step: after the first correction.
+    pub(super) fn settle_response(&self, scratch: &mut DeformableScratch) {
+        scratch.implicit.answers_bounding = scratch.implicit.caution.level >= BOUNDING;
+    }
+
+    /// Adds B⁻¹ of the residual of backward Euler, with the contact forces in `scratch.carried`, to
+    /// the guess in `scratch.reached`.
+    pub(super) fn correct(
         &self,
         matter: &Matter,
         state: &DeformableState,
         scratch: &mut DeformableScratch,
-    ) {
-        self.correct(matter, state, scratch, true);
-    }
-
-    /// Adds A⁻¹ of the residual of backward Euler, without contact, to the guess.
-    fn correct(
-        &self,
-        matter: &Matter,
-        state: &DeformableState,
-        scratch: &mut DeformableScratch,
-        has_moved: bool,
     ) {
         let inverse_dt = 1.0 / matter.settings.dt_s;
         for c in 0..state.positions.len() {
-            let moved = scratch.predicted[c] - state.positions[c];
+            let moved = scratch.reached[c] - state.positions[c];
             let due = (state.velocities[c] - moved * inverse_dt) * inverse_dt
                 + scratch.field.at(&state.positions[c], &state.velocities[c]);
             let load = due * matter.masses[c];
             scratch.residual[c] = [load.x, load.y, load.z, 0.0];
         }
-        if has_moved {
-            self.add_damping(matter, state, scratch);
+        for &(coordinate, force) in &scratch.carried {
+            let lane = &mut scratch.residual[coordinate as usize];
+            for (value, part) in lane.iter_mut().zip(force.iter()) {
+                *value += part;
+            }
         }
-        lanes(&scratch.predicted, &mut scratch.coordinates);
+        lanes(&scratch.reached, &mut scratch.coordinates);
+        self.look_ahead(matter, state, scratch);
         matter.add_law_forces(state, scratch);
-        for (rhs, &c) in scratch.rhs.iter_mut().zip(&matter.coordinate_of_unknown) {
-            let [x, y, z, _] = scratch.residual[c as usize];
-            *rhs = Vector3::new(x, y, z);
+        let DeformableScratch {
+            implicit,
+            residual,
+            reached,
+            ..
+        } = scratch;
+        match &self.matrix {
+            Matrix::Bounding(factor) => implicit.solve_scalar(factor, matter, residual),
+            Matrix::Tangent(tangent) => loop {
+                match tangent.factors.get(implicit.caution.level as usize) {
+                    Some(factor) => implicit.solve_blocks(factor, matter, residual),
+                    None => {
+                        implicit.solve_scalar(&tangent.bounding, matter, residual);
+                        break;
+                    }
+                }
+                if !implicit.turns_over(tangent) {
+                    break;
+                }
+                implicit.caution.raise();
+            },
         }
-        self.factor.solve(&mut scratch.rhs, &mut scratch.lanes);
-        for (moved, &c) in scratch.rhs.iter().zip(&matter.coordinate_of_unknown) {
-            scratch.predicted[c as usize] += *moved;
+        for (moved, &c) in implicit.rhs.iter().zip(&matter.coordinate_of_unknown) {
+            reached[c as usize] += *moved;
         }
     }
 
-    /// −(d / dt) L (x − x_now) of the guess.
-    fn add_damping(
+    /// Moves the coordinates at which the law is asked ahead by d ẋ: the force there is f − d K ẋ to
+    /// first order, that of a Voigt solid, and rigid translation is not damped at all.
+    fn look_ahead(
         &self,
         matter: &Matter,
         state: &DeformableState,
         scratch: &mut DeformableScratch,
     ) {
-        if self.damping.is_empty() {
+        if self.reach_m.is_empty() {
             return;
         }
-        let DeformableScratch {
-            predicted,
-            coordinates,
-            nodes,
-            residual,
-            node_residual,
-            ..
-        } = scratch;
-        for ((lane, guess), now) in coordinates
-            .iter_mut()
-            .zip(predicted.iter())
+        let share = matter.damping_s / matter.settings.dt_s;
+        let turning = scratch.turning;
+        let moved = scratch
+            .reached
+            .iter()
             .zip(&state.positions)
-        {
-            let moved = guess - now;
-            *lane = [moved.x, moved.y, moved.z, 0.0];
-        }
-        match &matter.map {
-            NodeMap::Same => add_edges(&self.damping, coordinates, residual),
-            NodeMap::Sparse(map) => {
-                map.apply(coordinates, nodes);
-                node_residual.fill([0.0; 4]);
-                add_edges(&self.damping, nodes, node_residual);
-                map.add_transposed(node_residual, residual);
+            .zip(&self.reach_m);
+        for (((z, x), reach_m), lane) in moved.zip(scratch.coordinates.iter_mut()) {
+            let mut ahead = (z - x) * share;
+            if let Some(turning) = &turning {
+                ahead -= turning.velocity(x) * matter.damping_s;
+            }
+            let length = ahead.norm();
+            if length > *reach_m {
+                ahead *= reach_m / length;
+            }
+            for (value, part) in lane.iter_mut().zip(ahead.iter()) {
+                *value += part;
             }
         }
     }
 }
 
-/// r −= Σ k (e_a − e_b)(e_a − e_b)ᵀ x.
-pub(super) fn add_edges(edges: &[(u32, u32, f64)], x: &[[f64; 4]], r: &mut [[f64; 4]]) {
-    for &(a, b, k) in edges {
-        let (a, b) = (a as usize, b as usize);
-        for c in 0..3 {
-            let force = k * (x[b][c] - x[a][c]);
-            r[a][c] += force;
-            r[b][c] -= force;
+impl Caution {
+    /// Another step: trust comes back by and by.
+    fn step(&mut self) {
+        if self.steps > 0 {
+            self.steps -= 1;
+        } else if self.level > 0 {
+            self.level -= 1;
+            self.steps = if self.level > 0 { self.next } else { 0 };
+            self.corrections.fill([0.0; 4]);
+        } else {
+            self.next = self.next.saturating_sub(1).max(CAUTIOUS_STEPS[0]);
         }
     }
+
+    /// The next firmer matrix.
+    fn raise(&mut self) {
+        self.level = (self.level + 1).min(BOUNDING);
+        self.steps = self.next;
+        self.next = (4 * self.next).min(CAUTIOUS_STEPS[1]);
+        self.corrections.fill([0.0; 4]);
+    }
+}
+
+impl ImplicitScratch {
+    /// A⁻¹ r into `rhs`.
+    fn solve_scalar(&mut self, factor: &Cholesky, matter: &Matter, residual: &[Lane]) {
+        for (rhs, &c) in self.rhs.iter_mut().zip(&matter.coordinate_of_unknown) {
+            let [x, y, z, _] = residual[c as usize];
+            *rhs = Vector3::new(x, y, z);
+        }
+        factor.solve(&mut self.rhs, &mut self.lanes);
+    }
+
+    /// R B⁻¹ Rᵀ r into `rhs`.
+    fn solve_blocks(&mut self, factor: &BlockCholesky, matter: &Matter, residual: &[Lane]) {
+        let coordinates = matter.coordinate_of_unknown.iter();
+        for ((block, frame), &c) in self.blocks.iter_mut().zip(&self.frames).zip(coordinates) {
+            *block = into_rest(frame, &residual[c as usize]);
+        }
+        factor.solve(&mut self.blocks, &mut self.work);
+        for ((block, frame), rhs) in self.blocks.iter().zip(&self.frames).zip(&mut self.rhs) {
+            let [x, y, z, _] = from_rest(frame, block);
+            *rhs = Vector3::new(x, y, z);
+        }
+    }
+
+    /// Remembers the corrections in `rhs`; true when one of them turns over against the last without
+    /// becoming smaller, at once if it is large: what the matrix is too small for.
+    fn turns_over(&mut self, tangent: &Tangent) -> bool {
+        let mut any = false;
+        let all = self.caution.corrections.iter_mut().zip(&self.rhs);
+        for ((last, now), &[rounding_m, large_m]) in all.zip(&tangent.watched_m) {
+            let before = Vector3::new(last[0], last[1], last[2]);
+            let (along, old, new) = (before.dot(now), before.norm_squared(), now.norm_squared());
+            let turned = along < 0.0
+                && along * along > 0.25 * old * new
+                && new > 0.8 * old
+                && new > rounding_m * rounding_m;
+            let turns = if turned { last[3] + 1.0 } else { 0.0 };
+            let large = new > large_m * large_m;
+            any |= turns >= TURNS[usize::from(large)];
+            *last = [now.x, now.y, now.z, turns];
+        }
+        any
+    }
+}
+
+/// The tangent of rest with its factor, if it has one that single precision can hold.
+fn tangent_of(matter: &Matter, always: bool) -> Option<Tangent> {
+    if !matter.law.is_solid() {
+        return None;
+    }
+    let law = tangent::of_law(matter);
+    if !always && tangent::least_rigidity(&law) < LEAST_RIGIDITY {
+        return None;
+    }
+    let [matrix, firmer] =
+        tangent::shares(matter).map(|share| tangent::at_rest(matter, &law, share));
+    let dt = matter.settings.dt_s;
+    let mut stiffest = vec![0.0; matrix.n];
+    for (i, j, block) in &matrix.entries {
+        if i == j {
+            stiffest[*i as usize] += block.trace() / 3.0;
+        }
+    }
+    let stiff = |(row, value): (usize, &f64)| {
+        value * dt * dt / matter.masses[matter.coordinate_of_unknown[row] as usize]
+    };
+    let stiffness = stiffest.iter().enumerate().map(stiff).fold(0.0, f64::max);
+    if stiffness.is_nan() || stiffness > MOST_STIFF {
+        return None;
+    }
+    let factor = BlockCholesky::new(&matrix).ok()?;
+    if factor.non_zeros() > MOST_NUMBERS {
+        return None;
+    }
+    let edges = shortest_edges(matter);
+    let watched = |&c: &u32| WATCHED.map(|share| share * edges[c as usize]);
+    Some(Tangent {
+        factors: [factor, BlockCholesky::new(&firmer).ok()?],
+        frames: Frames::new(matter),
+        bounding: Cholesky::new(&scalar_matrix(matter, &matter.law.edges())).ok()?,
+        watched_m: matter.coordinate_of_unknown.iter().map(watched).collect(),
+    })
+}
+
+/// M / dt² + (1 + d / dt) Wᵀ L W.
+fn scalar_matrix(matter: &Matter, edges: &[(u32, u32, f64)]) -> SymmetricTriplets {
+    let (dt, damping_s) = (matter.settings.dt_s, matter.damping_s);
+    let mut matrix = SymmetricTriplets::new(matter.unknown_count());
+    for (row, &coordinate) in matter.coordinate_of_unknown.iter().enumerate() {
+        matrix.add(row, row, matter.masses[coordinate as usize] / (dt * dt));
+    }
+    let scaled: Vec<_> = edges
+        .iter()
+        .map(|&(a, b, k)| (a, b, k * (1.0 + damping_s / dt)))
+        .collect();
+    matter
+        .map
+        .add_edges(&scaled, |c| matter.unknown(c as usize), &mut matrix);
+    matrix
+}
+
+/// (coordinates): distance to the nearest coordinate that the law couples to it, m.
+pub(super) fn shortest_edges(matter: &Matter) -> Vec<f64> {
+    let mut shortest = vec![f64::INFINITY; matter.rest.len()];
+    for (c, adjacent) in super::frames::adjacent(matter).iter().enumerate() {
+        for &other in adjacent {
+            let length = (matter.rest[other as usize] - matter.rest[c]).norm();
+            if length > 0.0 && length < shortest[c] {
+                shortest[c] = length;
+            }
+        }
+    }
+    shortest
 }
 
 /// Greatest squared frequency that a body can have, 1/s²: Gershgorin's bound of M⁻¹ L over

@@ -1,11 +1,15 @@
 //! Internal forces of a body: what its model is made of, and nothing else.
 
 use super::bends::Bend;
-use super::continuum::ContinuumLaw;
+use super::continuum::{ContinuumLaw, Weight};
 use super::material::Stiffening;
 use super::spring_table::{ByCoordinate, SpringTable};
 use super::springs::Spring;
-use palpate_geometry::math::{Lane, Point3};
+use palpate_geometry::math::{Lane, Matrix3, Point3, Vector3};
+
+/// How much stiffer than at rest the springs of the step's tangent are. Chosen between 1, where
+/// springs stretched by a few percent pass 4/3 of it, and 1.6, where stiff beams swing 1 % too slowly.
+const SPRING_MARGIN: f64 = 1.25;
 
 /// Springs, bends for membranes, or a continuum energy.
 #[derive(Debug, Default)]
@@ -43,23 +47,68 @@ impl MaterialLaw {
         }
     }
 
-    /// Edges (a, b, k) of the Laplacian of the step's matrix. The step is stable while its matrix
-    /// is at least half of the tangent; stiffening springs count with their steepest slope's half,
-    /// if that is more than their slope at rest.
+    /// Edges (a, b, k) of the Laplacian of the bounding matrix: a step that starts from the inertial
+    /// prediction is stable while the matrix is at least 3/4 of the tangent. A spring's tangent is
+    /// at most its slope, whatever its length and direction; stiffening springs count with 3/4 of
+    /// their steepest slope, if that is more than their slope at rest.
     pub(super) fn edges(&self) -> Vec<(u32, u32, f64)> {
-        let scale = (0.55 * self.slope).max(1.0);
-        let springs = self
-            .springs
-            .each()
-            .map(|(_, _, a, b, k)| (a as u32, b as u32, k * scale));
-        let continuum = self
-            .continuum
-            .iter()
-            .flat_map(ContinuumLaw::bounding_springs);
+        self.weighted_edges((0.76 * self.slope).max(1.0), Weight::Bounding)
+    }
+
+    /// Edges of a Laplacian that gives way under a force on a small part of the surface as the body
+    /// does, κ = μ / (1 − ν): a half-space of conductivity κ and an elastic half-space (Boussinesq)
+    /// are displaced alike below the force.
+    pub(super) fn response_edges(&self) -> Vec<(u32, u32, f64)> {
+        // Springs that make a solid of modulus E with ν = 1/4 have a Laplacian of 2 E.
+        self.weighted_edges(4.0 / 15.0, Weight::Response)
+    }
+
+    /// Edges of a Laplacian that is firm against turning: with it the tangent of rest bounds that of
+    /// springs drawn to twice their length, and of cells under pressures of twice μ.
+    pub(super) fn firm_edges(&self) -> Vec<(u32, u32, f64)> {
+        self.weighted_edges(0.5 * self.slope, Weight::Firm)
+    }
+
+    fn weighted_edges(&self, springs: f64, weight: Weight) -> Vec<(u32, u32, f64)> {
+        let each = self.springs.each();
+        let springs = each.map(|(_, _, a, b, k)| (a as u32, b as u32, k * springs));
+        let continuum = (self.continuum.iter()).flat_map(|law| law.laplacian(weight));
         springs
             .chain(self.bends.iter().flat_map(Bend::edges))
             .chain(continuum)
             .collect()
+    }
+
+    /// Hands out blocks (a, b, ∂²E/∂x_a∂x_b), N/m, at rest, a >= b or its mirror, each pair of nodes
+    /// once or in parts; a little more than the law's own, so that strained states stay below 4/3 of
+    /// it. `places`: (nodes) at rest.
+    pub(super) fn tangent_at_rest(&self, places: &[Lane], out: &mut impl FnMut(u32, u32, Matrix3)) {
+        let at = |k: usize| Vector3::new(places[k][0], places[k][1], places[k][2]);
+        let scale = SPRING_MARGIN * (0.76 * self.slope).max(1.0);
+        for (_, _, a, b, k) in self.springs.each() {
+            let Some(way) = (at(b) - at(a)).try_normalize(0.0) else {
+                continue;
+            };
+            let block = way * way.transpose() * (k * scale);
+            out(a as u32, a as u32, block);
+            out(b as u32, b as u32, block);
+            out(a as u32, b as u32, -block);
+        }
+        if let Some(continuum) = &self.continuum {
+            continuum.tangent_at_rest(out);
+        }
+    }
+
+    /// True without a continuum energy.
+    pub(super) fn is_springs(&self) -> bool {
+        self.continuum.is_none()
+    }
+
+    /// True for solids, whose tangent at rest resists every motion but rigid ones. Rows of a
+    /// membrane carry their own tension: out of plane they are as stiff as they are drawn, and the
+    /// tangent at rest knows nothing of it.
+    pub(super) fn is_solid(&self) -> bool {
+        self.bends.is_empty()
     }
 
     /// Edges of a Laplacian that is no less than any tangent: what explicit steps must resolve.
@@ -68,12 +117,12 @@ impl MaterialLaw {
             .springs
             .each()
             .map(|(_, _, a, b, k)| (a as u32, b as u32, k * self.slope));
-        // Its step follows tangents up to twice its own matrix.
+        // Its step follows tangents up to 4/3 of its own matrix.
         let continuum = self
             .continuum
             .iter()
-            .flat_map(ContinuumLaw::bounding_springs)
-            .map(|(a, b, k)| (a, b, 2.0 * k));
+            .flat_map(|law| law.laplacian(Weight::Bounding))
+            .map(|(a, b, k)| (a, b, 4.0 / 3.0 * k));
         springs
             .chain(self.bends.iter().flat_map(Bend::edges))
             .chain(continuum)

@@ -3,6 +3,7 @@
 
 use super::cells::CellQuality;
 use super::field::Field;
+use super::implicit::ImplicitScratch;
 use super::law::MaterialLaw;
 use super::material::Plastic;
 use super::node_map::NodeMap;
@@ -50,6 +51,8 @@ pub(super) struct Matter {
     pub coordinate_of_unknown: Vec<u32>,
     /// (control points): coordinate of each.
     pub coordinate_of_control: Vec<u32>,
+    /// Coordinates of the net that can move, ascending.
+    pub surface: Vec<u32>,
     pub flow: Option<Flow>,
     pub quality: CellQuality,
 }
@@ -97,6 +100,10 @@ impl Matter {
                 "only springs flow plastically; use model = \"lattice\"",
             ));
         }
+        let free = |c: &u32| unknown[*c as usize] != FIXED;
+        let mut surface: Vec<u32> = coordinate_of_control.iter().copied().filter(free).collect();
+        surface.sort_unstable();
+        surface.dedup();
         let flow = plastic.map(|law_of_flow| {
             Flow::new(law_of_flow, &law.springs, &map.nodes(&rest), settings.dt_s)
         });
@@ -110,6 +117,7 @@ impl Matter {
             unknown,
             coordinate_of_unknown,
             coordinate_of_control,
+            surface,
             flow,
             quality,
         })
@@ -119,6 +127,11 @@ impl Matter {
     pub fn unknown(&self, coordinate: usize) -> Option<usize> {
         let row = self.unknown[coordinate];
         (row != FIXED).then_some(row as usize)
+    }
+
+    /// True when nothing holds the body.
+    pub fn is_free(&self) -> bool {
+        self.coordinate_of_unknown.len() == self.rest.len()
     }
 
     /// Coordinates that can move.
@@ -140,9 +153,15 @@ impl Matter {
             velocities,
             rest_lengths,
             plastic_strain,
+            contact_n,
+            caution,
             still,
             slept,
         } = state;
+        contact_n.clear();
+        contact_n.resize(self.surface.len(), Vector3::zeros());
+        caution.corrections.fill([0.0; 4]);
+        (caution.level, caution.steps, caution.next) = (0, 0, 0);
         positions.clone_from(&self.rest);
         velocities.clear();
         velocities.resize(self.rest.len(), Vector3::zeros());
@@ -175,7 +194,13 @@ impl Matter {
             node_residual: Rows::zeros(nodes),
             springs: self.law.springs.buffers(),
             speed: vec![Vector3::zeros(); count],
-            rhs: vec![Vector3::zeros(); self.unknown_count()],
+            reached: self.rest.clone(),
+            carried: Vec::with_capacity(self.surface.len()),
+            at_rest: false,
+            changed: Vec::with_capacity(2 * self.surface.len()),
+            amounts: Vec::new(),
+            turning: None,
+            implicit: ImplicitScratch::default(),
             lanes: Rows::zeros(self.unknown_count()),
             limited: 0,
             field: Field::default(),

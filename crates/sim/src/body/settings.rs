@@ -18,10 +18,12 @@ pub struct StepSettings {
 /// Time integration.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Integrator {
-    /// Backward Euler by a constant matrix, with this many iterations (≥ 1) a step.
+    /// Backward Euler from the inertial prediction by a constant matrix, with this many iterations (≥ 1) a step.
     Implicit {
-        /// Local–global iterations.
+        /// Quasi-Newton iterations.
         iterations: usize,
+        /// Their matrix.
+        matrix: StepMatrix,
     },
     /// Symplectic Euler, the thesis' eqs. 5.14–5.16, in as many substeps as stability needs, or
     /// more.
@@ -34,6 +36,19 @@ pub enum Integrator {
         /// Substeps, one iteration each.
         substeps: usize,
     },
+}
+
+/// The constant matrix of an implicit step.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum StepMatrix {
+    /// The tangent where it fits, else the bounding matrix.
+    #[default]
+    Auto,
+    /// The tangent of rest, turned with the body: motion is right after one iteration. Bodies that
+    /// have none take the bounding matrix.
+    Tangent,
+    /// A scalar matrix above every tangent: a third of the memory, and motion that is too slow.
+    Bounding,
 }
 
 /// Why a body could not be built.

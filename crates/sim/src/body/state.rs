@@ -1,6 +1,8 @@
 //! What a replay restores of a deforming body, and the buffers of its step.
 
 use super::field::Field;
+use super::implicit::{Caution, ImplicitScratch};
+use super::rigid_motion::RigidVelocity;
 use super::spring_table::ByCoordinate;
 use palpate_geometry::math::{Lane, Point3, Rows, Vector3};
 use palpate_geometry::stateful;
@@ -16,6 +18,10 @@ pub struct DeformableState {
     pub rest_lengths: Vec<Lane>,
     /// Plastic strain of each spring so far; empty unless they flow.
     pub plastic_strain: Vec<Lane>,
+    /// (free coordinates of the net), N: contact forces of the last implicit step.
+    pub contact_n: Vec<Vector3>,
+    /// Whether the implicit step's tangent can follow.
+    pub caution: Caution,
     /// Body steps in a row in which nothing moved; at a hundred the body sleeps.
     pub still: u32,
     /// Body steps slept through.
@@ -35,6 +41,8 @@ impl Clone for DeformableState {
         self.velocities.clone_from(&from.velocities);
         self.rest_lengths.clone_from(&from.rest_lengths);
         self.plastic_strain.clone_from(&from.plastic_strain);
+        self.contact_n.clone_from(&from.contact_n);
+        self.caution.clone_from(&from.caution);
         (self.still, self.slept) = (from.still, from.slept);
     }
 }
@@ -45,6 +53,8 @@ stateful!(DeformableState, |this, walk| {
         velocities,
         rest_lengths,
         plastic_strain,
+        contact_n,
+        caution,
         still,
         slept,
     } = this;
@@ -52,6 +62,17 @@ stateful!(DeformableState, |this, walk| {
     walk.triples(velocities)?;
     walk.lanes(rest_lengths)?;
     walk.lanes(plastic_strain)?;
+    walk.triples(contact_n)?;
+    let Caution {
+        corrections,
+        level,
+        steps,
+        next,
+    } = caution;
+    walk.lanes(corrections)?;
+    walk.coded("matrix of the step", level)?;
+    walk.coded("cautious steps", steps)?;
+    walk.coded("cautious steps next time", next)?;
     walk.coded("number of still steps", still)?;
     walk.word(slept)
 });
@@ -61,6 +82,19 @@ stateful!(DeformableState, |this, walk| {
 pub struct DeformableScratch {
     /// (coordinates): x*, the next free motion, by [`super::Deformable::predict`].
     pub predicted: Vec<Point3>,
+    /// (coordinates): where a step of a few iterations is so far, contact forces included.
+    pub(super) reached: Vec<Point3>,
+    /// Contact forces that the last correction knew, by coordinate of the net.
+    pub(super) carried: Vec<(u32, Vector3)>,
+    /// The scratch stands for a sleeping body already.
+    pub(super) at_rest: bool,
+    /// Room for what contact changes of them.
+    pub(super) changed: Vec<(u32, Vector3)>,
+    /// (soft modes).
+    pub(super) amounts: Vec<f64>,
+    /// The rigid motion of a free body at the start of its step.
+    pub(super) turning: Option<RigidVelocity>,
+    pub(super) implicit: ImplicitScratch,
     /// (coordinates), N: contact forces, by the caller, used up by [`super::Deformable::advance`].
     pub(super) forces: Vec<Vector3>,
     /// Coordinates with a force, in the order they were given, and whether a coordinate is among
@@ -77,8 +111,7 @@ pub struct DeformableScratch {
     pub(super) springs: ByCoordinate,
     /// (coordinates), m/s: velocities within a tick of substeps.
     pub(super) speed: Vec<Vector3>,
-    /// Right-hand side of the linear solve (unknowns).
-    pub(super) rhs: Vec<Vector3>,
+    /// (unknowns): what the contact forces move.
     pub(super) lanes: Rows,
     /// What free points feel.
     pub(super) field: Field,

@@ -1,7 +1,7 @@
 //! The step of a body: one of three methods.
 
 use super::explicit::Explicit;
-use super::implicit::ImplicitStep;
+use super::implicit::{ImplicitStep, Response};
 use super::matter::{FIXED, Matter};
 use super::settings::{DeformableError, Integrator};
 use super::state::{DeformableScratch, DeformableState};
@@ -19,10 +19,9 @@ pub(super) enum Stepper {
 /// How far a force held on the surface through one step moves each coordinate.
 #[derive(Debug)]
 pub(super) struct Compliance {
-    /// (coordinates): column of `values`, or [`FIXED`].
+    /// (coordinates): column of the response, or [`FIXED`].
     pub column: Vec<u32>,
-    /// (surface coordinates × unknowns), row by row, m/N within one step.
-    pub values: Vec<f64>,
+    pub response: Response,
 }
 
 impl Stepper {
@@ -32,8 +31,8 @@ impl Stepper {
     /// A matrix without factor, or a combination that is not there.
     pub fn new(matter: &Matter) -> Result<Self, DeformableError> {
         Ok(match matter.settings.integrator {
-            Integrator::Implicit { iterations } => {
-                Self::Implicit(ImplicitStep::new(matter, iterations)?)
+            Integrator::Implicit { iterations, matrix } => {
+                Self::Implicit(ImplicitStep::new(matter, iterations, matrix)?)
             }
             Integrator::Explicit { substeps } => Self::Explicit(Explicit::new(matter, substeps)?),
             Integrator::Xpbd { substeps } => Self::Xpbd(Xpbd::new(matter, substeps)?),
@@ -51,28 +50,25 @@ impl Stepper {
     }
 
     /// Columns of the surface's coordinates.
-    pub fn compliance(&self, matter: &Matter) -> Compliance {
-        let free = |&c: &u32| matter.unknown[c as usize] != FIXED;
-        let mut surface: Vec<u32> = matter
-            .coordinate_of_control
-            .iter()
-            .copied()
-            .filter(free)
-            .collect();
-        surface.sort_unstable();
-        surface.dedup();
+    ///
+    /// # Errors
+    /// A matrix without factor.
+    pub fn compliance(&self, matter: &Matter) -> Result<Compliance, DeformableError> {
         let mut index = vec![FIXED; matter.rest.len()];
-        for (column, &coordinate) in surface.iter().enumerate() {
+        for (column, &coordinate) in matter.surface.iter().enumerate() {
             index[coordinate as usize] = column as u32;
         }
-        let values = match self {
-            Self::Implicit(implicit) => implicit.columns(matter, &surface),
-            Self::Explicit(_) | Self::Xpbd(_) => self.columns_by_trial(matter, &surface),
+        let response = match self {
+            Self::Implicit(implicit) => implicit.response(matter, &matter.surface)?,
+            Self::Explicit(_) | Self::Xpbd(_) => Response {
+                columns: self.columns_by_trial(matter, &matter.surface),
+                ..Response::default()
+            },
         };
-        Compliance {
+        Ok(Compliance {
             column: index,
-            values,
-        }
+            response,
+        })
     }
 
     /// Compliance of a step that has no matrix: what small forces do to the body at rest, made

@@ -10,7 +10,8 @@
 //! - grip: u = 0 while |f| is below the limit, f = −limit u / |u| beyond it.
 //!
 //! A tool that may turn adds, for two of its rows with arms r_i and r_j, C (r_j × f_j) × r_i to
-//! what row i moves.
+//! what row i moves. A body with soft modes adds Σ_k p_ik g_k (p_jk · f_j), where p_ik is how mode k
+//! moves row i.
 //!
 //! Solved row by row in a fixed number of sweeps (nonsmooth contact dynamics: Jean 1999, "The
 //! non-smooth contact dynamics method", §5). S_ii being a number, each row's own problem has the
@@ -118,9 +119,27 @@ struct Turning {
     compliance: f64,
 }
 
+/// How a row is moved by soft modes: a range of the pool.
+#[derive(Clone, Copy, Debug, Default)]
+struct ModesOfRow {
+    start: u32,
+    end: u32,
+    /// Σ g |p|², no less than what they add to the row's own compliance in any direction, m/N.
+    own: f64,
+}
+
+/// How one mode moves one row.
+#[derive(Clone, Copy, Debug)]
+struct ModeOfRow {
+    mode: u32,
+    gain: f64,
+    moves: Lane,
+}
+
 /// One row.
 #[derive(Clone, Copy, Debug)]
 struct Bound {
+    modes: ModesOfRow,
     normal: Lane,
     /// b, m.
     free: Lane,
@@ -140,12 +159,19 @@ pub struct FrictionProblem {
     displaced: Vec<Lane>,
     /// (tools), N·m: what turns each tool, within a solve.
     torques: Vec<Lane>,
+    /// Modes of rows, row after row.
+    pool: Vec<ModeOfRow>,
+    /// (modes), J: work of the forces on each mode, within a solve.
+    excited: Vec<f64>,
 }
 
 impl FrictionProblem {
-    /// Room for `capacity` rows of `tools` tools.
-    pub fn new(capacity: usize, tools: usize) -> Self {
+    /// Room for `capacity` rows of `tools` tools on bodies with `modes` soft modes, each row moved by
+    /// those of at most two of them, `modes_of_row`.
+    pub fn new(capacity: usize, tools: usize, modes: usize, modes_of_row: usize) -> Self {
         Self {
+            pool: Vec::with_capacity(capacity * modes_of_row),
+            excited: vec![0.0; modes],
             rows: Vec::with_capacity(capacity),
             forces: Vec::with_capacity(capacity),
             displaced: Vec::with_capacity(capacity),
@@ -158,6 +184,7 @@ impl FrictionProblem {
         self.rows.clear();
         self.forces.clear();
         self.displaced.clear();
+        self.pool.clear();
     }
 
     /// True when this tick has forces here.
@@ -183,6 +210,11 @@ impl FrictionProblem {
             law,
             turning,
             slips: false,
+            modes: ModesOfRow {
+                start: self.pool.len() as u32,
+                end: self.pool.len() as u32,
+                own: 0.0,
+            },
         });
         self.forces.push(lane(warm_n));
         self.displaced.push([0.0; 4]);
@@ -196,6 +228,21 @@ impl FrictionProblem {
                 arm: lane(&lever.arm),
                 compliance: lever.compliance_rad_nm,
             };
+        }
+    }
+
+    /// The row just added is moved by a soft mode: `moves` for each unit of it.
+    pub fn add_mode(&mut self, mode: usize, gain: f64, moves: &Vector3) {
+        if let Some(row) = self.rows.last_mut()
+            && *moves != Vector3::zeros()
+        {
+            self.pool.push(ModeOfRow {
+                mode: mode as u32,
+                gain,
+                moves: lane(moves),
+            });
+            row.modes.end = self.pool.len() as u32;
+            row.modes.own += gain * moves.norm_squared();
         }
     }
 
@@ -228,34 +275,43 @@ impl FrictionProblem {
             forces,
             displaced,
             torques,
+            pool,
+            excited,
         } = self;
         torques.fill([0.0; 4]);
+        excited.fill(0.0);
         for (row, force) in rows.iter().zip(forces.iter()) {
             row.turning.add(torques, force);
+            row.modes.add(pool, excited, force);
         }
         for _ in 0..sweeps {
             for (i, row) in rows.iter_mut().enumerate() {
                 let compliances = &matrix[i * n..(i + 1) * n];
                 let turning = row.turning;
-                let own = compliances[i] + turning.compliance * dot(&turning.arm, &turning.arm);
+                let modes = row.modes;
+                let own = compliances[i]
+                    + turning.compliance * dot(&turning.arm, &turning.arm)
+                    + modes.own;
                 // A row that nothing can move, or a number that is none: no force of its own.
                 let stiffness = if own > 0.0 { 1.0 / own } else { 0.0 };
                 let mut next = [0.0; 4];
                 if stiffness > 0.0 && stiffness.is_finite() {
                     let mut u = total(compliances, forces, &row.free);
                     turning.displace(torques, &mut u);
+                    modes.displace(pool, excited, &mut u);
                     let mut wish = [0.0; 4];
                     for c in 0..4 {
                         wish[c] = forces[i][c] - u[c] * stiffness;
                     }
                     next = row.allowed(&wish, own);
                 }
-                if turning.compliance > 0.0 {
+                if turning.compliance > 0.0 || modes.own > 0.0 {
                     let mut change = [0.0; 4];
                     for c in 0..4 {
                         change[c] = next[c] - forces[i][c];
                     }
                     turning.add(torques, &change);
+                    modes.add(pool, excited, &change);
                 }
                 forces[i] = next;
             }
@@ -263,6 +319,7 @@ impl FrictionProblem {
         for (i, row) in rows.iter().enumerate() {
             displaced[i] = total(&matrix[i * n..(i + 1) * n], forces, &row.free);
             row.turning.displace(torques, &mut displaced[i]);
+            row.modes.displace(pool, excited, &mut displaced[i]);
         }
     }
 
@@ -360,6 +417,27 @@ impl Turning {
             let moved = cross(&torques[self.tool], &self.arm);
             for c in 0..4 {
                 u[c] += self.compliance * moved[c];
+            }
+        }
+    }
+}
+
+impl ModesOfRow {
+    /// A force excites the modes.
+    #[inline(always)]
+    fn add(&self, pool: &[ModeOfRow], excited: &mut [f64], force: &Lane) {
+        for entry in &pool[self.start as usize..self.end as usize] {
+            excited[entry.mode as usize] += dot(&entry.moves, force);
+        }
+    }
+
+    /// The modes move the row.
+    #[inline(always)]
+    fn displace(&self, pool: &[ModeOfRow], excited: &[f64], u: &mut Lane) {
+        for entry in &pool[self.start as usize..self.end as usize] {
+            let amount = entry.gain * excited[entry.mode as usize];
+            for c in 0..4 {
+                u[c] += amount * entry.moves[c];
             }
         }
     }

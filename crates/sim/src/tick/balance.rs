@@ -11,13 +11,15 @@
 use super::stick;
 use super::{SceneState, Scratch, WarmRow, quality};
 use crate::body::Deformable;
-use crate::scene::{BodyModel, Scene};
+use crate::scene::{Body, BodyModel, Scene};
 use crate::solve::cones::{self, ConeShare};
 use crate::solve::friction::{FrictionLaw, Lever};
 use crate::solve::rows::Row;
 use crate::solve::sharing::{Share, share};
 use palpate_geometry::math::Vector3;
 
+/// Rows up to which soft modes are added to the matrix.
+pub(super) const MANY_ROWS: usize = 256;
 /// Enough for a corner of three planes: rows on rigid bodies are few.
 const RIGID_SWEEPS: usize = 50;
 /// Rows of a tool that turns lean on each other through its arms.
@@ -44,7 +46,7 @@ pub(super) fn solve(scene: &Scene, state: &SceneState, scratch: &mut Scratch) {
     if count == 0 {
         return;
     }
-    let whole = is_whole(scratch);
+    let whole = is_whole(scene, scratch);
     for i in 0..count {
         let a = scratch.rows.rows[i];
         let Some(tool) = a.tool() else { continue };
@@ -68,6 +70,9 @@ pub(super) fn solve(scene: &Scene, state: &SceneState, scratch: &mut Scratch) {
     for (b, body) in scene.bodies.iter().enumerate() {
         if let BodyModel::Deforming(model) = &body.model {
             add_body_compliance(b, &model.deformable, whole, scratch);
+            if !whole {
+                add_soft_modes(b, &model.deformable, scratch);
+            }
         }
     }
     super::cover::ease_feet(scene, scratch);
@@ -81,13 +86,16 @@ pub(super) fn solve_again(scene: &Scene, state: &SceneState, scratch: &mut Scrat
     }
 }
 
-/// Some force has three components.
-fn is_whole(scratch: &Scratch) -> bool {
-    scratch
-        .rows
-        .rows
-        .iter()
-        .any(|row| row.law != FrictionLaw::SMOOTH)
+/// Some force has three components, or there are so many rows on bodies with soft modes that these
+/// are better kept apart than added to the matrix.
+fn is_whole(scene: &Scene, scratch: &Scratch) -> bool {
+    let rows = &scratch.rows.rows;
+    let modes = |body: &Body| match &body.model {
+        BodyModel::Deforming(model) => model.deformable.mode_count(),
+        BodyModel::Rigid => 0,
+    };
+    rows.iter().any(|row| row.law != FrictionLaw::SMOOTH)
+        || (rows.len() > MANY_ROWS && scene.bodies.iter().any(|body| modes(body) > 0))
 }
 
 /// How often a solve goes over its rows. They start with the forces of the last tick: under lower
@@ -112,7 +120,7 @@ fn sweeps(scene: &Scene, state: &SceneState, count: usize) -> usize {
 }
 
 fn solve_rows(scene: &Scene, state: &SceneState, scratch: &mut Scratch, start: Start) {
-    if is_whole(scratch) {
+    if is_whole(scene, scratch) {
         return solve_whole(scene, state, scratch, start);
     }
     let mut warm = state.warm[..state.warm_len].iter().peekable();
@@ -191,6 +199,7 @@ fn solve_whole(scene: &Scene, state: &SceneState, scratch: &mut Scratch, start: 
                         compliance_rad_nm,
                     });
                 }
+                give_modes(scene, scratch, &row);
             }
             Start::Here => scratch.friction.set_free(i, &free),
         }
@@ -334,8 +343,12 @@ fn add_body_compliance(body: usize, deformable: &Deformable, whole: bool, scratc
         rows,
         problem,
         delassus,
+        bodies,
         ..
     } = scratch;
+    let Some(deforming) = &bodies[body].deforming else {
+        return;
+    };
     delassus.clear();
     for (i, row) in rows.rows.iter().enumerate() {
         for (sign, side) in row.sides_on(body) {
@@ -350,7 +363,7 @@ fn add_body_compliance(body: usize, deformable: &Deformable, whole: bool, scratc
             delassus.add(i, sign, moving);
         }
     }
-    delassus.respond(|coordinate| deformable.compliance_of(coordinate));
+    delassus.respond(|coordinate| deformable.compliance_of(&deforming.deformable, coordinate));
     delassus.each_pair(|pair| {
         let [i, j] = pair.rows;
         let entry = pair.compliance * direction(&rows.rows[i], &rows.rows[j], whole);
@@ -359,6 +372,80 @@ fn add_body_compliance(body: usize, deformable: &Deformable, whole: bool, scratc
             problem.row_mut(j)[i] += entry;
         }
     });
+}
+
+/// How each soft mode of a body moves a row, into the scratch; false if none does.
+fn modes_of_row(body: usize, deformable: &Deformable, scratch: &mut Scratch, row: &Row) -> bool {
+    let Scratch {
+        bodies,
+        rows,
+        mode_moves,
+        ..
+    } = scratch;
+    let Some(deforming) = &bodies[body].deforming else {
+        return false;
+    };
+    let moves = &mut mode_moves[..deformable.mode_count()];
+    moves.fill(Vector3::zeros());
+    let mut any = false;
+    for (sign, side) in row.sides_on(body) {
+        any = true;
+        let (controls, weights) = rows.weights_in(side);
+        for (&control, &weight) in controls.iter().zip(weights) {
+            let coordinate = deformable.coordinate_of_control(control as usize);
+            deformable.add_modes(&deforming.deformable, coordinate, sign * weight, moves);
+        }
+    }
+    any
+}
+
+/// Adds what soft modes of a body move rows along their normals.
+fn add_soft_modes(body: usize, deformable: &Deformable, scratch: &mut Scratch) {
+    let (modes, count) = (deformable.mode_count(), scratch.rows.rows.len());
+    if modes == 0 {
+        return;
+    }
+    for i in 0..count {
+        let row = scratch.rows.rows[i];
+        let moved = modes_of_row(body, deformable, scratch, &row);
+        let along = &mut scratch.modes_along[i * modes..(i + 1) * modes];
+        for (along, moves) in along.iter_mut().zip(&scratch.mode_moves) {
+            *along = if moved { moves.dot(&row.normal) } else { 0.0 };
+        }
+    }
+    let gains = deformable.mode_gains();
+    for i in 0..count {
+        let first = &scratch.modes_along[i * modes..(i + 1) * modes];
+        for j in 0..=i {
+            let second = &scratch.modes_along[j * modes..(j + 1) * modes];
+            let mut entry = 0.0;
+            for ((a, b), gain) in first.iter().zip(second).zip(gains) {
+                entry += a * b * gain;
+            }
+            scratch.problem.row_mut(i)[j] += entry;
+            if i != j {
+                scratch.problem.row_mut(j)[i] += entry;
+            }
+        }
+    }
+}
+
+/// Gives the row just added to the friction problem the soft modes of its bodies.
+fn give_modes(scene: &Scene, scratch: &mut Scratch, row: &Row) {
+    let mut first = 0;
+    for (b, body) in scene.bodies.iter().enumerate() {
+        let BodyModel::Deforming(model) = &body.model else {
+            continue;
+        };
+        let deformable = &model.deformable;
+        if deformable.mode_count() > 0 && modes_of_row(b, deformable, scratch, row) {
+            let moves = scratch.mode_moves.iter().zip(deformable.mode_gains());
+            for (k, (moves, gain)) in moves.enumerate() {
+                scratch.friction.add_mode(first + k, *gain, moves);
+            }
+        }
+        first += deformable.mode_count();
+    }
 }
 
 /// How much a force of one row moves another, in terms of what their places give way.

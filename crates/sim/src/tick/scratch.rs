@@ -1,5 +1,6 @@
 //! Buffers of a step, made anew from the state.
 
+use super::balance;
 use super::state::{Pipeline, SceneState};
 use crate::body::DeformableScratch;
 use crate::scene::{BodyModel, Pair, Scene};
@@ -38,6 +39,10 @@ pub struct Scratch {
     pub(super) shares: Vec<Share>,
     /// Of one body after the other.
     pub(super) delassus: Delassus,
+    /// How each soft mode of one body moves one row.
+    pub(super) mode_moves: Vec<Vector3>,
+    /// (rows × modes of one body), along the rows' normals.
+    pub(super) modes_along: Vec<f64>,
     /// Where bodies that take several ticks step; without it they step in the tick in which they
     /// are due.
     pub(super) pipeline: Option<Box<dyn Pipeline>>,
@@ -187,7 +192,11 @@ impl Scene {
             },
         });
         let frictional = self.pairs.iter().any(|pair| pair.friction.is_some());
-        let frictional_rows = if frictional || self.tools.iter().any(|tool| tool.grip_n > 0.0) {
+        let modes = deformables().map(|body| body.mode_count());
+        let (all_modes, most_modes) = modes.fold((0, 0), |(sum, most), m| (sum + m, most.max(m)));
+        let many = all_modes > 0 && most_rows > balance::MANY_ROWS;
+        let grips = self.tools.iter().any(|tool| tool.grip_n > 0.0);
+        let frictional_rows = if frictional || grips || many {
             most_rows
         } else {
             0
@@ -199,7 +208,14 @@ impl Scene {
             rows: RowSet::new(most_rows, self.tools.len(), width),
             hits: Vec::with_capacity(MAX_ROWS_PER_PAIR),
             problem: Complementarity::new(most_rows),
-            friction: FrictionProblem::new(frictional_rows, self.tools.len()),
+            friction: FrictionProblem::new(
+                frictional_rows,
+                self.tools.len(),
+                all_modes,
+                2 * most_modes,
+            ),
+            mode_moves: vec![Vector3::zeros(); most_modes],
+            modes_along: vec![0.0; most_rows.min(balance::MANY_ROWS) * most_modes],
             cones: Vec::with_capacity(frictional_rows),
             sticks: Vec::with_capacity(frictional_rows),
             shares: Vec::with_capacity(most_rows),
@@ -219,7 +235,7 @@ impl Scene {
         for body in 0..self.body_count() {
             let deforming = scratch.bodies[body].deforming.as_mut();
             if let (Some(deformable), Some(deforming)) = (self.deformable(body), deforming) {
-                deformable.drop_loads(&mut deforming.deformable);
+                deformable.forget(&mut deforming.deformable);
             }
             self.prepare_body(body, state, scratch, false);
         }
@@ -265,6 +281,10 @@ impl Scene {
             model
                 .deformable
                 .predict(deformable, &mut deforming.deformable);
+        } else {
+            model
+                .deformable
+                .follow(deformable, &mut deforming.deformable);
         }
         for (control, point) in surface.net_mut().points_mut().iter_mut().enumerate() {
             let node = model.deformable.coordinate_of_control(control);

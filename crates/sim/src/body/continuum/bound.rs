@@ -1,31 +1,56 @@
 //! The scalar matrix that stands for the tangent in the implicit step.
 
+use super::hessian::cell_hessian;
 use super::{ContinuumLaw, Elastic, RestCell};
+use palpate_geometry::math::Matrix3;
 use std::collections::BTreeMap;
 
 /// How far above the least stable weight of rest the matrix is, so that strained cells can be
 /// followed too: at ν = 0.3 a cell is held back once I_C is 15 % above that of rest.
 const MARGIN: f64 = 1.25;
+/// How much stiffer than at rest shear and volume are in the tangent of the step. Volume costs
+/// little: its waves are faster than a tick.
+const SHEAR_MARGIN: f64 = 1.1;
+const VOLUME_MARGIN: f64 = 1.5;
 
-/// Weight of the Laplacian, Pa.
+/// What a Laplacian stands for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Weight {
+    /// At least 3/4 of any tangent that is not held back.
+    Bounding,
+    /// Bounds the stresses of a strained solid.
+    Firm,
+    /// Gives way under a force on a small part of the surface as the solid does.
+    Response,
+}
+
+/// Weight of the bounding Laplacian, Pa.
 ///
-/// The step `(M / dt² + L) Δ = M v / dt + f` is stable while L ≥ K / 2. At rest K is at most 2 μ +
-/// 3 λ times the Laplacian of the same quadrature (pure dilatation, which a free body can do), and
-/// λ + 2 μ makes L the matrix of backward Euler for waves of compression.
+/// The step from the inertial prediction is stable while L >= 3/4 K. At rest K is at most 2 μ + 3 λ
+/// times the Laplacian of the same quadrature (pure dilatation, which a free body can do), and
+/// 3/2 (λ + 2 μ) is 1.5 times what backward Euler needs for waves of compression.
 pub(super) fn weight_pa(elastic: &Elastic) -> f64 {
     let (shear, lame) = elastic.lame_pa();
-    MARGIN * (lame + 2.0 * shear).max(1.5 * lame + shear)
+    1.5 * MARGIN * (lame + 2.0 * shear).max(1.5 * lame + shear)
+}
+
+/// Weight of the Laplacian that gives way as an elastic half-space does, Pa.
+fn response_pa(elastic: &Elastic) -> f64 {
+    elastic.lame_pa().0 / (1.0 - elastic.poisson)
 }
 
 impl ContinuumLaw {
     /// L = Σ k (e_a − e_b)(e_a − e_b)ᵀ as (a, b, k), a < b, ordered, N/m: the Laplacian of the
-    /// cells with the weight that keeps the step stable. Some k are negative or zero (edges of a
-    /// cube); their sum is positive semidefinite.
-    pub fn bounding_springs(&self) -> Vec<(u32, u32, f64)> {
+    /// cells. Some k are negative or zero (edges of a cube); their sum is positive semidefinite.
+    pub fn laplacian(&self, of: Weight) -> Vec<(u32, u32, f64)> {
         let mut springs: BTreeMap<(u32, u32), f64> = BTreeMap::new();
         for (cell, elastic) in self.cells.iter().zip(&self.materials) {
             let rest = RestCell::new(&self.rest, cell);
-            let weight = weight_pa(elastic);
+            let weight = match of {
+                Weight::Bounding => weight_pa(elastic),
+                Weight::Firm => 2.0 * elastic.lame_pa().0,
+                Weight::Response => response_pa(elastic),
+            };
             for i in 0..8 {
                 for j in i + 1..8 {
                     let (a, b) = (cell[i].min(cell[j]), cell[i].max(cell[j]));
@@ -41,5 +66,29 @@ impl ContinuumLaw {
             }
         }
         springs.into_iter().map(|((a, b), k)| (a, b, k)).collect()
+    }
+
+    /// Hands out blocks (a, b, ∂²Ψ/∂x_a∂x_b), N/m, at rest, a >= b, in parts to be added, with shear
+    /// and volume a little stiffer than they are.
+    pub(in crate::body) fn tangent_at_rest(&self, out: &mut impl FnMut(u32, u32, Matrix3)) {
+        for (cell, elastic) in self.cells.iter().zip(&self.materials) {
+            let (shear, lame) = elastic.lame_pa();
+            let (shear, lame) = (SHEAR_MARGIN * shear, VOLUME_MARGIN * lame);
+            let stiffer = Elastic {
+                young_pa: shear * (3.0 * lame + 2.0 * shear) / (lame + shear),
+                poisson: 0.5 * lame / (lame + shear),
+            };
+            let rest = RestCell::new(&self.rest, cell);
+            let x = cell.map(|node| self.rest[node as usize].coords);
+            let matrix = cell_hessian(&rest, &stiffer, &x);
+            for i in 0..8 {
+                for j in 0..8 {
+                    if cell[i] >= cell[j] {
+                        let block: Matrix3 = matrix.fixed_view::<3, 3>(3 * i, 3 * j).into();
+                        out(cell[i], cell[j], block);
+                    }
+                }
+            }
+        }
     }
 }

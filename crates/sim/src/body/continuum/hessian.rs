@@ -5,7 +5,7 @@ use super::{ContinuumLaw, Elastic, RestCell};
 use nalgebra::{SMatrix, SymmetricEigen};
 use palpate_geometry::math::{Lane, Matrix3, Vector3};
 
-type Block24 = SMatrix<f64, 24, 24>;
+pub(super) type Block24 = SMatrix<f64, 24, 24>;
 
 /// The triple products of V / 8 by mode, and their factors.
 const TRIPLES: [([usize; 3], f64); 4] = [
@@ -45,7 +45,7 @@ impl ContinuumLaw {
     }
 }
 
-fn cell_hessian(rest: &RestCell, elastic: &Elastic, x: &[Vector3; 8]) -> Block24 {
+pub(super) fn cell_hessian(rest: &RestCell, elastic: &Elastic, x: &[Vector3; 8]) -> Block24 {
     let (shear, lame) = elastic.lame_pa();
     let (stiffness, bulk) = (4.0 / 3.0 * shear, lame + 5.0 / 6.0 * shear);
     let mut matrix = Block24::zeros();

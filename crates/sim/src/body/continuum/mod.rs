@@ -7,8 +7,8 @@
 //! (mean dilatation, Nagtegaal, Parks & Rice 1974), so nearly incompressible cells do not lock.
 //! Inverted and flat cells have finite forces that lead back.
 //!
-//! The step's constant matrix is a scalar Laplacian, [`ContinuumLaw::bounding_springs`]. It stays
-//! stable while it exceeds half of the tangent; where a cell is strained beyond that, its pressure
+//! The step's constant matrix is a scalar Laplacian, [`ContinuumLaw::laplacian`]. It stays
+//! stable while it exceeds 3/4 of the tangent; where a cell is strained beyond that, its pressure
 //! is lowered for the tick and counted.
 
 mod bound;
@@ -20,6 +20,7 @@ mod rest;
 pub(super) mod tests;
 
 use super::cells::{Cell, CellGrid};
+pub use bound::Weight;
 use kernel::CellBlock;
 use palpate_geometry::math::lanes::{Baseline, Four, Lanes};
 use palpate_geometry::math::{Lane, Point3, Vector3};
@@ -374,9 +375,9 @@ fn block(nodes: &[Point3], cells: &[Cell], materials: &[Elastic]) -> CellBlock {
         block.winding[k] = rest.volume.signum();
         block.bulk_pa[k] = lame + 5.0 / 6.0 * shear;
         block.shear_pa[k] = shear;
-        // At rest the tangent is at most 3 λ' − μ / 2 = 3 λ + 2 μ times the Laplacian; twice the
+        // At rest the tangent is at most 3 λ' − μ / 2 = 3 λ + 2 μ times the Laplacian; 4/3 of the
         // matrix must reach it.
-        block.reach[k] = (2.0 * weight + 0.5 * shear) / block.bulk_pa[k];
+        block.reach[k] = (4.0 / 3.0 * weight + 0.5 * shear) / block.bulk_pa[k];
     }
     block
 }

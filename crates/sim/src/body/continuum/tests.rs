@@ -167,7 +167,7 @@ impl ReferenceWorld {
                 matrix.add(row, row, masses[node] / (dt_s * dt_s));
             }
         }
-        for (a, b, k) in solid.bounding_springs() {
+        for (a, b, k) in solid.laplacian(super::Weight::Bounding) {
             let (a, b) = (unknown[a as usize], unknown[b as usize]);
             a.into_iter()
                 .chain(b)

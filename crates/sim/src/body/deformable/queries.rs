@@ -119,7 +119,8 @@ impl Deformable {
 
     /// Bytes of the compliance columns.
     pub fn compliance_bytes(&self) -> usize {
-        self.compliance.values.len() * size_of::<f64>()
+        (self.compliance.response.columns.len() + self.compliance.response.bounding.len())
+            * size_of::<f64>()
     }
 
     /// Quality of the cells.

@@ -3,9 +3,9 @@
 use super::{Inputs, Make, fixed};
 use crate::body::net::Reduced;
 use crate::body::{Cell, CellGrid, Deformable, DeformableError, Inside, Integrator, Material};
-use crate::body::{Solid, StepSettings};
+use crate::body::{Solid, StepMatrix, StepSettings};
 use crate::scene::plan::step_us;
-use crate::scene::spec::{MethodSpec, RegionSpec};
+use crate::scene::spec::{MatrixSpec, MethodSpec, RegionSpec};
 use crate::scene::{BodyModel, DeformingBody, default_samples_per_span, refine};
 use palpate_geometry::contact::ContactSamples;
 use palpate_geometry::math::{Point3, Vector3};
@@ -77,6 +77,11 @@ fn stepped(body: &Inputs<'_>, make: &Make<'_>) -> Option<(Deformable, String)> {
     let implicit = || {
         with(Integrator::Implicit {
             iterations: integrator.iterations,
+            matrix: match integrator.matrix {
+                MatrixSpec::Auto => StepMatrix::Auto,
+                MatrixSpec::Tangent => StepMatrix::Tangent,
+                MatrixSpec::Bounding => StepMatrix::Bounding,
+            },
         })
     };
     let substeps = integrator.substeps;

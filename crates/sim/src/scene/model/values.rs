@@ -109,7 +109,7 @@ fn check_lattice(spec: &LatticeSpec, at: &At<'_>) {
 }
 
 fn check_integrator(spec: &IntegratorSpec, at: &At<'_>) {
-    at.count("iterations", spec.iterations, 10);
+    at.count("iterations", spec.iterations, 100);
     at.count("substeps", spec.substeps, 1_000);
     at.count("contact_sweeps", spec.contact_sweeps, 1_000);
     at.count("every", spec.every as usize, 100);

@@ -257,8 +257,10 @@ pub enum RefineAuto {
 pub struct IntegratorSpec {
     /// Which method.
     pub method: MethodSpec,
-    /// Local–global iterations of the implicit step, 1 ..= 10.
+    /// Quasi-Newton iterations of the implicit step, 1 ..= 100.
     pub iterations: usize,
+    /// Matrix of the implicit step.
+    pub matrix: MatrixSpec,
     /// Substeps of `xpbd`, and the fewest of `explicit`, 1 ..= 1 000.
     pub substeps: usize,
     /// Sweeps of the contact solve a tick, 1 ..= 1 000.
@@ -275,12 +277,26 @@ impl Default for IntegratorSpec {
         Self {
             method: MethodSpec::Implicit,
             iterations: 1,
+            matrix: MatrixSpec::Auto,
             substeps: 1,
             contact_sweeps: 30,
             every: 1,
             sleep_m_s: 1e-7,
         }
     }
+}
+
+/// Matrix of the implicit step.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum MatrixSpec {
+    /// The tangent where it fits, else the bounding matrix.
+    #[default]
+    Auto,
+    /// The tangent of rest, turned with the body.
+    Tangent,
+    /// A scalar matrix above every tangent.
+    Bounding,
 }
 
 /// Time integration.

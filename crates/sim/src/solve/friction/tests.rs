@@ -12,7 +12,7 @@ fn matrix(random: &mut Random, n: usize, shift: f64) -> Vec<f64> {
 }
 
 fn one(normal: Vector3, free: Vector3, law: FrictionLaw, own: f64) -> FrictionProblem {
-    let mut problem = FrictionProblem::new(1, 8);
+    let mut problem = FrictionProblem::new(1, 8, 0, 0);
     problem.push(&normal, &free, law, &Vector3::zeros());
     problem.solve(&[own], 1);
     problem
@@ -88,7 +88,7 @@ fn random_problems_meet_cone_complementarity_and_maximal_dissipation() {
         let n = 1 + case % 14;
         let matrix = matrix(&mut random, n, 0.5);
         let free: Vec<Vector3> = (0..n).map(|_| random.vector() * 0.5).collect();
-        let mut problem = FrictionProblem::new(n, 8);
+        let mut problem = FrictionProblem::new(n, 8, 0, 0);
         for b in &free {
             let normal = (random.vector() * 0.5).normalize();
             let law = match case % 3 {
@@ -121,7 +121,7 @@ fn forces_agree_with_a_slow_projection_on_de_saxces_cone() {
         let normals: Vec<Vector3> = (0..n)
             .map(|_| (random.vector() * 0.5).normalize())
             .collect();
-        let mut problem = FrictionProblem::new(n, 8);
+        let mut problem = FrictionProblem::new(n, 8, 0, 0);
         for (normal, b) in normals.iter().zip(&free) {
             problem.push(normal, b, FrictionLaw::coulomb(mu), &Vector3::zeros());
         }
@@ -173,7 +173,7 @@ fn hopeless_problems_stay_finite_and_in_their_cones() {
             1 => vec![0.0; n * n],
             _ => matrix(&mut random, n, 0.0),
         };
-        let mut problem = FrictionProblem::new(n, 8);
+        let mut problem = FrictionProblem::new(n, 8, 0, 0);
         for _ in 0..n {
             let law = if random.float(-0.5, 0.5) > 0.3 {
                 FrictionLaw::Grip { limit_n: 1.0 }
@@ -206,7 +206,7 @@ fn wide_registers_give_the_same_bits() {
     let mut random = Random(17);
     for n in [1, 3, 4, 17, 60] {
         let matrix = matrix(&mut random, n, 0.1);
-        let mut problem = FrictionProblem::new(n, 8);
+        let mut problem = FrictionProblem::new(n, 8, 0, 0);
         for _ in 0..n {
             let law = FrictionLaw::coulomb(0.4);
             problem.push(
