@@ -35,7 +35,8 @@ pub(super) fn bodies(
     let proxy = &mut state.pairs[p].proxy;
     if my_body.two_sided && !proxy.touching {
         let corner = theirs.surface.net().points()[0];
-        proxy.below = mine.solver.closest(&mine.surface, &corner).signed_distance < 0.0;
+        let moved_m = state.bodies[pair.body].moved_m;
+        mine.sided(my_body).look(&corner, moved_m, proxy);
     }
     // Free motion may close a gap within the tick.
     let closing = moving(my_body, mine) + moving(their_body, theirs);
@@ -46,7 +47,10 @@ pub(super) fn bodies(
     };
     pairs[p].body_contacts(mine.side(), theirs.side(), reach);
     let contacts = pairs[p].set.contacts();
-    proxy.touching = !contacts.is_empty();
+    proxy.touching = false;
+    if !contacts.is_empty() {
+        proxy.touch();
+    }
     let views = [view(my_body, mine), view(their_body, theirs)];
     for (k, contact) in contacts.iter().take(MAX_FEET).enumerate() {
         push_between(rows, p, pair, RowKey::loose(k), contact, &views, margin);

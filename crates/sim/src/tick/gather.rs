@@ -59,7 +59,10 @@ pub(super) fn gather(scene: &Scene, state: &mut SceneState, scratch: &mut Scratc
             grip::push_anchors(scene, state, scratch, p, t);
         }
         if !scratch.near.is_near(p) {
-            state.pairs[p].proxy.leave();
+            let (low, high) = &scratch.bodies[pair.body].bounds;
+            let place = reference(scratch, pair);
+            let away_m = distance_squared_to_box(&place, low, high).sqrt();
+            state.pairs[p].proxy.leave(&place, away_m);
             scratch.rows.end_pair();
             continue;
         }
@@ -80,6 +83,14 @@ pub(super) fn gather(scene: &Scene, state: &mut SceneState, scratch: &mut Scratc
             Holder::Body(other) => bodies(scene, state, scratch, p, other as usize),
         }
         scratch.rows.end_pair();
+    }
+}
+
+/// The point of a pair's holder that says on which side of the body it is, m.
+fn reference(scratch: &Scratch, pair: &Pair) -> Point3 {
+    match pair.holder {
+        Holder::Tool(t) => scratch.rows.free[t as usize],
+        Holder::Body(other) => scratch.bodies[other as usize].surface.net().points()[0],
     }
 }
 
@@ -113,14 +124,13 @@ fn ball(
         target = stick::ball_target(scene, state, &parts.surface, p, &last, &target, radius_m);
     }
     let proxy = &mut state.pairs[p].proxy;
-    let held = BallContact {
-        surface: &parts.surface,
-        solver: &mut parts.solver,
-        size_m: body.size_m,
-        radius_m,
-        two_sided: body.two_sided,
-    }
-    .constrain(&last, &target, state.bodies[pair.body].moved_m, proxy);
+    let sided = parts.sided(body);
+    let held = BallContact { sided, radius_m }.constrain(
+        &last,
+        &target,
+        state.bodies[pair.body].moved_m,
+        proxy,
+    );
     rows.proxies[t] = held.centre;
     if held.gap_m >= margin {
         return;
@@ -320,14 +330,8 @@ fn shape(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch, p: usize,
     // How far the farthest point of the tool goes when it turns by one rad.
     let lever = tool.shape.reach_m().unwrap_or(body.size_m);
     if body.two_sided && !proxy.touching {
-        // What lets go for a tick is still on the side it was.
-        let away_m = parts
-            .solver
-            .closest(&parts.surface, &anchor.place)
-            .signed_distance;
-        if away_m.abs() > margin {
-            proxy.below = away_m < 0.0;
-        }
+        let moved_m = state.bodies[pair.body].moved_m;
+        parts.sided(body).look(&anchor.place, moved_m, proxy);
     }
     let longest = STRIDE * body.size_m;
     for stride in 0..STRIDES {
@@ -384,10 +388,10 @@ fn shape(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch, p: usize,
         }
     }
     let set = &scratch_pair.set;
-    proxy.touching = set
-        .contacts()
-        .iter()
-        .any(|contact| contact.depth_m > -margin);
+    proxy.touching = false;
+    if (set.contacts().iter()).any(|contact| contact.depth_m > -margin) {
+        proxy.touch();
+    }
     let ((carried, turned), (slid, twisted)) = (anchor.way_to(&free), last.way_to(&anchor));
     let way = Way {
         from: anchor.place,

@@ -455,6 +455,8 @@ stateful!(PairState, |this, walk| {
             ProxyState {
                 touching,
                 below,
+                known,
+                clear_m,
                 foot,
                 queried,
             },
@@ -465,7 +467,8 @@ stateful!(PairState, |this, walk| {
         budget_m,
         net_cost,
     } = foot;
-    walk.packed("proxy", [(0, touching), (1, below)])?;
+    walk.packed("proxy", [(0, touching), (1, below), (2, known)])?;
+    walk.float(clear_m)?;
     for value in [u, v, budget_m, net_cost] {
         walk.float(value)?;
     }
