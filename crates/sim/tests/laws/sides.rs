@@ -148,7 +148,7 @@ fn random_pokes_with_any_tool_never_pull_in() {
     let shapes = [
         "point = {}",
         "sphere = { radius_m = 0.004 }",
-        "implicit = { cone = { half_angle_rad = 0.3, height_m = 0.02 } }",
+        "cone = { half_angle_rad = 0.3, height_m = 0.02 }",
     ];
     for (text, coupling) in couplings(SHEET) {
         for (n, shape) in shapes.into_iter().enumerate() {
@@ -157,7 +157,7 @@ fn random_pokes_with_any_tool_never_pull_in() {
             let mut seed = 11 + n as u64;
             let mut from = [0.0, 0.0, 0.03];
             let (mut low_n, mut high_n) = (0.0_f64, 0.0_f64);
-            for poke in 0..40 {
+            for poke in 0..if n == 2 { 8 } else { 40 } {
                 // In, then out.
                 let aim = [
                     0.06 * (random(&mut seed) - 0.5),
@@ -214,7 +214,7 @@ fn walk(world: &mut World, places: &[[f64; 3]], speed_m_s: f64) -> Vec<Vector3> 
 const TOOLS: [(&str, f64); 3] = [
     ("point = {}", 0.0),
     ("sphere = { radius_m = 0.004 }", 0.004),
-    ("implicit = { sphere = { radius_m = 0.004 } }", 0.004),
+    ("ellipsoid = { semi_axes_m = [0.004, 0.004, 0.004] }", 0.004),
 ];
 
 #[test]
