@@ -11,7 +11,7 @@
 use super::between::{bodies, itself};
 use super::cover::foot_key;
 use super::face::{Faced, face_surface};
-use super::feet::{MAX_FEET, Way, margin_m, meet, push_foot, push_sample, view};
+use super::feet::{MAX_FEET, Way, margin_m, meet, moving, push_foot, push_sample, view};
 use super::manifold::{Stance, push_manifold};
 use super::{BodyScratch, SceneState, Scratch, WarmRow};
 use super::{grip, stick};
@@ -114,6 +114,8 @@ fn ball(
     let body = &scene.bodies[pair.body];
     let parts = &mut bodies[pair.body];
     let (free, margin) = (rows.free[t], margin_m(radius_m, body.size_m));
+    // Free motion of the body may close a gap within the tick.
+    let near = margin + moving(body, parts);
     let last = state.tools[t].proxy;
     let touched = state.pairs[p].proxy.touching;
     let mut target = rows.proxies[t];
@@ -132,11 +134,11 @@ fn ball(
         proxy,
     );
     rows.proxies[t] = held.centre;
-    if held.gap_m >= margin {
+    if held.gap_m >= near {
         return;
     }
     let reach = Reach {
-        margin_m: margin,
+        margin_m: near,
         below: proxy.below,
     };
     let here = Pose::from_parts(held.centre.coords.into(), Rotation::identity());
@@ -308,6 +310,8 @@ fn shape(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch, p: usize,
         rotation: rows.free_turns[t],
     };
     let margin = margin_m(0.0, body.size_m);
+    // Free motion of the body may close a gap within the tick.
+    let closing = moving(body, parts);
     let mu = stick::coefficient(scene, state, p);
     let last = Stand {
         place: state.tools[t].proxy,
@@ -338,19 +342,10 @@ fn shape(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch, p: usize,
         let way = anchor.way_to(&free);
         let length = way.0.norm() + lever * way.1.norm();
         let reach = Reach {
-            margin_m: length.min(longest).max(margin),
+            margin_m: length.min(longest).max(margin) + closing,
             below: proxy.below,
         };
-        touch(
-            tool,
-            body,
-            pair,
-            scratch_pair,
-            &anchor.pose(),
-            parts,
-            reach,
-            margin,
-        );
+        touch(tool, body, pair, scratch_pair, &anchor.pose(), parts, reach);
         if length <= reach.margin_m
             || !scratch_pair.set.contacts().is_empty()
             || stride + 1 == STRIDES
@@ -375,16 +370,7 @@ fn shape(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch, p: usize,
                 margin_m,
                 below: proxy.below,
             };
-            touch(
-                tool,
-                body,
-                pair,
-                scratch_pair,
-                &anchor.pose(),
-                parts,
-                reach,
-                margin,
-            );
+            touch(tool, body, pair, scratch_pair, &anchor.pose(), parts, reach);
         }
     }
     let set = &scratch_pair.set;
@@ -462,7 +448,6 @@ fn touch(
     pose: &Pose,
     parts: &mut BodyScratch,
     reach: Reach,
-    margin: f64,
 ) {
     scratch_pair.contacts(&tool.shape, pose, parts.side(), reach);
     let tips = match (&tool.shape, pair.method) {
@@ -490,7 +475,7 @@ fn touch(
         size_m: body.size_m,
         below: reach.below,
     };
-    face_surface(&mut scratch_pair.set, faced, pose, tips, margin);
+    face_surface(&mut scratch_pair.set, faced, pose, tips, reach.margin_m);
 }
 
 /// A tool that did not touch before begins to resist from where it comes to touch.

@@ -2,7 +2,8 @@
 //! sides round the rim.
 
 use crate::common::World;
-use palpate_geometry::math::Vector3;
+use palpate_geometry::math::{Point3, Vector3};
+use palpate_geometry::surface::ClosestSolver;
 
 const SHEET: &str = include_str!("../../../../scenes/sheet.toml");
 const VESSEL: &str = include_str!("../../../../scenes/vessel.toml");
@@ -262,5 +263,58 @@ fn a_tool_that_is_pushed_over_the_rim_comes_free() {
             0.0,
             "{shape}: it hangs at the rim with {last} N"
         );
+    }
+}
+
+/// Greatest depth behind the surface as it then is, m, and the force at the end, N: the pen goes
+/// down onto the sheet at a speed and stays for 0.3 s.
+fn plunge(text: &str, depth_m: f64, speed_m_s: f64) -> (f64, f64) {
+    let mut world = World::new(text);
+    let mut now = world.scene.rest_surface(0).clone();
+    let mut solver = ClosestSolver::new(&now);
+    let (way, mut behind_m, mut end_n) = (0.02 + depth_m, 0.0_f64, 0.0);
+    let ticks = (way / (speed_m_s * 1e-3)).ceil() as usize;
+    for k in 0..ticks + 300 {
+        let z = 0.02 - (speed_m_s * 1e-3 * k as f64).min(way);
+        end_n = world.at_in_place([0.0, 0.0, z]).tools[0].contact_force_n.z;
+        world
+            .state
+            .copy_net(&world.scene, 0, now.net_mut().points_mut());
+        solver.net_changed();
+        let foot = solver.closest(&now, &Point3::new(0.0, 0.0, z));
+        behind_m = behind_m.max(-foot.signed_distance);
+    }
+    (behind_m, end_n)
+}
+
+// At 1 m/s the sheet is thrown off, comes back, and meets the pen at several metres a second: more
+// in a tick than the distance at which a contact becomes a row.
+#[test]
+fn a_rigidly_held_pen_passes_no_soft_sheet_however_fast_it_comes() {
+    let cone = "cone = { half_angle_rad = 0.3, height_m = 0.02 } }";
+    for (name, text) in [
+        ("point", format!("{SHEET}{RIGID}")),
+        (
+            "cone",
+            format!("{SHEET}{RIGID}").replace("point = {} }", cone),
+        ),
+    ] {
+        for depth in [0.002, 0.01] {
+            let (_, slow_n) = plunge(&text, depth, 0.2);
+            for speed in [1.0, 3.0] {
+                let (behind_m, end_n) = plunge(&text, depth, speed);
+                println!(
+                    "{name}, {depth} m at {speed} m/s: {behind_m} m behind, {end_n} N of {slow_n} N"
+                );
+                assert!(
+                    behind_m < 1e-6,
+                    "{name}, {depth} m at {speed} m/s: {behind_m} m behind"
+                );
+                assert!(
+                    (end_n / slow_n - 1.0).abs() < 0.01,
+                    "{name}: {end_n} N, slowly {slow_n} N"
+                );
+            }
+        }
     }
 }
