@@ -22,6 +22,10 @@ pub struct ProxyState {
     /// Distance from an open sheet on that side when it was last looked at, m; 0 in touch. Until
     /// tool and sheet have moved by more, neither can have passed the other.
     pub clear_m: f64,
+    /// Two bodies: they were looked at when they were last near, or were apart.
+    pub met: bool,
+    /// Two bodies: depth of the deepest contact of the last tick, m; 0 without one.
+    pub deepest_m: f64,
     /// Foot on the surface and how far the answer is proven.
     pub foot: WarmFoot,
     /// Where the foot was last asked for, m.
@@ -35,6 +39,7 @@ impl ProxyState {
         self.touching = false;
         self.foot.budget_m = 0.0;
         (self.queried, self.clear_m) = (*place, clear_m);
+        (self.met, self.deepest_m) = (true, 0.0);
     }
 
     /// The surface holds the tool: how far it was proven to be from it does not count any more.

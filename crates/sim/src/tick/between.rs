@@ -11,6 +11,12 @@ use palpate_geometry::math::Point3;
 /// Deepest fold of a body into itself that a tick looks for, relative to the size.
 const FOLD: f64 = 5e-3;
 
+/// A contact may be deeper than the deepest of the last tick by the motion of both bodies and by this
+/// share of the smaller one's size: what a search may have missed. Between half a percent, which free
+/// bodies dropped on each other reach, and the size, at which a crushed surface that turns over sees
+/// the far end of the other body inside.
+const SUDDEN: f64 = 0.02;
+
 /// A body against another, the holder: every contact of both surfaces, and samples of each inside
 /// the other.
 pub(super) fn bodies(
@@ -46,7 +52,17 @@ pub(super) fn bodies(
         below: proxy.below,
     };
     pairs[p].body_contacts(mine.side(), theirs.side(), reach);
+    // Nothing goes deeper in a tick than it moves: what seems to lies beside a fold, where a surface
+    // that was crushed has its outside in.
+    let moved_m = state.bodies[pair.body].moved_m + state.bodies[other].moved_m;
+    let sudden_m = SUDDEN * my_body.size_m.min(their_body.size_m);
+    let most_m = proxy.deepest_m + moved_m + sudden_m;
+    if proxy.met {
+        pairs[p].set.keep(|contact| contact.depth_m <= most_m);
+    }
     let contacts = pairs[p].set.contacts();
+    let deepest_m = contacts.first().map_or(0.0, |contact| contact.depth_m);
+    (proxy.met, proxy.deepest_m) = (true, deepest_m.max(0.0));
     proxy.touching = false;
     if !contacts.is_empty() {
         proxy.touch();

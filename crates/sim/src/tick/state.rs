@@ -457,6 +457,8 @@ stateful!(PairState, |this, walk| {
                 below,
                 known,
                 clear_m,
+                met,
+                deepest_m,
                 foot,
                 queried,
             },
@@ -467,8 +469,9 @@ stateful!(PairState, |this, walk| {
         budget_m,
         net_cost,
     } = foot;
-    walk.packed("proxy", [(0, touching), (1, below), (2, known)])?;
+    walk.packed("proxy", [(0, touching), (1, below), (2, known), (3, met)])?;
     walk.float(clear_m)?;
+    walk.float(deepest_m)?;
     for value in [u, v, budget_m, net_cost] {
         walk.float(value)?;
     }
