@@ -364,3 +364,24 @@ fn a_free_ball_crushed_on_an_open_sheet_stays_there() {
         }
     }
 }
+
+#[test]
+fn no_tool_passes_a_rigid_sheet_however_fast_it_comes() {
+    let cone = ("cone = { half_angle_rad = 0.3, height_m = 0.02 }", 0.0);
+    for (shape, radius_m) in TOOLS.into_iter().chain([cone]) {
+        for speed in [0.3, 1.0, 3.0, 7.0] {
+            let mut world = World::new(&rigid_sheet(shape));
+            let end = [0.013, 0.0, radius_m - 0.002];
+            let forces = walk(&mut world, &[[0.01, 0.0, 0.03], end, end], speed);
+            let mut force = *forces.last().unwrap();
+            for _ in 0..5 {
+                force = world.at_in_place(end).tools[0].contact_force_n;
+            }
+            let expected = Vector3::new(0.0, 0.0, 500.0 * 0.002);
+            assert!(
+                (force - expected).norm() < 1e-6,
+                "{shape} at {speed} m/s: {force} N"
+            );
+        }
+    }
+}
