@@ -14,6 +14,7 @@
 //! another sheet passes the point while the foot stays where it was is not noticed.
 
 use super::proxy::ProxyState;
+use palpate_geometry::basis::KnotVector;
 use palpate_geometry::math::Point3;
 use palpate_geometry::surface::{ClosestPoint, ClosestSolver, Surface};
 
@@ -90,7 +91,7 @@ impl Sided<'_> {
 
     /// The foot is on the rim of an open surface, and the point is past it, neither above nor below.
     pub fn is_beside(&self, foot: &ClosestPoint, point: &Point3) -> bool {
-        let at_end = |knots: &palpate_geometry::basis::KnotVector, t: f64| {
+        let at_end = |knots: &KnotVector, t: f64| {
             let (start, end) = knots.domain();
             !knots.is_periodic() && (t <= start || t >= end)
         };
