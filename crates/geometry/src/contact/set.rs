@@ -133,6 +133,13 @@ impl ContactSet {
         self.contacts.sort_unstable_by(order);
     }
 
+    /// Leaves out the contacts that do not pass; they count as dropped.
+    pub fn keep(&mut self, passes: impl FnMut(&Contact) -> bool) {
+        let before = self.contacts.len();
+        self.contacts.retain(passes);
+        self.dropped += (before - self.contacts.len()) as u32;
+    }
+
     /// Adds a rectangle in touch; those beyond [`MAX_CONTACTS`] are joined with the last.
     pub fn push_rectangle(&mut self, rectangle: Rectangle) {
         if self.rectangles.len() < MAX_CONTACTS {
@@ -210,5 +217,11 @@ mod tests {
         let expected: Vec<f64> = (8..MAX_CONTACTS + 8).rev().map(|k| k as f64).collect();
         assert_eq!(depths, expected);
         assert_eq!((set.overlap(), set.dropped()), (true, 9));
+        set.keep(|contact| contact.depth_m < 30.0);
+        assert_eq!(set.deepest().map(|contact| contact.depth_m), Some(29.0));
+        assert_eq!(
+            (set.contacts().len(), set.dropped()),
+            (MAX_CONTACTS - 10, 19)
+        );
     }
 }

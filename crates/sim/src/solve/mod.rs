@@ -2,6 +2,7 @@
 //!
 //! ```text
 //! proxy             a sphere held back by the surface as it stands
+//! side              on which side of an open surface a point is
 //! rows              a unilateral row for each contact, and for each surface sample inside the other party
 //! delassus          D = C A⁻¹ Cᵀ: how each row's force moves every other
 //! complementarity   forces λ ≥ 0 with D λ + gap ≥ 0, by projected Gauss–Seidel
@@ -19,3 +20,4 @@ pub mod proxy;
 pub mod row_key;
 pub mod rows;
 pub mod sharing;
+pub mod side;

@@ -3,10 +3,12 @@
 //! A god-object (Zilles & Salisbury 1995; Ruspini et al. 1997 for balls) on the exact surface. Far
 //! away it advances by its certified distance, so that no speed takes it through a thin body; once
 //! it touches, it follows its foot by local Newton steps, so that it stays on the side it came from
-//! even when the device is deep inside.
+//! even when the device is deep inside. A surface that moves over it in between touches it
+//! ([`super::side`]).
 
+use super::side::{Found, Sided, TOUCH, side};
 use palpate_geometry::math::{Point3, Vector3};
-use palpate_geometry::surface::{ClosestPoint, ClosestSolver, Surface, WarmFoot};
+use palpate_geometry::surface::{ClosestPoint, WarmFoot};
 
 /// Where a proxy stands with one body. Part of the state.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -15,6 +17,15 @@ pub struct ProxyState {
     pub touching: bool,
     /// On an open sheet: the tool came from the side the normal points away from.
     pub below: bool,
+    /// It has been looked at, so that `below` says where it came from.
+    pub known: bool,
+    /// Distance from an open sheet on that side when it was last looked at, m; 0 in touch. Until
+    /// tool and sheet have moved by more, neither can have passed the other.
+    pub clear_m: f64,
+    /// Two bodies: they were looked at when they were last near, or were apart.
+    pub met: bool,
+    /// Two bodies: depth of the deepest contact of the last tick, m; 0 without one.
+    pub deepest_m: f64,
     /// Foot on the surface and how far the answer is proven.
     pub foot: WarmFoot,
     /// Where the foot was last asked for, m.
@@ -22,11 +33,20 @@ pub struct ProxyState {
 }
 
 impl ProxyState {
-    /// The tool is out of the body's reach: nothing that was proven near it holds when it comes
-    /// back.
-    pub fn leave(&mut self) {
+    /// The tool, at a place, is out of the body's reach and at least so far from it: nothing that
+    /// was proven near it holds when it comes back.
+    pub fn leave(&mut self, place: &Point3, clear_m: f64) {
         self.touching = false;
         self.foot.budget_m = 0.0;
+        (self.queried, self.clear_m) = (*place, clear_m);
+        (self.met, self.deepest_m) = (true, 0.0);
+    }
+
+    /// The surface holds the tool: how far it was proven to be from it does not count any more.
+    pub fn touch(&mut self) {
+        self.touching = true;
+        self.foot.budget_m = 0.0;
+        self.clear_m = 0.0;
     }
 }
 
@@ -46,16 +66,10 @@ pub struct Constrained {
 /// A ball-shaped tool against one surface as it stands.
 #[derive(Debug)]
 pub struct BallContact<'a> {
-    /// The surface now.
-    pub surface: &'a Surface,
-    /// Its solver.
-    pub solver: &'a mut ClosestSolver,
-    /// Length the tolerances refer to, m.
-    pub size_m: f64,
+    /// The surface.
+    pub sided: Sided<'a>,
     /// Radius of the tool, 0 for a point, m.
     pub radius_m: f64,
-    /// An open sheet can be touched from both sides; a closed surface only from outside.
-    pub two_sided: bool,
 }
 
 /// Sphere-tracing steps while free; each takes the whole certified clearance, so this many only lie
@@ -63,9 +77,6 @@ pub struct BallContact<'a> {
 const ADVANCES: usize = 32;
 /// Sliding steps in touch. Each contracts the error by curvature times depth.
 const SLIDES: usize = 16;
-/// Touching means closer than this share of the surface's size: far above rounding (1e-16), far
-/// below what a hand feels.
-const TOUCH: f64 = 1e-9;
 
 impl BallContact<'_> {
     /// Moves the proxy from `start` towards `target`. `moved_m`: how far any control point moved
@@ -79,23 +90,28 @@ impl BallContact<'_> {
     ) -> Constrained {
         let mut centre = *start;
         let mut moved = moved_m;
+        let tolerance = TOUCH * self.sided.size_m;
         if !state.touching {
             for _ in 0..ADVANCES {
-                let foot = self.closest(&centre, moved, state);
+                let foot = match self.sided.look(&centre, moved, state) {
+                    Found::Free(foot) => foot,
+                    Found::Swept(foot) => {
+                        (state.foot.u, state.foot.v) = (foot.u, foot.v);
+                        break;
+                    }
+                };
                 moved = 0.0;
-                // On the sheet itself rounding decides no side.
-                if self.two_sided && foot.signed_distance.abs() > TOUCH * self.size_m {
-                    state.below = foot.signed_distance < 0.0;
-                }
-                let clearance = side(state) * foot.signed_distance - self.radius_m;
+                let clearance = self.sided.clearance_m(&foot, &centre, state) - self.radius_m;
                 let wish = target - centre;
                 let length = wish.norm();
                 if length <= clearance {
                     // Free all the way.
-                    let foot = self.closest(target, 0.0, state);
+                    let foot = match self.sided.look(target, 0.0, state) {
+                        Found::Free(foot) | Found::Swept(foot) => foot,
+                    };
                     return self.outcome(*target, foot, target, state);
                 }
-                if clearance <= TOUCH * self.size_m {
+                if clearance <= tolerance {
                     break;
                 }
                 centre += wish * (clearance / length);
@@ -106,23 +122,21 @@ impl BallContact<'_> {
     }
 
     fn slide(&mut self, start: Point3, target: &Point3, state: &mut ProxyState) -> Constrained {
-        let tolerance = TOUCH * self.size_m;
+        let tolerance = TOUCH * self.sided.size_m;
         let mut centre = start;
         let mut foot = self.follow(&centre, state);
         for _ in 0..SLIDES {
             let normal = foot.normal * side(state);
             // The usual case: the target's own foot lies on the branch we stand on, and gives the
             // answer at once.
-            if let Some(own) = self
-                .solver
-                .local(self.surface, target, state.foot.u, state.foot.v)
-            {
+            if let Some(own) = self.local(target, state) {
                 let reach = (target - centre).norm() + self.radius_m;
                 let facing = own.normal.dot(&foot.normal) > 0.5;
                 if facing && (own.point - foot.point).norm() <= 2.0 * reach {
                     (state.foot.u, state.foot.v) = (own.u, own.v);
-                    if side(state) * own.signed_distance > self.radius_m + tolerance {
-                        release(state);
+                    let clearance = self.sided.clearance_m(&own, target, state);
+                    if clearance > self.radius_m + tolerance {
+                        release(state, target, clearance);
                         return self.outcome(*target, own, target, state);
                     }
                     return self.held(own, target, state);
@@ -132,8 +146,9 @@ impl BallContact<'_> {
             let wish = target - centre;
             let away = wish.dot(&normal);
             if away > tolerance {
-                release(state);
-                let foot = self.closest(target, 0.0, state);
+                release(state, target, 0.0);
+                let foot = self.sided.closest(target, 0.0, state);
+                state.clear_m = self.sided.clearance_m(&foot, target, state).max(0.0);
                 return self.outcome(*target, foot, target, state);
             }
             let tangent = wish - normal * away;
@@ -158,29 +173,18 @@ impl BallContact<'_> {
         self.held(foot, target, state)
     }
 
-    /// The certified closest point. `net_moved_m`: how far any control point moved since the last
-    /// call.
-    fn closest(
-        &mut self,
-        query: &Point3,
-        net_moved_m: f64,
-        state: &mut ProxyState,
-    ) -> ClosestPoint {
-        let moved = (query - state.queried).norm();
-        state.queried = *query;
-        self.solver
-            .closest_warm_moved(self.surface, query, moved, net_moved_m, &mut state.foot)
+    /// The foot that the last one leads to.
+    fn local(&self, query: &Point3, state: &ProxyState) -> Option<ClosestPoint> {
+        let (solver, surface) = (&self.sided.solver, self.sided.surface);
+        solver.local(surface, query, state.foot.u, state.foot.v)
     }
 
     /// The foot of the centre on the branch it stands on; the global one where that branch ends.
     fn follow(&mut self, centre: &Point3, state: &mut ProxyState) -> ClosestPoint {
-        let foot = self
-            .solver
-            .local(self.surface, centre, state.foot.u, state.foot.v)
-            .unwrap_or_else(|| {
-                state.foot.budget_m = 0.0;
-                self.closest(centre, 0.0, state)
-            });
+        let foot = self.local(centre, state).unwrap_or_else(|| {
+            state.foot.budget_m = 0.0;
+            self.sided.closest(centre, 0.0, state)
+        });
         (state.foot.u, state.foot.v) = (foot.u, foot.v);
         foot
     }
@@ -212,7 +216,8 @@ impl BallContact<'_> {
     fn normal(&self, foot: &ClosestPoint, target: &Point3, state: &ProxyState) -> Vector3 {
         let away = target - foot.point;
         let distance = away.norm();
-        if side(state) * foot.signed_distance > 0.0 && distance > 1e-6 * self.size_m {
+        let outside = self.sided.clearance_m(foot, target, state) > 0.0;
+        if outside && distance > 1e-6 * self.sided.size_m {
             away / distance
         } else {
             foot.normal * side(state)
@@ -220,12 +225,9 @@ impl BallContact<'_> {
     }
 }
 
-fn side(state: &ProxyState) -> f64 {
-    if state.below { -1.0 } else { 1.0 }
-}
-
-/// Free again: what was proven in touch no longer holds.
-fn release(state: &mut ProxyState) {
+/// Free again, so far from the surface: what was proven in touch no longer holds.
+fn release(state: &mut ProxyState, place: &Point3, clear_m: f64) {
     state.touching = false;
     state.foot.budget_m = 0.0;
+    (state.queried, state.clear_m) = (*place, clear_m);
 }

@@ -44,8 +44,10 @@ pub(super) fn admit(
             moved: out.device_moved,
             turned: out.device_turned,
         });
-        out.pose_seq = link.pose.seq;
-        out.t_client_ns = link.pose.t_client_ns;
+        // Who sent a pose that is refused waits for its number too, and finds the flag there.
+        let refused = input.poses[t].as_ref().filter(|_| admission.refused);
+        let answered = refused.unwrap_or(&link.pose);
+        (out.pose_seq, out.t_client_ns) = (answered.seq, answered.t_client_ns);
         out.pose_age_ticks = link.age_ticks;
         let mut bits = 0;
         if link.phase == LinkPhase::Stale {

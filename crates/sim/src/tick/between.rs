@@ -11,6 +11,12 @@ use palpate_geometry::math::Point3;
 /// Deepest fold of a body into itself that a tick looks for, relative to the size.
 const FOLD: f64 = 5e-3;
 
+/// A contact may be deeper than the deepest of the last tick by the motion of both bodies and by this
+/// share of the smaller one's size: what a search may have missed. Bodies that press, rub and push each
+/// other stay below 5e-4; a crushed ball on a sheet, whose surface turns over, sees the sheet's far end
+/// 0.33 of that size inside and more.
+const SUDDEN: f64 = 0.02;
+
 /// A body against another, the holder: every contact of both surfaces, and samples of each inside
 /// the other.
 pub(super) fn bodies(
@@ -35,7 +41,8 @@ pub(super) fn bodies(
     let proxy = &mut state.pairs[p].proxy;
     if my_body.two_sided && !proxy.touching {
         let corner = theirs.surface.net().points()[0];
-        proxy.below = mine.solver.closest(&mine.surface, &corner).signed_distance < 0.0;
+        let moved_m = state.bodies[pair.body].moved_m;
+        mine.sided(my_body).look(&corner, moved_m, proxy);
     }
     // Free motion may close a gap within the tick.
     let closing = moving(my_body, mine) + moving(their_body, theirs);
@@ -45,8 +52,21 @@ pub(super) fn bodies(
         below: proxy.below,
     };
     pairs[p].body_contacts(mine.side(), theirs.side(), reach);
+    // Nothing goes deeper in a tick than it moves: what seems to lies beside a fold, where a surface
+    // that was crushed has its outside in.
+    let moved_m = state.bodies[pair.body].moved_m + state.bodies[other].moved_m;
+    let sudden_m = SUDDEN * my_body.size_m.min(their_body.size_m);
+    let most_m = proxy.deepest_m + moved_m + sudden_m;
+    if proxy.met {
+        pairs[p].set.keep(|contact| contact.depth_m <= most_m);
+    }
     let contacts = pairs[p].set.contacts();
-    proxy.touching = !contacts.is_empty();
+    let deepest_m = contacts.first().map_or(0.0, |contact| contact.depth_m);
+    (proxy.met, proxy.deepest_m) = (true, deepest_m.max(0.0));
+    proxy.touching = false;
+    if !contacts.is_empty() {
+        proxy.touch();
+    }
     let views = [view(my_body, mine), view(their_body, theirs)];
     for (k, contact) in contacts.iter().take(MAX_FEET).enumerate() {
         push_between(rows, p, pair, RowKey::loose(k), contact, &views, margin);

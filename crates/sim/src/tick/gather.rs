@@ -11,7 +11,7 @@
 use super::between::{bodies, itself};
 use super::cover::foot_key;
 use super::face::{Faced, face_surface};
-use super::feet::{MAX_FEET, Way, margin_m, meet, push_foot, push_sample, view};
+use super::feet::{MAX_FEET, Way, margin_m, meet, moving, push_foot, push_sample, view};
 use super::manifold::{Stance, push_manifold};
 use super::{BodyScratch, SceneState, Scratch, WarmRow};
 use super::{grip, stick};
@@ -59,7 +59,10 @@ pub(super) fn gather(scene: &Scene, state: &mut SceneState, scratch: &mut Scratc
             grip::push_anchors(scene, state, scratch, p, t);
         }
         if !scratch.near.is_near(p) {
-            state.pairs[p].proxy.leave();
+            let (low, high) = &scratch.bodies[pair.body].bounds;
+            let place = reference(scratch, pair);
+            let away_m = distance_squared_to_box(&place, low, high).sqrt();
+            state.pairs[p].proxy.leave(&place, away_m);
             scratch.rows.end_pair();
             continue;
         }
@@ -83,6 +86,14 @@ pub(super) fn gather(scene: &Scene, state: &mut SceneState, scratch: &mut Scratc
     }
 }
 
+/// The point of a pair's holder that says on which side of the body it is, m.
+fn reference(scratch: &Scratch, pair: &Pair) -> Point3 {
+    match pair.holder {
+        Holder::Tool(t) => scratch.rows.free[t as usize],
+        Holder::Body(other) => scratch.bodies[other as usize].surface.net().points()[0],
+    }
+}
+
 /// A point or a sphere: its proxy on the exact surface.
 fn ball(
     scene: &Scene,
@@ -103,6 +114,8 @@ fn ball(
     let body = &scene.bodies[pair.body];
     let parts = &mut bodies[pair.body];
     let (free, margin) = (rows.free[t], margin_m(radius_m, body.size_m));
+    // Free motion of the body may close a gap within the tick.
+    let near = margin + moving(body, parts);
     let last = state.tools[t].proxy;
     let touched = state.pairs[p].proxy.touching;
     let mut target = rows.proxies[t];
@@ -113,20 +126,19 @@ fn ball(
         target = stick::ball_target(scene, state, &parts.surface, p, &last, &target, radius_m);
     }
     let proxy = &mut state.pairs[p].proxy;
-    let held = BallContact {
-        surface: &parts.surface,
-        solver: &mut parts.solver,
-        size_m: body.size_m,
-        radius_m,
-        two_sided: body.two_sided,
-    }
-    .constrain(&last, &target, state.bodies[pair.body].moved_m, proxy);
+    let sided = parts.sided(body);
+    let held = BallContact { sided, radius_m }.constrain(
+        &last,
+        &target,
+        state.bodies[pair.body].moved_m,
+        proxy,
+    );
     rows.proxies[t] = held.centre;
-    if held.gap_m >= margin {
+    if held.gap_m >= near {
         return;
     }
     let reach = Reach {
-        margin_m: margin,
+        margin_m: near,
         below: proxy.below,
     };
     let here = Pose::from_parts(held.centre.coords.into(), Rotation::identity());
@@ -298,6 +310,8 @@ fn shape(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch, p: usize,
         rotation: rows.free_turns[t],
     };
     let margin = margin_m(0.0, body.size_m);
+    // Free motion of the body may close a gap within the tick.
+    let closing = moving(body, parts);
     let mu = stick::coefficient(scene, state, p);
     let last = Stand {
         place: state.tools[t].proxy,
@@ -320,33 +334,18 @@ fn shape(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch, p: usize,
     // How far the farthest point of the tool goes when it turns by one rad.
     let lever = tool.shape.reach_m().unwrap_or(body.size_m);
     if body.two_sided && !proxy.touching {
-        // What lets go for a tick is still on the side it was.
-        let away_m = parts
-            .solver
-            .closest(&parts.surface, &anchor.place)
-            .signed_distance;
-        if away_m.abs() > margin {
-            proxy.below = away_m < 0.0;
-        }
+        let moved_m = state.bodies[pair.body].moved_m;
+        parts.sided(body).look(&anchor.place, moved_m, proxy);
     }
     let longest = STRIDE * body.size_m;
     for stride in 0..STRIDES {
         let way = anchor.way_to(&free);
         let length = way.0.norm() + lever * way.1.norm();
         let reach = Reach {
-            margin_m: length.min(longest).max(margin),
+            margin_m: length.min(longest).max(margin) + closing,
             below: proxy.below,
         };
-        touch(
-            tool,
-            body,
-            pair,
-            scratch_pair,
-            &anchor.pose(),
-            parts,
-            reach,
-            margin,
-        );
+        touch(tool, body, pair, scratch_pair, &anchor.pose(), parts, reach);
         if length <= reach.margin_m
             || !scratch_pair.set.contacts().is_empty()
             || stride + 1 == STRIDES
@@ -371,23 +370,14 @@ fn shape(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch, p: usize,
                 margin_m,
                 below: proxy.below,
             };
-            touch(
-                tool,
-                body,
-                pair,
-                scratch_pair,
-                &anchor.pose(),
-                parts,
-                reach,
-                margin,
-            );
+            touch(tool, body, pair, scratch_pair, &anchor.pose(), parts, reach);
         }
     }
     let set = &scratch_pair.set;
-    proxy.touching = set
-        .contacts()
-        .iter()
-        .any(|contact| contact.depth_m > -margin);
+    proxy.touching = false;
+    if (set.contacts().iter()).any(|contact| contact.depth_m > -margin) {
+        proxy.touch();
+    }
     let ((carried, turned), (slid, twisted)) = (anchor.way_to(&free), last.way_to(&anchor));
     let way = Way {
         from: anchor.place,
@@ -458,7 +448,6 @@ fn touch(
     pose: &Pose,
     parts: &mut BodyScratch,
     reach: Reach,
-    margin: f64,
 ) {
     scratch_pair.contacts(&tool.shape, pose, parts.side(), reach);
     let tips = match (&tool.shape, pair.method) {
@@ -486,7 +475,7 @@ fn touch(
         size_m: body.size_m,
         below: reach.below,
     };
-    face_surface(&mut scratch_pair.set, faced, pose, tips, margin);
+    face_surface(&mut scratch_pair.set, faced, pose, tips, reach.margin_m);
 }
 
 /// A tool that did not touch before begins to resist from where it comes to touch.

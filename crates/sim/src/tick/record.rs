@@ -141,7 +141,8 @@ impl ContactReports {
 /// What a tool gets out of a tick.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ToolOutput {
-    /// `seq` of the pose in effect, 0 before the first.
+    /// `seq` of the pose that this tick answers: the one in effect (0 before the first), or that of a
+    /// refused pose in the tick that refuses it ([`flags::REFUSED`](super::flags::REFUSED)).
     pub pose_seq: u64,
     /// Its `t_client_ns`.
     pub t_client_ns: u64,

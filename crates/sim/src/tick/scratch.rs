@@ -3,13 +3,14 @@
 use super::balance;
 use super::state::{Pipeline, SceneState};
 use crate::body::DeformableScratch;
-use crate::scene::{BodyModel, Pair, Scene};
+use crate::scene::{Body, BodyModel, Pair, Scene};
 use crate::solve::complementarity::Complementarity;
 use crate::solve::cones::ConeShare;
 use crate::solve::delassus::Delassus;
 use crate::solve::friction::{FrictionProblem, Stick};
 use crate::solve::rows::{MAX_ROWS_PER_PAIR, RowSet, SampleInTouch};
 use crate::solve::sharing::Share;
+use crate::solve::side::Sided;
 use palpate_geometry::contact::broad::{BroadPhase, MAX_BOXES};
 use palpate_geometry::contact::dispatch::Narrow;
 use palpate_geometry::contact::pair::PairSide;
@@ -131,6 +132,16 @@ pub struct BodyScratch {
 }
 
 impl BodyScratch {
+    /// The surface as points see it that keep their side of it.
+    pub(super) fn sided(&mut self, body: &Body) -> Sided<'_> {
+        Sided {
+            surface: &self.surface,
+            solver: &mut self.solver,
+            size_m: body.size_m,
+            two_sided: body.two_sided,
+        }
+    }
+
     /// The surface as contact queries take it.
     pub(super) fn side(&mut self) -> PairSide<'_> {
         PairSide {

@@ -455,6 +455,10 @@ stateful!(PairState, |this, walk| {
             ProxyState {
                 touching,
                 below,
+                known,
+                clear_m,
+                met,
+                deepest_m,
                 foot,
                 queried,
             },
@@ -465,7 +469,9 @@ stateful!(PairState, |this, walk| {
         budget_m,
         net_cost,
     } = foot;
-    walk.packed("proxy", [(0, touching), (1, below)])?;
+    walk.packed("proxy", [(0, touching), (1, below), (2, known), (3, met)])?;
+    walk.float(clear_m)?;
+    walk.float(deepest_m)?;
     for value in [u, v, budget_m, net_cost] {
         walk.float(value)?;
     }

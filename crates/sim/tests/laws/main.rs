@@ -16,4 +16,5 @@ mod many_tools;
 mod models;
 mod quality;
 mod rigid;
+mod sides;
 mod vessel;

@@ -1,6 +1,8 @@
 //! A ball, a point and a plane on rigid bodies: closed forms.
 
-use crate::common::World;
+use crate::common::{World, pose};
+use palpate_sim::haptics::DevicePose;
+use palpate_sim::tick::flags;
 
 const SPHERE: &str = r#"
 [[body]]
@@ -204,7 +206,7 @@ fn stale_and_jumping_poses_fade_the_force_to_zero_without_a_step() {
         world.at([0.09 - 0.0316 * f64::from(k.min(100)) / 100.0, 0.0, 0.0]);
     }
     let out = world.at([0.0, 0.0, -0.09]);
-    assert_ne!(out.tools[0].flags & palpate_sim::tick::flags::REFUSED, 0);
+    assert_ne!(out.tools[0].flags & flags::REFUSED, 0);
     let mut moved = 0;
     while world.state.tools[0].link.pose.position.z > -0.08 {
         world.at([0.0, 0.0, -0.09]);
@@ -212,4 +214,50 @@ fn stale_and_jumping_poses_fade_the_force_to_zero_without_a_step() {
         assert!(moved < 100);
     }
     assert_eq!(world.at([0.0, 0.0, -0.09]).tools[0].force_n.norm(), 0.0);
+}
+
+// A client in lockstep sends its next pose when the number of the last one comes back.
+#[test]
+fn every_pose_is_answered_by_its_number_also_a_refused_one() {
+    let mut world = World::new(
+        "[[body]]\nid = \"ball\"\nsurface = { builtin = \"sphere\" }\n\
+         [[tool]]\nid = \"pen\"\nshape = { point = {} }\npose = { position = [0.0, 0.0, 0.1] }\n",
+    );
+    let mut refusals = 0;
+    for k in 1..=400 {
+        // It jumps by 20 cm at once, where 5 mm are plausible, and stays.
+        let x = if k > 200 { 0.2 } else { 0.0 };
+        let sent = DevicePose {
+            t_client_ns: 1_000 * k,
+            ..pose(0, [x, 0.0, 0.1])
+        };
+        let tool = world.posed(sent).tools[0];
+        assert_eq!(
+            (tool.pose_seq, tool.t_client_ns),
+            (k, 1_000 * k),
+            "tick {k}"
+        );
+        let refused = tool.flags & flags::REFUSED != 0;
+        refusals += u32::from(refused);
+        // A refused pose moves nothing.
+        let used = world.state.tools[0].link.pose;
+        assert_eq!(
+            used.seq == k,
+            !refused,
+            "tick {k}: pose {} is in use",
+            used.seq
+        );
+        if refused {
+            let silent = world.silent().tools[0];
+            assert_eq!(
+                silent.pose_seq, used.seq,
+                "the pose in use, where there is no new one"
+            );
+        }
+    }
+    assert!(refusals > 0, "no pose was refused");
+    assert_eq!(
+        world.state.tools[0].link.pose.seq, 400,
+        "the new place was never taken"
+    );
 }
