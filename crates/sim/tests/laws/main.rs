@@ -15,5 +15,6 @@ mod hard_cases;
 mod many_tools;
 mod models;
 mod quality;
+mod refinement;
 mod rigid;
 mod vessel;
