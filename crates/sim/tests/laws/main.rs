@@ -1,5 +1,6 @@
 //! Laws of the simulation: forces, rest, energy, friction, couplings, refusals.
 
+mod bending;
 mod carried;
 #[path = "../common/mod.rs"]
 mod common;
