@@ -1,7 +1,7 @@
 //! Which control points of a surface are neighbours: quadrilaterals, and rows of three that bend.
 
 use palpate_geometry::surface::{Joints, Surface};
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// The neighbours of a membrane, as coordinates.
 #[derive(Clone, Debug, PartialEq)]
@@ -84,16 +84,12 @@ impl Sheet {
                 let middle = at(row, column);
                 let along_u = around(row, rows, wraps[0], |r| at(r, column));
                 let along_v = around(column, columns, wraps[1], |c| at(row, c));
-                let u = along_u.unwrap_or_else(|| ends(row, rows, |r| at(r, column)));
-                let v = along_v.unwrap_or_else(|| ends(column, columns, |c| at(row, c)));
-                if let Some([before, after]) = along_u {
-                    sheet.bend([before, middle, after], Some(v));
-                }
-                if let Some([before, after]) = along_v {
-                    sheet.bend([before, middle, after], Some(u));
+                for [before, after] in along_u.into_iter().chain(along_v) {
+                    sheet.bend([before, middle, after]);
                 }
             }
         }
+        let mut sheet = sheet.crossed();
         // Lines of control points and the next ones inwards: the first may be poles.
         let [last_row, last_column] = [rows - 1, columns - 1];
         let line = |row: usize| (0..columns).map(|column| at(row, column)).collect();
@@ -161,47 +157,48 @@ impl Sheet {
                         sheet.quads.push(quad);
                     }
                     if row > u0 && row < u1 {
-                        sheet.bend(
-                            [at(row - 1, column), at(row, column), at(row + 1, column)],
-                            None,
-                        );
+                        sheet.bend([at(row - 1, column), at(row, column), at(row + 1, column)]);
                     }
                     if column > v0 && column < v1 {
-                        sheet.bend(
-                            [at(row, column - 1), at(row, column), at(row, column + 1)],
-                            None,
-                        );
+                        sheet.bend([at(row, column - 1), at(row, column), at(row, column + 1)]);
                     }
                 }
             }
         }
         for [before, middle, after] in joints.rows_across() {
-            let row = [before, middle, after].map(|control| coordinate_of_control[control]);
-            sheet.bend(row, None);
+            sheet.bend([before, middle, after].map(|control| coordinate_of_control[control]));
         }
-        // A row along a joint belongs to both sides.
+        sheet.crossed()
+    }
+
+    fn bend(&mut self, row: [u32; 3]) {
+        let [before, middle, after] = row;
+        if before != middle && middle != after && before != after {
+            self.rows.push(Row::of(row));
+        }
+    }
+
+    /// Each row once, and where two cross, each with the ends of the other beside it.
+    fn crossed(mut self) -> Self {
+        // A row along a seam or a joint belongs to both sides.
         let mut known = BTreeSet::new();
-        sheet.rows.retain(|row| {
+        self.rows.retain(|row| {
             let (a, c) = (row.before, row.after[0]);
             known.insert([a.min(c), row.middle, a.max(c)])
         });
-        sheet
-    }
-
-    fn bend(&mut self, row: [u32; 3], across: Option<[u32; 2]>) {
-        let [before, middle, after] = row;
-        if before != middle && middle != after && before != after {
-            self.rows.push(Row {
-                across,
-                ..Row::of(row)
-            });
+        let mut of_middle: BTreeMap<u32, Vec<usize>> = BTreeMap::new();
+        for (k, row) in self.rows.iter().enumerate() {
+            of_middle.entry(row.middle).or_default().push(k);
         }
+        for rows in of_middle.into_values() {
+            let [a, b] = rows[..] else { continue };
+            for (one, other) in [(a, b), (b, a)] {
+                let Row { before, after, .. } = self.rows[other];
+                self.rows[one].across = Some([before, after[0]]);
+            }
+        }
+        self
     }
-}
-
-/// The neighbours of a place at an end, itself where there is none.
-fn ends(k: usize, count: usize, at: impl Fn(usize) -> u32) -> [u32; 2] {
-    [at(k.saturating_sub(1)), at((k + 1).min(count - 1))]
 }
 
 /// Neighbours of place `k` of `count`; across the seam where the last place repeats the first.
