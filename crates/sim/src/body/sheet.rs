@@ -118,7 +118,8 @@ impl Sheet {
             return;
         }
         let on = |k: usize| ring[k % n];
-        let (rows, odd) = if n % 2 == 0 { (n / 2, 0) } else { (n, 1) };
+        let odd = n % 2;
+        let rows = if odd == 1 { n } else { n / 2 };
         for k in 0..rows {
             self.rows.push(Row {
                 before: on(k),
