@@ -11,6 +11,9 @@ pub(super) const SCALES: [(f64, &str); 4] = [
 /// The lowest part of the teardrop, up to this height, is fixed, m.
 pub(super) const TEARDROP_FIXED_M: f64 = 0.015;
 
+/// Refinement where the ball presses the teardrop.
+const WHERE_IT_PRESSES: &str = "{ focus = [[0.024, 0.003, 0.045]] }";
+
 /// Pressing the box.
 pub(super) struct BoxCase {
     /// By which it is asked for.
@@ -242,10 +245,15 @@ impl TeardropCase {
             ..Self::new(name, "lattice", refine, 4)
         };
         vec![
-            Self::new("indent/teardrop/lattice", "lattice", "\"auto\"", 4),
+            Self::new("indent/teardrop/lattice", "lattice", WHERE_IT_PRESSES, 4),
             Self::new("indent/teardrop/lattice/12x13", "lattice", "[12, 13]", 4),
             Self::new("indent/teardrop/lattice/22x23", "lattice", "[22, 23]", 4),
-            Self::new("indent/teardrop/continuum", "continuum", "\"auto\"", 4),
+            Self::new(
+                "indent/teardrop/continuum",
+                "continuum",
+                WHERE_IT_PRESSES,
+                4,
+            ),
             Self::new(
                 "indent/teardrop/continuum/12x13",
                 "continuum",
@@ -258,7 +266,7 @@ impl TeardropCase {
                 "[22, 23]",
                 4,
             ),
-            Self::new("indent/teardrop/net", "net", "\"auto\"", 2),
+            Self::new("indent/teardrop/net", "net", WHERE_IT_PRESSES, 2),
             Self::new("indent/teardrop/net/12x13", "net", "[12, 13]", 2),
             Self::new("indent/teardrop/net/16x17", "net", "[16, 17]", 2),
             Self::new("indent/teardrop/net/16x17x3", "net", "[16, 17]", 3),

@@ -4,54 +4,103 @@
 //! second derivative along the row. Its energy ½ w (|v| − |v₀|)² has w = D A, the bending stiffness
 //! D = E t³ / (12 (1 − ν²)) of a plate times the area that the row stands for. The direction of v
 //! is free, so turning costs nothing (Bouaziz et al. 2014, sec. 5.3).
+//!
+//! A row that winds within the sheet, as one around a pole, has a v₀ there even where the sheet is
+//! flat, and |v| would not tell what leaves the plane. So what v has in the plane at rest is taken
+//! off as a first derivative: v − p (x₊ − x₋) − q (x_r − x_l), with the neighbours left and right of
+//! the row. Around a flat pole that makes w′/r of the deflection w, the curvature around.
 
+use super::sheet::Row;
 use palpate_geometry::math::{Lane, Point3, Vector3};
+
+/// Most nodes of a bend: one before, the middle, two after, left and right.
+const MOST: usize = 6;
+
+/// A v₀ in the plane below this, times the length of the row, is rounding.
+const STRAIGHT: f64 = 1e-9;
 
 /// One row of three.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bend {
-    /// Nodes: before, middle, after.
-    pub nodes: [u32; 3],
-    /// (α, −(α + β), β), 1/m².
-    pub weights: [f64; 3],
+    nodes: [u32; MOST],
+    /// 1/m²; they sum to zero.
+    weights: [f64; MOST],
+    count: usize,
     /// w, N·m³.
-    pub stiffness: f64,
+    stiffness: f64,
     /// |v₀|, 1/m.
-    pub rest: f64,
+    rest: f64,
 }
 
 impl Bend {
     /// A row of nodes at rest, of bending stiffness D (N·m) over an area (m²); `None` where nodes
     /// coincide.
-    pub fn new(nodes: [u32; 3], rest: &[Point3], plate_n_m: f64, area_m2: f64) -> Option<Self> {
-        let [a, b, c] = nodes.map(|k| rest[k as usize]);
+    pub fn new(row: &Row, rest: &[Point3], plate_n_m: f64, area_m2: f64) -> Option<Self> {
+        let at = |node: u32| rest[node as usize];
+        let (a, b) = (at(row.before), at(row.middle));
+        let c = at(row.after[0]) + (at(row.after[1]) - at(row.after[0])) * 0.5;
         let (before, after) = ((b - a).norm(), (c - b).norm());
         if !(before > 0.0 && after > 0.0) {
             return None;
         }
         let whole = before + after;
-        let (alpha, beta) = (2.0 / (before * whole), 2.0 / (after * whole));
-        let weights = [alpha, -(alpha + beta), beta];
-        let v: Vector3 = a.coords * weights[0] + b.coords * weights[1] + c.coords * weights[2];
-        Some(Self {
-            nodes,
-            weights,
-            stiffness: plate_n_m * area_m2,
+        let (mut alpha, mut beta) = (2.0 / (before * whole), 2.0 / (after * whole));
+        let middle = -(alpha + beta);
+        let mut v: Vector3 = a.coords * alpha + b.coords * middle + c.coords * beta;
+        let mut across = 0.0;
+        if let Some([left, right]) = row.across {
+            let (along, aside) = (c - a, at(right) - at(left));
+            let (p, q) = in_plane(&v, &along, &aside);
+            if (along * p + aside * q).norm() * whole > STRAIGHT {
+                (alpha, beta, across) = (alpha + p, beta - p, q);
+                v -= along * p + aside * q;
+            }
+        }
+        let mut bend = Self {
+            nodes: [row.middle; MOST],
+            weights: [0.0; MOST],
+            count: 0,
+            stiffness: plate_n_m * area_m2 * row.share,
             rest: v.norm(),
-        })
+        };
+        bend.add(row.before, alpha);
+        bend.add(row.middle, middle);
+        bend.add(row.after[0], 0.5 * beta);
+        bend.add(row.after[1], 0.5 * beta);
+        if let Some([left, right]) = row.across.filter(|_| across != 0.0) {
+            bend.add(left, across);
+            bend.add(right, -across);
+        }
+        Some(bend)
+    }
+
+    fn add(&mut self, node: u32, weight: f64) {
+        let known = self.nodes[..self.count].iter().position(|&n| n == node);
+        let place = known.unwrap_or(self.count);
+        self.nodes[place] = node;
+        self.weights[place] += weight;
+        self.count = self.count.max(place + 1);
+    }
+
+    fn terms(&self) -> impl Iterator<Item = (u32, f64)> {
+        let (nodes, weights) = (&self.nodes[..self.count], &self.weights[..self.count]);
+        nodes.iter().copied().zip(weights.iter().copied())
     }
 
     /// w s sᵀ as edges (a, b, k) of a Laplacian: its rows sum to zero.
-    pub fn edges(&self) -> [(u32, u32, f64); 3] {
-        let [a, b, c] = self.nodes;
-        let [s, t, u] = self.weights;
-        let edge = |i: u32, j: u32, product: f64| (i.min(j), i.max(j), -self.stiffness * product);
-        [edge(a, b, s * t), edge(b, c, t * u), edge(a, c, s * u)]
+    pub fn edges(&self) -> Vec<(u32, u32, f64)> {
+        let mut edges = Vec::new();
+        for (k, (i, s)) in self.terms().enumerate() {
+            for (j, t) in self.terms().skip(k + 1) {
+                edges.push((i.min(j), i.max(j), -self.stiffness * (s * t)));
+            }
+        }
+        edges
     }
 
     fn second_derivative(&self, places: &[Lane]) -> Lane {
         let mut v = [0.0; 4];
-        for (&node, weight) in self.nodes.iter().zip(self.weights) {
+        for (node, weight) in self.terms() {
             for c in 0..3 {
                 v[c] += places[node as usize][c] * weight;
             }
@@ -68,7 +117,7 @@ impl Bend {
         } else {
             0.0
         };
-        for (&node, weight) in self.nodes.iter().zip(self.weights) {
+        for (node, weight) in self.terms() {
             for c in 0..3 {
                 residual[node as usize][c] -= self.stiffness * share * weight * v[c];
             }
@@ -80,6 +129,22 @@ impl Bend {
         let v = self.second_derivative(places);
         let length = (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]).sqrt();
         0.5 * self.stiffness * (length - self.rest).powi(2)
+    }
+}
+
+/// The part of a vector in the plane of two others, as multiples of them.
+fn in_plane(v: &Vector3, along: &Vector3, aside: &Vector3) -> (f64, f64) {
+    let (aa, ab, bb) = (along.dot(along), along.dot(aside), aside.dot(aside));
+    let (va, vb) = (v.dot(along), v.dot(aside));
+    let determinant = aa * bb - ab * ab;
+    // Neighbours in one line, or in one point, span no plane.
+    if determinant > 1e-6 * aa * bb {
+        (
+            (va * bb - vb * ab) / determinant,
+            (vb * aa - va * ab) / determinant,
+        )
+    } else {
+        (0.0, 0.0)
     }
 }
 
@@ -98,7 +163,7 @@ mod tests {
         let flat: Vec<Point3> = (0..3)
             .map(|k| Point3::new(h * k as f64, 0.0, 0.0))
             .collect();
-        let bend = Bend::new([0, 1, 2], &flat, plate, h * h).unwrap();
+        let bend = Bend::new(&Row::of([0, 1, 2]), &flat, plate, h * h).unwrap();
         let arc: Vec<Point3> = (0..3)
             .map(|k| {
                 let angle = h * (k as f64 - 1.0) / r;
@@ -117,7 +182,7 @@ mod tests {
             .iter()
             .map(|&x| Point3::new(x, 0.0, 0.0))
             .collect();
-        let bend = Bend::new([0, 1, 2], &flat, 2.0, 0.5).unwrap();
+        let bend = Bend::new(&Row::of([0, 1, 2]), &flat, 2.0, 0.5).unwrap();
         let places = lanes(&[
             Point3::new(0.1, 0.2, 0.0),
             Point3::new(1.0, -0.1, 0.3),
@@ -141,7 +206,7 @@ mod tests {
             .iter()
             .map(|&(a, b, k)| k * (x[a as usize] - x[b as usize]).powi(2))
             .sum();
-        let s: f64 = x.iter().zip(bend.weights).map(|(x, w)| x * w).sum();
+        let s: f64 = bend.terms().map(|(k, w)| x[k as usize] * w).sum();
         assert!((by_edges - bend.stiffness * s * s).abs() < 1e-12);
     }
 }

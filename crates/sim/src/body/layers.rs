@@ -7,6 +7,7 @@
 //! equal depths along the inward normals. Either way the surface is exact: no node is fitted to it.
 
 use super::cells::{Cell, CellGrid};
+use super::continuum::refused_cells;
 use palpate_geometry::math::{Point3, Vector3};
 
 /// What the rings of a closed surface do along the other direction.
@@ -86,8 +87,8 @@ pub fn rings_at_best(points: &[Point3], rings: &Rings, layers: usize) -> CellGri
     build(&best_medial(points, rings, build))
 }
 
-/// The medial curve with which `build` makes the best cells: none folded, then the greatest least
-/// scaled Jacobian of the cells that are not wedges. At a pointed pole the even curve ends too far
+/// The medial curve with which `build` makes the best cells: none folded, none that a continuum
+/// refuses, then the greatest least scaled Jacobian of the cells that are not wedges. At a pointed pole the even curve ends too far
 /// inside, and the cells beside it are slanted.
 pub(super) fn best_medial(
     points: &[Point3],
@@ -96,12 +97,14 @@ pub(super) fn best_medial(
 ) -> Vec<Point3> {
     let judge = |insets: &Insets| {
         let medial = medial_curve(points, rings, insets);
-        let quality = build(&medial).quality();
+        let grid = build(&medial);
+        let quality = grid.quality();
         let count = |cells: usize| -(cells as f64);
         let least = quality.least_scaled_jacobian_hexahedra.min(GOOD_ENOUGH);
         (
             [
                 count(quality.folded_cells),
+                count(refused_cells(&grid)),
                 count(quality.folded_corner_cells),
                 least,
             ],
@@ -121,7 +124,7 @@ pub(super) fn best_medial(
                     ..best_insets
                 };
                 insets.radii[end] = inset;
-                if best.0 >= [0.0, 0.0, GOOD_ENOUGH] {
+                if best.0 >= [0.0, 0.0, 0.0, GOOD_ENOUGH] {
                     return best.1;
                 }
                 let trial = judge(&insets);

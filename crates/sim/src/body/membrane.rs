@@ -9,7 +9,7 @@ use super::material::Material;
 use super::matter::Blueprint;
 use super::node_map::NodeMap;
 use super::settings::{DeformableError, StepSettings};
-use super::sheet::Sheet;
+use super::sheet::{Row, Sheet};
 use super::springs::{from_quads, quad_area};
 use palpate_geometry::math::Point3;
 
@@ -58,7 +58,7 @@ pub fn membrane(
         quality.edge_m = [quality.edge_m[0].min(length), quality.edge_m[1].max(length)];
     }
     let plate = material.young_pa * thickness_m.powi(3) / (12.0 * (1.0 - POISSON * POISSON));
-    let bend = |row: &[u32; 3]| Bend::new(*row, &coordinates, plate, areas[row[1] as usize]);
+    let bend = |row: &Row| Bend::new(row, &coordinates, plate, areas[row.middle as usize]);
     let bends = sheet.rows.iter().filter_map(bend).collect();
     let masses = areas
         .iter()

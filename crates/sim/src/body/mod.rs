@@ -60,7 +60,7 @@ pub use matter::Blueprint;
 pub use membrane::membrane;
 pub use node_map::{NodeMap, SparseRows};
 pub use settings::{DeformableError, Integrator, StepMatrix, StepSettings};
-pub use sheet::Sheet;
+pub use sheet::{Row, Sheet};
 pub use som::{SomSettings, som};
 pub use springs::{Spring, SpringRule};
 pub use state::{DeformableScratch, DeformableState};

@@ -153,7 +153,11 @@ impl SceneChange {
 fn pinned(scene: &Scene) -> Result<SceneSpec, SceneError> {
     let mut spec = scene.spec.clone();
     for (b, body) in spec.bodies.iter_mut().enumerate() {
-        if scene.deforms(b) && body.lattice.refine == RefineSpec::Auto(RefineAuto::Auto) {
+        let automatic = matches!(
+            body.lattice.refine,
+            RefineSpec::Auto(RefineAuto::Auto) | RefineSpec::Focus { .. }
+        );
+        if scene.deforms(b) && automatic {
             let door = Door::new(Path::new(""));
             let at = door.top().key("body").entry(b).key("surface");
             let coarse = body.surface.surface(&at);

@@ -163,6 +163,17 @@ impl<'d> At<'d> {
         self.door.count()
     }
 
+    /// What comes of it, or `None` and no problem more than before.
+    pub fn attempt<T>(&self, work: impl FnOnce() -> Option<T>) -> Option<T> {
+        let before = self.problem_count();
+        let result = work();
+        if self.problem_count() > before {
+            self.door.problems.borrow_mut().truncate(before);
+            return None;
+        }
+        result
+    }
+
     /// Writes a problem down: what is wrong and how to fix it.
     pub fn refuse(&self, reason: impl Display) {
         self.door.problems.borrow_mut().push(Problem {

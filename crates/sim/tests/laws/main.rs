@@ -1,5 +1,6 @@
 //! Laws of the simulation: forces, rest, energy, friction, couplings, refusals.
 
+mod bending;
 mod carried;
 #[path = "../common/mod.rs"]
 mod common;
@@ -15,6 +16,7 @@ mod hard_cases;
 mod many_tools;
 mod models;
 mod quality;
+mod refinement;
 mod rigid;
 mod sides;
 mod vessel;

@@ -277,9 +277,9 @@ fn a_duplicated_tube_is_the_tube() {
             "place {place}: {two} N twice, {three} N three times"
         );
         assert_eq!(rows, again, "place {place}");
-        // A plain net bends twice along the row that its seam repeats, and so pushes harder there,
-        // and only there.
-        let most = if place == 1 { 0.12 } else { 1e-3 };
+        // The second place is on the seam, where a plain net is touched on one of its two sides:
+        // its force is tilted by 1 degree.
+        let most = if place == 1 { 0.02 } else { 1e-3 };
         assert!(
             (one - two).norm() < most * one.norm(),
             "place {place}: {one} N once, {two} N twice"

@@ -306,20 +306,10 @@ fn check(grid: &CellGrid, elastic: &[Elastic]) -> Result<(), ContinuumError> {
             });
         }
     }
-    // Positions that are not numbers give the worst quality.
-    let known = |x: f64| if x.is_nan() { f64::NEG_INFINITY } else { x };
     let (mut count, mut worst, mut quality) = (0, 0, f64::INFINITY);
     for (k, cell) in grid.cells.iter().enumerate() {
-        let rest = RestCell::new(&grid.nodes, cell);
-        let jacobian = known(rest::scaled_jacobian(&grid.nodes, cell, rest.volume).unwrap_or(1.0));
-        let evenness = known(rest.evenness);
-        if evenness <= LEAST_EVENNESS || jacobian < LEAST_SCALED_JACOBIAN {
+        if let Some(value) = too_distorted(grid, cell) {
             count += 1;
-            let value = if evenness <= LEAST_EVENNESS {
-                jacobian.min(evenness)
-            } else {
-                jacobian
-            };
             if value <= quality {
                 (worst, quality) = (k, value);
             }
@@ -335,6 +325,26 @@ fn check(grid: &CellGrid, elastic: &[Elastic]) -> Result<(), ContinuumError> {
     } else {
         Ok(())
     }
+}
+
+/// The quality of a cell that is refused for it.
+fn too_distorted(grid: &CellGrid, cell: &Cell) -> Option<f64> {
+    // Positions that are not numbers give the worst quality.
+    let known = |x: f64| if x.is_nan() { f64::NEG_INFINITY } else { x };
+    let rest = RestCell::new(&grid.nodes, cell);
+    let jacobian = known(rest::scaled_jacobian(&grid.nodes, cell, rest.volume).unwrap_or(1.0));
+    let evenness = known(rest.evenness);
+    if evenness <= LEAST_EVENNESS {
+        Some(jacobian.min(evenness))
+    } else {
+        (jacobian < LEAST_SCALED_JACOBIAN).then_some(jacobian)
+    }
+}
+
+/// How many cells [`ContinuumLaw::new`] would refuse.
+pub(super) fn refused_cells(grid: &CellGrid) -> usize {
+    let refused = |cell: &&Cell| too_distorted(grid, cell).is_some();
+    grid.cells.iter().filter(refused).count()
 }
 
 /// Up to four cells. The places of missing ones are those of the first, their stiffness is zero.

@@ -5,13 +5,14 @@ use crate::body::net::Reduced;
 use crate::body::{Cell, CellGrid, Deformable, DeformableError, Inside, Integrator, Material};
 use crate::body::{Solid, StepMatrix, StepSettings};
 use crate::scene::plan::step_us;
-use crate::scene::spec::{MatrixSpec, MethodSpec, RegionSpec};
-use crate::scene::{BodyModel, DeformingBody, default_samples_per_span, refine};
+use crate::scene::refine::{self, Refined};
+use crate::scene::spec::{MatrixSpec, MethodSpec, RefineSpec, RegionSpec};
+use crate::scene::{BodyModel, DeformingBody, default_samples_per_span};
 use palpate_geometry::contact::ContactSamples;
 use palpate_geometry::math::{Point3, Vector3};
 use palpate_geometry::surface::Surface;
 
-/// Most nodes `refine = "auto"` makes: a tick with more does not fit a millisecond on one core.
+/// Most nodes that `refine = "auto"` or a focus makes: a tick with more does not fit a millisecond on one core.
 pub(super) const NODE_BUDGET: usize = 1_900;
 
 /// What moves a body, and why that way.
@@ -27,7 +28,7 @@ pub(crate) struct Choice {
 pub(super) fn deforming<'b>(
     body: &'b Inputs<'_>,
     node_budget: usize,
-    parts: impl FnOnce(&Surface) -> Option<Make<'b>>,
+    parts: impl Fn(&Surface) -> Option<Make<'b>>,
 ) -> Option<(Surface, BodyModel)> {
     let Inputs {
         scene, spec, at, ..
@@ -41,9 +42,29 @@ pub(super) fn deforming<'b>(
              most 1024 patches; or use model = \"rigid\"",
         );
     }
-    let refined = refine::refine(scene, spec, at, body.surface.clone(), node_budget)?;
-    let make = parts(&refined)?;
-    let (deformable, why) = stepped(body, &make)?;
+    let with = |grading: f64| {
+        let from = Refined {
+            scene,
+            spec,
+            at,
+            placement: &body.placement,
+            node_budget,
+            grading,
+        };
+        let refined = refine::refine(&from, body.surface.clone())?;
+        let make = parts(&refined)?;
+        let (deformable, why) = stepped(body, &make)?;
+        Some((refined, deformable, why))
+    };
+    let [steeper @ .., even] = refine::GRADINGS;
+    // Spans of unlike lengths may make cells that no continuum can use.
+    let graded = match spec.lattice.refine {
+        RefineSpec::Focus { .. } => steeper
+            .into_iter()
+            .find_map(|grading| at.attempt(|| with(grading))),
+        _ => None,
+    };
+    let (refined, deformable, why) = graded.or_else(|| with(even))?;
     let samples = ContactSamples::new(&refined, default_samples_per_span());
     let choice = Choice {
         model: spec.model.name(),

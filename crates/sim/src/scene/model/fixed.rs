@@ -1,10 +1,17 @@
 //! Which coordinates of a body never move.
 
-use super::Inputs;
 use super::values::Held;
+use super::{Inputs, ModelSpec};
+use crate::body::layers;
+use crate::scene::layout::layout;
+use crate::scene::spec::BuilderSpec;
 use palpate_geometry::contact::ToolShape;
 use palpate_geometry::math::{Point3, Vector3};
-use palpate_geometry::surface::Surface;
+use palpate_geometry::surface::{ClosestSolver, Surface};
+
+/// Parameters are in a range to within this part of the domain: those of a node below the surface
+/// are found.
+const FOUND: f64 = 1e-6;
 
 /// Which coordinates never move.
 pub(super) fn fixed(
@@ -30,10 +37,22 @@ pub(super) fn fixed(
             Held::Range { u, v } => {
                 let within = |x: f64, [from, to]: [f64; 2]| x >= from && x <= to;
                 let (us, vs) = (surface.knots_u().greville(), surface.knots_v().greville());
-                for (control, &coordinate) in of_control.iter().enumerate() {
-                    fixed[coordinate as usize] |=
-                        within(us[control / vs.len()], u) && within(vs[control % vs.len()], v);
+                let mut skin = vec![false; of_control.len()];
+                for (control, held) in skin.iter_mut().enumerate() {
+                    *held = within(us[control / vs.len()], u) && within(vs[control % vs.len()], v);
                 }
+                for (&coordinate, _) in of_control.iter().zip(&skin).filter(|(_, held)| **held) {
+                    fixed[coordinate as usize] = true;
+                }
+                below(
+                    body,
+                    surface,
+                    coordinates,
+                    of_control,
+                    &skin,
+                    [u, v],
+                    &mut fixed,
+                );
             }
         }
     }
@@ -47,4 +66,57 @@ pub(super) fn fixed(
         }
     }
     fixed
+}
+
+/// Holds what lies below held control points: through the whole thickness of a sheet, and in a body
+/// with an axis the section within a ring that is held all around. Held by its skin alone, a beam
+/// would swing like a door.
+fn below(
+    body: &Inputs<'_>,
+    surface: &Surface,
+    coordinates: &[Point3],
+    of_control: &[u32],
+    skin: &[bool],
+    ranges: [[f64; 2]; 2],
+    fixed: &mut [bool],
+) {
+    let count = of_control.iter().max().map_or(0, |&last| last as usize + 1);
+    if coordinates.len() == count {
+        return;
+    }
+    let lattice = &body.spec.lattice;
+    let layered = lattice.builder == BuilderSpec::Layers || body.spec.model == ModelSpec::Net;
+    match layout(surface, &surface.topology()) {
+        // Layers are copies of the net, one after the other.
+        None if layered => {
+            for coordinate in count..coordinates.len() {
+                fixed[coordinate] |= fixed[coordinate % count];
+            }
+        }
+        None => {
+            let mut solver = ClosestSolver::new(surface);
+            let within = |x: f64, [from, to]: [f64; 2], (start, end): (f64, f64)| {
+                let slack = FOUND * (end - start);
+                x >= from - slack && x <= to + slack
+            };
+            let (us, vs) = (surface.knots_u().domain(), surface.knots_v().domain());
+            for (place, held) in coordinates.iter().zip(fixed).skip(count) {
+                let foot = solver.closest(surface, place);
+                *held |= within(foot.u, ranges[0], us) && within(foot.v, ranges[1], vs);
+            }
+        }
+        Some(rings) if layered => {
+            let node = layers::ring_nodes(&rings, lattice.layers);
+            let (around, along) = (rings.around, rings.along);
+            for j in (0..along).filter(|&j| (0..around).all(|i| skin[rings.control(i, j)])) {
+                for layer in 1..=lattice.layers {
+                    let first = (layer * along + j) * around;
+                    for &inner in &node[first..first + around] {
+                        fixed[inner as usize] = true;
+                    }
+                }
+            }
+        }
+        Some(_) => (),
+    }
 }

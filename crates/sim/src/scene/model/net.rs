@@ -9,7 +9,7 @@ use crate::scene::layout::layout;
 use palpate_geometry::basis::KnotVector;
 use palpate_geometry::surface::{Closing, Direction, Surface};
 
-/// Most coordinates that `refine = "auto"` makes: the matrix of a net is nearly full.
+/// Most coordinates that `refine = "auto"` or a focus makes: the matrix of a net is nearly full.
 const NET_BUDGET: usize = 460;
 
 pub(super) struct Net;
@@ -28,12 +28,6 @@ impl Model for Net {
 /// surface encloses.
 fn reduced(body: &Inputs<'_>, surface: &Surface) -> Option<(Reduced, f64)> {
     let spec = body.spec;
-    if surface.weights().is_some() {
-        return body
-            .at
-            .key("model")
-            .refused("a rational surface has no \"net\" model; use \"continuum\"");
-    }
     let per_span = spec.lattice.cells_per_span;
     let finer = |direction: Direction, knots: &KnotVector| {
         let spans = knots
@@ -58,7 +52,7 @@ fn reduced(body: &Inputs<'_>, surface: &Surface) -> Option<(Reduced, f64)> {
         Axis::insertion(surface.knots_u(), finer_u.knots_u(), seam(0)),
         Axis::insertion(surface.knots_v(), finer_v.knots_v(), seam(1)),
     ];
-    let points = surface.net().points();
+    let (points, weights) = (surface.net().points(), surface.weights());
     let Some(shape) = layout(surface, &topology) else {
         let (thickness_m, inward) = cells::sheet(body, surface)?;
         let shells = spec.lattice.layers;
@@ -66,7 +60,15 @@ fn reduced(body: &Inputs<'_>, surface: &Surface) -> Option<(Reduced, f64)> {
             shells,
             spec.lattice.cell_layers.unwrap_or(2 * (shells - 1)) + 1,
         );
-        let reduced = net::sheet(points, &inward, &axes[0], &axes[1], &depth, thickness_m);
+        let reduced = net::sheet(
+            points,
+            weights,
+            &inward,
+            &axes[0],
+            &axes[1],
+            &depth,
+            thickness_m,
+        );
         let volume = reduced.grid.quality().volume_m3;
         return Some((reduced, volume));
     };
@@ -80,7 +82,7 @@ fn reduced(body: &Inputs<'_>, surface: &Surface) -> Option<(Reduced, f64)> {
     } else {
         [&axes[1], &axes[0]]
     };
-    let reduced = net::rings(points, &shape, around, along, &depth);
+    let reduced = net::rings(points, weights, &shape, around, along, &depth);
     let volume = if topology.is_closed() {
         surface.volume().abs()
     } else {

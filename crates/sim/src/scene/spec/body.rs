@@ -223,7 +223,7 @@ pub enum BuilderSpec {
     Som,
 }
 
-/// `refine = "auto" | "none" | [22, 23] | { u = [knots], v = [knots] }`.
+/// `refine = "auto" | "none" | [22, 23] | { focus = [points] } | { u = [knots], v = [knots] }`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(untagged)]
 pub enum RefineSpec {
@@ -231,6 +231,12 @@ pub enum RefineSpec {
     Auto(RefineAuto),
     /// Distinct control points wanted in u and v.
     Counts([usize; 2]),
+    /// As `"auto"` with the same number of nodes, but three times as fine around these points as
+    /// far away.
+    Focus {
+        /// Where tools will press, on or near the surface, in the body's frame, m.
+        focus: Vec<[f64; 3]>,
+    },
     /// Knots to insert.
     Knots {
         /// In u.
@@ -244,8 +250,9 @@ pub enum RefineSpec {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum RefineAuto {
-    /// About three control points across the smallest expected contact, within the node budget of a
-    /// tick.
+    /// Evenly over the surface by length, until about three control points lie across the smallest
+    /// expected contact, within the node budget of a tick. Tools count by their shapes, not by
+    /// where they start.
     Auto,
     /// The net as it is.
     None,
