@@ -2,7 +2,7 @@
 //! springs along their edges and face diagonals, or with the energy of an elastic solid in them.
 
 use super::cells::CellGrid;
-use super::continuum::{ContinuumLaw, Elastic};
+use super::continuum::{ContinuumLaw, Elastic, VolumeBarrier};
 use super::deformable::Deformable;
 use super::law::MaterialLaw;
 use super::material::Material;
@@ -94,10 +94,12 @@ impl<'a, M: Fn(usize) -> Material> Solid<'a, M> {
         };
         let of_cells = || -> Vec<Elastic> { (0..grid.cells.len()).map(elastic).collect() };
         let law = match inside {
-            Inside::Springs(rule) => MaterialLaw::springs(
-                &springs::from_cells(grid, |cell| material(cell).young_pa, rule),
-                common.stiffening,
-            ),
+            Inside::Springs(rule) => {
+                let young_pa = |cell| material(cell).young_pa;
+                let springs = springs::from_cells(grid, young_pa, rule);
+                let law = MaterialLaw::springs(&springs, common.stiffening);
+                law.with_barrier(VolumeBarrier::new(&grid.nodes, &grid.cells, young_pa))
+            }
             Inside::Continuum => MaterialLaw::continuum(ContinuumLaw::new(grid, &of_cells())?),
             // Smooth coordinates leave cells no motion without energy: one point a cell is enough.
             Inside::SmoothContinuum => {

@@ -1,7 +1,7 @@
 //! Internal forces of a body: what its model is made of, and nothing else.
 
 use super::bends::Bend;
-use super::continuum::{ContinuumLaw, Weight};
+use super::continuum::{ContinuumLaw, VolumeBarrier, Weight};
 use super::material::Stiffening;
 use super::spring_table::{ByCoordinate, SpringTable};
 use super::springs::Spring;
@@ -17,6 +17,8 @@ pub struct MaterialLaw {
     pub(super) springs: SpringTable,
     pub(super) bends: Vec<Bend>,
     pub(super) continuum: Option<ContinuumLaw>,
+    /// What keeps the cells of a lattice from being crushed.
+    barrier: Option<VolumeBarrier>,
     /// Greatest slope of the springs, relative to that at rest.
     slope: f64,
 }
@@ -27,6 +29,12 @@ impl MaterialLaw {
         Self::membrane(springs, stiffening, Vec::new())
     }
 
+    /// Keeps cells from being crushed.
+    pub fn with_barrier(mut self, barrier: VolumeBarrier) -> Self {
+        self.barrier = Some(barrier);
+        self
+    }
+
     /// Springs and bends of a sheet.
     pub fn membrane(springs: &[Spring], stiffening: Option<Stiffening>, bends: Vec<Bend>) -> Self {
         let slope = stiffening.map_or(1.0, |law| law.greatest_ratio());
@@ -34,6 +42,7 @@ impl MaterialLaw {
             springs: SpringTable::new(springs, stiffening),
             bends,
             continuum: None,
+            barrier: None,
             slope,
         }
     }
@@ -147,6 +156,9 @@ impl MaterialLaw {
         for bend in &self.bends {
             bend.add_force(places, residual);
         }
+        if let Some(barrier) = &self.barrier {
+            barrier.add_forces(places, residual);
+        }
         self.continuum.as_ref().map_or(0, |continuum| {
             continuum.add_forces(places, residual).limited
         })
@@ -160,6 +172,10 @@ impl MaterialLaw {
             .as_ref()
             .map_or(0.0, |continuum| continuum.energy_j(places));
         let bends: f64 = self.bends.iter().map(|bend| bend.energy_j(places)).sum();
-        self.springs.energy_j(rest, at) + bends + continuum
+        let barrier = self
+            .barrier
+            .as_ref()
+            .map_or(0.0, |barrier| barrier.energy_j(places));
+        self.springs.energy_j(rest, at) + bends + continuum + barrier
     }
 }

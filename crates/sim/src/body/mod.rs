@@ -48,7 +48,7 @@ mod xpbd;
 
 pub use bends::Bend;
 pub use cells::{Cell, CellGrid, CellQuality};
-pub use continuum::{ContinuumError, ContinuumLaw, Elastic, Pass, Weight};
+pub use continuum::{ContinuumError, ContinuumLaw, Elastic, Pass, VolumeBarrier, Weight};
 pub use cube::{CubeError, CubeLattice, MOST_NODES_A_SIDE};
 pub use deformable::Deformable;
 pub use exterior::{CONDITION_LIMIT, ExteriorError, ExteriorMap, check_exterior, measure_exterior};

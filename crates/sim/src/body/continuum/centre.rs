@@ -52,7 +52,7 @@ pub(super) fn add_forces<L: Lanes>(
     residual: &mut [Lane],
 ) -> u8 {
     let (zero, one) = (L::splat(0.0), L::splat(1.0));
-    let c = modes::<L>(block, places);
+    let c = modes::<L>(&block.nodes, places);
     let (x, y, z) = (c[4], c[2], c[1]);
     let (t, invariant) = stretch(&block.metric[0], [x, y, z]);
     let factor = L::load(&block.stiffness_j[0]) * (one - one / (invariant + one));
@@ -93,7 +93,7 @@ pub(super) fn add_forces<L: Lanes>(
 
 /// J, by cell.
 pub(super) fn energy(block: &CellBlock, places: &[Lane]) -> Four {
-    let c = modes::<Baseline>(block, places);
+    let c = modes::<Baseline>(&block.nodes, places);
     let (_, lanes) = stretch(&block.metric[0], [c[4], c[2], c[1]]);
     let (mut invariant, mut volume) = ([0.0; 4], [0.0; 4]);
     lanes.store(&mut invariant);

@@ -64,12 +64,12 @@ pub(super) fn cross<L: Lanes>(a: Triple<L>, b: Triple<L>) -> Triple<L> {
 
 /// Modes from corners.
 #[inline(always)]
-pub(super) fn modes<L: Lanes>(block: &CellBlock, places: &[Lane]) -> [Triple<L>; 8] {
+pub(super) fn modes<L: Lanes>(nodes: &[[u32; 4]; 8], places: &[Lane]) -> [Triple<L>; 8] {
     let zero = L::splat(0.0);
     let eighth = L::splat(0.125);
     let mut c = [[zero; 3]; 8];
     for corner in 0..8 {
-        let n = &block.nodes[corner];
+        let n = &nodes[corner];
         let rows = L::transposed([
             L::load(&places[n[0] as usize]),
             L::load(&places[n[1] as usize]),
@@ -192,7 +192,7 @@ pub(super) fn add_forces<L: Lanes>(
     residual: &mut [Lane],
 ) -> u8 {
     let (zero, one) = (L::splat(0.0), L::splat(1.0));
-    let c = modes::<L>(block, places);
+    let c = modes::<L>(&block.nodes, places);
     let slopes = slopes(&c);
     let mut pulls = [[[zero; 3]; 4]; 3];
     let mut largest = zero;
@@ -226,6 +226,17 @@ pub(super) fn add_forces<L: Lanes>(
     for mode in 1..8 {
         force[mode] = minus(times(force[mode], eighth), times(growth[mode], pressure));
     }
+    scatter(&block.nodes, force, residual);
+    held
+}
+
+/// Adds forces on the modes to the corners' nodes.
+#[inline(always)]
+pub(super) fn scatter<L: Lanes>(
+    nodes: &[[u32; 4]; 8],
+    mut force: [Triple<L>; 8],
+    residual: &mut [Lane],
+) {
     for bit in [1, 2, 4] {
         for low in 0..8 {
             if low & bit == 0 {
@@ -237,13 +248,12 @@ pub(super) fn add_forces<L: Lanes>(
     }
     for corner in 0..8 {
         let [fx, fy, fz] = force[corner];
-        let rows = L::transposed([fx, fy, fz, zero]);
-        for (row, &node) in rows.into_iter().zip(&block.nodes[corner]) {
+        let rows = L::transposed([fx, fy, fz, L::splat(0.0)]);
+        for (row, &node) in rows.into_iter().zip(&nodes[corner]) {
             let lane = &mut residual[node as usize];
             (L::load(lane) + row).store(lane);
         }
     }
-    held
 }
 
 /// ∂Ψ/∂V = λ' (J̄ − 1) − μ, held back where its stiffness is more than the matrix of the step can

@@ -11,6 +11,7 @@
 //! stable while it exceeds 3/4 of the tangent; where a cell is strained beyond that, its pressure
 //! is lowered for the tick and counted.
 
+mod barrier;
 mod bound;
 mod centre;
 mod hessian;
@@ -20,6 +21,7 @@ mod rest;
 pub(super) mod tests;
 
 use super::cells::{Cell, CellGrid};
+pub use barrier::VolumeBarrier;
 pub use bound::Weight;
 use kernel::CellBlock;
 use palpate_geometry::math::lanes::{Baseline, Four, Lanes};
@@ -261,7 +263,7 @@ fn add_forces_avx2(
 }
 
 fn block_energy(block: &CellBlock, places: &[Lane]) -> Four {
-    let c = kernel::modes::<Baseline>(block, places);
+    let c = kernel::modes::<Baseline>(&block.nodes, places);
     let slopes = kernel::slopes(&c);
     let mut energy = [0.0; 4];
     for gauss in 0..8 {
