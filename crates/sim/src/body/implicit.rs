@@ -27,10 +27,6 @@ use palpate_geometry::math::{
 const MOST_NUMBERS: usize = 3_000_000;
 /// Most stiffness over inertia for which a factor in single precision is good.
 const MOST_STIFF: f64 = 1e5;
-/// Springs around a node must hold it about as well in every direction, else it gives way sideways at
-/// rest and is held by the springs' tension once they are drawn: regular lattices have 0.3 at their
-/// corners, and the thin cells near the axis of a teardrop 0.02.
-const LEAST_RIGIDITY: f64 = 0.1;
 /// Of the length of a coordinate's shortest edge: how far damping looks ahead.
 pub(super) const LOOK_AHEAD: f64 = 0.3;
 
@@ -134,8 +130,7 @@ impl ImplicitStep {
     ) -> Result<Self, DeformableError> {
         let tangent = match wanted {
             StepMatrix::Bounding => None,
-            StepMatrix::Auto => tangent_of(matter, !matter.law.is_springs()),
-            StepMatrix::Tangent => tangent_of(matter, true),
+            StepMatrix::Auto | StepMatrix::Tangent => tangent_of(matter),
         };
         let matrix = match tangent {
             Some(tangent) => Matrix::Tangent(Box::new(tangent)),
@@ -158,6 +153,14 @@ impl ImplicitStep {
 
     pub(super) fn iterations(&self) -> usize {
         self.iterations
+    }
+
+    /// `tangent` or `bounding`.
+    pub(super) fn matrix_name(&self) -> &'static str {
+        match &self.matrix {
+            Matrix::Bounding(_) => "bounding",
+            Matrix::Tangent(_) => "tangent",
+        }
     }
 
     /// Numbers in the factor.
@@ -417,14 +420,11 @@ impl ImplicitScratch {
 }
 
 /// The tangent of rest with its factor, if it has one that single precision can hold.
-fn tangent_of(matter: &Matter, always: bool) -> Option<Tangent> {
+fn tangent_of(matter: &Matter) -> Option<Tangent> {
     if !matter.law.is_solid() {
         return None;
     }
     let law = tangent::of_law(matter);
-    if !always && tangent::least_rigidity(&law) < LEAST_RIGIDITY {
-        return None;
-    }
     let [matrix, firmer] =
         tangent::shares(matter).map(|share| tangent::at_rest(matter, &law, share));
     let dt = matter.settings.dt_s;

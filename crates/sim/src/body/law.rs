@@ -103,14 +103,12 @@ impl MaterialLaw {
             out(b as u32, b as u32, block);
             out(a as u32, b as u32, -block);
         }
+        if let Some(barrier) = &self.barrier {
+            barrier.support_at_rest(out);
+        }
         if let Some(continuum) = &self.continuum {
             continuum.tangent_at_rest(out);
         }
-    }
-
-    /// True without a continuum energy.
-    pub(super) fn is_springs(&self) -> bool {
-        self.continuum.is_none()
     }
 
     /// True for solids, whose tangent at rest resists every motion but rigid ones. Rows of a

@@ -125,19 +125,3 @@ pub(super) fn of_law(matter: &Matter) -> BlockTriplets {
     }
     matrix
 }
-
-/// Least over greatest stiffness with which the law holds a coordinate against its neighbours, over
-/// directions, the least of all coordinates.
-pub(super) fn least_rigidity(law: &BlockTriplets) -> f64 {
-    let mut held = vec![Matrix3::zeros(); law.n];
-    for (i, j, block) in &law.entries {
-        if i == j {
-            held[*i as usize] += block;
-        }
-    }
-    let ratio = |block: &Matrix3| {
-        let values = block.symmetric_eigenvalues();
-        values.min() / values.max()
-    };
-    held.iter().map(ratio).fold(1.0, f64::min)
-}

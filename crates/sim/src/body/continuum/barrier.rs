@@ -4,16 +4,19 @@
 //! Ψ = V₀ k / 2 (J₁ − J)² while the volume V = J V₀ of a cell is below J₁ V₀, else nothing: lattices
 //! that are not crushed have the forces of their springs alone, to the bit.
 
-use super::Cell;
+use super::bound::cell_tangent;
 use super::kernel::{self, times};
 use super::rest::RestCell;
+use super::{Cell, Elastic};
 use palpate_geometry::math::lanes::{Baseline, Four, Lanes};
-use palpate_geometry::math::{Lane, Point3};
+use palpate_geometry::math::{Lane, Matrix3, Point3};
 
 /// J₁, and k over Young's modulus. Chosen between 0.75 and 1, with which a slab of 30 mm that a ball of
 /// 20 mm presses 6 mm deep gives way under it (0.1 N of 4 N), and 0.95, which stiffens small strains.
 const THRESHOLD: f64 = 0.9;
 const STIFFNESS: f64 = 1.2;
+/// Share of the modulus in the support that the tangent of the step gets.
+const SUPPORT: f64 = 0.5;
 
 /// Four cells side by side; missing ones have no stiffness.
 #[derive(Clone, Debug)]
@@ -34,6 +37,9 @@ const REACH: f64 = 1.5;
 #[derive(Clone, Debug)]
 pub struct VolumeBarrier {
     blocks: Vec<Block>,
+    rest: Vec<Point3>,
+    /// Cells and their moduli E, Pa.
+    cells: Vec<(Cell, f64)>,
 }
 
 impl VolumeBarrier {
@@ -63,7 +69,15 @@ impl VolumeBarrier {
             (steepness(&growth) * Baseline::splat(REACH)).store(&mut block.reach);
             blocks.push(block);
         }
-        Self { blocks }
+        let moduli = cells
+            .iter()
+            .enumerate()
+            .map(|(c, &cell)| (cell, young_pa(c)));
+        Self {
+            cells: moduli.collect(),
+            rest: nodes.to_vec(),
+            blocks,
+        }
     }
 
     /// Adds −∂Ψ/∂x (N) at `places`; answers with the number of crushed cells.
@@ -75,6 +89,19 @@ impl VolumeBarrier {
             return unsafe { add_forces_wide(&self.blocks, places, residual) };
         }
         add_forces::<Baseline>(&self.blocks, places, residual)
+    }
+
+    /// Hands out blocks (a, b, block), a >= b, N/m, of a solid of part of the modulus: what springs of
+    /// long thin cells lack, which give way sideways at rest and are held by their tension once they
+    /// are drawn, and what the barrier adds.
+    pub(in crate::body) fn support_at_rest(&self, out: &mut impl FnMut(u32, u32, Matrix3)) {
+        for (cell, young_pa) in &self.cells {
+            let elastic = Elastic {
+                young_pa: SUPPORT * young_pa,
+                poisson: 0.25,
+            };
+            cell_tangent(&self.rest, cell, &elastic, out);
+        }
     }
 
     /// Ψ, J.

@@ -1,8 +1,8 @@
 //! The scalar matrix that stands for the tangent in the implicit step.
 
 use super::hessian::cell_hessian;
-use super::{ContinuumLaw, Elastic, RestCell};
-use palpate_geometry::math::Matrix3;
+use super::{Cell, ContinuumLaw, Elastic, RestCell};
+use palpate_geometry::math::{Matrix3, Point3};
 use std::collections::BTreeMap;
 
 /// How far above the least stable weight of rest the matrix is, so that strained cells can be
@@ -78,16 +78,26 @@ impl ContinuumLaw {
                 young_pa: shear * (3.0 * lame + 2.0 * shear) / (lame + shear),
                 poisson: 0.5 * lame / (lame + shear),
             };
-            let rest = RestCell::new(&self.rest, cell);
-            let x = cell.map(|node| self.rest[node as usize].coords);
-            let matrix = cell_hessian(&rest, &stiffer, &x);
-            for i in 0..8 {
-                for j in 0..8 {
-                    if cell[i] >= cell[j] {
-                        let block: Matrix3 = matrix.fixed_view::<3, 3>(3 * i, 3 * j).into();
-                        out(cell[i], cell[j], block);
-                    }
-                }
+            cell_tangent(&self.rest, cell, &stiffer, out);
+        }
+    }
+}
+
+/// The blocks of one cell at rest.
+pub(super) fn cell_tangent(
+    nodes: &[Point3],
+    cell: &Cell,
+    elastic: &Elastic,
+    out: &mut impl FnMut(u32, u32, Matrix3),
+) {
+    let rest = RestCell::new(nodes, cell);
+    let x = cell.map(|node| nodes[node as usize].coords);
+    let matrix = cell_hessian(&rest, elastic, &x);
+    for i in 0..8 {
+        for j in 0..8 {
+            if cell[i] >= cell[j] {
+                let block: Matrix3 = matrix.fixed_view::<3, 3>(3 * i, 3 * j).into();
+                out(cell[i], cell[j], block);
             }
         }
     }

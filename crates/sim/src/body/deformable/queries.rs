@@ -4,7 +4,7 @@ use super::{Deformable, FIXED, Stepper, lanes};
 use crate::body::cells::CellQuality;
 use crate::body::node_map::NodeMap;
 use crate::body::state::{DeformableScratch, DeformableState};
-use palpate_geometry::math::{Lane, Point3, Vector3};
+use palpate_geometry::math::{Lane, Matrix3, Point3, Vector3};
 
 impl Deformable {
     /// Forces of the law on the coordinates at a state, N (x, y, z, 0).
@@ -105,6 +105,64 @@ impl Deformable {
         match &self.stepper {
             Stepper::Implicit(implicit) => implicit.iterations(),
             Stepper::Explicit(_) | Stepper::Xpbd(_) => 1,
+        }
+    }
+
+    /// Matrix of an implicit step: `tangent` or `bounding`.
+    pub fn step_matrix(&self) -> Option<&'static str> {
+        match &self.stepper {
+            Stepper::Implicit(implicit) => Some(implicit.matrix_name()),
+            Stepper::Explicit(_) | Stepper::Xpbd(_) => None,
+        }
+    }
+
+    /// How far a step of so many iterations takes the body from where the converged step takes it, in
+    /// a tenth of a second after a blow that shears and stretches it: rms over that time, relative to
+    /// the motion. Small amplitudes, no contact, no gravity.
+    pub fn motion_error(&self, iterations: usize) -> f64 {
+        /// Iterations of a step that counts as converged.
+        const CONVERGED: usize = 20;
+        /// The blow's greatest displacement in a step, of the size of the body.
+        const BLOW: f64 = 1e-4;
+        let steps = (0.1 / self.dt_s()).ceil().clamp(1.0, 200.0) as usize;
+        let rest = self.rest_state();
+        let free: Vec<usize> = (rest.positions.iter().enumerate())
+            .map(|(c, _)| c)
+            .filter(|&c| self.unknown(c).is_some())
+            .collect();
+        let mean: Vector3 = free.iter().map(|&c| rest.positions[c].coords).sum();
+        let centre = Point3::from(mean / free.len().max(1) as f64);
+        let blow =
+            Matrix3::new(0.5, 1.0, 0.3, 0.2, -0.5, 1.0, 1.0, 0.1, 0.2) * (BLOW / self.dt_s());
+        let mut first = rest.clone();
+        for &c in &free {
+            first.velocities[c] = blow * (rest.positions[c] - centre);
+        }
+        let path = |iterations: usize| {
+            let (mut state, mut scratch) = (first.clone(), self.scratch());
+            let mut places = Vec::with_capacity(steps);
+            for _ in 0..steps {
+                self.predict(&state, &mut scratch);
+                for _ in 1..iterations {
+                    self.iterate(&state, &mut scratch);
+                }
+                self.advance(&mut state, &mut scratch);
+                places.push(state.positions.clone());
+            }
+            places
+        };
+        let (given, exact) = (path(iterations), path(CONVERGED));
+        let (mut off, mut moved) = (0.0, 0.0);
+        for (given, exact) in given.iter().zip(&exact) {
+            for &c in &free {
+                off += (given[c] - exact[c]).norm_squared();
+                moved += (exact[c] - rest.positions[c]).norm_squared();
+            }
+        }
+        if moved > 0.0 {
+            (off / moved).sqrt()
+        } else {
+            0.0
         }
     }
 

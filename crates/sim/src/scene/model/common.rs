@@ -6,7 +6,7 @@ use crate::body::{Cell, CellGrid, Deformable, DeformableError, Inside, Integrato
 use crate::body::{Solid, StepMatrix, StepSettings};
 use crate::scene::plan::step_us;
 use crate::scene::refine::{self, Refined};
-use crate::scene::spec::{MatrixSpec, MethodSpec, RefineSpec, RegionSpec};
+use crate::scene::spec::{IterationsSpec, MatrixSpec, MethodSpec, RefineSpec, RegionSpec};
 use crate::scene::{BodyModel, DeformingBody, default_samples_per_span};
 use palpate_geometry::contact::ContactSamples;
 use palpate_geometry::math::{Point3, Vector3};
@@ -14,6 +14,12 @@ use palpate_geometry::surface::Surface;
 
 /// Most nodes that `refine = "auto"` or a focus makes: a tick with more does not fit a millisecond on one core.
 pub(super) const NODE_BUDGET: usize = 1_900;
+
+/// Of `iterations = "auto"`: the motion error to be reached, the share of a tick that a body's step may
+/// take, and the most iterations.
+const MOTION_ERROR: f64 = 0.02;
+const STEP_SHARE: f64 = 0.5;
+const MOST_AUTO: usize = 5;
 
 /// What moves a body, and why that way.
 #[derive(Clone, Debug)]
@@ -95,15 +101,23 @@ fn stepped(body: &Inputs<'_>, make: &Make<'_>) -> Option<(Deformable, String)> {
             },
         })
     };
-    let implicit = || {
-        with(Integrator::Implicit {
-            iterations: integrator.iterations,
-            matrix: match integrator.matrix {
-                MatrixSpec::Auto => StepMatrix::Auto,
-                MatrixSpec::Tangent => StepMatrix::Tangent,
-                MatrixSpec::Bounding => StepMatrix::Bounding,
-            },
-        })
+    let matrix = match integrator.matrix {
+        MatrixSpec::Auto => StepMatrix::Auto,
+        MatrixSpec::Tangent => StepMatrix::Tangent,
+        MatrixSpec::Bounding => StepMatrix::Bounding,
+    };
+    let implicit = || match integrator.iterations {
+        IterationsSpec::Count(iterations) => with(Integrator::Implicit { iterations, matrix }),
+        IterationsSpec::Auto(_) => {
+            let first = with(Integrator::Implicit {
+                iterations: 1,
+                matrix,
+            })?;
+            match few_iterations(&first, body.dt_s, integrator.every) {
+                1 => Ok(first),
+                iterations => with(Integrator::Implicit { iterations, matrix }),
+            }
+        }
     };
     let substeps = integrator.substeps;
     let explicit = || with(Integrator::Explicit { substeps });
@@ -127,6 +141,20 @@ fn stepped(body: &Inputs<'_>, make: &Make<'_>) -> Option<(Deformable, String)> {
         ),
         MethodSpec::Auto => cheaper(checked(implicit())?, explicit()),
     })
+}
+
+/// As few iterations as bring the expected motion error below [`MOTION_ERROR`], while the predicted
+/// step takes no more than its share of the tick.
+fn few_iterations(body: &Deformable, dt_s: f64, every: u32) -> usize {
+    if every > 1 {
+        // Contact is settled between the iterations of one tick.
+        return 1;
+    }
+    let affordable = (STEP_SHARE * dt_s * 1e6 / step_us(body)) as usize;
+    let most = affordable.clamp(1, MOST_AUTO);
+    (1..most)
+        .find(|&iterations| body.motion_error(iterations) <= MOTION_ERROR)
+        .unwrap_or(most)
 }
 
 /// The key of a `[[body]]` that decides over an error.

@@ -4,8 +4,8 @@
 use crate::body::{MOST_NODES_A_SIDE, Material, PRESETS, Plastic, Stiffening, preset};
 use crate::scene::door::{At, nearest};
 use crate::scene::spec::{
-    BodySpec, FixedSpec, IntegratorSpec, LatticeSpec, MaterialSpec, PlasticSpec, RegionSpec,
-    StiffeningSpec,
+    BodySpec, FixedSpec, IntegratorSpec, IterationsSpec, LatticeSpec, MaterialSpec, PlasticSpec,
+    RegionSpec, StiffeningSpec,
 };
 use palpate_geometry::math::{Point3, Vector3};
 
@@ -109,14 +109,20 @@ fn check_lattice(spec: &LatticeSpec, at: &At<'_>) {
 }
 
 fn check_integrator(spec: &IntegratorSpec, at: &At<'_>) {
-    at.count("iterations", spec.iterations, 100);
+    let iterations = match spec.iterations {
+        IterationsSpec::Count(count) => {
+            at.count("iterations", count, 100);
+            count
+        }
+        IterationsSpec::Auto(_) => 1,
+    };
     at.count("substeps", spec.substeps, 1_000);
     at.count("contact_sweeps", spec.contact_sweeps, 1_000);
     at.count("every", spec.every as usize, 100);
-    if spec.iterations > 1 && spec.every > 1 {
+    if iterations > 1 && spec.every > 1 {
         at.key("iterations").refuse(format!(
             "iterations is {} and every is {}: contact is settled between the iterations of one tick; give one of them 1",
-            spec.iterations, spec.every
+            iterations, spec.every
         ));
     }
     at.not_below_zero("sleep_m_s", spec.sleep_m_s, "m/s");

@@ -264,8 +264,8 @@ pub enum RefineAuto {
 pub struct IntegratorSpec {
     /// Which method.
     pub method: MethodSpec,
-    /// Quasi-Newton iterations of the implicit step, 1 ..= 100.
-    pub iterations: usize,
+    /// Quasi-Newton iterations of the implicit step.
+    pub iterations: IterationsSpec,
     /// Matrix of the implicit step.
     pub matrix: MatrixSpec,
     /// Substeps of `xpbd`, and the fewest of `explicit`, 1 ..= 1 000.
@@ -283,7 +283,7 @@ impl Default for IntegratorSpec {
     fn default() -> Self {
         Self {
             method: MethodSpec::Implicit,
-            iterations: 1,
+            iterations: IterationsSpec::Count(1),
             matrix: MatrixSpec::Auto,
             substeps: 1,
             contact_sweeps: 30,
@@ -291,6 +291,24 @@ impl Default for IntegratorSpec {
             sleep_m_s: 1e-7,
         }
     }
+}
+
+/// `iterations = 2` (1 ..= 100) or `"auto"`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(untagged)]
+pub enum IterationsSpec {
+    /// So many.
+    Count(usize),
+    /// As few as bring the expected motion error below 2 %, as far as time allows.
+    Auto(IterationsAuto),
+}
+
+/// `"auto"`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum IterationsAuto {
+    /// Chosen when the scene is built.
+    Auto,
 }
 
 /// Matrix of the implicit step.
