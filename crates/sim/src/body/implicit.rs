@@ -434,10 +434,9 @@ fn tangent_of(matter: &Matter) -> Option<Tangent> {
             stiffest[*i as usize] += block.trace() / 3.0;
         }
     }
-    let stiff = |(row, value): (usize, &f64)| {
-        value * dt * dt / matter.masses[matter.coordinate_of_unknown[row] as usize]
-    };
-    let stiffness = stiffest.iter().enumerate().map(stiff).fold(0.0, f64::max);
+    // Rounding of the stiffest rows disturbs the motion of all.
+    let mean_kg = matter.masses.iter().sum::<f64>() / matter.masses.len() as f64;
+    let stiffness = stiffest.iter().copied().fold(0.0, f64::max) * dt * dt / mean_kg;
     if stiffness.is_nan() || stiffness > MOST_STIFF {
         return None;
     }

@@ -117,8 +117,8 @@ impl Deformable {
     }
 
     /// How far a step of so many iterations takes the body from where the converged step takes it, in
-    /// a tenth of a second after a blow that shears and stretches it: rms over that time, relative to
-    /// the motion. Small amplitudes, no contact, no gravity.
+    /// a tenth of a second after a blow that shears and stretches it: rms by mass over that time,
+    /// relative to the motion. Small amplitudes, no contact, no gravity.
     pub fn motion_error(&self, iterations: usize) -> f64 {
         /// Iterations of a step that counts as converged.
         const CONVERGED: usize = 20;
@@ -155,8 +155,8 @@ impl Deformable {
         let (mut off, mut moved) = (0.0, 0.0);
         for (given, exact) in given.iter().zip(&exact) {
             for &c in &free {
-                off += (given[c] - exact[c]).norm_squared();
-                moved += (exact[c] - rest.positions[c]).norm_squared();
+                off += self.matter.masses[c] * (given[c] - exact[c]).norm_squared();
+                moved += self.matter.masses[c] * (exact[c] - rest.positions[c]).norm_squared();
             }
         }
         if moved > 0.0 {
