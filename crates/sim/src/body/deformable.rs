@@ -115,7 +115,7 @@ impl Deformable {
         scratch: &mut DeformableScratch,
         first: bool,
     ) {
-        implicit.correct(&self.matter, state, scratch);
+        implicit.correct(&self.matter, state, scratch, first);
         if first {
             implicit.settle_response(scratch);
         }

@@ -110,6 +110,8 @@ pub(super) struct ImplicitScratch {
     lanes: Rows,
     /// The state's caution after the step.
     caution: Caution,
+    /// Σ |correction|² of the first and of the last iteration, m².
+    sizes_m2: [f64; 2],
     /// Contact answers by the bounding matrix in this step.
     pub(super) answers_bounding: bool,
 }
@@ -186,6 +188,7 @@ impl ImplicitStep {
                 rhs: vec![Vector3::zeros(); n],
                 lanes: Rows::zeros(n),
                 caution: self.caution(matter),
+                sizes_m2: [0.0; 2],
                 answers_bounding: false,
             },
         }
@@ -273,6 +276,7 @@ impl ImplicitStep {
         matter: &Matter,
         state: &DeformableState,
         scratch: &mut DeformableScratch,
+        first: bool,
     ) {
         let inverse_dt = 1.0 / matter.settings.dt_s;
         for c in 0..state.positions.len() {
@@ -307,7 +311,11 @@ impl ImplicitStep {
                         break;
                     }
                 }
-                if !implicit.turns_over(tangent) {
+                let beyond = match first {
+                    true => implicit.turns_over(tangent),
+                    false => implicit.diverges(),
+                };
+                if !beyond {
                     break;
                 }
                 implicit.caution.raise();
@@ -398,6 +406,15 @@ impl ImplicitScratch {
         }
     }
 
+    /// True when the correction in `rhs` is larger than that of the iteration before.
+    fn diverges(&mut self) -> bool {
+        let size_m2: f64 = self.rhs.iter().map(Vector3::norm_squared).sum();
+        // Below that it is rounding.
+        let larger = size_m2 > self.sizes_m2[1] && size_m2 > 1e-12 * self.sizes_m2[0];
+        self.sizes_m2[1] = size_m2;
+        larger
+    }
+
     /// Remembers the corrections in `rhs`; true when one of them turns over against the last without
     /// becoming smaller, at once if it is large: what the matrix is too small for.
     fn turns_over(&mut self, tangent: &Tangent) -> bool {
@@ -415,6 +432,7 @@ impl ImplicitScratch {
             any |= turns >= TURNS[usize::from(large)];
             *last = [now.x, now.y, now.z, turns];
         }
+        self.sizes_m2 = [self.rhs.iter().map(Vector3::norm_squared).sum(); 2];
         any
     }
 }
