@@ -301,8 +301,14 @@ fn a_slide_at_a_metre_a_second_keeps_the_cone_on_a_rigid_plane() {
 
 #[test]
 fn a_slide_at_a_metre_a_second_over_a_soft_body_stays_calm() {
+    // Thrown 20 mm aside by what sticks, a body with less damping would swing free of the ball, whose
+    // strokes are near its period. With ω = 60 /s and d = 40 ms it creeps back without a swing (ω d / 2
+    // > 1), in the 30 ms of a stroke for the most part.
     for mu in [0.0, 0.3, 1.0, 10.0] {
-        let mut world = World::new(&soft(mu));
+        let mut world = World::new(&soft(mu).replace(
+            "young_pa = 20000.0",
+            "young_pa = 20000.0, damping_s = 40e-3",
+        ));
         world.at([0.06, 0.003, 0.045]);
         for x in [0.05, 0.042, 0.034, 0.028] {
             world.at([x, 0.003, 0.045]);
@@ -410,10 +416,11 @@ fn two_tools_squeeze_and_lift_a_soft_body() {
         let s = f64::from(k) / 3_000.0;
         world.all(&places(0.0218, 0.045 + 0.05 * s, 1.0 * s));
     }
-    let mut output = world.all(&places(0.0218, 0.095, 1.0));
-    for _ in 0..3_000 {
-        output = world.all(&places(0.0218, 0.095, 1.0));
-    }
+    world.rest(
+        |world| _ = world.all_in_place(&places(0.0218, 0.095, 1.0)),
+        3_000,
+    );
+    let output = world.record.output.clone();
     let lifted = middle(&world).z - low.z;
     let weight = output.tools[0].force_n.z + output.tools[1].force_n.z;
     // Balls that do not turn roll on the body while they carry it round, by their radius times the
