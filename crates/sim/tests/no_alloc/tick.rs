@@ -98,7 +98,7 @@ fn a_reset_allocates_nothing() {
         }
         let mut touched = 0;
         let count = allocations(|| {
-            for k in 0..400u32 {
+            for k in 0..1_000u32 {
                 if k % 100 == 50 {
                     palpate_sim::tick::apply(
                         &world.scene,
