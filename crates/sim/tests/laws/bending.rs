@@ -86,17 +86,7 @@ pose = {{ position = [0.0, 0.0, 1.0] }}
             .collect();
         sags.iter().sum::<f64>() / sags.len() as f64
     };
-    let mut before = 0.0;
-    for _ in 0..40 {
-        for _ in 0..50 {
-            world.at([0.0, 0.0, 1.0]);
-        }
-        let now = tip(&world);
-        if (now - before).abs() < 1e-4 * now.abs() {
-            break;
-        }
-        before = now;
-    }
+    world.rest(|world| _ = world.at_in_place([0.0, 0.0, 1.0]), 4_000);
     let sag = tip(&world);
     let free = length - held;
     let load = density * gravity * width * thickness;
@@ -244,18 +234,9 @@ pose = {{ position = [0.0, 0.0, 1.0] }}
         let radius = held
             .map(|k| rest[k].coords.norm())
             .fold(f64::INFINITY, f64::min);
-        let (mut before, mut sag) = (0.0, 0.0);
-        for _ in 0..60 {
-            for _ in 0..100 {
-                world.at([0.0, 0.0, 1.0]);
-            }
-            let now = body(&world).positions.iter().map(|p| -p.z);
-            sag = now.fold(0.0, f64::max);
-            if (sag - before).abs() < 1e-4 * sag {
-                break;
-            }
-            before = sag;
-        }
+        world.rest(|world| _ = world.at_in_place([0.0, 0.0, 1.0]), 6_000);
+        let places = body(&world).positions.iter();
+        let sag = places.map(|p| -p.z).fold(0.0, f64::max);
         let d = young * thickness.powi(3) / (12.0 * (1.0 - 1.0 / 9.0));
         let exact = density * gravity * thickness * radius.powi(4) / (64.0 * d);
         println!("{counts:?}: sags by {sag} m, {} of a plate", sag / exact);

@@ -271,10 +271,8 @@ fn two_soft_bodies_press_each_other_apart_and_stay_apart() {
 fn a_push_goes_through_a_body_into_the_next() {
     let mut world = World::new(&two_drops(0.0005));
     let press = |world: &mut World, x: f64| {
-        let mut out = TickOutput::default();
-        for _ in 0..400 {
-            out = world.at([x, 0.003, 0.045]);
-        }
+        world.rest(|world| _ = world.at_in_place([x, 0.003, 0.045]), 2_000);
+        let out = &world.record.output;
         let sum = |tool: bool| -> f64 {
             let own = out
                 .contacts

@@ -46,9 +46,8 @@ pub(super) fn press_forces(world: &mut World) -> [f64; 4] {
             x = (x - 4e-5).max(goal);
             world.at([x, 0.003, 0.045]);
         }
-        for _ in 0..300 {
-            *force = world.at([x, 0.003, 0.045]).tools[0].force_n.x;
-        }
+        world.rest(|world| _ = world.at_in_place([x, 0.003, 0.045]), 2_000);
+        *force = world.record.output.tools[0].force_n.x;
     }
     forces
 }

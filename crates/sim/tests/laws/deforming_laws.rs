@@ -362,9 +362,7 @@ fn drops(model: &str, young_right_pa: f64) -> String {
 fn two_bodies_press_each_other_alike() {
     for (model, young) in [("lattice", 20e3), ("lattice", 2e6), ("continuum", 20e3)] {
         let mut world = World::new(&drops(model, young));
-        for _ in 0..1_500 {
-            world.at([0.2, 0.2, 0.2]);
-        }
+        world.rest(|world| _ = world.at_in_place([0.2, 0.2, 0.2]), 3_000);
         let (left, right) = (base_n(&world, 0), base_n(&world, 1));
         println!(
             "{model} against {young} Pa: {} N and {} N",

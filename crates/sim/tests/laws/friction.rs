@@ -301,14 +301,18 @@ fn a_slide_at_a_metre_a_second_keeps_the_cone_on_a_rigid_plane() {
 
 #[test]
 fn a_slide_at_a_metre_a_second_over_a_soft_body_stays_calm() {
+    // Strokes take 60 ms, near the body's own period: each throws it off the ball, with less damping
+    // (2 ms, and what sticks) farther each time, and it comes back for about half of each.
     for mu in [0.0, 0.3, 1.0, 10.0] {
-        let mut world = World::new(&soft(mu));
+        let mut world = World::new(
+            &soft(mu).replace("young_pa = 20000.0", "young_pa = 20000.0, damping_s = 5e-3"),
+        );
         world.at([0.06, 0.003, 0.045]);
         for x in [0.05, 0.042, 0.034, 0.028] {
             world.at([x, 0.003, 0.045]);
         }
         let (mut most_energy, mut most_force, mut pressed, mut in_cone) = (0.0f64, 0.0f64, 0, 0);
-        for k in 0..10_000 {
+        for k in 0..12_000 {
             let phase = f64::from(k % 60) * 1e-3;
             let up = if phase < 0.03 {
                 phase - 0.015
@@ -410,10 +414,11 @@ fn two_tools_squeeze_and_lift_a_soft_body() {
         let s = f64::from(k) / 3_000.0;
         world.all(&places(0.0218, 0.045 + 0.05 * s, 1.0 * s));
     }
-    let mut output = world.all(&places(0.0218, 0.095, 1.0));
-    for _ in 0..3_000 {
-        output = world.all(&places(0.0218, 0.095, 1.0));
-    }
+    world.rest(
+        |world| _ = world.all_in_place(&places(0.0218, 0.095, 1.0)),
+        3_000,
+    );
+    let output = world.record.output.clone();
     let lifted = middle(&world).z - low.z;
     let weight = output.tools[0].force_n.z + output.tools[1].force_n.z;
     // Balls that do not turn roll on the body while they carry it round, by their radius times the

@@ -15,6 +15,7 @@ mod haptics;
 mod hard_cases;
 mod many_tools;
 mod models;
+mod motion;
 mod quality;
 mod refinement;
 mod rigid;

@@ -280,21 +280,27 @@ fn a_free_body_keeps_its_momentum_and_loses_energy() {
             let before = momentum(&world);
             let lattice_energy =
                 |world: &World| world.scene.deformable(0).unwrap().energy_j(body(world));
-            let (first, mut energy) = (lattice_energy(&world), f64::INFINITY);
-            for _ in 0..500 {
-                world.at([0.0, 0.0, 10.0]);
-                let now = lattice_energy(&world);
-                // Symplectic steps swing about the energy; implicit ones only lose it.
-                let slack = if method == "explicit" {
-                    1.2
-                } else {
-                    1.0 + 1e-12
-                };
+            // Symplectic steps swing about the energy. An implicit one from the inertial prediction
+            // loses it over any period, though not in each tick of one: it is below what it was at
+            // the start, and its highest in 100 ticks, more than a period, below that of those before.
+            let slack = if method == "explicit" {
+                1.2
+            } else {
+                1.0 + 1e-12
+            };
+            let first = lattice_energy(&world);
+            let mut highest = first;
+            for _ in 0..5 {
+                let mut most = 0.0_f64;
+                for _ in 0..100 {
+                    world.at([0.0, 0.0, 10.0]);
+                    most = most.max(lattice_energy(&world));
+                }
                 assert!(
-                    now <= energy * slack && now <= first * slack,
-                    "{model} {method}: {now} J after {energy} J"
+                    most <= highest * slack && most <= first * slack,
+                    "{model} {method}: {most} J after {highest} J"
                 );
-                energy = if method == "explicit" { first } else { now };
+                highest = if method == "explicit" { first } else { most };
             }
             let miss = (momentum(&world) - before).norm() / before.norm();
             assert!(miss < 1e-10, "{model} {method}: momentum off by {miss}");
@@ -325,9 +331,7 @@ fixed = [{{ u = [0.0, 0.06], v = [0.0, 1.0] }}]
 {BALL}"#
     );
     let mut world = World::new(&text);
-    for _ in 0..4_000 {
-        world.at([0.0, 0.0, 10.0]);
-    }
+    world.rest(|world| _ = world.at_in_place([0.0, 0.0, 10.0]), 4_000);
     let sag = body(&world)
         .positions
         .iter()

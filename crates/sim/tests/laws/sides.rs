@@ -266,8 +266,8 @@ fn a_tool_that_is_pushed_over_the_rim_comes_free() {
     }
 }
 
-/// Greatest depth behind the surface as it then is, m, and the force at the end, N: the pen goes
-/// down onto the sheet at a speed and stays for 0.3 s.
+/// Greatest depth behind the surface as it then is, m, and the force once all is at rest, N: the pen
+/// goes down onto the sheet at a speed and stays for 0.3 s and as long as it takes.
 fn plunge(text: &str, depth_m: f64, speed_m_s: f64) -> (f64, f64) {
     let mut world = World::new(text);
     let mut now = world.scene.rest_surface(0).clone();
@@ -284,6 +284,14 @@ fn plunge(text: &str, depth_m: f64, speed_m_s: f64) -> (f64, f64) {
         let foot = solver.closest(&now, &Point3::new(0.0, 0.0, z));
         behind_m = behind_m.max(-foot.signed_distance);
     }
+    world.rest(
+        |world| {
+            end_n = world.at_in_place([0.0, 0.0, -depth_m]).tools[0]
+                .contact_force_n
+                .z
+        },
+        3_000,
+    );
     (behind_m, end_n)
 }
 

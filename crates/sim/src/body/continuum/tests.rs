@@ -124,7 +124,9 @@ fn samples() -> Vec<(&'static str, CellGrid, f64)> {
     ]
 }
 
-/// The implicit step as a body does it, one iteration.
+/// The implicit step as a body does it that takes the bounding matrix A, one iteration: from the
+/// inertial prediction y = x + dt v to x' = y + A⁻¹ (f(y) + F). A free mode of θ = K / A swings, with
+/// amplitudes that fall by √(1 − θ) a tick.
 struct ReferenceWorld {
     solid: ContinuumLaw,
     masses: Vec<f64>,
@@ -167,7 +169,7 @@ impl ReferenceWorld {
                 matrix.add(row, row, masses[node] / (dt_s * dt_s));
             }
         }
-        for (a, b, k) in solid.laplacian(super::Weight::Bounding) {
+        for (a, b, k) in solid.laplacian(Weight::Bounding) {
             let (a, b) = (unknown[a as usize], unknown[b as usize]);
             a.into_iter()
                 .chain(b)
@@ -193,15 +195,19 @@ impl ReferenceWorld {
     /// One tick under a load (N a node).
     fn step(&mut self, load: impl Fn(usize) -> Vector3) {
         let n = self.factor.n();
+        let before = self.places.clone();
+        for (place, v) in self.places.iter_mut().zip(&self.velocities) {
+            for c in 0..3 {
+                place[c] += self.dt_s * v[c];
+            }
+        }
         let mut residual = vec![[0.0; 4]; self.places.len()];
         self.limited += u64::from(self.solid.add_forces(&self.places, &mut residual).limited);
         let mut rhs = vec![Vector3::zeros(); n];
         for (node, row) in self.unknown.iter().enumerate() {
             if let &Some(row) = row {
                 let [x, y, z, _] = residual[node];
-                rhs[row] = Vector3::new(x, y, z)
-                    + load(node)
-                    + self.velocities[node] * (self.masses[node] / self.dt_s);
+                rhs[row] = Vector3::new(x, y, z) + load(node);
             }
         }
         self.factor.solve(&mut rhs, &mut vec![[0.0; 4]; n]);
@@ -209,8 +215,8 @@ impl ReferenceWorld {
             if let &Some(row) = row {
                 for c in 0..3 {
                     self.places[node][c] += rhs[row][c];
+                    self.velocities[node][c] = (self.places[node][c] - before[node][c]) / self.dt_s;
                 }
-                self.velocities[node] = rhs[row] / self.dt_s;
             }
         }
     }

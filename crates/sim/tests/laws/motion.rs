@@ -1,0 +1,520 @@
+//! How bodies move: periods, decrements, momenta and forces on the way, after one iteration a tick.
+
+use crate::common::World;
+use palpate_geometry::math::{Matrix3, Point3, Vector3};
+use palpate_sim::body::DeformableState;
+use std::f64::consts::{PI, TAU};
+
+fn body(world: &World) -> &DeformableState {
+    world.state.bodies[0].deformable.as_ref().unwrap()
+}
+
+fn body_mut(world: &mut World) -> &mut DeformableState {
+    world.state.bodies[0].deformable.as_mut().unwrap()
+}
+
+/// One tick with the tool out of the way.
+fn tick(world: &mut World) {
+    world.at_in_place([0.0, 0.0, 10.0]);
+}
+
+const PEN: &str =
+    "[[tool]]\nid = \"pen\"\nshape = { point = {} }\npose = { position = [0.0, 0.0, 10.0] }\n";
+
+const LONG_M: f64 = 0.1;
+
+/// A beam of 0.1 m × 0.1 m × 0.02 m, clamped at x = −0.05 m.
+fn beam(model: &str, young_pa: f64, poisson: f64, damping_s: f64, iterations: usize) -> World {
+    World::new(&format!(
+        r#"
+[[body]]
+id = "beam"
+surface = {{ builtin = "sheet", net = [13, 4], size = {LONG_M:?} }}
+model = "{model}"
+material = {{ young_pa = {young_pa:?}, poisson = {poisson:?}, damping_s = {damping_s:?} }}
+lattice = {{ refine = "none", thickness_m = 0.02, layers = 3 }}
+integrator = {{ sleep_m_s = 0.0, iterations = {iterations} }}
+fixed = [{{ u = [0.0, 0.1], v = [0.0, 1.0] }}]
+{PEN}"#
+    ))
+}
+
+/// A swing of the beam's end.
+struct Swing {
+    /// Mean of whole periods, s.
+    period_s: f64,
+    /// ln of the amplitudes' fall, 1/s.
+    fall_per_s: f64,
+}
+
+/// Strikes the beam across, by a speed that grows as its first mode, about as x², and follows the
+/// mean of its end for so many halves of a period.
+fn swing(world: &mut World, tip_m_s: f64, halves: usize) -> Swing {
+    let beam = world.scene.deformable(0).unwrap();
+    let rest = beam.rest_state().positions;
+    let free: Vec<bool> = (0..rest.len()).map(|k| beam.unknown(k).is_some()).collect();
+    let (mut held, mut end) = (-0.5 * LONG_M, Vec::new());
+    for (k, p) in rest.iter().enumerate() {
+        if !free[k] {
+            held = p.x.max(held);
+        } else if p.x > 0.5 * LONG_M - 1e-9 {
+            end.push(k);
+        }
+    }
+    for (k, v) in body_mut(world).velocities.iter_mut().enumerate() {
+        if free[k] {
+            let share = (rest[k].x - held) / (0.5 * LONG_M - held);
+            *v = Vector3::z() * (tip_m_s * share * share);
+        }
+    }
+    world.scratch = world.scene.scratch(&world.state);
+    let out = |world: &World| {
+        let sum: f64 = end
+            .iter()
+            .map(|&k| body(world).positions[k].z - rest[k].z)
+            .sum();
+        sum / end.len() as f64
+    };
+    // Where it passes rest, ticks; and how far it came in between, by a parabola, m.
+    let (mut passes, mut peaks) = (Vec::new(), Vec::new());
+    let (mut last, mut peak) = ([0.0; 2], 0.0_f64);
+    for k in 1..100_000 {
+        tick(world);
+        let now = out(world);
+        let [a, b, c] = [last[0], last[1], now].map(f64::abs);
+        if b >= a && b >= c && a + c < 2.0 * b {
+            peak = peak.max(b + (c - a).powi(2) / (16.0 * b - 8.0 * (a + c)));
+        }
+        if k > 1 && (now > 0.0) != (last[1] > 0.0) {
+            passes.push(f64::from(k) - now / (now - last[1]));
+            peaks.push(peak);
+            peak = 0.0;
+            if passes.len() == halves + 1 {
+                break;
+            }
+        }
+        last = [last[1], now];
+    }
+    assert_eq!(passes.len(), halves + 1, "it does not swing");
+    let dt = world.scene.dt_s;
+    let seconds = (passes[halves] - passes[0]) * dt;
+    // Peaks lie between passes, one half of a period apart. The first is before the first pass.
+    Swing {
+        period_s: 2.0 * seconds / halves as f64,
+        fall_per_s: (peaks[0] / peaks[halves]).ln() / seconds,
+    }
+}
+
+// Forty iterations are backward Euler to 1e-6 here. A step that starts from the last place, by a
+// matrix above the tangent, did not swing at all.
+#[test]
+fn one_iteration_swings_a_beam_with_the_period_of_forty() {
+    let cases = [
+        ("continuum", 20e3, 0.05, 4),
+        ("continuum", 200e3, 0.1, 6),
+        ("continuum", 2e6, 0.2, 6),
+        ("lattice", 20e3, 0.05, 4),
+    ];
+    for (model, young, tip_m_s, halves) in cases {
+        let [one, forty] = [1, 40].map(|iterations| {
+            swing(
+                &mut beam(model, young, 0.3, 0.0, iterations),
+                tip_m_s,
+                halves,
+            )
+        });
+        let ratio = one.period_s / forty.period_s;
+        println!(
+            "{model}, {young} Pa: {:.4} s, {:.4} s by forty: {ratio:.5}; falls by {:.3} /s, {:.3} /s",
+            one.period_s, forty.period_s, one.fall_per_s, forty.fall_per_s
+        );
+        assert!(
+            (ratio - 1.0).abs() < 0.02,
+            "{model}, {young} Pa: {} s, {} s by forty",
+            one.period_s,
+            forty.period_s
+        );
+    }
+}
+
+// A Voigt solid's mode of ω falls as exp(−ω² d t / 2), and backward Euler adds its own, which d = 0
+// shows. A lattice whose cells are no cubes steps by the bounding matrix, and has to converge first.
+#[test]
+fn damping_gives_the_decrement_of_theory() {
+    for (model, poisson, iterations) in [
+        ("continuum", 0.3, 1),
+        ("continuum", 0.45, 1),
+        ("continuum", 0.49, 1),
+        ("lattice", 0.25, 40),
+    ] {
+        let struck = |damping_s: f64| {
+            let mut beam = beam(model, 200e3, poisson, damping_s, iterations);
+            swing(&mut beam, 0.05, 6)
+        };
+        let none = struck(0.0);
+        for damping in [1e-3, 4e-3] {
+            let some = struck(damping);
+            let omega = TAU / some.period_s;
+            let theory = 0.5 * omega * omega * damping;
+            let share = (some.fall_per_s - none.fall_per_s) / theory;
+            println!(
+                "{model}, ν = {poisson}, d = {damping} s: {:.4} s, falls by {:.4} /s, {:.4} /s without, {share:.4} of theory",
+                some.period_s, some.fall_per_s, none.fall_per_s
+            );
+            assert!(
+                (share - 1.0).abs() < 0.05,
+                "{model}, ν = {poisson}, d = {damping} s: {share} of the decrement of theory"
+            );
+        }
+    }
+}
+
+/// A free slab of 40 mm × 40 mm × 12 mm.
+fn free_slab(model: &str, young_pa: f64, damping_s: f64) -> World {
+    World::new(&format!(
+        r#"
+[[body]]
+id = "slab"
+surface = {{ builtin = "sheet", net = [5, 5], size = 0.04 }}
+model = "{model}"
+material = {{ young_pa = {young_pa:?}, damping_s = {damping_s:?} }}
+lattice = {{ refine = "none", thickness_m = 0.012, layers = 3 }}
+integrator = {{ sleep_m_s = 0.0 }}
+{PEN}"#
+    ))
+}
+
+struct Momentum {
+    centre: Point3,
+    linear: Vector3,
+    angular: Vector3,
+}
+
+fn momentum(masses: &[f64], places: &[Point3], velocities: &[Vector3]) -> Momentum {
+    let whole: f64 = masses.iter().sum();
+    let sum: Vector3 = masses.iter().zip(places).map(|(m, x)| x.coords * *m).sum();
+    let centre = Point3::from(sum / whole);
+    let linear = masses.iter().zip(velocities).map(|(m, v)| v * *m).sum();
+    let all = masses.iter().zip(places).zip(velocities);
+    let angular = all.map(|((m, x), v)| (x - centre).cross(v) * *m).sum();
+    Momentum {
+        centre,
+        linear,
+        angular,
+    }
+}
+
+/// About the centre of mass, kg m².
+fn inertia(masses: &[f64], places: &[Point3]) -> Matrix3 {
+    let centre = momentum(masses, places, &[]).centre;
+    let of = |(m, x): (&f64, &Point3)| {
+        let r = x - centre;
+        (Matrix3::from_diagonal_element(r.norm_squared()) - r * r.transpose()) * *m
+    };
+    masses.iter().zip(places).map(of).sum()
+}
+
+/// Mean angular velocity of the places from one tick to the next, rad/s: that of the rigid motion
+/// with the angular momentum of the ways between them, a chord's being 2 tan(φ / 2) of the radius at
+/// its middle.
+fn turning(masses: &[f64], before: &[Point3], after: &[Point3], dt_s: f64) -> Vector3 {
+    let middle: Vec<Point3> = before
+        .iter()
+        .zip(after)
+        .map(|(a, b)| nalgebra::center(a, b))
+        .collect();
+    let ways: Vec<Vector3> = before.iter().zip(after).map(|(a, b)| b - a).collect();
+    let angular = momentum(masses, &middle, &ways).angular;
+    let chord = inertia(masses, &middle).try_inverse().unwrap() * angular;
+    let length = chord.norm();
+    if length == 0.0 {
+        return chord;
+    }
+    chord * (2.0 * (0.5 * length).atan() / length / dt_s)
+}
+
+/// Gives a free body a rigid motion.
+fn set_off(world: &mut World, linear: Vector3, angular: Vector3) -> Momentum {
+    let masses = world.scene.deformable(0).unwrap().masses().to_vec();
+    let places = body(world).positions.clone();
+    let centre = momentum(&masses, &places, &[]).centre;
+    for (v, x) in body_mut(world).velocities.iter_mut().zip(&places) {
+        *v = linear + angular.cross(&(x - centre));
+    }
+    world.scratch = world.scene.scratch(&world.state);
+    momentum(&masses, &places, &body(world).velocities)
+}
+
+/// How far the linear and the angular momentum are off, of themselves.
+fn lost(world: &World, from: &Momentum) -> [f64; 2] {
+    let masses = world.scene.deformable(0).unwrap().masses();
+    let now = momentum(masses, &body(world).positions, &body(world).velocities);
+    [
+        (now.linear - from.linear).norm() / from.linear.norm(),
+        (now.angular - from.angular).norm() / from.angular.norm(),
+    ]
+}
+
+/// Mean angular velocity in each of so many turns, rad/s.
+fn turns(world: &mut World, ticks_a_turn: usize, count: usize) -> Vec<Vector3> {
+    let masses = world.scene.deformable(0).unwrap().masses().to_vec();
+    let mut before = body(world).positions.clone();
+    let mut means = Vec::new();
+    for _ in 0..count {
+        let mut mean = Vector3::zeros();
+        for _ in 0..ticks_a_turn {
+            tick(world);
+            let after = body(world).positions.clone();
+            mean += turning(&masses, &before, &after, world.scene.dt_s) / ticks_a_turn as f64;
+            before = after;
+        }
+        means.push(mean);
+    }
+    means
+}
+
+#[test]
+fn a_free_body_at_ten_turns_a_second_loses_less_than_a_hundredth_a_turn() {
+    for model in ["continuum", "lattice"] {
+        let mut world = free_slab(model, 2e6, 2e-3);
+        let spin = Vector3::z() * (10.0 * TAU);
+        let start = set_off(&mut world, Vector3::new(0.3, -0.2, 0.1), spin);
+        let mut last = spin;
+        for (turn, now) in turns(&mut world, 100, 10).into_iter().enumerate() {
+            let kept = now.norm() / last.norm();
+            println!("{model}: turn {turn} at {:.4} rad/s, {kept:.6}", now.norm());
+            assert!(
+                kept > 0.99 && now.normalize().dot(&spin.normalize()) > 0.999,
+                "{model}: turn {turn} at {now} rad/s after {last} rad/s"
+            );
+            last = now;
+        }
+        let [linear, angular] = lost(&world, &start);
+        println!("{model}: momentum off by {linear}, angular momentum by {angular}");
+        assert!(
+            linear < 1e-10 && angular < 1e-10,
+            "{model}: momentum off by {linear}, angular momentum by {angular}"
+        );
+    }
+}
+
+// Damping acts on the rate of strain. By a Laplacian of the velocities, a body that turned stood
+// still within a few ticks.
+#[test]
+fn rigid_motion_is_not_damped() {
+    for model in ["continuum", "lattice"] {
+        let spin = Vector3::new(3.0, -2.0, 8.0);
+        let way = Vector3::new(0.3, -0.2, 0.1);
+        let [none, much] = [0.0, 50e-3].map(|damping_s| {
+            let mut world = free_slab(model, 200e3, damping_s);
+            let masses = world.scene.deformable(0).unwrap().masses().to_vec();
+            let start = set_off(&mut world, way, spin);
+            let mean = turns(&mut world, 500, 2);
+            let now = momentum(&masses, &body(&world).positions, &[]).centre;
+            let flown = (now - start.centre) / (1_000.0 * world.scene.dt_s);
+            assert!(
+                (flown - way).norm() < 1e-10 * way.norm(),
+                "{model}, d = {damping_s} s: flies at {flown} m/s"
+            );
+            // Its own angular momentum says how fast a rigid body would turn.
+            let rigid = inertia(&masses, &body(&world).positions)
+                .try_inverse()
+                .unwrap()
+                * start.angular;
+            let mut before = body(&world).positions.clone();
+            tick(&mut world);
+            let turned = turning(&masses, &before, &body(&world).positions, world.scene.dt_s);
+            before.clone_from(&body(&world).positions);
+            println!(
+                "{model}, d = {damping_s} s: turns at {:.5} and {:.5} rad/s, in the end at {:.5}, {:.5} if rigid",
+                mean[0].norm(), mean[1].norm(), turned.norm(), rigid.norm()
+            );
+            assert!(
+                (turned - rigid).norm() < 1e-2 * rigid.norm(),
+                "{model}, d = {damping_s} s: turns at {turned} rad/s, a rigid body at {rigid}"
+            );
+            mean[1]
+        });
+        let off = (much - none).norm() / none.norm();
+        assert!(
+            off < 1e-2,
+            "{model}: damping changes the turning by {off} of itself"
+        );
+    }
+}
+
+// A couple of forces all over the net, on and off within 0.1 s. By the matrix of the step alone, a
+// body that had taken up this angular momentum stood still.
+#[test]
+fn an_angular_impulse_turns_a_free_lattice_as_its_inertia_says() {
+    for axis in [Vector3::x(), Vector3::z()] {
+        let world = World::new(&format!(
+            "[[body]]\nid = \"drop\"\nsurface = {{ builtin = \"teardrop\", net = [8, 8] }}\nmodel = \"lattice\"\n\
+             material = {{ young_pa = 20e3, damping_s = 2e-3 }}\n\
+             lattice = {{ layers = 3, refine = \"none\" }}\nintegrator = {{ sleep_m_s = 0.0 }}\n{PEN}"
+        ));
+        let drop = world.scene.deformable(0).unwrap();
+        let masses = drop.masses().to_vec();
+        let (mut state, mut scratch) = (drop.rest_state(), drop.scratch());
+        let dt = world.scene.dt_s;
+        let mut net: Vec<usize> = (0..world.scene.rest_surface(0).net().points().len())
+            .map(|control| drop.coordinate_of_control(control))
+            .collect();
+        net.sort_unstable();
+        net.dedup();
+        let couple = |state: &DeformableState| -> Vec<(usize, Vector3)> {
+            let centre = momentum(&masses, &state.positions, &[]).centre;
+            let forces = net.iter().map(|&c| {
+                let r = state.positions[c] - centre;
+                (c, axis.cross(&r))
+            });
+            let forces: Vec<_> = forces.collect();
+            // Without a force in the sum.
+            let mean = forces.iter().map(|(_, f)| f).sum::<Vector3>() / net.len() as f64;
+            forces.into_iter().map(|(c, f)| (c, f - mean)).collect()
+        };
+        let torque = |state: &DeformableState, forces: &[(usize, Vector3)]| -> Vector3 {
+            let centre = momentum(&masses, &state.positions, &[]).centre;
+            let all = forces.iter();
+            all.map(|(c, f)| (state.positions[*c] - centre).cross(f))
+                .sum()
+        };
+        let mut step = |state: &mut DeformableState, forces: &[(usize, Vector3)]| {
+            drop.predict(state, &mut scratch);
+            for (c, force) in forces {
+                drop.push(&mut scratch, *c, *force);
+            }
+            drop.advance(state, &mut scratch);
+        };
+        let whole = 356e-6;
+        let mut impulse = Vector3::zeros();
+        for k in 0..100 {
+            let mut forces = couple(&state);
+            let size = torque(&state, &forces).norm();
+            let share = whole * 0.02 * (PI * (f64::from(k) + 0.5) / 100.0).sin().powi(2) / dt;
+            forces.iter_mut().for_each(|(_, f)| *f *= share / size);
+            let start = torque(&state, &forces);
+            step(&mut state, &forces);
+            // Forces act while the body turns: by the mean of both ends of the tick.
+            impulse += 0.5 * (start + torque(&state, &forces)) * dt;
+        }
+        let (mut turned, mut expected) = (Vector3::zeros(), Vector3::zeros());
+        for k in 0..1_000 {
+            let before = state.positions.clone();
+            step(&mut state, &[]);
+            if k >= 500 {
+                turned += turning(&masses, &before, &state.positions, dt) / 500.0;
+                let inverse = inertia(&masses, &state.positions).try_inverse().unwrap();
+                expected += inverse * impulse / 500.0;
+            }
+        }
+        let off = (turned - expected).norm() / expected.norm();
+        println!(
+            "about {axis:?}: {impulse:?} N m s, turns at {turned:?} rad/s, I⁻¹ L = {expected:?} rad/s, off by {off}"
+        );
+        assert!(expected.norm() > 5.0, "{expected} rad/s");
+        assert!(off < 0.01, "turns at {turned} rad/s, not {expected} rad/s");
+    }
+}
+
+// At rest the step is a fixed point, not a small swing about one: awake, nothing moves but by the
+// rounding of places near zero; asleep, nothing at all.
+#[test]
+fn what_is_at_rest_under_gravity_stays_there_to_the_last_bit() {
+    for model in ["lattice", "continuum", "membrane", "net"] {
+        for (sleep, most_m) in [("sleep_m_s = 0.0", 1e-16), ("", 0.0)] {
+            let text = format!(
+                "[gravity]\nacceleration = [0.0, 0.0, -9.81]\n[[body]]\nid = \"slab\"\n\
+                 surface = {{ builtin = \"sheet\", net = [7, 7], size = 0.1 }}\nmodel = \"{model}\"\n\
+                 material = {{ young_pa = 20e3, damping_s = 10e-3 }}\n\
+                 lattice = {{ layers = 3, refine = \"none\", thickness_m = 0.03 }}\n\
+                 integrator = {{ {sleep} }}\n\
+                 fixed = [{{ u = [0.0, 0.2], v = [0.0, 1.0] }}, {{ u = [0.8, 1.0], v = [0.0, 1.0] }}]\n{PEN}"
+            );
+            let mut world = World::new(&text);
+            let came = world.rest(tick, 10_000);
+            // What is left of the swing dies out as the slowest mode does.
+            for _ in 0..5_000 {
+                tick(&mut world);
+            }
+            let rest = body(&world).positions.clone();
+            let first = world.scene.deformable(0).unwrap().rest_state().positions;
+            let away = |places: &[Point3]| {
+                let ways = rest.iter().zip(places).map(|(a, b)| (a - b).norm());
+                ways.fold(0.0, f64::max)
+            };
+            let mut farthest = 0.0_f64;
+            for _ in 0..2_000 {
+                tick(&mut world);
+                farthest = farthest.max(away(&body(&world).positions));
+            }
+            println!(
+                "{model} {sleep}: at rest after {came} ticks, sags by {} m, then moves by {farthest} m",
+                away(&first)
+            );
+            assert!(away(&first) > 1e-5, "{model}: it does not sag");
+            assert!(farthest <= most_m, "{model} {sleep}: moves by {farthest} m");
+        }
+    }
+}
+
+/// Forces while a ball presses the teardrop by 8 mm at 50 mm/s and is held, N.
+fn press_at_50_mm_s(poisson: f64, iterations: usize) -> Vec<f64> {
+    let mut world = World::new(&format!(
+        r#"
+[[body]]
+id = "drop"
+surface = {{ builtin = "teardrop", net = [12, 12] }}
+model = "continuum"
+material = {{ young_pa = 20e3, poisson = {poisson:?}, damping_s = 0.0 }}
+lattice = {{ layers = 3, refine = "none" }}
+integrator = {{ iterations = {iterations} }}
+fixed = [{{ point = [0.0, 0.0, 0.015], normal = [0.0, 0.0, 1.0] }}]
+[[tool]]
+id = "ball"
+shape = {{ sphere = {{ radius_m = 0.01 }} }}
+pose = {{ position = [0.06, 0.003, 0.045] }}
+coupling = {{ stiffness_n_m = inf, damping_n_s_m = 0.0 }}
+device = {{ force_max_n = 1e9, ramp_s = 0.0 }}
+"#
+    ));
+    for x in [0.05, 0.04] {
+        world.at([x, 0.003, 0.045]);
+    }
+    (0..400)
+        .map(|k| {
+            let x = 0.036 - 5e-5 * f64::from(k.min(240));
+            world.at([x, 0.003, 0.045]).tools[0].force_n.norm()
+        })
+        .collect()
+}
+
+// The step from the last place pushed back with twice to four times the force on the way.
+#[test]
+fn one_iteration_of_a_press_at_50_mm_s_feels_as_forty() {
+    for poisson in [0.3, 0.45] {
+        let [one, forty] = [1, 40].map(|iterations| press_at_50_mm_s(poisson, iterations));
+        let peak = forty.iter().copied().fold(0.0, f64::max);
+        let (worst, at) = one
+            .iter()
+            .zip(&forty)
+            .map(|(a, b)| (a - b).abs())
+            .zip(0..)
+            .fold(
+                (0.0, 0),
+                |most, now| if now.0 > most.0 { now } else { most },
+            );
+        println!(
+            "ν = {poisson}: peak {peak} N, apart by {worst} N at tick {at}, {:.4} of it; peak {} N; ends at {} N and {} N",
+            worst / peak,
+            one.iter().copied().fold(0.0, f64::max),
+            one[399],
+            forty[399]
+        );
+        assert!(peak > 0.1, "{peak} N");
+        assert!(
+            worst < 0.05 * peak,
+            "ν = {poisson}: apart by {worst} N at tick {at}, of {peak} N"
+        );
+    }
+}
