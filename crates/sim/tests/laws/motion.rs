@@ -273,28 +273,46 @@ fn turns(world: &mut World, ticks_a_turn: usize, count: usize) -> Vec<Vector3> {
     means
 }
 
+/// Ten turns at ten a second: none is a hundredth slower or faster than the one before, and momenta
+/// stay.
+fn spins_on(model: &str, young_pa: f64, damping_s: f64) {
+    let name = format!("{model}, {young_pa} Pa, d = {damping_s} s");
+    let mut world = free_slab(model, young_pa, damping_s);
+    let spin = Vector3::z() * (10.0 * TAU);
+    let start = set_off(&mut world, Vector3::new(0.3, -0.2, 0.1), spin);
+    let mut last = spin;
+    for (turn, now) in turns(&mut world, 100, 10).into_iter().enumerate() {
+        let kept = now.norm() / last.norm();
+        println!("{name}: turn {turn} at {:.4} rad/s, {kept:.6}", now.norm());
+        assert!(
+            (kept - 1.0).abs() < 0.01 && now.normalize().dot(&spin.normalize()) > 0.999,
+            "{name}: turn {turn} at {now} rad/s after {last} rad/s"
+        );
+        last = now;
+    }
+    let [linear, angular] = lost(&world, &start);
+    println!("{name}: momentum off by {linear}, angular momentum by {angular}");
+    assert!(
+        linear < 1e-10 && angular < 1e-10,
+        "{name}: momentum off by {linear}, angular momentum by {angular}"
+    );
+}
+
+// By a matrix turned with where the body was, not where it flies to, it lost a quarter of its spin.
 #[test]
 fn a_free_body_at_ten_turns_a_second_loses_less_than_a_hundredth_a_turn() {
     for model in ["continuum", "lattice"] {
-        let mut world = free_slab(model, 2e6, 2e-3);
-        let spin = Vector3::z() * (10.0 * TAU);
-        let start = set_off(&mut world, Vector3::new(0.3, -0.2, 0.1), spin);
-        let mut last = spin;
-        for (turn, now) in turns(&mut world, 100, 10).into_iter().enumerate() {
-            let kept = now.norm() / last.norm();
-            println!("{model}: turn {turn} at {:.4} rad/s, {kept:.6}", now.norm());
-            assert!(
-                kept > 0.99 && now.normalize().dot(&spin.normalize()) > 0.999,
-                "{model}: turn {turn} at {now} rad/s after {last} rad/s"
-            );
-            last = now;
+        spins_on(model, 2e6, 2e-3);
+    }
+}
+
+// By the same it burst in six ticks.
+#[test]
+fn a_stiff_free_body_at_ten_turns_a_second_does_so_too() {
+    for model in ["continuum", "lattice"] {
+        for damping_s in [0.0, 2e-3] {
+            spins_on(model, 20e6, damping_s);
         }
-        let [linear, angular] = lost(&world, &start);
-        println!("{model}: momentum off by {linear}, angular momentum by {angular}");
-        assert!(
-            linear < 1e-10 && angular < 1e-10,
-            "{model}: momentum off by {linear}, angular momentum by {angular}"
-        );
     }
 }
 
@@ -321,16 +339,15 @@ fn rigid_motion_is_not_damped() {
                 .try_inverse()
                 .unwrap()
                 * start.angular;
-            let mut before = body(&world).positions.clone();
+            let before = body(&world).positions.clone();
             tick(&mut world);
             let turned = turning(&masses, &before, &body(&world).positions, world.scene.dt_s);
-            before.clone_from(&body(&world).positions);
             println!(
                 "{model}, d = {damping_s} s: turns at {:.5} and {:.5} rad/s, in the end at {:.5}, {:.5} if rigid",
                 mean[0].norm(), mean[1].norm(), turned.norm(), rigid.norm()
             );
             assert!(
-                (turned - rigid).norm() < 1e-2 * rigid.norm(),
+                (turned - rigid).norm() < 5e-3 * rigid.norm(),
                 "{model}, d = {damping_s} s: turns at {turned} rad/s, a rigid body at {rigid}"
             );
             mean[1]
