@@ -105,8 +105,8 @@ fn swing(world: &mut World, tip_m_s: f64, halves: usize) -> Swing {
     }
 }
 
-// Forty iterations are backward Euler to 1e-6 here. A step that starts from the last place, by a
-// matrix above the tangent, did not swing at all.
+// Forty iterations stand for backward Euler. A step that starts from the last place, by a matrix above
+// the tangent, did not swing at all.
 #[test]
 fn one_iteration_swings_a_beam_with_the_period_of_forty() {
     let cases = [
@@ -316,8 +316,7 @@ fn a_stiff_free_body_at_ten_turns_a_second_does_so_too() {
     }
 }
 
-// Damping acts on the rate of strain. By a Laplacian of the velocities, a body that turned stood
-// still within a few ticks.
+// Damping acts on the rate of strain; a Laplacian of the velocities damps turning as well.
 #[test]
 fn rigid_motion_is_not_damped() {
     for model in ["continuum", "lattice"] {
