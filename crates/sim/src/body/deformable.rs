@@ -91,8 +91,13 @@ impl Deformable {
     ) {
         let dt = self.matter.settings.dt_s;
         let moved = state.positions.iter().zip(&state.velocities);
+        let ahead_s = if implicit.starts_ahead(&self.matter, state) {
+            dt
+        } else {
+            0.0
+        };
         for (reached, (x, v)) in scratch.reached.iter_mut().zip(moved) {
-            *reached = x + v * dt;
+            *reached = x + v * ahead_s;
         }
         scratch.carried.clear();
         let forces = self.matter.surface.iter().zip(&state.contact_n);

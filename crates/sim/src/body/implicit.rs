@@ -65,6 +65,9 @@ pub struct Caution {
     pub level: u32,
     /// For so many steps more.
     pub steps: u32,
+    /// The last step met cells that it held back: the next starts where the body is, since a pressure
+    /// that is held back is no gradient, and inertia would be pumped up by it.
+    pub held: bool,
     /// For how many it would be next time.
     pub next: u32,
 }
@@ -83,6 +86,7 @@ impl Clone for Caution {
     fn clone_from(&mut self, from: &Self) {
         self.corrections.clone_from(&from.corrections);
         (self.level, self.steps, self.next) = (from.level, from.steps, from.next);
+        self.held = from.held;
     }
 }
 
@@ -202,6 +206,7 @@ impl ImplicitStep {
                 corrections: vec![[0.0; 4]; matter.unknown_count()],
                 level: 0,
                 steps: 0,
+                held: false,
                 next: CAUTIOUS_STEPS[0],
             },
         }
@@ -246,6 +251,13 @@ impl ImplicitStep {
         })
     }
 
+    /// True where the step starts from the inertial prediction; else from the last positions, in which
+    /// case its matrix need only be half of the tangent. Membranes do: out of plane they are as stiff as
+    /// they are drawn.
+    pub(super) fn starts_ahead(&self, matter: &Matter, state: &DeformableState) -> bool {
+        matter.law.is_solid() && !state.caution.held
+    }
+
     /// What belongs to the whole step: the frames of the neighbourhoods.
     pub(super) fn begin(
         &self,
@@ -253,14 +265,17 @@ impl ImplicitStep {
         state: &DeformableState,
         scratch: &mut DeformableScratch,
     ) {
+        scratch.implicit.caution.clone_from(&state.caution);
         if let Matrix::Tangent(tangent) = &self.matrix {
-            lanes(&state.positions, &mut scratch.coordinates);
+            lanes(&scratch.reached, &mut scratch.coordinates);
             let ImplicitScratch {
                 frames, caution, ..
             } = &mut scratch.implicit;
             tangent.frames.fit(matter, &scratch.coordinates, frames);
-            caution.clone_from(&state.caution);
             caution.step();
+            if caution.held {
+                caution.level = BOUNDING;
+            }
         }
     }
 
@@ -299,8 +314,12 @@ impl ImplicitStep {
             implicit,
             residual,
             reached,
+            limited,
             ..
         } = scratch;
+        if first {
+            implicit.caution.held = *limited > 0;
+        }
         match &self.matrix {
             Matrix::Bounding(factor) => implicit.solve_scalar(factor, matter, residual),
             Matrix::Tangent(tangent) => loop {
@@ -347,7 +366,8 @@ impl ImplicitStep {
         for (((z, x), reach_m), lane) in moved.zip(scratch.coordinates.iter_mut()) {
             let mut ahead = (z - x) * share;
             if let Some(turning) = &turning {
-                ahead -= turning.velocity(x) * matter.damping_s;
+                let middle = nalgebra::center(x, z) - turning.linear * (0.5 * matter.settings.dt_s);
+                ahead -= turning.velocity(&middle) * matter.damping_s;
             }
             let length = ahead.norm();
             if length > *reach_m {

@@ -161,7 +161,7 @@ impl Matter {
         contact_n.clear();
         contact_n.resize(self.surface.len(), Vector3::zeros());
         caution.corrections.fill([0.0; 4]);
-        (caution.level, caution.steps, caution.next) = (0, 0, 0);
+        (caution.level, caution.steps, caution.next, caution.held) = (0, 0, 0, false);
         positions.clone_from(&self.rest);
         velocities.clear();
         velocities.resize(self.rest.len(), Vector3::zeros());

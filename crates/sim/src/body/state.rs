@@ -67,11 +67,13 @@ stateful!(DeformableState, |this, walk| {
         corrections,
         level,
         steps,
+        held,
         next,
     } = caution;
     walk.lanes(corrections)?;
     walk.coded("matrix of the step", level)?;
     walk.coded("cautious steps", steps)?;
+    walk.coded("held back", held)?;
     walk.coded("cautious steps next time", next)?;
     walk.coded("number of still steps", still)?;
     walk.word(slept)

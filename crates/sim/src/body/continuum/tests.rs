@@ -136,6 +136,7 @@ struct ReferenceWorld {
     places: Vec<Lane>,
     velocities: Vec<Vector3>,
     limited: u64,
+    held: bool,
 }
 
 impl ReferenceWorld {
@@ -189,6 +190,7 @@ impl ReferenceWorld {
             places: lanes(&grid.nodes),
             velocities,
             limited: 0,
+            held: false,
         }
     }
 
@@ -196,18 +198,28 @@ impl ReferenceWorld {
     fn step(&mut self, load: impl Fn(usize) -> Vector3) {
         let n = self.factor.n();
         let before = self.places.clone();
+        let held = self.held;
         for (place, v) in self.places.iter_mut().zip(&self.velocities) {
             for c in 0..3 {
-                place[c] += self.dt_s * v[c];
+                place[c] += if held { 0.0 } else { self.dt_s * v[c] };
             }
         }
         let mut residual = vec![[0.0; 4]; self.places.len()];
-        self.limited += u64::from(self.solid.add_forces(&self.places, &mut residual).limited);
+        let limited = self.solid.add_forces(&self.places, &mut residual).limited;
+        self.limited += u64::from(limited);
+        self.held = limited > 0;
         let mut rhs = vec![Vector3::zeros(); n];
         for (node, row) in self.unknown.iter().enumerate() {
             if let &Some(row) = row {
                 let [x, y, z, _] = residual[node];
-                rhs[row] = Vector3::new(x, y, z) + load(node);
+                rhs[row] = Vector3::new(x, y, z)
+                    + load(node)
+                    + self.velocities[node]
+                        * if held {
+                            self.masses[node] / self.dt_s
+                        } else {
+                            0.0
+                        };
             }
         }
         self.factor.solve(&mut rhs, &mut vec![[0.0; 4]; n]);
