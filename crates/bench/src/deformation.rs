@@ -7,6 +7,7 @@
 //! in the thesis' figures 5.9 and 5.10.
 
 mod indent;
+mod motion;
 mod passes;
 mod peers;
 mod plasticine;
@@ -63,6 +64,7 @@ pub fn deformation(effort: Effort, only: Option<&str>, out: &mut dyn FnMut(Row))
             out(indent::tick_row(&case, model, effort));
         }
     }
+    motion::rows(effort, &wanted, out);
     passes::rows(effort, &wanted, out);
     plasticine::rows(effort, &wanted, out)
 }
