@@ -283,7 +283,10 @@ impl Refit {
                 .zip(self.fit.as_ref())
                 .map(|(sample, fit)| fit.shares(sample));
             for (r, here) in contacts.iter().enumerate() {
-                let Some(column) = self.body.compliance_of(&self.scratch, self.nodes[here.node]) else {
+                let Some(column) = self
+                    .body
+                    .compliance_of(&self.scratch, self.nodes[here.node])
+                else {
                     continue;
                 };
                 let of_node = |k: usize| {

@@ -152,7 +152,11 @@ impl<'a> ExactStep<'a> {
             for (other, (a, b)) in moved.chunks(3).zip(calm.chunks(3)).enumerate() {
                 if a != b {
                     band = band.max(3 * k.abs_diff(other) + 2);
-                    most_n = a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(most_n, f64::max);
+                    most_n = a
+                        .iter()
+                        .zip(b)
+                        .map(|(a, b)| (a - b).abs())
+                        .fold(most_n, f64::max);
                 }
             }
         }
@@ -170,9 +174,7 @@ impl<'a> ExactStep<'a> {
         for (&c, place) in self.order.iter().zip(places.chunks(3)) {
             self.asked.positions[c as usize] = Point3::new(place[0], place[1], place[2]);
         }
-        let forces = self
-            .body
-            .internal_forces(&self.asked, &mut self.scratch);
+        let forces = self.body.internal_forces(&self.asked, &mut self.scratch);
         let of = |&c: &u32| {
             let [x, y, z, _] = forces[c as usize];
             [x, y, z]
@@ -332,7 +334,10 @@ impl<'a> ExactStep<'a> {
         let mut solved = Solved::default();
         let mut stuck = false;
         loop {
-            let (left, scale) = (largest(&residual), scale_n.max(law_n).max(f64::MIN_POSITIVE));
+            let (left, scale) = (
+                largest(&residual),
+                scale_n.max(law_n).max(f64::MIN_POSITIVE),
+            );
             solved.residual = left / scale;
             let rounded = solved.residual <= ROUNDING || left <= self.rounding_n;
             let done = solved.residual <= self.tolerance;

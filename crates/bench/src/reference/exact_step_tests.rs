@@ -47,15 +47,28 @@ fn a_rod_that_is_drawn_is_longer_by_f_l_over_a_e() {
     let mut state = body.rest_state();
     let rest = state.positions.clone();
     let share = |p: &Point3| {
-        let across = [p.y.abs() > 0.0499, p.z.abs() < 1e-6 || p.z < 1e-6 - thickness];
-        across.map(|edge| if edge { 0.5 } else { 1.0 }).iter().product::<f64>()
+        let across = [
+            p.y.abs() > 0.0499,
+            p.z.abs() < 1e-6 || p.z < 1e-6 - thickness,
+        ];
+        across
+            .map(|edge| if edge { 0.5 } else { 1.0 })
+            .iter()
+            .product::<f64>()
     };
     let at_end = |p: &Point3| p.x > 0.0499;
     let sum: f64 = rest.iter().filter(|p| at_end(p)).map(share).sum();
     let force = 1e-6 * young * 0.1 * thickness;
     let loads: Vec<Vector3> = rest
         .iter()
-        .map(|p| Vector3::x() * if at_end(p) { force * share(p) / sum } else { 0.0 })
+        .map(|p| {
+            Vector3::x()
+                * if at_end(p) {
+                    force * share(p) / sum
+                } else {
+                    0.0
+                }
+        })
         .collect();
     ExactStep::new(body).settle(&mut state, &loads, 1).unwrap();
     let held = (0..rest.len()).filter(|&c| body.unknown(c).is_none());
@@ -108,7 +121,9 @@ fn sixty_iterations_of_our_step_are_the_exact_step() {
             let before = state.positions.clone();
             let solved = exact.step(&mut state, &none).unwrap();
             let (mut motion, mut miss) = (0.0f64, 0.0f64);
-            if tick % 10 == 0 { eprintln!("{model} {solved:?}"); }
+            if tick % 10 == 0 {
+                eprintln!("{model} {solved:?}");
+            }
             for ((now, before), ours) in state.positions.iter().zip(&before).zip(&ours.positions) {
                 motion = motion.max((now - before).norm());
                 miss = miss.max((ours - now).norm());

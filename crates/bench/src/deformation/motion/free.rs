@@ -137,7 +137,9 @@ fn whole(masses: &[f64], state: &DeformableState) -> Whole {
     Whole {
         linear,
         angular,
-        turning: inertia.try_inverse().map_or(Vector3::zeros(), |i| i * angular),
+        turning: inertia
+            .try_inverse()
+            .map_or(Vector3::zeros(), |i| i * angular),
     }
 }
 
@@ -167,7 +169,10 @@ fn spin(case: &str, model: &'static str, setting: Setting, effort: Effort) -> Re
     // Direction from the middle to an end, in turns; and turns so far.
     let heading = |state: &DeformableState| {
         let far = |p: &Point3| p.coords;
-        let (first, last) = (&state.positions[0], &state.positions[state.positions.len() - 1]);
+        let (first, last) = (
+            &state.positions[0],
+            &state.positions[state.positions.len() - 1],
+        );
         let along = far(last) - far(first);
         libm::atan2(along.y, along.x) / TAU
     };
@@ -203,5 +208,11 @@ fn spin(case: &str, model: &'static str, setting: Setting, effort: Effort) -> Re
         setting.matrix
     );
     let ticks_s = world.ticks_s.clone();
-    Ok(row(case, &setting.method(), ticks_s, (loss, "of the speed a turn"), note))
+    Ok(row(
+        case,
+        &setting.method(),
+        ticks_s,
+        (loss, "of the speed a turn"),
+        note,
+    ))
 }

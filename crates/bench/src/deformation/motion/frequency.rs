@@ -53,7 +53,8 @@ fn bar(case: &str, model: &'static str, n: usize, effort: Effort, out: &mut dyn 
     };
     let wave = n as f64 * PI / LENGTH_M;
     let gyration = side * side / 6.0;
-    let omega = wave * (young_pa / 1_000.0).sqrt() / (1.0 + nu * nu * wave * wave * gyration).sqrt();
+    let omega =
+        wave * (young_pa / 1_000.0).sqrt() / (1.0 + nu * nu * wave * wave * gyration).sqrt();
     let shape = |p: &Point3| {
         // Drawn places are thinner.
         let strain = wave * libm::sin(wave * p.x);
@@ -106,7 +107,11 @@ fn plate(case: &str, n: usize, effort: Effort, out: &mut dyn FnMut(Row)) {
 
 /// The first and second shape of a beam that is clamped at 0 and 1.
 fn clamped_beam(n: f64, s: f64) -> f64 {
-    let beta = if n < 1.5 { 4.730_040_744_862_704 } else { 7.853_204_624_095_838 };
+    let beta = if n < 1.5 {
+        4.730_040_744_862_704
+    } else {
+        7.853_204_624_095_838
+    };
     let ratio = (libm::cosh(beta) - libm::cos(beta)) / (libm::sinh(beta) - libm::sin(beta));
     let at = beta * s;
     let value = libm::cosh(at) - libm::cos(at) - ratio * (libm::sinh(at) - libm::sin(at));
@@ -120,7 +125,10 @@ fn measured(case: &str, n: usize, mode: &Mode<'_>, effort: Effort, out: &mut dyn
     let ticks = (periods / right_hz / DT_S).ceil() as usize;
     let exact_hz = exactly(mode, ticks).map(|path| frequency_hz(&path, DT_S));
     let exact = match &exact_hz {
-        Ok(Some(hz)) => format!("exact step {hz:.3} Hz ({:+.2} %)", (hz / right_hz - 1.0) * 100.0),
+        Ok(Some(hz)) => format!(
+            "exact step {hz:.3} Hz ({:+.2} %)",
+            (hz / right_hz - 1.0) * 100.0
+        ),
         Ok(None) => "exact step: no swing".to_owned(),
         Err(why) => format!("exact step: {why}"),
     };
@@ -139,7 +147,13 @@ fn measured(case: &str, n: usize, mode: &Mode<'_>, effort: Effort, out: &mut dyn
                     setting.iterations,
                     setting.matrix
                 );
-                out(row(&case, &method, ticks_s, (error, "of the frequency"), note));
+                out(row(
+                    &case,
+                    &method,
+                    ticks_s,
+                    (error, "of the frequency"),
+                    note,
+                ));
             }
             Err(why) => out(failed(&case, &method, &why)),
         }
@@ -158,7 +172,9 @@ fn frequency_hz(path: &[f64], dt_s: f64) -> Option<f64> {
 /// The amplitude of the mode in a state.
 fn amplitude(mode: &Mode<'_>, body: &Deformable, rest: &[Point3], state: &DeformableState) -> f64 {
     let points = state.positions.iter().zip(rest).zip(body.masses());
-    points.map(|((now, rest), m)| m * (now - rest).dot(&(mode.shape)(rest))).sum()
+    points
+        .map(|((now, rest), m)| m * (now - rest).dot(&(mode.shape)(rest)))
+        .sum()
 }
 
 fn start(mode: &Mode<'_>, body: &Deformable, state: &mut DeformableState) {
@@ -180,22 +196,22 @@ fn exactly(mode: &Mode<'_>, ticks: usize) -> Result<Vec<f64>, String> {
     let none = vec![Vector3::zeros(); rest.len()];
     let mut path = vec![amplitude(mode, body, &rest, &state)];
     for _ in 0..ticks {
-        exact.step(&mut state, &none).map_err(|why| why.to_string())?;
+        exact
+            .step(&mut state, &none)
+            .map_err(|why| why.to_string())?;
         path.push(amplitude(mode, body, &rest, &state));
     }
     Ok(path)
 }
 
-fn swung(
-    mode: &Mode<'_>,
-    setting: Setting,
-    ticks: usize,
-) -> Result<(Vec<f64>, Vec<f64>), String> {
+fn swung(mode: &Mode<'_>, setting: Setting, ticks: usize) -> Result<(Vec<f64>, Vec<f64>), String> {
     let mut world = World::new(&(mode.text)(&setting.text()))?;
     let mut moved = body(&world)?.1.clone();
     let rest = moved.positions.clone();
     start(mode, body(&world)?.0, &mut moved);
-    put(&mut world, |state| state.positions.clone_from(&moved.positions))?;
+    put(&mut world, |state| {
+        state.positions.clone_from(&moved.positions)
+    })?;
     let mut path = Vec::with_capacity(ticks + 1);
     path.push(amplitude(mode, body(&world)?.0, &rest, &moved));
     for _ in 0..ticks {

@@ -43,7 +43,9 @@ impl Setting {
     /// `integrator = { … }` of a body that does not sleep.
     fn text(&self) -> String {
         let Self { iterations, matrix } = self;
-        format!("integrator = {{ sleep_m_s = 0.0, iterations = {iterations}, matrix = \"{matrix}\" }}")
+        format!(
+            "integrator = {{ sleep_m_s = 0.0, iterations = {iterations}, matrix = \"{matrix}\" }}"
+        )
     }
 }
 
@@ -95,13 +97,22 @@ fn row(
 
 /// A row that says why there is none.
 fn failed(case: &str, method: &str, why: &str) -> Row {
-    row(case, method, Vec::new(), (f64::NAN, UNITS[0]), why.to_owned())
+    row(
+        case,
+        method,
+        Vec::new(),
+        (f64::NAN, UNITS[0]),
+        why.to_owned(),
+    )
 }
 
 /// The deforming body of a scene that has one, and its state.
 fn body(world: &World) -> Result<(&Deformable, &DeformableState), String> {
     let state = world.state.bodies.first();
-    let parts = world.scene.deformable(0).zip(state.and_then(|state| state.deformable.as_ref()));
+    let parts = world
+        .scene
+        .deformable(0)
+        .zip(state.and_then(|state| state.deformable.as_ref()));
     parts.ok_or_else(|| "the scene has no deforming body".to_owned())
 }
 

@@ -87,7 +87,10 @@ mod tests {
         // Peaks are off the tick by less than one, and the path is even there.
         for (half, kept) in swings.kept.iter().enumerate().skip(1) {
             let right = (-(half as f64) * 0.1).exp();
-            assert!((kept / right - 1.0).abs() < 3e-3, "{half}: {kept} of {right}");
+            assert!(
+                (kept / right - 1.0).abs() < 3e-3,
+                "{half}: {kept} of {right}"
+            );
         }
         assert!((rms(&path, &vec![0.0; 10], 2.0) - 0.5).abs() < 0.1);
         assert_eq!(largest(&path, &vec![0.0; 1000], 2.0), 0.5);

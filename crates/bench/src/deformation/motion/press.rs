@@ -72,7 +72,13 @@ fn speed(
             setting.matrix,
             std::mem::take(&mut settled),
         );
-        out(row(case, &method, ticks_s, (rms(&forces, &exact, peak), UNITS[1]), note));
+        out(row(
+            case,
+            &method,
+            ticks_s,
+            (rms(&forces, &exact, peak), UNITS[1]),
+            note,
+        ));
     }
 }
 

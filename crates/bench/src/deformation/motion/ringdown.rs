@@ -8,19 +8,19 @@ use palpate_geometry::math::{Point3, Vector3};
 use palpate_sim::body::{Deformable, DeformableState};
 
 /// Stiffnesses, Pa.
-const YOUNG_PA: [(f64, &str); 4] = [
-    (2e3, "2e3"),
-    (20e3, "20e3"),
-    (200e3, "200e3"),
-    (2e6, "2e6"),
-];
+const YOUNG_PA: [(f64, &str); 4] = [(2e3, "2e3"), (20e3, "20e3"), (200e3, "200e3"), (2e6, "2e6")];
 /// The tip starts so far out, of the length.
 const BENT: f64 = 0.1;
 /// Less than this of the start has died out.
 const DEAD: f64 = 2e-3;
 
 pub(super) fn rows(effort: Effort, wanted: &dyn Fn(&str) -> bool, out: &mut dyn FnMut(Row)) {
-    let ticks = if effort == Effort::Quick { 1_000 } else { 3_000 };
+    // Five swings of the softest take 10 s.
+    let ticks = if effort == Effort::Quick {
+        3_000
+    } else {
+        10_000
+    };
     for model in ["lattice", "continuum", "net", "membrane"] {
         for (young_pa, label) in YOUNG_PA {
             let case = format!("motion/ringdown/{model}/{label}");
@@ -158,7 +158,13 @@ fn ours(case: &str, beam: &Strip, setting: Setting, exact: &Exact) -> Row {
             exact.median_s * 1e3,
         );
         let error = rms(&tips_m, &exact.tips_m, exact.tips_m[0]);
-        Ok(row(case, &method, world.ticks_s.clone(), (error, UNITS[0]), note))
+        Ok(row(
+            case,
+            &method,
+            world.ticks_s.clone(),
+            (error, UNITS[0]),
+            note,
+        ))
     };
     run().unwrap_or_else(|why| failed(case, &method, &why))
 }
