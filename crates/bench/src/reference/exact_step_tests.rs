@@ -121,9 +121,6 @@ fn sixty_iterations_of_our_step_are_the_exact_step() {
             let before = state.positions.clone();
             let solved = exact.step(&mut state, &none).unwrap();
             let (mut motion, mut miss) = (0.0f64, 0.0f64);
-            if tick % 10 == 0 {
-                eprintln!("{model} {solved:?}");
-            }
             for ((now, before), ours) in state.positions.iter().zip(&before).zip(&ours.positions) {
                 motion = motion.max((now - before).norm());
                 miss = miss.max((ours - now).norm());

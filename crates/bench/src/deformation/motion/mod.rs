@@ -124,3 +124,65 @@ fn put(world: &mut World, change: impl FnOnce(&mut DeformableState)) -> Result<(
     world.scratch = world.scene.scratch(&world.state);
     Ok(())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn measured(only: &str) -> Vec<Row> {
+        let mut found = Vec::new();
+        rows(Effort::Quick, &|case| case == only, &mut |row| {
+            found.push(row)
+        });
+        found
+    }
+
+    #[test]
+    fn a_stiff_beam_of_one_iteration_swings_within_two_per_cent_of_the_exact_step() {
+        let rows = measured("motion/ringdown/lattice/2e6");
+        assert_eq!(rows.len(), SETTINGS.len(), "{rows:?}");
+        let error = |method: &str| {
+            rows.iter()
+                .find(|row| row.method == method)
+                .map(|row| row.error)
+        };
+        assert!(
+            error("palpate 1 it").is_some_and(|error| error < 0.02),
+            "{rows:?}"
+        );
+        assert!(
+            error("palpate 3 it").is_some_and(|error| error < 1e-3),
+            "{rows:?}"
+        );
+        // A scalar matrix above every tangent moves soft modes too little.
+        let bounding = error("palpate 1 it, bounding");
+        assert!(bounding.is_some_and(|error| error > 0.2), "{rows:?}");
+        assert!(rows[0].note.contains("after 5 swings"), "{}", rows[0].note);
+    }
+
+    #[test]
+    fn the_exact_step_of_a_bar_swings_with_backward_euler_s_frequency() {
+        let rows = measured("motion/frequency/bar/continuum");
+        assert_eq!(rows.len(), 3 * SETTINGS.len());
+        let third = rows.iter().find(|row| row.case.ends_with("/3"));
+        // Mode 3 with three iterations: half a per cent is the dispersion of twenty cells.
+        let converged = rows.iter().filter(|row| row.method == "palpate 3 it");
+        assert!(
+            converged.clone().all(|row| row.error.abs() < 0.015),
+            "{third:?}"
+        );
+    }
+
+    #[test]
+    fn every_kind_of_motion_gives_rows_without_a_refusal() {
+        for only in [
+            "motion/bounce",
+            "motion/spin/lattice",
+            "motion/press/lattice/0.25/200mm_s",
+        ] {
+            let rows = measured(only);
+            assert_eq!(rows.len(), SETTINGS.len(), "{only}: {rows:?}");
+            assert!(rows.iter().all(|row| row.n > 0), "{only}: {rows:?}");
+        }
+    }
+}

@@ -43,16 +43,17 @@ fn speed(
         Err(why) => return out(failed(case, "none", &why)),
     };
     let peak = most(&exact);
-    // What the reference itself is good for; said once a case, as it takes as long as the case.
-    let mut settled = match effort {
-        Effort::Full => run(Setting::auto(CONVERGED / 2)).map_or(String::new(), |(forces, _)| {
+    // What the reference itself is good for: said once a case, and in a hurry where it is quick.
+    let said = effort == Effort::Full || (model != "net" && speed_mm_s == 50.0);
+    let mut settled = match said {
+        true => run(Setting::auto(CONVERGED / 2)).map_or(String::new(), |(forces, _)| {
             format!(
                 "; from {} to {CONVERGED} iterations the path changes by {:.1e} of the peak",
                 CONVERGED / 2,
                 largest(&forces, &exact, peak)
             )
         }),
-        Effort::Quick => String::new(),
+        false => String::new(),
     };
     for setting in SETTINGS {
         let method = setting.method();

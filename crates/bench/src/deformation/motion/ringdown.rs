@@ -29,9 +29,14 @@ pub(super) fn rows(effort: Effort, wanted: &dyn Fn(&str) -> bool, out: &mut dyn 
             }
             let beam = Strip::clamped(model, young_pa);
             match exact(&beam, ticks) {
-                Ok(exact) => SETTINGS
-                    .iter()
-                    .for_each(|setting| out(ours(&case, &beam, *setting, &exact))),
+                Ok(exact) => {
+                    for setting in SETTINGS {
+                        out(ours(&case, &beam, setting, &exact));
+                    }
+                    if model == "continuum" {
+                        rapier(&case, &beam, &exact, effort, out);
+                    }
+                }
                 Err(why) => out(failed(&case, "exact step", &why)),
             }
         }
@@ -40,6 +45,9 @@ pub(super) fn rows(effort: Effort, wanted: &dyn Fn(&str) -> bool, out: &mut dyn 
 
 /// The exact step's path.
 struct Exact {
+    rest: Vec<Point3>,
+    /// Farthest that is held, m.
+    held_m: f64,
     start: Vec<Point3>,
     tips_m: Vec<f64>,
     swings: Swings,
@@ -102,7 +110,8 @@ fn bent(body: &Deformable, beam: &Strip) -> Result<DeformableState, String> {
 
 fn exact(beam: &Strip, ticks: usize) -> Result<Exact, String> {
     let world = World::new(&beam.text(&Setting::auto(1).text()))?;
-    let (body, rest) = body(&world)?;
+    let body = body(&world)?.0;
+    let rest = body.rest_state();
     let mut state = bent(body, beam)?;
     let start = state.positions.clone();
     let tip = Tip::of(body);
@@ -124,7 +133,10 @@ fn exact(beam: &Strip, ticks: usize) -> Result<Exact, String> {
         }
     }
     times.sort_by(f64::total_cmp);
+    let held = (0..start.len()).filter(|&c| body.unknown(c).is_none());
     Ok(Exact {
+        held_m: held.map(|c| rest.positions[c].x).fold(0.0, f64::max),
+        rest: rest.positions,
         start,
         swings: Swings::of(&tips_m),
         tips_m,
@@ -167,4 +179,44 @@ fn ours(case: &str, beam: &Strip, setting: Setting, exact: &Exact) -> Row {
         ))
     };
     run().unwrap_or_else(|why| failed(case, &method, &why))
+}
+
+/// The same beam on the same points by rapier3d. Its cells are tetrahedra and its step is its own, so
+/// its own converged step would swing differently; it states neither.
+fn rapier(case: &str, beam: &Strip, exact: &Exact, effort: Effort, out: &mut dyn FnMut(Row)) {
+    use crate::peers::rapier::{SoftBeam, Solver};
+    let patience_s = if effort == Effort::Quick { 2.0 } else { 60.0 };
+    let [along, across] = beam.counts;
+    let sides_m = [LENGTH_M, beam.width_m, beam.thickness_m];
+    let starts = |place: [f64; 3]| {
+        let at = Point3::from(place);
+        let points = exact.rest.iter().zip(&exact.start);
+        let nearest = points.min_by(|a, b| (a.0 - at).norm().total_cmp(&(b.0 - at).norm()));
+        nearest.map_or(place, |(_, start)| start.coords.into())
+    };
+    for (method, substeps, solver) in [
+        ("rapier3d, 4 substeps", 4, Solver::Rows),
+        ("rapier3d fem, 1 substep", 1, Solver::Elements),
+    ] {
+        let counts = [along, across, beam.layers];
+        let of = (substeps, solver);
+        let mut soft = SoftBeam::new(counts, sides_m, exact.held_m, beam.young_pa, of, starts);
+        let (mut tips_m, mut times, mut spent_s) = (vec![exact.tips_m[0]], Vec::new(), 0.0);
+        while tips_m.len() < exact.tips_m.len() && spent_s < patience_s {
+            let (took, tip_m) = crate::measure::clocked(|| soft.step());
+            times.push(took.as_secs_f64());
+            spent_s += took.as_secs_f64();
+            tips_m.push(tip_m);
+        }
+        let note = format!(
+            "{}, {:.2} s, its own cells and step against our exact one",
+            Swings::of(&tips_m).beside(&exact.swings, 1e-3),
+            tips_m.len() as f64 * 1e-3
+        );
+        let error = rms(&tips_m, &exact.tips_m, exact.tips_m[0]);
+        out(Row {
+            peer: true,
+            ..row(case, method, times, (error, UNITS[0]), note)
+        });
+    }
 }
