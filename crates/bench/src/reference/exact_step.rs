@@ -327,7 +327,8 @@ impl<'a> ExactStep<'a> {
             .collect();
         let (mut residual, mut law_n) = missing(self, &places);
         let from_coasting = missing(self, &coasting);
-        if !(dot(&residual, &residual) < dot(&from_coasting.0, &from_coasting.0)) {
+        let [warm, cold] = [&residual, &from_coasting.0].map(|r| dot(r, r));
+        if warm.is_nan() || warm >= cold {
             places.clone_from(&coasting);
             (residual, law_n) = from_coasting;
         }

@@ -177,6 +177,8 @@ fn spin(case: &str, model: &'static str, setting: Setting, effort: Effort) -> Re
         libm::atan2(along.y, along.x) / TAU
     };
     let (mut turned, mut turns) = (0.0, vec![0.0]);
+    // Least and most I⁻¹ L over that of the start: a bar that swings in length has two.
+    let (mut least, mut most) = (1.0f64, 1.0f64);
     let mut at = heading(body(&world)?.1);
     for _ in 0..ticks {
         world.at([0.0, 0.0, 10.0]);
@@ -184,6 +186,8 @@ fn spin(case: &str, model: &'static str, setting: Setting, effort: Effort) -> Re
         let step = now - at;
         (turned, at) = (turned + step - step.round(), now);
         turns.push(turned);
+        let rate = whole(&masses, body(&world)?.1).turning.norm() / before.turning.norm();
+        (least, most) = (least.min(rate), most.max(rate));
     }
     let after = whole(&masses, body(&world)?.1);
     // Rates over a fifth of the time each, once the bar has stretched.
@@ -198,7 +202,7 @@ fn spin(case: &str, model: &'static str, setting: Setting, effort: Effort) -> Re
     };
     let of = |now: Vector3, then: Vector3| (now - then).norm() / then.norm();
     let note = format!(
-        "{turned:.4} turns in {:.1} s, ω {:.3} of the start's, linear momentum off by {:.1e}, angular by {:.1e}, \
+        "{turned:.4} turns in {:.1} s, ω {:.3} ({least:.3} to {most:.3}) of the start's, linear momentum off by {:.1e}, angular by {:.1e}, \
          {} iterations, matrix {}",
         ticks as f64 * 1e-3,
         after.turning.norm() / before.turning.norm(),
