@@ -90,16 +90,21 @@ fn bounce(case: &str, out: &mut dyn FnMut(Row)) {
         Err(why) => return out(failed(case, "none", &why)),
     };
     let (right_m, _) = rebound(&exact);
+    // What the reference itself is good for.
+    let half_m = dropped(Setting::auto(CONVERGED / 2)).map(|(heights, _)| rebound(&heights).0);
+    let half_m = half_m.unwrap_or(f64::NAN);
     for setting in SETTINGS {
         let method = setting.method();
         match dropped(setting) {
             Ok((heights, ticks_s)) => {
                 let (height_m, top) = rebound(&heights);
                 let note = format!(
-                    "comes back to {:.1} mm after {top} ticks, with {CONVERGED} iterations to {:.1} mm, of {:.0} mm; \
+                    "comes back to {:.1} mm after {top} ticks, with {CONVERGED} iterations to {:.1} mm and \
+                     with half of them to {:.1} mm, of {:.0} mm; \
                      {} iterations, matrix {}",
                     height_m * 1e3,
                     right_m * 1e3,
+                    half_m * 1e3,
                     DROP_M * 1e3,
                     setting.iterations,
                     setting.matrix
@@ -165,6 +170,8 @@ fn spin(case: &str, model: &'static str, setting: Setting, effort: Effort) -> Re
         }
     })?;
     let before = whole(&masses, body(&world)?.1);
+    let energy_j = |world: &World| body(world).map(|(body, state)| body.energy_j(state));
+    let first_j = energy_j(&world)?;
     let ticks = if effort == Effort::Quick { 500 } else { 1_000 };
     // Direction from the middle to an end, in turns; and turns so far.
     let heading = |state: &DeformableState| {
@@ -202,10 +209,11 @@ fn spin(case: &str, model: &'static str, setting: Setting, effort: Effort) -> Re
     };
     let of = |now: Vector3, then: Vector3| (now - then).norm() / then.norm();
     let note = format!(
-        "{turned:.4} turns in {:.1} s, ω {:.3} ({least:.3} to {most:.3}) of the start's, linear momentum off by {:.1e}, angular by {:.1e}, \
+        "{turned:.4} turns in {:.1} s, ω {:.3} ({least:.3} to {most:.3}) of the start's, energy {:.4}, linear momentum off by {:.1e}, angular by {:.1e}, \
          {} iterations, matrix {}",
         ticks as f64 * 1e-3,
         after.turning.norm() / before.turning.norm(),
+        energy_j(&world)? / first_j,
         of(after.linear, before.linear),
         of(after.angular, before.angular),
         setting.iterations,

@@ -79,7 +79,7 @@ mod tests {
     #[test]
     fn a_damped_cosine_has_its_period_and_decrement() {
         let path: Vec<f64> = (0..1000)
-            .map(|k| f64::from(k))
+            .map(f64::from)
             .map(|t| (-t / 500.0).exp() * (t * std::f64::consts::TAU / 100.0).cos())
             .collect();
         let swings = Swings::of(&path);
@@ -92,7 +92,7 @@ mod tests {
                 "{half}: {kept} of {right}"
             );
         }
-        assert!((rms(&path, &vec![0.0; 10], 2.0) - 0.5).abs() < 0.1);
+        assert!((rms(&path, &[0.0; 10], 2.0) - 0.5).abs() < 0.1);
         assert_eq!(largest(&path, &vec![0.0; 1000], 2.0), 0.5);
         assert!(swings.beside(&swings, 1e-3).contains("after 5 swings"));
         assert_eq!(Swings::of(&[1.0, 0.5]).period, None);

@@ -47,10 +47,11 @@ fn speed(
     let said = effort == Effort::Full || (model != "net" && speed_mm_s == 50.0);
     let mut settled = match said {
         true => run(Setting::auto(CONVERGED / 2)).map_or(String::new(), |(forces, _)| {
+            let change = largest(&forces, &exact, peak);
+            let doubt = if change > 0.01 { ": not converged" } else { "" };
             format!(
-                "; from {} to {CONVERGED} iterations the path changes by {:.1e} of the peak",
+                "; from {} to {CONVERGED} iterations the path changes by {change:.1e} of the peak{doubt}",
                 CONVERGED / 2,
-                largest(&forces, &exact, peak)
             )
         }),
         false => String::new(),
