@@ -4,9 +4,11 @@
 //! The box of other engines' comparisons (0.1 m, bottom fixed, a ball of 30 mm pressed 10 mm deep
 //! into the middle of its top) and the teardrop (a ball of 10 mm from the side), both at E = 20 kPa
 //! against a converged neo-Hookean solid. A block of plasticine under forces and at stiffnesses as
-//! in the thesis' figures 5.9 and 5.10.
+//! in the thesis' figures 5.9 and 5.10. Bodies that move, against the exact step of the same
+//! integrator.
 
 mod indent;
+mod motion;
 mod passes;
 mod peers;
 mod plasticine;
@@ -63,6 +65,7 @@ pub fn deformation(effort: Effort, only: Option<&str>, out: &mut dyn FnMut(Row))
             out(indent::tick_row(&case, model, effort));
         }
     }
+    motion::rows(effort, &wanted, out);
     passes::rows(effort, &wanted, out);
     plasticine::rows(effort, &wanted, out)
 }

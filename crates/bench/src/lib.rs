@@ -6,6 +6,8 @@
 
 mod contact;
 mod deformation;
+#[path = "reference/exact_step.rs"]
+mod exact_step;
 mod figure;
 pub mod haptics;
 mod inputs;

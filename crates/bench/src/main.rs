@@ -24,14 +24,14 @@ struct Cli {
 enum Suite {
     /// Closest points, grids, fits and bounds of B-spline surfaces.
     Surface(Options),
-    /// Forces of pressed bodies and the cost of a step, for all models, methods, grids and
-    /// stiffnesses, and for other engines.
+    /// Forces of pressed bodies, paths of moving ones and the cost of a step, for all models,
+    /// methods, grids and stiffnesses, and for other engines.
     ///
     /// MuJoCo and PyBullet run too when PALPATE_PYTHON names a Python that can import them.
     Deformation {
         #[command(flatten)]
         options: Options,
-        /// Write a plot of time against force error to this SVG file.
+        /// Write plots of time against force error and motion error to this SVG file.
         #[arg(long)]
         svg: Option<std::path::PathBuf>,
         /// Write a plot of plasticine displacement over force and stiffness to this SVG file.

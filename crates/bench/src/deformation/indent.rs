@@ -196,7 +196,7 @@ pub(super) fn box_row(case: &BoxCase, effort: Effort) -> Row {
 }
 
 /// x of the ball's centre at first touch, coming along -x at the height and side of the table.
-fn first_touch(surface: &Surface) -> f64 {
+pub(super) fn first_touch(surface: &Surface) -> f64 {
     let mut solver = ClosestSolver::new(surface);
     let (mut low, mut high) = (0.02, 0.06);
     for _ in 0..60 {

@@ -11,7 +11,7 @@ use palpate_geometry::math::{Point3, Vector3};
 use palpate_geometry::surface::{Surface, builtin};
 use palpate_sim::body::{
     Deformable, DeformableScratch, DeformableState, Inside, Integrator, Solid, SpringRule,
-    StepSettings, coordinates_of_controls, preset, transfinite,
+    StepMatrix, StepSettings, coordinates_of_controls, preset, transfinite,
 };
 
 /// Samples of the fitted surface in u and v.
@@ -140,7 +140,8 @@ impl Refit {
             dt_s: 1e-3,
             integrator: Integrator::Implicit {
                 iterations: 1,
-                matrix: StepMatrix::Auto,
+                // Contact is solved on columns of the compliance alone: no soft modes.
+                matrix: StepMatrix::Bounding,
             },
             sleep_m_s: 0.0,
         };
@@ -282,7 +283,10 @@ impl Refit {
                 .zip(self.fit.as_ref())
                 .map(|(sample, fit)| fit.shares(sample));
             for (r, here) in contacts.iter().enumerate() {
-                let Some(column) = self.body.compliance_of(self.nodes[here.node]) else {
+                let Some(column) = self
+                    .body
+                    .compliance_of(&self.scratch, self.nodes[here.node])
+                else {
                     continue;
                 };
                 let of_node = |k: usize| {

@@ -1,23 +1,62 @@
-//! Picture of the suite: time against force error.
+//! Picture of the suite: time against force error, and against error of the motion.
 
-use super::Row;
+use super::{Row, motion};
 use palpate::chart::{Chart, Curve, Scale, Unit, page_with};
 
 /// Smaller errors are drawn here: a logarithmic axis has no zero.
 const LEAST_ERROR: f64 = 1e-4;
 
-/// Median time of a step against the size of the force error, of the rows that have one: an SVG
-/// document. A line joins those of ours that nothing of ours beats in both.
+/// Median time of a step against the size of the force error, of the rows that have one, and below
+/// it against that of the motion, if any has one: an SVG document. A line joins those forces of ours
+/// that nothing of ours beats in both.
 pub fn pareto(rows: &[Row]) -> String {
-    let shown: Vec<&Row> = rows
+    let of = |units: &[&str]| -> Vec<&Row> {
+        rows.iter()
+            .filter(|row| {
+                units.contains(&row.error_unit) && row.error.is_finite() && row.median_s > 0.0
+            })
+            .collect()
+    };
+    let (shown, moving) = (of(&["of the force"]), of(&motion::UNITS));
+    let ours: Vec<(f64, f64)> = shown
         .iter()
-        .filter(|row| {
-            row.error_unit == "of the force" && row.error.is_finite() && row.median_s > 0.0
+        .filter(|row| !row.peer)
+        .map(|&row| place(row))
+        .collect();
+    let mut front: Vec<(f64, f64)> = ours
+        .iter()
+        .copied()
+        .filter(|a| {
+            !ours
+                .iter()
+                .any(|b| b.0 <= a.0 && b.1 <= a.1 && (b.0 < a.0 || b.1 < a.1))
         })
         .collect();
-    let place = |row: &Row| (row.median_s, row.error.abs().max(LEAST_ERROR));
+    front.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let mut charts = vec![panel(
+        &shown,
+        "Pressed bodies: median time of a step against error of the force",
+        "relative error of the force",
+    )];
+    if !moving.is_empty() {
+        charts.push(panel(
+            &moving,
+            "Moving bodies: median time of a tick against error of the path, exact step of the same dt",
+            "rms error over amplitude or peak",
+        ));
+    }
+    page_with(&charts, &front)
+}
+
+/// Where a row stands.
+fn place(row: &Row) -> (f64, f64) {
+    (row.median_s, row.error.abs().max(LEAST_ERROR))
+}
+
+/// Marks of rows, a colour a method.
+fn panel(rows: &[&Row], title: &str, down: &str) -> Chart {
     let mut curves: Vec<Curve> = Vec::new();
-    for row in &shown {
+    for row in rows {
         let k = curves
             .iter()
             .position(|curve| curve.name == row.method)
@@ -40,29 +79,13 @@ pub fn pareto(rows: &[Row]) -> String {
             row.error * 100.0
         ));
     }
-    let ours: Vec<(f64, f64)> = shown
-        .iter()
-        .filter(|row| !row.peer)
-        .map(|row| place(row))
-        .collect();
-    let mut front: Vec<(f64, f64)> = ours
-        .iter()
-        .copied()
-        .filter(|a| {
-            !ours
-                .iter()
-                .any(|b| b.0 <= a.0 && b.1 <= a.1 && (b.0 < a.0 || b.1 < a.1))
-        })
-        .collect();
-    front.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let chart = Chart {
-        title: "Pressed bodies: median time of a step against error of the force".to_owned(),
+    Chart {
+        title: title.to_owned(),
         across: "median time of one step".to_owned(),
-        down: "relative error of the force".to_owned(),
+        down: down.to_owned(),
         scales: [Scale::Decades(Unit::Seconds), Scale::Decades(Unit::Percent)],
         curves,
-    };
-    page_with(&[chart], &front)
+    }
 }
 
 #[cfg(test)]
@@ -131,5 +154,19 @@ mod tests {
             pareto(&[]).ends_with("</svg>\n"),
             "nothing measured is a picture too"
         );
+    }
+    #[test]
+    fn motion_has_a_panel_of_its_own_below_the_forces() {
+        let moving = Row {
+            error_unit: "of the amplitude",
+            ..row("palpate 1 it", false, 5e-5, 0.005)
+        };
+        let svg = pareto(&[row("lattice", false, 3e-4, -0.15), moving]);
+        assert_eq!(svg.matches("<g transform").count(), 2);
+        assert!(
+            svg.contains("Moving bodies") && svg.contains("palpate 1 it: +0.5 %"),
+            "{svg}"
+        );
+        assert!(!pareto(&[row("lattice", false, 3e-4, -0.15)]).contains("Moving bodies"));
     }
 }

@@ -1,0 +1,188 @@
+//! Bodies that move: how far our step of few iterations is from the exact step of the same
+//! integrator, and from theory.
+//!
+//! Everything at steps of 1 ms. Errors are of paths: the root of the mean square of the difference
+//! over all ticks, over the amplitude or the peak force.
+
+mod beam;
+mod free;
+mod frequency;
+mod path;
+mod press;
+mod ringdown;
+
+use super::indent::World;
+use super::{Effort, Row};
+use palpate_sim::body::{Deformable, DeformableState};
+
+/// Units of errors that are errors of a motion.
+pub(super) const UNITS: [&str; 3] = ["of the amplitude", "of the peak force", "of the height"];
+
+/// A number of iterations, and their matrix.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Setting {
+    iterations: usize,
+    matrix: &'static str,
+}
+
+impl Setting {
+    const fn auto(iterations: usize) -> Self {
+        Self {
+            iterations,
+            matrix: "auto",
+        }
+    }
+
+    fn method(&self) -> String {
+        match self.matrix {
+            "auto" => format!("palpate {} it", self.iterations),
+            matrix => format!("palpate {} it, {matrix}", self.iterations),
+        }
+    }
+
+    /// `integrator = { … }` of a body that does not sleep.
+    fn text(&self) -> String {
+        let Self { iterations, matrix } = self;
+        format!(
+            "integrator = {{ sleep_m_s = 0.0, iterations = {iterations}, matrix = \"{matrix}\" }}"
+        )
+    }
+}
+
+const SETTINGS: [Setting; 4] = [
+    Setting::auto(1),
+    Setting::auto(2),
+    Setting::auto(3),
+    Setting {
+        iterations: 1,
+        matrix: "bounding",
+    },
+];
+/// Where our step has converged.
+const CONVERGED: usize = 40;
+
+/// All rows of bodies that move.
+pub(super) fn rows(effort: Effort, wanted: &dyn Fn(&str) -> bool, out: &mut dyn FnMut(Row)) {
+    ringdown::rows(effort, wanted, out);
+    press::rows(effort, wanted, out);
+    free::rows(effort, wanted, out);
+    frequency::rows(effort, wanted, out);
+}
+
+/// A row with an error of a motion.
+fn row(
+    case: &str,
+    method: &str,
+    mut ticks_s: Vec<f64>,
+    (error, error_unit): (f64, &'static str),
+    note: String,
+) -> Row {
+    ticks_s.sort_by(f64::total_cmp);
+    let last = ticks_s.len().saturating_sub(1) as f64;
+    let at = |share: f64| ticks_s.get((last * share) as usize).copied();
+    Row {
+        suite: "deformation",
+        case: case.to_owned(),
+        method: method.to_owned(),
+        peer: false,
+        median_s: at(0.5).unwrap_or(f64::NAN),
+        p99_s: at(0.99).unwrap_or(f64::NAN),
+        error,
+        error_unit,
+        n: ticks_s.len(),
+        wrong: None,
+        note,
+    }
+}
+
+/// A row that says why there is none.
+fn failed(case: &str, method: &str, why: &str) -> Row {
+    row(
+        case,
+        method,
+        Vec::new(),
+        (f64::NAN, UNITS[0]),
+        why.to_owned(),
+    )
+}
+
+/// The deforming body of a scene that has one, and its state.
+fn body(world: &World) -> Result<(&Deformable, &DeformableState), String> {
+    let state = world.state.bodies.first();
+    let parts = world
+        .scene
+        .deformable(0)
+        .zip(state.and_then(|state| state.deformable.as_ref()));
+    parts.ok_or_else(|| "the scene has no deforming body".to_owned())
+}
+
+/// Changes the state of the body between ticks.
+fn put(world: &mut World, change: impl FnOnce(&mut DeformableState)) -> Result<(), String> {
+    let state = world.state.bodies.first_mut();
+    let state = state.and_then(|state| state.deformable.as_mut());
+    change(state.ok_or("the scene has no deforming body")?);
+    world.scratch = world.scene.scratch(&world.state);
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn measured(only: &str) -> Vec<Row> {
+        let mut found = Vec::new();
+        rows(Effort::Quick, &|case| case == only, &mut |row| {
+            found.push(row)
+        });
+        found
+    }
+
+    #[test]
+    fn a_stiff_beam_of_one_iteration_swings_within_two_per_cent_of_the_exact_step() {
+        let rows = measured("motion/ringdown/lattice/2e6");
+        assert_eq!(rows.len(), SETTINGS.len(), "{rows:?}");
+        let error = |method: &str| {
+            rows.iter()
+                .find(|row| row.method == method)
+                .map(|row| row.error)
+        };
+        assert!(
+            error("palpate 1 it").is_some_and(|error| error < 0.02),
+            "{rows:?}"
+        );
+        assert!(
+            error("palpate 3 it").is_some_and(|error| error < 1e-3),
+            "{rows:?}"
+        );
+        // A scalar matrix above every tangent moves soft modes too little.
+        let bounding = error("palpate 1 it, bounding");
+        assert!(bounding.is_some_and(|error| error > 0.2), "{rows:?}");
+        assert!(rows[0].note.contains("after 5 swings"), "{}", rows[0].note);
+    }
+
+    #[test]
+    fn the_exact_step_of_a_bar_swings_with_backward_euler_s_frequency() {
+        let rows = measured("motion/frequency/bar/continuum");
+        assert_eq!(rows.len(), 3 * SETTINGS.len());
+        let third = rows.iter().find(|row| row.case.ends_with("/3"));
+        // Mode 3 with three iterations: half a per cent is the dispersion of twenty cells.
+        let converged = rows.iter().filter(|row| row.method == "palpate 3 it");
+        assert!(
+            converged.clone().all(|row| row.error.abs() < 0.015),
+            "{third:?}"
+        );
+    }
+
+    #[test]
+    fn every_kind_of_motion_gives_rows_without_a_refusal() {
+        for only in [
+            "motion/bounce",
+            "motion/spin/lattice",
+            "motion/press/lattice/0.25/200mm_s",
+        ] {
+            let rows = measured(only);
+            assert_eq!(rows.len(), SETTINGS.len(), "{only}: {rows:?}");
+            assert!(rows.iter().all(|row| row.n > 0), "{only}: {rows:?}");
+        }
+    }
+}
