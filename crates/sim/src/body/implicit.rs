@@ -13,6 +13,7 @@
 //! The contact forces of the step before stand in the correction from the start, and W answers for what
 //! they change: x' = y + B⁻¹ (… + F₀) + W (F − F₀).
 
+use super::continuum::TANGENT_REACH;
 use super::frames::{Frame, Frames, from_rest, into_rest};
 use super::matter::{FIXED, Matter, lanes};
 use super::settings::{DeformableError, StepMatrix};
@@ -309,6 +310,11 @@ impl ImplicitStep {
         }
         lanes(&scratch.reached, &mut scratch.coordinates);
         self.look_ahead(matter, state, scratch);
+        let follows = matches!(self.matrix, Matrix::Tangent(_));
+        scratch.farther = match follows && scratch.implicit.caution.level < BOUNDING {
+            true => TANGENT_REACH,
+            false => 1.0,
+        };
         matter.add_law_forces(state, scratch);
         let DeformableScratch {
             implicit,

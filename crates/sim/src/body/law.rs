@@ -7,9 +7,9 @@ use super::spring_table::{ByCoordinate, SpringTable};
 use super::springs::Spring;
 use palpate_geometry::math::{Lane, Matrix3, Point3, Vector3};
 
-/// How much stiffer than at rest the springs of the step's tangent are. Chosen between 1, where
-/// springs stretched by a few percent pass 4/3 of it, and 1.6, where stiff beams swing 1 % too slowly.
-const SPRING_MARGIN: f64 = 1.25;
+/// How much stiffer than at rest the springs of the step's tangent are; the support of their cells is
+/// added to them.
+const SPRING_MARGIN: f64 = 1.0;
 
 /// Springs, bends for membranes, or a continuum energy.
 #[derive(Debug, Default)]
@@ -141,7 +141,8 @@ impl MaterialLaw {
         self.continuum.is_none() && self.bends.is_empty() && self.slope == 1.0
     }
 
-    /// Adds −∂E/∂x, N. `rest`: lengths of the springs without force. Answers with the number of
+    /// Adds −∂E/∂x, N. `rest`: lengths of the springs without force; `farther`: how much farther than
+    /// the bounding matrix the step follows cells. Answers with the number of
     /// cells that were held back.
     pub(super) fn add_forces(
         &self,
@@ -149,6 +150,7 @@ impl MaterialLaw {
         places: &[Lane],
         residual: &mut [Lane],
         buffers: &mut ByCoordinate,
+        farther: f64,
     ) -> u32 {
         self.springs.add_forces(rest, places, residual, buffers);
         for bend in &self.bends {
@@ -158,7 +160,9 @@ impl MaterialLaw {
             barrier.add_forces(places, residual);
         }
         self.continuum.as_ref().map_or(0, |continuum| {
-            continuum.add_forces(places, residual).limited
+            continuum
+                .add_forces_reaching(places, residual, farther)
+                .limited
         })
     }
 

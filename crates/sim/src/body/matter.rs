@@ -197,6 +197,7 @@ impl Matter {
             reached: self.rest.clone(),
             carried: Vec::with_capacity(self.surface.len()),
             at_rest: false,
+            farther: 1.0,
             changed: Vec::with_capacity(2 * self.surface.len()),
             amounts: Vec::new(),
             turning: None,
@@ -226,6 +227,7 @@ impl Matter {
 
     /// Adds Wᵀ of the law's forces at the coordinates of the scratch to its residual.
     pub fn add_law_forces(&self, state: &DeformableState, scratch: &mut DeformableScratch) {
+        let farther = scratch.farther;
         let rest = self.rest_lengths(state);
         let DeformableScratch {
             coordinates,
@@ -237,11 +239,17 @@ impl Matter {
             ..
         } = scratch;
         match &self.map {
-            NodeMap::Same => *limited = self.law.add_forces(rest, coordinates, residual, springs),
+            NodeMap::Same => {
+                *limited = self
+                    .law
+                    .add_forces(rest, coordinates, residual, springs, farther)
+            }
             NodeMap::Sparse(map) => {
                 map.apply(coordinates, nodes);
                 node_residual.fill([0.0; 4]);
-                *limited = self.law.add_forces(rest, nodes, node_residual, springs);
+                *limited = self
+                    .law
+                    .add_forces(rest, nodes, node_residual, springs, farther);
                 map.add_transposed(node_residual, residual);
             }
         }

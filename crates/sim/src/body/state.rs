@@ -88,6 +88,8 @@ pub struct DeformableScratch {
     pub(super) reached: Vec<Point3>,
     /// Contact forces that the last correction knew, by coordinate of the net.
     pub(super) carried: Vec<(u32, Vector3)>,
+    /// How much farther than the bounding matrix the step follows cells.
+    pub(super) farther: f64,
     /// The scratch stands for a sleeping body already.
     pub(super) at_rest: bool,
     /// Room for what contact changes of them.

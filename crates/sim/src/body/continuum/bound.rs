@@ -5,13 +5,16 @@ use super::{Cell, ContinuumLaw, Elastic, RestCell};
 use palpate_geometry::math::{Matrix3, Point3};
 use std::collections::BTreeMap;
 
-/// How far above the least stable weight of rest the matrix is, and with it how far cells may be
-/// strained before they are held back: twice the stiffness of rest, as the tangent's volume allows.
-const MARGIN: f64 = 2.0;
+/// How far above the least stable weight of rest the matrix is, so that strained cells can be
+/// followed too: at ν = 0.3 a cell is held back once I_C is 15 % above that of rest.
+const MARGIN: f64 = 1.25;
 /// How much stiffer than at rest shear and volume are in the tangent of the step. Volume costs
 /// little: its waves are faster than a tick.
 const SHEAR_MARGIN: f64 = 1.1;
 const VOLUME_MARGIN: f64 = 1.5;
+
+/// How much farther than the bounding matrix the tangent of the step follows cells.
+pub(in crate::body) const TANGENT_REACH: f64 = 1.6;
 
 /// What a Laplacian stands for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

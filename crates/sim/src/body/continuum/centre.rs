@@ -50,6 +50,7 @@ pub(super) fn add_forces<L: Lanes>(
     block: &CellBlock,
     places: &[Lane],
     residual: &mut [Lane],
+    farther: L,
 ) -> u8 {
     let (zero, one) = (L::splat(0.0), L::splat(1.0));
     let c = modes::<L>(&block.nodes, places);
@@ -58,7 +59,7 @@ pub(super) fn add_forces<L: Lanes>(
     let factor = L::load(&block.stiffness_j[0]) * (one - one / (invariant + one));
     let growth = [cross(y, z), cross(z, x), cross(x, y)];
     let volume = dot(x, growth[0]) * L::splat(8.0);
-    let (pressure, held) = pressure(block, volume, invariant);
+    let (pressure, held) = pressure(block, volume, invariant, farther);
     let share = factor * L::splat(-0.125);
     let fx = minus(times(t[0], share), times(growth[0], pressure));
     let fy = minus(times(t[1], share), times(growth[1], pressure));
@@ -208,7 +209,13 @@ mod tests {
         for scale in [0.0, 1e-3, 0.1, 1e3] {
             let places = moved(&solid, scale, &mut random);
             let (mut slow, mut fast) = (vec![[0.0; 4]; places.len()], vec![[0.0; 4]; places.len()]);
-            super::super::add_forces::<Baseline>(&solid.blocks, solid.points, &places, &mut slow);
+            super::super::add_forces::<Baseline>(
+                &solid.blocks,
+                solid.points,
+                &places,
+                &mut slow,
+                1.0,
+            );
             solid.add_forces(&places, &mut fast);
             assert_eq!(slow, fast);
         }

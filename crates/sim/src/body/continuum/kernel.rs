@@ -190,6 +190,7 @@ pub(super) fn add_forces<L: Lanes>(
     block: &CellBlock,
     places: &[Lane],
     residual: &mut [Lane],
+    farther: L,
 ) -> u8 {
     let (zero, one) = (L::splat(0.0), L::splat(1.0));
     let c = modes::<L>(&block.nodes, places);
@@ -211,7 +212,7 @@ pub(super) fn add_forces<L: Lanes>(
     }
     let (x, y, z) = (gather(&pulls[0]), gather(&pulls[1]), gather(&pulls[2]));
     let (growth, volume) = volume(&c);
-    let (pressure, held) = pressure(block, volume, largest);
+    let (pressure, held) = pressure(block, volume, largest, farther);
     let eighth = L::splat(-0.125);
     let mut force = [
         [zero; 3],
@@ -266,14 +267,14 @@ pub(super) fn scatter<L: Lanes>(
 /// energy, and scrambled cells were pumped up by it. What is left draws such cells together until
 /// they can be followed again.
 #[inline(always)]
-pub(super) fn pressure<L: Lanes>(block: &CellBlock, volume: L, largest: L) -> (L, u8) {
+pub(super) fn pressure<L: Lanes>(block: &CellBlock, volume: L, largest: L, farther: L) -> (L, u8) {
     let one = L::splat(1.0);
     let grown = volume * L::load(&block.per_volume) - one;
     // The bounds are far out: they only turn what has overflowed into numbers.
     let grown = grown.greatest(L::splat(-1e90)).least(L::splat(1e90));
     let squared = largest * largest * L::splat(1.0 / 3.0);
     let bend = (grown * grown).sqrt() * largest.sqrt() * L::splat(1.154_700_538_379_251_5);
-    let reach = L::load(&block.reach);
+    let reach = L::load(&block.reach) * farther;
     let excess = (squared + bend).greatest(reach);
     let followed = reach / excess;
     let pressure = L::load(&block.bulk_pa) * grown - L::load(&block.shear_pa);

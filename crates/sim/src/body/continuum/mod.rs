@@ -22,6 +22,7 @@ pub(super) mod tests;
 
 use super::cells::{Cell, CellGrid};
 pub use barrier::VolumeBarrier;
+pub(super) use bound::TANGENT_REACH;
 pub use bound::Weight;
 use kernel::CellBlock;
 use palpate_geometry::math::lanes::{Baseline, Four, Lanes};
@@ -184,6 +185,16 @@ impl ContinuumLaw {
     /// Adds −∂Ψ/∂x (N) at `places` (m, fourth number ignored) to `residual`, both (node_count).
     /// Finite for places up to 1e100 m.
     pub fn add_forces(&self, places: &[Lane], residual: &mut [Lane]) -> Pass {
+        self.add_forces_reaching(places, residual, 1.0)
+    }
+
+    /// The same for a step whose matrix follows cells so many times as far as the bounding one.
+    pub(in crate::body) fn add_forces_reaching(
+        &self,
+        places: &[Lane],
+        residual: &mut [Lane],
+        farther: f64,
+    ) -> Pass {
         debug_assert!(
             places.len() == self.rest.len() && residual.len() == places.len(),
             "one place and force a node"
@@ -192,9 +203,11 @@ impl ContinuumLaw {
         if palpate_geometry::math::simd::has_avx2() {
             // SAFETY: the processor has AVX2, asked just above.
             #[allow(unsafe_code)]
-            return unsafe { add_forces_avx2(&self.blocks, self.points, places, residual) };
+            return unsafe {
+                add_forces_avx2(&self.blocks, self.points, places, residual, farther)
+            };
         }
-        add_forces::<Baseline>(&self.blocks, self.points, places, residual)
+        add_forces::<Baseline>(&self.blocks, self.points, places, residual, farther)
     }
 
     /// −∂Ψ/∂x (node_count), N, with no cell held back: for offline solvers, which need no matrix to
@@ -206,7 +219,7 @@ impl ContinuumLaw {
                 reach: [f64::MAX; 4],
                 ..block.clone()
             };
-            add_forces::<Baseline>(&[free], self.points, places, &mut residual);
+            add_forces::<Baseline>(&[free], self.points, places, &mut residual, 1.0);
         }
         residual
             .iter()
@@ -233,17 +246,19 @@ fn add_forces<L: Lanes>(
     points: Points,
     places: &[Lane],
     residual: &mut [Lane],
+    farther: f64,
 ) -> Pass {
     let mut limited = 0;
+    let farther = L::splat(farther);
     match points {
         Points::Eight => {
             for block in blocks {
-                limited += kernel::add_forces::<L>(block, places, residual).count_ones();
+                limited += kernel::add_forces::<L>(block, places, residual, farther).count_ones();
             }
         }
         Points::Centre => {
             for block in blocks {
-                limited += centre::add_forces::<L>(block, places, residual).count_ones();
+                limited += centre::add_forces::<L>(block, places, residual, farther).count_ones();
             }
         }
     }
@@ -258,8 +273,9 @@ fn add_forces_avx2(
     points: Points,
     places: &[Lane],
     residual: &mut [Lane],
+    farther: f64,
 ) -> Pass {
-    add_forces::<palpate_geometry::math::lanes::Wide>(blocks, points, places, residual)
+    add_forces::<palpate_geometry::math::lanes::Wide>(blocks, points, places, residual, farther)
 }
 
 fn block_energy(block: &CellBlock, places: &[Lane]) -> Four {
@@ -359,7 +375,8 @@ fn block(nodes: &[Point3], cells: &[Cell], materials: &[Elastic]) -> CellBlock {
         winding: [1.0; 4],
         bulk_pa: [0.0; 4],
         shear_pa: [0.0; 4],
-        reach: [f64::MAX; 4],
+        // Times anything reasonable it is still a number.
+        reach: [1e300; 4],
     };
     for (k, (cell, elastic)) in cells.iter().zip(materials).enumerate() {
         let rest = RestCell::new(nodes, cell);
