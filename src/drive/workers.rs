@@ -103,6 +103,7 @@ impl Lane {
                     continue;
                 };
                 let BodyStep { state, scratch } = &mut *job;
+                model.renew(state, scratch);
                 model.advance(state, scratch);
                 model.predict(state, scratch);
                 let _ = done.push(job);

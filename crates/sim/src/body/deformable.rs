@@ -82,6 +82,12 @@ impl Deformable {
         }
     }
 
+    /// [`Deformable::predict`] for a scratch that stood for another state; forces given so far stay.
+    pub fn renew(&self, state: &DeformableState, scratch: &mut DeformableScratch) {
+        scratch.at_rest = false;
+        self.predict(state, scratch);
+    }
+
     /// The inertial prediction, with the contact forces of the step before.
     fn begin(
         &self,

@@ -58,9 +58,9 @@ fn a_change_of_quality_allocates_nothing() {
     }
     let mut touched = 0;
     let count = allocations(|| {
-        for k in 0..800u32 {
-            if k % 100 == 0 {
-                let level = [1, 2, 3, 2, 1, 0, 3, 0][k as usize / 100];
+        for k in 0..1_200u32 {
+            if k % 150 == 0 {
+                let level = [1, 2, 3, 2, 1, 0, 3, 0][k as usize / 150];
                 palpate_sim::tick::apply(
                     &world.scene,
                     &mut world.state,
