@@ -9,25 +9,25 @@ pub enum WriteError {
     /// A file is in the way; nothing is overwritten.
     #[error("{path} exists already; {advice}")]
     Exists {
-        /// File.
+        /// The file that is in the way.
         path: PathBuf,
-        /// What to do.
+        /// How to get around it.
         advice: &'static str,
     },
     /// The file system.
     #[error("{path}: {source}")]
     Io {
-        /// File.
+        /// The file being written.
         path: PathBuf,
-        /// Cause.
+        /// The error of the file system.
         source: std::io::Error,
     },
     /// The MCAP writer.
     #[error("{path}: {source}")]
     Mcap {
-        /// File.
+        /// The file being written.
         path: PathBuf,
-        /// Cause.
+        /// The error of the MCAP library.
         source: mcap::McapError,
     },
     /// There was nothing to write.

@@ -10,7 +10,7 @@ use std::collections::BTreeMap;
 /// What a net message says of its body.
 #[derive(Clone, Debug)]
 pub(super) struct BodyHead {
-    /// Id.
+    /// Id of the body in the scene.
     pub id: String,
     /// Degree, u then v.
     pub degree: [usize; 2],

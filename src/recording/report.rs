@@ -6,7 +6,7 @@ use std::path::PathBuf;
 /// A finished file.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct RecordingSummary {
-    /// File.
+    /// Path of the file.
     pub path: PathBuf,
     /// Ticks in it.
     pub ticks: u64,

@@ -6,13 +6,13 @@ use palpate_sim::scene::SceneError;
 /// Why a session cannot be replayed at all.
 #[derive(Debug, thiserror::Error)]
 pub enum ReplayError {
-    /// The file.
+    /// The file cannot be read.
     #[error(transparent)]
     Read(#[from] ReadError),
-    /// Its scene.
+    /// The scene in the file is not one that this program can parse.
     #[error("the recorded scene does not parse: {0}")]
     SceneText(String),
-    /// Its scene.
+    /// The scene in the file cannot be built.
     #[error("the recorded scene does not build: {0}")]
     Scene(#[from] SceneError),
     /// No state to start from.
@@ -26,9 +26,9 @@ pub enum ReplayError {
     /// The state is of another scene.
     #[error("keyframe at tick {tick}: {source}")]
     State {
-        /// Its tick.
+        /// Tick of the keyframe.
         tick: u64,
-        /// Cause.
+        /// Why its state does not fit the scene.
         source: palpate_geometry::math::StateError,
     },
     /// A range without ticks.
@@ -38,9 +38,9 @@ pub enum ReplayError {
         from: u64,
         /// Wanted end.
         until: u64,
-        /// What there is.
+        /// First tick of the recording.
         first: u64,
-        /// What there is.
+        /// Last tick of the recording.
         last: u64,
     },
 }
