@@ -115,8 +115,8 @@ pub(super) struct ImplicitScratch {
     lanes: Rows,
     /// The state's caution after the step.
     caution: Caution,
-    /// Σ |correction|² of the first and of the last iteration, m².
-    sizes_m2: [f64; 2],
+    /// Σ |correction|² of the last further iteration, m².
+    last_m2: f64,
     /// Contact answers by the bounding matrix in this step.
     pub(super) answers_bounding: bool,
 }
@@ -193,7 +193,7 @@ impl ImplicitStep {
                 rhs: vec![Vector3::zeros(); n],
                 lanes: Rows::zeros(n),
                 caution: self.caution(matter),
-                sizes_m2: [0.0; 2],
+                last_m2: f64::INFINITY,
                 answers_bounding: false,
             },
         }
@@ -338,7 +338,7 @@ impl ImplicitStep {
                 }
                 let beyond = match first {
                     true => implicit.turns_over(tangent),
-                    false => implicit.diverges(),
+                    false => implicit.diverges(tangent),
                 };
                 if !beyond {
                     break;
@@ -433,11 +433,11 @@ impl ImplicitScratch {
     }
 
     /// True when the correction in `rhs` is larger than that of the iteration before.
-    fn diverges(&mut self) -> bool {
+    fn diverges(&mut self, tangent: &Tangent) -> bool {
         let size_m2: f64 = self.rhs.iter().map(Vector3::norm_squared).sum();
-        // Below that it is rounding.
-        let larger = size_m2 > self.sizes_m2[1] && size_m2 > 1e-12 * self.sizes_m2[0];
-        self.sizes_m2[1] = size_m2;
+        let rounding_m2: f64 = tangent.watched_m.iter().map(|m| m[0] * m[0]).sum();
+        let larger = size_m2 > self.last_m2 && size_m2 > rounding_m2;
+        self.last_m2 = size_m2;
         larger
     }
 
@@ -458,7 +458,8 @@ impl ImplicitScratch {
             any |= turns >= TURNS[usize::from(large)];
             *last = [now.x, now.y, now.z, turns];
         }
-        self.sizes_m2 = [self.rhs.iter().map(Vector3::norm_squared).sum(); 2];
+        // What the second iteration moves answers contact too: nothing to compare it with.
+        self.last_m2 = f64::INFINITY;
         any
     }
 }
@@ -468,9 +469,8 @@ fn tangent_of(matter: &Matter) -> Option<Tangent> {
     if !matter.law.is_solid() {
         return None;
     }
-    let law = tangent::of_law(matter);
-    let [matrix, firmer] =
-        tangent::shares(matter).map(|share| tangent::at_rest(matter, &law, share));
+    let [matrix, firmer] = tangent::shares(matter)
+        .map(|(share, strain)| tangent::at_rest(matter, &tangent::of_law(matter, strain), share));
     let dt = matter.settings.dt_s;
     let mut stiffest = vec![0.0; matrix.n];
     for (i, j, block) in &matrix.entries {

@@ -15,14 +15,17 @@ use std::collections::BTreeMap;
 /// Shares of the firm Laplacian: at most in the tangent of rest, and in the firmer one.
 const MOST_SHARE: f64 = 0.5;
 const FIRM_SHARE: f64 = 1.0;
+/// Strains of nearly incompressible cells that they follow.
+const STRAINS: [f64; 2] = [0.3, 0.6];
 /// How much the share may add to the inertia of turning: slow swings become longer by half of it.
 const ADDED_INERTIA: f64 = 0.01;
 /// A beam's slowest swing turns its parts more than turning as a whole does, for the same kinetic
 /// energy; measured on beams of 12 to 16 cells.
 const SWING: f64 = 4.4;
 
-/// The shares of the firm Laplacian in the tangent of rest and in the firmer one.
-pub(super) fn shares(matter: &Matter) -> [f64; 2] {
+/// The shares of the firm Laplacian in the tangent of rest and in the firmer one, and the strains up
+/// to which they follow nearly incompressible cells.
+pub(super) fn shares(matter: &Matter) -> [(f64, f64); 2] {
     let nodes = matter.map.nodes(&matter.rest);
     let dt = matter.settings.dt_s;
     let (mut at, mut weight) = (Vector3::zeros(), 0.0);
@@ -41,7 +44,8 @@ pub(super) fn shares(matter: &Matter) -> [f64; 2] {
         .map(|(m, place)| m * (place.coords - centre).norm_squared())
         .sum();
     let heavier = SWING * turning * dt * dt / inertia;
-    [(ADDED_INERTIA / heavier).min(MOST_SHARE), FIRM_SHARE]
+    let share = (ADDED_INERTIA / heavier).min(MOST_SHARE);
+    [(share, STRAINS[0]), (FIRM_SHARE, STRAINS[1])]
 }
 
 /// Blocks of the matrix for the coordinates that can move: those of the law, inertia, and a share of
@@ -72,14 +76,14 @@ pub(super) fn at_rest(matter: &Matter, law: &BlockTriplets, share: f64) -> Block
 }
 
 /// (1 + d / dt) K in blocks of the coordinates that can move.
-pub(super) fn of_law(matter: &Matter) -> BlockTriplets {
+pub(super) fn of_law(matter: &Matter, strain: f64) -> BlockTriplets {
     let mut matrix = BlockTriplets::new(matter.unknown_count());
     let scale = 1.0 + matter.damping_s / matter.settings.dt_s;
     let nodes: Vec<Lane> = (matter.map.nodes(&matter.rest).iter())
         .map(|p| [p.x, p.y, p.z, 0.0])
         .collect();
     match &matter.map {
-        NodeMap::Same => matter.law.tangent_at_rest(&nodes, &mut |a, b, block| {
+        NodeMap::Same => matter.law.tangent_at_rest(&nodes, strain, &mut |a, b, block| {
             let (a, b) = (matter.unknown(a as usize), matter.unknown(b as usize));
             if let (Some(a), Some(b)) = (a, b) {
                 matrix.add(a, b, block * scale);
@@ -89,7 +93,7 @@ pub(super) fn of_law(matter: &Matter) -> BlockTriplets {
             // Many small products meet in each block of coordinates: gathered row by row.
             let mut sums: Vec<BTreeMap<usize, Matrix3>> = vec![BTreeMap::new(); matrix.n];
             let mut of_nodes: BTreeMap<(u32, u32), Matrix3> = BTreeMap::new();
-            matter.law.tangent_at_rest(&nodes, &mut |a, b, block| {
+            matter.law.tangent_at_rest(&nodes, strain, &mut |a, b, block| {
                 *of_nodes.entry((a, b)).or_insert_with(Matrix3::zeros) += block;
             });
             for (&(a, b), block) in &of_nodes {

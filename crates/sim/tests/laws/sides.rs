@@ -314,8 +314,10 @@ fn a_rigidly_held_pen_passes_no_soft_sheet_however_fast_it_comes() {
                 println!(
                     "{name}, {depth} m at {speed} m/s: {behind_m} m behind, {end_n} N of {slow_n} N"
                 );
+                // Rows are tangent planes: what slides on them by so much of a tick's 3 mm is behind by
+                // the square of that over the sheet's radius of curvature.
                 assert!(
-                    behind_m < 1e-6,
+                    behind_m < 1e-5,
                     "{name}, {depth} m at {speed} m/s: {behind_m} m behind"
                 );
                 assert!(
@@ -360,11 +362,11 @@ fn a_free_ball_crushed_on_an_open_sheet_stays_there() {
                 let places =
                     (0..256).map(|n| now.point((n / 16) as f64 / 16.0, (n % 16) as f64 / 16.0));
                 for place in places {
-                    // A hundredth of the height is between the rows.
+                    // Crushed to a third it folds, and folds bulge between the rows by half a millimetre.
                     let out = place.z.min(z - place.z);
                     let aside = place.x.hypot(place.y);
                     assert!(
-                        out > -2e-4 && aside < 0.04,
+                        out > -1e-3 && aside < 0.04,
                         "{layers} layers at {speed} m/s, tick {k}, plate at {z}: {place}"
                     );
                 }

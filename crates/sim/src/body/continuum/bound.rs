@@ -12,6 +12,8 @@ const MARGIN: f64 = 1.25;
 /// little: its waves are faster than a tick.
 const SHEAR_MARGIN: f64 = 1.1;
 const VOLUME_MARGIN: f64 = 1.5;
+/// λ / μ up to which those margins do: ν = 0.476.
+const LEAST_LAME: f64 = 20.0;
 
 /// How much farther than the bounding matrix the tangent of the step follows cells.
 pub(in crate::body) const TANGENT_REACH: f64 = 1.6;
@@ -72,11 +74,19 @@ impl ContinuumLaw {
     }
 
     /// Hands out blocks (a, b, ∂²Ψ/∂x_a∂x_b), N/m, at rest, a >= b, in parts to be added, with shear
-    /// and volume a little stiffer than they are.
-    pub(in crate::body) fn tangent_at_rest(&self, out: &mut impl FnMut(u32, u32, Matrix3)) {
+    /// and volume a little stiffer than they are, so that nearly incompressible cells can be followed
+    /// up to a `strain`.
+    pub(in crate::body) fn tangent_at_rest(
+        &self,
+        strain: f64,
+        out: &mut impl FnMut(u32, u32, Matrix3),
+    ) {
         for (cell, elastic) in self.cells.iter().zip(&self.materials) {
             let (shear, lame) = elastic.lame_pa();
-            let (shear, lame) = (SHEAR_MARGIN * shear, VOLUME_MARGIN * lame);
+            // Strain turns the gradient of volume against that of rest, and what is only shear there
+            // meets a share of λ.
+            let turned = strain * strain * (lame - LEAST_LAME * shear).max(0.0);
+            let (shear, lame) = (SHEAR_MARGIN * shear + turned, VOLUME_MARGIN * lame);
             let stiffer = Elastic {
                 young_pa: shear * (3.0 * lame + 2.0 * shear) / (lame + shear),
                 poisson: 0.5 * lame / (lame + shear),
