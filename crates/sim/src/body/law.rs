@@ -91,7 +91,12 @@ impl MaterialLaw {
     /// Hands out blocks (a, b, ∂²E/∂x_a∂x_b), N/m, at rest, a >= b or its mirror, each pair of nodes
     /// once or in parts; a little more than the law's own, so that strained states stay below 4/3 of
     /// it. `places`: (nodes) at rest.
-    pub(super) fn tangent_at_rest(&self, places: &[Lane], strain: f64, out: &mut impl FnMut(u32, u32, Matrix3)) {
+    pub(super) fn tangent_at_rest(
+        &self,
+        places: &[Lane],
+        strain: f64,
+        out: &mut impl FnMut(u32, u32, Matrix3),
+    ) {
         let at = |k: usize| Vector3::new(places[k][0], places[k][1], places[k][2]);
         let scale = SPRING_MARGIN * (0.76 * self.slope).max(1.0);
         for (_, _, a, b, k) in self.springs.each() {

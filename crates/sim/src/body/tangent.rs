@@ -83,19 +83,23 @@ pub(super) fn of_law(matter: &Matter, strain: f64) -> BlockTriplets {
         .map(|p| [p.x, p.y, p.z, 0.0])
         .collect();
     match &matter.map {
-        NodeMap::Same => matter.law.tangent_at_rest(&nodes, strain, &mut |a, b, block| {
-            let (a, b) = (matter.unknown(a as usize), matter.unknown(b as usize));
-            if let (Some(a), Some(b)) = (a, b) {
-                matrix.add(a, b, block * scale);
-            }
-        }),
+        NodeMap::Same => matter
+            .law
+            .tangent_at_rest(&nodes, strain, &mut |a, b, block| {
+                let (a, b) = (matter.unknown(a as usize), matter.unknown(b as usize));
+                if let (Some(a), Some(b)) = (a, b) {
+                    matrix.add(a, b, block * scale);
+                }
+            }),
         NodeMap::Sparse(map) => {
             // Many small products meet in each block of coordinates: gathered row by row.
             let mut sums: Vec<BTreeMap<usize, Matrix3>> = vec![BTreeMap::new(); matrix.n];
             let mut of_nodes: BTreeMap<(u32, u32), Matrix3> = BTreeMap::new();
-            matter.law.tangent_at_rest(&nodes, strain, &mut |a, b, block| {
-                *of_nodes.entry((a, b)).or_insert_with(Matrix3::zeros) += block;
-            });
+            matter
+                .law
+                .tangent_at_rest(&nodes, strain, &mut |a, b, block| {
+                    *of_nodes.entry((a, b)).or_insert_with(Matrix3::zeros) += block;
+                });
             for (&(a, b), block) in &of_nodes {
                 let (left, left_weights) = map.row(a as usize);
                 let (right, right_weights) = map.row(b as usize);
