@@ -206,7 +206,9 @@ impl<O: Objective> Judge<'_, O> {
                 let out = 1 - collapsed;
                 let slope =
                     jet.g[out] * inward.signum() / jet.metric[out].sqrt().max(f64::MIN_POSITIVE);
-                if slope < -16.0 * jet.slope_noise
+                // What it falls by until it rises again.
+                let bend = (jet.h[2 * out] / jet.metric[out].max(f64::MIN_POSITIVE)).max(0.0);
+                if (slope < -16.0 * jet.slope_noise && slope * slope > 2.0 * bend * equal)
                     || AROUND
                         .into_iter()
                         .any(|share| self.value(place(x + share * inward)) < found.jet.f - equal)

@@ -368,3 +368,44 @@ fn equal_heights_that_touch_are_one_and_apart_are_two() {
     assert!(ClosestSolver::new(&bumps).summits_along(&bumps, &-Vector3::z(), -0.5, &mut out));
     assert_eq!(out.len(), 1, "{out:?}");
 }
+
+/// Cubic, of 8 by 8 points, poles along z.
+fn globe(radius: f64) -> Surface {
+    let u = KnotVector::periodic_uniform(3, 8).unwrap();
+    let v = KnotVector::clamped_uniform(3, 8).unwrap();
+    let points = (0..64).map(|k| {
+        let turn = std::f64::consts::TAU * (k / 8) as f64 / 8.0;
+        let up = std::f64::consts::PI * (k % 8) as f64 / 7.0;
+        let out = if k % 8 == 7 { 0.0 } else { up.sin() };
+        Point3::new(out * turn.cos(), out * turn.sin(), -up.cos()) * radius
+    });
+    Surface::new(u, v, ControlNet::new(8, 8, points.collect()).unwrap(), None).unwrap()
+}
+
+// A tilt moves the highest place off the pole by less than a search in parameters resolves: it must
+// be found all the same, at the height that the curvature there says.
+#[test]
+fn a_summit_next_to_a_pole_is_found_however_little_it_is_off() {
+    let mut random = Random(41);
+    let mut tops = summits();
+    for ball in [globe(0.03), sphere(0.03)] {
+        let mut solver = ClosestSolver::new(&ball);
+        for k in 0..400 {
+            let tilt = 10f64.powf(-16.0 + 14.0 * f64::from(k) / 400.0);
+            let turn = random.float(0.0, std::f64::consts::TAU);
+            let aside = Vector3::new(turn.cos(), turn.sin(), 0.0) * tilt;
+            for up in [1.0, -1.0] {
+                let direction = (Vector3::z() * up + aside).normalize();
+                let all = solver.summits_along(&ball, &direction, 0.02, &mut tops);
+                assert!(all && !tops.is_empty(), "tilted by {tilt}: {tops:?}");
+                let above = tops[0].height_m - 0.03 * direction.z * up;
+                // Radii of curvature at the poles are below twice the size; heights are good to 1e-12
+                // of it.
+                assert!(
+                    above > -3e-14 && above < 0.03 * tilt * tilt + 3e-14,
+                    "tilted by {tilt}: {above} m above the pole"
+                );
+            }
+        }
+    }
+}
