@@ -111,10 +111,15 @@ impl Deformable {
         scratch
             .carried
             .extend(acting.map(|(&c, &force)| (c, force)));
-        scratch.turning = (self.matter.is_free() && self.matter.damping_s > 0.0).then(|| {
+        scratch.turning = self.matter.is_free().then(|| {
             let (places, velocities) = (&state.positions, &state.velocities);
             Momentum::of(&self.matter, places, velocities).rigid(&self.matter, places)
         });
+        if let Some(turning) = scratch.turning.filter(|_| ahead_s > 0.0) {
+            for (reached, x) in scratch.reached.iter_mut().zip(&state.positions) {
+                *reached += turning.inwards(x, dt);
+            }
+        }
         implicit.begin(&self.matter, state, scratch);
     }
 

@@ -301,17 +301,20 @@ fn spins_on(model: &str, young_pa: f64, damping_s: f64) {
 // By a matrix turned with where the body was, not where it flies to, it lost a quarter of its spin.
 #[test]
 fn a_free_body_at_ten_turns_a_second_loses_less_than_a_hundredth_a_turn() {
-    spins_on("continuum", 2e6, 2e-3);
-    for model in ["continuum", "lattice"] {
-        spins_on(model, 2e6, 0.0);
+    for model in ["continuum", "lattice", "net"] {
+        for damping_s in [0.0, 2e-3] {
+            spins_on(model, 2e6, damping_s);
+        }
     }
 }
 
 // By the same it burst in six ticks.
 #[test]
 fn a_stiff_free_body_at_ten_turns_a_second_does_so_too() {
-    for model in ["continuum", "lattice"] {
-        spins_on(model, 20e6, 0.0);
+    for model in ["continuum", "lattice", "net"] {
+        for damping_s in [0.0, 2e-3] {
+            spins_on(model, 20e6, damping_s);
+        }
     }
 }
 
