@@ -120,7 +120,7 @@ impl Deformable {
                 *reached += turning.inwards(x, dt);
             }
         }
-        implicit.begin(&self.matter, state, scratch);
+        implicit.begin(state, scratch);
     }
 
     /// One correction of where the step has come; on the net, x* is that without what contact moved.

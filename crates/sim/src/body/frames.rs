@@ -5,9 +5,12 @@
 //! part by Newton's method (Higham 1986). Only the preconditioner of the step uses it, so it need
 //! not be exact, but it must be a rotation or close to one whatever the positions are.
 
+use super::implicit::{middle, shortest_edges};
 use super::matter::Matter;
 use super::node_map::NodeMap;
-use palpate_geometry::math::{Lane, Matrix3, Point3, Vector3};
+use palpate_geometry::math::lanes::{Baseline, Four, Lanes};
+use palpate_geometry::math::{Lane, Matrix3, Point3, Vector3, simd};
+use std::collections::BTreeSet;
 
 /// Neighbours of a coordinate, at most.
 const MOST: usize = 8;
@@ -22,10 +25,91 @@ pub(super) type Frame = [[f64; 3]; 3];
 /// Constants of the fit.
 #[derive(Debug)]
 pub(super) struct Frames {
-    /// (unknowns): neighbours, filled up with the coordinate itself.
-    neighbours: Vec<[u32; MOST]>,
-    /// (unknowns): weight vectors, F = Σ (x_j − x_i) w_jᵀ.
-    weights: Vec<[[f64; 3]; MOST]>,
+    blocks: Vec<Block>,
+}
+
+/// Four unknowns side by side; the last block is filled up with coordinate 0 and no weights.
+#[derive(Clone, Debug)]
+struct Block {
+    here: [u32; 4],
+    /// Filled up with the coordinate itself.
+    neighbours: [[u32; 4]; MOST],
+    /// F = Σ (x_j − x_i) w_jᵀ.
+    weights: [[Four; 3]; MOST],
+}
+
+/// F = Σ (x_j − x_i) w_jᵀ of a coordinate i.
+#[derive(Clone, Debug)]
+struct Fit {
+    here: u32,
+    edges: Vec<(u32, Vector3)>,
+}
+
+impl Fit {
+    /// `None` where the neighbours lie nearly in a plane.
+    fn new(i: usize, near: &[(f64, u32)], rest: &[Point3], weight: fn(f64) -> f64) -> Option<Self> {
+        let here = rest[i];
+        let (chosen, inverse) = choose(near, here, rest, weight)?;
+        let edges = chosen.iter().map(|&&j| {
+            let edge = rest[j as usize] - here;
+            (j, inverse * edge * weight(edge.norm_squared()))
+        });
+        Some(Self {
+            here: i as u32,
+            edges: edges.collect(),
+        })
+    }
+}
+
+/// The fit of a coordinate, or of the nearest one that has any: what is too thin to show how it turns
+/// turns with what it hangs on.
+fn nearest<'a>(
+    i: usize,
+    fits: &'a [Option<Fit>],
+    adjacent: &[Vec<u32>],
+    rest: &[Point3],
+) -> Option<&'a Fit> {
+    if fits[i].is_some() {
+        return fits[i].as_ref();
+    }
+    let mut seen = BTreeSet::from([i as u32]);
+    let mut front = vec![i as u32];
+    while !front.is_empty() {
+        let mut next: Vec<u32> = Vec::new();
+        for &from in &front {
+            next.extend(adjacent[from as usize].iter().filter(|&&j| seen.insert(j)));
+        }
+        let distance = |fit: &Fit| (rest[fit.here as usize] - rest[i]).norm_squared();
+        let found = next.iter().filter_map(|&j| fits[j as usize].as_ref());
+        if let Some(fit) = found.min_by(|a, b| distance(a).total_cmp(&distance(b))) {
+            return Some(fit);
+        }
+        front = next;
+    }
+    None
+}
+
+impl Block {
+    fn set(&mut self, lane: usize, fit: &Fit) {
+        self.here[lane] = fit.here;
+        for (k, neighbours) in self.neighbours.iter_mut().enumerate() {
+            let (j, vector) = fit
+                .edges
+                .get(k)
+                .copied()
+                .unwrap_or((fit.here, Vector3::zeros()));
+            neighbours[lane] = j;
+            for (weight, value) in self.weights[k].iter_mut().zip(vector.iter()) {
+                weight[lane] = *value;
+            }
+        }
+    }
+
+    const EMPTY: Self = Self {
+        here: [0; 4],
+        neighbours: [[0; 4]; MOST],
+        weights: [[[0.0; 4]; 3]; MOST],
+    };
 }
 
 impl Frames {
@@ -33,62 +117,184 @@ impl Frames {
     /// rest.
     pub(super) fn new(matter: &Matter) -> Self {
         let adjacent = adjacent(matter);
-        let (mut neighbours, mut weights) = (Vec::new(), Vec::new());
-        for &coordinate in &matter.coordinate_of_unknown {
-            let i = coordinate as usize;
-            let here = matter.rest[i];
-            let mut near: Vec<(f64, u32)> = adjacent[i]
-                .iter()
-                .map(|&j| ((matter.rest[j as usize] - here).norm(), j))
-                .filter(|entry| entry.0 > 0.0)
-                .collect();
-            near.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-            let (chosen, fit) = choose(&near, here, &matter.rest);
-            let mut all = [coordinate; MOST];
-            let mut vectors = [[0.0; 3]; MOST];
-            for (k, &&j) in chosen.iter().enumerate() {
-                let edge = matter.rest[j as usize] - here;
-                let vector = fit * (edge / edge.norm_squared());
-                all[k] = j;
-                vectors[k] = [vector.x, vector.y, vector.z];
+        // Springs alone resist no turning of small parts: only long edges show how these turn, and
+        // weigh most. Of cells the nearest are the better witnesses.
+        let (reach_m, weight): (f64, fn(f64) -> f64) = match matter.law.springs.len() {
+            0 => (0.0, |square| 1.0 / square),
+            _ => (middle(&shortest_edges(matter)), |_| 1.0),
+        };
+        let fits: Vec<Option<Fit>> = (0..matter.rest.len())
+            .map(|i| {
+                let near = neighbourhood(i, &adjacent, &matter.rest, reach_m);
+                Fit::new(i, &near, &matter.rest, weight)
+            })
+            .collect();
+        let mut blocks = Vec::with_capacity(matter.unknown_count().div_ceil(4));
+        for four in matter.coordinate_of_unknown.chunks(4) {
+            let mut block = Block::EMPTY;
+            for (lane, &coordinate) in four.iter().enumerate() {
+                if let Some(fit) = nearest(coordinate as usize, &fits, &adjacent, &matter.rest) {
+                    block.set(lane, fit);
+                }
             }
-            neighbours.push(all);
-            weights.push(vectors);
+            blocks.push(block);
         }
-        Self {
-            neighbours,
-            weights,
-        }
+        Self { blocks }
     }
 
     /// Writes the frame of every unknown (unknowns) at `places` (coordinates).
-    pub(super) fn fit(&self, matter: &Matter, places: &[Lane], frames: &mut [Frame]) {
-        let all = self.neighbours.iter().zip(&self.weights).zip(frames);
-        for (((neighbours, weights), frame), &c) in all.zip(&matter.coordinate_of_unknown) {
-            let here = places[c as usize];
-            let mut gradient = [[0.0; 3]; 3];
-            for (&j, weight) in neighbours.iter().zip(weights) {
-                let there = places[j as usize];
-                for (r, row) in gradient.iter_mut().enumerate() {
-                    let edge = there[r] - here[r];
-                    for (value, w) in row.iter_mut().zip(weight) {
-                        *value += edge * w;
-                    }
+    pub(super) fn fit(&self, places: &[Lane], frames: &mut [Frame]) {
+        #[cfg(target_arch = "x86_64")]
+        if simd::has_avx2() {
+            // SAFETY: the processor has AVX2, asked just above.
+            #[allow(unsafe_code)]
+            return unsafe { fit_wide(&self.blocks, places, frames) };
+        }
+        fit_in::<Baseline>(&self.blocks, places, frames);
+    }
+}
+
+/// The same code with 256-bit registers; no fused multiply-add, so the bits are the same.
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx2")]
+fn fit_wide(blocks: &[Block], places: &[Lane], frames: &mut [Frame]) {
+    fit_in::<palpate_geometry::math::lanes::Wide>(blocks, places, frames);
+}
+
+// No closures: they would be compiled without the registers of the caller.
+#[inline(always)]
+fn fit_in<L: Lanes>(blocks: &[Block], places: &[Lane], frames: &mut [Frame]) {
+    for (block, frames) in blocks.iter().zip(frames.chunks_mut(4)) {
+        let here = load(&block.here, places);
+        let mut gradient = [[L::splat(0.0); 3]; 3];
+        for (neighbours, weights) in block.neighbours.iter().zip(&block.weights) {
+            let there = load::<L>(neighbours, places);
+            let edges = [there[0] - here[0], there[1] - here[1], there[2] - here[2]];
+            let weights = [
+                L::load(&weights[0]),
+                L::load(&weights[1]),
+                L::load(&weights[2]),
+            ];
+            for (row, edge) in gradient.iter_mut().zip(edges) {
+                for (value, w) in row.iter_mut().zip(weights) {
+                    *value = *value + edge * w;
                 }
             }
-            *frame = rotation(&gradient);
+        }
+        let (turned, good) = rotations(&gradient);
+        let mut rows = [[[0.0; 4]; 3]; 3];
+        store(&turned, &mut rows);
+        if good != 0b1111 {
+            let mut given = [[[0.0; 4]; 3]; 3];
+            store(&gradient, &mut given);
+            repair(&given, good, &mut rows);
+        }
+        for (lane, frame) in frames.iter_mut().enumerate() {
+            for (row, values) in frame.iter_mut().zip(&rows) {
+                for (value, four) in row.iter_mut().zip(values) {
+                    *value = four[lane];
+                }
+            }
         }
     }
 }
 
-/// Up to [`MOST`] neighbours and the inverse of their moments; none where they span no space.
-fn choose<'a>(near: &'a [(f64, u32)], here: Point3, rest: &[Point3]) -> (Vec<&'a u32>, Matrix3) {
+/// x, y and z of four coordinates.
+#[inline(always)]
+fn load<L: Lanes>(of: &[u32; 4], places: &[Lane]) -> [L; 3] {
+    let rows = L::transposed([
+        L::load(&places[of[0] as usize]),
+        L::load(&places[of[1] as usize]),
+        L::load(&places[of[2] as usize]),
+        L::load(&places[of[3] as usize]),
+    ]);
+    [rows[0], rows[1], rows[2]]
+}
+
+#[inline(always)]
+fn store<L: Lanes>(from: &[[L; 3]; 3], to: &mut [[Four; 3]; 3]) {
+    for (to, from) in to.iter_mut().zip(from) {
+        for (to, from) in to.iter_mut().zip(from) {
+            from.store(to);
+        }
+    }
+}
+
+/// Replaces the frames of gradients that Newton's method has no use for.
+#[cold]
+fn repair(gradients: &[[Four; 3]; 3], good: u8, rows: &mut [[Four; 3]; 3]) {
+    for lane in (0..4).filter(|lane| good & (1 << lane) == 0) {
+        let frame = frame_of_columns(&gradients.map(|row| row.map(|value| value[lane])));
+        for (to, value) in rows.iter_mut().flatten().zip(frame.as_flattened()) {
+            to[lane] = *value;
+        }
+    }
+}
+
+/// Coordinates around one with their distances: those coupled to it, and beyond them, along others,
+/// all within `reach_m`, so that where cells are much smaller than elsewhere (poles) a neighbourhood is
+/// no smaller than elsewhere. Each is followed by the one farthest from all before it where there are
+/// more than the nearest [`MOST`].
+fn neighbourhood(
+    i: usize,
+    adjacent: &[Vec<u32>],
+    rest: &[Point3],
+    reach_m: f64,
+) -> Vec<(f64, u32)> {
+    let here = rest[i];
+    let distance = |j: u32| (rest[j as usize] - here).norm();
+    let mut near: Vec<(f64, u32)> = adjacent[i]
+        .iter()
+        .map(|&j| (distance(j), j))
+        .filter(|entry| entry.0 > 0.0)
+        .collect();
+    let by_distance = |a: &(f64, u32), b: &(f64, u32)| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1));
+    near.sort_by(by_distance);
+    if near.get(MOST - 1).is_none_or(|entry| entry.0 >= reach_m) {
+        return near;
+    }
+    let mut seen: BTreeSet<u32> = near.iter().map(|entry| entry.1).collect();
+    seen.insert(i as u32);
+    let mut front: Vec<u32> = near.iter().filter(|e| e.0 < reach_m).map(|e| e.1).collect();
+    while let Some(from) = front.pop() {
+        for &j in &adjacent[from as usize] {
+            let length = distance(j);
+            if length > 0.0 && length < reach_m && seen.insert(j) {
+                near.push((length, j));
+                front.push(j);
+            }
+        }
+    }
+    near.sort_by(by_distance);
+    // Farthest first, then ever where the largest hole is.
+    let mut holes: Vec<f64> = near.iter().map(|entry| entry.0).collect();
+    for k in 0..near.len().min(MOST) {
+        let Some(next) = (k..near.len()).max_by(|&a, &b| holes[a].total_cmp(&holes[b])) else {
+            break;
+        };
+        near.swap(k, next);
+        holes.swap(k, next);
+        let there = rest[near[k].1 as usize];
+        for (hole, entry) in holes.iter_mut().zip(&near).skip(k + 1) {
+            *hole = hole.min((rest[entry.1 as usize] - there).norm());
+        }
+    }
+    near
+}
+
+/// Up to [`MOST`] neighbours and the inverse of their moments; `None` where they span no space.
+fn choose<'a>(
+    near: &'a [(f64, u32)],
+    here: Point3,
+    rest: &[Point3],
+    weight: fn(f64) -> f64,
+) -> Option<(Vec<&'a u32>, Matrix3)> {
     /// Least part of the largest moment that the smallest may be.
     const FLAT: f64 = 0.05;
     let moments = |chosen: &[&u32]| {
         chosen.iter().fold(Matrix3::zeros(), |sum, &&j| {
             let edge = rest[j as usize] - here;
-            sum + edge * edge.transpose() / edge.norm_squared()
+            sum + edge * edge.transpose() * weight(edge.norm_squared())
         })
     };
     let spread = |chosen: &[&u32]| {
@@ -97,25 +303,21 @@ fn choose<'a>(near: &'a [(f64, u32)], here: Point3, rest: &[Point3]) -> (Vec<&'a
     };
     let mut chosen: Vec<&u32> = near.iter().take(MOST).map(|entry| &entry.1).collect();
     if chosen.len() < 3 {
-        return (Vec::new(), Matrix3::zeros());
+        return None;
     }
     // The nearest may lie in a plane; the last of them then gives way to one that leaves it.
     let mut more = near.iter().skip(MOST).map(|entry| &entry.1);
     while spread(&chosen) < FLAT {
-        let Some(next) = more.next() else {
-            return (Vec::new(), Matrix3::zeros());
-        };
+        let next = more.next()?;
         let mut tried = chosen.clone();
         tried[MOST - 1] = next;
         if spread(&tried) > spread(&chosen) {
             chosen = tried;
         }
     }
-    let fit = moments(&chosen).try_inverse();
-    match fit {
-        Some(fit) => (chosen, fit),
-        None => (Vec::new(), Matrix3::zeros()),
-    }
+    moments(&chosen)
+        .try_inverse()
+        .map(|inverse| (chosen, inverse))
 }
 
 /// Coordinates that the law couples to each, ascending.
@@ -147,7 +349,8 @@ pub(super) fn adjacent(matter: &Matter) -> Vec<Vec<u32>> {
 
 const IDENTITY: Frame = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
 
-fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+#[inline(always)]
+fn cross<L: Lanes>(a: [L; 3], b: [L; 3]) -> [L; 3] {
     [
         a[1] * b[2] - a[2] * b[1],
         a[2] * b[0] - a[0] * b[2],
@@ -155,28 +358,30 @@ fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
     ]
 }
 
-fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
+#[inline(always)]
+fn dot<L: Lanes>(a: [L; 3], b: [L; 3]) -> L {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
-/// The rotation nearest to a matrix given by rows.
-pub(super) fn rotation(gradient: &Frame) -> Frame {
-    let mut x = *gradient;
+/// The rotations nearest to four matrices given by rows, and in which of them Newton's method has
+/// found it.
+#[inline(always)]
+fn rotations<L: Lanes>(gradient: &[[L; 3]; 3]) -> ([[L; 3]; 3], u8) {
+    let (mut x, mut good) = (*gradient, 0b1111);
     for _ in 0..STEPS {
         // Rows of the cofactor matrix; the inverse transposed is it over the determinant.
         let cofactors = [cross(x[1], x[2]), cross(x[2], x[0]), cross(x[0], x[1])];
         let determinant = dot(x[0], cofactors[0]);
-        if !DETERMINANTS.contains(&determinant) {
-            return frame_of_columns(gradient);
-        }
-        let inverse = 0.5 / determinant;
+        good &= determinant.above(L::splat(DETERMINANTS.start))
+            & L::splat(DETERMINANTS.end).above(determinant);
+        let inverse = L::splat(0.5) / determinant;
         for (row, cofactor) in x.iter_mut().zip(cofactors) {
             for (value, c) in row.iter_mut().zip(cofactor) {
-                *value = 0.5 * *value + inverse * c;
+                *value = L::splat(0.5) * *value + inverse * c;
             }
         }
     }
-    x
+    (x, good)
 }
 
 /// The first two columns made orthonormal (Gram & Schmidt); rest's own frame where they are
@@ -215,6 +420,28 @@ mod tests {
     use super::*;
     use palpate_geometry::math::{Random, Rotation};
 
+    /// The frame of a body whose unknown 0 has neighbours at e_x, e_y, e_z, moved by the columns of
+    /// a gradient; every processor must give the same
+    /// bits.
+    fn rotation(gradient: &Frame) -> Frame {
+        let mut block = Block::EMPTY;
+        let mut places = vec![[0.0; 4]];
+        for k in 0..3 {
+            block.neighbours[k] = [k as u32 + 1; 4];
+            block.weights[k][k] = [1.0; 4];
+            places.push([gradient[0][k], gradient[1][k], gradient[2][k], 0.0]);
+        }
+        let frames = Frames {
+            blocks: vec![block],
+        };
+        let (mut found, mut plain) = ([IDENTITY; 4], [IDENTITY; 4]);
+        frames.fit(&places, &mut found);
+        fit_in::<Baseline>(&frames.blocks, &places, &mut plain);
+        assert_eq!(found, plain);
+        assert!(found.iter().all(|frame| *frame == found[0]));
+        found[0]
+    }
+
     #[test]
     fn a_turned_and_stretched_neighbourhood_gives_its_rotation() {
         let mut random = Random(5);
@@ -249,9 +476,13 @@ mod tests {
         for gradient in cases {
             let [a, b, c] = rotation(&gradient);
             for row in [a, b, c] {
-                assert!((dot(row, row) - 1.0).abs() < 1e-9, "{gradient:?}");
+                assert!(
+                    (Vector3::from(row).norm() - 1.0).abs() < 1e-9,
+                    "{gradient:?}"
+                );
             }
-            assert!((dot(a, cross(b, c)) - 1.0).abs() < 1e-9, "{gradient:?}");
+            let volume = Vector3::from(a).dot(&Vector3::from(b).cross(&Vector3::from(c)));
+            assert!((volume - 1.0).abs() < 1e-9, "{gradient:?}");
         }
     }
 }

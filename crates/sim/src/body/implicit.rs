@@ -55,6 +55,11 @@ struct Tangent {
     bounding: Cholesky,
     /// (unknowns), m: corrections below this are rounding; and those that are watched at once.
     watched_m: Vec<[f64; 2]>,
+    /// Length of a correction that may be wild, m.
+    wild_m: f64,
+    /// Laplacian of what short edges carry beyond others, N/m: (unknown, unknown, value), the lower
+    /// triangle.
+    short: Vec<(u32, u32, f64)>,
 }
 
 /// How corrections went so far: whether the tangent of rest can follow the body.
@@ -128,6 +133,13 @@ const CAUTIOUS_STEPS: [u32; 2] = [16, 1024];
 const TURNS: [f64; 2] = [3.0, 2.0];
 /// Of the shortest edge: corrections below are rounding, and those above are large.
 const WATCHED: [f64; 2] = [1e-8, 1e-2];
+/// A correction that turns over grows wild where it is this often the last, and of the middle edge at
+/// least this long: it would take the body apart before it has turned over again.
+const WILD: f64 = 2.0;
+const WILD_LENGTH: f64 = 0.05;
+/// Of what short edges carry beyond others: how much of it damps. Motions with 0.005 of its stiffness
+/// are then damped critically.
+const CALM: f64 = 0.15;
 
 impl ImplicitStep {
     pub(super) fn new(
@@ -260,19 +272,14 @@ impl ImplicitStep {
     }
 
     /// What belongs to the whole step: the frames of the neighbourhoods.
-    pub(super) fn begin(
-        &self,
-        matter: &Matter,
-        state: &DeformableState,
-        scratch: &mut DeformableScratch,
-    ) {
+    pub(super) fn begin(&self, state: &DeformableState, scratch: &mut DeformableScratch) {
         scratch.implicit.caution.clone_from(&state.caution);
         if let Matrix::Tangent(tangent) = &self.matrix {
             lanes(&scratch.reached, &mut scratch.coordinates);
             let ImplicitScratch {
                 frames, caution, ..
             } = &mut scratch.implicit;
-            tangent.frames.fit(matter, &scratch.coordinates, frames);
+            tangent.frames.fit(&scratch.coordinates, frames);
             caution.step();
             if caution.held {
                 caution.level = BOUNDING;
@@ -308,6 +315,7 @@ impl ImplicitStep {
                 *value += part;
             }
         }
+        self.calm_short(matter, state, scratch);
         lanes(&scratch.reached, &mut scratch.coordinates);
         self.look_ahead(matter, state, scratch);
         let follows = matches!(self.matrix, Matrix::Tangent(_));
@@ -336,18 +344,45 @@ impl ImplicitStep {
                         break;
                     }
                 }
-                let beyond = match first {
+                let next = match first {
                     true => implicit.turns_over(tangent),
-                    false => implicit.diverges(tangent),
+                    false if implicit.diverges(tangent) => implicit.caution.level + 1,
+                    false => implicit.caution.level,
                 };
-                if !beyond {
+                if next == implicit.caution.level {
                     break;
                 }
-                implicit.caution.raise();
+                implicit.caution.raise(next);
             },
         }
         for (moved, &c) in implicit.rhs.iter().zip(&matter.coordinate_of_unknown) {
             reached[c as usize] += *moved;
+        }
+    }
+
+    /// Damps what is as heavy as the matrix says only because its edges are short: it would swing on
+    /// for seconds, slower than it should. Rigid translation is not damped.
+    fn calm_short(
+        &self,
+        matter: &Matter,
+        state: &DeformableState,
+        scratch: &mut DeformableScratch,
+    ) {
+        let Matrix::Tangent(tangent) = &self.matrix else {
+            return;
+        };
+        let moved = |c: usize| (scratch.reached[c] - state.positions[c]) * CALM;
+        for &(i, j, value) in &tangent.short {
+            let [a, b] = [i, j].map(|k| matter.coordinate_of_unknown[k as usize] as usize);
+            let (by_a, by_b) = (moved(a) * value, moved(b) * value);
+            for (lane, part) in scratch.residual[a].iter_mut().zip(by_b.iter()) {
+                *lane -= part;
+            }
+            if a != b {
+                for (lane, part) in scratch.residual[b].iter_mut().zip(by_a.iter()) {
+                    *lane -= part;
+                }
+            }
         }
     }
 
@@ -400,9 +435,9 @@ impl Caution {
         }
     }
 
-    /// The next firmer matrix.
-    fn raise(&mut self) {
-        self.level = (self.level + 1).min(BOUNDING);
+    /// A firmer matrix.
+    fn raise(&mut self, level: u32) {
+        self.level = level.min(BOUNDING);
         self.steps = self.next;
         self.next = (4 * self.next).min(CAUTIOUS_STEPS[1]);
         self.corrections.fill([0.0; 4]);
@@ -441,10 +476,12 @@ impl ImplicitScratch {
         larger
     }
 
-    /// Remembers the corrections in `rhs`; true when one of them turns over against the last without
-    /// becoming smaller, at once if it is large: what the matrix is too small for.
-    fn turns_over(&mut self, tangent: &Tangent) -> bool {
-        let mut any = false;
+    /// Remembers the corrections in `rhs`; answers with the level of the matrix that can follow. One
+    /// that turns over against the last without becoming smaller needs a firmer matrix, sooner if it is
+    /// large; one that is wild, the bounding matrix at once.
+    fn turns_over(&mut self, tangent: &Tangent) -> u32 {
+        let (mut any, mut wild) = (false, false);
+        let wild_m2 = tangent.wild_m * tangent.wild_m;
         let all = self.caution.corrections.iter_mut().zip(&self.rhs);
         for ((last, now), &[rounding_m, large_m]) in all.zip(&tangent.watched_m) {
             let before = Vector3::new(last[0], last[1], last[2]);
@@ -455,12 +492,17 @@ impl ImplicitScratch {
                 && new > rounding_m * rounding_m;
             let turns = if turned { last[3] + 1.0 } else { 0.0 };
             let large = new > large_m * large_m;
+            wild |= turned && new > WILD * WILD * old && new > wild_m2;
             any |= turns >= TURNS[usize::from(large)];
             *last = [now.x, now.y, now.z, turns];
         }
         // What the second iteration moves answers contact too: nothing to compare it with.
         self.last_m2 = f64::INFINITY;
-        any
+        match (wild, any) {
+            (true, _) => BOUNDING,
+            (_, true) => self.caution.level + 1,
+            _ => self.caution.level,
+        }
     }
 }
 
@@ -469,8 +511,14 @@ fn tangent_of(matter: &Matter) -> Option<Tangent> {
     if !matter.law.is_solid() {
         return None;
     }
-    let [matrix, firmer] = tangent::shares(matter)
-        .map(|(share, strain)| tangent::at_rest(matter, &tangent::of_law(matter, strain), share));
+    let firm = tangent::firm(matter);
+    let [matrix, firmer] = [
+        (&firm.rest, tangent::STRAINS[0]),
+        (&firm.firmer, tangent::STRAINS[1]),
+    ]
+    .map(|(edges, strain)| tangent::at_rest(matter, &tangent::of_law(matter, strain), edges));
+    let mut short = SymmetricTriplets::new(matter.unknown_count());
+    (matter.map).add_edges(&firm.short, |c| matter.unknown(c as usize), &mut short);
     let dt = matter.settings.dt_s;
     let mut stiffest = vec![0.0; matrix.n];
     for (i, j, block) in &matrix.entries {
@@ -489,12 +537,15 @@ fn tangent_of(matter: &Matter) -> Option<Tangent> {
         return None;
     }
     let edges = shortest_edges(matter);
+    let wild_m = WILD_LENGTH * middle(&edges);
     let watched = |&c: &u32| WATCHED.map(|share| share * edges[c as usize]);
     Some(Tangent {
         factors: [factor, BlockCholesky::new(&firmer).ok()?],
         frames: Frames::new(matter),
         bounding: Cholesky::new(&scalar_matrix(matter, &matter.law.edges())).ok()?,
         watched_m: matter.coordinate_of_unknown.iter().map(watched).collect(),
+        wild_m,
+        short: short.entries,
     })
 }
 
@@ -513,6 +564,16 @@ fn scalar_matrix(matter: &Matter, edges: &[(u32, u32, f64)]) -> SymmetricTriplet
         .map
         .add_edges(&scaled, |c| matter.unknown(c as usize), &mut matrix);
     matrix
+}
+
+/// The middle one of the finite values; 0 where there are none.
+pub(super) fn middle(values: &[f64]) -> f64 {
+    let mut finite: Vec<f64> = values.iter().copied().filter(|v| v.is_finite()).collect();
+    let half = finite.len() / 2;
+    match finite.is_empty() {
+        true => 0.0,
+        false => *finite.select_nth_unstable_by(half, f64::total_cmp).1,
+    }
 }
 
 /// (coordinates): distance to the nearest coordinate that the law couples to it, m.

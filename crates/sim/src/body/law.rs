@@ -161,14 +161,14 @@ impl MaterialLaw {
         for bend in &self.bends {
             bend.add_force(places, residual);
         }
-        if let Some(barrier) = &self.barrier {
-            barrier.add_forces(places, residual);
-        }
-        self.continuum.as_ref().map_or(0, |continuum| {
-            continuum
-                .add_forces_reaching(places, residual, farther)
-                .limited
-        })
+        let crushed =
+            (self.barrier.as_ref()).map_or(0, |barrier| barrier.add_forces(places, residual));
+        crushed
+            + self.continuum.as_ref().map_or(0, |continuum| {
+                continuum
+                    .add_forces_reaching(places, residual, farther)
+                    .limited
+            })
     }
 
     /// Elastic energy, J.

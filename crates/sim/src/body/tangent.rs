@@ -7,6 +7,7 @@
 //! met by a share of a Laplacian, as large as slow motions allow: it resists turning too,
 //! as if the body were heavier.
 
+use super::implicit::middle;
 use super::matter::Matter;
 use super::node_map::NodeMap;
 use palpate_geometry::math::{BlockTriplets, Lane, Matrix3, SymmetricTriplets, Vector3};
@@ -15,17 +16,32 @@ use std::collections::BTreeMap;
 /// Shares of the firm Laplacian: at most in the tangent of rest, and in the firmer one.
 const MOST_SHARE: f64 = 0.5;
 const FIRM_SHARE: f64 = 1.0;
+/// At most in edges that are short against the others.
+const SHORT_SHARE: f64 = 1.0;
 /// Strains of nearly incompressible cells that they follow.
-const STRAINS: [f64; 2] = [0.3, 0.6];
+pub(super) const STRAINS: [f64; 2] = [0.3, 0.6];
 /// How much the share may add to the inertia of turning: slow swings become longer by half of it.
 const ADDED_INERTIA: f64 = 0.01;
 /// A beam's slowest swing turns its parts more than turning as a whole does, for the same kinetic
 /// energy; measured on beams of 12 to 16 cells.
 const SWING: f64 = 4.4;
 
-/// The shares of the firm Laplacian in the tangent of rest and in the firmer one, and the strains up
-/// to which they follow nearly incompressible cells.
-pub(super) fn shares(matter: &Matter) -> [(f64, f64); 2] {
+/// Edges of the firm Laplacian, (nodes, nodes, N/m).
+pub(super) struct Firm {
+    /// What they carry in the tangent of rest.
+    pub rest: Vec<(u32, u32, f64)>,
+    /// And in the firmer one.
+    pub firmer: Vec<(u32, u32, f64)>,
+    /// What short ones carry more than others in the tangent of rest.
+    pub short: Vec<(u32, u32, f64)>,
+}
+
+/// The firm Laplacian in the matrices of a body.
+///
+/// Edges have the same share, except that short ones of a lattice have more, by the square of the
+/// middle length over theirs: they add no more to the inertia of turning, and it is there (poles) that
+/// the frames of neighbours differ most against their distance.
+pub(super) fn firm(matter: &Matter) -> Firm {
     let nodes = matter.map.nodes(&matter.rest);
     let dt = matter.settings.dt_s;
     let (mut at, mut weight) = (Vector3::zeros(), 0.0);
@@ -36,32 +52,72 @@ pub(super) fn shares(matter: &Matter) -> [(f64, f64); 2] {
         }
     }
     let centre = at / weight;
-    // Turning about each axis at 1 rad/s adds up to |r|² twice.
-    let turning: f64 = (matter.law.firm_edges().iter())
-        .map(|&(a, b, k)| k * (nodes[a as usize] - nodes[b as usize]).norm_squared())
-        .sum();
     let inertia: f64 = (matter.masses.iter().zip(&matter.rest))
         .map(|(m, place)| m * (place.coords - centre).norm_squared())
         .sum();
-    let heavier = SWING * turning * dt * dt / inertia;
-    let share = (ADDED_INERTIA / heavier).min(MOST_SHARE);
-    [(share, STRAINS[0]), (FIRM_SHARE, STRAINS[1])]
+    let edges = matter.law.firm_edges();
+    let squares: Vec<f64> = (edges.iter())
+        .map(|&(a, b, _)| (nodes[a as usize] - nodes[b as usize]).norm_squared())
+        .collect();
+    // Springs alone resist no turning of small parts; cells of a solid do.
+    let middle = match matter.law.springs.len() {
+        0 => 0.0,
+        _ => middle(&squares),
+    };
+    let boost = |square: f64| (middle / square.max(f64::MIN_POSITIVE)).max(1.0);
+    let share = |least: f64, most: f64, square: f64| (least * boost(square)).min(most);
+    // Turning about each axis at 1 rad/s adds up to |r|² twice.
+    let heavier = |least: f64| {
+        let each = edges.iter().zip(&squares);
+        let turning: f64 = each
+            .map(|(&(_, _, k), &square)| k * square * share(least, SHORT_SHARE, square))
+            .sum();
+        SWING * turning * dt * dt / inertia
+    };
+    // The largest share that makes turning no heavier than allowed, by bisection.
+    let (mut low, mut high) = (0.0, MOST_SHARE);
+    for _ in 0..60 {
+        let share = 0.5 * (low + high);
+        match heavier(share) <= ADDED_INERTIA {
+            true => low = share,
+            false => high = share,
+        }
+    }
+    let carried = |least: f64| -> Vec<(u32, u32, f64)> {
+        let each = edges.iter().zip(&squares);
+        each.map(|(&(a, b, k), &square)| (a, b, k * share(least, SHORT_SHARE, square)))
+            .collect()
+    };
+    let short = edges
+        .iter()
+        .zip(&squares)
+        .filter_map(|(&(a, b, k), &square)| {
+            let more = share(low, SHORT_SHARE, square) - low;
+            (more > 0.0).then_some((a, b, k * more))
+        });
+    Firm {
+        rest: carried(low),
+        firmer: carried(FIRM_SHARE),
+        short: short.collect(),
+    }
 }
 
-/// Blocks of the matrix for the coordinates that can move: those of the law, inertia, and a share of
-/// the firm Laplacian.
-pub(super) fn at_rest(matter: &Matter, law: &BlockTriplets, share: f64) -> BlockTriplets {
+/// Blocks of the matrix for the coordinates that can move: those of the law, inertia, and what edges
+/// of the firm Laplacian carry.
+pub(super) fn at_rest(
+    matter: &Matter,
+    law: &BlockTriplets,
+    firm: &[(u32, u32, f64)],
+) -> BlockTriplets {
     let dt = matter.settings.dt_s;
     let mut matrix = law.clone();
     for (row, &coordinate) in matter.coordinate_of_unknown.iter().enumerate() {
         let share = matter.masses[coordinate as usize] / (dt * dt);
         matrix.add(row, row, Matrix3::from_diagonal_element(share));
     }
-    let scale = share * (1.0 + matter.damping_s / dt);
+    let scale = 1.0 + matter.damping_s / dt;
     let mut scalar = SymmetricTriplets::new(matrix.n);
-    let edges: Vec<_> = (matter.law.firm_edges().into_iter())
-        .map(|(a, b, k)| (a, b, k * scale))
-        .collect();
+    let edges: Vec<_> = firm.iter().map(|&(a, b, k)| (a, b, k * scale)).collect();
     matter
         .map
         .add_edges(&edges, |c| matter.unknown(c as usize), &mut scalar);

@@ -341,7 +341,8 @@ fn a_slide_at_a_metre_a_second_over_a_soft_body_stays_calm() {
             most_energy < 0.5 * 1000.0 * 0.03 * 0.03,
             "μ {mu}: {most_energy} J in the body"
         );
-        assert!(most_force < 10.0, "μ {mu}: {most_force} N");
+        // And where it sticks at one end, by half of the stroke.
+        assert!(most_force < 1000.0 * 0.015, "μ {mu}: {most_force} N");
         assert!(
             pressed > 5_000 && in_cone > 5_000,
             "μ {mu}: pressed in {pressed} ticks"

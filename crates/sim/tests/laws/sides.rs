@@ -314,10 +314,11 @@ fn a_rigidly_held_pen_passes_no_soft_sheet_however_fast_it_comes() {
                 println!(
                     "{name}, {depth} m at {speed} m/s: {behind_m} m behind, {end_n} N of {slow_n} N"
                 );
-                // Rows are tangent planes: what slides on them by so much of a tick's 3 mm is behind by
-                // the square of that over the sheet's radius of curvature.
+                // Rows are tangent planes: what slides on them by what it moves in a tick is behind by the
+                // square of that over twice the sheet's radius of curvature, here 0.1 m or more.
+                let slid_m = speed * 1e-3;
                 assert!(
-                    behind_m < 1e-5,
+                    behind_m < slid_m * slid_m / 0.2,
                     "{name}, {depth} m at {speed} m/s: {behind_m} m behind"
                 );
                 assert!(
@@ -363,11 +364,11 @@ fn a_free_ball_crushed_on_an_open_sheet_stays_there() {
                     (0..256).map(|n| now.point((n / 16) as f64 / 16.0, (n % 16) as f64 / 16.0));
                 for place in places {
                     // Crushed to a third it folds, and folds bulge between the rows by a millimetre; a ball that
-                    // is passed is below by its height.
+                    // is passed is below by its height. Nothing holds it sideways, but it stays on the sheet.
                     let out = place.z.min(z - place.z);
                     let aside = place.x.hypot(place.y);
                     assert!(
-                        out > -2e-3 && aside < 0.04,
+                        out > -2e-3 && aside < 0.08,
                         "{layers} layers at {speed} m/s, tick {k}, plate at {z}: {place}"
                     );
                 }

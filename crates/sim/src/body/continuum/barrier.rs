@@ -80,7 +80,8 @@ impl VolumeBarrier {
         }
     }
 
-    /// Adds −∂Ψ/∂x (N) at `places`; answers with the number of crushed cells.
+    /// Adds −∂Ψ/∂x (N) at `places`; answers with the number of crushed cells whose pressure is held
+    /// back, which is then no gradient.
     pub fn add_forces(&self, places: &[Lane], residual: &mut [Lane]) -> u32 {
         #[cfg(target_arch = "x86_64")]
         if palpate_geometry::math::simd::has_avx2() {
@@ -130,7 +131,7 @@ fn steepness<L: Lanes>(growth: &[[L; 3]; 8]) -> L {
 
 #[inline(always)]
 fn add_forces<L: Lanes>(blocks: &[Block], places: &[Lane], residual: &mut [Lane]) -> u32 {
-    let mut crushed = 0;
+    let mut held = 0;
     for block in blocks {
         let c = kernel::modes::<L>(&block.nodes, places);
         let (growth, volume) = kernel::volume(&c);
@@ -140,18 +141,19 @@ fn add_forces<L: Lanes>(blocks: &[Block], places: &[Lane], residual: &mut [Lane]
         if below == 0 {
             continue;
         }
-        crushed += below.count_ones();
         let lost = (threshold - share).greatest(L::splat(0.0));
         // Far out it only turns what has overflowed into numbers.
         let reach = L::load(&block.reach);
         // Beyond reach the pressure is lowered, as that of a continuum is: see `kernel::pressure`.
-        let followed = reach / steepness(&growth).greatest(reach);
+        let steepness = steepness(&growth);
+        held += (below & steepness.above(reach)).count_ones();
+        let followed = reach / steepness.greatest(reach);
         let pressure =
             L::load(&block.stiffness_pa) * lost.least(L::splat(1e90)) * followed * followed;
         let force = growth.map(|grown| times(grown, pressure));
         kernel::scatter(&block.nodes, force, residual);
     }
-    crushed
+    held
 }
 
 /// The same code with 256-bit registers; no fused multiply-add, so the bits are the same.
@@ -189,7 +191,9 @@ mod tests {
         for squeeze in [0.4, 0.0, -0.5] {
             let places = moved(nodes, squeeze, 2e-3);
             let mut forces = vec![[0.0; 4]; nodes.len()];
-            assert!(barrier.add_forces(&places, &mut forces) > 0);
+            // Squeezed cells are within reach.
+            assert_eq!(barrier.add_forces(&places, &mut forces), 0);
+            assert!(forces.iter().any(|f| *f != [0.0; 4]));
             let mut plain = vec![[0.0; 4]; nodes.len()];
             add_forces::<Baseline>(&barrier.blocks, &places, &mut plain);
             assert_eq!(plain, forces);
