@@ -80,8 +80,8 @@ impl VolumeBarrier {
         }
     }
 
-    /// Adds −∂Ψ/∂x (N) at `places`; answers with the number of crushed cells whose pressure is held
-    /// back, which is then no gradient.
+    /// Adds −∂Ψ/∂x (N) at `places`; answers with the number of cells that are turned over and
+    /// whose pressure is held back, which is then no gradient.
     pub fn add_forces(&self, places: &[Lane], residual: &mut [Lane]) -> u32 {
         #[cfg(target_arch = "x86_64")]
         if palpate_geometry::math::simd::has_avx2() {
@@ -146,7 +146,7 @@ fn add_forces<L: Lanes>(blocks: &[Block], places: &[Lane], residual: &mut [Lane]
         let reach = L::load(&block.reach);
         // Beyond reach the pressure is lowered, as that of a continuum is: see `kernel::pressure`.
         let steepness = steepness(&growth);
-        held += (below & steepness.above(reach)).count_ones();
+        held += (L::splat(0.0).above(share) & steepness.above(reach)).count_ones();
         let followed = reach / steepness.greatest(reach);
         let pressure =
             L::load(&block.stiffness_pa) * lost.least(L::splat(1e90)) * followed * followed;
