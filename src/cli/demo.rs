@@ -31,8 +31,8 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
         common.listen = vec![format!("tcp/127.0.0.1:{}", free_port()?)];
     }
     let terminal = std::io::IsTerminal::is_terminal(&std::io::stdout());
-    if common.http.is_none() && terminal && !args.headless {
-        common.http = Some(std::net::SocketAddr::from(([127, 0, 0, 1], 0)));
+    if common.page.http.is_none() && terminal && !args.headless {
+        common.page.http = Some(std::net::SocketAddr::from(([127, 0, 0, 1], 0)));
     }
     let endpoint = common.listen[0].clone();
     let record = common.recording.record.clone();

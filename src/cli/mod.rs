@@ -16,6 +16,7 @@ mod keys;
 mod ls;
 mod man;
 mod numbers;
+mod page;
 mod plan;
 mod play;
 mod probe;

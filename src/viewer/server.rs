@@ -1,0 +1,89 @@
+//! The HTTP server: its thread, the page's files, and what every router has.
+
+use super::guard::{self, Hosts};
+use axum::Router;
+use axum::http::header;
+use axum::response::IntoResponse;
+use axum::routing::get;
+use std::net::SocketAddr;
+use tokio::sync::oneshot;
+
+/// The bundle that `clients/web` makes.
+const PAGE: &str = include_str!("page/index.html");
+const SCRIPT: &str = include_str!("page/app.js");
+const STYLE: &str = include_str!("page/app.css");
+
+/// Page, style and script, in this order.
+pub(super) fn bundle() -> [&'static str; 3] {
+    [PAGE, STYLE, SCRIPT]
+}
+
+/// A server in a thread of its own; it ends when dropped.
+pub(super) struct Server {
+    pub(super) address: SocketAddr,
+    _stop: oneshot::Sender<()>,
+}
+
+impl Server {
+    /// Listens, and serves `routes` beside the page's files.
+    pub(super) fn start(
+        listener: std::net::TcpListener,
+        routes: Router,
+        hosts: Hosts,
+    ) -> std::io::Result<Self> {
+        listener.set_nonblocking(true)?;
+        let address = listener.local_addr()?;
+        let runtime = tokio::runtime::Builder::new_current_thread()
+            .enable_all()
+            .build()?;
+        let app = routes
+            .merge(files())
+            .layer(axum::middleware::from_fn_with_state(hosts, guard::check));
+        let (stop, stopped) = oneshot::channel::<()>();
+        std::thread::Builder::new()
+            .name("palpate-viewer".into())
+            .spawn(move || {
+                runtime.block_on(async move {
+                    match tokio::net::TcpListener::from_std(listener) {
+                        // Open sockets do not keep the daemon: the runtime ends when it is asked to.
+                        Ok(listener) => {
+                            tokio::select! {
+                                served = axum::serve(listener, app) => if let Err(error) = served {
+                                    tracing::warn!(%error, "viewer");
+                                },
+                                _ = stopped => {}
+                            }
+                        }
+                        Err(error) => tracing::warn!(%error, "viewer"),
+                    }
+                });
+            })?;
+        Ok(Self {
+            address,
+            _stop: stop,
+        })
+    }
+
+    /// Where the page is.
+    pub(super) fn url(&self) -> String {
+        let mut address = self.address;
+        // What listens everywhere is opened here.
+        if address.ip().is_unspecified() {
+            address.set_ip(match address {
+                SocketAddr::V4(_) => std::net::Ipv4Addr::LOCALHOST.into(),
+                SocketAddr::V6(_) => std::net::Ipv6Addr::LOCALHOST.into(),
+            });
+        }
+        format!("http://{address}/")
+    }
+}
+
+fn files() -> Router {
+    let file = |kind: &'static str, text: &'static str| {
+        get(move || std::future::ready(([(header::CONTENT_TYPE, kind)], text).into_response()))
+    };
+    Router::new()
+        .route("/", file("text/html; charset=utf-8", PAGE))
+        .route("/app.js", file("text/javascript; charset=utf-8", SCRIPT))
+        .route("/app.css", file("text/css; charset=utf-8", STYLE))
+}

@@ -1,0 +1,134 @@
+//! What a page sees.
+
+use super::{SOFT, TWO_BALLS};
+use crate::page::{Page, get, serve};
+use palpate_client::pose_at;
+use palpate_client::proto::codec::decode;
+use palpate_client::proto::messages::{
+    ControlNet, LoopStatus, SceneSnapshot, SimEvent, ToolContact, ToolForce,
+};
+use palpate_client::proto::rpc::Call;
+use std::time::{Duration, Instant};
+
+#[test]
+fn a_page_gets_the_scene_first_then_all_nets_and_the_past_events() {
+    let directory = tempfile::tempdir().unwrap();
+    let (daemon, port) = serve(directory.path(), TWO_BALLS, &[]);
+    let palpate = daemon.connect();
+    palpate.rpc(Call::Reset).unwrap();
+    let mut page = Page::watch(port);
+    let (key, payload) = page.next().unwrap();
+    assert_eq!(key, "scene");
+    let scene: SceneSnapshot = decode(&payload, "").unwrap();
+    let bodies: Vec<&str> = scene.bodies.iter().map(|body| body.id.as_str()).collect();
+    assert_eq!(bodies, ["drop"]);
+    // As on the bus, to the byte.
+    let net: ControlNet = page.message("body/drop/net");
+    assert_eq!(net.points, scene.bodies[0].points);
+    let events: Vec<SimEvent> = (page.seen.iter())
+        .filter(|(key, _)| key == "event")
+        .map(|(_, payload)| decode(payload, "").unwrap())
+        .collect();
+    let status: LoopStatus = page.message("status");
+    assert!(status.tick > 0);
+    let events = if events.is_empty() {
+        vec![page.message::<SimEvent>("event")]
+    } else {
+        events
+    };
+    assert_eq!(events[0].seq, 1, "{events:?}");
+    let info = get(port, "/session.json").json();
+    assert_eq!(info["mode"], "live");
+    assert_eq!(info["instances"], serde_json::json!(["default"]));
+    assert_eq!(info["recordings"], serde_json::json!([]));
+    let tools = get(port, "/tools.json").json();
+    assert_eq!(tools[0]["id"], "ball");
+    assert!(tools[0]["triangles"].as_array().unwrap().len() > 50);
+}
+
+#[test]
+fn what_a_remote_device_feels_is_shown() {
+    let directory = tempfile::tempdir().unwrap();
+    let (daemon, port) = serve(directory.path(), TWO_BALLS, &[]);
+    let palpate = daemon.connect();
+    let mut page = Page::watch(port);
+    page.holder("ball", |who| who.is_none());
+    let mut tool = palpate.tool("ball").unwrap();
+    tool.send(pose_at([0.045, 0.003, 0.045])).unwrap();
+    page.holder("ball", |who| who == Some("a client on the bus"));
+    let force: ToolForce = page.message("tool/ball/force");
+    assert_eq!(force.pose_seq, 1);
+    let contact: ToolContact = page.message("tool/ball/contact");
+    assert_eq!(contact.pose_seq, 1);
+    drop(tool);
+    page.holder("ball", |who| who.is_none());
+}
+
+// While it did not read, a thousand nets were made; it gets the newest and no backlog.
+#[test]
+fn a_page_that_does_not_read_gets_the_newest_only() {
+    let directory = tempfile::tempdir().unwrap();
+    let (daemon, port) = serve(directory.path(), SOFT, &[]);
+    let mut page = Page::open(port);
+    page.claim("ball", "mouse");
+    page.holder("ball", |who| who == Some("mouse"));
+    let palpate = daemon.connect();
+    let nets = palpate.nets("drop").unwrap();
+    // Pressed to and fro for a while without reading. What the system buffers for a socket is some
+    // hundred kB, less than is posted meanwhile.
+    let begun = Instant::now();
+    let mut seq = 0;
+    while begun.elapsed() < Duration::from_secs(8) {
+        seq += 1;
+        let phase = 1e-3 * begun.elapsed().as_millis() as f64;
+        page.pose(
+            "ball",
+            &palpate_client::proto::messages::ToolPose {
+                seq,
+                ..pose_at([0.05 + 0.008 * phase.sin(), 0.003, 0.045])
+            },
+        );
+        std::thread::sleep(Duration::from_millis(16));
+    }
+    let newest = nets.get().expect("the body moved").tick;
+    let mut read = 0;
+    let reading = Instant::now();
+    page.until("the newest net", |key, payload| {
+        read += payload.len();
+        (key == "body/drop/net").then_some(())?;
+        (decode::<ControlNet>(payload, "").unwrap().tick >= newest).then_some(())
+    });
+    assert!(
+        reading.elapsed() < Duration::from_secs(2),
+        "{:?}",
+        reading.elapsed()
+    );
+    // Eight seconds of nets, forces and contacts would be more.
+    println!("{read} bytes were read until the newest net");
+}
+
+#[test]
+fn another_scene_is_told_with_its_bodies() {
+    let directory = tempfile::tempdir().unwrap();
+    let text = std::fs::read_to_string(
+        std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/two-drops.toml"),
+    )
+    .unwrap();
+    let (_daemon, port) = serve(directory.path(), &text, &[]);
+    let mut page = Page::open(port);
+    let before: SceneSnapshot = page.message("scene");
+    let bodies: Vec<String> = before.bodies.iter().map(|body| body.id.clone()).collect();
+    let arguments = serde_json::json!({ "bodies": bodies, "gap": 1e-3 });
+    let answer = page.call("isolate", &arguments.to_string());
+    if answer["ok"] == serde_json::json!(false) {
+        panic!("{answer}");
+    }
+    if answer["report"]["moved"].as_bool() == Some(false) {
+        return;
+    }
+    let scene = page.seen.iter().rev().find(|(key, _)| key == "scene");
+    if let Some((_, payload)) = scene {
+        let after: SceneSnapshot = decode(payload, "").unwrap();
+        assert_eq!(after.bodies.len(), before.bodies.len());
+    }
+}
