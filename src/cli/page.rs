@@ -4,6 +4,7 @@ use crate::transport::ViewSink;
 use crate::viewer::{Viewer, ViewerSettings};
 use palpate_sim::scene::Scene;
 use std::net::SocketAddr;
+use std::process::Stdio;
 
 /// Options of the page.
 #[derive(clap::Args, Debug, Clone)]
@@ -17,7 +18,7 @@ pub struct PageArgs {
     /// A name under which the page may be opened, beside numbers and localhost; can be repeated.
     #[arg(long, value_name = "NAME", requires = "http")]
     pub http_host: Vec<String>,
-    /// Do not open the page in a browser.
+    /// Do not open the page in a browser (demo and view do where there is a desktop).
     #[arg(long)]
     pub no_open: bool,
 }
@@ -53,4 +54,37 @@ impl PageArgs {
         }
         Ok(Some((viewer, Box::new(feed))))
     }
+}
+
+/// Opens a page in the browser of the desktop, if there is one.
+pub fn open_in_browser(url: &str) {
+    let Some((program, arguments)) = opener() else {
+        return;
+    };
+    let started = std::process::Command::new(program)
+        .args(arguments)
+        .arg(url)
+        .stdin(Stdio::null())
+        .stdout(Stdio::null())
+        .stderr(Stdio::null())
+        .spawn();
+    match started {
+        // Nobody waits for it, but somebody must.
+        Ok(mut child) => drop(std::thread::spawn(move || child.wait())),
+        Err(error) => tracing::debug!(%error, program, "opening the page"),
+    }
+}
+
+/// What opens addresses here.
+fn opener() -> Option<(&'static str, &'static [&'static str])> {
+    if cfg!(target_os = "macos") {
+        return Some(("open", &[]));
+    }
+    if cfg!(windows) {
+        return Some(("cmd", &["/C", "start", ""]));
+    }
+    let desktop = ["DISPLAY", "WAYLAND_DISPLAY"]
+        .iter()
+        .any(|name| std::env::var_os(name).is_some_and(|value| !value.is_empty()));
+    desktop.then_some(("xdg-open", &[]))
 }

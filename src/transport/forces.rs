@@ -72,11 +72,7 @@ impl Forces {
 
     /// Takes the next output and publishes what it says of tools; false if a newer one waits that
     /// makes it needless.
-    pub(super) fn publish_next(
-        &mut self,
-        scene: &Scene,
-        devices: &mut Devices,
-    ) -> bool {
+    pub(super) fn publish_next(&mut self, scene: &Scene, devices: &mut Devices) -> bool {
         let Ok(output) = self.outputs.pop() else {
             return false;
         };

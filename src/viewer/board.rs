@@ -140,7 +140,10 @@ impl Board {
         let state = self.lock();
         let since = std::mem::replace(seen, state.version);
         let slots = state.slots.iter().map(|slot| (slot.version, &slot.frame));
-        let events = state.events.iter().map(|(version, frame)| (*version, frame));
+        let events = state
+            .events
+            .iter()
+            .map(|(version, frame)| (*version, frame));
         (slots.chain(events))
             .filter(|(version, _)| *version > since)
             .map(|(_, frame)| frame.clone())
@@ -163,9 +166,7 @@ impl Board {
     pub(super) fn leave(&self) {
         if self.open.fetch_sub(1, Ordering::AcqRel) == 1 {
             let mut state = self.lock();
-            state
-                .slots
-                .retain(|slot| slot.lasts == Lasts::UntilChanged);
+            state.slots.retain(|slot| slot.lasts == Lasts::UntilChanged);
         }
     }
 

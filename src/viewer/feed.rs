@@ -4,8 +4,8 @@ use super::board::{Board, Lasts};
 use super::frames::key_of;
 use super::health::Newest;
 use super::holders::Holders;
-use super::outlines;
 use crate::transport::{LoopMetrics, ViewSink};
+use crate::wire::tool_outlines;
 use palpate_proto::messages::{DeviceInfo, SceneSnapshot, SimEvent};
 use palpate_sim::scene::Scene;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -30,7 +30,7 @@ impl ViewSink for Feed {
     }
 
     fn scene(&mut self, scene: &Scene, snapshot: &[u8]) {
-        *self.outlines.lock().unwrap_or_else(PoisonError::into_inner) = outlines::json(scene);
+        *self.outlines.lock().unwrap_or_else(PoisonError::into_inner) = tool_outlines(scene);
         self.board
             .begin_scene(&key_of::<SceneSnapshot>(""), snapshot);
     }

@@ -56,8 +56,8 @@ impl Hosts {
         };
         let host = text(header::HOST)?.ok_or("the request has no Host")?;
         let name = name_of(host);
-        let known = is_number_or_local(name)
-            || self.0.iter().any(|known| known.eq_ignore_ascii_case(name));
+        let known =
+            is_number_or_local(name) || self.0.iter().any(|known| known.eq_ignore_ascii_case(name));
         if !known {
             return Err(format!(
                 "this page is not served as {name:?}: open it by number, like http://127.0.0.1:PORT/, or start \
@@ -104,7 +104,9 @@ mod tests {
         };
         add(header::HOST, host);
         add(header::ORIGIN, origin);
-        Hosts(Arc::new(["lab-pc".to_owned()])).check(&headers).is_ok()
+        Hosts(Arc::new(["lab-pc".to_owned()]))
+            .check(&headers)
+            .is_ok()
     }
 
     #[test]

@@ -175,9 +175,11 @@ impl Hands {
     /// As it came: whether it is a pose is judged where those of all clients are.
     fn pose(&self, socket: Socket, tool: &str, pose: &[u8]) -> Result<(), String> {
         match self.held.get(tool) {
-            Some(held) if self.holders.holds(socket, tool) => {
-                held.poses.put(pose).wait().map_err(|e| format!("Zenoh: {e}"))
-            }
+            Some(held) if self.holders.holds(socket, tool) => held
+                .poses
+                .put(pose)
+                .wait()
+                .map_err(|e| format!("Zenoh: {e}")),
             _ => Err(format!("this page does not hold tool {tool:?}")),
         }
     }

@@ -89,7 +89,10 @@ impl Holders {
         self.change(|tools| {
             let known = || tools.keys().cloned().collect::<Vec<_>>().join(", ");
             let Some(holder) = tools.get(tool) else {
-                return Err(format!("this scene has no tool {tool:?}; it has {}", known()));
+                return Err(format!(
+                    "this scene has no tool {tool:?}; it has {}",
+                    known()
+                ));
             };
             match (&holder.page, holder.who()) {
                 (Some((owner, _)), _) if *owner == socket => return Ok(true),

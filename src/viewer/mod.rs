@@ -14,13 +14,17 @@ mod guard;
 mod hands;
 mod health;
 mod holders;
-mod outlines;
+mod html;
+mod recordings;
 mod server;
 mod session;
 mod socket;
 
 pub use feed::Feed;
+pub use html::{HtmlError, html_page};
+pub use recordings::RecordingsViewer;
 
+use crate::wire::tool_outlines;
 use axum::Router;
 use axum::routing::get;
 use board::Board;
@@ -85,11 +89,12 @@ impl Viewer {
         session: &zenoh::Session,
     ) -> Result<(Self, Feed), ViewerError> {
         let system = |error: &dyn std::fmt::Display| ViewerError::System(error.to_string());
-        let listener =
-            std::net::TcpListener::bind(settings.address).map_err(|source| ViewerError::Listen {
+        let listener = std::net::TcpListener::bind(settings.address).map_err(|source| {
+            ViewerError::Listen {
                 address: settings.address,
                 source,
-            })?;
+            }
+        })?;
         let keys = Keys::new(&settings.instance).map_err(|e| system(&e))?;
         let board = Arc::new(Board::new());
         let tools: Vec<String> = (0..scene.tool_count())
@@ -107,7 +112,7 @@ impl Viewer {
             board: board.clone(),
             holders,
             health: Arc::default(),
-            outlines: Arc::new(Mutex::new(outlines::json(scene))),
+            outlines: Arc::new(Mutex::new(tool_outlines(scene))),
         };
         let info = SessionInfo {
             mode: "live",

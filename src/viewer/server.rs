@@ -5,6 +5,7 @@ use axum::Router;
 use axum::http::header;
 use axum::response::IntoResponse;
 use axum::routing::get;
+use std::borrow::Cow;
 use std::net::SocketAddr;
 use tokio::sync::oneshot;
 
@@ -79,11 +80,26 @@ impl Server {
 }
 
 fn files() -> Router {
-    let file = |kind: &'static str, text: &'static str| {
-        get(move || std::future::ready(([(header::CONTENT_TYPE, kind)], text).into_response()))
+    let file = |kind: &'static str, name: &'static str, built_in: &'static str| {
+        get(move || {
+            let text = from_disk(name).map_or(Cow::Borrowed(built_in), Cow::Owned);
+            std::future::ready(([(header::CONTENT_TYPE, kind)], text).into_response())
+        })
     };
     Router::new()
-        .route("/", file("text/html; charset=utf-8", PAGE))
-        .route("/app.js", file("text/javascript; charset=utf-8", SCRIPT))
-        .route("/app.css", file("text/css; charset=utf-8", STYLE))
+        .route("/", file("text/html; charset=utf-8", "index.html", PAGE))
+        .route(
+            "/app.js",
+            file("text/javascript; charset=utf-8", "app.js", SCRIPT),
+        )
+        .route(
+            "/app.css",
+            file("text/css; charset=utf-8", "app.css", STYLE),
+        )
+}
+
+/// For those who work on the page: a bundle that is newer than this program.
+fn from_disk(name: &str) -> Option<String> {
+    let directory = cfg!(debug_assertions).then(|| std::env::var_os("PALPATE_PAGE_DIR"))??;
+    std::fs::read_to_string(std::path::Path::new(&directory).join(name)).ok()
 }

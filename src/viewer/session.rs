@@ -10,7 +10,10 @@ pub(super) struct ListedRecording {
     pub(super) name: String,
     pub(super) url: String,
     pub(super) bytes: u64,
+    /// The shapes of its tools.
     pub(super) tools_url: String,
+    /// Its scene before the first tick, as `SceneSnapshot`.
+    pub(super) scene_url: String,
     /// It is shown beside the one before it.
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub(super) against: bool,

@@ -144,7 +144,8 @@ impl Page {
             }
             self.seen.push((key, payload));
         }
-        let keys: Vec<&String> = self.seen.iter().map(|(key, _)| key).collect();
+        let keys: std::collections::BTreeSet<&String> =
+            self.seen.iter().map(|(key, _)| key).collect();
         panic!("never saw {what}, but {keys:?}");
     }
 

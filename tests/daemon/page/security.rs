@@ -21,7 +21,8 @@ fn the_page_comes_with_its_policy_and_only_under_numbers() {
         assert_eq!(answer.status, 200, "{path}");
         assert!(answer.head.contains(kind), "{path}: {}", answer.head);
         assert!(answer.head.contains("x-content-type-options: nosniff"));
-        let policy = "content-security-policy: default-src 'none'; script-src 'self'; style-src 'self';";
+        let policy =
+            "content-security-policy: default-src 'none'; script-src 'self'; style-src 'self';";
         assert!(answer.head.contains(policy), "{}", answer.head);
     }
     assert!(!get(port, "/").text().contains("<script>"), "inline script");
@@ -35,7 +36,10 @@ fn the_page_comes_with_its_policy_and_only_under_numbers() {
     };
     assert_eq!(origin("http://evil.example"), (403, false));
     assert_eq!(origin(&format!("http://127.0.0.1:{port}")), (200, true));
-    assert_eq!(get_with(port, "/healthz", &[("Host", "evil.example")]).status, 403);
+    assert_eq!(
+        get_with(port, "/healthz", &[("Host", "evil.example")]).status,
+        403
+    );
 }
 
 #[test]

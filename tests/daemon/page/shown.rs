@@ -85,7 +85,7 @@ fn a_page_that_does_not_read_gets_the_newest_only() {
             "ball",
             &palpate_client::proto::messages::ToolPose {
                 seq,
-                ..pose_at([0.05 + 0.008 * phase.sin(), 0.003, 0.045])
+                ..pose_at([0.034 + 0.004 * phase.sin(), 0.003, 0.045])
             },
         );
         std::thread::sleep(Duration::from_millis(16));
