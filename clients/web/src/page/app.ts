@@ -5,7 +5,7 @@
  * the background gets no frames and costs nothing.
  */
 
-import { add, norm, scaled, type Vec3 } from "./geometry";
+import { add, Bounds, norm, scaled, type Vec3 } from "./geometry";
 import { bindKeys } from "./keys";
 import { BlobSource, httpSource, MemorySource, type ByteSource } from "./mcap/source";
 import { Recording } from "./mcap/recording";
@@ -37,6 +37,8 @@ import { World, type Outline } from "./world";
 /** Words and numbers change this often at most, ms. */
 const WORDS_MS = 66;
 /** Where the second of two recordings stands: beside the first, as seen from the oblique view. */
+/** Turned a little, rad, so that the first picture has depth. */
+const FIRST_TURN = 0.2;
 const BESIDE: Vec3 = [0.72, 0.61, 0];
 
 interface Opened {
@@ -104,7 +106,7 @@ export class App {
     const span = el("select", { "aria-label": "Seconds shown" }, ...[5, 10, 30, 60].map((s) => el("option", { value: String(s), selected: s === this.settings.value.span }, `${s} s`)));
     span.addEventListener("change", () => this.settings.set((s) => (s.span = Number(span.value))));
     const label = el("label", { id: "span" }, "Last ", span);
-    this.charts.options(label);
+    byId("actions").append(label);
     requestAnimationFrame((now) => this.frame(now));
   }
 
@@ -492,8 +494,22 @@ export class App {
     this.setClip();
     // The same scene after a reconnect keeps the place from which it was looked at.
     if (this.sceneName === this.world.name) return;
-    stage.fit(middle, size, directionOf("iso"), this.sceneName !== "");
+    stage.fit(middle, size, this.firstDirection(view), this.sceneName !== "");
     this.sceneName = this.world.name;
+  }
+
+  /** From where a tool that is dragged towards the body meets it: across the line between them, a little from above. */
+  private firstDirection(view: WorldView): Vec3 {
+    const [tool] = this.world.tools;
+    const [body] = this.world.bodies;
+    const iso = directionOf("iso");
+    if (tool === undefined || body === undefined || this.world.tools.length > 4) return iso;
+    const middle = new Bounds().take(body.rest).middle;
+    const [x, y] = [tool.proxy[0] - middle[0], tool.proxy[1] - middle[1]];
+    const across = Math.hypot(x, y);
+    if (!(across > 0.15 * view.size)) return iso;
+    const angle = Math.atan2(-x, y) + FIRST_TURN;
+    return [Math.cos(angle), Math.sin(angle), 0.36];
   }
 
   private updateOverlay(): void {

@@ -15,7 +15,7 @@ import type { Stage } from "./stage";
 const CELLS = 128;
 
 /** Okabe and Ito's colours, which differ for every eye. */
-const OWN = ["#e6e9ee", "#9fd0f0", "#f3c98b", "#8fd8bd", "#e8b1d1", "#f2e791", "#a9b8e8"];
+const OWN = ["#f1dfd2", "#9fd0f0", "#f3c98b", "#8fd8bd", "#e8b1d1", "#f2e791", "#a9b8e8"];
 
 export class BodyView {
   readonly group = new Group();

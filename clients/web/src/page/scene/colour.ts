@@ -9,7 +9,7 @@ import type { Settings } from "../settings";
 import { niceAbove } from "../units";
 
 const STOPS = {
-  ember: ["#e6e9ee", "#fbe3ae", "#fcc473", "#f99a4b", "#ee6c35", "#d03f31", "#a11f3d", "#6d1240", "#3f0c36"],
+  ember: ["#f1dfd2", "#f8cfa6", "#f9b277", "#f28f4f", "#e0693a", "#c24333", "#962640", "#651746", "#38103c"],
   viridis: ["#440154", "#482878", "#3e4989", "#31688e", "#26828e", "#1f9e89", "#35b779", "#6ece58", "#b5de2b", "#fde725"],
   cividis: ["#00224e", "#123570", "#3b496c", "#575d6d", "#707173", "#8a8678", "#a59c74", "#c3b369", "#e1cc55", "#fee838"],
   diverging: ["#053061", "#2166ac", "#4393c3", "#92c5de", "#f2f2f2", "#f4a582", "#d6604d", "#b2182b", "#67001f"],

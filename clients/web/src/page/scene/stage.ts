@@ -64,9 +64,9 @@ export class Stage {
   thrifty = false;
   onCamera: () => void = () => {};
 
-  private readonly sun = new DirectionalLight(0xffffff, 2.1);
-  private readonly head = new DirectionalLight(0xffffff, 0.75);
-  private readonly sky = new HemisphereLight(0xffffff, 0x8d93a3, 1.15);
+  private readonly sun = new DirectionalLight(0xfffaf2, 2.3);
+  private readonly head = new DirectionalLight(0xffffff, 0.55);
+  private readonly sky = new HemisphereLight(0xf4f8ff, 0x6b7385, 0.8);
   private readonly grid: Mesh<PlaneGeometry, ShaderMaterial>;
   private readonly shade: Mesh<PlaneGeometry, ShadowMaterial>;
   private wanted = true;
@@ -115,7 +115,7 @@ export class Stage {
   setPalette({ grid, light }: Palette): void {
     (this.grid.material.uniforms["colour"].value as Color).set(grid);
     this.shade.material.opacity = light ? 0.2 : 0.42;
-    this.sky.intensity = light ? 1.35 : 1.1;
+    this.sky.intensity = light ? 1.0 : 0.75;
     this.ask();
   }
 

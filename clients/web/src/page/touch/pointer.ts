@@ -72,7 +72,6 @@ export class PointerTouch {
     if (view === null) return;
     event.stopPropagation();
     event.preventDefault();
-    this.stage.canvas.focus({ preventScroll: true });
     this.held = event.pointerId;
     this.at = { x: event.clientX, y: event.clientY };
     this.stage.controls.enabled = false;

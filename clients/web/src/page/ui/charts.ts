@@ -27,9 +27,13 @@ class Chart {
   private shape = "";
   private data: Panel = { time: [], lines: [] };
 
-  constructor(private readonly about: (typeof CHARTS)[number], private readonly height: () => number, private readonly owner: Charts) {
+  constructor(private readonly about: (typeof CHARTS)[number], private readonly tall: () => number, private readonly last: boolean, private readonly owner: Charts) {
     this.root = el("div", { class: "chart", "data-chart": about.name },
       el("div", { class: "head" }, el("h2", {}, about.title, " "), el("span", { class: "unit" }, about.unit), this.values), this.plot);
+  }
+
+  private height(): number {
+    return this.tall() + (this.last ? 18 : 0);
   }
 
   set(panel: Panel, range: readonly [number, number], theme: Theme): void {
@@ -83,7 +87,8 @@ class Chart {
       width, height: this.height(), legend: { show: false }, padding: [4, 6, 0, 0],
       scales: { x: { time: false }, y: { auto: false } },
       axes: [
-        { ...axis, size: 18, gap: 2, space: 60, values: (_, ticks) => ticks.map((tick) => `${Number(tick.toFixed(6))} s`) },
+        // The time is written once, below the last of them.
+        { ...axis, size: this.last ? 18 : 3, gap: 2, space: 60, values: (_, ticks) => ticks.map((tick) => (this.last ? `${Number(tick.toFixed(6))} s` : "")) },
         { ...axis, size: 42, gap: 3, space: 22, values: (_, ticks) => ticks.map((tick) => String(Number(tick.toPrecision(6)))) },
       ],
       series: [{}, ...lines.map(({ label, colour, thin }): uPlot.Series => ({
@@ -151,8 +156,9 @@ export class Charts {
   private last = 0;
 
   constructor() {
-    const tall = () => (innerHeight < 760 && innerWidth > 820 ? 78 : 92);
-    this.charts = CHARTS.map((about) => new Chart(about, tall, this));
+    // What the panel leaves after the readout and some lines of events, so that nothing needs scrolling on a usual screen.
+    const tall = () => (innerWidth <= 820 ? 92 : Math.round(Math.min(Math.max((innerHeight - 538) / 4, 58), 150)));
+    this.charts = CHARTS.map((about, k) => new Chart(about, tall, k === CHARTS.length - 1, this));
     byId("charts").append(...this.charts.map(({ root }) => root));
   }
 
@@ -167,8 +173,4 @@ export class Charts {
     this.charts.forEach((chart, k) => chart.set(tracks[CHARTS[k].name], range, theme));
   }
 
-  /** Titles for the chart options. */
-  options(...children: Node[]): void {
-    byId("charts").prepend(el("div", { class: "options" }, ...children));
-  }
 }

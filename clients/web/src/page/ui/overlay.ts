@@ -112,6 +112,6 @@ export class Legend {
     setText(this.arrow, `force on the tool, 1 N = ${withUnit(view.arrowScale, "m")}`);
     this.root.hidden = this.scale.hidden && this.arrow.hidden;
     this.ground.hidden = !settings.layers.grid || view.bodies.length === 0;
-    setText(this.ground, `grid ${withUnit(stage.cell, "m")}`);
+    setText(this.ground, `grid ${withUnit(stage.cell, "m").replace(/\.0+ /, " ")}`);
   }
 }

@@ -16,10 +16,13 @@ const ITEMS: readonly Item[] = [
   { name: "time", label: "time" },
   { name: "rate", label: "rate" },
   { name: "late", label: "late" },
-  { name: "tick", label: "tick time p99", minor: true },
+  { name: "tick", label: "p99", minor: true },
   { name: "quality", label: "quality", minor: true },
   { name: "recorder", label: "", minor: true },
 ];
+
+/** Thousands are enough of a large count. */
+const few = (count: number): string => (count < 1e4 ? count.toLocaleString("en") : `${Math.round(count / 1e3)}k`);
 
 export class StatusBar {
   private readonly values = new Map<string, { item: HTMLElement; value: HTMLElement }>();
@@ -54,10 +57,13 @@ export class StatusBar {
     if (status === null) return;
     this.put("rate", `${status.rate_hz.toFixed(0)} Hz`, this.slower(world, status.rate_hz));
     const [late, skipped] = [Number(status.late_ticks), Number(status.skipped_ticks)];
-    this.put("late", `${late.toLocaleString("en")}`, skipped > 0 ? `late · ${skipped.toLocaleString("en")} skipped` : "late", skipped > 0 ? "warn" : "");
+    this.put("late", few(late), skipped > 0 ? `late, ${few(skipped)} skipped` : "late", skipped > 0 ? "warn" : "");
     this.put("tick", withUnit(Number(status.step.p99_ns) * 1e-9, "s"));
+    this.explain("tick", "Tick time: 99 of 100 ticks take less");
     const level = status.quality_level;
-    this.put("quality", level === 0 ? "full" : `level ${level}: ${QUALITY[level] ?? ""}`, "quality", level > 0 ? "warn" : "");
+    this.put("quality", level === 0 ? "full" : `−${level}`, "quality", level > 0 ? "warn" : "");
+    this.explain("quality", level === 0 ? "Full quality" : `Quality level ${level}: ${QUALITY[level] ?? ""}`);
+    this.explain("late", `${late} ticks began late, ${skipped} were skipped`);
     const failed = status.recorder === "Failed" || status.recorder_drops > 0n;
     const written = status.recorder === "Recording" ? ` ${bytes(Number(status.recorder_bytes))}` : "";
     const lost = status.recorder_drops > 0n ? `, ${status.recorder_drops} records lost` : "";
@@ -82,6 +88,11 @@ export class StatusBar {
       case "failed": return "Failed";
       default: return world.status?.state === "Paused" ? "Paused" : world.status?.state === "Stopping" ? "Stopping" : "Live";
     }
+  }
+
+  private explain(name: string, text: string): void {
+    const item = this.values.get(name)?.item;
+    if (item !== undefined && item.title !== text) item.title = text;
   }
 
   private put(name: string, value: string, label?: string, kind = ""): void {

@@ -68,10 +68,10 @@ export class Readout {
     }
     this.take.addEventListener("click", () => (this.held ? actions.letGo() : actions.take(this.tool)));
     byId("readout").append(
-      el("div", { class: "big" }, this.size, el("span", { class: "unit" }, "N"), this.name),
+      el("div", { class: "big" }, this.size, el("span", { class: "unit" }, "N"), this.words, this.name),
       el("div", { class: "gauge" }, this.gauge),
-      list, this.words,
-      el("div", { class: "actions" }, this.take, this.who),
+      list,
+      el("div", { class: "actions", id: "actions" }, this.take, this.who),
     );
   }
 

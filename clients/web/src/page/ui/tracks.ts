@@ -101,7 +101,7 @@ export function liveTracks(world: World, chosen: ReadonlySet<string>, span: numb
     return { id, time: history.ticks.slice(k).map((tick) => tick * world.dt), fx, fy, fz, depth, energy, dissipated };
   });
   const k = start(world.loop.ticks);
-  const [p50, p99, most, period] = world.loop.columns.map((column) => column.slice(k).map((s) => 1e3 * s));
+  const [p50, p99, , period] = world.loop.columns.map((column) => column.slice(k).map((s) => 1e3 * s));
   const [first] = rows;
   const nominal = 1e3 * world.dt;
   return tracksOf(first === undefined ? [] : rows, {
@@ -109,7 +109,6 @@ export function liveTracks(world: World, chosen: ReadonlySet<string>, span: numb
     lines: [
       { label: "median", colour: "z", values: p50 },
       { label: "p99", colour: "size", values: p99 },
-      { label: "max", colour: "second", values: most, thin: true },
       { label: "late by", colour: "force", values: period.map((ms) => Math.max(0, ms - nominal)), thin: true },
     ],
   });
