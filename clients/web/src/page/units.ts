@@ -28,7 +28,9 @@ export function clock(seconds: number, decimals = 2): string {
   if (!Number.isFinite(seconds)) return "–";
   const whole = Math.floor(Math.abs(seconds));
   const [h, m, s] = [Math.floor(whole / 3600), Math.floor(whole / 60) % 60, whole % 60];
-  const part = decimals > 0 ? (Math.abs(seconds) - whole).toFixed(decimals).slice(1).replace(/^\.?10*$/, ".99") : "";
+  // Cut, not rounded: 59.999 s is not yet a minute.
+  const share = Math.floor((Math.abs(seconds) - whole) * 10 ** decimals + 1e-6);
+  const part = decimals > 0 ? `.${String(Math.min(share, 10 ** decimals - 1)).padStart(decimals, "0")}` : "";
   const two = (n: number) => String(n).padStart(2, "0");
   return (h > 0 ? `${h}:${two(m)}` : `${m}`) + `:${two(s)}${part}`;
 }
