@@ -133,7 +133,7 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
             Clock::Realtime
         };
     }
-    let served = serve(&loaded, &args.common, || Ok(()))?;
+    let served = serve(&loaded, &args.common, |_| Ok(()))?;
     summary(&served);
     Ok(outcome(&served))
 }
@@ -151,11 +151,12 @@ pub fn outcome(served: &EndedSession) -> Outcome {
     }
 }
 
-/// Runs a scene to its end. `ready` is called once all sockets are open.
+/// Runs a scene to its end. `ready` is called once all sockets are open, with the address of the
+/// page.
 pub fn serve(
     loaded: &file::Loaded,
     common: &Common,
-    ready: impl FnOnce() -> anyhow::Result<()>,
+    ready: impl FnOnce(Option<&str>) -> anyhow::Result<()>,
 ) -> anyhow::Result<EndedSession> {
     // A file that cannot be read is one problem of perhaps many: building lists them all.
     let unread = |error| loaded.build().err().unwrap_or_else(|| loaded.locate(error));
@@ -244,7 +245,7 @@ pub fn serve(
         scene = scene.name, instance = common.instance, listen = listen.join(","), clock = ?scene.clock,
         "serving; poses on palpate/{}/tool/ID/pose", common.instance
     );
-    let begun = ready();
+    let begun = ready(viewer.as_ref().map(Viewer::url).as_deref());
     let report = thread
         .join()
         .map_err(|_| anyhow::anyhow!("the tick thread panicked"));

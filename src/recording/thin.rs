@@ -6,7 +6,7 @@
 use super::channel::Happening;
 use super::disk::FileSystem;
 use super::file::SessionFile;
-use super::head::Head;
+use super::head::{Head, Shown};
 use super::reader::{Follower, Session};
 use super::recover::{RecoverError, head_of, message};
 use palpate_sim::scene::Scene;
@@ -72,8 +72,11 @@ fn copy(session: &Session, scene: &Scene, every: u64) -> Result<Vec<u8>, Recover
     let path = directory.path().join("thinned.mcap");
     let mut head: Head = head_of(session, Some(scene), ("thinned_from", &session.path));
     head.extra.insert("thinned_every".into(), every.to_string());
+    // The page that it goes into has them beside it.
+    head.shown = Shown::default();
     let mut file = SessionFile::create(&FileSystem, &path, &head, &[], None)?;
     let net_ticks = (NET_S * every as f64 / scene.dt_s) as u64;
+    let mut others = 0_u64;
     let mut last_net = BTreeMap::<String, u64>::new();
     for happening in Follower::new(session).reading_ahead() {
         let happening = happening?;
@@ -88,7 +91,11 @@ fn copy(session: &Session, scene: &Scene, every: u64) -> Result<Vec<u8>, Recover
                 }
                 due
             }
-            Happening::Event(_) | Happening::Other(_) => true,
+            Happening::Event(_) => true,
+            Happening::Other(_) => {
+                others += 1;
+                (others - 1).is_multiple_of(every)
+            }
             Happening::Keyframe(_) | Happening::Command(..) => false,
         };
         if let Some(message) = message(&happening, &head).filter(|_| kept) {

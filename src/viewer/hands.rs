@@ -2,6 +2,9 @@
 //!
 //! A thread of its own speaks to the bus through the daemon's session: poses of pages are admitted,
 //! counted and recorded where those of all clients are, and a slow bus does not hold up the sockets.
+//!
+//! In lockstep a tick waits for a pose of every tool, and a page has sixty a second: there the newest
+//! pose is repeated with new numbers, as often as the loop would tick at the speed that is asked for.
 
 use super::frames::{answer_frame, refused_frame};
 use super::holders::{Holders, Socket};
@@ -13,8 +16,8 @@ use palpate_proto::messages::{DeviceInfo, ToolPose};
 use palpate_proto::rpc::{Answer, Call, METHODS};
 use std::collections::HashMap;
 use std::sync::Arc;
-use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
-use std::time::Duration;
+use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, sync_channel};
+use std::time::{Duration, Instant};
 use tokio::sync::mpsc::Sender;
 use zenoh::Wait;
 use zenoh::liveliness::LivelinessToken;
@@ -37,6 +40,8 @@ pub(super) enum Order {
     Pose { tool: String, pose: Vec<u8> },
     /// To give it back.
     Release { tool: String },
+    /// Simulated over real time, for a scene in lockstep.
+    Speed { speed: f64 },
     /// A command.
     Call {
         method: String,
@@ -59,6 +64,8 @@ struct Held {
     poses: Publisher<'static>,
     devices: Publisher<'static>,
     _token: LivelinessToken,
+    /// In lockstep: the newest pose of the page, as it is sent.
+    repeated: Option<ToolPose>,
 }
 
 /// The pages' end of the bus.
@@ -69,9 +76,31 @@ struct Hands {
     held: HashMap<String, Held>,
     /// A recording is played here: nobody moves its tools.
     played: bool,
+    /// In lockstep: when the next poses are due.
+    pace: Option<Pace>,
+}
+
+/// How fast poses are repeated.
+struct Pace {
+    dt_s: f64,
+    speed: f64,
+    next: Instant,
+}
+
+/// What a page may ask for, simulated over real time.
+const SPEEDS: std::ops::RangeInclusive<f64> = 1e-3..=10.0;
+/// A bus that was held up for longer is not caught up with.
+const CATCH_UP: Duration = Duration::from_millis(100);
+
+impl Pace {
+    fn period(&self) -> Duration {
+        Duration::from_secs_f64(self.dt_s / self.speed)
+    }
 }
 
 /// Starts the thread; it ends when nobody can give orders any more.
+///
+/// `lockstep_s`: the length of a tick, in a scene whose ticks wait for poses.
 ///
 /// # Errors
 /// No thread could be made.
@@ -80,6 +109,7 @@ pub(super) fn start(
     keys: Keys,
     holders: Arc<Holders>,
     played: bool,
+    lockstep_s: Option<f64>,
 ) -> std::io::Result<SyncSender<FromPage>> {
     let (orders, inbox) = sync_channel(ORDERS);
     let hands = Hands {
@@ -88,6 +118,11 @@ pub(super) fn start(
         holders,
         held: HashMap::new(),
         played,
+        pace: lockstep_s.map(|dt_s| Pace {
+            dt_s,
+            speed: 1.0,
+            next: Instant::now(),
+        }),
     };
     std::thread::Builder::new()
         .name("palpate-hands".into())
@@ -97,18 +132,30 @@ pub(super) fn start(
 
 impl Hands {
     fn run(mut self, inbox: &Receiver<FromPage>) {
-        while let Ok(FromPage {
-            socket,
-            order,
-            outbox,
-        }) = inbox.recv()
-        {
+        loop {
+            let order = match self.next_repeat() {
+                None => inbox.recv().map_err(|_| RecvTimeoutError::Disconnected),
+                Some(due) => inbox.recv_timeout(due.saturating_duration_since(Instant::now())),
+            };
+            let FromPage {
+                socket,
+                order,
+                outbox,
+            } = match order {
+                Ok(order) => order,
+                Err(RecvTimeoutError::Timeout) => {
+                    self.repeat();
+                    continue;
+                }
+                Err(RecvTimeoutError::Disconnected) => return,
+            };
             let (key, done) = match order {
                 Order::Claim { tool, device } => {
                     (key(&tool, "device"), self.claim(socket, &tool, &device))
                 }
                 Order::Pose { tool, pose } => (key(&tool, "pose"), self.pose(socket, &tool, &pose)),
                 Order::Release { tool } => (key(&tool, "release"), self.release(socket, &tool)),
+                Order::Speed { speed } => ("speed".to_owned(), self.set_speed(speed)),
                 Order::Call {
                     method,
                     id,
@@ -169,18 +216,67 @@ impl Hands {
                 .wait()?,
             poses: publisher::<ToolPose>(&self.session, keys.tool_pose(tool))?,
             devices: publisher::<DeviceInfo>(&self.session, keys.tool_device(tool))?,
+            repeated: None,
         })
     }
 
     /// As it came: whether it is a pose is judged where those of all clients are.
-    fn pose(&self, socket: Socket, tool: &str, pose: &[u8]) -> Result<(), String> {
-        match self.held.get(tool) {
-            Some(held) if self.holders.holds(socket, tool) => held
-                .poses
-                .put(pose)
-                .wait()
-                .map_err(|e| format!("Zenoh: {e}")),
-            _ => Err(format!("this page does not hold tool {tool:?}")),
+    fn pose(&mut self, socket: Socket, tool: &str, pose: &[u8]) -> Result<(), String> {
+        let mine = self.holders.holds(socket, tool);
+        let Some(held) = self.held.get_mut(tool).filter(|_| mine) else {
+            return Err(format!("this page does not hold tool {tool:?}"));
+        };
+        if self.pace.is_some()
+            && let Ok(pose) = decode::<ToolPose>(pose, "")
+        {
+            let seq = held.repeated.map_or(0, |repeated| repeated.seq);
+            held.repeated = Some(ToolPose { seq, ..pose });
+            return Ok(());
+        }
+        let put = held.poses.put(pose).wait();
+        put.map_err(|e| format!("Zenoh: {e}"))
+    }
+
+    fn set_speed(&mut self, speed: f64) -> Result<(), String> {
+        match &mut self.pace {
+            None => {
+                Err("this scene runs in real time: only scenes in lockstep have a speed".into())
+            }
+            Some(_) if !SPEEDS.contains(&speed) => Err(format!(
+                "a speed is a number from {} to {}, not {speed}",
+                SPEEDS.start(),
+                SPEEDS.end()
+            )),
+            Some(pace) => {
+                pace.speed = speed;
+                Ok(())
+            }
+        }
+    }
+
+    /// When poses are to be repeated, if any are.
+    fn next_repeat(&mut self) -> Option<Instant> {
+        let pace = self.pace.as_mut()?;
+        let any = self.held.values().any(|held| held.repeated.is_some());
+        any.then(|| {
+            let now = Instant::now();
+            if now.saturating_duration_since(pace.next) > CATCH_UP {
+                pace.next = now;
+            }
+            pace.next
+        })
+    }
+
+    /// Sends the newest poses once more.
+    fn repeat(&mut self) {
+        if let Some(pace) = &mut self.pace {
+            pace.next += pace.period();
+        }
+        for held in self.held.values_mut() {
+            if let Some(pose) = &mut held.repeated {
+                pose.seq += 1;
+                let _ = held.poses.put(encode(pose)).wait();
+            }
         }
     }
 

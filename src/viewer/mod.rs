@@ -101,8 +101,15 @@ impl Viewer {
             .map(|tool| scene.tool_id(tool).to_owned())
             .collect();
         let holders = Arc::new(Holders::new(&tools, board.clone()));
-        let orders = hands::start(session.clone(), keys, holders.clone(), settings.played)
-            .map_err(|e| system(&e))?;
+        let lockstep = scene.clock == Clock::Lockstep;
+        let orders = hands::start(
+            session.clone(),
+            keys,
+            holders.clone(),
+            settings.played,
+            lockstep.then_some(scene.dt_s),
+        )
+        .map_err(|e| system(&e))?;
         let token = match settings.view_only {
             true => None,
             false => Some(make_token().map_err(|e| system(&e))?),
@@ -123,7 +130,7 @@ impl Viewer {
             instances: Vec::new(),
             pages: BTreeMap::new(),
             played: settings.played,
-            lockstep: scene.clock == Clock::Lockstep,
+            lockstep,
         };
         let live = socket::Live {
             board,

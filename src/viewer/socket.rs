@@ -96,24 +96,23 @@ async fn show(
     let mut seen = 0;
     let mut ping = tokio::time::interval(PING);
     loop {
-        for frame in board.news(&mut seen) {
-            if out.send(Message::Binary(frame)).await.is_err() {
-                return;
-            }
-        }
-        let sent = tokio::select! {
+        let last = tokio::select! {
             changed = changes.changed() => match changed {
-                Ok(()) => Ok(()),
+                Ok(()) => None,
                 Err(_) => return,
             },
             letter = mail.recv() => match letter {
-                Some(frame) => out.send(Message::Binary(frame)).await,
+                Some(frame) => Some(Message::Binary(frame)),
                 None => return,
             },
-            _ = ping.tick() => out.send(Message::Ping(Bytes::new())).await,
+            _ = ping.tick() => Some(Message::Ping(Bytes::new())),
         };
-        if sent.is_err() {
-            return;
+        // What an answer speaks of was posted before it, and comes before it.
+        let news = board.news(&mut seen).into_iter().map(Message::Binary);
+        for message in news.chain(last) {
+            if out.send(message).await.is_err() {
+                return;
+            }
         }
     }
 }
@@ -198,6 +197,12 @@ fn order(key: &str, payload: &[u8]) -> Result<Order, &'static str> {
             method: method.to_owned(),
             id,
             arguments: arguments.as_bytes().to_vec(),
+        });
+    }
+    if key == "speed" {
+        let bytes = payload.try_into().map_err(|_| "a speed is an f64")?;
+        return Ok(Order::Speed {
+            speed: f64::from_le_bytes(bytes),
         });
     }
     let (tool, what) = (key.strip_prefix("tool/"))

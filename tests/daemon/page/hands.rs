@@ -11,7 +11,7 @@ use std::time::Duration;
 fn press(page: &mut Page, ticks: u64) -> f64 {
     let mut strongest = 0.0_f64;
     for seq in 1..=ticks {
-        let depth = 0.028 * (seq as f64 / ticks as f64);
+        let depth = 0.045 * (seq as f64 / ticks as f64);
         let pose = ToolPose {
             seq,
             t_client_ns: seq * 16_000_000,
@@ -212,4 +212,44 @@ fn commands_of_a_page_are_carried_out_or_refused_in_the_daemon_s_words() {
         refused["error"].as_str().unwrap().contains("pause"),
         "{refused}"
     );
+}
+
+// In lockstep a tick waits for a pose, and a page has sixty a second: the daemon repeats them, as
+// often as the speed asks for.
+#[test]
+fn in_lockstep_a_page_s_pose_drives_the_loop_at_the_speed_it_asks_for() {
+    let directory = tempfile::tempdir().unwrap();
+    let text = TWO_BALLS.rsplit_once("[[tool]]").unwrap().0;
+    let (daemon, port) = serve(directory.path(), text, &["--clock", "lockstep"]);
+    let palpate = daemon.connect();
+    let mut page = Page::open(port);
+    assert_eq!(
+        crate::page::get(port, "/session.json").json()["lockstep"],
+        true
+    );
+    page.claim("ball", "mouse");
+    page.holder("ball", |who| who == Some("mouse"));
+    assert_eq!(palpate.status().unwrap().tick, 0);
+    page.send("speed", &0.2_f64.to_le_bytes());
+    page.pose("ball", &pose_at([0.05, 0.003, 0.045]));
+    let begun = std::time::Instant::now();
+    let tick = crate::wire::until(
+        "it runs",
+        || palpate.status().unwrap().tick,
+        |tick| *tick >= 200,
+    );
+    let seconds = begun.elapsed().as_secs_f64();
+    assert!(seconds > 0.7, "{tick} ticks in {seconds} s");
+    page.send("speed", &f64::NAN.to_le_bytes());
+    assert!(
+        page.refusal()["error"]
+            .as_str()
+            .unwrap()
+            .contains("0.001 to 10")
+    );
+    page.send("tool/ball/release", &[]);
+    page.holder("ball", |who| who.is_none());
+    let tick = palpate.status().unwrap().tick;
+    std::thread::sleep(Duration::from_millis(200));
+    assert!(palpate.status().unwrap().tick <= tick + 1);
 }

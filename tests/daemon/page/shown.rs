@@ -25,17 +25,12 @@ fn a_page_gets_the_scene_first_then_all_nets_and_the_past_events() {
     // As on the bus, to the byte.
     let net: ControlNet = page.message("body/drop/net");
     assert_eq!(net.points, scene.bodies[0].points);
+    let status: LoopStatus = page.message("status");
+    assert!(status.tick > 0);
     let events: Vec<SimEvent> = (page.seen.iter())
         .filter(|(key, _)| key == "event")
         .map(|(_, payload)| decode(payload, "").unwrap())
         .collect();
-    let status: LoopStatus = page.message("status");
-    assert!(status.tick > 0);
-    let events = if events.is_empty() {
-        vec![page.message::<SimEvent>("event")]
-    } else {
-        events
-    };
     assert_eq!(events[0].seq, 1, "{events:?}");
     let info = get(port, "/session.json").json();
     assert_eq!(info["mode"], "live");
@@ -85,12 +80,13 @@ fn a_page_that_does_not_read_gets_the_newest_only() {
             "ball",
             &palpate_client::proto::messages::ToolPose {
                 seq,
-                ..pose_at([0.034 + 0.004 * phase.sin(), 0.003, 0.045])
+                ..pose_at([0.018 + 0.004 * phase.sin(), 0.003, 0.045])
             },
         );
         std::thread::sleep(Duration::from_millis(16));
     }
-    let newest = nets.get().expect("the body moved").tick;
+    let newest = nets.get().expect("nets are published").tick;
+    assert!(newest > 4_000, "the body did not move: {newest}");
     let mut read = 0;
     let reading = Instant::now();
     page.until("the newest net", |key, payload| {
@@ -107,28 +103,54 @@ fn a_page_that_does_not_read_gets_the_newest_only() {
     println!("{read} bytes were read until the newest net");
 }
 
+// Two sheets become one while a page drags its tool over them: it gets the scene, then its nets, and
+// goes on dragging.
 #[test]
-fn another_scene_is_told_with_its_bodies() {
+fn another_scene_is_told_with_its_bodies_while_a_page_drags() {
     let directory = tempfile::tempdir().unwrap();
-    let text = std::fs::read_to_string(
-        std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/two-drops.toml"),
-    )
-    .unwrap();
-    let (_daemon, port) = serve(directory.path(), &text, &[]);
+    let (_daemon, port) = serve(directory.path(), crate::editing::SCENE, &[]);
     let mut page = Page::open(port);
     let before: SceneSnapshot = page.message("scene");
-    let bodies: Vec<String> = before.bodies.iter().map(|body| body.id.clone()).collect();
-    let arguments = serde_json::json!({ "bodies": bodies, "gap": 1e-3 });
-    let answer = page.call("isolate", &arguments.to_string());
-    if answer["ok"] == serde_json::json!(false) {
-        panic!("{answer}");
+    assert_eq!(before.bodies.len(), 4);
+    page.claim("pen", "mouse");
+    page.holder("pen", |who| who == Some("mouse"));
+    let mut seq = 0;
+    let mut drag = |page: &mut Page| {
+        seq += 1;
+        let pose = palpate_client::proto::messages::ToolPose {
+            seq,
+            ..pose_at([-0.05, 1e-4 * (seq % 20) as f64, 0.0048])
+        };
+        page.pose("pen", &pose);
+        let force = page.until("the force", |key, payload| {
+            (key == "tool/pen/force").then_some(())?;
+            let force: ToolForce = decode(payload, "").unwrap();
+            (force.pose_seq >= seq).then_some(force)
+        });
+        force.flags
+    };
+    for _ in 0..10 {
+        drag(&mut page);
     }
-    if answer["report"]["moved"].as_bool() == Some(false) {
-        return;
+    page.seen.clear();
+    let merged = page.call("merge", r#"{"bodies": ["left", "right"], "id": "both"}"#);
+    assert_eq!(merged["ok"], true, "{merged}");
+    // The answer comes after the change.
+    let place = page.seen.iter().position(|(key, _)| key == "scene");
+    let place = place.expect("the scene is told before the answer");
+    let after: SceneSnapshot = decode(&page.seen[place].1, "").unwrap();
+    let bodies: Vec<&str> = after.bodies.iter().map(|body| body.id.as_str()).collect();
+    assert!(bodies.contains(&"both") && bodies.len() == 3, "{bodies:?}");
+    for (key, _) in &page.seen[..place] {
+        assert_ne!(key, "body/both/net", "a net before its scene");
     }
-    let scene = page.seen.iter().rev().find(|(key, _)| key == "scene");
-    if let Some((_, payload)) = scene {
-        let after: SceneSnapshot = decode(payload, "").unwrap();
-        assert_eq!(after.bodies.len(), before.bodies.len());
+    let told = |page: &Page| (page.seen[place..].iter()).any(|(key, _)| key == "body/both/net");
+    while !told(&page) {
+        drag(&mut page);
     }
+    // Still held, and not stale.
+    for _ in 0..20 {
+        drag(&mut page);
+    }
+    assert_eq!(drag(&mut page) & 1, 0);
 }
