@@ -50,6 +50,7 @@ export class Recording {
   readonly lastTick: number;
   /** How the recording ended, in words, where it did not end as it should. */
   readonly warnings: string[] = [];
+  private searched = false;
   private readonly cache = new Map<number, Promise<Chunk>>();
 
   private constructor(readonly name: string, readonly file: McapFile, readonly snapshot: SceneSnapshot | null, first: number, last: number) {
@@ -132,7 +133,9 @@ export class Recording {
 
   private async decodeChunk(place: ChunkPlace): Promise<Chunk> {
     const chunk: Chunk = { ticks: [], nets: [], events: [] };
-    for (const { channel, data } of await this.file.messages(place)) {
+    const messages = await this.file.messages(place);
+    if (messages.some(({ channel }) => !this.file.channels.has(channel))) await this.findChannels();
+    for (const { channel, data } of messages) {
       const topic = this.file.channels.get(channel) ?? "";
       try {
         if (topic === "/sim/tick") chunk.ticks.push(tickOf(data));
@@ -143,6 +146,17 @@ export class Recording {
       }
     }
     return chunk;
+  }
+
+  /** Channels stand in the chunk that first uses them: without an index, going through the chunks finds them. */
+  private async findChannels(): Promise<void> {
+    if (this.searched) return;
+    this.searched = true;
+    for (const place of this.file.chunks) {
+      await this.file.messages(place);
+      const topics = new Set(this.file.channels.values());
+      if (topics.has("/sim/tick") && topics.has("/sim/event") && this.bodyIds.every((id) => topics.has(`/body/${id}/net`))) return;
+    }
   }
 
   /** Chunk in which the state after a tick is, or the last one before it. */
