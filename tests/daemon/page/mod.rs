@@ -1,5 +1,6 @@
 //! The page: its socket, who may use it, and what it does to a scene.
 
+mod browser;
 mod hands;
 mod recordings;
 mod security;
