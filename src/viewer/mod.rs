@@ -15,6 +15,7 @@ mod hands;
 mod health;
 mod holders;
 mod html;
+mod neighbours;
 mod recordings;
 mod server;
 mod session;
@@ -30,16 +31,16 @@ use axum::routing::get;
 use board::Board;
 use guard::Hosts;
 use holders::Holders;
-use palpate_proto::keys::{Keys, parse_live};
+use neighbours::Neighbours;
+use palpate_proto::keys::Keys;
 use palpate_sim::scene::Scene;
 use palpate_sim::scene::spec::Clock;
 use server::Server;
 use session::SessionInfo;
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 use std::net::SocketAddr;
 use std::sync::atomic::AtomicU64;
 use std::sync::{Arc, Mutex, PoisonError};
-use zenoh::Wait;
 
 /// How a page is served.
 #[derive(Clone, Debug)]
@@ -75,7 +76,6 @@ pub enum ViewerError {
 /// A running viewer; it ends when dropped.
 pub struct Viewer {
     server: Server,
-    _instances: Option<zenoh::pubsub::Subscriber<()>>,
 }
 
 impl Viewer {
@@ -114,7 +114,7 @@ impl Viewer {
             true => None,
             false => Some(make_token().map_err(|e| system(&e))?),
         };
-        let (subscriber, instances) = instances(session).map_err(|e| system(&e))?;
+        let neighbours = Neighbours::watch(session, &settings.instance).map_err(|e| system(&e))?;
         let feed = Feed {
             board: board.clone(),
             holders,
@@ -145,17 +145,12 @@ impl Viewer {
             std::future::ready((json, text.clone()))
         };
         let session_json = move || {
-            let mut info = info.clone();
-            info.instances = instances
-                .lock()
-                .unwrap_or_else(PoisonError::into_inner)
-                .iter()
-                .map(|(instance, _)| instance.clone())
-                .chain([info.instance.clone()])
-                .collect::<BTreeSet<_>>()
-                .into_iter()
-                .collect();
-            std::future::ready(session::json(&info))
+            let (mut info, neighbours) = (info.clone(), neighbours.clone());
+            async move {
+                info.instances = neighbours.instances();
+                info.pages = neighbours.pages().await;
+                session::json(&info)
+            }
         };
         let routes = Router::new()
             .route("/live", get(socket::open))
@@ -165,11 +160,7 @@ impl Viewer {
             .merge(health::routes(feed.health.clone()));
         let hosts = Hosts(settings.hosts.clone().into());
         let server = Server::start(listener, routes, hosts).map_err(|e| system(&e))?;
-        let viewer = Self {
-            server,
-            _instances: Some(subscriber),
-        };
-        Ok((viewer, feed))
+        Ok((Self { server }, feed))
     }
 
     /// Where the page is.
@@ -183,31 +174,4 @@ fn make_token() -> Result<String, getrandom::Error> {
     let mut bits = [0; 16];
     getrandom::fill(&mut bits)?;
     Ok(bits.iter().map(|byte| format!("{byte:02x}")).collect())
-}
-
-/// Daemons on the bus: instance and id.
-type Instances = Arc<Mutex<BTreeSet<(String, String)>>>;
-
-fn instances(
-    session: &zenoh::Session,
-) -> zenoh::Result<(zenoh::pubsub::Subscriber<()>, Instances)> {
-    let instances = Instances::default();
-    let known = instances.clone();
-    let subscriber = session
-        .liveliness()
-        .declare_subscriber("palpate/*/@live/server/*")
-        .history(true)
-        .callback(move |sample| {
-            let Some((instance, _, id)) = parse_live(sample.key_expr().as_str()) else {
-                return;
-            };
-            let daemon = (instance.to_owned(), id.to_owned());
-            let mut known = known.lock().unwrap_or_else(PoisonError::into_inner);
-            match sample.kind() {
-                zenoh::sample::SampleKind::Put => known.insert(daemon),
-                zenoh::sample::SampleKind::Delete => known.remove(&daemon),
-            };
-        })
-        .wait()?;
-    Ok((subscriber, instances))
 }

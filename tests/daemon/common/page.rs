@@ -23,12 +23,17 @@ pub fn serve(directory: &Path, text: &str, arguments: &[&str]) -> (Daemon, u16) 
     let address = format!("127.0.0.1:{port}");
     let arguments: Vec<&str> = [&["--http", &address, "--no-open"], arguments].concat();
     let daemon = Daemon::start(directory, text, &arguments);
+    wait_for(port);
+    (daemon, port)
+}
+
+/// Waits until somebody listens.
+pub fn wait_for(port: u16) {
     let begun = Instant::now();
     while TcpStream::connect(("127.0.0.1", port)).is_err() {
         assert!(begun.elapsed() < Duration::from_secs(60), "no page");
         std::thread::sleep(Duration::from_millis(20));
     }
-    (daemon, port)
 }
 
 /// Status, headers in lower case, and body of an answer.

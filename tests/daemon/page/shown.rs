@@ -154,3 +154,45 @@ fn another_scene_is_told_with_its_bodies_while_a_page_drags() {
     }
     assert_eq!(drag(&mut page) & 1, 0);
 }
+
+#[test]
+fn other_instances_on_the_bus_are_listed_with_their_pages() {
+    let directory = tempfile::tempdir().unwrap();
+    let (daemon, port) = serve(directory.path(), TWO_BALLS, &[]);
+    let others = ["--instance", "other", "--connect", &daemon.endpoint];
+    let (_other, other_port) = serve(directory.path(), TWO_BALLS, &others);
+    let info = crate::wire::until(
+        "the other is known",
+        || get(port, "/session.json").json(),
+        |info| info["pages"]["other"].is_string(),
+    );
+    assert_eq!(info["instances"], serde_json::json!(["default", "other"]));
+    let url = format!("http://127.0.0.1:{other_port}/");
+    assert_eq!(info["pages"], serde_json::json!({ "other": url }));
+}
+
+#[test]
+fn a_recording_that_is_played_has_a_page_without_hands() {
+    let directory = tempfile::tempdir().unwrap();
+    let golden = std::path::Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("recordings/golden/rigid-teardrop-press.mcap");
+    let (zenoh, port) = (crate::page::free_port(), crate::page::free_port());
+    let address = format!("127.0.0.1:{port}");
+    let _player = crate::daemon::Daemon::spawn(
+        zenoh,
+        std::process::Command::new(crate::daemon::PROGRAM)
+            .arg("play")
+            .arg(&golden)
+            .args(["--loop", "--http", &address])
+            .current_dir(directory.path()),
+    );
+    crate::page::wait_for(port);
+    assert_eq!(get(port, "/session.json").json()["played"], true);
+    let mut page = Page::open(port);
+    let force: ToolForce = page.message("tool/ball/force");
+    assert!(force.tick > 0);
+    page.claim("ball", "mouse");
+    assert!(page.refusal()["error"].as_str().unwrap().contains("played"));
+    assert_eq!(page.call("pause", "{}")["ok"], true);
+    assert_eq!(page.call("seek", "{\"tick\": 5}")["tick"], 5);
+}
