@@ -233,7 +233,7 @@ export class App {
     this.liveDeck = new LiveDeck(live, this.world, this.notices, { picture: () => this.savePicture(), nets: () => this.saveNets() });
     if (this.stage !== null && this.pointer === null) {
       this.pointer = new PointerTouch(this.stage, hand, () => this.views[0]?.tools ?? []);
-      this.pointer.enabled = () => this.live?.mayWrite ?? false;
+      this.pointer.enabled = () => this.live?.mayHold ?? false;
       this.pointer.onHover = (tool) => (this.hovered = tool);
       this.pointer.onTake = (tool) => this.take(tool);
     }
@@ -384,8 +384,10 @@ export class App {
     const tool = this.world.tool(id);
     if (tool === undefined || this.hand === null) return;
     this.choose(id, false);
-    if (this.live?.mayWrite !== true) {
-      this.notices.tell(this.live?.viewOnly === true ? "This page is for looking only." : "There is no connection to the daemon.", true);
+    if (this.live?.mayHold !== true) {
+      const why = this.live?.viewOnly === true ? "This page is for looking only."
+        : this.live?.mayWrite === true ? "The tools of a recording move by themselves." : "There is no connection to the daemon.";
+      this.notices.tell(why, true);
       return;
     }
     this.touched = true;
@@ -394,7 +396,11 @@ export class App {
 
   takeOrLetGo(): void {
     if (this.hand?.state === "holding") this.hand.letGo();
-    else if (this.focus !== null) this.take(this.focus);
+    else {
+      // Between a change of scene and its picture the tool in focus may be one that is gone.
+      const tool = this.world.tool(this.focus ?? "") ?? this.world.tools[0];
+      if (tool !== undefined) this.take(tool.id);
+    }
   }
 
   private frameOf(): { middle: Vec3; size: number } {
@@ -540,7 +546,7 @@ export class App {
     this.status.update(world, this.playback);
     this.toolList.update(world, this.chosen);
     const held = this.hand?.state !== undefined && this.hand.state !== "free" && this.hand.tool?.id === this.focus;
-    this.readout.update(this.focus === null ? undefined : world.tool(this.focus), live?.mayWrite ?? false, held);
+    this.readout.update(this.focus === null ? undefined : world.tool(this.focus), live?.mayHold ?? false, held);
     this.events.update(world);
     this.liveDeck?.update();
     this.playbackDeck?.update(this.theme);
@@ -558,14 +564,20 @@ export class App {
     label.hidden = instances.length < 2;
     const select = label.querySelector("select");
     if (select === null || select.options.length === instances.length) return;
-    // Each daemon has its own page: the others are named here, and theirs are printed where they were started.
-    select.replaceChildren(...instances.map((name) => el("option", { value: name, selected: name === own, disabled: name !== own }, name)));
+    // Each daemon has a page of its own; one without a page is named all the same.
+    const { pages } = this.live ?? { pages: {} as Readonly<Record<string, string>> };
+    select.replaceChildren(...instances.map((name) => el("option", { value: name, selected: name === own, disabled: name !== own && pages[name] === undefined }, name)));
+    select.onchange = () => {
+      const page = pages[select.value];
+      // An address that is not a page's must not become a script.
+      if (page !== undefined && /^https?:/.test(page)) location.href = page;
+    };
   }
 
   private updateHint(): void {
     const hint = byId("hint");
     const tool = this.focus === null ? undefined : this.world.tool(this.focus);
-    const may = this.live?.mayWrite === true && this.stage !== null && tool !== undefined;
+    const may = this.live?.mayHold === true && this.stage !== null && tool !== undefined;
     let words = "";
     if (may && this.hand?.state === "holding") words = matchMedia("(pointer: coarse)").matches ? "Second finger up or down: push along the view" : "Wheel: push along the view · Shift: grip";
     else if (may && !this.touched) words = `Drag the ${tool.id.replace(/[_-]/g, " ")} to press`;

@@ -13,7 +13,8 @@ const after = <T>(all: readonly T[], now: T): T => all[(all.indexOf(now) + 1) % 
 function isTaken(event: KeyboardEvent): boolean {
   const target = event.target as HTMLElement | null;
   if (document.querySelector("dialog[open]") !== null) return event.key !== "?";
-  if (target === null) return false;
+  // The button of a dialog that has just closed keeps the focus for a moment.
+  if (target === null || target.closest?.("dialog:not([open])")) return false;
   if (target.matches("select, textarea, input:not([type=range]):not([type=checkbox])")) return true;
   if (target.matches("input[type=range]")) return /^(Arrow|Page|Home|End)/.test(event.key);
   // Space and enter press the button that has the focus.

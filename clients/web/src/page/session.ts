@@ -17,6 +17,11 @@ export interface Session {
   readonly token: string | null;
   readonly recordings?: readonly RecordingLink[];
   readonly instances?: readonly string[];
+  /** Addresses of the pages of other instances. */
+  readonly pages?: Readonly<Record<string, string>>;
+  /** A recording published as if live: its tools move by themselves. */
+  readonly played?: boolean;
+  readonly lockstep?: boolean;
 }
 
 /** Asks the server. `null` where there is none: a page opened from disk. */

@@ -50,7 +50,7 @@ export class Recording {
   readonly lastTick: number;
   /** How the recording ended, in words, where it did not end as it should. */
   readonly warnings: string[] = [];
-  private searched = false;
+  private search: Promise<void> | null = null;
   private readonly cache = new Map<number, Promise<Chunk>>();
 
   private constructor(readonly name: string, readonly file: McapFile, readonly snapshot: SceneSnapshot | null, first: number, last: number) {
@@ -96,7 +96,7 @@ export class Recording {
     else if (end !== undefined && end.get("clean") === "false") warnings.push("it did not end as it should");
     const dropped = Number(end?.get("dropped_records") ?? 0);
     if (dropped > 0) warnings.push(`${dropped} records were lost while recording`);
-    if (snapshot === null) warnings.push("it does not hold its knots: surfaces are drawn with uniform ones");
+    if (snapshot === null) warnings.push("it does not hold its scene: surfaces are drawn with uniform knots, bodies that never move are missing");
     const format = file.metadata.get("palpate.run")?.get("format");
     if (file.metadata.get("palpate.run") === undefined) warnings.push("it was not made by Palpate, or by a build that says nothing of itself");
     else if (format !== undefined && Number(format) > 2) warnings.push(`it is of a newer format (${format})`);
@@ -149,9 +149,11 @@ export class Recording {
   }
 
   /** Channels stand in the chunk that first uses them: without an index, going through the chunks finds them. */
-  private async findChannels(): Promise<void> {
-    if (this.searched) return;
-    this.searched = true;
+  private findChannels(): Promise<void> {
+    return (this.search ??= this.goThrough());
+  }
+
+  private async goThrough(): Promise<void> {
     for (const place of this.file.chunks) {
       await this.file.messages(place);
       const topics = new Set(this.file.channels.values());

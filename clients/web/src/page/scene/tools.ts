@@ -16,7 +16,7 @@ export interface ToolLook {
   readonly torque: string;
 }
 
-const COILS = 9;
+const COILS = 6;
 const SPRING_POINTS = 8 * COILS + 1;
 
 /** Triangles of an outline, each with its own normal; `null` if there are none. */
@@ -88,7 +88,7 @@ export class ToolView {
     if (seen && hand !== null) {
       this.ghost.position.set(...hand.position);
       this.ghost.quaternion.set(...hand.orientation);
-      this.coil(tool.proxy, hand.position, 0.012 * size);
+      this.coil(tool.proxy, hand.position, Math.min(0.01 * size, 0.25 * apart));
     }
     const thickness = 0.0075 * size;
     if (show.forces) {

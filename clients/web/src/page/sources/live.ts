@@ -52,6 +52,19 @@ export class Live {
     return this.session.token === null;
   }
 
+  /** Tools can be taken: not those of a recording that is played. */
+  get mayHold(): boolean {
+    return this.mayWrite && this.session.played !== true;
+  }
+
+  get lockstep(): boolean {
+    return this.session.lockstep === true || this.world.lockstep;
+  }
+
+  get pages(): Readonly<Record<string, string>> {
+    return this.session.pages ?? {};
+  }
+
   get instance(): string {
     return this.session.instance ?? "default";
   }
@@ -234,6 +247,13 @@ export class Live {
 
   release(tool: string): void {
     this.send(`tool/${tool}/release`, new Uint8Array());
+  }
+
+  /** Simulated to real time, in lockstep. */
+  speed(factor: number): void {
+    const payload = new Uint8Array(8);
+    new DataView(payload.buffer).setFloat64(0, factor, true);
+    this.send("speed", payload);
   }
 
   /** Asks the loop for something. Always answers, if need be with why not. */

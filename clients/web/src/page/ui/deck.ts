@@ -21,21 +21,25 @@ const savers = (saving: Saving): HTMLElement => el("div", { class: "group push" 
   button("save-picture", "Picture", "Save the picture as PNG (P)", ICONS.picture, () => saving.picture()),
   button("save-net", "Nets", "Save the surfaces as OBJ (O)", ICONS.save, () => saving.nets()));
 
+const SPEEDS = [0.01, 0.05, 0.1, 0.25, 0.5, 1, 2, 5, 10];
+
 /** Pause, step, reset, record, snapshot. */
 export class LiveDeck {
   private readonly pauseButton = button("pause", "Pause", "Pause or resume (space)", ICONS.pause, () => this.pause());
   private readonly stepButton = button("step", "Step", "One tick, while paused (.)", ICONS.step, () => this.step());
   private readonly recordButton = button("record", "Record", "Record, or stop recording (R)", ICONS.record, () => this.record(), true);
   private readonly why = el("span", { class: "why" });
+  private readonly speed = el("select", { id: "speed", "aria-label": "Speed in lockstep", title: "Simulated to real time" }, ...SPEEDS.map((speed) => el("option", { value: String(speed), selected: speed === 1 }, `× ${speed}`)));
   private readonly acting: readonly HTMLButtonElement[];
 
   constructor(private readonly live: Live, private readonly world: World, private readonly notices: Notices, saving: Saving) {
     const resetButton = button("reset", "Reset", "Back to the start of the scene (backspace)", ICONS.reset, () => this.reset());
     const snapshotButton = button("snapshot", "Snapshot", "Write the last seconds to a recording (K)", ICONS.snapshot, () => this.snapshot());
     this.acting = [this.pauseButton, this.stepButton, resetButton, this.recordButton, snapshotButton];
+    this.speed.addEventListener("change", () => live.speed(Number(this.speed.value)));
     byId("deck").replaceChildren(
       el("div", { class: "group" }, this.pauseButton, this.stepButton, resetButton),
-      el("div", { class: "group" }, this.recordButton, snapshotButton),
+      this.speed, el("div", { class: "group" }, this.recordButton, snapshotButton),
       this.why, savers(saving));
   }
 
@@ -61,6 +65,8 @@ export class LiveDeck {
   update(): void {
     const may = this.live.mayWrite;
     for (const part of this.acting) part.disabled = !may;
+    this.speed.hidden = !this.live.lockstep;
+    this.speed.disabled = !may;
     this.stepButton.disabled = !may || !this.paused;
     const recording = this.world.status?.recorder === "Recording";
     this.relabel(this.pauseButton, this.paused ? "Resume" : "Pause", this.paused ? ICONS.play : ICONS.pause);
@@ -78,8 +84,6 @@ export class LiveDeck {
     part.querySelector("path")?.setAttribute("d", path);
   }
 }
-
-const SPEEDS = [0.01, 0.05, 0.1, 0.25, 0.5, 1, 2, 5, 10];
 
 /** Play, pause, speed, step, loop, and a timeline with contacts and events. */
 export class PlaybackDeck {

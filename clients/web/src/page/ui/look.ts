@@ -4,7 +4,7 @@ import type { Axis, ColourBy, Layer, Settings, SettingsStore } from "../settings
 import { byId, el } from "./dom";
 
 const LAYERS: readonly (readonly [Layer, string])[] = [
-  ["surface", "surfaces"], ["net", "control nets"], ["contacts", "contacts"], ["tools", "tools"], ["hands", "hands, springs"],
+  ["surface", "surfaces"], ["net", "nets"], ["contacts", "contacts"], ["tools", "tools"], ["hands", "hands"],
   ["forces", "forces"], ["torques", "torques"], ["labels", "numbers"], ["grid", "ground"], ["shadows", "shadows"],
 ];
 

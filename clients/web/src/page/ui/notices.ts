@@ -2,7 +2,7 @@
 
 import { byId, el } from "./dom";
 
-const SHOWN_MS = 6000;
+const SHOWN_MS = 9000;
 const MOST = 4;
 
 export class Notices {

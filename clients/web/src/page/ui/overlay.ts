@@ -109,7 +109,7 @@ export class Legend {
     }
     const strongest = view.tools.some(({ arrow }) => arrow.group.visible);
     this.arrow.hidden = !settings.layers.forces || !strongest;
-    setText(this.arrow, `force on the tool, 1 N = ${withUnit(view.arrowScale, "m")}`);
+    setText(this.arrow, `Force, 1 N = ${withUnit(view.arrowScale, "m")}`);
     this.root.hidden = this.scale.hidden && this.arrow.hidden;
     this.ground.hidden = !settings.layers.grid || view.bodies.length === 0;
     setText(this.ground, `grid ${withUnit(stage.cell, "m").replace(/\.0+ /, " ")}`);

@@ -54,7 +54,7 @@ export class Readout {
   private readonly gauge = el("i");
   private readonly values = new Map<string, HTMLElement>();
   private readonly words = el("p", { class: "words" });
-  private readonly take = el("button", { type: "button", id: "take" });
+  private readonly take = el("button", { type: "button", id: "take" }, "Take with keys (T)");
   private readonly who = el("span", { class: "who" });
   private tool = "";
   private held = false;

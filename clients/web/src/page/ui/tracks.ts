@@ -109,7 +109,7 @@ export function liveTracks(world: World, chosen: ReadonlySet<string>, span: numb
     lines: [
       { label: "median", colour: "z", values: p50 },
       { label: "p99", colour: "size", values: p99 },
-      { label: "late by", colour: "force", values: period.map((ms) => Math.max(0, ms - nominal)), thin: true },
+      { label: "late", colour: "force", values: period.map((ms) => Math.max(0, ms - nominal)), thin: true },
     ],
   });
 }
@@ -133,7 +133,7 @@ export function recordedTracks(overview: Overview, chosen: ReadonlySet<string>):
     time,
     lines: [
       { label: "tick", colour: "size", values: pick(overview.step).map((s) => 1e3 * s) },
-      { label: "late by", colour: "force", values: pick(overview.late).map((s) => 1e3 * s), thin: true },
+      { label: "late", colour: "force", values: pick(overview.late).map((s) => 1e3 * s), thin: true },
     ],
   });
 }
