@@ -15,6 +15,7 @@ mod hands;
 mod health;
 mod holders;
 mod html;
+mod listener;
 mod neighbours;
 mod recordings;
 mod server;

@@ -1,6 +1,7 @@
 //! The HTTP server: its thread, the page's files, and what every router has.
 
 use super::guard::{self, Hosts};
+use super::listener::BoundedListener;
 use axum::Router;
 use axum::http::header;
 use axum::response::IntoResponse;
@@ -49,7 +50,7 @@ impl Server {
                         // Open sockets do not keep the daemon: the runtime ends when it is asked to.
                         Ok(listener) => {
                             tokio::select! {
-                                served = axum::serve(listener, app) => if let Err(error) = served {
+                                served = axum::serve(BoundedListener::new(listener), app) => if let Err(error) = served {
                                     tracing::warn!(%error, "viewer");
                                 },
                                 _ = stopped => {}

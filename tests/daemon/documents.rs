@@ -484,8 +484,8 @@ fn commands_on_a_recording_run() {
         (page || ["info", "export", "replay"].contains(&&*command[1]))
             && command[2] == "session.mcap"
     };
-    assert_eq!(run("docs/recording.md", directory.path(), reads), 7);
-    for name in ["ticks.csv", "plots.svg", "drop.step"] {
+    assert_eq!(run("docs/recording.md", directory.path(), reads), 8);
+    for name in ["ticks.csv", "plots.svg", "drop.step", "session.html"] {
         assert!(at(name).exists(), "{name}");
     }
 }
