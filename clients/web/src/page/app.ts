@@ -36,10 +36,8 @@ import { World, type Outline } from "./world";
 
 /** Words and numbers change this often at most, ms. */
 const WORDS_MS = 66;
-/** Where the second of two recordings stands: beside the first, as seen from the oblique view. */
 /** Turned a little, rad, so that the first picture has depth. */
 const FIRST_TURN = 0.2;
-const BESIDE: Vec3 = [0.72, 0.61, 0];
 
 interface Opened {
   readonly recording: Recording;
@@ -408,7 +406,7 @@ export class App {
     if (first === undefined) return { middle: [0, 0, 0], size: 0.1 };
     if (other === undefined) return { middle: first.middle, size: first.size };
     const beside = other.group.position;
-    return { middle: add(first.middle, scaled([beside.x, beside.y, beside.z], 0.5)), size: 1.75 * first.size };
+    return { middle: add(first.middle, scaled([beside.x, beside.y, beside.z], 0.5)), size: 1.55 * first.size };
   }
 
   fit(): void {
@@ -489,7 +487,11 @@ export class App {
       if (view.update(this.settings.value, this.settings.version, this.lookOf(), this.focus, other) && k === 0) fresh = true;
     });
     const [first, second] = views;
-    if (first !== undefined && second !== undefined) second.group.position.set(...scaled(BESIDE, 1.05 * first.size));
+    if (first !== undefined && second !== undefined) {
+      // The second stands beside the first, as seen from where one looks at first.
+      const [x, y] = this.firstDirection(first);
+      second.group.position.set(...scaled([-y, x, 0], (0.9 * first.size) / Math.hypot(x, y)));
+    }
     if (fresh && first !== undefined && first.bodies.length + first.tools.length > 0) this.setScene(first, stage);
     stage.ask();
   }
@@ -499,7 +501,7 @@ export class App {
     stage.setScene(middle, size, view.groundZ);
     this.setClip();
     // The same scene after a reconnect keeps the place from which it was looked at.
-    if (this.sceneName === this.world.name) return;
+    if (this.sceneName === this.world.name || view.bodies.length === 0) return;
     stage.fit(middle, size, this.firstDirection(view), this.sceneName !== "");
     this.sceneName = this.world.name;
   }

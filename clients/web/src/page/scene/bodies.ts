@@ -32,7 +32,8 @@ export class BodyView {
   private readonly restPositions: Float32Array;
   private readonly restNormals: Float32Array;
   private readonly inwards: number;
-  private drawn = { net: -1, what: "", other: -1 };
+  private moved = { net: -1, curved: false };
+  private measured = { net: -1, what: "", other: -1 };
   private painted = "";
 
   constructor(readonly body: Body, private readonly stage: Stage, private readonly number: number, many: number) {
@@ -108,35 +109,38 @@ export class BodyView {
     material.clippingPlanes = planes;
   }
 
-  /**
-   * Brings the surface to the body's net and computes what its colours show. `other` is the body to compare with.
-   * True if something changed.
-   */
-  update(what: ColourBy, other: BodyView | null): boolean {
+  /** Brings the surface and the net to the body's points. */
+  private move(what: ColourBy): void {
     const { body, tessellation: tess } = this;
-    const otherVersion = what === "difference" && other !== null ? other.body.netVersion : -1;
-    const { drawn } = this;
-    if (drawn.net === body.netVersion && drawn.what === what && drawn.other === otherVersion) return false;
-    const moved = drawn.net !== body.netVersion || what === "curvature";
-    this.drawn = { net: body.netVersion, what, other: otherVersion };
-    if (body.fault !== null || tess === null && this.netPoints.length === 0) return true;
-    if (moved) {
-      if (tess !== null && tess.evaluate(body.points, what === "curvature") >= 0) return true;
-      const { middle } = { middle: this.group.position };
-      for (let k = 0; k < body.points.length; k += 3) {
-        this.netPoints[k] = body.points[k] - middle.x;
-        this.netPoints[k + 1] = body.points[k + 1] - middle.y;
-        this.netPoints[k + 2] = body.points[k + 2] - middle.z;
-      }
-      for (const name of ["position", "normal"]) {
-        const attribute = this.geometry.getAttribute(name);
-        if (attribute !== undefined) attribute.needsUpdate = true;
-      }
-      for (const part of this.net.children) ((part as LineSegments).geometry.getAttribute("position")).needsUpdate = true;
+    const curved = what === "curvature";
+    if (this.moved.net === body.netVersion && (this.moved.curved || !curved)) return;
+    this.moved = { net: body.netVersion, curved };
+    if (body.fault !== null || (tess !== null && tess.evaluate(body.points, curved) >= 0)) return;
+    const { x, y, z } = this.group.position;
+    for (let k = 0; k < body.points.length; k += 3) {
+      this.netPoints[k] = body.points[k] - x;
+      this.netPoints[k + 1] = body.points[k + 1] - y;
+      this.netPoints[k + 2] = body.points[k + 2] - z;
     }
-    if (tess !== null) this.measure(what, tess, other);
+    for (const name of ["position", "normal"]) {
+      const attribute = this.geometry.getAttribute(name);
+      if (attribute !== undefined) attribute.needsUpdate = true;
+    }
+    for (const part of this.net.children) (part as LineSegments).geometry.getAttribute("position").needsUpdate = true;
+  }
+
+  /** Brings the surface to the body's net and computes what its colours show. `other` is the body to compare with. */
+  update(what: ColourBy, other: BodyView | null): void {
+    this.move(what);
+    // Compared is what both are now, whichever of them is brought up to date first.
+    if (what === "difference") other?.move(what);
+    const otherNet = what === "difference" && other !== null ? other.body.netVersion : -1;
+    const { measured } = this;
+    if (measured.net === this.body.netVersion && measured.what === what && measured.other === otherNet) return;
+    this.measured = { net: this.body.netVersion, what, other: otherNet };
+    if (this.tessellation === null || this.body.fault !== null) return;
+    this.measure(what, this.tessellation, other);
     this.painted = "";
-    return true;
   }
 
   /** What colours show, at every vertex. */

@@ -65,8 +65,8 @@ export class Stage {
   onCamera: () => void = () => {};
 
   private readonly sun = new DirectionalLight(0xfffaf2, 2.3);
-  private readonly head = new DirectionalLight(0xffffff, 0.55);
-  private readonly sky = new HemisphereLight(0xf4f8ff, 0x6b7385, 0.8);
+  private readonly head = new DirectionalLight(0xffffff, 0.7);
+  private readonly sky = new HemisphereLight(0xfbfcff, 0x868da0, 1.1);
   private readonly grid: Mesh<PlaneGeometry, ShaderMaterial>;
   private readonly shade: Mesh<PlaneGeometry, ShadowMaterial>;
   private wanted = true;
@@ -115,7 +115,7 @@ export class Stage {
   setPalette({ grid, light }: Palette): void {
     (this.grid.material.uniforms["colour"].value as Color).set(grid);
     this.shade.material.opacity = light ? 0.2 : 0.42;
-    this.sky.intensity = light ? 1.0 : 0.75;
+    this.sky.intensity = light ? 1.3 : 1.0;
     this.ask();
   }
 

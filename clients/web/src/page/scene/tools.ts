@@ -82,7 +82,7 @@ export class ToolView {
     this.shape.quaternion.set(...tool.orientation);
     const { hand } = tool;
     const apart = hand === null ? 0 : norm(sub(hand.position, tool.proxy));
-    const seen = show.hands && hand !== null && apart > 1e-3 * size && Number.isFinite(apart);
+    const seen = show.hands && hand !== null && apart > Math.max(4e-3 * size, 0.08 * Math.min(this.reach, size)) && Number.isFinite(apart);
     this.ghost.visible = seen;
     this.spring.visible = seen;
     if (seen && hand !== null) {

@@ -67,7 +67,7 @@ export class StatusBar {
     const failed = status.recorder === "Failed" || status.recorder_drops > 0n;
     const written = status.recorder === "Recording" ? ` ${bytes(Number(status.recorder_bytes))}` : "";
     const lost = status.recorder_drops > 0n ? `, ${status.recorder_drops} records lost` : "";
-    this.put("recorder", `${RECORDER[status.recorder]}${written}${lost}`, "", failed ? "bad" : "");
+    this.put("recorder", status.recorder === "Off" && !failed ? "" : `${RECORDER[status.recorder]}${written}${lost}`, "", failed ? "bad" : "");
   }
 
   /** Where simulated time is behind real time, that is said next to the rate. */
