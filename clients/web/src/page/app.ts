@@ -125,7 +125,11 @@ export class App {
       return;
     }
     const { stage } = this;
-    const fitSize = () => stage.resize(canvas.clientWidth, canvas.clientHeight);
+    const fitSize = () => {
+      stage.setInset(this.look.width);
+      stage.resize(canvas.clientWidth, canvas.clientHeight);
+    };
+    this.look.onToggle = fitSize;
     new ResizeObserver(fitSize).observe(canvas);
     fitSize();
     canvas.addEventListener("webglcontextlost", (event) => {

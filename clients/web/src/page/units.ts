@@ -21,7 +21,7 @@ export function digits(value: number, count: number): string {
 }
 
 /** Force with a fixed number of decimals: it changes many times a second and must not jump about. */
-export const newtons = (value: number): string => `${value.toFixed(2)} N`;
+export const newtons = (value: number): string => `${value.toFixed(2).replace(/^-(0\.00)$/, "$1")} N`;
 
 /** Simulated time: `1:02.345`, with hours where there are some. */
 export function clock(seconds: number, decimals = 2): string {

@@ -14,6 +14,9 @@ import type { Stage } from "./stage";
 /** Cells in each direction of a body that is alone. */
 const CELLS = 128;
 
+/** More lines than these, in each direction, hide what they are drawn on. */
+const MOST_LINES = 26;
+
 /** Okabe and Ito's colours, which differ for every eye. */
 const OWN = ["#f1dfd2", "#9fd0f0", "#f3c98b", "#8fd8bd", "#e8b1d1", "#f2e791", "#a9b8e8"];
 
@@ -25,6 +28,7 @@ export class BodyView {
 
   private readonly geometry = new BufferGeometry();
   private readonly surface: Mesh<BufferGeometry, MeshStandardMaterial>;
+  private readonly lines: LineSegments<BufferGeometry, LineBasicMaterial>;
   private readonly net: Group;
   private readonly netPoints: Float32Array;
   private readonly values: Float32Array;
@@ -43,6 +47,8 @@ export class BodyView {
     const tess = this.tessellation;
     const material = new MeshStandardMaterial({
       vertexColors: true, side: DoubleSide, roughness: 0.58, metalness: 0, clipShadows: true,
+      // Lines on the surface are nearer than the surface.
+      polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 1,
     });
     this.surface = new Mesh(this.geometry, material);
     this.surface.castShadow = true;
@@ -67,7 +73,25 @@ export class BodyView {
     this.group.position.set(...middle);
     this.netPoints = new Float32Array(body.rest.length);
     this.net = this.makeNet(size);
-    this.group.add(this.surface, this.net);
+    this.lines = this.makeLines();
+    this.group.add(this.surface, this.lines, this.net);
+  }
+
+  /** Lines of constant u and of constant v at knots: how the surface is divided, and how it is bent. */
+  private makeLines(): LineSegments<BufferGeometry, LineBasicMaterial> {
+    const geometry = new BufferGeometry();
+    const tess = this.tessellation;
+    if (tess !== null) {
+      const { u, v } = tess;
+      const index: number[] = [];
+      const some = (knots: Int32Array) => knots.filter((_, k) => k % Math.ceil(knots.length / MOST_LINES) === 0);
+      for (const a of some(u.knots)) for (const b of v.cells) index.push(a * v.count + b, a * v.count + b + 1);
+      for (const b of some(v.knots)) for (const a of u.cells) index.push(a * v.count + b, (a + 1) * v.count + b);
+      geometry.setAttribute("position", this.geometry.getAttribute("position"));
+      geometry.setIndex(index);
+      geometry.boundingSphere = this.geometry.boundingSphere;
+    }
+    return new LineSegments(geometry, new LineBasicMaterial({ color: 0x241a16, transparent: true, opacity: 0.2, depthWrite: false }));
   }
 
   private makeNet(size: number): Group {
@@ -98,15 +122,17 @@ export class BodyView {
     return group;
   }
 
-  setLayers(surface: boolean, net: boolean, clipped: boolean): void {
+  setLayers(surface: boolean, lines: boolean, net: boolean, clipped: boolean): void {
     const whole = this.body.fault === null;
     this.surface.visible = surface && whole && this.tessellation !== null;
     // A body whose knots cannot be used is shown as its net.
     this.net.visible = (net || this.tessellation === null) && whole;
-    const { material } = this.surface;
+    this.lines.visible = lines && whole && this.tessellation !== null;
     const planes = clipped ? [this.stage.clip] : null;
-    if ((material.clippingPlanes === null) !== (planes === null)) material.needsUpdate = true;
-    material.clippingPlanes = planes;
+    for (const material of [this.surface.material, this.lines.material]) {
+      if ((material.clippingPlanes === null) !== (planes === null)) material.needsUpdate = true;
+      material.clippingPlanes = planes;
+    }
   }
 
   /** Brings the surface and the net to the body's points. */
@@ -188,6 +214,8 @@ export class BodyView {
   dispose(): void {
     this.geometry.dispose();
     this.surface.material.dispose();
+    this.lines.geometry.dispose();
+    this.lines.material.dispose();
     for (const part of this.net.children as (LineSegments | Points)[]) {
       part.geometry.dispose();
       (part.material as LineBasicMaterial).dispose();

@@ -72,6 +72,8 @@ export class Stage {
   private wanted = true;
   private slow = 0;
   private shadows = true;
+  /** Pixels at the left that a panel covers: the middle of the picture is beside it. */
+  private inset = 0;
   private goal: { target: Vector3; position: Vector3 } | null = null;
 
   /** Throws where there is no WebGL. */
@@ -177,7 +179,8 @@ export class Stage {
       : new Vector3(...direction);
     if (from.lengthSq() === 0) from.set(1, -1, 0.6);
     const half = (this.camera.fov * Math.PI) / 360;
-    const narrow = Math.min(1, this.camera.aspect);
+    const { clientWidth, clientHeight } = this.canvas;
+    const narrow = Math.min(1, (clientWidth - this.inset) / Math.max(clientHeight, 1));
     const distance = (0.5 * size) / Math.tan(half) / narrow + 0.12 * size;
     const position = target.clone().add(from.setLength(distance));
     if (gently && !matchMedia("(prefers-reduced-motion: reduce)").matches) {
@@ -215,8 +218,16 @@ export class Stage {
     this.renderer.setPixelRatio(this.thrifty ? 1 : Math.min(devicePixelRatio, 2));
     this.renderer.setSize(width, height, false);
     this.camera.aspect = width / height;
+    if (this.inset > 0) this.camera.setViewOffset(width, height, -this.inset / 2, 0, width, height);
+    else this.camera.clearViewOffset();
     this.camera.updateProjectionMatrix();
     this.ask();
+  }
+
+  setInset(pixels: number): void {
+    if (pixels === this.inset) return;
+    this.inset = pixels;
+    this.resize(this.canvas.clientWidth, this.canvas.clientHeight);
   }
 
   /** Pixels on the canvas of a place in the world; `null` behind the camera. */

@@ -1,7 +1,7 @@
 /** One world on the stage: keeps what is drawn in step with what is known. */
 
 import { Group } from "three";
-import { norm, type Vec3 } from "../geometry";
+import { Bounds, norm, type Vec3 } from "../geometry";
 import type { Settings } from "../settings";
 import { niceAbove } from "../units";
 import type { World } from "../world";
@@ -13,6 +13,15 @@ import { ToolView, type ToolLook } from "./tools";
 
 export interface Look extends ToolLook {
   readonly contact: string;
+}
+
+/** How far above the ground a flat body lies, as a share of the scene: it is pressed down, and the grid lies below it. */
+const FLAT_ABOVE = 0.14;
+
+function isFlat(world: World): boolean {
+  const bounds = new Bounds();
+  for (const body of world.bodies) bounds.take(body.rest);
+  return !bounds.empty && bounds.high[2] - bounds.low[2] < 0.1 * bounds.size;
 }
 
 export class WorldView {
@@ -48,7 +57,7 @@ export class WorldView {
       const bounds = world.bounds();
       this.size = bounds.size;
       this.middle = bounds.middle;
-      this.groundZ = bounds.empty ? 0 : bounds.low[2];
+      this.groundZ = bounds.empty ? 0 : bounds.low[2] - (isFlat(world) ? FLAT_ABOVE * bounds.size : 0);
       this.bodies = world.bodies.map((body, k) => new BodyView(body, this.stage, k, world.bodies.length));
       for (const view of this.bodies) this.group.add(view.group);
       this.range.reset();
@@ -80,7 +89,7 @@ export class WorldView {
     const clipped = settings.clip !== "off";
     for (const view of this.bodies) {
       view.paint(this.scale, what);
-      view.setLayers(settings.layers.surface, settings.layers.net, clipped);
+      view.setLayers(settings.layers.surface, settings.layers.lines, settings.layers.net, clipped);
     }
     if (this.seen.settings !== version) {
       this.seen.settings = version;

@@ -25,6 +25,8 @@ export interface Samples {
   readonly values: readonly [Float64Array, Float64Array, Float64Array];
   /** Samples between which cells are drawn: `cells[k]` and the one after it. */
   readonly cells: Int32Array;
+  /** Samples at knots. */
+  readonly knots: Int32Array;
 }
 
 /** All knots; of a periodic direction continued by `degree` knots on each side. */
@@ -117,7 +119,7 @@ interface Place {
   t: number;
 }
 
-function samplesAt(direction: Direction, places: readonly Place[], cells: readonly number[]): Samples {
+function samplesAt(direction: Direction, places: readonly Place[], cells: readonly number[], atKnots: readonly number[]): Samples {
   const { degree, count } = direction;
   const knots = extendedKnots(direction);
   const width = degree + 1;
@@ -132,6 +134,7 @@ function samplesAt(direction: Direction, places: readonly Place[], cells: readon
     wrap: count,
     values,
     cells: Int32Array.from(cells),
+    knots: Int32Array.from(atKnots),
   };
 }
 
@@ -146,6 +149,7 @@ export function sampleSpans(direction: Direction, cellsPerSpan: number): Samples
   const [start, end] = domain(direction, knots);
   const places: Place[] = [];
   const cells: number[] = [];
+  const atKnots: number[] = [];
   let spans = 0;
   for (let span = start; span < end; span++) {
     const [from, to] = [knots[span], knots[span + 1]];
@@ -153,14 +157,18 @@ export function sampleSpans(direction: Direction, cellsPerSpan: number): Samples
     // At a knot of multiplicity `degree` or more the surface may crease or end: its two sides get a sample each.
     let multiplicity = 0;
     for (let k = span; k >= 0 && knots[k] === from; k--) multiplicity += 1;
-    if (spans === 0 || multiplicity >= direction.degree) places.push({ span, t: from });
+    if (spans === 0 || multiplicity >= direction.degree) {
+      atKnots.push(places.length);
+      places.push({ span, t: from });
+    }
     for (let c = 1; c <= cellsPerSpan; c++) {
       cells.push(places.length - 1);
       places.push({ span, t: c === cellsPerSpan ? to : from + ((to - from) * c) / cellsPerSpan });
     }
+    atKnots.push(places.length - 1);
     spans += 1;
   }
-  return samplesAt(direction, places, cells);
+  return samplesAt(direction, places, cells, atKnots);
 }
 
 /** Samples at given parameters, for tests and for single points; at a knot, from the right. */
@@ -172,7 +180,7 @@ export function sampleAt(direction: Direction, params: readonly number[]): Sampl
     for (let k = start; k < end; k++) if (knots[k] <= t && knots[k + 1] > knots[k]) span = k;
     return { span, t };
   });
-  return samplesAt(direction, places, []);
+  return samplesAt(direction, places, [], []);
 }
 
 /** Spans that are not empty. */

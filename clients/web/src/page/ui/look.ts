@@ -4,7 +4,7 @@ import type { Axis, ColourBy, Layer, Settings, SettingsStore } from "../settings
 import { byId, el } from "./dom";
 
 const LAYERS: readonly (readonly [Layer, string])[] = [
-  ["surface", "surfaces"], ["net", "nets"], ["contacts", "contacts"], ["tools", "tools"], ["hands", "hands"],
+  ["surface", "surfaces"], ["lines", "lines"], ["net", "nets"], ["contacts", "contacts"], ["tools", "tools"], ["hands", "hands"],
   ["forces", "forces"], ["torques", "torques"], ["labels", "numbers"], ["grid", "ground"], ["shadows", "shadows"],
 ];
 
@@ -16,6 +16,7 @@ export const directionOf = (name: ViewName): readonly [number, number, number] =
 export class LookPanel {
   private readonly panel = byId("look");
   private readonly toggleButton = byId("look-toggle");
+  onToggle: () => void = () => {};
   private readonly boxes = new Map<Layer, HTMLInputElement>();
 
   constructor(private readonly settings: SettingsStore, fit: () => void, look: (name: ViewName) => void) {
@@ -47,8 +48,14 @@ export class LookPanel {
     this.show();
   }
 
+  /** Pixels of the picture that the panel covers, where there is room beside it. */
+  get width(): number {
+    return this.panel.hidden || this.panel.parentElement!.clientWidth < 640 ? 0 : this.panel.offsetWidth + 12;
+  }
+
   toggle(open = this.panel.hidden): void {
     this.panel.hidden = !open;
+    this.onToggle();
     this.toggleButton.setAttribute("aria-expanded", String(open));
   }
 
