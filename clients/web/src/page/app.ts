@@ -485,10 +485,10 @@ export class App {
     const strongest = Math.max(0, ...this.world.tools.map((tool) => norm(tool.force) / (Number.isFinite(tool.forceMax) && tool.forceMax > 0 ? tool.forceMax : 10)));
     this.sound.update(strongest);
     if (stage === null) return;
-    let fresh = false;
+    const look = this.lookOf();
+    const fresh = views.map((view) => view.rebuild(look))[0] ?? false;
     views.forEach((view, k) => {
-      const other = views.length === 2 ? views[1 - k] : null;
-      if (view.update(this.settings.value, this.settings.version, this.lookOf(), this.focus, other) && k === 0) fresh = true;
+      view.update(this.settings.value, this.settings.version, look, this.focus, views.length === 2 ? views[1 - k] : null);
     });
     const [first, second] = views;
     if (first !== undefined && second !== undefined) {
@@ -539,7 +539,8 @@ export class App {
     if (this.second !== null && this.playback !== null) {
       return this.views.map((view, k) => {
         const { x, y, z } = view.group.position;
-        const name = (k === 0 ? this.playback : this.second)?.recording.name ?? "";
+        const names = [this.playback, this.second].map((playback) => playback?.recording.name ?? "");
+        const name = names[0] === names[1] ? `${names[k]} (${k + 1})` : names[k];
         return { text: name, kind: "title", place: [view.middle[0] + x, view.middle[1] + y, view.groundZ + z] };
       });
     }

@@ -202,13 +202,12 @@ export class World {
     const bounds = new Bounds();
     for (const body of this.bodies) bounds.take(body.rest);
     const size = bounds.size;
-    if (this.tools.length <= 8) {
-      for (const tool of this.tools) {
-        const far = bounds.low.some((low, c) => tool.proxy[c] < low - size || tool.proxy[c] > bounds.high[c] + size);
-        if (!far || bounds.empty) bounds.take(tool.proxy);
-      }
+    const whole = bounds.empty ? new Bounds() : new Bounds().take(bounds.low).take(bounds.high);
+    for (const tool of this.tools) {
+      const far = bounds.low.some((low, c) => tool.proxy[c] < low - size || tool.proxy[c] > bounds.high[c] + size);
+      if (!far || bounds.empty) whole.take(tool.proxy);
     }
-    return bounds;
+    return whole;
   }
 
   /** The pose that a tool without outline is drawn at, and every tool starts from. */

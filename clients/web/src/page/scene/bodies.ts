@@ -15,7 +15,7 @@ import type { Stage } from "./stage";
 const CELLS = 128;
 
 /** More lines than these, in each direction, hide what they are drawn on. */
-const MOST_LINES = 26;
+const MOST_LINES = 18;
 
 /** Okabe and Ito's colours, which differ for every eye. */
 const OWN = ["#f1dfd2", "#9fd0f0", "#f3c98b", "#8fd8bd", "#e8b1d1", "#f2e791", "#a9b8e8"];
@@ -91,7 +91,7 @@ export class BodyView {
       geometry.setIndex(index);
       geometry.boundingSphere = this.geometry.boundingSphere;
     }
-    return new LineSegments(geometry, new LineBasicMaterial({ color: 0x241a16, transparent: true, opacity: 0.2, depthWrite: false }));
+    return new LineSegments(geometry, new LineBasicMaterial({ color: 0x241a16, transparent: true, opacity: 0.17, depthWrite: false }));
   }
 
   private makeNet(size: number): Group {

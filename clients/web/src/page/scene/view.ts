@@ -45,8 +45,11 @@ export class WorldView {
     this.group.add(this.contacts.group);
   }
 
-  /** Rebuilds what became another. True if the scene is new: the camera may want to know. */
-  private rebuild(look: Look): boolean {
+  /**
+   * Rebuilds what became another. True if the scene is new: the camera may want to know. Of two views both are rebuilt
+   * before either is brought up to date, because each looks at the other.
+   */
+  rebuild(look: Look): boolean {
     const { world, seen } = this;
     const fresh = seen.scene !== world.sceneVersion;
     if (!fresh && seen.outlines === world.outlineVersion) return false;
@@ -74,10 +77,9 @@ export class WorldView {
     return fresh;
   }
 
-  /** Brings the picture to the world. `other` is the view to compare with. True if the scene is new. */
-  update(settings: Settings, version: number, look: Look, focus: string | null, other: WorldView | null): boolean {
+  /** Brings the picture to the world. `other` is the view to compare with. */
+  update(settings: Settings, version: number, look: Look, focus: string | null, other: WorldView | null): void {
     const { world } = this;
-    const fresh = this.rebuild(look);
     const now = performance.now();
     const what = settings.colourBy;
     if (this.seen.what !== what) {
@@ -102,7 +104,6 @@ export class WorldView {
     for (const view of this.tools) view.update(settings.layers, this.arrowScale, this.size);
     this.contacts.group.visible = settings.layers.contacts;
     this.contacts.update(world.contacts, this.size);
-    return fresh;
   }
 
   private scaleNow(settings: Settings, now: number): Scale | null {

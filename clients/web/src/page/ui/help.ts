@@ -21,7 +21,7 @@ const LIVE: Rows = [
 ];
 
 const RECORDED: Rows = [
-  ["Space", "play, pause"], [", .", "a tick back, on"], ["< >", "a tenth of a second back, on"], ["Home End", "beginning, end"], ["- + with Alt", "slower, faster"], ["L", "play again at the end"],
+  ["Space", "play, pause"], [", .", "a tick back, on"], ["< >", "a tenth of a second back, on"], ["Home End", "beginning, end"], ["Alt - +", "slower, faster"], ["L", "play again at the end"],
   ["[ ]", "choose the tool before, after"],
 ];
 
@@ -30,11 +30,11 @@ const VIEW: Rows = [
   ["D", "light, dark, as the system"], ["U", "sound"], ["P", "save the picture (PNG)"], ["O", "save the nets (OBJ)"], ["?", "this help"],
 ];
 
-function list(title: string, rows: Rows): HTMLElement {
+/** `keys`: what stands at the left is keys, not words. */
+function list(title: string, rows: Rows, keys = true): HTMLElement {
   const entries = el("dl");
-  for (const [keys, text] of rows) {
-    const parts = /^[a-z]/.test(keys) && keys.length > 6 && !keys.includes("arrows") ? [keys] : keys.split(" ");
-    const names = parts.map((part) => (parts.length === 1 && keys.length > 9 ? el("span", {}, part) : el("kbd", {}, part)));
+  for (const [left, text] of rows) {
+    const names = keys ? left.split(" ").map((key) => el("kbd", {}, key)) : [el("span", {}, left)];
     entries.append(el("dt", {}, ...names.flatMap((name, k) => (k > 0 ? [" ", name] : [name]))), el("dd", {}, text));
   }
   return el("section", {}, el("h3", {}, title), entries);
@@ -56,7 +56,7 @@ export class Help {
       el("button", { class: "close", type: "button", onclick: () => this.dialog.close() }, "Close"),
       el("h2", { id: "help-title" }, "Keys and mouse"),
       el("div", { class: "columns" },
-        el("div", {}, list("Mouse and fingers", recorded ? MOUSE.slice(4) : MOUSE), list("Picture", VIEW)),
+        el("div", {}, list("Mouse and fingers", recorded ? MOUSE.slice(4) : MOUSE, false), list("Picture", VIEW)),
         el("div", {}, list(recorded ? "Recording" : "Loop and tools", recorded ? RECORDED : LIVE))),
       el("p", { class: "why" }, version === "" ? "" : `Palpate ${version}`),
     );

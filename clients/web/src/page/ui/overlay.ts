@@ -67,13 +67,15 @@ export class Labels {
     this.spans.forEach((span, k) => {
       const label = labels[k];
       const at = label === undefined ? null : stage.project(label.place);
-      span.hidden = at === null;
-      if (at === null || label === undefined) return;
+      const { clientWidth, clientHeight } = this.area;
+      const seen = at !== null && at.x > -20 && at.y > -10 && at.x < clientWidth + 20 && at.y < clientHeight + 30;
+      span.hidden = !seen;
+      if (!seen || label === undefined) return;
       setText(span, label.text);
       span.className = label.kind;
       // A label stays on the picture, with some room for its own width.
-      const x = Math.min(Math.max(at.x + 8, 4), this.area.clientWidth - 66);
-      const y = Math.min(Math.max(at.y - 24, 2), this.area.clientHeight - 26);
+      const x = Math.min(Math.max(at.x + 8, 4), clientWidth - 66);
+      const y = Math.min(Math.max(at.y - 24, 2), clientHeight - 26);
       span.style.transform = `translate(${x.toFixed(1)}px, ${y.toFixed(1)}px)`;
     });
   }
