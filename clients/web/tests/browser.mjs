@@ -95,11 +95,9 @@ async function shot(page, name) {
 test("first picture: the body is drawn, nothing is said on the console", async ({ open }) => {
   const page = await open();
   await ready(page);
-  const times = await page.evaluate(() => ({
-    painted: performance.getEntriesByName("first-contentful-paint")[0]?.startTime, now: performance.now(),
-  }));
-  await until(page, () => window.palpate.report().costMs > 0, "a picture");
-  console.log(`    first paint ${times.painted?.toFixed(0)} ms, scene drawn before ${times.now.toFixed(0)} ms`);
+  const painted = await page.evaluate(() => performance.getEntriesByName("first-contentful-paint")[0]?.startTime);
+  const { firstPictureMs } = await report(page);
+  console.log(`    first paint ${painted?.toFixed(0)} ms, first picture of the scene ${firstPictureMs.toFixed(0)} ms`);
   const seen = await pixels(page);
   let opaque = 0;
   for (let k = 3; k < seen.length; k += 4) if (seen[k] > 200) opaque += 1;
@@ -335,6 +333,34 @@ test("50 bodies", async ({ open, mock }) => {
   }
   await until(page, () => window.palpate.report().extents[0][49][1] > 1e-5, "their nets");
   await shot(page, "50-bodies");
+});
+
+test("a net of 20 x 20 that moves with every picture", async ({ open, mock }) => {
+  mock.scene = snapshotOf([sheetOf("sheet", 20)], [toolOf("pen", [0, 0, 0.03], 0)]);
+  const page = await open();
+  await ready(page);
+  const [body] = mock.scene.bodies;
+  for (let n = 1; n <= 120; n++) {
+    mock.net(body, body.points.map((x, k) => (k % 3 === 2 ? 0.01 * Math.sin(n / 6) * Math.exp(-((body.points[k - 2] ** 2 + body.points[k - 1] ** 2) / 4e-4)) : x)));
+    await sleep(16);
+  }
+  const { updateMs, costMs } = await report(page);
+  console.log(`    a picture costs the page ${updateMs.toFixed(1)} ms for surfaces and ${costMs.toFixed(1)} ms for drawing`);
+  assert.ok((await report(page)).extents[0][0][1] > 1e-4);
+});
+
+test("a page that goes to the background gives its tool back", async ({ open, mock }) => {
+  const page = await open();
+  await ready(page);
+  await drag(page, [-30, 0], 4);
+  await until(page, () => window.palpate.report().tools[0].holder, "the tool");
+  await page.evaluate(() => {
+    Object.defineProperty(document, "hidden", { configurable: true, get: () => true });
+    document.dispatchEvent(new Event("visibilitychange"));
+  });
+  await until(page, () => window.palpate.report().hand === "free" && window.palpate.report().tools[0].holder === null, "the tool given back");
+  assert.ok(mock.said.some(([key]) => key === "tool/ball/release"));
+  await page.mouse.up();
 });
 
 test("a net of 200 x 200", async ({ open, mock }) => {
@@ -694,6 +720,32 @@ if (palpate !== undefined) {
     const path = join(directory, file);
     execFileSync(palpate, ["replay", path], { stdio: "pipe" });
     console.log(`    ${file} replays bit for bit`);
+  });
+
+  test("real: of two pages that drag one tool the second is refused, and told who holds it", async ({ browser, watch, directory }) => {
+    const running = await daemon(["serve", join(repository, "scenes/rigid-teardrop.toml")], directory);
+    try {
+      const pages = [];
+      for (let k = 0; k < 2; k++) {
+        const page = watch(await browser.newPage({ viewport: { width: 1280, height: 800 } }));
+        await page.goto(running.url);
+        await ready(page);
+        pages.push(page);
+      }
+      const [first, second] = pages;
+      await first.keyboard.press("t");
+      const holder = await until(first, () => window.palpate.report().tools[0].holder, "the tool");
+      await second.keyboard.press("t");
+      await until(second, `document.getElementById("notices").textContent.includes(${JSON.stringify(holder)})`, "the refusal");
+      assert.equal((await report(second)).hand, "free");
+      await first.keyboard.press("Escape");
+      await until(first, () => window.palpate.report().hand === "free", "the tool given back");
+      await until(second, () => window.palpate.report().tools[0].holder === null, "nobody holds it");
+      await second.keyboard.press("t");
+      await until(second, () => window.palpate.report().tools[0].holder !== null && window.palpate.report().hand === "holding", "the second has it");
+    } finally {
+      await running.stop();
+    }
   });
 
   test("real: the net at a tick of the timeline is that of `palpate export --net`", async ({ browser, watch, directory }) => {

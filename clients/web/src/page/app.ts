@@ -86,6 +86,9 @@ export class App {
   private fps = 0;
   private fpsSince = 0;
   private drawnLast = false;
+  /** When the first picture of a scene was drawn, and what bringing views up to date costs in the mean, ms. */
+  private firstPicture = 0;
+  private updating = 0;
 
   constructor() {
     this.theme = applyTheme(this.settings.value.theme);
@@ -149,6 +152,10 @@ export class App {
     byId("theme").addEventListener("click", () => this.settings.set((s) => (s.theme = this.theme.light ? "dark" : "light")));
     byId("sound").addEventListener("click", () => this.settings.set((s) => (s.sound = !s.sound)));
     this.applySettings();
+    // A page in the background is given no time to send poses: better to give the tool back than to hold it stale.
+    document.addEventListener("visibilitychange", () => {
+      if (document.hidden) this.hand?.end(null);
+    });
     const area = byId("drop");
     const holdsFiles = (event: DragEvent) => event.dataTransfer?.types.includes("Files") ?? false;
     addEventListener("dragover", (event) => {
@@ -466,11 +473,16 @@ export class App {
     const versions = `${this.world.version} ${this.second?.world.version ?? 0} ${this.settings.version} ${this.theme.light}`;
     const changed = versions !== this.drawnVersions;
     this.drawnVersions = versions;
-    if (changed) this.updateViews();
+    if (changed) {
+      const start = performance.now();
+      this.updateViews();
+      this.updating += 0.1 * (performance.now() - start - this.updating);
+    }
     const drawn = this.stage?.draw() ?? false;
     if (drawn && this.drawnLast) this.stage?.pace(ms);
     this.drawnLast = drawn;
     if (drawn) this.frames += 1;
+    if (drawn && this.firstPicture === 0 && (this.views[0]?.bodies.length ?? 0) > 0) this.firstPicture = performance.now();
     if (now - this.fpsSince > 1000) [this.fps, this.frames, this.fpsSince] = [(1e3 * this.frames) / (now - this.fpsSince), 0, now];
     if (changed || drawn) this.updateOverlay();
     if (now - this.lastWords > WORDS_MS) {
@@ -616,7 +628,7 @@ export class App {
     });
     return {
       link: world.link, tick: world.tick, scene: world.name, malformed: this.live?.malformed ?? 0,
-      fps: this.fps, costMs: stage?.cost ?? null, thrifty: stage?.thrifty ?? false,
+      firstPictureMs: this.firstPicture, updateMs: this.updating, fps: this.fps, costMs: stage?.cost ?? null, thrifty: stage?.thrifty ?? false,
       bodies: world.bodies.map((body) => ({
         id: body.id, points: body.points.length / 3, netTick: body.netTick, fault: body.fault, assumed: body.assumed,
       })),

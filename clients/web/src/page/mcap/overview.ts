@@ -107,12 +107,13 @@ export class Overview {
   contactIntervals(tool: number): [number, number][] {
     const intervals: [number, number][] = [];
     const { contact } = this.tools[tool];
+    const step = Math.max(this.ticksPerRow, this.recording.every);
     for (let row = 0; row < this.rows; row++) {
       if (contact[row] === 0) continue;
       const last = intervals[intervals.length - 1];
-      const end = this.tickOf(row) + this.ticksPerRow - 1;
+      const end = this.tickOf(row) + step - 1;
       // A gap of a row that was not read is not a gap in contact.
-      if (last !== undefined && this.tickOf(row) - last[1] <= 1 + this.ticksPerRow * (this.sampled - 1)) last[1] = end;
+      if (last !== undefined && this.tickOf(row) - last[1] <= 1 + step * (this.sampled - 1)) last[1] = end;
       else intervals.push([this.tickOf(row), end]);
     }
     return intervals;

@@ -63,6 +63,11 @@ export class Recording {
     this.lastTick = last;
   }
 
+  /** Only every so-manyth tick is in it: a page made for sending is thinned. */
+  get every(): number {
+    return Number(this.file.metadata.get("palpate.run")?.get("thinned_every") ?? 1) || 1;
+  }
+
   /** The build that made it, for people. */
   get build(): string {
     return this.file.metadata.get("palpate.run")?.get("build") ?? "an unknown build";
@@ -97,6 +102,7 @@ export class Recording {
     const dropped = Number(end?.get("dropped_records") ?? 0);
     if (dropped > 0) warnings.push(`${dropped} records were lost while recording`);
     if (snapshot === null) warnings.push("it does not hold its scene: surfaces are drawn with uniform knots, bodies that never move are missing");
+    if (recording.every > 1) warnings.push(`it was thinned: one tick of ${recording.every} is in it`);
     const format = file.metadata.get("palpate.run")?.get("format");
     if (file.metadata.get("palpate.run") === undefined) warnings.push("it was not made by Palpate, or by a build that says nothing of itself");
     else if (format !== undefined && Number(format) > 2) warnings.push(`it is of a newer format (${format})`);

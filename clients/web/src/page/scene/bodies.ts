@@ -12,7 +12,7 @@ import { paint, type MapName, type Scale } from "./colour";
 import type { Stage } from "./stage";
 
 /** Cells in each direction of a body that is alone. */
-const CELLS = 128;
+const CELLS = 104;
 
 /** More lines than these, in each direction, hide what they are drawn on. */
 const MOST_LINES = 18;

@@ -71,6 +71,10 @@ export class Tessellation {
     const orders = curvature ? 3 : 2;
     for (let a = 0; a < u.count; a++) {
       this.sumRows(a, orders);
+      if (wide === 3 && !curvature) {
+        this.plainRow(a);
+        continue;
+      }
       for (let b = 0; b < v.count; b++) {
         this.sumColumns(b, sums, curvature);
         if (wide === 4) divideByWeight(sums, curvature);
@@ -109,6 +113,54 @@ export class Tessellation {
         const from = ((u.first[a] + r) % u.wrap) * stride;
         for (let k = 0; k < stride; k++) row[k] += basis * homogeneous[from + k];
       }
+    }
+  }
+
+  /**
+   * A row of points and normals without weights and curvature: what runs with every picture. The same sums as below,
+   * in local variables, which costs a quarter of the time.
+   */
+  private plainRow(a: number): void {
+    const { v, positions, normals, least } = this;
+    const [s, su] = this.rows;
+    const [m, m1] = v.values;
+    const { width, wrap, first } = v;
+    for (let b = 0; b < v.count; b++) {
+      let px = 0, py = 0, pz = 0, ax = 0, ay = 0, az = 0, bx = 0, by = 0, bz = 0;
+      let k = b * width;
+      for (let r = 0; r < width; r++, k++) {
+        let column = first[b] + r;
+        while (column >= wrap) column -= wrap;
+        const from = 3 * column;
+        const basis = m[k], slope = m1[k];
+        const x = s[from], y = s[from + 1], z = s[from + 2];
+        px += basis * x;
+        py += basis * y;
+        pz += basis * z;
+        ax += basis * su[from];
+        ay += basis * su[from + 1];
+        az += basis * su[from + 2];
+        bx += slope * x;
+        by += slope * y;
+        bz += slope * z;
+      }
+      const vertex = a * v.count + b;
+      const at = 3 * vertex;
+      positions[at] = px;
+      positions[at + 1] = py;
+      positions[at + 2] = pz;
+      const nx = ay * bz - az * by, ny = az * bx - ax * bz, nz = ax * by - ay * bx;
+      const alongU = Math.sqrt(ax * ax + ay * ay + az * az);
+      const alongV = Math.sqrt(bx * bx + by * by + bz * bz);
+      const length = Math.sqrt(nx * nx + ny * ny + nz * nz);
+      if (alongU <= least[0] || alongV <= least[1] || !(length > 1e-9 * alongU * alongV)) {
+        this.degenerate.push(vertex);
+        normals[at] = normals[at + 1] = normals[at + 2] = 0;
+        continue;
+      }
+      normals[at] = nx / length;
+      normals[at + 1] = ny / length;
+      normals[at + 2] = nz / length;
     }
   }
 
