@@ -124,7 +124,7 @@ test("a drag presses the body: force, dent, chart and number follow", async ({ o
   await page.mouse.up();
   await until(page, () => window.palpate.report().hand === "free", "the tool given back");
   assert.ok(mock.said.some(([key]) => key === "tool/ball/release"));
-  assert.equal((await report(page)).tools[0].holder, null);
+  await until(page, () => window.palpate.report().tools[0].holder === null, "nobody holds it");
 });
 
 test("from the drag to the arrow are at most two pictures", async ({ open }) => {
@@ -637,6 +637,15 @@ test("two recordings side by side: one timeline, differences in colour, other bu
   await shot(page, "side-by-side");
 });
 
+test("a directory of recordings: each can be chosen", async ({ open, mock }) => {
+  serve(mock, [["tap.mcap", golden("teardrop-tap.mcap")], ["small.mcap", golden("small-lattice-press.mcap")]]);
+  const page = await open();
+  await played(page);
+  assert.equal((await report(page)).playback.last, 700);
+  await page.selectOption("#instances select", { index: 1 });
+  await until(page, () => window.palpate.report().playback?.last !== 700 && window.palpate.report().bodies.length > 0, "the other recording");
+});
+
 test("a file dropped on the page is opened", async ({ open }) => {
   const page = await open();
   await ready(page);
@@ -808,6 +817,7 @@ if (process.env.PALPATE_PICTURES !== undefined && palpate !== undefined) {
         const page = watch(await context.newPage());
         await page.goto(running.url);
         await ready(page);
+        await page.evaluate(() => (window.palpate.stage.mayBeCoarse = false));
         await sleep(600);
         await drag(page, [-(await pixelsOf(page, 0.04)), 0], 40);
         await until(page, () => Math.hypot(...window.palpate.report().tools[0].force) > 0.3, "a force");
@@ -824,7 +834,10 @@ if (process.env.PALPATE_PICTURES !== undefined && palpate !== undefined) {
       const page = watch(await context.newPage());
       await page.goto(running.url);
       await ready(page);
-      await page.evaluate(() => window.palpate.look.toggle(false));
+      await page.evaluate(() => {
+        window.palpate.look.toggle(false);
+        window.palpate.stage.mayBeCoarse = false;
+      });
       await sleep(600);
       const from = await place(page);
       const far = await pixelsOf(page, 0.042);

@@ -628,7 +628,7 @@ export class App {
     });
     return {
       link: world.link, tick: world.tick, scene: world.name, malformed: this.live?.malformed ?? 0,
-      firstPictureMs: this.firstPicture, updateMs: this.updating, fps: this.fps, costMs: stage?.cost ?? null, thrifty: stage?.thrifty ?? false,
+      firstPictureMs: this.firstPicture, updateMs: this.updating, fps: this.fps, costMs: stage?.cost ?? null, thrifty: stage?.thrifty ?? false, coarse: stage?.coarse ?? false,
       bodies: world.bodies.map((body) => ({
         id: body.id, points: body.points.length / 3, netTick: body.netTick, fault: body.fault, assumed: body.assumed,
       })),

@@ -22,6 +22,10 @@ export interface Palette {
 /** Slower pictures than this, in the mean, give up shadows and fine pixels, ms. */
 const SLOW_MS = 28;
 
+/** Pixels of a coarse picture, and how long after the last one it is drawn sharp. */
+const COARSE = 0.55;
+const STILL_MS = 180;
+
 const GRID_VERTEX = `
 varying vec2 place;
 void main() {
@@ -60,8 +64,11 @@ export class Stage {
   size = 0.1;
   /** Mean time to draw a picture, ms. */
   cost = 0;
-  /** True once drawing turned out slow. */
+  /** True once drawing turned out slow: no shadows, no fine pixels. */
   thrifty = false;
+  /** True where even that is slow: pictures that follow each other are coarse, one that stays is sharp. */
+  coarse = false;
+  mayBeCoarse = true;
   onCamera: () => void = () => {};
 
   private readonly sun = new DirectionalLight(0xfffaf2, 2.3);
@@ -71,6 +78,8 @@ export class Stage {
   private readonly shade: Mesh<PlaneGeometry, ShadowMaterial>;
   private wanted = true;
   private slow = 0;
+  private lastDrawn = 0;
+  private ratio = 1;
   private shadows = true;
   /** Pixels at the left that a panel covers: the middle of the picture is beside it. */
   private inset = 0;
@@ -215,7 +224,8 @@ export class Stage {
 
   resize(width: number, height: number): void {
     if (width < 1 || height < 1) return;
-    this.renderer.setPixelRatio(this.thrifty ? 1 : Math.min(devicePixelRatio, 2));
+    this.ratio = this.thrifty ? 1 : Math.min(devicePixelRatio, 2);
+    this.renderer.setPixelRatio(this.ratio);
     this.renderer.setSize(width, height, false);
     this.camera.aspect = width / height;
     if (this.inset > 0) this.camera.setViewOffset(width, height, -this.inset / 2, 0, width, height);
@@ -258,9 +268,15 @@ export class Stage {
     }
     // Damping moves the camera on after the hand has gone: "change" asks for those pictures.
     this.controls.update();
-    if (!this.wanted || this.renderer.getContext().isContextLost()) return false;
-    this.wanted = false;
+    if (this.renderer.getContext().isContextLost()) return false;
     const start = performance.now();
+    const still = start - this.lastDrawn > STILL_MS;
+    const ratio = this.coarse && this.mayBeCoarse && !(still && !this.wanted) ? COARSE : this.thrifty ? 1 : this.ratio;
+    if (still && ratio > this.renderer.getPixelRatio()) this.wanted = true;
+    if (!this.wanted) return false;
+    if (ratio !== this.renderer.getPixelRatio()) this.renderer.setPixelRatio(ratio);
+    this.wanted = false;
+    this.lastDrawn = start;
     this.renderer.render(this.scene, this.camera);
     this.cost += 0.1 * (performance.now() - start - this.cost);
     this.onCamera();
@@ -269,10 +285,12 @@ export class Stage {
 
   /** Told how long pictures are apart while they follow each other. */
   pace(ms: number): void {
-    if (this.thrifty || ms > 500) return;
-    this.slow += ms > SLOW_MS ? 1 : -1;
+    if (this.coarse || ms > 500) return;
+    this.slow += ms > (this.thrifty ? 2 * SLOW_MS : SLOW_MS) ? 1 : -1;
     this.slow = Math.max(0, this.slow);
     if (this.slow < 24) return;
+    this.slow = 0;
+    this.coarse = this.thrifty;
     this.thrifty = true;
     this.setShadows(this.shadows);
     this.resize(this.canvas.clientWidth, this.canvas.clientHeight);
