@@ -51,13 +51,24 @@ pub(super) struct Shown {
     pub tools: String,
 }
 
+/// A net of 400 × 400, or a hundred tools.
+const MOST_SHOWN: usize = 8 << 20;
+
 impl Shown {
     pub fn of(scene: &Scene, scene_text: &str) -> Self {
         let hash = sha2::Sha256::digest(scene_text.as_bytes()).into();
-        Self {
+        let mut shown = Self {
             snapshot: encode(&first_snapshot(scene, hash)),
             tools: tool_outlines(scene),
+        };
+        // Every part of a recording has them: what is longer is asked of `palpate view` instead.
+        if shown.snapshot.len() > MOST_SHOWN {
+            shown.snapshot.clear();
         }
+        if shown.tools.len() > MOST_SHOWN {
+            shown.tools.clear();
+        }
+        shown
     }
 }
 

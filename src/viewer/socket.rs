@@ -110,9 +110,13 @@ async fn show(
         // What an answer speaks of was posted before it, and comes before it.
         let news = board.news(&mut seen).into_iter().map(Message::Binary);
         for message in news.chain(last) {
-            if out.send(message).await.is_err() {
+            if out.feed(message).await.is_err() {
                 return;
             }
+        }
+        // Once for all: sixty-four tools have two messages each.
+        if out.flush().await.is_err() {
+            return;
         }
     }
 }

@@ -16,27 +16,39 @@ fn web() -> Option<PathBuf> {
 }
 
 /// Runs to the end, which must be a good one; gives stdout.
-fn run(program: &str, arguments: &[&str], directory: &Path) -> String {
-    let done = Command::new(program)
-        .args(arguments)
+fn run(command: &mut Command, directory: &Path) -> String {
+    let done = command
         .env("PALPATE", PROGRAM)
         .current_dir(directory)
         .output()
-        .unwrap_or_else(|e| panic!("{program}: {e}"));
+        .unwrap_or_else(|e| panic!("{command:?}: {e}"));
     let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
     let (out, err) = (text(&done.stdout), text(&done.stderr));
-    assert!(
-        done.status.success(),
-        "{program} {arguments:?}\n{out}\n{err}"
-    );
+    assert!(done.status.success(), "{command:?}\n{out}\n{err}");
     out
+}
+
+fn npm(script: &str, web: &Path) {
+    run(Command::new("npm").args(["run", "--silent", script]), web);
+}
+
+/// A Chromium on the path, or that of `CHROMIUM`.
+fn chromium() -> Option<PathBuf> {
+    if let Some(path) = std::env::var_os("CHROMIUM") {
+        return Some(path.into());
+    }
+    let path = std::env::var_os("PATH")?;
+    let names = ["chromium", "chromium-browser", "google-chrome"];
+    std::env::split_paths(&path)
+        .flat_map(|directory| names.map(|name| directory.join(name)))
+        .find(|program| program.is_file())
 }
 
 // What a build with Rust alone serves is what the sources of the page make.
 #[test]
 fn the_embedded_page_is_what_its_sources_make() {
     if let Some(web) = web() {
-        run("npm", &["run", "--silent", "page:check"], &web);
+        npm("page:check", &web);
     }
 }
 
@@ -47,14 +59,14 @@ fn a_browser_shows_presses_records_and_seeks() {
         println!("skipped: playwright-core is not installed in clients/web (npm ci)");
         return;
     }
-    let browsers = ["chromium", "chromium-browser", "google-chrome"];
-    let there = |name: &&str| Command::new(name).arg("--version").output().is_ok();
-    if !browsers.iter().any(there) {
+    let Some(chromium) = chromium() else {
         println!("skipped: there is no Chromium (apt-get install chromium)");
         return;
-    }
+    };
     for script in ["build", "build:tests"] {
-        run("npm", &["run", "--silent", script], &web);
+        npm(script, &web);
     }
-    println!("{}", run("node", &["tests/browser.mjs"], &web));
+    let mut node = Command::new("node");
+    node.arg("tests/browser.mjs").env("CHROMIUM", chromium);
+    println!("{}", run(&mut node, &web));
 }

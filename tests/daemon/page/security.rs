@@ -2,6 +2,7 @@
 
 use super::TWO_BALLS;
 use crate::page::{Page, get, get_with, serve, text};
+use crate::session::Random;
 use palpate_client::pose_at;
 use palpate_client::proto::codec::encode;
 use tungstenite::Message;
@@ -127,4 +128,47 @@ fn pages_are_bounded_in_number() {
         assert!(begun.elapsed().as_secs() < 30, "no room after one left");
         std::thread::sleep(std::time::Duration::from_millis(20));
     }
+}
+
+// Whatever a page with the token sends, the loop goes on, other pages go on, and at most its own
+// socket ends.
+#[test]
+fn random_frames_harm_nobody() {
+    let directory = tempfile::tempdir().unwrap();
+    let (daemon, port) = serve(directory.path(), TWO_BALLS, &[]);
+    let mut other = Page::open(port);
+    let mut random = Random(11);
+    let keys = [
+        "token",
+        "tool/ball/device",
+        "tool/ball/pose",
+        "tool/ball/release",
+        "tool//pose",
+        "tool/ball",
+        "rpc/step",
+        "rpc/",
+        "rpc/../pause",
+        "speed",
+        "",
+        "scene",
+        "tool/ball/pose/pose",
+    ];
+    let mut page = Page::open(port);
+    for k in 0..400 {
+        if k % 25 == 0 {
+            page = Page::open(port);
+            page.claim("ball", "mouse");
+        }
+        let bytes = crate::wire::any_bytes(&mut random, 300);
+        match random.below(5) {
+            0 => page.send_raw(Message::Binary(bytes.into())),
+            _ => page.send(keys[random.below(keys.len())], &bytes),
+        }
+    }
+    drop(page);
+    assert_eq!(other.call("pause", "{}")["ok"], true);
+    assert_eq!(other.call("resume", "{}")["ok"], true);
+    other.claim("ball", "another mouse");
+    other.holder("ball", |who| who == Some("another mouse"));
+    assert!(daemon.connect().status().unwrap().tick > 0);
 }
