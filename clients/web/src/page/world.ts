@@ -8,7 +8,7 @@
 import type { Contact, DeviceInfo, LoopStatus, SceneSnapshot } from "../index";
 import { partedAfter, type Direction } from "./surface/basis";
 import type { Surface } from "./surface/tessellate";
-import { Bounds, UPRIGHT, ZERO, type Quat, type Vec3 } from "./geometry";
+import { Bounds, ZERO, type Quat, type Vec3 } from "./geometry";
 import { History } from "./history";
 
 /** A body: its surface, its net at rest and its net now. */
@@ -208,10 +208,5 @@ export class World {
       if (!far || bounds.empty) whole.take(tool.proxy);
     }
     return whole;
-  }
-
-  /** The pose that a tool without outline is drawn at, and every tool starts from. */
-  restingHand(tool: Tool): HandPose {
-    return { position: tool.proxy, orientation: tool.orientation.length === 4 ? tool.orientation : UPRIGHT };
   }
 }

@@ -1,6 +1,6 @@
 /** An arrow of any length: a shaft that stretches and a head that does not. */
 
-import { ConeGeometry, CylinderGeometry, Group, Mesh, MeshStandardMaterial, Quaternion, Vector3, type ColorRepresentation } from "three";
+import { ConeGeometry, CylinderGeometry, Group, Mesh, MeshPhongMaterial, Quaternion, Vector3, type ColorRepresentation } from "three";
 import { norm, type Vec3 } from "../geometry";
 
 const UP = new Vector3(0, 1, 0);
@@ -9,14 +9,14 @@ const HEAD = new ConeGeometry(1, 1, 24).translate(0, 0.5, 0);
 
 export class Arrow {
   readonly group = new Group();
-  private readonly material: MeshStandardMaterial;
+  private readonly material: MeshPhongMaterial;
   private readonly shaft: Mesh;
   private readonly head: Mesh;
   /** Place of the point, for a label. */
   readonly tip = new Vector3();
 
   constructor(colour: ColorRepresentation, private readonly heads = 1) {
-    this.material = new MeshStandardMaterial({ color: colour, emissive: colour, emissiveIntensity: 0.45, roughness: 0.5 });
+    this.material = new MeshPhongMaterial({ color: colour, emissive: colour, emissiveIntensity: 0.45, specular: 0x222222 });
     this.shaft = new Mesh(SHAFT, this.material);
     this.head = new Mesh(HEAD, this.material);
     this.group.add(this.shaft, this.head);

@@ -1,7 +1,7 @@
 /** Bodies: shaded surfaces and their control nets. */
 
 import {
-  BufferAttribute, BufferGeometry, Color, DoubleSide, Group, LineBasicMaterial, LineSegments, Mesh, MeshStandardMaterial,
+  BufferAttribute, BufferGeometry, Color, DoubleSide, Group, LineBasicMaterial, LineSegments, Mesh, MeshPhongMaterial,
   Points, PointsMaterial, Sphere, Vector3,
 } from "three";
 import type { Body } from "../world";
@@ -27,7 +27,7 @@ export class BodyView {
   readonly tessellation: Tessellation | null;
 
   private readonly geometry = new BufferGeometry();
-  private readonly surface: Mesh<BufferGeometry, MeshStandardMaterial>;
+  private readonly surface: Mesh<BufferGeometry, MeshPhongMaterial>;
   private readonly lines: LineSegments<BufferGeometry, LineBasicMaterial>;
   private readonly net: Group;
   private readonly netPoints: Float32Array;
@@ -45,8 +45,8 @@ export class BodyView {
     const target = Math.max(28, Math.round(CELLS / Math.sqrt(many)));
     this.tessellation = tessellationOf(body.surface, middle as [number, number, number], target);
     const tess = this.tessellation;
-    const material = new MeshStandardMaterial({
-      vertexColors: true, side: DoubleSide, roughness: 0.58, metalness: 0, clipShadows: true,
+    const material = new MeshPhongMaterial({
+      vertexColors: true, side: DoubleSide, specular: 0x2a2a2a, shininess: 22, clipShadows: true,
       // Lines on the surface are nearer than the surface.
       polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 1,
     });

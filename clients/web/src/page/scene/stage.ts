@@ -298,6 +298,7 @@ export class Stage {
 
   /** A picture on a plain ground. */
   async png(background: string): Promise<Blob | null> {
+    this.renderer.setPixelRatio(this.ratio);
     this.renderer.render(this.scene, this.camera);
     const copy = document.createElement("canvas");
     copy.width = this.canvas.width;

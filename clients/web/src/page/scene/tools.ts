@@ -2,7 +2,7 @@
 
 import {
   BufferAttribute, BufferGeometry, DoubleSide, Group, Line, LineBasicMaterial, Mesh, MeshBasicMaterial,
-  MeshStandardMaterial, SphereGeometry, Sphere, Vector3,
+  MeshPhongMaterial, SphereGeometry, Sphere, Vector3,
 } from "three";
 import { dot, norm, scaled, sub, add, type Vec3 } from "../geometry";
 import type { Outline, Tool } from "../world";
@@ -32,7 +32,7 @@ function geometryOf(outline: Outline | undefined): BufferGeometry | null {
 
 export class ToolView {
   readonly group = new Group();
-  readonly shape: Mesh<BufferGeometry, MeshStandardMaterial>;
+  readonly shape: Mesh<BufferGeometry, MeshPhongMaterial>;
   readonly arrow: Arrow;
   readonly torque: Arrow;
   /** Radius of a sphere around the shape, m. */
@@ -47,8 +47,8 @@ export class ToolView {
     geometry.computeBoundingSphere();
     this.reach = geometry.boundingSphere?.radius ?? size / 50;
     const open = tool.shape === "plane";
-    this.shape = new Mesh(geometry, new MeshStandardMaterial({
-      color: look.tool, roughness: 0.32, metalness: 0.15, side: DoubleSide, transparent: open, opacity: open ? 0.35 : 1, depthWrite: !open,
+    this.shape = new Mesh(geometry, new MeshPhongMaterial({
+      color: look.tool, specular: 0x4a4a4a, shininess: 90, side: DoubleSide, transparent: open, opacity: open ? 0.35 : 1, depthWrite: !open,
     }));
     this.shape.castShadow = !open;
     this.shape.name = tool.id;
