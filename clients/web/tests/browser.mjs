@@ -455,6 +455,23 @@ for (const [width, height] of [[320, 568], [390, 844]]) {
   });
 }
 
+test("a recording on 320 and 390 px: its deck is on the window", async ({ open, mock }) => {
+  serve(mock, [["tap.mcap", golden("teardrop-tap.mcap")]]);
+  for (const [width, height] of [[320, 568], [390, 844]]) {
+    const page = await open({ viewport: { width, height }, colorScheme: "light" });
+    await played(page);
+    await sleep(300);
+    assert.ok((await page.evaluate(() => document.documentElement.scrollWidth)) <= width);
+    for (const selector of ["#back", "#pause", "#step", "#loop", "#speed", "#track", "#save-picture"]) {
+      const box = await page.locator(selector).boundingBox();
+      assert.ok(box !== null && box.x >= 0 && box.x + box.width <= width && box.y + box.height <= height, `${selector}: ${JSON.stringify(box)}`);
+    }
+    assert.ok((await page.locator("#view").boundingBox()).height >= 200);
+    await shot(page, `recording-${width}`);
+    await page.close();
+  }
+});
+
 test("every control has a name and can be reached by keyboard; colours have the contrast of AA", async ({ open }) => {
   for (const colorScheme of ["light", "dark"]) {
     const page = await open({ colorScheme });
