@@ -79,6 +79,17 @@ function changed(a, b) {
   return count;
 }
 
+/** Waits until so many pixels are others than before. */
+async function untilChanged(page, before, least, what) {
+  let most = 0;
+  for (let k = 0; k < 60; k++) {
+    most = Math.max(most, changed(before, await pixels(page)));
+    if (most > least) return;
+    await sleep(100);
+  }
+  throw new Error(`${what}: ${most} pixels changed, not ${least}`);
+}
+
 /** A scene is there, drawn and told of. */
 const ready = (page) => until(page, () => window.palpate?.report().bodies.length > 0 && window.palpate.report().costMs > 0
   && document.querySelectorAll("#tools button").length > 0, "a scene");
@@ -112,8 +123,7 @@ test("a drag presses the body: force, dent, chart and number follow", async ({ o
   const before = await pixels(page);
   await drag(page, [-190, 0], 20);
   await until(page, () => Math.hypot(...window.palpate.report().tools[0].force) > 1, "a force");
-  const after = await pixels(page);
-  assert.ok(changed(before, after) > 60, `${changed(before, after)} pixels changed`);
+  await untilChanged(page, before, 60, "the dent");
   await until(page, () => Number(document.querySelector("[data-value=force]").textContent) > 1, "the number");
   assert.ok((await page.locator("#labels .force").first().innerText()).endsWith(" N"));
   const { extents, tools } = await report(page);
@@ -160,9 +170,7 @@ test("the wheel pushes along the view while a tool is held, and zooms otherwise"
   await until(page, () => window.palpate.report().tools[0].hand !== null, "the hand");
   const before = (await report(page)).tools[0].hand;
   await page.mouse.wheel(0, -400);
-  await sleep(400);
-  const after = (await report(page)).tools[0].hand;
-  assert.ok(Math.hypot(...after.map((x, c) => x - before[c])) > 0.005, `${before} ${after}`);
+  await until(page, `Math.hypot(...window.palpate.report().tools[0].hand.map((x, c) => x - ${JSON.stringify(before)}[c])) > 0.005`, "the push");
   await page.mouse.up();
 });
 
@@ -277,11 +285,9 @@ test("scene swap while dragging: the drag goes on", async ({ open, mock }) => {
   const at = await place(page);
   await page.mouse.move(at.x - 60, at.y);
   await page.mouse.move(at.x - 120, at.y);
-  await sleep(400);
-  const now = await report(page);
-  assert.equal(now.hand, "holding");
-  assert.notEqual(now.tools[0].hand[0], before);
-  assert.ok((await text(page, "#events")).includes("second was added"));
+  await until(page, `window.palpate.report().tools[0].hand[0] !== ${before}`, "the hand goes on");
+  assert.equal((await report(page)).hand, "holding");
+  await until(page, () => document.getElementById("events").textContent.includes("second was added"), "the event");
   await page.mouse.up();
 });
 
@@ -406,6 +412,7 @@ test("garbage on the socket changes nothing", async ({ open, mock }) => {
 test("WebGL lost and restored", async ({ open }) => {
   const page = await open();
   await ready(page);
+  await sleep(500);
   const before = await pixels(page);
   await page.evaluate(() => {
     window.lost = window.palpate.stage.renderer.getContext().getExtension("WEBGL_lose_context");
@@ -414,8 +421,13 @@ test("WebGL lost and restored", async ({ open }) => {
   await until(page, () => document.getElementById("notices").textContent.includes("graphics were lost"), "the loss");
   await page.evaluate(() => window.lost.restoreContext());
   await until(page, () => !document.getElementById("notices").textContent.includes("graphics were lost"), "the return");
-  await sleep(500);
-  assert.ok(changed(before, await pixels(page)) < 3000, "another picture than before");
+  await until(page, () => !window.palpate.stage.renderer.getContext().isContextLost(), "the context");
+  let differ = Infinity;
+  for (let k = 0; k < 60 && differ >= 3000; k++) {
+    await sleep(100);
+    differ = changed(before, await pixels(page));
+  }
+  assert.ok(differ < 3000, `${differ} pixels are not as before`);
 }, { console: /CONTEXT_LOST|Context Lost|Context Restored|context/i });
 
 test("WebGL missing: says so, charts and controls work", async ({ open, mock }) => {
@@ -520,12 +532,10 @@ test("colours, layers and cut change the picture; the legend has its unit", asyn
   await until(page, () => window.palpate.report().hand === "free", "the tool given back");
   let before = await pixels(page);
   await page.check("[data-layer=net]");
-  await sleep(250);
-  assert.ok(changed(before, await pixels(page)) > 50, "the control net");
+  await untilChanged(page, before, 50, "the control net");
   before = await pixels(page);
   await page.selectOption("#clip", "x");
-  await sleep(250);
-  assert.ok(changed(before, await pixels(page)) > 100, "the cut");
+  await untilChanged(page, before, 100, "the cut");
   await shot(page, "cut");
 });
 
@@ -561,9 +571,7 @@ test("fingers: one on the tool presses, one beside it turns the view", async ({ 
     await sleep(20);
   }
   await touch("touchEnd");
-  await sleep(200);
-  const after = await page.evaluate(() => window.palpate.stage.camera.position.toArray());
-  assert.ok(Math.hypot(...after.map((v, c) => v - before[c])) > 0.01, "the view did not turn");
+  await until(page, `Math.hypot(...window.palpate.stage.camera.position.toArray().map((v, c) => v - ${JSON.stringify(before)}[c])) > 0.01`, "the view turns");
   await context.close();
 });
 
@@ -612,6 +620,7 @@ test("a click on a chart goes there", async ({ open, mock }) => {
   serve(mock, [["tap.mcap", golden("teardrop-tap.mcap")]]);
   const page = await open();
   await played(page);
+  await until(page, () => document.querySelector("[data-chart=force] .u-over") !== null, "the chart");
   await sleep(300);
   const over = page.locator("[data-chart=force] .u-over");
   const box = await over.boundingBox();
