@@ -48,6 +48,19 @@ test("a net of another size is not put on a body", () => {
   assert.equal(world.bodies[0].points, before);
 });
 
+test("a net or a scene with too few points is not drawn", () => {
+  const { world, live } = worldOf();
+  const [body] = world.bodies;
+  const { u, v } = body.surface;
+  live.take(frame("body/drop/net", bus.ControlNet, { tick: 5n, revision: 2n, body: "drop", degree_u: 3, degree_v: 3, count_u: u.count, count_v: v.count, points: new Float64Array(12), weights: null }));
+  assert.equal(body.points.length, 3 * u.count * v.count);
+  const scene = snapshotOf();
+  live.take(frame("scene", bus.SceneSnapshot, { ...scene, bodies: scene.bodies.map((given) => ({ ...given, points: new Float64Array(9), rest_points: new Float64Array(9) })) }));
+  assert.match(world.bodies[0].fault, /has not \d+ × \d+ points/);
+  live.take(page.frame("holders", page.ofText("{ not json")));
+  assert.equal(live.malformed, 1);
+});
+
 test("garbage is counted and changes nothing", () => {
   const { world, live } = worldOf();
   const { version } = world;

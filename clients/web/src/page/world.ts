@@ -39,7 +39,7 @@ export class Body {
 
   /** Takes a net of the same size; false if it is another body's. */
   takeNet(points: Float64Array, countU: number, countV: number, tick: number): boolean {
-    if (countU !== this.surface.u.count || countV !== this.surface.v.count) return false;
+    if (countU !== this.surface.u.count || countV !== this.surface.v.count || points.length !== 3 * countU * countV) return false;
     this.points = points;
     this.netTick = tick;
     this.netVersion += 1;
@@ -173,7 +173,8 @@ export class World {
       });
       const surface = { u: direction(0), v: direction(1), weights: given.weights };
       const body = new Body(given.id, given.model, surface, given.rest_points, given.points, false);
-      body.takeNet(given.points, given.count[0], given.count[1], this.tick);
+      const whole = given.rest_points.length === given.points.length && body.takeNet(given.points, given.count[0], given.count[1], this.tick);
+      if (!whole) body.fault = `the net of ${given.id} has not ${given.count[0]} × ${given.count[1]} points`;
       return body;
     });
     this.tools = snapshot.tools.map((given) => {

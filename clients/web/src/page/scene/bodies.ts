@@ -43,7 +43,8 @@ export class BodyView {
   constructor(readonly body: Body, private readonly stage: Stage, private readonly number: number, many: number) {
     const { middle, size } = new Bounds().take(body.rest);
     const target = Math.max(28, Math.round(CELLS / Math.sqrt(many)));
-    this.tessellation = tessellationOf(body.surface, middle as [number, number, number], target);
+    const complete = body.rest.length === 3 * body.surface.u.count * body.surface.v.count;
+    this.tessellation = complete ? tessellationOf(body.surface, middle as [number, number, number], target) : null;
     const tess = this.tessellation;
     const material = new MeshPhongMaterial({
       vertexColors: true, side: DoubleSide, specular: 0x2a2a2a, shininess: 22, clipShadows: true,

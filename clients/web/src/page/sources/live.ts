@@ -134,9 +134,9 @@ export class Live {
       const { key, payload } = openFrame(bytes);
       this.route(key, payload);
     } catch (error) {
-      if (!(error instanceof DecodeError)) throw error;
+      if (!(error instanceof DecodeError || error instanceof SyntaxError)) throw error;
       // An event of a kind that a newer daemon knows is no fault.
-      if (error.fault !== "unknown-case") this.malformed += 1;
+      if (!(error instanceof DecodeError && error.fault === "unknown-case")) this.malformed += 1;
     }
   }
 
