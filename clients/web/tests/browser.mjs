@@ -891,6 +891,26 @@ if (process.env.PALPATE_PICTURES !== undefined && palpate !== undefined) {
       await until(page, () => window.palpate.report().tick === 240, "tick 240");
       await sleep(600);
       await page.screenshot({ path: join(directory, "view.png") });
+      // The same, tick by tick: frames that do not depend on how busy this computer is.
+      const small = watch(await browser.newPage({ viewport: { width: 480, height: 640 }, colorScheme: "dark" }));
+      await small.goto(viewing.url);
+      await played(small);
+      await small.evaluate(() => {
+        window.palpate.look.toggle(false);
+        window.palpate.stage.mayBeCoarse = false;
+        window.palpate.playbackDeck.go(330);
+      });
+      // One scale for all frames: the largest displacement is near the end.
+      await until(small, () => window.palpate.report().tick === 330, "tick 330");
+      await sleep(400);
+      await small.evaluate(() => window.palpate.settings.set((s) => (s.lockRange = true)));
+      for (let k = 0; k < 36; k++) {
+        const tick = 150 + 5 * k;
+        await small.evaluate((to) => window.palpate.playbackDeck.go(to), tick);
+        await until(small, `window.palpate.report().tick === ${tick}`, `tick ${tick}`);
+        await sleep(80);
+        await small.screenshot({ path: join(directory, `tap-${String(k).padStart(3, "0")}.png`), clip: { x: 0, y: 0, width: 480, height: 400 } });
+      }
     } finally {
       await viewing.stop();
     }
