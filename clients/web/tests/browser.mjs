@@ -9,7 +9,6 @@
 import assert from "node:assert/strict";
 import { execFileSync, spawn } from "node:child_process";
 import { existsSync, mkdirSync, mkdtempSync, readdirSync, readFileSync, rmSync, writeFileSync } from "node:fs";
-import { createServer } from "node:net";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { fileURLToPath } from "node:url";
@@ -706,24 +705,20 @@ test("one page from disk: a recording inside it plays without a server", async (
 // ---- Against the real daemon.
 
 const palpate = process.env.PALPATE;
-const freePort = () => new Promise((resolve) => {
-  const server = createServer().listen(0, "127.0.0.1", () => {
-    const { port } = server.address();
-    server.close(() => resolve(port));
-  });
-});
 
+/** A daemon on ports that the system chooses, with the page of the sources. */
 async function daemon(args, directory) {
-  const [http, bus] = [await freePort(), await freePort()];
-  const all = args[0] === "serve"
-    ? [...args, "--no-rt", "--http", `127.0.0.1:${http}`, "--listen", `tcp/127.0.0.1:${bus}`, "--record-dir", directory]
-    : [...args, "--http", `127.0.0.1:${http}`, "--no-open"];
-  const child = spawn(palpate, all, { stdio: ["ignore", "pipe", "pipe"], env: { ...process.env, PALPATE_PAGE_DIR: join(repository, "src/viewer/page") } });
+  const own = args[0] === "serve" ? ["--no-rt", "--listen", "tcp/127.0.0.1:0", "--record-dir", directory] : ["--no-open"];
+  const child = spawn(palpate, [...args, ...own, "--http", "127.0.0.1:0"], {
+    stdio: ["ignore", "pipe", "pipe"], env: { ...process.env, PALPATE_PAGE_DIR: join(repository, "src/viewer/page") },
+  });
   let log = "";
   for (const stream of [child.stdout, child.stderr]) stream.on("data", (data) => (log += data));
-  const url = `http://127.0.0.1:${http}/`;
-  for (let k = 0; ; k++) {
-    if (await fetch(url).then((answer) => answer.ok, () => false)) break;
+  let url;
+  for (let k = 0; url === undefined; k++) {
+    url = /page: (http:\S+)/.exec(log)?.[1];
+    if (url !== undefined && (await fetch(url).then((answer) => answer.ok, () => false))) break;
+    url = undefined;
     if (k > 300 || child.exitCode !== null) throw new Error(`the daemon did not start:\n${log}`);
     await sleep(100);
   }
