@@ -1,7 +1,8 @@
 //! `palpate demo`: the main job on built-in input.
 
 use super::Outcome;
-use super::serve::{Common, outcome, serve, summary};
+use super::page::open_in_browser;
+use super::serve::{Common, RecordArgs, outcome, serve, summary};
 use crate::recording::{Session, default_path, info};
 use anyhow::Context as _;
 use palpate_client::device::run::RunReport;
@@ -26,13 +27,21 @@ const TOOL: &str = "ball";
 
 pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     let mut common = args.common.clone();
-    let duration = *common.duration.get_or_insert(Duration::from_secs(10));
+    let terminal = std::io::IsTerminal::is_terminal(&std::io::stdout());
+    let page = common.page.http.is_some() || terminal && !args.headless;
+    // Who looks at the page wants to touch it afterwards.
+    let stays = common.duration.is_none() && terminal && page;
+    let duration = common.duration.unwrap_or(Duration::from_secs(10));
+    if stays {
+        limit(&mut common.recording);
+    } else {
+        common.duration = Some(duration);
+    }
     if common.listen.is_empty() {
         common.listen = vec![format!("tcp/127.0.0.1:{}", free_port()?)];
     }
-    let terminal = std::io::IsTerminal::is_terminal(&std::io::stdout());
-    if common.http.is_none() && terminal && !args.headless {
-        common.http = Some(std::net::SocketAddr::from(([127, 0, 0, 1], 0)));
+    if common.page.http.is_none() && page {
+        common.page.http = Some(std::net::SocketAddr::from(([127, 0, 0, 1], 0)));
     }
     let endpoint = common.listen[0].clone();
     let record = common.recording.record.clone();
@@ -43,8 +52,14 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
         "scene teardrop: a simulated device presses it for {} s…",
         duration.as_secs_f64()
     );
+    if stays {
+        eprintln!("afterwards the ball is yours: drag it on the page; Ctrl-C ends the demo");
+    }
     let mut devices = None;
-    let served = serve(&loaded, &common, || {
+    let served = serve(&loaded, &common, |page| {
+        if let Some(url) = page.filter(|_| !common.page.no_open) {
+            open_in_browser(url);
+        }
         // Half of the time pressing, half sliding; each in a process of its own, as a real device
         // would be.
         let half = duration.as_secs_f64() * 0.5;
@@ -98,6 +113,14 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
         println!("replay it: palpate replay {}", recording.path.display());
     }
     Ok(outcome(&served))
+}
+
+/// A demo that is left open does not fill the disk.
+fn limit(recording: &mut RecordArgs) {
+    if recording.split_duration.is_none() && recording.split_size.is_none() {
+        recording.split_duration = Some(Duration::from_secs(600));
+    }
+    recording.max_total.get_or_insert(1_000_000_000);
 }
 
 type DeviceReports = Vec<(&'static str, anyhow::Result<RunReport>)>;

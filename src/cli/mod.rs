@@ -16,6 +16,7 @@ mod keys;
 mod ls;
 mod man;
 mod numbers;
+mod page;
 mod plan;
 mod play;
 mod probe;
@@ -25,6 +26,7 @@ mod rpc;
 mod serve;
 mod surface;
 mod text;
+mod view;
 
 use clap::{CommandFactory, Parser, Subcommand};
 use std::process::ExitCode;
@@ -58,6 +60,8 @@ enum Commands {
     Replay(replay::Args),
     /// Publish a recording as if it were live.
     Play(play::Args),
+    /// Show recordings on a page: timeline, forces, deforming surfaces.
+    View(view::Args),
     /// Summarise a recording.
     Info(info::Args),
     /// Export a recording: a table of ticks, plots, the control net of a body at any tick.
@@ -149,6 +153,7 @@ pub fn main_with(arguments: impl IntoIterator<Item = std::ffi::OsString>) -> Exi
         Commands::Plan(args) => plan::run(&args),
         Commands::Replay(args) => replay::run(&args),
         Commands::Play(args) => play::run(&args),
+        Commands::View(args) => view::run(&args),
         Commands::Info(args) => info::run(&args),
         Commands::Export(args) => export::run(&args),
         Commands::Recover(args) => recover::run(&args),

@@ -5,10 +5,9 @@ use super::keys::{Key, Keys};
 use crate::drive::playback::{PlayRequest, playback};
 use crate::drive::ports::ports;
 use crate::recording::{PlayReport, PlaySettings, Player, Session, played_scene};
-use crate::transport::{Bus, BusSettings, DEFAULT_ENDPOINT, SessionSettings, ViewSink, open};
+use crate::transport::{Bus, BusSettings, DEFAULT_ENDPOINT, SessionSettings, open};
 use crate::viewer::Viewer;
 use sha2::Digest as _;
-use std::net::SocketAddr;
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU32, Ordering};
@@ -51,9 +50,8 @@ pub struct Args {
     /// Instance name.
     #[arg(long, default_value = "default")]
     instance: String,
-    /// Serve the viewer page at this address, for example 127.0.0.1:8080.
-    #[arg(long)]
-    http: Option<SocketAddr>,
+    #[command(flatten)]
+    page: super::page::PageArgs,
     /// Print the summary as one JSON object.
     #[arg(long)]
     json: bool,
@@ -104,17 +102,10 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
             listen,
             config,
         })?;
-        let (viewer, feed) = match args.http.map(|address| (address, Viewer::start(address))) {
-            None => (None, None),
-            Some((address, Err(e))) => anyhow::bail!("the viewer cannot listen on {address}: {e}"),
-            Some((_, Ok((viewer, feed)))) => {
-                eprintln!("viewer: {}", viewer.url());
-                (
-                    Some(viewer),
-                    Some(Box::new(feed.with_scene(&scene)) as Box<dyn ViewSink>),
-                )
-            }
-        };
+        let (viewer, feed) = args
+            .page
+            .start(&args.instance, &scene, &bus_session, true)?
+            .unzip();
         let settings = BusSettings {
             scene: scene.clone(),
             scene_hash,

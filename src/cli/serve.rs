@@ -10,7 +10,7 @@ use crate::recording::{
     Recorder, RecorderSettings, RecordingReport, SelfCheck, SelfCheckReport, Split, default_path,
     stage_infos, write_stages,
 };
-use crate::transport::{Bus, BusSettings, DEFAULT_ENDPOINT, SessionSettings, ViewSink, open};
+use crate::transport::{Bus, BusSettings, DEFAULT_ENDPOINT, SessionSettings, open};
 use crate::viewer::Viewer;
 use palpate_sim::scene::spec::{Clock, SceneSpec};
 use palpate_sim::scene::{Scene, file, inline_files};
@@ -51,9 +51,8 @@ pub struct Common {
     /// Instance name.
     #[arg(long, default_value = "default")]
     pub instance: String,
-    /// Serve the viewer page at this address, for example 127.0.0.1:8080.
-    #[arg(long)]
-    pub http: Option<std::net::SocketAddr>,
+    #[command(flatten)]
+    pub page: super::page::PageArgs,
     /// Do not request FIFO scheduling and locked memory.
     #[arg(long)]
     pub no_rt: bool,
@@ -134,7 +133,7 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
             Clock::Realtime
         };
     }
-    let served = serve(&loaded, &args.common, || Ok(()))?;
+    let served = serve(&loaded, &args.common, |_| Ok(()))?;
     summary(&served);
     Ok(outcome(&served))
 }
@@ -152,11 +151,12 @@ pub fn outcome(served: &EndedSession) -> Outcome {
     }
 }
 
-/// Runs a scene to its end. `ready` is called once all sockets are open.
+/// Runs a scene to its end. `ready` is called once all sockets are open, with the address of the
+/// page.
 pub fn serve(
     loaded: &file::Loaded,
     common: &Common,
-    ready: impl FnOnce() -> anyhow::Result<()>,
+    ready: impl FnOnce(Option<&str>) -> anyhow::Result<()>,
 ) -> anyhow::Result<EndedSession> {
     // A file that cannot be read is one problem of perhaps many: building lists them all.
     let unread = |error| loaded.build().err().unwrap_or_else(|| loaded.locate(error));
@@ -188,15 +188,10 @@ pub fn serve(
             .settings(loaded, &effective, &common.instance),
         &scene,
     )?;
-    let (viewer, feed) = match common.http {
-        Some(address) => {
-            let (viewer, feed) = Viewer::start(address)
-                .map_err(|e| anyhow::anyhow!("the viewer cannot listen on {address}: {e}"))?;
-            eprintln!("viewer: {}", viewer.url());
-            (Some(viewer), Some(feed.with_scene(&scene)))
-        }
-        None => (None, None),
-    };
+    let (viewer, feed) = common
+        .page
+        .start(&common.instance, &scene, &session, false)?
+        .unzip();
     let (tick_ports, bus_ports) = ports(&scene);
     let counters = bus_ports.counters.clone();
     // The first signal lets forces fade and ends the recording; the second ends the program.
@@ -222,7 +217,7 @@ pub fn serve(
             scene: scene.clone(),
             scene_hash: loaded.sha256,
             instance: common.instance.clone(),
-            viewer: feed.map(|feed| Box::new(feed) as Box<dyn ViewSink>),
+            viewer: feed,
             recorder: Some(recorder.gauges()),
             archive: recorder.archive(),
             editor,
@@ -250,7 +245,7 @@ pub fn serve(
         scene = scene.name, instance = common.instance, listen = listen.join(","), clock = ?scene.clock,
         "serving; poses on palpate/{}/tool/ID/pose", common.instance
     );
-    let begun = ready();
+    let begun = ready(viewer.as_ref().map(Viewer::url).as_deref());
     let report = thread
         .join()
         .map_err(|_| anyhow::anyhow!("the tick thread panicked"));

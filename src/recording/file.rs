@@ -6,7 +6,9 @@
 
 use super::channel::Channels;
 use super::disk::{Disk, DiskFile};
-use super::format::{END, RUN, SCENE_EFFECTIVE, SCENE_TEXT, TOTALS, WriteError, options};
+use super::format::{
+    END, RUN, SCENE_EFFECTIVE, SCENE_TEXT, SNAPSHOT, TOOLS, TOTALS, WriteError, options,
+};
 use super::head::Head;
 use super::message::{Mark, Message, SessionHash, wall_ns};
 use super::totals::Tally;
@@ -143,16 +145,22 @@ impl SessionFile {
             name: RUN.into(),
             metadata: run,
         })?;
-        for (name, text) in [
-            (SCENE_TEXT, &head.scene_text),
-            (SCENE_EFFECTIVE, &head.effective_scene),
+        let toml = "application/toml";
+        for (name, kind, bytes) in [
+            (SCENE_TEXT, toml, head.scene_text.as_bytes()),
+            (SCENE_EFFECTIVE, toml, head.effective_scene.as_bytes()),
+            (SNAPSHOT, "application/octet-stream", &head.shown.snapshot),
+            (TOOLS, "application/json", head.shown.tools.as_bytes()),
         ] {
+            if bytes.is_empty() {
+                continue;
+            }
             let attachment = mcap::Attachment {
                 log_time: 0,
                 create_time: wall_ns(),
                 name: name.into(),
-                media_type: "application/toml".into(),
-                data: text.as_bytes().into(),
+                media_type: kind.into(),
+                data: bytes.into(),
             };
             mcap.attach(&attachment)?;
         }

@@ -43,6 +43,10 @@ pub(super) const RUN: &str = "palpate.run";
 /// Metadata record at the end.
 pub(super) const END: &str = "palpate.end";
 /// Attachment: the scene file as written.
+/// The scene before the first tick, `SceneSnapshot`: for pages.
+pub(super) const SNAPSHOT: &str = "scene.snapshot";
+/// Shapes of tools, for pages.
+pub(super) const TOOLS: &str = "tools.json";
 pub(super) const SCENE_TEXT: &str = "scene.toml";
 /// Attachment: the scene as built.
 pub(super) const SCENE_EFFECTIVE: &str = "scene.effective.toml";

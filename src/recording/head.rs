@@ -3,8 +3,11 @@
 use super::format::WriteError;
 use super::message::wall_ns;
 use super::{FORMAT_VERSION, build_id};
+use crate::wire::{first_snapshot, tool_outlines};
+use palpate_proto::codec::encode;
 use palpate_sim::scene::Scene;
 use palpate_sim::scene::spec::{Clock, SceneSpec};
+use sha2::Digest as _;
 use std::collections::BTreeMap;
 
 /// What a net message says of its body.
@@ -35,6 +38,38 @@ pub(super) struct Head {
     pub bodies: Vec<BodyHead>,
     /// More metadata.
     pub extra: BTreeMap<String, String>,
+    /// What a page shows the recording with.
+    pub shown: Shown,
+}
+
+/// What a page needs of the scene to show a recording without a server: it builds no scene.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Shown {
+    /// `SceneSnapshot` before the first tick.
+    pub snapshot: Vec<u8>,
+    /// Shapes of tools, JSON.
+    pub tools: String,
+}
+
+/// A net of 400 × 400, or a hundred tools.
+const MOST_SHOWN: usize = 8 << 20;
+
+impl Shown {
+    pub fn of(scene: &Scene, scene_text: &str) -> Self {
+        let hash = sha2::Sha256::digest(scene_text.as_bytes()).into();
+        let mut shown = Self {
+            snapshot: encode(&first_snapshot(scene, hash)),
+            tools: tool_outlines(scene),
+        };
+        // Every part of a recording has them: what is longer is asked of `palpate view` instead.
+        if shown.snapshot.len() > MOST_SHOWN {
+            shown.snapshot.clear();
+        }
+        if shown.tools.len() > MOST_SHOWN {
+            shown.tools.clear();
+        }
+        shown
+    }
 }
 
 impl Head {
@@ -76,6 +111,7 @@ impl Head {
                 .collect(),
             bodies,
             extra,
+            shown: Shown::of(scene, scene_text),
         })
     }
 
@@ -106,7 +142,6 @@ impl Head {
 }
 
 fn sha256_hex(text: &str) -> String {
-    use sha2::Digest as _;
     sha2::Sha256::digest(text.as_bytes())
         .iter()
         .map(|byte| format!("{byte:02x}"))

@@ -31,6 +31,7 @@ mod report;
 mod rerun;
 mod self_check;
 mod stream;
+mod thin;
 mod totals;
 mod views;
 
@@ -58,6 +59,7 @@ pub use replay::{
 };
 pub use report::{RecordingReport, RecordingSummary};
 pub use self_check::{SelfCheck, SelfCheckPort, SelfCheckReport, SelfDifference};
+pub use thin::{Thinned, thinned};
 pub use totals::{StageInfo, ToolInfo, Totals};
 pub(crate) use totals::{stage_infos, write_stages};
 

@@ -5,7 +5,7 @@ use super::channel::Happening;
 use super::disk::FileSystem;
 use super::file::SessionFile;
 use super::format::WriteError;
-use super::head::{BodyHead, Head};
+use super::head::{BodyHead, Head, Shown};
 use super::message::Message;
 use super::reader::{Follower, ReadError, Session};
 use super::views::Views;
@@ -54,17 +54,34 @@ pub fn recover(source: &Path, target: &Path) -> Result<Recovered, RecoverError> 
         return Err(RecoverError::SameFile(source.to_owned()));
     }
     let session = Session::open(source)?;
-    let header = &session.header;
-    let scene = toml::from_str::<SceneSpec>(&header.effective_scene)
+    let scene = scene_of(&session);
+    let head = head_of(&session, scene.as_ref(), ("recovered_from", source));
+    let views = scene.as_ref().and_then(Views::of);
+    // The source may be the target's own `.part`.
+    let part = PathBuf::from(format!("{}.recovering", target.display()));
+    let file = SessionFile::create_as(&FileSystem, part.clone(), target, &head, &[], views)?;
+    copy(&session, &head, file).inspect_err(|_| {
+        // Half a copy is of no use.
+        let _ = std::fs::remove_file(&part);
+    })
+}
+
+/// The scene of a session, if this program can build it.
+fn scene_of(session: &Session) -> Option<Scene> {
+    toml::from_str::<SceneSpec>(&session.header.effective_scene)
         .ok()
-        .and_then(|spec| Scene::build(&spec, Path::new(".")).ok());
+        .and_then(|spec| Scene::build(&spec, Path::new(".")).ok())
+}
+
+/// The head of another file that holds this session; `origin`: where it is from.
+pub(super) fn head_of(session: &Session, scene: Option<&Scene>, origin: (&str, &Path)) -> Head {
+    let header = &session.header;
     let bodies = header
         .names("bodies")
         .into_iter()
         .enumerate()
         .map(|(b, id)| {
             let surface = scene
-                .as_ref()
                 .filter(|scene| b < scene.body_count())
                 .map(|scene| scene.rest_surface(b));
             BodyHead {
@@ -74,13 +91,9 @@ pub fn recover(source: &Path, target: &Path) -> Result<Recovered, RecoverError> 
             }
         });
     let mut extra = header.run.clone();
-    let name = source
-        .file_name()
-        .unwrap_or_default()
-        .to_string_lossy()
-        .into_owned();
-    extra.insert("recovered_from".into(), name);
-    let head = Head {
+    let name = (origin.1.file_name().unwrap_or_default()).to_string_lossy();
+    extra.insert(origin.0.into(), name.into_owned());
+    Head {
         scene: header.run.get("scene").cloned().unwrap_or_default(),
         scene_text: header.scene_text.clone(),
         effective_scene: header.effective_scene.clone(),
@@ -88,15 +101,8 @@ pub fn recover(source: &Path, target: &Path) -> Result<Recovered, RecoverError> 
         tools: header.names("tools"),
         bodies: bodies.collect(),
         extra,
-    };
-    let views = scene.as_ref().and_then(Views::of);
-    // The source may be the target's own `.part`.
-    let part = PathBuf::from(format!("{}.recovering", target.display()));
-    let file = SessionFile::create_as(&FileSystem, part.clone(), target, &head, &[], views)?;
-    copy(&session, &head, file).inspect_err(|_| {
-        // Half a copy is of no use.
-        let _ = std::fs::remove_file(&part);
-    })
+        shown: scene.map_or_else(Shown::default, |scene| Shown::of(scene, &header.scene_text)),
+    }
 }
 
 /// Copies all that can be read, in the order in which it is there.
@@ -118,7 +124,7 @@ fn copy(session: &Session, head: &Head, mut file: SessionFile) -> Result<Recover
 }
 
 /// `None`: a net of a body that the scene does not have.
-fn message(happening: &Happening, head: &Head) -> Option<Message> {
+pub(super) fn message(happening: &Happening, head: &Head) -> Option<Message> {
     Some(match happening {
         Happening::Tick(record) => Message::tick(record, head.tools.len()),
         Happening::Keyframe(keyframe) => {

@@ -4,7 +4,7 @@
 //!
 //! ```text
 //! Declared ─▶ Inbox ─▶ Rpc ─▶ LoopLink, Archive, Editor, Player     (commands and their answers)
-//! loop ─▶ Forces, Contacts, Nets, Tally, Events ─▶ clients, View    (what is published)
+//! loop ─▶ Forces, Contacts, Nets, Tally, Events ─▶ clients, View    (what is published, and pages see)
 //! ```
 
 use super::answers::{reply, reply_json};
@@ -27,8 +27,9 @@ use crate::drive::journal::JournalGauges;
 use crate::drive::playback::PlayerEnd;
 use crate::drive::ports::BusPorts;
 use crate::wire;
+use palpate_proto::codec::encode;
 use palpate_proto::keys::Keys;
-use palpate_proto::messages::{ALL, EventKind, RecorderState};
+use palpate_proto::messages::{ALL, EventKind, RecorderState, SceneSnapshot};
 use palpate_proto::rpc::{Answer, METHODS};
 use palpate_sim::scene::Scene;
 use palpate_sim::scene::spec::Clock;
@@ -147,6 +148,8 @@ struct BusThread {
     tally: LoopTally,
     last_status: Instant,
     events: Events,
+    /// Events that pages have.
+    shown_events: u64,
     view: View,
 }
 
@@ -180,7 +183,7 @@ impl BusThread {
         let tally = LoopTally::new(session_of, &keys, &scene, ports.records, gauges)?;
         // Last, with the tokens that say that all of it is there.
         let declared = Declared::new(session_of, &keys, &scene, poses, &devices, &inbox, roles)?;
-        Ok(Self {
+        let mut bus = Self {
             session,
             declared,
             requests,
@@ -201,7 +204,8 @@ impl BusThread {
             tally,
             last_status: Instant::now(),
             events,
-            view: View(settings.viewer),
+            shown_events: 0,
+            view: View::new(settings.viewer),
             served: Served {
                 scene,
                 scene_hash: settings.scene_hash,
@@ -209,7 +213,9 @@ impl BusThread {
                 instance: settings.instance,
                 viewer_url: settings.viewer_url,
             },
-        })
+        };
+        bus.show_scene();
+        Ok(bus)
     }
 
     fn run(mut self) -> BusReport {
@@ -250,8 +256,11 @@ impl BusThread {
         // published now.
         self.follow_change(None);
         self.tally.poll(&self.served.scene, &mut self.events);
-        self.forces.answer_again(&mut self.view);
-        self.nets.publish(&self.served.scene, &mut self.view);
+        self.forces.answer_again();
+        let newcomer = self.view.take_newcomer();
+        self.nets
+            .publish(&self.served.scene, newcomer, &mut self.view);
+        self.show_forces(newcomer);
         while let Ok(request) = self.requests.try_recv() {
             self.answer(request);
         }
@@ -263,6 +272,39 @@ impl BusThread {
         self.rpc.take_player_news(player_news, &mut self.events);
         if self.last_status.elapsed() >= STATUS_EVERY {
             self.publish_status();
+        }
+        self.show_events();
+        self.view.tell(|sink| sink.turn_over());
+    }
+
+    /// Shows pages the scene as it stands.
+    fn show_scene(&mut self) {
+        if self.view.is_there() {
+            let snapshot = encode(&self.snapshot());
+            let scene = &self.served.scene;
+            self.view.tell(|sink| sink.scene(scene, &snapshot));
+        }
+    }
+
+    /// Shows pages what tools feel; `all`: one has just opened.
+    fn show_forces(&mut self, all: bool) {
+        if self.view.forces_due() || all {
+            let scene = &self.served.scene;
+            self.forces.show(scene, &self.devices, all, &mut self.view);
+        }
+        if all {
+            let contacts = wire::contact_set(&self.served.scene, self.forces.newest());
+            self.view.message("", &contacts);
+        }
+    }
+
+    /// Shows pages the events since the last time.
+    fn show_events(&mut self) {
+        if self.events.count() > self.shown_events && self.view.is_there() {
+            for event in self.events.after(self.shown_events) {
+                self.view.tell(|sink| sink.event(&encode(event)));
+            }
+            self.shown_events = self.events.count();
         }
     }
 
@@ -284,9 +326,7 @@ impl BusThread {
                 self.follow_change(Some(tick));
             }
             let scene = &self.served.scene;
-            fresh |= self
-                .forces
-                .publish_next(scene, &mut self.devices, &mut self.view);
+            fresh |= self.forces.publish_next(scene, &mut self.devices);
         }
         if fresh {
             let (scene, output) = (&self.served.scene, self.forces.newest());
@@ -306,10 +346,7 @@ impl BusThread {
         self.forces.forget_contacts();
         self.nets
             .change(&self.session, &self.served.keys, &scene, ends);
-        self.view.show(|sink| {
-            let ids: Vec<&str> = (0..scene.body_count()).map(|b| scene.body_id(b)).collect();
-            sink.bodies(&ids, scene.net_gaps());
-        });
+        self.show_scene();
         let what = std::mem::take(&mut next.what);
         self.events.tell(EventKind::SceneChanged { what });
         self.link.drop_retired();
@@ -324,12 +361,12 @@ impl BusThread {
         let recording = self.tally.status().recorder == RecorderState::Recording;
         self.declared.show_recording(&self.session, recording);
         self.tally.publish();
-        if self.view.0.is_some() {
+        if self.view.is_there() {
             let figures = self.figures();
-            self.view.show(|sink| {
-                sink.status(&figures.status);
-                sink.figures(&figures);
-            });
+            if self.view.watched() {
+                self.view.message("", &figures.status);
+            }
+            self.view.tell(|sink| sink.figures(&figures));
         }
     }
 
@@ -343,12 +380,7 @@ impl BusThread {
     fn answer(&mut self, request: Inbox) {
         let served = &self.served;
         match request {
-            Inbox::Scene(query) => {
-                let (nets, output) = (self.nets.all(), self.forces.newest());
-                let hash = served.scene_hash;
-                let snapshot = wire::scene_snapshot(&served.scene, hash, nets, output);
-                reply(&query, &snapshot);
-            }
+            Inbox::Scene(query) => reply(&query, &self.snapshot()),
             Inbox::Status(query) => {
                 self.read_gauges();
                 reply(&query, self.tally.status());
@@ -378,12 +410,16 @@ impl BusThread {
             }
             Inbox::Told(tool, info) => {
                 let (link, events) = (&mut self.link, &mut self.events);
+                let id = served.scene.tool_id(tool);
+                self.view
+                    .tell(|sink| sink.device(id, &info.name, &encode(&*info)));
                 self.devices.told(tool, *info, &served.scene, link, events);
             }
-            Inbox::ToolToken { tool, present } => {
-                let Some(tool) = served.scene.tool_index(&tool) else {
+            Inbox::ToolToken { tool: id, present } => {
+                let Some(tool) = served.scene.tool_index(&id) else {
                     return;
                 };
+                self.view.tell(|sink| sink.token(&id, present));
                 if present {
                     self.devices.release(tool, &mut self.link);
                 } else {
@@ -402,6 +438,13 @@ impl BusThread {
                 self.rpc.take(method, query, parties);
             }
         }
+    }
+
+    /// All that a late client needs.
+    fn snapshot(&self) -> SceneSnapshot {
+        let served = &self.served;
+        let (nets, output) = (self.nets.all(), self.forces.newest());
+        wire::scene_snapshot(&served.scene, served.scene_hash, nets, output)
     }
 
     fn info(&self) -> serde_json::Value {

@@ -51,8 +51,11 @@ impl Contacts {
         if changed || due {
             self.last = Instant::now();
             let set = wire::contact_set(scene, output);
-            view.show(|sink| sink.contacts(&set));
-            let _ = self.publisher.put(encode(&set)).wait();
+            let bytes = encode(&set);
+            if view.watched() {
+                view.bytes::<ContactSet>("", &bytes);
+            }
+            let _ = self.publisher.put(bytes).wait();
         }
     }
 }

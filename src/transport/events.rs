@@ -75,6 +75,11 @@ impl Events {
         }
     }
 
+    /// Those that came after number `seq`, oldest first.
+    pub(super) fn after(&self, seq: u64) -> impl Iterator<Item = &SimEvent> {
+        self.history.after(seq)
+    }
+
     /// How many there were.
     pub(super) fn count(&self) -> u64 {
         self.count

@@ -23,6 +23,8 @@ pub(super) struct Forces {
     tools: Vec<ToolLine>,
     /// Every tick's force is awaited, as in lockstep and out of a recording.
     every: bool,
+    /// The tick whose forces pages have.
+    shown: u64,
 }
 
 /// The line to one tool.
@@ -59,6 +61,7 @@ impl Forces {
             newest: TickOutput::for_tools(scene.tool_count()),
             tools: tools.collect::<zenoh::Result<_>>()?,
             every,
+            shown: 0,
         })
     }
 
@@ -69,12 +72,7 @@ impl Forces {
 
     /// Takes the next output and publishes what it says of tools; false if a newer one waits that
     /// makes it needless.
-    pub(super) fn publish_next(
-        &mut self,
-        scene: &Scene,
-        devices: &mut Devices,
-        view: &mut View,
-    ) -> bool {
+    pub(super) fn publish_next(&mut self, scene: &Scene, devices: &mut Devices) -> bool {
         let Ok(output) = self.outputs.pop() else {
             return false;
         };
@@ -84,48 +82,68 @@ impl Forces {
         }
         self.newest.clone_from(&output);
         for tool in 0..self.tools.len() {
-            self.put_tool(tool, scene, devices, view);
+            self.put_tool(tool, scene, devices);
         }
         true
     }
 
-    fn put_tool(&mut self, tool: usize, scene: &Scene, devices: &mut Devices, view: &mut View) {
+    fn put_tool(&mut self, tool: usize, scene: &Scene, devices: &mut Devices) {
         let (tick, out) = (self.newest.tick, self.newest.tools[tool]);
         if out.pose_seq == 0 {
             return;
         }
         if self.every || devices.wants(tool, tick, &out) {
-            self.put_force(tool, view);
-        } else {
-            view.show(|sink| sink.force(tool, &wire::tool_force(tick, server_ns(), &out)));
+            self.put_force(tool);
         }
         if self.tools[tool].contact_wanted {
-            let limit_n = scene.spec.tools[tool].device.force_max_n;
-            let limit_n = limit_n.min(devices.force_max_n(tool));
-            let contact = wire::tool_contact(tick, limit_n, &out);
+            let contact = self.contact_of(tool, scene, devices);
             let _ = self.tools[tool].contact.put(encode(&contact)).wait();
         }
     }
 
-    fn put_force(&self, tool: usize, view: &mut View) {
+    fn contact_of(&self, tool: usize, scene: &Scene, devices: &Devices) -> ToolContact {
+        let limit_n = scene.spec.tools[tool].device.force_max_n;
+        let limit_n = limit_n.min(devices.force_max_n(tool));
+        wire::tool_contact(self.newest.tick, limit_n, &self.newest.tools[tool])
+    }
+
+    /// Shows pages the newest forces; also those that its tool's hand could not tell from the last.
+    /// A loop that stands still has shown them, except to a page that has just opened (`all`).
+    pub(super) fn show(&mut self, scene: &Scene, devices: &Devices, all: bool, view: &mut View) {
+        if self.newest.tick == self.shown && !all {
+            return;
+        }
+        self.shown = self.newest.tick;
+        for tool in 0..self.tools.len() {
+            let out = &self.newest.tools[tool];
+            if out.pose_seq == 0 {
+                continue;
+            }
+            let force = wire::tool_force(self.newest.tick, server_ns(), out);
+            view.message(scene.tool_id(tool), &force);
+            let contact = self.contact_of(tool, scene, devices);
+            view.message(scene.tool_id(tool), &contact);
+        }
+    }
+
+    fn put_force(&self, tool: usize) {
         let out = &self.newest.tools[tool];
         if out.pose_seq == 0 {
             return;
         }
         let force = wire::tool_force(self.newest.tick, server_ns(), out);
         let _ = self.tools[tool].force.put(encode(&force)).wait();
-        view.show(|sink| sink.force(tool, &force));
     }
 
     /// A duplicate pose means that its force got lost.
-    pub(super) fn answer_again(&mut self, view: &mut View) {
+    pub(super) fn answer_again(&mut self) {
         for tool in 0..self.tools.len() {
             let asked = self.tools[tool]
                 .inbox
                 .asked_again
                 .swap(false, Ordering::AcqRel);
             if asked && self.every {
-                self.put_force(tool, view);
+                self.put_force(tool);
             }
         }
     }

@@ -25,6 +25,8 @@ pub(super) struct Nets {
     queryables: Vec<zenoh::query::Queryable<()>>,
     inbox: SyncSender<Inbox>,
     last_refresh: Instant,
+    /// The bodies are others than those that pages have.
+    others: bool,
 }
 
 impl Nets {
@@ -43,6 +45,7 @@ impl Nets {
             queryables: Vec::new(),
             inbox,
             last_refresh: Instant::now(),
+            others: false,
         };
         nets.declare(session, keys, scene)?;
         Ok(nets)
@@ -58,6 +61,7 @@ impl Nets {
     ) {
         self.newest = wire::all_nets(scene, &scene.initial_state());
         self.ends = ends;
+        self.others = true;
         if let Err(error) = self.declare(session, keys, scene) {
             tracing::error!(%error, "the bodies of the next scene");
         }
@@ -90,23 +94,32 @@ impl Nets {
         Ok(())
     }
 
-    /// Publishes what changed, and all of them each second.
-    pub(super) fn publish(&mut self, scene: &Scene, view: &mut View) {
+    /// Publishes what changed, and all of them each second. Pages get what changed, and `all` of them
+    /// when one has opened.
+    pub(super) fn publish(&mut self, scene: &Scene, all: bool, view: &mut View) {
         let refresh = self.last_refresh.elapsed() >= NET_REFRESH;
+        let watched = view.watched();
         for (body, net) in self.newest.iter_mut().enumerate() {
             let fresh = self.ends[body].newest();
             let changed = fresh.is_some();
             if let Some(frame) = fresh {
                 *net = wire::control_net(scene, body, frame.tick, frame.revision, &frame.points);
             }
-            if changed || refresh {
-                // After a failed declaration there is none.
-                if let Some(publisher) = self.publishers.get(body) {
-                    let _ = publisher.put(encode(net)).wait();
-                }
-                view.show(|sink| sink.net(net));
+            let published = changed || refresh;
+            let shown = watched && (changed || all || self.others);
+            if !published && !shown {
+                continue;
+            }
+            let bytes = encode(net);
+            if shown {
+                view.bytes::<ControlNet>(&net.body, &bytes);
+            }
+            // After a failed declaration there is none.
+            if let Some(publisher) = self.publishers.get(body).filter(|_| published) {
+                let _ = publisher.put(bytes).wait();
             }
         }
+        self.others = false;
         if refresh {
             self.last_refresh = Instant::now();
         }

@@ -1,33 +1,90 @@
-//! What a viewer is shown.
+//! What pages are shown.
 
 use super::metrics::LoopMetrics;
-use palpate_proto::messages::{ContactSet, ControlNet, LoopStatus, ToolForce};
+use palpate_proto::codec::encode;
+use palpate_proto::messages::Message;
+use palpate_sim::scene::Scene;
+use std::time::{Duration, Instant};
 
-/// Takes what a viewer shows. Called by the bus thread; must not wait.
+/// Takes what pages are shown. Called by the bus thread; must not wait. Payloads are those of the
+/// bus, and keys are relative to `palpate/{inst}/`.
 pub trait ViewSink: Send {
-    /// A tool's newest force.
-    fn force(&mut self, tool: usize, force: &ToolForce);
-    /// A body's newest net.
-    fn net(&mut self, net: &ControlNet);
-    /// All contacts, some sixty times a second while there are any, and when they begin and end.
-    fn contacts(&mut self, contacts: &ContactSet);
-    /// Other bodies than before; nets follow. `gaps`: by body, the rows and columns of its net
-    /// after which no line goes on.
-    fn bodies(&mut self, ids: &[&str], gaps: Vec<(String, [Vec<usize>; 2])>);
-    /// Health.
-    fn status(&mut self, status: &LoopStatus);
+    /// A page is open. While none is, [`ViewSink::message`] is not called.
+    fn watched(&self) -> bool;
+    /// True once after a page opened: all messages are due.
+    fn take_newcomer(&mut self) -> bool;
+    /// The scene at the start and after each change, with its snapshot; nets follow.
+    fn scene(&mut self, scene: &Scene, snapshot: &[u8]);
+    /// The newest message of a key.
+    fn message(&mut self, key: &str, payload: &[u8]);
+    /// An event. All come, also while no page is open.
+    fn event(&mut self, payload: &[u8]);
+    /// What the device of a tool told, and its name.
+    fn device(&mut self, tool: &str, name: &str, payload: &[u8]);
+    /// A tool's liveliness token appeared, or disappeared.
+    fn token(&mut self, tool: &str, present: bool);
     /// Everything that is counted, ten times a second.
     fn figures(&mut self, figures: &LoopMetrics);
+    /// All of a turn was told.
+    fn turn_over(&mut self);
 }
 
+/// Forces a second for pages.
+const FORCES_EVERY: Duration = Duration::from_micros(16_000);
+
 /// The viewer, if there is one.
-pub(super) struct View(pub(super) Option<Box<dyn ViewSink>>);
+pub(super) struct View {
+    sink: Option<Box<dyn ViewSink>>,
+    last_forces: Instant,
+}
 
 impl View {
+    pub(super) fn new(sink: Option<Box<dyn ViewSink>>) -> Self {
+        Self {
+            sink,
+            last_forces: Instant::now(),
+        }
+    }
+
     /// Calls `show` if there is a viewer.
-    pub(super) fn show(&mut self, show: impl FnOnce(&mut dyn ViewSink)) {
-        if let Some(sink) = &mut self.0 {
+    pub(super) fn tell(&mut self, show: impl FnOnce(&mut dyn ViewSink)) {
+        if let Some(sink) = &mut self.sink {
             show(sink.as_mut());
         }
+    }
+
+    /// A page is open.
+    pub(super) fn watched(&self) -> bool {
+        self.sink.as_ref().is_some_and(|sink| sink.watched())
+    }
+
+    /// There is a viewer, if without pages.
+    pub(super) fn is_there(&self) -> bool {
+        self.sink.is_some()
+    }
+
+    /// True once after a page opened.
+    pub(super) fn take_newcomer(&mut self) -> bool {
+        (self.sink.as_mut()).is_some_and(|sink| sink.take_newcomer())
+    }
+
+    /// Forces are due: true some sixty times a second while a page is open.
+    pub(super) fn forces_due(&mut self) -> bool {
+        let due = self.watched() && self.last_forces.elapsed() >= FORCES_EVERY;
+        if due {
+            self.last_forces = Instant::now();
+        }
+        due
+    }
+
+    /// Shows a message that is encoded already.
+    pub(super) fn bytes<M: Message>(&mut self, id: &str, payload: &[u8]) {
+        let key = M::KEY.replace("{tool}", id).replace("{body}", id);
+        self.tell(|sink| sink.message(&key, payload));
+    }
+
+    /// Shows a message.
+    pub(super) fn message<M: Message>(&mut self, id: &str, message: &M) {
+        self.bytes::<M>(id, &encode(message));
     }
 }

@@ -1,5 +1,9 @@
 //! The only place where domain types meet palpate-proto.
 
+mod outlines;
+
+pub use outlines::{first_snapshot, tool_outlines};
+
 use crate::drive::journal::keeping;
 use crate::drive::ports::LinkCounters;
 use crate::drive::stats::Histogram;

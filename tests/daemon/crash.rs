@@ -78,7 +78,8 @@ fn a_killed_daemon_leaves_all_but_half_a_second() {
     }
 }
 
-/// A daemon whose files may not grow beyond some kilobytes: what a full disk does.
+/// A daemon whose files may not grow beyond a quarter of a megabyte, some of it for the head of a
+/// recording: what a full disk does.
 #[test]
 fn a_full_disk_is_told_and_the_loop_goes_on() {
     let directory = tempfile::tempdir().unwrap();
@@ -92,7 +93,7 @@ fn a_full_disk_is_told_and_the_loop_goes_on() {
         .port();
     let endpoint = format!("tcp/127.0.0.1:{port}");
     let limited = format!(
-        "trap '' XFSZ; ulimit -f 128; exec {PROGRAM} serve {} --listen {endpoint} --no-rt --record {}",
+        "trap '' XFSZ; ulimit -f 512; exec {PROGRAM} serve {} --listen {endpoint} --no-rt --record {}",
         scene.display(),
         file.display()
     );

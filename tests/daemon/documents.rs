@@ -325,6 +325,7 @@ fn check(place: &str, command: &[String]) {
                 "haptics",
                 "modeling",
                 "recording",
+                "viewer",
             ];
             assert!(suites.contains(suite), "{place}: {suite}");
             for argument in rest {
@@ -479,10 +480,12 @@ fn commands_on_a_recording_run() {
     )
     .unwrap();
     let reads = |command: &[String]| {
-        ["info", "export", "replay"].contains(&&*command[1]) && command[2] == "session.mcap"
+        let page = command[1] == "view" && command.iter().any(|word| word == "--html");
+        (page || ["info", "export", "replay"].contains(&&*command[1]))
+            && command[2] == "session.mcap"
     };
-    assert_eq!(run("docs/recording.md", directory.path(), reads), 7);
-    for name in ["ticks.csv", "plots.svg", "drop.step"] {
+    assert_eq!(run("docs/recording.md", directory.path(), reads), 8);
+    for name in ["ticks.csv", "plots.svg", "drop.step", "session.html"] {
         assert!(at(name).exists(), "{name}");
     }
 }

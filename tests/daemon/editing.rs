@@ -11,7 +11,7 @@ use std::path::Path;
 const PROGRAM: &str = env!("CARGO_BIN_EXE_palpate");
 
 /// Two sheets 1 mm apart, two balls in each other, and a pen above the first sheet.
-const SCENE: &str = r#"
+pub const SCENE: &str = r#"
 [[body]]
 id = "left"
 surface = { builtin = "sheet", size = 0.1 }

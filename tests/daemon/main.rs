@@ -6,6 +6,8 @@ mod common;
 mod daemon;
 #[path = "common/live.rs"]
 mod live;
+#[path = "common/page.rs"]
+mod page;
 #[path = "common/session.rs"]
 mod session;
 
@@ -22,6 +24,8 @@ mod haptic_link;
 mod hostile_bytes;
 mod keeping;
 mod many_tools;
+#[path = "page/mod.rs"]
+mod pages;
 mod play;
 mod recording;
 mod replay_levels;

@@ -19,6 +19,7 @@ mod processes;
 mod recording;
 mod surface;
 mod table;
+mod viewer;
 
 pub use contact::{contact, picture};
 pub use deformation::{Sweep, deformation, pareto, plasticine_picture, plasticine_table};
@@ -27,6 +28,7 @@ pub use modeling::modeling;
 pub use recording::recording;
 pub use surface::surface;
 pub use table::table;
+pub use viewer::viewer;
 
 /// One method on one case.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]

@@ -5,7 +5,7 @@ use anyhow::Context;
 use clap::Parser;
 use palpate_bench::{
     Effort, Figure, Row, contact, deformation, figures_table, haptics, modeling, pareto, picture,
-    plasticine_picture, plasticine_table, recording, surface, table,
+    plasticine_picture, plasticine_table, recording, surface, table, viewer,
 };
 use std::io::Write;
 use std::process::ExitCode;
@@ -51,6 +51,8 @@ enum Suite {
     },
     /// Cost, size, losses, kills and replay speed of recordings.
     Recording(Options),
+    /// What pages cost the loop and the daemon, and how soon they have something to show.
+    Viewer(Options),
     /// Merge, isolate, pipe and branch: times, deviations, ratios, gaps and angles.
     Modeling(Options),
     /// Contact queries of points, balls, planes, solids, meshes and surfaces with a body.
@@ -104,10 +106,14 @@ fn run(args: &Cli) -> anyhow::Result<()> {
     if let Suite::Recording(options) = &args.suite {
         return all_measured(&figures(options, recording)?);
     }
+    if let Suite::Viewer(options) = &args.suite {
+        return all_measured(&figures(options, viewer)?);
+    }
     let (options, svg) = match &args.suite {
-        Suite::Surface(options) | Suite::Recording(options) | Suite::Modeling(options) => {
-            (options, None)
-        }
+        Suite::Surface(options)
+        | Suite::Recording(options)
+        | Suite::Viewer(options)
+        | Suite::Modeling(options) => (options, None),
         Suite::Contact { options, svg }
         | Suite::Deformation { options, svg, .. }
         | Suite::Haptics { options, svg, .. } => (options, svg.as_deref()),
@@ -136,7 +142,7 @@ fn run(args: &Cli) -> anyhow::Result<()> {
         Suite::Contact { .. } => contact(effort, only, &mut take),
         Suite::Modeling(_) => modeling(effort, only, &mut take),
         Suite::Deformation { .. } => sweeps = deformation(effort, only, &mut take),
-        Suite::Haptics { .. } | Suite::Recording(_) => {}
+        Suite::Haptics { .. } | Suite::Recording(_) | Suite::Viewer(_) => {}
     }
     if let Some(error) = failed {
         return Err(error);

@@ -61,6 +61,21 @@ impl Process {
         Ok(Self(command.spawn()?))
     }
 
+    /// Time that it has spent on cores, s.
+    pub(super) fn cpu_s(&self) -> anyhow::Result<f64> {
+        let text = std::fs::read_to_string(format!("/proc/{}/stat", self.0.id()))?;
+        // After the name, which may hold anything: state is the first, user and system time the
+        // twelfth and thirteenth.
+        let fields = text.rsplit_once(')').map_or("", |(_, fields)| fields);
+        let ticks: u64 = (fields.split_whitespace().skip(11).take(2))
+            .filter_map(|field| field.parse::<u64>().ok())
+            .sum();
+        // SAFETY: a plain question to the system.
+        #[allow(unsafe_code)]
+        let per_s = unsafe { libc::sysconf(libc::_SC_CLK_TCK) };
+        Ok(ticks as f64 / per_s as f64)
+    }
+
     /// Ends it as a crash would, without a word.
     pub(super) fn kill(mut self) {
         let _ = self.0.kill();

@@ -1,0 +1,282 @@
+/**
+ * A running daemon: its socket, read into a world, and what the page may say to it.
+ *
+ * The daemon keeps only the newest of each message, and so does the world: a page that was stopped for an hour catches
+ * up with one frame of each. A lost socket is opened again, at first at once and then every two seconds.
+ */
+
+import {
+  ContactSet, ControlNet, DecodeError, DeviceInfo, LoopStatus, SceneSnapshot, SimEvent, ToolContact, ToolForce, ToolPose,
+  decode, encode,
+} from "../../index";
+import { fetchSession, type Session } from "../session";
+import { happening } from "../words";
+import type { Outline, World } from "../world";
+import { callOf, frame, ofCall, ofText, openFrame, textOf } from "./frames";
+
+/** An answer of the loop to a request. */
+export interface Answer {
+  readonly ok: boolean;
+  readonly error?: string;
+  readonly path?: string;
+  readonly [field: string]: unknown;
+}
+
+const CALL_TIMEOUT_MS = 30_000;
+
+export class Live {
+  /** Told when the daemon refuses a tool or another write, in its words. */
+  onRefused: (key: string, error: string) => void = () => {};
+  /** Told when the socket opens: what was held before is not any more. */
+  onOpen: () => void = () => {};
+
+  private socket: WebSocket | null = null;
+  private calls = new Map<number, (answer: Answer) => void>();
+  private nextCall = 1;
+  private attempts = 0;
+  private timer: ReturnType<typeof setTimeout> | undefined;
+  private closed = false;
+  /** Frames whose bytes were not what they should be. */
+  malformed = 0;
+
+  constructor(
+    readonly world: World,
+    private session: Session,
+  ) {}
+
+  get mayWrite(): boolean {
+    return this.session.token !== null && this.world.link === "live";
+  }
+
+  get viewOnly(): boolean {
+    return this.session.token === null;
+  }
+
+  /** Tools can be taken: not those of a recording that is played. */
+  get mayHold(): boolean {
+    return this.mayWrite && this.session.played !== true;
+  }
+
+  get lockstep(): boolean {
+    return this.session.lockstep === true || this.world.lockstep;
+  }
+
+  get pages(): Readonly<Record<string, string>> {
+    return this.session.pages ?? {};
+  }
+
+  get instance(): string {
+    return this.session.instance ?? "default";
+  }
+
+  start(): void {
+    this.world.instances = this.session.instances ?? [];
+    const scheme = location.protocol === "https:" ? "wss" : "ws";
+    const socket = new WebSocket(`${scheme}://${location.host}/live`);
+    this.socket = socket;
+    socket.binaryType = "arraybuffer";
+    socket.onopen = () => {
+      this.attempts = 0;
+      if (this.session.token !== null) socket.send(frame("token", ofText(this.session.token)));
+      this.world.link = "live";
+      this.world.trouble = "";
+      this.world.touch();
+      void this.fetchOutlines();
+      this.onOpen();
+    };
+    socket.onmessage = (event) => {
+      if (event.data instanceof ArrayBuffer) this.take(new Uint8Array(event.data));
+    };
+    socket.onclose = () => this.lose();
+  }
+
+  stop(): void {
+    this.closed = true;
+    clearTimeout(this.timer);
+    this.socket?.close();
+  }
+
+  private lose(): void {
+    if (this.closed) return;
+    this.world.link = "lost";
+    this.world.trouble = "The daemon does not answer; trying again …";
+    for (const tool of this.world.tools) tool.holder = null;
+    this.world.touch();
+    for (const answer of this.calls.values()) answer({ ok: false, error: "the connection was lost" });
+    this.calls.clear();
+    this.attempts += 1;
+    this.timer = setTimeout(() => void this.again(), Math.min(250 * this.attempts, 2000));
+  }
+
+  /** A daemon that was started anew has another token. */
+  private async again(): Promise<void> {
+    const session = await fetchSession();
+    if (this.closed) return;
+    if (session === null) return this.lose();
+    this.session = session;
+    this.start();
+  }
+
+  private async fetchOutlines(): Promise<void> {
+    try {
+      const answer = await fetch("tools.json", { cache: "no-store" });
+      this.world.outlines = (await answer.json()) as Outline[];
+      this.world.outlineVersion += 1;
+      this.world.touch();
+    } catch {
+      // Tools are then drawn as what their size says.
+    }
+  }
+
+  /** Takes a frame; one that cannot be read is counted and left out. */
+  take(bytes: Uint8Array): void {
+    try {
+      const { key, payload } = openFrame(bytes);
+      this.route(key, payload);
+    } catch (error) {
+      if (!(error instanceof DecodeError || error instanceof SyntaxError)) throw error;
+      // An event of a kind that a newer daemon knows is no fault.
+      if (!(error instanceof DecodeError && error.fault === "unknown-case")) this.malformed += 1;
+    }
+  }
+
+  private route(key: string, payload: Uint8Array): void {
+    const [kind, id, part] = key.split("/");
+    const { world } = this;
+    switch (part === undefined ? kind : `${kind}/${part}`) {
+      case "scene": {
+        world.load(decode(SceneSnapshot, payload));
+        void this.fetchOutlines();
+        return;
+      }
+      case "body/net": {
+        const net = decode(ControlNet, payload);
+        world.body(net.body)?.takeNet(net.points, net.count_u, net.count_v, Number(net.tick));
+        break;
+      }
+      case "tool/force": return this.takeForce(id, decode(ToolForce, payload));
+      case "tool/contact": {
+        const tool = world.tool(id);
+        const contact = decode(ToolContact, payload);
+        if (tool === undefined) return;
+        tool.contactForce = contact.force;
+        tool.energy = contact.energy_j;
+        tool.dissipated = contact.dissipated_j;
+        break;
+      }
+      case "tool/device": {
+        const tool = world.tool(id);
+        if (tool !== undefined) tool.device = decode(DeviceInfo, payload);
+        break;
+      }
+      case "contact":
+        world.contacts = decode(ContactSet, payload).contacts;
+        break;
+      case "status":
+        this.takeStatus(decode(LoopStatus, payload));
+        break;
+      case "event":
+        world.addEvent(happening(decode(SimEvent, payload)));
+        return;
+      case "holders": {
+        const holders = JSON.parse(textOf(payload)) as Record<string, string | null>;
+        for (const tool of world.tools) {
+          tool.holder = holders[tool.id] ?? null;
+          if (tool.holder === null) tool.device = null;
+        }
+        break;
+      }
+      case "rpc": {
+        const { id: call, json } = callOf(payload);
+        this.calls.get(call)?.(JSON.parse(json) as Answer);
+        this.calls.delete(call);
+        return;
+      }
+      case "refused": {
+        const refused = JSON.parse(textOf(payload)) as { key?: string; error?: string };
+        this.onRefused(refused.key ?? "", refused.error ?? "refused");
+        return;
+      }
+      default:
+        return;
+    }
+    world.touch();
+  }
+
+  private takeForce(id: string, force: ToolForce): void {
+    const tool = this.world.tool(id);
+    if (tool === undefined) return;
+    const tick = Number(force.tick);
+    tool.tick = tick;
+    tool.force = force.force;
+    tool.torque = force.torque;
+    tool.proxy = force.proxy_position;
+    tool.orientation = force.proxy_orientation;
+    tool.depth = force.depth;
+    tool.contacts = force.contact_count;
+    tool.flags = force.flags;
+    tool.poseSeq = force.pose_seq;
+    if (tool.hand !== null) tool.poseAgeMs = performance.now() - Number(force.t_client_ns) * 1e-6;
+    this.world.tick = tick;
+    tool.history.push(tick, ...force.force, force.depth, tool.energy, tool.dissipated);
+    this.world.touch();
+  }
+
+  private takeStatus(status: LoopStatus): void {
+    const { world } = this;
+    const tick = Number(status.tick);
+    const ns = (value: bigint) => Number(value) * 1e-9;
+    if (tick !== world.tick) world.tick = tick;
+    world.status = status;
+    world.loop.push(tick, ns(status.step.p50_ns), ns(status.step.p99_ns), ns(status.step.max_ns), ns(status.period.max_ns), status.rate_hz);
+    // A force that does not change is not sent again: its line goes on all the same.
+    for (const tool of world.tools) {
+      if (tick > tool.tick) tool.history.push(tick, ...tool.force, tool.depth, tool.energy, tool.dissipated);
+    }
+  }
+
+  // What the page may say.
+
+  claim(tool: string, info: DeviceInfo): void {
+    this.send(`tool/${tool}/device`, encode(DeviceInfo, info));
+  }
+
+  pose(tool: string, pose: ToolPose): void {
+    this.send(`tool/${tool}/pose`, encode(ToolPose, pose));
+  }
+
+  release(tool: string): void {
+    this.send(`tool/${tool}/release`, new Uint8Array());
+  }
+
+  /** Simulated to real time, in lockstep. */
+  speed(factor: number): void {
+    const payload = new Uint8Array(8);
+    new DataView(payload.buffer).setFloat64(0, factor, true);
+    this.send("speed", payload);
+  }
+
+  /** Asks the loop for something. Always answers, if need be with why not. */
+  call(method: string, args: Readonly<Record<string, unknown>> = {}): Promise<Answer> {
+    if (!this.mayWrite) {
+      const error = this.viewOnly ? "this page is for looking only" : "there is no connection to the daemon";
+      return Promise.resolve({ ok: false, error });
+    }
+    const id = this.nextCall++;
+    return new Promise((resolve) => {
+      const timer = setTimeout(() => {
+        this.calls.delete(id);
+        resolve({ ok: false, error: "no answer within 30 s" });
+      }, CALL_TIMEOUT_MS);
+      this.calls.set(id, (answer) => {
+        clearTimeout(timer);
+        resolve(answer);
+      });
+      this.send(`rpc/${method}`, ofCall(id, JSON.stringify(args)));
+    });
+  }
+
+  private send(key: string, payload: Uint8Array): void {
+    if (this.socket?.readyState === WebSocket.OPEN) this.socket.send(frame(key, payload));
+  }
+}

@@ -1,0 +1,965 @@
+// The page in a real browser: against a mock daemon, and with PALPATE=path/of/palpate against the real one.
+//
+//   npm run test:browser                      # all of the mock's
+//   PALPATE=target/debug/palpate npm run test:browser
+//   node tests/browser.mjs NAN 320            # those whose name holds one of these
+//
+// CHROMIUM: the browser, default /usr/bin/chromium. SHOTS: a directory for pictures.
+
+import assert from "node:assert/strict";
+import { execFileSync, spawn } from "node:child_process";
+import { existsSync, mkdirSync, mkdtempSync, readdirSync, readFileSync, rmSync, writeFileSync } from "node:fs";
+import { tmpdir } from "node:os";
+import { join } from "node:path";
+import { fileURLToPath } from "node:url";
+import { chromium } from "playwright-core";
+import * as bus from "../dist/palpate.js";
+import { frame } from "../dist/page.js";
+import { Mock } from "./mock.mjs";
+import { bodyOf, forceOf, sheetOf, snapshotOf, toolOf } from "./scenes.mjs";
+
+const repository = fileURLToPath(new URL("../../../", import.meta.url));
+const golden = (name) => readFileSync(join(repository, "recordings/golden", name));
+const GL = ["--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"];
+const sleep = (ms) => new Promise((resolve) => setTimeout(resolve, ms));
+const wanted = process.argv.slice(2);
+const tests = [];
+const test = (name, run, options = {}) => tests.push({ name, run, options });
+
+/** Waits until a question to the page has a true answer. */
+async function until(page, question, what, ms = 15_000) {
+  const start = Date.now();
+  for (;;) {
+    const answer = await page.evaluate(question).catch(() => null);
+    if (answer) return answer;
+    if (Date.now() - start > ms) throw new Error(`not within ${ms} ms: ${what}\n${JSON.stringify(await page.evaluate(() => window.palpate?.report()).catch(() => null))?.slice(0, 900)}`);
+    await sleep(30);
+  }
+}
+
+const report = (page) => page.evaluate(() => window.palpate.report());
+
+/** Where a tool is on the screen. */
+async function place(page, k = 0) {
+  return page.evaluate((index) => {
+    const { screen } = window.palpate.report().tools[index];
+    const box = document.getElementById("view").getBoundingClientRect();
+    return { x: screen.x + box.left, y: screen.y + box.top };
+  }, k);
+}
+
+async function drag(page, by, steps = 12, k = 0) {
+  const from = await place(page, k);
+  await page.mouse.move(from.x, from.y);
+  await page.mouse.down();
+  for (let s = 1; s <= steps; s++) {
+    await page.mouse.move(from.x + (by[0] * s) / steps, from.y + (by[1] * s) / steps);
+    await sleep(16);
+  }
+}
+
+/** Pixels to drag a tool by so many metres. */
+const pixelsOf = async (page, metres, k = 0) => metres / (await report(page)).tools[k].screen.metresPerPixel;
+
+/** Pixels of the picture, small. */
+const pixels = (page) => page.evaluate(() => {
+  const { stage } = window.palpate;
+  stage.renderer.render(stage.scene, stage.camera);
+  const copy = document.createElement("canvas");
+  [copy.width, copy.height] = [160, 100];
+  const pen = copy.getContext("2d");
+  pen.drawImage(stage.canvas, 0, 0, 160, 100);
+  return [...pen.getImageData(0, 0, 160, 100).data];
+});
+
+function changed(a, b) {
+  let count = 0;
+  for (let k = 0; k < a.length; k += 4) if (Math.abs(a[k] - b[k]) + Math.abs(a[k + 1] - b[k + 1]) + Math.abs(a[k + 2] - b[k + 2]) > 24) count += 1;
+  return count;
+}
+
+/** Waits until so many pixels are others than before. */
+async function untilChanged(page, before, least, what) {
+  let most = 0;
+  for (let k = 0; k < 60; k++) {
+    most = Math.max(most, changed(before, await pixels(page)));
+    if (most > least) return;
+    await sleep(100);
+  }
+  throw new Error(`${what}: ${most} pixels changed, not ${least}`);
+}
+
+/** A scene is there, drawn and told of. */
+const ready = (page) => until(page, () => window.palpate?.report().bodies.length > 0 && window.palpate.report().costMs > 0
+  && document.querySelectorAll("#tools button").length > 0, "a scene");
+const text = (page, selector) => page.locator(selector).innerText();
+
+async function shot(page, name) {
+  if (process.env.SHOTS === undefined) return;
+  mkdirSync(process.env.SHOTS, { recursive: true });
+  await page.screenshot({ path: join(process.env.SHOTS, `${name}.png`) });
+}
+
+// ---- Live, against the mock.
+
+test("first picture: the body is drawn, nothing is said on the console", async ({ open }) => {
+  const page = await open();
+  await ready(page);
+  const painted = await page.evaluate(() => performance.getEntriesByName("first-contentful-paint")[0]?.startTime);
+  const { firstPictureMs } = await report(page);
+  console.log(`    first paint ${painted?.toFixed(0)} ms, first picture of the scene ${firstPictureMs.toFixed(0)} ms`);
+  const seen = await pixels(page);
+  let opaque = 0;
+  for (let k = 3; k < seen.length; k += 4) if (seen[k] > 200) opaque += 1;
+  assert.ok(opaque > 400, `${opaque} pixels of 16,000 are drawn`);
+  await shot(page, "first");
+});
+
+test("a drag presses the body: force, dent, chart and number follow", async ({ open, mock }) => {
+  const page = await open();
+  await ready(page);
+  await sleep(400);
+  const before = await pixels(page);
+  await drag(page, [-190, 0], 20);
+  await until(page, () => Math.hypot(...window.palpate.report().tools[0].force) > 1, "a force");
+  await untilChanged(page, before, 60, "the dent");
+  await until(page, () => Number(document.querySelector("[data-value=force]").textContent) > 1, "the number");
+  assert.ok((await page.locator("#labels .force").first().innerText()).endsWith(" N"));
+  const { extents, tools } = await report(page);
+  assert.ok(extents[0][0][1] > 1e-3, "no displacement is shown");
+  assert.ok(tools[0].rows > 5, "the chart has no rows");
+  assert.match(tools[0].holder, /^mouse/);
+  await shot(page, "press");
+  await page.mouse.up();
+  await until(page, () => window.palpate.report().hand === "free", "the tool given back");
+  assert.ok(mock.said.some(([key]) => key === "tool/ball/release"));
+  await until(page, () => window.palpate.report().tools[0].holder === null, "nobody holds it");
+});
+
+test("from the drag to the arrow are at most two pictures", async ({ open }) => {
+  const page = await open();
+  await ready(page);
+  await drag(page, [-150, 0], 10);
+  await until(page, () => window.palpate.report().tools[0].holder, "the tool");
+  // In the page: a pose goes out at once when the pointer moves, its force comes back, the next picture shows it.
+  const frames = await page.evaluate(async () => {
+    const counts = [];
+    for (let k = 0; k < 12; k++) {
+      await new Promise((resolve) => setTimeout(resolve, 60));
+      const before = window.palpate.report().tools[0].force.join();
+      window.palpate.hand.move([k % 2 === 0 ? -0.002 : 0.002, 0, 0]);
+      let count = 0;
+      while (window.palpate.report().tools[0].force.join() === before && count < 30) {
+        await new Promise((resolve) => requestAnimationFrame(resolve));
+        count += 1;
+      }
+      counts.push(count);
+    }
+    return counts.sort((a, b) => a - b);
+  });
+  console.log(`    pictures until the force: median ${frames[6]}, most ${frames.at(-1)}`);
+  assert.ok(frames[6] <= 2, `${frames}`);
+  await page.mouse.up();
+});
+
+test("the wheel pushes along the view while a tool is held, and zooms otherwise", async ({ open }) => {
+  const page = await open();
+  await ready(page);
+  await drag(page, [-20, 0], 4);
+  await until(page, () => window.palpate.report().tools[0].hand !== null, "the hand");
+  const before = (await report(page)).tools[0].hand;
+  await page.mouse.wheel(0, -400);
+  await until(page, `Math.hypot(...window.palpate.report().tools[0].hand.map((x, c) => x - ${JSON.stringify(before)}[c])) > 0.005`, "the push");
+  await page.mouse.up();
+});
+
+test("keys alone: take the tool, press, let go, pause, step, help", async ({ open, mock }) => {
+  const page = await open();
+  await ready(page);
+  await page.keyboard.press("t");
+  await until(page, () => window.palpate.report().tools[0].holder !== null, "the tool");
+  for (let k = 0; k < 26; k++) await page.keyboard.press("ArrowLeft");
+  await until(page, () => Math.hypot(...window.palpate.report().tools[0].force) > 0.5, "a force");
+  await page.keyboard.press("Escape");
+  await until(page, () => window.palpate.report().hand === "free", "the tool given back");
+  await page.keyboard.press(" ");
+  await until(page, () => document.getElementById("link").textContent === "Paused", "pause");
+  const { tick } = mock;
+  await page.keyboard.press(".");
+  await until(page, () => !document.getElementById("step").disabled, "the step button");
+  await sleep(200);
+  assert.ok(mock.tick > tick);
+  await page.keyboard.press("?");
+  assert.ok(await page.locator("dialog#help").isVisible());
+  await page.keyboard.press("Escape");
+  await until(page, () => document.querySelector("dialog[open]") === null, "help closed");
+  await page.keyboard.press(" ");
+  await until(page, () => document.getElementById("link").textContent === "Live", "running");
+});
+
+test("two pages drag one tool: the second is refused and told who holds it", async ({ open }) => {
+  const [first, second] = [await open(), await open()];
+  await ready(first);
+  await ready(second);
+  await drag(first, [-30, 0], 4);
+  const holder = await until(first, () => window.palpate.report().tools[0].holder, "the tool");
+  await drag(second, [-30, 0], 4);
+  await until(second, () => document.getElementById("notices").textContent.includes("held by"), "the refusal");
+  assert.ok((await text(second, "#notices")).includes(holder));
+  assert.equal((await report(second)).hand, "free");
+  await first.mouse.up();
+  await second.mouse.up();
+});
+
+test("what the server refuses says why", async ({ open }) => {
+  const page = await open();
+  await ready(page);
+  await page.click("#snapshot");
+  await until(page, () => document.getElementById("notices").textContent.includes("nothing is kept in memory"), "the reason");
+});
+
+test("recording starts and stops from the deck", async ({ open }) => {
+  const page = await open();
+  await ready(page);
+  await page.click("#record");
+  await until(page, () => document.getElementById("record").classList.contains("recording"), "recording");
+  await page.click("#record");
+  await until(page, () => document.getElementById("notices").textContent.includes("Recorded a.mcap"), "the file");
+});
+
+test("view only: nothing can be pressed, and that is said", async ({ open, mock }) => {
+  mock.token = null;
+  const page = await open();
+  await ready(page);
+  assert.ok((await text(page, "#deck")).includes("looking only"));
+  assert.ok(await page.locator("#pause").isDisabled());
+  await drag(page, [-60, 0], 4);
+  await page.mouse.up();
+  assert.ok(mock.said.every(([key]) => !key.startsWith("tool/")));
+});
+
+test("daemon gone and back, the scene the same: goes on by itself, from the same place", async ({ open, mock }) => {
+  const page = await open();
+  await ready(page);
+  await sleep(300);
+  await page.evaluate(() => window.palpate.stage.orbit(0.5, 0.1));
+  await sleep(300);
+  const before = await page.evaluate(() => window.palpate.stage.camera.position.toArray());
+  const { port } = mock;
+  await mock.stop();
+  await until(page, () => document.getElementById("notices").textContent.includes("does not answer"), "the loss");
+  await sleep(700);
+  await mock.start(port);
+  await until(page, () => window.palpate.report().link === "live" && !document.getElementById("notices").textContent.includes("does not answer"), "the connection");
+  const after = await page.evaluate(() => window.palpate.stage.camera.position.toArray());
+  assert.ok(Math.hypot(...after.map((x, c) => x - before[c])) < 1e-3, "the view jumped");
+}, { console: /ERR_CONNECTION|WebSocket|Failed to load/ });
+
+test("daemon gone while dragging, another scene when it is back", async ({ open, mock }) => {
+  const page = await open();
+  await ready(page);
+  await drag(page, [-40, 0], 4);
+  const { port } = mock;
+  await mock.stop();
+  await until(page, () => window.palpate.report().link === "lost", "the loss");
+  mock.scene = snapshotOf([sheetOf("sheet", 8)], [toolOf("pen", [0, 0, 0.03])], "other");
+  mock.token = "another";
+  await mock.start(port);
+  await until(page, () => window.palpate.report().bodies[0]?.id === "sheet" && window.palpate.report().link === "live", "the scene");
+  assert.equal((await report(page)).hand, "free");
+  await page.mouse.up();
+  await page.keyboard.press("t");
+  await until(page, () => window.palpate.report().tools[0].holder !== null, "its tool");
+}, { console: /ERR_CONNECTION|WebSocket|Failed to load/ });
+
+test("scene swap while dragging: the drag goes on", async ({ open, mock }) => {
+  const page = await open();
+  await ready(page);
+  await drag(page, [-40, 0], 6);
+  await until(page, () => window.palpate.report().tools[0].holder, "the tool");
+  mock.setScene(snapshotOf([bodyOf("drop"), bodyOf("second", "torus", [0, 0.1, 0])]));
+  mock.event({ type: "SceneChanged", what: "second was added" });
+  await until(page, () => window.palpate.report().bodies.length === 2, "both bodies");
+  const before = (await report(page)).tools[0].hand[0];
+  const at = await place(page);
+  await page.mouse.move(at.x - 60, at.y);
+  await page.mouse.move(at.x - 120, at.y);
+  await until(page, `window.palpate.report().tools[0].hand[0] !== ${before}`, "the hand goes on");
+  assert.equal((await report(page)).hand, "holding");
+  await until(page, () => document.getElementById("events").textContent.includes("second was added"), "the event");
+  await page.mouse.up();
+});
+
+test("a body becomes another under the same name", async ({ open, mock }) => {
+  const page = await open();
+  await ready(page);
+  mock.setScene(snapshotOf([sheetOf("drop", 12)]));
+  await until(page, () => window.palpate.report().bodies[0].points === 144, "the other body");
+  await until(page, () => window.palpate.stage.renderer.info.render.triangles > 100, "its picture");
+});
+
+test("NaN in a net: that body is left out and named, the others stay", async ({ open, mock }) => {
+  mock.scene = snapshotOf([bodyOf("drop"), bodyOf("second", "torus", [0, 0.1, 0])]);
+  const page = await open();
+  await ready(page);
+  const [body] = mock.scene.bodies;
+  const points = body.points.slice();
+  points[10] = NaN;
+  mock.net(body, points);
+  await until(page, () => document.getElementById("notices").textContent.includes("control point 3 of drop"), "the fault");
+  assert.equal((await report(page)).bodies[1].fault, null);
+  mock.net(body, body.points);
+  await until(page, () => !document.getElementById("notices").textContent.includes("Not drawn"), "the body again");
+});
+
+test("64 tools", async ({ open, mock }) => {
+  mock.scene = snapshotOf([bodyOf("drop")], Array.from({ length: 64 }, (_, k) => toolOf(`tool-${k}`, [0.08 * Math.cos(k / 10), 0.08 * Math.sin(k / 10), 0.01 + 0.0012 * k], 0.003)));
+  const page = await open();
+  await ready(page);
+  assert.equal(await page.locator("#tools button").count(), 64);
+  for (let n = 0; n < 20; n++) {
+    for (let k = 0; k < 64; k++) mock.toAll(`tool/tool-${k}/force`, bus.encode(bus.ToolForce, forceOf(mock.tick, [k / 10, 0, 0], mock.scene.tools[k].position, 0.001)));
+    await sleep(16);
+  }
+  await until(page, () => window.palpate.report().tools[63].force[0] > 6, "the last force");
+  const { y, height } = await page.locator("#panel #charts").boundingBox();
+  assert.ok(y < 420 && height > 100, "the charts are pushed away");
+  await shot(page, "64-tools");
+});
+
+test("50 bodies", async ({ open, mock }) => {
+  mock.scene = snapshotOf(Array.from({ length: 50 }, (_, k) => bodyOf(`body-${k}`, "teardrop", [(k % 10) * 0.06, Math.floor(k / 10) * 0.06, 0])));
+  const page = await open();
+  await ready(page);
+  await until(page, () => window.palpate.stage.renderer.info.render.calls >= 50, "all of them");
+  for (let n = 0; n < 10; n++) {
+    for (const body of mock.scene.bodies) mock.net(body, body.points.map((x) => x * (1 + 0.001 * n)));
+    await sleep(30);
+  }
+  await until(page, () => window.palpate.report().extents[0][49][1] > 1e-5, "their nets");
+  await shot(page, "50-bodies");
+});
+
+test("a net of 20 x 20 that moves with every picture", async ({ open, mock }) => {
+  mock.scene = snapshotOf([sheetOf("sheet", 20)], [toolOf("pen", [0, 0, 0.03], 0)]);
+  const page = await open();
+  await ready(page);
+  const [body] = mock.scene.bodies;
+  for (let n = 1; n <= 120; n++) {
+    mock.net(body, body.points.map((x, k) => (k % 3 === 2 ? 0.01 * Math.sin(n / 6) * Math.exp(-((body.points[k - 2] ** 2 + body.points[k - 1] ** 2) / 4e-4)) : x)));
+    await sleep(16);
+  }
+  const { updateMs, costMs } = await report(page);
+  console.log(`    a picture costs the page ${updateMs.toFixed(1)} ms for surfaces and ${costMs.toFixed(1)} ms for drawing`);
+  assert.ok((await report(page)).extents[0][0][1] > 1e-4);
+});
+
+test("a page that goes to the background gives its tool back", async ({ open, mock }) => {
+  const page = await open();
+  await ready(page);
+  await drag(page, [-30, 0], 4);
+  await until(page, () => window.palpate.report().tools[0].holder, "the tool");
+  await page.evaluate(() => {
+    Object.defineProperty(document, "hidden", { configurable: true, get: () => true });
+    document.dispatchEvent(new Event("visibilitychange"));
+  });
+  await until(page, () => window.palpate.report().hand === "free" && window.palpate.report().tools[0].holder === null, "the tool given back");
+  assert.ok(mock.said.some(([key]) => key === "tool/ball/release"));
+  await page.mouse.up();
+});
+
+test("a net of 200 x 200", async ({ open, mock }) => {
+  mock.scene = snapshotOf([sheetOf("sheet", 200)], [toolOf("pen", [0, 0, 0.03], 0)]);
+  const page = await open();
+  await ready(page);
+  const [body] = mock.scene.bodies;
+  for (let n = 1; n <= 10; n++) {
+    mock.net(body, body.points.map((x, k) => (k % 3 === 2 ? 0.004 * Math.sin(n / 3) * Math.exp(-((body.points[k - 2] ** 2 + body.points[k - 1] ** 2) / 4e-4)) : x)));
+    await sleep(33);
+  }
+  await until(page, () => window.palpate.report().extents[0][0][1] > 1e-4, "the dent");
+  await shot(page, "200x200");
+});
+
+test("a page that was stopped for long catches up: a burst of an hour's frames leaves it whole", async ({ open, mock }) => {
+  const page = await open();
+  await ready(page);
+  for (let n = 0; n < 200; n++) {
+    for (let k = 0; k < 100; k++) {
+      mock.tick += 16n;
+      mock.toAll("tool/ball/force", bus.encode(bus.ToolForce, forceOf(mock.tick, [1, 0, 0])));
+    }
+    if (n % 20 === 0) await sleep(1);
+  }
+  const last = Number(mock.tick);
+  await until(page, `window.palpate.report().tick >= ${last}`, "the newest tick");
+  assert.ok((await report(page)).tools[0].rows <= 5200);
+});
+
+test("garbage on the socket changes nothing", async ({ open, mock }) => {
+  const page = await open();
+  await ready(page);
+  for (const socket of mock.sockets) {
+    socket.send(Buffer.from([200, 1, 2]));
+    socket.send(frame("tool/ball/force", new Uint8Array([1, 2])));
+    socket.send("text");
+  }
+  await until(page, () => window.palpate.report().malformed === 2, "both counted");
+  assert.equal((await report(page)).link, "live");
+});
+
+test("WebGL lost and restored", async ({ open }) => {
+  const page = await open();
+  await ready(page);
+  await sleep(500);
+  const before = await pixels(page);
+  await page.evaluate(() => {
+    window.lost = window.palpate.stage.renderer.getContext().getExtension("WEBGL_lose_context");
+    window.lost.loseContext();
+  });
+  await until(page, () => document.getElementById("notices").textContent.includes("graphics were lost"), "the loss");
+  await page.evaluate(() => window.lost.restoreContext());
+  await until(page, () => !document.getElementById("notices").textContent.includes("graphics were lost"), "the return");
+  await until(page, () => !window.palpate.stage.renderer.getContext().isContextLost(), "the context");
+  let differ = Infinity;
+  for (let k = 0; k < 60 && differ >= 3000; k++) {
+    await sleep(100);
+    differ = changed(before, await pixels(page));
+  }
+  assert.ok(differ < 3000, `${differ} pixels are not as before`);
+}, { console: /CONTEXT_LOST|Context Lost|Context Restored|context/i });
+
+test("WebGL missing: says so, charts and controls work", async ({ open, mock }) => {
+  const page = await open({ init: () => {
+    const get = HTMLCanvasElement.prototype.getContext;
+    HTMLCanvasElement.prototype.getContext = function (kind, ...rest) {
+      return kind.startsWith("webgl") ? null : get.call(this, kind, ...rest);
+    };
+  } });
+  await until(page, () => window.palpate?.report().bodies.length > 0, "a scene");
+  assert.ok((await text(page, "#empty")).includes("no WebGL"));
+  mock.tick += 500n;
+  mock.toAll("tool/ball/force", bus.encode(bus.ToolForce, forceOf(mock.tick, [3, 0, 0])));
+  await until(page, () => document.querySelector("[data-value=force]").textContent === "3.00", "the force");
+  assert.ok((await page.locator(".chart canvas").count()) >= 4);
+  await page.click("#pause");
+  await until(page, () => document.getElementById("link").textContent === "Paused", "pause");
+  await shot(page, "no-webgl");
+}, { console: /WebGL/i });
+
+for (const [width, height] of [[320, 568], [390, 844]]) {
+  test(`a window of ${width} px: everything is on it, nothing sticks out`, async ({ open }) => {
+    for (const colorScheme of ["light", "dark"]) {
+      const page = await open({ viewport: { width, height }, colorScheme });
+      await ready(page);
+      const wide = await page.evaluate(() => document.documentElement.scrollWidth);
+      assert.ok(wide <= width, `${wide} px wide`);
+      for (const id of ["pause", "step", "reset", "record", "snapshot", "save-picture", "look-toggle", "theme", "help-open"]) {
+        const box = await page.locator(`#${id}`).boundingBox();
+        assert.ok(box !== null && box.x >= 0 && box.x + box.width <= width && box.y + box.height <= height, `${id}: ${JSON.stringify(box)}`);
+      }
+      const view = await page.locator("#view").boundingBox();
+      assert.ok(view.height >= 200, `the picture is ${view.height} px high`);
+      await shot(page, `${width}-${colorScheme}`);
+      await page.close();
+    }
+  });
+}
+
+test("a recording on 320 and 390 px: its deck is on the window", async ({ open, mock }) => {
+  serve(mock, [["tap.mcap", golden("teardrop-tap.mcap")]]);
+  for (const [width, height] of [[320, 568], [390, 844]]) {
+    const page = await open({ viewport: { width, height }, colorScheme: "light" });
+    await played(page);
+    await sleep(300);
+    assert.ok((await page.evaluate(() => document.documentElement.scrollWidth)) <= width);
+    for (const selector of ["#back", "#pause", "#step", "#loop", "#speed", "#track", "#save-picture"]) {
+      const box = await page.locator(selector).boundingBox();
+      assert.ok(box !== null && box.x >= 0 && box.x + box.width <= width && box.y + box.height <= height, `${selector}: ${JSON.stringify(box)}`);
+    }
+    assert.ok((await page.locator("#view").boundingBox()).height >= 200);
+    await shot(page, `recording-${width}`);
+    await page.close();
+  }
+});
+
+test("every control has a name and can be reached by keyboard; colours have the contrast of AA", async ({ open }) => {
+  for (const colorScheme of ["light", "dark"]) {
+    const page = await open({ colorScheme });
+    await ready(page);
+    const nameless = await page.evaluate(() => [...document.querySelectorAll("button, select, input")].filter((element) => {
+      const label = element.getAttribute("aria-label") ?? element.closest("label")?.textContent ?? element.textContent;
+      return (label ?? "").trim() === "";
+    }).map((element) => element.outerHTML.slice(0, 120)));
+    assert.deepEqual(nameless, []);
+    const poor = await page.evaluate(() => {
+      const style = getComputedStyle(document.documentElement);
+      const luminance = (name) => {
+        const hex = style.getPropertyValue(`--${name}`).trim();
+        const [r, g, b] = [1, 3, 5].map((at) => parseInt(hex.slice(at, at + 2), 16) / 255).map((v) => (v <= 0.04045 ? v / 12.92 : ((v + 0.055) / 1.055) ** 2.4));
+        return 0.2126 * r + 0.7152 * g + 0.0722 * b;
+      };
+      const pairs = [["text", "panel"], ["text", "raised"], ["text", "ground"], ["muted", "panel"], ["muted", "raised"], ["muted", "ground"], ["force", "panel"], ["bad", "panel"], ["warn", "panel"], ["accent-text", "accent"], ["x", "panel"], ["y", "panel"], ["z", "panel"], ["second", "panel"]];
+      return pairs.map(([a, b]) => {
+        const [one, two] = [luminance(a), luminance(b)].sort((p, q) => q - p);
+        return [`${a} on ${b}`, (one + 0.05) / (two + 0.05)];
+      }).filter(([, ratio]) => ratio < 4.5);
+    });
+    assert.deepEqual(poor, [], colorScheme);
+    const reached = new Set();
+    for (let k = 0; k < 60; k++) {
+      await page.keyboard.press("Tab");
+      reached.add(await page.evaluate(() => document.activeElement?.id ?? ""));
+    }
+    for (const id of ["look-toggle", "sound", "theme", "help-open", "view", "fit", "colour-by", "take", "event-filter", "pause", "reset", "record", "snapshot", "save-picture", "save-net"]) {
+      assert.ok(reached.has(id), `${id} is not reached by Tab (${[...reached]})`);
+    }
+    await page.close();
+  }
+});
+
+test("colours, layers and cut change the picture; the legend has its unit", async ({ open }) => {
+  const page = await open();
+  await ready(page);
+  await drag(page, [-190, 0], 12);
+  await sleep(300);
+  for (const [what, unit] of [["indentation", "mm"], ["curvature", "1/m"], ["displacement", "mm"]]) {
+    await page.selectOption("#colour-by", what);
+    await until(page, `document.getElementById("legend").innerText.includes(${JSON.stringify(unit)})`, `${what} in ${unit}`);
+  }
+  await page.mouse.up();
+  await until(page, () => window.palpate.report().hand === "free", "the tool given back");
+  let before = await pixels(page);
+  await page.check("[data-layer=net]");
+  await untilChanged(page, before, 50, "the control net");
+  before = await pixels(page);
+  await page.selectOption("#clip", "x");
+  await untilChanged(page, before, 100, "the cut");
+  await shot(page, "cut");
+});
+
+test("a picture and a net are saved", async ({ open }) => {
+  const page = await open();
+  await ready(page);
+  const [picture] = await Promise.all([page.waitForEvent("download"), page.keyboard.press("p")]);
+  assert.match(picture.suggestedFilename(), /^mock-\d{7}\.png$/);
+  const [net] = await Promise.all([page.waitForEvent("download"), page.click("#save-net")]);
+  assert.ok(readFileSync(await net.path(), "utf8").includes("\no drop\n"));
+});
+
+test("fingers: one on the tool presses, one beside it turns the view", async ({ browser, mock, watch }) => {
+  const context = await browser.newContext({ viewport: { width: 390, height: 844 }, hasTouch: true, isMobile: true });
+  const page = watch(await context.newPage());
+  await page.goto(mock.url);
+  await ready(page);
+  await sleep(300);
+  const { x, y } = await place(page);
+  const session = await context.newCDPSession(page);
+  const touch = (type, px, py) => session.send("Input.dispatchTouchEvent", { type, touchPoints: type === "touchEnd" ? [] : [{ x: px, y: py }] });
+  await touch("touchStart", x, y);
+  for (let k = 1; k <= 14; k++) {
+    await touch("touchMove", x - 7 * k, y);
+    await sleep(20);
+  }
+  await until(page, () => Math.hypot(...window.palpate.report().tools[0].force) > 0.5, "a force");
+  await touch("touchEnd");
+  const before = await page.evaluate(() => window.palpate.stage.camera.position.toArray());
+  await touch("touchStart", 60, 150);
+  for (let k = 1; k <= 8; k++) {
+    await touch("touchMove", 60 + 12 * k, 150);
+    await sleep(20);
+  }
+  await touch("touchEnd");
+  await until(page, `Math.hypot(...window.palpate.stage.camera.position.toArray().map((v, c) => v - ${JSON.stringify(before)}[c])) > 0.01`, "the view turns");
+  await context.close();
+});
+
+// ---- Recordings, against the mock's files.
+
+function serve(mock, files) {
+  mock.mode = "view";
+  mock.token = null;
+  mock.recordings = files.map(([name, bytes, more = {}], k) => {
+    mock.files.set(`/recordings/${k}`, bytes);
+    return { name, url: `/recordings/${k}`, bytes: bytes.length, ...more };
+  });
+}
+
+const played = (page) => until(page, () => window.palpate?.report().playback?.overview && window.palpate.report().bodies.length > 0, "a recording");
+
+test("a recording: timeline, events, seek within 0.3 s, play and stop at the end", async ({ open, mock }) => {
+  serve(mock, [["tap.mcap", golden("teardrop-tap.mcap")]]);
+  const page = await open();
+  await played(page);
+  const seeks = [];
+  for (const tick of [600, 40, 350, 699]) {
+    await page.evaluate((to) => {
+      const slider = document.getElementById("timeline");
+      slider.value = to;
+      slider.dispatchEvent(new Event("input"));
+    }, tick);
+    await until(page, `window.palpate.report().tick === ${tick}`, `tick ${tick}`);
+    seeks.push((await report(page)).playback.seekMs);
+  }
+  console.log(`    seeks: ${seeks.map((ms) => ms.toFixed(0)).join(", ")} ms`);
+  assert.ok(Math.min(...seeks) < 300 && seeks.sort((a, b) => a - b)[1] < 300, String(seeks));
+  await page.evaluate(() => window.palpate.playbackDeck.go(500));
+  await page.keyboard.press(" ");
+  await until(page, () => window.palpate.report().playback.tick > 520, "playing");
+  await until(page, () => !window.palpate.report().playback.playing && window.palpate.report().tick === 700, "the end");
+  await page.keyboard.press(",");
+  await until(page, () => window.palpate.report().tick === 699, "a tick back");
+  await page.keyboard.press("Home");
+  await until(page, () => window.palpate.report().tick === 1, "the beginning");
+  assert.ok((await page.locator("#events li").count()) >= 2);
+  await shot(page, "recording");
+});
+
+test("a click on a chart goes there", async ({ open, mock }) => {
+  serve(mock, [["tap.mcap", golden("teardrop-tap.mcap")]]);
+  const page = await open();
+  await played(page);
+  await until(page, () => document.querySelector("[data-chart=force] .u-over") !== null, "the chart");
+  await sleep(300);
+  const over = page.locator("[data-chart=force] .u-over");
+  const box = await over.boundingBox();
+  await page.mouse.click(box.x + box.width / 2, box.y + box.height / 2);
+  await until(page, () => Math.abs(window.palpate.report().tick - 350) < 12, "the middle");
+});
+
+test("a recording that was cut off is shown, and it is said", async ({ open, mock }) => {
+  const bytes = golden("teardrop-tap.mcap");
+  serve(mock, [["cut.mcap.part", bytes.subarray(0, 250_000)]]);
+  const page = await open();
+  await played(page);
+  assert.ok((await text(page, "#notices")).includes("cut off"));
+  assert.ok((await report(page)).playback.last >= 200);
+});
+
+test("a file that is no recording says so", async ({ open, mock }) => {
+  serve(mock, [["a.mcap", Buffer.from("this is no recording at all")]]);
+  const page = await open();
+  await until(page, () => document.getElementById("empty").textContent.includes("not an MCAP"), "the reason");
+});
+
+test("two recordings side by side: one timeline, differences in colour, other builds named", async ({ open, mock }) => {
+  const [one, other] = [golden("teardrop-tap.mcap"), Buffer.from(golden("teardrop-tap.mcap"))];
+  const at = other.indexOf("palpate 0.1.0 source");
+  other.write("palpate 0.0.9", at);
+  serve(mock, [["original", one], ["replay", other, { against: true }]]);
+  const page = await open();
+  await until(page, () => document.getElementById("notices").textContent.includes("different builds"), "the builds");
+  await played(page);
+  await page.evaluate(() => window.palpate.playbackDeck.go(300));
+  await until(page, () => window.palpate.report().tick === 300 && window.palpate.report().playback.second === 300, "both at 300");
+  // The same session: no difference at all.
+  await until(page, () => {
+    const { extents } = window.palpate.report();
+    return extents.length === 2 && extents.every(([body]) => body?.[0] === 0 && body[1] === 0);
+  }, "no difference");
+  assert.ok((await text(page, "#legend")).includes("Difference"));
+  assert.ok((await text(page, "#labels")).includes("replay"));
+  await shot(page, "side-by-side");
+});
+
+test("a directory of recordings: each can be chosen", async ({ open, mock }) => {
+  serve(mock, [["tap.mcap", golden("teardrop-tap.mcap")], ["small.mcap", golden("small-lattice-press.mcap")]]);
+  const page = await open();
+  await played(page);
+  assert.equal((await report(page)).playback.last, 700);
+  await page.selectOption("#instances select", { index: 1 });
+  await until(page, () => window.palpate.report().playback?.last !== 700 && window.palpate.report().bodies.length > 0, "the other recording");
+});
+
+test("a file dropped on the page is opened", async ({ open }) => {
+  const page = await open();
+  await ready(page);
+  const bytes = golden("small-lattice-press.mcap").toString("base64");
+  const transfer = await page.evaluateHandle((base64) => {
+    const data = Uint8Array.from(atob(base64), (c) => c.charCodeAt(0));
+    const transfer = new DataTransfer();
+    transfer.items.add(new File([data], "dropped.mcap"));
+    return transfer;
+  }, bytes);
+  await page.dispatchEvent("body", "drop", { dataTransfer: transfer });
+  await played(page);
+  assert.equal((await report(page)).link, "playing");
+  assert.ok((await text(page, "#notices")).includes("uniform"));
+});
+
+test("one page from disk: a recording inside it plays without a server", async ({ browser, watch, directory }) => {
+  const page = watch(await browser.newPage());
+  const read = (name) => readFileSync(join(repository, "src/viewer/page", name), "utf8");
+  const recording = golden("teardrop-tap.mcap").toString("base64");
+  const html = read("index.html")
+    .replace('<link rel="stylesheet" href="app.css">', () => `<style>${read("app.css")}</style>`)
+    .replace('<script src="app.js" defer></script>', () => `<script id="palpate-recording" type="application/octet-stream" data-name="tap.mcap">${recording}</script><script>${read("app.js")}</script>`);
+  const path = join(directory, "tap.html");
+  writeFileSync(path, html);
+  await page.goto(`file://${path}`);
+  await played(page);
+  console.log(`    ${(html.length / 1e6).toFixed(2)} MB with a recording of 0.35 MB`);
+  assert.ok(html.length - recording.length < 3e6);
+});
+
+// ---- Against the real daemon.
+
+const palpate = process.env.PALPATE;
+
+/** A daemon on ports that the system chooses, with the page of the sources. */
+async function daemon(args, directory) {
+  const own = args[0] === "serve" ? ["--no-rt", "--listen", "tcp/127.0.0.1:0", "--record-dir", directory] : ["--no-open"];
+  const child = spawn(palpate, [...args, ...own, "--http", "127.0.0.1:0"], {
+    stdio: ["ignore", "pipe", "pipe"], env: { ...process.env, PALPATE_PAGE_DIR: join(repository, "src/viewer/page") },
+  });
+  let log = "";
+  for (const stream of [child.stdout, child.stderr]) stream.on("data", (data) => (log += data));
+  let url;
+  for (let k = 0; url === undefined; k++) {
+    url = /page: (http:\S+)/.exec(log)?.[1];
+    if (url !== undefined && (await fetch(url).then((answer) => answer.ok, () => false))) break;
+    url = undefined;
+    if (k > 300 || child.exitCode !== null) throw new Error(`the daemon did not start:\n${log}`);
+    await sleep(100);
+  }
+  return { url, child, log: () => log, stop: () => new Promise((resolve) => { child.once("exit", resolve); child.kill("SIGINT"); }) };
+}
+
+if (palpate !== undefined) {
+  test("real: a drag presses the teardrop; its recording replays bit for bit and shows the same net", async ({ browser, watch, directory }) => {
+    const running = await daemon(["serve", join(repository, "scenes/rigid-teardrop.toml")], directory);
+    try {
+      const page = watch(await browser.newPage({ viewport: { width: 1280, height: 800 } }));
+      await page.goto(running.url);
+      await ready(page);
+      await page.click("#record");
+      await until(page, () => document.getElementById("record").classList.contains("recording"), "recording");
+      await drag(page, [-(await pixelsOf(page, 0.04)), 0], 40);
+      await until(page, () => Math.hypot(...window.palpate.report().tools[0].force) > 0.3, "a force");
+      const { poseAgeMs } = (await report(page)).tools[0];
+      console.log(`    pose to force: ${poseAgeMs.toFixed(1)} ms`);
+      await shot(page, "real-press");
+      await page.mouse.up();
+      await until(page, () => window.palpate.report().hand === "free", "the tool given back");
+      await page.click("#record");
+      await until(page, () => document.getElementById("notices").textContent.includes("Recorded"), "the file");
+    } finally {
+      await running.stop();
+    }
+    const [file] = readdirSync(directory).filter((name) => name.endsWith(".mcap"));
+    const path = join(directory, file);
+    execFileSync(palpate, ["replay", path], { stdio: "pipe" });
+    console.log(`    ${file} replays bit for bit`);
+  });
+
+  test("real: of two pages that drag one tool the second is refused, and told who holds it", async ({ browser, watch, directory }) => {
+    const running = await daemon(["serve", join(repository, "scenes/rigid-teardrop.toml")], directory);
+    try {
+      const pages = [];
+      for (let k = 0; k < 2; k++) {
+        const page = watch(await browser.newPage({ viewport: { width: 1280, height: 800 } }));
+        await page.goto(running.url);
+        await ready(page);
+        pages.push(page);
+      }
+      const [first, second] = pages;
+      await first.keyboard.press("t");
+      const holder = await until(first, () => window.palpate.report().tools[0].holder, "the tool");
+      await second.keyboard.press("t");
+      await until(second, `document.getElementById("notices").textContent.includes(${JSON.stringify(holder)})`, "the refusal");
+      assert.equal((await report(second)).hand, "free");
+      await first.keyboard.press("Escape");
+      await until(first, () => window.palpate.report().hand === "free", "the tool given back");
+      await until(second, () => window.palpate.report().tools[0].holder === null, "nobody holds it");
+      await second.keyboard.press("t");
+      await until(second, () => window.palpate.report().tools[0].holder !== null && window.palpate.report().hand === "holding", "the second has it");
+    } finally {
+      await running.stop();
+    }
+  });
+
+  test("real: the net at a tick of the timeline is that of `palpate export --net`", async ({ browser, watch, directory }) => {
+    const recording = join(repository, "recordings/golden/small-lattice-press.mcap");
+    const running = await daemon(["view", recording], directory);
+    try {
+      const page = watch(await browser.newPage({ viewport: { width: 1280, height: 800 } }));
+      await page.goto(running.url);
+      await played(page);
+      const info = await report(page);
+      const body = info.bodies[0].id;
+      assert.equal(info.bodies[0].assumed, false, "the knots came with the recording");
+      let compared = 0;
+      for (const share of [0.3, 0.55, 0.9]) {
+        const tick = Math.round(share * info.playback.last);
+        await page.evaluate((to) => window.palpate.playbackDeck.go(to), tick);
+        await until(page, `window.palpate.report().tick === ${tick}`, `tick ${tick}`);
+        // Nets are recorded 30 times a second: the one shown is compared at its own tick.
+        const { netTick } = (await report(page)).bodies[0];
+        const out = join(directory, `net-${netTick}.json`);
+        execFileSync(palpate, ["export", recording, "--net", body, "--tick", String(netTick), out], { stdio: "pipe" });
+        const exported = JSON.parse(readFileSync(out, "utf8")).points.flat(2);
+        const drawn = await page.evaluate((id) => window.palpate.net(id), body);
+        assert.equal(drawn.length, exported.length);
+        assert.ok(drawn.every((x, k) => x === exported[k]), `tick ${netTick}`);
+        compared += 1;
+      }
+      console.log(`    ${compared} nets are equal to the last bit`);
+    } finally {
+      await running.stop();
+    }
+  });
+
+  test("real: one page from `palpate view --html` opens from disk", async ({ browser, watch, directory }) => {
+    const out = join(directory, "out.html");
+    execFileSync(palpate, ["view", "--html", out, join(repository, "recordings/golden/teardrop-tap.mcap")], {
+      stdio: "pipe", env: { ...process.env, PALPATE_PAGE_DIR: join(repository, "src/viewer/page") },
+    });
+    const page = watch(await browser.newPage({ viewport: { width: 1280, height: 800 } }));
+    await page.goto(`file://${out}`);
+    await played(page);
+    assert.equal((await report(page)).bodies[0].assumed, false);
+    await page.evaluate(() => window.palpate.playbackDeck.go(240));
+    await until(page, () => window.palpate.report().tick === 240, "tick 240");
+    await shot(page, "html");
+  });
+}
+
+// ---- The runner.
+
+// Pictures for the README, where they are asked for.
+if (process.env.PALPATE_PICTURES !== undefined && palpate !== undefined) {
+  const directory = process.env.PALPATE_PICTURES;
+  mkdirSync(directory, { recursive: true });
+  test("pictures for the README", async ({ browser, watch, directory: recordings }) => {
+    const running = await daemon(["serve", join(repository, "scenes/teardrop.toml")], recordings);
+    try {
+      for (const colorScheme of ["light", "dark"]) {
+        const context = await browser.newContext({ viewport: { width: 1280, height: 800 }, colorScheme });
+        const page = watch(await context.newPage());
+        await page.goto(running.url);
+        await ready(page);
+        await page.evaluate(() => (window.palpate.stage.mayBeCoarse = false));
+        await sleep(600);
+        await drag(page, [-(await pixelsOf(page, 0.04)), 0], 40);
+        await until(page, () => Math.hypot(...window.palpate.report().tools[0].force) > 0.3, "a force");
+        await page.evaluate(() => window.palpate.look.toggle(false));
+        await sleep(900);
+        await page.screenshot({ path: join(directory, `live-${colorScheme}.png`) });
+        await page.mouse.up();
+        await until(page, () => window.palpate.report().hand === "free", "the tool given back");
+        await page.keyboard.press("Backspace");
+        await sleep(500);
+        await context.close();
+      }
+      const context = await browser.newContext({ viewport: { width: 480, height: 640 }, colorScheme: "dark" });
+      const page = watch(await context.newPage());
+      await page.goto(running.url);
+      await ready(page);
+      await page.evaluate(() => {
+        window.palpate.look.toggle(false);
+        window.palpate.stage.mayBeCoarse = false;
+      });
+      await sleep(600);
+      const from = await place(page);
+      const far = await pixelsOf(page, 0.042);
+      const clip = { x: 0, y: 0, width: 480, height: 500 };
+      await page.mouse.move(from.x, from.y);
+      await page.mouse.down();
+      for (let k = 0; k < 36; k++) {
+        // There, deeper, and back.
+        const share = Math.sin((Math.PI * Math.min(k, 33)) / 33);
+        await page.mouse.move(from.x - far * share, from.y);
+        await sleep(60);
+        await page.screenshot({ path: join(directory, `press-${String(k).padStart(3, "0")}.png`), clip });
+      }
+      await page.mouse.up();
+      await context.close();
+    } finally {
+      await running.stop();
+    }
+    const viewing = await daemon(["view", join(repository, "recordings/golden/teardrop-tap.mcap")], recordings);
+    try {
+      const page = watch(await browser.newPage({ viewport: { width: 1280, height: 800 } }));
+      await page.goto(viewing.url);
+      await played(page);
+      await page.evaluate(() => window.palpate.playbackDeck.go(240));
+      await until(page, () => window.palpate.report().tick === 240, "tick 240");
+      await sleep(600);
+      await page.screenshot({ path: join(directory, "view.png") });
+      // The same, tick by tick: frames that do not depend on how busy this computer is.
+      const small = watch(await browser.newPage({ viewport: { width: 480, height: 640 }, colorScheme: "dark" }));
+      await small.goto(viewing.url);
+      await played(small);
+      await small.evaluate(() => {
+        window.palpate.look.toggle(false);
+        window.palpate.stage.mayBeCoarse = false;
+        window.palpate.playbackDeck.go(330);
+      });
+      // One scale for all frames: the largest displacement is near the end.
+      await until(small, () => window.palpate.report().tick === 330, "tick 330");
+      await sleep(400);
+      await small.evaluate(() => window.palpate.settings.set((s) => (s.lockRange = true)));
+      for (let k = 0; k < 36; k++) {
+        const tick = 150 + 5 * k;
+        await small.evaluate((to) => window.palpate.playbackDeck.go(to), tick);
+        await until(small, `window.palpate.report().tick === ${tick}`, `tick ${tick}`);
+        await sleep(80);
+        await small.screenshot({ path: join(directory, `tap-${String(k).padStart(3, "0")}.png`), clip: { x: 0, y: 0, width: 480, height: 400 } });
+      }
+    } finally {
+      await viewing.stop();
+    }
+  }, { ms: 400_000 });
+}
+
+const executablePath = process.env.CHROMIUM ?? "/usr/bin/chromium";
+if (!existsSync(executablePath)) {
+  console.log(`skipped: no browser at ${executablePath} (set CHROMIUM)`);
+  process.exit(0);
+}
+const browser = await chromium.launch({ executablePath, args: ["--no-sandbox", ...GL] });
+let failed = 0;
+const chosen = tests.filter(({ name }) => wanted.length === 0 || wanted.some((part) => name.toLowerCase().includes(part.toLowerCase())));
+for (const { name, run, options } of chosen) {
+  const mock = await new Mock().start();
+  const directory = mkdtempSync(join(tmpdir(), "palpate-page-"));
+  const complaints = [];
+  const pages = [];
+  const watch = (page) => {
+    pages.push(page);
+    page.on("console", (message) => {
+      if (["error", "warning"].includes(message.type()) && !(options.console?.test(message.text()) ?? false) && !/GPU stall|GroupMarkerNotSet|software WebGL/.test(message.text())) complaints.push(message.text());
+    });
+    page.on("pageerror", (error) => complaints.push(error.stack ?? error.message));
+    return page;
+  };
+  const open = async ({ viewport = { width: 1280, height: 800 }, colorScheme = "dark", init = null } = {}) => {
+    const context = await browser.newContext({ viewport, colorScheme, acceptDownloads: true });
+    const page = watch(await context.newPage());
+    if (init !== null) await page.addInitScript(init);
+    await page.goto(mock.url);
+    return page;
+  };
+  const start = Date.now();
+  let timer;
+  try {
+    await Promise.race([
+      run({ open, mock, browser, watch, directory }),
+      new Promise((_, reject) => { timer = setTimeout(() => reject(new Error("took too long")), options.ms ?? 90_000); }),
+    ]);
+    assert.deepEqual(complaints, [], "the console is not silent");
+    console.log(`ok   ${name} (${((Date.now() - start) / 1e3).toFixed(1)} s)`);
+  } catch (error) {
+    failed += 1;
+    console.log(`FAIL ${name}\n     ${String(error.stack ?? error).split("\n").slice(0, 7).join("\n     ")}`);
+    if (complaints.length > 0) console.log(`     console: ${complaints.slice(0, 3).join(" | ").slice(0, 600)}`);
+  } finally {
+    clearTimeout(timer);
+    for (const page of pages) await page.close().catch(() => {});
+    await mock.stop().catch(() => {});
+    rmSync(directory, { recursive: true, force: true });
+  }
+}
+await browser.close();
+console.log(`${chosen.length - failed} of ${chosen.length} passed`);
+process.exit(failed === 0 ? 0 : 1);

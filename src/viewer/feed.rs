@@ -1,0 +1,67 @@
+//! The bus thread's end of the page: what it posts.
+
+use super::board::{Board, Lasts};
+use super::frames::key_of;
+use super::health::Newest;
+use super::holders::Holders;
+use crate::transport::{LoopMetrics, ViewSink};
+use crate::wire::tool_outlines;
+use palpate_proto::messages::{DeviceInfo, SceneSnapshot, SimEvent};
+use palpate_sim::scene::Scene;
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::Instant;
+
+/// Takes messages for pages.
+pub struct Feed {
+    pub(super) board: Arc<Board>,
+    pub(super) holders: Arc<Holders>,
+    pub(super) health: Arc<Newest>,
+    /// What `/tools.json` answers.
+    pub(super) outlines: Arc<Mutex<String>>,
+}
+
+impl ViewSink for Feed {
+    fn watched(&self) -> bool {
+        self.board.watched()
+    }
+
+    fn take_newcomer(&mut self) -> bool {
+        self.board.take_newcomer()
+    }
+
+    fn scene(&mut self, scene: &Scene, snapshot: &[u8]) {
+        *self.outlines.lock().unwrap_or_else(PoisonError::into_inner) = tool_outlines(scene);
+        self.board
+            .begin_scene(&key_of::<SceneSnapshot>(""), snapshot);
+    }
+
+    fn message(&mut self, key: &str, payload: &[u8]) {
+        self.board.post(key, Lasts::WhileWatched, payload);
+    }
+
+    fn event(&mut self, payload: &[u8]) {
+        self.board.event(&key_of::<SimEvent>(""), payload);
+    }
+
+    fn device(&mut self, tool: &str, name: &str, payload: &[u8]) {
+        self.holders.device(tool, name);
+        let key = key_of::<DeviceInfo>(tool);
+        self.board.post(&key, Lasts::UntilChanged, payload);
+    }
+
+    fn token(&mut self, tool: &str, present: bool) {
+        self.holders.token(tool, present);
+        if !present {
+            self.board.forget(&key_of::<DeviceInfo>(tool));
+        }
+    }
+
+    fn figures(&mut self, figures: &LoopMetrics) {
+        let newest = (Instant::now(), figures.clone());
+        *self.health.0.lock().unwrap_or_else(PoisonError::into_inner) = Some(newest);
+    }
+
+    fn turn_over(&mut self) {
+        self.board.tell();
+    }
+}

@@ -1,0 +1,363 @@
+//! What pages do on the bus: they hold tools, send poses and commands, as any other client does.
+//!
+//! A thread of its own speaks to the bus through the daemon's session: poses of pages are admitted,
+//! counted and recorded where those of all clients are, and a slow bus does not hold up the sockets.
+//!
+//! In lockstep a tick waits for a pose of every tool, and a page has sixty a second: there the newest
+//! pose is repeated with new numbers, as often as the loop would tick at the speed that is asked for.
+
+use super::frames::{answer_frame, refused_frame};
+use super::holders::{Holders, Socket};
+use axum::body::Bytes;
+use palpate_client::publisher;
+use palpate_proto::codec::{decode, encode};
+use palpate_proto::keys::Keys;
+use palpate_proto::messages::{DeviceInfo, ToolPose};
+use palpate_proto::rpc::{Answer, Call, METHODS};
+use std::collections::HashMap;
+use std::sync::Arc;
+use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, sync_channel};
+use std::time::{Duration, Instant};
+use tokio::sync::mpsc::Sender;
+use zenoh::Wait;
+use zenoh::liveliness::LivelinessToken;
+use zenoh::pubsub::Publisher;
+use zenoh::qos::CongestionControl;
+
+/// Orders that may wait; a socket that has more to say waits.
+const ORDERS: usize = 256;
+/// Commands are answered within this, and snapshots this long after their last second.
+const PATIENCE: Duration = Duration::from_secs(60);
+
+/// Frames for one page beside those of the board: answers and refusals.
+pub(super) type Outbox = Sender<Bytes>;
+
+/// What a page wants.
+pub(super) enum Order {
+    /// A tool, with the device that moves it.
+    Claim { tool: String, device: Vec<u8> },
+    /// To move it.
+    Pose { tool: String, pose: Vec<u8> },
+    /// To give it back.
+    Release { tool: String },
+    /// Simulated over real time, for a scene in lockstep.
+    Speed { speed: f64 },
+    /// A command.
+    Call {
+        method: String,
+        id: u64,
+        arguments: Vec<u8>,
+    },
+    /// Nothing any more.
+    Gone,
+}
+
+/// An order and who gave it.
+pub(super) struct FromPage {
+    pub(super) socket: Socket,
+    pub(super) order: Order,
+    pub(super) outbox: Outbox,
+}
+
+/// A tool that a page holds.
+struct Held {
+    poses: Publisher<'static>,
+    devices: Publisher<'static>,
+    _token: LivelinessToken,
+    /// In lockstep: the newest pose of the page, as it is sent.
+    repeated: Option<ToolPose>,
+}
+
+/// The pages' end of the bus.
+struct Hands {
+    session: zenoh::Session,
+    keys: Keys,
+    holders: Arc<Holders>,
+    held: HashMap<String, Held>,
+    /// A recording is played here: nobody moves its tools.
+    played: bool,
+    /// In lockstep: when the next poses are due.
+    pace: Option<Pace>,
+}
+
+/// How fast poses are repeated.
+struct Pace {
+    dt_s: f64,
+    speed: f64,
+    next: Instant,
+}
+
+/// What a page may ask for, simulated over real time.
+const SPEEDS: std::ops::RangeInclusive<f64> = 1e-3..=10.0;
+/// A bus that was held up for longer is not caught up with.
+const CATCH_UP: Duration = Duration::from_millis(100);
+
+impl Pace {
+    fn period(&self) -> Duration {
+        Duration::from_secs_f64(self.dt_s / self.speed)
+    }
+}
+
+/// Starts the thread; it ends when nobody can give orders any more.
+///
+/// `lockstep_s`: the length of a tick, in a scene whose ticks wait for poses.
+///
+/// # Errors
+/// No thread could be made.
+pub(super) fn start(
+    session: zenoh::Session,
+    keys: Keys,
+    holders: Arc<Holders>,
+    played: bool,
+    lockstep_s: Option<f64>,
+) -> std::io::Result<SyncSender<FromPage>> {
+    let (orders, inbox) = sync_channel(ORDERS);
+    let hands = Hands {
+        session,
+        keys,
+        holders,
+        held: HashMap::new(),
+        played,
+        pace: lockstep_s.map(|dt_s| Pace {
+            dt_s,
+            speed: 1.0,
+            next: Instant::now(),
+        }),
+    };
+    std::thread::Builder::new()
+        .name("palpate-hands".into())
+        .spawn(move || hands.run(&inbox))?;
+    Ok(orders)
+}
+
+impl Hands {
+    fn run(mut self, inbox: &Receiver<FromPage>) {
+        loop {
+            let order = match self.next_repeat() {
+                None => inbox.recv().map_err(|_| RecvTimeoutError::Disconnected),
+                Some(due) => inbox.recv_timeout(due.saturating_duration_since(Instant::now())),
+            };
+            let FromPage {
+                socket,
+                order,
+                outbox,
+            } = match order {
+                Ok(order) => order,
+                Err(RecvTimeoutError::Timeout) => {
+                    self.repeat();
+                    continue;
+                }
+                Err(RecvTimeoutError::Disconnected) => return,
+            };
+            let (key, done) = match order {
+                Order::Claim { tool, device } => {
+                    (key(&tool, "device"), self.claim(socket, &tool, &device))
+                }
+                Order::Pose { tool, pose } => (key(&tool, "pose"), self.pose(socket, &tool, &pose)),
+                Order::Release { tool } => (key(&tool, "release"), self.release(socket, &tool)),
+                Order::Speed { speed } => ("speed".to_owned(), self.set_speed(speed)),
+                Order::Call {
+                    method,
+                    id,
+                    arguments,
+                } => {
+                    self.call(&method, id, arguments, outbox);
+                    continue;
+                }
+                Order::Gone => {
+                    for tool in self.holders.of(socket) {
+                        self.give_back(&tool);
+                    }
+                    continue;
+                }
+            };
+            if let Err(reason) = done {
+                // A page that reads nothing misses what it did wrong.
+                let _ = outbox.try_send(refused_frame(&key, &reason));
+            }
+        }
+    }
+
+    fn claim(&mut self, socket: Socket, tool: &str, device: &[u8]) -> Result<(), String> {
+        if self.played {
+            return Err("this is a recording that is played: nobody moves its tools".into());
+        }
+        let info: DeviceInfo = decode(device, "").map_err(|e| e.to_string())?;
+        let info = info.validated().map_err(|e| e.to_string())?;
+        let name = match info.name.as_str() {
+            "" => "a page",
+            name => name,
+        };
+        let has_it = self.holders.claim(socket, tool, name)?;
+        if !has_it {
+            match self.hold(tool) {
+                Ok(held) => drop(self.held.insert(tool.to_owned(), held)),
+                Err(error) => {
+                    self.holders.release(tool);
+                    return Err(format!("Zenoh: {error}"));
+                }
+            }
+        }
+        match self.held.get(tool) {
+            Some(held) => {
+                let put = held.devices.put(encode(&info)).wait();
+                put.map_err(|e| format!("Zenoh: {e}"))
+            }
+            None => Ok(()),
+        }
+    }
+
+    fn hold(&self, tool: &str) -> zenoh::Result<Held> {
+        let keys = &self.keys;
+        Ok(Held {
+            // As every client holds its tool.
+            _token: (self.session.liveliness())
+                .declare_token(keys.live_tool(tool))
+                .wait()?,
+            poses: publisher::<ToolPose>(&self.session, keys.tool_pose(tool))?,
+            devices: publisher::<DeviceInfo>(&self.session, keys.tool_device(tool))?,
+            repeated: None,
+        })
+    }
+
+    /// As it came: whether it is a pose is judged where those of all clients are.
+    fn pose(&mut self, socket: Socket, tool: &str, pose: &[u8]) -> Result<(), String> {
+        let mine = self.holders.holds(socket, tool);
+        let Some(held) = self.held.get_mut(tool).filter(|_| mine) else {
+            return Err(format!("this page does not hold tool {tool:?}"));
+        };
+        if self.pace.is_some()
+            && let Ok(pose) = decode::<ToolPose>(pose, "")
+        {
+            let seq = held.repeated.map_or(0, |repeated| repeated.seq);
+            held.repeated = Some(ToolPose { seq, ..pose });
+            return Ok(());
+        }
+        let put = held.poses.put(pose).wait();
+        put.map_err(|e| format!("Zenoh: {e}"))
+    }
+
+    fn set_speed(&mut self, speed: f64) -> Result<(), String> {
+        match &mut self.pace {
+            None => {
+                Err("this scene runs in real time: only scenes in lockstep have a speed".into())
+            }
+            Some(_) if !SPEEDS.contains(&speed) => Err(format!(
+                "a speed is a number from {} to {}, not {speed}",
+                SPEEDS.start(),
+                SPEEDS.end()
+            )),
+            Some(pace) => {
+                pace.speed = speed;
+                Ok(())
+            }
+        }
+    }
+
+    /// When poses are to be repeated, if any are.
+    fn next_repeat(&mut self) -> Option<Instant> {
+        let pace = self.pace.as_mut()?;
+        let any = self.held.values().any(|held| held.repeated.is_some());
+        any.then(|| {
+            let now = Instant::now();
+            if now.saturating_duration_since(pace.next) > CATCH_UP {
+                pace.next = now;
+            }
+            pace.next
+        })
+    }
+
+    /// Sends the newest poses once more.
+    fn repeat(&mut self) {
+        if let Some(pace) = &mut self.pace {
+            pace.next += pace.period();
+        }
+        for held in self.held.values_mut() {
+            if let Some(pose) = &mut held.repeated {
+                pose.seq += 1;
+                let _ = held.poses.put(encode(pose)).wait();
+            }
+        }
+    }
+
+    fn release(&mut self, socket: Socket, tool: &str) -> Result<(), String> {
+        if !self.holders.holds(socket, tool) {
+            return Err(format!("this page does not hold tool {tool:?}"));
+        }
+        self.give_back(tool);
+        Ok(())
+    }
+
+    fn give_back(&mut self, tool: &str) {
+        // The token goes before others may have the tool.
+        self.held.remove(tool);
+        self.holders.release(tool);
+    }
+
+    fn call(&self, method: &str, id: u64, arguments: Vec<u8>, outbox: Outbox) {
+        let mut answering = Answering {
+            id,
+            outbox,
+            answered: false,
+        };
+        let refuse = |reason: String| Answer::<()>::refused(reason);
+        if !METHODS.contains(&method) {
+            let known = METHODS.join(", ");
+            return answering.answer(&refuse(format!(
+                "there is no method {method:?}; there are {known}"
+            )));
+        }
+        // What is wrong with it is said by the daemon; its time is needed here.
+        let after = match Call::parse(method, &arguments) {
+            Ok(Call::Snapshot { after, .. }) => {
+                Duration::try_from_secs_f64(after).unwrap_or_default()
+            }
+            _ => Duration::ZERO,
+        };
+        let asked = (self.session)
+            .get(self.keys.rpc(method))
+            .payload(arguments)
+            .congestion_control(CongestionControl::Drop)
+            .timeout(PATIENCE.saturating_add(after))
+            .callback_mut(move |reply| {
+                if let Ok(sample) = reply.result() {
+                    let json = String::from_utf8_lossy(&sample.payload().to_bytes()).into_owned();
+                    answering.send(&json);
+                }
+            })
+            .wait();
+        // The callback, dropped with the query, has answered.
+        if let Err(error) = asked {
+            tracing::debug!(%error, "a command of the page");
+        }
+    }
+}
+
+fn key(tool: &str, what: &str) -> String {
+    format!("tool/{tool}/{what}")
+}
+
+/// Answers a command once, and if nobody else does then when it is dropped.
+struct Answering {
+    id: u64,
+    outbox: Outbox,
+    answered: bool,
+}
+
+impl Answering {
+    fn send(&mut self, json: &str) {
+        if !std::mem::replace(&mut self.answered, true) {
+            let _ = self.outbox.try_send(answer_frame(self.id, json));
+        }
+    }
+
+    fn answer(&mut self, answer: &Answer<()>) {
+        self.send(&serde_json::to_string(answer).unwrap_or_default());
+    }
+}
+
+impl Drop for Answering {
+    fn drop(&mut self) {
+        self.answer(&Answer::refused("no answer came in time"));
+    }
+}

@@ -1,0 +1,4251 @@
+// Generated from clients/web by `npm run page`; do not edit. Licences of the libraries in it: THIRD-PARTY.txt.
+"use strict";(()=>{var Ri=[0,0,0],w_=[0,0,0,1],gi=(i,e)=>[i[0]+e[0],i[1]+e[1],i[2]+e[2]],_r=(i,e)=>[i[0]-e[0],i[1]-e[1],i[2]-e[2]],Kt=(i,e)=>[i[0]*e,i[1]*e,i[2]*e],Ap=(i,e)=>i[0]*e[0]+i[1]*e[1]+i[2]*e[2],on=i=>Math.hypot(i[0],i[1],i[2]),yl=i=>i.every(Number.isFinite);function Ep(i,e){return[i[3]*e[0]+i[0]*e[3]+i[1]*e[2]-i[2]*e[1],i[3]*e[1]-i[0]*e[2]+i[1]*e[3]+i[2]*e[0],i[3]*e[2]+i[0]*e[1]-i[1]*e[0]+i[2]*e[3],i[3]*e[3]-i[0]*e[0]-i[1]*e[1]-i[2]*e[2]]}function _l(i){let e=Math.hypot(...i);return e>1e-9?[i[0]/e,i[1]/e,i[2]/e,i[3]/e]:w_}function Rp(i,e){let t=Math.sin(e/2)/(on(i)||1);return _l([i[0]*t,i[1]*t,i[2]*t,Math.cos(e/2)])}var li=class{low=[1/0,1/0,1/0];high=[-1/0,-1/0,-1/0];take(e){for(let t=0;t+2<e.length;t+=3)for(let n=0;n<3;n++){let s=e[t+n];s<this.low[n]&&(this.low[n]=s),s>this.high[n]&&(this.high[n]=s)}return this}get empty(){return!this.low.every((e,t)=>e<=this.high[t])}get middle(){return this.empty?Ri:Kt(gi(this.low,this.high),.5)}get size(){return this.empty?.1:on(_r(this.high,this.low))||.1}};var T_=["displacement","indentation","curvature","body","none"],A_=["system","light","dark"],Cp=(i,e)=>i[(i.indexOf(e)+1)%i.length];function E_(i){let e=i.target;return document.querySelector("dialog[open]")!==null?i.key!=="?":e===null||e.closest?.("dialog:not([open])")?!1:e.matches("select, textarea, input:not([type=range]):not([type=checkbox])")?!0:e.matches("input[type=range]")?/^(Arrow|Page|Home|End)/.test(i.key):e.matches("button, input[type=checkbox]")&&(i.key===" "||i.key==="Enter")}function Pp(i){addEventListener("keydown",e=>{e.defaultPrevented||E_(e)||e.ctrlKey||e.metaKey||R_(i,e)&&e.preventDefault()})}function R_(i,e){return C_(i,e)?!0:(i.playback!==null?I_(i,e):P_(i,e))||L_(i,e)}function C_(i,e){let{hand:t,stage:n}=i;if(t===null||n===null||t.state!=="holding")return!1;let{right:s,up:r,away:o}=n.axes(),a=(e.shiftKey?.004:.015)*i.size;switch(e.key){case"ArrowLeft":return t.move(Kt(s,-a)),!0;case"ArrowRight":return t.move(Kt(s,a)),!0;case"ArrowUp":return t.move(Kt(r,a)),!0;case"ArrowDown":return t.move(Kt(r,-a)),!0;case"PageUp":return t.move(Kt(o,a)),!0;case"PageDown":return t.move(Kt(o,-a)),!0;case"g":case"G":return t.grip=!t.grip,!0;case"Escape":return t.letGo(),!0;default:return!1}}function P_(i,{key:e}){let t=i.liveDeck;if(t===null)return!1;switch(e){case" ":return t.pause(),!0;case".":return t.step(),!0;case"r":case"R":return t.record(),!0;case"k":case"K":return t.snapshot(),!0;case"Backspace":return t.reset(),!0;case"t":case"T":return i.takeOrLetGo(),!0;default:return!1}}function I_(i,e){let{playback:t,playbackDeck:n}=i;if(t===null||n===null)return!1;let s=Math.max(1,Math.round(.1/t.recording.dt));switch(e.key){case" ":return t.toggle(),!0;case",":return n.stepBy(-1),!0;case".":return n.stepBy(1),!0;case"<":return n.stepBy(-s),!0;case">":return n.stepBy(s),!0;case"Home":return n.go(t.first),!0;case"End":return n.go(t.last),!0;case"l":case"L":return n.toggleLoop(),!0;case"+":case"-":return e.altKey?(n.faster(e.key==="+"?1:-1),!0):!1;default:return!1}}function L_(i,{key:e}){let{settings:t,stage:n}=i;switch(e){case"f":case"F":return i.fit(),!0;case"0":return i.lookFrom("iso"),!0;case"1":return i.lookFrom("front"),!0;case"2":return i.lookFrom("side"),!0;case"3":return i.lookFrom("top"),!0;case"+":case"=":return n?.zoom(.85),!0;case"-":return n?.zoom(1/.85),!0;case"ArrowLeft":return n?.orbit(-.12,0),!0;case"ArrowRight":return n?.orbit(.12,0),!0;case"ArrowUp":return n?.orbit(0,.1),!0;case"ArrowDown":return n?.orbit(0,-.1),!0;case"[":return i.chooseNext(-1),!0;case"]":return i.chooseNext(1),!0;case"v":case"V":return i.look.toggle(),!0;case"n":case"N":return t.set(s=>s.layers.net=!s.layers.net),!0;case"c":case"C":return t.set(s=>s.colourBy=Cp(T_,s.colourBy)),!0;case"d":case"D":return t.set(s=>s.theme=Cp(A_,s.theme)),!0;case"u":case"U":return t.set(s=>s.sound=!s.sound),!0;case"p":case"P":return i.savePicture(),!0;case"o":case"O":return i.saveNets(),!0;case"?":return i.showHelp(),!0;default:return!1}}var ea=class{constructor(e){this.bytes=e}bytes;get size(){return this.bytes.length}read(e,t){return Promise.resolve(this.bytes.subarray(e,e+t))}},vl=class{constructor(e){this.blob=e}blob;get size(){return this.blob.size}async read(e,t){return new Uint8Array(await this.blob.slice(e,e+t).arrayBuffer())}},Pu=class{constructor(e,t){this.url=e;this.size=t}url;size;async read(e,t){let n=Math.min(e+t,this.size)-1;if(n<e)return new Uint8Array;let s=await fetch(this.url,{headers:{Range:`bytes=${e}-${n}`}});if(s.status!==206)throw new Error(`${this.url}: the server answered ${s.status} to a range request`);return new Uint8Array(await s.arrayBuffer())}};async function Ip(i){let e=await fetch(i,{headers:{Range:"bytes=0-0"}});if(!e.ok)throw new Error(`${i}: the server answered ${e.status}`);let t=/\/(\d+)$/.exec(e.headers.get("Content-Range")??"");return e.status===206&&t!==null?(await e.arrayBuffer(),new Pu(i,Number(t[1]))):new ea(new Uint8Array(await e.arrayBuffer()))}var xl=class{constructor(e,t=1<<20){this.source=e;this.length=t}source;length;at=0;block=new Uint8Array;get size(){return this.source.size}async read(e,t){if(e<this.at||e+t>this.at+this.block.length){if(t>this.length)return this.source.read(e,t);this.block=new Uint8Array(await this.source.read(e,this.length)),this.at=e}return this.block.subarray(e-this.at,e-this.at+t)}};var An=class extends Error{constructor(t,n){super(n);this.fault=t;this.reason=n}fault;reason;name="DecodeError";type="";field="";inside(t){this.field=this.field===""?t:`${t}.${this.field}`}of(t){return this.type=t,this.message=`not a ${t}: ${this.reason}`+(this.field===""?"":` (in ${this.field})`),this}},_n=class extends Error{name="EncodeError"};var $s=class{constructor(e){this.bytes=e;this.view=new DataView(e.buffer,e.byteOffset,e.byteLength)}bytes;view;at=0;left(){return this.bytes.length-this.at}skip(e){let t=this.at;if(e>this.left()){let n=this.bytes.length;throw new An("truncated",`${n} bytes end where ${e} more were to begin at ${t}`)}return this.at=t+e,t}byte(){return this.view.getUint8(this.skip(1))}f64(){return this.view.getFloat64(this.skip(8),!0)}flag(){let e=this.byte();if(e>1)throw new An("malformed",`${e} is neither 0 nor 1`);return e===1}varint(e){let t=0n;for(let n=0;n<e;n+=7){let s=this.byte();if(t|=BigInt(s&127)<<BigInt(n),s<128){if(t>>BigInt(e)!==0n)break;return t}}throw new An("malformed",`a number has more than ${e} bits`)}count(e){let t=this.varint(64);if(t*BigInt(e)>BigInt(this.left()))throw new An("truncated",`${t} items cannot be in the ${this.left()} bytes left`);return Number(t)}},Zs=class{buffer=new Uint8Array(256);view=new DataView(this.buffer.buffer);length=0;room(e){let t=this.length;if(this.length+=e,this.length>this.buffer.length){let n=new Uint8Array(Math.max(2*this.buffer.length,this.length));n.set(this.buffer),this.buffer=n,this.view=new DataView(n.buffer)}return t}byte(e){let t=this.room(1);this.view.setUint8(t,e)}f64(e){if(typeof e!="number")throw new _n(`${Gi(e)} is not a number`);let t=this.room(8);this.view.setFloat64(t,e,!0)}raw(e){let t=this.room(e.length);this.buffer.set(e,t)}varint(e){let t=BigInt(e);for(;t>=0x80n;)this.byte(Number(t&0x7fn)|128),t>>=7n;this.byte(Number(t))}finish(){return this.buffer.slice(0,this.length)}};function Gi(i){return String(i).slice(0,80)}function Iu(i){return{minBytes:1,read:e=>i===8?e.byte():Number(e.varint(i)),write(e,t){if(!Number.isInteger(t)||t<0||t>=2**i)throw new _n(`${Gi(t)} is not a whole number of ${i} bits`);i===8?e.byte(t):e.varint(t)},json:e=>e}}var Ms=Iu(8),ta=Iu(16),bl=Iu(32),lt={minBytes:1,read:i=>i.varint(64),write(i,e){if(typeof e!="bigint"||e<0n||e>>64n!==0n)throw new _n(`${Gi(e)} is not a bigint of 64 bits`);i.varint(e)},json:i=>i<=BigInt(Number.MAX_SAFE_INTEGER)?Number(i):String(i)},Lu=i=>Number.isFinite(i)?i:null,Bt={minBytes:8,read:i=>i.f64(),write:(i,e)=>i.f64(e),json:Lu},Du={minBytes:1,read:i=>i.flag(),write(i,e){if(typeof e!="boolean")throw new _n(`${Gi(e)} is not a boolean`);i.byte(e?1:0)},json:i=>i},D_=new TextDecoder("utf-8",{fatal:!0,ignoreBOM:!0}),bt={minBytes:1,read(i){let e=i.count(1),t=i.skip(e);try{return D_.decode(i.bytes.subarray(t,t+e))}catch{throw new An("malformed",`text of ${e} bytes is not UTF-8`)}},write(i,e){if(typeof e!="string"||/\p{Surrogate}/u.test(e))throw new _n(`${Gi(e)} is not text`);let t=new TextEncoder().encode(e);i.varint(t.length),i.raw(t)},json:i=>i};function Lp(i){return{minBytes:i,read(e){let t=e.skip(i);return e.bytes.slice(t,t+i)},write(e,t){if(!(t instanceof Uint8Array)||t.length!==i)throw new _n(`not ${i} bytes`);e.raw(t)},json:e=>[...e]}}function vr(i,e){return{minBytes:i.minBytes*e,read:t=>Array.from({length:e},()=>i.read(t)),write(t,n){if(!Array.isArray(n)||n.length!==e)throw new _n(`${Gi(n)} has not ${e} items`);for(let s of n)i.write(t,s)},json:t=>t.map(n=>i.json(n))}}function na(i){return{minBytes:1,read(e){let t=e.count(i.minBytes);return Array.from({length:t},()=>i.read(e))},write(e,t){if(!Array.isArray(t))throw new _n(`${Gi(t)} is not an array`);e.varint(t.length);for(let n of t)i.write(e,n)},json:e=>e.map(t=>i.json(t))}}function Dp(i,e){return{minBytes:1,read(t){let n=new Float64Array(i*t.count(8*i));for(let s=0;s<n.length;s++)n[s]=t.f64();return n},write(t,n){if(!(n instanceof Float64Array)||n.length%i!==0)throw new _n(`${Gi(n)} is not a Float64Array of ${i} numbers an item`);t.varint(n.length/i);for(let s of n)t.f64(s)},json(t){let n=[];for(let s=0;s<t.length;s+=i)n.push(e(t.subarray(s,s+i)));return n}}}var Sl=Dp(1,([i])=>Lu(i??NaN)),Ml=Dp(3,i=>[...i].map(Lu));function Nu(i){return{minBytes:1,read:e=>e.flag()?i.read(e):null,write(e,t){e.byte(t===null?0:1),t!==null&&i.write(e,t)},json:e=>e===null?null:i.json(e)}}function Jt(i){let e=Object.entries(i);return{minBytes:e.reduce((t,[,n])=>t+n.minBytes,0),read(t){let n={};for(let[s,r]of e)try{n[s]=r.read(t)}catch(o){throw o instanceof An&&o.inside(s),o}return n},write(t,n){if(typeof n!="object"||n===null)throw new _n(`${Gi(n)} is not an object`);for(let[s,r]of e)try{r.write(t,n[s])}catch(o){throw o instanceof _n?new _n(`${s}: ${o.message}`):o}},json(t){if(e.length===0)return;let n=t;return Object.fromEntries(e.map(([s,r])=>[s,r.json(n[s])]))}}}function Np(i,e){let t=e<BigInt(i.length)?i[Number(e)]:void 0;if(t===void 0)throw new An("unknown-case",`no case has number ${e}, the last is ${i.length-1}`);return t}function Uu(...i){return{minBytes:1,read:e=>Np(i,e.varint(32)),write(e,t){if(!i.includes(t))throw new _n(`${Gi(t)} is none of ${i.join(", ")}`);e.varint(i.indexOf(t))},json:e=>e}}function Up(i){let e=Object.keys(i),t=n=>{let s=e.includes(n)?i[n]:void 0;if(s===void 0)throw new _n(`${Gi(n)} is no case of this choice`);return s};return{minBytes:1,read(n){let s=Np(e,n.varint(32));return{type:s,...t(s).read(n)}},write(n,s){let r=s?.type,o=t(r);n.varint(e.indexOf(r)),o.write(n,s)},json(n){let s=n.type,r=t(s).json(n);return r===void 0?s:{[s]:r}}}}var Fp=Up({Reset:Jt({}),Paused:Jt({}),Resumed:Jt({}),ToolJoined:Jt({tool:bt}),ToolLost:Jt({tool:bt}),PoseRefused:Jt({tool:bt,reason:bt}),Fault:Jt({reason:bt}),RecordStarted:Jt({path:bt}),RecordStopped:Jt({path:bt}),Stopping:Jt({}),Overrun:Jt({stage:bt,count:lt,worst_ns:lt}),QualityChanged:Jt({level:Ms,reason:bt}),DeviceTold:Jt({tool:bt,name:bt}),RecordFailed:Jt({path:bt,reason:bt}),SceneChanged:Jt({what:bt})});function cs(i,e,t,n=16<<20){return{type:i,key:e,maxBytes:n,wire:Jt(t)}}function Op(i){return`postcard;${i.type}`}function Ci(i,e,t=""){try{if(t!==""&&t!==Op(i))throw new An("wrong-schema",`the encoding's schema is "${t.slice(0,128)}"`);if(e.length>i.maxBytes)throw new An("oversized",`${e.length} bytes are more than any has (${i.maxBytes})`);let n=new $s(e),s=i.wire.read(n);if(n.left()>0)throw new An("trailing-bytes",`${n.left()} bytes after its end`);return s}catch(n){throw n instanceof An?n.of(i.type):n}}function wl(i,e){let t=new Zs;i.wire.write(t,e);let n=t.finish();if(n.length>i.maxBytes)throw new _n(`${n.length} bytes are more than any ${i.type} has (${i.maxBytes})`);return n}var yi=vr(Bt,3),Fu=vr(Bt,4),Bp=cs("palpate.ToolPose.v1","tool/{tool}/pose",{seq:lt,t_client_ns:lt,position:yi,orientation:Fu,linear_velocity:yi,angular_velocity:yi,buttons:bl,flags:bl},134);var ws={STALE:1,SATURATED:2,PAUSED:4,REFUSED:8,RAMPING:16,FAULT:32,GRABBING:64,DAMPED:128},zp=cs("palpate.ToolForce.v1","tool/{tool}/force",{tick:lt,pose_seq:lt,t_client_ns:lt,t_server_ns:lt,force:yi,torque:yi,proxy_position:yi,proxy_orientation:Fu,depth:Bt,contact_count:ta,flags:bl}),Vp=cs("palpate.ToolContact.v1","tool/{tool}/contact",{tick:lt,pose_seq:lt,t_client_ns:lt,force:yi,torque:yi,energy_j:Bt,dissipated_j:Bt,force_limit:Bt}),Ou=cs("palpate.DeviceInfo.v1","tool/{tool}/device",{name:bt,dof_force:Ms,dof_torque:Ms,workspace:yi,force_max:Bt,force_continuous:Bt,torque_max:Bt,mass:Bt,damping:Bt,coulomb_friction:Bt,encoder_resolution:Bt,rate_hz:Bt,delay_s:Bt,deadband:Bt},180),Gp=cs("palpate.ControlNet.v1","body/{body}/net",{tick:lt,revision:lt,body:bt,degree_u:Ms,degree_v:Ms,count_u:ta,count_v:ta,points:Ml,weights:Nu(Sl)}),N_=Jt({tool:bt,body:bt,u:Bt,v:Bt,point:yi,normal:yi,depth:Bt,force:yi}),Hp=cs("palpate.ContactSet.v1","contact",{tick:lt,contacts:na(N_)}),kp=Jt({p50_ns:lt,p99_ns:lt,max_ns:lt}),U_=Uu("Running","Paused","Stopping"),F_=Jt({tool:bt,received:lt,superseded:lt,wrong_version:lt,malformed:lt,oversized:lt,not_finite:lt,bad_quaternion:lt,duplicated:lt,out_of_order:lt,jumps:lt,stale_ticks:lt,energy_j:Bt}),O_=Uu("Off","Recording","Ring","Failed"),Wp=cs("palpate.LoopStatus.v2","status",{tick:lt,state:U_,rate_hz:Bt,late_ticks:lt,skipped_ticks:lt,period:kp,step:kp,tools:na(F_),recorder:O_,recorder_bytes:lt,recorder_drops:lt,quality_level:Ms}),Xp=cs("palpate.SimEvent.v1","event",{tick:lt,seq:lt,t_ns:lt,kind:Fp}),k_=Jt({id:bt,model:bt,degree:vr(Ms,2),periodic:vr(Du,2),knots:vr(Sl,2),count:vr(ta,2),points:Ml,rest_points:Ml,weights:Nu(Sl),revision:lt}),B_=Jt({id:bt,shape:bt,radius:Bt,stiffness:Bt,damping:Bt,force_max:Bt,position:yi,orientation:Fu}),Tl=cs("palpate.SceneSnapshot.v1","scene",{tick:lt,scene_hash:Lp(32),scene_name:bt,dt_ns:lt,lockstep:Du,bodies:na(k_),tools:na(B_)});var z_=ArrayBuffer,un=Uint8Array,Al=Uint16Array,V_=Int16Array;var El=Int32Array,ku=function(i,e,t){if(un.prototype.slice)return un.prototype.slice.call(i,e,t);(e==null||e<0)&&(e=0),(t==null||t>i.length)&&(t=i.length);var n=new un(t-e);return n.set(i.subarray(e,t)),n},sa=function(i,e,t,n){if(un.prototype.fill)return un.prototype.fill.call(i,e,t,n);for((t==null||t<0)&&(t=0),(n==null||n>i.length)&&(n=i.length);t<n;++t)i[t]=e;return i},G_=function(i,e,t,n){if(un.prototype.copyWithin)return un.prototype.copyWithin.call(i,e,t,n);for((t==null||t<0)&&(t=0),(n==null||n>i.length)&&(n=i.length);t<n;)i[e++]=i[t++]};var H_=["invalid zstd data","window size too large (>2046MB)","invalid block type","FSE accuracy too high","match distance too far back","unexpected EOF"],vn=function(i,e,t){var n=new Error(e||H_[i]);if(n.code=i,Error.captureStackTrace&&Error.captureStackTrace(n,vn),!t)throw n;return n},qp=function(i,e,t){for(var n=0,s=0;n<t;++n)s|=i[e++]<<(n<<3);return s},W_=function(i,e){return(i[e]|i[e+1]<<8|i[e+2]<<16|i[e+3]<<24)>>>0},X_=function(i,e){var t=i[0]|i[1]<<8|i[2]<<16;if(t==3126568&&i[3]==253){var n=i[4],s=n>>5&1,r=n>>2&1,o=n&3,a=n>>6;n&8&&vn(0);var l=6-s,c=o==3?4:o,h=qp(i,l,c);l+=c;var d=a?1<<a:s,u=qp(i,l,d)+(a==1&&256),f=u;if(!s){var g=1<<10+(i[5]>>3);f=g+(g>>3)*(i[5]&7)}f>2145386496&&vn(1);var y=new un((e==1?u||f:e?0:f)+12);return y[0]=1,y[4]=4,y[8]=8,{b:l+d,y:0,l:0,d:h,w:e&&e!=1?e:y.subarray(12),e:f,o:new El(y.buffer,0,3),u,c:r,m:Math.min(131072,f)}}else if((t>>4|i[3]<<20)==25481893)return W_(i,4)+8;vn(0)},xr=function(i){for(var e=0;1<<e<=i;++e);return e-1},ra=function(i,e,t){var n=(e<<3)+4,s=(i[e]&15)+5;s>t&&vn(3);for(var r=1<<s,o=r,a=-1,l=-1,c=-1,h=r,d=new z_(512+(r<<2)),u=new V_(d,0,256),f=new Al(d,0,256),g=new Al(d,512,r),y=512+(r<<1),p=new un(d,y,r),m=new un(d,y+r);a<255&&o>0;){var x=xr(o+1),E=n>>3,S=(1<<x+1)-1,R=(i[E]|i[E+1]<<8|i[E+2]<<16)>>(n&7)&S,M=(1<<x)-1,_=S-o-1,A=R&M;if(A<_?(n+=x,R=A):(n+=x+1,R>M&&(R-=_)),u[++a]=--R,R==-1?(o+=R,p[--h]=a):o-=R,!R)do{var k=n>>3;l=(i[k]|i[k+1]<<8)>>(n&7)&3,n+=2,a+=l}while(l==3)}(a>255||o)&&vn(0);for(var D=0,L=(r>>1)+(r>>3)+3,B=r-1,V=0;V<=a;++V){var P=u[V];if(P<1){f[V]=-P;continue}for(c=0;c<P;++c){p[D]=V;do D=D+L&B;while(D>=h)}}for(D&&vn(0),c=0;c<r;++c){var U=f[p[c]]++,X=m[c]=s-xr(U);g[c]=(U<<X)-r}return[n+7>>3,{b:s,s:p,n:m,t:g}]},q_=function(i,e){var t=0,n=-1,s=new un(292),r=i[e],o=s.subarray(0,256),a=s.subarray(256,268),l=new Al(s.buffer,268);if(r<128){var c=ra(i,e+1,6),h=c[0],d=c[1];e+=r;var u=h<<3,f=i[e];f||vn(0);for(var g=0,y=0,p=d.b,m=p,x=(++e<<3)-8+xr(f);x-=p,!(x<u);){var E=x>>3;if(g+=(i[E]|i[E+1]<<8)>>(x&7)&(1<<p)-1,o[++n]=d.s[g],x-=m,x<u)break;E=x>>3,y+=(i[E]|i[E+1]<<8)>>(x&7)&(1<<m)-1,o[++n]=d.s[y],p=d.n[g],g=d.t[g],m=d.n[y],y=d.t[y]}++n>255&&vn(0)}else{for(n=r-127;t<n;t+=2){var S=i[++e];o[t]=S>>4,o[t+1]=S&15}++e}var R=0;for(t=0;t<n;++t){var M=o[t];M>11&&vn(0),R+=M&&1<<M-1}var _=xr(R)+1,A=1<<_,k=A-R;for(k&k-1&&vn(0),o[n++]=xr(k)+1,t=0;t<n;++t){var M=o[t];++a[o[t]=M&&_+1-M]}var D=new un(A<<1),L=D.subarray(0,A),B=D.subarray(A);for(l[_]=0,t=_;t>0;--t){var V=l[t];sa(B,t,V,l[t-1]=V+a[t]*(1<<_-t))}for(l[0]!=A&&vn(0),t=0;t<n;++t){var P=o[t];if(P){var U=l[P];sa(L,t,U,l[P]=U+(1<<_-P))}}return[e,{n:B,b:_,s:L}]},Y_=ra(new un([81,16,99,140,49,198,24,99,12,33,196,24,99,102,102,134,70,146,4]),0,6)[1],$_=ra(new un([33,20,196,24,99,140,33,132,16,66,8,33,132,16,66,8,33,68,68,68,68,68,68,68,68,36,9]),0,6)[1],Z_=ra(new un([32,132,16,66,102,70,68,68,68,68,36,73,2]),0,5)[1],Yp=function(i,e){for(var t=i.length,n=new El(t),s=0;s<t;++s)n[s]=e,e+=1<<i[s];return n},Bu=new un(new El([0,0,0,0,16843009,50528770,134678020,202050057,269422093]).buffer,0,36),K_=Yp(Bu,0),zu=new un(new El([0,0,0,0,0,0,0,0,16843009,50528770,117769220,185207048,252579084,16]).buffer,0,53),J_=Yp(zu,3),ia=function(i,e,t){var n=i.length,s=e.length,r=i[n-1],o=(1<<t.b)-1,a=-t.b;r||vn(0);for(var l=0,c=t.b,h=(n<<3)-8+xr(r)-c,d=-1;h>a&&d<s;){var u=h>>3,f=(i[u]|i[u+1]<<8|i[u+2]<<16)>>(h&7);l=(l<<c|f)&o,e[++d]=t.s[l],h-=c=t.n[l]}(h!=a||d+1!=s)&&vn(0)},j_=function(i,e,t){var n=6,s=e.length,r=s+3>>2,o=r<<1,a=r+o;ia(i.subarray(n,n+=i[0]|i[1]<<8),e.subarray(0,r),t),ia(i.subarray(n,n+=i[2]|i[3]<<8),e.subarray(r,o),t),ia(i.subarray(n,n+=i[4]|i[5]<<8),e.subarray(o,a),t),ia(i.subarray(n),e.subarray(a),t)},Q_=function(i,e,t){var n,s=e.b,r=i[s],o=r>>1&3;e.l=r&1;var a=r>>3|i[s+1]<<5|i[s+2]<<13,l=(s+=3)+a;if(o==1)return s>=i.length?void 0:(e.b=s+1,t?(sa(t,i[s],e.y,e.y+=a),t):sa(new un(a),i[s]));if(!(l>i.length)){if(o==0)return e.b=l,t?(t.set(i.subarray(s,l),e.y),e.y+=a,t):ku(i,s,l);if(o==2){var c=i[s],h=c&3,d=c>>2&3,u=c>>4,f=0,g=0;h<2?d&1?u|=i[++s]<<4|(d&2&&i[++s]<<12):u=c>>3:(g=d,d<2?(u|=(i[++s]&63)<<4,f=i[s]>>6|i[++s]<<2):d==2?(u|=i[++s]<<4|(i[++s]&3)<<12,f=i[s]>>2|i[++s]<<6):(u|=i[++s]<<4|(i[++s]&63)<<12,f=i[s]>>6|i[++s]<<2|i[++s]<<10)),++s;var y=t?t.subarray(e.y,e.y+e.m):new un(e.m),p=y.length-u;if(h==0)y.set(i.subarray(s,s+=u),p);else if(h==1)sa(y,i[s++],p);else{var m=e.h;if(h==2){var x=q_(i,s);f+=s-(s=x[0]),e.h=m=x[1]}else m||vn(0);(g?j_:ia)(i.subarray(s,s+=f),y.subarray(p),m)}var E=i[s++];if(E){E==255?E=(i[s++]|i[s++]<<8)+32512:E>127&&(E=E-128<<8|i[s++]);var S=i[s++];S&3&&vn(0);for(var R=[$_,Z_,Y_],M=2;M>-1;--M){var _=S>>(M<<1)+2&3;if(_==1){var A=new un([0,0,i[s++]]);R[M]={s:A.subarray(2,3),n:A.subarray(0,1),t:new Al(A.buffer,0,1),b:0}}else _==2?(n=ra(i,s,9-(M&1)),s=n[0],R[M]=n[1]):_==3&&(e.t||vn(0),R[M]=e.t[M])}var k=e.t=R,D=k[0],L=k[1],B=k[2],V=i[l-1];V||vn(0);var P=(l<<3)-8+xr(V)-B.b,U=P>>3,X=0,G=(i[U]|i[U+1]<<8)>>(P&7)&(1<<B.b)-1;U=(P-=L.b)>>3;var oe=(i[U]|i[U+1]<<8)>>(P&7)&(1<<L.b)-1;U=(P-=D.b)>>3;var Y=(i[U]|i[U+1]<<8)>>(P&7)&(1<<D.b)-1;for(++E;--E;){var J=B.s[G],ne=B.n[G],ue=D.s[Y],ce=D.n[Y],Q=L.s[oe],pe=L.n[oe];U=(P-=Q)>>3;var me=1<<Q,ye=me+((i[U]|i[U+1]<<8|i[U+2]<<16|i[U+3]<<24)>>>(P&7)&me-1);U=(P-=zu[ue])>>3;var ge=J_[ue]+((i[U]|i[U+1]<<8|i[U+2]<<16)>>(P&7)&(1<<zu[ue])-1);U=(P-=Bu[J])>>3;var Ve=K_[J]+((i[U]|i[U+1]<<8|i[U+2]<<16)>>(P&7)&(1<<Bu[J])-1);if(U=(P-=ne)>>3,G=B.t[G]+((i[U]|i[U+1]<<8)>>(P&7)&(1<<ne)-1),U=(P-=ce)>>3,Y=D.t[Y]+((i[U]|i[U+1]<<8)>>(P&7)&(1<<ce)-1),U=(P-=pe)>>3,oe=L.t[oe]+((i[U]|i[U+1]<<8)>>(P&7)&(1<<pe)-1),ye>3)e.o[2]=e.o[1],e.o[1]=e.o[0],e.o[0]=ye-=3;else{var Ke=ye-(Ve!=0);Ke?(ye=Ke==3?e.o[0]-1:e.o[Ke],Ke>1&&(e.o[2]=e.o[1]),e.o[1]=e.o[0],e.o[0]=ye):ye=e.o[0]}for(var M=0;M<Ve;++M)y[X+M]=y[p+M];X+=Ve,p+=Ve;var Fe=X-ye;if(Fe<0){var st=-Fe,ct=e.e+Fe;st>ge&&(st=ge);for(var M=0;M<st;++M)y[X+M]=e.w[ct+M];X+=st,ge-=st,Fe=0}for(var M=0;M<ge;++M)y[X+M]=y[Fe+M];X+=ge}if(X!=p)for(;p<y.length;)y[X++]=y[p++];else X=y.length;t?e.y+=X:y=ku(y,0,X)}else if(t){if(e.y+=u,p)for(var M=0;M<u;++M)y[M]=y[p+M]}else p&&(y=ku(y,p));return e.b=l,y}vn(2)}},ev=function(i,e){if(i.length==1)return i[0];for(var t=new un(e),n=0,s=0;n<i.length;++n){var r=i[n];t.set(r,s),s+=r.length}return t};function $p(i,e){for(var t=[],n=+!e,s=0,r=0;i.length;){var o=X_(i,n||e);if(typeof o=="object"){for(n?(e=null,o.w.length==o.u&&(t.push(e=o.w),r+=o.u)):(t.push(e),o.e=0);!o.l;){var a=Q_(i,o,e);a||vn(5),e?o.e=o.y:(t.push(a),r+=a.length,G_(o.w,0,a.length),o.w.set(a,o.w.length-a.length))}s=o.b+o.c*4}else s=o;i=i.subarray(s)}return ev(t,r)}var Vu=[137,77,67,65,80,48,13,10],Gu=37,Hu=64<<20,tv=512<<20,Pi={footer:2,channel:4,message:5,chunk:6,chunkIndex:8,attachment:9,attachmentIndex:10,metadata:12,metadataIndex:13,dataEnd:15},Vn=class{constructor(e){this.bytes=e;this.view=new DataView(e.buffer,e.byteOffset,e.byteLength)}bytes;view;at=0;get left(){return this.bytes.length-this.at}u8=()=>this.view.getUint8(this.step(1));u16=()=>this.view.getUint16(this.step(2),!0);u32=()=>this.view.getUint32(this.step(4),!0);u64=()=>Number(this.view.getBigUint64(this.step(8),!0));text=()=>new TextDecoder().decode(this.take(this.u32()));take(e){let t=this.step(e);return this.bytes.subarray(t,t+e)}step(e){let t=this.at;if(!(e>=0)||t+e>this.bytes.length)throw new Error("a record ends too early");return this.at+=e,t}},Rl=class i{constructor(e){this.source=e}source;channels=new Map;metadata=new Map;attachments=new Map;chunks=[];cutOff=!1;damaged=0;static async open(e){let t=new i(e),n=await e.read(0,Vu.length);if(!Vu.every((s,r)=>n[r]===s))throw new Error("this is not an MCAP recording");try{await t.readIndex()}catch{t.cutOff=!0,t.chunks=[],await t.scan()}if(t.chunks.sort((s,r)=>s.startNs-r.startNs||s.offset-r.offset),t.chunks.length===0)throw new Error("this recording holds no whole chunk");return t}async readIndex(){let{source:e}=this,t=new Vn(await e.read(e.size-Gu,Gu));if(t.u8()!==Pi.footer||t.u64()!==20)throw new Error("no footer");let n=t.u64(),s=e.size-Gu-n;if(n===0||s<=0||s>tv)throw new Error("no summary");let r=new Vn(await e.read(n,s)),o=[];for(;r.left>=9;){let[a,l]=[r.u8(),new Vn(r.take(r.u64()))];if(a===Pi.channel)this.addChannel(l);else if(a===Pi.chunkIndex)this.addChunkIndex(l);else if(a===Pi.attachmentIndex){let[c,h]=[l.u64(),l.u64()];l.take(24),this.attachments.set(l.text(),{offset:c,length:h})}else a===Pi.metadataIndex&&o.push({offset:l.u64(),length:l.u64()})}if(this.chunks.length===0)throw new Error("no chunks in the index");for(let{offset:a,length:l}of o)this.addMetadata(new Vn((await e.read(a,l)).subarray(9)))}addChannel(e){let t=e.u16();e.take(2),this.channels.set(t,e.text())}addChunkIndex(e){let[t,n,s,r]=[e.u64(),e.u64(),e.u64(),e.u64()],o=new Vn(e.take(e.u32())),a=new Set;for(;o.left>=10;)a.add(o.u16()),o.take(8);r<=Hu&&s+r<=this.source.size&&this.chunks.push({startNs:t,endNs:n,offset:s,length:r,channels:a})}addMetadata(e){let t=e.text(),n=new Vn(e.take(e.u32())),s=new Map;for(;n.left>=8;)s.set(n.text(),n.text());this.metadata.set(t,s)}async scan(){let e=new xl(this.source),t=Vu.length;for(;t+9<=this.source.size;){let n=new Vn(await e.read(t,9)),[s,r]=[n.u8(),n.u64()];if(s===0||s>127||t+9+r>this.source.size||s===Pi.dataEnd)return;if(s===Pi.chunk&&r<=Hu){let o=new Vn(await e.read(t+9,16));this.chunks.push({startNs:o.u64(),endNs:o.u64(),offset:t,length:r+9,channels:null})}else if(s===Pi.channel)this.addChannel(new Vn(await e.read(t+9,r)));else if(s===Pi.metadata)this.addMetadata(new Vn(await e.read(t+9,r)));else if(s===Pi.attachment){let o=new Vn(await e.read(t+9,Math.min(r,4096)));o.take(16),this.attachments.set(o.text(),{offset:t,length:r+9})}t+=9+r}}async attachment(e){let t=this.attachments.get(e);if(t===void 0)return null;let n=new Vn((await this.source.read(t.offset,t.length)).subarray(9));return n.take(16),n.text(),n.text(),n.take(n.u64())}async messages(e){try{let t=new Vn((await this.source.read(e.offset,e.length)).subarray(9));t.take(16);let n=t.u64();if(n>Hu)throw new Error("a chunk is too large");t.take(4);let s=t.text(),r=t.take(t.u64());if(s!=="zstd"&&s!=="")throw new Error(`compression ${s} is not known`);let o=new Vn(s==="zstd"?$p(r,new Uint8Array(n)):r),a=[];for(;o.left>=9;){let[l,c]=[o.u8(),new Vn(o.take(o.u64()))];if(l===Pi.channel&&this.addChannel(c),l!==Pi.message)continue;let h=c.u16();c.take(4);let d=c.u64();c.take(8),a.push({channel:h,timeNs:d,data:c.take(c.left)})}return a}catch{return this.damaged+=1,[]}}};var Ks=class i{constructor(e){this.bytes=e;this.view=new DataView(e.buffer,e.byteOffset,e.byteLength)}bytes;view;at=0;next(){if(this.at>=this.bytes.length)return{field:0,wire:0};let e=this.varint();return{field:Math.floor(e/8),wire:e%8}}varint(){let[e,t]=[0,1];for(let n=0;n<10;n++){let s=this.view.getUint8(this.at++);if(e+=(s&127)*t,s<128)return e;t*=128}throw new Error("a number is too long")}bytesField(){let e=this.varint(),t=this.at;if(this.at+=e,this.at>this.bytes.length)throw new Error("a field ends after its message");return this.bytes.subarray(t,this.at)}text=()=>new TextDecoder().decode(this.bytesField());doubles(){let e=this.bytesField();return new Float64Array(e.slice().buffer)}varints(){let e=new i(this.bytesField()),t=[];for(;e.at<e.bytes.length;)t.push(e.varint());return t}skip(e){if(e===0)this.varint();else if(e===1)this.at+=8;else if(e===2)this.bytesField();else if(e===5)this.at+=4;else throw new Error(`a field of kind ${e}`)}},Cl=new Float64Array;function nv(i){let e=new Ks(i),t=Cl;for(let{field:n,wire:s}=e.next();n!==0;{field:n,wire:s}=e.next())n===3&&s===2?t=e.doubles():e.skip(s);return t.length<7?null:{position:[t[0],t[1],t[2]],orientation:[t[3],t[4],t[5],t[6]]}}function iv(i){let e=new Ks(i),t={body:0,values:Cl};for(let{field:n,wire:s}=e.next();n!==0;{field:n,wire:s}=e.next())n===1?t.body=e.varint():n===2&&s===2?t.values=e.doubles():e.skip(s);return t.values.length<12?null:t}function sv(i){let e=new Ks(i),t={hand:null,flags:0,contacts:0,values:Cl,contact:null};for(let{field:n,wire:s}=e.next();n!==0;{field:n,wire:s}=e.next())n===1?t.hand=nv(e.bytesField()):n===5?t.flags=e.varint():n===6?t.contacts=e.varint():n===7&&s===2?t.values=e.doubles():n===8?t.contact=iv(e.bytesField()):e.skip(s);return t}function Zp(i){let e=new Ks(i),t={tick:0,tools:[],fault:0,lateNs:0,skipped:0,stagesNs:[],quality:0};for(let{field:n,wire:s}=e.next();n!==0;{field:n,wire:s}=e.next())n===1?t.tick=e.varint():n===2?t.tools.push(sv(e.bytesField())):n===5?t.fault=e.varint():n===7?t.lateNs=e.varint():n===8?t.skipped=e.varint():n===9&&s===2?t.stagesNs=e.varints():n===10?t.quality=e.varint():e.skip(s);return t}function Kp(i){let e=new Ks(i),t={tick:0,body:"",countU:0,countV:0,degreeU:0,degreeV:0,points:Cl};for(let{field:n,wire:s}=e.next();n!==0;{field:n,wire:s}=e.next())n===1?t.tick=e.varint():n===3?t.body=e.text():n===4?t.degreeU=e.varint():n===5?t.degreeV=e.varint():n===6?t.countU=e.varint():n===7?t.countV=e.varint():n===8&&s===2?t.points=e.doubles():e.skip(s);return t}function Jp(i){let e=new Ks(i),t={tick:0,kind:"",detail:""};for(let{field:n,wire:s}=e.next();n!==0;{field:n,wire:s}=e.next())n===1?t.tick=e.varint():n===2?t.kind=e.text():n===3?t.detail=e.text():e.skip(s);return t}var rv=48,ov=64;function jp(i,e){let[t,n]=[0,i];for(;t<n;){let s=t+n>>>1;e(s)?t=s+1:n=s}return t-1}var Pl=class i{constructor(e,t,n,s,r){this.name=e;this.file=t;this.snapshot=n;let o=t.metadata.get("palpate.run");this.dt=Number(o?.get("dt_ns")??1e6)*1e-9||.001;let a=l=>(o?.get(l)??"").split(",").map(c=>c.trim()).filter(c=>c!=="");this.toolIds=n?.tools.map(l=>l.id)??a("tools"),this.bodyIds=n?.bodies.map(l=>l.id)??a("bodies"),this.firstTick=s,this.lastTick=r}name;file;snapshot;dt;toolIds;bodyIds;firstTick;lastTick;warnings=[];search=null;cache=new Map;get every(){return Number(this.file.metadata.get("palpate.run")?.get("thinned_every")??1)||1}get build(){return this.file.metadata.get("palpate.run")?.get("build")??"an unknown build"}get scene(){return this.file.metadata.get("palpate.run")?.get("scene")??this.snapshot?.scene_name??this.name}static async open(e,t,n){let s=await Rl.open(t),r=[],o=null;for(let y of[()=>s.attachment("scene.snapshot"),n]){if(o!==null)break;try{let p=await y();p!==null&&p.length>0&&(o=Ci(Tl,p))}catch(p){r.push(`its scene cannot be read (${p instanceof Error?p.message:String(p)})`)}}let a=Number(s.metadata.get("palpate.run")?.get("dt_ns")??1e6)||1e6,l=s.metadata.get("palpate.end"),c=s.chunks.reduce((y,p)=>Math.max(y,p.endNs),0),h=Number(l?.get("first_tick")??Math.max(1,Math.round(s.chunks[0].startNs/a))),d=Number(l?.get("last_tick")??Math.round(c/a)),u=new i(e,s,o,h,Math.max(h,d));s.cutOff?r.push("it was cut off; what is whole of it is shown"):l!==void 0&&l.get("clean")==="false"&&r.push("it did not end as it should");let f=Number(l?.get("dropped_records")??0);f>0&&r.push(`${f} records were lost while recording`),o===null&&r.push("it does not hold its scene: surfaces are drawn with uniform knots, bodies that never move are missing"),u.every>1&&r.push(`it was thinned: one tick of ${u.every} is in it`);let g=s.metadata.get("palpate.run")?.get("format");return s.metadata.get("palpate.run")===void 0?r.push("it was not made by Palpate, or by a build that says nothing of itself"):g!==void 0&&Number(g)>2&&r.push(`it is of a newer format (${g})`),u.warnings.push(...r),u}async attachmentText(e){let t=await this.file.attachment(e);return t===null?null:new TextDecoder().decode(t)}chunk(e){let t=this.cache.get(e);if(t!==void 0)return this.cache.delete(e),this.cache.set(e,t),t;let n=this.decodeChunk(this.file.chunks[e]);this.cache.set(e,n);for(let s of this.cache.keys()){if(this.cache.size<=rv)break;this.cache.delete(s)}return n}passing(e){return this.cache.get(e)??this.decodeChunk(this.file.chunks[e])}async decodeChunk(e){let t={ticks:[],nets:[],events:[]},n=await this.file.messages(e);n.some(({channel:s})=>!this.file.channels.has(s))&&await this.findChannels();for(let{channel:s,data:r}of n){let o=this.file.channels.get(s)??"";try{o==="/sim/tick"?t.ticks.push(Zp(r)):o==="/sim/event"?t.events.push(Jp(r)):o.startsWith("/body/")&&o.endsWith("/net")&&t.nets.push(Kp(r))}catch{this.file.damaged+=1}}return t}findChannels(){return this.search??=this.goThrough()}async goThrough(){for(let e of this.file.chunks){await this.file.messages(e);let t=new Set(this.file.channels.values());if(t.has("/sim/tick")&&t.has("/sim/event")&&this.bodyIds.every(n=>t.has(`/body/${n}/net`)))return}}chunkOf(e){let t=Math.round(e*this.dt*1e9);return jp(this.file.chunks.length,n=>this.file.chunks[n].startNs<=t)}async at(e){let{chunks:t,channels:n}=this.file,s=new Map,r=this.toolIds.map(()=>null),o=new Map([...n].map(([c,h])=>[h,c])),a=null,l=this.chunkOf(e);for(let c=l;c>=0&&c>l-ov;c--){let h=this.bodyIds.filter(y=>!s.has(y));if(a!==null&&h.length===0)break;let d=t[c].channels,u=h.some(y=>{let p=o.get(`/body/${y}/net`);return d===null||p!==void 0&&d.has(p)});if(a!==null&&!u)continue;let f=await this.chunk(c);for(let y of f.nets){let p=s.get(y.body);y.tick<=e&&(p===void 0||p.tick<=y.tick)&&s.set(y.body,y)}let g=jp(f.ticks.length,y=>f.ticks[y].tick<=e);if(!(g<0||a!==null&&a.tick>=f.ticks[g].tick)){a=f.ticks[g];for(let y=g;y>=0&&r.includes(null);y--)f.ticks[y].tools.forEach(({hand:p},m)=>{p!==null&&r[m]===null&&yl(p.position)&&(r[m]=p)})}}return{tick:a,nets:s,hands:r}}};function Wu({degree:i,periodic:e,count:t,knots:n}){if(!e)return Float64Array.from(n);let s=n[t]-n[0],r=o=>Math.floor(o/t)*s;return Float64Array.from({length:t+1+2*i},(o,a)=>{let l=a-i;return n[(l%t+t)%t]+r(l)})}function Xu(i){let{degree:e,periodic:t,count:n,knots:s}=i,r=t?n+1:n+e+1;if(s.length!==r)return`${s.length} knots where ${r} are needed`;if(n<e+1&&!t)return`${n} control points are too few for degree ${e}`;for(let o=0;o<s.length;o++)if(!Number.isFinite(s[o])||o>0&&s[o]<s[o-1])return`knot ${o} is ${s[o]}`;return null}function Qp(i,e){return Float64Array.from({length:e+i+1},(t,n)=>Math.min(Math.max(n-i,0),e-i))}function av(i,e,t,n,s,r){let o=e,a=Array.from({length:o+1},()=>new Array(o+1).fill(0)),l=new Float64Array(o+1),c=new Float64Array(o+1);a[0][0]=1;for(let h=1;h<=o;h++){l[h]=n-i[t+1-h],c[h]=i[t+h]-n;let d=0;for(let u=0;u<h;u++){a[h][u]=c[u+1]+l[h-u];let f=a[u][h-1]/a[h][u];a[u][h]=d+c[u+1]*f,d=l[h-u]*f}a[h][h]=d}for(let h=0;h<=o;h++)s[0][r+h]=a[h][o];for(let h=0;h<=o;h++){let[d,u]=[0,1],f=[new Float64Array(o+1),new Float64Array(o+1)];f[0][0]=1;let g=o;for(let y=1;y<=2;y++){if(y>o){s[y][r+h]=0;continue}let p=0,m=h-y,x=o-y;h>=y&&(f[u][0]=f[d][0]/a[x+1][m],p=f[u][0]*a[m][x]);let E=m>=-1?1:-m,S=h-1<=x?y-1:o-h;for(let R=E;R<=S;R++)f[u][R]=(f[d][R]-f[d][R-1])/a[x+1][m+R],p+=f[u][R]*a[m+R][x];h<=x&&(f[u][y]=-f[d][y-1]/a[x+1][h],p+=f[u][y]*a[h][x]),s[y][r+h]=p*g,g*=o-y,[d,u]=[u,d]}}}function lv(i,e,t,n){let{degree:s,count:r}=i,o=Wu(i),a=s+1,l=()=>new Float64Array(a*e.length),c=[l(),l(),l()];return e.forEach(({span:h,t:d},u)=>av(o,s,h,d,c,u*a)),{count:e.length,width:a,params:Float64Array.from(e,({t:h})=>h),first:Int32Array.from(e,({span:h})=>h-s),wrap:r,values:c,cells:Int32Array.from(t),knots:Int32Array.from(n)}}function em(i,e){return[i.degree,e.length-1-i.degree]}function tm(i,e){let t=Wu(i),[n,s]=em(i,t),r=[],o=[],a=[],l=0;for(let c=n;c<s;c++){let[h,d]=[t[c],t[c+1]];if(!(d>h))continue;let u=0;for(let f=c;f>=0&&t[f]===h;f--)u+=1;(l===0||u>=i.degree)&&(a.push(r.length),r.push({span:c,t:h}));for(let f=1;f<=e;f++)o.push(r.length-1),r.push({span:c,t:f===e?d:h+(d-h)*f/e});a.push(r.length-1),l+=1}return lv(i,r,o,a)}function nm(i){let e=Wu(i),[t,n]=em(i,e),s=0;for(let r=t;r<n;r++)e[r+1]>e[r]&&(s+=1);return s}function qu({degree:i,periodic:e,count:t,knots:n}){let s=new Set;if(e)return s;for(let r=1;r+i<n.length;r++)n[r]===n[r+i]&&n[r]>n[r-1]&&n[r]>n[0]&&n[r]<n[t]&&s.add(r-1);return s}var Yu=class{constructor(e,t,n,s){this.surface=e;this.origin=t;this.u=n;this.v=s;let r=n.count*s.count;this.positions=new Float32Array(3*r),this.normals=new Float32Array(3*r),this.curvature=new Float32Array(r),this.wide=e.weights===null?3:4,this.homogeneous=new Float64Array(this.wide*e.u.count*e.v.count);let o=()=>new Float64Array(this.wide*e.v.count);this.rows=[o(),o(),o()],this.indices=new Uint32Array(6*n.cells.length*s.cells.length);let a=0;for(let l of n.cells)for(let c of s.cells){let h=l*s.count+c;this.indices.set([h,h+s.count,h+s.count+1,h,h+s.count+1,h+1],a),a+=6}}surface;origin;u;v;positions;normals;indices;curvature;wide;homogeneous;rows;degenerate=[];least=[0,0];get vertices(){return this.u.count*this.v.count}evaluate(e,t=!1){let n=e.findIndex(c=>!Number.isFinite(c));if(n>=0)return n;let{u:s,v:r,wide:o}=this;this.lift(e),this.degenerate.length=0;let a=new Float64Array(6*o),l=t?3:2;for(let c=0;c<s.count;c++){if(this.sumRows(c,l),o===3&&!t){this.plainRow(c);continue}for(let h=0;h<r.count;h++)this.sumColumns(h,a,t),o===4&&cv(a,t),this.store(c*r.count+h,a,t)}return this.mendPoles(),-1}lift(e){let{homogeneous:t,wide:n,origin:s}=this,r=this.surface.weights,o=0;for(let a=0;3*a<e.length;a++){let l=r===null?1:r[a];for(let c=0;c<3;c++)t[n*a+c]=l*(e[3*a+c]-s[c]),o=Math.max(o,Math.abs(e[3*a+c]-e[c]));n===4&&(t[4*a+3]=l)}[this.u,this.v].forEach(({params:a,count:l},c)=>{this.least[c]=1e-7*o/(a[l-1]-a[0])})}sumRows(e,t){let{u:n,homogeneous:s,wide:r}=this,o=r*this.surface.v.count;for(let a=0;a<t;a++){let l=this.rows[a].fill(0);for(let c=0;c<n.width;c++){let h=n.values[a][e*n.width+c],d=(n.first[e]+c)%n.wrap*o;for(let u=0;u<o;u++)l[u]+=h*s[d+u]}}}plainRow(e){let{v:t,positions:n,normals:s,least:r}=this,[o,a]=this.rows,[l,c]=t.values,{width:h,wrap:d,first:u}=t;for(let f=0;f<t.count;f++){let g=0,y=0,p=0,m=0,x=0,E=0,S=0,R=0,M=0,_=f*h;for(let X=0;X<h;X++,_++){let G=u[f]+X;for(;G>=d;)G-=d;let oe=3*G,Y=l[_],J=c[_],ne=o[oe],ue=o[oe+1],ce=o[oe+2];g+=Y*ne,y+=Y*ue,p+=Y*ce,m+=Y*a[oe],x+=Y*a[oe+1],E+=Y*a[oe+2],S+=J*ne,R+=J*ue,M+=J*ce}let A=e*t.count+f,k=3*A;n[k]=g,n[k+1]=y,n[k+2]=p;let D=x*M-E*R,L=E*S-m*M,B=m*R-x*S,V=Math.sqrt(m*m+x*x+E*E),P=Math.sqrt(S*S+R*R+M*M),U=Math.sqrt(D*D+L*L+B*B);if(V<=r[0]||P<=r[1]||!(U>1e-9*V*P)){this.degenerate.push(A),s[k]=s[k+1]=s[k+2]=0;continue}s[k]=D/U,s[k+1]=L/U,s[k+2]=B/U}}sumColumns(e,t,n){let{v:s,wide:r,rows:o}=this,[a,l,c]=s.values;t.fill(0);for(let h=0;h<s.width;h++){let d=e*s.width+h,u=(s.first[e]+h)%s.wrap*r;for(let f=0;f<r;f++){let[g,y]=[o[0][u+f],o[1][u+f]];t[f]+=a[d]*g,t[r+f]+=a[d]*y,t[2*r+f]+=l[d]*g,n&&(t[3*r+f]+=a[d]*o[2][u+f],t[4*r+f]+=l[d]*y,t[5*r+f]+=c[d]*g)}}}store(e,t,n){let s=this.wide,r=3*e;for(let M=0;M<3;M++)this.positions[r+M]=t[M];let[o,a,l]=[t[s],t[s+1],t[s+2]],[c,h,d]=[t[2*s],t[2*s+1],t[2*s+2]],u=a*d-l*h,f=l*c-o*d,g=o*h-a*c,y=Math.hypot(u,f,g),[p,m]=[Math.hypot(o,a,l),Math.hypot(c,h,d)];if(p<=this.least[0]||m<=this.least[1]||!(y>1e-9*p*m)){this.degenerate.push(e),this.normals.fill(0,r,r+3),this.curvature[e]=NaN;return}if(this.normals[r]=u/y,this.normals[r+1]=f/y,this.normals[r+2]=g/y,!n)return;let x=M=>(t[M*s]*u+t[M*s+1]*f+t[M*s+2]*g)/y,[E,S,R]=[o*o+a*a+l*l,o*c+a*h+l*d,c*c+h*h+d*d];this.curvature[e]=(E*x(5)-2*S*x(4)+R*x(3))/(2*(E*R-S*S))}mendPoles(){if(this.degenerate.length===0)return;let{u:e,v:t,normals:n,positions:s,curvature:r}=this,o=new Map;for(let a of this.degenerate){let l=3*a,c=[0,1,2].map(d=>Math.fround(s[l+d]).toPrecision(5)).join(),h=o.get(c);h===void 0?o.set(c,[a]):h.push(a)}for(let a of o.values()){let l=[0,0,0],[c,h]=[0,0];for(let u of a){let[f,g]=[Math.floor(u/t.count),u%t.count];for(let[y,p]of[[-1,0],[1,0],[0,-1],[0,1]]){let[m,x]=[f+y,g+p];if(m<0||x<0||m>=e.count||x>=t.count)continue;let E=m*t.count+x;for(let S=0;S<3;S++)l[S]+=n[3*E+S];Number.isFinite(r[E])&&([c,h]=[c+r[E],h+1])}}let d=Math.hypot(l[0],l[1],l[2])||1;for(let u of a){for(let f=0;f<3;f++)n[3*u+f]=l[f]/d;r[u]=h>0?c/h:0}}}};function cv(i,e){let[t,n,s]=[i[3],i[7],i[11]],[r,o,a]=[i[15],i[19],i[23]];for(let l=0;l<3;l++)i[l]/=t,i[4+l]=(i[4+l]-n*i[l])/t,i[8+l]=(i[8+l]-s*i[l])/t,e&&(i[12+l]=(i[12+l]-2*n*i[4+l]-r*i[l])/t,i[16+l]=(i[16+l]-n*i[8+l]-s*i[4+l]-o*i[l])/t,i[20+l]=(i[20+l]-2*s*i[8+l]-a*i[l])/t)}function Il(i,e,t){if(Xu(i.u)!==null||Xu(i.v)!==null)return null;let n=s=>{let r=Math.round(t/nm(s));return tm(s,s.degree===1?1:Math.min(Math.max(r,1),12))};return new Yu(i,e,n(i.u),n(i.v))}function $u(i,e){let t=document.createElement("a");t.href=URL.createObjectURL(e),t.download=i,t.click(),setTimeout(()=>URL.revokeObjectURL(t.href),1e4)}function Zu(i,e){return`${i.name.replace(/[^\w-]+/g,"-")||"palpate"}-${String(i.tick).padStart(7,"0")}.${e}`}function im(i){let e=[`# ${i.name}, tick ${i.tick}, metres`],t=1;for(let n of i.bodies){if(n.fault!==null)continue;let{middle:s}=new li().take(n.points),r=Il(n.surface,s,96);if(r===null||r.evaluate(n.points)>=0)continue;e.push(`o ${n.id}`);for(let[c,h]of[["u",n.surface.u],["v",n.surface.v]])e.push(`#net ${c} degree ${h.degree} count ${h.count} ${h.periodic?"periodic":""} knots ${Array.from(h.knots).join(" ")}`);for(let c=0;c<n.points.length;c+=3)e.push(`#net p ${n.points[c]} ${n.points[c+1]} ${n.points[c+2]}`);let{positions:o,normals:a,indices:l}=r;for(let c=0;c<o.length;c+=3)e.push(`v ${o[c]+s[0]} ${o[c+1]+s[1]} ${o[c+2]+s[2]}`);for(let c=0;c<a.length;c+=3)e.push(`vn ${a[c].toFixed(6)} ${a[c+1].toFixed(6)} ${a[c+2].toFixed(6)}`);for(let c=0;c<l.length;c+=3){let h=[0,1,2].map(d=>t+l[c+d]);e.push(`f ${h.map(d=>`${d}//${d}`).join(" ")}`)}t+=r.vertices}return e.join(`
+`)+`
+`}var Ni={LEFT:0,MIDDLE:1,RIGHT:2,ROTATE:0,DOLLY:1,PAN:2},Zi={ROTATE:0,PAN:1,DOLLY_PAN:2,DOLLY_ROTATE:3},km=0,Ad=1,Bm=2;var Er=1,zm=2,Ro=3,cr=0,ri=1,$n=2,Rr=0,Co=1,Ed=2,Rd=3,Cd=4,Vm=5;var Cr=100,Gm=101,Hm=102,Wm=103,Xm=104,qm=200,Ym=201,$m=202,Zm=203,Pd=204,Id=205,Km=206,Jm=207,jm=208,Qm=209,eg=210,tg=211,ng=212,ig=213,sg=214,rc=0,oc=1,ac=2,fo=3,lc=4,cc=5,hc=6,uc=7,Fc=0,rg=1,og=2,Ui=0,Ld=1,Dd=2,Nd=3,Ud=4,Fd=5,Od=6,kd=7;var Bd=300,Pr=301,Po=302,Oc=303,kc=304,dc=1e3,us=1001,fc=1002,kn=1003,ag=1004;var za=1005;var ii=1006,Bc=1007;var Fs=1008;var hi=1009,zd=1010,Vd=1011,Io=1012,zc=1013,Ki=1014,Fi=1015,Ji=1016,Vc=1017,Gc=1018,Ir=1020,Gd=35902,Hd=35899,Wd=1021,Xd=1022,ji=1023,Is=1026,Os=1027,Hc=1028,Wc=1029,hr=1030,Xc=1031;var qc=1033,Va=33776,Ga=33777,Ha=33778,Wa=33779,Yc=35840,$c=35841,Zc=35842,Kc=35843,Jc=36196,jc=37492,Qc=37496,eh=37488,th=37489,Xa=37490,nh=37491,ih=37808,sh=37809,rh=37810,oh=37811,ah=37812,lh=37813,ch=37814,hh=37815,uh=37816,dh=37817,fh=37818,ph=37819,mh=37820,gh=37821,yh=36492,_h=36494,vh=36495,xh=36283,bh=36284,qa=36285,Sh=36286;var ga=2300,pc=2301,ic=2302,yd=2303,_d=2400,vd=2401,xd=2402;var lg=3200;var Mh=0,cg=1,ks="",xi="srgb",ya="srgb-linear",_a="linear",Rt="srgb";var sc=7680;var hg=519,ug=512,dg=513,fg=514,qd=515,pg=516,mg=517,Yd=518,$d=519,gg=35044;var Zd="300 es",Li=2e3,po=2001;function hv(i){for(let e=i.length-1;e>=0;--e)if(i[e]>=65535)return!0;return!1}function uv(i){return ArrayBuffer.isView(i)&&!(i instanceof DataView)}function va(i){return document.createElementNS("http://www.w3.org/1999/xhtml",i)}function yg(){let i=va("canvas");return i.style.display="block",i}var sm={},mo=null;function Kd(...i){let e="THREE."+i.shift();mo?mo("log",e,...i):console.log(e,...i)}function _g(i){let e=i[0];if(typeof e=="string"&&e.startsWith("TSL:")){let t=i[1];t&&t.isStackTrace?i[0]+=" "+t.getLocation():i[1]='Stack trace not available. Enable "THREE.Node.captureStackTrace" to capture stack traces.'}return i}function Ye(...i){i=_g(i);let e="THREE."+i.shift();if(mo)mo("warn",e,...i);else{let t=i[0];t&&t.isStackTrace?console.warn(t.getError(e)):console.warn(e,...i)}}function et(...i){i=_g(i);let e="THREE."+i.shift();if(mo)mo("error",e,...i);else{let t=i[0];t&&t.isStackTrace?console.error(t.getError(e)):console.error(e,...i)}}function fa(...i){let e=i.join(" ");e in sm||(sm[e]=!0,Ye(...i))}function vg(i,e,t){return new Promise(function(n,s){function r(){switch(i.clientWaitSync(e,i.SYNC_FLUSH_COMMANDS_BIT,0)){case i.WAIT_FAILED:s();break;case i.TIMEOUT_EXPIRED:setTimeout(r,t);break;default:n()}}setTimeout(r,t)})}var xg={[rc]:rc,[ac]:hc,[lc]:lc,[fo]:cc,[oc]:oc,[hc]:ac,[uc]:uc,[cc]:fo},qi=class{addEventListener(e,t){this._listeners===void 0&&(this._listeners={});let n=this._listeners;n[e]===void 0&&(n[e]=[]),n[e].indexOf(t)===-1&&n[e].push(t)}hasEventListener(e,t){let n=this._listeners;return n===void 0?!1:n[e]!==void 0&&n[e].indexOf(t)!==-1}removeEventListener(e,t){let n=this._listeners;if(n===void 0)return;let s=n[e];if(s!==void 0){let r=s.indexOf(t);r!==-1&&s.splice(r,1)}}dispatchEvent(e){let t=this._listeners;if(t===void 0)return;let n=t[e.type];if(n!==void 0){e.target=this;let s=n.slice(0);for(let r=0,o=s.length;r<o;r++)s[r].call(this,e);e.target=null}}},qn=["00","01","02","03","04","05","06","07","08","09","0a","0b","0c","0d","0e","0f","10","11","12","13","14","15","16","17","18","19","1a","1b","1c","1d","1e","1f","20","21","22","23","24","25","26","27","28","29","2a","2b","2c","2d","2e","2f","30","31","32","33","34","35","36","37","38","39","3a","3b","3c","3d","3e","3f","40","41","42","43","44","45","46","47","48","49","4a","4b","4c","4d","4e","4f","50","51","52","53","54","55","56","57","58","59","5a","5b","5c","5d","5e","5f","60","61","62","63","64","65","66","67","68","69","6a","6b","6c","6d","6e","6f","70","71","72","73","74","75","76","77","78","79","7a","7b","7c","7d","7e","7f","80","81","82","83","84","85","86","87","88","89","8a","8b","8c","8d","8e","8f","90","91","92","93","94","95","96","97","98","99","9a","9b","9c","9d","9e","9f","a0","a1","a2","a3","a4","a5","a6","a7","a8","a9","aa","ab","ac","ad","ae","af","b0","b1","b2","b3","b4","b5","b6","b7","b8","b9","ba","bb","bc","bd","be","bf","c0","c1","c2","c3","c4","c5","c6","c7","c8","c9","ca","cb","cc","cd","ce","cf","d0","d1","d2","d3","d4","d5","d6","d7","d8","d9","da","db","dc","dd","de","df","e0","e1","e2","e3","e4","e5","e6","e7","e8","e9","ea","eb","ec","ed","ee","ef","f0","f1","f2","f3","f4","f5","f6","f7","f8","f9","fa","fb","fc","fd","fe","ff"],rm=1234567,pa=Math.PI/180,go=180/Math.PI;function Lo(){let i=Math.random()*4294967295|0,e=Math.random()*4294967295|0,t=Math.random()*4294967295|0,n=Math.random()*4294967295|0;return(qn[i&255]+qn[i>>8&255]+qn[i>>16&255]+qn[i>>24&255]+"-"+qn[e&255]+qn[e>>8&255]+"-"+qn[e>>16&15|64]+qn[e>>24&255]+"-"+qn[t&63|128]+qn[t>>8&255]+"-"+qn[t>>16&255]+qn[t>>24&255]+qn[n&255]+qn[n>>8&255]+qn[n>>16&255]+qn[n>>24&255]).toLowerCase()}function mt(i,e,t){return Math.max(e,Math.min(t,i))}function Jd(i,e){return(i%e+e)%e}function dv(i,e,t,n,s){return n+(i-e)*(s-n)/(t-e)}function fv(i,e,t){return i!==e?(t-i)/(e-i):0}function ma(i,e,t){return(1-t)*i+t*e}function pv(i,e,t,n){return ma(i,e,1-Math.exp(-t*n))}function mv(i,e=1){return e-Math.abs(Jd(i,e*2)-e)}function gv(i,e,t){return i<=e?0:i>=t?1:(i=(i-e)/(t-e),i*i*(3-2*i))}function yv(i,e,t){return i<=e?0:i>=t?1:(i=(i-e)/(t-e),i*i*i*(i*(i*6-15)+10))}function _v(i,e){return i+Math.floor(Math.random()*(e-i+1))}function vv(i,e){return i+Math.random()*(e-i)}function xv(i){return i*(.5-Math.random())}function bv(i){i!==void 0&&(rm=i);let e=rm+=1831565813;return e=Math.imul(e^e>>>15,e|1),e^=e+Math.imul(e^e>>>7,e|61),((e^e>>>14)>>>0)/4294967296}function Sv(i){return i*pa}function Mv(i){return i*go}function wv(i){return i>0&&Number.isInteger(i)&&2**Math.round(Math.log2(i))===i}function Tv(i){return Math.pow(2,Math.ceil(Math.log(i)/Math.LN2))}function jd(i){return Math.pow(2,Math.floor(Math.log(i)/Math.LN2))}function Av(i,e,t,n,s){let r=Math.cos,o=Math.sin,a=r(t/2),l=o(t/2),c=r((e+n)/2),h=o((e+n)/2),d=r((e-n)/2),u=o((e-n)/2),f=r((n-e)/2),g=o((n-e)/2);switch(s){case"XYX":i.set(a*h,l*d,l*u,a*c);break;case"YZY":i.set(l*u,a*h,l*d,a*c);break;case"ZXZ":i.set(l*d,l*u,a*h,a*c);break;case"XZX":i.set(a*h,l*g,l*f,a*c);break;case"YXY":i.set(l*f,a*h,l*g,a*c);break;case"ZYZ":i.set(l*g,l*f,a*h,a*c);break;default:Ye("MathUtils: .setQuaternionFromProperEuler() encountered an unknown order: "+s)}}function Qd(i){switch(i.constructor){case Uint32Array:return 4294967295;case Uint16Array:return 65535;case Uint8Array:case Uint8ClampedArray:return 255;case Int32Array:return 2147483647;case Int16Array:return 32767;case Int8Array:return 127;default:return}}function bg(i,e){if(e.constructor===Float32Array)return i;let t=Qd(e);if(t===void 0)throw new Error("THREE.MathUtils: Invalid component type.");return Math.max(i/t,-1)}function Sg(i,e){if(e.constructor===Float32Array)return i;let t=Qd(e);if(t===void 0)throw new Error("THREE.MathUtils: Invalid component type.");return Math.round(i*t)}var ef={DEG2RAD:pa,RAD2DEG:go,generateUUID:Lo,clamp:mt,euclideanModulo:Jd,mapLinear:dv,inverseLerp:fv,lerp:ma,damp:pv,pingpong:mv,smoothstep:gv,smootherstep:yv,randInt:_v,randFloat:vv,randFloatSpread:xv,seededRandom:bv,degToRad:Sv,radToDeg:Mv,isPowerOfTwo:wv,ceilPowerOfTwo:Tv,floorPowerOfTwo:jd,setQuaternionFromProperEuler:Av,normalize:Sg,denormalize:bg},$e=class{static{this.prototype.isVector2=!0}constructor(e=0,t=0){this.x=e,this.y=t}get width(){return this.x}set width(e){this.x=e}get height(){return this.y}set height(e){this.y=e}set(e,t){return this.x=e,this.y=t,this}setScalar(e){return this.x=e,this.y=e,this}setX(e){return this.x=e,this}setY(e){return this.y=e,this}setComponent(e,t){switch(e){case 0:this.x=t;break;case 1:this.y=t;break;default:throw new Error("THREE.Vector2: index is out of range: "+e)}return this}getComponent(e){switch(e){case 0:return this.x;case 1:return this.y;default:throw new Error("THREE.Vector2: index is out of range: "+e)}}clone(){return new this.constructor(this.x,this.y)}copy(e){return this.x=e.x,this.y=e.y,this}add(e){return this.x+=e.x,this.y+=e.y,this}addScalar(e){return this.x+=e,this.y+=e,this}addVectors(e,t){return this.x=e.x+t.x,this.y=e.y+t.y,this}addScaledVector(e,t){return this.x+=e.x*t,this.y+=e.y*t,this}sub(e){return this.x-=e.x,this.y-=e.y,this}subScalar(e){return this.x-=e,this.y-=e,this}subVectors(e,t){return this.x=e.x-t.x,this.y=e.y-t.y,this}multiply(e){return this.x*=e.x,this.y*=e.y,this}multiplyScalar(e){return this.x*=e,this.y*=e,this}divide(e){return this.x/=e.x,this.y/=e.y,this}divideScalar(e){return this.multiplyScalar(1/e)}applyMatrix3(e){let t=this.x,n=this.y,s=e.elements;return this.x=s[0]*t+s[3]*n+s[6],this.y=s[1]*t+s[4]*n+s[7],this}min(e){return this.x=Math.min(this.x,e.x),this.y=Math.min(this.y,e.y),this}max(e){return this.x=Math.max(this.x,e.x),this.y=Math.max(this.y,e.y),this}clamp(e,t){return this.x=mt(this.x,e.x,t.x),this.y=mt(this.y,e.y,t.y),this}clampScalar(e,t){return this.x=mt(this.x,e,t),this.y=mt(this.y,e,t),this}clampLength(e,t){let n=this.length();return this.divideScalar(n||1).multiplyScalar(mt(n,e,t))}floor(){return this.x=Math.floor(this.x),this.y=Math.floor(this.y),this}ceil(){return this.x=Math.ceil(this.x),this.y=Math.ceil(this.y),this}round(){return this.x=Math.round(this.x),this.y=Math.round(this.y),this}roundToZero(){return this.x=Math.trunc(this.x),this.y=Math.trunc(this.y),this}negate(){return this.x=-this.x,this.y=-this.y,this}dot(e){return this.x*e.x+this.y*e.y}cross(e){return this.x*e.y-this.y*e.x}lengthSq(){return this.x*this.x+this.y*this.y}length(){return Math.sqrt(this.x*this.x+this.y*this.y)}manhattanLength(){return Math.abs(this.x)+Math.abs(this.y)}normalize(){return this.divideScalar(this.length()||1)}angle(){return Math.atan2(-this.y,-this.x)+Math.PI}angleTo(e){let t=Math.sqrt(this.lengthSq()*e.lengthSq());if(t===0)return Math.PI/2;let n=this.dot(e)/t;return Math.acos(mt(n,-1,1))}distanceTo(e){return Math.sqrt(this.distanceToSquared(e))}distanceToSquared(e){let t=this.x-e.x,n=this.y-e.y;return t*t+n*n}manhattanDistanceTo(e){return Math.abs(this.x-e.x)+Math.abs(this.y-e.y)}setLength(e){return this.normalize().multiplyScalar(e)}lerp(e,t){return this.x+=(e.x-this.x)*t,this.y+=(e.y-this.y)*t,this}lerpVectors(e,t,n){return this.x=e.x+(t.x-e.x)*n,this.y=e.y+(t.y-e.y)*n,this}equals(e){return e.x===this.x&&e.y===this.y}fromArray(e,t=0){return this.x=e[t],this.y=e[t+1],this}toArray(e=[],t=0){return e[t]=this.x,e[t+1]=this.y,e}fromBufferAttribute(e,t){return this.x=e.getX(t),this.y=e.getY(t),this}rotateAround(e,t){let n=Math.cos(t),s=Math.sin(t),r=this.x-e.x,o=this.y-e.y;return this.x=r*n-o*s+e.x,this.y=r*s+o*n+e.y,this}random(){return this.x=Math.random(),this.y=Math.random(),this}*[Symbol.iterator](){yield this.x,yield this.y}},si=class{constructor(e=0,t=0,n=0,s=1){this.isQuaternion=!0,this._x=e,this._y=t,this._z=n,this._w=s}static slerpFlat(e,t,n,s,r,o,a){let l=n[s+0],c=n[s+1],h=n[s+2],d=n[s+3],u=r[o+0],f=r[o+1],g=r[o+2],y=r[o+3];if(d!==y||l!==u||c!==f||h!==g){let p=l*u+c*f+h*g+d*y;p<0&&(u=-u,f=-f,g=-g,y=-y,p=-p);let m=1-a;if(p<.9995){let x=Math.acos(p),E=Math.sin(x);m=Math.sin(m*x)/E,a=Math.sin(a*x)/E,l=l*m+u*a,c=c*m+f*a,h=h*m+g*a,d=d*m+y*a}else{l=l*m+u*a,c=c*m+f*a,h=h*m+g*a,d=d*m+y*a;let x=1/Math.sqrt(l*l+c*c+h*h+d*d);l*=x,c*=x,h*=x,d*=x}}e[t]=l,e[t+1]=c,e[t+2]=h,e[t+3]=d}static multiplyQuaternionsFlat(e,t,n,s,r,o){let a=n[s],l=n[s+1],c=n[s+2],h=n[s+3],d=r[o],u=r[o+1],f=r[o+2],g=r[o+3];return e[t]=a*g+h*d+l*f-c*u,e[t+1]=l*g+h*u+c*d-a*f,e[t+2]=c*g+h*f+a*u-l*d,e[t+3]=h*g-a*d-l*u-c*f,e}get x(){return this._x}set x(e){this._x=e,this._onChangeCallback()}get y(){return this._y}set y(e){this._y=e,this._onChangeCallback()}get z(){return this._z}set z(e){this._z=e,this._onChangeCallback()}get w(){return this._w}set w(e){this._w=e,this._onChangeCallback()}set(e,t,n,s){return this._x=e,this._y=t,this._z=n,this._w=s,this._onChangeCallback(),this}clone(){return new this.constructor(this._x,this._y,this._z,this._w)}copy(e){return this._x=e.x,this._y=e.y,this._z=e.z,this._w=e.w,this._onChangeCallback(),this}setFromEuler(e,t=!0){let n=e._x,s=e._y,r=e._z,o=e._order,a=Math.cos,l=Math.sin,c=a(n/2),h=a(s/2),d=a(r/2),u=l(n/2),f=l(s/2),g=l(r/2);switch(o){case"XYZ":this._x=u*h*d+c*f*g,this._y=c*f*d-u*h*g,this._z=c*h*g+u*f*d,this._w=c*h*d-u*f*g;break;case"YXZ":this._x=u*h*d+c*f*g,this._y=c*f*d-u*h*g,this._z=c*h*g-u*f*d,this._w=c*h*d+u*f*g;break;case"ZXY":this._x=u*h*d-c*f*g,this._y=c*f*d+u*h*g,this._z=c*h*g+u*f*d,this._w=c*h*d-u*f*g;break;case"ZYX":this._x=u*h*d-c*f*g,this._y=c*f*d+u*h*g,this._z=c*h*g-u*f*d,this._w=c*h*d+u*f*g;break;case"YZX":this._x=u*h*d+c*f*g,this._y=c*f*d+u*h*g,this._z=c*h*g-u*f*d,this._w=c*h*d-u*f*g;break;case"XZY":this._x=u*h*d-c*f*g,this._y=c*f*d-u*h*g,this._z=c*h*g+u*f*d,this._w=c*h*d+u*f*g;break;default:Ye("Quaternion: .setFromEuler() encountered an unknown order: "+o)}return t===!0&&this._onChangeCallback(),this}setFromAxisAngle(e,t){let n=t/2,s=Math.sin(n);return this._x=e.x*s,this._y=e.y*s,this._z=e.z*s,this._w=Math.cos(n),this._onChangeCallback(),this}setFromRotationMatrix(e){let t=e.elements,n=t[0],s=t[4],r=t[8],o=t[1],a=t[5],l=t[9],c=t[2],h=t[6],d=t[10],u=n+a+d;if(u>0){let f=.5/Math.sqrt(u+1);this._w=.25/f,this._x=(h-l)*f,this._y=(r-c)*f,this._z=(o-s)*f}else if(n>a&&n>d){let f=2*Math.sqrt(1+n-a-d);this._w=(h-l)/f,this._x=.25*f,this._y=(s+o)/f,this._z=(r+c)/f}else if(a>d){let f=2*Math.sqrt(1+a-n-d);this._w=(r-c)/f,this._x=(s+o)/f,this._y=.25*f,this._z=(l+h)/f}else{let f=2*Math.sqrt(1+d-n-a);this._w=(o-s)/f,this._x=(r+c)/f,this._y=(l+h)/f,this._z=.25*f}return this._onChangeCallback(),this}setFromUnitVectors(e,t){let n=e.dot(t)+1;return n<1e-8?(n=0,Math.abs(e.x)>Math.abs(e.z)?(this._x=-e.y,this._y=e.x,this._z=0,this._w=n):(this._x=0,this._y=-e.z,this._z=e.y,this._w=n)):(this._x=e.y*t.z-e.z*t.y,this._y=e.z*t.x-e.x*t.z,this._z=e.x*t.y-e.y*t.x,this._w=n),this.normalize()}angleTo(e){return 2*Math.acos(Math.abs(mt(this.dot(e),-1,1)))}rotateTowards(e,t){let n=this.angleTo(e);if(n===0)return this;let s=Math.min(1,t/n);return this.slerp(e,s),this}identity(){return this.set(0,0,0,1)}invert(){return this.conjugate()}conjugate(){return this._x*=-1,this._y*=-1,this._z*=-1,this._onChangeCallback(),this}dot(e){return this._x*e._x+this._y*e._y+this._z*e._z+this._w*e._w}lengthSq(){return this._x*this._x+this._y*this._y+this._z*this._z+this._w*this._w}length(){return Math.sqrt(this._x*this._x+this._y*this._y+this._z*this._z+this._w*this._w)}normalize(){let e=this.length();return e===0?(this._x=0,this._y=0,this._z=0,this._w=1):(e=1/e,this._x=this._x*e,this._y=this._y*e,this._z=this._z*e,this._w=this._w*e),this._onChangeCallback(),this}multiply(e){return this.multiplyQuaternions(this,e)}premultiply(e){return this.multiplyQuaternions(e,this)}multiplyQuaternions(e,t){let n=e._x,s=e._y,r=e._z,o=e._w,a=t._x,l=t._y,c=t._z,h=t._w;return this._x=n*h+o*a+s*c-r*l,this._y=s*h+o*l+r*a-n*c,this._z=r*h+o*c+n*l-s*a,this._w=o*h-n*a-s*l-r*c,this._onChangeCallback(),this}slerp(e,t){let n=e._x,s=e._y,r=e._z,o=e._w,a=this.dot(e);a<0&&(n=-n,s=-s,r=-r,o=-o,a=-a);let l=1-t;if(a<.9995){let c=Math.acos(a),h=Math.sin(c);l=Math.sin(l*c)/h,t=Math.sin(t*c)/h,this._x=this._x*l+n*t,this._y=this._y*l+s*t,this._z=this._z*l+r*t,this._w=this._w*l+o*t,this._onChangeCallback()}else this._x=this._x*l+n*t,this._y=this._y*l+s*t,this._z=this._z*l+r*t,this._w=this._w*l+o*t,this.normalize();return this}slerpQuaternions(e,t,n){return this.copy(e).slerp(t,n)}random(){let e=2*Math.PI*Math.random(),t=2*Math.PI*Math.random(),n=Math.random(),s=Math.sqrt(1-n),r=Math.sqrt(n);return this.set(s*Math.sin(e),s*Math.cos(e),r*Math.sin(t),r*Math.cos(t))}equals(e){return e._x===this._x&&e._y===this._y&&e._z===this._z&&e._w===this._w}fromArray(e,t=0){return this._x=e[t],this._y=e[t+1],this._z=e[t+2],this._w=e[t+3],this._onChangeCallback(),this}toArray(e=[],t=0){return e[t]=this._x,e[t+1]=this._y,e[t+2]=this._z,e[t+3]=this._w,e}fromBufferAttribute(e,t){return this._x=e.getX(t),this._y=e.getY(t),this._z=e.getZ(t),this._w=e.getW(t),this._onChangeCallback(),this}toJSON(){return this.toArray()}_onChange(e){return this._onChangeCallback=e,this}_onChangeCallback(){}*[Symbol.iterator](){yield this._x,yield this._y,yield this._z,yield this._w}},W=class{static{this.prototype.isVector3=!0}constructor(e=0,t=0,n=0){this.x=e,this.y=t,this.z=n}set(e,t,n){return n===void 0&&(n=this.z),this.x=e,this.y=t,this.z=n,this}setScalar(e){return this.x=e,this.y=e,this.z=e,this}setX(e){return this.x=e,this}setY(e){return this.y=e,this}setZ(e){return this.z=e,this}setComponent(e,t){switch(e){case 0:this.x=t;break;case 1:this.y=t;break;case 2:this.z=t;break;default:throw new Error("THREE.Vector3: index is out of range: "+e)}return this}getComponent(e){switch(e){case 0:return this.x;case 1:return this.y;case 2:return this.z;default:throw new Error("THREE.Vector3: index is out of range: "+e)}}clone(){return new this.constructor(this.x,this.y,this.z)}copy(e){return this.x=e.x,this.y=e.y,this.z=e.z,this}add(e){return this.x+=e.x,this.y+=e.y,this.z+=e.z,this}addScalar(e){return this.x+=e,this.y+=e,this.z+=e,this}addVectors(e,t){return this.x=e.x+t.x,this.y=e.y+t.y,this.z=e.z+t.z,this}addScaledVector(e,t){return this.x+=e.x*t,this.y+=e.y*t,this.z+=e.z*t,this}sub(e){return this.x-=e.x,this.y-=e.y,this.z-=e.z,this}subScalar(e){return this.x-=e,this.y-=e,this.z-=e,this}subVectors(e,t){return this.x=e.x-t.x,this.y=e.y-t.y,this.z=e.z-t.z,this}multiply(e){return this.x*=e.x,this.y*=e.y,this.z*=e.z,this}multiplyScalar(e){return this.x*=e,this.y*=e,this.z*=e,this}multiplyVectors(e,t){return this.x=e.x*t.x,this.y=e.y*t.y,this.z=e.z*t.z,this}applyEuler(e){return this.applyQuaternion(om.setFromEuler(e))}applyAxisAngle(e,t){return this.applyQuaternion(om.setFromAxisAngle(e,t))}applyMatrix3(e){let t=this.x,n=this.y,s=this.z,r=e.elements;return this.x=r[0]*t+r[3]*n+r[6]*s,this.y=r[1]*t+r[4]*n+r[7]*s,this.z=r[2]*t+r[5]*n+r[8]*s,this}applyNormalMatrix(e){return this.applyMatrix3(e).normalize()}applyMatrix4(e){let t=this.x,n=this.y,s=this.z,r=e.elements,o=1/(r[3]*t+r[7]*n+r[11]*s+r[15]);return this.x=(r[0]*t+r[4]*n+r[8]*s+r[12])*o,this.y=(r[1]*t+r[5]*n+r[9]*s+r[13])*o,this.z=(r[2]*t+r[6]*n+r[10]*s+r[14])*o,this}applyQuaternion(e){let t=this.x,n=this.y,s=this.z,r=e.x,o=e.y,a=e.z,l=e.w,c=2*(o*s-a*n),h=2*(a*t-r*s),d=2*(r*n-o*t);return this.x=t+l*c+o*d-a*h,this.y=n+l*h+a*c-r*d,this.z=s+l*d+r*h-o*c,this}project(e){return this.applyMatrix4(e.matrixWorldInverse).applyMatrix4(e.projectionMatrix)}unproject(e){return this.applyMatrix4(e.projectionMatrixInverse).applyMatrix4(e.matrixWorld)}transformDirection(e){let t=this.x,n=this.y,s=this.z,r=e.elements;return this.x=r[0]*t+r[4]*n+r[8]*s,this.y=r[1]*t+r[5]*n+r[9]*s,this.z=r[2]*t+r[6]*n+r[10]*s,this.normalize()}divide(e){return this.x/=e.x,this.y/=e.y,this.z/=e.z,this}divideScalar(e){return this.multiplyScalar(1/e)}min(e){return this.x=Math.min(this.x,e.x),this.y=Math.min(this.y,e.y),this.z=Math.min(this.z,e.z),this}max(e){return this.x=Math.max(this.x,e.x),this.y=Math.max(this.y,e.y),this.z=Math.max(this.z,e.z),this}clamp(e,t){return this.x=mt(this.x,e.x,t.x),this.y=mt(this.y,e.y,t.y),this.z=mt(this.z,e.z,t.z),this}clampScalar(e,t){return this.x=mt(this.x,e,t),this.y=mt(this.y,e,t),this.z=mt(this.z,e,t),this}clampLength(e,t){let n=this.length();return this.divideScalar(n||1).multiplyScalar(mt(n,e,t))}floor(){return this.x=Math.floor(this.x),this.y=Math.floor(this.y),this.z=Math.floor(this.z),this}ceil(){return this.x=Math.ceil(this.x),this.y=Math.ceil(this.y),this.z=Math.ceil(this.z),this}round(){return this.x=Math.round(this.x),this.y=Math.round(this.y),this.z=Math.round(this.z),this}roundToZero(){return this.x=Math.trunc(this.x),this.y=Math.trunc(this.y),this.z=Math.trunc(this.z),this}negate(){return this.x=-this.x,this.y=-this.y,this.z=-this.z,this}dot(e){return this.x*e.x+this.y*e.y+this.z*e.z}lengthSq(){return this.x*this.x+this.y*this.y+this.z*this.z}length(){return Math.sqrt(this.x*this.x+this.y*this.y+this.z*this.z)}manhattanLength(){return Math.abs(this.x)+Math.abs(this.y)+Math.abs(this.z)}normalize(){return this.divideScalar(this.length()||1)}setLength(e){return this.normalize().multiplyScalar(e)}lerp(e,t){return this.x+=(e.x-this.x)*t,this.y+=(e.y-this.y)*t,this.z+=(e.z-this.z)*t,this}lerpVectors(e,t,n){return this.x=e.x+(t.x-e.x)*n,this.y=e.y+(t.y-e.y)*n,this.z=e.z+(t.z-e.z)*n,this}cross(e){return this.crossVectors(this,e)}crossVectors(e,t){let n=e.x,s=e.y,r=e.z,o=t.x,a=t.y,l=t.z;return this.x=s*l-r*a,this.y=r*o-n*l,this.z=n*a-s*o,this}projectOnVector(e){let t=e.lengthSq();if(t===0)return this.set(0,0,0);let n=e.dot(this)/t;return this.copy(e).multiplyScalar(n)}projectOnPlane(e){return Ku.copy(this).projectOnVector(e),this.sub(Ku)}reflect(e){return this.sub(Ku.copy(e).multiplyScalar(2*this.dot(e)))}angleTo(e){let t=Math.sqrt(this.lengthSq()*e.lengthSq());if(t===0)return Math.PI/2;let n=this.dot(e)/t;return Math.acos(mt(n,-1,1))}distanceTo(e){return Math.sqrt(this.distanceToSquared(e))}distanceToSquared(e){let t=this.x-e.x,n=this.y-e.y,s=this.z-e.z;return t*t+n*n+s*s}manhattanDistanceTo(e){return Math.abs(this.x-e.x)+Math.abs(this.y-e.y)+Math.abs(this.z-e.z)}setFromSpherical(e){return this.setFromSphericalCoords(e.radius,e.phi,e.theta)}setFromSphericalCoords(e,t,n){let s=Math.sin(t)*e;return this.x=s*Math.sin(n),this.y=Math.cos(t)*e,this.z=s*Math.cos(n),this}setFromCylindrical(e){return this.setFromCylindricalCoords(e.radius,e.theta,e.y)}setFromCylindricalCoords(e,t,n){return this.x=e*Math.sin(t),this.y=n,this.z=e*Math.cos(t),this}setFromMatrixPosition(e){let t=e.elements;return this.x=t[12],this.y=t[13],this.z=t[14],this}setFromMatrixScale(e){let t=this.setFromMatrixColumn(e,0).length(),n=this.setFromMatrixColumn(e,1).length(),s=this.setFromMatrixColumn(e,2).length();return this.x=t,this.y=n,this.z=s,this}setFromMatrixColumn(e,t){return this.fromArray(e.elements,t*4)}setFromMatrix3Column(e,t){return this.fromArray(e.elements,t*3)}setFromEuler(e){return this.x=e._x,this.y=e._y,this.z=e._z,this}setFromColor(e){return this.x=e.r,this.y=e.g,this.z=e.b,this}equals(e){return e.x===this.x&&e.y===this.y&&e.z===this.z}fromArray(e,t=0){return this.x=e[t],this.y=e[t+1],this.z=e[t+2],this}toArray(e=[],t=0){return e[t]=this.x,e[t+1]=this.y,e[t+2]=this.z,e}fromBufferAttribute(e,t){return this.x=e.getX(t),this.y=e.getY(t),this.z=e.getZ(t),this}random(){return this.x=Math.random(),this.y=Math.random(),this.z=Math.random(),this}randomDirection(){let e=Math.random()*Math.PI*2,t=Math.random()*2-1,n=Math.sqrt(1-t*t);return this.x=n*Math.cos(e),this.y=t,this.z=n*Math.sin(e),this}*[Symbol.iterator](){yield this.x,yield this.y,yield this.z}},Ku=new W,om=new si,it=class{static{this.prototype.isMatrix3=!0}constructor(e,t,n,s,r,o,a,l,c){this.elements=[1,0,0,0,1,0,0,0,1],e!==void 0&&this.set(e,t,n,s,r,o,a,l,c)}set(e,t,n,s,r,o,a,l,c){let h=this.elements;return h[0]=e,h[1]=s,h[2]=a,h[3]=t,h[4]=r,h[5]=l,h[6]=n,h[7]=o,h[8]=c,this}identity(){return this.set(1,0,0,0,1,0,0,0,1),this}copy(e){let t=this.elements,n=e.elements;return t[0]=n[0],t[1]=n[1],t[2]=n[2],t[3]=n[3],t[4]=n[4],t[5]=n[5],t[6]=n[6],t[7]=n[7],t[8]=n[8],this}extractBasis(e,t,n){return e.setFromMatrix3Column(this,0),t.setFromMatrix3Column(this,1),n.setFromMatrix3Column(this,2),this}setFromMatrix4(e){let t=e.elements;return this.set(t[0],t[4],t[8],t[1],t[5],t[9],t[2],t[6],t[10]),this}multiply(e){return this.multiplyMatrices(this,e)}premultiply(e){return this.multiplyMatrices(e,this)}multiplyMatrices(e,t){let n=e.elements,s=t.elements,r=this.elements,o=n[0],a=n[3],l=n[6],c=n[1],h=n[4],d=n[7],u=n[2],f=n[5],g=n[8],y=s[0],p=s[3],m=s[6],x=s[1],E=s[4],S=s[7],R=s[2],M=s[5],_=s[8];return r[0]=o*y+a*x+l*R,r[3]=o*p+a*E+l*M,r[6]=o*m+a*S+l*_,r[1]=c*y+h*x+d*R,r[4]=c*p+h*E+d*M,r[7]=c*m+h*S+d*_,r[2]=u*y+f*x+g*R,r[5]=u*p+f*E+g*M,r[8]=u*m+f*S+g*_,this}multiplyScalar(e){let t=this.elements;return t[0]*=e,t[3]*=e,t[6]*=e,t[1]*=e,t[4]*=e,t[7]*=e,t[2]*=e,t[5]*=e,t[8]*=e,this}determinant(){let e=this.elements,t=e[0],n=e[1],s=e[2],r=e[3],o=e[4],a=e[5],l=e[6],c=e[7],h=e[8];return t*o*h-t*a*c-n*r*h+n*a*l+s*r*c-s*o*l}invert(){let e=this.elements,t=e[0],n=e[1],s=e[2],r=e[3],o=e[4],a=e[5],l=e[6],c=e[7],h=e[8],d=h*o-a*c,u=a*l-h*r,f=c*r-o*l,g=t*d+n*u+s*f;if(g===0)return this.set(0,0,0,0,0,0,0,0,0);let y=1/g;return e[0]=d*y,e[1]=(s*c-h*n)*y,e[2]=(a*n-s*o)*y,e[3]=u*y,e[4]=(h*t-s*l)*y,e[5]=(s*r-a*t)*y,e[6]=f*y,e[7]=(n*l-c*t)*y,e[8]=(o*t-n*r)*y,this}transpose(){let e,t=this.elements;return e=t[1],t[1]=t[3],t[3]=e,e=t[2],t[2]=t[6],t[6]=e,e=t[5],t[5]=t[7],t[7]=e,this}getNormalMatrix(e){return this.setFromMatrix4(e).invert().transpose()}transposeIntoArray(e){let t=this.elements;return e[0]=t[0],e[1]=t[3],e[2]=t[6],e[3]=t[1],e[4]=t[4],e[5]=t[7],e[6]=t[2],e[7]=t[5],e[8]=t[8],this}setUvTransform(e,t,n,s,r,o,a){let l=Math.cos(r),c=Math.sin(r);return this.set(n*l,n*c,-n*(l*o+c*a)+o+e,-s*c,s*l,-s*(-c*o+l*a)+a+t,0,0,1),this}scale(e,t){return fa("Matrix3: .scale() is deprecated. Use .makeScale() instead."),this.premultiply(Ju.makeScale(e,t)),this}rotate(e){return fa("Matrix3: .rotate() is deprecated. Use .makeRotation() instead."),this.premultiply(Ju.makeRotation(-e)),this}translate(e,t){return fa("Matrix3: .translate() is deprecated. Use .makeTranslation() instead."),this.premultiply(Ju.makeTranslation(e,t)),this}makeTranslation(e,t){return e.isVector2?this.set(1,0,e.x,0,1,e.y,0,0,1):this.set(1,0,e,0,1,t,0,0,1),this}makeRotation(e){let t=Math.cos(e),n=Math.sin(e);return this.set(t,-n,0,n,t,0,0,0,1),this}makeScale(e,t){return this.set(e,0,0,0,t,0,0,0,1),this}equals(e){let t=this.elements,n=e.elements;for(let s=0;s<9;s++)if(t[s]!==n[s])return!1;return!0}fromArray(e,t=0){for(let n=0;n<9;n++)this.elements[n]=e[n+t];return this}toArray(e=[],t=0){let n=this.elements;return e[t]=n[0],e[t+1]=n[1],e[t+2]=n[2],e[t+3]=n[3],e[t+4]=n[4],e[t+5]=n[5],e[t+6]=n[6],e[t+7]=n[7],e[t+8]=n[8],e}clone(){return new this.constructor().fromArray(this.elements)}},Ju=new it,am=new it().set(.4123908,.3575843,.1804808,.212639,.7151687,.0721923,.0193308,.1191948,.9505322),lm=new it().set(3.2409699,-1.5373832,-.4986108,-.9692436,1.8759675,.0415551,.0556301,-.203977,1.0569715);function Ev(){let i={enabled:!0,workingColorSpace:ya,spaces:{},convert:function(s,r,o){return this.enabled===!1||r===o||!r||!o||(this.spaces[r].transfer===Rt&&(s.r=Ps(s.r),s.g=Ps(s.g),s.b=Ps(s.b)),this.spaces[r].primaries!==this.spaces[o].primaries&&(s.applyMatrix3(this.spaces[r].toXYZ),s.applyMatrix3(this.spaces[o].fromXYZ)),this.spaces[o].transfer===Rt&&(s.r=uo(s.r),s.g=uo(s.g),s.b=uo(s.b))),s},workingToColorSpace:function(s,r){return this.convert(s,this.workingColorSpace,r)},colorSpaceToWorking:function(s,r){return this.convert(s,r,this.workingColorSpace)},getPrimaries:function(s){return this.spaces[s].primaries},getTransfer:function(s){return s===ks?_a:this.spaces[s].transfer},getToneMappingMode:function(s){return this.spaces[s].outputColorSpaceConfig.toneMappingMode||"standard"},getLuminanceCoefficients:function(s,r=this.workingColorSpace){return s.fromArray(this.spaces[r].luminanceCoefficients)},define:function(s){Object.assign(this.spaces,s)},_getMatrix:function(s,r,o){return s.copy(this.spaces[o].fromXYZ).multiply(this.spaces[r].toXYZ)},_getDrawingBufferColorSpace:function(s){return this.spaces[s].outputColorSpaceConfig.drawingBufferColorSpace},_getUnpackColorSpace:function(s=this.workingColorSpace){return this.spaces[s].workingColorSpaceConfig.unpackColorSpace}},e=[.64,.33,.3,.6,.15,.06],t=[.2126,.7152,.0722],n=[.3127,.329];return i.define({[ya]:{primaries:e,whitePoint:n,transfer:_a,toXYZ:am,fromXYZ:lm,luminanceCoefficients:t,workingColorSpaceConfig:{unpackColorSpace:xi},outputColorSpaceConfig:{drawingBufferColorSpace:xi}},[xi]:{primaries:e,whitePoint:n,transfer:Rt,toXYZ:am,fromXYZ:lm,luminanceCoefficients:t,outputColorSpaceConfig:{drawingBufferColorSpace:xi}}}),i}var _t=Ev();function Ps(i){return i<.04045?i*.0773993808:Math.pow(i*.9478672986+.0521327014,2.4)}function uo(i){return i<.0031308?i*12.92:1.055*Math.pow(i,.41666)-.055}var Jr,mc=class{static getDataURL(e,t="image/png"){if(/^data:/i.test(e.src)||typeof HTMLCanvasElement>"u")return e.src;let n;if(e instanceof HTMLCanvasElement)n=e;else{Jr===void 0&&(Jr=va("canvas")),Jr.width=e.width,Jr.height=e.height;let s=Jr.getContext("2d");e instanceof ImageData?s.putImageData(e,0,0):s.drawImage(e,0,0,e.width,e.height),n=Jr}return n.toDataURL(t)}static sRGBToLinear(e){if(typeof HTMLImageElement<"u"&&e instanceof HTMLImageElement||typeof HTMLCanvasElement<"u"&&e instanceof HTMLCanvasElement||typeof ImageBitmap<"u"&&e instanceof ImageBitmap){let t=va("canvas");t.width=e.width,t.height=e.height;let n=t.getContext("2d");n.drawImage(e,0,0,e.width,e.height);let s=n.getImageData(0,0,e.width,e.height),r=s.data;for(let o=0;o<r.length;o++)r[o]=Ps(r[o]/255)*255;return n.putImageData(s,0,0),t}else if(e.data){let t=e.data.slice(0);for(let n=0;n<t.length;n++)t instanceof Uint8Array||t instanceof Uint8ClampedArray?t[n]=Math.floor(Ps(t[n]/255)*255):t[n]=Ps(t[n]);return{data:t,width:e.width,height:e.height}}else return Ye("ImageUtils.sRGBToLinear(): Unsupported image type. No color space conversion applied."),e}},Rv=0,yo=class{constructor(e=null){this.isTextureSource=!0,Object.defineProperty(this,"id",{value:Rv++}),this.uuid=Lo(),this.data=e,this.dataReady=!0,this.version=0}getSize(e){let t=this.data;return typeof HTMLVideoElement<"u"&&t instanceof HTMLVideoElement?e.set(t.videoWidth,t.videoHeight,0):typeof VideoFrame<"u"&&t instanceof VideoFrame?e.set(t.displayWidth,t.displayHeight,0):t!==null?e.set(t.width||0,t.height||0,t.depth||0):e.set(0,0,0),e}set needsUpdate(e){e===!0&&this.version++}toJSON(e){let t=e===void 0||typeof e=="string";if(!t&&e.images[this.uuid]!==void 0)return e.images[this.uuid];let n={uuid:this.uuid,url:""},s=this.data;if(s!==null){let r;if(Array.isArray(s)){r=[];for(let o=0,a=s.length;o<a;o++)s[o].isDataTexture?r.push(ju(s[o].image)):r.push(ju(s[o]))}else r=ju(s);n.url=r}return t||(e.images[this.uuid]=n),n}};function ju(i){return typeof HTMLImageElement<"u"&&i instanceof HTMLImageElement||typeof HTMLCanvasElement<"u"&&i instanceof HTMLCanvasElement||typeof ImageBitmap<"u"&&i instanceof ImageBitmap?mc.getDataURL(i):i.data?{data:Array.from(i.data),width:i.width,height:i.height,type:i.data.constructor.name}:(Ye("Texture: Unable to serialize Texture."),{})}var Cv=0,Qu=new W,ci=class i extends qi{constructor(e=i.DEFAULT_IMAGE,t=i.DEFAULT_MAPPING,n=us,s=us,r=ii,o=Fs,a=ji,l=hi,c=i.DEFAULT_ANISOTROPY,h=ks){super(),this.isTexture=!0,Object.defineProperty(this,"id",{value:Cv++}),this.uuid=Lo(),this.name="",this.source=new yo(e),this.mipmaps=[],this.mapping=t,this.channel=0,this.wrapS=n,this.wrapT=s,this.magFilter=r,this.minFilter=o,this.anisotropy=c,this.format=a,this.internalFormat=null,this.type=l,this.offset=new $e(0,0),this.repeat=new $e(1,1),this.center=new $e(0,0),this.rotation=0,this.matrixAutoUpdate=!0,this.matrix=new it,this.generateMipmaps=!0,this.mipmapsAutoUpdate=!0,this.premultiplyAlpha=!1,this.flipY=!0,this.unpackAlignment=4,this.colorSpace=h,this.userData={},this.updateRanges=[],this.version=0,this.onUpdate=null,this.renderTarget=null,this.isRenderTargetTexture=!1,this.isArrayTexture=!!(e&&e.depth&&e.depth>1),this.pmremVersion=0,this.isPMREMTexture=!1,this.normalized=!1}get width(){return this.source.getSize(Qu).x}get height(){return this.source.getSize(Qu).y}get depth(){return this.source.getSize(Qu).z}get image(){return this.source.data}set image(e){this.source.data=e}updateMatrix(){this.matrix.setUvTransform(this.offset.x,this.offset.y,this.repeat.x,this.repeat.y,this.rotation,this.center.x,this.center.y)}addUpdateRange(e,t){this.updateRanges.push({start:e,count:t})}clearUpdateRanges(){this.updateRanges.length=0}clone(){return new this.constructor().copy(this)}copy(e){return this.name=e.name,this.source=e.source,this.mipmaps=e.mipmaps.slice(0),this.mapping=e.mapping,this.channel=e.channel,this.wrapS=e.wrapS,this.wrapT=e.wrapT,this.magFilter=e.magFilter,this.minFilter=e.minFilter,this.anisotropy=e.anisotropy,this.format=e.format,this.internalFormat=e.internalFormat,this.type=e.type,this.normalized=e.normalized,this.offset.copy(e.offset),this.repeat.copy(e.repeat),this.center.copy(e.center),this.rotation=e.rotation,this.matrixAutoUpdate=e.matrixAutoUpdate,this.matrix.copy(e.matrix),this.generateMipmaps=e.generateMipmaps,this.mipmapsAutoUpdate=e.mipmapsAutoUpdate,this.premultiplyAlpha=e.premultiplyAlpha,this.flipY=e.flipY,this.unpackAlignment=e.unpackAlignment,this.colorSpace=e.colorSpace,this.renderTarget=e.renderTarget,this.isRenderTargetTexture=e.isRenderTargetTexture,this.isPMREMTexture=e.isPMREMTexture,this.isArrayTexture=e.isArrayTexture,this.userData=JSON.parse(JSON.stringify(e.userData)),this.needsUpdate=!0,this}setValues(e){for(let t in e){let n=e[t];if(n===void 0){Ye(`Texture.setValues(): parameter '${t}' has value of undefined.`);continue}let s=this[t];if(s===void 0){Ye(`Texture.setValues(): property '${t}' does not exist.`);continue}s&&n&&s.isVector2&&n.isVector2||s&&n&&s.isVector3&&n.isVector3||s&&n&&s.isMatrix3&&n.isMatrix3?s.copy(n):this[t]=n}}toJSON(e){let t=e===void 0||typeof e=="string";if(!t&&e.textures[this.uuid]!==void 0)return e.textures[this.uuid];let n={metadata:{version:4.7,type:"Texture",generator:"Texture.toJSON"},uuid:this.uuid,name:this.name,image:this.source.toJSON(e).uuid,mapping:this.mapping,channel:this.channel,repeat:[this.repeat.x,this.repeat.y],offset:[this.offset.x,this.offset.y],center:[this.center.x,this.center.y],rotation:this.rotation,wrap:[this.wrapS,this.wrapT],format:this.format,internalFormat:this.internalFormat,type:this.type,normalized:this.normalized,colorSpace:this.colorSpace,minFilter:this.minFilter,magFilter:this.magFilter,anisotropy:this.anisotropy,flipY:this.flipY,generateMipmaps:this.generateMipmaps,mipmapsAutoUpdate:this.mipmapsAutoUpdate,premultiplyAlpha:this.premultiplyAlpha,unpackAlignment:this.unpackAlignment};return Object.keys(this.userData).length>0&&(n.userData=this.userData),t||(e.textures[this.uuid]=n),n}dispose(){this.dispatchEvent({type:"dispose"})}transformUv(e){if(this.mapping!==Bd)return e;if(e.applyMatrix3(this.matrix),e.x<0||e.x>1)switch(this.wrapS){case dc:e.x=e.x-Math.floor(e.x);break;case us:e.x=e.x<0?0:1;break;case fc:Math.abs(Math.floor(e.x)%2)===1?e.x=Math.ceil(e.x)-e.x:e.x=e.x-Math.floor(e.x);break}if(e.y<0||e.y>1)switch(this.wrapT){case dc:e.y=e.y-Math.floor(e.y);break;case us:e.y=e.y<0?0:1;break;case fc:Math.abs(Math.floor(e.y)%2)===1?e.y=Math.ceil(e.y)-e.y:e.y=e.y-Math.floor(e.y);break}return this.flipY&&(e.y=1-e.y),e}set needsUpdate(e){e===!0&&(this.version++,this.source.needsUpdate=!0)}set needsPMREMUpdate(e){e===!0&&this.pmremVersion++}};ci.DEFAULT_IMAGE=null;ci.DEFAULT_MAPPING=Bd;ci.DEFAULT_ANISOTROPY=1;var jt=class{static{this.prototype.isVector4=!0}constructor(e=0,t=0,n=0,s=1){this.x=e,this.y=t,this.z=n,this.w=s}get width(){return this.z}set width(e){this.z=e}get height(){return this.w}set height(e){this.w=e}set(e,t,n,s){return this.x=e,this.y=t,this.z=n,this.w=s,this}setScalar(e){return this.x=e,this.y=e,this.z=e,this.w=e,this}setX(e){return this.x=e,this}setY(e){return this.y=e,this}setZ(e){return this.z=e,this}setW(e){return this.w=e,this}setComponent(e,t){switch(e){case 0:this.x=t;break;case 1:this.y=t;break;case 2:this.z=t;break;case 3:this.w=t;break;default:throw new Error("THREE.Vector4: index is out of range: "+e)}return this}getComponent(e){switch(e){case 0:return this.x;case 1:return this.y;case 2:return this.z;case 3:return this.w;default:throw new Error("THREE.Vector4: index is out of range: "+e)}}clone(){return new this.constructor(this.x,this.y,this.z,this.w)}copy(e){return this.x=e.x,this.y=e.y,this.z=e.z,this.w=e.w!==void 0?e.w:1,this}add(e){return this.x+=e.x,this.y+=e.y,this.z+=e.z,this.w+=e.w,this}addScalar(e){return this.x+=e,this.y+=e,this.z+=e,this.w+=e,this}addVectors(e,t){return this.x=e.x+t.x,this.y=e.y+t.y,this.z=e.z+t.z,this.w=e.w+t.w,this}addScaledVector(e,t){return this.x+=e.x*t,this.y+=e.y*t,this.z+=e.z*t,this.w+=e.w*t,this}sub(e){return this.x-=e.x,this.y-=e.y,this.z-=e.z,this.w-=e.w,this}subScalar(e){return this.x-=e,this.y-=e,this.z-=e,this.w-=e,this}subVectors(e,t){return this.x=e.x-t.x,this.y=e.y-t.y,this.z=e.z-t.z,this.w=e.w-t.w,this}multiply(e){return this.x*=e.x,this.y*=e.y,this.z*=e.z,this.w*=e.w,this}multiplyScalar(e){return this.x*=e,this.y*=e,this.z*=e,this.w*=e,this}applyMatrix4(e){let t=this.x,n=this.y,s=this.z,r=this.w,o=e.elements;return this.x=o[0]*t+o[4]*n+o[8]*s+o[12]*r,this.y=o[1]*t+o[5]*n+o[9]*s+o[13]*r,this.z=o[2]*t+o[6]*n+o[10]*s+o[14]*r,this.w=o[3]*t+o[7]*n+o[11]*s+o[15]*r,this}divide(e){return this.x/=e.x,this.y/=e.y,this.z/=e.z,this.w/=e.w,this}divideScalar(e){return this.multiplyScalar(1/e)}setAxisAngleFromQuaternion(e){this.w=2*Math.acos(e.w);let t=Math.sqrt(1-e.w*e.w);return t<1e-4?(this.x=1,this.y=0,this.z=0):(this.x=e.x/t,this.y=e.y/t,this.z=e.z/t),this}setAxisAngleFromRotationMatrix(e){let t,n,s,r,l=e.elements,c=l[0],h=l[4],d=l[8],u=l[1],f=l[5],g=l[9],y=l[2],p=l[6],m=l[10];if(Math.abs(h-u)<.01&&Math.abs(d-y)<.01&&Math.abs(g-p)<.01){if(Math.abs(h+u)<.1&&Math.abs(d+y)<.1&&Math.abs(g+p)<.1&&Math.abs(c+f+m-3)<.1)return this.set(1,0,0,0),this;t=Math.PI;let E=(c+1)/2,S=(f+1)/2,R=(m+1)/2,M=(h+u)/4,_=(d+y)/4,A=(g+p)/4;return E>S&&E>R?E<.01?(n=0,s=.707106781,r=.707106781):(n=Math.sqrt(E),s=M/n,r=_/n):S>R?S<.01?(n=.707106781,s=0,r=.707106781):(s=Math.sqrt(S),n=M/s,r=A/s):R<.01?(n=.707106781,s=.707106781,r=0):(r=Math.sqrt(R),n=_/r,s=A/r),this.set(n,s,r,t),this}let x=Math.sqrt((p-g)*(p-g)+(d-y)*(d-y)+(u-h)*(u-h));return Math.abs(x)<.001&&(x=1),this.x=(p-g)/x,this.y=(d-y)/x,this.z=(u-h)/x,this.w=Math.acos((c+f+m-1)/2),this}setFromMatrixPosition(e){let t=e.elements;return this.x=t[12],this.y=t[13],this.z=t[14],this.w=t[15],this}min(e){return this.x=Math.min(this.x,e.x),this.y=Math.min(this.y,e.y),this.z=Math.min(this.z,e.z),this.w=Math.min(this.w,e.w),this}max(e){return this.x=Math.max(this.x,e.x),this.y=Math.max(this.y,e.y),this.z=Math.max(this.z,e.z),this.w=Math.max(this.w,e.w),this}clamp(e,t){return this.x=mt(this.x,e.x,t.x),this.y=mt(this.y,e.y,t.y),this.z=mt(this.z,e.z,t.z),this.w=mt(this.w,e.w,t.w),this}clampScalar(e,t){return this.x=mt(this.x,e,t),this.y=mt(this.y,e,t),this.z=mt(this.z,e,t),this.w=mt(this.w,e,t),this}clampLength(e,t){let n=this.length();return this.divideScalar(n||1).multiplyScalar(mt(n,e,t))}floor(){return this.x=Math.floor(this.x),this.y=Math.floor(this.y),this.z=Math.floor(this.z),this.w=Math.floor(this.w),this}ceil(){return this.x=Math.ceil(this.x),this.y=Math.ceil(this.y),this.z=Math.ceil(this.z),this.w=Math.ceil(this.w),this}round(){return this.x=Math.round(this.x),this.y=Math.round(this.y),this.z=Math.round(this.z),this.w=Math.round(this.w),this}roundToZero(){return this.x=Math.trunc(this.x),this.y=Math.trunc(this.y),this.z=Math.trunc(this.z),this.w=Math.trunc(this.w),this}negate(){return this.x=-this.x,this.y=-this.y,this.z=-this.z,this.w=-this.w,this}dot(e){return this.x*e.x+this.y*e.y+this.z*e.z+this.w*e.w}lengthSq(){return this.x*this.x+this.y*this.y+this.z*this.z+this.w*this.w}length(){return Math.sqrt(this.x*this.x+this.y*this.y+this.z*this.z+this.w*this.w)}manhattanLength(){return Math.abs(this.x)+Math.abs(this.y)+Math.abs(this.z)+Math.abs(this.w)}normalize(){return this.divideScalar(this.length()||1)}setLength(e){return this.normalize().multiplyScalar(e)}lerp(e,t){return this.x+=(e.x-this.x)*t,this.y+=(e.y-this.y)*t,this.z+=(e.z-this.z)*t,this.w+=(e.w-this.w)*t,this}lerpVectors(e,t,n){return this.x=e.x+(t.x-e.x)*n,this.y=e.y+(t.y-e.y)*n,this.z=e.z+(t.z-e.z)*n,this.w=e.w+(t.w-e.w)*n,this}equals(e){return e.x===this.x&&e.y===this.y&&e.z===this.z&&e.w===this.w}fromArray(e,t=0){return this.x=e[t],this.y=e[t+1],this.z=e[t+2],this.w=e[t+3],this}toArray(e=[],t=0){return e[t]=this.x,e[t+1]=this.y,e[t+2]=this.z,e[t+3]=this.w,e}fromBufferAttribute(e,t){return this.x=e.getX(t),this.y=e.getY(t),this.z=e.getZ(t),this.w=e.getW(t),this}random(){return this.x=Math.random(),this.y=Math.random(),this.z=Math.random(),this.w=Math.random(),this}*[Symbol.iterator](){yield this.x,yield this.y,yield this.z,yield this.w}},gc=class extends qi{constructor(e=1,t=1,n={}){super(),n=Object.assign({generateMipmaps:!1,internalFormat:null,minFilter:ii,depthBuffer:!0,stencilBuffer:!1,resolveColorBuffer:!0,resolveDepthBuffer:!0,resolveStencilBuffer:!0,storeMultisampledColorBuffer:!0,storeMultisampledDepthBuffer:!0,storeMultisampledStencilBuffer:!0,depthTexture:null,samples:0,count:1,depth:1,multiview:!1,useArrayDepthTexture:!1},n),this.isRenderTarget=!0,this.width=e,this.height=t,this.depth=n.depth,this.scissor=new jt(0,0,e,t),this.scissorTest=!1,this.viewport=new jt(0,0,e,t),this.textures=[];let s=n.count;for(let r=0;r<s;r++)this.textures[r]=new ci({width:e,height:t,depth:n.depth}),this.textures[r].isRenderTargetTexture=!0,this.textures[r].renderTarget=this;this._setTextureOptions(n),this.depthBuffer=n.depthBuffer,this.stencilBuffer=n.stencilBuffer,this.resolveColorBuffer=n.resolveColorBuffer,this.resolveDepthBuffer=n.resolveDepthBuffer,this.resolveStencilBuffer=n.resolveStencilBuffer,this.storeMultisampledColorBuffer=n.storeMultisampledColorBuffer,this.storeMultisampledDepthBuffer=n.storeMultisampledDepthBuffer,this.storeMultisampledStencilBuffer=n.storeMultisampledStencilBuffer,this._depthTexture=null,this.depthTexture=n.depthTexture,this.samples=n.samples,this.multiview=n.multiview,this.useArrayDepthTexture=n.useArrayDepthTexture}_setTextureOptions(e={}){let t={minFilter:ii,generateMipmaps:!1,flipY:!1,internalFormat:null};e.mapping!==void 0&&(t.mapping=e.mapping),e.wrapS!==void 0&&(t.wrapS=e.wrapS),e.wrapT!==void 0&&(t.wrapT=e.wrapT),e.wrapR!==void 0&&(t.wrapR=e.wrapR),e.magFilter!==void 0&&(t.magFilter=e.magFilter),e.minFilter!==void 0&&(t.minFilter=e.minFilter),e.format!==void 0&&(t.format=e.format),e.type!==void 0&&(t.type=e.type),e.anisotropy!==void 0&&(t.anisotropy=e.anisotropy),e.colorSpace!==void 0&&(t.colorSpace=e.colorSpace),e.flipY!==void 0&&(t.flipY=e.flipY),e.generateMipmaps!==void 0&&(t.generateMipmaps=e.generateMipmaps),e.mipmapsAutoUpdate!==void 0&&(t.mipmapsAutoUpdate=e.mipmapsAutoUpdate),e.internalFormat!==void 0&&(t.internalFormat=e.internalFormat);for(let n=0;n<this.textures.length;n++)this.textures[n].setValues(t)}get texture(){return this.textures[0]}set texture(e){this.textures[0]=e}set depthTexture(e){this._depthTexture!==null&&this._depthTexture.renderTarget===this&&(this._depthTexture.renderTarget=null),e!==null&&e.renderTarget===null&&(e.renderTarget=this),this._depthTexture=e}get depthTexture(){return this._depthTexture}setSize(e,t,n=1){if(this.width!==e||this.height!==t||this.depth!==n){this.width=e,this.height=t,this.depth=n;for(let s=0,r=this.textures.length;s<r;s++)this.textures[s].image.width=e,this.textures[s].image.height=t,this.textures[s].image.depth=n,this.textures[s].isData3DTexture!==!0&&(this.textures[s].isArrayTexture=this.textures[s].image.depth>1);this.dispose()}this.viewport.set(0,0,e,t),this.scissor.set(0,0,e,t)}clone(){return new this.constructor().copy(this)}copy(e){this.width=e.width,this.height=e.height,this.depth=e.depth,this.scissor.copy(e.scissor),this.scissorTest=e.scissorTest,this.viewport.copy(e.viewport),this.textures.length=0;for(let t=0,n=e.textures.length;t<n;t++){this.textures[t]=e.textures[t].clone(),this.textures[t].isRenderTargetTexture=!0,this.textures[t].renderTarget=this;let s=Object.assign({},e.textures[t].image);this.textures[t].source=new yo(s)}if(this.depthBuffer=e.depthBuffer,this.stencilBuffer=e.stencilBuffer,this.resolveColorBuffer=e.resolveColorBuffer,this.resolveDepthBuffer=e.resolveDepthBuffer,this.resolveStencilBuffer=e.resolveStencilBuffer,this.storeMultisampledColorBuffer=e.storeMultisampledColorBuffer,this.storeMultisampledDepthBuffer=e.storeMultisampledDepthBuffer,this.storeMultisampledStencilBuffer=e.storeMultisampledStencilBuffer,e.depthTexture!==null)if(e.depthTexture.renderTarget===e){let t=e.depthTexture.clone();t.renderTarget=null,this.depthTexture=t}else this.depthTexture=e.depthTexture;else this.depthTexture=null;return this.samples=e.samples,this.multiview=e.multiview,this.useArrayDepthTexture=e.useArrayDepthTexture,this}dispose(){this.dispatchEvent({type:"dispose"})}},bi=class extends gc{constructor(e=1,t=1,n={}){super(e,t,n),this.isWebGLRenderTarget=!0}},xa=class extends ci{constructor(e=null,t=1,n=1,s=1){super(null),this.isDataArrayTexture=!0,this.image={data:e,width:t,height:n,depth:s},this.magFilter=kn,this.minFilter=kn,this.wrapR=us,this.generateMipmaps=!1,this.flipY=!1,this.unpackAlignment=1,this.layerUpdates=new Set}copy(e){return super.copy(e),this.wrapR=e.wrapR,this}addLayerUpdate(e){this.layerUpdates.add(e)}clearLayerUpdates(){this.layerUpdates.clear()}};var yc=class extends ci{constructor(e=null,t=1,n=1,s=1){super(null),this.isData3DTexture=!0,this.image={data:e,width:t,height:n,depth:s},this.magFilter=kn,this.minFilter=kn,this.wrapR=us,this.generateMipmaps=!1,this.flipY=!1,this.unpackAlignment=1}copy(e){return super.copy(e),this.wrapR=e.wrapR,this}};var Mt=class i{static{this.prototype.isMatrix4=!0}constructor(e,t,n,s,r,o,a,l,c,h,d,u,f,g,y,p){this.elements=[1,0,0,0,0,1,0,0,0,0,1,0,0,0,0,1],e!==void 0&&this.set(e,t,n,s,r,o,a,l,c,h,d,u,f,g,y,p)}set(e,t,n,s,r,o,a,l,c,h,d,u,f,g,y,p){let m=this.elements;return m[0]=e,m[4]=t,m[8]=n,m[12]=s,m[1]=r,m[5]=o,m[9]=a,m[13]=l,m[2]=c,m[6]=h,m[10]=d,m[14]=u,m[3]=f,m[7]=g,m[11]=y,m[15]=p,this}identity(){return this.set(1,0,0,0,0,1,0,0,0,0,1,0,0,0,0,1),this}clone(){return new i().fromArray(this.elements)}copy(e){let t=this.elements,n=e.elements;return t[0]=n[0],t[1]=n[1],t[2]=n[2],t[3]=n[3],t[4]=n[4],t[5]=n[5],t[6]=n[6],t[7]=n[7],t[8]=n[8],t[9]=n[9],t[10]=n[10],t[11]=n[11],t[12]=n[12],t[13]=n[13],t[14]=n[14],t[15]=n[15],this}copyPosition(e){let t=this.elements,n=e.elements;return t[12]=n[12],t[13]=n[13],t[14]=n[14],this}setFromMatrix3(e){let t=e.elements;return this.set(t[0],t[3],t[6],0,t[1],t[4],t[7],0,t[2],t[5],t[8],0,0,0,0,1),this}extractBasis(e,t,n){return this.determinantAffine()===0?(e.set(1,0,0),t.set(0,1,0),n.set(0,0,1),this):(e.setFromMatrixColumn(this,0),t.setFromMatrixColumn(this,1),n.setFromMatrixColumn(this,2),this)}makeBasis(e,t,n){return this.set(e.x,t.x,n.x,0,e.y,t.y,n.y,0,e.z,t.z,n.z,0,0,0,0,1),this}extractRotation(e){if(e.determinantAffine()===0)return this.identity();let t=this.elements,n=e.elements,s=1/jr.setFromMatrixColumn(e,0).length(),r=1/jr.setFromMatrixColumn(e,1).length(),o=1/jr.setFromMatrixColumn(e,2).length();return t[0]=n[0]*s,t[1]=n[1]*s,t[2]=n[2]*s,t[3]=0,t[4]=n[4]*r,t[5]=n[5]*r,t[6]=n[6]*r,t[7]=0,t[8]=n[8]*o,t[9]=n[9]*o,t[10]=n[10]*o,t[11]=0,t[12]=0,t[13]=0,t[14]=0,t[15]=1,this}makeRotationFromEuler(e){let t=this.elements,n=e.x,s=e.y,r=e.z,o=Math.cos(n),a=Math.sin(n),l=Math.cos(s),c=Math.sin(s),h=Math.cos(r),d=Math.sin(r);if(e.order==="XYZ"){let u=o*h,f=o*d,g=a*h,y=a*d;t[0]=l*h,t[4]=-l*d,t[8]=c,t[1]=f+g*c,t[5]=u-y*c,t[9]=-a*l,t[2]=y-u*c,t[6]=g+f*c,t[10]=o*l}else if(e.order==="YXZ"){let u=l*h,f=l*d,g=c*h,y=c*d;t[0]=u+y*a,t[4]=g*a-f,t[8]=o*c,t[1]=o*d,t[5]=o*h,t[9]=-a,t[2]=f*a-g,t[6]=y+u*a,t[10]=o*l}else if(e.order==="ZXY"){let u=l*h,f=l*d,g=c*h,y=c*d;t[0]=u-y*a,t[4]=-o*d,t[8]=g+f*a,t[1]=f+g*a,t[5]=o*h,t[9]=y-u*a,t[2]=-o*c,t[6]=a,t[10]=o*l}else if(e.order==="ZYX"){let u=o*h,f=o*d,g=a*h,y=a*d;t[0]=l*h,t[4]=g*c-f,t[8]=u*c+y,t[1]=l*d,t[5]=y*c+u,t[9]=f*c-g,t[2]=-c,t[6]=a*l,t[10]=o*l}else if(e.order==="YZX"){let u=o*l,f=o*c,g=a*l,y=a*c;t[0]=l*h,t[4]=y-u*d,t[8]=g*d+f,t[1]=d,t[5]=o*h,t[9]=-a*h,t[2]=-c*h,t[6]=f*d+g,t[10]=u-y*d}else if(e.order==="XZY"){let u=o*l,f=o*c,g=a*l,y=a*c;t[0]=l*h,t[4]=-d,t[8]=c*h,t[1]=u*d+y,t[5]=o*h,t[9]=f*d-g,t[2]=g*d-f,t[6]=a*h,t[10]=y*d+u}return t[3]=0,t[7]=0,t[11]=0,t[12]=0,t[13]=0,t[14]=0,t[15]=1,this}makeRotationFromQuaternion(e){return this.compose(Pv,e,Iv)}lookAt(e,t,n){let s=this.elements;return _i.subVectors(e,t),_i.lengthSq()===0&&(_i.z=1),_i.normalize(),Js.crossVectors(n,_i),Js.lengthSq()===0&&(Math.abs(n.z)===1?_i.x+=1e-4:_i.z+=1e-4,_i.normalize(),Js.crossVectors(n,_i)),Js.normalize(),Ll.crossVectors(_i,Js),s[0]=Js.x,s[4]=Ll.x,s[8]=_i.x,s[1]=Js.y,s[5]=Ll.y,s[9]=_i.y,s[2]=Js.z,s[6]=Ll.z,s[10]=_i.z,this}multiply(e){return this.multiplyMatrices(this,e)}premultiply(e){return this.multiplyMatrices(e,this)}multiplyMatrices(e,t){let n=e.elements,s=t.elements,r=this.elements,o=n[0],a=n[4],l=n[8],c=n[12],h=n[1],d=n[5],u=n[9],f=n[13],g=n[2],y=n[6],p=n[10],m=n[14],x=n[3],E=n[7],S=n[11],R=n[15],M=s[0],_=s[4],A=s[8],k=s[12],D=s[1],L=s[5],B=s[9],V=s[13],P=s[2],U=s[6],X=s[10],G=s[14],oe=s[3],Y=s[7],J=s[11],ne=s[15];return r[0]=o*M+a*D+l*P+c*oe,r[4]=o*_+a*L+l*U+c*Y,r[8]=o*A+a*B+l*X+c*J,r[12]=o*k+a*V+l*G+c*ne,r[1]=h*M+d*D+u*P+f*oe,r[5]=h*_+d*L+u*U+f*Y,r[9]=h*A+d*B+u*X+f*J,r[13]=h*k+d*V+u*G+f*ne,r[2]=g*M+y*D+p*P+m*oe,r[6]=g*_+y*L+p*U+m*Y,r[10]=g*A+y*B+p*X+m*J,r[14]=g*k+y*V+p*G+m*ne,r[3]=x*M+E*D+S*P+R*oe,r[7]=x*_+E*L+S*U+R*Y,r[11]=x*A+E*B+S*X+R*J,r[15]=x*k+E*V+S*G+R*ne,this}multiplyScalar(e){let t=this.elements;return t[0]*=e,t[4]*=e,t[8]*=e,t[12]*=e,t[1]*=e,t[5]*=e,t[9]*=e,t[13]*=e,t[2]*=e,t[6]*=e,t[10]*=e,t[14]*=e,t[3]*=e,t[7]*=e,t[11]*=e,t[15]*=e,this}determinant(){let e=this.elements,t=e[0],n=e[4],s=e[8],r=e[12],o=e[1],a=e[5],l=e[9],c=e[13],h=e[2],d=e[6],u=e[10],f=e[14],g=e[3],y=e[7],p=e[11],m=e[15],x=l*f-c*u,E=a*f-c*d,S=a*u-l*d,R=o*f-c*h,M=o*u-l*h,_=o*d-a*h;return t*(y*x-p*E+m*S)-n*(g*x-p*R+m*M)+s*(g*E-y*R+m*_)-r*(g*S-y*M+p*_)}determinantAffine(){let e=this.elements,t=e[0],n=e[4],s=e[8],r=e[1],o=e[5],a=e[9],l=e[2],c=e[6],h=e[10];return t*(o*h-a*c)-n*(r*h-a*l)+s*(r*c-o*l)}transpose(){let e=this.elements,t;return t=e[1],e[1]=e[4],e[4]=t,t=e[2],e[2]=e[8],e[8]=t,t=e[6],e[6]=e[9],e[9]=t,t=e[3],e[3]=e[12],e[12]=t,t=e[7],e[7]=e[13],e[13]=t,t=e[11],e[11]=e[14],e[14]=t,this}setPosition(e,t,n){let s=this.elements;return e.isVector3?(s[12]=e.x,s[13]=e.y,s[14]=e.z):(s[12]=e,s[13]=t,s[14]=n),this}invert(){let e=this.elements,t=e[0],n=e[1],s=e[2],r=e[3],o=e[4],a=e[5],l=e[6],c=e[7],h=e[8],d=e[9],u=e[10],f=e[11],g=e[12],y=e[13],p=e[14],m=e[15],x=t*a-n*o,E=t*l-s*o,S=t*c-r*o,R=n*l-s*a,M=n*c-r*a,_=s*c-r*l,A=h*y-d*g,k=h*p-u*g,D=h*m-f*g,L=d*p-u*y,B=d*m-f*y,V=u*m-f*p,P=x*V-E*B+S*L+R*D-M*k+_*A;if(P===0)return this.set(0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0);let U=1/P;return e[0]=(a*V-l*B+c*L)*U,e[1]=(s*B-n*V-r*L)*U,e[2]=(y*_-p*M+m*R)*U,e[3]=(u*M-d*_-f*R)*U,e[4]=(l*D-o*V-c*k)*U,e[5]=(t*V-s*D+r*k)*U,e[6]=(p*S-g*_-m*E)*U,e[7]=(h*_-u*S+f*E)*U,e[8]=(o*B-a*D+c*A)*U,e[9]=(n*D-t*B-r*A)*U,e[10]=(g*M-y*S+m*x)*U,e[11]=(d*S-h*M-f*x)*U,e[12]=(a*k-o*L-l*A)*U,e[13]=(t*L-n*k+s*A)*U,e[14]=(y*E-g*R-p*x)*U,e[15]=(h*R-d*E+u*x)*U,this}scale(e){let t=this.elements,n=e.x,s=e.y,r=e.z;return t[0]*=n,t[4]*=s,t[8]*=r,t[1]*=n,t[5]*=s,t[9]*=r,t[2]*=n,t[6]*=s,t[10]*=r,t[3]*=n,t[7]*=s,t[11]*=r,this}getMaxScaleOnAxis(){let e=this.elements,t=e[0]*e[0]+e[1]*e[1]+e[2]*e[2],n=e[4]*e[4]+e[5]*e[5]+e[6]*e[6],s=e[8]*e[8]+e[9]*e[9]+e[10]*e[10];return Math.sqrt(Math.max(t,n,s))}makeTranslation(e,t,n){return e.isVector3?this.set(1,0,0,e.x,0,1,0,e.y,0,0,1,e.z,0,0,0,1):this.set(1,0,0,e,0,1,0,t,0,0,1,n,0,0,0,1),this}makeRotationX(e){let t=Math.cos(e),n=Math.sin(e);return this.set(1,0,0,0,0,t,-n,0,0,n,t,0,0,0,0,1),this}makeRotationY(e){let t=Math.cos(e),n=Math.sin(e);return this.set(t,0,n,0,0,1,0,0,-n,0,t,0,0,0,0,1),this}makeRotationZ(e){let t=Math.cos(e),n=Math.sin(e);return this.set(t,-n,0,0,n,t,0,0,0,0,1,0,0,0,0,1),this}makeRotationAxis(e,t){let n=Math.cos(t),s=Math.sin(t),r=1-n,o=e.x,a=e.y,l=e.z,c=r*o,h=r*a;return this.set(c*o+n,c*a-s*l,c*l+s*a,0,c*a+s*l,h*a+n,h*l-s*o,0,c*l-s*a,h*l+s*o,r*l*l+n,0,0,0,0,1),this}makeScale(e,t,n){return this.set(e,0,0,0,0,t,0,0,0,0,n,0,0,0,0,1),this}makeShear(e,t,n,s,r,o){return this.set(1,n,r,0,e,1,o,0,t,s,1,0,0,0,0,1),this}compose(e,t,n){let s=this.elements,r=t._x,o=t._y,a=t._z,l=t._w,c=r+r,h=o+o,d=a+a,u=r*c,f=r*h,g=r*d,y=o*h,p=o*d,m=a*d,x=l*c,E=l*h,S=l*d,R=n.x,M=n.y,_=n.z;return s[0]=(1-(y+m))*R,s[1]=(f+S)*R,s[2]=(g-E)*R,s[3]=0,s[4]=(f-S)*M,s[5]=(1-(u+m))*M,s[6]=(p+x)*M,s[7]=0,s[8]=(g+E)*_,s[9]=(p-x)*_,s[10]=(1-(u+y))*_,s[11]=0,s[12]=e.x,s[13]=e.y,s[14]=e.z,s[15]=1,this}decompose(e,t,n){let s=this.elements;e.x=s[12],e.y=s[13],e.z=s[14];let r=this.determinantAffine();if(r===0)return n.set(1,1,1),t.identity(),this;let o=jr.set(s[0],s[1],s[2]).length(),a=jr.set(s[4],s[5],s[6]).length(),l=jr.set(s[8],s[9],s[10]).length();r<0&&(o=-o),Hi.copy(this);let c=1/o,h=1/a,d=1/l;return Hi.elements[0]*=c,Hi.elements[1]*=c,Hi.elements[2]*=c,Hi.elements[4]*=h,Hi.elements[5]*=h,Hi.elements[6]*=h,Hi.elements[8]*=d,Hi.elements[9]*=d,Hi.elements[10]*=d,t.setFromRotationMatrix(Hi),n.x=o,n.y=a,n.z=l,this}makePerspective(e,t,n,s,r,o,a=Li,l=!1){let c=this.elements,h=2*r/(t-e),d=2*r/(n-s),u=(t+e)/(t-e),f=(n+s)/(n-s),g,y;if(l)g=r/(o-r),y=o*r/(o-r);else if(a===Li)g=-(o+r)/(o-r),y=-2*o*r/(o-r);else if(a===po)g=-o/(o-r),y=-o*r/(o-r);else throw new Error("THREE.Matrix4.makePerspective(): Invalid coordinate system: "+a);return c[0]=h,c[4]=0,c[8]=u,c[12]=0,c[1]=0,c[5]=d,c[9]=f,c[13]=0,c[2]=0,c[6]=0,c[10]=g,c[14]=y,c[3]=0,c[7]=0,c[11]=-1,c[15]=0,this}makeOrthographic(e,t,n,s,r,o,a=Li,l=!1){let c=this.elements,h=2/(t-e),d=2/(n-s),u=-(t+e)/(t-e),f=-(n+s)/(n-s),g,y;if(l)g=1/(o-r),y=o/(o-r);else if(a===Li)g=-2/(o-r),y=-(o+r)/(o-r);else if(a===po)g=-1/(o-r),y=-r/(o-r);else throw new Error("THREE.Matrix4.makeOrthographic(): Invalid coordinate system: "+a);return c[0]=h,c[4]=0,c[8]=0,c[12]=u,c[1]=0,c[5]=d,c[9]=0,c[13]=f,c[2]=0,c[6]=0,c[10]=g,c[14]=y,c[3]=0,c[7]=0,c[11]=0,c[15]=1,this}equals(e){let t=this.elements,n=e.elements;for(let s=0;s<16;s++)if(t[s]!==n[s])return!1;return!0}fromArray(e,t=0){for(let n=0;n<16;n++)this.elements[n]=e[n+t];return this}toArray(e=[],t=0){let n=this.elements;return e[t]=n[0],e[t+1]=n[1],e[t+2]=n[2],e[t+3]=n[3],e[t+4]=n[4],e[t+5]=n[5],e[t+6]=n[6],e[t+7]=n[7],e[t+8]=n[8],e[t+9]=n[9],e[t+10]=n[10],e[t+11]=n[11],e[t+12]=n[12],e[t+13]=n[13],e[t+14]=n[14],e[t+15]=n[15],e}},jr=new W,Hi=new Mt,Pv=new W(0,0,0),Iv=new W(1,1,1),Js=new W,Ll=new W,_i=new W,cm=new Mt,hm=new si,Ls=class i{constructor(e=0,t=0,n=0,s=i.DEFAULT_ORDER){this.isEuler=!0,this._x=e,this._y=t,this._z=n,this._order=s}get x(){return this._x}set x(e){this._x=e,this._onChangeCallback()}get y(){return this._y}set y(e){this._y=e,this._onChangeCallback()}get z(){return this._z}set z(e){this._z=e,this._onChangeCallback()}get order(){return this._order}set order(e){this._order=e,this._onChangeCallback()}set(e,t,n,s=this._order){return this._x=e,this._y=t,this._z=n,this._order=s,this._onChangeCallback(),this}clone(){return new this.constructor(this._x,this._y,this._z,this._order)}copy(e){return this._x=e._x,this._y=e._y,this._z=e._z,this._order=e._order,this._onChangeCallback(),this}setFromRotationMatrix(e,t=this._order,n=!0){let s=e.elements,r=s[0],o=s[4],a=s[8],l=s[1],c=s[5],h=s[9],d=s[2],u=s[6],f=s[10];switch(t){case"XYZ":this._y=Math.asin(mt(a,-1,1)),Math.abs(a)<.9999999?(this._x=Math.atan2(-h,f),this._z=Math.atan2(-o,r)):(this._x=Math.atan2(u,c),this._z=0);break;case"YXZ":this._x=Math.asin(-mt(h,-1,1)),Math.abs(h)<.9999999?(this._y=Math.atan2(a,f),this._z=Math.atan2(l,c)):(this._y=Math.atan2(-d,r),this._z=0);break;case"ZXY":this._x=Math.asin(mt(u,-1,1)),Math.abs(u)<.9999999?(this._y=Math.atan2(-d,f),this._z=Math.atan2(-o,c)):(this._y=0,this._z=Math.atan2(l,r));break;case"ZYX":this._y=Math.asin(-mt(d,-1,1)),Math.abs(d)<.9999999?(this._x=Math.atan2(u,f),this._z=Math.atan2(l,r)):(this._x=0,this._z=Math.atan2(-o,c));break;case"YZX":this._z=Math.asin(mt(l,-1,1)),Math.abs(l)<.9999999?(this._x=Math.atan2(-h,c),this._y=Math.atan2(-d,r)):(this._x=0,this._y=Math.atan2(a,f));break;case"XZY":this._z=Math.asin(-mt(o,-1,1)),Math.abs(o)<.9999999?(this._x=Math.atan2(u,c),this._y=Math.atan2(a,r)):(this._x=Math.atan2(-h,f),this._y=0);break;default:Ye("Euler: .setFromRotationMatrix() encountered an unknown order: "+t)}return this._order=t,n===!0&&this._onChangeCallback(),this}setFromQuaternion(e,t,n){return cm.makeRotationFromQuaternion(e),this.setFromRotationMatrix(cm,t,n)}setFromVector3(e,t=this._order){return this.set(e.x,e.y,e.z,t)}reorder(e){return hm.setFromEuler(this),this.setFromQuaternion(hm,e)}equals(e){return e._x===this._x&&e._y===this._y&&e._z===this._z&&e._order===this._order}fromArray(e){return this._x=e[0],this._y=e[1],this._z=e[2],e[3]!==void 0&&(this._order=e[3]),this._onChangeCallback(),this}toArray(e=[],t=0){return e[t]=this._x,e[t+1]=this._y,e[t+2]=this._z,e[t+3]=this._order,e}_onChange(e){return this._onChangeCallback=e,this}_onChangeCallback(){}*[Symbol.iterator](){yield this._x,yield this._y,yield this._z,yield this._order}};Ls.DEFAULT_ORDER="XYZ";var _o=class{constructor(){this.mask=1}set(e){this.mask=(1<<e|0)>>>0}enable(e){this.mask|=1<<e|0}enableAll(){this.mask=-1}toggle(e){this.mask^=1<<e|0}disable(e){this.mask&=~(1<<e|0)}disableAll(){this.mask=0}test(e){return(this.mask&e.mask)!==0}isEnabled(e){return(this.mask&(1<<e|0))!==0}},Lv=0,um=new W,Qr=new si,Ts=new Mt,Dl=new W,oa=new W,Dv=new W,Nv=new si,dm=new W(1,0,0),fm=new W(0,1,0),pm=new W(0,0,1),mm={type:"added"},Uv={type:"removed"},eo={type:"childadded",child:null},ed={type:"childremoved",child:null},Bn=class i extends qi{constructor(){super(),this.isObject3D=!0,Object.defineProperty(this,"id",{value:Lv++}),this.uuid=Lo(),this.name="",this.type="Object3D",this.parent=null,this.children=[],this.up=i.DEFAULT_UP.clone();let e=new W,t=new Ls,n=new si,s=new W(1,1,1);function r(){n.setFromEuler(t,!1)}function o(){t.setFromQuaternion(n,void 0,!1)}t._onChange(r),n._onChange(o),Object.defineProperties(this,{position:{configurable:!0,enumerable:!0,value:e},rotation:{configurable:!0,enumerable:!0,value:t},quaternion:{configurable:!0,enumerable:!0,value:n},scale:{configurable:!0,enumerable:!0,value:s},modelViewMatrix:{value:new Mt},normalMatrix:{value:new it}}),this.matrix=new Mt,this.matrixWorld=new Mt,this.matrixAutoUpdate=i.DEFAULT_MATRIX_AUTO_UPDATE,this.matrixWorldAutoUpdate=i.DEFAULT_MATRIX_WORLD_AUTO_UPDATE,this.matrixWorldNeedsUpdate=!1,this.layers=new _o,this.visible=!0,this.castShadow=!1,this.receiveShadow=!1,this.frustumCulled=!0,this.renderOrder=0,this.animations=[],this.customDepthMaterial=void 0,this.customDistanceMaterial=void 0,this.static=!1,this.userData={},this.pivot=null}onBeforeShadow(){}onAfterShadow(){}onBeforeRender(){}onAfterRender(){}applyMatrix4(e){this.matrixAutoUpdate&&this.updateMatrix(),this.matrix.premultiply(e),this.matrix.decompose(this.position,this.quaternion,this.scale),this.pivot!==null&&this.position.copy(this.pivot).applyMatrix4(this.matrix).sub(this.pivot)}applyQuaternion(e){return this.quaternion.premultiply(e),this}setRotationFromAxisAngle(e,t){this.quaternion.setFromAxisAngle(e,t)}setRotationFromEuler(e){this.quaternion.setFromEuler(e,!0)}setRotationFromMatrix(e){this.quaternion.setFromRotationMatrix(e)}setRotationFromQuaternion(e){this.quaternion.copy(e)}rotateOnAxis(e,t){return Qr.setFromAxisAngle(e,t),this.quaternion.multiply(Qr),this}rotateOnWorldAxis(e,t){return Qr.setFromAxisAngle(e,t),this.quaternion.premultiply(Qr),this}rotateX(e){return this.rotateOnAxis(dm,e)}rotateY(e){return this.rotateOnAxis(fm,e)}rotateZ(e){return this.rotateOnAxis(pm,e)}translateOnAxis(e,t){return um.copy(e).applyQuaternion(this.quaternion),this.position.add(um.multiplyScalar(t)),this}translateX(e){return this.translateOnAxis(dm,e)}translateY(e){return this.translateOnAxis(fm,e)}translateZ(e){return this.translateOnAxis(pm,e)}localToWorld(e){return this.updateWorldMatrix(!0,!1),e.applyMatrix4(this.matrixWorld)}worldToLocal(e){return this.updateWorldMatrix(!0,!1),e.applyMatrix4(Ts.copy(this.matrixWorld).invert())}lookAt(e,t,n){e.isVector3?Dl.copy(e):Dl.set(e,t,n);let s=this.parent;this.updateWorldMatrix(!0,!1),oa.setFromMatrixPosition(this.matrixWorld),this.isCamera||this.isLight?Ts.lookAt(oa,Dl,this.up):Ts.lookAt(Dl,oa,this.up),this.quaternion.setFromRotationMatrix(Ts),s&&(Ts.extractRotation(s.matrixWorld),Qr.setFromRotationMatrix(Ts),this.quaternion.premultiply(Qr.invert()))}add(e){if(arguments.length>1){for(let t=0;t<arguments.length;t++)this.add(arguments[t]);return this}return e===this?(et("Object3D.add: object can't be added as a child of itself.",e),this):(e&&e.isObject3D?(e.removeFromParent(),e.parent=this,this.children.push(e),e.dispatchEvent(mm),eo.child=e,this.dispatchEvent(eo),eo.child=null):et("Object3D.add: object not an instance of THREE.Object3D.",e),this)}remove(e){if(arguments.length>1){for(let n=0;n<arguments.length;n++)this.remove(arguments[n]);return this}let t=this.children.indexOf(e);return t!==-1&&(e.parent=null,this.children.splice(t,1),e.dispatchEvent(Uv),ed.child=e,this.dispatchEvent(ed),ed.child=null),this}removeFromParent(){let e=this.parent;return e!==null&&e.remove(this),this}clear(){return this.remove(...this.children)}attach(e){return this.updateWorldMatrix(!0,!1),Ts.copy(this.matrixWorld).invert(),e.parent!==null&&(e.parent.updateWorldMatrix(!0,!1),Ts.multiply(e.parent.matrixWorld)),e.applyMatrix4(Ts),e.removeFromParent(),e.parent=this,this.children.push(e),e.updateWorldMatrix(!1,!0),e.dispatchEvent(mm),eo.child=e,this.dispatchEvent(eo),eo.child=null,this}getObjectById(e){return this.getObjectByProperty("id",e)}getObjectByName(e){return this.getObjectByProperty("name",e)}getObjectByProperty(e,t){if(this[e]===t)return this;for(let n=0,s=this.children.length;n<s;n++){let o=this.children[n].getObjectByProperty(e,t);if(o!==void 0)return o}}getObjectsByProperty(e,t,n=[]){this[e]===t&&n.push(this);let s=this.children;for(let r=0,o=s.length;r<o;r++)s[r].getObjectsByProperty(e,t,n);return n}getWorldPosition(e){return this.updateWorldMatrix(!0,!1),e.setFromMatrixPosition(this.matrixWorld)}getWorldQuaternion(e){return this.updateWorldMatrix(!0,!1),this.matrixWorld.decompose(oa,e,Dv),e}getWorldScale(e){return this.updateWorldMatrix(!0,!1),this.matrixWorld.decompose(oa,Nv,e),e}getWorldDirection(e){this.updateWorldMatrix(!0,!1);let t=this.matrixWorld.elements;return e.set(t[8],t[9],t[10]).normalize()}raycast(){}intersectsFrustum(){return!0}traverse(e){e(this);let t=this.children;for(let n=0,s=t.length;n<s;n++)t[n].traverse(e)}traverseVisible(e){if(this.visible===!1)return;e(this);let t=this.children;for(let n=0,s=t.length;n<s;n++)t[n].traverseVisible(e)}traverseAncestors(e){let t=this.parent;t!==null&&(e(t),t.traverseAncestors(e))}updateMatrix(){this.matrix.compose(this.position,this.quaternion,this.scale);let e=this.pivot;if(e!==null){let t=e.x,n=e.y,s=e.z,r=this.matrix.elements;r[12]+=t-r[0]*t-r[4]*n-r[8]*s,r[13]+=n-r[1]*t-r[5]*n-r[9]*s,r[14]+=s-r[2]*t-r[6]*n-r[10]*s}this.matrixWorldNeedsUpdate=!0}updateMatrixWorld(e){this.matrixAutoUpdate&&this.updateMatrix(),(this.matrixWorldNeedsUpdate||e)&&(this.matrixWorldAutoUpdate===!0&&(this.parent===null?this.matrixWorld.copy(this.matrix):this.matrixWorld.multiplyMatrices(this.parent.matrixWorld,this.matrix)),this.matrixWorldNeedsUpdate=!1,e=!0);let t=this.children;for(let n=0,s=t.length;n<s;n++)t[n].updateMatrixWorld(e)}updateWorldMatrix(e,t,n=!1){let s=this.parent;if(e===!0&&s!==null&&s.updateWorldMatrix(!0,!1),this.matrixAutoUpdate&&this.updateMatrix(),(this.matrixWorldNeedsUpdate||n)&&(this.matrixWorldAutoUpdate===!0&&(this.parent===null?this.matrixWorld.copy(this.matrix):this.matrixWorld.multiplyMatrices(this.parent.matrixWorld,this.matrix)),this.matrixWorldNeedsUpdate=!1,n=!0),t===!0){let r=this.children;for(let o=0,a=r.length;o<a;o++)r[o].updateWorldMatrix(!1,!0,n)}}toJSON(e){let t=e===void 0||typeof e=="string",n={};t&&(e={geometries:{},materials:{},textures:{},images:{},shapes:{},skeletons:{},animations:{},nodes:{}},n.metadata={version:4.7,type:"Object",generator:"Object3D.toJSON"});let s={};s.uuid=this.uuid,s.type=this.type,s.name=this.name,s.castShadow=this.castShadow,s.receiveShadow=this.receiveShadow,s.visible=this.visible,s.frustumCulled=this.frustumCulled,s.renderOrder=this.renderOrder,s.static=this.static,s.matrixAutoUpdate=this.matrixAutoUpdate,Object.keys(this.userData).length>0&&(s.userData=this.userData),s.layers=this.layers.mask,s.matrix=this.matrix.toArray(),s.up=this.up.toArray(),this.pivot!==null&&(s.pivot=this.pivot.toArray()),this.morphTargetDictionary!==void 0&&(s.morphTargetDictionary=Object.assign({},this.morphTargetDictionary)),this.morphTargetInfluences!==void 0&&(s.morphTargetInfluences=this.morphTargetInfluences.slice()),this.isInstancedMesh&&(s.type="InstancedMesh",s.count=this.count,s.instanceMatrix=this.instanceMatrix.toJSON(),this.instanceColor!==null&&(s.instanceColor=this.instanceColor.toJSON())),this.isBatchedMesh&&(s.type="BatchedMesh",s.perObjectFrustumCulled=this.perObjectFrustumCulled,s.sortObjects=this.sortObjects,s.drawRanges=this._drawRanges,s.reservedRanges=this._reservedRanges,s.geometryInfo=this._geometryInfo.map(a=>({...a,boundingBox:a.boundingBox?a.boundingBox.toJSON():void 0,boundingSphere:a.boundingSphere?a.boundingSphere.toJSON():void 0})),s.instanceInfo=this._instanceInfo.map(a=>({...a})),s.availableInstanceIds=this._availableInstanceIds.slice(),s.availableGeometryIds=this._availableGeometryIds.slice(),s.nextIndexStart=this._nextIndexStart,s.nextVertexStart=this._nextVertexStart,s.geometryCount=this._geometryCount,s.maxInstanceCount=this._maxInstanceCount,s.maxVertexCount=this._maxVertexCount,s.maxIndexCount=this._maxIndexCount,s.geometryInitialized=this._geometryInitialized,s.matricesTexture=this._matricesTexture.toJSON(e),s.indirectTexture=this._indirectTexture.toJSON(e),this._colorsTexture!==null&&(s.colorsTexture=this._colorsTexture.toJSON(e)),this.boundingSphere!==null&&(s.boundingSphere=this.boundingSphere.toJSON()),this.boundingBox!==null&&(s.boundingBox=this.boundingBox.toJSON()));function r(a,l){return a[l.uuid]===void 0&&(a[l.uuid]=l.toJSON(e)),l.uuid}if(this.isScene)this.background&&(this.background.isColor?s.background=this.background.toJSON():this.background.isTexture&&(s.background=this.background.toJSON(e).uuid)),this.environment&&this.environment.isTexture&&this.environment.isRenderTargetTexture!==!0&&(s.environment=this.environment.toJSON(e).uuid);else if(this.isMesh||this.isLine||this.isPoints){s.geometry=r(e.geometries,this.geometry);let a=this.geometry.parameters;if(a!==void 0&&a.shapes!==void 0){let l=a.shapes;if(Array.isArray(l))for(let c=0,h=l.length;c<h;c++){let d=l[c];r(e.shapes,d)}else r(e.shapes,l)}}if(this.isSkinnedMesh&&(s.bindMode=this.bindMode,s.bindMatrix=this.bindMatrix.toArray(),this.skeleton!==void 0&&(r(e.skeletons,this.skeleton),s.skeleton=this.skeleton.uuid)),this.material!==void 0)if(Array.isArray(this.material)){let a=[];for(let l=0,c=this.material.length;l<c;l++)a.push(r(e.materials,this.material[l]));s.material=a}else s.material=r(e.materials,this.material);if(this.children.length>0){s.children=[];for(let a=0;a<this.children.length;a++)s.children.push(this.children[a].toJSON(e).object)}if(this.animations.length>0){s.animations=[];for(let a=0;a<this.animations.length;a++){let l=this.animations[a];s.animations.push(r(e.animations,l))}}if(t){let a=o(e.geometries),l=o(e.materials),c=o(e.textures),h=o(e.images),d=o(e.shapes),u=o(e.skeletons),f=o(e.animations),g=o(e.nodes);a.length>0&&(n.geometries=a),l.length>0&&(n.materials=l),c.length>0&&(n.textures=c),h.length>0&&(n.images=h),d.length>0&&(n.shapes=d),u.length>0&&(n.skeletons=u),f.length>0&&(n.animations=f),g.length>0&&(n.nodes=g)}return n.object=s,n;function o(a){let l=[];for(let c in a){let h=a[c];delete h.metadata,l.push(h)}return l}}clone(e){return new this.constructor().copy(this,e)}copy(e,t=!0){if(this.name=e.name,this.up.copy(e.up),this.position.copy(e.position),this.rotation.order=e.rotation.order,this.quaternion.copy(e.quaternion),this.scale.copy(e.scale),this.pivot=e.pivot!==null?e.pivot.clone():null,this.matrix.copy(e.matrix),this.matrixWorld.copy(e.matrixWorld),this.matrixAutoUpdate=e.matrixAutoUpdate,this.matrixWorldAutoUpdate=e.matrixWorldAutoUpdate,this.matrixWorldNeedsUpdate=e.matrixWorldNeedsUpdate,this.layers.mask=e.layers.mask,this.visible=e.visible,this.castShadow=e.castShadow,this.receiveShadow=e.receiveShadow,this.frustumCulled=e.frustumCulled,this.renderOrder=e.renderOrder,this.static=e.static,this.animations=e.animations.slice(),this.userData=JSON.parse(JSON.stringify(e.userData)),t===!0)for(let n=0;n<e.children.length;n++){let s=e.children[n];this.add(s.clone())}return this}dispose(){this.dispatchEvent({type:"dispose"})}};Bn.DEFAULT_UP=new W(0,1,0);Bn.DEFAULT_MATRIX_AUTO_UPDATE=!0;Bn.DEFAULT_MATRIX_WORLD_AUTO_UPDATE=!0;var bn=class extends Bn{constructor(){super(),this.isGroup=!0,this.type="Group"}},Fv={type:"move"},vo=class{constructor(){this._targetRay=null,this._grip=null,this._hand=null}getHandSpace(){return this._hand===null&&(this._hand=new bn,this._hand.matrixAutoUpdate=!1,this._hand.visible=!1,this._hand.joints={},this._hand.inputState={pinching:!1}),this._hand}getTargetRaySpace(){return this._targetRay===null&&(this._targetRay=new bn,this._targetRay.matrixAutoUpdate=!1,this._targetRay.visible=!1,this._targetRay.hasLinearVelocity=!1,this._targetRay.linearVelocity=new W,this._targetRay.hasAngularVelocity=!1,this._targetRay.angularVelocity=new W),this._targetRay}getGripSpace(){return this._grip===null&&(this._grip=new bn,this._grip.matrixAutoUpdate=!1,this._grip.visible=!1,this._grip.hasLinearVelocity=!1,this._grip.linearVelocity=new W,this._grip.hasAngularVelocity=!1,this._grip.angularVelocity=new W,this._grip.eventsEnabled=!1),this._grip}dispatchEvent(e){return this._targetRay!==null&&this._targetRay.dispatchEvent(e),this._grip!==null&&this._grip.dispatchEvent(e),this._hand!==null&&this._hand.dispatchEvent(e),this}connect(e){if(e&&e.hand){let t=this._hand;if(t)for(let n of e.hand.values())this._getHandJoint(t,n)}return this.dispatchEvent({type:"connected",data:e}),this}disconnect(e){return this.dispatchEvent({type:"disconnected",data:e}),this._targetRay!==null&&(this._targetRay.visible=!1),this._grip!==null&&(this._grip.visible=!1),this._hand!==null&&(this._hand.visible=!1),this}update(e,t,n){let s=null,r=null,o=null,a=this._targetRay,l=this._grip,c=this._hand;if(e&&t.session.visibilityState!=="visible-blurred"){if(c&&e.hand){o=!0;for(let y of e.hand.values()){let p=t.getJointPose(y,n),m=this._getHandJoint(c,y);p!==null&&(m.matrix.fromArray(p.transform.matrix),m.matrix.decompose(m.position,m.quaternion,m.scale),m.matrixWorldNeedsUpdate=!0,m.jointRadius=p.radius),m.visible=p!==null}let h=c.joints["index-finger-tip"],d=c.joints["thumb-tip"],u=h.position.distanceTo(d.position),f=.02,g=.005;c.inputState.pinching&&u>f+g?(c.inputState.pinching=!1,this.dispatchEvent({type:"pinchend",handedness:e.handedness,target:this})):!c.inputState.pinching&&u<=f-g&&(c.inputState.pinching=!0,this.dispatchEvent({type:"pinchstart",handedness:e.handedness,target:this}))}else l!==null&&e.gripSpace&&(r=t.getPose(e.gripSpace,n),r!==null&&(l.matrix.fromArray(r.transform.matrix),l.matrix.decompose(l.position,l.quaternion,l.scale),l.matrixWorldNeedsUpdate=!0,r.linearVelocity?(l.hasLinearVelocity=!0,l.linearVelocity.copy(r.linearVelocity)):l.hasLinearVelocity=!1,r.angularVelocity?(l.hasAngularVelocity=!0,l.angularVelocity.copy(r.angularVelocity)):l.hasAngularVelocity=!1,l.eventsEnabled&&l.dispatchEvent({type:"gripUpdated",data:e,target:this})));a!==null&&(s=t.getPose(e.targetRaySpace,n),s===null&&r!==null&&(s=r),s!==null&&(a.matrix.fromArray(s.transform.matrix),a.matrix.decompose(a.position,a.quaternion,a.scale),a.matrixWorldNeedsUpdate=!0,s.linearVelocity?(a.hasLinearVelocity=!0,a.linearVelocity.copy(s.linearVelocity)):a.hasLinearVelocity=!1,s.angularVelocity?(a.hasAngularVelocity=!0,a.angularVelocity.copy(s.angularVelocity)):a.hasAngularVelocity=!1,this.dispatchEvent(Fv)))}return a!==null&&(a.visible=s!==null),l!==null&&(l.visible=r!==null),c!==null&&(c.visible=o!==null),this}_getHandJoint(e,t){if(e.joints[t.jointName]===void 0){let n=new bn;n.matrixAutoUpdate=!1,n.visible=!1,e.joints[t.jointName]=n,e.add(n)}return e.joints[t.jointName]}},Mg={aliceblue:15792383,antiquewhite:16444375,aqua:65535,aquamarine:8388564,azure:15794175,beige:16119260,bisque:16770244,black:0,blanchedalmond:16772045,blue:255,blueviolet:9055202,brown:10824234,burlywood:14596231,cadetblue:6266528,chartreuse:8388352,chocolate:13789470,coral:16744272,cornflowerblue:6591981,cornsilk:16775388,crimson:14423100,cyan:65535,darkblue:139,darkcyan:35723,darkgoldenrod:12092939,darkgray:11119017,darkgreen:25600,darkgrey:11119017,darkkhaki:12433259,darkmagenta:9109643,darkolivegreen:5597999,darkorange:16747520,darkorchid:10040012,darkred:9109504,darksalmon:15308410,darkseagreen:9419919,darkslateblue:4734347,darkslategray:3100495,darkslategrey:3100495,darkturquoise:52945,darkviolet:9699539,deeppink:16716947,deepskyblue:49151,dimgray:6908265,dimgrey:6908265,dodgerblue:2003199,firebrick:11674146,floralwhite:16775920,forestgreen:2263842,fuchsia:16711935,gainsboro:14474460,ghostwhite:16316671,gold:16766720,goldenrod:14329120,gray:8421504,green:32768,greenyellow:11403055,grey:8421504,honeydew:15794160,hotpink:16738740,indianred:13458524,indigo:4915330,ivory:16777200,khaki:15787660,lavender:15132410,lavenderblush:16773365,lawngreen:8190976,lemonchiffon:16775885,lightblue:11393254,lightcoral:15761536,lightcyan:14745599,lightgoldenrodyellow:16448210,lightgray:13882323,lightgreen:9498256,lightgrey:13882323,lightpink:16758465,lightsalmon:16752762,lightseagreen:2142890,lightskyblue:8900346,lightslategray:7833753,lightslategrey:7833753,lightsteelblue:11584734,lightyellow:16777184,lime:65280,limegreen:3329330,linen:16445670,magenta:16711935,maroon:8388608,mediumaquamarine:6737322,mediumblue:205,mediumorchid:12211667,mediumpurple:9662683,mediumseagreen:3978097,mediumslateblue:8087790,mediumspringgreen:64154,mediumturquoise:4772300,mediumvioletred:13047173,midnightblue:1644912,mintcream:16121850,mistyrose:16770273,moccasin:16770229,navajowhite:16768685,navy:128,oldlace:16643558,olive:8421376,olivedrab:7048739,orange:16753920,orangered:16729344,orchid:14315734,palegoldenrod:15657130,palegreen:10025880,paleturquoise:11529966,palevioletred:14381203,papayawhip:16773077,peachpuff:16767673,peru:13468991,pink:16761035,plum:14524637,powderblue:11591910,purple:8388736,rebeccapurple:6697881,red:16711680,rosybrown:12357519,royalblue:4286945,saddlebrown:9127187,salmon:16416882,sandybrown:16032864,seagreen:3050327,seashell:16774638,sienna:10506797,silver:12632256,skyblue:8900331,slateblue:6970061,slategray:7372944,slategrey:7372944,snow:16775930,springgreen:65407,steelblue:4620980,tan:13808780,teal:32896,thistle:14204888,tomato:16737095,turquoise:4251856,violet:15631086,wheat:16113331,white:16777215,whitesmoke:16119285,yellow:16776960,yellowgreen:10145074},js={h:0,s:0,l:0},Nl={h:0,s:0,l:0};function td(i,e,t){return t<0&&(t+=1),t>1&&(t-=1),t<1/6?i+(e-i)*6*t:t<1/2?e:t<2/3?i+(e-i)*6*(2/3-t):i}var nt=class{constructor(e,t,n){return this.isColor=!0,this.r=1,this.g=1,this.b=1,this.set(e,t,n)}set(e,t,n){if(t===void 0&&n===void 0){let s=e;s&&s.isColor?this.copy(s):typeof s=="number"?this.setHex(s):typeof s=="string"&&this.setStyle(s)}else this.setRGB(e,t,n);return this}setScalar(e){return this.r=e,this.g=e,this.b=e,this}setHex(e,t=xi){return e=Math.floor(e),this.r=(e>>16&255)/255,this.g=(e>>8&255)/255,this.b=(e&255)/255,_t.colorSpaceToWorking(this,t),this}setRGB(e,t,n,s=_t.workingColorSpace){return this.r=e,this.g=t,this.b=n,_t.colorSpaceToWorking(this,s),this}setHSL(e,t,n,s=_t.workingColorSpace){if(e=Jd(e,1),t=mt(t,0,1),n=mt(n,0,1),t===0)this.r=this.g=this.b=n;else{let r=n<=.5?n*(1+t):n+t-n*t,o=2*n-r;this.r=td(o,r,e+1/3),this.g=td(o,r,e),this.b=td(o,r,e-1/3)}return _t.colorSpaceToWorking(this,s),this}setStyle(e,t=xi){function n(r){r!==void 0&&parseFloat(r)<1&&Ye("Color: Alpha component of "+e+" will be ignored.")}let s;if(s=/^(\w+)\(([^\)]*)\)/.exec(e)){let r,o=s[1],a=s[2];switch(o){case"rgb":case"rgba":if(r=/^\s*(\d+)\s*,\s*(\d+)\s*,\s*(\d+)\s*(?:,\s*(\d+(?:\.\d+)?|\.\d+)\s*)?$/.exec(a))return n(r[4]),this.setRGB(Math.min(255,parseInt(r[1],10))/255,Math.min(255,parseInt(r[2],10))/255,Math.min(255,parseInt(r[3],10))/255,t);if(r=/^\s*(\d+(?:\.\d+)?|\.\d+)\%\s*,\s*(\d+(?:\.\d+)?|\.\d+)\%\s*,\s*(\d+(?:\.\d+)?|\.\d+)\%\s*(?:,\s*(\d+(?:\.\d+)?|\.\d+)\s*)?$/.exec(a))return n(r[4]),this.setRGB(Math.min(100,parseFloat(r[1]))/100,Math.min(100,parseFloat(r[2]))/100,Math.min(100,parseFloat(r[3]))/100,t);break;case"hsl":case"hsla":if(r=/^\s*([+-]?(?:\d+(?:\.\d+)?|\.\d+))\s*,\s*(\d+(?:\.\d+)?|\.\d+)\%\s*,\s*(\d+(?:\.\d+)?|\.\d+)\%\s*(?:,\s*(\d+(?:\.\d+)?|\.\d+)\s*)?$/.exec(a))return n(r[4]),this.setHSL(parseFloat(r[1])/360,parseFloat(r[2])/100,parseFloat(r[3])/100,t);break;default:Ye("Color: Unknown color model "+e)}}else if(s=/^\#([A-Fa-f\d]+)$/.exec(e)){let r=s[1],o=r.length;if(o===3)return this.setRGB(parseInt(r.charAt(0),16)/15,parseInt(r.charAt(1),16)/15,parseInt(r.charAt(2),16)/15,t);if(o===6)return this.setHex(parseInt(r,16),t);Ye("Color: Invalid hex color "+e)}else if(e&&e.length>0)return this.setColorName(e,t);return this}setColorName(e,t=xi){let n=Mg[e.toLowerCase()];return n!==void 0?this.setHex(n,t):Ye("Color: Unknown color "+e),this}clone(){return new this.constructor(this.r,this.g,this.b)}copy(e){return this.r=e.r,this.g=e.g,this.b=e.b,this}copySRGBToLinear(e){return this.r=Ps(e.r),this.g=Ps(e.g),this.b=Ps(e.b),this}copyLinearToSRGB(e){return this.r=uo(e.r),this.g=uo(e.g),this.b=uo(e.b),this}convertSRGBToLinear(){return this.copySRGBToLinear(this),this}convertLinearToSRGB(){return this.copyLinearToSRGB(this),this}getHex(e=xi){return _t.workingToColorSpace(Yn.copy(this),e),Math.round(mt(Yn.r*255,0,255))*65536+Math.round(mt(Yn.g*255,0,255))*256+Math.round(mt(Yn.b*255,0,255))}getHexString(e=xi){return("000000"+this.getHex(e).toString(16)).slice(-6)}getHSL(e,t=_t.workingColorSpace){_t.workingToColorSpace(Yn.copy(this),t);let n=Yn.r,s=Yn.g,r=Yn.b,o=Math.max(n,s,r),a=Math.min(n,s,r),l,c,h=(a+o)/2;if(a===o)l=0,c=0;else{let d=o-a;switch(c=h<=.5?d/(o+a):d/(2-o-a),o){case n:l=(s-r)/d+(s<r?6:0);break;case s:l=(r-n)/d+2;break;case r:l=(n-s)/d+4;break}l/=6}return e.h=l,e.s=c,e.l=h,e}getRGB(e,t=_t.workingColorSpace){return _t.workingToColorSpace(Yn.copy(this),t),e.r=Yn.r,e.g=Yn.g,e.b=Yn.b,e}getStyle(e=xi){_t.workingToColorSpace(Yn.copy(this),e);let t=Yn.r,n=Yn.g,s=Yn.b;return e!==xi?`color(${e} ${t.toFixed(3)} ${n.toFixed(3)} ${s.toFixed(3)})`:`rgb(${Math.round(t*255)},${Math.round(n*255)},${Math.round(s*255)})`}offsetHSL(e,t,n){return this.getHSL(js),this.setHSL(js.h+e,js.s+t,js.l+n)}add(e){return this.r+=e.r,this.g+=e.g,this.b+=e.b,this}addColors(e,t){return this.r=e.r+t.r,this.g=e.g+t.g,this.b=e.b+t.b,this}addScalar(e){return this.r+=e,this.g+=e,this.b+=e,this}sub(e){return this.r=Math.max(0,this.r-e.r),this.g=Math.max(0,this.g-e.g),this.b=Math.max(0,this.b-e.b),this}multiply(e){return this.r*=e.r,this.g*=e.g,this.b*=e.b,this}multiplyScalar(e){return this.r*=e,this.g*=e,this.b*=e,this}lerp(e,t){return this.r+=(e.r-this.r)*t,this.g+=(e.g-this.g)*t,this.b+=(e.b-this.b)*t,this}lerpColors(e,t,n){return this.r=e.r+(t.r-e.r)*n,this.g=e.g+(t.g-e.g)*n,this.b=e.b+(t.b-e.b)*n,this}lerpHSL(e,t){this.getHSL(js),e.getHSL(Nl);let n=ma(js.h,Nl.h,t),s=ma(js.s,Nl.s,t),r=ma(js.l,Nl.l,t);return this.setHSL(n,s,r),this}setFromVector3(e){return this.r=e.x,this.g=e.y,this.b=e.z,this}applyMatrix3(e){let t=this.r,n=this.g,s=this.b,r=e.elements;return this.r=r[0]*t+r[3]*n+r[6]*s,this.g=r[1]*t+r[4]*n+r[7]*s,this.b=r[2]*t+r[5]*n+r[8]*s,this}equals(e){return e.r===this.r&&e.g===this.g&&e.b===this.b}fromArray(e,t=0){return this.r=e[t],this.g=e[t+1],this.b=e[t+2],this}toArray(e=[],t=0){return e[t]=this.r,e[t+1]=this.g,e[t+2]=this.b,e}fromBufferAttribute(e,t){return this.r=e.getX(t),this.g=e.getY(t),this.b=e.getZ(t),this}toJSON(){return this.getHex()}*[Symbol.iterator](){yield this.r,yield this.g,yield this.b}},Yn=new nt;nt.NAMES=Mg;var ba=class extends Bn{constructor(){super(),this.isScene=!0,this.type="Scene",this.background=null,this.environment=null,this.fog=null,this.backgroundBlurriness=0,this.backgroundIntensity=1,this.backgroundRotation=new Ls,this.environmentIntensity=1,this.environmentRotation=new Ls,this.overrideMaterial=null,typeof __THREE_DEVTOOLS__<"u"&&__THREE_DEVTOOLS__.dispatchEvent(new CustomEvent("observe",{detail:this}))}copy(e,t){return super.copy(e,t),this.background=e.background!==null?e.background.clone():null,this.environment=e.environment!==null?e.environment.clone():null,this.fog=e.fog!==null?e.fog.clone():null,this.backgroundBlurriness=e.backgroundBlurriness,this.backgroundIntensity=e.backgroundIntensity,this.backgroundRotation.copy(e.backgroundRotation),this.environmentIntensity=e.environmentIntensity,this.environmentRotation.copy(e.environmentRotation),this.overrideMaterial=e.overrideMaterial!==null?e.overrideMaterial.clone():null,this.matrixAutoUpdate=e.matrixAutoUpdate,this}toJSON(e){let t=super.toJSON(e);return this.fog!==null&&(t.object.fog=this.fog.toJSON()),t.object.backgroundBlurriness=this.backgroundBlurriness,t.object.backgroundIntensity=this.backgroundIntensity,t.object.backgroundRotation=this.backgroundRotation.toArray(),t.object.environmentIntensity=this.environmentIntensity,t.object.environmentRotation=this.environmentRotation.toArray(),t}},Wi=new W,As=new W,nd=new W,Es=new W,to=new W,no=new W,gm=new W,id=new W,sd=new W,rd=new W,od=new jt,ad=new jt,ld=new jt,nr=class i{constructor(e=new W,t=new W,n=new W){this.a=e,this.b=t,this.c=n}static getNormal(e,t,n,s){s.subVectors(n,t),Wi.subVectors(e,t),s.cross(Wi);let r=s.lengthSq();return r>0?s.multiplyScalar(1/Math.sqrt(r)):s.set(0,0,0)}static getBarycoord(e,t,n,s,r){Wi.subVectors(s,t),As.subVectors(n,t),nd.subVectors(e,t);let o=Wi.dot(Wi),a=Wi.dot(As),l=Wi.dot(nd),c=As.dot(As),h=As.dot(nd),d=o*c-a*a;if(d===0)return r.set(0,0,0),null;let u=1/d,f=(c*l-a*h)*u,g=(o*h-a*l)*u;return r.set(1-f-g,g,f)}static containsPoint(e,t,n,s){return this.getBarycoord(e,t,n,s,Es)===null?!1:Es.x>=0&&Es.y>=0&&Es.x+Es.y<=1}static getInterpolation(e,t,n,s,r,o,a,l){return this.getBarycoord(e,t,n,s,Es)===null?(l.x=0,l.y=0,"z"in l&&(l.z=0),"w"in l&&(l.w=0),null):(l.setScalar(0),l.addScaledVector(r,Es.x),l.addScaledVector(o,Es.y),l.addScaledVector(a,Es.z),l)}static getInterpolatedAttribute(e,t,n,s,r,o){return od.setScalar(0),ad.setScalar(0),ld.setScalar(0),od.fromBufferAttribute(e,t),ad.fromBufferAttribute(e,n),ld.fromBufferAttribute(e,s),o.setScalar(0),o.addScaledVector(od,r.x),o.addScaledVector(ad,r.y),o.addScaledVector(ld,r.z),o}static isFrontFacing(e,t,n,s){return Wi.subVectors(n,t),As.subVectors(e,t),Wi.cross(As).dot(s)<0}set(e,t,n){return this.a.copy(e),this.b.copy(t),this.c.copy(n),this}setFromPointsAndIndices(e,t,n,s){return this.a.copy(e[t]),this.b.copy(e[n]),this.c.copy(e[s]),this}setFromAttributeAndIndices(e,t,n,s){return this.a.fromBufferAttribute(e,t),this.b.fromBufferAttribute(e,n),this.c.fromBufferAttribute(e,s),this}clone(){return new this.constructor().copy(this)}copy(e){return this.a.copy(e.a),this.b.copy(e.b),this.c.copy(e.c),this}getArea(){return Wi.subVectors(this.c,this.b),As.subVectors(this.a,this.b),Wi.cross(As).length()*.5}getMidpoint(e){return e.addVectors(this.a,this.b).add(this.c).multiplyScalar(1/3)}getNormal(e){return i.getNormal(this.a,this.b,this.c,e)}getPlane(e){return e.setFromCoplanarPoints(this.a,this.b,this.c)}getBarycoord(e,t){return i.getBarycoord(e,this.a,this.b,this.c,t)}getInterpolation(e,t,n,s,r){return i.getInterpolation(e,this.a,this.b,this.c,t,n,s,r)}containsPoint(e){return i.containsPoint(e,this.a,this.b,this.c)}isFrontFacing(e){return i.isFrontFacing(this.a,this.b,this.c,e)}intersectsBox(e){return e.intersectsTriangle(this)}closestPointToPoint(e,t){let n=this.a,s=this.b,r=this.c,o,a;to.subVectors(s,n),no.subVectors(r,n),id.subVectors(e,n);let l=to.dot(id),c=no.dot(id);if(l<=0&&c<=0)return t.copy(n);sd.subVectors(e,s);let h=to.dot(sd),d=no.dot(sd);if(h>=0&&d<=h)return t.copy(s);let u=l*d-h*c;if(u<=0&&l>=0&&h<=0&&l-h>0)return o=l/(l-h),t.copy(n).addScaledVector(to,o);rd.subVectors(e,r);let f=to.dot(rd),g=no.dot(rd);if(g>=0&&f<=g)return t.copy(r);let y=f*c-l*g;if(y<=0&&c>=0&&g<=0)return a=c/(c-g),t.copy(n).addScaledVector(no,a);let p=h*g-f*d;if(p<=0&&d-h>=0&&f-g>=0)return gm.subVectors(r,s),a=(d-h)/(d-h+(f-g)),t.copy(s).addScaledVector(gm,a);let m=1/(p+y+u);return o=y*m,a=u*m,t.copy(n).addScaledVector(to,o).addScaledVector(no,a)}equals(e){return e.a.equals(this.a)&&e.b.equals(this.b)&&e.c.equals(this.c)}},ds=class{constructor(e=new W(1/0,1/0,1/0),t=new W(-1/0,-1/0,-1/0)){this.isBox3=!0,this.min=e,this.max=t}set(e,t){return this.min.copy(e),this.max.copy(t),this}setFromArray(e){this.makeEmpty();for(let t=0,n=e.length;t<n;t+=3)this.expandByPoint(Xi.fromArray(e,t));return this}setFromBufferAttribute(e){this.makeEmpty();for(let t=0,n=e.count;t<n;t++)this.expandByPoint(Xi.fromBufferAttribute(e,t));return this}setFromPoints(e){this.makeEmpty();for(let t=0,n=e.length;t<n;t++)this.expandByPoint(e[t]);return this}setFromCenterAndSize(e,t){let n=Xi.copy(t).multiplyScalar(.5);return this.min.copy(e).sub(n),this.max.copy(e).add(n),this}setFromObject(e,t=!1){return this.makeEmpty(),this.expandByObject(e,t)}clone(){return new this.constructor().copy(this)}copy(e){return this.min.copy(e.min),this.max.copy(e.max),this}makeEmpty(){return this.min.x=this.min.y=this.min.z=1/0,this.max.x=this.max.y=this.max.z=-1/0,this}isEmpty(){return this.max.x<this.min.x||this.max.y<this.min.y||this.max.z<this.min.z}getCenter(e){return this.isEmpty()?e.set(0,0,0):e.addVectors(this.min,this.max).multiplyScalar(.5)}getSize(e){return this.isEmpty()?e.set(0,0,0):e.subVectors(this.max,this.min)}expandByPoint(e){return this.min.min(e),this.max.max(e),this}expandByVector(e){return this.min.sub(e),this.max.add(e),this}expandByScalar(e){return this.min.addScalar(-e),this.max.addScalar(e),this}expandByObject(e,t=!1){e.updateWorldMatrix(!1,!1);let n=e.geometry;if(n!==void 0){let r=n.getAttribute("position");if(t===!0&&r!==void 0&&e.isInstancedMesh!==!0&&e.isBatchedMesh!==!0)for(let o=0,a=r.count;o<a;o++)e.isMesh===!0?e.getVertexPosition(o,Xi):Xi.fromBufferAttribute(r,o),Xi.applyMatrix4(e.matrixWorld),this.expandByPoint(Xi);else e.boundingBox!==void 0?(e.boundingBox===null&&e.computeBoundingBox(),Ul.copy(e.boundingBox)):(n.boundingBox===null&&n.computeBoundingBox(),Ul.copy(n.boundingBox)),Ul.applyMatrix4(e.matrixWorld),this.union(Ul)}let s=e.children;for(let r=0,o=s.length;r<o;r++)this.expandByObject(s[r],t);return this}containsPoint(e){return e.x>=this.min.x&&e.x<=this.max.x&&e.y>=this.min.y&&e.y<=this.max.y&&e.z>=this.min.z&&e.z<=this.max.z}containsBox(e){return this.min.x<=e.min.x&&e.max.x<=this.max.x&&this.min.y<=e.min.y&&e.max.y<=this.max.y&&this.min.z<=e.min.z&&e.max.z<=this.max.z}getParameter(e,t){return t.set((e.x-this.min.x)/(this.max.x-this.min.x),(e.y-this.min.y)/(this.max.y-this.min.y),(e.z-this.min.z)/(this.max.z-this.min.z))}intersectsBox(e){return e.max.x>=this.min.x&&e.min.x<=this.max.x&&e.max.y>=this.min.y&&e.min.y<=this.max.y&&e.max.z>=this.min.z&&e.min.z<=this.max.z}intersectsSphere(e){return this.clampPoint(e.center,Xi),Xi.distanceToSquared(e.center)<=e.radius*e.radius}intersectsPlane(e){let t,n;return e.normal.x>0?(t=e.normal.x*this.min.x,n=e.normal.x*this.max.x):(t=e.normal.x*this.max.x,n=e.normal.x*this.min.x),e.normal.y>0?(t+=e.normal.y*this.min.y,n+=e.normal.y*this.max.y):(t+=e.normal.y*this.max.y,n+=e.normal.y*this.min.y),e.normal.z>0?(t+=e.normal.z*this.min.z,n+=e.normal.z*this.max.z):(t+=e.normal.z*this.max.z,n+=e.normal.z*this.min.z),t<=-e.constant&&n>=-e.constant}intersectsTriangle(e){if(this.isEmpty())return!1;this.getCenter(aa),Fl.subVectors(this.max,aa),io.subVectors(e.a,aa),so.subVectors(e.b,aa),ro.subVectors(e.c,aa),Qs.subVectors(so,io),er.subVectors(ro,so),br.subVectors(io,ro);let t=[0,-Qs.z,Qs.y,0,-er.z,er.y,0,-br.z,br.y,Qs.z,0,-Qs.x,er.z,0,-er.x,br.z,0,-br.x,-Qs.y,Qs.x,0,-er.y,er.x,0,-br.y,br.x,0];return!cd(t,io,so,ro,Fl)||(t=[1,0,0,0,1,0,0,0,1],!cd(t,io,so,ro,Fl))?!1:(Ol.crossVectors(Qs,er),t=[Ol.x,Ol.y,Ol.z],cd(t,io,so,ro,Fl))}clampPoint(e,t){return t.copy(e).clamp(this.min,this.max)}distanceToPoint(e){return this.clampPoint(e,Xi).distanceTo(e)}getBoundingSphere(e){return this.isEmpty()?e.makeEmpty():(this.getCenter(e.center),e.radius=this.getSize(Xi).length()*.5),e}intersect(e){return this.min.max(e.min),this.max.min(e.max),this.isEmpty()&&this.makeEmpty(),this}union(e){return this.min.min(e.min),this.max.max(e.max),this}applyMatrix4(e){return this.isEmpty()?this:(Rs[0].set(this.min.x,this.min.y,this.min.z).applyMatrix4(e),Rs[1].set(this.min.x,this.min.y,this.max.z).applyMatrix4(e),Rs[2].set(this.min.x,this.max.y,this.min.z).applyMatrix4(e),Rs[3].set(this.min.x,this.max.y,this.max.z).applyMatrix4(e),Rs[4].set(this.max.x,this.min.y,this.min.z).applyMatrix4(e),Rs[5].set(this.max.x,this.min.y,this.max.z).applyMatrix4(e),Rs[6].set(this.max.x,this.max.y,this.min.z).applyMatrix4(e),Rs[7].set(this.max.x,this.max.y,this.max.z).applyMatrix4(e),this.setFromPoints(Rs),this)}translate(e){return this.min.add(e),this.max.add(e),this}equals(e){return e.min.equals(this.min)&&e.max.equals(this.max)}toJSON(){return{min:this.min.toArray(),max:this.max.toArray()}}fromJSON(e){return this.min.fromArray(e.min),this.max.fromArray(e.max),this}},Rs=[new W,new W,new W,new W,new W,new W,new W,new W],Xi=new W,Ul=new ds,io=new W,so=new W,ro=new W,Qs=new W,er=new W,br=new W,aa=new W,Fl=new W,Ol=new W,Sr=new W;function cd(i,e,t,n,s){for(let r=0,o=i.length-3;r<=o;r+=3){Sr.fromArray(i,r);let a=s.x*Math.abs(Sr.x)+s.y*Math.abs(Sr.y)+s.z*Math.abs(Sr.z),l=e.dot(Sr),c=t.dot(Sr),h=n.dot(Sr);if(Math.max(-Math.max(l,c,h),Math.min(l,c,h))>a)return!1}return!0}var xn=new W,kl=new $e,Ov=0,an=class extends qi{constructor(e,t,n=!1){if(super(),Array.isArray(e))throw new TypeError("THREE.BufferAttribute: array should be a Typed Array.");this.isBufferAttribute=!0,Object.defineProperty(this,"id",{value:Ov++}),this.name="",this.array=e,this.itemSize=t,this.count=e!==void 0?e.length/t:0,this.normalized=n,this.usage=gg,this.updateRanges=[],this.gpuType=Fi,this.version=0,this._normalizationScale=e!==void 0?Qd(e):void 0}onUploadCallback(){}set needsUpdate(e){e===!0&&this.version++}setUsage(e){return this.usage=e,this}addUpdateRange(e,t){this.updateRanges.push({start:e,count:t})}clearUpdateRanges(){this.updateRanges.length=0}copy(e){return this.name=e.name,this.array=new e.array.constructor(e.array),this.itemSize=e.itemSize,this.count=e.count,this.normalized=e.normalized,this.usage=e.usage,this.gpuType=e.gpuType,this._normalizationScale=e._normalizationScale,this}copyAt(e,t,n){e*=this.itemSize,n*=t.itemSize;for(let s=0,r=this.itemSize;s<r;s++)this.array[e+s]=t.array[n+s];return this}copyArray(e){return this.array.set(e),this}applyMatrix3(e){if(this.itemSize===2)for(let t=0,n=this.count;t<n;t++)kl.fromBufferAttribute(this,t),kl.applyMatrix3(e),this.setXY(t,kl.x,kl.y);else if(this.itemSize===3)for(let t=0,n=this.count;t<n;t++)xn.fromBufferAttribute(this,t),xn.applyMatrix3(e),this.setXYZ(t,xn.x,xn.y,xn.z);return this}applyMatrix4(e){for(let t=0,n=this.count;t<n;t++)xn.fromBufferAttribute(this,t),xn.applyMatrix4(e),this.setXYZ(t,xn.x,xn.y,xn.z);return this}applyNormalMatrix(e){for(let t=0,n=this.count;t<n;t++)xn.fromBufferAttribute(this,t),xn.applyNormalMatrix(e),this.setXYZ(t,xn.x,xn.y,xn.z);return this}transformDirection(e){for(let t=0,n=this.count;t<n;t++)xn.fromBufferAttribute(this,t),xn.transformDirection(e),this.setXYZ(t,xn.x,xn.y,xn.z);return this}set(e,t=0){return this.array.set(e,t),this}getComponent(e,t){let n=this.array[e*this.itemSize+t];return this.normalized&&(n=this._denormalize(n)),n}setComponent(e,t,n){return this.normalized&&(n=this._normalize(n)),this.array[e*this.itemSize+t]=n,this}getX(e){let t=this.array[e*this.itemSize];return this.normalized&&(t=this._denormalize(t)),t}setX(e,t){return this.normalized&&(t=this._normalize(t)),this.array[e*this.itemSize]=t,this}getY(e){let t=this.array[e*this.itemSize+1];return this.normalized&&(t=this._denormalize(t)),t}setY(e,t){return this.normalized&&(t=this._normalize(t)),this.array[e*this.itemSize+1]=t,this}getZ(e){let t=this.array[e*this.itemSize+2];return this.normalized&&(t=this._denormalize(t)),t}setZ(e,t){return this.normalized&&(t=this._normalize(t)),this.array[e*this.itemSize+2]=t,this}getW(e){let t=this.array[e*this.itemSize+3];return this.normalized&&(t=this._denormalize(t)),t}setW(e,t){return this.normalized&&(t=this._normalize(t)),this.array[e*this.itemSize+3]=t,this}setXY(e,t,n){return e*=this.itemSize,this.normalized&&(t=this._normalize(t),n=this._normalize(n)),this.array[e+0]=t,this.array[e+1]=n,this}setXYZ(e,t,n,s){return e*=this.itemSize,this.normalized&&(t=this._normalize(t),n=this._normalize(n),s=this._normalize(s)),this.array[e+0]=t,this.array[e+1]=n,this.array[e+2]=s,this}setXYZW(e,t,n,s,r){return e*=this.itemSize,this.normalized&&(t=this._normalize(t),n=this._normalize(n),s=this._normalize(s),r=this._normalize(r)),this.array[e+0]=t,this.array[e+1]=n,this.array[e+2]=s,this.array[e+3]=r,this}onUpload(e){return this.onUploadCallback=e,this}clone(){return new this.constructor(this.array,this.itemSize).copy(this)}toJSON(){let e={itemSize:this.itemSize,type:this.array.constructor.name,array:Array.from(this.array),normalized:this.normalized};return e.name=this.name,e.usage=this.usage,e.gpuType=this.gpuType,e}dispose(){this.dispatchEvent({type:"dispose"})}_denormalize(e){let t=this._normalizationScale;return t!==void 0?Math.max(e/t,-1):bg(e,this.array)}_normalize(e){let t=this._normalizationScale;return t!==void 0?Math.round(e*t):Sg(e,this.array)}};var Sa=class extends an{constructor(e,t,n){super(new Uint16Array(e),t,n)}};var Ma=class extends an{constructor(e,t,n){super(new Uint32Array(e),t,n)}};var Sn=class extends an{constructor(e,t,n){super(new Float32Array(e),t,n)}},kv=new ds,la=new W,hd=new W,Gn=class{constructor(e=new W,t=-1){this.isSphere=!0,this.center=e,this.radius=t}set(e,t){return this.center.copy(e),this.radius=t,this}setFromPoints(e,t){let n=this.center;t!==void 0?n.copy(t):kv.setFromPoints(e).getCenter(n);let s=0;for(let r=0,o=e.length;r<o;r++)s=Math.max(s,n.distanceToSquared(e[r]));return this.radius=Math.sqrt(s),this}copy(e){return this.center.copy(e.center),this.radius=e.radius,this}isEmpty(){return this.radius<0}makeEmpty(){return this.center.set(0,0,0),this.radius=-1,this}containsPoint(e){return e.distanceToSquared(this.center)<=this.radius*this.radius}distanceToPoint(e){return e.distanceTo(this.center)-this.radius}intersectsSphere(e){let t=this.radius+e.radius;return e.center.distanceToSquared(this.center)<=t*t}intersectsBox(e){return e.intersectsSphere(this)}intersectsPlane(e){return Math.abs(e.distanceToPoint(this.center))<=this.radius}clampPoint(e,t){let n=this.center.distanceToSquared(e);return t.copy(e),n>this.radius*this.radius&&(t.sub(this.center).normalize(),t.multiplyScalar(this.radius).add(this.center)),t}getBoundingBox(e){return this.isEmpty()?(e.makeEmpty(),e):(e.set(this.center,this.center),e.expandByScalar(this.radius),e)}applyMatrix4(e){return this.center.applyMatrix4(e),this.radius=this.radius*e.getMaxScaleOnAxis(),this}translate(e){return this.center.add(e),this}expandByPoint(e){if(this.isEmpty())return this.center.copy(e),this.radius=0,this;la.subVectors(e,this.center);let t=la.lengthSq();if(t>this.radius*this.radius){let n=Math.sqrt(t),s=(n-this.radius)*.5;this.center.addScaledVector(la,s/n),this.radius+=s}return this}union(e){return e.isEmpty()?this:this.isEmpty()?(this.copy(e),this):(this.center.equals(e.center)===!0?this.radius=Math.max(this.radius,e.radius):(hd.subVectors(e.center,this.center).setLength(e.radius),this.expandByPoint(la.copy(e.center).add(hd)),this.expandByPoint(la.copy(e.center).sub(hd))),this)}equals(e){return e.center.equals(this.center)&&e.radius===this.radius}clone(){return new this.constructor().copy(this)}toJSON(){return{radius:this.radius,center:this.center.toArray()}}fromJSON(e){return this.radius=e.radius,this.center.fromArray(e.center),this}},Bv=0,Ii=new Mt,ud=new Bn,oo=new W,vi=new ds,ca=new ds,On=new W,ln=class i extends qi{constructor(){super(),this.isBufferGeometry=!0,Object.defineProperty(this,"id",{value:Bv++}),this.uuid=Lo(),this.name="",this.type="BufferGeometry",this.index=null,this.indirect=null,this.indirectOffset=0,this.attributes={},this.morphAttributes={},this.morphTargetsRelative=!1,this.groups=[],this.boundingBox=null,this.boundingSphere=null,this.drawRange={start:0,count:1/0},this.userData={},this._transformed=!1}getIndex(){return this.index}setIndex(e){return Array.isArray(e)?this.index=new(hv(e)?Ma:Sa)(e,1):this.index=e,this}setIndirect(e,t=0){return this.indirect=e,this.indirectOffset=t,this}getIndirect(){return this.indirect}getAttribute(e){return this.attributes[e]}setAttribute(e,t){return this.attributes[e]=t,this}deleteAttribute(e){return delete this.attributes[e],this}hasAttribute(e){return this.attributes[e]!==void 0}addGroup(e,t,n=0){this.groups.push({start:e,count:t,materialIndex:n})}clearGroups(){this.groups=[]}setDrawRange(e,t){this.drawRange.start=e,this.drawRange.count=t}applyMatrix4(e){let t=this.attributes.position;t!==void 0&&(t.applyMatrix4(e),t.needsUpdate=!0);let n=this.attributes.normal;if(n!==void 0){let r=new it().getNormalMatrix(e);n.applyNormalMatrix(r),n.needsUpdate=!0}let s=this.attributes.tangent;return s!==void 0&&(s.transformDirection(e),s.needsUpdate=!0),this.boundingBox!==null&&this.computeBoundingBox(),this.boundingSphere!==null&&this.computeBoundingSphere(),this._transformed=!0,this}applyQuaternion(e){return Ii.makeRotationFromQuaternion(e),this.applyMatrix4(Ii),this}rotateX(e){return Ii.makeRotationX(e),this.applyMatrix4(Ii),this}rotateY(e){return Ii.makeRotationY(e),this.applyMatrix4(Ii),this}rotateZ(e){return Ii.makeRotationZ(e),this.applyMatrix4(Ii),this}translate(e,t,n){return Ii.makeTranslation(e,t,n),this.applyMatrix4(Ii),this}scale(e,t,n){return Ii.makeScale(e,t,n),this.applyMatrix4(Ii),this}lookAt(e){return ud.lookAt(e),ud.updateMatrix(),this.applyMatrix4(ud.matrix),this}center(){return this.computeBoundingBox(),this.boundingBox.getCenter(oo).negate(),this.translate(oo.x,oo.y,oo.z),this}setFromPoints(e){let t=this.getAttribute("position");if(t===void 0){let n=[];for(let s=0,r=e.length;s<r;s++){let o=e[s];n.push(o.x,o.y,o.z||0)}this.setAttribute("position",new Sn(n,3))}else{let n=Math.min(e.length,t.count);for(let s=0;s<n;s++){let r=e[s];t.setXYZ(s,r.x,r.y,r.z||0)}e.length>t.count&&Ye("BufferGeometry: Buffer size too small for points data. Use .dispose() and create a new geometry."),t.needsUpdate=!0}return this}computeBoundingBox(){this.boundingBox===null&&(this.boundingBox=new ds);let e=this.attributes.position,t=this.morphAttributes.position;if(e&&e.isGLBufferAttribute){et("BufferGeometry.computeBoundingBox(): GLBufferAttribute requires a manual bounding box.",this),this.boundingBox.set(new W(-1/0,-1/0,-1/0),new W(1/0,1/0,1/0));return}if(e!==void 0){if(this.boundingBox.setFromBufferAttribute(e),t)for(let n=0,s=t.length;n<s;n++){let r=t[n];vi.setFromBufferAttribute(r),this.morphTargetsRelative?(On.addVectors(this.boundingBox.min,vi.min),this.boundingBox.expandByPoint(On),On.addVectors(this.boundingBox.max,vi.max),this.boundingBox.expandByPoint(On)):(this.boundingBox.expandByPoint(vi.min),this.boundingBox.expandByPoint(vi.max))}}else this.boundingBox.makeEmpty();(isNaN(this.boundingBox.min.x)||isNaN(this.boundingBox.min.y)||isNaN(this.boundingBox.min.z))&&et('BufferGeometry.computeBoundingBox(): Computed min/max have NaN values. The "position" attribute is likely to have NaN values.',this)}computeBoundingSphere(){this.boundingSphere===null&&(this.boundingSphere=new Gn);let e=this.attributes.position,t=this.morphAttributes.position;if(e&&e.isGLBufferAttribute){et("BufferGeometry.computeBoundingSphere(): GLBufferAttribute requires a manual bounding sphere.",this),this.boundingSphere.set(new W,1/0);return}if(e){let n=this.boundingSphere.center;if(vi.setFromBufferAttribute(e),t)for(let r=0,o=t.length;r<o;r++){let a=t[r];ca.setFromBufferAttribute(a),this.morphTargetsRelative?(On.addVectors(vi.min,ca.min),vi.expandByPoint(On),On.addVectors(vi.max,ca.max),vi.expandByPoint(On)):(vi.expandByPoint(ca.min),vi.expandByPoint(ca.max))}vi.getCenter(n);let s=0;for(let r=0,o=e.count;r<o;r++)On.fromBufferAttribute(e,r),s=Math.max(s,n.distanceToSquared(On));if(t)for(let r=0,o=t.length;r<o;r++){let a=t[r],l=this.morphTargetsRelative;for(let c=0,h=a.count;c<h;c++)On.fromBufferAttribute(a,c),l&&(oo.fromBufferAttribute(e,c),On.add(oo)),s=Math.max(s,n.distanceToSquared(On))}this.boundingSphere.radius=Math.sqrt(s),isNaN(this.boundingSphere.radius)&&et('BufferGeometry.computeBoundingSphere(): Computed radius is NaN. The "position" attribute is likely to have NaN values.',this)}}computeTangents(){let e=this.index,t=this.attributes;if(e===null||t.position===void 0||t.normal===void 0||t.uv===void 0){et("BufferGeometry: .computeTangents() failed. Missing required attributes (index, position, normal or uv)");return}let n=t.position,s=t.normal,r=t.uv,o=this.getAttribute("tangent");(o===void 0||o.count!==n.count)&&(o=new an(new Float32Array(4*n.count),4),this.setAttribute("tangent",o));let a=[],l=[],c=new Uint8Array(n.count);for(let k=0;k<n.count;k++)a[k]=new W,l[k]=new W;let h=new W,d=new W,u=new W,f=new $e,g=new $e,y=new $e,p=new W,m=new W;function x(k,D,L){c[k]=c[D]=c[L]=1,h.fromBufferAttribute(n,k),d.fromBufferAttribute(n,D),u.fromBufferAttribute(n,L),f.fromBufferAttribute(r,k),g.fromBufferAttribute(r,D),y.fromBufferAttribute(r,L),d.sub(h),u.sub(h),g.sub(f),y.sub(f);let B=1/(g.x*y.y-y.x*g.y);isFinite(B)&&(p.copy(d).multiplyScalar(y.y).addScaledVector(u,-g.y).multiplyScalar(B),m.copy(u).multiplyScalar(g.x).addScaledVector(d,-y.x).multiplyScalar(B),a[k].add(p),a[D].add(p),a[L].add(p),l[k].add(m),l[D].add(m),l[L].add(m))}let E=this.groups;E.length===0&&(E=[{start:0,count:e.count}]);for(let k=0,D=E.length;k<D;++k){let L=E[k],B=L.start,V=L.count;for(let P=B,U=B+V;P<U;P+=3)x(e.getX(P+0),e.getX(P+1),e.getX(P+2))}let S=new W,R=new W,M=new W,_=new W;function A(k){M.fromBufferAttribute(s,k),_.copy(M);let D=a[k];S.copy(D),S.sub(M.multiplyScalar(M.dot(D))).normalize(),R.crossVectors(_,D);let B=R.dot(l[k])<0?-1:1;o.setXYZW(k,S.x,S.y,S.z,B)}for(let k=0,D=n.count;k<D;++k)c[k]&&A(k);this._transformed=!0}computeVertexNormals(){let e=this.index,t=this.getAttribute("position");if(t!==void 0){let n=this.getAttribute("normal");if(n===void 0||n.count!==t.count)n=new an(new Float32Array(t.count*3),3),this.setAttribute("normal",n);else for(let u=0,f=n.count;u<f;u++)n.setXYZ(u,0,0,0);let s=new W,r=new W,o=new W,a=new W,l=new W,c=new W,h=new W,d=new W;if(e)for(let u=0,f=e.count;u<f;u+=3){let g=e.getX(u+0),y=e.getX(u+1),p=e.getX(u+2);s.fromBufferAttribute(t,g),r.fromBufferAttribute(t,y),o.fromBufferAttribute(t,p),h.subVectors(o,r),d.subVectors(s,r),h.cross(d),a.fromBufferAttribute(n,g),l.fromBufferAttribute(n,y),c.fromBufferAttribute(n,p),a.add(h),l.add(h),c.add(h),n.setXYZ(g,a.x,a.y,a.z),n.setXYZ(y,l.x,l.y,l.z),n.setXYZ(p,c.x,c.y,c.z)}else for(let u=0,f=t.count;u<f;u+=3)s.fromBufferAttribute(t,u+0),r.fromBufferAttribute(t,u+1),o.fromBufferAttribute(t,u+2),h.subVectors(o,r),d.subVectors(s,r),h.cross(d),n.setXYZ(u+0,h.x,h.y,h.z),n.setXYZ(u+1,h.x,h.y,h.z),n.setXYZ(u+2,h.x,h.y,h.z);this.normalizeNormals(),n.needsUpdate=!0}}normalizeNormals(){let e=this.attributes.normal;for(let t=0,n=e.count;t<n;t++)On.fromBufferAttribute(e,t),On.normalize(),e.setXYZ(t,On.x,On.y,On.z)}toNonIndexed(){function e(a,l){let c=a.array,h=a.itemSize,d=a.normalized,u=new c.constructor(l.length*h),f=0,g=0;for(let y=0,p=l.length;y<p;y++){a.isInterleavedBufferAttribute?f=l[y]*a.data.stride+a.offset:f=l[y]*h;for(let m=0;m<h;m++)u[g++]=c[f++]}return new an(u,h,d)}if(this.index===null)return Ye("BufferGeometry.toNonIndexed(): BufferGeometry is already non-indexed."),this;let t=new i,n=this.index.array,s=this.attributes;for(let a in s){let l=s[a],c=e(l,n);t.setAttribute(a,c)}let r=this.morphAttributes;for(let a in r){let l=[],c=r[a];for(let h=0,d=c.length;h<d;h++){let u=c[h],f=e(u,n);l.push(f)}t.morphAttributes[a]=l}t.morphTargetsRelative=this.morphTargetsRelative;let o=this.groups;for(let a=0,l=o.length;a<l;a++){let c=o[a];t.addGroup(c.start,c.count,c.materialIndex)}return t}toJSON(){let e={metadata:{version:4.7,type:"BufferGeometry",generator:"BufferGeometry.toJSON"}};if(e.uuid=this.uuid,e.type=this.parameters!==void 0&&this._transformed===!0?"BufferGeometry":this.type,e.name=this.name,Object.keys(this.userData).length>0&&(e.userData=this.userData),this.parameters!==void 0&&this._transformed!==!0){let l=this.parameters;for(let c in l)l[c]!==void 0&&(e[c]=l[c]);return e}e.data={attributes:{}};let t=this.index;t!==null&&(e.data.index={type:t.array.constructor.name,array:Array.prototype.slice.call(t.array)});let n=this.attributes;for(let l in n){let c=n[l];e.data.attributes[l]=c.toJSON(e.data)}let s={},r=!1;for(let l in this.morphAttributes){let c=this.morphAttributes[l],h=[];for(let d=0,u=c.length;d<u;d++){let f=c[d];h.push(f.toJSON(e.data))}h.length>0&&(s[l]=h,r=!0)}r&&(e.data.morphAttributes=s,e.data.morphTargetsRelative=this.morphTargetsRelative);let o=this.groups;o.length>0&&(e.data.groups=JSON.parse(JSON.stringify(o)));let a=this.boundingSphere;return a!==null&&(e.data.boundingSphere=a.toJSON()),e}clone(){return new this.constructor().copy(this)}copy(e){this.index=null,this.attributes={},this.morphAttributes={},this.groups=[],this.boundingBox=null,this.boundingSphere=null;let t={};this.name=e.name;let n=e.index;n!==null&&this.setIndex(n.clone());let s=e.attributes;for(let c in s){let h=s[c];this.setAttribute(c,h.clone(t))}let r=e.morphAttributes;for(let c in r){let h=[],d=r[c];for(let u=0,f=d.length;u<f;u++)h.push(d[u].clone(t));this.morphAttributes[c]=h}this.morphTargetsRelative=e.morphTargetsRelative;let o=e.groups;for(let c=0,h=o.length;c<h;c++){let d=o[c];this.addGroup(d.start,d.count,d.materialIndex)}let a=e.boundingBox;a!==null&&(this.boundingBox=a.clone());let l=e.boundingSphere;return l!==null&&(this.boundingSphere=l.clone()),this.drawRange.start=e.drawRange.start,this.drawRange.count=e.drawRange.count,this.userData=e.userData,this._transformed=e._transformed,this}dispose(){this.dispatchEvent({type:"dispose"})}};var dd=new W,zv=new W,Vv=new it,ti=class{constructor(e=new W(1,0,0),t=0){this.isPlane=!0,this.normal=e,this.constant=t}set(e,t){return this.normal.copy(e),this.constant=t,this}setComponents(e,t,n,s){return this.normal.set(e,t,n),this.constant=s,this}setFromNormalAndCoplanarPoint(e,t){return this.normal.copy(e),this.constant=-t.dot(this.normal),this}setFromCoplanarPoints(e,t,n){let s=dd.subVectors(n,t).cross(zv.subVectors(e,t)).normalize();return this.setFromNormalAndCoplanarPoint(s,e),this}copy(e){return this.normal.copy(e.normal),this.constant=e.constant,this}normalize(){let e=1/this.normal.length();return this.normal.multiplyScalar(e),this.constant*=e,this}negate(){return this.constant*=-1,this.normal.negate(),this}distanceToPoint(e){return this.normal.dot(e)+this.constant}distanceToSphere(e){return this.distanceToPoint(e.center)-e.radius}projectPoint(e,t){return t.copy(e).addScaledVector(this.normal,-this.distanceToPoint(e))}intersectLine(e,t,n=!0){let s=e.delta(dd),r=this.normal.dot(s);if(r===0)return this.distanceToPoint(e.start)===0?t.copy(e.start):null;let o=-(e.start.dot(this.normal)+this.constant)/r;return n===!0&&(o<0||o>1)?null:t.copy(e.start).addScaledVector(s,o)}intersectsLine(e){let t=this.distanceToPoint(e.start),n=this.distanceToPoint(e.end);return t<0&&n>0||n<0&&t>0}intersectsBox(e){return e.intersectsPlane(this)}intersectsSphere(e){return e.intersectsPlane(this)}coplanarPoint(e){return e.copy(this.normal).multiplyScalar(-this.constant)}applyMatrix4(e,t){let n=t||Vv.getNormalMatrix(e),s=this.coplanarPoint(dd).applyMatrix4(e),r=this.normal.applyMatrix3(n).normalize();return this.constant=-s.dot(r),this}translate(e){return this.constant-=e.dot(this.normal),this}equals(e){return e.normal.equals(this.normal)&&e.constant===this.constant}clone(){return new this.constructor().copy(this)}toJSON(){return{normal:this.normal.toArray(),constant:this.constant}}fromJSON(e){return this.normal.fromArray(e.normal),this.constant=e.constant,this}},Gv=0,Yi=class extends qi{constructor(){super(),this.isMaterial=!0,Object.defineProperty(this,"id",{value:Gv++}),this.uuid=Lo(),this.name="",this.type="Material",this.blending=Co,this.side=cr,this.vertexColors=!1,this.opacity=1,this.transparent=!1,this.alphaHash=!1,this.blendSrc=Pd,this.blendDst=Id,this.blendEquation=Cr,this.blendSrcAlpha=null,this.blendDstAlpha=null,this.blendEquationAlpha=null,this.blendColor=new nt(0,0,0),this.blendAlpha=0,this.depthFunc=fo,this.depthTest=!0,this.depthWrite=!0,this.stencilWriteMask=255,this.stencilFunc=hg,this.stencilRef=0,this.stencilFuncMask=255,this.stencilFail=sc,this.stencilZFail=sc,this.stencilZPass=sc,this.stencilWrite=!1,this.clippingPlanes=null,this.clipIntersection=!1,this.clipShadows=!1,this.shadowSide=null,this.colorWrite=!0,this.precision=null,this.polygonOffset=!1,this.polygonOffsetFactor=0,this.polygonOffsetUnits=0,this.dithering=!1,this.alphaToCoverage=!1,this.premultipliedAlpha=!1,this.forceSinglePass=!1,this.allowOverride=!0,this.visible=!0,this.toneMapped=!0,this.userData={},this.version=0,this._alphaTest=0}get alphaTest(){return this._alphaTest}set alphaTest(e){this._alphaTest>0!=e>0&&this.version++,this._alphaTest=e}onBeforeRender(){}onBeforeCompile(){}customProgramCacheKey(){return this.onBeforeCompile.toString()}setValues(e){if(e!==void 0)for(let t in e){let n=e[t];if(n===void 0){Ye(`Material: parameter '${t}' has value of undefined.`);continue}let s=this[t];if(s===void 0){Ye(`Material: '${t}' is not a property of THREE.${this.type}.`);continue}s&&s.isColor?s.set(n):s&&s.isVector2&&n&&n.isVector2||s&&s.isEuler&&n&&n.isEuler||s&&s.isVector3&&n&&n.isVector3?s.copy(n):this[t]=n}}toJSON(e){let t=e===void 0||typeof e=="string";t&&(e={textures:{},images:{}});let n={metadata:{version:4.7,type:"Material",generator:"Material.toJSON"}};n.uuid=this.uuid,n.type=this.type,n.blending=this.blending,n.side=this.side,n.shadowSide=this.shadowSide,n.vertexColors=this.vertexColors,n.opacity=this.opacity,n.transparent=this.transparent,n.blendSrc=this.blendSrc,n.blendDst=this.blendDst,n.blendEquation=this.blendEquation,n.blendSrcAlpha=this.blendSrcAlpha,n.blendDstAlpha=this.blendDstAlpha,n.blendEquationAlpha=this.blendEquationAlpha,n.blendColor=this.blendColor.getHex(),n.blendAlpha=this.blendAlpha,n.depthFunc=this.depthFunc,n.depthTest=this.depthTest,n.depthWrite=this.depthWrite,n.colorWrite=this.colorWrite,n.clipIntersection=this.clipIntersection,n.clipShadows=this.clipShadows,n.stencilWriteMask=this.stencilWriteMask,n.stencilFunc=this.stencilFunc,n.stencilRef=this.stencilRef,n.stencilFuncMask=this.stencilFuncMask,n.stencilFail=this.stencilFail,n.stencilZFail=this.stencilZFail,n.stencilZPass=this.stencilZPass,n.stencilWrite=this.stencilWrite,n.polygonOffset=this.polygonOffset,n.polygonOffsetFactor=this.polygonOffsetFactor,n.polygonOffsetUnits=this.polygonOffsetUnits,n.dithering=this.dithering,n.alphaTest=this.alphaTest,n.alphaHash=this.alphaHash,n.alphaToCoverage=this.alphaToCoverage,n.premultipliedAlpha=this.premultipliedAlpha,n.forceSinglePass=this.forceSinglePass,n.allowOverride=this.allowOverride,n.visible=this.visible,n.toneMapped=this.toneMapped,n.name=this.name,this.color&&this.color.isColor&&(n.color=this.color.getHex()),this.roughness!==void 0&&(n.roughness=this.roughness),this.metalness!==void 0&&(n.metalness=this.metalness),this.sheen!==void 0&&(n.sheen=this.sheen),this.sheenColor&&this.sheenColor.isColor&&(n.sheenColor=this.sheenColor.getHex()),this.sheenRoughness!==void 0&&(n.sheenRoughness=this.sheenRoughness),this.emissive&&this.emissive.isColor&&(n.emissive=this.emissive.getHex()),this.emissiveIntensity!==void 0&&(n.emissiveIntensity=this.emissiveIntensity),this.specular&&this.specular.isColor&&(n.specular=this.specular.getHex()),this.specularIntensity!==void 0&&(n.specularIntensity=this.specularIntensity),this.specularColor&&this.specularColor.isColor&&(n.specularColor=this.specularColor.getHex()),this.shininess!==void 0&&(n.shininess=this.shininess),this.clearcoat!==void 0&&(n.clearcoat=this.clearcoat),this.clearcoatRoughness!==void 0&&(n.clearcoatRoughness=this.clearcoatRoughness),this.diffuseRoughness!==void 0&&(n.diffuseRoughness=this.diffuseRoughness),this.diffuseRoughnessMap&&this.diffuseRoughnessMap.isTexture&&(n.diffuseRoughnessMap=this.diffuseRoughnessMap.toJSON(e).uuid),this.clearcoatMap&&this.clearcoatMap.isTexture&&(n.clearcoatMap=this.clearcoatMap.toJSON(e).uuid),this.clearcoatRoughnessMap&&this.clearcoatRoughnessMap.isTexture&&(n.clearcoatRoughnessMap=this.clearcoatRoughnessMap.toJSON(e).uuid),this.clearcoatNormalMap&&this.clearcoatNormalMap.isTexture&&(n.clearcoatNormalMap=this.clearcoatNormalMap.toJSON(e).uuid,n.clearcoatNormalScale=this.clearcoatNormalScale.toArray()),this.sheenColorMap&&this.sheenColorMap.isTexture&&(n.sheenColorMap=this.sheenColorMap.toJSON(e).uuid),this.sheenRoughnessMap&&this.sheenRoughnessMap.isTexture&&(n.sheenRoughnessMap=this.sheenRoughnessMap.toJSON(e).uuid),this.dispersion!==void 0&&(n.dispersion=this.dispersion),this.retroreflectivity!==void 0&&(n.retroreflectivity=this.retroreflectivity),this.iridescence!==void 0&&(n.iridescence=this.iridescence),this.iridescenceIOR!==void 0&&(n.iridescenceIOR=this.iridescenceIOR),this.iridescenceThicknessMinimum!==void 0&&(n.iridescenceThicknessMinimum=this.iridescenceThicknessMinimum),this.iridescenceThicknessMaximum!==void 0&&(n.iridescenceThicknessMaximum=this.iridescenceThicknessMaximum),this.iridescenceMap&&this.iridescenceMap.isTexture&&(n.iridescenceMap=this.iridescenceMap.toJSON(e).uuid),this.iridescenceThicknessMap&&this.iridescenceThicknessMap.isTexture&&(n.iridescenceThicknessMap=this.iridescenceThicknessMap.toJSON(e).uuid),this.anisotropy!==void 0&&(n.anisotropy=this.anisotropy),this.anisotropyRotation!==void 0&&(n.anisotropyRotation=this.anisotropyRotation),this.anisotropyMap&&this.anisotropyMap.isTexture&&(n.anisotropyMap=this.anisotropyMap.toJSON(e).uuid),this.map&&this.map.isTexture&&(n.map=this.map.toJSON(e).uuid),this.matcap&&this.matcap.isTexture&&(n.matcap=this.matcap.toJSON(e).uuid),this.alphaMap&&this.alphaMap.isTexture&&(n.alphaMap=this.alphaMap.toJSON(e).uuid),this.lightMap&&this.lightMap.isTexture&&(n.lightMap=this.lightMap.toJSON(e).uuid,n.lightMapIntensity=this.lightMapIntensity),this.aoMap&&this.aoMap.isTexture&&(n.aoMap=this.aoMap.toJSON(e).uuid,n.aoMapIntensity=this.aoMapIntensity),this.bumpMap&&this.bumpMap.isTexture&&(n.bumpMap=this.bumpMap.toJSON(e).uuid,n.bumpScale=this.bumpScale),this.normalMap&&this.normalMap.isTexture&&(n.normalMap=this.normalMap.toJSON(e).uuid,n.normalMapType=this.normalMapType,n.normalScale=this.normalScale.toArray()),this.displacementMap&&this.displacementMap.isTexture&&(n.displacementMap=this.displacementMap.toJSON(e).uuid,n.displacementScale=this.displacementScale,n.displacementBias=this.displacementBias),this.roughnessMap&&this.roughnessMap.isTexture&&(n.roughnessMap=this.roughnessMap.toJSON(e).uuid),this.metalnessMap&&this.metalnessMap.isTexture&&(n.metalnessMap=this.metalnessMap.toJSON(e).uuid),this.emissiveMap&&this.emissiveMap.isTexture&&(n.emissiveMap=this.emissiveMap.toJSON(e).uuid),this.specularMap&&this.specularMap.isTexture&&(n.specularMap=this.specularMap.toJSON(e).uuid),this.specularIntensityMap&&this.specularIntensityMap.isTexture&&(n.specularIntensityMap=this.specularIntensityMap.toJSON(e).uuid),this.specularColorMap&&this.specularColorMap.isTexture&&(n.specularColorMap=this.specularColorMap.toJSON(e).uuid),this.envMap&&this.envMap.isTexture&&(n.envMap=this.envMap.toJSON(e).uuid,this.combine!==void 0&&(n.combine=this.combine)),this.envMapRotation!==void 0&&(n.envMapRotation=this.envMapRotation.toArray()),this.envMapIntensity!==void 0&&(n.envMapIntensity=this.envMapIntensity),this.reflectivity!==void 0&&(n.reflectivity=this.reflectivity),this.refractionRatio!==void 0&&(n.refractionRatio=this.refractionRatio),this.gradientMap&&this.gradientMap.isTexture&&(n.gradientMap=this.gradientMap.toJSON(e).uuid),this.transmission!==void 0&&(n.transmission=this.transmission),this.transmissionMap&&this.transmissionMap.isTexture&&(n.transmissionMap=this.transmissionMap.toJSON(e).uuid),this.thickness!==void 0&&(n.thickness=this.thickness),this.thicknessMap&&this.thicknessMap.isTexture&&(n.thicknessMap=this.thicknessMap.toJSON(e).uuid),this.attenuationDistance!==void 0&&(n.attenuationDistance=this.attenuationDistance),this.attenuationColor!==void 0&&(n.attenuationColor=this.attenuationColor.getHex()),this.size!==void 0&&(n.size=this.size),this.sizeAttenuation!==void 0&&(n.sizeAttenuation=this.sizeAttenuation),Array.isArray(this.clippingPlanes)&&this.clippingPlanes.length>0&&(n.clippingPlanes=this.clippingPlanes.map(r=>r.toJSON())),this.rotation!==void 0&&(n.rotation=this.rotation),this.depthPacking!==void 0&&(n.depthPacking=this.depthPacking),this.linewidth!==void 0&&(n.linewidth=this.linewidth),this.linecap!==void 0&&(n.linecap=this.linecap),this.linejoin!==void 0&&(n.linejoin=this.linejoin),this.dashSize!==void 0&&(n.dashSize=this.dashSize),this.gapSize!==void 0&&(n.gapSize=this.gapSize),this.scale!==void 0&&(n.scale=this.scale),this.wireframe!==void 0&&(n.wireframe=this.wireframe),this.wireframeLinewidth!==void 0&&(n.wireframeLinewidth=this.wireframeLinewidth),this.wireframeLinecap!==void 0&&(n.wireframeLinecap=this.wireframeLinecap),this.wireframeLinejoin!==void 0&&(n.wireframeLinejoin=this.wireframeLinejoin),this.flatShading!==void 0&&(n.flatShading=this.flatShading),this.fog!==void 0&&(n.fog=this.fog),Object.keys(this.userData).length>0&&(n.userData=this.userData);function s(r){let o=[];for(let a in r){let l=r[a];delete l.metadata,o.push(l)}return o}if(t){let r=s(e.textures),o=s(e.images);r.length>0&&(n.textures=r),o.length>0&&(n.images=o)}return n}fromJSON(e,t){if(e.uuid!==void 0&&(this.uuid=e.uuid),e.name!==void 0&&(this.name=e.name),e.color!==void 0&&this.color!==void 0&&this.color.setHex(e.color),e.roughness!==void 0&&(this.roughness=e.roughness),e.metalness!==void 0&&(this.metalness=e.metalness),e.sheen!==void 0&&(this.sheen=e.sheen),e.sheenColor!==void 0&&(this.sheenColor=new nt().setHex(e.sheenColor)),e.sheenRoughness!==void 0&&(this.sheenRoughness=e.sheenRoughness),e.emissive!==void 0&&this.emissive!==void 0&&this.emissive.setHex(e.emissive),e.specular!==void 0&&this.specular!==void 0&&this.specular.setHex(e.specular),e.specularIntensity!==void 0&&(this.specularIntensity=e.specularIntensity),e.specularColor!==void 0&&this.specularColor!==void 0&&this.specularColor.setHex(e.specularColor),e.shininess!==void 0&&(this.shininess=e.shininess),e.clearcoat!==void 0&&(this.clearcoat=e.clearcoat),e.clearcoatRoughness!==void 0&&(this.clearcoatRoughness=e.clearcoatRoughness),e.diffuseRoughness!==void 0&&(this.diffuseRoughness=e.diffuseRoughness),e.dispersion!==void 0&&(this.dispersion=e.dispersion),e.retroreflectivity!==void 0&&(this.retroreflectivity=e.retroreflectivity),e.iridescence!==void 0&&(this.iridescence=e.iridescence),e.iridescenceIOR!==void 0&&(this.iridescenceIOR=e.iridescenceIOR),e.iridescenceThicknessMinimum!==void 0&&(this.iridescenceThicknessMinimum=e.iridescenceThicknessMinimum),e.iridescenceThicknessMaximum!==void 0&&(this.iridescenceThicknessMaximum=e.iridescenceThicknessMaximum),e.iridescenceThicknessRange!==void 0&&(this.iridescenceThicknessMinimum=e.iridescenceThicknessRange[0],this.iridescenceThicknessMaximum=e.iridescenceThicknessRange[1]),e.transmission!==void 0&&(this.transmission=e.transmission),e.thickness!==void 0&&(this.thickness=e.thickness),e.attenuationDistance!==void 0&&(this.attenuationDistance=e.attenuationDistance),e.attenuationColor!==void 0&&this.attenuationColor!==void 0&&this.attenuationColor.setHex(e.attenuationColor),e.anisotropy!==void 0&&(this.anisotropy=e.anisotropy),e.anisotropyRotation!==void 0&&(this.anisotropyRotation=e.anisotropyRotation),e.fog!==void 0&&(this.fog=e.fog),e.flatShading!==void 0&&(this.flatShading=e.flatShading),e.blending!==void 0&&(this.blending=e.blending),e.combine!==void 0&&(this.combine=e.combine),e.side!==void 0&&(this.side=e.side),e.shadowSide!==void 0&&(this.shadowSide=e.shadowSide),e.opacity!==void 0&&(this.opacity=e.opacity),e.transparent!==void 0&&(this.transparent=e.transparent),e.alphaTest!==void 0&&(this.alphaTest=e.alphaTest),e.alphaHash!==void 0&&(this.alphaHash=e.alphaHash),e.depthFunc!==void 0&&(this.depthFunc=e.depthFunc),e.depthTest!==void 0&&(this.depthTest=e.depthTest),e.depthWrite!==void 0&&(this.depthWrite=e.depthWrite),e.colorWrite!==void 0&&(this.colorWrite=e.colorWrite),e.clippingPlanes!==void 0&&(this.clippingPlanes=e.clippingPlanes.map(n=>new ti().fromJSON(n))),e.clipIntersection!==void 0&&(this.clipIntersection=e.clipIntersection),e.clipShadows!==void 0&&(this.clipShadows=e.clipShadows),e.depthPacking!==void 0&&(this.depthPacking=e.depthPacking),e.blendSrc!==void 0&&(this.blendSrc=e.blendSrc),e.blendDst!==void 0&&(this.blendDst=e.blendDst),e.blendEquation!==void 0&&(this.blendEquation=e.blendEquation),e.blendSrcAlpha!==void 0&&(this.blendSrcAlpha=e.blendSrcAlpha),e.blendDstAlpha!==void 0&&(this.blendDstAlpha=e.blendDstAlpha),e.blendEquationAlpha!==void 0&&(this.blendEquationAlpha=e.blendEquationAlpha),e.blendColor!==void 0&&this.blendColor!==void 0&&this.blendColor.setHex(e.blendColor),e.blendAlpha!==void 0&&(this.blendAlpha=e.blendAlpha),e.stencilWriteMask!==void 0&&(this.stencilWriteMask=e.stencilWriteMask),e.stencilFunc!==void 0&&(this.stencilFunc=e.stencilFunc),e.stencilRef!==void 0&&(this.stencilRef=e.stencilRef),e.stencilFuncMask!==void 0&&(this.stencilFuncMask=e.stencilFuncMask),e.stencilFail!==void 0&&(this.stencilFail=e.stencilFail),e.stencilZFail!==void 0&&(this.stencilZFail=e.stencilZFail),e.stencilZPass!==void 0&&(this.stencilZPass=e.stencilZPass),e.stencilWrite!==void 0&&(this.stencilWrite=e.stencilWrite),e.wireframe!==void 0&&(this.wireframe=e.wireframe),e.wireframeLinewidth!==void 0&&(this.wireframeLinewidth=e.wireframeLinewidth),e.wireframeLinecap!==void 0&&(this.wireframeLinecap=e.wireframeLinecap),e.wireframeLinejoin!==void 0&&(this.wireframeLinejoin=e.wireframeLinejoin),e.rotation!==void 0&&(this.rotation=e.rotation),e.linewidth!==void 0&&(this.linewidth=e.linewidth),e.linecap!==void 0&&(this.linecap=e.linecap),e.linejoin!==void 0&&(this.linejoin=e.linejoin),e.dashSize!==void 0&&(this.dashSize=e.dashSize),e.gapSize!==void 0&&(this.gapSize=e.gapSize),e.scale!==void 0&&(this.scale=e.scale),e.polygonOffset!==void 0&&(this.polygonOffset=e.polygonOffset),e.polygonOffsetFactor!==void 0&&(this.polygonOffsetFactor=e.polygonOffsetFactor),e.polygonOffsetUnits!==void 0&&(this.polygonOffsetUnits=e.polygonOffsetUnits),e.dithering!==void 0&&(this.dithering=e.dithering),e.alphaToCoverage!==void 0&&(this.alphaToCoverage=e.alphaToCoverage),e.premultipliedAlpha!==void 0&&(this.premultipliedAlpha=e.premultipliedAlpha),e.forceSinglePass!==void 0&&(this.forceSinglePass=e.forceSinglePass),e.allowOverride!==void 0&&(this.allowOverride=e.allowOverride),e.visible!==void 0&&(this.visible=e.visible),e.toneMapped!==void 0&&(this.toneMapped=e.toneMapped),e.userData!==void 0&&(this.userData=e.userData),e.vertexColors!==void 0&&(typeof e.vertexColors=="number"?this.vertexColors=e.vertexColors>0:this.vertexColors=e.vertexColors),e.size!==void 0&&(this.size=e.size),e.sizeAttenuation!==void 0&&(this.sizeAttenuation=e.sizeAttenuation),e.map!==void 0&&(this.map=t[e.map]||null),e.matcap!==void 0&&(this.matcap=t[e.matcap]||null),e.alphaMap!==void 0&&(this.alphaMap=t[e.alphaMap]||null),e.bumpMap!==void 0&&(this.bumpMap=t[e.bumpMap]||null),e.bumpScale!==void 0&&(this.bumpScale=e.bumpScale),e.normalMap!==void 0&&(this.normalMap=t[e.normalMap]||null),e.normalMapType!==void 0&&(this.normalMapType=e.normalMapType),e.normalScale!==void 0){let n=e.normalScale;Array.isArray(n)===!1&&(n=[n,n]),this.normalScale=new $e().fromArray(n)}return e.displacementMap!==void 0&&(this.displacementMap=t[e.displacementMap]||null),e.displacementScale!==void 0&&(this.displacementScale=e.displacementScale),e.displacementBias!==void 0&&(this.displacementBias=e.displacementBias),e.roughnessMap!==void 0&&(this.roughnessMap=t[e.roughnessMap]||null),e.metalnessMap!==void 0&&(this.metalnessMap=t[e.metalnessMap]||null),e.emissiveMap!==void 0&&(this.emissiveMap=t[e.emissiveMap]||null),e.emissiveIntensity!==void 0&&(this.emissiveIntensity=e.emissiveIntensity),e.specularMap!==void 0&&(this.specularMap=t[e.specularMap]||null),e.specularIntensityMap!==void 0&&(this.specularIntensityMap=t[e.specularIntensityMap]||null),e.specularColorMap!==void 0&&(this.specularColorMap=t[e.specularColorMap]||null),e.envMap!==void 0&&(this.envMap=t[e.envMap]||null),e.envMapRotation!==void 0&&this.envMapRotation.fromArray(e.envMapRotation),e.envMapIntensity!==void 0&&(this.envMapIntensity=e.envMapIntensity),e.reflectivity!==void 0&&(this.reflectivity=e.reflectivity),e.refractionRatio!==void 0&&(this.refractionRatio=e.refractionRatio),e.lightMap!==void 0&&(this.lightMap=t[e.lightMap]||null),e.lightMapIntensity!==void 0&&(this.lightMapIntensity=e.lightMapIntensity),e.aoMap!==void 0&&(this.aoMap=t[e.aoMap]||null),e.aoMapIntensity!==void 0&&(this.aoMapIntensity=e.aoMapIntensity),e.gradientMap!==void 0&&(this.gradientMap=t[e.gradientMap]||null),e.clearcoatMap!==void 0&&(this.clearcoatMap=t[e.clearcoatMap]||null),e.clearcoatRoughnessMap!==void 0&&(this.clearcoatRoughnessMap=t[e.clearcoatRoughnessMap]||null),e.clearcoatNormalMap!==void 0&&(this.clearcoatNormalMap=t[e.clearcoatNormalMap]||null),e.clearcoatNormalScale!==void 0&&(this.clearcoatNormalScale=new $e().fromArray(e.clearcoatNormalScale)),e.diffuseRoughnessMap!==void 0&&(this.diffuseRoughnessMap=t[e.diffuseRoughnessMap]||null),e.iridescenceMap!==void 0&&(this.iridescenceMap=t[e.iridescenceMap]||null),e.iridescenceThicknessMap!==void 0&&(this.iridescenceThicknessMap=t[e.iridescenceThicknessMap]||null),e.transmissionMap!==void 0&&(this.transmissionMap=t[e.transmissionMap]||null),e.thicknessMap!==void 0&&(this.thicknessMap=t[e.thicknessMap]||null),e.anisotropyMap!==void 0&&(this.anisotropyMap=t[e.anisotropyMap]||null),e.sheenColorMap!==void 0&&(this.sheenColorMap=t[e.sheenColorMap]||null),e.sheenRoughnessMap!==void 0&&(this.sheenRoughnessMap=t[e.sheenRoughnessMap]||null),this}clone(){return new this.constructor().copy(this)}copy(e){this.name=e.name,this.blending=e.blending,this.side=e.side,this.vertexColors=e.vertexColors,this.opacity=e.opacity,this.transparent=e.transparent,this.blendSrc=e.blendSrc,this.blendDst=e.blendDst,this.blendEquation=e.blendEquation,this.blendSrcAlpha=e.blendSrcAlpha,this.blendDstAlpha=e.blendDstAlpha,this.blendEquationAlpha=e.blendEquationAlpha,this.blendColor.copy(e.blendColor),this.blendAlpha=e.blendAlpha,this.depthFunc=e.depthFunc,this.depthTest=e.depthTest,this.depthWrite=e.depthWrite,this.stencilWriteMask=e.stencilWriteMask,this.stencilFunc=e.stencilFunc,this.stencilRef=e.stencilRef,this.stencilFuncMask=e.stencilFuncMask,this.stencilFail=e.stencilFail,this.stencilZFail=e.stencilZFail,this.stencilZPass=e.stencilZPass,this.stencilWrite=e.stencilWrite;let t=e.clippingPlanes,n=null;if(t!==null){let s=t.length;n=new Array(s);for(let r=0;r!==s;++r)n[r]=t[r].clone()}return this.clippingPlanes=n,this.clipIntersection=e.clipIntersection,this.clipShadows=e.clipShadows,this.shadowSide=e.shadowSide,this.colorWrite=e.colorWrite,this.precision=e.precision,this.polygonOffset=e.polygonOffset,this.polygonOffsetFactor=e.polygonOffsetFactor,this.polygonOffsetUnits=e.polygonOffsetUnits,this.dithering=e.dithering,this.alphaTest=e.alphaTest,this.alphaHash=e.alphaHash,this.alphaToCoverage=e.alphaToCoverage,this.premultipliedAlpha=e.premultipliedAlpha,this.forceSinglePass=e.forceSinglePass,this.allowOverride=e.allowOverride,this.visible=e.visible,this.toneMapped=e.toneMapped,this.userData=JSON.parse(JSON.stringify(e.userData)),this}dispose(){this.dispatchEvent({type:"dispose"})}set needsUpdate(e){e===!0&&this.version++}};var Cs=new W,fd=new W,Bl=new W,zl=new W,Ds=class{constructor(e=new W,t=new W(0,0,-1)){this.origin=e,this.direction=t}set(e,t){return this.origin.copy(e),this.direction.copy(t),this}copy(e){return this.origin.copy(e.origin),this.direction.copy(e.direction),this}at(e,t){return t.copy(this.origin).addScaledVector(this.direction,e)}lookAt(e){return this.direction.copy(e).sub(this.origin).normalize(),this}recast(e){return this.origin.copy(this.at(e,Cs)),this}closestPointToPoint(e,t){t.subVectors(e,this.origin);let n=t.dot(this.direction);return n<0?t.copy(this.origin):t.copy(this.origin).addScaledVector(this.direction,n)}distanceToPoint(e){return Math.sqrt(this.distanceSqToPoint(e))}distanceSqToPoint(e){let t=Cs.subVectors(e,this.origin).dot(this.direction);return t<0?this.origin.distanceToSquared(e):(Cs.copy(this.origin).addScaledVector(this.direction,t),Cs.distanceToSquared(e))}distanceSqToSegment(e,t,n,s){fd.copy(e).add(t).multiplyScalar(.5),Bl.copy(t).sub(e).normalize(),zl.copy(this.origin).sub(fd);let r=e.distanceTo(t)*.5,o=-this.direction.dot(Bl),a=zl.dot(this.direction),l=-zl.dot(Bl),c=zl.lengthSq(),h=Math.abs(1-o*o),d,u,f,g;if(h>0)if(d=o*l-a,u=o*a-l,g=r*h,d>=0)if(u>=-g)if(u<=g){let y=1/h;d*=y,u*=y,f=d*(d+o*u+2*a)+u*(o*d+u+2*l)+c}else u=r,d=Math.max(0,-(o*u+a)),f=-d*d+u*(u+2*l)+c;else u=-r,d=Math.max(0,-(o*u+a)),f=-d*d+u*(u+2*l)+c;else u<=-g?(d=Math.max(0,-(-o*r+a)),u=d>0?-r:Math.min(Math.max(-r,-l),r),f=-d*d+u*(u+2*l)+c):u<=g?(d=0,u=Math.min(Math.max(-r,-l),r),f=u*(u+2*l)+c):(d=Math.max(0,-(o*r+a)),u=d>0?r:Math.min(Math.max(-r,-l),r),f=-d*d+u*(u+2*l)+c);else u=o>0?-r:r,d=Math.max(0,-(o*u+a)),f=-d*d+u*(u+2*l)+c;return n&&n.copy(this.origin).addScaledVector(this.direction,d),s&&s.copy(fd).addScaledVector(Bl,u),f}intersectSphere(e,t){if(e.radius<0)return null;Cs.subVectors(e.center,this.origin);let n=Cs.dot(this.direction),s=Cs.dot(Cs)-n*n,r=e.radius*e.radius;if(s>r)return null;let o=Math.sqrt(r-s),a=n-o,l=n+o;return l<0?null:a<0?this.at(l,t):this.at(a,t)}intersectsSphere(e){return e.radius<0?!1:this.distanceSqToPoint(e.center)<=e.radius*e.radius}distanceToPlane(e){let t=e.normal.dot(this.direction);if(t===0)return e.distanceToPoint(this.origin)===0?0:null;let n=-(this.origin.dot(e.normal)+e.constant)/t;return n>=0?n:null}intersectPlane(e,t){let n=this.distanceToPlane(e);return n===null?null:this.at(n,t)}intersectsPlane(e){let t=e.distanceToPoint(this.origin);return t===0||e.normal.dot(this.direction)*t<0}intersectBox(e,t){let n,s,r,o,a,l,c=1/this.direction.x,h=1/this.direction.y,d=1/this.direction.z,u=this.origin;return c>=0?(n=(e.min.x-u.x)*c,s=(e.max.x-u.x)*c):(n=(e.max.x-u.x)*c,s=(e.min.x-u.x)*c),h>=0?(r=(e.min.y-u.y)*h,o=(e.max.y-u.y)*h):(r=(e.max.y-u.y)*h,o=(e.min.y-u.y)*h),n>o||r>s||((r>n||isNaN(n))&&(n=r),(o<s||isNaN(s))&&(s=o),d>=0?(a=(e.min.z-u.z)*d,l=(e.max.z-u.z)*d):(a=(e.max.z-u.z)*d,l=(e.min.z-u.z)*d),n>l||a>s)||((a>n||n!==n)&&(n=a),(l<s||s!==s)&&(s=l),s<0)?null:this.at(n>=0?n:s,t)}intersectsBox(e){return this.intersectBox(e,Cs)!==null}intersectTriangle(e,t,n,s,r){let o=this.origin,a=this.direction,l=a.x,c=a.y,h=a.z,d=e.x-o.x,u=e.y-o.y,f=e.z-o.z,g=t.x-o.x,y=t.y-o.y,p=t.z-o.z,m=n.x-o.x,x=n.y-o.y,E=n.z-o.z,S=Math.abs(l),R=Math.abs(c),M=Math.abs(h),_,A,k,D,L,B,V,P,U,X,G,oe;if(S>=R&&S>=M?(k=l,B=d,U=g,oe=m,l>=0?(_=c,A=h,D=u,L=f,V=y,P=p,X=x,G=E):(_=h,A=c,D=f,L=u,V=p,P=y,X=E,G=x)):R>=M?(k=c,B=u,U=y,oe=x,c>=0?(_=h,A=l,D=f,L=d,V=p,P=g,X=E,G=m):(_=l,A=h,D=d,L=f,V=g,P=p,X=m,G=E)):(k=h,B=f,U=p,oe=E,h>=0?(_=l,A=c,D=d,L=u,V=g,P=y,X=m,G=x):(_=c,A=l,D=u,L=d,V=y,P=g,X=x,G=m)),k===0)return null;let Y=_/k,J=A/k,ne=1/k,ue=D-Y*B,ce=L-J*B,Q=V-Y*U,pe=P-J*U,me=X-Y*oe,ye=G-J*oe,ge=me*pe-ye*Q,Ve=ue*ye-ce*me,Ke=Q*ce-pe*ue;if(s){if(ge<0||Ve<0||Ke<0)return null}else if((ge<0||Ve<0||Ke<0)&&(ge>0||Ve>0||Ke>0))return null;let Fe=ge+Ve+Ke;if(Fe===0)return null;let st=ne*(ge*B+Ve*U+Ke*oe);return(Fe>0?st<0:st>0)?null:this.at(st/Fe,r)}applyMatrix4(e){return this.origin.applyMatrix4(e),this.direction.transformDirection(e),this}equals(e){return e.origin.equals(this.origin)&&e.direction.equals(this.direction)}clone(){return new this.constructor().copy(this)}},ir=class extends Yi{constructor(e){super(),this.isMeshBasicMaterial=!0,this.type="MeshBasicMaterial",this.color=new nt(16777215),this.map=null,this.lightMap=null,this.lightMapIntensity=1,this.aoMap=null,this.aoMapIntensity=1,this.specularMap=null,this.alphaMap=null,this.envMap=null,this.envMapRotation=new Ls,this.combine=Fc,this.reflectivity=1,this.refractionRatio=.98,this.wireframe=!1,this.wireframeLinewidth=1,this.wireframeLinecap="round",this.wireframeLinejoin="round",this.fog=!0,this.setValues(e)}copy(e){return super.copy(e),this.color.copy(e.color),this.map=e.map,this.lightMap=e.lightMap,this.lightMapIntensity=e.lightMapIntensity,this.aoMap=e.aoMap,this.aoMapIntensity=e.aoMapIntensity,this.specularMap=e.specularMap,this.alphaMap=e.alphaMap,this.envMap=e.envMap,this.envMapRotation.copy(e.envMapRotation),this.combine=e.combine,this.reflectivity=e.reflectivity,this.refractionRatio=e.refractionRatio,this.wireframe=e.wireframe,this.wireframeLinewidth=e.wireframeLinewidth,this.wireframeLinecap=e.wireframeLinecap,this.wireframeLinejoin=e.wireframeLinejoin,this.fog=e.fog,this}},ym=new Mt,Mr=new Ds,Vl=new Gn,_m=new W,Gl=new W,Hl=new W,Wl=new W,pd=new W,Xl=new W,vm=new W,ql=new W,Xt=class extends Bn{constructor(e=new ln,t=new ir){super(),this.isMesh=!0,this.type="Mesh",this.geometry=e,this.material=t,this.morphTargetDictionary=void 0,this.morphTargetInfluences=void 0,this.count=1,this.updateMorphTargets()}copy(e,t){return super.copy(e,t),e.morphTargetInfluences!==void 0?this.morphTargetInfluences=e.morphTargetInfluences.slice():this.morphTargetInfluences=void 0,e.morphTargetDictionary!==void 0?this.morphTargetDictionary=Object.assign({},e.morphTargetDictionary):this.morphTargetDictionary=void 0,this.material=Array.isArray(e.material)?e.material.slice():e.material,this.geometry=e.geometry,this}updateMorphTargets(){let t=this.geometry.morphAttributes,n=Object.keys(t);if(n.length>0){let s=t[n[0]];if(s!==void 0){this.morphTargetInfluences=[],this.morphTargetDictionary={};for(let r=0,o=s.length;r<o;r++){let a=s[r].name||String(r);this.morphTargetInfluences.push(0),this.morphTargetDictionary[a]=r}}}}getVertexPosition(e,t){let n=this.geometry,s=n.attributes.position,r=n.morphAttributes.position,o=n.morphTargetsRelative;t.fromBufferAttribute(s,e);let a=this.morphTargetInfluences;if(r&&a){Xl.set(0,0,0);for(let l=0,c=r.length;l<c;l++){let h=a[l],d=r[l];h!==0&&(pd.fromBufferAttribute(d,e),o?Xl.addScaledVector(pd,h):Xl.addScaledVector(pd.sub(t),h))}t.add(Xl)}return t}intersectsFrustum(e){return e.intersectsObject(this)}raycast(e,t){let n=this.geometry,s=this.material,r=this.matrixWorld;s!==void 0&&(n.boundingSphere===null&&n.computeBoundingSphere(),Vl.copy(n.boundingSphere),Vl.applyMatrix4(r),Mr.copy(e.ray).recast(e.near),!(Vl.containsPoint(Mr.origin)===!1&&(Mr.intersectSphere(Vl,_m)===null||Mr.origin.distanceToSquared(_m)>(e.far-e.near)**2))&&(ym.copy(r).invert(),Mr.copy(e.ray).applyMatrix4(ym),!(n.boundingBox!==null&&Mr.intersectsBox(n.boundingBox)===!1)&&this._computeIntersections(e,t,Mr)))}_computeIntersections(e,t,n){let s,r=this.geometry,o=this.material,a=r.index,l=r.attributes.position,c=r.attributes.uv,h=r.attributes.uv1,d=r.attributes.normal,u=r.groups,f=r.drawRange;if(a!==null)if(Array.isArray(o))for(let g=0,y=u.length;g<y;g++){let p=u[g],m=o[p.materialIndex],x=Math.max(p.start,f.start),E=Math.min(a.count,Math.min(p.start+p.count,f.start+f.count));for(let S=x,R=E;S<R;S+=3){let M=a.getX(S),_=a.getX(S+1),A=a.getX(S+2);s=Yl(this,m,e,n,c,h,d,M,_,A),s&&(s.faceIndex=Math.floor(S/3),s.face.materialIndex=p.materialIndex,t.push(s))}}else{let g=Math.max(0,f.start),y=Math.min(a.count,f.start+f.count);for(let p=g,m=y;p<m;p+=3){let x=a.getX(p),E=a.getX(p+1),S=a.getX(p+2);s=Yl(this,o,e,n,c,h,d,x,E,S),s&&(s.faceIndex=Math.floor(p/3),t.push(s))}}else if(l!==void 0)if(Array.isArray(o))for(let g=0,y=u.length;g<y;g++){let p=u[g],m=o[p.materialIndex],x=Math.max(p.start,f.start),E=Math.min(l.count,Math.min(p.start+p.count,f.start+f.count));for(let S=x,R=E;S<R;S+=3){let M=S,_=S+1,A=S+2;s=Yl(this,m,e,n,c,h,d,M,_,A),s&&(s.faceIndex=Math.floor(S/3),s.face.materialIndex=p.materialIndex,t.push(s))}}else{let g=Math.max(0,f.start),y=Math.min(l.count,f.start+f.count);for(let p=g,m=y;p<m;p+=3){let x=p,E=p+1,S=p+2;s=Yl(this,o,e,n,c,h,d,x,E,S),s&&(s.faceIndex=Math.floor(p/3),t.push(s))}}}};function Hv(i,e,t,n,s,r,o,a){let l;if(e.side===ri?l=n.intersectTriangle(o,r,s,!0,a):l=n.intersectTriangle(s,r,o,e.side===cr,a),l===null)return null;ql.copy(a),ql.applyMatrix4(i.matrixWorld);let c=t.ray.origin.distanceTo(ql);return c<t.near||c>t.far?null:{distance:c,point:ql.clone(),object:i}}function Yl(i,e,t,n,s,r,o,a,l,c){i.getVertexPosition(a,Gl),i.getVertexPosition(l,Hl),i.getVertexPosition(c,Wl);let h=Hv(i,e,t,n,Gl,Hl,Wl,vm);if(h){let d=new W;nr.getBarycoord(vm,Gl,Hl,Wl,d),s&&(h.uv=nr.getInterpolatedAttribute(s,a,l,c,d,new $e)),r&&(h.uv1=nr.getInterpolatedAttribute(r,a,l,c,d,new $e)),o&&(h.normal=nr.getInterpolatedAttribute(o,a,l,c,d,new W),h.normal.dot(n.direction)>0&&h.normal.multiplyScalar(-1));let u={a,b:l,c,normal:new W,materialIndex:0};nr.getNormal(Gl,Hl,Wl,u.normal),h.face=u,h.barycoord=d}return h}var wa=class extends ci{constructor(e=null,t=1,n=1,s,r,o,a,l,c=kn,h=kn,d,u){super(null,o,a,l,c,h,s,r,d,u),this.isDataTexture=!0,this.image={data:e,width:t,height:n},this.generateMipmaps=!1,this.flipY=!1,this.unpackAlignment=1}};var Ta=class extends an{constructor(e,t,n,s=1){super(e,t,n),this.isInstancedBufferAttribute=!0,this.meshPerAttribute=s}copy(e){return super.copy(e),this.meshPerAttribute=e.meshPerAttribute,this}toJSON(){let e=super.toJSON();return e.meshPerAttribute=this.meshPerAttribute,e.isInstancedBufferAttribute=!0,e}},ao=new Mt,xm=new Mt,$l=[],bm=new ds,Wv=new Mt,ha=new Xt,ua=new Gn,Aa=class extends Xt{constructor(e,t,n){super(e,t),this.isInstancedMesh=!0,this.instanceMatrix=new Ta(new Float32Array(n*16),16),this.instanceColor=null,this.morphTexture=null,this.count=n,this.boundingBox=null,this.boundingSphere=null;for(let s=0;s<n;s++)this.setMatrixAt(s,Wv)}computeBoundingBox(){let e=this.geometry,t=this.count;this.boundingBox===null&&(this.boundingBox=new ds),e.boundingBox===null&&e.computeBoundingBox(),this.boundingBox.makeEmpty();for(let n=0;n<t;n++)this.getMatrixAt(n,ao),bm.copy(e.boundingBox).applyMatrix4(ao),this.boundingBox.union(bm)}computeBoundingSphere(){let e=this.geometry,t=this.count;this.boundingSphere===null&&(this.boundingSphere=new Gn),e.boundingSphere===null&&e.computeBoundingSphere(),this.boundingSphere.makeEmpty();for(let n=0;n<t;n++)this.getMatrixAt(n,ao),ua.copy(e.boundingSphere).applyMatrix4(ao),this.boundingSphere.union(ua)}copy(e,t){return super.copy(e,t),this.instanceMatrix.copy(e.instanceMatrix),this.morphTexture=e.morphTexture!==null?e.morphTexture.clone():null,this.instanceColor=e.instanceColor!==null?e.instanceColor.clone():null,this.count=e.count,this.boundingBox=e.boundingBox!==null?e.boundingBox.clone():null,this.boundingSphere=e.boundingSphere!==null?e.boundingSphere.clone():null,this}getColorAt(e,t){return this.instanceColor===null?t.setRGB(1,1,1):t.fromArray(this.instanceColor.array,e*3)}getMatrixAt(e,t){return t.fromArray(this.instanceMatrix.array,e*16)}getMorphAt(e,t){let n=t.morphTargetInfluences,s=this.morphTexture.source.data.data,r=n.length+1,o=e*r+1;for(let a=0;a<n.length;a++)n[a]=s[o+a]}raycast(e,t){let n=this.matrixWorld,s=this.count;if(ha.geometry=this.geometry,ha.material=this.material,ha.material!==void 0&&(this.boundingSphere===null&&this.computeBoundingSphere(),ua.copy(this.boundingSphere),ua.applyMatrix4(n),e.ray.intersectsSphere(ua)!==!1))for(let r=0;r<s;r++){this.getMatrixAt(r,ao),xm.multiplyMatrices(n,ao),ha.matrixWorld=xm,ha.raycast(e,$l);for(let o=0,a=$l.length;o<a;o++){let l=$l[o];l.instanceId=r,l.object=this,t.push(l)}$l.length=0}}setColorAt(e,t){return this.instanceColor===null&&(this.instanceColor=new Ta(new Float32Array(this.instanceMatrix.count*3).fill(1),3)),t.toArray(this.instanceColor.array,e*3),this}setMatrixAt(e,t){return t.toArray(this.instanceMatrix.array,e*16),this}setMorphAt(e,t){let n=t.morphTargetInfluences,s=n.length+1;this.morphTexture===null&&(this.morphTexture=new wa(new Float32Array(s*this.count),s,this.count,Hc,Fi));let r=this.morphTexture.source.data.data,o=0;for(let c=0;c<n.length;c++)o+=n[c];let a=this.geometry.morphTargetsRelative?1:1-o,l=s*e;return r[l]=a,r.set(n,l+1),this}updateMorphTargets(){}dispose(){super.dispose(),this.instanceMatrix.dispose(),this.instanceColor!==null&&this.instanceColor.dispose(),this.morphTexture!==null&&(this.morphTexture.dispose(),this.morphTexture=null)}},wr=new Gn,Xv=new $e(.5,.5),Zl=new W,sr=class{constructor(e=new ti,t=new ti,n=new ti,s=new ti,r=new ti,o=new ti){this.planes=[e,t,n,s,r,o]}set(e,t,n,s,r,o){let a=this.planes;return a[0].copy(e),a[1].copy(t),a[2].copy(n),a[3].copy(s),a[4].copy(r),a[5].copy(o),this}copy(e){let t=this.planes;for(let n=0;n<6;n++)t[n].copy(e.planes[n]);return this}setFromProjectionMatrix(e,t=Li,n=!1){let s=this.planes,r=e.elements,o=r[0],a=r[1],l=r[2],c=r[3],h=r[4],d=r[5],u=r[6],f=r[7],g=r[8],y=r[9],p=r[10],m=r[11],x=r[12],E=r[13],S=r[14],R=r[15];if(s[0].setComponents(c-o,f-h,m-g,R-x).normalize(),s[1].setComponents(c+o,f+h,m+g,R+x).normalize(),s[2].setComponents(c+a,f+d,m+y,R+E).normalize(),s[3].setComponents(c-a,f-d,m-y,R-E).normalize(),n)s[4].setComponents(l,u,p,S).normalize(),s[5].setComponents(c-l,f-u,m-p,R-S).normalize();else if(s[4].setComponents(c-l,f-u,m-p,R-S).normalize(),t===Li)s[5].setComponents(c+l,f+u,m+p,R+S).normalize();else if(t===po)s[5].setComponents(l,u,p,S).normalize();else throw new Error("THREE.Frustum.setFromProjectionMatrix(): Invalid coordinate system: "+t);return this}intersectsObject(e){if(e.boundingSphere!==void 0)e.boundingSphere===null&&e.computeBoundingSphere(),wr.copy(e.boundingSphere).applyMatrix4(e.matrixWorld);else{let t=e.geometry;t.boundingSphere===null&&t.computeBoundingSphere(),wr.copy(t.boundingSphere).applyMatrix4(e.matrixWorld)}return this.intersectsSphere(wr)}intersectsSprite(e){wr.center.set(0,0,0);let t=Xv.distanceTo(e.center);return wr.radius=.7071067811865476+t,wr.applyMatrix4(e.matrixWorld),this.intersectsSphere(wr)}intersectsSphere(e){let t=this.planes,n=e.center,s=-e.radius;for(let r=0;r<6;r++)if(t[r].distanceToPoint(n)<s)return!1;return!0}intersectsBox(e){let t=this.planes;for(let n=0;n<6;n++){let s=t[n];if(Zl.x=s.normal.x>0?e.max.x:e.min.x,Zl.y=s.normal.y>0?e.max.y:e.min.y,Zl.z=s.normal.z>0?e.max.z:e.min.z,s.distanceToPoint(Zl)<0)return!1}return!0}containsPoint(e){let t=this.planes;for(let n=0;n<6;n++)if(t[n].distanceToPoint(e)<0)return!1;return!0}clone(){return new this.constructor().copy(this)}},Sm=new Mt,_c=class i{constructor(){this.coordinateSystem=Li,this._frustums=[],this._count=0}setFromArrayCamera(e){let t=e.cameras,n=this._frustums;for(let s=0;s<t.length;s++){let r=t[s];Sm.multiplyMatrices(r.projectionMatrix,r.matrixWorldInverse),n[s]===void 0&&(n[s]=new sr),n[s].setFromProjectionMatrix(Sm,r.coordinateSystem,r.reversedDepth)}return this._count=t.length,this}getFrustum(e){return this._frustums[e]}intersectsObject(e){let t=this._frustums;for(let n=0;n<this._count;n++)if(t[n].intersectsObject(e))return!0;return!1}intersectsSprite(e){let t=this._frustums;for(let n=0;n<this._count;n++)if(t[n].intersectsSprite(e))return!0;return!1}intersectsSphere(e){let t=this._frustums;for(let n=0;n<this._count;n++)if(t[n].intersectsSphere(e))return!0;return!1}intersectsBox(e){let t=this._frustums;for(let n=0;n<this._count;n++)if(t[n].intersectsBox(e))return!0;return!1}containsPoint(e){let t=this._frustums;for(let n=0;n<this._count;n++)if(t[n].containsPoint(e))return!0;return!1}copy(e){this.coordinateSystem=e.coordinateSystem;let t=this._frustums,n=e._frustums;for(let s=0;s<e._count;s++)t[s]===void 0&&(t[s]=new sr),t[s].copy(n[s]);return this._count=e._count,this}clone(){return new i().copy(this)}};var $i=class extends Yi{constructor(e){super(),this.isLineBasicMaterial=!0,this.type="LineBasicMaterial",this.color=new nt(16777215),this.map=null,this.linewidth=1,this.linecap="round",this.linejoin="round",this.fog=!0,this.setValues(e)}copy(e){return super.copy(e),this.color.copy(e.color),this.map=e.map,this.linewidth=e.linewidth,this.linecap=e.linecap,this.linejoin=e.linejoin,this.fog=e.fog,this}},vc=new W,xc=new W,Mm=new Mt,da=new Ds,Kl=new Gn,md=new W,wm=new W,xo=class extends Bn{constructor(e=new ln,t=new $i){super(),this.isLine=!0,this.type="Line",this.geometry=e,this.material=t,this.morphTargetDictionary=void 0,this.morphTargetInfluences=void 0,this.updateMorphTargets()}copy(e,t){return super.copy(e,t),e.morphTargetInfluences!==void 0?this.morphTargetInfluences=e.morphTargetInfluences.slice():this.morphTargetInfluences=void 0,e.morphTargetDictionary!==void 0?this.morphTargetDictionary=Object.assign({},e.morphTargetDictionary):this.morphTargetDictionary=void 0,this.material=Array.isArray(e.material)?e.material.slice():e.material,this.geometry=e.geometry,this}computeLineDistances(){let e=this.geometry;if(e.index===null){let t=e.attributes.position,n=[0];for(let s=1,r=t.count;s<r;s++)vc.fromBufferAttribute(t,s-1),xc.fromBufferAttribute(t,s),n[s]=n[s-1],n[s]+=vc.distanceTo(xc);e.setAttribute("lineDistance",new Sn(n,1))}else Ye("Line.computeLineDistances(): Computation only possible with non-indexed BufferGeometry.");return this}intersectsFrustum(e){return e.intersectsObject(this)}raycast(e,t){let n=this.geometry,s=this.matrixWorld,r=e.params.Line.threshold,o=n.drawRange;if(n.boundingSphere===null&&n.computeBoundingSphere(),Kl.copy(n.boundingSphere),Kl.applyMatrix4(s),Kl.radius+=r,e.ray.intersectsSphere(Kl)===!1)return;Mm.copy(s).invert(),da.copy(e.ray).applyMatrix4(Mm);let a=r/((this.scale.x+this.scale.y+this.scale.z)/3),l=a*a,c=this.isLineSegments?2:1,h=n.index,u=n.attributes.position;if(h!==null){let f=Math.max(0,o.start),g=Math.min(h.count,o.start+o.count);for(let y=f,p=g-1;y<p;y+=c){let m=h.getX(y),x=h.getX(y+1),E=Jl(this,e,da,l,m,x,y);E&&t.push(E)}if(this.isLineLoop){let y=h.getX(g-1),p=h.getX(f),m=Jl(this,e,da,l,y,p,g-1);m&&t.push(m)}}else{let f=Math.max(0,o.start),g=Math.min(u.count,o.start+o.count);for(let y=f,p=g-1;y<p;y+=c){let m=Jl(this,e,da,l,y,y+1,y);m&&t.push(m)}if(this.isLineLoop){let y=Jl(this,e,da,l,g-1,f,g-1);y&&t.push(y)}}}updateMorphTargets(){let t=this.geometry.morphAttributes,n=Object.keys(t);if(n.length>0){let s=t[n[0]];if(s!==void 0){this.morphTargetInfluences=[],this.morphTargetDictionary={};for(let r=0,o=s.length;r<o;r++){let a=s[r].name||String(r);this.morphTargetInfluences.push(0),this.morphTargetDictionary[a]=r}}}}};function Jl(i,e,t,n,s,r,o){let a=i.geometry.attributes.position;if(vc.fromBufferAttribute(a,s),xc.fromBufferAttribute(a,r),t.distanceSqToSegment(vc,xc,md,wm)>n)return;md.applyMatrix4(i.matrixWorld);let c=e.ray.origin.distanceTo(md);if(!(c<e.near||c>e.far))return{distance:c,point:wm.clone().applyMatrix4(i.matrixWorld),index:o,face:null,faceIndex:null,barycoord:null,object:i}}var Tm=new W,Am=new W,rr=class extends xo{constructor(e,t){super(e,t),this.isLineSegments=!0,this.type="LineSegments"}computeLineDistances(){let e=this.geometry;if(e.index===null){let t=e.attributes.position,n=[];for(let s=0,r=t.count;s<r;s+=2)Tm.fromBufferAttribute(t,s),Am.fromBufferAttribute(t,s+1),n[s]=s===0?0:n[s-1],n[s+1]=n[s]+Tm.distanceTo(Am);e.setAttribute("lineDistance",new Sn(n,1))}else Ye("LineSegments.computeLineDistances(): Computation only possible with non-indexed BufferGeometry.");return this}};var bo=class extends Yi{constructor(e){super(),this.isPointsMaterial=!0,this.type="PointsMaterial",this.color=new nt(16777215),this.map=null,this.alphaMap=null,this.size=1,this.sizeAttenuation=!0,this.fog=!0,this.setValues(e)}copy(e){return super.copy(e),this.color.copy(e.color),this.map=e.map,this.alphaMap=e.alphaMap,this.size=e.size,this.sizeAttenuation=e.sizeAttenuation,this.fog=e.fog,this}},Em=new Mt,bd=new Ds,jl=new Gn,Ql=new W,Ea=class extends Bn{constructor(e=new ln,t=new bo){super(),this.isPoints=!0,this.type="Points",this.geometry=e,this.material=t,this.morphTargetDictionary=void 0,this.morphTargetInfluences=void 0,this.updateMorphTargets()}copy(e,t){return super.copy(e,t),e.morphTargetInfluences!==void 0?this.morphTargetInfluences=e.morphTargetInfluences.slice():this.morphTargetInfluences=void 0,e.morphTargetDictionary!==void 0?this.morphTargetDictionary=Object.assign({},e.morphTargetDictionary):this.morphTargetDictionary=void 0,this.material=Array.isArray(e.material)?e.material.slice():e.material,this.geometry=e.geometry,this}intersectsFrustum(e){return e.intersectsObject(this)}raycast(e,t){let n=this.geometry,s=this.matrixWorld,r=e.params.Points.threshold,o=n.drawRange;if(n.boundingSphere===null&&n.computeBoundingSphere(),jl.copy(n.boundingSphere),jl.applyMatrix4(s),jl.radius+=r,e.ray.intersectsSphere(jl)===!1)return;Em.copy(s).invert(),bd.copy(e.ray).applyMatrix4(Em);let a=r/((this.scale.x+this.scale.y+this.scale.z)/3),l=a*a,c=n.index,d=n.attributes.position;if(c!==null){let u=Math.max(0,o.start),f=Math.min(c.count,o.start+o.count);for(let g=u,y=f;g<y;g++){let p=c.getX(g);Ql.fromBufferAttribute(d,p),Rm(Ql,p,l,s,e,t,this)}}else{let u=Math.max(0,o.start),f=Math.min(d.count,o.start+o.count);for(let g=u,y=f;g<y;g++)Ql.fromBufferAttribute(d,g),Rm(Ql,g,l,s,e,t,this)}}updateMorphTargets(){let t=this.geometry.morphAttributes,n=Object.keys(t);if(n.length>0){let s=t[n[0]];if(s!==void 0){this.morphTargetInfluences=[],this.morphTargetDictionary={};for(let r=0,o=s.length;r<o;r++){let a=s[r].name||String(r);this.morphTargetInfluences.push(0),this.morphTargetDictionary[a]=r}}}}};function Rm(i,e,t,n,s,r,o){let a=bd.distanceSqToPoint(i);if(a<t){let l=new W;bd.closestPointToPoint(i,l),l.applyMatrix4(n);let c=s.ray.origin.distanceTo(l);if(c<s.near||c>s.far)return;r.push({distance:c,distanceToRay:Math.sqrt(a),point:l,index:e,face:null,faceIndex:null,barycoord:null,object:o})}}var Ra=class extends ci{constructor(e=[],t=Pr,n,s,r,o,a,l,c,h){super(e,t,n,s,r,o,a,l,c,h),this.isCubeTexture=!0,this.flipY=!1}get images(){return this.image}set images(e){this.image=e}};var Ns=class extends ci{constructor(e,t,n=Ki,s,r,o,a=kn,l=kn,c,h=Is,d=1){if(h!==Is&&h!==Os)throw new Error("THREE.DepthTexture: format must be either THREE.DepthFormat or THREE.DepthStencilFormat");let u={width:e,height:t,depth:d};super(u,s,r,o,a,l,h,n,c),this.isDepthTexture=!0,this.flipY=!1,this.generateMipmaps=!1,this.compareFunction=null}copy(e){return super.copy(e),this.source=new yo(Object.assign({},e.image)),this.compareFunction=e.compareFunction,this}toJSON(e){let t=super.toJSON(e);return t.compareFunction=this.compareFunction,t}},Ca=class extends Ns{constructor(e,t=Ki,n=Pr,s,r,o=kn,a=kn,l,c=Is){let h={width:e,height:e,depth:1},d=[h,h,h,h,h,h];super(e,e,t,n,s,r,o,a,l,c),this.image=d,this.isCubeDepthTexture=!0,this.isCubeTexture=!0}get images(){return this.image}set images(e){this.image=e}},Pa=class extends ci{constructor(e=null){super(),this.sourceTexture=e,this.isExternalTexture=!0}copy(e){return super.copy(e),this.sourceTexture=e.sourceTexture,this}},So=class i extends ln{constructor(e=1,t=1,n=1,s=1,r=1,o=1){super(),this.type="BoxGeometry",this.parameters={width:e,height:t,depth:n,widthSegments:s,heightSegments:r,depthSegments:o};let a=this;s=Math.floor(s),r=Math.floor(r),o=Math.floor(o);let l=[],c=[],h=[],d=[],u=0,f=0;g("z","y","x",-1,-1,n,t,e,o,r,0),g("z","y","x",1,-1,n,t,-e,o,r,1),g("x","z","y",1,1,e,n,t,s,o,2),g("x","z","y",1,-1,e,n,-t,s,o,3),g("x","y","z",1,-1,e,t,n,s,r,4),g("x","y","z",-1,-1,e,t,-n,s,r,5),this.setIndex(l),this.setAttribute("position",new Sn(c,3)),this.setAttribute("normal",new Sn(h,3)),this.setAttribute("uv",new Sn(d,2));function g(y,p,m,x,E,S,R,M,_,A,k){let D=S/_,L=R/A,B=S/2,V=R/2,P=M/2,U=_+1,X=A+1,G=0,oe=0,Y=new W;for(let J=0;J<X;J++){let ne=J*L-V;for(let ue=0;ue<U;ue++){let ce=ue*D-B;Y[y]=ce*x,Y[p]=ne*E,Y[m]=P,c.push(Y.x,Y.y,Y.z),Y[y]=0,Y[p]=0,Y[m]=M>0?1:-1,h.push(Y.x,Y.y,Y.z),d.push(ue/_),d.push(1-J/A),G+=1}}for(let J=0;J<A;J++)for(let ne=0;ne<_;ne++){let ue=u+ne+U*J,ce=u+ne+U*(J+1),Q=u+(ne+1)+U*(J+1),pe=u+(ne+1)+U*J;l.push(ue,ce,pe),l.push(ce,Q,pe),oe+=6}a.addGroup(f,oe,k),f+=oe,u+=G}}copy(e){return super.copy(e),this.parameters=Object.assign({},e.parameters),this}static fromJSON(e){return new i(e.width,e.height,e.depth,e.widthSegments,e.heightSegments,e.depthSegments)}};var Mo=class i extends ln{constructor(e=1,t=1,n=1,s=32,r=1,o=!1,a=0,l=Math.PI*2){super(),this.type="CylinderGeometry",this.parameters={radiusTop:e,radiusBottom:t,height:n,radialSegments:s,heightSegments:r,openEnded:o,thetaStart:a,thetaLength:l};let c=this;s=Math.floor(s),r=Math.floor(r);let h=[],d=[],u=[],f=[],g=0,y=[],p=n/2,m=0;x(),o===!1&&(e>0&&E(!0),t>0&&E(!1)),this.setIndex(h),this.setAttribute("position",new Sn(d,3)),this.setAttribute("normal",new Sn(u,3)),this.setAttribute("uv",new Sn(f,2));function x(){let S=new W,R=new W,M=0,_=(t-e)/n;for(let A=0;A<=r;A++){let k=[],D=A/r,L=D*(t-e)+e;for(let B=0;B<=s;B++){let V=B/s,P=V*l+a,U=Math.sin(P),X=Math.cos(P);R.x=L*U,R.y=-D*n+p,R.z=L*X,d.push(R.x,R.y,R.z),S.set(U,_,X).normalize(),u.push(S.x,S.y,S.z),f.push(V,1-D),k.push(g++)}y.push(k)}for(let A=0;A<s;A++)for(let k=0;k<r;k++){let D=y[k][A],L=y[k+1][A],B=y[k+1][A+1],V=y[k][A+1];(e>0||k!==0)&&(h.push(D,L,V),M+=3),(t>0||k!==r-1)&&(h.push(L,B,V),M+=3)}c.addGroup(m,M,0),m+=M}function E(S){let R=g,M=new $e,_=new W,A=0,k=S===!0?e:t,D=S===!0?1:-1;for(let B=1;B<=s;B++)d.push(0,p*D,0),u.push(0,D,0),f.push(.5,.5),g++;let L=g;for(let B=0;B<=s;B++){let P=B/s*l+a,U=Math.cos(P),X=Math.sin(P);_.x=k*X,_.y=p*D,_.z=k*U,d.push(_.x,_.y,_.z),u.push(0,D,0),M.x=U*.5+.5,M.y=X*.5*D+.5,f.push(M.x,M.y),g++}for(let B=0;B<s;B++){let V=R+B,P=L+B;S===!0?h.push(P,P+1,V):h.push(P+1,P,V),A+=3}c.addGroup(m,A,S===!0?1:2),m+=A}}copy(e){return super.copy(e),this.parameters=Object.assign({},e.parameters),this}static fromJSON(e){return new i(e.radiusTop,e.radiusBottom,e.height,e.radialSegments,e.heightSegments,e.openEnded,e.thetaStart,e.thetaLength)}},Ia=class i extends Mo{constructor(e=1,t=1,n=32,s=1,r=!1,o=0,a=Math.PI*2){super(0,e,t,n,s,r,o,a),this.type="ConeGeometry",this.parameters={radius:e,height:t,radialSegments:n,heightSegments:s,openEnded:r,thetaStart:o,thetaLength:a}}static fromJSON(e){return new i(e.radius,e.height,e.radialSegments,e.heightSegments,e.openEnded,e.thetaStart,e.thetaLength)}};var Tr=class i extends ln{constructor(e=1,t=1,n=1,s=1){super(),this.type="PlaneGeometry",this.parameters={width:e,height:t,widthSegments:n,heightSegments:s};let r=e/2,o=t/2,a=Math.floor(n),l=Math.floor(s),c=a+1,h=l+1,d=e/a,u=t/l,f=[],g=[],y=[],p=[];for(let m=0;m<h;m++){let x=m*u-o;for(let E=0;E<c;E++){let S=E*d-r;g.push(S,-x,0),y.push(0,0,1),p.push(E/a),p.push(1-m/l)}}for(let m=0;m<l;m++)for(let x=0;x<a;x++){let E=x+c*m,S=x+c*(m+1),R=x+1+c*(m+1),M=x+1+c*m;f.push(E,S,M),f.push(S,R,M)}this.setIndex(f),this.setAttribute("position",new Sn(g,3)),this.setAttribute("normal",new Sn(y,3)),this.setAttribute("uv",new Sn(p,2))}copy(e){return super.copy(e),this.parameters=Object.assign({},e.parameters),this}static fromJSON(e){return new i(e.width,e.height,e.widthSegments,e.heightSegments)}};var Ar=class i extends ln{constructor(e=1,t=32,n=16,s=0,r=Math.PI*2,o=0,a=Math.PI){super(),this.type="SphereGeometry",this.parameters={radius:e,widthSegments:t,heightSegments:n,phiStart:s,phiLength:r,thetaStart:o,thetaLength:a},t=Math.max(3,Math.floor(t)),n=Math.max(2,Math.floor(n));let l=Math.min(o+a,Math.PI),c=0,h=[],d=new W,u=new W,f=[],g=[],y=[],p=[];for(let m=0;m<=n;m++){let x=[],E=m/n,S=o+E*a,R=e*Math.cos(S),M=Math.sqrt(e*e-R*R),_=0;m===0&&o===0?_=.5/t:m===n&&l===Math.PI&&(_=-.5/t);for(let A=0;A<=t;A++){let k=A/t,D=s+k*r;d.x=-M*Math.cos(D),d.y=R,d.z=M*Math.sin(D),g.push(d.x,d.y,d.z),u.copy(d).normalize(),y.push(u.x,u.y,u.z),p.push(k+_,1-E),x.push(c++)}h.push(x)}for(let m=0;m<n;m++)for(let x=0;x<t;x++){let E=h[m][x+1],S=h[m][x],R=h[m+1][x],M=h[m+1][x+1];(m!==0||o>0)&&f.push(E,S,M),(m!==n-1||l<Math.PI)&&f.push(S,R,M)}this.setIndex(f),this.setAttribute("position",new Sn(g,3)),this.setAttribute("normal",new Sn(y,3)),this.setAttribute("uv",new Sn(p,2))}copy(e){return super.copy(e),this.parameters=Object.assign({},e.parameters),this}static fromJSON(e){return new i(e.radius,e.widthSegments,e.heightSegments,e.phiStart,e.phiLength,e.thetaStart,e.thetaLength)}};var La=class extends Yi{constructor(e){super(),this.isShadowMaterial=!0,this.type="ShadowMaterial",this.color=new nt(0),this.transparent=!0,this.fog=!0,this.setValues(e)}copy(e){return super.copy(e),this.color.copy(e.color),this.fog=e.fog,this}};function Lr(i){let e={};for(let t in i){e[t]={};for(let n in i[t]){let s=i[t][n];if(Cm(s))s.isRenderTargetTexture?(Ye("UniformsUtils: Textures of render targets cannot be cloned via cloneUniforms() or mergeUniforms()."),e[t][n]=null):e[t][n]=s.clone();else if(Array.isArray(s))if(Cm(s[0])){let r=[];for(let o=0,a=s.length;o<a;o++)r[o]=s[o].clone();e[t][n]=r}else e[t][n]=s.slice();else e[t][n]=s}}return e}function Zn(i){let e={};for(let t=0;t<i.length;t++){let n=Lr(i[t]);for(let s in n)e[s]=n[s]}return e}function Cm(i){return i&&(i.isColor||i.isMatrix3||i.isMatrix4||i.isVector2||i.isVector3||i.isVector4||i.isTexture||i.isQuaternion)}function qv(i){let e=[];for(let t=0;t<i.length;t++)e.push(i[t].clone());return e}function tf(i){let e=i.getRenderTarget();return e===null?i.outputColorSpace:e.isXRRenderTarget===!0?e.texture.colorSpace:_t.workingColorSpace}var wg={clone:Lr,merge:Zn},Yv=`void main() {
+	gl_Position = projectionMatrix * modelViewMatrix * vec4( position, 1.0 );
+}`,$v=`void main() {
+	gl_FragColor = vec4( 1.0, 0.0, 0.0, 1.0 );
+}`,Di=class extends Yi{constructor(e){super(),this.isShaderMaterial=!0,this.type="ShaderMaterial",this.defines={},this.uniforms={},this.uniformsGroups=[],this.vertexShader=Yv,this.fragmentShader=$v,this.linewidth=1,this.wireframe=!1,this.wireframeLinewidth=1,this.fog=!1,this.lights=!1,this.clipping=!1,this.forceSinglePass=!0,this.extensions={clipCullDistance:!1,multiDraw:!1},this.defaultAttributeValues={color:[1,1,1],uv:[0,0],uv1:[0,0]},this.index0AttributeName=void 0,this.uniformsNeedUpdate=!1,this.glslVersion=null,e!==void 0&&this.setValues(e)}copy(e){return super.copy(e),this.fragmentShader=e.fragmentShader,this.vertexShader=e.vertexShader,this.uniforms=Lr(e.uniforms),this.uniformsGroups=qv(e.uniformsGroups),this.defines=Object.assign({},e.defines),this.wireframe=e.wireframe,this.wireframeLinewidth=e.wireframeLinewidth,this.fog=e.fog,this.lights=e.lights,this.clipping=e.clipping,this.extensions=Object.assign({},e.extensions),this.glslVersion=e.glslVersion,this.defaultAttributeValues=Object.assign({},e.defaultAttributeValues),this.index0AttributeName=e.index0AttributeName,this.uniformsNeedUpdate=e.uniformsNeedUpdate,this}toJSON(e){let t=super.toJSON(e);t.glslVersion=this.glslVersion,t.uniforms={};for(let s in this.uniforms){let o=this.uniforms[s].value;o&&o.isTexture?t.uniforms[s]={type:"t",value:o.toJSON(e).uuid}:o&&o.isColor?t.uniforms[s]={type:"c",value:o.getHex()}:o&&o.isVector2?t.uniforms[s]={type:"v2",value:o.toArray()}:o&&o.isVector3?t.uniforms[s]={type:"v3",value:o.toArray()}:o&&o.isVector4?t.uniforms[s]={type:"v4",value:o.toArray()}:o&&o.isMatrix3?t.uniforms[s]={type:"m3",value:o.toArray()}:o&&o.isMatrix4?t.uniforms[s]={type:"m4",value:o.toArray()}:t.uniforms[s]={value:o}}Object.keys(this.defines).length>0&&(t.defines=this.defines),t.vertexShader=this.vertexShader,t.fragmentShader=this.fragmentShader,t.lights=this.lights,t.clipping=this.clipping;let n={};for(let s in this.extensions)this.extensions[s]===!0&&(n[s]=!0);return Object.keys(n).length>0&&(t.extensions=n),t}fromJSON(e,t){if(super.fromJSON(e,t),e.uniforms!==void 0)for(let n in e.uniforms){let s=e.uniforms[n];switch(this.uniforms[n]={},s.type){case"t":this.uniforms[n].value=t[s.value]||null;break;case"c":this.uniforms[n].value=new nt().setHex(s.value);break;case"v2":this.uniforms[n].value=new $e().fromArray(s.value);break;case"v3":this.uniforms[n].value=new W().fromArray(s.value);break;case"v4":this.uniforms[n].value=new jt().fromArray(s.value);break;case"m3":this.uniforms[n].value=new it().fromArray(s.value);break;case"m4":this.uniforms[n].value=new Mt().fromArray(s.value);break;default:this.uniforms[n].value=s.value}}if(e.defines!==void 0&&(this.defines=e.defines),e.vertexShader!==void 0&&(this.vertexShader=e.vertexShader),e.fragmentShader!==void 0&&(this.fragmentShader=e.fragmentShader),e.glslVersion!==void 0&&(this.glslVersion=e.glslVersion),e.extensions!==void 0)for(let n in e.extensions)this.extensions[n]=e.extensions[n];return e.lights!==void 0&&(this.lights=e.lights),e.clipping!==void 0&&(this.clipping=e.clipping),this}},bc=class extends Di{constructor(e){super(e),this.isRawShaderMaterial=!0,this.type="RawShaderMaterial"}};var Us=class extends Yi{constructor(e){super(),this.isMeshPhongMaterial=!0,this.type="MeshPhongMaterial",this.color=new nt(16777215),this.specular=new nt(1118481),this.shininess=30,this.map=null,this.lightMap=null,this.lightMapIntensity=1,this.aoMap=null,this.aoMapIntensity=1,this.emissive=new nt(0),this.emissiveIntensity=1,this.emissiveMap=null,this.bumpMap=null,this.bumpScale=1,this.normalMap=null,this.normalMapType=Mh,this.normalScale=new $e(1,1),this.displacementMap=null,this.displacementScale=1,this.displacementBias=0,this.specularMap=null,this.alphaMap=null,this.envMap=null,this.envMapRotation=new Ls,this.combine=Fc,this.reflectivity=1,this.envMapIntensity=1,this.refractionRatio=.98,this.wireframe=!1,this.wireframeLinewidth=1,this.wireframeLinecap="round",this.wireframeLinejoin="round",this.flatShading=!1,this.fog=!0,this.setValues(e)}copy(e){return super.copy(e),this.color.copy(e.color),this.specular.copy(e.specular),this.shininess=e.shininess,this.map=e.map,this.lightMap=e.lightMap,this.lightMapIntensity=e.lightMapIntensity,this.aoMap=e.aoMap,this.aoMapIntensity=e.aoMapIntensity,this.emissive.copy(e.emissive),this.emissiveMap=e.emissiveMap,this.emissiveIntensity=e.emissiveIntensity,this.bumpMap=e.bumpMap,this.bumpScale=e.bumpScale,this.normalMap=e.normalMap,this.normalMapType=e.normalMapType,this.normalScale.copy(e.normalScale),this.displacementMap=e.displacementMap,this.displacementScale=e.displacementScale,this.displacementBias=e.displacementBias,this.specularMap=e.specularMap,this.alphaMap=e.alphaMap,this.envMap=e.envMap,this.envMapRotation.copy(e.envMapRotation),this.combine=e.combine,this.reflectivity=e.reflectivity,this.envMapIntensity=e.envMapIntensity,this.refractionRatio=e.refractionRatio,this.wireframe=e.wireframe,this.wireframeLinewidth=e.wireframeLinewidth,this.wireframeLinecap=e.wireframeLinecap,this.wireframeLinejoin=e.wireframeLinejoin,this.flatShading=e.flatShading,this.fog=e.fog,this}};var Sc=class extends Yi{constructor(e){super(),this.isMeshDepthMaterial=!0,this.type="MeshDepthMaterial",this.depthPacking=lg,this.map=null,this.alphaMap=null,this.displacementMap=null,this.displacementScale=1,this.displacementBias=0,this.wireframe=!1,this.wireframeLinewidth=1,this.setValues(e)}copy(e){return super.copy(e),this.depthPacking=e.depthPacking,this.map=e.map,this.alphaMap=e.alphaMap,this.displacementMap=e.displacementMap,this.displacementScale=e.displacementScale,this.displacementBias=e.displacementBias,this.wireframe=e.wireframe,this.wireframeLinewidth=e.wireframeLinewidth,this}},Mc=class extends Yi{constructor(e){super(),this.isMeshDistanceMaterial=!0,this.type="MeshDistanceMaterial",this.map=null,this.alphaMap=null,this.displacementMap=null,this.displacementScale=1,this.displacementBias=0,this.setValues(e)}copy(e){return super.copy(e),this.map=e.map,this.alphaMap=e.alphaMap,this.displacementMap=e.displacementMap,this.displacementScale=e.displacementScale,this.displacementBias=e.displacementBias,this}};function lo(i,e){return!i||i.constructor===e?i:typeof e.BYTES_PER_ELEMENT=="number"?new e(i):Array.prototype.slice.call(i)}function ec(i){return i!==void 0&&i.inTangents!==void 0&&i.outTangents!==void 0}var or=class{constructor(e,t,n,s){this.parameterPositions=e,this._cachedIndex=0,this.resultBuffer=s!==void 0?s:new t.constructor(n),this.sampleValues=t,this.valueSize=n,this.settings=null,this.DefaultSettings_={}}evaluate(e){let t=this.parameterPositions,n=this._cachedIndex,s=t[n],r=t[n-1];n:{e:{let o;t:{i:if(!(e<s)){for(let a=n+2;;){if(s===void 0){if(e<r)break i;return n=t.length,this._cachedIndex=n,this.copySampleValue_(n-1)}if(n===a)break;if(r=s,s=t[++n],e<s)break e}o=t.length;break t}if(!(e>=r)){let a=t[1];e<a&&(n=2,r=a);for(let l=n-2;;){if(r===void 0)return this._cachedIndex=0,this.copySampleValue_(0);if(n===l)break;if(s=r,r=t[--n-1],e>=r)break e}o=n,n=0;break t}break n}for(;n<o;){let a=n+o>>>1;e<t[a]?o=a:n=a+1}if(s=t[n],r=t[n-1],r===void 0)return this._cachedIndex=0,this.copySampleValue_(0);if(s===void 0)return n=t.length,this._cachedIndex=n,this.copySampleValue_(n-1)}this._cachedIndex=n,this.intervalChanged_(n,r,s)}return this.interpolate_(n,r,e,s)}getSettings_(){return this.settings||this.DefaultSettings_}copySampleValue_(e){let t=this.resultBuffer,n=this.sampleValues,s=this.valueSize,r=e*s;for(let o=0;o!==s;++o)t[o]=n[r+o];return t}interpolate_(){throw new Error("THREE.Interpolant: Call to abstract method.")}intervalChanged_(){}},wc=class extends or{constructor(e,t,n,s){super(e,t,n,s),this._weightPrev=-0,this._offsetPrev=-0,this._weightNext=-0,this._offsetNext=-0,this.DefaultSettings_={endingStart:_d,endingEnd:_d}}intervalChanged_(e,t,n){let s=this.parameterPositions,r=e-2,o=e+1,a=s[r],l=s[o];if(a===void 0)switch(this.getSettings_().endingStart){case vd:r=e,a=2*t-n;break;case xd:r=s.length-2,a=t+s[r]-s[r+1];break;default:r=e,a=n}if(l===void 0)switch(this.getSettings_().endingEnd){case vd:o=e,l=2*n-t;break;case xd:o=1,l=n+s[1]-s[0];break;default:o=e-1,l=t}let c=(n-t)*.5,h=this.valueSize;this._weightPrev=c/(t-a),this._weightNext=c/(l-n),this._offsetPrev=r*h,this._offsetNext=o*h}interpolate_(e,t,n,s){let r=this.resultBuffer,o=this.sampleValues,a=this.valueSize,l=e*a,c=l-a,h=this._offsetPrev,d=this._offsetNext,u=this._weightPrev,f=this._weightNext,g=(n-t)/(s-t),y=g*g,p=y*g,m=-u*p+2*u*y-u*g,x=(1+u)*p+(-1.5-2*u)*y+(-.5+u)*g+1,E=(-1-f)*p+(1.5+f)*y+.5*g,S=f*p-f*y;for(let R=0;R!==a;++R)r[R]=m*o[h+R]+x*o[c+R]+E*o[l+R]+S*o[d+R];return r}},Tc=class extends or{constructor(e,t,n,s){super(e,t,n,s)}interpolate_(e,t,n,s){let r=this.resultBuffer,o=this.sampleValues,a=this.valueSize,l=e*a,c=l-a,h=(n-t)/(s-t),d=1-h;for(let u=0;u!==a;++u)r[u]=o[c+u]*d+o[l+u]*h;return r}},Ac=class extends or{constructor(e,t,n,s){super(e,t,n,s)}interpolate_(e){return this.copySampleValue_(e-1)}},Ec=class extends or{interpolate_(e,t,n,s){let r=this.resultBuffer,o=this.sampleValues,a=this.valueSize,l=e*a,c=l-a,h=this.inTangents,d=this.outTangents;if(!h||!d){let g=(n-t)/(s-t),y=1-g;for(let p=0;p!==a;++p)r[p]=o[c+p]*y+o[l+p]*g;return r}let u=a*2,f=e-1;for(let g=0;g!==a;++g){let y=o[c+g],p=o[l+g],m=f*u+g*2,x=d[m],E=d[m+1],S=e*u+g*2,R=h[S],M=h[S+1],_=Kv(n,t,x,R,s);r[g]=Tg(_,y,E,M,p)}return r}};function Tg(i,e,t,n,s){let r=1-i;return r*r*r*e+3*r*r*i*t+3*r*i*i*n+i*i*i*s}function Zv(i,e,t,n,s){let r=1-i;return 3*r*r*(t-e)+6*r*i*(n-t)+3*i*i*(s-n)}function Kv(i,e,t,n,s){let r=(i-e)/(s-e);for(let o=0;o<8;o++){let a=Tg(r,e,t,n,s)-i;if(Math.abs(a)<1e-10)break;let l=Zv(r,e,t,n,s);if(Math.abs(l)<1e-10)break;r=Math.max(0,Math.min(1,r-a/l))}return r}var Si=class{constructor(e,t,n,s){if(e===void 0)throw new Error("THREE.KeyframeTrack: track name is undefined");if(t===void 0||t.length===0)throw new Error("THREE.KeyframeTrack: no keyframes in track named "+e);this.name=e,this.times=lo(t,this.TimeBufferType),this.values=lo(n,this.ValueBufferType),this.setInterpolation(s||this.DefaultInterpolation)}static toJSON(e){let t=e.constructor,n;if(t.toJSON!==this.toJSON)n=t.toJSON(e);else{n={name:e.name,times:lo(e.times,Array),values:lo(e.values,Array)};let s=e.getInterpolation();s!==e.DefaultInterpolation&&(n.interpolation=s),ec(e.settings)&&(n.settings={inTangents:lo(e.settings.inTangents,Array),outTangents:lo(e.settings.outTangents,Array)})}return n.type=e.ValueTypeName,n}InterpolantFactoryMethodDiscrete(e){return new Ac(this.times,this.values,this.getValueSize(),e)}InterpolantFactoryMethodLinear(e){return new Tc(this.times,this.values,this.getValueSize(),e)}InterpolantFactoryMethodSmooth(e){return new wc(this.times,this.values,this.getValueSize(),e)}InterpolantFactoryMethodBezier(e){let t=new Ec(this.times,this.values,this.getValueSize(),e);return this.settings&&(t.inTangents=this.settings.inTangents,t.outTangents=this.settings.outTangents),t}setInterpolation(e){let t;switch(e){case ga:t=this.InterpolantFactoryMethodDiscrete;break;case pc:t=this.InterpolantFactoryMethodLinear;break;case ic:t=this.InterpolantFactoryMethodSmooth;break;case yd:t=this.InterpolantFactoryMethodBezier;break}if(t===void 0){let n="unsupported interpolation for "+this.ValueTypeName+" keyframe track named "+this.name;if(this.createInterpolant===void 0)if(e!==this.DefaultInterpolation)this.setInterpolation(this.DefaultInterpolation);else throw new Error(n);return Ye("KeyframeTrack:",n),this}return this.createInterpolant=t,this}getInterpolation(){switch(this.createInterpolant){case this.InterpolantFactoryMethodDiscrete:return ga;case this.InterpolantFactoryMethodLinear:return pc;case this.InterpolantFactoryMethodSmooth:return ic;case this.InterpolantFactoryMethodBezier:return yd}}getValueSize(){return this.values.length/this.times.length}shift(e){if(e!==0){let t=this.times;for(let n=0,s=t.length;n!==s;++n)t[n]+=e;ec(this.settings)&&(Pm(this.settings.inTangents,e),Pm(this.settings.outTangents,e))}return this}scale(e){if(e!==1){let t=this.times;for(let n=0,s=t.length;n!==s;++n)t[n]*=e;ec(this.settings)&&(Im(this.settings.inTangents,e),Im(this.settings.outTangents,e))}return this}trim(e,t){let n=this.times,s=n.length,r=0,o=s-1;for(;r!==s&&n[r]<e;)++r;for(;o!==-1&&n[o]>t;)--o;if(++o,r!==0||o!==s){r>=o&&(o=Math.max(o,1),r=o-1);let a=this.getValueSize();this.times=n.slice(r,o),this.values=this.values.slice(r*a,o*a)}return this}validate(){let e=!0,t=this.getValueSize();t-Math.floor(t)!==0&&(et("KeyframeTrack: Invalid value size in track.",this),e=!1);let n=this.times,s=this.values,r=n.length;r===0&&(et("KeyframeTrack: Track is empty.",this),e=!1);let o=null;for(let a=0;a!==r;a++){let l=n[a];if(typeof l=="number"&&isNaN(l)){et("KeyframeTrack: Time is not a valid number.",this,a,l),e=!1;break}if(o!==null&&o>l){et("KeyframeTrack: Out of order keys.",this,a,l,o),e=!1;break}o=l}if(s!==void 0&&uv(s))for(let a=0,l=s.length;a!==l;++a){let c=s[a];if(isNaN(c)){et("KeyframeTrack: Value is not a valid number.",this,a,c),e=!1;break}}return e}optimize(){let e=this.times.slice(),t=this.values.slice(),n=this.getValueSize(),s=this.getInterpolation()===ic,r=e.length-1,o=1;for(let a=1;a<r;++a){let l=!1,c=e[a],h=e[a+1];if(c!==h&&(a!==1||c!==e[0]))if(s)l=!0;else{let d=a*n,u=d-n,f=d+n;for(let g=0;g!==n;++g){let y=t[d+g];if(y!==t[u+g]||y!==t[f+g]){l=!0;break}}}if(l){if(a!==o){e[o]=e[a];let d=a*n,u=o*n;for(let f=0;f!==n;++f)t[u+f]=t[d+f]}++o}}if(r>0){e[o]=e[r];for(let a=r*n,l=o*n,c=0;c!==n;++c)t[l+c]=t[a+c];++o}return o!==e.length?(this.times=e.slice(0,o),this.values=t.slice(0,o*n)):(this.times=e,this.values=t),this}clone(){let e=this.times.slice(),t=this.values.slice(),n=this.constructor,s=new n(this.name,e,t);return s.createInterpolant=this.createInterpolant,ec(this.settings)&&(s.settings={inTangents:this.settings.inTangents.slice(),outTangents:this.settings.outTangents.slice()}),s}};function Pm(i,e){for(let t=0,n=i.length;t!==n;t+=2)i[t]+=e}function Im(i,e){for(let t=0,n=i.length;t!==n;t+=2)i[t]*=e}Si.prototype.ValueTypeName="";Si.prototype.TimeBufferType=Float32Array;Si.prototype.ValueBufferType=Float32Array;Si.prototype.DefaultInterpolation=pc;var ar=class extends Si{constructor(e,t,n){super(e,t,n)}};ar.prototype.ValueTypeName="bool";ar.prototype.ValueBufferType=Array;ar.prototype.DefaultInterpolation=ga;ar.prototype.InterpolantFactoryMethodLinear=void 0;ar.prototype.InterpolantFactoryMethodSmooth=void 0;var Rc=class extends Si{constructor(e,t,n,s){super(e,t,n,s)}};Rc.prototype.ValueTypeName="color";var Cc=class extends Si{constructor(e,t,n,s){super(e,t,n,s)}};Cc.prototype.ValueTypeName="number";var Pc=class extends or{constructor(e,t,n,s){super(e,t,n,s)}interpolate_(e,t,n,s){let r=this.resultBuffer,o=this.sampleValues,a=this.valueSize,l=(n-t)/(s-t),c=e*a;for(let h=c+a;c!==h;c+=4)si.slerpFlat(r,0,o,c-a,o,c,l);return r}},Da=class extends Si{constructor(e,t,n,s){super(e,t,n,s)}InterpolantFactoryMethodLinear(e){return new Pc(this.times,this.values,this.getValueSize(),e)}};Da.prototype.ValueTypeName="quaternion";Da.prototype.InterpolantFactoryMethodSmooth=void 0;var lr=class extends Si{constructor(e,t,n){super(e,t,n)}};lr.prototype.ValueTypeName="string";lr.prototype.ValueBufferType=Array;lr.prototype.DefaultInterpolation=ga;lr.prototype.InterpolantFactoryMethodLinear=void 0;lr.prototype.InterpolantFactoryMethodSmooth=void 0;var Ic=class extends Si{constructor(e,t,n,s){super(e,t,n,s)}};Ic.prototype.ValueTypeName="vector";var Lc=class{constructor(e,t,n){let s=this,r=!1,o=0,a=0,l,c=[];this.onStart=void 0,this.onLoad=e,this.onProgress=t,this.onError=n,this._abortController=null,this.itemStart=function(h){a++,r===!1&&s.onStart!==void 0&&s.onStart(h,o,a),r=!0},this.itemEnd=function(h){o++,s.onProgress!==void 0&&s.onProgress(h,o,a),o===a&&(r=!1,s.onLoad!==void 0&&s.onLoad())},this.itemError=function(h){s.onError!==void 0&&s.onError(h)},this.resolveURL=function(h){return h=h.normalize("NFC"),l?l(h):h},this.setURLModifier=function(h){return l=h,this},this.addHandler=function(h,d){return c.push(h,d),this},this.removeHandler=function(h){let d=c.indexOf(h);return d!==-1&&c.splice(d,2),this},this.getHandler=function(h){for(let d=0,u=c.length;d<u;d+=2){let f=c[d],g=c[d+1];if(f.global&&(f.lastIndex=0),f.test(h))return g}return null},this.abort=function(){return this.abortController.abort(),this._abortController=null,this}}get abortController(){return this._abortController||(this._abortController=new AbortController),this._abortController}},Ag=new Lc,Dc=class{constructor(e){this.manager=e!==void 0?e:Ag,this.crossOrigin="anonymous",this.withCredentials=!1,this.path="",this.resourcePath="",this.requestHeader={},this.priority="auto",this.cache="default",typeof __THREE_DEVTOOLS__<"u"&&__THREE_DEVTOOLS__.dispatchEvent(new CustomEvent("observe",{detail:this}))}load(){}loadAsync(e,t){let n=this;return new Promise(function(s,r){n.load(e,s,t,r)})}parse(){}setCrossOrigin(e){return this.crossOrigin=e,this}setWithCredentials(e){return this.withCredentials=e,this}setPath(e){return this.path=e,this}setResourcePath(e){return this.resourcePath=e,this}setRequestHeader(e){return this.requestHeader=e,this}setPriority(e){return this.priority=e,this}setCache(e){return this.cache=e,this}abort(){return this}};Dc.DEFAULT_MATERIAL_NAME="__DEFAULT";var wo=class extends Bn{static registerNode(e){this.prototype._lightNode=e}constructor(e,t=1){super(),this.isLight=!0,this.type="Light",this.color=new nt(e),this.intensity=t}copy(e,t){return super.copy(e,t),this.color.copy(e.color),this.intensity=e.intensity,this}toJSON(e){let t=super.toJSON(e);return t.object.color=this.color.getHex(),t.object.intensity=this.intensity,t}},Na=class extends wo{constructor(e,t,n){super(e,n),this.isHemisphereLight=!0,this.type="HemisphereLight",this.position.copy(Bn.DEFAULT_UP),this.updateMatrix(),this.groundColor=new nt(t)}copy(e,t){return super.copy(e,t),this.groundColor.copy(e.groundColor),this}toJSON(e){let t=super.toJSON(e);return t.object.groundColor=this.groundColor.getHex(),t}},gd=new Mt,Lm=new W,Dm=new W,Nc=class{constructor(e){this.camera=e,this.intensity=1,this.bias=0,this.biasNode=null,this.normalBias=0,this.radius=1,this.blurSamples=8,this.mapSize=new $e(512,512),this.mapType=hi,this.map=null,this.mapPass=null,this.matrix=new Mt,this.autoUpdate=!0,this.needsUpdate=!1,this._frustum=new sr,this._frameExtents=new $e(1,1),this._viewportCount=1,this._viewports=[new jt(0,0,1,1)]}getViewportCount(){return this._viewportCount}getCamera(){return this.camera}getFrustum(){return this._frustum}updateMatrices(e){let t=this.camera;Lm.setFromMatrixPosition(e.matrixWorld),t.position.copy(Lm),Dm.setFromMatrixPosition(e.target.matrixWorld),t.lookAt(Dm),t.updateMatrixWorld(),this._updateMatrix(t,this.matrix,this._frustum)}_updateMatrix(e,t,n,s){gd.multiplyMatrices(e.projectionMatrix,e.matrixWorldInverse),n.setFromProjectionMatrix(gd,e.coordinateSystem,e.reversedDepth);let r=this._frameExtents,o=s?s.z/r.x:1,a=s?s.w/r.y:1,l=s?s.x/r.x:0,c=s?s.y/r.y:0;e.coordinateSystem===po||e.reversedDepth?t.set(.5*o,0,0,.5*o+l,0,.5*a,0,.5*a+c,0,0,1,0,0,0,0,1):t.set(.5*o,0,0,.5*o+l,0,.5*a,0,.5*a+c,0,0,.5,.5,0,0,0,1),t.multiply(gd)}getViewport(e){return this._viewports[e]}getFrameExtents(){return this._frameExtents}dispose(){this.map&&this.map.dispose(),this.mapPass&&this.mapPass.dispose()}copy(e){return this.camera=e.camera.clone(),this.intensity=e.intensity,this.bias=e.bias,this.radius=e.radius,this.autoUpdate=e.autoUpdate,this.needsUpdate=e.needsUpdate,this.normalBias=e.normalBias,this.blurSamples=e.blurSamples,this.mapSize.copy(e.mapSize),this.mapType=e.mapType,this.biasNode=e.biasNode,this}clone(){return new this.constructor().copy(this)}toJSON(){let e={};return e.intensity=this.intensity,e.bias=this.bias,e.normalBias=this.normalBias,e.radius=this.radius,e.blurSamples=this.blurSamples,e.mapSize=this.mapSize.toArray(),e.mapType=this.mapType,e.camera=this.camera.toJSON(!1).object,delete e.camera.matrix,e}},tc=new W,nc=new si,hs=new W,Ua=class extends Bn{constructor(){super(),this.isCamera=!0,this.type="Camera",this.matrixWorldInverse=new Mt,this.projectionMatrix=new Mt,this.projectionMatrixInverse=new Mt,this.coordinateSystem=Li,this._reversedDepth=!1}get reversedDepth(){return this._reversedDepth}copy(e,t){return super.copy(e,t),this.matrixWorldInverse.copy(e.matrixWorldInverse),this.projectionMatrix.copy(e.projectionMatrix),this.projectionMatrixInverse.copy(e.projectionMatrixInverse),this.coordinateSystem=e.coordinateSystem,this}getWorldDirection(e){return super.getWorldDirection(e).negate()}updateMatrixWorld(e){super.updateMatrixWorld(e),this.matrixWorld.decompose(tc,nc,hs),hs.x===1&&hs.y===1&&hs.z===1?this.matrixWorldInverse.copy(this.matrixWorld).invert():this.matrixWorldInverse.compose(tc,nc,hs.set(1,1,1)).invert()}updateWorldMatrix(e,t,n=!1){super.updateWorldMatrix(e,t,n),this.matrixWorld.decompose(tc,nc,hs),hs.x===1&&hs.y===1&&hs.z===1?this.matrixWorldInverse.copy(this.matrixWorld).invert():this.matrixWorldInverse.compose(tc,nc,hs.set(1,1,1)).invert()}clone(){return new this.constructor().copy(this)}},tr=new W,Nm=new $e,Um=new $e,ni=class extends Ua{constructor(e=50,t=1,n=.1,s=2e3){super(),this.isPerspectiveCamera=!0,this.type="PerspectiveCamera",this.fov=e,this.zoom=1,this.near=n,this.far=s,this.focus=10,this.aspect=t,this.view=null,this.filmGauge=35,this.filmOffset=0,this.updateProjectionMatrix()}copy(e,t){return super.copy(e,t),this.fov=e.fov,this.zoom=e.zoom,this.near=e.near,this.far=e.far,this.focus=e.focus,this.aspect=e.aspect,this.view=e.view===null?null:Object.assign({},e.view),this.filmGauge=e.filmGauge,this.filmOffset=e.filmOffset,this}setFocalLength(e){let t=.5*this.getFilmHeight()/e;this.fov=go*2*Math.atan(t),this.updateProjectionMatrix()}getFocalLength(){let e=Math.tan(pa*.5*this.fov);return .5*this.getFilmHeight()/e}getEffectiveFOV(){return go*2*Math.atan(Math.tan(pa*.5*this.fov)/this.zoom)}getFilmWidth(){return this.filmGauge*Math.min(this.aspect,1)}getFilmHeight(){return this.filmGauge/Math.max(this.aspect,1)}getViewBounds(e,t,n){tr.set(-1,-1,.5).applyMatrix4(this.projectionMatrixInverse),t.set(tr.x,tr.y).multiplyScalar(-e/tr.z),tr.set(1,1,.5).applyMatrix4(this.projectionMatrixInverse),n.set(tr.x,tr.y).multiplyScalar(-e/tr.z)}getViewSize(e,t){return this.getViewBounds(e,Nm,Um),t.subVectors(Um,Nm)}setViewOffset(e,t,n,s,r,o){this.aspect=e/t,this.view===null&&(this.view={enabled:!0,fullWidth:1,fullHeight:1,offsetX:0,offsetY:0,width:1,height:1}),this.view.enabled=!0,this.view.fullWidth=e,this.view.fullHeight=t,this.view.offsetX=n,this.view.offsetY=s,this.view.width=r,this.view.height=o,this.updateProjectionMatrix()}clearViewOffset(){this.view!==null&&(this.view.enabled=!1),this.updateProjectionMatrix()}updateProjectionMatrix(){let e=this.near,t=e*Math.tan(pa*.5*this.fov)/this.zoom,n=2*t,s=this.aspect*n,r=-.5*s,o=this.view;if(this.view!==null&&this.view.enabled){let l=o.fullWidth,c=o.fullHeight;r+=o.offsetX*s/l,t-=o.offsetY*n/c,s*=o.width/l,n*=o.height/c}let a=this.filmOffset;a!==0&&(r+=e*a/this.getFilmWidth()),this.projectionMatrix.makePerspective(r,r+s,t,t-n,e,this.far,this.coordinateSystem,this.reversedDepth),this.projectionMatrixInverse.copy(this.projectionMatrix).invert()}toJSON(e){let t=super.toJSON(e);return t.object.fov=this.fov,t.object.zoom=this.zoom,t.object.near=this.near,t.object.far=this.far,t.object.focus=this.focus,t.object.aspect=this.aspect,this.view!==null&&(t.object.view=Object.assign({},this.view)),t.object.filmGauge=this.filmGauge,t.object.filmOffset=this.filmOffset,t}};var Fa=class extends Ua{constructor(e=-1,t=1,n=1,s=-1,r=.1,o=2e3){super(),this.isOrthographicCamera=!0,this.type="OrthographicCamera",this.zoom=1,this.view=null,this.left=e,this.right=t,this.top=n,this.bottom=s,this.near=r,this.far=o,this.updateProjectionMatrix()}copy(e,t){return super.copy(e,t),this.left=e.left,this.right=e.right,this.top=e.top,this.bottom=e.bottom,this.near=e.near,this.far=e.far,this.zoom=e.zoom,this.view=e.view===null?null:Object.assign({},e.view),this}setViewOffset(e,t,n,s,r,o){this.view===null&&(this.view={enabled:!0,fullWidth:1,fullHeight:1,offsetX:0,offsetY:0,width:1,height:1}),this.view.enabled=!0,this.view.fullWidth=e,this.view.fullHeight=t,this.view.offsetX=n,this.view.offsetY=s,this.view.width=r,this.view.height=o,this.updateProjectionMatrix()}clearViewOffset(){this.view!==null&&(this.view.enabled=!1),this.updateProjectionMatrix()}updateProjectionMatrix(){let e=(this.right-this.left)/(2*this.zoom),t=(this.top-this.bottom)/(2*this.zoom),n=(this.right+this.left)/2,s=(this.top+this.bottom)/2,r=n-e,o=n+e,a=s+t,l=s-t;if(this.view!==null&&this.view.enabled){let c=(this.right-this.left)/this.view.fullWidth/this.zoom,h=(this.top-this.bottom)/this.view.fullHeight/this.zoom;r+=c*this.view.offsetX,o=r+c*this.view.width,a-=h*this.view.offsetY,l=a-h*this.view.height}this.projectionMatrix.makeOrthographic(r,o,a,l,this.near,this.far,this.coordinateSystem,this.reversedDepth),this.projectionMatrixInverse.copy(this.projectionMatrix).invert()}toJSON(e){let t=super.toJSON(e);return t.object.zoom=this.zoom,t.object.left=this.left,t.object.right=this.right,t.object.top=this.top,t.object.bottom=this.bottom,t.object.near=this.near,t.object.far=this.far,this.view!==null&&(t.object.view=Object.assign({},this.view)),t}},Sd=class extends Nc{constructor(){super(new Fa(-5,5,5,-5,.5,500)),this.isDirectionalLightShadow=!0}},To=class extends wo{constructor(e,t){super(e,t),this.isDirectionalLight=!0,this.type="DirectionalLight",this.position.copy(Bn.DEFAULT_UP),this.updateMatrix(),this.target=new Bn,this.shadow=new Sd}dispose(){super.dispose(),this.shadow.dispose()}copy(e){return super.copy(e),this.target=e.target.clone(),this.shadow=e.shadow.clone(),this}toJSON(e){let t=super.toJSON(e);return t.object.shadow=this.shadow.toJSON(),t.object.target=this.target.uuid,t}},Oa=class extends wo{constructor(e,t){super(e,t),this.isAmbientLight=!0,this.type="AmbientLight"}};var co=-90,ho=1,Ao=class extends Bn{constructor(e,t,n){super(),this.type="CubeCamera",this.renderTarget=n,this.coordinateSystem=null,this.activeMipmapLevel=0;let s=new ni(co,ho,e,t);s.layers=this.layers,this.add(s);let r=new ni(co,ho,e,t);r.layers=this.layers,this.add(r);let o=new ni(co,ho,e,t);o.layers=this.layers,this.add(o);let a=new ni(co,ho,e,t);a.layers=this.layers,this.add(a);let l=new ni(co,ho,e,t);l.layers=this.layers,this.add(l);let c=new ni(co,ho,e,t);c.layers=this.layers,this.add(c)}updateCoordinateSystem(){let e=this.coordinateSystem,t=this.children.concat(),[n,s,r,o,a,l]=t;for(let c of t)this.remove(c);if(e===Li)n.up.set(0,1,0),n.lookAt(1,0,0),s.up.set(0,1,0),s.lookAt(-1,0,0),r.up.set(0,0,-1),r.lookAt(0,1,0),o.up.set(0,0,1),o.lookAt(0,-1,0),a.up.set(0,1,0),a.lookAt(0,0,1),l.up.set(0,1,0),l.lookAt(0,0,-1);else if(e===po)n.up.set(0,-1,0),n.lookAt(-1,0,0),s.up.set(0,-1,0),s.lookAt(1,0,0),r.up.set(0,0,1),r.lookAt(0,1,0),o.up.set(0,0,-1),o.lookAt(0,-1,0),a.up.set(0,-1,0),a.lookAt(0,0,1),l.up.set(0,-1,0),l.lookAt(0,0,-1);else throw new Error("THREE.CubeCamera.updateCoordinateSystem(): Invalid coordinate system: "+e);for(let c of t)this.add(c),c.updateMatrixWorld()}update(e,t){this.parent===null&&this.updateMatrixWorld();let{renderTarget:n,activeMipmapLevel:s}=this;this.coordinateSystem!==e.coordinateSystem&&(this.coordinateSystem=e.coordinateSystem,this.updateCoordinateSystem());let[r,o,a,l,c,h]=this.children,d=e.getRenderTarget(),u=e.getActiveCubeFace(),f=e.getActiveMipmapLevel(),g=e.xr.enabled;e.xr.enabled=!1;let y=n.texture.mipmapsAutoUpdate;n.texture.mipmapsAutoUpdate=!1;let p=!1;e.isWebGLRenderer===!0?p=e.state.buffers.depth.getReversed():p=e.reversedDepthBuffer,e.setRenderTarget(n,0,s),p&&e.autoClear===!1&&e.clearDepth(),e.render(t,r),e.setRenderTarget(n,1,s),p&&e.autoClear===!1&&e.clearDepth(),e.render(t,o),e.setRenderTarget(n,2,s),p&&e.autoClear===!1&&e.clearDepth(),e.render(t,a),e.setRenderTarget(n,3,s),p&&e.autoClear===!1&&e.clearDepth(),e.render(t,l),e.setRenderTarget(n,4,s),p&&e.autoClear===!1&&e.clearDepth(),e.render(t,c),n.texture.mipmapsAutoUpdate=y,e.setRenderTarget(n,5,s),p&&e.autoClear===!1&&e.clearDepth(),e.render(t,h),e.setRenderTarget(d,u,f),e.xr.enabled=g,n.texture.needsPMREMUpdate=!0}},Uc=class extends ni{constructor(e=[]){super(),this.isArrayCamera=!0,this.isMultiViewCamera=!1,this.cameras=e,this.perCameraFrustumCulled=!1}};var nf="\\[\\]\\.:\\/",Jv=new RegExp("["+nf+"]","g"),sf="[^"+nf+"]",jv="[^"+nf.replace("\\.","")+"]",Qv=/((?:WC+[\/:])*)/.source.replace("WC",sf),ex=/(WCOD+)?/.source.replace("WCOD",jv),tx=/(?:\.(WC+)(?:\[(.+)\])?)?/.source.replace("WC",sf),nx=/\.(WC+)(?:\[(.+)\])?/.source.replace("WC",sf),ix=new RegExp("^"+Qv+ex+tx+nx+"$"),sx=["material","materials","bones","map"],Md=class{constructor(e,t,n){let s=n||Wt.parseTrackName(t);this._targetGroup=e,this._bindings=e.subscribe_(t,s)}getValue(e,t){this.bind();let n=this._targetGroup.nCachedObjects_,s=this._bindings[n];s!==void 0&&s.getValue(e,t)}setValue(e,t){let n=this._bindings;for(let s=this._targetGroup.nCachedObjects_,r=n.length;s!==r;++s)n[s].setValue(e,t)}bind(){let e=this._bindings;for(let t=this._targetGroup.nCachedObjects_,n=e.length;t!==n;++t)e[t].bind()}unbind(){let e=this._bindings;for(let t=this._targetGroup.nCachedObjects_,n=e.length;t!==n;++t)e[t].unbind()}},Wt=class i{constructor(e,t,n){this.path=t,this.parsedPath=n||i.parseTrackName(t),this.node=i.findNode(e,this.parsedPath.nodeName),this.rootNode=e,this.getValue=this._getValue_unbound,this.setValue=this._setValue_unbound}static create(e,t,n){return e&&e.isAnimationObjectGroup?new i.Composite(e,t,n):new i(e,t,n)}static sanitizeNodeName(e){return e.replace(/\s/g,"_").replace(Jv,"")}static parseTrackName(e){let t=ix.exec(e);if(t===null)throw new Error("THREE.PropertyBinding: Cannot parse trackName: "+e);let n={nodeName:t[2],objectName:t[3],objectIndex:t[4],propertyName:t[5],propertyIndex:t[6]},s=n.nodeName&&n.nodeName.lastIndexOf(".");if(s!==void 0&&s!==-1){let r=n.nodeName.substring(s+1);sx.indexOf(r)!==-1&&(n.nodeName=n.nodeName.substring(0,s),n.objectName=r)}if(n.propertyName===null||n.propertyName.length===0)throw new Error("THREE.PropertyBinding: can not parse propertyName from trackName: "+e);return n}static findNode(e,t){if(t===void 0||t===""||t==="."||t===-1||t===e.name||t===e.uuid)return e;if(e.skeleton){let n=e.skeleton.getBoneByName(t);if(n!==void 0)return n}if(e.children){let n=function(r){for(let o=0;o<r.length;o++){let a=r[o];if(a.name===t||a.uuid===t)return a;let l=n(a.children);if(l)return l}return null},s=n(e.children);if(s)return s}return null}_getValue_unavailable(){}_setValue_unavailable(){}_getValue_direct(e,t){e[t]=this.targetObject[this.propertyName]}_getValue_array(e,t){let n=this.resolvedProperty;for(let s=0,r=n.length;s!==r;++s)e[t++]=n[s]}_getValue_arrayElement(e,t){e[t]=this.resolvedProperty[this.propertyIndex]}_getValue_toArray(e,t){this.resolvedProperty.toArray(e,t)}_setValue_direct(e,t){this.targetObject[this.propertyName]=e[t]}_setValue_direct_setNeedsUpdate(e,t){this.targetObject[this.propertyName]=e[t],this.targetObject.needsUpdate=!0}_setValue_direct_setMatrixWorldNeedsUpdate(e,t){this.targetObject[this.propertyName]=e[t],this.targetObject.matrixWorldNeedsUpdate=!0}_setValue_array(e,t){let n=this.resolvedProperty;for(let s=0,r=n.length;s!==r;++s)n[s]=e[t++]}_setValue_array_setNeedsUpdate(e,t){let n=this.resolvedProperty;for(let s=0,r=n.length;s!==r;++s)n[s]=e[t++];this.targetObject.needsUpdate=!0}_setValue_array_setMatrixWorldNeedsUpdate(e,t){let n=this.resolvedProperty;for(let s=0,r=n.length;s!==r;++s)n[s]=e[t++];this.targetObject.matrixWorldNeedsUpdate=!0}_setValue_arrayElement(e,t){this.resolvedProperty[this.propertyIndex]=e[t]}_setValue_arrayElement_setNeedsUpdate(e,t){this.resolvedProperty[this.propertyIndex]=e[t],this.targetObject.needsUpdate=!0}_setValue_arrayElement_setMatrixWorldNeedsUpdate(e,t){this.resolvedProperty[this.propertyIndex]=e[t],this.targetObject.matrixWorldNeedsUpdate=!0}_setValue_fromArray(e,t){this.resolvedProperty.fromArray(e,t)}_setValue_fromArray_setNeedsUpdate(e,t){this.resolvedProperty.fromArray(e,t),this.targetObject.needsUpdate=!0}_setValue_fromArray_setMatrixWorldNeedsUpdate(e,t){this.resolvedProperty.fromArray(e,t),this.targetObject.matrixWorldNeedsUpdate=!0}_getValue_unbound(e,t){this.bind(),this.getValue(e,t)}_setValue_unbound(e,t){this.bind(),this.setValue(e,t)}bind(){let e=this.node,t=this.parsedPath,n=t.objectName,s=t.propertyName,r=t.propertyIndex;if(e||(e=i.findNode(this.rootNode,t.nodeName),this.node=e),this.getValue=this._getValue_unavailable,this.setValue=this._setValue_unavailable,!e){Ye("PropertyBinding: No target node found for track: "+this.path+".");return}if(n){let c=t.objectIndex;switch(n){case"materials":if(!e.material){et("PropertyBinding: Can not bind to material as node does not have a material.",this);return}if(!e.material.materials){et("PropertyBinding: Can not bind to material.materials as node.material does not have a materials array.",this);return}e=e.material.materials;break;case"bones":if(!e.skeleton){et("PropertyBinding: Can not bind to bones as node does not have a skeleton.",this);return}e=e.skeleton.bones;for(let h=0;h<e.length;h++)if(e[h].name===c){c=h;break}break;case"map":if("map"in e){e=e.map;break}if(!e.material){et("PropertyBinding: Can not bind to material as node does not have a material.",this);return}if(!e.material.map){et("PropertyBinding: Can not bind to material.map as node.material does not have a map.",this);return}e=e.material.map;break;default:if(e[n]===void 0){et("PropertyBinding: Can not bind to objectName of node undefined.",this);return}e=e[n]}if(c!==void 0){if(e[c]===void 0){et("PropertyBinding: Trying to bind to objectIndex of objectName, but is undefined.",this,e);return}e=e[c]}}let o=e[s];if(o===void 0){let c=t.nodeName;et("PropertyBinding: Trying to update property for track: "+c+"."+s+" but it wasn't found.",e);return}let a=this.Versioning.None;this.targetObject=e,e.isMaterial===!0?a=this.Versioning.NeedsUpdate:e.isObject3D===!0&&(a=this.Versioning.MatrixWorldNeedsUpdate);let l=this.BindingType.Direct;if(r!==void 0){if(s==="morphTargetInfluences"){if(!e.geometry){et("PropertyBinding: Can not bind to morphTargetInfluences because node does not have a geometry.",this);return}if(!e.geometry.morphAttributes){et("PropertyBinding: Can not bind to morphTargetInfluences because node does not have a geometry.morphAttributes.",this);return}e.morphTargetDictionary[r]!==void 0&&(r=e.morphTargetDictionary[r])}l=this.BindingType.ArrayElement,this.resolvedProperty=o,this.propertyIndex=r}else o.fromArray!==void 0&&o.toArray!==void 0?(l=this.BindingType.HasFromToArray,this.resolvedProperty=o):Array.isArray(o)?(l=this.BindingType.EntireArray,this.resolvedProperty=o):this.propertyName=s;this.getValue=this.GetterByBindingType[l],this.setValue=this.SetterByBindingTypeAndVersioning[l][a]}unbind(){this.node=null,this.getValue=this._getValue_unbound,this.setValue=this._setValue_unbound}};Wt.Composite=Md;Wt.prototype.BindingType={Direct:0,EntireArray:1,ArrayElement:2,HasFromToArray:3};Wt.prototype.Versioning={None:0,NeedsUpdate:1,MatrixWorldNeedsUpdate:2};Wt.prototype.GetterByBindingType=[Wt.prototype._getValue_direct,Wt.prototype._getValue_array,Wt.prototype._getValue_arrayElement,Wt.prototype._getValue_toArray];Wt.prototype.SetterByBindingTypeAndVersioning=[[Wt.prototype._setValue_direct,Wt.prototype._setValue_direct_setNeedsUpdate,Wt.prototype._setValue_direct_setMatrixWorldNeedsUpdate],[Wt.prototype._setValue_array,Wt.prototype._setValue_array_setNeedsUpdate,Wt.prototype._setValue_array_setMatrixWorldNeedsUpdate],[Wt.prototype._setValue_arrayElement,Wt.prototype._setValue_arrayElement_setNeedsUpdate,Wt.prototype._setValue_arrayElement_setMatrixWorldNeedsUpdate],[Wt.prototype._setValue_fromArray,Wt.prototype._setValue_fromArray_setNeedsUpdate,Wt.prototype._setValue_fromArray_setMatrixWorldNeedsUpdate]];var PE=new Float32Array(1);var Fm=new Mt,ka=class{constructor(e,t,n=0,s=1/0){this.ray=new Ds(e,t),this.near=n,this.far=s,this.camera=null,this.layers=new _o,this.params={Mesh:{},Line:{threshold:1},LOD:{},Points:{threshold:1},Sprite:{}}}set(e,t){this.ray.set(e,t)}setFromCamera(e,t){t.isPerspectiveCamera?(this.ray.origin.setFromMatrixPosition(t.matrixWorld),this.ray.direction.set(e.x,e.y,.5).unproject(t).sub(this.ray.origin).normalize(),this.camera=t):t.isOrthographicCamera?(this.ray.origin.set(e.x,e.y,t.projectionMatrix.elements[14]).unproject(t),this.ray.direction.set(0,0,-1).transformDirection(t.matrixWorld),this.camera=t):et("Raycaster: Unsupported camera type: "+t.type)}setFromXRController(e){return Fm.identity().extractRotation(e.matrixWorld),this.ray.origin.setFromMatrixPosition(e.matrixWorld),this.ray.direction.set(0,0,-1).applyMatrix4(Fm),this}intersectObject(e,t=!0,n=[]){return wd(e,this,n,t),n.sort(Om),n}intersectObjects(e,t=!0,n=[]){for(let s=0,r=e.length;s<r;s++)wd(e[s],this,n,t);return n.sort(Om),n}};function Om(i,e){return i.distance-e.distance}function wd(i,e,t,n){let s=!0;if(i.layers.test(e.layers)&&i.raycast(e,t)===!1&&(s=!1),s===!0&&n===!0){let r=i.children;for(let o=0,a=r.length;o<a;o++)wd(r[o],e,t,!0)}}var Eo=class{constructor(e=1,t=0,n=0){this.radius=e,this.phi=t,this.theta=n}set(e,t,n){return this.radius=e,this.phi=t,this.theta=n,this}copy(e){return this.radius=e.radius,this.phi=e.phi,this.theta=e.theta,this}makeSafe(){return this.phi=mt(this.phi,1e-6,Math.PI-1e-6),this}setFromVector3(e){return this.setFromCartesianCoords(e.x,e.y,e.z)}setFromCartesianCoords(e,t,n){return this.radius=Math.sqrt(e*e+t*t+n*n),this.radius===0?(this.theta=0,this.phi=0):(this.theta=Math.atan2(e,n),this.phi=Math.acos(mt(t/this.radius,-1,1))),this}clone(){return new this.constructor().copy(this)}};var Td=class{static{this.prototype.isMatrix2=!0}constructor(e,t,n,s){this.elements=[1,0,0,1],e!==void 0&&this.set(e,t,n,s)}identity(){return this.set(1,0,0,1),this}fromArray(e,t=0){for(let n=0;n<4;n++)this.elements[n]=e[n+t];return this}set(e,t,n,s){let r=this.elements;return r[0]=e,r[2]=t,r[1]=n,r[3]=s,this}};var Ba=class extends qi{constructor(e,t=null){super(),this.object=e,this.domElement=t,this.enabled=!0,this.state=-1,this.keys={},this.mouseButtons={LEFT:null,MIDDLE:null,RIGHT:null},this.touches={ONE:null,TWO:null}}connect(e){this.domElement!==null&&this.disconnect(),this.domElement=e}disconnect(){}dispose(){}update(){}};function rf(i,e,t,n){let s=rx(n);switch(t){case Wd:return i*e;case Hc:return i*e/s.components*s.byteLength;case Wc:return i*e/s.components*s.byteLength;case hr:return i*e*2/s.components*s.byteLength;case Xc:return i*e*2/s.components*s.byteLength;case Xd:return i*e*3/s.components*s.byteLength;case ji:return i*e*4/s.components*s.byteLength;case qc:return i*e*4/s.components*s.byteLength;case Va:case Ga:return Math.floor((i+3)/4)*Math.floor((e+3)/4)*8;case Ha:case Wa:return Math.floor((i+3)/4)*Math.floor((e+3)/4)*16;case $c:case Kc:return Math.max(i,16)*Math.max(e,8)/4;case Yc:case Zc:return Math.max(i,8)*Math.max(e,8)/2;case Jc:case jc:case eh:case th:return Math.floor((i+3)/4)*Math.floor((e+3)/4)*8;case Qc:case Xa:case nh:return Math.floor((i+3)/4)*Math.floor((e+3)/4)*16;case ih:return Math.floor((i+3)/4)*Math.floor((e+3)/4)*16;case sh:return Math.floor((i+4)/5)*Math.floor((e+3)/4)*16;case rh:return Math.floor((i+4)/5)*Math.floor((e+4)/5)*16;case oh:return Math.floor((i+5)/6)*Math.floor((e+4)/5)*16;case ah:return Math.floor((i+5)/6)*Math.floor((e+5)/6)*16;case lh:return Math.floor((i+7)/8)*Math.floor((e+4)/5)*16;case ch:return Math.floor((i+7)/8)*Math.floor((e+5)/6)*16;case hh:return Math.floor((i+7)/8)*Math.floor((e+7)/8)*16;case uh:return Math.floor((i+9)/10)*Math.floor((e+4)/5)*16;case dh:return Math.floor((i+9)/10)*Math.floor((e+5)/6)*16;case fh:return Math.floor((i+9)/10)*Math.floor((e+7)/8)*16;case ph:return Math.floor((i+9)/10)*Math.floor((e+9)/10)*16;case mh:return Math.floor((i+11)/12)*Math.floor((e+9)/10)*16;case gh:return Math.floor((i+11)/12)*Math.floor((e+11)/12)*16;case yh:case _h:case vh:return Math.ceil(i/4)*Math.ceil(e/4)*16;case xh:case bh:return Math.ceil(i/4)*Math.ceil(e/4)*8;case qa:case Sh:return Math.ceil(i/4)*Math.ceil(e/4)*16}throw new Error(`Unable to determine texture byte length for ${t} format.`)}function rx(i){switch(i){case hi:case zd:return{byteLength:1,components:1};case Io:case Vd:case Ji:return{byteLength:2,components:1};case Vc:case Gc:return{byteLength:2,components:4};case Ki:case zc:case Fi:return{byteLength:4,components:1};case Gd:case Hd:return{byteLength:4,components:3}}throw new Error(`THREE.TextureUtils: Unknown texture type ${i}.`)}typeof __THREE_DEVTOOLS__<"u"&&__THREE_DEVTOOLS__.dispatchEvent(new CustomEvent("register",{detail:{revision:"187"}}));typeof window<"u"&&(window.__THREE__?Ye("WARNING: Multiple instances of Three.js being imported."):window.__THREE__="187");function $g(){let i=null,e=!1,t=null,n=null;function s(r,o){n=i.requestAnimationFrame(s),t(r,o)}return{start:function(){e!==!0&&t!==null&&i!==null&&(n=i.requestAnimationFrame(s),e=!0)},stop:function(){i!==null&&i.cancelAnimationFrame(n),e=!1},setAnimationLoop:function(r){t=r},setContext:function(r){i=r}}}function ax(i){let e=new WeakMap;function t(a,l){let c=a.array,h=a.usage,d=c.byteLength,u=i.createBuffer();i.bindBuffer(l,u),i.bufferData(l,c,h),a.onUploadCallback();let f;if(c instanceof Float32Array)f=i.FLOAT;else if(typeof Float16Array<"u"&&c instanceof Float16Array)f=i.HALF_FLOAT;else if(c instanceof Uint16Array)a.isFloat16BufferAttribute?f=i.HALF_FLOAT:f=i.UNSIGNED_SHORT;else if(c instanceof Int16Array)f=i.SHORT;else if(c instanceof Uint32Array)f=i.UNSIGNED_INT;else if(c instanceof Int32Array)f=i.INT;else if(c instanceof Int8Array)f=i.BYTE;else if(c instanceof Uint8Array)f=i.UNSIGNED_BYTE;else if(c instanceof Uint8ClampedArray)f=i.UNSIGNED_BYTE;else throw new Error("THREE.WebGLAttributes: Unsupported buffer data format: "+c);return{buffer:u,type:f,bytesPerElement:c.BYTES_PER_ELEMENT,version:a.version,size:d}}function n(a,l,c){let h=l.array,d=l.updateRanges;if(i.bindBuffer(c,a),d.length===0)i.bufferSubData(c,0,h);else{d.sort((f,g)=>f.start-g.start);let u=0;for(let f=1;f<d.length;f++){let g=d[u],y=d[f];y.start<=g.start+g.count+1?g.count=Math.max(g.count,y.start+y.count-g.start):(++u,d[u]=y)}d.length=u+1;for(let f=0,g=d.length;f<g;f++){let y=d[f];i.bufferSubData(c,y.start*h.BYTES_PER_ELEMENT,h,y.start,y.count)}l.clearUpdateRanges()}l.onUploadCallback()}function s(a){return a.isInterleavedBufferAttribute&&(a=a.data),e.get(a)}function r(a){a.isInterleavedBufferAttribute&&(a=a.data);let l=e.get(a);l&&(i.deleteBuffer(l.buffer),e.delete(a))}function o(a,l){if(a.isInterleavedBufferAttribute&&(a=a.data),a.isGLBufferAttribute){let h=e.get(a);(!h||h.version<a.version)&&e.set(a,{buffer:a.buffer,type:a.type,bytesPerElement:a.elementSize,version:a.version});return}let c=e.get(a);if(c===void 0)e.set(a,t(a,l));else if(c.version<a.version){if(c.size!==a.array.byteLength)throw new Error("THREE.WebGLAttributes: The size of the buffer attribute's array buffer does not match the original size. Resizing buffer attributes is not supported.");n(c.buffer,a,l),c.version=a.version}}return{get:s,remove:r,update:o}}var lx=`#ifdef USE_ALPHAHASH
+	if ( diffuseColor.a < getAlphaHashThreshold( vPosition ) ) discard;
+#endif`,cx=`#ifdef USE_ALPHAHASH
+	const float ALPHA_HASH_SCALE = 0.05;
+	float hash2D( vec2 value ) {
+		return fract( 1.0e4 * sin( 17.0 * value.x + 0.1 * value.y ) * ( 0.1 + abs( sin( 13.0 * value.y + value.x ) ) ) );
+	}
+	float hash3D( vec3 value ) {
+		return hash2D( vec2( hash2D( value.xy ), value.z ) );
+	}
+	float getAlphaHashThreshold( vec3 position ) {
+		float maxDeriv = max(
+			length( dFdx( position.xyz ) ),
+			length( dFdy( position.xyz ) )
+		);
+		float pixScale = 1.0 / ( ALPHA_HASH_SCALE * maxDeriv );
+		vec2 pixScales = vec2(
+			exp2( floor( log2( pixScale ) ) ),
+			exp2( ceil( log2( pixScale ) ) )
+		);
+		vec2 alpha = vec2(
+			hash3D( floor( pixScales.x * position.xyz ) ),
+			hash3D( floor( pixScales.y * position.xyz ) )
+		);
+		float lerpFactor = fract( log2( pixScale ) );
+		float x = ( 1.0 - lerpFactor ) * alpha.x + lerpFactor * alpha.y;
+		float a = min( lerpFactor, 1.0 - lerpFactor );
+		vec3 cases = vec3(
+			x * x / ( 2.0 * a * ( 1.0 - a ) ),
+			( x - 0.5 * a ) / ( 1.0 - a ),
+			1.0 - ( ( 1.0 - x ) * ( 1.0 - x ) / ( 2.0 * a * ( 1.0 - a ) ) )
+		);
+		float threshold = ( x < ( 1.0 - a ) )
+			? ( ( x < a ) ? cases.x : cases.y )
+			: cases.z;
+		return clamp( threshold , 1.0e-6, 1.0 );
+	}
+#endif`,hx=`#ifdef USE_ALPHAMAP
+	diffuseColor.a *= texture2D( alphaMap, vAlphaMapUv ).g;
+#endif`,ux=`#ifdef USE_ALPHAMAP
+	uniform sampler2D alphaMap;
+#endif`,dx=`#ifdef USE_ALPHATEST
+	#ifdef ALPHA_TO_COVERAGE
+	diffuseColor.a = smoothstep( alphaTest, alphaTest + fwidth( diffuseColor.a ), diffuseColor.a );
+	if ( diffuseColor.a == 0.0 ) discard;
+	#else
+	if ( diffuseColor.a < alphaTest ) discard;
+	#endif
+#endif`,fx=`#ifdef USE_ALPHATEST
+	uniform float alphaTest;
+#endif`,px=`#ifdef USE_AOMAP
+	float ambientOcclusion = ( texture2D( aoMap, vAoMapUv ).r - 1.0 ) * aoMapIntensity + 1.0;
+	reflectedLight.indirectDiffuse *= ambientOcclusion;
+	#if defined( USE_CLEARCOAT ) 
+		clearcoatSpecularIndirect *= ambientOcclusion;
+	#endif
+	#if defined( USE_SHEEN ) 
+		sheenSpecularIndirect *= ambientOcclusion;
+	#endif
+	#if defined( USE_ENVMAP ) && defined( STANDARD )
+		float dotNV = saturate( dot( geometryNormal, geometryViewDir ) );
+		reflectedLight.indirectSpecular *= computeSpecularOcclusion( dotNV, ambientOcclusion, material.roughness );
+	#endif
+#endif`,mx=`#ifdef USE_AOMAP
+	uniform sampler2D aoMap;
+	uniform float aoMapIntensity;
+#endif`,gx=`#ifdef USE_BATCHING
+	#if ! defined( GL_ANGLE_multi_draw )
+	#define gl_DrawID _gl_DrawID
+	uniform int _gl_DrawID;
+	#endif
+	uniform highp sampler2D batchingTexture;
+	uniform highp usampler2D batchingIdTexture;
+	mat4 getBatchingMatrix( const in float i ) {
+		int size = textureSize( batchingTexture, 0 ).x;
+		int j = int( i ) * 4;
+		int x = j % size;
+		int y = j / size;
+		vec4 v1 = texelFetch( batchingTexture, ivec2( x, y ), 0 );
+		vec4 v2 = texelFetch( batchingTexture, ivec2( x + 1, y ), 0 );
+		vec4 v3 = texelFetch( batchingTexture, ivec2( x + 2, y ), 0 );
+		vec4 v4 = texelFetch( batchingTexture, ivec2( x + 3, y ), 0 );
+		return mat4( v1, v2, v3, v4 );
+	}
+	float getIndirectIndex( const in int i ) {
+		int size = textureSize( batchingIdTexture, 0 ).x;
+		int x = i % size;
+		int y = i / size;
+		return float( texelFetch( batchingIdTexture, ivec2( x, y ), 0 ).r );
+	}
+#endif
+#ifdef USE_BATCHING_COLOR
+	uniform sampler2D batchingColorTexture;
+	vec4 getBatchingColor( const in float i ) {
+		int size = textureSize( batchingColorTexture, 0 ).x;
+		int j = int( i );
+		int x = j % size;
+		int y = j / size;
+		return texelFetch( batchingColorTexture, ivec2( x, y ), 0 );
+	}
+#endif`,yx=`#ifdef USE_BATCHING
+	mat4 batchingMatrix = getBatchingMatrix( getIndirectIndex( gl_DrawID ) );
+#endif`,_x=`vec3 transformed = vec3( position );
+#ifdef USE_ALPHAHASH
+	vPosition = vec3( position );
+#endif`,vx=`vec3 objectNormal = vec3( normal );
+#ifdef USE_TANGENT
+	vec3 objectTangent = vec3( tangent.xyz );
+#endif`,xx=`float G_BlinnPhong_Implicit( ) {
+	return 0.25;
+}
+float D_BlinnPhong( const in float shininess, const in float dotNH ) {
+	return RECIPROCAL_PI * ( shininess * 0.5 + 1.0 ) * pow( dotNH, shininess );
+}
+vec3 BRDF_BlinnPhong( const in vec3 lightDir, const in vec3 viewDir, const in vec3 normal, const in vec3 specularColor, const in float shininess ) {
+	vec3 halfDir = normalize( lightDir + viewDir );
+	float dotNH = saturate( dot( normal, halfDir ) );
+	float dotVH = saturate( dot( viewDir, halfDir ) );
+	vec3 F = F_Schlick( specularColor, 1.0, dotVH );
+	float G = G_BlinnPhong_Implicit( );
+	float D = D_BlinnPhong( shininess, dotNH );
+	return F * ( G * D );
+} // validated`,bx=`#ifdef USE_IRIDESCENCE
+	const mat3 XYZ_TO_REC709 = mat3(
+		 3.2404542, -0.9692660,  0.0556434,
+		-1.5371385,  1.8760108, -0.2040259,
+		-0.4985314,  0.0415560,  1.0572252
+	);
+	vec3 Fresnel0ToIor( vec3 fresnel0 ) {
+		vec3 sqrtF0 = sqrt( fresnel0 );
+		return ( vec3( 1.0 ) + sqrtF0 ) / ( vec3( 1.0 ) - sqrtF0 );
+	}
+	vec3 IorToFresnel0( vec3 transmittedIor, float incidentIor ) {
+		return pow2( ( transmittedIor - vec3( incidentIor ) ) / ( transmittedIor + vec3( incidentIor ) ) );
+	}
+	float IorToFresnel0( float transmittedIor, float incidentIor ) {
+		return pow2( ( transmittedIor - incidentIor ) / ( transmittedIor + incidentIor ));
+	}
+	vec3 evalSensitivity( float OPD, vec3 shift ) {
+		float phase = 2.0 * PI * OPD * 1.0e-9;
+		vec3 val = vec3( 5.4856e-13, 4.4201e-13, 5.2481e-13 );
+		vec3 pos = vec3( 1.6810e+06, 1.7953e+06, 2.2084e+06 );
+		vec3 var = vec3( 4.3278e+09, 9.3046e+09, 6.6121e+09 );
+		vec3 xyz = val * sqrt( 2.0 * PI * var ) * cos( pos * phase + shift ) * exp( - pow2( phase ) * var );
+		xyz.x += 9.7470e-14 * sqrt( 2.0 * PI * 4.5282e+09 ) * cos( 2.2399e+06 * phase + shift[ 0 ] ) * exp( - 4.5282e+09 * pow2( phase ) );
+		xyz /= 1.0685e-7;
+		vec3 rgb = XYZ_TO_REC709 * xyz;
+		return rgb;
+	}
+	vec3 evalIridescence( float outsideIOR, float eta2, float cosTheta1, float thinFilmThickness, vec3 baseF0 ) {
+		vec3 I;
+		float iridescenceIOR = mix( outsideIOR, eta2, smoothstep( 0.0, 0.03, thinFilmThickness ) );
+		float sinTheta2Sq = pow2( outsideIOR / iridescenceIOR ) * ( 1.0 - pow2( cosTheta1 ) );
+		float cosTheta2Sq = 1.0 - sinTheta2Sq;
+		if ( cosTheta2Sq < 0.0 ) {
+			return vec3( 1.0 );
+		}
+		float cosTheta2 = sqrt( cosTheta2Sq );
+		float R0 = IorToFresnel0( iridescenceIOR, outsideIOR );
+		float R12 = F_Schlick( R0, 1.0, cosTheta1 );
+		float T121 = 1.0 - R12;
+		float phi12 = 0.0;
+		if ( iridescenceIOR < outsideIOR ) phi12 = PI;
+		float phi21 = PI - phi12;
+		vec3 baseIOR = Fresnel0ToIor( clamp( baseF0, 0.0, 0.9999 ) );		vec3 R1 = IorToFresnel0( baseIOR, iridescenceIOR );
+		vec3 R23 = F_Schlick( R1, 1.0, cosTheta2 );
+		vec3 phi23 = vec3( 0.0 );
+		if ( baseIOR[ 0 ] < iridescenceIOR ) phi23[ 0 ] = PI;
+		if ( baseIOR[ 1 ] < iridescenceIOR ) phi23[ 1 ] = PI;
+		if ( baseIOR[ 2 ] < iridescenceIOR ) phi23[ 2 ] = PI;
+		float OPD = 2.0 * iridescenceIOR * thinFilmThickness * cosTheta2;
+		vec3 phi = vec3( phi21 ) + phi23;
+		vec3 R123 = clamp( R12 * R23, 1e-5, 0.9999 );
+		vec3 r123 = sqrt( R123 );
+		vec3 Rs = pow2( T121 ) * R23 / ( vec3( 1.0 ) - R123 );
+		vec3 C0 = R12 + Rs;
+		I = C0;
+		vec3 Cm = Rs - T121;
+		for ( int m = 1; m <= 2; ++ m ) {
+			Cm *= r123;
+			vec3 Sm = 2.0 * evalSensitivity( float( m ) * OPD, float( m ) * phi );
+			I += Cm * Sm;
+		}
+		return max( I, vec3( 0.0 ) );
+	}
+#endif`,Sx=`#ifdef USE_BUMPMAP
+	uniform sampler2D bumpMap;
+	uniform float bumpScale;
+	vec2 dHdxy_fwd() {
+		vec2 dSTdx = dFdx( vBumpMapUv );
+		vec2 dSTdy = dFdy( vBumpMapUv );
+		float Hll = bumpScale * texture2D( bumpMap, vBumpMapUv ).x;
+		float dBx = bumpScale * texture2D( bumpMap, vBumpMapUv + dSTdx ).x - Hll;
+		float dBy = bumpScale * texture2D( bumpMap, vBumpMapUv + dSTdy ).x - Hll;
+		return vec2( dBx, dBy );
+	}
+	vec3 perturbNormalArb( vec3 surf_pos, vec3 surf_norm, vec2 dHdxy, float faceDirection ) {
+		vec3 vSigmaX = normalize( dFdx( surf_pos.xyz ) );
+		vec3 vSigmaY = normalize( dFdy( surf_pos.xyz ) );
+		vec3 vN = surf_norm;
+		vec3 R1 = cross( vSigmaY, vN );
+		vec3 R2 = cross( vN, vSigmaX );
+		float fDet = dot( vSigmaX, R1 ) * faceDirection;
+		vec3 vGrad = sign( fDet ) * ( dHdxy.x * R1 + dHdxy.y * R2 );
+		return normalize( abs( fDet ) * surf_norm - vGrad );
+	}
+#endif`,Mx=`#if NUM_CLIPPING_PLANES > 0
+	vec4 plane;
+	#ifdef ALPHA_TO_COVERAGE
+		float distanceToPlane, distanceGradient;
+		float clipOpacity = 1.0;
+		#pragma unroll_loop_start
+		for ( int i = 0; i < UNION_CLIPPING_PLANES; i ++ ) {
+			plane = clippingPlanes[ i ];
+			distanceToPlane = - dot( vClipPosition, plane.xyz ) + plane.w;
+			distanceGradient = fwidth( distanceToPlane ) / 2.0;
+			clipOpacity *= smoothstep( - distanceGradient, distanceGradient, distanceToPlane );
+			if ( clipOpacity == 0.0 ) discard;
+		}
+		#pragma unroll_loop_end
+		#if UNION_CLIPPING_PLANES < NUM_CLIPPING_PLANES
+			float unionClipOpacity = 1.0;
+			#pragma unroll_loop_start
+			for ( int i = UNION_CLIPPING_PLANES; i < NUM_CLIPPING_PLANES; i ++ ) {
+				plane = clippingPlanes[ i ];
+				distanceToPlane = - dot( vClipPosition, plane.xyz ) + plane.w;
+				distanceGradient = fwidth( distanceToPlane ) / 2.0;
+				unionClipOpacity *= 1.0 - smoothstep( - distanceGradient, distanceGradient, distanceToPlane );
+			}
+			#pragma unroll_loop_end
+			clipOpacity *= 1.0 - unionClipOpacity;
+		#endif
+		diffuseColor.a *= clipOpacity;
+		if ( diffuseColor.a == 0.0 ) discard;
+	#else
+		#pragma unroll_loop_start
+		for ( int i = 0; i < UNION_CLIPPING_PLANES; i ++ ) {
+			plane = clippingPlanes[ i ];
+			if ( dot( vClipPosition, plane.xyz ) > plane.w ) discard;
+		}
+		#pragma unroll_loop_end
+		#if UNION_CLIPPING_PLANES < NUM_CLIPPING_PLANES
+			bool clipped = true;
+			#pragma unroll_loop_start
+			for ( int i = UNION_CLIPPING_PLANES; i < NUM_CLIPPING_PLANES; i ++ ) {
+				plane = clippingPlanes[ i ];
+				clipped = ( dot( vClipPosition, plane.xyz ) > plane.w ) && clipped;
+			}
+			#pragma unroll_loop_end
+			if ( clipped ) discard;
+		#endif
+	#endif
+#endif`,wx=`#if NUM_CLIPPING_PLANES > 0
+	varying vec3 vClipPosition;
+	uniform vec4 clippingPlanes[ NUM_CLIPPING_PLANES ];
+#endif`,Tx=`#if NUM_CLIPPING_PLANES > 0
+	varying vec3 vClipPosition;
+#endif`,Ax=`#if NUM_CLIPPING_PLANES > 0
+	vClipPosition = - mvPosition.xyz;
+#endif`,Ex=`#if defined( USE_COLOR ) || defined( USE_COLOR_ALPHA )
+	diffuseColor *= vColor;
+#endif`,Rx=`#if defined( USE_COLOR ) || defined( USE_COLOR_ALPHA )
+	varying vec4 vColor;
+#endif`,Cx=`#if defined( USE_COLOR ) || defined( USE_COLOR_ALPHA ) || defined( USE_INSTANCING_COLOR ) || defined( USE_BATCHING_COLOR )
+	varying vec4 vColor;
+#endif`,Px=`#if defined( USE_COLOR ) || defined( USE_COLOR_ALPHA ) || defined( USE_INSTANCING_COLOR ) || defined( USE_BATCHING_COLOR )
+	vColor = vec4( 1.0 );
+#endif
+#ifdef USE_COLOR_ALPHA
+	vColor *= color;
+#elif defined( USE_COLOR )
+	vColor.rgb *= color;
+#endif
+#ifdef USE_INSTANCING_COLOR
+	vColor.rgb *= instanceColor.rgb;
+#endif
+#ifdef USE_BATCHING_COLOR
+	vColor *= getBatchingColor( getIndirectIndex( gl_DrawID ) );
+#endif`,Ix=`#define PI 3.141592653589793
+#define PI2 6.283185307179586
+#define PI_HALF 1.5707963267948966
+#define RECIPROCAL_PI 0.3183098861837907
+#define RECIPROCAL_PI2 0.15915494309189535
+#define EPSILON 1e-6
+#ifndef saturate
+#define saturate( a ) clamp( a, 0.0, 1.0 )
+#endif
+#define whiteComplement( a ) ( 1.0 - saturate( a ) )
+float pow2( const in float x ) { return x*x; }
+vec3 pow2( const in vec3 x ) { return x*x; }
+float pow3( const in float x ) { return x*x*x; }
+float pow4( const in float x ) { float x2 = x*x; return x2*x2; }
+float max3( const in vec3 v ) { return max( max( v.x, v.y ), v.z ); }
+float average( const in vec3 v ) { return dot( v, vec3( 0.3333333 ) ); }
+highp float rand( const in vec2 uv ) {
+	const highp float a = 12.9898, b = 78.233, c = 43758.5453;
+	highp float dt = dot( uv.xy, vec2( a,b ) ), sn = mod( dt, PI );
+	return fract( sin( sn ) * c );
+}
+#ifdef HIGH_PRECISION
+	float precisionSafeLength( vec3 v ) { return length( v ); }
+#else
+	float precisionSafeLength( vec3 v ) {
+		float maxComponent = max3( abs( v ) );
+		return length( v / maxComponent ) * maxComponent;
+	}
+#endif
+struct IncidentLight {
+	vec3 color;
+	vec3 direction;
+	bool visible;
+};
+struct ReflectedLight {
+	vec3 directDiffuse;
+	vec3 directSpecular;
+	vec3 indirectDiffuse;
+	vec3 indirectSpecular;
+};
+#ifdef USE_ALPHAHASH
+	varying vec3 vPosition;
+#endif
+vec3 transformDirection( in vec3 dir, in mat4 matrix ) {
+	return normalize( ( matrix * vec4( dir, 0.0 ) ).xyz );
+}
+#define inverseTransformDirection transformDirectionByInverseViewMatrix
+vec3 transformNormalByInverseViewMatrix( in vec3 normal, in mat4 viewMatrix ) {
+	return normalize( ( vec4( normal, 0.0 ) * viewMatrix ).xyz );
+}
+vec3 transformDirectionByInverseViewMatrix( in vec3 dir, in mat4 viewMatrix ) {
+	return normalize( ( vec4( dir, 0.0 ) * viewMatrix ).xyz );
+}
+bool isPerspectiveMatrix( mat4 m ) {
+	return m[ 2 ][ 3 ] == - 1.0;
+}
+vec2 equirectUv( in vec3 dir ) {
+	float u = atan( dir.z, dir.x ) * RECIPROCAL_PI2 + 0.5;
+	float v = asin( clamp( dir.y, - 1.0, 1.0 ) ) * RECIPROCAL_PI + 0.5;
+	return vec2( u, v );
+}
+vec3 BRDF_Lambert( const in vec3 diffuseColor ) {
+	return RECIPROCAL_PI * diffuseColor;
+}
+vec3 F_Schlick( const in vec3 f0, const in float f90, const in float dotVH ) {
+	float fresnel = exp2( ( - 5.55473 * dotVH - 6.98316 ) * dotVH );
+	return f0 * ( 1.0 - fresnel ) + ( f90 * fresnel );
+}
+float F_Schlick( const in float f0, const in float f90, const in float dotVH ) {
+	float fresnel = exp2( ( - 5.55473 * dotVH - 6.98316 ) * dotVH );
+	return f0 * ( 1.0 - fresnel ) + ( f90 * fresnel );
+} // validated`,Lx=`vec3 transformedNormal = objectNormal;
+#ifdef USE_TANGENT
+	vec3 transformedTangent = objectTangent;
+#endif
+#ifdef USE_BATCHING
+	mat3 bm = mat3( batchingMatrix );
+	transformedNormal /= vec3( dot( bm[ 0 ], bm[ 0 ] ), dot( bm[ 1 ], bm[ 1 ] ), dot( bm[ 2 ], bm[ 2 ] ) );
+	transformedNormal = bm * transformedNormal;
+	#ifdef USE_TANGENT
+		transformedTangent = bm * transformedTangent;
+	#endif
+#endif
+#ifdef USE_INSTANCING
+	mat3 im = mat3( instanceMatrix );
+	transformedNormal /= vec3( dot( im[ 0 ], im[ 0 ] ), dot( im[ 1 ], im[ 1 ] ), dot( im[ 2 ], im[ 2 ] ) );
+	transformedNormal = im * transformedNormal;
+	#ifdef USE_TANGENT
+		transformedTangent = im * transformedTangent;
+	#endif
+#endif
+transformedNormal = normalMatrix * transformedNormal;
+#ifdef FLIP_SIDED
+	transformedNormal = - transformedNormal;
+#endif
+#ifdef USE_TANGENT
+	transformedTangent = ( modelViewMatrix * vec4( transformedTangent, 0.0 ) ).xyz;
+#endif`,Dx=`#ifdef USE_DISPLACEMENTMAP
+	uniform sampler2D displacementMap;
+	uniform float displacementScale;
+	uniform float displacementBias;
+#endif`,Nx=`#ifdef USE_DISPLACEMENTMAP
+	transformed += normalize( objectNormal ) * ( texture2D( displacementMap, vDisplacementMapUv ).x * displacementScale + displacementBias );
+#endif`,Ux=`#ifdef USE_EMISSIVEMAP
+	vec4 emissiveColor = texture2D( emissiveMap, vEmissiveMapUv );
+	#ifdef DECODE_VIDEO_TEXTURE_EMISSIVE
+		emissiveColor = sRGBTransferEOTF( emissiveColor );
+	#endif
+	totalEmissiveRadiance *= emissiveColor.rgb;
+#endif`,Fx=`#ifdef USE_EMISSIVEMAP
+	uniform sampler2D emissiveMap;
+#endif`,Ox="gl_FragColor = linearToOutputTexel( gl_FragColor );",kx=`vec4 LinearTransferOETF( in vec4 value ) {
+	return value;
+}
+vec4 sRGBTransferEOTF( in vec4 value ) {
+	return vec4( mix( pow( value.rgb * 0.9478672986 + vec3( 0.0521327014 ), vec3( 2.4 ) ), value.rgb * 0.0773993808, vec3( lessThanEqual( value.rgb, vec3( 0.04045 ) ) ) ), value.a );
+}
+vec4 sRGBTransferOETF( in vec4 value ) {
+	return vec4( mix( pow( value.rgb, vec3( 0.41666 ) ) * 1.055 - vec3( 0.055 ), value.rgb * 12.92, vec3( lessThanEqual( value.rgb, vec3( 0.0031308 ) ) ) ), value.a );
+}`,Bx=`#ifdef USE_ENVMAP
+	#ifdef ENV_WORLDPOS
+		vec3 cameraToFrag;
+		if ( isOrthographic ) {
+			cameraToFrag = normalize( vec3( - viewMatrix[ 0 ][ 2 ], - viewMatrix[ 1 ][ 2 ], - viewMatrix[ 2 ][ 2 ] ) );
+		} else {
+			cameraToFrag = normalize( vWorldPosition - cameraPosition );
+		}
+		vec3 worldNormal = transformNormalByInverseViewMatrix( normal, viewMatrix );
+		#ifdef ENVMAP_MODE_REFLECTION
+			vec3 reflectVec = reflect( cameraToFrag, worldNormal );
+		#else
+			vec3 reflectVec = refract( cameraToFrag, worldNormal, refractionRatio );
+		#endif
+	#else
+		vec3 reflectVec = vReflect;
+	#endif
+	#ifdef ENVMAP_TYPE_CUBE
+		vec4 envColor = textureCube( envMap, envMapRotation * reflectVec );
+		#ifdef ENVMAP_BLENDING_MULTIPLY
+			outgoingLight = mix( outgoingLight, outgoingLight * envColor.xyz, specularStrength * reflectivity );
+		#elif defined( ENVMAP_BLENDING_MIX )
+			outgoingLight = mix( outgoingLight, envColor.xyz, specularStrength * reflectivity );
+		#elif defined( ENVMAP_BLENDING_ADD )
+			outgoingLight += envColor.xyz * specularStrength * reflectivity;
+		#endif
+	#endif
+#endif`,zx=`#ifdef USE_ENVMAP
+	uniform float envMapIntensity;
+	uniform mat3 envMapRotation;
+	uniform samplerCube envMap;
+	#ifdef ENVMAP_TYPE_PMREM
+		float roughnessToMip( const in float roughness ) {
+			float r = clamp( roughness, 0.0, 1.0 );
+			return ENVMAP_MAX_LOD * r * ( 2.0 - r );
+		}
+	#endif
+#endif`,Vx=`#ifdef USE_ENVMAP
+	uniform float reflectivity;
+	#if defined( USE_BUMPMAP ) || defined( USE_NORMALMAP ) || defined( PHONG ) || defined( LAMBERT )
+		#define ENV_WORLDPOS
+	#endif
+	#ifdef ENV_WORLDPOS
+		varying vec3 vWorldPosition;
+		uniform float refractionRatio;
+	#else
+		varying vec3 vReflect;
+	#endif
+#endif`,Gx=`#ifdef USE_ENVMAP
+	#if defined( USE_BUMPMAP ) || defined( USE_NORMALMAP ) || defined( PHONG ) || defined( LAMBERT )
+		#define ENV_WORLDPOS
+	#endif
+	#ifdef ENV_WORLDPOS
+		
+		varying vec3 vWorldPosition;
+	#else
+		varying vec3 vReflect;
+		uniform float refractionRatio;
+	#endif
+#endif`,Hx=`#ifdef USE_ENVMAP
+	#ifdef ENV_WORLDPOS
+		vWorldPosition = worldPosition.xyz;
+	#else
+		vec3 cameraToVertex;
+		if ( isOrthographic ) {
+			cameraToVertex = normalize( vec3( - viewMatrix[ 0 ][ 2 ], - viewMatrix[ 1 ][ 2 ], - viewMatrix[ 2 ][ 2 ] ) );
+		} else {
+			cameraToVertex = normalize( worldPosition.xyz - cameraPosition );
+		}
+		vec3 worldNormal = transformNormalByInverseViewMatrix( transformedNormal, viewMatrix );
+		#ifdef ENVMAP_MODE_REFLECTION
+			vReflect = reflect( cameraToVertex, worldNormal );
+		#else
+			vReflect = refract( cameraToVertex, worldNormal, refractionRatio );
+		#endif
+	#endif
+#endif`,Wx=`#ifdef USE_FOG
+	vFogDepth = - mvPosition.z;
+#endif`,Xx=`#ifdef USE_FOG
+	varying float vFogDepth;
+#endif`,qx=`#ifdef USE_FOG
+	#ifdef FOG_EXP2
+		float fogFactor = 1.0 - exp( - fogDensity * fogDensity * vFogDepth * vFogDepth );
+	#else
+		float fogFactor = smoothstep( fogNear, fogFar, vFogDepth );
+	#endif
+	gl_FragColor.rgb = mix( gl_FragColor.rgb, fogColor, fogFactor );
+#endif`,Yx=`#ifdef USE_FOG
+	uniform vec3 fogColor;
+	varying float vFogDepth;
+	#ifdef FOG_EXP2
+		uniform float fogDensity;
+	#else
+		uniform float fogNear;
+		uniform float fogFar;
+	#endif
+#endif`,$x=`#ifdef USE_GRADIENTMAP
+	uniform sampler2D gradientMap;
+#endif
+vec3 getGradientIrradiance( vec3 normal, vec3 lightDirection ) {
+	float dotNL = dot( normal, lightDirection );
+	vec2 coord = vec2( dotNL * 0.5 + 0.5, 0.0 );
+	#ifdef USE_GRADIENTMAP
+		return vec3( texture2D( gradientMap, coord ).r );
+	#else
+		vec2 fw = fwidth( coord ) * 0.5;
+		return mix( vec3( 0.7 ), vec3( 1.0 ), smoothstep( 0.7 - fw.x, 0.7 + fw.x, coord.x ) );
+	#endif
+}`,Zx=`#ifdef USE_LIGHTMAP
+	uniform sampler2D lightMap;
+	uniform float lightMapIntensity;
+#endif`,Kx=`LambertMaterial material;
+material.diffuseColor = diffuseColor.rgb;
+material.specularStrength = specularStrength;`,Jx=`varying vec3 vViewPosition;
+struct LambertMaterial {
+	vec3 diffuseColor;
+	float specularStrength;
+};
+void RE_Direct_Lambert( const in IncidentLight directLight, const in vec3 geometryPosition, const in vec3 geometryNormal, const in vec3 geometryViewDir, const in vec3 geometryClearcoatNormal, const in LambertMaterial material, inout ReflectedLight reflectedLight ) {
+	float dotNL = saturate( dot( geometryNormal, directLight.direction ) );
+	vec3 irradiance = dotNL * directLight.color;
+	reflectedLight.directDiffuse += irradiance * BRDF_Lambert( material.diffuseColor );
+}
+void RE_IndirectDiffuse_Lambert( const in vec3 irradiance, const in vec3 geometryPosition, const in vec3 geometryNormal, const in vec3 geometryViewDir, const in vec3 geometryClearcoatNormal, const in LambertMaterial material, inout ReflectedLight reflectedLight ) {
+	reflectedLight.indirectDiffuse += irradiance * BRDF_Lambert( material.diffuseColor );
+}
+#define RE_Direct				RE_Direct_Lambert
+#define RE_IndirectDiffuse		RE_IndirectDiffuse_Lambert`,jx=`uniform bool receiveShadow;
+uniform vec3 ambientLightColor;
+#if defined( USE_LIGHT_PROBES )
+	uniform vec3 lightProbe[ 9 ];
+#endif
+vec3 shGetIrradianceAt( in vec3 normal, in vec3 shCoefficients[ 9 ] ) {
+	float x = normal.x, y = normal.y, z = normal.z;
+	vec3 result = shCoefficients[ 0 ] * 0.886227;
+	result += shCoefficients[ 1 ] * 2.0 * 0.511664 * y;
+	result += shCoefficients[ 2 ] * 2.0 * 0.511664 * z;
+	result += shCoefficients[ 3 ] * 2.0 * 0.511664 * x;
+	result += shCoefficients[ 4 ] * 2.0 * 0.429043 * x * y;
+	result += shCoefficients[ 5 ] * 2.0 * 0.429043 * y * z;
+	result += shCoefficients[ 6 ] * ( 0.743125 * z * z - 0.247708 );
+	result += shCoefficients[ 7 ] * 2.0 * 0.429043 * x * z;
+	result += shCoefficients[ 8 ] * 0.429043 * ( x * x - y * y );
+	return result;
+}
+vec3 getLightProbeIrradiance( const in vec3 lightProbe[ 9 ], const in vec3 normal ) {
+	vec3 worldNormal = transformNormalByInverseViewMatrix( normal, viewMatrix );
+	vec3 irradiance = shGetIrradianceAt( worldNormal, lightProbe );
+	return irradiance;
+}
+vec3 getAmbientLightIrradiance( const in vec3 ambientLightColor ) {
+	vec3 irradiance = ambientLightColor;
+	return irradiance;
+}
+float getDistanceAttenuation( const in float lightDistance, const in float cutoffDistance, const in float decayExponent ) {
+	float distanceFalloff = 1.0 / max( pow( lightDistance, decayExponent ), 0.01 );
+	if ( cutoffDistance > 0.0 ) {
+		distanceFalloff *= pow2( saturate( 1.0 - pow4( lightDistance / cutoffDistance ) ) );
+	}
+	return distanceFalloff;
+}
+float getSpotAttenuation( const in float coneCosine, const in float penumbraCosine, const in float angleCosine ) {
+	return smoothstep( coneCosine, penumbraCosine, angleCosine );
+}
+#if NUM_SUN_LIGHTS > 0
+	struct SunLight {
+		vec3 direction;
+		vec3 color;
+	};
+	uniform SunLight sunLights[ NUM_SUN_LIGHTS ];
+	void getSunLightInfo( const in SunLight sunLight, out IncidentLight light ) {
+		light.color = sunLight.color;
+		light.direction = sunLight.direction;
+		light.visible = true;
+	}
+#endif
+#if NUM_DIR_LIGHTS > 0
+	struct DirectionalLight {
+		vec3 direction;
+		vec3 color;
+	};
+	uniform DirectionalLight directionalLights[ NUM_DIR_LIGHTS ];
+	void getDirectionalLightInfo( const in DirectionalLight directionalLight, out IncidentLight light ) {
+		light.color = directionalLight.color;
+		light.direction = directionalLight.direction;
+		light.visible = true;
+	}
+#endif
+#if NUM_POINT_LIGHTS > 0
+	struct PointLight {
+		vec3 position;
+		vec3 color;
+		float distance;
+		float decay;
+	};
+	uniform PointLight pointLights[ NUM_POINT_LIGHTS ];
+	void getPointLightInfo( const in PointLight pointLight, const in vec3 geometryPosition, out IncidentLight light ) {
+		vec3 lVector = pointLight.position - geometryPosition;
+		light.direction = normalize( lVector );
+		float lightDistance = length( lVector );
+		light.color = pointLight.color;
+		light.color *= getDistanceAttenuation( lightDistance, pointLight.distance, pointLight.decay );
+		light.visible = ( light.color != vec3( 0.0 ) );
+	}
+#endif
+#if NUM_SPOT_LIGHTS > 0
+	struct SpotLight {
+		vec3 position;
+		vec3 direction;
+		vec3 color;
+		float distance;
+		float decay;
+		float coneCos;
+		float penumbraCos;
+	};
+	uniform SpotLight spotLights[ NUM_SPOT_LIGHTS ];
+	void getSpotLightInfo( const in SpotLight spotLight, const in vec3 geometryPosition, out IncidentLight light ) {
+		vec3 lVector = spotLight.position - geometryPosition;
+		light.direction = normalize( lVector );
+		float angleCos = dot( light.direction, spotLight.direction );
+		float spotAttenuation = getSpotAttenuation( spotLight.coneCos, spotLight.penumbraCos, angleCos );
+		if ( spotAttenuation > 0.0 ) {
+			float lightDistance = length( lVector );
+			light.color = spotLight.color * spotAttenuation;
+			light.color *= getDistanceAttenuation( lightDistance, spotLight.distance, spotLight.decay );
+			light.visible = ( light.color != vec3( 0.0 ) );
+		} else {
+			light.color = vec3( 0.0 );
+			light.visible = false;
+		}
+	}
+#endif
+#if NUM_RECT_AREA_LIGHTS > 0
+	struct RectAreaLight {
+		vec3 color;
+		vec3 position;
+		vec3 halfWidth;
+		vec3 halfHeight;
+	};
+	uniform sampler2D ltc_1;	uniform sampler2D ltc_2;
+	uniform RectAreaLight rectAreaLights[ NUM_RECT_AREA_LIGHTS ];
+#endif
+#if NUM_HEMI_LIGHTS > 0
+	struct HemisphereLight {
+		vec3 direction;
+		vec3 skyColor;
+		vec3 groundColor;
+	};
+	uniform HemisphereLight hemisphereLights[ NUM_HEMI_LIGHTS ];
+	vec3 getHemisphereLightIrradiance( const in HemisphereLight hemiLight, const in vec3 normal ) {
+		float dotNL = dot( normal, hemiLight.direction );
+		float hemiDiffuseWeight = 0.5 * dotNL + 0.5;
+		vec3 irradiance = mix( hemiLight.groundColor, hemiLight.skyColor, hemiDiffuseWeight );
+		return irradiance;
+	}
+#endif
+#include <lightprobes_pars_fragment>`,Qx=`#ifdef USE_ENVMAP
+	vec3 getIBLIrradiance( const in vec3 normal ) {
+		#ifdef ENVMAP_TYPE_PMREM
+			vec3 worldNormal = transformNormalByInverseViewMatrix( normal, viewMatrix );
+			vec4 envMapColor = textureLod( envMap, envMapRotation * worldNormal, ENVMAP_MAX_LOD );
+			return PI * envMapColor.rgb * envMapIntensity;
+		#else
+			return vec3( 0.0 );
+		#endif
+	}
+	vec3 getIBLRadiance( const in vec3 viewDir, const in vec3 normal, const in float roughness ) {
+		#ifdef ENVMAP_TYPE_PMREM
+			vec3 reflectVec = reflect( - viewDir, normal );
+			reflectVec = normalize( mix( reflectVec, normal, pow4( roughness ) ) );
+			reflectVec = transformDirectionByInverseViewMatrix( reflectVec, viewMatrix );
+			vec4 envMapColor = textureLod( envMap, envMapRotation * reflectVec, roughnessToMip( roughness ) );
+			return envMapColor.rgb * envMapIntensity;
+		#else
+			return vec3( 0.0 );
+		#endif
+	}
+	#ifdef USE_RETROREFLECTION
+		vec3 getIBLRetroRadiance( const in vec3 viewDir, const in vec3 normal, const in float roughness ) {
+			#ifdef ENVMAP_TYPE_PMREM
+				vec3 retroVec = normalize( mix( viewDir, normal, pow4( roughness ) ) );
+				retroVec = transformDirectionByInverseViewMatrix( retroVec, viewMatrix );
+				vec4 envMapColor = textureLod( envMap, envMapRotation * retroVec, roughnessToMip( roughness ) );
+				return envMapColor.rgb * envMapIntensity;
+			#else
+				return vec3( 0.0 );
+			#endif
+		}
+	#endif
+	#ifdef USE_ANISOTROPY
+		vec3 getIBLAnisotropyRadiance( const in vec3 viewDir, const in vec3 normal, const in float roughness, const in vec3 bitangent, const in float anisotropy ) {
+			#ifdef ENVMAP_TYPE_PMREM
+				vec3 bentNormal = cross( bitangent, viewDir );
+				bentNormal = normalize( cross( bentNormal, bitangent ) );
+				bentNormal = normalize( mix( bentNormal, normal, pow2( pow2( 1.0 - anisotropy * ( 1.0 - roughness ) ) ) ) );
+				return getIBLRadiance( viewDir, bentNormal, roughness );
+			#else
+				return vec3( 0.0 );
+			#endif
+		}
+		#ifdef USE_RETROREFLECTION
+			vec3 getIBLAnisotropyRetroRadiance( const in vec3 viewDir, const in vec3 normal, const in float roughness, const in vec3 bitangent, const in float anisotropy ) {
+				#ifdef ENVMAP_TYPE_PMREM
+					vec3 bentNormal = cross( bitangent, viewDir );
+					bentNormal = normalize( cross( bentNormal, bitangent ) );
+					bentNormal = normalize( mix( bentNormal, normal, pow2( pow2( 1.0 - anisotropy * ( 1.0 - roughness ) ) ) ) );
+					return getIBLRetroRadiance( viewDir, bentNormal, roughness );
+				#else
+					return vec3( 0.0 );
+				#endif
+			}
+		#endif
+	#endif
+#endif`,eb=`ToonMaterial material;
+material.diffuseColor = diffuseColor.rgb;`,tb=`varying vec3 vViewPosition;
+struct ToonMaterial {
+	vec3 diffuseColor;
+};
+void RE_Direct_Toon( const in IncidentLight directLight, const in vec3 geometryPosition, const in vec3 geometryNormal, const in vec3 geometryViewDir, const in vec3 geometryClearcoatNormal, const in ToonMaterial material, inout ReflectedLight reflectedLight ) {
+	vec3 irradiance = getGradientIrradiance( geometryNormal, directLight.direction ) * directLight.color;
+	reflectedLight.directDiffuse += irradiance * BRDF_Lambert( material.diffuseColor );
+}
+void RE_IndirectDiffuse_Toon( const in vec3 irradiance, const in vec3 geometryPosition, const in vec3 geometryNormal, const in vec3 geometryViewDir, const in vec3 geometryClearcoatNormal, const in ToonMaterial material, inout ReflectedLight reflectedLight ) {
+	reflectedLight.indirectDiffuse += irradiance * BRDF_Lambert( material.diffuseColor );
+}
+#define RE_Direct				RE_Direct_Toon
+#define RE_IndirectDiffuse		RE_IndirectDiffuse_Toon`,nb=`BlinnPhongMaterial material;
+material.diffuseColor = diffuseColor.rgb;
+material.specularColor = specular;
+material.specularShininess = shininess;
+material.specularStrength = specularStrength;`,ib=`varying vec3 vViewPosition;
+struct BlinnPhongMaterial {
+	vec3 diffuseColor;
+	vec3 specularColor;
+	float specularShininess;
+	float specularStrength;
+};
+void RE_Direct_BlinnPhong( const in IncidentLight directLight, const in vec3 geometryPosition, const in vec3 geometryNormal, const in vec3 geometryViewDir, const in vec3 geometryClearcoatNormal, const in BlinnPhongMaterial material, inout ReflectedLight reflectedLight ) {
+	float dotNL = saturate( dot( geometryNormal, directLight.direction ) );
+	vec3 irradiance = dotNL * directLight.color;
+	reflectedLight.directDiffuse += irradiance * BRDF_Lambert( material.diffuseColor );
+	reflectedLight.directSpecular += irradiance * BRDF_BlinnPhong( directLight.direction, geometryViewDir, geometryNormal, material.specularColor, material.specularShininess ) * material.specularStrength;
+}
+void RE_IndirectDiffuse_BlinnPhong( const in vec3 irradiance, const in vec3 geometryPosition, const in vec3 geometryNormal, const in vec3 geometryViewDir, const in vec3 geometryClearcoatNormal, const in BlinnPhongMaterial material, inout ReflectedLight reflectedLight ) {
+	reflectedLight.indirectDiffuse += irradiance * BRDF_Lambert( material.diffuseColor );
+}
+#define RE_Direct				RE_Direct_BlinnPhong
+#define RE_IndirectDiffuse		RE_IndirectDiffuse_BlinnPhong`,sb=`PhysicalMaterial material;
+material.diffuseColor = diffuseColor.rgb;
+material.diffuseContribution = diffuseColor.rgb * ( 1.0 - metalnessFactor );
+material.metalness = metalnessFactor;
+vec3 dxy = max( abs( dFdx( nonPerturbedNormal ) ), abs( dFdy( nonPerturbedNormal ) ) );
+float geometryRoughness = max( max( dxy.x, dxy.y ), dxy.z );
+material.roughness = max( roughnessFactor, 0.045 );
+material.roughness += geometryRoughness;
+material.roughness = min( material.roughness, 1.0 );
+#ifdef USE_DIFFUSE_ROUGHNESS
+	float diffuseRoughnessFactor = diffuseRoughness;
+	#ifdef USE_DIFFUSE_ROUGHNESSMAP
+		diffuseRoughnessFactor *= texture2D( diffuseRoughnessMap, vDiffuseRoughnessMapUv ).r;
+	#endif
+	material.diffuseRoughness = saturate( diffuseRoughnessFactor );
+#endif
+#ifdef IOR
+	material.ior = ior;
+	#ifdef USE_SPECULAR
+		float specularIntensityFactor = specularIntensity;
+		vec3 specularColorFactor = specularColor;
+		#ifdef USE_SPECULAR_COLORMAP
+			specularColorFactor *= texture2D( specularColorMap, vSpecularColorMapUv ).rgb;
+		#endif
+		#ifdef USE_SPECULAR_INTENSITYMAP
+			specularIntensityFactor *= texture2D( specularIntensityMap, vSpecularIntensityMapUv ).a;
+		#endif
+		material.specularF90 = mix( specularIntensityFactor, 1.0, metalnessFactor );
+	#else
+		float specularIntensityFactor = 1.0;
+		vec3 specularColorFactor = vec3( 1.0 );
+		material.specularF90 = 1.0;
+	#endif
+	material.specularColor = min( pow2( ( material.ior - 1.0 ) / ( material.ior + 1.0 ) ) * specularColorFactor, vec3( 1.0 ) ) * specularIntensityFactor;
+	material.specularColorBlended = mix( material.specularColor, diffuseColor.rgb, metalnessFactor );
+#else
+	material.specularColor = vec3( 0.04 );
+	material.specularColorBlended = mix( material.specularColor, diffuseColor.rgb, metalnessFactor );
+	material.specularF90 = 1.0;
+#endif
+#ifdef USE_CLEARCOAT
+	material.clearcoat = clearcoat;
+	material.clearcoatRoughness = clearcoatRoughness;
+	material.clearcoatF0 = vec3( 0.04 );
+	material.clearcoatF90 = 1.0;
+	#ifdef USE_CLEARCOATMAP
+		material.clearcoat *= texture2D( clearcoatMap, vClearcoatMapUv ).x;
+	#endif
+	#ifdef USE_CLEARCOAT_ROUGHNESSMAP
+		material.clearcoatRoughness *= texture2D( clearcoatRoughnessMap, vClearcoatRoughnessMapUv ).y;
+	#endif
+	material.clearcoat = saturate( material.clearcoat );	material.clearcoatRoughness = max( material.clearcoatRoughness, 0.045 );
+	material.clearcoatRoughness += geometryRoughness;
+	material.clearcoatRoughness = min( material.clearcoatRoughness, 1.0 );
+#endif
+#ifdef USE_DISPERSION
+	material.dispersion = dispersion;
+#endif
+#ifdef USE_RETROREFLECTION
+	material.retroreflectivity = retroreflectivity;
+#endif
+#ifdef USE_IRIDESCENCE
+	material.iridescence = iridescence;
+	material.iridescenceIOR = iridescenceIOR;
+	#ifdef USE_IRIDESCENCEMAP
+		material.iridescence *= texture2D( iridescenceMap, vIridescenceMapUv ).r;
+	#endif
+	#ifdef USE_IRIDESCENCE_THICKNESSMAP
+		material.iridescenceThickness = (iridescenceThicknessMaximum - iridescenceThicknessMinimum) * texture2D( iridescenceThicknessMap, vIridescenceThicknessMapUv ).g + iridescenceThicknessMinimum;
+	#else
+		material.iridescenceThickness = iridescenceThicknessMaximum;
+	#endif
+#endif
+#ifdef USE_SHEEN
+	material.sheenColor = sheenColor;
+	#ifdef USE_SHEEN_COLORMAP
+		material.sheenColor *= texture2D( sheenColorMap, vSheenColorMapUv ).rgb;
+	#endif
+	material.sheenRoughness = clamp( sheenRoughness, 0.0001, 1.0 );
+	#ifdef USE_SHEEN_ROUGHNESSMAP
+		material.sheenRoughness *= texture2D( sheenRoughnessMap, vSheenRoughnessMapUv ).a;
+	#endif
+#endif
+#ifdef USE_ANISOTROPY
+	#ifdef USE_ANISOTROPYMAP
+		mat2 anisotropyMat = mat2( anisotropyVector.x, anisotropyVector.y, - anisotropyVector.y, anisotropyVector.x );
+		vec3 anisotropyPolar = texture2D( anisotropyMap, vAnisotropyMapUv ).rgb;
+		vec2 anisotropyV = anisotropyMat * normalize( 2.0 * anisotropyPolar.rg - vec2( 1.0 ) ) * anisotropyPolar.b;
+	#else
+		vec2 anisotropyV = anisotropyVector;
+	#endif
+	material.anisotropy = length( anisotropyV );
+	if( material.anisotropy == 0.0 ) {
+		anisotropyV = vec2( 1.0, 0.0 );
+	} else {
+		anisotropyV /= material.anisotropy;
+		material.anisotropy = saturate( material.anisotropy );
+	}
+	material.alphaT = mix( pow2( material.roughness ), 1.0, pow2( material.anisotropy ) );
+	material.anisotropyT = tbn[ 0 ] * anisotropyV.x + tbn[ 1 ] * anisotropyV.y;
+	material.anisotropyB = tbn[ 1 ] * anisotropyV.x - tbn[ 0 ] * anisotropyV.y;
+#endif`,rb=`uniform sampler2D dfgLUT;
+struct PhysicalMaterial {
+	vec3 diffuseColor;
+	vec3 diffuseContribution;
+	vec3 specularColor;
+	vec3 specularColorBlended;
+	float roughness;
+	float metalness;
+	float specularF90;
+	float dispersion;
+	vec2 dfg;
+	vec3 multiScatteringCompensation;
+	#ifdef USE_DIFFUSE_ROUGHNESS
+		float diffuseRoughness;
+	#endif
+	#ifdef USE_RETROREFLECTION
+		float retroreflectivity;
+	#endif
+	#ifdef USE_CLEARCOAT
+		float clearcoat;
+		float clearcoatRoughness;
+		vec3 clearcoatF0;
+		float clearcoatF90;
+	#endif
+	#ifdef USE_IRIDESCENCE
+		float iridescence;
+		float iridescenceIOR;
+		float iridescenceThickness;
+		vec3 iridescenceFresnel;
+		vec3 iridescenceF0Dielectric;
+		vec3 iridescenceF0Metallic;
+	#endif
+	#ifdef USE_SHEEN
+		vec3 sheenColor;
+		float sheenRoughness;
+	#endif
+	#ifdef IOR
+		float ior;
+	#endif
+	#ifdef USE_TRANSMISSION
+		float transmission;
+		float transmissionAlpha;
+		float thickness;
+		float attenuationDistance;
+		vec3 attenuationColor;
+	#endif
+	#ifdef USE_ANISOTROPY
+		float anisotropy;
+		float alphaT;
+		vec3 anisotropyT;
+		vec3 anisotropyB;
+	#endif
+};
+vec3 clearcoatSpecularDirect = vec3( 0.0 );
+vec3 clearcoatSpecularIndirect = vec3( 0.0 );
+vec3 sheenSpecularDirect = vec3( 0.0 );
+vec3 sheenSpecularIndirect = vec3(0.0 );
+vec3 Schlick_to_F0( const in vec3 f, const in float f90, const in float dotVH ) {
+    float x = clamp( 1.0 - dotVH, 0.0, 1.0 );
+    float x2 = x * x;
+    float x5 = clamp( x * x2 * x2, 0.0, 0.9999 );
+    return ( f - vec3( f90 ) * x5 ) / ( 1.0 - x5 );
+}
+#ifdef USE_DIFFUSE_ROUGHNESS
+	const float EON_EPSILON = 1e-7;
+	float FON_DirectionalAlbedo( const in float mu, const in float roughness, const in float A ) {
+		float muComp = 1.0 - mu;
+		float gOverPi = muComp * ( 0.0571085289 + muComp * ( 0.491881867 + muComp * ( - 0.332181442 + muComp * 0.0714429953 ) ) );
+		return A * ( 1.0 + roughness * gOverPi );
+	}
+	vec3 BRDF_EON( const in vec3 lightDir, const in vec3 viewDir, const in vec3 normal, const in vec3 diffuseColor, const in float roughness ) {
+		vec3 rho = saturate( diffuseColor );
+		if ( roughness <= EON_EPSILON ) return BRDF_Lambert( rho );
+		float dotNL = saturate( dot( normal, lightDir ) );
+		float dotNV = saturate( dot( normal, viewDir ) );
+		float s = dot( lightDir, viewDir ) - dotNL * dotNV;
+		float sOverT = ( s > 0.0 ) ? s / max( max( dotNL, dotNV ), EON_EPSILON ) : s;
+		float A = 1.0 / ( 1.0 + ( 0.5 - 2.0 / ( 3.0 * PI ) ) * roughness );
+		vec3 singleScatter = rho * RECIPROCAL_PI * A * ( 1.0 + roughness * sOverT );
+		float averageAlbedo = A * ( 1.0 + ( 2.0 / 3.0 - 28.0 / ( 15.0 * PI ) ) * roughness );
+		float albedoV = FON_DirectionalAlbedo( dotNV, roughness, A );
+		float albedoL = FON_DirectionalAlbedo( dotNL, roughness, A );
+		vec3 rhoMultiScatter = rho * rho * averageAlbedo / max( vec3( EON_EPSILON ), vec3( 1.0 ) - rho * ( 1.0 - averageAlbedo ) );
+		vec3 multiScatter = rhoMultiScatter * RECIPROCAL_PI
+			* max( EON_EPSILON, 1.0 - albedoV )
+			* max( EON_EPSILON, 1.0 - albedoL )
+			/ max( EON_EPSILON, 1.0 - averageAlbedo );
+		return singleScatter + multiScatter;
+	}
+	vec3 EON_DirectionalAlbedo( const in vec3 diffuseColor, const in float roughness, const in float dotNV ) {
+		vec3 rho = saturate( diffuseColor );
+		if ( roughness <= EON_EPSILON ) return rho;
+		float A = 1.0 / ( 1.0 + ( 0.5 - 2.0 / ( 3.0 * PI ) ) * roughness );
+		float directionalAlbedo = FON_DirectionalAlbedo( dotNV, roughness, A );
+		float averageAlbedo = A * ( 1.0 + ( 2.0 / 3.0 - 28.0 / ( 15.0 * PI ) ) * roughness );
+		vec3 rhoMultiScatter = rho * rho * averageAlbedo / max( vec3( EON_EPSILON ), vec3( 1.0 ) - rho * ( 1.0 - averageAlbedo ) );
+		return rho * directionalAlbedo + rhoMultiScatter * ( 1.0 - directionalAlbedo );
+	}
+#endif
+float V_GGX_SmithCorrelated( const in float alpha, const in float dotNL, const in float dotNV ) {
+	float a2 = pow2( alpha );
+	float gv = dotNL * sqrt( a2 + ( 1.0 - a2 ) * pow2( dotNV ) );
+	float gl = dotNV * sqrt( a2 + ( 1.0 - a2 ) * pow2( dotNL ) );
+	return 0.5 / max( gv + gl, EPSILON );
+}
+float D_GGX( const in float alpha, const in float dotNH ) {
+	float a2 = pow2( alpha );
+	float denom = pow2( dotNH ) * ( a2 - 1.0 ) + 1.0;
+	return RECIPROCAL_PI * a2 / pow2( denom );
+}
+#ifdef USE_ANISOTROPY
+	float V_GGX_SmithCorrelated_Anisotropic( const in float alphaT, const in float alphaB, const in float dotTV, const in float dotBV, const in float dotTL, const in float dotBL, const in float dotNV, const in float dotNL ) {
+		float gv = dotNL * length( vec3( alphaT * dotTV, alphaB * dotBV, dotNV ) );
+		float gl = dotNV * length( vec3( alphaT * dotTL, alphaB * dotBL, dotNL ) );
+		return 0.5 / max( gv + gl, EPSILON );
+	}
+	float D_GGX_Anisotropic( const in float alphaT, const in float alphaB, const in float dotNH, const in float dotTH, const in float dotBH ) {
+		float a2 = alphaT * alphaB;
+		highp vec3 v = vec3( alphaB * dotTH, alphaT * dotBH, a2 * dotNH );
+		highp float v2 = dot( v, v );
+		float w2 = a2 / v2;
+		return RECIPROCAL_PI * a2 * pow2 ( w2 );
+	}
+#endif
+#ifdef USE_CLEARCOAT
+	vec3 BRDF_GGX_Clearcoat( const in vec3 lightDir, const in vec3 viewDir, const in vec3 normal, const in PhysicalMaterial material) {
+		vec3 f0 = material.clearcoatF0;
+		float f90 = material.clearcoatF90;
+		float roughness = max( material.clearcoatRoughness, 0.045 );
+		float alpha = pow2( roughness );
+		vec3 halfDir = normalize( lightDir + viewDir );
+		float dotNL = saturate( dot( normal, lightDir ) );
+		float dotNV = saturate( dot( normal, viewDir ) );
+		float dotNH = saturate( dot( normal, halfDir ) );
+		float dotVH = saturate( dot( viewDir, halfDir ) );
+		vec3 F = F_Schlick( f0, f90, dotVH );
+		float V = V_GGX_SmithCorrelated( alpha, dotNL, dotNV );
+		float D = D_GGX( alpha, dotNH );
+		return F * ( V * D );
+	}
+#endif
+vec3 BRDF_GGX( const in vec3 lightDir, const in vec3 viewDir, const in vec3 normal, const in PhysicalMaterial material ) {
+	vec3 f0 = material.specularColorBlended;
+	float f90 = material.specularF90;
+	float roughness = max( material.roughness, 0.045 );
+	float alpha = pow2( roughness );
+	vec3 halfDir = normalize( lightDir + viewDir );
+	float dotNL = saturate( dot( normal, lightDir ) );
+	float dotNV = saturate( dot( normal, viewDir ) );
+	float dotNH = saturate( dot( normal, halfDir ) );
+	float dotVH = saturate( dot( viewDir, halfDir ) );
+	vec3 F = F_Schlick( f0, f90, dotVH );
+	#ifdef USE_IRIDESCENCE
+		F = mix( F, material.iridescenceFresnel, material.iridescence );
+	#endif
+	#ifdef USE_ANISOTROPY
+		float dotTL = dot( material.anisotropyT, lightDir );
+		float dotTV = dot( material.anisotropyT, viewDir );
+		float dotTH = dot( material.anisotropyT, halfDir );
+		float dotBL = dot( material.anisotropyB, lightDir );
+		float dotBV = dot( material.anisotropyB, viewDir );
+		float dotBH = dot( material.anisotropyB, halfDir );
+		float alphaT = max( material.alphaT, alpha );
+		float V = V_GGX_SmithCorrelated_Anisotropic( alphaT, alpha, dotTV, dotBV, dotTL, dotBL, dotNV, dotNL );
+		float D = D_GGX_Anisotropic( alphaT, alpha, dotNH, dotTH, dotBH );
+	#else
+		float V = V_GGX_SmithCorrelated( alpha, dotNL, dotNV );
+		float D = D_GGX( alpha, dotNH );
+	#endif
+	return F * ( V * D );
+}
+vec2 LTC_Uv( const in vec3 N, const in vec3 V, const in float roughness ) {
+	const float LUT_SIZE = 64.0;
+	const float LUT_SCALE = ( LUT_SIZE - 1.0 ) / LUT_SIZE;
+	const float LUT_BIAS = 0.5 / LUT_SIZE;
+	float dotNV = saturate( dot( N, V ) );
+	vec2 uv = vec2( roughness, sqrt( 1.0 - dotNV ) );
+	uv = uv * LUT_SCALE + LUT_BIAS;
+	return uv;
+}
+float LTC_ClippedSphereFormFactor( const in vec3 f ) {
+	float l = length( f );
+	return max( ( l * l + f.z ) / ( l + 1.0 ), 0.0 );
+}
+vec3 LTC_EdgeVectorFormFactor( const in vec3 v1, const in vec3 v2 ) {
+	float x = dot( v1, v2 );
+	float y = abs( x );
+	float a = 0.8543985 + ( 0.4965155 + 0.0145206 * y ) * y;
+	float b = 3.4175940 + ( 4.1616724 + y ) * y;
+	float v = a / b;
+	float theta_sintheta = ( x > 0.0 ) ? v : 0.5 * inversesqrt( max( 1.0 - x * x, 1e-7 ) ) - v;
+	return cross( v1, v2 ) * theta_sintheta;
+}
+vec3 LTC_Evaluate( const in vec3 N, const in vec3 V, const in vec3 P, const in mat3 mInv, const in vec3 rectCoords[ 4 ] ) {
+	vec3 v1 = rectCoords[ 1 ] - rectCoords[ 0 ];
+	vec3 v2 = rectCoords[ 3 ] - rectCoords[ 0 ];
+	vec3 lightNormal = cross( v1, v2 );
+	if( dot( lightNormal, P - rectCoords[ 0 ] ) < 0.0 ) return vec3( 0.0 );
+	vec3 T1, T2;
+	T1 = normalize( V - N * dot( V, N ) );
+	T2 = - cross( N, T1 );
+	mat3 mat = mInv * transpose( mat3( T1, T2, N ) );
+	vec3 coords[ 4 ];
+	coords[ 0 ] = mat * ( rectCoords[ 0 ] - P );
+	coords[ 1 ] = mat * ( rectCoords[ 1 ] - P );
+	coords[ 2 ] = mat * ( rectCoords[ 2 ] - P );
+	coords[ 3 ] = mat * ( rectCoords[ 3 ] - P );
+	coords[ 0 ] = normalize( coords[ 0 ] );
+	coords[ 1 ] = normalize( coords[ 1 ] );
+	coords[ 2 ] = normalize( coords[ 2 ] );
+	coords[ 3 ] = normalize( coords[ 3 ] );
+	vec3 vectorFormFactor = vec3( 0.0 );
+	vectorFormFactor += LTC_EdgeVectorFormFactor( coords[ 0 ], coords[ 1 ] );
+	vectorFormFactor += LTC_EdgeVectorFormFactor( coords[ 1 ], coords[ 2 ] );
+	vectorFormFactor += LTC_EdgeVectorFormFactor( coords[ 2 ], coords[ 3 ] );
+	vectorFormFactor += LTC_EdgeVectorFormFactor( coords[ 3 ], coords[ 0 ] );
+	float result = LTC_ClippedSphereFormFactor( vectorFormFactor );
+	return vec3( result );
+}
+#if defined( USE_SHEEN )
+float D_Charlie( float roughness, float dotNH ) {
+	float alpha = pow2( roughness );
+	float invAlpha = 1.0 / alpha;
+	float cos2h = dotNH * dotNH;
+	float sin2h = max( 1.0 - cos2h, 0.0078125 );
+	return ( 2.0 + invAlpha ) * pow( sin2h, invAlpha * 0.5 ) / ( 2.0 * PI );
+}
+float V_Neubelt( float dotNV, float dotNL ) {
+	return saturate( 1.0 / ( 4.0 * ( dotNL + dotNV - dotNL * dotNV ) ) );
+}
+vec3 BRDF_Sheen( const in vec3 lightDir, const in vec3 viewDir, const in vec3 normal, vec3 sheenColor, const in float sheenRoughness ) {
+	vec3 halfDir = normalize( lightDir + viewDir );
+	float dotNL = saturate( dot( normal, lightDir ) );
+	float dotNV = saturate( dot( normal, viewDir ) );
+	float dotNH = saturate( dot( normal, halfDir ) );
+	float D = D_Charlie( sheenRoughness, dotNH );
+	float V = V_Neubelt( dotNV, dotNL );
+	return sheenColor * ( D * V );
+}
+#endif
+float IBLSheenBRDF( const in vec3 normal, const in vec3 viewDir, const in float roughness ) {
+	float dotNV = saturate( dot( normal, viewDir ) );
+	float r2 = roughness * roughness;
+	float rInv = 1.0 / ( roughness + 0.1 );
+	float a = -1.9362 + 1.0678 * roughness + 0.4573 * r2 - 0.8469 * rInv;
+	float b = -0.6014 + 0.5538 * roughness - 0.4670 * r2 - 0.1255 * rInv;
+	float DG = exp( a * dotNV + b );
+	return saturate( DG );
+}
+vec3 EnvironmentBRDF( const in vec3 normal, const in vec3 viewDir, const in vec3 specularColor, const in float specularF90, const in float roughness ) {
+	float dotNV = saturate( dot( normal, viewDir ) );
+	vec2 fab = texture2D( dfgLUT, vec2( roughness, dotNV ) ).rg;
+	return specularColor * fab.x + specularF90 * fab.y;
+}
+#ifdef USE_IRIDESCENCE
+void computeMultiscatteringIridescence( const in vec2 fab, const in vec3 specularColor, const in float specularF90, const in float iridescence, const in vec3 iridescenceF0, inout vec3 singleScatter, inout vec3 multiScatter ) {
+#else
+void computeMultiscattering( const in vec2 fab, const in vec3 specularColor, const in float specularF90, inout vec3 singleScatter, inout vec3 multiScatter ) {
+#endif
+	#ifdef USE_IRIDESCENCE
+		vec3 Fr = mix( specularColor, iridescenceF0, iridescence );
+	#else
+		vec3 Fr = specularColor;
+	#endif
+	vec3 FssEss = Fr * fab.x + specularF90 * fab.y;
+	float Ess = fab.x + fab.y;
+	float Ems = 1.0 - Ess;
+	vec3 Favg = Fr + ( 1.0 - Fr ) * 0.047619;	vec3 Fms = FssEss * Favg / ( 1.0 - Ems * Favg );
+	singleScatter += FssEss;
+	multiScatter += Fms * Ems;
+}
+#if NUM_RECT_AREA_LIGHTS > 0
+	void RE_Direct_RectArea_Physical( const in RectAreaLight rectAreaLight, const in vec3 geometryPosition, const in vec3 geometryNormal, const in vec3 geometryViewDir, const in vec3 geometryClearcoatNormal, const in PhysicalMaterial material, inout ReflectedLight reflectedLight ) {
+		vec3 normal = geometryNormal;
+		vec3 viewDir = geometryViewDir;
+		vec3 position = geometryPosition;
+		vec3 lightPos = rectAreaLight.position;
+		vec3 halfWidth = rectAreaLight.halfWidth;
+		vec3 halfHeight = rectAreaLight.halfHeight;
+		vec3 lightColor = rectAreaLight.color;
+		float roughness = material.roughness;
+		vec3 rectCoords[ 4 ];
+		rectCoords[ 0 ] = lightPos + halfWidth - halfHeight;		rectCoords[ 1 ] = lightPos - halfWidth - halfHeight;
+		rectCoords[ 2 ] = lightPos - halfWidth + halfHeight;
+		rectCoords[ 3 ] = lightPos + halfWidth + halfHeight;
+		vec2 uv = LTC_Uv( normal, viewDir, roughness );
+		vec4 t1 = texture2D( ltc_1, uv );
+		vec4 t2 = texture2D( ltc_2, uv );
+		mat3 mInv = mat3(
+			vec3( t1.x, 0, t1.y ),
+			vec3(    0, 1,    0 ),
+			vec3( t1.z, 0, t1.w )
+		);
+		vec3 fresnel = ( material.specularColorBlended * t2.x + ( material.specularF90 - material.specularColorBlended ) * t2.y );
+		reflectedLight.directSpecular += lightColor * fresnel * LTC_Evaluate( normal, viewDir, position, mInv, rectCoords );
+		reflectedLight.directDiffuse += lightColor * material.diffuseContribution * LTC_Evaluate( normal, viewDir, position, mat3( 1.0 ), rectCoords );
+		#ifdef USE_CLEARCOAT
+			vec3 Ncc = geometryClearcoatNormal;
+			vec2 uvClearcoat = LTC_Uv( Ncc, viewDir, material.clearcoatRoughness );
+			vec4 t1Clearcoat = texture2D( ltc_1, uvClearcoat );
+			vec4 t2Clearcoat = texture2D( ltc_2, uvClearcoat );
+			mat3 mInvClearcoat = mat3(
+				vec3( t1Clearcoat.x, 0, t1Clearcoat.y ),
+				vec3(             0, 1,             0 ),
+				vec3( t1Clearcoat.z, 0, t1Clearcoat.w )
+			);
+			vec3 fresnelClearcoat = material.clearcoatF0 * t2Clearcoat.x + ( material.clearcoatF90 - material.clearcoatF0 ) * t2Clearcoat.y;
+			clearcoatSpecularDirect += lightColor * fresnelClearcoat * LTC_Evaluate( Ncc, viewDir, position, mInvClearcoat, rectCoords );
+		#endif
+	}
+#endif
+void RE_Direct_Physical( const in IncidentLight directLight, const in vec3 geometryPosition, const in vec3 geometryNormal, const in vec3 geometryViewDir, const in vec3 geometryClearcoatNormal, const in PhysicalMaterial material, inout ReflectedLight reflectedLight ) {
+	float dotNL = saturate( dot( geometryNormal, directLight.direction ) );
+	vec3 irradiance = dotNL * directLight.color;
+	#ifdef USE_CLEARCOAT
+		float dotNLcc = saturate( dot( geometryClearcoatNormal, directLight.direction ) );
+		vec3 ccIrradiance = dotNLcc * directLight.color;
+		clearcoatSpecularDirect += ccIrradiance * BRDF_GGX_Clearcoat( directLight.direction, geometryViewDir, geometryClearcoatNormal, material );
+	#endif
+	#ifdef USE_SHEEN
+ 
+ 		sheenSpecularDirect += irradiance * BRDF_Sheen( directLight.direction, geometryViewDir, geometryNormal, material.sheenColor, material.sheenRoughness );
+ 
+ 		float sheenAlbedoV = IBLSheenBRDF( geometryNormal, geometryViewDir, material.sheenRoughness );
+ 		float sheenAlbedoL = IBLSheenBRDF( geometryNormal, directLight.direction, material.sheenRoughness );
+ 
+ 		float sheenEnergyComp = 1.0 - max3( material.sheenColor ) * max( sheenAlbedoV, sheenAlbedoL );
+ 
+ 		irradiance *= sheenEnergyComp;
+ 
+ 	#endif
+	vec3 specularBRDF = BRDF_GGX( directLight.direction, geometryViewDir, geometryNormal, material );
+	#ifdef USE_RETROREFLECTION
+		vec3 retroViewDir = reflect( - geometryViewDir, geometryNormal );
+		vec3 retroSpecularBRDF = BRDF_GGX( directLight.direction, retroViewDir, geometryNormal, material );
+		specularBRDF = mix( specularBRDF, retroSpecularBRDF, saturate( material.retroreflectivity ) );
+	#endif
+	reflectedLight.directSpecular += irradiance * specularBRDF * material.multiScatteringCompensation;
+	vec3 halfDir = normalize( directLight.direction + geometryViewDir );
+	float dotVH = saturate( dot( geometryViewDir, halfDir ) );
+	vec3 F = F_Schlick( material.specularColor, material.specularF90, dotVH );
+	#ifdef USE_RETROREFLECTION
+		vec3 retroHalfDir = normalize( directLight.direction + retroViewDir );
+		float dotRetroVH = saturate( dot( retroViewDir, retroHalfDir ) );
+		vec3 retroF = F_Schlick( material.specularColor, material.specularF90, dotRetroVH );
+		F = mix( F, retroF, saturate( material.retroreflectivity ) );
+	#endif
+	#ifdef USE_DIFFUSE_ROUGHNESS
+		vec3 diffuseBRDF = BRDF_EON( directLight.direction, geometryViewDir, geometryNormal, material.diffuseColor, material.diffuseRoughness ) * ( 1.0 - material.metalness );
+	#else
+		vec3 diffuseBRDF = BRDF_Lambert( material.diffuseContribution );
+	#endif
+	reflectedLight.directDiffuse += irradiance * diffuseBRDF * ( 1.0 - F );
+}
+void RE_IndirectDiffuse_Physical( const in vec3 irradiance, const in vec3 geometryPosition, const in vec3 geometryNormal, const in vec3 geometryViewDir, const in vec3 geometryClearcoatNormal, const in PhysicalMaterial material, inout ReflectedLight reflectedLight ) {
+	vec3 singleScattering = vec3( 0.0 );
+	vec3 multiScattering = vec3( 0.0 );
+	#ifdef USE_IRIDESCENCE
+		computeMultiscatteringIridescence( material.dfg, material.specularColor, material.specularF90, material.iridescence, material.iridescenceF0Dielectric, singleScattering, multiScattering );
+	#else
+		computeMultiscattering( material.dfg, material.specularColor, material.specularF90, singleScattering, multiScattering );
+	#endif
+	#ifdef USE_DIFFUSE_ROUGHNESS
+		float dotNV = saturate( dot( geometryNormal, geometryViewDir ) );
+		vec3 diffuseAlbedo = EON_DirectionalAlbedo( material.diffuseColor, material.diffuseRoughness, dotNV ) * ( 1.0 - material.metalness );
+		vec3 diffuse = irradiance * RECIPROCAL_PI * diffuseAlbedo * ( 1.0 - singleScattering - multiScattering );
+	#else
+		vec3 diffuse = irradiance * BRDF_Lambert( material.diffuseContribution ) * ( 1.0 - singleScattering - multiScattering );
+	#endif
+	#ifdef USE_SHEEN
+		float sheenAlbedo = IBLSheenBRDF( geometryNormal, geometryViewDir, material.sheenRoughness );
+		sheenSpecularIndirect += irradiance * material.sheenColor * sheenAlbedo * RECIPROCAL_PI;
+		float sheenEnergyComp = 1.0 - max3( material.sheenColor ) * sheenAlbedo;
+		diffuse *= sheenEnergyComp;
+	#endif
+	reflectedLight.indirectDiffuse += diffuse;
+}
+void RE_IndirectSpecular_Physical( const in vec3 radiance, const in vec3 irradiance, const in vec3 clearcoatRadiance, const in vec3 geometryPosition, const in vec3 geometryNormal, const in vec3 geometryViewDir, const in vec3 geometryClearcoatNormal, const in PhysicalMaterial material, inout ReflectedLight reflectedLight) {
+	#ifdef USE_CLEARCOAT
+		clearcoatSpecularIndirect += clearcoatRadiance * EnvironmentBRDF( geometryClearcoatNormal, geometryViewDir, material.clearcoatF0, material.clearcoatF90, material.clearcoatRoughness );
+	#endif
+	#ifdef USE_SHEEN
+		sheenSpecularIndirect += irradiance * material.sheenColor * IBLSheenBRDF( geometryNormal, geometryViewDir, material.sheenRoughness ) * RECIPROCAL_PI;
+ 	#endif
+	vec3 singleScatteringDielectric = vec3( 0.0 );
+	vec3 multiScatteringDielectric = vec3( 0.0 );
+	vec3 singleScatteringMetallic = vec3( 0.0 );
+	vec3 multiScatteringMetallic = vec3( 0.0 );
+	#ifdef USE_IRIDESCENCE
+		computeMultiscatteringIridescence( material.dfg, material.specularColor, material.specularF90, material.iridescence, material.iridescenceF0Dielectric, singleScatteringDielectric, multiScatteringDielectric );
+		computeMultiscatteringIridescence( material.dfg, material.diffuseColor, material.specularF90, material.iridescence, material.iridescenceF0Metallic, singleScatteringMetallic, multiScatteringMetallic );
+	#else
+		computeMultiscattering( material.dfg, material.specularColor, material.specularF90, singleScatteringDielectric, multiScatteringDielectric );
+		computeMultiscattering( material.dfg, material.diffuseColor, material.specularF90, singleScatteringMetallic, multiScatteringMetallic );
+	#endif
+	vec3 singleScattering = mix( singleScatteringDielectric, singleScatteringMetallic, material.metalness );
+	vec3 multiScattering = mix( multiScatteringDielectric, multiScatteringMetallic, material.metalness );
+	vec3 totalScatteringDielectric = singleScatteringDielectric + multiScatteringDielectric;
+	#ifdef USE_DIFFUSE_ROUGHNESS
+		float dotNV = saturate( dot( geometryNormal, geometryViewDir ) );
+		vec3 diffuse = EON_DirectionalAlbedo( material.diffuseColor, material.diffuseRoughness, dotNV ) * ( 1.0 - material.metalness ) * ( 1.0 - totalScatteringDielectric );
+	#else
+		vec3 diffuse = material.diffuseContribution * ( 1.0 - totalScatteringDielectric );
+	#endif
+	vec3 cosineWeightedIrradiance = irradiance * RECIPROCAL_PI;
+	vec3 indirectSpecular = radiance * singleScattering;
+	indirectSpecular += multiScattering * cosineWeightedIrradiance;
+	vec3 indirectDiffuse = diffuse * cosineWeightedIrradiance;
+	#ifdef USE_SHEEN
+		float sheenAlbedo = IBLSheenBRDF( geometryNormal, geometryViewDir, material.sheenRoughness );
+		float sheenEnergyComp = 1.0 - max3( material.sheenColor ) * sheenAlbedo;
+		indirectSpecular *= sheenEnergyComp;
+		indirectDiffuse *= sheenEnergyComp;
+	#endif
+	reflectedLight.indirectSpecular += indirectSpecular;
+	reflectedLight.indirectDiffuse += indirectDiffuse;
+}
+#define RE_Direct				RE_Direct_Physical
+#define RE_Direct_RectArea		RE_Direct_RectArea_Physical
+#define RE_IndirectDiffuse		RE_IndirectDiffuse_Physical
+#define RE_IndirectSpecular		RE_IndirectSpecular_Physical
+float computeSpecularOcclusion( const in float dotNV, const in float ambientOcclusion, const in float roughness ) {
+	return saturate( pow( dotNV + ambientOcclusion, exp2( - 16.0 * roughness - 1.0 ) ) - 1.0 + ambientOcclusion );
+}`,ob=`
+vec3 geometryPosition = - vViewPosition;
+vec3 geometryNormal = normal;
+vec3 geometryViewDir = ( isOrthographic ) ? vec3( 0, 0, 1 ) : normalize( vViewPosition );
+vec3 geometryClearcoatNormal = vec3( 0.0 );
+#ifdef USE_CLEARCOAT
+	geometryClearcoatNormal = clearcoatNormal;
+#endif
+#ifdef USE_IRIDESCENCE
+	float dotNVi = saturate( dot( normal, geometryViewDir ) );
+	if ( material.iridescenceThickness == 0.0 ) {
+		material.iridescence = 0.0;
+	} else {
+		material.iridescence = saturate( material.iridescence );
+	}
+	if ( material.iridescence > 0.0 ) {
+		vec3 iridescenceFresnelDielectric = evalIridescence( 1.0, material.iridescenceIOR, dotNVi, material.iridescenceThickness, material.specularColor );
+		vec3 iridescenceFresnelMetallic = evalIridescence( 1.0, material.iridescenceIOR, dotNVi, material.iridescenceThickness, material.diffuseColor );
+		material.iridescenceFresnel = mix( iridescenceFresnelDielectric, iridescenceFresnelMetallic, material.metalness );
+		material.iridescenceF0Dielectric = Schlick_to_F0( iridescenceFresnelDielectric, 1.0, dotNVi );
+		material.iridescenceF0Metallic = Schlick_to_F0( iridescenceFresnelMetallic, 1.0, dotNVi );
+	}
+#endif
+#ifdef STANDARD
+	float dotNVms = saturate( dot( geometryNormal, geometryViewDir ) );
+	material.dfg = texture2D( dfgLUT, vec2( material.roughness, dotNVms ) ).rg;
+	#if ( NUM_SUN_LIGHTS > 0 || NUM_DIR_LIGHTS > 0 || NUM_POINT_LIGHTS > 0 || NUM_SPOT_LIGHTS > 0 )
+		float EssMs = material.dfg.x + material.dfg.y;
+		material.multiScatteringCompensation = 1.0 + material.specularColorBlended * ( 1.0 / EssMs - 1.0 );
+	#endif
+#endif
+IncidentLight directLight;
+#if ( NUM_POINT_LIGHTS > 0 ) && defined( RE_Direct )
+	PointLight pointLight;
+	#if defined( USE_SHADOWMAP ) && NUM_POINT_LIGHT_SHADOWS > 0
+	PointLightShadow pointLightShadow;
+	#endif
+	#pragma unroll_loop_start
+	for ( int i = 0; i < NUM_POINT_LIGHTS; i ++ ) {
+		pointLight = pointLights[ i ];
+		getPointLightInfo( pointLight, geometryPosition, directLight );
+		#if defined( USE_SHADOWMAP ) && ( UNROLLED_LOOP_INDEX < NUM_POINT_LIGHT_SHADOWS ) && ( defined( SHADOWMAP_TYPE_PCF ) || defined( SHADOWMAP_TYPE_BASIC ) )
+		pointLightShadow = pointLightShadows[ i ];
+		directLight.color *= ( directLight.visible && receiveShadow ) ? getPointShadow( pointShadowMap[ i ], pointLightShadow.shadowMapSize, pointLightShadow.shadowIntensity, pointLightShadow.shadowBias, pointLightShadow.shadowRadius, vPointShadowCoord[ i ], pointLightShadow.shadowCameraNear, pointLightShadow.shadowCameraFar ) : 1.0;
+		#endif
+		RE_Direct( directLight, geometryPosition, geometryNormal, geometryViewDir, geometryClearcoatNormal, material, reflectedLight );
+	}
+	#pragma unroll_loop_end
+#endif
+#if ( NUM_SPOT_LIGHTS > 0 ) && defined( RE_Direct )
+	SpotLight spotLight;
+	vec4 spotColor;
+	vec3 spotLightCoord;
+	bool inSpotLightMap;
+	#if defined( USE_SHADOWMAP ) && NUM_SPOT_LIGHT_SHADOWS > 0
+	SpotLightShadow spotLightShadow;
+	#endif
+	#pragma unroll_loop_start
+	for ( int i = 0; i < NUM_SPOT_LIGHTS; i ++ ) {
+		spotLight = spotLights[ i ];
+		getSpotLightInfo( spotLight, geometryPosition, directLight );
+		#if ( UNROLLED_LOOP_INDEX < NUM_SPOT_LIGHT_SHADOWS_WITH_MAPS )
+		#define SPOT_LIGHT_MAP_INDEX UNROLLED_LOOP_INDEX
+		#elif ( UNROLLED_LOOP_INDEX < NUM_SPOT_LIGHT_SHADOWS )
+		#define SPOT_LIGHT_MAP_INDEX NUM_SPOT_LIGHT_MAPS
+		#else
+		#define SPOT_LIGHT_MAP_INDEX ( UNROLLED_LOOP_INDEX - NUM_SPOT_LIGHT_SHADOWS + NUM_SPOT_LIGHT_SHADOWS_WITH_MAPS )
+		#endif
+		#if ( SPOT_LIGHT_MAP_INDEX < NUM_SPOT_LIGHT_MAPS )
+			spotLightCoord = vSpotLightCoord[ i ].xyz / vSpotLightCoord[ i ].w;
+			inSpotLightMap = all( lessThan( abs( spotLightCoord * 2. - 1. ), vec3( 1.0 ) ) );
+			spotColor = texture2D( spotLightMap[ SPOT_LIGHT_MAP_INDEX ], spotLightCoord.xy );
+			directLight.color = inSpotLightMap ? directLight.color * spotColor.rgb : directLight.color;
+		#endif
+		#undef SPOT_LIGHT_MAP_INDEX
+		#if defined( USE_SHADOWMAP ) && ( UNROLLED_LOOP_INDEX < NUM_SPOT_LIGHT_SHADOWS )
+		spotLightShadow = spotLightShadows[ i ];
+		directLight.color *= ( directLight.visible && receiveShadow ) ? getShadow( spotShadowMap[ i ], spotLightShadow.shadowMapSize, spotLightShadow.shadowIntensity, spotLightShadow.shadowBias, spotLightShadow.shadowRadius, vSpotLightCoord[ i ] ) : 1.0;
+		#endif
+		RE_Direct( directLight, geometryPosition, geometryNormal, geometryViewDir, geometryClearcoatNormal, material, reflectedLight );
+	}
+	#pragma unroll_loop_end
+#endif
+#if ( NUM_SUN_LIGHTS > 0 ) && defined( RE_Direct )
+	SunLight sunLight;
+	#if defined( USE_SHADOWMAP ) && NUM_SUN_LIGHT_SHADOWS > 0
+	SunLightShadow sunLightShadow;
+	#endif
+	#pragma unroll_loop_start
+	for ( int i = 0; i < NUM_SUN_LIGHTS; i ++ ) {
+		sunLight = sunLights[ i ];
+		getSunLightInfo( sunLight, directLight );
+		#if defined( USE_SHADOWMAP ) && ( UNROLLED_LOOP_INDEX < NUM_SUN_LIGHT_SHADOWS )
+		sunLightShadow = sunLightShadows[ i ];
+		directLight.color *= ( directLight.visible && receiveShadow ) ? getSunShadow( sunShadowMap[ i ], sunLightShadow, UNROLLED_LOOP_INDEX ) : 1.0;
+		#endif
+		RE_Direct( directLight, geometryPosition, geometryNormal, geometryViewDir, geometryClearcoatNormal, material, reflectedLight );
+	}
+	#pragma unroll_loop_end
+#endif
+#if ( NUM_DIR_LIGHTS > 0 ) && defined( RE_Direct )
+	DirectionalLight directionalLight;
+	#if defined( USE_SHADOWMAP ) && NUM_DIR_LIGHT_SHADOWS > 0
+	DirectionalLightShadow directionalLightShadow;
+	#endif
+	#pragma unroll_loop_start
+	for ( int i = 0; i < NUM_DIR_LIGHTS; i ++ ) {
+		directionalLight = directionalLights[ i ];
+		getDirectionalLightInfo( directionalLight, directLight );
+		#if defined( USE_SHADOWMAP ) && ( UNROLLED_LOOP_INDEX < NUM_DIR_LIGHT_SHADOWS )
+		directionalLightShadow = directionalLightShadows[ i ];
+		directLight.color *= ( directLight.visible && receiveShadow ) ? getShadow( directionalShadowMap[ i ], directionalLightShadow.shadowMapSize, directionalLightShadow.shadowIntensity, directionalLightShadow.shadowBias, directionalLightShadow.shadowRadius, vDirectionalShadowCoord[ i ] ) : 1.0;
+		#endif
+		RE_Direct( directLight, geometryPosition, geometryNormal, geometryViewDir, geometryClearcoatNormal, material, reflectedLight );
+	}
+	#pragma unroll_loop_end
+#endif
+#if ( NUM_RECT_AREA_LIGHTS > 0 ) && defined( RE_Direct_RectArea )
+	RectAreaLight rectAreaLight;
+	#pragma unroll_loop_start
+	for ( int i = 0; i < NUM_RECT_AREA_LIGHTS; i ++ ) {
+		rectAreaLight = rectAreaLights[ i ];
+		RE_Direct_RectArea( rectAreaLight, geometryPosition, geometryNormal, geometryViewDir, geometryClearcoatNormal, material, reflectedLight );
+	}
+	#pragma unroll_loop_end
+#endif
+#if defined( RE_IndirectDiffuse )
+	vec3 iblIrradiance = vec3( 0.0 );
+	vec3 irradiance = getAmbientLightIrradiance( ambientLightColor );
+	#if defined( USE_LIGHT_PROBES )
+		irradiance += getLightProbeIrradiance( lightProbe, geometryNormal );
+	#endif
+	#if ( NUM_HEMI_LIGHTS > 0 )
+		#pragma unroll_loop_start
+		for ( int i = 0; i < NUM_HEMI_LIGHTS; i ++ ) {
+			irradiance += getHemisphereLightIrradiance( hemisphereLights[ i ], geometryNormal );
+		}
+		#pragma unroll_loop_end
+	#endif
+	#if NUM_LIGHT_PROBE_GRIDS > 0
+		vec3 probeWorldPos = ( ( vec4( geometryPosition, 1.0 ) - viewMatrix[ 3 ] ) * viewMatrix ).xyz;
+		vec3 probeWorldNormal = transformNormalByInverseViewMatrix( geometryNormal, viewMatrix );
+		int probeGrid = - 1;
+		#pragma unroll_loop_start
+		for ( int i = 0; i < NUM_LIGHT_PROBE_GRIDS; i ++ ) {
+			if ( isInsideLightProbeGrid( probeWorldPos, probeWorldNormal, probesMin[ i ], probesMax[ i ], probesResolution[ i ] ) ) probeGrid = UNROLLED_LOOP_INDEX;
+		}
+		#pragma unroll_loop_end
+		#pragma unroll_loop_start
+		for ( int i = 0; i < NUM_LIGHT_PROBE_GRIDS; i ++ ) {
+			if ( probeGrid == UNROLLED_LOOP_INDEX ) irradiance += getLightProbeGridIrradiance( probesSH[ i ], probesMin[ i ], probesMax[ i ], probesResolution[ i ], probeWorldPos, probeWorldNormal );
+		}
+		#pragma unroll_loop_end
+	#endif
+#endif
+#if defined( RE_IndirectSpecular )
+	vec3 radiance = vec3( 0.0 );
+	vec3 clearcoatRadiance = vec3( 0.0 );
+#endif`,ab=`#if defined( RE_IndirectDiffuse )
+	#ifdef USE_LIGHTMAP
+		vec4 lightMapTexel = texture2D( lightMap, vLightMapUv );
+		vec3 lightMapIrradiance = lightMapTexel.rgb * lightMapIntensity;
+		irradiance += lightMapIrradiance;
+	#endif
+	#if defined( USE_ENVMAP ) && defined( ENVMAP_TYPE_PMREM )
+		#if defined( STANDARD ) || defined( LAMBERT ) || defined( PHONG )
+			iblIrradiance += getIBLIrradiance( geometryNormal );
+		#endif
+	#endif
+#endif
+#if defined( USE_ENVMAP ) && defined( RE_IndirectSpecular )
+	#ifdef USE_ANISOTROPY
+		vec3 iblRadiance = getIBLAnisotropyRadiance( geometryViewDir, geometryNormal, material.roughness, material.anisotropyB, material.anisotropy );
+	#else
+		vec3 iblRadiance = getIBLRadiance( geometryViewDir, geometryNormal, material.roughness );
+	#endif
+	#ifdef USE_RETROREFLECTION
+		#ifdef USE_ANISOTROPY
+			vec3 retroIBLRadiance = getIBLAnisotropyRetroRadiance( geometryViewDir, geometryNormal, material.roughness, material.anisotropyB, material.anisotropy );
+		#else
+			vec3 retroIBLRadiance = getIBLRetroRadiance( geometryViewDir, geometryNormal, material.roughness );
+		#endif
+		iblRadiance = mix( iblRadiance, retroIBLRadiance, saturate( material.retroreflectivity ) );
+	#endif
+	radiance += iblRadiance;
+	#ifdef USE_CLEARCOAT
+		clearcoatRadiance += getIBLRadiance( geometryViewDir, geometryClearcoatNormal, material.clearcoatRoughness );
+	#endif
+#endif`,lb=`#if defined( RE_IndirectDiffuse )
+	#if defined( LAMBERT ) || defined( PHONG )
+		irradiance += iblIrradiance;
+	#endif
+	RE_IndirectDiffuse( irradiance, geometryPosition, geometryNormal, geometryViewDir, geometryClearcoatNormal, material, reflectedLight );
+#endif
+#if defined( RE_IndirectSpecular )
+	RE_IndirectSpecular( radiance, iblIrradiance, clearcoatRadiance, geometryPosition, geometryNormal, geometryViewDir, geometryClearcoatNormal, material, reflectedLight );
+#endif`,cb=`#if NUM_LIGHT_PROBE_GRIDS > 0
+uniform highp sampler3D probesSH[ NUM_LIGHT_PROBE_GRIDS ];
+uniform vec3 probesMin[ NUM_LIGHT_PROBE_GRIDS ];
+uniform vec3 probesMax[ NUM_LIGHT_PROBE_GRIDS ];
+uniform vec3 probesResolution[ NUM_LIGHT_PROBE_GRIDS ];
+bool isInsideLightProbeGrid( vec3 worldPos, vec3 worldNormal, vec3 probesMin, vec3 probesMax, vec3 probesResolution ) {
+	vec3 spacing = ( probesMax - probesMin ) / probesResolution;
+	vec3 samplePos = worldPos + worldNormal * spacing * 0.5;
+	vec3 margin = spacing * 0.01;
+	return all( greaterThanEqual( samplePos, probesMin - margin ) ) && all( lessThanEqual( samplePos, probesMax + margin ) );
+}
+vec3 getLightProbeGridIrradiance( highp sampler3D probesSH, vec3 probesMin, vec3 probesMax, vec3 probesResolution, vec3 worldPos, vec3 worldNormal ) {
+	vec3 res = probesResolution;
+	vec3 gridRange = probesMax - probesMin;
+	vec3 probeSpacing = gridRange / res;
+	vec3 samplePos = worldPos + worldNormal * probeSpacing * 0.5;
+	vec3 uvw = clamp( ( samplePos - probesMin ) / gridRange, 0.5 / res, 1.0 - 0.5 / res );
+	float nz          = res.z;
+	float paddedSlices = nz + 2.0;
+	float atlasDepth  = 7.0 * paddedSlices;
+	float uvZBase     = uvw.z * nz + 1.0;
+	vec4 s0 = texture( probesSH, vec3( uvw.xy, ( uvZBase                       ) / atlasDepth ) );
+	vec4 s1 = texture( probesSH, vec3( uvw.xy, ( uvZBase +       paddedSlices   ) / atlasDepth ) );
+	vec4 s2 = texture( probesSH, vec3( uvw.xy, ( uvZBase + 2.0 * paddedSlices   ) / atlasDepth ) );
+	vec4 s3 = texture( probesSH, vec3( uvw.xy, ( uvZBase + 3.0 * paddedSlices   ) / atlasDepth ) );
+	vec4 s4 = texture( probesSH, vec3( uvw.xy, ( uvZBase + 4.0 * paddedSlices   ) / atlasDepth ) );
+	vec4 s5 = texture( probesSH, vec3( uvw.xy, ( uvZBase + 5.0 * paddedSlices   ) / atlasDepth ) );
+	vec4 s6 = texture( probesSH, vec3( uvw.xy, ( uvZBase + 6.0 * paddedSlices   ) / atlasDepth ) );
+	vec3 c0 = s0.xyz;
+	vec3 c1 = vec3( s0.w, s1.xy );
+	vec3 c2 = vec3( s1.zw, s2.x );
+	vec3 c3 = s2.yzw;
+	vec3 c4 = s3.xyz;
+	vec3 c5 = vec3( s3.w, s4.xy );
+	vec3 c6 = vec3( s4.zw, s5.x );
+	vec3 c7 = s5.yzw;
+	vec3 c8 = s6.xyz;
+	float x = worldNormal.x, y = worldNormal.y, z = worldNormal.z;
+	vec3 result = c0 * 0.886227;
+	result += c1 * 2.0 * 0.511664 * y;
+	result += c2 * 2.0 * 0.511664 * z;
+	result += c3 * 2.0 * 0.511664 * x;
+	result += c4 * 2.0 * 0.429043 * x * y;
+	result += c5 * 2.0 * 0.429043 * y * z;
+	result += c6 * ( 0.743125 * z * z - 0.247708 );
+	result += c7 * 2.0 * 0.429043 * x * z;
+	result += c8 * 0.429043 * ( x * x - y * y );
+	return max( result, vec3( 0.0 ) );
+}
+#endif`,hb=`#if defined( USE_LOGARITHMIC_DEPTH_BUFFER )
+	gl_FragDepth = vIsPerspective == 0.0 ? gl_FragCoord.z : log2( vFragDepth ) * logDepthBufFC * 0.5;
+#endif`,ub=`#if defined( USE_LOGARITHMIC_DEPTH_BUFFER )
+	uniform float logDepthBufFC;
+	varying float vFragDepth;
+	varying float vIsPerspective;
+#endif`,db=`#ifdef USE_LOGARITHMIC_DEPTH_BUFFER
+	varying float vFragDepth;
+	varying float vIsPerspective;
+#endif`,fb=`#ifdef USE_LOGARITHMIC_DEPTH_BUFFER
+	vFragDepth = 1.0 + gl_Position.w;
+	vIsPerspective = float( isPerspectiveMatrix( projectionMatrix ) );
+#endif`,pb=`#ifdef USE_MAP
+	vec4 sampledDiffuseColor = texture2D( map, vMapUv );
+	#ifdef DECODE_VIDEO_TEXTURE
+		sampledDiffuseColor = sRGBTransferEOTF( sampledDiffuseColor );
+	#endif
+	diffuseColor *= sampledDiffuseColor;
+#endif`,mb=`#ifdef USE_MAP
+	uniform sampler2D map;
+#endif`,gb=`#if defined( USE_MAP ) || defined( USE_ALPHAMAP )
+	#if defined( USE_POINTS_UV )
+		vec2 uv = vUv;
+	#else
+		vec2 uv = ( uvTransform * vec3( gl_PointCoord.x, 1.0 - gl_PointCoord.y, 1 ) ).xy;
+	#endif
+#endif
+#ifdef USE_MAP
+	diffuseColor *= texture2D( map, uv );
+#endif
+#ifdef USE_ALPHAMAP
+	diffuseColor.a *= texture2D( alphaMap, uv ).g;
+#endif`,yb=`#if defined( USE_POINTS_UV )
+	varying vec2 vUv;
+#else
+	#if defined( USE_MAP ) || defined( USE_ALPHAMAP )
+		uniform mat3 uvTransform;
+	#endif
+#endif
+#ifdef USE_MAP
+	uniform sampler2D map;
+#endif
+#ifdef USE_ALPHAMAP
+	uniform sampler2D alphaMap;
+#endif`,_b=`float metalnessFactor = metalness;
+#ifdef USE_METALNESSMAP
+	vec4 texelMetalness = texture2D( metalnessMap, vMetalnessMapUv );
+	metalnessFactor *= texelMetalness.b;
+#endif`,vb=`#ifdef USE_METALNESSMAP
+	uniform sampler2D metalnessMap;
+#endif`,xb=`#ifdef USE_INSTANCING_MORPH
+	float morphTargetInfluences[ MORPHTARGETS_COUNT ];
+	float morphTargetBaseInfluence = texelFetch( morphTexture, ivec2( 0, gl_InstanceID ), 0 ).r;
+	for ( int i = 0; i < MORPHTARGETS_COUNT; i ++ ) {
+		morphTargetInfluences[i] =  texelFetch( morphTexture, ivec2( i + 1, gl_InstanceID ), 0 ).r;
+	}
+#endif`,bb=`#if defined( USE_MORPHCOLORS )
+	#if defined( USE_COLOR_ALPHA )
+		vColor *= morphTargetBaseInfluence;
+	#elif defined( USE_COLOR )
+		vColor.rgb *= morphTargetBaseInfluence;
+	#endif
+	for ( int i = 0; i < MORPHTARGETS_COUNT; i ++ ) {
+		#if defined( USE_COLOR_ALPHA )
+			if ( morphTargetInfluences[ i ] != 0.0 ) vColor += getMorph( gl_VertexID, i, 2 ) * morphTargetInfluences[ i ];
+		#elif defined( USE_COLOR )
+			if ( morphTargetInfluences[ i ] != 0.0 ) vColor.rgb += getMorph( gl_VertexID, i, 2 ).rgb * morphTargetInfluences[ i ];
+		#endif
+	}
+#endif`,Sb=`#ifdef USE_MORPHNORMALS
+	objectNormal *= morphTargetBaseInfluence;
+	for ( int i = 0; i < MORPHTARGETS_COUNT; i ++ ) {
+		if ( morphTargetInfluences[ i ] != 0.0 ) objectNormal += getMorph( gl_VertexID, i, 1 ).xyz * morphTargetInfluences[ i ];
+	}
+#endif`,Mb=`#ifdef USE_MORPHTARGETS
+	#ifndef USE_INSTANCING_MORPH
+		uniform float morphTargetBaseInfluence;
+		uniform float morphTargetInfluences[ MORPHTARGETS_COUNT ];
+	#endif
+	uniform sampler2DArray morphTargetsTexture;
+	uniform ivec2 morphTargetsTextureSize;
+	vec4 getMorph( const in int vertexIndex, const in int morphTargetIndex, const in int offset ) {
+		int texelIndex = vertexIndex * MORPHTARGETS_TEXTURE_STRIDE + offset;
+		int y = texelIndex / morphTargetsTextureSize.x;
+		int x = texelIndex - y * morphTargetsTextureSize.x;
+		ivec3 morphUV = ivec3( x, y, morphTargetIndex );
+		return texelFetch( morphTargetsTexture, morphUV, 0 );
+	}
+#endif`,wb=`#ifdef USE_MORPHTARGETS
+	transformed *= morphTargetBaseInfluence;
+	for ( int i = 0; i < MORPHTARGETS_COUNT; i ++ ) {
+		if ( morphTargetInfluences[ i ] != 0.0 ) transformed += getMorph( gl_VertexID, i, 0 ).xyz * morphTargetInfluences[ i ];
+	}
+#endif`,Tb=`float faceDirection = gl_FrontFacing ? 1.0 : - 1.0;
+#ifdef FLAT_SHADED
+	vec3 fdx = dFdx( vViewPosition );
+	vec3 fdy = dFdy( vViewPosition );
+	vec3 normal = normalize( cross( fdx, fdy ) );
+#else
+	vec3 normal = normalize( vNormal );
+	#ifdef DOUBLE_SIDED
+		normal *= faceDirection;
+	#endif
+#endif
+#if defined( USE_NORMALMAP_TANGENTSPACE ) || defined( USE_CLEARCOAT_NORMALMAP ) || defined( USE_ANISOTROPY )
+	#ifdef USE_TANGENT
+		mat3 tbn = mat3( normalize( vTangent ), normalize( vBitangent ), normal );
+	#else
+		mat3 tbn = getTangentFrame( - vViewPosition, normal,
+		#if defined( USE_NORMALMAP )
+			vNormalMapUv
+		#elif defined( USE_CLEARCOAT_NORMALMAP )
+			vClearcoatNormalMapUv
+		#else
+			vUv
+		#endif
+		);
+	#endif
+	#ifdef DOUBLE_SIDED
+		tbn[0] *= faceDirection;
+		tbn[1] *= faceDirection;
+	#endif
+#endif
+#ifdef USE_CLEARCOAT_NORMALMAP
+	#ifdef USE_TANGENT
+		mat3 tbn2 = mat3( normalize( vTangent ), normalize( vBitangent ), normal );
+	#else
+		mat3 tbn2 = getTangentFrame( - vViewPosition, normal, vClearcoatNormalMapUv );
+	#endif
+	#ifdef DOUBLE_SIDED
+		tbn2[0] *= faceDirection;
+		tbn2[1] *= faceDirection;
+	#endif
+#endif
+vec3 nonPerturbedNormal = normal;`,Ab=`#ifdef USE_NORMALMAP_OBJECTSPACE
+	normal = texture2D( normalMap, vNormalMapUv ).xyz * 2.0 - 1.0;
+	#ifdef FLIP_SIDED
+		normal = - normal;
+	#endif
+	#ifdef DOUBLE_SIDED
+		normal = normal * faceDirection;
+	#endif
+	normal = normalize( normalMatrix * normal );
+#elif defined( USE_NORMALMAP_TANGENTSPACE )
+	vec3 mapN = texture2D( normalMap, vNormalMapUv ).xyz * 2.0 - 1.0;
+	#if defined( USE_PACKED_NORMALMAP )
+		mapN = vec3( mapN.xy, sqrt( saturate( 1.0 - dot( mapN.xy, mapN.xy ) ) ) );
+	#endif
+	mapN.xy *= normalScale;
+	normal = normalize( tbn * mapN );
+#elif defined( USE_BUMPMAP )
+	normal = perturbNormalArb( - vViewPosition, normal, dHdxy_fwd(), faceDirection );
+#endif`,Eb=`#ifndef FLAT_SHADED
+	varying vec3 vNormal;
+	#ifdef USE_TANGENT
+		varying vec3 vTangent;
+		varying vec3 vBitangent;
+	#endif
+#endif`,Rb=`#ifndef FLAT_SHADED
+	varying vec3 vNormal;
+	#ifdef USE_TANGENT
+		varying vec3 vTangent;
+		varying vec3 vBitangent;
+	#endif
+#endif`,Cb=`#ifndef FLAT_SHADED
+	vNormal = normalize( transformedNormal );
+	#ifdef USE_TANGENT
+		vTangent = normalize( transformedTangent );
+		vBitangent = normalize( cross( vNormal, vTangent ) * tangent.w );
+		#ifdef FLIP_SIDED
+			vBitangent = - vBitangent;
+		#endif
+	#endif
+#endif`,Pb=`#ifdef USE_NORMALMAP
+	uniform sampler2D normalMap;
+	uniform vec2 normalScale;
+#endif
+#ifdef USE_NORMALMAP_OBJECTSPACE
+	uniform mat3 normalMatrix;
+#endif
+#if ! defined ( USE_TANGENT ) && ( defined ( USE_NORMALMAP_TANGENTSPACE ) || defined ( USE_CLEARCOAT_NORMALMAP ) || defined( USE_ANISOTROPY ) )
+	mat3 getTangentFrame( vec3 eye_pos, vec3 surf_norm, vec2 uv ) {
+		vec3 q0 = dFdx( eye_pos.xyz );
+		vec3 q1 = dFdy( eye_pos.xyz );
+		vec2 st0 = dFdx( uv.st );
+		vec2 st1 = dFdy( uv.st );
+		vec3 N = surf_norm;
+		vec3 q1perp = cross( q1, N );
+		vec3 q0perp = cross( N, q0 );
+		vec3 T = q1perp * st0.x + q0perp * st1.x;
+		vec3 B = q1perp * st0.y + q0perp * st1.y;
+		float det = max( dot( T, T ), dot( B, B ) );
+		float scale = ( det == 0.0 ) ? 0.0 : inversesqrt( det );
+		return mat3( T * scale, B * scale, N );
+	}
+#endif`,Ib=`#ifdef USE_CLEARCOAT
+	vec3 clearcoatNormal = nonPerturbedNormal;
+#endif`,Lb=`#ifdef USE_CLEARCOAT_NORMALMAP
+	vec3 clearcoatMapN = texture2D( clearcoatNormalMap, vClearcoatNormalMapUv ).xyz * 2.0 - 1.0;
+	clearcoatMapN.xy *= clearcoatNormalScale;
+	clearcoatNormal = normalize( tbn2 * clearcoatMapN );
+#endif`,Db=`#ifdef USE_CLEARCOATMAP
+	uniform sampler2D clearcoatMap;
+#endif
+#ifdef USE_CLEARCOAT_NORMALMAP
+	uniform sampler2D clearcoatNormalMap;
+	uniform vec2 clearcoatNormalScale;
+#endif
+#ifdef USE_CLEARCOAT_ROUGHNESSMAP
+	uniform sampler2D clearcoatRoughnessMap;
+#endif`,Nb=`#ifdef USE_IRIDESCENCEMAP
+	uniform sampler2D iridescenceMap;
+#endif
+#ifdef USE_IRIDESCENCE_THICKNESSMAP
+	uniform sampler2D iridescenceThicknessMap;
+#endif`,Ub=`#ifdef OPAQUE
+diffuseColor.a = 1.0;
+#endif
+#ifdef USE_TRANSMISSION
+diffuseColor.a *= material.transmissionAlpha;
+#endif
+gl_FragColor = vec4( outgoingLight, diffuseColor.a );`,Fb=`vec3 packNormalToRGB( const in vec3 normal ) {
+	return normalize( normal ) * 0.5 + 0.5;
+}
+vec3 unpackRGBToNormal( const in vec3 rgb ) {
+	return 2.0 * rgb.xyz - 1.0;
+}
+const float PackUpscale = 256. / 255.;const float UnpackDownscale = 255. / 256.;const float ShiftRight8 = 1. / 256.;
+const float Inv255 = 1. / 255.;
+const vec4 PackFactors = vec4( 1.0, 256.0, 256.0 * 256.0, 256.0 * 256.0 * 256.0 );
+const vec2 UnpackFactors2 = vec2( UnpackDownscale, 1.0 / PackFactors.g );
+const vec3 UnpackFactors3 = vec3( UnpackDownscale / PackFactors.rg, 1.0 / PackFactors.b );
+const vec4 UnpackFactors4 = vec4( UnpackDownscale / PackFactors.rgb, 1.0 / PackFactors.a );
+vec4 packDepthToRGBA( const in float v ) {
+	if( v <= 0.0 )
+		return vec4( 0., 0., 0., 0. );
+	if( v >= 1.0 )
+		return vec4( 1., 1., 1., 1. );
+	float vuf;
+	float af = modf( v * PackFactors.a, vuf );
+	float bf = modf( vuf * ShiftRight8, vuf );
+	float gf = modf( vuf * ShiftRight8, vuf );
+	return vec4( vuf * Inv255, gf * PackUpscale, bf * PackUpscale, af );
+}
+vec3 packDepthToRGB( const in float v ) {
+	if( v <= 0.0 )
+		return vec3( 0., 0., 0. );
+	if( v >= 1.0 )
+		return vec3( 1., 1., 1. );
+	float vuf;
+	float bf = modf( v * PackFactors.b, vuf );
+	float gf = modf( vuf * ShiftRight8, vuf );
+	return vec3( vuf * Inv255, gf * PackUpscale, bf );
+}
+vec2 packDepthToRG( const in float v ) {
+	if( v <= 0.0 )
+		return vec2( 0., 0. );
+	if( v >= 1.0 )
+		return vec2( 1., 1. );
+	float vuf;
+	float gf = modf( v * 256., vuf );
+	return vec2( vuf * Inv255, gf );
+}
+float unpackRGBAToDepth( const in vec4 v ) {
+	return dot( v, UnpackFactors4 );
+}
+float unpackRGBToDepth( const in vec3 v ) {
+	return dot( v, UnpackFactors3 );
+}
+float unpackRGToDepth( const in vec2 v ) {
+	return v.r * UnpackFactors2.r + v.g * UnpackFactors2.g;
+}
+vec4 pack2HalfToRGBA( const in vec2 v ) {
+	vec4 r = vec4( v.x, fract( v.x * 255.0 ), v.y, fract( v.y * 255.0 ) );
+	return vec4( r.x - r.y / 255.0, r.y, r.z - r.w / 255.0, r.w );
+}
+vec2 unpackRGBATo2Half( const in vec4 v ) {
+	return vec2( v.x + ( v.y / 255.0 ), v.z + ( v.w / 255.0 ) );
+}
+float viewZToOrthographicDepth( const in float viewZ, const in float near, const in float far ) {
+	return ( viewZ + near ) / ( near - far );
+}
+float orthographicDepthToViewZ( const in float depth, const in float near, const in float far ) {
+	#ifdef USE_REVERSED_DEPTH_BUFFER
+	
+		return depth * ( far - near ) - far;
+	#else
+		return depth * ( near - far ) - near;
+	#endif
+}
+float viewZToPerspectiveDepth( const in float viewZ, const in float near, const in float far ) {
+	return ( ( near + viewZ ) * far ) / ( ( far - near ) * viewZ );
+}
+float perspectiveDepthToViewZ( const in float depth, const in float near, const in float far ) {
+	
+	#ifdef USE_REVERSED_DEPTH_BUFFER
+		return ( near * far ) / ( ( near - far ) * depth - near );
+	#else
+		return ( near * far ) / ( ( far - near ) * depth - far );
+	#endif
+}`,Ob=`#ifdef PREMULTIPLIED_ALPHA
+	gl_FragColor.rgb *= gl_FragColor.a;
+#endif`,kb=`vec4 mvPosition = vec4( transformed, 1.0 );
+#ifdef USE_BATCHING
+	mvPosition = batchingMatrix * mvPosition;
+#endif
+#ifdef USE_INSTANCING
+	mvPosition = instanceMatrix * mvPosition;
+#endif
+mvPosition = modelViewMatrix * mvPosition;
+gl_Position = projectionMatrix * mvPosition;`,Bb=`#ifdef DITHERING
+	gl_FragColor.rgb = dithering( gl_FragColor.rgb );
+#endif`,zb=`#ifdef DITHERING
+	vec3 dithering( vec3 color ) {
+		float grid_position = rand( gl_FragCoord.xy );
+		vec3 dither_shift_RGB = vec3( 0.25 / 255.0, -0.25 / 255.0, 0.25 / 255.0 );
+		dither_shift_RGB = mix( 2.0 * dither_shift_RGB, -2.0 * dither_shift_RGB, grid_position );
+		return color + dither_shift_RGB;
+	}
+#endif`,Vb=`float roughnessFactor = roughness;
+#ifdef USE_ROUGHNESSMAP
+	vec4 texelRoughness = texture2D( roughnessMap, vRoughnessMapUv );
+	roughnessFactor *= texelRoughness.g;
+#endif`,Gb=`#ifdef USE_ROUGHNESSMAP
+	uniform sampler2D roughnessMap;
+#endif`,Hb=`#if NUM_SPOT_LIGHT_COORDS > 0
+	varying vec4 vSpotLightCoord[ NUM_SPOT_LIGHT_COORDS ];
+#endif
+#if NUM_SPOT_LIGHT_MAPS > 0
+	uniform sampler2D spotLightMap[ NUM_SPOT_LIGHT_MAPS ];
+#endif
+#ifdef USE_SHADOWMAP
+	#if NUM_SUN_LIGHT_SHADOWS > 0
+		#define SUN_LIGHT_CASCADES 2
+		#if defined( SHADOWMAP_TYPE_PCF )
+			uniform sampler2DShadow sunShadowMap[ NUM_SUN_LIGHT_SHADOWS ];
+		#else
+			uniform sampler2D sunShadowMap[ NUM_SUN_LIGHT_SHADOWS ];
+		#endif
+		uniform mat4 sunShadowMatrix[ NUM_SUN_LIGHT_SHADOWS * SUN_LIGHT_CASCADES ];
+		uniform vec4 sunShadowCascade[ NUM_SUN_LIGHT_SHADOWS * SUN_LIGHT_CASCADES ];
+		varying vec4 vSunShadowWorldPosition;
+		varying vec3 vSunShadowWorldNormal;
+		struct SunLightShadow {
+			float shadowIntensity;
+			float shadowBias;
+			float shadowNormalBias;
+			float shadowRadius;
+			vec2 shadowMapSize;
+		};
+		uniform SunLightShadow sunLightShadows[ NUM_SUN_LIGHT_SHADOWS ];
+	#endif
+	#if NUM_DIR_LIGHT_SHADOWS > 0
+		#if defined( SHADOWMAP_TYPE_PCF )
+			uniform sampler2DShadow directionalShadowMap[ NUM_DIR_LIGHT_SHADOWS ];
+		#else
+			uniform sampler2D directionalShadowMap[ NUM_DIR_LIGHT_SHADOWS ];
+		#endif
+		varying vec4 vDirectionalShadowCoord[ NUM_DIR_LIGHT_SHADOWS ];
+		struct DirectionalLightShadow {
+			float shadowIntensity;
+			float shadowBias;
+			float shadowNormalBias;
+			float shadowRadius;
+			vec2 shadowMapSize;
+		};
+		uniform DirectionalLightShadow directionalLightShadows[ NUM_DIR_LIGHT_SHADOWS ];
+	#endif
+	#if NUM_SPOT_LIGHT_SHADOWS > 0
+		#if defined( SHADOWMAP_TYPE_PCF )
+			uniform sampler2DShadow spotShadowMap[ NUM_SPOT_LIGHT_SHADOWS ];
+		#else
+			uniform sampler2D spotShadowMap[ NUM_SPOT_LIGHT_SHADOWS ];
+		#endif
+		struct SpotLightShadow {
+			float shadowIntensity;
+			float shadowBias;
+			float shadowNormalBias;
+			float shadowRadius;
+			vec2 shadowMapSize;
+		};
+		uniform SpotLightShadow spotLightShadows[ NUM_SPOT_LIGHT_SHADOWS ];
+	#endif
+	#if NUM_POINT_LIGHT_SHADOWS > 0
+		#if defined( SHADOWMAP_TYPE_PCF )
+			uniform samplerCubeShadow pointShadowMap[ NUM_POINT_LIGHT_SHADOWS ];
+		#elif defined( SHADOWMAP_TYPE_BASIC )
+			uniform samplerCube pointShadowMap[ NUM_POINT_LIGHT_SHADOWS ];
+		#endif
+		varying vec4 vPointShadowCoord[ NUM_POINT_LIGHT_SHADOWS ];
+		struct PointLightShadow {
+			float shadowIntensity;
+			float shadowBias;
+			float shadowNormalBias;
+			float shadowRadius;
+			vec2 shadowMapSize;
+			float shadowCameraNear;
+			float shadowCameraFar;
+		};
+		uniform PointLightShadow pointLightShadows[ NUM_POINT_LIGHT_SHADOWS ];
+	#endif
+	#if defined( SHADOWMAP_TYPE_PCF )
+		float interleavedGradientNoise( vec2 position ) {
+			return fract( 52.9829189 * fract( dot( position, vec2( 0.06711056, 0.00583715 ) ) ) );
+		}
+		vec2 vogelDiskSample( int sampleIndex, int samplesCount, float phi ) {
+			const float goldenAngle = 2.399963229728653;
+			float r = sqrt( ( float( sampleIndex ) + 0.5 ) / float( samplesCount ) );
+			float theta = float( sampleIndex ) * goldenAngle + phi;
+			return vec2( cos( theta ), sin( theta ) ) * r;
+		}
+	#endif
+	#if defined( SHADOWMAP_TYPE_PCF )
+		float getShadow( sampler2DShadow shadowMap, vec2 shadowMapSize, float shadowIntensity, float shadowBias, float shadowRadius, vec4 shadowCoord ) {
+			float shadow = 1.0;
+			shadowCoord.xyz /= shadowCoord.w;
+			#ifdef USE_REVERSED_DEPTH_BUFFER
+				shadowCoord.z -= shadowBias;
+			#else
+				shadowCoord.z += shadowBias;
+			#endif
+			bool inFrustum = shadowCoord.x >= 0.0 && shadowCoord.x <= 1.0 && shadowCoord.y >= 0.0 && shadowCoord.y <= 1.0;
+			bool frustumTest = inFrustum && shadowCoord.z <= 1.0;
+			if ( frustumTest ) {
+				vec2 texelSize = vec2( 1.0 ) / shadowMapSize;
+				vec2 radius = shadowRadius * texelSize;
+				float phi = interleavedGradientNoise( gl_FragCoord.xy ) * PI2;
+				shadow = (
+					texture( shadowMap, vec3( shadowCoord.xy + vogelDiskSample( 0, 5, phi ) * radius, shadowCoord.z ) ) +
+					texture( shadowMap, vec3( shadowCoord.xy + vogelDiskSample( 1, 5, phi ) * radius, shadowCoord.z ) ) +
+					texture( shadowMap, vec3( shadowCoord.xy + vogelDiskSample( 2, 5, phi ) * radius, shadowCoord.z ) ) +
+					texture( shadowMap, vec3( shadowCoord.xy + vogelDiskSample( 3, 5, phi ) * radius, shadowCoord.z ) ) +
+					texture( shadowMap, vec3( shadowCoord.xy + vogelDiskSample( 4, 5, phi ) * radius, shadowCoord.z ) )
+				) * 0.2;
+			}
+			return mix( 1.0, shadow, shadowIntensity );
+		}
+	#elif defined( SHADOWMAP_TYPE_VSM )
+		float getShadow( sampler2D shadowMap, vec2 shadowMapSize, float shadowIntensity, float shadowBias, float shadowRadius, vec4 shadowCoord ) {
+			float shadow = 1.0;
+			shadowCoord.xyz /= shadowCoord.w;
+			#ifdef USE_REVERSED_DEPTH_BUFFER
+				shadowCoord.z -= shadowBias;
+			#else
+				shadowCoord.z += shadowBias;
+			#endif
+			bool inFrustum = shadowCoord.x >= 0.0 && shadowCoord.x <= 1.0 && shadowCoord.y >= 0.0 && shadowCoord.y <= 1.0;
+			bool frustumTest = inFrustum && shadowCoord.z <= 1.0;
+			if ( frustumTest ) {
+				vec2 distribution = texture2D( shadowMap, shadowCoord.xy ).rg;
+				float mean = distribution.x;
+				float variance = distribution.y * distribution.y;
+				#ifdef USE_REVERSED_DEPTH_BUFFER
+					float hard_shadow = step( mean, shadowCoord.z );
+				#else
+					float hard_shadow = step( shadowCoord.z, mean );
+				#endif
+				
+				if ( hard_shadow == 1.0 ) {
+					shadow = 1.0;
+				} else {
+					variance = max( variance, 0.0000001 );
+					float d = shadowCoord.z - mean;
+					float p_max = variance / ( variance + d * d );
+					p_max = clamp( ( p_max - 0.3 ) / 0.65, 0.0, 1.0 );
+					shadow = max( hard_shadow, p_max );
+				}
+			}
+			return mix( 1.0, shadow, shadowIntensity );
+		}
+	#else
+		float getShadow( sampler2D shadowMap, vec2 shadowMapSize, float shadowIntensity, float shadowBias, float shadowRadius, vec4 shadowCoord ) {
+			float shadow = 1.0;
+			shadowCoord.xyz /= shadowCoord.w;
+			#ifdef USE_REVERSED_DEPTH_BUFFER
+				shadowCoord.z -= shadowBias;
+			#else
+				shadowCoord.z += shadowBias;
+			#endif
+			bool inFrustum = shadowCoord.x >= 0.0 && shadowCoord.x <= 1.0 && shadowCoord.y >= 0.0 && shadowCoord.y <= 1.0;
+			bool frustumTest = inFrustum && shadowCoord.z <= 1.0;
+			if ( frustumTest ) {
+				float depth = texture2D( shadowMap, shadowCoord.xy ).r;
+				#ifdef USE_REVERSED_DEPTH_BUFFER
+					shadow = step( depth, shadowCoord.z );
+				#else
+					shadow = step( shadowCoord.z, depth );
+				#endif
+			}
+			return mix( 1.0, shadow, shadowIntensity );
+		}
+	#endif
+	#if NUM_SUN_LIGHT_SHADOWS > 0
+		float getSunShadow(
+			#if defined( SHADOWMAP_TYPE_PCF )
+				sampler2DShadow shadowMap,
+			#else
+				sampler2D shadowMap,
+			#endif
+			SunLightShadow sunLightShadow,
+			int shadowIndex
+		) {
+			vec4 shadowWorldPosition = vec4( vSunShadowWorldPosition.xyz + vSunShadowWorldNormal * sunLightShadow.shadowNormalBias, 1.0 );
+			float viewDepth = vSunShadowWorldPosition.w;
+			int cascadeOffset = shadowIndex * SUN_LIGHT_CASCADES;
+			float shadow = 1.0;
+			for ( int i = SUN_LIGHT_CASCADES - 1; i >= 0; i -- ) {
+				vec4 cascade = sunShadowCascade[ cascadeOffset + i ];
+				if ( viewDepth >= cascade.x && viewDepth < cascade.y ) {
+					float cascadeShadow = getShadow(
+						shadowMap,
+						sunLightShadow.shadowMapSize,
+						sunLightShadow.shadowIntensity,
+						sunLightShadow.shadowBias,
+						sunLightShadow.shadowRadius,
+						sunShadowMatrix[ cascadeOffset + i ] * shadowWorldPosition
+					);
+					shadow = mix( cascadeShadow, shadow, smoothstep( cascade.z, cascade.y, viewDepth ) );
+				}
+			}
+			return shadow;
+		}
+	#endif
+	#if NUM_POINT_LIGHT_SHADOWS > 0
+	#if defined( SHADOWMAP_TYPE_PCF )
+	float getPointShadow( samplerCubeShadow shadowMap, vec2 shadowMapSize, float shadowIntensity, float shadowBias, float shadowRadius, vec4 shadowCoord, float shadowCameraNear, float shadowCameraFar ) {
+		float shadow = 1.0;
+		vec3 lightToPosition = shadowCoord.xyz;
+		vec3 bd3D = normalize( lightToPosition );
+		vec3 absVec = abs( lightToPosition );
+		float viewSpaceZ = max( max( absVec.x, absVec.y ), absVec.z );
+		if ( viewSpaceZ - shadowCameraFar <= 0.0 && viewSpaceZ - shadowCameraNear >= 0.0 ) {
+			float lightDistance = length( lightToPosition );
+			float depthRange = shadowCameraFar - shadowCameraNear;
+			#ifdef USE_REVERSED_DEPTH_BUFFER
+				float depthA = - shadowCameraNear / depthRange - shadowBias;
+				float depthB = shadowCameraNear * shadowCameraFar / ( depthRange * lightDistance );
+			#else
+				float depthA = shadowCameraFar / depthRange + shadowBias;
+				float depthB = - shadowCameraNear * shadowCameraFar / ( depthRange * lightDistance );
+			#endif
+			float texelSize = shadowRadius / shadowMapSize.x;
+			vec3 absDir = abs( bd3D );
+			vec3 tangent = absDir.x > absDir.z ? vec3( 0.0, 1.0, 0.0 ) : vec3( 1.0, 0.0, 0.0 );
+			tangent = normalize( cross( bd3D, tangent ) );
+			vec3 bitangent = cross( bd3D, tangent );
+			float phi = interleavedGradientNoise( gl_FragCoord.xy ) * PI2;
+			shadow = 0.0;
+			for ( int i = 0; i < 5; i ++ ) {
+				vec2 offset = vogelDiskSample( i, 5, phi );
+				vec3 direction = bd3D + ( tangent * offset.x + bitangent * offset.y ) * texelSize;
+				vec3 absDirection = abs( direction );
+				float dp = depthA + depthB / max( max( absDirection.x, absDirection.y ), absDirection.z );
+				shadow += texture( shadowMap, vec4( direction, dp ) );
+			}
+			shadow *= 0.2;
+		}
+		return mix( 1.0, shadow, shadowIntensity );
+	}
+	#elif defined( SHADOWMAP_TYPE_BASIC )
+	float getPointShadow( samplerCube shadowMap, vec2 shadowMapSize, float shadowIntensity, float shadowBias, float shadowRadius, vec4 shadowCoord, float shadowCameraNear, float shadowCameraFar ) {
+		float shadow = 1.0;
+		vec3 lightToPosition = shadowCoord.xyz;
+		vec3 absVec = abs( lightToPosition );
+		float viewSpaceZ = max( max( absVec.x, absVec.y ), absVec.z );
+		if ( viewSpaceZ - shadowCameraFar <= 0.0 && viewSpaceZ - shadowCameraNear >= 0.0 ) {
+			float dp = ( shadowCameraFar * ( viewSpaceZ - shadowCameraNear ) ) / ( viewSpaceZ * ( shadowCameraFar - shadowCameraNear ) );
+			dp += shadowBias;
+			vec3 bd3D = normalize( lightToPosition );
+			float depth = textureCube( shadowMap, bd3D ).r;
+			#ifdef USE_REVERSED_DEPTH_BUFFER
+				depth = 1.0 - depth;
+			#endif
+			shadow = step( dp, depth );
+		}
+		return mix( 1.0, shadow, shadowIntensity );
+	}
+	#endif
+	#endif
+#endif`,Wb=`#if NUM_SPOT_LIGHT_COORDS > 0
+	uniform mat4 spotLightMatrix[ NUM_SPOT_LIGHT_COORDS ];
+	varying vec4 vSpotLightCoord[ NUM_SPOT_LIGHT_COORDS ];
+#endif
+#ifdef USE_SHADOWMAP
+	#if NUM_SUN_LIGHT_SHADOWS > 0
+		varying vec4 vSunShadowWorldPosition;
+		varying vec3 vSunShadowWorldNormal;
+	#endif
+	#if NUM_DIR_LIGHT_SHADOWS > 0
+		uniform mat4 directionalShadowMatrix[ NUM_DIR_LIGHT_SHADOWS ];
+		varying vec4 vDirectionalShadowCoord[ NUM_DIR_LIGHT_SHADOWS ];
+		struct DirectionalLightShadow {
+			float shadowIntensity;
+			float shadowBias;
+			float shadowNormalBias;
+			float shadowRadius;
+			vec2 shadowMapSize;
+		};
+		uniform DirectionalLightShadow directionalLightShadows[ NUM_DIR_LIGHT_SHADOWS ];
+	#endif
+	#if NUM_SPOT_LIGHT_SHADOWS > 0
+		struct SpotLightShadow {
+			float shadowIntensity;
+			float shadowBias;
+			float shadowNormalBias;
+			float shadowRadius;
+			vec2 shadowMapSize;
+		};
+		uniform SpotLightShadow spotLightShadows[ NUM_SPOT_LIGHT_SHADOWS ];
+	#endif
+	#if NUM_POINT_LIGHT_SHADOWS > 0
+		uniform mat4 pointShadowMatrix[ NUM_POINT_LIGHT_SHADOWS ];
+		varying vec4 vPointShadowCoord[ NUM_POINT_LIGHT_SHADOWS ];
+		struct PointLightShadow {
+			float shadowIntensity;
+			float shadowBias;
+			float shadowNormalBias;
+			float shadowRadius;
+			vec2 shadowMapSize;
+			float shadowCameraNear;
+			float shadowCameraFar;
+		};
+		uniform PointLightShadow pointLightShadows[ NUM_POINT_LIGHT_SHADOWS ];
+	#endif
+#endif`,Xb=`#if ( defined( USE_SHADOWMAP ) && ( NUM_DIR_LIGHT_SHADOWS > 0 || NUM_SUN_LIGHT_SHADOWS > 0 || NUM_POINT_LIGHT_SHADOWS > 0 ) ) || ( NUM_SPOT_LIGHT_COORDS > 0 )
+	#ifdef HAS_NORMAL
+		vec3 shadowWorldNormal = transformNormalByInverseViewMatrix( transformedNormal, viewMatrix );
+	#else
+		vec3 shadowWorldNormal = vec3( 0.0 );
+	#endif
+	vec4 shadowWorldPosition;
+#endif
+#if defined( USE_SHADOWMAP )
+	#if NUM_SUN_LIGHT_SHADOWS > 0
+		vSunShadowWorldPosition = vec4( worldPosition.xyz, - mvPosition.z );
+		vSunShadowWorldNormal = shadowWorldNormal;
+	#endif
+	#if NUM_DIR_LIGHT_SHADOWS > 0
+		#pragma unroll_loop_start
+		for ( int i = 0; i < NUM_DIR_LIGHT_SHADOWS; i ++ ) {
+			shadowWorldPosition = worldPosition + vec4( shadowWorldNormal * directionalLightShadows[ i ].shadowNormalBias, 0 );
+			vDirectionalShadowCoord[ i ] = directionalShadowMatrix[ i ] * shadowWorldPosition;
+		}
+		#pragma unroll_loop_end
+	#endif
+	#if NUM_POINT_LIGHT_SHADOWS > 0
+		#pragma unroll_loop_start
+		for ( int i = 0; i < NUM_POINT_LIGHT_SHADOWS; i ++ ) {
+			shadowWorldPosition = worldPosition + vec4( shadowWorldNormal * pointLightShadows[ i ].shadowNormalBias, 0 );
+			vPointShadowCoord[ i ] = pointShadowMatrix[ i ] * shadowWorldPosition;
+		}
+		#pragma unroll_loop_end
+	#endif
+#endif
+#if NUM_SPOT_LIGHT_COORDS > 0
+	#pragma unroll_loop_start
+	for ( int i = 0; i < NUM_SPOT_LIGHT_COORDS; i ++ ) {
+		shadowWorldPosition = worldPosition;
+		#if ( defined( USE_SHADOWMAP ) && UNROLLED_LOOP_INDEX < NUM_SPOT_LIGHT_SHADOWS )
+			shadowWorldPosition.xyz += shadowWorldNormal * spotLightShadows[ i ].shadowNormalBias;
+		#endif
+		vSpotLightCoord[ i ] = spotLightMatrix[ i ] * shadowWorldPosition;
+	}
+	#pragma unroll_loop_end
+#endif`,qb=`float getShadowMask() {
+	float shadow = 1.0;
+	#ifdef USE_SHADOWMAP
+	#if NUM_SUN_LIGHT_SHADOWS > 0
+	SunLightShadow sunLight;
+	#pragma unroll_loop_start
+	for ( int i = 0; i < NUM_SUN_LIGHT_SHADOWS; i ++ ) {
+		sunLight = sunLightShadows[ i ];
+		shadow *= receiveShadow ? getSunShadow( sunShadowMap[ i ], sunLight, UNROLLED_LOOP_INDEX ) : 1.0;
+	}
+	#pragma unroll_loop_end
+	#endif
+	#if NUM_DIR_LIGHT_SHADOWS > 0
+	DirectionalLightShadow directionalLight;
+	#pragma unroll_loop_start
+	for ( int i = 0; i < NUM_DIR_LIGHT_SHADOWS; i ++ ) {
+		directionalLight = directionalLightShadows[ i ];
+		shadow *= receiveShadow ? getShadow( directionalShadowMap[ i ], directionalLight.shadowMapSize, directionalLight.shadowIntensity, directionalLight.shadowBias, directionalLight.shadowRadius, vDirectionalShadowCoord[ i ] ) : 1.0;
+	}
+	#pragma unroll_loop_end
+	#endif
+	#if NUM_SPOT_LIGHT_SHADOWS > 0
+	SpotLightShadow spotLight;
+	#pragma unroll_loop_start
+	for ( int i = 0; i < NUM_SPOT_LIGHT_SHADOWS; i ++ ) {
+		spotLight = spotLightShadows[ i ];
+		shadow *= receiveShadow ? getShadow( spotShadowMap[ i ], spotLight.shadowMapSize, spotLight.shadowIntensity, spotLight.shadowBias, spotLight.shadowRadius, vSpotLightCoord[ i ] ) : 1.0;
+	}
+	#pragma unroll_loop_end
+	#endif
+	#if NUM_POINT_LIGHT_SHADOWS > 0 && ( defined( SHADOWMAP_TYPE_PCF ) || defined( SHADOWMAP_TYPE_BASIC ) )
+	PointLightShadow pointLight;
+	#pragma unroll_loop_start
+	for ( int i = 0; i < NUM_POINT_LIGHT_SHADOWS; i ++ ) {
+		pointLight = pointLightShadows[ i ];
+		shadow *= receiveShadow ? getPointShadow( pointShadowMap[ i ], pointLight.shadowMapSize, pointLight.shadowIntensity, pointLight.shadowBias, pointLight.shadowRadius, vPointShadowCoord[ i ], pointLight.shadowCameraNear, pointLight.shadowCameraFar ) : 1.0;
+	}
+	#pragma unroll_loop_end
+	#endif
+	#endif
+	return shadow;
+}`,Yb=`#ifdef USE_SKINNING
+	mat4 boneMatX = getBoneMatrix( skinIndex.x );
+	mat4 boneMatY = getBoneMatrix( skinIndex.y );
+	mat4 boneMatZ = getBoneMatrix( skinIndex.z );
+	mat4 boneMatW = getBoneMatrix( skinIndex.w );
+#endif`,$b=`#ifdef USE_SKINNING
+	uniform mat4 bindMatrix;
+	uniform mat4 bindMatrixInverse;
+	uniform highp sampler2D boneTexture;
+	mat4 getBoneMatrix( const in float i ) {
+		int size = textureSize( boneTexture, 0 ).x;
+		int j = int( i ) * 4;
+		int x = j % size;
+		int y = j / size;
+		vec4 v1 = texelFetch( boneTexture, ivec2( x, y ), 0 );
+		vec4 v2 = texelFetch( boneTexture, ivec2( x + 1, y ), 0 );
+		vec4 v3 = texelFetch( boneTexture, ivec2( x + 2, y ), 0 );
+		vec4 v4 = texelFetch( boneTexture, ivec2( x + 3, y ), 0 );
+		return mat4( v1, v2, v3, v4 );
+	}
+#endif`,Zb=`#ifdef USE_SKINNING
+	vec4 skinVertex = bindMatrix * vec4( transformed, 1.0 );
+	vec4 skinned = vec4( 0.0 );
+	skinned += boneMatX * skinVertex * skinWeight.x;
+	skinned += boneMatY * skinVertex * skinWeight.y;
+	skinned += boneMatZ * skinVertex * skinWeight.z;
+	skinned += boneMatW * skinVertex * skinWeight.w;
+	transformed = ( bindMatrixInverse * skinned ).xyz;
+#endif`,Kb=`#ifdef USE_SKINNING
+	mat4 skinMatrix = mat4( 0.0 );
+	skinMatrix += skinWeight.x * boneMatX;
+	skinMatrix += skinWeight.y * boneMatY;
+	skinMatrix += skinWeight.z * boneMatZ;
+	skinMatrix += skinWeight.w * boneMatW;
+	skinMatrix = bindMatrixInverse * skinMatrix * bindMatrix;
+	objectNormal = vec4( skinMatrix * vec4( objectNormal, 0.0 ) ).xyz;
+	#ifdef USE_TANGENT
+		objectTangent = vec4( skinMatrix * vec4( objectTangent, 0.0 ) ).xyz;
+	#endif
+#endif`,Jb=`float specularStrength;
+#ifdef USE_SPECULARMAP
+	vec4 texelSpecular = texture2D( specularMap, vSpecularMapUv );
+	specularStrength = texelSpecular.r;
+#else
+	specularStrength = 1.0;
+#endif`,jb=`#ifdef USE_SPECULARMAP
+	uniform sampler2D specularMap;
+#endif`,Qb=`#if defined( TONE_MAPPING )
+	gl_FragColor.rgb = toneMapping( gl_FragColor.rgb );
+#endif`,eS=`#ifndef saturate
+#define saturate( a ) clamp( a, 0.0, 1.0 )
+#endif
+uniform float toneMappingExposure;
+vec3 LinearToneMapping( vec3 color ) {
+	return saturate( toneMappingExposure * color );
+}
+vec3 ReinhardToneMapping( vec3 color ) {
+	color *= toneMappingExposure;
+	return saturate( color / ( vec3( 1.0 ) + color ) );
+}
+vec3 CineonToneMapping( vec3 color ) {
+	color *= toneMappingExposure;
+	color = max( vec3( 0.0 ), color - 0.004 );
+	return pow( ( color * ( 6.2 * color + 0.5 ) ) / ( color * ( 6.2 * color + 1.7 ) + 0.06 ), vec3( 2.2 ) );
+}
+vec3 RRTAndODTFit( vec3 v ) {
+	vec3 a = v * ( v + 0.0245786 ) - 0.000090537;
+	vec3 b = v * ( 0.983729 * v + 0.4329510 ) + 0.238081;
+	return a / b;
+}
+vec3 ACESFilmicToneMapping( vec3 color ) {
+	const mat3 ACESInputMat = mat3(
+		vec3( 0.59719, 0.07600, 0.02840 ),		vec3( 0.35458, 0.90834, 0.13383 ),
+		vec3( 0.04823, 0.01566, 0.83777 )
+	);
+	const mat3 ACESOutputMat = mat3(
+		vec3(  1.60475, -0.10208, -0.00327 ),		vec3( -0.53108,  1.10813, -0.07276 ),
+		vec3( -0.07367, -0.00605,  1.07602 )
+	);
+	color *= toneMappingExposure / 0.6;
+	color = ACESInputMat * color;
+	color = RRTAndODTFit( color );
+	color = ACESOutputMat * color;
+	return saturate( color );
+}
+const mat3 LINEAR_REC2020_TO_LINEAR_SRGB = mat3(
+	vec3( 1.6605, - 0.1246, - 0.0182 ),
+	vec3( - 0.5876, 1.1329, - 0.1006 ),
+	vec3( - 0.0728, - 0.0083, 1.1187 )
+);
+const mat3 LINEAR_SRGB_TO_LINEAR_REC2020 = mat3(
+	vec3( 0.6274, 0.0691, 0.0164 ),
+	vec3( 0.3293, 0.9195, 0.0880 ),
+	vec3( 0.0433, 0.0113, 0.8956 )
+);
+vec3 agxDefaultContrastApprox( vec3 x ) {
+	vec3 x2 = x * x;
+	vec3 x4 = x2 * x2;
+	return + 15.5 * x4 * x2
+		- 40.14 * x4 * x
+		+ 31.96 * x4
+		- 6.868 * x2 * x
+		+ 0.4298 * x2
+		+ 0.1191 * x
+		- 0.00232;
+}
+vec3 AgXToneMapping( vec3 color ) {
+	const mat3 AgXInsetMatrix = mat3(
+		vec3( 0.856627153315983, 0.137318972929847, 0.11189821299995 ),
+		vec3( 0.0951212405381588, 0.761241990602591, 0.0767994186031903 ),
+		vec3( 0.0482516061458583, 0.101439036467562, 0.811302368396859 )
+	);
+	const mat3 AgXOutsetMatrix = mat3(
+		vec3( 1.1271005818144368, - 0.1413297634984383, - 0.14132976349843826 ),
+		vec3( - 0.11060664309660323, 1.157823702216272, - 0.11060664309660294 ),
+		vec3( - 0.016493938717834573, - 0.016493938717834257, 1.2519364065950405 )
+	);
+	const float AgxMinEv = - 12.47393;	const float AgxMaxEv = 4.026069;
+	color *= toneMappingExposure;
+	color = LINEAR_SRGB_TO_LINEAR_REC2020 * color;
+	color = AgXInsetMatrix * color;
+	color = max( color, 1e-10 );	color = log2( color );
+	color = ( color - AgxMinEv ) / ( AgxMaxEv - AgxMinEv );
+	color = clamp( color, 0.0, 1.0 );
+	color = agxDefaultContrastApprox( color );
+	color = AgXOutsetMatrix * color;
+	color = pow( max( vec3( 0.0 ), color ), vec3( 2.2 ) );
+	color = LINEAR_REC2020_TO_LINEAR_SRGB * color;
+	color = clamp( color, 0.0, 1.0 );
+	return color;
+}
+vec3 NeutralToneMapping( vec3 color ) {
+	const float StartCompression = 0.8 - 0.04;
+	const float Desaturation = 0.15;
+	color *= toneMappingExposure;
+	float x = min( color.r, min( color.g, color.b ) );
+	float offset = x < 0.08 ? x - 6.25 * x * x : 0.04;
+	color -= offset;
+	float peak = max( color.r, max( color.g, color.b ) );
+	if ( peak < StartCompression ) return color;
+	float d = 1. - StartCompression;
+	float newPeak = 1. - d * d / ( peak + d - StartCompression );
+	color *= newPeak / peak;
+	float g = 1. - 1. / ( Desaturation * ( peak - newPeak ) + 1. );
+	return mix( color, vec3( newPeak ), g );
+}
+vec3 CustomToneMapping( vec3 color ) { return color; }`,tS=`#ifdef USE_TRANSMISSION
+	material.transmission = transmission;
+	material.transmissionAlpha = 1.0;
+	material.thickness = thickness;
+	material.attenuationDistance = attenuationDistance;
+	material.attenuationColor = attenuationColor;
+	#ifdef USE_TRANSMISSIONMAP
+		material.transmission *= texture2D( transmissionMap, vTransmissionMapUv ).r;
+	#endif
+	#ifdef USE_THICKNESSMAP
+		material.thickness *= texture2D( thicknessMap, vThicknessMapUv ).g;
+	#endif
+	vec3 pos = vWorldPosition;
+	vec3 v = normalize( cameraPosition - pos );
+	vec3 n = transformNormalByInverseViewMatrix( normal, viewMatrix );
+	vec4 transmitted = getIBLVolumeRefraction(
+		n, v, material.roughness, material.diffuseContribution, material.specularColorBlended, material.specularF90,
+		pos, modelMatrix, viewMatrix, projectionMatrix, material.dispersion, material.ior, material.thickness,
+		material.attenuationColor, material.attenuationDistance );
+	material.transmissionAlpha = mix( material.transmissionAlpha, transmitted.a, material.transmission );
+	totalDiffuse = mix( totalDiffuse, transmitted.rgb, material.transmission );
+#endif`,nS=`#ifdef USE_TRANSMISSION
+	uniform float transmission;
+	uniform float thickness;
+	uniform float attenuationDistance;
+	uniform vec3 attenuationColor;
+	#ifdef USE_TRANSMISSIONMAP
+		uniform sampler2D transmissionMap;
+	#endif
+	#ifdef USE_THICKNESSMAP
+		uniform sampler2D thicknessMap;
+	#endif
+	uniform vec2 transmissionSamplerSize;
+	uniform sampler2D transmissionSamplerMap;
+	uniform mat4 modelMatrix;
+	uniform mat4 projectionMatrix;
+	varying vec3 vWorldPosition;
+	float w0( float a ) {
+		return ( 1.0 / 6.0 ) * ( a * ( a * ( - a + 3.0 ) - 3.0 ) + 1.0 );
+	}
+	float w1( float a ) {
+		return ( 1.0 / 6.0 ) * ( a *  a * ( 3.0 * a - 6.0 ) + 4.0 );
+	}
+	float w2( float a ){
+		return ( 1.0 / 6.0 ) * ( a * ( a * ( - 3.0 * a + 3.0 ) + 3.0 ) + 1.0 );
+	}
+	float w3( float a ) {
+		return ( 1.0 / 6.0 ) * ( a * a * a );
+	}
+	float g0( float a ) {
+		return w0( a ) + w1( a );
+	}
+	float g1( float a ) {
+		return w2( a ) + w3( a );
+	}
+	float h0( float a ) {
+		return - 1.0 + w1( a ) / ( w0( a ) + w1( a ) );
+	}
+	float h1( float a ) {
+		return 1.0 + w3( a ) / ( w2( a ) + w3( a ) );
+	}
+	vec4 bicubic( sampler2D tex, vec2 uv, vec4 texelSize, float lod ) {
+		uv = uv * texelSize.zw + 0.5;
+		vec2 iuv = floor( uv );
+		vec2 fuv = fract( uv );
+		float g0x = g0( fuv.x );
+		float g1x = g1( fuv.x );
+		float h0x = h0( fuv.x );
+		float h1x = h1( fuv.x );
+		float h0y = h0( fuv.y );
+		float h1y = h1( fuv.y );
+		vec2 p0 = ( vec2( iuv.x + h0x, iuv.y + h0y ) - 0.5 ) * texelSize.xy;
+		vec2 p1 = ( vec2( iuv.x + h1x, iuv.y + h0y ) - 0.5 ) * texelSize.xy;
+		vec2 p2 = ( vec2( iuv.x + h0x, iuv.y + h1y ) - 0.5 ) * texelSize.xy;
+		vec2 p3 = ( vec2( iuv.x + h1x, iuv.y + h1y ) - 0.5 ) * texelSize.xy;
+		return g0( fuv.y ) * ( g0x * textureLod( tex, p0, lod ) + g1x * textureLod( tex, p1, lod ) ) +
+			g1( fuv.y ) * ( g0x * textureLod( tex, p2, lod ) + g1x * textureLod( tex, p3, lod ) );
+	}
+	vec4 textureBicubic( sampler2D sampler, vec2 uv, float lod ) {
+		vec2 fLodSize = vec2( textureSize( sampler, int( lod ) ) );
+		vec2 cLodSize = vec2( textureSize( sampler, int( lod + 1.0 ) ) );
+		vec2 fLodSizeInv = 1.0 / fLodSize;
+		vec2 cLodSizeInv = 1.0 / cLodSize;
+		vec4 fSample = bicubic( sampler, uv, vec4( fLodSizeInv, fLodSize ), floor( lod ) );
+		vec4 cSample = bicubic( sampler, uv, vec4( cLodSizeInv, cLodSize ), ceil( lod ) );
+		return mix( fSample, cSample, fract( lod ) );
+	}
+	vec3 getVolumeTransmissionRay( const in vec3 n, const in vec3 v, const in float thickness, const in float ior, const in mat4 modelMatrix ) {
+		vec3 refractionVector = refract( - v, normalize( n ), 1.0 / ior );
+		vec3 modelScale;
+		modelScale.x = length( vec3( modelMatrix[ 0 ].xyz ) );
+		modelScale.y = length( vec3( modelMatrix[ 1 ].xyz ) );
+		modelScale.z = length( vec3( modelMatrix[ 2 ].xyz ) );
+		return normalize( refractionVector ) * thickness * modelScale;
+	}
+	float applyIorToRoughness( const in float roughness, const in float ior ) {
+		return roughness * clamp( ior * 2.0 - 2.0, 0.0, 1.0 );
+	}
+	vec4 getTransmissionSample( const in vec2 fragCoord, const in float roughness, const in float ior ) {
+		float lod = log2( transmissionSamplerSize.x ) * applyIorToRoughness( roughness, ior );
+		return textureBicubic( transmissionSamplerMap, fragCoord.xy, lod );
+	}
+	vec3 volumeAttenuation( const in float transmissionDistance, const in vec3 attenuationColor, const in float attenuationDistance ) {
+		if ( isinf( attenuationDistance ) ) {
+			return vec3( 1.0 );
+		} else {
+			vec3 attenuationCoefficient = -log( attenuationColor ) / attenuationDistance;
+			vec3 transmittance = exp( - attenuationCoefficient * transmissionDistance );			return transmittance;
+		}
+	}
+	vec4 getIBLVolumeRefraction( const in vec3 n, const in vec3 v, const in float roughness, const in vec3 diffuseColor,
+		const in vec3 specularColor, const in float specularF90, const in vec3 position, const in mat4 modelMatrix,
+		const in mat4 viewMatrix, const in mat4 projMatrix, const in float dispersion, const in float ior, const in float thickness,
+		const in vec3 attenuationColor, const in float attenuationDistance ) {
+		vec4 transmittedLight;
+		vec3 transmittance;
+		#ifdef USE_DISPERSION
+			float halfSpread = ( ior - 1.0 ) * 0.025 * dispersion;
+			vec3 iors = vec3( ior - halfSpread, ior, ior + halfSpread );
+			for ( int i = 0; i < 3; i ++ ) {
+				vec3 transmissionRay = getVolumeTransmissionRay( n, v, thickness, iors[ i ], modelMatrix );
+				vec3 refractedRayExit = position + transmissionRay;
+				vec4 ndcPos = projMatrix * viewMatrix * vec4( refractedRayExit, 1.0 );
+				vec2 refractionCoords = ndcPos.xy / ndcPos.w;
+				refractionCoords += 1.0;
+				refractionCoords /= 2.0;
+				vec4 transmissionSample = getTransmissionSample( refractionCoords, roughness, iors[ i ] );
+				transmittedLight[ i ] = transmissionSample[ i ];
+				transmittedLight.a += transmissionSample.a;
+				transmittance[ i ] = diffuseColor[ i ] * volumeAttenuation( length( transmissionRay ), attenuationColor, attenuationDistance )[ i ];
+			}
+			transmittedLight.a /= 3.0;
+		#else
+			vec3 transmissionRay = getVolumeTransmissionRay( n, v, thickness, ior, modelMatrix );
+			vec3 refractedRayExit = position + transmissionRay;
+			vec4 ndcPos = projMatrix * viewMatrix * vec4( refractedRayExit, 1.0 );
+			vec2 refractionCoords = ndcPos.xy / ndcPos.w;
+			refractionCoords += 1.0;
+			refractionCoords /= 2.0;
+			transmittedLight = getTransmissionSample( refractionCoords, roughness, ior );
+			transmittance = diffuseColor * volumeAttenuation( length( transmissionRay ), attenuationColor, attenuationDistance );
+		#endif
+		vec3 attenuatedColor = transmittance * transmittedLight.rgb;
+		vec3 F = EnvironmentBRDF( n, v, specularColor, specularF90, roughness );
+		float transmittanceFactor = ( transmittance.r + transmittance.g + transmittance.b ) / 3.0;
+		return vec4( ( 1.0 - F ) * attenuatedColor, 1.0 - ( 1.0 - transmittedLight.a ) * transmittanceFactor );
+	}
+#endif`,iS=`#if defined( USE_UV ) || defined( USE_ANISOTROPY )
+	varying vec2 vUv;
+#endif
+#ifdef USE_MAP
+	varying vec2 vMapUv;
+#endif
+#ifdef USE_ALPHAMAP
+	varying vec2 vAlphaMapUv;
+#endif
+#ifdef USE_LIGHTMAP
+	varying vec2 vLightMapUv;
+#endif
+#ifdef USE_AOMAP
+	varying vec2 vAoMapUv;
+#endif
+#ifdef USE_BUMPMAP
+	varying vec2 vBumpMapUv;
+#endif
+#ifdef USE_NORMALMAP
+	varying vec2 vNormalMapUv;
+#endif
+#ifdef USE_EMISSIVEMAP
+	varying vec2 vEmissiveMapUv;
+#endif
+#ifdef USE_METALNESSMAP
+	varying vec2 vMetalnessMapUv;
+#endif
+#ifdef USE_ROUGHNESSMAP
+	varying vec2 vRoughnessMapUv;
+#endif
+#ifdef USE_DIFFUSE_ROUGHNESSMAP
+	varying vec2 vDiffuseRoughnessMapUv;
+#endif
+#ifdef USE_ANISOTROPYMAP
+	varying vec2 vAnisotropyMapUv;
+#endif
+#ifdef USE_CLEARCOATMAP
+	varying vec2 vClearcoatMapUv;
+#endif
+#ifdef USE_CLEARCOAT_NORMALMAP
+	varying vec2 vClearcoatNormalMapUv;
+#endif
+#ifdef USE_CLEARCOAT_ROUGHNESSMAP
+	varying vec2 vClearcoatRoughnessMapUv;
+#endif
+#ifdef USE_IRIDESCENCEMAP
+	varying vec2 vIridescenceMapUv;
+#endif
+#ifdef USE_IRIDESCENCE_THICKNESSMAP
+	varying vec2 vIridescenceThicknessMapUv;
+#endif
+#ifdef USE_SHEEN_COLORMAP
+	varying vec2 vSheenColorMapUv;
+#endif
+#ifdef USE_SHEEN_ROUGHNESSMAP
+	varying vec2 vSheenRoughnessMapUv;
+#endif
+#ifdef USE_SPECULARMAP
+	varying vec2 vSpecularMapUv;
+#endif
+#ifdef USE_SPECULAR_COLORMAP
+	varying vec2 vSpecularColorMapUv;
+#endif
+#ifdef USE_SPECULAR_INTENSITYMAP
+	varying vec2 vSpecularIntensityMapUv;
+#endif
+#ifdef USE_TRANSMISSIONMAP
+	uniform mat3 transmissionMapTransform;
+	varying vec2 vTransmissionMapUv;
+#endif
+#ifdef USE_THICKNESSMAP
+	uniform mat3 thicknessMapTransform;
+	varying vec2 vThicknessMapUv;
+#endif`,sS=`#if defined( USE_UV ) || defined( USE_ANISOTROPY )
+	varying vec2 vUv;
+#endif
+#ifdef USE_MAP
+	uniform mat3 mapTransform;
+	varying vec2 vMapUv;
+#endif
+#ifdef USE_ALPHAMAP
+	uniform mat3 alphaMapTransform;
+	varying vec2 vAlphaMapUv;
+#endif
+#ifdef USE_LIGHTMAP
+	uniform mat3 lightMapTransform;
+	varying vec2 vLightMapUv;
+#endif
+#ifdef USE_AOMAP
+	uniform mat3 aoMapTransform;
+	varying vec2 vAoMapUv;
+#endif
+#ifdef USE_BUMPMAP
+	uniform mat3 bumpMapTransform;
+	varying vec2 vBumpMapUv;
+#endif
+#ifdef USE_NORMALMAP
+	uniform mat3 normalMapTransform;
+	varying vec2 vNormalMapUv;
+#endif
+#ifdef USE_DISPLACEMENTMAP
+	uniform mat3 displacementMapTransform;
+	varying vec2 vDisplacementMapUv;
+#endif
+#ifdef USE_EMISSIVEMAP
+	uniform mat3 emissiveMapTransform;
+	varying vec2 vEmissiveMapUv;
+#endif
+#ifdef USE_METALNESSMAP
+	uniform mat3 metalnessMapTransform;
+	varying vec2 vMetalnessMapUv;
+#endif
+#ifdef USE_ROUGHNESSMAP
+	uniform mat3 roughnessMapTransform;
+	varying vec2 vRoughnessMapUv;
+#endif
+#ifdef USE_DIFFUSE_ROUGHNESSMAP
+	uniform mat3 diffuseRoughnessMapTransform;
+	varying vec2 vDiffuseRoughnessMapUv;
+#endif
+#ifdef USE_ANISOTROPYMAP
+	uniform mat3 anisotropyMapTransform;
+	varying vec2 vAnisotropyMapUv;
+#endif
+#ifdef USE_CLEARCOATMAP
+	uniform mat3 clearcoatMapTransform;
+	varying vec2 vClearcoatMapUv;
+#endif
+#ifdef USE_CLEARCOAT_NORMALMAP
+	uniform mat3 clearcoatNormalMapTransform;
+	varying vec2 vClearcoatNormalMapUv;
+#endif
+#ifdef USE_CLEARCOAT_ROUGHNESSMAP
+	uniform mat3 clearcoatRoughnessMapTransform;
+	varying vec2 vClearcoatRoughnessMapUv;
+#endif
+#ifdef USE_SHEEN_COLORMAP
+	uniform mat3 sheenColorMapTransform;
+	varying vec2 vSheenColorMapUv;
+#endif
+#ifdef USE_SHEEN_ROUGHNESSMAP
+	uniform mat3 sheenRoughnessMapTransform;
+	varying vec2 vSheenRoughnessMapUv;
+#endif
+#ifdef USE_IRIDESCENCEMAP
+	uniform mat3 iridescenceMapTransform;
+	varying vec2 vIridescenceMapUv;
+#endif
+#ifdef USE_IRIDESCENCE_THICKNESSMAP
+	uniform mat3 iridescenceThicknessMapTransform;
+	varying vec2 vIridescenceThicknessMapUv;
+#endif
+#ifdef USE_SPECULARMAP
+	uniform mat3 specularMapTransform;
+	varying vec2 vSpecularMapUv;
+#endif
+#ifdef USE_SPECULAR_COLORMAP
+	uniform mat3 specularColorMapTransform;
+	varying vec2 vSpecularColorMapUv;
+#endif
+#ifdef USE_SPECULAR_INTENSITYMAP
+	uniform mat3 specularIntensityMapTransform;
+	varying vec2 vSpecularIntensityMapUv;
+#endif
+#ifdef USE_TRANSMISSIONMAP
+	uniform mat3 transmissionMapTransform;
+	varying vec2 vTransmissionMapUv;
+#endif
+#ifdef USE_THICKNESSMAP
+	uniform mat3 thicknessMapTransform;
+	varying vec2 vThicknessMapUv;
+#endif`,rS=`#if defined( USE_UV ) || defined( USE_ANISOTROPY )
+	vUv = vec3( uv, 1 ).xy;
+#endif
+#ifdef USE_MAP
+	vMapUv = ( mapTransform * vec3( MAP_UV, 1 ) ).xy;
+#endif
+#ifdef USE_ALPHAMAP
+	vAlphaMapUv = ( alphaMapTransform * vec3( ALPHAMAP_UV, 1 ) ).xy;
+#endif
+#ifdef USE_LIGHTMAP
+	vLightMapUv = ( lightMapTransform * vec3( LIGHTMAP_UV, 1 ) ).xy;
+#endif
+#ifdef USE_AOMAP
+	vAoMapUv = ( aoMapTransform * vec3( AOMAP_UV, 1 ) ).xy;
+#endif
+#ifdef USE_BUMPMAP
+	vBumpMapUv = ( bumpMapTransform * vec3( BUMPMAP_UV, 1 ) ).xy;
+#endif
+#ifdef USE_NORMALMAP
+	vNormalMapUv = ( normalMapTransform * vec3( NORMALMAP_UV, 1 ) ).xy;
+#endif
+#ifdef USE_DISPLACEMENTMAP
+	vDisplacementMapUv = ( displacementMapTransform * vec3( DISPLACEMENTMAP_UV, 1 ) ).xy;
+#endif
+#ifdef USE_EMISSIVEMAP
+	vEmissiveMapUv = ( emissiveMapTransform * vec3( EMISSIVEMAP_UV, 1 ) ).xy;
+#endif
+#ifdef USE_METALNESSMAP
+	vMetalnessMapUv = ( metalnessMapTransform * vec3( METALNESSMAP_UV, 1 ) ).xy;
+#endif
+#ifdef USE_ROUGHNESSMAP
+	vRoughnessMapUv = ( roughnessMapTransform * vec3( ROUGHNESSMAP_UV, 1 ) ).xy;
+#endif
+#ifdef USE_DIFFUSE_ROUGHNESSMAP
+	vDiffuseRoughnessMapUv = ( diffuseRoughnessMapTransform * vec3( DIFFUSE_ROUGHNESSMAP_UV, 1 ) ).xy;
+#endif
+#ifdef USE_ANISOTROPYMAP
+	vAnisotropyMapUv = ( anisotropyMapTransform * vec3( ANISOTROPYMAP_UV, 1 ) ).xy;
+#endif
+#ifdef USE_CLEARCOATMAP
+	vClearcoatMapUv = ( clearcoatMapTransform * vec3( CLEARCOATMAP_UV, 1 ) ).xy;
+#endif
+#ifdef USE_CLEARCOAT_NORMALMAP
+	vClearcoatNormalMapUv = ( clearcoatNormalMapTransform * vec3( CLEARCOAT_NORMALMAP_UV, 1 ) ).xy;
+#endif
+#ifdef USE_CLEARCOAT_ROUGHNESSMAP
+	vClearcoatRoughnessMapUv = ( clearcoatRoughnessMapTransform * vec3( CLEARCOAT_ROUGHNESSMAP_UV, 1 ) ).xy;
+#endif
+#ifdef USE_IRIDESCENCEMAP
+	vIridescenceMapUv = ( iridescenceMapTransform * vec3( IRIDESCENCEMAP_UV, 1 ) ).xy;
+#endif
+#ifdef USE_IRIDESCENCE_THICKNESSMAP
+	vIridescenceThicknessMapUv = ( iridescenceThicknessMapTransform * vec3( IRIDESCENCE_THICKNESSMAP_UV, 1 ) ).xy;
+#endif
+#ifdef USE_SHEEN_COLORMAP
+	vSheenColorMapUv = ( sheenColorMapTransform * vec3( SHEEN_COLORMAP_UV, 1 ) ).xy;
+#endif
+#ifdef USE_SHEEN_ROUGHNESSMAP
+	vSheenRoughnessMapUv = ( sheenRoughnessMapTransform * vec3( SHEEN_ROUGHNESSMAP_UV, 1 ) ).xy;
+#endif
+#ifdef USE_SPECULARMAP
+	vSpecularMapUv = ( specularMapTransform * vec3( SPECULARMAP_UV, 1 ) ).xy;
+#endif
+#ifdef USE_SPECULAR_COLORMAP
+	vSpecularColorMapUv = ( specularColorMapTransform * vec3( SPECULAR_COLORMAP_UV, 1 ) ).xy;
+#endif
+#ifdef USE_SPECULAR_INTENSITYMAP
+	vSpecularIntensityMapUv = ( specularIntensityMapTransform * vec3( SPECULAR_INTENSITYMAP_UV, 1 ) ).xy;
+#endif
+#ifdef USE_TRANSMISSIONMAP
+	vTransmissionMapUv = ( transmissionMapTransform * vec3( TRANSMISSIONMAP_UV, 1 ) ).xy;
+#endif
+#ifdef USE_THICKNESSMAP
+	vThicknessMapUv = ( thicknessMapTransform * vec3( THICKNESSMAP_UV, 1 ) ).xy;
+#endif`,oS=`#if defined( USE_ENVMAP ) || defined( DISTANCE ) || defined ( USE_SHADOWMAP ) || defined ( USE_TRANSMISSION ) || NUM_SPOT_LIGHT_COORDS > 0
+	vec4 worldPosition = vec4( transformed, 1.0 );
+	#ifdef USE_BATCHING
+		worldPosition = batchingMatrix * worldPosition;
+	#endif
+	#ifdef USE_INSTANCING
+		worldPosition = instanceMatrix * worldPosition;
+	#endif
+	worldPosition = modelMatrix * worldPosition;
+#endif`,aS=`varying vec2 vUv;
+uniform mat3 uvTransform;
+void main() {
+	vUv = ( uvTransform * vec3( uv, 1 ) ).xy;
+	gl_Position = vec4( position.xy, 1.0, 1.0 );
+}`,lS=`uniform sampler2D t2D;
+uniform float backgroundIntensity;
+varying vec2 vUv;
+void main() {
+	vec4 texColor = texture2D( t2D, vUv );
+	#ifdef DECODE_VIDEO_TEXTURE
+		texColor = vec4( mix( pow( texColor.rgb * 0.9478672986 + vec3( 0.0521327014 ), vec3( 2.4 ) ), texColor.rgb * 0.0773993808, vec3( lessThanEqual( texColor.rgb, vec3( 0.04045 ) ) ) ), texColor.w );
+	#endif
+	texColor.rgb *= backgroundIntensity;
+	gl_FragColor = texColor;
+	#include <tonemapping_fragment>
+	#include <colorspace_fragment>
+}`,cS=`varying vec3 vWorldDirection;
+#include <common>
+void main() {
+	vWorldDirection = transformDirection( position, modelMatrix );
+	#include <begin_vertex>
+	#include <project_vertex>
+	gl_Position.z = gl_Position.w;
+}`,hS=`uniform float backgroundBlurriness;
+uniform float backgroundIntensity;
+uniform mat3 backgroundRotation;
+varying vec3 vWorldDirection;
+#include <envmap_common_pars_fragment>
+void main() {
+	#ifdef ENVMAP_TYPE_PMREM
+		vec4 texColor = textureLod( envMap, backgroundRotation * vWorldDirection, roughnessToMip( backgroundBlurriness ) );
+	#else
+		vec4 texColor = textureCube( envMap, backgroundRotation * vWorldDirection );
+	#endif
+	texColor.rgb *= backgroundIntensity;
+	gl_FragColor = texColor;
+	#include <tonemapping_fragment>
+	#include <colorspace_fragment>
+}`,uS=`varying vec3 vWorldDirection;
+#include <common>
+void main() {
+	vWorldDirection = transformDirection( position, modelMatrix );
+	#include <begin_vertex>
+	#include <project_vertex>
+	gl_Position.z = gl_Position.w;
+}`,dS=`uniform samplerCube tCube;
+uniform float tFlip;
+uniform float opacity;
+varying vec3 vWorldDirection;
+void main() {
+	vec4 texColor = textureCube( tCube, vec3( tFlip * vWorldDirection.x, vWorldDirection.yz ) );
+	gl_FragColor = texColor;
+	gl_FragColor.a *= opacity;
+	#include <tonemapping_fragment>
+	#include <colorspace_fragment>
+}`,fS=`#include <common>
+#include <batching_pars_vertex>
+#include <uv_pars_vertex>
+#include <displacementmap_pars_vertex>
+#include <morphtarget_pars_vertex>
+#include <skinning_pars_vertex>
+#include <logdepthbuf_pars_vertex>
+#include <clipping_planes_pars_vertex>
+varying vec2 vHighPrecisionZW;
+void main() {
+	#include <uv_vertex>
+	#include <batching_vertex>
+	#include <skinbase_vertex>
+	#include <morphinstance_vertex>
+	#ifdef USE_DISPLACEMENTMAP
+		#include <beginnormal_vertex>
+		#include <morphnormal_vertex>
+		#include <skinnormal_vertex>
+	#endif
+	#include <begin_vertex>
+	#include <morphtarget_vertex>
+	#include <skinning_vertex>
+	#include <displacementmap_vertex>
+	#include <project_vertex>
+	#include <logdepthbuf_vertex>
+	#include <clipping_planes_vertex>
+	vHighPrecisionZW = gl_Position.zw;
+}`,pS=`#if DEPTH_PACKING == 3200
+	uniform float opacity;
+#endif
+#include <common>
+#include <packing>
+#include <uv_pars_fragment>
+#include <map_pars_fragment>
+#include <alphamap_pars_fragment>
+#include <alphatest_pars_fragment>
+#include <alphahash_pars_fragment>
+#include <logdepthbuf_pars_fragment>
+#include <clipping_planes_pars_fragment>
+varying vec2 vHighPrecisionZW;
+void main() {
+	vec4 diffuseColor = vec4( 1.0 );
+	#include <clipping_planes_fragment>
+	#if DEPTH_PACKING == 3200
+		diffuseColor.a = opacity;
+	#endif
+	#include <map_fragment>
+	#include <alphamap_fragment>
+	#include <alphatest_fragment>
+	#include <alphahash_fragment>
+	#include <logdepthbuf_fragment>
+	#ifdef USE_REVERSED_DEPTH_BUFFER
+		float fragCoordZ = vHighPrecisionZW[ 0 ] / vHighPrecisionZW[ 1 ];
+	#else
+		float fragCoordZ = 0.5 * vHighPrecisionZW[ 0 ] / vHighPrecisionZW[ 1 ] + 0.5;
+	#endif
+	#if DEPTH_PACKING == 3200
+		gl_FragColor = vec4( vec3( 1.0 - fragCoordZ ), opacity );
+	#elif DEPTH_PACKING == 3201
+		gl_FragColor = packDepthToRGBA( fragCoordZ );
+	#elif DEPTH_PACKING == 3202
+		gl_FragColor = vec4( packDepthToRGB( fragCoordZ ), 1.0 );
+	#elif DEPTH_PACKING == 3203
+		gl_FragColor = vec4( packDepthToRG( fragCoordZ ), 0.0, 1.0 );
+	#endif
+}`,mS=`#define DISTANCE
+varying vec3 vWorldPosition;
+#include <common>
+#include <batching_pars_vertex>
+#include <uv_pars_vertex>
+#include <displacementmap_pars_vertex>
+#include <morphtarget_pars_vertex>
+#include <skinning_pars_vertex>
+#include <clipping_planes_pars_vertex>
+void main() {
+	#include <uv_vertex>
+	#include <batching_vertex>
+	#include <skinbase_vertex>
+	#include <morphinstance_vertex>
+	#ifdef USE_DISPLACEMENTMAP
+		#include <beginnormal_vertex>
+		#include <morphnormal_vertex>
+		#include <skinnormal_vertex>
+	#endif
+	#include <begin_vertex>
+	#include <morphtarget_vertex>
+	#include <skinning_vertex>
+	#include <displacementmap_vertex>
+	#include <project_vertex>
+	#include <worldpos_vertex>
+	#include <clipping_planes_vertex>
+	vWorldPosition = worldPosition.xyz;
+}`,gS=`#define DISTANCE
+uniform vec3 referencePosition;
+uniform float nearDistance;
+uniform float farDistance;
+varying vec3 vWorldPosition;
+#include <common>
+#include <uv_pars_fragment>
+#include <map_pars_fragment>
+#include <alphamap_pars_fragment>
+#include <alphatest_pars_fragment>
+#include <alphahash_pars_fragment>
+#include <clipping_planes_pars_fragment>
+void main() {
+	vec4 diffuseColor = vec4( 1.0 );
+	#include <clipping_planes_fragment>
+	#include <map_fragment>
+	#include <alphamap_fragment>
+	#include <alphatest_fragment>
+	#include <alphahash_fragment>
+	float dist = length( vWorldPosition - referencePosition );
+	dist = ( dist - nearDistance ) / ( farDistance - nearDistance );
+	dist = saturate( dist );
+	gl_FragColor = vec4( dist, 0.0, 0.0, 1.0 );
+}`,yS=`varying vec3 vWorldDirection;
+#include <common>
+void main() {
+	vWorldDirection = transformDirection( position, modelMatrix );
+	#include <begin_vertex>
+	#include <project_vertex>
+}`,_S=`uniform sampler2D tEquirect;
+varying vec3 vWorldDirection;
+#include <common>
+void main() {
+	vec3 direction = normalize( vWorldDirection );
+	vec2 sampleUV = equirectUv( direction );
+	gl_FragColor = texture2D( tEquirect, sampleUV );
+	#include <tonemapping_fragment>
+	#include <colorspace_fragment>
+}`,vS=`uniform float scale;
+attribute float lineDistance;
+varying float vLineDistance;
+#include <common>
+#include <uv_pars_vertex>
+#include <color_pars_vertex>
+#include <fog_pars_vertex>
+#include <morphtarget_pars_vertex>
+#include <logdepthbuf_pars_vertex>
+#include <clipping_planes_pars_vertex>
+void main() {
+	vLineDistance = scale * lineDistance;
+	#include <uv_vertex>
+	#include <color_vertex>
+	#include <morphinstance_vertex>
+	#include <morphcolor_vertex>
+	#include <begin_vertex>
+	#include <morphtarget_vertex>
+	#include <project_vertex>
+	#include <logdepthbuf_vertex>
+	#include <clipping_planes_vertex>
+	#include <fog_vertex>
+}`,xS=`uniform vec3 diffuse;
+uniform float opacity;
+uniform float dashSize;
+uniform float totalSize;
+varying float vLineDistance;
+#include <common>
+#include <color_pars_fragment>
+#include <uv_pars_fragment>
+#include <map_pars_fragment>
+#include <fog_pars_fragment>
+#include <logdepthbuf_pars_fragment>
+#include <clipping_planes_pars_fragment>
+void main() {
+	vec4 diffuseColor = vec4( diffuse, opacity );
+	#include <clipping_planes_fragment>
+	if ( mod( vLineDistance, totalSize ) > dashSize ) {
+		discard;
+	}
+	vec3 outgoingLight = vec3( 0.0 );
+	#include <logdepthbuf_fragment>
+	#include <map_fragment>
+	#include <color_fragment>
+	outgoingLight = diffuseColor.rgb;
+	#include <opaque_fragment>
+	#include <tonemapping_fragment>
+	#include <colorspace_fragment>
+	#include <fog_fragment>
+	#include <premultiplied_alpha_fragment>
+}`,bS=`#include <common>
+#include <batching_pars_vertex>
+#include <uv_pars_vertex>
+#include <envmap_pars_vertex>
+#include <color_pars_vertex>
+#include <fog_pars_vertex>
+#include <morphtarget_pars_vertex>
+#include <skinning_pars_vertex>
+#include <logdepthbuf_pars_vertex>
+#include <clipping_planes_pars_vertex>
+void main() {
+	#include <uv_vertex>
+	#include <color_vertex>
+	#include <morphinstance_vertex>
+	#include <morphcolor_vertex>
+	#include <batching_vertex>
+	#if defined ( USE_ENVMAP ) || defined ( USE_SKINNING )
+		#include <beginnormal_vertex>
+		#include <morphnormal_vertex>
+		#include <skinbase_vertex>
+		#include <skinnormal_vertex>
+		#include <defaultnormal_vertex>
+	#endif
+	#include <begin_vertex>
+	#include <morphtarget_vertex>
+	#include <skinning_vertex>
+	#include <project_vertex>
+	#include <logdepthbuf_vertex>
+	#include <clipping_planes_vertex>
+	#include <worldpos_vertex>
+	#include <envmap_vertex>
+	#include <fog_vertex>
+}`,SS=`uniform vec3 diffuse;
+uniform float opacity;
+#ifndef FLAT_SHADED
+	varying vec3 vNormal;
+#endif
+#include <common>
+#include <dithering_pars_fragment>
+#include <color_pars_fragment>
+#include <uv_pars_fragment>
+#include <map_pars_fragment>
+#include <alphamap_pars_fragment>
+#include <alphatest_pars_fragment>
+#include <alphahash_pars_fragment>
+#include <aomap_pars_fragment>
+#include <lightmap_pars_fragment>
+#include <envmap_common_pars_fragment>
+#include <envmap_pars_fragment>
+#include <fog_pars_fragment>
+#include <specularmap_pars_fragment>
+#include <logdepthbuf_pars_fragment>
+#include <clipping_planes_pars_fragment>
+void main() {
+	vec4 diffuseColor = vec4( diffuse, opacity );
+	#include <clipping_planes_fragment>
+	#include <logdepthbuf_fragment>
+	#include <map_fragment>
+	#include <color_fragment>
+	#include <alphamap_fragment>
+	#include <alphatest_fragment>
+	#include <alphahash_fragment>
+	#include <specularmap_fragment>
+	ReflectedLight reflectedLight = ReflectedLight( vec3( 0.0 ), vec3( 0.0 ), vec3( 0.0 ), vec3( 0.0 ) );
+	#ifdef USE_LIGHTMAP
+		vec4 lightMapTexel = texture2D( lightMap, vLightMapUv );
+		reflectedLight.indirectDiffuse += lightMapTexel.rgb * lightMapIntensity * RECIPROCAL_PI;
+	#else
+		reflectedLight.indirectDiffuse += vec3( 1.0 );
+	#endif
+	#include <aomap_fragment>
+	reflectedLight.indirectDiffuse *= diffuseColor.rgb;
+	vec3 outgoingLight = reflectedLight.indirectDiffuse;
+	#include <envmap_fragment>
+	#include <opaque_fragment>
+	#include <tonemapping_fragment>
+	#include <colorspace_fragment>
+	#include <fog_fragment>
+	#include <premultiplied_alpha_fragment>
+	#include <dithering_fragment>
+}`,MS=`#define LAMBERT
+varying vec3 vViewPosition;
+#include <common>
+#include <batching_pars_vertex>
+#include <uv_pars_vertex>
+#include <displacementmap_pars_vertex>
+#include <envmap_pars_vertex>
+#include <color_pars_vertex>
+#include <fog_pars_vertex>
+#include <normal_pars_vertex>
+#include <morphtarget_pars_vertex>
+#include <skinning_pars_vertex>
+#include <shadowmap_pars_vertex>
+#include <logdepthbuf_pars_vertex>
+#include <clipping_planes_pars_vertex>
+void main() {
+	#include <uv_vertex>
+	#include <color_vertex>
+	#include <morphinstance_vertex>
+	#include <morphcolor_vertex>
+	#include <batching_vertex>
+	#include <beginnormal_vertex>
+	#include <morphnormal_vertex>
+	#include <skinbase_vertex>
+	#include <skinnormal_vertex>
+	#include <defaultnormal_vertex>
+	#include <normal_vertex>
+	#include <begin_vertex>
+	#include <morphtarget_vertex>
+	#include <skinning_vertex>
+	#include <displacementmap_vertex>
+	#include <project_vertex>
+	#include <logdepthbuf_vertex>
+	#include <clipping_planes_vertex>
+	vViewPosition = - mvPosition.xyz;
+	#include <worldpos_vertex>
+	#include <envmap_vertex>
+	#include <shadowmap_vertex>
+	#include <fog_vertex>
+}`,wS=`#define LAMBERT
+uniform vec3 diffuse;
+uniform vec3 emissive;
+uniform float opacity;
+#include <common>
+#include <dithering_pars_fragment>
+#include <color_pars_fragment>
+#include <uv_pars_fragment>
+#include <map_pars_fragment>
+#include <alphamap_pars_fragment>
+#include <alphatest_pars_fragment>
+#include <alphahash_pars_fragment>
+#include <aomap_pars_fragment>
+#include <lightmap_pars_fragment>
+#include <emissivemap_pars_fragment>
+#include <envmap_common_pars_fragment>
+#include <envmap_pars_fragment>
+#include <envmap_physical_pars_fragment>
+#include <fog_pars_fragment>
+#include <bsdfs>
+#include <lights_pars_begin>
+#include <normal_pars_fragment>
+#include <lights_lambert_pars_fragment>
+#include <shadowmap_pars_fragment>
+#include <bumpmap_pars_fragment>
+#include <normalmap_pars_fragment>
+#include <specularmap_pars_fragment>
+#include <logdepthbuf_pars_fragment>
+#include <clipping_planes_pars_fragment>
+void main() {
+	vec4 diffuseColor = vec4( diffuse, opacity );
+	#include <clipping_planes_fragment>
+	ReflectedLight reflectedLight = ReflectedLight( vec3( 0.0 ), vec3( 0.0 ), vec3( 0.0 ), vec3( 0.0 ) );
+	vec3 totalEmissiveRadiance = emissive;
+	#include <logdepthbuf_fragment>
+	#include <map_fragment>
+	#include <color_fragment>
+	#include <alphamap_fragment>
+	#include <alphatest_fragment>
+	#include <alphahash_fragment>
+	#include <specularmap_fragment>
+	#include <normal_fragment_begin>
+	#include <normal_fragment_maps>
+	#include <emissivemap_fragment>
+	#include <lights_lambert_fragment>
+	#include <lights_fragment_begin>
+	#include <lights_fragment_maps>
+	#include <lights_fragment_end>
+	#include <aomap_fragment>
+	vec3 outgoingLight = reflectedLight.directDiffuse + reflectedLight.indirectDiffuse + totalEmissiveRadiance;
+	#include <envmap_fragment>
+	#include <opaque_fragment>
+	#include <tonemapping_fragment>
+	#include <colorspace_fragment>
+	#include <fog_fragment>
+	#include <premultiplied_alpha_fragment>
+	#include <dithering_fragment>
+}`,TS=`#define MATCAP
+varying vec3 vViewPosition;
+#include <common>
+#include <batching_pars_vertex>
+#include <uv_pars_vertex>
+#include <color_pars_vertex>
+#include <displacementmap_pars_vertex>
+#include <fog_pars_vertex>
+#include <normal_pars_vertex>
+#include <morphtarget_pars_vertex>
+#include <skinning_pars_vertex>
+#include <logdepthbuf_pars_vertex>
+#include <clipping_planes_pars_vertex>
+void main() {
+	#include <uv_vertex>
+	#include <color_vertex>
+	#include <morphinstance_vertex>
+	#include <morphcolor_vertex>
+	#include <batching_vertex>
+	#include <beginnormal_vertex>
+	#include <morphnormal_vertex>
+	#include <skinbase_vertex>
+	#include <skinnormal_vertex>
+	#include <defaultnormal_vertex>
+	#include <normal_vertex>
+	#include <begin_vertex>
+	#include <morphtarget_vertex>
+	#include <skinning_vertex>
+	#include <displacementmap_vertex>
+	#include <project_vertex>
+	#include <logdepthbuf_vertex>
+	#include <clipping_planes_vertex>
+	#include <fog_vertex>
+	vViewPosition = - mvPosition.xyz;
+}`,AS=`#define MATCAP
+uniform vec3 diffuse;
+uniform float opacity;
+uniform sampler2D matcap;
+varying vec3 vViewPosition;
+#include <common>
+#include <dithering_pars_fragment>
+#include <color_pars_fragment>
+#include <uv_pars_fragment>
+#include <map_pars_fragment>
+#include <alphamap_pars_fragment>
+#include <alphatest_pars_fragment>
+#include <alphahash_pars_fragment>
+#include <fog_pars_fragment>
+#include <normal_pars_fragment>
+#include <bumpmap_pars_fragment>
+#include <normalmap_pars_fragment>
+#include <logdepthbuf_pars_fragment>
+#include <clipping_planes_pars_fragment>
+void main() {
+	vec4 diffuseColor = vec4( diffuse, opacity );
+	#include <clipping_planes_fragment>
+	#include <logdepthbuf_fragment>
+	#include <map_fragment>
+	#include <color_fragment>
+	#include <alphamap_fragment>
+	#include <alphatest_fragment>
+	#include <alphahash_fragment>
+	#include <normal_fragment_begin>
+	#include <normal_fragment_maps>
+	vec3 viewDir = normalize( vViewPosition );
+	vec3 x = normalize( vec3( viewDir.z, 0.0, - viewDir.x ) );
+	vec3 y = cross( viewDir, x );
+	vec2 uv = vec2( dot( x, normal ), dot( y, normal ) ) * 0.495 + 0.5;
+	#ifdef USE_MATCAP
+		vec4 matcapColor = texture2D( matcap, uv );
+	#else
+		vec4 matcapColor = vec4( vec3( mix( 0.2, 0.8, uv.y ) ), 1.0 );
+	#endif
+	vec3 outgoingLight = diffuseColor.rgb * matcapColor.rgb;
+	#include <opaque_fragment>
+	#include <tonemapping_fragment>
+	#include <colorspace_fragment>
+	#include <fog_fragment>
+	#include <premultiplied_alpha_fragment>
+	#include <dithering_fragment>
+}`,ES=`#define NORMAL
+#if defined( FLAT_SHADED ) || defined( USE_BUMPMAP ) || defined( USE_NORMALMAP_TANGENTSPACE )
+	varying vec3 vViewPosition;
+#endif
+#include <common>
+#include <batching_pars_vertex>
+#include <uv_pars_vertex>
+#include <displacementmap_pars_vertex>
+#include <normal_pars_vertex>
+#include <morphtarget_pars_vertex>
+#include <skinning_pars_vertex>
+#include <logdepthbuf_pars_vertex>
+#include <clipping_planes_pars_vertex>
+void main() {
+	#include <uv_vertex>
+	#include <batching_vertex>
+	#include <beginnormal_vertex>
+	#include <morphinstance_vertex>
+	#include <morphnormal_vertex>
+	#include <skinbase_vertex>
+	#include <skinnormal_vertex>
+	#include <defaultnormal_vertex>
+	#include <normal_vertex>
+	#include <begin_vertex>
+	#include <morphtarget_vertex>
+	#include <skinning_vertex>
+	#include <displacementmap_vertex>
+	#include <project_vertex>
+	#include <logdepthbuf_vertex>
+	#include <clipping_planes_vertex>
+#if defined( FLAT_SHADED ) || defined( USE_BUMPMAP ) || defined( USE_NORMALMAP_TANGENTSPACE )
+	vViewPosition = - mvPosition.xyz;
+#endif
+}`,RS=`#define NORMAL
+uniform float opacity;
+#if defined( FLAT_SHADED ) || defined( USE_BUMPMAP ) || defined( USE_NORMALMAP_TANGENTSPACE )
+	varying vec3 vViewPosition;
+#endif
+#include <uv_pars_fragment>
+#include <normal_pars_fragment>
+#include <bumpmap_pars_fragment>
+#include <normalmap_pars_fragment>
+#include <logdepthbuf_pars_fragment>
+#include <clipping_planes_pars_fragment>
+void main() {
+	vec4 diffuseColor = vec4( 0.0, 0.0, 0.0, opacity );
+	#include <clipping_planes_fragment>
+	#include <logdepthbuf_fragment>
+	#include <normal_fragment_begin>
+	#include <normal_fragment_maps>
+	gl_FragColor = vec4( normalize( normal ) * 0.5 + 0.5, diffuseColor.a );
+	#ifdef OPAQUE
+		gl_FragColor.a = 1.0;
+	#endif
+}`,CS=`#define PHONG
+varying vec3 vViewPosition;
+#include <common>
+#include <batching_pars_vertex>
+#include <uv_pars_vertex>
+#include <displacementmap_pars_vertex>
+#include <envmap_pars_vertex>
+#include <color_pars_vertex>
+#include <fog_pars_vertex>
+#include <normal_pars_vertex>
+#include <morphtarget_pars_vertex>
+#include <skinning_pars_vertex>
+#include <shadowmap_pars_vertex>
+#include <logdepthbuf_pars_vertex>
+#include <clipping_planes_pars_vertex>
+void main() {
+	#include <uv_vertex>
+	#include <color_vertex>
+	#include <morphcolor_vertex>
+	#include <batching_vertex>
+	#include <beginnormal_vertex>
+	#include <morphinstance_vertex>
+	#include <morphnormal_vertex>
+	#include <skinbase_vertex>
+	#include <skinnormal_vertex>
+	#include <defaultnormal_vertex>
+	#include <normal_vertex>
+	#include <begin_vertex>
+	#include <morphtarget_vertex>
+	#include <skinning_vertex>
+	#include <displacementmap_vertex>
+	#include <project_vertex>
+	#include <logdepthbuf_vertex>
+	#include <clipping_planes_vertex>
+	vViewPosition = - mvPosition.xyz;
+	#include <worldpos_vertex>
+	#include <envmap_vertex>
+	#include <shadowmap_vertex>
+	#include <fog_vertex>
+}`,PS=`#define PHONG
+uniform vec3 diffuse;
+uniform vec3 emissive;
+uniform vec3 specular;
+uniform float shininess;
+uniform float opacity;
+#include <common>
+#include <dithering_pars_fragment>
+#include <color_pars_fragment>
+#include <uv_pars_fragment>
+#include <map_pars_fragment>
+#include <alphamap_pars_fragment>
+#include <alphatest_pars_fragment>
+#include <alphahash_pars_fragment>
+#include <aomap_pars_fragment>
+#include <lightmap_pars_fragment>
+#include <emissivemap_pars_fragment>
+#include <envmap_common_pars_fragment>
+#include <envmap_pars_fragment>
+#include <envmap_physical_pars_fragment>
+#include <fog_pars_fragment>
+#include <bsdfs>
+#include <lights_pars_begin>
+#include <normal_pars_fragment>
+#include <lights_phong_pars_fragment>
+#include <shadowmap_pars_fragment>
+#include <bumpmap_pars_fragment>
+#include <normalmap_pars_fragment>
+#include <specularmap_pars_fragment>
+#include <logdepthbuf_pars_fragment>
+#include <clipping_planes_pars_fragment>
+void main() {
+	vec4 diffuseColor = vec4( diffuse, opacity );
+	#include <clipping_planes_fragment>
+	ReflectedLight reflectedLight = ReflectedLight( vec3( 0.0 ), vec3( 0.0 ), vec3( 0.0 ), vec3( 0.0 ) );
+	vec3 totalEmissiveRadiance = emissive;
+	#include <logdepthbuf_fragment>
+	#include <map_fragment>
+	#include <color_fragment>
+	#include <alphamap_fragment>
+	#include <alphatest_fragment>
+	#include <alphahash_fragment>
+	#include <specularmap_fragment>
+	#include <normal_fragment_begin>
+	#include <normal_fragment_maps>
+	#include <emissivemap_fragment>
+	#include <lights_phong_fragment>
+	#include <lights_fragment_begin>
+	#include <lights_fragment_maps>
+	#include <lights_fragment_end>
+	#include <aomap_fragment>
+	vec3 outgoingLight = reflectedLight.directDiffuse + reflectedLight.indirectDiffuse + reflectedLight.directSpecular + reflectedLight.indirectSpecular + totalEmissiveRadiance;
+	#include <envmap_fragment>
+	#include <opaque_fragment>
+	#include <tonemapping_fragment>
+	#include <colorspace_fragment>
+	#include <fog_fragment>
+	#include <premultiplied_alpha_fragment>
+	#include <dithering_fragment>
+}`,IS=`#define STANDARD
+varying vec3 vViewPosition;
+#ifdef USE_TRANSMISSION
+	varying vec3 vWorldPosition;
+#endif
+#include <common>
+#include <batching_pars_vertex>
+#include <uv_pars_vertex>
+#include <displacementmap_pars_vertex>
+#include <color_pars_vertex>
+#include <fog_pars_vertex>
+#include <normal_pars_vertex>
+#include <morphtarget_pars_vertex>
+#include <skinning_pars_vertex>
+#include <shadowmap_pars_vertex>
+#include <logdepthbuf_pars_vertex>
+#include <clipping_planes_pars_vertex>
+void main() {
+	#include <uv_vertex>
+	#include <color_vertex>
+	#include <morphinstance_vertex>
+	#include <morphcolor_vertex>
+	#include <batching_vertex>
+	#include <beginnormal_vertex>
+	#include <morphnormal_vertex>
+	#include <skinbase_vertex>
+	#include <skinnormal_vertex>
+	#include <defaultnormal_vertex>
+	#include <normal_vertex>
+	#include <begin_vertex>
+	#include <morphtarget_vertex>
+	#include <skinning_vertex>
+	#include <displacementmap_vertex>
+	#include <project_vertex>
+	#include <logdepthbuf_vertex>
+	#include <clipping_planes_vertex>
+	vViewPosition = - mvPosition.xyz;
+	#include <worldpos_vertex>
+	#include <shadowmap_vertex>
+	#include <fog_vertex>
+#ifdef USE_TRANSMISSION
+	vWorldPosition = worldPosition.xyz;
+#endif
+}`,LS=`#define STANDARD
+#ifdef PHYSICAL
+	#define IOR
+	#define USE_SPECULAR
+#endif
+uniform vec3 diffuse;
+uniform vec3 emissive;
+uniform float roughness;
+uniform float metalness;
+uniform float opacity;
+#ifdef IOR
+	uniform float ior;
+#endif
+#ifdef USE_SPECULAR
+	uniform float specularIntensity;
+	uniform vec3 specularColor;
+	#ifdef USE_SPECULAR_COLORMAP
+		uniform sampler2D specularColorMap;
+	#endif
+	#ifdef USE_SPECULAR_INTENSITYMAP
+		uniform sampler2D specularIntensityMap;
+	#endif
+#endif
+#ifdef USE_CLEARCOAT
+	uniform float clearcoat;
+	uniform float clearcoatRoughness;
+#endif
+#ifdef USE_DIFFUSE_ROUGHNESS
+	uniform float diffuseRoughness;
+	#ifdef USE_DIFFUSE_ROUGHNESSMAP
+		uniform sampler2D diffuseRoughnessMap;
+	#endif
+#endif
+#ifdef USE_DISPERSION
+	uniform float dispersion;
+#endif
+#ifdef USE_RETROREFLECTION
+	uniform float retroreflectivity;
+#endif
+#ifdef USE_IRIDESCENCE
+	uniform float iridescence;
+	uniform float iridescenceIOR;
+	uniform float iridescenceThicknessMinimum;
+	uniform float iridescenceThicknessMaximum;
+#endif
+#ifdef USE_SHEEN
+	uniform vec3 sheenColor;
+	uniform float sheenRoughness;
+	#ifdef USE_SHEEN_COLORMAP
+		uniform sampler2D sheenColorMap;
+	#endif
+	#ifdef USE_SHEEN_ROUGHNESSMAP
+		uniform sampler2D sheenRoughnessMap;
+	#endif
+#endif
+#ifdef USE_ANISOTROPY
+	uniform vec2 anisotropyVector;
+	#ifdef USE_ANISOTROPYMAP
+		uniform sampler2D anisotropyMap;
+	#endif
+#endif
+varying vec3 vViewPosition;
+#include <common>
+#include <dithering_pars_fragment>
+#include <color_pars_fragment>
+#include <uv_pars_fragment>
+#include <map_pars_fragment>
+#include <alphamap_pars_fragment>
+#include <alphatest_pars_fragment>
+#include <alphahash_pars_fragment>
+#include <aomap_pars_fragment>
+#include <lightmap_pars_fragment>
+#include <emissivemap_pars_fragment>
+#include <iridescence_fragment>
+#include <envmap_common_pars_fragment>
+#include <envmap_physical_pars_fragment>
+#include <fog_pars_fragment>
+#include <lights_pars_begin>
+#include <normal_pars_fragment>
+#include <lights_physical_pars_fragment>
+#include <transmission_pars_fragment>
+#include <shadowmap_pars_fragment>
+#include <bumpmap_pars_fragment>
+#include <normalmap_pars_fragment>
+#include <clearcoat_pars_fragment>
+#include <iridescence_pars_fragment>
+#include <roughnessmap_pars_fragment>
+#include <metalnessmap_pars_fragment>
+#include <logdepthbuf_pars_fragment>
+#include <clipping_planes_pars_fragment>
+void main() {
+	vec4 diffuseColor = vec4( diffuse, opacity );
+	#include <clipping_planes_fragment>
+	ReflectedLight reflectedLight = ReflectedLight( vec3( 0.0 ), vec3( 0.0 ), vec3( 0.0 ), vec3( 0.0 ) );
+	vec3 totalEmissiveRadiance = emissive;
+	#include <logdepthbuf_fragment>
+	#include <map_fragment>
+	#include <color_fragment>
+	#include <alphamap_fragment>
+	#include <alphatest_fragment>
+	#include <alphahash_fragment>
+	#include <roughnessmap_fragment>
+	#include <metalnessmap_fragment>
+	#include <normal_fragment_begin>
+	#include <normal_fragment_maps>
+	#include <clearcoat_normal_fragment_begin>
+	#include <clearcoat_normal_fragment_maps>
+	#include <emissivemap_fragment>
+	#include <lights_physical_fragment>
+	#include <lights_fragment_begin>
+	#include <lights_fragment_maps>
+	#include <lights_fragment_end>
+	#include <aomap_fragment>
+	vec3 totalDiffuse = reflectedLight.directDiffuse + reflectedLight.indirectDiffuse;
+	vec3 totalSpecular = reflectedLight.directSpecular + reflectedLight.indirectSpecular;
+	#include <transmission_fragment>
+	vec3 outgoingLight = totalDiffuse + totalSpecular + totalEmissiveRadiance;
+	#ifdef USE_SHEEN
+ 
+		outgoingLight = outgoingLight + sheenSpecularDirect + sheenSpecularIndirect;
+ 
+ 	#endif
+	#ifdef USE_CLEARCOAT
+		float dotNVcc = saturate( dot( geometryClearcoatNormal, geometryViewDir ) );
+		vec3 Fcc = F_Schlick( material.clearcoatF0, material.clearcoatF90, dotNVcc );
+		outgoingLight = outgoingLight * ( 1.0 - material.clearcoat * Fcc ) + ( clearcoatSpecularDirect + clearcoatSpecularIndirect ) * material.clearcoat;
+	#endif
+	#include <opaque_fragment>
+	#include <tonemapping_fragment>
+	#include <colorspace_fragment>
+	#include <fog_fragment>
+	#include <premultiplied_alpha_fragment>
+	#include <dithering_fragment>
+}`,DS=`#define TOON
+varying vec3 vViewPosition;
+#include <common>
+#include <batching_pars_vertex>
+#include <uv_pars_vertex>
+#include <displacementmap_pars_vertex>
+#include <color_pars_vertex>
+#include <fog_pars_vertex>
+#include <normal_pars_vertex>
+#include <morphtarget_pars_vertex>
+#include <skinning_pars_vertex>
+#include <shadowmap_pars_vertex>
+#include <logdepthbuf_pars_vertex>
+#include <clipping_planes_pars_vertex>
+void main() {
+	#include <uv_vertex>
+	#include <color_vertex>
+	#include <morphinstance_vertex>
+	#include <morphcolor_vertex>
+	#include <batching_vertex>
+	#include <beginnormal_vertex>
+	#include <morphnormal_vertex>
+	#include <skinbase_vertex>
+	#include <skinnormal_vertex>
+	#include <defaultnormal_vertex>
+	#include <normal_vertex>
+	#include <begin_vertex>
+	#include <morphtarget_vertex>
+	#include <skinning_vertex>
+	#include <displacementmap_vertex>
+	#include <project_vertex>
+	#include <logdepthbuf_vertex>
+	#include <clipping_planes_vertex>
+	vViewPosition = - mvPosition.xyz;
+	#include <worldpos_vertex>
+	#include <shadowmap_vertex>
+	#include <fog_vertex>
+}`,NS=`#define TOON
+uniform vec3 diffuse;
+uniform vec3 emissive;
+uniform float opacity;
+#include <common>
+#include <dithering_pars_fragment>
+#include <color_pars_fragment>
+#include <uv_pars_fragment>
+#include <map_pars_fragment>
+#include <alphamap_pars_fragment>
+#include <alphatest_pars_fragment>
+#include <alphahash_pars_fragment>
+#include <aomap_pars_fragment>
+#include <lightmap_pars_fragment>
+#include <emissivemap_pars_fragment>
+#include <gradientmap_pars_fragment>
+#include <fog_pars_fragment>
+#include <bsdfs>
+#include <lights_pars_begin>
+#include <normal_pars_fragment>
+#include <lights_toon_pars_fragment>
+#include <shadowmap_pars_fragment>
+#include <bumpmap_pars_fragment>
+#include <normalmap_pars_fragment>
+#include <logdepthbuf_pars_fragment>
+#include <clipping_planes_pars_fragment>
+void main() {
+	vec4 diffuseColor = vec4( diffuse, opacity );
+	#include <clipping_planes_fragment>
+	ReflectedLight reflectedLight = ReflectedLight( vec3( 0.0 ), vec3( 0.0 ), vec3( 0.0 ), vec3( 0.0 ) );
+	vec3 totalEmissiveRadiance = emissive;
+	#include <logdepthbuf_fragment>
+	#include <map_fragment>
+	#include <color_fragment>
+	#include <alphamap_fragment>
+	#include <alphatest_fragment>
+	#include <alphahash_fragment>
+	#include <normal_fragment_begin>
+	#include <normal_fragment_maps>
+	#include <emissivemap_fragment>
+	#include <lights_toon_fragment>
+	#include <lights_fragment_begin>
+	#include <lights_fragment_maps>
+	#include <lights_fragment_end>
+	#include <aomap_fragment>
+	vec3 outgoingLight = reflectedLight.directDiffuse + reflectedLight.indirectDiffuse + totalEmissiveRadiance;
+	#include <opaque_fragment>
+	#include <tonemapping_fragment>
+	#include <colorspace_fragment>
+	#include <fog_fragment>
+	#include <premultiplied_alpha_fragment>
+	#include <dithering_fragment>
+}`,US=`uniform float size;
+uniform float scale;
+#include <common>
+#include <color_pars_vertex>
+#include <fog_pars_vertex>
+#include <morphtarget_pars_vertex>
+#include <logdepthbuf_pars_vertex>
+#include <clipping_planes_pars_vertex>
+#ifdef USE_POINTS_UV
+	varying vec2 vUv;
+	uniform mat3 uvTransform;
+#endif
+void main() {
+	#ifdef USE_POINTS_UV
+		vUv = ( uvTransform * vec3( uv, 1 ) ).xy;
+	#endif
+	#include <color_vertex>
+	#include <morphinstance_vertex>
+	#include <morphcolor_vertex>
+	#include <begin_vertex>
+	#include <morphtarget_vertex>
+	#include <project_vertex>
+	gl_PointSize = size;
+	#ifdef USE_SIZEATTENUATION
+		bool isPerspective = isPerspectiveMatrix( projectionMatrix );
+		if ( isPerspective ) gl_PointSize *= ( scale / - mvPosition.z );
+	#endif
+	#include <logdepthbuf_vertex>
+	#include <clipping_planes_vertex>
+	#include <worldpos_vertex>
+	#include <fog_vertex>
+}`,FS=`uniform vec3 diffuse;
+uniform float opacity;
+#include <common>
+#include <color_pars_fragment>
+#include <map_particle_pars_fragment>
+#include <alphatest_pars_fragment>
+#include <alphahash_pars_fragment>
+#include <fog_pars_fragment>
+#include <logdepthbuf_pars_fragment>
+#include <clipping_planes_pars_fragment>
+void main() {
+	vec4 diffuseColor = vec4( diffuse, opacity );
+	#include <clipping_planes_fragment>
+	vec3 outgoingLight = vec3( 0.0 );
+	#include <logdepthbuf_fragment>
+	#include <map_particle_fragment>
+	#include <color_fragment>
+	#include <alphatest_fragment>
+	#include <alphahash_fragment>
+	outgoingLight = diffuseColor.rgb;
+	#include <opaque_fragment>
+	#include <tonemapping_fragment>
+	#include <colorspace_fragment>
+	#include <fog_fragment>
+	#include <premultiplied_alpha_fragment>
+}`,OS=`#include <common>
+#include <batching_pars_vertex>
+#include <fog_pars_vertex>
+#include <morphtarget_pars_vertex>
+#include <skinning_pars_vertex>
+#include <logdepthbuf_pars_vertex>
+#include <shadowmap_pars_vertex>
+void main() {
+	#include <batching_vertex>
+	#include <beginnormal_vertex>
+	#include <morphinstance_vertex>
+	#include <morphnormal_vertex>
+	#include <skinbase_vertex>
+	#include <skinnormal_vertex>
+	#include <defaultnormal_vertex>
+	#include <begin_vertex>
+	#include <morphtarget_vertex>
+	#include <skinning_vertex>
+	#include <project_vertex>
+	#include <logdepthbuf_vertex>
+	#include <worldpos_vertex>
+	#include <shadowmap_vertex>
+	#include <fog_vertex>
+}`,kS=`uniform vec3 color;
+uniform float opacity;
+#include <common>
+#include <fog_pars_fragment>
+#include <bsdfs>
+#include <lights_pars_begin>
+#include <logdepthbuf_pars_fragment>
+#include <shadowmap_pars_fragment>
+#include <shadowmask_pars_fragment>
+void main() {
+	#include <logdepthbuf_fragment>
+	gl_FragColor = vec4( color, opacity * ( 1.0 - getShadowMask() ) );
+	#include <tonemapping_fragment>
+	#include <colorspace_fragment>
+	#include <fog_fragment>
+	#include <premultiplied_alpha_fragment>
+}`,BS=`uniform float rotation;
+uniform vec2 center;
+#include <common>
+#include <uv_pars_vertex>
+#include <fog_pars_vertex>
+#include <logdepthbuf_pars_vertex>
+#include <clipping_planes_pars_vertex>
+void main() {
+	#include <uv_vertex>
+	vec4 mvPosition = modelViewMatrix[ 3 ];
+	vec2 scale = vec2( length( modelMatrix[ 0 ].xyz ), length( modelMatrix[ 1 ].xyz ) );
+	#ifndef USE_SIZEATTENUATION
+		bool isPerspective = isPerspectiveMatrix( projectionMatrix );
+		if ( isPerspective ) scale *= - mvPosition.z;
+	#endif
+	vec2 alignedPosition = ( position.xy - ( center - vec2( 0.5 ) ) ) * scale;
+	vec2 rotatedPosition;
+	rotatedPosition.x = cos( rotation ) * alignedPosition.x - sin( rotation ) * alignedPosition.y;
+	rotatedPosition.y = sin( rotation ) * alignedPosition.x + cos( rotation ) * alignedPosition.y;
+	mvPosition.xy += rotatedPosition;
+	gl_Position = projectionMatrix * mvPosition;
+	#include <logdepthbuf_vertex>
+	#include <clipping_planes_vertex>
+	#include <fog_vertex>
+}`,zS=`uniform vec3 diffuse;
+uniform float opacity;
+#include <common>
+#include <uv_pars_fragment>
+#include <map_pars_fragment>
+#include <alphamap_pars_fragment>
+#include <alphatest_pars_fragment>
+#include <alphahash_pars_fragment>
+#include <fog_pars_fragment>
+#include <logdepthbuf_pars_fragment>
+#include <clipping_planes_pars_fragment>
+void main() {
+	vec4 diffuseColor = vec4( diffuse, opacity );
+	#include <clipping_planes_fragment>
+	vec3 outgoingLight = vec3( 0.0 );
+	#include <logdepthbuf_fragment>
+	#include <map_fragment>
+	#include <alphamap_fragment>
+	#include <alphatest_fragment>
+	#include <alphahash_fragment>
+	outgoingLight = diffuseColor.rgb;
+	#include <opaque_fragment>
+	#include <tonemapping_fragment>
+	#include <colorspace_fragment>
+	#include <fog_fragment>
+}`,dt={alphahash_fragment:lx,alphahash_pars_fragment:cx,alphamap_fragment:hx,alphamap_pars_fragment:ux,alphatest_fragment:dx,alphatest_pars_fragment:fx,aomap_fragment:px,aomap_pars_fragment:mx,batching_pars_vertex:gx,batching_vertex:yx,begin_vertex:_x,beginnormal_vertex:vx,bsdfs:xx,iridescence_fragment:bx,bumpmap_pars_fragment:Sx,clipping_planes_fragment:Mx,clipping_planes_pars_fragment:wx,clipping_planes_pars_vertex:Tx,clipping_planes_vertex:Ax,color_fragment:Ex,color_pars_fragment:Rx,color_pars_vertex:Cx,color_vertex:Px,common:Ix,defaultnormal_vertex:Lx,displacementmap_pars_vertex:Dx,displacementmap_vertex:Nx,emissivemap_fragment:Ux,emissivemap_pars_fragment:Fx,colorspace_fragment:Ox,colorspace_pars_fragment:kx,envmap_fragment:Bx,envmap_common_pars_fragment:zx,envmap_pars_fragment:Vx,envmap_pars_vertex:Gx,envmap_physical_pars_fragment:Qx,envmap_vertex:Hx,fog_vertex:Wx,fog_pars_vertex:Xx,fog_fragment:qx,fog_pars_fragment:Yx,gradientmap_pars_fragment:$x,lightmap_pars_fragment:Zx,lights_lambert_fragment:Kx,lights_lambert_pars_fragment:Jx,lights_pars_begin:jx,lights_toon_fragment:eb,lights_toon_pars_fragment:tb,lights_phong_fragment:nb,lights_phong_pars_fragment:ib,lights_physical_fragment:sb,lights_physical_pars_fragment:rb,lights_fragment_begin:ob,lights_fragment_maps:ab,lights_fragment_end:lb,lightprobes_pars_fragment:cb,logdepthbuf_fragment:hb,logdepthbuf_pars_fragment:ub,logdepthbuf_pars_vertex:db,logdepthbuf_vertex:fb,map_fragment:pb,map_pars_fragment:mb,map_particle_fragment:gb,map_particle_pars_fragment:yb,metalnessmap_fragment:_b,metalnessmap_pars_fragment:vb,morphinstance_vertex:xb,morphcolor_vertex:bb,morphnormal_vertex:Sb,morphtarget_pars_vertex:Mb,morphtarget_vertex:wb,normal_fragment_begin:Tb,normal_fragment_maps:Ab,normal_pars_fragment:Eb,normal_pars_vertex:Rb,normal_vertex:Cb,normalmap_pars_fragment:Pb,clearcoat_normal_fragment_begin:Ib,clearcoat_normal_fragment_maps:Lb,clearcoat_pars_fragment:Db,iridescence_pars_fragment:Nb,opaque_fragment:Ub,packing:Fb,premultiplied_alpha_fragment:Ob,project_vertex:kb,dithering_fragment:Bb,dithering_pars_fragment:zb,roughnessmap_fragment:Vb,roughnessmap_pars_fragment:Gb,shadowmap_pars_fragment:Hb,shadowmap_pars_vertex:Wb,shadowmap_vertex:Xb,shadowmask_pars_fragment:qb,skinbase_vertex:Yb,skinning_pars_vertex:$b,skinning_vertex:Zb,skinnormal_vertex:Kb,specularmap_fragment:Jb,specularmap_pars_fragment:jb,tonemapping_fragment:Qb,tonemapping_pars_fragment:eS,transmission_fragment:tS,transmission_pars_fragment:nS,uv_pars_fragment:iS,uv_pars_vertex:sS,uv_vertex:rS,worldpos_vertex:oS,background_vert:aS,background_frag:lS,backgroundCube_vert:cS,backgroundCube_frag:hS,cube_vert:uS,cube_frag:dS,depth_vert:fS,depth_frag:pS,distance_vert:mS,distance_frag:gS,equirect_vert:yS,equirect_frag:_S,linedashed_vert:vS,linedashed_frag:xS,meshbasic_vert:bS,meshbasic_frag:SS,meshlambert_vert:MS,meshlambert_frag:wS,meshmatcap_vert:TS,meshmatcap_frag:AS,meshnormal_vert:ES,meshnormal_frag:RS,meshphong_vert:CS,meshphong_frag:PS,meshphysical_vert:IS,meshphysical_frag:LS,meshtoon_vert:DS,meshtoon_frag:NS,points_vert:US,points_frag:FS,shadow_vert:OS,shadow_frag:kS,sprite_vert:BS,sprite_frag:zS},Le={common:{diffuse:{value:new nt(16777215)},opacity:{value:1},map:{value:null},mapTransform:{value:new it},alphaMap:{value:null},alphaMapTransform:{value:new it},alphaTest:{value:0}},specularmap:{specularMap:{value:null},specularMapTransform:{value:new it}},envmap:{envMap:{value:null},envMapRotation:{value:new it},reflectivity:{value:1},ior:{value:1.5},refractionRatio:{value:.98},dfgLUT:{value:null}},aomap:{aoMap:{value:null},aoMapIntensity:{value:1},aoMapTransform:{value:new it}},lightmap:{lightMap:{value:null},lightMapIntensity:{value:1},lightMapTransform:{value:new it}},bumpmap:{bumpMap:{value:null},bumpMapTransform:{value:new it},bumpScale:{value:1}},normalmap:{normalMap:{value:null},normalMapTransform:{value:new it},normalScale:{value:new $e(1,1)}},displacementmap:{displacementMap:{value:null},displacementMapTransform:{value:new it},displacementScale:{value:1},displacementBias:{value:0}},emissivemap:{emissiveMap:{value:null},emissiveMapTransform:{value:new it}},metalnessmap:{metalnessMap:{value:null},metalnessMapTransform:{value:new it}},roughnessmap:{roughnessMap:{value:null},roughnessMapTransform:{value:new it}},gradientmap:{gradientMap:{value:null}},fog:{fogDensity:{value:25e-5},fogNear:{value:1},fogFar:{value:2e3},fogColor:{value:new nt(16777215)}},lights:{ambientLightColor:{value:[]},lightProbe:{value:[]},sunLights:{value:[],properties:{direction:{},color:{}}},sunLightShadows:{value:[],properties:{shadowIntensity:1,shadowBias:{},shadowNormalBias:{},shadowRadius:{},shadowMapSize:{}}},sunShadowMatrix:{value:[]},sunShadowCascade:{value:[]},directionalLights:{value:[],properties:{direction:{},color:{}}},directionalLightShadows:{value:[],properties:{shadowIntensity:1,shadowBias:{},shadowNormalBias:{},shadowRadius:{},shadowMapSize:{}}},directionalShadowMatrix:{value:[]},spotLights:{value:[],properties:{color:{},position:{},direction:{},distance:{},coneCos:{},penumbraCos:{},decay:{}}},spotLightShadows:{value:[],properties:{shadowIntensity:1,shadowBias:{},shadowNormalBias:{},shadowRadius:{},shadowMapSize:{}}},spotLightMap:{value:[]},spotLightMatrix:{value:[]},pointLights:{value:[],properties:{color:{},position:{},decay:{},distance:{}}},pointLightShadows:{value:[],properties:{shadowIntensity:1,shadowBias:{},shadowNormalBias:{},shadowRadius:{},shadowMapSize:{},shadowCameraNear:{},shadowCameraFar:{}}},pointShadowMatrix:{value:[]},hemisphereLights:{value:[],properties:{direction:{},skyColor:{},groundColor:{}}},rectAreaLights:{value:[],properties:{color:{},position:{},width:{},height:{}}},ltc_1:{value:null},ltc_2:{value:null},probesSH:{value:[]},probesMin:{value:[]},probesMax:{value:[]},probesResolution:{value:[]}},points:{diffuse:{value:new nt(16777215)},opacity:{value:1},size:{value:1},scale:{value:1},map:{value:null},alphaMap:{value:null},alphaMapTransform:{value:new it},alphaTest:{value:0},uvTransform:{value:new it}},sprite:{diffuse:{value:new nt(16777215)},opacity:{value:1},center:{value:new $e(.5,.5)},rotation:{value:0},map:{value:null},mapTransform:{value:new it},alphaMap:{value:null},alphaMapTransform:{value:new it},alphaTest:{value:0}}},ps={basic:{uniforms:Zn([Le.common,Le.specularmap,Le.envmap,Le.aomap,Le.lightmap,Le.fog]),vertexShader:dt.meshbasic_vert,fragmentShader:dt.meshbasic_frag},lambert:{uniforms:Zn([Le.common,Le.specularmap,Le.envmap,Le.aomap,Le.lightmap,Le.emissivemap,Le.bumpmap,Le.normalmap,Le.displacementmap,Le.fog,Le.lights,{emissive:{value:new nt(0)},envMapIntensity:{value:1}}]),vertexShader:dt.meshlambert_vert,fragmentShader:dt.meshlambert_frag},phong:{uniforms:Zn([Le.common,Le.specularmap,Le.envmap,Le.aomap,Le.lightmap,Le.emissivemap,Le.bumpmap,Le.normalmap,Le.displacementmap,Le.fog,Le.lights,{emissive:{value:new nt(0)},specular:{value:new nt(1118481)},shininess:{value:30},envMapIntensity:{value:1}}]),vertexShader:dt.meshphong_vert,fragmentShader:dt.meshphong_frag},standard:{uniforms:Zn([Le.common,Le.envmap,Le.aomap,Le.lightmap,Le.emissivemap,Le.bumpmap,Le.normalmap,Le.displacementmap,Le.roughnessmap,Le.metalnessmap,Le.fog,Le.lights,{emissive:{value:new nt(0)},roughness:{value:1},metalness:{value:0},envMapIntensity:{value:1}}]),vertexShader:dt.meshphysical_vert,fragmentShader:dt.meshphysical_frag},toon:{uniforms:Zn([Le.common,Le.aomap,Le.lightmap,Le.emissivemap,Le.bumpmap,Le.normalmap,Le.displacementmap,Le.gradientmap,Le.fog,Le.lights,{emissive:{value:new nt(0)}}]),vertexShader:dt.meshtoon_vert,fragmentShader:dt.meshtoon_frag},matcap:{uniforms:Zn([Le.common,Le.bumpmap,Le.normalmap,Le.displacementmap,Le.fog,{matcap:{value:null}}]),vertexShader:dt.meshmatcap_vert,fragmentShader:dt.meshmatcap_frag},points:{uniforms:Zn([Le.points,Le.fog]),vertexShader:dt.points_vert,fragmentShader:dt.points_frag},dashed:{uniforms:Zn([Le.common,Le.fog,{scale:{value:1},dashSize:{value:1},totalSize:{value:2}}]),vertexShader:dt.linedashed_vert,fragmentShader:dt.linedashed_frag},depth:{uniforms:Zn([Le.common,Le.displacementmap]),vertexShader:dt.depth_vert,fragmentShader:dt.depth_frag},normal:{uniforms:Zn([Le.common,Le.bumpmap,Le.normalmap,Le.displacementmap,{opacity:{value:1}}]),vertexShader:dt.meshnormal_vert,fragmentShader:dt.meshnormal_frag},sprite:{uniforms:Zn([Le.sprite,Le.fog]),vertexShader:dt.sprite_vert,fragmentShader:dt.sprite_frag},background:{uniforms:{uvTransform:{value:new it},t2D:{value:null},backgroundIntensity:{value:1}},vertexShader:dt.background_vert,fragmentShader:dt.background_frag},backgroundCube:{uniforms:{envMap:{value:null},backgroundBlurriness:{value:0},backgroundIntensity:{value:1},backgroundRotation:{value:new it}},vertexShader:dt.backgroundCube_vert,fragmentShader:dt.backgroundCube_frag},cube:{uniforms:{tCube:{value:null},tFlip:{value:-1},opacity:{value:1}},vertexShader:dt.cube_vert,fragmentShader:dt.cube_frag},equirect:{uniforms:{tEquirect:{value:null}},vertexShader:dt.equirect_vert,fragmentShader:dt.equirect_frag},distance:{uniforms:Zn([Le.common,Le.displacementmap,{referencePosition:{value:new W},nearDistance:{value:1},farDistance:{value:1e3}}]),vertexShader:dt.distance_vert,fragmentShader:dt.distance_frag},shadow:{uniforms:Zn([Le.lights,Le.fog,{color:{value:new nt(0)},opacity:{value:1}}]),vertexShader:dt.shadow_vert,fragmentShader:dt.shadow_frag}};ps.physical={uniforms:Zn([ps.standard.uniforms,{clearcoat:{value:0},clearcoatMap:{value:null},clearcoatMapTransform:{value:new it},clearcoatNormalMap:{value:null},clearcoatNormalMapTransform:{value:new it},clearcoatNormalScale:{value:new $e(1,1)},clearcoatRoughness:{value:0},clearcoatRoughnessMap:{value:null},clearcoatRoughnessMapTransform:{value:new it},diffuseRoughness:{value:0},diffuseRoughnessMap:{value:null},diffuseRoughnessMapTransform:{value:new it},dispersion:{value:0},retroreflectivity:{value:0},iridescence:{value:0},iridescenceMap:{value:null},iridescenceMapTransform:{value:new it},iridescenceIOR:{value:1.3},iridescenceThicknessMinimum:{value:100},iridescenceThicknessMaximum:{value:400},iridescenceThicknessMap:{value:null},iridescenceThicknessMapTransform:{value:new it},sheen:{value:0},sheenColor:{value:new nt(0)},sheenColorMap:{value:null},sheenColorMapTransform:{value:new it},sheenRoughness:{value:1},sheenRoughnessMap:{value:null},sheenRoughnessMapTransform:{value:new it},transmission:{value:0},transmissionMap:{value:null},transmissionMapTransform:{value:new it},transmissionSamplerSize:{value:new $e},transmissionSamplerMap:{value:null},thickness:{value:0},thicknessMap:{value:null},thicknessMapTransform:{value:new it},attenuationDistance:{value:0},attenuationColor:{value:new nt(0)},specularColor:{value:new nt(1,1,1)},specularColorMap:{value:null},specularColorMapTransform:{value:new it},specularIntensity:{value:1},specularIntensityMap:{value:null},specularIntensityMapTransform:{value:new it},anisotropyVector:{value:new $e},anisotropyMap:{value:null},anisotropyMapTransform:{value:new it}}]),vertexShader:dt.meshphysical_vert,fragmentShader:dt.meshphysical_frag};var wh={r:0,b:0,g:0},VS=new Mt,Zg=new it;Zg.set(-1,0,0,0,1,0,0,0,1);function GS(i,e,t,n,s,r){let o=new nt(0),a=s===!0?0:1,l,c,h=null,d=0,u=null;function f(x){let E=x.isScene===!0?x.background:null;if(E&&E.isTexture){let S=x.backgroundBlurriness>0;E=e.get(E,S)}return E}function g(x){let E=!1,S=f(x);S===null?p(o,a):S&&S.isColor&&(p(S,1),E=!0);let R=i.xr.getEnvironmentBlendMode();R==="additive"?t.buffers.color.setClear(0,0,0,1,r):R==="alpha-blend"&&t.buffers.color.setClear(0,0,0,0,r),(i.autoClear||E)&&(t.buffers.depth.setTest(!0),t.buffers.depth.setMask(!0),t.buffers.color.setMask(!0),i.clear(i.autoClearColor,i.autoClearDepth,i.autoClearStencil))}function y(x,E){let S=f(E);S&&S.isCubeTexture?(c===void 0&&(c=new Xt(new So(1,1,1),new Di({name:"BackgroundCubeMaterial",uniforms:Lr(ps.backgroundCube.uniforms),vertexShader:ps.backgroundCube.vertexShader,fragmentShader:ps.backgroundCube.fragmentShader,side:ri,depthTest:!1,depthWrite:!1,fog:!1,allowOverride:!1})),c.geometry.deleteAttribute("normal"),c.geometry.deleteAttribute("uv"),c.onBeforeRender=function(R,M,_){this.matrixWorld.copyPosition(_.matrixWorld)},Object.defineProperty(c.material,"envMap",{get:function(){return this.uniforms.envMap.value}}),n.update(c)),c.material.uniforms.envMap.value=S,c.material.uniforms.backgroundBlurriness.value=E.backgroundBlurriness,c.material.uniforms.backgroundIntensity.value=E.backgroundIntensity,c.material.uniforms.backgroundRotation.value.setFromMatrix4(VS.makeRotationFromEuler(E.backgroundRotation)).transpose(),S.isRenderTargetTexture===!1&&c.material.uniforms.backgroundRotation.value.premultiply(Zg),c.material.toneMapped=_t.getTransfer(S.colorSpace)!==Rt,(h!==S||d!==S.version||u!==i.toneMapping)&&(c.material.needsUpdate=!0,h=S,d=S.version,u=i.toneMapping),c.layers.enableAll(),x.unshift(c,c.geometry,c.material,0,0,null)):S&&S.isTexture&&(l===void 0&&(l=new Xt(new Tr(2,2),new Di({name:"BackgroundMaterial",uniforms:Lr(ps.background.uniforms),vertexShader:ps.background.vertexShader,fragmentShader:ps.background.fragmentShader,side:cr,depthTest:!1,depthWrite:!1,fog:!1,allowOverride:!1})),l.geometry.deleteAttribute("normal"),Object.defineProperty(l.material,"map",{get:function(){return this.uniforms.t2D.value}}),n.update(l)),l.material.uniforms.t2D.value=S,l.material.uniforms.backgroundIntensity.value=E.backgroundIntensity,l.material.toneMapped=_t.getTransfer(S.colorSpace)!==Rt,S.matrixAutoUpdate===!0&&S.updateMatrix(),l.material.uniforms.uvTransform.value.copy(S.matrix),(h!==S||d!==S.version||u!==i.toneMapping)&&(l.material.needsUpdate=!0,h=S,d=S.version,u=i.toneMapping),l.layers.enableAll(),x.unshift(l,l.geometry,l.material,0,0,null))}function p(x,E){x.getRGB(wh,tf(i)),t.buffers.color.setClear(wh.r,wh.g,wh.b,E,r)}function m(){c!==void 0&&(c.geometry.dispose(),c.material.dispose(),c=void 0),l!==void 0&&(l.geometry.dispose(),l.material.dispose(),l=void 0)}return{getClearColor:function(){return o},setClearColor:function(x,E=1){o.set(x),a=E,p(o,a)},getClearAlpha:function(){return a},setClearAlpha:function(x){a=x,p(o,a)},render:g,addToRenderList:y,dispose:m}}function HS(i,e){let t=i.getParameter(i.MAX_VERTEX_ATTRIBS),n={},s=u(null),r=s,o=!1;function a(L,B,V,P,U){let X=!1,G=d(L,P,V,B);r!==G&&(r=G,c(r.object)),X=f(L,P,V,U),X&&g(L,P,V,U),U!==null&&e.update(U,i.ELEMENT_ARRAY_BUFFER),(X||o)&&(o=!1,S(L,B,V,P),U!==null&&i.bindBuffer(i.ELEMENT_ARRAY_BUFFER,e.get(U).buffer))}function l(){return i.createVertexArray()}function c(L){return i.bindVertexArray(L)}function h(L){return i.deleteVertexArray(L)}function d(L,B,V,P){let U=P.wireframe===!0,X=n[B.id];X===void 0&&(X={},n[B.id]=X);let G=L.isInstancedMesh===!0?L.id:0,oe=X[G];oe===void 0&&(oe={},X[G]=oe);let Y=oe[V.id];Y===void 0&&(Y={},oe[V.id]=Y);let J=Y[U];return J===void 0&&(J=u(l()),Y[U]=J),J}function u(L){let B=[],V=[],P=[];for(let U=0;U<t;U++)B[U]=0,V[U]=0,P[U]=0;return{geometry:null,program:null,wireframe:!1,newAttributes:B,enabledAttributes:V,attributeDivisors:P,object:L,attributes:{},index:null}}function f(L,B,V,P){let U=r.attributes,X=B.attributes,G=0,oe=V.getAttributes();for(let Y in oe)if(oe[Y].location>=0){let ne=U[Y],ue=X[Y];if(ue===void 0&&(Y==="instanceMatrix"&&L.instanceMatrix&&(ue=L.instanceMatrix),Y==="instanceColor"&&L.instanceColor&&(ue=L.instanceColor)),ne===void 0||ne.attribute!==ue||ue&&ne.data!==ue.data)return!0;G++}return r.attributesNum!==G||r.index!==P}function g(L,B,V,P){let U={},X=B.attributes,G=0,oe=V.getAttributes();for(let Y in oe)if(oe[Y].location>=0){let ne=X[Y];ne===void 0&&(Y==="instanceMatrix"&&L.instanceMatrix&&(ne=L.instanceMatrix),Y==="instanceColor"&&L.instanceColor&&(ne=L.instanceColor));let ue={};ue.attribute=ne,ne&&ne.data&&(ue.data=ne.data),U[Y]=ue,G++}r.attributes=U,r.attributesNum=G,r.index=P}function y(){let L=r.newAttributes;for(let B=0,V=L.length;B<V;B++)L[B]=0}function p(L){m(L,0)}function m(L,B){let V=r.newAttributes,P=r.enabledAttributes,U=r.attributeDivisors;V[L]=1,P[L]===0&&(i.enableVertexAttribArray(L),P[L]=1),U[L]!==B&&(i.vertexAttribDivisor(L,B),U[L]=B)}function x(){let L=r.newAttributes,B=r.enabledAttributes;for(let V=0,P=B.length;V<P;V++)B[V]!==L[V]&&(i.disableVertexAttribArray(V),B[V]=0)}function E(L,B,V,P,U,X,G){G===!0?i.vertexAttribIPointer(L,B,V,U,X):i.vertexAttribPointer(L,B,V,P,U,X)}function S(L,B,V,P){y();let U=P.attributes,X=V.getAttributes(),G=B.defaultAttributeValues;for(let oe in X){let Y=X[oe];if(Y.location>=0){let J=U[oe];if(J===void 0&&(oe==="instanceMatrix"&&L.instanceMatrix&&(J=L.instanceMatrix),oe==="instanceColor"&&L.instanceColor&&(J=L.instanceColor)),J!==void 0){let ne=J.normalized,ue=J.itemSize,ce=e.get(J);if(ce===void 0)continue;let Q=ce.buffer,pe=ce.type,me=ce.bytesPerElement,ye=pe===i.INT||pe===i.UNSIGNED_INT||J.gpuType===zc;if(J.isInterleavedBufferAttribute){let ge=J.data,Ve=ge.isInterleavedBuffer===!0?ge.stride:ge.itemSize,Ke=J.offset;if(ge.isInstancedInterleavedBuffer||ge.isInstancedBufferAttribute){for(let Fe=0;Fe<Y.locationSize;Fe++)m(Y.location+Fe,ge.meshPerAttribute);L.isInstancedMesh!==!0&&P._maxInstanceCount===void 0&&(P._maxInstanceCount=ge.meshPerAttribute*ge.count)}else for(let Fe=0;Fe<Y.locationSize;Fe++)p(Y.location+Fe);i.bindBuffer(i.ARRAY_BUFFER,Q);for(let Fe=0;Fe<Y.locationSize;Fe++)E(Y.location+Fe,ue/Y.locationSize,pe,ne,Ve*me,(Ke+ue/Y.locationSize*Fe)*me,ye)}else{if(J.isInstancedBufferAttribute){for(let ge=0;ge<Y.locationSize;ge++)m(Y.location+ge,J.meshPerAttribute);L.isInstancedMesh!==!0&&P._maxInstanceCount===void 0&&(P._maxInstanceCount=J.meshPerAttribute*J.count)}else for(let ge=0;ge<Y.locationSize;ge++)p(Y.location+ge);i.bindBuffer(i.ARRAY_BUFFER,Q);for(let ge=0;ge<Y.locationSize;ge++)E(Y.location+ge,ue/Y.locationSize,pe,ne,ue*me,ue/Y.locationSize*ge*me,ye)}}else if(G!==void 0){let ne=G[oe];if(ne!==void 0)switch(ne.length){case 2:i.vertexAttrib2fv(Y.location,ne);break;case 3:i.vertexAttrib3fv(Y.location,ne);break;case 4:i.vertexAttrib4fv(Y.location,ne);break;default:i.vertexAttrib1fv(Y.location,ne)}}}}x()}function R(){k();for(let L in n){let B=n[L];for(let V in B){let P=B[V];for(let U in P){let X=P[U];for(let G in X)h(X[G].object),delete X[G];delete P[U]}}delete n[L]}}function M(L){if(n[L.id]===void 0)return;let B=n[L.id];for(let V in B){let P=B[V];for(let U in P){let X=P[U];for(let G in X)h(X[G].object),delete X[G];delete P[U]}}delete n[L.id]}function _(L){for(let B in n){let V=n[B];for(let P in V){let U=V[P];if(U[L.id]===void 0)continue;let X=U[L.id];for(let G in X)h(X[G].object),delete X[G];delete U[L.id]}}}function A(L){for(let B in n){let V=n[B],P=L.isInstancedMesh===!0?L.id:0,U=V[P];if(U!==void 0){for(let X in U){let G=U[X];for(let oe in G)h(G[oe].object),delete G[oe];delete U[X]}delete V[P],Object.keys(V).length===0&&delete n[B]}}}function k(){D(),o=!0,r!==s&&(r=s,c(r.object))}function D(){s.geometry=null,s.program=null,s.wireframe=!1}return{setup:a,reset:k,resetDefaultState:D,dispose:R,releaseStatesOfGeometry:M,releaseStatesOfObject:A,releaseStatesOfProgram:_,initAttributes:y,enableAttribute:p,disableUnusedAttributes:x}}function WS(i,e,t){let n;function s(l){n=l}function r(l,c){i.drawArrays(n,l,c),t.update(c,n,1)}function o(l,c,h){h!==0&&(i.drawArraysInstanced(n,l,c,h),t.update(c,n,h))}function a(l,c,h){if(h===0)return;e.get("WEBGL_multi_draw").multiDrawArraysWEBGL(n,l,0,c,0,h);let u=0;for(let f=0;f<h;f++)u+=c[f];t.update(u,n,1)}this.setMode=s,this.render=r,this.renderInstances=o,this.renderMultiDraw=a}function XS(i,e,t,n){let s;function r(){if(s!==void 0)return s;if(e.has("EXT_texture_filter_anisotropic")===!0){let _=e.get("EXT_texture_filter_anisotropic");s=i.getParameter(_.MAX_TEXTURE_MAX_ANISOTROPY_EXT)}else s=0;return s}function o(_){return!(_!==ji&&n.convert(_)!==i.getParameter(i.IMPLEMENTATION_COLOR_READ_FORMAT))}function a(_){let A=_===Ji&&(e.has("EXT_color_buffer_half_float")||e.has("EXT_color_buffer_float"));return!(_!==hi&&_!==Fi&&!A&&n.convert(_)!==i.getParameter(i.IMPLEMENTATION_COLOR_READ_TYPE))}function l(_){if(_==="highp"){if(i.getShaderPrecisionFormat(i.VERTEX_SHADER,i.HIGH_FLOAT).precision>0&&i.getShaderPrecisionFormat(i.FRAGMENT_SHADER,i.HIGH_FLOAT).precision>0)return"highp";_="mediump"}return _==="mediump"&&i.getShaderPrecisionFormat(i.VERTEX_SHADER,i.MEDIUM_FLOAT).precision>0&&i.getShaderPrecisionFormat(i.FRAGMENT_SHADER,i.MEDIUM_FLOAT).precision>0?"mediump":"lowp"}let c=t.precision!==void 0?t.precision:"highp",h=l(c);h!==c&&(Ye("WebGLRenderer:",c,"not supported, using",h,"instead."),c=h);let d=t.reversedDepthBuffer===!0&&e.has("EXT_clip_control"),u=t.logarithmicDepthBuffer===!0&&d===!1;t.reversedDepthBuffer===!0&&d===!1&&Ye("WebGLRenderer: Unable to use reversed depth buffer due to missing EXT_clip_control extension. Fallback to default depth buffer."),t.logarithmicDepthBuffer===!0&&d===!0&&Ye("WebGLRenderer: Logarithmic depth buffer is ignored when reversed depth buffer is enabled.");let f=i.getParameter(i.MAX_TEXTURE_IMAGE_UNITS),g=i.getParameter(i.MAX_VERTEX_TEXTURE_IMAGE_UNITS),y=i.getParameter(i.MAX_TEXTURE_SIZE),p=i.getParameter(i.MAX_CUBE_MAP_TEXTURE_SIZE),m=i.getParameter(i.MAX_VERTEX_ATTRIBS),x=i.getParameter(i.MAX_VERTEX_UNIFORM_VECTORS),E=i.getParameter(i.MAX_VARYING_VECTORS),S=i.getParameter(i.MAX_FRAGMENT_UNIFORM_VECTORS),R=i.getParameter(i.MAX_SAMPLES),M=i.getParameter(i.SAMPLES);return{isWebGL2:!0,getMaxAnisotropy:r,getMaxPrecision:l,textureFormatReadable:o,textureTypeReadable:a,precision:c,logarithmicDepthBuffer:u,reversedDepthBuffer:d,maxTextures:f,maxVertexTextures:g,maxTextureSize:y,maxCubemapSize:p,maxAttributes:m,maxVertexUniforms:x,maxVaryings:E,maxFragmentUniforms:S,maxSamples:R,samples:M}}function qS(i){let e=this,t=null,n=0,s=!1,r=!1,o=new ti,a=new it,l={value:null,needsUpdate:!1};this.uniform=l,this.numPlanes=0,this.numIntersection=0,this.init=function(d,u){let f=d.length!==0||u||n!==0||s;return s=u,n=d.length,f},this.beginShadows=function(){r=!0,h(null)},this.endShadows=function(){r=!1},this.setGlobalState=function(d,u){t=h(d,u,0)},this.setState=function(d,u,f){let g=d.clippingPlanes,y=d.clipIntersection,p=d.clipShadows,m=i.get(d);if(!s||g===null||g.length===0||r&&!p)r?h(null):c();else{let x=r?0:n,E=x*4,S=m.clippingState||null;l.value=S,S=h(g,u,E,f);for(let R=0;R!==E;++R)S[R]=t[R];m.clippingState=S,this.numIntersection=y?this.numPlanes:0,this.numPlanes+=x}};function c(){l.value!==t&&(l.value=t,l.needsUpdate=n>0),e.numPlanes=n,e.numIntersection=0}function h(d,u,f,g){let y=d!==null?d.length:0,p=null;if(y!==0){if(p=l.value,g!==!0||p===null){let m=f+y*4,x=u.matrixWorldInverse;a.getNormalMatrix(x),(p===null||p.length<m)&&(p=new Float32Array(m));for(let E=0,S=f;E!==y;++E,S+=4)o.copy(d[E]).applyMatrix4(x,a),o.normal.toArray(p,S),p[S+3]=o.constant}l.value=p,l.needsUpdate=!0}return e.numPlanes=y,e.numIntersection=0,p}}var Za=class extends bi{constructor(e=1,t={}){super(e,e,t),this.isWebGLCubeRenderTarget=!0;let n={width:e,height:e,depth:1},s=[n,n,n,n,n,n];this.texture=new Ra(s),this._setTextureOptions(t),this.texture.isRenderTargetTexture=!0}fromEquirectangularTexture(e,t){this.texture.type=t.type,this.texture.colorSpace=t.colorSpace,this.texture.generateMipmaps=t.generateMipmaps,this.texture.minFilter=t.minFilter,this.texture.magFilter=t.magFilter;let n={uniforms:{tEquirect:{value:null}},vertexShader:`
+
+				varying vec3 vWorldDirection;
+
+				vec3 transformDirection( in vec3 dir, in mat4 matrix ) {
+
+					return normalize( ( matrix * vec4( dir, 0.0 ) ).xyz );
+
+				}
+
+				void main() {
+
+					vWorldDirection = transformDirection( position, modelMatrix );
+
+					#include <begin_vertex>
+					#include <project_vertex>
+
+				}
+			`,fragmentShader:`
+
+				uniform sampler2D tEquirect;
+
+				varying vec3 vWorldDirection;
+
+				#include <common>
+
+				void main() {
+
+					vec3 direction = normalize( vWorldDirection );
+
+					vec2 sampleUV = equirectUv( direction );
+
+					gl_FragColor = texture2D( tEquirect, sampleUV );
+
+				}
+			`},s=new So(5,5,5),r=new Di({name:"CubemapFromEquirect",uniforms:Lr(n.uniforms),vertexShader:n.vertexShader,fragmentShader:n.fragmentShader,side:ri,blending:Rr});r.uniforms.tEquirect.value=t;let o=new Xt(s,r),a=t.minFilter;return t.minFilter===Fs&&(t.minFilter=ii),new Ao(1,10,this).update(e,o),t.minFilter=a,o.geometry.dispose(),o.material.dispose(),this}clear(e,t=!0,n=!0,s=!0){let r=e.getRenderTarget();for(let o=0;o<6;o++)e.setRenderTarget(this,o),e.clear(t,n,s);e.setRenderTarget(r)}},Eg=256,YS=3,$S=20,Kg=256,Jg=16,ZS=3,KS=new W,JS=new nt,Ah=class i{constructor(e){this._renderer=e,this._cubeSize=0,this._sourceTarget=null,this._cubeCamera=new Ao(1,10,null),this._boxMesh=new Xt(new So(5,5,5),null),this._cubemapMaterial=null,this._equirectMaterial=null,this._blurMaterial=null,this._ggxMaterial=null,this._integrationMaterial=null}fromScene(e,t=0,n=.1,s=100,r={}){let{size:o=256,position:a=KS}=r,l=this._renderer;this._setSize(o);let c=this._allocateTarget(),h=this._getSourceTarget(!0);t>0&&(h.texture.mipmapsAutoUpdate=!1);let d=l.autoClear,u=l.autoClearColor,f=l.autoClearDepth,g=l.autoClearStencil,y=e.background;l.autoClear=!0,l.autoClearColor=!0,l.autoClearDepth=!0,l.autoClearStencil=!0,y===null&&(e.background=l.getClearColor(JS));let p=new Ao(n,s,h);return p.position.copy(a),p.update(l,e),l.autoClear=d,l.autoClearColor=u,l.autoClearDepth=f,l.autoClearStencil=g,e.background=y,t>0&&(h.texture.mipmapsAutoUpdate=!0,this._blur(c,t)),this._applyPMREM(c),c}fromEquirectangular(e,t=null){return this._fromTexture(e,t)}fromCubemap(e,t=null){return this._fromTexture(e,t)}compileCubemapShader(){this._cubemapMaterial===null&&(this._cubemapMaterial=Pg(),this._compileMaterial(this._cubemapMaterial))}compileEquirectangularShader(){this._equirectMaterial===null&&(this._equirectMaterial=Cg(),this._compileMaterial(this._equirectMaterial))}dispose(){this._sourceTarget!==null&&this._sourceTarget.dispose(),this._cubemapMaterial!==null&&this._cubemapMaterial.dispose(),this._equirectMaterial!==null&&this._equirectMaterial.dispose(),this._blurMaterial!==null&&this._blurMaterial.dispose(),this._ggxMaterial!==null&&this._ggxMaterial.dispose(),this._integrationMaterial!==null&&this._integrationMaterial.dispose(),this._boxMesh.geometry.dispose()}static lodToRoughness(e,t){return t>0?1-Math.sqrt(1-e/t):0}_setSize(e){this._cubeSize=Math.max(Eg,jd(e))}_fromTexture(e,t){e.mapping===Pr||e.mapping===Po?this._setSize(e.image.length===0?Eg:e.image[0].width||e.image[0].image.width):this._setSize(e.image.width/4);let n=t||this._allocateTarget();return this._textureToCubemap(e),this._applyPMREM(n),n}_allocateTarget(){let e=this._cubeSize,t=Rg(e,!1,!1),n=Math.log2(e)-YS;for(let s=0;s<=n;s++)t.texture.mipmaps.push({width:e>>s,height:e>>s});return t.texture.name="PMREM",t.texture.isPMREMTexture=!0,t}_getSourceTarget(e=!1){let t=this._cubeSize,n=this._sourceTarget;return(n===null||n.width!==t||e&&n.depthBuffer===!1)&&(n!==null&&n.dispose(),this._sourceTarget=Rg(t,!0,e)),this._sourceTarget}_compileMaterial(e){this._boxMesh.material=e,this._renderer.compile(this._boxMesh,this._cubeCamera.children[0])}_renderCube(e,t,n){let s=this._boxMesh,r=this._cubeCamera;s.material=n,r.renderTarget=e,r.activeMipmapLevel=t;let o=e.width>>t;e.viewport.set(0,0,o,o),r.update(this._renderer,s),e.viewport.set(0,0,e.width,e.height)}_textureToCubemap(e){let t;e.mapping===Pr||e.mapping===Po?(this._cubemapMaterial===null&&(this._cubemapMaterial=Pg()),t=this._cubemapMaterial,t.uniforms.flipEnvMap.value=e.isRenderTargetTexture===!1?-1:1):(this._equirectMaterial===null&&(this._equirectMaterial=Cg()),t=this._equirectMaterial),t.uniforms.envMap.value=e,this._renderCube(this._getSourceTarget(),0,t)}_applyPMREM(e){this._ggxMaterial===null&&(this._ggxMaterial=jS(),this._integrationMaterial=QS());let t=this._cubeSize,n=e.texture.mipmaps.length-1,s=this._ggxMaterial.uniforms;s.envMap.value=this._sourceTarget.texture;let r=this._integrationMaterial.uniforms;r.envMap.value=this._sourceTarget.texture,r.sourceLod.value=Math.log2(t/Jg);for(let o=0;o<=n;o++){let a=i.lodToRoughness(o,n);if(o>n-ZS)r.roughness.value=a,this._renderCube(e,o,this._integrationMaterial);else{let l=a>0?Math.log2(t)+.5*Math.log2(6/(Kg*Math.pow(a,4)))+.5:0;s.roughness.value=a,s.lodBias.value=l,this._renderCube(e,o,this._ggxMaterial)}}}_blur(e,t){this._blurMaterial===null&&(this._blurMaterial=eM());let n=this._blurMaterial,s=n.uniforms,r=this._sourceTarget;s.sigma.value=Math.min(t,Math.PI)/Math.SQRT2,s.envMap.value=r.texture,this._renderCube(e,0,n),s.envMap.value=e.texture,this._renderCube(r,0,n)}};function Rg(i,e,t){return new Za(i,{minFilter:Fs,generateMipmaps:e,type:Ji,colorSpace:ya,depthBuffer:t})}function Ka(i,e,t){return new Di({name:i,uniforms:e,vertexShader:dt.cube_vert,fragmentShader:t,side:ri,blending:Rr,depthTest:!1,depthWrite:!1})}function jS(){return Ka("PMREMGGXConvolution",{envMap:{value:null},roughness:{value:0},lodBias:{value:0}},`
+
+		#define GGX_SAMPLES ${Kg}u
+
+		varying vec3 vWorldDirection;
+
+		uniform samplerCube envMap;
+		uniform float roughness;
+		uniform float lodBias;
+
+		#include <common>
+
+		// Van der Corput radical inverse
+		float radicalInverse_VdC( uint bits ) {
+
+			bits = ( bits << 16u ) | ( bits >> 16u );
+			bits = ( ( bits & 0x55555555u ) << 1u ) | ( ( bits & 0xAAAAAAAAu ) >> 1u );
+			bits = ( ( bits & 0x33333333u ) << 2u ) | ( ( bits & 0xCCCCCCCCu ) >> 2u );
+			bits = ( ( bits & 0x0F0F0F0Fu ) << 4u ) | ( ( bits & 0xF0F0F0F0u ) >> 4u );
+			bits = ( ( bits & 0x00FF00FFu ) << 8u ) | ( ( bits & 0xFF00FF00u ) >> 8u );
+			return float( bits ) * 2.3283064365386963e-10; // / 0x100000000
+
+		}
+
+		// Hammersley sequence
+		vec2 hammersley( uint i, uint N ) {
+
+			return vec2( float( i ) / float( N ), radicalInverse_VdC( i ) );
+
+		}
+
+		void main() {
+
+			vec3 N = normalize( vWorldDirection );
+
+			// For very low roughness, just sample the environment directly
+			if ( roughness < 0.001 ) {
+
+				gl_FragColor = vec4( textureLod( envMap, N, 0.0 ).rgb, 1.0 );
+				return;
+
+			}
+
+			float alpha = roughness * roughness;
+			float alpha2 = alpha * alpha;
+
+			// Tangent space basis for VNDF sampling
+			vec3 up = abs( N.z ) < 0.999 ? vec3( 0.0, 0.0, 1.0 ) : vec3( 1.0, 0.0, 0.0 );
+			vec3 tangent = normalize( cross( up, N ) );
+			vec3 bitangent = cross( N, tangent );
+
+			vec3 prefilteredColor = vec3( 0.0 );
+			float totalWeight = 0.0;
+
+			for ( uint i = 0u; i < GGX_SAMPLES; i ++ ) {
+
+				vec2 Xi = hammersley( i, GGX_SAMPLES );
+
+				// With V = N, sample the reflected direction directly.
+				float invQ = 1.0 / ( 1.0 - Xi.x + alpha2 * Xi.x );
+				float NdotL = ( 1.0 - Xi.x - alpha2 * Xi.x ) * invQ;
+
+				if ( NdotL > 0.0 ) {
+
+					float phi = 2.0 * PI * Xi.y;
+					float sinTheta = 2.0 * alpha * sqrt( Xi.x * ( 1.0 - Xi.x ) ) * invQ;
+					vec3 L = N * NdotL + ( tangent * cos( phi ) + bitangent * sin( phi ) ) * sinTheta;
+
+					// Match the source mip to the sample's solid angle. The terms
+					// independent of the sample are precomputed in lodBias.
+					float d = alpha2 * invQ;
+					float lod = max( log2( d ) + lodBias, 0.0 );
+
+					// Weight by NdotL for the split-sum approximation
+					prefilteredColor += textureLod( envMap, L, lod ).rgb * NdotL;
+					totalWeight += NdotL;
+
+				}
+
+			}
+
+			gl_FragColor = vec4( prefilteredColor / totalWeight, 1.0 );
+
+		}
+	`)}function QS(){return Ka("PMREMGGXIntegration",{envMap:{value:null},roughness:{value:0},sourceLod:{value:0},sourceSize:{value:Jg}},`
+
+		varying vec3 vWorldDirection;
+
+		uniform samplerCube envMap;
+		uniform float roughness;
+		uniform float sourceLod;
+		uniform int sourceSize;
+
+		void main() {
+
+			vec3 N = normalize( vWorldDirection );
+
+			float alpha = roughness * roughness;
+			float alpha2 = alpha * alpha;
+
+			float texelSize = 2.0 / float( sourceSize );
+
+			vec3 prefilteredColor = vec3( 0.0 );
+			float totalWeight = 0.0;
+
+			// Pair opposite texels: only the one in N's hemisphere contributes.
+			for ( int face = 0; face < 3; face ++ ) {
+
+				for ( int y = 0; y < sourceSize; y ++ ) {
+
+					for ( int x = 0; x < sourceSize; x ++ ) {
+
+						vec2 uv = ( vec2( x, y ) + 0.5 ) * texelSize - 1.0;
+						vec3 texelDirection = face == 0 ? vec3( 1.0, uv ) : ( face == 1 ? vec3( uv.x, 1.0, uv.y ) : vec3( uv, 1.0 ) );
+
+						float invDistance = inversesqrt( 1.0 + dot( uv, uv ) );
+						float NdotL = dot( N, texelDirection );
+						texelDirection *= NdotL < 0.0 ? - 1.0 : 1.0;
+						NdotL = abs( NdotL ) * invDistance;
+
+						// With V = N, NdotH squared is ( 1 + NdotL ) / 2. Common factors
+						// in the GGX distribution and texel solid angle cancel when normalized.
+						float d = 1.0 + alpha2 + ( alpha2 - 1.0 ) * NdotL;
+						float weight = NdotL * invDistance * invDistance * invDistance / ( d * d );
+
+						prefilteredColor += textureLod( envMap, texelDirection, sourceLod ).rgb * weight;
+						totalWeight += weight;
+
+					}
+
+				}
+
+			}
+
+			gl_FragColor = vec4( prefilteredColor / totalWeight, 1.0 );
+
+		}
+	`)}function eM(){return Ka("PMREMSphericalGaussianBlur",{envMap:{value:null},sigma:{value:0}},`
+
+		#define SAMPLES ${$S}
+		#define GOLDEN_ANGLE 2.39996322973
+
+		varying vec3 vWorldDirection;
+
+		uniform samplerCube envMap;
+		uniform float sigma;
+
+		#include <common>
+
+		void main() {
+
+			vec3 outputDirection = normalize( vWorldDirection );
+
+			vec3 up = abs( outputDirection.z ) < 0.999 ? vec3( 0.0, 0.0, 1.0 ) : vec3( 1.0, 0.0, 0.0 );
+			vec3 tangent = normalize( cross( up, outputDirection ) );
+			vec3 bitangent = cross( outputDirection, tangent );
+
+			// Truncate the kernel at three standard deviations or at the antipode.
+			float thetaMax = min( 3.0 * sigma, PI );
+			float truncation = 1.0 - exp( - 0.5 * thetaMax * thetaMax / ( sigma * sigma ) );
+
+			vec3 accumColor = vec3( 0.0 );
+			float accumWeight = 0.0;
+
+			for ( int i = 0; i < SAMPLES; i ++ ) {
+
+				// Stratified inverse-CDF sampling of the Gaussian, placed on a golden-angle spiral.
+				float stratum = ( float( i ) + 0.5 ) / float( SAMPLES );
+				float theta = sigma * sqrt( - 2.0 * log( 1.0 - stratum * truncation ) );
+				float phi = float( i ) * GOLDEN_ANGLE;
+
+				vec3 offset = cos( phi ) * tangent + sin( phi ) * bitangent;
+				vec3 sampleDirection = cos( theta ) * outputDirection + sin( theta ) * offset;
+
+				// Correct the planar sample density to solid angle.
+				float weight = sin( theta ) / theta;
+
+				accumColor += weight * textureLod( envMap, sampleDirection, 0.0 ).rgb;
+				accumWeight += weight;
+
+			}
+
+			gl_FragColor = vec4( accumColor / accumWeight, 1.0 );
+
+		}
+	`)}function Cg(){return Ka("PMREMEquirectangularToCubemap",{envMap:{value:null}},`
+
+		varying vec3 vWorldDirection;
+
+		uniform sampler2D envMap;
+
+		#include <common>
+
+		void main() {
+
+			// Average four subpixel samples to preserve small, bright features.
+			vec3 direction = normalize( vWorldDirection );
+			vec3 dx = dFdx( direction ) * 0.25;
+			vec3 dy = dFdy( direction ) * 0.25;
+
+			vec3 color = textureLod( envMap, equirectUv( normalize( direction - dx - dy ) ), 0.0 ).rgb;
+			color += textureLod( envMap, equirectUv( normalize( direction + dx - dy ) ), 0.0 ).rgb;
+			color += textureLod( envMap, equirectUv( normalize( direction - dx + dy ) ), 0.0 ).rgb;
+			color += textureLod( envMap, equirectUv( normalize( direction + dx + dy ) ), 0.0 ).rgb;
+			gl_FragColor = vec4( color * 0.25, 1.0 );
+
+		}
+	`)}function Pg(){return Ka("PMREMCubemapToCubemap",{envMap:{value:null},flipEnvMap:{value:-1}},`
+
+		varying vec3 vWorldDirection;
+
+		uniform samplerCube envMap;
+		uniform float flipEnvMap;
+
+		void main() {
+
+			gl_FragColor = vec4( textureCube( envMap, vec3( flipEnvMap * vWorldDirection.x, vWorldDirection.yz ) ).rgb, 1.0 );
+
+		}
+	`)}function tM(i){let e=new WeakMap,t=new WeakMap,n=null;function s(u,f=!1){return u==null?null:f?o(u):r(u)}function r(u){if(u&&u.isTexture){let f=u.mapping;if(f===Oc||f===kc)if(e.has(u)){let g=e.get(u).texture;return a(g,u.mapping)}else{let g=u.image;if(g&&g.height>0){let y=new Za(g.height);return y.fromEquirectangularTexture(i,u),e.set(u,y),u.addEventListener("dispose",c),a(y.texture,u.mapping)}else return null}}return u}function o(u){if(u&&u.isTexture&&u.isPMREMTexture!==!0){let f=u.mapping,g=f===Oc||f===kc,y=f===Pr||f===Po;if(g||y){let p=t.get(u),m=p!==void 0?p.texture.pmremVersion:0;if(u.isRenderTargetTexture&&u.pmremVersion!==m)return n===null&&(n=new Ah(i)),p=g?n.fromEquirectangular(u,p):n.fromCubemap(u,p),p.texture.pmremVersion=u.pmremVersion,t.set(u,p),p.texture;if(p!==void 0)return p.texture;{let x=u.image;return g&&x&&x.height>0||y&&x&&l(x)?(n===null&&(n=new Ah(i)),p=g?n.fromEquirectangular(u):n.fromCubemap(u),p.texture.pmremVersion=u.pmremVersion,t.set(u,p),u.addEventListener("dispose",h),p.texture):null}}}return u}function a(u,f){return f===Oc?u.mapping=Pr:f===kc&&(u.mapping=Po),u}function l(u){let f=0,g=6;for(let y=0;y<g;y++)u[y]!==void 0&&f++;return f===g}function c(u){let f=u.target;f.removeEventListener("dispose",c);let g=e.get(f);g!==void 0&&(e.delete(f),g.dispose())}function h(u){let f=u.target;f.removeEventListener("dispose",h);let g=t.get(f);g!==void 0&&(t.delete(f),g.dispose())}function d(){e=new WeakMap,t=new WeakMap,n!==null&&(n.dispose(),n=null)}return{get:s,dispose:d}}function nM(i){let e={};function t(n){if(e[n]!==void 0)return e[n];let s=i.getExtension(n);return e[n]=s,s}return{has:function(n){return t(n)!==null},init:function(){t("EXT_color_buffer_float"),t("WEBGL_clip_cull_distance"),t("OES_texture_float_linear"),t("EXT_color_buffer_half_float"),t("WEBGL_multisampled_render_to_texture"),t("WEBGL_render_shared_exponent")},get:function(n){let s=t(n);return s===null&&fa("WebGLRenderer: "+n+" extension not supported."),s}}}function iM(i,e,t,n){let s={},r=new WeakMap,o=new FinalizationRegistry(g=>delete s[g]);function a(g){l(g.target)}function l(g){g.index!==null&&e.remove(g.index);for(let p in g.attributes)e.remove(g.attributes[p]);g.removeEventListener("dispose",a),delete s[g.id],o.unregister(g);let y=r.get(g);y&&(e.remove(y),r.delete(g)),n.releaseStatesOfGeometry(g),g.isInstancedBufferGeometry===!0&&delete g._maxInstanceCount,t.memory.geometries--}function c(g,y){return s[y.id]!==void 0||(y.addEventListener("dispose",a),s[y.id]=new WeakRef(y),o.register(y,y.id,y),t.memory.geometries++),y}function h(g){let y=g.attributes;for(let p in y)e.update(y[p],i.ARRAY_BUFFER)}function d(g){let y=g.index,p=g.attributes.position,m=0;if(p===void 0)return;let x=y!==null?y.array.length:p.array.length/3-1,E=p.count>=65535?Ma:Sa,S=new E(Math.ceil(x/3)*6,1),R=S.array;if(y!==null){let _=y.array;m=y.version;for(let A=0,k=0;A<x;A+=3){let D=_[A+0],L=_[A+1],B=_[A+2];R[k++]=D,R[k++]=L,R[k++]=L,R[k++]=B,R[k++]=B,R[k++]=D}}else{m=p.version;for(let _=0,A=0;_<x;_+=3){let k=_+0,D=_+1,L=_+2;R[A++]=k,R[A++]=D,R[A++]=D,R[A++]=L,R[A++]=L,R[A++]=k}}S.version=m;let M=r.get(g);M&&e.remove(M),r.set(g,S)}function u(g){let y=r.get(g);if(y){let p=g.index;p!==null&&y.version<p.version&&d(g)}else d(g);return r.get(g)}function f(){for(let g in s){let y=s[g].deref();y!==void 0&&l(y)}}return{get:c,update:h,getWireframeAttribute:u,dispose:f}}function sM(i,e,t){let n;function s(d){n=d}let r,o;function a(d){r=d.type,o=d.bytesPerElement}function l(d,u){i.drawElements(n,u,r,d*o),t.update(u,n,1)}function c(d,u,f){f!==0&&(i.drawElementsInstanced(n,u,r,d*o,f),t.update(u,n,f))}function h(d,u,f){if(f===0)return;e.get("WEBGL_multi_draw").multiDrawElementsWEBGL(n,u,0,r,d,0,f);let y=0;for(let p=0;p<f;p++)y+=u[p];t.update(y,n,1)}this.setMode=s,this.setIndex=a,this.render=l,this.renderInstances=c,this.renderMultiDraw=h}function rM(i){let e={geometries:0,textures:0},t={frame:0,calls:0,triangles:0,points:0,lines:0};function n(r,o,a){switch(t.calls++,o){case i.TRIANGLES:t.triangles+=a*(r/3);break;case i.LINES:t.lines+=a*(r/2);break;case i.LINE_STRIP:t.lines+=a*(r-1);break;case i.LINE_LOOP:t.lines+=a*r;break;case i.POINTS:t.points+=a*r;break;default:et("WebGLInfo: Unknown draw mode:",o);break}}function s(){t.calls=0,t.triangles=0,t.points=0,t.lines=0}return{memory:e,render:t,programs:null,autoReset:!0,reset:s,update:n}}function oM(i,e,t){let n=new WeakMap,s=new jt;function r(o,a,l){let c=o.morphTargetInfluences,h=a.morphAttributes.position||a.morphAttributes.normal||a.morphAttributes.color,d=h!==void 0?h.length:0,u=n.get(a);if(u===void 0||u.count!==d){let k=function(){_.dispose(),n.delete(a),a.removeEventListener("dispose",k)};u!==void 0&&u.texture.dispose();let f=a.morphAttributes.position!==void 0,g=a.morphAttributes.normal!==void 0,y=a.morphAttributes.color!==void 0,p=a.morphAttributes.position||[],m=a.morphAttributes.normal||[],x=a.morphAttributes.color||[],E=0;f===!0&&(E=1),g===!0&&(E=2),y===!0&&(E=3);let S=a.attributes.position.count*E,R=1;S>e.maxTextureSize&&(R=Math.ceil(S/e.maxTextureSize),S=e.maxTextureSize);let M=new Float32Array(S*R*4*d),_=new xa(M,S,R,d);_.type=Fi,_.needsUpdate=!0;let A=E*4;for(let D=0;D<d;D++){let L=p[D],B=m[D],V=x[D],P=S*R*4*D;for(let U=0;U<L.count;U++){let X=U*A;f===!0&&(s.fromBufferAttribute(L,U),M[P+X+0]=s.x,M[P+X+1]=s.y,M[P+X+2]=s.z,M[P+X+3]=0),g===!0&&(s.fromBufferAttribute(B,U),M[P+X+4]=s.x,M[P+X+5]=s.y,M[P+X+6]=s.z,M[P+X+7]=0),y===!0&&(s.fromBufferAttribute(V,U),M[P+X+8]=s.x,M[P+X+9]=s.y,M[P+X+10]=s.z,M[P+X+11]=V.itemSize===4?s.w:1)}}u={count:d,texture:_,size:new $e(S,R)},n.set(a,u),a.addEventListener("dispose",k)}if(o.isInstancedMesh===!0&&o.morphTexture!==null)l.getUniforms().setValue(i,"morphTexture",o.morphTexture,t);else{let f=0;for(let y=0;y<c.length;y++)f+=c[y];let g=a.morphTargetsRelative?1:1-f;l.getUniforms().setValue(i,"morphTargetBaseInfluence",g),l.getUniforms().setValue(i,"morphTargetInfluences",c)}l.getUniforms().setValue(i,"morphTargetsTexture",u.texture,t),l.getUniforms().setValue(i,"morphTargetsTextureSize",u.size)}return{update:r}}function aM(i,e,t,n,s){let r=new WeakMap;function o(c){let h=s.render.frame,d=c.geometry,u=e.get(c,d);if(r.get(u)!==h&&(e.update(u),r.set(u,h)),c.isInstancedMesh&&(c.hasEventListener("dispose",l)===!1&&c.addEventListener("dispose",l),r.get(c)!==h&&(t.update(c.instanceMatrix,i.ARRAY_BUFFER),c.instanceColor!==null&&t.update(c.instanceColor,i.ARRAY_BUFFER),r.set(c,h))),c.isSkinnedMesh){let f=c.skeleton;r.get(f)!==h&&(f.update(),r.set(f,h))}return u}function a(){r=new WeakMap}function l(c){let h=c.target;h.removeEventListener("dispose",l),n.releaseStatesOfObject(h),t.remove(h.instanceMatrix),h.instanceColor!==null&&t.remove(h.instanceColor)}return{update:o,dispose:a}}var lM={[Ld]:"LINEAR_TONE_MAPPING",[Dd]:"REINHARD_TONE_MAPPING",[Nd]:"CINEON_TONE_MAPPING",[Ud]:"ACES_FILMIC_TONE_MAPPING",[Od]:"AGX_TONE_MAPPING",[kd]:"NEUTRAL_TONE_MAPPING",[Fd]:"CUSTOM_TONE_MAPPING"};function cM(i,e,t,n,s,r){let o=new bi(e,t,{type:i,depthBuffer:s,stencilBuffer:r,samples:n?4:0,storeMultisampledDepthBuffer:!1,storeMultisampledStencilBuffer:!1,resolveDepthBuffer:!1,resolveStencilBuffer:!1}),a=null,l=null,c=null,h=new ln;h.setAttribute("position",new Sn([-1,3,0,-1,-1,0,3,-1,0],3)),h.setAttribute("uv",new Sn([0,2,0,0,2,0],2));let d=new bc({uniforms:{tDiffuse:{value:null}},vertexShader:`
+			precision highp float;
+
+			uniform mat4 modelViewMatrix;
+			uniform mat4 projectionMatrix;
+
+			attribute vec3 position;
+			attribute vec2 uv;
+
+			varying vec2 vUv;
+
+			void main() {
+				vUv = uv;
+				gl_Position = projectionMatrix * modelViewMatrix * vec4( position, 1.0 );
+			}`,fragmentShader:`
+			precision highp float;
+
+			uniform sampler2D tDiffuse;
+
+			varying vec2 vUv;
+
+			#include <tonemapping_pars_fragment>
+			#include <colorspace_pars_fragment>
+
+			void main() {
+				gl_FragColor = texture2D( tDiffuse, vUv );
+
+				#ifdef LINEAR_TONE_MAPPING
+					gl_FragColor.rgb = LinearToneMapping( gl_FragColor.rgb );
+				#elif defined( REINHARD_TONE_MAPPING )
+					gl_FragColor.rgb = ReinhardToneMapping( gl_FragColor.rgb );
+				#elif defined( CINEON_TONE_MAPPING )
+					gl_FragColor.rgb = CineonToneMapping( gl_FragColor.rgb );
+				#elif defined( ACES_FILMIC_TONE_MAPPING )
+					gl_FragColor.rgb = ACESFilmicToneMapping( gl_FragColor.rgb );
+				#elif defined( AGX_TONE_MAPPING )
+					gl_FragColor.rgb = AgXToneMapping( gl_FragColor.rgb );
+				#elif defined( NEUTRAL_TONE_MAPPING )
+					gl_FragColor.rgb = NeutralToneMapping( gl_FragColor.rgb );
+				#elif defined( CUSTOM_TONE_MAPPING )
+					gl_FragColor.rgb = CustomToneMapping( gl_FragColor.rgb );
+				#endif
+
+				#ifdef SRGB_TRANSFER
+					gl_FragColor = sRGBTransferOETF( gl_FragColor );
+				#endif
+			}`,depthTest:!1,depthWrite:!1}),u=new Xt(h,d),f=new Fa(-1,1,1,-1,0,1),g=null,y=null,p=!1,m,x=null,E=[],S=!1;this.setSize=function(R,M){o.setSize(R,M),a!==null&&a.setSize(R,M),l!==null&&l.setSize(R,M);for(let _=0;_<E.length;_++){let A=E[_];A.setSize&&A.setSize(R,M)}},this.setEffects=function(R){E=R,S=E.length>0&&E[0].isRenderPass===!0;let M=o.width,_=o.height;E.length>0&&a===null&&(a=new bi(M,_,{type:Ji,depthBuffer:!1,stencilBuffer:!1}),l=new bi(M,_,{type:Ji,depthBuffer:!1,stencilBuffer:!1}));let A=s===!0&&E.some(k=>k.needsDepthTexture===!0);A!==(o.depthTexture!==null)&&(A===!0&&c===null&&(c=new Ns(M,_),r===!0&&(c.format=Os,c.type=Ir)),o.dispose(),o.depthTexture=A?c:null,o.resolveDepthBuffer=A,o.storeMultisampledDepthBuffer=A);for(let k=0;k<E.length;k++){let D=E[k];D.setSize&&D.setSize(M,_),A&&D.needsDepthTexture===!0&&D.setDepthTexture&&D.setDepthTexture(c)}},this.begin=function(R,M){if(p||R.toneMapping===Ui&&E.length===0)return!1;if(x=M,M!==null){let _=M.width,A=M.height;(o.width!==_||o.height!==A)&&this.setSize(_,A)}return S===!1&&R.setRenderTarget(o),m=R.toneMapping,R.toneMapping=Ui,!0},this.hasRenderPass=function(){return S},this.end=function(R,M){R.toneMapping=m,p=!0;let _=o,A=a;for(let k=0;k<E.length;k++){let D=E[k];D.enabled!==!1&&(D.render(R,A,_,M),D.needsSwap!==!1&&(_=A,A=A===a?l:a))}if(g!==R.outputColorSpace||y!==R.toneMapping){g=R.outputColorSpace,y=R.toneMapping,d.defines={},_t.getTransfer(g)===Rt&&(d.defines.SRGB_TRANSFER="");let k=lM[y];k&&(d.defines[k]=""),d.needsUpdate=!0}d.uniforms.tDiffuse.value=_.texture,R.setRenderTarget(x),R.render(u,f),x=null,p=!1},this.isCompositing=function(){return p},this.dispose=function(){o.dispose(),a!==null&&a.dispose(),l!==null&&l.dispose(),h.dispose(),d.dispose()}}var jg=new ci,Qg=new Ns(1,1),e0=new Ca(1),t0=new xa,n0=new yc,i0=new Ra,Ig=[],Lg=[],Dg=new Float32Array(16),Ng=new Float32Array(9),Ug=new Float32Array(4);function No(i,e,t){let n=i[0];if(n<=0||n>0)return i;let s=e*t,r=Ig[s];if(r===void 0&&(r=new Float32Array(s),Ig[s]=r),e!==0){n.toArray(r,0);for(let o=1,a=0;o!==e;++o)a+=t,i[o].toArray(r,a)}return r}function En(i,e){if(i.length!==e.length)return!1;for(let t=0,n=i.length;t<n;t++)if(i[t]!==e[t])return!1;return!0}function Rn(i,e){for(let t=0,n=e.length;t<n;t++)i[t]=e[t]}function Rh(i,e){let t=Lg[e];t===void 0&&(t=new Int32Array(e),Lg[e]=t);for(let n=0;n!==e;++n)t[n]=i.allocateTextureUnit();return t}function hM(i,e){let t=this.cache;t[0]!==e&&(i.uniform1f(this.addr,e),t[0]=e)}function uM(i,e){let t=this.cache;if(e.x!==void 0)(t[0]!==e.x||t[1]!==e.y)&&(i.uniform2f(this.addr,e.x,e.y),t[0]=e.x,t[1]=e.y);else{if(En(t,e))return;i.uniform2fv(this.addr,e),Rn(t,e)}}function dM(i,e){let t=this.cache;if(e.x!==void 0)(t[0]!==e.x||t[1]!==e.y||t[2]!==e.z)&&(i.uniform3f(this.addr,e.x,e.y,e.z),t[0]=e.x,t[1]=e.y,t[2]=e.z);else if(e.r!==void 0)(t[0]!==e.r||t[1]!==e.g||t[2]!==e.b)&&(i.uniform3f(this.addr,e.r,e.g,e.b),t[0]=e.r,t[1]=e.g,t[2]=e.b);else{if(En(t,e))return;i.uniform3fv(this.addr,e),Rn(t,e)}}function fM(i,e){let t=this.cache;if(e.x!==void 0)(t[0]!==e.x||t[1]!==e.y||t[2]!==e.z||t[3]!==e.w)&&(i.uniform4f(this.addr,e.x,e.y,e.z,e.w),t[0]=e.x,t[1]=e.y,t[2]=e.z,t[3]=e.w);else{if(En(t,e))return;i.uniform4fv(this.addr,e),Rn(t,e)}}function pM(i,e){let t=this.cache,n=e.elements;if(n===void 0){if(En(t,e))return;i.uniformMatrix2fv(this.addr,!1,e),Rn(t,e)}else{if(En(t,n))return;Ug.set(n),i.uniformMatrix2fv(this.addr,!1,Ug),Rn(t,n)}}function mM(i,e){let t=this.cache,n=e.elements;if(n===void 0){if(En(t,e))return;i.uniformMatrix3fv(this.addr,!1,e),Rn(t,e)}else{if(En(t,n))return;Ng.set(n),i.uniformMatrix3fv(this.addr,!1,Ng),Rn(t,n)}}function gM(i,e){let t=this.cache,n=e.elements;if(n===void 0){if(En(t,e))return;i.uniformMatrix4fv(this.addr,!1,e),Rn(t,e)}else{if(En(t,n))return;Dg.set(n),i.uniformMatrix4fv(this.addr,!1,Dg),Rn(t,n)}}function yM(i,e){let t=this.cache;t[0]!==e&&(i.uniform1i(this.addr,e),t[0]=e)}function _M(i,e){let t=this.cache;if(e.x!==void 0)(t[0]!==e.x||t[1]!==e.y)&&(i.uniform2i(this.addr,e.x,e.y),t[0]=e.x,t[1]=e.y);else{if(En(t,e))return;i.uniform2iv(this.addr,e),Rn(t,e)}}function vM(i,e){let t=this.cache;if(e.x!==void 0)(t[0]!==e.x||t[1]!==e.y||t[2]!==e.z)&&(i.uniform3i(this.addr,e.x,e.y,e.z),t[0]=e.x,t[1]=e.y,t[2]=e.z);else{if(En(t,e))return;i.uniform3iv(this.addr,e),Rn(t,e)}}function xM(i,e){let t=this.cache;if(e.x!==void 0)(t[0]!==e.x||t[1]!==e.y||t[2]!==e.z||t[3]!==e.w)&&(i.uniform4i(this.addr,e.x,e.y,e.z,e.w),t[0]=e.x,t[1]=e.y,t[2]=e.z,t[3]=e.w);else{if(En(t,e))return;i.uniform4iv(this.addr,e),Rn(t,e)}}function bM(i,e){let t=this.cache;t[0]!==e&&(i.uniform1ui(this.addr,e),t[0]=e)}function SM(i,e){let t=this.cache;if(e.x!==void 0)(t[0]!==e.x||t[1]!==e.y)&&(i.uniform2ui(this.addr,e.x,e.y),t[0]=e.x,t[1]=e.y);else{if(En(t,e))return;i.uniform2uiv(this.addr,e),Rn(t,e)}}function MM(i,e){let t=this.cache;if(e.x!==void 0)(t[0]!==e.x||t[1]!==e.y||t[2]!==e.z)&&(i.uniform3ui(this.addr,e.x,e.y,e.z),t[0]=e.x,t[1]=e.y,t[2]=e.z);else{if(En(t,e))return;i.uniform3uiv(this.addr,e),Rn(t,e)}}function wM(i,e){let t=this.cache;if(e.x!==void 0)(t[0]!==e.x||t[1]!==e.y||t[2]!==e.z||t[3]!==e.w)&&(i.uniform4ui(this.addr,e.x,e.y,e.z,e.w),t[0]=e.x,t[1]=e.y,t[2]=e.z,t[3]=e.w);else{if(En(t,e))return;i.uniform4uiv(this.addr,e),Rn(t,e)}}function Ch(i){return i.version===0&&(i.compareFunction=$d,i.needsUpdate=!0),i}function TM(i,e,t){let n=this.cache,s=t.allocateTextureUnit();n[0]!==s&&(i.uniform1i(this.addr,s),n[0]=s);let r;this.type===i.SAMPLER_2D_SHADOW?r=Ch(Qg):r=jg,t.setTexture2D(e||r,s)}function AM(i,e,t){let n=this.cache,s=t.allocateTextureUnit();n[0]!==s&&(i.uniform1i(this.addr,s),n[0]=s),t.setTexture3D(e||n0,s)}function EM(i,e,t){let n=this.cache,s=t.allocateTextureUnit();n[0]!==s&&(i.uniform1i(this.addr,s),n[0]=s);let r;this.type===i.SAMPLER_CUBE_SHADOW?r=Ch(e0):r=i0,t.setTextureCube(e||r,s)}function RM(i,e,t){let n=this.cache,s=t.allocateTextureUnit();n[0]!==s&&(i.uniform1i(this.addr,s),n[0]=s),t.setTexture2DArray(e||t0,s)}function CM(i){switch(i){case 5126:return hM;case 35664:return uM;case 35665:return dM;case 35666:return fM;case 35674:return pM;case 35675:return mM;case 35676:return gM;case 5124:case 35670:return yM;case 35667:case 35671:return _M;case 35668:case 35672:return vM;case 35669:case 35673:return xM;case 5125:return bM;case 36294:return SM;case 36295:return MM;case 36296:return wM;case 35678:case 36198:case 36298:case 36306:case 35682:return TM;case 35679:case 36299:case 36307:return AM;case 35680:case 36300:case 36308:case 36293:return EM;case 36289:case 36303:case 36311:case 36292:return RM}}function PM(i,e){i.uniform1fv(this.addr,e)}function IM(i,e){let t=No(e,this.size,2);i.uniform2fv(this.addr,t)}function LM(i,e){let t=No(e,this.size,3);i.uniform3fv(this.addr,t)}function DM(i,e){let t=No(e,this.size,4);i.uniform4fv(this.addr,t)}function NM(i,e){let t=No(e,this.size,4);i.uniformMatrix2fv(this.addr,!1,t)}function UM(i,e){let t=No(e,this.size,9);i.uniformMatrix3fv(this.addr,!1,t)}function FM(i,e){let t=No(e,this.size,16);i.uniformMatrix4fv(this.addr,!1,t)}function OM(i,e){i.uniform1iv(this.addr,e)}function kM(i,e){i.uniform2iv(this.addr,e)}function BM(i,e){i.uniform3iv(this.addr,e)}function zM(i,e){i.uniform4iv(this.addr,e)}function VM(i,e){i.uniform1uiv(this.addr,e)}function GM(i,e){i.uniform2uiv(this.addr,e)}function HM(i,e){i.uniform3uiv(this.addr,e)}function WM(i,e){i.uniform4uiv(this.addr,e)}function XM(i,e,t){let n=this.cache,s=e.length,r=Rh(t,s);En(n,r)||(i.uniform1iv(this.addr,r),Rn(n,r));let o;this.type===i.SAMPLER_2D_SHADOW?o=Ch(Qg):o=jg;for(let a=0;a!==s;++a)t.setTexture2D(e[a]||o,r[a])}function qM(i,e,t){let n=this.cache,s=e.length,r=Rh(t,s);En(n,r)||(i.uniform1iv(this.addr,r),Rn(n,r));for(let o=0;o!==s;++o)t.setTexture3D(e[o]||n0,r[o])}function YM(i,e,t){let n=this.cache,s=e.length,r=Rh(t,s);En(n,r)||(i.uniform1iv(this.addr,r),Rn(n,r));let o;this.type===i.SAMPLER_CUBE_SHADOW?o=Ch(e0):o=i0;for(let a=0;a!==s;++a)t.setTextureCube(e[a]||o,r[a])}function $M(i,e,t){let n=this.cache,s=e.length,r=Rh(t,s);En(n,r)||(i.uniform1iv(this.addr,r),Rn(n,r));for(let o=0;o!==s;++o)t.setTexture2DArray(e[o]||t0,r[o])}function ZM(i){switch(i){case 5126:return PM;case 35664:return IM;case 35665:return LM;case 35666:return DM;case 35674:return NM;case 35675:return UM;case 35676:return FM;case 5124:case 35670:return OM;case 35667:case 35671:return kM;case 35668:case 35672:return BM;case 35669:case 35673:return zM;case 5125:return VM;case 36294:return GM;case 36295:return HM;case 36296:return WM;case 35678:case 36198:case 36298:case 36306:case 35682:return XM;case 35679:case 36299:case 36307:return qM;case 35680:case 36300:case 36308:case 36293:return YM;case 36289:case 36303:case 36311:case 36292:return $M}}var lf=class{constructor(e,t,n){this.id=e,this.addr=n,this.cache=[],this.type=t.type,this.setValue=CM(t.type)}},cf=class{constructor(e,t,n){this.id=e,this.addr=n,this.cache=[],this.type=t.type,this.size=t.size,this.setValue=ZM(t.type)}},hf=class{constructor(e){this.id=e,this.seq=[],this.map={}}setValue(e,t,n){let s=this.seq;for(let r=0,o=s.length;r!==o;++r){let a=s[r];a.setValue(e,t[a.id],n)}}},of=/(\w+)(\])?(\[|\.)?/g;function Fg(i,e){i.seq.push(e),i.map[e.id]=e}function KM(i,e,t){let n=i.name,s=n.length;for(of.lastIndex=0;;){let r=of.exec(n),o=of.lastIndex,a=r[1],l=r[2]==="]",c=r[3];if(l&&(a=a|0),c===void 0||c==="["&&o+2===s){Fg(t,c===void 0?new lf(a,i,e):new cf(a,i,e));break}else{let d=t.map[a];d===void 0&&(d=new hf(a),Fg(t,d)),t=d}}}var Do=class{constructor(e,t){this.seq=[],this.map={};let n=e.getProgramParameter(t,e.ACTIVE_UNIFORMS);for(let o=0;o<n;++o){let a=e.getActiveUniform(t,o),l=e.getUniformLocation(t,a.name);KM(a,l,this)}let s=[],r=[];for(let o of this.seq)o.type===e.SAMPLER_2D_SHADOW||o.type===e.SAMPLER_CUBE_SHADOW||o.type===e.SAMPLER_2D_ARRAY_SHADOW?s.push(o):r.push(o);s.length>0&&(this.seq=s.concat(r))}setValue(e,t,n,s){let r=this.map[t];r!==void 0&&r.setValue(e,n,s)}setOptional(e,t,n){let s=t[n];s!==void 0&&this.setValue(e,n,s)}static upload(e,t,n,s){for(let r=0,o=t.length;r!==o;++r){let a=t[r],l=n[a.id];l.needsUpdate!==!1&&a.setValue(e,l.value,s)}}static seqWithValue(e,t){let n=[];for(let s=0,r=e.length;s!==r;++s){let o=e[s];o.id in t&&n.push(o)}return n}};function Og(i,e,t){let n=i.createShader(e);return i.shaderSource(n,t),i.compileShader(n),n}var JM=37297,jM=0;function QM(i,e){let t=i.split(`
+`),n=[],s=Math.max(e-6,0),r=Math.min(e+6,t.length);for(let o=s;o<r;o++){let a=o+1;n.push(`${a===e?">":" "} ${a}: ${t[o]}`)}return n.join(`
+`)}var kg=new it;function ew(i){_t._getMatrix(kg,_t.workingColorSpace,i);let e=`mat3( ${kg.elements.map(t=>t.toFixed(4))} )`;switch(_t.getTransfer(i)){case _a:return[e,"LinearTransferOETF"];case Rt:return[e,"sRGBTransferOETF"];default:return Ye("WebGLProgram: Unsupported color space: ",i),[e,"LinearTransferOETF"]}}function Bg(i,e,t){let n=i.getShaderParameter(e,i.COMPILE_STATUS),r=(i.getShaderInfoLog(e)||"").trim();if(n&&r==="")return"";let o=/ERROR: 0:(\d+)/.exec(r);if(o){let a=parseInt(o[1]);return t.toUpperCase()+`
+
+`+r+`
+
+`+QM(i.getShaderSource(e),a)}else return r}function tw(i,e){let t=ew(e);return[`vec4 ${i}( vec4 value ) {`,`	return ${t[1]}( vec4( ${t[0]} * value.rgb, value.a ) );`,"}"].join(`
+`)}var nw={[Ld]:"Linear",[Dd]:"Reinhard",[Nd]:"Cineon",[Ud]:"ACESFilmic",[Od]:"AgX",[kd]:"Neutral",[Fd]:"Custom"};function iw(i,e){let t=nw[e];return t===void 0?(Ye("WebGLProgram: Unsupported toneMapping:",e),"vec3 "+i+"( vec3 color ) { return LinearToneMapping( color ); }"):"vec3 "+i+"( vec3 color ) { return "+t+"ToneMapping( color ); }"}var Th=new W;function sw(){_t.getLuminanceCoefficients(Th);let i=Th.x.toFixed(4),e=Th.y.toFixed(4),t=Th.z.toFixed(4);return["float luminance( const in vec3 rgb ) {",`	const vec3 weights = vec3( ${i}, ${e}, ${t} );`,"	return dot( weights, rgb );","}"].join(`
+`)}function rw(i){return[i.extensionClipCullDistance?"#extension GL_ANGLE_clip_cull_distance : require":"",i.extensionMultiDraw?"#extension GL_ANGLE_multi_draw : require":""].filter($a).join(`
+`)}function ow(i){let e=[];for(let t in i){let n=i[t];n!==!1&&e.push("#define "+t+" "+n)}return e.join(`
+`)}function aw(i,e){let t={},n=i.getProgramParameter(e,i.ACTIVE_ATTRIBUTES);for(let s=0;s<n;s++){let r=i.getActiveAttrib(e,s),o=r.name,a=1;r.type===i.FLOAT_MAT2&&(a=2),r.type===i.FLOAT_MAT3&&(a=3),r.type===i.FLOAT_MAT4&&(a=4),t[o]={type:r.type,location:i.getAttribLocation(e,o),locationSize:a}}return t}function $a(i){return i!==""}function zg(i,e){let t=e.numSpotLightShadows+e.numSpotLightMaps-e.numSpotLightShadowsWithMaps;return i.replace(/NUM_SUN_LIGHTS/g,e.numSunLights).replace(/NUM_DIR_LIGHTS/g,e.numDirLights).replace(/NUM_SPOT_LIGHTS/g,e.numSpotLights).replace(/NUM_SPOT_LIGHT_MAPS/g,e.numSpotLightMaps).replace(/NUM_SPOT_LIGHT_COORDS/g,t).replace(/NUM_RECT_AREA_LIGHTS/g,e.numRectAreaLights).replace(/NUM_POINT_LIGHTS/g,e.numPointLights).replace(/NUM_HEMI_LIGHTS/g,e.numHemiLights).replace(/NUM_SUN_LIGHT_SHADOWS/g,e.numSunLightShadows).replace(/NUM_DIR_LIGHT_SHADOWS/g,e.numDirLightShadows).replace(/NUM_SPOT_LIGHT_SHADOWS_WITH_MAPS/g,e.numSpotLightShadowsWithMaps).replace(/NUM_SPOT_LIGHT_SHADOWS/g,e.numSpotLightShadows).replace(/NUM_POINT_LIGHT_SHADOWS/g,e.numPointLightShadows).replace(/NUM_LIGHT_PROBE_GRIDS/g,e.numLightProbeGrids)}function Vg(i,e){return i.replace(/NUM_CLIPPING_PLANES/g,e.numClippingPlanes).replace(/UNION_CLIPPING_PLANES/g,e.numClippingPlanes-e.numClipIntersection)}var lw=/^[ \t]*#include +<([\w\d./]+)>/gm;function uf(i){return i.replace(lw,cw)}function cw(i,e){let t=dt[e];if(t===void 0)throw new Error("THREE.WebGLProgram: Can not resolve #include <"+e+">");return uf(t)}var hw=/#pragma unroll_loop_start\s+for\s*\(\s*int\s+i\s*=\s*(\d+)\s*;\s*i\s*<\s*(\d+)\s*;\s*i\s*\+\+\s*\)\s*{([\s\S]+?)}\s+#pragma unroll_loop_end/g;function Gg(i){return i.replace(hw,uw)}function uw(i,e,t,n){let s="";for(let r=parseInt(e);r<parseInt(t);r++)s+=n.replace(/\[\s*i\s*\]/g,"[ "+r+" ]").replace(/UNROLLED_LOOP_INDEX/g,r);return s}function Hg(i){let e=`precision ${i.precision} float;
+	precision ${i.precision} int;
+	precision ${i.precision} sampler2D;
+	precision ${i.precision} samplerCube;
+	precision ${i.precision} sampler3D;
+	precision ${i.precision} sampler2DArray;
+	precision ${i.precision} sampler2DShadow;
+	precision ${i.precision} samplerCubeShadow;
+	precision ${i.precision} sampler2DArrayShadow;
+	precision ${i.precision} isampler2D;
+	precision ${i.precision} isampler3D;
+	precision ${i.precision} isamplerCube;
+	precision ${i.precision} isampler2DArray;
+	precision ${i.precision} usampler2D;
+	precision ${i.precision} usampler3D;
+	precision ${i.precision} usamplerCube;
+	precision ${i.precision} usampler2DArray;
+	`;return i.precision==="highp"?e+=`
+#define HIGH_PRECISION`:i.precision==="mediump"?e+=`
+#define MEDIUM_PRECISION`:i.precision==="lowp"&&(e+=`
+#define LOW_PRECISION`),e}var dw={[Er]:"SHADOWMAP_TYPE_PCF",[Ro]:"SHADOWMAP_TYPE_VSM"};function fw(i){return dw[i.shadowMapType]||"SHADOWMAP_TYPE_BASIC"}var pw={[Po]:"ENVMAP_MODE_REFRACTION"};function mw(i){return i.envMap===!1?"ENVMAP_MODE_REFLECTION":pw[i.envMapMode]||"ENVMAP_MODE_REFLECTION"}var gw={[Fc]:"ENVMAP_BLENDING_MULTIPLY",[rg]:"ENVMAP_BLENDING_MIX",[og]:"ENVMAP_BLENDING_ADD"};function yw(i){return i.envMap===!1?"ENVMAP_BLENDING_NONE":gw[i.combine]||"ENVMAP_BLENDING_NONE"}function _w(i,e,t,n){let s=i.getContext(),r=t.defines,o=t.vertexShader,a=t.fragmentShader,l=fw(t),c=t.envMapPMREM===!0?"ENVMAP_TYPE_PMREM":"ENVMAP_TYPE_CUBE",h=mw(t),d=yw(t),u=rw(t),f=ow(r),g=s.createProgram(),y,p,m=t.glslVersion?"#version "+t.glslVersion+`
+`:"";t.isRawShaderMaterial?(y=["#define SHADER_TYPE "+t.shaderType,"#define SHADER_NAME "+t.shaderName,f].filter($a).join(`
+`),y.length>0&&(y+=`
+`),p=["#define SHADER_TYPE "+t.shaderType,"#define SHADER_NAME "+t.shaderName,f].filter($a).join(`
+`),p.length>0&&(p+=`
+`)):(y=[Hg(t),"#define SHADER_TYPE "+t.shaderType,"#define SHADER_NAME "+t.shaderName,f,t.extensionClipCullDistance?"#define USE_CLIP_DISTANCE":"",t.batching?"#define USE_BATCHING":"",t.batchingColor?"#define USE_BATCHING_COLOR":"",t.instancing?"#define USE_INSTANCING":"",t.instancingColor?"#define USE_INSTANCING_COLOR":"",t.instancingMorph?"#define USE_INSTANCING_MORPH":"",t.useFog&&t.fog?"#define USE_FOG":"",t.useFog&&t.fogExp2?"#define FOG_EXP2":"",t.map?"#define USE_MAP":"",t.envMap?"#define USE_ENVMAP":"",t.envMap?"#define "+h:"",t.lightMap?"#define USE_LIGHTMAP":"",t.aoMap?"#define USE_AOMAP":"",t.bumpMap?"#define USE_BUMPMAP":"",t.normalMap?"#define USE_NORMALMAP":"",t.normalMapObjectSpace?"#define USE_NORMALMAP_OBJECTSPACE":"",t.normalMapTangentSpace?"#define USE_NORMALMAP_TANGENTSPACE":"",t.displacementMap?"#define USE_DISPLACEMENTMAP":"",t.emissiveMap?"#define USE_EMISSIVEMAP":"",t.anisotropy?"#define USE_ANISOTROPY":"",t.anisotropyMap?"#define USE_ANISOTROPYMAP":"",t.clearcoatMap?"#define USE_CLEARCOATMAP":"",t.clearcoatRoughnessMap?"#define USE_CLEARCOAT_ROUGHNESSMAP":"",t.clearcoatNormalMap?"#define USE_CLEARCOAT_NORMALMAP":"",t.diffuseRoughnessMap?"#define USE_DIFFUSE_ROUGHNESSMAP":"",t.iridescenceMap?"#define USE_IRIDESCENCEMAP":"",t.iridescenceThicknessMap?"#define USE_IRIDESCENCE_THICKNESSMAP":"",t.specularMap?"#define USE_SPECULARMAP":"",t.specularColorMap?"#define USE_SPECULAR_COLORMAP":"",t.specularIntensityMap?"#define USE_SPECULAR_INTENSITYMAP":"",t.roughnessMap?"#define USE_ROUGHNESSMAP":"",t.metalnessMap?"#define USE_METALNESSMAP":"",t.alphaMap?"#define USE_ALPHAMAP":"",t.alphaHash?"#define USE_ALPHAHASH":"",t.transmission?"#define USE_TRANSMISSION":"",t.transmissionMap?"#define USE_TRANSMISSIONMAP":"",t.thicknessMap?"#define USE_THICKNESSMAP":"",t.sheenColorMap?"#define USE_SHEEN_COLORMAP":"",t.sheenRoughnessMap?"#define USE_SHEEN_ROUGHNESSMAP":"",t.mapUv?"#define MAP_UV "+t.mapUv:"",t.alphaMapUv?"#define ALPHAMAP_UV "+t.alphaMapUv:"",t.lightMapUv?"#define LIGHTMAP_UV "+t.lightMapUv:"",t.aoMapUv?"#define AOMAP_UV "+t.aoMapUv:"",t.emissiveMapUv?"#define EMISSIVEMAP_UV "+t.emissiveMapUv:"",t.bumpMapUv?"#define BUMPMAP_UV "+t.bumpMapUv:"",t.normalMapUv?"#define NORMALMAP_UV "+t.normalMapUv:"",t.displacementMapUv?"#define DISPLACEMENTMAP_UV "+t.displacementMapUv:"",t.metalnessMapUv?"#define METALNESSMAP_UV "+t.metalnessMapUv:"",t.roughnessMapUv?"#define ROUGHNESSMAP_UV "+t.roughnessMapUv:"",t.anisotropyMapUv?"#define ANISOTROPYMAP_UV "+t.anisotropyMapUv:"",t.clearcoatMapUv?"#define CLEARCOATMAP_UV "+t.clearcoatMapUv:"",t.clearcoatNormalMapUv?"#define CLEARCOAT_NORMALMAP_UV "+t.clearcoatNormalMapUv:"",t.clearcoatRoughnessMapUv?"#define CLEARCOAT_ROUGHNESSMAP_UV "+t.clearcoatRoughnessMapUv:"",t.diffuseRoughnessMapUv?"#define DIFFUSE_ROUGHNESSMAP_UV "+t.diffuseRoughnessMapUv:"",t.iridescenceMapUv?"#define IRIDESCENCEMAP_UV "+t.iridescenceMapUv:"",t.iridescenceThicknessMapUv?"#define IRIDESCENCE_THICKNESSMAP_UV "+t.iridescenceThicknessMapUv:"",t.sheenColorMapUv?"#define SHEEN_COLORMAP_UV "+t.sheenColorMapUv:"",t.sheenRoughnessMapUv?"#define SHEEN_ROUGHNESSMAP_UV "+t.sheenRoughnessMapUv:"",t.specularMapUv?"#define SPECULARMAP_UV "+t.specularMapUv:"",t.specularColorMapUv?"#define SPECULAR_COLORMAP_UV "+t.specularColorMapUv:"",t.specularIntensityMapUv?"#define SPECULAR_INTENSITYMAP_UV "+t.specularIntensityMapUv:"",t.transmissionMapUv?"#define TRANSMISSIONMAP_UV "+t.transmissionMapUv:"",t.thicknessMapUv?"#define THICKNESSMAP_UV "+t.thicknessMapUv:"",t.vertexTangents&&t.flatShading===!1?"#define USE_TANGENT":"",t.vertexNormals?"#define HAS_NORMAL":"",t.vertexColors?"#define USE_COLOR":"",t.vertexAlphas?"#define USE_COLOR_ALPHA":"",t.vertexUv1s?"#define USE_UV1":"",t.vertexUv2s?"#define USE_UV2":"",t.vertexUv3s?"#define USE_UV3":"",t.pointsUvs?"#define USE_POINTS_UV":"",t.flatShading?"#define FLAT_SHADED":"",t.skinning?"#define USE_SKINNING":"",t.morphTargets?"#define USE_MORPHTARGETS":"",t.morphNormals&&t.flatShading===!1?"#define USE_MORPHNORMALS":"",t.morphColors?"#define USE_MORPHCOLORS":"",t.morphTargetsCount>0?"#define MORPHTARGETS_TEXTURE_STRIDE "+t.morphTextureStride:"",t.morphTargetsCount>0?"#define MORPHTARGETS_COUNT "+t.morphTargetsCount:"",t.doubleSided?"#define DOUBLE_SIDED":"",t.flipSided?"#define FLIP_SIDED":"",t.shadowMapEnabled?"#define USE_SHADOWMAP":"",t.shadowMapEnabled?"#define "+l:"",t.sizeAttenuation?"#define USE_SIZEATTENUATION":"",t.numLightProbes>0?"#define USE_LIGHT_PROBES":"",t.logarithmicDepthBuffer?"#define USE_LOGARITHMIC_DEPTH_BUFFER":"",t.reversedDepthBuffer?"#define USE_REVERSED_DEPTH_BUFFER":"","uniform mat4 modelMatrix;","uniform mat4 modelViewMatrix;","uniform mat4 projectionMatrix;","uniform mat4 viewMatrix;","uniform mat3 normalMatrix;","uniform vec3 cameraPosition;","uniform bool isOrthographic;","#ifdef USE_INSTANCING","	attribute mat4 instanceMatrix;","#endif","#ifdef USE_INSTANCING_COLOR","	attribute vec3 instanceColor;","#endif","#ifdef USE_INSTANCING_MORPH","	uniform sampler2D morphTexture;","#endif","attribute vec3 position;","attribute vec3 normal;","attribute vec2 uv;","#ifdef USE_UV1","	attribute vec2 uv1;","#endif","#ifdef USE_UV2","	attribute vec2 uv2;","#endif","#ifdef USE_UV3","	attribute vec2 uv3;","#endif","#ifdef USE_TANGENT","	attribute vec4 tangent;","#endif","#if defined( USE_COLOR_ALPHA )","	attribute vec4 color;","#elif defined( USE_COLOR )","	attribute vec3 color;","#endif","#ifdef USE_SKINNING","	attribute vec4 skinIndex;","	attribute vec4 skinWeight;","#endif",`
+`].filter($a).join(`
+`),p=[Hg(t),"#define SHADER_TYPE "+t.shaderType,"#define SHADER_NAME "+t.shaderName,f,t.useFog&&t.fog?"#define USE_FOG":"",t.useFog&&t.fogExp2?"#define FOG_EXP2":"",t.alphaToCoverage?"#define ALPHA_TO_COVERAGE":"",t.map?"#define USE_MAP":"",t.matcap?"#define USE_MATCAP":"",t.envMap?"#define USE_ENVMAP":"",t.envMap?"#define "+c:"",t.envMap?"#define "+h:"",t.envMap?"#define "+d:"",t.envMapPMREM?"#define ENVMAP_MAX_LOD "+t.envMapMaxLod+".0":"",t.envMapPMREM?"#define ENVMAP_SIZE "+t.envMapSize+".0":"",t.lightMap?"#define USE_LIGHTMAP":"",t.aoMap?"#define USE_AOMAP":"",t.bumpMap?"#define USE_BUMPMAP":"",t.normalMap?"#define USE_NORMALMAP":"",t.normalMapObjectSpace?"#define USE_NORMALMAP_OBJECTSPACE":"",t.normalMapTangentSpace?"#define USE_NORMALMAP_TANGENTSPACE":"",t.packedNormalMap?"#define USE_PACKED_NORMALMAP":"",t.emissiveMap?"#define USE_EMISSIVEMAP":"",t.anisotropy?"#define USE_ANISOTROPY":"",t.anisotropyMap?"#define USE_ANISOTROPYMAP":"",t.clearcoat?"#define USE_CLEARCOAT":"",t.clearcoatMap?"#define USE_CLEARCOATMAP":"",t.clearcoatRoughnessMap?"#define USE_CLEARCOAT_ROUGHNESSMAP":"",t.clearcoatNormalMap?"#define USE_CLEARCOAT_NORMALMAP":"",t.diffuseRoughness?"#define USE_DIFFUSE_ROUGHNESS":"",t.diffuseRoughnessMap?"#define USE_DIFFUSE_ROUGHNESSMAP":"",t.dispersion?"#define USE_DISPERSION":"",t.retroreflection?"#define USE_RETROREFLECTION":"",t.iridescence?"#define USE_IRIDESCENCE":"",t.iridescenceMap?"#define USE_IRIDESCENCEMAP":"",t.iridescenceThicknessMap?"#define USE_IRIDESCENCE_THICKNESSMAP":"",t.specularMap?"#define USE_SPECULARMAP":"",t.specularColorMap?"#define USE_SPECULAR_COLORMAP":"",t.specularIntensityMap?"#define USE_SPECULAR_INTENSITYMAP":"",t.roughnessMap?"#define USE_ROUGHNESSMAP":"",t.metalnessMap?"#define USE_METALNESSMAP":"",t.alphaMap?"#define USE_ALPHAMAP":"",t.alphaTest?"#define USE_ALPHATEST":"",t.alphaHash?"#define USE_ALPHAHASH":"",t.sheen?"#define USE_SHEEN":"",t.sheenColorMap?"#define USE_SHEEN_COLORMAP":"",t.sheenRoughnessMap?"#define USE_SHEEN_ROUGHNESSMAP":"",t.transmission?"#define USE_TRANSMISSION":"",t.transmissionMap?"#define USE_TRANSMISSIONMAP":"",t.thicknessMap?"#define USE_THICKNESSMAP":"",t.vertexTangents&&t.flatShading===!1?"#define USE_TANGENT":"",t.vertexColors||t.instancingColor?"#define USE_COLOR":"",t.vertexAlphas||t.batchingColor?"#define USE_COLOR_ALPHA":"",t.vertexUv1s?"#define USE_UV1":"",t.vertexUv2s?"#define USE_UV2":"",t.vertexUv3s?"#define USE_UV3":"",t.pointsUvs?"#define USE_POINTS_UV":"",t.gradientMap?"#define USE_GRADIENTMAP":"",t.flatShading?"#define FLAT_SHADED":"",t.doubleSided?"#define DOUBLE_SIDED":"",t.flipSided?"#define FLIP_SIDED":"",t.shadowMapEnabled?"#define USE_SHADOWMAP":"",t.shadowMapEnabled?"#define "+l:"",t.premultipliedAlpha?"#define PREMULTIPLIED_ALPHA":"",t.numLightProbes>0?"#define USE_LIGHT_PROBES":"",t.decodeVideoTexture?"#define DECODE_VIDEO_TEXTURE":"",t.decodeVideoTextureEmissive?"#define DECODE_VIDEO_TEXTURE_EMISSIVE":"",t.logarithmicDepthBuffer?"#define USE_LOGARITHMIC_DEPTH_BUFFER":"",t.reversedDepthBuffer?"#define USE_REVERSED_DEPTH_BUFFER":"","uniform mat4 viewMatrix;","uniform vec3 cameraPosition;","uniform bool isOrthographic;",t.toneMapping!==Ui?"#define TONE_MAPPING":"",t.toneMapping!==Ui?dt.tonemapping_pars_fragment:"",t.toneMapping!==Ui?iw("toneMapping",t.toneMapping):"",t.dithering?"#define DITHERING":"",t.opaque?"#define OPAQUE":"",dt.colorspace_pars_fragment,tw("linearToOutputTexel",t.outputColorSpace),sw(),t.useDepthPacking?"#define DEPTH_PACKING "+t.depthPacking:"",`
+`].filter($a).join(`
+`)),o=uf(o),o=zg(o,t),o=Vg(o,t),a=uf(a),a=zg(a,t),a=Vg(a,t),o=Gg(o),a=Gg(a),t.isRawShaderMaterial!==!0&&(m=`#version 300 es
+`,y=[u,"#define attribute in","#define varying out","#define texture2D texture"].join(`
+`)+`
+`+y,p=["#define varying in",t.glslVersion===Zd?"":"layout(location = 0) out highp vec4 pc_fragColor;",t.glslVersion===Zd?"":"#define gl_FragColor pc_fragColor","#define gl_FragDepthEXT gl_FragDepth","#define texture2D texture","#define textureCube texture","#define texture2DProj textureProj","#define texture2DLodEXT textureLod","#define texture2DProjLodEXT textureProjLod","#define textureCubeLodEXT textureLod","#define texture2DGradEXT textureGrad","#define texture2DProjGradEXT textureProjGrad","#define textureCubeGradEXT textureGrad"].join(`
+`)+`
+`+p);let x=m+y+o,E=m+p+a,S=Og(s,s.VERTEX_SHADER,x),R=Og(s,s.FRAGMENT_SHADER,E);s.attachShader(g,S),s.attachShader(g,R),t.index0AttributeName!==void 0?s.bindAttribLocation(g,0,t.index0AttributeName):t.hasPositionAttribute===!0&&s.bindAttribLocation(g,0,"position"),s.linkProgram(g);function M(D){if(i.debug.checkShaderErrors){let L=s.getProgramInfoLog(g)||"",B=s.getShaderInfoLog(S)||"",V=s.getShaderInfoLog(R)||"",P=L.trim(),U=B.trim(),X=V.trim(),G=!0,oe=!0;if(s.getProgramParameter(g,s.LINK_STATUS)===!1)if(G=!1,typeof i.debug.onShaderError=="function")i.debug.onShaderError(s,g,S,R);else{let Y=Bg(s,S,"vertex"),J=Bg(s,R,"fragment");et("WebGLProgram: Shader Error "+s.getError()+" - VALIDATE_STATUS "+s.getProgramParameter(g,s.VALIDATE_STATUS)+`
+
+Material Name: `+D.name+`
+Material Type: `+D.type+`
+
+Program Info Log: `+P+`
+`+Y+`
+`+J)}else P!==""?Ye("WebGLProgram: Program Info Log:",P):(U===""||X==="")&&(oe=!1);oe&&(D.diagnostics={runnable:G,programLog:P,vertexShader:{log:U,prefix:y},fragmentShader:{log:X,prefix:p}})}s.deleteShader(S),s.deleteShader(R),_=new Do(s,g),A=aw(s,g)}let _;this.getUniforms=function(){return _===void 0&&M(this),_};let A;this.getAttributes=function(){return A===void 0&&M(this),A};let k=t.rendererExtensionParallelShaderCompile===!1;return this.isReady=function(){return k===!1&&(k=s.getProgramParameter(g,JM)),k},this.destroy=function(){n.releaseStatesOfProgram(this),s.deleteProgram(g),this.program=void 0},this.type=t.shaderType,this.name=t.shaderName,this.id=jM++,this.cacheKey=e,this.usedTimes=1,this.program=g,this.vertexShader=S,this.fragmentShader=R,this}var vw=0,df=class{constructor(){this.shaderCache=new Map,this.materialCache=new Map}update(e,t,n){let s=this._getShaderCacheForMaterial(e);return s.has(t)===!1&&(s.add(t),t.usedTimes++),s.has(n)===!1&&(s.add(n),n.usedTimes++),this}remove(e){let t=this.materialCache.get(e);for(let n of t)n.usedTimes--,n.usedTimes===0&&this.shaderCache.delete(n.code);return this.materialCache.delete(e),this}getVertexShaderStage(e){return this._getShaderStage(e.vertexShader)}getFragmentShaderStage(e){return this._getShaderStage(e.fragmentShader)}dispose(){this.shaderCache.clear(),this.materialCache.clear()}_getShaderCacheForMaterial(e){let t=this.materialCache,n=t.get(e);return n===void 0&&(n=new Set,t.set(e,n)),n}_getShaderStage(e){let t=this.shaderCache,n=t.get(e);return n===void 0&&(n=new ff(e),t.set(e,n)),n}},ff=class{constructor(e){this.id=vw++,this.code=e,this.usedTimes=0}};function xw(i){return i===hr||i===Xa||i===qa}function bw(i,e,t,n,s,r){let o=new _o,a=new df,l=new Set,c=[],h=new Map,d=n.logarithmicDepthBuffer,u={MeshDepthMaterial:"depth",MeshDistanceMaterial:"distance",MeshNormalMaterial:"normal",MeshBasicMaterial:"basic",MeshLambertMaterial:"lambert",MeshPhongMaterial:"phong",MeshToonMaterial:"toon",MeshStandardMaterial:"physical",MeshPhysicalMaterial:"physical",MeshMatcapMaterial:"matcap",LineBasicMaterial:"basic",LineDashedMaterial:"dashed",PointsMaterial:"points",ShadowMaterial:"shadow",SpriteMaterial:"sprite"};function f(_){return l.add(_),_===0?"uv":`uv${_}`}function g(_,A,k,D,L,B){let V=D.fog,P=L.geometry,U=_.isMeshStandardMaterial||_.isMeshLambertMaterial||_.isMeshPhongMaterial?D.environment:null,X=_.isMeshStandardMaterial||_.isMeshLambertMaterial&&!_.envMap||_.isMeshPhongMaterial&&!_.envMap,G=e.get(_.envMap||U,X),oe=u[_.type],Y=n.precision;_.precision!==null&&(Y=n.getMaxPrecision(_.precision),Y!==_.precision&&Ye("WebGLProgram.getParameters:",_.precision,"not supported, using",Y,"instead."));let J=P.morphAttributes.position||P.morphAttributes.normal||P.morphAttributes.color,ne=J!==void 0?J.length:0,ue=0;P.morphAttributes.position!==void 0&&(ue=1),P.morphAttributes.normal!==void 0&&(ue=2),P.morphAttributes.color!==void 0&&(ue=3);let ce,Q,pe,me;if(oe){let Re=ps[oe];ce=Re.vertexShader,Q=Re.fragmentShader}else{ce=_.vertexShader,Q=_.fragmentShader;let Re=a.getVertexShaderStage(_),ht=a.getFragmentShaderStage(_);a.update(_,Re,ht),pe=Re.id,me=ht.id}let ye=i.getRenderTarget(),ge=i.state.buffers.depth.getReversed(),Ve=L.isInstancedMesh===!0,Ke=L.isBatchedMesh===!0,Fe=!!_.map,st=!!_.matcap,ct=!!G,rt=ct&&G.isPMREMTexture===!0,$t=!!_.aoMap,kt=!!_.lightMap,dn=!!_.bumpMap&&_.wireframe===!1,Dt=!!_.normalMap,Ln=!!_.displacementMap,xt=!!_.emissiveMap,wn=!!_.metalnessMap,en=!!_.roughnessMap,fn=_.anisotropy>0,O=_.clearcoat>0,Ce=_.diffuseRoughness>0,Ze=_.dispersion>0,at=_.retroreflectivity>0,we=_.iridescence>0,Ut=_.sheen>0,Ge=_.transmission>0,qe=fn&&!!_.anisotropyMap,C=O&&!!_.clearcoatMap,b=O&&!!_.clearcoatNormalMap,q=O&&!!_.clearcoatRoughnessMap,he=Ce&&!!_.diffuseRoughnessMap,re=we&&!!_.iridescenceMap,ve=we&&!!_.iridescenceThicknessMap,xe=Ut&&!!_.sheenColorMap,ee=Ut&&!!_.sheenRoughnessMap,ie=!!_.specularMap,fe=!!_.specularColorMap,F=!!_.specularIntensityMap,se=Ge&&!!_.transmissionMap,te=Ge&&!!_.thicknessMap,Te=!!_.gradientMap,_e=!!_.alphaMap,Me=_.alphaTest>0,He=!!_.alphaHash,je=!!_.extensions,le=Ui;_.toneMapped&&(ye===null||ye.isXRRenderTarget===!0)&&(le=i.toneMapping);let ke=rt?G.isCompressedCubeTexture?G.image[0].mipmaps:G.mipmaps:null,Qe={shaderID:oe,shaderType:_.type,shaderName:_.name,vertexShader:ce,fragmentShader:Q,defines:_.defines,customVertexShaderID:pe,customFragmentShaderID:me,isRawShaderMaterial:_.isRawShaderMaterial===!0,glslVersion:_.glslVersion,precision:Y,batching:Ke,batchingColor:Ke&&L._colorsTexture!==null,instancing:Ve,instancingColor:Ve&&L.instanceColor!==null,instancingMorph:Ve&&L.morphTexture!==null,outputColorSpace:ye===null?i.outputColorSpace:ye.isXRRenderTarget===!0?ye.texture.colorSpace:_t.workingColorSpace,alphaToCoverage:!!_.alphaToCoverage,map:Fe,matcap:st,envMap:ct,envMapMode:ct&&G.mapping,envMapPMREM:rt,envMapMaxLod:rt?ke.length-1:null,envMapSize:rt?ke[0].width:null,aoMap:$t,lightMap:kt,bumpMap:dn,normalMap:Dt,displacementMap:Ln,emissiveMap:xt,normalMapObjectSpace:Dt&&_.normalMapType===cg,normalMapTangentSpace:Dt&&_.normalMapType===Mh,packedNormalMap:Dt&&_.normalMapType===Mh&&xw(_.normalMap.format),metalnessMap:wn,roughnessMap:en,anisotropy:fn,anisotropyMap:qe,clearcoat:O,clearcoatMap:C,clearcoatNormalMap:b,clearcoatRoughnessMap:q,diffuseRoughness:Ce,diffuseRoughnessMap:he,dispersion:Ze,retroreflection:at,iridescence:we,iridescenceMap:re,iridescenceThicknessMap:ve,sheen:Ut,sheenColorMap:xe,sheenRoughnessMap:ee,specularMap:ie,specularColorMap:fe,specularIntensityMap:F,transmission:Ge,transmissionMap:se,thicknessMap:te,gradientMap:Te,opaque:_.transparent===!1&&_.blending===Co&&_.alphaToCoverage===!1,alphaMap:_e,alphaTest:Me,alphaHash:He,combine:_.combine,mapUv:Fe&&f(_.map.channel),aoMapUv:$t&&f(_.aoMap.channel),lightMapUv:kt&&f(_.lightMap.channel),bumpMapUv:dn&&f(_.bumpMap.channel),normalMapUv:Dt&&f(_.normalMap.channel),displacementMapUv:Ln&&f(_.displacementMap.channel),emissiveMapUv:xt&&f(_.emissiveMap.channel),metalnessMapUv:wn&&f(_.metalnessMap.channel),roughnessMapUv:en&&f(_.roughnessMap.channel),anisotropyMapUv:qe&&f(_.anisotropyMap.channel),clearcoatMapUv:C&&f(_.clearcoatMap.channel),clearcoatNormalMapUv:b&&f(_.clearcoatNormalMap.channel),clearcoatRoughnessMapUv:q&&f(_.clearcoatRoughnessMap.channel),diffuseRoughnessMapUv:he&&f(_.diffuseRoughnessMap.channel),iridescenceMapUv:re&&f(_.iridescenceMap.channel),iridescenceThicknessMapUv:ve&&f(_.iridescenceThicknessMap.channel),sheenColorMapUv:xe&&f(_.sheenColorMap.channel),sheenRoughnessMapUv:ee&&f(_.sheenRoughnessMap.channel),specularMapUv:ie&&f(_.specularMap.channel),specularColorMapUv:fe&&f(_.specularColorMap.channel),specularIntensityMapUv:F&&f(_.specularIntensityMap.channel),transmissionMapUv:se&&f(_.transmissionMap.channel),thicknessMapUv:te&&f(_.thicknessMap.channel),alphaMapUv:_e&&f(_.alphaMap.channel),vertexTangents:!!P.attributes.tangent&&(Dt||fn),vertexNormals:!!P.attributes.normal,vertexColors:_.vertexColors,vertexAlphas:_.vertexColors===!0&&!!P.attributes.color&&P.attributes.color.itemSize===4,pointsUvs:L.isPoints===!0&&!!P.attributes.uv&&(Fe||_e),fog:!!V,useFog:_.fog===!0,fogExp2:!!V&&V.isFogExp2,flatShading:_.wireframe===!1&&(_.flatShading===!0||P.attributes.normal===void 0&&Dt===!1&&(_.isMeshLambertMaterial||_.isMeshPhongMaterial||_.isMeshStandardMaterial||_.isMeshPhysicalMaterial)),sizeAttenuation:_.sizeAttenuation===!0,logarithmicDepthBuffer:d,reversedDepthBuffer:ge,skinning:L.isSkinnedMesh===!0,hasPositionAttribute:P.attributes.position!==void 0,morphTargets:P.morphAttributes.position!==void 0,morphNormals:P.morphAttributes.normal!==void 0,morphColors:P.morphAttributes.color!==void 0,morphTargetsCount:ne,morphTextureStride:ue,numSunLights:A.sun.length,numDirLights:A.directional.length,numPointLights:A.point.length,numSpotLights:A.spot.length,numSpotLightMaps:A.spotLightMap.length,numRectAreaLights:A.rectArea.length,numHemiLights:A.hemi.length,numSunLightShadows:A.sunShadowMap.length,numDirLightShadows:A.directionalShadowMap.length,numPointLightShadows:A.pointShadowMap.length,numSpotLightShadows:A.spotShadowMap.length,numSpotLightShadowsWithMaps:A.numSpotLightShadowsWithMaps,numLightProbes:A.numLightProbes,numLightProbeGrids:B.filter(Re=>Re.texture!==null).length,numClippingPlanes:r.numPlanes,numClipIntersection:r.numIntersection,dithering:_.dithering,shadowMapEnabled:i.shadowMap.enabled&&k.length>0,shadowMapType:i.shadowMap.type,toneMapping:le,decodeVideoTexture:Fe&&_.map.isVideoTexture===!0&&_t.getTransfer(_.map.colorSpace)===Rt,decodeVideoTextureEmissive:xt&&_.emissiveMap.isVideoTexture===!0&&_t.getTransfer(_.emissiveMap.colorSpace)===Rt,premultipliedAlpha:_.premultipliedAlpha,doubleSided:_.side===$n,flipSided:_.side===ri,useDepthPacking:_.depthPacking>=0,depthPacking:_.depthPacking||0,index0AttributeName:_.index0AttributeName,extensionClipCullDistance:je&&_.extensions.clipCullDistance===!0&&t.has("WEBGL_clip_cull_distance"),extensionMultiDraw:(je&&_.extensions.multiDraw===!0||Ke)&&t.has("WEBGL_multi_draw"),rendererExtensionParallelShaderCompile:t.has("KHR_parallel_shader_compile"),customProgramCacheKey:_.customProgramCacheKey()};return Qe.vertexUv1s=l.has(1),Qe.vertexUv2s=l.has(2),Qe.vertexUv3s=l.has(3),l.clear(),Qe}function y(_){let A=[];if(_.shaderID?A.push(_.shaderID):(A.push(_.customVertexShaderID),A.push(_.customFragmentShaderID)),_.defines!==void 0)for(let k in _.defines)A.push(k),A.push(_.defines[k]);return _.isRawShaderMaterial===!1&&(p(A,_),m(A,_),A.push(i.outputColorSpace)),A.push(_.customProgramCacheKey),A.join()}function p(_,A){_.push(A.precision),_.push(A.outputColorSpace),_.push(A.envMapMode),_.push(A.envMapPMREM),_.push(A.envMapMaxLod),_.push(A.envMapSize),_.push(A.mapUv),_.push(A.alphaMapUv),_.push(A.lightMapUv),_.push(A.aoMapUv),_.push(A.bumpMapUv),_.push(A.normalMapUv),_.push(A.displacementMapUv),_.push(A.emissiveMapUv),_.push(A.metalnessMapUv),_.push(A.roughnessMapUv),_.push(A.anisotropyMapUv),_.push(A.clearcoatMapUv),_.push(A.clearcoatNormalMapUv),_.push(A.clearcoatRoughnessMapUv),_.push(A.diffuseRoughnessMapUv),_.push(A.iridescenceMapUv),_.push(A.iridescenceThicknessMapUv),_.push(A.sheenColorMapUv),_.push(A.sheenRoughnessMapUv),_.push(A.specularMapUv),_.push(A.specularColorMapUv),_.push(A.specularIntensityMapUv),_.push(A.transmissionMapUv),_.push(A.thicknessMapUv),_.push(A.combine),_.push(A.fogExp2),_.push(A.sizeAttenuation),_.push(A.morphTargetsCount),_.push(A.numSunLights),_.push(A.numDirLights),_.push(A.numPointLights),_.push(A.numSpotLights),_.push(A.numSpotLightMaps),_.push(A.numHemiLights),_.push(A.numRectAreaLights),_.push(A.numSunLightShadows),_.push(A.numDirLightShadows),_.push(A.numPointLightShadows),_.push(A.numSpotLightShadows),_.push(A.numSpotLightShadowsWithMaps),_.push(A.numLightProbes),_.push(A.numLightProbeGrids),_.push(A.shadowMapType),_.push(A.toneMapping),_.push(A.numClippingPlanes),_.push(A.numClipIntersection),_.push(A.depthPacking)}function m(_,A){o.disableAll(),A.instancing&&o.enable(0),A.instancingColor&&o.enable(1),A.instancingMorph&&o.enable(2),A.matcap&&o.enable(3),A.envMap&&o.enable(4),A.normalMapObjectSpace&&o.enable(5),A.normalMapTangentSpace&&o.enable(6),A.clearcoat&&o.enable(7),A.iridescence&&o.enable(8),A.alphaTest&&o.enable(9),A.vertexColors&&o.enable(10),A.vertexAlphas&&o.enable(11),A.vertexUv1s&&o.enable(12),A.vertexUv2s&&o.enable(13),A.vertexUv3s&&o.enable(14),A.vertexTangents&&o.enable(15),A.anisotropy&&o.enable(16),A.alphaHash&&o.enable(17),A.batching&&o.enable(18),A.dispersion&&o.enable(19),A.retroreflection&&o.enable(24),A.diffuseRoughness&&o.enable(25),A.batchingColor&&o.enable(20),A.gradientMap&&o.enable(21),A.packedNormalMap&&o.enable(22),A.vertexNormals&&o.enable(23),_.push(o.mask),o.disableAll(),A.fog&&o.enable(0),A.useFog&&o.enable(1),A.flatShading&&o.enable(2),A.logarithmicDepthBuffer&&o.enable(3),A.reversedDepthBuffer&&o.enable(4),A.skinning&&o.enable(5),A.morphTargets&&o.enable(6),A.morphNormals&&o.enable(7),A.morphColors&&o.enable(8),A.premultipliedAlpha&&o.enable(9),A.shadowMapEnabled&&o.enable(10),A.doubleSided&&o.enable(11),A.flipSided&&o.enable(12),A.useDepthPacking&&o.enable(13),A.dithering&&o.enable(14),A.transmission&&o.enable(15),A.sheen&&o.enable(16),A.opaque&&o.enable(17),A.pointsUvs&&o.enable(18),A.decodeVideoTexture&&o.enable(19),A.decodeVideoTextureEmissive&&o.enable(20),A.alphaToCoverage&&o.enable(21),A.numLightProbeGrids>0&&o.enable(22),A.hasPositionAttribute&&o.enable(23),_.push(o.mask)}function x(_){let A=u[_.type],k;if(A){let D=ps[A];k=wg.clone(D.uniforms)}else k=_.uniforms;return k}function E(_,A){let k=h.get(A);return k!==void 0?++k.usedTimes:(k=new _w(i,A,_,s),c.push(k),h.set(A,k)),k}function S(_){if(--_.usedTimes===0){let A=c.indexOf(_);c[A]=c[c.length-1],c.pop(),h.delete(_.cacheKey),_.destroy()}}function R(_){a.remove(_)}function M(){a.dispose()}return{getParameters:g,getProgramCacheKey:y,getUniforms:x,acquireProgram:E,releaseProgram:S,releaseShaderCache:R,programs:c,dispose:M}}function Sw(){let i=new WeakMap;function e(o){return i.has(o)}function t(o){let a=i.get(o);return a===void 0&&(a={},i.set(o,a)),a}function n(o){i.delete(o)}function s(o,a,l){i.get(o)[a]=l}function r(){i=new WeakMap}return{has:e,get:t,remove:n,update:s,dispose:r}}function Mw(i,e){return i.groupOrder!==e.groupOrder?i.groupOrder-e.groupOrder:i.renderOrder!==e.renderOrder?i.renderOrder-e.renderOrder:i.material.id!==e.material.id?i.material.id-e.material.id:i.materialVariant!==e.materialVariant?i.materialVariant-e.materialVariant:i.z!==e.z?i.z-e.z:i.id-e.id}function Wg(i,e){return i.groupOrder!==e.groupOrder?i.groupOrder-e.groupOrder:i.renderOrder!==e.renderOrder?i.renderOrder-e.renderOrder:i.z!==e.z?e.z-i.z:i.id-e.id}function Xg(){let i=[],e=0,t=[],n=[],s=[];function r(){e=0,t.length=0,n.length=0,s.length=0}function o(u){let f=0;return u.isInstancedMesh&&(f+=2),u.isSkinnedMesh&&(f+=1),f}function a(u,f,g,y,p,m){let x=i[e];return x===void 0?(x={id:u.id,object:u,geometry:f,material:g,materialVariant:o(u),groupOrder:y,renderOrder:u.renderOrder,z:p,group:m},i[e]=x):(x.id=u.id,x.object=u,x.geometry=f,x.material=g,x.materialVariant=o(u),x.groupOrder=y,x.renderOrder=u.renderOrder,x.z=p,x.group=m),e++,x}function l(u,f,g,y,p,m,x){x.reversedDepth===!0&&(p=-p);let E=a(u,f,g,y,p,m);g.transmission>0?n.push(E):g.transparent===!0?s.push(E):t.push(E)}function c(u,f,g,y,p,m){let x=a(u,f,g,y,p,m);g.transmission>0?n.unshift(x):g.transparent===!0?s.unshift(x):t.unshift(x)}function h(u,f){t.length>1&&t.sort(u||Mw),n.length>1&&n.sort(f||Wg),s.length>1&&s.sort(f||Wg)}function d(){for(let u=e,f=i.length;u<f;u++){let g=i[u];if(g.id===null)break;g.id=null,g.object=null,g.geometry=null,g.material=null,g.group=null}}return{opaque:t,transmissive:n,transparent:s,init:r,push:l,unshift:c,finish:d,sort:h}}function ww(){let i=new WeakMap;function e(n,s){let r=i.get(n),o;return r===void 0?(o=new Xg,i.set(n,[o])):s>=r.length?(o=new Xg,r.push(o)):o=r[s],o}function t(){i=new WeakMap}return{get:e,dispose:t}}function Tw(){let i={};return{get:function(e){if(i[e.id]!==void 0)return i[e.id];let t;switch(e.type){case"SunLight":case"DirectionalLight":t={direction:new W,color:new nt};break;case"SpotLight":t={position:new W,direction:new W,color:new nt,distance:0,coneCos:0,penumbraCos:0,decay:0};break;case"PointLight":t={position:new W,color:new nt,distance:0,decay:0};break;case"HemisphereLight":t={direction:new W,skyColor:new nt,groundColor:new nt};break;case"RectAreaLight":t={color:new nt,position:new W,halfWidth:new W,halfHeight:new W};break}return i[e.id]=t,t}}}function Aw(){let i={};return{get:function(e){if(i[e.id]!==void 0)return i[e.id];let t;switch(e.type){case"SunLight":case"DirectionalLight":t={shadowIntensity:1,shadowBias:0,shadowNormalBias:0,shadowRadius:1,shadowMapSize:new $e};break;case"SpotLight":t={shadowIntensity:1,shadowBias:0,shadowNormalBias:0,shadowRadius:1,shadowMapSize:new $e};break;case"PointLight":t={shadowIntensity:1,shadowBias:0,shadowNormalBias:0,shadowRadius:1,shadowMapSize:new $e,shadowCameraNear:1,shadowCameraFar:1e3};break}return i[e.id]=t,t}}}var Ew=0;function Rw(i,e){return(e.castShadow?2:0)-(i.castShadow?2:0)+(e.map?1:0)-(i.map?1:0)}function Cw(i){let e=new Tw,t=Aw(),n={version:0,hash:{sunLength:-1,directionalLength:-1,pointLength:-1,spotLength:-1,rectAreaLength:-1,hemiLength:-1,numSunShadows:-1,numDirectionalShadows:-1,numPointShadows:-1,numSpotShadows:-1,numSpotMaps:-1,numLightProbes:-1},ambient:[0,0,0],probe:[],sun:[],sunShadow:[],sunShadowMap:[],sunShadowMatrix:[],sunShadowCascade:[],directional:[],directionalShadow:[],directionalShadowMap:[],directionalShadowMatrix:[],spot:[],spotLightMap:[],spotShadow:[],spotShadowMap:[],spotLightMatrix:[],rectArea:[],rectAreaLTC1:null,rectAreaLTC2:null,point:[],pointShadow:[],pointShadowMap:[],pointShadowMatrix:[],hemi:[],numSpotLightShadowsWithMaps:0,numLightProbes:0};for(let c=0;c<9;c++)n.probe.push(new W);let s=new W,r=new Mt,o=new Mt;function a(c){let h=0,d=0,u=0;for(let B=0;B<9;B++)n.probe[B].set(0,0,0);let f=0,g=0,y=0,p=0,m=0,x=0,E=0,S=0,R=0,M=0,_=0,A=0,k=0,D=0;c.sort(Rw);for(let B=0,V=c.length;B<V;B++){let P=c[B],U=P.color,X=P.intensity,G=P.distance,oe=null;if(P.shadow&&P.shadow.map&&(P.shadow.map.texture.format===hr?oe=P.shadow.map.texture:oe=P.shadow.map.depthTexture||P.shadow.map.texture),P.isAmbientLight)h+=U.r*X,d+=U.g*X,u+=U.b*X;else if(P.isLightProbe){for(let Y=0;Y<9;Y++)n.probe[Y].addScaledVector(P.sh.coefficients[Y],X);D++}else if(P.isSunLight){let Y=e.get(P);if(Y.color.copy(P.color).multiplyScalar(P.intensity),P.castShadow){let J=P.shadow,ne=t.get(P);ne.shadowIntensity=J.intensity,ne.shadowBias=J.bias,ne.shadowNormalBias=J.normalBias,ne.shadowRadius=J.radius,ne.shadowMapSize.copy(J.mapSize).multiply(J.getFrameExtents()),n.sunShadow[g]=ne,n.sunShadowMap[g]=oe;let ue=J.getViewportCount();for(let ce=0;ce<ue;ce++)n.sunShadowMatrix[y+ce]=J.getMatrix(ce),n.sunShadowCascade[y+ce]=J._cascadeData[ce];y+=ue,g++}n.sun[f]=Y,f++}else if(P.isDirectionalLight){let Y=e.get(P);if(Y.color.copy(P.color).multiplyScalar(P.intensity),P.castShadow){let J=P.shadow,ne=t.get(P);ne.shadowIntensity=J.intensity,ne.shadowBias=J.bias,ne.shadowNormalBias=J.normalBias,ne.shadowRadius=J.radius,ne.shadowMapSize=J.mapSize,n.directionalShadow[p]=ne,n.directionalShadowMap[p]=oe,n.directionalShadowMatrix[p]=P.shadow.matrix,R++}n.directional[p]=Y,p++}else if(P.isSpotLight){let Y=e.get(P);Y.position.setFromMatrixPosition(P.matrixWorld),Y.color.copy(U).multiplyScalar(X),Y.distance=G,Y.coneCos=Math.cos(P.angle),Y.penumbraCos=Math.cos(P.angle*(1-P.penumbra)),Y.decay=P.decay,n.spot[x]=Y;let J=P.shadow;if(P.map&&(n.spotLightMap[A]=P.map,A++,J.updateMatrices(P),P.castShadow&&k++),n.spotLightMatrix[x]=J.matrix,P.castShadow){let ne=t.get(P);ne.shadowIntensity=J.intensity,ne.shadowBias=J.bias,ne.shadowNormalBias=J.normalBias,ne.shadowRadius=J.radius,ne.shadowMapSize=J.mapSize,n.spotShadow[x]=ne,n.spotShadowMap[x]=oe,_++}x++}else if(P.isRectAreaLight){let Y=e.get(P);Y.color.copy(U).multiplyScalar(X),Y.halfWidth.set(P.width*.5,0,0),Y.halfHeight.set(0,P.height*.5,0),n.rectArea[E]=Y,E++}else if(P.isPointLight){let Y=e.get(P);if(Y.color.copy(P.color).multiplyScalar(P.intensity),Y.distance=P.distance,Y.decay=P.decay,P.castShadow){let J=P.shadow,ne=t.get(P);ne.shadowIntensity=J.intensity,ne.shadowBias=J.bias,ne.shadowNormalBias=J.normalBias,ne.shadowRadius=J.radius,ne.shadowMapSize=J.mapSize,ne.shadowCameraNear=J.camera.near,ne.shadowCameraFar=J.camera.far,n.pointShadow[m]=ne,n.pointShadowMap[m]=oe,n.pointShadowMatrix[m]=P.shadow.matrix,M++}n.point[m]=Y,m++}else if(P.isHemisphereLight){let Y=e.get(P);Y.skyColor.copy(P.color).multiplyScalar(X),Y.groundColor.copy(P.groundColor).multiplyScalar(X),n.hemi[S]=Y,S++}}E>0&&(i.has("OES_texture_float_linear")===!0?(n.rectAreaLTC1=Le.LTC_FLOAT_1,n.rectAreaLTC2=Le.LTC_FLOAT_2):(n.rectAreaLTC1=Le.LTC_HALF_1,n.rectAreaLTC2=Le.LTC_HALF_2)),n.ambient[0]=h,n.ambient[1]=d,n.ambient[2]=u;let L=n.hash;(L.sunLength!==f||L.directionalLength!==p||L.pointLength!==m||L.spotLength!==x||L.rectAreaLength!==E||L.hemiLength!==S||L.numSunShadows!==g||L.numDirectionalShadows!==R||L.numPointShadows!==M||L.numSpotShadows!==_||L.numSpotMaps!==A||L.numLightProbes!==D)&&(n.sun.length=f,n.directional.length=p,n.spot.length=x,n.rectArea.length=E,n.point.length=m,n.hemi.length=S,n.sunShadow.length=g,n.sunShadowMap.length=g,n.sunShadowMatrix.length=y,n.sunShadowCascade.length=y,n.directionalShadow.length=R,n.directionalShadowMap.length=R,n.directionalShadowMatrix.length=R,n.pointShadow.length=M,n.pointShadowMap.length=M,n.pointShadowMatrix.length=M,n.spotShadow.length=_,n.spotShadowMap.length=_,n.spotLightMatrix.length=_+A-k,n.spotLightMap.length=A,n.numSpotLightShadowsWithMaps=k,n.numLightProbes=D,L.sunLength=f,L.directionalLength=p,L.pointLength=m,L.spotLength=x,L.rectAreaLength=E,L.hemiLength=S,L.numSunShadows=g,L.numDirectionalShadows=R,L.numPointShadows=M,L.numSpotShadows=_,L.numSpotMaps=A,L.numLightProbes=D,n.version=Ew++)}function l(c,h){let d=0,u=0,f=0,g=0,y=0,p=0,m=h.matrixWorldInverse;for(let x=0,E=c.length;x<E;x++){let S=c[x];if(S.isSunLight){let R=n.sun[d];R.direction.setFromMatrixPosition(S.matrixWorld),R.direction.transformDirection(m),d++}else if(S.isDirectionalLight){let R=n.directional[u];R.direction.setFromMatrixPosition(S.matrixWorld),s.setFromMatrixPosition(S.target.matrixWorld),R.direction.sub(s),R.direction.transformDirection(m),u++}else if(S.isSpotLight){let R=n.spot[g];R.position.setFromMatrixPosition(S.matrixWorld),R.position.applyMatrix4(m),R.direction.setFromMatrixPosition(S.matrixWorld),s.setFromMatrixPosition(S.target.matrixWorld),R.direction.sub(s),R.direction.transformDirection(m),g++}else if(S.isRectAreaLight){let R=n.rectArea[y];R.position.setFromMatrixPosition(S.matrixWorld),R.position.applyMatrix4(m),o.identity(),r.copy(S.matrixWorld),r.premultiply(m),o.extractRotation(r),R.halfWidth.set(S.width*.5,0,0),R.halfHeight.set(0,S.height*.5,0),R.halfWidth.applyMatrix4(o),R.halfHeight.applyMatrix4(o),y++}else if(S.isPointLight){let R=n.point[f];R.position.setFromMatrixPosition(S.matrixWorld),R.position.applyMatrix4(m),f++}else if(S.isHemisphereLight){let R=n.hemi[p];R.direction.setFromMatrixPosition(S.matrixWorld),R.direction.transformDirection(m),p++}}}return{setup:a,setupView:l,state:n}}function qg(i){let e=new Cw(i),t=[],n=[],s=[];function r(d){h.camera=d,t.length=0,n.length=0,s.length=0}function o(d){d.isLightProbeGrid?s.push(d):t.push(d)}function a(d){n.push(d)}function l(){e.setup(t),s.sort((d,u)=>d.priority-u.priority||d.id-u.id)}function c(d){e.setupView(t,d)}let h={lightsArray:t,shadowsArray:n,lightProbeGridArray:s,camera:null,lights:e,transmissionRenderTarget:{},textureUnits:0};return{init:r,state:h,setupLights:l,setupLightsView:c,pushLight:o,pushShadow:a}}function Pw(i){let e=new WeakMap;function t(s,r=0){let o=e.get(s),a;return o===void 0?(a=new qg(i),e.set(s,[a])):r>=o.length?(a=new qg(i),o.push(a)):a=o[r],a}function n(){e=new WeakMap}return{get:t,dispose:n}}var Iw=`void main() {
+	gl_Position = vec4( position, 1.0 );
+}`,Lw=`uniform sampler2D shadow_pass;
+uniform vec2 resolution;
+uniform float radius;
+void main() {
+	const float samples = float( VSM_SAMPLES );
+	float mean = 0.0;
+	float squared_mean = 0.0;
+	float uvStride = samples <= 1.0 ? 0.0 : 2.0 / ( samples - 1.0 );
+	float uvStart = samples <= 1.0 ? 0.0 : - 1.0;
+	for ( float i = 0.0; i < samples; i ++ ) {
+		float uvOffset = uvStart + i * uvStride;
+		#ifdef HORIZONTAL_PASS
+			vec2 distribution = texture2D( shadow_pass, ( gl_FragCoord.xy + vec2( uvOffset, 0.0 ) * radius ) / resolution ).rg;
+			mean += distribution.x;
+			squared_mean += distribution.y * distribution.y + distribution.x * distribution.x;
+		#else
+			float depth = texture2D( shadow_pass, ( gl_FragCoord.xy + vec2( 0.0, uvOffset ) * radius ) / resolution ).r;
+			mean += depth;
+			squared_mean += depth * depth;
+		#endif
+	}
+	mean = mean / samples;
+	squared_mean = squared_mean / samples;
+	float std_dev = sqrt( max( 0.0, squared_mean - mean * mean ) );
+	gl_FragColor = vec4( mean, std_dev, 0.0, 1.0 );
+}`,Dw=[new W(1,0,0),new W(-1,0,0),new W(0,1,0),new W(0,-1,0),new W(0,0,1),new W(0,0,-1)],Nw=[new W(0,-1,0),new W(0,-1,0),new W(0,0,1),new W(0,0,-1),new W(0,-1,0),new W(0,-1,0)],Yg=new Mt,Ya=new W,af=new W;function Uw(i,e,t){let n=new sr,s=new $e,r=new $e,o=new jt,a=new Sc,l=new Mc,c={},h=t.maxTextureSize,d={[cr]:ri,[ri]:cr,[$n]:$n},u=new Di({defines:{VSM_SAMPLES:8},uniforms:{shadow_pass:{value:null},resolution:{value:new $e},radius:{value:4}},vertexShader:Iw,fragmentShader:Lw}),f=u.clone();f.defines.HORIZONTAL_PASS=1;let g=new ln;g.setAttribute("position",new an(new Float32Array([-1,-1,.5,3,-1,.5,-1,3,.5]),3));let y=new Xt(g,u),p=this;this.enabled=!1,this.autoUpdate=!0,this.needsUpdate=!1,this.type=Er;let m=this.type;this.render=function(M,_,A){if(p.enabled===!1||p.autoUpdate===!1&&p.needsUpdate===!1||M.length===0)return;this.type===zm&&(Ye("WebGLShadowMap: PCFSoftShadowMap has been removed. Using PCFShadowMap instead."),this.type=Er);let k=i.getRenderTarget(),D=i.getActiveCubeFace(),L=i.getActiveMipmapLevel(),B=i.state;B.setBlending(Rr),B.buffers.depth.getReversed()===!0?B.buffers.color.setClear(0,0,0,0):B.buffers.color.setClear(1,1,1,1),B.buffers.depth.setTest(!0),B.setScissorTest(!1);let V=m!==this.type;V&&_.traverse(function(P){P.material&&(Array.isArray(P.material)?P.material.forEach(U=>U.needsUpdate=!0):P.material.needsUpdate=!0)});for(let P=0,U=M.length;P<U;P++){let X=M[P],G=X.shadow;if(G===void 0){Ye("WebGLShadowMap:",X,"has no shadow.");continue}if(G.autoUpdate===!1&&G.needsUpdate===!1)continue;s.copy(G.mapSize);let oe=G.getFrameExtents();s.multiply(oe),r.copy(G.mapSize),(s.x>h||s.y>h)&&(s.x>h&&(r.x=Math.floor(h/oe.x),s.x=r.x*oe.x,G.mapSize.x=r.x),s.y>h&&(r.y=Math.floor(h/oe.y),s.y=r.y*oe.y,G.mapSize.y=r.y));let Y=i.state.buffers.depth.getReversed();if(G.camera._reversedDepth=Y,G.map===null||V===!0){if(G.map!==null&&(G.map.depthTexture!==null&&(G.map.depthTexture.dispose(),G.map.depthTexture=null),G.map.dispose()),this.type===Ro){if(X.isPointLight){Ye("WebGLShadowMap: VSM shadow maps are not supported for PointLights. Use PCF or BasicShadowMap instead.");continue}G.map=new bi(s.x,s.y,{format:hr,type:Ji,minFilter:ii,magFilter:ii,generateMipmaps:!1}),G.map.texture.name=X.name+".shadowMap",G.map.depthTexture=new Ns(s.x,s.y,Fi),G.map.depthTexture.name=X.name+".shadowMapDepth",G.map.depthTexture.format=Is,G.map.depthTexture.compareFunction=null,G.map.depthTexture.minFilter=kn,G.map.depthTexture.magFilter=kn}else X.isPointLight?(G.map=new Za(s.x),G.map.depthTexture=new Ca(s.x,Ki)):(G.map=new bi(s.x,s.y),G.map.depthTexture=new Ns(s.x,s.y,Ki)),G.map.depthTexture.name=X.name+".shadowMap",G.map.depthTexture.format=Is,this.type===Er?(G.map.depthTexture.compareFunction=Y?Yd:qd,G.map.depthTexture.minFilter=ii,G.map.depthTexture.magFilter=ii):(G.map.depthTexture.compareFunction=null,G.map.depthTexture.minFilter=kn,G.map.depthTexture.magFilter=kn);G.camera.updateProjectionMatrix()}G.map.isWebGLCubeRenderTarget!==!0&&(G.map.width!==s.x||G.map.height!==s.y)&&G.map.setSize(s.x,s.y);let J=G.map.isWebGLCubeRenderTarget?6:G.getViewportCount();X.isPointLight!==!0&&G.updateMatrices(X,A);let ne=(G.camera.layers.mask&4294967294)!==0?G.camera.layers:A.layers;for(let ue=0;ue<J;ue++){let ce=G.getCamera(ue);if(X.isPointLight){let Q=G.camera,pe=G.matrix,me=X.distance||Q.far;me!==Q.far&&(Q.far=me,Q.updateProjectionMatrix()),Ya.setFromMatrixPosition(X.matrixWorld),Q.position.copy(Ya),af.copy(Q.position),af.add(Dw[ue]),Q.up.copy(Nw[ue]),Q.lookAt(af),Q.updateMatrixWorld(),pe.makeTranslation(-Ya.x,-Ya.y,-Ya.z),Yg.multiplyMatrices(Q.projectionMatrix,Q.matrixWorldInverse),G._frustum.setFromProjectionMatrix(Yg,Q.coordinateSystem,Q.reversedDepth)}if(G.map.isWebGLCubeRenderTarget)i.setRenderTarget(G.map,ue),i.clear();else{ue===0&&(i.setRenderTarget(G.map),i.clear());let Q=G.getViewport(ue);o.set(r.x*Q.x,r.y*Q.y,r.x*Q.z,r.y*Q.w),B.viewport(o)}n=G.getFrustum(ue),S(_,A,ce,X,ne,this.type)}G.isPointLightShadow!==!0&&this.type===Ro&&x(G,A),G.needsUpdate=!1}m=this.type,p.needsUpdate=!1,i.setRenderTarget(k,D,L)};function x(M,_){let A=e.update(y);u.defines.VSM_SAMPLES!==M.blurSamples&&(u.defines.VSM_SAMPLES=M.blurSamples,f.defines.VSM_SAMPLES=M.blurSamples,u.needsUpdate=!0,f.needsUpdate=!0),M.mapPass===null?M.mapPass=new bi(s.x,s.y,{format:hr,type:Ji}):(M.mapPass.width!==M.map.width||M.mapPass.height!==M.map.height)&&M.mapPass.setSize(M.map.width,M.map.height),u.uniforms.shadow_pass.value=M.map.depthTexture,u.uniforms.resolution.value.set(M.map.width,M.map.height),u.uniforms.radius.value=M.radius,i.setRenderTarget(M.mapPass),i.clear(),i.renderBufferDirect(_,null,A,u,y,null),f.uniforms.shadow_pass.value=M.mapPass.texture,f.uniforms.resolution.value.set(M.map.width,M.map.height),f.uniforms.radius.value=M.radius,i.setRenderTarget(M.map),i.clear(),i.renderBufferDirect(_,null,A,f,y,null)}function E(M,_,A,k){let D=null,L=A.isPointLight===!0?M.customDistanceMaterial:M.customDepthMaterial;if(L!==void 0)D=L;else if(D=A.isPointLight===!0?l:a,i.localClippingEnabled&&_.clipShadows===!0&&Array.isArray(_.clippingPlanes)&&_.clippingPlanes.length!==0||_.displacementMap&&_.displacementScale!==0||_.alphaMap&&_.alphaTest>0||_.map&&_.alphaTest>0||_.alphaToCoverage===!0){let B=D.uuid,V=_.uuid,P=c[B];P===void 0&&(P={},c[B]=P);let U=P[V];U===void 0&&(U=D.clone(),P[V]=U,_.addEventListener("dispose",R)),D=U}if(D.visible=_.visible,D.wireframe=_.wireframe,k===Ro?D.side=_.shadowSide!==null?_.shadowSide:_.side:D.side=_.shadowSide!==null?_.shadowSide:d[_.side],D.alphaMap=_.alphaMap,D.alphaTest=_.alphaToCoverage===!0?.5:_.alphaTest,D.map=_.map,D.clipShadows=_.clipShadows,D.clippingPlanes=_.clippingPlanes,D.clipIntersection=_.clipIntersection,D.displacementMap=_.displacementMap,D.displacementScale=_.displacementScale,D.displacementBias=_.displacementBias,D.wireframeLinewidth=_.wireframeLinewidth,D.linewidth=_.linewidth,A.isPointLight===!0&&D.isMeshDistanceMaterial===!0){let B=i.properties.get(D);B.light=A}return D}function S(M,_,A,k,D,L){if(M.visible===!1)return;if(M.layers.test(D)&&(M.isMesh||M.isLine||M.isPoints)&&(M.castShadow||M.receiveShadow&&L===Ro)&&(!M.frustumCulled||M.intersectsFrustum(n))){M.modelViewMatrix.multiplyMatrices(A.matrixWorldInverse,M.matrixWorld);let P=e.update(M),U=M.material;if(Array.isArray(U)){let X=P.groups;for(let G=0,oe=X.length;G<oe;G++){let Y=X[G],J=U[Y.materialIndex];if(J&&J.visible){let ne=E(M,J,k,L);M.onBeforeShadow(i,M,_,A,P,ne,Y),i.renderBufferDirect(A,null,P,ne,M,Y),M.onAfterShadow(i,M,_,A,P,ne,Y)}}}else if(U.visible){let X=E(M,U,k,L);M.onBeforeShadow(i,M,_,A,P,X,null),i.renderBufferDirect(A,null,P,X,M,null),M.onAfterShadow(i,M,_,A,P,X,null)}}let V=M.children;for(let P=0,U=V.length;P<U;P++)S(V[P],_,A,k,D,L)}function R(M){M.target.removeEventListener("dispose",R);for(let A in c){let k=c[A],D=M.target.uuid;D in k&&(k[D].dispose(),delete k[D])}}}function Fw(i,e){function t(){let F=!1,se=new jt,te=null,Te=new jt(0,0,0,0);return{setMask:function(_e){te!==_e&&!F&&(i.colorMask(_e,_e,_e,_e),te=_e)},setLocked:function(_e){F=_e},setClear:function(_e,Me,He,je,le){le===!0&&(_e*=je,Me*=je,He*=je),se.set(_e,Me,He,je),Te.equals(se)===!1&&(i.clearColor(_e,Me,He,je),Te.copy(se))},reset:function(){F=!1,te=null,Te.set(-1,0,0,0)}}}function n(){let F=!1,se=!1,te=null,Te=null,_e=null;return{setReversed:function(Me){if(se!==Me){let He=e.get("EXT_clip_control");Me?He.clipControlEXT(He.LOWER_LEFT_EXT,He.ZERO_TO_ONE_EXT):He.clipControlEXT(He.LOWER_LEFT_EXT,He.NEGATIVE_ONE_TO_ONE_EXT),se=Me;let je=_e;_e=null,this.setClear(je)}},getReversed:function(){return se},setTest:function(Me){Me?ge(i.DEPTH_TEST):Ve(i.DEPTH_TEST)},setMask:function(Me){te!==Me&&!F&&(i.depthMask(Me),te=Me)},setFunc:function(Me){if(se&&(Me=xg[Me]),Te!==Me){switch(Me){case rc:i.depthFunc(i.NEVER);break;case oc:i.depthFunc(i.ALWAYS);break;case ac:i.depthFunc(i.LESS);break;case fo:i.depthFunc(i.LEQUAL);break;case lc:i.depthFunc(i.EQUAL);break;case cc:i.depthFunc(i.GEQUAL);break;case hc:i.depthFunc(i.GREATER);break;case uc:i.depthFunc(i.NOTEQUAL);break;default:i.depthFunc(i.LEQUAL)}Te=Me}},setLocked:function(Me){F=Me},setClear:function(Me){_e!==Me&&(_e=Me,se&&(Me=1-Me),i.clearDepth(Me))},reset:function(){F=!1,te=null,Te=null,_e=null,se=!1}}}function s(){let F=!1,se=null,te=null,Te=null,_e=null,Me=null,He=null,je=null,le=null;return{setTest:function(ke){F||(ke?ge(i.STENCIL_TEST):Ve(i.STENCIL_TEST))},setMask:function(ke){se!==ke&&!F&&(i.stencilMask(ke),se=ke)},setFunc:function(ke,Qe,Re){(te!==ke||Te!==Qe||_e!==Re)&&(i.stencilFunc(ke,Qe,Re),te=ke,Te=Qe,_e=Re)},setOp:function(ke,Qe,Re){(Me!==ke||He!==Qe||je!==Re)&&(i.stencilOp(ke,Qe,Re),Me=ke,He=Qe,je=Re)},setLocked:function(ke){F=ke},setClear:function(ke){le!==ke&&(i.clearStencil(ke),le=ke)},reset:function(){F=!1,se=null,te=null,Te=null,_e=null,Me=null,He=null,je=null,le=null}}}let r=new t,o=new n,a=new s,l={},c=new WeakMap,h={},d={},u={},f=new WeakMap,g=[],y=null,p=!1,m=null,x=null,E=null,S=null,R=null,M=null,_=null,A=new nt(0,0,0),k=0,D=!1,L=null,B=null,V=null,P=null,U=null,X=i.getParameter(i.MAX_COMBINED_TEXTURE_IMAGE_UNITS),G=!1,oe=0,Y=i.getParameter(i.VERSION);Y.indexOf("WebGL")!==-1?(oe=parseFloat(/^WebGL (\d)/.exec(Y)[1]),G=oe>=1):Y.indexOf("OpenGL ES")!==-1&&(oe=parseFloat(/^OpenGL ES (\d)/.exec(Y)[1]),G=oe>=2);let J=null,ne={},ue=i.getParameter(i.SCISSOR_BOX),ce=i.getParameter(i.VIEWPORT),Q=new jt().fromArray(ue),pe=new jt().fromArray(ce);function me(F,se,te,Te){let _e=new Uint8Array(4),Me=i.createTexture();i.bindTexture(F,Me),i.texParameteri(F,i.TEXTURE_MIN_FILTER,i.NEAREST),i.texParameteri(F,i.TEXTURE_MAG_FILTER,i.NEAREST);for(let He=0;He<te;He++)F===i.TEXTURE_3D||F===i.TEXTURE_2D_ARRAY?i.texImage3D(se,0,i.RGBA,1,1,Te,0,i.RGBA,i.UNSIGNED_BYTE,_e):i.texImage2D(se+He,0,i.RGBA,1,1,0,i.RGBA,i.UNSIGNED_BYTE,_e);return Me}let ye={};ye[i.TEXTURE_2D]=me(i.TEXTURE_2D,i.TEXTURE_2D,1),ye[i.TEXTURE_CUBE_MAP]=me(i.TEXTURE_CUBE_MAP,i.TEXTURE_CUBE_MAP_POSITIVE_X,6),ye[i.TEXTURE_2D_ARRAY]=me(i.TEXTURE_2D_ARRAY,i.TEXTURE_2D_ARRAY,1,1),ye[i.TEXTURE_3D]=me(i.TEXTURE_3D,i.TEXTURE_3D,1,1),r.setClear(0,0,0,1),o.setClear(1),a.setClear(0),ge(i.DEPTH_TEST),o.setFunc(fo),dn(!1),Dt(Ad),ge(i.CULL_FACE),$t(Rr);function ge(F){h[F]!==!0&&(i.enable(F),h[F]=!0)}function Ve(F){h[F]!==!1&&(i.disable(F),h[F]=!1)}function Ke(F,se){return u[F]!==se?(i.bindFramebuffer(F,se),u[F]=se,F===i.DRAW_FRAMEBUFFER&&(u[i.FRAMEBUFFER]=se),F===i.FRAMEBUFFER&&(u[i.DRAW_FRAMEBUFFER]=se),!0):!1}function Fe(F,se){let te=g,Te=!1;if(F){te=f.get(se),te===void 0&&(te=[],f.set(se,te));let _e=F.textures;if(te.length!==_e.length||te[0]!==i.COLOR_ATTACHMENT0){for(let Me=0,He=_e.length;Me<He;Me++)te[Me]=i.COLOR_ATTACHMENT0+Me;te.length=_e.length,Te=!0}}else te[0]!==i.BACK&&(te[0]=i.BACK,Te=!0);Te&&i.drawBuffers(te)}function st(F){return y!==F?(i.useProgram(F),y=F,!0):!1}let ct={[Cr]:i.FUNC_ADD,[Gm]:i.FUNC_SUBTRACT,[Hm]:i.FUNC_REVERSE_SUBTRACT};ct[Wm]=i.MIN,ct[Xm]=i.MAX;let rt={[qm]:i.ZERO,[Ym]:i.ONE,[$m]:i.SRC_COLOR,[Pd]:i.SRC_ALPHA,[eg]:i.SRC_ALPHA_SATURATE,[jm]:i.DST_COLOR,[Km]:i.DST_ALPHA,[Zm]:i.ONE_MINUS_SRC_COLOR,[Id]:i.ONE_MINUS_SRC_ALPHA,[Qm]:i.ONE_MINUS_DST_COLOR,[Jm]:i.ONE_MINUS_DST_ALPHA,[tg]:i.CONSTANT_COLOR,[ng]:i.ONE_MINUS_CONSTANT_COLOR,[ig]:i.CONSTANT_ALPHA,[sg]:i.ONE_MINUS_CONSTANT_ALPHA};function $t(F,se,te,Te,_e,Me,He,je,le,ke){if(F===Rr){p===!0&&(Ve(i.BLEND),p=!1);return}if(p===!1&&(ge(i.BLEND),p=!0),F!==Vm){if(F!==m||ke!==D){if((x!==Cr||R!==Cr)&&(i.blendEquation(i.FUNC_ADD),x=Cr,R=Cr),ke)switch(F){case Co:i.blendFuncSeparate(i.ONE,i.ONE_MINUS_SRC_ALPHA,i.ONE,i.ONE_MINUS_SRC_ALPHA);break;case Ed:i.blendFunc(i.ONE,i.ONE);break;case Rd:i.blendFuncSeparate(i.ZERO,i.ONE_MINUS_SRC_COLOR,i.ZERO,i.ONE);break;case Cd:i.blendFuncSeparate(i.DST_COLOR,i.ONE_MINUS_SRC_ALPHA,i.ZERO,i.ONE);break;default:et("WebGLState: Invalid blending: ",F);break}else switch(F){case Co:i.blendFuncSeparate(i.SRC_ALPHA,i.ONE_MINUS_SRC_ALPHA,i.ONE,i.ONE_MINUS_SRC_ALPHA);break;case Ed:i.blendFuncSeparate(i.SRC_ALPHA,i.ONE,i.ONE,i.ONE);break;case Rd:et("WebGLState: SubtractiveBlending requires material.premultipliedAlpha = true");break;case Cd:et("WebGLState: MultiplyBlending requires material.premultipliedAlpha = true");break;default:et("WebGLState: Invalid blending: ",F);break}E=null,S=null,M=null,_=null,A.set(0,0,0),k=0,m=F,D=ke}return}_e=_e||se,Me=Me||te,He=He||Te,(se!==x||_e!==R)&&(i.blendEquationSeparate(ct[se],ct[_e]),x=se,R=_e),(te!==E||Te!==S||Me!==M||He!==_)&&(i.blendFuncSeparate(rt[te],rt[Te],rt[Me],rt[He]),E=te,S=Te,M=Me,_=He),(je.equals(A)===!1||le!==k)&&(i.blendColor(je.r,je.g,je.b,le),A.copy(je),k=le),m=F,D=!1}function kt(F,se){F.side===$n?Ve(i.CULL_FACE):ge(i.CULL_FACE);let te=F.side===ri;se&&(te=!te),dn(te),F.blending===Co&&F.transparent===!1?$t(Rr):$t(F.blending,F.blendEquation,F.blendSrc,F.blendDst,F.blendEquationAlpha,F.blendSrcAlpha,F.blendDstAlpha,F.blendColor,F.blendAlpha,F.premultipliedAlpha),o.setFunc(F.depthFunc),o.setTest(F.depthTest),o.setMask(F.depthWrite),r.setMask(F.colorWrite);let Te=F.stencilWrite;a.setTest(Te),Te&&(a.setMask(F.stencilWriteMask),a.setFunc(F.stencilFunc,F.stencilRef,F.stencilFuncMask),a.setOp(F.stencilFail,F.stencilZFail,F.stencilZPass)),xt(F.polygonOffset,F.polygonOffsetFactor,F.polygonOffsetUnits),F.alphaToCoverage===!0?ge(i.SAMPLE_ALPHA_TO_COVERAGE):Ve(i.SAMPLE_ALPHA_TO_COVERAGE)}function dn(F){L!==F&&(F?i.frontFace(i.CW):i.frontFace(i.CCW),L=F)}function Dt(F){F!==km?(ge(i.CULL_FACE),F!==B&&(F===Ad?i.cullFace(i.BACK):F===Bm?i.cullFace(i.FRONT):i.cullFace(i.FRONT_AND_BACK))):Ve(i.CULL_FACE),B=F}function Ln(F){F!==V&&(G&&i.lineWidth(F),V=F)}function xt(F,se,te){F?(ge(i.POLYGON_OFFSET_FILL),(P!==se||U!==te)&&(P=se,U=te,o.getReversed()&&(se=-se,te=-te),i.polygonOffset(se,te))):Ve(i.POLYGON_OFFSET_FILL)}function wn(F){F?ge(i.SCISSOR_TEST):Ve(i.SCISSOR_TEST)}function en(F){F===void 0&&(F=i.TEXTURE0+X-1),J!==F&&(i.activeTexture(F),J=F)}function fn(F,se,te){te===void 0&&(J===null?te=i.TEXTURE0+X-1:te=J);let Te=ne[te];Te===void 0&&(Te={type:void 0,texture:void 0},ne[te]=Te),(Te.type!==F||Te.texture!==se)&&(J!==te&&(i.activeTexture(te),J=te),i.bindTexture(F,se||ye[F]),Te.type=F,Te.texture=se)}function O(){let F=ne[J];F!==void 0&&F.type!==void 0&&(i.bindTexture(F.type,null),F.type=void 0,F.texture=void 0)}function Ce(){try{i.compressedTexImage2D(...arguments)}catch(F){et("WebGLState:",F)}}function Ze(){try{i.compressedTexImage3D(...arguments)}catch(F){et("WebGLState:",F)}}function at(){try{i.texSubImage2D(...arguments)}catch(F){et("WebGLState:",F)}}function we(){try{i.texSubImage3D(...arguments)}catch(F){et("WebGLState:",F)}}function Ut(){try{i.compressedTexSubImage2D(...arguments)}catch(F){et("WebGLState:",F)}}function Ge(){try{i.compressedTexSubImage3D(...arguments)}catch(F){et("WebGLState:",F)}}function qe(){try{i.texStorage2D(...arguments)}catch(F){et("WebGLState:",F)}}function C(){try{i.texStorage3D(...arguments)}catch(F){et("WebGLState:",F)}}function b(){try{i.texImage2D(...arguments)}catch(F){et("WebGLState:",F)}}function q(){try{i.texImage3D(...arguments)}catch(F){et("WebGLState:",F)}}function he(F){return d[F]!==void 0?d[F]:i.getParameter(F)}function re(F,se){d[F]!==se&&(i.pixelStorei(F,se),d[F]=se)}function ve(F){Q.equals(F)===!1&&(i.scissor(F.x,F.y,F.z,F.w),Q.copy(F))}function xe(F){pe.equals(F)===!1&&(i.viewport(F.x,F.y,F.z,F.w),pe.copy(F))}function ee(F,se){let te=c.get(se);te===void 0&&(te=new WeakMap,c.set(se,te));let Te=te.get(F);Te===void 0&&(Te=i.getUniformBlockIndex(se,F.name),i.uniformBlockBinding(se,Te,Te),te.set(F,Te))}function ie(F,se,te){let _e=c.get(se).get(F);l[_e]!==te&&(i.bindBufferBase(i.UNIFORM_BUFFER,_e,te),l[_e]=te)}function fe(){i.disable(i.BLEND),i.disable(i.CULL_FACE),i.disable(i.DEPTH_TEST),i.disable(i.POLYGON_OFFSET_FILL),i.disable(i.SCISSOR_TEST),i.disable(i.STENCIL_TEST),i.disable(i.SAMPLE_ALPHA_TO_COVERAGE),i.blendEquation(i.FUNC_ADD),i.blendFunc(i.ONE,i.ZERO),i.blendFuncSeparate(i.ONE,i.ZERO,i.ONE,i.ZERO),i.blendColor(0,0,0,0),i.colorMask(!0,!0,!0,!0),i.clearColor(0,0,0,0),i.depthMask(!0),i.depthFunc(i.LESS),o.setReversed(!1),i.clearDepth(1),i.stencilMask(4294967295),i.stencilFunc(i.ALWAYS,0,4294967295),i.stencilOp(i.KEEP,i.KEEP,i.KEEP),i.clearStencil(0),i.cullFace(i.BACK),i.frontFace(i.CCW),i.polygonOffset(0,0),i.activeTexture(i.TEXTURE0),i.bindFramebuffer(i.FRAMEBUFFER,null),i.bindFramebuffer(i.DRAW_FRAMEBUFFER,null),i.bindFramebuffer(i.READ_FRAMEBUFFER,null),i.useProgram(null),i.lineWidth(1),i.scissor(0,0,i.canvas.width,i.canvas.height),i.viewport(0,0,i.canvas.width,i.canvas.height),i.pixelStorei(i.PACK_ALIGNMENT,4),i.pixelStorei(i.UNPACK_ALIGNMENT,4),i.pixelStorei(i.UNPACK_FLIP_Y_WEBGL,!1),i.pixelStorei(i.UNPACK_PREMULTIPLY_ALPHA_WEBGL,!1),i.pixelStorei(i.UNPACK_COLORSPACE_CONVERSION_WEBGL,i.BROWSER_DEFAULT_WEBGL),i.pixelStorei(i.PACK_ROW_LENGTH,0),i.pixelStorei(i.PACK_SKIP_PIXELS,0),i.pixelStorei(i.PACK_SKIP_ROWS,0),i.pixelStorei(i.UNPACK_ROW_LENGTH,0),i.pixelStorei(i.UNPACK_IMAGE_HEIGHT,0),i.pixelStorei(i.UNPACK_SKIP_PIXELS,0),i.pixelStorei(i.UNPACK_SKIP_ROWS,0),i.pixelStorei(i.UNPACK_SKIP_IMAGES,0),h={},d={},J=null,ne={},u={},l={},f=new WeakMap,g=[],y=null,p=!1,m=null,x=null,E=null,S=null,R=null,M=null,_=null,A=new nt(0,0,0),k=0,D=!1,L=null,B=null,V=null,P=null,U=null,Q.set(0,0,i.canvas.width,i.canvas.height),pe.set(0,0,i.canvas.width,i.canvas.height),r.reset(),o.reset(),a.reset()}return{buffers:{color:r,depth:o,stencil:a},enable:ge,disable:Ve,bindFramebuffer:Ke,drawBuffers:Fe,useProgram:st,setBlending:$t,setMaterial:kt,setFlipSided:dn,setCullFace:Dt,setLineWidth:Ln,setPolygonOffset:xt,setScissorTest:wn,activeTexture:en,bindTexture:fn,unbindTexture:O,compressedTexImage2D:Ce,compressedTexImage3D:Ze,texImage2D:b,texImage3D:q,pixelStorei:re,getParameter:he,updateUBOMapping:ee,uniformBlockBinding:ie,texStorage2D:qe,texStorage3D:C,texSubImage2D:at,texSubImage3D:we,compressedTexSubImage2D:Ut,compressedTexSubImage3D:Ge,scissor:ve,viewport:xe,reset:fe}}function Ow(i,e,t,n,s,r,o){let a=e.has("WEBGL_multisampled_render_to_texture")?e.get("WEBGL_multisampled_render_to_texture"):null,l=typeof navigator>"u"?!1:/OculusBrowser/g.test(navigator.userAgent),c=new $e,h=new WeakMap,d=new Set,u,f=new WeakMap,g=new Set,y=new FinalizationRegistry(C=>g.delete(C)),p=!1;try{p=typeof OffscreenCanvas<"u"&&new OffscreenCanvas(1,1).getContext("2d")!==null}catch{}function m(C,b){return p?new OffscreenCanvas(C,b):va("canvas")}function x(C,b,q){let he=1,re=qe(C);if((re.width>q||re.height>q)&&(he=q/Math.max(re.width,re.height)),he<1)if(typeof HTMLImageElement<"u"&&C instanceof HTMLImageElement||typeof HTMLCanvasElement<"u"&&C instanceof HTMLCanvasElement||typeof ImageBitmap<"u"&&C instanceof ImageBitmap||typeof VideoFrame<"u"&&C instanceof VideoFrame){let ve=Math.floor(he*re.width),xe=Math.floor(he*re.height);u===void 0&&(u=m(ve,xe));let ee=b?m(ve,xe):u;return ee.width=ve,ee.height=xe,ee.getContext("2d").drawImage(C,0,0,ve,xe),Ye("WebGLRenderer: Texture has been resized from ("+re.width+"x"+re.height+") to ("+ve+"x"+xe+")."),ee}else return"data"in C&&Ye("WebGLRenderer: Image in DataTexture is too big ("+re.width+"x"+re.height+")."),C;return C}function E(C){return C.generateMipmaps}function S(C){i.generateMipmap(C)}function R(C){return C.isWebGLCubeRenderTarget?i.TEXTURE_CUBE_MAP:C.isWebGL3DRenderTarget?i.TEXTURE_3D:C.isWebGLArrayRenderTarget||C.isCompressedArrayTexture?i.TEXTURE_2D_ARRAY:i.TEXTURE_2D}function M(C,b,q,he,re,ve=!1){if(C!==null){if(i[C]!==void 0)return i[C];Ye("WebGLRenderer: Attempt to use non-existing WebGL internal format '"+C+"'")}let xe;he&&(xe=e.get("EXT_texture_norm16"),xe||Ye("WebGLRenderer: Unable to use normalized textures without EXT_texture_norm16 extension"));let ee=b;if(b===i.RED&&(q===i.FLOAT&&(ee=i.R32F),q===i.HALF_FLOAT&&(ee=i.R16F),q===i.UNSIGNED_BYTE&&(ee=i.R8),q===i.UNSIGNED_SHORT&&xe&&(ee=xe.R16_EXT),q===i.SHORT&&xe&&(ee=xe.R16_SNORM_EXT)),b===i.RED_INTEGER&&(q===i.UNSIGNED_BYTE&&(ee=i.R8UI),q===i.UNSIGNED_SHORT&&(ee=i.R16UI),q===i.UNSIGNED_INT&&(ee=i.R32UI),q===i.BYTE&&(ee=i.R8I),q===i.SHORT&&(ee=i.R16I),q===i.INT&&(ee=i.R32I)),b===i.RG&&(q===i.FLOAT&&(ee=i.RG32F),q===i.HALF_FLOAT&&(ee=i.RG16F),q===i.UNSIGNED_BYTE&&(ee=i.RG8),q===i.UNSIGNED_SHORT&&xe&&(ee=xe.RG16_EXT),q===i.SHORT&&xe&&(ee=xe.RG16_SNORM_EXT)),b===i.RG_INTEGER&&(q===i.UNSIGNED_BYTE&&(ee=i.RG8UI),q===i.UNSIGNED_SHORT&&(ee=i.RG16UI),q===i.UNSIGNED_INT&&(ee=i.RG32UI),q===i.BYTE&&(ee=i.RG8I),q===i.SHORT&&(ee=i.RG16I),q===i.INT&&(ee=i.RG32I)),b===i.RGB_INTEGER&&(q===i.UNSIGNED_BYTE&&(ee=i.RGB8UI),q===i.UNSIGNED_SHORT&&(ee=i.RGB16UI),q===i.UNSIGNED_INT&&(ee=i.RGB32UI),q===i.BYTE&&(ee=i.RGB8I),q===i.SHORT&&(ee=i.RGB16I),q===i.INT&&(ee=i.RGB32I)),b===i.RGBA_INTEGER&&(q===i.UNSIGNED_BYTE&&(ee=i.RGBA8UI),q===i.UNSIGNED_SHORT&&(ee=i.RGBA16UI),q===i.UNSIGNED_INT&&(ee=i.RGBA32UI),q===i.BYTE&&(ee=i.RGBA8I),q===i.SHORT&&(ee=i.RGBA16I),q===i.INT&&(ee=i.RGBA32I)),b===i.RGB&&(q===i.UNSIGNED_SHORT&&xe&&(ee=xe.RGB16_EXT),q===i.SHORT&&xe&&(ee=xe.RGB16_SNORM_EXT),q===i.UNSIGNED_INT_5_9_9_9_REV&&(ee=i.RGB9_E5),q===i.UNSIGNED_INT_10F_11F_11F_REV&&(ee=i.R11F_G11F_B10F)),b===i.RGBA){let ie=ve?_a:_t.getTransfer(re);q===i.FLOAT&&(ee=i.RGBA32F),q===i.HALF_FLOAT&&(ee=i.RGBA16F),q===i.UNSIGNED_BYTE&&(ee=ie===Rt?i.SRGB8_ALPHA8:i.RGBA8),q===i.UNSIGNED_SHORT&&xe&&(ee=xe.RGBA16_EXT),q===i.SHORT&&xe&&(ee=xe.RGBA16_SNORM_EXT),q===i.UNSIGNED_SHORT_4_4_4_4&&(ee=i.RGBA4),q===i.UNSIGNED_SHORT_5_5_5_1&&(ee=i.RGB5_A1)}return(ee===i.R16F||ee===i.R32F||ee===i.RG16F||ee===i.RG32F||ee===i.RGBA16F||ee===i.RGBA32F)&&e.get("EXT_color_buffer_float"),ee}function _(C,b){let q;return C?b===null||b===Ki||b===Ir?q=i.DEPTH24_STENCIL8:b===Fi?q=i.DEPTH32F_STENCIL8:b===Io&&(q=i.DEPTH24_STENCIL8,Ye("DepthTexture: 16 bit depth attachment is not supported with stencil. Using 24-bit attachment.")):b===null||b===Ki||b===Ir?q=i.DEPTH_COMPONENT24:b===Fi?q=i.DEPTH_COMPONENT32F:b===Io&&(q=i.DEPTH_COMPONENT16),q}function A(C,b){return E(C)===!0||C.isFramebufferTexture&&C.minFilter!==kn&&C.minFilter!==ii?Math.log2(Math.max(b.width,b.height))+1:C.mipmaps.length>0?C.mipmaps.length:C.isCompressedTexture&&Array.isArray(C.image)?b.mipmaps.length:1}function k(C){let b=new WeakRef(C);n.get(C).__ref=b,g.add(b),y.register(C,b,b)}function D(C){let b=n.get(C).__ref;b!==void 0&&(g.delete(b),y.unregister(b))}function L(C){V(C.target)}function B(C){P(C.target)}function V(C){C.removeEventListener("dispose",L),D(C),X(C),C.isVideoTexture&&h.delete(C),C.isHTMLTexture&&d.delete(C)}function P(C){C.removeEventListener("dispose",B),D(C),oe(C)}function U(){for(let C of g){let b=C.deref();b!==void 0&&(b.isRenderTarget===!0?P(b):V(b))}g.clear(),d.clear()}function X(C){let b=n.get(C);if(b.__webglInit===void 0)return;let q=C.source,he=f.get(q);if(he){let re=he[b.__cacheKey];re.usedTimes--,re.usedTimes===0&&G(C),Object.keys(he).length===0&&f.delete(q)}n.remove(C)}function G(C){let b=n.get(C);i.deleteTexture(b.__webglTexture);let q=C.source,he=f.get(q);delete he[b.__cacheKey],o.memory.textures--}function oe(C){let b=n.get(C);b.__depthDisposeCallback&&b.__depthDisposeCallback();let q=C.depthTexture;if(q&&q.renderTarget===C&&V(q),C.isWebGLCubeRenderTarget)for(let re=0;re<6;re++){if(Array.isArray(b.__webglFramebuffer[re]))for(let ve=0;ve<b.__webglFramebuffer[re].length;ve++)i.deleteFramebuffer(b.__webglFramebuffer[re][ve]);else i.deleteFramebuffer(b.__webglFramebuffer[re]);b.__webglDepthbuffer&&i.deleteRenderbuffer(b.__webglDepthbuffer[re])}else{if(Array.isArray(b.__webglFramebuffer))for(let re=0;re<b.__webglFramebuffer.length;re++)i.deleteFramebuffer(b.__webglFramebuffer[re]);else i.deleteFramebuffer(b.__webglFramebuffer);if(b.__webglDepthbuffer&&i.deleteRenderbuffer(b.__webglDepthbuffer),b.__webglMultisampledFramebuffer&&i.deleteFramebuffer(b.__webglMultisampledFramebuffer),b.__webglColorRenderbuffer)for(let re=0;re<b.__webglColorRenderbuffer.length;re++)b.__webglColorRenderbuffer[re]&&i.deleteRenderbuffer(b.__webglColorRenderbuffer[re]);b.__webglDepthRenderbuffer&&i.deleteRenderbuffer(b.__webglDepthRenderbuffer)}let he=C.textures;for(let re=0,ve=he.length;re<ve;re++){let xe=n.get(he[re]);xe.__webglTexture&&(i.deleteTexture(xe.__webglTexture),o.memory.textures--),n.remove(he[re])}n.remove(C)}let Y=0;function J(){Y=0}function ne(){return Y}function ue(C){Y=C}function ce(){let C=Y;return C>=s.maxTextures&&Ye("WebGLTextures: Trying to use "+(C+1)+" texture units while this GPU supports only "+s.maxTextures),Y+=1,C}function Q(C){let b=[];return b.push(C.wrapS),b.push(C.wrapT),b.push(C.wrapR||0),b.push(C.magFilter),b.push(C.minFilter),b.push(C.anisotropy),b.push(C.internalFormat),b.push(C.format),b.push(C.type),b.push(C.generateMipmaps),b.push(C.mipmapsAutoUpdate),b.push(C.premultiplyAlpha),b.push(C.flipY),b.push(C.unpackAlignment),b.push(C.colorSpace),b.join()}function pe(C,b){let q=n.get(C);if(C.isVideoTexture&&Ut(C),C.isRenderTargetTexture===!1&&C.isExternalTexture!==!0&&C.version>0&&q.__version!==C.version){let he=C.image;if(he===null)Ye("WebGLRenderer: Texture marked for update but no image data found.");else if(he.complete===!1)Ye("WebGLRenderer: Texture marked for update but image is incomplete");else{kt(q,C,b);return}}else C.isExternalTexture&&(q.__webglTexture=C.sourceTexture?C.sourceTexture:null);t.bindTexture(i.TEXTURE_2D,q.__webglTexture,i.TEXTURE0+b)}function me(C,b){let q=n.get(C);if(C.isRenderTargetTexture===!1&&C.version>0&&q.__version!==C.version){kt(q,C,b);return}else C.isExternalTexture&&(q.__webglTexture=C.sourceTexture?C.sourceTexture:null);t.bindTexture(i.TEXTURE_2D_ARRAY,q.__webglTexture,i.TEXTURE0+b)}function ye(C,b){let q=n.get(C);if(C.isRenderTargetTexture===!1&&C.version>0&&q.__version!==C.version){kt(q,C,b);return}t.bindTexture(i.TEXTURE_3D,q.__webglTexture,i.TEXTURE0+b)}function ge(C,b){let q=n.get(C);if(C.version>0&&q.__version!==C.version){dn(q,C,b);return}t.bindTexture(i.TEXTURE_CUBE_MAP,q.__webglTexture,i.TEXTURE0+b)}let Ve={[dc]:i.REPEAT,[us]:i.CLAMP_TO_EDGE,[fc]:i.MIRRORED_REPEAT},Ke={[kn]:i.NEAREST,[ag]:i.NEAREST_MIPMAP_NEAREST,[za]:i.NEAREST_MIPMAP_LINEAR,[ii]:i.LINEAR,[Bc]:i.LINEAR_MIPMAP_NEAREST,[Fs]:i.LINEAR_MIPMAP_LINEAR},Fe={[ug]:i.NEVER,[$d]:i.ALWAYS,[dg]:i.LESS,[qd]:i.LEQUAL,[fg]:i.EQUAL,[Yd]:i.GEQUAL,[pg]:i.GREATER,[mg]:i.NOTEQUAL};function st(C,b){if(b.type===Fi&&e.has("OES_texture_float_linear")===!1&&(b.magFilter===ii||b.magFilter===Bc||b.magFilter===za||b.magFilter===Fs||b.minFilter===ii||b.minFilter===Bc||b.minFilter===za||b.minFilter===Fs)&&Ye("WebGLRenderer: Unable to use linear filtering with floating point textures. OES_texture_float_linear not supported on this device."),i.texParameteri(C,i.TEXTURE_WRAP_S,Ve[b.wrapS]),i.texParameteri(C,i.TEXTURE_WRAP_T,Ve[b.wrapT]),(C===i.TEXTURE_3D||C===i.TEXTURE_2D_ARRAY)&&i.texParameteri(C,i.TEXTURE_WRAP_R,Ve[b.wrapR]),i.texParameteri(C,i.TEXTURE_MAG_FILTER,Ke[b.magFilter]),i.texParameteri(C,i.TEXTURE_MIN_FILTER,Ke[b.minFilter]),b.compareFunction&&(i.texParameteri(C,i.TEXTURE_COMPARE_MODE,i.COMPARE_REF_TO_TEXTURE),i.texParameteri(C,i.TEXTURE_COMPARE_FUNC,Fe[b.compareFunction])),e.has("EXT_texture_filter_anisotropic")===!0){if(b.magFilter===kn||b.minFilter!==za&&b.minFilter!==Fs||b.type===Fi&&e.has("OES_texture_float_linear")===!1)return;if(b.anisotropy>1||n.get(b).__currentAnisotropy){let q=e.get("EXT_texture_filter_anisotropic");i.texParameterf(C,q.TEXTURE_MAX_ANISOTROPY_EXT,Math.min(b.anisotropy,s.getMaxAnisotropy())),n.get(b).__currentAnisotropy=b.anisotropy}}}function ct(C,b){let q=!1;C.__webglInit===void 0&&(C.__webglInit=!0,b.addEventListener("dispose",L),k(b));let he=b.source,re=f.get(he);re===void 0&&(re={},f.set(he,re));let ve=Q(b);if(ve!==C.__cacheKey){re[ve]===void 0&&(re[ve]={texture:i.createTexture(),usedTimes:0},o.memory.textures++,q=!0),re[ve].usedTimes++;let xe=re[C.__cacheKey];xe!==void 0&&(re[C.__cacheKey].usedTimes--,xe.usedTimes===0&&G(b)),C.__cacheKey=ve,C.__webglTexture=re[ve].texture}return q}function rt(C,b,q){return Math.floor(Math.floor(C/q)/b)}function $t(C,b,q,he){let ve=C.updateRanges;if(ve.length===0)t.texSubImage2D(i.TEXTURE_2D,0,0,0,b.width,b.height,q,he,b.data);else{ve.sort((F,se)=>F.start-se.start);let xe=0;for(let F=1;F<ve.length;F++){let se=ve[xe],te=ve[F],Te=se.start+se.count,_e=rt(te.start,b.width,4),Me=rt(se.start,b.width,4);te.start<=Te+1&&_e===Me&&rt(te.start+te.count-1,b.width,4)===_e?se.count=Math.max(se.count,te.start+te.count-se.start):(++xe,ve[xe]=te)}ve.length=xe+1;let ee=t.getParameter(i.UNPACK_ROW_LENGTH),ie=t.getParameter(i.UNPACK_SKIP_PIXELS),fe=t.getParameter(i.UNPACK_SKIP_ROWS);t.pixelStorei(i.UNPACK_ROW_LENGTH,b.width);for(let F=0,se=ve.length;F<se;F++){let te=ve[F],Te=Math.floor(te.start/4),_e=Math.ceil(te.count/4),Me=Te%b.width,He=Math.floor(Te/b.width),je=_e,le=1;t.pixelStorei(i.UNPACK_SKIP_PIXELS,Me),t.pixelStorei(i.UNPACK_SKIP_ROWS,He),t.texSubImage2D(i.TEXTURE_2D,0,Me,He,je,le,q,he,b.data)}C.clearUpdateRanges(),t.pixelStorei(i.UNPACK_ROW_LENGTH,ee),t.pixelStorei(i.UNPACK_SKIP_PIXELS,ie),t.pixelStorei(i.UNPACK_SKIP_ROWS,fe)}}function kt(C,b,q){let he=i.TEXTURE_2D;(b.isDataArrayTexture||b.isCompressedArrayTexture)&&(he=i.TEXTURE_2D_ARRAY),b.isData3DTexture&&(he=i.TEXTURE_3D);let re=ct(C,b),ve=b.source;t.bindTexture(he,C.__webglTexture,i.TEXTURE0+q);let xe=n.get(ve);if(ve.version!==xe.__version||re===!0){if(t.activeTexture(i.TEXTURE0+q),(typeof ImageBitmap<"u"&&b.image instanceof ImageBitmap)===!1){let le=_t.getPrimaries(_t.workingColorSpace),ke=b.colorSpace===ks?null:_t.getPrimaries(b.colorSpace),Qe=b.colorSpace===ks||le===ke?i.NONE:i.BROWSER_DEFAULT_WEBGL;t.pixelStorei(i.UNPACK_FLIP_Y_WEBGL,b.flipY),t.pixelStorei(i.UNPACK_PREMULTIPLY_ALPHA_WEBGL,b.premultiplyAlpha),t.pixelStorei(i.UNPACK_COLORSPACE_CONVERSION_WEBGL,Qe)}t.pixelStorei(i.UNPACK_ALIGNMENT,b.unpackAlignment);let ie=x(b.image,!1,s.maxTextureSize);ie=Ge(b,ie);let fe=r.convert(b.format,b.colorSpace),F=r.convert(b.type),se=M(b.internalFormat,fe,F,b.normalized,b.colorSpace,b.isVideoTexture);st(he,b);let te,Te=b.mipmaps,_e=b.isVideoTexture!==!0,Me=xe.__version===void 0||re===!0,He=ve.dataReady,je=A(b,ie);if(b.isDepthTexture)se=_(b.format===Os,b.type),Me&&(_e?t.texStorage2D(i.TEXTURE_2D,1,se,ie.width,ie.height):t.texImage2D(i.TEXTURE_2D,0,se,ie.width,ie.height,0,fe,F,null));else if(b.isDataTexture)if(Te.length>0){_e&&Me&&t.texStorage2D(i.TEXTURE_2D,je,se,Te[0].width,Te[0].height);for(let le=0,ke=Te.length;le<ke;le++)te=Te[le],_e?He&&t.texSubImage2D(i.TEXTURE_2D,le,0,0,te.width,te.height,fe,F,te.data):t.texImage2D(i.TEXTURE_2D,le,se,te.width,te.height,0,fe,F,te.data);b.generateMipmaps=!1}else _e?(Me&&t.texStorage2D(i.TEXTURE_2D,je,se,ie.width,ie.height),He&&$t(b,ie,fe,F)):t.texImage2D(i.TEXTURE_2D,0,se,ie.width,ie.height,0,fe,F,ie.data);else if(b.isCompressedTexture)if(b.isCompressedArrayTexture){_e&&Me&&t.texStorage3D(i.TEXTURE_2D_ARRAY,je,se,Te[0].width,Te[0].height,ie.depth);for(let le=0,ke=Te.length;le<ke;le++)if(te=Te[le],b.format!==ji)if(fe!==null)if(_e){if(He)if(b.layerUpdates.size>0){let Qe=rf(te.width,te.height,b.format,b.type);for(let Re of b.layerUpdates){let ht=te.data.subarray(Re*Qe/te.data.BYTES_PER_ELEMENT,(Re+1)*Qe/te.data.BYTES_PER_ELEMENT);t.compressedTexSubImage3D(i.TEXTURE_2D_ARRAY,le,0,0,Re,te.width,te.height,1,fe,ht)}}else t.compressedTexSubImage3D(i.TEXTURE_2D_ARRAY,le,0,0,0,te.width,te.height,ie.depth,fe,te.data)}else t.compressedTexImage3D(i.TEXTURE_2D_ARRAY,le,se,te.width,te.height,ie.depth,0,te.data,0,0);else Ye("WebGLRenderer: Attempt to load unsupported compressed texture format in .uploadTexture()");else _e?He&&t.texSubImage3D(i.TEXTURE_2D_ARRAY,le,0,0,0,te.width,te.height,ie.depth,fe,F,te.data):t.texImage3D(i.TEXTURE_2D_ARRAY,le,se,te.width,te.height,ie.depth,0,fe,F,te.data);b.layerUpdates.size>0&&b.clearLayerUpdates()}else{_e&&Me&&t.texStorage2D(i.TEXTURE_2D,je,se,Te[0].width,Te[0].height);for(let le=0,ke=Te.length;le<ke;le++)te=Te[le],b.format!==ji?fe!==null?_e?He&&t.compressedTexSubImage2D(i.TEXTURE_2D,le,0,0,te.width,te.height,fe,te.data):t.compressedTexImage2D(i.TEXTURE_2D,le,se,te.width,te.height,0,te.data):Ye("WebGLRenderer: Attempt to load unsupported compressed texture format in .uploadTexture()"):_e?He&&t.texSubImage2D(i.TEXTURE_2D,le,0,0,te.width,te.height,fe,F,te.data):t.texImage2D(i.TEXTURE_2D,le,se,te.width,te.height,0,fe,F,te.data)}else if(b.isDataArrayTexture)if(_e){if(Me&&t.texStorage3D(i.TEXTURE_2D_ARRAY,je,se,ie.width,ie.height,ie.depth),He)if(b.layerUpdates.size>0){let le=rf(ie.width,ie.height,b.format,b.type);for(let ke of b.layerUpdates){let Qe=ie.data.subarray(ke*le/ie.data.BYTES_PER_ELEMENT,(ke+1)*le/ie.data.BYTES_PER_ELEMENT);t.texSubImage3D(i.TEXTURE_2D_ARRAY,0,0,0,ke,ie.width,ie.height,1,fe,F,Qe)}b.clearLayerUpdates()}else t.texSubImage3D(i.TEXTURE_2D_ARRAY,0,0,0,0,ie.width,ie.height,ie.depth,fe,F,ie.data)}else t.texImage3D(i.TEXTURE_2D_ARRAY,0,se,ie.width,ie.height,ie.depth,0,fe,F,ie.data);else if(b.isData3DTexture)_e?(Me&&t.texStorage3D(i.TEXTURE_3D,je,se,ie.width,ie.height,ie.depth),He&&t.texSubImage3D(i.TEXTURE_3D,0,0,0,0,ie.width,ie.height,ie.depth,fe,F,ie.data)):t.texImage3D(i.TEXTURE_3D,0,se,ie.width,ie.height,ie.depth,0,fe,F,ie.data);else if(b.isFramebufferTexture){if(Me)if(_e)t.texStorage2D(i.TEXTURE_2D,je,se,ie.width,ie.height);else{let le=ie.width,ke=ie.height;for(let Qe=0;Qe<je;Qe++)t.texImage2D(i.TEXTURE_2D,Qe,se,le,ke,0,fe,F,null),le>>=1,ke>>=1}}else if(b.isHTMLTexture){if("texElementImage2D"in i){let le=i.canvas;if(le.hasAttribute("layoutsubtree")||le.setAttribute("layoutsubtree","true"),ie.parentNode!==le){le.appendChild(ie),d.add(b),le.onpaint=ke=>{let Qe=ke.changedElements;for(let Re of d)Qe.includes(Re.image)&&(Re.needsUpdate=!0)},le.requestPaint();return}if(i.texElementImage2D.length===3)i.texElementImage2D(i.TEXTURE_2D,i.RGBA8,ie);else{let Qe=i.RGBA,Re=i.RGBA,ht=i.UNSIGNED_BYTE;i.texElementImage2D(i.TEXTURE_2D,0,Qe,Re,ht,ie)}i.texParameteri(i.TEXTURE_2D,i.TEXTURE_MIN_FILTER,i.LINEAR),i.texParameteri(i.TEXTURE_2D,i.TEXTURE_WRAP_S,i.CLAMP_TO_EDGE),i.texParameteri(i.TEXTURE_2D,i.TEXTURE_WRAP_T,i.CLAMP_TO_EDGE)}}else if(Te.length>0){if(_e&&Me){let le=qe(Te[0]);t.texStorage2D(i.TEXTURE_2D,je,se,le.width,le.height)}for(let le=0,ke=Te.length;le<ke;le++)te=Te[le],_e?He&&t.texSubImage2D(i.TEXTURE_2D,le,0,0,fe,F,te):t.texImage2D(i.TEXTURE_2D,le,se,fe,F,te);b.generateMipmaps=!1}else if(_e){if(Me){let le=qe(ie);t.texStorage2D(i.TEXTURE_2D,je,se,le.width,le.height)}He&&t.texSubImage2D(i.TEXTURE_2D,0,0,0,fe,F,ie)}else t.texImage2D(i.TEXTURE_2D,0,se,fe,F,ie);E(b)&&b.mipmapsAutoUpdate===!0&&S(he),xe.__version=ve.version,b.onUpdate&&b.onUpdate(b)}C.__version=b.version}function dn(C,b,q){if(b.image.length!==6)return;let he=ct(C,b),re=b.source;t.bindTexture(i.TEXTURE_CUBE_MAP,C.__webglTexture,i.TEXTURE0+q);let ve=n.get(re);if(re.version!==ve.__version||he===!0){t.activeTexture(i.TEXTURE0+q);let xe=_t.getPrimaries(_t.workingColorSpace),ee=b.colorSpace===ks?null:_t.getPrimaries(b.colorSpace),ie=b.colorSpace===ks||xe===ee?i.NONE:i.BROWSER_DEFAULT_WEBGL;t.pixelStorei(i.UNPACK_FLIP_Y_WEBGL,b.flipY),t.pixelStorei(i.UNPACK_PREMULTIPLY_ALPHA_WEBGL,b.premultiplyAlpha),t.pixelStorei(i.UNPACK_ALIGNMENT,b.unpackAlignment),t.pixelStorei(i.UNPACK_COLORSPACE_CONVERSION_WEBGL,ie);let fe=b.isCompressedTexture||b.image[0].isCompressedTexture,F=b.image[0]&&b.image[0].isDataTexture,se=[];for(let Re=0;Re<6;Re++)!fe&&!F?se[Re]=x(b.image[Re],!0,s.maxCubemapSize):se[Re]=F?b.image[Re].image:b.image[Re],se[Re]=Ge(b,se[Re]);let te=se[0],Te=r.convert(b.format,b.colorSpace),_e=r.convert(b.type),Me=M(b.internalFormat,Te,_e,b.normalized,b.colorSpace),He=b.isVideoTexture!==!0,je=ve.__version===void 0||he===!0,le=re.dataReady,ke=A(b,te);st(i.TEXTURE_CUBE_MAP,b);let Qe;if(b.isDepthTexture){if(Me=_(b.format===Os,b.type),je)if(He)t.texStorage2D(i.TEXTURE_CUBE_MAP,1,Me,te.width,te.height);else for(let Re=0;Re<6;Re++)t.texImage2D(i.TEXTURE_CUBE_MAP_POSITIVE_X+Re,0,Me,te.width,te.height,0,Te,_e,null)}else if(fe){He&&je&&t.texStorage2D(i.TEXTURE_CUBE_MAP,ke,Me,te.width,te.height);for(let Re=0;Re<6;Re++){Qe=se[Re].mipmaps;for(let ht=0;ht<Qe.length;ht++){let zt=Qe[ht];b.format!==ji?Te!==null?He?le&&t.compressedTexSubImage2D(i.TEXTURE_CUBE_MAP_POSITIVE_X+Re,ht,0,0,zt.width,zt.height,Te,zt.data):t.compressedTexImage2D(i.TEXTURE_CUBE_MAP_POSITIVE_X+Re,ht,Me,zt.width,zt.height,0,zt.data):Ye("WebGLRenderer: Attempt to load unsupported compressed texture format in .setTextureCube()"):He?le&&t.texSubImage2D(i.TEXTURE_CUBE_MAP_POSITIVE_X+Re,ht,0,0,zt.width,zt.height,Te,_e,zt.data):t.texImage2D(i.TEXTURE_CUBE_MAP_POSITIVE_X+Re,ht,Me,zt.width,zt.height,0,Te,_e,zt.data)}}}else{if(Qe=b.mipmaps,He&&je){Qe.length>0&&ke++;let Re=qe(se[0]);t.texStorage2D(i.TEXTURE_CUBE_MAP,ke,Me,Re.width,Re.height)}for(let Re=0;Re<6;Re++)if(F){He?le&&t.texSubImage2D(i.TEXTURE_CUBE_MAP_POSITIVE_X+Re,0,0,0,se[Re].width,se[Re].height,Te,_e,se[Re].data):t.texImage2D(i.TEXTURE_CUBE_MAP_POSITIVE_X+Re,0,Me,se[Re].width,se[Re].height,0,Te,_e,se[Re].data);for(let ht=0;ht<Qe.length;ht++){let Kn=Qe[ht].image[Re].image;He?le&&t.texSubImage2D(i.TEXTURE_CUBE_MAP_POSITIVE_X+Re,ht+1,0,0,Kn.width,Kn.height,Te,_e,Kn.data):t.texImage2D(i.TEXTURE_CUBE_MAP_POSITIVE_X+Re,ht+1,Me,Kn.width,Kn.height,0,Te,_e,Kn.data)}}else{He?le&&t.texSubImage2D(i.TEXTURE_CUBE_MAP_POSITIVE_X+Re,0,0,0,Te,_e,se[Re]):t.texImage2D(i.TEXTURE_CUBE_MAP_POSITIVE_X+Re,0,Me,Te,_e,se[Re]);for(let ht=0;ht<Qe.length;ht++){let zt=Qe[ht];He?le&&t.texSubImage2D(i.TEXTURE_CUBE_MAP_POSITIVE_X+Re,ht+1,0,0,Te,_e,zt.image[Re]):t.texImage2D(i.TEXTURE_CUBE_MAP_POSITIVE_X+Re,ht+1,Me,Te,_e,zt.image[Re])}}}E(b)&&b.mipmapsAutoUpdate===!0&&S(i.TEXTURE_CUBE_MAP),ve.__version=re.version,b.onUpdate&&b.onUpdate(b)}C.__version=b.version}function Dt(C,b,q,he,re,ve){let xe=r.convert(q.format,q.colorSpace),ee=r.convert(q.type),ie=M(q.internalFormat,xe,ee,q.normalized,q.colorSpace),fe=n.get(b),F=n.get(q);if(F.__renderTarget=b,!fe.__hasExternalTextures){let se=Math.max(1,b.width>>ve),te=Math.max(1,b.height>>ve);re===i.TEXTURE_3D||re===i.TEXTURE_2D_ARRAY?t.texImage3D(re,ve,ie,se,te,b.depth,0,xe,ee,null):t.texImage2D(re,ve,ie,se,te,0,xe,ee,null)}t.bindFramebuffer(i.FRAMEBUFFER,C),we(b)?a.framebufferTexture2DMultisampleEXT(i.FRAMEBUFFER,he,re,F.__webglTexture,0,at(b)):(re===i.TEXTURE_2D||re>=i.TEXTURE_CUBE_MAP_POSITIVE_X&&re<=i.TEXTURE_CUBE_MAP_NEGATIVE_Z)&&i.framebufferTexture2D(i.FRAMEBUFFER,he,re,F.__webglTexture,ve),t.bindFramebuffer(i.FRAMEBUFFER,null)}function Ln(C,b,q){if(i.bindRenderbuffer(i.RENDERBUFFER,C),b.depthBuffer){let he=b.depthTexture,re=he&&he.isDepthTexture?he.type:null,ve=_(b.stencilBuffer,re),xe=b.stencilBuffer?i.DEPTH_STENCIL_ATTACHMENT:i.DEPTH_ATTACHMENT;we(b)?a.renderbufferStorageMultisampleEXT(i.RENDERBUFFER,at(b),ve,b.width,b.height):q?i.renderbufferStorageMultisample(i.RENDERBUFFER,at(b),ve,b.width,b.height):i.renderbufferStorage(i.RENDERBUFFER,ve,b.width,b.height),i.framebufferRenderbuffer(i.FRAMEBUFFER,xe,i.RENDERBUFFER,C)}else{let he=b.textures;for(let re=0;re<he.length;re++){let ve=he[re],xe=r.convert(ve.format,ve.colorSpace),ee=r.convert(ve.type),ie=M(ve.internalFormat,xe,ee,ve.normalized,ve.colorSpace);we(b)?a.renderbufferStorageMultisampleEXT(i.RENDERBUFFER,at(b),ie,b.width,b.height):q?i.renderbufferStorageMultisample(i.RENDERBUFFER,at(b),ie,b.width,b.height):i.renderbufferStorage(i.RENDERBUFFER,ie,b.width,b.height)}}i.bindRenderbuffer(i.RENDERBUFFER,null)}function xt(C,b,q){let he=b.isWebGLCubeRenderTarget===!0;if(t.bindFramebuffer(i.FRAMEBUFFER,C),!(b.depthTexture&&b.depthTexture.isDepthTexture))throw new Error("THREE.WebGLTextures: renderTarget.depthTexture must be an instance of THREE.DepthTexture.");let re=n.get(b.depthTexture);re.__renderTarget=b;let ve=he?b.depthTexture.image[0]:b.depthTexture.image;(!re.__webglTexture||ve.width!==b.width||ve.height!==b.height)&&(ve.width=b.width,ve.height=b.height,b.depthTexture.needsUpdate=!0),he?ge(b.depthTexture,0):pe(b.depthTexture,0);let xe=re.__webglTexture,ee=at(b),ie=he?i.TEXTURE_CUBE_MAP_POSITIVE_X+q:i.TEXTURE_2D,fe=b.depthTexture.format===Os?i.DEPTH_STENCIL_ATTACHMENT:i.DEPTH_ATTACHMENT;if(b.depthTexture.format===Is)we(b)?a.framebufferTexture2DMultisampleEXT(i.FRAMEBUFFER,fe,ie,xe,0,ee):i.framebufferTexture2D(i.FRAMEBUFFER,fe,ie,xe,0);else if(b.depthTexture.format===Os)we(b)?a.framebufferTexture2DMultisampleEXT(i.FRAMEBUFFER,fe,ie,xe,0,ee):i.framebufferTexture2D(i.FRAMEBUFFER,fe,ie,xe,0);else throw new Error("THREE.WebGLTextures: Unknown depthTexture format.")}function wn(C){let b=n.get(C),q=C.isWebGLCubeRenderTarget===!0;if(b.__boundDepthTexture!==C.depthTexture){let he=C.depthTexture;if(b.__depthDisposeCallback&&b.__depthDisposeCallback(),he){let re=()=>{delete b.__boundDepthTexture,delete b.__depthDisposeCallback,he.removeEventListener("dispose",re)};he.addEventListener("dispose",re),b.__depthDisposeCallback=re}b.__boundDepthTexture=he}if(C.depthTexture&&!b.__autoAllocateDepthBuffer)if(q)for(let he=0;he<6;he++)xt(b.__webglFramebuffer[he],C,he);else C.texture.mipmaps.length>0?xt(b.__webglFramebuffer[0],C,0):xt(b.__webglFramebuffer,C,0);else if(q){b.__webglDepthbuffer=[];for(let he=0;he<6;he++)if(t.bindFramebuffer(i.FRAMEBUFFER,b.__webglFramebuffer[he]),b.__webglDepthbuffer[he]===void 0)b.__webglDepthbuffer[he]=i.createRenderbuffer(),Ln(b.__webglDepthbuffer[he],C,!1);else{let re=C.stencilBuffer?i.DEPTH_STENCIL_ATTACHMENT:i.DEPTH_ATTACHMENT,ve=b.__webglDepthbuffer[he];i.bindRenderbuffer(i.RENDERBUFFER,ve),i.framebufferRenderbuffer(i.FRAMEBUFFER,re,i.RENDERBUFFER,ve)}}else if(C.texture.mipmaps.length>0?t.bindFramebuffer(i.FRAMEBUFFER,b.__webglFramebuffer[0]):t.bindFramebuffer(i.FRAMEBUFFER,b.__webglFramebuffer),b.__webglDepthbuffer===void 0)b.__webglDepthbuffer=i.createRenderbuffer(),Ln(b.__webglDepthbuffer,C,!1);else{let re=C.stencilBuffer?i.DEPTH_STENCIL_ATTACHMENT:i.DEPTH_ATTACHMENT,ve=b.__webglDepthbuffer;i.bindRenderbuffer(i.RENDERBUFFER,ve),i.framebufferRenderbuffer(i.FRAMEBUFFER,re,i.RENDERBUFFER,ve)}t.bindFramebuffer(i.FRAMEBUFFER,null)}function en(C,b,q){let he=n.get(C);b!==void 0&&Dt(he.__webglFramebuffer,C,C.texture,i.COLOR_ATTACHMENT0,i.TEXTURE_2D,0),q!==void 0&&wn(C)}function fn(C){let b=C.texture,q=n.get(C),he=n.get(b);C.addEventListener("dispose",B),k(C);let re=C.textures,ve=C.isWebGLCubeRenderTarget===!0,xe=re.length>1;if(xe||(he.__webglTexture===void 0&&(he.__webglTexture=i.createTexture()),he.__version=b.version,o.memory.textures++),ve){q.__webglFramebuffer=[];for(let ee=0;ee<6;ee++)if(b.mipmaps.length>0){q.__webglFramebuffer[ee]=[];for(let ie=0;ie<b.mipmaps.length;ie++)q.__webglFramebuffer[ee][ie]=i.createFramebuffer()}else q.__webglFramebuffer[ee]=i.createFramebuffer()}else{if(b.mipmaps.length>0){q.__webglFramebuffer=[];for(let ee=0;ee<b.mipmaps.length;ee++)q.__webglFramebuffer[ee]=i.createFramebuffer()}else q.__webglFramebuffer=i.createFramebuffer();if(xe)for(let ee=0,ie=re.length;ee<ie;ee++){let fe=n.get(re[ee]);fe.__webglTexture===void 0&&(fe.__webglTexture=i.createTexture(),o.memory.textures++)}if(C.samples>0&&we(C)===!1){q.__webglMultisampledFramebuffer=i.createFramebuffer(),q.__webglColorRenderbuffer=[],t.bindFramebuffer(i.FRAMEBUFFER,q.__webglMultisampledFramebuffer);for(let ee=0;ee<re.length;ee++){let ie=re[ee];q.__webglColorRenderbuffer[ee]=i.createRenderbuffer(),i.bindRenderbuffer(i.RENDERBUFFER,q.__webglColorRenderbuffer[ee]);let fe=r.convert(ie.format,ie.colorSpace),F=r.convert(ie.type),se=M(ie.internalFormat,fe,F,ie.normalized,ie.colorSpace,C.isXRRenderTarget===!0),te=at(C);i.renderbufferStorageMultisample(i.RENDERBUFFER,te,se,C.width,C.height),i.framebufferRenderbuffer(i.FRAMEBUFFER,i.COLOR_ATTACHMENT0+ee,i.RENDERBUFFER,q.__webglColorRenderbuffer[ee])}i.bindRenderbuffer(i.RENDERBUFFER,null),C.depthBuffer&&(q.__webglDepthRenderbuffer=i.createRenderbuffer(),Ln(q.__webglDepthRenderbuffer,C,!0)),t.bindFramebuffer(i.FRAMEBUFFER,null)}}if(ve){t.bindTexture(i.TEXTURE_CUBE_MAP,he.__webglTexture),st(i.TEXTURE_CUBE_MAP,b);for(let ee=0;ee<6;ee++)if(b.mipmaps.length>0)for(let ie=0;ie<b.mipmaps.length;ie++)Dt(q.__webglFramebuffer[ee][ie],C,b,i.COLOR_ATTACHMENT0,i.TEXTURE_CUBE_MAP_POSITIVE_X+ee,ie);else Dt(q.__webglFramebuffer[ee],C,b,i.COLOR_ATTACHMENT0,i.TEXTURE_CUBE_MAP_POSITIVE_X+ee,0);E(b)?S(i.TEXTURE_CUBE_MAP):b.mipmaps.length>0&&i.texParameteri(i.TEXTURE_CUBE_MAP,i.TEXTURE_MAX_LEVEL,b.mipmaps.length-1),t.unbindTexture()}else if(xe){for(let ee=0,ie=re.length;ee<ie;ee++){let fe=re[ee],F=n.get(fe),se=i.TEXTURE_2D;(C.isWebGL3DRenderTarget||C.isWebGLArrayRenderTarget)&&(se=C.isWebGL3DRenderTarget?i.TEXTURE_3D:i.TEXTURE_2D_ARRAY),t.bindTexture(se,F.__webglTexture),st(se,fe),Dt(q.__webglFramebuffer,C,fe,i.COLOR_ATTACHMENT0+ee,se,0),E(fe)&&S(se)}t.unbindTexture()}else{let ee=i.TEXTURE_2D;if((C.isWebGL3DRenderTarget||C.isWebGLArrayRenderTarget)&&(ee=C.isWebGL3DRenderTarget?i.TEXTURE_3D:i.TEXTURE_2D_ARRAY),t.bindTexture(ee,he.__webglTexture),st(ee,b),b.mipmaps.length>0)for(let ie=0;ie<b.mipmaps.length;ie++)Dt(q.__webglFramebuffer[ie],C,b,i.COLOR_ATTACHMENT0,ee,ie);else Dt(q.__webglFramebuffer,C,b,i.COLOR_ATTACHMENT0,ee,0);E(b)?S(ee):b.mipmaps.length>0&&i.texParameteri(ee,i.TEXTURE_MAX_LEVEL,b.mipmaps.length-1),t.unbindTexture()}C.depthBuffer&&wn(C)}function O(C){let b=C.textures;for(let q=0,he=b.length;q<he;q++){let re=b[q];if(E(re)&&re.mipmapsAutoUpdate===!0){let ve=R(C),xe=n.get(re).__webglTexture;t.bindTexture(ve,xe),S(ve),t.unbindTexture()}}}let Ce=[];function Ze(C){if(C.samples>0){if(we(C)===!1){let b=C.textures,q=C.width,he=C.height,re=i.COLOR_BUFFER_BIT,ve=C.stencilBuffer?i.DEPTH_STENCIL_ATTACHMENT:i.DEPTH_ATTACHMENT,xe=n.get(C),ee=b.length>1;if(ee)for(let fe=0;fe<b.length;fe++)t.bindFramebuffer(i.FRAMEBUFFER,xe.__webglMultisampledFramebuffer),i.framebufferRenderbuffer(i.FRAMEBUFFER,i.COLOR_ATTACHMENT0+fe,i.RENDERBUFFER,null),t.bindFramebuffer(i.FRAMEBUFFER,xe.__webglFramebuffer),i.framebufferTexture2D(i.DRAW_FRAMEBUFFER,i.COLOR_ATTACHMENT0+fe,i.TEXTURE_2D,null,0);t.bindFramebuffer(i.READ_FRAMEBUFFER,xe.__webglMultisampledFramebuffer),C.texture.mipmaps.length>0?t.bindFramebuffer(i.DRAW_FRAMEBUFFER,xe.__webglFramebuffer[0]):t.bindFramebuffer(i.DRAW_FRAMEBUFFER,xe.__webglFramebuffer);for(let fe=0;fe<b.length;fe++){if(C.resolveDepthBuffer&&(C.depthBuffer&&(re|=i.DEPTH_BUFFER_BIT),C.stencilBuffer&&C.resolveStencilBuffer&&(re|=i.STENCIL_BUFFER_BIT)),ee){i.framebufferRenderbuffer(i.READ_FRAMEBUFFER,i.COLOR_ATTACHMENT0,i.RENDERBUFFER,xe.__webglColorRenderbuffer[fe]);let F=n.get(b[fe]).__webglTexture;i.framebufferTexture2D(i.DRAW_FRAMEBUFFER,i.COLOR_ATTACHMENT0,i.TEXTURE_2D,F,0)}i.blitFramebuffer(0,0,q,he,0,0,q,he,re,i.NEAREST),l===!0&&(Ce.length=0,Ce.push(i.COLOR_ATTACHMENT0+fe),C.depthBuffer&&C.storeMultisampledDepthBuffer===!1&&Ce.push(ve),i.invalidateFramebuffer(i.READ_FRAMEBUFFER,Ce))}if(t.bindFramebuffer(i.READ_FRAMEBUFFER,null),t.bindFramebuffer(i.DRAW_FRAMEBUFFER,null),ee)for(let fe=0;fe<b.length;fe++){t.bindFramebuffer(i.FRAMEBUFFER,xe.__webglMultisampledFramebuffer),i.framebufferRenderbuffer(i.FRAMEBUFFER,i.COLOR_ATTACHMENT0+fe,i.RENDERBUFFER,xe.__webglColorRenderbuffer[fe]);let F=n.get(b[fe]).__webglTexture;t.bindFramebuffer(i.FRAMEBUFFER,xe.__webglFramebuffer),i.framebufferTexture2D(i.DRAW_FRAMEBUFFER,i.COLOR_ATTACHMENT0+fe,i.TEXTURE_2D,F,0)}t.bindFramebuffer(i.DRAW_FRAMEBUFFER,xe.__webglMultisampledFramebuffer)}else if(C.depthBuffer&&C.storeMultisampledDepthBuffer===!1&&l){let b=C.stencilBuffer?i.DEPTH_STENCIL_ATTACHMENT:i.DEPTH_ATTACHMENT;i.invalidateFramebuffer(i.DRAW_FRAMEBUFFER,[b])}}}function at(C){return Math.min(s.maxSamples,C.samples)}function we(C){let b=n.get(C);return C.samples>0&&e.has("WEBGL_multisampled_render_to_texture")===!0&&b.__useRenderToTexture!==!1}function Ut(C){let b=o.render.frame;h.get(C)!==b&&(h.set(C,b),C.update())}function Ge(C,b){let q=C.colorSpace,he=C.format,re=C.type;return C.isCompressedTexture===!0||C.isVideoTexture===!0||q!==ya&&q!==ks&&(_t.getTransfer(q)===Rt?(he!==ji||re!==hi)&&Ye("WebGLTextures: sRGB encoded textures have to use RGBAFormat and UnsignedByteType."):et("WebGLTextures: Unsupported texture color space:",q)),b}function qe(C){return typeof HTMLImageElement<"u"&&C instanceof HTMLImageElement?(c.width=C.naturalWidth||C.width,c.height=C.naturalHeight||C.height):typeof VideoFrame<"u"&&C instanceof VideoFrame?(c.width=C.displayWidth,c.height=C.displayHeight):(c.width=C.width,c.height=C.height),c}this.allocateTextureUnit=ce,this.resetTextureUnits=J,this.getTextureUnits=ne,this.setTextureUnits=ue,this.setTexture2D=pe,this.setTexture2DArray=me,this.setTexture3D=ye,this.setTextureCube=ge,this.rebindTextures=en,this.setupRenderTarget=fn,this.updateRenderTargetMipmap=O,this.updateMultisampleRenderTarget=Ze,this.setupDepthRenderbuffer=wn,this.setupFrameBufferTexture=Dt,this.useMultisampledRTT=we,this.dispose=U}function kw(i,e){function t(n,s=ks){let r,o=_t.getTransfer(s);if(n===hi)return i.UNSIGNED_BYTE;if(n===Vc)return i.UNSIGNED_SHORT_4_4_4_4;if(n===Gc)return i.UNSIGNED_SHORT_5_5_5_1;if(n===Gd)return i.UNSIGNED_INT_5_9_9_9_REV;if(n===Hd)return i.UNSIGNED_INT_10F_11F_11F_REV;if(n===zd)return i.BYTE;if(n===Vd)return i.SHORT;if(n===Io)return i.UNSIGNED_SHORT;if(n===zc)return i.INT;if(n===Ki)return i.UNSIGNED_INT;if(n===Fi)return i.FLOAT;if(n===Ji)return i.HALF_FLOAT;if(n===Wd)return i.ALPHA;if(n===Xd)return i.RGB;if(n===ji)return i.RGBA;if(n===Is)return i.DEPTH_COMPONENT;if(n===Os)return i.DEPTH_STENCIL;if(n===Hc)return i.RED;if(n===Wc)return i.RED_INTEGER;if(n===hr)return i.RG;if(n===Xc)return i.RG_INTEGER;if(n===qc)return i.RGBA_INTEGER;if(n===Va||n===Ga||n===Ha||n===Wa)if(o===Rt)if(r=e.get("WEBGL_compressed_texture_s3tc_srgb"),r!==null){if(n===Va)return r.COMPRESSED_SRGB_S3TC_DXT1_EXT;if(n===Ga)return r.COMPRESSED_SRGB_ALPHA_S3TC_DXT1_EXT;if(n===Ha)return r.COMPRESSED_SRGB_ALPHA_S3TC_DXT3_EXT;if(n===Wa)return r.COMPRESSED_SRGB_ALPHA_S3TC_DXT5_EXT}else return null;else if(r=e.get("WEBGL_compressed_texture_s3tc"),r!==null){if(n===Va)return r.COMPRESSED_RGB_S3TC_DXT1_EXT;if(n===Ga)return r.COMPRESSED_RGBA_S3TC_DXT1_EXT;if(n===Ha)return r.COMPRESSED_RGBA_S3TC_DXT3_EXT;if(n===Wa)return r.COMPRESSED_RGBA_S3TC_DXT5_EXT}else return null;if(n===Yc||n===$c||n===Zc||n===Kc)if(r=e.get("WEBGL_compressed_texture_pvrtc"),r!==null){if(n===Yc)return r.COMPRESSED_RGB_PVRTC_4BPPV1_IMG;if(n===$c)return r.COMPRESSED_RGB_PVRTC_2BPPV1_IMG;if(n===Zc)return r.COMPRESSED_RGBA_PVRTC_4BPPV1_IMG;if(n===Kc)return r.COMPRESSED_RGBA_PVRTC_2BPPV1_IMG}else return null;if(n===Jc||n===jc||n===Qc||n===eh||n===th||n===Xa||n===nh)if(r=e.get("WEBGL_compressed_texture_etc"),r!==null){if(n===Jc||n===jc)return o===Rt?r.COMPRESSED_SRGB8_ETC2:r.COMPRESSED_RGB8_ETC2;if(n===Qc)return o===Rt?r.COMPRESSED_SRGB8_ALPHA8_ETC2_EAC:r.COMPRESSED_RGBA8_ETC2_EAC;if(n===eh)return r.COMPRESSED_R11_EAC;if(n===th)return r.COMPRESSED_SIGNED_R11_EAC;if(n===Xa)return r.COMPRESSED_RG11_EAC;if(n===nh)return r.COMPRESSED_SIGNED_RG11_EAC}else return null;if(n===ih||n===sh||n===rh||n===oh||n===ah||n===lh||n===ch||n===hh||n===uh||n===dh||n===fh||n===ph||n===mh||n===gh)if(r=e.get("WEBGL_compressed_texture_astc"),r!==null){if(n===ih)return o===Rt?r.COMPRESSED_SRGB8_ALPHA8_ASTC_4x4_KHR:r.COMPRESSED_RGBA_ASTC_4x4_KHR;if(n===sh)return o===Rt?r.COMPRESSED_SRGB8_ALPHA8_ASTC_5x4_KHR:r.COMPRESSED_RGBA_ASTC_5x4_KHR;if(n===rh)return o===Rt?r.COMPRESSED_SRGB8_ALPHA8_ASTC_5x5_KHR:r.COMPRESSED_RGBA_ASTC_5x5_KHR;if(n===oh)return o===Rt?r.COMPRESSED_SRGB8_ALPHA8_ASTC_6x5_KHR:r.COMPRESSED_RGBA_ASTC_6x5_KHR;if(n===ah)return o===Rt?r.COMPRESSED_SRGB8_ALPHA8_ASTC_6x6_KHR:r.COMPRESSED_RGBA_ASTC_6x6_KHR;if(n===lh)return o===Rt?r.COMPRESSED_SRGB8_ALPHA8_ASTC_8x5_KHR:r.COMPRESSED_RGBA_ASTC_8x5_KHR;if(n===ch)return o===Rt?r.COMPRESSED_SRGB8_ALPHA8_ASTC_8x6_KHR:r.COMPRESSED_RGBA_ASTC_8x6_KHR;if(n===hh)return o===Rt?r.COMPRESSED_SRGB8_ALPHA8_ASTC_8x8_KHR:r.COMPRESSED_RGBA_ASTC_8x8_KHR;if(n===uh)return o===Rt?r.COMPRESSED_SRGB8_ALPHA8_ASTC_10x5_KHR:r.COMPRESSED_RGBA_ASTC_10x5_KHR;if(n===dh)return o===Rt?r.COMPRESSED_SRGB8_ALPHA8_ASTC_10x6_KHR:r.COMPRESSED_RGBA_ASTC_10x6_KHR;if(n===fh)return o===Rt?r.COMPRESSED_SRGB8_ALPHA8_ASTC_10x8_KHR:r.COMPRESSED_RGBA_ASTC_10x8_KHR;if(n===ph)return o===Rt?r.COMPRESSED_SRGB8_ALPHA8_ASTC_10x10_KHR:r.COMPRESSED_RGBA_ASTC_10x10_KHR;if(n===mh)return o===Rt?r.COMPRESSED_SRGB8_ALPHA8_ASTC_12x10_KHR:r.COMPRESSED_RGBA_ASTC_12x10_KHR;if(n===gh)return o===Rt?r.COMPRESSED_SRGB8_ALPHA8_ASTC_12x12_KHR:r.COMPRESSED_RGBA_ASTC_12x12_KHR}else return null;if(n===yh||n===_h||n===vh)if(r=e.get("EXT_texture_compression_bptc"),r!==null){if(n===yh)return o===Rt?r.COMPRESSED_SRGB_ALPHA_BPTC_UNORM_EXT:r.COMPRESSED_RGBA_BPTC_UNORM_EXT;if(n===_h)return r.COMPRESSED_RGB_BPTC_SIGNED_FLOAT_EXT;if(n===vh)return r.COMPRESSED_RGB_BPTC_UNSIGNED_FLOAT_EXT}else return null;if(n===xh||n===bh||n===qa||n===Sh)if(r=e.get("EXT_texture_compression_rgtc"),r!==null){if(n===xh)return r.COMPRESSED_RED_RGTC1_EXT;if(n===bh)return r.COMPRESSED_SIGNED_RED_RGTC1_EXT;if(n===qa)return r.COMPRESSED_RED_GREEN_RGTC2_EXT;if(n===Sh)return r.COMPRESSED_SIGNED_RED_GREEN_RGTC2_EXT}else return null;return n===Ir?i.UNSIGNED_INT_24_8:i[n]!==void 0?i[n]:null}return{convert:t}}var Bw=`
+void main() {
+
+	gl_Position = vec4( position, 1.0 );
+
+}`,zw=`
+uniform sampler2DArray depthColor;
+uniform float depthWidth;
+uniform float depthHeight;
+
+void main() {
+
+	vec2 coord = vec2( gl_FragCoord.x / depthWidth, gl_FragCoord.y / depthHeight );
+
+	if ( coord.x >= 1.0 ) {
+
+		gl_FragDepth = texture( depthColor, vec3( coord.x - 1.0, coord.y, 1 ) ).r;
+
+	} else {
+
+		gl_FragDepth = texture( depthColor, vec3( coord.x, coord.y, 0 ) ).r;
+
+	}
+
+}`,pf=class{constructor(){this.texture=null,this.mesh=null,this.depthNear=0,this.depthFar=0}init(e,t){if(this.texture===null){let n=new Pa(e.texture);(e.depthNear!==t.depthNear||e.depthFar!==t.depthFar)&&(this.depthNear=e.depthNear,this.depthFar=e.depthFar),this.texture=n}}getMesh(e){if(this.texture!==null&&this.mesh===null){let t=e.cameras[0].viewport,n=new Di({vertexShader:Bw,fragmentShader:zw,uniforms:{depthColor:{value:this.texture},depthWidth:{value:t.z},depthHeight:{value:t.w}}});this.mesh=new Xt(new Tr(20,20),n)}return this.mesh}reset(){this.texture=null,this.mesh=null}getDepthTexture(){return this.texture}},mf=class extends qi{constructor(e,t){super();let n=this,s=null,r=1,o=null,a="local-floor",l=1,c=null,h=null,d=null,u=null,f=null,g=null,y=typeof XRWebGLBinding<"u",p=new pf,m={},x=t.getContextAttributes(),E=null,S=null,R=[],M=[],_=new $e,A=null,k=null,D=new ni;D.viewport=new jt;let L=new ni;L.viewport=new jt;let B=[D,L],V=new Uc,P=null,U=null;this.cameraAutoUpdate=!0,this.enabled=!1,this.isPresenting=!1,this.getController=function(Q){let pe=R[Q];return pe===void 0&&(pe=new vo,R[Q]=pe),pe.getTargetRaySpace()},this.getControllerGrip=function(Q){let pe=R[Q];return pe===void 0&&(pe=new vo,R[Q]=pe),pe.getGripSpace()},this.getHand=function(Q){let pe=R[Q];return pe===void 0&&(pe=new vo,R[Q]=pe),pe.getHandSpace()};function X(Q){let pe=M.indexOf(Q.inputSource);if(pe===-1)return;let me=R[pe];me!==void 0&&(me.update(Q.inputSource,Q.frame,c||o),me.dispatchEvent({type:Q.type,data:Q.inputSource}))}function G(){s.removeEventListener("select",X),s.removeEventListener("selectstart",X),s.removeEventListener("selectend",X),s.removeEventListener("squeeze",X),s.removeEventListener("squeezestart",X),s.removeEventListener("squeezeend",X),s.removeEventListener("end",G),s.removeEventListener("inputsourceschange",oe);for(let Q=0;Q<R.length;Q++){let pe=M[Q];pe!==null&&(M[Q]=null,R[Q].disconnect(pe))}P=null,U=null,p.reset();for(let Q in m)delete m[Q];if(e.setRenderTarget(E),f=null,u=null,d=null,s=null,S=null,ce.stop(),n.isPresenting=!1,e.setPixelRatio(A),e.setSize(_.width,_.height,!1),k!==null){let Q=k.camera;Q.fov=k.fov,Q.zoom=k.zoom,Q.updateProjectionMatrix(),k=null}n.dispatchEvent({type:"sessionend"})}this.setFramebufferScaleFactor=function(Q){r=Q,n.isPresenting===!0&&Ye("WebXRManager: Cannot change framebuffer scale while presenting.")},this.setReferenceSpaceType=function(Q){a=Q,n.isPresenting===!0&&Ye("WebXRManager: Cannot change reference space type while presenting.")},this.getReferenceSpace=function(){return c||o},this.setReferenceSpace=function(Q){c=Q},this.getBaseLayer=function(){return u!==null?u:f},this.getBinding=function(){return d===null&&y&&(d=new XRWebGLBinding(s,t)),d},this.getFrame=function(){return g},this.getSession=function(){return s},this.setSession=async function(Q){if(s=Q,s!==null){if(E=e.getRenderTarget(),s.addEventListener("select",X),s.addEventListener("selectstart",X),s.addEventListener("selectend",X),s.addEventListener("squeeze",X),s.addEventListener("squeezestart",X),s.addEventListener("squeezeend",X),s.addEventListener("end",G),s.addEventListener("inputsourceschange",oe),x.xrCompatible!==!0&&await t.makeXRCompatible(),A=e.getPixelRatio(),e.getSize(_),y&&"createProjectionLayer"in XRWebGLBinding.prototype){let me=null,ye=null,ge=null;x.depth&&(ge=x.stencil?t.DEPTH24_STENCIL8:t.DEPTH_COMPONENT24,me=x.stencil?Os:Is,ye=x.stencil?Ir:Ki);let Ve={colorFormat:t.RGBA8,depthFormat:ge,scaleFactor:r};d=this.getBinding(),u=d.createProjectionLayer(Ve),s.updateRenderState({layers:[u]}),e.setPixelRatio(1),e.setSize(u.textureWidth,u.textureHeight,!1),S=new bi(u.textureWidth,u.textureHeight,{format:ji,type:hi,depthTexture:new Ns(u.textureWidth,u.textureHeight,ye,void 0,void 0,void 0,void 0,void 0,void 0,me),stencilBuffer:x.stencil,colorSpace:e.outputColorSpace,samples:x.antialias?4:0,resolveDepthBuffer:u.ignoreDepthValues===!1,resolveStencilBuffer:u.ignoreDepthValues===!1,storeMultisampledDepthBuffer:u.ignoreDepthValues===!1,storeMultisampledStencilBuffer:u.ignoreDepthValues===!1})}else{let me={antialias:x.antialias,alpha:!0,depth:x.depth,stencil:x.stencil,framebufferScaleFactor:r};f=new XRWebGLLayer(s,t,me),s.updateRenderState({baseLayer:f}),e.setPixelRatio(1),e.setSize(f.framebufferWidth,f.framebufferHeight,!1),S=new bi(f.framebufferWidth,f.framebufferHeight,{format:ji,type:hi,colorSpace:e.outputColorSpace,stencilBuffer:x.stencil,resolveDepthBuffer:f.ignoreDepthValues===!1,resolveStencilBuffer:f.ignoreDepthValues===!1,storeMultisampledDepthBuffer:f.ignoreDepthValues===!1,storeMultisampledStencilBuffer:f.ignoreDepthValues===!1})}S.isXRRenderTarget=!0,this.setFoveation(l),c=null,o=await s.requestReferenceSpace(a),ce.setContext(s),ce.start(),n.isPresenting=!0,n.dispatchEvent({type:"sessionstart"})}},this.getEnvironmentBlendMode=function(){if(s!==null)return s.environmentBlendMode},this.getDepthTexture=function(){return p.getDepthTexture()};function oe(Q){for(let pe=0;pe<Q.removed.length;pe++){let me=Q.removed[pe],ye=M.indexOf(me);ye>=0&&(M[ye]=null,R[ye].disconnect(me))}for(let pe=0;pe<Q.added.length;pe++){let me=Q.added[pe],ye=M.indexOf(me);if(ye===-1){for(let Ve=0;Ve<R.length;Ve++)if(Ve>=M.length){M.push(me),ye=Ve;break}else if(M[Ve]===null){M[Ve]=me,ye=Ve;break}if(ye===-1)break}let ge=R[ye];ge&&ge.connect(me)}}function Y(Q,pe){pe===null?Q.matrixWorld.copy(Q.matrix):Q.matrixWorld.multiplyMatrices(pe.matrixWorld,Q.matrix),Q.matrixWorldInverse.copy(Q.matrixWorld).invert()}this.updateCamera=function(Q){if(s===null)return;let pe=Q.near,me=Q.far;p.texture!==null&&(p.depthNear>0&&(pe=p.depthNear),p.depthFar>0&&(me=p.depthFar)),V.near=L.near=D.near=pe,V.far=L.far=D.far=me,(P!==V.near||U!==V.far)&&(s.updateRenderState({depthNear:V.near,depthFar:V.far}),P=V.near,U=V.far),V.layers.mask=Q.layers.mask|6,D.layers.mask=V.layers.mask&-5,L.layers.mask=V.layers.mask&-3;let ye=Q.parent,ge=V.cameras;Y(V,ye);for(let Ve=0;Ve<ge.length;Ve++)Y(ge[Ve],ye);V.projectionMatrix.copy(D.projectionMatrix),V.projectionMatrixInverse.copy(D.projectionMatrixInverse),k===null&&Q.isPerspectiveCamera&&(k={camera:Q,fov:Q.fov,zoom:Q.zoom}),J(Q,V,ye)};function J(Q,pe,me){me===null?Q.matrix.copy(pe.matrixWorld):(Q.matrix.copy(me.matrixWorld),Q.matrix.invert(),Q.matrix.multiply(pe.matrixWorld)),Q.matrix.decompose(Q.position,Q.quaternion,Q.scale),Q.updateMatrixWorld(!0),Q.projectionMatrix.copy(pe.projectionMatrix),Q.projectionMatrixInverse.copy(pe.projectionMatrixInverse),Q.isPerspectiveCamera&&(Q.fov=go*2*Math.atan(1/Q.projectionMatrix.elements[5]),Q.zoom=1)}this.getCamera=function(){return V},this.getFoveation=function(){if(!(u===null&&f===null))return l},this.setFoveation=function(Q){l=Q,u!==null&&(u.fixedFoveation=Q),f!==null&&f.fixedFoveation!==void 0&&(f.fixedFoveation=Q)},this.hasDepthSensing=function(){return p.texture!==null},this.getDepthSensingMesh=function(){return p.getMesh(V)},this.getCameraTexture=function(Q){return m[Q]};let ne=null;function ue(Q,pe){if(h=pe.getViewerPose(c||o),g=pe,h!==null){let me=h.views;f!==null&&(e.setRenderTargetFramebuffer(S,f.framebuffer),e.setRenderTarget(S));let ye=!1;me.length!==V.cameras.length&&(V.cameras.length=0,ye=!0);for(let Fe=0;Fe<me.length;Fe++){let st=me[Fe],ct=null;if(f!==null)ct=f.getViewport(st);else{let $t=d.getViewSubImage(u,st);ct=$t.viewport,Fe===0&&(e.setRenderTargetTextures(S,$t.colorTexture,$t.depthStencilTexture),e.setRenderTarget(S))}let rt=B[Fe];rt===void 0&&(rt=new ni,rt.layers.enable(Fe),rt.viewport=new jt,B[Fe]=rt),rt.matrix.fromArray(st.transform.matrix),rt.matrix.decompose(rt.position,rt.quaternion,rt.scale),rt.projectionMatrix.fromArray(st.projectionMatrix),rt.projectionMatrixInverse.copy(rt.projectionMatrix).invert(),rt.viewport.set(ct.x,ct.y,ct.width,ct.height),Fe===0&&(V.matrix.copy(rt.matrix),V.matrix.decompose(V.position,V.quaternion,V.scale)),ye===!0&&V.cameras.push(rt)}let ge=s.enabledFeatures;if(ge&&ge.includes("depth-sensing")&&s.depthUsage=="gpu-optimized"&&y){d=n.getBinding();let Fe=d.getDepthInformation(me[0]);Fe&&Fe.isValid&&Fe.texture&&p.init(Fe,s.renderState)}if(ge&&ge.includes("camera-access")&&y){e.state.unbindTexture(),d=n.getBinding();for(let Fe=0;Fe<me.length;Fe++){let st=me[Fe].camera;if(st){let ct=m[st];ct||(ct=new Pa,m[st]=ct);let rt=d.getCameraImage(st);ct.sourceTexture=rt}}}}for(let me=0;me<R.length;me++){let ye=M[me],ge=R[me];ye!==null&&ge!==void 0&&ge.update(ye,pe,c||o)}ne&&ne(Q,pe),pe.detectedPlanes&&n.dispatchEvent({type:"planesdetected",data:pe}),g=null}let ce=new $g;ce.setAnimationLoop(ue),this.setAnimationLoop=function(Q){ne=Q},this.dispose=function(){}}},Vw=new Mt,s0=new it;s0.set(-1,0,0,0,1,0,0,0,1);function Gw(i,e){function t(p,m){p.matrixAutoUpdate===!0&&p.updateMatrix(),m.value.copy(p.matrix)}function n(p,m){m.color.getRGB(p.fogColor.value,tf(i)),m.isFog?(p.fogNear.value=m.near,p.fogFar.value=m.far):m.isFogExp2&&(p.fogDensity.value=m.density)}function s(p,m,x,E,S){m.isNodeMaterial?m.uniformsNeedUpdate=!1:m.isMeshBasicMaterial?r(p,m):m.isMeshLambertMaterial?(r(p,m),m.envMap&&(p.envMapIntensity.value=m.envMapIntensity)):m.isMeshToonMaterial?(r(p,m),d(p,m)):m.isMeshPhongMaterial?(r(p,m),h(p,m),m.envMap&&(p.envMapIntensity.value=m.envMapIntensity)):m.isMeshStandardMaterial?(r(p,m),u(p,m),m.isMeshPhysicalMaterial&&f(p,m,S)):m.isMeshMatcapMaterial?(r(p,m),g(p,m)):m.isMeshDepthMaterial?r(p,m):m.isMeshDistanceMaterial?(r(p,m),y(p,m)):m.isMeshNormalMaterial?r(p,m):m.isLineBasicMaterial?(o(p,m),m.isLineDashedMaterial&&a(p,m)):m.isPointsMaterial?l(p,m,x,E):m.isSpriteMaterial?c(p,m):m.isShadowMaterial?(p.color.value.copy(m.color),p.opacity.value=m.opacity):m.isShaderMaterial&&(m.uniformsNeedUpdate=!1)}function r(p,m){p.opacity.value=m.opacity,m.color&&p.diffuse.value.copy(m.color),m.emissive&&p.emissive.value.copy(m.emissive).multiplyScalar(m.emissiveIntensity),m.map&&(p.map.value=m.map,t(m.map,p.mapTransform)),m.alphaMap&&(p.alphaMap.value=m.alphaMap,t(m.alphaMap,p.alphaMapTransform)),m.bumpMap&&(p.bumpMap.value=m.bumpMap,t(m.bumpMap,p.bumpMapTransform),p.bumpScale.value=m.bumpScale,m.side===ri&&(p.bumpScale.value*=-1)),m.normalMap&&(p.normalMap.value=m.normalMap,t(m.normalMap,p.normalMapTransform),p.normalScale.value.copy(m.normalScale),m.side===ri&&p.normalScale.value.negate()),m.displacementMap&&(p.displacementMap.value=m.displacementMap,t(m.displacementMap,p.displacementMapTransform),p.displacementScale.value=m.displacementScale,p.displacementBias.value=m.displacementBias),m.emissiveMap&&(p.emissiveMap.value=m.emissiveMap,t(m.emissiveMap,p.emissiveMapTransform)),m.specularMap&&(p.specularMap.value=m.specularMap,t(m.specularMap,p.specularMapTransform)),m.alphaTest>0&&(p.alphaTest.value=m.alphaTest);let x=e.get(m),E=x.envMap,S=x.envMapRotation;E&&(p.envMap.value=E,p.envMapRotation.value.setFromMatrix4(Vw.makeRotationFromEuler(S)).transpose(),E.isCubeTexture&&E.isRenderTargetTexture===!1&&p.envMapRotation.value.premultiply(s0),p.reflectivity.value=m.reflectivity,p.ior.value=m.ior,p.refractionRatio.value=m.refractionRatio),m.lightMap&&(p.lightMap.value=m.lightMap,p.lightMapIntensity.value=m.lightMapIntensity,t(m.lightMap,p.lightMapTransform)),m.aoMap&&(p.aoMap.value=m.aoMap,p.aoMapIntensity.value=m.aoMapIntensity,t(m.aoMap,p.aoMapTransform))}function o(p,m){p.diffuse.value.copy(m.color),p.opacity.value=m.opacity,m.map&&(p.map.value=m.map,t(m.map,p.mapTransform))}function a(p,m){p.dashSize.value=m.dashSize,p.totalSize.value=m.dashSize+m.gapSize,p.scale.value=m.scale}function l(p,m,x,E){p.diffuse.value.copy(m.color),p.opacity.value=m.opacity,p.size.value=m.size*x,p.scale.value=E*.5,m.map&&(p.map.value=m.map,t(m.map,p.uvTransform)),m.alphaMap&&(p.alphaMap.value=m.alphaMap,t(m.alphaMap,p.alphaMapTransform)),m.alphaTest>0&&(p.alphaTest.value=m.alphaTest)}function c(p,m){p.diffuse.value.copy(m.color),p.opacity.value=m.opacity,p.rotation.value=m.rotation,m.map&&(p.map.value=m.map,t(m.map,p.mapTransform)),m.alphaMap&&(p.alphaMap.value=m.alphaMap,t(m.alphaMap,p.alphaMapTransform)),m.alphaTest>0&&(p.alphaTest.value=m.alphaTest)}function h(p,m){p.specular.value.copy(m.specular),p.shininess.value=Math.max(m.shininess,1e-4)}function d(p,m){m.gradientMap&&(p.gradientMap.value=m.gradientMap)}function u(p,m){p.metalness.value=m.metalness,m.metalnessMap&&(p.metalnessMap.value=m.metalnessMap,t(m.metalnessMap,p.metalnessMapTransform)),p.roughness.value=m.roughness,m.roughnessMap&&(p.roughnessMap.value=m.roughnessMap,t(m.roughnessMap,p.roughnessMapTransform)),m.envMap&&(p.envMapIntensity.value=m.envMapIntensity)}function f(p,m,x){p.ior.value=m.ior,m.diffuseRoughness>0&&(p.diffuseRoughness.value=m.diffuseRoughness,m.diffuseRoughnessMap&&(p.diffuseRoughnessMap.value=m.diffuseRoughnessMap,t(m.diffuseRoughnessMap,p.diffuseRoughnessMapTransform))),m.sheen>0&&(p.sheenColor.value.copy(m.sheenColor).multiplyScalar(m.sheen),p.sheenRoughness.value=m.sheenRoughness,m.sheenColorMap&&(p.sheenColorMap.value=m.sheenColorMap,t(m.sheenColorMap,p.sheenColorMapTransform)),m.sheenRoughnessMap&&(p.sheenRoughnessMap.value=m.sheenRoughnessMap,t(m.sheenRoughnessMap,p.sheenRoughnessMapTransform))),m.clearcoat>0&&(p.clearcoat.value=m.clearcoat,p.clearcoatRoughness.value=m.clearcoatRoughness,m.clearcoatMap&&(p.clearcoatMap.value=m.clearcoatMap,t(m.clearcoatMap,p.clearcoatMapTransform)),m.clearcoatRoughnessMap&&(p.clearcoatRoughnessMap.value=m.clearcoatRoughnessMap,t(m.clearcoatRoughnessMap,p.clearcoatRoughnessMapTransform)),m.clearcoatNormalMap&&(p.clearcoatNormalMap.value=m.clearcoatNormalMap,t(m.clearcoatNormalMap,p.clearcoatNormalMapTransform),p.clearcoatNormalScale.value.copy(m.clearcoatNormalScale),m.side===ri&&p.clearcoatNormalScale.value.negate())),m.dispersion>0&&(p.dispersion.value=m.dispersion),m.retroreflectivity>0&&(p.retroreflectivity.value=m.retroreflectivity),m.iridescence>0&&(p.iridescence.value=m.iridescence,p.iridescenceIOR.value=m.iridescenceIOR,p.iridescenceThicknessMinimum.value=m.iridescenceThicknessMinimum,p.iridescenceThicknessMaximum.value=m.iridescenceThicknessMaximum,m.iridescenceMap&&(p.iridescenceMap.value=m.iridescenceMap,t(m.iridescenceMap,p.iridescenceMapTransform)),m.iridescenceThicknessMap&&(p.iridescenceThicknessMap.value=m.iridescenceThicknessMap,t(m.iridescenceThicknessMap,p.iridescenceThicknessMapTransform))),m.transmission>0&&(p.transmission.value=m.transmission,p.transmissionSamplerMap.value=x.texture,p.transmissionSamplerSize.value.set(x.width,x.height),m.transmissionMap&&(p.transmissionMap.value=m.transmissionMap,t(m.transmissionMap,p.transmissionMapTransform)),p.thickness.value=m.thickness,m.thicknessMap&&(p.thicknessMap.value=m.thicknessMap,t(m.thicknessMap,p.thicknessMapTransform)),p.attenuationDistance.value=m.attenuationDistance,p.attenuationColor.value.copy(m.attenuationColor)),m.anisotropy>0&&(p.anisotropyVector.value.set(m.anisotropy*Math.cos(m.anisotropyRotation),m.anisotropy*Math.sin(m.anisotropyRotation)),m.anisotropyMap&&(p.anisotropyMap.value=m.anisotropyMap,t(m.anisotropyMap,p.anisotropyMapTransform))),p.specularIntensity.value=m.specularIntensity,p.specularColor.value.copy(m.specularColor),m.specularColorMap&&(p.specularColorMap.value=m.specularColorMap,t(m.specularColorMap,p.specularColorMapTransform)),m.specularIntensityMap&&(p.specularIntensityMap.value=m.specularIntensityMap,t(m.specularIntensityMap,p.specularIntensityMapTransform))}function g(p,m){m.matcap&&(p.matcap.value=m.matcap)}function y(p,m){let x=e.get(m).light;p.referencePosition.value.setFromMatrixPosition(x.matrixWorld),p.nearDistance.value=x.shadow.camera.near,p.farDistance.value=x.shadow.camera.far}return{refreshFogUniforms:n,refreshMaterialUniforms:s}}function Hw(i,e,t,n){let s={},r={};function o(x,E){let S=E.program;n.uniformBlockBinding(x,S,s[x.id])}function a(x,E){let S=s[x.id];S===void 0&&(g(x),S=l(x),s[x.id]=S,x.addEventListener("dispose",p));let R=E.program;n.updateUBOMapping(x,R);let M=e.render.frame;r[x.id]!==M&&(c(x),r[x.id]=M)}function l(x){let E=i.createBuffer(),S=x.__size,R=x.usage;return i.bindBuffer(i.UNIFORM_BUFFER,E),i.bufferData(i.UNIFORM_BUFFER,S,R),i.bindBuffer(i.UNIFORM_BUFFER,null),E}function c(x){let E=s[x.id],S=x.uniforms,R=x.__cache;i.bindBuffer(i.UNIFORM_BUFFER,E);for(let M=0,_=S.length;M<_;M++){let A=S[M];if(Array.isArray(A))for(let k=0,D=A.length;k<D;k++)h(A[k],M,k,R);else h(A,M,0,R)}i.bindBuffer(i.UNIFORM_BUFFER,null)}function h(x,E,S,R){if(u(x,E,S,R)===!0){let M=x.__offset,_=x.value;if(Array.isArray(_)){let A=0;for(let k=0;k<_.length;k++){let D=_[k],L=y(D,!0);d(D,x.__data,A),A+=L.storage/Float32Array.BYTES_PER_ELEMENT}}else d(_,x.__data,0);i.bufferSubData(i.UNIFORM_BUFFER,M,x.__data)}}function d(x,E,S){typeof x=="number"||typeof x=="boolean"?E[S]=x:x.isMatrix3?(E[S]=x.elements[0],E[S+1]=x.elements[1],E[S+2]=x.elements[2],E[S+3]=0,E[S+4]=x.elements[3],E[S+5]=x.elements[4],E[S+6]=x.elements[5],E[S+7]=0,E[S+8]=x.elements[6],E[S+9]=x.elements[7],E[S+10]=x.elements[8],E[S+11]=0):ArrayBuffer.isView(x)?E.set(x.subarray(0,E.length-S),S):x.toArray(E,S)}function u(x,E,S,R){let M=x.value,_=E+"_"+S;if(Array.isArray(M)){R[_]===void 0&&(R[_]=[]);let A=R[_],k=!1;for(let D=0;D<M.length;D++)f(M[D],A,D)===!0&&(k=!0);return k}return f(M,R,_)}function f(x,E,S){if(E[S]===void 0)return typeof x=="number"||typeof x=="boolean"?E[S]=x:ArrayBuffer.isView(x)?E[S]=x.slice():E[S]=x.clone(),!0;{let R=E[S];if(typeof x=="number"||typeof x=="boolean"){if(R!==x)return E[S]=x,!0}else{if(ArrayBuffer.isView(x))return!0;if(R.equals(x)===!1)return R.copy(x),!0}}return!1}function g(x){let E=x.uniforms,S=0,R=16;for(let _=0,A=E.length;_<A;_++){let k=Array.isArray(E[_])?E[_]:[E[_]];for(let D=0,L=k.length;D<L;D++){let B=k[D],V=Array.isArray(B.value)?B.value:[B.value],P=Array.isArray(E[_])||Array.isArray(B.value),U=S;for(let G=0,oe=V.length;G<oe;G++){let Y=V[G],J=y(Y,P),ne=S%R,ue=ne%J.boundary,ce=ne+ue;S+=ue,ce!==0&&R-ce<J.storage&&(S+=R-ce),G===0&&(U=S),S+=J.storage}let X=B.type==="int"?Int32Array:B.type==="uint"?Uint32Array:Float32Array;B.__data=new X((S-U)/Float32Array.BYTES_PER_ELEMENT),B.__offset=U}}let M=S%R;return M>0&&(S+=R-M),x.__size=S,x.__cache={},this}function y(x,E){let S={boundary:0,storage:0};return typeof x=="number"||typeof x=="boolean"?(S.boundary=4,S.storage=4):x.isVector2?(S.boundary=8,S.storage=8):x.isVector3||x.isColor?(S.boundary=16,S.storage=12):x.isVector4?(S.boundary=16,S.storage=16):x.isMatrix3?(S.boundary=16,S.storage=48):x.isMatrix4?(S.boundary=16,S.storage=64):x.isTexture?Ye("WebGLRenderer: Texture samplers can not be part of an uniforms group."):ArrayBuffer.isView(x)?(S.boundary=16,S.storage=x.byteLength):Ye("WebGLRenderer: Unsupported uniform value type.",x),E===!0&&(S.boundary=16,S.storage=Math.ceil(S.storage/16)*16),S}function p(x){let E=x.target;E.removeEventListener("dispose",p),i.deleteBuffer(s[E.id]),delete s[E.id],delete r[E.id]}function m(){for(let x in s)i.deleteBuffer(s[x]);s={},r={}}return{bind:o,update:a,dispose:m}}var Ww=new Uint16Array([12469,15057,12620,14925,13266,14620,13807,14376,14323,13990,14545,13625,14713,13328,14840,12882,14931,12528,14996,12233,15039,11829,15066,11525,15080,11295,15085,10976,15082,10705,15073,10495,13880,14564,13898,14542,13977,14430,14158,14124,14393,13732,14556,13410,14702,12996,14814,12596,14891,12291,14937,11834,14957,11489,14958,11194,14943,10803,14921,10506,14893,10278,14858,9960,14484,14039,14487,14025,14499,13941,14524,13740,14574,13468,14654,13106,14743,12678,14818,12344,14867,11893,14889,11509,14893,11180,14881,10751,14852,10428,14812,10128,14765,9754,14712,9466,14764,13480,14764,13475,14766,13440,14766,13347,14769,13070,14786,12713,14816,12387,14844,11957,14860,11549,14868,11215,14855,10751,14825,10403,14782,10044,14729,9651,14666,9352,14599,9029,14967,12835,14966,12831,14963,12804,14954,12723,14936,12564,14917,12347,14900,11958,14886,11569,14878,11247,14859,10765,14828,10401,14784,10011,14727,9600,14660,9289,14586,8893,14508,8533,15111,12234,15110,12234,15104,12216,15092,12156,15067,12010,15028,11776,14981,11500,14942,11205,14902,10752,14861,10393,14812,9991,14752,9570,14682,9252,14603,8808,14519,8445,14431,8145,15209,11449,15208,11451,15202,11451,15190,11438,15163,11384,15117,11274,15055,10979,14994,10648,14932,10343,14871,9936,14803,9532,14729,9218,14645,8742,14556,8381,14461,8020,14365,7603,15273,10603,15272,10607,15267,10619,15256,10631,15231,10614,15182,10535,15118,10389,15042,10167,14963,9787,14883,9447,14800,9115,14710,8665,14615,8318,14514,7911,14411,7507,14279,7198,15314,9675,15313,9683,15309,9712,15298,9759,15277,9797,15229,9773,15166,9668,15084,9487,14995,9274,14898,8910,14800,8539,14697,8234,14590,7790,14479,7409,14367,7067,14178,6621,15337,8619,15337,8631,15333,8677,15325,8769,15305,8871,15264,8940,15202,8909,15119,8775,15022,8565,14916,8328,14804,8009,14688,7614,14569,7287,14448,6888,14321,6483,14088,6171,15350,7402,15350,7419,15347,7480,15340,7613,15322,7804,15287,7973,15229,8057,15148,8012,15046,7846,14933,7611,14810,7357,14682,7069,14552,6656,14421,6316,14251,5948,14007,5528,15356,5942,15356,5977,15353,6119,15348,6294,15332,6551,15302,6824,15249,7044,15171,7122,15070,7050,14949,6861,14818,6611,14679,6349,14538,6067,14398,5651,14189,5311,13935,4958,15359,4123,15359,4153,15356,4296,15353,4646,15338,5160,15311,5508,15263,5829,15188,6042,15088,6094,14966,6001,14826,5796,14678,5543,14527,5287,14377,4985,14133,4586,13869,4257,15360,1563,15360,1642,15358,2076,15354,2636,15341,3350,15317,4019,15273,4429,15203,4732,15105,4911,14981,4932,14836,4818,14679,4621,14517,4386,14359,4156,14083,3795,13808,3437,15360,122,15360,137,15358,285,15355,636,15344,1274,15322,2177,15281,2765,15215,3223,15120,3451,14995,3569,14846,3567,14681,3466,14511,3305,14344,3121,14037,2800,13753,2467,15360,0,15360,1,15359,21,15355,89,15346,253,15325,479,15287,796,15225,1148,15133,1492,15008,1749,14856,1882,14685,1886,14506,1783,14324,1608,13996,1398,13702,1183]),fs=null;function Xw(){return fs===null&&(fs=new wa(Ww,16,16,hr,Ji),fs.name="DFG_LUT",fs.minFilter=ii,fs.magFilter=ii,fs.wrapS=us,fs.wrapT=us,fs.generateMipmaps=!1,fs.needsUpdate=!0),fs}var Eh=class{constructor(e={}){let{canvas:t=yg(),context:n=null,depth:s=!0,stencil:r=!1,alpha:o=!1,antialias:a=!1,premultipliedAlpha:l=!0,preserveDrawingBuffer:c=!1,powerPreference:h="default",failIfMajorPerformanceCaveat:d=!1,reversedDepthBuffer:u=!1,outputBufferType:f=hi}=e;this.isWebGLRenderer=!0;let g;if(n!==null){if(typeof WebGLRenderingContext<"u"&&n instanceof WebGLRenderingContext)throw new Error("THREE.WebGLRenderer: WebGL 1 is not supported since r163.");g=n.getContextAttributes().alpha}else g=o;let y=f,p=new Set([qc,Xc,Wc]),m=new Set([hi,Ki,Io,Ir,Vc,Gc]),x=new Uint32Array(4),E=new Int32Array(4),S={textures:[],min:[],max:[],resolution:[]},R=null,M=null,_=[],A=[],k=null;this.domElement=t,this.debug={checkShaderErrors:!0,diagnostics:{keywords:!1},onShaderError:null},this.autoClear=!0,this.autoClearColor=!0,this.autoClearDepth=!0,this.autoClearStencil=!0,this.sortObjects=!0,this.clippingPlanes=[],this.localClippingEnabled=!1,this.toneMapping=Ui,this.toneMappingExposure=1,this.transmissionResolutionScale=1;let D=this,L=!1,B=null,V=null,P=null,U=null;this._outputColorSpace=xi;let X=0,G=0,oe=null,Y=-1,J=null,ne=new jt,ue=new jt,ce=null,Q=new nt(0),pe=0,me=t.width,ye=t.height,ge=1,Ve=null,Ke=null,Fe=new jt(0,0,me,ye),st=new jt(0,0,me,ye),ct=!1,rt=new sr,$t=new _c,kt=!1,dn=!1,Dt=new Mt,Ln=new W,xt=new jt,wn={background:null,fog:null,environment:null,overrideMaterial:null,isScene:!0},en=!1;function fn(){return oe===null?ge:1}let O=n;function Ce(T,z){return t.getContext(T,z)}let Ze,at,we,Ut,Ge,qe,C,b,q,he,re,ve,xe,ee,ie,fe,F,se,te,Te,_e,Me,He;try{let T={alpha:!0,depth:s,stencil:r,antialias:a,premultipliedAlpha:l,preserveDrawingBuffer:c,powerPreference:h,failIfMajorPerformanceCaveat:d};if("setAttribute"in t&&t.setAttribute("data-engine",`three.js r${"187"}`),t.addEventListener("webglcontextlost",ke,!1),t.addEventListener("webglcontextrestored",Qe,!1),t.addEventListener("webglcontextcreationerror",Re,!1),O===null){let z="webgl2";if(O=Ce(z,T),O===null)throw Ce(z)?new Error("THREE.WebGLRenderer: Error creating WebGL context with your selected attributes."):new Error("THREE.WebGLRenderer: Error creating WebGL context.")}je()}catch(T){throw t.removeEventListener("webglcontextlost",ke,!1),t.removeEventListener("webglcontextrestored",Qe,!1),t.removeEventListener("webglcontextcreationerror",Re,!1),et("WebGLRenderer: "+T.message),T}function je(){Ze=new nM(O),Ze.init(),_e=new kw(O,Ze),at=new XS(O,Ze,e,_e),we=new Fw(O,Ze),at.reversedDepthBuffer&&u&&we.buffers.depth.setReversed(!0),V=O.createFramebuffer(),P=O.createFramebuffer(),U=O.createFramebuffer(),Ut=new rM(O),Ge=new Sw,qe=new Ow(O,Ze,we,Ge,at,_e,Ut),C=new tM(D),b=new ax(O),Me=new HS(O,b),q=new iM(O,b,Ut,Me),he=new aM(O,q,b,Me,Ut),se=new oM(O,at,qe),ie=new qS(Ge),re=new bw(D,C,Ze,at,Me,ie),ve=new Gw(D,Ge),xe=new ww,ee=new Pw(Ze),F=new GS(D,C,we,he,g,l),fe=new Uw(D,he,at),He=new Hw(O,Ut,at,we),te=new WS(O,Ze,Ut),Te=new sM(O,Ze,Ut),Ut.programs=re.programs,D.capabilities=at,D.extensions=Ze,D.properties=Ge,D.renderLists=xe,D.shadowMap=fe,D.state=we,D.info=Ut}y!==hi&&(k=new cM(y,t.width,t.height,a,s,r));let le=new mf(D,O);this.xr=le,this.getContext=function(){return O},this.getContextAttributes=function(){return O.getContextAttributes()},this.forceContextLoss=function(){let T=Ze.get("WEBGL_lose_context");T&&T.loseContext()},this.forceContextRestore=function(){let T=Ze.get("WEBGL_lose_context");T&&T.restoreContext()},this.getPixelRatio=function(){return ge},this.setPixelRatio=function(T){T!==void 0&&(ge=T,this.setSize(me,ye,!1))},this.getSize=function(T){return T.set(me,ye)},this.setSize=function(T,z,j=!0){if(le.isPresenting){Ye("WebGLRenderer: Can't change size while VR device is presenting.");return}me=T,ye=z,t.width=Math.floor(T*ge),t.height=Math.floor(z*ge),j===!0&&(t.style.width=T+"px",t.style.height=z+"px"),k!==null&&k.setSize(t.width,t.height),this.setViewport(0,0,T,z)},this.getDrawingBufferSize=function(T){return T.set(me*ge,ye*ge).floor()},this.setDrawingBufferSize=function(T,z,j){me=T,ye=z,ge=j,t.width=Math.floor(T*j),t.height=Math.floor(z*j),this.setViewport(0,0,T,z)},this.setEffects=function(T){if(y===hi){et("WebGLRenderer: setEffects() requires outputBufferType set to HalfFloatType or FloatType.");return}if(T){for(let z=0;z<T.length;z++)if(T[z].isOutputPass===!0){Ye("WebGLRenderer: OutputPass is not needed in setEffects(). Tone mapping and color space conversion are applied automatically.");break}}k.setEffects(T||[])},this.getCurrentViewport=function(T){return T.copy(ne)},this.getViewport=function(T){return T.copy(Fe)},this.setViewport=function(T,z,j,$){T.isVector4?Fe.set(T.x,T.y,T.z,T.w):Fe.set(T,z,j,$),we.viewport(ne.copy(Fe).multiplyScalar(fn()).round())},this.getScissor=function(T){return T.copy(st)},this.setScissor=function(T,z,j,$){T.isVector4?st.set(T.x,T.y,T.z,T.w):st.set(T,z,j,$),we.scissor(ue.copy(st).multiplyScalar(fn()).round())},this.getScissorTest=function(){return ct},this.setScissorTest=function(T){we.setScissorTest(ct=T)},this.setOpaqueSort=function(T){Ve=T},this.setTransparentSort=function(T){Ke=T},this.getClearColor=function(T){return T.copy(F.getClearColor())},this.setClearColor=function(){F.setClearColor(...arguments)},this.getClearAlpha=function(){return F.getClearAlpha()},this.setClearAlpha=function(){F.setClearAlpha(...arguments)},this.clear=function(T=!0,z=!0,j=!0){let $=0;if(T){let Z=!1;if(oe!==null){let Ae=oe.texture.format;Z=p.has(Ae)}if(Z){let Ae=oe.texture.type,Pe=m.has(Ae),Ee=F.getClearColor(),Ie=F.getClearAlpha(),ze=Ee.r,tt=Ee.g,ft=Ee.b;Pe?(x[0]=ze,x[1]=tt,x[2]=ft,x[3]=Ie,O.clearBufferuiv(O.COLOR,0,x)):(E[0]=ze,E[1]=tt,E[2]=ft,E[3]=Ie,O.clearBufferiv(O.COLOR,0,E))}else $|=O.COLOR_BUFFER_BIT}z&&($|=O.DEPTH_BUFFER_BIT,this.state.buffers.depth.setMask(!0)),j&&($|=O.STENCIL_BUFFER_BIT,this.state.buffers.stencil.setMask(4294967295)),$!==0&&O.clear($)},this.clearColor=function(){this.clear(!0,!1,!1)},this.clearDepth=function(){this.clear(!1,!0,!1)},this.clearStencil=function(){this.clear(!1,!1,!0)},this.setNodesHandler=function(T){T.setRenderer(this),B=T},this.dispose=function(){t.removeEventListener("webglcontextlost",ke,!1),t.removeEventListener("webglcontextrestored",Qe,!1),t.removeEventListener("webglcontextcreationerror",Re,!1),F.dispose(),xe.dispose(),ee.dispose(),qe.dispose(),Ge.dispose(),C.dispose(),he.dispose(),q.dispose(),Me.dispose(),He.dispose(),re.dispose(),le.dispose(),le.removeEventListener("sessionstart",fl),le.removeEventListener("sessionend",ns),_s.stop()};function ke(T){T.preventDefault(),Kd("WebGLRenderer: Context Lost."),L=!0}function Qe(){Kd("WebGLRenderer: Context Restored."),L=!1;let T=Ut.autoReset,z=fe.enabled,j=fe.autoUpdate,$=fe.needsUpdate,Z=fe.type;je(),Ut.autoReset=T,fe.enabled=z,fe.autoUpdate=j,fe.needsUpdate=$,fe.type=Z}function Re(T){et("WebGLRenderer: A WebGL context could not be created. Reason: ",T.statusMessage)}function ht(T){let z=T.target;z.removeEventListener("dispose",ht),zt(z)}function zt(T){Kn(T),Ge.remove(T)}function Kn(T){let z=Ge.get(T).programs;z!==void 0&&(z.forEach(function(j){re.releaseProgram(j)}),T.isShaderMaterial&&re.releaseShaderCache(T))}this.renderBufferDirect=function(T,z,j,$,Z,Ae){z===null&&(z=wn);let Pe=Z.isMesh&&Z.matrixWorld.determinantAffine()<0,Ee=Zo(T,z,j,$,Z);we.setMaterial($,Pe);let Ie=j.index,ze=1;if($.wireframe===!0){if(Ie=q.getWireframeAttribute(j),Ie===void 0)return;ze=2}let tt=j.drawRange,ft=j.attributes.position,Be=tt.start*ze,pt=(tt.start+tt.count)*ze;Ae!==null&&(Be=Math.max(Be,Ae.start*ze),pt=Math.min(pt,(Ae.start+Ae.count)*ze)),Ie!==null?(Be=Math.max(Be,0),pt=Math.min(pt,Ie.count)):ft!=null&&(Be=Math.max(Be,0),pt=Math.min(pt,ft.count));let Qt=pt-Be;if(Qt<0||Qt===1/0)return;Me.setup(Z,$,Ee,j,Ie);let Pt,It=te;if(Ie!==null&&(Pt=b.get(Ie),It=Te,It.setIndex(Pt)),Z.isMesh)$.wireframe===!0?(we.setLineWidth($.wireframeLinewidth*fn()),It.setMode(O.LINES)):It.setMode(O.TRIANGLES);else if(Z.isLine){let Tn=$.linewidth;Tn===void 0&&(Tn=1),we.setLineWidth(Tn*fn()),Z.isLineSegments?It.setMode(O.LINES):Z.isLineLoop?It.setMode(O.LINE_LOOP):It.setMode(O.LINE_STRIP)}else Z.isPoints?It.setMode(O.POINTS):Z.isSprite&&It.setMode(O.TRIANGLES);if(Z.isBatchedMesh)if(Ze.get("WEBGL_multi_draw"))It.renderMultiDraw(Z._multiDrawStarts,Z._multiDrawCounts,Z._multiDrawCount);else{let Tn=Z._multiDrawStarts,Ue=Z._multiDrawCounts,pn=Z._multiDrawCount,yt=Ie?b.get(Ie).bytesPerElement:1,xs=Ge.get($).currentProgram.getUniforms();for(let mn=0;mn<pn;mn++)xs.setValue(O,"_gl_DrawID",mn),It.render(Tn[mn]/yt,Ue[mn])}else if(Z.isInstancedMesh)It.renderInstances(Be,Qt,Z.count);else if(j.isInstancedBufferGeometry){let Tn=j._maxInstanceCount!==void 0?j._maxInstanceCount:1/0,Ue=Math.min(j.instanceCount,Tn);It.renderInstances(Be,Qt,Ue)}else It.render(Be,Qt)};function qo(T,z,j,$){B!==null&&T.isNodeMaterial&&B.setObject($,T),kt===!0&&ie.setState(T,j,!1),T.transparent===!0&&T.side===$n&&T.forceSinglePass===!1?(T.side=ri,T.needsUpdate=!0,is(T,z,$),T.side=cr,T.needsUpdate=!0,is(T,z,$),T.side=$n):is(T,z,$)}this.compile=function(T,z,j=null){j===null&&(j=T),B!==null&&B.renderStart(T,z,j),M=ee.get(j),M.init(z),A.push(M),j.traverseVisible(function(Z){Z.isLight&&Z.layers.test(z.layers)&&(M.pushLight(Z),Z.castShadow&&M.pushShadow(Z))}),T!==j&&T.traverseVisible(function(Z){Z.isLight&&Z.layers.test(z.layers)&&(M.pushLight(Z),Z.castShadow&&M.pushShadow(Z))}),M.setupLights(),B!==null&&B.updateLights(M.state.lightsArray),dn=this.localClippingEnabled,kt=ie.init(this.clippingPlanes,dn),kt===!0&&ie.setGlobalState(this.clippingPlanes,z),B!==null&&fe.render(M.state.shadowsArray,j,z);let $=new Set;return T.traverse(function(Z){if(!(Z.isMesh||Z.isPoints||Z.isLine||Z.isSprite))return;let Ae=Z.material;if(Ae)if(Array.isArray(Ae))for(let Pe=0;Pe<Ae.length;Pe++){let Ee=Ae[Pe];qo(Ee,j,z,Z),$.add(Ee)}else qo(Ae,j,z,Z),$.add(Ae)}),M=A.pop(),B!==null&&B.renderEnd(),$},this.compileAsync=function(T,z,j=null){let $=this.compile(T,z,j);return new Promise(Z=>{function Ae(){if($.forEach(function(Pe){let Ie=Ge.get(Pe).currentProgram;(Ie===void 0||Ie.isReady())&&$.delete(Pe)}),$.size===0){Z(T);return}setTimeout(Ae,10)}Ze.get("KHR_parallel_shader_compile")!==null?Ae():setTimeout(Ae,10)})};let zr=null;function xu(T){zr&&zr(T)}function fl(){_s.stop()}function ns(){_s.start()}let _s=new $g;_s.setAnimationLoop(xu),typeof self<"u"&&_s.setContext(self),this.setAnimationLoop=function(T){zr=T,le.setAnimationLoop(T),T===null?_s.stop():_s.start()},le.addEventListener("sessionstart",fl),le.addEventListener("sessionend",ns),this.render=function(T,z){if(z!==void 0&&z.isCamera!==!0){et("WebGLRenderer.render: camera is not an instance of THREE.Camera.");return}if(L===!0)return;B!==null&&B.renderStart(T,z);let j=le.enabled===!0&&le.isPresenting===!0,$=k!==null&&(oe===null||j)&&k.begin(D,oe);if(T.matrixWorldAutoUpdate===!0&&T.updateMatrixWorld(),z.parent===null&&z.matrixWorldAutoUpdate===!0&&z.updateMatrixWorld(),le.enabled===!0&&le.isPresenting===!0&&(k===null||k.isCompositing()===!1)&&(le.cameraAutoUpdate===!0&&le.updateCamera(z),z=le.getCamera()),T.isScene===!0&&T.onBeforeRender(D,T,z,oe),M=ee.get(T,A.length),M.init(z),M.state.textureUnits=qe.getTextureUnits(),A.push(M),Dt.multiplyMatrices(z.projectionMatrix,z.matrixWorldInverse),z.isArrayCamera?$t.setFromArrayCamera(z):rt.setFromProjectionMatrix(Dt,Li,z.reversedDepth),dn=this.localClippingEnabled,kt=ie.init(this.clippingPlanes,dn),R=xe.get(T,_.length),R.init(),_.push(R),this.info.render.frame++,le.enabled===!0&&le.isPresenting===!0){let Pe=D.xr.getDepthSensingMesh();Pe!==null&&vs(Pe,z,-1/0,D.sortObjects)}vs(T,z,0,D.sortObjects),R.finish(),B!==null&&B.updateLights(M.state.lightsArray),D.sortObjects===!0&&R.sort(Ve,Ke),en=le.enabled===!1||le.isPresenting===!1||le.hasDepthSensing()===!1,en&&F.addToRenderList(R,T),this.info.autoReset===!0&&this.info.reset(),kt===!0&&ie.beginShadows();let Z=M.state.shadowsArray;if(fe.render(Z,T,z),kt===!0&&ie.endShadows(),($&&k.hasRenderPass())===!1){let Pe=R.opaque,Ee=R.transmissive;if(M.setupLights(),z.isArrayCamera){let Ie=z.cameras;if(Ee.length>0)for(let ze=0,tt=Ie.length;ze<tt;ze++){let ft=Ie[ze];Bi(Pe,Ee,T,ft)}en&&F.render(T);for(let ze=0,tt=Ie.length;ze<tt;ze++){let ft=Ie[ze];Yo(R,T,ft,ft.viewport)}}else Ee.length>0&&Bi(Pe,Ee,T,z),en&&F.render(T),Yo(R,T,z)}oe!==null&&G===0&&(qe.updateMultisampleRenderTarget(oe),qe.updateRenderTargetMipmap(oe)),$&&k.end(D),T.isScene===!0&&T.onAfterRender(D,T,z),Me.resetDefaultState(),Y=-1,J=null,A.pop(),A.length>0?(M=A[A.length-1],qe.setTextureUnits(M.state.textureUnits),kt===!0&&ie.setGlobalState(D.clippingPlanes,M.state.camera)):M=null,_.pop(),_.length>0?R=_[_.length-1]:R=null,B!==null&&B.renderEnd()};function vs(T,z,j,$){if(T.visible===!1)return;if(T.layers.test(z.layers)){if(T.isGroup)j=T.renderOrder;else if(T.isLOD)T.autoUpdate===!0&&T.update(z);else if(T.isLight)M.pushLight(T),T.castShadow&&M.pushShadow(T);else if(T.isSprite){let Pe=z.isArrayCamera?$t:rt;if(!T.frustumCulled||T.intersectsFrustum(Pe)){$&&xt.setFromMatrixPosition(T.matrixWorld).applyMatrix4(Dt);let Ee=he.update(T),Ie=T.material;Ie.visible&&R.push(T,Ee,Ie,j,xt.z,null,z)}}else if(T.isMesh||T.isLine||T.isPoints){let Pe=z.isArrayCamera?$t:rt;if(!T.frustumCulled||T.intersectsFrustum(Pe)){let Ee=he.update(T),Ie=T.material;if($&&(T.boundingSphere!==void 0?(T.boundingSphere===null&&T.computeBoundingSphere(),xt.copy(T.boundingSphere.center)):(Ee.boundingSphere===null&&Ee.computeBoundingSphere(),xt.copy(Ee.boundingSphere.center)),xt.applyMatrix4(T.matrixWorld).applyMatrix4(Dt)),Array.isArray(Ie)){let ze=Ee.groups;for(let tt=0,ft=ze.length;tt<ft;tt++){let Be=ze[tt],pt=Ie[Be.materialIndex];pt&&pt.visible&&R.push(T,Ee,pt,j,xt.z,Be,z)}}else Ie.visible&&R.push(T,Ee,Ie,j,xt.z,null,z)}}}let Ae=T.children;for(let Pe=0,Ee=Ae.length;Pe<Ee;Pe++)vs(Ae[Pe],z,j,$)}function Yo(T,z,j,$){let{opaque:Z,transmissive:Ae,transparent:Pe}=T;M.setupLightsView(j),kt===!0&&ie.setGlobalState(D.clippingPlanes,j),$&&we.viewport(ne.copy($)),Z.length>0&&tn(Z,z,j),Ae.length>0&&tn(Ae,z,j),Pe.length>0&&tn(Pe,z,j),we.buffers.depth.setTest(!0),we.buffers.depth.setMask(!0),we.buffers.color.setMask(!0),we.setPolygonOffset(!1)}function Bi(T,z,j,$){if((j.isScene===!0?j.overrideMaterial:null)!==null)return;if(M.state.transmissionRenderTarget[$.id]===void 0){let Be=Ze.has("EXT_color_buffer_half_float")||Ze.has("EXT_color_buffer_float");M.state.transmissionRenderTarget[$.id]=new bi(1,1,{generateMipmaps:!0,type:Be?Ji:hi,minFilter:Fs,samples:Math.max(4,at.samples),stencilBuffer:r,resolveDepthBuffer:!1,resolveStencilBuffer:!1,storeMultisampledDepthBuffer:!1,storeMultisampledStencilBuffer:!1,colorSpace:_t.workingColorSpace})}let Ae=M.state.transmissionRenderTarget[$.id],Pe=$.viewport||ne;Ae.setSize(Pe.z*D.transmissionResolutionScale,Pe.w*D.transmissionResolutionScale);let Ee=D.getRenderTarget(),Ie=D.getActiveCubeFace(),ze=D.getActiveMipmapLevel();D.setRenderTarget(Ae),D.getClearColor(Q),pe=D.getClearAlpha(),pe<1&&D.setClearColor(16777215,.5),D.clear(),en&&F.render(j);let tt=D.toneMapping;D.toneMapping=Ui;let ft=$.viewport;if($.viewport!==void 0&&($.viewport=void 0),M.setupLightsView($),kt===!0&&ie.setGlobalState(D.clippingPlanes,$),tn(T,j,$),qe.updateMultisampleRenderTarget(Ae),qe.updateRenderTargetMipmap(Ae),Ze.has("WEBGL_multisampled_render_to_texture")===!1){let Be=!1;for(let pt=0,Qt=z.length;pt<Qt;pt++){let Pt=z[pt],{object:It,geometry:Tn,material:Ue,group:pn}=Pt;if(Ue.side===$n&&It.layers.test($.layers)){let yt=Ue.side;Ue.side=ri,Ue.needsUpdate=!0,cn(It,j,$,Tn,Ue,pn),Ue.side=yt,Ue.needsUpdate=!0,Be=!0}}Be===!0&&(qe.updateMultisampleRenderTarget(Ae),qe.updateRenderTargetMipmap(Ae))}D.setRenderTarget(Ee,Ie,ze),D.setClearColor(Q,pe),ft!==void 0&&($.viewport=ft),D.toneMapping=tt}function tn(T,z,j){let $=z.isScene===!0?z.overrideMaterial:null;for(let Z=0,Ae=T.length;Z<Ae;Z++){let Pe=T[Z],{object:Ee,geometry:Ie,group:ze}=Pe,tt=Pe.material;tt.allowOverride===!0&&$!==null&&(tt=$),Ee.layers.test(j.layers)&&cn(Ee,z,j,Ie,tt,ze)}}function cn(T,z,j,$,Z,Ae){B!==null&&Z.isNodeMaterial&&B.setObject(T,Z),T.onBeforeRender(D,z,j,$,Z,Ae),T.modelViewMatrix.multiplyMatrices(j.matrixWorldInverse,T.matrixWorld),T.normalMatrix.getNormalMatrix(T.modelViewMatrix),Z.onBeforeRender(D,z,j,$,T,Ae),Z.transparent===!0&&Z.side===$n&&Z.forceSinglePass===!1?(Z.side=ri,Z.needsUpdate=!0,D.renderBufferDirect(j,z,$,Z,T,Ae),Z.side=cr,Z.needsUpdate=!0,D.renderBufferDirect(j,z,$,Z,T,Ae),Z.side=$n):D.renderBufferDirect(j,z,$,Z,T,Ae),T.onAfterRender(D,z,j,$,Z,Ae)}function hn(T){let z=0;for(let j of T)j.texture!==null&&z++;return z}function is(T,z,j){z.isScene!==!0&&(z=wn);let $=Ge.get(T),Z=M.state.lights,Ae=M.state.shadowsArray,Pe=Z.state.version,Ee=re.getParameters(T,Z.state,Ae,z,j,M.state.lightProbeGridArray),Ie=re.getProgramCacheKey(Ee),ze=$.programs;$.environment=T.isMeshStandardMaterial||T.isMeshLambertMaterial||T.isMeshPhongMaterial?z.environment:null,$.fog=z.fog;let tt=T.isMeshStandardMaterial||T.isMeshLambertMaterial&&!T.envMap||T.isMeshPhongMaterial&&!T.envMap;$.envMap=C.get(T.envMap||$.environment,tt),$.envMapRotation=$.environment!==null&&T.envMap===null?z.environmentRotation:T.envMapRotation,ze===void 0&&(T.addEventListener("dispose",ht),ze=new Map,$.programs=ze,$.programVariants=new Map);let ft=ze.get(Ie);if(ft!==void 0){if($.currentProgram===ft&&$.lightsStateVersion===Pe)return $o(T,Ee),ft}else Ee.uniforms=re.getUniforms(T),B!==null&&T.isNodeMaterial&&B.build(T,j,Ee),T.onBeforeCompile(Ee,D),ft=re.acquireProgram(Ee,Ie),ze.set(Ie,ft),$.uniforms=Ee.uniforms;let Be=$.uniforms;return(!T.isShaderMaterial&&!T.isRawShaderMaterial||T.clipping===!0)&&(Be.clippingPlanes=ie.uniform),$o(T,Ee),$.needsLights=Hs(T),$.lightsStateVersion=Pe,$.needsLights&&(Be.ambientLightColor.value=Z.state.ambient,Be.lightProbe.value=Z.state.probe,Be.sunLights.value=Z.state.sun,Be.sunLightShadows.value=Z.state.sunShadow,Be.directionalLights.value=Z.state.directional,Be.directionalLightShadows.value=Z.state.directionalShadow,Be.spotLights.value=Z.state.spot,Be.spotLightShadows.value=Z.state.spotShadow,Be.rectAreaLights.value=Z.state.rectArea,Be.ltc_1.value=Z.state.rectAreaLTC1,Be.ltc_2.value=Z.state.rectAreaLTC2,Be.pointLights.value=Z.state.point,Be.pointLightShadows.value=Z.state.pointShadow,Be.hemisphereLights.value=Z.state.hemi,Be.sunShadowMatrix.value=Z.state.sunShadowMatrix,Be.sunShadowCascade.value=Z.state.sunShadowCascade,Be.directionalShadowMatrix.value=Z.state.directionalShadowMatrix,Be.spotLightMatrix.value=Z.state.spotLightMatrix,Be.spotLightMap.value=Z.state.spotLightMap,Be.pointShadowMatrix.value=Z.state.pointShadowMatrix),$.numLightProbeGrids=hn(M.state.lightProbeGridArray),$.currentProgram=ft,$.uniformsList=null,ft}function di(T,z,j,$,Z){let Ae=Ge.get(T),Pe=Ae.currentProgram.id+","+$+","+Z,Ee=Ae.programVariants.get(Pe);return Ee===void 0?(Ee=is(T,z,j),Ae.programVariants.set(Pe,Ee)):(Ae.currentProgram=Ee,Ae.uniformsList=null,Ae.outputColorSpace=$,Ae.toneMapping=Z),Ee}function Gs(T){if(T.uniformsList===null){let z=T.currentProgram.getUniforms();T.uniformsList=Do.seqWithValue(z.seq,T.uniforms)}return T.uniformsList}function $o(T,z){let j=Ge.get(T);j.outputColorSpace=z.outputColorSpace,j.batching=z.batching,j.batchingColor=z.batchingColor,j.instancing=z.instancing,j.instancingColor=z.instancingColor,j.instancingMorph=z.instancingMorph,j.skinning=z.skinning,j.morphTargets=z.morphTargets,j.morphNormals=z.morphNormals,j.morphColors=z.morphColors,j.morphTargetsCount=z.morphTargetsCount,j.numClippingPlanes=z.numClippingPlanes,j.numIntersection=z.numClipIntersection,j.vertexAlphas=z.vertexAlphas,j.vertexTangents=z.vertexTangents,j.toneMapping=z.toneMapping}function Zo(T,z,j,$,Z){z.isScene!==!0&&(z=wn),qe.resetTextureUnits();let Ae=z.fog,Pe=$.isMeshStandardMaterial||$.isMeshLambertMaterial||$.isMeshPhongMaterial?z.environment:null,Ee=oe===null?D.outputColorSpace:oe.isXRRenderTarget===!0?oe.texture.colorSpace:_t.workingColorSpace,Ie=$.isMeshStandardMaterial||$.isMeshLambertMaterial&&!$.envMap||$.isMeshPhongMaterial&&!$.envMap,ze=C.get($.envMap||Pe,Ie),tt=$.vertexColors===!0&&!!j.attributes.color&&j.attributes.color.itemSize===4,ft=!!j.attributes.tangent&&(!!$.normalMap||$.anisotropy>0),Be=!!j.morphAttributes.position,pt=!!j.morphAttributes.normal,Qt=!!j.morphAttributes.color,Pt=Ui;$.toneMapped&&(oe===null||oe.isXRRenderTarget===!0)&&(Pt=D.toneMapping);let It=j.morphAttributes.position||j.morphAttributes.normal||j.morphAttributes.color,Tn=It!==void 0?It.length:0,Ue=Ge.get($),pn=M.state.lights;if(kt===!0&&(dn===!0||T!==J)){let Lt=T===J&&$.id===Y;ie.setState($,T,Lt)}let yt=!1,xs=!1;$.version===Ue.__version?Ue.needsLights&&Ue.lightsStateVersion!==pn.state.version||Z.isBatchedMesh&&Ue.batching===!1||!Z.isBatchedMesh&&Ue.batching===!0||Z.isBatchedMesh&&Ue.batchingColor===!0&&Z._colorsTexture===null||Z.isBatchedMesh&&Ue.batchingColor===!1&&Z._colorsTexture!==null||Z.isInstancedMesh&&Ue.instancing===!1||!Z.isInstancedMesh&&Ue.instancing===!0||Z.isSkinnedMesh&&Ue.skinning===!1||!Z.isSkinnedMesh&&Ue.skinning===!0||Z.isInstancedMesh&&Ue.instancingColor===!0&&Z.instanceColor===null||Z.isInstancedMesh&&Ue.instancingColor===!1&&Z.instanceColor!==null||Z.isInstancedMesh&&Ue.instancingMorph===!0&&Z.morphTexture===null||Z.isInstancedMesh&&Ue.instancingMorph===!1&&Z.morphTexture!==null||Ue.envMap!==ze||$.fog===!0&&Ue.fog!==Ae||Ue.numClippingPlanes!==void 0&&(Ue.numClippingPlanes!==ie.numPlanes||Ue.numIntersection!==ie.numIntersection)||Ue.vertexAlphas!==tt||Ue.vertexTangents!==ft||Ue.morphTargets!==Be||Ue.morphNormals!==pt||Ue.morphColors!==Qt||Ue.morphTargetsCount!==Tn||Ue.numLightProbeGrids!==hn(M.state.lightProbeGridArray)?yt=!0:(Ue.outputColorSpace!==Ee||Ue.toneMapping!==Pt)&&(xs=!0):(yt=!0,Ue.__version=$.version);let mn=Ue.currentProgram;(yt===!0||xs===!0)&&(mn=xs===!0?di($,z,Z,Ee,Pt):is($,z,Z),B&&$.isNodeMaterial&&B.onUpdateProgram($,mn,Ue));let Hr=!1,ss=!1,bs=!1,ut=mn.getUniforms(),nn=Ue.uniforms;if(we.useProgram(mn.program)&&(Hr=!0,ss=!0,bs=!0),$.id!==Y&&(Y=$.id,ss=!0),Hr||J!==T){we.buffers.depth.getReversed()&&T.reversedDepth!==!0&&(T._reversedDepth=!0,T.updateProjectionMatrix()),ut.setValue(O,"projectionMatrix",T.projectionMatrix),ut.setValue(O,"viewMatrix",T.matrixWorldInverse);let gn=ut.map.cameraPosition;gn!==void 0&&gn.setValue(O,Ln.setFromMatrixPosition(T.matrixWorld)),at.logarithmicDepthBuffer&&ut.setValue(O,"logDepthBufFC",2/(Math.log(T.far+1)/Math.LN2)),($.isMeshPhongMaterial||$.isMeshToonMaterial||$.isMeshLambertMaterial||$.isMeshBasicMaterial||$.isMeshStandardMaterial||$.isShaderMaterial)&&ut.setValue(O,"isOrthographic",T.isOrthographicCamera===!0),J!==T&&(J=T,ss=!0,bs=!0)}if(Ue.needsLights&&(pn.state.sunShadowMap.length>0&&ut.setValue(O,"sunShadowMap",pn.state.sunShadowMap,qe),pn.state.directionalShadowMap.length>0&&ut.setValue(O,"directionalShadowMap",pn.state.directionalShadowMap,qe),pn.state.spotShadowMap.length>0&&ut.setValue(O,"spotShadowMap",pn.state.spotShadowMap,qe),pn.state.pointShadowMap.length>0&&ut.setValue(O,"pointShadowMap",pn.state.pointShadowMap,qe)),Z.isSkinnedMesh){ut.setOptional(O,Z,"bindMatrix"),ut.setOptional(O,Z,"bindMatrixInverse");let Lt=Z.skeleton;Lt&&(Lt.boneTexture===null&&Lt.computeBoneTexture(),ut.setValue(O,"boneTexture",Lt.boneTexture,qe))}Z.isBatchedMesh&&(ut.setOptional(O,Z,"batchingTexture"),ut.setValue(O,"batchingTexture",Z._matricesTexture,qe),ut.setOptional(O,Z,"batchingIdTexture"),ut.setValue(O,"batchingIdTexture",Z._indirectTexture,qe),ut.setOptional(O,Z,"batchingColorTexture"),Z._colorsTexture!==null&&ut.setValue(O,"batchingColorTexture",Z._colorsTexture,qe));let Jn=j.morphAttributes;if((Jn.position!==void 0||Jn.normal!==void 0||Jn.color!==void 0)&&se.update(Z,j,mn),(ss||Ue.receiveShadow!==Z.receiveShadow)&&(Ue.receiveShadow=Z.receiveShadow,ut.setValue(O,"receiveShadow",Z.receiveShadow)),($.isMeshStandardMaterial||$.isMeshLambertMaterial||$.isMeshPhongMaterial)&&$.envMap===null&&z.environment!==null&&(nn.envMapIntensity.value=z.environmentIntensity),nn.dfgLUT!==void 0&&(nn.dfgLUT.value=Xw()),ss){if(ut.setValue(O,"toneMappingExposure",D.toneMappingExposure),Ue.needsLights&&Vr(nn,bs),Ae&&$.fog===!0&&ve.refreshFogUniforms(nn,Ae),ve.refreshMaterialUniforms(nn,$,ge,ye,M.state.transmissionRenderTarget[T.id]),Ue.needsLights&&Ue.numLightProbeGrids>0){let Lt=S,gn=0;for(let Xn of M.state.lightProbeGridArray)Xn.texture!==null&&(Lt.textures[gn]=Xn.texture,Lt.min[gn]=Xn.boundingBox.min,Lt.max[gn]=Xn.boundingBox.max,Lt.resolution[gn]=Xn.resolution,gn++);for(let Xn in Lt)Lt[Xn].length=gn;nn.probesSH.value=Lt.textures,nn.probesMin.value=Lt.min,nn.probesMax.value=Lt.max,nn.probesResolution.value=Lt.resolution}Do.upload(O,Gs(Ue),nn,qe)}if($.isShaderMaterial&&$.uniformsNeedUpdate===!0&&(Do.upload(O,Gs(Ue),nn,qe),$.uniformsNeedUpdate=!1),$.isSpriteMaterial&&ut.setValue(O,"center",Z.center),ut.setValue(O,"modelViewMatrix",Z.modelViewMatrix),ut.setValue(O,"normalMatrix",Z.normalMatrix),ut.setValue(O,"modelMatrix",Z.matrixWorld),$.uniformsGroups!==void 0){let Lt=$.uniformsGroups;for(let gn=0,Xn=Lt.length;gn<Xn;gn++){let pl=Lt[gn];He.update(pl,mn),He.bind(pl,mn)}}return mn}function Vr(T,z){T.ambientLightColor.needsUpdate=z,T.lightProbe.needsUpdate=z,T.sunLights.needsUpdate=z,T.sunLightShadows.needsUpdate=z,T.directionalLights.needsUpdate=z,T.directionalLightShadows.needsUpdate=z,T.pointLights.needsUpdate=z,T.pointLightShadows.needsUpdate=z,T.spotLights.needsUpdate=z,T.spotLightShadows.needsUpdate=z,T.rectAreaLights.needsUpdate=z,T.hemisphereLights.needsUpdate=z}function Hs(T){return T.isMeshLambertMaterial||T.isMeshToonMaterial||T.isMeshPhongMaterial||T.isMeshStandardMaterial||T.isShadowMaterial||T.isShaderMaterial&&T.lights===!0}this.getActiveCubeFace=function(){return X},this.getActiveMipmapLevel=function(){return G},this.getRenderTarget=function(){return oe},this.setRenderTargetTextures=function(T,z,j){let $=Ge.get(T);$.__autoAllocateDepthBuffer=T.resolveDepthBuffer===!1,$.__autoAllocateDepthBuffer===!1&&($.__useRenderToTexture=!1),Ge.get(T.texture).__webglTexture=z,Ge.get(T.depthTexture).__webglTexture=$.__autoAllocateDepthBuffer?void 0:j,$.__hasExternalTextures=!0},this.setRenderTargetFramebuffer=function(T,z){let j=Ge.get(T);j.__webglFramebuffer=z,j.__useDefaultFramebuffer=z===void 0},this.setRenderTarget=function(T,z=0,j=0){oe=T,X=z,G=j;let $=null,Z=!1,Ae=!1;if(T){let Ee=Ge.get(T);if(Ee.__useDefaultFramebuffer!==void 0){we.bindFramebuffer(O.FRAMEBUFFER,Ee.__webglFramebuffer),ne.copy(T.viewport),ue.copy(T.scissor),ce=T.scissorTest,we.viewport(ne),we.scissor(ue),we.setScissorTest(ce),Y=-1;return}else if(Ee.__webglFramebuffer===void 0)qe.setupRenderTarget(T);else if(Ee.__hasExternalTextures)qe.rebindTextures(T,Ge.get(T.texture).__webglTexture,Ge.get(T.depthTexture).__webglTexture);else if(T.depthBuffer){let tt=T.depthTexture;if(Ee.__boundDepthTexture!==tt){if(tt!==null&&Ge.has(tt)&&(T.width!==tt.image.width||T.height!==tt.image.height))throw new Error("THREE.WebGLRenderer: Attached DepthTexture is initialized to the incorrect size.");qe.setupDepthRenderbuffer(T)}}let Ie=T.texture;(Ie.isData3DTexture||Ie.isDataArrayTexture||Ie.isCompressedArrayTexture)&&(Ae=!0);let ze=Ge.get(T).__webglFramebuffer;T.isWebGLCubeRenderTarget?(Array.isArray(ze[z])?$=ze[z][j]:$=ze[z],Z=!0):T.samples>0&&qe.useMultisampledRTT(T)===!1?$=Ge.get(T).__webglMultisampledFramebuffer:Array.isArray(ze)?$=ze[j]:$=ze,ne.copy(T.viewport),ue.copy(T.scissor),ce=T.scissorTest}else ne.copy(Fe).multiplyScalar(ge).floor(),ue.copy(st).multiplyScalar(ge).floor(),ce=ct;if(j!==0&&($=V),we.bindFramebuffer(O.FRAMEBUFFER,$)&&we.drawBuffers(T,$),we.viewport(ne),we.scissor(ue),we.setScissorTest(ce),Z){let Ee=Ge.get(T.texture);O.framebufferTexture2D(O.FRAMEBUFFER,O.COLOR_ATTACHMENT0,O.TEXTURE_CUBE_MAP_POSITIVE_X+z,Ee.__webglTexture,j)}else if(Ae){let Ee=z;for(let Ie=0;Ie<T.textures.length;Ie++){let ze=Ge.get(T.textures[Ie]);O.framebufferTextureLayer(O.FRAMEBUFFER,O.COLOR_ATTACHMENT0+Ie,ze.__webglTexture,j,Ee)}}else if(T!==null&&j!==0){let Ee=Ge.get(T.texture);O.framebufferTexture2D(O.FRAMEBUFFER,O.COLOR_ATTACHMENT0,O.TEXTURE_2D,Ee.__webglTexture,j)}Y=-1};function Gr(T){let z=Ge.get(T);return(z.__readFormat!==T.format||z.__readType!==T.type)&&(z.__readFormat=T.format,z.__readType=T.type,z.__formatReadable=at.textureFormatReadable(T.format),z.__typeReadable=at.textureTypeReadable(T.type)),z}this.readRenderTargetPixels=function(T,z,j,$,Z,Ae,Pe,Ee=0){if(!(T&&T.isWebGLRenderTarget)){et("WebGLRenderer.readRenderTargetPixels: renderTarget is not THREE.WebGLRenderTarget.");return}let Ie=Ge.get(T).__webglFramebuffer;if(T.isWebGLCubeRenderTarget&&Pe!==void 0&&(Ie=Ie[Pe],Array.isArray(Ie)&&(Ie=Ie[0])),Ie){we.bindFramebuffer(O.FRAMEBUFFER,Ie);try{let ze=T.textures[Ee],tt=ze.format,ft=ze.type;T.textures.length>1&&O.readBuffer(O.COLOR_ATTACHMENT0+Ee);let Be=Gr(ze);if(Be.__formatReadable===!1){et("WebGLRenderer.readRenderTargetPixels: renderTarget is not in RGBA or implementation defined format.");return}if(Be.__typeReadable===!1){et("WebGLRenderer.readRenderTargetPixels: renderTarget is not in UnsignedByteType or implementation defined type.");return}z>=0&&z<=T.width-$&&j>=0&&j<=T.height-Z&&O.readPixels(z,j,$,Z,_e.convert(tt),_e.convert(ft),Ae)}finally{let ze=oe!==null?Ge.get(oe).__webglFramebuffer:null;we.bindFramebuffer(O.FRAMEBUFFER,ze)}}},this.readRenderTargetPixelsAsync=async function(T,z,j,$,Z,Ae,Pe,Ee=0){if(!(T&&T.isWebGLRenderTarget))throw new Error("THREE.WebGLRenderer.readRenderTargetPixels: renderTarget is not THREE.WebGLRenderTarget.");let Ie=Ge.get(T).__webglFramebuffer;if(T.isWebGLCubeRenderTarget&&Pe!==void 0&&(Ie=Ie[Pe],Array.isArray(Ie)&&(Ie=Ie[0])),Ie)if(z>=0&&z<=T.width-$&&j>=0&&j<=T.height-Z){we.bindFramebuffer(O.FRAMEBUFFER,Ie);let ze=T.textures[Ee],tt=ze.format,ft=ze.type;T.textures.length>1&&O.readBuffer(O.COLOR_ATTACHMENT0+Ee);let Be=Gr(ze);if(Be.__formatReadable===!1)throw new Error("THREE.WebGLRenderer.readRenderTargetPixelsAsync: renderTarget is not in RGBA or implementation defined format.");if(Be.__typeReadable===!1)throw new Error("THREE.WebGLRenderer.readRenderTargetPixelsAsync: renderTarget is not in UnsignedByteType or implementation defined type.");let pt=O.createBuffer();O.bindBuffer(O.PIXEL_PACK_BUFFER,pt),O.bufferData(O.PIXEL_PACK_BUFFER,Ae.byteLength,O.STREAM_READ),O.readPixels(z,j,$,Z,_e.convert(tt),_e.convert(ft),0),O.bindBuffer(O.PIXEL_PACK_BUFFER,null);let Qt=oe!==null?Ge.get(oe).__webglFramebuffer:null;we.bindFramebuffer(O.FRAMEBUFFER,Qt);let Pt=O.fenceSync(O.SYNC_GPU_COMMANDS_COMPLETE,0);return O.flush(),await vg(O,Pt,4),O.bindBuffer(O.PIXEL_PACK_BUFFER,pt),O.getBufferSubData(O.PIXEL_PACK_BUFFER,0,Ae),O.bindBuffer(O.PIXEL_PACK_BUFFER,null),O.deleteBuffer(pt),O.deleteSync(Pt),Ae}else throw new Error("THREE.WebGLRenderer.readRenderTargetPixelsAsync: requested read bounds are out of range.")},this.copyFramebufferToTexture=function(T,z=null,j=0){let $=Math.pow(2,-j),Z=Math.floor(T.image.width*$),Ae=Math.floor(T.image.height*$),Pe=z!==null?z.x:0,Ee=z!==null?z.y:0;qe.setTexture2D(T,0),O.copyTexSubImage2D(O.TEXTURE_2D,j,0,0,Pe,Ee,Z,Ae),we.unbindTexture()},this.copyTextureToTexture=function(T,z,j=null,$=null,Z=0,Ae=0){let Pe,Ee,Ie,ze,tt,ft,Be,pt,Qt,Pt=T.isCompressedTexture?T.mipmaps[Ae]:T.image;if(j!==null)Pe=j.max.x-j.min.x,Ee=j.max.y-j.min.y,Ie=j.isBox3?j.max.z-j.min.z:1,ze=j.min.x,tt=j.min.y,ft=j.isBox3?j.min.z:0;else{let ut=Math.pow(2,-Z);Pe=Math.floor(Pt.width*ut),Ee=Math.floor(Pt.height*ut),T.isDataArrayTexture?Ie=Pt.depth:T.isData3DTexture?Ie=Math.floor(Pt.depth*ut):Ie=1,ze=0,tt=0,ft=0}$!==null?(Be=$.x,pt=$.y,Qt=$.z):(Be=0,pt=0,Qt=0);let It=_e.convert(z.format),Tn=_e.convert(z.type),Ue;z.isData3DTexture?(qe.setTexture3D(z,0),Ue=O.TEXTURE_3D):z.isDataArrayTexture||z.isCompressedArrayTexture?(qe.setTexture2DArray(z,0),Ue=O.TEXTURE_2D_ARRAY):(qe.setTexture2D(z,0),Ue=O.TEXTURE_2D),we.activeTexture(O.TEXTURE0),we.pixelStorei(O.UNPACK_FLIP_Y_WEBGL,z.flipY),we.pixelStorei(O.UNPACK_PREMULTIPLY_ALPHA_WEBGL,z.premultiplyAlpha),we.pixelStorei(O.UNPACK_ALIGNMENT,z.unpackAlignment);let pn=we.getParameter(O.UNPACK_ROW_LENGTH),yt=we.getParameter(O.UNPACK_IMAGE_HEIGHT),xs=we.getParameter(O.UNPACK_SKIP_PIXELS),mn=we.getParameter(O.UNPACK_SKIP_ROWS),Hr=we.getParameter(O.UNPACK_SKIP_IMAGES);we.pixelStorei(O.UNPACK_ROW_LENGTH,Pt.width),we.pixelStorei(O.UNPACK_IMAGE_HEIGHT,Pt.height),we.pixelStorei(O.UNPACK_SKIP_PIXELS,ze),we.pixelStorei(O.UNPACK_SKIP_ROWS,tt),we.pixelStorei(O.UNPACK_SKIP_IMAGES,ft);let ss=T.isDataArrayTexture||T.isData3DTexture,bs=z.isDataArrayTexture||z.isData3DTexture;if(T.isDepthTexture){let ut=Ge.get(T),nn=Ge.get(z),Jn=Ge.get(ut.__renderTarget),Lt=Ge.get(nn.__renderTarget);we.bindFramebuffer(O.READ_FRAMEBUFFER,Jn.__webglFramebuffer),we.bindFramebuffer(O.DRAW_FRAMEBUFFER,Lt.__webglFramebuffer);for(let gn=0;gn<Ie;gn++)ss&&(O.framebufferTextureLayer(O.READ_FRAMEBUFFER,O.COLOR_ATTACHMENT0,Ge.get(T).__webglTexture,Z,ft+gn),O.framebufferTextureLayer(O.DRAW_FRAMEBUFFER,O.COLOR_ATTACHMENT0,Ge.get(z).__webglTexture,Ae,Qt+gn)),O.blitFramebuffer(ze,tt,ze+Pe,tt+Ee,Be,pt,Be+Pe,pt+Ee,O.DEPTH_BUFFER_BIT,O.NEAREST);we.bindFramebuffer(O.READ_FRAMEBUFFER,null),we.bindFramebuffer(O.DRAW_FRAMEBUFFER,null)}else if(Z!==0||T.isRenderTargetTexture||Ge.has(T)){let ut=Ge.get(T),nn=Ge.get(z);we.bindFramebuffer(O.READ_FRAMEBUFFER,P),we.bindFramebuffer(O.DRAW_FRAMEBUFFER,U);for(let Jn=0;Jn<Ie;Jn++)ss?O.framebufferTextureLayer(O.READ_FRAMEBUFFER,O.COLOR_ATTACHMENT0,ut.__webglTexture,Z,ft+Jn):O.framebufferTexture2D(O.READ_FRAMEBUFFER,O.COLOR_ATTACHMENT0,O.TEXTURE_2D,ut.__webglTexture,Z),bs?O.framebufferTextureLayer(O.DRAW_FRAMEBUFFER,O.COLOR_ATTACHMENT0,nn.__webglTexture,Ae,Qt+Jn):O.framebufferTexture2D(O.DRAW_FRAMEBUFFER,O.COLOR_ATTACHMENT0,O.TEXTURE_2D,nn.__webglTexture,Ae),Z!==0?O.blitFramebuffer(ze,tt,ze+Pe,tt+Ee,Be,pt,Be+Pe,pt+Ee,O.COLOR_BUFFER_BIT,O.NEAREST):bs?O.copyTexSubImage3D(Ue,Ae,Be,pt,Qt+Jn,ze,tt,Pe,Ee):O.copyTexSubImage2D(Ue,Ae,Be,pt,ze,tt,Pe,Ee);we.bindFramebuffer(O.READ_FRAMEBUFFER,null),we.bindFramebuffer(O.DRAW_FRAMEBUFFER,null)}else bs?T.isDataTexture||T.isData3DTexture?O.texSubImage3D(Ue,Ae,Be,pt,Qt,Pe,Ee,Ie,It,Tn,Pt.data):z.isCompressedArrayTexture?O.compressedTexSubImage3D(Ue,Ae,Be,pt,Qt,Pe,Ee,Ie,It,Pt.data):O.texSubImage3D(Ue,Ae,Be,pt,Qt,Pe,Ee,Ie,It,Tn,Pt):T.isDataTexture?O.texSubImage2D(O.TEXTURE_2D,Ae,Be,pt,Pe,Ee,It,Tn,Pt.data):T.isCompressedTexture?O.compressedTexSubImage2D(O.TEXTURE_2D,Ae,Be,pt,Pt.width,Pt.height,It,Pt.data):O.texSubImage2D(O.TEXTURE_2D,Ae,Be,pt,Pe,Ee,It,Tn,Pt);we.pixelStorei(O.UNPACK_ROW_LENGTH,pn),we.pixelStorei(O.UNPACK_IMAGE_HEIGHT,yt),we.pixelStorei(O.UNPACK_SKIP_PIXELS,xs),we.pixelStorei(O.UNPACK_SKIP_ROWS,mn),we.pixelStorei(O.UNPACK_SKIP_IMAGES,Hr),Ae===0&&z.generateMipmaps===!0&&z.mipmapsAutoUpdate===!0&&O.generateMipmap(Ue),we.unbindTexture()},this.initRenderTarget=function(T){Ge.get(T).__webglFramebuffer===void 0&&qe.setupRenderTarget(T)},this.initTexture=function(T){T.isCubeTexture?qe.setTextureCube(T,0):T.isData3DTexture?qe.setTexture3D(T,0):T.isDataArrayTexture||T.isCompressedArrayTexture?qe.setTexture2DArray(T,0):qe.setTexture2D(T,0),we.unbindTexture()},this.resetState=function(){X=0,G=0,oe=null,we.reset(),Me.reset()},typeof __THREE_DEVTOOLS__<"u"&&__THREE_DEVTOOLS__.dispatchEvent(new CustomEvent("observe",{detail:this}))}get coordinateSystem(){return Li}get outputColorSpace(){return this._outputColorSpace}set outputColorSpace(e){this._outputColorSpace=e;let t=this.getContext();t.drawingBufferColorSpace=_t._getDrawingBufferColorSpace(e),t.unpackColorSpace=_t._getUnpackColorSpace()}};var r0={type:"change"},yf={type:"start"},a0={type:"end"},Ph=new Ds,o0=new ti,qw=Math.cos(70*ef.DEG2RAD),Cn=new W,ui=2*Math.PI,At={NONE:-1,ROTATE:0,DOLLY:1,PAN:2,TOUCH_ROTATE:3,TOUCH_PAN:4,TOUCH_DOLLY_PAN:5,TOUCH_DOLLY_ROTATE:6},gf=1e-6,Ih=class extends Ba{constructor(e,t=null){super(e,t),this.state=At.NONE,this.target=new W,this.cursor=new W,this.minDistance=0,this.maxDistance=1/0,this.minZoom=0,this.maxZoom=1/0,this.minTargetRadius=0,this.maxTargetRadius=1/0,this.minPolarAngle=0,this.maxPolarAngle=Math.PI,this.minAzimuthAngle=-1/0,this.maxAzimuthAngle=1/0,this.enableDamping=!1,this.dampingFactor=.05,this.enableZoom=!0,this.zoomSpeed=1,this.enableRotate=!0,this.rotateSpeed=1,this.keyRotateSpeed=1,this.enablePan=!0,this.panSpeed=1,this.screenSpacePanning=!0,this.keyPanSpeed=7,this.zoomToCursor=!1,this.autoRotate=!1,this.autoRotateSpeed=2,this.keys={LEFT:"ArrowLeft",UP:"ArrowUp",RIGHT:"ArrowRight",BOTTOM:"ArrowDown"},this.mouseButtons={LEFT:Ni.ROTATE,MIDDLE:Ni.DOLLY,RIGHT:Ni.PAN},this.touches={ONE:Zi.ROTATE,TWO:Zi.DOLLY_PAN},this.target0=this.target.clone(),this.position0=this.object.position.clone(),this.zoom0=this.object.zoom,this._cursorStyle="auto",this._domElementKeyEvents=null,this._lastPosition=new W,this._lastQuaternion=new si,this._lastTargetPosition=new W,this._quat=new si().setFromUnitVectors(e.up,new W(0,1,0)),this._quatInverse=this._quat.clone().invert(),this._spherical=new Eo,this._sphericalDelta=new Eo,this._scale=1,this._panOffset=new W,this._rotateStart=new $e,this._rotateEnd=new $e,this._rotateDelta=new $e,this._panStart=new $e,this._panEnd=new $e,this._panDelta=new $e,this._dollyStart=new $e,this._dollyEnd=new $e,this._dollyDelta=new $e,this._dollyDirection=new W,this._mouse=new $e,this._performCursorZoom=!1,this._pointers=[],this._pointerPositions={},this._controlActive=!1,this._onPointerMove=$w.bind(this),this._onPointerDown=Yw.bind(this),this._onPointerUp=Zw.bind(this),this._onContextMenu=n1.bind(this),this._onMouseWheel=jw.bind(this),this._onKeyDown=Qw.bind(this),this._onTouchStart=e1.bind(this),this._onTouchMove=t1.bind(this),this._onMouseDown=Kw.bind(this),this._onMouseMove=Jw.bind(this),this._interceptControlDown=i1.bind(this),this._interceptControlUp=s1.bind(this),this.domElement!==null&&this.connect(this.domElement),this.update()}set cursorStyle(e){this._cursorStyle=e,e==="grab"?this.domElement.style.cursor="grab":this.domElement.style.cursor="auto"}get cursorStyle(){return this._cursorStyle}connect(e){super.connect(e),this.domElement.addEventListener("pointerdown",this._onPointerDown),this.domElement.addEventListener("pointercancel",this._onPointerUp),this.domElement.addEventListener("contextmenu",this._onContextMenu),this.domElement.addEventListener("wheel",this._onMouseWheel,{passive:!1}),this.domElement.ownerDocument.addEventListener("keydown",this._interceptControlDown,{passive:!0,capture:!0}),this.domElement.style.touchAction="none"}disconnect(){this.state=At.NONE,this.domElement.removeEventListener("pointerdown",this._onPointerDown),this.domElement.ownerDocument.removeEventListener("pointermove",this._onPointerMove),this.domElement.ownerDocument.removeEventListener("pointerup",this._onPointerUp),this.domElement.removeEventListener("pointercancel",this._onPointerUp),this.domElement.removeEventListener("wheel",this._onMouseWheel),this.domElement.removeEventListener("contextmenu",this._onContextMenu),this.stopListenToKeyEvents(),this.domElement.ownerDocument.removeEventListener("keydown",this._interceptControlDown,{capture:!0}),this.domElement.ownerDocument.removeEventListener("keyup",this._interceptControlUp,{capture:!0}),this._controlActive=!1,this._pointers.length=0,this._pointerPositions={},this.domElement.style.touchAction="",this.domElement.style.cursor="auto"}dispose(){this.disconnect()}getPolarAngle(){return this._spherical.phi}getAzimuthalAngle(){return this._spherical.theta}getDistance(){return this.object.position.distanceTo(this.target)}listenToKeyEvents(e){e.addEventListener("keydown",this._onKeyDown),this._domElementKeyEvents=e}stopListenToKeyEvents(){this._domElementKeyEvents!==null&&(this._domElementKeyEvents.removeEventListener("keydown",this._onKeyDown),this._domElementKeyEvents=null)}saveState(){this.target0.copy(this.target),this.position0.copy(this.object.position),this.zoom0=this.object.zoom}reset(){this.target.copy(this.target0),this.object.position.copy(this.position0),this.object.zoom=this.zoom0,this.object.updateProjectionMatrix(),this.dispatchEvent(r0),this.update(),this.state=At.NONE}pan(e,t){this._pan(e,t),this.update()}dollyIn(e){this._dollyIn(e),this.update()}dollyOut(e){this._dollyOut(e),this.update()}rotateLeft(e){this._rotateLeft(e),this.update()}rotateUp(e){this._rotateUp(e),this.update()}update(e=null){let t=this.object.position;Cn.copy(t).sub(this.target),Cn.applyQuaternion(this._quat),this._spherical.setFromVector3(Cn),this.autoRotate&&this.state===At.NONE&&this._rotateLeft(this._getAutoRotationAngle(e)),this.enableDamping?(this._spherical.theta+=this._sphericalDelta.theta*this.dampingFactor,this._spherical.phi+=this._sphericalDelta.phi*this.dampingFactor):(this._spherical.theta+=this._sphericalDelta.theta,this._spherical.phi+=this._sphericalDelta.phi);let n=this.minAzimuthAngle,s=this.maxAzimuthAngle;isFinite(n)&&isFinite(s)&&(n<-Math.PI?n+=ui:n>Math.PI&&(n-=ui),s<-Math.PI?s+=ui:s>Math.PI&&(s-=ui),n<=s?this._spherical.theta=Math.max(n,Math.min(s,this._spherical.theta)):this._spherical.theta=this._spherical.theta>(n+s)/2?Math.max(n,this._spherical.theta):Math.min(s,this._spherical.theta)),this._spherical.phi=Math.max(this.minPolarAngle,Math.min(this.maxPolarAngle,this._spherical.phi)),this._spherical.makeSafe(),this.enableDamping===!0?this.target.addScaledVector(this._panOffset,this.dampingFactor):this.target.add(this._panOffset),this.target.sub(this.cursor),this.target.clampLength(this.minTargetRadius,this.maxTargetRadius),this.target.add(this.cursor);let r=!1;if(this.zoomToCursor&&this._performCursorZoom||this.object.isOrthographicCamera)this._spherical.radius=this._clampDistance(this._spherical.radius);else{let o=this._spherical.radius;this._spherical.radius=this._clampDistance(this._spherical.radius*this._scale),r=o!=this._spherical.radius}if(Cn.setFromSpherical(this._spherical),Cn.applyQuaternion(this._quatInverse),t.copy(this.target).add(Cn),this.object.lookAt(this.target),this.enableDamping===!0?(this._sphericalDelta.theta*=1-this.dampingFactor,this._sphericalDelta.phi*=1-this.dampingFactor,this._panOffset.multiplyScalar(1-this.dampingFactor)):(this._sphericalDelta.set(0,0,0),this._panOffset.set(0,0,0)),this.zoomToCursor&&this._performCursorZoom){let o=null;if(this.object.isPerspectiveCamera){let a=Cn.length();o=this._clampDistance(a*this._scale);let l=a-o;this.object.position.addScaledVector(this._dollyDirection,l),this.object.updateMatrixWorld(),r=!!l}else if(this.object.isOrthographicCamera){let a=new W(this._mouse.x,this._mouse.y,0);a.unproject(this.object);let l=this.object.zoom;this.object.zoom=Math.max(this.minZoom,Math.min(this.maxZoom,this.object.zoom/this._scale)),this.object.updateProjectionMatrix(),r=l!==this.object.zoom;let c=new W(this._mouse.x,this._mouse.y,0);c.unproject(this.object),this.object.position.sub(c).add(a),this.object.updateMatrixWorld(),o=Cn.length()}else console.warn("WARNING: OrbitControls.js encountered an unknown camera type - zoom to cursor disabled."),this.zoomToCursor=!1;o!==null&&(this.screenSpacePanning?this.target.set(0,0,-1).transformDirection(this.object.matrix).multiplyScalar(o).add(this.object.position):(Ph.origin.copy(this.object.position),Ph.direction.set(0,0,-1).transformDirection(this.object.matrix),Math.abs(this.object.up.dot(Ph.direction))<qw?this.object.lookAt(this.target):(o0.setFromNormalAndCoplanarPoint(this.object.up,this.target),Ph.intersectPlane(o0,this.target))))}else if(this.object.isOrthographicCamera){let o=this.object.zoom;this.object.zoom=Math.max(this.minZoom,Math.min(this.maxZoom,this.object.zoom/this._scale)),o!==this.object.zoom&&(this.object.updateProjectionMatrix(),r=!0)}return this._scale=1,this._performCursorZoom=!1,r||this._lastPosition.distanceToSquared(this.object.position)>gf||8*(1-this._lastQuaternion.dot(this.object.quaternion))>gf||this._lastTargetPosition.distanceToSquared(this.target)>gf?(this.dispatchEvent(r0),this._lastPosition.copy(this.object.position),this._lastQuaternion.copy(this.object.quaternion),this._lastTargetPosition.copy(this.target),!0):!1}_getAutoRotationAngle(e){return e!==null?ui/60*this.autoRotateSpeed*e:ui/60/60*this.autoRotateSpeed}_getZoomScale(e){let t=Math.abs(e*.01);return Math.pow(.95,this.zoomSpeed*t)}_rotateLeft(e){this._sphericalDelta.theta-=e}_rotateUp(e){this._sphericalDelta.phi-=e}_panLeft(e,t){Cn.setFromMatrixColumn(t,0),Cn.multiplyScalar(-e),this._panOffset.add(Cn)}_panUp(e,t){this.screenSpacePanning===!0?Cn.setFromMatrixColumn(t,1):(Cn.setFromMatrixColumn(t,0),Cn.crossVectors(this.object.up,Cn)),Cn.multiplyScalar(e),this._panOffset.add(Cn)}_pan(e,t){let n=this.domElement;if(this.object.isPerspectiveCamera){let s=this.object.position;Cn.copy(s).sub(this.target);let r=Cn.length();r*=Math.tan(this.object.fov/2*Math.PI/180),this._panLeft(2*e*r/n.clientHeight,this.object.matrix),this._panUp(2*t*r/n.clientHeight,this.object.matrix)}else this.object.isOrthographicCamera?(this._panLeft(e*(this.object.right-this.object.left)/this.object.zoom/n.clientWidth,this.object.matrix),this._panUp(t*(this.object.top-this.object.bottom)/this.object.zoom/n.clientHeight,this.object.matrix)):(console.warn("WARNING: OrbitControls.js encountered an unknown camera type - pan disabled."),this.enablePan=!1)}_dollyOut(e){this.object.isPerspectiveCamera||this.object.isOrthographicCamera?this._scale/=e:(console.warn("WARNING: OrbitControls.js encountered an unknown camera type - dolly/zoom disabled."),this.enableZoom=!1)}_dollyIn(e){this.object.isPerspectiveCamera||this.object.isOrthographicCamera?this._scale*=e:(console.warn("WARNING: OrbitControls.js encountered an unknown camera type - dolly/zoom disabled."),this.enableZoom=!1)}_updateZoomParameters(e,t){if(!this.zoomToCursor)return;this._performCursorZoom=!0;let n=this.domElement.getBoundingClientRect(),s=e-n.left,r=t-n.top,o=n.width,a=n.height;this._mouse.x=s/o*2-1,this._mouse.y=-(r/a)*2+1,this._dollyDirection.set(this._mouse.x,this._mouse.y,1).unproject(this.object).sub(this.object.position).normalize()}_clampDistance(e){return Math.max(this.minDistance,Math.min(this.maxDistance,e))}_handleMouseDownRotate(e){this._rotateStart.set(e.clientX,e.clientY)}_handleMouseDownDolly(e){this._updateZoomParameters(e.clientX,e.clientY),this._dollyStart.set(e.clientX,e.clientY)}_handleMouseDownPan(e){this._panStart.set(e.clientX,e.clientY)}_handleMouseMoveRotate(e){this._rotateEnd.set(e.clientX,e.clientY),this._rotateDelta.subVectors(this._rotateEnd,this._rotateStart).multiplyScalar(this.rotateSpeed);let t=this.domElement;this._rotateLeft(ui*this._rotateDelta.x/t.clientHeight),this._rotateUp(ui*this._rotateDelta.y/t.clientHeight),this._rotateStart.copy(this._rotateEnd),this.update()}_handleMouseMoveDolly(e){this._dollyEnd.set(e.clientX,e.clientY),this._dollyDelta.subVectors(this._dollyEnd,this._dollyStart),this._dollyDelta.y>0?this._dollyOut(this._getZoomScale(this._dollyDelta.y)):this._dollyDelta.y<0&&this._dollyIn(this._getZoomScale(this._dollyDelta.y)),this._dollyStart.copy(this._dollyEnd),this.zoomToCursor&&(this._performCursorZoom=!0,this._dollyDirection.set(this._mouse.x,this._mouse.y,1).unproject(this.object).sub(this.object.position).normalize()),this.update()}_handleMouseMovePan(e){this._panEnd.set(e.clientX,e.clientY),this._panDelta.subVectors(this._panEnd,this._panStart).multiplyScalar(this.panSpeed),this._pan(this._panDelta.x,this._panDelta.y),this._panStart.copy(this._panEnd),this.update()}_handleMouseWheel(e){this._updateZoomParameters(e.clientX,e.clientY),e.deltaY<0?this._dollyIn(this._getZoomScale(e.deltaY)):e.deltaY>0&&this._dollyOut(this._getZoomScale(e.deltaY)),this.update()}_handleKeyDown(e){let t=!1;switch(e.code){case this.keys.UP:e.ctrlKey||e.metaKey||e.shiftKey?this.enableRotate&&this._rotateUp(ui*this.keyRotateSpeed/this.domElement.clientHeight):this.enablePan&&this._pan(0,this.keyPanSpeed),t=!0;break;case this.keys.BOTTOM:e.ctrlKey||e.metaKey||e.shiftKey?this.enableRotate&&this._rotateUp(-ui*this.keyRotateSpeed/this.domElement.clientHeight):this.enablePan&&this._pan(0,-this.keyPanSpeed),t=!0;break;case this.keys.LEFT:e.ctrlKey||e.metaKey||e.shiftKey?this.enableRotate&&this._rotateLeft(ui*this.keyRotateSpeed/this.domElement.clientHeight):this.enablePan&&this._pan(this.keyPanSpeed,0),t=!0;break;case this.keys.RIGHT:e.ctrlKey||e.metaKey||e.shiftKey?this.enableRotate&&this._rotateLeft(-ui*this.keyRotateSpeed/this.domElement.clientHeight):this.enablePan&&this._pan(-this.keyPanSpeed,0),t=!0;break}t&&(e.preventDefault(),this.update())}_handleTouchStartRotate(e){if(this._pointers.length===1)this._rotateStart.set(e.pageX,e.pageY);else{let t=this._getSecondPointerPosition(e),n=.5*(e.pageX+t.x),s=.5*(e.pageY+t.y);this._rotateStart.set(n,s)}}_handleTouchStartPan(e){if(this._pointers.length===1)this._panStart.set(e.pageX,e.pageY);else{let t=this._getSecondPointerPosition(e),n=.5*(e.pageX+t.x),s=.5*(e.pageY+t.y);this._panStart.set(n,s)}}_handleTouchStartDolly(e){let t=this._getSecondPointerPosition(e),n=e.pageX-t.x,s=e.pageY-t.y,r=Math.sqrt(n*n+s*s);this._dollyStart.set(0,r)}_handleTouchStartDollyPan(e){this.enableZoom&&this._handleTouchStartDolly(e),this.enablePan&&this._handleTouchStartPan(e)}_handleTouchStartDollyRotate(e){this.enableZoom&&this._handleTouchStartDolly(e),this.enableRotate&&this._handleTouchStartRotate(e)}_handleTouchMoveRotate(e){if(this._pointers.length==1)this._rotateEnd.set(e.pageX,e.pageY);else{let n=this._getSecondPointerPosition(e),s=.5*(e.pageX+n.x),r=.5*(e.pageY+n.y);this._rotateEnd.set(s,r)}this._rotateDelta.subVectors(this._rotateEnd,this._rotateStart).multiplyScalar(this.rotateSpeed);let t=this.domElement;this._rotateLeft(ui*this._rotateDelta.x/t.clientHeight),this._rotateUp(ui*this._rotateDelta.y/t.clientHeight),this._rotateStart.copy(this._rotateEnd)}_handleTouchMovePan(e){if(this._pointers.length===1)this._panEnd.set(e.pageX,e.pageY);else{let t=this._getSecondPointerPosition(e),n=.5*(e.pageX+t.x),s=.5*(e.pageY+t.y);this._panEnd.set(n,s)}this._panDelta.subVectors(this._panEnd,this._panStart).multiplyScalar(this.panSpeed),this._pan(this._panDelta.x,this._panDelta.y),this._panStart.copy(this._panEnd)}_handleTouchMoveDolly(e){let t=this._getSecondPointerPosition(e),n=e.pageX-t.x,s=e.pageY-t.y,r=Math.sqrt(n*n+s*s);this._dollyEnd.set(0,r),this._dollyDelta.set(0,Math.pow(this._dollyEnd.y/this._dollyStart.y,this.zoomSpeed)),this._dollyOut(this._dollyDelta.y),this._dollyStart.copy(this._dollyEnd);let o=(e.pageX+t.x)*.5,a=(e.pageY+t.y)*.5;this._updateZoomParameters(o,a)}_handleTouchMoveDollyPan(e){this.enableZoom&&this._handleTouchMoveDolly(e),this.enablePan&&this._handleTouchMovePan(e)}_handleTouchMoveDollyRotate(e){this.enableZoom&&this._handleTouchMoveDolly(e),this.enableRotate&&this._handleTouchMoveRotate(e)}_addPointer(e){this._pointers.push(e.pointerId)}_removePointer(e){delete this._pointerPositions[e.pointerId];for(let t=0;t<this._pointers.length;t++)if(this._pointers[t]==e.pointerId){this._pointers.splice(t,1);return}}_isTrackingPointer(e){for(let t=0;t<this._pointers.length;t++)if(this._pointers[t]==e.pointerId)return!0;return!1}_trackPointer(e){let t=this._pointerPositions[e.pointerId];t===void 0&&(t=new $e,this._pointerPositions[e.pointerId]=t),t.set(e.pageX,e.pageY)}_getSecondPointerPosition(e){let t=e.pointerId===this._pointers[0]?this._pointers[1]:this._pointers[0];return this._pointerPositions[t]}_customWheelEvent(e){let t=e.deltaMode,n={clientX:e.clientX,clientY:e.clientY,deltaY:e.deltaY};switch(t){case 1:n.deltaY*=16;break;case 2:n.deltaY*=100;break}return e.ctrlKey&&!this._controlActive&&(n.deltaY*=10),n}};function Yw(i){this.enabled!==!1&&(this._pointers.length===0&&(this.domElement.setPointerCapture(i.pointerId),this.domElement.ownerDocument.addEventListener("pointermove",this._onPointerMove),this.domElement.ownerDocument.addEventListener("pointerup",this._onPointerUp)),!this._isTrackingPointer(i)&&(this._addPointer(i),i.pointerType==="touch"?this._onTouchStart(i):this._onMouseDown(i),this._cursorStyle==="grab"&&(this.domElement.style.cursor="grabbing")))}function $w(i){this.enabled!==!1&&(i.pointerType==="touch"?this._onTouchMove(i):this._onMouseMove(i))}function Zw(i){switch(this._removePointer(i),this._pointers.length){case 0:this.domElement.releasePointerCapture(i.pointerId),this.domElement.ownerDocument.removeEventListener("pointermove",this._onPointerMove),this.domElement.ownerDocument.removeEventListener("pointerup",this._onPointerUp),this.dispatchEvent(a0),this.state=At.NONE,this._cursorStyle==="grab"&&(this.domElement.style.cursor="grab");break;case 1:let e=this._pointers[0],t=this._pointerPositions[e];this._onTouchStart({pointerId:e,pageX:t.x,pageY:t.y});break}}function Kw(i){let e;switch(i.button){case 0:e=this.mouseButtons.LEFT;break;case 1:e=this.mouseButtons.MIDDLE;break;case 2:e=this.mouseButtons.RIGHT;break;default:e=-1}switch(e){case Ni.DOLLY:if(this.enableZoom===!1)return;this._handleMouseDownDolly(i),this.state=At.DOLLY;break;case Ni.ROTATE:if(i.ctrlKey||i.metaKey||i.shiftKey){if(this.enablePan===!1)return;this._handleMouseDownPan(i),this.state=At.PAN}else{if(this.enableRotate===!1)return;this._handleMouseDownRotate(i),this.state=At.ROTATE}break;case Ni.PAN:if(i.ctrlKey||i.metaKey||i.shiftKey){if(this.enableRotate===!1)return;this._handleMouseDownRotate(i),this.state=At.ROTATE}else{if(this.enablePan===!1)return;this._handleMouseDownPan(i),this.state=At.PAN}break;default:this.state=At.NONE}this.state!==At.NONE&&this.dispatchEvent(yf)}function Jw(i){switch(this.state){case At.ROTATE:if(this.enableRotate===!1)return;this._handleMouseMoveRotate(i);break;case At.DOLLY:if(this.enableZoom===!1)return;this._handleMouseMoveDolly(i);break;case At.PAN:if(this.enablePan===!1)return;this._handleMouseMovePan(i);break}}function jw(i){this.enabled===!1||this.enableZoom===!1||this.state!==At.NONE||(i.preventDefault(),this.dispatchEvent(yf),this._handleMouseWheel(this._customWheelEvent(i)),this.dispatchEvent(a0))}function Qw(i){this.enabled!==!1&&this._handleKeyDown(i)}function e1(i){switch(this._trackPointer(i),this._pointers.length){case 1:switch(this.touches.ONE){case Zi.ROTATE:if(this.enableRotate===!1){this.state=At.NONE;break}this._handleTouchStartRotate(i),this.state=At.TOUCH_ROTATE;break;case Zi.PAN:if(this.enablePan===!1){this.state=At.NONE;break}this._handleTouchStartPan(i),this.state=At.TOUCH_PAN;break;default:this.state=At.NONE}break;case 2:switch(this.touches.TWO){case Zi.DOLLY_PAN:if(this.enableZoom===!1&&this.enablePan===!1)return;this._handleTouchStartDollyPan(i),this.state=At.TOUCH_DOLLY_PAN;break;case Zi.DOLLY_ROTATE:if(this.enableZoom===!1&&this.enableRotate===!1)return;this._handleTouchStartDollyRotate(i),this.state=At.TOUCH_DOLLY_ROTATE;break;default:this.state=At.NONE}break;default:this.state=At.NONE}this.state!==At.NONE&&this.dispatchEvent(yf)}function t1(i){switch(this._trackPointer(i),this.state){case At.TOUCH_ROTATE:if(this.enableRotate===!1)return;this._handleTouchMoveRotate(i),this.update();break;case At.TOUCH_PAN:if(this.enablePan===!1)return;this._handleTouchMovePan(i),this.update();break;case At.TOUCH_DOLLY_PAN:if(this.enableZoom===!1&&this.enablePan===!1)return;this._handleTouchMoveDollyPan(i),this.update();break;case At.TOUCH_DOLLY_ROTATE:if(this.enableZoom===!1&&this.enableRotate===!1)return;this._handleTouchMoveDollyRotate(i),this.update();break;default:this.state=At.NONE}}function n1(i){this.enabled!==!1&&i.preventDefault()}function i1(i){i.key==="Control"&&(this._controlActive=!0,this.domElement.ownerDocument.addEventListener("keyup",this._interceptControlUp,{passive:!0,capture:!0}))}function s1(i){i.key==="Control"&&(this._controlActive=!1,this.domElement.ownerDocument.removeEventListener("keyup",this._interceptControlUp,{passive:!0,capture:!0}))}var r1=[[1e6,"M"],[1e3,"k"],[1,""],[.001,"m"],[1e-6,"µ"],[1e-9,"n"]];function ms(i,e){if(!Number.isFinite(i))return`– ${e}`;let t=Math.abs(i);if(t===0)return`0 ${e}`;let[n,s]=r1.find(([r])=>t>=r*.9995)??[1e-9,"n"];return`${Bs(i/n,3)} ${s}${e}`}function Bs(i,e){if(!Number.isFinite(i))return"–";let t=Math.abs(i),n=t>=1?Math.floor(Math.log10(t)+1e-12)+1:1;return i.toFixed(Math.max(0,e-n)).replace(/^-(0(?:\.0+)?)$/,"$1")}var Dr=i=>`${i.toFixed(2).replace(/^-(0\.00)$/,"$1")} N`;function ur(i,e=2){if(!Number.isFinite(i))return"–";let t=Math.floor(Math.abs(i)),[n,s,r]=[Math.floor(t/3600),Math.floor(t/60)%60,t%60],o=Math.floor((Math.abs(i)-t)*10**e+1e-6),a=e>0?`.${String(Math.min(o,10**e-1)).padStart(e,"0")}`:"",l=c=>String(c).padStart(2,"0");return(n>0?`${n}:${l(s)}`:`${s}`)+`:${l(r)}${a}`}function dr(i){if(!(i>0)||!Number.isFinite(i))return 1;let e=10**Math.floor(Math.log10(i));return e*([1,2,5,10].find(t=>t*e>=i*(1-1e-9))??10)}function Lh(i){return i<1e3?`${i} B`:i<1e6?`${(i/1e3).toFixed(0)} kB`:i<1e9?`${(i/1e6).toFixed(1)} MB`:`${(i/1e9).toFixed(2)} GB`}var l0=28,o1=.55,a1=180,l1=`
+varying vec2 place;
+void main() {
+  vec4 world = modelMatrix * vec4(position, 1.0);
+  place = world.xy;
+  gl_Position = projectionMatrix * viewMatrix * world;
+}`,c1=`
+varying vec2 place;
+uniform vec3 colour;
+uniform vec2 middle;
+uniform float cell, reach;
+float lines(float size) {
+  vec2 at = place / size;
+  vec2 near = abs(fract(at - 0.5) - 0.5) / max(fwidth(at), vec2(1e-6));
+  return 1.0 - min(min(near.x, near.y), 1.0);
+}
+void main() {
+  float fade = 1.0 - smoothstep(0.25 * reach, reach, length(place - middle));
+  float alpha = max(0.22 * lines(cell), 0.5 * lines(10.0 * cell)) * fade;
+  if (alpha < 0.004) discard;
+  gl_FragColor = vec4(colour, alpha);
+}`,Dh=class{constructor(e){this.canvas=e;this.renderer=new Eh({canvas:e,antialias:!0,alpha:!0,powerPreference:"high-performance"}),this.renderer.toneMapping=Ui,this.renderer.localClippingEnabled=!0,this.renderer.shadowMap.type=Er,this.camera.up.set(0,0,1),this.controls=new Ih(this.camera,e),this.controls.enableDamping=!0,this.controls.dampingFactor=.12,this.controls.zoomToCursor=!0,this.controls.mouseButtons={LEFT:Ni.ROTATE,MIDDLE:Ni.PAN,RIGHT:Ni.PAN},this.controls.touches={ONE:Zi.ROTATE,TWO:Zi.DOLLY_PAN},this.controls.addEventListener("change",()=>this.ask()),this.controls.addEventListener("start",()=>this.goal=null);let t=new Tr(1,1);this.grid=new Xt(t,new Di({vertexShader:l1,fragmentShader:c1,transparent:!0,depthWrite:!1,side:$n,uniforms:{colour:{value:new nt},middle:{value:new $e},cell:{value:.01},reach:{value:1}}})),this.grid.renderOrder=-1,this.shade=new Xt(t,new La({opacity:.28,depthWrite:!1})),this.shade.receiveShadow=!0,this.shade.renderOrder=-2,this.sun.shadow.mapSize.set(1024,1024),this.sun.shadow.radius=4,this.scene.add(this.content,this.grid,this.shade,this.sky,this.sun,this.sun.target,this.camera,new Oa(16777215,.12)),this.camera.add(this.head),this.head.position.set(-.4,.5,1),this.setShadows(!0)}canvas;scene=new ba;camera=new ni(38,1,.001,100);renderer;controls;content=new bn;clip=new ti(new W(1,0,0),0);cell=.01;size=.1;cost=0;thrifty=!1;coarse=!1;mayBeCoarse=!0;onCamera=()=>{};sun=new To(16775922,2.3);head=new To(16777215,.7);sky=new Na(16514303,8818080,1.1);grid;shade;wanted=!0;slow=0;lastDrawn=0;ratio=1;shadows=!0;inset=0;goal=null;ask(){this.wanted=!0}setPalette({grid:e,light:t}){this.grid.material.uniforms.colour.value.set(e),this.shade.material.opacity=t?.2:.42,this.sky.intensity=t?1.3:1,this.ask()}setShadows(e){this.shadows=e;let t=e&&!this.thrifty;this.sun.castShadow!==t&&(this.sun.castShadow=t,this.renderer.shadowMap.enabled=t,this.renderer.shadowMap.needsUpdate=!0,this.scene.traverse(n=>{n instanceof Xt&&!Array.isArray(n.material)&&(n.material.needsUpdate=!0)})),this.shade.visible=t&&this.grid.visible,this.ask()}setGrid(e){this.grid.visible=e,this.shade.visible=e&&this.sun.castShadow,this.ask()}setScene(e,t,n){this.size=t,this.cell=dr(t/12);let s=2.6*t,{uniforms:r}=this.grid.material;r.cell.value=this.cell,r.reach.value=s,r.middle.value.set(e[0],e[1]);for(let a of[this.grid,this.shade])a.scale.setScalar(2*s),a.position.set(e[0],e[1],n);this.shade.position.z-=1e-4*t,this.sun.position.set(e[0]+.6*t,e[1]-.8*t,e[2]+2*t),this.sun.target.position.set(...e);let o=this.sun.shadow;Object.assign(o.camera,{left:-t,right:t,top:t,bottom:-t,near:.1*t,far:5*t}),o.camera.updateProjectionMatrix(),o.bias=-2e-4,o.normalBias=.01*t,this.camera.near=t/200,this.camera.far=t*40,this.camera.updateProjectionMatrix(),this.controls.minDistance=.15*t,this.controls.maxDistance=12*t,this.ask()}fit(e,t,n,s=!0){let r=new W(...e),o=n===null?this.camera.position.clone().sub(this.controls.target):new W(...n);o.lengthSq()===0&&o.set(1,-1,.6);let a=this.camera.fov*Math.PI/360,{clientWidth:l,clientHeight:c}=this.canvas,h=Math.min(1,(l-this.inset)/Math.max(c,1)),d=.5*t/Math.tan(a)/h+.12*t,u=r.clone().add(o.setLength(d));s&&!matchMedia("(prefers-reduced-motion: reduce)").matches?this.goal={target:r,position:u}:(this.goal=null,this.controls.target.copy(r),this.camera.position.copy(u),this.controls.update()),this.ask()}orbit(e,t){this.goal=null;let n=this.camera.position.clone().sub(this.controls.target),s=n.length(),r=Math.min(Math.max(Math.asin(n.z/s)+t,-1.5),1.5),o=Math.atan2(n.y,n.x)-e;n.set(Math.cos(r)*Math.cos(o),Math.cos(r)*Math.sin(o),Math.sin(r)).multiplyScalar(s),this.camera.position.copy(this.controls.target).add(n),this.ask()}zoom(e){let t=this.camera.position.clone().sub(this.controls.target),n=Math.min(Math.max(t.length()*e,this.controls.minDistance),this.controls.maxDistance);this.camera.position.copy(this.controls.target).add(t.setLength(n)),this.ask()}resize(e,t){e<1||t<1||(this.ratio=this.thrifty?1:Math.min(devicePixelRatio,2),this.renderer.setPixelRatio(this.ratio),this.renderer.setSize(e,t,!1),this.camera.aspect=e/t,this.inset>0?this.camera.setViewOffset(e,t,-this.inset/2,0,e,t):this.camera.clearViewOffset(),this.camera.updateProjectionMatrix(),this.ask())}setInset(e){e!==this.inset&&(this.inset=e,this.resize(this.canvas.clientWidth,this.canvas.clientHeight))}project(e){let t=new W(...e),n=-t.clone().applyMatrix4(this.camera.matrixWorldInverse).z;if(t.project(this.camera),n<=this.camera.near||!Number.isFinite(t.x))return null;let{clientWidth:s,clientHeight:r}=this.canvas,o=2*n*Math.tan(this.camera.fov*Math.PI/360);return{x:(t.x/2+.5)*s,y:(.5-t.y/2)*r,metresPerPixel:o/r}}axes(){let e=this.camera.matrixWorld.elements;return{right:[e[0],e[1],e[2]],up:[e[4],e[5],e[6]],away:[-e[8],-e[9],-e[10]]}}draw(){if(this.goal!==null){let{target:s,position:r}=this.goal;this.controls.target.lerp(s,.2),this.camera.position.lerp(r,.2),this.camera.position.distanceTo(r)<.001*this.size&&(this.goal=null),this.wanted=!0}if(this.controls.update(),this.renderer.getContext().isContextLost())return!1;let e=performance.now(),t=e-this.lastDrawn>a1,n=this.coarse&&this.mayBeCoarse&&!(t&&!this.wanted)?o1:this.thrifty?1:this.ratio;return t&&n>this.renderer.getPixelRatio()&&(this.wanted=!0),this.wanted?(n!==this.renderer.getPixelRatio()&&this.renderer.setPixelRatio(n),this.wanted=!1,this.lastDrawn=e,this.renderer.render(this.scene,this.camera),this.cost+=.1*(performance.now()-e-this.cost),this.onCamera(),!0):!1}pace(e){this.coarse||e>500||(this.slow+=e>(this.thrifty?2*l0:l0)?1:-1,this.slow=Math.max(0,this.slow),!(this.slow<24)&&(this.slow=0,this.coarse=this.thrifty,this.thrifty=!0,this.setShadows(this.shadows),this.resize(this.canvas.clientWidth,this.canvas.clientHeight)))}async png(e){this.renderer.setPixelRatio(this.ratio),this.renderer.render(this.scene,this.camera);let t=document.createElement("canvas");t.width=this.canvas.width,t.height=this.canvas.height;let n=t.getContext("2d");return n===null?null:(n.fillStyle=e,n.fillRect(0,0,t.width,t.height),n.drawImage(this.canvas,0,0),new Promise(s=>t.toBlob(s,"image/png")))}};var h0={ember:["#f1dfd2","#f8cfa6","#f9b277","#f28f4f","#e0693a","#c24333","#962640","#651746","#38103c"],viridis:["#440154","#482878","#3e4989","#31688e","#26828e","#1f9e89","#35b779","#6ece58","#b5de2b","#fde725"],cividis:["#00224e","#123570","#3b496c","#575d6d","#707173","#8a8678","#a59c74","#c3b369","#e1cc55","#fee838"],diverging:["#053061","#2166ac","#4393c3","#92c5de","#f2f2f2","#f4a582","#d6604d","#b2182b","#67001f"]},h1=i=>i<=.04045?i/12.92:((i+.055)/1.055)**2.4;function u1(i){return[1,3,5].map(e=>parseInt(i.slice(e,e+2),16)/255)}var Ja=256,c0=new Map;function d1(i){let e=c0.get(i);if(e!==void 0)return e;let t=h0[i].map(u1),n=new Float32Array(3*Ja);for(let s=0;s<Ja;s++){let r=s/(Ja-1)*(t.length-1),o=Math.min(Math.floor(r),t.length-2);for(let a=0;a<3;a++)n[3*s+a]=h1(t[o][a]+(t[o+1][a]-t[o][a])*(r-o))}return c0.set(i,n),n}function u0(i){return`linear-gradient(to right, ${h0[i].join(", ")})`}function d0(i,e,t,n,s){let r=d1(n),o=(Ja-1)/(t-e||1);for(let a=0;a<i.length;a++){let l=Math.round(Math.min(Math.max((i[a]-e)*o,0),Ja-1))*3;s[3*a]=r[l],s[3*a+1]=r[l+1],s[3*a+2]=r[l+2]}}var ja=class{top=0;since=0;follow(e,t,n,s){if(s&&this.top>0)return this.top;let r=dr(Math.max(e,t));return r>=this.top?[this.top,this.since]=[r,n]:e>.4*this.top?this.since=n:n-this.since>3e3&&([this.top,this.since]=[r,n]),this.top}reset(){this.top=0}};function f0(i){switch(i.colourBy){case"displacement":return{label:"Displacement",unit:"m",map:i.map};case"indentation":return{label:"Indentation (inwards)",unit:"m",map:i.map};case"curvature":return{label:"Mean curvature",unit:"1/m",map:"diverging"};case"difference":return{label:"Difference of the two",unit:"m",map:i.map};default:return null}}var f1=104,p1=18,p0=["#f1dfd2","#9fd0f0","#f3c98b","#8fd8bd","#e8b1d1","#f2e791","#a9b8e8"],Nh=class{constructor(e,t,n,s){this.body=e;this.stage=t;this.number=n;let{middle:r,size:o}=new li().take(e.rest),a=Math.max(28,Math.round(f1/Math.sqrt(s))),l=e.rest.length===3*e.surface.u.count*e.surface.v.count;this.tessellation=l?Il(e.surface,r,a):null;let c=this.tessellation,h=new Us({vertexColors:!0,side:$n,specular:2763306,shininess:22,clipShadows:!0,polygonOffset:!0,polygonOffsetFactor:1,polygonOffsetUnits:1});this.surface=new Xt(this.geometry,h),this.surface.castShadow=!0,this.surface.receiveShadow=!0,this.surface.name=e.id,this.geometry.boundingSphere=new Gn(new W,4*o);let d=c?.vertices??0;this.values=new Float32Array(d),this.colours=new Float32Array(3*d).fill(1),c!==null&&(c.evaluate(e.rest),this.geometry.setIndex(new an(c.indices,1)),this.geometry.setAttribute("position",new an(c.positions,3)),this.geometry.setAttribute("normal",new an(c.normals,3)),this.geometry.setAttribute("color",new an(this.colours,3))),this.restPositions=c?.positions.slice()??new Float32Array,this.restNormals=c?.normals.slice()??new Float32Array,this.inwards=c!==null&&m1(c)<0?1:-1,this.group.position.set(...r),this.netPoints=new Float32Array(e.rest.length),this.net=this.makeNet(o),this.lines=this.makeLines(),this.group.add(this.surface,this.lines,this.net)}body;stage;number;group=new bn;extent=[0,0];tessellation;geometry=new ln;surface;lines;net;netPoints;values;colours;restPositions;restNormals;inwards;moved={net:-1,curved:!1};measured={net:-1,what:"",other:-1};painted="";makeLines(){let e=new ln,t=this.tessellation;if(t!==null){let{u:n,v:s}=t,r=[],o=a=>a.filter((l,c)=>c%Math.ceil(a.length/p1)===0);for(let a of o(n.knots))for(let l of s.cells)r.push(a*s.count+l,a*s.count+l+1);for(let a of o(s.knots))for(let l of n.cells)r.push(l*s.count+a,(l+1)*s.count+a);e.setAttribute("position",this.geometry.getAttribute("position")),e.setIndex(r),e.boundingSphere=this.geometry.boundingSphere}return new rr(e,new $i({color:2365974,transparent:!0,opacity:.17,depthWrite:!1}))}makeNet(e){let{u:t,v:n}=this.body.surface,[s,r]=this.body.parted,o=[];for(let u=0;u<t.count;u++)for(let f=0;f<n.count;f++){let g=u*n.count+f;(f+1<n.count?!r.has(f):n.periodic)&&o.push(g,u*n.count+(f+1)%n.count),(u+1<t.count?!s.has(u):t.periodic)&&o.push(g,(u+1)%t.count*n.count+f)}let a=new ln,l=new an(this.netPoints,3);a.setAttribute("position",l),a.setIndex(o),a.boundingSphere=new Gn(new W,4*e);let c=new ln;c.setAttribute("position",l),c.boundingSphere=a.boundingSphere;let h=new bn,d=new nt("#2f7fd6");return h.add(new rr(a,new $i({color:d,transparent:!0,opacity:.75})),new Ea(c,new bo({color:d,size:4,sizeAttenuation:!1}))),h}setLayers(e,t,n,s){let r=this.body.fault===null;this.surface.visible=e&&r&&this.tessellation!==null,this.net.visible=(n||this.tessellation===null)&&r,this.lines.visible=t&&r&&this.tessellation!==null;let o=s?[this.stage.clip]:null;for(let a of[this.surface.material,this.lines.material])a.clippingPlanes===null!=(o===null)&&(a.needsUpdate=!0),a.clippingPlanes=o}move(e){let{body:t,tessellation:n}=this,s=e==="curvature";if(this.moved.net===t.netVersion&&(this.moved.curved||!s)||(this.moved={net:t.netVersion,curved:s},t.fault!==null||n!==null&&n.evaluate(t.points,s)>=0))return;let{x:r,y:o,z:a}=this.group.position;for(let l=0;l<t.points.length;l+=3)this.netPoints[l]=t.points[l]-r,this.netPoints[l+1]=t.points[l+1]-o,this.netPoints[l+2]=t.points[l+2]-a;for(let l of["position","normal"]){let c=this.geometry.getAttribute(l);c!==void 0&&(c.needsUpdate=!0)}for(let l of this.net.children)l.geometry.getAttribute("position").needsUpdate=!0}update(e,t){this.move(e),e==="difference"&&t?.move(e);let n=e==="difference"&&t!==null?t.body.netVersion:-1,{measured:s}=this;s.net===this.body.netVersion&&s.what===e&&s.other===n||(this.measured={net:this.body.netVersion,what:e,other:n},!(this.tessellation===null||this.body.fault!==null)&&(this.measure(e,this.tessellation,t),this.painted=""))}measure(e,t,n){let{values:s,restPositions:r,restNormals:o}=this,a=t.positions,l=n?.tessellation?.positions,[c,h]=[1/0,-1/0];for(let d=0;d<s.length;d++){let u=3*d,f=e==="difference"&&l?.length===a.length?l:r,[g,y,p]=[a[u]-f[u],a[u+1]-f[u+1],a[u+2]-f[u+2]],m=0;e==="displacement"||e==="difference"?m=Math.sqrt(g*g+y*y+p*p):e==="indentation"?m=Math.max(0,this.inwards*(g*o[u]+y*o[u+1]+p*o[u+2])):e==="curvature"&&(m=this.inwards*t.curvature[d]),s[d]=m,m<c&&(c=m),m>h&&(h=m)}if(e==="curvature"){let d=Float32Array.from(s).sort();c=d[Math.floor(.02*d.length)],h=d[Math.floor(.98*(d.length-1))]}this.extent=s.length>0?[c,h]:[0,0]}paint(e,t){let n=e===null?t:`${t} ${e.map} ${e.from} ${e.to}`;if(n===this.painted)return;if(this.painted=n,e===null){let r=new nt(p0[t==="body"?this.number%p0.length:0]);for(let o=0;o<this.colours.length;o+=3)this.colours.set([r.r,r.g,r.b],o)}else d0(this.values,e.from,e.to,e.map,this.colours);let s=this.geometry.getAttribute("color");s!==void 0&&(s.needsUpdate=!0)}dispose(){this.geometry.dispose(),this.surface.material.dispose(),this.lines.geometry.dispose(),this.lines.material.dispose();for(let e of this.net.children)e.geometry.dispose(),e.material.dispose();this.group.removeFromParent()}};function m1({positions:i,indices:e}){let t=0;for(let n=0;n<e.length;n+=3){let[s,r,o]=[3*e[n],3*e[n+1],3*e[n+2]];t+=i[s]*(i[r+1]*i[o+2]-i[r+2]*i[o+1])+i[s+1]*(i[r+2]*i[o]-i[r]*i[o+2])+i[s+2]*(i[r]*i[o+1]-i[r+1]*i[o])}return t}var _f=256,Uh=class{group=new bn;dots=new Aa(new Ar(1,14,10),new ir,_f);at=new Float32Array(6*_f);normals;constructor(){let e=new ln;e.setAttribute("position",new an(this.at,3)),e.boundingSphere=new Gn(new W,1e3),this.normals=new rr(e,new $i),this.dots.frustumCulled=!1,this.group.add(this.dots,this.normals)}setLook(e){this.dots.material.color.set(e),this.normals.material.color.set(e)}update(e,t){let n=e.filter(({point:a,normal:l})=>[...a,...l].every(Number.isFinite)).slice(0,_f),s=new Mt,[r,o]=[.006*t,.07*t];n.forEach(({point:a,normal:l},c)=>{s.makeScale(r,r,r).setPosition(...a),this.dots.setMatrixAt(c,s);for(let h=0;h<3;h++)this.at[6*c+h]=a[h],this.at[6*c+3+h]=a[h]+o*l[h]}),this.dots.count=n.length,this.dots.instanceMatrix.needsUpdate=!0,this.normals.geometry.setDrawRange(0,2*n.length),this.normals.geometry.getAttribute("position").needsUpdate=!0}};var g1=new W(0,1,0),y1=new Mo(1,1,1,16).translate(0,.5,0),m0=new Ia(1,1,24).translate(0,.5,0),Qa=class{constructor(e,t=1){this.heads=t;this.material=new Us({color:e,emissive:e,emissiveIntensity:.45,specular:2236962}),this.shaft=new Xt(y1,this.material),this.head=new Xt(m0,this.material),this.group.add(this.shaft,this.head),t===2&&this.group.add(new Xt(m0,this.material)),this.group.visible=!1}heads;group=new bn;material;shaft;head;tip=new W;setColour(e){this.material.color.set(e),this.material.emissive.set(e)}set(e,t,n,s){let r=on(t)*n;if(this.group.visible=r>.4*s&&Number.isFinite(r),!this.group.visible)return;let o=Math.min(5*s,.6*r),a=r-o;this.group.position.set(...e),this.group.quaternion.copy(new si().setFromUnitVectors(g1,new W(...t).normalize())),this.shaft.scale.set(s,Math.max(a,1e-9),s);for(let l=0;l<this.heads;l++){let c=this.group.children[1+l];c.scale.set(2.3*s,o,2.3*s),c.position.y=a-.7*l*o}this.tip.copy(new W(0,r,0)).applyQuaternion(this.group.quaternion).add(this.group.position)}dispose(){this.material.dispose(),this.group.removeFromParent()}};var xf=6,vf=8*xf+1;function _1(i){if(i===void 0||i.triangles.length===0)return null;let e=new ln;return e.setAttribute("position",new an(new Float32Array(i.points.flat()),3)),e.setIndex(i.triangles.flat()),e.computeVertexNormals(),e.computeBoundingSphere(),e}var Fh=class{constructor(e,t,n,s){this.tool=e;let r=_1(t)??new Ar(e.radius>0?e.radius:.012*n,32,20);r.computeBoundingSphere(),this.reach=r.boundingSphere?.radius??n/50;let o=e.shape==="plane";this.shape=new Xt(r,new Us({color:s.tool,specular:4868682,shininess:90,side:$n,transparent:o,opacity:o?.35:1,depthWrite:!o})),this.shape.castShadow=!o,this.shape.name=e.id,this.ghost=new Xt(r,new ir({color:s.hand,wireframe:!0,transparent:!0,opacity:.28,depthWrite:!1}));let a=new ln;a.setAttribute("position",new an(this.springAt,3)),a.boundingSphere=new Gn(new W,1e3),this.spring=new xo(a,new $i({color:s.force,depthTest:!1,transparent:!0,opacity:.95})),this.spring.renderOrder=5,this.arrow=new Qa(s.force),this.torque=new Qa(s.torque,2),this.group.add(this.shape,this.ghost,this.spring,this.arrow.group,this.torque.group)}tool;group=new bn;shape;arrow;torque;reach;ghost;spring;springAt=new Float32Array(3*vf);setLook(e,t){this.shape.material.color.set(t?e.focus:e.tool),this.ghost.material.color.set(e.hand),this.spring.material.color.set(e.force),this.arrow.setColour(e.force),this.torque.setColour(e.torque)}update(e,t,n){let{tool:s}=this,r=s.proxy.every(Number.isFinite)&&s.orientation.every(Number.isFinite);if(this.group.visible=r,!r)return;this.shape.visible=e.tools,this.shape.position.set(...s.proxy),this.shape.quaternion.set(...s.orientation);let{hand:o}=s,a=o===null?0:on(_r(o.position,s.proxy)),l=e.hands&&o!==null&&a>Math.max(.004*n,.08*Math.min(this.reach,n))&&Number.isFinite(a);this.ghost.visible=l,this.spring.visible=l,l&&o!==null&&(this.ghost.position.set(...o.position),this.ghost.quaternion.set(...o.orientation),this.coil(s.proxy,o.position,Math.min(.01*n,.25*a)));let c=.0075*n;if(e.forces){let h=on(s.force),d=h>0&&s.shape!=="plane"?Math.min(this.reach,.2*n):0;this.arrow.set(gi(s.proxy,Kt(s.force,d/(h||1))),s.force,t,c)}else this.arrow.group.visible=!1;e.torques?this.torque.set(s.proxy,s.torque,t/(.2*n),.8*c):this.torque.group.visible=!1}coil(e,t,n){let s=_r(t,e),r=on(s)||1,o=Kt(s,1/r),a=Math.abs(o[2])<.9?[0,0,1]:[1,0,0],l=_r(a,Kt(o,Ap(a,o))),c=Kt(l,n/on(l)),h=[o[1]*c[2]-o[2]*c[1],o[2]*c[0]-o[0]*c[2],o[0]*c[1]-o[1]*c[0]];for(let d=0;d<vf;d++){let u=d/(vf-1),f=Math.min(1,8*Math.min(u,1-u)),[g,y]=[Math.cos(2*Math.PI*xf*u)*f,Math.sin(2*Math.PI*xf*u)*f];for(let p=0;p<3;p++)this.springAt[3*d+p]=e[p]+s[p]*u+c[p]*g+h[p]*y}this.spring.geometry.getAttribute("position").needsUpdate=!0}dispose(){this.shape.geometry.dispose(),this.shape.material.dispose(),this.ghost.material.dispose(),this.spring.geometry.dispose(),this.spring.material.dispose(),this.arrow.dispose(),this.torque.dispose(),this.group.removeFromParent()}};var v1=.14;function x1(i){let e=new li;for(let t of i.bodies)e.take(t.rest);return!e.empty&&e.high[2]-e.low[2]<.1*e.size}var Oh=class{constructor(e,t){this.world=e;this.stage=t;t.content.add(this.group),this.group.add(this.contacts.group)}world;stage;group=new bn;bodies=[];tools=[];scale=null;arrowScale=.01;size=.1;middle=[0,0,0];groundZ=0;contacts=new Uh;range=new ja;forceRange=new ja;seen={scene:-1,outlines:-1,what:"",settings:-1};rebuild(e){let{world:t,seen:n}=this,s=n.scene!==t.sceneVersion;if(!s&&n.outlines===t.outlineVersion)return!1;if(n.outlines=t.outlineVersion,s){n.scene=t.sceneVersion;for(let o of this.bodies)o.dispose();let r=t.bounds();this.size=r.size,this.middle=r.middle,this.groundZ=r.empty?0:r.low[2]-(x1(t)?v1*r.size:0),this.bodies=t.bodies.map((o,a)=>new Nh(o,this.stage,a,t.bodies.length));for(let o of this.bodies)this.group.add(o.group);this.range.reset(),this.forceRange.reset()}for(let r of this.tools)r.dispose();return this.tools=t.tools.map(r=>{let o=t.outlines.find(l=>l.id===r.id),a=new Fh(r,o,this.size,e);return this.group.add(a.group),a}),n.settings=-1,s}update(e,t,n,s,r){let{world:o}=this,a=performance.now(),l=e.colourBy;this.seen.what!==l&&(this.seen.what=l,this.range.reset());for(let d of this.bodies)d.update(l,r?.bodies.find(({body:u})=>u.id===d.body.id)??null);this.scale=this.scaleNow(e,a);let c=e.clip!=="off";for(let d of this.bodies)d.paint(this.scale,l),d.setLayers(e.layers.surface,e.layers.lines,e.layers.net,c);if(this.seen.settings!==t){this.seen.settings=t;for(let d of this.tools)d.setLook(n,d.tool.id===s);this.contacts.setLook(n.contact)}let h=Math.max(0,...o.tools.map(d=>on(d.force)).filter(Number.isFinite));this.arrowScale=.34*this.size/this.forceRange.follow(h,.5,a,!1);for(let d of this.tools)d.update(e.layers,this.arrowScale,this.size);this.contacts.group.visible=e.layers.contacts,this.contacts.update(o.contacts,this.size)}scaleNow(e,t){let n=f0(e);if(n===null||this.bodies.length===0)return null;let s=Math.min(...this.bodies.map(a=>a.extent[0])),r=Math.max(...this.bodies.map(a=>a.extent[1]));if(e.colourBy==="curvature"){let a=this.range.follow(Math.max(Math.abs(s),Math.abs(r)),.001/this.size,t,e.lockRange);return{...n,from:-a,to:a}}let o=e.colourBy==="difference"?1e-6*this.size:dr(this.size/200);return{...n,from:0,to:this.range.follow(r,o,t,e.lockRange)}}dispose(){for(let e of this.bodies)e.dispose();for(let e of this.tools)e.dispose();this.group.removeFromParent()}};var b1={theme:"system",colourBy:"displacement",map:"ember",lockRange:!1,layers:{surface:!0,lines:!0,net:!1,contacts:!0,tools:!0,hands:!0,forces:!0,torques:!1,labels:!0,grid:!0,shadows:!0},clip:"off",clipAt:.5,clipFlip:!1,sound:!1,span:10},g0="palpate.page.1";function S1(i){return{...i,layers:{...i.layers}}}function M1(){let i=S1(b1);try{let e=JSON.parse(localStorage.getItem(g0)??"{}");["system","light","dark"].includes(e.theme??"")&&(i.theme=e.theme),["ember","viridis","cividis"].includes(e.map??"")&&(i.map=e.map),[5,10,30,60].includes(e.span??0)&&(i.span=e.span);for(let t of Object.keys(i.layers)){let n=e.layers?.[t];typeof n=="boolean"&&(i.layers[t]=n)}}catch{}return i}var kh=class{value=M1();version=0;listeners=[];onChange(e){this.listeners.push(e)}set(e){e(this.value),this.version+=1;try{localStorage.setItem(g0,JSON.stringify(this.value))}catch{}for(let t of this.listeners)t()}};async function Bh(){if(!location.protocol.startsWith("http"))return null;try{let i=await fetch("session.json",{cache:"no-store"});return i.ok?await i.json():null}catch{return null}}function y0(i){let e=atob(i.replace(/\s+/g,"")),t=new Uint8Array(e.length);for(let n=0;n<e.length;n++)t[n]=e.charCodeAt(n);return t}function _0(){let i=document.getElementById("palpate-recording");if(i===null)return null;let e=document.getElementById("palpate-scene")?.textContent??"";return{name:i.dataset.name??"recording",bytes:y0(i.textContent??""),scene:e.trim()===""?null:y0(e),tools:document.getElementById("palpate-tools")?.textContent??null}}var zh=class{context=null;tone=null;volume=null;set(e){if(!e){this.context?.close(),this.context=this.tone=this.volume=null;return}this.context===null&&(this.context=new AudioContext,this.tone=new OscillatorNode(this.context,{type:"triangle",frequency:110}),this.volume=new GainNode(this.context,{gain:0}),this.tone.connect(this.volume).connect(this.context.destination),this.tone.start())}update(e){if(this.context===null||this.tone===null||this.volume===null)return;let t=Math.min(Math.max(e,0),1)||0,n=this.context.currentTime;this.tone.frequency.setTargetAtTime(110*2**(3*Math.sqrt(t)),n,.015),this.volume.gain.setTargetAtTime(t>.002?.05+.12*t:0,n,.02)}};var w1={latch:"reading poses",render:"contact",deform:"deformation",hash:"the state hash",emit:"sending",wake:"the system woke it late"},oi=(i,e,t=!1)=>({about:i,serious:t,text:e});function T1(i){switch(i.type){case"Reset":return oi("loop","Reset to the start of the scene");case"Paused":return oi("loop","Paused");case"Resumed":return oi("loop","Running again");case"ToolJoined":return oi("tool",`${i.tool} is being moved`);case"ToolLost":return oi("tool",`${i.tool} was let go`);case"PoseRefused":return oi("tool",`A pose of ${i.tool} was refused: ${i.reason}`,!0);case"Fault":return oi("fault",`Fault: ${i.reason}. Forces are safe, not right`,!0);case"RecordStarted":return oi("recorder",`Recording to ${i.path}`);case"RecordStopped":return oi("recorder",`Recorded ${i.path}`);case"Stopping":return oi("loop","The daemon is going down");case"Overrun":{let e=w1[i.stage]??i.stage,t=i.count===1n?"1 tick was":`${i.count} ticks were`;return oi("loop",`${t} late, the worst by ${ms(Number(i.worst_ns)*1e-9,"s")}: ${e}`)}case"QualityChanged":return oi("loop",i.level===0?"Full quality again":`Quality lowered to level ${i.level}: ${i.reason}`,i.level>0);case"DeviceTold":return oi("tool",`${i.tool} is held by ${i.name}`);case"RecordFailed":return oi("recorder",`Recording ${i.path} failed: ${i.reason}`,!0);case"SceneChanged":return oi("scene",`The scene changed: ${i.what}`)}}function v0(i){return{tick:Number(i.tick),seq:Number(i.seq),...T1(i.kind)}}var A1={tool_joined:"tool",tool_lost:"tool",pose_refused:"tool",device_told:"tool",fault:"fault",scene_changed:"scene",record_started:"recorder",record_stopped:"recorder",record_failed:"recorder"};function x0(i,e,t,n){let s=e.replace(/([a-z])([A-Z])/g,"$1_$2").replace(/[ -]/g,"_").toLowerCase(),r=s.replace(/_/g," ")+(t===""?"":`: ${t}`);return{tick:i,seq:n,about:A1[s]??"loop",serious:/fault|refused|failed/.test(s),text:r[0].toUpperCase()+r.slice(1)}}function b0(i){return[[ws.FAULT,"fault: the force is safe, not right"],[ws.REFUSED,"the last pose was refused"],[ws.STALE,"no fresh pose"],[ws.SATURATED,"at the force limit"],[ws.RAMPING,"force ramping"],[ws.GRABBING,"gripping"],[ws.DAMPED,"damped"],[ws.PAUSED,"paused"]].filter(([t])=>(i&t)!==0).map(([,t])=>t)}var S0={Off:"not recording",Recording:"recording",Ring:"last seconds kept",Failed:"recording failed"},M0=["full quality","bodies iterate once","fewer contact sweeps","nets ten times rarer"];function w0(i){let e=new $s(i);return{key:bt.read(e),payload:i.subarray(e.at)}}function bf(i,e=new Uint8Array){let t=new Zs;return bt.write(t,i),t.raw(e),t.finish()}function Sf(i){return bt.read(new $s(i))}function T0(i){let e=new Zs;return bt.write(e,i),e.finish()}function A0(i,e){let t=new Zs;return lt.write(t,BigInt(i)),bt.write(t,e),t.finish()}function E0(i){let e=new $s(i);return{id:Number(lt.read(e)),json:bt.read(e)}}var E1=3e4,Vh=class{constructor(e,t){this.world=e;this.session=t}world;session;onRefused=()=>{};onOpen=()=>{};socket=null;calls=new Map;nextCall=1;attempts=0;timer;closed=!1;malformed=0;get mayWrite(){return this.session.token!==null&&this.world.link==="live"}get viewOnly(){return this.session.token===null}get mayHold(){return this.mayWrite&&this.session.played!==!0}get lockstep(){return this.session.lockstep===!0||this.world.lockstep}get pages(){return this.session.pages??{}}get instance(){return this.session.instance??"default"}start(){this.world.instances=this.session.instances??[];let e=location.protocol==="https:"?"wss":"ws",t=new WebSocket(`${e}://${location.host}/live`);this.socket=t,t.binaryType="arraybuffer",t.onopen=()=>{this.attempts=0,this.session.token!==null&&t.send(bf("token",T0(this.session.token))),this.world.link="live",this.world.trouble="",this.world.touch(),this.fetchOutlines(),this.onOpen()},t.onmessage=n=>{n.data instanceof ArrayBuffer&&this.take(new Uint8Array(n.data))},t.onclose=()=>this.lose()}stop(){this.closed=!0,clearTimeout(this.timer),this.socket?.close()}lose(){if(!this.closed){this.world.link="lost",this.world.trouble="The daemon does not answer; trying again …";for(let e of this.world.tools)e.holder=null;this.world.touch();for(let e of this.calls.values())e({ok:!1,error:"the connection was lost"});this.calls.clear(),this.attempts+=1,this.timer=setTimeout(()=>{this.again()},Math.min(250*this.attempts,2e3))}}async again(){let e=await Bh();if(!this.closed){if(e===null)return this.lose();this.session=e,this.start()}}async fetchOutlines(){try{let e=await fetch("tools.json",{cache:"no-store"});this.world.outlines=await e.json(),this.world.outlineVersion+=1,this.world.touch()}catch{}}take(e){try{let{key:t,payload:n}=w0(e);this.route(t,n)}catch(t){if(!(t instanceof An||t instanceof SyntaxError))throw t;t instanceof An&&t.fault==="unknown-case"||(this.malformed+=1)}}route(e,t){let[n,s,r]=e.split("/"),{world:o}=this;switch(r===void 0?n:`${n}/${r}`){case"scene":{o.load(Ci(Tl,t)),this.fetchOutlines();return}case"body/net":{let a=Ci(Gp,t);o.body(a.body)?.takeNet(a.points,a.count_u,a.count_v,Number(a.tick));break}case"tool/force":return this.takeForce(s,Ci(zp,t));case"tool/contact":{let a=o.tool(s),l=Ci(Vp,t);if(a===void 0)return;a.contactForce=l.force,a.energy=l.energy_j,a.dissipated=l.dissipated_j;break}case"tool/device":{let a=o.tool(s);a!==void 0&&(a.device=Ci(Ou,t));break}case"contact":o.contacts=Ci(Hp,t).contacts;break;case"status":this.takeStatus(Ci(Wp,t));break;case"event":o.addEvent(v0(Ci(Xp,t)));return;case"holders":{let a=JSON.parse(Sf(t));for(let l of o.tools)l.holder=a[l.id]??null,l.holder===null&&(l.device=null);break}case"rpc":{let{id:a,json:l}=E0(t);this.calls.get(a)?.(JSON.parse(l)),this.calls.delete(a);return}case"refused":{let a=JSON.parse(Sf(t));this.onRefused(a.key??"",a.error??"refused");return}default:return}o.touch()}takeForce(e,t){let n=this.world.tool(e);if(n===void 0)return;let s=Number(t.tick);n.tick=s,n.force=t.force,n.torque=t.torque,n.proxy=t.proxy_position,n.orientation=t.proxy_orientation,n.depth=t.depth,n.contacts=t.contact_count,n.flags=t.flags,n.poseSeq=t.pose_seq,n.hand!==null&&(n.poseAgeMs=performance.now()-Number(t.t_client_ns)*1e-6),this.world.tick=s,n.history.push(s,...t.force,t.depth,n.energy,n.dissipated),this.world.touch()}takeStatus(e){let{world:t}=this,n=Number(e.tick),s=r=>Number(r)*1e-9;n!==t.tick&&(t.tick=n),t.status=e,t.loop.push(n,s(e.step.p50_ns),s(e.step.p99_ns),s(e.step.max_ns),s(e.period.max_ns),e.rate_hz);for(let r of t.tools)n>r.tick&&r.history.push(n,...r.force,r.depth,r.energy,r.dissipated)}claim(e,t){this.send(`tool/${e}/device`,wl(Ou,t))}pose(e,t){this.send(`tool/${e}/pose`,wl(Bp,t))}release(e){this.send(`tool/${e}/release`,new Uint8Array)}speed(e){let t=new Uint8Array(8);new DataView(t.buffer).setFloat64(0,e,!0),this.send("speed",t)}call(e,t={}){if(!this.mayWrite){let s=this.viewOnly?"this page is for looking only":"there is no connection to the daemon";return Promise.resolve({ok:!1,error:s})}let n=this.nextCall++;return new Promise(s=>{let r=setTimeout(()=>{this.calls.delete(n),s({ok:!1,error:"no answer within 30 s"})},E1);this.calls.set(n,o=>{clearTimeout(r),s(o)}),this.send(`rpc/${e}`,A0(n,JSON.stringify(t)))})}send(e,t){this.socket?.readyState===WebSocket.OPEN&&this.socket.send(bf(e,t))}};var Gh=class{constructor(e){this.recording=e;let t=e.lastTick-e.firstTick+1;this.ticksPerRow=Math.max(1,Math.ceil(t/6e3)),this.rows=Math.max(1,Math.ceil(t/this.ticksPerRow)),this.filled=new Uint8Array(this.rows);let n=()=>new Float64Array(this.rows);this.tools=e.toolIds.map(()=>({fx:n(),fy:n(),fz:n(),size:n(),depth:n(),energy:n(),dissipated:n(),contact:new Uint8Array(this.rows)})),this.step=n(),this.late=n()}recording;rows;ticksPerRow;filled;tools;step;late;events=[];version=0;done=!1;sampled=1;stopped=!1;tickOf(e){return this.recording.firstTick+e*this.ticksPerRow}stop(){this.stopped=!0}async fill(){let{chunks:e,channels:t}=this.recording.file,n=e.reduce((a,l)=>a+l.length,0);this.sampled=Math.max(1,Math.ceil(n/67108864));let s=[...t].find(([,a])=>a==="/sim/event")?.[0]??-1,r=performance.now(),o=400;for(let a=0;a<e.length&&!this.stopped;a++){if(a%this.sampled!==0&&(!(e[a].channels?.has(s)??!1)||o--<=0))continue;let l=await this.recording.passing(a);this.events.push(...l.events);for(let c of l.ticks)this.take(c);performance.now()-r>24&&(this.version+=1,await new Promise(c=>setTimeout(c)),r=performance.now())}this.events.sort((a,l)=>a.tick-l.tick),this.done=!0,this.version+=1}take(e){let t=Math.floor((e.tick-this.recording.firstTick)/this.ticksPerRow);t<0||t>=this.rows||(this.filled[t]=1,this.step[t]=Math.max(this.step[t],1e-9*e.stagesNs.reduce((n,s)=>n+s,0)),this.late[t]=Math.max(this.late[t],1e-9*e.lateNs),e.tools.forEach(({values:n,contacts:s,contact:r},o)=>{let a=this.tools[o];if(a===void 0||n.length<21)return;let l=Math.hypot(n[0],n[1],n[2]);l>=a.size[t]&&([a.fx[t],a.fy[t],a.fz[t],a.size[t]]=[n[0],n[1],n[2],l]),a.depth[t]=Math.max(a.depth[t],r?.values[8]??0),a.energy[t]=n[19],a.dissipated[t]=n[20],s>0&&(a.contact[t]=1)}))}contactIntervals(e){let t=[],{contact:n}=this.tools[e],s=Math.max(this.ticksPerRow,this.recording.every);for(let r=0;r<this.rows;r++){if(n[r]===0)continue;let o=t[t.length-1],a=this.tickOf(r)+s-1;o!==void 0&&this.tickOf(r)-o[1]<=1+s*(this.sampled-1)?o[1]=a:t.push([this.tickOf(r),a])}return t}};var el=class{ticks=[];columns=Array.from({length:6},()=>[]);version=0;push(e,...t){let n=this.ticks[this.ticks.length-1];if(n!==void 0&&e<n){if(n-e<500)return;this.clear()}if(e===n?this.columns.forEach((s,r)=>s[s.length-1]=t[r]??0):(this.ticks.push(e),this.columns.forEach((s,r)=>s.push(t[r]??0))),this.ticks.length>4096*1.25){let s=this.ticks.length-4096;this.ticks.splice(0,s);for(let r of this.columns)r.splice(0,s)}this.version+=1}clear(){this.ticks=[];for(let e of this.columns)e.length=0;this.version+=1}};var tl=class{constructor(e,t,n,s,r,o){this.id=e;this.model=t;this.surface=n;this.rest=s;this.assumed=o;this.points=r}id;model;surface;rest;assumed;points;netTick=0;netVersion=1;fault=null;get parted(){return[qu(this.surface.u),qu(this.surface.v)]}takeNet(e,t,n,s){if(t!==this.surface.u.count||n!==this.surface.v.count||e.length!==3*t*n)return!1;this.points=e,this.netTick=s,this.netVersion+=1;let r=e.findIndex(o=>!Number.isFinite(o));return this.fault=r<0?null:`control point ${Math.floor(r/3)} of ${this.id} is not a number`,!0}},nl=class{constructor(e,t,n,s,r){this.id=e;this.shape=t;this.radius=n;this.forceMax=s;this.start=r;this.proxy=r.position,this.orientation=r.orientation}id;shape;radius;forceMax;start;proxy;orientation;force=Ri;torque=Ri;contactForce=Ri;depth=0;contacts=0;flags=0;energy=0;dissipated=0;tick=0;poseSeq=0n;poseAgeMs=0;hand=null;device=null;holder=null;history=new el},R0=1e3,Uo=class{name="";sceneHash="";dt=.001;lockstep=!1;bodies=[];tools=[];outlines=[];contacts=[];status=null;events=[];instances=[];link="connecting";trouble="";tick=0;version=0;sceneVersion=0;outlineVersion=0;eventVersion=0;historyVersion=0;loop=new el;seconds(e=this.tick){return e*this.dt}touch(){this.version+=1}body(e){return this.bodies.find(t=>t.id===e)}tool(e){return this.tools.find(t=>t.id===e)}load(e){let t=new Map(this.tools.map(n=>[n.id,n]));this.name=e.scene_name,this.sceneHash=[...e.scene_hash].map(n=>n.toString(16).padStart(2,"0")).join(""),this.dt=Number(e.dt_ns)*1e-9||.001,this.lockstep=e.lockstep,this.tick=Number(e.tick),this.bodies=e.bodies.map(n=>{let s=l=>({degree:n.degree[l],periodic:n.periodic[l],count:n.count[l],knots:n.knots[l]}),r={u:s(0),v:s(1),weights:n.weights},o=new tl(n.id,n.model,r,n.rest_points,n.points,!1);return n.rest_points.length===n.points.length&&o.takeNet(n.points,n.count[0],n.count[1],this.tick)||(o.fault=`the net of ${n.id} has not ${n.count[0]} × ${n.count[1]} points`),o}),this.tools=e.tools.map(n=>{let s={position:n.position,orientation:n.orientation},r=new nl(n.id,n.shape,n.radius,n.force_max,s),o=t.get(n.id);if(o===void 0)return r;let{holder:a,device:l,history:c,hand:h}=o;return Object.assign(r,{holder:a,device:l,history:c,hand:h})}),this.contacts=[],this.sceneVersion+=1,this.touch()}addEvent(e){this.events.some(t=>t.seq===e.seq&&t.tick===e.tick&&t.text===e.text)||(this.events.push(e),this.events.length>R0&&this.events.splice(0,this.events.length-R0),this.eventVersion+=1,this.touch())}bounds(){let e=new li;for(let s of this.bodies)e.take(s.rest);let t=e.size,n=e.empty?new li:new li().take(e.low).take(e.high);for(let s of this.tools)(!e.low.some((o,a)=>s.proxy[a]<o-t||s.proxy[a]>e.high[a]+t)||e.empty)&&n.take(s.proxy);return n}};var il=class{constructor(e,t,n){this.recording=e;this.world=t;if(this.overview=new Gh(e),this.at=e.firstTick,t.outlines=n,t.outlineVersion+=1,t.link="playing",e.snapshot!==null&&t.load(e.snapshot),t.name=e.scene,t.dt=e.dt,e.snapshot===null){let s={position:[0,0,0],orientation:[0,0,0,1]};t.tools=e.toolIds.map(r=>new nl(r,"sphere",0,0,s)),t.sceneVersion+=1}this.overview.fill()}recording;world;playing=!1;speed=1;loop=!1;seekMs=0;overview;at;shown=-1;busy=!1;wanted=null;eventsTold=-1;get first(){return this.recording.firstTick}get last(){return this.recording.lastTick}get tick(){return Math.round(this.at)}toggle(){!this.playing&&this.tick>=this.last&&(this.at=this.first),this.playing=!this.playing,this.world.touch()}step(e){this.playing=!1,this.seek(this.tick+e)}async seek(e){if(this.at=Math.min(Math.max(e,this.first),this.last),this.wanted=this.tick,!this.busy){this.busy=!0;try{for(;this.wanted!==null;){let t=this.wanted;this.wanted=null;let n=performance.now(),s=await this.recording.at(t);this.show(t,s),this.seekMs=performance.now()-n}}catch(t){this.world.trouble=`This place of the recording cannot be read: ${t instanceof Error?t.message:String(t)}`,this.world.touch()}finally{this.busy=!1}}}advance(e){this.tellEvents(),this.playing&&(this.at+=Math.min(e,250)*.001*this.speed/this.recording.dt,this.at>=this.last&&(this.loop?this.at=this.first:[this.at,this.playing]=[this.last,!1],this.world.touch())),this.tick!==this.shown&&!this.busy&&this.seek(this.at)}tellEvents(){let{overview:e,world:t}=this;e.version!==this.eventsTold&&(this.eventsTold=e.version,t.events=e.events.map(({tick:n,kind:s,detail:r},o)=>x0(n,s,r,o)),t.eventVersion+=1,t.historyVersion+=1,t.touch())}show(e,{tick:t,nets:n,hands:s}){let{world:r}=this;this.shown=e;for(let o of n.values()){let a=r.body(o.body);(a===void 0||!a.takeNet(o.points,o.countU,o.countV,o.tick))&&this.replaceBody(o)}for(let o of r.bodies)!n.has(o.id)&&o.netTick>e&&o.takeNet(o.rest,o.surface.u.count,o.surface.v.count,0);r.contacts=[],t?.tools.forEach(({values:o,contacts:a,contact:l,flags:c},h)=>{let d=r.tools[h];if(d===void 0||o.length<21)return;let u=y=>[o[y],o[y+1],o[y+2]];if(d.tick=t.tick,d.force=u(0),d.torque=u(3),d.proxy=u(6),d.orientation=[o[9],o[10],o[11],o[12]],d.contactForce=u(13),d.energy=o[19],d.dissipated=o[20],d.flags=c,d.contacts=a,d.depth=l?.values[8]??0,d.hand=s[h]??null,l===null||!yl([...l.values]))return;let f=l.values,g=y=>[f[y],f[y+1],f[y+2]];r.contacts=[...r.contacts,{tool:d.id,body:this.recording.bodyIds[l.body]??"",u:f[0],v:f[1],point:g(2),normal:g(5),depth:f[8],force:g(9)}]}),r.tick=e,r.touch()}replaceBody(e){let{world:t}=this,n=(o,a)=>({degree:o,periodic:!1,count:a,knots:Qp(o,a)}),s={u:n(e.degreeU,e.countU),v:n(e.degreeV,e.countV),weights:null},r=new tl(e.body,"",s,e.points,e.points,!0);r.netTick=e.tick,t.bodies=[...t.bodies.filter(({id:o})=>o!==e.body),r],t.sceneVersion+=1}stop(){this.overview.stop(),this.playing=!1}};var R1=8,C1=3,P1=700,I1=3e3,L1=.02;function D1(i){return{name:i,dof_force:3,dof_torque:3,workspace:[0,0,0],force_max:1e4,force_continuous:1e4,torque_max:1e4,mass:0,damping:0,coulomb_friction:0,encoder_resolution:0,rate_hz:60,delay_s:0,deadband:0}}var Hh=class{constructor(e,t,n){this.world=e;this.daemon=t;this.sceneSize=n}world;daemon;sceneSize;state="free";tool=null;grip=!1;onEnd=()=>{};name=`mouse ${crypto.getRandomValues(new Uint16Array(1))[0].toString(16).padStart(4,"0")}`;confirmed=!1;claimed=0;moved=Ri;target=Ri;position=Ri;velocity=Ri;orientation=[0,0,0,1];seq=0n;last=0;relaxedSince=0;timer;get pose(){return{position:this.position,orientation:this.orientation}}take(e){if(this.daemon.mayWrite){if(this.state!=="free"){if(this.tool?.id===e.id){this.state="holding",this.target=this.position;return}this.end(null)}this.tool=e,this.state="holding",this.position=this.target=e.proxy,this.orientation=_l(e.orientation),this.velocity=this.moved=Ri,this.seq=0n,this.grip=!1,this.confirmed=!1,this.daemon.claim(e.id,D1(this.name)),this.last=this.claimed=performance.now(),this.timer=setInterval(()=>this.step(),R1),this.world.touch()}}move(e){this.state!=="holding"||!e.every(Number.isFinite)||(this.target=gi(this.target,e),this.confirmed||(this.moved=gi(this.moved,e)),performance.now()-this.last>=C1&&this.step())}turn(e,t){this.state==="holding"&&(this.orientation=_l(Ep(Rp(e,t),this.orientation)))}letGo(){this.state==="holding"&&(this.state="relaxing",this.grip=!1,this.relaxedSince=performance.now())}end(e){let{tool:t}=this;if(clearInterval(this.timer),t===null)return;let n=this.world.tool(t.id);n!==void 0&&(n.hand=null),e===null&&this.daemon.release(t.id),this.tool=null,this.state="free",this.world.touch(),this.onEnd(t.id,e)}step(){let e=performance.now(),t=Math.min(Math.max((e-this.last)*.001,1e-4),.1);if(this.tool===null)return;let n=this.world.tool(this.tool.id);if(n===void 0)return this.end("the tool is not in the scene any more");if(this.tool=n,this.state==="relaxing"){if(!this.confirmed)return this.end(null);if(this.target=n.proxy,e-this.relaxedSince>P1)return this.end(null)}let s=this.sceneSize(),r=Math.min((this.state==="relaxing"?2:15)*s,3);if(!this.confirmed){if(this.confirmed=n.holder===this.name,!this.confirmed&&e-this.claimed>I1)return this.end("the daemon did not answer");if(!this.confirmed)return;this.position=n.proxy,this.target=gi(this.position,this.moved)}let o=_r(this.target,this.position),a=r*t,l=on(o)>a?Kt(o,a/on(o)):o;this.position=gi(this.position,l);let c=t/(t+L1);this.velocity=gi(Kt(this.velocity,1-c),Kt(l,c/t)),this.send(e)}send(e){let{tool:t}=this;t!==null&&(this.seq+=1n,this.last=e,t.hand=this.pose,this.daemon.pose(t.id,{seq:this.seq,t_client_ns:BigInt(Math.round(e*1e6)),position:this.position,orientation:this.orientation,linear_velocity:this.velocity,angular_velocity:Ri,buttons:this.grip?1:0,flags:0}),this.world.touch())}};var C0={mouse:14,pen:18,touch:34},Wh=class{constructor(e,t,n){this.stage=e;this.hand=t;this.views=n;let{canvas:s}=e,r=s.parentElement??s;r.addEventListener("pointerdown",o=>this.down(o),{capture:!0}),r.addEventListener("pointermove",o=>this.move(o),{capture:!0});for(let o of["pointerup","pointercancel"])addEventListener(o,a=>this.up(a),{capture:!0});r.addEventListener("wheel",o=>this.wheel(o),{capture:!0,passive:!1}),s.addEventListener("contextmenu",o=>o.preventDefault())}stage;hand;views;onHover=()=>{};onTake=()=>{};enabled=()=>!0;caster=new ka;held=null;at={x:0,y:0};others=new Map;pick(e){let{canvas:t,camera:n}=this.stage,s=t.getBoundingClientRect(),[r,o]=[e.clientX-s.left,e.clientY-s.top],a=this.views().filter(d=>d.group.visible);this.caster.setFromCamera(new $e(2*r/s.width-1,1-2*o/s.height),n);let l=this.caster.intersectObjects(a.map(d=>d.shape),!1)[0];if(l!==void 0)return a.find(d=>d.shape===l.object)??null;let c=null,h=C0[e.pointerType]??C0.mouse;for(let d of a){let u=this.stage.project(d.tool.proxy);if(u===null)continue;let f=Math.min(d.reach/u.metresPerPixel,60),g=Math.hypot(u.x-r,u.y-o)-f;g<h&&([c,h]=[d,g])}return c}down(e){if(e.target!==this.stage.canvas)return;if(this.held!==null){this.others.set(e.pointerId,e.clientY),e.stopPropagation();return}if(!this.enabled()||e.button>2||e.button===1)return;let t=this.pick(e);t!==null&&(e.stopPropagation(),e.preventDefault(),this.held=e.pointerId,this.at={x:e.clientX,y:e.clientY},this.stage.controls.enabled=!1,this.stage.canvas.setPointerCapture(e.pointerId),this.onTake(t.tool.id),this.hand.grip=e.shiftKey||e.button===2)}move(e){if(e.pointerId!==this.held){let a=this.others.get(e.pointerId);a!==void 0?(this.others.set(e.pointerId,e.clientY),this.push((a-e.clientY)/300),e.stopPropagation()):e.pointerType==="mouse"&&e.buttons===0&&e.target===this.stage.canvas&&this.onHover(this.enabled()?this.pick(e)?.tool.id??null:null);return}e.stopPropagation();let[t,n]=[e.clientX-this.at.x,e.clientY-this.at.y];this.at={x:e.clientX,y:e.clientY},this.hand.grip=e.shiftKey||(e.buttons&2)!==0;let{right:s,up:r}=this.stage.axes();if(e.ctrlKey||e.metaKey){this.hand.turn(r,t*.01),this.hand.turn(s,n*.01);return}let o=this.stage.project(this.hand.pose.position);o!==null&&this.hand.move(gi(Kt(s,t*o.metresPerPixel),Kt(r,-n*o.metresPerPixel)))}up(e){this.others.delete(e.pointerId),e.pointerId===this.held&&(this.held=null,this.others.clear(),this.stage.controls.enabled=!0,this.hand.letGo(),e.stopPropagation())}wheel(e){if(this.held===null)return;e.preventDefault(),e.stopPropagation();let t=e.deltaY*(e.deltaMode===1?16:e.deltaMode===2?400:1);this.push(-t/2500)}push(e){this.hand.move(Kt(this.stage.axes().away,e*this.stage.size))}drop(){this.held=null,this.stage.controls.enabled=!0}};var N1="uplot",U1="u-hz",F1="u-vt",O1="u-title",k1="u-wrap",B1="u-under",z1="u-over",V1="u-axis",Fr="u-off",G1="u-select",H1="u-cursor-x",W1="u-cursor-y",X1="u-cursor-pt",q1="u-legend",Y1="u-live",$1="u-inline",Z1="u-series",K1="u-marker",P0="u-label",J1="u-value",rl="width",ol="height";var I0="bottom",Fo="left",Mf="right",zf="#000",L0=zf+"0",wf="mousemove",D0="mousedown",Tf="mouseup",N0="mouseenter",U0="mouseleave",F0="dblclick",j1="resize",Q1="scroll",O0="change",Zh="dppxchange",Vf="--",Ho=typeof window<"u",Pf=Ho?document:null,ko=Ho?window:null,eT=Ho?navigator:null,Et,Xh;function If(){let i=devicePixelRatio;Et!=i&&(Et=i,Xh&&Df(O0,Xh,If),Xh=matchMedia(`(min-resolution: ${Et-.001}dppx) and (max-resolution: ${Et+.001}dppx)`),Or(O0,Xh,If),ko.dispatchEvent(new CustomEvent(Zh)))}function Mi(i,e){if(e!=null){let t=i.classList;!t.contains(e)&&t.add(e)}}function Lf(i,e){let t=i.classList;t.contains(e)&&t.remove(e)}function qt(i,e,t){i.style[e]=t+"px"}function Qi(i,e,t,n){let s=Pf.createElement(i);return e!=null&&Mi(s,e),t?.insertBefore(s,n),s}function Oi(i,e){return Qi("div",i,e)}var k0=new WeakMap;function gs(i,e,t,n,s){let r="translate("+e+"px,"+t+"px)",o=k0.get(i);r!=o&&(i.style.transform=r,k0.set(i,r),e<0||t<0||e>n||t>s?Mi(i,Fr):Lf(i,Fr))}var B0=new WeakMap;function z0(i,e,t){let n=e+t,s=B0.get(i);n!=s&&(B0.set(i,n),i.style.background=e,i.style.borderColor=t)}var V0=new WeakMap;function G0(i,e,t,n){let s=e+""+t,r=V0.get(i);s!=r&&(V0.set(i,s),i.style.height=t+"px",i.style.width=e+"px",i.style.marginLeft=n?-e/2+"px":0,i.style.marginTop=n?-t/2+"px":0)}var Gf={passive:!0},tT={...Gf,capture:!0};function Or(i,e,t,n){e.addEventListener(i,t,n?tT:Gf)}function Df(i,e,t,n){e.removeEventListener(i,t,Gf)}Ho&&If();function es(i,e,t,n){let s;t=t||0,n=n||e.length-1;let r=n<=2147483647;for(;n-t>1;)s=r?t+n>>1:wi((t+n)/2),e[s]<i?t=s:n=s;return i-e[t]<=e[n]-i?t:n}function gy(i){return(t,n,s)=>{let r=-1,o=-1;for(let a=n;a<=s;a++)if(i(t[a])){r=a;break}for(let a=s;a>=n;a--)if(i(t[a])){o=a;break}return[r,o]}}var yy=i=>i!=null,_y=i=>i!=null&&i>0,jh=gy(yy),nT=gy(_y);function iT(i,e,t,n=0,s=!1){let r=s?nT:jh,o=s?_y:yy;[e,t]=r(i,e,t);let a=i[e],l=i[e];if(e>-1)if(n==1)a=i[e],l=i[t];else if(n==-1)a=i[t],l=i[e];else for(let c=e;c<=t;c++){let h=i[c];o(h)&&(h<a?a=h:h>l&&(l=h))}return[a??Ft,l??-Ft]}function Qh(i,e,t,n){let s=X0(i),r=X0(e);i==e&&(s==-1?(i*=t,e/=t):(i/=t,e*=t));let o=t==10?zs:vy,a=s==1?wi:ki,l=r==1?ki:wi,c=a(o(In(i))),h=l(o(In(e))),d=Bo(t,c),u=Bo(t,h);return t==10&&(c<0&&(d=Ot(d,-c)),h<0&&(u=Ot(u,-h))),n||t==2?(i=d*s,e=u*r):(i=My(i,d),e=eu(e,u)),[i,e]}function Hf(i,e,t,n){let s=Qh(i,e,t,n);return i==0&&(s[0]=0),e==0&&(s[1]=0),s}var Wf=.1,H0={mode:3,pad:Wf},ll={pad:0,soft:null,mode:0},sT={min:ll,max:ll};function Kh(i,e,t,n){return tu(t)?W0(i,e,t):(ll.pad=t,ll.soft=n?0:null,ll.mode=n?3:0,W0(i,e,sT))}function wt(i,e){return i??e}function rT(i,e,t){for(e=wt(e,0),t=wt(t,i.length-1);e<=t;){if(i[e]!=null)return!0;e++}return!1}function W0(i,e,t){let n=t.min,s=t.max,r=wt(n.pad,0),o=wt(s.pad,0),a=wt(n.hard,-Ft),l=wt(s.hard,Ft),c=wt(n.soft,Ft),h=wt(s.soft,-Ft),d=wt(n.mode,0),u=wt(s.mode,0),f=e-i,g=zs(f),y=ai(In(i),In(e)),p=zs(y),m=In(p-g);(f<1e-24||m>10)&&(f=0,(i==0||e==0)&&(f=1e-24,d==2&&c!=Ft&&(r=0),u==2&&h!=-Ft&&(o=0)));let x=f||y||1e3,E=zs(x),S=Bo(10,wi(E)),R=x*(f==0?i==0?.1:1:r),M=Ot(My(i-R,S/10),24),_=i>=c&&(d==1||d==3&&M<=c||d==2&&M>=c)?c:Ft,A=ai(a,M<_&&i>=_?_:ts(_,M)),k=x*(f==0?e==0?.1:1:o),D=Ot(eu(e+k,S/10),24),L=e<=h&&(u==1||u==3&&D>=h||u==2&&D<=h)?h:-Ft,B=ts(l,D>L&&e<=L?L:ai(L,D));return A==B&&A==0&&(B=100),[A,B]}var oT=new Intl.NumberFormat(Ho?eT.language:"en-US"),Xf=i=>oT.format(i),Ti=Math,$h=Ti.PI,In=Ti.abs,wi=Ti.floor,Pn=Ti.round,ki=Ti.ceil,ts=Ti.min,ai=Ti.max,Bo=Ti.pow,X0=Ti.sign,zs=Ti.log10,vy=Ti.log2,aT=(i,e=1)=>Ti.sinh(i)*e,Af=(i,e=1)=>Ti.asinh(i/e),Ft=1/0;function q0(i){return(zs((i^i>>31)-(i>>31))|0)+1}function Nf(i,e,t){return ts(ai(i,e),t)}function xy(i){return typeof i=="function"}function vt(i){return xy(i)?i:()=>i}var lT=()=>{},by=i=>i,Sy=(i,e)=>e,cT=i=>null,Y0=i=>!0,$0=(i,e)=>i==e,hT=/\.\d*?(?=9{6,}|0{6,})/gm,kr=i=>{if(Ty(i)||pr.has(i))return i;let e=`${i}`,t=e.match(hT);if(t==null)return i;let n=t[0].length-1;if(e.indexOf("e-")!=-1){let[s,r]=e.split("e");return+`${kr(s)}e${r}`}return Ot(i,n)};function Nr(i,e){return kr(Ot(kr(i/e))*e)}function eu(i,e){return kr(ki(kr(i/e))*e)}function My(i,e){return kr(wi(kr(i/e))*e)}function Ot(i,e=0){if(Ty(i))return i;let t=10**e,n=i*t*(1+Number.EPSILON);return Pn(n)/t}var pr=new Map;function wy(i){return((""+i).split(".")[1]||"").length}function hl(i,e,t,n){let s=[],r=n.map(wy);for(let o=e;o<t;o++){let a=In(o),l=Ot(Bo(i,o),a);for(let c=0;c<n.length;c++){let h=i==10?+`${n[c]}e${o}`:n[c]*l,d=(o>=0?0:a)+(o>=r[c]?0:r[c]),u=i==10?h:Ot(h,d);s.push(u),pr.set(u,d)}}return s}var cl={},qf=[],zo=[null,null],fr=Array.isArray,Ty=Number.isInteger,uT=i=>i===void 0;function Z0(i){return typeof i=="string"}function tu(i){let e=!1;if(i!=null){let t=i.constructor;e=t==null||t==Object}return e}function dT(i){return i!=null&&typeof i=="object"}var fT=Object.getPrototypeOf(Uint8Array),Ay="__proto__";function Vo(i,e=tu){let t;if(fr(i)){let n=i.find(s=>s!=null);if(fr(n)||e(n)){t=Array(i.length);for(let s=0;s<i.length;s++)t[s]=Vo(i[s],e)}else t=i.slice()}else if(i instanceof fT)t=i.slice();else if(e(i)){t={};for(let n in i)n!=Ay&&(t[n]=Vo(i[n],e))}else t=i;return t}function Mn(i){let e=arguments;for(let t=1;t<e.length;t++){let n=e[t];for(let s in n)s!=Ay&&(tu(i[s])?Mn(i[s],Vo(n[s])):i[s]=Vo(n[s]))}return i}var pT=0,mT=1,gT=2;function yT(i,e,t){for(let n=0,s,r=-1;n<e.length;n++){let o=e[n];if(o>r){for(s=o-1;s>=0&&i[s]==null;)i[s--]=null;for(s=o+1;s<t&&i[s]==null;)i[r=s++]=null}}}function _T(i,e){if(bT(i)){let o=i[0].slice();for(let a=1;a<i.length;a++)o.push(...i[a].slice(1));return ST(o[0])||(o=xT(o)),o}let t=new Set;for(let o=0;o<i.length;o++){let l=i[o][0],c=l.length;for(let h=0;h<c;h++)t.add(l[h])}let n=[Array.from(t).sort((o,a)=>o-a)],s=n[0].length,r=new Map;for(let o=0;o<s;o++)r.set(n[0][o],o);for(let o=0;o<i.length;o++){let a=i[o],l=a[0];for(let c=1;c<a.length;c++){let h=a[c],d=Array(s).fill(void 0),u=e?e[o][c]:mT,f=[];for(let g=0;g<h.length;g++){let y=h[g],p=r.get(l[g]);y===null?u!=pT&&(d[p]=y,u==gT&&f.push(p)):d[p]=y}yT(d,f,s),n.push(d)}}return n}var vT=typeof queueMicrotask>"u"?i=>Promise.resolve().then(i):queueMicrotask;function xT(i){let e=i[0],t=e.length,n=Array(t);for(let r=0;r<n.length;r++)n[r]=r;n.sort((r,o)=>e[r]-e[o]);let s=[];for(let r=0;r<i.length;r++){let o=i[r],a=Array(t);for(let l=0;l<t;l++)a[l]=o[n[l]];s.push(a)}return s}function bT(i){let e=i[0][0],t=e.length;for(let n=1;n<i.length;n++){let s=i[n][0];if(s.length!=t)return!1;if(s!=e){for(let r=0;r<t;r++)if(s[r]!=e[r])return!1}}return!0}function ST(i,e=100){let t=i.length;if(t<=1)return!0;let n=0,s=t-1;for(;n<=s&&i[n]==null;)n++;for(;s>=n&&i[s]==null;)s--;if(s<=n)return!0;let r=ai(1,wi((s-n+1)/e));for(let o=i[n],a=n+r;a<=s;a+=r){let l=i[a];if(l!=null){if(l<=o)return!1;o=l}}return!0}var Ey=["January","February","March","April","May","June","July","August","September","October","November","December"],Ry=["Sunday","Monday","Tuesday","Wednesday","Thursday","Friday","Saturday"];function Cy(i){return i.slice(0,3)}var MT=Ry.map(Cy),wT=Ey.map(Cy),TT={MMMM:Ey,MMM:wT,WWWW:Ry,WWW:MT};function sl(i){return(i<10?"0":"")+i}function AT(i){return(i<10?"00":i<100?"0":"")+i}var ET={YYYY:i=>i.getFullYear(),YY:i=>(i.getFullYear()+"").slice(2),MMMM:(i,e)=>e.MMMM[i.getMonth()],MMM:(i,e)=>e.MMM[i.getMonth()],MM:i=>sl(i.getMonth()+1),M:i=>i.getMonth()+1,DD:i=>sl(i.getDate()),D:i=>i.getDate(),WWWW:(i,e)=>e.WWWW[i.getDay()],WWW:(i,e)=>e.WWW[i.getDay()],HH:i=>sl(i.getHours()),H:i=>i.getHours(),h:i=>{let e=i.getHours();return e==0?12:e>12?e-12:e},AA:i=>i.getHours()>=12?"PM":"AM",aa:i=>i.getHours()>=12?"pm":"am",a:i=>i.getHours()>=12?"p":"a",mm:i=>sl(i.getMinutes()),m:i=>i.getMinutes(),ss:i=>sl(i.getSeconds()),s:i=>i.getSeconds(),fff:i=>AT(i.getMilliseconds())};function Yf(i,e){e=e||TT;let t=[],n=/\{([a-z]+)\}|[^{]+/gi,s;for(;s=n.exec(i);)t.push(s[0][0]=="{"?ET[s[1]]:s[0]);return r=>{let o="";for(let a=0;a<t.length;a++)o+=typeof t[a]=="string"?t[a]:t[a](r,e);return o}}var RT=new Intl.DateTimeFormat().resolvedOptions().timeZone;function CT(i,e){let t;return e=="UTC"||e=="Etc/UTC"?t=new Date(+i+i.getTimezoneOffset()*6e4):e==RT?t=i:(t=new Date(i.toLocaleString("en-US",{timeZone:e})),t.setMilliseconds(i.getMilliseconds())),t}var Py=i=>i%1==0,Jh=[1,2,2.5,5],PT=hl(10,-32,0,Jh),Iy=hl(10,0,32,Jh),IT=Iy.filter(Py),Ur=PT.concat(Iy),$f=`
+`,Ly="{YYYY}",K0=$f+Ly,Dy="{M}/{D}",al=$f+Dy,qh=al+"/{YY}",Ny="{aa}",LT="{h}:{mm}",Oo=LT+Ny,J0=$f+Oo,j0=":{ss}",Ct=null;function Uy(i){let e=i*1e3,t=e*60,n=t*60,s=n*24,r=s*30,o=s*365,l=(i==1?hl(10,0,3,Jh).filter(Py):hl(10,-3,0,Jh)).concat([e,e*5,e*10,e*15,e*30,t,t*5,t*10,t*15,t*30,n,n*2,n*3,n*4,n*6,n*8,n*12,s,s*2,s*3,s*4,s*5,s*6,s*7,s*8,s*9,s*10,s*15,r,r*2,r*3,r*4,r*6,o,o*2,o*5,o*10,o*25,o*50,o*100]),c=[[o,Ly,Ct,Ct,Ct,Ct,Ct,Ct,1],[s*28,"{MMM}",K0,Ct,Ct,Ct,Ct,Ct,1],[s,Dy,K0,Ct,Ct,Ct,Ct,Ct,1],[n,"{h}"+Ny,qh,Ct,al,Ct,Ct,Ct,1],[t,Oo,qh,Ct,al,Ct,Ct,Ct,1],[e,j0,qh+" "+Oo,Ct,al+" "+Oo,Ct,J0,Ct,1],[i,j0+".{fff}",qh+" "+Oo,Ct,al+" "+Oo,Ct,J0,Ct,1]];function h(d){return(u,f,g,y,p,m)=>{let x=[],E=p>=o,S=p>=r&&p<o,R=d(g),M=Ot(R*i,3),_=Ef(R.getFullYear(),E?0:R.getMonth(),S||E?1:R.getDate()),A=Ot(_*i,3);if(S||E){let k=S?p/r:0,D=E?p/o:0,L=M==A?M:Ot(Ef(_.getFullYear()+D,_.getMonth()+k,1)*i,3),B=new Date(Pn(L/i)),V=B.getFullYear(),P=B.getMonth();for(let U=0;L<=y;U++){let X=Ef(V+D*U,P+k*U,1),G=X-d(Ot(X*i,3));L=Ot((+X+G)*i,3),L<=y&&x.push(L)}}else{let k=p>=s?s:p,D=wi(g)-wi(M),L=A+D+eu(M-A,k);x.push(L);let B=d(L),V=B.getHours()+B.getMinutes()/t+B.getSeconds()/n,P=p/n,U=u.axes[f]._space,X=m/U;for(;L=Ot(L+p,i==1?0:3),!(L>y);)if(P>1){let G=wi(Ot(V+P,6))%24,J=d(L).getHours()-G;J>1&&(J=-1),L-=J*n,V=(V+P)%24;let ne=x[x.length-1];Ot((L-ne)/p,3)*X>=.7&&x.push(L)}else x.push(L)}return x}}return[l,c,h]}var[DT,NT,UT]=Uy(1),[FT,OT,kT]=Uy(.001);hl(2,-53,53,[1]);function Q0(i,e){return i.map(t=>t.map((n,s)=>s==0||s==8||n==null?n:e(s==1||t[8]==0?n:t[1]+n)))}function ey(i,e){return(t,n,s,r,o)=>{let a=e.find(g=>o>=g[0])||e[e.length-1],l,c,h,d,u,f;return n.map(g=>{let y=i(g),p=y.getFullYear(),m=y.getMonth(),x=y.getDate(),E=y.getHours(),S=y.getMinutes(),R=y.getSeconds(),M=p!=l&&a[2]||m!=c&&a[3]||x!=h&&a[4]||E!=d&&a[5]||S!=u&&a[6]||R!=f&&a[7]||a[1];return l=p,c=m,h=x,d=E,u=S,f=R,M(y)})}}function BT(i,e){let t=Yf(e);return(n,s,r,o,a)=>s.map(l=>t(i(l)))}function Ef(i,e,t){return new Date(i,e,t)}function ty(i,e){return e(i)}var zT="{YYYY}-{MM}-{DD} {h}:{mm}{aa}";function ny(i,e){return(t,n,s,r)=>r==null?Vf:e(i(n))}function VT(i,e){let t=i.series[e];return t.width?t.stroke(i,e):t.points.width?t.points.stroke(i,e):null}function GT(i,e){return i.series[e].fill(i,e)}var HT={show:!0,live:!0,isolate:!1,mount:lT,markers:{show:!0,width:2,stroke:VT,fill:GT,dash:"solid"},idx:null,idxs:null,values:[]};function WT(i,e){let t=i.cursor.points,n=Oi(),s=t.size(i,e);qt(n,rl,s),qt(n,ol,s);let r=s/-2;qt(n,"marginLeft",r),qt(n,"marginTop",r);let o=t.width(i,e,s);return o&&qt(n,"borderWidth",o),n}function XT(i,e){let t=i.series[e].points;return t._fill||t._stroke}function qT(i,e){let t=i.series[e].points;return t._stroke||t._fill}function YT(i,e){return i.series[e].points.size}var Rf=[0,0];function $T(i,e,t){return Rf[0]=e,Rf[1]=t,Rf}function Yh(i,e,t,n=!0){return s=>{s.button==0&&(!n||s.target==e)&&t(s)}}function Cf(i,e,t,n=!0){return s=>{(!n||s.target==e)&&t(s)}}var ZT={show:!0,x:!0,y:!0,lock:!1,move:$T,points:{one:!1,show:WT,size:YT,width:0,stroke:qT,fill:XT},bind:{mousedown:Yh,mouseup:Yh,click:Yh,dblclick:Yh,mousemove:Cf,mouseleave:Cf,mouseenter:Cf},drag:{setScale:!0,x:!0,y:!1,dist:0,uni:null,click:(i,e)=>{e.stopPropagation(),e.stopImmediatePropagation()},_x:!1,_y:!1},focus:{dist:(i,e,t,n,s)=>n-s,prox:-1,bias:0},hover:{skip:[void 0],prox:null,bias:0},left:-10,top:-10,idx:null,dataIdx:null,idxs:null,event:null},Fy={show:!0,stroke:"rgba(0,0,0,0.07)",width:2},Zf=Mn({},Fy,{filter:Sy}),Oy=Mn({},Zf,{size:10}),ky=Mn({},Fy,{show:!1}),Kf='12px system-ui, -apple-system, "Segoe UI", Roboto, "Helvetica Neue", Arial, "Noto Sans", sans-serif, "Apple Color Emoji", "Segoe UI Emoji", "Segoe UI Symbol", "Noto Color Emoji"',By="bold "+Kf,zy=1.5,iy={show:!0,scale:"x",stroke:zf,space:50,gap:5,alignTo:1,size:50,labelGap:0,labelSize:30,labelFont:By,side:2,grid:Zf,ticks:Oy,border:ky,font:Kf,lineGap:zy,rotate:0},KT="Value",JT="Time",sy={show:!0,scale:"x",auto:!1,sorted:1,min:Ft,max:-Ft,idxs:[]};function jT(i,e,t,n,s){return e.map(r=>r==null?"":Xf(r))}function QT(i,e,t,n,s,r,o){let a=[],l=pr.get(s)||0;t=o?t:Ot(eu(t,s),l);for(let c=t;c<=n;c=Ot(c+s,l))a.push(Object.is(c,-0)?0:c);return a}function Uf(i,e,t,n,s,r,o){let a=[],l=i.scales[i.axes[e].scale].log,c=l==10?zs:vy,h=wi(c(t));s=Bo(l,h),l==10&&(s=Ur[es(s,Ur)]);let d=t,u=s*l;l==10&&(u=Ur[es(u,Ur)]);do a.push(d),d=d+s,l==10&&!pr.has(d)&&(d=Ot(d,pr.get(s))),d>=u&&(s=d,u=s*l,l==10&&(u=Ur[es(u,Ur)]));while(d<=n);return a}function eA(i,e,t,n,s,r,o){let l=i.scales[i.axes[e].scale].asinh,c=n>l?Uf(i,e,ai(l,t),n,s):[l],h=n>=0&&t<=0?[0]:[];return(t<-l?Uf(i,e,ai(l,-n),-t,s):[l]).reverse().map(u=>-u).concat(h,c)}var Vy=/./,tA=/[12357]/,nA=/[125]/,ry=/1/,Ff=(i,e,t,n)=>i.map((s,r)=>e==4&&s==0||r%n==0&&t.test(s.toExponential()[s<0?1:0])?s:null);function iA(i,e,t,n,s){let r=i.axes[t],o=r.scale,a=i.scales[o],l=i.valToPos,c=r._space,h=l(10,o),d=l(9,o)-h>=c?Vy:l(7,o)-h>=c?tA:l(5,o)-h>=c?nA:ry;if(d==ry){let u=In(l(1,o)-h);if(u<c)return Ff(e.slice().reverse(),a.distr,d,ki(c/u)).reverse()}return Ff(e,a.distr,d,1)}function sA(i,e,t,n,s){let r=i.axes[t],o=r.scale,a=r._space,l=i.valToPos,c=In(l(1,o)-l(2,o));return c<a?Ff(e.slice().reverse(),3,Vy,ki(a/c)).reverse():e}function rA(i,e,t,n){return n==null?Vf:e==null?"":Xf(e)}var oy={show:!0,scale:"y",stroke:zf,space:30,gap:5,alignTo:1,size:50,labelGap:0,labelSize:30,labelFont:By,side:3,grid:Zf,ticks:Oy,border:ky,font:Kf,lineGap:zy,rotate:0};function oA(i,e){let t=3+(i||1)*2;return Ot(t*e,3)}function aA(i,e){let{scale:t,idxs:n}=i.series[0],s=i._data[0],r=i.valToPos(s[n[0]],t,!0),o=i.valToPos(s[n[1]],t,!0),a=In(o-r),l=i.series[e],c=a/(l.points.space*Et);return n[1]-n[0]<=c}var ay={scale:null,auto:!0,sorted:0,min:Ft,max:-Ft},Gy=(i,e,t,n,s)=>s,ly={show:!0,auto:!0,sorted:0,gaps:Gy,alpha:1,facets:[Mn({},ay,{scale:"x"}),Mn({},ay,{scale:"y"})]},cy={scale:"y",auto:!0,sorted:0,show:!0,spanGaps:!1,gaps:Gy,alpha:1,points:{show:aA,filter:null},values:null,min:Ft,max:-Ft,idxs:[],path:null,clip:null};function lA(i,e,t,n,s){return t/10}var Hy={time:!0,auto:!0,distr:1,log:10,asinh:1,min:null,max:null,dir:1,ori:0},cA=Mn({},Hy,{time:!1,ori:1}),hy={};function Wy(i,e){let t=hy[i];return t||(t={key:i,plots:[],sub(n){t.plots.push(n)},unsub(n){t.plots=t.plots.filter(s=>s!=n)},pub(n,s,r,o,a,l,c){for(let h=0;h<t.plots.length;h++)t.plots[h]!=s&&t.plots[h].pub(n,s,r,o,a,l,c)}},i!=null&&(hy[i]=t)),t}var Go=1,Of=2;function Br(i,e,t){let n=i.mode,s=i.series[e],r=n==2?i._data[e]:i._data,o=i.scales,a=i.bbox,l=r[0],c=n==2?r[1]:r[e],h=n==2?o[s.facets[0].scale]:o[i.series[0].scale],d=n==2?o[s.facets[1].scale]:o[s.scale],u=a.left,f=a.top,g=a.width,y=a.height,p=i.valToPosH,m=i.valToPosV;return h.ori==0?t(s,l,c,h,d,p,m,u,f,g,y,iu,Wo,ru,qy,$y):t(s,l,c,h,d,m,p,f,u,y,g,su,Xo,Qf,Yy,Zy)}function Jf(i,e){let t=0,n=0,s=wt(i.bands,qf);for(let r=0;r<s.length;r++){let o=s[r];o.series[0]==e?t=o.dir:o.series[1]==e&&(o.dir==1?n|=1:n|=2)}return[t,n==1?-1:n==2?1:n==3?2:0]}function hA(i,e,t,n,s){let r=i.mode,o=i.series[e],a=r==2?o.facets[1].scale:o.scale,l=i.scales[a];return s==-1?l.min:s==1?l.max:l.distr==3?l.dir==1?l.min:l.max:0}function Vs(i,e,t,n,s,r){return Br(i,e,(o,a,l,c,h,d,u,f,g,y,p)=>{let m=o.pxRound,x=c.dir*(c.ori==0?1:-1),E=c.ori==0?Wo:Xo,S,R;x==1?(S=t,R=n):(S=n,R=t);let M=m(d(a[S],c,y,f)),_=m(u(l[S],h,p,g)),A=m(d(a[R],c,y,f)),k=m(u(r==1?h.max:h.min,h,p,g)),D=new Path2D(s);return E(D,A,k),E(D,M,k),E(D,M,_),D})}function nu(i,e,t,n,s,r){let o=null;if(i.length>0){o=new Path2D;let a=e==0?ru:Qf,l=t;for(let d=0;d<i.length;d++){let u=i[d];if(u[1]>u[0]){let f=u[0]-l;f>0&&a(o,l,n,f,n+r),l=u[1]}}let c=t+s-l,h=10;c>0&&a(o,l,n-h/2,c,n+r+h)}return o}function uA(i,e,t){let n=i[i.length-1];n&&n[0]==e?n[1]=t:i.push([e,t])}function jf(i,e,t,n,s,r,o){let a=[],l=i.length;for(let c=s==1?t:n;c>=t&&c<=n;c+=s)if(e[c]===null){let d=c,u=c;if(s==1)for(;++c<=n&&e[c]===null;)u=c;else for(;--c>=t&&e[c]===null;)u=c;let f=r(i[d]),g=u==d?f:r(i[u]),y=d-s;f=o<=0&&y>=0&&y<l?r(i[y]):f;let m=u+s;g=o>=0&&m>=0&&m<l?r(i[m]):g,g>=f&&a.push([f,g])}return a}function uy(i){return i==0?by:i==1?Pn:e=>Nr(e,i)}function Xy(i){let e=i==0?iu:su,t=i==0?(s,r,o,a,l,c)=>{s.arcTo(r,o,a,l,c)}:(s,r,o,a,l,c)=>{s.arcTo(o,r,l,a,c)},n=i==0?(s,r,o,a,l)=>{s.rect(r,o,a,l)}:(s,r,o,a,l)=>{s.rect(o,r,l,a)};return(s,r,o,a,l,c=0,h=0)=>{c==0&&h==0?n(s,r,o,a,l):(c=ts(c,a/2,l/2),h=ts(h,a/2,l/2),e(s,r+c,o),t(s,r+a,o,r+a,o+l,c),t(s,r+a,o+l,r,o+l,h),t(s,r,o+l,r,o,h),t(s,r,o,r+a,o,c),s.closePath())}}var iu=(i,e,t)=>{i.moveTo(e,t)},su=(i,e,t)=>{i.moveTo(t,e)},Wo=(i,e,t)=>{i.lineTo(e,t)},Xo=(i,e,t)=>{i.lineTo(t,e)},ru=Xy(0),Qf=Xy(1),qy=(i,e,t,n,s,r)=>{i.arc(e,t,n,s,r)},Yy=(i,e,t,n,s,r)=>{i.arc(t,e,n,s,r)},$y=(i,e,t,n,s,r,o)=>{i.bezierCurveTo(e,t,n,s,r,o)},Zy=(i,e,t,n,s,r,o)=>{i.bezierCurveTo(t,e,s,n,o,r)};function Ky(i){return(e,t,n,s,r)=>Br(e,t,(o,a,l,c,h,d,u,f,g,y,p)=>{let{pxRound:m,points:x}=o,E,S;c.ori==0?(E=iu,S=qy):(E=su,S=Yy);let R=Ot(x.width*Et,3),M=(x.size-x.width)/2*Et,_=Ot(M*2,3),A=new Path2D,k=new Path2D,{left:D,top:L,width:B,height:V}=e.bbox;ru(k,D-_,L-_,B+_*2,V+_*2);let P=U=>{if(l[U]!=null){let X=m(d(a[U],c,y,f)),G=m(u(l[U],h,p,g));E(A,X+M,G),S(A,X,G,M,0,$h*2)}};if(r)r.forEach(P);else for(let U=n;U<=s;U++)P(U);return{stroke:R>0?A:null,fill:A,clip:k,flags:Go|Of}})}function Jy(i){return(e,t,n,s,r,o)=>{n!=s&&(r!=n&&o!=n&&i(e,t,n),r!=s&&o!=s&&i(e,t,s),i(e,t,o))}}var dA=Jy(Wo),fA=Jy(Xo);function jy(i){let e=wt(i?.alignGaps,0);return(t,n,s,r)=>Br(t,n,(o,a,l,c,h,d,u,f,g,y,p)=>{[s,r]=jh(l,s,r);let m=o.pxRound,x=V=>m(d(V,c,y,f)),E=V=>m(u(V,h,p,g)),S,R;c.ori==0?(S=Wo,R=dA):(S=Xo,R=fA);let M=c.dir*(c.ori==0?1:-1),_={stroke:new Path2D,fill:null,clip:null,band:null,gaps:null,flags:Go},A=_.stroke,k=!1;if(r-s>=y*4){let V=ce=>t.posToVal(ce,c.key,!0),P=null,U=null,X,G,oe,Y=x(a[M==1?s:r]),J=x(a[s]),ne=x(a[r]),ue=V(M==1?J+1:ne-1);for(let ce=M==1?s:r;ce>=s&&ce<=r;ce+=M){let Q=a[ce],me=(M==1?Q<ue:Q>ue)?Y:x(Q),ye=l[ce];me==Y?ye!=null?(G=ye,P==null?(S(A,me,E(G)),X=P=U=G):G<P?P=G:G>U&&(U=G)):ye===null&&(k=!0):(P!=null&&R(A,Y,E(P),E(U),E(X),E(G)),ye!=null?(G=ye,S(A,me,E(G)),P=U=X=G):(P=U=null,ye===null&&(k=!0)),Y=me,ue=V(Y+M))}P!=null&&P!=U&&oe!=Y&&R(A,Y,E(P),E(U),E(X),E(G))}else for(let V=M==1?s:r;V>=s&&V<=r;V+=M){let P=l[V];P===null?k=!0:P!=null&&S(A,x(a[V]),E(P))}let[L,B]=Jf(t,n);if(o.fill!=null||L!=0){let V=_.fill=new Path2D(A),P=o.fillTo(t,n,o.min,o.max,L),U=E(P),X=x(a[s]),G=x(a[r]);M==-1&&([G,X]=[X,G]),S(V,G,U),S(V,X,U)}if(!o.spanGaps){let V=[];k&&V.push(...jf(a,l,s,r,M,x,e)),_.gaps=V=o.gaps(t,n,s,r,V),_.clip=nu(V,c.ori,f,g,y,p)}return B!=0&&(_.band=B==2?[Vs(t,n,s,r,A,-1),Vs(t,n,s,r,A,1)]:Vs(t,n,s,r,A,B)),_})}function pA(i){let e=wt(i.align,1),t=wt(i.ascDesc,!1),n=wt(i.alignGaps,0),s=wt(i.extend,!1);return(r,o,a,l)=>Br(r,o,(c,h,d,u,f,g,y,p,m,x,E)=>{[a,l]=jh(d,a,l);let S=c.pxRound,{left:R,width:M}=r.bbox,_=J=>S(g(J,u,x,p)),A=J=>S(y(J,f,E,m)),k=u.ori==0?Wo:Xo,D={stroke:new Path2D,fill:null,clip:null,band:null,gaps:null,flags:Go},L=D.stroke,B=u.dir*(u.ori==0?1:-1),V=A(d[B==1?a:l]),P=_(h[B==1?a:l]),U=P,X=P;s&&e==-1&&(X=R,k(L,X,V)),k(L,P,V);for(let J=B==1?a:l;J>=a&&J<=l;J+=B){let ne=d[J];if(ne==null)continue;let ue=_(h[J]),ce=A(ne);e==1?k(L,ue,V):k(L,U,ce),k(L,ue,ce),V=ce,U=ue}let G=U;s&&e==1&&(G=R+M,k(L,G,V));let[oe,Y]=Jf(r,o);if(c.fill!=null||oe!=0){let J=D.fill=new Path2D(L),ne=c.fillTo(r,o,c.min,c.max,oe),ue=A(ne);k(J,G,ue),k(J,X,ue)}if(!c.spanGaps){let J=[];J.push(...jf(h,d,a,l,B,_,n));let ne=c.width*Et/2,ue=t||e==1?ne:-ne,ce=t||e==-1?-ne:ne;J.forEach(Q=>{Q[0]+=ue,Q[1]+=ce}),D.gaps=J=c.gaps(r,o,a,l,J),D.clip=nu(J,u.ori,p,m,x,E)}return Y!=0&&(D.band=Y==2?[Vs(r,o,a,l,L,-1),Vs(r,o,a,l,L,1)]:Vs(r,o,a,l,L,Y)),D})}function dy(i,e,t,n,s,r,o=Ft){if(i.length>1){let a=null;for(let l=0,c=1/0;l<i.length;l++)if(e[l]!==void 0){if(a!=null){let h=In(i[l]-i[a]);h<c&&(c=h,o=In(t(i[l],n,s,r)-t(i[a],n,s,r)))}a=l}}return o}function mA(i){i=i||cl;let e=wt(i.size,[.6,Ft,1]),t=i.align||0,n=i.gap||0,s=i.radius;s=s==null?[0,0]:typeof s=="number"?[s,0]:s;let r=vt(s),o=1-e[0],a=wt(e[1],Ft),l=wt(e[2],1),c=wt(i.disp,cl),h=wt(i.each,f=>{}),{fill:d,stroke:u}=c;return(f,g,y,p)=>Br(f,g,(m,x,E,S,R,M,_,A,k,D,L)=>{let B=m.pxRound,V=t,P=n*Et,U=a*Et,X=l*Et,G,oe;S.ori==0?[G,oe]=r(f,g):[oe,G]=r(f,g);let Y=S.dir*(S.ori==0?1:-1),J=S.ori==0?ru:Qf,ne=S.ori==0?h:(Ce,Ze,at,we,Ut,Ge,qe)=>{h(Ce,Ze,at,Ut,we,qe,Ge)},ue=wt(f.bands,qf).find(Ce=>Ce.series[0]==g),ce=ue!=null?ue.dir:0,Q=m.fillTo(f,g,m.min,m.max,ce),pe=B(_(Q,R,L,k)),me,ye,ge,Ve=D,Ke=B(m.width*Et),Fe=!1,st=null,ct=null,rt=null,$t=null;d!=null&&(Ke==0||u!=null)&&(Fe=!0,st=d.values(f,g,y,p),ct=new Map,new Set(st).forEach(Ce=>{Ce!=null&&ct.set(Ce,new Path2D)}),Ke>0&&(rt=u.values(f,g,y,p),$t=new Map,new Set(rt).forEach(Ce=>{Ce!=null&&$t.set(Ce,new Path2D)})));let{x0:kt,size:dn}=c;if(kt!=null&&dn!=null){V=1,x=kt.values(f,g,y,p),kt.unit==2&&(x=x.map(at=>f.posToVal(A+at*D,S.key,!0)));let Ce=dn.values(f,g,y,p);dn.unit==2?ye=Ce[0]*D:ye=M(Ce[0],S,D,A)-M(0,S,D,A),Ve=dy(x,E,M,S,D,A,Ve),ge=Ve-ye+P}else Ve=dy(x,E,M,S,D,A,Ve),ge=Ve*o+P,ye=Ve-ge;ge<1&&(ge=0),Ke>=ye/2&&(Ke=0),ge<5&&(B=by);let Dt=ge>0,Ln=Ve-ge-(Dt?Ke:0);ye=B(Nf(Ln,X,U)),me=(V==0?ye/2:V==Y?0:ye)-V*Y*((V==0?P/2:0)+(Dt?Ke/2:0));let xt={stroke:null,fill:null,clip:null,band:null,gaps:null,flags:0},wn=Fe?null:new Path2D,en=null;if(ue!=null)en=f.data[ue.series[1]];else{let{y0:Ce,y1:Ze}=c;Ce!=null&&Ze!=null&&(E=Ze.values(f,g,y,p),en=Ce.values(f,g,y,p))}let fn=G*ye,O=oe*ye;for(let Ce=Y==1?y:p;Ce>=y&&Ce<=p;Ce+=Y){let Ze=E[Ce];if(Ze==null)continue;if(en!=null){let q=en[Ce]??0;if(Ze-q==0)continue;pe=_(q,R,L,k)}let at=S.distr!=2||c!=null?x[Ce]:Ce,we=M(at,S,D,A),Ut=_(wt(Ze,Q),R,L,k),Ge=B(we-me),qe=B(ai(Ut,pe)),C=B(ts(Ut,pe)),b=qe-C;if(Ze!=null){let q=Ze<0?O:fn,he=Ze<0?fn:O;Fe?(Ke>0&&rt[Ce]!=null&&J($t.get(rt[Ce]),Ge,C+wi(Ke/2),ye,ai(0,b-Ke),q,he),st[Ce]!=null&&J(ct.get(st[Ce]),Ge,C+wi(Ke/2),ye,ai(0,b-Ke),q,he)):J(wn,Ge,C+wi(Ke/2),ye,ai(0,b-Ke),q,he),ne(f,g,Ce,Ge-Ke/2,C,ye+Ke,b)}}return Ke>0?xt.stroke=Fe?$t:wn:Fe||(xt._fill=m.width==0?m._fill:m._stroke??m._fill,xt.width=0),xt.fill=Fe?ct:wn,xt})}function gA(i,e){let t=wt(e?.alignGaps,0);return(n,s,r,o)=>Br(n,s,(a,l,c,h,d,u,f,g,y,p,m)=>{[r,o]=jh(c,r,o);let x=a.pxRound,E=G=>x(u(G,h,p,g)),S=G=>x(f(G,d,m,y)),R,M,_;h.ori==0?(R=iu,_=Wo,M=$y):(R=su,_=Xo,M=Zy);let A=h.dir*(h.ori==0?1:-1),k=E(l[A==1?r:o]),D=k,L=[],B=[];for(let G=A==1?r:o;G>=r&&G<=o;G+=A)if(c[G]!=null){let Y=l[G],J=E(Y);L.push(D=J),B.push(S(c[G]))}let V={stroke:i(L,B,R,_,M,x),fill:null,clip:null,band:null,gaps:null,flags:Go},P=V.stroke,[U,X]=Jf(n,s);if(a.fill!=null||U!=0){let G=V.fill=new Path2D(P),oe=a.fillTo(n,s,a.min,a.max,U),Y=S(oe);_(G,D,Y),_(G,k,Y)}if(!a.spanGaps){let G=[];G.push(...jf(l,c,r,o,A,E,t)),V.gaps=G=a.gaps(n,s,r,o,G),V.clip=nu(G,h.ori,g,y,p,m)}return X!=0&&(V.band=X==2?[Vs(n,s,r,o,P,-1),Vs(n,s,r,o,P,1)]:Vs(n,s,r,o,P,X)),V})}function yA(i){return gA(_A,i)}function _A(i,e,t,n,s,r){let o=i.length;if(o<2)return null;let a=new Path2D;if(t(a,i[0],e[0]),o==2)n(a,i[1],e[1]);else{let l=Array(o),c=Array(o-1),h=Array(o-1),d=Array(o-1);for(let u=0;u<o-1;u++)h[u]=e[u+1]-e[u],d[u]=i[u+1]-i[u],c[u]=h[u]/d[u];l[0]=c[0];for(let u=1;u<o-1;u++)c[u]===0||c[u-1]===0||c[u-1]>0!=c[u]>0?l[u]=0:(l[u]=3*(d[u-1]+d[u])/((2*d[u]+d[u-1])/c[u-1]+(d[u]+2*d[u-1])/c[u]),isFinite(l[u])||(l[u]=0));l[o-1]=c[o-2];for(let u=0;u<o-1;u++)s(a,i[u]+d[u]/3,e[u]+l[u]*d[u]/3,i[u+1]-d[u]/3,e[u+1]-l[u+1]*d[u]/3,i[u+1],e[u+1])}return a}var kf=new Set;function fy(){for(let i of kf)i.syncRect(!0)}Ho&&(Or(j1,ko,fy),Or(Q1,ko,fy,!0),Or(Zh,ko,()=>{Hn.pxRatio=Et}));var vA=jy(),xA=Ky();function py(i,e,t,n){return(n?[i[0],i[1]].concat(i.slice(2)):[i[0]].concat(i.slice(1))).map((r,o)=>Bf(r,o,e,t))}function bA(i,e){return i.map((t,n)=>n==0?{}:Mn({},e,t))}function Bf(i,e,t,n){return Mn({},e==0?t:n,i)}function Qy(i,e,t){return e==null?zo:[e,t]}var SA=Qy;function MA(i,e,t){return e==null?zo:Kh(e,t,Wf,!0)}function e_(i,e,t,n){return e==null?zo:Qh(e,t,i.scales[n].log,!1)}var wA=e_;function t_(i,e,t,n){return e==null?zo:Hf(e,t,i.scales[n].log,!1)}var TA=t_;function AA(i,e,t,n,s){let r=ai(q0(i),q0(e)),o=e-i,a=es(s/n*o,t);do{let l=t[a],c=n*l/o;if(c>=s&&r+(l<5?pr.get(l):0)<=17)return[l,c]}while(++a<t.length);return[0,0]}function my(i){let e,t;return i=i.replace(/(\d+)px/,(n,s)=>(e=Pn((t=+s)*Et))+"px"),[i,e,t]}function EA(i){i.show&&[i.font,i.labelFont].forEach(e=>{let t=Ot(e[2]*Et,1);e[0]=e[0].replace(/[0-9.]+px/,t+"px"),e[1]=t})}function Hn(i,e,t){let n={mode:wt(i.mode,1)},s=n.mode;function r(v,w,I,N){let H=w.valToPct(v);return N+I*(w.dir==-1?1-H:H)}function o(v,w,I,N){let H=w.valToPct(v);return N+I*(w.dir==-1?H:1-H)}function a(v,w,I,N){return w.ori==0?r(v,w,I,N):o(v,w,I,N)}n.valToPosH=r,n.valToPosV=o;let l=!1;n.status=0;let c=n.root=Oi(N1);if(i.id!=null&&(c.id=i.id),Mi(c,i.class),i.title){let v=Oi(O1,c);v.textContent=i.title}let h=Qi("canvas"),d=n.ctx=h.getContext("2d"),u=Oi(k1,c);Or("click",u,v=>{v.target===g&&(Vt!=qr||Zt!=Yr)&&zn.click(n,v)},!0);let f=n.under=Oi(B1,u);u.appendChild(h);let g=n.over=Oi(z1,u);i=Vo(i);let y=+wt(i.pxAlign,1),p=uy(y);(i.plugins||[]).forEach(v=>{v.opts&&(i=v.opts(n,i)||i)});let m=i.ms||.001,x=n.series=s==1?py(i.series||[],sy,cy,!1):bA(i.series||[null],ly),E=n.axes=py(i.axes||[],iy,oy,!0),S=n.scales={},R=n.bands=i.bands||[];R.forEach(v=>{v.fill=vt(v.fill||null),v.dir=wt(v.dir,-1)});let M=s==2?x[1].facets[0].scale:x[0].scale,_={axes:bs,series:pt},A=(i.drawOrder||["axes","series"]).map(v=>_[v]);function k(v){let w=v.distr==3?I=>zs(I>0?I:v.clamp(n,I,v.min,v.max,v.key)):v.distr==4?I=>Af(I,v.asinh):v.distr==100?I=>v.fwd(I):I=>I;return I=>{let N=w(I),{_min:H,_max:K}=v,ae=K-H;return(N-H)/ae}}function D(v){let w=S[v];if(w==null){let I=(i.scales||cl)[v]||cl;if(I.from!=null){D(I.from);let N=Mn({},S[I.from],I,{key:v});N.valToPct=k(N),S[v]=N}else{w=S[v]=Mn({},v==M?Hy:cA,I),w.key=v;let N=w.time,H=w.range,K=fr(H);if((v!=M||s==2&&!N)&&(K&&(H[0]==null||H[1]==null)&&(H={min:H[0]==null?H0:{mode:1,hard:H[0],soft:H[0]},max:H[1]==null?H0:{mode:1,hard:H[1],soft:H[1]}},K=!1),!K&&tu(H))){let ae=H;H=(de,be,De)=>be==null?zo:Kh(be,De,ae)}w.range=vt(H||(N?SA:v==M?w.distr==3?wA:w.distr==4?TA:Qy:w.distr==3?e_:w.distr==4?t_:MA)),w.auto=vt(K?!1:w.auto),w.clamp=vt(w.clamp||lA),w._min=w._max=null,w.valToPct=k(w)}}}D("x"),D("y"),s==1&&x.forEach(v=>{D(v.scale)}),E.forEach(v=>{D(v.scale)});for(let v in i.scales)D(v);let L=S[M],B=L.distr,V,P;L.ori==0?(Mi(c,U1),V=r,P=o):(Mi(c,F1),V=o,P=r);let U={};for(let v in S){let w=S[v];(w.min!=null||w.max!=null)&&(U[v]={min:w.min,max:w.max},w.min=w.max=null)}let X=i.tzDate||(v=>new Date(Pn(v/m))),G=i.fmtDate||Yf,oe=m==1?UT(X):kT(X),Y=ey(X,Q0(m==1?NT:OT,G)),J=ny(X,ty(zT,G)),ne=[],ue=n.legend=Mn({},HT,i.legend),ce=n.cursor=Mn({},ZT,{drag:{y:s==2}},i.cursor),Q=ue.show,pe=ce.show,me=ue.markers;ue.idxs=ne,me.width=vt(me.width),me.dash=vt(me.dash),me.stroke=vt(me.stroke),me.fill=vt(me.fill);let ye,ge,Ve,Ke=[],Fe=[],st,ct=!1,rt={};if(ue.live){let v=x[1]?x[1].values:null;ct=v!=null,st=ct?v(n,1,0):{_:0};for(let w in st)rt[w]=Vf}if(Q)if(ye=Qi("table",q1,c),Ve=Qi("tbody",null,ye),ue.mount(n,ye),ct){ge=Qi("thead",null,ye,Ve);let v=Qi("tr",null,ge);Qi("th",null,v);for(var $t in st)Qi("th",P0,v).textContent=$t}else Mi(ye,$1),ue.live&&Mi(ye,Y1);let kt={show:!0},dn={show:!1};function Dt(v,w){if(w==0&&(ct||!ue.live||s==2))return zo;let I=[],N=Qi("tr",Z1,Ve,Ve.childNodes[w]);Mi(N,v.class),v.show||Mi(N,Fr);let H=Qi("th",null,N);if(me.show){let de=Oi(K1,H);if(w>0){let be=me.width(n,w);be&&(de.style.border=be+"px "+me.dash(n,w)+" "+me.stroke(n,w)),de.style.background=me.fill(n,w)}}let K=Oi(P0,H);v.label instanceof HTMLElement?K.appendChild(v.label):K.textContent=v.label,w>0&&(me.show||(K.style.color=v.width>0?me.stroke(n,w):me.fill(n,w)),xt("click",H,de=>{if(ce._lock)return;je(de);let be=x.indexOf(v);if((de.ctrlKey||de.metaKey)!=ue.isolate){let De=x.some((Ne,Oe)=>Oe>0&&Oe!=be&&Ne.show);x.forEach((Ne,Oe)=>{Oe>0&&rs(Oe,De?Oe==be?kt:dn:kt,!0,yn.setSeries)})}else rs(be,{show:!v.show},!0,yn.setSeries)},!1),Qe&&xt(N0,H,de=>{ce._lock||(je(de),rs(x.indexOf(v),Zr,!0,yn.setSeries))},!1));for(var ae in st){let de=Qi("td",J1,N);de.textContent="--",I.push(de)}return[N,I]}let Ln=new Map;function xt(v,w,I,N=!0){let H=Ln.get(w)||{},K=ce.bind[v](n,w,I,N);K&&(Or(v,w,H[v]=K),Ln.set(w,H))}function wn(v,w,I){let N=Ln.get(w)||{};for(let H in N)(v==null||H==v)&&(Df(H,w,N[H]),delete N[H]);v==null&&Ln.delete(w)}let en=0,fn=0,O=0,Ce=0,Ze=0,at=0,we=Ze,Ut=at,Ge=O,qe=Ce,C=0,b=0,q=0,he=0;n.bbox={};let re=!1,ve=!1,xe=!1,ee=!1,ie=!1,fe=!1;function F(v,w,I){(I||v!=n.width||w!=n.height)&&se(v,w),ut(!1),xe=!0,ve=!0,Xn()}function se(v,w){n.width=en=O=v,n.height=fn=Ce=w,Ze=at=0,Me(),He();let I=n.bbox;C=I.left=Nr(Ze*Et,.5),b=I.top=Nr(at*Et,.5),q=I.width=Nr(O*Et,.5),he=I.height=Nr(Ce*Et,.5)}let te=3;function Te(){let v=!1,w=0;for(;!v;){w++;let I=Hr(w),N=ss(w);v=w==te||I&&N,v||(se(n.width,n.height),ve=!0)}}function _e({width:v,height:w}){F(v,w)}n.setSize=_e;function Me(){let v=!1,w=!1,I=!1,N=!1;E.forEach((H,K)=>{if(H.show&&H._show){let{side:ae,_size:de}=H,be=ae%2,De=H.label!=null?H.labelSize:0,Ne=de+De;Ne>0&&(be?(O-=Ne,ae==3?(Ze+=Ne,N=!0):I=!0):(Ce-=Ne,ae==0?(at+=Ne,v=!0):w=!0))}}),ns[0]=v,ns[1]=I,ns[2]=w,ns[3]=N,O-=Bi[1]+Bi[3],Ze+=Bi[3],Ce-=Bi[2]+Bi[0],at+=Bi[0]}function He(){let v=Ze+O,w=at+Ce,I=Ze,N=at;function H(K,ae){switch(K){case 1:return v+=ae,v-ae;case 2:return w+=ae,w-ae;case 3:return I-=ae,I+ae;case 0:return N-=ae,N+ae}}E.forEach((K,ae)=>{if(K.show&&K._show){let de=K.side;K._pos=H(de,K._size),K.label!=null&&(K._lpos=H(de,K.labelSize))}})}if(ce.dataIdx==null){let v=ce.hover,w=v.skip=new Set(v.skip??[]);w.add(void 0);let I=v.prox=vt(v.prox),N=v.bias??=0;ce.dataIdx=(H,K,ae,de)=>{if(K==0)return ae;let be=ae,De=I(H,K,ae,de)??Ft,Ne=De>=0&&De<Ft,Oe=L.ori==0?O:Ce,ot=ce.left,Tt=e[0],St=e[K];if(w.has(St[ae])){be=null;let gt=null,Je=null,We;if(N==0||N==-1)for(We=ae;gt==null&&We-- >0;)w.has(St[We])||(gt=We);if(N==0||N==1)for(We=ae;Je==null&&We++<St.length;)w.has(St[We])||(Je=We);if(gt!=null||Je!=null)if(Ne){let Ht=gt==null?-1/0:V(Tt[gt],L,Oe,0),sn=Je==null?1/0:V(Tt[Je],L,Oe,0),Fn=ot-Ht,Nt=sn-ot;Fn<=Nt?Fn<=De&&(be=gt):Nt<=De&&(be=Je)}else be=Je==null?gt:gt==null?Je:ae-gt<=Je-ae?gt:Je}else Ne&&In(ot-V(Tt[ae],L,Oe,0))>De&&(be=null);return be}}let je=v=>{ce.event=v};ce.idxs=ne,ce._lock=!1;let le=ce.points;le.show=vt(le.show),le.size=vt(le.size),le.stroke=vt(le.stroke),le.width=vt(le.width),le.fill=vt(le.fill);let ke=n.focus=Mn({},i.focus||{alpha:.3},ce.focus),Qe=ke.prox>=0,Re=Qe&&le.one,ht=[],zt=[],Kn=[];function qo(v,w){let I=le.show(n,w);if(I instanceof HTMLElement)return Mi(I,X1),Mi(I,v.class),gs(I,-10,-10,O,Ce),g.insertBefore(I,ht[w]),I}function zr(v,w){if(s==1||w>0){let I=s==1&&S[v.scale].time,N=v.value;v.value=I?Z0(N)?ny(X,ty(N,G)):N||J:N||rA,v.label=v.label||(I?JT:KT)}if(Re||w>0){v.width=v.width==null?1:v.width,v.paths=v.paths||vA||cT,v.fillTo=vt(v.fillTo||hA),v.pxAlign=+wt(v.pxAlign,y),v.pxRound=uy(v.pxAlign),v.stroke=vt(v.stroke||null),v.fill=vt(v.fill||null),v._stroke=v._fill=v._paths=v._focus=null;let I=oA(ai(1,v.width),1),N=v.points=Mn({},{size:I,width:ai(1,I*.2),stroke:v.stroke,space:I*2,paths:xA,_stroke:null,_fill:null},v.points);N.show=vt(N.show),N.filter=vt(N.filter),N.fill=vt(N.fill),N.stroke=vt(N.stroke),N.paths=vt(N.paths),N.pxAlign=v.pxAlign}if(Q){let I=Dt(v,w);Ke.splice(w,0,I[0]),Fe.splice(w,0,I[1]),ue.values.push(null)}if(pe){ne.splice(w,0,null);let I=null;Re?w==0&&(I=qo(v,w)):w>0&&(I=qo(v,w)),ht.splice(w,0,I),zt.splice(w,0,0),Kn.splice(w,0,0)}Un("addSeries",w)}function xu(v,w){w=w??x.length,v=s==1?Bf(v,w,sy,cy):Bf(v,w,{},ly),x.splice(w,0,v),zr(x[w],w)}n.addSeries=xu;function fl(v){if(x.splice(v,1),Q){ue.values.splice(v,1),Fe.splice(v,1);let w=Ke.splice(v,1)[0];wn(null,w.firstChild),w.remove()}pe&&(ne.splice(v,1),ht.splice(v,1)[0].remove(),zt.splice(v,1),Kn.splice(v,1)),Un("delSeries",v)}n.delSeries=fl;let ns=[!1,!1,!1,!1];function _s(v,w){if(v._show=v.show,v.show){let I=v.side%2,N=S[v.scale];N==null&&(v.scale=I?x[1].scale:M,N=S[v.scale]);let H=N.time;v.size=vt(v.size),v.space=vt(v.space),v.rotate=vt(v.rotate),fr(v.incrs)&&v.incrs.forEach(ae=>{!pr.has(ae)&&pr.set(ae,wy(ae))}),v.incrs=vt(v.incrs||(N.distr==2?IT:H?m==1?DT:FT:Ur)),v.splits=vt(v.splits||(H&&N.distr==1?oe:N.distr==3?Uf:N.distr==4?eA:QT)),v.stroke=vt(v.stroke),v.grid.stroke=vt(v.grid.stroke),v.ticks.stroke=vt(v.ticks.stroke),v.border.stroke=vt(v.border.stroke);let K=v.values;v.values=fr(K)&&!fr(K[0])?vt(K):H?fr(K)?ey(X,Q0(K,G)):Z0(K)?BT(X,K):K||Y:K||jT,v.filter=vt(v.filter||(N.distr>=3&&N.log==10?iA:N.distr==3&&N.log==2?sA:Sy)),v.font=my(v.font),v.labelFont=my(v.labelFont),v._size=v.size(n,null,w,0),v._space=v._rotate=v._incrs=v._found=v._splits=v._values=null,v._size>0&&(ns[w]=!0,v._el=Oi(V1,u))}}function vs(v,w,I,N){let[H,K,ae,de]=I,be=w%2,De=0;return be==0&&(de||K)&&(De=w==0&&!H||w==2&&!ae?Pn(iy.size/3):0),be==1&&(H||ae)&&(De=w==1&&!K||w==3&&!de?Pn(oy.size/2):0),De}let Yo=n.padding=(i.padding||[vs,vs,vs,vs]).map(v=>vt(wt(v,vs))),Bi=n._padding=Yo.map((v,w)=>v(n,w,ns,0)),tn,cn=null,hn=null,is=s==1?x[0].idxs:null,di=null,Gs=!1;function $o(v,w){if(e=v??[],n.data=n._data=e,s==2){tn=0;for(let I=1;I<x.length;I++)tn+=e[I][0].length}else{e.length==0&&(n.data=n._data=e=[[]]),di=e[0],tn=di.length;let I=e;if(B==2){I=e.slice();let N=I[0]=Array(tn);for(let H=0;H<tn;H++)N[H]=H}n._data=e=I}if(ut(!0),Un("setData"),B==2&&(xe=!0),w!==!1){let I=L;I.auto(n,Gs)?Zo():Xs(M,I.min,I.max),ee=ee||ce.left>=0,fe=!0,Xn()}}n.setData=$o;function Zo(){Gs=!0;let v,w;s==1&&(tn>0?(cn=is[0]=0,hn=is[1]=tn-1,v=e[0][cn],w=e[0][hn],B==2?(v=cn,w=hn):v==w&&(B==3?[v,w]=Qh(v,v,L.log,!1):B==4?[v,w]=Hf(v,v,L.log,!1):L.time?w=v+Pn(86400/m):[v,w]=Kh(v,w,Wf,!0))):(cn=is[0]=v=null,hn=is[1]=w=null)),Xs(M,v,w)}let Vr,Hs,Gr,T,z,j,$,Z,Ae,Pe;function Ee(v,w,I,N,H,K){v??=L0,I??=qf,N??="butt",H??=L0,K??="round",v!=Vr&&(d.strokeStyle=Vr=v),H!=Hs&&(d.fillStyle=Hs=H),w!=Gr&&(d.lineWidth=Gr=w),K!=z&&(d.lineJoin=z=K),N!=j&&(d.lineCap=j=N),I!=T&&d.setLineDash(T=I)}function Ie(v,w,I,N){w!=Hs&&(d.fillStyle=Hs=w),v!=$&&(d.font=$=v),I!=Z&&(d.textAlign=Z=I),N!=Ae&&(d.textBaseline=Ae=N)}function ze(v,w,I,N,H=0){if(N.length>0&&v.auto(n,Gs)&&(w==null||w.min==null)){let K=wt(cn,0),ae=wt(hn,N.length-1),de=I.min==null?iT(N,K,ae,H,v.distr==3):[I.min,I.max];v.min=ts(v.min,I.min=de[0]),v.max=ai(v.max,I.max=de[1])}}let tt={min:null,max:null};function ft(){for(let N in S){let H=S[N];U[N]==null&&(H.min==null||U[M]!=null&&H.auto(n,Gs))&&(U[N]=tt)}for(let N in S){let H=S[N];U[N]==null&&H.from!=null&&U[H.from]!=null&&(U[N]=tt)}U[M]!=null&&ut(!0);let v={};for(let N in U){let H=U[N];if(H!=null){let K=v[N]=Vo(S[N],dT);if(H.min!=null)Mn(K,H);else if(N!=M||s==2)if(tn==0&&K.from==null){let ae=K.range(n,null,null,N);K.min=ae[0],K.max=ae[1]}else K.min=Ft,K.max=-Ft}}if(tn>0){x.forEach((N,H)=>{if(s==1){let K=N.scale,ae=U[K];if(ae==null)return;let de=v[K];if(H==0){let be=de.range(n,de.min,de.max,K);de.min=be[0],de.max=be[1],cn=es(de.min,e[0]),hn=es(de.max,e[0]),hn-cn>1&&(e[0][cn]<de.min&&cn++,e[0][hn]>de.max&&hn--),N.min=di[cn],N.max=di[hn]}else N.show&&N.auto&&ze(de,ae,N,e[H],N.sorted);N.idxs[0]=cn,N.idxs[1]=hn}else if(H>0&&N.show&&N.auto){let[K,ae]=N.facets,de=K.scale,be=ae.scale,[De,Ne]=e[H],Oe=v[de],ot=v[be];Oe!=null&&ze(Oe,U[de],K,De,K.sorted),ot!=null&&ze(ot,U[be],ae,Ne,ae.sorted),N.min=ae.min,N.max=ae.max}});for(let N in v){let H=v[N],K=U[N];if(H.from==null&&(K==null||K.min==null)){let ae=H.range(n,H.min==Ft?null:H.min,H.max==-Ft?null:H.max,N);H.min=ae[0],H.max=ae[1]}}}for(let N in v){let H=v[N];if(H.from!=null){let K=v[H.from];if(K.min==null)H.min=H.max=null;else{let ae=H.range(n,K.min,K.max,N);H.min=ae[0],H.max=ae[1]}}}let w={},I=!1;for(let N in v){let H=v[N],K=S[N];if(K.min!=H.min||K.max!=H.max){K.min=H.min,K.max=H.max;let ae=K.distr;K._min=ae==3?zs(K.min):ae==4?Af(K.min,K.asinh):ae==100?K.fwd(K.min):K.min,K._max=ae==3?zs(K.max):ae==4?Af(K.max,K.asinh):ae==100?K.fwd(K.max):K.max,w[N]=I=!0}}if(I){x.forEach((N,H)=>{s==2?H>0&&w.y&&(N._paths=null):w[N.scale]&&(N._paths=null)});for(let N in w)xe=!0,Un("setScale",N);pe&&ce.left>=0&&(ee=fe=!0)}for(let N in U)U[N]=null}function Be(v){let w=Nf(cn-1,0,tn-1),I=Nf(hn+1,0,tn-1);for(;v[w]==null&&w>0;)w--;for(;v[I]==null&&I<tn-1;)I++;return[w,I]}function pt(){if(tn>0){let v=x.some(w=>w._focus)&&Pe!=ke.alpha;v&&(d.globalAlpha=Pe=ke.alpha),x.forEach((w,I)=>{if(I>0&&w.show&&(Qt(I,!1),Qt(I,!0),w._paths==null)){let N=Pe;Pe!=w.alpha&&(d.globalAlpha=Pe=w.alpha);let H=s==2?[0,e[I][0].length-1]:Be(e[I]);w._paths=w.paths(n,I,H[0],H[1]),Pe!=N&&(d.globalAlpha=Pe=N)}}),x.forEach((w,I)=>{if(I>0&&w.show){let N=Pe;Pe!=w.alpha&&(d.globalAlpha=Pe=w.alpha),w._paths!=null&&Pt(I,!1);{let H=w._paths!=null?w._paths.gaps:null,K=w.points.show(n,I,cn,hn,H),ae=w.points.filter(n,I,K,H);(K||ae)&&(w.points._paths=w.points.paths(n,I,cn,hn,ae),Pt(I,!0))}Pe!=N&&(d.globalAlpha=Pe=N),Un("drawSeries",I)}}),v&&(d.globalAlpha=Pe=1)}}function Qt(v,w){let I=w?x[v].points:x[v];I._stroke=I.stroke(n,v),I._fill=I.fill(n,v)}function Pt(v,w){let I=w?x[v].points:x[v],{stroke:N,fill:H,clip:K,flags:ae,_stroke:de=I._stroke,_fill:be=I._fill,_width:De=I.width}=I._paths;De=Ot(De*Et,3);let Ne=null,Oe=De%2/2;w&&be==null&&(be=De>0?"#fff":de);let ot=I.pxAlign==1&&Oe>0;if(ot&&d.translate(Oe,Oe),!w){let Tt=C-De/2,St=b-De/2,gt=q+De,Je=he+De;Ne=new Path2D,Ne.rect(Tt,St,gt,Je)}w?Ue(de,De,I.dash,I.cap,be,N,H,ae,K):It(v,de,De,I.dash,I.cap,be,N,H,ae,Ne,K),ot&&d.translate(-Oe,-Oe)}function It(v,w,I,N,H,K,ae,de,be,De,Ne){let Oe=!1;be!=0&&R.forEach((ot,Tt)=>{if(ot.series[0]==v){let St=x[ot.series[1]],gt=e[ot.series[1]],Je=(St._paths||cl).band;fr(Je)&&(Je=ot.dir==1?Je[0]:Je[1]);let We,Ht=null;St.show&&Je&&rT(gt,cn,hn)?(Ht=ot.fill(n,Tt)||K,We=St._paths.clip):Je=null,Ue(w,I,N,H,Ht,ae,de,be,De,Ne,We,Je),Oe=!0}}),Oe||Ue(w,I,N,H,K,ae,de,be,De,Ne)}let Tn=Go|Of;function Ue(v,w,I,N,H,K,ae,de,be,De,Ne,Oe){Ee(v,w,I,N,H),(be||De||Oe)&&(d.save(),be&&d.clip(be),De&&d.clip(De)),Oe?(de&Tn)==Tn?(d.clip(Oe),Ne&&d.clip(Ne),yt(H,ae),pn(v,K,w)):de&Of?(yt(H,ae),d.clip(Oe),pn(v,K,w)):de&Go&&(d.save(),d.clip(Oe),Ne&&d.clip(Ne),yt(H,ae),d.restore(),pn(v,K,w)):(yt(H,ae),pn(v,K,w)),(be||De||Oe)&&d.restore()}function pn(v,w,I){I>0&&(w instanceof Map?w.forEach((N,H)=>{d.strokeStyle=Vr=H,d.stroke(N)}):w!=null&&v&&d.stroke(w))}function yt(v,w){w instanceof Map?w.forEach((I,N)=>{d.fillStyle=Hs=N,d.fill(I)}):w!=null&&v&&d.fill(w)}function xs(v,w,I,N){let H=E[v],K;if(N<=0)K=[0,0];else{let ae=H._space=H.space(n,v,w,I,N),de=H._incrs=H.incrs(n,v,w,I,N,ae);K=AA(w,I,de,N,ae)}return H._found=K}function mn(v,w,I,N,H,K,ae,de,be,De){let Ne=ae%2/2;y==1&&d.translate(Ne,Ne),Ee(de,ae,be,De,de),d.beginPath();let Oe,ot,Tt,St,gt=H+(N==0||N==3?-K:K);I==0?(ot=H,St=gt):(Oe=H,Tt=gt);for(let Je=0;Je<v.length;Je++)w[Je]!=null&&(I==0?Oe=Tt=v[Je]:ot=St=v[Je],d.moveTo(Oe,ot),d.lineTo(Tt,St));d.stroke(),y==1&&d.translate(-Ne,-Ne)}function Hr(v){let w=!0;return E.forEach((I,N)=>{if(!I.show)return;let H=S[I.scale];if(H.min==null){I._show&&(w=!1,I._show=!1,ut(!1));return}else I._show||(w=!1,I._show=!0,ut(!1));let K=I.side,ae=K%2,{min:de,max:be}=H,[De,Ne]=xs(N,de,be,ae==0?O:Ce);if(Ne==0)return;let Oe=H.distr==2,ot=I._splits=I.splits(n,N,de,be,De,Ne,Oe),Tt=H.distr==2?ot.map(We=>di[We]):ot,St=H.distr==2?di[ot[1]]-di[ot[0]]:De,gt=I._values=I.values(n,I.filter(n,Tt,N,Ne,St),N,Ne,St);I._rotate=K==2?I.rotate(n,gt,N,Ne):0;let Je=I._size;I._size=ki(I.size(n,gt,N,v)),Je!=null&&I._size!=Je&&(w=!1)}),w}function ss(v){let w=!0;return Yo.forEach((I,N)=>{let H=I(n,N,ns,v);H!=Bi[N]&&(w=!1),Bi[N]=H}),w}function bs(){for(let v=0;v<E.length;v++){let w=E[v];if(!w.show||!w._show)continue;let I=w.side,N=I%2,H,K,ae=w.stroke(n,v),de=I==0||I==3?-1:1,[be,De]=w._found;if(w.label!=null){let Qn=w.labelGap*de,mi=Pn((w._lpos+Qn)*Et);Ie(w.labelFont[0],ae,"center",I==2?"top":I0),d.save(),N==1?(H=K=0,d.translate(mi,Pn(b+he/2)),d.rotate((I==3?-$h:$h)/2)):(H=Pn(C+q/2),K=mi);let yr=xy(w.label)?w.label(n,v,be,De):w.label;d.fillText(yr,H,K),d.restore()}if(De==0)continue;let Ne=S[w.scale],Oe=N==0?q:he,ot=N==0?C:b,Tt=w._splits,St=Ne.distr==2?Tt.map(Qn=>di[Qn]):Tt,gt=Ne.distr==2?di[Tt[1]]-di[Tt[0]]:be,Je=w.ticks,We=w.border,Ht=Je.show?Je.size:0,sn=Pn(Ht*Et),Fn=Pn((w.alignTo==2?w._size-Ht-w.gap:w.gap)*Et),Nt=w._rotate*-$h/180,rn=p(w._pos*Et),fi=(sn+Fn)*de,jn=rn+fi;K=N==0?jn:0,H=N==1?jn:0;let Ai=w.font[0],zi=w.align==1?Fo:w.align==2?Mf:Nt>0?Fo:Nt<0?Mf:N==0?"center":I==3?Mf:Fo,as=Nt||N==1?"middle":I==2?"top":I0;Ie(Ai,ae,zi,as);let pi=w.font[1]*w.lineGap,Ei=Tt.map(Qn=>p(a(Qn,Ne,Oe,ot))),Vi=w._values;for(let Qn=0;Qn<Vi.length;Qn++){let mi=Vi[Qn];if(mi!=null){N==0?H=Ei[Qn]:K=Ei[Qn],mi=""+mi;let yr=mi.indexOf(`
+`)==-1?[mi]:mi.split(/\n/gm);for(let ei=0;ei<yr.length;ei++){let Tp=yr[ei];Nt?(d.save(),d.translate(H,K+ei*pi),d.rotate(Nt),d.fillText(Tp,0,0),d.restore()):d.fillText(Tp,H,K+ei*pi)}}}Je.show&&mn(Ei,Je.filter(n,St,v,De,gt),N,I,rn,sn,Ot(Je.width*Et,3),Je.stroke(n,v),Je.dash,Je.cap);let ls=w.grid;ls.show&&mn(Ei,ls.filter(n,St,v,De,gt),N,N==0?2:1,N==0?b:C,N==0?he:q,Ot(ls.width*Et,3),ls.stroke(n,v),ls.dash,ls.cap),We.show&&mn([rn],[1],N==0?1:0,N==0?1:2,N==1?b:C,N==1?he:q,Ot(We.width*Et,3),We.stroke(n,v),We.dash,We.cap)}Un("drawAxes")}function ut(v){x.forEach((w,I)=>{I>0&&(w._paths=null,v&&(s==1?(w.min=null,w.max=null):w.facets.forEach(N=>{N.min=null,N.max=null})))})}let nn=!1,Jn=!1,Lt=[];function gn(){Jn=!1;for(let v=0;v<Lt.length;v++)Un(...Lt[v]);Lt.length=0}function Xn(){nn||(vT(ap),nn=!0)}function pl(v,w=!1){nn=!0,Jn=w,v(n),ap(),w&&Lt.length>0&&queueMicrotask(gn)}n.batch=pl;function ap(){if(re&&(ft(),re=!1),xe&&(Te(),xe=!1),ve){if(qt(f,Fo,Ze),qt(f,"top",at),qt(f,rl,O),qt(f,ol,Ce),qt(g,Fo,Ze),qt(g,"top",at),qt(g,rl,O),qt(g,ol,Ce),qt(u,rl,en),qt(u,ol,fn),h.width=Pn(en*Et),h.height=Pn(fn*Et),E.forEach(({_el:v,_show:w,_size:I,_pos:N,side:H})=>{if(v!=null)if(w){let K=H===3||H===0?I:0,ae=H%2==1;qt(v,ae?"left":"top",N-K),qt(v,ae?"width":"height",I),qt(v,ae?"top":"left",ae?at:Ze),qt(v,ae?"height":"width",ae?Ce:O),Lf(v,Fr)}else Mi(v,Fr)}),Vr=Hs=Gr=z=j=$=Z=Ae=T=null,Pe=1,jo(!0),Ze!=we||at!=Ut||O!=Ge||Ce!=qe){ut(!1);let v=O/Ge,w=Ce/qe;if(pe&&!ee&&ce.left>=0){ce.left*=v,ce.top*=w,Wr&&gs(Wr,Pn(ce.left),0,O,Ce),Xr&&gs(Xr,0,Pn(ce.top),O,Ce);for(let I=0;I<ht.length;I++){let N=ht[I];N!=null&&(zt[I]*=v,Kn[I]*=w,gs(N,ki(zt[I]),ki(Kn[I]),O,Ce))}}if(Gt.show&&!ie&&Gt.left>=0&&Gt.width>0){Gt.left*=v,Gt.width*=v,Gt.top*=w,Gt.height*=w;for(let I in Au)qt($r,I,Gt[I])}we=Ze,Ut=at,Ge=O,qe=Ce}Un("setSize"),ve=!1}en>0&&fn>0&&(d.clearRect(0,0,h.width,h.height),Un("drawClear"),A.forEach(v=>v()),Un("draw")),Gt.show&&ie&&(ml(Gt),ie=!1),pe&&ee&&(gr(null,!0,!1),ee=!1),ue.show&&ue.live&&fe&&(wu(),fe=!1),l||(l=!0,n.status=1,Un("ready")),Gs=!1,nn=!1}n.redraw=(v,w)=>{xe=w||!1,v!==!1?Xs(M,L.min,L.max):Xn()};function bu(v,w){let I=S[v];if(I.from==null){if(tn==0){let N=I.range(n,w.min,w.max,v);w.min=N[0],w.max=N[1]}if(w.min>w.max){let N=w.min;w.min=w.max,w.max=N}if(tn>1&&w.min!=null&&w.max!=null&&w.max-w.min<1e-16)return;v==M&&I.distr==2&&tn>0&&(w.min=es(w.min,e[0]),w.max=es(w.max,e[0]),w.min==w.max&&w.max++),U[v]=w,re=!0,Xn()}}n.setScale=bu;let Su,Mu,Wr,Xr,lp,cp,qr,Yr,hp,up,Vt,Zt,Ws=!1,zn=ce.drag,Dn=zn.x,Nn=zn.y;pe&&(ce.x&&(Su=Oi(H1,g)),ce.y&&(Mu=Oi(W1,g)),L.ori==0?(Wr=Su,Xr=Mu):(Wr=Mu,Xr=Su),Vt=ce.left,Zt=ce.top);let Gt=n.select=Mn({show:!0,over:!0,left:0,width:0,top:0,height:0},i.select),$r=Gt.show?Oi(G1,Gt.over?g:f):null;function ml(v,w){if(Gt.show){for(let I in v)Gt[I]=v[I],I in Au&&qt($r,I,v[I]);w!==!1&&Un("setSelect")}}n.setSelect=ml;function d_(v){if(x[v].show)Q&&Lf(Ke[v],Fr);else if(Q&&Mi(Ke[v],Fr),pe){let I=Re?ht[0]:ht[v];I!=null&&gs(I,-10,-10,O,Ce)}}function Xs(v,w,I){bu(v,{min:w,max:I})}function rs(v,w,I,N){w.focus!=null&&y_(v),w.show!=null&&x.forEach((H,K)=>{K>0&&(v==K||v==null)&&(H.show=w.show,d_(K),s==2?(Xs(H.facets[0].scale,null,null),Xs(H.facets[1].scale,null,null)):Xs(H.scale,null,null),Xn())}),I!==!1&&Un("setSeries",v,w),N&&Qo("setSeries",n,v,w)}n.setSeries=rs;function f_(v,w){Mn(R[v],w)}function p_(v,w){v.fill=vt(v.fill||null),v.dir=wt(v.dir,-1),w=w??R.length,R.splice(w,0,v)}function m_(v){v==null?R.length=0:R.splice(v,1)}n.addBand=p_,n.setBand=f_,n.delBand=m_;function g_(v,w){x[v].alpha=w,pe&&ht[v]!=null&&(ht[v].style.opacity=w),Q&&Ke[v]&&(Ke[v].style.opacity=w)}let Ss,qs,mr,Zr={focus:!0};function y_(v){if(v!=mr){let w=v==null,I=ke.alpha!=1;x.forEach((N,H)=>{if(s==1||H>0){let K=w||H==0||H==v;N._focus=w?null:K,I&&g_(H,K?1:ke.alpha)}}),mr=v,I&&Xn()}}Q&&Qe&&xt(U0,ye,v=>{ce._lock||(je(v),mr!=null&&rs(null,Zr,!0,yn.setSeries))});function os(v,w,I){let N=S[w];I&&(v=v/Et-(N.ori==1?at:Ze));let H=O;N.ori==1&&(H=Ce,v=H-v),N.dir==-1&&(v=H-v);let K=N._min,ae=N._max,de=v/H,be=K+(ae-K)*de,De=N.distr;return De==3?Bo(10,be):De==4?aT(be,N.asinh):De==100?N.bwd(be):be}function __(v,w){let I=os(v,M,w);return es(I,e[0],cn,hn)}n.valToIdx=v=>es(v,e[0]),n.posToIdx=__,n.posToVal=os,n.valToPos=(v,w,I)=>S[w].ori==0?r(v,S[w],I?q:O,I?C:0):o(v,S[w],I?he:Ce,I?b:0),n.setCursor=(v,w,I)=>{Vt=v.left,Zt=v.top,gr(null,w,I)};function dp(v,w){qt($r,Fo,Gt.left=v),qt($r,rl,Gt.width=w)}function fp(v,w){qt($r,"top",Gt.top=v),qt($r,ol,Gt.height=w)}let Ko=L.ori==0?dp:fp,Jo=L.ori==1?dp:fp;function v_(){if(Q&&ue.live)for(let v=s==2?1:0;v<x.length;v++){if(v==0&&ct)continue;let w=ue.values[v],I=0;for(let N in w)Fe[v][I++].firstChild.nodeValue=w[N]}}function wu(v,w){if(v!=null&&(v.idxs?v.idxs.forEach((I,N)=>{ne[N]=I}):uT(v.idx)||ne.fill(v.idx),ue.idx=ne[0]),Q&&ue.live){for(let I=0;I<x.length;I++)(I>0||s==1&&!ct)&&x_(I,ne[I]);v_()}fe=!1,w!==!1&&Un("setLegend")}n.setLegend=wu;function x_(v,w){let I=x[v],N=v==0&&B==2?di:e[v],H;ct?H=I.values(n,v,w)??rt:(H=I.value(n,w==null?null:N[w],v,w),H=H==null?rt:{_:H}),ue.values[v]=H}function gr(v,w,I){hp=Vt,up=Zt,[Vt,Zt]=ce.move(n,Vt,Zt),ce.left=Vt,ce.top=Zt,pe&&(Wr&&gs(Wr,Pn(Vt),0,O,Ce),Xr&&gs(Xr,0,Pn(Zt),O,Ce));let N,H=cn>hn;Ss=Ft,qs=null;let K=L.ori==0?O:Ce,ae=L.ori==1?O:Ce;if(Vt<0||tn==0||H){N=ce.idx=null;for(let de=0;de<x.length;de++){let be=ht[de];be!=null&&gs(be,-10,-10,O,Ce)}Qe&&rs(null,Zr,!0,v==null&&yn.setSeries),ue.live&&(ne.fill(N),fe=!0)}else{let de,be,De;s==1&&(de=L.ori==0?Vt:Zt,be=os(de,M),N=ce.idx=es(be,e[0],cn,hn),De=V(e[0][N],L,K,0));let Ne=-10,Oe=-10,ot=0,Tt=0,St=!0,gt="",Je="";for(let We=s==2?1:0;We<x.length;We++){let Ht=x[We],sn=ne[We],Fn=sn==null?null:s==1?e[We][sn]:e[We][1][sn],Nt=ce.dataIdx(n,We,N,be),rn=Nt==null?null:s==1?e[We][Nt]:e[We][1][Nt];if(fe=fe||rn!=Fn||Nt!=sn,ne[We]=Nt,We>0&&Ht.show){let fi=Nt==null?-10:Nt==N?De:V(s==1?e[0][Nt]:e[We][0][Nt],L,K,0),jn=rn==null?-10:P(rn,s==1?S[Ht.scale]:S[Ht.facets[1].scale],ae,0);if(Qe&&rn!=null){let Ai=L.ori==1?Vt:Zt,zi=In(ke.dist(n,We,Nt,jn,Ai));if(zi<Ss){let as=ke.bias;if(as!=0){let pi=os(Ai,Ht.scale),Ei=rn>=0?1:-1,Vi=pi>=0?1:-1;Vi==Ei&&(Vi==1?as==1?rn>=pi:rn<=pi:as==1?rn<=pi:rn>=pi)&&(Ss=zi,qs=We)}else Ss=zi,qs=We}}if(fe||Re){let Ai,zi;L.ori==0?(Ai=fi,zi=jn):(Ai=jn,zi=fi);let as,pi,Ei,Vi,ls,Qn,mi=!0,yr=le.bbox;if(yr!=null){mi=!1;let ei=yr(n,We);Ei=ei.left,Vi=ei.top,as=ei.width,pi=ei.height}else Ei=Ai,Vi=zi,as=pi=le.size(n,We);if(Qn=le.fill(n,We),ls=le.stroke(n,We),Re)We==qs&&Ss<=ke.prox&&(Ne=Ei,Oe=Vi,ot=as,Tt=pi,St=mi,gt=Qn,Je=ls);else{let ei=ht[We];ei!=null&&(zt[We]=Ei,Kn[We]=Vi,G0(ei,as,pi,mi),z0(ei,Qn,ls),gs(ei,ki(Ei),ki(Vi),O,Ce))}}}}if(Re){let We=ke.prox,Ht=mr==null?Ss<=We:Ss>We||qs!=mr;if(fe||Ht){let sn=ht[0];sn!=null&&(zt[0]=Ne,Kn[0]=Oe,G0(sn,ot,Tt,St),z0(sn,gt,Je),gs(sn,ki(Ne),ki(Oe),O,Ce))}}}if(Gt.show&&Ws)if(v!=null){let[de,be]=yn.scales,[De,Ne]=yn.match,[Oe,ot]=v.cursor.sync.scales,Tt=v.cursor.drag;if(Dn=Tt._x,Nn=Tt._y,Dn||Nn){let{left:St,top:gt,width:Je,height:We}=v.select,Ht=v.scales[Oe].ori,sn=v.posToVal,Fn,Nt,rn,fi,jn,Ai=de!=null&&De(de,Oe),zi=be!=null&&Ne(be,ot);Ai&&Dn?(Ht==0?(Fn=St,Nt=Je):(Fn=gt,Nt=We),rn=S[de],fi=V(sn(Fn,Oe),rn,K,0),jn=V(sn(Fn+Nt,Oe),rn,K,0),Ko(ts(fi,jn),In(jn-fi))):Ko(0,K),zi&&Nn?(Ht==1?(Fn=St,Nt=Je):(Fn=gt,Nt=We),rn=S[be],fi=P(sn(Fn,ot),rn,ae,0),jn=P(sn(Fn+Nt,ot),rn,ae,0),Jo(ts(fi,jn),In(jn-fi))):Jo(0,ae)}else Eu()}else{let de=In(hp-lp),be=In(up-cp);if(L.ori==1){let ot=de;de=be,be=ot}Dn=zn.x&&de>=zn.dist,Nn=zn.y&&be>=zn.dist;let De=zn.uni;De!=null?Dn&&Nn&&(Dn=de>=De,Nn=be>=De,!Dn&&!Nn&&(be>de?Nn=!0:Dn=!0)):zn.x&&zn.y&&(Dn||Nn)&&(Dn=Nn=!0);let Ne,Oe;Dn&&(L.ori==0?(Ne=qr,Oe=Vt):(Ne=Yr,Oe=Zt),Ko(ts(Ne,Oe),In(Oe-Ne)),Nn||Jo(0,ae)),Nn&&(L.ori==1?(Ne=qr,Oe=Vt):(Ne=Yr,Oe=Zt),Jo(ts(Ne,Oe),In(Oe-Ne)),Dn||Ko(0,K)),!Dn&&!Nn&&(Ko(0,0),Jo(0,0))}if(zn._x=Dn,zn._y=Nn,v==null){if(I){if(wp!=null){let[de,be]=yn.scales;yn.values[0]=de!=null?os(L.ori==0?Vt:Zt,de):null,yn.values[1]=be!=null?os(L.ori==1?Vt:Zt,be):null}Qo(wf,n,Vt,Zt,O,Ce,N)}if(Qe){let de=I&&yn.setSeries,be=ke.prox;mr==null?Ss<=be&&rs(qs,Zr,!0,de):Ss>be?rs(null,Zr,!0,de):qs!=mr&&rs(qs,Zr,!0,de)}}fe&&(ue.idx=N,wu()),w!==!1&&Un("setCursor")}let Ys=null;Object.defineProperty(n,"rect",{get(){return Ys==null&&jo(!1),Ys}});function jo(v=!1){v?Ys=null:(Ys=g.getBoundingClientRect(),Un("syncRect",Ys))}function pp(v,w,I,N,H,K,ae){ce._lock||Ws&&v!=null&&v.movementX==0&&v.movementY==0||(Tu(v,w,I,N,H,K,ae,!1,v!=null),v!=null?gr(null,!0,!0):gr(w,!0,!1))}function Tu(v,w,I,N,H,K,ae,de,be){if(Ys==null&&jo(!1),je(v),v!=null)I=v.clientX-Ys.left,N=v.clientY-Ys.top;else{if(I<0||N<0){Vt=-10,Zt=-10;return}let[De,Ne]=yn.scales,Oe=w.cursor.sync,[ot,Tt]=Oe.values,[St,gt]=Oe.scales,[Je,We]=yn.match,Ht=w.axes[0].side%2==1,sn=L.ori==0?O:Ce,Fn=L.ori==1?O:Ce,Nt=Ht?K:H,rn=Ht?H:K,fi=Ht?N:I,jn=Ht?I:N;if(St!=null?I=Je(De,St)?a(ot,S[De],sn,0):-10:I=sn*(fi/Nt),gt!=null?N=We(Ne,gt)?a(Tt,S[Ne],Fn,0):-10:N=Fn*(jn/rn),L.ori==1){let Ai=I;I=N,N=Ai}}be&&(w==null||w.cursor.event.type==wf)&&((I<=1||I>=O-1)&&(I=Nr(I,O)),(N<=1||N>=Ce-1)&&(N=Nr(N,Ce))),de?(lp=I,cp=N,[qr,Yr]=ce.move(n,I,N)):(Vt=I,Zt=N)}let Au={width:0,height:0,left:0,top:0};function Eu(){ml(Au,!1)}let mp,gp,yp,_p;function vp(v,w,I,N,H,K,ae){Ws=!0,Dn=Nn=zn._x=zn._y=!1,Tu(v,w,I,N,H,K,ae,!0,!1),v!=null&&(xt(Tf,Pf,xp,!1),Qo(D0,n,qr,Yr,O,Ce,null));let{left:de,top:be,width:De,height:Ne}=Gt;mp=de,gp=be,yp=De,_p=Ne}function xp(v,w,I,N,H,K,ae){Ws=zn._x=zn._y=!1,Tu(v,w,I,N,H,K,ae,!1,!0);let{left:de,top:be,width:De,height:Ne}=Gt,Oe=De>0||Ne>0,ot=mp!=de||gp!=be||yp!=De||_p!=Ne;if(Oe&&ot&&ml(Gt),zn.setScale&&Oe&&ot){let Tt=de,St=De,gt=be,Je=Ne;if(L.ori==1&&(Tt=be,St=Ne,gt=de,Je=De),Dn&&Xs(M,os(Tt,M),os(Tt+St,M)),Nn)for(let We in S){let Ht=S[We];We!=M&&Ht.from==null&&Ht.min!=Ft&&Xs(We,os(gt+Je,We),os(gt,We))}Eu()}else ce.lock&&(ce._lock=!ce._lock,gr(w,!0,v!=null));v!=null&&(wn(Tf,Pf),Qo(Tf,n,Vt,Zt,O,Ce,null))}function b_(v,w,I,N,H,K,ae){if(ce._lock)return;je(v);let de=Ws;if(Ws){let be=!0,De=!0,Ne=10,Oe,ot;L.ori==0?(Oe=Dn,ot=Nn):(Oe=Nn,ot=Dn),Oe&&ot&&(be=Vt<=Ne||Vt>=O-Ne,De=Zt<=Ne||Zt>=Ce-Ne),Oe&&be&&(Vt=Vt<qr?0:O),ot&&De&&(Zt=Zt<Yr?0:Ce),gr(null,!0,!0),Ws=!1}Vt=-10,Zt=-10,ne.fill(null),gr(null,!0,!0),de&&(Ws=de)}function bp(v,w,I,N,H,K,ae){ce._lock||(je(v),Zo(),Eu(),v!=null&&Qo(F0,n,Vt,Zt,O,Ce,null))}function Sp(){E.forEach(EA),F(n.width,n.height,!0)}Or(Zh,ko,Sp);let Kr={};Kr.mousedown=vp,Kr.mousemove=pp,Kr.mouseup=xp,Kr.dblclick=bp,Kr.setSeries=(v,w,I,N)=>{let H=yn.match[2];I=H(n,w,I),I!=-1&&rs(I,N,!0,!1)},pe&&(xt(D0,g,vp),xt(wf,g,pp),xt(N0,g,v=>{je(v),jo(!1)}),xt(U0,g,b_),xt(F0,g,bp),kf.add(n),n.syncRect=jo);let gl=n.hooks=i.hooks||{};function Un(v,w,I){Jn?Lt.push([v,w,I]):v in gl&&gl[v].forEach(N=>{N.call(null,n,w,I)})}(i.plugins||[]).forEach(v=>{for(let w in v.hooks)gl[w]=(gl[w]||[]).concat(v.hooks[w])});let Mp=(v,w,I)=>I,yn=Mn({key:null,setSeries:!1,filters:{pub:Y0,sub:Y0},scales:[M,x[1]?x[1].scale:null],match:[$0,$0,Mp],values:[null,null]},ce.sync);yn.match.length==2&&yn.match.push(Mp),ce.sync=yn;let wp=yn.key,Ru=Wy(wp);function Qo(v,w,I,N,H,K,ae){yn.filters.pub(v,w,I,N,H,K,ae)&&Ru.pub(v,w,I,N,H,K,ae)}Ru.sub(n);function S_(v,w,I,N,H,K,ae){yn.filters.sub(v,w,I,N,H,K,ae)&&Kr[v](null,w,I,N,H,K,ae)}n.pub=S_;function M_(){Ru.unsub(n),kf.delete(n),Ln.clear(),Df(Zh,ko,Sp),c.remove(),ye?.remove(),Un("destroy")}n.destroy=M_;function Cu(){Un("init",i,e),$o(e||i.data,!1),U[M]?bu(M,U[M]):Zo(),ie=Gt.show&&(Gt.width>0||Gt.height>0),ee=fe=!0,F(i.width,i.height)}return x.forEach(zr),E.forEach(_s),t?t instanceof HTMLElement?(t.appendChild(c),Cu()):t(n,Cu):Cu(),n}Hn.assign=Mn;Hn.fmtNum=Xf;Hn.rangeNum=Kh;Hn.rangeLog=Qh;Hn.rangeAsinh=Hf;Hn.orient=Br;Hn.pxRatio=Et;Hn.join=_T;Hn.fmtDate=Yf,Hn.tzDate=CT;Hn.sync=Wy;{Hn.addGap=uA,Hn.clipGaps=nu;let i=Hn.paths={points:Ky};i.linear=jy,i.stepped=pA,i.bars=mA,i.spline=yA}function Xe(i){let e=document.getElementById(i);if(e===null)throw new Error(`the page has no #${i}`);return e}function Se(i,e={},...t){let n=document.createElement(i);for(let[s,r]of Object.entries(e))typeof r=="function"?n.addEventListener(s.replace(/^on/,""),r):typeof r=="boolean"?n.toggleAttribute(s,r):n.setAttribute(s,r);return n.append(...t),n}function Yt(i,e){i.textContent!==e&&(i.textContent=e)}var ep="http://www.w3.org/2000/svg";function tp(i,e=!1){let t=document.createElementNS(ep,"svg");t.setAttribute("viewBox","0 0 24 24"),t.setAttribute("aria-hidden","true");let n=document.createElementNS(ep,"path");return n.setAttribute("d",i),e&&n.setAttribute("class","fill"),t.append(n),t}function ou(i,e){let t=document.createElementNS(ep,i);for(let[n,s]of Object.entries(e))t.setAttribute(n,s);return t}var Wn={play:"M7 5l12 7-12 7z",pause:"M8 5v14M16 5v14",step:"M6 5l9 7-9 7zM18 5v14",back:"M18 5l-9 7 9 7zM6 5v14",reset:"M4 12a8 8 0 108-8M4 4v5h5",record:"M12 6a6 6 0 100 12 6 6 0 000-12z",snapshot:"M12 8v5l3 2M4 12a8 8 0 108-8 8 8 0 00-7 4M4 4v4h4",picture:"M4 7h4l2-2h4l2 2h4v12H4zM12 10a3 3 0 100 6 3 3 0 000-6z",save:"M12 4v11M7 11l5 5 5-5M4 20h16",loop:"M17 3l4 4-4 4M21 7H7a4 4 0 00-4 4M7 21l-4-4 4-4M3 17h14a4 4 0 004-4"};var np=[{name:"force",title:"Force",unit:"N",least:.1},{name:"depth",title:"Depth",unit:"mm",least:.1},{name:"energy",title:"Energy",unit:"mJ",least:.01},{name:"loop",title:"Tick time",unit:"ms",least:.1}],RA=80,CA="palpate",ip=class{constructor(e,t,n,s){this.about=e;this.tall=t;this.last=n;this.owner=s;this.root=Se("div",{class:"chart","data-chart":e.name},Se("div",{class:"head"},Se("h2",{},e.title," "),Se("span",{class:"unit"},e.unit),this.values),this.plot)}about;tall;last;owner;root;values=Se("span",{class:"values"});plot=Se("div",{class:"plot"});chart=null;shape="";data={time:[],lines:[]};height(){return this.tall()+(this.last?18:0)}set(e,t,n){this.data=e;let s=this.plot.clientWidth;if(s<40)return;let r=`${e.lines.map(({label:a})=>a).join()} ${n.light} ${s} ${this.height()}`;r!==this.shape&&(this.shape=r,this.chart?.destroy(),this.chart=new Hn(this.options(e.lines,s,n),this.table(),this.plot),this.values.replaceChildren(...e.lines.map(({label:a,colour:l})=>{let c=Se("span",{"data-line":a});return c.style.setProperty("--c",n.colour(l)),c})));let{chart:o}=this;o!==null&&(o.batch(()=>{o.setData(this.table(),!1),o.setScale("x",{min:t[0],max:t[1]}),o.setScale("y",this.heights(t))}),this.tell(o.cursor.idx??null))}table(){return[this.data.time,...this.data.lines.map(({values:e})=>e)]}heights([e,t]){let[n,s]=[0,this.about.least],{time:r,lines:o}=this.data;for(let{values:l}of o)for(let c=0;c<r.length;c++){let h=l[c];r[c]<e||r[c]>t||h===null||!Number.isFinite(h)||(h<n&&(n=h),h>s&&(s=h))}let a=.07*(s-n);return{min:n<0?n-a:0,max:s+a}}options(e,t,n){let s={stroke:n.colour("muted"),grid:{stroke:n.colour("line"),width:1},ticks:{show:!1},font:"11px system-ui, sans-serif"};return{width:t,height:this.height(),legend:{show:!1},padding:[4,6,0,0],scales:{x:{time:!1},y:{auto:!1}},axes:[{...s,size:this.last?18:3,gap:2,space:60,values:(r,o)=>o.map(a=>this.last?`${Number(a.toFixed(6))} s`:"")},{...s,size:42,gap:3,space:22,values:(r,o)=>o.map(a=>String(Number(a.toPrecision(6))))}],series:[{},...e.map(({label:r,colour:o,thin:a})=>({label:r,stroke:n.colour(o),width:a===!0?1:1.8,points:{show:!1},spanGaps:!0}))],cursor:{sync:{key:CA,setSeries:!1},drag:{x:this.owner.onZoom!==null,y:!1,setScale:!1},points:{size:6}},hooks:{setCursor:[r=>this.tell(r.cursor.idx??null)],draw:[r=>this.drawMark(r,n)],setSelect:[r=>{let{left:o,width:a}=r.select;a>4&&this.owner.onZoom?.(r.posToVal(o,"x"),r.posToVal(o+a,"x")),r.setSelect({left:0,top:0,width:0,height:0},!1)}],ready:[r=>{r.over.addEventListener("click",()=>{let o=r.cursor.left??-1;o>=0&&this.owner.onPick?.(r.posToVal(o,"x"))}),r.over.addEventListener("dblclick",()=>this.owner.onZoom?.(0,0))}]}}}drawMark(e,t){let{mark:n}=this.owner;if(n===null)return;let s=e.valToPos(n,"x",!0),{left:r,top:o,width:a,height:l}=e.bbox;s<r||s>r+a||(e.ctx.save(),e.ctx.strokeStyle=t.colour("accent"),e.ctx.lineWidth=1.5*devicePixelRatio,e.ctx.beginPath(),e.ctx.moveTo(s,o),e.ctx.lineTo(s,o+l),e.ctx.stroke(),e.ctx.restore())}tell(e){let{time:t,lines:n}=this.data,s=e??t.length-1;if(e===null&&this.owner.mark!==null)for(;s>0&&t[s]>this.owner.mark+1e-9;)s-=1;n.forEach(({label:r,values:o},a)=>{let l=this.values.children[a],c=o[s];l!==void 0&&Yt(l,`${n.length>1?`${r} `:""}${c==null?"–":Bs(c,3)}`)})}},au=class{onPick=null;onZoom=null;mark=null;charts;last=0;constructor(){let e=()=>innerWidth<=820?92:Math.round(Math.min(Math.max((innerHeight-538)/4,58),150));this.charts=np.map((t,n)=>new ip(t,e,n===np.length-1,this)),Xe("charts").append(...this.charts.map(({root:t})=>t))}due(e){return e-this.last<RA?!1:(this.last=e,!0)}set(e,t,n){this.charts.forEach((s,r)=>s.set(e[np[r].name],t,n))}};function ys(i,e,t,n,s,r=!1){return Se("button",{id:i,type:"button",title:t,"aria-label":e,onclick:s},tp(n,r),Se("span",{class:"long"},` ${e}`))}var n_=i=>Se("div",{class:"group push"},ys("save-picture","Picture","Save the picture as PNG (P)",Wn.picture,()=>i.picture()),ys("save-net","Nets","Save the surfaces as OBJ (O)",Wn.save,()=>i.nets())),ul=[.01,.05,.1,.25,.5,1,2,5,10],lu=class{constructor(e,t,n,s){this.live=e;this.world=t;this.notices=n;let r=ys("reset","Reset","Back to the start of the scene (backspace)",Wn.reset,()=>this.reset()),o=ys("snapshot","Snapshot","Write the last seconds to a recording (K)",Wn.snapshot,()=>this.snapshot());this.acting=[this.pauseButton,this.stepButton,r,this.recordButton,o],this.speed.addEventListener("change",()=>e.speed(Number(this.speed.value))),Xe("deck").replaceChildren(Se("div",{class:"group"},this.pauseButton,this.stepButton,r),this.speed,Se("div",{class:"group"},this.recordButton,o),this.why,n_(s))}live;world;notices;pauseButton=ys("pause","Pause","Pause or resume (space)",Wn.pause,()=>this.pause());stepButton=ys("step","Step","One tick, while paused (.)",Wn.step,()=>this.step());recordButton=ys("record","Record","Record, or stop recording (R)",Wn.record,()=>this.record(),!0);why=Se("span",{class:"why"});speed=Se("select",{id:"speed","aria-label":"Speed in lockstep",title:"Simulated to real time"},...ul.map(e=>Se("option",{value:String(e),selected:e===1},`× ${e}`)));acting;async ask(e,t,n){let s=await this.live.call(e,t),r=s.ok?n(String(s.path??"")):`Refused (${e.replace("_"," ")}): ${s.error??"no reason given"}`;r!==null&&this.notices.tell(r,!s.ok)}get paused(){return this.world.status?.state==="Paused"}pause=()=>{this.ask(this.paused?"resume":"pause",{},()=>null)};step=()=>{this.ask("step",{ticks:1},()=>null)};reset=()=>{this.ask("reset",{},()=>null)};snapshot=()=>{this.ask("snapshot",{before:10,after:0},e=>`The last 10 seconds are in ${e}`)};record=()=>{this.world.status?.recorder==="Recording"?this.ask("record_stop",{},e=>`Recorded ${e}`):this.ask("record_start",{},e=>`Recording to ${e}`)};update(){let e=this.live.mayWrite;for(let n of this.acting)n.disabled=!e;this.speed.hidden=!this.live.lockstep,this.speed.disabled=!e,this.stepButton.disabled=!e||!this.paused;let t=this.world.status?.recorder==="Recording";this.relabel(this.pauseButton,this.paused?"Resume":"Pause",this.paused?Wn.play:Wn.pause),this.relabel(this.recordButton,t?"Stop":"Record",Wn.record),this.recordButton.classList.toggle("recording",t),this.recordButton.setAttribute("aria-pressed",String(t)),Yt(this.why,this.live.viewOnly?"This page is for looking only.":"")}relabel(e,t,n){if(e.getAttribute("aria-label")===t)return;e.setAttribute("aria-label",t);let s=e.querySelector("span");s!==null&&(s.textContent=` ${t}`),e.querySelector("path")?.setAttribute("d",n)}},cu=class{constructor(e,t,n,s){this.playback=e;this.second=t;this.world=n;this.slider=Se("input",{id:"timeline",type:"range",min:String(e.first),max:String(e.last),step:"1","aria-label":"Time",oninput:()=>this.go(Number(this.slider.value))}),this.speed.addEventListener("change",()=>this.playback.speed=Number(this.speed.value)),Xe("deck").replaceChildren(Se("div",{class:"group"},ys("back","Back","A tick back (,)",Wn.back,()=>this.stepBy(-1)),this.playButton,ys("step","Step","A tick on (.)",Wn.step,()=>this.stepBy(1)),this.loopButton,this.speed),Se("div",{id:"track"},this.canvas,this.slider),this.time,n_(s));for(let r of Xe("deck").querySelectorAll("#back .long, #step .long, #pause .long"))r.remove()}playback;second;world;playButton=ys("pause","Play","Play or pause (space)",Wn.play,()=>this.playback.toggle());loopButton=Se("button",{id:"loop",type:"button","aria-pressed":"false",title:"Play again at the end (L)","aria-label":"Loop",onclick:()=>this.toggleLoop()},tp(Wn.loop));speed=Se("select",{id:"speed","aria-label":"Speed"},...ul.map(e=>Se("option",{value:String(e),selected:e===1},`× ${e}`)));time=Se("span",{class:"time"});slider;canvas=Se("canvas");drawn="";stepBy(e){this.playback.playing=!1,this.go(this.playback.tick+e)}go(e){this.playback.seek(e),this.second()?.seek(e)}toggleLoop(){this.playback.loop=!this.playback.loop,this.loopButton.setAttribute("aria-pressed",String(this.playback.loop))}faster(e){let t=ul.indexOf(this.playback.speed)+e,n=ul[Math.min(Math.max(t,0),ul.length-1)];this.playback.speed=n,this.speed.value=String(n)}update(e){let{playback:t}=this,n=t.playing?"Pause":"Play";this.playButton.getAttribute("aria-label")!==n&&(this.playButton.setAttribute("aria-label",n),this.playButton.querySelector("path")?.setAttribute("d",t.playing?Wn.pause:Wn.play)),this.slider.value!==String(t.tick)&&(this.slider.value=String(t.tick));let s=r=>this.world.seconds(r);this.slider.setAttribute("aria-valuetext",`${ur(s(t.tick),3)} s, tick ${t.tick}`),Yt(this.time,`${ur(s(t.tick),3)} / ${ur(s(t.last),1)} s · tick ${t.tick}`),this.draw(e)}draw(e){let{canvas:t,playback:n}=this,{overview:s}=n,[r,o]=[t.clientWidth*devicePixelRatio,t.clientHeight*devicePixelRatio],a=`${r} ${o} ${s.version} ${n.tick} ${e.light}`;if(a===this.drawn||r===0)return;this.drawn=a,t.width=r,t.height=o;let l=t.getContext("2d");if(l===null)return;let c=Math.max(1,n.last-n.first),h=y=>(y-n.first)/c*(r-2)+1,d=Math.min(s.tools.length,6),u=o*.62/Math.max(d,1);for(let y=0;y<d;y++){l.fillStyle=e.colour("force"),l.globalAlpha=.75;for(let[p,m]of s.contactIntervals(y))l.fillRect(h(p),3+y*u,Math.max(1.5,h(m+1)-h(p)),Math.max(2,u-3))}l.globalAlpha=1;let f=s.tools.reduce((y,{size:p})=>p.reduce((m,x)=>Math.max(m,x),y),0);if(f>0){l.strokeStyle=e.colour("text"),l.lineWidth=devicePixelRatio,l.beginPath();for(let y=0;y<s.rows;y++){if(s.filled[y]===0)continue;let p=s.tools.reduce((m,x)=>Math.max(m,x.size[y]),0);l.lineTo(h(s.tickOf(y)),o*.7-o*.62*p/f)}l.stroke()}for(let y of this.world.events)l.fillStyle=e.colour(y.serious?"bad":"muted"),l.fillRect(h(y.tick)-devicePixelRatio/2,o*.76,2*devicePixelRatio,o*.24);l.fillStyle=e.colour("accent");let g=h(n.tick);l.fillRect(g-devicePixelRatio,0,2*devicePixelRatio,o),l.beginPath(),l.arc(g,5*devicePixelRatio,5*devicePixelRatio,0,7),l.fill()}};var PA=200,dl=class{constructor(e){this.onPick=e;this.filter.addEventListener("change",()=>this.seen=-1)}onPick;list=Xe("events");filter=Xe("event-filter");seen=-1;update(e){let t=this.filter.value;if(this.seen===e.eventVersion)return;this.seen=e.eventVersion;let n=({about:o,serious:a})=>t==="all"||(t==="serious"?a:o===t),r=e.events.filter(n).slice(-PA).reverse().map(({tick:o,text:a,serious:l})=>{let c=`${ur(e.seconds(o))}`,h=this.onPick===null?Se("time",{},c):Se("button",{type:"button",title:"Go there",onclick:()=>this.onPick?.(o)},c);return Se("li",l?{class:"serious"}:{},h,Se("span",{},a))});this.list.replaceChildren(...r.length>0?r:[Se("li",{class:"none"},"Nothing so far.")])}};var i_=[["drag a tool","move it: the loop answers with a force"],["wheel meanwhile","push it along the view (second finger up and down)"],["Shift meanwhile","grip what it touches"],["Ctrl meanwhile","turn the tool"],["drag elsewhere","turn the view (one finger)"],["right drag","move the view (two fingers)"],["wheel","zoom (pinch)"]],IA=[["Space","pause, resume"],[".","one tick, while paused"],["R","record, stop"],["Backspace","reset the scene"],["K","keep the last seconds (snapshot)"],["T","take the chosen tool, let go"],["[ ]","choose the tool before, after"],["arrows","while held: move it; else turn the view"],["PgUp PgDn","while held: push away, pull"],["G","while held: grip on, off"],["Esc","let go"]],LA=[["Space","play, pause"],[", .","a tick back, on"],["< >","a tenth of a second back, on"],["Home End","beginning, end"],["Alt - +","slower, faster"],["L","play again at the end"],["[ ]","choose the tool before, after"]],DA=[["F","fit to the scene"],["0 1 2 3","oblique, front, side, top"],["+ -","zoom"],["V","view panel"],["N","control nets"],["C","next colouring"],["D","light, dark, as the system"],["U","sound"],["P","save the picture (PNG)"],["O","save the nets (OBJ)"],["?","this help"]];function sp(i,e,t=!0){let n=Se("dl");for(let[s,r]of e){let o=t?s.split(" ").map(a=>Se("kbd",{},a)):[Se("span",{},s)];n.append(Se("dt",{},...o.flatMap((a,l)=>l>0?[" ",a]:[a])),Se("dd",{},r))}return Se("section",{},Se("h3",{},i),n)}var hu=class{dialog=Xe("help");constructor(e,t){Xe("help-open").addEventListener("click",()=>this.open(e(),t())),this.dialog.addEventListener("click",n=>{n.target===this.dialog&&this.dialog.close()})}open(e,t){if(this.dialog.open)return this.dialog.close();this.dialog.replaceChildren(Se("button",{class:"close",type:"button",onclick:()=>this.dialog.close()},"Close"),Se("h2",{id:"help-title"},"Keys and mouse"),Se("div",{class:"columns"},Se("div",{},sp("Mouse and fingers",e?i_.slice(4):i_,!1),sp("Picture",DA)),Se("div",{},sp(e?"Recording":"Loop and tools",e?LA:IA))),Se("p",{class:"why"},t===""?"":`Palpate ${t}`)),this.dialog.showModal()}};var NA=[["surface","surfaces"],["lines","lines"],["net","nets"],["contacts","contacts"],["tools","tools"],["hands","hands"],["forces","forces"],["torques","torques"],["labels","numbers"],["grid","ground"],["shadows","shadows"]],UA={iso:[.85,-1,.55],front:[0,-1,.02],side:[1,0,.02],top:[0,-.02,1]},rp=i=>UA[i],uu=class{constructor(e,t,n){this.settings=e;Xe("fit").addEventListener("click",t);for(let o of this.panel.querySelectorAll("[data-view]"))o.addEventListener("click",()=>n(o.dataset.view));this.toggleButton.addEventListener("click",()=>this.toggle());let s=(o,a,l)=>{let c=Xe(o);c.addEventListener(a,()=>e.set(h=>l(h,c)))};s("colour-by","change",(o,{value:a})=>o.colourBy=a),s("map","change",(o,{value:a})=>o.map=a),s("clip","change",(o,{value:a})=>o.clip=a),s("clip-at","input",(o,{value:a})=>o.clipAt=Number(a)),s("clip-flip","change",(o,{checked:a})=>o.clipFlip=a),s("lock-range","change",(o,{checked:a})=>o.lockRange=a);let r=Xe("layers");for(let[o,a]of NA){let l=Se("input",{type:"checkbox","data-layer":o});l.addEventListener("change",()=>e.set(c=>c.layers[o]=l.checked)),this.boxes.set(o,l),r.append(Se("label",{class:"check"},l,a))}e.onChange(()=>this.show()),innerWidth<1e3&&this.toggle(!1),this.show()}settings;panel=Xe("look");toggleButton=Xe("look-toggle");onToggle=()=>{};boxes=new Map;get width(){return this.panel.hidden||this.panel.parentElement.clientWidth<640?0:this.panel.offsetWidth+12}toggle(e=this.panel.hidden){this.panel.hidden=!e,this.onToggle(),this.toggleButton.setAttribute("aria-expanded",String(e))}offerDifference(e){let t=Xe("colour-by").querySelector("option[value=difference]");t!==null&&(t.hidden=t.disabled=!e)}show(){let{value:e}=this.settings;Xe("colour-by").value=e.colourBy,Xe("map").value=e.map,Xe("clip").value=e.clip,Xe("clip-at").value=String(e.clipAt),Xe("clip-flip").checked=e.clipFlip,Xe("lock-range").checked=e.lockRange;for(let t of["clip-at","clip-flip"])Xe(t).disabled=e.clip==="off";for(let[t,n]of this.boxes)n.checked=e.layers[t]}};var FA=9e3,OA=4,du=class{area=Xe("notices");lasting=new Map;tell(e,t=!1){for(let s of this.area.querySelectorAll("p:not([data-lasting])"))s.textContent===e&&s.remove();let n=Se("p",t?{class:"bad"}:{},e);for(this.area.append(n),setTimeout(()=>n.remove(),FA);this.area.querySelectorAll("p:not([data-lasting])").length>OA;)this.area.querySelector("p:not([data-lasting])")?.remove()}keep(e,t){let n=this.lasting.get(e);if(t===null)n?.remove(),this.lasting.delete(e);else if(n===void 0){let s=Se("p",{class:"bad","data-lasting":e},t);this.lasting.set(e,s),this.area.prepend(s)}else n.textContent!==t&&(n.textContent=t)}};var kA=[["x",[1,0,0]],["y",[0,1,0]],["z",[0,0,1]]],BA=12,fu=class{root=Xe("gizmo");parts=kA.map(([e,t])=>{let n=ou("line",{x1:"0",y1:"0",stroke:`var(--${e})`}),s=ou("text",{fill:`var(--${e})`});s.textContent=e;let r=ou("g",{});return r.append(n,s),{axis:t,line:n,text:s,group:r}});update(e){let{right:t,up:n,away:s}=e.axes(),r=(a,l)=>a[0]*l[0]+a[1]*l[1]+a[2]*l[2],o=this.parts.map(a=>({...a,depth:r(a.axis,s)})).sort((a,l)=>l.depth-a.depth);for(let{axis:a,line:l,text:c,group:h}of o){let[d,u]=[r(a,t),-r(a,n)];l.setAttribute("x2",String(30*d)),l.setAttribute("y2",String(30*u)),c.setAttribute("x",String(41*d)),c.setAttribute("y",String(41*u)),this.root.append(h)}}},pu=class{area=Xe("labels");spans=[];update(e,t,n,s){let r=[...n];if(s.layers.labels&&s.layers.forces)for(let{tools:o,group:a}of t){let l=o.filter(({tool:c,arrow:h})=>h.group.visible&&on(c.force)>.005);for(let{tool:c,arrow:h}of l.slice(0,BA)){let{x:d,y:u,z:f}=h.tip.clone().add(a.position);r.push({text:Dr(on(c.force)),kind:"force",place:[d,u,f]})}}for(;this.spans.length<r.length;){let o=Se("span");this.spans.push(o),this.area.append(o)}this.spans.forEach((o,a)=>{let l=r[a],c=l===void 0?null:e.project(l.place),{clientWidth:h,clientHeight:d}=this.area,u=c!==null&&c.x>-20&&c.y>-10&&c.x<h+20&&c.y<d+30;if(o.hidden=!u,!u||l===void 0)return;Yt(o,l.text),o.className=l.kind;let f=Math.min(Math.max(c.x+8,4),h-66),g=Math.min(Math.max(c.y-24,2),d-26);o.style.transform=`translate(${f.toFixed(1)}px, ${g.toFixed(1)}px)`})}},mu=class{root=Xe("legend");title=Se("div");map=Se("div",{class:"map"});low=Se("span");middle=Se("span");high=Se("span");scale=Se("div",{},this.title,this.map,Se("div",{class:"ends"},this.low,this.middle,this.high));arrow=Se("div",{class:"arrow"});ground=Xe("ground");constructor(){this.root.append(this.scale,this.arrow)}update(e,t,n){let{scale:s}=e;if(this.scale.hidden=s===null,s!==null){let o=dr(Math.max(Math.abs(s.from),s.to)),[a,l]=s.unit!=="m"?[1,s.unit]:o>=.5?[1,"m"]:o>5e-5?[1e3,"mm"]:[1e6,"µm"];Yt(this.title,`${s.label}, ${l}`),this.map.style.backgroundImage=u0(s.map),Yt(this.low,Bs(s.from*a,2)),Yt(this.middle,Bs((s.from+s.to)/2*a,2)),Yt(this.high,Bs(s.to*a,2))}let r=e.tools.some(({arrow:o})=>o.group.visible);this.arrow.hidden=!n.layers.forces||!r,Yt(this.arrow,`Force, 1 N = ${ms(e.arrowScale,"m")}`),this.root.hidden=this.scale.hidden&&this.arrow.hidden,this.ground.hidden=!n.layers.grid||e.bodies.length===0,Yt(this.ground,`grid ${ms(t.cell,"m").replace(/\.0+ /," ")}`)}};var zA=[{name:"time",label:"time"},{name:"rate",label:"rate"},{name:"late",label:"late"},{name:"tick",label:"p99",minor:!0},{name:"quality",label:"quality",minor:!0},{name:"recorder",label:"",minor:!0}],s_=i=>i<1e4?i.toLocaleString("en"):`${Math.round(i/1e3)}k`,gu=class{values=new Map;link=Xe("link");scene=Xe("scene-name");before={tick:0,at:0,hz:0};constructor(){let e=Xe("status");for(let{name:t,label:n,minor:s}of zA){let r=Se("b"),o=Se("span",{"data-item":t,...s===!0?{class:"minor"}:{}},r,` ${n}`);this.values.set(t,{item:o,value:r}),e.append(o)}}update(e,t){if(Yt(this.scene,e.name),this.link.dataset.state=e.link==="live"&&e.status?.state==="Paused"?"paused":e.link,Yt(this.link,this.linkWords(e,t)),this.put("time",`${ur(e.seconds())} s`),t!==null){this.put("rate",`× ${Bs(t.speed,2)}`,"speed"),this.put("late",`${(t.last-t.first+1).toLocaleString("en")}`,"ticks"),this.put("tick",t.recording.build.split(" source")[0],""),this.put("quality","",""),this.put("recorder","","");return}let{status:n}=e;if(n===null)return;this.put("rate",`${n.rate_hz.toFixed(0)} Hz`,this.slower(e,n.rate_hz));let[s,r]=[Number(n.late_ticks),Number(n.skipped_ticks)];this.put("late",s_(s),r>0?`late, ${s_(r)} skipped`:"late",r>0?"warn":""),this.put("tick",ms(Number(n.step.p99_ns)*1e-9,"s")),this.explain("tick","Tick time: 99 of 100 ticks take less");let o=n.quality_level;this.put("quality",o===0?"full":`−${o}`,"quality",o>0?"warn":""),this.explain("quality",o===0?"Full quality":`Quality level ${o}: ${M0[o]??""}`),this.explain("late",`${s} ticks began late, ${r} were skipped`);let a=n.recorder==="Failed"||n.recorder_drops>0n,l=n.recorder==="Recording"?` ${Lh(Number(n.recorder_bytes))}`:"",c=n.recorder_drops>0n?`, ${n.recorder_drops} records lost`:"";this.put("recorder",n.recorder==="Off"&&!a?"":`${S0[n.recorder]}${l}${c}`,"",a?"bad":"")}slower(e,t){let n=performance.now(),s=(n-this.before.at)*.001;s>=1&&(this.before={tick:e.tick,at:n,hz:(e.tick-this.before.tick)/s});let{hz:r}=this.before;return e.status?.state!=="Running"||e.lockstep||!(r>0)||r>.93*t?e.lockstep?"lockstep":"":`now ${r.toFixed(0)}`}linkWords(e,t){if(t!==null)return t.playing?"Playing":"Recording";switch(e.link){case"connecting":return"Connecting …";case"lost":return"No connection";case"failed":return"Failed";default:return e.status?.state==="Paused"?"Paused":e.status?.state==="Stopping"?"Stopping":"Live"}}explain(e,t){let n=this.values.get(e)?.item;n!==void 0&&n.title!==t&&(n.title=t)}put(e,t,n,s=""){let r=this.values.get(e);if(r!==void 0){if(Yt(r.value,t),n!==void 0){let o=r.item.lastChild;o!==null&&o!==r.value&&o.textContent!==` ${n}`&&(o.textContent=` ${n}`)}r.item.classList.toggle("warn",s==="warn"),r.item.classList.toggle("bad",s==="bad"),r.item.hidden=t===""}}};var r_=matchMedia("(prefers-color-scheme: dark)");function o_(i){r_.addEventListener("change",i)}function op(i){let e=i==="dark"||i==="system"&&r_.matches;document.documentElement.dataset.theme=e?"dark":"light";let t=getComputedStyle(document.documentElement),n=new Map;return{light:!e,colour(s){let r=n.get(s);return r===void 0&&n.set(s,r=t.getPropertyValue(`--${s}`).trim()),r}}}var yu=class{constructor(e){this.actions=e}actions;area=Xe("tools");buttons=new Map;built=-1;update(e,t){this.built!==e.sceneVersion&&(this.built=e.sceneVersion,this.buttons=new Map,this.area.replaceChildren(...e.tools.map(n=>this.make(n))),this.area.hidden=e.tools.length===0);for(let n of e.tools){let s=this.buttons.get(n.id);s!==void 0&&(Yt(s.value,Dr(on(n.force))),s.button.setAttribute("aria-pressed",String(t.has(n.id))),s.button.classList.toggle("held",n.holder!==null),s.button.title=`${n.shape}${n.holder===null?"":`, held by ${n.holder}`}. Shift: chart several`)}}make(e){let t=Se("span",{class:"n"}),n=Se("button",{type:"button","data-tool":e.id,"aria-pressed":"false",onclick:s=>this.actions.choose(e.id,s.shiftKey||s.ctrlKey)},e.id,t);return this.buttons.set(e.id,{button:n,value:t}),n}},_u=class{size=Se("b",{"data-value":"force"});name=Se("span",{class:"name"});gauge=Se("i");values=new Map;words=Se("p",{class:"words"});take=Se("button",{type:"button",id:"take"},"Take with keys (T)");who=Se("span",{class:"who"});tool="";held=!1;constructor(e){let t=Se("dl");for(let[n,s]of[["fx","x"],["depth","depth"],["fy","y"],["energy","energy"],["fz","z"],["contacts","contacts"]]){let r=Se("dd");this.values.set(n,r),t.append(Se("dt",{},s),r)}this.take.addEventListener("click",()=>this.held?e.letGo():e.take(this.tool)),Xe("readout").append(Se("div",{class:"big"},this.size,Se("span",{class:"unit"},"N"),this.words,this.name),Se("div",{class:"gauge"},this.gauge),t,Se("div",{class:"actions",id:"actions"},this.take,this.who))}update(e,t,n){if(Xe("readout").hidden=e===void 0,e===void 0)return;this.tool=e.id,this.held=n;let s=on(e.force);Yt(this.size,Number.isFinite(s)?s.toFixed(2):"–"),Yt(this.name,`on ${e.id}`),this.gauge.style.transform=`scaleX(${Math.min(s/(e.forceMax>0&&Number.isFinite(e.forceMax)?e.forceMax:10),1)||0})`,this.gauge.parentElement?.setAttribute("title",e.forceMax>0&&Number.isFinite(e.forceMax)?`of at most ${e.forceMax} N`:"of 10 N"),this.put("fx",Dr(e.force[0])),this.put("fy",Dr(e.force[1])),this.put("fz",Dr(e.force[2])),this.put("depth",ms(e.depth,"m")),this.put("energy",ms(e.energy,"J")),this.put("contacts",String(e.contacts)),Yt(this.words,b0(e.flags&~(n?0:1)).join(", ")),this.take.hidden=!t,Yt(this.take,n?"Let go (Esc)":"Take with keys (T)"),Yt(this.who,n?"you hold it":e.holder!==null?`held by ${e.holder}`:"")}put(e,t){let n=this.values.get(e);n!==void 0&&Yt(n,t)}};var a_=["size","x","z","y","second","force"];function VA(i,e,t){let n=-1;return i.map(s=>{for(;n+1<e.length&&e[n+1]<=s;)n+=1;return n<0?null:t[n]})}function l_(i,e){let[t]=i;if(t===void 0){let r={time:[],lines:[]};return{force:r,depth:r,energy:r,loop:e}}let{time:n}=t,s=r=>r.fx.map((o,a)=>Math.hypot(o,r.fy[a],r.fz[a]));if(i.length>1){let r=o=>({time:n,lines:i.map((a,l)=>({label:a.id,colour:a_[l%a_.length],values:VA(n,a.time,o(a))}))});return{force:r(s),depth:r(o=>o.depth.map(a=>1e3*a)),energy:r(o=>o.energy.map(a=>1e3*a)),loop:e}}return{force:{time:n,lines:[{label:"size",colour:"size",values:s(t)},{label:"x",colour:"x",values:t.fx,thin:!0},{label:"y",colour:"y",values:t.fy,thin:!0},{label:"z",colour:"z",values:t.fz,thin:!0}]},depth:{time:n,lines:[{label:"depth",colour:"force",values:t.depth.map(r=>1e3*r)}]},energy:{time:n,lines:[{label:"work",colour:"z",values:t.energy.map(r=>1e3*r)},{label:"taken away",colour:"second",values:t.dissipated.map(r=>1e3*r)}]},loop:e}}function c_(i,e,t){let n=i.tick-t/i.dt,s=u=>{let[f,g]=[0,u.length];for(;f<g;){let y=f+g>>>1;u[y]<n?f=y+1:g=y}return Math.max(0,f-1)},r=i.tools.filter(u=>e.has(u.id)).map(({id:u,history:f})=>{let g=s(f.ticks),[y,p,m,x,E,S]=f.columns.map(R=>R.slice(g));return{id:u,time:f.ticks.slice(g).map(R=>R*i.dt),fx:y,fy:p,fz:m,depth:x,energy:E,dissipated:S}}),o=s(i.loop.ticks),[a,l,,c]=i.loop.columns.map(u=>u.slice(o).map(f=>1e3*f)),[h]=r,d=1e3*i.dt;return l_(h===void 0?[]:r,{time:i.loop.ticks.slice(o).map(u=>u*i.dt),lines:[{label:"median",colour:"z",values:a},{label:"p99",colour:"size",values:l},{label:"late",colour:"force",values:c.map(u=>Math.max(0,u-d)),thin:!0}]})}function h_(i,e){let{dt:t,toolIds:n}=i.recording,s=[];for(let l=0;l<i.rows;l++)i.filled[l]===1&&s.push(l);let r=s.map(l=>i.tickOf(l)*t),o=l=>s.map(c=>l[c]),a=n.flatMap((l,c)=>{let h=i.tools[c];return!e.has(l)||h===void 0?[]:[{id:l,time:r,fx:o(h.fx),fy:o(h.fy),fz:o(h.fz),depth:o(h.depth),energy:o(h.energy),dissipated:o(h.dissipated)}]});return l_(a,{time:r,lines:[{label:"tick",colour:"size",values:o(i.step).map(l=>1e3*l)},{label:"late",colour:"force",values:o(i.late).map(l=>1e3*l),thin:!0}]})}var GA=66,HA=.2,vu=class{settings=new kh;notices=new du;look;stage=null;live=null;hand=null;playback=null;liveDeck=null;playbackDeck=null;theme;world=new Uo;views=[];second=null;pointer=null;chosen=new Set;focus=null;hovered=null;touched=!1;version="";range=null;status=new gu;toolList;readout;charts=new au;events=new dl(null);gizmo=new fu;labels=new pu;legend=new mu;help;sound=new zh;drawnVersions="";sceneName="";lastFrame=0;lastWords=0;frames=0;fps=0;fpsSince=0;drawnLast=!1;firstPicture=0;updating=0;constructor(){this.theme=op(this.settings.value.theme),this.look=new uu(this.settings,()=>this.fit(),s=>this.lookFrom(s));let e={choose:(s,r)=>this.choose(s,r),take:s=>this.take(s),letGo:()=>this.hand?.letGo()};this.toolList=new yu(e),this.readout=new _u(e),this.help=new hu(()=>this.playback!==null,()=>this.version),this.startStage(),this.bindPage(),Pp(this);let t=Se("select",{"aria-label":"Seconds shown"},...[5,10,30,60].map(s=>Se("option",{value:String(s),selected:s===this.settings.value.span},`${s} s`)));t.addEventListener("change",()=>this.settings.set(s=>s.span=Number(t.value)));let n=Se("label",{id:"span"},"Last ",t);Xe("actions").append(n),requestAnimationFrame(s=>this.frame(s))}get size(){return this.views[0]?.size??.1}startStage(){let e=Xe("view");try{this.stage=new Dh(e)}catch{this.say("No picture","This browser has no WebGL, which the picture in three dimensions needs. Charts, values and controls work all the same."),e.hidden=!0,Xe("gizmo").toggleAttribute("hidden",!0),this.look.toggle(!1);return}let{stage:t}=this,n=()=>{t.setInset(this.look.width),t.resize(e.clientWidth,e.clientHeight)};this.look.onToggle=n,new ResizeObserver(n).observe(e),n(),e.addEventListener("webglcontextlost",s=>{s.preventDefault(),this.notices.keep("webgl","The graphics were lost; they come back by themselves.")}),e.addEventListener("webglcontextrestored",()=>{this.notices.keep("webgl",null),this.drawnVersions="",t.ask()})}bindPage(){this.settings.onChange(()=>this.applySettings()),o_(()=>this.applySettings()),Xe("theme").addEventListener("click",()=>this.settings.set(n=>n.theme=this.theme.light?"dark":"light")),Xe("sound").addEventListener("click",()=>this.settings.set(n=>n.sound=!n.sound)),this.applySettings(),document.addEventListener("visibilitychange",()=>{document.hidden&&this.hand?.end(null)});let e=Xe("drop"),t=n=>n.dataTransfer?.types.includes("Files")??!1;addEventListener("dragover",n=>{t(n)&&(n.preventDefault(),e.hidden=!1)}),addEventListener("dragleave",n=>{n.relatedTarget===null&&(e.hidden=!0)}),addEventListener("drop",n=>{n.preventDefault(),e.hidden=!0,this.openFiles([...n.dataTransfer?.files??[]])})}applySettings(){let{value:e}=this.settings;this.theme=op(e.theme),this.sound.set(e.sound),Xe("sound").setAttribute("aria-pressed",String(e.sound)),this.stage?.setPalette({grid:this.theme.colour("grid"),light:this.theme.light}),this.stage?.setGrid(e.layers.grid),this.stage?.setShadows(e.layers.shadows&&e.layers.grid),this.setClip(),this.drawnVersions=""}setClip(){let{clip:e,clipAt:t,clipFlip:n}=this.settings.value,s=this.world.bounds();if(this.stage===null||e==="off"||s.empty)return;let r={x:0,y:1,z:2}[e],o=n?1:-1,a=s.low[r]+t*(s.high[r]-s.low[r]);this.stage.clip.normal.set(r===0?o:0,r===1?o:0,r===2?o:0),this.stage.clip.constant=-o*a,this.stage.ask()}async start(){let e=_0();if(e!==null){let n=e.tools===null?null:e.tools,s=new ea(e.bytes);return this.show([await this.opened(e.name,s,async()=>e.scene,async()=>n)])}let t=await Bh();if(t===null){if(!location.protocol.startsWith("http"))return this.say("No recording","Drop a recording (.mcap) on this page to see it.");this.world.link="lost",this.notices.keep("link","The daemon does not answer; trying again …"),setTimeout(()=>{this.start()},1e3);return}if(this.notices.keep("link",null),this.version=t.version??"",t.mode==="view")return this.openSession(t);this.goLive(t)}goLive(e){this.leave(),document.body.dataset.mode="live";let t=new Vh(this.world,e);this.live=t;let n=new Hh(this.world,t,()=>this.size);this.hand=n,n.onEnd=(s,r)=>{this.pointer?.drop(),r!==null&&this.notices.tell(`${s}: ${r}`,!0)},t.onOpen=()=>n.end("the connection was lost"),t.onRefused=(s,r)=>{let o=/^tool\/([^/]+)\//.exec(s)?.[1];o!==void 0&&n.tool?.id===o?n.end(r):this.notices.tell(r,!0)},this.addView(this.world),this.liveDeck=new lu(t,this.world,this.notices,{picture:()=>this.savePicture(),nets:()=>this.saveNets()}),this.stage!==null&&this.pointer===null&&(this.pointer=new Wh(this.stage,n,()=>this.views[0]?.tools??[]),this.pointer.enabled=()=>this.live?.mayHold??!1,this.pointer.onHover=s=>this.hovered=s,this.pointer.onTake=s=>this.take(s)),t.start()}async openSession(e){let t=e.recordings??[];if(t.length===0)return this.say("No recordings","There is none to show here. Drop one (.mcap) on this page.");let n=t.filter(s=>s.against===!0);if(n.length>0)return this.openLinks([t.find(s=>s.against!==!0)??t[0],n[0]]);if(t.length===1)return this.openLinks(t);this.offer(t),await this.openLinks([t[0]])}offer(e){let t=Xe("instances"),n=t.querySelector("select");n!==null&&(t.firstChild?.replaceWith("Recording "),n.replaceChildren(...e.map(({name:s,bytes:r},o)=>Se("option",{value:String(o)},r===void 0?s:`${s} (${Lh(r)})`))),n.addEventListener("change",()=>{this.openLinks([e[Number(n.value)]])}),t.hidden=!1)}async openLinks(e){let t=async s=>{if(s==null)return null;let r=await fetch(s);return r.ok?r:null},n=async s=>{let r=await t(s.scene_url);return r===null?null:new Uint8Array(await r.arrayBuffer())};await this.tryShow(()=>Promise.all(e.map(async s=>this.opened(s.name,await Ip(s.url),()=>n(s),async()=>(await t(s.tools_url))?.text()??null))))}async openFiles(e){let t=e.filter(({name:n})=>/\.mcap(\.part)?$/.test(n)).slice(0,2);if(t.length===0){e.length>0&&this.notices.tell(`${e[0].name} is not a recording (.mcap)`,!0);return}await this.tryShow(()=>Promise.all(t.map(n=>this.opened(n.name,new vl(n),async()=>null,async()=>null))))}async opened(e,t,n,s){let r=await Pl.open(e,t,n),o=[];try{o=JSON.parse(await r.attachmentText("tools.json")??await s()??"[]")}catch{r.warnings.push("the shapes of its tools cannot be read")}return{recording:r,outlines:o}}async tryShow(e){try{this.show(await e())}catch(t){let n=t instanceof Error?t.message:String(t);this.playback===null&&this.live===null?this.say("This recording cannot be shown",n):this.notices.tell(n,!0)}}show(e){this.leave(),document.body.dataset.mode="recording",Xe("empty").hidden=!0,Xe("span").hidden=!0;let[t,n]=e;if(this.playback=new il(t.recording,this.world,t.outlines),this.addView(this.world),n!==void 0){let a=new Uo;this.second=new il(n.recording,a,n.outlines),this.addView(a)}for(let{recording:a}of e)for(let l of a.warnings)this.notices.tell(`${a.name}: ${l}`,!0);let s=new Set(e.map(({recording:a})=>a.build));s.size>1&&this.notices.tell(`The two are of different builds: ${[...s].join("; ")}`),this.look.offerDifference(n!==void 0),n!==void 0&&this.settings.set(a=>a.colourBy="difference");let{playback:r}=this;this.playbackDeck=new cu(r,()=>this.second,this.world,{picture:()=>this.savePicture(),nets:()=>this.saveNets()});let o=a=>this.playbackDeck?.go(a);this.events=new dl(o),this.charts.onPick=a=>o(Math.round(a/r.recording.dt)),this.charts.onZoom=(a,l)=>this.range=l>a?[a,l]:null,r.seek(r.first)}leave(){this.hand?.end(null),this.live?.stop(),this.playback?.stop(),this.second?.stop();for(let e of this.views)e.dispose();this.views=[],this.live=this.hand=this.playback=this.second=this.liveDeck=this.playbackDeck=null,this.world=new Uo,this.chosen.clear(),this.focus=this.range=null,this.sceneName="",this.drawnVersions="",this.look.offerDifference(!1),this.settings.value.colourBy==="difference"&&this.settings.set(e=>e.colourBy="displacement")}addView(e){this.stage!==null&&this.views.push(new Oh(e,this.stage))}say(e,t){let n=Xe("empty");n.replaceChildren(Se("h2",{},e),Se("p",{},t)),n.hidden=!1}choose(e,t){t||this.chosen.clear(),t&&this.chosen.has(e)&&this.chosen.size>1?this.chosen.delete(e):this.chosen.add(e),this.focus=this.chosen.has(e)?e:[...this.chosen][0]??null,this.settings.version+=1,this.drawnVersions=""}chooseNext(e){let{tools:t}=this.world;if(t.length===0)return;let n=t.findIndex(({id:s})=>s===this.focus);this.choose(t[(n+e+t.length)%t.length].id,!1)}take(e){let t=this.world.tool(e);if(!(t===void 0||this.hand===null)){if(this.choose(e,!1),this.live?.mayHold!==!0){let n=this.live?.viewOnly===!0?"This page is for looking only.":this.live?.mayWrite===!0?"The tools of a recording move by themselves.":"There is no connection to the daemon.";this.notices.tell(n,!0);return}this.touched=!0,this.hand.take(t)}}takeOrLetGo(){if(this.hand?.state==="holding")this.hand.letGo();else{let e=this.world.tool(this.focus??"")??this.world.tools[0];e!==void 0&&this.take(e.id)}}frameOf(){let[e,t]=this.views;if(e===void 0)return{middle:[0,0,0],size:.1};if(t===void 0)return{middle:e.middle,size:e.size};let n=t.group.position;return{middle:gi(e.middle,Kt([n.x,n.y,n.z],.5)),size:1.55*e.size}}fit(){let{middle:e,size:t}=this.frameOf();this.stage?.fit(e,t,null)}lookFrom(e){let{middle:t,size:n}=this.frameOf();this.stage?.fit(t,n,rp(e))}savePicture(){this.stage?.png(this.theme.colour("ground")).then(e=>{e!==null&&$u(Zu(this.world,"png"),e)})}saveNets(){$u(Zu(this.world,"obj"),new Blob([im(this.world)],{type:"model/obj"}))}showHelp(){this.help.open(this.playback!==null,this.version)}lookOf(){let e=t=>this.theme.colour(t);return{tool:this.theme.light?"#4b87b8":"#5f9bcd",focus:this.theme.light?"#1f78c8":"#49a7f5",hand:e("text"),force:e("force"),torque:e("second"),contact:this.theme.light?"#0b1b2b":"#fff6c9"}}frame(e){requestAnimationFrame(o=>this.frame(o));let t=e-this.lastFrame;if(this.lastFrame=e,this.playback!==null){this.playback.advance(t);let{second:o,playback:a}=this;o!==null&&(o.advance(0),o.tick!==a.tick&&a.playing&&o.seek(a.tick))}if(this.focus===null||this.world.tool(this.focus)===void 0){let o=this.world.tools[0]?.id;o!==void 0&&this.choose(o,!1)}let n=`${this.world.version} ${this.second?.world.version??0} ${this.settings.version} ${this.theme.light}`,s=n!==this.drawnVersions;if(this.drawnVersions=n,s){let o=performance.now();this.updateViews(),this.updating+=.1*(performance.now()-o-this.updating)}let r=this.stage?.draw()??!1;r&&this.drawnLast&&this.stage?.pace(t),this.drawnLast=r,r&&(this.frames+=1),r&&this.firstPicture===0&&(this.views[0]?.bodies.length??0)>0&&(this.firstPicture=performance.now()),e-this.fpsSince>1e3&&([this.fps,this.frames,this.fpsSince]=[1e3*this.frames/(e-this.fpsSince),0,e]),(s||r)&&this.updateOverlay(),e-this.lastWords>GA&&(this.lastWords=e,this.updateWords()),this.charts.due(e)&&this.updateCharts()}updateViews(){let{stage:e,views:t}=this,n=Math.max(0,...this.world.tools.map(l=>on(l.force)/(Number.isFinite(l.forceMax)&&l.forceMax>0?l.forceMax:10)));if(this.sound.update(n),e===null)return;let s=this.lookOf(),r=t.map(l=>l.rebuild(s))[0]??!1;t.forEach((l,c)=>{l.update(this.settings.value,this.settings.version,s,this.focus,t.length===2?t[1-c]:null)});let[o,a]=t;if(o!==void 0&&a!==void 0){let[l,c]=this.firstDirection(o);a.group.position.set(...Kt([-c,l,0],.9*o.size/Math.hypot(l,c)))}r&&o!==void 0&&o.bodies.length+o.tools.length>0&&this.setScene(o,e),e.ask()}setScene(e,t){let{middle:n,size:s}=this.frameOf();t.setScene(n,s,e.groundZ),this.setClip(),!(this.sceneName===this.world.name||e.bodies.length===0)&&(t.fit(n,s,this.firstDirection(e),this.sceneName!==""),this.sceneName=this.world.name)}firstDirection(e){let[t]=this.world.tools,[n]=this.world.bodies,s=rp("iso");if(t===void 0||n===void 0||this.world.tools.length>4)return s;let r=new li().take(n.rest).middle,[o,a]=[t.proxy[0]-r[0],t.proxy[1]-r[1]];if(!(Math.hypot(o,a)>.15*e.size))return s;let c=Math.atan2(-o,a)+HA;return[Math.cos(c),Math.sin(c),.36]}updateOverlay(){let{stage:e}=this,[t]=this.views;e===null||t===void 0||(this.gizmo.update(e),this.labels.update(e,this.views,this.titles(),this.settings.value),this.legend.update(t,e,this.settings.value),e.canvas.toggleAttribute("data-held",this.hand?.state==="holding"),e.canvas.toggleAttribute("data-over",this.hovered!==null))}titles(){if(this.second!==null&&this.playback!==null)return this.views.map((t,n)=>{let{x:s,y:r,z:o}=t.group.position,a=[this.playback,this.second].map(c=>c?.recording.name??"");return{text:a[0]===a[1]?`${a[n]} (${n+1})`:a[n],kind:"title",place:[t.middle[0]+s,t.middle[1]+r,t.groundZ+o]}});let e=this.hovered===null||this.hand?.state==="holding"?void 0:this.world.tool(this.hovered);return e===void 0?[]:[{text:e.holder===null?e.id:`${e.id}, held by ${e.holder}`,kind:"title",place:e.proxy}]}updateWords(){let{world:e,live:t}=this;this.status.update(e,this.playback),this.toolList.update(e,this.chosen);let n=this.hand?.state!==void 0&&this.hand.state!=="free"&&this.hand.tool?.id===this.focus;this.readout.update(this.focus===null?void 0:e.tool(this.focus),t?.mayHold??!1,n),this.events.update(e),this.liveDeck?.update(),this.playbackDeck?.update(this.theme),t!==null?(this.notices.keep("link",e.link==="lost"?e.trouble:null),this.showInstances(e.instances,t.instance)):e.trouble!==""&&this.notices.keep("trouble",e.trouble);let s=e.bodies.flatMap(({fault:r})=>r===null?[]:[r]);this.notices.keep("nets",s.length===0?null:`Not drawn: ${s.slice(0,3).join("; ")}${s.length>3?` and ${s.length-3} more`:""}`),this.updateHint()}showInstances(e,t){let n=Xe("instances");n.hidden=e.length<2;let s=n.querySelector("select");if(s===null||s.options.length===e.length)return;let{pages:r}=this.live??{pages:{}};s.replaceChildren(...e.map(o=>Se("option",{value:o,selected:o===t,disabled:o!==t&&r[o]===void 0},o))),s.onchange=()=>{let o=r[s.value];o!==void 0&&/^https?:/.test(o)&&(location.href=o)}}updateHint(){let e=Xe("hint"),t=this.focus===null?void 0:this.world.tool(this.focus),n=this.live?.mayHold===!0&&this.stage!==null&&t!==void 0,s="";n&&this.hand?.state==="holding"?s=matchMedia("(pointer: coarse)").matches?"Second finger up or down: push along the view":"Wheel: push along the view · Shift: grip":n&&!this.touched?s=`Drag the ${t.id.replace(/[_-]/g," ")} to press`:this.live?.mayWrite===!0&&this.world.status?.state==="Paused"&&(s="Paused: space runs on"),e.hidden=s==="",e.textContent!==s&&(e.textContent=s)}updateCharts(){let{playback:e,world:t}=this;if(e!==null){let n=[t.seconds(e.first),t.seconds(e.last)];this.charts.mark=t.seconds(e.tick),this.charts.set(h_(e.overview,this.chosen),this.range??n,this.theme)}else if(this.live!==null){let{span:n}=this.settings.value,s=t.seconds();this.charts.set(c_(t,this.chosen,n),[Math.max(0,s-n),Math.max(s,n)],this.theme)}}report(){let{world:e,stage:t}=this,n=s=>({id:s.id,force:[...s.force],depth:s.depth,proxy:[...s.proxy],holder:s.holder,hand:s.hand?.position??null,poseAgeMs:s.poseAgeMs,rows:s.history.ticks.length,screen:t?.project(s.proxy)??null});return{link:e.link,tick:e.tick,scene:e.name,malformed:this.live?.malformed??0,firstPictureMs:this.firstPicture,updateMs:this.updating,fps:this.fps,costMs:t?.cost??null,thrifty:t?.thrifty??!1,coarse:t?.coarse??!1,bodies:e.bodies.map(s=>({id:s.id,points:s.points.length/3,netTick:s.netTick,fault:s.fault,assumed:s.assumed})),extents:this.views.map(s=>s.bodies.map(({extent:r})=>r)),tools:e.tools.map(n),contacts:e.contacts.length,events:e.events.length,hand:this.hand?.state??null,playback:this.playback===null?null:{tick:this.playback.tick,first:this.playback.first,last:this.playback.last,playing:this.playback.playing,seekMs:this.playback.seekMs,overview:this.playback.overview.done,warnings:this.playback.recording.warnings,second:this.second?.tick??null}}}net(e){return[...this.world.body(e)?.points??[]]}};var u_=new vu;window.palpate=u_;u_.start();})();

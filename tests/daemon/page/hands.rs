@@ -1,0 +1,255 @@
+//! The page as a device: it holds a tool, moves it, gives commands.
+
+use super::{SOFT, TWO_BALLS};
+use crate::daemon::PROGRAM;
+use crate::page::{Page, serve};
+use palpate_client::pose_at;
+use palpate_client::proto::messages::{LoopState, ToolForce, ToolPose};
+use std::process::Command;
+use std::time::Duration;
+
+fn press(page: &mut Page, ticks: u64) -> f64 {
+    let mut strongest = 0.0_f64;
+    for seq in 1..=ticks {
+        let depth = 0.045 * (seq as f64 / ticks as f64);
+        let pose = ToolPose {
+            seq,
+            t_client_ns: seq * 16_000_000,
+            ..pose_at([0.06 - depth, 0.003, 0.045])
+        };
+        page.pose("ball", &pose);
+        let force = page.until("its force", |key, payload| {
+            (key == "tool/ball/force").then_some(())?;
+            let force: ToolForce = palpate_client::proto::codec::decode(payload, "").unwrap();
+            (force.pose_seq >= seq).then_some(force)
+        });
+        strongest = strongest.max(force.force[0].abs());
+    }
+    strongest
+}
+
+#[test]
+fn a_page_s_mouse_presses_the_body_and_its_recording_replays_bit_for_bit() {
+    let directory = tempfile::tempdir().unwrap();
+    let path = directory.path().join("drag.mcap");
+    let record = path.to_str().unwrap();
+    let (daemon, port) = serve(directory.path(), SOFT, &["--record", record]);
+    let palpate = daemon.connect();
+    let mut page = Page::open(port);
+    page.claim("ball", "mouse of a test");
+    page.holder("ball", |who| who == Some("mouse of a test"));
+    let strongest = press(&mut page, 60);
+    assert!(strongest > 0.05, "{strongest} N");
+    // On the bus it is a device like any other.
+    assert_eq!(palpate.device("ball").unwrap().name, "mouse of a test");
+    let status = palpate.status().unwrap();
+    assert_eq!(status.tools[0].received, 60, "{:?}", status.tools[0]);
+    let tokens = palpate.live(
+        "palpate/default/@live/tool/*",
+        Duration::from_secs(20),
+        |keys| !keys.is_empty(),
+    );
+    assert_eq!(tokens.unwrap(), ["palpate/default/@live/tool/ball"]);
+    assert_eq!(page.call("shutdown", "{}")["ok"], true);
+    let (_, code) = daemon.end();
+    assert_eq!(code, 0);
+    let replay = Command::new(PROGRAM)
+        .args(["replay", record])
+        .output()
+        .unwrap();
+    let words = String::from_utf8_lossy(&replay.stdout).into_owned();
+    assert!(replay.status.success(), "{words}");
+    let info = Command::new(PROGRAM)
+        .args(["info", record, "--json"])
+        .output()
+        .unwrap();
+    let info: serde_json::Value = serde_json::from_slice(&info.stdout).unwrap();
+    let peak = info["tools"][0]["peak_force_n"].as_f64().unwrap();
+    assert!(peak >= strongest - 1e-9, "{peak} N, {strongest} N");
+}
+
+#[test]
+fn a_second_page_is_told_who_holds_the_tool_until_the_first_is_gone() {
+    let directory = tempfile::tempdir().unwrap();
+    let (_daemon, port) = serve(directory.path(), TWO_BALLS, &[]);
+    let (mut first, mut second) = (Page::open(port), Page::open(port));
+    first.claim("ball", "mouse A");
+    second.holder("ball", |who| who == Some("mouse A"));
+    second.claim("ball", "mouse B");
+    let refusal = second.refusal();
+    assert_eq!(refusal["key"], "tool/ball/device");
+    assert!(
+        refusal["error"].as_str().unwrap().contains("mouse A"),
+        "{refusal}"
+    );
+    second.pose("ball", &pose_at([0.0; 3]));
+    assert!(
+        second.refusal()["error"]
+            .as_str()
+            .unwrap()
+            .contains("does not hold")
+    );
+    // Another tool is free.
+    second.claim("other", "mouse B");
+    second.holder("other", |who| who == Some("mouse B"));
+    // Given back, then taken and lost with the socket.
+    first.send("tool/ball/release", &[]);
+    second.holder("ball", |who| who.is_none());
+    first.claim("ball", "mouse A");
+    second.holder("ball", |who| who == Some("mouse A"));
+    drop(first);
+    second.holder("ball", |who| who.is_none());
+    second.claim("ball", "mouse B");
+    second.holder("ball", |who| who == Some("mouse B"));
+    second.claim("saw", "mouse B");
+    assert!(
+        second.refusal()["error"]
+            .as_str()
+            .unwrap()
+            .contains("ball, other")
+    );
+}
+
+#[test]
+fn a_tool_that_a_device_holds_is_not_a_page_s() {
+    let directory = tempfile::tempdir().unwrap();
+    let (daemon, port) = serve(directory.path(), TWO_BALLS, &[]);
+    let palpate = daemon.connect();
+    let tool = palpate.tool("ball").unwrap();
+    let mut page = Page::open(port);
+    page.holder("ball", |who| who.is_some());
+    page.claim("ball", "mouse");
+    let refusal = page.refusal();
+    assert!(
+        refusal["error"]
+            .as_str()
+            .unwrap()
+            .contains("a client on the bus"),
+        "{refusal}"
+    );
+    drop(tool);
+    page.holder("ball", |who| who.is_none());
+    page.claim("ball", "mouse");
+    page.holder("ball", |who| who == Some("mouse"));
+}
+
+#[test]
+fn bad_poses_of_a_page_are_counted_as_those_of_any_client() {
+    let directory = tempfile::tempdir().unwrap();
+    let (daemon, port) = serve(directory.path(), TWO_BALLS, &[]);
+    let palpate = daemon.connect();
+    let mut page = Page::open(port);
+    page.claim("ball", "mouse");
+    page.holder("ball", |who| who == Some("mouse"));
+    page.send("tool/ball/pose", &[1, 2, 3]);
+    page.send("tool/ball/pose", &[0; 5_000]);
+    page.pose(
+        "ball",
+        &ToolPose {
+            seq: 1,
+            ..pose_at([f64::NAN, 0.0, 0.0])
+        },
+    );
+    page.pose(
+        "ball",
+        &ToolPose {
+            seq: 1,
+            ..pose_at([0.1, 0.0, 0.0])
+        },
+    );
+    let link = crate::wire::until(
+        "all four were counted",
+        || palpate.status().unwrap().tools[0].clone(),
+        |link| link.received == 1,
+    );
+    assert_eq!(
+        (link.malformed, link.oversized, link.not_finite),
+        (1, 1, 1),
+        "{link:?}"
+    );
+    // A device that cannot be is refused with the reason.
+    let mut info = crate::page::mouse("mouse");
+    info.mass = -1.0;
+    page.send(
+        "tool/ball/device",
+        &palpate_client::proto::codec::encode(&info),
+    );
+    assert!(page.refusal()["error"].as_str().unwrap().contains("mass"));
+}
+
+#[test]
+fn commands_of_a_page_are_carried_out_or_refused_in_the_daemon_s_words() {
+    let directory = tempfile::tempdir().unwrap();
+    let records = directory.path().join("records");
+    let (daemon, port) = serve(
+        directory.path(),
+        TWO_BALLS,
+        &["--record-dir", records.to_str().unwrap(), "--ring", "5s"],
+    );
+    let mut page = Page::open(port);
+    assert_eq!(page.call("pause", "{}")["ok"], true);
+    let status = daemon.connect().status().unwrap();
+    assert_eq!(status.state, LoopState::Paused);
+    assert_eq!(page.call("step", "{\"ticks\": 5}")["ok"], true);
+    assert_eq!(page.call("resume", "")["ok"], true);
+    assert_eq!(page.call("record_start", "{}")["ok"], true);
+    let stopped = page.call("record_stop", "{}");
+    assert!(
+        stopped["path"].as_str().unwrap().ends_with(".mcap"),
+        "{stopped}"
+    );
+    let snapshot = page.call("snapshot", "{\"before\": 1}");
+    assert_eq!(snapshot["ok"], true, "{snapshot}");
+    let refused = page.call("seek", "{\"tick\": 5}");
+    assert!(refused["error"].as_str().unwrap().contains("palpate play"));
+    let refused = page.call("step", "{\"steps\": 5}");
+    assert!(
+        refused["error"].as_str().unwrap().contains("steps"),
+        "{refused}"
+    );
+    let refused = page.call("dance", "{}");
+    assert!(
+        refused["error"].as_str().unwrap().contains("pause"),
+        "{refused}"
+    );
+}
+
+// In lockstep a tick waits for a pose, and a page has sixty a second: the daemon repeats them, as
+// often as the speed asks for.
+#[test]
+fn in_lockstep_a_page_s_pose_drives_the_loop_at_the_speed_it_asks_for() {
+    let directory = tempfile::tempdir().unwrap();
+    let text = TWO_BALLS.rsplit_once("[[tool]]").unwrap().0;
+    let (daemon, port) = serve(directory.path(), text, &["--clock", "lockstep"]);
+    let palpate = daemon.connect();
+    let mut page = Page::open(port);
+    assert_eq!(
+        crate::page::get(port, "/session.json").json()["lockstep"],
+        true
+    );
+    page.claim("ball", "mouse");
+    page.holder("ball", |who| who == Some("mouse"));
+    assert_eq!(palpate.status().unwrap().tick, 0);
+    page.send("speed", &0.2_f64.to_le_bytes());
+    page.pose("ball", &pose_at([0.05, 0.003, 0.045]));
+    let begun = std::time::Instant::now();
+    let tick = crate::wire::until(
+        "it runs",
+        || palpate.status().unwrap().tick,
+        |tick| *tick >= 200,
+    );
+    let seconds = begun.elapsed().as_secs_f64();
+    assert!(seconds > 0.7, "{tick} ticks in {seconds} s");
+    page.send("speed", &f64::NAN.to_le_bytes());
+    assert!(
+        page.refusal()["error"]
+            .as_str()
+            .unwrap()
+            .contains("0.001 to 10")
+    );
+    page.send("tool/ball/release", &[]);
+    page.holder("ball", |who| who.is_none());
+    let tick = palpate.status().unwrap().tick;
+    std::thread::sleep(Duration::from_millis(200));
+    assert!(palpate.status().unwrap().tick <= tick + 1);
+}
