@@ -15,6 +15,7 @@ import { fileURLToPath } from "node:url";
 import { chromium } from "playwright-core";
 import * as bus from "../dist/palpate.js";
 import { frame } from "../dist/page.js";
+import { withoutScene } from "./builds.mjs";
 import { Mock } from "./mock.mjs";
 import { bodyOf, forceOf, sheetOf, snapshotOf, toolOf } from "./scenes.mjs";
 
@@ -674,7 +675,7 @@ test("a directory of recordings: each can be chosen", async ({ open, mock }) => 
 test("a file dropped on the page is opened", async ({ open }) => {
   const page = await open();
   await ready(page);
-  const bytes = golden("small-lattice-press.mcap").toString("base64");
+  const bytes = withoutScene(golden("small-lattice-press.mcap")).toString("base64");
   const transfer = await page.evaluateHandle((base64) => {
     const data = Uint8Array.from(atob(base64), (c) => c.charCodeAt(0));
     const transfer = new DataTransfer();

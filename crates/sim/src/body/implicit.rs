@@ -215,13 +215,14 @@ impl ImplicitStep {
     pub(super) fn caution(&self, matter: &Matter) -> Caution {
         match &self.matrix {
             Matrix::Bounding(_) => Caution::default(),
-            Matrix::Tangent(_) => Caution {
-                corrections: vec![[0.0; 4]; matter.unknown_count()],
-                level: 0,
-                steps: 0,
-                held: false,
-                next: CAUTIOUS_STEPS[0],
-            },
+            Matrix::Tangent(_) => {
+                let mut caution = Caution {
+                    corrections: vec![[0.0; 4]; matter.unknown_count()],
+                    ..Caution::default()
+                };
+                caution.set_to_rest();
+                caution
+            }
         }
     }
 
@@ -315,7 +316,9 @@ impl ImplicitStep {
                 *value += part;
             }
         }
-        self.calm_short(matter, state, scratch);
+        if first {
+            self.calm_short(matter, state, scratch);
+        }
         lanes(&scratch.reached, &mut scratch.coordinates);
         self.look_ahead(matter, state, scratch);
         let follows = matches!(self.matrix, Matrix::Tangent(_));
@@ -361,7 +364,8 @@ impl ImplicitStep {
     }
 
     /// Damps what is as heavy as the matrix says only because its edges are short: it would swing on
-    /// for seconds, slower than it should. Rigid translation is not damped.
+    /// for seconds, slower than it should. Rigid translation is not damped; further iterations do
+    /// without, and end where the step of the law alone does.
     fn calm_short(
         &self,
         matter: &Matter,
@@ -422,6 +426,16 @@ impl ImplicitStep {
 }
 
 impl Caution {
+    /// That of a body at rest; a body without a tangent needs none.
+    pub(super) fn set_to_rest(&mut self) {
+        self.corrections.fill([0.0; 4]);
+        (self.level, self.steps, self.held) = (0, 0, false);
+        self.next = match self.corrections.is_empty() {
+            true => 0,
+            false => CAUTIOUS_STEPS[0],
+        };
+    }
+
     /// Another step: trust comes back by and by.
     fn step(&mut self) {
         if self.steps > 0 {

@@ -160,8 +160,7 @@ impl Matter {
         } = state;
         contact_n.clear();
         contact_n.resize(self.surface.len(), Vector3::zeros());
-        caution.corrections.fill([0.0; 4]);
-        (caution.level, caution.steps, caution.next, caution.held) = (0, 0, 0, false);
+        caution.set_to_rest();
         positions.clone_from(&self.rest);
         velocities.clear();
         velocities.resize(self.rest.len(), Vector3::zeros());

@@ -16,7 +16,9 @@ use std::collections::BTreeMap;
 /// Shares of the firm Laplacian: at most in the tangent of rest, and in the firmer one.
 const MOST_SHARE: f64 = 0.5;
 const FIRM_SHARE: f64 = 1.0;
-/// At most in edges that are short against the others.
+/// Of the middle length: edges shorter than this have a larger share.
+const SHORT: f64 = 0.5;
+/// The largest share of a short edge.
 const SHORT_SHARE: f64 = 1.0;
 /// Strains of nearly incompressible cells that they follow.
 pub(super) const STRAINS: [f64; 2] = [0.3, 0.6];
@@ -64,7 +66,7 @@ pub(super) fn firm(matter: &Matter) -> Firm {
         0 => 0.0,
         _ => middle(&squares),
     };
-    let boost = |square: f64| (middle / square.max(f64::MIN_POSITIVE)).max(1.0);
+    let boost = |square: f64| (SHORT * SHORT * middle / square.max(f64::MIN_POSITIVE)).max(1.0);
     let share = |least: f64, most: f64, square: f64| (least * boost(square)).min(most);
     // Turning about each axis at 1 rad/s adds up to |r|² twice.
     let heavier = |least: f64| {
