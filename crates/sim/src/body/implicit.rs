@@ -285,6 +285,8 @@ impl ImplicitStep {
             if caution.held {
                 caution.level = BOUNDING;
             }
+            // Until the first correction says otherwise; a scratch that only follows asks no further.
+            scratch.implicit.answers_bounding = caution.level >= BOUNDING;
         }
     }
 
