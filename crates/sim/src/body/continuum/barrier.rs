@@ -33,6 +33,11 @@ struct Block {
 /// How far beyond that of rest Σ |∂V|² may be, which is what the stiffness of the barrier grows with.
 const REACH: f64 = 1.5;
 
+/// Share of its volume below which a cell that is held back counts, and the share of all cells from
+/// which on they are the body's motion. A dent under a tool has some, and springs around to hold them.
+const CRUSHED: f64 = 0.2;
+const MANY: f64 = 0.05;
+
 /// The barriers of a grid of cells.
 #[derive(Clone, Debug)]
 pub struct VolumeBarrier {
@@ -80,9 +85,17 @@ impl VolumeBarrier {
         }
     }
 
-    /// Adds −∂Ψ/∂x (N) at `places`; answers with the number of cells that are turned over and
-    /// whose pressure is held back, which is then no gradient.
+    /// Adds −∂Ψ/∂x (N) at `places`; answers with the number of crushed cells whose pressure is held
+    /// back, which is then no gradient, where they are many.
     pub fn add_forces(&self, places: &[Lane], residual: &mut [Lane]) -> u32 {
+        let held = self.add_forces_and_count(places, residual);
+        match f64::from(held) < MANY * self.cells.len() as f64 {
+            true => 0,
+            false => held,
+        }
+    }
+
+    fn add_forces_and_count(&self, places: &[Lane], residual: &mut [Lane]) -> u32 {
         #[cfg(target_arch = "x86_64")]
         if palpate_geometry::math::simd::has_avx2() {
             // SAFETY: the processor has AVX2, asked just above.
@@ -146,7 +159,7 @@ fn add_forces<L: Lanes>(blocks: &[Block], places: &[Lane], residual: &mut [Lane]
         let reach = L::load(&block.reach);
         // Beyond reach the pressure is lowered, as that of a continuum is: see `kernel::pressure`.
         let steepness = steepness(&growth);
-        held += (L::splat(0.0).above(share) & steepness.above(reach)).count_ones();
+        held += (L::splat(CRUSHED).above(share) & steepness.above(reach)).count_ones();
         let followed = reach / steepness.greatest(reach);
         let pressure =
             L::load(&block.stiffness_pa) * lost.least(L::splat(1e90)) * followed * followed;
