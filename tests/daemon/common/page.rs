@@ -2,20 +2,15 @@
 #![allow(dead_code)]
 
 use super::daemon::Daemon;
+pub use super::daemon::free_port;
 use palpate_client::proto::codec::{decode, encode};
 use palpate_client::proto::messages::{DeviceInfo, Message, ToolPose};
 use std::io::{Read as _, Write as _};
-use std::net::{TcpListener, TcpStream};
+use std::net::TcpStream;
 use std::path::Path;
 use std::time::{Duration, Instant};
 use tungstenite::WebSocket;
 use tungstenite::client::IntoClientRequest as _;
-
-/// A free port at the moment.
-pub fn free_port() -> u16 {
-    let listener = TcpListener::bind("127.0.0.1:0").unwrap();
-    listener.local_addr().unwrap().port()
-}
 
 /// A daemon with a page.
 pub fn serve(directory: &Path, text: &str, arguments: &[&str]) -> (Daemon, u16) {
