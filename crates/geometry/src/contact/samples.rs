@@ -21,6 +21,8 @@ struct SampledDirection {
     count: usize,
     /// The last sample is followed by the first.
     wraps: bool,
+    /// Where the parameter begins and ends.
+    ends: (f64, f64),
     parameters: Vec<f64>,
     windows: Vec<BasisWindow>,
     /// Knots between patches of a branching surface: samples go on over them by their joints.
@@ -41,6 +43,7 @@ impl SampledDirection {
             per_span,
             count: knots.count(),
             wraps,
+            ends: knots.domain(),
             parameters,
             windows,
             gaps: Vec::new(),
@@ -51,21 +54,49 @@ impl SampledDirection {
         self.parameters.len() / self.per_span
     }
 
-    /// The samples before and after a parameter.
-    fn beside(&self, x: f64) -> Option<[usize; 2]> {
+    /// The samples before and after a parameter, each with how near it is: both sum to 1, or beside
+    /// an end, where there is one sample only, to less, down to 0 at the end. `None` between patches
+    /// of a branching surface.
+    fn beside(&self, x: f64) -> Option<[(usize, f64); 2]> {
         let after = self.parameters.partition_point(|&parameter| parameter <= x);
-        match (after, self.parameters.len()) {
-            (0, len) if self.wraps => Some([len - 1, 0]),
-            (after, len) if after == len && self.wraps => Some([len - 1, 0]),
-            (0, _) => None,
-            (after, len) if after == len => None,
-            (after, _) => {
-                let (low, high) = (self.parameters[after - 1], self.parameters[after]);
-                let parted = self.gaps.iter().any(|&gap| gap > low && gap < high);
-                (!parted).then_some([after - 1, after])
+        let last = self.parameters.len() - 1;
+        let (start, end) = self.ends;
+        if after == 0 || after > last {
+            if !self.gaps.is_empty() {
+                return None;
             }
+            let (low, high) = (self.parameters[last], self.parameters[0] + (end - start));
+            let past = if after == 0 { x + (end - start) } else { x };
+            if self.wraps {
+                return Some(between([last, 0], (past - low) / (high - low)));
+            }
+            let (sample, edge) = if after == 0 { (0, start) } else { (last, end) };
+            let near = (x - edge) / (self.parameters[sample] - edge);
+            return Some([(sample, near), (sample, 0.0)]);
         }
+        let (low, high) = (self.parameters[after - 1], self.parameters[after]);
+        (!self.parted(low, high)).then(|| between([after - 1, after], (x - low) / (high - low)))
     }
+
+    /// A gap between patches lies between two parameters.
+    fn parted(&self, low: f64, high: f64) -> bool {
+        self.gaps.iter().any(|&gap| gap > low && gap < high)
+    }
+
+    /// The index so many places further.
+    fn further(&self, index: usize, by: isize) -> Option<usize> {
+        let (count, to) = (self.parameters.len() as isize, index as isize + by);
+        if self.wraps {
+            return Some(to.rem_euclid(count) as usize);
+        }
+        let to = usize::try_from(to).ok().filter(|&to| to < self.parameters.len())?;
+        let ends = [index.min(to), index.max(to)].map(|index| self.parameters[index]);
+        (!self.parted(ends[0], ends[1])).then_some(to)
+    }
+}
+
+fn between([a, b]: [usize; 2], share: f64) -> [(usize, f64); 2] {
+    [(a, 1.0 - share), (b, share)]
 }
 
 /// Rational basis weights of one sample: `weights[k]` belongs to control point `controls[k]`.
@@ -133,9 +164,10 @@ impl ContactSamples {
             .is_some_and(|joints| joints.is_duplicate(patch_u, patch_v))
     }
 
-    /// The four samples around a place, also over one joint; `None` where it lies outside of them
-    /// all, beside an edge or a pole, or where more than two patches meet.
-    pub fn around(&self, u: f64, v: f64) -> Option<[usize; 4]> {
+    /// The four samples around a place, also over one joint, each with its bilinear weight; beside an
+    /// edge or a pole, where no sample lies beyond, the weights fall from a sum of 1 to 0. `None` where
+    /// more than two patches meet.
+    pub fn around(&self, u: f64, v: f64) -> Option<[(usize, f64); 4]> {
         match (self.u.beside(u), self.v.beside(v)) {
             (Some(us), Some(vs)) => {
                 let [a, b] = us.map(|iu| self.pair(0, iu, vs));
@@ -147,21 +179,45 @@ impl ContactSamples {
         }
     }
 
+    /// Where a sample is in the grid, in u and v.
+    pub fn place(&self, sample: usize) -> [usize; 2] {
+        let (iu, iv) = self.split(sample);
+        [iu, iv]
+    }
+
+    /// The sample so many places further in u and v; `None` beyond an end or a joint.
+    pub fn further(&self, sample: usize, by: [isize; 2]) -> Option<usize> {
+        let (iu, iv) = self.split(sample);
+        let (iu, iv) = (self.u.further(iu, by[0])?, self.v.further(iv, by[1])?);
+        Some(iu * self.v.parameters.len() + iv)
+    }
+
     /// Two samples with one index in direction `d` and two in the other.
-    fn pair(&self, d: usize, index: usize, others: [usize; 2]) -> [usize; 2] {
+    fn pair(
+        &self,
+        d: usize,
+        (index, near): (usize, f64),
+        others: [(usize, f64); 2],
+    ) -> [(usize, f64); 2] {
         let columns = self.v.parameters.len();
-        others.map(|other| {
-            if d == 0 {
+        others.map(|(other, share)| {
+            let sample = if d == 0 {
                 index * columns + other
             } else {
                 other * columns + index
-            }
+            };
+            (sample, near * share)
         })
     }
 
     /// The four samples around a place beside an edge on which parameter `d` is held; `own` are
     /// those along it.
-    fn around_joint(&self, at: [f64; 2], d: usize, own: [usize; 2]) -> Option<[usize; 4]> {
+    fn around_joint(
+        &self,
+        at: [f64; 2],
+        d: usize,
+        own: [(usize, f64); 2],
+    ) -> Option<[(usize, f64); 4]> {
         let joints = self.joints.as_ref()?;
         let patch = joints.patch_at(at);
         let (first, last) = self.ends(joints, patch, d);
@@ -171,10 +227,16 @@ impl ContactSamples {
         let (other, held) = (joints.patch_at(there), side / 2);
         let (low, high) = self.ends(joints, other, held);
         let along = of(1 - held).beside(there[1 - held])?;
-        let [a, b] = self.pair(d, if upper { last } else { first }, own);
-        let [x, y] = self.pair(held, if side.is_multiple_of(2) { low } else { high }, along);
-        // Own ones first: a ball in a crease has a foot on either side,
-        // which this order keeps apart.
+        let (sample, edge) = match upper {
+            true => (last, joints.rectangle(patch)[d][1]),
+            false => (first, joints.rectangle(patch)[d][0]),
+        };
+        // The first samples on either side are as far from the joint.
+        let from = of(d).parameters[sample];
+        let beyond = 0.5 * (at[d] - from) / (edge - from);
+        let [a, b] = self.pair(d, (sample, 1.0 - beyond), own);
+        let there = if side.is_multiple_of(2) { low } else { high };
+        let [x, y] = self.pair(held, (there, beyond), along);
         Some([a, b, x, y])
     }
 

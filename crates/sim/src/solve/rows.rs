@@ -45,6 +45,10 @@ pub struct Row {
     pub normal: Vector3,
     /// Gap under free motion of both, m.
     pub gap_m: f64,
+    /// Gap before it, m.
+    pub now_m: f64,
+    /// Added to its own compliance, relative to it: how much others carry in its stead.
+    pub ease: f64,
     /// How far free motion of both takes the holder past the body, m; a grip: from one point to the
     /// other.
     pub slip: Vector3,
@@ -211,6 +215,7 @@ impl RowSet {
         if gap_m < margin_m || row.gap_m < margin_m {
             let slip = row.slip + (towards - away);
             self.rows.push(Row {
+                now_m: row.gap_m,
                 gap_m,
                 slip,
                 on_body,
@@ -297,17 +302,41 @@ pub struct SampleInTouch {
 }
 
 impl DeformingView<'_> {
-    /// Samples nearer than `margin_m` to another party, at most [`MAX_SAMPLES_PER_PAIR`]. `meets`
+    /// Samples nearer than `margin_m` to another party. Where there are more than
+    /// [`MAX_SAMPLES_PER_PAIR`], it is every second in u and v, or every third, and so on; returns
+    /// which. A grid that was `thinned` in the last tick stays so until it has room to spare. `meets`
     /// says whether a box is worth a look, `look` what a point of the surface sees of the other
     /// party.
     pub fn samples_in_touch(
         &self,
         margin_m: f64,
+        thinned: usize,
+        meets: impl Fn(&Point3, &Point3) -> bool,
+        mut look: impl FnMut(&Point3) -> Option<Facing>,
+        out: &mut Vec<SampleInTouch>,
+    ) -> usize {
+        let mut every = thinned.max(1);
+        self.collect(margin_m, &mut every, &meets, &mut look, out);
+        // Half full at the next finer grid is room to spare.
+        while every > 1 && out.len() * every * every < MAX_SAMPLES_PER_PAIR / 2 * (every - 1).pow(2) {
+            every -= 1;
+            self.collect(margin_m, &mut every, &meets, &mut look, out);
+        }
+        every
+    }
+
+    fn collect(
+        &self,
+        margin_m: f64,
+        every: &mut usize,
         meets: impl Fn(&Point3, &Point3) -> bool,
         mut look: impl FnMut(&Point3) -> Option<Facing>,
         out: &mut Vec<SampleInTouch>,
     ) {
         out.clear();
+        let taken = |index: usize, every: usize| {
+            self.samples.place(index).iter().all(|at| at.is_multiple_of(every))
+        };
         let net = self.surface.net().points();
         let (patches_u, patches_v) = self.samples.patches();
         for patch in 0..patches_u * patches_v {
@@ -320,18 +349,24 @@ impl DeformingView<'_> {
                 continue;
             }
             for index in self.samples.samples_of(patch_u, patch_v) {
+                if !taken(index, *every) {
+                    continue;
+                }
                 let (wu, wv) = self.samples.windows(index);
                 let point = self.surface.point_in(wu, wv);
                 let Some(facing) = look(&point) else { continue };
                 if facing.gap_m < margin_m && faces(self.surface, wu, wv, &facing.normal) {
-                    if out.len() == MAX_SAMPLES_PER_PAIR {
-                        return;
+                    while out.len() == MAX_SAMPLES_PER_PAIR {
+                        *every += 1;
+                        out.retain(|hit| taken(hit.index, *every));
                     }
-                    out.push(SampleInTouch {
-                        index,
-                        point,
-                        facing,
-                    });
+                    if taken(index, *every) {
+                        out.push(SampleInTouch {
+                            index,
+                            point,
+                            facing,
+                        });
+                    }
                 }
             }
         }

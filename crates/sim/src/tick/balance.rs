@@ -75,7 +75,10 @@ pub(super) fn solve(scene: &Scene, state: &SceneState, scratch: &mut Scratch) {
             }
         }
     }
-    super::cover::ease_feet(scene, scratch);
+    for i in 0..count {
+        let own = scratch.problem.entry(i, i);
+        scratch.problem.row_mut(i)[i] = own + own * scratch.rows.rows[i].ease;
+    }
     solve_rows(scene, state, scratch, Start::LastTick);
 }
 

@@ -76,6 +76,7 @@ pub(super) fn bodies(
         let look = |x: &Point3| look_at(contacts, x, margin, &theirs.surface, &theirs.solver);
         view.samples_in_touch(
             margin,
+            1,
             |low, high| meet(&bounds, low, high, margin),
             look,
             hits,
@@ -119,6 +120,7 @@ pub(super) fn bodies(
         };
         view.samples_in_touch(
             margin,
+            1,
             |low, high| meet(&bounds, low, high, margin),
             look,
             hits,

@@ -6,7 +6,7 @@ use super::record::{ContactReport, TickFault, TickOutput, ToolOutput};
 use super::{SceneState, Scratch, ToolState, WarmRow, flags};
 use super::{grip, load, stick};
 use crate::haptics::{LinkPhase, Motion, RenderedForce, Wrench, limit};
-use crate::scene::Scene;
+use crate::scene::{BodyModel, Scene};
 use crate::solve::friction::FrictionLaw;
 use crate::solve::rows::Row;
 use palpate_geometry::contact::dispatch::Method;
@@ -193,11 +193,18 @@ fn report(row: &Row, depth_m: f64, force_n: Vector3) -> ContactReport {
     }
 }
 
-/// Such a contact of a tool that may turn is remembered though it does not carry: the tool may tip
-/// onto it.
+/// Such a contact is remembered though it does not carry: a tool that may turn may tip onto it, and
+/// the foot of any tool on a deforming body goes along with it.
 fn is_near(scene: &Scene, row: &Row, gap_m: f64) -> bool {
-    matches!(row.law, FrictionLaw::Push { .. })
-        && gap_m < margin_m(0.0, scene.bodies[row.body as usize].size_m)
+    let Some(tool) = row.tool().map(|tool| &scene.tools[tool]) else {
+        return false;
+    };
+    let body = &scene.bodies[row.body as usize];
+    let deforms = matches!(body.model, BodyModel::Deforming(_));
+    let radius_m = tool.shape.ball_radius_m().filter(|_| deforms);
+    (tool.coupling.turns() || deforms && row.id.key.is_foot())
+        && matches!(row.law, FrictionLaw::Push { .. })
+        && gap_m < margin_m(radius_m.unwrap_or(0.0), body.size_m)
 }
 
 /// Forces of all rows on the bodies, and the warm start of the next tick.
@@ -210,14 +217,16 @@ fn load_bodies(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch) {
         let turns = row
             .tool()
             .is_some_and(|tool| scene.tools[tool].coupling.turns());
-        let lasts =
-            load::carries(scratch, i) || turns && is_near(scene, &row, scratch.gap_after(i));
+        let lasts = load::carries(scratch, i) || is_near(scene, &row, scratch.gap_after(i));
         if !lasts {
             continue;
         }
         state.warm_arms |= turns;
         let (Row { u, v, on_tool, .. }, force_n) = (row, scratch.problem.forces()[i]);
-        let on_tool = if turns { on_tool } else { Vector3::zeros() };
+        let on_tool = match turns || row.id.key.is_foot() {
+            true => on_tool,
+            false => Vector3::zeros(),
+        };
         let mut warm = WarmRow {
             id: row.id,
             uv: if row.id.key.is_foot() {

@@ -73,17 +73,18 @@ pub(super) struct Way {
 impl Way {
     /// The row of a contact, and how far the tool carries its point there.
     fn of(&self, row: Row, on_tool: &Point3) -> (Row, Vector3) {
+        let arm = on_tool - self.from;
+        let on_tool = self.rotation.inverse_transform_vector(&arm);
         if !self.has_arms {
             return (
                 Row {
                     slip: self.slipped,
+                    on_tool,
                     ..row
                 },
                 self.carried,
             );
         }
-        let arm = on_tool - self.from;
-        let on_tool = self.rotation.inverse_transform_vector(&arm);
         (
             Row {
                 slip: self.slipped + self.twisted.cross(&arm),
@@ -96,7 +97,7 @@ impl Way {
     }
 }
 
-/// A row of a tool at a contact of its pair, with the key of [`super::cover::foot_key`].
+/// A row of a tool at a contact of its pair, its own compliance enlarged by `ease` times itself.
 pub(super) fn push_foot(
     rows: &mut RowSet,
     p: usize,
@@ -106,8 +107,13 @@ pub(super) fn push_foot(
     view: Option<&DeformingView<'_>>,
     way: Way,
     margin: f64,
+    ease: f64,
 ) {
-    let (row, carried) = way.of(row(p, pair, key, contact), &contact.on_tool);
+    let row = Row {
+        ease,
+        ..row(p, pair, key, contact)
+    };
+    let (row, carried) = way.of(row, &contact.on_tool);
     match view {
         Some(view) => {
             let windows = windows(view, contact.u, contact.v);
@@ -237,6 +243,8 @@ fn row(p: usize, pair: &Pair, key: RowKey, contact: &Contact) -> Row {
         holder: pair.holder,
         normal: contact.normal,
         gap_m: -contact.depth_m,
+        now_m: -contact.depth_m,
+        ease: 0.0,
         slip: Vector3::zeros(),
         law: law(pair),
         point: contact.on_body,

@@ -9,11 +9,11 @@
 //! ```
 
 use super::between::{bodies, itself};
-use super::cover::foot_key;
 use super::face::{Faced, face_surface};
 use super::feet::{MAX_FEET, Way, margin_m, meet, moving, push_foot, push_sample, view};
+use super::follow::{Follow, Treader, push_feet};
 use super::manifold::{Stance, push_manifold};
-use super::{BodyScratch, SceneState, Scratch, WarmRow};
+use super::{BodyScratch, PairState, SceneState, Scratch};
 use super::{grip, stick};
 use crate::haptics::LinkPhase;
 use crate::scene::{Body, BodyModel, Pair, Scene, Tool};
@@ -34,6 +34,10 @@ const STRIDE: f64 = 0.05;
 const SLID: f64 = 1e-6;
 /// Rounds of projection on contacts.
 const PROJECTIONS: usize = 20;
+/// A contact beside a foot, relative to a ball's radius: bulges of what it has pressed flat.
+const BESIDE: f64 = 0.25;
+/// The same for other tools, relative to the body's size.
+const SAME_FOOT: f64 = 1e-3;
 /// Feet closer than this, relative to the body's size, are one.
 const SAME: f64 = 1e-6;
 
@@ -125,7 +129,7 @@ fn ball(
     } else if touched && pair.friction.is_some() {
         target = stick::ball_target(scene, state, &parts.surface, p, &last, &target, radius_m);
     }
-    let proxy = &mut state.pairs[p].proxy;
+    let PairState { proxy, thinned } = &mut state.pairs[p];
     let sided = parts.sided(body);
     let held = BallContact { sided, radius_m }.constrain(
         &last,
@@ -166,6 +170,9 @@ fn ball(
     };
     let feet = std::iter::once(&first).chain(set.contacts().iter().filter(same));
     let view = view(body, parts);
+    let Some(view) = view.filter(|_| radius_m > 0.0) else {
+        return push_plain(rows, p, pair, feet, view.as_ref(), way, margin);
+    };
     let centre = held.centre;
     let look = |point: &Point3| {
         let (gap_m, normal) = signed_gap(&centre, radius_m, point);
@@ -175,94 +182,40 @@ fn ball(
             uv: [0.0; 2],
         })
     };
-    if let Some(view) = view.filter(|_| radius_m > 0.0) {
-        let within = radius_m + margin;
-        let meets = |low: &Point3, high: &Point3| {
-            distance_squared_to_box(&centre, low, high) <= within * within
-        };
-        view.samples_in_touch(margin, meets, look, hits);
-        for hit in hits.iter() {
-            push_sample(rows, p, pair, hit, &view, way, margin);
-        }
-    }
-    push_feet(rows, p, pair, feet, view.as_ref(), way, margin);
-    let Some(view) = view.filter(|_| radius_m > 0.0) else {
-        return;
+    let within = radius_m + margin;
+    let meets = |low: &Point3, high: &Point3| {
+        distance_squared_to_box(&centre, low, high) <= within * within
     };
-    keep_feet(
-        rows,
-        p,
-        pair,
-        &state.warm[..state.warm_len],
-        &view,
-        way,
-        margin,
-        look,
-    );
+    let every = view.samples_in_touch(margin, usize::from(*thinned), meets, look, hits);
+    *thinned = every.min(255) as u8;
+    for hit in hits.iter() {
+        push_sample(rows, p, pair, hit, &view, way, margin);
+    }
+    let tool = Treader {
+        pose: &here,
+        follow: Follow::Rolls,
+        size_m: body.size_m,
+        side: if proxy.below { -1.0 } else { 1.0 },
+        margin_m: margin,
+        every,
+        beside_m: beside_m(&scene.tools[t].shape, body.size_m),
+    };
+    let warm = &state.warm[..state.warm_len];
+    push_feet(rows, p, pair, feet, warm, parts, &view, &tool, way, look);
 }
 
-/// Rows of feet that carried in the last tick and are no longer deepest points.
-fn keep_feet(
+/// Rows of contacts in the order of their depth, on a rigid body or of a point.
+fn push_plain<'a>(
     rows: &mut RowSet,
     p: usize,
     pair: &Pair,
-    warm: &[WarmRow],
-    view: &DeformingView<'_>,
-    way: Way,
-    margin: f64,
-    facing: impl Fn(&Point3) -> Option<Facing>,
-) {
-    let carried = |row: &&WarmRow| {
-        row.id.pair as usize == p && matches!(row.id.key, RowKey::Foot(_)) && row.force_n > 0.0
-    };
-    for warm in warm.iter().filter(carried) {
-        let [u, v] = warm.uv;
-        let on_body = view.surface.point(u, v);
-        let Some(Facing { gap_m, normal, .. }) = facing(&on_body) else {
-            continue;
-        };
-        let on_tool = on_body + normal * gap_m;
-        let contact = Contact {
-            u,
-            v,
-            on_body,
-            on_tool,
-            normal,
-            depth_m: -gap_m,
-            tool_uv: None,
-        };
-        push_feet(
-            rows,
-            p,
-            pair,
-            std::iter::once(&contact),
-            Some(view),
-            way,
-            margin,
-        );
-    }
-}
-
-/// Rows of the contacts that samples, whose rows are there already, do not hold.
-fn push_feet<'a>(
-    rows: &mut RowSet,
-    p: usize,
-    pair: &Pair,
-    feet: impl Iterator<Item = &'a Contact>,
+    contacts: impl Iterator<Item = &'a Contact>,
     view: Option<&DeformingView<'_>>,
     way: Way,
     margin: f64,
 ) {
-    let mut kept = 0;
-    for (k, contact) in feet.enumerate() {
-        let Some(key) = foot_key(rows, p, k, contact, view, margin) else {
-            continue;
-        };
-        push_foot(rows, p, pair, key, contact, view, way, margin);
-        kept += 1;
-        if kept == MAX_FEET {
-            return;
-        }
+    for (k, contact) in contacts.take(MAX_FEET).enumerate() {
+        push_foot(rows, p, pair, RowKey::loose(k), contact, view, way, margin, 0.0);
     }
 }
 
@@ -317,7 +270,7 @@ fn shape(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch, p: usize,
         place: state.tools[t].proxy,
         rotation: state.tools[t].orientation,
     };
-    let proxy = &mut state.pairs[p].proxy;
+    let PairState { proxy, thinned } = &mut state.pairs[p];
     let touched = proxy.touching;
     let scratch_pair = &mut pairs[p];
     let gripped = state.tools[t].grip.holds();
@@ -389,6 +342,7 @@ fn shape(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch, p: usize,
         has_arms: tool.shape.ball_radius_m().is_none(),
     };
     let view = view(body, parts);
+    let mut every = 1;
     let pose = anchor.pose();
     if let Some(view) = view.filter(|_| !set.contacts().is_empty()) {
         let bounds = tool.shape.bounds(&pose);
@@ -398,7 +352,8 @@ fn shape(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch, p: usize,
         hits.clear();
         if !matches!(tool.shape, ToolShape::Point) {
             let look = |x: &Point3| scratch_pair.facing(&tool.shape, &pose, x, margin);
-            view.samples_in_touch(margin, meets, look, hits);
+            every = view.samples_in_touch(margin, usize::from(*thinned), meets, look, hits);
+            *thinned = every.min(255) as u8;
         }
         for hit in hits.iter() {
             push_sample(rows, p, pair, hit, &view, way, margin);
@@ -424,18 +379,35 @@ fn shape(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch, p: usize,
             way,
         );
     }
-    push_feet(
-        rows,
-        p,
-        pair,
-        scratch_pair.set.contacts().iter(),
-        view.as_ref(),
-        way,
-        margin,
-    );
-    if let Some(view) = view {
-        let facing = |point: &Point3| scratch_pair.facing(&tool.shape, &pose, point, margin);
-        keep_feet(rows, p, pair, warm, &view, way, margin, facing);
+    let feet = scratch_pair.set.contacts().iter();
+    let Some(view) = view else {
+        return push_plain(rows, p, pair, feet, None, way, margin);
+    };
+    let follow = match tool.shape {
+        ToolShape::Point => return push_plain(rows, p, pair, feet, Some(&view), way, margin),
+        ToolShape::Sphere { .. } => Follow::Rolls,
+        ToolShape::Plane { .. } => Follow::OnBody,
+        ToolShape::Surface(_) | ToolShape::Implicit { .. } | ToolShape::Mesh(_) => Follow::Stays,
+    };
+    let shape = &tool.shape;
+    let tool = Treader {
+        pose: &pose,
+        follow,
+        size_m: body.size_m,
+        side: if proxy.below { -1.0 } else { 1.0 },
+        margin_m: margin,
+        every,
+        beside_m: beside_m(shape, body.size_m),
+    };
+    let facing = |point: &Point3| scratch_pair.facing(shape, &pose, point, margin);
+    push_feet(rows, p, pair, feet, warm, parts, &view, &tool, way, facing);
+}
+
+/// Contacts nearer than this to a foot of a tool are no feet of their own, m.
+fn beside_m(shape: &ToolShape, size_m: f64) -> f64 {
+    match shape.ball_radius_m() {
+        Some(radius_m) => BESIDE * radius_m,
+        None => SAME_FOOT * size_m,
     }
 }
 

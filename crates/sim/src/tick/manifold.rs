@@ -75,6 +75,7 @@ pub(super) fn push_manifold(
             None,
             way,
             stance.margin_m,
+            0.0,
         );
         points[count] = contact.on_tool;
         count += 1;
@@ -121,6 +122,7 @@ pub(super) fn push_manifold(
             None,
             way,
             stance.margin_m,
+            0.0,
         );
         points[count] = on_tool;
         count += 1;

@@ -121,6 +121,9 @@ pub struct ToolState {
 pub struct PairState {
     /// The proxy's.
     pub proxy: ProxyState,
+    /// Every which of the body's samples is a row, in u and v: 2 and more where the contact has more
+    /// than there are rows; 0 before there was a contact.
+    pub thinned: u8,
 }
 
 /// A contact force to start from.
@@ -138,7 +141,8 @@ pub struct WarmRow {
     pub stick: Stick,
     /// It slipped.
     pub slips: bool,
-    /// Where on a tool that may turn, from its reference point in its frame, m.
+    /// Where on the tool, from its reference point in its frame, m; kept for feet, and for all rows
+    /// of tools that may turn.
     pub on_tool: Vector3,
 }
 
@@ -394,7 +398,7 @@ stateful!(SceneState, |this, walk| {
         if key.is_foot() {
             walk.floats(uv)?;
         }
-        if *warm_arms {
+        if *warm_arms || key.is_foot() {
             walk.vector(on_tool)?;
         }
         if *warm_friction {
@@ -462,6 +466,7 @@ stateful!(PairState, |this, walk| {
                 foot,
                 queried,
             },
+        thinned,
     } = this;
     let WarmFoot {
         u,
@@ -469,7 +474,7 @@ stateful!(PairState, |this, walk| {
         budget_m,
         net_cost,
     } = foot;
-    walk.packed("proxy", [(0, touching), (1, below), (2, known), (3, met)])?;
+    walk.packed("proxy", [(0, touching), (1, below), (2, known), (3, met), (8, thinned)])?;
     walk.float(clear_m)?;
     walk.float(deepest_m)?;
     for value in [u, v, budget_m, net_cost] {

@@ -1,0 +1,193 @@
+//! Feet of tools on bodies that deform.
+//!
+//! The deepest point of a contact is a row of its own, so that no small tool sinks in between
+//! samples. But where a tool has pressed a surface flat, microns decide which point is deepest, and
+//! another one is with every tick: rows there would push each in its turn, and the force would
+//! tremble. So a foot that carried goes along with the tool: the point of the tool that pressed
+//! presses on, at the place of the surface that it has come to. A query adds a foot only where
+//! neither another foot nor four samples hold the surface already. Every row that comes thus comes
+//! where it carries nothing yet, and the force is as smooth as the tool's way.
+
+use super::feet::{MAX_FEET, Way, push_foot};
+use super::{BodyScratch, WarmRow};
+use crate::scene::Pair;
+use crate::solve::row_key::{LOOSE_FEET, RowKey};
+use crate::solve::rows::{DeformingView, RowSet};
+use palpate_geometry::contact::{Contact, Facing};
+use palpate_geometry::math::{Point3, Pose};
+
+/// Of a ball's radius: how far inside the ball the point lies whose foot on the surface is that of the
+/// ball. From the centre it would be the deepest point itself, which bulges of microns move about;
+/// from the skin it would never move on the ball. In between the foot comes nearer to the deepest
+/// point by this share in a tick, on sharp bodies by more, and keeps its place on the ball where the
+/// surface is as round as the ball.
+const INWARD: f64 = 0.1;
+/// A foot of which samples carry more is left out.
+const MOST: f64 = 0.999;
+/// Samples on each side that must be pressed before a foot between them gives way.
+const FAR: isize = 2;
+/// Of the margin: how deep a sample is in free motion that is pressed wholly.
+const PRESSED: f64 = 0.1;
+/// Of the body's size: feet nearer to each other have come together.
+const SAME: f64 = 1e-3;
+/// How feet of a tool go along with it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Follow {
+    /// A ball's roll to where the normals of both agree.
+    Rolls,
+    /// The point of the tool that touched touches on: it may never be inside of the body.
+    Stays,
+    /// A plane has no points of its own: its feet stay where they are on the body.
+    OnBody,
+}
+
+/// A tool as its feet see it.
+pub(super) struct Treader<'a> {
+    pub pose: &'a Pose,
+    pub follow: Follow,
+    pub size_m: f64,
+    /// +1, or −1 below a sheet.
+    pub side: f64,
+    pub margin_m: f64,
+    /// Every which sample is a row.
+    pub every: usize,
+    /// A contact nearer than this to a foot that is there already is no foot of its own.
+    pub beside_m: f64,
+}
+
+/// Rows of the feet of the last tick and of `found`, deepest first. Rows of samples are there
+/// already.
+pub(super) fn push_feet<'a>(
+    rows: &mut RowSet,
+    p: usize,
+    pair: &Pair,
+    found: impl Iterator<Item = &'a Contact>,
+    warm: &[WarmRow],
+    parts: &BodyScratch,
+    view: &DeformingView<'_>,
+    tool: &Treader<'_>,
+    way: Way,
+    facing: impl Fn(&Point3) -> Option<Facing>,
+) {
+    let old = || {
+        let own = warm.iter().filter(|row| row.id.pair as usize == p);
+        own.filter_map(|row| match row.id.key {
+            RowKey::Loose(number) => Some((u32::from(number), row)),
+            _ => None,
+        })
+    };
+    let mut used = 0u64;
+    let mut points = [Point3::origin(); MAX_FEET];
+    let mut count = 0;
+    let apart =
+        |points: &[Point3], x: &Point3, m: f64| points.iter().all(|other| (other - x).norm() > m);
+    let push = |number: u32, contact: &Contact, share: f64, rows: &mut RowSet| {
+        let (key, ease) = (RowKey::loose(number as usize), share / (1.0 - share));
+        push_foot(rows, p, pair, key, contact, Some(view), way, tool.margin_m, ease);
+    };
+    for (number, row) in old() {
+        let Some(contact) = tool.followed(row, parts, &facing) else {
+            continue;
+        };
+        let same_m = SAME * tool.size_m;
+        if count == MAX_FEET || !apart(&points[..count], &contact.on_body, same_m) {
+            continue;
+        }
+        let share = carried(rows, &contact, view, tool);
+        if share > MOST {
+            continue;
+        }
+        used |= 1 << number;
+        push(number, &contact, share, rows);
+        points[count] = contact.on_body;
+        count += 1;
+    }
+    for contact in found {
+        let number = (!used).trailing_zeros();
+        if count == MAX_FEET || number >= LOOSE_FEET {
+            return;
+        }
+        let share = carried(rows, contact, view, tool);
+        if share > MOST || !apart(&points[..count], &contact.on_body, tool.beside_m) {
+            continue;
+        }
+        used |= 1 << number;
+        push(number, contact, share, rows);
+        points[count] = contact.on_body;
+        count += 1;
+    }
+}
+
+impl Treader<'_> {
+    /// Where a foot of the last tick is now.
+    fn followed(
+        &self,
+        row: &WarmRow,
+        parts: &BodyScratch,
+        facing: impl Fn(&Point3) -> Option<Facing>,
+    ) -> Option<Contact> {
+        let surface = &parts.surface;
+        let [u, v] = row.uv;
+        let on_tool = self.pose * Point3::from(row.on_tool);
+        let local = |query: &Point3| parts.solver.local(surface, query, u, v);
+        let (u, v, on_body) = match self.follow {
+            Follow::Rolls => {
+                let foot = local(&(on_tool - self.pose * row.on_tool * INWARD))?;
+                (foot.u, foot.v, foot.point)
+            }
+            Follow::OnBody => (u, v, surface.point(u, v)),
+            Follow::Stays => {
+                let foot = local(&on_tool)?;
+                return Some(Contact {
+                    u: foot.u,
+                    v: foot.v,
+                    on_body: foot.point,
+                    on_tool,
+                    normal: foot.normal * self.side,
+                    depth_m: -foot.signed_distance * self.side,
+                    tool_uv: None,
+                });
+            }
+        };
+        let Facing { gap_m, normal, .. } = facing(&on_body)?;
+        Some(Contact {
+            u,
+            v,
+            on_body,
+            on_tool: on_body + normal * gap_m,
+            normal,
+            depth_m: -gap_m,
+            tool_uv: None,
+        })
+    }
+}
+
+/// Which share of a contact samples carry: 0 near the rim of the contact, 1 where samples are pressed
+/// on all sides as far as [`FAR`] of them. It changes smoothly as samples come and go and as the
+/// contact moves between them.
+fn carried(rows: &RowSet, contact: &Contact, view: &DeformingView<'_>, tool: &Treader<'_>) -> f64 {
+    let samples = view.samples;
+    let Some(around) = samples.around(contact.u, contact.v) else {
+        return 0.0;
+    };
+    let pressed = |sample: usize| {
+        // The one that stands for it.
+        let back = samples.place(sample).map(|at| -((at % tool.every) as isize));
+        let key = RowKey::sample(samples.further(sample, back)?);
+        let row = rows.of_pair().iter().find(|row| row.id.key == key)?;
+        let deep = -row.gap_m / (PRESSED * tool.margin_m);
+        let near = 1.0 - row.now_m / tool.margin_m;
+        Some(deep.clamp(0.0, 1.0) * near.clamp(0.0, 1.0))
+    };
+    let inside = |sample: usize| {
+        let far = FAR * tool.every as isize;
+        let corners = [[-far, -far], [-far, far], [far, -far], [far, far]];
+        let share = |by| samples.further(sample, by).and_then(pressed).unwrap_or(0.0);
+        corners.into_iter().map(share).fold(1.0, f64::min)
+    };
+    let shares = around.map(|(sample, weight)| match weight > 0.0 {
+        true => weight * inside(sample),
+        false => 0.0,
+    });
+    shares.into_iter().sum()
+}
