@@ -89,7 +89,9 @@ impl SampledDirection {
         if self.wraps {
             return Some(to.rem_euclid(count) as usize);
         }
-        let to = usize::try_from(to).ok().filter(|&to| to < self.parameters.len())?;
+        let to = usize::try_from(to)
+            .ok()
+            .filter(|&to| to < self.parameters.len())?;
         let ends = [index.min(to), index.max(to)].map(|index| self.parameters[index]);
         (!self.parted(ends[0], ends[1])).then_some(to)
     }

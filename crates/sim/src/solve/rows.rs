@@ -318,8 +318,9 @@ impl DeformingView<'_> {
         let mut every = thinned.max(1);
         self.collect(margin_m, &mut every, &meets, &mut look, out);
         // Half full at the next finer grid is room to spare.
-        while every > 1 && out.len() * every * every < MAX_SAMPLES_PER_PAIR / 2 * (every - 1).pow(2) {
-            every -= 1;
+        let finer = every - 1;
+        if every > 1 && out.len() * every * every < MAX_SAMPLES_PER_PAIR / 2 * finer * finer {
+            every = finer;
             self.collect(margin_m, &mut every, &meets, &mut look, out);
         }
         every
@@ -335,7 +336,10 @@ impl DeformingView<'_> {
     ) {
         out.clear();
         let taken = |index: usize, every: usize| {
-            self.samples.place(index).iter().all(|at| at.is_multiple_of(every))
+            self.samples
+                .place(index)
+                .iter()
+                .all(|at| at.is_multiple_of(every))
         };
         let net = self.surface.net().points();
         let (patches_u, patches_v) = self.samples.patches();

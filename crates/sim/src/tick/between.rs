@@ -69,7 +69,7 @@ pub(super) fn bodies(
     }
     let views = [view(my_body, mine), view(their_body, theirs)];
     for (k, contact) in contacts.iter().take(MAX_FEET).enumerate() {
-        push_between(rows, p, pair, RowKey::loose(k), contact, &views, margin);
+        push_between(rows, p, pair, RowKey::foot(k), contact, &views, margin);
     }
     if let Some(view) = views[0].as_ref().filter(|_| !contacts.is_empty()) {
         let bounds = theirs.bounds;
@@ -180,7 +180,7 @@ pub(super) fn itself(scene: &Scene, scratch: &mut Scratch, p: usize) {
     let view = view(body, parts);
     let views = [view, view];
     for (k, contact) in pairs[p].set.contacts().iter().take(MAX_FEET).enumerate() {
-        push_between(rows, p, pair, RowKey::loose(k), contact, &views, margin);
+        push_between(rows, p, pair, RowKey::foot(k), contact, &views, margin);
     }
 }
 

@@ -11,7 +11,7 @@
 use super::feet::{MAX_FEET, Way, push_foot};
 use super::{BodyScratch, WarmRow};
 use crate::scene::Pair;
-use crate::solve::row_key::{LOOSE_FEET, RowKey};
+use crate::solve::row_key::{FEET_OF_PAIR, RowKey};
 use crate::solve::rows::{DeformingView, RowSet};
 use palpate_geometry::contact::{Contact, Facing};
 use palpate_geometry::math::{Point3, Pose};
@@ -72,7 +72,7 @@ pub(super) fn push_feet<'a>(
     let old = || {
         let own = warm.iter().filter(|row| row.id.pair as usize == p);
         own.filter_map(|row| match row.id.key {
-            RowKey::Loose(number) => Some((u32::from(number), row)),
+            RowKey::Foot(number) => Some((u32::from(number), row)),
             _ => None,
         })
     };
@@ -82,8 +82,18 @@ pub(super) fn push_feet<'a>(
     let apart =
         |points: &[Point3], x: &Point3, m: f64| points.iter().all(|other| (other - x).norm() > m);
     let push = |number: u32, contact: &Contact, share: f64, rows: &mut RowSet| {
-        let (key, ease) = (RowKey::loose(number as usize), share / (1.0 - share));
-        push_foot(rows, p, pair, key, contact, Some(view), way, tool.margin_m, ease);
+        let (key, ease) = (RowKey::foot(number as usize), share / (1.0 - share));
+        push_foot(
+            rows,
+            p,
+            pair,
+            key,
+            contact,
+            Some(view),
+            way,
+            tool.margin_m,
+            ease,
+        );
     };
     for (number, row) in old() {
         let Some(contact) = tool.followed(row, parts, &facing) else {
@@ -104,7 +114,7 @@ pub(super) fn push_feet<'a>(
     }
     for contact in found {
         let number = (!used).trailing_zeros();
-        if count == MAX_FEET || number >= LOOSE_FEET {
+        if count == MAX_FEET || number >= FEET_OF_PAIR {
             return;
         }
         let share = carried(rows, contact, view, tool);
@@ -172,7 +182,9 @@ fn carried(rows: &RowSet, contact: &Contact, view: &DeformingView<'_>, tool: &Tr
     };
     let pressed = |sample: usize| {
         // The one that stands for it.
-        let back = samples.place(sample).map(|at| -((at % tool.every) as isize));
+        let back = samples
+            .place(sample)
+            .map(|at| -((at % tool.every) as isize));
         let key = RowKey::sample(samples.further(sample, back)?);
         let row = rows.of_pair().iter().find(|row| row.id.key == key)?;
         let deep = -row.gap_m / (PRESSED * tool.margin_m);

@@ -215,7 +215,17 @@ fn push_plain<'a>(
     margin: f64,
 ) {
     for (k, contact) in contacts.take(MAX_FEET).enumerate() {
-        push_foot(rows, p, pair, RowKey::loose(k), contact, view, way, margin, 0.0);
+        push_foot(
+            rows,
+            p,
+            pair,
+            RowKey::foot(k),
+            contact,
+            view,
+            way,
+            margin,
+            0.0,
+        );
     }
 }
 

@@ -10,7 +10,7 @@
 use super::feet::{MAX_FEET, Way, push_foot};
 use super::{BodyScratch, WarmRow};
 use crate::scene::Pair;
-use crate::solve::row_key::{LOOSE_FEET, RowKey};
+use crate::solve::row_key::{FEET_OF_PAIR, RowKey};
 use crate::solve::rows::RowSet;
 use palpate_geometry::contact::Contact;
 use palpate_geometry::math::{Point3, Pose};
@@ -42,7 +42,7 @@ pub(super) fn push_manifold(
     let old = || {
         let own = remembered.iter().filter(|row| row.id.pair as usize == p);
         own.filter_map(|row| match row.id.key {
-            RowKey::Loose(number) => Some((u32::from(number), row)),
+            RowKey::Foot(number) => Some((u32::from(number), row)),
             _ => None,
         })
     };
@@ -61,7 +61,7 @@ pub(super) fn push_manifold(
             Some((number, _)) => number,
             None => (!used).trailing_zeros(),
         };
-        if number >= LOOSE_FEET {
+        if number >= FEET_OF_PAIR {
             continue;
         }
         used |= 1 << number;
@@ -70,7 +70,7 @@ pub(super) fn push_manifold(
             rows,
             p,
             pair,
-            RowKey::loose(number as usize),
+            RowKey::foot(number as usize),
             contact,
             None,
             way,
@@ -117,7 +117,7 @@ pub(super) fn push_manifold(
             rows,
             p,
             pair,
-            RowKey::loose(number as usize),
+            RowKey::foot(number as usize),
             &contact,
             None,
             way,

@@ -54,7 +54,19 @@ pub struct Scratch {
 impl Scratch {
     /// TEMP
     pub fn probe(&self) -> Vec<(crate::solve::row_key::RowKey, f64, f64, f64)> {
-        self.rows.rows.iter().enumerate().map(|(i, r)| (r.id.key, self.problem.forces()[i], r.gap_m, self.problem.entry(i, i))).collect()
+        self.rows
+            .rows
+            .iter()
+            .enumerate()
+            .map(|(i, r)| {
+                (
+                    r.id.key,
+                    self.problem.forces()[i],
+                    r.gap_m,
+                    self.problem.entry(i, i),
+                )
+            })
+            .collect()
     }
     /// Lets bodies that take several ticks step elsewhere.
     pub fn set_pipeline(&mut self, pipeline: Box<dyn Pipeline>) {

@@ -300,7 +300,7 @@ impl SceneState {
         (largest.warm_len, largest.warm_friction, largest.warm_arms) =
             (largest.warm.len(), true, true);
         for row in &mut largest.warm {
-            row.id.key = RowKey::Loose(0);
+            row.id.key = RowKey::Foot(0);
         }
         for tool in &mut largest.tools {
             tool.link.pose.buttons |= GRAB;
@@ -474,7 +474,16 @@ stateful!(PairState, |this, walk| {
         budget_m,
         net_cost,
     } = foot;
-    walk.packed("proxy", [(0, touching), (1, below), (2, known), (3, met), (8, thinned)])?;
+    walk.packed(
+        "proxy",
+        [
+            (0, touching),
+            (1, below),
+            (2, known),
+            (3, met),
+            (8, thinned),
+        ],
+    )?;
     walk.float(clear_m)?;
     walk.float(deepest_m)?;
     for value in [u, v, budget_m, net_cost] {

@@ -292,9 +292,9 @@ fn work_of_the_hand_is_stored_and_comes_back() {
         (put_in / whole - 1.0).abs() < 0.01,
         "{put_in} J put in, {whole} J stored"
     );
-    // As much is lost on the way out as on the way in, within a share of it.
+    // A foot is elsewhere on the way out than on the way in, by what it settles in a tick.
     assert!(
-        lost >= 0.0 && (lost - 2.0 * (put_in - whole)).abs() < 0.5 * lost,
+        lost.abs() < 1e-5 * whole,
         "{lost} J of {whole} J did not come back"
     );
 }

@@ -1,8 +1,10 @@
 //! How bodies move: periods, decrements, momenta and forces on the way, after one iteration a tick.
 
-use crate::common::World;
-use palpate_geometry::math::{Matrix3, Point3, Vector3};
+use crate::common::{World, pose};
+use palpate_geometry::math::{Matrix3, Point3, Rotation, Vector3};
+use palpate_geometry::surface::ClosestSolver;
 use palpate_sim::body::DeformableState;
+use palpate_sim::haptics::DevicePose;
 use std::f64::consts::{PI, TAU};
 
 fn body(world: &World) -> &DeformableState {
@@ -557,4 +559,96 @@ fn a_teardrop_that_was_hit_goes_on_with_the_tangent() {
     }
     // A hit may take it there for a moment, not for good.
     assert!(bounding < 300, "{bounding} of 2,000 ticks after the hit");
+}
+
+/// The main scene's body, pressed without compliance, and its tool.
+fn soft_drop(model: &str, shape: &str) -> World {
+    World::new(&format!(
+        r#"
+[[body]]
+id = "drop"
+surface = {{ builtin = "teardrop", net = [8, 8] }}
+model = "{model}"
+material = {{ young_pa = 20e3, density_kg_m3 = 1000.0, damping_s = 2e-3 }}
+lattice = {{ layers = 3, refine = {{ focus = [[0.024, 0.003, 0.045]] }} }}
+fixed = [{{ point = [0.0, 0.0, 0.015], normal = [0.0, 0.0, 1.0] }}]
+[[tool]]
+id = "tool"
+shape = {shape}
+pose = {{ position = [0.06, 0.003, 0.045] }}
+coupling = {{ stiffness_n_m = inf, damping_n_s_m = 0.0 }}
+device = {{ force_max_n = 1e9, ramp_s = 0.0, speed_max_m_s = 1e6 }}
+"#
+    ))
+}
+
+// 4 mm deep and over 20 mm of the body, in u and in v: the force follows the tool's way, which bends as
+// the body does, and never jumps. What the slide begins with, from rest in one tick, is a jolt of its
+// own and does not count.
+#[test]
+fn the_force_on_a_ball_that_slides_over_a_soft_body_does_not_jump() {
+    let radius_m = 0.01;
+    for model in ["lattice", "continuum", "net"] {
+        for direction in [0, 1] {
+            let shape = format!("{{ sphere = {{ radius_m = {radius_m:?} }} }}");
+            let mut world = soft_drop(model, &shape);
+            let surface = world.scene.rest_surface(0).clone();
+            let start =
+                ClosestSolver::new(&surface).closest(&surface, &Point3::new(0.024, 0.003, 0.045));
+            let mut at = [start.u, start.v];
+            let (mut last, mut worst) = (Vector3::zeros(), 0.0_f64);
+            for k in 0..2_200 {
+                if k >= 1_200 {
+                    let frame = surface.frame(at[0], at[1]);
+                    let along = [frame.du, frame.dv][direction].norm();
+                    at[direction] += 0.02 * 1e-3 / along;
+                }
+                let deep = 0.004 * (f64::from(k) / 600.0).min(1.0);
+                let [u, v] = at;
+                let place = surface.point(u, v) + surface.normal(u, v) * (radius_m - deep);
+                let force = world.at_in_place(place.coords.into()).tools[0].force_n;
+                if k >= 1_220 {
+                    worst = worst.max((force - last).norm() / last.norm());
+                }
+                last = force;
+            }
+            println!(
+                "{model} in {}: {:.2} % in one tick",
+                ["u", "v"][direction],
+                100.0 * worst
+            );
+            assert!(worst < 0.01, "{model} in {direction}: {worst}");
+        }
+    }
+}
+
+// The cone stands in the body with its tip, which has no normal: the body's is taken.
+#[test]
+fn a_cone_deep_in_a_soft_body_is_held_without_a_tremble() {
+    for model in ["lattice", "continuum"] {
+        let mut world = soft_drop(
+            model,
+            "{ cone = { half_angle_rad = 0.3, height_m = 0.02 } }",
+        );
+        let turned = |x: f64| DevicePose {
+            orientation: Rotation::from_axis_angle(&Vector3::y_axis(), PI / 2.0),
+            ..pose(0, [x, 0.003, 0.045])
+        };
+        let (mut x, mut last, mut worst): (f64, f64, f64) = (0.02, 0.0, 0.0);
+        let (mut low, mut high): (f64, f64) = (f64::INFINITY, 0.0);
+        for k in 0..3_000 {
+            x = (x - 2e-5).max(0.0094);
+            let force = world.posed_in_place(turned(x)).tools[0].force_n.norm();
+            if force > 0.1 {
+                worst = worst.max((force - last).abs());
+            }
+            if k >= 2_500 {
+                (low, high) = (low.min(force), high.max(force));
+            }
+            last = force;
+        }
+        println!("{model}: {low} to {high} N held, largest step {worst} N");
+        assert!(high - low < 0.01 * high, "{model}: {low} to {high} N");
+        assert!(worst < 0.03, "{model}: {worst} N in one tick");
+    }
 }
