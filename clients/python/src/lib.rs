@@ -1,0 +1,53 @@
+//! The compiled part of the Python package: the module `palpate._native`.
+//!
+//! ```text
+//! errors, values ──▶ pose ──▶ scene ──▶ output ──▶ sim | batch
+//!                         └──▶ surface ──▶ modeling, recording, client ──▶ device
+//! ```
+//! Classes hold the crates' own types and convert arguments and results; what they compute is what
+//! the daemon computes. Everything that takes longer than some microseconds releases the GIL. Names
+//! and types are in `python/palpate/_native.pyi`, which a test compares with this module.
+
+mod batch;
+mod client;
+mod command;
+mod device;
+mod errors;
+mod modeling;
+mod output;
+mod overrides;
+mod pose;
+mod recording;
+mod scene;
+mod sim;
+mod surface;
+mod values;
+mod vary;
+
+use pyo3::prelude::*;
+
+#[pymodule(name = "_native")]
+mod native {
+    #[pymodule_export]
+    use super::batch::Batch;
+    #[pymodule_export]
+    use super::client::{Link, Seen, Tool, Watch};
+    #[pymodule_export]
+    use super::command::{build_id, main, to_html};
+    #[pymodule_export]
+    use super::device::SimulatedDevice;
+    #[pymodule_export]
+    use super::modeling::{branch, fit, isolate, merge, pipe, toml_text};
+    #[pymodule_export]
+    use super::output::{ByTool, Output};
+    #[pymodule_export]
+    use super::pose::Pose;
+    #[pymodule_export]
+    use super::recording::RecordingFile;
+    #[pymodule_export]
+    use super::scene::Scene;
+    #[pymodule_export]
+    use super::sim::{Simulation, Snapshot};
+    #[pymodule_export]
+    use super::surface::Surface;
+}
