@@ -40,3 +40,12 @@ pub fn to_html(py: Python<'_>, recording: PathBuf, page: PathBuf, most: u64) -> 
         Ok(every)
     })
 }
+
+/// A message of the bus as JSON, read by the compiled decoder; tests compare `palpate.wire` with it.
+#[pyfunction]
+pub fn message_json(name: &str, payload: &[u8]) -> PyResult<String> {
+    let read = palpate_proto::any::to_json(name, payload)
+        .ok_or_else(|| raised("ClientError", format!("no message is called {name:?}")))?;
+    let value = read.map_err(|error| raised("ClientError", error))?;
+    serde_json::to_string(&value).map_err(crate::errors::internal)
+}

@@ -33,7 +33,7 @@ mod native {
     #[pymodule_export]
     use super::client::{Link, Seen, Tool, Watch};
     #[pymodule_export]
-    use super::command::{build_id, main, to_html};
+    use super::command::{build_id, main, message_json, to_html};
     #[pymodule_export]
     use super::device::SimulatedDevice;
     #[pymodule_export]
