@@ -150,14 +150,14 @@ impl Batch {
                 row[..7].copy_from_slice(pose);
                 row[7..].copy_from_slice(velocity);
                 if let Some(k) = row.iter().position(|x| !x.is_finite()) {
-                    let (name, k) = if k < 7 {
+                    let (name, column) = if k < 7 {
                         ("pose", k)
                     } else {
                         ("velocity", k - 7)
                     };
                     return Err(PyValueError::new_err(format!(
-                        "{name}({id:?})[{copy}, {k}] is {}; it must be finite",
-                        if k < 7 { row[k] } else { row[k + 7] }
+                        "{name}({id:?})[{copy}, {column}] is {}; it must be finite",
+                        row[k]
                     )));
                 }
                 let pose = Pose::checked(of_numbers(&row)).map_err(|error| {

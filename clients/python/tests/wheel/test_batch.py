@@ -116,7 +116,7 @@ def test_varied_copies_are_scenes_of_their_own(soft_scene: pp.Scene) -> None:
     with pytest.raises(ValueError, match="3 values for 4 copies"):
         batch.vary("body/drop/material/young_pa", [1e4] * 3)
     with pytest.raises(ValueError, match="number of control points"):
-        batch.vary("body/drop/surface/net", [[9, 9]] * 4)
+        batch.vary("body/drop/surface/net", [[12, 12]] * 4)
     np.testing.assert_array_equal(batch.hash(), before)
 
 
