@@ -17,7 +17,7 @@ from typing import Any, Optional, Union
 
 from . import _native
 from ._client import Session
-from .errors import DaemonError, UnreachableError
+from .errors import DaemonError
 
 #: Daemons that run, to be ended with the interpreter.
 _running: "weakref.WeakSet[Daemon]" = weakref.WeakSet()
@@ -143,8 +143,16 @@ def _spawn(arguments: "list[str]", stderr: Any) -> "subprocess.Popen[bytes]":
     global _spawner, _spawner_pid
 
     def start() -> "subprocess.Popen[bytes]":
+        level = os.environ.get("RUST_LOG") or "warn,palpate=info"
         return subprocess.Popen(
-            arguments, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=stderr, start_new_session=True
+            arguments,
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.DEVNULL,
+            stderr=stderr,
+            # Ctrl-C is for this process, which ends its daemons in order.
+            start_new_session=True,
+            # Whatever else is said, the line that the sockets are open.
+            env={**os.environ, "RUST_LOG": f"{level},palpate::cli::serve=info"},
         )
 
     if threading.current_thread() is threading.main_thread():
@@ -242,22 +250,16 @@ def _serve(
         process = _spawn(command, stderr)
     deadline = time.monotonic() + timeout
     try:
-        while True:
-            try:
-                link = _native.Link([endpoint], instance, max(1.0, deadline - time.monotonic()))
-                break
-            except UnreachableError:
-                code = process.poll()
-                if code is not None:
-                    raise _died(code, _words(directory)) from None
-                if time.monotonic() > deadline:
-                    raise
-                time.sleep(0.02)
-        # It listens before it answers. Another daemon may listen there instead: then ours has ended.
+        # It says when its sockets are open. To ask the endpoint would not do: another program may listen there.
+        while "serving; poses on" not in _words(directory):
+            code = process.poll()
+            if code is not None:
+                raise _died(code, _words(directory))
+            if time.monotonic() > deadline:
+                raise DaemonError(f"the daemon did not start within {timeout} s: {_words(directory)}")
+            time.sleep(0.01)
+        link = _native.Link([endpoint], instance, 5.0)
         link.scene()
-        code = process.poll()
-        if code is not None:
-            raise _died(code, _words(directory))
     except BaseException:
         process.kill()
         process.wait()

@@ -14,7 +14,7 @@ use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
 use pyo3::types::{PyBytes, PyDict};
 use std::collections::VecDeque;
-use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, OnceLock, PoisonError};
 use std::time::{Duration, Instant};
 
 /// Waiting ends this often to look for signals.
@@ -46,6 +46,26 @@ fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
+/// Process in which Zenoh's threads run: a forked child has none of them, and would wait for ever.
+static ZENOH_IN: OnceLock<u32> = OnceLock::new();
+
+/// True in a child that was forked after Zenoh had started.
+fn is_forked() -> bool {
+    ZENOH_IN.get().is_some_and(|pid| *pid != std::process::id())
+}
+
+/// Refuses what needs Zenoh's threads in a forked child.
+fn not_forked() -> PyResult<()> {
+    if is_forked() {
+        return Err(raised(
+            "ClientError",
+            "this process was forked after its parent had spoken to a daemon, and has no threads for that: \
+             use multiprocessing with \"spawn\", or fork before the first connect",
+        ));
+    }
+    Ok(())
+}
+
 /// A link with a daemon.
 #[pyclass(frozen, module = "palpate._native")]
 pub struct Link {
@@ -55,6 +75,7 @@ pub struct Link {
 impl Link {
     /// The session, if it is still open.
     pub fn session(&self) -> PyResult<Arc<Palpate>> {
+        not_forked()?;
         locked(&self.palpate)
             .clone()
             .ok_or_else(|| raised("ClientError", "this link is closed"))
@@ -82,6 +103,8 @@ impl Link {
         onlooker: bool,
         config: Option<std::path::PathBuf>,
     ) -> PyResult<Self> {
+        ZENOH_IN.get_or_init(std::process::id);
+        not_forked()?;
         let settings = Connect {
             endpoints,
             instance,
@@ -177,6 +200,9 @@ impl Link {
     /// Closes the session. Tools and watches are closed before.
     fn close(&self, py: Python<'_>) {
         let palpate = locked(&self.palpate).take();
+        if is_forked() {
+            return std::mem::forget(palpate);
+        }
         py.detach(|| {
             if let Some(Ok(palpate)) = palpate.map(Arc::try_unwrap) {
                 palpate.close();
@@ -203,6 +229,7 @@ pub struct Watch {
 impl Watch {
     /// The next message; None when none came within `timeout` seconds or the watch is closed.
     fn next(&self, py: Python<'_>, timeout: f64) -> PyResult<Option<Seen>> {
+        not_forked()?;
         let deadline = Instant::now() + seconds(timeout.min(1e9))?;
         loop {
             let got = py.detach(|| {
@@ -235,6 +262,9 @@ impl Watch {
     /// Ends it.
     fn close(&self, py: Python<'_>) {
         let subscriber = locked(&self.subscriber).take();
+        if is_forked() {
+            return std::mem::forget(subscriber);
+        }
         py.detach(|| drop(subscriber));
         self.queue.arrived.notify_all();
     }
@@ -298,6 +328,7 @@ impl Tool {
         py: Python<'_>,
         act: impl FnOnce(&mut palpate_client::Tool) -> T + Send,
     ) -> PyResult<T> {
+        not_forked()?;
         py.detach(|| {
             let mut tool = locked(&self.tool);
             let tool = tool.as_mut().ok_or_else(|| {
@@ -417,6 +448,9 @@ impl Tool {
 
     /// Gives the tool back.
     fn close(&self, py: Python<'_>) {
+        if is_forked() {
+            return std::mem::forget(locked(&self.tool).take());
+        }
         py.detach(|| drop(locked(&self.tool).take()));
     }
 }
