@@ -472,6 +472,19 @@ impl Surface {
         structured(py, "CLOSEST", &rows, &shape)
     }
 
+    /// Sum of the distances, m: what [`Surface::closest`] computes without the rows of its result;
+    /// `examples/bench.py` compares the two.
+    fn _closest_sum(&self, py: Python<'_>, points: &Bound<'_, PyAny>) -> PyResult<f64> {
+        let (queries, _) = self::points(points, "points")?;
+        Ok(py.detach(|| {
+            let mut solver = ClosestSolver::new(&self.inner);
+            queries
+                .iter()
+                .map(|query| solver.closest(&self.inner, query).distance)
+                .sum()
+        }))
+    }
+
     /// Principal curvatures (…, 2), greater first, 1/m, at parameters of one shape; NaN where they
     /// are not defined.
     fn _curvature<'py>(
