@@ -122,7 +122,7 @@ print(f"{opened - begun:.3f} s, {(peak - base) / 1024:.1f} MB more than {base / 
 
 def hour(path: Path) -> None:
     """Opening a long recording and reading the forces of one tool, in a process of its own."""
-    done = subprocess.run([sys.executable, "-P", "-c", HOUR, str(path)], capture_output=True, text=True, check=True)
+    done = subprocess.run([sys.executable, "-c", HOUR, str(path)], capture_output=True, text=True, check=True)
     print(f"recording, {path.stat().st_size / 1e6:.0f} MB: opened in {done.stdout.strip()}")
 
 

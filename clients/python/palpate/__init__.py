@@ -92,27 +92,43 @@ _COMPILED = {
 }
 
 if TYPE_CHECKING:
-    from ._client import Net, Session, Stream, Tool, connect
-    from ._daemon import Daemon, serve
-    from ._dtypes import CLOSEST, CONTACT
-    from ._native import Batch, Output, Pose, Scene, SimulatedDevice, Simulation, Snapshot, Surface, build_id
-    from ._notebook import to_html
-    from ._recordings import Recording, ReplayReport, Ticks, figures, open
-    from ._scenes import Trace
-    from ._surfaces import (
-        Branch,
-        Derivatives,
-        Fit,
-        Isolation,
-        Merged,
-        Mesh,
-        Pipe,
-        branch,
-        fit,
-        isolate,
-        merge,
-        pipe,
-    )
+    from ._client import Net as Net
+    from ._client import Session as Session
+    from ._client import Stream as Stream
+    from ._client import Tool as Tool
+    from ._client import connect as connect
+    from ._daemon import Daemon as Daemon
+    from ._daemon import serve as serve
+    from ._dtypes import CLOSEST as CLOSEST
+    from ._dtypes import CONTACT as CONTACT
+    from ._native import Batch as Batch
+    from ._native import Output as Output
+    from ._native import Pose as Pose
+    from ._native import Scene as Scene
+    from ._native import SimulatedDevice as SimulatedDevice
+    from ._native import Simulation as Simulation
+    from ._native import Snapshot as Snapshot
+    from ._native import Surface as Surface
+    from ._native import build_id as build_id
+    from ._notebook import to_html as to_html
+    from ._recordings import Recording as Recording
+    from ._recordings import ReplayReport as ReplayReport
+    from ._recordings import Ticks as Ticks
+    from ._recordings import figures as figures
+    from ._recordings import open as open
+    from ._scenes import Trace as Trace
+    from ._surfaces import Branch as Branch
+    from ._surfaces import Derivatives as Derivatives
+    from ._surfaces import Fit as Fit
+    from ._surfaces import Isolation as Isolation
+    from ._surfaces import Merged as Merged
+    from ._surfaces import Mesh as Mesh
+    from ._surfaces import Pipe as Pipe
+    from ._surfaces import branch as branch
+    from ._surfaces import fit as fit
+    from ._surfaces import isolate as isolate
+    from ._surfaces import merge as merge
+    from ._surfaces import pipe as pipe
 
 __all__ = [
     "MESSAGES",
@@ -173,4 +189,8 @@ def __getattr__(name: str) -> Any:
 
 
 def __dir__() -> "list[str]":
-    return sorted({*globals(), *_COMPILED})
+    from importlib.util import find_spec
+
+    # Who asks for names then asks for their values.
+    there = find_spec("palpate._native") is not None and find_spec("numpy") is not None
+    return sorted({*globals(), *(_COMPILED if there else ())})

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import _native, wire
+from .base import Message
 from .errors import DecodeError, NoAnswerError, UnknownCase
 from .events import EventKind  # noqa: F401  (part of what events() gives)
 from .messages import ContactSet, LoopStatus, SceneSnapshot, SimEvent, ToolContact, ToolForce
@@ -53,9 +54,9 @@ class Stream(Generic[T]):
     def next(self, timeout: float = math.inf) -> Optional[T]:
         """The next message, or None when none came within ``timeout`` seconds."""
         if self._past:
-            message = self._past.pop(0)
-            self._last = max(self._last, getattr(message, "seq", 0))
-            return message
+            past = self._past.pop(0)
+            self._last = max(self._last, getattr(past, "seq", 0))
+            return past
         deadline = time.monotonic() + timeout
         while self._open:
             seen = self._watch.next(max(0.0, min(deadline - time.monotonic(), 1e6)))
@@ -439,7 +440,7 @@ class Session:
         self.close()
 
 
-M = TypeVar("M", bound=wire.Message)
+M = TypeVar("M", bound=Message)
 
 
 def _reader(kind: "type[M]") -> "Callable[[_native.Seen], Optional[M]]":

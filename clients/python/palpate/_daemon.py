@@ -105,12 +105,12 @@ class Daemon(Session):
     def __enter__(self) -> "Daemon":
         return self
 
-    def __exit__(self, kind: object, *_: object) -> None:
+    def __exit__(self, *raised: object) -> None:
         try:
             self.stop()
         except DaemonError:
             # What went wrong inside says more.
-            if kind is None:
+            if raised[0] is None:
                 raise
 
 
@@ -240,7 +240,9 @@ def _serve(
         built = scene if isinstance(scene, _native.Scene) else _native.Scene(dict(scene))
         path = directory / f"{built.name}.toml"
         path.write_text(built.effective, "utf-8")
-    command = [sys.executable, "-m", "palpate", "serve", str(path), "--listen", endpoint, "--instance", instance]
+    # This very package, wherever it is, whatever lies in the current directory.
+    program = f"import sys; sys.path[:] = {sys.path!r}; from palpate.__main__ import main; sys.exit(main())"
+    command = [sys.executable, "-c", program, "serve", str(path), "--listen", endpoint, "--instance", instance]
     command += ["--with-parent", "--no-rt"]
     command += ["--clock", clock] if clock else []
     command += ["--record", str(record)] if record is not None else []

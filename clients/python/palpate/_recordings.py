@@ -15,7 +15,7 @@ from . import _native
 from .errors import RecordingError, RecordingWarning
 
 if TYPE_CHECKING:
-    import pandas
+    import pandas  # type: ignore[import-untyped,unused-ignore]
 
 #: Columns of each tool, in the order of tables.
 _TOOL_COLUMNS = (
@@ -189,7 +189,8 @@ class Recording:
     @property
     def time(self) -> NDArray[np.float64]:
         """(ticks,) simulated time, s."""
-        return self.tick * self.dt
+        time: NDArray[np.float64] = self.tick.astype(np.float64) * self.dt
+        return time
 
     @property
     def hash(self) -> NDArray[np.uint64]:
@@ -231,7 +232,7 @@ class Recording:
 
     def to_pandas(self, columns: Optional[Sequence[str]] = None) -> "pandas.DataFrame":
         """A table with a row for each tick: time, hash, and for each tool its columns, such as ``ball.force.x``."""
-        import pandas
+        import pandas  # type: ignore[import-untyped,unused-ignore]
 
         names = list(columns) if columns is not None else list(_TOOL_COLUMNS)
         table: dict[str, Any] = {}
@@ -317,7 +318,7 @@ class _bar:
         self._bar: Any = None
         if wanted:
             try:
-                from tqdm.auto import tqdm
+                from tqdm.auto import tqdm  # type: ignore[import-untyped,unused-ignore]
             except ImportError:
                 return
             self._bar = tqdm(unit="ticks", desc="replay")

@@ -69,7 +69,8 @@ class Isolation:
     @property
     def translation(self) -> Floats:
         """Of the first body, (3,) m."""
-        return self.translations[0]
+        first: Floats = self.translations[0]
+        return first
 
 
 @dataclass(frozen=True)
@@ -112,7 +113,8 @@ class Fit:
 
 def _pair(u: ArrayLike, v: ArrayLike) -> "tuple[Any, Any]":
     try:
-        return np.broadcast_arrays(u, v)
+        first, second = np.broadcast_arrays(u, v)
+        return first, second
     except ValueError as error:
         raise ValueError(f"u has the shape {np.shape(u)} and v {np.shape(v)}; they do not broadcast") from error
 

@@ -12,7 +12,7 @@ import numpy as np
 from ._native import Scene
 
 
-class PressEnv(gymnasium.Env):  # type: ignore[type-arg]
+class PressEnv(gymnasium.Env):  # type: ignore[type-arg,misc,unused-ignore]
     """Actions move the tool, rewards are for the wanted force.
 
     Observation: offset of the tool from its start (3,) m, force (3,) N, depth (m). Action: velocity of the tool, each

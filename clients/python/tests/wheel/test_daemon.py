@@ -224,7 +224,7 @@ def test_the_page_of_a_daemon_is_shown_in_a_frame(palpate_daemon: Any) -> None:
         palpate_daemon(rigid()).show()
 
 
-def test_nothing_is_left_behind_when_the_interpreter_ends() -> None:
+def test_nothing_is_left_behind_when_the_interpreter_ends(tmp_path: Path) -> None:
     program = textwrap.dedent(
         """
         import sys
@@ -238,8 +238,8 @@ def test_nothing_is_left_behind_when_the_interpreter_ends() -> None:
     )
     for end in ("pass", "sys.exit(3)", "raise RuntimeError('out')", "import os; os.kill(os.getpid(), 9)"):
         run = subprocess.run(
-            [sys.executable, "-P", "-c", program.format(scene=rigid(), end=end)],
-            capture_output=True, text=True, timeout=120,
+            [sys.executable, "-c", program.format(scene=rigid(), end=end)],
+            capture_output=True, text=True, timeout=120, cwd=tmp_path,
         )  # fmt: skip
         pid = int(run.stdout)
         assert gone(pid), f"{end}: process {pid} still runs"

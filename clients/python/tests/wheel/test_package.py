@@ -60,7 +60,8 @@ def test_the_stubs_name_what_the_module_has() -> None:
         assert parameters(node) == real_parameters(real[name]), name
     ordinary = {"__new__", "__repr__", "__doc__", "__module__", "__hash__", "__ne__", "__lt__", "__le__", "__gt__", "__ge__"}
     for name, node in classes.items():
-        members = {part.name: part for part in node.body if isinstance(part, ast.FunctionDef)}
+        # The first of several overloads has the defaults.
+        members = {part.name: part for part in reversed(node.body) if isinstance(part, ast.FunctionDef)}
         own = {key for key in vars(real[name]) if key not in ordinary}
         assert own == set(members) - ordinary, name
         for key, part in members.items():
@@ -97,8 +98,8 @@ def test_everything_public_has_words_with_units() -> None:
 
 def program(*arguments: str, module: bool = False, **options: Any) -> "subprocess.CompletedProcess[str]":
     command = Path(sys.executable).parent / "palpate"
-    start = [sys.executable, "-P", "-m", "palpate"] if module or not command.exists() else [str(command)]
-    return subprocess.run([*start, *arguments], capture_output=True, text=True, timeout=120, **options)
+    start = [sys.executable, "-m", "palpate"] if module or not command.exists() else [str(command)]
+    return subprocess.run([*start, *arguments], capture_output=True, text=True, timeout=120, cwd=ROOT, **options)
 
 
 @pytest.mark.parametrize("module", [False, True])
@@ -142,7 +143,7 @@ def test_the_messages_work_without_the_compiled_part_and_the_rest_says_what_is_m
     """
     import textwrap
 
-    subprocess.run([sys.executable, "-P", "-c", textwrap.dedent(code)], check=True, timeout=60)
+    subprocess.run([sys.executable, "-c", textwrap.dedent(code)], check=True, timeout=60, cwd=ROOT)
 
 
 def test_both_decoders_agree_on_golden_and_on_damaged_messages() -> None:
@@ -198,7 +199,7 @@ def test_a_daemon_that_died_fails(palpate_daemon):
     loaded = any(entry.name == "palpate" for entry in named)
     arguments = [] if loaded else ["-p", "palpate.pytest_plugin"]
     run = subprocess.run(
-        [sys.executable, "-P", "-m", "pytest", "-q", *arguments, str(test)],
+        [sys.executable, "-m", "pytest", "-q", *arguments, str(test)],
         capture_output=True, text=True, timeout=180, cwd=tmp_path,
     )  # fmt: skip
     assert "2 passed, 1 error" in run.stdout and "signal 9" in run.stdout, run.stdout + run.stderr
