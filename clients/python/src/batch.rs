@@ -4,60 +4,22 @@
 //! arrays: before the ticks the calling thread copies the poses, after them it copies the results,
 //! both with the GIL. So a view cannot be torn, whoever holds it.
 
+use crate::arrays::{Arrays, RESULTS, view, write_result};
+use crate::closest::cores;
 use crate::errors::{busy, internal};
-use crate::output::{depth, proxy, push_contact};
+use crate::output::push_contact;
 use crate::pose::{Pose, of_numbers};
 use crate::scene::{Built, Scene};
-use crate::sim::{INTERRUPTS, Loop};
-use crate::surface::cores;
+use crate::ticks::{INTERRUPTS, Loop, advance};
 use crate::values::{is_watched, structured};
 use crate::vary::Varied;
 use numpy::{PyArray1, PyArrayDyn, PyArrayMethods};
 use palpate_geometry::math::{Point3, state_hash};
 use palpate_proto::messages::ToolPose;
-use palpate_sim::tick::record::ToolOutput;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use std::sync::{Arc, Mutex, MutexGuard, TryLockError};
 use std::time::{Duration, Instant};
-
-/// What is written of each tool after a step: name, and numbers to a copy.
-const RESULTS: [(&str, usize); 8] = [
-    ("force", 3),
-    ("torque", 3),
-    ("contact_force", 3),
-    ("contact_torque", 3),
-    ("depth", 1),
-    ("proxy", 7),
-    ("energy", 1),
-    ("dissipated", 1),
-];
-
-/// Arrays of a tool.
-struct Arrays {
-    pose: Py<PyArrayDyn<f64>>,
-    velocity: Py<PyArrayDyn<f64>>,
-    buttons: Py<PyArray1<u32>>,
-    flags: Py<PyArray1<u32>>,
-    /// As [`RESULTS`].
-    results: [Py<PyArrayDyn<f64>>; RESULTS.len()],
-}
-
-impl Arrays {
-    fn new(py: Python<'_>, n: usize) -> Self {
-        let zeros = |width: usize| {
-            let shape = if width == 1 { vec![n] } else { vec![n, width] };
-            PyArrayDyn::zeros(py, shape, false).unbind()
-        };
-        Self {
-            pose: zeros(7),
-            velocity: zeros(6),
-            buttons: PyArray1::zeros(py, n, false).unbind(),
-            flags: PyArray1::zeros(py, n, false).unbind(),
-            results: RESULTS.map(|(_, width)| zeros(width)),
-        }
-    }
-}
 
 /// A net of all copies that somebody looks at.
 struct NetView {
@@ -203,19 +165,6 @@ impl Batch {
     }
 }
 
-fn write_result(name: &str, out: &ToolOutput, row: &mut [f64]) {
-    match name {
-        "force" => row.copy_from_slice(out.force_n.as_slice()),
-        "torque" => row.copy_from_slice(out.torque_nm.as_slice()),
-        "contact_force" => row.copy_from_slice(out.contact_force_n.as_slice()),
-        "contact_torque" => row.copy_from_slice(out.contact_torque_nm.as_slice()),
-        "depth" => row[0] = depth(out),
-        "proxy" => row.copy_from_slice(&proxy(out)),
-        "energy" => row[0] = out.energy_j,
-        _ => row[0] = out.dissipated_j,
-    }
-}
-
 fn write_net(py: Python<'_>, net: &NetView, copies: &[Loop]) -> PyResult<()> {
     let array = net.array.bind(py).try_readwrite();
     let mut array =
@@ -230,41 +179,6 @@ fn write_net(py: Python<'_>, net: &NetView, copies: &[Loop]) -> PyResult<()> {
         }
     }
     Ok(())
-}
-
-/// A view of an array of ours: it cannot be resized, and it keeps the array alive.
-fn view<'py>(array: &Bound<'py, PyAny>, writeable: bool) -> PyResult<Bound<'py, PyAny>> {
-    let view = array.call_method0("view")?;
-    if !writeable {
-        view.getattr("flags")?.setattr("writeable", false)?;
-    }
-    Ok(view)
-}
-
-/// So many ticks of all copies, on this thread and `workers` − 1 others.
-fn advance(copies: &mut [Loop], workers: usize, ticks: usize) {
-    let run = |copies: &mut [Loop]| {
-        copies
-            .iter_mut()
-            .for_each(|copy| (0..ticks).for_each(|_| copy.tick()))
-    };
-    if workers == 1 {
-        return run(copies);
-    }
-    // Small blocks: copies take unequal times. Which thread takes one does not matter to its bits.
-    let block = copies.len().div_ceil(workers * 8).max(1);
-    let queue = Mutex::new(copies.chunks_mut(block));
-    std::thread::scope(|scope| {
-        let work = || {
-            loop {
-                let next = queue.lock().ok().and_then(|mut queue| queue.next());
-                let Some(copies) = next else { return };
-                run(copies);
-            }
-        };
-        (1..workers).for_each(|_| drop(scope.spawn(work)));
-        work();
-    });
 }
 
 #[pymethods]

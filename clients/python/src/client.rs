@@ -3,7 +3,7 @@
 
 use crate::errors::{internal, raised};
 use crate::pose::Pose;
-use crate::sim::net_array;
+use crate::values::net_array;
 use palpate_client::{ClientError, Connect, Palpate};
 use palpate_geometry::math::Point3;
 use palpate_proto::codec::{decode, encode};

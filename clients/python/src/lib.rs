@@ -1,15 +1,19 @@
 //! The compiled part of the Python package: the module `palpate._native`.
 //!
 //! ```text
-//! errors, values ──▶ pose ──▶ scene ──▶ output ──▶ sim | batch
-//!                         └──▶ surface ──▶ modeling, recording, client ──▶ device
+//! errors, values, watched ─▶ pose ─▶ scene ─▶ output ─▶ ticks ─▶ snapshot ─▶ sim
+//!                                                        └────▶ arrays, vary ─▶ batch
+//! closest ─▶ surface ─▶ modeling;   columns ─▶ recording;   client ─▶ device;   command
 //! ```
 //! Classes hold the crates' own types and convert arguments and results; what they compute is what
 //! the daemon computes. Everything that takes longer than some microseconds releases the GIL. Names
 //! and types are in `python/palpate/_native.pyi`, which a test compares with this module.
 
+mod arrays;
 mod batch;
 mod client;
+mod closest;
+mod columns;
 mod command;
 mod device;
 mod errors;
@@ -20,9 +24,12 @@ mod pose;
 mod recording;
 mod scene;
 mod sim;
+mod snapshot;
 mod surface;
+mod ticks;
 mod values;
 mod vary;
+mod watched;
 
 use pyo3::prelude::*;
 
@@ -47,7 +54,9 @@ mod native {
     #[pymodule_export]
     use super::scene::Scene;
     #[pymodule_export]
-    use super::sim::{Simulation, Snapshot};
+    use super::sim::Simulation;
+    #[pymodule_export]
+    use super::snapshot::Snapshot;
     #[pymodule_export]
     use super::surface::Surface;
 }

@@ -4,81 +4,19 @@ use crate::errors::{busy, raised};
 use crate::output::{Output, depth};
 use crate::pose::{Pose, of_numbers};
 use crate::scene::{Built, Scene};
+use crate::snapshot::Snapshot;
 use crate::surface::Surface;
-use crate::values::{array, finite, flat, is_watched, python, shape_text, shaped, slice};
-use numpy::{PyArray1, PyArray3, PyArrayDyn, PyArrayMethods, PyUntypedArrayMethods};
-use palpate::wire::device_pose;
+use crate::ticks::{Loop, interruptible};
+use crate::values::{array, finite, is_watched, python, shape_text, shaped, slice};
+use numpy::{PyArray1, PyArray3, PyArrayMethods, PyUntypedArrayMethods};
 use palpate_geometry::math::{Point3, SavedState, state_hash};
 use palpate_proto::messages::ToolPose;
-use palpate_sim::tick::record::{Command, TickInput, TickOutput};
-use palpate_sim::tick::{SceneState, Scratch, apply, restore, step_into};
+use palpate_sim::tick::record::Command;
+use palpate_sim::tick::{apply, restore};
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
-use pyo3::types::{PyBytes, PyDict, PyString, PyTuple};
+use pyo3::types::{PyDict, PyString};
 use std::sync::{Arc, Mutex, MutexGuard, TryLockError};
-use std::time::{Duration, Instant};
-
-/// Signals are looked for this often while ticks run.
-pub const INTERRUPTS: Duration = Duration::from_millis(20);
-
-/// State of a simulation and what its ticks need.
-pub struct Loop {
-    pub scene: Arc<palpate_sim::scene::Scene>,
-    pub state: SceneState,
-    pub scratch: Scratch,
-    pub input: TickInput,
-    pub output: TickOutput,
-    /// By tool: the pose that it sends each tick.
-    pub held: Vec<Option<ToolPose>>,
-    /// By tool: number of its last pose.
-    pub seqs: Vec<u64>,
-}
-
-impl Loop {
-    /// At the start.
-    pub fn new(scene: &Arc<palpate_sim::scene::Scene>) -> Self {
-        let state = scene.initial_state();
-        let tools = scene.tool_count();
-        Self {
-            scratch: scene.scratch(&state),
-            state,
-            scene: scene.clone(),
-            input: TickInput::for_tools(tools),
-            output: TickOutput::for_tools(tools),
-            held: vec![None; tools],
-            seqs: vec![0; tools],
-        }
-    }
-
-    /// One tick with the poses held.
-    pub fn tick(&mut self) {
-        for (tool, held) in self.held.iter().enumerate() {
-            self.input.poses[tool] = held.as_ref().and_then(|pose| {
-                let seq = self.seqs[tool] + 1;
-                // Checked when it came in; this brings the quaternion to unit length as the daemon does.
-                let pose = ToolPose { seq, ..*pose }.validated().ok()?;
-                self.seqs[tool] = seq;
-                Some(device_pose(&pose))
-            });
-        }
-        step_into(
-            &self.scene,
-            &mut self.state,
-            &mut self.scratch,
-            &self.input,
-            &mut self.output,
-        );
-    }
-
-    /// Back to where [`Loop::new`] is.
-    pub fn restart(&mut self) {
-        self.held.fill(None);
-        self.seqs.fill(0);
-        self.state = self.scene.initial_state();
-        self.scratch = self.scene.scratch(&self.state);
-        self.output = TickOutput::for_tools(self.scene.tool_count());
-    }
-}
 
 /// A net that somebody looks at.
 struct View {
@@ -174,34 +112,6 @@ fn write_net(py: Python<'_>, run: &Loop, view: &View, points: &mut Vec<Point3>) 
     let values = array.as_slice_mut().map_err(crate::errors::internal)?;
     for (values, point) in values.chunks_exact_mut(3).zip(points.iter()) {
         values.copy_from_slice(point.coords.as_slice());
-    }
-    Ok(())
-}
-
-/// Runs `tick` this many times without the GIL; a signal (Ctrl-C) ends it between two ticks.
-pub fn interruptible(
-    py: Python<'_>,
-    ticks: usize,
-    mut tick: impl FnMut(usize) + Send,
-) -> PyResult<()> {
-    let mut done = 0;
-    while done < ticks {
-        done = py.detach(|| {
-            if ticks == 1 {
-                tick(0);
-                return 1;
-            }
-            let begun = Instant::now();
-            let mut at = done;
-            while at < ticks && (at == done || begun.elapsed() < INTERRUPTS) {
-                tick(at);
-                at += 1;
-            }
-            at
-        });
-        if ticks > 1 {
-            py.check_signals()?;
-        }
     }
     Ok(())
 }
@@ -523,126 +433,4 @@ struct Trace {
     contact_force: Vec<f64>,
     depth: Vec<f64>,
     flags: Vec<u32>,
-}
-
-/// A saved state. Made by `Simulation.save()`; can be pickled.
-#[pyclass(frozen, module = "palpate")]
-pub struct Snapshot {
-    saved: SavedState,
-    hash: u64,
-    held: Vec<Option<ToolPose>>,
-    seqs: Vec<u64>,
-}
-
-#[pymethods]
-impl Snapshot {
-    /// Hash of the state.
-    #[getter]
-    fn hash(&self) -> u64 {
-        self.hash
-    }
-
-    #[staticmethod]
-    fn _of(
-        words: &[u8],
-        floats: &[u8],
-        hash: u64,
-        held: Vec<Option<(Vec<f64>, u32, u64)>>,
-        seqs: Vec<u64>,
-    ) -> PyResult<Self> {
-        let groups = |bytes: &[u8]| -> Vec<[u8; 8]> {
-            bytes
-                .chunks_exact(8)
-                .map(|b| b.try_into().expect("eight"))
-                .collect()
-        };
-        let held = held.into_iter().map(|held| {
-            held.map(|(values, buttons, t_client_ns)| {
-                if values.len() != 13 {
-                    return Err(PyValueError::new_err("not a snapshot"));
-                }
-                Ok(ToolPose {
-                    buttons,
-                    t_client_ns,
-                    ..Pose::checked(of_numbers(&values))?.inner
-                })
-            })
-            .transpose()
-        });
-        Ok(Self {
-            saved: SavedState {
-                words: groups(words).into_iter().map(u64::from_le_bytes).collect(),
-                floats: groups(floats).into_iter().map(f64::from_le_bytes).collect(),
-            },
-            hash,
-            held: held.collect::<PyResult<_>>()?,
-            seqs,
-        })
-    }
-
-    fn __reduce__<'py>(
-        slf: &Bound<'py, Self>,
-    ) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyTuple>)> {
-        let this = slf.get();
-        let words: Vec<u8> = this
-            .saved
-            .words
-            .iter()
-            .flat_map(|word| word.to_le_bytes())
-            .collect();
-        let floats: Vec<u8> = this
-            .saved
-            .floats
-            .iter()
-            .flat_map(|x| x.to_le_bytes())
-            .collect();
-        let held: Vec<Option<(Vec<f64>, u32, u64)>> = this
-            .held
-            .iter()
-            .map(|held| {
-                held.map(|pose| {
-                    let values = [
-                        &pose.position[..],
-                        &pose.orientation,
-                        &pose.linear_velocity,
-                        &pose.angular_velocity,
-                    ]
-                    .concat();
-                    (values, pose.buttons, pose.t_client_ns)
-                })
-            })
-            .collect();
-        let py = slf.py();
-        let bytes = (PyBytes::new(py, &words), PyBytes::new(py, &floats));
-        let arguments = (bytes.0, bytes.1, this.hash, held, this.seqs.clone()).into_pyobject(py)?;
-        Ok((slf.getattr("_of")?, arguments))
-    }
-
-    fn __eq__(&self, other: &Bound<'_, PyAny>) -> bool {
-        let same = |other: &Self| {
-            // Bits, not values: a NaN or a signed zero is a difference.
-            self.hash == other.hash
-                && self.saved.words == other.saved.words
-                && self.saved.floats.iter().map(|x| x.to_bits()).eq(other
-                    .saved
-                    .floats
-                    .iter()
-                    .map(|x| x.to_bits()))
-        };
-        other.cast::<Self>().is_ok_and(|other| same(other.get()))
-    }
-
-    fn __repr__(&self) -> String {
-        format!("Snapshot(hash={:016x})", self.hash)
-    }
-}
-
-/// The net of a body as an array.
-pub fn net_array<'py>(
-    py: Python<'py>,
-    points: &[Point3],
-    rows: usize,
-    columns: usize,
-) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
-    shaped(py, flat(points), &[rows, columns, 3])
 }

@@ -1,5 +1,6 @@
 //! B-spline surfaces: evaluation and closest points on arrays, files, triangles.
 
+use crate::closest::{closest_rows, cores};
 use crate::errors::{os_error, surface_error};
 use crate::values::{
     array, finite, flat, floats, points, python, shape_text, shaped, slice, structured,
@@ -9,7 +10,7 @@ use palpate_geometry::basis::KnotVector;
 use palpate_geometry::exchange::{
     ExchangeError, Format, Imported, Pick, read_surface, write_mesh, write_surface,
 };
-use palpate_geometry::math::{Matrix3, Point3, Vector3};
+use palpate_geometry::math::{Matrix3, Vector3};
 use palpate_geometry::surface::file::Unit;
 use palpate_geometry::surface::{
     self, ClosestSolver, ControlNet, Direction, Mesh, SurfaceError, builtin,
@@ -19,13 +20,12 @@ use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict, PyList, PyTuple};
 use std::path::PathBuf;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicUsize, Ordering};
+
+/// An array of float64.
+type Floats<'py> = Bound<'py, PyArrayDyn<f64>>;
 
 /// Chord tolerance of triangles where none is given, relative to the surface's size.
 const DEFAULT_TOLERANCE: f64 = 1e-3;
-/// Queries that a thread takes at a time.
-const BLOCK: usize = 256;
-
 /// A tensor-product B-spline or NURBS surface; constant.
 ///
 /// Parameters
@@ -221,10 +221,7 @@ impl Surface {
 
     /// Knots in u and v, as files have them: of a periodic direction one period.
     #[getter]
-    fn knots<'py>(
-        &self,
-        py: Python<'py>,
-    ) -> PyResult<(Bound<'py, PyArrayDyn<f64>>, Bound<'py, PyArrayDyn<f64>>)> {
+    fn knots<'py>(&self, py: Python<'py>) -> PyResult<(Floats<'py>, Floats<'py>)> {
         let array = |knots: &KnotVector| {
             let knots = knots.file_knots().to_vec();
             let count = knots.len();
@@ -250,14 +247,14 @@ impl Surface {
 
     /// The control net, (nu, nv, 3) m; a copy.
     #[getter]
-    fn points<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
+    fn points<'py>(&self, py: Python<'py>) -> PyResult<Floats<'py>> {
         let net = self.inner.net();
         shaped(py, flat(net.points()), &[net.rows(), net.columns(), 3])
     }
 
     /// (nu, nv), or None where the surface is not rational.
     #[getter]
-    fn weights<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyArrayDyn<f64>>>> {
+    fn weights<'py>(&self, py: Python<'py>) -> PyResult<Option<Floats<'py>>> {
         let net = self.inner.net();
         let weights = self.inner.weights();
         weights
@@ -391,7 +388,7 @@ impl Surface {
         u: &Bound<'py, PyAny>,
         v: &Bound<'py, PyAny>,
         order: usize,
-    ) -> PyResult<Vec<Bound<'py, PyArrayDyn<f64>>>> {
+    ) -> PyResult<Vec<Floats<'py>>> {
         let ((u, shape), (v, other)) = (self.parameters(u, 'u')?, self.parameters(v, 'v')?);
         debug_assert_eq!(shape, other, "broadcast before");
         let count = [1, 3, 6].get(order).copied();
@@ -435,7 +432,7 @@ impl Surface {
         py: Python<'py>,
         u: &Bound<'py, PyAny>,
         v: &Bound<'py, PyAny>,
-    ) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
+    ) -> PyResult<Floats<'py>> {
         let ((u, shape), (v, _)) = (self.parameters(u, 'u')?, self.parameters(v, 'v')?);
         let values: Vec<f64> = py.detach(|| {
             let normals = u.iter().zip(&v).map(|(&u, &v)| self.inner.normal(u, v));
@@ -465,9 +462,7 @@ impl Surface {
         workers: Option<usize>,
     ) -> PyResult<Bound<'py, PyAny>> {
         let (queries, shape) = self::points(points, "points")?;
-        let workers = workers
-            .unwrap_or_else(cores)
-            .clamp(1, queries.len().div_ceil(BLOCK).max(1));
+        let workers = workers.unwrap_or_else(cores).clamp(1, queries.len().max(1));
         let rows = py.detach(|| closest_rows(&self.inner, &queries, curvature, workers));
         structured(py, "CLOSEST", &rows, &shape)
     }
@@ -492,7 +487,7 @@ impl Surface {
         py: Python<'py>,
         u: &Bound<'py, PyAny>,
         v: &Bound<'py, PyAny>,
-    ) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
+    ) -> PyResult<Floats<'py>> {
         let ((u, shape), (v, _)) = (self.parameters(u, 'u')?, self.parameters(v, 'v')?);
         let values: Vec<f64> = py.detach(|| {
             let each = u.iter().zip(&v).map(|(&u, &v)| self.inner.curvature(u, v));
@@ -510,11 +505,7 @@ impl Surface {
         py: Python<'py>,
         tolerance: Option<f64>,
         cells: Option<usize>,
-    ) -> PyResult<(
-        Bound<'py, PyArrayDyn<f64>>,
-        Bound<'py, PyArrayDyn<f64>>,
-        Bound<'py, PyArray2<u32>>,
-    )> {
+    ) -> PyResult<(Floats<'py>, Floats<'py>, Bound<'py, PyArray2<u32>>)> {
         let mesh = self.mesh(py, tolerance, cells)?;
         let normals: Vec<f64> = mesh.normals.iter().flat_map(|n| [n.x, n.y, n.z]).collect();
         let count = mesh.points.len();
@@ -630,79 +621,4 @@ impl Surface {
         })
         .map_err(surface_error)
     }
-}
-
-/// Threads that work at once.
-pub fn cores() -> usize {
-    std::thread::available_parallelism().map_or(1, std::num::NonZero::get)
-}
-
-/// Numbers of a row of dtype `CLOSEST`.
-const ROW: usize = 12;
-
-fn closest_rows(
-    surface: &surface::Surface,
-    queries: &[Point3],
-    curvature: bool,
-    workers: usize,
-) -> Vec<u8> {
-    let mut rows = vec![0_u8; queries.len() * ROW * 8];
-    let write = |solver: &mut ClosestSolver, query: &Point3, row: &mut [u8]| {
-        let foot = solver.closest(surface, query);
-        let bends = if curvature {
-            surface.curvature(foot.u, foot.v)
-        } else {
-            None
-        };
-        let bends = bends.map_or([f64::NAN; 2], |c| [c.max, c.min]);
-        let (p, n) = (foot.point, foot.normal);
-        let values = [
-            foot.u,
-            foot.v,
-            p.x,
-            p.y,
-            p.z,
-            n.x,
-            n.y,
-            n.z,
-            foot.distance,
-            foot.signed_distance,
-            bends[0],
-            bends[1],
-        ];
-        for (bytes, value) in row.chunks_exact_mut(8).zip(values) {
-            bytes.copy_from_slice(&value.to_ne_bytes());
-        }
-    };
-    if workers == 1 {
-        let mut solver = ClosestSolver::new(surface);
-        for (query, row) in queries.iter().zip(rows.chunks_exact_mut(ROW * 8)) {
-            write(&mut solver, query, row);
-        }
-        return rows;
-    }
-    // Blocks are handed out in order; each has its place in the result.
-    let blocks: Vec<_> = queries
-        .chunks(BLOCK)
-        .zip(rows.chunks_mut(BLOCK * ROW * 8))
-        .map(|block| std::sync::Mutex::new(Some(block)))
-        .collect();
-    let next = AtomicUsize::new(0);
-    std::thread::scope(|scope| {
-        let work = || {
-            let mut solver = ClosestSolver::new(surface);
-            while let Some(block) = blocks.get(next.fetch_add(1, Ordering::Relaxed)) {
-                let taken = block.lock().ok().and_then(|mut block| block.take());
-                if let Some((queries, rows)) = taken {
-                    for (query, row) in queries.iter().zip(rows.chunks_exact_mut(ROW * 8)) {
-                        write(&mut solver, query, row);
-                    }
-                }
-            }
-        };
-        (1..workers).for_each(|_| drop(scope.spawn(work)));
-        work();
-    });
-    drop(blocks);
-    rows
 }

@@ -222,3 +222,13 @@ pub fn toml_value(value: &Bound<'_, PyAny>, path: &str) -> PyResult<toml::Value>
         "{path} is a {kind}; a scene has numbers, strings, booleans, lists and dictionaries"
     )))
 }
+
+/// The net of a body as an array.
+pub fn net_array<'py>(
+    py: Python<'py>,
+    points: &[Point3],
+    rows: usize,
+    columns: usize,
+) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
+    shaped(py, flat(points), &[rows, columns, 3])
+}
