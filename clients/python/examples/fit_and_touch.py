@@ -21,7 +21,7 @@ def main() -> None:
         scan, organ = args.file or Path(directory) / "scan.stl", Path(directory) / "organ.json"
         if args.file is None:
             ball = pp.Surface.builtin("sphere", size=0.03)
-            ball.transformed(matrix=[[1.3, 0, 0], [0, 1.0, 0], [0, 0, 0.8]]).save_mesh(scan, tolerance=2e-5)
+            ball.transformed(matrix=[[1.3, 0, 0], [0, 1.0, 0], [0, 0, 0.8]]).save_mesh(scan, cells=5)
         fitted = pp.fit(scan, net=(8, 8), closed=True)
         fitted.surface.save(organ)
         # Where a probe from above touches it first.

@@ -26,6 +26,8 @@ T = TypeVar("T")
 DEFAULT_ENDPOINT = "tcp/127.0.0.1:7447"
 #: How long a force may stay away before a tool gives up, s.
 PATIENCE_S = 5.0
+#: Poses whose lateness a run keeps.
+MOST_LATE = 100_000
 
 
 class Net(NamedTuple):
@@ -282,7 +284,7 @@ class RunReport(NamedTuple):
     last: Optional[ToolForce]
     """The newest force."""
     late: "NDArray[np.float64]"
-    """(poses,) how late each pose was sent, s; zeros in lockstep."""
+    """How late poses were sent, s: of each, or of the last 100,000 in any order; empty in lockstep."""
 
 
 def _lockstep(tool: Tool, pose: Callable[..., Any], rate: float, count: float) -> RunReport:
@@ -293,12 +295,13 @@ def _lockstep(tool: Tool, pose: Callable[..., Any], rate: float, count: float) -
             break
         force = tool.step(wanted)
         sent += 1
-    return RunReport(sent, sent, time.perf_counter() - begun, force, np.zeros(sent))
+    return RunReport(sent, sent, time.perf_counter() - begun, force, np.zeros(0))
 
 
 def _realtime(tool: Tool, pose: Callable[..., Any], rate: float, count: float) -> RunReport:
     native = tool._native
-    lateness: list[float] = []
+    kept = max(1, int(min(count, MOST_LATE)))
+    lateness = np.zeros(kept)
     begun, before = time.perf_counter(), native.received()
     heard, heard_at, sent = before, begun, 0
     while sent < count:
@@ -314,8 +317,8 @@ def _realtime(tool: Tool, pose: Callable[..., Any], rate: float, count: float) -
         if wanted is None:
             break
         native.send(wanted)
+        lateness[sent % kept] = max(0.0, now - due)
         sent += 1
-        lateness.append(max(0.0, now - due))
         if sent % 128 == 0:
             received = native.received()
             if received != heard:
@@ -325,7 +328,7 @@ def _realtime(tool: Tool, pose: Callable[..., Any], rate: float, count: float) -
                 if now - heard_at > PATIENCE_S:
                     raise NoAnswerError(f"no force for tool {tool.id!r} in {PATIENCE_S} s")
     return RunReport(
-        sent, native.received() - before, time.perf_counter() - begun, native.force(), np.array(lateness)
+        sent, native.received() - before, time.perf_counter() - begun, native.force(), lateness[:sent]
     )
 
 

@@ -262,14 +262,14 @@ def test_a_tree_becomes_one_surface() -> None:
 
 
 def test_fits_come_near_their_points(tmp_path: Path) -> None:
-    directions = RNG.standard_normal((3000, 3))
+    directions = RNG.standard_normal((1200, 3))
     points = 0.05 * directions / np.linalg.norm(directions, axis=1)[:, None]
     fitted = pp.fit(points, net=(12, 12), closed=True)
     assert fitted.surface.closed and fitted.max_error < 1e-4
     found = fitted.surface.closest(points)
     assert found["distance"].max() == pytest.approx(fitted.max_error, rel=0.2)
-    pp.Surface.builtin("sphere", size=0.05).save_mesh(tmp_path / "ball.stl")
-    assert pp.fit(tmp_path / "ball.stl", net=(12, 12), closed=True).max_error < 1e-3
+    pp.Surface.builtin("sphere", size=0.05).save_mesh(tmp_path / "ball.stl", cells=4)
+    assert pp.fit(tmp_path / "ball.stl", net=(10, 10), closed=True).max_error < 1e-3
     x, y = np.meshgrid(np.linspace(0, 0.1, 20), np.linspace(0, 0.1, 25), indexing="ij")
     grid = np.stack([x, y, 0.01 * np.sin(40 * x)], axis=-1)
     assert pp.fit(grid, grid=True).max_error < 1e-12
