@@ -79,7 +79,7 @@ const KINDS: [(&str, &[&str]); 7] = [
     // Those of README.md and docs/python.md are run by clients/python/tests; the others need packages,
     // and clients/python/examples has the same in a program.
     ("python", &["", "no_run", "needs=pandas"]),
-    ("hex", &[""]),    // proto/tests/golden.rs compares it with the golden bytes
+    ("hex", &[""]), // proto/tests/golden.rs compares it with the golden bytes
     ("json", &["", "abridged"]),
     (
         "toml",
