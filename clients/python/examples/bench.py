@@ -41,7 +41,8 @@ def spent(work: Callable[[], object]) -> float:
 
 def step(quick: bool) -> None:
     """Cost of a step in Python beside that of the Rust step."""
-    ticks, rounds = (300, 2) if quick else (5000, 7)
+    # Short and many: other work on the machine spoils long ones.
+    ticks, rounds = (100, 3) if quick else (200, 150)
     for scene in (pp.Scene(RIGID), pp.Scene(SCENE)):
         tool = scene.tools[0]
         pose = scene.start(tool)
@@ -71,7 +72,7 @@ def step(quick: bool) -> None:
 def batch(quick: bool) -> None:
     """Rate of a batch beside the Rust rate of one core times the cores."""
     cores = os.cpu_count() or 1
-    n, ticks, rounds = (8, 20, 1) if quick else (64, 100, 5)
+    n, ticks, rounds = (8, 20, 1) if quick else (64, 20, 40)
     for scene in (pp.Scene(RIGID), pp.Scene(SCENE)):
         single, many = scene.simulate(), pp.Batch(scene, n)
         tool = scene.tools[0]
@@ -94,7 +95,7 @@ def closest(quick: bool) -> None:
     drop = pp.Surface.builtin("teardrop")
     queries = np.random.default_rng(1).normal(size=(count, 3)) * 0.05
     drop.closest(queries[:100])
-    rounds = 1 if quick else 3
+    rounds = 1 if quick else 7
     rust = best(rounds, lambda: spent(lambda: drop._closest_sum(queries)))
     one = best(rounds, lambda: spent(lambda: drop.closest(queries, workers=1, curvature=False)))
     curved = best(rounds, lambda: spent(lambda: drop.closest(queries, workers=1)))
