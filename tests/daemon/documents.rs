@@ -335,6 +335,16 @@ fn check(place: &str, command: &[String]) {
             }
         }
         ["cargo", "test", "--workspace"] | ["wait"] => {}
+        // Of the Python package, which `.ci/run` builds and tests.
+        ["pip", "install", "maturin"]
+        | [
+            "maturin",
+            "develop",
+            "--release",
+            "-m",
+            "clients/python/Cargo.toml",
+        ]
+        | ["pytest", "clients/python"] => {}
         other => panic!("{place}: {other:?} is not checked"),
     }
 }
