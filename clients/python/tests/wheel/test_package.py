@@ -236,3 +236,26 @@ def test_a_simulation_draws_itself_for_notebooks() -> None:
     sim = pp.Scene(rigid()).simulate()
     shown = sim.show(width=300, height=200)._repr_html_()
     assert shown.startswith("<img ") and "data:image/svg+xml;base64," in shown
+
+
+def test_nothing_of_ours_warns(tmp_path: Path) -> None:
+    # NumPy's aliases that are gone (np.bool, np.float) and truth values of arrays warn before they fail.
+    code = f"""
+import numpy as np
+import palpate as pp
+scene = pp.Scene({rigid()!r})
+out = scene.simulate().step({{"probe": np.zeros(3, np.float32)}}, ticks=3)
+out.contacts, out.force["probe"], out.fault, str(out), dict(out.depth)
+batch = pp.Batch(scene, 2)
+batch.step()
+batch.reset(np.array([True, False]))
+batch.vary("tool/probe/shape/sphere/radius_m", np.array([0.01, 0.011]))
+surface = scene.surface("ball")
+surface.closest(np.zeros((2, 3))), surface.evaluate(0.5, 0.5, 2), surface.tessellate(cells=2), surface.periodic
+assert type(surface.closed) is bool and type(out.fault) is bool
+scene.simulate().show()
+"""
+    run = subprocess.run(
+        [sys.executable, "-W", "error", "-c", code], capture_output=True, text=True, timeout=120, cwd=tmp_path
+    )
+    assert (run.returncode, run.stderr) == (0, ""), run.stderr
