@@ -129,6 +129,11 @@ pub fn main() -> ExitCode {
 
 /// Runs the program with these arguments, without the program's name.
 pub fn main_with(arguments: impl IntoIterator<Item = std::ffi::OsString>) -> ExitCode {
+    ExitCode::from(code_with(arguments))
+}
+
+/// [`main_with`] for callers that need the exit code as a number: a Python process.
+pub fn code_with(arguments: impl IntoIterator<Item = std::ffi::OsString>) -> u8 {
     end_when_nobody_reads();
     let filter = tracing_subscriber::EnvFilter::try_from_default_env()
         .unwrap_or_else(|_| tracing_subscriber::EnvFilter::new("warn,palpate=info"));
@@ -144,7 +149,7 @@ pub fn main_with(arguments: impl IntoIterator<Item = std::ffi::OsString>) -> Exi
     let cli = Cli::parse_from(named);
     let Some(command) = cli.command else {
         let _ = Cli::command().print_help();
-        return ExitCode::SUCCESS;
+        return 0;
     };
     let done = match command {
         Commands::Demo(args) => demo::run(&args),
@@ -177,12 +182,12 @@ pub fn main_with(arguments: impl IntoIterator<Item = std::ffi::OsString>) -> Exi
         }
     };
     match done {
-        Ok(Outcome::Ok) => ExitCode::SUCCESS,
-        Ok(Outcome::Difference) => ExitCode::from(1),
-        Ok(Outcome::Fault) => ExitCode::from(3),
+        Ok(Outcome::Ok) => 0,
+        Ok(Outcome::Difference) => 1,
+        Ok(Outcome::Fault) => 3,
         Err(error) => {
             eprintln!("error: {error:#}");
-            ExitCode::from(2)
+            2
         }
     }
 }

@@ -76,8 +76,10 @@ const KINDS: [(&str, &[&str]); 7] = [
     ("text", &[""]),
     ("sh", &[""]),
     ("rust", &["", "no_run", "no_run,test_harness"]),
-    ("python", &[""]), // needs packages; clients/python/examples has the same in a program
-    ("hex", &[""]),    // proto/tests/golden.rs compares it with the golden bytes
+    // Those of README.md and docs/python.md are run by clients/python/tests; the others need packages,
+    // and clients/python/examples has the same in a program.
+    ("python", &["", "no_run", "needs=pandas"]),
+    ("hex", &[""]), // proto/tests/golden.rs compares it with the golden bytes
     ("json", &["", "abridged"]),
     (
         "toml",
@@ -333,6 +335,16 @@ fn check(place: &str, command: &[String]) {
             }
         }
         ["cargo", "test", "--workspace"] | ["wait"] => {}
+        // Of the Python package, which `.ci/run` builds and tests.
+        ["pip", "install", "maturin"]
+        | [
+            "maturin",
+            "develop",
+            "--release",
+            "-m",
+            "clients/python/Cargo.toml",
+        ]
+        | ["pytest", "clients/python"] => {}
         other => panic!("{place}: {other:?} is not checked"),
     }
 }

@@ -1,0 +1,62 @@
+//! The compiled part of the Python package: the module `palpate._native`.
+//!
+//! ```text
+//! errors, values, watched ─▶ pose ─▶ scene ─▶ output ─▶ ticks ─▶ snapshot ─▶ sim
+//!                                                        └────▶ arrays, vary ─▶ batch
+//! closest ─▶ surface ─▶ modeling;   columns ─▶ recording;   client ─▶ device;   command
+//! ```
+//! Classes hold the crates' own types and convert arguments and results; what they compute is what
+//! the daemon computes. Everything that takes longer than some microseconds releases the GIL. Names
+//! and types are in `python/palpate/_native.pyi`, which a test compares with this module.
+
+mod arrays;
+mod batch;
+mod client;
+mod closest;
+mod columns;
+mod command;
+mod device;
+mod errors;
+mod modeling;
+mod output;
+mod overrides;
+mod pose;
+mod recording;
+mod scene;
+mod sim;
+mod snapshot;
+mod surface;
+mod ticks;
+mod values;
+mod vary;
+mod watched;
+
+use pyo3::prelude::*;
+
+#[pymodule(name = "_native")]
+mod native {
+    #[pymodule_export]
+    use super::batch::Batch;
+    #[pymodule_export]
+    use super::client::{Link, Seen, Tool, Watch};
+    #[pymodule_export]
+    use super::command::{build_id, main, message_json, to_html};
+    #[pymodule_export]
+    use super::device::SimulatedDevice;
+    #[pymodule_export]
+    use super::modeling::{branch, fit, isolate, merge, pipe, toml_text};
+    #[pymodule_export]
+    use super::output::{ByTool, Output};
+    #[pymodule_export]
+    use super::pose::Pose;
+    #[pymodule_export]
+    use super::recording::RecordingFile;
+    #[pymodule_export]
+    use super::scene::Scene;
+    #[pymodule_export]
+    use super::sim::Simulation;
+    #[pymodule_export]
+    use super::snapshot::Snapshot;
+    #[pymodule_export]
+    use super::surface::Surface;
+}

@@ -1,0 +1,297 @@
+//! What comes out of a tick.
+
+use crate::scene::Built;
+use crate::values::structured;
+use numpy::PyArray1;
+use palpate_geometry::math::Vector3;
+use palpate_sim::solve::rows::Holder;
+use palpate_sim::tick::record::{ContactReport, TickOutput, ToolOutput};
+use pyo3::exceptions::PyKeyError;
+use pyo3::prelude::*;
+use pyo3::types::{PyFloat, PyInt, PyList};
+use std::sync::Arc;
+
+/// What one tick gives: forces for the devices, contacts, the hash of the state.
+///
+/// `force["ball"]` and the like are new arrays: they stay as they are when the simulation goes on.
+#[pyclass(frozen, module = "palpate")]
+pub struct Output {
+    tick: TickOutput,
+    built: Arc<Built>,
+}
+
+/// What is read of a tool.
+#[derive(Clone, Copy)]
+enum Field {
+    Force,
+    Torque,
+    ContactForce,
+    ContactTorque,
+    Depth,
+    Proxy,
+    Energy,
+    Dissipated,
+    Flags,
+    PoseSeq,
+    ContactCount,
+}
+
+impl Output {
+    /// A copy of a tick's output.
+    pub fn of(tick: &TickOutput, built: &Arc<Built>) -> Self {
+        Self {
+            tick: tick.clone(),
+            built: built.clone(),
+        }
+    }
+}
+
+fn by_tool(slf: &Bound<'_, Output>, field: Field) -> ByTool {
+    ByTool {
+        output: slf.clone().unbind(),
+        field,
+    }
+}
+
+#[pymethods]
+impl Output {
+    /// Number of the tick, from 1.
+    #[getter]
+    fn tick(&self) -> u64 {
+        self.tick.tick
+    }
+
+    /// Hash of the whole state after the tick: equal hashes are equal states, as in recordings.
+    #[getter]
+    fn hash(&self) -> u64 {
+        self.tick.state_hash
+    }
+
+    /// By tool: force for the device, (3,) N, world axes.
+    #[getter]
+    fn force(slf: &Bound<'_, Self>) -> ByTool {
+        by_tool(slf, Field::Force)
+    }
+
+    /// By tool: torque for the device at the tool's reference point, (3,) N·m.
+    #[getter]
+    fn torque(slf: &Bound<'_, Self>) -> ByTool {
+        by_tool(slf, Field::Torque)
+    }
+
+    /// By tool: force of all contacts, (3,) N, neither damped nor limited for the device.
+    #[getter]
+    fn contact_force(slf: &Bound<'_, Self>) -> ByTool {
+        by_tool(slf, Field::ContactForce)
+    }
+
+    /// By tool: torque of all contacts about the tool's reference point, (3,) N·m.
+    #[getter]
+    fn contact_torque(slf: &Bound<'_, Self>) -> ByTool {
+        by_tool(slf, Field::ContactTorque)
+    }
+
+    /// By tool: penetration of the device's tool, m; 0 without contact.
+    #[getter]
+    fn depth(slf: &Bound<'_, Self>) -> ByTool {
+        by_tool(slf, Field::Depth)
+    }
+
+    /// By tool: where the surface holds the tool back, (7,): position in m, quaternion x y z w.
+    #[getter]
+    fn proxy(slf: &Bound<'_, Self>) -> ByTool {
+        by_tool(slf, Field::Proxy)
+    }
+
+    /// By tool: net work of the device on the loop since the start, J.
+    #[getter]
+    fn energy(slf: &Bound<'_, Self>) -> ByTool {
+        by_tool(slf, Field::Energy)
+    }
+
+    /// By tool: the part of the energy that the passivity controller took away, J.
+    #[getter]
+    fn dissipated(slf: &Bound<'_, Self>) -> ByTool {
+        by_tool(slf, Field::Dissipated)
+    }
+
+    /// By tool: bits of `ForceFlags`.
+    #[getter]
+    fn flags(slf: &Bound<'_, Self>) -> ByTool {
+        by_tool(slf, Field::Flags)
+    }
+
+    /// By tool: number of the pose that the tick answers.
+    #[getter]
+    fn pose_seq(slf: &Bound<'_, Self>) -> ByTool {
+        by_tool(slf, Field::PoseSeq)
+    }
+
+    /// By tool: contacts that carried force.
+    #[getter]
+    fn contact_count(slf: &Bound<'_, Self>) -> ByTool {
+        by_tool(slf, Field::ContactCount)
+    }
+
+    /// Contacts that carry force, deepest first: structured array (contacts,) of dtype `CONTACT`.
+    /// At most 16, or 2 for each tool where that is more.
+    #[getter]
+    fn contacts<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let mut rows = Vec::new();
+        self.tick
+            .contacts
+            .list()
+            .iter()
+            .for_each(|contact| push_contact(&mut rows, contact));
+        structured(py, "CONTACT", &rows, &[self.tick.contacts.list().len()])
+    }
+
+    /// A force or a state was not finite in this tick; forces were made safe.
+    #[getter]
+    fn fault(&self) -> bool {
+        self.tick.fault.is_some()
+    }
+
+    fn __repr__(&self) -> String {
+        let tools = self.built.tool_ids();
+        let forces = tools.iter().enumerate().map(|(t, id)| {
+            let f = self.tick.tools[t].force_n;
+            format!("{id}: ({:.3}, {:.3}, {:.3}) N", f.x, f.y, f.z)
+        });
+        format!(
+            "Output(tick={}, {})",
+            self.tick.tick,
+            forces.collect::<Vec<_>>().join(", ")
+        )
+    }
+}
+
+/// The bytes of a row of dtype `CONTACT`.
+pub fn push_contact(rows: &mut Vec<u8>, contact: &ContactReport) {
+    let (tool, other) = match contact.holder {
+        Holder::Tool(tool) => (tool as i32, -1),
+        Holder::Body(body) => (-1, body as i32),
+    };
+    for index in [tool, contact.body as i32, other, 0] {
+        rows.extend_from_slice(&index.to_ne_bytes());
+    }
+    let (normal, force) = (contact.normal, contact.force_n);
+    let pressing_n = force.dot(&normal);
+    let friction: Vector3 = force - normal * pressing_n;
+    let numbers = [
+        &[contact.u, contact.v][..],
+        contact.point.coords.as_slice(),
+        normal.as_slice(),
+        &[contact.depth_m],
+        force.as_slice(),
+        &[pressing_n],
+        friction.as_slice(),
+    ];
+    for x in numbers.into_iter().flatten() {
+        rows.extend_from_slice(&x.to_ne_bytes());
+    }
+}
+
+/// A value of each tool, read like a dictionary.
+#[pyclass(frozen, mapping, module = "palpate")]
+pub struct ByTool {
+    output: Py<Output>,
+    field: Field,
+}
+
+impl ByTool {
+    fn value<'py>(&self, py: Python<'py>, tool: &ToolOutput) -> Bound<'py, PyAny> {
+        let vector = |v: &Vector3| PyArray1::from_slice(py, v.as_slice()).into_any();
+        let number = |x: f64| PyFloat::new(py, x).into_any();
+        let count = |n: u64| PyInt::new(py, n).into_any();
+        match self.field {
+            Field::Force => vector(&tool.force_n),
+            Field::Torque => vector(&tool.torque_nm),
+            Field::ContactForce => vector(&tool.contact_force_n),
+            Field::ContactTorque => vector(&tool.contact_torque_nm),
+            Field::Depth => number(depth(tool)),
+            Field::Proxy => PyArray1::from_slice(py, &proxy(tool)).into_any(),
+            Field::Energy => number(tool.energy_j),
+            Field::Dissipated => number(tool.dissipated_j),
+            Field::Flags => count(u64::from(tool.flags)),
+            Field::PoseSeq => count(tool.pose_seq),
+            Field::ContactCount => count(u64::from(tool.contact_count)),
+        }
+    }
+
+    fn at<'py>(&self, py: Python<'py>, tool: usize) -> Bound<'py, PyAny> {
+        self.value(py, &self.output.get().tick.tools[tool])
+    }
+}
+
+/// Penetration depth, m; 0 without contact.
+pub fn depth(tool: &ToolOutput) -> f64 {
+    tool.contact.map_or(0.0, |contact| contact.depth_m)
+}
+
+/// Position and quaternion of the proxy.
+pub fn proxy(tool: &ToolOutput) -> [f64; 7] {
+    let (p, q) = (tool.proxy_position, tool.proxy_orientation.coords);
+    [p.x, p.y, p.z, q.x, q.y, q.z, q.w]
+}
+
+#[pymethods]
+impl ByTool {
+    fn __getitem__<'py>(&self, py: Python<'py>, tool: &str) -> PyResult<Bound<'py, PyAny>> {
+        let index = self.output.get().built.tool(tool)?;
+        Ok(self.at(py, index))
+    }
+
+    fn __len__(&self) -> usize {
+        self.output.get().built.scene.tool_count()
+    }
+
+    fn __contains__(&self, tool: &str) -> bool {
+        self.output.get().built.scene.tool_index(tool).is_some()
+    }
+
+    fn __iter__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, pyo3::types::PyIterator>> {
+        PyList::new(py, self.keys())?.try_iter()
+    }
+
+    /// Ids of the tools.
+    fn keys(&self) -> Vec<String> {
+        self.output.get().built.tool_ids()
+    }
+
+    /// Values, by index of the tool.
+    fn values<'py>(&self, py: Python<'py>) -> Vec<Bound<'py, PyAny>> {
+        (0..self.__len__()).map(|tool| self.at(py, tool)).collect()
+    }
+
+    /// Pairs of id and value.
+    fn items<'py>(&self, py: Python<'py>) -> Vec<(String, Bound<'py, PyAny>)> {
+        self.keys().into_iter().zip(self.values(py)).collect()
+    }
+
+    fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
+        let each = self
+            .items(py)
+            .into_iter()
+            .map(|(id, value)| Ok(format!("{id:?}: {}", value.repr()?)));
+        Ok(format!(
+            "{{{}}}",
+            each.collect::<PyResult<Vec<_>>>()?.join(", ")
+        ))
+    }
+
+    #[pyo3(signature = (tool, default=None))]
+    /// The value of a tool, or `default` where there is no such tool.
+    fn get<'py>(
+        &self,
+        py: Python<'py>,
+        tool: &str,
+        default: Option<Bound<'py, PyAny>>,
+    ) -> PyResult<Option<Bound<'py, PyAny>>> {
+        match self.__getitem__(py, tool) {
+            Ok(value) => Ok(Some(value)),
+            Err(error) if error.is_instance_of::<PyKeyError>(py) => Ok(default),
+            Err(error) => Err(error),
+        }
+    }
+}

@@ -1,0 +1,307 @@
+//! Scenes: from a file, from text or from a dictionary; built as the daemon builds them.
+
+use crate::errors::{internal, os_error, scene_error};
+use crate::overrides::set_value;
+use crate::pose::Pose;
+use crate::sim::Simulation;
+use crate::surface::Surface;
+use crate::values::{python, toml_value};
+use palpate_proto::messages::ToolPose;
+use palpate_sim::scene::file::{self, Loaded};
+use palpate_sim::scene::spec::Clock;
+use palpate_sim::scene::{self, inline_files};
+use pyo3::exceptions::{PyKeyError, PyTypeError};
+use pyo3::prelude::*;
+use pyo3::types::{PyDict, PyString, PyTuple};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+/// A scene and the text it came from.
+#[derive(Debug)]
+pub struct Built {
+    /// The constant of simulations.
+    pub scene: Arc<scene::Scene>,
+    /// The file as it was written.
+    pub text: String,
+    /// The file with surfaces and meshes written out: what others build from.
+    pub effective: String,
+}
+
+impl Built {
+    /// Builds as `palpate serve` does: files first written out, then built from that.
+    ///
+    /// `dictionary`: the text was made from one, so its lines mean nothing.
+    pub fn of(loaded: &Loaded, dictionary: bool) -> PyResult<Self> {
+        let shown = dictionary.then_some(loaded.text.as_str());
+        let refuse = |error| scene_error(&loaded.locate(error), shown);
+        // A file that cannot be read is one problem of perhaps many: building lists them all.
+        let unread = |error| {
+            loaded
+                .build()
+                .err()
+                .map_or_else(|| refuse(error), |all| scene_error(&all, shown))
+        };
+        let effective = inline_files(&loaded.spec, &loaded.directory).map_err(unread)?;
+        let scene = scene::Scene::build(&effective, &loaded.directory).map_err(refuse)?;
+        Ok(Self {
+            scene: Arc::new(scene),
+            text: loaded.text.clone(),
+            effective: toml::to_string(&effective).map_err(internal)?,
+        })
+    }
+
+    /// Index of a tool.
+    pub fn tool(&self, id: &str) -> PyResult<usize> {
+        self.scene
+            .tool_index(id)
+            .ok_or_else(|| unknown("tool", id, &self.tool_ids()))
+    }
+
+    /// Index of a body.
+    pub fn body(&self, id: &str) -> PyResult<usize> {
+        self.scene
+            .body_index(id)
+            .ok_or_else(|| unknown("body", id, &self.body_ids()))
+    }
+
+    /// Ids of all tools, by index.
+    pub fn tool_ids(&self) -> Vec<String> {
+        (0..self.scene.tool_count())
+            .map(|tool| self.scene.tool_id(tool).to_owned())
+            .collect()
+    }
+
+    /// Ids of all bodies, by index.
+    pub fn body_ids(&self) -> Vec<String> {
+        (0..self.scene.body_count())
+            .map(|body| self.scene.body_id(body).to_owned())
+            .collect()
+    }
+
+    /// Where a tool is at the start.
+    pub fn start(&self, tool: usize) -> ToolPose {
+        let state = self.scene.initial_state();
+        let pose = &state.tools[tool].link.pose;
+        let q = pose.orientation.coords;
+        ToolPose {
+            orientation: [q.x, q.y, q.z, q.w],
+            ..palpate_client::pose_at([pose.position.x, pose.position.y, pose.position.z])
+        }
+    }
+}
+
+/// `KeyError` that lists what there is.
+pub fn unknown(kind: &str, id: &str, known: &[String]) -> PyErr {
+    let known = known
+        .iter()
+        .map(|id| format!("{id:?}"))
+        .collect::<Vec<_>>()
+        .join(", ");
+    let known = if known.is_empty() {
+        "none".to_owned()
+    } else {
+        known
+    };
+    PyKeyError::new_err(format!("this scene has no {kind} {id:?}; it has {known}"))
+}
+
+/// Bodies and the tools that touch them; constant, shared by any number of simulations.
+///
+/// Parameters
+/// ----------
+/// scene : dict or str
+///     What a scene file says, as a dictionary (`{"body": [...], "tool": [...]}`; values may be
+///     NumPy's) or as TOML text.
+/// directory : path, optional
+///     Where relative paths of the scene start; by default the current directory.
+///
+/// Raises
+/// ------
+/// SceneError
+///     Everything that is wrong with the scene, in `problems`.
+#[pyclass(frozen, module = "palpate")]
+#[derive(Clone)]
+pub struct Scene {
+    /// What it is.
+    pub built: Arc<Built>,
+}
+
+#[pymethods]
+impl Scene {
+    #[new]
+    #[pyo3(signature = (scene, directory=None))]
+    fn new(py: Python<'_>, scene: &Bound<'_, PyAny>, directory: Option<PathBuf>) -> PyResult<Self> {
+        let directory = directory.unwrap_or_else(|| PathBuf::from("."));
+        if let Ok(text) = scene.cast::<PyString>() {
+            return Self::parsed(py, text.to_string(), "scene", directory, false);
+        }
+        if !scene.is_instance_of::<PyDict>() {
+            let kind = scene.get_type().name()?;
+            return Err(PyTypeError::new_err(format!(
+                "a scene is a dictionary or TOML text, not {kind}; Scene.load(path) reads a file"
+            )));
+        }
+        let text = toml::to_string(&toml_value(scene, "")?).map_err(internal)?;
+        Self::parsed(py, text, "scene", directory, true)
+    }
+
+    /// Reads and builds a scene file.
+    ///
+    /// Raises
+    /// ------
+    /// SceneError
+    ///     Everything that is wrong with it, each problem with file, line and fix.
+    /// FileNotFoundError
+    ///     No such file.
+    #[staticmethod]
+    fn load(py: Python<'_>, path: PathBuf) -> PyResult<Self> {
+        std::fs::metadata(&path).map_err(|error| os_error(&path, &error))?;
+        py.detach(|| {
+            let loaded = file::load(&path).map_err(|error| scene_error(&error, None))?;
+            Built::of(&loaded, false).map(|built| Self {
+                built: Arc::new(built),
+            })
+        })
+    }
+
+    #[staticmethod]
+    fn _of(py: Python<'_>, text: String, effective: String, name: String) -> PyResult<Self> {
+        let directory = PathBuf::from(".");
+        let scene = Self::parsed(py, effective, &name, directory, false)?;
+        let built = Built {
+            scene: scene.built.scene.clone(),
+            effective: scene.built.effective.clone(),
+            text,
+        };
+        Ok(Self {
+            built: Arc::new(built),
+        })
+    }
+
+    fn __reduce__<'py>(
+        slf: &Bound<'py, Self>,
+    ) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyTuple>)> {
+        let built = &slf.get().built;
+        let arguments =
+            (&built.text, &built.effective, &built.scene.name).into_pyobject(slf.py())?;
+        Ok((slf.getattr("_of")?, arguments))
+    }
+
+    /// Another scene with some values replaced: `scene.varied({"body/drop/material/young_pa": 3e4})`.
+    /// A path goes from table to key; entries of lists are named by their `id` or counted from 0.
+    fn varied(&self, py: Python<'_>, values: &Bound<'_, PyDict>) -> PyResult<Self> {
+        let mut document: toml::Value = toml::from_str(&self.built.effective).map_err(internal)?;
+        for (path, value) in values {
+            let path: String = path.extract()?;
+            set_value(&mut document, &path, toml_value(&value, &path)?)?;
+        }
+        let text = toml::to_string(&document).map_err(internal)?;
+        Self::parsed(py, text, &self.built.scene.name, PathBuf::from("."), true)
+    }
+
+    /// A simulation at the scene's start.
+    fn simulate(&self, py: Python<'_>) -> Simulation {
+        py.detach(|| Simulation::start(self.built.clone()))
+    }
+
+    /// Name of the scene.
+    #[getter]
+    fn name(&self) -> &str {
+        &self.built.scene.name
+    }
+
+    /// Length of a tick, s.
+    #[getter]
+    fn dt(&self) -> f64 {
+        self.built.scene.dt_s
+    }
+
+    /// True when a daemon runs it in lockstep unless told otherwise.
+    #[getter]
+    fn lockstep(&self) -> bool {
+        self.built.scene.clock == Clock::Lockstep
+    }
+
+    /// Ids of tools, by index.
+    #[getter]
+    fn tools(&self) -> Vec<String> {
+        self.built.tool_ids()
+    }
+
+    /// Ids of bodies, by index.
+    #[getter]
+    fn bodies(&self) -> Vec<String> {
+        self.built.body_ids()
+    }
+
+    /// The scene as it was written (TOML).
+    #[getter]
+    fn text(&self) -> &str {
+        &self.built.text
+    }
+
+    /// The scene with defaults, surfaces and meshes written out (TOML): needs no other file.
+    #[getter]
+    fn effective(&self) -> &str {
+        &self.built.effective
+    }
+
+    /// Where a tool is at the start.
+    fn start(&self, tool: &str) -> PyResult<Pose> {
+        let inner = self.built.start(self.built.tool(tool)?);
+        Ok(Pose { inner })
+    }
+
+    /// The surface of a body at rest, as simulated.
+    fn surface(&self, body: &str) -> PyResult<Surface> {
+        let body = self.built.body(body)?;
+        Ok(Surface::of(self.built.scene.rest_surface(body).clone()))
+    }
+
+    /// Model of a body: `rigid`, `lattice`, `continuum`…
+    fn model(&self, body: &str) -> PyResult<&'static str> {
+        Ok(self.built.scene.model_name(self.built.body(body)?))
+    }
+
+    /// What the scene builds, holds and costs, as a dictionary (`palpate plan --json`).
+    fn plan<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        python(py, "json", "loads", (self._plan_json()?,))
+    }
+
+    fn _plan_json(&self) -> PyResult<String> {
+        serde_json::to_string(&self.built.scene.plan()).map_err(internal)
+    }
+
+    fn __repr__(&self) -> String {
+        let built = &self.built;
+        format!(
+            "Scene({:?}, bodies={:?}, tools={:?})",
+            built.scene.name,
+            built.body_ids(),
+            built.tool_ids()
+        )
+    }
+}
+
+impl Scene {
+    fn parsed(
+        py: Python<'_>,
+        text: String,
+        name: &str,
+        directory: PathBuf,
+        dictionary: bool,
+    ) -> PyResult<Self> {
+        py.detach(|| {
+            Ok(Self {
+                built: Arc::new(built_from(&text, name, &directory, dictionary)?),
+            })
+        })
+    }
+}
+
+/// Reads and builds text.
+pub fn built_from(text: &str, name: &str, directory: &Path, dictionary: bool) -> PyResult<Built> {
+    let shown = dictionary.then_some(text);
+    let loaded = file::parse(text, name, directory).map_err(|error| scene_error(&error, shown))?;
+    Built::of(&loaded, dictionary)
+}
