@@ -2,6 +2,7 @@
 
 mod branch;
 mod degree;
+pub(super) mod fit;
 mod info;
 mod isolate;
 mod make;
@@ -34,7 +35,7 @@ enum Command {
     /// Triangulate with given cells per span or to a chord tolerance.
     Tessellate(make::TessellateArgs),
     /// Fit a surface to a grid of points or to scattered points.
-    Fit(make::FitArgs),
+    Fit(fit::FitArgs),
     /// Raise the degree without changing the shape, or lower it with an error bound.
     Degree(degree::Args),
     /// Merge patches of any degree, knots and size into one surface of chosen continuity.
@@ -125,7 +126,7 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
         Command::Closest(args) => query::closest(args),
         Command::Convert(args) => make::convert(args),
         Command::Tessellate(args) => make::tessellate(args),
-        Command::Fit(args) => make::fit(args),
+        Command::Fit(args) => fit::fit(args),
         Command::Degree(args) => degree::run(args),
         Command::Merge(args) => merge::run(args),
         Command::Isolate(args) => isolate::run(args),
