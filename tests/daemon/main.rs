@@ -15,6 +15,7 @@ mod clients;
 mod crash;
 mod damage;
 mod documents;
+mod documents_run;
 mod editing;
 mod examples;
 mod export;

@@ -14,6 +14,9 @@ use std::path::{Path, PathBuf};
 /// Default of the largest distance between triangles and surface, relative to the size.
 const TOLERANCE: f64 = 0.01;
 
+/// Points further apart need a unit, m.
+const MOST_SIZE_M: f64 = 2.0;
+
 /// Volumes that differ by more are of different bodies.
 const VOLUME_TOLERANCE: f64 = 0.05;
 
@@ -24,9 +27,9 @@ pub struct FitArgs {
     /// Output file: .json, .step, .stp, .iges, .igs.
     #[arg(short, long)]
     output: PathBuf,
-    /// Unit of the points and of the output file.
-    #[arg(long, default_value = "m")]
-    unit: UnitName,
+    /// Unit of the points and of the output file [default: m, where the points are within 2 m].
+    #[arg(long)]
+    unit: Option<UnitName>,
     /// Degree in both directions.
     #[arg(long, default_value_t = 3)]
     degree: usize,
@@ -70,7 +73,15 @@ pub fn fit(args: &FitArgs) -> anyhow::Result<Outcome> {
             "--tolerance must be a length above 0 in metres, such as 0.001"
         );
     }
-    let input = Input::read(&args.points, args.unit.into())?;
+    let unit: Unit = args.unit.unwrap_or(UnitName::M).into();
+    let input = Input::read(&args.points, unit)?;
+    // Scanners and CAD write millimetres, and such files do not say so.
+    anyhow::ensure!(
+        args.unit.is_some() || input.size_m() <= MOST_SIZE_M,
+        "{} does not give its unit and is {:.1} long: give --unit mm or --unit m",
+        args.points.display(),
+        input.size_m()
+    );
     let fitted = match args.grid {
         Some([rows, columns]) => {
             let spec = GridSpec {
@@ -104,10 +115,7 @@ pub fn fit(args: &FitArgs) -> anyhow::Result<Outcome> {
             }
         }
     };
-    write(
-        &args.output,
-        &write_surface(&fitted.surface, output, args.unit.into())?,
-    )?;
+    write(&args.output, &write_surface(&fitted.surface, output, unit)?)?;
     let judged = Judged::new(&input, &fitted, args.tolerance);
     judged.print(&fitted, args.json);
     Ok(judged.outcome())
@@ -142,6 +150,18 @@ impl Input {
             None => read_points(&bytes, format, unit).with_context(name)?,
         };
         Ok(Self { points, shell })
+    }
+
+    /// Diagonal of the bounding box, m.
+    pub fn size_m(&self) -> f64 {
+        let Some(first) = self.points.first() else {
+            return 0.0;
+        };
+        let (low, high) = self
+            .points
+            .iter()
+            .fold((*first, *first), |(l, h), p| (l.inf(p), h.sup(p)));
+        (high - low).norm()
     }
 
     fn is_closed(&self) -> bool {
@@ -316,7 +336,7 @@ impl Judged {
 }
 
 /// `12x10`.
-fn counts(text: &str) -> Result<[usize; 2], String> {
+pub(in crate::cli) fn counts(text: &str) -> Result<[usize; 2], String> {
     let parsed = text
         .split_once(['x', 'X', '×'])
         .and_then(|(a, b)| Some([a.trim().parse().ok()?, b.trim().parse().ok()?]));

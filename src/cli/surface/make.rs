@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 const DEFAULT_TOLERANCE: f64 = 1e-3;
 
 #[derive(Clone, Copy, Debug, clap::ValueEnum)]
-pub(super) enum UnitName {
+pub(in crate::cli) enum UnitName {
     M,
     Mm,
 }

@@ -91,6 +91,7 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
         .iter()
         .map(|file| {
             SurfaceArg {
+                ignore_trims: false,
                 file: file.clone(),
                 index: 0,
             }

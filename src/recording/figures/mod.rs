@@ -15,6 +15,7 @@ use super::replay::ReplayError;
 use palpate_geometry::math::Point3;
 use palpate_sim::scene::Scene;
 use palpate_sim::tick::SceneState;
+use palpate_sim::tick::flags;
 use palpate_sim::tick::record::{TickOutput, ToolOutput};
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
@@ -147,7 +148,10 @@ impl ToolSum {
         figures.peak_force_n = figures.peak_force_n.max(force_n);
         let touching = output.contact.is_some();
         if let Some(contact) = &output.contact {
-            figures.peak_depth_m = figures.peak_depth_m.max(contact.depth_m);
+            // A tool that nobody holds stays where it was left, while its force fades.
+            if output.flags & flags::STALE == 0 {
+                figures.peak_depth_m = figures.peak_depth_m.max(contact.depth_m);
+            }
             figures.contact_ticks += 1;
             figures.contact_phases += u64::from(!self.touching);
             figures.first_contact_tick.get_or_insert(tick);
