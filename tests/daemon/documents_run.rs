@@ -153,6 +153,22 @@ fn commands_that_need_a_daemon_run() {
     run_all(|block| block.kind.contains("daemon"));
 }
 
+// The line is that of the command, not of the fence.
+#[test]
+fn a_block_that_fails_is_named_with_its_line() {
+    let block = Block {
+        place: "docs/page.md:10".into(),
+        language: "sh".into(),
+        kind: String::new(),
+        code: "palpate scenes\npalpate surface info nothing.json\npalpate scenes\n".into(),
+    };
+    let failure = run(&block).unwrap_err();
+    assert!(
+        failure.starts_with("docs/page.md:12: palpate surface info nothing.json"),
+        "{failure}"
+    );
+}
+
 /// The text between two comments of this file, without its indentation.
 fn region(name: &str) -> String {
     let source = include_str!("documents_run.rs");

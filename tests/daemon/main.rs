@@ -20,6 +20,7 @@ mod editing;
 mod examples;
 mod export;
 mod features;
+mod first_hour;
 mod golden;
 mod haptic_link;
 mod hostile_bytes;
