@@ -427,6 +427,7 @@ mod tests {
         };
         assert_eq!(run(&args(None)).unwrap(), Outcome::Ok);
         let back = SurfaceArg {
+            ignore_trims: false,
             file: path("one.json"),
             index: 0,
         }
