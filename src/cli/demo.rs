@@ -26,7 +26,7 @@ const SCENE: &str = include_str!("../../scenes/teardrop.toml");
 const TOOL: &str = "ball";
 
 /// How far beyond first contact the hand aims, m: it presses with 1 to 2 N, which is seen and felt.
-const DEPTH_M: &str = "0.025";
+const DEPTH_M: &str = "0.015";
 
 pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     let mut common = args.common.clone();

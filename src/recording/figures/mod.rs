@@ -148,9 +148,8 @@ impl ToolSum {
         figures.peak_force_n = figures.peak_force_n.max(force_n);
         let touching = output.contact.is_some();
         if let Some(contact) = &output.contact {
-            // A tool that nobody holds stays where it was left, and what it presses comes back over it
-            // while its force fades.
-            if output.flags & (flags::STALE | flags::RAMPING) == 0 {
+            // A tool that nobody holds stays where it was left, and what it presses comes back over it.
+            if output.flags & flags::STALE == 0 {
                 figures.peak_depth_m = figures.peak_depth_m.max(contact.depth_m);
             }
             figures.contact_ticks += 1;
@@ -307,8 +306,7 @@ mod tests {
         let mut sum = ToolSum::new("ball".into());
         sum.push(1, &output(2e-4, 0));
         sum.push(2, &output(2e-3, flags::STALE | flags::RAMPING));
-        sum.push(3, &output(3e-3, flags::RAMPING));
         let figures = sum.finish();
-        assert_eq!((figures.peak_depth_m, figures.contact_ticks), (2e-4, 3));
+        assert_eq!((figures.peak_depth_m, figures.contact_ticks), (2e-4, 2));
     }
 }

@@ -245,7 +245,7 @@ pub fn run(
             link.answer(now_s, force);
             let size = force.force.iter().map(|f| f * f).sum::<f64>().sqrt();
             report.peak_force_n = report.peak_force_n.max(size);
-            if force.flags & (force_flags::STALE | force_flags::RAMPING) == 0 {
+            if force.flags & force_flags::STALE == 0 {
                 report.peak_depth_m = report.peak_depth_m.max(force.depth);
             }
             heard = Instant::now();
