@@ -1,9 +1,9 @@
 //! How commands that talk to a daemon find it.
 
 use crate::transport::DEFAULT_ENDPOINT;
-use palpate_client::{Connect, Palpate};
+use palpate_client::{ClientError, Connect, Palpate};
 use std::path::PathBuf;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 #[derive(clap::Args, Debug, Clone)]
 pub struct Connection {
@@ -27,19 +27,35 @@ impl Connection {
         self.connect(false)
     }
 
+    /// Connects as [`Connection::open`] does; a daemon that is not there yet is waited for.
+    pub fn open_within(&self, wait: Duration) -> anyhow::Result<Palpate> {
+        let begun = Instant::now();
+        loop {
+            match Palpate::connect(&self.settings(false)) {
+                Err(ClientError::Unreachable { .. }) if begun.elapsed() < wait => {
+                    std::thread::sleep(Duration::from_millis(50));
+                }
+                done => return Ok(done?),
+            }
+        }
+    }
+
     /// Connects as an observer, which also receives what other clients of the daemon publish.
     pub fn look_on(&self) -> anyhow::Result<Palpate> {
         self.connect(true)
     }
 
     fn connect(&self, onlooker: bool) -> anyhow::Result<Palpate> {
-        let settings = Connect {
+        Ok(Palpate::connect(&self.settings(onlooker))?)
+    }
+
+    fn settings(&self, onlooker: bool) -> Connect {
+        Connect {
             endpoints: self.connect.clone(),
             instance: self.instance.clone(),
             zenoh_config: self.zenoh_config.clone(),
             timeout: PATIENCE,
             onlooker,
-        };
-        Ok(Palpate::connect(&settings)?)
+        }
     }
 }

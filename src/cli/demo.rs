@@ -25,6 +25,9 @@ pub struct Args {
 const SCENE: &str = include_str!("../../scenes/teardrop.toml");
 const TOOL: &str = "ball";
 
+/// How far beyond first contact the hand aims, m: it presses with 1 to 2 N, which is seen and felt.
+const DEPTH_M: &str = "0.015";
+
 pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     let mut common = args.common.clone();
     let terminal = std::io::IsTerminal::is_terminal(&std::io::stdout());
@@ -154,6 +157,10 @@ fn device(
             TOOL,
             "--motion",
             motion,
+            "--depth",
+            DEPTH_M,
+            "--hand",
+            "firm",
             "--json",
             "--connect",
             endpoint,

@@ -13,6 +13,9 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
+/// How long a device that has left may still be known.
+const LEAVING: Duration = Duration::from_secs(1);
+
 #[derive(clap::Args, Debug)]
 pub struct Args {
     /// Tool of the scene to move.
@@ -58,6 +61,9 @@ pub struct Args {
     /// Fraction that arrives after the next one, 0 to 1.
     #[arg(long, default_value_t = 0.0)]
     reorder: f64,
+    /// How long to wait for a daemon that is not there yet, for example 10s.
+    #[arg(long, value_parser = text::duration, default_value = "10s")]
+    wait: Duration,
     /// Keep the device's port passive (time-domain passivity control).
     #[arg(long)]
     passivity: bool,
@@ -91,9 +97,10 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     if let Some(tremor_m) = args.tremor {
         hand = Hand { tremor_m, ..hand }.checked()?;
     }
-    let palpate = args.connection.open()?;
+    let palpate = args.connection.open_within(args.wait)?;
     let scene = palpate.scene()?;
     let motion = motion(args, &scene, tool_id)?;
+    refuse_held(&palpate, tool_id)?;
     let mut tool = palpate.tool(tool_id)?;
     let delay_s = args.delay.map_or(0.0, |delay| delay.as_secs_f64());
     announce(&palpate, &mut tool, tool_id, &model.info(delay_s))?;
@@ -138,9 +145,32 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     warn(&report, device.model());
     Ok(if report.gave_up {
         Outcome::Fault
+    } else if report.forces == 0 {
+        eprintln!(
+            "no force was received: is the daemon in lockstep and waiting for other tools, or is the network losing all?"
+        );
+        Outcome::Difference
     } else {
         Outcome::Ok
     })
+}
+
+/// A tool that another device holds: both would receive the forces of both. A device that has just
+/// left is given the time to be noticed.
+fn refuse_held(palpate: &Palpate, tool: &str) -> anyhow::Result<()> {
+    let begun = Instant::now();
+    loop {
+        let info: serde_json::Value = serde_json::from_str(&palpate.info()?).unwrap_or_default();
+        let holder = &info["devices"][tool]["info"]["name"];
+        let Some(name) = holder.as_str() else {
+            return Ok(());
+        };
+        anyhow::ensure!(
+            begun.elapsed() < LEAVING,
+            "tool {tool:?} is held by another device ({name}); stop it first, or move another tool"
+        );
+        std::thread::sleep(Duration::from_millis(50));
+    }
 }
 
 /// Sends the device's description to the daemon. In lockstep the first tick waits until the daemon

@@ -46,7 +46,7 @@ struct DoctorReport {
 
 pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     let loaded = match &args.scene {
-        Some(path) => vec![file::load(path)?],
+        Some(path) => vec![super::scenes::load(path)?],
         None => SCENES
             .iter()
             .map(|(name, text)| file::parse(text, name, Path::new(".")))

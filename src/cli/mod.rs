@@ -11,6 +11,7 @@ mod doctor;
 mod echo;
 mod export;
 mod hz;
+mod import;
 mod info;
 mod keys;
 mod ls;
@@ -23,6 +24,7 @@ mod probe;
 mod recover;
 mod replay;
 mod rpc;
+mod scenes;
 mod serve;
 mod surface;
 mod text;
@@ -52,6 +54,12 @@ enum Commands {
     Demo(demo::Args),
     /// Run a scene: receive poses, send forces and control nets, over Zenoh.
     Serve(serve::Args),
+    /// List the scenes inside the program, for `serve builtin:NAME`.
+    Scenes(scenes::Args),
+    /// Write a scene file to start from.
+    New(scenes::NewArgs),
+    /// Make a scene from a scan or a CAD surface: fit, write the surface and the scene, check it.
+    Import(import::Args),
     /// Validate a scene: read it, build it and run some ticks, without opening sockets.
     Check(check::Args),
     /// Print what a scene builds: bodies, pairs, stages with their cost, buffers.
@@ -154,6 +162,9 @@ pub fn code_with(arguments: impl IntoIterator<Item = std::ffi::OsString>) -> u8 
     let done = match command {
         Commands::Demo(args) => demo::run(&args),
         Commands::Serve(args) => serve::run(&args),
+        Commands::Scenes(args) => scenes::list(&args),
+        Commands::New(args) => scenes::new(&args),
+        Commands::Import(args) => import::run(&args),
         Commands::Check(args) => check::run(&args),
         Commands::Plan(args) => plan::run(&args),
         Commands::Replay(args) => replay::run(&args),
@@ -172,12 +183,10 @@ pub fn code_with(arguments: impl IntoIterator<Item = std::ffi::OsString>) -> u8 
         Commands::Surface(args) => surface::run(&args),
         Commands::Doctor(args) => doctor::run(&args),
         Commands::Completions { shell } => {
-            clap_complete::generate(
-                shell,
-                &mut Cli::command(),
-                "palpate",
-                &mut std::io::stdout(),
-            );
+            // Into memory first: the generator panics where a pipe is closed.
+            let mut script = Vec::new();
+            clap_complete::generate(shell, &mut Cli::command(), "palpate", &mut script);
+            print!("{}", String::from_utf8_lossy(&script));
             Ok(Outcome::Ok)
         }
     };
@@ -187,7 +196,8 @@ pub fn code_with(arguments: impl IntoIterator<Item = std::ffi::OsString>) -> u8 
         Ok(Outcome::Fault) => 3,
         Err(error) => {
             eprintln!("error: {error:#}");
-            2
+            let difference = error.downcast_ref::<surface::Incomplete>().is_some();
+            if difference { 1 } else { 2 }
         }
     }
 }

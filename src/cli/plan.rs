@@ -3,7 +3,7 @@
 use super::Outcome;
 use palpate_geometry::math::{Point3, Rotation, Vector3};
 use palpate_sim::haptics::DevicePose;
-use palpate_sim::scene::{Scene, file};
+use palpate_sim::scene::Scene;
 use palpate_sim::tick::record::TickRecord;
 use palpate_sim::tick::{deform, hash, render};
 use std::path::PathBuf;
@@ -11,7 +11,7 @@ use std::time::Instant;
 
 #[derive(clap::Args, Debug)]
 pub struct Args {
-    /// Scene file.
+    /// Scene file, or builtin:NAME.
     scene: PathBuf,
     /// Print one JSON object.
     #[arg(long)]
@@ -22,7 +22,7 @@ pub struct Args {
 const TICKS: usize = 300;
 
 pub fn run(args: &Args) -> anyhow::Result<Outcome> {
-    let loaded = file::load(&args.scene)?;
+    let loaded = super::scenes::load(&args.scene)?;
     let scene = loaded.build()?;
     let mut plan = scene.plan();
     let (render_us, deform_us) = measure(&scene);

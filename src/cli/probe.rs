@@ -6,7 +6,7 @@ use anyhow::Context as _;
 use palpate_geometry::contact::spheres::{Counters, LevelCounters};
 use palpate_geometry::math::{Point3, Rotation, Vector3};
 use palpate_sim::haptics::DevicePose;
-use palpate_sim::scene::{Scene, file};
+use palpate_sim::scene::Scene;
 use palpate_sim::solve::rows::Holder;
 use palpate_sim::tick::record::{ContactReport, TickInput, TickOutput};
 use palpate_sim::tick::{apply, record::Command, step};
@@ -15,7 +15,7 @@ use std::path::{Path, PathBuf};
 
 #[derive(clap::Args, Debug)]
 pub struct Args {
-    /// Scene file.
+    /// Scene file, or builtin:NAME.
     scene: PathBuf,
     /// Tool to pose; optional if the scene has only one.
     #[arg(long)]
@@ -121,7 +121,7 @@ const PATIENCE: u64 = 20_000;
 const STRIDE_M: f64 = 1e-4;
 
 pub fn run(args: &Args) -> anyhow::Result<Outcome> {
-    let loaded = file::load(&args.scene)?;
+    let loaded = super::scenes::load(&args.scene)?;
     let mut spec = loaded.spec.clone();
     // Quasi-static: no ramp, no limit in the way of a jump between poses.
     for tool in &mut spec.tools {

@@ -1,5 +1,8 @@
 //! `palpate serve`: one scene, until it is asked to stop.
 
+mod ready;
+mod watchdog;
+
 use super::{Outcome, text};
 use crate::drive::driver::{self, DriverReport, DriverSettings};
 use crate::drive::editor::Editor;
@@ -15,6 +18,7 @@ use crate::viewer::Viewer;
 use palpate_sim::scene::spec::{Clock, SceneSpec};
 use palpate_sim::scene::{Scene, file, inline_files};
 use std::collections::BTreeMap;
+use std::io::Write as _;
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU32, Ordering};
@@ -22,24 +26,34 @@ use std::time::Duration;
 
 #[derive(clap::Args, Debug)]
 pub struct Args {
-    /// Scene file.
+    /// Scene file, or builtin:NAME (see `palpate scenes`).
     scene: PathBuf,
     #[command(flatten)]
     common: Common,
     /// Run in real time or in lockstep; overrides the scene.
     #[arg(long, value_parser = ["realtime", "lockstep"])]
     clock: Option<String>,
+    /// Print one JSON object when clients can connect, and one at the end, instead of a summary.
+    #[arg(long)]
+    json: bool,
+    /// Write the first of these objects to this open file descriptor, and close it.
+    #[arg(long, value_name = "N")]
+    ready_fd: Option<u32>,
 }
 
 /// What `serve` and `demo` share.
 #[derive(clap::Args, Debug, Clone)]
 pub struct Common {
-    /// Stop after this long, for example 10s (in lockstep: simulated time).
+    /// Stop after this long by the clock, for example 10s (in lockstep: simulated time).
     #[arg(long = "for", value_parser = text::duration)]
     pub duration: Option<Duration>,
+    /// Stop when no client has held a tool for this long, for example 10m.
+    #[arg(long, value_parser = text::duration)]
+    pub idle_timeout: Option<Duration>,
     #[command(flatten)]
     pub recording: RecordArgs,
-    /// Zenoh endpoint to listen on; can be repeated.
+    /// Zenoh endpoint to listen on; port 0 is any free one; can be repeated [default:
+    /// tcp/127.0.0.1:7447, with --connect none].
     #[arg(short, long)]
     pub listen: Vec<String>,
     /// Zenoh endpoint to connect to; can be repeated.
@@ -125,7 +139,7 @@ pub struct EndedSession {
 }
 
 pub fn run(args: &Args) -> anyhow::Result<Outcome> {
-    let mut loaded = file::load(&args.scene)?;
+    let mut loaded = super::scenes::load(&args.scene)?;
     if let Some(clock) = &args.clock {
         loaded.spec.loop_.clock = if clock == "lockstep" {
             Clock::Lockstep
@@ -133,8 +147,21 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
             Clock::Realtime
         };
     }
-    let served = serve(&loaded, &args.common, |_| Ok(()))?;
-    summary(&served);
+    let mut common = args.common.clone();
+    common.listen = ready::resolved(&common)?;
+    let served = serve(&loaded, &common, |page| {
+        let line = ready::line(&common, loaded.spec.zenoh.config.is_some(), page);
+        if args.json {
+            println!("{line}");
+            let _ = std::io::stdout().flush();
+        }
+        args.ready_fd.map_or(Ok(()), |fd| ready::write(fd, &line))
+    })?;
+    if args.json {
+        println!("{}", ready::report(&served));
+    } else {
+        summary(&served);
+    }
     Ok(outcome(&served))
 }
 
@@ -173,8 +200,9 @@ pub fn serve(
             .as_ref()
             .map(|path| loaded.directory.join(path))
     });
-    let listen = match (&config, common.listen.is_empty()) {
-        (None, true) => vec![DEFAULT_ENDPOINT.to_owned()],
+    // Who connects to a router leaves the default port, which is the router's own, alone.
+    let listen = match (&config, common.listen.is_empty(), common.connect.is_empty()) {
+        (None, true, true) => vec![DEFAULT_ENDPOINT.to_owned()],
         _ => common.listen.clone(),
     };
     let session = open(&SessionSettings {
@@ -194,6 +222,8 @@ pub fn serve(
         .unzip();
     let (tick_ports, bus_ports) = ports(&scene);
     let counters = bus_ports.counters.clone();
+    let stopper = counters.clone();
+    let watched = session.clone();
     // The first signal lets forces fade and ends the recording; the second ends the program.
     let signals = AtomicU32::new(0);
     let _ = ctrlc::set_handler(move || {
@@ -230,6 +260,7 @@ pub fn serve(
         clock: scene.clock,
         ticks: common
             .duration
+            .filter(|_| scene.clock == Clock::Lockstep)
             .map(|duration| (duration.as_secs_f64() / scene.dt_s).round() as u64),
         privileged: !common.no_rt,
     };
@@ -240,6 +271,7 @@ pub fn serve(
             (Some(check), Box::new(port) as Box<dyn Journal>)
         }
     };
+    watchdog::start(&scene, common, watched, stopper)?;
     let thread = driver::start(scene.clone(), tick_ports, journal, settings)?;
     tracing::info!(
         scene = scene.name, instance = common.instance, listen = listen.join(","), clock = ?scene.clock,

@@ -2,16 +2,17 @@
 
 mod branch;
 mod degree;
+pub(super) mod fit;
 mod info;
 mod isolate;
-mod make;
+pub(super) mod make;
 mod merge;
 mod pipe;
 mod query;
 
 use super::Outcome;
 use anyhow::Context as _;
-use palpate_geometry::exchange::{Imported, LengthUnit, Pick, read_surface_file};
+use palpate_geometry::exchange::{Imported, LeftOut, LengthUnit, Pick, read_surface_file};
 use palpate_geometry::surface::{Surface, builtin};
 use std::path::PathBuf;
 
@@ -34,7 +35,7 @@ enum Command {
     /// Triangulate with given cells per span or to a chord tolerance.
     Tessellate(make::TessellateArgs),
     /// Fit a surface to a grid of points or to scattered points.
-    Fit(make::FitArgs),
+    Fit(fit::FitArgs),
     /// Raise the degree without changing the shape, or lower it with an error bound.
     Degree(degree::Args),
     /// Merge patches of any degree, knots and size into one surface of chosen continuity.
@@ -49,27 +50,45 @@ enum Command {
 
 /// The surface to read.
 #[derive(clap::Args, Debug)]
-struct SurfaceArg {
+pub(super) struct SurfaceArg {
     /// Surface file (.json, .step, .stp, .iges, .igs), or builtin:NAME (sheet, sphere, teardrop,
     /// torus).
     file: PathBuf,
     /// Index of the surface in a file with several, from 0.
     #[arg(long, value_name = "N", default_value_t = 0)]
     index: usize,
+    /// Use the whole surface where the file trims or places it, or has faces that are not B-splines.
+    #[arg(long)]
+    ignore_trims: bool,
+}
+
+/// A file whose shape is not that of the surface in it: exit code 1.
+#[derive(Debug, thiserror::Error)]
+#[error(
+    "left out: {left_out}; `palpate surface convert FILE OUT.json --ignore-trims` takes the whole surface, in its own coordinates"
+)]
+pub(super) struct Incomplete {
+    left_out: LeftOut,
 }
 
 /// A surface (m) and the unit of its file.
-struct Loaded {
-    surface: Surface,
+pub(super) struct Loaded {
+    pub(super) surface: Surface,
     unit: String,
     /// Units to a metre.
     per_metre: f64,
     /// Surfaces in the file.
     count: usize,
+    left_out: LeftOut,
 }
 
 impl SurfaceArg {
-    fn load(&self) -> anyhow::Result<Loaded> {
+    /// As given.
+    pub(super) fn path(&self) -> &std::path::Path {
+        &self.file
+    }
+
+    pub(super) fn load(&self) -> anyhow::Result<Loaded> {
         if let Some(name) = self
             .file
             .to_str()
@@ -81,12 +100,14 @@ impl SurfaceArg {
                 unit: "m".into(),
                 per_metre: 1.0,
                 count: 1,
+                left_out: LeftOut::default(),
             });
         }
         let Imported {
             surface,
             count,
             unit,
+            left_out,
             ..
         } = read_surface_file(&self.file, Pick::Index(self.index))
             .with_context(|| self.file.display().to_string())?;
@@ -96,6 +117,13 @@ impl SurfaceArg {
                 self.file.display(),
                 unit.name()
             );
+        }
+        if left_out.is_any() {
+            if !self.ignore_trims {
+                return Err(Incomplete { left_out })
+                    .with_context(|| self.file.display().to_string());
+            }
+            eprintln!("note: {}: left out: {left_out}", self.file.display());
         }
         if count > 1 {
             eprintln!(
@@ -109,6 +137,7 @@ impl SurfaceArg {
             per_metre: per_metre(&unit),
             unit: unit.name().to_owned(),
             count,
+            left_out,
         })
     }
 }
@@ -125,7 +154,7 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
         Command::Closest(args) => query::closest(args),
         Command::Convert(args) => make::convert(args),
         Command::Tessellate(args) => make::tessellate(args),
-        Command::Fit(args) => make::fit(args),
+        Command::Fit(args) => fit::fit(args),
         Command::Degree(args) => degree::run(args),
         Command::Merge(args) => merge::run(args),
         Command::Isolate(args) => isolate::run(args),

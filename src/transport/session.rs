@@ -75,10 +75,15 @@ pub fn open(settings: &SessionSettings) -> Result<zenoh::Session, SessionError> 
         check_free(endpoint)?;
     }
     let mut config = match &settings.config {
-        Some(path) => zenoh::Config::from_file(path).map_err(|e| SessionError::Config {
-            path: path.clone(),
-            reason: e.to_string(),
-        })?,
+        Some(path) => {
+            let wrong = |reason: String| SessionError::Config {
+                path: path.clone(),
+                reason,
+            };
+            let config = zenoh::Config::from_file(path).map_err(|e| wrong(e.to_string()))?;
+            palpate_client::check_built_in(&config).map_err(wrong)?;
+            config
+        }
         None => {
             let mut config = zenoh::Config::default();
             set(&mut config, "mode", "\"peer\"")?;

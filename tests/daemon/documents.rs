@@ -4,7 +4,6 @@
 //! doctests of the library (`src/lib.rs`).
 
 use palpate_client::device::{DeviceModel, Hand};
-use palpate_geometry::surface::builtin;
 use palpate_modeling::branch::Tree;
 use palpate_sim::scene::{Scene, file};
 use std::path::{Path, PathBuf};
@@ -17,16 +16,16 @@ struct Document {
 }
 
 /// A fenced block of a document.
-struct Block {
+pub struct Block {
     /// Document and line of the fence, for messages.
-    place: String,
-    language: String,
+    pub place: String,
+    pub language: String,
     /// What follows the language in the fence's line.
-    kind: String,
-    code: String,
+    pub kind: String,
+    pub code: String,
 }
 
-fn root() -> &'static Path {
+pub fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))
 }
 
@@ -43,7 +42,7 @@ fn documents() -> Vec<Document> {
     paths.into_iter().map(document).collect()
 }
 
-fn blocks() -> Vec<Block> {
+pub fn blocks() -> Vec<Block> {
     let mut blocks = Vec::new();
     for document in documents() {
         let mut open: Option<Block> = None;
@@ -74,7 +73,7 @@ fn blocks() -> Vec<Block> {
 /// Kinds of blocks, and for those that are only read the reason in their name.
 const KINDS: [(&str, &[&str]); 7] = [
     ("text", &[""]),
-    ("sh", &[""]),
+    ("sh", &["", "build", "daemon", "recording"]), // run by documents_run
     ("rust", &["", "no_run", "no_run,test_harness"]),
     // Those of README.md and docs/python.md are run by clients/python/tests; the others need packages,
     // and clients/python/examples has the same in a program.
@@ -345,6 +344,7 @@ fn check(place: &str, command: &[String]) {
             "clients/python/Cargo.toml",
         ]
         | ["pytest", "clients/python"] => {}
+        ["kill", _] => {}
         other => panic!("{place}: {other:?} is not checked"),
     }
 }
@@ -391,114 +391,6 @@ fn commands_in_the_text_exist() {
                 assert!(known, "{}: {option}", at());
             }
         }
-    }
-}
-
-/// Runs the commands of a document that need neither a daemon nor a network.
-fn run(document: &str, directory: &Path, wanted: impl Fn(&[String]) -> bool) -> usize {
-    let mut count = 0;
-    for (place, command) in commands() {
-        if !place.starts_with(document) || command[0] != "palpate" || !wanted(&command) {
-            continue;
-        }
-        let done = Command::new(env!("CARGO_BIN_EXE_palpate"))
-            .args(&command[1..])
-            .current_dir(directory)
-            .output()
-            .unwrap();
-        let words = String::from_utf8_lossy(&done.stderr);
-        assert!(
-            done.status.success(),
-            "{place}: {}\n{words}",
-            command.join(" ")
-        );
-        count += 1;
-    }
-    count
-}
-
-#[test]
-fn surface_commands_of_the_readme_run() {
-    let directory = tempfile::tempdir().unwrap();
-    let at = |name: &str| directory.path().join(name);
-    let make = |arguments: &[&str]| {
-        let made = Command::new(env!("CARGO_BIN_EXE_palpate"))
-            .arg("surface")
-            .args(arguments)
-            .current_dir(directory.path())
-            .output()
-            .unwrap();
-        assert!(
-            made.status.success(),
-            "{arguments:?}: {}",
-            String::from_utf8_lossy(&made.stderr)
-        );
-    };
-    make(&[
-        "tessellate",
-        "builtin:teardrop",
-        "-o",
-        "scan.stl",
-        "--cells",
-        "6",
-    ]);
-    make(&["convert", "builtin:sphere", "liver.json"]);
-    std::fs::write(at("probes.csv"), "0.01,0.02,0.03\n").unwrap();
-    let data = root().join("crates/modeling/src");
-    for (from, to) in [
-        ("merge/data/case1_a.json", "bowl.json"),
-        ("merge/data/case1_b.json", "handle.json"),
-        ("branch/data/y.toml", "tree.toml"),
-    ] {
-        std::fs::copy(data.join(from), at(to)).unwrap();
-    }
-    // A second sphere, moved by half its radius.
-    let mut moved = builtin("sphere", None, None).unwrap();
-    let shift = moved.size() / 8.0;
-    moved
-        .net_mut()
-        .points_mut()
-        .iter_mut()
-        .for_each(|point| point.x += shift);
-    let unit = palpate_geometry::surface::file::Unit::Metre;
-    std::fs::write(
-        at("kidney.json"),
-        palpate_geometry::surface::file::write(&moved, unit),
-    )
-    .unwrap();
-    let spine = blocks()
-        .into_iter()
-        .find(|block| block.code.contains("palpate.curve.v1"))
-        .unwrap();
-    std::fs::write(at("spine.json"), spine.code).unwrap();
-    let count = run("README.md", directory.path(), |command| {
-        command[1] == "surface"
-    });
-    assert_eq!(count, 8);
-    for name in ["organ.step", "spoon.json", "pipe.json", "vessel.json"] {
-        assert!(at(name).exists(), "{name}");
-    }
-}
-
-#[test]
-fn commands_on_a_recording_run() {
-    let directory = tempfile::tempdir().unwrap();
-    let golden = root().join("recordings/golden/rigid-teardrop-press.mcap");
-    let at = |name: &str| directory.path().join(name);
-    std::fs::copy(&golden, at("session.mcap")).unwrap();
-    std::fs::copy(
-        golden.with_extension("mcap.figures.json"),
-        at("session.mcap.figures.json"),
-    )
-    .unwrap();
-    let reads = |command: &[String]| {
-        let page = command[1] == "view" && command.iter().any(|word| word == "--html");
-        (page || ["info", "export", "replay"].contains(&&*command[1]))
-            && command[2] == "session.mcap"
-    };
-    assert_eq!(run("docs/recording.md", directory.path(), reads), 8);
-    for name in ["ticks.csv", "plots.svg", "drop.step", "session.html"] {
-        assert!(at(name).exists(), "{name}");
     }
 }
 

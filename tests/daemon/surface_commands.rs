@@ -131,7 +131,7 @@ fn triangles_of_a_surface_can_be_fitted_again() {
         );
     }
     let fit = [
-        "fit", "drop.stl", "-o", "fit.json", "--closed", "--net", "10x10", "--json",
+        "fit", "drop.stl", "-o", "fit.json", "--closed", "--net", "20x20", "--json",
     ];
     let report = &lines(&palpate(directory.path(), &fit))[0];
     assert!(report["rms_error_m"].as_f64().unwrap() < 1e-4, "{report}");
@@ -178,7 +178,7 @@ fn what_cannot_be_done_says_why_and_ends_with_two() {
             "tolerance",
         ),
         (
-            &["fit", "flat.csv", "-o", "a.json"],
+            &["fit", "flat.csv", "--unit", "m", "-o", "a.json"],
             "no extent in 2 of three directions",
         ),
     ];

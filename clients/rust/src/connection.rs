@@ -177,7 +177,11 @@ impl Palpate {
             check_reachable(endpoint, settings.timeout)?;
         }
         let mut config = match &settings.zenoh_config {
-            Some(path) => zenoh::Config::from_file(path).map_err(ClientError::zenoh)?,
+            Some(path) => {
+                let config = zenoh::Config::from_file(path).map_err(ClientError::zenoh)?;
+                crate::config::check_built_in(&config).map_err(ClientError::zenoh)?;
+                config
+            }
             None => {
                 let mut config = zenoh::Config::default();
                 let mode = if settings.onlooker {

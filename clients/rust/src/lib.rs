@@ -15,6 +15,7 @@
 //! tests.
 
 mod announce;
+mod config;
 mod connection;
 pub mod device;
 mod ping;
@@ -23,6 +24,7 @@ pub mod testing;
 mod tool;
 mod watch;
 
+pub use config::check_built_in;
 pub use connection::{ClientError, Connect, Latest, Palpate};
 pub use palpate_proto as proto;
 pub use ping::{PingReport, raw_ping};

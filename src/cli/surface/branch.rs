@@ -136,6 +136,7 @@ fn grown(path: &Path) -> anyhow::Result<Subject> {
 
 fn checked(args: &Args) -> anyhow::Result<Subject> {
     let Loaded { surface, .. } = SurfaceArg {
+        ignore_trims: false,
         file: args.input.clone(),
         index: args.index,
     }

@@ -87,6 +87,7 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     let format = args.output.as_ref().map(Format::of).transpose()?;
     let one = |file: &PathBuf, index: usize| {
         SurfaceArg {
+            ignore_trims: false,
             file: file.clone(),
             index,
         }

@@ -91,6 +91,7 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
         .iter()
         .map(|file| {
             SurfaceArg {
+                ignore_trims: false,
                 file: file.clone(),
                 index: 0,
             }
@@ -426,6 +427,7 @@ mod tests {
         };
         assert_eq!(run(&args(None)).unwrap(), Outcome::Ok);
         let back = SurfaceArg {
+            ignore_trims: false,
             file: path("one.json"),
             index: 0,
         }

@@ -15,6 +15,7 @@ use super::replay::ReplayError;
 use palpate_geometry::math::Point3;
 use palpate_sim::scene::Scene;
 use palpate_sim::tick::SceneState;
+use palpate_sim::tick::flags;
 use palpate_sim::tick::record::{TickOutput, ToolOutput};
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
@@ -147,7 +148,10 @@ impl ToolSum {
         figures.peak_force_n = figures.peak_force_n.max(force_n);
         let touching = output.contact.is_some();
         if let Some(contact) = &output.contact {
-            figures.peak_depth_m = figures.peak_depth_m.max(contact.depth_m);
+            // A tool that nobody holds stays where it was left, and what it presses comes back over it.
+            if output.flags & flags::STALE == 0 {
+                figures.peak_depth_m = figures.peak_depth_m.max(contact.depth_m);
+            }
             figures.contact_ticks += 1;
             figures.contact_phases += u64::from(!self.touching);
             figures.first_contact_tick.get_or_insert(tick);
@@ -274,5 +278,35 @@ impl Figures {
             path: path.to_owned(),
             source,
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use palpate_geometry::math::Vector3;
+    use palpate_sim::tick::record::ContactReport;
+
+    #[test]
+    fn depth_counts_only_while_the_tool_is_held() {
+        let output = |depth_m: f64, flags: u32| ToolOutput {
+            flags,
+            contact: Some(ContactReport {
+                body: 0,
+                holder: palpate_sim::solve::rows::Holder::Tool(0),
+                u: 0.0,
+                v: 0.0,
+                point: Point3::origin(),
+                normal: Vector3::z(),
+                depth_m,
+                force_n: Vector3::zeros(),
+            }),
+            ..ToolOutput::default()
+        };
+        let mut sum = ToolSum::new("ball".into());
+        sum.push(1, &output(2e-4, 0));
+        sum.push(2, &output(2e-3, flags::STALE | flags::RAMPING));
+        let figures = sum.finish();
+        assert_eq!((figures.peak_depth_m, figures.contact_ticks), (2e-4, 2));
     }
 }

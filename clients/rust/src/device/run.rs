@@ -3,7 +3,7 @@
 use super::{Channel, DeviceError, Motion, Network, Passivity, PassivitySettings, SimulatedDevice};
 use crate::tool::now_ns;
 use crate::{ClientError, Tool};
-use palpate_proto::messages::{ToolForce, ToolPose};
+use palpate_proto::messages::{ToolForce, ToolPose, force_flags};
 use serde::{Deserialize, Serialize};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
@@ -47,7 +47,7 @@ pub struct RunReport {
     /// Forces that arrived after a newer one, and were left.
     #[serde(default)]
     pub late: u64,
-    /// Lockstep only: the daemon stopped answering.
+    /// The daemon stopped answering.
     pub gave_up: bool,
 }
 
@@ -104,8 +104,11 @@ pub enum RunError {
     Network(#[from] DeviceError),
 }
 
-/// In lockstep: how long the daemon may take for a tick before we give up.
+/// How long the daemon may be silent before we give up.
 const PATIENCE: Duration = Duration::from_secs(5);
+
+/// Forces come at least every 50 ms.
+const SILENCE: Duration = Duration::from_secs(1);
 
 /// What goes between device and daemon: poses out, forces in, each through its own channel.
 struct Link {
@@ -189,6 +192,7 @@ pub fn run(
     let mut bounds = [device.true_position(); 2];
     let mut squares = 0.0;
     let started = Instant::now();
+    let mut heard = started;
     for k in 1..=count {
         if stop.load(Ordering::Relaxed) {
             break;
@@ -241,10 +245,20 @@ pub fn run(
             link.answer(now_s, force);
             let size = force.force.iter().map(|f| f * f).sum::<f64>().sqrt();
             report.peak_force_n = report.peak_force_n.max(size);
-            report.peak_depth_m = report.peak_depth_m.max(force.depth);
+            if force.flags & force_flags::STALE == 0 {
+                report.peak_depth_m = report.peak_depth_m.max(force.depth);
+            }
+            heard = Instant::now();
+        }
+        if !lockstep && last_tick > 0 && heard.elapsed() > PATIENCE {
+            report.gave_up = true;
+            break;
         }
         link.collect(now_s);
     }
+    // A daemon that went away in the last moments of a run.
+    let silent = heard.elapsed() > SILENCE && count as f64 * dt > SILENCE.as_secs_f64();
+    report.gave_up |= !lockstep && last_tick > 0 && silent;
     report.forces = tool.received();
     report.applied_force_n[1] = (squares * dt / device.time_s().max(dt)).sqrt();
     report.range_m = [0, 1, 2].map(|c| bounds[1][c] - bounds[0][c]);

@@ -191,6 +191,7 @@ pub fn read(bytes: &[u8], pick: Pick) -> Result<Imported, IgesError> {
         id,
         count: ids.len(),
         unit,
+        left_out: super::LeftOut::default(),
     })
 }
 

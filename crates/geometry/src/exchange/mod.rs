@@ -150,6 +150,48 @@ pub struct Imported {
     pub count: usize,
     /// The unit that the file's coordinates were in.
     pub unit: LengthUnit,
+    /// What the file says beyond this surface.
+    pub left_out: LeftOut,
+}
+
+/// What a file says and a surface does not have. Of IGES files only trimmed parameter ranges are
+/// noticed, which are refused.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct LeftOut {
+    /// Faces of the file.
+    pub faces: usize,
+    /// Of these, faces on planes, cylinders and other surfaces that are not B-splines.
+    pub other_faces: usize,
+    /// The surface's face is a part of it.
+    pub trimmed: bool,
+    /// Placements of parts in assemblies.
+    pub placements: usize,
+}
+
+impl LeftOut {
+    /// The shape in the file is not that of the surface.
+    pub fn is_any(&self) -> bool {
+        self.trimmed || self.other_faces > 0 || self.placements > 0
+    }
+}
+
+impl fmt::Display for LeftOut {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let mut said = Vec::new();
+        if self.trimmed {
+            said.push("the trimming of its face".to_owned());
+        }
+        if self.other_faces > 0 {
+            let (others, faces) = (self.other_faces, self.faces);
+            said.push(format!(
+                "{others} of {faces} faces, which are not B-splines"
+            ));
+        }
+        if self.placements > 0 {
+            said.push(format!("{} placements of parts", self.placements));
+        }
+        f.write_str(&said.join("; "))
+    }
 }
 
 /// Why a file was not read or written.
@@ -227,6 +269,7 @@ pub fn read_surface(bytes: &[u8], format: Format, pick: Pick) -> Result<Imported
                 id: 0,
                 count: 1,
                 unit,
+                left_out: LeftOut::default(),
             })
         }
         Format::Step => Ok(step::read(bytes, pick)?),

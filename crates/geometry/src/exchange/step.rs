@@ -6,14 +6,15 @@
 //! ```
 //! Read: `B_SPLINE_SURFACE_WITH_KNOTS`, `BEZIER_SURFACE`, `UNIFORM_SURFACE` and
 //! `QUASI_UNIFORM_SURFACE`, each also as a complex instance with `RATIONAL_B_SPLINE_SURFACE`. The
-//! surface is taken whole and in its own coordinates: trimming curves and the placements of
-//! assemblies are passed over.
+//! surface is taken whole and in its own coordinates: trimming curves, the placements of
+//! assemblies and other faces are left out, and [`Imported::left_out`] says so.
 //!
 //! The parser is ours. Of the crates, `ruststep` 0.4 brings 47 others and `truck-stepio` 98, the
 //! latter writes no rational surfaces, and both build the whole file in memory by recursion, whose
 //! depth the file chooses. What is needed is small: an index of where each instance is, and a
 //! reader for the few that make the surface.
 
+mod faces;
 mod surface;
 mod syntax;
 mod units;
@@ -143,11 +144,13 @@ pub fn read(bytes: &[u8], pick: Pick) -> Result<Imported, StepError> {
         .map_err(|source| StepError::Spline { id, source })?;
     let flip = surface::face_sense(&exchange, id) == Some(false);
     let surface = built.with_flip_normal(flip).oriented_outward();
+    let left_out = faces::left_out(&exchange, id, &ids, &surface, &unit);
     Ok(Imported {
         surface,
         id,
         count: ids.len(),
         unit,
+        left_out,
     })
 }
 

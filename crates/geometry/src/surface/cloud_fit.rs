@@ -44,8 +44,14 @@ impl Default for CloudSpec {
 /// The energy's weight in the first round.
 const FIRST_SMOOTHING: f64 = 1e-2;
 
+/// Weights of the first rings round a pole against the points.
+const POLE_RINGS: [f64; 3] = [3.0, 0.3, 0.03];
+
 /// A round that gains less than this share of the error is the last.
 const LEAST_GAIN: f64 = 1e-3;
+
+/// Most products of basis functions that are summed: 1.6 GB.
+const MOST_PRODUCTS: usize = 1 << 26;
 
 impl Surface {
     /// The surface near scattered points (m). The errors are distances from the points to their
@@ -56,13 +62,7 @@ impl Surface {
     /// counts or smoothing out of range.
     pub fn fitted_to_cloud(points: &[Point3], spec: &CloudSpec) -> Result<Fitted, FitError> {
         finite(points)?;
-        if !(spec.smoothing.is_finite() && spec.smoothing > 0.0) {
-            return Err(FitError::Smoothing(spec.smoothing));
-        }
-        let count = spec.counts[0].saturating_mul(spec.counts[1]);
-        if count > MOST_POINTS {
-            return Err(FitError::TooMany { count });
-        }
+        check_size(spec, points.len())?;
         let needed = spec.degree.iter().map(|p| p.min(&MAX_DEGREE) + 1).product();
         if points.len() < needed {
             return Err(FitError::TooFew {
@@ -94,7 +94,7 @@ impl Surface {
                 },
             });
         }
-        let mut parameters: Vec<(f64, f64)> = if spec.closed {
+        let parameters: Vec<(f64, f64)> = if spec.closed {
             axes.on_ellipsoid(points)
         } else {
             axes.on_plane(points)
@@ -106,41 +106,33 @@ impl Surface {
             vec![Point3::origin(); count],
         );
         let problem = Problem::new(Self::from_checked(knots_u, knots_v, net, None), spec.closed);
-        let mut best: Option<Fitted> = None;
-        let mut smoothing = FIRST_SMOOTHING.max(spec.smoothing);
-        for _ in 0..spec.rounds.max(1) {
-            let surface = problem.solve(points, &parameters, smoothing, axes.mean);
-            let mut solver = ClosestSolver::new(&surface);
-            let (mut sum, mut most) = (0.0, 0.0_f64);
-            for (point, parameters) in points.iter().zip(&mut parameters) {
-                let foot = solver.closest(&surface, point);
-                *parameters = (foot.u, foot.v);
-                let distance = (foot.point - point).norm();
-                sum += distance * distance;
-                most = most.max(distance);
-            }
-            let now = Fitted {
-                surface,
-                rms_error: (sum / points.len() as f64).sqrt(),
-                max_error: most,
-            };
-            let before = best
-                .as_ref()
-                .map_or(f64::INFINITY, |fitted| fitted.rms_error);
-            let settled =
-                smoothing <= spec.smoothing && now.rms_error > before * (1.0 - LEAST_GAIN);
-            if now.rms_error < before {
-                best = Some(now);
-            }
-            if settled {
-                break;
-            }
-            smoothing = (0.1 * smoothing).max(spec.smoothing);
-        }
-        let mut fitted = best.expect("one round at least");
+        let first = FIRST_SMOOTHING.max(spec.smoothing);
+        let mut fitted = problem.rounds(points, parameters, spec, first);
         fitted.surface = fitted.surface.oriented_outward();
         Ok(fitted)
     }
+}
+
+/// Refuses smoothing that is no weight, and what would take more memory or time than a fit may.
+pub(super) fn check_size(spec: &CloudSpec, points: usize) -> Result<(), FitError> {
+    if !(spec.smoothing.is_finite() && spec.smoothing > 0.0) {
+        return Err(FitError::Smoothing(spec.smoothing));
+    }
+    let count = spec.counts[0].saturating_mul(spec.counts[1]);
+    if count > MOST_POINTS {
+        return Err(FitError::TooMany { count });
+    }
+    // Products of basis functions: each point has those of its window.
+    let window = spec.degree[0].min(MAX_DEGREE) + 1;
+    let window = window * (spec.degree[1].min(MAX_DEGREE) + 1);
+    let products = window * (window + 1) / 2 * points;
+    if products > MOST_PRODUCTS {
+        return Err(FitError::TooLarge {
+            points,
+            most: MOST_PRODUCTS / (window * (window + 1) / 2),
+        });
+    }
+    Ok(())
 }
 
 /// Mean and axes of a cloud, by falling extent.
@@ -207,17 +199,19 @@ impl PrincipalAxes {
 }
 
 /// The least-squares problem of one pair of knot vectors: unknowns, and the energy.
-struct Problem {
+pub(super) struct Problem {
     shape: Surface,
     /// (net) number of the unknown that a control point is.
     unknown: Vec<usize>,
     count: usize,
     /// Non-zeros of the energy's matrix, (i, j, value), i ≥ j.
     energy: Vec<(usize, usize, f64)>,
+    /// The same of what keeps poles fair.
+    poles: Vec<(usize, usize, f64)>,
 }
 
 impl Problem {
-    fn new(shape: Surface, poles: bool) -> Self {
+    pub(super) fn new(shape: Surface, poles: bool) -> Self {
         let (rows, columns) = (shape.net().rows(), shape.net().columns());
         let mut unknown = vec![0; rows * columns];
         let mut count = 0;
@@ -233,6 +227,7 @@ impl Problem {
             unknown,
             count,
             energy: Vec::new(),
+            poles: Vec::new(),
         };
         // Two points a span and direction integrate the second derivatives of a cubic exactly.
         let nodes =
@@ -254,12 +249,57 @@ impl Problem {
                 }
             }
         }
+        problem.poles = if poles {
+            problem.pole_rings()
+        } else {
+            Vec::new()
+        };
         problem.energy = rows
             .into_iter()
             .enumerate()
             .flat_map(|(i, row)| row.into_iter().map(move |(j, value)| (i, j, value)))
             .collect();
         problem
+    }
+
+    /// Squares of what rings round a pole should not have. A function that is smooth across a pole
+    /// has in its j-th ring of control points waves of at most j periods: the first is an ellipse
+    /// in the tangent plane, about the pole. Without this a ring that few points see crosses
+    /// itself, and the surface folds.
+    fn pole_rings(&self) -> Vec<(usize, usize, f64)> {
+        use std::f64::consts::TAU;
+        let (rows, columns) = (self.shape.net().rows(), self.shape.net().columns());
+        let n = rows as f64;
+        let mut entries = Vec::new();
+        for (ring, weight) in POLE_RINGS.into_iter().enumerate() {
+            let waves = ring + 1;
+            if columns < 2 * (waves + 1) || rows <= 2 * waves + 1 {
+                break;
+            }
+            for (pole, column) in [(0, waves), (columns - 1, columns - 1 - waves)] {
+                let unknown = |i: usize| self.unknown[i * columns + column];
+                // 1 less the projection on those waves.
+                for i in 0..rows {
+                    for k in 0..=i {
+                        let kept: f64 = (1..=waves)
+                            .map(|w| libm::cos(TAU * (w * (i - k)) as f64 / n))
+                            .sum();
+                        let own = if i == k { 1.0 } else { 0.0 };
+                        // Of the first ring the mean is the pole: what is left of it counts too.
+                        let mean = if waves == 1 { 0.0 } else { 1.0 / n };
+                        let value = own - mean - 2.0 / n * kept;
+                        entries.push((unknown(i), unknown(k), weight * value));
+                    }
+                }
+                if waves == 1 {
+                    // Σ (P_i − P)² instead of Σ P_i².
+                    let at_pole = self.unknown[pole];
+                    entries.push((at_pole, at_pole, weight * n));
+                    entries.extend((0..rows).map(|i| (unknown(i), at_pole, -weight)));
+                }
+            }
+        }
+        entries
     }
 
     /// What a point, or a derivative, is of the unknowns; control points that are one are one
@@ -281,6 +321,82 @@ impl Problem {
             }
         }
         row
+    }
+
+    /// In turn the least net at these parameters, and new parameters: the feet of the points. Ends
+    /// when that gains little. The best of all rounds.
+    pub(super) fn rounds(
+        &self,
+        points: &[Point3],
+        mut parameters: Vec<(f64, f64)>,
+        spec: &CloudSpec,
+        mut smoothing: f64,
+    ) -> Fitted {
+        let origin =
+            points[0] + points.iter().map(|p| p - points[0]).sum::<Vector3>() / points.len() as f64;
+        let mut round = |smoothing: f64| {
+            let surface = self.solve(points, &parameters, smoothing, origin);
+            let mut solver = ClosestSolver::new(&surface);
+            let (mut sum, mut most) = (0.0, 0.0_f64);
+            for (point, parameters) in points.iter().zip(&mut parameters) {
+                let foot = solver.closest(&surface, point);
+                *parameters = (foot.u, foot.v);
+                let distance = (foot.point - point).norm();
+                sum += distance * distance;
+                most = most.max(distance);
+            }
+            Fitted {
+                surface,
+                rms_error: (sum / points.len() as f64).sqrt(),
+                max_error: most,
+            }
+        };
+        let mut best = round(smoothing);
+        let mut best_folds = self.folds(&best.surface);
+        for _ in 1..spec.rounds {
+            let last = smoothing <= spec.smoothing;
+            smoothing = (0.1 * smoothing).max(spec.smoothing);
+            let now = round(smoothing);
+            let settled = last && now.rms_error > best.rms_error * (1.0 - LEAST_GAIN);
+            let folds = self.folds(&now.surface);
+            if (folds, now.rms_error) < (best_folds, best.rms_error) {
+                (best, best_folds) = (now, folds);
+            }
+            if settled {
+                break;
+            }
+        }
+        best
+    }
+
+    /// Neighbouring places, three a knot span, between which the normal of a closed surface turns
+    /// round.
+    fn folds(&self, surface: &Surface) -> usize {
+        if self.poles.is_empty() {
+            return 0;
+        }
+        let (rows, columns) = (3 * surface.net().rows(), 3 * surface.net().columns());
+        let normal = |i: usize, j: usize| {
+            let (u, v) = (
+                (i % rows) as f64 / rows as f64,
+                (j as f64 + 0.5) / columns as f64,
+            );
+            let frame = surface.frame(u, v);
+            frame.du.cross(&frame.dv)
+        };
+        let normals: Vec<Vector3> = (0..rows)
+            .flat_map(|i| (0..columns).map(move |j| (i, j)))
+            .map(|(i, j)| normal(i, j))
+            .collect();
+        let at = |i: usize, j: usize| &normals[i % rows * columns + j];
+        (0..rows)
+            .flat_map(|i| (0..columns).map(move |j| (i, j)))
+            .map(|(i, j)| {
+                let around = at(i, j).dot(at(i + 1, j)) <= 0.0;
+                let along = j + 1 < columns && at(i, j).dot(at(i, j + 1)) <= 0.0;
+                usize::from(around) + usize::from(along)
+            })
+            .sum()
     }
 
     fn solve(
@@ -320,6 +436,10 @@ impl Problem {
         self.energy
             .iter()
             .for_each(|&(i, j, value)| matrix.add(i, j, weight * value));
+        // As much as the points say about a control point on average.
+        for &(i, j, value) in &self.poles {
+            matrix.add(i, j, value * data / self.count as f64);
+        }
         // Nothing holds a control point that no point sees where the energy is blind too; it goes
         // to the middle.
         for i in 0..self.count {

@@ -73,6 +73,40 @@ pub enum FitError {
         /// Control points asked for.
         count: usize,
     },
+    /// More points than a fit of this degree has memory for.
+    #[error(
+        "{points} points are more than a fit of this degree supports ({most}): give fewer, or a lower degree"
+    )]
+    TooLarge {
+        /// Points given.
+        points: usize,
+        /// How many may be.
+        most: usize,
+    },
+    /// Several shells in one.
+    #[error(
+        "the triangles form {components} separate parts; a surface has one: fit each from a file of its own"
+    )]
+    Components {
+        /// How many.
+        components: usize,
+    },
+    /// Triangles that bound nothing.
+    #[error(
+        "the triangles are not closed: {edges} edges do not have one triangle on each side; repair the mesh, or fit a sheet"
+    )]
+    OpenShell {
+        /// How many edges.
+        edges: usize,
+    },
+    /// A hole goes through.
+    #[error(
+        "the triangles have genus {genus} (a ball has 0, a torus 1); a closed surface with two poles has no holes through it"
+    )]
+    Handles {
+        /// Holes through it.
+        genus: usize,
+    },
     /// Two lines of a grid at the same places.
     #[error("lines {} and {index} in {direction} of the grid are identical: remove one", index - 1)]
     Coincident {

@@ -64,7 +64,7 @@ pub(super) fn find(exchange: &Exchange<'_>) -> Result<Vec<u64>, StepError> {
     Ok(ids)
 }
 
-fn contains(text: &[u8], word: &[u8]) -> bool {
+pub(super) fn contains(text: &[u8], word: &[u8]) -> bool {
     text.windows(word.len()).any(|window| window == word)
 }
 
@@ -342,7 +342,7 @@ fn implied(form: &str, degree: usize, count: usize) -> Runs {
         .collect()
 }
 
-fn cartesian_point(
+pub(super) fn cartesian_point(
     exchange: &Exchange<'_>,
     id: u64,
     from: u64,

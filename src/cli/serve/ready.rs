@@ -1,0 +1,72 @@
+//! What programs read from `serve`: where it listens, and how it ended.
+
+use super::{Common, EndedSession};
+use crate::transport::DEFAULT_ENDPOINT;
+use anyhow::Context as _;
+use std::io::Write as _;
+use std::net::TcpListener;
+
+/// The endpoints to listen on, a free port instead of port 0.
+///
+/// # Errors
+/// No port is free there.
+pub fn resolved(common: &Common) -> anyhow::Result<Vec<String>> {
+    let resolve = |endpoint: &String| -> anyhow::Result<String> {
+        let address = endpoint
+            .strip_prefix("tcp/")
+            .filter(|address| address.ends_with(":0"));
+        let Some(address) = address else {
+            return Ok(endpoint.clone());
+        };
+        let listener = TcpListener::bind(address).with_context(|| endpoint.clone())?;
+        let host = address.trim_end_matches(":0");
+        Ok(format!("tcp/{host}:{}", listener.local_addr()?.port()))
+    };
+    common.listen.iter().map(resolve).collect()
+}
+
+/// The line that says that clients can connect.
+pub fn line(common: &Common, configured: bool, page: Option<&str>) -> serde_json::Value {
+    let own = configured || common.zenoh_config.is_some() || !common.connect.is_empty();
+    let listen = match common.listen.is_empty() && !own {
+        true => vec![DEFAULT_ENDPOINT.to_owned()],
+        false => common.listen.clone(),
+    };
+    serde_json::json!({
+        "ready": true, "instance": common.instance, "listen": listen, "connect": common.connect, "page": page,
+        "pid": std::process::id(),
+    })
+}
+
+/// Writes a line to a file descriptor that whoever started this process left open.
+///
+/// # Errors
+/// It is not open, or cannot be written.
+pub fn write(fd: u32, line: &serde_json::Value) -> anyhow::Result<()> {
+    let path = format!("/dev/fd/{fd}");
+    let wrong = || format!("--ready-fd {fd}: it is not open for writing");
+    let mut file = std::fs::OpenOptions::new()
+        .write(true)
+        .open(&path)
+        .with_context(wrong)?;
+    writeln!(file, "{line}").with_context(wrong)
+}
+
+/// The figures of a session.
+pub fn report(served: &EndedSession) -> serde_json::Value {
+    let report = &served.report;
+    let us = |q: f64| report.lateness.quantile(q) as f64 * 1e-3;
+    let files = served.recording.files.iter().map(|file| {
+        serde_json::json!({
+            "path": file.path, "ticks": file.ticks, "lost": file.dropped,
+            "session_hash": format!("{:016x}", file.session_hash),
+        })
+    });
+    serde_json::json!({
+        "ticks": report.ticks, "late": report.late, "skipped": report.skipped,
+        "start_after_deadline_us": { "p50": us(0.5), "p99": us(0.99), "max": report.lateness.max() as f64 * 1e-3 },
+        "self_check_differences": served.self_check.map(|check| check.differences),
+        "recordings": files.collect::<Vec<_>>(),
+        "recording_failure": served.recording.failure.as_ref().map(ToString::to_string),
+    })
+}

@@ -1,0 +1,258 @@
+//! Commands and programs of the guides are executed as they stand.
+//!
+//! A `sh` block runs in bash, in a directory with the repository's files; after the language stands
+//! what else it needs: `daemon`, a running teardrop; `recording`, a session.mcap; `build`, that
+//! Cargo builds (only parsed, in `documents`). What would run until it is stopped is given two
+//! seconds, and port 7447 is another for each block.
+
+use crate::daemon::{Daemon, PROGRAM, free_port};
+use crate::documents::{Block, blocks, root};
+use palpate_client::testing::TestSession;
+use palpate_client::{Connect, Palpate, pose_at};
+use std::os::unix::fs::PermissionsExt as _;
+use std::path::Path;
+use std::process::{Command, Stdio};
+use std::time::Duration;
+
+/// `palpate` as blocks call it.
+const WRAPPER: &str = r#"#!/bin/bash
+args=()
+for word in "$@"; do
+  word=${word//7447/$DOC_PORT}
+  case "$word" in 60s) word=2s;; 127.0.0.1:8080) word=127.0.0.1:0;; esac
+  args+=("$word")
+done
+has() { for word in "${args[@]}"; do [ "$word" = "$1" ] && return 0; done; return 1; }
+short=0
+case "$1" in
+  serve) has --listen || args+=(--listen "tcp/127.0.0.1:$DOC_SERVE_PORT"); args+=(--no-rt); has --for || args+=(--for 2s);;
+  demo) has --for || args+=(--for 2s);;
+  device) has --list || has --connect || args+=(--connect "tcp/127.0.0.1:$DOC_PORT"); has --for || has --list || args+=(--for 2s);;
+  rpc|ls|echo) has --connect || args+=(--connect "tcp/127.0.0.1:$DOC_PORT");;
+  hz) has --connect || args+=(--connect "tcp/127.0.0.1:$DOC_PORT"); short=1;;
+  play) args+=(--listen "tcp/127.0.0.1:$DOC_SERVE_PORT"); short=1;;
+  view) args+=(--no-open); has --html || short=1;;
+esac
+if [ $short = 1 ]; then
+  # Ended by the signal that Ctrl-C sends.
+  timeout --signal INT --kill-after 20 3 "$DOC_PROGRAM" "${args[@]}" < /dev/null
+  code=$?
+  [ $code = 124 ] && code=0
+  exit $code
+fi
+exec "$DOC_PROGRAM" "${args[@]}" < /dev/null
+"#;
+
+/// A directory like the repository's root: what blocks write stays there.
+fn workplace() -> tempfile::TempDir {
+    let directory = tempfile::tempdir().unwrap();
+    for entry in std::fs::read_dir(root()).unwrap() {
+        let entry = entry.unwrap();
+        let name = entry.file_name();
+        if !["target", ".git", "recordings"].contains(&&*name.to_string_lossy()) {
+            std::os::unix::fs::symlink(entry.path(), directory.path().join(name)).unwrap();
+        }
+    }
+    let wrapper = directory.path().join("bin/palpate");
+    std::fs::create_dir(wrapper.parent().unwrap()).unwrap();
+    std::fs::write(&wrapper, WRAPPER).unwrap();
+    std::fs::set_permissions(&wrapper, std::fs::Permissions::from_mode(0o755)).unwrap();
+    directory
+}
+
+fn add_recording(directory: &Path) {
+    let golden = root().join("recordings/golden/rigid-teardrop-press.mcap");
+    std::fs::create_dir_all(directory.join("recordings")).unwrap();
+    for name in ["session.mcap", "replayed.mcap", "recordings/session.mcap"] {
+        std::fs::copy(&golden, directory.join(name)).unwrap();
+    }
+    std::fs::copy(
+        golden.with_extension("mcap.figures.json"),
+        directory.join("session.mcap.figures.json"),
+    )
+    .unwrap();
+}
+
+/// Runs a block; on failure the document's line of the command and what it printed.
+fn run(block: &Block) -> Result<(), String> {
+    let directory = workplace();
+    let (port, serve_port) = (free_port(), free_port());
+    let mut kinds = block.kind.split_whitespace();
+    let needs = |kind: &str| block.kind.split_whitespace().any(|word| word == kind);
+    if let Some(other) = kinds.find(|kind| !["daemon", "recording"].contains(kind)) {
+        return Err(format!("{}: {other:?} is no kind of block", block.place));
+    }
+    if needs("recording") {
+        add_recording(directory.path());
+    }
+    let daemon = needs("daemon").then(|| {
+        let scene = std::fs::read_to_string(root().join("scenes/rigid-teardrop.toml")).unwrap();
+        let kept = directory.path().join("kept");
+        let arguments = ["--ring", "30s", "--record-dir", kept.to_str().unwrap()];
+        Daemon::start_at(port, directory.path(), &scene, &arguments)
+    });
+    // Without a daemon of its own a block starts the one that its clients connect to.
+    let serve_port = if daemon.is_some() { serve_port } else { port };
+    let script = format!(
+        "set -E\ntrap 'code=$?; echo \"@$((LINENO - {HEAD})) exit code $code\" >&2; exit 1' ERR\n{}",
+        block.code
+    );
+    const HEAD: usize = 2;
+    let path = std::env::var("PATH").unwrap_or_default();
+    let bin = directory.path().join("bin");
+    let done = Command::new("timeout")
+        .args(["--kill-after", "10", "120", "bash", "-c", &script])
+        .current_dir(directory.path())
+        .env("PATH", format!("{}:{path}", bin.display()))
+        .env("DOC_PROGRAM", PROGRAM)
+        .env("DOC_PORT", port.to_string())
+        .env("DOC_SERVE_PORT", serve_port.to_string())
+        .stdin(Stdio::null())
+        .output()
+        .unwrap();
+    if done.status.success() {
+        return Ok(());
+    }
+    let stderr = String::from_utf8_lossy(&done.stderr);
+    let (file, fence) = block.place.rsplit_once(':').unwrap();
+    let line = stderr
+        .rsplit('@')
+        .next()
+        .and_then(|rest| rest.split(' ').next())
+        .and_then(|line| line.parse::<usize>().ok())
+        .unwrap_or(0);
+    let fence: usize = fence.parse().unwrap();
+    Err(format!(
+        "{file}:{}: {}\n{stderr}",
+        fence + line,
+        block
+            .code
+            .lines()
+            .nth(line.saturating_sub(1))
+            .unwrap_or_default()
+    ))
+}
+
+fn run_all(wanted: impl Fn(&Block) -> bool) {
+    let blocks: Vec<Block> = blocks()
+        .into_iter()
+        .filter(|block| block.language == "sh" && block.kind != "build" && wanted(block))
+        .collect();
+    assert!(!blocks.is_empty());
+    let failures: Vec<String> = blocks.iter().filter_map(|block| run(block).err()).collect();
+    assert!(failures.is_empty(), "{}", failures.join("\n"));
+}
+
+#[test]
+fn commands_that_need_no_daemon_run() {
+    run_all(|block| !block.kind.contains("daemon"));
+}
+
+#[test]
+fn commands_that_need_a_daemon_run() {
+    run_all(|block| block.kind.contains("daemon"));
+}
+
+// The line is that of the command, not of the fence.
+#[test]
+fn a_block_that_fails_is_named_with_its_line() {
+    let block = Block {
+        place: "docs/page.md:10".into(),
+        language: "sh".into(),
+        kind: String::new(),
+        code: "palpate scenes\npalpate surface info nothing.json\npalpate scenes\n".into(),
+    };
+    let failure = run(&block).unwrap_err();
+    assert!(
+        failure.starts_with("docs/page.md:12: palpate surface info nothing.json"),
+        "{failure}"
+    );
+}
+
+/// The text between two comments of this file, without its indentation.
+fn region(name: &str) -> String {
+    let source = include_str!("documents_run.rs");
+    let begin = format!("// begin {name}\n");
+    let text = source.split(&begin).nth(1).unwrap();
+    let text = text.split("// end").next().unwrap();
+    plain(text)
+}
+
+/// Words of a program, whatever its lines and comments.
+fn plain(text: &str) -> String {
+    let code = text.lines().map(|line| line.split("   //").next().unwrap());
+    code.flat_map(str::split_whitespace).collect()
+}
+
+fn rust_block(document: &str) -> String {
+    let of = blocks()
+        .into_iter()
+        .find(|block| block.place.starts_with(document) && block.language == "rust");
+    plain(&of.unwrap().code)
+}
+
+// What the README shows, at the endpoint of a daemon of this test.
+#[test]
+fn the_client_of_the_readme_feels_the_surface() {
+    let directory = tempfile::tempdir().unwrap();
+    let scene = std::fs::read_to_string(root().join("scenes/rigid-teardrop.toml")).unwrap();
+    let daemon = Daemon::start(directory.path(), &scene, &[]);
+    let client = || -> Result<Option<f64>, Box<dyn std::error::Error>> {
+        // begin client
+        let palpate = Palpate::connect(&Connect::to(&daemon.endpoint))?;
+        let mut ball = palpate.tool("ball")?;
+        // The drop is touched at x = 0.0274.
+        for k in 0..1000 {
+            let x = 0.06 - 3.5e-5 * f64::from(k);
+            let seq = ball.send(pose_at([x, 0.003, 0.045]))?;
+            let force = ball.wait_force(seq, Duration::from_millis(50));
+            if let Some(force) = force.filter(|force| force.contact_count > 0) {
+                println!("x = {x:.4} m: {:?} N", force.force);
+                // end
+                return Ok(Some(x));
+            }
+        }
+        Ok(None)
+    };
+    let x = client().unwrap().expect("the ball touched nothing");
+    assert!((0.025..0.028).contains(&x), "{x}");
+    let shown = rust_block("README.md").replace("\"tcp/127.0.0.1:7447\"", "&daemon.endpoint");
+    assert!(
+        shown.contains(&region("client")),
+        "{shown}\n{}",
+        region("client")
+    );
+}
+
+// What docs/recording.md shows, with the program of this build.
+#[test]
+fn the_test_of_the_recording_guide_passes() {
+    let directory = tempfile::tempdir().unwrap();
+    let record = directory.path().join("press.mcap");
+    let the_test = || -> Result<(), Box<dyn std::error::Error>> {
+        let scene = std::fs::read_to_string(root().join("scenes/rigid-teardrop.toml"))?;
+        let mut session = TestSession::of(&scene)
+            .program(PROGRAM)
+            .record(&record)
+            .start()?;
+        // begin press
+        let mut ball = session.tool("ball")?;
+        let mut peak = 0.0_f64;
+        for k in 0..700 {
+            let force = session.step(&mut ball, pose_at([0.06 - 5e-5 * k as f64, 0.003, 0.045]))?;
+            peak = peak.max(force.force[0]);
+        }
+        assert!((1.0..8.0).contains(&peak), "{peak} N");
+        session.finish(ball)?;
+        // end
+        Ok(())
+    };
+    the_test().unwrap();
+    assert!(record.exists());
+    let shown = rust_block("docs/recording.md");
+    assert!(
+        shown.contains(&region("press")),
+        "{shown}\n{}",
+        region("press")
+    );
+}

@@ -1,0 +1,489 @@
+//! What a new user does in the first hour: nothing wrong passes without a sign.
+
+use crate::daemon::{Daemon, PROGRAM, device, free_port};
+use palpate_geometry::exchange::{Format, write_mesh};
+use palpate_geometry::math::{Point3, Vector3};
+use palpate_geometry::surface::file::Unit;
+use palpate_geometry::surface::{Mesh, builtin};
+use serde_json::Value;
+use std::path::Path;
+use std::process::{Child, Command, Output, Stdio};
+use std::time::{Duration, Instant};
+
+fn palpate(directory: &Path, arguments: &[&str]) -> Output {
+    Command::new(PROGRAM)
+        .args(arguments)
+        .current_dir(directory)
+        .stdin(Stdio::null())
+        .output()
+        .unwrap()
+}
+
+fn code(output: &Output) -> i32 {
+    output.status.code().unwrap_or(-1)
+}
+
+fn words(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stderr).into_owned()
+}
+
+fn json(output: &Output) -> Value {
+    let text = String::from_utf8_lossy(&output.stdout);
+    let line = text.lines().last().unwrap_or_default();
+    serde_json::from_str(line).unwrap_or_else(|e| panic!("{e}: {text}\n{}", words(output)))
+}
+
+fn write_stl(path: &Path, mesh: &Mesh, unit: Unit) {
+    std::fs::write(path, write_mesh(mesh, Format::Stl, unit).unwrap()).unwrap();
+}
+
+fn surface(name: &str, size: Option<f64>) -> Mesh {
+    let surface = builtin(name, None, size).unwrap();
+    surface.tessellated([4; 2]).unwrap()
+}
+
+fn cube(edge: f64) -> Mesh {
+    let corner =
+        |k: usize| Point3::new((k & 1) as f64, ((k >> 1) & 1) as f64, (k >> 2) as f64) * edge;
+    let faces = [
+        [0, 2, 3, 1],
+        [4, 5, 7, 6],
+        [0, 1, 5, 4],
+        [2, 6, 7, 3],
+        [0, 4, 6, 2],
+        [1, 3, 7, 5],
+    ];
+    let triangles = faces
+        .iter()
+        .flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]])
+        .collect();
+    Mesh::from_triangles((0..8).map(corner).collect(), triangles).unwrap()
+}
+
+// Only its corners have points: a fit measured there reports 0 whatever it does between them.
+#[test]
+fn a_fit_beyond_tolerance_fails_with_figures_over_both_areas() {
+    let directory = tempfile::tempdir().unwrap();
+    let path = directory.path();
+    write_stl(&path.join("cube.stl"), &cube(0.04), Unit::Metre);
+    let coarse = palpate(
+        path,
+        &[
+            "surface", "fit", "cube.stl", "--net", "6x6", "-o", "c.json", "--json",
+        ],
+    );
+    assert_eq!(code(&coarse), 1, "{}", words(&coarse));
+    let report = json(&coarse);
+    let largest = report["max_error_m"].as_f64().unwrap();
+    assert!((1e-3..2e-2).contains(&largest), "{report}");
+    assert!(
+        report["compared_points"].as_u64().unwrap() > 10_000,
+        "{report}"
+    );
+    assert!((report["triangles_volume_m3"].as_f64().unwrap() - 6.4e-5).abs() < 1e-9);
+    assert!(words(&coarse).contains("tolerance"), "{}", words(&coarse));
+    let allowed = palpate(
+        path,
+        &[
+            "surface",
+            "fit",
+            "cube.stl",
+            "--net",
+            "24x24",
+            "-o",
+            "f.json",
+            "--tolerance",
+            "0.003",
+        ],
+    );
+    assert_eq!(code(&allowed), 0, "{}", words(&allowed));
+    // Closed without being asked for, and said.
+    assert!(words(&allowed).contains("--open"), "{}", words(&allowed));
+    let info = json(&palpate(path, &["surface", "info", "f.json", "--json"]));
+    assert_eq!(info["closed"], true);
+}
+
+#[test]
+fn tori_and_pairs_are_not_fitted_as_one_ball() {
+    let directory = tempfile::tempdir().unwrap();
+    let path = directory.path();
+    write_stl(
+        &path.join("torus.stl"),
+        &surface("torus", None),
+        Unit::Metre,
+    );
+    let ball = surface("sphere", None);
+    let shift = ball.points.len() as u32;
+    let points = ball.points.iter().map(|p| p + Vector3::x());
+    let triangles = ball.triangles.iter().map(|t| t.map(|k| k + shift));
+    let two = Mesh::from_triangles(
+        ball.points.iter().copied().chain(points).collect(),
+        ball.triangles.iter().copied().chain(triangles).collect(),
+    );
+    write_stl(&path.join("two.stl"), &two.unwrap(), Unit::Metre);
+    for (name, what) in [("torus.stl", "genus 1"), ("two.stl", "2 separate parts")] {
+        let fit = palpate(
+            path,
+            &[
+                "surface", "fit", name, "--unit", "m", "--closed", "-o", "out.json",
+            ],
+        );
+        assert_eq!(code(&fit), 1, "{name}");
+        assert!(words(&fit).contains(what), "{}", words(&fit));
+        assert!(!path.join("out.json").exists());
+    }
+}
+
+// A fit with folded poles builds as a lattice and as nothing else.
+#[test]
+fn an_imported_scan_runs_as_lattice_continuum_and_net() {
+    let directory = tempfile::tempdir().unwrap();
+    let path = directory.path();
+    write_stl(
+        &path.join("organ.stl"),
+        &surface("sphere", Some(0.08)),
+        Unit::Millimetre,
+    );
+    let unit = palpate(path, &["import", "organ.stl"]);
+    assert_eq!(code(&unit), 2);
+    assert!(words(&unit).contains("--unit mm"), "{}", words(&unit));
+    for model in ["lattice", "continuum", "net"] {
+        let scene = format!("{model}.toml");
+        let done = palpate(
+            path,
+            &[
+                "import",
+                "organ.stl",
+                "--unit",
+                "mm",
+                "-o",
+                &scene,
+                "--model",
+                model,
+            ],
+        );
+        assert_eq!(code(&done), 0, "{model}: {}", words(&done));
+    }
+    // Nothing is overwritten.
+    let again = palpate(
+        path,
+        &["import", "organ.stl", "--unit", "mm", "-o", "net.toml"],
+    );
+    assert_eq!(code(&again), 2);
+}
+
+#[test]
+fn millimetres_read_as_metres_do_not_pass() {
+    let directory = tempfile::tempdir().unwrap();
+    let path = directory.path();
+    // 80 "metres" long.
+    let mut drop = surface("sphere", Some(0.08));
+    drop.points.iter_mut().for_each(|p| *p *= 1e3);
+    write_stl(&path.join("mm.stl"), &drop, Unit::Metre);
+    let fit = palpate(path, &["surface", "fit", "mm.stl", "-o", "mm.json"]);
+    assert_eq!(code(&fit), 2);
+    assert!(words(&fit).contains("--unit mm"), "{}", words(&fit));
+    let done = palpate(path, &["import", "mm.stl", "--unit", "m"]);
+    assert_eq!(code(&done), 1, "{}", words(&done));
+    assert!(
+        words(&done).contains("is its file in millimetres"),
+        "{}",
+        words(&done)
+    );
+    let meant = palpate(path, &["check", "mm.toml", "--any-size", "--json"]);
+    assert_eq!(code(&meant), 0);
+    assert_eq!(json(&meant)["sizes"].as_array().unwrap().len(), 2);
+    let scene = r#"
+[[body]]
+id = "drop"
+surface = { builtin = "teardrop" }
+[[tool]]
+id = "probe"
+shape = { mesh = { file = "mm.stl" } }
+pose = { position = [200.0, 0.0, 0.0] }
+"#;
+    std::fs::write(path.join("tool.toml"), scene).unwrap();
+    let tool = palpate(path, &["check", "tool.toml"]);
+    assert_eq!(code(&tool), 1, "{}", words(&tool));
+    assert!(words(&tool).contains("tool probe"), "{}", words(&tool));
+}
+
+#[test]
+fn check_says_which_rate_a_scene_holds() {
+    let directory = tempfile::tempdir().unwrap();
+    let report = json(&palpate(
+        directory.path(),
+        &["check", "builtin:rigid-teardrop", "--json"],
+    ));
+    assert_eq!(report["rate_hz"], 1000.0);
+    let (tick_us, holds) = (&report["tick_us"], &report["holds_hz"]);
+    let product = tick_us.as_f64().unwrap() * holds.as_f64().unwrap();
+    assert!((product / 1e6 - 1.0).abs() < 0.01, "{report}");
+    let slow = "[loop]\nrate_hz = 4000\n[[body]]\nid = \"drop\"\nsurface = { builtin = \"teardrop\" }\nmodel = \"continuum\"\n\
+                lattice = { layers = 4, refine = [40, 41] }\n\
+                [[tool]]\nid = \"ball\"\nshape = { sphere = { radius_m = 0.01 } }\npose = { position = [0.06, 0.0, 0.045] }\n";
+    std::fs::write(directory.path().join("slow.toml"), slow).unwrap();
+    let slow = palpate(directory.path(), &["check", "slow.toml"]);
+    assert!(
+        words(&slow).contains("too slow for 4000 Hz"),
+        "{}",
+        words(&slow)
+    );
+}
+
+// A box with a hole through it, each face a B-spline but that of the hole.
+#[test]
+fn trimmed_faces_of_step_files_are_said_and_fail() {
+    let directory = tempfile::tempdir().unwrap();
+    let file = Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("crates/geometry/tests/opencascade/drilled_box.step");
+    let file = file.to_str().unwrap();
+    let refused = palpate(directory.path(), &["surface", "info", file, "--index", "4"]);
+    assert_eq!(code(&refused), 1);
+    assert!(
+        words(&refused).contains("the trimming of its face"),
+        "{}",
+        words(&refused)
+    );
+    assert!(
+        words(&refused).contains("1 of 7 faces"),
+        "{}",
+        words(&refused)
+    );
+    let taken = palpate(
+        directory.path(),
+        &[
+            "surface",
+            "info",
+            file,
+            "--index",
+            "4",
+            "--ignore-trims",
+            "--json",
+        ],
+    );
+    assert_eq!(code(&taken), 0, "{}", words(&taken));
+    let left = &json(&taken)["left_out"];
+    assert_eq!(
+        (&left["trimmed"], &left["other_faces"]),
+        (&Value::Bool(true), &1.into())
+    );
+}
+
+#[test]
+fn a_configuration_that_would_not_be_enforced_is_refused() {
+    let directory = tempfile::tempdir().unwrap();
+    let configuration =
+        r#"{ mode: "peer", transport: { auth: { usrpwd: { user: "me", password: "secret" } } } }"#;
+    std::fs::write(directory.path().join("zenoh.json5"), configuration).unwrap();
+    let serve = palpate(
+        directory.path(),
+        &[
+            "serve",
+            "builtin:rigid-teardrop",
+            "--zenoh-config",
+            "zenoh.json5",
+            "--for",
+            "1s",
+        ],
+    );
+    assert_eq!(code(&serve), 2);
+    assert!(
+        words(&serve).contains("transport/auth/usrpwd"),
+        "{}",
+        words(&serve)
+    );
+}
+
+fn serve(directory: &Path, arguments: &[&str]) -> Child {
+    Command::new(PROGRAM)
+        .args(["serve", "builtin:rigid-teardrop", "--no-rt", "--json"])
+        .args(arguments)
+        .current_dir(directory)
+        .stdin(Stdio::null())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap()
+}
+
+fn first_line(child: &mut Child) -> Value {
+    use std::io::{BufRead as _, BufReader};
+    let mut line = String::new();
+    BufReader::new(child.stdout.as_mut().unwrap())
+        .read_line(&mut line)
+        .unwrap();
+    serde_json::from_str(&line).unwrap_or_else(|e| panic!("{e}: {line:?}"))
+}
+
+#[test]
+fn serve_says_where_it_listens_and_ends_by_the_clock() {
+    let directory = tempfile::tempdir().unwrap();
+    let mut child = serve(
+        directory.path(),
+        &["--listen", "tcp/127.0.0.1:0", "--for", "20s"],
+    );
+    let ready = first_line(&mut child);
+    assert_eq!(ready["ready"], true);
+    let endpoint = ready["listen"][0].as_str().unwrap().to_owned();
+    assert!(!endpoint.ends_with(":0"), "{ready}");
+    let (report, status) = device(&endpoint, &["--for", "1s"]);
+    assert_eq!(status, 0, "{report}");
+    // The daemon is stopped before its time.
+    let stopped = palpate(
+        directory.path(),
+        &["rpc", "shutdown", "--connect", &endpoint],
+    );
+    assert_eq!(code(&stopped), 0, "{}", words(&stopped));
+    let ended = child.wait_with_output().unwrap();
+    assert_eq!(code(&ended), 0);
+    assert!(json(&ended)["ticks"].as_u64().unwrap() > 0);
+}
+
+#[test]
+fn a_daemon_that_nobody_uses_ends_and_lockstep_says_for_whom_it_waits() {
+    let directory = tempfile::tempdir().unwrap();
+    let arguments = [
+        "--listen",
+        "tcp/127.0.0.1:0",
+        "--clock",
+        "lockstep",
+        "--idle-timeout",
+        "7s",
+    ];
+    let done = serve(directory.path(), &arguments)
+        .wait_with_output()
+        .unwrap();
+    assert_eq!(code(&done), 0, "{}", words(&done));
+    assert!(
+        words(&done).contains("nobody holds ball"),
+        "{}",
+        words(&done)
+    );
+}
+
+#[test]
+fn a_daemon_that_connects_leaves_the_routers_port_alone() {
+    let directory = tempfile::tempdir().unwrap();
+    let router = Daemon::start(
+        directory.path(),
+        include_str!("../../scenes/rigid-teardrop.toml"),
+        &[],
+    );
+    let mut child = serve(
+        directory.path(),
+        &[
+            "--connect",
+            &router.endpoint,
+            "--instance",
+            "second",
+            "--for",
+            "1s",
+        ],
+    );
+    let ready = first_line(&mut child);
+    assert_eq!(ready["listen"].as_array().unwrap().len(), 0, "{ready}");
+    assert_eq!(code(&child.wait_with_output().unwrap()), 0);
+}
+
+#[test]
+fn a_device_waits_for_its_daemon_and_a_second_one_is_refused() {
+    let directory = tempfile::tempdir().unwrap();
+    let port = free_port();
+    let endpoint = format!("tcp/127.0.0.1:{port}");
+    // The device is there first.
+    let first = Command::new(PROGRAM)
+        .args([
+            "device",
+            "--tool",
+            "ball",
+            "--for",
+            "15s",
+            "--wait",
+            "60s",
+            "--connect",
+            &endpoint,
+        ])
+        .stdin(Stdio::null())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::null())
+        .spawn()
+        .unwrap();
+    std::thread::sleep(Duration::from_millis(500));
+    let daemon = Daemon::start_at(
+        port,
+        directory.path(),
+        include_str!("../../scenes/rigid-teardrop.toml"),
+        &[],
+    );
+    let palpate_client = daemon.connect();
+    let begun = Instant::now();
+    while palpate_client.device("ball").is_err() {
+        assert!(begun.elapsed() < Duration::from_secs(60), "no device came");
+    }
+    let second = palpate(
+        directory.path(),
+        &[
+            "device",
+            "--tool",
+            "ball",
+            "--for",
+            "1s",
+            "--connect",
+            &endpoint,
+        ],
+    );
+    assert_eq!(code(&second), 2, "{}", words(&second));
+    assert!(
+        words(&second).contains("held by another device (ideal)"),
+        "{}",
+        words(&second)
+    );
+    // The daemon goes: the first device says so.
+    palpate_client.close();
+    drop(daemon);
+    let first = first.wait_with_output().unwrap();
+    assert_eq!(code(&first), 3);
+}
+
+#[test]
+fn scenes_of_the_program_are_listed_written_and_built() {
+    let directory = tempfile::tempdir().unwrap();
+    let listed = palpate(directory.path(), &["scenes", "--json"]);
+    let listed = String::from_utf8(listed.stdout).unwrap();
+    let names: Vec<Value> = listed
+        .lines()
+        .map(|line| serde_json::from_str::<Value>(line).unwrap()["scene"].clone())
+        .collect();
+    assert!(names.len() >= 5, "{listed}");
+    for name in &names {
+        let name = name.as_str().unwrap();
+        let checked = palpate(directory.path(), &["plan", name]);
+        assert_eq!(code(&checked), 0, "{name}: {}", words(&checked));
+    }
+    let new = palpate(directory.path(), &["new", "mine"]);
+    assert_eq!(code(&new), 0);
+    assert_eq!(code(&palpate(directory.path(), &["check", "mine.toml"])), 0);
+    let twice = palpate(directory.path(), &["new", "mine"]);
+    assert_eq!(code(&twice), 2);
+    let unknown = palpate(directory.path(), &["check", "builtin:teardorp"]);
+    assert!(
+        words(&unknown).contains("rigid-teardrop"),
+        "{}",
+        words(&unknown)
+    );
+}
+
+#[test]
+fn completions_into_a_closed_pipe_end_quietly() {
+    let done = Command::new("bash")
+        .args([
+            "-c",
+            "set -o pipefail; \"$0\" completions bash | head -c 1 > /dev/null",
+            PROGRAM,
+        ])
+        .output()
+        .unwrap();
+    assert_eq!(code(&done), 0, "{}", words(&done));
+    assert!(!words(&done).contains("panicked"), "{}", words(&done));
+}
