@@ -101,6 +101,7 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
             connect: args.connect.clone(),
             listen,
             config,
+            router: false,
         })?;
         let (viewer, feed) = args
             .page

@@ -17,6 +17,9 @@ pub struct SessionSettings {
     pub listen: Vec<String>,
     /// A stock Zenoh JSON5 configuration, taken before the endpoints above.
     pub config: Option<PathBuf>,
+    /// Be a router: others reach each other through this session, and endpoints to connect to may
+    /// appear later, go and come back.
+    pub router: bool,
 }
 
 /// Why the bus could not be joined.
@@ -69,7 +72,10 @@ pub enum SessionError {
 /// A configuration, endpoint, port or peer that does not work, by name.
 pub fn open(settings: &SessionSettings) -> Result<zenoh::Session, SessionError> {
     for endpoint in &settings.connect {
-        check_reachable(endpoint)?;
+        match settings.router {
+            true => drop(tcp_address(endpoint)?),
+            false => check_reachable(endpoint)?,
+        }
     }
     for endpoint in &settings.listen {
         check_free(endpoint)?;
@@ -81,7 +87,12 @@ pub fn open(settings: &SessionSettings) -> Result<zenoh::Session, SessionError> 
         })?,
         None => {
             let mut config = zenoh::Config::default();
-            set(&mut config, "mode", "\"peer\"")?;
+            let mode = if settings.router {
+                "\"router\""
+            } else {
+                "\"peer\""
+            };
+            set(&mut config, "mode", mode)?;
             set(&mut config, "scouting/multicast/enabled", "false")?;
             set(&mut config, "listen/endpoints", "[]")?;
             config
@@ -132,6 +143,11 @@ fn tcp_address(endpoint: &str) -> Result<Option<std::net::SocketAddr>, SessionEr
         .next()
         .map(Some)
         .ok_or_else(|| wrong("the host has no address".into()))
+}
+
+/// Somebody listens at an endpoint.
+pub fn is_taken(endpoint: &str) -> bool {
+    matches!(check_free(endpoint), Err(SessionError::InUse { .. }))
 }
 
 fn check_reachable(endpoint: &str) -> Result<(), SessionError> {

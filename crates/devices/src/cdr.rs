@@ -311,10 +311,7 @@ mod tests {
     fn other_representations_are_named() {
         for header in [[0, 2], [0, 3], [0, 7], [1, 0], [0xff, 0xff]] {
             let bytes = [header[0], header[1], 0, 0, 0, 0, 0, 0];
-            assert_eq!(
-                decode::<i32>(&bytes),
-                Err(CdrError::Representation(header))
-            );
+            assert_eq!(decode::<i32>(&bytes), Err(CdrError::Representation(header)));
         }
     }
 

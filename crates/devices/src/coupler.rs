@@ -236,7 +236,12 @@ fn checked(reading: &Reading) -> Option<[f64; 4]> {
     if !numbers.into_iter().all(|x| x.is_finite()) {
         return None;
     }
-    let size = reading.orientation.iter().map(|x| x * x).sum::<f64>().sqrt();
+    let size = reading
+        .orientation
+        .iter()
+        .map(|x| x * x)
+        .sum::<f64>()
+        .sqrt();
     match (size - 1.0).abs() {
         off if off <= EXACT => Some(reading.orientation),
         off if off <= UNIT => v3::unit(reading.orientation),

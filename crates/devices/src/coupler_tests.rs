@@ -49,7 +49,10 @@ fn a_clutch_pressed_in_contact_neither_moves_the_tool_nor_steps_the_force() {
         let motion = coupler
             .motion(&reading(k, [0.0, 0.0, z], u32::from(clutched) << 1))
             .unwrap();
-        assert!((motion.position[2] - last_z).abs() < 1e-4, "{k}: the tool jumped");
+        assert!(
+            (motion.position[2] - last_z).abs() < 1e-4,
+            "{k}: the tool jumped"
+        );
         if clutched {
             assert_eq!(motion.linear_velocity, [0.0; 3]);
         }
@@ -94,11 +97,26 @@ fn readings_that_are_not_finite_or_no_rotation_are_counted_and_left() {
     let mut coupler = Coupler::new(CouplerSettings::default());
     let good = reading(1, [0.0; 3], 0);
     let bad = [
-        Reading { position: [f64::NAN, 0.0, 0.0], ..good },
-        Reading { position: [0.0, f64::INFINITY, 0.0], ..good },
-        Reading { orientation: [0.0; 4], ..good },
-        Reading { orientation: [1.0; 4], ..good },
-        Reading { velocity: Some([[f64::NAN; 3]; 2]), ..good },
+        Reading {
+            position: [f64::NAN, 0.0, 0.0],
+            ..good
+        },
+        Reading {
+            position: [0.0, f64::INFINITY, 0.0],
+            ..good
+        },
+        Reading {
+            orientation: [0.0; 4],
+            ..good
+        },
+        Reading {
+            orientation: [1.0; 4],
+            ..good
+        },
+        Reading {
+            velocity: Some([[f64::NAN; 3]; 2]),
+            ..good
+        },
     ];
     for reading in &bad {
         assert!(coupler.motion(reading).is_none());
@@ -113,20 +131,41 @@ fn stale_fault_and_silence_are_zero_at_once_and_a_pause_fades() {
     let pressing = answer(1, [0.0, 0.0, 3.0]);
     assert_eq!(coupler.command(&pressing, 0).force, [0.0, 0.0, 3.0]);
     let told = [
-        (ToolAnswer { stale: true, ..pressing }, Rest::Stale),
-        (ToolAnswer { fault: true, ..pressing }, Rest::Fault),
+        (
+            ToolAnswer {
+                stale: true,
+                ..pressing
+            },
+            Rest::Stale,
+        ),
+        (
+            ToolAnswer {
+                fault: true,
+                ..pressing
+            },
+            Rest::Fault,
+        ),
     ];
     for (answer, why) in told {
         let command = coupler.command(&answer, 0);
-        assert_eq!((command.force, command.state), ([0.0; 3], State::Resting(why)));
+        assert_eq!(
+            (command.force, command.state),
+            ([0.0; 3], State::Resting(why))
+        );
     }
     // The same tick again, 20 ms later and then 21.
     assert_eq!(coupler.command(&pressing, 20 * MS).state, State::Active);
     let silent = coupler.command(&pressing, 21 * MS);
-    assert_eq!((silent.force, silent.state), ([0.0; 3], State::Resting(Rest::Silent)));
+    assert_eq!(
+        (silent.force, silent.state),
+        ([0.0; 3], State::Resting(Rest::Silent))
+    );
     let mut last = 3.0;
     for tick in 2..=101 {
-        let paused = ToolAnswer { paused: true, ..answer(tick, [0.0, 0.0, 3.0]) };
+        let paused = ToolAnswer {
+            paused: true,
+            ..answer(tick, [0.0, 0.0, 3.0])
+        };
         let command = coupler.command(&paused, (20 + tick) * MS);
         assert!(last - command.force[2] < 0.031, "{tick}");
         last = command.force[2];
@@ -149,7 +188,10 @@ fn without_clutch_frame_or_cap_every_bit_passes() {
         ..reading(1, [-0.0, 0.1, 1e-9], 1)
     };
     let motion = coupler.motion(&odd).unwrap();
-    assert_eq!(motion.position.map(f64::to_bits), odd.position.map(f64::to_bits));
+    assert_eq!(
+        motion.position.map(f64::to_bits),
+        odd.position.map(f64::to_bits)
+    );
     assert_eq!(motion.orientation, odd.orientation);
     assert_eq!(
         motion.linear_velocity.map(f64::to_bits),
@@ -169,7 +211,10 @@ fn a_device_of_any_rate_has_the_velocity_of_its_motion() {
         for k in 0..rate_hz {
             let time_ns = k * 1_000_000_000 / rate_hz;
             let z = 0.05 - 0.02 * time_ns as f64 * 1e-9;
-            motion = coupler.motion(&Reading { time_ns, ..reading(0, [0.0, 0.0, z], 0) });
+            motion = coupler.motion(&Reading {
+                time_ns,
+                ..reading(0, [0.0, 0.0, z], 0)
+            });
         }
         let velocity = motion.unwrap().linear_velocity[2];
         assert!((velocity + 0.02).abs() < 1e-6, "{rate_hz} Hz: {velocity}");

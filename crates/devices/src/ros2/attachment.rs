@@ -106,7 +106,12 @@ mod tests {
     fn an_attachment_of_77_bytes_has_names_before_its_fields() {
         let bare = SENT.to_bytes();
         let named = [
-            NAMES[0], &bare[..8], NAMES[1], &bare[8..16], NAMES[2], &bare[16..],
+            NAMES[0],
+            &bare[..8],
+            NAMES[1],
+            &bare[8..16],
+            NAMES[2],
+            &bare[16..],
         ]
         .concat();
         assert_eq!(named.len(), 77);

@@ -49,7 +49,12 @@ mod tests {
             let text = schema_text(ros_type);
             for part in parts_in(&text) {
                 let heading = format!("MSG: {part}\n");
-                assert_eq!(text.matches(&heading).count(), 1, "{}: {part}", ros_type.name);
+                assert_eq!(
+                    text.matches(&heading).count(),
+                    1,
+                    "{}: {part}",
+                    ros_type.name
+                );
             }
         }
     }

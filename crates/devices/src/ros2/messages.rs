@@ -350,17 +350,26 @@ mod tests {
             bytes.extend(number.to_be_bytes());
         }
         let pose: PoseStamped = decode(&bytes).unwrap();
-        assert_eq!((pose.position, pose.header.stamp.to_ns()), ([0.1, 0.2, 0.3], 5_000_000_006));
+        assert_eq!(
+            (pose.position, pose.header.stamp.to_ns()),
+            ([0.1, 0.2, 0.3], 5_000_000_006)
+        );
         for cut in 0..bytes.len() {
             let error = decode::<PoseStamped>(&bytes[..cut]).unwrap_err();
-            assert!(matches!(error, CdrError::Truncated { .. }), "{cut}: {error}");
+            assert!(
+                matches!(error, CdrError::Truncated { .. }),
+                "{cut}: {error}"
+            );
         }
     }
 
     #[test]
     fn times_beyond_those_of_ros_are_cut_off() {
         assert_eq!(Stamp::from_ns(u64::MAX).sec, i32::MAX);
-        let before = Stamp { sec: -1, nanosec: 5 };
+        let before = Stamp {
+            sec: -1,
+            nanosec: 5,
+        };
         assert_eq!(before.to_ns(), 0);
     }
 }

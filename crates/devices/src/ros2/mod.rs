@@ -12,7 +12,9 @@ mod types;
 
 pub use attachment::{Attachment, AttachmentError};
 pub use bag::schema_text;
-pub use graph::{Endpoint, Gid, Kind, Node, Qos, gid_of, node_token, topic_key, topic_subscription};
+pub use graph::{
+    Endpoint, Gid, Kind, Node, Qos, gid_of, node_token, topic_key, topic_subscription,
+};
 pub use messages::*;
 pub use preset::{ButtonKind, ForceKind, Preset, PresetSettings};
 pub use types::{RosType, TYPES};

@@ -57,8 +57,12 @@ pub struct PresetSettings {
     pub button: Option<(String, ButtonKind)>,
     /// CRTK: a stamp of 0 marks a pose as not valid, and forces are ended by `NS/free`.
     pub free: Option<String>,
+    /// Bool: forces are given in the device's base frame, not in that of its handle.
+    pub absolute: Option<String>,
     /// N: below what such devices bear for long.
     pub force_max_n: f64,
+    /// N·m; 0 for devices that only push.
+    pub torque_max_nm: f64,
 }
 
 impl Preset {
@@ -102,14 +106,18 @@ impl Preset {
             force_kind: ForceKind::WrenchStamped,
             button: None,
             free: Some(topic("free")),
+            absolute: Some(topic("body/set_cf_orientation_absolute")),
             force_max_n: 6.0,
+            torque_max_nm: 0.1,
         };
         match self {
             Self::Crtk => crtk,
             Self::Sensable => PresetSettings {
                 force: topic("servo_cf"),
                 button: Some((topic("button1"), ButtonKind::Joy)),
+                absolute: None,
                 force_max_n: 3.0,
+                torque_max_nm: 0.0,
                 ..crtk
             },
             Self::ForceDimension => PresetSettings {
@@ -122,7 +130,9 @@ impl Preset {
                 force: topic("fd_controller/commands"),
                 force_kind: ForceKind::Float64MultiArray,
                 free: None,
+                absolute: None,
                 force_max_n: 10.0,
+                torque_max_nm: 0.0,
                 ..crtk
             },
             Self::GeomagicTouch => PresetSettings {
@@ -132,7 +142,9 @@ impl Preset {
                 force_kind: ForceKind::OmniFeedback,
                 button: Some((topic("button"), ButtonKind::OmniButtonEvent)),
                 free: None,
+                absolute: None,
                 force_max_n: 3.0,
+                torque_max_nm: 0.0,
             },
         }
     }
