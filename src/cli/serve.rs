@@ -11,7 +11,7 @@ use crate::recording::{
     Recorder, RecorderSettings, RecordingReport, SelfCheck, SelfCheckReport, Split, default_path,
     stage_infos, write_stages,
 };
-use crate::transport::{Bus, BusSettings, DEFAULT_ENDPOINT, SessionSettings, is_taken, open};
+use crate::transport::{Bus, BusSettings, DEFAULT_ENDPOINT, Role, SessionSettings, is_taken, open};
 use crate::viewer::Viewer;
 use palpate_sim::scene::spec::{Clock, SceneSpec};
 use palpate_sim::scene::{Scene, file, inline_files};
@@ -190,7 +190,10 @@ pub fn serve(
         connect,
         listen: listen.clone(),
         config,
-        router: common.ros2,
+        role: match common.ros2 {
+            true => Role::Router,
+            false => Role::Peer,
+        },
     })?;
     let for_ros2 = session.clone();
     let (mut recorder, journal) = Recorder::start(

@@ -17,9 +17,21 @@ pub struct SessionSettings {
     pub listen: Vec<String>,
     /// A stock Zenoh JSON5 configuration, taken before the endpoints above.
     pub config: Option<PathBuf>,
-    /// Be a router: others reach each other through this session, and endpoints to connect to may
-    /// appear later, go and come back.
-    pub router: bool,
+    /// What to be among the sessions of the bus.
+    pub role: Role,
+}
+
+/// What a session is among others.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Role {
+    /// Speaks with those it is connected to.
+    #[default]
+    Peer,
+    /// Gets everything through the one that it is connected to, also from those beyond.
+    Client,
+    /// Others reach each other through it; endpoints to connect to may appear later, go and come
+    /// back.
+    Router,
 }
 
 /// Why the bus could not be joined.
@@ -72,9 +84,9 @@ pub enum SessionError {
 /// A configuration, endpoint, port or peer that does not work, by name.
 pub fn open(settings: &SessionSettings) -> Result<zenoh::Session, SessionError> {
     for endpoint in &settings.connect {
-        match settings.router {
-            true => drop(tcp_address(endpoint)?),
-            false => check_reachable(endpoint)?,
+        match settings.role {
+            Role::Router => drop(tcp_address(endpoint)?),
+            Role::Peer | Role::Client => check_reachable(endpoint)?,
         }
     }
     for endpoint in &settings.listen {
@@ -87,10 +99,10 @@ pub fn open(settings: &SessionSettings) -> Result<zenoh::Session, SessionError> 
         })?,
         None => {
             let mut config = zenoh::Config::default();
-            let mode = if settings.router {
-                "\"router\""
-            } else {
-                "\"peer\""
+            let mode = match settings.role {
+                Role::Peer => "\"peer\"",
+                Role::Client => "\"client\"",
+                Role::Router => "\"router\"",
             };
             set(&mut config, "mode", mode)?;
             set(&mut config, "scouting/multicast/enabled", "false")?;

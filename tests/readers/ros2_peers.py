@@ -8,6 +8,7 @@
 """
 
 import json
+import os
 import struct
 import sys
 import threading
@@ -56,7 +57,14 @@ def graph(port):
     ZenohSession.get_instance("127.0.0.1", port)
     topics = discovery.get_topic_names_and_types(router_ip="127.0.0.1", router_port=port)
     services = discovery.get_service_names_and_types(router_ip="127.0.0.1", router_port=port)
-    print(json.dumps({"topics": topics, "services": services}, default=str))
+    print(json.dumps({"topics": topics, "services": services}, default=str), flush=True)
+    leave(ZenohSession.get_instance("127.0.0.1", port))
+
+
+def leave(session):
+    """Closes and ends at once: threads of the SDK would keep the program."""
+    session.session.close()
+    os._exit(0)
 
 
 def press(port, out):
@@ -103,6 +111,8 @@ def press(port, out):
             numbers = [force.x, force.y, force.z, torque.x, torque.y, torque.z]
             lines.write(struct.pack(">6d", *numbers).hex() + "\n")
     assert len(newest) == 300, len(newest)
+    poses.close()
+    leave(session)
 
 
 def hashes():

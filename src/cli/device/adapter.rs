@@ -7,7 +7,7 @@ use crate::adapters::haply_service::{self, Pace};
 use crate::adapters::ros2::{guard_crtk, simulate_arm};
 use crate::adapters::simulated::SimulatedHand;
 use crate::adapters::{Coupling, couple};
-use crate::transport::{DEFAULT_ENDPOINT, SessionSettings, open};
+use crate::transport::{DEFAULT_ENDPOINT, Role, SessionSettings, open};
 use anyhow::Context as _;
 use palpate_client::device::{Hand, Motion, SimulatedDevice};
 use palpate_client::proto::messages::{DeviceInfo, SceneSnapshot};
@@ -214,6 +214,7 @@ fn session(args: &Args) -> anyhow::Result<zenoh::Session> {
     }
     Ok(open(&SessionSettings {
         connect,
+        role: Role::Client,
         ..SessionSettings::default()
     })?)
 }

@@ -2,7 +2,7 @@
 
 use super::peer::{Peer, pose};
 use crate::daemon::{Daemon, PROGRAM, free_port};
-use palpate::transport::{SessionSettings, open};
+use palpate::transport::{Role, SessionSettings, open};
 use palpate_devices::ros2::{Empty, OperatingState, PoseStamped, WrenchStamped};
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
@@ -41,7 +41,7 @@ fn a_bridge_killed_while_pressing_leaves_zero_and_free_behind_the_guard() {
     let router = format!("tcp/127.0.0.1:{}", free_port());
     let _router = open(&SessionSettings {
         listen: vec![router.clone()],
-        router: true,
+        role: Role::Router,
         ..Default::default()
     })
     .unwrap();

@@ -1,6 +1,6 @@
 //! A bare ROS 2 peer over Zenoh: what an rmw_zenoh node would send and receive, byte by byte.
 
-use palpate::transport::{SessionSettings, open};
+use palpate::transport::{Role, SessionSettings, open};
 use palpate_devices::cdr::{decode, encode};
 use palpate_devices::ros2::{
     Attachment, Header, PoseStamped, RosMessage, TwistStamped, topic_key, topic_subscription,
@@ -60,6 +60,7 @@ impl Peer {
     pub fn connect(endpoint: &str) -> Self {
         let settings = SessionSettings {
             connect: vec![endpoint.to_owned()],
+            role: Role::Client,
             ..Default::default()
         };
         Self {

@@ -416,10 +416,10 @@ fn a_router_may_appear_later_go_and_come_back() {
 }
 
 fn open_router(endpoint: &str) -> zenoh::Session {
-    use palpate::transport::{SessionSettings, open};
+    use palpate::transport::{Role, SessionSettings, open};
     let settings = SessionSettings {
         listen: vec![endpoint.to_owned()],
-        router: true,
+        role: Role::Router,
         ..Default::default()
     };
     let begun = Instant::now();
