@@ -176,17 +176,7 @@ fn arm(
         absolute: known.absolute.filter(|_| own_force),
         frame: spec.frame.clone(),
         coupler: CouplerSettings {
-            frame: Frame::new(spec.scale, spec.rotation, spec.translation).unwrap_or_else(
-                |error| {
-                    let key = match error {
-                        FrameError::Scale(_) => "scale",
-                        FrameError::Rotation(_) => "rotation",
-                        FrameError::Translation(_) => "translation",
-                    };
-                    problems.add(format!("{path}.{key}"), error.to_string());
-                    Frame::default()
-                },
-            ),
+            frame: frame(spec, path, problems),
             clutch_button: spec.clutch,
             grab_button: Some(spec.grab).filter(|grab| spec.clutch != Some(*grab)),
             velocity_cutoff_hz: spec.velocity_cutoff_hz,
@@ -215,6 +205,25 @@ fn arm(
         }
     }
     plan
+}
+
+/// Each figure is checked by itself, so that all that are wrong are told.
+fn frame(spec: &Ros2ToolSpec, path: &str, problems: &mut Problems) -> Frame {
+    let (unturned, origin) = ([0.0, 0.0, 0.0, 1.0], [0.0; 3]);
+    let checks = [
+        Frame::new(spec.scale, unturned, origin),
+        Frame::new(1.0, spec.rotation, origin),
+        Frame::new(1.0, unturned, spec.translation),
+    ];
+    for error in checks.into_iter().filter_map(Result::err) {
+        let key = match error {
+            FrameError::Scale(_) => "scale",
+            FrameError::Rotation(_) => "rotation",
+            FrameError::Translation(_) => "translation",
+        };
+        problems.add(format!("{path}.{key}"), error.to_string());
+    }
+    Frame::new(spec.scale, spec.rotation, spec.translation).unwrap_or_default()
 }
 
 fn check_figures(spec: &Ros2ToolSpec, path: &str, problems: &mut Problems) {

@@ -1,8 +1,8 @@
 //! The guard beside a CRTK driver, and the simulated arm.
 
 use super::peer::{Peer, pose};
+use super::ros2::open_router;
 use crate::daemon::{Daemon, PROGRAM, free_port};
-use palpate::transport::{Role, SessionSettings, open};
 use palpate_devices::ros2::{Empty, OperatingState, PoseStamped, WrenchStamped};
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
@@ -39,12 +39,7 @@ fn now_ns() -> u64 {
 fn a_bridge_killed_while_pressing_leaves_zero_and_free_behind_the_guard() {
     let directory = tempfile::tempdir().unwrap();
     let router = format!("tcp/127.0.0.1:{}", free_port());
-    let _router = open(&SessionSettings {
-        listen: vec![router.clone()],
-        role: Role::Router,
-        ..Default::default()
-    })
-    .unwrap();
+    let _router = open_router(&router);
     let text =
         format!("{SCENE}\n[[ros2.tool]]\ntool = \"ball\"\nforce = \"/arm/palpate/servo_cf\"\n");
     let mut daemon = Daemon::start(directory.path(), &text, &["--ros2", "--connect", &router]);

@@ -412,7 +412,8 @@ fn a_router_may_appear_later_go_and_come_back() {
     }
 }
 
-fn open_router(endpoint: &str) -> zenoh::Session {
+/// A router as a session of this program.
+pub fn open_router(endpoint: &str) -> zenoh::Session {
     use palpate::transport::{Role, SessionSettings, open};
     let settings = SessionSettings {
         listen: vec![endpoint.to_owned()],
