@@ -2,11 +2,12 @@
 //! recordings that replay bit for bit.
 //!
 //! ```text
-//! drive ──▶ wire ──▶ transport | recording ──▶ editing, viewer ──▶ cli
+//! drive ──▶ wire ──▶ transport | recording ──▶ editing, viewer, adapters ──▶ cli
 //! ```
 //! Transport and recording do not know each other; they meet in [`drive::archive`] and
 //! [`drive::playback`]. `docs/ARCHITECTURE.md` shows how a tick passes through all of it.
 
+pub mod adapters;
 /// Pictures of curves as SVG, for `export --svg` and the benches; not part of the library.
 #[doc(hidden)]
 pub mod chart;

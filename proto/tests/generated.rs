@@ -167,3 +167,32 @@ fn the_c_header_reads_and_writes_every_golden_message_as_c99() {
 fn the_c_header_reads_and_writes_every_golden_message_as_cpp17() {
     golden_in("c++", &["-x", "c++", "-std=c++17"]);
 }
+
+/// The device loop of clients/c: capped forces while they come, zero when they stop.
+#[test]
+fn the_device_loop_in_c_compiles_as_both_and_lets_go_when_forces_stop() {
+    let source = root().join("clients/c/device_loop.c");
+    let both: [(&str, &[&str]); 2] = [("cc", &["-std=c99"]), ("c++", &["-x", "c++", "-std=c++17"])];
+    for (compiler, arguments) in both {
+        let program = Path::new(env!("CARGO_TARGET_TMPDIR"))
+            .join(format!("device-loop-{}-{compiler}", std::process::id()));
+        let compiled = Command::new(compiler)
+            .args(arguments)
+            .args(["-Wall", "-Wextra", "-Werror", "-o"])
+            .arg(&program)
+            .arg(&source)
+            .arg("-lm")
+            .output();
+        let Ok(compiled) = compiled else {
+            println!("skipped: no {compiler}");
+            continue;
+        };
+        let words = String::from_utf8_lossy(&compiled.stderr);
+        assert!(compiled.status.success(), "{compiler}: {words}");
+        let ran = Command::new(&program).output().unwrap();
+        std::fs::remove_file(&program).unwrap();
+        let out = String::from_utf8_lossy(&ran.stdout);
+        assert!(ran.status.success(), "{compiler}: {out}");
+        println!("{compiler}: {}", out.trim());
+    }
+}

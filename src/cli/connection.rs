@@ -45,6 +45,11 @@ impl Connection {
         self.connect(true)
     }
 
+    /// Endpoints, for sessions of other protocols.
+    pub fn endpoints(&self) -> Vec<String> {
+        self.connect.clone()
+    }
+
     fn connect(&self, onlooker: bool) -> anyhow::Result<Palpate> {
         Ok(Palpate::connect(&self.settings(onlooker))?)
     }

@@ -1,5 +1,7 @@
 //! `palpate device`: a simulated device on the bus.
 
+mod adapter;
+
 use super::connection::Connection;
 use super::{Outcome, text};
 use anyhow::Context as _;
@@ -19,7 +21,7 @@ const LEAVING: Duration = Duration::from_secs(1);
 #[derive(clap::Args, Debug)]
 pub struct Args {
     /// Tool of the scene to move.
-    #[arg(long, required_unless_present = "list")]
+    #[arg(long, required_unless_present_any = ["list", "pretend", "guard"])]
     tool: Option<String>,
     /// Print the available devices and exit.
     #[arg(long)]
@@ -71,6 +73,8 @@ pub struct Args {
     #[arg(long)]
     csv: Option<PathBuf>,
     #[command(flatten)]
+    adapter: adapter::AdapterArgs,
+    #[command(flatten)]
     connection: Connection,
     /// Print one JSON object.
     #[arg(long)]
@@ -81,6 +85,15 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     if args.list {
         list(args.json)?;
         return Ok(Outcome::Ok);
+    }
+    if args.adapter.hardware.is_some() {
+        return adapter::drive(args);
+    }
+    if let Some(kind) = &args.adapter.pretend {
+        return adapter::pretend(args, kind);
+    }
+    if args.adapter.guard.is_some() {
+        return adapter::guard(args);
     }
     let tool_id = args
         .tool

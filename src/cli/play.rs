@@ -5,7 +5,7 @@ use super::keys::{Key, Keys};
 use crate::drive::playback::{PlayRequest, playback};
 use crate::drive::ports::ports;
 use crate::recording::{PlayReport, PlaySettings, Player, Session, played_scene};
-use crate::transport::{Bus, BusSettings, DEFAULT_ENDPOINT, SessionSettings, open};
+use crate::transport::{Bus, BusSettings, DEFAULT_ENDPOINT, Role, SessionSettings, open};
 use crate::viewer::Viewer;
 use sha2::Digest as _;
 use std::path::PathBuf;
@@ -101,6 +101,7 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
             connect: args.connect.clone(),
             listen,
             config,
+            role: Role::Peer,
         })?;
         let (viewer, feed) = args
             .page

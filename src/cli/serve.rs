@@ -4,6 +4,7 @@ mod ready;
 mod watchdog;
 
 use super::{Outcome, text};
+use crate::adapters::ros2::{Plan, Ros2};
 use crate::drive::driver::{self, DriverReport, DriverSettings};
 use crate::drive::editor::Editor;
 use crate::drive::journal::Journal;
@@ -13,7 +14,7 @@ use crate::recording::{
     Recorder, RecorderSettings, RecordingReport, SelfCheck, SelfCheckReport, Split, default_path,
     stage_infos, write_stages,
 };
-use crate::transport::{Bus, BusSettings, DEFAULT_ENDPOINT, SessionSettings, open};
+use crate::transport::{Bus, BusSettings, DEFAULT_ENDPOINT, Role, SessionSettings, is_taken, open};
 use crate::viewer::Viewer;
 use palpate_sim::scene::spec::{Clock, SceneSpec};
 use palpate_sim::scene::{Scene, file, inline_files};
@@ -67,6 +68,9 @@ pub struct Common {
     pub instance: String,
     #[command(flatten)]
     pub page: super::page::PageArgs,
+    /// Speak ROS 2 (rmw_zenoh) too: tools are moved by the topics of `[ros2]` in the scene.
+    #[arg(long)]
+    pub ros2: bool,
     /// Do not request FIFO scheduling and locked memory.
     #[arg(long)]
     pub no_rt: bool,
@@ -192,6 +196,10 @@ pub fn serve(
     let scene = Arc::new(
         Scene::build(&effective, &loaded.directory).map_err(|error| loaded.locate(error))?,
     );
+    let ros2 = common
+        .ros2
+        .then(|| Plan::of(&effective).map_err(|error| loaded.locate(error)))
+        .transpose()?;
     let config = common.zenoh_config.clone().or_else(|| {
         loaded
             .spec
@@ -205,11 +213,17 @@ pub fn serve(
         (None, true, true) => vec![DEFAULT_ENDPOINT.to_owned()],
         _ => common.listen.clone(),
     };
+    let (connect, listen) = meet(common, listen);
     let session = open(&SessionSettings {
-        connect: common.connect.clone(),
+        connect,
         listen: listen.clone(),
         config,
+        role: match common.ros2 {
+            true => Role::Router,
+            false => Role::Peer,
+        },
     })?;
+    let for_ros2 = session.clone();
     let (mut recorder, journal) = Recorder::start(
         common
             .recording
@@ -224,6 +238,7 @@ pub fn serve(
     let counters = bus_ports.counters.clone();
     let stopper = counters.clone();
     let watched = session.clone();
+    let stop_now = counters.clone();
     // The first signal lets forces fade and ends the recording; the second ends the program.
     let signals = AtomicU32::new(0);
     let _ = ctrlc::set_handler(move || {
@@ -277,10 +292,19 @@ pub fn serve(
         scene = scene.name, instance = common.instance, listen = listen.join(","), clock = ?scene.clock,
         "serving; poses on palpate/{}/tool/ID/pose", common.instance
     );
+    let ros2 = ros2
+        .map(|plan| Ros2::start(&for_ros2, &common.instance, &plan))
+        .transpose();
+    if ros2.is_err() {
+        // Without its devices the daemon is of no use.
+        stop_now.stop.store(true, Ordering::Release);
+    }
     let begun = ready(viewer.as_ref().map(Viewer::url).as_deref());
     let report = thread
         .join()
         .map_err(|_| anyhow::anyhow!("the tick thread panicked"));
+    // While the session is open: devices get a last force of zero.
+    let ros2 = ros2.map(drop);
     let bus_report = bus.finish();
     let self_check = self_check.map(SelfCheck::finish);
     drop(viewer);
@@ -289,6 +313,7 @@ pub fn serve(
         eprintln!("the recording is incomplete: {error}");
     }
     begun?;
+    ros2?;
     tracing::debug!(events = bus_report.events, poses = ?bus_report.poses, suppressed = ?bus_report.suppressed, "bus closed");
     let report = report?;
     if settings.privileged && !report.privileges.fifo && scene.clock == Clock::Realtime {
@@ -299,6 +324,24 @@ pub fn serve(
         recording,
         self_check,
     })
+}
+
+/// Where to connect and to listen. `rmw_zenohd` listens where we do by default: if it is there, it is
+/// the router; if not, we are.
+fn meet(common: &Common, listen: Vec<String>) -> (Vec<String>, Vec<String>) {
+    let mut connect = common.connect.clone();
+    let by_default = common.listen.is_empty() && common.zenoh_config.is_none();
+    if !(common.ros2 && by_default) {
+        return (connect, listen);
+    }
+    let (taken, free) = listen.into_iter().partition::<Vec<_>, _>(|at| is_taken(at));
+    for endpoint in taken {
+        tracing::info!(endpoint, "a router is there already: connecting to it");
+        if !connect.contains(&endpoint) {
+            connect.push(endpoint);
+        }
+    }
+    (connect, free)
 }
 
 /// Asks the system to send the terminating signal when the parent process ends.

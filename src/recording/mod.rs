@@ -37,7 +37,9 @@ mod views;
 
 pub use channel::{EventRecord, Happening, Keyframe, NetRecord, OtherRecord, Topic};
 pub use disk::{Disk, DiskFile, FileSystem};
-pub use export::{Bucket, BucketedCurve, ExportError, Range, Series, csv, net_at, series};
+pub use export::{
+    Bucket, BucketedCurve, ExportError, Range, Series, csv, net_at, ros2_bag, series,
+};
 pub use figures::{
     BodyFigures, Deviation, Figures, FiguresError, Start, Tolerances, ToolFigures, deviations,
     simulate_figures,

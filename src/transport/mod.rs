@@ -26,5 +26,5 @@ mod view;
 
 pub use bus::{Bus, BusReport, BusSettings};
 pub use metrics::LoopMetrics;
-pub use session::{DEFAULT_ENDPOINT, SessionError, SessionSettings, open};
+pub use session::{DEFAULT_ENDPOINT, Role, SessionError, SessionSettings, is_taken, open};
 pub use view::ViewSink;

@@ -17,6 +17,21 @@ pub struct SessionSettings {
     pub listen: Vec<String>,
     /// A stock Zenoh JSON5 configuration, taken before the endpoints above.
     pub config: Option<PathBuf>,
+    /// What to be among the sessions of the bus.
+    pub role: Role,
+}
+
+/// What a session is among others.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Role {
+    /// Speaks with those it is connected to.
+    #[default]
+    Peer,
+    /// Gets everything through the one that it is connected to, also from those beyond.
+    Client,
+    /// Others reach each other through it; endpoints to connect to may appear later, go and come
+    /// back.
+    Router,
 }
 
 /// Why the bus could not be joined.
@@ -69,7 +84,10 @@ pub enum SessionError {
 /// A configuration, endpoint, port or peer that does not work, by name.
 pub fn open(settings: &SessionSettings) -> Result<zenoh::Session, SessionError> {
     for endpoint in &settings.connect {
-        check_reachable(endpoint)?;
+        match settings.role {
+            Role::Router => drop(tcp_address(endpoint)?),
+            Role::Peer | Role::Client => check_reachable(endpoint)?,
+        }
     }
     for endpoint in &settings.listen {
         check_free(endpoint)?;
@@ -86,7 +104,12 @@ pub fn open(settings: &SessionSettings) -> Result<zenoh::Session, SessionError> 
         }
         None => {
             let mut config = zenoh::Config::default();
-            set(&mut config, "mode", "\"peer\"")?;
+            let mode = match settings.role {
+                Role::Peer => "\"peer\"",
+                Role::Client => "\"client\"",
+                Role::Router => "\"router\"",
+            };
+            set(&mut config, "mode", mode)?;
             set(&mut config, "scouting/multicast/enabled", "false")?;
             set(&mut config, "listen/endpoints", "[]")?;
             config
@@ -137,6 +160,11 @@ fn tcp_address(endpoint: &str) -> Result<Option<std::net::SocketAddr>, SessionEr
         .next()
         .map(Some)
         .ok_or_else(|| wrong("the host has no address".into()))
+}
+
+/// Somebody listens at an endpoint.
+pub fn is_taken(endpoint: &str) -> bool {
+    matches!(check_free(endpoint), Err(SessionError::InUse { .. }))
 }
 
 fn check_reachable(endpoint: &str) -> Result<(), SessionError> {

@@ -14,6 +14,8 @@ mod session;
 mod clients;
 mod crash;
 mod damage;
+#[path = "devices/mod.rs"]
+mod devices;
 mod documents;
 mod documents_run;
 mod editing;

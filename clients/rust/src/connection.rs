@@ -4,7 +4,7 @@ use palpate_proto::DeviceError;
 use palpate_proto::codec::{DecodeError, decode};
 use palpate_proto::keys::{IdError, Keys};
 use palpate_proto::messages::{
-    ControlNet, DeviceInfo, LoopStatus, Message, SceneSnapshot, SimEvent, ToolForce,
+    ControlNet, DeviceInfo, LoopStatus, Message, SceneSnapshot, SimEvent, ToolContact, ToolForce,
 };
 use palpate_proto::rpc::{Answer, Call, CallError, Done};
 use std::net::{TcpStream, ToSocketAddrs};
@@ -214,6 +214,23 @@ impl Palpate {
         })
     }
 
+    /// Speaks to an instance over a session that exists: for programs that have one already, like the
+    /// daemon's own adapters.
+    ///
+    /// # Errors
+    /// An instance name that is no id.
+    pub fn over(session: zenoh::Session, instance: &str) -> Result<Self, ClientError> {
+        Ok(Self {
+            session,
+            keys: Keys::new(instance)?,
+            settings: Connect {
+                endpoints: Vec::new(),
+                instance: instance.to_owned(),
+                ..Connect::to("")
+            },
+        })
+    }
+
     pub(crate) fn session(&self) -> &zenoh::Session {
         &self.session
     }
@@ -397,6 +414,14 @@ impl Palpate {
     /// Zenoh refused.
     pub fn forces(&self, tool: &str) -> Result<Latest<ToolForce>, ClientError> {
         self.latest(self.keys.tool_force(tool))
+    }
+
+    /// What contacts do to a tool, the newest, for those who watch.
+    ///
+    /// # Errors
+    /// Zenoh refused.
+    pub fn contacts(&self, tool: &str) -> Result<Latest<ToolContact>, ClientError> {
+        self.latest(self.keys.tool_contact(tool))
     }
 
     /// The newest status, ten times a second.

@@ -3,7 +3,7 @@
 mod plot;
 
 use super::Outcome;
-use crate::recording::{Range, Session, csv, net_at, series};
+use crate::recording::{Range, Session, csv, net_at, ros2_bag, series};
 use anyhow::Context as _;
 use palpate_geometry::exchange::{Format, write_mesh, write_surface};
 use palpate_geometry::surface::file::Unit;
@@ -14,7 +14,7 @@ use std::path::{Path, PathBuf};
 const DEFAULT_TOLERANCE: f64 = 1e-3;
 
 #[derive(clap::Args, Debug)]
-#[command(group(clap::ArgGroup::new("what").required(true).multiple(true).args(["csv", "svg", "net"])))]
+#[command(group(clap::ArgGroup::new("what").required(true).multiple(true).args(["csv", "svg", "net", "ros2bag"])))]
 pub struct Args {
     /// Recording file.
     file: PathBuf,
@@ -28,6 +28,9 @@ pub struct Args {
     /// Plot force, depth, energy and tick time to this file.
     #[arg(long, value_name = "FILE.svg")]
     svg: Option<PathBuf>,
+    /// Write poses and forces as a bag of ROS 2 (MCAP) into this new directory.
+    #[arg(long, value_name = "DIRECTORY")]
+    ros2bag: Option<PathBuf>,
     /// Write the control net of this body as it was after --tick.
     #[arg(long, value_name = "BODY", requires = "tick", requires = "out")]
     net: Option<String>,
@@ -71,6 +74,9 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
         let name = args.file.file_name().unwrap_or_default().to_string_lossy();
         let page = plot::page(&format!("{name}: {scene}"), &series(&session, &range)?);
         std::fs::write(path, page).with_context(|| path.display().to_string())?;
+    }
+    if let Some(path) = &args.ros2bag {
+        ros2_bag(&session, &range, path).with_context(|| path.display().to_string())?;
     }
     if let (Some(body), Some(tick), Some(path), Some(format)) =
         (&args.net, args.tick, &args.out, format)

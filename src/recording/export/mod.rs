@@ -1,9 +1,11 @@
 //! Sessions for other programs: a table of ticks, curves to plot, the net of a body at any tick.
 
+mod bag;
 mod csv;
 mod net;
 mod series;
 
+pub use bag::ros2_bag;
 pub use csv::csv;
 pub use net::net_at;
 pub use series::{Bucket, BucketedCurve, Series, series};

@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 
 mod body;
+mod ros2;
 mod surface;
 mod tool;
 pub use super::model::ModelSpec;
@@ -12,6 +13,7 @@ pub use super::shape::{
     Point, ShapeSpec, Sphere, Torus,
 };
 pub use body::*;
+pub use ros2::*;
 pub use surface::SurfaceSpec;
 pub use tool::*;
 
@@ -43,6 +45,9 @@ pub struct SceneSpec {
     /// `[zenoh]`.
     #[serde(default)]
     pub zenoh: ZenohSpec,
+    /// `[ros2]`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub ros2: Option<Ros2Spec>,
 }
 
 pub use crate::solve::rows::MAX_TOOLS;

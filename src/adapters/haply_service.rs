@@ -1,0 +1,190 @@
+//! A simulated device as a Haply Inverse Service: for programs written for Haply, without hardware.
+
+use super::simulated::SimulatedHand;
+use palpate_client::proto::messages::ToolPose;
+use palpate_devices::haply::{Buttons, DeviceState, read_forces, state_message};
+use std::net::{SocketAddr, TcpListener, TcpStream};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::{Duration, Instant};
+use tungstenite::{Message, WebSocket};
+
+/// Ids, as the service gives them.
+const DEVICE_ID: &str = "049D";
+const GRIP_ID: &str = "61548";
+/// A force is not kept longer than this without a message.
+const KEPT: Duration = Duration::from_millis(50);
+/// A program that was away for longer is not caught up with.
+const CATCH_UP: Duration = Duration::from_millis(50);
+/// Between two looks at whether to stop.
+const TURN: Duration = Duration::from_millis(20);
+/// Programs at once.
+const MOST: u64 = 16;
+
+/// When a device moves on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Pace {
+    /// With the clock.
+    Time,
+    /// By one servo period for each message: sessions repeat bit for bit.
+    Message,
+}
+
+/// The device that all programs see.
+struct Shared {
+    hand: SimulatedHand,
+    pose: ToolPose,
+    pace: Pace,
+    force: [f64; 3],
+    told: Instant,
+    now: Instant,
+}
+
+impl Shared {
+    /// Takes what a program sent; gives the state after it.
+    fn message(&mut self, force: Option<[f64; 3]>) -> DeviceState {
+        match self.pace {
+            Pace::Message => {
+                self.force = force.unwrap_or([0.0; 3]);
+                self.pose = self.hand.step(self.force, [0.0; 3]);
+            }
+            Pace::Time => {
+                self.catch_up();
+                if let Some(force) = force {
+                    (self.force, self.told) = (force, Instant::now());
+                }
+            }
+        }
+        self.state()
+    }
+
+    fn catch_up(&mut self) {
+        let period = Duration::from_secs_f64(self.hand.dt_s());
+        let now = Instant::now();
+        if now.saturating_duration_since(self.now) > CATCH_UP {
+            self.now = now - period;
+        }
+        while now.saturating_duration_since(self.now) >= period {
+            self.now += period;
+            if self.now.saturating_duration_since(self.told) > KEPT {
+                self.force = [0.0; 3];
+            }
+            self.pose = self.hand.step(self.force, [0.0; 3]);
+        }
+    }
+
+    fn state(&self) -> DeviceState {
+        DeviceState {
+            device_id: DEVICE_ID.to_owned(),
+            grip_id: GRIP_ID.to_owned(),
+            position: self.pose.position,
+            velocity: self.pose.linear_velocity,
+            orientation: self.pose.orientation,
+            buttons: Buttons {
+                a: self.pose.buttons & 1 == 1,
+                ..Buttons::default()
+            },
+            force: self.force,
+        }
+    }
+}
+
+/// Serves at an address until `stop` is set; `ready` gets the address.
+///
+/// # Errors
+/// The address is taken.
+pub fn serve(
+    address: SocketAddr,
+    hand: SimulatedHand,
+    pace: Pace,
+    stop: &Arc<AtomicBool>,
+    ready: impl FnOnce(SocketAddr),
+) -> std::io::Result<()> {
+    let listener = TcpListener::bind(address)?;
+    listener.set_nonblocking(true)?;
+    ready(listener.local_addr()?);
+    let shared = Arc::new(Mutex::new(Shared {
+        pose: hand.pose(),
+        hand,
+        pace,
+        force: [0.0; 3],
+        told: Instant::now(),
+        now: Instant::now(),
+    }));
+    let open = Arc::new(AtomicU64::new(0));
+    let mut session = 0;
+    while !stop.load(Ordering::Relaxed) {
+        let stream = match listener.accept() {
+            Ok((stream, _)) if open.load(Ordering::Relaxed) < MOST => stream,
+            Ok(_) => continue,
+            Err(_) => {
+                std::thread::sleep(TURN);
+                continue;
+            }
+        };
+        session += 1;
+        open.fetch_add(1, Ordering::Relaxed);
+        let (shared, stop, open) = (shared.clone(), stop.clone(), open.clone());
+        std::thread::Builder::new()
+            .name("palpate-haply".into())
+            .spawn(move || {
+                if let Err(error) = program(stream, session, &shared, &stop) {
+                    tracing::debug!(%error, "a program of the Inverse Service left");
+                }
+                lock(&shared).force = [0.0; 3];
+                open.fetch_sub(1, Ordering::Relaxed);
+            })?;
+    }
+    Ok(())
+}
+
+fn lock(shared: &Mutex<Shared>) -> std::sync::MutexGuard<'_, Shared> {
+    shared.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// One program: all at first, then a state for each message.
+fn program(
+    stream: TcpStream,
+    session: u64,
+    shared: &Mutex<Shared>,
+    stop: &AtomicBool,
+) -> tungstenite::Result<()> {
+    stream.set_nonblocking(false)?;
+    stream.set_nodelay(true)?;
+    stream.set_read_timeout(Some(Duration::from_secs(5)))?;
+    let mut socket: WebSocket<TcpStream> = match tungstenite::accept(stream) {
+        Ok(socket) => socket,
+        Err(tungstenite::HandshakeError::Failure(error)) => return Err(error),
+        Err(tungstenite::HandshakeError::Interrupted(_)) => return Ok(()),
+    };
+    socket.get_ref().set_read_timeout(Some(TURN))?;
+    let first = lock(shared).state();
+    socket.send(Message::text(state_message(&[first], Some(session))))?;
+    while !stop.load(Ordering::Relaxed) {
+        use std::io::ErrorKind::{TimedOut, WouldBlock};
+        let text = match socket.read() {
+            Ok(Message::Text(text)) => text.to_string(),
+            Ok(Message::Close(_)) => return Ok(()),
+            Ok(_) => continue,
+            Err(tungstenite::Error::Io(error)) if matches!(error.kind(), WouldBlock | TimedOut) => {
+                continue;
+            }
+            Err(error) => return Err(error),
+        };
+        let force = match read_forces(&text) {
+            Ok(forces) => forces,
+            Err(error) => {
+                // One state for each message, also for one that says nothing.
+                tracing::warn!(%error, "a message to the Inverse Service");
+                Vec::new()
+            }
+        };
+        let force = force
+            .into_iter()
+            .find(|(id, _)| id == DEVICE_ID)
+            .map(|(_, force)| force);
+        let state = lock(shared).message(force);
+        socket.send(Message::text(state_message(&[state], None)))?;
+    }
+    socket.close(None)
+}

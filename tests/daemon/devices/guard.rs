@@ -1,0 +1,124 @@
+//! The guard beside a CRTK driver, and the simulated arm.
+
+use super::peer::{Peer, pose};
+use super::ros2::open_router;
+use crate::daemon::{Daemon, PROGRAM, free_port};
+use palpate_devices::ros2::{Empty, OperatingState, PoseStamped, WrenchStamped};
+use std::process::{Child, Command, Stdio};
+use std::time::{Duration, Instant};
+
+const SCENE: &str = include_str!("../../../scenes/rigid-teardrop.toml");
+
+struct Process(Child);
+
+impl Process {
+    fn start(arguments: &[&str]) -> Self {
+        let child = Command::new(PROGRAM)
+            .args(arguments)
+            .stdin(Stdio::null())
+            .stdout(Stdio::null())
+            .stderr(Stdio::null())
+            .spawn();
+        Self(child.unwrap())
+    }
+}
+
+impl Drop for Process {
+    fn drop(&mut self) {
+        let _ = self.0.kill();
+        let _ = self.0.wait();
+    }
+}
+
+fn now_ns() -> u64 {
+    let now = std::time::SystemTime::now().duration_since(std::time::UNIX_EPOCH);
+    now.unwrap().as_nanos() as u64
+}
+
+#[test]
+fn a_bridge_killed_while_pressing_leaves_zero_and_free_behind_the_guard() {
+    let directory = tempfile::tempdir().unwrap();
+    let router = format!("tcp/127.0.0.1:{}", free_port());
+    let _router = open_router(&router);
+    let text =
+        format!("{SCENE}\n[[ros2.tool]]\ntool = \"ball\"\nforce = \"/arm/palpate/servo_cf\"\n");
+    let mut daemon = Daemon::start(directory.path(), &text, &["--ros2", "--connect", &router]);
+    let _guard = Process::start(&[
+        "device",
+        "--guard",
+        "crtk",
+        "/arm",
+        "--for",
+        "300s",
+        "--connect",
+        &router,
+    ]);
+    let peer = Peer::connect(&router);
+    let forces = peer.hear::<WrenchStamped>("/arm/body/servo_cf");
+    let free = peer.hear::<Empty>("/arm/free");
+    peer.await_listener::<PoseStamped>("/arm/measured_cp");
+    peer.await_listener::<WrenchStamped>("/arm/palpate/servo_cf");
+    let begun = Instant::now();
+    let mut last = 0.0;
+    while last < 0.5 {
+        assert!(
+            begun.elapsed() < Duration::from_secs(60),
+            "no force comes through the guard"
+        );
+        peer.put(
+            "/arm/measured_cp",
+            &pose(now_ns() / 1_000_000, [0.0255, 0.003, 0.045]),
+        );
+        std::thread::sleep(Duration::from_millis(1));
+        for wrench in forces.take::<WrenchStamped>() {
+            last = wrench.force[0];
+        }
+    }
+    // No farewell: the daemon is killed.
+    let killed_ns = now_ns();
+    daemon.child.kill().unwrap();
+    free.next::<Empty>();
+    let heard = forces.take::<WrenchStamped>();
+    let rest = heard.last().unwrap();
+    assert_eq!((rest.force, rest.torque), ([0.0; 3], [0.0; 3]));
+    let passed_ms = (rest.header.stamp.to_ns() as f64 - killed_ns as f64) * 1e-6;
+    println!(
+        "zero {passed_ms:.1} ms after the daemon was killed, of which 20 ms are the guard's patience"
+    );
+}
+
+#[test]
+fn the_simulated_arm_is_pressed_by_the_daemon_over_ros() {
+    let directory = tempfile::tempdir().unwrap();
+    let text = format!("{SCENE}\n[[ros2.tool]]\ntool = \"ball\"\n");
+    let daemon = Daemon::start(directory.path(), &text, &["--ros2"]);
+    let peer = Peer::connect(&daemon.endpoint);
+    let states = peer.hear::<OperatingState>("/arm/operating_state");
+    peer.await_listener::<PoseStamped>("/arm/measured_cp");
+    let done = Command::new(PROGRAM)
+        .args([
+            "device", "--as", "crtk", "/arm", "--tool", "ball", "--motion", "press", "--for", "4s",
+        ])
+        .args(["--connect", &daemon.endpoint])
+        .stdin(Stdio::null())
+        .output()
+        .unwrap();
+    let words = String::from_utf8_lossy(&done.stdout);
+    assert!(
+        done.status.success(),
+        "{}",
+        String::from_utf8_lossy(&done.stderr)
+    );
+    println!("{words}");
+    let peak: f64 = words
+        .split("peak ")
+        .nth(1)
+        .unwrap()
+        .split(' ')
+        .next()
+        .unwrap()
+        .parse()
+        .unwrap();
+    assert!(peak > 0.3, "{words}");
+    assert_eq!(states.next::<OperatingState>().state, "ENABLED");
+}
