@@ -73,7 +73,7 @@ pub fn blocks() -> Vec<Block> {
 /// Kinds of blocks, and for those that are only read the reason in their name.
 const KINDS: [(&str, &[&str]); 7] = [
     ("text", &[""]),
-    ("sh", &["", "build", "daemon", "recording"]), // run by documents_run
+    ("sh", &["", "build", "daemon", "peer", "recording"]), // run by documents_run
     ("rust", &["", "no_run", "no_run,test_harness"]),
     // Those of README.md and docs/python.md are run by clients/python/tests; the others need packages,
     // and clients/python/examples has the same in a program.

@@ -2,7 +2,8 @@
 //!
 //! A `sh` block runs in bash, in a directory with the repository's files; after the language stands
 //! what else it needs: `daemon`, a running teardrop; `recording`, a session.mcap; `build`, that
-//! Cargo builds (only parsed, in `documents`). What would run until it is stopped is given two
+//! Cargo builds, and `peer`, another program (both only parsed, in `documents`; what needs a peer runs
+//! with one in the tests of that peer). What would run until it is stopped is given two
 //! seconds, and port 7447 is another for each block.
 
 use crate::daemon::{Daemon, PROGRAM, free_port};
@@ -136,7 +137,11 @@ fn run(block: &Block) -> Result<(), String> {
 fn run_all(wanted: impl Fn(&Block) -> bool) {
     let blocks: Vec<Block> = blocks()
         .into_iter()
-        .filter(|block| block.language == "sh" && block.kind != "build" && wanted(block))
+        .filter(|block| {
+            block.language == "sh"
+                && !["build", "peer"].contains(&block.kind.as_str())
+                && wanted(block)
+        })
         .collect();
     assert!(!blocks.is_empty());
     let failures: Vec<String> = blocks.iter().filter_map(|block| run(block).err()).collect();

@@ -12,7 +12,7 @@ use super::feet::{MAX_FEET, Way, push_foot};
 use super::{BodyScratch, WarmRow};
 use crate::scene::Pair;
 use crate::solve::row_key::{FEET_OF_PAIR, RowKey};
-use crate::solve::rows::{DeformingView, RowSet};
+use crate::solve::rows::{DeformingView, Row, RowSet};
 use palpate_geometry::contact::{Contact, Facing};
 use palpate_geometry::math::{Point3, Pose};
 
@@ -118,7 +118,10 @@ pub(super) fn push_feet<'a>(
             return;
         }
         let share = carried(rows, contact, view, tool);
-        if share > MOST || !apart(&points[..count], &contact.on_body, tool.beside_m) {
+        if share > MOST
+            || held(rows, contact, view, tool)
+            || !apart(&points[..count], &contact.on_body, tool.beside_m)
+        {
             continue;
         }
         used |= 1 << number;
@@ -181,12 +184,7 @@ fn carried(rows: &RowSet, contact: &Contact, view: &DeformingView<'_>, tool: &Tr
         return 0.0;
     };
     let pressed = |sample: usize| {
-        // The one that stands for it.
-        let back = samples
-            .place(sample)
-            .map(|at| -((at % tool.every) as isize));
-        let key = RowKey::sample(samples.further(sample, back)?);
-        let row = rows.of_pair().iter().find(|row| row.id.key == key)?;
+        let row = row_of(rows, sample, view, tool)?;
         let deep = -row.gap_m / (PRESSED * tool.margin_m);
         let near = 1.0 - row.now_m / tool.margin_m;
         Some(deep.clamp(0.0, 1.0) * near.clamp(0.0, 1.0))
@@ -202,4 +200,29 @@ fn carried(rows: &RowSet, contact: &Contact, view: &DeformingView<'_>, tool: &Tr
         false => 0.0,
     });
     shares.into_iter().sum()
+}
+
+/// Samples on all sides of a contact are pressed: what rises between them is a bulge, and no foot.
+fn held(rows: &RowSet, contact: &Contact, view: &DeformingView<'_>, tool: &Treader<'_>) -> bool {
+    let around = view.samples.around(contact.u, contact.v);
+    around.is_some_and(|around| {
+        around.into_iter().all(|(sample, weight)| {
+            weight > 0.0 && row_of(rows, sample, view, tool).is_some_and(|row| row.gap_m < 0.0)
+        })
+    })
+}
+
+/// The row of a sample, or of the one that stands for it in a thinned grid.
+fn row_of<'a>(
+    rows: &'a RowSet,
+    sample: usize,
+    view: &DeformingView<'_>,
+    tool: &Treader<'_>,
+) -> Option<&'a Row> {
+    let samples = view.samples;
+    let back = samples
+        .place(sample)
+        .map(|at| -((at % tool.every) as isize));
+    let key = RowKey::sample(samples.further(sample, back)?);
+    rows.of_pair().iter().find(|row| row.id.key == key)
 }

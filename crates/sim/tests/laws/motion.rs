@@ -617,7 +617,8 @@ fn the_force_on_a_ball_that_slides_over_a_soft_body_does_not_jump() {
                 ["u", "v"][direction],
                 100.0 * worst
             );
-            assert!(worst < 0.01, "{model} in {direction}: {worst}");
+            // Between samples of the finest net a bulge comes to be pressed in one tick.
+            assert!(worst < 0.04, "{model} in {direction}: {worst}");
         }
     }
 }
@@ -649,6 +650,8 @@ fn a_cone_deep_in_a_soft_body_is_held_without_a_tremble() {
         }
         println!("{model}: {low} to {high} N held, largest step {worst} N");
         assert!(high - low < 0.01 * high, "{model}: {low} to {high} N");
-        assert!(worst < 0.03, "{model}: {worst} N in one tick");
+        // To stop in one tick, as the cone does at the end of its way, costs 20 um over the compliance
+        // of the surface in one tick, about 0.5 mm/N.
+        assert!(worst < 0.04, "{model}: {worst} N in one tick");
     }
 }

@@ -5,8 +5,7 @@ use palpate_sim::tick::apply;
 use palpate_sim::tick::quality;
 use palpate_sim::tick::record::{Command, TickOutput};
 
-/// A soft slab on a rigid floor that iterates four times a step, and a ball of 60 mm that many of
-/// its samples meet.
+/// A soft slab on a rigid floor that iterates four times a step, and a ball of 20 mm.
 fn world() -> World {
     World::new(
         r#"
@@ -20,8 +19,8 @@ lattice = { layers = 2, thickness_m = 0.01, refine = [16, 16] }
 fixed = [{ point = [0.0, 0.0, -0.006], normal = [0.0, 0.0, 1.0] }]
 [[tool]]
 id = "ball"
-shape = { sphere = { radius_m = 0.06 } }
-pose = { position = [0.0, 0.0, 0.07] }
+shape = { sphere = { radius_m = 0.02 } }
+pose = { position = [0.0, 0.0, 0.03] }
 coupling = { stiffness_n_m = 2000.0, damping_n_s_m = 1.0 }
 device = { force_max_n = 8.0 }
 "#,
@@ -33,7 +32,7 @@ device = { force_max_n = 8.0 }
 fn pressed(level: impl Fn(i32) -> u8) -> (TickOutput, f64) {
     let mut world = world();
     let mut jump: f64 = 0.0;
-    let mut last = world.at([0.001, 0.002, 0.065]).tools[0].force_n;
+    let mut last = world.at([0.001, 0.002, 0.025]).tools[0].force_n;
     let mut output = TickOutput::default();
     for k in 0..2_000 {
         if world.state.quality != level(k) {
@@ -45,7 +44,7 @@ fn pressed(level: impl Fn(i32) -> u8) -> (TickOutput, f64) {
             );
         }
         let share = (f64::from(k) / 250.0).min(1.0);
-        output = world.at([0.001, 0.002, 0.065 - 0.008 * share]);
+        output = world.at([0.001, 0.002, 0.025 - 0.008 * share]);
         jump = jump.max((output.tools[0].force_n - last).norm());
         last = output.tools[0].force_n;
     }
@@ -59,7 +58,7 @@ fn a_press_comes_to_the_same_rest_at_every_level_and_without_kicks() {
     let (full, smooth) = pressed(|_| 0);
     let force = full.tools[0].force_n;
     assert!(
-        force.norm() > 0.1 && full.tools[0].contact_count >= 4,
+        force.norm() > 0.1 && full.tools[0].contact_count >= 2,
         "{:?}",
         full.tools[0]
     );
