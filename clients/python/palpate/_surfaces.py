@@ -232,7 +232,7 @@ def pipe(
     Raises
     ------
     SurfaceError
-        A curve that is no spine; or, without ``force``, a pipe that intersects itself, with the largest radius.
+        A curve that cannot be a spine; or, without ``force``, a pipe that intersects itself, with the largest radius.
     """
     given = dict(curve) if isinstance(curve, Mapping) else _curve_file(curve)
     unknown = set(given) - {"degree", "knots", "points", "weights", "periodic"}

@@ -285,7 +285,7 @@ impl Seen {
         &self.key
     }
 
-    /// Payload.
+    /// The message as bytes, in postcard.
     #[getter]
     fn payload<'py>(&self, py: Python<'py>) -> Bound<'py, PyBytes> {
         PyBytes::new(py, &self.bytes)

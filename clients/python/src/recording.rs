@@ -42,7 +42,7 @@ impl RecordingFile {
         Ok(Self { path, session })
     }
 
-    /// File.
+    /// Path of the file that was opened.
     #[getter]
     fn path(&self) -> PathBuf {
         self.path.clone()

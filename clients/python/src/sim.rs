@@ -133,7 +133,7 @@ impl Simulation {
     /// KeyError
     ///     No such tool.
     /// ValueError
-    ///     A pose of another shape, not finite, or with a quaternion that is no rotation. Nothing
+    ///     A pose of another shape, not finite, or with a quaternion whose length is not 1. Nothing
     ///     has happened then.
     /// BusyError
     ///     Another thread is stepping this simulation.

@@ -542,7 +542,7 @@ impl Surface {
             .map_err(surface_error)
     }
 
-    /// The same surface with a degree more in `direction` (`u` or `v`).
+    /// The same surface with its degree raised by one in `direction` (`u` or `v`).
     fn elevated(&self, direction: &str) -> PyResult<Self> {
         self.inner
             .elevated(direction_of(direction)?)

@@ -218,7 +218,7 @@ impl Palpate {
     /// daemon's own adapters.
     ///
     /// # Errors
-    /// An instance name that is no id.
+    /// The instance name has characters that an id may not have.
     pub fn over(session: zenoh::Session, instance: &str) -> Result<Self, ClientError> {
         Ok(Self {
             session,

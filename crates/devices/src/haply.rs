@@ -76,7 +76,7 @@ pub enum HaplyError {
     /// Not the one that was named.
     #[error("the Inverse Service has no device {wanted:?}; it has {}", known.join(", "))]
     Unknown {
-        /// Wanted.
+        /// The device id that was asked for.
         wanted: String,
         /// What there is.
         known: Vec<String>,
@@ -123,7 +123,7 @@ struct GripState {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Buttons {
-    /// Grab.
+    /// Grabs while it is held.
     pub a: bool,
     /// Clutch, where one is asked for.
     pub b: bool,

@@ -13,7 +13,7 @@ pub struct Attachment {
     pub gid: Gid,
 }
 
-/// Why bytes are no attachment.
+/// Bytes that cannot be read as an attachment.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error(
     "an attachment has 33 bytes (or 77 with the names of its fields, as Jazzy 0.2.0 to 0.2.3 write it), not {size} \
@@ -51,7 +51,7 @@ impl Attachment {
     /// Reads either form.
     ///
     /// # Errors
-    /// Neither.
+    /// The size fits neither, or the names are others.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, AttachmentError> {
         let wrong = AttachmentError { size: bytes.len() };
         let named = bytes.len() == Self::NAMED_SIZE;

@@ -326,6 +326,7 @@ impl DeformingView<'_> {
         every
     }
 
+    /// Those of every `every`-th sample, which grows until they fit.
     fn collect(
         &self,
         margin_m: f64,
@@ -336,10 +337,7 @@ impl DeformingView<'_> {
     ) {
         out.clear();
         let taken = |index: usize, every: usize| {
-            self.samples
-                .place(index)
-                .iter()
-                .all(|at| at.is_multiple_of(every))
+            every == 1 || (self.samples.place(index).iter()).all(|at| at.is_multiple_of(every))
         };
         let net = self.surface.net().points();
         let (patches_u, patches_v) = self.samples.patches();

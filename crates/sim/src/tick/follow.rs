@@ -30,10 +30,11 @@ const FAR: isize = 2;
 const PRESSED: f64 = 0.1;
 /// Of the body's size: feet nearer to each other have come together.
 const SAME: f64 = 1e-3;
+
 /// How feet of a tool go along with it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Follow {
-    /// A ball's roll to where the normals of both agree.
+    /// The foot of a ball rolls to where the normals of both agree.
     Rolls,
     /// The point of the tool that touched touches on: it may never be inside of the body.
     Stays,
@@ -76,7 +77,8 @@ pub(super) fn push_feet<'a>(
             _ => None,
         })
     };
-    let mut used = 0u64;
+    // Numbers of the last tick stay taken: a new foot must not start from what another carried.
+    let mut used = old().fold(0u64, |used, (number, _)| used | 1 << number);
     let mut points = [Point3::origin(); MAX_FEET];
     let mut count = 0;
     let apart =
@@ -107,7 +109,6 @@ pub(super) fn push_feet<'a>(
         if share > MOST {
             continue;
         }
-        used |= 1 << number;
         push(number, &contact, share, rows);
         points[count] = contact.on_body;
         count += 1;

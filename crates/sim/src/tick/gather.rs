@@ -66,7 +66,9 @@ pub(super) fn gather(scene: &Scene, state: &mut SceneState, scratch: &mut Scratc
             let (low, high) = &scratch.bodies[pair.body].bounds;
             let place = reference(scratch, pair);
             let away_m = distance_squared_to_box(&place, low, high).sqrt();
-            state.pairs[p].proxy.leave(&place, away_m);
+            let PairState { proxy, thinned } = &mut state.pairs[p];
+            proxy.leave(&place, away_m);
+            *thinned = 0;
             scratch.rows.end_pair();
             continue;
         }
@@ -139,6 +141,7 @@ fn ball(
     );
     rows.proxies[t] = held.centre;
     if held.gap_m >= near {
+        *thinned = 0;
         return;
     }
     let reach = Reach {

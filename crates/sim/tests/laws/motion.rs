@@ -561,8 +561,11 @@ fn a_teardrop_that_was_hit_goes_on_with_the_tangent() {
     assert!(bounding < 300, "{bounding} of 2,000 ticks after the hit");
 }
 
+/// The net of the main scene, finest where the tool presses.
+const FOCUS: &str = "{ focus = [[0.024, 0.003, 0.045]] }";
+
 /// The main scene's body, pressed without compliance, and its tool.
-fn soft_drop(model: &str, shape: &str) -> World {
+fn soft_drop(model: &str, refine: &str, shape: &str) -> World {
     World::new(&format!(
         r#"
 [[body]]
@@ -570,7 +573,7 @@ id = "drop"
 surface = {{ builtin = "teardrop", net = [8, 8] }}
 model = "{model}"
 material = {{ young_pa = 20e3, density_kg_m3 = 1000.0, damping_s = 2e-3 }}
-lattice = {{ layers = 3, refine = {{ focus = [[0.024, 0.003, 0.045]] }} }}
+lattice = {{ layers = 3, refine = {refine} }}
 fixed = [{{ point = [0.0, 0.0, 0.015], normal = [0.0, 0.0, 1.0] }}]
 [[tool]]
 id = "tool"
@@ -582,43 +585,50 @@ device = {{ force_max_n = 1e9, ramp_s = 0.0, speed_max_m_s = 1e6 }}
     ))
 }
 
-// 4 mm deep and over 20 mm of the body, in u and in v: the force follows the tool's way, which bends as
-// the body does, and never jumps. What the slide begins with, from rest in one tick, is a jolt of its
-// own and does not count.
+/// A ball presses 4 mm deep into the main scene's body, rests, and slides over 20 mm of it at 20 mm/s in
+/// u or v: the largest change of its force in one tick, relative to it. What the slide begins with, from
+/// rest in one tick, is a jolt of its own and does not count.
+fn largest_change(model: &str, refine: &str, direction: usize) -> f64 {
+    let radius_m = 0.01;
+    let shape = format!("{{ sphere = {{ radius_m = {radius_m:?} }} }}");
+    let mut world = soft_drop(model, refine, &shape);
+    let surface = world.scene.rest_surface(0).clone();
+    let start = ClosestSolver::new(&surface).closest(&surface, &Point3::new(0.024, 0.003, 0.045));
+    let mut at = [start.u, start.v];
+    let (mut last, mut worst) = (Vector3::zeros(), 0.0_f64);
+    for k in 0..2_200 {
+        if k >= 1_200 {
+            let frame = surface.frame(at[0], at[1]);
+            let along = [frame.du, frame.dv][direction].norm();
+            at[direction] += 0.02 * 1e-3 / along;
+        }
+        let deep = 0.004 * (f64::from(k) / 600.0).min(1.0);
+        let [u, v] = at;
+        let place = surface.point(u, v) + surface.normal(u, v) * (radius_m - deep);
+        let force = world.at_in_place(place.coords.into()).tools[0].force_n;
+        if k >= 1_220 {
+            worst = worst.max((force - last).norm() / last.norm());
+        }
+        last = force;
+    }
+    let way = ["u", "v"][direction];
+    println!(
+        "{model}, {refine}, in {way}: {:.2} % in one tick",
+        100.0 * worst
+    );
+    worst
+}
+
+// 1 % is what a hand does not feel as a step. Where the net is finest, a bulge ahead of the ball comes
+// to be pressed in one tick, which makes up to 3.5 %: no step of the contact's own, but above the bar.
 #[test]
 fn the_force_on_a_ball_that_slides_over_a_soft_body_does_not_jump() {
-    let radius_m = 0.01;
     for model in ["lattice", "continuum", "net"] {
-        for direction in [0, 1] {
-            let shape = format!("{{ sphere = {{ radius_m = {radius_m:?} }} }}");
-            let mut world = soft_drop(model, &shape);
-            let surface = world.scene.rest_surface(0).clone();
-            let start =
-                ClosestSolver::new(&surface).closest(&surface, &Point3::new(0.024, 0.003, 0.045));
-            let mut at = [start.u, start.v];
-            let (mut last, mut worst) = (Vector3::zeros(), 0.0_f64);
-            for k in 0..2_200 {
-                if k >= 1_200 {
-                    let frame = surface.frame(at[0], at[1]);
-                    let along = [frame.du, frame.dv][direction].norm();
-                    at[direction] += 0.02 * 1e-3 / along;
-                }
-                let deep = 0.004 * (f64::from(k) / 600.0).min(1.0);
-                let [u, v] = at;
-                let place = surface.point(u, v) + surface.normal(u, v) * (radius_m - deep);
-                let force = world.at_in_place(place.coords.into()).tools[0].force_n;
-                if k >= 1_220 {
-                    worst = worst.max((force - last).norm() / last.norm());
-                }
-                last = force;
+        for (refine, most) in [("\"auto\"", 0.01), (FOCUS, 0.04)] {
+            for direction in [0, 1] {
+                let worst = largest_change(model, refine, direction);
+                assert!(worst < most, "{model}, {refine} in {direction}: {worst}");
             }
-            println!(
-                "{model} in {}: {:.2} % in one tick",
-                ["u", "v"][direction],
-                100.0 * worst
-            );
-            // Between samples of the finest net a bulge comes to be pressed in one tick.
-            assert!(worst < 0.04, "{model} in {direction}: {worst}");
         }
     }
 }
@@ -629,6 +639,7 @@ fn a_cone_deep_in_a_soft_body_is_held_without_a_tremble() {
     for model in ["lattice", "continuum"] {
         let mut world = soft_drop(
             model,
+            FOCUS,
             "{ cone = { half_angle_rad = 0.3, height_m = 0.02 } }",
         );
         let turned = |x: f64| DevicePose {
