@@ -6,8 +6,18 @@ use std::path::{Path, PathBuf};
 /// What a tick runs through: a change anywhere else cannot change its bits.
 const DECIDING: [&str; 3] = ["crates/geometry/src", "crates/sim/src", "proto/src"];
 
+/// And what a run of a batch goes through beside it: simulated devices, motions, figures of a run.
+const DECIDING_BATCHES: [&str; 3] = ["clients/rust/src/device", "src/batch", "src/wire"];
+
 fn main() {
-    println!("cargo::rustc-env=PALPATE_SOURCE={:016x}", source_hash());
+    println!(
+        "cargo::rustc-env=PALPATE_SOURCE={:016x}",
+        source_hash(&DECIDING)
+    );
+    println!(
+        "cargo::rustc-env=PALPATE_BATCH_SOURCE={:016x}",
+        source_hash(&[&DECIDING[..], &DECIDING_BATCHES].concat())
+    );
     println!(
         "cargo::rustc-env=PALPATE_TARGET={}",
         std::env::var("TARGET").unwrap_or_default()
@@ -24,9 +34,9 @@ fn main() {
 /// FNV-1a (64 bits) over the version, the locked dependencies and the deciding sources without
 /// their comments and tests. It names a state of the sources and guards nothing. A packaged crate
 /// has no sources of the others beside it; there the version says what they are.
-fn source_hash() -> u64 {
+fn source_hash(deciding: &[&str]) -> u64 {
     let mut files = vec![PathBuf::from("Cargo.lock")];
-    for directory in DECIDING {
+    for directory in deciding {
         println!("cargo::rerun-if-changed={directory}");
         collect(Path::new(directory), &mut files);
     }

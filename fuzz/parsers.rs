@@ -52,6 +52,16 @@ pub const TARGETS: &[Target] = &[
         seeds: knot_seeds,
     },
     Target {
+        name: "messages",
+        run: messages,
+        seeds: message_seeds,
+    },
+    Target {
+        name: "devices",
+        run: devices,
+        seeds: device_seeds,
+    },
+    Target {
         name: "session",
         run: session,
         seeds: session_seeds,
@@ -93,9 +103,15 @@ fn surface(bytes: &[u8], format: Format) {
     }
 }
 
-/// STL, OBJ and points as text: one target, since each is small.
+/// STL, OBJ, PLY, glTF and points as text: one target, since each is small.
 pub fn points(bytes: &[u8]) {
-    for format in [Format::Stl, Format::Obj, Format::Points] {
+    for format in [
+        Format::Stl,
+        Format::Obj,
+        Format::Ply,
+        Format::Glb,
+        Format::Points,
+    ] {
         if let Ok(points) = read_points(bytes, format, Unit::Metre) {
             assert!(
                 points
@@ -158,6 +174,49 @@ pub fn knots(bytes: &[u8]) {
     }
 }
 
+/// What comes over the bus: a message of each type, and the arguments of each command.
+pub fn messages(bytes: &[u8]) {
+    use palpate_client::proto::{any, codec, messages, rpc};
+    for message in messages::ALL {
+        if let Some(Ok(value)) = any::to_json(message.name, bytes) {
+            assert!(value.is_object(), "{}", message.name);
+        }
+    }
+    if let Ok(pose) = codec::decode::<messages::ToolPose>(bytes, "")
+        && let Ok(pose) = pose.validated()
+    {
+        let numbers = pose.position.iter().chain(&pose.orientation);
+        let mut numbers = numbers
+            .chain(&pose.linear_velocity)
+            .chain(&pose.angular_velocity);
+        assert!(numbers.all(|x| x.is_finite()), "{pose:?}");
+        let length = pose.orientation.iter().map(|q| q * q).sum::<f64>().sqrt();
+        assert!((length - 1.0).abs() < 1e-6, "{pose:?}");
+    }
+    for method in rpc::METHODS {
+        if rpc::Call::check_length(method, bytes.len()).is_ok()
+            && let Err(error) = rpc::Call::parse(method, bytes)
+        {
+            assert!(!error.to_string().is_empty());
+        }
+    }
+}
+
+/// Device and hand files.
+pub fn devices(bytes: &[u8]) {
+    use palpate_client::device::{DeviceModel, Hand};
+    let Ok(text) = std::str::from_utf8(bytes) else {
+        return;
+    };
+    let errors = [
+        DeviceModel::from_toml(text, "fuzz").err(),
+        Hand::from_toml(text, "fuzz").err(),
+    ];
+    for error in errors.into_iter().flatten() {
+        assert!(!error.to_string().is_empty());
+    }
+}
+
 /// A recording.
 pub fn session(bytes: &[u8]) {
     use palpate::recording::{Contents, Session, computed_info, info};
@@ -204,7 +263,32 @@ fn point_seeds() -> Vec<Vec<u8>> {
     let text = "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1e-3 0\nendloop\nendfacet\nendsolid a\n";
     let obj = "# a\nv 1 2 3\nv 0.5 -1 2e-2\nv 0 0 0\nvn 0 0 1\nf 1//1 2//1 3//1\n";
     let lines = "x,y,z\n1,2,3\n0.5;1;2 # a\n1e-3\t2\t3\n";
-    vec![binary, text.into(), obj.into(), lines.into()]
+    let ply = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
+    let json = br#"{"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],"nodes":[{"mesh":0}],"meshes":[{"primitives":[{"attributes":{"POSITION":0}}]}],"accessors":[{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3"}],"bufferViews":[{"buffer":0,"byteLength":36}],"buffers":[{"byteLength":36}]}"#;
+    let mut json = json.to_vec();
+    json.resize(json.len().next_multiple_of(4), b' ');
+    let triangle: Vec<u8> = [0.0f32, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0]
+        .iter()
+        .flat_map(|x| x.to_le_bytes())
+        .collect();
+    let mut glb = b"glTF".to_vec();
+    let total = 12 + 8 + json.len() + 8 + triangle.len();
+    for number in [2, total as u32, json.len() as u32] {
+        glb.extend(number.to_le_bytes());
+    }
+    glb.extend(b"JSON");
+    glb.extend(&json);
+    glb.extend((triangle.len() as u32).to_le_bytes());
+    glb.extend(b"BIN\0");
+    glb.extend(&triangle);
+    vec![
+        binary,
+        text.into(),
+        obj.into(),
+        lines.into(),
+        ply.into(),
+        glb,
+    ]
 }
 
 fn scene_seeds() -> Vec<Vec<u8>> {
@@ -226,6 +310,24 @@ fn knot_seeds() -> Vec<Vec<u8>> {
         seed(2, 0, &[0.0, 0.0, 0.0, 0.5, 1.0, 1.0, 1.0]),
         seed(3, 1, &[0.0, 0.1, 0.4, 0.4, 0.7, 1.0]),
         seed(1, 0, &[-1.0, 0.0, 1.0, 2.0, 3.0]),
+    ]
+}
+
+fn message_seeds() -> Vec<Vec<u8>> {
+    vec![
+        include_bytes!("../proto/golden/tool_pose.bin").to_vec(),
+        include_bytes!("../proto/golden/device_info.bin").to_vec(),
+        include_bytes!("../proto/golden/scene_snapshot.bin").to_vec(),
+        include_bytes!("../proto/golden/loop_status.bin").to_vec(),
+        br#"{"before": 30, "after": 0, "path": "b.mcap"}"#.to_vec(),
+        br#"{"bodies": ["a", "b"], "continuity": 1, "method": "constrained", "tolerance": 1e-4, "id": "ab"}"#.to_vec(),
+    ]
+}
+
+fn device_seeds() -> Vec<Vec<u8>> {
+    vec![
+        b"name = \"arm\"\nforce_max_n = 3.3\nmass_kg = 0.1\nrate_hz = 1000\n".to_vec(),
+        b"stiffness_n_per_m = 300\ndamping_n_s_per_m = 4\nmass_kg = 0.2\n".to_vec(),
     ]
 }
 

@@ -2,19 +2,24 @@
 //! recordings that replay bit for bit.
 //!
 //! ```text
-//! drive ──▶ wire ──▶ transport | recording ──▶ editing, viewer, adapters ──▶ cli
+//! drive ──▶ wire ──▶ transport | recording ──▶ editing, viewer, adapters, auth ──▶ cli
 //! ```
 //! Transport and recording do not know each other; they meet in [`drive::archive`] and
 //! [`drive::playback`]. `docs/ARCHITECTURE.md` shows how a tick passes through all of it.
 
 pub mod adapters;
+pub mod auth;
+pub mod batch;
 /// Pictures of curves as SVG, for `export --svg` and the benches; not part of the library.
 #[doc(hidden)]
 pub mod chart;
 pub mod cli;
 pub mod drive;
 pub mod editing;
+pub mod faults;
 pub mod recording;
+pub mod relay;
+pub mod scenario;
 pub mod transport;
 pub mod viewer;
 pub mod wire;

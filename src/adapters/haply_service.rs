@@ -3,10 +3,11 @@
 use super::simulated::SimulatedHand;
 use palpate_client::proto::messages::ToolPose;
 use palpate_devices::haply::{Buttons, DeviceState, read_forces, state_message};
-use std::net::{SocketAddr, TcpListener, TcpStream};
+use std::net::{IpAddr, SocketAddr, TcpListener, TcpStream};
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
+use tungstenite::handshake::server::{ErrorResponse, Request, Response};
 use tungstenite::{Message, WebSocket};
 
 /// Ids, as the service gives them.
@@ -142,6 +143,29 @@ fn lock(shared: &Mutex<Shared>) -> std::sync::MutexGuard<'_, Shared> {
     shared.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
+/// Programs have no `Origin`, pages of this machine one of this machine; pages of other sites are refused.
+#[allow(clippy::result_large_err)] // The signature is tungstenite's.
+fn own_site(request: &Request, response: Response) -> Result<Response, ErrorResponse> {
+    let Some(origin) = request.headers().get("origin") else {
+        return Ok(response);
+    };
+    let site = origin.to_str().unwrap_or_default();
+    let host = site.split_once("://").map_or("", |(_, rest)| rest);
+    let name = match host.strip_prefix('[') {
+        Some(rest) => rest.split_once(']').map_or("", |(name, _)| name),
+        None => host.split(':').next().unwrap_or_default(),
+    };
+    let here =
+        name == "localhost" || (name.parse::<IpAddr>()).is_ok_and(|address| address.is_loopback());
+    if here {
+        return Ok(response);
+    }
+    let words = format!("pages of {site} may not move this device\n");
+    let mut refusal = ErrorResponse::new(Some(words));
+    *refusal.status_mut() = tungstenite::http::StatusCode::FORBIDDEN;
+    Err(refusal)
+}
+
 /// One program: all at first, then a state for each message.
 fn program(
     stream: TcpStream,
@@ -152,7 +176,7 @@ fn program(
     stream.set_nonblocking(false)?;
     stream.set_nodelay(true)?;
     stream.set_read_timeout(Some(Duration::from_secs(5)))?;
-    let mut socket: WebSocket<TcpStream> = match tungstenite::accept(stream) {
+    let mut socket: WebSocket<TcpStream> = match tungstenite::accept_hdr(stream, own_site) {
         Ok(socket) => socket,
         Err(tungstenite::HandshakeError::Failure(error)) => return Err(error),
         Err(tungstenite::HandshakeError::Interrupted(_)) => return Ok(()),

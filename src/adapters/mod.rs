@@ -10,7 +10,9 @@
 mod couple;
 pub mod haply;
 pub mod haply_service;
+pub mod igtl;
 pub mod ros2;
+pub mod rosbridge;
 pub mod simulated;
 
 pub use couple::{CoupleError, Coupling, Report, couple};

@@ -1,6 +1,6 @@
 //! `palpate check`: read, build, dry-run. Prints every problem of the scene.
 
-use super::{Outcome, scenes};
+use super::{Outcome, places, scenes, waiting::Waiting};
 use palpate_sim::scene::{Scene, file};
 use palpate_sim::tick::record::TickInput;
 use palpate_sim::tick::step;
@@ -43,7 +43,10 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
 /// # Errors
 /// A scene that cannot be built.
 pub fn judge(loaded: &file::Loaded, json: bool) -> anyhow::Result<Outcome> {
-    let scene = loaded.build()?;
+    let scene = {
+        let _waiting = Waiting::begin("building the scene");
+        loaded.build()?
+    };
     let mut state = scene.initial_state();
     let mut scratch = scene.scratch(&state);
     let mut fault = false;
@@ -62,10 +65,13 @@ pub fn judge(loaded: &file::Loaded, json: bool) -> anyhow::Result<Outcome> {
     let tick_us = predicted_us.max(times_us[TICKS / 2]);
     let (asked_hz, held_hz) = (1.0 / scene.dt_s, 1e6 / tick_us);
     let odd = sizes(&scene);
+    let inside = places::starting_inside(&scene);
+    let overlaps = places::overlaps(&scene);
     if json {
         let report = serde_json::json!({
             "scene": scene.name, "bodies": scene.body_count(), "tools": scene.tool_count(), "ticks": state.tick,
             "fault": fault, "rate_hz": asked_hz, "tick_us": tick_us, "holds_hz": held_hz.round(), "sizes": odd,
+            "inside": inside, "overlaps": overlaps,
         });
         println!("{report}");
     } else {
@@ -94,11 +100,17 @@ pub fn judge(loaded: &file::Loaded, json: bool) -> anyhow::Result<Outcome> {
             );
         }
     }
+    for problem in inside.iter().chain(&overlaps) {
+        eprintln!("{problem}");
+    }
     for problem in &odd {
         eprintln!("{problem}; --any-size accepts it");
     }
     if fault {
         eprintln!("the simulation diverged: a state is not finite after some ticks at rest");
+        return Ok(Outcome::Fault);
+    }
+    if !overlaps.is_empty() {
         return Ok(Outcome::Fault);
     }
     Ok(if odd.is_empty() {

@@ -1,14 +1,16 @@
 //! How commands that talk to a daemon find it.
 
-use crate::transport::DEFAULT_ENDPOINT;
+use crate::auth::Identity;
+use crate::transport::{DEFAULT_ENDPOINT, DEFAULT_SECURE_ENDPOINT};
 use palpate_client::{ClientError, Connect, Palpate};
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
 #[derive(clap::Args, Debug, Clone)]
 pub struct Connection {
-    /// Endpoint of the daemon; can be repeated.
-    #[arg(short = 'e', long, default_value = DEFAULT_ENDPOINT)]
+    /// Endpoint of the daemon; can be repeated [default: tcp/127.0.0.1:7447, with --identity
+    /// tls/127.0.0.1:7447].
+    #[arg(short = 'e', long)]
     connect: Vec<String>,
     /// Instance name.
     #[arg(long, default_value = "default")]
@@ -16,6 +18,9 @@ pub struct Connection {
     /// Zenoh configuration file (JSON5).
     #[arg(long)]
     zenoh_config: Option<PathBuf>,
+    /// Identity file for endpoints with TLS (see `palpate auth issue`).
+    #[arg(long, value_name = "FILE")]
+    identity: Option<PathBuf>,
 }
 
 /// How long to wait for replies.
@@ -31,7 +36,7 @@ impl Connection {
     pub fn open_within(&self, wait: Duration) -> anyhow::Result<Palpate> {
         let begun = Instant::now();
         loop {
-            match Palpate::connect(&self.settings(false)) {
+            match Palpate::connect(&self.settings(false)?) {
                 Err(ClientError::Unreachable { .. }) if begun.elapsed() < wait => {
                     std::thread::sleep(Duration::from_millis(50));
                 }
@@ -47,20 +52,33 @@ impl Connection {
 
     /// Endpoints, for sessions of other protocols.
     pub fn endpoints(&self) -> Vec<String> {
-        self.connect.clone()
+        match (&self.identity, self.connect.is_empty()) {
+            (_, false) => self.connect.clone(),
+            (None, true) => vec![DEFAULT_ENDPOINT.to_owned()],
+            (Some(_), true) => vec![DEFAULT_SECURE_ENDPOINT.to_owned()],
+        }
+    }
+
+    /// Identity file, for sessions of other protocols.
+    pub fn identity(&self) -> Option<PathBuf> {
+        self.identity.clone()
     }
 
     fn connect(&self, onlooker: bool) -> anyhow::Result<Palpate> {
-        Ok(Palpate::connect(&self.settings(onlooker))?)
+        Ok(Palpate::connect(&self.settings(onlooker)?)?)
     }
 
-    fn settings(&self, onlooker: bool) -> Connect {
-        Connect {
-            endpoints: self.connect.clone(),
+    fn settings(&self, onlooker: bool) -> anyhow::Result<Connect> {
+        if let Some(identity) = &self.identity {
+            Identity::usable(identity)?;
+        }
+        Ok(Connect {
+            endpoints: self.endpoints(),
             instance: self.instance.clone(),
             zenoh_config: self.zenoh_config.clone(),
+            identity: self.identity.clone(),
             timeout: PATIENCE,
             onlooker,
-        }
+        })
     }
 }

@@ -7,6 +7,7 @@ use serde::Serialize;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
+mod devices;
 mod machine;
 mod rate;
 
@@ -14,6 +15,12 @@ mod rate;
 pub struct Args {
     /// Scene to measure [default: a rigid and a soft teardrop].
     scene: Option<PathBuf>,
+    /// Look at the devices of a daemon that runs at this endpoint instead, and warn of slow ones.
+    #[arg(short = 'e', long, value_name = "ENDPOINT", conflicts_with = "scene")]
+    connect: Option<String>,
+    /// Instance name, with --connect.
+    #[arg(long, default_value = "default", requires = "connect")]
+    instance: String,
     /// How long to measure the timer.
     #[arg(long = "for", value_parser = text::duration, default_value = "2s")]
     duration: Duration,
@@ -45,6 +52,18 @@ struct DoctorReport {
 }
 
 pub fn run(args: &Args) -> anyhow::Result<Outcome> {
+    if let Some(endpoint) = &args.connect {
+        let held = devices::ask(endpoint, &args.instance)?;
+        if args.json {
+            println!("{}", serde_json::json!({ "devices": held }));
+        } else if held.is_empty() {
+            println!("no device has described itself");
+        } else {
+            held.iter()
+                .for_each(|held| println!("{}", devices::words(held)));
+        }
+        return Ok(Outcome::Ok);
+    }
     let loaded = match &args.scene {
         Some(path) => vec![super::scenes::load(path)?],
         None => SCENES

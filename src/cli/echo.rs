@@ -3,6 +3,7 @@
 use super::connection::Connection;
 use super::{Outcome, text};
 use palpate_client::Seen;
+use palpate_proto::messages::force_flags;
 use serde_json::{Value, json};
 use std::fmt::Write as _;
 use std::sync::mpsc::{RecvTimeoutError, sync_channel};
@@ -88,6 +89,39 @@ fn hex(bytes: &[u8]) -> String {
     text
 }
 
+/// Names of the bits of `flags` of a force, lowest first.
+const FORCE_FLAGS: [(u32, &str); 8] = [
+    (force_flags::STALE, "STALE"),
+    (force_flags::SATURATED, "SATURATED"),
+    (force_flags::PAUSED, "PAUSED"),
+    (force_flags::REFUSED, "REFUSED"),
+    (force_flags::RAMPING, "RAMPING"),
+    (force_flags::FAULT, "FAULT"),
+    (force_flags::GRABBING, "GRABBING"),
+    (force_flags::DAMPED, "DAMPED"),
+];
+
+/// Writes the flags of a force by their names; bits without one stay a number.
+fn name_flags(seen: &Seen, value: &mut Value) {
+    let Some(bits) = value["flags"]
+        .as_u64()
+        .filter(|_| seen.name() == Some("palpate.ToolForce.v1"))
+    else {
+        return;
+    };
+    let known = FORCE_FLAGS
+        .iter()
+        .filter(|(bit, _)| bits & u64::from(*bit) != 0);
+    let mut names: Vec<Value> = known.map(|(_, name)| (*name).into()).collect();
+    let rest = FORCE_FLAGS
+        .iter()
+        .fold(bits, |rest, (bit, _)| rest & !u64::from(*bit));
+    if rest != 0 {
+        names.push(rest.into());
+    }
+    value["flags"] = names.into();
+}
+
 /// A known message has `type` and `value`; any other its `encoding` and `hex`.
 pub fn in_json(seen: &Seen) -> Value {
     match seen.to_json() {
@@ -98,7 +132,10 @@ pub fn in_json(seen: &Seen) -> Value {
 
 fn in_words(seen: &Seen) -> String {
     match seen.to_json() {
-        Some(value) => format!("{} {} {value}", seen.key, seen.name().unwrap_or_default()),
+        Some(mut value) => {
+            name_flags(seen, &mut value);
+            format!("{} {} {value}", seen.key, seen.name().unwrap_or_default())
+        }
         None => {
             let some = &seen.bytes[..seen.bytes.len().min(SHOWN_BYTES)];
             let more = if some.len() < seen.bytes.len() {

@@ -13,7 +13,8 @@ use std::time::{Duration, Instant};
 pub struct Args {
     /// Key, or short form: status, event, contact, force, pose, net, tool/ball/force, all.
     key: String,
-    /// How long to watch, for example 5s.
+    /// How long to watch, for example 5s; rates of the last second are printed meanwhile, without
+    /// --json.
     #[arg(long = "for", value_parser = text::duration, default_value = "5s")]
     duration: Duration,
     /// Print one JSON object per key.
@@ -87,6 +88,20 @@ impl KeyRate {
     }
 }
 
+/// Between two lines of a key while it is watched.
+const SECOND: Duration = Duration::from_secs(1);
+
+/// Prints how many messages came in the last second, by key.
+fn now(streams: &BTreeMap<String, KeyRate>, before: &mut BTreeMap<String, u64>) {
+    for (key, stream) in streams {
+        let known = before.insert(key.clone(), stream.messages).unwrap_or(0);
+        println!("{key}: {} Hz now", stream.messages - known);
+    }
+    if streams.is_empty() {
+        println!("no message yet");
+    }
+}
+
 /// Name of the field that grows by one from message to message, if the type has one.
 fn number(seen: &Seen) -> Option<u64> {
     let field = match seen.name()? {
@@ -109,7 +124,21 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
             .or_default()
             .add(at, seen.bytes.len(), number);
     })?;
-    std::thread::sleep(args.duration);
+    let end = Instant::now() + args.duration;
+    let mut before = BTreeMap::<String, u64>::new();
+    loop {
+        let left = end.saturating_duration_since(Instant::now());
+        std::thread::sleep(left.min(SECOND));
+        if left <= SECOND {
+            break;
+        }
+        if !args.json {
+            now(
+                &streams.lock().unwrap_or_else(PoisonError::into_inner),
+                &mut before,
+            );
+        }
+    }
     drop(watching);
     let streams = streams.lock().unwrap_or_else(PoisonError::into_inner);
     for (key, stream) in streams.iter() {

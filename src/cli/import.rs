@@ -14,7 +14,7 @@ use std::path::{Path, PathBuf};
 pub struct Args {
     #[command(flatten)]
     source: SurfaceArg,
-    /// Unit of a file that does not give one (.stl, .obj, .xyz, .csv, .txt).
+    /// Unit of a file that does not give one (.stl, .obj, .ply, .xyz, .csv, .txt).
     #[arg(long)]
     unit: Option<UnitName>,
     /// Scene file to write; the surface goes beside it [default: named after the file].
@@ -38,7 +38,18 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     let format = Format::of(from)?;
     let (surface, fitted) = match format {
         Format::Json | Format::Step | Format::Iges => (args.source.load()?.surface, Outcome::Ok),
-        Format::Stl | Format::Obj | Format::Glb | Format::Points => fit(from, args)?,
+        Format::Glb => fit(from, args, Unit::Metre)?,
+        Format::Stl | Format::Obj | Format::Ply | Format::Points => {
+            let Some(unit) = args.unit else {
+                let size = Input::read(from, Unit::Metre)?.size_m();
+                anyhow::bail!(
+                    "{} does not give its unit: it is {size:.4} m long in metres, {:.4} m in millimetres; give --unit mm or --unit m",
+                    from.display(),
+                    size * 1e-3
+                );
+            };
+            fit(from, args, unit.into())?
+        }
     };
     let json = write_surface(&surface, Format::Json, Unit::Metre)?;
     let text = scene_text(&surface, &surface_path, from, &args.model);
@@ -57,16 +68,8 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     })
 }
 
-fn fit(from: &Path, args: &Args) -> anyhow::Result<(Surface, Outcome)> {
-    let Some(unit) = args.unit else {
-        let size = Input::read(from, Unit::Metre)?.size_m();
-        anyhow::bail!(
-            "{} does not give its unit: it is {size:.4} m long in metres, {:.4} m in millimetres; give --unit mm or --unit m",
-            from.display(),
-            size * 1e-3
-        );
-    };
-    let input = Input::read(from, unit.into())?;
+fn fit(from: &Path, args: &Args, unit: Unit) -> anyhow::Result<(Surface, Outcome)> {
+    let input = Input::read(from, unit)?;
     let wanted = Wanted {
         closed: false,
         open: false,

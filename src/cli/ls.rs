@@ -27,6 +27,8 @@ struct Instance {
     scene: String,
     rate_hz: f64,
     played: bool,
+    /// Where everybody on the network may move tools and give commands.
+    open: Vec<String>,
     tools: Vec<ListedTool>,
     bodies: Vec<String>,
     /// Keys on which it publishes, with the type of their messages.
@@ -105,6 +107,7 @@ impl Instance {
         self.rate_hz = info["rate_hz"].as_f64().unwrap_or_default();
         self.played = info["played"].as_bool().unwrap_or_default();
         self.viewer = info["viewer"].as_str().map(str::to_owned);
+        self.open = ids(&info["open"]);
         self.bodies = ids(&info["bodies"]);
         let device = |id: &String| {
             info["devices"][id]["info"]["name"]
@@ -167,6 +170,12 @@ impl Instance {
             "{}: scene {:?} at {} Hz{how}, palpate {}, {server}",
             self.instance, self.scene, self.rate_hz, self.version
         );
+        if !self.open.is_empty() {
+            println!(
+                "  OPEN to everybody on the network: {}",
+                self.open.join(", ")
+            );
+        }
         for tool in &self.tools {
             let held = if tool.held { "held" } else { "free" };
             let device = tool

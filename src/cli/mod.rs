@@ -3,6 +3,9 @@
 //! Exit codes: 0 success, 1 a difference was found, 2 usage or configuration error, 3 a run-time
 //! fault or an incomplete recording.
 
+mod access;
+mod auth;
+mod batch;
 mod check;
 mod connection;
 mod demo;
@@ -18,17 +21,23 @@ mod ls;
 mod man;
 mod numbers;
 mod page;
+mod places;
 mod plan;
 mod play;
+mod pressing;
 mod probe;
 mod recover;
+mod relay;
 mod replay;
 mod rpc;
+mod scenario;
 mod scenes;
+mod schema;
 mod serve;
 mod surface;
 mod text;
 mod view;
+mod waiting;
 
 use clap::{CommandFactory, Parser, Subcommand};
 use std::process::ExitCode;
@@ -46,6 +55,46 @@ use std::process::ExitCode;
 struct Cli {
     #[command(subcommand)]
     command: Option<Commands>,
+    /// Log messages on stderr as text or as one JSON object per line; RUST_LOG selects them, for
+    /// example RUST_LOG=palpate=debug.
+    #[arg(long, global = true, value_enum, default_value_t = LogFormat::Text)]
+    log_format: LogFormat,
+}
+
+/// How log messages are written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+enum LogFormat {
+    Text,
+    Json,
+}
+
+/// Sends log messages to stderr. The default is warnings of all and messages of ours.
+fn start_logs(format: LogFormat) {
+    let filter = tracing_subscriber::EnvFilter::try_from_default_env()
+        .unwrap_or_else(|_| tracing_subscriber::EnvFilter::new("warn,palpate=info"));
+    let colour = std::env::var_os("NO_COLOR").is_none()
+        && std::io::IsTerminal::is_terminal(&std::io::stderr());
+    let logs = tracing_subscriber::fmt()
+        .with_env_filter(filter)
+        .with_writer(std::io::stderr);
+    match format {
+        LogFormat::Text => logs.with_ansi(colour).without_time().init(),
+        LogFormat::Json => logs.json().flatten_event(true).init(),
+    }
+}
+
+/// An error with its causes, without those that it repeats.
+fn said(error: &anyhow::Error) -> String {
+    let mut said = String::new();
+    for cause in error.chain() {
+        let cause = cause.to_string();
+        if said.is_empty() || cause.starts_with(&format!("{said}: ")) {
+            said = cause;
+        } else if !said.ends_with(&cause) {
+            said = format!("{said}: {cause}");
+        }
+    }
+    said
 }
 
 #[derive(Subcommand, Debug)]
@@ -56,6 +105,12 @@ enum Commands {
     Serve(serve::Args),
     /// List the scenes inside the program, for `serve builtin:NAME`.
     Scenes(scenes::Args),
+    /// Run a scenario: a scene with hands that do something, and bars for what comes of it.
+    Scenario(scenario::Args),
+    /// Run a scene many times: over its values, motions and seeds, and tabulate what comes of it.
+    Batch(batch::Args),
+    /// Print the JSON Schema of scene files, for editors, or the reference of their keys.
+    Schema(schema::Args),
     /// Write a scene file to start from.
     New(scenes::NewArgs),
     /// Make a scene from a scan or a CAD surface: fit, write the surface and the scene, check it.
@@ -83,6 +138,8 @@ enum Commands {
     /// Send a command to a running daemon: reset, pause, resume, step, record_start, snapshot,
     /// shutdown…
     Rpc(rpc::Args),
+    /// Pass a daemon's messages on to many who watch, thinned, and on request read-only.
+    Relay(relay::Args),
     /// Print messages on the bus as they arrive.
     Echo(echo::Args),
     /// List the instances on the bus with their tools, bodies and published keys.
@@ -91,6 +148,9 @@ enum Commands {
     Hz(hz::Args),
     /// Work with surface files: inspect, evaluate, convert, fit, merge, isolate, sweep, branch.
     Surface(surface::Args),
+    /// Make certificates that say who may move which tool, read, or command.
+    #[command(subcommand)]
+    Auth(auth::Args),
     /// Check this machine: scheduling, timers, ports, and the rate at which it can run a scene.
     Doctor(doctor::Args),
     /// Print shell completions.
@@ -143,18 +203,9 @@ pub fn main_with(arguments: impl IntoIterator<Item = std::ffi::OsString>) -> Exi
 /// [`main_with`] for callers that need the exit code as a number: a Python process.
 pub fn code_with(arguments: impl IntoIterator<Item = std::ffi::OsString>) -> u8 {
     end_when_nobody_reads();
-    let filter = tracing_subscriber::EnvFilter::try_from_default_env()
-        .unwrap_or_else(|_| tracing_subscriber::EnvFilter::new("warn,palpate=info"));
-    let colour = std::env::var_os("NO_COLOR").is_none()
-        && std::io::IsTerminal::is_terminal(&std::io::stderr());
-    tracing_subscriber::fmt()
-        .with_env_filter(filter)
-        .with_writer(std::io::stderr)
-        .with_ansi(colour)
-        .without_time()
-        .init();
     let named = std::iter::once("palpate".into()).chain(arguments);
     let cli = Cli::parse_from(named);
+    start_logs(cli.log_format);
     let Some(command) = cli.command else {
         let _ = Cli::command().print_help();
         return 0;
@@ -162,7 +213,10 @@ pub fn code_with(arguments: impl IntoIterator<Item = std::ffi::OsString>) -> u8 
     let done = match command {
         Commands::Demo(args) => demo::run(&args),
         Commands::Serve(args) => serve::run(&args),
+        Commands::Scenario(args) => scenario::run(&args),
+        Commands::Batch(args) => batch::run(&args),
         Commands::Scenes(args) => scenes::list(&args),
+        Commands::Schema(args) => schema::run(&args),
         Commands::New(args) => scenes::new(&args),
         Commands::Import(args) => import::run(&args),
         Commands::Check(args) => check::run(&args),
@@ -176,10 +230,12 @@ pub fn code_with(arguments: impl IntoIterator<Item = std::ffi::OsString>) -> u8 
         Commands::Device(args) => device::run(&args),
         Commands::Probe(args) => probe::run(&args),
         Commands::Rpc(args) => rpc::run(&args),
+        Commands::Relay(args) => relay::run(&args),
         Commands::Echo(args) => echo::run(&args),
         Commands::Ls(args) => ls::run(&args),
         Commands::Hz(args) => hz::run(&args),
         Commands::Man(args) => man::run(&args, Cli::command()),
+        Commands::Auth(args) => auth::run(&args),
         Commands::Surface(args) => surface::run(&args),
         Commands::Doctor(args) => doctor::run(&args),
         Commands::Completions { shell } => {
@@ -195,7 +251,7 @@ pub fn code_with(arguments: impl IntoIterator<Item = std::ffi::OsString>) -> u8 
         Ok(Outcome::Difference) => 1,
         Ok(Outcome::Fault) => 3,
         Err(error) => {
-            eprintln!("error: {error:#}");
+            eprintln!("error: {}", said(&error));
             let difference = error.downcast_ref::<surface::Incomplete>().is_some();
             if difference { 1 } else { 2 }
         }

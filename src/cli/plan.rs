@@ -1,11 +1,10 @@
 //! `palpate plan`: what a scene compiles to, with predicted and measured cost.
 
 use super::Outcome;
-use palpate_geometry::math::{Point3, Rotation, Vector3};
-use palpate_sim::haptics::DevicePose;
+use super::pressing::Pressing;
 use palpate_sim::scene::Scene;
 use palpate_sim::tick::record::TickRecord;
-use palpate_sim::tick::{deform, hash, render};
+use palpate_sim::tick::{deform, hash, render, step};
 use std::path::PathBuf;
 use std::time::Instant;
 
@@ -25,7 +24,11 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     let loaded = super::scenes::load(&args.scene)?;
     let scene = loaded.build()?;
     let mut plan = scene.plan();
-    let (render_us, deform_us) = measure(&scene);
+    let Measured {
+        render_us,
+        deform_us,
+        touching,
+    } = measure(&scene);
     let share = |prefix: &str| {
         plan.stages
             .iter()
@@ -47,11 +50,25 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     } else {
         print!("{plan}");
     }
+    let tools = scene.tool_count();
+    if touching < tools {
+        eprintln!(
+            "note: measured with {touching} of {tools} tools in contact: the others reach no body"
+        );
+    }
     Ok(Outcome::Ok)
 }
 
-/// Median µs of render and of deform with every tool held at its start.
-fn measure(scene: &Scene) -> (f64, f64) {
+/// Medians of ticks in contact.
+struct Measured {
+    render_us: f64,
+    deform_us: f64,
+    /// Tools in contact in the last tick.
+    touching: usize,
+}
+
+/// Median µs of render and of deform while every tool presses the body nearest to it.
+fn measure(scene: &Scene) -> Measured {
     let mut state = scene.initial_state();
     let mut scratch = scene.scratch(&state);
     let (mut renders, mut deforms) = (Vec::with_capacity(TICKS), Vec::with_capacity(TICKS));
@@ -60,18 +77,13 @@ fn measure(scene: &Scene) -> (f64, f64) {
         mut output,
         ..
     } = TickRecord::for_tools(scene.tool_count());
-    for k in 0..TICKS {
-        for (t, tool) in scene.spec.tools.iter().enumerate() {
-            input.poses[t] = Some(DevicePose {
-                seq: k as u64 + 1,
-                t_client_ns: 0,
-                position: Point3::from(tool.pose.position),
-                orientation: Rotation::identity(),
-                linear_velocity: Vector3::zeros(),
-                angular_velocity: Vector3::zeros(),
-                buttons: 0,
-            });
-        }
+    let mut pressing = Pressing::new(scene);
+    while pressing.approach(&mut input) {
+        output = step(scene, &mut state, &mut scratch, &input);
+        pressing.felt(&output);
+    }
+    for _ in 0..TICKS {
+        pressing.hold(&mut input);
         let start = Instant::now();
         render(scene, &mut state, &mut scratch, &input, &mut output);
         let between = Instant::now();
@@ -80,9 +92,16 @@ fn measure(scene: &Scene) -> (f64, f64) {
         renders.push((between - start).as_secs_f64() * 1e6);
         deforms.push(between.elapsed().as_secs_f64() * 1e6);
     }
+    let touching = (0..scene.tool_count())
+        .filter(|&tool| output.tools[tool].contact_count > 0)
+        .count();
     let median = |values: &mut Vec<f64>| {
         values.sort_by(f64::total_cmp);
         values[values.len() / 2]
     };
-    (median(&mut renders), median(&mut deforms))
+    Measured {
+        render_us: median(&mut renders),
+        deform_us: median(&mut deforms),
+        touching,
+    }
 }

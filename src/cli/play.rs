@@ -5,7 +5,7 @@ use super::keys::{Key, Keys};
 use crate::drive::playback::{PlayRequest, playback};
 use crate::drive::ports::ports;
 use crate::recording::{PlayReport, PlaySettings, Player, Session, played_scene};
-use crate::transport::{Bus, BusSettings, DEFAULT_ENDPOINT, Role, SessionSettings, open};
+use crate::transport::{Bus, BusSettings, Role, SessionSettings, default_listen, open_guarded};
 use crate::viewer::Viewer;
 use sha2::Digest as _;
 use std::path::PathBuf;
@@ -51,6 +51,8 @@ pub struct Args {
     #[arg(long, default_value = "default")]
     instance: String,
     #[command(flatten)]
+    access: super::access::AccessArgs,
+    #[command(flatten)]
     page: super::page::PageArgs,
     /// Print the summary as one JSON object.
     #[arg(long)]
@@ -92,36 +94,41 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     };
     let player = Player::new(session, scene.clone(), tick_ports, port, settings)?;
     let bus_of = |player_end| -> anyhow::Result<(Bus, Option<Viewer>)> {
-        let listen = match (&args.zenoh_config, args.listen.is_empty()) {
-            (None, true) => vec![DEFAULT_ENDPOINT.to_owned()],
-            _ => args.listen.clone(),
-        };
+        let own = args.zenoh_config.as_deref();
+        let listen = default_listen(own, &args.listen, &[], args.access.identity.is_some())?;
         let config = args.zenoh_config.clone();
-        let bus_session = open(&SessionSettings {
+        let (bus_session, mut everybody) = open_guarded(&SessionSettings {
             connect: args.connect.clone(),
             listen,
             config,
             role: Role::Peer,
+            access: args.access.of(&args.instance, &scene)?,
         })?;
-        let (viewer, feed) = args
+        everybody.extend(args.page.everybody(args.access.insecure)?);
+        super::access::warn(&everybody);
+        let (mut viewer, feed) = args
             .page
-            .start(&args.instance, &scene, &bus_session, true)?
+            .start(&args.instance, &scene, &bus_session, true, &everybody)?
             .unzip();
         let settings = BusSettings {
             scene: scene.clone(),
             scene_hash,
             instance: args.instance.clone(),
+            open: everybody,
             viewer: feed,
-            viewer_url: viewer.as_ref().map(Viewer::url),
+            viewer_url: viewer.as_ref().and_then(Viewer::url),
             recorder: None,
             archive: None,
             editor: None,
             player: Some(player_end),
+            adapters: Default::default(),
         };
-        Ok((
-            Bus::start(bus_session, bus_ports, settings).map_err(|e| anyhow::anyhow!("{e}"))?,
-            viewer,
-        ))
+        let bus = Bus::start(bus_session, bus_ports, settings);
+        let bus = bus.map_err(|e| anyhow::anyhow!("{e}"))?;
+        if let Some(viewer) = &mut viewer {
+            viewer.open();
+        }
+        Ok((bus, viewer))
     };
     let (bus, viewer) = bus_of(end)?;
     let signals = AtomicU32::new(0);

@@ -1,21 +1,10 @@
 //! Scenes inside the program: `builtin:NAME`, `palpate scenes`, `palpate new NAME`.
 
 use super::Outcome;
+use crate::scenario::SCENES as BUILTIN;
 use anyhow::Context as _;
 use palpate_sim::scene::file::{self, Loaded};
 use std::path::{Path, PathBuf};
-
-/// Name and text of each.
-const BUILTIN: [(&str, &str); 5] = [
-    ("teardrop", include_str!("../../scenes/teardrop.toml")),
-    (
-        "rigid-teardrop",
-        include_str!("../../scenes/rigid-teardrop.toml"),
-    ),
-    ("sheet", include_str!("../../scenes/sheet.toml")),
-    ("two-drops", include_str!("../../scenes/two-drops.toml")),
-    ("four-hands", include_str!("../../scenes/four-hands.toml")),
-];
 
 /// Reads a scene file, or a scene of the program as `builtin:NAME`.
 ///

@@ -1,9 +1,11 @@
 //! `palpate serve`: one scene, until it is asked to stop.
 
+mod mouse;
 mod ready;
 mod watchdog;
 
 use super::{Outcome, text};
+use crate::adapters::igtl::Igtl;
 use crate::adapters::ros2::{Plan, Ros2};
 use crate::drive::driver::{self, DriverReport, DriverSettings};
 use crate::drive::editor::Editor;
@@ -14,8 +16,13 @@ use crate::recording::{
     Recorder, RecorderSettings, RecordingReport, SelfCheck, SelfCheckReport, Split, default_path,
     stage_infos, write_stages,
 };
-use crate::transport::{Bus, BusSettings, DEFAULT_ENDPOINT, Role, SessionSettings, is_taken, open};
+use crate::transport::{
+    AdapterCounts, Bus, BusSettings, Role, SessionSettings, daemon_of, default_listen, is_taken,
+    open_guarded,
+};
 use crate::viewer::Viewer;
+use anyhow::Context as _;
+use palpate_proto::keys::Keys;
 use palpate_sim::scene::spec::{Clock, SceneSpec};
 use palpate_sim::scene::{Scene, file, inline_files};
 use std::collections::BTreeMap;
@@ -34,6 +41,10 @@ pub struct Args {
     /// Run in real time or in lockstep; overrides the scene.
     #[arg(long, value_parser = ["realtime", "lockstep"])]
     clock: Option<String>,
+    /// Add a tool `mouse` to the scene, a ball of this radius (10mm) or as large as the scene's smallest, for pages
+    /// to press with.
+    #[arg(long, value_name = "RADIUS", num_args = 0..=1, default_missing_value = "auto", value_parser = mouse::radius)]
+    mouse_tool: Option<MouseRadius>,
     /// Print one JSON object when clients can connect, and one at the end, instead of a summary.
     #[arg(long)]
     json: bool,
@@ -41,6 +52,9 @@ pub struct Args {
     #[arg(long, value_name = "N")]
     ready_fd: Option<u32>,
 }
+
+/// Of a mouse's ball, m; `None`: as the scene has it.
+type MouseRadius = Option<f64>;
 
 /// What `serve` and `demo` share.
 #[derive(clap::Args, Debug, Clone)]
@@ -54,7 +68,7 @@ pub struct Common {
     #[command(flatten)]
     pub recording: RecordArgs,
     /// Zenoh endpoint to listen on; port 0 is any free one; can be repeated [default:
-    /// tcp/127.0.0.1:7447, with --connect none].
+    /// tcp/127.0.0.1:7447, with --identity tls/127.0.0.1:7447, with --connect none].
     #[arg(short, long)]
     pub listen: Vec<String>,
     /// Zenoh endpoint to connect to; can be repeated.
@@ -67,10 +81,16 @@ pub struct Common {
     #[arg(long, default_value = "default")]
     pub instance: String,
     #[command(flatten)]
+    pub access: super::access::AccessArgs,
+    #[command(flatten)]
     pub page: super::page::PageArgs,
     /// Speak ROS 2 (rmw_zenoh) too: tools are moved by the topics of `[ros2]` in the scene.
     #[arg(long)]
     pub ros2: bool,
+    /// Speak OpenIGTLink (3D Slicer, PLUS) on this port of this machine: proxies of tools out, poses of
+    /// trackers in.
+    #[arg(long, value_name = "PORT", num_args = 0..=1, default_missing_value = "18944")]
+    pub igtl: Option<u16>,
     /// Do not request FIFO scheduling and locked memory.
     #[arg(long)]
     pub no_rt: bool,
@@ -91,8 +111,8 @@ pub struct RecordArgs {
     /// Directory for recordings and snapshots requested over RPC (record_start, snapshot).
     #[arg(long, default_value = "recordings/local")]
     pub record_dir: PathBuf,
-    /// Keep this long in memory for `rpc snapshot`, for example 30s.
-    #[arg(long, value_parser = text::duration)]
+    /// Keep this long in memory for `rpc snapshot`, for example 30s; at most 1h.
+    #[arg(long, value_parser = ring)]
     pub ring: Option<Duration>,
     /// Start a new file at this size before compression, for example 500MB.
     #[arg(long, value_parser = text::bytes)]
@@ -106,6 +126,17 @@ pub struct RecordArgs {
     /// Omit the channels that only viewers read.
     #[arg(long)]
     pub no_views: bool,
+}
+
+/// Snapshots reach back an hour at most, and an hour of a large scene is gigabytes.
+const LONGEST_RING: Duration = Duration::from_secs(3_600);
+
+fn ring(text: &str) -> Result<Duration, String> {
+    let ring = text::duration(text)?;
+    match ring <= LONGEST_RING {
+        true => Ok(ring),
+        false => Err("at most 1h is kept in memory: record to a file instead".into()),
+    }
 }
 
 impl RecordArgs {
@@ -151,10 +182,13 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
             Clock::Realtime
         };
     }
+    if let Some(radius) = args.mouse_tool {
+        mouse::add(&mut loaded, radius)?;
+    }
     let mut common = args.common.clone();
     common.listen = ready::resolved(&common)?;
     let served = serve(&loaded, &common, |page| {
-        let line = ready::line(&common, loaded.spec.zenoh.config.is_some(), page);
+        let line = ready::line(&common, configuration(&loaded, &common).as_deref(), page)?;
         if args.json {
             println!("{line}");
             let _ = std::io::stdout().flush();
@@ -200,21 +234,13 @@ pub fn serve(
         .ros2
         .then(|| Plan::of(&effective).map_err(|error| loaded.locate(error)))
         .transpose()?;
-    let config = common.zenoh_config.clone().or_else(|| {
-        loaded
-            .spec
-            .zenoh
-            .config
-            .as_ref()
-            .map(|path| loaded.directory.join(path))
-    });
+    let config = configuration(loaded, common);
     // Who connects to a router leaves the default port, which is the router's own, alone.
-    let listen = match (&config, common.listen.is_empty(), common.connect.is_empty()) {
-        (None, true, true) => vec![DEFAULT_ENDPOINT.to_owned()],
-        _ => common.listen.clone(),
-    };
+    let secure = common.access.identity.is_some();
+    let listen = default_listen(config.as_deref(), &common.listen, &common.connect, secure)?;
     let (connect, listen) = meet(common, listen);
-    let session = open(&SessionSettings {
+    let may_meet_others = !connect.is_empty() || config.is_some();
+    let (session, mut everybody) = open_guarded(&SessionSettings {
         connect,
         listen: listen.clone(),
         config,
@@ -222,18 +248,32 @@ pub fn serve(
             true => Role::Router,
             false => Role::Peer,
         },
+        access: common.access.of(&common.instance, &scene)?,
     })?;
+    everybody.extend(common.page.everybody(common.access.insecure)?);
+    super::access::warn(&everybody);
+    if may_meet_others {
+        let keys = Keys::new(&common.instance)?;
+        if let Some(other) = daemon_of(&session, &keys, LOOK_FOR_OTHERS)? {
+            anyhow::bail!(
+                "instance {:?} is served already, by session {other}: both would answer its tools; choose another \
+                 name with --instance, or stop that daemon",
+                common.instance
+            );
+        }
+    }
     let for_ros2 = session.clone();
+    let (mut viewer, feed) = common
+        .page
+        .start(&common.instance, &scene, &session, false, &everybody)?
+        .unzip();
+    // After all that may be refused: a file that was begun would be in the way of the next start.
     let (mut recorder, journal) = Recorder::start(
         common
             .recording
             .settings(loaded, &effective, &common.instance),
         &scene,
     )?;
-    let (viewer, feed) = common
-        .page
-        .start(&common.instance, &scene, &session, false)?
-        .unzip();
     let (tick_ports, bus_ports) = ports(&scene);
     let counters = bus_ports.counters.clone();
     let stopper = counters.clone();
@@ -255,6 +295,7 @@ pub fn serve(
         None => Some(Box::new(SceneEditor::start(recorder.changes())?) as Box<dyn Editor>),
         Some(_) => None,
     };
+    let counts = AdapterCounts::default();
     let bus = Bus::start(
         session,
         bus_ports,
@@ -262,15 +303,20 @@ pub fn serve(
             scene: scene.clone(),
             scene_hash: loaded.sha256,
             instance: common.instance.clone(),
+            open: everybody,
             viewer: feed,
             recorder: Some(recorder.gauges()),
             archive: recorder.archive(),
             editor,
-            viewer_url: viewer.as_ref().map(Viewer::url),
+            viewer_url: viewer.as_ref().and_then(Viewer::url),
             player: None,
+            adapters: counts.clone(),
         },
     )
     .map_err(|e| anyhow::anyhow!("{e}"))?;
+    if let Some(viewer) = &mut viewer {
+        viewer.open();
+    }
     let settings = DriverSettings {
         clock: scene.clock,
         ticks: common
@@ -293,18 +339,23 @@ pub fn serve(
         "serving; poses on palpate/{}/tool/ID/pose", common.instance
     );
     let ros2 = ros2
-        .map(|plan| Ros2::start(&for_ros2, &common.instance, &plan))
+        .map(|plan| Ros2::start(&for_ros2, &common.instance, &plan, &counts))
         .transpose();
-    if ros2.is_err() {
+    let igtl = common
+        .igtl
+        .map(|port| start_igtl(&for_ros2, common, &scene, port));
+    let igtl = igtl.transpose();
+    if ros2.is_err() || igtl.is_err() {
         // Without its devices the daemon is of no use.
         stop_now.stop.store(true, Ordering::Release);
     }
-    let begun = ready(viewer.as_ref().map(Viewer::url).as_deref());
+    let begun = ready(viewer.as_ref().and_then(Viewer::url).as_deref());
     let report = thread
         .join()
         .map_err(|_| anyhow::anyhow!("the tick thread panicked"));
     // While the session is open: devices get a last force of zero.
     let ros2 = ros2.map(drop);
+    let igtl = igtl.map(drop);
     let bus_report = bus.finish();
     let self_check = self_check.map(SelfCheck::finish);
     drop(viewer);
@@ -314,6 +365,7 @@ pub fn serve(
     }
     begun?;
     ros2?;
+    igtl?;
     tracing::debug!(events = bus_report.events, poses = ?bus_report.poses, suppressed = ?bus_report.suppressed, "bus closed");
     let report = report?;
     if settings.privileged && !report.privileges.fifo && scene.clock == Clock::Realtime {
@@ -325,6 +377,16 @@ pub fn serve(
         self_check,
     })
 }
+
+/// The Zenoh configuration file, if there is one.
+fn configuration(loaded: &file::Loaded, common: &Common) -> Option<PathBuf> {
+    let of_scene = loaded.spec.zenoh.config.as_ref();
+    let of_scene = of_scene.map(|path| loaded.directory.join(path));
+    common.zenoh_config.clone().or(of_scene)
+}
+
+/// How long a daemon that connects to others looks for one of its own name.
+const LOOK_FOR_OTHERS: Duration = Duration::from_millis(500);
 
 /// Where to connect and to listen. `rmw_zenohd` listens where we do by default: if it is there, it is
 /// the router; if not, we are.
@@ -342,6 +404,19 @@ fn meet(common: &Common, listen: Vec<String>) -> (Vec<String>, Vec<String>) {
         }
     }
     (connect, free)
+}
+
+fn start_igtl(
+    session: &zenoh::Session,
+    common: &Common,
+    scene: &Scene,
+    port: u16,
+) -> anyhow::Result<Igtl> {
+    let tools = (0..scene.tool_count()).map(|tool| scene.tool_id(tool).to_owned());
+    let igtl = Igtl::start(session, &common.instance, tools.collect(), port)
+        .with_context(|| format!("--igtl {port}: cannot listen"))?;
+    eprintln!("openigtlink: {}", igtl.address());
+    Ok(igtl)
 }
 
 /// Asks the system to send the terminating signal when the parent process ends.

@@ -18,6 +18,18 @@ pub fn duration(text: &str) -> Result<Duration, String> {
     }
 }
 
+/// How long a certificate is valid: `30d`, `12h`.
+pub fn validity(text: &str) -> Result<Duration, String> {
+    let days = text
+        .strip_suffix('d')
+        .and_then(|days| days.parse::<f64>().ok());
+    match days {
+        Some(days) if days > 0.0 && days <= 3_650.0 => Ok(Duration::from_secs_f64(days * 86_400.0)),
+        Some(_) => Err("certificates are valid for at most 3650d".into()),
+        None => duration(text).map_err(|_| format!("{text:?} is not a validity; write 30d or 12h")),
+    }
+}
+
 /// `500MB`, `2GB`, `64KiB`, or plain bytes.
 pub fn bytes(text: &str) -> Result<u64, String> {
     let units = [

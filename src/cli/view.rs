@@ -49,17 +49,41 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
             Session::open(file)?;
         }
     }
+    serve_page(
+        &files,
+        args.against.is_some(),
+        args.page.http,
+        args.page.http_host.clone(),
+        !args.page.no_open,
+    )
+}
+
+/// Shows one recording on a page at an address until Ctrl-C.
+pub fn show(file: &Path, address: SocketAddr) -> anyhow::Result<Outcome> {
+    serve_page(&[file.to_owned()], false, Some(address), Vec::new(), false)
+}
+
+fn serve_page(
+    files: &[PathBuf],
+    against: bool,
+    address: Option<SocketAddr>,
+    hosts: Vec<String>,
+    open: bool,
+) -> anyhow::Result<Outcome> {
     let settings = ViewerSettings {
-        address: (args.page.http).unwrap_or_else(|| SocketAddr::from(([127, 0, 0, 1], 0))),
-        hosts: args.page.http_host.clone(),
+        open: Vec::new(),
+        address,
+        hosts,
+        origins: Vec::new(),
+        foxglove: None,
         view_only: true,
         instance: String::new(),
         played: false,
     };
-    let viewer = RecordingsViewer::start(&settings, &files, args.against.is_some())?;
+    let viewer = RecordingsViewer::start(&settings, files, against)?;
     let url = viewer.url();
     eprintln!("page: {url}\nCtrl-C ends it");
-    if !args.page.no_open {
+    if open {
         open_in_browser(&url);
     }
     let (end, ended) = channel();

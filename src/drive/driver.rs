@@ -80,37 +80,14 @@ pub fn start(
             } else {
                 Privileges::default()
             };
-            let report = DriverReport {
-                ticks: 0,
-                late: 0,
-                skipped: 0,
-                lateness: Histogram::default(),
-                stages: StageHistograms::default(),
-                privileges,
-            };
-            let period_ns = (scene.dt_s * 1e9).round() as u64;
-            let (overload, fading) = (Overload::new(period_ns), None);
-            let nets = NetPool::new(&scene, BUS_NETS + journal.nets_held());
-            let record = TickRecord::for_tools(scene.tool_count());
-            Driver {
-                scene,
-                state,
-                scratch,
-                ports,
-                nets,
-                journal,
-                record,
-                settings,
-                report,
-                overload,
-                fading,
-                emit_ns: 0,
-            }
-            .run()
+            let mut driver = Driver::of(scene, state, scratch, ports, journal, settings, now_ns);
+            driver.report.privileges = privileges;
+            driver.run()
         })
 }
 
-struct Driver {
+/// A loop. [`start`] gives it a thread and the system's clock; who has a clock of their own steps it.
+pub struct Driver {
     scene: Arc<Scene>,
     state: SceneState,
     scratch: Scratch,
@@ -126,11 +103,93 @@ struct Driver {
     fading: Option<u64>,
     /// Hand-over of the tick before: a record leaves before its own is known.
     emit_ns: u32,
+    /// What stages are timed by, ns.
+    clock: fn() -> u64,
 }
 
 impl Driver {
-    fn run(mut self) -> DriverReport {
+    /// At the scene's start, with a clock for the durations of stages. Bodies that step separately do
+    /// so in the tick in which they are due: the same bits.
+    pub fn new(
+        scene: Arc<Scene>,
+        ports: TickPorts,
+        journal: Box<dyn Journal>,
+        settings: DriverSettings,
+        clock: fn() -> u64,
+    ) -> Self {
+        let state = scene.initial_state();
+        let scratch = scene.scratch(&state);
+        let mut driver = Self::of(scene, state, scratch, ports, journal, settings, clock);
+        driver.begin();
+        driver
+    }
+
+    fn of(
+        scene: Arc<Scene>,
+        state: SceneState,
+        scratch: Scratch,
+        ports: TickPorts,
+        journal: Box<dyn Journal>,
+        settings: DriverSettings,
+        clock: fn() -> u64,
+    ) -> Self {
+        let period_ns = (scene.dt_s * 1e9).round() as u64;
+        let nets = NetPool::new(&scene, BUS_NETS + journal.nets_held());
+        let record = TickRecord::for_tools(scene.tool_count());
+        let report = DriverReport {
+            ticks: 0,
+            late: 0,
+            skipped: 0,
+            lateness: Histogram::default(),
+            stages: StageHistograms::default(),
+            privileges: Privileges::default(),
+        };
+        Self {
+            scene,
+            state,
+            scratch,
+            ports,
+            nets,
+            journal,
+            record,
+            settings,
+            report,
+            overload: Overload::new(period_ns),
+            fading: None,
+            emit_ns: 0,
+            clock,
+        }
+    }
+
+    /// One tick of a loop in real time, woken by whoever has the clock: commands and a next scene
+    /// first. False: the loop is over.
+    pub fn turn(&mut self, wake: Wake) -> bool {
+        if self.is_over() {
+            self.ports.counters.finished.store(true, Ordering::Release);
+            return false;
+        }
+        self.take_commands();
+        self.take_swap();
+        self.tick(wake);
+        true
+    }
+
+    /// Input and output of the newest tick.
+    pub fn record(&self) -> &TickRecord {
+        &self.record
+    }
+
+    /// The state after the newest tick.
+    pub fn state(&self) -> &SceneState {
+        &self.state
+    }
+
+    fn begin(&mut self) {
         self.journal.keyframe(&self.state, state_hash(&self.state));
+    }
+
+    fn run(mut self) -> DriverReport {
+        self.begin();
         let period_ns = (self.scene.dt_s * 1e9).round() as u64;
         let mut schedule = Schedule::new(period_ns, now_ns());
         while !self.is_over() {
@@ -188,6 +247,7 @@ impl Driver {
             | Command::Resume
             | Command::Step(_)
             | Command::Quality(_)
+            | Command::Send { .. }
             | Command::Device { .. } => {}
         }
     }
@@ -224,7 +284,7 @@ impl Driver {
     }
 
     fn tick(&mut self, wake: Wake) {
-        let mut laps = Laps::start();
+        let mut laps = Laps::start(self.clock);
         let Self {
             scene,
             state,
@@ -293,14 +353,16 @@ struct Laps {
     times: StageTimes,
     ended: Option<Stage>,
     since_ns: u64,
+    clock: fn() -> u64,
 }
 
 impl Laps {
-    fn start() -> Self {
+    fn start(clock: fn() -> u64) -> Self {
         Self {
             times: StageTimes::default(),
             ended: None,
-            since_ns: now_ns(),
+            since_ns: clock(),
+            clock,
         }
     }
 
@@ -310,7 +372,7 @@ impl Laps {
             self.ended.map_or(0, |last| last as usize + 1),
             "stages out of order"
         );
-        let now_ns = now_ns();
+        let now_ns = (self.clock)();
         self.times[stage] = (now_ns - self.since_ns).min(u64::from(u32::MAX)) as u32;
         (self.ended, self.since_ns) = (Some(stage), now_ns);
     }

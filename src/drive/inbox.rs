@@ -2,8 +2,9 @@
 
 use palpate_sim::haptics::DevicePose;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
-use std::sync::{Arc, Mutex, OnceLock, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 use std::thread::Thread;
+use std::time::{Duration, Instant};
 
 /// Counters of a tool's link, by cause. Each pose that arrives is counted once: as received, or
 /// under the first cause for which it was refused.
@@ -23,6 +24,8 @@ pub struct LinkCounters {
     pub bad_quaternion: AtomicU64,
     /// The newest number once more.
     pub duplicated: AtomicU64,
+    /// Of a client that does not hold the tool.
+    pub strangers: AtomicU64,
     /// A number below the newest.
     pub out_of_order: AtomicU64,
     /// Poses latched by ticks.
@@ -46,12 +49,37 @@ pub enum Offered {
         /// None was counted before.
         first: bool,
     },
-    /// The newest comes after it. `first`: for the first time.
+    /// The newest comes after it, or is too far before it. `first`: for the first time.
     OutOfOrder {
         /// None was counted before.
         first: bool,
     },
+    /// Another client holds the tool. `first`: for the first time.
+    Stranger {
+        /// None was counted before.
+        first: bool,
+    },
 }
+
+/// Who sends, as its messages say. Clients that say nothing are one.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct SenderId([u8; 24]);
+
+impl SenderId {
+    /// From whatever goes along with a message; what is longer than 24 bytes is cut.
+    pub fn of(attachment: Option<&[u8]>) -> Self {
+        let mut id = [0; 24];
+        let bytes = attachment.unwrap_or_default();
+        let count = bytes.len().min(id.len());
+        id[..count].copy_from_slice(&bytes[..count]);
+        Self(id)
+    }
+}
+
+/// A holder that was silent for longer loses the tool to the next who sends.
+const HELD: Duration = Duration::from_millis(250);
+/// A holder that is there does not skip more numbers than these.
+const MOST_SKIPPED: u64 = 1 << 20;
 
 /// Where a receiver puts poses; newest wins. Used by receive threads only, never by the tick.
 #[derive(Debug)]
@@ -67,26 +95,50 @@ pub struct PoseInbox {
 #[derive(Debug)]
 pub(super) struct InboxSlot {
     pub newest: u64,
+    /// Who moves the tool, and when it was heard.
+    pub holder: Option<(SenderId, Instant)>,
     pub input: triple_buffer::Input<Option<DevicePose>>,
 }
 
 impl PoseInbox {
-    /// Takes a pose, if it is newer than the last.
-    pub fn offer(&self, pose: DevicePose) -> Offered {
-        let mut slot = self.slot.lock().unwrap_or_else(PoisonError::into_inner);
+    /// Takes a pose, if it is newer than the last and of whoever holds the tool.
+    pub fn offer(&self, pose: DevicePose, sender: SenderId) -> Offered {
+        self.offer_at(pose, sender, Instant::now())
+    }
+
+    /// [`Self::offer`] of a pose that came at this time.
+    pub fn offer_at(&self, pose: DevicePose, sender: SenderId, now: Instant) -> Offered {
+        let mut slot = self.lock();
+        let since = |heard: Instant| now.saturating_duration_since(heard);
+        let fresh = (slot.holder).is_some_and(|(_, heard)| since(heard) <= HELD);
+        match slot.holder {
+            Some((holder, _)) if holder != sender && fresh => {
+                return Offered::Stranger {
+                    first: LinkCounters::count(&self.counters.strangers),
+                };
+            }
+            // The next holder counts from anew.
+            Some((holder, _)) if holder != sender => slot.newest = 0,
+            _ => {}
+        }
         // Numbers begin at 1: a first pose numbered 0 repeats nothing.
         if pose.seq == slot.newest && pose.seq > 0 {
+            slot.holder = Some((sender, now));
             self.asked_again.store(true, Ordering::Release);
             return Offered::Duplicate {
                 first: LinkCounters::count(&self.counters.duplicated),
             };
         }
-        if pose.seq <= slot.newest {
+        let skipped = fresh
+            && slot.newest > 0
+            && pose.seq.saturating_sub(1) > slot.newest.saturating_add(MOST_SKIPPED);
+        if pose.seq <= slot.newest || skipped {
             return Offered::OutOfOrder {
                 first: LinkCounters::count(&self.counters.out_of_order),
             };
         }
         slot.newest = pose.seq;
+        slot.holder = Some((sender, now));
         slot.input.write(Some(pose));
         LinkCounters::count(&self.counters.received);
         drop(slot);
@@ -96,11 +148,20 @@ impl PoseInbox {
         Offered::Taken
     }
 
+    /// This client holds the tool, or nobody does.
+    pub fn may_hold(&self, sender: SenderId) -> bool {
+        self.lock()
+            .holder
+            .is_none_or(|(holder, heard)| holder == sender || heard.elapsed() > HELD)
+    }
+
     /// Whoever held the tool is gone: the next holder counts from anew.
     pub fn forget_sender(&self) {
-        self.slot
-            .lock()
-            .unwrap_or_else(PoisonError::into_inner)
-            .newest = 0;
+        let mut slot = self.lock();
+        (slot.newest, slot.holder) = (0, None);
+    }
+
+    fn lock(&self) -> MutexGuard<'_, InboxSlot> {
+        self.slot.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }

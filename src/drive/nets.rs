@@ -18,6 +18,8 @@ pub struct NetFrame {
     pub body: usize,
     /// Control points, u-major, m.
     pub points: Vec<Point3>,
+    /// Coordinates of a deforming body, m, of which its nodes are made; none of others.
+    pub coordinates: Vec<Point3>,
 }
 
 /// The nets of a scene's bodies. Bodies that cannot move have no frames.
@@ -40,12 +42,14 @@ impl NetPool {
         let frames = |body: usize| {
             let points = scene.rest_surface(body).net().points();
             // One more is the pool's own: that of the present tick.
-            let count = if scene.deforms(body) { in_use + 2 } else { 0 };
+            let count = if scene.moves(body) { in_use + 2 } else { 0 };
             let make = || NetFrame {
                 tick: 0,
                 revision: 0,
                 body,
                 points: points.to_vec(),
+                coordinates: (scene.deformable(body))
+                    .map_or_else(Vec::new, |deformable| deformable.rest().to_vec()),
             };
             Frames {
                 pool: Pool::new(count, make),
@@ -76,6 +80,9 @@ impl NetPool {
             let fill = |frame: &mut NetFrame| {
                 (frame.tick, frame.revision) = (tick, state.net_revision(body));
                 state.copy_net(scene, body, &mut frame.points);
+                if let Some(coordinates) = state.coordinates(body) {
+                    frame.coordinates.copy_from_slice(coordinates);
+                }
             };
             *filled = pool.fill(fill).cloned();
         }

@@ -8,7 +8,7 @@
 //! ```
 
 use super::inbox::InboxSlot;
-pub use super::inbox::{LinkCounters, Offered, PoseInbox};
+pub use super::inbox::{LinkCounters, Offered, PoseInbox, SenderId};
 use super::nets::NetSchedule;
 pub use super::nets::{NetFrame, NetPool};
 use super::overload::CAUSES;
@@ -30,8 +30,9 @@ const IN_HAND: usize = 4;
 const NET_HZ: f64 = 60.0;
 /// Nets of a body in flight.
 const NET_RING: usize = 4;
-/// Nets of a body that the bus has at once: in the ring, the newest, and the one before.
-pub const BUS_NETS: usize = NET_RING + 2;
+/// Nets of a body that the bus has at once: in the ring, the newest, the one before, and that of who looks
+/// inside.
+pub const BUS_NETS: usize = NET_RING + 3;
 
 /// A command and the number under which its receipt comes back.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -195,7 +196,11 @@ pub fn ports(scene: &Scene) -> (TickPorts, BusPorts) {
         poses.push(output);
         link_counters.push(counters.clone());
         inboxes.push(Arc::new(PoseInbox {
-            slot: Mutex::new(InboxSlot { newest: 0, input }),
+            slot: Mutex::new(InboxSlot {
+                newest: 0,
+                holder: None,
+                input,
+            }),
             counters,
             asked_again: AtomicBool::new(false),
             tick_thread: tick_thread.clone(),

@@ -273,6 +273,28 @@ fn bounds(command: &pb::Command) -> Result<DeviceBounds, ConvertError> {
     })
 }
 
+/// A body that is sent to a place, `bounds` being x y z and a unit quaternion x y z w.
+fn sent(command: &pb::Command) -> Result<Command, ConvertError> {
+    let wrong = || ConvertError {
+        tick: command.after_tick,
+        what: format!("{:?} is not a place of a body", command.bounds),
+    };
+    let [x, y, z, i, j, k, w] = command.bounds[..] else {
+        return Err(wrong());
+    };
+    let turned = nalgebra::Quaternion::new(w, i, j, k);
+    let unit = (turned.norm() - 1.0).abs() < 1e-6;
+    if !(unit && [x, y, z].iter().all(|x| x.is_finite())) {
+        return Err(wrong());
+    }
+    Ok(Command::Send {
+        body: command.tool,
+        position: Point3::new(x, y, z),
+        rotation: Rotation::new_unchecked(turned),
+        ticks: command.ticks,
+    })
+}
+
 /// A command with the tick after which it acts.
 pub fn command_to_proto(after_tick: u64, command: Command) -> pb::Command {
     let (mut device, mut values) = (0, Vec::new());
@@ -294,6 +316,15 @@ pub fn command_to_proto(after_tick: u64, command: Command) -> pb::Command {
         Command::Step(ticks) => ("step", ticks),
         Command::Stop => ("stop", 0),
         Command::Quality(level) => ("quality", u32::from(level)),
+        Command::Send {
+            body,
+            position: p,
+            rotation: q,
+            ticks,
+        } => {
+            (device, values) = (body, vec![p.x, p.y, p.z, q.i, q.j, q.k, q.w]);
+            ("move_body", ticks)
+        }
     };
     pb::Command {
         after_tick,
@@ -320,6 +351,7 @@ pub fn command_from_proto(command: &pb::Command) -> Result<Command, ConvertError
             bounds: bounds(command)?,
         },
         "quality" => Command::Quality(level(command.after_tick, command.ticks)?),
+        "move_body" => sent(command)?,
         other => {
             return Err(ConvertError {
                 tick: command.after_tick,
@@ -430,6 +462,12 @@ mod tests {
             Command::Stop,
             Command::Quality(3),
             told,
+            Command::Send {
+                body: 3,
+                position: Point3::new(0.1, -0.2, 1.0 / 3.0),
+                rotation: Rotation::new_unchecked(nalgebra::Quaternion::new(0.6, 0.0, 0.8, 0.0)),
+                ticks: 250,
+            },
         ] {
             assert_eq!(
                 command_from_proto(&command_to_proto(5, command)),
@@ -443,5 +481,17 @@ mod tests {
             ..Default::default()
         };
         assert!(command_from_proto(&worse).is_err());
+        for bounds in [
+            vec![0.0; 7],
+            vec![0.0; 6],
+            vec![f64::NAN, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0],
+        ] {
+            let nowhere = pb::Command {
+                name: "move_body".into(),
+                bounds,
+                ..worse.clone()
+            };
+            assert!(command_from_proto(&nowhere).is_err());
+        }
     }
 }

@@ -3,6 +3,7 @@
 use std::fs::{File, OpenOptions};
 use std::io::{self, BufWriter, Write};
 use std::path::Path;
+use std::time::{Duration, Instant};
 
 /// A file that only grows.
 pub trait DiskFile: Write + Send {
@@ -20,6 +21,11 @@ pub trait Disk: Send + Sync {
     /// # Errors
     /// The file exists, or cannot be made.
     fn create(&self, path: &Path) -> io::Result<Box<dyn DiskFile>>;
+
+    /// By which flushes are due. A disk that is simulated has a clock that is.
+    fn now(&self) -> Instant {
+        Instant::now()
+    }
 }
 
 /// The file system.
@@ -35,13 +41,42 @@ impl Disk for FileSystem {
             std::fs::create_dir_all(directory)?;
         }
         let file = OpenOptions::new().write(true).create_new(true).open(path)?;
-        Ok(Box::new(BufWriter::with_capacity(64 << 10, file)))
+        Ok(Box::new(SyncedFile {
+            buffer: BufWriter::with_capacity(64 << 10, file),
+            synced: Instant::now(),
+        }))
     }
 }
 
-impl DiskFile for BufWriter<File> {
+/// A file whose flushes reach the disk once a second: without that the system keeps them for half a
+/// minute, and a power cut takes them.
+struct SyncedFile {
+    buffer: BufWriter<File>,
+    synced: Instant,
+}
+
+/// Longest time between a flush and the disk.
+const SYNC_EVERY: Duration = Duration::from_secs(1);
+
+impl Write for SyncedFile {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.buffer.write(bytes)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.buffer.flush()?;
+        if self.synced.elapsed() >= SYNC_EVERY {
+            self.buffer.get_ref().sync_data()?;
+            // After it: a slow disk is not asked all the time.
+            self.synced = Instant::now();
+        }
+        Ok(())
+    }
+}
+
+impl DiskFile for SyncedFile {
     fn sync(&mut self) -> io::Result<()> {
-        self.flush()?;
-        self.get_ref().sync_all()
+        self.buffer.flush()?;
+        self.buffer.get_ref().sync_all()
     }
 }

@@ -1,13 +1,14 @@
 //! One MCAP file.
 //!
 //! It is `FILE.part` until it is finished; chunks are flushed five times a second, so that a killed
-//! daemon loses no more than that, and nothing written is ever touched again. log_time is tick ×
+//! daemon loses no more than that, and reach the disk once a second, which is what a power cut takes;
+//! nothing written is ever touched again. log_time is tick ×
 //! dt: plots are even and files comparable; publish_time is the wall clock.
 
 use super::channel::Channels;
 use super::disk::{Disk, DiskFile};
 use super::format::{
-    END, RUN, SCENE_EFFECTIVE, SCENE_TEXT, SNAPSHOT, TOOLS, TOTALS, WriteError, options,
+    END, RUN, SCENE_EFFECTIVE, SCENE_TEXT, SNAPSHOT, TOOLS, TOTALS, WriteError, checked, options,
 };
 use super::head::Head;
 use super::message::{Mark, Message, SessionHash, wall_ns};
@@ -48,7 +49,7 @@ pub(super) struct SessionFile {
 }
 
 /// `FILE.part`.
-pub(super) fn part_of(target: &Path) -> PathBuf {
+pub(crate) fn part_of(target: &Path) -> PathBuf {
     PathBuf::from(format!("{}.part", target.display()))
 }
 
@@ -97,10 +98,7 @@ impl SessionFile {
         let (mcap, channels, views) = written.map_err(|source| {
             // Nothing is in it yet.
             let _ = std::fs::remove_file(&part);
-            WriteError::Mcap {
-                path: part.clone(),
-                source,
-            }
+            WriteError::mcap(&part, source)
         })?;
         Ok(Self {
             mcap,
@@ -109,7 +107,7 @@ impl SessionFile {
             dt_ns: head.dt_ns,
             channels,
             views,
-            last_flush: Instant::now(),
+            last_flush: disk.now(),
             urgent: false,
             bytes: 0,
             ticks: 0,
@@ -143,7 +141,7 @@ impl SessionFile {
         );
         mcap.write_metadata(&Metadata {
             name: RUN.into(),
-            metadata: run,
+            metadata: checked(run),
         })?;
         let toml = "application/toml";
         for (name, kind, bytes) in [
@@ -227,16 +225,14 @@ impl SessionFile {
     }
 
     fn mcap_error(&self, source: mcap::McapError) -> WriteError {
-        WriteError::Mcap {
-            path: self.part.clone(),
-            source,
-        }
+        WriteError::mcap(&self.part, source)
     }
 
     /// Flushes when it is time, so that a kill loses little.
-    pub fn flush_if_due(&mut self) -> Result<(), WriteError> {
-        if std::mem::take(&mut self.urgent) || self.last_flush.elapsed() >= FLUSH_EVERY {
-            self.last_flush = Instant::now();
+    pub fn flush_if_due(&mut self, now: Instant) -> Result<(), WriteError> {
+        let since = now.saturating_duration_since(self.last_flush);
+        if std::mem::take(&mut self.urgent) || since >= FLUSH_EVERY {
+            self.last_flush = now;
             self.mcap
                 .flush()
                 .map_err(|source| self.mcap_error(source))?;
@@ -269,10 +265,7 @@ impl SessionFile {
                 .iter()
                 .map(|(key, value)| ((*key).to_owned(), value.clone())),
         );
-        let bad = |source| WriteError::Mcap {
-            path: self.part.clone(),
-            source,
-        };
+        let bad = |source| WriteError::mcap(&self.part, source);
         // Numbers that JSON does not have, or a message that was not ours to sum up: readers count
         // for themselves.
         if let Ok(totals) = serde_json::to_vec(&self.tally.finish()) {
@@ -288,7 +281,7 @@ impl SessionFile {
         self.mcap
             .write_metadata(&Metadata {
                 name: END.into(),
-                metadata: end,
+                metadata: checked(end),
             })
             .map_err(bad)?;
         self.mcap.finish().map_err(bad)?;

@@ -81,6 +81,8 @@ pub(super) struct Keeper {
     report: RecordingReport,
 }
 
+/// From one look at what has come to the next.
+pub(super) const TURN: Duration = Duration::from_millis(5);
 /// Most snapshots under way at once.
 const MAX_SNAPSHOTS: usize = 8;
 
@@ -178,22 +180,32 @@ impl Keeper {
     pub fn run(mut self) -> RecordingReport {
         loop {
             let stop = self.stop.load(Ordering::Acquire);
-            while let Ok(mail) = self.mail.try_recv() {
-                match mail {
-                    Mail::Ask { id, request } => self.answer(id, request),
-                    Mail::Event { tick, kind, detail } => {
-                        self.keep(&Message::event(tick, &kind, &detail))
-                    }
-                    Mail::Next(next) => self.next.push_back(*next),
-                }
-            }
-            self.take_stream(stop);
-            self.flush();
+            self.turn(stop);
             if stop {
                 break;
             }
-            std::thread::sleep(Duration::from_millis(5));
+            std::thread::sleep(TURN);
         }
+        self.end()
+    }
+
+    /// Takes what has come. `stop`: the loop has ended, and nothing comes after it.
+    pub fn turn(&mut self, stop: bool) {
+        while let Ok(mail) = self.mail.try_recv() {
+            match mail {
+                Mail::Ask { id, request } => self.answer(id, request),
+                Mail::Event { tick, kind, detail } => {
+                    self.keep(&Message::event(tick, &kind, &detail))
+                }
+                Mail::Next(next) => self.next.push_back(*next),
+            }
+        }
+        self.take_stream(stop);
+        self.flush();
+    }
+
+    /// Ends what is open.
+    pub fn end(mut self) -> RecordingReport {
         self.end_recording();
         for snapshot in std::mem::take(&mut self.snapshots) {
             self.end_snapshot(snapshot);
@@ -306,9 +318,10 @@ impl Keeper {
         if let Some(error) = failed {
             self.fail(error);
         }
+        let now = self.disk.now();
         for snapshot in &mut self.snapshots {
             // An error shows again with the next message.
-            let _ = snapshot.file.flush_if_due();
+            let _ = snapshot.file.flush_if_due(now);
         }
     }
 

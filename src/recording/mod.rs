@@ -44,15 +44,17 @@ pub use figures::{
     BodyFigures, Deviation, Figures, FiguresError, Start, Tolerances, ToolFigures, deviations,
     simulate_figures,
 };
+pub(crate) use file::part_of;
 pub use file_info::{ChannelInfo, FileInfo};
 pub use format::WriteError;
 pub use info::{Info, Origin, computed_info, info};
 pub use message::SessionHash;
+pub(crate) use message::wall_ns;
 pub use parts::Split;
 pub use play::{PlayError, PlayReport, PlaySettings, Player, played_scene};
 pub use port::RecorderPort;
 pub use reader::{Contents, Follower, Place, ReadError, Session, SessionHeader};
-pub use recorder::{Recorder, RecorderSettings, SceneChanges, default_path};
+pub use recorder::{Recorder, RecorderSettings, SceneChanges, SteppedRecorder, default_path};
 pub use recover::RecoverError;
 pub use recover::{Recovered, recover};
 pub use replay::{
@@ -64,6 +66,7 @@ pub use self_check::{SelfCheck, SelfCheckPort, SelfCheckReport, SelfDifference};
 pub use thin::{Thinned, thinned};
 pub use totals::{StageInfo, ToolInfo, Totals};
 pub(crate) use totals::{stage_infos, write_stages};
+pub(crate) use views::{LOG as LOG_VIEW, Pictures, ViewTopic, log as log_view, stamp_of};
 
 /// Layout of recordings; readers refuse others.
 pub const FORMAT_VERSION: u32 = 2;

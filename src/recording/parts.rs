@@ -148,7 +148,7 @@ impl Parts {
     }
 
     pub fn flush_if_due(&mut self) -> Result<(), WriteError> {
-        self.file.flush_if_due()
+        self.file.flush_if_due(self.disk.now())
     }
 
     fn is_full(&self) -> bool {

@@ -101,6 +101,15 @@ pub(super) fn port(
 }
 
 impl RecorderPort {
+    /// There is room for the next tick: a loop that waits for it loses nothing.
+    pub fn has_room(&self) -> bool {
+        let quarter = RING_TICKS / 4;
+        self.heads.slots() > quarter
+            && self.rows.slots() > quarter * self.tool_count
+            && self.full_keyframes.slots() > KEYFRAME_BUFFERS / 2
+            && self.nets.iter().all(|nets| nets.slots() > NET_RING / 2)
+    }
+
     fn lost(&mut self) {
         self.gauges.dropped.fetch_add(1, Ordering::Relaxed);
         // A replay goes on from the next keyframe: let it come soon.

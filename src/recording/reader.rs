@@ -14,6 +14,7 @@ mod index;
 mod keyframes;
 mod layout;
 mod page;
+mod scene_text;
 mod session;
 mod source;
 
@@ -22,6 +23,8 @@ pub use error::ReadError;
 pub use follower::{Follower, Place};
 pub use layout::SessionHeader;
 pub use session::Session;
+
+pub(super) use scene_text::recorded_spec;
 
 pub(super) use keyframes::{
     first_keyframe, first_keyframe_where, keyframe_chunks, last_keyframe_until, last_tick_between,

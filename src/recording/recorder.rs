@@ -87,46 +87,16 @@ impl Recorder {
         settings: RecorderSettings,
         scene: &Scene,
     ) -> Result<(Self, RecorderPort), WriteError> {
+        let path = settings.path.clone();
         let changes_text = (settings.scene_text.clone(), settings.extra.clone());
-        let gauges = Arc::new(JournalGauges::default());
-        let wanted = Arc::new(AtomicU32::new(0));
-        let stop = Arc::new(AtomicBool::new(false));
-        let (port, stream) = port(scene, gauges.clone(), wanted.clone());
-        let mut head = Head::new(
-            scene,
-            &settings.scene_text,
-            &settings.effective,
-            stream.bodies.clone(),
-        )?;
-        head.extra.extend(settings.extra);
-        let views = Views::of(scene);
-        let memory = settings
-            .ring
-            .map(|ring| Memory::new((ring.as_secs_f64() / scene.dt_s).round() as u64));
-        let (mail, mail_out) = channel();
-        let (news, news_out) = channel();
-        let mut keeper = Keeper::new(
-            stream,
-            Arc::new(head),
-            settings.disk,
-            views,
-            settings.split,
-            settings.directory,
-            memory,
-            gauges.clone(),
-            wanted.clone(),
-            stop.clone(),
-            mail_out,
-            news,
-        );
-        if let Some(path) = &settings.path {
-            keeper.begin(path, None)?;
-        }
+        let (keeper, mail, news_out, port) = keeper(settings, scene)?;
+        let (gauges, wanted) = (keeper.gauges.clone(), keeper.wanted.clone());
+        let stop = keeper.stop.clone();
         let thread = std::thread::Builder::new()
             .name("palpate-recorder".into())
             .spawn(move || keeper.run())
             .map_err(|source| WriteError::Io {
-                path: settings.path.unwrap_or_default(),
+                path: path.unwrap_or_default(),
                 source,
             })?;
         let (scene_text, extra) = changes_text;
@@ -181,6 +151,87 @@ impl Recorder {
             ..RecordingReport::default()
         })
     }
+}
+
+/// A recorder without a thread, for simulations: whoever has the clock decides when it takes what has
+/// come.
+pub struct SteppedRecorder {
+    keeper: Keeper,
+}
+
+impl SteppedRecorder {
+    /// How often a recorder with a thread takes what has come.
+    pub const TURN: Duration = super::keeper::TURN;
+
+    /// As [`Recorder::start`].
+    ///
+    /// # Errors
+    /// As [`Recorder::start`].
+    pub fn new(
+        settings: RecorderSettings,
+        scene: &Scene,
+    ) -> Result<(Self, RecorderPort), WriteError> {
+        let (keeper, _, _, port) = keeper(settings, scene)?;
+        Ok((Self { keeper }, port))
+    }
+
+    /// Takes what has come.
+    pub fn turn(&mut self) {
+        self.keeper.turn(false);
+    }
+
+    /// As [`Recorder::finish`].
+    pub fn finish(mut self) -> RecordingReport {
+        self.keeper.turn(true);
+        self.keeper.end()
+    }
+
+    /// Bytes, losses and state.
+    pub fn gauges(&self) -> &JournalGauges {
+        &self.keeper.gauges
+    }
+}
+
+/// What a recorder's thread runs, and the ends that stay with others.
+fn keeper(
+    settings: RecorderSettings,
+    scene: &Scene,
+) -> Result<(Keeper, Sender<Mail>, Receiver<ArchiveNews>, RecorderPort), WriteError> {
+    let gauges = Arc::new(JournalGauges::default());
+    let wanted = Arc::new(AtomicU32::new(0));
+    let stop = Arc::new(AtomicBool::new(false));
+    let (port, stream) = port(scene, gauges.clone(), wanted.clone());
+    let mut head = Head::new(
+        scene,
+        &settings.scene_text,
+        &settings.effective,
+        stream.bodies.clone(),
+    )?;
+    head.extra.extend(settings.extra);
+    let views = Views::of(scene);
+    let memory = settings
+        .ring
+        .map(|ring| Memory::new((ring.as_secs_f64() / scene.dt_s).round() as u64));
+    let (mail, mail_out) = channel();
+    let (news, news_out) = channel();
+    let mut keeper = Keeper::new(
+        stream,
+        Arc::new(head),
+        settings.disk,
+        views,
+        settings.split,
+        settings.directory,
+        memory,
+        gauges.clone(),
+        wanted.clone(),
+        stop.clone(),
+        mail_out,
+        news,
+    );
+    if let Some(path) = &settings.path {
+        keeper.begin(path, None)?;
+    }
+    Ok((keeper, mail, news_out, port))
 }
 
 /// Prepares the recorder for scenes that the loop may go on with.
@@ -264,9 +315,10 @@ pub(super) fn place(
     let Some(name) = name else {
         return Ok(default_path(directory, stem));
     };
+    // A name that ends with a slash has one component too, and would be a directory's.
     let plain = matches!(
         name.components().collect::<Vec<_>>()[..],
-        [Component::Normal(_)]
+        [Component::Normal(only)] if only == name.as_os_str()
     );
     if !plain || name.extension().is_none_or(|extension| extension != "mcap") {
         return Err(format!(

@@ -7,10 +7,9 @@ use super::file::SessionFile;
 use super::format::WriteError;
 use super::head::{BodyHead, Head, Shown};
 use super::message::Message;
-use super::reader::{Follower, ReadError, Session};
+use super::reader::{Follower, ReadError, Session, recorded_spec};
 use super::views::Views;
 use palpate_sim::scene::Scene;
-use palpate_sim::scene::spec::SceneSpec;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 
@@ -68,7 +67,7 @@ pub fn recover(source: &Path, target: &Path) -> Result<Recovered, RecoverError> 
 
 /// The scene of a session, if this program can build it.
 fn scene_of(session: &Session) -> Option<Scene> {
-    toml::from_str::<SceneSpec>(&session.header.effective_scene)
+    recorded_spec(&session.header.effective_scene)
         .ok()
         .and_then(|spec| Scene::build(&spec, Path::new(".")).ok())
 }

@@ -7,7 +7,7 @@
 //! loop ─▶ Forces, Contacts, Nets, Tally, Events ─▶ clients, View    (what is published, and pages see)
 //! ```
 
-use super::answers::{reply, reply_json};
+use super::answers::{key_of, reply, reply_json, reply_text};
 use super::contacts::Contacts;
 use super::declared::{Declared, Inbox, Roles};
 use super::devices::Devices;
@@ -15,8 +15,10 @@ use super::edit::Edits;
 use super::events::Events;
 use super::forces::Forces;
 use super::link::LoopLink;
-use super::metrics::LoopMetrics;
+use super::metrics::{AdapterCounts, LoopMetrics};
 use super::nets::Nets;
+use super::post::{Post, PostThread};
+use super::rate::RateNews;
 use super::rpc::{Parties, Rpc};
 use super::schemas;
 use super::tally::{Gauges, LoopTally};
@@ -49,6 +51,8 @@ pub struct BusSettings {
     pub scene_hash: [u8; 32],
     /// Instance name.
     pub instance: String,
+    /// Endpoints and pages where everybody on the network may do everything.
+    pub open: Vec<String>,
     /// Viewer, if any.
     pub viewer: Option<Box<dyn ViewSink>>,
     /// Where its page is.
@@ -61,6 +65,8 @@ pub struct BusSettings {
     pub editor: Option<Box<dyn Editor>>,
     /// The player of a recording that runs here instead of a loop, if one does.
     pub player: Option<PlayerEnd>,
+    /// What adapters count.
+    pub adapters: AdapterCounts,
 }
 
 /// A running bus thread.
@@ -84,6 +90,8 @@ pub struct BusReport {
 /// Requests that may wait for the bus thread; more are refused by silence, and the client's query
 /// times out.
 const INBOX: usize = 256;
+/// Answers are made for so long before the next forces: a snapshot of a large scene takes milliseconds.
+const ANSWERING: Duration = Duration::from_millis(1);
 const STATUS_EVERY: Duration = Duration::from_millis(100);
 
 impl Bus {
@@ -128,7 +136,9 @@ struct Served {
     scene_hash: [u8; 32],
     keys: Keys,
     instance: String,
+    open: Vec<String>,
     viewer_url: Option<String>,
+    adapters: AdapterCounts,
 }
 
 /// The owners of all parts, and the order in which they are polled.
@@ -148,6 +158,8 @@ struct BusThread {
     tally: LoopTally,
     last_status: Instant,
     events: Events,
+    /// What sends answers, nets and events.
+    posts: [PostThread; 2],
     /// Events that pages have.
     shown_events: u64,
     view: View,
@@ -163,6 +175,8 @@ impl BusThread {
     ) -> zenoh::Result<Self> {
         let scene = settings.scene;
         let (inbox, requests) = sync_channel(INBOX);
+        let (post, answers_thread) = Post::start("palpate-answers")?;
+        let (events_post, events_thread) = Post::start("palpate-events")?;
         let devices = Devices::new(&scene);
         let roles = Roles {
             player: settings.player.is_some(),
@@ -173,8 +187,15 @@ impl BusThread {
         let (session_of, poses) = (&session, &ports.poses);
         let forces = Forces::new(session_of, &keys, &scene, ports.outputs, poses, every)?;
         let contacts = Contacts::new(session_of, &keys, scene.tool_count())?;
-        let nets = Nets::new(session_of, &keys, &scene, ports.nets, inbox.clone())?;
-        let events = Events::new(session_of, &keys, settings.archive)?;
+        let nets = Nets::new(
+            session_of,
+            &keys,
+            &scene,
+            ports.nets,
+            inbox.clone(),
+            post.clone(),
+        )?;
+        let events = Events::new(session_of, &keys, settings.archive, events_post)?;
         let gauges = Gauges {
             poses: poses.clone(),
             counters: ports.counters,
@@ -182,7 +203,9 @@ impl BusThread {
         };
         let tally = LoopTally::new(session_of, &keys, &scene, ports.records, gauges)?;
         // Last, with the tokens that say that all of it is there.
-        let declared = Declared::new(session_of, &keys, &scene, poses, &devices, &inbox, roles)?;
+        let declared = Declared::new(
+            session_of, &keys, &scene, poses, &devices, &inbox, &post, roles,
+        )?;
         let mut bus = Self {
             session,
             declared,
@@ -204,6 +227,7 @@ impl BusThread {
             tally,
             last_status: Instant::now(),
             events,
+            posts: [answers_thread, events_thread],
             shown_events: 0,
             view: View::new(settings.viewer),
             served: Served {
@@ -211,7 +235,9 @@ impl BusThread {
                 scene_hash: settings.scene_hash,
                 keys,
                 instance: settings.instance,
+                open: settings.open,
                 viewer_url: settings.viewer_url,
+                adapters: settings.adapters,
             },
         };
         bus.show_scene();
@@ -241,7 +267,10 @@ impl BusThread {
             self.contacts,
             self.tally,
             self.events,
+            self.requests,
+            self.rpc,
         ));
+        self.posts.into_iter().for_each(PostThread::finish);
         if let Err(error) = self.session.close().wait() {
             tracing::warn!(%error, "closing the session");
         }
@@ -260,9 +289,16 @@ impl BusThread {
         let newcomer = self.view.take_newcomer();
         self.nets
             .publish(&self.served.scene, newcomer, &mut self.view);
+        if let Some((body, length_m)) = self.nets.take_burst() {
+            self.stop_burst(body, length_m);
+        }
         self.show_forces(newcomer);
+        let begun = Instant::now();
         while let Ok(request) = self.requests.try_recv() {
             self.answer(request);
+            if begun.elapsed() > ANSWERING {
+                break;
+            }
         }
         self.take_receipts();
         self.rpc.take_archive_news(&mut self.events);
@@ -328,9 +364,41 @@ impl BusThread {
             let scene = &self.served.scene;
             fresh |= self.forces.publish_next(scene, &mut self.devices);
         }
+        if let Some(news) = self.forces.rate_news() {
+            self.tell_rate(news);
+        }
         if fresh {
             let (scene, output) = (&self.served.scene, self.forces.newest());
             self.contacts.publish(scene, output, &mut self.view);
+        }
+    }
+
+    /// A body has come apart: what it pushes with is no force of a material. The loop pauses, which
+    /// fades all forces, until somebody resets it.
+    fn stop_burst(&mut self, body: usize, length_m: f64) {
+        let reason = format!(
+            "body {:?} has come apart: it is {length_m:.2} m long; the loop is paused, `reset` and `resume` begin anew",
+            self.served.scene.body_id(body)
+        );
+        tracing::error!(reason);
+        self.events.tell(EventKind::Fault { reason });
+        if self.rpc.pause(&mut self.link, &mut self.events).is_err() {
+            tracing::error!("too many commands are waiting: the loop was not paused");
+        }
+    }
+
+    /// Tells clients why their forces fade.
+    fn tell_rate(&mut self, news: RateNews) {
+        match news {
+            RateNews::Lost(hz) => {
+                let nominal_hz = 1.0 / self.served.scene.dt_s;
+                let reason = format!(
+                    "the loop runs at {hz:.0} of {nominal_hz:.0} Hz: forces fade until it keeps its rate"
+                );
+                tracing::error!(reason);
+                self.events.tell(EventKind::Fault { reason });
+            }
+            RateNews::Kept => tracing::warn!("the loop keeps its rate again: forces come back"),
         }
     }
 
@@ -387,19 +455,17 @@ impl BusThread {
             }
             Inbox::Net(body, query) => {
                 // A body that has just gone is not answered for: the query ends empty.
-                if let Some(net) = self.nets.all().iter().find(|net| net.body == body) {
+                let nets = self.nets.all(&served.scene);
+                if let Some(net) = nets.iter().find(|net| net.body == body) {
                     reply(&query, net);
                 }
             }
-            Inbox::Info(query) => reply_json(&query, query.key_expr().clone(), &self.info()),
+            Inbox::Info(query) => reply_json(&query, key_of(&query), &self.info()),
             Inbox::Schema(query) => schemas::answer(&served.keys, &query),
             Inbox::Metrics(query) => {
                 self.read_gauges();
                 let encoding = Encoding::APPLICATION_OPENMETRICS_TEXT;
-                let _ = query
-                    .reply(query.key_expr().clone(), self.figures().text())
-                    .encoding(encoding)
-                    .wait();
+                reply_text(&query, self.figures().text(), encoding);
             }
             Inbox::Events(query) => self.events.answer(&query),
             Inbox::Device(tool, query) => {
@@ -428,12 +494,15 @@ impl BusThread {
                 }
             }
             Inbox::Rpc(method, query) => {
+                if method == "reset" {
+                    self.nets.forget_burst();
+                }
                 let parties = Parties {
                     link: &mut self.link,
                     events: &mut self.events,
                     edits: &mut self.edits,
                     scene: &served.scene,
-                    nets: self.nets.all(),
+                    nets: self.nets.all(&served.scene),
                 };
                 self.rpc.take(method, query, parties);
             }
@@ -441,9 +510,9 @@ impl BusThread {
     }
 
     /// All that a late client needs.
-    fn snapshot(&self) -> SceneSnapshot {
+    fn snapshot(&mut self) -> SceneSnapshot {
         let served = &self.served;
-        let (nets, output) = (self.nets.all(), self.forces.newest());
+        let (nets, output) = (self.nets.all(&served.scene), self.forces.newest());
         wire::scene_snapshot(&served.scene, served.scene_hash, nets, output)
     }
 
@@ -461,6 +530,7 @@ impl BusThread {
             "messages": ALL.iter().map(|message| message.name).collect::<Vec<_>>(),
             "methods": METHODS,
             "played": self.rpc.plays(),
+            "open": self.served.open,
             "recorder": self.tally.status().recorder,
             "viewer": self.served.viewer_url,
         })
@@ -470,12 +540,19 @@ impl BusThread {
     fn figures(&self) -> LoopMetrics {
         LoopMetrics {
             instance: self.served.instance.clone(),
+            open: self.served.open.len() as u64,
             scene: self.served.scene.name.clone(),
             status: self.tally.status().clone(),
             overruns: self.tally.overruns(),
             bus_drops: self.tally.bus_drops(),
             events: self.events.count(),
             suppressed: self.devices.all_suppressed(),
+            published: self.forces.published(),
+            overtaken: self.forces.overtaken(),
+            strangers: self.forces.strangers(),
+            adapters: self.served.adapters.read(),
+            measured_hz: self.forces.rate().measured_hz(),
+            rate_lost: self.forces.rate().is_lost(),
             descriptions_refused: self.devices.all_refused(),
         }
     }

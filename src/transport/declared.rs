@@ -1,7 +1,8 @@
 //! What the daemon listens to on its session, and what its callbacks do.
 
-use super::devices::{Devices, take_device};
-use super::poses::take_pose;
+use super::devices::{Devices, refuse_stranger, take_device};
+use super::poses::{sender_of, take_pose};
+use super::post::{Asked, Post};
 use crate::drive::ports::PoseInbox;
 use palpate_proto::keys::Keys;
 use palpate_proto::messages::DeviceInfo;
@@ -12,20 +13,19 @@ use std::sync::mpsc::SyncSender;
 use zenoh::Wait;
 use zenoh::bytes::Encoding;
 use zenoh::liveliness::LivelinessToken;
-use zenoh::query::Query;
 use zenoh::sample::SampleKind;
 
 /// What callbacks hand to the bus thread. Queries wait here until the bus replies.
 pub(super) enum Inbox {
-    Rpc(&'static str, Query),
-    Scene(Query),
-    Status(Query),
-    Net(String, Query),
-    Info(Query),
-    Schema(Query),
-    Metrics(Query),
-    Events(Query),
-    Device(usize, Query),
+    Rpc(&'static str, Asked),
+    Scene(Asked),
+    Status(Asked),
+    Net(String, Asked),
+    Info(Asked),
+    Schema(Asked),
+    Metrics(Asked),
+    Events(Asked),
+    Device(usize, Asked),
     Told(usize, Box<DeviceInfo>),
     ToolToken { tool: String, present: bool },
 }
@@ -56,6 +56,7 @@ impl Declared {
         poses: &[Arc<PoseInbox>],
         devices: &Devices,
         inbox: &SyncSender<Inbox>,
+        post: &Post,
         roles: Roles,
     ) -> zenoh::Result<Self> {
         let mut tool_subscribers = Vec::new();
@@ -66,20 +67,26 @@ impl Declared {
                 continue;
             }
             let poses = poses[tool].clone();
+            let moved = poses.clone();
             let subscriber = session
                 .declare_subscriber(keys.tool_pose(id))
                 .callback(move |sample| {
                     if sample.kind() == SampleKind::Put {
-                        take_pose(&poses, sample.payload(), sample.encoding());
+                        let sender = sender_of(sample.attachment());
+                        take_pose(&moved, sample.payload(), sample.encoding(), sender);
                     }
                 })
                 .wait()?;
             tool_subscribers.push(subscriber);
-            let (inbox, refused) = (inbox.clone(), devices.refused(tool));
+            let (inbox, refused, holder) = (inbox.clone(), devices.refused(tool), poses.clone());
             let subscriber = session
                 .declare_subscriber(keys.tool_device(id))
                 .callback(move |sample| {
-                    if sample.kind() == SampleKind::Put
+                    // Who does not hold the tool does not say what its device can bear.
+                    let sender = sender_of(sample.attachment());
+                    if !holder.may_hold(sender) {
+                        refuse_stranger(&refused);
+                    } else if sample.kind() == SampleKind::Put
                         && let Some(info) =
                             take_device(&refused, sample.payload(), &schema_of(sample.encoding()))
                     {
@@ -91,10 +98,13 @@ impl Declared {
         }
         let mut queryables = Vec::new();
         let mut queryable =
-            |key: String, wrap: Box<dyn Fn(Query) -> Inbox + Send + Sync>| -> zenoh::Result<()> {
-                let inbox = inbox.clone();
+            |key: String, wrap: Box<dyn Fn(Asked) -> Inbox + Send + Sync>| -> zenoh::Result<()> {
+                let (inbox, post) = (inbox.clone(), post.clone());
                 let callback = move |query| {
-                    let _ = inbox.try_send(wrap(query));
+                    // Without room its client hears nothing, which is how it ends.
+                    if post.has_room() {
+                        let _ = inbox.try_send(wrap(Asked::new(query, &post)));
+                    }
                 };
                 queryables.push(session.declare_queryable(key).callback(callback).wait()?);
                 Ok(())

@@ -1,15 +1,15 @@
 //! Commands under way: queries that wait for their answer.
 
 use super::answers::reply_to_call;
+use super::post::Asked;
 use palpate_proto::rpc::Answer;
-use zenoh::query::Query;
 
 /// Commands under way; more are refused.
 const MOST_PENDING: usize = 256;
 
 /// Queries by the number of their command.
 pub(super) struct Desk {
-    pending: Vec<(u64, Query)>,
+    pending: Vec<(u64, Asked)>,
     next_id: u64,
 }
 
@@ -31,7 +31,7 @@ impl Desk {
     }
 
     /// Keeps the query of the command that was passed on as [`Desk::next_id`].
-    pub(super) fn keep(&mut self, query: Query) {
+    pub(super) fn keep(&mut self, query: Asked) {
         self.pending.push((self.next_id, query));
         self.next_id += 1;
     }

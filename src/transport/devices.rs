@@ -115,7 +115,7 @@ impl Devices {
         }
         device.deadband.set(info.deadband);
         let name = info.name.clone();
-        let bounds = scene.bounds_of(tool, &wire::device_figures(&info));
+        let bounds = wire::device_bounds(scene, tool, &info);
         if let Some(passive_n_m) = scene.stiffer_than(tool, &wire::device_figures(&info))
             && info.damping > 0.0
         {
@@ -126,11 +126,6 @@ impl Devices {
                 "the coupling is stiffer than this device holds in any hand; `bounded = true` would follow it"
             );
         }
-        let bounds = DeviceBounds {
-            force_max_n: info.force_max,
-            torque_max_nm: torque_max_nm(&info),
-            ..bounds
-        };
         device.info = Some(info);
         self.bind(tool, bounds, link);
         let tool = scene.tool_id(tool).to_owned();
@@ -162,12 +157,12 @@ impl Devices {
     }
 }
 
-/// A device that does not twist has no use for torque.
-fn torque_max_nm(info: &DeviceInfo) -> f64 {
-    if info.dof_torque == 0 {
-        0.0
-    } else {
-        info.torque_max
+/// Counts a description by a client that does not hold the tool.
+pub(super) fn refuse_stranger(refused: &AtomicU64) {
+    if refused.fetch_add(1, Ordering::Relaxed) == 0 {
+        tracing::warn!(
+            "a description of a device was dropped: its sender does not hold the tool; later ones are only counted"
+        );
     }
 }
 

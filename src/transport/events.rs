@@ -2,20 +2,22 @@
 
 use super::answers::{reply, reply_refused};
 use super::history::History;
+use super::post::{Asked, Post};
 use crate::drive::archive::Archive;
 use crate::wire;
 use palpate_client::publisher;
 use palpate_proto::codec::encode;
 use palpate_proto::keys::Keys;
 use palpate_proto::messages::{EventKind, SimEvent};
+use std::sync::Arc;
 use std::time::{SystemTime, UNIX_EPOCH};
-use zenoh::Wait;
 use zenoh::pubsub::Publisher;
-use zenoh::query::Query;
 
 /// Events, numbered from 1: published, recorded, and the last of them kept for queries.
 pub(super) struct Events {
-    publisher: Publisher<'static>,
+    publisher: Arc<Publisher<'static>>,
+    /// Events wait for clients that do not read; nobody else does.
+    post: Post,
     /// The keeper of recordings, if there is one: it takes events as they happen.
     archive: Option<Box<dyn Archive>>,
     history: History,
@@ -29,9 +31,11 @@ impl Events {
         session: &zenoh::Session,
         keys: &Keys,
         archive: Option<Box<dyn Archive>>,
+        post: Post,
     ) -> zenoh::Result<Self> {
         Ok(Self {
-            publisher: publisher::<SimEvent>(session, keys.event())?,
+            publisher: Arc::new(publisher::<SimEvent>(session, keys.event())?),
+            post,
             archive,
             history: History::default(),
             count: 0,
@@ -53,7 +57,7 @@ impl Events {
             t_ns: server_ns(),
             kind,
         };
-        let _ = self.publisher.put(encode(&event)).wait();
+        self.post.put(&self.publisher, encode(&event));
         if let Some(archive) = &mut self.archive {
             let (kind, detail) = wire::event_words(&event.kind);
             archive.event(event.tick, kind, &detail);
@@ -62,7 +66,7 @@ impl Events {
     }
 
     /// The events kept whose number is above `after`, each in an answer of its own, oldest first.
-    pub(super) fn answer(&self, query: &Query) {
+    pub(super) fn answer(&self, query: &Asked) {
         let after = match query.parameters().get("after").map(str::parse::<u64>) {
             None => 0,
             Some(Ok(after)) => after,

@@ -2,17 +2,19 @@
 
 use super::devices::Devices;
 use super::events::server_ns;
+use super::rate::{RateNews, RateWatch};
 use super::view::View;
 use crate::drive::ports::PoseInbox;
 use crate::wire;
 use palpate_client::publisher;
 use palpate_proto::codec::encode;
 use palpate_proto::keys::Keys;
-use palpate_proto::messages::{ToolContact, ToolForce};
+use palpate_proto::messages::{ToolContact, ToolForce, force_flags};
 use palpate_sim::scene::Scene;
 use palpate_sim::tick::record::TickOutput;
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
+use std::time::Instant;
 use zenoh::Wait;
 use zenoh::pubsub::Publisher;
 
@@ -25,6 +27,9 @@ pub(super) struct Forces {
     every: bool,
     /// The tick whose forces pages have.
     shown: u64,
+    rate: RateWatch,
+    /// Outputs that a newer one made needless.
+    overtaken: u64,
 }
 
 /// The line to one tool.
@@ -34,6 +39,8 @@ struct ToolLine {
     contact: Publisher<'static>,
     /// Somebody subscribes to what contacts do.
     contact_wanted: bool,
+    /// Forces published.
+    published: u64,
 }
 
 impl Forces {
@@ -53,6 +60,7 @@ impl Forces {
                 force: publisher::<ToolForce>(session, keys.tool_force(id))?,
                 contact: publisher::<ToolContact>(session, keys.tool_contact(id))?,
                 contact_wanted: false,
+                published: 0,
             })
         };
         let tools = poses.iter().enumerate().map(line);
@@ -62,6 +70,8 @@ impl Forces {
             tools: tools.collect::<zenoh::Result<_>>()?,
             every,
             shown: 0,
+            rate: RateWatch::new(1.0 / scene.dt_s),
+            overtaken: 0,
         })
     }
 
@@ -76,8 +86,12 @@ impl Forces {
         let Ok(output) = self.outputs.pop() else {
             return false;
         };
+        if !self.every {
+            self.rate.tick(Instant::now());
+        }
         // Where not every force is awaited only the newest counts.
         if !self.every && !self.outputs.is_empty() {
+            self.overtaken += 1;
             return false;
         }
         self.newest.clone_from(&output);
@@ -126,13 +140,31 @@ impl Forces {
         }
     }
 
-    fn put_force(&self, tool: usize) {
+    /// What changed of the loop's rate. Call it often: forces fade by it.
+    pub(super) fn rate_news(&mut self) -> Option<RateNews> {
+        self.rate.look(Instant::now())
+    }
+
+    /// Ticks a second, by the clock.
+    pub(super) fn rate(&self) -> &RateWatch {
+        &self.rate
+    }
+
+    fn put_force(&mut self, tool: usize) {
         let out = &self.newest.tools[tool];
         if out.pose_seq == 0 {
             return;
         }
-        let force = wire::tool_force(self.newest.tick, server_ns(), out);
-        let _ = self.tools[tool].force.put(encode(&force)).wait();
+        let mut force = wire::tool_force(self.newest.tick, server_ns(), out);
+        let gain = self.rate.gain();
+        if gain < 1.0 {
+            force.force = force.force.map(|f| f * gain);
+            force.torque = force.torque.map(|t| t * gain);
+            force.flags |= force_flags::RAMPING;
+        }
+        let line = &mut self.tools[tool];
+        let _ = line.force.put(encode(&force)).wait();
+        line.published += 1;
     }
 
     /// A duplicate pose means that its force got lost.
@@ -169,6 +201,22 @@ impl Forces {
     /// The tool's holder is gone: the next one counts its poses from 1.
     pub(super) fn forget_sender(&self, tool: usize) {
         self.tools[tool].inbox.forget_sender();
+    }
+
+    /// Forces published, by tool.
+    pub(super) fn published(&self) -> Vec<u64> {
+        self.tools.iter().map(|tool| tool.published).collect()
+    }
+
+    /// Outputs of ticks whose forces were not published, because newer ones were there.
+    pub(super) fn overtaken(&self) -> u64 {
+        self.overtaken
+    }
+
+    /// Poses of clients that do not hold their tool, by tool.
+    pub(super) fn strangers(&self) -> Vec<u64> {
+        let strangers = |tool: &ToolLine| tool.inbox.counters.strangers.load(Ordering::Relaxed);
+        self.tools.iter().map(strangers).collect()
     }
 
     /// Poses taken, by tool.

@@ -10,12 +10,38 @@ use prometheus_client::metrics::gauge::ConstGauge;
 use prometheus_client::metrics::info::Info;
 use prometheus_client::registry::{Registry, Unit};
 use std::fmt::Error;
+use std::sync::{Arc, Mutex, PoisonError};
+
+/// What came of messages that an adapter took from other programs: tool, what became of them, how many.
+pub type AdapterCount = (String, &'static str, u64);
+
+type Source = Box<dyn Fn() -> Vec<AdapterCount> + Send>;
+
+/// Counters of adapters, which come and go while the bus runs.
+#[derive(Clone, Default)]
+pub struct AdapterCounts(Arc<Mutex<Vec<Source>>>);
+
+impl AdapterCounts {
+    /// Adds counters; `read` is called ten times a second.
+    pub fn add(&self, read: impl Fn() -> Vec<AdapterCount> + Send + 'static) {
+        let mut sources = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        sources.push(Box::new(read));
+    }
+
+    /// All of them now.
+    pub fn read(&self) -> Vec<AdapterCount> {
+        let sources = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        sources.iter().flat_map(|read| read()).collect()
+    }
+}
 
 /// Everything that is counted, at one moment.
 #[derive(Clone, Debug)]
 pub struct LoopMetrics {
     /// Instance name.
     pub instance: String,
+    /// Endpoints and pages where everybody on the network may do everything.
+    pub open: u64,
     /// Scene name.
     pub scene: String,
     /// Health of the loop.
@@ -28,6 +54,18 @@ pub struct LoopMetrics {
     pub events: u64,
     /// Forces left out because no hand could tell them apart, by tool.
     pub suppressed: Vec<u64>,
+    /// Forces published, by tool.
+    pub published: Vec<u64>,
+    /// Ticks whose forces were not published, because newer ones were there.
+    pub overtaken: u64,
+    /// Poses of clients that did not hold their tool, by tool.
+    pub strangers: Vec<u64>,
+    /// Ticks a second, by the clock.
+    pub measured_hz: f64,
+    /// The loop is so slow that forces fade.
+    pub rate_lost: bool,
+    /// Messages of other programs.
+    pub adapters: Vec<AdapterCount>,
     /// Descriptions of devices that were dropped, by tool.
     pub descriptions_refused: Vec<u64>,
 }
@@ -105,6 +143,8 @@ impl Collector for LoopMetrics {
             ("scene", scene.as_str()),
         ];
         one(e, "build", "What runs here", None, &Info::new(words))?;
+        let help = "Endpoints where everybody on the network may move tools and give commands";
+        one(e, "open_endpoints", help, None, &gauge(self.open))?;
         one(e, "loop_ticks", "Ticks run", None, &count(status.tick))?;
         one(
             e,
@@ -126,6 +166,20 @@ impl Collector for LoopMetrics {
             "Nominal rate",
             Some(&hertz),
             &ConstGauge::new(status.rate_hz),
+        )?;
+        one(
+            e,
+            "loop_measured_rate",
+            "Ticks a second by the clock; below half the nominal rate forces fade",
+            Some(&hertz),
+            &ConstGauge::new(self.measured_hz),
+        )?;
+        one(
+            e,
+            "loop_forces_overtaken",
+            "Ticks whose forces were not sent because newer ones were there",
+            None,
+            &count(self.overtaken),
         )?;
         let state = match status.state {
             LoopState::Running => 0,
@@ -253,6 +307,36 @@ impl LoopMetrics {
             None,
             MetricType::Counter,
             refused,
+        )?;
+        let adapters = self.adapters.iter().map(|(tool, what, value)| {
+            let labels = [("tool", tool.as_str()), ("outcome", *what)];
+            (labels, ConstCounter::new(*value))
+        });
+        let help = "Poses of ROS 2 drivers, by what became of them";
+        many(e, "ros2_poses", help, None, MetricType::Counter, adapters)?;
+        let published = self
+            .tools()
+            .map(|(t, id)| ([("tool", id)], of(&self.published, t)));
+        let help = "Forces sent to devices";
+        many(
+            e,
+            "tool_forces_published",
+            help,
+            None,
+            MetricType::Counter,
+            published,
+        )?;
+        let strangers = self
+            .tools()
+            .map(|(t, id)| ([("tool", id)], of(&self.strangers, t)));
+        let help = "Poses of clients that did not hold the tool";
+        many(
+            e,
+            "tool_poses_of_strangers",
+            help,
+            None,
+            MetricType::Counter,
+            strangers,
         )?;
         let suppressed = self
             .tools()

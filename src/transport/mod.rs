@@ -1,7 +1,8 @@
 //! Zenoh: sessions, quality of service, and the bus thread.
 //!
 //! Callbacks run on Zenoh's receive threads: they decode to a stack value, store it and return. All
-//! puts and replies are made by the bus thread; the tick thread never calls Zenoh.
+//! puts are made by the bus thread and by those of `post`, which may wait for clients; the tick thread
+//! never calls Zenoh.
 
 mod answers;
 mod bus;
@@ -12,12 +13,15 @@ mod desk;
 mod devices;
 mod edit;
 mod events;
+mod exposure;
 mod forces;
 mod history;
 mod link;
 mod metrics;
 mod nets;
 mod poses;
+mod post;
+mod rate;
 mod rpc;
 mod schemas;
 mod session;
@@ -25,6 +29,11 @@ mod tally;
 mod view;
 
 pub use bus::{Bus, BusReport, BusSettings};
-pub use metrics::LoopMetrics;
-pub use session::{DEFAULT_ENDPOINT, Role, SessionError, SessionSettings, is_taken, open};
+pub use exposure::is_loopback;
+pub use metrics::{AdapterCount, AdapterCounts, LoopMetrics};
+pub use rate::{RateNews, RateWatch};
+pub use session::{
+    Access, DEFAULT_ENDPOINT, DEFAULT_SECURE_ENDPOINT, Role, SessionError, SessionSettings,
+    daemon_of, default_listen, is_taken, open, open_guarded,
+};
 pub use view::ViewSink;

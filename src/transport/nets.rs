@@ -1,51 +1,123 @@
 //! Control nets of bodies: published as they change, answered as they stand.
+//!
+//! A net that nobody takes is not made: neither the message nor its bytes.
 
 use super::declared::Inbox;
+use super::post::{Asked, NetSlot, Post};
 use super::view::View;
-use crate::drive::ports::NetEnd;
+use crate::drive::ports::{NetEnd, NetFrame};
 use crate::wire;
 use palpate_client::publisher;
+use palpate_geometry::math::Point3;
 use palpate_proto::codec::encode;
 use palpate_proto::keys::Keys;
 use palpate_proto::messages::ControlNet;
 use palpate_sim::scene::Scene;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::SyncSender;
 use std::time::{Duration, Instant};
 use zenoh::Wait;
-use zenoh::pubsub::Publisher;
+use zenoh::matching::MatchingListener;
 
 /// Nets that do not change are published this often.
 const NET_REFRESH: Duration = Duration::from_secs(1);
 
+/// A body this many times longer than at rest has come apart: no material of ours is stretched so far.
+const BURST: f64 = 20.0;
+
+fn sizes_m(scene: &Scene) -> Vec<f64> {
+    (0..scene.body_count())
+        .map(|body| scene.rest_surface(body).size())
+        .collect()
+}
+
+/// The diagonal of the points' box, m, if it is longer than this.
+fn longer_than(points: &[Point3], most_m: f64) -> Option<f64> {
+    let first = points.first()?;
+    let (low, high) = points
+        .iter()
+        .fold((*first, *first), |(low, high), p| (low.inf(p), high.sup(p)));
+    let length_m = (high - low).norm();
+    (length_m > most_m).then_some(length_m)
+}
+
 /// The newest nets by body, and what is declared for them.
 pub(super) struct Nets {
     newest: Vec<ControlNet>,
+    /// By body: one that came after the newest and is not a message yet.
+    frames: Vec<Option<Arc<NetFrame>>>,
+    /// By body: the newest of all, for who looks inside.
+    last: Vec<Option<Arc<NetFrame>>>,
     ends: Vec<NetEnd>,
-    publishers: Vec<Publisher<'static>>,
+    lines: Vec<Line>,
     queryables: Vec<zenoh::query::Queryable<()>>,
     inbox: SyncSender<Inbox>,
+    post: Post,
     last_refresh: Instant,
     /// The bodies are others than those that pages have.
     others: bool,
+    /// By body: how long it is at rest, m.
+    sizes_m: Vec<f64>,
+    /// A body that is much longer than it was, and how long, m. Told once.
+    burst: Option<(usize, f64)>,
+    told_burst: bool,
+}
+
+/// Where the nets of a body go.
+struct Line {
+    // Dropped in this order: a publisher that goes takes its listeners along.
+    _listener: MatchingListener<()>,
+    slot: Arc<NetSlot>,
+    /// Somebody subscribes.
+    wanted: Arc<AtomicBool>,
+}
+
+impl Line {
+    fn new(session: &zenoh::Session, key: String) -> zenoh::Result<Self> {
+        let publisher = publisher::<ControlNet>(session, key)?;
+        let wanted = Arc::new(AtomicBool::new(false));
+        let told = wanted.clone();
+        let listener = publisher
+            .matching_listener()
+            .callback(move |status| told.store(status.matching(), Ordering::Release))
+            .wait()?;
+        if publisher.matching_status().wait()?.matching() {
+            wanted.store(true, Ordering::Release);
+        }
+        Ok(Self {
+            _listener: listener,
+            slot: NetSlot::new(publisher),
+            wanted,
+        })
+    }
 }
 
 impl Nets {
-    /// Declares the nets of a scene; queries for them come in through `inbox`.
+    /// Declares the nets of a scene; queries for them come in through `inbox`, and nets and answers go
+    /// out through `post`.
     pub(super) fn new(
         session: &zenoh::Session,
         keys: &Keys,
         scene: &Scene,
         ends: Vec<NetEnd>,
         inbox: SyncSender<Inbox>,
+        post: Post,
     ) -> zenoh::Result<Self> {
         let mut nets = Self {
             newest: wire::all_nets(scene, &scene.initial_state()),
+            frames: vec![None; ends.len()],
+            last: vec![None; ends.len()],
             ends,
-            publishers: Vec::new(),
+            lines: Vec::new(),
             queryables: Vec::new(),
             inbox,
+            post,
             last_refresh: Instant::now(),
             others: false,
+            sizes_m: sizes_m(scene),
+            burst: None,
+            told_burst: false,
         };
         nets.declare(session, keys, scene)?;
         Ok(nets)
@@ -60,7 +132,10 @@ impl Nets {
         ends: Vec<NetEnd>,
     ) {
         self.newest = wire::all_nets(scene, &scene.initial_state());
+        self.frames = vec![None; ends.len()];
+        self.last = vec![None; ends.len()];
         self.ends = ends;
+        self.sizes_m = sizes_m(scene);
         self.others = true;
         if let Err(error) = self.declare(session, keys, scene) {
             tracing::error!(%error, "the bodies of the next scene");
@@ -77,19 +152,21 @@ impl Nets {
         keys: &Keys,
         scene: &Scene,
     ) -> zenoh::Result<()> {
-        self.publishers.clear();
+        self.lines.clear();
         self.queryables.clear();
         for body in 0..scene.body_count() {
             let id = scene.body_id(body).to_owned();
             let key = keys.body_net(&id);
-            let publisher = publisher::<ControlNet>(session, key.clone())?;
-            let inbox = self.inbox.clone();
+            let line = Line::new(session, key.clone())?;
+            let (inbox, post) = (self.inbox.clone(), self.post.clone());
             let asked = move |query| {
-                let _ = inbox.try_send(Inbox::Net(id.clone(), query));
+                if post.has_room() {
+                    let _ = inbox.try_send(Inbox::Net(id.clone(), Asked::new(query, &post)));
+                }
             };
             self.queryables
                 .push(session.declare_queryable(key).callback(asked).wait()?);
-            self.publishers.push(publisher);
+            self.lines.push(line);
         }
         Ok(())
     }
@@ -99,24 +176,40 @@ impl Nets {
     pub(super) fn publish(&mut self, scene: &Scene, all: bool, view: &mut View) {
         let refresh = self.last_refresh.elapsed() >= NET_REFRESH;
         let watched = view.watched();
-        for (body, net) in self.newest.iter_mut().enumerate() {
+        let inside = view.wants_nodes();
+        for body in 0..self.newest.len() {
             let fresh = self.ends[body].newest();
             let changed = fresh.is_some();
-            if let Some(frame) = fresh {
-                *net = wire::control_net(scene, body, frame.tick, frame.revision, &frame.points);
+            if let Some(frame) = &fresh
+                && let Some(length_m) = longer_than(&frame.points, BURST * self.sizes_m[body])
+            {
+                self.burst.get_or_insert((body, length_m));
             }
-            let published = changed || refresh;
+            if fresh.is_some() {
+                self.last[body].clone_from(&fresh);
+            }
+            if let Some(all) = inside
+                && (changed || all || self.others)
+            {
+                self.show_nodes(scene, body, view);
+            }
+            self.frames[body] = fresh.or(self.frames[body].take());
+            // After a failed declaration there is no line.
+            let line = self.lines.get(body);
+            let wanted = line.is_some_and(|line| line.wanted.load(Ordering::Acquire));
+            let published = wanted && (changed || refresh);
             let shown = watched && (changed || all || self.others);
             if !published && !shown {
                 continue;
             }
+            self.bring_up(scene, body);
+            let net = &self.newest[body];
             let bytes = encode(net);
             if shown {
                 view.bytes::<ControlNet>(&net.body, &bytes);
             }
-            // After a failed declaration there is none.
-            if let Some(publisher) = self.publishers.get(body).filter(|_| published) {
-                let _ = publisher.put(bytes).wait();
+            if let Some(line) = self.lines.get(body).filter(|_| published) {
+                self.post.net(&line.slot, bytes);
             }
         }
         self.others = false;
@@ -125,8 +218,45 @@ impl Nets {
         }
     }
 
+    /// Shows where the nodes inside a body are: pages only, nothing of it is on the bus.
+    fn show_nodes(&self, scene: &Scene, body: usize, view: &mut View) {
+        let Some(deformable) = scene.deformable(body).filter(|d| !d.cells().is_empty()) else {
+            return;
+        };
+        let (tick, nodes) = match &self.last[body] {
+            Some(frame) => (frame.tick, deformable.nodes(&frame.coordinates)),
+            None => (0, deformable.nodes(deformable.rest())),
+        };
+        let payload = wire::nodes_payload(tick, &nodes);
+        let key = wire::nodes_key(scene.body_id(body));
+        view.tell(|sink| sink.message(&key, &payload));
+    }
+
+    /// Makes the newest net of a body a message.
+    fn bring_up(&mut self, scene: &Scene, body: usize) {
+        if let Some(frame) = self.frames[body].take() {
+            let (tick, revision) = (frame.tick, frame.revision);
+            self.newest[body] = wire::control_net(scene, body, tick, revision, &frame.points);
+        }
+    }
+
+    /// A body that has come apart, and how long it is, m; once.
+    pub(super) fn take_burst(&mut self) -> Option<(usize, f64)> {
+        let burst = self.burst.take().filter(|_| !self.told_burst);
+        self.told_burst |= burst.is_some();
+        burst
+    }
+
+    /// The scene begins anew.
+    pub(super) fn forget_burst(&mut self) {
+        (self.burst, self.told_burst) = (None, false);
+    }
+
     /// By body.
-    pub(super) fn all(&self) -> &[ControlNet] {
+    pub(super) fn all(&mut self, scene: &Scene) -> &[ControlNet] {
+        for body in 0..self.newest.len() {
+            self.bring_up(scene, body);
+        }
         &self.newest
     }
 }

@@ -4,21 +4,31 @@
 //! become a flood of lines.
 
 use super::declared::schema_of;
-use crate::drive::ports::{LinkCounters, Offered, PoseInbox};
+use crate::drive::ports::{LinkCounters, Offered, PoseInbox, SenderId};
 use crate::wire;
 use palpate_proto::codec::{DecodeError, PoseError, check_head, decode};
 use palpate_proto::messages::ToolPose;
 use zenoh::bytes::{Encoding, ZBytes};
 
 /// Decodes, checks, stores. What is too long is not even copied.
-pub(super) fn take_pose(inbox: &PoseInbox, payload: &ZBytes, encoding: &Encoding) {
+pub(super) fn take_pose(
+    inbox: &PoseInbox,
+    payload: &ZBytes,
+    encoding: &Encoding,
+    sender: SenderId,
+) {
     let schema = schema_of(encoding);
     let read = check_head::<ToolPose>(payload.len(), &schema)
         .and_then(|()| decode(&payload.to_bytes(), &schema));
-    take(inbox, read);
+    take(inbox, read, sender);
 }
 
-fn take(inbox: &PoseInbox, read: Result<ToolPose, DecodeError>) {
+/// Who sent a sample.
+pub(super) fn sender_of(attachment: Option<&ZBytes>) -> SenderId {
+    SenderId::of(attachment.map(ZBytes::to_bytes).as_deref())
+}
+
+fn take(inbox: &PoseInbox, read: Result<ToolPose, DecodeError>, sender: SenderId) {
     let counters = &inbox.counters;
     let pose = match read {
         Ok(pose) => pose,
@@ -44,7 +54,12 @@ fn take(inbox: &PoseInbox, read: Result<ToolPose, DecodeError>) {
                 tracing::warn!(%error, "a pose was dropped; later ones like it are only counted");
             }
         }
-        Ok(pose) => match inbox.offer(wire::device_pose(&pose)) {
+        Ok(pose) => match inbox.offer(wire::device_pose(&pose), sender) {
+            Offered::Stranger { first: true } => {
+                tracing::warn!(
+                    "a pose of a client that does not hold its tool was dropped; later ones are only counted"
+                );
+            }
             Offered::OutOfOrder { first: true } => {
                 tracing::warn!(
                     seq = pose.seq,
@@ -55,7 +70,10 @@ fn take(inbox: &PoseInbox, read: Result<ToolPose, DecodeError>) {
             Offered::Duplicate { first: true } => {
                 tracing::debug!(seq = pose.seq, "a pose came twice")
             }
-            Offered::Taken | Offered::Duplicate { .. } | Offered::OutOfOrder { .. } => {}
+            Offered::Taken
+            | Offered::Duplicate { .. }
+            | Offered::OutOfOrder { .. }
+            | Offered::Stranger { .. } => {}
         },
     }
 }

@@ -5,16 +5,17 @@ use super::desk::Desk;
 use super::edit::Edits;
 use super::events::Events;
 use super::link::LoopLink;
+use super::post::Asked;
 use crate::drive::archive::{ArchiveNews, ArchiveRequest};
 use crate::drive::editor::Edit;
 use crate::drive::playback::{PlayNews, PlayRequest, PlayerEnd};
+use palpate_geometry::math::{Point3, Rotation};
 use palpate_proto::messages::{ControlNet, EventKind, LoopState};
 use palpate_proto::rpc::{Answer, Call};
 use palpate_sim::scene::Scene;
 use palpate_sim::tick::record::Command;
 use std::sync::Arc;
 use zenoh::bytes::ZBytes;
-use zenoh::query::Query;
 
 /// Takes commands, passes them on and answers them.
 pub(super) struct Rpc {
@@ -55,8 +56,20 @@ impl Rpc {
         self.player.is_some()
     }
 
+    /// Pauses the loop of our own accord; nothing to pause where a recording is played.
+    pub(super) fn pause(&mut self, link: &mut LoopLink, events: &mut Events) -> Result<(), String> {
+        if self.player.is_some() || self.state != LoopState::Running {
+            return Ok(());
+        }
+        // Nobody waits for its receipt: number 0.
+        link.command(0, Command::Pause)?;
+        self.state = LoopState::Paused;
+        events.tell(EventKind::Paused);
+        Ok(())
+    }
+
     /// Carries out a command, or passes it on and keeps the query until its answer comes.
-    pub(super) fn take(&mut self, method: &str, query: Query, mut parties: Parties<'_>) {
+    pub(super) fn take(&mut self, method: &str, query: Asked, mut parties: Parties<'_>) {
         let asked = read(method, &query).and_then(|call| {
             let id = self.desk.next_id()?;
             if self.player.is_some() {
@@ -80,6 +93,15 @@ impl Rpc {
             Call::Resume => self.ask_loop(id, parties, Command::Resume),
             Call::Step { ticks } => self.ask_loop(id, parties, Command::Step(ticks)),
             Call::Shutdown => self.ask_loop(id, parties, Command::Stop),
+            Call::MoveBody {
+                body,
+                position,
+                orientation,
+                seconds,
+            } => {
+                let command = sent(parties.scene, &body, &position, orientation, seconds)?;
+                self.ask_loop(id, parties, command)
+            }
             Call::RecordStart { path } => {
                 let path = path.map(Into::into);
                 ask_archive(id, parties.events, method, ArchiveRequest::Start { path })
@@ -147,7 +169,10 @@ impl Rpc {
             Command::Pause => (Some(LoopState::Paused), Some(EventKind::Paused)),
             Command::Resume => (Some(LoopState::Running), Some(EventKind::Resumed)),
             Command::Stop => (Some(LoopState::Stopping), None),
-            Command::Step(_) | Command::Quality(_) | Command::Device { .. } => (None, None),
+            Command::Step(_)
+            | Command::Quality(_)
+            | Command::Send { .. }
+            | Command::Device { .. } => (None, None),
         };
         // Once it is stopping it does nothing else.
         if self.state != LoopState::Stopping {
@@ -242,8 +267,49 @@ impl Rpc {
     }
 }
 
+/// The command that sends a body to a place.
+fn sent(
+    scene: &Scene,
+    id: &str,
+    position: &[f64],
+    orientation: Option<Vec<f64>>,
+    seconds: f64,
+) -> Result<Command, String> {
+    let body = (scene.body_index(id)).ok_or_else(|| format!("there is no body {id:?}"))?;
+    if !scene.can_be_sent(body) {
+        return Err(format!(
+            "body {id:?} cannot be moved: it needs `motion` (`motion = {{}}` is enough) or `carried_by` in the scene, and model = \"rigid\""
+        ));
+    }
+    let &[x, y, z] = position else {
+        return Err(format!(
+            "position is {position:?}; it has three numbers, m in the world"
+        ));
+    };
+    let turned = orientation.unwrap_or_else(|| vec![0.0, 0.0, 0.0, 1.0]);
+    let &[i, j, k, w] = &turned[..] else {
+        return Err(format!(
+            "orientation is {turned:?}; it has four numbers, x y z w"
+        ));
+    };
+    let quaternion = nalgebra::Quaternion::new(w, i, j, k);
+    // JSON has no numbers that are not finite; the norm of what it has may still overflow.
+    if !((quaternion.norm() - 1.0).abs() < 1e-6 && [x, y, z].iter().all(|x| x.abs() < 1e6)) {
+        return Err(format!(
+            "orientation {turned:?} has length {}; give a unit quaternion, and a position within 1e6 m",
+            quaternion.norm()
+        ));
+    }
+    Ok(Command::Send {
+        body: body as u32,
+        position: Point3::new(x, y, z),
+        rotation: Rotation::new_normalize(quaternion),
+        ticks: (seconds / scene.dt_s).round() as u32,
+    })
+}
+
 /// The call of a query. What is too long is not even copied.
-fn read(method: &str, query: &Query) -> Result<Call, String> {
+fn read(method: &str, query: &Asked) -> Result<Call, String> {
     let length = query.payload().map_or(0, ZBytes::len);
     Call::check_length(method, length).map_err(|e| e.to_string())?;
     let payload = query.payload().map(|p| p.to_bytes().into_owned());

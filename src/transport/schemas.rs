@@ -1,18 +1,17 @@
 //! Answers about the layout of messages: `@meta/schema/{Type}`.
 
 use super::answers::{reply_json, reply_refused};
+use super::post::Asked;
 use palpate_proto::keys::Keys;
 use palpate_proto::recording::{DESCRIPTORS, descriptors};
 use palpate_proto::schema;
 use prost::Message as _;
-use zenoh::Wait;
 use zenoh::bytes::Encoding;
 use zenoh::key_expr::KeyExpr;
-use zenoh::query::Query;
 
 /// Answers for every type that the query names: layouts of bus messages, or with `?format=proto`
 /// the descriptors of a message of recordings and of what it imports.
-pub(super) fn answer(keys: &Keys, query: &Query) {
+pub(super) fn answer(keys: &Keys, query: &Asked) {
     let asked = |name: &str| {
         let key = keys.meta_schema(name);
         KeyExpr::try_from(key)
@@ -38,9 +37,7 @@ pub(super) fn answer(keys: &Keys, query: &Query) {
                 .filter_map(|name| Some((asked(name)?, descriptors(name)?)));
             let encoding =
                 Encoding::APPLICATION_PROTOBUF.with_schema("google.protobuf.FileDescriptorSet");
-            let put = |(key, set): (_, Vec<u8>)| {
-                drop(query.reply(key, set).encoding(encoding.clone()).wait())
-            };
+            let put = |(key, set): (_, Vec<u8>)| query.answer(key, set, encoding.clone());
             if found.map(put).count() > 0 {
                 return;
             }

@@ -1,12 +1,17 @@
 //! Opening a Zenoh session: peer mode on a fixed loopback endpoint, no multicast needed.
 
+use super::exposure::open_endpoints;
+use palpate_proto::keys::Keys;
 use std::net::{TcpListener, TcpStream, ToSocketAddrs};
-use std::path::PathBuf;
-use std::time::Duration;
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
 use zenoh::Wait;
 
 /// Where a daemon listens by default.
 pub const DEFAULT_ENDPOINT: &str = "tcp/127.0.0.1:7447";
+
+/// The same for a daemon that has an identity.
+pub const DEFAULT_SECURE_ENDPOINT: &str = "tls/127.0.0.1:7447";
 
 /// How to join the bus.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -15,10 +20,23 @@ pub struct SessionSettings {
     pub connect: Vec<String>,
     /// Endpoints to listen on.
     pub listen: Vec<String>,
-    /// A stock Zenoh JSON5 configuration, taken before the endpoints above.
+    /// A Zenoh configuration file: it changes only what it names, and the endpoints above come after it.
     pub config: Option<PathBuf>,
     /// What to be among the sessions of the bus.
     pub role: Role,
+    /// Who may come, and what they may do.
+    pub access: Access,
+}
+
+/// Who may come to a session that listens, and what they may do.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Access {
+    /// Identity file for TLS, as `palpate auth` makes them.
+    pub identity: Option<PathBuf>,
+    /// Zenoh's section `access_control`; unless the configuration file has one.
+    pub rules: Option<serde_json::Value>,
+    /// Listen also where everybody comes in.
+    pub insecure: bool,
 }
 
 /// What a session is among others.
@@ -32,6 +50,77 @@ pub enum Role {
     /// Others reach each other through it; endpoints to connect to may appear later, go and come
     /// back.
     Router,
+}
+
+impl Role {
+    /// As Zenoh calls it.
+    fn mode(self) -> &'static str {
+        match self {
+            Self::Peer => "peer",
+            Self::Client => "client",
+            Self::Router => "router",
+        }
+    }
+}
+
+/// A daemon of this instance that the session reaches: the id of its session. Two of one name would both
+/// answer a tool's poses.
+///
+/// # Errors
+/// Zenoh refused.
+pub fn daemon_of(
+    session: &zenoh::Session,
+    keys: &Keys,
+    patience: Duration,
+) -> Result<Option<String>, SessionError> {
+    let begun = Instant::now();
+    // What others have declared arrives a little after the link.
+    loop {
+        let replies = session
+            .liveliness()
+            .get(keys.live_server("*"))
+            .timeout(patience)
+            .wait()
+            .map_err(|e| SessionError::Zenoh(e.to_string()))?;
+        while let Ok(reply) = replies.recv() {
+            if let Ok(sample) = reply.result() {
+                let key = sample.key_expr().as_str();
+                let id = key.rsplit_once('/').map_or(key, |(_, id)| id);
+                return Ok(Some(id.to_owned()));
+            }
+        }
+        if begun.elapsed() >= patience {
+            return Ok(None);
+        }
+        std::thread::sleep(Duration::from_millis(20));
+    }
+}
+
+/// Where a daemon listens that was not told where: on [`DEFAULT_ENDPOINT`] (`secure`: on
+/// [`DEFAULT_SECURE_ENDPOINT`]), unless it connects to
+/// others or its configuration file says what to listen on or to connect to.
+///
+/// # Errors
+/// The configuration file cannot be read.
+pub fn default_listen(
+    config: Option<&Path>,
+    listen: &[String],
+    connect: &[String],
+    secure: bool,
+) -> Result<Vec<String>, SessionError> {
+    let named = match config {
+        None => palpate_client::Named::default(),
+        Some(path) => palpate_client::named(path).map_err(|reason| SessionError::Config {
+            path: path.to_owned(),
+            reason,
+        })?,
+    };
+    let told = !listen.is_empty() || !connect.is_empty() || named.listen || named.connect;
+    Ok(match told {
+        true => listen.to_vec(),
+        false if secure => vec![DEFAULT_SECURE_ENDPOINT.to_owned()],
+        false => vec![DEFAULT_ENDPOINT.to_owned()],
+    })
 }
 
 /// Why the bus could not be joined.
@@ -73,6 +162,17 @@ pub enum SessionError {
         /// Operating system's words.
         reason: String,
     },
+    /// Everybody could come in.
+    #[error(
+        "{} can be reached from other machines, and everybody there could move tools and give commands: use TLS \
+         (`palpate auth init DIR`, then --listen tls/… --identity DIR/daemon.json5), listen on 127.0.0.1, or say \
+         --insecure",
+        .0.join(", ")
+    )]
+    Exposed(Vec<String>),
+    /// The identity file.
+    #[error("{0}")]
+    Identity(String),
     /// Zenoh's own refusal.
     #[error("Zenoh: {0}")]
     Zenoh(String),
@@ -83,10 +183,24 @@ pub enum SessionError {
 /// # Errors
 /// A configuration, endpoint, port or peer that does not work, by name.
 pub fn open(settings: &SessionSettings) -> Result<zenoh::Session, SessionError> {
+    open_guarded(settings).map(|(session, _)| session)
+}
+
+/// [`open`], with the endpoints on which everybody comes in.
+///
+/// # Errors
+/// As there; such endpoints without `insecure`.
+pub fn open_guarded(
+    settings: &SessionSettings,
+) -> Result<(zenoh::Session, Vec<String>), SessionError> {
     for endpoint in &settings.connect {
         match settings.role {
             Role::Router => drop(tcp_address(endpoint)?),
-            Role::Peer | Role::Client => check_reachable(endpoint)?,
+            // With TLS a bare connection would be a failed handshake in the log of whoever listens.
+            Role::Peer | Role::Client if !endpoint.starts_with("tls/") => {
+                check_reachable(endpoint)?
+            }
+            Role::Peer | Role::Client => drop(tcp_address(endpoint)?),
         }
     }
     for endpoint in &settings.listen {
@@ -98,18 +212,14 @@ pub fn open(settings: &SessionSettings) -> Result<zenoh::Session, SessionError> 
                 path: path.clone(),
                 reason,
             };
-            let config = zenoh::Config::from_file(path).map_err(|e| wrong(e.to_string()))?;
-            palpate_client::check_built_in(&config).map_err(wrong)?;
+            let (config, _) =
+                palpate_client::read_config(path, settings.role.mode()).map_err(wrong)?;
             config
         }
         None => {
             let mut config = zenoh::Config::default();
-            let mode = match settings.role {
-                Role::Peer => "\"peer\"",
-                Role::Client => "\"client\"",
-                Role::Router => "\"router\"",
-            };
-            set(&mut config, "mode", mode)?;
+            let mode = format!("\"{}\"", settings.role.mode());
+            set(&mut config, "mode", &mode)?;
             set(&mut config, "scouting/multicast/enabled", "false")?;
             set(&mut config, "listen/endpoints", "[]")?;
             config
@@ -129,9 +239,27 @@ pub fn open(settings: &SessionSettings) -> Result<zenoh::Session, SessionError> 
                 })?;
         }
     }
-    zenoh::open(config)
+    let open = guard(&mut config, &settings.access)?;
+    let session = zenoh::open(config)
         .wait()
-        .map_err(|e| SessionError::Zenoh(e.to_string()))
+        .map_err(|e| SessionError::Zenoh(e.to_string()))?;
+    Ok((session, open))
+}
+
+/// Adds the identity and its rules to a configuration; gives the endpoints that stay open.
+fn guard(config: &mut zenoh::Config, access: &Access) -> Result<Vec<String>, SessionError> {
+    if let Some(identity) = &access.identity {
+        palpate_client::add_identity(config, identity).map_err(SessionError::Identity)?;
+        let has_rules = (config.get_json("access_control/enabled")).is_ok_and(|is| is == "true");
+        if let Some(rules) = access.rules.as_ref().filter(|_| !has_rules) {
+            set(config, "access_control", &rules.to_string())?;
+        }
+    }
+    let open = open_endpoints(config);
+    match open.is_empty() || access.insecure {
+        true => Ok(open),
+        false => Err(SessionError::Exposed(open)),
+    }
 }
 
 fn set(config: &mut zenoh::Config, key: &str, value: &str) -> Result<(), SessionError> {
@@ -140,18 +268,19 @@ fn set(config: &mut zenoh::Config, key: &str, value: &str) -> Result<(), Session
         .map_err(|e| SessionError::Zenoh(format!("{key}: {e}")))
 }
 
-/// Host and port of a TCP endpoint; other transports are left to Zenoh.
+/// Host and port of an endpoint over TCP; other transports are left to Zenoh.
 fn tcp_address(endpoint: &str) -> Result<Option<std::net::SocketAddr>, SessionError> {
     let wrong = |reason: String| SessionError::Endpoint {
         endpoint: endpoint.to_owned(),
         reason,
     };
-    let Some((protocol, address)) = endpoint.split_once('/') else {
-        return Err(wrong("the protocol is missing".into()));
-    };
-    if protocol != "tcp" {
+    palpate_client::check_protocol(endpoint).map_err(wrong)?;
+    let over_tcp = ["tcp/", "tls/"]
+        .iter()
+        .find_map(|head| endpoint.strip_prefix(head));
+    let Some(address) = over_tcp else {
         return Ok(None);
-    }
+    };
     let address = address.split(['#', '?']).next().unwrap_or_default();
     let mut addresses = address
         .to_socket_addrs()
@@ -220,7 +349,12 @@ mod tests {
             matches!(&error, SessionError::Unreachable { endpoint, .. } if *endpoint == taken),
             "{error}"
         );
-        for nonsense in ["127.0.0.1:7447", "tcp/nowhere", "tcp/127.0.0.1:99999"] {
+        for nonsense in [
+            "127.0.0.1:7447",
+            "tcp/nowhere",
+            "tcp/127.0.0.1:99999",
+            "quic/127.0.0.1:7447",
+        ] {
             let settings = SessionSettings {
                 connect: vec![nonsense.into()],
                 ..Default::default()

@@ -50,6 +50,8 @@ pub(super) struct LoopTally {
     status: LoopStatus,
     tools: Vec<ToolTally>,
     period: Histogram,
+    /// Lateness and dropped deadlines of the tick before.
+    before: Option<(u64, u32)>,
     step: Histogram,
     /// Since the start, by cause.
     overruns: [u64; CAUSES.len()],
@@ -86,6 +88,7 @@ impl LoopTally {
             status,
             tools: vec![ToolTally::default(); scene.tool_count()],
             period: Histogram::default(),
+            before: None,
             step: Histogram::default(),
             overruns: [0; CAUSES.len()],
             last_overruns: Instant::now(),
@@ -105,8 +108,12 @@ impl LoopTally {
         self.status.late_ticks += u64::from(record.late_ns > LATE_NS);
         self.status.skipped_ticks += u64::from(record.skipped);
         let dt_ns = (scene.dt_s * 1e9) as u64;
-        self.period
-            .add(dt_ns * (1 + u64::from(record.skipped)) + record.late_ns);
+        // From start to start: a tick that drops deadlines moves the next one, and is late by them itself.
+        if let Some((late_ns, skipped)) = self.before.replace((record.late_ns, record.skipped)) {
+            let due_ns = dt_ns * (1 + u64::from(skipped));
+            self.period
+                .add((due_ns + record.late_ns).saturating_sub(late_ns));
+        }
         self.step.add(record.stage_ns.total());
         for t in 0..self.tools.len() {
             let out = &record.output.tools[t];
@@ -156,7 +163,13 @@ impl LoopTally {
                 cause_name(cause)
             ),
         };
-        tracing::warn!(level, reason, "quality changed");
+        let advice = match level {
+            0 => "full quality again",
+            _ => {
+                "if it stays, the scene is too large for this machine: `palpate plan SCENE` shows what costs, `palpate doctor SCENE` what this machine holds"
+            }
+        };
+        tracing::warn!(level, reason, advice, "quality changed");
         self.status.quality_level = level;
         events.tell(EventKind::QualityChanged { level, reason });
     }

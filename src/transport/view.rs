@@ -4,6 +4,7 @@ use super::metrics::LoopMetrics;
 use palpate_proto::codec::encode;
 use palpate_proto::messages::Message;
 use palpate_sim::scene::Scene;
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 /// Takes what pages are shown. Called by the bus thread; must not wait. Payloads are those of the
@@ -11,10 +12,12 @@ use std::time::{Duration, Instant};
 pub trait ViewSink: Send {
     /// A page is open. While none is, [`ViewSink::message`] is not called.
     fn watched(&self) -> bool;
+    /// Somebody looks inside bodies; true once after that began: the nodes of all are due.
+    fn wants_nodes(&mut self) -> Option<bool>;
     /// True once after a page opened: all messages are due.
     fn take_newcomer(&mut self) -> bool;
     /// The scene at the start and after each change, with its snapshot; nets follow.
-    fn scene(&mut self, scene: &Scene, snapshot: &[u8]);
+    fn scene(&mut self, scene: &Arc<Scene>, snapshot: &[u8]);
     /// The newest message of a key.
     fn message(&mut self, key: &str, payload: &[u8]);
     /// An event. All come, also while no page is open.
@@ -56,6 +59,11 @@ impl View {
     /// A page is open.
     pub(super) fn watched(&self) -> bool {
         self.sink.as_ref().is_some_and(|sink| sink.watched())
+    }
+
+    /// Somebody looks inside bodies; true where the nodes of all are due.
+    pub(super) fn wants_nodes(&mut self) -> Option<bool> {
+        self.sink.as_mut().and_then(|sink| sink.wants_nodes())
     }
 
     /// There is a viewer, if without pages.

@@ -7,6 +7,7 @@
 //! The lock is held for as long as it takes to count references up, never while something is sent.
 
 use super::frames::frame;
+use crate::wire::is_nodes_key;
 use axum::body::Bytes;
 use std::collections::VecDeque;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
@@ -49,6 +50,9 @@ pub(super) struct Board {
     changed: watch::Sender<u64>,
     open: AtomicUsize,
     newcomer: AtomicBool,
+    /// Pages that look inside bodies, and whether one has just begun to.
+    inside: AtomicUsize,
+    inside_begun: AtomicBool,
 }
 
 impl Board {
@@ -58,6 +62,8 @@ impl Board {
             changed: watch::channel(0).0,
             open: AtomicUsize::new(0),
             newcomer: AtomicBool::new(false),
+            inside: AtomicUsize::new(0),
+            inside_begun: AtomicBool::new(false),
         }
     }
 
@@ -168,6 +174,23 @@ impl Board {
             let mut state = self.lock();
             state.slots.retain(|slot| slot.lasts == Lasts::UntilChanged);
         }
+    }
+
+    /// A page looks inside bodies from now on, or no longer.
+    pub(super) fn look_inside(&self, on: bool) {
+        if on {
+            self.inside.fetch_add(1, Ordering::AcqRel);
+            self.inside_begun.store(true, Ordering::Release);
+        } else if self.inside.fetch_sub(1, Ordering::AcqRel) == 1 {
+            // Nobody brings them up to date any more.
+            self.lock().slots.retain(|slot| !is_nodes_key(&slot.key));
+        }
+    }
+
+    /// Whether a page looks inside bodies; true once after one began to: the nodes of all are due.
+    pub(super) fn wants_nodes(&self) -> Option<bool> {
+        (self.inside.load(Ordering::Acquire) > 0)
+            .then(|| self.inside_begun.swap(false, Ordering::AcqRel))
     }
 
     /// Somebody watches.

@@ -16,6 +16,8 @@ pub struct Feed {
     pub(super) board: Arc<Board>,
     pub(super) holders: Arc<Holders>,
     pub(super) health: Arc<Newest>,
+    /// The scene that runs.
+    pub(super) scene: Arc<Mutex<Arc<Scene>>>,
     /// What `/tools.json` answers.
     pub(super) outlines: Arc<Mutex<String>>,
 }
@@ -25,11 +27,16 @@ impl ViewSink for Feed {
         self.board.watched()
     }
 
+    fn wants_nodes(&mut self) -> Option<bool> {
+        self.board.wants_nodes()
+    }
+
     fn take_newcomer(&mut self) -> bool {
         self.board.take_newcomer()
     }
 
-    fn scene(&mut self, scene: &Scene, snapshot: &[u8]) {
+    fn scene(&mut self, scene: &Arc<Scene>, snapshot: &[u8]) {
+        *self.scene.lock().unwrap_or_else(PoisonError::into_inner) = scene.clone();
         *self.outlines.lock().unwrap_or_else(PoisonError::into_inner) = tool_outlines(scene);
         self.board
             .begin_scene(&key_of::<SceneSnapshot>(""), snapshot);

@@ -28,13 +28,23 @@ const HEADERS: [(HeaderName, &str); 5] = [
     ),
 ];
 
-/// Names other than numbers and `localhost` under which the page may be opened.
+/// Paths that pages of named other sites may ask for: they are for programs of others.
+const FOR_OTHERS: [&str; 2] = ["/foxglove", "/rosbridge"];
+
+/// Who may ask.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Hosts(pub(super) Arc<[String]>);
+pub(super) struct Hosts {
+    /// Names other than numbers and `localhost` under which the page may be opened.
+    pub(super) names: Arc<[String]>,
+    /// Sites that may connect to what is for others.
+    pub(super) origins: Arc<[String]>,
+    /// All paths are for others.
+    pub(super) for_others: bool,
+}
 
 /// Refuses requests that another site may have made; adds the headers to all others.
 pub(super) async fn check(State(hosts): State<Hosts>, request: Request, next: Next) -> Response {
-    if let Err(reason) = hosts.check(request.headers()) {
+    if let Err(reason) = hosts.check(request.headers(), request.uri().path()) {
         return (StatusCode::FORBIDDEN, format!("{reason}\n")).into_response();
     }
     let mut response = next.run(request).await;
@@ -48,7 +58,7 @@ pub(super) async fn check(State(hosts): State<Hosts>, request: Request, next: Ne
 }
 
 impl Hosts {
-    fn check(&self, headers: &HeaderMap) -> Result<(), String> {
+    fn check(&self, headers: &HeaderMap, path: &str) -> Result<(), String> {
         let text = |name| match headers.get(name).map(HeaderValue::to_str) {
             None => Ok(None),
             Some(Ok(text)) => Ok(Some(text)),
@@ -56,8 +66,11 @@ impl Hosts {
         };
         let host = text(header::HOST)?.ok_or("the request has no Host")?;
         let name = name_of(host);
-        let known =
-            is_number_or_local(name) || self.0.iter().any(|known| known.eq_ignore_ascii_case(name));
+        let known = is_number_or_local(name)
+            || self
+                .names
+                .iter()
+                .any(|known| known.eq_ignore_ascii_case(name));
         if !known {
             return Err(format!(
                 "this page is not served as {name:?}: open it by number, like http://127.0.0.1:PORT/, or start \
@@ -67,7 +80,13 @@ impl Hosts {
         match text(header::ORIGIN)? {
             None => Ok(()),
             Some(origin) if origin_host(origin) == Some(host) => Ok(()),
-            Some(origin) => Err(format!("a page of {origin} may not ask here")),
+            Some(origin) if !self.for_others && !FOR_OTHERS.contains(&path) => {
+                Err(format!("a page of {origin} may not ask here"))
+            }
+            Some(origin) if self.origins.iter().any(|known| known == origin) => Ok(()),
+            Some(origin) => Err(format!(
+                "a page of {origin} may not ask here, unless the daemon is started with --http-origin {origin}"
+            )),
         }
     }
 }
@@ -104,9 +123,37 @@ mod tests {
         };
         add(header::HOST, host);
         add(header::ORIGIN, origin);
-        Hosts(Arc::new(["lab-pc".to_owned()]))
-            .check(&headers)
-            .is_ok()
+        let hosts = Hosts {
+            names: Arc::new(["lab-pc".to_owned()]),
+            origins: Arc::new(["https://viewer.example".to_owned()]),
+            for_others: false,
+        };
+        let at = |path| hosts.check(&headers, path).is_ok();
+        assert!(at("/foxglove") || !at("/live"), "{headers:?}");
+        at("/live")
+    }
+
+    #[test]
+    fn a_named_site_reaches_what_is_for_others_and_nothing_else() {
+        let mut headers = HeaderMap::new();
+        headers.insert(header::HOST, HeaderValue::from_static("127.0.0.1:1"));
+        headers.insert(
+            header::ORIGIN,
+            HeaderValue::from_static("https://viewer.example"),
+        );
+        let mut hosts = Hosts {
+            origins: Arc::new(["https://viewer.example".to_owned()]),
+            ..Hosts::default()
+        };
+        let at = |hosts: &Hosts, path| hosts.check(&headers, path).is_ok();
+        assert!(at(&hosts, "/foxglove") && at(&hosts, "/rosbridge"));
+        for path in ["/live", "/", "/session.json", "/foxglove/..", "//foxglove"] {
+            assert!(!at(&hosts, path), "{path}");
+        }
+        hosts.for_others = true;
+        assert!(at(&hosts, "/"));
+        hosts.origins = Arc::default();
+        assert!(!at(&hosts, "/foxglove"));
     }
 
     #[test]

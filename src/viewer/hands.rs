@@ -9,7 +9,7 @@
 use super::frames::{answer_frame, refused_frame};
 use super::holders::{Holders, Socket};
 use axum::body::Bytes;
-use palpate_client::publisher;
+use palpate_client::{holder_id, publisher};
 use palpate_proto::codec::{decode, encode};
 use palpate_proto::keys::Keys;
 use palpate_proto::messages::{DeviceInfo, ToolPose};
@@ -63,6 +63,8 @@ pub(super) struct FromPage {
 struct Held {
     poses: Publisher<'static>,
     devices: Publisher<'static>,
+    /// Goes with each message: who sends it.
+    holder: Vec<u8>,
     _token: LivelinessToken,
     /// In lockstep: the newest pose of the page, as it is sent.
     repeated: Option<ToolPose>,
@@ -200,7 +202,8 @@ impl Hands {
         }
         match self.held.get(tool) {
             Some(held) => {
-                let put = held.devices.put(encode(&info)).wait();
+                let put = held.devices.put(encode(&info));
+                let put = put.attachment(&held.holder).wait();
                 put.map_err(|e| format!("Zenoh: {e}"))
             }
             None => Ok(()),
@@ -216,6 +219,7 @@ impl Hands {
                 .wait()?,
             poses: publisher::<ToolPose>(&self.session, keys.tool_pose(tool))?,
             devices: publisher::<DeviceInfo>(&self.session, keys.tool_device(tool))?,
+            holder: holder_id(&self.session),
             repeated: None,
         })
     }
@@ -233,7 +237,7 @@ impl Hands {
             held.repeated = Some(ToolPose { seq, ..pose });
             return Ok(());
         }
-        let put = held.poses.put(pose).wait();
+        let put = held.poses.put(pose).attachment(&held.holder).wait();
         put.map_err(|e| format!("Zenoh: {e}"))
     }
 
@@ -275,7 +279,8 @@ impl Hands {
         for held in self.held.values_mut() {
             if let Some(pose) = &mut held.repeated {
                 pose.seq += 1;
-                let _ = held.poses.put(encode(pose)).wait();
+                let put = held.poses.put(encode(pose));
+                let _ = put.attachment(&held.holder).wait();
             }
         }
     }

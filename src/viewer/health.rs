@@ -32,6 +32,9 @@ impl Newest {
             None => Some("no status yet"),
             Some((at, _)) if at.elapsed() > SILENCE => Some("no status for two seconds"),
             Some((_, figures)) if figures.status.state == LoopState::Stopping => Some("stopping"),
+            Some((_, figures)) if figures.rate_lost => {
+                Some("the loop does not keep its rate: forces fade")
+            }
             Some(_) => None,
         }
     }

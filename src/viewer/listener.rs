@@ -49,6 +49,10 @@ impl axum::serve::Listener for BoundedListener {
     }
 }
 
+/// Who connected.
+#[derive(Clone, Copy, Debug)]
+pub struct Peer(pub SocketAddr);
+
 /// A connection, counted until it is dropped.
 pub(super) struct Connection {
     stream: TcpStream,

@@ -3,14 +3,17 @@
 //! ```text
 //! bus thread ─▶ Feed ─▶ Board (newest of each key) ─▶ sockets ─▶ pages
 //! pages ─▶ sockets ─▶ Hands ─▶ the daemon's own session ─▶ bus    (poses, commands: as any client's)
+//! Board ─▶ foxglove ─▶ Foxglove, Lichtblick                       (views, as in recordings)
 //! ```
 //! Frames hold the bus's own messages (docs/wire.md). The bus thread never waits for a page, and
 //! makes nothing for pages while none is open. The page itself is `clients/web`, built into `page/`.
 
 mod board;
 mod feed;
+mod foxglove;
 mod frames;
 mod guard;
+mod gzip;
 mod hands;
 mod health;
 mod holders;
@@ -24,12 +27,14 @@ mod socket;
 
 pub use feed::Feed;
 pub use html::{HtmlError, html_page};
+pub use listener::Peer;
 pub use recordings::RecordingsViewer;
 
-use crate::wire::tool_outlines;
+use crate::wire::{bodies_inside, tool_outlines};
 use axum::Router;
 use axum::routing::get;
 use board::Board;
+use foxglove::Foxglove;
 use guard::Hosts;
 use holders::Holders;
 use neighbours::Neighbours;
@@ -39,31 +44,39 @@ use palpate_sim::scene::spec::Clock;
 use server::Server;
 use session::SessionInfo;
 use std::collections::BTreeMap;
-use std::net::SocketAddr;
+use std::net::{Ipv4Addr, SocketAddr, TcpListener};
 use std::sync::atomic::AtomicU64;
 use std::sync::{Arc, Mutex, PoisonError};
 
 /// How a page is served.
 #[derive(Clone, Debug)]
 pub struct ViewerSettings {
-    /// Port 0: any free one.
-    pub address: SocketAddr,
+    /// Port 0: any free one. `None`: no page.
+    pub address: Option<SocketAddr>,
     /// Names, beside numbers and `localhost`, under which it may be opened.
     pub hosts: Vec<String>,
+    /// Sites whose pages may connect to `/foxglove` and to routes of others.
+    pub origins: Vec<String>,
+    /// A port of its own on loopback for Foxglove and Lichtblick; 0: any free one.
+    pub foxglove: Option<u16>,
     /// Pages may not write.
     pub view_only: bool,
     /// Name of the instance.
     pub instance: String,
     /// A recording is played: nobody moves its tools.
     pub played: bool,
+    /// Where everybody on the network may move tools and give commands.
+    pub open: Vec<String>,
 }
 
 /// Why a page cannot be served.
 #[derive(Debug, thiserror::Error)]
 pub enum ViewerError {
     /// The address.
-    #[error("the page cannot be served at {address}: {source}; choose another with --http")]
+    #[error("the page cannot be served at {address}: {source}; choose another with {option}")]
     Listen {
+        /// The option that has it.
+        option: &'static str,
         /// As given.
         address: SocketAddr,
         /// The system's words.
@@ -76,26 +89,31 @@ pub enum ViewerError {
 
 /// A running viewer; it ends when dropped.
 pub struct Viewer {
-    server: Server,
+    page: Option<Server>,
+    foxglove: Option<Server>,
 }
 
 impl Viewer {
-    /// Serves the page of a scene. What pages do goes through `session`, the daemon's own.
+    /// Listens for pages of a scene, which are let in by [`Viewer::open`]. What pages do goes through `session`, the daemon's own. `others`:
+    /// routes beside those of the page.
     ///
     /// # Errors
-    /// The address is taken, or the system refused a thread or randomness.
+    /// An address is taken, or the system refused a thread or randomness.
     pub fn start(
         settings: &ViewerSettings,
-        scene: &Scene,
+        scene: &Arc<Scene>,
         session: &zenoh::Session,
+        others: Router,
     ) -> Result<(Self, Feed), ViewerError> {
         let system = |error: &dyn std::fmt::Display| ViewerError::System(error.to_string());
-        let listener = std::net::TcpListener::bind(settings.address).map_err(|source| {
-            ViewerError::Listen {
-                address: settings.address,
-                source,
-            }
-        })?;
+        let page = (settings.address)
+            .map(|address| listen(address, "--http"))
+            .transpose()?;
+        let foxglove = settings.foxglove.map(|port| {
+            let address = SocketAddr::from((Ipv4Addr::LOCALHOST, port));
+            listen(address, "--foxglove")
+        });
+        let foxglove = foxglove.transpose()?;
         let keys = Keys::new(&settings.instance).map_err(|e| system(&e))?;
         let board = Arc::new(Board::new());
         let tools: Vec<String> = (0..scene.tool_count())
@@ -120,9 +138,11 @@ impl Viewer {
             board: board.clone(),
             holders,
             health: Arc::default(),
+            scene: Arc::new(Mutex::new(scene.clone())),
             outlines: Arc::new(Mutex::new(tool_outlines(scene))),
         };
         let info = SessionInfo {
+            open: settings.open.clone(),
             mode: "live",
             instance: settings.instance.clone(),
             version: env!("CARGO_PKG_VERSION"),
@@ -133,6 +153,8 @@ impl Viewer {
             played: settings.played,
             lockstep,
         };
+        let id = make_token().map_err(|e| system(&e))?;
+        let views = Foxglove::new(board.clone(), feed.scene.clone(), &settings.instance, &id);
         let live = socket::Live {
             board,
             orders,
@@ -144,6 +166,15 @@ impl Viewer {
             let text = outlines.lock().unwrap_or_else(PoisonError::into_inner);
             let json = [(axum::http::header::CONTENT_TYPE, "application/json")];
             std::future::ready((json, text.clone()))
+        };
+        let scene_now = feed.scene.clone();
+        let inside = move || {
+            let scene = scene_now
+                .lock()
+                .unwrap_or_else(PoisonError::into_inner)
+                .clone();
+            let json = [(axum::http::header::CONTENT_TYPE, "application/json")];
+            std::future::ready((json, bodies_inside(&scene)))
         };
         let session_json = move || {
             let (mut info, neighbours) = (info.clone(), neighbours.clone());
@@ -158,16 +189,59 @@ impl Viewer {
             .with_state(live)
             .route("/session.json", get(session_json))
             .route("/tools.json", get(tools))
-            .merge(health::routes(feed.health.clone()));
-        let hosts = Hosts(settings.hosts.clone().into());
-        let server = Server::start(listener, routes, hosts).map_err(|e| system(&e))?;
-        Ok((Self { server }, feed))
+            .route("/inside.json", get(inside))
+            .merge(health::routes(feed.health.clone()))
+            .merge(server::files())
+            .route("/foxglove", get(foxglove::open).with_state(views.clone()))
+            .merge(others);
+        let hosts = Hosts {
+            names: settings.hosts.clone().into(),
+            origins: settings.origins.clone().into(),
+            for_others: false,
+        };
+        let for_others = Hosts {
+            for_others: true,
+            ..hosts.clone()
+        };
+        let only_views = Router::new()
+            .route("/", get(foxglove::open))
+            .route("/foxglove", get(foxglove::open))
+            .with_state(views);
+        let serve = |listener: Option<TcpListener>, routes, hosts| {
+            let started = listener.map(|listener| Server::start(listener, routes, hosts));
+            started.transpose().map_err(|e| system(&e))
+        };
+        let viewer = Self {
+            page: serve(page, routes, hosts)?,
+            foxglove: serve(foxglove, only_views, for_others)?,
+        };
+        Ok((viewer, feed))
+    }
+
+    /// Lets pages in. Before, they wait: the bus may not be there yet, and would not hear their commands.
+    pub fn open(&mut self) {
+        let servers = [&mut self.page, &mut self.foxglove];
+        servers.into_iter().flatten().for_each(Server::open);
     }
 
     /// Where the page is.
-    pub fn url(&self) -> String {
-        self.server.url()
+    pub fn url(&self) -> Option<String> {
+        self.page.as_ref().map(Server::url)
     }
+
+    /// Where Foxglove and Lichtblick connect, if they have a port of their own.
+    pub fn foxglove_url(&self) -> Option<String> {
+        let server = self.foxglove.as_ref()?;
+        Some(format!("ws://{}", server.address))
+    }
+}
+
+fn listen(address: SocketAddr, option: &'static str) -> Result<TcpListener, ViewerError> {
+    TcpListener::bind(address).map_err(|source| ViewerError::Listen {
+        option,
+        address,
+        source,
+    })
 }
 
 /// 128 random bits as text: other sites cannot read it, and nobody guesses it.

@@ -1,11 +1,11 @@
 //! The page of recordings: files by ranges, and what their scenes look like.
 
 use super::guard::Hosts;
-use super::server::Server;
+use super::server::{self, Server};
 use super::session::{ListedRecording, SessionInfo, json};
-use super::{ViewerError, ViewerSettings};
+use super::{ViewerError, ViewerSettings, listen};
 use crate::recording::{Session, recorded_scene};
-use crate::wire::{first_snapshot, tool_outlines};
+use crate::wire::{bodies_inside, first_snapshot, tool_outlines};
 use axum::Router;
 use axum::body::{Body, Bytes};
 use axum::extract::{Path as UrlPath, State};
@@ -16,6 +16,7 @@ use palpate_proto::codec::encode;
 use sha2::Digest as _;
 use std::fs::File;
 use std::io::{Read as _, Seek as _, SeekFrom};
+use std::net::{Ipv4Addr, SocketAddr};
 use std::path::PathBuf;
 use std::sync::{Arc, OnceLock};
 
@@ -25,8 +26,16 @@ const BLOCK: u64 = 1 << 20;
 /// A recording that is served.
 struct Served {
     path: PathBuf,
-    /// Snapshot and outlines, or why the scene cannot be built.
-    scene: OnceLock<Result<(Bytes, Bytes), String>>,
+    /// Of its scene, or why that cannot be built.
+    made: OnceLock<Result<Made, String>>,
+}
+
+/// What pages get that is made from the scene of a recording.
+#[derive(Clone)]
+struct Made {
+    snapshot: Bytes,
+    outlines: Bytes,
+    inside: Bytes,
 }
 
 type All = Arc<Vec<Served>>;
@@ -46,27 +55,29 @@ impl RecordingsViewer {
         files: &[PathBuf],
         against: bool,
     ) -> Result<Self, ViewerError> {
-        let listener = std::net::TcpListener::bind(settings.address).map_err(|source| {
-            ViewerError::Listen {
-                address: settings.address,
-                source,
-            }
-        })?;
+        let anywhere = SocketAddr::from((Ipv4Addr::LOCALHOST, 0));
+        let listener = listen(settings.address.unwrap_or(anywhere), "--http")?;
         let served = files.iter().map(|path| Served {
             path: path.clone(),
-            scene: OnceLock::new(),
+            made: OnceLock::new(),
         });
         let all: All = Arc::new(served.collect());
         let routes = Router::new()
             .route("/session.json", get(move |all| session_json(all, against)))
             .route("/recordings/{number}/file.mcap", get(file))
             .route("/recordings/{number}/tools.json", get(tools))
+            .route("/recordings/{number}/inside.json", get(inside))
             .route("/recordings/{number}/scene", get(scene))
             .route("/healthz", get(|| async { "ok\n" }))
-            .with_state(all);
-        let hosts = Hosts(settings.hosts.clone().into());
-        let server = Server::start(listener, routes, hosts)
+            .with_state(all)
+            .merge(server::files());
+        let hosts = Hosts {
+            names: settings.hosts.clone().into(),
+            ..Hosts::default()
+        };
+        let mut server = Server::start(listener, routes, hosts)
             .map_err(|error| ViewerError::System(error.to_string()))?;
+        server.open();
         Ok(Self { server })
     }
 
@@ -84,10 +95,12 @@ async fn session_json(State(all): State<All>, against: bool) -> Response {
         url: format!("/recordings/{k}/file.mcap"),
         bytes: std::fs::metadata(&served.path).map_or(0, |file| file.len()),
         tools_url: format!("/recordings/{k}/tools.json"),
+        inside_url: format!("/recordings/{k}/inside.json"),
         scene_url: format!("/recordings/{k}/scene"),
         against: against && k == 1,
     });
     json(&SessionInfo {
+        open: Vec::new(),
         mode: "view",
         instance: String::new(),
         version: env!("CARGO_PKG_VERSION"),
@@ -209,11 +222,16 @@ fn body(file: File, first: u64, end: u64) -> Body {
 }
 
 async fn tools(all: State<All>, number: UrlPath<usize>) -> Response {
-    answer(all, number, "application/json", |(_, tools)| tools).await
+    answer(all, number, "application/json", |made| made.outlines).await
+}
+
+async fn inside(all: State<All>, number: UrlPath<usize>) -> Response {
+    answer(all, number, "application/json", |made| made.inside).await
 }
 
 async fn scene(all: State<All>, number: UrlPath<usize>) -> Response {
-    answer(all, number, "application/octet-stream", |(scene, _)| scene).await
+    let kind = "application/octet-stream";
+    answer(all, number, kind, |made| made.snapshot).await
 }
 
 /// What is made from the scene of a recording, at the first question and aside: a scene may take
@@ -222,14 +240,14 @@ async fn answer(
     State(all): State<All>,
     UrlPath(number): UrlPath<usize>,
     kind: &'static str,
-    part: impl FnOnce((Bytes, Bytes)) -> Bytes,
+    part: impl FnOnce(Made) -> Bytes,
 ) -> Response {
     let made = tokio::task::spawn_blocking(move || {
         let served = all.get(number)?;
-        Some(served.scene.get_or_init(|| scene_of(served)).clone())
+        Some(served.made.get_or_init(|| made_of(served)).clone())
     });
     match made.await {
-        Ok(Some(Ok(both))) => ([(header::CONTENT_TYPE, kind)], part(both)).into_response(),
+        Ok(Some(Ok(made))) => ([(header::CONTENT_TYPE, kind)], part(made)).into_response(),
         Ok(Some(Err(reason))) => {
             (StatusCode::UNPROCESSABLE_ENTITY, format!("{reason}\n")).into_response()
         }
@@ -237,12 +255,15 @@ async fn answer(
     }
 }
 
-fn scene_of(served: &Served) -> Result<(Bytes, Bytes), String> {
+fn made_of(served: &Served) -> Result<Made, String> {
     let session = Session::open(&served.path).map_err(|e| e.to_string())?;
     let scene = recorded_scene(&session).map_err(|e| e.to_string())?;
     let hash = sha2::Sha256::digest(session.header.scene_text.as_bytes()).into();
-    let snapshot = encode(&first_snapshot(&scene, hash));
-    Ok((snapshot.into(), tool_outlines(&scene).into()))
+    Ok(Made {
+        snapshot: encode(&first_snapshot(&scene, hash)).into(),
+        outlines: tool_outlines(&scene).into(),
+        inside: bodies_inside(&scene).into(),
+    })
 }
 
 #[cfg(test)]

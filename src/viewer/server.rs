@@ -1,14 +1,25 @@
 //! The HTTP server: its thread, the page's files, and what every router has.
 
 use super::guard::{self, Hosts};
-use super::listener::BoundedListener;
-use axum::Router;
+use super::gzip;
+use super::listener::{BoundedListener, Peer};
+use axum::extract::ConnectInfo;
 use axum::http::header;
+use axum::middleware::from_fn_with_state;
 use axum::response::IntoResponse;
 use axum::routing::get;
+use axum::serve::Listener as _;
+use axum::{Extension, Router};
+use hyper::server::conn::http1;
+use hyper_util::rt::{TokioIo, TokioTimer};
+use hyper_util::service::TowerToHyperService;
 use std::borrow::Cow;
 use std::net::SocketAddr;
+use std::time::Duration;
 use tokio::sync::oneshot;
+
+/// A request's head takes no longer; nor does a connection idle longer between two.
+const HEAD: Duration = Duration::from_secs(15);
 
 /// The bundle that `clients/web` makes.
 const PAGE: &str = include_str!("page/index.html");
@@ -23,11 +34,13 @@ pub(super) fn bundle() -> [&'static str; 3] {
 /// A server in a thread of its own; it ends when dropped.
 pub(super) struct Server {
     pub(super) address: SocketAddr,
+    /// Until it is open.
+    begin: Option<oneshot::Sender<()>>,
     _stop: oneshot::Sender<()>,
 }
 
 impl Server {
-    /// Listens, and serves `routes` beside the page's files.
+    /// Listens, and serves `routes` once it is opened: who connects before waits.
     pub(super) fn start(
         listener: std::net::TcpListener,
         routes: Router,
@@ -39,9 +52,10 @@ impl Server {
             .enable_all()
             .build()?;
         let app = routes
-            .merge(files())
-            .layer(axum::middleware::from_fn_with_state(hosts, guard::check));
+            .layer(from_fn_with_state(gzip::Kept::default(), gzip::texts))
+            .layer(from_fn_with_state(hosts, guard::check));
         let (stop, stopped) = oneshot::channel::<()>();
+        let (begin, begun) = oneshot::channel::<()>();
         std::thread::Builder::new()
             .name("palpate-viewer".into())
             .spawn(move || {
@@ -49,10 +63,13 @@ impl Server {
                     match tokio::net::TcpListener::from_std(listener) {
                         // Open sockets do not keep the daemon: the runtime ends when it is asked to.
                         Ok(listener) => {
+                            let serve = async {
+                                if begun.await.is_ok() {
+                                    accept(BoundedListener::new(listener), app).await;
+                                }
+                            };
                             tokio::select! {
-                                served = axum::serve(BoundedListener::new(listener), app) => if let Err(error) = served {
-                                    tracing::warn!(%error, "viewer");
-                                },
+                                () = serve => {}
                                 _ = stopped => {}
                             }
                         }
@@ -62,8 +79,16 @@ impl Server {
             })?;
         Ok(Self {
             address,
+            begin: Some(begin),
             _stop: stop,
         })
+    }
+
+    /// Lets those in who connect.
+    pub(super) fn open(&mut self) {
+        if let Some(begin) = self.begin.take() {
+            let _ = begin.send(());
+        }
     }
 
     /// Where the page is.
@@ -80,7 +105,28 @@ impl Server {
     }
 }
 
-fn files() -> Router {
+/// Serves connections as they come. One that does not send the head of a request in time is closed, so
+/// that idle ones do not keep others out.
+async fn accept(mut listener: BoundedListener, app: Router) {
+    loop {
+        let (connection, address) = listener.accept().await;
+        let app = app.clone().layer(Extension(ConnectInfo(Peer(address))));
+        tokio::spawn(async move {
+            let served = http1::Builder::new()
+                .timer(TokioTimer::new())
+                .header_read_timeout(HEAD)
+                .serve_connection(TokioIo::new(connection), TowerToHyperService::new(app))
+                .with_upgrades()
+                .await;
+            if let Err(error) = served {
+                tracing::debug!(%error, "a connection of the page");
+            }
+        });
+    }
+}
+
+/// The page's files.
+pub(super) fn files() -> Router {
     let file = |kind: &'static str, name: &'static str, built_in: &'static str| {
         get(move || {
             let text = from_disk(name).map_or(Cow::Borrowed(built_in), Cow::Owned);

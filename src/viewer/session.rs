@@ -12,6 +12,8 @@ pub(super) struct ListedRecording {
     pub(super) bytes: u64,
     /// The shapes of its tools.
     pub(super) tools_url: String,
+    /// The cells of its bodies.
+    pub(super) inside_url: String,
     /// Its scene before the first tick, as `SceneSnapshot`.
     pub(super) scene_url: String,
     /// It is shown beside the one before it.
@@ -37,6 +39,8 @@ pub(super) struct SessionInfo {
     pub(super) played: bool,
     /// Ticks wait for poses.
     pub(super) lockstep: bool,
+    /// Where everybody on the network may move tools and give commands.
+    pub(super) open: Vec<String>,
 }
 
 /// JSON that nobody keeps.

@@ -22,9 +22,9 @@ const MOST_PAGES: usize = 16;
 /// Answers and refusals that wait for a page; more are dropped.
 const MAIL: usize = 64;
 /// A page that says nothing is asked this often whether it is there.
-const PING: Duration = Duration::from_secs(20);
+pub(super) const PING: Duration = Duration::from_secs(20);
 /// And is given up after this long without a word: it may hold a tool.
-const SILENCE: Duration = Duration::from_secs(60);
+pub(super) const SILENCE: Duration = Duration::from_secs(60);
 /// Between two looks for room in the queue of orders.
 const NAP: Duration = Duration::from_millis(1);
 
@@ -54,8 +54,16 @@ pub(super) async fn open(State(live): State<Live>, upgrade: WebSocketUpgrade) ->
         })
 }
 
-/// Counted among the open pages.
-struct Entered(Arc<Board>);
+/// Counted among those who watch.
+pub(super) struct Entered(Arc<Board>);
+
+impl Entered {
+    /// Counts one more, who is not a page.
+    pub(super) fn one_more(board: &Arc<Board>) -> Self {
+        board.enter(usize::MAX);
+        Self(board.clone())
+    }
+}
 
 impl Drop for Entered {
     fn drop(&mut self) {
@@ -69,6 +77,8 @@ async fn serve(socket: WebSocket, live: Live) {
     let (outbox, mail) = mpsc::channel(MAIL);
     let page = Page {
         number,
+        board: live.board.clone(),
+        inside: false,
         orders: live.orders.clone(),
         outbox: outbox.clone(),
         token: live.token,
@@ -140,6 +150,9 @@ async fn listen(mut back: SplitStream<WebSocket>, mut page: Page) {
 /// The one at the other end.
 struct Page {
     number: Socket,
+    board: Arc<Board>,
+    /// It looks inside bodies.
+    inside: bool,
     orders: SyncSender<FromPage>,
     outbox: mpsc::Sender<Bytes>,
     token: Option<Arc<str>>,
@@ -158,6 +171,11 @@ impl Page {
             if !self.may_write {
                 self.refuse(key, self.why_not());
             }
+            return true;
+        }
+        if key == "inside" {
+            // Looking is not writing.
+            self.look_inside(payload == [1]);
             return true;
         }
         if !self.may_write {
@@ -180,6 +198,12 @@ impl Page {
         }
     }
 
+    fn look_inside(&mut self, on: bool) {
+        if std::mem::replace(&mut self.inside, on) != on {
+            self.board.look_inside(on);
+        }
+    }
+
     fn why_not(&self) -> &'static str {
         match self.token {
             None => "this page is for viewing only (--http-view-only)",
@@ -189,6 +213,12 @@ impl Page {
 
     fn refuse(&self, key: &str, reason: &str) {
         let _ = self.outbox.try_send(refused_frame(key, reason));
+    }
+}
+
+impl Drop for Page {
+    fn drop(&mut self) {
+        self.look_inside(false);
     }
 }
 

@@ -1,7 +1,9 @@
 //! The only place where domain types meet palpate-proto.
 
+mod inside;
 mod outlines;
 
+pub use inside::{bodies_inside, is_nodes_key, nodes_key, nodes_payload};
 pub use outlines::{first_snapshot, tool_outlines};
 
 use crate::drive::journal::keeping;
@@ -11,7 +13,7 @@ use palpate_geometry::contact::ToolShape;
 use palpate_geometry::math::{Point3, Rotation, Vector3};
 use palpate_geometry::surface::Surface;
 use palpate_proto::messages as wire;
-use palpate_sim::haptics::{DeviceFigures, DevicePose};
+use palpate_sim::haptics::{DeviceBounds, DeviceFigures, DevicePose};
 use palpate_sim::scene::Scene;
 use palpate_sim::solve::rows::Holder;
 use palpate_sim::tick::SceneState;
@@ -85,6 +87,20 @@ pub fn device_figures(info: &wire::DeviceInfo) -> DeviceFigures {
             0.0
         },
         delay_s: 2.0 * info.delay_s,
+    }
+}
+
+/// What the loop may do with a device that reported itself so.
+pub fn device_bounds(scene: &Scene, tool: usize, info: &wire::DeviceInfo) -> DeviceBounds {
+    // A device that does not twist has no use for torque.
+    let torque_max_nm = match info.dof_torque {
+        0 => 0.0,
+        _ => info.torque_max,
+    };
+    DeviceBounds {
+        force_max_n: info.force_max,
+        torque_max_nm,
+        ..scene.bounds_of(tool, &device_figures(info))
     }
 }
 

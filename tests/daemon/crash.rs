@@ -133,7 +133,9 @@ fn a_full_disk_is_told_and_the_loop_goes_on() {
     }
     let (path, reason) = failures.lock().unwrap()[0].clone();
     assert!(
-        Path::new(&path).ends_with("full.mcap") && reason.contains("full.mcap.part"),
+        Path::new(&path).ends_with("full.mcap")
+            && reason.contains("full.mcap.part")
+            && reason.contains("File too large"),
         "{path}: {reason}"
     );
     client.rpc(Call::Shutdown).unwrap();

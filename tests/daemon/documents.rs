@@ -3,6 +3,7 @@
 //! The first word after the fence is the language, the rest says what a block is. Rust blocks are
 //! doctests of the library (`src/lib.rs`).
 
+use palpate::batch::Sweep;
 use palpate_client::device::{DeviceModel, Hand};
 use palpate_modeling::branch::Tree;
 use palpate_sim::scene::{Scene, file};
@@ -31,6 +32,9 @@ pub fn root() -> &'static Path {
 
 fn documents() -> Vec<Document> {
     let mut paths = vec![root().join("README.md")];
+    for client in ["c", "python", "web"] {
+        paths.push(root().join("clients").join(client).join("README.md"));
+    }
     let guides = std::fs::read_dir(root().join("docs")).unwrap();
     paths.extend(guides.map(|entry| entry.unwrap().path()));
     paths.retain(|path| path.extension().is_some_and(|extension| extension == "md"));
@@ -71,13 +75,24 @@ pub fn blocks() -> Vec<Block> {
 }
 
 /// Kinds of blocks, and for those that are only read the reason in their name.
-const KINDS: [(&str, &[&str]); 7] = [
+const KINDS: [(&str, &[&str]); 9] = [
     ("text", &[""]),
-    ("sh", &["", "build", "daemon", "peer", "recording"]), // run by documents_run
+    ("sh", &["", "build", "daemon", "npm", "peer", "recording"]), // run by documents_run
+    ("c", &["", "list"]),                                         // compiled and run by readmes
+    ("ts", &[""]), // checked and run by clients/web/tests/readme.test.mjs
     ("rust", &["", "no_run", "no_run,test_harness"]),
-    // Those of README.md and docs/python.md are run by clients/python/tests; the others need packages,
-    // and clients/python/examples has the same in a program.
-    ("python", &["", "no_run", "needs=pandas"]),
+    // Run by clients/python/tests/wheel with the installed wheel; `messages` need none (readmes).
+    (
+        "python",
+        &[
+            "",
+            "no_run",
+            "messages",
+            "needs=pandas",
+            "needs=mcap_protobuf",
+            "needs=pyarrow",
+        ],
+    ),
     ("hex", &[""]), // proto/tests/golden.rs compares it with the golden bytes
     ("json", &["", "abridged"]),
     (
@@ -88,6 +103,7 @@ const KINDS: [(&str, &[&str]); 7] = [
             "lines of a tool",
             "device",
             "hand",
+            "sweep",
             "tree, abridged",
         ],
     ),
@@ -224,6 +240,18 @@ fn files_of_devices_hands_and_trees_are_read() {
         match &*block.kind {
             "device" => drop(DeviceModel::from_toml(&block.code, place).unwrap()),
             "hand" => drop(Hand::from_toml(&block.code, place).unwrap()),
+            "sweep" => {
+                let sweep = Sweep::parse(&block.code, place, root());
+                let sweep = sweep.unwrap_or_else(|error| panic!("{place}: {error}"));
+                // As the page says, and as the file in the repository is.
+                assert_eq!(sweep.plan().count(), 40);
+                let file = std::fs::read_to_string(root().join("scenes/sweeps/stiffness.toml"));
+                let lines = |text: &str| -> Vec<String> {
+                    let told = |line: &&str| !line.starts_with('#');
+                    text.lines().filter(told).map(str::to_owned).collect()
+                };
+                assert_eq!(lines(&file.unwrap()), lines(&block.code), "{place}");
+            }
             "tree, abridged" => {
                 // What the comments stand for: the branch ends, and the right one is like the left.
                 let mut tree: toml::Table = toml::from_str(&block.code).unwrap();
@@ -344,6 +372,11 @@ fn check(place: &str, command: &[String]) {
             "clients/python/Cargo.toml",
         ]
         | ["pytest", "clients/python"] => {}
+        // Of clients/web, which `.ci/run` tests.
+        ["npm", "ci" | "test"]
+        | ["npm", "run", "test:browser"]
+        | ["node", "tests/browser.mjs", ..] => {}
+        ["cargo", "install", "--path", "."] => {}
         ["kill", _] => {}
         other => panic!("{place}: {other:?} is not checked"),
     }
@@ -382,7 +415,7 @@ fn commands_in_the_text_exist() {
             let at = || format!("{}: {span:?}", document.path);
             assert_ne!(command.get_name(), "palpate", "{}", at());
             for option in span
-                .split(|c: char| !(c.is_ascii_lowercase() || c == '-'))
+                .split(|c: char| !(c.is_ascii_lowercase() || c.is_ascii_digit() || c == '-'))
                 .filter(|word| word.starts_with("--"))
             {
                 let known = command
@@ -391,6 +424,21 @@ fn commands_in_the_text_exist() {
                 assert!(known, "{}: {option}", at());
             }
         }
+    }
+}
+
+#[test]
+fn every_page_is_in_the_book() {
+    let summary = std::fs::read_to_string(root().join("docs/SUMMARY.md")).unwrap();
+    for document in documents() {
+        let Some(page) = document.path.strip_prefix("docs/") else {
+            continue;
+        };
+        let listed = summary.contains(&format!("]({page})"));
+        assert!(
+            listed || page == "SUMMARY.md",
+            "docs/SUMMARY.md lacks {page}"
+        );
     }
 }
 

@@ -2,7 +2,7 @@
 //!
 //! A `sh` block runs in bash, in a directory with the repository's files; after the language stands
 //! what else it needs: `daemon`, a running teardrop; `recording`, a session.mcap; `build`, that
-//! Cargo builds, and `peer`, another program (both only parsed, in `documents`; what needs a peer runs
+//! Cargo builds, `npm`, what npm runs in clients/web, and `peer`, another program (these only parsed, in `documents`; what needs a peer runs
 //! with one in the tests of that peer). What would run until it is stopped is given two
 //! seconds, and port 7447 is another for each block.
 
@@ -23,6 +23,7 @@ for word in "$@"; do
   case "$word" in 60s) word=2s;; 127.0.0.1:8080) word=127.0.0.1:0;; esac
   args+=("$word")
 done
+export XDG_CACHE_HOME="$PWD/.cache"
 has() { for word in "${args[@]}"; do [ "$word" = "$1" ] && return 0; done; return 1; }
 short=0
 case "$1" in
@@ -139,7 +140,7 @@ fn run_all(wanted: impl Fn(&Block) -> bool) {
         .into_iter()
         .filter(|block| {
             block.language == "sh"
-                && !["build", "peer"].contains(&block.kind.as_str())
+                && !["build", "npm", "peer"].contains(&block.kind.as_str())
                 && wanted(block)
         })
         .collect();

@@ -348,8 +348,8 @@ fn a_net_that_cannot_be_had_says_what_there_is() {
     let file = file.to_str().unwrap();
     assert_eq!(palpate(&["export", file]).2, 2);
     assert_eq!(palpate(&["export", file, "--net", "slab", "net.step"]).2, 2);
-    let (_, text, code) = palpate(&["export", file, "--net", "slab", "--tick", "3", "net.ply"]);
-    assert!(code == 2 && text.contains(".ply"), "{text}");
+    let (_, text, code) = palpate(&["export", file, "--net", "slab", "--tick", "3", "net.dae"]);
+    assert!(code == 2 && text.contains(".dae"), "{text}");
 }
 
 #[test]

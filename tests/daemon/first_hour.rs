@@ -1,6 +1,7 @@
 //! What a new user does in the first hour: nothing wrong passes without a sign.
 
 use crate::daemon::{Daemon, PROGRAM, device, free_port};
+use crate::documents::root;
 use palpate_geometry::exchange::{Format, write_mesh};
 use palpate_geometry::math::{Point3, Vector3};
 use palpate_geometry::surface::file::Unit;
@@ -486,4 +487,351 @@ fn completions_into_a_closed_pipe_end_quietly() {
         .unwrap();
     assert_eq!(code(&done), 0, "{}", words(&done));
     assert!(!words(&done).contains("panicked"), "{}", words(&done));
+}
+
+// --- messages
+
+#[test]
+fn a_missing_file_is_named_once_with_one_reason() {
+    let directory = tempfile::tempdir().unwrap();
+    let commands: [&[&str]; 6] = [
+        &["surface", "info", "gone.json"],
+        &["surface", "fit", "gone.stl", "-o", "x.json"],
+        &["check", "gone.json"],
+        &["replay", "gone.json"],
+        &["export", "gone.json", "--csv", "x.csv"],
+        &["probe", "builtin:sheet", "--poses", "gone.json"],
+    ];
+    for command in commands {
+        let output = palpate(directory.path(), command);
+        let said = words(&output);
+        assert_eq!(code(&output), 2, "{command:?}: {said}");
+        assert_eq!(said.matches("os error 2").count(), 1, "{command:?}: {said}");
+        assert_eq!(said.matches("gone.").count(), 1, "{command:?}: {said}");
+    }
+}
+
+#[test]
+fn a_tool_with_two_shapes_or_none_is_told_which_there_are() {
+    let directory = tempfile::tempdir().unwrap();
+    let path = directory.path();
+    let body = "[[body]]\nid = \"a\"\nsurface = { builtin = \"sheet\" }\n[[tool]]\nid = \"b\"\n";
+    for (shape, wanted) in [
+        (
+            "{ sphere = { radius_m = 0.01 }, point = {} }",
+            "more than one",
+        ),
+        ("{}", "none"),
+    ] {
+        std::fs::write(path.join("s.toml"), format!("{body}shape = {shape}\n")).unwrap();
+        let said = words(&palpate(path, &["check", "s.toml"]));
+        assert!(said.contains("s.toml:6:"), "{said}");
+        assert!(said.contains(wanted) && said.contains("capsule"), "{said}");
+    }
+}
+
+#[test]
+fn a_tool_that_starts_inside_a_body_is_told_where_it_could_start() {
+    let directory = tempfile::tempdir().unwrap();
+    let path = directory.path();
+    let scene = std::fs::read_to_string(root().join("scenes/rigid-teardrop.toml")).unwrap();
+    let inside = scene.replace(
+        "position = [0.06, 0.003, 0.045]",
+        "position = [0.0, 0.003, 0.045]",
+    );
+    assert_ne!(scene, inside);
+    std::fs::write(path.join("in.toml"), &inside).unwrap();
+    let output = palpate(path, &["check", "in.toml", "--json"]);
+    let report = json(&output);
+    let said = report["inside"][0].as_str().unwrap().to_owned();
+    assert!(
+        said.contains("tool ball: it starts") && said.contains("inside body drop"),
+        "{said}"
+    );
+    // What it suggests is outside.
+    let place = said.rsplit_once("position = ").unwrap().1;
+    std::fs::write(
+        path.join("out.toml"),
+        scene.replace("[0.06, 0.003, 0.045]", place),
+    )
+    .unwrap();
+    let report = json(&palpate(path, &["check", "out.toml", "--json"]));
+    assert_eq!(report["inside"], serde_json::json!([]), "{place}");
+}
+
+#[test]
+fn what_would_take_gigabytes_is_refused_at_once() {
+    let directory = tempfile::tempdir().unwrap();
+    let path = directory.path();
+    let body = "[[body]]\nid = \"a\"\nsurface = { builtin = \"teardrop\" }\nmodel = \"lattice\"\n";
+    for (lattice, wanted) in [
+        (
+            "{ layers = 1000000000 }",
+            "layers is 1000000000; it must be 1 to 64",
+        ),
+        (
+            "{ refine = [1000, 1000] }",
+            "1000 x 1000 points in 4 layers are more than",
+        ),
+    ] {
+        std::fs::write(path.join("s.toml"), format!("{body}lattice = {lattice}\n")).unwrap();
+        let output = palpate(path, &["check", "s.toml"]);
+        assert_eq!(code(&output), 2);
+        assert!(words(&output).contains(wanted), "{}", words(&output));
+    }
+    write_stl(
+        &path.join("ball.stl"),
+        &surface("sphere", None),
+        Unit::Metre,
+    );
+    for (options, wanted) in [
+        (["--smoothing", "1e30"], "at most 1000"),
+        (["--net", "1000x1000"], "are more than"),
+    ] {
+        let mut command = vec!["surface", "fit", "ball.stl", "-o", "x.json"];
+        command.extend(options);
+        let output = palpate(path, &command);
+        assert_eq!(code(&output), 2, "{}", words(&output));
+        assert!(words(&output).contains(wanted), "{}", words(&output));
+    }
+}
+
+#[test]
+fn logs_are_json_where_asked_for() {
+    let directory = tempfile::tempdir().unwrap();
+    let output = palpate(
+        directory.path(),
+        &[
+            "serve",
+            "builtin:rigid-teardrop",
+            "--listen",
+            "tcp/127.0.0.1:0",
+            "--no-rt",
+            "--for",
+            "300ms",
+            "--log-format",
+            "json",
+        ],
+    );
+    assert_eq!(code(&output), 0, "{}", words(&output));
+    let said = words(&output);
+    let logs: Vec<Value> = said
+        .lines()
+        .filter(|line| line.starts_with('{'))
+        .map(|line| serde_json::from_str(line).unwrap_or_else(|e| panic!("{e}: {line}")))
+        .collect();
+    assert!(!logs.is_empty(), "{said}");
+    for log in &logs {
+        assert!(
+            log["timestamp"].is_string() && log["level"].is_string(),
+            "{log}"
+        );
+    }
+}
+
+#[test]
+fn hz_prints_while_it_watches_and_echo_names_flags() {
+    let directory = tempfile::tempdir().unwrap();
+    let scene = std::fs::read_to_string(root().join("scenes/rigid-teardrop.toml")).unwrap();
+    let daemon = Daemon::start(directory.path(), &scene, &[]);
+    let watched = palpate(
+        directory.path(),
+        &[
+            "hz",
+            "status",
+            "--for",
+            "3500ms",
+            "--connect",
+            &daemon.endpoint,
+        ],
+    );
+    let said = String::from_utf8_lossy(&watched.stdout).into_owned();
+    assert!(
+        said.matches("Hz now").count() >= 2 && said.contains("period p50"),
+        "{said}"
+    );
+    // A tool that does not exist is named, not the body that it was to press.
+    let wrong = [
+        "device",
+        "--tool",
+        "bll",
+        "--for",
+        "1s",
+        "--connect",
+        &daemon.endpoint,
+    ];
+    let wrong = palpate(directory.path(), &wrong);
+    assert_eq!(code(&wrong), 2);
+    assert!(
+        words(&wrong).contains("no tool \"bll\"; it has ball"),
+        "{}",
+        words(&wrong)
+    );
+    let endpoint = daemon.endpoint.clone();
+    let pressing =
+        std::thread::spawn(move || device(&endpoint, &["--motion", "press", "--for", "3s"]));
+    let echoed = palpate(
+        directory.path(),
+        &[
+            "echo",
+            "tool/ball/force",
+            "--count",
+            "200",
+            "--for",
+            "5s",
+            "--connect",
+            &daemon.endpoint,
+        ],
+    );
+    let said = String::from_utf8_lossy(&echoed.stdout).into_owned();
+    pressing.join().unwrap();
+    assert!(said.contains("\"RAMPING\""), "{said}");
+}
+
+#[test]
+fn the_plan_measures_ticks_in_contact() {
+    let directory = tempfile::tempdir().unwrap();
+    for scene in ["builtin:rigid-teardrop", "builtin:sheet"] {
+        let output = palpate(directory.path(), &["plan", scene, "--json"]);
+        assert_eq!(code(&output), 0);
+        assert!(
+            !words(&output).contains("tools in contact"),
+            "{scene}: {}",
+            words(&output)
+        );
+    }
+}
+
+// --- files of scanners and of CAD
+
+#[test]
+fn scenes_take_cad_files_and_scans_where_one_surface_results() {
+    let directory = tempfile::tempdir().unwrap();
+    let path = directory.path();
+    for arguments in [
+        ["surface", "convert", "builtin:sphere", "ball.step"],
+        ["surface", "convert", "builtin:sphere", "ball.igs"],
+        ["surface", "convert", "builtin:sphere", "ball.stl"],
+        ["surface", "convert", "builtin:sphere", "ball.glb"],
+    ] {
+        let output = palpate(path, &arguments);
+        assert_eq!(code(&output), 0, "{}", words(&output));
+    }
+    let check = |surface: &str| {
+        let tool = "[[tool]]\nid = \"t\"\npose = { position = [0.2, 0.0, 0.0] }\n";
+        let text = format!("[[body]]\nid = \"a\"\nsurface = {surface}\n{tool}");
+        std::fs::write(path.join("s.toml"), text).unwrap();
+        let output = palpate(path, &["check", "s.toml"]);
+        (code(&output), words(&output))
+    };
+    for surface in [
+        "{ file = \"ball.step\" }",
+        "{ file = \"ball.igs\" }",
+        "{ file = \"ball.stl\", unit = \"m\" }",
+        "{ file = \"ball.glb\", net = [12, 10] }",
+    ] {
+        assert_eq!(check(surface), (0, String::new()), "{surface}");
+    }
+    for (surface, wanted) in [
+        ("{ file = \"ball.stl\" }", "does not give its unit"),
+        (
+            "{ file = \"ball.step\", unit = \"mm\" }",
+            "unit is for mesh files",
+        ),
+        (
+            "{ file = \"ball.step\", index = 3 }",
+            "the file has 1 of them",
+        ),
+        (
+            "{ builtin = \"sheet\", index = 0 }",
+            "index is for STEP and IGES",
+        ),
+        ("{ file = \"s.toml\" }", "s.toml"),
+    ] {
+        let (code, said) = check(surface);
+        assert_eq!(code, 2, "{surface}: {said}");
+        assert!(said.contains(wanted), "{surface}: {said}");
+    }
+    // A recording of such a scene needs no file.
+    let text = "[[body]]\nid = \"a\"\nsurface = { file = \"ball.step\" }\n[[tool]]\nid = \"t\"\npose = { position = [0.2, 0.0, 0.0] }\n";
+    std::fs::write(path.join("s.toml"), text).unwrap();
+    let arguments = [
+        "serve",
+        "s.toml",
+        "--listen",
+        "tcp/127.0.0.1:0",
+        "--no-rt",
+        "--for",
+        "300ms",
+        "--record",
+        "r.mcap",
+    ];
+    assert_eq!(code(&palpate(path, &arguments)), 0);
+    for name in ["s.toml", "ball.step"] {
+        std::fs::remove_file(path.join(name)).unwrap();
+    }
+    let replayed = palpate(path, &["replay", "r.mcap"]);
+    assert_eq!(code(&replayed), 0, "{}", words(&replayed));
+}
+
+// glTF is in metres; of the others the unit is asked for.
+#[test]
+fn scans_in_ply_and_gltf_are_imported() {
+    let directory = tempfile::tempdir().unwrap();
+    let path = directory.path();
+    // Round: how far a net follows a pointed tip is another question.
+    let ball = surface("sphere", None);
+    std::fs::write(
+        path.join("scan.glb"),
+        write_mesh(&ball, Format::Glb, Unit::Metre).unwrap(),
+    )
+    .unwrap();
+    let mut ply = format!(
+        "ply\nformat ascii 1.0\nelement vertex {}\nproperty float x\nproperty float y\nproperty float z\nelement face {}\n\
+         property list uchar int vertex_indices\nend_header\n",
+        ball.points.len(),
+        ball.triangles.len()
+    );
+    for p in &ball.points {
+        ply += &format!("{} {} {}\n", p.x * 1e3, p.y * 1e3, p.z * 1e3);
+    }
+    for [a, b, c] in &ball.triangles {
+        ply += &format!("3 {a} {b} {c}\n");
+    }
+    std::fs::write(path.join("scan.ply"), ply).unwrap();
+    let imported = palpate(
+        path,
+        &["import", "scan.glb", "--net", "20x20", "-o", "a.toml"],
+    );
+    assert_eq!(code(&imported), 0, "{}", words(&imported));
+    let asked = palpate(path, &["import", "scan.ply", "-o", "b.toml"]);
+    assert_eq!(code(&asked), 2);
+    assert!(words(&asked).contains("--unit mm"), "{}", words(&asked));
+    let volume = |name: &str| {
+        let info = json(&palpate(path, &["surface", "info", name, "--json"]));
+        // In the unit of the file.
+        let metres = if info["unit"] == "mm" { 1e-3_f64 } else { 1.0 };
+        info["volume"].as_f64().unwrap() * metres.powi(3)
+    };
+    let of_glb = volume("a.json");
+    let fitted = palpate(
+        path,
+        &[
+            "surface", "fit", "scan.ply", "--unit", "mm", "--net", "20x20", "-o", "b.json",
+        ],
+    );
+    assert_eq!(code(&fitted), 0, "{}", words(&fitted));
+    // Of the triangles themselves, by the divergence theorem.
+    let corner = |k: u32| ball.points[k as usize].coords;
+    let ball_m3: f64 = ball
+        .triangles
+        .iter()
+        .map(|&[a, b, c]| corner(a).dot(&corner(b).cross(&corner(c))) / 6.0)
+        .sum();
+    for volume in [of_glb, volume("b.json")] {
+        assert!(
+            (volume / ball_m3 - 1.0).abs() < 0.02,
+            "{volume} m³ of {ball_m3}"
+        );
+    }
 }

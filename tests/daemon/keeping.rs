@@ -203,6 +203,7 @@ fn a_client_names_a_file_but_no_place() {
         "../x.mcap",
         "/tmp/x.mcap",
         "a/b.mcap",
+        "a.mcap/",
         "x.txt",
         "x",
         "",

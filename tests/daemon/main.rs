@@ -11,6 +11,9 @@ mod page;
 #[path = "common/session.rs"]
 mod session;
 
+#[path = "access/mod.rs"]
+mod access;
+mod batch;
 mod clients;
 mod crash;
 mod damage;
@@ -21,24 +24,31 @@ mod documents_run;
 mod editing;
 mod examples;
 mod export;
+mod faults;
 mod features;
 mod first_hour;
 mod golden;
 mod haptic_link;
 mod hostile_bytes;
+mod hostile_files;
 mod keeping;
 mod many_tools;
 #[path = "page/mod.rs"]
 mod pages;
 mod play;
+mod readmes;
 mod recording;
+mod reference;
+mod relay;
 mod replay_levels;
+mod scenarios;
 mod self_check;
 mod sessions;
 mod streaming;
 mod surface_commands;
 mod surface_pipe;
 mod test_helper;
+mod trust;
 mod views;
 mod wire;
 mod workers;

@@ -4,6 +4,7 @@
 use crate::live::{Live, RIGID, SOFT};
 use palpate::recording::{Contents, RecorderSettings};
 use palpate_proto::foxglove as fox;
+use palpate_proto::recording as pb;
 use palpate_sim::scene::{Scene, file};
 use prost::Message;
 use std::collections::BTreeMap;
@@ -59,6 +60,8 @@ fn pictures_show_the_nets_and_tools_of_their_ticks() {
         ("/view/tool/pen", "foxglove.PoseInFrame"),
         ("/view/tool/ball/shape", "foxglove.SceneUpdate"),
         ("/view/tool/pen/shape", "foxglove.SceneUpdate"),
+        ("/tool/ball/wrench", "palpate.v1.Wrench"),
+        ("/tool/pen/wrench", "palpate.v1.Wrench"),
         ("/tf", "foxglove.FrameTransforms"),
         ("/log", "foxglove.Log"),
         ("/sim/tick", "palpate.v1.Tick"),
@@ -68,6 +71,31 @@ fn pictures_show_the_nets_and_tools_of_their_ticks() {
             schemas.get(topic).map(String::as_str),
             Some(schema),
             "{topic}"
+        );
+    }
+
+    // Wrenches are those of the ticks in which they changed, and no tick between is left out.
+    let wrenches = all::<pb::Wrench>(&messages, "/tool/ball/wrench");
+    assert!(wrenches.len() > 50, "{} wrenches", wrenches.len());
+    let mut newest = wrenches.iter().peekable();
+    let mut now = None;
+    for record in &records {
+        while let Some((_, wrench)) =
+            newest.next_if(|(time, _)| *time <= record.output.tick * 1_000_000)
+        {
+            now = Some(wrench);
+        }
+        let (force, torque) = (now.unwrap().force.unwrap(), now.unwrap().torque.unwrap());
+        let tool = &record.output.tools[0];
+        assert_eq!(
+            [force.x, force.y, force.z],
+            <[f64; 3]>::from(tool.force_n),
+            "tick {}",
+            record.output.tick
+        );
+        assert_eq!(
+            [torque.x, torque.y, torque.z],
+            <[f64; 3]>::from(tool.torque_nm)
         );
     }
 

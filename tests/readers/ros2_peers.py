@@ -145,6 +145,9 @@ def bag(directory):
 
 
 def numbers_of(message):
+    if hasattr(message, "markers"):
+        lines = message.markers[0].points
+        return [len(lines), lines[0].x, lines[-1].z]
     if hasattr(message, "wrench"):
         return [message.wrench.force.x, message.wrench.force.y, message.wrench.force.z]
     if hasattr(message, "twist"):

@@ -109,6 +109,7 @@ impl Link {
             endpoints,
             instance,
             zenoh_config: config,
+            identity: None,
             timeout: seconds(timeout)?,
             onlooker,
         };

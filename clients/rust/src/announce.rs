@@ -12,6 +12,8 @@ use zenoh::pubsub::Publisher;
 
 pub(crate) struct Announcement {
     bytes: Vec<u8>,
+    /// Who tells it.
+    holder: Vec<u8>,
     /// A daemon appeared that does not have the description yet.
     due: Arc<AtomicBool>,
     // Fields are dropped in this order: a publisher that goes takes its listeners along.
@@ -24,6 +26,7 @@ impl Announcement {
         session: &zenoh::Session,
         key: &str,
         info: &DeviceInfo,
+        holder: Vec<u8>,
     ) -> Result<Self, ClientError> {
         let publisher =
             publisher::<DeviceInfo>(session, key.to_owned()).map_err(ClientError::zenoh)?;
@@ -40,6 +43,7 @@ impl Announcement {
             .map_err(ClientError::zenoh)?;
         let announcement = Self {
             bytes: encode(info),
+            holder,
             due,
             publisher,
             _listener: listener,
@@ -66,6 +70,7 @@ impl Announcement {
     fn put(&self) -> Result<(), ClientError> {
         self.publisher
             .put(self.bytes.clone())
+            .attachment(&self.holder)
             .wait()
             .map_err(ClientError::zenoh)
     }

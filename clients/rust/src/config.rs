@@ -1,9 +1,118 @@
-//! What a Zenoh configuration may ask for that this build does not have.
+//! Zenoh configurations of users: our defaults below them, and what this build does not have.
 
 use serde_json::Value;
+use std::path::Path;
+
+/// Which of the settings that decide who can reach a session a configuration file names.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Named {
+    /// `mode`.
+    pub mode: bool,
+    /// `scouting/multicast/enabled`.
+    pub multicast: bool,
+    /// `listen/endpoints`.
+    pub listen: bool,
+    /// `connect/endpoints`.
+    pub connect: bool,
+}
+
+/// Reads a configuration file over our defaults: what it does not name stays as without a file (this
+/// mode, no multicast, no listening). Zenoh's own defaults listen on all interfaces and are found by
+/// multicast.
+///
+/// # Errors
+/// The file cannot be read or parsed, or asks for what this build does not have.
+pub fn read_config(path: &Path, mode: &str) -> Result<(zenoh::Config, Named), String> {
+    let mut config = zenoh::Config::from_file(path).map_err(|e| e.to_string())?;
+    check_built_in(&config)?;
+    let named = named(path)?;
+    let mode = format!("\"{mode}\"");
+    let defaults = [
+        (named.mode, "mode", mode.as_str()),
+        (named.multicast, "scouting/multicast/enabled", "false"),
+        (named.listen, "listen/endpoints", "[]"),
+    ];
+    for (_, key, value) in defaults.into_iter().filter(|(named, ..)| !named) {
+        config
+            .insert_json5(key, value)
+            .map_err(|e| format!("{key}: {e}"))?;
+    }
+    Ok((config, named))
+}
+
+/// What a configuration file names.
+///
+/// # Errors
+/// It cannot be read or parsed.
+pub fn named(path: &Path) -> Result<Named, String> {
+    let text = std::fs::read_to_string(path).map_err(|e| e.to_string())?;
+    let yaml = path
+        .extension()
+        .is_some_and(|kind| kind == "yaml" || kind == "yml");
+    if yaml {
+        // By its words: a section that is there counts as named.
+        let has = |word: &str| text.lines().any(|line| line.trim_start().starts_with(word));
+        return Ok(Named {
+            mode: has("mode:"),
+            multicast: has("multicast:"),
+            listen: has("listen:"),
+            connect: has("connect:"),
+        });
+    }
+    let value: Value = json5::from_str(&text).map_err(|e| e.to_string())?;
+    let has = |keys: &[&str]| {
+        let found = keys.iter().try_fold(&value, |value, key| value.get(key));
+        found.is_some_and(|value| !value.is_null())
+    };
+    Ok(Named {
+        mode: has(&["mode"]),
+        multicast: has(&["scouting", "multicast", "enabled"]),
+        listen: has(&["listen", "endpoints"]),
+        connect: has(&["connect", "endpoints"]),
+    })
+}
+
+/// The TLS section of an identity file that `palpate auth` made: keys and certificates of one role.
+///
+/// # Errors
+/// The file cannot be read, or is none.
+pub fn identity(path: &Path) -> Result<Value, String> {
+    let text = std::fs::read_to_string(path).map_err(|e| e.to_string())?;
+    let value: Value = json5::from_str(&text).map_err(|e| e.to_string())?;
+    match value.pointer("/transport/link/tls") {
+        Some(tls) if tls["connect_certificate_base64"].is_string() => Ok(tls.clone()),
+        _ => Err("it is no identity: `palpate auth issue` makes one".into()),
+    }
+}
+
+/// Gives a configuration an identity: what it says of TLS itself is replaced.
+///
+/// # Errors
+/// As of [`identity`].
+pub fn add_identity(config: &mut zenoh::Config, path: &Path) -> Result<(), String> {
+    let wrong = |reason: String| format!("identity {}: {reason}", path.display());
+    let tls = identity(path).map_err(wrong)?;
+    let done = config.insert_json5("transport/link/tls", &tls.to_string());
+    done.map_err(|e| wrong(e.to_string()))
+}
 
 /// Protocols that are built in.
-const PROTOCOLS: [&str; 2] = ["tcp", "unixsock-stream"];
+const PROTOCOLS: [&str; 3] = ["tcp", "tls", "unixsock-stream"];
+
+/// Refuses an endpoint whose protocol is not built in: Zenoh would say so in words of its own.
+///
+/// # Errors
+/// The protocol, and those there are.
+pub fn check_protocol(endpoint: &str) -> Result<(), String> {
+    match endpoint.split_once('/') {
+        None => Err("the protocol is missing".into()),
+        Some((protocol, _)) if PROTOCOLS.contains(&protocol) => Ok(()),
+        Some((protocol, _)) => Err(format!(
+            "the protocol {protocol} is not built in; there are {}",
+            PROTOCOLS.join(", ")
+        )),
+    }
+}
 
 /// Refuses a configuration that asks for authentication or protocols that are not built in: Zenoh
 /// would accept it and not enforce it.
@@ -21,9 +130,8 @@ pub fn check_built_in(config: &zenoh::Config) -> Result<(), String> {
     for key in ["transport/auth/usrpwd", "transport/auth/pubkey"] {
         if says_anything(&value(key)) {
             return Err(format!(
-                "{key} is set, but this build has no authentication: anyone could connect. Restrict who reaches the \
-                 port instead (loopback, a Unix socket, a firewall, a tunnel), or put a Zenoh router with \
-                 authentication in front"
+                "{key} is set, but this build has no authentication by passwords or bare keys: anyone could connect. \
+                 Certificates are built in: see `palpate auth`"
             ));
         }
     }
@@ -31,15 +139,8 @@ pub fn check_built_in(config: &zenoh::Config) -> Result<(), String> {
         let mut texts = Vec::new();
         let endpoints = value(key);
         gather(&endpoints, &mut texts);
-        let other = texts.iter().find(|text| {
-            text.split_once('/')
-                .is_some_and(|(protocol, _)| !PROTOCOLS.contains(&protocol))
-        });
-        if let Some(endpoint) = other {
-            return Err(format!(
-                "{key}: {endpoint:?} uses a protocol that is not built in; there are {}",
-                PROTOCOLS.join(", ")
-            ));
+        for endpoint in texts.iter().filter(|text| text.contains('/')) {
+            check_protocol(endpoint).map_err(|reason| format!("{key}: {endpoint:?}: {reason}"))?;
         }
     }
     Ok(())
@@ -72,6 +173,35 @@ mod tests {
         check_built_in(&config).unwrap_err()
     }
 
+    // Zenoh's defaults listen on every interface and answer multicast: a file that sets a lease must not
+    // bring them in.
+    #[test]
+    fn a_file_changes_only_what_it_names() {
+        let directory = std::env::temp_dir().join(format!("palpate-config-{}", std::process::id()));
+        std::fs::create_dir_all(&directory).unwrap();
+        let read = |name: &str, text: &str| {
+            let path = directory.join(name);
+            std::fs::write(&path, text).unwrap();
+            let (config, named) = read_config(&path, "peer").unwrap();
+            let get = |key: &str| config.get_json(key).unwrap();
+            let all = ["mode", "scouting/multicast/enabled", "listen/endpoints"].map(get);
+            (all, named)
+        };
+        let safe = ["\"peer\"", "false", "[]"].map(str::to_owned);
+        let lease = "{ transport: { link: { tx: { lease: 5000 } } } } // a comment";
+        assert_eq!(read("lease.json5", lease), (safe.clone(), Named::default()));
+        let yaml = "transport:\n  link:\n    tx:\n      lease: 5000\n";
+        assert_eq!(read("lease.yaml", yaml), (safe, Named::default()));
+        let all = r#"{ mode: "client", scouting: { multicast: { enabled: true } },
+            listen: { endpoints: ["tcp/127.0.0.1:0"] } }"#;
+        let (own, named) = read("all.json5", all);
+        assert_eq!(own[0], "\"client\"");
+        assert_eq!(own[1], "true");
+        assert!(own[2].contains("tcp/127.0.0.1:0"), "{}", own[2]);
+        assert!(named.mode && named.multicast && named.listen && !named.connect);
+        std::fs::remove_dir_all(&directory).unwrap();
+    }
+
     #[test]
     fn what_would_not_be_enforced_is_refused_by_its_key() {
         assert_eq!(check_built_in(&zenoh::Config::default()), Ok(()));
@@ -81,7 +211,8 @@ mod tests {
         assert!(file.contains("no authentication"), "{file}");
         let key = refused("transport/auth/pubkey/known_keys_file", "\"keys.pem\"");
         assert!(key.starts_with("transport/auth/pubkey is set"), "{key}");
-        let tls = refused("listen/endpoints", "[\"tls/0.0.0.0:7447\"]");
-        assert!(tls.contains("tls/0.0.0.0:7447"), "{tls}");
+        let quic = refused("listen/endpoints", "[\"quic/0.0.0.0:7447\"]");
+        assert!(quic.contains("quic/0.0.0.0:7447"), "{quic}");
+        assert!(quic.contains("there are tcp, tls"), "{quic}");
     }
 }

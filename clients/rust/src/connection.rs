@@ -22,6 +22,8 @@ pub struct Connect {
     pub instance: String,
     /// Zenoh configuration file (JSON5) to use instead of a plain peer.
     pub zenoh_config: Option<PathBuf>,
+    /// Identity file that `palpate auth issue` made, for endpoints with TLS.
+    pub identity: Option<PathBuf>,
     /// How long to wait for replies.
     pub timeout: Duration,
     /// Join in Zenoh client mode instead of as a peer, for observers: messages then take one more hop,
@@ -37,6 +39,7 @@ impl Connect {
             endpoints: vec![endpoint.to_owned()],
             instance: "default".into(),
             zenoh_config: None,
+            identity: None,
             timeout: Duration::from_secs(3),
             onlooker: false,
         }
@@ -54,8 +57,19 @@ pub enum ClientError {
         /// Operating system's words.
         reason: String,
     },
+    /// The daemon and we do not accept each other's certificates.
+    #[error("{endpoint}: {reason}")]
+    Certificate {
+        /// As given.
+        endpoint: String,
+        /// What is wrong with which, as far as TLS says.
+        reason: String,
+    },
     /// A query went unanswered.
-    #[error("no answer to {key} within {timeout:?}: is instance {instance:?} served there?")]
+    #[error(
+        "no answer to {key} within {timeout:?}: is instance {instance:?} served there{}?",
+        role_hint(*has_identity)
+    )]
     NoAnswer {
         /// Key expression.
         key: String,
@@ -63,6 +77,8 @@ pub enum ClientError {
         instance: String,
         /// How long we waited.
         timeout: Duration,
+        /// We have a role, which may not include this.
+        has_identity: bool,
     },
     /// An answer of another version.
     #[error(transparent)]
@@ -178,8 +194,9 @@ impl Palpate {
         }
         let mut config = match &settings.zenoh_config {
             Some(path) => {
-                let config = zenoh::Config::from_file(path).map_err(ClientError::zenoh)?;
-                crate::config::check_built_in(&config).map_err(ClientError::zenoh)?;
+                let mode = if settings.onlooker { "client" } else { "peer" };
+                let (config, _) =
+                    crate::config::read_config(path, mode).map_err(ClientError::zenoh)?;
                 config
             }
             None => {
@@ -206,7 +223,17 @@ impl Palpate {
         config
             .insert_json5("connect/endpoints", &endpoints)
             .map_err(ClientError::zenoh)?;
-        let session = zenoh::open(config).wait().map_err(ClientError::zenoh)?;
+        if let Some(identity) = &settings.identity {
+            crate::config::add_identity(&mut config, identity).map_err(ClientError::zenoh)?;
+        }
+        let secured = settings.endpoints.iter().find(|at| at.starts_with("tls/"));
+        if let Some(endpoint) = secured {
+            crate::tls::demand(&mut config, endpoint, settings)?;
+        }
+        let session = zenoh::open(config).wait().map_err(|error| match secured {
+            Some(endpoint) => crate::tls::refused(endpoint, &error.to_string()),
+            None => ClientError::zenoh(error),
+        })?;
         Ok(Self {
             session,
             keys,
@@ -287,6 +314,7 @@ impl Palpate {
                     key,
                     instance,
                     timeout,
+                    has_identity: self.settings.identity.is_some(),
                 });
             }
             std::thread::sleep(Duration::from_millis(20));
@@ -465,18 +493,27 @@ impl Palpate {
     }
 }
 
+/// What else may be why nobody answers.
+fn role_hint(has_identity: bool) -> &'static str {
+    match has_identity {
+        true => ", and may this identity ask it (`palpate auth show`)",
+        false => "",
+    }
+}
+
 /// Zenoh would retry an absent peer without a word: ask the socket first.
 fn check_reachable(endpoint: &str, timeout: Duration) -> Result<(), ClientError> {
     let wrong = |reason: String| ClientError::Unreachable {
         endpoint: endpoint.to_owned(),
         reason,
     };
+    if !endpoint.contains('/') {
+        return Err(wrong("write an endpoint like tcp/127.0.0.1:7447".into()));
+    }
+    crate::config::check_protocol(endpoint).map_err(wrong)?;
+    // With TLS a bare connection would be a failed handshake in the daemon's log; `tls` asks Zenoh instead.
     let Some(address) = endpoint.strip_prefix("tcp/") else {
-        return if endpoint.contains('/') {
-            Ok(())
-        } else {
-            Err(wrong("write an endpoint like tcp/127.0.0.1:7447".into()))
-        };
+        return Ok(());
     };
     let address = address.split(['#', '?']).next().unwrap_or_default();
     let mut addresses = address

@@ -18,16 +18,21 @@ mod announce;
 mod config;
 mod connection;
 pub mod device;
+mod newest;
 mod ping;
 mod publish;
 pub mod testing;
+mod tls;
 mod tool;
 mod watch;
 
-pub use config::check_built_in;
+pub use config::{
+    Named, add_identity, check_built_in, check_protocol, identity, named, read_config,
+};
 pub use connection::{ClientError, Connect, Latest, Palpate};
+pub use newest::NewestForce;
 pub use palpate_proto as proto;
 pub use ping::{PingReport, raw_ping};
 pub use publish::{encoding, publisher};
-pub use tool::{Tool, pose_at};
+pub use tool::{Tool, holder_id, pose_at};
 pub use watch::Seen;

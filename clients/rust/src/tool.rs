@@ -2,9 +2,11 @@
 
 use crate::announce::Announcement;
 use crate::connection::{ClientError, Latest, Palpate};
+use crate::newest::NewestForce;
 use crate::publish::publisher;
 use palpate_proto::codec::{decode, encode};
 use palpate_proto::messages::{DeviceInfo, ToolContact, ToolForce, ToolPose};
+use std::sync::atomic::{AtomicU32, Ordering};
 use std::sync::{Arc, Condvar, Mutex, PoisonError};
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 use zenoh::Wait;
@@ -32,7 +34,11 @@ pub struct Tool {
     forces: Arc<Forces>,
     seq: u64,
     last: Option<ToolPose>,
+    /// Goes with each pose: who sends it.
+    holder: Vec<u8>,
     lockstep: bool,
+    /// The daemon may leave forces out.
+    sparse: bool,
     session: zenoh::Session,
     device_key: String,
     contact_key: String,
@@ -44,14 +50,21 @@ pub struct Tool {
 
 #[derive(Default)]
 struct Forces {
-    newest: Mutex<Newest>,
+    newest: Mutex<NewestForce>,
     arrived: Condvar,
 }
 
-#[derive(Default)]
-struct Newest {
-    force: Option<ToolForce>,
-    received: u64,
+/// What goes along with poses and descriptions as Zenoh's attachment: daemons take those of one
+/// holder at a time. Another one for each call.
+pub fn holder_id(session: &zenoh::Session) -> Vec<u8> {
+    static NEXT: AtomicU32 = AtomicU32::new(0);
+    let number = NEXT.fetch_add(1, Ordering::Relaxed);
+    [
+        &session.zid().to_le_bytes()[..],
+        &std::process::id().to_le_bytes(),
+        &number.to_le_bytes(),
+    ]
+    .concat()
 }
 
 impl Palpate {
@@ -88,15 +101,7 @@ impl Tool {
             .callback(move |sample| {
                 if let Ok(force) = decode::<ToolForce>(&sample.payload().to_bytes(), "") {
                     let mut newest = shared.newest.lock().unwrap_or_else(PoisonError::into_inner);
-                    // A daemon that came back, or a recording wound back, counts from below: its
-                    // clock tells.
-                    let newer = |old: ToolForce| {
-                        force.tick >= old.tick || force.t_server_ns > old.t_server_ns
-                    };
-                    if newest.force.is_none_or(newer) {
-                        newest.force = Some(force);
-                    }
-                    newest.received += 1;
+                    newest.offer(force, Instant::now());
                     shared.arrived.notify_all();
                 }
             })
@@ -114,7 +119,9 @@ impl Tool {
             forces,
             seq: 0,
             last: None,
+            holder: holder_id(session),
             lockstep,
+            sparse: false,
             session: session.clone(),
             device_key: keys.tool_device(id),
             contact_key: keys.tool_contact(id),
@@ -128,6 +135,11 @@ impl Tool {
     /// True when the daemon waits for each pose.
     pub fn is_lockstep(&self) -> bool {
         self.lockstep
+    }
+
+    /// True when a deadband was asked for: forces then come at least every 50 ms instead of every tick.
+    pub fn is_sparse(&self) -> bool {
+        self.sparse
     }
 
     /// Sends a pose; gives the `seq` it got. In lockstep the pose's own time is kept, so that
@@ -168,6 +180,7 @@ impl Tool {
     fn put(&self, pose: &ToolPose) -> Result<(), ClientError> {
         self.publisher
             .put(encode(pose))
+            .attachment(&self.holder)
             .wait()
             .map_err(ClientError::zenoh)
     }
@@ -180,10 +193,16 @@ impl Tool {
     /// No device can be like that, or Zenoh refused.
     pub fn announce(&mut self, info: &DeviceInfo) -> Result<(), ClientError> {
         let info = info.clone().validated()?;
+        self.sparse = info.deadband > 0.0;
         match &mut self.announcement {
             Some(announcement) => announcement.replace(&info),
             none => {
-                *none = Some(Announcement::new(&self.session, &self.device_key, &info)?);
+                *none = Some(Announcement::new(
+                    &self.session,
+                    &self.device_key,
+                    &info,
+                    self.holder.clone(),
+                )?);
                 Ok(())
             }
         }
@@ -212,6 +231,16 @@ impl Tool {
             .lock()
             .unwrap_or_else(PoisonError::into_inner)
             .force
+    }
+
+    /// How long ago the last force came; `None` before the first one. Motors belong at zero when it is
+    /// more than 50 ms: the daemon may be gone, and cannot say so.
+    pub fn silence(&self) -> Option<Duration> {
+        let newest = self.forces.newest.lock();
+        newest
+            .unwrap_or_else(PoisonError::into_inner)
+            .at
+            .map(|at| at.elapsed())
     }
 
     /// Forces received so far.

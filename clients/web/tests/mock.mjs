@@ -5,7 +5,7 @@ import { readFileSync } from "node:fs";
 import { WebSocketServer } from "ws";
 import * as bus from "../dist/palpate.js";
 import { callOf, frame, ofCall, ofText, openFrame, textOf } from "../dist/page.js";
-import { ballOutline, forceOf, snapshotOf, statusOf } from "./scenes.mjs";
+import { ballOutline, forceOf, nodesFrame, snapshotOf, statusOf, twoCells } from "./scenes.mjs";
 
 const PAGE = new URL("../../../src/viewer/page/", import.meta.url);
 const TYPES = { "index.html": "text/html; charset=utf-8", "app.js": "text/javascript; charset=utf-8", "app.css": "text/css; charset=utf-8" };
@@ -15,9 +15,13 @@ const STIFFNESS_N_M = 1000;
 export class Mock {
   scene = snapshotOf();
   mode = "live";
+  /** What everybody on the network reaches. */
+  open = [];
   token = "secret";
   recordings = [];
   files = new Map();
+  /** What is inside bodies: two cells of unlike materials. */
+  inside = [twoCells("drop")];
   /** What pages said: [key, payload]. */
   said = [];
   holders = new Map();
@@ -60,9 +64,10 @@ export class Mock {
     const name = path === "/" ? "index.html" : path.slice(1);
     if (name in TYPES) return send(TYPES[name], readFileSync(new URL(name, PAGE)));
     if (path === "/session.json") {
-      return send("application/json", JSON.stringify({ mode: this.mode, instance: "default", version: "mock", token: this.token, recordings: this.recordings, instances: ["default"] }));
+      return send("application/json", JSON.stringify({ mode: this.mode, instance: "default", version: "mock", token: this.token, recordings: this.recordings, instances: ["default"], open: this.open }));
     }
     if (path === "/tools.json") return send("application/json", JSON.stringify(this.scene.tools.map(({ id, radius }) => ballOutline(id, radius || 0.01))));
+    if (path === "/inside.json") return send("application/json", JSON.stringify(this.inside));
     const file = this.files.get(path);
     if (file === undefined) return response.writeHead(404).end();
     const range = /bytes=(\d+)-(\d+)/.exec(request.headers.range ?? "");
@@ -105,6 +110,11 @@ export class Mock {
 
   hear(socket, key, payload, send) {
     const refuse = (error) => send("refused", ofText(JSON.stringify({ key, error })));
+    if (key === "inside") {
+      // A cell around the first body, its nodes a millimetre from where they rest.
+      if (payload[0] === 1) for (const { id, nodes } of this.inside) this.toAll(`body/${id}/nodes`, nodesFrame(this.tick, nodes.map((x) => x + 1e-3)));
+      return;
+    }
     if (key === "token") return (socket.may = textOf(payload) === this.token);
     if (!socket.may) return refuse("this page may only look");
     const [kind, id, part] = key.split("/");

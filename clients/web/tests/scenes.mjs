@@ -60,3 +60,22 @@ export function ballOutline(id, radius = 0.01) {
   }
   return { id, shape: "sphere", points, triangles };
 }
+
+/** Two cells, one above the other, the upper one ten times as stiff. */
+export function twoCells(id) {
+  const nodes = [];
+  for (const z of [0, 0.05, 0.12]) for (const x of [-0.02, 0.02]) for (const y of [-0.02, 0.02]) nodes.push(x, y, z);
+  const at = (layer, a, b) => 4 * layer + 2 * a + b;
+  // Corner (a, b, c) at 4 a + 2 b + c.
+  const cell = (layer) => Array.from({ length: 8 }, (_, k) => at(layer + (k & 1), k >> 2, (k >> 1) & 1));
+  return { id, nodes, cells: [...cell(0), ...cell(1)], young_pa: [3000, 30000] };
+}
+
+/** A frame of nodes: the tick, then x y z of each as 32 bits. */
+export function nodesFrame(tick, nodes) {
+  const bytes = new Uint8Array(8 + 4 * nodes.length);
+  const view = new DataView(bytes.buffer);
+  view.setBigUint64(0, tick, true);
+  nodes.forEach((x, k) => view.setFloat32(8 + 4 * k, x, true));
+  return bytes;
+}

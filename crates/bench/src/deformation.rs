@@ -12,6 +12,7 @@ mod motion;
 mod passes;
 mod peers;
 mod plasticine;
+mod poking;
 mod refit;
 mod scenes;
 mod svg;
@@ -66,6 +67,7 @@ pub fn deformation(effort: Effort, only: Option<&str>, out: &mut dyn FnMut(Row))
         }
     }
     motion::rows(effort, &wanted, out);
+    poking::rows(effort, &wanted, out);
     passes::rows(effort, &wanted, out);
     plasticine::rows(effort, &wanted, out)
 }

@@ -8,6 +8,7 @@ mod contact;
 mod deformation;
 #[path = "reference/exact_step.rs"]
 mod exact_step;
+mod faults;
 mod figure;
 pub mod haptics;
 mod inputs;
@@ -17,15 +18,18 @@ mod oracle;
 mod peers;
 mod processes;
 mod recording;
+mod soak;
 mod surface;
 mod table;
 mod viewer;
 
 pub use contact::{contact, picture};
 pub use deformation::{Sweep, deformation, pareto, plasticine_picture, plasticine_table};
+pub use faults::{FaultOptions, faults};
 pub use figure::{Bar, Figure, figures_table};
 pub use modeling::modeling;
 pub use recording::recording;
+pub use soak::{SoakOptions, soak};
 pub use surface::surface;
 pub use table::table;
 pub use viewer::viewer;

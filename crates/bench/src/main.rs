@@ -4,8 +4,9 @@
 use anyhow::Context;
 use clap::Parser;
 use palpate_bench::{
-    Effort, Figure, Row, contact, deformation, figures_table, haptics, modeling, pareto, picture,
-    plasticine_picture, plasticine_table, recording, surface, table, viewer,
+    Effort, FaultOptions, Figure, Row, SoakOptions, contact, deformation, faults, figures_table,
+    haptics, modeling, pareto, picture, plasticine_picture, plasticine_table, recording, soak,
+    surface, table, viewer,
 };
 use std::io::Write;
 use std::process::ExitCode;
@@ -53,6 +54,10 @@ enum Suite {
     Recording(Options),
     /// What pages cost the loop and the daemon, and how soon they have something to show.
     Viewer(Options),
+    /// The daemon under faults of network, disk, processes and clock, on a virtual clock, by seeds.
+    Faults(FaultOptions),
+    /// A daemon at work for long: growth of memory, descriptors and threads, late ticks.
+    Soak(SoakOptions),
     /// Merge, isolate, pipe and branch: times, deviations, ratios, gaps and angles.
     Modeling(Options),
     /// Contact queries of points, balls, planes, solids, meshes and surfaces with a body.
@@ -109,6 +114,12 @@ fn run(args: &Cli) -> anyhow::Result<()> {
     if let Suite::Viewer(options) = &args.suite {
         return all_measured(&figures(options, viewer)?);
     }
+    if let Suite::Faults(options) = &args.suite {
+        return faults(options);
+    }
+    if let Suite::Soak(options) = &args.suite {
+        return soak(options);
+    }
     let (options, svg) = match &args.suite {
         Suite::Surface(options)
         | Suite::Recording(options)
@@ -117,6 +128,7 @@ fn run(args: &Cli) -> anyhow::Result<()> {
         Suite::Contact { options, svg }
         | Suite::Deformation { options, svg, .. }
         | Suite::Haptics { options, svg, .. } => (options, svg.as_deref()),
+        Suite::Faults(_) | Suite::Soak(_) => return Ok(()),
     };
     let effort = if options.quick {
         Effort::Quick
@@ -142,7 +154,11 @@ fn run(args: &Cli) -> anyhow::Result<()> {
         Suite::Contact { .. } => contact(effort, only, &mut take),
         Suite::Modeling(_) => modeling(effort, only, &mut take),
         Suite::Deformation { .. } => sweeps = deformation(effort, only, &mut take),
-        Suite::Haptics { .. } | Suite::Recording(_) | Suite::Viewer(_) => {}
+        Suite::Haptics { .. }
+        | Suite::Recording(_)
+        | Suite::Viewer(_)
+        | Suite::Faults(_)
+        | Suite::Soak(_) => {}
     }
     if let Some(error) = failed {
         return Err(error);

@@ -61,6 +61,11 @@ impl Process {
         Ok(Self(command.spawn()?))
     }
 
+    /// Its number.
+    pub(super) fn id(&self) -> u32 {
+        self.0.id()
+    }
+
     /// Time that it has spent on cores, s.
     pub(super) fn cpu_s(&self) -> anyhow::Result<f64> {
         let text = std::fs::read_to_string(format!("/proc/{}/stat", self.0.id()))?;

@@ -2,8 +2,8 @@
 //! (`palpate::adapters`) connects these to a bus.
 //!
 //! ```text
-//! bytes ─▶ ros2 | haply ─▶ Reading ─▶ Coupler ─▶ pose of a tool
-//! bytes ◀─ ros2 | haply ◀─ Command ◀─ Coupler ◀─ force of a tool
+//! bytes ─▶ ros2 | rosbridge | haply ─▶ Reading ─▶ Coupler ─▶ pose of a tool
+//! bytes ◀─ ros2 | rosbridge | haply ◀─ Command ◀─ Coupler ◀─ force of a tool
 //! ```
 //! [`Coupler`] is the same for all of them: frames, scale, clutch, velocity, and the rules that make a
 //! force zero. A device is an implementation of [`DeviceEnd`].
@@ -13,8 +13,10 @@ mod coupler;
 mod frame;
 mod guard;
 pub mod haply;
+pub mod igtl;
 mod link;
 pub mod ros2;
+pub mod rosbridge;
 mod velocity;
 
 pub use coupler::{Coupler, CouplerSettings, ToolMotion};

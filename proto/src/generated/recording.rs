@@ -133,6 +133,26 @@ pub struct ControlNet {
     #[prost(double, repeated, tag = "8")]
     pub points: ::prost::alloc::vec::Vec<f64>,
 }
+/// x y z in world axes.
+#[derive(Clone, Copy, PartialEq, ::prost::Message)]
+pub struct Vector {
+    #[prost(double, tag = "1")]
+    pub x: f64,
+    #[prost(double, tag = "2")]
+    pub y: f64,
+    #[prost(double, tag = "3")]
+    pub z: f64,
+}
+/// For plots: what a tool's device was given in a tick. The numbers are those of `Tick`.
+#[derive(Clone, Copy, PartialEq, ::prost::Message)]
+pub struct Wrench {
+    /// N
+    #[prost(message, optional, tag = "1")]
+    pub force: ::core::option::Option<Vector>,
+    /// N m, about the tool's reference point
+    #[prost(message, optional, tag = "2")]
+    pub torque: ::core::option::Option<Vector>,
+}
 /// Loop statistics since the start.
 #[derive(Clone, PartialEq, Eq, Hash, ::prost::Message)]
 pub struct Stats {

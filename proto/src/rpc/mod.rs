@@ -102,6 +102,17 @@ calls! {
     }
     /// Fade the forces and end the daemon.
     "shutdown" => Shutdown
+    /// A rigid body with a motion or a carrier goes to a place and stays there until a reset.
+    "move_body" => MoveBody {
+        /// Id of the body.
+        body: String => "\"bowl\"";
+        /// Origin of its frame, x y z, m in the world.
+        position: Vec<f64> => "[0, 0, 0.1]";
+        /// Of its frame, unit quaternion x y z w; unturned if absent.
+        orientation: Option<Vec<f64>> = None;
+        /// How long it takes, from rest to rest.
+        seconds: f64 = 0.5, 0.0..=3600.0;
+    }
     /// Record from the next tick on.
     "record_start" => RecordStart {
         /// File name on the daemon's machine; the daemon chooses one if absent.

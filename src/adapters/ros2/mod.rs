@@ -16,12 +16,12 @@ pub use arm::RosArm;
 pub use guard::{FRESH, GuardReport, guard_crtk};
 pub use node::{Intake, RosNode, RosPublisher, RosReceiver, TriggerCall};
 pub use plan::{ArmPlan, Plan};
-pub use scenery::net_marker;
 pub use sim_arm::{ArmReport, simulate_arm};
 
 use super::{Coupling, couple};
-use palpate_client::Palpate;
+use crate::transport::AdapterCounts;
 use palpate_client::proto::messages::DeviceInfo;
+use palpate_client::{Palpate, Tool};
 use palpate_devices::Coupler;
 use scenery::Scenery;
 use std::sync::Arc;
@@ -39,11 +39,17 @@ pub struct Ros2 {
 const PATIENCE: Duration = Duration::from_secs(5);
 
 impl Ros2 {
-    /// Joins the graph with everything of a plan. `session` is the daemon's own; its bus is running.
+    /// Joins the graph with everything of a plan. `session` is the daemon's own; its bus is running, and
+    /// shows `counts`.
     ///
     /// # Errors
     /// Zenoh or the system refused.
-    pub fn start(session: &zenoh::Session, instance: &str, plan: &Plan) -> anyhow::Result<Self> {
+    pub fn start(
+        session: &zenoh::Session,
+        instance: &str,
+        plan: &Plan,
+        counts: &AdapterCounts,
+    ) -> anyhow::Result<Self> {
         let zenoh = |error: zenoh::Error| anyhow::anyhow!("Zenoh: {error}");
         let node = Arc::new(RosNode::new(session, plan.domain, &plan.node).map_err(zenoh)?);
         let mut ros2 = Self {
@@ -55,6 +61,13 @@ impl Ros2 {
             let device = RosArm::new(&node, arm, &plan.frame, plan.lockstep).map_err(zenoh)?;
             let palpate = Palpate::over(session.clone(), instance)?;
             tools.push(arm.tool.clone());
+            let (intake, id) = (device.intake().clone(), arm.tool.clone());
+            counts.add(move || {
+                let counts = intake.counts();
+                counts
+                    .map(|(what, count)| (id.clone(), what, count))
+                    .to_vec()
+            });
             let (node, arm, stop) = (node.clone(), arm.clone(), ros2.stop.clone());
             let lockstep = plan.lockstep;
             ros2.spawn(format!("palpate-ros2-{}", arm.tool), move || {
@@ -110,18 +123,7 @@ fn serve_arm(
     lockstep: bool,
     stop: &AtomicBool,
 ) -> anyhow::Result<()> {
-    let info = info_of(arm);
-    // The tool is taken when somebody is there to move it.
-    let mut tool = palpate.tool(&arm.tool)?;
-    tool.announce(&info)?;
-    let begun = Instant::now();
-    while lockstep && palpate.device(&arm.tool).ok().as_ref() != Some(&info) {
-        anyhow::ensure!(
-            begun.elapsed() < PATIENCE,
-            "the device's description was not taken"
-        );
-        std::thread::sleep(Duration::from_millis(5));
-    }
+    let (mut tool, info) = hold_tool(palpate, arm, &format!("ros2 {}", arm.pose), lockstep)?;
     let coupling = Coupling {
         coupler: Coupler::new(arm.coupler.clone()),
         info,
@@ -145,11 +147,32 @@ fn serve_arm(
     Ok(())
 }
 
-fn info_of(arm: &ArmPlan) -> DeviceInfo {
+/// Takes the tool of an arm and tells what its device can do. In lockstep the first tick waits until
+/// the daemon has it, so that sessions repeat.
+pub(super) fn hold_tool(
+    palpate: &Palpate,
+    arm: &ArmPlan,
+    name: &str,
+    lockstep: bool,
+) -> anyhow::Result<(Tool, DeviceInfo)> {
+    let info = info_of(arm, name);
+    let mut tool = palpate.tool(&arm.tool)?;
+    tool.announce(&info)?;
+    let begun = Instant::now();
+    while lockstep && palpate.device(&arm.tool).ok().as_ref() != Some(&info) {
+        anyhow::ensure!(
+            begun.elapsed() < PATIENCE,
+            "the device's description was not taken"
+        );
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    Ok((tool, info))
+}
+
+fn info_of(arm: &ArmPlan, name: &str) -> DeviceInfo {
     let cap = arm.coupler.cap;
-    let name: String = format!("ros2 {}", arm.pose).chars().take(64).collect();
     DeviceInfo {
-        name,
+        name: name.chars().take(64).collect(),
         dof_force: 3,
         dof_torque: if cap.torque_nm > 0.0 { 3 } else { 0 },
         workspace: [0.0; 3],

@@ -4,7 +4,7 @@ use super::node::{RosNode, RosPublisher, RosReceiver, TriggerCall};
 use palpate_client::proto::messages::{ControlNet, SceneSnapshot, ToolContact};
 use palpate_client::proto::rpc::Call;
 use palpate_client::{Latest, Palpate};
-use palpate_devices::ros2::{Header, Marker, MarkerArray, Qos, WrenchStamped};
+use palpate_devices::ros2::{Header, Marker, MarkerArray, NetLines, Qos, WrenchStamped};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, sync_channel};
@@ -18,9 +18,6 @@ const LOOK_EVERY: Duration = Duration::from_millis(100);
 const TURN: Duration = Duration::from_millis(1);
 /// Calls that may wait; more are answered by nobody, and time out.
 const CALLS: usize = 64;
-const LINE_LIST: i32 = 5;
-/// Width of the lines of a net, as a part of the body's size.
-const LINE_WIDTH: f64 = 0.002;
 
 /// Contact wrenches of one tool.
 struct Contacts {
@@ -153,78 +150,18 @@ impl Scenery {
             .zip(&self.nets)
             .filter_map(|((k, body), net)| {
                 let net = net.take()?;
-                Some(net_marker(k, &net, body.periodic, &self.frame))
+                let lines = NetLines {
+                    number: k,
+                    body: &net.body,
+                    count: [net.count_u, net.count_v].map(usize::from),
+                    periodic: body.periodic,
+                    points: &net.points,
+                };
+                Some(lines.marker(super::super::unix_ns(), &self.frame))
             })
             .collect();
         if !markers.is_empty() {
             self.markers.put(&MarkerArray { markers });
         }
-    }
-}
-
-/// The lines of a control net, closed where it is periodic.
-pub fn net_marker(number: usize, net: &ControlNet, periodic: [bool; 2], frame: &str) -> Marker {
-    let [nu, nv] = [usize::from(net.count_u), usize::from(net.count_v)];
-    let at = |u: usize, v: usize| net.points.get(u % nu.max(1) * nv + v % nv.max(1)).copied();
-    let mut points = Vec::new();
-    let mut line = |from: Option<[f64; 3]>, to: Option<[f64; 3]>| {
-        if let (Some(from), Some(to)) = (from, to) {
-            points.extend([from, to]);
-        }
-    };
-    for u in 0..nu {
-        for v in 0..nv {
-            if u + 1 < nu || periodic[0] {
-                line(at(u, v), at(u + 1, v));
-            }
-            if v + 1 < nv || periodic[1] {
-                line(at(u, v), at(u, v + 1));
-            }
-        }
-    }
-    let extent = |c: usize| {
-        let values = || net.points.iter().map(|point| point[c]);
-        values().fold(f64::MIN, f64::max) - values().fold(f64::MAX, f64::min)
-    };
-    let size = extent(0).max(extent(1)).max(extent(2)).max(0.0);
-    Marker {
-        header: Header::new(super::super::unix_ns(), frame),
-        ns: net.body.clone(),
-        id: i32::try_from(number).unwrap_or(i32::MAX),
-        shape: LINE_LIST,
-        orientation: [0.0, 0.0, 0.0, 1.0],
-        scale: [LINE_WIDTH * size, 0.0, 0.0],
-        color: [0.2, 0.6, 0.9, 1.0],
-        points,
-        ..Marker::default()
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn net(count_u: u16, count_v: u16) -> ControlNet {
-        ControlNet {
-            tick: 1,
-            revision: 1,
-            body: "sheet".into(),
-            degree_u: 3,
-            degree_v: 3,
-            count_u,
-            count_v,
-            points: (0..count_u * count_v)
-                .map(|k| [f64::from(k), 0.0, 0.0])
-                .collect(),
-            weights: None,
-        }
-    }
-
-    #[test]
-    fn a_net_has_a_line_between_neighbours_and_is_closed_where_periodic() {
-        let lines = |periodic| net_marker(0, &net(4, 5), periodic, "world").points.len() / 2;
-        assert_eq!(lines([false, false]), 3 * 5 + 4 * 4);
-        assert_eq!(lines([true, false]), 4 * 5 + 4 * 4);
-        assert_eq!(lines([true, true]), 4 * 5 + 4 * 5);
     }
 }

@@ -7,7 +7,7 @@ use crate::adapters::haply_service::{self, Pace};
 use crate::adapters::ros2::{guard_crtk, simulate_arm};
 use crate::adapters::simulated::SimulatedHand;
 use crate::adapters::{Coupling, couple};
-use crate::transport::{DEFAULT_ENDPOINT, Role, SessionSettings, open};
+use crate::transport::{Access, Role, SessionSettings, open};
 use anyhow::Context as _;
 use palpate_client::device::{Hand, Motion, SimulatedDevice};
 use palpate_client::proto::messages::{DeviceInfo, SceneSnapshot};
@@ -208,13 +208,14 @@ pub fn guard(args: &Args) -> anyhow::Result<Outcome> {
 }
 
 fn session(args: &Args) -> anyhow::Result<zenoh::Session> {
-    let mut connect = args.connection.endpoints();
-    if connect.is_empty() {
-        connect.push(DEFAULT_ENDPOINT.to_owned());
-    }
+    let connect = args.connection.endpoints();
     Ok(open(&SessionSettings {
         connect,
         role: Role::Client,
+        access: Access {
+            identity: args.connection.identity(),
+            ..Access::default()
+        },
         ..SessionSettings::default()
     })?)
 }

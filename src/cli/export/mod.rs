@@ -83,7 +83,7 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     {
         let surface = net_at(&session, body, tick)?;
         let bytes = match format {
-            Format::Stl | Format::Obj | Format::Glb => {
+            Format::Stl | Format::Obj | Format::Ply | Format::Glb => {
                 let tolerance_m = args.tolerance.unwrap_or(DEFAULT_TOLERANCE * surface.size());
                 write_mesh(&surface.tessellated_to(tolerance_m)?, format, Unit::Metre)?
             }

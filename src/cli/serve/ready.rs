@@ -1,10 +1,11 @@
 //! What programs read from `serve`: where it listens, and how it ended.
 
 use super::{Common, EndedSession};
-use crate::transport::DEFAULT_ENDPOINT;
+use crate::transport::default_listen;
 use anyhow::Context as _;
 use std::io::Write as _;
 use std::net::TcpListener;
+use std::path::Path;
 
 /// The endpoints to listen on, a free port instead of port 0.
 ///
@@ -12,30 +13,37 @@ use std::net::TcpListener;
 /// No port is free there.
 pub fn resolved(common: &Common) -> anyhow::Result<Vec<String>> {
     let resolve = |endpoint: &String| -> anyhow::Result<String> {
-        let address = endpoint
-            .strip_prefix("tcp/")
-            .filter(|address| address.ends_with(":0"));
-        let Some(address) = address else {
+        let free = endpoint.split_once('/').filter(|(protocol, address)| {
+            ["tcp", "tls"].contains(protocol) && address.ends_with(":0")
+        });
+        let Some((protocol, address)) = free else {
             return Ok(endpoint.clone());
         };
         let listener = TcpListener::bind(address).with_context(|| endpoint.clone())?;
         let host = address.trim_end_matches(":0");
-        Ok(format!("tcp/{host}:{}", listener.local_addr()?.port()))
+        Ok(format!(
+            "{protocol}/{host}:{}",
+            listener.local_addr()?.port()
+        ))
     };
     common.listen.iter().map(resolve).collect()
 }
 
 /// The line that says that clients can connect.
-pub fn line(common: &Common, configured: bool, page: Option<&str>) -> serde_json::Value {
-    let own = configured || common.zenoh_config.is_some() || !common.connect.is_empty();
-    let listen = match common.listen.is_empty() && !own {
-        true => vec![DEFAULT_ENDPOINT.to_owned()],
-        false => common.listen.clone(),
-    };
-    serde_json::json!({
+///
+/// # Errors
+/// The configuration file cannot be read.
+pub fn line(
+    common: &Common,
+    config: Option<&Path>,
+    page: Option<&str>,
+) -> anyhow::Result<serde_json::Value> {
+    let secure = common.access.identity.is_some();
+    let listen = default_listen(config, &common.listen, &common.connect, secure)?;
+    Ok(serde_json::json!({
         "ready": true, "instance": common.instance, "listen": listen, "connect": common.connect, "page": page,
         "pid": std::process::id(),
-    })
+    }))
 }
 
 /// Writes a line to a file descriptor that whoever started this process left open.

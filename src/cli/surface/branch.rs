@@ -95,7 +95,10 @@ fn file(
     format: Format,
     patch: Option<usize>,
 ) -> anyhow::Result<Vec<u8>> {
-    let mesh = matches!(format, Format::Stl | Format::Obj | Format::Glb);
+    let mesh = matches!(
+        format,
+        Format::Stl | Format::Obj | Format::Ply | Format::Glb
+    );
     let Some(row) = patch else {
         return if mesh {
             Ok(write_mesh(&welded.mesh, format, Unit::Metre)?)

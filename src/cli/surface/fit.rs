@@ -2,6 +2,7 @@
 
 use super::Outcome;
 use super::make::{UnitName, write};
+use crate::cli::waiting::Waiting;
 use anyhow::Context as _;
 use palpate_geometry::exchange::{Format, read_mesh, read_points, write_surface};
 use palpate_geometry::math::Point3;
@@ -22,7 +23,7 @@ const VOLUME_TOLERANCE: f64 = 0.05;
 
 #[derive(clap::Args, Debug)]
 pub struct FitArgs {
-    /// Points: .xyz, .csv or .txt with lines `x,y,z`; or the triangles of an .stl or .obj.
+    /// Points: .xyz, .csv or .txt with lines `x,y,z`; or the triangles of an .stl, .obj, .ply or .glb.
     points: PathBuf,
     /// Output file: .json, .step, .stp, .iges, .igs.
     #[arg(short, long)]
@@ -77,7 +78,9 @@ pub fn fit(args: &FitArgs) -> anyhow::Result<Outcome> {
     let input = Input::read(&args.points, unit)?;
     // Scanners and CAD write millimetres, and such files do not say so.
     anyhow::ensure!(
-        args.unit.is_some() || input.size_m() <= MOST_SIZE_M,
+        args.unit.is_some()
+            || input.size_m() <= MOST_SIZE_M
+            || Format::of(&args.points)? == Format::Glb,
         "{} does not give its unit and is {:.1} long: give --unit mm or --unit m",
         args.points.display(),
         input.size_m()
@@ -135,12 +138,13 @@ impl Input {
         let name = || path.display().to_string();
         let format = Format::of(path)?;
         let bytes = std::fs::read(path).with_context(name)?;
-        // An OBJ file may have points only.
+        // An OBJ or PLY file may have points only.
         let mesh = match format {
-            Format::Stl => Some(read_mesh(&bytes, format, unit).with_context(name)?),
-            Format::Obj => read_mesh(&bytes, format, unit).ok(),
+            Format::Stl | Format::Glb => Some(read_mesh(&bytes, format, unit).with_context(name)?),
+            Format::Obj | Format::Ply => read_mesh(&bytes, format, unit).ok(),
             _ => None,
         };
+        let _waiting = Waiting::begin(&format!("reading the triangles of {}", path.display()));
         let shell = mesh.as_ref().and_then(Shell::of).map(|shell| {
             let census = shell.census();
             (shell, census)
@@ -183,6 +187,10 @@ pub(in crate::cli) struct Wanted {
 /// A surface near scattered points or triangles.
 pub(in crate::cli) fn fit_scattered(input: &Input, wanted: &Wanted) -> Result<Fitted, FitError> {
     let closed = wanted.closed || (input.is_closed() && !wanted.open);
+    let _waiting = Waiting::begin(&format!(
+        "fitting a surface to {} points",
+        input.points.len()
+    ));
     let plain = CloudSpec::default();
     let mut spec = CloudSpec {
         closed,
@@ -227,6 +235,7 @@ impl Judged {
     /// Compares a fit with what it was fitted to.
     pub fn new(input: &Input, fitted: &Fitted, tolerance: Option<f64>) -> Self {
         let surface = &fitted.surface;
+        let _waiting = Waiting::begin("comparing the surface with what it was fitted to");
         let apart = input
             .shell
             .as_ref()

@@ -65,7 +65,7 @@ pub struct ConvertArgs {
 pub fn convert(args: &ConvertArgs) -> anyhow::Result<Outcome> {
     let surface = args.source.load()?.surface;
     match Format::of(&args.output)? {
-        format @ (Format::Stl | Format::Obj | Format::Glb) => {
+        format @ (Format::Stl | Format::Obj | Format::Ply | Format::Glb) => {
             write_triangles(
                 &args.fineness.mesh(&surface)?,
                 format,

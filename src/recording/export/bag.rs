@@ -1,12 +1,17 @@
 //! A recording as a bag of ROS 2: MCAP with CDR messages, and the metadata that `ros2 bag` wants.
 
-use super::super::reader::Session;
+use super::super::channel::{Happening, NetRecord, Topic};
+use super::super::reader::{Follower, Session};
+use super::super::replay::{ReplayError, recorded_scene};
 use super::{ExportError, Range};
+use crate::wire::first_snapshot;
 use mcap::records::MessageHeader;
 use palpate_devices::cdr::{Cdr, encode};
 use palpate_devices::ros2::{
-    Header, PoseStamped, RosMessage, RosType, TwistStamped, WrenchStamped, schema_text,
+    Header, MarkerArray, NetLines, PoseStamped, RosMessage, RosType, TwistStamped, WrenchStamped,
+    schema_text,
 };
+use palpate_proto::messages::BodySnapshot;
 use palpate_sim::haptics::DevicePose;
 use palpate_sim::tick::record::{TickRecord, ToolOutput};
 use std::collections::BTreeMap;
@@ -15,6 +20,9 @@ use std::io::{BufWriter, Seek, Write};
 use std::path::Path;
 
 const FRAME: &str = "world";
+const NETS: &str = "/palpate/nets";
+/// Time between two nets of a body, ns.
+const NETS_EVERY_NS: u64 = 33_000_000;
 
 /// A topic of the bag.
 struct Line {
@@ -25,7 +33,8 @@ struct Line {
 }
 
 /// Writes a bag directory: `OUT/OUT_0.mcap` and `OUT/metadata.yaml`. Each tool has the topics of a CRTK
-/// arm in the namespace of its id; stamps are simulated time.
+/// arm in the namespace of its id; control nets are on `/palpate/nets`, at most 30 of each body in a
+/// second. Stamps are simulated time.
 ///
 /// # Errors
 /// No tick in the range, the directory exists, or the disk refuses.
@@ -39,12 +48,21 @@ pub fn ros2_bag(session: &Session, range: &Range, out: &Path) -> Result<u64, Exp
     let name = format!("{stem}_0.mcap");
     let file = BufWriter::new(std::fs::File::create(out.join(&name))?);
     let tools = session.header.names("tools");
-    let mut bag = Bag::begin(file, &tools).map_err(std::io::Error::other)?;
+    // A scene that this build cannot read has ticks nevertheless, but nobody knows its nets.
+    let hash = [0; 32];
+    let scene = recorded_scene(session).map(|scene| first_snapshot(&scene, hash).bodies);
+    let bodies = scene.unwrap_or_default();
+    let mut bag = Bag::begin(file, &tools, bodies).map_err(std::io::Error::other)?;
     let dt_ns = session.dt_ns();
-    for record in records {
-        let record = record?;
-        bag.tick(&record, tools.len(), dt_ns)
-            .map_err(std::io::Error::other)?;
+    drop(records);
+    let kept = Follower::between(session, range.from, range.until).only(&[Topic::Tick, Topic::Net]);
+    for happening in kept.reading_ahead() {
+        let written = match happening.map_err(ReplayError::Read)? {
+            Happening::Tick(record) => bag.tick(&record, tools.len(), dt_ns),
+            Happening::Net(net) => bag.net(&net, dt_ns),
+            _ => Ok(()),
+        };
+        written.map_err(std::io::Error::other)?;
     }
     let metadata = bag.metadata(&name);
     let count = bag.count();
@@ -55,14 +73,17 @@ pub fn ros2_bag(session: &Session, range: &Range, out: &Path) -> Result<u64, Exp
 
 struct Bag<W: Write + Seek> {
     mcap: mcap::Writer<W>,
-    /// Four a tool.
+    /// Four a tool, then that of nets if there are bodies.
     lines: Vec<Line>,
+    bodies: Vec<BodySnapshot>,
+    /// By body: when its last net was written, ns.
+    drawn_ns: Vec<Option<u64>>,
     first_ns: Option<u64>,
     last_ns: u64,
 }
 
 impl<W: Write + Seek> Bag<W> {
-    fn begin(out: W, tools: &[String]) -> mcap::McapResult<Self> {
+    fn begin(out: W, tools: &[String], bodies: Vec<BodySnapshot>) -> mcap::McapResult<Self> {
         let mut mcap = mcap::WriteOptions::new()
             .profile("ros2")
             .compression(Some(mcap::Compression::Zstd))
@@ -70,37 +91,41 @@ impl<W: Write + Seek> Bag<W> {
             .create(out)?;
         let mut lines = Vec::new();
         let mut schemas: BTreeMap<&str, u16> = BTreeMap::new();
-        for tool in tools {
+        let of_tool = |tool: &String| {
             let namespace = tool.replace('-', "_");
-            for (topic, ros_type) in [
+            [
                 ("measured_cp", PoseStamped::TYPE),
                 ("measured_cv", TwistStamped::TYPE),
                 ("servo_cf", WrenchStamped::TYPE),
                 ("contact/measured_cf", WrenchStamped::TYPE),
-            ] {
-                let schema = match schemas.get(ros_type.name) {
-                    Some(schema) => *schema,
-                    None => {
-                        let text = schema_text(ros_type);
-                        let schema = mcap.add_schema(ros_type.name, "ros2msg", text.as_bytes())?;
-                        schemas.insert(ros_type.name, schema);
-                        schema
-                    }
-                };
-                let topic = format!("/{namespace}/{topic}");
-                let about = BTreeMap::from([("offered_qos_profiles".to_owned(), String::new())]);
-                let channel = mcap.add_channel(schema, &topic, "cdr", &about)?;
-                lines.push(Line {
-                    topic,
-                    ros_type,
-                    channel,
-                    count: 0,
-                });
-            }
+            ]
+            .map(|(topic, ros_type)| (format!("/{namespace}/{topic}"), ros_type))
+        };
+        let nets = (!bodies.is_empty()).then(|| (NETS.to_owned(), MarkerArray::TYPE));
+        for (topic, ros_type) in tools.iter().flat_map(of_tool).chain(nets) {
+            let schema = match schemas.get(ros_type.name) {
+                Some(schema) => *schema,
+                None => {
+                    let text = schema_text(ros_type);
+                    let schema = mcap.add_schema(ros_type.name, "ros2msg", text.as_bytes())?;
+                    schemas.insert(ros_type.name, schema);
+                    schema
+                }
+            };
+            let about = BTreeMap::from([("offered_qos_profiles".to_owned(), String::new())]);
+            let channel = mcap.add_channel(schema, &topic, "cdr", &about)?;
+            lines.push(Line {
+                topic,
+                ros_type,
+                channel,
+                count: 0,
+            });
         }
         Ok(Self {
             mcap,
             lines,
+            drawn_ns: vec![None; bodies.len()],
+            bodies,
             first_ns: None,
             last_ns: 0,
         })
@@ -109,7 +134,7 @@ impl<W: Write + Seek> Bag<W> {
     fn tick(&mut self, record: &TickRecord, tools: usize, dt_ns: u64) -> mcap::McapResult<()> {
         let time_ns = record.output.tick * dt_ns;
         self.first_ns.get_or_insert(time_ns);
-        self.last_ns = time_ns;
+        self.last_ns = self.last_ns.max(time_ns);
         let poses = record.input.poses.first(tools);
         for (k, (pose, output)) in poses.zip(record.output.tools.first(tools)).enumerate() {
             let line = 4 * k;
@@ -123,6 +148,34 @@ impl<W: Write + Seek> Bag<W> {
             self.put(line + 3, time_ns, &contact)?;
         }
         Ok(())
+    }
+
+    /// A net, unless the last one of its body was just before.
+    fn net(&mut self, net: &NetRecord, dt_ns: u64) -> mcap::McapResult<()> {
+        let Some(number) = self.bodies.iter().position(|body| body.id == net.body) else {
+            return Ok(());
+        };
+        let time_ns = net.tick * dt_ns;
+        if self.drawn_ns[number].is_some_and(|last| time_ns < last.saturating_add(NETS_EVERY_NS)) {
+            return Ok(());
+        }
+        self.drawn_ns[number] = Some(time_ns);
+        // The nets at the start come before the first tick.
+        self.first_ns = Some(self.first_ns.map_or(time_ns, |first| first.min(time_ns)));
+        self.last_ns = self.last_ns.max(time_ns);
+        let points: Vec<[f64; 3]> = (net.points.chunks_exact(3))
+            .map(|point| [point[0], point[1], point[2]])
+            .collect();
+        let body = &self.bodies[number];
+        let lines = NetLines {
+            number,
+            body: &body.id,
+            count: body.count.map(usize::from),
+            periodic: body.periodic,
+            points: &points,
+        };
+        let markers = vec![lines.marker(time_ns, FRAME)];
+        self.put(self.lines.len() - 1, time_ns, &MarkerArray { markers })
     }
 
     fn put(&mut self, line: usize, time_ns: u64, message: &impl Cdr) -> mcap::McapResult<()> {

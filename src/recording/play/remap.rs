@@ -1,10 +1,10 @@
 //! The scene of a recording, under other names.
 
 use super::PlayError;
-use crate::recording::reader::Session;
+use crate::recording::reader::{Session, recorded_spec};
 use palpate_proto::keys::check_id;
 use palpate_sim::scene::Scene;
-use palpate_sim::scene::spec::{Clock, SceneSpec};
+use palpate_sim::scene::spec::Clock;
 use std::path::Path;
 
 /// The scene of a recording, with other ids for its tools and bodies where `remap` (old, new) says
@@ -13,8 +13,7 @@ use std::path::Path;
 /// # Errors
 /// A scene that does not build, or an id that is not there, not allowed, or taken.
 pub fn played_scene(session: &Session, remap: &[(String, String)]) -> Result<Scene, PlayError> {
-    let mut spec: SceneSpec = toml::from_str(&session.header.effective_scene)
-        .map_err(|e| PlayError::SceneText(e.to_string()))?;
+    let mut spec = recorded_spec(&session.header.effective_scene).map_err(PlayError::SceneText)?;
     // The player's clock makes ticks due: no pose is waited for.
     spec.loop_.clock = Clock::Realtime;
     let tools = spec.tools.iter().map(|tool| tool.id.clone());

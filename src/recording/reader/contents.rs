@@ -1,7 +1,7 @@
 //! All of a short recording at once, to compare, to edit, and to make a recording of again.
 
 use super::super::channel::{EventRecord, Happening, Keyframe, NetRecord, Topic};
-use super::super::format::{END, RUN, SCENE_EFFECTIVE, SCENE_TEXT};
+use super::super::format::{CHECK, END, RUN, SCENE_EFFECTIVE, SCENE_TEXT, checked};
 use super::super::message::Message;
 use super::error::ReadError;
 use super::follower::Follower;
@@ -103,7 +103,10 @@ impl Contents {
         let mut mcap = options.create(Cursor::new(Vec::new()))?;
         let metadata = |name: &str, metadata: &BTreeMap<String, String>| Metadata {
             name: name.into(),
-            metadata: metadata.clone(),
+            metadata: match metadata.contains_key(CHECK) {
+                true => checked(metadata.clone()),
+                false => metadata.clone(),
+            },
         };
         mcap.write_metadata(&metadata(RUN, &self.header.run))?;
         for (name, text) in [

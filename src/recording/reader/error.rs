@@ -41,6 +41,17 @@ pub enum ReadError {
         /// Its version.
         found: String,
     },
+    /// Chunks that this program cannot unpack.
+    #[error(
+        "{path}: its chunks are compressed with {found:?}, and this program reads zstd and none; write it anew with \
+         `mcap compress --compression zstd {path} -o OUT.mcap`"
+    )]
+    Compression {
+        /// File.
+        path: PathBuf,
+        /// As the file names it.
+        found: String,
+    },
     /// A message that does not hold what its type promises.
     #[error("{path}: {source}")]
     Message {

@@ -1,8 +1,8 @@
 //! Where things are in a file: its records from end to end, without looking into chunks.
 
-use super::super::format::{END, RUN, SCENE_EFFECTIVE, SCENE_TEXT, TOTALS};
+use super::super::format::{END, RUN, SCENE_EFFECTIVE, SCENE_TEXT, TOTALS, is_as_written};
 use super::source::Source;
-use mcap::records::{ChunkHeader, Record, op};
+use mcap::records::{ChunkHeader, Metadata, Record, op};
 use std::collections::{BTreeMap, BTreeSet};
 use std::io;
 use std::ops::Range;
@@ -201,9 +201,11 @@ impl Layout {
         match mcap::read::parse_record(op, body) {
             Err(e) => self.damaged(e.to_string()),
             Ok(Record::Metadata(metadata)) if metadata.name == RUN => {
+                self.check_metadata(&metadata);
                 self.header.run = metadata.metadata;
             }
             Ok(Record::Metadata(metadata)) if metadata.name == END => {
+                self.check_metadata(&metadata);
                 self.header.end = metadata.metadata;
             }
             Ok(Record::Attachment { header, data, .. }) => {
@@ -225,6 +227,13 @@ impl Layout {
                 },
             ),
             Ok(_) => {}
+        }
+    }
+
+    fn check_metadata(&mut self, metadata: &Metadata) {
+        if !is_as_written(&metadata.metadata) {
+            let name = &metadata.name;
+            self.damaged(format!("the metadata {name} is not as it was written"));
         }
     }
 

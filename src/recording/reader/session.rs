@@ -104,6 +104,16 @@ impl Session {
             }
         };
         check(path, &layout.header)?;
+        // One chunk that names another way is damage; all of them are somebody else's choice.
+        let known = |name: &String| ["none", "zstd"].contains(&name.as_str());
+        if let Some(found) = layout.compression.first()
+            && !layout.compression.iter().any(known)
+        {
+            return Err(ReadError::Compression {
+                path: path.to_owned(),
+                found: found.clone(),
+            });
+        }
         let ends = if indexed {
             layout.order();
             ends(&source, &mut layout).map_err(io)?

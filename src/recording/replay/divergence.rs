@@ -80,10 +80,7 @@ impl Divergence {
             path: path.clone(),
             source,
         };
-        let bad = |source| WriteError::Mcap {
-            path: path.clone(),
-            source,
-        };
+        let bad = |source| WriteError::mcap(&path, source);
         std::fs::create_dir_all(directory).map_err(io)?;
         let file = std::fs::File::create(&path).map_err(io)?;
         // Two hundred ticks need no compression, and so the file opens everywhere.

@@ -1,9 +1,8 @@
 //! The scene of a session.
 
-use super::super::reader::Session;
+use super::super::reader::{Session, recorded_spec};
 use super::error::ReplayError;
 use palpate_sim::scene::Scene;
-use palpate_sim::scene::spec::SceneSpec;
 use std::path::Path;
 
 /// Builds the scene that a session holds.
@@ -11,7 +10,6 @@ use std::path::Path;
 /// # Errors
 /// A scene that this program cannot read or build.
 pub fn recorded_scene(session: &Session) -> Result<Scene, ReplayError> {
-    let spec: SceneSpec = toml::from_str(&session.header.effective_scene)
-        .map_err(|e| ReplayError::SceneText(e.to_string()))?;
+    let spec = recorded_spec(&session.header.effective_scene).map_err(ReplayError::SceneText)?;
     Ok(Scene::build(&spec, Path::new("."))?)
 }

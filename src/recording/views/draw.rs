@@ -305,6 +305,11 @@ impl ToolShape {
         format!("/view/tool/{}/shape", self.id)
     }
 
+    /// Topic of its force and torque.
+    pub fn wrench_topic(&self) -> String {
+        format!("/tool/{}/wrench", self.id)
+    }
+
     /// The shape, drawn once: it moves with the tool's frame.
     pub fn shape(&self, stamp: fox::Timestamp) -> fox::SceneUpdate {
         let triangles = fox::TriangleListPrimitive {

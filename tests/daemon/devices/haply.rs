@@ -330,3 +330,38 @@ fn in_real_time_the_adapter_and_the_simulated_service_press_the_drop() {
     assert!(report["peak_force_n"].as_f64().unwrap() > 0.5);
     assert!(report["poses"].as_u64().unwrap() > 300);
 }
+
+#[test]
+fn pages_of_other_sites_do_not_reach_the_simulated_service() {
+    use tungstenite::client::IntoClientRequest as _;
+    let service = Service::start(&[]);
+    let try_from = |origin: Option<&str>| {
+        let mut request = service.uri.as_str().into_client_request().unwrap();
+        if let Some(origin) = origin {
+            request
+                .headers_mut()
+                .insert("origin", origin.parse().unwrap());
+        }
+        let stream = TcpStream::connect(service.uri.strip_prefix("ws://").unwrap()).unwrap();
+        tungstenite::client(request, stream)
+            .map(drop)
+            .map_err(|e| e.to_string())
+    };
+    for own in [
+        None,
+        Some("http://localhost:3000"),
+        Some("http://127.0.0.1"),
+        Some("http://[::1]:80"),
+    ] {
+        try_from(own).unwrap_or_else(|e| panic!("{own:?}: {e}"));
+    }
+    for foreign in [
+        "http://evil.example",
+        "https://127.0.0.1.evil.example",
+        "null",
+        "file://",
+    ] {
+        let refused = try_from(Some(foreign));
+        assert!(refused.is_err_and(|e| e.contains("403")), "{foreign}");
+    }
+}

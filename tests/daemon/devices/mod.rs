@@ -1,7 +1,10 @@
 //! Devices and programs that do not speak our messages: each against a daemon as a process.
 
+mod foxglove;
 mod guard;
 mod haply;
+mod igtl;
 mod peer;
 mod peers;
 mod ros2;
+mod rosbridge;

@@ -222,6 +222,20 @@ fn rosbags_and_mcap_ros2_read_a_bag_with_the_forces_of_the_recording() {
         }
     }
     assert!(rows.next().is_none() && pressed > 100, "{pressed}");
+    // A rigid body does not change: no net was recorded. A soft one does.
+    let soft = directory.path().join("soft");
+    let done = Command::new(PROGRAM)
+        .args(["export", "--ros2bag"])
+        .arg(&soft)
+        .arg(root().join("recordings/golden/small-lattice-press.mcap"))
+        .output()
+        .unwrap();
+    assert_eq!(done.status.code(), Some(0));
+    let read: Value =
+        serde_json::from_str(&peers(&python, &["bag", soft.to_str().unwrap()], "")).unwrap();
+    let nets = read["/palpate/nets"].as_array().unwrap();
+    println!("{} nets, {} points in the first", nets.len(), nets[0][0]);
+    assert!(nets.len() > 3 && nets[0][0].as_f64().unwrap() > 100.0);
 }
 
 #[test]
@@ -265,4 +279,83 @@ fn a_program_of_the_vendors_page_pushes_the_simulated_haply_device() {
     let moved_m = seen["moved_m"].as_f64().unwrap();
     assert!((0.005..0.015).contains(&moved_m), "{seen}");
     assert_eq!(seen["force"]["z"], 1.0);
+}
+
+/// Node with the packages that `.ci/run` puts into `target/node`, or those of `PALPATE_NODE`.
+fn node_packages(package: &str) -> Option<PathBuf> {
+    let folder = std::env::var_os("PALPATE_NODE")
+        .map_or_else(|| root().join("target/node/node_modules"), PathBuf::from);
+    let runs = Command::new("node").arg("--version").output();
+    let has = runs.is_ok_and(|done| done.status.success()) && folder.join(package).is_dir();
+    if !has {
+        println!("skipped: no node with {package} in {}", folder.display());
+    }
+    has.then_some(folder)
+}
+
+fn node_peer(folder: &Path, arguments: &[&str]) -> Value {
+    let done = Command::new("node")
+        .arg(root().join("tests/readers/live_peers.mjs"))
+        .args(arguments)
+        .env("PALPATE_NODE", folder)
+        .output()
+        .unwrap();
+    let words = String::from_utf8_lossy(&done.stderr);
+    assert!(done.status.success(), "{arguments:?}: {words}");
+    serde_json::from_slice(&done.stdout).unwrap()
+}
+
+#[test]
+fn the_client_of_foxglove_is_shown_every_channel() {
+    let Some(node) = node_packages("@foxglove/ws-protocol") else {
+        return;
+    };
+    let directory = tempfile::tempdir().unwrap();
+    let port = free_port();
+    let scene = crate::daemon::SOFT_DROP;
+    let _daemon = Daemon::start(directory.path(), scene, &["--foxglove", &port.to_string()]);
+    crate::page::wait_for(port);
+    // Something is told only when something happens.
+    let palpate = _daemon.connect();
+    palpate
+        .rpc(palpate_client::proto::rpc::Call::Reset)
+        .unwrap();
+    let found = node_peer(&node, &["foxglove", &format!("ws://127.0.0.1:{port}")]);
+    let bytes = |topic: &str| found[topic].as_u64().unwrap();
+    assert!(
+        bytes("/view/scene") > 10_000 && bytes("/view/tool/ball/shape") > 1_000,
+        "{found}"
+    );
+    assert!(bytes("/tool/ball/wrench") > 0, "{found}");
+    assert_eq!(found.as_object().unwrap().len(), 7);
+}
+
+#[test]
+fn roslib_and_roslibpy_press_the_ball_and_feel_it() {
+    let python = python_with("roslibpy", "roslibpy");
+    let node = node_packages("roslib");
+    if python.is_none() && node.is_none() {
+        return;
+    }
+    let directory = tempfile::tempdir().unwrap();
+    let (_daemon, port) = crate::page::serve(directory.path(), &format!("{SCENE}\n{ARM}"), &[]);
+    let url = format!("ws://127.0.0.1:{port}/rosbridge");
+    if let Some(node) = node {
+        let found = node_peer(&node, &["roslib", &url]);
+        println!("roslib: {found}");
+        assert!(found["peak"].as_f64().unwrap() > 0.5 && found["answer"]["success"] == true);
+    }
+    if let Some(python) = python {
+        let done = Command::new(python)
+            .arg(root().join("tests/readers/roslibpy_press.py"))
+            .arg(&url)
+            .output()
+            .unwrap();
+        let words = String::from_utf8_lossy(&done.stderr);
+        assert!(done.status.success(), "{words}");
+        let found: Value = serde_json::from_slice(&done.stdout).unwrap();
+        println!("roslibpy: {found}");
+        assert!(found["peak"].as_f64().unwrap() > 0.5 && found["answer"]["success"] == true);
+        assert!(found["count"].as_u64().unwrap() > 10, "{found}");
+    }
 }

@@ -432,6 +432,133 @@ pub fn open_router(endpoint: &str) -> zenoh::Session {
 }
 
 #[test]
+fn counts_of_ros_messages_are_in_the_metrics_and_slow_devices_in_the_doctor() {
+    let (_files, daemon) = start(ARM, &[]);
+    let peer = Peer::connect(&daemon.endpoint);
+    peer.await_listener::<PoseStamped>(POSE);
+    peer.put_bytes::<PoseStamped>(POSE, encode(&pose(1, AWAY)), None);
+    let palpate = daemon.connect();
+    let begun = Instant::now();
+    let (mut counted, mut warned) = (false, false);
+    while !(counted && warned) {
+        assert!(
+            begun.elapsed() < Duration::from_secs(60),
+            "{counted} {warned}"
+        );
+        for _ in 0..40 {
+            peer.put(POSE, &pose(now_ms(), AWAY));
+            std::thread::sleep(Duration::from_millis(10));
+        }
+        let metrics = palpate.metrics().unwrap();
+        let line = "palpate_ros2_poses_total{tool=\"ball\",outcome=\"no attachment\"} 1";
+        counted = metrics.lines().any(|known| known == line);
+        let done = Command::new(crate::daemon::PROGRAM)
+            .args(["doctor", "--connect", &daemon.endpoint])
+            .output()
+            .unwrap();
+        warned = String::from_utf8_lossy(&done.stdout).contains("below 1000");
+    }
+}
+
+// Both tools listen to the pedal; neither knows of the other.
+#[test]
+fn one_clutch_topic_for_two_tools_holds_both() {
+    let two = format!(
+        "{}\n[[tool]]\nid = \"pen\"\nshape = {{ sphere = {{ radius_m = 0.005 }} }}\n\
+         pose = {{ position = [-0.06, 0.003, 0.045] }}\n",
+        SCENE
+    );
+    let arm = |tool: &str, namespace: &str| {
+        format!(
+            "[[ros2.tool]]\ntool = \"{tool}\"\npreset = \"crtk\"\nnamespace = \"{namespace}\"\n\
+             button = \"/pedals/clutch\"\ngrab = 5\nclutch = 0\n"
+        )
+    };
+    let directory = tempfile::tempdir().unwrap();
+    let text = format!("{two}\n{}{}", arm("ball", "/left"), arm("pen", "/right"));
+    let daemon = Daemon::start(directory.path(), &text, &["--ros2"]);
+    let peer = Peer::connect(&daemon.endpoint);
+    for topic in ["/left/measured_cp", "/right/measured_cp"] {
+        peer.await_listener::<PoseStamped>(topic);
+    }
+    peer.await_listener::<Joy>("/pedals/clutch");
+    let palpate = daemon.connect();
+    let newest = ["ball", "pen"].map(|tool| palpate.forces(tool).unwrap());
+    let places: [[f64; 3]; 2] = [[0.06, 0.003, 0.045], [-0.06, 0.003, 0.045]];
+    let mut away = 0.0;
+    let mut send = |step: f64| {
+        away += step;
+        for (topic, place) in ["/left/measured_cp", "/right/measured_cp"]
+            .iter()
+            .zip(places)
+        {
+            let x = place[0] + away * place[0].signum();
+            peer.put(topic, &pose(now_ms(), [x, place[1], place[2]]));
+        }
+        std::thread::sleep(Duration::from_millis(1));
+        away
+    };
+    let moved = || {
+        let x = |k: usize| newest[k].get().map_or(0.0, |force| force.proxy_position[0]);
+        [x(0) - places[0][0], places[1][0] - x(1)]
+    };
+    let begun = Instant::now();
+    while moved().iter().any(|by| by.abs() > 1e-4) {
+        assert!(begun.elapsed() < Duration::from_secs(60), "{:?}", moved());
+        send(0.0);
+    }
+    peer.put(
+        "/pedals/clutch",
+        &Joy {
+            buttons: vec![1],
+            ..Joy::default()
+        },
+    );
+    // The pedal's message is on its way while poses are.
+    for _ in 0..200 {
+        send(0.0);
+    }
+    let mut to = 0.0;
+    for _ in 0..300 {
+        to = send(1e-4);
+    }
+    for _ in 0..100 {
+        send(0.0);
+    }
+    assert!(to > 0.029);
+    let still = moved();
+    assert!(still.iter().all(|by| by.abs() < 1e-3), "{still:?}");
+}
+
+// Where rmw_zenohd usually is, there is a router: the daemon connects to it and is no second one.
+#[test]
+fn with_the_usual_port_taken_the_daemon_connects_to_who_has_it() {
+    if std::net::TcpListener::bind("127.0.0.1:7447").is_err() {
+        println!("skipped: somebody has port 7447");
+        return;
+    }
+    let router = open_router("tcp/127.0.0.1:7447");
+    let directory = tempfile::tempdir().unwrap();
+    let scene = directory.path().join("scene.toml");
+    std::fs::write(&scene, format!("{SCENE}\n{ARM}")).unwrap();
+    let mut daemon = Command::new(crate::daemon::PROGRAM)
+        .args(["serve", "--ros2", "--no-rt", "--for", "60s"])
+        .arg(&scene)
+        .stdin(std::process::Stdio::null())
+        .stdout(std::process::Stdio::null())
+        .stderr(std::process::Stdio::null())
+        .spawn()
+        .unwrap();
+    let peer = Peer::connect("tcp/127.0.0.1:7447");
+    peer.await_listener::<PoseStamped>(POSE);
+    let forces = peer.hear::<WrenchStamped>(FORCE);
+    press_until(&peer, PRESSED, || felt(&forces));
+    let _ = daemon.kill();
+    let _ = daemon.wait();
+    router.close().wait().unwrap();
+}
+
+#[test]
 fn a_scene_with_a_wrong_mapping_is_refused_with_its_line() {
     let directory = tempfile::tempdir().unwrap();
     let scene = directory.path().join("scene.toml");

@@ -253,3 +253,71 @@ fn in_lockstep_a_page_s_pose_drives_the_loop_at_the_speed_it_asks_for() {
     std::thread::sleep(Duration::from_millis(200));
     assert!(palpate.status().unwrap().tick <= tick + 1);
 }
+
+#[test]
+fn a_tool_of_the_mouse_is_there_where_the_daemon_was_told_so_and_its_recording_replays() {
+    let directory = tempfile::tempdir().unwrap();
+    let path = directory.path().join("mouse.mcap");
+    let record = path.to_str().unwrap();
+    // A scene that has no tool at all.
+    let (bare, _) = TWO_BALLS.split_once("[[tool]]").unwrap();
+    let arguments = ["--mouse-tool", "8mm", "--record", record];
+    let (daemon, port) = serve(directory.path(), bare, &arguments);
+    let mut page = Page::open(port);
+    let scene: palpate_client::proto::messages::SceneSnapshot = page.message("scene");
+    let [mouse] = &scene.tools[..] else {
+        panic!("{} tools", scene.tools.len())
+    };
+    assert_eq!((mouse.id.as_str(), mouse.radius), ("mouse", 0.008));
+    page.claim("mouse", "mouse of a test");
+    page.holder("mouse", |who| who == Some("mouse of a test"));
+    // Down on the drop's tip, beside its middle.
+    let mut strongest = 0.0_f64;
+    for seq in 1..=60_u64 {
+        let [x, y, z] = mouse.position;
+        let down = 0.09 * seq as f64 / 60.0;
+        page.pose(
+            "mouse",
+            &ToolPose {
+                seq,
+                ..pose_at([x, y, z - down])
+            },
+        );
+        let force = page.until("its force", |key, payload| {
+            (key == "tool/mouse/force").then_some(())?;
+            let force: ToolForce = palpate_client::proto::codec::decode(payload, "").unwrap();
+            (force.pose_seq >= seq).then_some(force)
+        });
+        strongest = (force.force.iter()).fold(strongest, |most, f| most.max(f.abs()));
+    }
+    assert!(strongest > 0.05, "{strongest} N");
+    assert_eq!(page.call("shutdown", "{}")["ok"], true);
+    assert_eq!(daemon.end().1, 0);
+    let replay = Command::new(PROGRAM)
+        .args(["replay", record])
+        .output()
+        .unwrap();
+    let words = String::from_utf8_lossy(&replay.stdout).into_owned();
+    assert!(replay.status.success(), "{words}");
+}
+
+#[test]
+fn a_tool_of_the_mouse_that_cannot_be_is_refused_in_words() {
+    let directory = tempfile::tempdir().unwrap();
+    let scene = directory.path().join("scene.toml");
+    let try_with = |text: &str, arguments: &[&str]| {
+        std::fs::write(&scene, text).unwrap();
+        let mut command = Command::new(PROGRAM);
+        let done = (command.arg("serve").arg(&scene).args(["--for", "1s"]))
+            .args(arguments)
+            .output()
+            .unwrap();
+        assert_eq!(done.status.code(), Some(2), "{arguments:?}");
+        String::from_utf8_lossy(&done.stderr).into_owned()
+    };
+    let lockstep = ["--clock", "lockstep", "--mouse-tool"];
+    assert!(try_with(TWO_BALLS, &lockstep).contains("lockstep"));
+    let taken = TWO_BALLS.replace("\"other\"", "\"mouse\"");
+    assert!(try_with(&taken, &["--mouse-tool"]).contains("of its own"));
+    assert!(try_with(TWO_BALLS, &["--mouse-tool=10"]).contains("not a radius"));
+}

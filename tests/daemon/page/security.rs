@@ -44,6 +44,46 @@ fn the_page_comes_with_its_policy_and_only_under_numbers() {
 }
 
 #[test]
+fn texts_are_compressed_for_who_takes_that_and_for_nobody_else() {
+    use std::io::Read as _;
+    let directory = tempfile::tempdir().unwrap();
+    let (_daemon, port) = serve(directory.path(), TWO_BALLS, &[]);
+    for path in ["/", "/app.js", "/app.css", "/tools.json"] {
+        let plain = get(port, path);
+        assert!(!plain.head.contains("content-encoding"), "{}", plain.head);
+        assert!(
+            plain.head.contains("vary: accept-encoding"),
+            "{}",
+            plain.head
+        );
+        // Twice: the second is kept from the first.
+        for _ in 0..2 {
+            let packed = get_with(port, path, &[("Accept-Encoding", "br, gzip;q=0.8")]);
+            assert!(
+                packed.head.contains("content-encoding: gzip"),
+                "{}",
+                packed.head
+            );
+            assert!(
+                packed.head.contains("content-security-policy"),
+                "{}",
+                packed.head
+            );
+            let mut back = Vec::new();
+            let mut decoder = flate2::read::GzDecoder::new(&packed.body[..]);
+            decoder.read_to_end(&mut back).unwrap();
+            assert_eq!(back, plain.body, "{path}");
+            assert!(2 * packed.body.len() < plain.body.len(), "{path}");
+        }
+        let refused = get_with(port, path, &[("Accept-Encoding", "gzip;q=0")]);
+        assert_eq!(refused.body, plain.body);
+    }
+    // What fits a packet is sent as it is.
+    let short = get_with(port, "/healthz", &[("Accept-Encoding", "gzip")]);
+    assert!(!short.head.contains("content-encoding"), "{}", short.head);
+}
+
+#[test]
 fn another_site_cannot_open_the_socket() {
     let directory = tempfile::tempdir().unwrap();
     let (_daemon, port) = serve(directory.path(), TWO_BALLS, &[]);
@@ -53,6 +93,10 @@ fn another_site_cannot_open_the_socket() {
         let refused = Page::try_watch(port, &[("Origin", origin)]);
         assert!(refused.is_err_and(|e| e.contains("403")), "{origin}");
     }
+    // By DNS rebinding its origin is ours, and so is the host it asks for.
+    let rebound = [("Host", "evil.example"), ("Origin", "http://evil.example")];
+    let refused = Page::try_watch(port, &rebound);
+    assert!(refused.is_err_and(|e| e.contains("403")), "rebound");
 }
 
 #[test]
@@ -171,4 +215,29 @@ fn random_frames_harm_nobody() {
     other.claim("ball", "another mouse");
     other.holder("ball", |who| who == Some("another mouse"));
     assert!(daemon.connect().status().unwrap().tick > 0);
+}
+
+// Seen: sockets that say nothing, or half a request, stayed for ever and kept others out.
+#[test]
+fn a_connection_that_sends_no_request_is_closed() {
+    use std::io::{Read as _, Write as _};
+    let directory = tempfile::tempdir().unwrap();
+    let (_daemon, port) = serve(directory.path(), TWO_BALLS, &[]);
+    let mut idle: Vec<std::net::TcpStream> = (0..4)
+        .map(|_| std::net::TcpStream::connect(("127.0.0.1", port)).unwrap())
+        .collect();
+    write!(idle[0], "GET / HTTP/1.1\r\nHost: 127.0.0.1\r\nX-Slow: ").unwrap();
+    for stream in &mut idle {
+        let wait = Some(std::time::Duration::from_secs(60));
+        stream.set_read_timeout(wait).unwrap();
+        let mut rest = Vec::new();
+        // Closed, perhaps after a word about it.
+        let _ = stream.read_to_end(&mut rest);
+        let text = String::from_utf8_lossy(&rest);
+        assert!(
+            text.is_empty() || text.starts_with("HTTP/1.1 408"),
+            "{text}"
+        );
+    }
+    assert_eq!(get(port, "/healthz").status, 200);
 }

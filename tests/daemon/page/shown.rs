@@ -196,3 +196,99 @@ fn a_recording_that_is_played_has_a_page_without_hands() {
     assert_eq!(page.call("pause", "{}")["ok"], true);
     assert_eq!(page.call("seek", "{\"tick\": 5}")["tick"], 5);
 }
+
+// Control points of a lattice are nodes: what is shown inside is compared with the net of the same tick.
+#[test]
+fn the_cells_of_bodies_and_where_their_nodes_are_is_shown_to_who_looks_inside() {
+    let directory = tempfile::tempdir().unwrap();
+    let text = SOFT.replace(
+        "[[tool]]",
+        "[[body.region]]\nyoung_pa = 40000.0\nball = { centre = [0.0, 0.0, 0.06], radius_m = 0.02 }\n[[tool]]",
+    );
+    let (_daemon, port) = serve(directory.path(), &text, &[]);
+    let inside = get(port, "/inside.json").json();
+    assert_eq!(inside[0]["id"], "drop");
+    let nodes = inside[0]["nodes"].as_array().unwrap().len() / 3;
+    let cells = inside[0]["cells"].as_array().unwrap();
+    let young = inside[0]["young_pa"].as_array().unwrap();
+    assert_eq!(cells.len(), 8 * young.len());
+    assert!(
+        cells
+            .iter()
+            .all(|node| node.as_u64().unwrap() < nodes as u64)
+    );
+    let stiff = young
+        .iter()
+        .filter(|value| value.as_f64() == Some(40_000.0))
+        .count();
+    assert!(
+        stiff > 0 && stiff < young.len(),
+        "{stiff} of {}",
+        young.len()
+    );
+
+    let is_nodes = |key: &str| key == "body/drop/nodes";
+    // Looking is not writing: no token is needed.
+    let mut page = Page::open(port);
+    let mut watcher = Page::watch(port);
+    watcher.send("inside", &[1]);
+    page.claim("ball", "mouse");
+    page.holder("ball", |who| who == Some("mouse"));
+    let mut nets = std::collections::HashMap::new();
+    let mut compared = 0;
+    for seq in 1..=80_u64 {
+        let x = 0.06 - 0.0006 * seq as f64;
+        let pose = palpate_client::proto::messages::ToolPose {
+            seq,
+            ..pose_at([x, 0.003, 0.045])
+        };
+        page.pose("ball", &pose);
+        std::thread::sleep(Duration::from_millis(16));
+    }
+    let begun = Instant::now();
+    while compared < 5 {
+        assert!(
+            begun.elapsed() < Duration::from_secs(60),
+            "{compared} compared"
+        );
+        let (key, payload) = watcher.next().unwrap();
+        if key == "body/drop/net" {
+            let net: ControlNet = decode(&payload, "").unwrap();
+            nets.insert(net.tick, net);
+        } else if is_nodes(&key) {
+            assert_eq!(payload.len(), 8 + 12 * nodes);
+            let tick = u64::from_le_bytes(payload[..8].try_into().unwrap());
+            let values: Vec<f32> = payload[8..]
+                .chunks_exact(4)
+                .map(|bytes| f32::from_le_bytes(bytes.try_into().unwrap()))
+                .collect();
+            // Nodes of a tick come before its net; the net of the frame before is here.
+            watcher.until("its net", |key, payload| {
+                (key == "body/drop/net").then_some(())?;
+                let net: ControlNet = decode(payload, "").unwrap();
+                nets.insert(net.tick, net);
+                Some(())
+            });
+            let Some(net) = nets.get(&tick).filter(|_| tick > 0) else {
+                continue;
+            };
+            for point in &net.points {
+                let point = point.map(|x| x as f32);
+                assert!(
+                    values.chunks_exact(3).any(|node| *node == point),
+                    "{point:?} at {tick}"
+                );
+            }
+            compared += 1;
+        }
+    }
+    // Without anybody who looks, none is made.
+    watcher.send("inside", &[0]);
+    drop(watcher);
+    std::thread::sleep(Duration::from_millis(300));
+    let mut late = Page::watch(port);
+    for _ in 0..3 {
+        late.message::<LoopStatus>("status");
+    }
+    assert!(!late.seen.iter().any(|(key, _)| is_nodes(key)));
+}

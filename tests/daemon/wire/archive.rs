@@ -91,6 +91,7 @@ fn requests_go_to_the_keeper_and_its_news_become_answers_events_and_tokens() {
         gauges: gauges.clone(),
     };
     let settings = BusSettings {
+        open: Vec::new(),
         scene: scene.clone(),
         scene_hash: loaded.sha256,
         instance: "default".into(),
@@ -100,6 +101,7 @@ fn requests_go_to_the_keeper_and_its_news_become_answers_events_and_tokens() {
         archive: Some(Box::new(archive)),
         editor: None,
         player: None,
+        adapters: Default::default(),
     };
     let bus = Bus::start(session, bus_ports, settings).unwrap();
     let driving = DriverSettings {

@@ -22,11 +22,13 @@ mod presets;
 mod random;
 mod rotation;
 pub mod run;
+pub mod servo;
 mod session;
 mod simulated;
 mod smooth;
 mod target;
 mod v3;
+mod watchdog;
 
 pub use hand::{Goal, Grip, Hand};
 pub use model::{DeviceError, DeviceModel};
@@ -39,3 +41,4 @@ pub use presets::devices;
 pub use session::{BLEND_S, Session, Step};
 pub use simulated::{Energy, SimulatedDevice};
 pub use target::Target;
+pub use watchdog::{FRESH, Silences, Watchdog};

@@ -1,9 +1,11 @@
 //! A simulated device on the bus: in real time at its own rate, or one pose a tick in lockstep.
 
-use super::{Channel, DeviceError, Motion, Network, Passivity, PassivitySettings, SimulatedDevice};
+use super::servo::Servo;
+use super::watchdog::Silences;
+use super::{DeviceError, Motion, Network, PassivitySettings, SimulatedDevice};
 use crate::tool::now_ns;
 use crate::{ClientError, Tool};
-use palpate_proto::messages::{ToolForce, ToolPose, force_flags};
+use palpate_proto::messages::force_flags;
 use serde::{Deserialize, Serialize};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
@@ -32,6 +34,10 @@ pub struct RunReport {
     /// Pose sent to its force received, real time only, without the network of the settings: p50,
     /// p99, max, µs.
     pub round_trip_us: [f64; 3],
+    /// Age of the newest force when it is applied, by the daemon's clock and this machine's, real time
+    /// only: p50, p99, max, µs. Of use where both clocks are one.
+    #[serde(default)]
+    pub force_age_us: [f64; 3],
     /// Energy the device gave to the loop by the end, J. Negative: the loop made some.
     #[serde(default)]
     pub loop_j: f64,
@@ -47,6 +53,9 @@ pub struct RunReport {
     /// Forces that arrived after a newer one, and were left.
     #[serde(default)]
     pub late: u64,
+    /// Times that no force came, in real time: the device was let go meanwhile.
+    #[serde(default)]
+    pub silences: Silences,
     /// The daemon stopped answering.
     pub gave_up: bool,
 }
@@ -110,60 +119,6 @@ const PATIENCE: Duration = Duration::from_secs(5);
 /// Forces come at least every 50 ms.
 const SILENCE: Duration = Duration::from_secs(1);
 
-/// What goes between device and daemon: poses out, forces in, each through its own channel.
-struct Link {
-    poses: Channel<ToolPose>,
-    forces: Channel<ToolForce>,
-    last_pose: Option<ToolPose>,
-    held: Option<ToolForce>,
-    late: u64,
-}
-
-impl Link {
-    fn new(network: Network) -> Result<Self, DeviceError> {
-        // The two ways fail independently.
-        let back = Network {
-            seed: network.seed ^ 0x5851_f42d_4c95_7f2d,
-            ..network
-        };
-        let (poses, forces) = (Channel::new(network)?, Channel::new(back)?);
-        Ok(Self {
-            poses,
-            forces,
-            last_pose: None,
-            held: None,
-            late: 0,
-        })
-    }
-
-    /// What the daemon gets for the pose of now: those that have arrived, in their order.
-    fn deliver(&mut self, now_s: f64, pose: ToolPose, lockstep: bool) -> Vec<ToolPose> {
-        self.poses.send(now_s, pose);
-        let mut arrived: Vec<ToolPose> = self.poses.receive(now_s).collect();
-        if lockstep {
-            // A tick needs one pose and no more: the last that came, or again the one before.
-            let newest = arrived.pop().or(self.last_pose).unwrap_or(pose);
-            arrived = vec![newest];
-        }
-        self.last_pose = arrived.last().copied().or(self.last_pose);
-        arrived
-    }
-
-    fn answer(&mut self, now_s: f64, force: ToolForce) {
-        self.forces.send(now_s, force);
-    }
-
-    /// Takes what has come back; the newest tick counts.
-    fn collect(&mut self, now_s: f64) {
-        for force in self.forces.receive(now_s) {
-            match self.held {
-                Some(held) if force.tick < held.tick => self.late += 1,
-                _ => self.held = Some(force),
-            }
-        }
-    }
-}
-
 /// Runs a device until its time is over, or `stop` is set. `watch` sees every period.
 ///
 /// # Errors
@@ -179,16 +134,19 @@ pub fn run(
     let count = (settings.duration_s * settings.rate_hz).round() as u64;
     let dt = 1.0 / settings.rate_hz;
     let lockstep = tool.is_lockstep();
-    let mut link = Link::new(settings.network)?;
-    let mut passivity = settings
-        .passivity
-        .then(|| Passivity::new(PassivitySettings::of(device.model())));
+    let passivity = (settings.passivity).then(|| PassivitySettings::of(device.model()));
+    let mut servo = Servo::new(
+        settings.network,
+        passivity,
+        Instant::now(),
+        tool.is_sparse(),
+    )?;
     let mut report = RunReport {
         device: device.model().name.clone(),
         ..RunReport::default()
     };
     let mut round_trips: Vec<u64> = Vec::new();
-    let mut last_tick = 0;
+    let mut ages: Vec<u64> = Vec::new();
     let mut bounds = [device.true_position(); 2];
     let mut squares = 0.0;
     let started = Instant::now();
@@ -197,23 +155,16 @@ pub fn run(
         if stop.load(Ordering::Relaxed) {
             break;
         }
-        let (received, torque) = link
-            .held
-            .map_or(([0.0; 3], [0.0; 3]), |force| (force.force, force.torque));
-        let reported = device.pose().position;
-        let command = passivity
-            .as_mut()
-            .map_or(received, |control| control.force(received, reported, dt));
-        device.advance_with_torque(motion.goal(device.time_s() + 0.5 * dt), command, torque, dt);
+        if let Some(force) = servo.held().filter(|_| !lockstep) {
+            ages.push(now_ns().saturating_sub(force.t_server_ns));
+        }
+        let heard_now = (!lockstep).then(|| (tool.received(), Instant::now()));
+        let period = servo.period(device, motion, dt, heard_now);
         let now_s = device.time_s();
-        let pose = ToolPose {
-            buttons: motion.buttons(now_s),
-            ..device.pose()
-        };
-        watch(&sample(device, &pose, received));
+        watch(&period.sample);
         squares += note(&mut report, &mut bounds, device);
         let mut seq = None;
-        for pose in link.deliver(now_s, pose, lockstep) {
+        for pose in period.poses {
             seq = Some(tool.send(pose)?);
             report.poses += 1;
         }
@@ -240,9 +191,7 @@ pub fn run(
                 tool.force()
             }
         };
-        if let Some(force) = force.filter(|force| force.tick > last_tick) {
-            last_tick = force.tick;
-            link.answer(now_s, force);
+        if let Some(force) = force.filter(|force| servo.hear(now_s, *force)) {
             let size = force.force.iter().map(|f| f * f).sum::<f64>().sqrt();
             report.peak_force_n = report.peak_force_n.max(size);
             if force.flags & force_flags::STALE == 0 {
@@ -250,35 +199,26 @@ pub fn run(
             }
             heard = Instant::now();
         }
-        if !lockstep && last_tick > 0 && heard.elapsed() > PATIENCE {
+        if !lockstep && servo.has_heard() && heard.elapsed() > PATIENCE {
             report.gave_up = true;
             break;
         }
-        link.collect(now_s);
+        servo.collect(now_s);
     }
     // A daemon that went away in the last moments of a run.
     let silent = heard.elapsed() > SILENCE && count as f64 * dt > SILENCE.as_secs_f64();
-    report.gave_up |= !lockstep && last_tick > 0 && silent;
+    report.gave_up |= !lockstep && servo.has_heard() && silent;
+    report.silences = servo.silences();
     report.forces = tool.received();
     report.applied_force_n[1] = (squares * dt / device.time_s().max(dt)).sqrt();
     report.range_m = [0, 1, 2].map(|c| bounds[1][c] - bounds[0][c]);
     report.loop_j = device.energy().loop_j;
-    report.dissipated_j = passivity.map_or(0.0, |control| control.dissipated_j());
-    report.lost = [link.poses.lost(), link.forces.lost()];
-    report.late = link.late;
+    report.dissipated_j = servo.dissipated_j();
+    report.lost = servo.lost();
+    report.late = servo.late();
     report.round_trip_us = quantiles(&mut round_trips);
+    report.force_age_us = quantiles(&mut ages);
     Ok(report)
-}
-
-fn sample(device: &SimulatedDevice, pose: &ToolPose, received_n: [f64; 3]) -> Sample {
-    Sample {
-        time_s: device.time_s(),
-        true_position: device.true_position(),
-        reported_position: pose.position,
-        received_n,
-        applied_n: device.applied_n(),
-        loop_j: device.energy().loop_j,
-    }
 }
 
 /// Notes a period; gives the square of the force that acted.
@@ -307,68 +247,6 @@ fn quantiles(round_trips_ns: &mut [u64]) -> [f64; 3] {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    fn pose(k: u64) -> ToolPose {
-        ToolPose {
-            t_client_ns: k,
-            ..crate::pose_at([0.0; 3])
-        }
-    }
-
-    fn force(tick: u64) -> ToolForce {
-        ToolForce {
-            tick,
-            pose_seq: 0,
-            t_client_ns: 0,
-            t_server_ns: 0,
-            force: [tick as f64, 0.0, 0.0],
-            torque: [0.0; 3],
-            proxy_position: [0.0; 3],
-            proxy_orientation: [0.0, 0.0, 0.0, 1.0],
-            depth: 0.0,
-            contact_count: 0,
-            flags: 0,
-        }
-    }
-
-    #[test]
-    fn in_lockstep_every_tick_gets_one_pose_whatever_the_network_does() {
-        let network = Network {
-            delay_s: 0.003,
-            jitter_s: 0.002,
-            loss: 0.3,
-            reorder: 0.2,
-            seed: 4,
-        };
-        let mut link = Link::new(network).unwrap();
-        let mut newest = 0;
-        for k in 1..=1_000 {
-            let got = link.deliver(k as f64 * 1e-3, pose(k), true);
-            assert_eq!(got.len(), 1);
-            assert!(k < 20 || got[0].t_client_ns + 3 <= k, "{k}");
-            newest = got[0].t_client_ns.max(newest);
-        }
-        assert!(newest > 980);
-    }
-
-    #[test]
-    fn a_force_that_was_overtaken_is_left() {
-        let mut link = Link::new(Network {
-            reorder: 0.3,
-            seed: 2,
-            ..Network::default()
-        })
-        .unwrap();
-        let mut last = 0;
-        for k in 1..=1_000 {
-            link.answer(k as f64 * 1e-3, force(k));
-            link.collect(k as f64 * 1e-3);
-            let tick = link.held.map_or(0, |force| force.tick);
-            assert!(tick >= last);
-            last = tick;
-        }
-        assert!(link.late > 100, "{}", link.late);
-    }
 
     #[test]
     fn quantiles_are_of_the_sorted_times() {

@@ -9,7 +9,9 @@ import { add, Bounds, norm, scaled, type Vec3 } from "./geometry";
 import { bindKeys } from "./keys";
 import { BlobSource, httpSource, MemorySource, type ByteSource } from "./mcap/source";
 import { Recording } from "./mcap/recording";
+import { insidesOf, type Inside } from "./inside";
 import { download, fileName, objOf } from "./save";
+import { stepFault, stepOf } from "./step";
 import { Stage } from "./scene/stage";
 import { WorldView, type Look } from "./scene/view";
 import { SettingsStore } from "./settings";
@@ -42,6 +44,7 @@ const FIRST_TURN = 0.2;
 interface Opened {
   readonly recording: Recording;
   readonly outlines: readonly Outline[];
+  readonly insides: readonly Inside[];
 }
 
 export class App {
@@ -80,6 +83,7 @@ export class App {
 
   private drawnVersions = "";
   private sceneName = "";
+  private instancesListed = "";
   private lastFrame = 0;
   private lastWords = 0;
   private frames = 0;
@@ -154,7 +158,9 @@ export class App {
     this.applySettings();
     // A page in the background is given no time to send poses: better to give the tool back than to hold it stale.
     document.addEventListener("visibilitychange", () => {
-      if (document.hidden) this.hand?.end(null);
+      if (!document.hidden) return;
+      this.hand?.end(null);
+      this.sound.update(0);
     });
     const area = byId("drop");
     const holdsFiles = (event: DragEvent) => event.dataTransfer?.types.includes("Files") ?? false;
@@ -217,8 +223,18 @@ export class App {
     }
     this.notices.keep("link", null);
     this.version = session.version ?? "";
+    this.warnOfOpen(session.open ?? []);
     if (session.mode === "view") return this.openSession(session);
     this.goLive(session);
+  }
+
+  /** A loop that strangers may move is marked as such for as long as it is shown. */
+  private warnOfOpen(addresses: readonly string[]): void {
+    const mark = byId<HTMLButtonElement>("open-network");
+    const words = `Everybody who reaches ${addresses.join(", ")} can move tools and give commands.`;
+    mark.hidden = addresses.length === 0;
+    mark.title = words;
+    mark.onclick = () => this.notices.tell(words, true);
   }
 
   private goLive(session: Session): void {
@@ -239,7 +255,7 @@ export class App {
       else this.notices.tell(error, true);
     };
     this.addView(this.world);
-    this.liveDeck = new LiveDeck(live, this.world, this.notices, { picture: () => this.savePicture(), nets: () => this.saveNets() });
+    this.liveDeck = new LiveDeck(live, this.world, this.notices, { picture: () => this.savePicture(), nets: () => this.saveNets(), step: () => this.saveStep() });
     if (this.stage !== null && this.pointer === null) {
       this.pointer = new PointerTouch(this.stage, hand, () => this.views[0]?.tools ?? []);
       this.pointer.enabled = () => this.live?.mayHold ?? false;
@@ -281,7 +297,8 @@ export class App {
       return answer === null ? null : new Uint8Array(await answer.arrayBuffer());
     };
     await this.tryShow(() => Promise.all(links.map(async (link) =>
-      this.opened(link.name, await httpSource(link.url), () => scene(link), async () => (await get(link.tools_url))?.text() ?? null))));
+      this.opened(link.name, await httpSource(link.url), () => scene(link), async () => (await get(link.tools_url))?.text() ?? null,
+        async () => (await get(link.inside_url))?.json() ?? null))));
   }
 
   private async openFiles(files: readonly File[]): Promise<void> {
@@ -294,7 +311,8 @@ export class App {
       this.opened(file.name, new BlobSource(file), async () => null, async () => null))));
   }
 
-  private async opened(name: string, source: ByteSource, scene: () => Promise<Uint8Array | null>, tools: () => Promise<string | null>): Promise<Opened> {
+  private async opened(name: string, source: ByteSource, scene: () => Promise<Uint8Array | null>, tools: () => Promise<string | null>,
+    inside: () => Promise<unknown> = async () => null): Promise<Opened> {
     const recording = await Recording.open(name, source, scene);
     let outlines: Outline[] = [];
     try {
@@ -302,7 +320,13 @@ export class App {
     } catch {
       recording.warnings.push("the shapes of its tools cannot be read");
     }
-    return { recording, outlines };
+    let insides: Inside[] = [];
+    try {
+      insides = insidesOf(await inside());
+    } catch {
+      // Materials are then not offered.
+    }
+    return { recording, outlines, insides };
   }
 
   private async tryShow(open: () => Promise<readonly Opened[]>): Promise<void> {
@@ -323,10 +347,12 @@ export class App {
     byId("span").hidden = true;
     const [first, other] = opened;
     this.playback = new Playback(first.recording, this.world, first.outlines);
+    this.world.setInsides(first.insides);
     this.addView(this.world);
     if (other !== undefined) {
       const world = new World();
       this.second = new Playback(other.recording, world, other.outlines);
+      world.setInsides(other.insides);
       this.addView(world);
     }
     for (const { recording } of opened) for (const warning of recording.warnings) this.notices.tell(`${recording.name}: ${warning}`, true);
@@ -335,7 +361,7 @@ export class App {
     this.look.offerDifference(other !== undefined);
     if (other !== undefined) this.settings.set((s) => (s.colourBy = "difference"));
     const { playback } = this;
-    this.playbackDeck = new PlaybackDeck(playback, () => this.second, this.world, { picture: () => this.savePicture(), nets: () => this.saveNets() });
+    this.playbackDeck = new PlaybackDeck(playback, () => this.second, this.world, { picture: () => this.savePicture(), nets: () => this.saveNets(), step: () => this.saveStep() });
     const go = (tick: number) => this.playbackDeck?.go(tick);
     this.events = new EventLog(go);
     this.charts.onPick = (seconds) => go(Math.round(seconds / playback.recording.dt));
@@ -440,6 +466,13 @@ export class App {
     download(fileName(this.world, "obj"), new Blob([objOf(this.world)], { type: "model/obj" }));
   }
 
+  saveStep(): void {
+    const left = this.world.bodies.flatMap((body) => stepFault(body) ?? []);
+    const text = stepOf(this.world);
+    if (text !== null) download(fileName(this.world, "step"), new Blob([text], { type: "model/step" }));
+    if (left.length > 0 || text === null) this.notices.tell(`Not in the file: ${left.join("; ") || "there is no body"}`, true);
+  }
+
   showHelp(): void {
     this.help.open(this.playback !== null, this.version);
   }
@@ -470,6 +503,7 @@ export class App {
       const first = this.world.tools[0]?.id;
       if (first !== undefined) this.choose(first, false);
     }
+    this.lookInside();
     const versions = `${this.world.version} ${this.second?.world.version ?? 0} ${this.settings.version} ${this.theme.light}`;
     const changed = versions !== this.drawnVersions;
     this.drawnVersions = versions;
@@ -492,10 +526,18 @@ export class App {
     if (this.charts.due(now)) this.updateCharts();
   }
 
+  /** Asks for what is inside bodies when it is to be shown. */
+  private lookInside(): void {
+    const { layers, colourBy } = this.settings.value;
+    this.live?.lookInside(layers.lattice && this.stage !== null, colourBy === "stiffness");
+  }
+
   private updateViews(): void {
     const { stage, views } = this;
     const strongest = Math.max(0, ...this.world.tools.map((tool) => norm(tool.force) / (Number.isFinite(tool.forceMax) && tool.forceMax > 0 ? tool.forceMax : 10)));
-    this.sound.update(strongest);
+    // What is not felt now is not heard: a lost connection or a recording that stands still is silent.
+    const felt = this.playback === null ? this.world.link === "live" : this.playback.playing;
+    this.sound.update(felt ? strongest : 0);
     if (stage === null) return;
     const look = this.lookOf();
     const fresh = views.map((view) => view.rebuild(look))[0] ?? false;
@@ -575,6 +617,7 @@ export class App {
     } else if (world.trouble !== "") this.notices.keep("trouble", world.trouble);
     const faults = world.bodies.flatMap(({ fault }) => (fault === null ? [] : [fault]));
     this.notices.keep("nets", faults.length === 0 ? null : `Not drawn: ${faults.slice(0, 3).join("; ")}${faults.length > 3 ? ` and ${faults.length - 3} more` : ""}`);
+    this.look.offerInside(live !== null, live !== null || world.insides.length > 0);
     this.updateHint();
   }
 
@@ -582,12 +625,14 @@ export class App {
     const label = byId("instances");
     label.hidden = instances.length < 2;
     const select = label.querySelector("select");
-    if (select === null || select.options.length === instances.length) return;
     // Each daemon has a page of its own; one without a page is named all the same.
     const { pages } = this.live ?? { pages: {} as Readonly<Record<string, string>> };
+    const listed = instances.map((name) => `${name} ${pages[name] ?? ""}`).join();
+    if (select === null || this.instancesListed === listed) return;
+    this.instancesListed = listed;
     select.replaceChildren(...instances.map((name) => el("option", { value: name, selected: name === own, disabled: name !== own && pages[name] === undefined }, name)));
     select.onchange = () => {
-      const page = pages[select.value];
+      const page = this.live?.pages[select.value];
       // An address that is not a page's must not become a script.
       if (page !== undefined && /^https?:/.test(page)) location.href = page;
     };
@@ -630,7 +675,7 @@ export class App {
       link: world.link, tick: world.tick, scene: world.name, malformed: this.live?.malformed ?? 0,
       firstPictureMs: this.firstPicture, updateMs: this.updating, fps: this.fps, costMs: stage?.cost ?? null, thrifty: stage?.thrifty ?? false, coarse: stage?.coarse ?? false,
       bodies: world.bodies.map((body) => ({
-        id: body.id, points: body.points.length / 3, netTick: body.netTick, fault: body.fault, assumed: body.assumed,
+        id: body.id, nodes: body.nodes === null ? 0 : body.nodes.length / 3, points: body.points.length / 3, netTick: body.netTick, fault: body.fault, assumed: body.assumed,
       })),
       extents: this.views.map((view) => view.bodies.map(({ extent }) => extent)),
       tools: world.tools.map(plain),
@@ -642,6 +687,12 @@ export class App {
         second: this.second?.tick ?? null,
       },
     };
+  }
+
+  /** A body's nodes and net as they are drawn, x y z, for tests. */
+  inside(body: string): { nodes: number[]; points: number[] } {
+    const known = this.world.body(body);
+    return { nodes: [...(known?.nodes ?? [])], points: [...(known?.points ?? [])] };
   }
 
   /** A body's net as it is drawn, x y z, for tests. */

@@ -4,7 +4,7 @@ import { scaled } from "./geometry";
 import type { Settings, ColourBy } from "./settings";
 import type { App } from "./app";
 
-const COLOURS: readonly ColourBy[] = ["displacement", "indentation", "curvature", "body", "none"];
+const COLOURS: readonly ColourBy[] = ["displacement", "indentation", "curvature", "stiffness", "body", "none"];
 const THEMES: readonly Settings["theme"][] = ["system", "light", "dark"];
 
 const after = <T>(all: readonly T[], now: T): T => all[(all.indexOf(now) + 1) % all.length];
@@ -108,7 +108,9 @@ function viewKey(app: App, { key }: KeyboardEvent): boolean {
     case "d": case "D": settings.set((s) => (s.theme = after(THEMES, s.theme))); return true;
     case "u": case "U": settings.set((s) => (s.sound = !s.sound)); return true;
     case "p": case "P": app.savePicture(); return true;
+    case "b": case "B": settings.set((s) => (s.layers.lattice = !s.layers.lattice)); return true;
     case "o": case "O": app.saveNets(); return true;
+    case "e": case "E": app.saveStep(); return true;
     case "?": app.showHelp(); return true;
     default: return false;
   }

@@ -5,6 +5,7 @@ export interface RecordingLink {
   readonly url: string;
   readonly bytes?: number;
   readonly tools_url?: string | null;
+  readonly inside_url?: string | null;
   readonly scene_url?: string | null;
   readonly against?: boolean;
 }
@@ -21,6 +22,8 @@ export interface Session {
   readonly pages?: Readonly<Record<string, string>>;
   /** A recording published as if live: its tools move by themselves. */
   readonly played?: boolean;
+  /** Addresses that everybody on the network reaches and may write to. */
+  readonly open?: readonly string[];
   readonly lockstep?: boolean;
 }
 

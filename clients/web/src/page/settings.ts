@@ -1,7 +1,7 @@
 /** How the scene is shown: what the panel sets, what a browser remembers. */
 
-export type ColourBy = "none" | "displacement" | "indentation" | "curvature" | "body" | "difference";
-export type Layer = "surface" | "lines" | "net" | "contacts" | "tools" | "hands" | "forces" | "torques" | "labels" | "grid" | "shadows";
+export type ColourBy = "none" | "displacement" | "indentation" | "curvature" | "stiffness" | "body" | "difference";
+export type Layer = "surface" | "lines" | "net" | "lattice" | "contacts" | "tools" | "hands" | "forces" | "torques" | "labels" | "grid" | "shadows";
 export type Axis = "off" | "x" | "y" | "z";
 
 export interface Settings {
@@ -25,7 +25,7 @@ const DEFAULTS: Settings = {
   map: "ember",
   lockRange: false,
   layers: {
-    surface: true, lines: true, net: false, contacts: true, tools: true, hands: true,
+    surface: true, lines: true, net: false, lattice: false, contacts: true, tools: true, hands: true,
     forces: true, torques: false, labels: true, grid: true, shadows: true,
   },
   clip: "off",

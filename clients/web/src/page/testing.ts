@@ -12,6 +12,8 @@ export * from "./units";
 export * from "./world";
 export * from "./words";
 export * from "./save";
+export * from "./step";
+export * from "./inside";
 export * from "./sources/frames";
 export { Live } from "./sources/live";
 export { Playback } from "./sources/playback";

@@ -13,9 +13,19 @@ const STAGES: Readonly<Record<string, string>> = {
   wake: "the system woke it late",
 };
 
-type Told = Pick<Happening, "about" | "serious" | "text">;
+type Told = Pick<Happening, "about" | "serious" | "text" | "repeated">;
 
 const told = (about: Happening["about"], text: string, serious = false): Told => ({ about, serious, text });
+
+/** A loop that keeps falling behind says so every time: that is one line, with the lowest rate. */
+function faultWords(reason: string): Told {
+  const plain = told("fault", `Fault: ${reason}. Forces are safe, not right`, true);
+  const slow = /^the loop runs at (\d{1,9}) of (\d{1,9}) Hz/.exec(reason);
+  if (slow === null) return plain;
+  const words = (count: bigint, worst: bigint) => (count === 1n ? plain.text
+    : `Fault, ${count} times: the loop runs at ${-worst} of ${slow[2]} Hz at its slowest; forces fade until it keeps its rate. Forces are safe, not right`);
+  return { ...plain, repeated: { kind: "slow", count: 1n, worst: -BigInt(slow[1]), words } };
+}
 
 function wordsOf(kind: EventKind): Told {
   switch (kind.type) {
@@ -25,14 +35,18 @@ function wordsOf(kind: EventKind): Told {
     case "ToolJoined": return told("tool", `${kind.tool} is being moved`);
     case "ToolLost": return told("tool", `${kind.tool} was let go`);
     case "PoseRefused": return told("tool", `A pose of ${kind.tool} was refused: ${kind.reason}`, true);
-    case "Fault": return told("fault", `Fault: ${kind.reason}. Forces are safe, not right`, true);
+    case "Fault": return faultWords(kind.reason);
     case "RecordStarted": return told("recorder", `Recording to ${kind.path}`);
     case "RecordStopped": return told("recorder", `Recorded ${kind.path}`);
     case "Stopping": return told("loop", "The daemon is going down");
     case "Overrun": {
       const cause = STAGES[kind.stage] ?? kind.stage;
-      const ticks = kind.count === 1n ? "1 tick was" : `${kind.count} ticks were`;
-      return told("loop", `${ticks} late, the worst by ${withUnit(Number(kind.worst_ns) * 1e-9, "s")}: ${cause}`);
+      const words = (count: bigint, worst: bigint) => {
+        const ticks = count === 1n ? "1 tick was" : `${count} ticks were`;
+        return `${ticks} late, the worst by ${withUnit(Number(worst) * 1e-9, "s")}: ${cause}`;
+      };
+      const repeated = { kind: `late ${kind.stage}`, count: kind.count, worst: kind.worst_ns, words };
+      return { ...told("loop", words(kind.count, kind.worst_ns)), repeated };
     }
     case "QualityChanged":
       return told("loop", kind.level === 0 ? "Full quality again" : `Quality lowered to level ${kind.level}: ${kind.reason}`, kind.level > 0);

@@ -7,6 +7,7 @@
 
 import type { Contact, DeviceInfo, LoopStatus, SceneSnapshot } from "../index";
 import { partedAfter, type Direction } from "./surface/basis";
+import type { Inside } from "./inside";
 import type { Surface } from "./surface/tessellate";
 import { Bounds, ZERO, type Quat, type Vec3 } from "./geometry";
 import { History } from "./history";
@@ -19,6 +20,10 @@ export class Body {
   netVersion = 1;
   /** Why it is not drawn; `null` if it is. */
   fault: string | null = null;
+  /** Its cells, where the server told them; and where its nodes are, m, while somebody looks. */
+  inside: Inside | null = null;
+  nodes: Float32Array | null = null;
+  nodesVersion = 1;
 
   constructor(
     readonly id: string,
@@ -47,6 +52,14 @@ export class Body {
     this.fault = bad < 0 ? null : `control point ${Math.floor(bad / 3)} of ${this.id} is not a number`;
     return true;
   }
+}
+
+/** A kind of event that may come hundreds of times: those that follow each other are one line with their sum. */
+export interface Repeated {
+  readonly kind: string;
+  readonly count: bigint;
+  readonly worst: bigint;
+  readonly words: (count: bigint, worst: bigint) => string;
 }
 
 /** A hand that moves a tool: where its device is. */
@@ -105,12 +118,17 @@ export interface Happening {
   readonly about: "tool" | "fault" | "recorder" | "loop" | "scene";
   readonly serious: boolean;
   readonly text: string;
+  readonly repeated?: Repeated;
 }
 
 /** How the page and the daemon (or the file) stand. */
 export type Link = "connecting" | "live" | "lost" | "playing" | "failed";
 
 const EVENTS_KEPT = 1000;
+/** Events that are remembered as told: a daemon tells its last ones again to a page that comes back. */
+const TOLD_KEPT = 4000;
+/** A repeated event joins one of its kind among so many that follow each other. */
+const NEAR = 6;
 
 export class World {
   name = "";
@@ -120,6 +138,7 @@ export class World {
   bodies: Body[] = [];
   tools: Tool[] = [];
   outlines: readonly Outline[] = [];
+  insides: readonly Inside[] = [];
   contacts: readonly Contact[] = [];
   status: LoopStatus | null = null;
   events: Happening[] = [];
@@ -148,6 +167,16 @@ export class World {
     this.version += 1;
   }
 
+  /** Takes what is inside the bodies. */
+  setInsides(insides: readonly Inside[]): void {
+    this.insides = insides;
+    const known = new Map(insides.map((inside) => [inside.id, inside]));
+    for (const body of this.bodies) {
+      body.inside = known.get(body.id) ?? null;
+    }
+    this.touch();
+  }
+
   body(id: string): Body | undefined {
     return this.bodies.find((body) => body.id === id);
   }
@@ -159,11 +188,15 @@ export class World {
   /** Starts from a snapshot. Tools that stay keep their history and holder. */
   load(snapshot: SceneSnapshot): void {
     const before = new Map(this.tools.map((tool) => [tool.id, tool]));
+    const hashBefore = this.sceneHash;
     this.name = snapshot.scene_name;
     this.sceneHash = [...snapshot.scene_hash].map((byte) => byte.toString(16).padStart(2, "0")).join("");
     this.dt = Number(snapshot.dt_ns) * 1e-9 || 1e-3;
     this.lockstep = snapshot.lockstep;
     this.tick = Number(snapshot.tick);
+    // What was inside the bodies of another scene is asked for anew.
+    if (this.sceneHash !== hashBefore) this.insides = [];
+    const inside = new Map(this.insides.map((known) => [known.id, known]));
     this.bodies = snapshot.bodies.map((given) => {
       const direction = (side: 0 | 1): Direction => ({
         degree: given.degree[side],
@@ -174,6 +207,7 @@ export class World {
       const surface = { u: direction(0), v: direction(1), weights: given.weights };
       const body = new Body(given.id, given.model, surface, given.rest_points, given.points, false);
       const whole = given.rest_points.length === given.points.length && body.takeNet(given.points, given.count[0], given.count[1], this.tick);
+      body.inside = inside.get(given.id) ?? null;
       if (!whole) body.fault = `the net of ${given.id} has not ${given.count[0]} × ${given.count[1]} points`;
       return body;
     });
@@ -190,12 +224,36 @@ export class World {
     this.touch();
   }
 
+  private readonly told = new Set<string>();
+
   addEvent(event: Happening): void {
-    if (this.events.some((known) => known.seq === event.seq && known.tick === event.tick && known.text === event.text)) return;
-    this.events.push(event);
+    const key = `${event.seq} ${event.tick} ${event.text}`;
+    if (this.told.has(key)) return;
+    this.told.add(key);
+    if (this.told.size > TOLD_KEPT) for (const old of this.told) {
+      this.told.delete(old);
+      if (this.told.size <= TOLD_KEPT / 2) break;
+    }
+    this.joinOrPush(event);
     if (this.events.length > EVENTS_KEPT) this.events.splice(0, this.events.length - EVENTS_KEPT);
     this.eventVersion += 1;
     this.touch();
+  }
+
+  /** Late ticks come in reports, hundreds of them on a busy computer: they must not push out what else happened. */
+  private joinOrPush(event: Happening): void {
+    const { repeated } = event;
+    for (let k = this.events.length - 1; repeated !== undefined && k >= Math.max(0, this.events.length - NEAR); k--) {
+      const before = this.events[k];
+      if (before.repeated === undefined) break;
+      if (before.repeated.kind !== repeated.kind) continue;
+      const count = before.repeated.count + repeated.count;
+      const worst = before.repeated.worst > repeated.worst ? before.repeated.worst : repeated.worst;
+      this.events.splice(k, 1);
+      this.events.push({ ...event, text: repeated.words(count, worst), repeated: { ...repeated, count, worst } });
+      return;
+    }
+    this.events.push(event);
   }
 
   /** Space that the bodies take, with their tools where these are near. */

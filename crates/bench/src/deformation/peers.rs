@@ -2,14 +2,12 @@
 
 use super::scenes::SCALES;
 use super::{BOX_REFERENCE_N, Effort, Row};
+use crate::peers::python::PYTHON;
 use std::io::Write;
 use std::process::{Command, Stdio};
 
 /// What presses in Python: prints one JSON object.
 const SCRIPT: &str = include_str!("../../../../benches/peers/deformation.py");
-
-/// Names a Python that can import what the script needs.
-const PYTHON: &str = "PALPATE_PYTHON";
 
 /// What an engine did.
 #[derive(Clone, Debug, PartialEq, serde::Deserialize)]

@@ -4,6 +4,7 @@
 //! Devices and hands are simulated, in lockstep with the loop, so all but the last two cases give
 //! the same figures everywhere.
 
+mod devices;
 mod energy;
 mod friction;
 mod hands;
@@ -48,6 +49,7 @@ pub fn haptics(effort: Effort, only: Option<&str>, out: &mut dyn FnMut(Figure)) 
     render::run(&wanted, out);
     friction::run(&wanted, out);
     realtime::run(effort, &wanted, out, &mut drawn.failed);
+    devices::run(effort, &wanted, out, &mut drawn.failed);
     // Ten minutes: only when asked for.
     if only.is_some_and(|part| part.contains("soak")) {
         soak::run(effort, out, &mut drawn.failed);

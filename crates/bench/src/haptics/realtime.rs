@@ -7,7 +7,7 @@ use crate::Effort;
 use palpate::drive::driver::{self, DriverReport, DriverSettings};
 use palpate::drive::journal::NoJournal;
 use palpate::drive::pacer::{ask_privileges, now_ns, sleep_until};
-use palpate::drive::ports::ports;
+use palpate::drive::ports::{SenderId, ports};
 use palpate::drive::stats::{Histogram, LATE_NS};
 use palpate_client::{pose_at, raw_ping};
 use palpate_geometry::math::{Point3, Rotation, Vector3};
@@ -197,15 +197,18 @@ fn loop_at_work(ticks: u64) -> anyhow::Result<DriverReport> {
         std::thread::sleep(Duration::from_micros(970));
         seq += 1;
         let share = 0.5 - 0.5 * libm::cos(seq as f64 * 1e-3 * 2.0);
-        bus_ports.poses[0].offer(DevicePose {
-            seq,
-            t_client_ns: 0,
-            position: Point3::new(0.04 - 0.014 * share, 0.003, 0.045),
-            orientation: Rotation::identity(),
-            linear_velocity: Vector3::zeros(),
-            angular_velocity: Vector3::zeros(),
-            buttons: 0,
-        });
+        bus_ports.poses[0].offer(
+            DevicePose {
+                seq,
+                t_client_ns: 0,
+                position: Point3::new(0.04 - 0.014 * share, 0.003, 0.045),
+                orientation: Rotation::identity(),
+                linear_velocity: Vector3::zeros(),
+                angular_velocity: Vector3::zeros(),
+                buttons: 0,
+            },
+            SenderId::default(),
+        );
         while bus_ports.outputs.pop().is_ok() {}
         while bus_ports.records.pop().is_ok() {}
         bus_ports.nets.iter_mut().for_each(|net| drop(net.newest()));

@@ -4,6 +4,7 @@ mod curvo;
 #[cfg(feature = "occt")]
 mod occt;
 mod parry;
+pub(super) mod python;
 pub(super) mod rapier;
 #[cfg(feature = "sisl")]
 mod sisl;

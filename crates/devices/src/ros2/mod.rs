@@ -6,6 +6,7 @@
 mod attachment;
 mod bag;
 mod graph;
+mod markers;
 mod messages;
 mod preset;
 mod types;
@@ -15,6 +16,7 @@ pub use bag::schema_text;
 pub use graph::{
     Endpoint, Gid, Kind, Node, Qos, gid_of, node_token, topic_key, topic_subscription,
 };
+pub use markers::NetLines;
 pub use messages::*;
 pub use preset::{ButtonKind, ForceKind, Preset, PresetSettings};
 pub use types::{RosType, TYPES};

@@ -4,10 +4,12 @@
 //! 80-column lines ── sections: start, global, directory, parameters ──▶ read: one entity 128, its matrices 124, the
 //!                                                                       unit of the global section ──▶ FileSurface
 //! ```
-//! The surface is taken whole: trimming (entities 142, 144) is passed over, and parameter ranges
+//! The surface is taken whole: trimming (entities 142, 144) and other faces are left out, which
+//! [`Imported::left_out`] says; parameter ranges
 //! (the entity's last four values) that cut it are refused, since the surface would be larger than
 //! what the file means.
 
+mod faces;
 mod read;
 mod sections;
 mod write;
@@ -186,12 +188,14 @@ pub fn read(bytes: &[u8], pick: Pick) -> Result<Imported, IgesError> {
             });
         }
     }
+    let surface = surface.oriented_outward();
+    let left_out = faces::left_out(&file, id, &ids, &surface, &unit);
     Ok(Imported {
-        surface: surface.oriented_outward(),
+        surface,
         id,
         count: ids.len(),
         unit,
-        left_out: super::LeftOut::default(),
+        left_out,
     })
 }
 

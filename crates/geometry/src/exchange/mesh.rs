@@ -1,15 +1,19 @@
-//! Meshes and point clouds: STL, OBJ, glTF, and points as text.
+//! Meshes and point clouds: STL, OBJ, PLY, glTF, and points as text.
 //!
-//! STL and OBJ name no unit: they are written in the unit asked for, and read in the unit given.
-//! glTF is in metres.
+//! STL, OBJ and PLY name no unit: they are written in the unit asked for, and read in the unit given.
+//! glTF is in metres, with y up; ours is z.
 
 mod glb;
+mod glb_read;
 mod obj;
+mod ply;
 mod points;
 mod stl;
 
 pub use glb::write as write_glb;
+pub use glb_read::read as read_glb;
 pub use obj::{read as read_obj, read_points as read_obj_points, write as write_obj};
+pub use ply::{read as read_ply, read_points as read_ply_points};
 pub use points::read as read_text_points;
 pub use stl::{read as read_stl, write as write_stl, write_ascii as write_stl_ascii};
 
@@ -67,6 +71,19 @@ pub enum MeshFileError {
         triangles: u32,
         /// Bytes these take.
         needed: u64,
+    },
+    /// A file that ends before what it says it has.
+    #[error("the {0} file seems to be cut short")]
+    Cut(&'static str),
+    /// A value that is none of the format's.
+    #[error("{format}: expected {wanted}, found {found}")]
+    Value {
+        /// As people call the format.
+        format: &'static str,
+        /// What may stand there.
+        wanted: &'static str,
+        /// What does, shortened.
+        found: String,
     },
     /// A file that is too short to be one.
     #[error("{0} bytes are too few for an STL file")]
@@ -153,6 +170,27 @@ fn point<'a>(mut words: impl Iterator<Item = &'a [u8]>, per_metre: f64) -> Optio
     Some(Point3::new(next()?, next()?, next()?))
 }
 
+/// The triangles of a face with these corners, as a fan; `count` corners are known.
+fn fan(corners: &[f64], count: usize, triangles: &mut Vec<[u32; 3]>) -> Result<(), MeshFileError> {
+    let index = |corner: f64| {
+        if corner >= 0.0 && corner.fract() == 0.0 && corner < count as f64 {
+            return Ok(corner as u32);
+        }
+        Err(MeshFileError::Corner {
+            triangle: triangles.len(),
+            corner: corner as u32,
+            count,
+        })
+    };
+    let corners: Vec<u32> = corners
+        .iter()
+        .map(|&corner| index(corner))
+        .collect::<Result<_, _>>()?;
+    let pairs = corners.windows(2).skip(1);
+    triangles.extend(pairs.map(|pair| [corners[0], pair[0], pair[1]]));
+    Ok(())
+}
+
 fn wrong_line(line: usize, wanted: &'static str, text: &[u8]) -> MeshFileError {
     let head = String::from_utf8_lossy(&text[..text.len().min(40)]);
     MeshFileError::Line {
@@ -162,5 +200,7 @@ fn wrong_line(line: usize, wanted: &'static str, text: &[u8]) -> MeshFileError {
     }
 }
 
+#[cfg(test)]
+mod scans_tests;
 #[cfg(test)]
 mod tests;

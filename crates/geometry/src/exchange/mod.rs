@@ -6,8 +6,9 @@
 //! | STEP | read, write | | |
 //! | IGES | read, write | | |
 //! | STL | | read, write | read |
-//! | OBJ | | write | read |
-//! | glTF (`.glb`) | | write | |
+//! | OBJ | | read, write | read |
+//! | PLY | | read | read |
+//! | glTF (`.glb`) | | read, write | read |
 //! | text (`.xyz`, `.csv`, `.txt`) | | | read |
 //!
 //! ```text
@@ -63,6 +64,8 @@ pub enum Format {
     Stl,
     /// Wavefront OBJ triangles.
     Obj,
+    /// PLY triangles or points.
+    Ply,
     /// glTF 2.0, binary.
     Glb,
     /// A point a line.
@@ -86,6 +89,7 @@ impl Format {
             "iges" | "igs" => Ok(Self::Iges),
             "stl" => Ok(Self::Stl),
             "obj" => Ok(Self::Obj),
+            "ply" => Ok(Self::Ply),
             "glb" => Ok(Self::Glb),
             "xyz" | "csv" | "txt" => Ok(Self::Points),
             _ => Err(ExchangeError::Extension { extension }),
@@ -100,6 +104,7 @@ impl Format {
             Self::Iges => "IGES",
             Self::Stl => "STL",
             Self::Obj => "OBJ",
+            Self::Ply => "PLY",
             Self::Glb => "glTF",
             Self::Points => "points as text",
         }
@@ -154,8 +159,7 @@ pub struct Imported {
     pub left_out: LeftOut,
 }
 
-/// What a file says and a surface does not have. Of IGES files only trimmed parameter ranges are
-/// noticed, which are refused.
+/// What a file says and a surface does not have.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct LeftOut {
     /// Faces of the file.
@@ -164,7 +168,8 @@ pub struct LeftOut {
     pub other_faces: usize,
     /// The surface's face is a part of it.
     pub trimmed: bool,
-    /// Placements of parts in assemblies.
+    /// Places in which assemblies put the surface, where there are several: it is then in its own
+    /// coordinates.
     pub placements: usize,
 }
 
@@ -188,7 +193,10 @@ impl fmt::Display for LeftOut {
             ));
         }
         if self.placements > 0 {
-            said.push(format!("{} placements of parts", self.placements));
+            said.push(format!(
+                "the {} places in which assemblies put it",
+                self.placements
+            ));
         }
         f.write_str(&said.join("; "))
     }
@@ -199,7 +207,7 @@ impl fmt::Display for LeftOut {
 pub enum ExchangeError {
     /// An ending that none of ours has.
     #[error(
-        "unknown file extension \".{extension}\"; use .json, .step, .stp, .iges, .igs, .stl, .obj, .glb and, for points, \
+        "unknown file extension \".{extension}\"; use .json, .step, .stp, .iges, .igs, .stl, .obj, .ply, .glb and, for points, \
          .xyz, .csv, .txt"
     )]
     Extension {
@@ -274,12 +282,14 @@ pub fn read_surface(bytes: &[u8], format: Format, pick: Pick) -> Result<Imported
         }
         Format::Step => Ok(step::read(bytes, pick)?),
         Format::Iges => Ok(iges::read(bytes, pick)?),
-        Format::Stl | Format::Obj | Format::Glb | Format::Points => Err(ExchangeError::Kind {
-            format,
-            verb: "read",
-            what: "a surface from",
-            instead: SURFACES,
-        }),
+        Format::Stl | Format::Obj | Format::Ply | Format::Glb | Format::Points => {
+            Err(ExchangeError::Kind {
+                format,
+                verb: "read",
+                what: "a surface from",
+                instead: SURFACES,
+            })
+        }
     }
 }
 
@@ -323,12 +333,14 @@ pub fn write_surface(
         Format::Json => Ok(file::write(surface, unit).into_bytes()),
         Format::Step => Ok(step::write(surface, unit)?.into_bytes()),
         Format::Iges => Ok(iges::write(surface, unit)?.into_bytes()),
-        Format::Stl | Format::Obj | Format::Glb | Format::Points => Err(ExchangeError::Kind {
-            format,
-            verb: "write",
-            what: "a surface to",
-            instead: SURFACES,
-        }),
+        Format::Stl | Format::Obj | Format::Ply | Format::Glb | Format::Points => {
+            Err(ExchangeError::Kind {
+                format,
+                verb: "write",
+                what: "a surface to",
+                instead: SURFACES,
+            })
+        }
     }
 }
 
@@ -342,16 +354,18 @@ pub fn write_mesh(mesh: &Mesh, format: Format, unit: Unit) -> Result<Vec<u8>, Ex
         Format::Stl => Ok(mesh::write_stl(mesh, unit)?),
         Format::Obj => Ok(mesh::write_obj(mesh, unit)?.into_bytes()),
         Format::Glb => Ok(mesh::write_glb(mesh)?),
-        Format::Json | Format::Step | Format::Iges | Format::Points => Err(ExchangeError::Kind {
-            format,
-            verb: "write",
-            what: "a mesh to",
-            instead: "STL, OBJ or glTF",
-        }),
+        Format::Json | Format::Step | Format::Iges | Format::Ply | Format::Points => {
+            Err(ExchangeError::Kind {
+                format,
+                verb: "write",
+                what: "a mesh to",
+                instead: "STL, OBJ or glTF",
+            })
+        }
     }
 }
 
-/// The triangles of an STL or OBJ file; coordinates in `unit`.
+/// The triangles of an STL, OBJ, PLY or glTF file; coordinates in `unit` (glTF: always metres).
 ///
 /// # Errors
 /// A format without triangles that are read, or a file that is cut short or names corners it does
@@ -360,17 +374,19 @@ pub fn read_mesh(bytes: &[u8], format: Format, unit: Unit) -> Result<Mesh, Excha
     match format {
         Format::Stl => Ok(mesh::read_stl(bytes, unit)?),
         Format::Obj => Ok(mesh::read_obj(bytes, unit)?),
+        Format::Ply => Ok(mesh::read_ply(bytes, unit)?),
+        Format::Glb => Ok(mesh::read_glb(bytes)?),
         _ => Err(ExchangeError::Kind {
             format,
             verb: "read",
             what: "a mesh from",
-            instead: "STL or OBJ",
+            instead: "STL, OBJ, PLY or glTF (.glb)",
         }),
     }
 }
 
-/// The points of a cloud: corners of an STL (each once) or OBJ file, or lines of text; coordinates
-/// in `unit`.
+/// The points of a cloud: corners of an STL, OBJ, PLY or glTF file (of STL and glTF each once), or lines
+/// of text; coordinates in `unit` (glTF: always metres).
 ///
 /// # Errors
 /// A format without points, or a file that is cut short or has a line that is not a point.
@@ -378,9 +394,11 @@ pub fn read_points(bytes: &[u8], format: Format, unit: Unit) -> Result<Vec<Point
     match format {
         Format::Stl => Ok(mesh::read_stl(bytes, unit)?.points),
         Format::Obj => Ok(mesh::read_obj_points(bytes, unit)?),
+        Format::Ply => Ok(mesh::read_ply_points(bytes, unit)?),
+        Format::Glb => Ok(mesh::read_glb(bytes)?.points),
         Format::Points => Ok(mesh::read_text_points(bytes, unit)?),
-        Format::Json | Format::Step | Format::Iges | Format::Glb => {
-            let instead = "STL, OBJ or text (.xyz, .csv)";
+        Format::Json | Format::Step | Format::Iges => {
+            let instead = "STL, OBJ, PLY, glTF (.glb) or text (.xyz, .csv)";
             Err(ExchangeError::Kind {
                 format,
                 verb: "read",
@@ -406,12 +424,13 @@ mod tests {
             ("e.stl", Format::Stl),
             ("f.obj", Format::Obj),
             ("g.glb", Format::Glb),
+            ("i.PLY", Format::Ply),
             ("h.csv", Format::Points),
         ];
         for (path, format) in cases {
             assert_eq!(Format::of(path).unwrap(), format, "{path}");
         }
-        for path in ["a.ply", "a", "", ".step"] {
+        for path in ["a.dae", "a", "", ".step"] {
             assert!(
                 matches!(Format::of(path), Err(ExchangeError::Extension { .. })),
                 "{path}"
@@ -460,7 +479,7 @@ mod tests {
             Err(ExchangeError::Mesh(MeshFileError::Empty(_)))
         ));
         assert!(matches!(
-            read_points(b"", Format::Glb, Unit::Metre),
+            read_points(b"", Format::Step, Unit::Metre),
             Err(ExchangeError::Kind { .. })
         ));
         assert_eq!(

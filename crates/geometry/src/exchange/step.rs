@@ -6,8 +6,8 @@
 //! ```
 //! Read: `B_SPLINE_SURFACE_WITH_KNOTS`, `BEZIER_SURFACE`, `UNIFORM_SURFACE` and
 //! `QUASI_UNIFORM_SURFACE`, each also as a complex instance with `RATIONAL_B_SPLINE_SURFACE`. The
-//! surface is taken whole and in its own coordinates: trimming curves, the placements of
-//! assemblies and other faces are left out, and [`Imported::left_out`] says so.
+//! surface is taken whole, where its assemblies put it: trimming curves, further places of the same
+//! part and other faces are left out, and [`Imported::left_out`] says so.
 //!
 //! The parser is ours. Of the crates, `ruststep` 0.4 brings 47 others and `truck-stepio` 98, the
 //! latter writes no rational surfaces, and both build the whole file in memory by recursion, whose
@@ -15,6 +15,7 @@
 //! reader for the few that make the surface.
 
 mod faces;
+mod placement;
 mod surface;
 mod syntax;
 mod units;
@@ -24,6 +25,7 @@ pub use write::write;
 
 use super::spline::SplineError;
 use super::{Imported, Pick};
+use crate::math::Pose;
 use syntax::Exchange;
 
 /// Why a STEP file was refused.
@@ -144,7 +146,16 @@ pub fn read(bytes: &[u8], pick: Pick) -> Result<Imported, StepError> {
         .map_err(|source| StepError::Spline { id, source })?;
     let flip = surface::face_sense(&exchange, id) == Some(false);
     let surface = built.with_flip_normal(flip).oriented_outward();
-    let left_out = faces::left_out(&exchange, id, &ids, &surface, &unit);
+    let mut left_out = faces::left_out(&exchange, id, &ids, &surface, &unit);
+    let places = placement::places(&exchange, id, &unit);
+    let surface = match places.as_slice() {
+        [one] if *one != Pose::identity() => surface.transformed(one),
+        [_] => surface,
+        several => {
+            left_out.placements = several.len();
+            surface
+        }
+    };
     Ok(Imported {
         surface,
         id,

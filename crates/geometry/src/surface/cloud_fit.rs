@@ -50,6 +50,9 @@ const POLE_RINGS: [f64; 3] = [3.0, 0.3, 0.03];
 /// A round that gains less than this share of the error is the last.
 const LEAST_GAIN: f64 = 1e-3;
 
+/// More smoothing than this leaves nothing of the points.
+const MOST_SMOOTHING: f64 = 1e3;
+
 /// Most products of basis functions that are summed: 1.6 GB.
 const MOST_PRODUCTS: usize = 1 << 26;
 
@@ -107,7 +110,7 @@ impl Surface {
         );
         let problem = Problem::new(Self::from_checked(knots_u, knots_v, net, None), spec.closed);
         let first = FIRST_SMOOTHING.max(spec.smoothing);
-        let mut fitted = problem.rounds(points, parameters, spec, first);
+        let mut fitted = problem.rounds(points, parameters, spec, first)?;
         fitted.surface = fitted.surface.oriented_outward();
         Ok(fitted)
     }
@@ -115,7 +118,7 @@ impl Surface {
 
 /// Refuses smoothing that is no weight, and what would take more memory or time than a fit may.
 pub(super) fn check_size(spec: &CloudSpec, points: usize) -> Result<(), FitError> {
-    if !(spec.smoothing.is_finite() && spec.smoothing > 0.0) {
+    if !(spec.smoothing > 0.0 && spec.smoothing <= MOST_SMOOTHING) {
         return Err(FitError::Smoothing(spec.smoothing));
     }
     let count = spec.counts[0].saturating_mul(spec.counts[1]);
@@ -331,11 +334,11 @@ impl Problem {
         mut parameters: Vec<(f64, f64)>,
         spec: &CloudSpec,
         mut smoothing: f64,
-    ) -> Fitted {
+    ) -> Result<Fitted, FitError> {
         let origin =
             points[0] + points.iter().map(|p| p - points[0]).sum::<Vector3>() / points.len() as f64;
         let mut round = |smoothing: f64| {
-            let surface = self.solve(points, &parameters, smoothing, origin);
+            let surface = self.solve(points, &parameters, smoothing, origin)?;
             let mut solver = ClosestSolver::new(&surface);
             let (mut sum, mut most) = (0.0, 0.0_f64);
             for (point, parameters) in points.iter().zip(&mut parameters) {
@@ -345,18 +348,18 @@ impl Problem {
                 sum += distance * distance;
                 most = most.max(distance);
             }
-            Fitted {
+            Ok::<_, FitError>(Fitted {
                 surface,
                 rms_error: (sum / points.len() as f64).sqrt(),
                 max_error: most,
-            }
+            })
         };
-        let mut best = round(smoothing);
+        let mut best = round(smoothing)?;
         let mut best_folds = self.folds(&best.surface);
         for _ in 1..spec.rounds {
             let last = smoothing <= spec.smoothing;
             smoothing = (0.1 * smoothing).max(spec.smoothing);
-            let now = round(smoothing);
+            let now = round(smoothing)?;
             let settled = last && now.rms_error > best.rms_error * (1.0 - LEAST_GAIN);
             let folds = self.folds(&now.surface);
             if (folds, now.rms_error) < (best_folds, best.rms_error) {
@@ -366,7 +369,7 @@ impl Problem {
                 break;
             }
         }
-        best
+        Ok(best)
     }
 
     /// Neighbouring places, three a knot span, between which the normal of a closed surface turns
@@ -405,7 +408,7 @@ impl Problem {
         parameters: &[(f64, f64)],
         smoothing: f64,
         origin: Point3,
-    ) -> Surface {
+    ) -> Result<Surface, FitError> {
         let mut matrix = SymmetricTriplets::new(self.count);
         let mut right = [(); 3].map(|()| vec![0.0; self.count]);
         let share = 1.0 / points.len() as f64;
@@ -445,14 +448,15 @@ impl Problem {
         for i in 0..self.count {
             matrix.add(i, i, 1e-12 * data / self.count as f64);
         }
-        let factor = Cholesky::new(&matrix)
-            .expect("a sum of squares, and more than nothing on the diagonal");
+        // A sum of squares, and more than nothing on the diagonal; rounding may take that away.
+        let unknowns = self.count;
+        let factor = Cholesky::new(&matrix).map_err(|_| FitError::Singular { unknowns })?;
         right.iter_mut().for_each(|right| factor.solve_one(right));
         let mut surface = self.shape.clone();
         for (point, &k) in surface.net_mut().points_mut().iter_mut().zip(&self.unknown) {
             *point = origin + Vector3::new(right[0][k], right[1][k], right[2][k]);
         }
-        surface
+        Ok(surface)
     }
 }
 

@@ -123,9 +123,17 @@ pub enum FitError {
         /// Directions without extent.
         missing: usize,
     },
-    /// A smoothing weight that is not finite and positive.
-    #[error("smoothing is {0}; it must be finite and above 0, such as 1e-6")]
+    /// A smoothing weight out of range.
+    #[error("smoothing is {0}; it must be above 0 and at most 1000, such as 1e-6")]
     Smoothing(f64),
+    /// Equations without a solution in double precision.
+    #[error(
+        "{unknowns} control points cannot be determined from these points: ask for fewer, or for less smoothing"
+    )]
+    Singular {
+        /// Control points.
+        unknowns: usize,
+    },
     /// Degree or count.
     #[error(transparent)]
     Surface(#[from] SurfaceError),

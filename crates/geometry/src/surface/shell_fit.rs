@@ -108,7 +108,7 @@ impl Surface {
             rounds: spec.rounds.min(MOST_ROUNDS),
             ..*spec
         };
-        let mut fitted = problem.rounds(&points, parameters, &spec, spec.smoothing);
+        let mut fitted = problem.rounds(&points, parameters, &spec, spec.smoothing)?;
         fitted.surface = fitted.surface.oriented_outward();
         Ok(fitted)
     }

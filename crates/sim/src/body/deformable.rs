@@ -7,20 +7,18 @@
 
 mod queries;
 
+use super::calm::Outline;
 use super::columns;
 use super::field::Field;
 use super::implicit::{ImplicitScratch, ImplicitStep};
 use super::material::Plastic;
 use super::matter::{Blueprint, FIXED, Matter, lanes};
 use super::node_map::NodeMap;
-use super::rigid_motion::Momentum;
+use super::rigid_motion::{Momentum, RigidVelocity};
 use super::settings::{DeformableError, StepSettings};
-use super::state::{DeformableScratch, DeformableState};
+use super::state::{DeformableScratch, DeformableState, STILL_STEPS};
 use super::stepper::{Compliance, Stepper};
-use palpate_geometry::math::{Lane, Vector3};
-
-/// Steps in a row without motion after which a body sleeps.
-pub(super) const STILL_STEPS: u32 = 100;
+use palpate_geometry::math::{Lane, Point3, Vector3};
 
 /// Constants of a body.
 #[derive(Debug)]
@@ -28,6 +26,7 @@ pub struct Deformable {
     matter: Matter,
     stepper: Stepper,
     compliance: Compliance,
+    outline: Outline,
 }
 
 impl Deformable {
@@ -45,11 +44,35 @@ impl Deformable {
         let matter = Matter::new(blueprint, damping_s, plastic, settings)?;
         let stepper = Stepper::new(&matter)?;
         let compliance = stepper.compliance(&matter)?;
+        let outline = Outline::new(&matter.rest);
         Ok(Self {
             matter,
             stepper,
             compliance,
+            outline,
         })
+    }
+
+    /// Has the body start with a velocity, m/s, and an angular velocity about its centre of mass, rad/s,
+    /// instead of at rest.
+    ///
+    /// # Errors
+    /// Something holds it.
+    pub fn launch(&mut self, linear: Vector3, angular: Vector3) -> Result<(), DeformableError> {
+        let matter = &mut self.matter;
+        if !matter.is_free() {
+            return Err(DeformableError::Unsupported(
+                "only a body that nothing holds starts with a velocity; drop `fixed`, or the velocity",
+            ));
+        }
+        let weighed = matter.masses.iter().zip(&matter.rest);
+        let sum: Vector3 = weighed.map(|(m, x)| x.coords * *m).sum();
+        matter.launch = Some(RigidVelocity {
+            centre: Point3::from(sum / matter.masses.iter().sum::<f64>()),
+            linear,
+            angular,
+        });
+        Ok(())
     }
 
     /// Sets what free points feel from the next [`Deformable::predict`] on.
@@ -308,6 +331,7 @@ impl Deformable {
             return;
         }
         let touched = !scratch.loaded.is_empty();
+        let handled = scratch.handled;
         match &self.stepper {
             Stepper::Implicit(implicit) => {
                 self.advance_on_compliance(state, scratch);
@@ -322,7 +346,7 @@ impl Deformable {
         }
         self.drop_loads(scratch);
         let flowed = self.flow(state, scratch);
-        self.count_still(state, touched || flowed);
+        self.count_still(state, touched, handled || flowed);
     }
 
     /// W F of forces on the net, into `lanes` (unknowns).
@@ -428,15 +452,25 @@ impl Deformable {
     }
 
     /// What moves no more for a while falls asleep; it wakes by a touch.
-    fn count_still(&self, state: &mut DeformableState, busy: bool) {
+    /// `busy`: it flowed, or a tool touched it.
+    fn count_still(&self, state: &mut DeformableState, touched: bool, busy: bool) {
         let limit = self.matter.settings.sleep_m_s * self.matter.settings.sleep_m_s;
-        let still =
-            !busy && limit > 0.0 && state.velocities.iter().all(|v| v.norm_squared() <= limit);
-        state.still = if still {
-            (state.still + 1).min(STILL_STEPS)
-        } else {
-            0
+        let squares = state.velocities.iter().map(|v| v.norm_squared());
+        // What is not a number is not slow.
+        let fastest = squares.fold(0.0, |most, v| if v > most || v.is_nan() { v } else { most });
+        let still = !(touched || busy) && fastest <= limit && limit > 0.0;
+        state.still = match still {
+            true => (state.still + 1).min(STILL_STEPS),
+            false => 0,
         };
+        if busy || !touched {
+            state.calm.steps = 0;
+        } else {
+            let Matter { rest, settings, .. } = &self.matter;
+            let (sleep_m_s, dt_s) = (settings.sleep_m_s, settings.dt_s);
+            let (positions, fastest) = (&state.positions, fastest.sqrt());
+            (state.calm).count(&self.outline, rest, positions, fastest, sleep_m_s, dt_s);
+        }
         if state.still == STILL_STEPS {
             state.velocities.fill(Vector3::zeros());
         }
@@ -444,7 +478,12 @@ impl Deformable {
 
     /// True when steps are skipped until something touches the body.
     pub fn asleep(&self, state: &DeformableState) -> bool {
-        state.still >= STILL_STEPS
+        state.still >= STILL_STEPS || state.left_alone
+    }
+
+    /// Some of the forces of this step are a tool's.
+    pub fn handle(&self, scratch: &mut DeformableScratch) {
+        scratch.handled = true;
     }
 
     /// Adds a force (N) on a coordinate of the net for this step.
@@ -489,6 +528,7 @@ impl Deformable {
 
     /// Forgets the forces given so far.
     pub fn drop_loads(&self, scratch: &mut DeformableScratch) {
+        scratch.handled = false;
         for coordinate in scratch.loaded.drain(..) {
             scratch.forces[coordinate as usize] = Vector3::zeros();
             scratch.is_loaded[coordinate as usize] = false;

@@ -115,6 +115,8 @@ impl<'a, M: Fn(usize) -> Material> Solid<'a, M> {
             coordinate_of_control,
             fixed,
             quality,
+            cells: grid.cells.clone(),
+            young_pa: of_cells().iter().map(|elastic| elastic.young_pa).collect(),
         };
         Deformable::new(blueprint, common.damping_s, common.plastic, settings)
     }

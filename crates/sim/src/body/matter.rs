@@ -1,13 +1,15 @@
 //! The matter of a deforming body: what moves, what it weighs and what acts between its nodes. How it
 //! steps is the business of the steppers, which are built from it.
 
-use super::cells::CellQuality;
+use super::calm::Calm;
+use super::cells::{Cell, CellQuality};
 use super::field::Field;
 use super::implicit::ImplicitScratch;
 use super::law::MaterialLaw;
 use super::material::Plastic;
 use super::node_map::NodeMap;
 use super::plastic::Flow;
+use super::rigid_motion::RigidVelocity;
 use super::settings::{DeformableError, StepSettings};
 use super::state::{DeformableScratch, DeformableState};
 use palpate_geometry::math::{Lane, Point3, Rows, Vector3};
@@ -32,6 +34,10 @@ pub struct Blueprint {
     pub fixed: Vec<bool>,
     /// Figures of the cells.
     pub quality: CellQuality,
+    /// Cells between nodes, for who draws them; none of a membrane.
+    pub cells: Vec<Cell>,
+    /// (cells): Young's modulus, Pa.
+    pub young_pa: Vec<f64>,
 }
 
 /// A body without its step.
@@ -54,7 +60,12 @@ pub(super) struct Matter {
     /// Coordinates of the net that can move, ascending.
     pub surface: Vec<u32>,
     pub flow: Option<Flow>,
+    /// Motion at the start, of a free body.
+    pub launch: Option<RigidVelocity>,
     pub quality: CellQuality,
+    pub cells: Vec<Cell>,
+    /// (cells).
+    pub young_pa: Vec<f64>,
 }
 
 impl Matter {
@@ -76,6 +87,8 @@ impl Matter {
             coordinate_of_control,
             fixed,
             quality,
+            cells,
+            young_pa,
         } = blueprint;
         let count = rest.len();
         let masses = map.lumped(&masses, count);
@@ -119,7 +132,10 @@ impl Matter {
             coordinate_of_control,
             surface,
             flow,
+            launch: None,
             quality,
+            cells,
+            young_pa,
         })
     }
 
@@ -139,7 +155,7 @@ impl Matter {
         self.coordinate_of_unknown.len()
     }
 
-    /// The state at rest.
+    /// The state at the start: at rest, or launched.
     pub fn rest_state(&self) -> DeformableState {
         let mut state = DeformableState::default();
         self.set_to_rest(&mut state);
@@ -156,6 +172,8 @@ impl Matter {
             contact_n,
             caution,
             still,
+            calm,
+            left_alone,
             slept,
         } = state;
         contact_n.clear();
@@ -163,7 +181,10 @@ impl Matter {
         caution.set_to_rest();
         positions.clone_from(&self.rest);
         velocities.clear();
-        velocities.resize(self.rest.len(), Vector3::zeros());
+        match &self.launch {
+            Some(launch) => velocities.extend(self.rest.iter().map(|x| launch.velocity(x))),
+            None => velocities.resize(self.rest.len(), Vector3::zeros()),
+        }
         let rest: &[Lane] = match &self.flow {
             Some(_) => self.law.springs.rest(),
             None => &[],
@@ -172,7 +193,7 @@ impl Matter {
         rest_lengths.extend_from_slice(rest);
         plastic_strain.clear();
         plastic_strain.resize(rest.len(), [0.0; 4]);
-        (*still, *slept) = (0, 0);
+        (*still, *calm, *left_alone, *slept) = (0, Calm::default(), false, 0);
     }
 
     /// Buffers; call [`super::Deformable::predict`] before the first step.
@@ -187,6 +208,7 @@ impl Matter {
             forces: vec![Vector3::zeros(); count],
             loaded: Vec::with_capacity(self.coordinate_of_control.len()),
             is_loaded: vec![false; count],
+            handled: false,
             coordinates: Rows::zeros(count),
             nodes: Rows::zeros(nodes),
             residual: Rows::zeros(count),

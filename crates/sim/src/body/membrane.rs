@@ -72,6 +72,8 @@ pub fn membrane(
         coordinate_of_control: coordinate_of_control.to_vec(),
         fixed: fixed.to_vec(),
         quality,
+        cells: Vec::new(),
+        young_pa: Vec::new(),
     };
     Deformable::new(blueprint, material.damping_s, material.plastic, settings)
 }

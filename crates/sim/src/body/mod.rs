@@ -8,6 +8,7 @@
 //! A body knows coordinates, not tools: contact hands it forces on control points.
 
 mod bends;
+mod calm;
 mod cells;
 mod columns;
 pub mod continuum;

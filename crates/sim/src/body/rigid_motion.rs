@@ -7,8 +7,8 @@
 use super::matter::Matter;
 use palpate_geometry::math::{Matrix3, Point3, Vector3};
 
-/// Velocity of a rigid body.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// Velocity of a rigid body; by default at rest.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct RigidVelocity {
     pub centre: Point3,
     pub linear: Vector3,

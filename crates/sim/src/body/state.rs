@@ -1,11 +1,15 @@
 //! What a replay restores of a deforming body, and the buffers of its step.
 
+use super::calm::Calm;
 use super::field::Field;
 use super::implicit::{Caution, ImplicitScratch};
 use super::rigid_motion::RigidVelocity;
 use super::spring_table::ByCoordinate;
 use palpate_geometry::math::{Lane, Point3, Rows, Vector3};
 use palpate_geometry::stateful;
+
+/// Steps in a row without motion after which a body sleeps.
+pub(super) const STILL_STEPS: u32 = 100;
 
 /// What a replay restores.
 #[derive(Debug, Default, PartialEq)]
@@ -24,6 +28,10 @@ pub struct DeformableState {
     pub caution: Caution,
     /// Body steps in a row in which nothing moved; at a hundred the body sleeps.
     pub still: u32,
+    /// How long it has stayed where it is, on other bodies.
+    pub calm: Calm,
+    /// It lies calm on others, and neither steps nor is looked at.
+    pub left_alone: bool,
     /// Body steps slept through.
     pub slept: u64,
 }
@@ -43,7 +51,30 @@ impl Clone for DeformableState {
         self.plastic_strain.clone_from(&from.plastic_strain);
         self.contact_n.clone_from(&from.contact_n);
         self.caution.clone_from(&from.caution);
-        (self.still, self.slept) = (from.still, from.slept);
+        self.calm.clone_from(&from.calm);
+        (self.still, self.left_alone, self.slept) = (from.still, from.left_alone, from.slept);
+    }
+}
+
+impl DeformableState {
+    /// It has stayed where it is for a while, on other bodies or by itself, and no tool touched it.
+    pub fn lies_calm(&self) -> bool {
+        self.calm.is_long() || self.still >= STILL_STEPS
+    }
+
+    /// It lies calm on other bodies and neither steps nor is looked at.
+    pub fn is_left_alone(&self) -> bool {
+        self.left_alone
+    }
+
+    /// Leaves it alone, at rest, or takes it up again.
+    pub fn leave_alone(&mut self, left_alone: bool) {
+        self.left_alone = left_alone;
+        if left_alone {
+            self.velocities.fill(Vector3::zeros());
+        } else {
+            self.calm.steps = 0;
+        }
     }
 }
 
@@ -56,6 +87,8 @@ stateful!(DeformableState, |this, walk| {
         contact_n,
         caution,
         still,
+        calm,
+        left_alone,
         slept,
     } = this;
     walk.triples(positions)?;
@@ -76,6 +109,10 @@ stateful!(DeformableState, |this, walk| {
     walk.coded("held back", held)?;
     walk.coded("cautious steps next time", next)?;
     walk.coded("number of still steps", still)?;
+    let Calm { from, steps } = calm;
+    walk.triples(from)?;
+    walk.coded("number of calm steps", steps)?;
+    walk.coded("left alone", left_alone)?;
     walk.word(slept)
 });
 
@@ -105,6 +142,8 @@ pub struct DeformableScratch {
     /// them.
     pub(super) loaded: Vec<u32>,
     pub(super) is_loaded: Vec<bool>,
+    /// A tool gave some of them.
+    pub(super) handled: bool,
     /// (coordinates) and (nodes), x y z 0; the second is empty when nodes are coordinates.
     pub(super) coordinates: Rows,
     pub(super) nodes: Rows,

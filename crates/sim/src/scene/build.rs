@@ -3,7 +3,7 @@
 use super::door::{At, Door, SceneError};
 use super::pairs::{self, Frictions};
 use super::spec::{MAX_TOOLS, SceneSpec};
-use super::{Body, BodyModel, FrameOf, Pair, Scene, Tool, model, tool};
+use super::{Body, BodyModel, FrameOf, Pair, Scene, Tool, model, mover, tool};
 use std::path::Path;
 
 /// Contact samples a knot span and direction. Two were chosen between one (the force ripples by
@@ -47,7 +47,7 @@ impl Scene {
     }
 }
 
-/// A copy of a scene with every surface and mesh file written out in place: what a recording carries,
+/// A copy of a scene with every surface, mesh and motion file written out in place: what a recording carries,
 /// so that its replay needs no file.
 ///
 /// # Errors
@@ -57,8 +57,11 @@ pub fn inline_files(spec: &SceneSpec, directory: &Path) -> Result<SceneSpec, Sce
     let top = door.top();
     let mut inlined = spec.clone();
     for (b, body) in inlined.bodies.iter_mut().enumerate() {
-        let at = top.key("body").entry(b).key("surface");
-        let _ = body.surface.inline_file(&at);
+        let at = top.key("body").entry(b);
+        let _ = body.surface.inline_file(&at.key("surface"));
+        if let Some(motion) = &mut body.motion {
+            let _ = mover::inline_file(motion, &at.key("motion"));
+        }
     }
     for (t, tool) in inlined.tools.iter_mut().enumerate() {
         let at = top.key("tool").entry(t).key("shape");

@@ -103,6 +103,10 @@ impl SceneChange {
             let reason = "a part with regions of another material cannot be merged: their places are those of its frame";
             return Err(SceneError::one(format!("body[{first}].region"), reason));
         }
+        if body.motion.is_some() || body.carried_by.is_some() {
+            let reason = "a body that moves by itself or is carried cannot be merged: its surface is elsewhere than in the scene";
+            return Err(SceneError::one(format!("body[{first}]"), reason));
+        }
         let (mut bodies, mut origins) = (Vec::new(), Vec::new());
         for (from, old) in spec.bodies.iter().enumerate() {
             if from == first {
@@ -199,6 +203,8 @@ fn inline(surface: &Surface) -> Result<SurfaceSpec, SceneError> {
         net: None,
         size: None,
         file: None,
+        index: None,
+        unit: None,
         inline: Some(document),
     })
 }

@@ -171,6 +171,17 @@ fn place(file: &str, text: &str, start: usize) -> Place {
 
 /// Turns serde's "unknown field `x`, expected one of `a`, `b`" into a suggestion.
 fn with_suggestion(message: &str) -> String {
+    if let Some(found) = message.strip_prefix("wanted exactly 1 element, ") {
+        let how_many = if found.starts_with("found 0") {
+            "none"
+        } else {
+            "more than one"
+        };
+        return format!(
+            "shape names {how_many} of point, sphere, plane, surface, cylinder, capsule, cone, ellipsoid, torus, box, \
+             implicit, mesh; give exactly one, such as shape = {{ sphere = {{ radius_m = 0.01 }} }}"
+        );
+    }
     let quoted: Vec<&str> = message.split('`').skip(1).step_by(2).collect();
     let unknown = message.starts_with("unknown field") || message.starts_with("unknown variant");
     let (Some(given), true) = (quoted.first(), unknown) else {

@@ -10,9 +10,11 @@ mod door;
 pub mod file;
 mod layout;
 mod model;
+mod mover;
 mod pairs;
 pub mod plan;
 mod refine;
+mod schema;
 pub mod shape;
 pub mod spec;
 mod surface;
@@ -21,6 +23,8 @@ mod tool;
 pub use build::{default_samples_per_span, inline_files};
 pub use change::{Origin, SceneChange};
 pub use door::{Place, Problem, SceneError};
+pub(crate) use mover::{MovedBy, Mover, SPEED_MAX_M_S, TURNING_MAX_RAD_S, between, smooth};
+pub use schema::schema;
 
 use crate::body::Deformable;
 use crate::haptics::{Coupling, DeviceBounds, DeviceFigures, LinkLimits, StiffnessLimits};
@@ -72,6 +76,8 @@ pub(crate) struct Body {
     /// Open sheets can be touched from both sides.
     pub two_sided: bool,
     pub model: BodyModel,
+    /// What moves it, when it is rigid and not fixed.
+    pub mover: Option<Mover>,
 }
 
 /// What moves a body.
@@ -285,6 +291,16 @@ impl Scene {
     /// True when the body's net can change.
     pub fn deforms(&self, body: usize) -> bool {
         matches!(self.bodies[body].model, BodyModel::Deforming(_))
+    }
+
+    /// True when the body's net can change: it deforms, or it is rigid and moves.
+    pub fn moves(&self, body: usize) -> bool {
+        self.deforms(body) || self.bodies[body].mover.is_some()
+    }
+
+    /// True when a command can send the body to a place.
+    pub fn can_be_sent(&self, body: usize) -> bool {
+        self.bodies[body].mover.is_some()
     }
 
     /// True when a body steps once in several ticks.

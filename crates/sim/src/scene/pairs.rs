@@ -2,7 +2,7 @@
 
 use super::door::At;
 use super::spec::{ContactMethod, ContactSpec, SPHERES_RESOLUTION, SceneSpec};
-use super::{Body, BodyModel, FrameOf, Method, Pair, Tool, tool};
+use super::{Body, BodyModel, FrameOf, Method, MovedBy, Pair, Tool, tool};
 use crate::solve::friction::Friction;
 use crate::solve::rows::Holder;
 use palpate_geometry::contact::dispatch;
@@ -79,12 +79,18 @@ pub(super) fn build(
     let deforms = |body: usize| !matches!(bodies[body].model, BodyModel::Rigid);
     // The tool that carries the frame moves all bodies alike and touches none.
     for tool in (0..tools.len()).filter(|&tool| frame.is_none_or(|frame| frame.tool != tool)) {
-        pairs.extend((0..bodies.len()).map(|body| Pair {
-            holder: Holder::Tool(index(tool)),
-            body,
-            method: Method::Exact,
-            friction: frictions.tools[tool],
-        }));
+        // Nor does one that carries a body touch that.
+        let carries = |body: &usize| matches!(&bodies[*body].mover, Some(mover) if matches!(mover.by, MovedBy::Tool { tool: by, .. } if by == tool));
+        pairs.extend(
+            (0..bodies.len())
+                .filter(|body| !carries(body))
+                .map(|body| Pair {
+                    holder: Holder::Tool(index(tool)),
+                    body,
+                    method: Method::Exact,
+                    friction: frictions.tools[tool],
+                }),
+        );
     }
     let of_bodies = |holder: usize, body: usize| Pair {
         holder: Holder::Body(index(holder)),

@@ -338,15 +338,20 @@ impl fmt::Display for Plan {
                     l.edge_m[0] * 1e3,
                     l.edge_m[1] * 1e3
                 )?;
-                let each = if l.method == "implicit" {
-                    "iterations"
-                } else {
-                    "substeps"
+                let each = match (l.method == "implicit", l.passes) {
+                    (true, 1) => "iteration",
+                    (true, _) => "iterations",
+                    (false, 1) => "substep",
+                    (false, _) => "substeps",
+                };
+                let when = match l.every {
+                    1 => "every tick".to_owned(),
+                    every => format!("every {every} ticks"),
                 };
                 writeln!(
                     f,
-                    "    {} {each} a step, a step every {} ticks; {}",
-                    l.passes, l.every, l.why
+                    "    {} {each} a step, a step {when}; {}",
+                    l.passes, l.why
                 )?;
                 if let (Some(matrix), Some(error)) = (l.matrix, l.motion_error) {
                     writeln!(

@@ -1,9 +1,11 @@
 //! The scene file, as data. TOML; SI units; unknown keys are refused.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 
 mod body;
+mod motion;
 mod ros2;
 mod surface;
 mod tool;
@@ -13,39 +15,42 @@ pub use super::shape::{
     Point, ShapeSpec, Sphere, Torus,
 };
 pub use body::*;
+pub use motion::*;
 pub use ros2::*;
 pub use surface::SurfaceSpec;
 pub use tool::*;
 
 /// A whole scene file.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SceneSpec {
     /// Name shown to people; the file's stem when absent.
     #[serde(default)]
     pub name: Option<String>,
-    /// `[loop]`.
+    /// Rate and clock of the simulation.
     #[serde(default, rename = "loop")]
     pub loop_: LoopSpec,
-    /// `[gravity]`.
+    /// Gravity, and a tool that carries the bodies.
     #[serde(default)]
     pub gravity: GravitySpec,
-    /// `[[body]]`, at least one.
+    /// The bodies, at least one.
     #[serde(rename = "body")]
+    #[schemars(length(min = 1))]
     pub bodies: Vec<BodySpec>,
-    /// `[[tool]]`, at most [`crate::scene::spec::MAX_TOOLS`].
+    /// The tools, at most 64.
     #[serde(default, rename = "tool")]
+    #[schemars(length(max = 64))]
     pub tools: Vec<ToolSpec>,
-    /// `[[contact]]`: exceptions to "every tool touches every body, exactly".
+    /// Exceptions to the rule that every tool touches every body, found exactly.
     #[serde(default, rename = "contact")]
     pub contacts: Vec<ContactSpec>,
-    /// `[record]`.
+    /// What recordings contain.
     #[serde(default)]
     pub record: RecordSpec,
-    /// `[zenoh]`.
+    /// The bus.
     #[serde(default)]
     pub zenoh: ZenohSpec,
-    /// `[ros2]`.
+    /// Topics of ROS 2 that move the tools, for `palpate serve --ros2`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub ros2: Option<Ros2Spec>,
 }
@@ -56,16 +61,21 @@ impl SceneSpec {
     /// Gives tools and bodies other ids, (old, new), wherever the scene names them. All names
     /// change at once, so two may swap; of several new ids for one old the last counts.
     pub fn rename(&mut self, ids: &[(String, String)]) {
-        let bodies = self.bodies.iter_mut().map(|body| &mut body.id);
+        let (bodies, carriers): (Vec<_>, Vec<_>) = (self.bodies.iter_mut())
+            .map(|body| (&mut body.id, body.carried_by.as_mut()))
+            .unzip();
+        let carriers = carriers.into_iter().flatten();
         let tools = self.tools.iter_mut().map(|tool| &mut tool.id);
         let pairs = self
             .contacts
             .iter_mut()
             .flat_map(|contact| &mut contact.pair);
         for id in bodies
+            .into_iter()
             .chain(tools)
             .chain(pairs)
             .chain(&mut self.gravity.frame)
+            .chain(carriers)
         {
             if let Some((_, new)) = ids.iter().rev().find(|(old, _)| old == id) {
                 id.clone_from(new);
@@ -74,11 +84,12 @@ impl SceneSpec {
     }
 }
 
-/// `[loop]`.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+/// `[loop]`: rate and clock of the simulation.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct LoopSpec {
-    /// Ticks a second, 1 ..= 10 000.
+    /// Ticks per second.
+    #[schemars(range(min = 1, max = 10_000))]
     pub rate_hz: u32,
     /// What makes a tick due.
     pub clock: Clock,
@@ -94,27 +105,29 @@ impl Default for LoopSpec {
 }
 
 /// What makes a tick due.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum Clock {
-    /// The wall clock.
+    /// The wall clock: one tick per period.
     #[default]
     Realtime,
-    /// Every tool's next pose.
+    /// The next pose of every tool: as fast as the clients send, with the same result every time.
     Lockstep,
 }
 
-/// `[gravity]`.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+/// `[gravity]`: acceleration of all bodies, and a tool that carries them.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct GravitySpec {
-    /// m/s²; zero unless given.
+    /// Acceleration of gravity in the world.
+    #[schemars(extend("x-unit" = "m/s²"))]
     pub acceleration: [f64; 3],
     /// Id of a tool that carries all bodies: the scene is seen from it, and bodies feel how it
     /// tilts and shakes. That tool touches nothing itself.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub frame: Option<String>,
-    /// Time constant with which that tool's velocities are smoothed, s.
+    /// Time constant with which that tool's velocities are smoothed.
+    #[schemars(range(min = 0))]
     pub smoothing_s: f64,
 }
 
@@ -128,13 +141,14 @@ impl Default for GravitySpec {
     }
 }
 
-/// Placement: rotate, then translate.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+/// A placement: rotate, then translate.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct PoseSpec {
-    /// m.
+    /// Translation.
+    #[schemars(extend("x-unit" = "m"))]
     pub position: [f64; 3],
-    /// Unit quaternion x y z w.
+    /// Rotation as a unit quaternion x, y, z, w.
     pub orientation: [f64; 4],
 }
 
@@ -147,17 +161,18 @@ impl Default for PoseSpec {
     }
 }
 
-/// `[[contact]]`.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+/// `[[contact]]`: how one pair is tested, or that it never touches.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ContactSpec {
-    /// Tool id or body id, body id.
+    /// Id of a tool or a body, then id of a body.
     pub pair: [String; 2],
-    /// `exact`, `spheres` or `none`.
+    /// How the pair is tested.
     #[serde(default)]
     pub method: ContactMethod,
-    /// Of `spheres`: points in u and v over the whole surface, each 4 ..= 1 000.
+    /// Of `spheres`: points in u and v over the whole surface; 82 × 82 when absent.
     #[serde(default)]
+    #[schemars(inner(range(min = 4, max = 1_000)))]
     pub resolution: Option<[usize; 2]>,
     /// Friction of this pair, in place of the tool's.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -165,7 +180,7 @@ pub struct ContactSpec {
 }
 
 /// How a pair is tested.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum ContactMethod {
     /// Certified queries on the surface itself.
@@ -180,17 +195,20 @@ pub enum ContactMethod {
 /// Points in u and v of the `spheres` method unless a scene gives them.
 pub const SPHERES_RESOLUTION: [usize; 2] = [82, 82];
 
-/// `[record]`.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+/// `[record]`: what recordings contain.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct RecordSpec {
-    /// Seconds between keyframes.
+    /// Time between keyframes, from which a replay can start.
+    #[schemars(extend("exclusiveMinimum" = 0))]
     pub keyframe_s: f64,
-    /// Nets a second at most, in recordings; clients get sixty.
+    /// Control nets per second at most, in recordings; clients get 60.
+    #[schemars(extend("exclusiveMinimum" = 0))]
     pub net_hz: f64,
-    /// Also record what viewers show.
+    /// Also record what other viewers show: transforms, meshes and points in Foxglove schemas.
     pub views: bool,
-    /// Pictures a second at most.
+    /// Rate of these views at most.
+    #[schemars(extend("exclusiveMinimum" = 0))]
     pub view_hz: f64,
 }
 
@@ -205,10 +223,10 @@ impl Default for RecordSpec {
     }
 }
 
-/// `[zenoh]`.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+/// `[zenoh]`: the bus.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct ZenohSpec {
-    /// A stock Zenoh JSON5 configuration, relative to the scene file.
+    /// A Zenoh configuration file (JSON5), relative to the scene file.
     pub config: Option<PathBuf>,
 }

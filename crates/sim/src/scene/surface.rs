@@ -1,26 +1,136 @@
 //! Surfaces of a scene file.
 
 use super::door::{At, nearest};
-use super::spec::SurfaceSpec;
+use super::spec::{MeshUnit, SurfaceSpec};
+use palpate_geometry::exchange::{self, Format, Pick};
 use palpate_geometry::surface::builtin::BUILTINS;
-use palpate_geometry::surface::{self, BuiltinError, Surface};
+use palpate_geometry::surface::file::Unit;
+use palpate_geometry::surface::{self, BuiltinError, CloudSpec, Shell, Surface};
+use std::path::Path;
+
+/// Control points of a surface that is fitted to a mesh, unless the scene gives them.
+const FITTED_NET: [usize; 2] = [14; 2];
+
+/// Largest distance between a mesh and the surface fitted to it, relative to the size of the mesh.
+const FIT_TOLERANCE: f64 = 0.01;
 
 impl SurfaceSpec {
     /// Checks and builds the surface; `at` is its table.
     pub(super) fn surface(&self, at: &At<'_>) -> Option<Surface> {
+        self.check_keys(at)?;
         match (&self.builtin, &self.file, &self.inline) {
             (Some(name), None, None) => self.builtin(name, at),
-            (None, Some(file), None) => {
-                let bytes = at.read_file("file", file)?;
-                let full = at.directory().join(file);
-                let named = |e: &dyn std::fmt::Display| format!("{}: {e}", full.display());
-                let text = std::str::from_utf8(&bytes).map_err(|e| named(&e));
-                let read = text.and_then(|text| surface::file::read(text).map_err(|e| named(&e)));
-                at.key("file").take(read)
-            }
+            (None, Some(file), None) => self.read(file, at),
             (None, None, Some(value)) => at.key("inline").take(surface::file::from_value(value)),
             _ => at.refused("surface needs exactly one of builtin, file, inline"),
         }
+    }
+
+    /// A key that would have no effect is a mistake.
+    fn check_keys(&self, at: &At<'_>) -> Option<()> {
+        let format = self.file.as_ref().and_then(|file| Format::of(file).ok());
+        let is_mesh = matches!(
+            format,
+            Some(Format::Stl | Format::Obj | Format::Ply | Format::Glb)
+        );
+        if self.unit.is_some() && !is_mesh {
+            return at.key("unit").refused(
+                "unit is for mesh files (.stl, .obj, .ply); surface files say their unit themselves, and all else is in metres",
+            );
+        }
+        if self.index.is_some() && !matches!(format, Some(Format::Step | Format::Iges)) {
+            return at
+                .key("index")
+                .refused("index is for STEP and IGES files, which can have several surfaces");
+        }
+        Some(())
+    }
+
+    /// The one surface of a file.
+    fn read(&self, file: &Path, at: &At<'_>) -> Option<Surface> {
+        let bytes = at.read_file("file", file)?;
+        let full = at.directory().join(file);
+        let named = |e: &dyn std::fmt::Display| format!("{}: {e}", full.display());
+        let read = match Format::of(file) {
+            Ok(Format::Step | Format::Iges) => self.cad_surface(file, &bytes),
+            Ok(format @ (Format::Stl | Format::Obj | Format::Ply | Format::Glb)) => {
+                self.fitted(file, &bytes, format, at)?
+            }
+            Ok(Format::Points) => Err(format!(
+                "points alone make no body; fit a surface first: palpate import {}",
+                file.display()
+            )),
+            // Whatever its name is.
+            Ok(Format::Json) | Err(_) => std::str::from_utf8(&bytes)
+                .map_err(|e| e.to_string())
+                .and_then(|text| surface::file::read(text).map_err(|e| e.to_string())),
+        };
+        at.key("file").take(read.map_err(|e| named(&e)))
+    }
+
+    fn cad_surface(&self, file: &Path, bytes: &[u8]) -> Result<Surface, String> {
+        let format = Format::of(file).map_err(|e| e.to_string())?;
+        let pick = self.index.map_or(Pick::First, Pick::Index);
+        let read = exchange::read_surface(bytes, format, pick).map_err(|e| e.to_string())?;
+        if read.count > 1 && self.index.is_none() {
+            return Err(format!(
+                "it has {} surfaces; choose one with index = 0 to {}",
+                read.count,
+                read.count - 1
+            ));
+        }
+        if read.left_out.is_any() {
+            return Err(format!(
+                "its surface alone is not the shape in the file; left out: {}. To take the whole surface nevertheless: \
+                 palpate surface convert {} {} --ignore-trims",
+                read.left_out,
+                file.display(),
+                file.with_extension("json").display()
+            ));
+        }
+        Ok(read.surface)
+    }
+
+    /// A closed surface near the triangles of a file, within the tolerance. `None`: a problem at
+    /// another key.
+    fn fitted(
+        &self,
+        file: &Path,
+        bytes: &[u8],
+        format: Format,
+        at: &At<'_>,
+    ) -> Option<Result<Surface, String>> {
+        let unit = match (self.unit, format) {
+            (Some(MeshUnit::Mm), _) => Unit::Millimetre,
+            (Some(MeshUnit::M), _) | (None, Format::Glb) => Unit::Metre,
+            (None, _) => {
+                return at.refused(format!(
+                    "{} does not give its unit; add unit = \"mm\" or unit = \"m\"",
+                    file.display()
+                ));
+            }
+        };
+        let spec = CloudSpec {
+            closed: true,
+            counts: self.net.unwrap_or(FITTED_NET),
+            ..CloudSpec::default()
+        };
+        let fit = || {
+            let mesh = exchange::read_mesh(bytes, format, unit).map_err(|e| e.to_string())?;
+            let shell = Shell::of(&mesh).ok_or("its triangles have no area")?;
+            let fitted = Surface::fitted_to_shell(&shell, &spec).map_err(|e| e.to_string())?;
+            let apart_m = fitted.surface.apart_from(&shell).largest_m();
+            let most_m = FIT_TOLERANCE * shell.census().size_m;
+            if apart_m > most_m {
+                return Err(format!(
+                    "the fitted surface is up to {apart_m:.3e} m away from the triangles, more than {most_m:.3e} m; \
+                     give a finer net, such as net = [20, 20], or fit it with palpate import {}",
+                    file.display()
+                ));
+            }
+            Ok(fitted.surface)
+        };
+        Some(fit())
     }
 
     fn builtin(&self, name: &str, at: &At<'_>) -> Option<Surface> {
@@ -44,14 +154,27 @@ impl SurfaceSpec {
         let Some(file) = &self.file else {
             return Some(());
         };
-        let bytes = at.read_file("file", file)?;
-        let mut document: serde_json::Value =
-            at.key("file").take(serde_json::from_slice(&bytes))?;
+        let is_json = Format::of(file).is_ok_and(|format| format == Format::Json);
+        let mut document: serde_json::Value = if is_json {
+            let bytes = at.read_file("file", file)?;
+            at.key("file").take(serde_json::from_slice(&bytes))?
+        } else {
+            let text = surface::file::write(&self.read(file, at)?, Unit::Metre);
+            at.key("file").take(serde_json::from_str(&text))?
+        };
         // TOML, as which recordings keep the scene, has no null; absent says the same.
         if let Some(fields) = document.as_object_mut() {
             fields.retain(|_, value| !value.is_null());
         }
-        (self.file, self.inline) = (None, Some(document));
+        *self = Self {
+            builtin: None,
+            net: None,
+            size: None,
+            file: None,
+            index: None,
+            unit: None,
+            inline: Some(document),
+        };
         Some(())
     }
 }

@@ -196,6 +196,15 @@ impl RowSet {
         &self.rows[self.pair_start..]
     }
 
+    /// Takes the rows of the present pair away.
+    pub fn drop_pair(&mut self) {
+        self.rows.truncate(self.pair_start);
+        let ends = |row: &Row| row.on_body.end.max(row.on_holder.end) as usize;
+        let used = self.rows.iter().map(ends).fold(0, usize::max);
+        self.controls.truncate(used);
+        self.weights.truncate(used);
+    }
+
     /// True when the present pair may not have more rows.
     fn full(&self) -> bool {
         self.rows.len() == self.most || self.rows.len() - self.pair_start == MAX_ROWS_PER_PAIR

@@ -1,6 +1,7 @@
 //! Bodies against each other, and against themselves.
 
 use super::feet::{MAX_FEET, margin_m, meet, moving, push_between, view};
+use super::meeting::Meeting;
 use super::{SceneState, Scratch};
 use crate::scene::Scene;
 use crate::solve::row_key::RowKey;
@@ -16,6 +17,9 @@ const FOLD: f64 = 5e-3;
 /// other stay below 5e-4; a crushed ball on a sheet, whose surface turns over, sees the sheet's far end
 /// 0.33 of that size inside and more.
 const SUDDEN: f64 = 0.02;
+
+/// A contact this near to a foot of the last tick, relative to the size of the smaller body, is that foot.
+const SAME: f64 = 0.05;
 
 /// A body against another, the holder: every contact of both surfaces, and samples of each inside
 /// the other.
@@ -68,9 +72,7 @@ pub(super) fn bodies(
         proxy.touch();
     }
     let views = [view(my_body, mine), view(their_body, theirs)];
-    for (k, contact) in contacts.iter().take(MAX_FEET).enumerate() {
-        push_between(rows, p, pair, RowKey::foot(k), contact, &views, margin);
-    }
+    let steps = [mine.step, theirs.step];
     if let Some(view) = views[0].as_ref().filter(|_| !contacts.is_empty()) {
         let bounds = theirs.bounds;
         let look = |x: &Point3| look_at(contacts, x, margin, &theirs.surface, &theirs.solver);
@@ -101,6 +103,7 @@ pub(super) fn bodies(
                 RowKey::sample(hit.index),
                 &contact,
                 &views,
+                &steps,
                 margin,
             );
         }
@@ -149,10 +152,22 @@ pub(super) fn bodies(
                 RowKey::of_owner(hit.index),
                 &contact,
                 &views,
+                &steps,
                 margin,
             );
         }
     }
+    let meeting = Meeting {
+        p,
+        pair,
+        parts: mine,
+        views,
+        steps,
+        margin_m: margin,
+        same_m: SAME * my_body.size_m.min(their_body.size_m),
+    };
+    let warm = &state.warm[..state.warm_len];
+    meeting.push_feet(rows, contacts, warm);
 }
 
 /// A body against itself: the places where it meets itself from outside.
@@ -179,8 +194,18 @@ pub(super) fn itself(scene: &Scene, scratch: &mut Scratch, p: usize) {
     );
     let view = view(body, parts);
     let views = [view, view];
+    let steps = [parts.step; 2];
     for (k, contact) in pairs[p].set.contacts().iter().take(MAX_FEET).enumerate() {
-        push_between(rows, p, pair, RowKey::foot(k), contact, &views, margin);
+        push_between(
+            rows,
+            p,
+            pair,
+            RowKey::foot(k),
+            contact,
+            &views,
+            &steps,
+            margin,
+        );
     }
 }
 

@@ -26,12 +26,18 @@ impl Scene {
                 let old = &from.bodies[old];
                 if let (Some(new), Some(old)) = (&mut new.deformable, &old.deformable) {
                     new.clone_from(old);
+                    if new.is_left_alone() {
+                        new.leave_alone(false);
+                    }
                     if moved != Vector3::zeros() {
                         new.positions.iter_mut().for_each(|p| *p += moved);
                     }
                 }
                 new.loads.clone_from(&old.loads);
                 (new.moved_m, new.phase) = (old.moved_m, old.phase);
+                if let (Some(new), Some(old)) = (&mut new.rigid, &old.rigid) {
+                    *new = old.moved(&moved);
+                }
             }
             new.revision = revision;
         }

@@ -4,7 +4,7 @@
 use super::feet::margin_m;
 use super::record::{ContactReport, TickFault, TickOutput, ToolOutput};
 use super::{SceneState, Scratch, ToolState, WarmRow, flags};
-use super::{grip, load, stick};
+use super::{grip, load, rest, stick};
 use crate::haptics::{LinkPhase, Motion, RenderedForce, Wrench, limit};
 use crate::scene::{BodyModel, Scene};
 use crate::solve::friction::FrictionLaw;
@@ -121,6 +121,9 @@ pub(super) fn emit(
                 .push(report(row, -scratch.gap_after(i), push), scene.tools.len());
         }
     }
+    for (_, report) in &scratch.rest.reports {
+        output.contacts.push(*report, scene.tools.len());
+    }
     for t in 0..scene.tools.len() {
         grip::take(scene, state, scratch, t, &mut output.tools[t]);
     }
@@ -210,7 +213,8 @@ fn is_near(scene: &Scene, row: &Row, gap_m: f64) -> bool {
 /// Forces of all rows on the bodies, and the warm start of the next tick.
 fn load_bodies(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch) {
     state.warm_len = 0;
-    state.warm_friction = scratch.friction.is_active();
+    let rubs = |kept: &WarmRow| scene.pairs[kept.id.pair as usize].friction.is_some();
+    state.warm_friction = scratch.friction.is_active() || scratch.rest.rows.iter().any(rubs);
     state.warm_arms = false;
     for i in 0..scratch.rows.rows.len() {
         let row = scratch.rows.rows[i];
@@ -247,4 +251,5 @@ fn load_bodies(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch) {
         state.warm_len += 1;
         load::push_bodies(scene, scratch, i, |_| true);
     }
+    rest::merge(state, &scratch.rest);
 }

@@ -1,6 +1,7 @@
 //! From contacts to rows: which parties hold them, and how far free motion takes each.
 
 use super::BodyScratch;
+use super::rigid::RigidStep;
 use crate::scene::{Body, BodyModel, Pair};
 use crate::solve::friction::FrictionLaw;
 use crate::solve::row_key::{RowId, RowKey};
@@ -36,7 +37,7 @@ pub(super) fn view<'a>(body: &'a Body, parts: &'a BodyScratch) -> Option<Deformi
 /// How far free motion takes any control point of a body within the tick, m.
 pub(super) fn moving(body: &Body, parts: &BodyScratch) -> f64 {
     let Some(view) = view(body, parts) else {
-        return 0.0;
+        return parts.step.most_m;
     };
     let pairs = view.surface.net().points().iter().zip(view.predicted);
     pairs
@@ -68,6 +69,8 @@ pub(super) struct Way {
     pub twisted: Vector3,
     /// Its lever arms count: it is not a ball.
     pub has_arms: bool,
+    /// How far the body goes, when it is rigid.
+    pub under: RigidStep,
 }
 
 impl Way {
@@ -124,7 +127,12 @@ pub(super) fn push_foot(
                 margin,
             );
         }
-        None => rows.push(row, Grip::Fixed, Grip::Carried(carried), margin),
+        None => rows.push(
+            row,
+            carried_by(&way.under, &contact.on_body),
+            Grip::Carried(carried),
+            margin,
+        ),
     }
 }
 
@@ -170,6 +178,7 @@ pub(super) fn push_anchor(
     key: RowKey,
     contact: &Contact,
     view: Option<&DeformingView<'_>>,
+    under: &RigidStep,
     (away, arm): (Vector3, Vector3),
     limit_n: f64,
 ) {
@@ -180,7 +189,8 @@ pub(super) fn push_anchor(
         ..row(p, pair, key, contact)
     };
     let mine = view.map(|view| (view, windows(view, contact.u, contact.v)));
-    rows.push(row, grip_of(&mine), Grip::Fixed, f64::INFINITY);
+    let body = grip_of(&mine, under, &contact.on_body);
+    rows.push(row, body, Grip::Fixed, f64::INFINITY);
 }
 
 /// A row between two bodies, `views[0]` of the pair's body and `views[1]` of its holder.
@@ -191,6 +201,7 @@ pub(super) fn push_between(
     key: RowKey,
     contact: &Contact,
     views: &[Option<DeformingView<'_>>; 2],
+    steps: &[RigidStep; 2],
     margin: f64,
 ) {
     let Some([s, t]) = contact.tool_uv else {
@@ -201,7 +212,9 @@ pub(super) fn push_between(
         .as_ref()
         .map(|view| (view, windows(view, contact.u, contact.v)));
     let theirs = views[1].as_ref().map(|view| (view, windows(view, s, t)));
-    rows.push(row, grip_of(&mine), grip_of(&theirs), margin);
+    let body = grip_of(&mine, &steps[0], &contact.on_body);
+    let holder = grip_of(&theirs, &steps[1], &contact.on_tool);
+    rows.push(row, body, holder, margin);
 }
 
 type Windows = (
@@ -209,10 +222,22 @@ type Windows = (
     palpate_geometry::basis::BasisWindow,
 );
 
-fn grip_of<'a>(side: &'a Option<(&'a DeformingView<'a>, Windows)>) -> Grip<'a> {
+fn grip_of<'a>(
+    side: &'a Option<(&'a DeformingView<'a>, Windows)>,
+    step: &RigidStep,
+    point: &Point3,
+) -> Grip<'a> {
     match side {
         Some((view, windows)) => Grip::Deforming(view, &windows.0, &windows.1),
-        None => Grip::Fixed,
+        None => carried_by(step, point),
+    }
+}
+
+/// A point of a rigid body.
+fn carried_by<'a>(step: &RigidStep, point: &Point3) -> Grip<'a> {
+    match step.most_m > 0.0 {
+        true => Grip::Carried(step.at(point)),
+        false => Grip::Fixed,
     }
 }
 

@@ -14,7 +14,7 @@ use super::feet::{MAX_FEET, Way, margin_m, meet, moving, push_foot, push_sample,
 use super::follow::{Follow, Treader, push_feet};
 use super::manifold::{Stance, push_manifold};
 use super::{BodyScratch, PairState, SceneState, Scratch};
-use super::{grip, stick};
+use super::{grip, rest, stick};
 use crate::haptics::LinkPhase;
 use crate::scene::{Body, BodyModel, Pair, Scene, Tool};
 use crate::solve::proxy::BallContact;
@@ -57,11 +57,18 @@ pub(super) fn gather(scene: &Scene, state: &mut SceneState, scratch: &mut Scratc
     }
     super::near::find(scene, state, scratch);
     grip::update(scene, state, scratch);
+    rest::settle(scene, state, scratch);
+    scratch.rest.rows.clear();
     for (p, pair) in scene.pairs.iter().enumerate() {
         scratch.rows.begin_pair();
         if let Some(t) = pair.tool() {
             grip::push_anchors(scene, state, scratch, p, t);
         }
+        if rest::lies(state, scratch, pair) {
+            rest::keep(scene, state, scratch, p);
+            continue;
+        }
+        rest::wake(scratch, p);
         if !scratch.near.is_near(p) {
             let (low, high) = &scratch.bodies[pair.body].bounds;
             let place = reference(scratch, pair);
@@ -170,6 +177,7 @@ fn ball(
         slipped: slipped(touched, held.centre - last),
         twisted: Vector3::zeros(),
         has_arms: false,
+        under: parts.step,
     };
     let feet = std::iter::once(&first).chain(set.contacts().iter().filter(same));
     let view = view(body, parts);
@@ -353,6 +361,7 @@ fn shape(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch, p: usize,
         slipped: slipped(touched, slid),
         twisted: slipped(touched, twisted),
         has_arms: tool.shape.ball_radius_m().is_none(),
+        under: parts.step,
     };
     let view = view(body, parts);
     let mut every = 1;

@@ -99,6 +99,7 @@ pub(super) fn push_anchors(
             RowKey::Anchor(anchor.number as u8),
             &contact,
             view(body, parts).as_ref(),
+            &parts.step,
             (away, arm),
             limit_n,
         );

@@ -140,6 +140,9 @@ pub(super) fn push_bodies(
         if !wanted(model) {
             continue;
         }
+        if row.tool().is_some() {
+            model.deformable.handle(&mut deforming.deformable);
+        }
         for (sign, range) in row.sides_on(body as usize) {
             let force = match whole {
                 Some(push) => push * (sign * factor),

@@ -6,6 +6,7 @@
 //! ```
 
 mod admit;
+mod audit;
 mod balance;
 mod between;
 mod by_tool;
@@ -21,10 +22,13 @@ mod grip;
 mod iterate;
 mod load;
 mod manifold;
+mod meeting;
 mod motion;
 mod near;
 pub mod quality;
 pub mod record;
+mod rest;
+mod rigid;
 mod scratch;
 pub mod stage;
 mod state;
@@ -32,6 +36,7 @@ mod step;
 mod stick;
 
 pub use frame::FrameState;
+pub use rigid::{RigidState, Sent};
 pub use scratch::{BodyScratch, Scratch};
 pub use state::{BodyState, PairState, Pipeline, RunState, SceneState, ToolState, WarmRow};
 pub use step::{apply, deform, hash, render, restore, step, step_into};

@@ -21,6 +21,7 @@ enum Stepped {
 /// finite.
 pub(super) fn advance(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch) -> bool {
     let mut sound = true;
+    super::rigid::advance(scene, state, scratch);
     scene.follow_frame(state);
     let field = scene.field(state);
     for (b, body) in scene.bodies.iter().enumerate() {

@@ -60,6 +60,18 @@ pub enum Command {
     Stop,
     /// Do less a tick, or again more: a level of [`crate::tick::quality`].
     Quality(u8),
+    /// A rigid body that can move goes to a place, from rest to rest, and stays there; until a reset
+    /// neither its motion nor its tool moves it any more.
+    Send {
+        /// Index of the body.
+        body: u32,
+        /// Origin of its frame, m.
+        position: Point3,
+        /// Of its frame.
+        rotation: Rotation,
+        /// In so many ticks, or in more where that would be faster than 10 m/s or 100 rad/s.
+        ticks: u32,
+    },
 }
 
 /// A contact that carries force this tick.

@@ -1,6 +1,8 @@
 //! Buffers of a step, made anew from the state.
 
 use super::balance;
+use super::rest::Rest;
+use super::rigid::{self, RigidScratch, RigidStep};
 use super::state::{Pipeline, SceneState};
 use crate::body::DeformableScratch;
 use crate::scene::{Body, BodyModel, Pair, Scene};
@@ -27,6 +29,7 @@ pub struct Scratch {
     /// By pair.
     pub(super) pairs: Vec<Narrow>,
     pub(super) near: Near,
+    pub(super) rest: Rest,
     pub(super) rows: RowSet,
     /// Samples of one pair in touch.
     pub(super) hits: Vec<SampleInTouch>,
@@ -52,22 +55,6 @@ pub struct Scratch {
 }
 
 impl Scratch {
-    /// TEMP
-    pub fn probe(&self) -> Vec<(crate::solve::row_key::RowKey, f64, f64, f64)> {
-        self.rows
-            .rows
-            .iter()
-            .enumerate()
-            .map(|(i, r)| {
-                (
-                    r.id.key,
-                    self.problem.forces()[i],
-                    r.gap_m,
-                    self.problem.entry(i, i),
-                )
-            })
-            .collect()
-    }
     /// Lets bodies that take several ticks step elsewhere.
     pub fn set_pipeline(&mut self, pipeline: Box<dyn Pipeline>) {
         self.pipeline = Some(pipeline);
@@ -145,6 +132,9 @@ pub struct BodyScratch {
     /// Box of the net now and after free motion: the surface stays in it through the tick.
     pub(super) bounds: (Point3, Point3),
     pub(super) deforming: Option<DeformingScratch>,
+    /// How far it goes in the tick under way, when it is rigid and moves.
+    pub(super) step: RigidStep,
+    pub(super) rigid: Option<Box<RigidScratch>>,
 }
 
 impl BodyScratch {
@@ -209,6 +199,9 @@ impl Scene {
             surface: body.surface.clone(),
             solver: ClosestSolver::new(&body.surface),
             bounds: box_of(body.surface.net().points()),
+            step: RigidStep::NONE,
+            rigid: (body.mover.as_ref())
+                .map(|mover| RigidScratch::new(mover, body.surface.net().points())),
             deforming: match &body.model {
                 BodyModel::Rigid => None,
                 BodyModel::Deforming(model) => Some(DeformingScratch {
@@ -232,6 +225,7 @@ impl Scene {
             bodies: bodies.collect(),
             pairs: self.pairs.iter().map(|pair| self.narrow(pair)).collect(),
             near: Near::new(self),
+            rest: Rest::new(self),
             rows: RowSet::new(most_rows, self.tools.len(), width),
             hits: Vec::with_capacity(MAX_ROWS_PER_PAIR),
             problem: Complementarity::new(most_rows),
@@ -259,6 +253,7 @@ impl Scene {
     /// Brings buffers that have been through ticks in line with another state of the scene: what
     /// they compute from here on has the bits that new ones would compute. Allocates nothing.
     pub(super) fn reuse_scratch(&self, state: &SceneState, scratch: &mut Scratch) {
+        scratch.rest.forget();
         for body in 0..self.body_count() {
             let deforming = scratch.bodies[body].deforming.as_mut();
             if let (Some(deformable), Some(deforming)) = (self.deformable(body), deforming) {
@@ -288,6 +283,10 @@ impl Scene {
         scratch: &mut Scratch,
         predicted: bool,
     ) {
+        if let (Some(mover), Some(rigid)) = (&self.bodies[body].mover, &state.bodies[body].rigid) {
+            let rest = self.bodies[body].surface.net().points();
+            rigid::prepare(mover, rest, rigid, &mut scratch.bodies[body]);
+        }
         let BodyModel::Deforming(model) = &self.bodies[body].model else {
             return;
         };
@@ -296,6 +295,7 @@ impl Scene {
             solver,
             bounds,
             deforming,
+            ..
         } = &mut scratch.bodies[body];
         let (Some(deforming), Some(deformable)) = (deforming, &state.bodies[body].deformable)
         else {
@@ -328,7 +328,7 @@ impl Scene {
 }
 
 /// Least and greatest coordinates.
-fn box_of(points: &[Point3]) -> (Point3, Point3) {
+pub(super) fn box_of(points: &[Point3]) -> (Point3, Point3) {
     let infinite = Point3::from([f64::INFINITY; 3]);
     points.iter().fold((infinite, -infinite), |(low, high), p| {
         (low.inf(p), high.sup(p))

@@ -2,6 +2,7 @@
 
 use super::frame::FrameState;
 use super::quality;
+use super::rigid::RigidState;
 use crate::body::{DeformableState, Field};
 use crate::haptics::{DeviceBounds, Link, Port};
 use crate::scene::{BodyModel, Scene};
@@ -73,6 +74,8 @@ pub struct BodyState {
     /// (coordinates), N: contact forces of the tick in which that step began; empty for bodies that
     /// step every tick.
     pub loads: Vec<Vector3>,
+    /// Where it is, when it is rigid and moves.
+    pub rigid: Option<RigidState>,
 }
 
 /// Steps of bodies on other threads: begun with the loads of one tick, taken over some ticks later,
@@ -156,6 +159,7 @@ impl Scene {
                 moved_m: 0.0,
                 phase: 0,
                 loads: Vec::new(),
+                rigid: body.mover.as_ref().map(RigidState::start),
             },
             BodyModel::Deforming(model) => BodyState {
                 deformable: Some(model.deformable.rest_state()),
@@ -170,6 +174,7 @@ impl Scene {
                         0
                     }
                 ],
+                rigid: None,
             },
         });
         let tools = self.tools.iter().map(|tool| {
@@ -273,7 +278,9 @@ impl Clone for BodyState {
             moved_m,
             phase,
             loads,
+            rigid,
         } = self;
+        *rigid = from.rigid;
         // `Option` hands its value's own `clone_from` on.
         deformable.clone_from(&from.deformable);
         (*revision, *moved_m, *phase) = (from.revision, from.moved_m, from.phase);
@@ -290,8 +297,24 @@ impl SceneState {
                     *point = deformable.positions[model.deformable.coordinate_of_control(control)];
                 }
             }
-            _ => out.copy_from_slice(scene.bodies[body].surface.net().points()),
+            _ => {
+                let rest = scene.bodies[body].surface.net().points();
+                match (&scene.bodies[body].mover, &self.bodies[body].rigid) {
+                    (Some(mover), Some(rigid)) => {
+                        for (point, rest) in out.iter_mut().zip(rest) {
+                            *point = rigid.carry(mover, rest);
+                        }
+                    }
+                    _ => out.copy_from_slice(rest),
+                }
+            }
         }
+    }
+
+    /// Coordinates of a deforming body now, m: of its nodes, by [`Deformable::nodes`](crate::body::Deformable::nodes).
+    pub fn coordinates(&self, body: usize) -> Option<&[Point3]> {
+        let deformable = self.bodies[body].deformable.as_ref()?;
+        Some(&deformable.positions)
     }
 
     /// Size of the largest state of this scene: contact rows and grips come and go.
@@ -419,6 +442,7 @@ stateful!(BodyState, |this, walk| {
         moved_m,
         phase,
         loads,
+        rigid,
     } = this;
     walk.word(revision)?;
     walk.float(moved_m)?;
@@ -428,6 +452,9 @@ stateful!(BodyState, |this, walk| {
             walk.coded("phase of a body's step", phase)?;
             walk.triples(loads)?;
         }
+    }
+    if let Some(rigid) = rigid {
+        walk.part(rigid)?;
     }
     Ok(())
 });

@@ -2,7 +2,7 @@
 
 use super::record::{Command, TickFault, TickInput, TickOutput};
 use super::{RunState, SceneState, Scratch, flags, quality};
-use super::{admit, balance, emit, gather, iterate, motion};
+use super::{admit, balance, emit, gather, iterate, motion, rigid};
 use crate::scene::Scene;
 use palpate_geometry::math::{SavedState, StateError, state_hash};
 
@@ -80,6 +80,7 @@ pub fn render(
     (output.tick, output.moving, output.quality) = (state.tick, moving, state.quality);
     let wanted = state.run == RunState::Running;
     admit::admit(scene, state, input, wanted, output);
+    rigid::aim(scene, state, scratch, moving);
     gather::gather(scene, state, scratch);
     balance::solve(scene, state, scratch);
     iterate::iterate(scene, state, scratch);
@@ -152,6 +153,17 @@ pub fn apply(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch, comma
             }
         }
         Command::Quality(level) => state.quality = level.min(quality::LOWEST),
+        Command::Send {
+            body,
+            position,
+            rotation,
+            ticks,
+        } => {
+            let body = state.bodies.get_mut(body as usize);
+            if let Some(rigid) = body.and_then(|body| body.rigid.as_mut()) {
+                rigid.send((position, rotation), ticks, scene.dt_s);
+            }
+        }
     }
 }
 

@@ -142,7 +142,10 @@ pub(super) fn kept(i: usize, scratch: &Scratch) -> Stick {
 fn predicted(rows: &mut RowSet, body: &Body, parts: &BodyScratch, u: f64, v: f64) -> Point3 {
     match view(body, parts) {
         Some(view) => rows.predicted_point(&view, u, v),
-        None => parts.surface.point(u, v),
+        None => {
+            let point = parts.surface.point(u, v);
+            point + parts.step.at(&point)
+        }
     }
 }
 

@@ -97,6 +97,14 @@ fn a_value_out_of_range_names_its_line() {
             "8:13: cells_per_span is 9; it must be 1 to 8",
         ),
         (
+            "lattice = { layers = 1000000000 }",
+            "8:13: layers is 1000000000; it must be 1 to 64",
+        ),
+        (
+            "lattice = { refine = [1000, 1000] }",
+            "8:13: 1000 x 1000 points in 4 layers are more than 64000 nodes",
+        ),
+        (
             "lattice = { cell_layers = 0 }",
             "8:13: cell_layers is 0; it must be 1 to 64",
         ),

@@ -666,3 +666,105 @@ fn a_cone_deep_in_a_soft_body_is_held_without_a_tremble() {
         assert!(worst < 0.04, "{model}: {worst} N in one tick");
     }
 }
+
+#[test]
+fn a_body_starts_with_the_velocity_and_the_spin_of_its_scene() {
+    let text = |more: &str| {
+        format!(
+            "[[body]]\nid = \"ball\"\nsurface = {{ builtin = \"sphere\", net = [8, 8], size = 0.03 }}\nmodel = \"continuum\"\n\
+             pose = {{ position = [0.1, 0.0, 0.2] }}\nlattice = {{ layers = 3, refine = \"none\" }}\n{more}\n[[tool]]\nid = \"pen\"\n\
+             shape = {{ point = {{}} }}\npose = {{ position = [0.0, 0.0, 10.0] }}\n"
+        )
+    };
+    let mut world = World::new(&text(
+        "velocity_m_s = [0.3, -0.2, 0.1]\nspin_rad_s = [0.0, 0.0, 20.0]",
+    ));
+    let masses = world.scene.deformable(0).unwrap().masses().to_vec();
+    let rest = body(&world).positions.clone();
+    let launched = momentum(&masses, &rest, &body(&world).velocities);
+    let mass: f64 = masses.iter().sum();
+    let wanted = Vector3::new(0.3, -0.2, 0.1) * mass;
+    assert!((launched.linear - wanted).norm() < 1e-12 * wanted.norm());
+    let wanted = inertia(&masses, &rest) * Vector3::new(0.0, 0.0, 20.0);
+    assert!((launched.angular - wanted).norm() < 1e-9 * wanted.norm());
+    for _ in 0..500 {
+        world.at_in_place([0.0, 0.0, 10.0]);
+    }
+    let [linear, angular] = lost(&world, &launched);
+    assert!(linear < 1e-10 && angular < 1e-9, "{linear:e} {angular:e}");
+
+    let refused = |more: &str| {
+        palpate_sim::scene::file::parse(&text(more), "s.toml", std::path::Path::new("."))
+            .and_then(|loaded| loaded.build())
+            .map_or_else(|error| error.to_string(), |_| String::new())
+    };
+    for (more, why) in [
+        (
+            "velocity_m_s = [0.0, 0.0, 1.0]\nfixed = [{ point = [0.0, 0.0, 0.0], normal = [0.0, 0.0, -1.0] }]",
+            "7:1: only a body that nothing holds starts with a velocity",
+        ),
+        (
+            "velocity_m_s = [0.0, 0.0, nan]",
+            "velocity_m_s is [0.0, 0.0, NaN]; it must be no longer than 100 m/s",
+        ),
+        (
+            "spin_rad_s = [0.0, 1e9, 0.0]",
+            "7:1: spin_rad_s is [0.0, 1000000000.0, 0.0]; it must be no longer than 1000 rad/s",
+        ),
+    ] {
+        let said = refused(more);
+        println!("{said}");
+        assert!(said.contains(why), "{more}: {said}");
+    }
+}
+
+#[test]
+fn an_explicit_body_without_damping_that_was_hit_makes_no_energy_and_keeps_its_volume() {
+    // Cells that are held back pump: before, this body had 800 times its energy and no volume after 2 s.
+    let mut world = World::new(
+        r#"
+[[body]]
+id = "drop"
+surface = { builtin = "teardrop", net = [8, 8] }
+model = "continuum"
+material = { young_pa = 20e3, density_kg_m3 = 1000.0, damping_s = 0.0, poisson = 0.3 }
+integrator = { method = "explicit", sleep_m_s = 0.0 }
+lattice = { layers = 2, refine = "none" }
+[[tool]]
+id = "ball"
+shape = { sphere = { radius_m = 0.01 } }
+pose = { position = [0.06, 0.003, 0.045] }
+"#,
+    );
+    let rest = world.scene.rest_surface(0).clone();
+    let energy = |world: &World| {
+        let constants = world.scene.deformable(0).unwrap();
+        let moving = constants.masses().iter().zip(&body(world).velocities);
+        let kinetic: f64 = moving.map(|(m, v)| 0.5 * m * v.norm_squared()).sum();
+        constants.energy_j(body(world)) + kinetic
+    };
+    let mut after_hit = 0.0;
+    for k in 0..3_000 {
+        let x = match k {
+            ..=330 => 0.06 - 0.04 * ((f64::from(k) - 300.0) / 30.0).max(0.0),
+            331..=360 => 0.02,
+            _ => 0.3,
+        };
+        world.at_in_place([x, 0.003, 0.045]);
+        if k == 500 {
+            after_hit = energy(&world);
+        }
+    }
+    let mut now = rest.clone();
+    world
+        .state
+        .copy_net(&world.scene, 0, now.net_mut().points_mut());
+    let volume = now.volume() / rest.volume();
+    let grown = energy(&world) / after_hit;
+    println!(
+        "{after_hit:.3e} J after the hit, {grown:.4} of that later, {volume:.4} of the volume"
+    );
+    assert!(after_hit > 1e-3, "it was not hit: {after_hit:e} J");
+    assert!((0.5..1.01).contains(&grown), "{grown} of its energy");
+    assert!((volume - 1.0).abs() < 0.02, "{volume} of its volume");
+}

@@ -486,3 +486,27 @@ fn a_tick_of_64_tools_allocates_nothing() {
         assert_eq!(count, 0);
     }
 }
+
+/// A plate goes up and down by a script under a ball, another is carried by a tool.
+#[test]
+fn a_tick_with_rigid_bodies_that_move_allocates_nothing() {
+    let mut world = World::new(
+        "[[body]]\nid = \"plate\"\nsurface = { builtin = \"sheet\" }\n\
+         motion = { repeat = true, waypoint = [ { time_s = 0.0, position = [0.0, 0.0, 0.0] }, { time_s = 0.4, position = [0.0, 0.0, 0.01] }, { time_s = 0.8, position = [0.0, 0.0, 0.0] } ] }\n\
+         [[body]]\nid = \"tray\"\nsurface = { builtin = \"sheet\" }\npose = { position = [0.0, 0.0, -0.1] }\ncarried_by = \"hand\"\n\
+         [[tool]]\nid = \"hand\"\nshape = { point = {} }\n[[tool]]\nid = \"ball\"\nshape = { sphere = { radius_m = 0.01 } }\npose = { position = [0.0, 0.0, 0.02] }\n",
+    );
+    for _ in 0..5 {
+        world.all_in_place(&[([0.0; 3], 0), ([0.0, 0.0, 0.015], 0)]);
+    }
+    let mut touched = 0;
+    let count = allocations(|| {
+        for k in 0..1_600 {
+            let aside = 1e-5 * f64::from(k);
+            let out = world.all_in_place(&[([aside, 0.0, 0.0], 0), ([0.0, 0.0, 0.015], 0)]);
+            touched += u32::from(out.tools[1].contact.is_some());
+        }
+    });
+    assert!((400..1_400).contains(&touched), "{touched} ticks in touch");
+    assert_eq!(count, 0);
+}

@@ -6,9 +6,11 @@ import {
 } from "three";
 import type { Body } from "../world";
 import { Bounds } from "../geometry";
+import { youngAt, type Inside } from "../inside";
 import { tessellationOf, type Tessellation } from "../surface/tessellate";
 import type { ColourBy } from "../settings";
 import { paint, type MapName, type Scale } from "./colour";
+import { LatticeView } from "./lattice";
 import type { Stage } from "./stage";
 
 /** Cells in each direction of a body that is alone. */
@@ -36,12 +38,16 @@ export class BodyView {
   private readonly restPositions: Float32Array;
   private readonly restNormals: Float32Array;
   private readonly inwards: number;
+  private lattice: LatticeView | null = null;
+  private young: Float32Array | null = null;
+  private readonly size: number;
   private moved = { net: -1, curved: false };
-  private measured = { net: -1, what: "", other: -1 };
+  private measured: { net: number; what: string; other: number; inside: Inside | null } = { net: -1, what: "", other: -1, inside: null };
   private painted = "";
 
   constructor(readonly body: Body, private readonly stage: Stage, private readonly number: number, many: number) {
     const { middle, size } = new Bounds().take(body.rest);
+    this.size = size;
     const target = Math.max(28, Math.round(CELLS / Math.sqrt(many)));
     const complete = body.rest.length === 3 * body.surface.u.count * body.surface.v.count;
     this.tessellation = complete ? tessellationOf(body.surface, middle as [number, number, number], target) : null;
@@ -123,7 +129,32 @@ export class BodyView {
     return group;
   }
 
-  setLayers(surface: boolean, lines: boolean, net: boolean, clipped: boolean): void {
+  /** Cells inside, made when they are first looked at. True while they are shown: the surface lets them be seen. */
+  private showLattice(on: boolean): boolean {
+    const { inside, nodes, nodesVersion } = this.body;
+    if (this.lattice !== null && this.lattice.inside !== inside) {
+      this.lattice.dispose();
+      this.lattice = null;
+      this.young = null;
+    }
+    // At rest nobody knows where nodes are by now: they are shown once they are told.
+    if (on && this.lattice === null && inside !== null && nodes !== null) {
+      const { x, y, z } = this.group.position;
+      this.lattice = new LatticeView(inside, [x, y, z], this.size);
+      this.group.add(this.lattice.group);
+    }
+    const shown = on && this.lattice !== null && nodes !== null && this.body.fault === null;
+    if (this.lattice !== null) this.lattice.group.visible = shown;
+    if (shown && nodes !== null) this.lattice?.place(nodes, nodesVersion);
+    return shown;
+  }
+
+  setLayers(surface: boolean, lines: boolean, net: boolean, lattice: boolean, clipped: boolean): void {
+    const seenThrough = this.showLattice(lattice);
+    const { material: skin } = this.surface;
+    if (skin.transparent !== seenThrough) {
+      [skin.transparent, skin.opacity, skin.depthWrite, skin.needsUpdate] = [seenThrough, seenThrough ? 0.28 : 1, !seenThrough, true];
+    }
     const whole = this.body.fault === null;
     this.surface.visible = surface && whole && this.tessellation !== null;
     // A body whose knots cannot be used is shown as its net.
@@ -163,8 +194,10 @@ export class BodyView {
     if (what === "difference") other?.move(what);
     const otherNet = what === "difference" && other !== null ? other.body.netVersion : -1;
     const { measured } = this;
-    if (measured.net === this.body.netVersion && measured.what === what && measured.other === otherNet) return;
-    this.measured = { net: this.body.netVersion, what, other: otherNet };
+    const { inside } = this.body;
+    if (measured.net === this.body.netVersion && measured.what === what && measured.other === otherNet && measured.inside === inside) return;
+    if (measured.inside !== inside) this.young = null;
+    this.measured = { net: this.body.netVersion, what, other: otherNet, inside };
     if (this.tessellation === null || this.body.fault !== null) return;
     this.measure(what, this.tessellation, other);
     this.painted = "";
@@ -175,6 +208,7 @@ export class BodyView {
     const { values, restPositions: rest, restNormals: normals } = this;
     const p = tess.positions;
     const compared = other?.tessellation?.positions;
+    const young = what === "stiffness" ? this.youngNow() : null;
     let [least, most] = [Infinity, -Infinity];
     for (let k = 0; k < values.length; k++) {
       const at = 3 * k;
@@ -185,6 +219,7 @@ export class BodyView {
       else if (what === "indentation") {
         value = Math.max(0, this.inwards * (dx * normals[at] + dy * normals[at + 1] + dz * normals[at + 2]));
       } else if (what === "curvature") value = this.inwards * tess.curvature[k];
+      else if (what === "stiffness") value = young?.[k] ?? 0;
       values[k] = value;
       if (value < least) least = value;
       if (value > most) most = value;
@@ -196,6 +231,15 @@ export class BodyView {
       most = sorted[Math.floor(0.98 * (sorted.length - 1))];
     }
     this.extent = values.length > 0 ? [least, most] : [0, 0];
+  }
+
+  /** Of the material at each vertex, Pa; that does not change with the net. */
+  private youngNow(): Float32Array | null {
+    const { inside } = this.body;
+    if (inside === null) return null;
+    const { x, y, z } = this.group.position;
+    this.young ??= youngAt(inside, this.restPositions, [x, y, z]);
+    return this.young;
   }
 
   paint(scale: Scale | null, what: ColourBy): void {
@@ -213,6 +257,7 @@ export class BodyView {
   }
 
   dispose(): void {
+    this.lattice?.dispose();
     this.geometry.dispose();
     this.surface.material.dispose();
     this.lines.geometry.dispose();

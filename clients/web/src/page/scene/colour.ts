@@ -93,6 +93,7 @@ export function meaning(settings: Settings): Omit<Scale, "from" | "to"> | null {
     case "displacement": return { label: "Displacement", unit: "m", map: settings.map };
     case "indentation": return { label: "Indentation (inwards)", unit: "m", map: settings.map };
     case "curvature": return { label: "Mean curvature", unit: "1/m", map: "diverging" };
+    case "stiffness": return { label: "Young's modulus", unit: "Pa", map: settings.map };
     case "difference": return { label: "Difference of the two", unit: "m", map: settings.map };
     default: return null;
   }

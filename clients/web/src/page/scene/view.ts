@@ -91,7 +91,7 @@ export class WorldView {
     const clipped = settings.clip !== "off";
     for (const view of this.bodies) {
       view.paint(this.scale, what);
-      view.setLayers(settings.layers.surface, settings.layers.lines, settings.layers.net, clipped);
+      view.setLayers(settings.layers.surface, settings.layers.lines, settings.layers.net, settings.layers.lattice, clipped);
     }
     if (this.seen.settings !== version) {
       this.seen.settings = version;
@@ -115,6 +115,7 @@ export class WorldView {
       const top = this.range.follow(Math.max(Math.abs(lowest), Math.abs(highest)), 1e-3 / this.size, now, settings.lockRange);
       return { ...meant, from: -top, to: top };
     }
+    if (settings.colourBy === "stiffness") return { ...meant, from: 0, to: this.range.follow(highest, 1, now, settings.lockRange) };
     const least = settings.colourBy === "difference" ? 1e-6 * this.size : niceAbove(this.size / 200);
     return { ...meant, from: 0, to: this.range.follow(highest, least, now, settings.lockRange) };
   }

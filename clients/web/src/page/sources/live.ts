@@ -12,6 +12,7 @@ import {
 import { fetchSession, type Session } from "../session";
 import { happening } from "../words";
 import type { Outline, World } from "../world";
+import { insidesOf } from "../inside";
 import { callOf, frame, ofCall, ofText, openFrame, textOf } from "./frames";
 
 /** An answer of the loop to a request. */
@@ -23,6 +24,8 @@ export interface Answer {
 }
 
 const CALL_TIMEOUT_MS = 30_000;
+/** Other scenes come and go on the bus: the list is asked for so often while the page is looked at. */
+const NEIGHBOURS_MS = 8_000;
 
 export class Live {
   /** Told when the daemon refuses a tool or another write, in its words. */
@@ -35,7 +38,11 @@ export class Live {
   private nextCall = 1;
   private attempts = 0;
   private timer: ReturnType<typeof setTimeout> | undefined;
+  private neighbours: ReturnType<typeof setInterval> | undefined;
   private closed = false;
+  /** Nodes are wanted; cells have been asked for. */
+  private looking = false;
+  private insideAsked = false;
   /** Frames whose bytes were not what they should be. */
   malformed = 0;
 
@@ -69,7 +76,19 @@ export class Live {
     return this.session.instance ?? "default";
   }
 
+  /** Asks who else is on the bus. */
+  private async lookAround(): Promise<void> {
+    if (document.hidden || this.world.link !== "live") return;
+    const session = await fetchSession();
+    if (session === null || this.closed) return;
+    const { instances = [], pages = {} } = session;
+    this.session = { ...this.session, instances, pages };
+    this.world.instances = instances;
+  }
+
   start(): void {
+    clearInterval(this.neighbours);
+    this.neighbours = setInterval(() => void this.lookAround(), NEIGHBOURS_MS);
     this.world.instances = this.session.instances ?? [];
     const scheme = location.protocol === "https:" ? "wss" : "ws";
     const socket = new WebSocket(`${scheme}://${location.host}/live`);
@@ -83,6 +102,8 @@ export class Live {
       this.world.touch();
       void this.fetchOutlines();
       this.onOpen();
+      this.insideAsked = false;
+      if (this.looking) this.send("inside", Uint8Array.of(1));
     };
     socket.onmessage = (event) => {
       if (event.data instanceof ArrayBuffer) this.take(new Uint8Array(event.data));
@@ -92,6 +113,7 @@ export class Live {
 
   stop(): void {
     this.closed = true;
+    clearInterval(this.neighbours);
     clearTimeout(this.timer);
     this.socket?.close();
   }
@@ -146,6 +168,7 @@ export class Live {
     switch (part === undefined ? kind : `${kind}/${part}`) {
       case "scene": {
         world.load(decode(SceneSnapshot, payload));
+        if (world.insides.length === 0) this.insideAsked = false;
         void this.fetchOutlines();
         return;
       }
@@ -154,6 +177,7 @@ export class Live {
         world.body(net.body)?.takeNet(net.points, net.count_u, net.count_v, Number(net.tick));
         break;
       }
+      case "body/nodes": return this.takeNodes(id, payload);
       case "tool/force": return this.takeForce(id, decode(ToolForce, payload));
       case "tool/contact": {
         const tool = world.tool(id);
@@ -201,6 +225,36 @@ export class Live {
         return;
     }
     world.touch();
+  }
+
+  /** Looks inside bodies, or no longer: the daemon sends nodes while somebody does. */
+  lookInside(nodes: boolean, materials: boolean): void {
+    if (nodes !== this.looking) {
+      this.looking = nodes;
+      this.send("inside", Uint8Array.of(nodes ? 1 : 0));
+    }
+    if ((nodes || materials) && !this.insideAsked && this.world.link === "live") {
+      this.insideAsked = true;
+      void this.fetchInside();
+    }
+  }
+
+  private async fetchInside(): Promise<void> {
+    try {
+      const answer = await fetch("inside.json", { cache: "no-store" });
+      this.world.setInsides(insidesOf(await answer.json()));
+    } catch {
+      // Bodies are then drawn without.
+    }
+  }
+
+  private takeNodes(id: string, payload: Uint8Array): void {
+    const body = this.world.body(id);
+    if (body === undefined || payload.length < 8 || (payload.length - 8) % 12 !== 0) return;
+    // A copy begins where 32-bit numbers may.
+    body.nodes = new Float32Array(payload.slice(8).buffer);
+    body.nodesVersion += 1;
+    this.world.touch();
   }
 
   private takeForce(id: string, force: ToolForce): void {

@@ -15,11 +15,13 @@ function button(id: string, label: string, title: string, path: string, press: (
 export interface Saving {
   picture(): void;
   nets(): void;
+  step(): void;
 }
 
 const savers = (saving: Saving): HTMLElement => el("div", { class: "group push" },
   button("save-picture", "Picture", "Save the picture as PNG (P)", ICONS.picture, () => saving.picture()),
-  button("save-net", "Nets", "Save the surfaces as OBJ (O)", ICONS.save, () => saving.nets()));
+  button("save-net", "OBJ", "Save the surfaces as OBJ, triangles (O)", ICONS.save, () => saving.nets()),
+  button("save-step", "STEP", "Save the surfaces as STEP, exact (E)", ICONS.saveExact, () => saving.step()));
 
 const SPEEDS = [0.01, 0.05, 0.1, 0.25, 0.5, 1, 2, 5, 10];
 

@@ -56,5 +56,6 @@ export const ICONS = {
   snapshot: "M12 8v5l3 2M4 12a8 8 0 108-8 8 8 0 00-7 4M4 4v4h4",
   picture: "M4 7h4l2-2h4l2 2h4v12H4zM12 10a3 3 0 100 6 3 3 0 000-6z",
   save: "M12 4v11M7 11l5 5 5-5M4 20h16",
+  saveExact: "M4 13C8 3 14 13 20 4M12 9v8M8 13l4 4 4-4M4 21h16",
   loop: "M17 3l4 4-4 4M21 7H7a4 4 0 00-4 4M7 21l-4-4 4-4M3 17h14a4 4 0 004-4",
 } as const;

@@ -26,8 +26,8 @@ const RECORDED: Rows = [
 ];
 
 const VIEW: Rows = [
-  ["F", "fit to the scene"], ["0 1 2 3", "oblique, front, side, top"], ["+ -", "zoom"], ["V", "view panel"], ["N", "control nets"], ["C", "next colouring"],
-  ["D", "light, dark, as the system"], ["U", "sound"], ["P", "save the picture (PNG)"], ["O", "save the nets (OBJ)"], ["?", "this help"],
+  ["F", "fit to the scene"], ["0 1 2 3", "oblique, front, side, top"], ["+ -", "zoom"], ["V", "view panel"], ["N", "control nets"], ["B", "cells inside bodies"], ["C", "next colouring"],
+  ["D", "light, dark, as the system"], ["U", "sound"], ["P", "save the picture (PNG)"], ["O", "save the surfaces (OBJ)"], ["E", "save the surfaces (STEP)"], ["?", "this help"],
 ];
 
 /** `keys`: what stands at the left is keys, not words. */

@@ -4,7 +4,7 @@ import type { Axis, ColourBy, Layer, Settings, SettingsStore } from "../settings
 import { byId, el } from "./dom";
 
 const LAYERS: readonly (readonly [Layer, string])[] = [
-  ["surface", "surfaces"], ["lines", "lines"], ["net", "nets"], ["contacts", "contacts"], ["tools", "tools"], ["hands", "hands"],
+  ["surface", "surfaces"], ["lines", "lines"], ["net", "nets"], ["lattice", "cells"], ["contacts", "contacts"], ["tools", "tools"], ["hands", "hands"],
   ["forces", "forces"], ["torques", "torques"], ["labels", "numbers"], ["grid", "ground"], ["shadows", "shadows"],
 ];
 
@@ -63,6 +63,18 @@ export class LookPanel {
   offerDifference(on: boolean): void {
     const option = byId<HTMLSelectElement>("colour-by").querySelector<HTMLOptionElement>("option[value=difference]");
     if (option !== null) option.hidden = option.disabled = !on;
+  }
+
+  /** Cells are known of a running loop, materials wherever the server has the scene. */
+  offerInside(nodes: boolean, materials: boolean): void {
+    const box = this.boxes.get("lattice");
+    const option = byId<HTMLSelectElement>("colour-by").querySelector<HTMLOptionElement>("option[value=stiffness]");
+    if (box !== undefined && box.disabled === nodes) {
+      box.disabled = !nodes;
+      const label = box.parentElement;
+      if (label !== null) label.title = nodes ? "Nodes and cells inside bodies (B)" : "Nodes are known of a running loop: recordings hold control nets";
+    }
+    if (option !== null) option.hidden = option.disabled = !materials;
   }
 
   private show(): void {

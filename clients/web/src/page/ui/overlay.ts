@@ -102,7 +102,8 @@ export class Legend {
     if (scale !== null) {
       // One prefix for the whole scale.
       const step = niceAbove(Math.max(Math.abs(scale.from), scale.to));
-      const [factor, unit] = scale.unit !== "m" ? [1, scale.unit] : step >= 0.5 ? [1, "m"] : step > 5e-5 ? [1e3, "mm"] : [1e6, "µm"];
+      const [factor, unit] = scale.unit === "Pa" ? (step >= 1e6 ? [1e-6, "MPa"] : step >= 1e3 ? [1e-3, "kPa"] : [1, "Pa"])
+        : scale.unit !== "m" ? [1, scale.unit] : step >= 0.5 ? [1, "m"] : step > 5e-5 ? [1e3, "mm"] : [1e6, "µm"];
       setText(this.title, `${scale.label}, ${unit}`);
       this.map.style.backgroundImage = gradientOf(scale.map);
       setText(this.low, digits(scale.from * factor, 2));

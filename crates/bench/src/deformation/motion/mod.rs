@@ -107,7 +107,7 @@ fn failed(case: &str, method: &str, why: &str) -> Row {
 }
 
 /// The deforming body of a scene that has one, and its state.
-fn body(world: &World) -> Result<(&Deformable, &DeformableState), String> {
+pub(super) fn body(world: &World) -> Result<(&Deformable, &DeformableState), String> {
     let state = world.state.bodies.first();
     let parts = world
         .scene

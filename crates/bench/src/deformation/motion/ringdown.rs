@@ -4,6 +4,7 @@ use super::beam::{LENGTH_M, Strip};
 use super::path::{Swings, rms};
 use super::{Effort, Row, SETTINGS, Setting, UNITS, World, body, failed, put, row};
 use crate::exact_step::ExactStep;
+use crate::peers::python;
 use palpate_geometry::math::{Point3, Vector3};
 use palpate_sim::body::{Deformable, DeformableState};
 
@@ -35,6 +36,7 @@ pub(super) fn rows(effort: Effort, wanted: &dyn Fn(&str) -> bool, out: &mut dyn 
                     }
                     if model == "continuum" {
                         rapier(&case, &beam, &exact, effort, out);
+                        mujoco(&case, &beam, &exact, effort, out);
                     }
                 }
                 Err(why) => out(failed(&case, "exact step", &why)),
@@ -233,5 +235,53 @@ fn rapier(case: &str, beam: &Strip, exact: &Exact, effort: Effort, out: &mut dyn
                 note,
             )
         });
+    }
+}
+
+/// What MuJoCo says of the beam.
+#[derive(serde::Deserialize)]
+struct Swung {
+    method: String,
+    tips_m: Vec<f64>,
+    times_s: Vec<f64>,
+}
+
+/// The same beam on the same points by MuJoCo, where a Python has it; its cells and its step are its own,
+/// as rapier's are. PyBullet is not beside it: it cannot be given a bent start.
+fn mujoco(case: &str, beam: &Strip, exact: &Exact, effort: Effort, out: &mut dyn FnMut(Row)) {
+    let ticks = exact.tips_m.len() - 1;
+    if effort == Effort::Quick && ticks > 1_500 {
+        return;
+    }
+    let [along, across] = beam.counts;
+    let places = |points: &[Point3]| -> Vec<[f64; 3]> {
+        points.iter().map(|point| point.coords.into()).collect()
+    };
+    let input = serde_json::json!({
+        "counts": [along, across, beam.layers],
+        "sides": [LENGTH_M, beam.width_m, beam.thickness_m],
+        "young_pa": beam.young_pa, "poisson": beam.poisson, "density_kg_m3": 1000.0, "held_m": exact.held_m,
+        "rest": places(&exact.rest), "start": places(&exact.start), "ticks": ticks,
+    });
+    let unit = "of the amplitude, other cells";
+    match python::answer::<Swung>(
+        include_str!("../../../../../benches/peers/motion.py"),
+        &input,
+    ) {
+        None => {}
+        Some(Err(why)) => out(Row {
+            peer: true,
+            ..failed(case, "mujoco", &why)
+        }),
+        Some(Ok(swung)) => {
+            let tips_m = [&exact.tips_m[..1], &swung.tips_m].concat();
+            let swings = Swings::of(&tips_m).beside(&exact.swings, 1e-3);
+            let note = format!("{swings}, its own cells and step against our exact one");
+            let error = rms(&tips_m, &exact.tips_m, exact.tips_m[0]);
+            out(Row {
+                peer: true,
+                ..row(case, &swung.method, swung.times_s, (error, unit), note)
+            });
+        }
     }
 }

@@ -29,14 +29,14 @@ pub(super) fn find(file: &File<'_>) -> Result<Vec<u64>, IgesError> {
 }
 
 /// The parameters of one entity, and how to complain about them.
-struct Parameters {
+pub(super) struct Parameters {
     kind: u32,
     id: u64,
     tokens: Vec<Vec<u8>>,
 }
 
 impl Parameters {
-    fn of(file: &File<'_>, entry: &Entry, kind: u32) -> Result<Self, IgesError> {
+    pub(super) fn of(file: &File<'_>, entry: &Entry, kind: u32) -> Result<Self, IgesError> {
         Ok(Self {
             kind,
             id: entry.id,
@@ -82,7 +82,12 @@ impl Parameters {
             .ok_or_else(|| self.wrong(k, what, "a whole number"))
     }
 
-    fn real(&self, k: usize, what: &'static str) -> Result<f64, IgesError> {
+    /// How many there are.
+    pub(super) fn count(&self) -> usize {
+        self.tokens.len()
+    }
+
+    pub(super) fn real(&self, k: usize, what: &'static str) -> Result<f64, IgesError> {
         let token = &self.tokens[k];
         let number = if token.is_empty() {
             Some(0.0)

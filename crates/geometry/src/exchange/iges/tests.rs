@@ -307,3 +307,39 @@ fn files_cut_short_or_changed_are_refused_or_read_but_never_more() {
         sheet.swap_uv()
     );
 }
+
+// The same face whole, without a corner and with a hole, written by OpenCASCADE.
+#[test]
+fn a_trimmed_face_is_noticed_and_a_whole_one_is_not() {
+    let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/opencascade");
+    let read = |name: &str| read(&std::fs::read(path.join(name)).unwrap(), Pick::First).unwrap();
+    for (name, trimmed) in [
+        ("whole_face.igs", false),
+        ("corner_cut.igs", true),
+        ("holed.igs", true),
+    ] {
+        let left_out = read(name).left_out;
+        assert_eq!(
+            (left_out.faces, left_out.trimmed),
+            (1, trimmed),
+            "{name}: {left_out}"
+        );
+        assert_eq!(left_out.other_faces, 0, "{name}");
+    }
+}
+
+#[test]
+fn damaged_trims_are_read_or_refused() {
+    let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/opencascade");
+    let whole = std::fs::read(path.join("holed.igs")).unwrap();
+    // Every fourth line, so that it ends in time: pointers, counts and knots are everywhere.
+    for (k, line) in whole.chunks(81).enumerate().filter(|(k, _)| k % 4 == 0) {
+        for (at, byte) in [(3, b'9'), (9, b','), (20, b'-')] {
+            let mut changed = whole.clone();
+            if at < line.len() {
+                changed[81 * k + at] = byte;
+            }
+            let _ = read(&changed, Pick::First);
+        }
+    }
+}

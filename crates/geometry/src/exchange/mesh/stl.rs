@@ -173,7 +173,7 @@ fn text(bytes: &[u8], unit: Unit) -> Result<Vec<Point3>, MeshFileError> {
 }
 
 /// Corners, three a triangle, as a mesh with each place once, in order of first appearance.
-fn welded(corners: Vec<Point3>) -> Result<Mesh, MeshFileError> {
+pub(super) fn welded(corners: Vec<Point3>) -> Result<Mesh, MeshFileError> {
     if corners.is_empty() {
         return Err(MeshFileError::Empty("triangles"));
     }

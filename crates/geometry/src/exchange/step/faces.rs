@@ -1,4 +1,4 @@
-//! What a STEP file says about a surface that is not taken over: trimming, placements, other faces.
+//! What a STEP file says about a surface that is not taken over: trimming and other faces.
 
 use super::StepError;
 use super::surface::cartesian_point;
@@ -12,7 +12,7 @@ use crate::surface::{ClosestSolver, Surface};
 /// surface within this part of its size.
 const ON_EDGE: f64 = 1e-4;
 
-/// What of a file is left out when surface `id` alone is read, whole and in its own coordinates.
+/// What of a file is left out when surface `id` alone is read, whole.
 pub(super) fn left_out(
     exchange: &Exchange<'_>,
     id: u64,
@@ -23,13 +23,6 @@ pub(super) fn left_out(
     let mut left = LeftOut::default();
     for instance in exchange.instances() {
         let text = exchange.text(instance);
-        let placement = text.starts_with(b"MAPPED_ITEM")
-            || text.first() == Some(&b'(')
-                && super::surface::contains(
-                    text,
-                    b"REPRESENTATION_RELATIONSHIP_WITH_TRANSFORMATION",
-                );
-        left.placements += usize::from(placement);
         if !(text.starts_with(b"ADVANCED_FACE") || text.starts_with(b"FACE_SURFACE")) {
             continue;
         }

@@ -371,3 +371,53 @@ fn work_grows_with_the_length_of_the_file_and_no_faster() {
     assert!(read_text(&file(&contexts)).is_ok());
     assert!(read_text(&file(&format!("#1={}", "((((".repeat(200_000)))).is_err());
 }
+
+fn by_opencascade(name: &str) -> Vec<u8> {
+    let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/opencascade");
+    std::fs::read(path.join(name)).unwrap()
+}
+
+// An assembly, and one inside another, written by OpenCASCADE; where points are was computed there
+// too, in mm.
+#[test]
+fn a_part_that_is_placed_once_is_read_where_the_assembly_puts_it() {
+    let expected: serde_json::Value =
+        serde_json::from_slice(&by_opencascade("placed.json")).unwrap();
+    for name in ["placed_once", "placed_nested"] {
+        let read = read(&by_opencascade(&format!("{name}.step")), Pick::First).unwrap();
+        assert_eq!(read.left_out.placements, 0, "{name}");
+        let surface = &read.surface;
+        let domain = [surface.knots_u().domain(), surface.knots_v().domain()];
+        let rows = expected[name].as_array().unwrap();
+        assert_eq!(rows.len(), 6);
+        for row in rows {
+            let row: Vec<f64> = row
+                .as_array()
+                .unwrap()
+                .iter()
+                .map(|x| x.as_f64().unwrap())
+                .collect();
+            let at = |k: usize| domain[k].0 + row[k] * (domain[k].1 - domain[k].0);
+            let point = surface.point(at(0), at(1));
+            let wanted = crate::math::Point3::new(row[2], row[3], row[4]) / 1000.0;
+            assert!(
+                (point - wanted).norm() < 1e-9,
+                "{name}: {point} is not {wanted}"
+            );
+        }
+    }
+}
+
+#[test]
+fn a_part_that_is_placed_three_times_is_nowhere_in_particular() {
+    let read = read(&by_opencascade("placed_thrice.step"), Pick::First).unwrap();
+    assert_eq!(read.left_out.placements, 3);
+    assert!(
+        read.left_out.to_string().contains("the 3 places"),
+        "{}",
+        read.left_out
+    );
+    mutations(&by_opencascade("placed_nested.step"), 91, |bytes| {
+        let _ = super::read(bytes, Pick::First);
+    });
+}

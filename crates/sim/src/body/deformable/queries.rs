@@ -1,7 +1,7 @@
 //! What others ask of a body: forces, energy, counts. Nothing here moves it.
 
 use super::{Deformable, FIXED, Stepper, lanes};
-use crate::body::cells::CellQuality;
+use crate::body::cells::{Cell, CellQuality};
 use crate::body::node_map::NodeMap;
 use crate::body::state::{DeformableScratch, DeformableState};
 use palpate_geometry::math::{Lane, Matrix3, Point3, Vector3};
@@ -53,6 +53,21 @@ impl Deformable {
     /// Nodes of coordinates.
     pub fn nodes(&self, coordinates: &[Point3]) -> Vec<Point3> {
         self.matter.map.nodes(coordinates)
+    }
+
+    /// Coordinates at rest, m.
+    pub fn rest(&self) -> &[Point3] {
+        &self.matter.rest
+    }
+
+    /// Cells of a solid, by the numbers of their nodes; none of a membrane.
+    pub fn cells(&self) -> &[Cell] {
+        &self.matter.cells
+    }
+
+    /// (cells): Young's modulus, Pa.
+    pub fn young_pa(&self) -> &[f64] {
+        &self.matter.young_pa
     }
 
     /// Number of coordinates.

@@ -19,6 +19,7 @@ pub(crate) use common::Choice;
 pub use names::ModelSpec;
 
 use super::door::At;
+use super::mover;
 use super::spec::{BodySpec, SceneSpec};
 use super::{Body, BodyModel, Tool};
 use crate::body::{Deformable, DeformableError, Material, StepSettings};
@@ -88,6 +89,7 @@ pub(super) fn build(
     let surface = spec.surface.surface(&at.key("surface"));
     let values = values::check(spec, at);
     let placement = placement?;
+    let mover = mover::build(scene, spec, &placement, at);
     let original = surface?.oriented_outward().transformed(&placement);
     // Copies of a branching surface move together, so they start equal bit for bit.
     let original = if original.joints().is_some() {
@@ -117,5 +119,6 @@ pub(super) fn build(
         size_m,
         two_sided,
         model,
+        mover: mover?,
     })
 }

@@ -9,7 +9,7 @@ use crate::scene::layout::layout;
 use palpate_geometry::basis::KnotVector;
 use palpate_geometry::surface::{Closing, Direction, Surface};
 
-/// Most coordinates that `refine = "auto"` or a focus makes: the matrix of a net is nearly full.
+/// Most coordinates that `refine = "auto"` makes: the matrix of a net is nearly full.
 const NET_BUDGET: usize = 460;
 
 pub(super) struct Net;

@@ -13,6 +13,16 @@ impl Model for Rigid {
                 "a rigid body cannot come to touch itself; give it a deforming model or drop self_contact",
             );
         }
+        for (key, value) in [
+            ("velocity_m_s", body.spec.velocity_m_s),
+            ("spin_rad_s", body.spec.spin_rad_s),
+        ] {
+            if value != [0.0; 3] {
+                return body.at.key(key).refused(
+                    "only deforming bodies start with a velocity; rigid ones go where their `motion` says",
+                );
+            }
+        }
         Some((body.surface.clone(), BodyModel::Rigid))
     }
 

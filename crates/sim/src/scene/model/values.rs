@@ -1,11 +1,11 @@
 //! The values of a `[[body]]`: material, regions, lattice, integrator, and what holds it. They are
 //! checked for every body, whether its model uses them or not.
 
-use crate::body::{MOST_NODES_A_SIDE, Material, PRESETS, Plastic, Stiffening, preset};
+use crate::body::{Deformable, MOST_NODES_A_SIDE, Material, PRESETS, Plastic, Stiffening, preset};
 use crate::scene::door::{At, nearest};
 use crate::scene::spec::{
     BodySpec, FixedSpec, IntegratorSpec, IterationsSpec, LatticeSpec, MaterialSpec, PlasticSpec,
-    RegionSpec, StiffeningSpec,
+    RefineSpec, RegionSpec, StiffeningSpec,
 };
 use palpate_geometry::math::{Point3, Vector3};
 
@@ -83,10 +83,48 @@ fn held(spec: &FixedSpec, at: &At<'_>) -> Option<Held> {
     }
 }
 
+/// Fastest that a body starts, m/s, and turns, rad/s: beyond, it crosses itself in a tick.
+const MOST_LAUNCH: [f64; 2] = [100.0, 1_000.0];
+/// Their keys and units.
+const LAUNCH: [(&str, &str); 2] = [("velocity_m_s", "m/s"), ("spin_rad_s", "rad/s")];
+
+/// Gives a body the velocities that it starts with.
+pub(super) fn launch(spec: &BodySpec, body: &mut Deformable, at: &At<'_>) -> Option<()> {
+    let launch = [spec.velocity_m_s, spec.spin_rad_s].map(Vector3::from);
+    if launch == [Vector3::zeros(); 2] {
+        return Some(());
+    }
+    for (k, value) in launch.iter().enumerate() {
+        if value.norm().is_nan() || value.norm() > MOST_LAUNCH[k] {
+            let (name, unit) = LAUNCH[k];
+            let most = MOST_LAUNCH[k];
+            return at.key(name).refused(format!(
+                "{name} is {:?}; it must be no longer than {most} {unit}",
+                [value.x, value.y, value.z]
+            ));
+        }
+    }
+    let first = usize::from(launch[0] == Vector3::zeros());
+    at.key(LAUNCH[first].0)
+        .take(body.launch(launch[0], launch[1]))
+}
+
+/// Most layers of a body.
+const MOST_LAYERS: usize = 64;
+/// Most nodes in layers: 27,000 take 31 ms a tick.
+pub(super) const MOST_POINTS: usize = 64_000;
+
 fn check_lattice(spec: &LatticeSpec, at: &At<'_>) {
-    if spec.layers == 0 {
-        at.key("layers")
-            .refuse("layers is 0; a lattice has at least 1");
+    at.count("layers", spec.layers, MOST_LAYERS);
+    if let RefineSpec::Counts([u, v]) = spec.refine {
+        let most = MOST_POINTS / spec.layers.clamp(1, MOST_LAYERS);
+        if u.saturating_mul(v) > most {
+            at.key("refine").refuse(format!(
+                "{u} x {v} points in {} layers are more than {MOST_POINTS} nodes, which no tick can move; \
+                 give at most {most} points, or fewer layers",
+                spec.layers
+            ));
+        }
     }
     if let Some(thickness) = spec.thickness_m {
         at.above_zero("thickness_m", thickness, "m");

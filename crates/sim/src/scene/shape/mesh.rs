@@ -9,36 +9,39 @@ use palpate_geometry::exchange::{self, Format};
 use palpate_geometry::math::Point3;
 use palpate_geometry::surface::Mesh;
 use palpate_geometry::surface::file::Unit;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 
-/// `mesh = { file = "probe.stl", unit = "mm" }`.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+/// `mesh = { file = "probe.stl", unit = "mm" }`: a closed triangle mesh in the tool's frame, from exactly one of
+/// `file`, `inline`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct MeshSpec {
-    /// An STL or OBJ file, relative to the scene file.
+    /// An STL, OBJ, PLY or glTF (.glb) file, relative to the scene file.
     #[serde(default)]
     pub file: Option<PathBuf>,
-    /// The mesh in place, m.
+    /// The mesh in place, in metres.
     #[serde(default)]
     pub inline: Option<InlineMesh>,
-    /// Length unit of the file.
+    /// Length unit of the file; glTF is always in metres.
     #[serde(default)]
     pub unit: MeshUnit,
 }
 
 /// A mesh in place.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct InlineMesh {
-    /// (n), m.
+    /// Corners.
+    #[schemars(extend("x-unit" = "m"))]
     pub vertices: Vec<[f64; 3]>,
-    /// Corners from 0, counter-clockwise seen from outside.
+    /// Indices of corners, from 0, counter-clockwise seen from outside.
     pub triangles: Vec<[u32; 3]>,
 }
 
 /// Length unit of a mesh file, which has none of its own.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum MeshUnit {
     /// The mesh file is in metres.

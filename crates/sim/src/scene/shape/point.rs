@@ -5,10 +5,11 @@ use super::outline;
 use crate::scene::door::At;
 use palpate_geometry::contact::ToolShape;
 use palpate_geometry::surface::Mesh;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// `point = {}`: the reference point itself.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Point {}
 

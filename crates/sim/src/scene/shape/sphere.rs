@@ -5,13 +5,15 @@ use super::outline;
 use crate::scene::door::At;
 use palpate_geometry::contact::ToolShape;
 use palpate_geometry::surface::Mesh;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// `sphere = { radius_m = 0.01 }`: a ball around the reference point.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Sphere {
-    /// m, above 0.
+    /// Radius.
+    #[schemars(extend("exclusiveMinimum" = 0))]
     pub radius_m: f64,
 }
 

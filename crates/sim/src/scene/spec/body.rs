@@ -1,29 +1,31 @@
 //! `[[body]]` of a scene file.
 
-use super::{ModelSpec, PoseSpec, SurfaceSpec};
+use super::{ModelSpec, MotionSpec, PoseSpec, SurfaceSpec};
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// `[[body]]`.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+/// `[[body]]`: a body bounded by one B-spline surface.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct BodySpec {
-    /// `[a-z0-9_-]{1,64}`.
+    /// Name of the body: 1 to 64 of a-z, 0-9, `_`, `-`.
+    #[schemars(regex(pattern = r"^[a-z0-9_-]{1,64}$"))]
     pub id: String,
     /// Where its surface comes from.
     pub surface: SurfaceSpec,
     /// Placement in the world.
     #[serde(default)]
     pub pose: PoseSpec,
-    /// How it moves.
+    /// How it moves, and what moves it.
     #[serde(default)]
     pub model: ModelSpec,
-    /// What it is made of; used by deforming models only.
+    /// What it is made of; deforming models use it.
     #[serde(default)]
     pub material: MaterialSpec,
-    /// Parts of another material; the last that holds a cell counts.
+    /// Parts of another material; of several that contain a cell the last counts.
     #[serde(default, rename = "region", skip_serializing_if = "Vec::is_empty")]
     pub regions: Vec<RegionSpec>,
-    /// How a lattice is built.
+    /// How its nodes and cells are built.
     #[serde(default)]
     pub lattice: LatticeSpec,
     /// Time integration.
@@ -32,57 +34,82 @@ pub struct BodySpec {
     /// Nodes that never move.
     #[serde(default)]
     pub fixed: Vec<FixedSpec>,
-    /// The body may touch itself.
+    /// Velocity with which a deforming body starts that nothing holds; in the world.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    #[schemars(extend("x-default" = "[0, 0, 0]"))]
+    pub velocity_m_s: [f64; 3],
+    /// Angular velocity about its centre of mass with which it starts; in the world, right-handed.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    #[schemars(extend("x-default" = "[0, 0, 0]"))]
+    pub spin_rad_s: [f64; 3],
+    /// Whether the body can touch itself.
     #[serde(default)]
     pub self_contact: bool,
+    /// Of a rigid body: where it goes by itself.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub motion: Option<MotionSpec>,
+    /// Of a rigid body: id of the tool whose device carries it. That tool does not touch it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub carried_by: Option<String>,
 }
 
 /// `[body.material]`: a preset, and what differs from it.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct MaterialSpec {
-    /// A name of [`crate::body::PRESETS`]; `gel` when absent.
+    /// Name of a material to start from; `gel` when absent.
     #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("enum" = crate::body::PRESETS.map(|preset| preset.name)))]
     pub preset: Option<String>,
-    /// Young's modulus E, Pa.
+    /// Young's modulus E; that of the preset when absent.
+    #[schemars(extend("exclusiveMinimum" = 0))]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub young_pa: Option<f64>,
-    /// Poisson's ratio ν in [0, 0.5); springs mean 1/4, membranes 1/3, whatever it says.
+    /// Poisson's ratio ν; that of the preset when absent. A lattice of springs has 1/4 and a membrane 1/3 whatever
+    /// it says.
+    #[schemars(range(min = 0), extend("exclusiveMaximum" = 0.5))]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub poisson: Option<f64>,
-    /// ρ, kg/m³.
+    /// Density; that of the preset when absent.
+    #[schemars(extend("exclusiveMinimum" = 0))]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub density_kg_m3: Option<f64>,
-    /// Stiffness-proportional (Voigt) damping time, s: a strain rate ε̇ adds the stress of a strain
-    /// of this times ε̇.
+    /// Stiffness-proportional (Voigt) damping time: a strain rate ε̇ adds the stress of a strain
+    /// of this times ε̇. That of the preset when absent.
+    #[schemars(range(min = 0))]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub damping_s: Option<f64>,
-    /// Springs that give for good; that of the preset when absent.
+    /// Plastic flow of springs; that of the preset when absent.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub plastic: Option<PlasticSpec>,
-    /// Springs that stiffen.
+    /// Stiffening of springs with strain; that of the preset when absent.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub stiffening: Option<StiffeningSpec>,
-    /// How the stiffness of springs follows from E.
+    /// How the stiffness of springs follows from E; `moduli` when absent.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub springs: Option<SpringsSpec>,
 }
 
-/// `plastic = { yield_strain = 0.02, rate_per_s = 20.0 }`.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+/// `plastic = { yield_strain = 0.02, rate_per_s = 20.0 }`: springs that keep a part of their strain.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct PlasticSpec {
-    /// Strain that springs bear without flow.
+    /// Strain up to which springs do not flow.
+    #[schemars(range(min = 0))]
     pub yield_strain: f64,
-    /// Share of the strain beyond yield that flows away in a second, 1/s; 0 for none at all.
+    /// Share of the strain beyond yield that flows in a second; 0 for none.
+    #[schemars(range(min = 0))]
     pub rate_per_s: f64,
-    /// Growth of the yield strain with the plastic strain so far.
+    /// Growth of the yield strain per plastic strain so far.
+    #[schemars(range(min = 0))]
     #[serde(default)]
     pub hardening: f64,
-    /// Most plastic strain, in (0, 1).
+    /// Largest plastic strain.
+    #[schemars(extend("exclusiveMinimum" = 0, "exclusiveMaximum" = 1))]
     #[serde(default = "plastic_limit")]
     pub limit: f64,
-    /// Flow is shared with springs within this distance, m.
+    /// Flow is shared with springs within this distance.
+    #[schemars(range(min = 0))]
     #[serde(default)]
     pub spread_m: f64,
 }
@@ -91,17 +118,21 @@ fn plastic_limit() -> f64 {
     0.6
 }
 
-/// `stiffening = { strain = 0.3, ratio = 5.0, least_length = 0.2 }`.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+/// `stiffening = { strain = 0.3, ratio = 5.0, least_length = 0.2 }`: springs that stiffen with strain.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct StiffeningSpec {
-    /// Strain in extension from which on springs are stiffer.
+    /// Strain in extension from which springs are stiffer; `inf`: never.
+    #[schemars(range(min = 0), extend("x-default" = "inf"))]
     pub strain: f64,
-    /// Stiffness there, relative to that at rest, 1 ..= 1,000.
+    /// Stiffness there, relative to that at rest.
+    #[schemars(range(min = 1, max = 1_000))]
     pub ratio: f64,
-    /// Length below which coils touch, relative to the rest length, in [0, 1).
+    /// Length below which coils touch, relative to the rest length.
+    #[schemars(range(min = 0), extend("exclusiveMaximum" = 1))]
     pub least_length: f64,
-    /// Stiffness there, relative to that at rest, 1 ..= 1,000.
+    /// Stiffness there, relative to that at rest.
+    #[schemars(range(min = 1, max = 1_000))]
     pub least_length_ratio: f64,
 }
 
@@ -117,80 +148,93 @@ impl Default for StiffeningSpec {
 }
 
 /// How the stiffness of springs follows from E.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum SpringsSpec {
-    /// So that the body has that modulus.
+    /// Such that the body as a whole has that modulus.
     #[default]
     Moduli,
-    /// K = E A / L for each spring, as in the thesis; for comparison.
+    /// K = E A / L for each spring by itself; for comparison.
     Seed,
 }
 
-/// `[[body.region]]`: cells of another material, by their centres, in the body's frame. What it
-/// does not say is as in the rest of the body.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+/// `[[body.region]]`: cells of another material, by their centres, in the body's frame. Needs one of
+/// `ball`, `box`; values that are absent are those of the body.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RegionSpec {
-    /// A ball …
+    /// Cells within a ball.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub ball: Option<BallSpec>,
-    /// … or a box along the axes.
+    /// Cells within a box along the axes.
     #[serde(default, rename = "box", skip_serializing_if = "Option::is_none")]
     pub box_: Option<BoxSpec>,
-    /// Young's modulus E, Pa.
+    /// Young's modulus E.
+    #[schemars(extend("exclusiveMinimum" = 0))]
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub young_pa: Option<f64>,
     /// Poisson's ratio ν.
+    #[schemars(range(min = 0), extend("exclusiveMaximum" = 0.5))]
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub poisson: Option<f64>,
-    /// ρ, kg/m³.
+    /// Density.
+    #[schemars(extend("exclusiveMinimum" = 0))]
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub density_kg_m3: Option<f64>,
 }
 
 /// A ball.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct BallSpec {
-    /// m.
+    /// Its centre.
+    #[schemars(extend("x-unit" = "m"))]
     pub centre: [f64; 3],
-    /// m.
+    /// Its radius.
+    #[schemars(extend("exclusiveMinimum" = 0))]
     pub radius_m: f64,
 }
 
 /// A box along the axes.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct BoxSpec {
-    /// Least corner, m.
+    /// Least corner; below `high` in x, y and z.
+    #[schemars(extend("x-unit" = "m"))]
     pub low: [f64; 3],
-    /// Greatest corner, m.
+    /// Greatest corner.
+    #[schemars(extend("x-unit" = "m"))]
     pub high: [f64; 3],
 }
 
-/// `[body.lattice]`.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+/// `[body.lattice]`: nodes and cells of a deforming body.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct LatticeSpec {
-    /// How cells are made.
+    /// How nodes are placed inside the surface.
     pub builder: BuilderSpec,
     /// Of `transfinite` and `som`: nodes along each axis of the cube.
+    #[schemars(inner(range(min = 2, max = 128)))]
     pub nodes: [usize; 3],
     /// Of `som`: learning cycles.
+    #[schemars(range(min = 1, max = 10_000))]
     pub cycles: usize,
-    /// Shells from the surface inwards, the surface included (≥ 1); for an open sheet, layers
-    /// through its thickness (≥ 2).
+    /// Shells from the surface inwards, the surface included; for an open sheet, layers
+    /// through its thickness (2 or more).
+    #[schemars(range(min = 1, max = 256))]
     pub layers: usize,
-    /// The net after refinement.
+    /// How the control net is refined before nodes are made.
     pub refine: RefineSpec,
-    /// Thickness of an open sheet, m.
+    /// Thickness of an open sheet and of a membrane, which need it.
     #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("exclusiveMinimum" = 0))]
     pub thickness_m: Option<f64>,
-    /// Of `net`: cells across each knot span of the surface.
+    /// Of the model `net`: cells across each knot span of the surface.
+    #[schemars(range(min = 1, max = 8))]
     pub cells_per_span: usize,
-    /// Of `net`: layers of cells in depth; twice the shells when absent.
+    /// Of the model `net`: layers of cells in depth; twice the shells when absent.
     #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 1, max = 64))]
     pub cell_layers: Option<usize>,
 }
 
@@ -209,8 +253,8 @@ impl Default for LatticeSpec {
     }
 }
 
-/// How cells are made.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+/// How nodes are placed inside the surface.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum BuilderSpec {
     /// Shells below the surface: its control points are the outermost nodes.
@@ -219,22 +263,23 @@ pub enum BuilderSpec {
     /// A cube of nodes, drawn into the surface by a harmonic map; the outermost nodes ride on the
     /// surface.
     Transfinite,
-    /// The same by a self-organising map, as in the thesis.
+    /// The same by a self-organising map, as in the design thesis.
     Som,
 }
 
 /// `refine = "auto" | "none" | [22, 23] | { focus = [points] } | { u = [knots], v = [knots] }`.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(untagged)]
 pub enum RefineSpec {
     /// `"auto"` or `"none"`.
     Auto(RefineAuto),
-    /// Distinct control points wanted in u and v.
+    /// Number of distinct control points wanted in u and v.
     Counts([usize; 2]),
     /// As `"auto"` with the same number of nodes, but three times as fine around these points as
     /// far away.
     Focus {
-        /// Where tools will press, on or near the surface, in the body's frame, m.
+        /// Where tools will press, on or near the surface, in the body's frame.
+        #[schemars(extend("x-unit" = "m"))]
         focus: Vec<[f64; 3]>,
     },
     /// Knots to insert.
@@ -247,7 +292,7 @@ pub enum RefineSpec {
 }
 
 /// `"auto"` or `"none"`.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum RefineAuto {
     /// Evenly over the surface by length, until about three control points lie across the smallest
@@ -258,8 +303,8 @@ pub enum RefineAuto {
     None,
 }
 
-/// `[body.integrator]`.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+/// `[body.integrator]`: time stepping of a deforming body.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct IntegratorSpec {
     /// Which method.
@@ -268,14 +313,18 @@ pub struct IntegratorSpec {
     pub iterations: IterationsSpec,
     /// Matrix of the implicit step.
     pub matrix: MatrixSpec,
-    /// Substeps of `xpbd`, and the fewest of `explicit`, 1 ..= 1 000.
+    /// Substeps of `xpbd`, and the fewest of `explicit`.
+    #[schemars(range(min = 1, max = 1_000))]
     pub substeps: usize,
-    /// Sweeps of the contact solve a tick, 1 ..= 1 000.
+    /// Sweeps of the contact solve per tick.
+    #[schemars(range(min = 1, max = 1_000))]
     pub contact_sweeps: usize,
-    /// The body steps once in so many ticks, beside the loop; 1 ..= 100. Between, it answers with
+    /// The body steps once in this many ticks, beside the loop. In between it answers with
     /// its compliance.
+    #[schemars(range(min = 1, max = 100))]
     pub every: u32,
-    /// An untouched body none of whose points is faster falls asleep, m/s; 0 keeps it awake.
+    /// An untouched body none of whose points is faster falls asleep; 0 keeps it awake.
+    #[schemars(range(min = 0))]
     pub sleep_m_s: f64,
 }
 
@@ -294,17 +343,17 @@ impl Default for IntegratorSpec {
 }
 
 /// `iterations = 2` (1 ..= 100) or `"auto"`.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(untagged)]
 pub enum IterationsSpec {
-    /// So many.
-    Count(usize),
-    /// As few as bring the expected motion error below 2 %, as far as time allows.
+    /// This many.
+    Count(#[schemars(range(min = 1, max = 100))] usize),
+    /// As few as bring the expected motion error below 2 %, within the time of a tick.
     Auto(IterationsAuto),
 }
 
 /// `"auto"`.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum IterationsAuto {
     /// Chosen when the scene is built.
@@ -312,7 +361,7 @@ pub enum IterationsAuto {
 }
 
 /// Matrix of the implicit step.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum MatrixSpec {
     /// The tangent where it fits, else the bounding matrix.
@@ -325,7 +374,7 @@ pub enum MatrixSpec {
 }
 
 /// Time integration.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum MethodSpec {
     /// Backward Euler with a constant matrix: stable at any stiffness.
@@ -341,12 +390,13 @@ pub enum MethodSpec {
 
 /// `[[body.fixed]]`: the nodes on the far side of a plane (body frame), `normal · (x − point) <=
 /// 0`, or the control points of a range of parameters.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(untagged, deny_unknown_fields)]
 pub enum FixedSpec {
     /// Behind a plane.
     Plane {
-        /// A point of the plane, m.
+        /// A point of the plane.
+        #[schemars(extend("x-unit" = "m"))]
         point: [f64; 3],
         /// Its normal, any length above 0, towards the free part.
         normal: [f64; 3],
@@ -358,4 +408,8 @@ pub enum FixedSpec {
         /// From and to in v.
         v: [f64; 2],
     },
+}
+
+fn is_zero(values: &[f64; 3]) -> bool {
+    *values == [0.0; 3]
 }

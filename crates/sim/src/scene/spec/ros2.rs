@@ -1,19 +1,20 @@
 //! `[ros2]` of a scene file: which topics move which tool. The simulation does not read it; `palpate
 //! serve --ros2` does.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// `[ros2]`.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+/// `[ros2]`: topics of ROS 2 that move the tools.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Ros2Spec {
-    /// ROS domain; 0 unless given.
+    /// ROS domain.
     pub domain: u32,
     /// Name of the node.
     pub node: String,
     /// Name of the world's frame in messages.
     pub frame: String,
-    /// `[[ros2.tool]]`; without any, each tool is a CRTK arm in the namespace of its id.
+    /// One entry per tool; without any, each tool is a CRTK arm in the namespace of its id.
     #[serde(rename = "tool")]
     pub tools: Vec<Ros2ToolSpec>,
 }
@@ -29,13 +30,13 @@ impl Default for Ros2Spec {
     }
 }
 
-/// `[[ros2.tool]]`. What is given goes before the preset.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+/// `[[ros2.tool]]`: the topics of one tool. Values given here take precedence over the preset.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Ros2ToolSpec {
     /// Id of the tool.
     pub tool: String,
-    /// Driver: `crtk`, `sensable`, `force_dimension`, `ros2_control_fd`, `geomagic_touch`.
+    /// Driver whose topics are used.
     #[serde(default)]
     pub preset: Ros2Preset,
     /// Namespace of the preset's topics.
@@ -47,7 +48,7 @@ pub struct Ros2ToolSpec {
     /// Topic of velocities (TwistStamped); empty: they are differentiated from poses.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub velocity: Option<String>,
-    /// Low-pass of differentiated velocities, Hz.
+    /// Low-pass of differentiated velocities.
     #[serde(default = "cutoff_hz")]
     pub velocity_cutoff_hz: f64,
     /// Topic of forces.
@@ -68,19 +69,20 @@ pub struct Ros2ToolSpec {
     /// Number of the button with which the device moves without its tool.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub clutch: Option<u32>,
-    /// Poses must be in this frame; any unless given.
+    /// Frame in which poses must be; any when absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub frame: Option<String>,
-    /// The tool moves this many times as far as the device.
+    /// How many times as far as the device the tool moves.
     #[serde(default = "one")]
     pub scale: f64,
-    /// Turns the device's axes into the world's: unit quaternion x y z w.
+    /// Turns the axes of the device into those of the world: unit quaternion x, y, z, w.
     #[serde(default = "unturned")]
     pub rotation: [f64; 4],
-    /// The device's origin in the world, m.
+    /// Origin of the device in the world.
+    #[schemars(extend("x-unit" = "m"))]
     #[serde(default)]
     pub translation: [f64; 3],
-    /// Greatest force sent, N; that of the preset unless given.
+    /// Greatest force sent; that of the preset when absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub force_max_n: Option<f64>,
 }
@@ -123,10 +125,10 @@ impl Ros2ToolSpec {
 }
 
 /// A family of drivers.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Ros2Preset {
-    /// A CRTK arm.
+    /// A CRTK arm (Collaborative Robotics Toolkit).
     #[default]
     Crtk,
     /// sawSensablePhantom.
@@ -140,27 +142,27 @@ pub enum Ros2Preset {
 }
 
 /// Type of forces.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub enum Ros2Force {
-    /// geometry_msgs.
+    /// `geometry_msgs/msg/WrenchStamped`.
     WrenchStamped,
-    /// geometry_msgs.
+    /// `geometry_msgs/msg/Wrench`.
     Wrench,
-    /// geometry_msgs.
+    /// `geometry_msgs/msg/Vector3Stamped`.
     Vector3Stamped,
-    /// std_msgs.
+    /// `std_msgs/msg/Float64MultiArray`.
     Float64MultiArray,
-    /// omni_msgs.
+    /// `omni_msgs/msg/OmniFeedback`.
     OmniFeedback,
 }
 
 /// Type of buttons.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub enum Ros2Button {
-    /// sensor_msgs.
+    /// `sensor_msgs/msg/Joy`.
     Joy,
-    /// std_msgs.
+    /// `std_msgs/msg/Bool`.
     Bool,
-    /// omni_msgs.
+    /// `omni_msgs/msg/OmniButtonEvent`.
     OmniButtonEvent,
 }

@@ -1,13 +1,15 @@
 //! `[[tool]]` of a scene file: coupling, device, friction, grip.
 
 use super::{PoseSpec, ShapeSpec};
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// `[[tool]]`.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+/// `[[tool]]`: a rigid shape that a client moves.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ToolSpec {
-    /// `[a-z0-9_-]{1,64}`.
+    /// Name of the tool: 1 to 64 of a-z, 0-9, `_`, `-`.
+    #[schemars(regex(pattern = r"^[a-z0-9_-]{1,64}$"))]
     pub id: String,
     /// Its shape.
     #[serde(default)]
@@ -15,38 +17,41 @@ pub struct ToolSpec {
     /// Where it starts.
     #[serde(default)]
     pub pose: PoseSpec,
-    /// Virtual coupling between device and proxy.
+    /// Virtual coupling between the device and the proxy.
     #[serde(default)]
     pub coupling: CouplingSpec,
-    /// What its device can bear.
+    /// What its device can render, and when its link counts as lost.
     #[serde(default)]
     pub device: DeviceSpec,
-    /// Friction with every body; none unless given.
+    /// Friction with every body; none when absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub friction: Option<FrictionSpec>,
-    /// How fast it holds while its grab button is down.
+    /// How firmly it holds while its grab button is pressed.
     #[serde(default, skip_serializing_if = "GripSpec::is_default")]
     pub grip: GripSpec,
-    /// A plane fixes the lattice nodes on its far side at the start.
+    /// Of a plane: the nodes behind it at the start never move.
     #[serde(default)]
     pub fixes_nodes: bool,
 }
 
-/// `[tool.coupling]`.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+/// `[tool.coupling]`: spring and damper between the device and the proxy.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct CouplingSpec {
-    /// K_c, N/m; `inf` holds the proxy rigidly to the device.
+    /// Stiffness; `inf` holds the proxy rigidly to the device.
+    #[schemars(extend("exclusiveMinimum" = 0))]
     pub stiffness_n_m: f64,
-    /// B_c, N·s/m.
+    /// Damping.
+    #[schemars(range(min = 0))]
     pub damping_n_s_m: f64,
-    /// The same for rotation, N·m/rad; `inf` turns the proxy as the device is turned. A point or a
-    /// ball never minds.
+    /// Stiffness in rotation; `inf` turns the proxy as the device is turned. Points and spheres do not use it.
+    #[schemars(extend("exclusiveMinimum" = 0, "x-default" = "inf"))]
     pub turning_stiffness_nm_rad: f64,
-    /// N·m·s/rad.
+    /// Damping in rotation.
+    #[schemars(range(min = 0))]
     pub turning_damping_nm_s_rad: f64,
-    /// No stiffer in translation than the device can hold: with the figures of [`DeviceSpec`], or
-    /// those the device tells.
+    /// Reduce the stiffness to what the device renders passively in any hand, by the figures in `[tool.device]` or
+    /// those that the device sends.
     pub bounded: bool,
 }
 
@@ -62,35 +67,46 @@ impl Default for CouplingSpec {
     }
 }
 
-/// `[tool.device]`.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+/// `[tool.device]`: limits of the device and figures of its mechanics.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct DeviceSpec {
-    /// Greatest force, N.
+    /// Greatest force.
+    #[schemars(extend("exclusiveMinimum" = 0))]
     pub force_max_n: f64,
-    /// Longest ramp of the limit from zero to full on connect and back on loss, s.
+    /// Time in which the force limit rises from zero to full on connect, and falls on loss.
+    #[schemars(range(min = 0))]
     pub ramp_s: f64,
-    /// Poses older than this are stale, s.
+    /// Age from which a pose is stale and the force is ramped down.
+    #[schemars(extend("exclusiveMinimum" = 0))]
     pub stale_s: f64,
-    /// Faster than this is a jump, m/s.
+    /// Speed above which a pose is rejected as a jump.
+    #[schemars(extend("exclusiveMinimum" = 0))]
     pub speed_max_m_s: f64,
-    /// Greatest torque, N·m; 0 for devices that only push.
+    /// Greatest torque; 0 for devices without torque output.
+    #[schemars(range(min = 0), extend("x-default" = "inf"))]
     pub torque_max_nm: f64,
-    /// Keep the loop from giving back more energy than it got: a damper acts when it would.
+    /// Passivity controller: a damper acts whenever the loop would return more energy than it received.
     pub passivity: bool,
-    /// Strongest such damper, N·s/m: less than the device's mass over a tick.
+    /// Strongest such damper: less than the device's mass over a tick.
+    #[schemars(extend("exclusiveMinimum" = 0))]
     pub passivity_damping_n_s_m: f64,
-    /// Viscous damping of the device, N·s/m; what its stiffest coupling follows from.
+    /// Viscous damping of the device; its stiffest passive coupling follows from it.
+    #[schemars(range(min = 0))]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub damping_n_s_m: Option<f64>,
-    /// Dry friction of the device, N.
+    /// Dry friction of the device.
+    #[schemars(range(min = 0))]
     pub coulomb_n: f64,
-    /// Step of its encoders at the tool, m.
+    /// Step of its encoders, at the tool.
+    #[schemars(range(min = 0))]
     pub encoder_m: f64,
-    /// Its own rate, Hz; the loop's when absent.
+    /// Its own rate; that of the loop when absent.
+    #[schemars(extend("exclusiveMinimum" = 0))]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub rate_hz: Option<f64>,
-    /// From a pose to its force, beyond one tick, s.
+    /// Delay from a pose to its force, beyond one tick.
+    #[schemars(range(min = 0))]
     pub delay_s: f64,
 }
 
@@ -114,15 +130,18 @@ impl Default for DeviceSpec {
 }
 
 /// `friction = { mu = 0.3 }`: Coulomb's law, with drag if wanted.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct FrictionSpec {
-    /// Largest tangential over normal force, 0 or more; 0: none.
+    /// Coefficient of static friction: largest tangential over normal force; 0 for none.
+    #[schemars(range(min = 0))]
     pub mu: f64,
-    /// The same while it slips, at most `mu`; `mu` when absent.
+    /// Coefficient while it slips, at most `mu`; `mu` when absent.
+    #[schemars(range(min = 0))]
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub mu_kinetic: Option<f64>,
-    /// Drag of the contact against its slip, N·s/m.
+    /// Drag of the contact against its slip.
+    #[schemars(range(min = 0))]
     #[serde(default, skip_serializing_if = "is_zero")]
     pub viscous_n_s_m: f64,
 }
@@ -131,11 +150,12 @@ fn is_zero(value: &f64) -> bool {
     *value == 0.0
 }
 
-/// `[tool.grip]`.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+/// `[tool.grip]`: holding what the tool touches.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct GripSpec {
-    /// Greatest pull before what is held slips off, N; 0: it never holds.
+    /// Pull at which what is held slips off; 0: it never holds.
+    #[schemars(range(min = 0))]
     pub force_max_n: f64,
 }
 

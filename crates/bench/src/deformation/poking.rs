@@ -1,0 +1,234 @@
+//! A body that is poked at random: whether anything grows.
+//!
+//! Its energy may never exceed what the tool put in, and when the tool is gone it comes back to rest.
+
+use super::indent::World;
+use super::motion::body;
+use super::{Effort, Row};
+use palpate_geometry::math::{Point3, Random, Vector3};
+use palpate_sim::body::{Deformable, DeformableState};
+
+/// Stiffnesses, as multiples of 20 kPa.
+const SCALES: [(f64, &str); 4] = [(1e-3, "x1e-3"), (1.0, "x1"), (1e3, "x1e3"), (1e6, "x1e6")];
+/// Models and Poisson ratios; that of a lattice is 1/4.
+const MODELS: [(&str, f64); 7] = [
+    ("lattice", 0.25),
+    ("continuum", 0.3),
+    ("continuum", 0.45),
+    ("continuum", 0.499),
+    ("net", 0.3),
+    ("net", 0.45),
+    ("net", 0.499),
+];
+/// Ticks of a case; all 28 are more than a million.
+const TICKS: usize = 37_000;
+const QUICK_TICKS: usize = 2_000;
+/// Ticks that a body of 20 kPa has to come to rest; a softer one swings more slowly.
+const REST_TICKS: f64 = 4_000.0;
+/// Of the greatest energy that the body held, what may be left after that.
+const MOST_LEFT: f64 = 1e-3;
+/// Fastest that the tool moves, m/s; never faster than waves of shear in the body.
+const FASTEST_M_S: f64 = 0.5;
+/// What the tool works through, m: about half of the body's half thickness.
+const DEEPEST_M: f64 = 0.008;
+/// Centre of the part that is poked, m.
+const CENTRE: Vector3 = Vector3::new(0.0, 0.0, 0.045);
+/// Size of the body, m.
+const SIZE_M: f64 = 0.08;
+
+pub(super) fn rows(effort: Effort, wanted: &dyn Fn(&str) -> bool, out: &mut dyn FnMut(Row)) {
+    for (model, poisson) in MODELS {
+        for (scale, label) in SCALES {
+            let case = format!("stability/poking/{model}/{poisson}/{label}");
+            if wanted(&case) {
+                let ticks = if effort == Effort::Quick {
+                    QUICK_TICKS
+                } else {
+                    TICKS
+                };
+                let row = poked(&case, model, poisson, scale, ticks);
+                out(row.unwrap_or_else(|why| Row {
+                    wrong: Some(1),
+                    ..super::indent::failed(&case, &why)
+                }));
+            }
+        }
+    }
+}
+
+fn text(model: &str, poisson: f64, scale: f64) -> String {
+    let poisson = match model {
+        "lattice" => String::new(),
+        _ => format!("poisson = {poisson:?}, "),
+    };
+    format!(
+        r#"
+[loop]
+rate_hz = 1000
+[[body]]
+id = "drop"
+surface = {{ builtin = "teardrop", net = [8, 8] }}
+model = "{model}"
+material = {{ young_pa = {:?}, {poisson}density_kg_m3 = 1000.0, damping_s = 2e-3 }}
+lattice = {{ refine = "none" }}
+fixed = [{{ point = [0.0, 0.0, 0.015], normal = [0.0, 0.0, -1.0] }}]
+[[tool]]
+id = "ball"
+shape = {{ sphere = {{ radius_m = 0.005 }} }}
+pose = {{ position = [0.2, 0.0, 0.045] }}
+device = {{ force_max_n = 1e9, ramp_s = 0.0 }}
+"#,
+        20e3 * scale
+    )
+}
+
+/// Pokes: to a place outside, straight in, a while there, out again.
+struct Pokes {
+    random: Random,
+    at: Point3,
+    /// Still to be visited, with the speed on the way, m/s, and the time to stay, in ticks.
+    way: Vec<(Point3, f64, usize)>,
+    stay: usize,
+    /// Fastest, m/s.
+    fastest: f64,
+}
+
+impl Pokes {
+    fn next(&mut self, surface: &palpate_geometry::surface::Surface) -> Point3 {
+        if self.stay > 0 {
+            self.stay -= 1;
+            return self.at;
+        }
+        if self.way.is_empty() {
+            let random = &mut self.random;
+            let (u, v) = (random.unit(), random.unit());
+            let point = surface.point(u, v);
+            // Towards a place near the middle, so that it meets the body.
+            let aim = Point3::from(CENTRE) + random.vector() * 0.01;
+            let inward = (aim - point).normalize();
+            let depth = DEEPEST_M * random.unit();
+            let mut speed = || self.fastest * libm::pow(10.0, random.float(-1.7, 0.0));
+            let (slow, out) = (speed(), speed());
+            let stay = random.below(50);
+            let outside = point - inward * 0.009;
+            // Around the body, not through it.
+            let side =
+                (outside - CENTRE).coords.normalize() + (self.at - CENTRE).coords.normalize();
+            let around = Point3::from(CENTRE) + side.normalize() * 0.1;
+            self.way = vec![
+                (outside, out, 0),
+                (point + inward * depth, slow, stay),
+                (outside, self.fastest, 0),
+                (around, self.fastest, 0),
+            ];
+        }
+        let Some(&(to, speed, stay)) = self.way.last() else {
+            return self.at;
+        };
+        let left = to - self.at;
+        let step = speed * 1e-3;
+        if left.norm() <= step {
+            (self.at, self.stay) = (to, stay);
+            self.way.pop();
+        } else {
+            self.at += left * (step / left.norm());
+        }
+        self.at
+    }
+}
+
+/// Energy of a body, elastic and kinetic, J.
+fn energy_j(body: &Deformable, state: &DeformableState) -> f64 {
+    let moving = body.masses().iter().zip(&state.velocities);
+    let kinetic: f64 = moving.map(|(m, v)| 0.5 * m * v.norm_squared()).sum();
+    body.energy_j(state) + kinetic
+}
+
+fn poked(case: &str, model: &str, poisson: f64, scale: f64, ticks: usize) -> Result<Row, String> {
+    let mut world = World::new(&text(model, poisson, scale))?;
+    let rest = body(&world)?.0.rest_state().positions;
+    let surface = world.scene.rest_surface(0).clone();
+    let start = Point3::new(0.2, 0.0, 0.045);
+    let mut pokes = Pokes {
+        random: Random(0x5eed),
+        at: start,
+        way: Vec::new(),
+        stay: 0,
+        fastest: FASTEST_M_S.min((20.0 * scale / (2.0 + 2.0 * poisson)).sqrt()),
+    };
+    let away = |state: &DeformableState| {
+        let moved = state
+            .positions
+            .iter()
+            .zip(&rest)
+            .map(|(x, r)| (x - r).norm());
+        moved.fold(
+            0.0,
+            |most: f64, m| if m > most || m.is_nan() { m } else { most },
+        )
+    };
+    let (mut most_m, mut excess_j, mut peak_n, mut faults) = (0.0_f64, 0.0_f64, 0.0_f64, 0);
+    // What the tool put in; what it took out again is not deducted.
+    let (mut work_j, mut most_j) = (0.0_f64, 0.0_f64);
+    let mut before = (start, Vector3::zeros());
+    for _ in 0..ticks {
+        let position = pokes.next(&surface);
+        let output = world.at(position.into());
+        // With the mean of both forces: along a round surface either of them does work that is none.
+        let (place, force_n) = (output.tools[0].proxy_position, output.tools[0].force_n);
+        work_j += (-(force_n + before.1).dot(&(place - before.0)) * 0.5).max(0.0);
+        before = (place, force_n);
+        faults += usize::from(output.fault.is_some());
+        peak_n = peak_n.max(output.tools[0].force_n.norm());
+        let (constants, state) = body(&world)?;
+        most_m = most_m.max(away(state));
+        let energy_j = energy_j(constants, state);
+        most_j = most_j.max(energy_j);
+        excess_j = excess_j.max(energy_j - work_j);
+    }
+    let rest_ticks = (REST_TICKS / scale.min(1.0).sqrt()).ceil();
+    for _ in 0..rest_ticks as usize {
+        world.at(start.into());
+    }
+    let (constants, state) = body(&world)?;
+    let (left_m, left) = (away(state), energy_j(constants, state) / most_j);
+    let cautious = state.caution.level;
+    // What is not a number is a problem too.
+    let problem = if faults > 0 {
+        Some(format!("{faults} faults"))
+    } else if most_m.is_nan() || most_m >= SIZE_M {
+        Some(format!("a node was {most_m:.3} m from its place"))
+    } else if left.is_nan() || left >= MOST_LEFT {
+        Some(format!("{left:.1e} of the greatest energy is left"))
+    } else {
+        None
+    };
+    let note = format!(
+        "{ticks} ticks, {peak_n:.3e} N and {:.1} mm at most, {work_j:.3e} J put in, at most {most_j:.3e} J held; {:.0} s later {left:.0e} of that, {left_m:.1e} m from rest{}{}",
+        most_m * 1e3,
+        rest_ticks * 1e-3,
+        if cautious > 0 {
+            ", on a firmer matrix"
+        } else {
+            ""
+        },
+        problem
+            .as_ref()
+            .map_or(String::new(), |problem| format!("; WRONG: {problem}"))
+    );
+    let mut times = world.ticks_s.clone();
+    times.sort_by(f64::total_cmp);
+    Ok(Row {
+        suite: "deformation",
+        case: case.to_owned(),
+        method: format!("palpate {model}"),
+        peer: false,
+        median_s: times[times.len() / 2],
+        p99_s: times[(times.len() - 1) * 99 / 100],
+        error: excess_j / work_j.max(f64::MIN_POSITIVE),
+        error_unit: "of the work, in excess",
+        n: ticks,
+        wrong: Some(usize::from(problem.is_some())),
+        note,
+    })
+}

@@ -1,0 +1,63 @@
+//! What a tick's contact solve came to, for whoever measures; no stage uses it.
+
+use super::scratch::Scratch;
+use super::state::SceneState;
+use crate::scene::Scene;
+use crate::solve::rows::Holder;
+use palpate_geometry::math::{Point3, Vector3};
+
+impl Scratch {
+    /// Force of all contacts of the last tick on a body, N.
+    pub fn contact_force_on(&self, body: usize) -> Vector3 {
+        let whole = self.friction.is_active();
+        let mut sum = Vector3::zeros();
+        for (i, row) in self.rows.rows.iter().enumerate() {
+            let force = match whole {
+                true => self.friction.force_n(i),
+                false => row.normal * self.problem.forces()[i],
+            };
+            let factor = row.tool().map_or(1.0, |tool| self.rows.factors[tool]);
+            if row.body as usize == body {
+                sum -= force * factor;
+            }
+            if row.holder == Holder::Body(body as u32) {
+                sum += force;
+            }
+        }
+        for (_, report) in &self.rest.reports {
+            if report.body as usize == body {
+                sum -= report.force_n;
+            }
+            if report.holder == Holder::Body(body as u32) {
+                sum += report.force_n;
+            }
+        }
+        sum
+    }
+
+    /// Contact rows of the last tick, without those of bodies that were left alone.
+    pub fn row_count(&self) -> usize {
+        self.rows.rows.len()
+    }
+}
+
+impl Scene {
+    /// Greatest speed of any coordinate of a deforming body, m/s; of a rigid one that moves, of its
+    /// control points. 0 of what is fixed.
+    pub fn speed_m_s(&self, state: &SceneState, body: usize) -> f64 {
+        match &state.bodies[body].deformable {
+            Some(deformable) => (deformable.velocities.iter())
+                .fold(0.0, |most: f64, v| most.max(v.norm_squared()))
+                .sqrt(),
+            None => state.bodies[body].moved_m / self.dt_s,
+        }
+    }
+
+    /// Placement of a rigid body that moves: a point of its surface at rest, where it is now, m.
+    pub fn carried_point(&self, state: &SceneState, body: usize, rest: &Point3) -> Point3 {
+        match (&self.bodies[body].mover, &state.bodies[body].rigid) {
+            (Some(mover), Some(rigid)) => rigid.carry(mover, rest),
+            _ => *rest,
+        }
+    }
+}

@@ -1,0 +1,78 @@
+//! Feet of two bodies that meet.
+//!
+//! Every contact of a query is a row where the query finds it: a foot that only came after the deepest
+//! point would push a ball that rolls from behind, out of nothing. But a contact keeps the number of the
+//! foot that it was in the last tick, so that solves start from what it carried and friction remembers
+//! where it stuck.
+
+use super::feet::{MAX_FEET, push_between};
+use super::rigid::RigidStep;
+use super::{BodyScratch, WarmRow};
+use crate::scene::Pair;
+use crate::solve::row_key::{FEET_OF_PAIR, RowKey};
+use crate::solve::rows::{DeformingView, RowSet};
+use palpate_geometry::contact::Contact;
+use palpate_geometry::math::Point3;
+
+/// Two bodies that meet: the pair's body first, then its holder.
+pub(super) struct Meeting<'a> {
+    pub p: usize,
+    pub pair: &'a Pair,
+    /// Of the pair's body.
+    pub parts: &'a BodyScratch,
+    pub views: [Option<DeformingView<'a>>; 2],
+    /// How each goes within the tick, of rigid bodies that move.
+    pub steps: [RigidStep; 2],
+    pub margin_m: f64,
+    /// A contact nearer than this to a foot of the last tick is that foot, m.
+    pub same_m: f64,
+}
+
+impl Meeting<'_> {
+    /// Rows of `found`, deepest first.
+    pub(super) fn push_feet(&self, rows: &mut RowSet, found: &[Contact], warm: &[WarmRow]) {
+        let mut old = [(Point3::origin(), 0u8); MAX_FEET];
+        let mut count = 0;
+        // Numbers of the last tick stay taken: a new foot must not start from what another carried.
+        let mut used = 0u64;
+        for row in warm.iter().filter(|row| row.id.pair as usize == self.p) {
+            let RowKey::Foot(number) = row.id.key else {
+                continue;
+            };
+            used |= 1 << number;
+            if count < MAX_FEET {
+                let [u, v] = row.uv;
+                old[count] = (self.parts.surface.point(u, v), number);
+                count += 1;
+            }
+        }
+        for contact in found.iter().take(MAX_FEET) {
+            let away = |k: usize| (old[k].0 - contact.on_body).norm();
+            let nearest = (0..count).min_by(|&a, &b| away(a).total_cmp(&away(b)));
+            let number = match nearest.filter(|&k| away(k) < self.same_m) {
+                Some(k) => {
+                    count -= 1;
+                    old.swap(k, count);
+                    u32::from(old[count].1)
+                }
+                None => (!used).trailing_zeros(),
+            };
+            if number >= FEET_OF_PAIR {
+                return;
+            }
+            used |= 1 << number;
+            let key = RowKey::foot(number as usize);
+            let Self { views, steps, .. } = self;
+            push_between(
+                rows,
+                self.p,
+                self.pair,
+                key,
+                contact,
+                views,
+                steps,
+                self.margin_m,
+            );
+        }
+    }
+}

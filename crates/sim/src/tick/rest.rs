@@ -1,0 +1,193 @@
+//! Bodies that rest on others.
+//!
+//! A pile that lies still costs as much as one that falls, tick after tick, to come to the same forces.
+//! So bodies that nothing but other bodies touches, and in which nothing has moved for a while, are left
+//! alone together with their contacts: neither queries nor steps, until anything that is not at rest, a
+//! tool or a body, comes near one of those they may lean on. The forces of their contacts stay in the
+//! state; what is reported of them is computed once.
+
+use super::between::bodies;
+use super::record::ContactReport;
+use super::{SceneState, Scratch, WarmRow};
+use crate::haptics::LinkPhase;
+use crate::scene::{Body, BodyModel, Pair, Scene};
+use crate::solve::rows::Holder;
+
+/// Buffers; the state says which bodies are left alone.
+#[derive(Debug, Default)]
+pub(super) struct Rest {
+    /// By body: something moves it, or may.
+    awake: Vec<bool>,
+    /// By pair: `reports` holds its contacts.
+    reported: Vec<bool>,
+    /// Contacts of pairs left alone, by pair.
+    pub reports: Vec<(u32, ContactReport)>,
+    /// Their rows, in order.
+    pub rows: Vec<WarmRow>,
+}
+
+impl Rest {
+    pub(super) fn new(scene: &Scene) -> Self {
+        let between = |pair: &&Pair| matches!(pair.holder, Holder::Body(_));
+        let most = match scene.pairs.iter().filter(between).count() {
+            0 => 0,
+            _ => scene.most_rows(),
+        };
+        Self {
+            awake: vec![false; scene.bodies.len()],
+            reported: vec![false; scene.pairs.len()],
+            reports: Vec::with_capacity(most),
+            rows: Vec::with_capacity(most),
+        }
+    }
+
+    /// What it holds is of another state.
+    pub(super) fn forget(&mut self) {
+        self.reported.fill(false);
+        self.reports.clear();
+        self.rows.clear();
+    }
+}
+
+/// Such a body can be left alone.
+fn may_rest(body: &Body) -> bool {
+    matches!(&body.model, BodyModel::Deforming(model) if model.every == 1)
+}
+
+/// Settles which bodies are left alone in this tick. Pairs that can touch are marked.
+pub(super) fn settle(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch) {
+    let calm = |state: &SceneState, b: usize| {
+        let deformable = state.bodies[b].deformable.as_ref();
+        let rests = deformable.is_some_and(|deformable| deformable.lies_calm());
+        rests && may_rest(&scene.bodies[b])
+    };
+    if !(0..scene.bodies.len()).any(|b| calm(state, b)) {
+        return;
+    }
+    let Scratch {
+        near, rest, bodies, ..
+    } = scratch;
+    let awake = &mut rest.awake;
+    for (b, body) in scene.bodies.iter().enumerate() {
+        awake[b] = match &body.model {
+            BodyModel::Rigid => state.bodies[b].moved_m > 0.0 || bodies[b].step.most_m > 0.0,
+            BodyModel::Deforming(_) => !calm(state, b),
+        };
+    }
+    let pairs = || (scene.pairs.iter().enumerate()).filter(|&(p, _)| near.is_near(p));
+    for (_, pair) in pairs() {
+        if let Holder::Tool(t) = pair.holder
+            && state.tools[t as usize].link.phase != LinkPhase::Absent
+        {
+            awake[pair.body] = true;
+        }
+    }
+    let deforms = |b: usize| matches!(scene.bodies[b].model, BodyModel::Deforming(_));
+    loop {
+        let mut more = false;
+        for (_, pair) in pairs() {
+            let Holder::Body(other) = pair.holder else {
+                continue;
+            };
+            for (from, to) in [(pair.body, other as usize), (other as usize, pair.body)] {
+                if awake[from] && !awake[to] && deforms(to) {
+                    (awake[to], more) = (true, true);
+                }
+            }
+        }
+        if !more {
+            break;
+        }
+    }
+    for b in 0..scene.bodies.len() {
+        let leave = calm(state, b) && !scratch.rest.awake[b];
+        let Some(deformable) = &mut state.bodies[b].deformable else {
+            continue;
+        };
+        if deformable.is_left_alone() == leave {
+            continue;
+        }
+        deformable.leave_alone(leave);
+        scene.prepare_body(b, state, scratch, false);
+    }
+}
+
+/// Both bodies of a pair are left alone, or one and the other is rigid and stands still.
+pub(super) fn lies(state: &SceneState, scratch: &Scratch, pair: &Pair) -> bool {
+    let Holder::Body(other) = pair.holder else {
+        return false;
+    };
+    let still = |b: usize| match &state.bodies[b].deformable {
+        Some(deformable) => deformable.is_left_alone(),
+        None => state.bodies[b].moved_m == 0.0 && scratch.bodies[b].step.most_m == 0.0,
+    };
+    let deforms = |b: usize| state.bodies[b].deformable.is_some();
+    let (a, b) = (pair.body, other as usize);
+    still(a) && still(b) && (deforms(a) || deforms(b))
+}
+
+/// Keeps the rows of a pair that is left alone, and sees to it that they can be reported.
+pub(super) fn keep(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch, p: usize) {
+    let own = |row: &&WarmRow| row.id.pair as usize == p;
+    (scratch.rest.rows).extend(state.warm[..state.warm_len].iter().filter(own));
+    if scratch.rest.reported[p] {
+        return;
+    }
+    scratch.rest.reported[p] = true;
+    let Holder::Body(other) = scene.pairs[p].holder else {
+        return;
+    };
+    // Looks once more, and leaves no trace but the reports.
+    let before = state.pairs[p];
+    bodies(scene, state, scratch, p, other as usize);
+    state.pairs[p] = before;
+    let Scratch { rest, rows, .. } = scratch;
+    for row in rows.of_pair() {
+        let mut kept = rest.rows.iter().filter(own);
+        let Some(kept) = kept.find(|kept| kept.id == row.id && kept.force_n > 0.0) else {
+            continue;
+        };
+        let report = ContactReport {
+            body: row.body,
+            holder: row.holder,
+            u: row.u,
+            v: row.v,
+            point: row.point,
+            normal: row.normal,
+            depth_m: -row.now_m,
+            force_n: row.normal * kept.force_n + kept.tangent_n,
+        };
+        if rest.reports.len() < rest.reports.capacity() {
+            let at = rest.reports.partition_point(|(pair, _)| *pair <= p as u32);
+            rest.reports.insert(at, (p as u32, report));
+        }
+    }
+    rows.drop_pair();
+}
+
+/// A pair is not left alone.
+pub(super) fn wake(scratch: &mut Scratch, p: usize) {
+    if std::mem::take(&mut scratch.rest.reported[p]) {
+        scratch.rest.reports.retain(|(pair, _)| *pair != p as u32);
+    }
+}
+
+/// Puts the rows of pairs that are left alone among those of the tick.
+pub(super) fn merge(state: &mut SceneState, rest: &Rest) {
+    // From behind: both lists are ordered, and the warm rows have room.
+    let (mut from, mut kept) = (state.warm_len, rest.rows.len());
+    let most = state.warm.len();
+    let mut to = (from + kept).min(most);
+    kept = to - from;
+    state.warm_len = to;
+    while kept > 0 {
+        to -= 1;
+        if from > 0 && state.warm[from - 1].id > rest.rows[kept - 1].id {
+            from -= 1;
+            state.warm[to] = state.warm[from];
+        } else {
+            kept -= 1;
+            state.warm[to] = rest.rows[kept];
+        }
+    }
+}

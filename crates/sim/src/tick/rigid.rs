@@ -1,0 +1,328 @@
+//! Rigid bodies that move: a script, the device of a tool or a command says where to; contact does
+//! not move them.
+//!
+//! ```text
+//! Render   aim      where the body goes in this tick; rows see how far it takes each of its points
+//! Deform   advance  it is there; its net follows
+//! ```
+//! What they press gives way as to any other surface, and slip counts relative to them, so that
+//! friction drags what lies on them along.
+
+use super::scratch::{BodyScratch, Scratch, box_of};
+use super::state::{BodyState, SceneState};
+use crate::haptics::LinkPhase;
+use crate::scene::{MovedBy, Mover, SPEED_MAX_M_S, Scene, TURNING_MAX_RAD_S, between, smooth};
+use palpate_geometry::math::{Point3, Pose, Rotation, Vector3, rotation_by, turn_between};
+use palpate_geometry::stateful;
+
+/// Where a rigid body that moves is, and where a command sends it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RigidState {
+    /// Ticks in which it could move: the time of its script.
+    pub ticks: u64,
+    /// Origin of its frame in the world, m.
+    pub position: Point3,
+    /// Of its frame.
+    pub rotation: Rotation,
+    /// Where a command sends it; from then on nothing else moves it.
+    pub sent: Sent,
+}
+
+/// A way that a command asked for; of 0 ticks: none did.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sent {
+    /// From there.
+    pub from: (Point3, Rotation),
+    /// To there.
+    pub to: (Point3, Rotation),
+    /// In so many ticks.
+    pub ticks: u32,
+    /// Of which so many are over.
+    pub done: u32,
+}
+
+impl Default for Sent {
+    fn default() -> Self {
+        let here = (Point3::origin(), Rotation::identity());
+        Self {
+            from: here,
+            to: here,
+            ticks: 0,
+            done: 0,
+        }
+    }
+}
+
+stateful!(RigidState, |this, walk| {
+    let RigidState {
+        ticks,
+        position,
+        rotation,
+        sent,
+    } = this;
+    walk.word(ticks)?;
+    walk.point(position)?;
+    walk.rotation(rotation)?;
+    walk.part(sent)
+});
+
+stateful!(Sent, |this, walk| {
+    let Sent {
+        from: (from, from_turned),
+        to: (to, to_turned),
+        ticks,
+        done,
+    } = this;
+    walk.packed("ticks of a body's way", [(0, ticks), (32, done)])?;
+    walk.ensure(*done <= *ticks, "tick of a body's way", u64::from(*done))?;
+    walk.point(from)?;
+    walk.rotation(from_turned)?;
+    walk.point(to)?;
+    walk.rotation(to_turned)
+});
+
+impl RigidState {
+    /// At the start.
+    pub(super) fn start(mover: &Mover) -> Self {
+        Self {
+            ticks: 0,
+            position: Point3::from(mover.placement.translation.vector),
+            rotation: mover.placement.rotation,
+            sent: Sent::default(),
+        }
+    }
+
+    /// Sends it to a place, in so many ticks, or more if it would be too fast.
+    pub(super) fn send(&mut self, to: (Point3, Rotation), ticks: u32, dt_s: f64) {
+        // The smooth way is 15/8 as fast in its middle.
+        let ticks_at = |length: f64, most: f64| (1.875 * length / (most * dt_s)).ceil() as u32;
+        let ticks = ticks
+            .max(ticks_at((to.0 - self.position).norm(), SPEED_MAX_M_S))
+            .max(ticks_at(
+                turn_between(&self.rotation, &to.1).norm(),
+                TURNING_MAX_RAD_S,
+            ));
+        self.sent = Sent {
+            from: (self.position, self.rotation),
+            to,
+            ticks: ticks.max(1),
+            done: 0,
+        };
+    }
+
+    /// The same somewhere else, by so much (m, world axes).
+    pub(super) fn moved(&self, by: &Vector3) -> Self {
+        let mut moved = *self;
+        for place in [
+            &mut moved.position,
+            &mut moved.sent.from.0,
+            &mut moved.sent.to.0,
+        ] {
+            *place += by;
+        }
+        moved
+    }
+
+    /// After the next tick.
+    fn next(&self, mover: &Mover, scene: &Scene, state: &SceneState) -> Self {
+        let mut next = Self {
+            ticks: self.ticks + 1,
+            ..*self
+        };
+        let sent = &mut next.sent;
+        if sent.ticks > 0 {
+            sent.done = (sent.done + 1).min(sent.ticks);
+            let share = f64::from(sent.done) / f64::from(sent.ticks);
+            (next.position, next.rotation) = match sent.done == sent.ticks {
+                true => sent.to,
+                false => between(
+                    (&sent.from.0, &sent.from.1),
+                    (&sent.to.0, &sent.to.1),
+                    smooth(share),
+                ),
+            };
+            return next;
+        }
+        (next.position, next.rotation) = match &mover.by {
+            MovedBy::Script(script) => {
+                script.place(&mover.placement, next.ticks as f64 * scene.dt_s)
+            }
+            MovedBy::Tool { tool, start } => {
+                let link = &state.tools[*tool].link;
+                if link.phase == LinkPhase::Absent {
+                    return next;
+                }
+                let device =
+                    Pose::from_parts(link.pose.position.coords.into(), link.pose.orientation);
+                let wanted = device * start.inverse() * mover.placement;
+                self.towards(&wanted, scene.dt_s)
+            }
+        };
+        next
+    }
+
+    /// As near to a placement as the speed of a body allows in a tick: a device that appears far off
+    /// does not tear the body through others.
+    fn towards(&self, wanted: &Pose, dt_s: f64) -> (Point3, Rotation) {
+        let way = wanted.translation.vector - self.position.coords;
+        let turn = turn_between(&self.rotation, &wanted.rotation);
+        let share = |length: f64, most: f64| if length > most { most / length } else { 1.0 };
+        let along = share(way.norm(), SPEED_MAX_M_S * dt_s);
+        let round = share(turn.norm(), TURNING_MAX_RAD_S * dt_s);
+        let rotation = match round < 1.0 {
+            true => rotation_by(&(turn * round)) * self.rotation,
+            false => wanted.rotation,
+        };
+        (self.position + way * along, rotation)
+    }
+
+    /// A point of the body at rest, where it is now.
+    pub(super) fn carry(&self, mover: &Mover, rest: &Point3) -> Point3 {
+        let origin = Point3::from(mover.placement.translation.vector);
+        if self.rotation == mover.placement.rotation {
+            return rest + (self.position - origin);
+        }
+        let turn = self.rotation * mover.placement.rotation.inverse();
+        self.position + turn * (rest - origin)
+    }
+}
+
+/// How far a body goes in this tick.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct RigidStep {
+    /// Origin of its frame before, m.
+    from: Point3,
+    /// Of that, m.
+    shift: Vector3,
+    /// About it.
+    turn: Rotation,
+    /// Of the control point that goes farthest, m.
+    pub most_m: f64,
+}
+
+impl RigidStep {
+    /// It stays where it is.
+    pub const NONE: Self = Self {
+        from: Point3::new(0.0, 0.0, 0.0),
+        shift: Vector3::new(0.0, 0.0, 0.0),
+        turn: Rotation::new_unchecked(nalgebra::Quaternion::new(1.0, 0.0, 0.0, 0.0)),
+        most_m: 0.0,
+    };
+
+    /// Of a point of the body, m.
+    pub fn at(&self, point: &Point3) -> Vector3 {
+        if self.most_m == 0.0 {
+            return Vector3::zeros();
+        }
+        let arm = point - self.from;
+        self.shift + (self.turn * arm - arm)
+    }
+}
+
+/// Buffers of a body that moves.
+#[derive(Debug)]
+pub(super) struct RigidScratch {
+    /// Its net after the tick under way.
+    net: Vec<Point3>,
+    /// Its state after it.
+    next: RigidState,
+}
+
+impl RigidScratch {
+    pub(super) fn new(mover: &Mover, net: &[Point3]) -> Box<Self> {
+        Box::new(Self {
+            net: net.to_vec(),
+            next: RigidState::start(mover),
+        })
+    }
+}
+
+/// Finds where each body goes in this tick.
+pub(super) fn aim(scene: &Scene, state: &SceneState, scratch: &mut Scratch, moving: bool) {
+    for (b, body) in scene.bodies.iter().enumerate() {
+        let (Some(mover), Some(now)) = (&body.mover, &state.bodies[b].rigid) else {
+            continue;
+        };
+        let BodyScratch {
+            surface,
+            bounds,
+            step,
+            rigid,
+            ..
+        } = &mut scratch.bodies[b];
+        let Some(rigid) = rigid else { continue };
+        *step = RigidStep::NONE;
+        rigid.next = *now;
+        let current = surface.net().points();
+        let here = box_of(current);
+        *bounds = here;
+        if !moving {
+            continue;
+        }
+        rigid.next = now.next(mover, scene, state);
+        let rest = body.surface.net().points();
+        let mut most: f64 = 0.0;
+        for ((to, rest), from) in rigid.net.iter_mut().zip(rest).zip(current) {
+            *to = rigid.next.carry(mover, rest);
+            most = most.max((*to - from).norm_squared());
+        }
+        let there = box_of(&rigid.net);
+        *bounds = (here.0.inf(&there.0), here.1.sup(&there.1));
+        *step = RigidStep {
+            from: now.position,
+            shift: rigid.next.position - now.position,
+            turn: match rigid.next.rotation == now.rotation {
+                true => Rotation::identity(),
+                false => rigid.next.rotation * now.rotation.inverse(),
+            },
+            most_m: most.sqrt(),
+        };
+    }
+}
+
+/// Each body is where it was going.
+pub(super) fn advance(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch) {
+    for (b, body) in scene.bodies.iter().enumerate() {
+        let BodyState {
+            rigid: Some(now),
+            revision,
+            moved_m,
+            ..
+        } = &mut state.bodies[b]
+        else {
+            continue;
+        };
+        let BodyScratch {
+            surface,
+            solver,
+            step,
+            rigid,
+            ..
+        } = &mut scratch.bodies[b];
+        let (Some(rigid), Some(_)) = (rigid, &body.mover) else {
+            continue;
+        };
+        *now = rigid.next;
+        *moved_m = step.most_m;
+        if step.most_m > 0.0 {
+            *revision += 1;
+            surface.net_mut().points_mut().copy_from_slice(&rigid.net);
+            solver.net_changed();
+        }
+        *step = RigidStep::NONE;
+    }
+}
+
+/// Brings a body's buffers in line with its state.
+pub(super) fn prepare(mover: &Mover, rest: &[Point3], state: &RigidState, parts: &mut BodyScratch) {
+    let points = parts.surface.net_mut().points_mut();
+    for (point, rest) in points.iter_mut().zip(rest) {
+        *point = state.carry(mover, rest);
+    }
+    parts.solver.net_changed();
+    parts.bounds = box_of(parts.surface.net().points());
+    parts.step = RigidStep::NONE;
+    if let Some(rigid) = &mut parts.rigid {
+        rigid.next = *state;
+    }
+}

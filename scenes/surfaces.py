@@ -1,0 +1,59 @@
+"""Writes the surfaces of the spoon scenarios: python3 scenes/surfaces.py (no packages needed).
+
+handle.json: a strip of 150 mm × 16 mm in z = 0, normal +z, u along it; scenes give it its thickness.
+bowl.json: a bowl of 60 mm × 40 mm, its tip at x = -60 mm, its neck at x = 0, where it is as wide as the handle; 12 mm
+deep for the merge, 6 mm for the jelly. Control points are places of these functions, so that the surfaces are smooth versions of them.
+"""
+import json
+import math
+import pathlib
+
+HERE = pathlib.Path(__file__).parent
+
+
+def knots(count):
+    inner = count - 3
+    return [0.0] * 4 + [k / inner for k in range(1, inner)] + [1.0] * 4
+
+
+def greville(count):
+    t = knots(count)
+    return [sum(t[k + 1 : k + 4]) / 3 for k in range(count)]
+
+
+def surface(name, counts, at):
+    points = [[[round(x, 12) for x in at(u, v)] for v in greville(counts[1])] for u in greville(counts[0])]
+    return {
+        "format": "palpate.surface.v1",
+        "name": name,
+        "degree": [3, 3],
+        "periodic": [False, False],
+        "knots": [knots(counts[0]), knots(counts[1])],
+        "points": points,
+        "flip_normal": False,
+    }
+
+
+def handle(u, v):
+    return (0.15 * u, 0.016 * (v - 0.5), 0.0)
+
+
+def bowl(deep):
+    def at(u, v):
+        across = 2 * v - 1
+        half = 0.004 + 0.016 * math.sin(math.pi * (0.08 + 0.84 * u))
+        depth = deep * math.sin(math.pi * (0.1 + 0.85 * u)) * (1 - across * across)
+        return (0.06 * (u - 1), half * across, -depth)
+
+    return at
+
+
+def write(document, *folders):
+    for folder in folders:
+        path = HERE / folder / f"{document['name']}.json"
+        path.write_text(json.dumps(document) + "\n")
+
+
+write(surface("handle", (16, 6), handle), "spoon-bend", "spoon-grip", "spoon-merge", "spoon-weight")
+write(surface("bowl", (12, 10), bowl(0.012)), "spoon-merge")
+write(surface("bowl", (12, 10), bowl(0.006)), "jelly", "jelly-shake")

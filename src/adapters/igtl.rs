@@ -1,0 +1,266 @@
+//! OpenIGTLink, for 3D Slicer and trackers (PLUS): poses of tools out, poses of trackers in.
+//!
+//! ```text
+//! tracker ─ TRANSFORM "ball" ─▶ pose of tool ball      (the first one takes the tool)
+//! Slicer  ◀─ TRANSFORM "ball" ─ its proxy, 60 a second
+//! ```
+//! A tracker has no motors: nothing comes back to it. Loopback only.
+
+use super::unix_ns;
+use palpate_client::proto::messages::ToolForce;
+use palpate_client::{Latest, Palpate, Tool, pose_at};
+use palpate_devices::igtl::{HEADER, Header, TrackedPose, transform};
+use std::collections::BTreeMap;
+use std::io::{ErrorKind, Read as _, Write as _};
+use std::net::{Ipv4Addr, SocketAddr, TcpListener, TcpStream};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::thread::JoinHandle;
+use std::time::Duration;
+
+/// Clients at once.
+const MOST_CLIENTS: usize = 8;
+/// Longest body that is read, bytes; images are longer, and of no use here.
+const MOST_BYTES: u64 = 1 << 20;
+/// Proxies a second.
+const EVERY: Duration = Duration::from_micros(16_667);
+/// Between two looks at whether to stop.
+const TURN: Duration = Duration::from_millis(50);
+/// A client that does not read for so long is given up.
+const PATIENCE: Duration = Duration::from_secs(5);
+
+/// A server at work; it ends when dropped.
+pub struct Igtl {
+    address: SocketAddr,
+    stop: Arc<AtomicBool>,
+    thread: Option<JoinHandle<()>>,
+}
+
+/// What every client needs.
+#[derive(Clone)]
+struct Shared {
+    session: zenoh::Session,
+    instance: String,
+    tools: Arc<[String]>,
+    stop: Arc<AtomicBool>,
+    clients: Arc<AtomicUsize>,
+}
+
+impl Igtl {
+    /// Listens on a port of this machine; 0: any free one.
+    ///
+    /// # Errors
+    /// The port is taken.
+    pub fn start(
+        session: &zenoh::Session,
+        instance: &str,
+        tools: Vec<String>,
+        port: u16,
+    ) -> std::io::Result<Self> {
+        let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, port))?;
+        listener.set_nonblocking(true)?;
+        let address = listener.local_addr()?;
+        let stop = Arc::<AtomicBool>::default();
+        let shared = Shared {
+            session: session.clone(),
+            instance: instance.to_owned(),
+            tools: tools.into(),
+            stop: stop.clone(),
+            clients: Arc::default(),
+        };
+        let thread = std::thread::Builder::new()
+            .name("palpate-igtl".into())
+            .spawn(move || accept(&listener, &shared))?;
+        Ok(Self {
+            address,
+            stop,
+            thread: Some(thread),
+        })
+    }
+
+    /// Where it listens.
+    pub fn address(&self) -> SocketAddr {
+        self.address
+    }
+}
+
+impl Drop for Igtl {
+    fn drop(&mut self) {
+        self.stop.store(true, Ordering::Release);
+        if let Some(thread) = self.thread.take() {
+            let _ = thread.join();
+        }
+    }
+}
+
+fn accept(listener: &TcpListener, shared: &Shared) {
+    let mut threads: Vec<JoinHandle<()>> = Vec::new();
+    while !shared.stop.load(Ordering::Acquire) {
+        threads.retain(|thread| !thread.is_finished());
+        let stream = match listener.accept() {
+            Ok((stream, _)) if shared.clients.load(Ordering::Acquire) < MOST_CLIENTS => stream,
+            // Who is one too many is closed.
+            Ok(_) => continue,
+            Err(_) => {
+                std::thread::sleep(TURN);
+                continue;
+            }
+        };
+        let shared = shared.clone();
+        shared.clients.fetch_add(1, Ordering::AcqRel);
+        let counted = shared.clients.clone();
+        let started = std::thread::Builder::new()
+            .name("palpate-igtl-client".into())
+            .spawn(move || {
+                if let Err(error) = serve(&stream, &shared) {
+                    tracing::info!(%error, "an OpenIGTLink client left");
+                }
+                shared.clients.fetch_sub(1, Ordering::AcqRel);
+            });
+        match started {
+            Ok(thread) => threads.push(thread),
+            Err(error) => {
+                counted.fetch_sub(1, Ordering::AcqRel);
+                tracing::warn!(%error, "no thread for an OpenIGTLink client");
+            }
+        }
+    }
+    for thread in threads {
+        let _ = thread.join();
+    }
+}
+
+/// Speaks with one client: writes on this thread, reads on another.
+fn serve(stream: &TcpStream, shared: &Shared) -> anyhow::Result<()> {
+    stream.set_nonblocking(false)?;
+    stream.set_nodelay(true)?;
+    stream.set_read_timeout(Some(TURN))?;
+    stream.set_write_timeout(Some(PATIENCE))?;
+    let palpate = Palpate::over(shared.session.clone(), &shared.instance)?;
+    let proxies: Vec<(&String, Latest<ToolForce>)> = (shared.tools.iter())
+        .map(|tool| Ok((tool, palpate.forces(tool)?)))
+        .collect::<anyhow::Result<_>>()?;
+    let gone = AtomicBool::new(false);
+    std::thread::scope(|scope| {
+        let reader = scope.spawn(|| {
+            let read = read_all(stream, &palpate, shared, &gone);
+            gone.store(true, Ordering::Release);
+            read
+        });
+        let written = write_all(stream, &proxies, shared, &gone);
+        gone.store(true, Ordering::Release);
+        let read = reader.join().unwrap_or(Ok(()));
+        written.map_err(anyhow::Error::from).and(read)
+    })
+}
+
+fn write_all(
+    mut stream: &TcpStream,
+    proxies: &[(&String, Latest<ToolForce>)],
+    shared: &Shared,
+    gone: &AtomicBool,
+) -> std::io::Result<()> {
+    while !gone.load(Ordering::Acquire) && !shared.stop.load(Ordering::Acquire) {
+        for (tool, newest) in proxies {
+            if let Some(force) = newest.take() {
+                let (at, turned) = (force.proxy_position, force.proxy_orientation);
+                stream.write_all(&transform(tool, force.t_server_ns, at, turned))?;
+            }
+        }
+        std::thread::sleep(EVERY);
+    }
+    Ok(())
+}
+
+fn read_all(
+    stream: &TcpStream,
+    palpate: &Palpate,
+    shared: &Shared,
+    gone: &AtomicBool,
+) -> anyhow::Result<()> {
+    let over = || gone.load(Ordering::Acquire) || shared.stop.load(Ordering::Acquire);
+    let mut held: BTreeMap<String, Tool> = BTreeMap::new();
+    let mut refused: Option<String> = None;
+    let mut head = [0; HEADER];
+    while fill(stream, &mut head, &over)? {
+        let header = Header::read(&head)?;
+        anyhow::ensure!(
+            header.body <= MOST_BYTES,
+            "a {} of {} bytes is longer than {MOST_BYTES}",
+            header.kind,
+            header.body
+        );
+        let mut body = vec![0; header.body as usize];
+        if !fill(stream, &mut body, &over)? {
+            break;
+        }
+        let moved = header.pose(&body).map_err(anyhow::Error::from);
+        let moved = moved.and_then(|pose| match pose {
+            Some(pose) => move_tool(palpate, shared, &mut held, &header, &pose),
+            None => Ok(()),
+        });
+        // Each reason once in a row: a tracker speaks sixty times a second.
+        if let Err(error) = moved
+            && refused.replace(error.to_string()) != Some(error.to_string())
+        {
+            tracing::warn!(%error, device = header.device, "an OpenIGTLink message was dropped");
+        }
+    }
+    Ok(())
+}
+
+fn move_tool(
+    palpate: &Palpate,
+    shared: &Shared,
+    held: &mut BTreeMap<String, Tool>,
+    header: &Header,
+    pose: &TrackedPose,
+) -> anyhow::Result<()> {
+    let id = &header.device;
+    if !held.contains_key(id) {
+        anyhow::ensure!(
+            shared.tools.contains(id),
+            "there is no tool {id:?}; the scene has {}",
+            shared.tools.join(", ")
+        );
+        let token = palpate.keys().live_tool(id);
+        let holders = palpate.live(&token, Duration::ZERO, |_| true)?;
+        anyhow::ensure!(holders.is_empty(), "tool {id:?} is held by somebody else");
+        // Without a description: the forces of a tracked tool press bodies, and nobody feels them.
+        held.insert(id.clone(), palpate.tool(id)?);
+    }
+    if let Some(tool) = held.get_mut(id) {
+        let mut sent = pose_at(pose.position);
+        sent.orientation = pose.orientation;
+        sent.t_client_ns = match header.time_ns {
+            0 => unix_ns(),
+            time_ns => time_ns,
+        };
+        tool.send(sent)?;
+    }
+    Ok(())
+}
+
+/// Fills a buffer; false if the other side closed before its first byte, or all is over.
+fn fill(
+    mut stream: &TcpStream,
+    buffer: &mut [u8],
+    over: &dyn Fn() -> bool,
+) -> anyhow::Result<bool> {
+    let mut at = 0;
+    while at < buffer.len() {
+        match stream.read(&mut buffer[at..]) {
+            Ok(0) if at == 0 => return Ok(false),
+            Ok(0) => anyhow::bail!("a message is cut short"),
+            Ok(count) => at += count,
+            Err(error) => match error.kind() {
+                ErrorKind::WouldBlock | ErrorKind::TimedOut | ErrorKind::Interrupted => {}
+                _ => return Err(error.into()),
+            },
+        }
+        if over() {
+            return Ok(false);
+        }
+    }
+    Ok(true)
+}

@@ -1,0 +1,57 @@
+//! The scene that a recording carries, as far as it is trusted.
+
+use palpate_sim::scene::spec::SceneSpec;
+use toml::Value;
+
+/// Reads the scene of a recording. Our recordings have every file of their scene in it; a recording of
+/// somebody else's that names files of this machine is refused before anything is opened.
+///
+/// # Errors
+/// It does not parse, or names a file.
+pub(in crate::recording) fn recorded_spec(text: &str) -> Result<SceneSpec, String> {
+    let value: Value = toml::from_str(text).map_err(|e| e.to_string())?;
+    match ["body", "tool"]
+        .iter()
+        .find_map(|key| named_file(value.get(key)?))
+    {
+        None => toml::from_str(text).map_err(|e| e.to_string()),
+        Some(file) => Err(format!(
+            "it names the file {file:?}, and recordings carry all that their scene needs"
+        )),
+    }
+}
+
+/// The first value of a key `file`.
+fn named_file(value: &Value) -> Option<String> {
+    match value {
+        Value::Table(table) => table.iter().find_map(|(key, value)| match key.as_str() {
+            "file" => Some(
+                value
+                    .as_str()
+                    .map_or_else(|| value.to_string(), str::to_owned),
+            ),
+            _ => named_file(value),
+        }),
+        Value::Array(values) => values.iter().find_map(named_file),
+        _ => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_recording_that_names_files_is_refused_by_their_names() {
+        let body = |surface: &str| format!("[[body]]\nid = \"drop\"\nsurface = {surface}\n");
+        assert!(recorded_spec(&body("{ builtin = \"teardrop\" }")).is_ok());
+        for file in ["/etc/shadow", "/dev/zero", "drop.json"] {
+            let error = recorded_spec(&body(&format!("{{ file = \"{file}\" }}"))).unwrap_err();
+            assert!(error.contains(file), "{error}");
+        }
+        let tool = "[[tool]]\nid = \"pen\"\nshape = { mesh = { file = \"/dev/zero\" } }\n";
+        let tool = body("{ builtin = \"teardrop\" }") + tool;
+        let error = recorded_spec(&tool).unwrap_err();
+        assert!(error.contains("/dev/zero"), "{error}");
+    }
+}
