@@ -14,6 +14,7 @@ use super::devices::Devices;
 use super::edit::Edits;
 use super::events::Events;
 use super::forces::Forces;
+use super::health::Health;
 use super::link::LoopLink;
 use super::metrics::{AdapterCounts, LoopMetrics};
 use super::nets::Nets;
@@ -67,6 +68,8 @@ pub struct BusSettings {
     pub player: Option<PlayerEnd>,
     /// What adapters count.
     pub adapters: AdapterCounts,
+    /// Where the newest figures are left, for who asks about them beside the viewer.
+    pub health: Option<Arc<Health>>,
 }
 
 /// A running bus thread.
@@ -139,6 +142,7 @@ struct Served {
     open: Vec<String>,
     viewer_url: Option<String>,
     adapters: AdapterCounts,
+    health: Option<Arc<Health>>,
 }
 
 /// The owners of all parts, and the order in which they are polled.
@@ -238,6 +242,7 @@ impl BusThread {
                 open: settings.open,
                 viewer_url: settings.viewer_url,
                 adapters: settings.adapters,
+                health: settings.health,
             },
         };
         bus.show_scene();
@@ -429,6 +434,9 @@ impl BusThread {
         let recording = self.tally.status().recorder == RecorderState::Recording;
         self.declared.show_recording(&self.session, recording);
         self.tally.publish();
+        if let Some(health) = &self.served.health {
+            health.put(self.figures());
+        }
         if self.view.is_there() {
             let figures = self.figures();
             if self.view.watched() {

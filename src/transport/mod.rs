@@ -15,6 +15,7 @@ mod edit;
 mod events;
 mod exposure;
 mod forces;
+mod health;
 mod history;
 mod link;
 mod metrics;
@@ -30,6 +31,7 @@ mod view;
 
 pub use bus::{Bus, BusReport, BusSettings};
 pub use exposure::is_loopback;
+pub use health::Health;
 pub use metrics::{AdapterCount, AdapterCounts, LoopMetrics};
 pub use rate::{RateNews, RateWatch};
 pub use session::{

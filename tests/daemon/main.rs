@@ -13,6 +13,7 @@ mod session;
 
 #[path = "access/mod.rs"]
 mod access;
+mod agones;
 mod batch;
 mod clients;
 mod crash;
@@ -32,6 +33,7 @@ mod haptic_link;
 mod hostile_bytes;
 mod hostile_files;
 mod keeping;
+mod lobby;
 mod many_tools;
 #[path = "page/mod.rs"]
 mod pages;

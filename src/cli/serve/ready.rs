@@ -46,6 +46,11 @@ pub fn line(
     }))
 }
 
+/// The line that says that clients cannot connect, because the start failed.
+pub fn failure(error: &str) -> serde_json::Value {
+    serde_json::json!({ "ready": false, "error": error })
+}
+
 /// Writes a line to a file descriptor that whoever started this process left open.
 ///
 /// # Errors
