@@ -8,6 +8,7 @@
 //! ```
 
 use super::answers::{key_of, reply, reply_json, reply_text};
+use super::clients::ClientLink;
 use super::contacts::Contacts;
 use super::declared::{Declared, Inbox, Roles};
 use super::devices::Devices;
@@ -189,7 +190,9 @@ impl BusThread {
         // In lockstep and out of a recording every force is published.
         let every = scene.clock == Clock::Lockstep || roles.player;
         let (session_of, poses) = (&session, &ports.poses);
-        let forces = Forces::new(session_of, &keys, &scene, ports.outputs, poses, every)?;
+        let clients: Vec<Arc<ClientLink>> = poses.iter().map(|_| Arc::default()).collect();
+        let outputs = ports.outputs;
+        let forces = Forces::new(session_of, &keys, &scene, outputs, poses, &clients, every)?;
         let contacts = Contacts::new(session_of, &keys, scene.tool_count())?;
         let nets = Nets::new(
             session_of,
@@ -208,7 +211,7 @@ impl BusThread {
         let tally = LoopTally::new(session_of, &keys, &scene, ports.records, gauges)?;
         // Last, with the tokens that say that all of it is there.
         let declared = Declared::new(
-            session_of, &keys, &scene, poses, &devices, &inbox, &post, roles,
+            session_of, &keys, &scene, poses, &clients, &devices, &inbox, &post, roles,
         )?;
         let mut bus = Self {
             session,
@@ -556,6 +559,7 @@ impl BusThread {
             events: self.events.count(),
             suppressed: self.devices.all_suppressed(),
             published: self.forces.published(),
+            clients: self.forces.clients(),
             overtaken: self.forces.overtaken(),
             strangers: self.forces.strangers(),
             adapters: self.served.adapters.read(),

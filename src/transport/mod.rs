@@ -6,6 +6,7 @@
 
 mod answers;
 mod bus;
+mod clients;
 mod contacts;
 mod deadband;
 mod declared;
@@ -30,6 +31,7 @@ mod tally;
 mod view;
 
 pub use bus::{Bus, BusReport, BusSettings};
+pub use clients::ClientCounts;
 pub use exposure::is_loopback;
 pub use health::Health;
 pub use metrics::{AdapterCount, AdapterCounts, LoopMetrics};

@@ -33,11 +33,13 @@ mod haptic_link;
 mod hostile_bytes;
 mod hostile_files;
 mod keeping;
+mod kubernetes;
 mod lobby;
 mod many_tools;
 #[path = "page/mod.rs"]
 mod pages;
 mod play;
+mod reach;
 mod readmes;
 mod recording;
 mod reference;

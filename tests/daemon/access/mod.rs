@@ -4,6 +4,7 @@ mod commands;
 mod exposure;
 mod namespaces;
 mod roles;
+mod router;
 mod strangers;
 
 use crate::daemon::{PROGRAM, free_port};
