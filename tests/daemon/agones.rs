@@ -208,7 +208,7 @@ fn agones_is_told_once_that_the_server_is_ready_in_use_and_over_and_often_that_i
     check_form(&sidecar.log);
     let all = sidecar.log.all();
     let once = |path| assert_eq!(sidecar.log.of(path).len(), 1, "{path}");
-    ["/ready", "/allocate", "/shutdown"].map(once);
+    ["/ready", "/allocate", "/shutdown"].into_iter().for_each(once);
     assert_eq!(all.last().unwrap().path, "/shutdown");
     let place = |path: &str| all.iter().position(|call| call.path == path).unwrap();
     assert!(place("/ready") < place("/allocate"));
