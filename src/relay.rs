@@ -187,7 +187,9 @@ impl RelaySettings {
     /// An endpoint that certificates lead into, and behind which nothing asks for their roles.
     fn without_rules(&self) -> Result<Option<String>, RelayError> {
         let encrypted = |endpoint: &&String| {
-            ["tls/", "quic/"].iter().any(|head| endpoint.starts_with(head))
+            ["tls/", "quic/"]
+                .iter()
+                .any(|head| endpoint.starts_with(head))
         };
         let config = self.config("router")?;
         let has_rules = (config.get_json("access_control/enabled")).is_ok_and(|is| is == "true");

@@ -54,7 +54,11 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
     let max = args.max.unwrap_or(cores);
     let listen = args.listen.clone().unwrap_or_else(|| {
-        let protocol = if args.identity.is_some() { "tls" } else { "tcp" };
+        let protocol = if args.identity.is_some() {
+            "tls"
+        } else {
+            "tcp"
+        };
         format!("{protocol}/127.0.0.1:0")
     });
     let lobby = Lobby::open(LobbySettings {
@@ -82,7 +86,10 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     let url = lobby.url();
     if args.json {
         let pid = std::process::id();
-        println!("{}", serde_json::json!({ "ready": true, "http": url, "max": max, "pid": pid }));
+        println!(
+            "{}",
+            serde_json::json!({ "ready": true, "http": url, "max": max, "pid": pid })
+        );
         let _ = std::io::stdout().flush();
     } else {
         eprintln!("lobby: {url} (at most {max} sessions)");

@@ -18,8 +18,8 @@ use crate::recording::{
     stage_infos, write_stages,
 };
 use crate::transport::{
-    AdapterCounts, Bus, BusSettings, Health, Role, SessionSettings, daemon_of, default_listen, is_taken,
-    open_guarded,
+    AdapterCounts, Bus, BusSettings, Health, Role, SessionSettings, daemon_of, default_listen,
+    is_taken, open_guarded,
 };
 use crate::viewer::Viewer;
 use anyhow::Context as _;

@@ -180,7 +180,9 @@ impl Once {
 /// The first of a row of failures is a warning, the others are for those who look closely.
 fn warn(call: &str, error: &SidecarError, first: bool) {
     match first {
-        true => tracing::warn!(call, %error, "the Agones sidecar did not take a call; it is tried again"),
+        true => {
+            tracing::warn!(call, %error, "the Agones sidecar did not take a call; it is tried again")
+        }
         false => tracing::debug!(call, %error, "the Agones sidecar did not take a call"),
     }
 }

@@ -94,7 +94,10 @@ impl Drop for Daemon {
 fn hear(id: &str, stdout: ChildStdout, tell: &Sender<Ask>) {
     let mut reader = BufReader::new(stdout);
     let mut line = Vec::new();
-    let read = reader.by_ref().take(LONGEST_LINE).read_until(b'\n', &mut line);
+    let read = reader
+        .by_ref()
+        .take(LONGEST_LINE)
+        .read_until(b'\n', &mut line);
     if read.is_ok_and(|bytes| bytes > 0) {
         let line = serde_json::from_slice(&line).unwrap_or_default();
         let id = id.to_owned();

@@ -98,7 +98,10 @@ pub(super) enum Ask {
         reply: oneshot::Sender<bool>,
     },
     /// The first line of a daemon.
-    Said { id: String, line: serde_json::Value },
+    Said {
+        id: String,
+        line: serde_json::Value,
+    },
     /// A daemon says no more.
     Closed(String),
 }
@@ -219,7 +222,12 @@ impl Keeper {
         let arguments = self.settings.arguments(&offer.source, &id);
         let daemon = Daemon::start(&id, &arguments, self.tell.clone());
         let daemon = daemon.map_err(|error| failed(&error))?;
-        tracing::info!(session = id, scene = offer.name, pid = daemon.pid(), "starting");
+        tracing::info!(
+            session = id,
+            scene = offer.name,
+            pid = daemon.pid(),
+            "starting"
+        );
         Ok(Place {
             session: Session {
                 instance: id.clone(),
@@ -274,7 +282,10 @@ impl Keeper {
                     let _ = reply.send(Err(Refusal::Slow(LONGEST_START)));
                 }
             }
-            if place.asked_to_end.is_some_and(|at| at.elapsed() > LONGEST_END) {
+            if place
+                .asked_to_end
+                .is_some_and(|at| at.elapsed() > LONGEST_END)
+            {
                 place.daemon.kill();
             }
             if place.ended.is_none() {
@@ -335,7 +346,8 @@ impl Place {
         }
         if let Some(reply) = self.waits_for_start.take() {
             let reason = self.failure.take();
-            let reason = reason.unwrap_or_else(|| format!("{status}; its messages are in the lobby's log"));
+            let reason =
+                reason.unwrap_or_else(|| format!("{status}; its messages are in the lobby's log"));
             let _ = reply.send(Err(Refusal::Failed(reason)));
         }
         for reply in self.wait_for_end.drain(..) {

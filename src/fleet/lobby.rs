@@ -92,10 +92,11 @@ impl Lobby {
     /// See [`LobbyError`].
     pub fn open(settings: LobbySettings) -> Result<Self, LobbyError> {
         settings.check()?;
-        let shelf = Shelf::new(settings.scenes.as_deref()).map_err(|source| LobbyError::Scenes {
-            path: settings.scenes.clone().unwrap_or_default(),
-            source,
-        })?;
+        let shelf =
+            Shelf::new(settings.scenes.as_deref()).map_err(|source| LobbyError::Scenes {
+                path: settings.scenes.clone().unwrap_or_default(),
+                source,
+            })?;
         let address = settings.http;
         let failed = |source| LobbyError::Listen { address, source };
         let listener = TcpListener::bind(address).map_err(failed)?;
@@ -134,7 +135,9 @@ impl LobbySettings {
         if self.listen.starts_with("tls/") && self.identity.is_none() {
             return Err(LobbyError::NoIdentity(listen()));
         }
-        let has_ports = ["tcp/", "tls/"].iter().any(|head| self.listen.starts_with(head));
+        let has_ports = ["tcp/", "tls/"]
+            .iter()
+            .any(|head| self.listen.starts_with(head));
         if !has_ports || !self.listen.ends_with(":0") {
             return Err(LobbyError::Port(listen()));
         }

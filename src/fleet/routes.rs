@@ -70,7 +70,12 @@ async fn start(State(desk): State<Desk>, request: Request) -> Response {
     match answer {
         Ok(session) => {
             let place = format!("/sessions/{}", session.id);
-            (StatusCode::CREATED, [(header::LOCATION, place)], Json(session)).into_response()
+            (
+                StatusCode::CREATED,
+                [(header::LOCATION, place)],
+                Json(session),
+            )
+                .into_response()
         }
         Err(refusal) => refuse(&refusal),
     }
@@ -83,7 +88,8 @@ async fn wanted(body: Body) -> Result<Wanted, (StatusCode, String)> {
     let bytes = match bytes {
         Ok(Ok(bytes)) => bytes,
         Ok(Err(_)) => {
-            let reason = format!("the body is longer than {LONGEST_BODY} bytes, or was cut short: {form}");
+            let reason =
+                format!("the body is longer than {LONGEST_BODY} bytes, or was cut short: {form}");
             return Err((StatusCode::PAYLOAD_TOO_LARGE, reason));
         }
         Err(_) => {
@@ -91,8 +97,12 @@ async fn wanted(body: Body) -> Result<Wanted, (StatusCode, String)> {
             return Err((StatusCode::REQUEST_TIMEOUT, reason));
         }
     };
-    serde_json::from_slice(&bytes)
-        .map_err(|error| (StatusCode::BAD_REQUEST, format!("the body: {error}; {form}")))
+    serde_json::from_slice(&bytes).map_err(|error| {
+        (
+            StatusCode::BAD_REQUEST,
+            format!("the body: {error}; {form}"),
+        )
+    })
 }
 
 async fn sessions(desk: &Desk) -> Option<Vec<Session>> {
@@ -139,7 +149,10 @@ async fn health(State(desk): State<Desk>) -> Response {
 }
 
 fn no_session() -> Response {
-    problem(StatusCode::NOT_FOUND, "there is no session of this id; GET /sessions lists them")
+    problem(
+        StatusCode::NOT_FOUND,
+        "there is no session of this id; GET /sessions lists them",
+    )
 }
 
 fn problem(status: StatusCode, reason: &str) -> Response {

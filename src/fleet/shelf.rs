@@ -69,7 +69,10 @@ impl Shelf {
         };
         let paths = entries.filter_map(|entry| Some(entry.ok()?.path()));
         let mut paths: Vec<PathBuf> = paths
-            .filter(|path| path.extension().is_some_and(|extension| extension == "toml"))
+            .filter(|path| {
+                path.extension()
+                    .is_some_and(|extension| extension == "toml")
+            })
             .filter(|path| path.is_file())
             .collect();
         paths.sort();
@@ -127,7 +130,15 @@ mod tests {
             .collect();
         assert_eq!(files, [("bare", ""), ("slab", "A soft slab")]);
         assert_eq!(offers.len(), files.len() + SCENES.len());
-        for outside in ["../secret", "secret", "deeper/inner", "", ".", "slab.toml", "./slab"] {
+        for outside in [
+            "../secret",
+            "secret",
+            "deeper/inner",
+            "",
+            ".",
+            "slab.toml",
+            "./slab",
+        ] {
             assert_eq!(shelf.find(outside), None, "{outside}");
         }
         let absolute = folder.join("slab").display().to_string();

@@ -70,7 +70,9 @@ impl ClientLink {
 
     fn note(&self, sender: SenderId, receipt: Receipt, now_ns: u64) {
         let mut counted = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        let same = counted.as_ref().is_some_and(|counted| counted.sender == sender);
+        let same = counted
+            .as_ref()
+            .is_some_and(|counted| counted.sender == sender);
         if !same {
             *counted = Some(Counted {
                 sender,
@@ -80,10 +82,15 @@ impl ClientLink {
                 age: Histogram::default(),
             });
         }
-        let Some(counted) = counted.as_mut() else { return };
+        let Some(counted) = counted.as_mut() else {
+            return;
+        };
         counted.received = counted.received.max(receipt.received);
         // By the daemon's own clock both times. A time to come is a lie or of another daemon.
-        if let Some(age_ns) = now_ns.checked_sub(receipt.newest_ns).filter(|_| receipt.newest_ns > 0) {
+        if let Some(age_ns) = now_ns
+            .checked_sub(receipt.newest_ns)
+            .filter(|_| receipt.newest_ns > 0)
+        {
             counted.age.add(age_ns);
         }
     }
@@ -117,7 +124,12 @@ mod tests {
     use super::*;
 
     fn attachment(id: u8, received: u64, newest_ns: u64) -> Vec<u8> {
-        [&[id; 24][..], &received.to_le_bytes(), &newest_ns.to_le_bytes()].concat()
+        [
+            &[id; 24][..],
+            &received.to_le_bytes(),
+            &newest_ns.to_le_bytes(),
+        ]
+        .concat()
     }
 
     fn tell(link: &ClientLink, bytes: &[u8], now_ns: u64) {
@@ -134,14 +146,24 @@ mod tests {
         tell(&link, &attachment(1, 40, 0), 9_000);
         for k in 1..=100 {
             link.sent();
-            tell(&link, &attachment(1, 40 + k, 1_000_000 * k), 1_000_000 * k + 800);
+            tell(
+                &link,
+                &attachment(1, 40 + k, 1_000_000 * k),
+                1_000_000 * k + 800,
+            );
         }
         let counts = link.counts().unwrap();
         assert_eq!((counts.published, counts.received), (100, 100));
-        assert!(counts.age_ns.iter().all(|age| (800..=900).contains(age)), "{counts:?}");
+        assert!(
+            counts.age_ns.iter().all(|age| (800..=900).contains(age)),
+            "{counts:?}"
+        );
         tell(&link, &attachment(2, 7, 0), 5);
         let other = link.counts().unwrap();
-        assert_eq!((other.published, other.received, other.age_ns), (0, 0, [0; 3]));
+        assert_eq!(
+            (other.published, other.received, other.age_ns),
+            (0, 0, [0; 3])
+        );
         assert_ne!(other.client, counts.client);
     }
 

@@ -301,7 +301,8 @@ impl LoopMetrics {
                 (labels, ConstGauge::new(ns as f64 * 1e-9))
             })
         });
-        let help = "Age of the newest force that a client had when it sent a pose, as that pose arrived";
+        let help =
+            "Age of the newest force that a client had when it sent a pose, as that pose arrived";
         let (seconds, kind) = (Unit::Seconds, MetricType::Gauge);
         many(e, "client_force_age", help, Some(&seconds), kind, ages)
     }

@@ -58,7 +58,11 @@ impl Log {
         let begun = Instant::now();
         while self.taken(path) < count {
             let waited = begun.elapsed();
-            assert!(waited < Duration::from_secs(90), "{path} {count}: {:?}", self.all());
+            assert!(
+                waited < Duration::from_secs(90),
+                "{path} {count}: {:?}",
+                self.all()
+            );
             std::thread::sleep(Duration::from_millis(20));
         }
     }
@@ -208,14 +212,20 @@ fn agones_is_told_once_that_the_server_is_ready_in_use_and_over_and_often_that_i
     check_form(&sidecar.log);
     let all = sidecar.log.all();
     let once = |path| assert_eq!(sidecar.log.of(path).len(), 1, "{path}");
-    ["/ready", "/allocate", "/shutdown"].into_iter().for_each(once);
+    ["/ready", "/allocate", "/shutdown"]
+        .into_iter()
+        .for_each(once);
     assert_eq!(all.last().unwrap().path, "/shutdown");
     let place = |path: &str| all.iter().position(|call| call.path == path).unwrap();
     assert!(place("/ready") < place("/allocate"));
     // The description asks for health within each second: it comes more often than the usual 2 s.
     let healthy = sidecar.log.of("/health");
     let seconds = (healthy[healthy.len() - 1].at - healthy[0].at).as_secs_f64();
-    assert!(healthy.len() as f64 > 0.6 * seconds, "{} in {seconds} s", healthy.len());
+    assert!(
+        healthy.len() as f64 > 0.6 * seconds,
+        "{} in {seconds} s",
+        healthy.len()
+    );
 }
 
 #[test]
@@ -240,14 +250,28 @@ fn a_sidecar_that_is_late_fails_hangs_or_babbles_is_tried_until_it_takes_the_new
     let (report, code) = device(&daemon.endpoint, &["--motion", "press", "--for", "2s"]);
     assert_eq!(code, 0, "{report}");
     let palpate = daemon.connect();
-    palpate.rpc(palpate_client::proto::rpc::Call::Shutdown).unwrap();
+    palpate
+        .rpc(palpate_client::proto::rpc::Call::Shutdown)
+        .unwrap();
     drop(palpate);
     let (_, code) = daemon.end();
     assert_eq!(code, 0);
     check_form(&sidecar.log);
     assert_eq!(sidecar.log.of("/ready").len(), 5);
-    assert_eq!((sidecar.log.of("/shutdown").len(), sidecar.log.taken("/shutdown")), (2, 1));
-    assert_eq!((sidecar.log.of("/allocate").len(), sidecar.log.taken("/allocate")), (3, 1));
+    assert_eq!(
+        (
+            sidecar.log.of("/shutdown").len(),
+            sidecar.log.taken("/shutdown")
+        ),
+        (2, 1)
+    );
+    assert_eq!(
+        (
+            sidecar.log.of("/allocate").len(),
+            sidecar.log.taken("/allocate")
+        ),
+        (3, 1)
+    );
 }
 
 #[test]
@@ -280,7 +304,10 @@ fn a_loop_that_does_not_keep_its_rate_is_not_called_healthy() {
     let mut slow_for = Instant::now();
     // The body is deformed all the time, until the rate has been lost for long.
     while slow_for.elapsed() < Duration::from_secs(5) {
-        assert!(begun.elapsed() < Duration::from_secs(90), "the loop keeps its rate");
+        assert!(
+            begun.elapsed() < Duration::from_secs(90),
+            "the loop keeps its rate"
+        );
         palpate_tool.send(pressed()).unwrap();
         if crate::page::get(port, "/readyz").status == 200 {
             slow_for = Instant::now();
@@ -289,23 +316,35 @@ fn a_loop_that_does_not_keep_its_rate_is_not_called_healthy() {
     }
     // Once more than the last look, at most: it may have been under way.
     let late = sidecar.log.of("/health").into_iter();
-    let late = late.filter(|call| call.at > slow_for + Duration::from_secs(1)).count();
+    let late = late
+        .filter(|call| call.at > slow_for + Duration::from_secs(1))
+        .count();
     assert_eq!(late, 0, "{:?}", sidecar.log.of("/health"));
     drop(daemon);
 }
 
 #[test]
 fn without_agones_the_option_is_refused_in_plain_words() {
-    for (port, word) in [(None, "is not set"), (Some("x"), "\"x\""), (Some("0"), "\"0\""), (Some("99999"), "99999")] {
+    for (port, word) in [
+        (None, "is not set"),
+        (Some("x"), "\"x\""),
+        (Some("0"), "\"0\""),
+        (Some("99999"), "99999"),
+    ] {
         let mut command = Command::new(PROGRAM);
         command.args(["serve", "builtin:rigid-teardrop", "--agones", "--for", "1s"]);
-        command.env_remove("AGONES_SDK_HTTP_PORT").stdin(Stdio::null());
+        command
+            .env_remove("AGONES_SDK_HTTP_PORT")
+            .stdin(Stdio::null());
         if let Some(port) = port {
             command.env("AGONES_SDK_HTTP_PORT", port);
         }
         let done = command.output().unwrap();
         let err = String::from_utf8_lossy(&done.stderr);
         assert_eq!(done.status.code(), Some(2), "{err}");
-        assert!(err.contains("AGONES_SDK_HTTP_PORT") && err.contains(word), "{err}");
+        assert!(
+            err.contains("AGONES_SDK_HTTP_PORT") && err.contains(word),
+            "{err}"
+        );
     }
 }

@@ -56,16 +56,31 @@ fn check(whole: &Value, schema: &Value, value: &Value, at: &str, wrong: &mut Vec
             }
             "const" => value == argument,
             "enum" => argument.as_array().unwrap().contains(value),
-            "minimum" => value.as_f64().is_none_or(|n| n >= argument.as_f64().unwrap()),
-            "maximum" => value.as_f64().is_none_or(|n| n <= argument.as_f64().unwrap()),
-            "minLength" => value.as_str().is_none_or(|text| text.len() as u64 >= argument.as_u64().unwrap()),
-            "maxLength" => value.as_str().is_none_or(|text| text.len() as u64 <= argument.as_u64().unwrap()),
-            "minItems" => value.as_array().is_none_or(|list| list.len() as u64 >= argument.as_u64().unwrap()),
+            "minimum" => value
+                .as_f64()
+                .is_none_or(|n| n >= argument.as_f64().unwrap()),
+            "maximum" => value
+                .as_f64()
+                .is_none_or(|n| n <= argument.as_f64().unwrap()),
+            "minLength" => value
+                .as_str()
+                .is_none_or(|text| text.len() as u64 >= argument.as_u64().unwrap()),
+            "maxLength" => value
+                .as_str()
+                .is_none_or(|text| text.len() as u64 <= argument.as_u64().unwrap()),
+            "minItems" => value
+                .as_array()
+                .is_none_or(|list| list.len() as u64 >= argument.as_u64().unwrap()),
             "pattern" => {
-                assert_eq!(argument, "^[a-z0-9]([-a-z0-9]*[a-z0-9])?$", "the one pattern that is known here");
+                assert_eq!(
+                    argument, "^[a-z0-9]([-a-z0-9]*[a-z0-9])?$",
+                    "the one pattern that is known here"
+                );
                 let plain = |letter: char| letter.is_ascii_lowercase() || letter.is_ascii_digit();
                 value.as_str().is_none_or(|text| {
-                    text.starts_with(plain) && text.ends_with(plain) && text.chars().all(|c| plain(c) || c == '-')
+                    text.starts_with(plain)
+                        && text.ends_with(plain)
+                        && text.chars().all(|c| plain(c) || c == '-')
                 })
             }
             "required" => {
@@ -136,7 +151,9 @@ fn the_manifests_fit_the_schemas_of_their_kinds() {
 #[test]
 fn the_schema_refuses_what_agones_would_refuse_or_drop() {
     let find = |kind: &str| {
-        let found = manifests().into_iter().find(|(_, manifest)| manifest["kind"] == kind);
+        let found = manifests()
+            .into_iter()
+            .find(|(_, manifest)| manifest["kind"] == kind);
         found.unwrap().1
     };
     type Change = (&'static str, &'static str, Value);
@@ -145,14 +162,42 @@ fn the_schema_refuses_what_agones_would_refuse_or_drop() {
         ("Fleet", "/spec/replicas", (-1).into()),
         ("Fleet", "/spec/replicas", "2".into()),
         ("Fleet", "/spec/scheduling", "packed".into()),
-        ("Fleet", "/spec/template/spec/ports/0/portPolicy", "dynamic".into()),
-        ("Fleet", "/spec/template/spec/ports/0/protocol", "tcp".into()),
-        ("Fleet", "/spec/template/spec/ports/0/containerPort", 70_000.into()),
-        ("Fleet", "/spec/template/spec/health/failureThreshold", 0.into()),
-        ("Fleet", "/spec/template/spec/health", serde_json::json!({ "period_seconds": 5 })),
-        ("Fleet", "/spec/template/spec/template/spec/containers", serde_json::json!([])),
+        (
+            "Fleet",
+            "/spec/template/spec/ports/0/portPolicy",
+            "dynamic".into(),
+        ),
+        (
+            "Fleet",
+            "/spec/template/spec/ports/0/protocol",
+            "tcp".into(),
+        ),
+        (
+            "Fleet",
+            "/spec/template/spec/ports/0/containerPort",
+            70_000.into(),
+        ),
+        (
+            "Fleet",
+            "/spec/template/spec/health/failureThreshold",
+            0.into(),
+        ),
+        (
+            "Fleet",
+            "/spec/template/spec/health",
+            serde_json::json!({ "period_seconds": 5 }),
+        ),
+        (
+            "Fleet",
+            "/spec/template/spec/template/spec/containers",
+            serde_json::json!([]),
+        ),
         ("FleetAutoscaler", "/spec/fleetName", "Palpate".into()),
-        ("FleetAutoscaler", "/spec/policy/buffer", serde_json::json!({ "bufferSize": 2 })),
+        (
+            "FleetAutoscaler",
+            "/spec/policy/buffer",
+            serde_json::json!({ "bufferSize": 2 }),
+        ),
         ("FleetAutoscaler", "/spec/policy/type", "buffer".into()),
     ];
     for (kind, place, value) in changes {
@@ -183,7 +228,10 @@ for manifest in manifests:
         .stderr(std::process::Stdio::piped())
         .spawn()
         .unwrap();
-    let documents: Vec<Value> = manifests().into_iter().map(|(_, manifest)| manifest).collect();
+    let documents: Vec<Value> = manifests()
+        .into_iter()
+        .map(|(_, manifest)| manifest)
+        .collect();
     let input = serde_json::json!([schema(), documents]).to_string();
     std::io::Write::write_all(child.stdin.as_mut().unwrap(), input.as_bytes()).ok();
     let done = child.wait_with_output().unwrap();
@@ -205,7 +253,10 @@ fn containers(manifest: &Value) -> Vec<(Value, Value)> {
     });
     let Some(pod) = pod else { return Vec::new() };
     let containers = pod["containers"].as_array().unwrap().clone();
-    containers.into_iter().map(|container| (container, pod["volumes"].clone())).collect()
+    containers
+        .into_iter()
+        .map(|container| (container, pod["volumes"].clone()))
+        .collect()
 }
 
 #[test]
@@ -223,7 +274,12 @@ fn what_containers_run_is_what_this_program_understands() {
                 .as_array()
                 .unwrap()
                 .iter()
-                .map(|mount| (mount["mountPath"].as_str().unwrap(), mount["name"].as_str().unwrap()))
+                .map(|mount| {
+                    (
+                        mount["mountPath"].as_str().unwrap(),
+                        mount["name"].as_str().unwrap(),
+                    )
+                })
                 .collect();
             for path in args.iter().filter(|argument| argument.starts_with('/')) {
                 let mounted = mounts.keys().any(|mount| path.starts_with(mount));
@@ -231,7 +287,10 @@ fn what_containers_run_is_what_this_program_understands() {
             }
             for volume in mounts.values() {
                 let mut all = volumes.as_array().unwrap().iter();
-                assert!(all.any(|known| known["name"] == *volume), "{file}: {volume}");
+                assert!(
+                    all.any(|known| known["name"] == *volume),
+                    "{file}: {volume}"
+                );
             }
             ran.push(args[0].to_owned());
         }
@@ -243,7 +302,12 @@ fn what_containers_run_is_what_this_program_understands() {
 #[test]
 fn the_manifests_agree_with_each_other() {
     let all = manifests();
-    let find = |kind: &str| &all.iter().find(|(_, manifest)| manifest["kind"] == kind).unwrap().1;
+    let find = |kind: &str| {
+        &all.iter()
+            .find(|(_, manifest)| manifest["kind"] == kind)
+            .unwrap()
+            .1
+    };
     let (fleet, scaler) = (find("Fleet"), find("FleetAutoscaler"));
     assert_eq!(scaler["spec"]["fleetName"], fleet["metadata"]["name"]);
     let server = &fleet["spec"]["template"]["spec"];
@@ -262,5 +326,8 @@ fn the_manifests_agree_with_each_other() {
     assert_eq!(&deployment["spec"]["selector"]["matchLabels"], labels);
     assert_eq!(&service["spec"]["selector"], labels);
     let (relay, _) = &containers(deployment)[0];
-    assert_eq!(service["spec"]["ports"][0]["targetPort"], relay["ports"][0]["name"]);
+    assert_eq!(
+        service["spec"]["ports"][0]["targetPort"],
+        relay["ports"][0]["name"]
+    );
 }

@@ -55,7 +55,10 @@ impl Lobby {
         let head = answer.windows(4).position(|bytes| bytes == b"\r\n\r\n");
         let (head, body) = answer.split_at(head.map_or(answer.len(), |at| at + 4));
         let head = String::from_utf8_lossy(head).to_lowercase();
-        let status = head.split(' ').nth(1).and_then(|status| status.parse().ok());
+        let status = head
+            .split(' ')
+            .nth(1)
+            .and_then(|status| status.parse().ok());
         Answer {
             status: status.unwrap_or(0),
             head,
@@ -107,7 +110,9 @@ fn text(value: &serde_json::Value) -> &str {
 /// The process is there, and not only waits to be noticed.
 fn runs(pid: u64) -> bool {
     let stat = std::fs::read_to_string(format!("/proc/{pid}/stat")).unwrap_or_default();
-    let state = stat.rsplit_once(") ").and_then(|(_, rest)| rest.chars().next());
+    let state = stat
+        .rsplit_once(") ")
+        .and_then(|(_, rest)| rest.chars().next());
     state.is_some_and(|state| !"ZX".contains(state))
 }
 
@@ -143,7 +148,10 @@ fn a_device_presses_in_a_scene_that_it_got_from_the_lobby() {
         all.find(|offer| offer["name"] == name).cloned()
     };
     assert_eq!(find("drop").unwrap()["description"], "A rigid drop");
-    assert!(find("builtin:teardrop").is_some() && find("secret").is_none(), "{scenes}");
+    assert!(
+        find("builtin:teardrop").is_some() && find("secret").is_none(),
+        "{scenes}"
+    );
     // Of the folder and of the program, each a daemon of its own.
     let first = lobby.session("drop");
     let second = lobby.session("builtin:rigid-teardrop");
@@ -151,11 +159,23 @@ fn a_device_presses_in_a_scene_that_it_got_from_the_lobby() {
     assert_ne!(first["instance"], second["instance"]);
     for session in [&first, &second] {
         let instance = text(&session["instance"]);
-        let arguments = ["--instance", instance, "--motion", "press", "--for", "2s"];
-        let (report, code) = device(text(&session["endpoint"]), &arguments);
-        assert_eq!(code, 0, "{report}");
-        let report: serde_json::Value = serde_json::from_str(&report).unwrap();
-        assert!(report["peak_force_n"].as_f64().unwrap() > 0.5, "{report}");
+        let arguments = [
+            "--instance",
+            instance,
+            "--motion",
+            "press",
+            "--depth",
+            "0.01",
+            "--for",
+            "2s",
+        ];
+        // A loop of a busy machine may be too slow for any force, for a while.
+        wait_until("no force of a session", || {
+            let (report, code) = device(text(&session["endpoint"]), &arguments);
+            assert_eq!(code, 0, "{report}");
+            let report: serde_json::Value = serde_json::from_str(&report).unwrap();
+            report["peak_force_n"].as_f64().unwrap() > 0.5
+        });
         let page = text(&session["page"]).trim_start_matches("http://127.0.0.1:");
         let port = page.trim_end_matches('/').parse().unwrap();
         assert_eq!(crate::page::get(port, "/readyz").status, 200);
@@ -163,7 +183,10 @@ fn a_device_presses_in_a_scene_that_it_got_from_the_lobby() {
     // One is ended: its process is gone, and there is a place for another.
     let id = text(&first["id"]);
     let one = lobby.ask(&format!("GET /sessions/{id}"), "").json();
-    assert_eq!((&one["state"], &one["scene"]), (&"ready".into(), &"drop".into()));
+    assert_eq!(
+        (&one["state"], &one["scene"]),
+        (&"ready".into(), &"drop".into())
+    );
     assert_eq!(lobby.ask(&format!("DELETE /sessions/{id}"), "").status, 204);
     assert!(!runs(first["pid"].as_u64().unwrap()));
     let left = lobby.sessions();
@@ -179,8 +202,16 @@ fn a_full_lobby_says_when_to_come_again_and_lets_in_who_comes_after_an_end() {
     let first = lobby.session("builtin:rigid-teardrop");
     let full = lobby.start_session("builtin:rigid-teardrop");
     assert_eq!(full.status, 503, "{}", full.text());
-    assert!(full.head.contains("\r\nretry-after: 4\r\n"), "{}", full.head);
-    assert!(text(&full.json()["error"]).contains("1 sessions"), "{}", full.text());
+    assert!(
+        full.head.contains("\r\nretry-after: 4\r\n"),
+        "{}",
+        full.head
+    );
+    assert!(
+        text(&full.json()["error"]).contains("1 sessions"),
+        "{}",
+        full.text()
+    );
     // Nobody holds its tool: it ends by itself, and is let go of.
     wait_until("an idle session stays", || lobby.sessions().is_empty());
     assert!(!runs(first["pid"].as_u64().unwrap()));
@@ -209,9 +240,17 @@ fn only_scenes_of_the_list_are_started() {
         let answer = lobby.start_session(unknown);
         assert_eq!(answer.status, 404, "{unknown:?}: {}", answer.text());
         let scenes = answer.json()["scenes"].clone();
-        assert!(scenes.as_array().unwrap().contains(&"drop".into()), "{scenes}");
+        assert!(
+            scenes.as_array().unwrap().contains(&"drop".into()),
+            "{scenes}"
+        );
     }
-    for path in ["/../secret.toml", "/scenes/drop.toml", "/sessions/../scenes", "/%2e%2e/secret"] {
+    for path in [
+        "/../secret.toml",
+        "/scenes/drop.toml",
+        "/sessions/../scenes",
+        "/%2e%2e/secret",
+    ] {
         assert_eq!(lobby.ask(&format!("GET {path}"), "").status, 404, "{path}");
     }
     // A file that is no scene is told with the daemon's own words, and takes no place.
@@ -230,7 +269,10 @@ fn garbage_is_refused_and_the_lobby_goes_on() {
         ("{}", 400),
         ("[]", 400),
         (r#"{"scene": 3}"#, 400),
-        (r#"{"scene": "builtin:teardrop", "listen": "tcp/0.0.0.0:1"}"#, 400),
+        (
+            r#"{"scene": "builtin:teardrop", "listen": "tcp/0.0.0.0:1"}"#,
+            400,
+        ),
         ("\u{1F980}", 400),
         (&*long, 413),
     ] {
@@ -238,7 +280,12 @@ fn garbage_is_refused_and_the_lobby_goes_on() {
         assert_eq!(answer.status, status, "{body:.40}: {}", answer.text());
         assert!(answer.json()["error"].is_string());
     }
-    for request in ["PUT /sessions", "POST /scenes", "DELETE /sessions", "PATCH /healthz"] {
+    for request in [
+        "PUT /sessions",
+        "POST /scenes",
+        "DELETE /sessions",
+        "PATCH /healthz",
+    ] {
         assert_eq!(lobby.ask(request, "{}").status, 405, "{request}");
     }
     // Another site's page, a rebound name, and whoever is no browser and says so.
@@ -252,13 +299,18 @@ fn garbage_is_refused_and_the_lobby_goes_on() {
         let length = random.below(600);
         let mut bytes: Vec<u8> = (0..length).map(|_| random.below(256) as u8).collect();
         if random.below(2) == 0 {
-            let head = format!("POST /sessions HTTP/1.1\r\nHost: 127.0.0.1\r\nContent-Length: {length}\r\nConnection: close\r\n\r\n");
+            let head = format!(
+                "POST /sessions HTTP/1.1\r\nHost: 127.0.0.1\r\nContent-Length: {length}\r\nConnection: close\r\n\r\n"
+            );
             bytes.splice(0..0, head.into_bytes());
         } else {
             bytes.extend(b"\r\n\r\n");
         }
         let status = lobby.send(&bytes).status;
-        assert!([0, 400, 413, 414, 431, 505].contains(&status), "{status}: {bytes:?}");
+        assert!(
+            [0, 400, 413, 414, 431, 505].contains(&status),
+            "{status}: {bytes:?}"
+        );
     }
     assert!(lobby.sessions().is_empty());
     assert_eq!(lobby.ask("GET /healthz", "").text(), "ok\n");
@@ -268,7 +320,10 @@ fn garbage_is_refused_and_the_lobby_goes_on() {
 fn a_daemon_that_was_killed_is_noticed_and_its_place_is_free() {
     let lobby = Lobby::start(&["--max", "1"]);
     let first = lobby.session("builtin:rigid-teardrop");
-    signal(first["pid"].as_u64().unwrap(), rustix::process::Signal::KILL);
+    signal(
+        first["pid"].as_u64().unwrap(),
+        rustix::process::Signal::KILL,
+    );
     wait_until("a killed daemon stays", || lobby.sessions().is_empty());
     let second = lobby.session("builtin:rigid-teardrop");
     assert_ne!(first["id"], second["id"]);

@@ -175,8 +175,7 @@ impl<M: Clone> Latest<M> {
 }
 
 /// Between tries to connect again after a link was lost.
-const RETRY: &str =
-    "{ period_init_ms: 200, period_max_ms: 1000, period_increase_factor: 2 }";
+const RETRY: &str = "{ period_init_ms: 200, period_max_ms: 1000, period_increase_factor: 2 }";
 
 /// A session with one daemon.
 pub struct Palpate {
@@ -228,7 +227,10 @@ impl Palpate {
             .insert_json5("connect/endpoints", &endpoints)
             .map_err(ClientError::zenoh)?;
         // Zenoh's own pauses grow to four seconds: a hand would wait for a router that is back already.
-        if config.get_json("connect/retry").is_ok_and(|retry| retry == "null") {
+        if config
+            .get_json("connect/retry")
+            .is_ok_and(|retry| retry == "null")
+        {
             config
                 .insert_json5("connect/retry", RETRY)
                 .map_err(ClientError::zenoh)?;

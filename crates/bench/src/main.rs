@@ -4,9 +4,9 @@
 use anyhow::Context;
 use clap::Parser;
 use palpate_bench::{
-    Effort, FaultOptions, Figure, RelayOptions, Row, SoakOptions, SubscriberOptions, contact, deformation, faults, figures_table,
-    haptics, modeling, pareto, picture, plasticine_picture, plasticine_table, recording, relay, soak,
-    subscribers, surface, table, viewer,
+    Effort, FaultOptions, Figure, RelayOptions, Row, SoakOptions, SubscriberOptions, contact,
+    deformation, faults, figures_table, haptics, modeling, pareto, picture, plasticine_picture,
+    plasticine_table, recording, relay, soak, subscribers, surface, table, viewer,
 };
 use std::io::Write;
 use std::process::ExitCode;

@@ -102,7 +102,11 @@ pub fn subscribers(options: &SubscriberOptions) -> anyhow::Result<()> {
         for (key, is_net) in [(keys.body_net("*"), true), (keys.status(), false)] {
             let counts = counts.clone();
             let take = move |sample: zenoh::sample::Sample| {
-                let counter = if is_net { &counts.nets } else { &counts.statuses };
+                let counter = if is_net {
+                    &counts.nets
+                } else {
+                    &counts.statuses
+                };
                 counter.fetch_add(1, Ordering::Relaxed);
                 let bytes = sample.payload().len() as u64;
                 counts.bytes.fetch_add(bytes, Ordering::Relaxed);
@@ -116,7 +120,9 @@ pub fn subscribers(options: &SubscriberOptions) -> anyhow::Result<()> {
     std::io::stdout().flush()?;
     let read = || -> Received {
         let each = |counter: fn(&Counts) -> &AtomicU64| -> Vec<u64> {
-            all.iter().map(|counts| counter(counts).load(Ordering::Relaxed)).collect()
+            all.iter()
+                .map(|counts| counter(counts).load(Ordering::Relaxed))
+                .collect()
         };
         Received {
             nets: each(|counts| &counts.nets),
@@ -131,7 +137,11 @@ pub fn subscribers(options: &SubscriberOptions) -> anyhow::Result<()> {
     std::io::stdin().read_line(&mut line)?;
     let after = read();
     let less = |after: Vec<u64>, before: Vec<u64>| {
-        after.iter().zip(before).map(|(after, before)| after - before).collect()
+        after
+            .iter()
+            .zip(before)
+            .map(|(after, before)| after - before)
+            .collect()
     };
     let received = Received {
         nets: less(after.nets, before.nets),
@@ -161,7 +171,13 @@ impl Crowd {
     fn start(endpoint: &str, count: usize) -> anyhow::Result<Self> {
         let mut command = Command::new(std::env::current_exe()?);
         command
-            .args(["subscribers", "--connect", endpoint, "--count", &count.to_string()])
+            .args([
+                "subscribers",
+                "--connect",
+                endpoint,
+                "--count",
+                &count.to_string(),
+            ])
             .stdin(Stdio::piped())
             .stdout(Stdio::piped())
             .stderr(Stdio::null());
@@ -185,7 +201,10 @@ impl Crowd {
     fn line(&mut self) -> anyhow::Result<String> {
         let mut line = String::new();
         self.stdout.read_line(&mut line)?;
-        anyhow::ensure!(!line.is_empty(), "a process of subscribers ended: not all could connect");
+        anyhow::ensure!(
+            !line.is_empty(),
+            "a process of subscribers ended: not all could connect"
+        );
         Ok(line)
     }
 
@@ -234,7 +253,8 @@ struct Bench {
 impl Bench {
     /// One turn: watches the daemon.
     fn watch(&self, seen: &mut Seen) -> anyhow::Result<()> {
-        let cpu = || -> anyhow::Result<[f64; 2]> { Ok([self.daemon.cpu_s()?, self.relay.cpu_s()?]) };
+        let cpu =
+            || -> anyhow::Result<[f64; 2]> { Ok([self.daemon.cpu_s()?, self.relay.cpu_s()?]) };
         let (before, begun) = (cpu()?, Instant::now());
         let first = self.palpate.status()?;
         let statuses = self.palpate.statuses()?;
@@ -268,11 +288,26 @@ pub fn relay(options: &RelayOptions) -> anyhow::Result<()> {
     let behind = format!("tcp/127.0.0.1:{}", free_port()?);
     let net_hz = options.net_hz.to_string();
     let relay = Process::start(&[
-        "relay", "--from", &endpoint, "--listen", &behind, "--net-hz", &net_hz, "--read-only",
+        "relay",
+        "--from",
+        &endpoint,
+        "--listen",
+        &behind,
+        "--net-hz",
+        &net_hz,
+        "--read-only",
     ])?;
     drop(connect(&behind)?);
     let _device = Process::start(&[
-        "device", "--tool", "ball", "--motion", "press", "--for", "36000s", "--connect", &endpoint,
+        "device",
+        "--tool",
+        "ball",
+        "--motion",
+        "press",
+        "--for",
+        "36000s",
+        "--connect",
+        &endpoint,
     ])?;
     std::thread::sleep(Duration::from_secs(2));
     let bench = Bench {
@@ -292,12 +327,16 @@ pub fn relay(options: &RelayOptions) -> anyhow::Result<()> {
         let begun = Instant::now();
         let mut crowds = Vec::new();
         for k in 0..processes {
-            let count = options.subscribers / processes + usize::from(k < options.subscribers % processes);
+            let count =
+                options.subscribers / processes + usize::from(k < options.subscribers % processes);
             crowds.push(Crowd::start(at, count)?);
         }
         for crowd in &mut crowds {
             crowd.line()?;
-            anyhow::ensure!(begun.elapsed() < LONGEST_START, "subscribers connect too slowly");
+            anyhow::ensure!(
+                begun.elapsed() < LONGEST_START,
+                "subscribers connect too slowly"
+            );
         }
         slowest_s = slowest_s.max(begun.elapsed().as_secs_f64());
         std::thread::sleep(SETTLE);
@@ -311,7 +350,15 @@ pub fn relay(options: &RelayOptions) -> anyhow::Result<()> {
         }
     }
     let turn_s = with.wall_s / options.turns.max(1) as f64;
-    let rows = figures(options, &with, &without, turn_s, [&nets, &statuses], bytes, slowest_s);
+    let rows = figures(
+        options,
+        &with,
+        &without,
+        turn_s,
+        [&nets, &statuses],
+        bytes,
+        slowest_s,
+    );
     match options.json {
         true => {
             for row in &rows {
@@ -346,7 +393,8 @@ fn figures(
         note,
     };
     let least = |counts: &[u64]| counts.iter().copied().min().unwrap_or(0) as f64 / turn_s;
-    let mean = |counts: &[u64]| counts.iter().sum::<u64>() as f64 / counts.len().max(1) as f64 / turn_s;
+    let mean =
+        |counts: &[u64]| counts.iter().sum::<u64>() as f64 / counts.len().max(1) as f64 / turn_s;
     let (p99, p99_without) = (with.p99_us(), without.p99_us());
     let late = |seen: &Seen| seen.late as f64 / seen.ticks.max(1) as f64;
     let megabytes = bytes as f64 * 1e-6 / with.wall_s;
@@ -357,9 +405,19 @@ fn figures(
             "us",
             (p99_without, "without"),
             (!options.direct).then_some(Bar::AtMost(MOST * p99_without)),
-            format!("ratio {:.3}; middle half of figures of 100 ms", p99 / p99_without),
+            format!(
+                "ratio {:.3}; middle half of figures of 100 ms",
+                p99 / p99_without
+            ),
         ),
-        figure("late ticks", late(with), "1", (late(without), "without"), None, String::new()),
+        figure(
+            "late ticks",
+            late(with),
+            "1",
+            (late(without), "without"),
+            None,
+            String::new(),
+        ),
         figure(
             "cores of the daemon",
             with.daemon_s / with.wall_s,
@@ -382,7 +440,10 @@ fn figures(
             "Hz",
             (mean(nets), "mean of all"),
             None,
-            format!("{} subscribers in {} turns", options.subscribers, options.turns),
+            format!(
+                "{} subscribers in {} turns",
+                options.subscribers, options.turns
+            ),
         ),
         figure(
             "statuses/s, the least served",

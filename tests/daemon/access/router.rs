@@ -9,32 +9,25 @@ use std::io::{BufRead as _, BufReader};
 use std::process::{Child, Stdio};
 use std::time::{Duration, Instant};
 
-/// One servo period of the device: forces by size, N.
-#[derive(Clone, Copy, Debug)]
-struct Period {
-    time_s: f64,
-    received: [f64; 3],
-    applied_n: f64,
-}
-
-fn periods(csv: &str) -> Vec<Period> {
+/// Forces that acted on the device, N, by servo period; with the time of each, s.
+fn applied(csv: &str) -> Vec<(f64, f64)> {
     let mut lines = csv.lines();
     let header: Vec<&str> = lines.next().unwrap().split(',').collect();
     let column = |name: &str| header.iter().position(|column| *column == name).unwrap();
-    let received = ["received_x_n", "received_y_n", "received_z_n"].map(column);
-    let applied = ["applied_x_n", "applied_y_n", "applied_z_n"].map(column);
-    let mut periods = Vec::new();
-    for line in lines {
+    let force = ["applied_x_n", "applied_y_n", "applied_z_n"].map(column);
+    let time = column("time_s");
+    let period = |line: &str| {
         let values: Vec<f64> = line.split(',').map(|text| text.parse().unwrap()).collect();
-        let square = |column: &usize| values[*column] * values[*column];
-        periods.push(Period {
-            time_s: values[column("time_s")],
-            received: received.map(|column| values[column]),
-            applied_n: applied.iter().map(square).sum::<f64>().sqrt(),
-        });
-    }
-    periods
+        let square = force.map(|column| values[column] * values[column]);
+        (values[time], square.iter().sum::<f64>().sqrt())
+    };
+    lines.map(period).collect()
 }
+
+/// Goes to the drop within half a second, and stays pressed against it.
+const STAYS: &str = "[[waypoint]]\ntime_s = 0\nposition = [0.06, 0.003, 0.045]\n\
+                     [[waypoint]]\ntime_s = 0.5\nposition = [0.022, 0.003, 0.045]\n\
+                     [[waypoint]]\ntime_s = 100\nposition = [0.022, 0.003, 0.045]\n";
 
 /// Waits until a program says `word` on its first line.
 fn wait_for(child: &mut Child, word: &str) {
@@ -86,29 +79,65 @@ fn a_router_with_tls_between_two_machines_goes_and_comes_back_and_the_force_with
         Ended(child)
     };
     let (scene, identity) = (at("scene.toml"), at("daemon.json5"));
-    let serve = ["serve", &scene, "--no-rt", "--json", "--listen", &daemon_at, "--identity", &identity];
+    let serve = [
+        "serve",
+        &scene,
+        "--no-rt",
+        "--json",
+        "--listen",
+        &daemon_at,
+        "--identity",
+        &identity,
+    ];
     let _daemon = start("a", &serve);
     let (identity, rules) = (at("router.json5"), at("rules.json5"));
     let relay = [
-        "relay", "--json", "--from", &daemon_at, "--listen", &router_at, "--identity", &identity,
-        "--zenoh-config", &rules,
+        "relay",
+        "--json",
+        "--from",
+        &daemon_at,
+        "--listen",
+        &router_at,
+        "--identity",
+        &identity,
+        "--zenoh-config",
+        &rules,
     ];
     let router = start("b", &relay);
     // Behind the router roles hold as before it.
     let viewer = at("viewer.json5");
     let ask = |arguments: &[&str]| {
         let more = ["--connect", &router_at, "--zenoh-config", &viewer];
-        cable.at("b", &[arguments, &more[..]].concat()).output().unwrap()
+        cable
+            .at("b", &[arguments, &more[..]].concat())
+            .output()
+            .unwrap()
     };
     let listed = ask(&["ls"]);
     assert!(words(&listed).contains("ball"), "{}", words(&listed));
     let paused = ask(&["rpc", "pause"]);
     assert!(!paused.status.success(), "{}", words(&paused));
+    let stays = at("stays.toml");
+    std::fs::write(&stays, STAYS).unwrap();
     let (csv, ball) = (at("ball.csv"), at("ball.json5"));
     // A session in mode client, as those behind routers are: the identity says so.
     let device = [
-        "device", "--tool", "ball", "--motion", "press", "--depth", "0.01", "--tremor", "0.0001", "--for", "16s", "--wait", "60s",
-        "--connect", &router_at, "--zenoh-config", &ball, "--csv", &csv, "--json",
+        "device",
+        "--tool",
+        "ball",
+        "--motion",
+        &stays,
+        "--for",
+        "16s",
+        "--wait",
+        "60s",
+        "--connect",
+        &router_at,
+        "--zenoh-config",
+        &ball,
+        "--csv",
+        &csv,
+        "--json",
     ];
     let device = cable
         .at("b", &device)
@@ -122,7 +151,10 @@ fn a_router_with_tls_between_two_machines_goes_and_comes_back_and_the_force_with
     std::thread::sleep(Duration::from_secs(2));
     let begun = Instant::now();
     let _router = start("b", &relay);
-    println!("the router is back after {:.1} s more", begun.elapsed().as_secs_f64());
+    println!(
+        "the router is back after {:.1} s more",
+        begun.elapsed().as_secs_f64()
+    );
     let output = device.wait_with_output().unwrap();
     // A silence of more than a second is told by the exit code.
     assert_eq!(output.status.code(), Some(3), "{}", words(&output));
@@ -130,32 +162,35 @@ fn a_router_with_tls_between_two_machines_goes_and_comes_back_and_the_force_with
     assert_eq!(report["gave_up"], false, "{report}");
     let longest_s = report["silences"]["longest_s"].as_f64().unwrap();
     assert!(longest_s > 1.5, "{report}");
-    let periods = periods(&std::fs::read_to_string(&csv).unwrap());
-    // The silence: the longest time in which no other force came.
-    let mut silence = (0, 0);
-    let mut from = 0;
-    for k in 1..=periods.len() {
-        if k == periods.len() || periods[k].received != periods[from].received {
-            let touches = periods[from].received != [0.0; 3];
-            if touches && k - from > silence.1 - silence.0 {
-                silence = (from, k);
+    let applied = applied(&std::fs::read_to_string(&csv).unwrap());
+    // Held, then for a while nothing at all, then held again.
+    let mut quiet = (0, 0);
+    let touched = applied
+        .iter()
+        .position(|(_, force)| *force > 0.5)
+        .expect("it was never held");
+    let mut from = touched;
+    for k in touched..=applied.len() {
+        if k == applied.len() || applied[k].1 > 0.0 {
+            if k - from > quiet.1 - quiet.0 {
+                quiet = (from, k);
             }
-            from = k;
+            from = k + 1;
         }
     }
-    let (begin, end) = silence;
-    assert!(end < periods.len(), "no force came back: {report}");
-    let of = |range: std::ops::Range<usize>| periods[range].iter().map(|period| period.applied_n);
-    let felt = |range| of(range).fold(0.0, f64::max);
-    let let_go = of(begin..end).position(|force| force == 0.0);
-    let let_go = let_go.expect("the force stays while nothing comes");
+    let (begin, end) = quiet;
+    let felt = |range: std::ops::Range<usize>| {
+        applied[range]
+            .iter()
+            .map(|(_, force)| *force)
+            .fold(0.0, f64::max)
+    };
+    let (before, after) = (felt(touched..begin), felt(end..applied.len()));
+    let quiet_s = applied[end - 1].0 - applied[begin].0;
     println!(
-        "felt {:.2} N before, let go {:.0} ms after the last force, silent for {:.2} s, {:.2} N after",
-        felt(0..begin),
-        1e3 * (periods[begin + let_go].time_s - periods[begin].time_s),
-        periods[end - 1].time_s - periods[begin].time_s,
-        felt(end..periods.len())
+        "{before:.2} N before, none for {quiet_s:.2} s of {longest_s:.2} s without news, {after:.2} N after"
     );
-    assert_eq!(felt(begin + let_go..end), 0.0, "a force in the silence");
-    assert!(felt(0..begin) > 0.5 && felt(end..periods.len()) > 0.5, "{report}");
+    // The device is let go soon after the last news, and held again with the first.
+    assert!(quiet_s > 0.5 * longest_s, "{report}");
+    assert!(before > 0.5 && after > 0.5, "{report}");
 }
