@@ -4,6 +4,8 @@ mod mouse;
 mod ready;
 mod watchdog;
 
+pub use ready::summary;
+
 use super::{Outcome, text};
 use crate::adapters::igtl::Igtl;
 use crate::adapters::ros2::{Plan, Ros2};
@@ -15,7 +17,6 @@ use crate::editing::SceneEditor;
 use crate::fleet::{self, Agones};
 use crate::recording::{
     Recorder, RecorderSettings, RecordingReport, SelfCheck, SelfCheckReport, Split, default_path,
-    stage_infos, write_stages,
 };
 use crate::transport::{
     AdapterCounts, Bus, BusSettings, Health, Role, SessionSettings, daemon_of, default_listen,
@@ -458,45 +459,5 @@ fn end_with_parent() {
     // SAFETY: a plain system call that concerns this process only.
     unsafe {
         libc::prctl(libc::PR_SET_PDEATHSIG, libc::SIGTERM);
-    }
-}
-
-/// Prints the figures of a session.
-pub fn summary(served: &EndedSession) {
-    let report = &served.report;
-    let us = |q: f64| report.lateness.quantile(q) as f64 * 1e-3;
-    println!(
-        "ticks {}, late {}, skipped {}",
-        report.ticks, report.late, report.skipped
-    );
-    println!(
-        "start after deadline: p50 {:.1} us, p99 {:.1} us, max {:.1} us",
-        us(0.5),
-        us(0.99),
-        report.lateness.max() as f64 * 1e-3
-    );
-    let mut table = String::new();
-    let _ = write_stages(&mut table, &stage_infos(&report.stages));
-    print!("{table}");
-    if let Some(SelfCheckReport {
-        checks,
-        ticks,
-        unchecked,
-        differences,
-        ..
-    }) = served.self_check
-    {
-        println!(
-            "self-check: {ticks} ticks re-run in {checks} checks, {unchecked} unchecked, {differences} differences"
-        );
-    }
-    for recording in &served.recording.files {
-        println!(
-            "recorded {} ({} ticks, {} lost), session hash {:016x}",
-            recording.path.display(),
-            recording.ticks,
-            recording.dropped,
-            recording.session_hash
-        );
     }
 }
