@@ -5,6 +5,8 @@
 pub(super) trait Eight: Copy {
     fn splat(x: f32) -> Self;
     fn load(from: &[f32; 8]) -> Self;
+    /// Of finite numbers in half precision (IEEE 754 binary16): exact.
+    fn widen(from: &[u16; 8]) -> Self;
     fn store(self, to: &mut [f32; 8]);
     fn plus(self, other: Self) -> Self;
     fn minus(self, other: Self) -> Self;
@@ -25,6 +27,16 @@ impl Eight for BaselineEight {
     #[inline(always)]
     fn load(from: &[f32; 8]) -> Self {
         Self(*from)
+    }
+    #[inline(always)]
+    fn widen(from: &[u16; 8]) -> Self {
+        // Exponent and fraction in their places, 112 too small: a product that rounds nothing.
+        let scale = f32::from_bits((127 + 112) << 23);
+        Self(from.map(|half| {
+            let half = u32::from(half);
+            let size = f32::from_bits((half & 0x7fff) << 13) * scale;
+            f32::from_bits(size.to_bits() | (half & 0x8000) << 16)
+        }))
     }
     #[inline(always)]
     fn store(self, to: &mut [f32; 8]) {
@@ -57,13 +69,13 @@ mod avx2 {
     use super::Eight;
     use std::arch::x86_64::*;
 
-    /// One AVX register. To be used only inside functions compiled for AVX2, called after
+    /// One AVX register. To be used only inside functions compiled for AVX2 and F16C, called after
     /// [`has_avx2`](crate::math::simd::has_avx2).
     #[derive(Clone, Copy)]
     pub(in crate::math) struct WideEight(__m256);
 
-    // SAFETY of all blocks: users have asked for AVX2; the pointers come from references to eight
-    // floats.
+    // SAFETY of all blocks: users have asked for AVX2 and F16C; the pointers come from references to
+    // eight numbers.
     impl Eight for WideEight {
         #[inline(always)]
         fn splat(x: f32) -> Self {
@@ -72,6 +84,10 @@ mod avx2 {
         #[inline(always)]
         fn load(from: &[f32; 8]) -> Self {
             Self(unsafe { _mm256_loadu_ps(from.as_ptr()) })
+        }
+        #[inline(always)]
+        fn widen(from: &[u16; 8]) -> Self {
+            Self(unsafe { _mm256_cvtph_ps(_mm_loadu_si128(from.as_ptr().cast())) })
         }
         #[inline(always)]
         fn store(self, to: &mut [f32; 8]) {
