@@ -6,13 +6,16 @@
 
 use std::sync::OnceLock;
 
-/// True when functions compiled for AVX2 may be called. Asked of the processor once.
+/// True when functions compiled for AVX2 and F16C may be called; processors with the first have the
+/// second. Asked of the processor once.
 #[cfg(target_arch = "x86_64")]
 pub fn has_avx2() -> bool {
     static ANSWER: OnceLock<bool> = OnceLock::new();
     *ANSWER.get_or_init(|| {
         let held_back = std::env::var("PALPATE_SIMD").is_ok_and(|value| value == "baseline");
-        !held_back && std::arch::is_x86_feature_detected!("avx2")
+        !held_back
+            && std::arch::is_x86_feature_detected!("avx2")
+            && std::arch::is_x86_feature_detected!("f16c")
     })
 }
 
