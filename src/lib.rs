@@ -17,6 +17,8 @@ pub mod cli;
 pub mod drive;
 pub mod editing;
 pub mod faults;
+pub mod fleet;
+mod program;
 pub mod recording;
 pub mod relay;
 pub mod scenario;

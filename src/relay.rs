@@ -29,7 +29,9 @@ pub struct RelaySettings {
     pub read_only: bool,
     /// It may listen to a network without TLS.
     pub insecure: bool,
-    /// A Zenoh configuration file, for example with certificates: it changes only what it names.
+    /// Identity file for TLS, as `palpate auth` makes them for daemons.
+    pub identity: Option<PathBuf>,
+    /// A Zenoh configuration file, for example with access rules: it changes only what it names.
     pub config: Option<PathBuf>,
 }
 
@@ -44,6 +46,15 @@ pub enum RelayError {
         "{0} is open to the network without TLS; listen on 127.0.0.1, on a Unix socket or with tls/, or say --insecure"
     )]
     Open(String),
+    /// Whoever has a certificate could do everything through it.
+    #[error(
+        "{0} is open to everybody with a certificate, whatever its role: say what roles may do with --zenoh-config and \
+         the output of `palpate auth rules SCENE`, or --read-only, or --insecure"
+    )]
+    NoRules(String),
+    /// The identity file.
+    #[error("{0}")]
+    Identity(String),
     /// The configuration file.
     #[error("Zenoh configuration {path}: {reason}")]
     Config {
@@ -97,6 +108,9 @@ impl Relay {
         let open = (settings.listen.iter()).find(|endpoint| !stays_here(endpoint));
         if let (Some(open), false) = (open, settings.insecure) {
             return Err(RelayError::Open(open.clone()));
+        }
+        if let (Some(open), false) = (settings.without_rules()?, settings.insecure) {
+            return Err(RelayError::NoRules(open));
         }
         let upstream = settings.upstream()?;
         let session = settings.session(&upstream)?;
@@ -159,7 +173,7 @@ impl Relay {
 }
 
 /// Only this machine reaches an endpoint, or those who have a certificate for it.
-fn stays_here(endpoint: &str) -> bool {
+pub(crate) fn stays_here(endpoint: &str) -> bool {
     let Some((protocol, address)) = endpoint.split_once('/') else {
         return false;
     };
@@ -170,7 +184,31 @@ fn stays_here(endpoint: &str) -> bool {
 }
 
 impl RelaySettings {
+    /// An endpoint that certificates lead into, and behind which nothing asks for their roles.
+    fn without_rules(&self) -> Result<Option<String>, RelayError> {
+        let encrypted = |endpoint: &&String| {
+            ["tls/", "quic/"]
+                .iter()
+                .any(|head| endpoint.starts_with(head))
+        };
+        let config = self.config("router")?;
+        let has_rules = (config.get_json("access_control/enabled")).is_ok_and(|is| is == "true");
+        let mut encrypted = self.listen.iter().filter(encrypted);
+        Ok(match has_rules || self.read_only {
+            true => None,
+            false => encrypted.next().cloned(),
+        })
+    }
+
     fn config(&self, mode: &str) -> Result<zenoh::Config, RelayError> {
+        let mut config = self.plain_config(mode)?;
+        if let Some(identity) = &self.identity {
+            palpate_client::add_identity(&mut config, identity).map_err(RelayError::Identity)?;
+        }
+        Ok(config)
+    }
+
+    fn plain_config(&self, mode: &str) -> Result<zenoh::Config, RelayError> {
         match &self.config {
             None => {
                 let mut config = zenoh::Config::default();

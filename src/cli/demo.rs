@@ -150,8 +150,8 @@ fn device(
     seconds: f64,
     seed: u64,
 ) -> anyhow::Result<Child> {
-    let program = std::env::current_exe().context("the path of this program")?;
-    std::process::Command::new(program)
+    crate::program::command()
+        .context("the path of this program")?
         .args([
             "device",
             "--tool",

@@ -5,7 +5,7 @@ mod adapter;
 use super::connection::Connection;
 use super::{Outcome, text};
 use anyhow::Context as _;
-use palpate_client::device::run::{RunReport, RunSettings, Sample, run as run_device};
+use palpate_client::device::run::{PATIENCE, RunReport, RunSettings, Sample, run as run_device};
 use palpate_client::device::{DeviceModel, Hand, Motion, Network, SimulatedDevice, devices};
 use palpate_client::proto::messages::{DeviceInfo, SceneSnapshot};
 use palpate_client::{Palpate, Tool};
@@ -17,6 +17,8 @@ use std::time::{Duration, Instant};
 
 /// A silence of the daemon that makes a run a failed one, s.
 const LONG_SILENCE_S: f64 = 1.0;
+/// How long a daemon is waited for that is not there yet, unless --wait says otherwise.
+const START: Duration = Duration::from_secs(10);
 /// How long a device that has left may still be known.
 const LEAVING: Duration = Duration::from_secs(1);
 
@@ -65,9 +67,10 @@ pub struct Args {
     /// Fraction that arrives after the next one, 0 to 1.
     #[arg(long, default_value_t = 0.0)]
     reorder: f64,
-    /// How long to wait for a daemon that is not there yet, for example 10s.
-    #[arg(long, value_parser = text::duration, default_value = "10s")]
-    wait: Duration,
+    /// How long to wait for a daemon that is not there yet [default: 10s], or that falls silent [default:
+    /// 5s, which is also the least]; the device is let go meanwhile.
+    #[arg(long, value_parser = text::duration)]
+    wait: Option<Duration>,
     /// Keep the device's port passive (time-domain passivity control).
     #[arg(long)]
     passivity: bool,
@@ -112,7 +115,7 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     if let Some(tremor_m) = args.tremor {
         hand = Hand { tremor_m, ..hand }.checked()?;
     }
-    let palpate = args.connection.open_within(args.wait)?;
+    let palpate = args.connection.open_within(args.wait.unwrap_or(START))?;
     let scene = palpate.scene()?;
     let known: Vec<&str> = scene.tools.iter().map(|tool| tool.id.as_str()).collect();
     anyhow::ensure!(
@@ -149,6 +152,7 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
         duration_s,
         network,
         passivity: args.passivity,
+        patience: args.wait.unwrap_or(PATIENCE).max(PATIENCE),
     };
     let mut csv = args.csv.as_deref().map(Csv::create).transpose()?;
     let mut watch = |sample: &Sample| {

@@ -17,6 +17,7 @@ mod hz;
 mod import;
 mod info;
 mod keys;
+mod lobby;
 mod ls;
 mod man;
 mod numbers;
@@ -140,6 +141,8 @@ enum Commands {
     Rpc(rpc::Args),
     /// Pass a daemon's messages on to many who watch, thinned, and on request read-only.
     Relay(relay::Args),
+    /// Ask for a scene, get an endpoint: start a daemon for each who asks, up to the number of cores.
+    Lobby(lobby::Args),
     /// Print messages on the bus as they arrive.
     Echo(echo::Args),
     /// List the instances on the bus with their tools, bodies and published keys.
@@ -231,6 +234,7 @@ pub fn code_with(arguments: impl IntoIterator<Item = std::ffi::OsString>) -> u8 
         Commands::Probe(args) => probe::run(&args),
         Commands::Rpc(args) => rpc::run(&args),
         Commands::Relay(args) => relay::run(&args),
+        Commands::Lobby(args) => lobby::run(&args),
         Commands::Echo(args) => echo::run(&args),
         Commands::Ls(args) => ls::run(&args),
         Commands::Hz(args) => hz::run(&args),

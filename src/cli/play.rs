@@ -122,6 +122,7 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
             editor: None,
             player: Some(player_end),
             adapters: Default::default(),
+            health: None,
         };
         let bus = Bus::start(bus_session, bus_ports, settings);
         let bus = bus.map_err(|e| anyhow::anyhow!("{e}"))?;

@@ -1,6 +1,7 @@
 //! `palpate relay`: a router between a daemon and many who watch.
 
 use super::Outcome;
+use crate::auth::Identity;
 use crate::relay::{Relay, RelayNews, RelaySettings};
 use std::io::Write as _;
 use std::path::PathBuf;
@@ -26,10 +27,13 @@ pub struct Args {
     #[arg(long)]
     read_only: bool,
     /// Listen to a network although it is not encrypted: anyone there reads what goes through, and
-    /// without --read-only moves tools.
+    /// without --read-only moves tools. With TLS: everybody with a certificate, whatever its role.
     #[arg(long)]
     insecure: bool,
-    /// Zenoh configuration file; it changes only what it names.
+    /// Identity file of a daemon for TLS (see `palpate auth`), of the same authority as that of the daemon.
+    #[arg(long, value_name = "FILE")]
+    identity: Option<PathBuf>,
+    /// Zenoh configuration file, such as the output of `palpate auth rules SCENE`; it changes only what it names.
     #[arg(long, value_name = "FILE")]
     zenoh_config: Option<PathBuf>,
     /// End after this long, for example 10m.
@@ -44,12 +48,16 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     let stop = Arc::new(AtomicBool::new(false));
     let flag = stop.clone();
     let _ = ctrlc::set_handler(move || flag.store(true, Ordering::Relaxed));
+    if let Some(identity) = &args.identity {
+        Identity::usable(identity)?;
+    }
     let mut relay = Relay::open(RelaySettings {
         from: args.from.clone(),
         listen: args.listen.clone(),
         net_hz: args.net_hz,
         read_only: args.read_only,
         insecure: args.insecure,
+        identity: args.identity.clone(),
         config: args.zenoh_config.clone(),
     })?;
     let tell = |what: &str| {

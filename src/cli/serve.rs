@@ -4,6 +4,8 @@ mod mouse;
 mod ready;
 mod watchdog;
 
+pub use ready::summary;
+
 use super::{Outcome, text};
 use crate::adapters::igtl::Igtl;
 use crate::adapters::ros2::{Plan, Ros2};
@@ -12,13 +14,13 @@ use crate::drive::editor::Editor;
 use crate::drive::journal::Journal;
 use crate::drive::ports::ports;
 use crate::editing::SceneEditor;
+use crate::fleet::{self, Agones};
 use crate::recording::{
     Recorder, RecorderSettings, RecordingReport, SelfCheck, SelfCheckReport, Split, default_path,
-    stage_infos, write_stages,
 };
 use crate::transport::{
-    AdapterCounts, Bus, BusSettings, Role, SessionSettings, daemon_of, default_listen, is_taken,
-    open_guarded,
+    AdapterCounts, Bus, BusSettings, Health, Role, SessionSettings, daemon_of, default_listen,
+    is_taken, open_guarded,
 };
 use crate::viewer::Viewer;
 use anyhow::Context as _;
@@ -48,6 +50,10 @@ pub struct Args {
     /// Print one JSON object when clients can connect, and one at the end, instead of a summary.
     #[arg(long)]
     json: bool,
+    /// Tell Agones, in its pods on Kubernetes, when this daemon is ready, healthy, in use and over; the
+    /// time of --idle-timeout begins with the use.
+    #[arg(long)]
+    agones: bool,
     /// Write the first of these objects to this open file descriptor, and close it.
     #[arg(long, value_name = "N")]
     ready_fd: Option<u32>,
@@ -100,6 +106,9 @@ pub struct Common {
     /// Re-run every N ticks on a second thread and check that the results are bit-identical.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000))]
     pub self_check: Option<u32>,
+    /// Port of the Agones sidecar that is told how the daemon fares.
+    #[arg(skip)]
+    pub agones: Option<u16>,
 }
 
 /// Recording options.
@@ -174,6 +183,17 @@ pub struct EndedSession {
 }
 
 pub fn run(args: &Args) -> anyhow::Result<Outcome> {
+    let mut begun = false;
+    run_scene(args, &mut begun).inspect_err(|error| {
+        // Whoever started this for its ready line waits for one.
+        if args.json && !begun {
+            println!("{}", ready::failure(&super::said(error)));
+        }
+    })
+}
+
+/// `begun` is set once clients can connect.
+fn run_scene(args: &Args, begun: &mut bool) -> anyhow::Result<Outcome> {
     let mut loaded = super::scenes::load(&args.scene)?;
     if let Some(clock) = &args.clock {
         loaded.spec.loop_.clock = if clock == "lockstep" {
@@ -187,7 +207,9 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     }
     let mut common = args.common.clone();
     common.listen = ready::resolved(&common)?;
+    common.agones = args.agones.then(fleet::agones_port).transpose()?;
     let served = serve(&loaded, &common, |page| {
+        *begun = true;
         let line = ready::line(&common, configuration(&loaded, &common).as_deref(), page)?;
         if args.json {
             println!("{line}");
@@ -223,6 +245,9 @@ pub fn serve(
     common: &Common,
     ready: impl FnOnce(Option<&str>) -> anyhow::Result<()>,
 ) -> anyhow::Result<EndedSession> {
+    if common.with_parent {
+        end_with_parent();
+    }
     // A file that cannot be read is one problem of perhaps many: building lists them all.
     let unread = |error| loaded.build().err().unwrap_or_else(|| loaded.locate(error));
     let mut effective = inline_files(&loaded.spec, &loaded.directory).map_err(unread)?;
@@ -263,6 +288,7 @@ pub fn serve(
         }
     }
     let for_ros2 = session.clone();
+    let health = common.agones.map(|_| Arc::<Health>::default());
     let (mut viewer, feed) = common
         .page
         .start(&common.instance, &scene, &session, false, &everybody)?
@@ -287,9 +313,6 @@ pub fn serve(
         }
         counters.stop.store(true, Ordering::Release);
     });
-    if common.with_parent {
-        end_with_parent();
-    }
     // Who checks itself runs one scene twice.
     let editor = match common.self_check {
         None => Some(Box::new(SceneEditor::start(recorder.changes())?) as Box<dyn Editor>),
@@ -311,6 +334,7 @@ pub fn serve(
             viewer_url: viewer.as_ref().and_then(Viewer::url),
             player: None,
             adapters: counts.clone(),
+            health: health.clone(),
         },
     )
     .map_err(|e| anyhow::anyhow!("{e}"))?;
@@ -332,7 +356,16 @@ pub fn serve(
             (Some(check), Box::new(port) as Box<dyn Journal>)
         }
     };
-    watchdog::start(&scene, common, watched, stopper)?;
+    // Dropped last: it tells that the daemon ends.
+    let agones = match (common.agones, health) {
+        (Some(port), Some(health)) => {
+            let keys = Keys::new(&common.instance)?;
+            Some(Agones::start(port, &watched, &keys, health)?)
+        }
+        _ => None,
+    };
+    let in_use = agones.as_ref().map(|agones| Box::new(agones.in_use()) as _);
+    watchdog::start(&scene, common, watched, stopper, in_use)?;
     let thread = driver::start(scene.clone(), tick_ports, journal, settings)?;
     tracing::info!(
         scene = scene.name, instance = common.instance, listen = listen.join(","), clock = ?scene.clock,
@@ -363,6 +396,7 @@ pub fn serve(
     if let Some(error) = &recording.failure {
         eprintln!("the recording is incomplete: {error}");
     }
+    drop(agones);
     begun?;
     ros2?;
     igtl?;
@@ -425,45 +459,5 @@ fn end_with_parent() {
     // SAFETY: a plain system call that concerns this process only.
     unsafe {
         libc::prctl(libc::PR_SET_PDEATHSIG, libc::SIGTERM);
-    }
-}
-
-/// Prints the figures of a session.
-pub fn summary(served: &EndedSession) {
-    let report = &served.report;
-    let us = |q: f64| report.lateness.quantile(q) as f64 * 1e-3;
-    println!(
-        "ticks {}, late {}, skipped {}",
-        report.ticks, report.late, report.skipped
-    );
-    println!(
-        "start after deadline: p50 {:.1} us, p99 {:.1} us, max {:.1} us",
-        us(0.5),
-        us(0.99),
-        report.lateness.max() as f64 * 1e-3
-    );
-    let mut table = String::new();
-    let _ = write_stages(&mut table, &stage_infos(&report.stages));
-    print!("{table}");
-    if let Some(SelfCheckReport {
-        checks,
-        ticks,
-        unchecked,
-        differences,
-        ..
-    }) = served.self_check
-    {
-        println!(
-            "self-check: {ticks} ticks re-run in {checks} checks, {unchecked} unchecked, {differences} differences"
-        );
-    }
-    for recording in &served.recording.files {
-        println!(
-            "recorded {} ({} ticks, {} lost), session hash {:016x}",
-            recording.path.display(),
-            recording.ticks,
-            recording.dropped,
-            recording.session_hash
-        );
     }
 }

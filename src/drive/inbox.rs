@@ -74,6 +74,14 @@ impl SenderId {
         id[..count].copy_from_slice(&bytes[..count]);
         Self(id)
     }
+
+    /// Enough of it to tell clients apart, as text.
+    pub fn short(&self) -> String {
+        // First comes the session, last the number of the call in it.
+        let (session, call) = (&self.0[..4], &self.0[20..]);
+        let bytes = session.iter().chain(call);
+        bytes.map(|byte| format!("{byte:02x}")).collect()
+    }
 }
 
 /// A holder that was silent for longer loses the tool to the next who sends.

@@ -8,12 +8,14 @@
 //! ```
 
 use super::answers::{key_of, reply, reply_json, reply_text};
+use super::clients::ClientLink;
 use super::contacts::Contacts;
 use super::declared::{Declared, Inbox, Roles};
 use super::devices::Devices;
 use super::edit::Edits;
 use super::events::Events;
 use super::forces::Forces;
+use super::health::Health;
 use super::link::LoopLink;
 use super::metrics::{AdapterCounts, LoopMetrics};
 use super::nets::Nets;
@@ -67,6 +69,8 @@ pub struct BusSettings {
     pub player: Option<PlayerEnd>,
     /// What adapters count.
     pub adapters: AdapterCounts,
+    /// Where the newest figures are left, for who asks about them beside the viewer.
+    pub health: Option<Arc<Health>>,
 }
 
 /// A running bus thread.
@@ -139,6 +143,7 @@ struct Served {
     open: Vec<String>,
     viewer_url: Option<String>,
     adapters: AdapterCounts,
+    health: Option<Arc<Health>>,
 }
 
 /// The owners of all parts, and the order in which they are polled.
@@ -185,7 +190,9 @@ impl BusThread {
         // In lockstep and out of a recording every force is published.
         let every = scene.clock == Clock::Lockstep || roles.player;
         let (session_of, poses) = (&session, &ports.poses);
-        let forces = Forces::new(session_of, &keys, &scene, ports.outputs, poses, every)?;
+        let clients: Vec<Arc<ClientLink>> = poses.iter().map(|_| Arc::default()).collect();
+        let outputs = ports.outputs;
+        let forces = Forces::new(session_of, &keys, &scene, outputs, poses, &clients, every)?;
         let contacts = Contacts::new(session_of, &keys, scene.tool_count())?;
         let nets = Nets::new(
             session_of,
@@ -204,7 +211,7 @@ impl BusThread {
         let tally = LoopTally::new(session_of, &keys, &scene, ports.records, gauges)?;
         // Last, with the tokens that say that all of it is there.
         let declared = Declared::new(
-            session_of, &keys, &scene, poses, &devices, &inbox, &post, roles,
+            session_of, &keys, &scene, poses, &clients, &devices, &inbox, &post, roles,
         )?;
         let mut bus = Self {
             session,
@@ -238,6 +245,7 @@ impl BusThread {
                 open: settings.open,
                 viewer_url: settings.viewer_url,
                 adapters: settings.adapters,
+                health: settings.health,
             },
         };
         bus.show_scene();
@@ -429,6 +437,9 @@ impl BusThread {
         let recording = self.tally.status().recorder == RecorderState::Recording;
         self.declared.show_recording(&self.session, recording);
         self.tally.publish();
+        if let Some(health) = &self.served.health {
+            health.put(self.figures());
+        }
         if self.view.is_there() {
             let figures = self.figures();
             if self.view.watched() {
@@ -548,6 +559,7 @@ impl BusThread {
             events: self.events.count(),
             suppressed: self.devices.all_suppressed(),
             published: self.forces.published(),
+            clients: self.forces.clients(),
             overtaken: self.forces.overtaken(),
             strangers: self.forces.strangers(),
             adapters: self.served.adapters.read(),

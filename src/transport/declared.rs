@@ -1,6 +1,8 @@
 //! What the daemon listens to on its session, and what its callbacks do.
 
+use super::clients::ClientLink;
 use super::devices::{Devices, refuse_stranger, take_device};
+use super::events::server_ns;
 use super::poses::{sender_of, take_pose};
 use super::post::{Asked, Post};
 use crate::drive::ports::PoseInbox;
@@ -54,6 +56,7 @@ impl Declared {
         keys: &Keys,
         scene: &Scene,
         poses: &[Arc<PoseInbox>],
+        clients: &[Arc<ClientLink>],
         devices: &Devices,
         inbox: &SyncSender<Inbox>,
         post: &Post,
@@ -67,13 +70,15 @@ impl Declared {
                 continue;
             }
             let poses = poses[tool].clone();
-            let moved = poses.clone();
+            let (moved, client) = (poses.clone(), clients[tool].clone());
             let subscriber = session
                 .declare_subscriber(keys.tool_pose(id))
                 .callback(move |sample| {
                     if sample.kind() == SampleKind::Put {
                         let sender = sender_of(sample.attachment());
-                        take_pose(&moved, sample.payload(), sample.encoding(), sender);
+                        if take_pose(&moved, sample.payload(), sample.encoding(), sender) {
+                            client.heard(sender, sample.attachment(), server_ns());
+                        }
                     }
                 })
                 .wait()?;

@@ -1,5 +1,6 @@
 //! What a tick says of tools: forces for their devices, and what contacts do to them.
 
+use super::clients::{ClientCounts, ClientLink};
 use super::devices::Devices;
 use super::events::server_ns;
 use super::rate::{RateNews, RateWatch};
@@ -41,6 +42,7 @@ struct ToolLine {
     contact_wanted: bool,
     /// Forces published.
     published: u64,
+    client: Arc<ClientLink>,
 }
 
 impl Forces {
@@ -51,6 +53,7 @@ impl Forces {
         scene: &Scene,
         outputs: rtrb::Consumer<Arc<TickOutput>>,
         poses: &[Arc<PoseInbox>],
+        clients: &[Arc<ClientLink>],
         every: bool,
     ) -> zenoh::Result<Self> {
         let line = |(tool, inbox): (usize, &Arc<PoseInbox>)| {
@@ -61,6 +64,7 @@ impl Forces {
                 contact: publisher::<ToolContact>(session, keys.tool_contact(id))?,
                 contact_wanted: false,
                 published: 0,
+                client: clients[tool].clone(),
             })
         };
         let tools = poses.iter().enumerate().map(line);
@@ -165,6 +169,7 @@ impl Forces {
         let line = &mut self.tools[tool];
         let _ = line.force.put(encode(&force)).wait();
         line.published += 1;
+        line.client.sent();
     }
 
     /// A duplicate pose means that its force got lost.
@@ -206,6 +211,11 @@ impl Forces {
     /// Forces published, by tool.
     pub(super) fn published(&self) -> Vec<u64> {
         self.tools.iter().map(|tool| tool.published).collect()
+    }
+
+    /// What is counted of the clients that say what they receive, by tool.
+    pub(super) fn clients(&self) -> Vec<Option<ClientCounts>> {
+        self.tools.iter().map(|tool| tool.client.counts()).collect()
     }
 
     /// Outputs of ticks whose forces were not published, because newer ones were there.

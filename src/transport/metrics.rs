@@ -1,5 +1,6 @@
 //! What is counted, as OpenMetrics text.
 
+use super::clients::ClientCounts;
 use crate::drive::overload::CAUSES;
 use palpate_proto::messages::{LoopState, LoopStatus, Quantiles, ToolLink};
 use prometheus_client::collector::Collector;
@@ -56,6 +57,8 @@ pub struct LoopMetrics {
     pub suppressed: Vec<u64>,
     /// Forces published, by tool.
     pub published: Vec<u64>,
+    /// What reaches the clients that say so, by tool.
+    pub clients: Vec<Option<ClientCounts>>,
     /// Ticks whose forces were not published, because newer ones were there.
     pub overtaken: u64,
     /// Poses of clients that did not hold their tool, by tool.
@@ -265,6 +268,45 @@ impl Collector for LoopMetrics {
 }
 
 impl LoopMetrics {
+    /// What reaches the client of each tool, where it says so.
+    fn encode_clients(&self, e: &mut DescriptorEncoder<'_>) -> Result<(), Error> {
+        let clients = || {
+            let clients = self.tools().zip(&self.clients);
+            clients.filter_map(|((_, tool), counts)| Some((tool, counts.as_ref()?)))
+        };
+        let counters: [(&str, &str, fn(&ClientCounts) -> u64); 2] = [
+            (
+                "client_forces_published",
+                "Forces sent to the client that holds a tool, since it has it",
+                |counts| counts.published,
+            ),
+            (
+                "client_forces_received",
+                "Forces that reached it, as it says",
+                |counts| counts.received,
+            ),
+        ];
+        for (name, help, value) in counters {
+            let values = clients().map(|(tool, counts)| {
+                let labels = [("tool", tool), ("client", counts.client.as_str())];
+                (labels, ConstCounter::new(value(counts)))
+            });
+            many(e, name, help, None, MetricType::Counter, values)?;
+        }
+        let ages = clients().flat_map(|(tool, counts)| {
+            let quantiles = ["0.5", "0.99", "1"].into_iter().zip(counts.age_ns);
+            quantiles.map(move |(quantile, ns)| {
+                let client = counts.client.as_str();
+                let labels = [("tool", tool), ("client", client), ("quantile", quantile)];
+                (labels, ConstGauge::new(ns as f64 * 1e-9))
+            })
+        });
+        let help =
+            "Age of the newest force that a client had when it sent a pose, as that pose arrived";
+        let (seconds, kind) = (Unit::Seconds, MetricType::Gauge);
+        many(e, "client_force_age", help, Some(&seconds), kind, ages)
+    }
+
     fn encode_tools(&self, e: &mut DescriptorEncoder<'_>) -> Result<(), Error> {
         let tools = &self.status.tools;
         let of = |values: &[u64], t: usize| ConstCounter::new(values.get(t).copied().unwrap_or(0));
@@ -326,6 +368,7 @@ impl LoopMetrics {
             MetricType::Counter,
             published,
         )?;
+        self.encode_clients(e)?;
         let strangers = self
             .tools()
             .map(|(t, id)| ([("tool", id)], of(&self.strangers, t)));

@@ -6,6 +6,7 @@
 
 mod answers;
 mod bus;
+mod clients;
 mod contacts;
 mod deadband;
 mod declared;
@@ -15,6 +16,7 @@ mod edit;
 mod events;
 mod exposure;
 mod forces;
+mod health;
 mod history;
 mod link;
 mod metrics;
@@ -29,7 +31,9 @@ mod tally;
 mod view;
 
 pub use bus::{Bus, BusReport, BusSettings};
+pub use clients::ClientCounts;
 pub use exposure::is_loopback;
+pub use health::Health;
 pub use metrics::{AdapterCount, AdapterCounts, LoopMetrics};
 pub use rate::{RateNews, RateWatch};
 pub use session::{

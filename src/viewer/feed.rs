@@ -2,20 +2,18 @@
 
 use super::board::{Board, Lasts};
 use super::frames::key_of;
-use super::health::Newest;
 use super::holders::Holders;
-use crate::transport::{LoopMetrics, ViewSink};
+use crate::transport::{Health, LoopMetrics, ViewSink};
 use crate::wire::tool_outlines;
 use palpate_proto::messages::{DeviceInfo, SceneSnapshot, SimEvent};
 use palpate_sim::scene::Scene;
 use std::sync::{Arc, Mutex, PoisonError};
-use std::time::Instant;
 
 /// Takes messages for pages.
 pub struct Feed {
     pub(super) board: Arc<Board>,
     pub(super) holders: Arc<Holders>,
-    pub(super) health: Arc<Newest>,
+    pub(super) health: Arc<Health>,
     /// The scene that runs.
     pub(super) scene: Arc<Mutex<Arc<Scene>>>,
     /// What `/tools.json` answers.
@@ -64,8 +62,7 @@ impl ViewSink for Feed {
     }
 
     fn figures(&mut self, figures: &LoopMetrics) {
-        let newest = (Instant::now(), figures.clone());
-        *self.health.0.lock().unwrap_or_else(PoisonError::into_inner) = Some(newest);
+        self.health.put(figures.clone());
     }
 
     fn turn_over(&mut self) {

@@ -33,13 +33,13 @@ const FOR_OTHERS: [&str; 2] = ["/foxglove", "/rosbridge"];
 
 /// Who may ask.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Hosts {
+pub(crate) struct Hosts {
     /// Names other than numbers and `localhost` under which the page may be opened.
-    pub(super) names: Arc<[String]>,
+    pub(crate) names: Arc<[String]>,
     /// Sites that may connect to what is for others.
-    pub(super) origins: Arc<[String]>,
+    pub(crate) origins: Arc<[String]>,
     /// All paths are for others.
-    pub(super) for_others: bool,
+    pub(crate) for_others: bool,
 }
 
 /// Refuses requests that another site may have made; adds the headers to all others.

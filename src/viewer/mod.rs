@@ -26,22 +26,22 @@ mod session;
 mod socket;
 
 pub use feed::Feed;
+pub(crate) use guard::Hosts;
 pub use html::{HtmlError, html_page};
 pub use listener::Peer;
 pub use recordings::RecordingsViewer;
+pub(crate) use server::Server;
 
 use crate::wire::{bodies_inside, tool_outlines};
 use axum::Router;
 use axum::routing::get;
 use board::Board;
 use foxglove::Foxglove;
-use guard::Hosts;
 use holders::Holders;
 use neighbours::Neighbours;
 use palpate_proto::keys::Keys;
 use palpate_sim::scene::Scene;
 use palpate_sim::scene::spec::Clock;
-use server::Server;
 use session::SessionInfo;
 use std::collections::BTreeMap;
 use std::net::{Ipv4Addr, SocketAddr, TcpListener};
@@ -245,7 +245,7 @@ fn listen(address: SocketAddr, option: &'static str) -> Result<TcpListener, View
 }
 
 /// 128 random bits as text: other sites cannot read it, and nobody guesses it.
-fn make_token() -> Result<String, getrandom::Error> {
+pub(crate) fn make_token() -> Result<String, getrandom::Error> {
     let mut bits = [0; 16];
     getrandom::fill(&mut bits)?;
     Ok(bits.iter().map(|byte| format!("{byte:02x}")).collect())

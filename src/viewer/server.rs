@@ -32,7 +32,7 @@ pub(super) fn bundle() -> [&'static str; 3] {
 }
 
 /// A server in a thread of its own; it ends when dropped.
-pub(super) struct Server {
+pub(crate) struct Server {
     pub(super) address: SocketAddr,
     /// Until it is open.
     begin: Option<oneshot::Sender<()>>,
@@ -41,7 +41,7 @@ pub(super) struct Server {
 
 impl Server {
     /// Listens, and serves `routes` once it is opened: who connects before waits.
-    pub(super) fn start(
+    pub(crate) fn start(
         listener: std::net::TcpListener,
         routes: Router,
         hosts: Hosts,
@@ -85,14 +85,14 @@ impl Server {
     }
 
     /// Lets those in who connect.
-    pub(super) fn open(&mut self) {
+    pub(crate) fn open(&mut self) {
         if let Some(begin) = self.begin.take() {
             let _ = begin.send(());
         }
     }
 
     /// Where the page is.
-    pub(super) fn url(&self) -> String {
+    pub(crate) fn url(&self) -> String {
         let mut address = self.address;
         // What listens everywhere is opened here.
         if address.ip().is_unspecified() {

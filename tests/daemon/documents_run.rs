@@ -33,6 +33,7 @@ case "$1" in
   rpc|ls|echo) has --connect || args+=(--connect "tcp/127.0.0.1:$DOC_PORT");;
   hz) has --connect || args+=(--connect "tcp/127.0.0.1:$DOC_PORT"); short=1;;
   play) args+=(--listen "tcp/127.0.0.1:$DOC_SERVE_PORT"); short=1;;
+  lobby) args+=(--http 127.0.0.1:0);;
   view) args+=(--no-open); has --html || short=1;;
 esac
 if [ $short = 1 ]; then

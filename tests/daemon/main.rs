@@ -13,6 +13,7 @@ mod session;
 
 #[path = "access/mod.rs"]
 mod access;
+mod agones;
 mod batch;
 mod clients;
 mod crash;
@@ -32,10 +33,13 @@ mod haptic_link;
 mod hostile_bytes;
 mod hostile_files;
 mod keeping;
+mod kubernetes;
+mod lobby;
 mod many_tools;
 #[path = "page/mod.rs"]
 mod pages;
 mod play;
+mod reach;
 mod readmes;
 mod recording;
 mod reference;

@@ -190,6 +190,7 @@ fn a_relay_without_a_daemon_or_open_to_all_is_refused() {
         net_hz: Some(10.0),
         read_only: true,
         insecure: false,
+        identity: None,
         config: None,
     };
     let nobody = format!("tcp/127.0.0.1:{}", free_port());
@@ -202,6 +203,12 @@ fn a_relay_without_a_daemon_or_open_to_all_is_refused() {
         let error = error(settings(&nobody, open));
         assert!(matches!(error, RelayError::Open(_)), "{open}: {error}");
     }
+    // With certificates, but without a word of what their roles may do.
+    let encrypted = RelaySettings {
+        read_only: false,
+        ..settings(&nobody, "tls/0.0.0.0:7447")
+    };
+    assert!(matches!(error(encrypted), RelayError::NoRules(_)));
     let slow = RelaySettings {
         net_hz: Some(f64::NAN),
         ..settings(&nobody, "tcp/127.0.0.1:0")

@@ -5,7 +5,7 @@ use crate::errors::raised;
 use crate::pose::Pose;
 use crate::values::{floats, python};
 use numpy::PyArray1;
-use palpate_client::device::run::{RunSettings, run as run_device};
+use palpate_client::device::run::{PATIENCE, RunSettings, run as run_device};
 use palpate_client::device::{self, DeviceModel, Goal, Hand, Motion, Network, devices};
 use palpate_proto::messages::ToolPose;
 use pyo3::exceptions::PyValueError;
@@ -233,6 +233,7 @@ impl SimulatedDevice {
                 seed,
             },
             passivity,
+            patience: PATIENCE,
         };
         if !(1.0..=20_000.0).contains(&settings.rate_hz) {
             return Err(PyValueError::new_err("rate must be 1 to 20000 Hz"));

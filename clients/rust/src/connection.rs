@@ -174,6 +174,9 @@ impl<M: Clone> Latest<M> {
     }
 }
 
+/// Between tries to connect again after a link was lost.
+const RETRY: &str = "{ period_init_ms: 200, period_max_ms: 1000, period_increase_factor: 2 }";
+
 /// A session with one daemon.
 pub struct Palpate {
     session: zenoh::Session,
@@ -223,6 +226,15 @@ impl Palpate {
         config
             .insert_json5("connect/endpoints", &endpoints)
             .map_err(ClientError::zenoh)?;
+        // Zenoh's own pauses grow to four seconds: a hand would wait for a router that is back already.
+        if config
+            .get_json("connect/retry")
+            .is_ok_and(|retry| retry == "null")
+        {
+            config
+                .insert_json5("connect/retry", RETRY)
+                .map_err(ClientError::zenoh)?;
+        }
         if let Some(identity) = &settings.identity {
             crate::config::add_identity(&mut config, identity).map_err(ClientError::zenoh)?;
         }

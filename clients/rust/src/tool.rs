@@ -180,9 +180,21 @@ impl Tool {
     fn put(&self, pose: &ToolPose) -> Result<(), ClientError> {
         self.publisher
             .put(encode(pose))
-            .attachment(&self.holder)
+            .attachment(self.receipt())
             .wait()
             .map_err(ClientError::zenoh)
+    }
+
+    /// Who sends, and what it has received: the daemon counts both.
+    fn receipt(&self) -> Vec<u8> {
+        let newest = self.forces.newest.lock();
+        let newest = newest.unwrap_or_else(PoisonError::into_inner);
+        let newest_ns = newest.force.map_or(0, |force| force.t_server_ns);
+        let mut bytes = Vec::with_capacity(self.holder.len() + 16);
+        bytes.extend_from_slice(&self.holder);
+        bytes.extend_from_slice(&newest.received.to_le_bytes());
+        bytes.extend_from_slice(&newest_ns.to_le_bytes());
+        bytes
     }
 
     /// Tells the daemon what this device can do, now and again whenever a daemon appears

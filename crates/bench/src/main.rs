@@ -4,9 +4,9 @@
 use anyhow::Context;
 use clap::Parser;
 use palpate_bench::{
-    Effort, FaultOptions, Figure, Row, SoakOptions, contact, deformation, faults, figures_table,
-    haptics, modeling, pareto, picture, plasticine_picture, plasticine_table, recording, soak,
-    surface, table, viewer,
+    Effort, FaultOptions, Figure, RelayOptions, Row, SoakOptions, SubscriberOptions, contact,
+    deformation, faults, figures_table, haptics, modeling, pareto, picture, plasticine_picture,
+    plasticine_table, recording, relay, soak, subscribers, surface, table, viewer,
 };
 use std::io::Write;
 use std::process::ExitCode;
@@ -56,6 +56,11 @@ enum Suite {
     Viewer(Options),
     /// The daemon under faults of network, disk, processes and clock, on a virtual clock, by seeds.
     Faults(FaultOptions),
+    /// A relay with hundreds who watch: what they cost the daemon, and what each receives.
+    Relay(RelayOptions),
+    /// Some of those who watch, in a process of their own.
+    #[command(hide = true)]
+    Subscribers(SubscriberOptions),
     /// A daemon at work for long: growth of memory, descriptors and threads, late ticks.
     Soak(SoakOptions),
     /// Merge, isolate, pipe and branch: times, deviations, ratios, gaps and angles.
@@ -120,6 +125,12 @@ fn run(args: &Cli) -> anyhow::Result<()> {
     if let Suite::Soak(options) = &args.suite {
         return soak(options);
     }
+    if let Suite::Relay(options) = &args.suite {
+        return relay(options);
+    }
+    if let Suite::Subscribers(options) = &args.suite {
+        return subscribers(options);
+    }
     let (options, svg) = match &args.suite {
         Suite::Surface(options)
         | Suite::Recording(options)
@@ -128,7 +139,9 @@ fn run(args: &Cli) -> anyhow::Result<()> {
         Suite::Contact { options, svg }
         | Suite::Deformation { options, svg, .. }
         | Suite::Haptics { options, svg, .. } => (options, svg.as_deref()),
-        Suite::Faults(_) | Suite::Soak(_) => return Ok(()),
+        Suite::Faults(_) | Suite::Soak(_) | Suite::Relay(_) | Suite::Subscribers(_) => {
+            return Ok(());
+        }
     };
     let effort = if options.quick {
         Effort::Quick
@@ -158,7 +171,9 @@ fn run(args: &Cli) -> anyhow::Result<()> {
         | Suite::Recording(_)
         | Suite::Viewer(_)
         | Suite::Faults(_)
-        | Suite::Soak(_) => {}
+        | Suite::Soak(_)
+        | Suite::Relay(_)
+        | Suite::Subscribers(_) => {}
     }
     if let Some(error) = failed {
         return Err(error);

@@ -1,6 +1,7 @@
 //! What programs read from `serve`: where it listens, and how it ended.
 
 use super::{Common, EndedSession};
+use crate::recording::{SelfCheckReport, stage_infos, write_stages};
 use crate::transport::default_listen;
 use anyhow::Context as _;
 use std::io::Write as _;
@@ -46,6 +47,11 @@ pub fn line(
     }))
 }
 
+/// The line that says that clients cannot connect, because the start failed.
+pub fn failure(error: &str) -> serde_json::Value {
+    serde_json::json!({ "ready": false, "error": error })
+}
+
 /// Writes a line to a file descriptor that whoever started this process left open.
 ///
 /// # Errors
@@ -77,4 +83,44 @@ pub fn report(served: &EndedSession) -> serde_json::Value {
         "recordings": files.collect::<Vec<_>>(),
         "recording_failure": served.recording.failure.as_ref().map(ToString::to_string),
     })
+}
+
+/// Prints the figures of a session.
+pub fn summary(served: &EndedSession) {
+    let report = &served.report;
+    let us = |q: f64| report.lateness.quantile(q) as f64 * 1e-3;
+    println!(
+        "ticks {}, late {}, skipped {}",
+        report.ticks, report.late, report.skipped
+    );
+    println!(
+        "start after deadline: p50 {:.1} us, p99 {:.1} us, max {:.1} us",
+        us(0.5),
+        us(0.99),
+        report.lateness.max() as f64 * 1e-3
+    );
+    let mut table = String::new();
+    let _ = write_stages(&mut table, &stage_infos(&report.stages));
+    print!("{table}");
+    if let Some(SelfCheckReport {
+        checks,
+        ticks,
+        unchecked,
+        differences,
+        ..
+    }) = served.self_check
+    {
+        println!(
+            "self-check: {ticks} ticks re-run in {checks} checks, {unchecked} unchecked, {differences} differences"
+        );
+    }
+    for recording in &served.recording.files {
+        println!(
+            "recorded {} ({} ticks, {} lost), session hash {:016x}",
+            recording.path.display(),
+            recording.ticks,
+            recording.dropped,
+            recording.session_hash
+        );
+    }
 }

@@ -19,6 +19,9 @@ const ASK_EVERY: u32 = 10;
 /// A lockstep without a holder for each tool says so after this long.
 const QUIET: Duration = Duration::from_secs(5);
 
+/// Says whether somebody has begun to use a daemon that waits in a fleet.
+pub type InUse = Box<dyn Fn() -> bool + Send>;
+
 /// Starts the thread if there is something to watch.
 ///
 /// # Errors
@@ -28,6 +31,7 @@ pub fn start(
     common: &Common,
     session: zenoh::Session,
     counters: Arc<LoopCounters>,
+    in_use: Option<InUse>,
 ) -> anyhow::Result<()> {
     let lockstep = scene.clock == Clock::Lockstep;
     let ends = common.duration.filter(|_| !lockstep);
@@ -45,6 +49,7 @@ pub fn start(
         ends,
         idle: common.idle_timeout,
         counters,
+        in_use,
     };
     std::thread::Builder::new()
         .name("palpate-watchdog".into())
@@ -59,6 +64,7 @@ struct Watchdog {
     ends: Option<Duration>,
     idle: Option<Duration>,
     counters: Arc<LoopCounters>,
+    in_use: Option<InUse>,
 }
 
 impl Watchdog {
@@ -82,7 +88,8 @@ impl Watchdog {
                 continue;
             }
             let holders = self.holders(session);
-            if !holders.is_empty() {
+            let waits = self.in_use.as_ref().is_some_and(|in_use| !in_use());
+            if !holders.is_empty() || waits {
                 held = Instant::now();
             }
             if let Some(idle) = self.idle.filter(|idle| held.elapsed() >= *idle) {

@@ -5,6 +5,7 @@ mod exposure;
 mod leaving;
 mod namespaces;
 mod roles;
+mod router;
 mod strangers;
 
 use crate::daemon::{PROGRAM, free_port};

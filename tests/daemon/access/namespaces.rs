@@ -5,12 +5,13 @@ use super::{SCENE, request};
 use crate::daemon::PROGRAM;
 use palpate::auth::{Authority, Role};
 use std::process::{Child, Command, Output, Stdio};
+use std::sync::atomic::{AtomicU32, Ordering};
 use std::time::{Duration, Instant};
 
 /// Namespaces `…a` and `…b`, 10.77.X.1 and 10.77.X.2.
-struct Cable {
+pub(super) struct Cable {
     name: String,
-    net: u32,
+    pub(super) net: u32,
 }
 
 fn ip(arguments: &str) -> bool {
@@ -20,11 +21,13 @@ fn ip(arguments: &str) -> bool {
 }
 
 impl Cable {
-    fn lay() -> Option<Self> {
-        let pid = std::process::id();
+    pub(super) fn lay() -> Option<Self> {
+        // Tests of one program run at the same time.
+        static NEXT: AtomicU32 = AtomicU32::new(0);
+        let (pid, k) = (std::process::id(), NEXT.fetch_add(1, Ordering::Relaxed));
         let cable = Self {
-            name: format!("plp{}", pid % 100_000),
-            net: pid % 250,
+            name: format!("plp{}{k}", pid % 100_000),
+            net: (pid + 97 * k) % 250,
         };
         let Self { name, net } = &cable;
         // What fails half way is taken down again.
@@ -44,7 +47,7 @@ impl Cable {
     }
 
     /// The program on one of the machines.
-    fn at(&self, end: &str, arguments: &[&str]) -> Command {
+    pub(super) fn at(&self, end: &str, arguments: &[&str]) -> Command {
         let mut command = Command::new("ip");
         command.args(["netns", "exec", &format!("{}{end}", self.name), PROGRAM]);
         command.args(arguments).stdin(Stdio::null());
@@ -61,7 +64,7 @@ impl Drop for Cable {
     }
 }
 
-struct Ended(Child);
+pub(super) struct Ended(pub(super) Child);
 
 impl Drop for Ended {
     fn drop(&mut self) {
@@ -70,7 +73,7 @@ impl Drop for Ended {
     }
 }
 
-fn words(output: &Output) -> String {
+pub(super) fn words(output: &Output) -> String {
     String::from_utf8_lossy(&output.stdout).into_owned() + &String::from_utf8_lossy(&output.stderr)
 }
 

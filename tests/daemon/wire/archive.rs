@@ -102,6 +102,7 @@ fn requests_go_to_the_keeper_and_its_news_become_answers_events_and_tokens() {
         editor: None,
         player: None,
         adapters: Default::default(),
+        health: None,
     };
     let bus = Bus::start(session, bus_ports, settings).unwrap();
     let driving = DriverSettings {

@@ -71,6 +71,8 @@ pub struct RunSettings {
     pub network: Network,
     /// Keep the device's port passive.
     pub passivity: bool,
+    /// How long the daemon may be silent before the run is given up. The device is let go meanwhile.
+    pub patience: Duration,
 }
 
 impl RunSettings {
@@ -81,6 +83,7 @@ impl RunSettings {
             duration_s,
             network: Network::default(),
             passivity: false,
+            patience: PATIENCE,
         }
     }
 }
@@ -113,8 +116,8 @@ pub enum RunError {
     Network(#[from] DeviceError),
 }
 
-/// How long the daemon may be silent before we give up.
-const PATIENCE: Duration = Duration::from_secs(5);
+/// How long a daemon is usually waited for that has fallen silent.
+pub const PATIENCE: Duration = Duration::from_secs(5);
 
 /// Forces come at least every 50 ms.
 const SILENCE: Duration = Duration::from_secs(1);
@@ -170,7 +173,7 @@ pub fn run(
         }
         let force = match (lockstep, seq) {
             (true, Some(seq)) => {
-                let force = tool.wait_force(seq, PATIENCE);
+                let force = tool.wait_force(seq, settings.patience);
                 if force.is_none() {
                     report.gave_up = true;
                     break;
@@ -199,7 +202,7 @@ pub fn run(
             }
             heard = Instant::now();
         }
-        if !lockstep && servo.has_heard() && heard.elapsed() > PATIENCE {
+        if !lockstep && servo.has_heard() && heard.elapsed() > settings.patience {
             report.gave_up = true;
             break;
         }
