@@ -4,9 +4,9 @@
 use anyhow::Context;
 use clap::Parser;
 use palpate_bench::{
-    Effort, FaultOptions, Figure, Row, SoakOptions, contact, deformation, faults, figures_table,
-    haptics, modeling, pareto, picture, plasticine_picture, plasticine_table, recording, soak,
-    surface, table, viewer,
+    Effort, FaultOptions, Figure, HardRow, Row, SoakOptions, contact, deformation, faults,
+    figures_table, hard_cases, hard_table, haptics, modeling, pareto, picture, plasticine_picture,
+    plasticine_table, recording, soak, surface, table, viewer,
 };
 use std::io::Write;
 use std::process::ExitCode;
@@ -27,6 +27,9 @@ enum Suite {
     Surface(Options),
     /// Forces of pressed bodies, paths of moving ones and the cost of a step, for all models,
     /// methods, grids and stiffnesses, and for other engines.
+    ///
+    /// `--only hard` prints the table of hard cases: ticks, largest energy beyond what was put in,
+    /// forces and places with their expected values, faults, median tick. Runs them in a full run.
     ///
     /// MuJoCo and PyBullet run too when PALPATE_PYTHON names a Python that can import them.
     Deformation {
@@ -148,7 +151,7 @@ fn run(args: &Cli) -> anyhow::Result<()> {
         rows.push(row);
     };
     let only = options.only.as_deref();
-    let mut sweeps = Vec::new();
+    let (mut sweeps, mut hard) = (Vec::new(), Vec::new());
     match &args.suite {
         Suite::Surface(_) => surface(effort, only, &mut take),
         Suite::Contact { .. } => contact(effort, only, &mut take),
@@ -160,11 +163,27 @@ fn run(args: &Cli) -> anyhow::Result<()> {
         | Suite::Faults(_)
         | Suite::Soak(_) => {}
     }
+    // They take a minute: when there is time, or when they are asked for.
+    if matches!(&args.suite, Suite::Deformation { .. })
+        && (effort == Effort::Full || only.is_some())
+    {
+        hard_cases(only, &mut |row: HardRow| {
+            if options.json {
+                let line = serde_json::to_string(&row).map_err(anyhow::Error::from);
+                let written = line.and_then(|line| Ok(writeln!(std::io::stdout(), "{line}")?));
+                failed = failed.take().or(written.err());
+            } else {
+                eprintln!("{}", row.case);
+            }
+            hard.push(row);
+        });
+    }
     if let Some(error) = failed {
         return Err(error);
     }
     if !options.json {
-        print!("{}{}", table(&rows), plasticine_table(&sweeps));
+        let plasticine = plasticine_table(&sweeps);
+        print!("{}{plasticine}{}", table(&rows), hard_table(&hard));
     }
     if let Some(path) = svg {
         let deforming = matches!(&args.suite, Suite::Deformation { .. });
