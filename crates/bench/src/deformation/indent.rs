@@ -4,7 +4,7 @@ use super::refit::Refit;
 use super::scenes::{BoxCase, TeardropCase};
 use super::{BOX_REFERENCE_N, Effort, Row, TEARDROP_REFERENCE_N};
 use super::world::World;
-use palpate_geometry::math::{Point3, Vector3};
+use palpate_geometry::math::Point3;
 use palpate_geometry::surface::{ClosestSolver, Surface};
 use std::time::Instant;
 

@@ -201,7 +201,7 @@ impl World {
         for tool in 0..tools {
             let (place, force_n) = (
                 output.tools[tool].proxy_position,
-                output.tools[tool].force_n,
+                output.tools[tool].contact_force_n,
             );
             if self.last.len() == tool {
                 self.last.push((place, Vector3::zeros()));

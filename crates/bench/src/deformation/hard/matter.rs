@@ -1,6 +1,7 @@
 //! Matter and steps at the edge: stiffnesses, densities, ticks, Poisson's ratios, thickness.
 
-use super::super::plasticine;
+use super::super::plasticine::{self, Sweep};
+use super::super::scenes::plasticine_text;
 use super::Kind;
 use super::row::Run;
 use super::slab::{RADIUS_M, Slab, THICKNESS_M, checkerboard, press};
@@ -30,40 +31,42 @@ pub(super) fn moduli(kind: Kind) -> Result<Run, String> {
     Ok(run)
 }
 
-/// Plasticine of 13 MN/m² and 2500 kg/m³: more force dents it more, more stiffness less.
+/// Plasticine of 13 MN/m² and 2500 kg/m³ under a ball: more force presses it farther, more stiffness
+/// less far, and so does what stays; where nothing yields, nothing stays.
 pub(super) fn plasticine(_kind: Kind) -> Result<Run, String> {
-    let mut dents_m = Vec::new();
-    let mut forces = Vec::new();
+    let mut pressed = Vec::new();
     let mut whole: Option<Run> = None;
-    for (force_n, young_pa) in [
-        (10.0, 13e6),
-        (30.0, 13e6),
-        (60.0, 13e6),
-        (30.0, 3e6),
-        (30.0, 30e6),
-    ] {
-        let mut run = Run::new(&super::super::scenes::plasticine_text(young_pa))?;
+    for (force_n, mega) in [(10.0, 13.0), (30.0, 13.0), (60.0, 13.0), (30.0, 3.0), (30.0, 30.0)] {
+        let mut run = Run::new(&plasticine_text(mega * 1e6))?;
         let (force, sweep) =
-            plasticine::swept(&mut run.world, false, force_n, young_pa, Effort::Full);
-        dents_m.push(sweep.kept_m);
-        forces.push((force, force_n));
-        match &mut whole {
-            Some(whole) => whole.world.add(&run.world),
-            None => whole = Some(run),
-        }
+            plasticine::swept(&mut run.world, false, force_n, mega * 1e6, Effort::Full);
+        let mut run = match whole.take() {
+            Some(mut whole) => {
+                whole.world.add(&run.world);
+                whole
+            }
+            None => run,
+        };
+        let what = format!("force that the hand keeps at {mega} MPa");
+        run.near(&what, force, force_n, 0.02, "N");
+        whole = Some(run);
+        pressed.push(sweep);
     }
     let mut run = whole.ok_or("no force is given")?;
-    for (force, force_n) in forces {
-        run.near("force that the hand keeps", force, force_n, 0.02, "N");
-    }
     for (what, less, more) in [
-        ("dent of 10 N below that of 30 N", dents_m[0], dents_m[1]),
-        ("dent of 30 N below that of 60 N", dents_m[1], dents_m[2]),
-        ("dent at 13 MPa below that at 3 MPa", dents_m[1], dents_m[3]),
-        ("dent at 30 MPa below that at 13 MPa", dents_m[4], dents_m[1]),
+        ("by 10 N, less than by 30 N", 0, 1),
+        ("by 30 N, less than by 60 N", 1, 2),
+        ("at 13 MPa, less than at 3 MPa", 1, 3),
+        ("at 30 MPa, less than at 13 MPa", 4, 1),
     ] {
-        run.between(what, less * 1e3, [0.0, more * 1e3], "mm");
+        let (less, more): (&Sweep, &Sweep) = (&pressed[less], &pressed[more]);
+        let (low, high) = (less.loaded_m * 1e3, more.loaded_m * 1e3);
+        run.between(&format!("pressed {what}"), low, [1e-3, high], "mm");
+        // What stays of nothing is rounding.
+        let (low, high) = (less.kept_m * 1e3, more.kept_m * 1e3);
+        run.between(&format!("stays {what}"), low, [-1e-9, high + 1e-9], "mm");
     }
+    run.between("stays of 60 N", pressed[2].kept_m * 1e3, [1e-3, 1.0], "mm");
     Ok(run)
 }
 

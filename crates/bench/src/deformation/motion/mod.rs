@@ -7,6 +7,7 @@
 mod beam;
 mod free;
 mod frequency;
+mod jelly;
 mod path;
 mod press;
 mod ringdown;
@@ -66,6 +67,7 @@ pub(super) fn rows(effort: Effort, wanted: &dyn Fn(&str) -> bool, out: &mut dyn 
     ringdown::rows(effort, wanted, out);
     press::rows(effort, wanted, out);
     free::rows(effort, wanted, out);
+    jelly::rows(wanted, out);
     frequency::rows(effort, wanted, out);
 }
 
@@ -158,6 +160,7 @@ mod tests {
     fn every_kind_of_motion_gives_rows_without_a_refusal() {
         for only in [
             "motion/bounce",
+            "motion/jelly/bowl",
             "motion/spin/lattice",
             "motion/press/lattice/0.25/200mm_s",
         ] {

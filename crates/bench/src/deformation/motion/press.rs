@@ -17,9 +17,9 @@ const DAMPING_S: f64 = 2e-3;
 const RADIUS_M: f64 = 0.01;
 const SIDE_M: [f64; 2] = [0.003, 0.045];
 /// How far from there contact is asked for, m, and at how many places around and along the body: every
-/// half of a millimetre.
-const AROUND_M: f64 = 0.016;
-const PLACES: [usize; 2] = [260, 180];
+/// third of a millimetre, or closer.
+const AROUND_M: f64 = 0.013;
+const PLACES: [usize; 2] = [400, 280];
 
 pub(super) fn rows(effort: Effort, wanted: &dyn Fn(&str) -> bool, out: &mut dyn FnMut(Row)) {
     let quick = effort == Effort::Quick;

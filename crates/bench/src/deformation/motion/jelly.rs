@@ -1,0 +1,216 @@
+//! A ball of jelly that falls a few millimetres into a bowl: when it is at rest.
+//!
+//! The bowl is a paraboloid, which a biquadratic surface is exactly, so that the exact step can ask an
+//! analytic one for its gaps.
+
+use super::touching::Touching;
+use super::{CONVERGED, Row, SETTINGS, Setting, World, failed, row};
+use crate::exact_step::obstacle::Obstacle;
+use palpate_geometry::math::{Point3, Vector3};
+use palpate_geometry::surface::Surface;
+use palpate_sim::body::{Deformable, DeformableState};
+
+/// Radius of the ball, m, how high it hangs over the bottom of the bowl, m, and its d, s.
+const RADIUS_M: f64 = 0.016;
+const DROP_M: f64 = 0.003;
+const DAMPING_S: f64 = 1e-2;
+/// The bowl is z = BEND (x² + y²), 1/m, as far as HALF to each side, m.
+const BEND: f64 = 50.0 / 3.0;
+const HALF_M: f64 = 0.04;
+/// At rest nothing moves faster, m/s.
+const REST_M_S: f64 = 1e-3;
+/// Ticks within which it has to be.
+const TICKS: usize = 2_500;
+/// Places of the ball along both parameters where the exact step asks for contact.
+const PLACES: [usize; 2] = [96, 96];
+/// How far around a pole its dimple is looked for, of the domain.
+const BESIDE: f64 = 0.06;
+
+pub(super) fn rows(wanted: &dyn Fn(&str) -> bool, out: &mut dyn FnMut(Row)) {
+    const CASE: &str = "motion/jelly/bowl";
+    if wanted(CASE) {
+        rests(CASE, out);
+    }
+}
+
+/// A fall and what came of it.
+struct Fall {
+    /// Tick from which on it was at rest; all of them if it never was.
+    rest: usize,
+    /// Largest dimple at a pole in the end, m.
+    dimple_m: f64,
+    /// Height of the centre of mass in the end, from the start, m.
+    height_m: f64,
+}
+
+/// Follows a fall tick by tick.
+#[derive(Default)]
+struct Follower {
+    tick: usize,
+    moved: usize,
+}
+
+impl Follower {
+    fn look(&mut self, state: &DeformableState) {
+        self.tick += 1;
+        let squares = state.velocities.iter().map(|v| v.norm_squared());
+        if squares.fold(0.0, f64::max) >= REST_M_S * REST_M_S {
+            self.moved = self.tick;
+        }
+    }
+
+    fn fall(&self, body: &Deformable, state: &DeformableState, surface: &Surface) -> Fall {
+        let moved = state.positions.iter().zip(body.rest()).zip(body.masses());
+        let sum: f64 = moved.map(|((x, rest), m)| m * (x.z - rest.z)).sum();
+        Fall {
+            rest: self.moved,
+            dimple_m: dimple_m(surface),
+            height_m: sum / body.mass_kg(),
+        }
+    }
+}
+
+/// The surface of a state.
+fn surface_of(rest: &Surface, body: &Deformable, state: &DeformableState) -> Surface {
+    let mut surface = rest.clone();
+    for (control, point) in surface.net_mut().points_mut().iter_mut().enumerate() {
+        *point = state.positions[body.coordinate_of_control(control)];
+    }
+    surface
+}
+
+/// How far a pole stands inwards of what is around it, of the two, m: above, below the highest place
+/// around; below, over the bowl. Places are in the body's own frame.
+fn dimple_m(surface: &Surface) -> f64 {
+    let (u, v) = (surface.knots_u().domain(), surface.knots_v().domain());
+    let around = |beside: f64| {
+        let places = (0..24).map(move |k| u.0 + (u.1 - u.0) * f64::from(k) / 24.0);
+        places.map(move |u| surface.point(u, beside))
+    };
+    let beside = BESIDE * (v.1 - v.0);
+    let ends = [(v.0, v.0 + beside), (v.1, v.1 - beside)].map(|(end, beside)| {
+        let pole = surface.point(u.0, end);
+        (pole, around(beside).map(|p| p.z).fold(f64::NEG_INFINITY, f64::max))
+    });
+    let [low, high] = if ends[0].0.z < ends[1].0.z {
+        ends
+    } else {
+        [ends[1], ends[0]]
+    };
+    let over_bowl = bowl().gap(&low.0).0;
+    (high.1 - high.0.z).max(over_bowl).max(0.0)
+}
+
+/// The bowl in the frame of the ball, whose origin is its centre at the start.
+fn bowl() -> Obstacle {
+    Obstacle::Bowl {
+        bottom: Point3::new(0.0, 0.0, -RADIUS_M - DROP_M),
+        bend: BEND,
+    }
+}
+
+fn text(setting: Setting) -> String {
+    let across = [-HALF_M, 0.0, HALF_M];
+    let square = HALF_M * HALF_M;
+    let rise = [square, -square, square].map(|x| BEND * x);
+    let rows = [0, 1, 2].map(|i| {
+        let points = [0, 1, 2].map(|j| {
+            format!("[{:?}, {:?}, {:?}]", across[i], across[j], rise[i] + rise[j])
+        });
+        format!("[{}]", points.join(", "))
+    });
+    let knots = "[0.0, 0.0, 0.0, 1.0, 1.0, 1.0]";
+    format!(
+        r#"
+[loop]
+rate_hz = 1000
+[gravity]
+acceleration = [0.0, 0.0, -9.81]
+[[body]]
+id = "jelly"
+surface = {{ builtin = "sphere", net = [10, 8], size = {RADIUS_M:?} }}
+pose = {{ position = [0.0, 0.0, {:?}] }}
+model = "continuum"
+material = {{ young_pa = 3e3, poisson = 0.45, density_kg_m3 = 1050.0, damping_s = {DAMPING_S:?} }}
+lattice = {{ layers = 2, refine = "none" }}
+{}
+[[body]]
+id = "bowl"
+surface = {{ inline = {{ format = "palpate.surface.v1", degree = [2, 2], periodic = [false, false], knots = [{knots}, {knots}], points = [{}] }} }}
+[[tool]]
+id = "pen"
+shape = {{ point = {{}} }}
+pose = {{ position = [0.0, 0.0, 1.0] }}
+"#,
+        RADIUS_M + DROP_M,
+        setting.text(),
+        rows.join(", ")
+    )
+}
+
+fn fallen(setting: Setting) -> Result<(Fall, Vec<f64>), String> {
+    let mut world = World::new(&text(setting))?;
+    let mut follower = Follower::default();
+    for _ in 0..TICKS {
+        world.at([0.0, 0.0, 1.0]);
+        follower.look(world.body()?.1);
+    }
+    let (body, state) = world.body()?;
+    let surface = surface_of(world.scene.rest_surface(0), body, state);
+    Ok((follower.fall(body, state, &surface), world.ticks_s))
+}
+
+/// By the exact step with an analytic bowl, and how it was found.
+fn exactly() -> Result<(Fall, String), String> {
+    let world = World::new(&text(Setting::auto(1)))?;
+    let mut follower = Follower::default();
+    let mut last = world.body()?.1.clone();
+    let touching = Touching {
+        world: &world,
+        damping_s: DAMPING_S,
+        gravity: Vector3::new(0.0, 0.0, -9.81),
+        counts: PLACES,
+    };
+    let taken = touching.path(
+        TICKS,
+        |place| place.z < 0.2 * RADIUS_M,
+        |_| bowl(),
+        |state, _| {
+            follower.look(state);
+            last.clone_from(state);
+        },
+    )?;
+    let body = world.body()?.0;
+    let surface = surface_of(world.scene.rest_surface(0), body, &last);
+    Ok((follower.fall(body, &last, &surface), taken.said(TICKS)))
+}
+
+fn rests(case: &str, out: &mut dyn FnMut(Row)) {
+    let (exact, mut about) = match exactly() {
+        Ok((fall, about)) => (fall, format!("; {about}")),
+        Err(why) => return out(failed(case, "exact step", &why)),
+    };
+    for setting in SETTINGS.into_iter().chain([Setting::auto(CONVERGED)]) {
+        let method = setting.method();
+        match fallen(setting) {
+            Ok((fall, ticks_s)) => {
+                let note = format!(
+                    "at rest after {} ms, by the exact step after {} ms; dimple at a pole {:.3} mm, by the exact step {:.3} mm; \
+                     {:.3} mm below the start, by the exact step {:.3} mm; {} iterations, matrix {}{}",
+                    fall.rest,
+                    exact.rest,
+                    fall.dimple_m * 1e3,
+                    exact.dimple_m * 1e3,
+                    -fall.height_m * 1e3,
+                    -exact.height_m * 1e3,
+                    setting.iterations,
+                    setting.matrix,
+                    std::mem::take(&mut about),
+                );
+                let error = fall.rest as f64 / exact.rest as f64 - 1.0;
+                out(row(case, &method, ticks_s, (error, "of the time to rest"), note));
+            }
+            Err(why) => out(failed(case, &method, &why)),
+        }
+    }
+}
