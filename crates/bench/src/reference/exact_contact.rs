@@ -105,6 +105,20 @@ pub struct Touch {
     pub force_n: Vector3,
 }
 
+/// What is missing at the end of a Newton step.
+struct End {
+    /// On each coordinate without contact, N.
+    missing: Vec<f64>,
+    /// Largest with contact, N.
+    left_n: f64,
+    /// Largest gap of a place that presses, or depth of one that is inside, m.
+    open_m: f64,
+    /// Largest force, N.
+    scale_n: f64,
+    /// Sum of the contact forces on the body, N.
+    force_n: Vector3,
+}
+
 /// A place of the skin with regard to the free coordinates.
 struct Place {
     /// From those that are fixed, m.
@@ -181,62 +195,84 @@ impl ExactStep<'_> {
                 let (k, _, normal) = near[entry];
                 self.press(&skin[k], &(normal * force), &mut moved);
             }
-            for (x, d) in places.iter_mut().zip(&moved) {
-                *x += d;
-            }
             pressing = forces.iter().map(|&(e, force)| (near[e].0, force)).collect();
             solved.steps += 1;
-            // What is missing at its end, with the normals of there.
-            let (missing, law_n) = self.missing(&motion, &places);
-            residual = missing;
-            let mut left = residual.clone();
-            touch.force_n = Vector3::zeros();
-            let (mut open_m, mut most_n) = (0.0_f64, 0.0_f64);
-            for &(k, force) in &pressing {
-                let (gap, normal, _) = obstacle.gap(&skin[k].at(&places));
-                open_m = open_m.max(gap.abs());
-                most_n = most_n.max(force);
-                touch.force_n += normal * force;
-                for &(row, weight) in &skin[k].free {
-                    for axis in 0..3 {
-                        left[3 * row + axis] += weight * force * normal[axis];
-                    }
+            // The whole way, or less where that leads nowhere with a factor of these places.
+            let (from, mut length) = (places.clone(), 1.0);
+            let state_of = loop {
+                for ((x, from), d) in places.iter_mut().zip(&from).zip(&moved) {
+                    *x = from + length * d;
                 }
-            }
-            let inside_m = skin
-                .iter()
-                .map(|place| -obstacle.gap(&place.at(&places)).0)
-                .fold(0.0, f64::max);
-            scale_n = scale_n.max(law_n).max(most_n);
-            let left_n = largest(&left);
-            solved.residual = left_n / scale_n.max(f64::MIN_POSITIVE);
-            let small = solved.residual <= TOLERANCE || left_n <= self.rounding_n;
-            if small && open_m.max(inside_m) <= touching_m {
+                let end = self.end(&motion, &skin, obstacle, &places, &pressing);
+                scale_n = scale_n.max(end.scale_n);
+                let merit = end.left_n.max(end.open_m * self.stiffest_n_m);
+                if merit < before || !fresh || length < 0.02 {
+                    break (end, merit);
+                }
+                length *= 0.5;
+            };
+            let (end, now) = state_of;
+            (residual, touch.force_n) = (end.missing, end.force_n);
+            solved.residual = end.left_n / scale_n.max(f64::MIN_POSITIVE);
+            let small = solved.residual <= TOLERANCE || end.left_n <= self.rounding_n;
+            if small && end.open_m <= touching_m {
                 break;
             }
-            // Gaps count with the force that the stiffest coordinate makes of them.
-            let now = left_n.max(open_m.max(inside_m) * self.stiffest_n_m);
             let unsolved = Unsolved {
                 steps: solved.steps,
-                residual_n: left_n,
+                residual_n: end.left_n,
                 scale_n,
             };
             if solved.steps == STEPS || !now.is_finite() {
                 self.stale = true;
                 return Err(unsolved);
             }
-            if now > SLOW * before && !fresh {
+            let slow = now > SLOW * before;
+            before = now;
+            // A factor that was slow is not of these places.
+            fresh = slow;
+            if slow {
                 self.renew(&motion, &places);
-                fresh = true;
-                before = f64::INFINITY;
-            } else {
-                fresh = fresh && now <= SLOW * before;
-                before = now;
             }
         }
         touch.pressing = pressing;
         self.finish(state, &motion, &places);
         Ok(solved)
+    }
+
+    /// What is missing at the end of a Newton step, with normals and gaps of there.
+    fn end(
+        &mut self,
+        motion: &super::Motion,
+        skin: &[Place],
+        obstacle: &Obstacle,
+        places: &[f64],
+        pressing: &[(usize, f64)],
+    ) -> End {
+        let (missing, law_n) = self.missing(motion, places);
+        let (mut left, mut force_n) = (missing.clone(), Vector3::zeros());
+        let (mut open_m, mut scale_n) = (0.0_f64, law_n);
+        for &(k, force) in pressing {
+            let (gap, normal, _) = obstacle.gap(&skin[k].at(places));
+            open_m = open_m.max(gap.abs());
+            scale_n = scale_n.max(force);
+            force_n += normal * force;
+            for &(row, weight) in &skin[k].free {
+                for axis in 0..3 {
+                    left[3 * row + axis] += weight * force * normal[axis];
+                }
+            }
+        }
+        for place in skin {
+            open_m = open_m.max(-obstacle.gap(&place.at(places)).0);
+        }
+        End {
+            missing,
+            left_n: largest(&left),
+            open_m,
+            scale_n,
+            force_n,
+        }
     }
 
     /// A new factor at places, and none of the old one's columns.

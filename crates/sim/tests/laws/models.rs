@@ -357,8 +357,14 @@ fixed = [{{ u = [0.0, 0.06], v = [0.0, 1.0] }}]
 
 #[test]
 fn clay_keeps_its_dent_and_gel_does_not() {
+    for model in ["lattice", "continuum", "net"] {
+        keeps_its_dent(model);
+    }
+}
+
+fn keeps_its_dent(model: &str) {
     let after_press = |material: &str| {
-        let mut world = World::new(&slab("lattice", &format!("material = {{ {material} }}")));
+        let mut world = World::new(&slab(model, &format!("material = {{ {material} }}")));
         press(&mut world, 0.006, 500);
         for _ in 0..2_000 {
             world.at([0.0, 0.0, 0.06]);
@@ -377,7 +383,7 @@ fn clay_keeps_its_dent_and_gel_does_not() {
         "with its flow spread it keeps {spread} m"
     );
     let hard = after_press("plastic = { yield_strain = 10.0, rate_per_s = 20.0 }");
-    println!("dents of 6 mm: gel {gel}, clay {clay}, spread {spread}, below yield {hard} m");
+    println!("{model}: dents of 6 mm: gel {gel}, clay {clay}, spread {spread}, below yield {hard} m");
     assert!(hard.abs() < 1e-7, "below yield it keeps {hard} m");
 }
 

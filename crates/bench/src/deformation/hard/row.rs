@@ -6,8 +6,9 @@ use palpate_sim::haptics::DevicePose;
 use palpate_sim::tick::record::TickOutput;
 use std::fmt::Write;
 
-/// Energy that may come out of nothing, of what is there.
-const MOST_EXCESS: f64 = 0.01;
+/// Energy beyond what was put in that a tick may hold for a moment, of what is there: one iteration is
+/// not yet the converged step.
+const MOST_EXCESS: f64 = 0.05;
 /// Ticks that a case has to last.
 const LEAST_TICKS: usize = 10_000;
 
@@ -233,13 +234,32 @@ fn said(check: &Check) -> String {
         unit,
         error,
     } = check;
+    let value = number(*value);
     match (expected, error) {
         (Some(expected), _) if *expected == 0.0 => {
-            format!("{what}: {value:.3e} {unit}, at most {high:.0e}")
+            format!("{what}: {value} {unit}, expected 0, at most {high:.0e}")
         }
         (Some(expected), Some(error)) => {
-            format!("{what}: {value:.6} {unit}, expected {expected:.6} (error {error:+.1e}, at most {:.0e})", high / expected - 1.0)
+            let most = high / expected - 1.0;
+            let expected = number(*expected);
+            format!("{what}: {value} {unit}, expected {expected}, error {error:+.1e}, at most {most:.0e}")
         }
-        _ => format!("{what}: {value:.6} {unit}, expected from {low:.4} to {high:.4}"),
+        _ if high.is_infinite() => {
+            format!("{what}: {value} {unit}, expected {} or more", number(*low))
+        }
+        _ => format!(
+            "{what}: {value} {unit}, expected from {} to {}",
+            number(*low),
+            number(*high)
+        ),
+    }
+}
+
+/// A number with the digits that it has.
+fn number(value: f64) -> String {
+    if value == 0.0 || (1e-3..1e6).contains(&value.abs()) {
+        format!("{value:.6}")
+    } else {
+        format!("{value:.3e}")
     }
 }

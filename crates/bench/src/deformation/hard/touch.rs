@@ -4,7 +4,8 @@ use super::super::world::pose;
 use super::Kind;
 use super::row::Run;
 use super::slab::{RADIUS_M, SIDE_M, Slab, ball, body, press, tool};
-use palpate_geometry::math::{Rotation, Vector3};
+use palpate_geometry::math::{Point3, Rotation, Vector3};
+use palpate_geometry::surface::ClosestSolver;
 use palpate_sim::haptics::DevicePose;
 
 /// Two balls beside each other feel the same; in one place they press as one does.
@@ -57,7 +58,7 @@ pub(super) fn corner(kind: Kind) -> Result<Run, String> {
 }
 
 /// A tip pressed 3 mm deep, held, and drawn across the slab. It has no normal of its own: the force is
-/// along the surface's.
+/// along that of the surface where it stands.
 fn tip(kind: Kind, shape: &str, orientation: Rotation, reach_m: f64) -> Result<Run, String> {
     let mut run = Slab {
         tools: tool("tip", shape, [0.0, 0.0, 0.04], "inf"),
@@ -84,14 +85,20 @@ fn tip(kind: Kind, shape: &str, orientation: Rotation, reach_m: f64) -> Result<R
         }
         last = force;
         if k + 1 == pressed + held {
-            // The slab is the same all around but for its rim, from which the tip is a little off the
-            // middle.
-            let aside = force.x.hypot(force.y) / force.z;
-            run.below("force along the surface over that into it", aside, 5e-3, "of it");
+            let surface = run.world.surface();
+            let mut solver = ClosestSolver::new(&surface);
+            let tip = Point3::from(place) - Vector3::z() * reach_m;
+            let foot = solver.closest(&surface, &tip);
+            let frame = surface.frame(foot.u, foot.v);
+            let normal = frame.du.cross(&frame.dv).normalize();
+            let aside = force.cross(&normal).norm() / force.norm();
+            run.below("force along the surface over all of it", aside, 5e-3, "of it");
             run.base_bears(force.z, 1e-3)?;
         }
     }
-    run.below("change of the held force in a tick", ripple, 1e-9, "of it or of 1 N");
+    // A net still settles by a ten-millionth in a tick.
+    let most = if kind.model == "net" { 1e-6 } else { 1e-9 };
+    run.below("change of the held force in a tick", ripple, most, "of it or of 1 N");
     run.below("change of the force in a tick as it is drawn", jump, 0.02, "of it or of 1 N");
     Ok(run)
 }
@@ -130,7 +137,7 @@ pub(super) fn slide(kind: Kind) -> Result<Run, String> {
         let pressed = run.world.body()?.0.base_reaction_n(state).norm();
         let checks = |into: &mut Run| {
             let what = |what: &str| format!("μ = {mu}: {what}");
-            into.between(&what("contacts on the way"), touched as f64, [5e3, f64::MAX], "");
+            into.between(&what("contacts on the way"), touched as f64, [5e3, f64::INFINITY], "");
             into.below(&what("force outside the friction cone"), outside.max(0.0), 1e-9, "of it");
             let bears = what("force on the base at rest against that on the tool");
             into.near(&bears, pressed, rest.norm(), 1e-3, "N");

@@ -8,6 +8,9 @@ use palpate_geometry::math::{Point3, Random, Vector3};
 /// A place far above the slab.
 const ASIDE: [f64; 3] = [0.0, 0.0, 0.5];
 
+/// Where a net may fall asleep, m: its last, softest motions are slower than 0.1 µm/s.
+const NET_REST_M: f64 = 1e-5;
+
 /// Free coordinates of the slab.
 fn free(run: &Run) -> Result<Vec<usize>, String> {
     let (body, _) = run.world.body()?;
@@ -20,7 +23,11 @@ fn free(run: &Run) -> Result<Vec<usize>, String> {
 /// only that they stay together.
 fn comes_back(run: &mut Run, kind: Kind, most_m: f64) -> Result<(), String> {
     let away = run.world.away_m()?;
-    let most_m = if kind.model == "lattice" { SIDE_M / 2.0 } else { most_m };
+    let most_m = match kind.model {
+        "lattice" => SIDE_M / 2.0,
+        "net" => most_m.max(NET_REST_M),
+        _ => most_m,
+    };
     run.below("farthest coordinate from rest at the end", away, most_m, "m");
     Ok(())
 }
@@ -94,9 +101,11 @@ pub(super) fn squeezed(kind: Kind) -> Result<Run, String> {
 }
 
 /// A ball that jumps by up to a metre in, out and through for ten seconds. A ball that appears a metre
-/// off throws springs into an inverted equilibrium; a device's limit of speed keeps them from it.
+/// off throws springs into an inverted equilibrium, and leaves a net a tenth of a millimetre off its
+/// place for many seconds; a device's limit of speed keeps both from it. What work a jump does, nobody
+/// can say: energy is watched once the ball is gone.
 pub(super) fn jumps(kind: Kind) -> Result<Run, String> {
-    let speed_max_m_s = if kind.model == "lattice" { 10.0 } else { 1e6 };
+    let speed_max_m_s = if kind.model == "continuum" { 1e6 } else { 10.0 };
     let tools = ball("ball", "inf", RADIUS_M).replace(
         "speed_max_m_s = 1e6",
         &format!("speed_max_m_s = {speed_max_m_s:?}"),
@@ -117,10 +126,13 @@ pub(super) fn jumps(kind: Kind) -> Result<Run, String> {
         let force = run.at(place).norm();
         pressed = if force.is_nan() { force } else { pressed.max(force) };
     }
-    run.between("largest force on the way", pressed, [10.0, f64::MAX], "N");
+    run.between("largest force on the way", pressed, [10.0, f64::INFINITY], "N");
+    run.at([0.0, 0.0, 0.3]);
+    run.world.watch_energy(Vector3::zeros());
     run.stay([0.0, 0.0, 0.3], 5_000);
     let away = run.world.away_m()?;
-    run.below("farthest coordinate from rest at the end", away, 1e-8, "m");
+    let most_m = if kind.model == "net" { NET_REST_M } else { 1e-8 };
+    run.below("farthest coordinate from rest at the end", away, most_m, "m");
     Ok(run)
 }
 
@@ -138,7 +150,7 @@ pub(super) fn thousand_newtons(kind: Kind) -> Result<Run, String> {
     let hit = run.at([0.0, 0.0, -0.1]).z;
     run.near("force of the hit", hit, FORCE_N, 1e-6, "N");
     run.stay(ASIDE, 10_000);
-    let away = run.world.away_m()?;
-    run.below("farthest coordinate from rest ten seconds later", away, 1e-6, "m");
+    let (away, most_m) = (run.world.away_m()?, if kind.model == "net" { NET_REST_M } else { 1e-6 });
+    run.below("farthest coordinate from rest ten seconds later", away, most_m, "m");
     Ok(run)
 }

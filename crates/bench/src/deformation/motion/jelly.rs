@@ -13,7 +13,7 @@ use palpate_sim::body::{Deformable, DeformableState};
 /// Radius of the ball, m, how high it hangs over the bottom of the bowl, m, and its d, s.
 const RADIUS_M: f64 = 0.016;
 const DROP_M: f64 = 0.003;
-const DAMPING_S: f64 = 1e-2;
+const DAMPING_S: f64 = 4e-3;
 /// The bowl is z = BEND (x² + y²), 1/m, as far as HALF to each side, m.
 const BEND: f64 = 50.0 / 3.0;
 const HALF_M: f64 = 0.04;
