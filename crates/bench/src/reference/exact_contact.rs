@@ -173,8 +173,7 @@ impl ExactStep<'_> {
         let mut solved = Solved::default();
         let touching_m = TOUCHING * self.size_m;
         let mut pressing = std::mem::take(&mut touch.pressing);
-        let (mut residual, law_n) = self.missing(&motion, &places);
-        let mut scale_n = motion.scale_n.max(law_n);
+        let (mut residual, _) = self.missing(&motion, &places);
         let (mut before, mut fresh) = (f64::INFINITY, false);
         if self.stale || self.factor.is_none() {
             self.renew(&motion, &places);
@@ -204,7 +203,6 @@ impl ExactStep<'_> {
                     *x = from + length * d;
                 }
                 let end = self.end(&motion, &skin, obstacle, &places, &pressing);
-                scale_n = scale_n.max(end.scale_n);
                 let merit = end.left_n.max(end.open_m * self.stiffest_n_m);
                 if merit < before || !fresh || length < 0.02 {
                     break (end, merit);
@@ -212,9 +210,13 @@ impl ExactStep<'_> {
                 length *= 0.5;
             };
             let (end, now) = state_of;
+            let scale_n = motion.scale_n.max(end.scale_n);
             (residual, touch.force_n) = (end.missing, end.force_n);
             solved.residual = end.left_n / scale_n.max(f64::MIN_POSITIVE);
-            let small = solved.residual <= TOLERANCE || end.left_n <= self.rounding_n;
+            if end.left_n <= self.rounding_n {
+                solved.residual = 0.0;
+            }
+            let small = solved.residual <= TOLERANCE;
             if small && end.open_m <= touching_m {
                 break;
             }

@@ -33,6 +33,9 @@ const PRODUCTS: usize = 400;
 const INNER: f64 = 1e-5;
 /// Directions that take more products than these pay for a new factor.
 const SLOW: usize = 30;
+/// Shares of its diagonal that a tangent gets more until it is definite.
+const LEAST_SHIFT: f64 = 1e-3;
+const MOST_SHIFT: f64 = 10.0;
 /// How far differences reach, of the shortest distance between coordinates: the third derivative
 /// and rounding both tell about 1e-10 there.
 const REACH: f64 = 1e-5;
@@ -232,7 +235,7 @@ impl<'a> ExactStep<'a> {
         answer
     }
 
-    /// Factors the tangent at `ahead`; one that is not definite leaves the factor as it was.
+    /// Factors the tangent at `ahead`, or what is definite near it.
     fn refactor(&mut self, ahead: &[f64]) {
         self.stale = false;
         let (n, band) = (ahead.len(), self.band);
@@ -253,8 +256,18 @@ impl<'a> ExactStep<'a> {
                 }
             }
         }
-        if let Some(factor) = BandCholesky::new(n, band, rows) {
-            self.factor = Some(factor);
+        // One that is not definite gets as much more on its diagonal as it needs.
+        let mut more = 0.0;
+        while more < MOST_SHIFT {
+            let mut shifted = rows.clone();
+            for row in 0..n {
+                shifted[row * width + band] *= 1.0 + more;
+            }
+            if let Some(factor) = BandCholesky::new(n, band, shifted) {
+                self.factor = Some(factor);
+                return;
+            }
+            more = (4.0 * more).max(LEAST_SHIFT);
         }
     }
 

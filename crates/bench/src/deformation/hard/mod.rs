@@ -88,6 +88,31 @@ const CASES: &[Case] = &[
     case("hundred-bodies", SOLIDS, touch::hundred_bodies),
 ];
 
+/// Cases that are known to be wrong, and why.
+#[cfg(test)]
+const KNOWN: &[(&str, &str)] = &[
+    (
+        "hard/incompressible/net/implicit",
+        "cells of a net are held back at ν = 0.499: the base misses 6 % of the force",
+    ),
+    (
+        "hard/thousand-newtons/continuum/implicit",
+        "cells that are held back after the hit add a fifth to its energy",
+    ),
+    (
+        "hard/thousand-newtons/net/implicit",
+        "cells that are held back after the hit add a twentieth to its energy",
+    ),
+    (
+        "hard/own-weight/lattice/implicit",
+        "flat cells of springs sag more than twice as far as a free column of the material",
+    ),
+    (
+        "hard/own-weight/lattice/explicit",
+        "the same equilibrium as that of the implicit step",
+    ),
+];
+
 /// Runs the cases whose names, `hard/CASE/MODEL/METHOD`, contain `only`; each row is handed out as
 /// soon as it is there.
 pub fn hard_cases(only: Option<&str>, out: &mut dyn FnMut(HardRow)) {

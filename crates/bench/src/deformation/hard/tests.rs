@@ -2,14 +2,17 @@
 
 use super::*;
 
-/// Runs all kinds of a case; nothing may be wrong.
+/// Runs all kinds of a case; nothing may be wrong but what is known to be, and that still must be.
 fn right(name: &str) {
     let mut rows = Vec::new();
     hard_cases(Some(&format!("hard/{name}/")), &mut |row| rows.push(row));
     let table = hard_table(&rows);
     println!("{table}");
     assert!(!rows.is_empty(), "no case is called {name}");
-    assert!(rows.iter().all(|row| row.wrong.is_empty()), "{table}");
+    for row in &rows {
+        let known = KNOWN.iter().any(|(case, _)| *case == row.case);
+        assert_eq!(row.wrong.is_empty(), !known, "{}: {table}", row.case);
+    }
 }
 
 macro_rules! cases {

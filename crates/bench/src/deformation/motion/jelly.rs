@@ -13,14 +13,14 @@ use palpate_sim::body::{Deformable, DeformableState};
 /// Radius of the ball, m, how high it hangs over the bottom of the bowl, m, and its d, s.
 const RADIUS_M: f64 = 0.016;
 const DROP_M: f64 = 0.003;
-const DAMPING_S: f64 = 4e-3;
+const DAMPING_S: f64 = 1e-3;
 /// The bowl is z = BEND (x² + y²), 1/m, as far as HALF to each side, m.
 const BEND: f64 = 50.0 / 3.0;
 const HALF_M: f64 = 0.04;
 /// At rest nothing moves faster, m/s.
 const REST_M_S: f64 = 1e-3;
 /// Ticks within which it has to be.
-const TICKS: usize = 2_500;
+const TICKS: usize = 4_000;
 /// Places of the ball along both parameters where the exact step asks for contact.
 const PLACES: [usize; 2] = [96, 96];
 /// How far around a pole its dimple is looked for, of the domain.

@@ -61,8 +61,8 @@ fn speed(
         let coarse = exactly(&one, speed_mm_s * 1e-3, PLACES.map(|count| count / 2));
         about += &match coarse {
             Ok((forces, _)) => format!(
-                "; at every other place the path changes by {:.1e} of the peak",
-                largest(&forces, &exact, peak)
+                "; at every other place the path changes by {:.1e} rms of the peak",
+                rms(&forces, &exact, peak)
             ),
             Err(why) => format!("; at every other place: {why}"),
         };
