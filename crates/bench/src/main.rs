@@ -5,7 +5,7 @@ use anyhow::Context;
 use clap::Parser;
 use palpate_bench::{
     Effort, FaultOptions, Figure, HardRow, Row, SoakOptions, contact, deformation, faults,
-    figures_table, hard_cases, hard_table, haptics, modeling, pareto, picture, plasticine_picture,
+    figures_table, haptics, hard_cases, hard_table, modeling, pareto, picture, plasticine_picture,
     plasticine_table, recording, soak, surface, table, viewer,
 };
 use std::io::Write;

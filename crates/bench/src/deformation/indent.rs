@@ -2,8 +2,8 @@
 
 use super::refit::Refit;
 use super::scenes::{BoxCase, TeardropCase};
-use super::{BOX_REFERENCE_N, Effort, Row, TEARDROP_REFERENCE_N};
 use super::world::World;
+use super::{BOX_REFERENCE_N, Effort, Row, TEARDROP_REFERENCE_N};
 use palpate_geometry::math::Point3;
 use palpate_geometry::surface::{ClosestSolver, Surface};
 use std::time::Instant;

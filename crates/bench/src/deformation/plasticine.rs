@@ -5,8 +5,8 @@
 //! its grip.
 
 use super::indent::failed;
-use super::world::World;
 use super::scenes::plasticine_text;
+use super::world::World;
 use super::{Effort, Row};
 use palpate::chart::{self, Chart, Curve, Scale};
 use palpate_sim::solve::grip::GRAB;

@@ -89,10 +89,7 @@ impl World {
     }
 
     /// Changes the state of the first body between ticks.
-    pub(super) fn put(
-        &mut self,
-        change: impl FnOnce(&mut DeformableState),
-    ) -> Result<(), String> {
+    pub(super) fn put(&mut self, change: impl FnOnce(&mut DeformableState)) -> Result<(), String> {
         let state = self.state.bodies.first_mut();
         let state = state.and_then(|state| state.deformable.as_mut());
         change(state.ok_or("the scene has no deforming body")?);

@@ -194,7 +194,10 @@ impl ExactStep<'_> {
                 let (k, _, normal) = near[entry];
                 self.press(&skin[k], &(normal * force), &mut moved);
             }
-            pressing = forces.iter().map(|&(e, force)| (near[e].0, force)).collect();
+            pressing = forces
+                .iter()
+                .map(|&(e, force)| (near[e].0, force))
+                .collect();
             solved.steps += 1;
             // The whole way, or less where that leads nowhere with a factor of these places.
             let (from, mut length) = (places.clone(), 1.0);

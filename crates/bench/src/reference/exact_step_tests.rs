@@ -1,5 +1,7 @@
 //! Steps and equilibria in closed form, and our own step where it has converged.
 
+use super::contact::{Skin, Touch};
+use super::obstacle::Obstacle;
 use super::*;
 use palpate_sim::scene::{Scene, file};
 use palpate_sim::tick::record::TickInput;
@@ -134,9 +136,6 @@ fn sixty_iterations_of_our_step_are_the_exact_step() {
     }
 }
 
-use super::contact::{Skin, Touch};
-use super::obstacle::Obstacle;
-
 // ν = 0: a plate that lies flat on the far face presses the slab evenly, with E A times the strain.
 #[test]
 fn a_plane_presses_a_slab_with_e_a_times_the_strain() {
@@ -204,7 +203,8 @@ fn a_block_that_falls_on_a_plane_comes_to_rest_on_its_weight() {
             .unwrap_or_else(|e| panic!("tick {tick}: {e}"));
         let gained = (momentum(&state) - before) / exact.dt_s;
         assert!(
-            (gained - weight - touch.force_n).norm() < 1e-8 * weight.norm().max(touch.force_n.norm()),
+            (gained - weight - touch.force_n).norm()
+                < 1e-8 * weight.norm().max(touch.force_n.norm()),
             "tick {tick}: {gained} by {weight} and {}",
             touch.force_n
         );
@@ -220,7 +220,11 @@ fn a_block_that_falls_on_a_plane_comes_to_rest_on_its_weight() {
         }
     }
     let off = (touch.force_n + weight).norm() / weight.norm();
-    assert!(off < 1e-4, "it presses with {} N, of {weight}", touch.force_n);
+    assert!(
+        off < 1e-4,
+        "it presses with {} N, of {weight}",
+        touch.force_n
+    );
 }
 
 #[test]
@@ -244,7 +248,11 @@ fn gaps_to_obstacles_have_their_slopes_and_a_bowl_is_what_it_says() {
             let mut moved = at;
             moved[axis] += 1e-7;
             let slope = (obstacle.gap(&moved).0 - gap) / 1e-7;
-            assert!((slope - normal[axis]).abs() < 1e-5, "{slope} is not {}", normal[axis]);
+            assert!(
+                (slope - normal[axis]).abs() < 1e-5,
+                "{slope} is not {}",
+                normal[axis]
+            );
         }
     }
 }

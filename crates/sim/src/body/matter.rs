@@ -112,9 +112,8 @@ impl Matter {
         let mut surface: Vec<u32> = coordinate_of_control.iter().copied().filter(free).collect();
         surface.sort_unstable();
         surface.dedup();
-        let flow = plastic.map(|law_of_flow| {
-            Flow::new(law_of_flow, &law, &map.nodes(&rest), settings.dt_s)
-        });
+        let flow = plastic
+            .map(|law_of_flow| Flow::new(law_of_flow, &law, &map.nodes(&rest), settings.dt_s));
         Ok(Self {
             settings,
             damping_s,
@@ -221,10 +220,7 @@ impl Matter {
             lanes: Rows::zeros(self.unknown_count()),
             limited: 0,
             field: Field::default(),
-            flow: vec![
-                [0.0; 4];
-                self.strain_lanes()
-            ],
+            flow: vec![[0.0; 4]; self.strain_lanes()],
         }
     }
 

@@ -57,9 +57,7 @@ impl Flow {
         amounts: &mut [Lane],
     ) -> bool {
         match (self, &of.continuum) {
-            (Self::Springs(springs), _) => {
-                springs.flow(&of.springs, nodes, rest, strains, amounts)
-            }
+            (Self::Springs(springs), _) => springs.flow(&of.springs, nodes, rest, strains, amounts),
             (Self::Cells(cells), Some(solid)) => cells.flow(solid, nodes, rest, strains, amounts),
             (Self::Cells(_), None) => false,
         }

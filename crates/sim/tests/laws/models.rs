@@ -383,7 +383,9 @@ fn keeps_its_dent(model: &str) {
         "with its flow spread it keeps {spread} m"
     );
     let hard = after_press("plastic = { yield_strain = 10.0, rate_per_s = 20.0 }");
-    println!("{model}: dents of 6 mm: gel {gel}, clay {clay}, spread {spread}, below yield {hard} m");
+    println!(
+        "{model}: dents of 6 mm: gel {gel}, clay {clay}, spread {spread}, below yield {hard} m"
+    );
     assert!(hard.abs() < 1e-7, "below yield it keeps {hard} m");
 }
 

@@ -26,7 +26,12 @@ pub(super) fn moduli(kind: Kind) -> Result<Run, String> {
         slab.force_n(0.001, 300)
     };
     let bounds = [only(20.0)?, only(20e9)?];
-    run.between("force between those of the softest and the stiffest", force, bounds, "N");
+    run.between(
+        "force between those of the softest and the stiffest",
+        force,
+        bounds,
+        "N",
+    );
     run.base_bears(force, 0.01)?;
     Ok(run)
 }
@@ -36,7 +41,13 @@ pub(super) fn moduli(kind: Kind) -> Result<Run, String> {
 pub(super) fn plasticine(_kind: Kind) -> Result<Run, String> {
     let mut pressed = Vec::new();
     let mut whole: Option<Run> = None;
-    for (force_n, mega) in [(10.0, 13.0), (30.0, 13.0), (60.0, 13.0), (30.0, 3.0), (30.0, 30.0)] {
+    for (force_n, mega) in [
+        (10.0, 13.0),
+        (30.0, 13.0),
+        (60.0, 13.0),
+        (30.0, 3.0),
+        (30.0, 30.0),
+    ] {
         let mut run = Run::new(&plasticine_text(mega * 1e6))?;
         let (force, sweep) =
             plasticine::swept(&mut run.world, false, force_n, mega * 1e6, Effort::Full);
@@ -126,7 +137,12 @@ pub(super) fn incompressible(kind: Kind) -> Result<Run, String> {
     let force = press(&mut run, RADIUS_M, 0.003, 5_000);
     run.base_bears(force, 2e-2)?;
     let softer = of(0.45).force_n(0.003, 1_000)?;
-    run.between("force from that at ν = 0.45 to twice that", force, [softer, 2.0 * softer], "N");
+    run.between(
+        "force from that at ν = 0.45 to twice that",
+        force,
+        [softer, 2.0 * softer],
+        "N",
+    );
     Ok(run)
 }
 

@@ -11,8 +11,8 @@ mod tests;
 mod touch;
 mod upset;
 
-pub use row::{HardRow, hard_table};
 use row::Run;
+pub use row::{HardRow, hard_table};
 
 /// Model and time stepping method of the body.
 #[derive(Clone, Copy, Debug, PartialEq)]

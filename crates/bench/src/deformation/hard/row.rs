@@ -121,7 +121,13 @@ impl Run {
     pub fn base_bears(&mut self, force_n: f64, share: f64) -> Result<(), String> {
         let (body, state) = self.world.body()?;
         let base = body.base_reaction_n(state).z.abs();
-        self.near("force on the base against that on the tool", base, force_n, share, "N");
+        self.near(
+            "force on the base against that on the tool",
+            base,
+            force_n,
+            share,
+            "N",
+        );
         Ok(())
     }
 
@@ -178,7 +184,9 @@ impl Run {
             wrong.push(format!("{} faults", world.faults));
         }
         if energy_excess.is_nan() || energy_excess > MOST_EXCESS {
-            wrong.push(format!("{energy_excess:.1e} of the energy came from nowhere"));
+            wrong.push(format!(
+                "{energy_excess:.1e} of the energy came from nowhere"
+            ));
         }
         if ticks < LEAST_TICKS {
             wrong.push(format!("only {ticks} ticks"));
@@ -208,7 +216,11 @@ pub fn hard_table(rows: &[HardRow]) -> String {
             row.energy_excess,
             row.faults,
             row.median_s * 1e6,
-            if row.wrong.is_empty() { "right" } else { "WRONG" },
+            if row.wrong.is_empty() {
+                "right"
+            } else {
+                "WRONG"
+            },
         );
         for check in &row.checks {
             let _ = writeln!(text, "    {}", said(check));
@@ -242,7 +254,9 @@ fn said(check: &Check) -> String {
         (Some(expected), Some(error)) => {
             let most = high / expected - 1.0;
             let expected = number(*expected);
-            format!("{what}: {value} {unit}, expected {expected}, error {error:+.1e}, at most {most:.0e}")
+            format!(
+                "{what}: {value} {unit}, expected {expected}, error {error:+.1e}, at most {most:.0e}"
+            )
         }
         _ if high.is_infinite() => {
             format!("{what}: {value} {unit}, expected {} or more", number(*low))

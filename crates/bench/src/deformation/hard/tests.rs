@@ -63,5 +63,8 @@ fn a_wrong_figure_is_said_and_counted() {
     // And there was no tick.
     assert_eq!(row.wrong.len(), 3, "{row:?}");
     let text = hard_table(&[row]);
-    assert!(text.contains("1 wrong") && text.contains("error -5.0e-1"), "{text}");
+    assert!(
+        text.contains("1 wrong") && text.contains("error -5.0e-1"),
+        "{text}"
+    );
 }

@@ -26,8 +26,19 @@ pub(super) fn two_tools(kind: Kind) -> Result<Run, String> {
         forces = both(&mut run, [[-0.012, 0.0, z], [0.012, 0.0, z]]);
     }
     let [left, right] = forces;
-    run.near("force on the left ball against the right", left.z, right.z, 1e-6, "N");
-    run.below("sum of the forces to the sides", left.x + right.x, 1e-6 * left.z, "N");
+    run.near(
+        "force on the left ball against the right",
+        left.z,
+        right.z,
+        1e-6,
+        "N",
+    );
+    run.below(
+        "sum of the forces to the sides",
+        left.x + right.x,
+        1e-6 * left.z,
+        "N",
+    );
     run.base_bears(left.z + right.z, 1e-3)?;
     let mut one = Slab {
         tools: ball("ball", "inf", SMALL_M),
@@ -39,7 +50,13 @@ pub(super) fn two_tools(kind: Kind) -> Result<Run, String> {
         forces = both(&mut run, [[0.0, 0.0, SMALL_M - 0.003]; 2]);
     }
     let sum = forces[0].z + forces[1].z;
-    run.near("force of two in one place against that of one", sum, alone, 2e-3, "N");
+    run.near(
+        "force of two in one place against that of one",
+        sum,
+        alone,
+        2e-3,
+        "N",
+    );
     Ok(run)
 }
 
@@ -92,14 +109,29 @@ fn tip(kind: Kind, shape: &str, orientation: Rotation, reach_m: f64) -> Result<R
             let frame = surface.frame(foot.u, foot.v);
             let normal = frame.du.cross(&frame.dv).normalize();
             let aside = force.cross(&normal).norm() / force.norm();
-            run.below("force along the surface over all of it", aside, 5e-3, "of it");
+            run.below(
+                "force along the surface over all of it",
+                aside,
+                5e-3,
+                "of it",
+            );
             run.base_bears(force.z, 1e-3)?;
         }
     }
     // A net still settles by a ten-millionth in a tick.
     let most = if kind.model == "net" { 1e-6 } else { 1e-9 };
-    run.below("change of the held force in a tick", ripple, most, "of it or of 1 N");
-    run.below("change of the force in a tick as it is drawn", jump, 0.02, "of it or of 1 N");
+    run.below(
+        "change of the held force in a tick",
+        ripple,
+        most,
+        "of it or of 1 N",
+    );
+    run.below(
+        "change of the force in a tick as it is drawn",
+        jump,
+        0.02,
+        "of it or of 1 N",
+    );
     Ok(run)
 }
 
@@ -122,13 +154,19 @@ pub(super) fn slide(kind: Kind) -> Result<Run, String> {
         for k in 0..10_000 {
             // A triangle of 40 mm to either side and back, from the middle.
             let phase = f64::from((k + 20) % 80) * 1e-3;
-            let x = if phase < 0.04 { phase - 0.02 } else { 0.06 - phase };
+            let x = if phase < 0.04 {
+                phase - 0.02
+            } else {
+                0.06 - phase
+            };
             let out = run.posed(&[pose([x, 0.0, z])]);
             for contact in out.contacts.list() {
                 let along = contact.force_n.dot(&contact.normal);
                 let drag = (contact.force_n - contact.normal * along).norm();
                 // Both must not pull, nor drag beyond the cone.
-                outside = outside.max((drag - mu * along) / along.max(1e-3)).max(-along);
+                outside = outside
+                    .max((drag - mu * along) / along.max(1e-3))
+                    .max(-along);
                 touched += 1;
             }
         }
@@ -137,8 +175,18 @@ pub(super) fn slide(kind: Kind) -> Result<Run, String> {
         let pressed = run.world.body()?.0.base_reaction_n(state).norm();
         let checks = |into: &mut Run| {
             let what = |what: &str| format!("μ = {mu}: {what}");
-            into.between(&what("contacts on the way"), touched as f64, [5e3, f64::INFINITY], "");
-            into.below(&what("force outside the friction cone"), outside.max(0.0), 1e-9, "of it");
+            into.between(
+                &what("contacts on the way"),
+                touched as f64,
+                [5e3, f64::INFINITY],
+                "",
+            );
+            into.below(
+                &what("force outside the friction cone"),
+                outside.max(0.0),
+                1e-9,
+                "of it",
+            );
             let bears = what("force on the base at rest against that on the tool");
             into.near(&bears, pressed, rest.norm(), 1e-3, "N");
         };
@@ -171,8 +219,20 @@ pub(super) fn ten_minutes(kind: Kind) -> Result<Run, String> {
         let force = run.at([0.0, 0.0, RADIUS_M - 0.003]).z;
         (low, high) = (low.min(force), high.max(force));
     }
-    run.near("largest force in ten minutes against that at first", high, first, 1e-6, "N");
-    run.near("least force in ten minutes against that at first", low, first, 1e-6, "N");
+    run.near(
+        "largest force in ten minutes against that at first",
+        high,
+        first,
+        1e-6,
+        "N",
+    );
+    run.near(
+        "least force in ten minutes against that at first",
+        low,
+        first,
+        1e-6,
+        "N",
+    );
     Ok(run)
 }
 
@@ -181,7 +241,10 @@ pub(super) fn ten_minutes(kind: Kind) -> Result<Run, String> {
 pub(super) fn hundred_bodies(kind: Kind) -> Result<Run, String> {
     let mut text = String::new();
     for k in 0..100 {
-        let (x, y) = (1.5 * SIDE_M * f64::from(k % 10), 1.5 * SIDE_M * f64::from(k / 10));
+        let (x, y) = (
+            1.5 * SIDE_M * f64::from(k % 10),
+            1.5 * SIDE_M * f64::from(k / 10),
+        );
         let slab = body(kind.model, kind.method, 4, 2, "preset = \"gel\"");
         text += &format!(
             "[[body]]\nid = \"b{k}\"\npose = {{ position = [{x:?}, {y:?}, 0.0] }}\n{slab}"
@@ -207,13 +270,35 @@ pub(super) fn hundred_bodies(kind: Kind) -> Result<Run, String> {
         ..Slab::new(kind)
     };
     let alone = alone.force_n(0.003, 500)?;
-    run.near("force of the first slab against that of one alone", first, alone, 1e-3, "N");
-    let most = |worst: f64, f: &f64| if (f - first).abs() > (worst - first).abs() { *f } else { worst };
+    run.near(
+        "force of the first slab against that of one alone",
+        first,
+        alone,
+        1e-3,
+        "N",
+    );
+    let most = |worst: f64, f: &f64| {
+        if (f - first).abs() > (worst - first).abs() {
+            *f
+        } else {
+            worst
+        }
+    };
     let farthest = forces.iter().fold(first, most);
-    run.near("force of the slab that differs most from the first", farthest, first, 1e-9, "N");
+    run.near(
+        "force of the slab that differs most from the first",
+        farthest,
+        first,
+        1e-9,
+        "N",
+    );
     let bodies = run.world.state.bodies.iter().enumerate();
     let asleep = bodies.filter(|(index, state)| {
-        let parts = run.world.scene.deformable(*index).zip(state.deformable.as_ref());
+        let parts = run
+            .world
+            .scene
+            .deformable(*index)
+            .zip(state.deformable.as_ref());
         parts.is_some_and(|(body, state)| body.asleep(state))
     });
     let asleep = asleep.count() as f64;

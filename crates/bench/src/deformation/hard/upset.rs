@@ -28,7 +28,12 @@ fn comes_back(run: &mut Run, kind: Kind, most_m: f64) -> Result<(), String> {
         "net" => most_m.max(NET_REST_M),
         _ => most_m,
     };
-    run.below("farthest coordinate from rest at the end", away, most_m, "m");
+    run.below(
+        "farthest coordinate from rest at the end",
+        away,
+        most_m,
+        "m",
+    );
     Ok(())
 }
 
@@ -68,7 +73,11 @@ pub(super) fn scrambled(kind: Kind) -> Result<Run, String> {
 /// How far the force can grow with the squeeze is a matter of the law: springs turn over at half of
 /// the thickness, the rim of a continuum folds out at a third.
 pub(super) fn squeezed(kind: Kind) -> Result<Run, String> {
-    let sound_m = if kind.model == "lattice" { 0.013 } else { 0.019 };
+    let sound_m = if kind.model == "lattice" {
+        0.013
+    } else {
+        0.019
+    };
     let plane = "{ plane = { normal = [0.0, 0.0, -1.0] } }";
     let mut run = Slab {
         tools: tool("press", plane, [0.0, 0.0, 0.02], "inf"),
@@ -91,10 +100,25 @@ pub(super) fn squeezed(kind: Kind) -> Result<Run, String> {
             unborne = unborne.max((body.base_reaction_n(state).z.abs() / force - 1.0).abs());
         }
     }
-    run.between("force as it was squeezed so far that its law is sound", last, [10.0, 1e3], "N");
+    run.between(
+        "force as it was squeezed so far that its law is sound",
+        last,
+        [10.0, 1e3],
+        "N",
+    );
     run.below("how much the force fell on the way", fell, 1e-9, "N");
-    run.below("how far a control point stood over the plane", above_m.max(0.0), 1e-3, "m");
-    run.below("share of the force that the base did not bear", unborne, 0.05, "of it");
+    run.below(
+        "how far a control point stood over the plane",
+        above_m.max(0.0),
+        1e-3,
+        "m",
+    );
+    run.below(
+        "share of the force that the base did not bear",
+        unborne,
+        0.05,
+        "of it",
+    );
     run.stay(ASIDE, 10_000);
     comes_back(&mut run, kind, 1e-8)?;
     Ok(run)
@@ -124,15 +148,33 @@ pub(super) fn jumps(kind: Kind) -> Result<Run, String> {
             _ => (random.vector() * 0.5).into(),
         };
         let force = run.at(place).norm();
-        pressed = if force.is_nan() { force } else { pressed.max(force) };
+        pressed = if force.is_nan() {
+            force
+        } else {
+            pressed.max(force)
+        };
     }
-    run.between("largest force on the way", pressed, [10.0, f64::INFINITY], "N");
+    run.between(
+        "largest force on the way",
+        pressed,
+        [10.0, f64::INFINITY],
+        "N",
+    );
     run.at([0.0, 0.0, 0.3]);
     run.world.watch_energy(Vector3::zeros());
     run.stay([0.0, 0.0, 0.3], 5_000);
     let away = run.world.away_m()?;
-    let most_m = if kind.model == "net" { NET_REST_M } else { 1e-8 };
-    run.below("farthest coordinate from rest at the end", away, most_m, "m");
+    let most_m = if kind.model == "net" {
+        NET_REST_M
+    } else {
+        1e-8
+    };
+    run.below(
+        "farthest coordinate from rest at the end",
+        away,
+        most_m,
+        "m",
+    );
     Ok(run)
 }
 
@@ -152,7 +194,19 @@ pub(super) fn thousand_newtons(kind: Kind) -> Result<Run, String> {
     // The force acts through all of its tick: energy is watched from its end on.
     run.world.watch_energy(Vector3::zeros());
     run.stay(ASIDE, 10_000);
-    let (away, most_m) = (run.world.away_m()?, if kind.model == "net" { NET_REST_M } else { 1e-6 });
-    run.below("farthest coordinate from rest ten seconds later", away, most_m, "m");
+    let (away, most_m) = (
+        run.world.away_m()?,
+        if kind.model == "net" {
+            NET_REST_M
+        } else {
+            1e-6
+        },
+    );
+    run.below(
+        "farthest coordinate from rest ten seconds later",
+        away,
+        most_m,
+        "m",
+    );
     Ok(run)
 }

@@ -4,8 +4,8 @@ use super::beam::Strip;
 use super::path::rms;
 use super::touching::Touching;
 use super::{CONVERGED, Effort, Row, SETTINGS, Setting, UNITS, World, failed, row};
-use palpate_geometry::math::{Matrix3, Point3, Vector3};
 use crate::exact_step::obstacle::Obstacle;
+use palpate_geometry::math::{Matrix3, Point3, Vector3};
 use palpate_sim::body::DeformableState;
 use std::f64::consts::TAU;
 

@@ -211,9 +211,7 @@ fn swung(mode: &Mode<'_>, setting: Setting, ticks: usize) -> Result<(Vec<f64>, V
     let mut moved = world.body()?.1.clone();
     let rest = moved.positions.clone();
     start(mode, world.body()?.0, &mut moved);
-    world.put(|state| {
-        state.positions.clone_from(&moved.positions)
-    })?;
+    world.put(|state| state.positions.clone_from(&moved.positions))?;
     let mut path = Vec::with_capacity(ticks + 1);
     path.push(amplitude(mode, world.body()?.0, &rest, &moved));
     for _ in 0..ticks {

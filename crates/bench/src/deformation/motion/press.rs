@@ -3,9 +3,9 @@
 use super::super::indent::first_touch;
 use super::path::{largest, rms};
 use super::touching::Touching;
+use super::{CONVERGED, Effort, Row, SETTINGS, Setting, UNITS, World, failed, row};
 use crate::exact_step::obstacle::Obstacle;
 use palpate_geometry::math::{Point3, Vector3};
-use super::{CONVERGED, Effort, Row, SETTINGS, Setting, UNITS, World, failed, row};
 
 /// How far the ball presses, m.
 const DEPTH_M: f64 = 4e-3;
@@ -129,11 +129,7 @@ fn pressed(text: &str, speed_m_s: f64) -> Result<(Vec<f64>, Vec<f64>), String> {
 }
 
 /// Force on the ball in each tick by the exact step, N, and how it was found.
-fn exactly(
-    text: &str,
-    speed_m_s: f64,
-    counts: [usize; 2],
-) -> Result<(Vec<f64>, String), String> {
+fn exactly(text: &str, speed_m_s: f64, counts: [usize; 2]) -> Result<(Vec<f64>, String), String> {
     let world = World::new(text)?;
     let way = way(&world, speed_m_s);
     let middle = Point3::new(way[way.len() - 1] - RADIUS_M, SIDE_M[0], SIDE_M[1]);

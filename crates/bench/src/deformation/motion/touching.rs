@@ -42,7 +42,12 @@ impl Touching<'_> {
         let (body, _) = self.world.body()?;
         let mut exact = ExactStep::new(body);
         (exact.damping_s, exact.gravity) = (self.damping_s, self.gravity);
-        let skin = Skin::new(&exact, self.world.scene.rest_surface(0), self.counts, within)?;
+        let skin = Skin::new(
+            &exact,
+            self.world.scene.rest_surface(0),
+            self.counts,
+            within,
+        )?;
         let (mut state, mut touch) = (body.rest_state(), Touch::default());
         let none = vec![Vector3::zeros(); body.coordinate_count()];
         let mut taken = Taken {

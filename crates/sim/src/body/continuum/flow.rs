@@ -43,9 +43,8 @@ impl CellFlow {
             block.metric[..solid.point_count()].as_flattened().to_vec()
         };
         let rest = solid.blocks.iter().flat_map(of_block).collect();
-        let spread = (law.spread_m > 0.0).then(|| {
-            crate::body::plastic::neighbours(law.spread_m, &solid.places_of_points())
-        });
+        let spread = (law.spread_m > 0.0)
+            .then(|| crate::body::plastic::neighbours(law.spread_m, &solid.places_of_points()));
         Self {
             law,
             dt_s,
@@ -184,7 +183,10 @@ impl Point {
             return None;
         }
         let (squares, axes) = principal(&self.stretch);
-        if !squares.iter().all(|square| *square > 0.0 && square.is_finite()) {
+        if !squares
+            .iter()
+            .all(|square| *square > 0.0 && square.is_finite())
+        {
             return None;
         }
         let logarithms = squares.map(|square| 0.5 * libm::log(square));
@@ -209,14 +211,11 @@ impl Point {
         let squares = strain
             .deviator
             .map(|e| libm::exp(2.0 * (strain.mean + e * kept)));
-        let stretch =
-            strain.axes * Matrix3::from_diagonal(&squares) * strain.axes.transpose();
+        let stretch = strain.axes * Matrix3::from_diagonal(&squares) * strain.axes.transpose();
         let back = self.gradient.try_inverse()?;
         let metric = even(&(back * stretch * back.transpose()), &self.first);
         let metric = within(&metric, &self.first, limit)?;
-        let trace = |metric: &Matrix3| {
-            (self.gradient * metric * self.gradient.transpose()).trace()
-        };
+        let trace = |metric: &Matrix3| (self.gradient * metric * self.gradient.transpose()).trace();
         // Drawn back to the limit it must not hold more energy than before.
         (trace(&metric) < trace(&self.metric)).then_some((metric, amount))
     }
@@ -236,7 +235,10 @@ fn within(metric: &Matrix3, first: &Matrix3, limit: f64) -> Option<Matrix3> {
     let back = lower.try_inverse()?;
     let plastic = back * metric * back.transpose();
     let (squares, axes) = principal(&((plastic + plastic.transpose()) * 0.5));
-    if !squares.iter().all(|square| *square > 0.0 && square.is_finite()) {
+    if !squares
+        .iter()
+        .all(|square| *square > 0.0 && square.is_finite())
+    {
         return None;
     }
     let logarithms = squares.map(|square| -0.5 * libm::log(square));
@@ -312,11 +314,7 @@ impl ContinuumLaw {
     }
 
     /// Hands out each point: its lane, its cell in the lane, the cell's ν, and G = ∂x/∂ξ at `places`.
-    fn each_point(
-        &self,
-        places: &[Lane],
-        out: &mut impl FnMut(usize, usize, f64, &Matrix3),
-    ) {
+    fn each_point(&self, places: &[Lane], out: &mut impl FnMut(usize, usize, f64, &Matrix3)) {
         let count = self.point_count();
         for (k, block) in self.blocks.iter().enumerate() {
             let c = modes::<Baseline>(&block.nodes, places);

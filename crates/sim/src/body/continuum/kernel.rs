@@ -200,10 +200,7 @@ pub(super) fn add_forces<L: Lanes>(
     let mut largest = zero;
     for gauss in 0..8 {
         let [i, j, k] = at(gauss);
-        let (t, invariant) = stretch(
-            &metrics[gauss],
-            [slopes[0][i], slopes[1][j], slopes[2][k]],
-        );
+        let (t, invariant) = stretch(&metrics[gauss], [slopes[0][i], slopes[1][j], slopes[2][k]]);
         largest = largest.greatest(invariant);
         // P = μ' (1 − 1 / (I_C + 1)) F: Smith, de Goes & Kim 2018, eq. 14.
         let factor = L::load(&block.stiffness_j[gauss]) * (one - one / (invariant + one));

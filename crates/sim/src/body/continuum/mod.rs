@@ -208,10 +208,24 @@ impl ContinuumLaw {
             // SAFETY: the processor has AVX2, asked just above.
             #[allow(unsafe_code)]
             return unsafe {
-                add_forces_avx2(&self.blocks, self.points, metrics, places, residual, farther)
+                add_forces_avx2(
+                    &self.blocks,
+                    self.points,
+                    metrics,
+                    places,
+                    residual,
+                    farther,
+                )
             };
         }
-        add_forces::<Baseline>(&self.blocks, self.points, metrics, places, residual, farther)
+        add_forces::<Baseline>(
+            &self.blocks,
+            self.points,
+            metrics,
+            places,
+            residual,
+            farther,
+        )
     }
 
     /// −∂Ψ/∂x (node_count), N, with no cell held back: for offline solvers, which need no matrix to
@@ -321,10 +335,8 @@ fn block_energy(block: &CellBlock, metrics: &[[Four; 6]; 8], places: &[Lane]) ->
     let mut energy = [0.0; 4];
     for gauss in 0..8 {
         let [i, j, k] = kernel::at(gauss);
-        let (_, lanes) = kernel::stretch(
-            &metrics[gauss],
-            [slopes[0][i], slopes[1][j], slopes[2][k]],
-        );
+        let (_, lanes) =
+            kernel::stretch(&metrics[gauss], [slopes[0][i], slopes[1][j], slopes[2][k]]);
         let mut invariant = [0.0; 4];
         lanes.store(&mut invariant);
         for cell in 0..4 {

@@ -65,7 +65,10 @@ impl Bar {
             .add_forces_reaching(&self.metrics, &places, &mut residual, 1e6);
         [0, 1].map(|axis| {
             let far = residual.iter().zip(self.solid.rest());
-            let sum: f64 = far.filter(|(_, p)| p[axis] > 0.5 * SIDE_M).map(|(f, _)| f[axis]).sum();
+            let sum: f64 = far
+                .filter(|(_, p)| p[axis] > 0.5 * SIDE_M)
+                .map(|(f, _)| f[axis])
+                .sum();
             -sum / (YOUNG_PA * SIDE_M * SIDE_M)
         })
     }
@@ -134,8 +137,8 @@ fn a_bar_that_is_held_relaxes_as_the_closed_form_says() {
         for tick in 0..400 {
             bar.settle(None);
             let t = f64::from(tick) * DT_S;
-            let plastic = (strain - yields) / (1.0 + hardening)
-                * -libm::expm1(-20.0 * (1.0 + hardening) * t);
+            let plastic =
+                (strain - yields) / (1.0 + hardening) * -libm::expm1(-20.0 * (1.0 + hardening) * t);
             // Stresses count per first section; strains are small.
             let stress = bar.stresses()[0];
             assert!(
@@ -153,7 +156,10 @@ fn a_bar_that_is_held_relaxes_as_the_closed_form_says() {
         bar.stretches[0] -= 1e-4;
         bar.settle(None);
         let slope = (before - bar.stresses()[0]) / 1e-4 * from;
-        assert!((slope - 1.0).abs() < 0.01, "ν {poisson}: unloads with {slope} E");
+        assert!(
+            (slope - 1.0).abs() < 0.01,
+            "ν {poisson}: unloads with {slope} E"
+        );
         assert!(!bar.flow(), "it flows while it is unloaded");
     }
 }
@@ -179,15 +185,28 @@ fn a_bar_under_a_load_creeps_as_the_closed_form_says() {
     let drawn = bar.stretches[0];
     bar.settle(Some(0.5 * stress));
     let back = drawn - bar.stretches[0];
-    assert!((back / (0.5 * stress) - 1.0).abs() < 0.02, "springs back by {back}");
+    assert!(
+        (back / (0.5 * stress) - 1.0).abs() < 0.02,
+        "springs back by {back}"
+    );
     let volume = bar.stretches[0] * bar.stretches[1] * bar.stretches[1];
     // What is left of it is elastic: (1 − 2 ν) σ / E.
-    assert!((volume - 1.0 - 0.4 * 0.5 * stress).abs() < 2e-5, "volume {volume}");
+    assert!(
+        (volume - 1.0 - 0.4 * 0.5 * stress).abs() < 2e-5,
+        "volume {volume}"
+    );
 }
 
 #[test]
 fn flow_ends_at_its_limit_and_keeps_the_volume() {
-    let mut bar = Bar::new(0.3, Plastic { limit: 0.2, ..law(0.0, 0.0) }, false);
+    let mut bar = Bar::new(
+        0.3,
+        Plastic {
+            limit: 0.2,
+            ..law(0.0, 0.0)
+        },
+        false,
+    );
     for tick in 0..3_000 {
         bar.stretches[0] = 1.0 + 1e-3 * f64::from(tick).min(600.0);
         bar.settle(None);
@@ -232,7 +251,11 @@ fn flow_never_makes_energy_and_forces_are_the_slope_of_what_is_left() {
             // Up to turned over.
             let by = 1e-3 * f64::from(round % 12 + 1);
             let of = |p: &Point3, d: Vector3| [p.x + d.x, p.y + d.y, p.z + d.z, 0.0];
-            places = solid.rest().iter().map(|p| of(p, random.vector() * by)).collect();
+            places = solid
+                .rest()
+                .iter()
+                .map(|p| of(p, random.vector() * by))
+                .collect();
             let before_j = solid.energy_flowed_j(&metrics, &places);
             flow.flow(&solid, &places, &mut metrics, &mut strains, &mut amounts);
             let after_j = solid.energy_flowed_j(&metrics, &places);
@@ -245,7 +268,10 @@ fn flow_never_makes_energy_and_forces_are_the_slope_of_what_is_left() {
         assert!(fell_j > 0.0, "nothing flowed");
         let mut residual = vec![[0.0; 4]; places.len()];
         solid.add_forces_reaching(&metrics, &places, &mut residual, 1e6);
-        let largest = residual.iter().flatten().fold(0.0f64, |a, f| a.max(f.abs()));
+        let largest = residual
+            .iter()
+            .flatten()
+            .fold(0.0f64, |a, f| a.max(f.abs()));
         for node in 0..places.len() {
             for axis in 0..3 {
                 let step = 1e-8;
