@@ -17,7 +17,7 @@ pub(super) fn two_tools(kind: Kind) -> Result<Run, String> {
     }
     .run()?;
     let mut forces = [Vector3::zeros(); 2];
-    let mut both = |run: &mut Run, places: [[f64; 3]; 2]| {
+    let both = |run: &mut Run, places: [[f64; 3]; 2]| {
         let out = run.posed(&places.map(pose));
         [0, 1].map(|tool| out.tools[tool].force_n)
     };
