@@ -28,7 +28,7 @@ const tests = [];
 const test = (name, run, options = {}) => tests.push({ name, run, options });
 
 /** Waits until a question to the page has a true answer. */
-async function until(page, question, what, ms = 15_000) {
+async function until(page, question, what, ms = 60_000) {
   const start = Date.now();
   for (;;) {
     const answer = await page.evaluate(question).catch(() => null);

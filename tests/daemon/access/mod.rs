@@ -2,6 +2,7 @@
 
 mod commands;
 mod exposure;
+mod leaving;
 mod namespaces;
 mod roles;
 mod strangers;
