@@ -19,19 +19,10 @@ pub enum Obstacle {
         /// Unit normal, out of the obstacle.
         normal: Vector3,
     },
-    /// All that lies below z = bend (x² + y²) from the bottom.
-    Bowl {
-        /// Its lowest point, m.
-        bottom: Point3,
-        /// Half of the curvature there, 1/m, above zero.
-        bend: f64,
-    },
 }
 
 impl Obstacle {
-    /// Gap g (m, negative inside), ∂g/∂x (out of the obstacle) and ∂²g/∂x² at a place. Of a bowl, all
-    /// three are exact on its surface; away from it they are those of heights over it, along its
-    /// normal below the place.
+    /// Gap g (m, negative inside), ∂g/∂x (out of the obstacle) and ∂²g/∂x² at a place.
     pub fn gap(&self, at: &Point3) -> (f64, Vector3, Matrix3) {
         match *self {
             Self::Sphere { centre, radius_m } => {
@@ -49,18 +40,6 @@ impl Obstacle {
                 )
             }
             Self::Plane { point, normal } => ((at - point).dot(&normal), normal, Matrix3::zeros()),
-            Self::Bowl { bottom, bend } => {
-                let from = at - bottom;
-                let (x, y) = (from.x, from.y);
-                let slope = Vector3::new(-2.0 * bend * x, -2.0 * bend * y, 1.0);
-                let steep = slope.norm();
-                let across = Matrix3::from_diagonal(&Vector3::new(1.0, 1.0, 0.0));
-                (
-                    (from.z - bend * (x * x + y * y)) / steep,
-                    slope / steep,
-                    across * (-2.0 * bend / steep),
-                )
-            }
         }
     }
 }
