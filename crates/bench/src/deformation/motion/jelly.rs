@@ -17,6 +17,8 @@ const BEND: f64 = 50.0 / 3.0;
 const HALF_M: f64 = 0.04;
 /// At rest nothing moves faster, m/s.
 const REST_M_S: f64 = 1e-3;
+/// For so many ticks.
+const STILL: usize = 100;
 /// Ticks within which it has to be.
 const TICKS: usize = 3_000;
 /// How far around a pole its dimple is looked for, of the domain.
@@ -31,8 +33,10 @@ pub(super) fn rows(wanted: &dyn Fn(&str) -> bool, out: &mut dyn FnMut(Row)) {
 
 /// A fall and what came of it.
 struct Fall {
-    /// Tick from which on it was at rest; all of them if it never was.
+    /// Tick from which on it was at rest for a tenth of a second; all of them if it never was.
     rest: usize,
+    /// Last tick in which it moved.
+    last: usize,
     /// Largest dimple at a pole in the end, m.
     dimple_m: f64,
     /// Height of the centre of mass in the end, from the start, m.
@@ -43,7 +47,9 @@ struct Fall {
 #[derive(Default)]
 struct Follower {
     tick: usize,
+    /// Last tick in which it moved.
     moved: usize,
+    rest: Option<usize>,
 }
 
 impl Follower {
@@ -53,13 +59,17 @@ impl Follower {
         if squares.fold(0.0, f64::max) >= REST_M_S * REST_M_S {
             self.moved = self.tick;
         }
+        if self.tick - self.moved == STILL {
+            self.rest = self.rest.or(Some(self.moved));
+        }
     }
 
     fn fall(&self, body: &Deformable, state: &DeformableState, surface: &Surface) -> Fall {
         let moved = state.positions.iter().zip(body.rest()).zip(body.masses());
         let sum: f64 = moved.map(|((x, rest), m)| m * (x.z - rest.z)).sum();
         Fall {
-            rest: self.moved,
+            rest: self.rest.unwrap_or(self.tick),
+            last: self.moved,
             dimple_m: dimple_m(surface),
             height_m: sum / body.mass_kg(),
         }
@@ -162,10 +172,12 @@ fn rests(case: &str, out: &mut dyn FnMut(Row)) {
     };
     let mut tell = |setting: Setting, fall: &Fall, ticks_s: Vec<f64>| {
         let note = format!(
-            "at rest after {} ms, with {CONVERGED} iterations after {} ms; dimple at a pole {:.3} mm and {:.3} mm; \
+            "at rest after {} ms (last stir {} ms), with {CONVERGED} iterations after {} ms ({} ms); dimple at a pole {:.3} mm and {:.3} mm; \
              {:.3} mm and {:.3} mm below the start; {} iterations, matrix {}{}",
             fall.rest,
+            fall.last,
             right.rest,
+            right.last,
             fall.dimple_m * 1e3,
             right.dimple_m * 1e3,
             -fall.height_m * 1e3,
