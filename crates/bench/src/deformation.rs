@@ -7,6 +7,7 @@
 //! in the thesis' figures 5.9 and 5.10. Bodies that move, against the exact step of the same
 //! integrator.
 
+mod hard;
 mod indent;
 mod motion;
 mod passes;
@@ -16,7 +17,9 @@ mod poking;
 mod refit;
 mod scenes;
 mod svg;
+mod world;
 
+pub use hard::{HardRow, hard_cases, hard_table};
 pub use plasticine::{Sweep, plasticine_picture, plasticine_table};
 pub use svg::pareto;
 

@@ -25,7 +25,10 @@ mod table;
 mod viewer;
 
 pub use contact::{contact, picture};
-pub use deformation::{Sweep, deformation, pareto, plasticine_picture, plasticine_table};
+pub use deformation::{
+    HardRow, Sweep, deformation, hard_cases, hard_table, pareto, plasticine_picture,
+    plasticine_table,
+};
 pub use faults::{FaultOptions, faults};
 pub use figure::{Bar, Figure, figures_table};
 pub use modeling::modeling;

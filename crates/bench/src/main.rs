@@ -4,9 +4,10 @@
 use anyhow::Context;
 use clap::Parser;
 use palpate_bench::{
-    Effort, FaultOptions, Figure, RelayOptions, Row, SoakOptions, SubscriberOptions, contact,
-    deformation, faults, figures_table, haptics, modeling, pareto, picture, plasticine_picture,
-    plasticine_table, recording, relay, soak, subscribers, surface, table, viewer,
+    Effort, FaultOptions, Figure, HardRow, RelayOptions, Row, SoakOptions, SubscriberOptions,
+    contact, deformation, faults, figures_table, haptics, hard_cases, hard_table, modeling, pareto,
+    picture, plasticine_picture, plasticine_table, recording, relay, soak, subscribers, surface,
+    table, viewer,
 };
 use std::io::Write;
 use std::process::ExitCode;
@@ -27,6 +28,9 @@ enum Suite {
     Surface(Options),
     /// Forces of pressed bodies, paths of moving ones and the cost of a step, for all models,
     /// methods, grids and stiffnesses, and for other engines.
+    ///
+    /// `--only hard` prints the table of hard cases: ticks, largest energy beyond what was put in,
+    /// forces and places with their expected values, faults, median tick. Runs them in a full run.
     ///
     /// MuJoCo and PyBullet run too when PALPATE_PYTHON names a Python that can import them.
     Deformation {
@@ -161,7 +165,7 @@ fn run(args: &Cli) -> anyhow::Result<()> {
         rows.push(row);
     };
     let only = options.only.as_deref();
-    let mut sweeps = Vec::new();
+    let (mut sweeps, mut hard) = (Vec::new(), Vec::new());
     match &args.suite {
         Suite::Surface(_) => surface(effort, only, &mut take),
         Suite::Contact { .. } => contact(effort, only, &mut take),
@@ -175,11 +179,27 @@ fn run(args: &Cli) -> anyhow::Result<()> {
         | Suite::Relay(_)
         | Suite::Subscribers(_) => {}
     }
+    // They take a minute: when there is time, or when they are asked for.
+    if matches!(&args.suite, Suite::Deformation { .. })
+        && (effort == Effort::Full || only.is_some())
+    {
+        hard_cases(only, &mut |row: HardRow| {
+            if options.json {
+                let line = serde_json::to_string(&row).map_err(anyhow::Error::from);
+                let written = line.and_then(|line| Ok(writeln!(std::io::stdout(), "{line}")?));
+                failed = failed.take().or(written.err());
+            } else {
+                eprintln!("{}", row.case);
+            }
+            hard.push(row);
+        });
+    }
     if let Some(error) = failed {
         return Err(error);
     }
     if !options.json {
-        print!("{}{}", table(&rows), plasticine_table(&sweeps));
+        let plasticine = plasticine_table(&sweeps);
+        print!("{}{plasticine}{}", table(&rows), hard_table(&hard));
     }
     if let Some(path) = svg {
         let deforming = matches!(&args.suite, Suite::Deformation { .. });

@@ -2,75 +2,13 @@
 
 use super::refit::Refit;
 use super::scenes::{BoxCase, TeardropCase};
+use super::world::World;
 use super::{BOX_REFERENCE_N, Effort, Row, TEARDROP_REFERENCE_N};
-use palpate_geometry::math::{Point3, Rotation, Vector3};
+use palpate_geometry::math::Point3;
 use palpate_geometry::surface::{ClosestSolver, Surface};
-use palpate_sim::haptics::DevicePose;
-use palpate_sim::scene::{Scene, file};
-use palpate_sim::tick::record::{TickInput, TickOutput};
-use palpate_sim::tick::step;
-use palpate_sim::tick::{SceneState, Scratch};
-use std::path::Path;
 use std::time::Instant;
 
-/// A scene that runs.
-pub(super) struct World {
-    pub scene: Scene,
-    pub state: SceneState,
-    pub scratch: Scratch,
-    seq: u64,
-    /// Time of each tick so far, s.
-    pub ticks_s: Vec<f64>,
-    /// Done by the tools on the bodies, J.
-    work_j: f64,
-    last: Option<[f64; 3]>,
-}
-
 impl World {
-    pub(super) fn new(text: &str) -> Result<Self, String> {
-        let loaded = file::parse(text, "bench.toml", Path::new(".")).map_err(|e| e.to_string())?;
-        let scene = Scene::build(&loaded.spec, Path::new(".")).map_err(|e| e.to_string())?;
-        let state = scene.initial_state();
-        let scratch = scene.scratch(&state);
-        Ok(Self {
-            scene,
-            state,
-            scratch,
-            seq: 0,
-            ticks_s: Vec::new(),
-            work_j: 0.0,
-            last: None,
-        })
-    }
-
-    pub(super) fn at(&mut self, position: [f64; 3]) -> TickOutput {
-        self.pressing(position, 0)
-    }
-
-    /// One tick with the device there and these buttons down.
-    pub(super) fn pressing(&mut self, position: [f64; 3], buttons: u32) -> TickOutput {
-        self.seq += 1;
-        let mut input = TickInput::default();
-        input.poses[0] = Some(DevicePose {
-            seq: self.seq,
-            t_client_ns: 0,
-            position: Point3::from(position),
-            orientation: Rotation::identity(),
-            linear_velocity: Vector3::zeros(),
-            angular_velocity: Vector3::zeros(),
-            buttons,
-        });
-        let start = Instant::now();
-        let output = step(&self.scene, &mut self.state, &mut self.scratch, &input);
-        self.ticks_s.push(start.elapsed().as_secs_f64());
-        let proxy = output.tools[0].proxy_position;
-        let now = [proxy.x, proxy.y, proxy.z];
-        let before = self.last.replace(now).unwrap_or(now);
-        let force = output.tools[0].force_n;
-        self.work_j -= (0..3).map(|c| force[c] * (now[c] - before[c])).sum::<f64>();
-        output
-    }
-
     /// Force on the tool held there until it is at rest.
     fn settle(&mut self, position: [f64; 3], effort: Effort) -> Held {
         let dt_s = self.scene.dt_s;

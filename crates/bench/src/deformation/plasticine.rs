@@ -4,11 +4,11 @@
 //! A ball of 10 mm on a block of 0.1 × 0.1 × 0.06 m, its bottom fixed, pressed in or pulled out by
 //! its grip.
 
-use super::indent::{World, failed};
+use super::indent::failed;
 use super::scenes::plasticine_text;
+use super::world::World;
 use super::{Effort, Row};
 use palpate::chart::{self, Chart, Curve, Scale};
-use palpate_geometry::math::Point3;
 use palpate_sim::solve::grip::GRAB;
 use std::fmt::Write;
 
@@ -68,7 +68,7 @@ pub(super) fn rows(
     for (case, pulled, force_n, young_pa) in
         cases(effort).into_iter().filter(|(case, ..)| wanted(case))
     {
-        match swept(&case, pulled, force_n, young_pa, effort) {
+        match row(&case, pulled, force_n, young_pa, effort) {
             Ok((row, sweep)) => {
                 out(row);
                 sweeps.push(sweep);
@@ -79,7 +79,7 @@ pub(super) fn rows(
     sweeps
 }
 
-fn swept(
+fn row(
     case: &str,
     pulled: bool,
     force_n: f64,
@@ -87,6 +87,28 @@ fn swept(
     effort: Effort,
 ) -> Result<(Row, Sweep), String> {
     let mut world = World::new(&plasticine_text(young_pa))?;
+    let (force, sweep) = swept(&mut world, pulled, force_n, young_pa, effort);
+    let note = format!(
+        "{:.4} mm under the force, {:.4} mm stay",
+        sweep.loaded_m * 1e3,
+        sweep.kept_m * 1e3
+    );
+    let row = Row {
+        error_unit: "of the load",
+        ..world.row(case, "lattice implicit", force / force_n - 1.0, note)
+    };
+    Ok((row, sweep))
+}
+
+/// Presses or pulls the block of [`plasticine_text`] with a force and leaves it alone: the force at
+/// the end of it, N, and what it did.
+pub(super) fn swept(
+    world: &mut World,
+    pulled: bool,
+    force_n: f64,
+    young_pa: f64,
+    effort: Effort,
+) -> (f64, Sweep) {
     let held = if effort == Effort::Quick { 400 } else { 1_500 };
     let (button, along) = if pulled { (GRAB, 1.0) } else { (0, -1.0) };
     // A touch first, so light that nothing flows; a grip takes hold in it.
@@ -102,7 +124,7 @@ fn swept(
         force = -along * world.pressing([0.0, 0.0, z], button).tools[0].force_n.z;
         z += along * gain_m_n * (force_n - force);
     }
-    let loaded_m = along * middle(&world);
+    let loaded_m = along * middle(world);
     for _ in 0..held.min(1_000) {
         world.pressing([0.0, 0.0, 0.05], 0);
     }
@@ -111,27 +133,14 @@ fn swept(
         force_n,
         young_pa,
         loaded_m,
-        kept_m: along * middle(&world),
+        kept_m: along * middle(world),
     };
-    let note = format!(
-        "{:.4} mm under the force, {:.4} mm stay",
-        sweep.loaded_m * 1e3,
-        sweep.kept_m * 1e3
-    );
-    let row = Row {
-        error_unit: "of the load",
-        ..world.row(case, "lattice implicit", force / force_n - 1.0, note)
-    };
-    Ok((row, sweep))
+    (force, sweep)
 }
 
 /// Height of the surface's middle, m; 0 at rest.
 fn middle(world: &World) -> f64 {
-    let mut surface = world.scene.rest_surface(0).clone();
-    let mut net = vec![Point3::origin(); surface.net().points().len()];
-    world.state.copy_net(&world.scene, 0, &mut net);
-    surface.net_mut().points_mut().copy_from_slice(&net);
-    surface.point(0.5, 0.5).z
+    world.surface().point(0.5, 0.5).z
 }
 
 /// One line a sweep; nothing for none.

@@ -2,11 +2,9 @@
 //!
 //! Its energy may never exceed what the tool put in, and when the tool is gone it comes back to rest.
 
-use super::indent::World;
-use super::motion::body;
+use super::world::World;
 use super::{Effort, Row};
 use palpate_geometry::math::{Point3, Random, Vector3};
-use palpate_sim::body::{Deformable, DeformableState};
 
 /// Stiffnesses, as multiples of 20 kPa.
 const SCALES: [(f64, &str); 4] = [(1e-3, "x1e-3"), (1.0, "x1"), (1e3, "x1e3"), (1e6, "x1e6")];
@@ -137,16 +135,8 @@ impl Pokes {
     }
 }
 
-/// Energy of a body, elastic and kinetic, J.
-fn energy_j(body: &Deformable, state: &DeformableState) -> f64 {
-    let moving = body.masses().iter().zip(&state.velocities);
-    let kinetic: f64 = moving.map(|(m, v)| 0.5 * m * v.norm_squared()).sum();
-    body.energy_j(state) + kinetic
-}
-
 fn poked(case: &str, model: &str, poisson: f64, scale: f64, ticks: usize) -> Result<Row, String> {
     let mut world = World::new(&text(model, poisson, scale))?;
-    let rest = body(&world)?.0.rest_state().positions;
     let surface = world.scene.rest_surface(0).clone();
     let start = Point3::new(0.2, 0.0, 0.045);
     let mut pokes = Pokes {
@@ -156,42 +146,21 @@ fn poked(case: &str, model: &str, poisson: f64, scale: f64, ticks: usize) -> Res
         stay: 0,
         fastest: FASTEST_M_S.min((20.0 * scale / (2.0 + 2.0 * poisson)).sqrt()),
     };
-    let away = |state: &DeformableState| {
-        let moved = state
-            .positions
-            .iter()
-            .zip(&rest)
-            .map(|(x, r)| (x - r).norm());
-        moved.fold(
-            0.0,
-            |most: f64, m| if m > most || m.is_nan() { m } else { most },
-        )
-    };
-    let (mut most_m, mut excess_j, mut peak_n, mut faults) = (0.0_f64, 0.0_f64, 0.0_f64, 0);
-    // What the tool put in; what it took out again is not deducted.
-    let (mut work_j, mut most_j) = (0.0_f64, 0.0_f64);
-    let mut before = (start, Vector3::zeros());
+    let (mut most_m, mut peak_n) = (0.0_f64, 0.0_f64);
+    world.watch_energy(Vector3::zeros());
     for _ in 0..ticks {
         let position = pokes.next(&surface);
         let output = world.at(position.into());
-        // With the mean of both forces: along a round surface either of them does work that is none.
-        let (place, force_n) = (output.tools[0].proxy_position, output.tools[0].force_n);
-        work_j += (-(force_n + before.1).dot(&(place - before.0)) * 0.5).max(0.0);
-        before = (place, force_n);
-        faults += usize::from(output.fault.is_some());
         peak_n = peak_n.max(output.tools[0].force_n.norm());
-        let (constants, state) = body(&world)?;
-        most_m = most_m.max(away(state));
-        let energy_j = energy_j(constants, state);
-        most_j = most_j.max(energy_j);
-        excess_j = excess_j.max(energy_j - work_j);
+        most_m = most_m.max(world.away_m()?);
     }
+    let ((most_j, excess_j), work_j, faults) = (world.energies_j(), world.put_in_j, world.faults);
     let rest_ticks = (REST_TICKS / scale.min(1.0).sqrt()).ceil();
     for _ in 0..rest_ticks as usize {
         world.at(start.into());
     }
-    let (constants, state) = body(&world)?;
-    let (left_m, left) = (away(state), energy_j(constants, state) / most_j);
+    let (constants, state) = world.body()?;
+    let (left_m, left) = (world.away_m()?, constants.energy_j(state) / most_j);
     let cautious = state.caution.level;
     // What is not a number is a problem too.
     let problem = if faults > 0 {

@@ -1,4 +1,4 @@
-//! The exact backward Euler step of a deforming body without contact.
+//! The exact backward Euler step of a deforming body; with contact in [`contact`].
 //!
 //! Solves `M (x' − x − dt v) / dt² = f(x' + d (x' − x) / dt) + M g + F` for the free coordinates, f
 //! the law's forces, d the damping time and F a load, by Newton's method with a line search on the
@@ -10,6 +10,10 @@
 
 #[path = "band.rs"]
 mod band;
+#[path = "exact_contact.rs"]
+pub mod contact;
+#[path = "obstacle.rs"]
+pub mod obstacle;
 #[cfg(test)]
 #[path = "exact_step_tests.rs"]
 mod tests;
@@ -29,6 +33,9 @@ const PRODUCTS: usize = 400;
 const INNER: f64 = 1e-5;
 /// Directions that take more products than these pay for a new factor.
 const SLOW: usize = 30;
+/// Shares of its diagonal that a tangent gets more until it is definite.
+const LEAST_SHIFT: f64 = 1e-3;
+const MOST_SHIFT: f64 = 10.0;
 /// How far differences reach, of the shortest distance between coordinates: the third derivative
 /// and rounding both tell about 1e-10 there.
 const REACH: f64 = 1e-5;
@@ -58,6 +65,18 @@ pub struct Solved {
     pub residual: f64,
 }
 
+/// What a step starts from, by free coordinate.
+struct Motion {
+    /// Places, m.
+    start: Vec<f64>,
+    /// Weight and load, N.
+    given: Vec<f64>,
+    /// Where inertia alone would take it, m.
+    coasting: Vec<f64>,
+    /// Largest of these forces and of those of inertia, N.
+    scale_n: f64,
+}
+
 /// Backward Euler of one body, to convergence.
 #[derive(Debug)]
 pub struct ExactStep<'a> {
@@ -77,10 +96,16 @@ pub struct ExactStep<'a> {
     /// Half width of the tangent in that order.
     band: usize,
     reach_m: f64,
+    /// Diagonal of the body at rest, m.
+    size_m: f64,
+    /// Largest change of a force over that of a coordinate, N/m.
+    stiffest_n_m: f64,
     /// What rounding of the places makes of forces, N.
     rounding_n: f64,
     factor: Option<BandCholesky>,
     stale: bool,
+    /// Of the inverse of the factored tangent, where a skin asked for them.
+    columns: contact::Columns,
     /// x' − x − dt v of the step before.
     correction: Vec<f64>,
     /// Where forces are asked for.
@@ -125,14 +150,17 @@ impl<'a> ExactStep<'a> {
             order,
             band: 0,
             reach_m: REACH * shortest,
+            size_m: (high - low).norm(),
+            stiffest_n_m: 0.0,
             rounding_n: 0.0,
             factor: None,
             stale: true,
+            columns: contact::Columns::new(),
             asked: body.rest_state(),
             scratch: body.scratch(),
         };
-        let stiffest_n_m = this.probe();
-        this.rounding_n = 4.0 * f64::EPSILON * (high - low).norm() * stiffest_n_m;
+        this.stiffest_n_m = this.probe();
+        this.rounding_n = 4.0 * f64::EPSILON * this.size_m * this.stiffest_n_m;
         this
     }
 
@@ -174,7 +202,7 @@ impl<'a> ExactStep<'a> {
         for (&c, place) in self.order.iter().zip(places.chunks(3)) {
             self.asked.positions[c as usize] = Point3::new(place[0], place[1], place[2]);
         }
-        let forces = self.body.internal_forces(&self.asked, &mut self.scratch);
+        let forces = self.body.exact_forces(&self.asked, &mut self.scratch);
         let of = |&c: &u32| {
             let [x, y, z, _] = forces[c as usize];
             [x, y, z]
@@ -207,7 +235,7 @@ impl<'a> ExactStep<'a> {
         answer
     }
 
-    /// Factors the tangent at `ahead`; one that is not definite leaves the factor as it was.
+    /// Factors the tangent at `ahead`, or what is definite near it.
     fn refactor(&mut self, ahead: &[f64]) {
         self.stale = false;
         let (n, band) = (ahead.len(), self.band);
@@ -228,8 +256,18 @@ impl<'a> ExactStep<'a> {
                 }
             }
         }
-        if let Some(factor) = BandCholesky::new(n, band, rows) {
-            self.factor = Some(factor);
+        // One that is not definite gets as much more on its diagonal as it needs.
+        let mut more = 0.0;
+        while more < MOST_SHIFT {
+            let mut shifted = rows.clone();
+            for row in 0..n {
+                shifted[row * width + band] *= 1.0 + more;
+            }
+            if let Some(factor) = BandCholesky::new(n, band, shifted) {
+                self.factor = Some(factor);
+                return;
+            }
+            more = (4.0 * more).max(LEAST_SHIFT);
         }
     }
 
@@ -284,52 +322,18 @@ impl<'a> ExactStep<'a> {
         state: &mut DeformableState,
         load_n: &[Vector3],
     ) -> Result<Solved, Unsolved> {
-        let (dt, share) = (self.dt_s, self.damping_s / self.dt_s);
-        // Fixed coordinates stay where the state has them.
-        self.asked.positions.clone_from(&state.positions);
-        let start = self.gather(&state.positions);
-        let speed: Vec<f64> = self
-            .order
-            .iter()
-            .flat_map(|&c| -> [f64; 3] { state.velocities[c as usize].into() })
-            .collect();
-        let given: Vec<f64> = self
-            .order
-            .iter()
-            .flat_map(|&c| -> [f64; 3] {
-                let weight = self.gravity * self.body.masses()[c as usize];
-                (weight + load_n[c as usize]).into()
-            })
-            .collect();
-        let coasting: Vec<f64> = start.iter().zip(&speed).map(|(x, v)| x + dt * v).collect();
-        let inertia: Vec<f64> = self.masses.iter().map(|m| m / (dt * dt)).collect();
-        let mut scale_n = largest(&given);
-        for (m, v) in self.masses.iter().zip(&speed) {
-            scale_n = scale_n.max(m * v.abs() / dt);
-        }
-        let ahead = |places: &[f64]| -> Vec<f64> {
-            let both = places.iter().zip(&start);
-            both.map(|(z, x)| z + share * (z - x)).collect()
-        };
-        // What is missing on each coordinate, and the largest of the law's forces.
-        let missing = |this: &mut Self, places: &[f64]| -> (Vec<f64>, f64) {
-            let mut forces = this.forces(&ahead(places));
-            let law_n = largest(&forces);
-            for k in 0..forces.len() {
-                forces[k] += given[k] - inertia[k] * (places[k] - coasting[k]);
-            }
-            (forces, law_n)
-        };
+        let motion = self.motion(state, load_n);
+        let coasting = &motion.coasting;
         let mut places: Vec<f64> = coasting
             .iter()
             .zip(&self.correction)
             .map(|(y, c)| y + c)
             .collect();
-        let (mut residual, mut law_n) = missing(self, &places);
-        let from_coasting = missing(self, &coasting);
+        let (mut residual, mut law_n) = self.missing(&motion, &places);
+        let from_coasting = self.missing(&motion, coasting);
         let [warm, cold] = [&residual, &from_coasting.0].map(|r| dot(r, r));
         if warm.is_nan() || warm >= cold {
-            places.clone_from(&coasting);
+            places.clone_from(coasting);
             (residual, law_n) = from_coasting;
         }
         let mut solved = Solved::default();
@@ -337,7 +341,7 @@ impl<'a> ExactStep<'a> {
         loop {
             let (left, scale) = (
                 largest(&residual),
-                scale_n.max(law_n).max(f64::MIN_POSITIVE),
+                motion.scale_n.max(law_n).max(f64::MIN_POSITIVE),
             );
             solved.residual = left / scale;
             let rounded = solved.residual <= ROUNDING || left <= self.rounding_n;
@@ -352,7 +356,7 @@ impl<'a> ExactStep<'a> {
                     scale_n: scale,
                 });
             }
-            let there = ahead(&places);
+            let there = self.ahead(&motion, &places);
             if self.stale {
                 self.refactor(&there);
             }
@@ -369,7 +373,7 @@ impl<'a> ExactStep<'a> {
                     .zip(&direction)
                     .map(|(x, d)| x + length * d)
                     .collect();
-                let (now, law) = missing(self, &moved);
+                let (now, law) = self.missing(&motion, &moved);
                 let after = dot(&now, &now);
                 if after < before * (1.0 - 1e-4 * length) {
                     // Near rounding, small gains are no way on.
@@ -380,16 +384,70 @@ impl<'a> ExactStep<'a> {
                 length *= 0.5;
             }
         }
-        for k in 0..places.len() {
-            self.correction[k] = places[k] - coasting[k];
-        }
-        for (k, &c) in self.order.iter().enumerate() {
-            let place = Point3::new(places[3 * k], places[3 * k + 1], places[3 * k + 2]);
-            let c = c as usize;
-            state.velocities[c] = (place - state.positions[c]) / dt;
-            state.positions[c] = place;
-        }
+        self.finish(state, &motion, &places);
         Ok(solved)
+    }
+
+    /// What a step starts from. Fixed coordinates stay where the state has them.
+    fn motion(&mut self, state: &DeformableState, load_n: &[Vector3]) -> Motion {
+        let dt = self.dt_s;
+        self.asked.positions.clone_from(&state.positions);
+        let start = self.gather(&state.positions);
+        let speed: Vec<f64> = self
+            .order
+            .iter()
+            .flat_map(|&c| -> [f64; 3] { state.velocities[c as usize].into() })
+            .collect();
+        let given: Vec<f64> = self
+            .order
+            .iter()
+            .flat_map(|&c| -> [f64; 3] {
+                let weight = self.gravity * self.body.masses()[c as usize];
+                (weight + load_n[c as usize]).into()
+            })
+            .collect();
+        let mut scale_n = largest(&given);
+        for (m, v) in self.masses.iter().zip(&speed) {
+            scale_n = scale_n.max(m * v.abs() / dt);
+        }
+        let coasting = start.iter().zip(&speed).map(|(x, v)| x + dt * v).collect();
+        Motion {
+            start,
+            given,
+            coasting,
+            scale_n,
+        }
+    }
+
+    /// Where the law is asked for its forces: damping looks ahead.
+    fn ahead(&self, motion: &Motion, places: &[f64]) -> Vec<f64> {
+        let share = self.damping_s / self.dt_s;
+        let both = places.iter().zip(&motion.start);
+        both.map(|(z, x)| z + share * (z - x)).collect()
+    }
+
+    /// What is missing on each coordinate, N, and the largest of the law's forces.
+    fn missing(&mut self, motion: &Motion, places: &[f64]) -> (Vec<f64>, f64) {
+        let mut forces = self.forces(&self.ahead(motion, places));
+        let (law_n, inverse) = (largest(&forces), 1.0 / (self.dt_s * self.dt_s));
+        for k in 0..forces.len() {
+            let inertia = self.masses[k] * inverse * (places[k] - motion.coasting[k]);
+            forces[k] += motion.given[k] - inertia;
+        }
+        (forces, law_n)
+    }
+
+    /// The state at the end of a step.
+    fn finish(&mut self, state: &mut DeformableState, motion: &Motion, places: &[f64]) {
+        for (k, &c) in self.order.iter().enumerate() {
+            let c = c as usize;
+            for axis in 0..3 {
+                let (at, from) = (places[3 * k + axis], motion.start[3 * k + axis]);
+                self.correction[3 * k + axis] = at - motion.coasting[3 * k + axis];
+                state.positions[c][axis] = at;
+                state.velocities[c][axis] = (at - from) / self.dt_s;
+            }
+        }
     }
 
     /// Where a held body is at rest under a load, which is given in `parts`; speeds become zero.

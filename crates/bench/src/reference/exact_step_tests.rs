@@ -1,5 +1,7 @@
 //! Steps and equilibria in closed form, and our own step where it has converged.
 
+use super::contact::{Skin, Touch};
+use super::obstacle::Obstacle;
 use super::*;
 use palpate_sim::scene::{Scene, file};
 use palpate_sim::tick::record::TickInput;
@@ -129,6 +131,124 @@ fn sixty_iterations_of_our_step_are_the_exact_step() {
                 miss < 1e-8 * motion * (tick + 1) as f64,
                 "{model}, tick {tick}: {miss} m of {motion} m, exact to {}",
                 solved.residual
+            );
+        }
+    }
+}
+
+// ν = 0: a plate that lies flat on the far face presses the slab evenly, with E A times the strain.
+#[test]
+fn a_plane_presses_a_slab_with_e_a_times_the_strain() {
+    let (young, thickness, strain) = (50e3, 0.02, 1e-6);
+    let more = format!(
+        "material = {{ young_pa = {young:?}, poisson = 0.0, damping_s = 0.0 }}\n\
+         fixed = [{{ point = [0.0, 0.0, {:?}], normal = [0.0, 0.0, 1.0] }}]",
+        1e-6 - thickness
+    );
+    let scene = sheet("continuum", [6, 5], thickness, &more);
+    let body = scene.deformable(0).unwrap();
+    let mut exact = ExactStep::new(body);
+    // So long that inertia is nothing beside what holds the body.
+    exact.dt_s = 1e4;
+    let skin = Skin::new(&exact, scene.rest_surface(0), [21, 21], |_| true).unwrap();
+    let (mut state, mut touch) = (body.rest_state(), Touch::default());
+    let plate = Obstacle::Plane {
+        point: Point3::new(0.0, 0.0, -strain * thickness),
+        normal: -Vector3::z(),
+    };
+    let none = vec![Vector3::zeros(); body.coordinate_count()];
+    exact
+        .step_touching(&mut state, &none, &skin, &plate, &mut touch)
+        .unwrap();
+    let force = young * 0.1 * 0.1 * strain;
+    assert!(
+        (-touch.force_n.z / force - 1.0).abs() < 1e-4,
+        "{} instead of {force} N",
+        touch.force_n
+    );
+}
+
+// In every step momentum changes by weight and contact alone, nothing is inside, and what is at rest
+// in the end presses with its weight.
+#[test]
+fn a_block_that_falls_on_a_plane_comes_to_rest_on_its_weight() {
+    let scene = sheet(
+        "continuum",
+        [5, 5],
+        0.03,
+        "material = { young_pa = 20e3, poisson = 0.3, damping_s = 2e-2 }",
+    );
+    let body = scene.deformable(0).unwrap();
+    let mut exact = ExactStep::new(body);
+    (exact.damping_s, exact.gravity) = (2e-2, Vector3::new(0.0, 0.0, 9.81));
+    let surface = scene.rest_surface(0);
+    let skin = Skin::new(&exact, surface, [25, 25], |_| true).unwrap();
+    assert_eq!(skin.len(), 625);
+    let (mut state, mut touch) = (body.rest_state(), Touch::default());
+    // It falls upwards: the surface is its upper side.
+    let ceiling = Obstacle::Plane {
+        point: Point3::new(0.0, 0.0, 1e-3),
+        normal: -Vector3::z(),
+    };
+    let none = vec![Vector3::zeros(); body.coordinate_count()];
+    let momentum = |state: &DeformableState| -> Vector3 {
+        let moving = body.masses().iter().zip(&state.velocities);
+        moving.map(|(m, v)| v * *m).sum()
+    };
+    let weight = exact.gravity * body.mass_kg();
+    for tick in 0..600 {
+        let before = momentum(&state);
+        exact
+            .step_touching(&mut state, &none, &skin, &ceiling, &mut touch)
+            .unwrap_or_else(|e| panic!("tick {tick}: {e}"));
+        let gained = (momentum(&state) - before) / exact.dt_s;
+        assert!(
+            (gained - weight - touch.force_n).norm()
+                < 1e-8 * weight.norm().max(touch.force_n.norm()),
+            "tick {tick}: {gained} by {weight} and {}",
+            touch.force_n
+        );
+        assert!(touch.force_n.z <= 0.0, "tick {tick}: it is held back");
+        let mut now = surface.clone();
+        for (control, point) in now.net_mut().points_mut().iter_mut().enumerate() {
+            *point = state.positions[body.coordinate_of_control(control)];
+        }
+        for k in 0..25 {
+            let along = f64::from(k) / 24.0;
+            let inside = now.point(along, 0.5).z - 1e-3;
+            assert!(inside < 1e-9, "tick {tick}: {inside} m inside");
+        }
+    }
+    let off = (touch.force_n + weight).norm() / weight.norm();
+    assert!(
+        off < 1e-4,
+        "it presses with {} N, of {weight}",
+        touch.force_n
+    );
+}
+
+#[test]
+fn gaps_to_obstacles_have_their_slopes() {
+    let ball = Obstacle::Sphere {
+        centre: Point3::new(0.02, 0.01, 0.05),
+        radius_m: 0.02,
+    };
+    let plane = Obstacle::Plane {
+        point: Point3::new(0.0, 0.0, 0.01),
+        normal: Vector3::new(0.6, 0.0, 0.8),
+    };
+    let at = Point3::new(0.035, 0.02, 0.061);
+    for obstacle in [ball, plane] {
+        let (gap, normal, _) = obstacle.gap(&at);
+        assert!((normal.norm() - 1.0).abs() < 1e-14);
+        for axis in 0..3 {
+            let mut moved = at;
+            moved[axis] += 1e-7;
+            let slope = (obstacle.gap(&moved).0 - gap) / 1e-7;
+            assert!(
+                (slope - normal[axis]).abs() < 1e-5,
+                "{slope} is not {}",
+                normal[axis]
             );
         }
     }

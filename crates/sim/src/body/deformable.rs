@@ -443,7 +443,7 @@ impl Deformable {
             }
         };
         flow.flow(
-            &self.matter.law.springs,
+            &self.matter.law,
             places,
             &mut state.rest_lengths,
             &mut state.plastic_strain,

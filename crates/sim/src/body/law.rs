@@ -146,7 +146,7 @@ impl MaterialLaw {
         self.continuum.is_none() && self.bends.is_empty() && self.slope == 1.0
     }
 
-    /// Adds −∂E/∂x, N. `rest`: lengths of the springs without force; `farther`: how much farther than
+    /// Adds −∂E/∂x, N. `rest`: lengths of the springs without force, or metrics of cells that flow; `farther`: how much farther than
     /// the bounding matrix the step follows cells. Answers with the number of
     /// cells that were held back.
     pub(super) fn add_forces(
@@ -166,7 +166,7 @@ impl MaterialLaw {
         crushed
             + self.continuum.as_ref().map_or(0, |continuum| {
                 continuum
-                    .add_forces_reaching(places, residual, farther)
+                    .add_forces_reaching(rest, places, residual, farther)
                     .limited
             })
     }
@@ -177,7 +177,7 @@ impl MaterialLaw {
         let continuum = self
             .continuum
             .as_ref()
-            .map_or(0.0, |continuum| continuum.energy_j(places));
+            .map_or(0.0, |continuum| continuum.energy_flowed_j(rest, places));
         let bends: f64 = self.bends.iter().map(|bend| bend.energy_j(places)).sum();
         let barrier = self
             .barrier

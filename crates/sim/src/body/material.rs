@@ -11,24 +11,25 @@ pub struct Material {
     pub density_kg_m3: f64,
     /// d, s: a strain rate adds the stress of a strain of `d` times itself.
     pub damping_s: f64,
-    /// Springs that give for good.
+    /// Springs or cells that give for good.
     pub plastic: Option<Plastic>,
     /// Springs that stiffen.
     pub stiffening: Option<Stiffening>,
 }
 
-/// Plastic flow of springs: beyond the yield strain the rest length follows.
+/// Plastic flow: beyond the yield strain, the rest length of a spring or the rest shape of a cell
+/// follows.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Plastic {
-    /// Strain up to which springs do not flow.
+    /// Strain up to which nothing flows: of a spring, or of a bar of the material that is drawn.
     pub yield_strain: f64,
     /// Share of the strain beyond yield that flows away in a second, 1/s.
     pub rate_per_s: f64,
     /// Growth of the yield strain with the plastic strain so far.
     pub hardening: f64,
-    /// Most plastic strain, relative to the first rest length, below 1.
+    /// Most plastic change of a length, relative to that at first, below 1.
     pub limit: f64,
-    /// Flow is shared with springs within this distance, m; 0 keeps it where it arises.
+    /// Flow is shared with springs or cells within this distance, m; 0 keeps it where it arises.
     pub spread_m: f64,
 }
 

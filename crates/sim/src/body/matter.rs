@@ -108,18 +108,12 @@ impl Matter {
         if weightless > 0 {
             return Err(DeformableError::NoMass(weightless));
         }
-        if plastic.is_some() && law.continuum.is_some() {
-            return Err(DeformableError::Unsupported(
-                "only springs flow plastically; use model = \"lattice\"",
-            ));
-        }
         let free = |c: &u32| unknown[*c as usize] != FIXED;
         let mut surface: Vec<u32> = coordinate_of_control.iter().copied().filter(free).collect();
         surface.sort_unstable();
         surface.dedup();
-        let flow = plastic.map(|law_of_flow| {
-            Flow::new(law_of_flow, &law.springs, &map.nodes(&rest), settings.dt_s)
-        });
+        let flow = plastic
+            .map(|law_of_flow| Flow::new(law_of_flow, &law, &map.nodes(&rest), settings.dt_s));
         Ok(Self {
             settings,
             damping_s,
@@ -186,13 +180,13 @@ impl Matter {
             None => velocities.resize(self.rest.len(), Vector3::zeros()),
         }
         let rest: &[Lane] = match &self.flow {
-            Some(_) => self.law.springs.rest(),
+            Some(flow) => flow.rest(&self.law),
             None => &[],
         };
         rest_lengths.clear();
         rest_lengths.extend_from_slice(rest);
         plastic_strain.clear();
-        plastic_strain.resize(rest.len(), [0.0; 4]);
+        plastic_strain.resize(self.strain_lanes(), [0.0; 4]);
         (*still, *calm, *left_alone, *slept) = (0, Calm::default(), false, 0);
     }
 
@@ -226,18 +220,16 @@ impl Matter {
             lanes: Rows::zeros(self.unknown_count()),
             limited: 0,
             field: Field::default(),
-            flow: vec![
-                [0.0; 4];
-                if self.flow.is_some() {
-                    self.law.springs.rest().len()
-                } else {
-                    0
-                }
-            ],
+            flow: vec![[0.0; 4]; self.strain_lanes()],
         }
     }
 
-    /// Lengths of the springs without force.
+    /// Number of lanes of plastic strains; none without flow.
+    fn strain_lanes(&self) -> usize {
+        (self.flow.as_ref()).map_or(0, |flow| flow.strain_lanes(&self.law))
+    }
+
+    /// Lengths of the springs without force, or metrics of cells that flow.
     pub fn rest_lengths<'a>(&'a self, state: &'a DeformableState) -> &'a [Lane] {
         if self.flow.is_some() {
             &state.rest_lengths

@@ -1,4 +1,6 @@
-//! Plastic flow: rest lengths follow the strain beyond yield, so that clay keeps its dents.
+//! Plastic flow: rest follows the strain beyond yield, so that clay keeps its dents.
+//!
+//! Of cells: [`CellFlow`]. Of springs, rest lengths follow.
 //!
 //! The strain of a spring is (l − L) / L₀. Beyond the yield strain y + H p (p: plastic strain so
 //! far, H: hardening) the rest length moves towards the length at a given rate, until it has
@@ -6,14 +8,65 @@
 //! rest lengths. With a spread, the flow of a spring is shared with those around it (the thesis'
 //! neighbourhood radius, sec. 5.4), so that a pull draws a smooth bump.
 
+use super::continuum::CellFlow;
+use super::law::MaterialLaw;
 use super::material::Plastic;
 use super::node_map::SparseRows;
 use super::spring_table::SpringTable;
 use palpate_geometry::math::{Lane, Point3};
 
-/// Constants of the flow.
+/// Constants of the flow of a body.
 #[derive(Debug)]
-pub(super) struct Flow {
+pub(super) enum Flow {
+    Springs(SpringFlow),
+    Cells(CellFlow),
+}
+
+impl Flow {
+    pub(super) fn new(law: Plastic, of: &MaterialLaw, rest: &[Point3], dt_s: f64) -> Self {
+        match &of.continuum {
+            Some(solid) => Self::Cells(CellFlow::new(law, solid, dt_s)),
+            None => Self::Springs(SpringFlow::new(law, &of.springs, rest, dt_s)),
+        }
+    }
+
+    /// What flows, before anything has: lengths of springs, or metrics of cells.
+    pub(super) fn rest<'a>(&'a self, of: &'a MaterialLaw) -> &'a [Lane] {
+        match self {
+            Self::Springs(_) => of.springs.rest(),
+            Self::Cells(cells) => cells.rest(),
+        }
+    }
+
+    /// Number of lanes of plastic strains.
+    pub(super) fn strain_lanes(&self, of: &MaterialLaw) -> usize {
+        match self {
+            Self::Springs(_) => of.springs.rest().len(),
+            Self::Cells(cells) => cells.strain_lanes(),
+        }
+    }
+
+    /// Lets a body at `nodes` flow; true if anything did. `rest` and `strains` are its state,
+    /// `amounts` is room for as many lanes as `strains`.
+    pub(super) fn flow(
+        &self,
+        of: &MaterialLaw,
+        nodes: &[Lane],
+        rest: &mut [Lane],
+        strains: &mut [Lane],
+        amounts: &mut [Lane],
+    ) -> bool {
+        match (self, &of.continuum) {
+            (Self::Springs(springs), _) => springs.flow(&of.springs, nodes, rest, strains, amounts),
+            (Self::Cells(cells), Some(solid)) => cells.flow(solid, nodes, rest, strains, amounts),
+            (Self::Cells(_), None) => false,
+        }
+    }
+}
+
+/// Constants of the flow of springs.
+#[derive(Debug)]
+pub(super) struct SpringFlow {
     law: Plastic,
     /// Share of a body step's excess strain that flows.
     share: f64,
@@ -22,9 +75,14 @@ pub(super) struct Flow {
     spread: Option<SparseRows>,
 }
 
-impl Flow {
-    pub(super) fn new(law: Plastic, table: &SpringTable, rest: &[Point3], dt_s: f64) -> Self {
-        let spread = (law.spread_m > 0.0).then(|| neighbours(law.spread_m, table, rest));
+impl SpringFlow {
+    fn new(law: Plastic, table: &SpringTable, rest: &[Point3], dt_s: f64) -> Self {
+        let spread = (law.spread_m > 0.0).then(|| {
+            let middles = table.each().map(|(block, place, a, b, _)| {
+                (4 * block + place, nalgebra::center(&rest[a], &rest[b]))
+            });
+            neighbours(law.spread_m, &middles.collect::<Vec<_>>())
+        });
         // Never more than the whole excess in one step.
         Self {
             law,
@@ -34,7 +92,7 @@ impl Flow {
     }
 
     /// Lets springs flow; true if any did. `flow` has as many entries as `lengths`.
-    pub(super) fn flow(
+    fn flow(
         &self,
         table: &SpringTable,
         nodes: &[Lane],
@@ -102,20 +160,17 @@ impl Flow {
     }
 }
 
-/// Weights (1 − (d / r)²)² of the springs whose middles are within r of each spring's, scaled to
-/// add up to one.
-fn neighbours(radius: f64, table: &SpringTable, rest: &[Point3]) -> SparseRows {
-    let springs: Vec<(usize, Point3)> = table
-        .each()
-        .map(|(block, place, a, b, _)| (4 * block + place, nalgebra::center(&rest[a], &rest[b])))
-        .collect();
+/// Weights (1 − (d / r)²)² of the places within r of each place, scaled to add up to one; places come
+/// with their numbers, four to a lane.
+pub(super) fn neighbours(radius: f64, springs: &[(usize, Point3)]) -> SparseRows {
     // Cells of the radius' size, ordered: a spring looks into 27 of them.
     let cell = |p: &Point3| [p.x, p.y, p.z].map(|x| (x / radius).floor() as i64);
     let mut sorted: Vec<([i64; 3], usize, Point3)> =
         springs.iter().map(|&(s, p)| (cell(&p), s, p)).collect();
     sorted.sort_by_key(|entry| (entry.0, entry.1));
-    let mut rows: Vec<Vec<(u32, f64)>> = vec![Vec::new(); 4 * table.rest().len()];
-    for &(spring, middle) in &springs {
+    let lanes = springs.iter().map(|entry| entry.0 / 4 + 1).max();
+    let mut rows: Vec<Vec<(u32, f64)>> = vec![Vec::new(); 4 * lanes.unwrap_or(0)];
+    for &(spring, middle) in springs {
         let [x, y, z] = cell(&middle);
         let row = &mut rows[spring];
         for dx in -1..=1 {

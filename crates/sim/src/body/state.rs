@@ -18,9 +18,11 @@ pub struct DeformableState {
     pub positions: Vec<Point3>,
     /// (coordinates), m/s.
     pub velocities: Vec<Vector3>,
-    /// Lengths of the springs without force, m, four by four; empty unless they flow.
+    /// Of springs that flow: lengths without force, m, four by four. Of continuum cells that flow:
+    /// J₀⁻¹ Cp⁻¹ J₀⁻ᵀ (1/m², xx yy zz xy xz yz) at each point where they are integrated, four cells a
+    /// row. Empty otherwise.
     pub rest_lengths: Vec<Lane>,
-    /// Plastic strain of each spring so far; empty unless they flow.
+    /// Plastic strain of each spring, or of each such point, so far; empty unless they flow.
     pub plastic_strain: Vec<Lane>,
     /// (free coordinates of the net), N: contact forces of the last implicit step.
     pub contact_n: Vec<Vector3>,
@@ -160,6 +162,6 @@ pub struct DeformableScratch {
     pub(super) field: Field,
     /// Cells held back by the last pass.
     pub(super) limited: u32,
-    /// Changes of the rest lengths within a step; empty unless springs flow.
+    /// Plastic strains within a step; empty unless the body flows.
     pub(super) flow: Vec<Lane>,
 }

@@ -430,12 +430,14 @@ fn a_restored_state_goes_on_with_the_same_bits() {
         let plastic = format!(
             "material = {{ plastic = {{ yield_strain = 0.01, rate_per_s = 20.0, hardening = 0.1, spread_m = {spread} }} }}"
         );
-        goes_on(
-            "plastic flow",
-            &slab("lattice", PLAIN, &plastic),
-            300,
-            lower,
-        );
+        for model in ["lattice", "continuum", "net"] {
+            goes_on(
+                &format!("plastic flow of a {model}"),
+                &slab(model, PLAIN, &plastic),
+                300,
+                lower,
+            );
+        }
     }
     // Asleep when it is saved, woken after 200 ticks.
     let late = |world: &mut World, k: u32| {

@@ -12,7 +12,6 @@ mod examples;
 mod friction;
 mod grip;
 mod haptics;
-mod hard_cases;
 mod many_tools;
 mod models;
 mod motion;

@@ -1,7 +1,10 @@
 //! Bodies that nothing holds: a drop on a plane, and a spin.
 
 use super::beam::Strip;
-use super::{CONVERGED, Effort, Row, SETTINGS, Setting, UNITS, World, body, failed, put, row};
+use super::path::rms;
+use super::touching::Touching;
+use super::{CONVERGED, Effort, Row, SETTINGS, Setting, UNITS, World, failed, row};
+use crate::exact_step::obstacle::Obstacle;
 use palpate_geometry::math::{Matrix3, Point3, Vector3};
 use palpate_sim::body::DeformableState;
 use std::f64::consts::TAU;
@@ -25,6 +28,12 @@ pub(super) fn rows(effort: Effort, wanted: &dyn Fn(&str) -> bool, out: &mut dyn 
 /// Radius of the ball that is dropped, and its height above the plane, m.
 const RADIUS_M: f64 = 0.03;
 const DROP_M: f64 = 0.1;
+/// d of the ball, s.
+const DAMPING_S: f64 = 1e-3;
+/// Ticks from the start to the top after the first bounce, and more.
+const TICKS: usize = 450;
+/// Places of the ball along both parameters where the exact step asks for contact.
+const PLACES: [usize; 2] = [120, 120];
 
 /// A gel ball above a plane that a tool is.
 fn ball(setting: Setting) -> String {
@@ -39,7 +48,7 @@ id = "ball"
 surface = {{ builtin = "sphere", net = [8, 8], size = {RADIUS_M:?} }}
 pose = {{ position = [0.0, 0.0, {:?}] }}
 model = "continuum"
-material = {{ young_pa = 20e3, poisson = 0.3, density_kg_m3 = 1000.0, damping_s = 1e-3 }}
+material = {{ young_pa = 20e3, poisson = 0.3, density_kg_m3 = 1000.0, damping_s = {DAMPING_S:?} }}
 lattice = {{ layers = 3, refine = "none" }}
 {}
 [[tool]]
@@ -58,9 +67,9 @@ device = {{ force_max_n = 1e9, ramp_s = 0.0 }}
 fn dropped(setting: Setting) -> Result<(Vec<f64>, Vec<f64>), String> {
     let mut world = World::new(&ball(setting))?;
     let mut heights = Vec::new();
-    for _ in 0..450 {
+    for _ in 0..TICKS {
         world.at([0.0; 3]);
-        let (body, state) = body(&world)?;
+        let (body, state) = world.body()?;
         let sum: f64 = body
             .masses()
             .iter()
@@ -84,30 +93,63 @@ fn rebound(heights: &[f64]) -> (f64, usize) {
     (heights[top] - heights[0] + DROP_M, top)
 }
 
-fn bounce(case: &str, out: &mut dyn FnMut(Row)) {
-    let exact = match dropped(Setting::auto(CONVERGED)) {
-        Ok((heights, _)) => heights,
-        Err(why) => return out(failed(case, "none", &why)),
+/// The same by the exact step with an analytic plane, and how it was found.
+fn exactly(counts: [usize; 2]) -> Result<(Vec<f64>, String), String> {
+    let world = World::new(&ball(Setting::auto(1)))?;
+    let (body, state) = world.body()?;
+    let height = |state: &DeformableState| {
+        let points = body.masses().iter().zip(&state.positions);
+        points.map(|(m, p)| m * p.z).sum::<f64>() / body.mass_kg()
     };
-    let (right_m, _) = rebound(&exact);
-    // What the reference itself is good for.
-    let half_m = dropped(Setting::auto(CONVERGED / 2)).map(|(heights, _)| rebound(&heights).0);
-    let half_m = half_m.unwrap_or(f64::NAN);
-    for setting in SETTINGS {
+    let middle_m = height(state);
+    let mut heights = Vec::new();
+    let touching = Touching {
+        world: &world,
+        damping_s: DAMPING_S,
+        gravity: Vector3::new(0.0, 0.0, -9.81),
+        counts,
+    };
+    // Its lower half touches the plane, which the body's frame has so far below the middle.
+    let taken = touching.path(
+        TICKS,
+        |place| place.z < middle_m - 0.3 * RADIUS_M,
+        |_| Obstacle::Plane {
+            point: Point3::new(0.0, 0.0, middle_m - RADIUS_M - DROP_M),
+            normal: Vector3::z(),
+        },
+        |state, _| heights.push(height(state)),
+    )?;
+    Ok((heights, taken.said(TICKS)))
+}
+
+fn bounce(case: &str, out: &mut dyn FnMut(Row)) {
+    let (exact, mut about) = match exactly(PLACES) {
+        Ok((heights, about)) => (heights, format!("; {about}")),
+        Err(why) => return out(failed(case, "exact step", &why)),
+    };
+    let (right_m, right_top) = rebound(&exact);
+    about += &match exactly(PLACES.map(|count| count / 2)) {
+        Ok((heights, _)) => format!(
+            ", at every other place to {:.2} mm",
+            rebound(&heights).0 * 1e3
+        ),
+        Err(why) => format!(", at every other place: {why}"),
+    };
+    for setting in SETTINGS.into_iter().chain([Setting::auto(CONVERGED)]) {
         let method = setting.method();
         match dropped(setting) {
             Ok((heights, ticks_s)) => {
                 let (height_m, top) = rebound(&heights);
                 let note = format!(
-                    "comes back to {:.1} mm after {top} ticks, with {CONVERGED} iterations to {:.1} mm and \
-                     with half of them to {:.1} mm, of {:.0} mm; \
-                     {} iterations, matrix {}",
+                    "comes back to {:.2} mm after {top} ticks, by the exact step to {:.2} mm after {right_top}, of {:.0} mm; \
+                     path off by {:.1e} rms of that; {} iterations, matrix {}{}",
                     height_m * 1e3,
                     right_m * 1e3,
-                    half_m * 1e3,
                     DROP_M * 1e3,
+                    rms(&heights, &exact, DROP_M),
                     setting.iterations,
-                    setting.matrix
+                    setting.matrix,
+                    std::mem::take(&mut about),
                 );
                 let error = height_m / right_m - 1.0;
                 out(row(case, &method, ticks_s, (error, UNITS[2]), note));
@@ -157,20 +199,20 @@ fn spin(case: &str, model: &'static str, setting: Setting, effort: Effort) -> Re
         ..Strip::clamped(model, 200e3)
     };
     let mut world = World::new(&bar.text(&setting.text()))?;
-    let masses = body(&world)?.0.masses().to_vec();
+    let masses = world.body()?.0.masses().to_vec();
     let middle = {
-        let (body, state) = body(&world)?;
+        let (body, state) = world.body()?;
         let points = body.masses().iter().zip(&state.positions);
         points.map(|(m, p)| p.coords * *m).sum::<Vector3>() / body.mass_kg()
     };
     let omega = Vector3::new(0.0, 0.0, TURNS * TAU);
-    put(&mut world, |state| {
+    world.put(|state| {
         for (v, x) in state.velocities.iter_mut().zip(&state.positions) {
             *v = Vector3::new(0.1, -0.05, 0.02) + omega.cross(&(x.coords - middle));
         }
     })?;
-    let before = whole(&masses, body(&world)?.1);
-    let energy_j = |world: &World| body(world).map(|(body, state)| body.energy_j(state));
+    let before = whole(&masses, world.body()?.1);
+    let energy_j = |world: &World| world.body().map(|(body, state)| body.energy_j(state));
     let first_j = energy_j(&world)?;
     let ticks = if effort == Effort::Quick { 500 } else { 1_000 };
     // Direction from the middle to an end, in turns; and turns so far.
@@ -186,17 +228,17 @@ fn spin(case: &str, model: &'static str, setting: Setting, effort: Effort) -> Re
     let (mut turned, mut turns) = (0.0, vec![0.0]);
     // Least and most I⁻¹ L over that of the start: a bar that swings in length has two.
     let (mut least, mut most) = (1.0f64, 1.0f64);
-    let mut at = heading(body(&world)?.1);
+    let mut at = heading(world.body()?.1);
     for _ in 0..ticks {
         world.at([0.0, 0.0, 10.0]);
-        let now = heading(body(&world)?.1);
+        let now = heading(world.body()?.1);
         let step = now - at;
         (turned, at) = (turned + step - step.round(), now);
         turns.push(turned);
-        let rate = whole(&masses, body(&world)?.1).turning.norm() / before.turning.norm();
+        let rate = whole(&masses, world.body()?.1).turning.norm() / before.turning.norm();
         (least, most) = (least.min(rate), most.max(rate));
     }
-    let after = whole(&masses, body(&world)?.1);
+    let after = whole(&masses, world.body()?.1);
     // Rates over a fifth of the time each, once the bar has stretched.
     let part = ticks / 5;
     let rate = |from: usize| (turns[from + part] - turns[from]) / (part as f64 * 1e-3);

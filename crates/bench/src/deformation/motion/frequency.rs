@@ -6,7 +6,7 @@
 
 use super::beam::{FAR_TOOL, LENGTH_M, Strip, surface};
 use super::path::crossings;
-use super::{Effort, Row, SETTINGS, Setting, World, body, failed, put, row};
+use super::{Effort, Row, SETTINGS, Setting, World, failed, row};
 use crate::exact_step::ExactStep;
 use palpate_geometry::math::{Point3, Vector3};
 use palpate_sim::body::{Deformable, DeformableState};
@@ -189,7 +189,7 @@ fn start(mode: &Mode<'_>, body: &Deformable, state: &mut DeformableState) {
 
 fn exactly(mode: &Mode<'_>, ticks: usize) -> Result<Vec<f64>, String> {
     let world = World::new(&(mode.text)(&Setting::auto(1).text()))?;
-    let (body, state) = body(&world)?;
+    let (body, state) = world.body()?;
     let rest = state.positions.clone();
     let mut state = state.clone();
     start(mode, body, &mut state);
@@ -208,17 +208,15 @@ fn exactly(mode: &Mode<'_>, ticks: usize) -> Result<Vec<f64>, String> {
 
 fn swung(mode: &Mode<'_>, setting: Setting, ticks: usize) -> Result<(Vec<f64>, Vec<f64>), String> {
     let mut world = World::new(&(mode.text)(&setting.text()))?;
-    let mut moved = body(&world)?.1.clone();
+    let mut moved = world.body()?.1.clone();
     let rest = moved.positions.clone();
-    start(mode, body(&world)?.0, &mut moved);
-    put(&mut world, |state| {
-        state.positions.clone_from(&moved.positions)
-    })?;
+    start(mode, world.body()?.0, &mut moved);
+    world.put(|state| state.positions.clone_from(&moved.positions))?;
     let mut path = Vec::with_capacity(ticks + 1);
-    path.push(amplitude(mode, body(&world)?.0, &rest, &moved));
+    path.push(amplitude(mode, world.body()?.0, &rest, &moved));
     for _ in 0..ticks {
         world.at([0.0, 0.0, 10.0]);
-        let (body, state) = body(&world)?;
+        let (body, state) = world.body()?;
         path.push(amplitude(mode, body, &rest, state));
     }
     Ok((path, world.ticks_s))

@@ -7,13 +7,14 @@
 mod beam;
 mod free;
 mod frequency;
+mod jelly;
 mod path;
 mod press;
 mod ringdown;
+mod touching;
 
-use super::indent::World;
+use super::world::World;
 use super::{Effort, Row};
-use palpate_sim::body::{Deformable, DeformableState};
 
 /// Units of errors that are errors of a motion.
 pub(super) const UNITS: [&str; 3] = ["of the amplitude", "of the peak force", "of the height"];
@@ -66,6 +67,7 @@ pub(super) fn rows(effort: Effort, wanted: &dyn Fn(&str) -> bool, out: &mut dyn 
     ringdown::rows(effort, wanted, out);
     press::rows(effort, wanted, out);
     free::rows(effort, wanted, out);
+    jelly::rows(wanted, out);
     frequency::rows(effort, wanted, out);
 }
 
@@ -104,25 +106,6 @@ fn failed(case: &str, method: &str, why: &str) -> Row {
         (f64::NAN, UNITS[0]),
         why.to_owned(),
     )
-}
-
-/// The deforming body of a scene that has one, and its state.
-pub(super) fn body(world: &World) -> Result<(&Deformable, &DeformableState), String> {
-    let state = world.state.bodies.first();
-    let parts = world
-        .scene
-        .deformable(0)
-        .zip(state.and_then(|state| state.deformable.as_ref()));
-    parts.ok_or_else(|| "the scene has no deforming body".to_owned())
-}
-
-/// Changes the state of the body between ticks.
-fn put(world: &mut World, change: impl FnOnce(&mut DeformableState)) -> Result<(), String> {
-    let state = world.state.bodies.first_mut();
-    let state = state.and_then(|state| state.deformable.as_mut());
-    change(state.ok_or("the scene has no deforming body")?);
-    world.scratch = world.scene.scratch(&world.state);
-    Ok(())
 }
 
 #[cfg(test)]
@@ -177,11 +160,13 @@ mod tests {
     fn every_kind_of_motion_gives_rows_without_a_refusal() {
         for only in [
             "motion/bounce",
+            "motion/jelly/bowl",
             "motion/spin/lattice",
             "motion/press/lattice/0.25/200mm_s",
         ] {
             let rows = measured(only);
-            assert_eq!(rows.len(), SETTINGS.len(), "{only}: {rows:?}");
+            let converged = usize::from(only != "motion/spin/lattice");
+            assert_eq!(rows.len(), SETTINGS.len() + converged, "{only}: {rows:?}");
             assert!(rows.iter().all(|row| row.n > 0), "{only}: {rows:?}");
         }
     }

@@ -1,13 +1,25 @@
-//! The teardrop, pressed at a speed and held.
+//! The teardrop, pressed at a speed and held, against the exact step with an analytic ball.
 
 use super::super::indent::first_touch;
 use super::path::{largest, rms};
+use super::touching::Touching;
 use super::{CONVERGED, Effort, Row, SETTINGS, Setting, UNITS, World, failed, row};
+use crate::exact_step::obstacle::Obstacle;
+use palpate_geometry::math::{Point3, Vector3};
 
 /// How far the ball presses, m.
 const DEPTH_M: f64 = 4e-3;
 /// And for how long it stays there, in ticks.
 const HOLD: usize = 100;
+/// d of the body, s.
+const DAMPING_S: f64 = 2e-3;
+/// Radius of the ball, m, and where it comes along −x, m.
+const RADIUS_M: f64 = 0.01;
+const SIDE_M: [f64; 2] = [0.003, 0.045];
+/// How far from there contact is asked for, m, and at how many places around and along the body: every
+/// third of a millimetre, or closer.
+const AROUND_M: f64 = 0.013;
+const PLACES: [usize; 2] = [400, 280];
 
 pub(super) fn rows(effort: Effort, wanted: &dyn Fn(&str) -> bool, out: &mut dyn FnMut(Row)) {
     let quick = effort == Effort::Quick;
@@ -38,25 +50,24 @@ fn speed(
     out: &mut dyn FnMut(Row),
 ) {
     let run = |setting: Setting| pressed(&text(model, poisson, setting), speed_mm_s * 1e-3);
-    let exact = match run(Setting::auto(CONVERGED)) {
-        Ok((forces, _)) => forces,
-        Err(why) => return out(failed(case, "none", &why)),
+    let one = text(model, poisson, Setting::auto(1));
+    let (exact, mut about) = match exactly(&one, speed_mm_s * 1e-3, PLACES) {
+        Ok(done) => done,
+        Err(why) => return out(failed(case, "exact step", &why)),
     };
     let peak = most(&exact);
     // What the reference itself is good for: said once a case, and in a hurry where it is quick.
-    let said = effort == Effort::Full || (model != "net" && speed_mm_s == 50.0);
-    let mut settled = match said {
-        true => run(Setting::auto(CONVERGED / 2)).map_or(String::new(), |(forces, _)| {
-            let change = largest(&forces, &exact, peak);
-            let doubt = if change > 0.01 { ": not converged" } else { "" };
-            format!(
-                "; from {} to {CONVERGED} iterations the path changes by {change:.1e} of the peak{doubt}",
-                CONVERGED / 2,
-            )
-        }),
-        false => String::new(),
-    };
-    for setting in SETTINGS {
+    if effort == Effort::Full || (model != "net" && speed_mm_s == 50.0) {
+        let coarse = exactly(&one, speed_mm_s * 1e-3, PLACES.map(|count| count / 2));
+        about += &match coarse {
+            Ok((forces, _)) => format!(
+                "; at every other place the path changes by {:.1e} rms of the peak",
+                rms(&forces, &exact, peak)
+            ),
+            Err(why) => format!("; at every other place: {why}"),
+        };
+    }
+    for setting in SETTINGS.into_iter().chain([Setting::auto(CONVERGED)]) {
         let method = setting.method();
         let (forces, ticks_s) = match run(setting) {
             Ok(done) => done,
@@ -66,13 +77,15 @@ fn speed(
             }
         };
         let note = format!(
-            "peak {:.4} N, {:.3} of the exact step's, path off by at most {:.1} % of it, {} iterations, matrix {}{}",
+            "peak {:.4} N, {:.3} of the exact step's, path off by at most {:.1} % of it, at the end {:+.1} %, \
+             {} iterations, matrix {}{}",
             most(&forces),
             most(&forces) / peak,
             largest(&forces, &exact, peak) * 100.0,
+            end(&forces, &exact) * 100.0,
             setting.iterations,
             setting.matrix,
-            std::mem::take(&mut settled),
+            std::mem::take(&mut about),
         );
         out(row(
             case,
@@ -88,20 +101,55 @@ fn most(forces: &[f64]) -> f64 {
     forces.iter().fold(0.0, |most: f64, f| most.max(f.abs()))
 }
 
-/// Force on the tool in each tick, N, and what each took, s.
-fn pressed(text: &str, speed_m_s: f64) -> Result<(Vec<f64>, Vec<f64>), String> {
-    let mut world = World::new(text)?;
+/// By how much the last force is more than the exact one, of it.
+fn end(forces: &[f64], exact: &[f64]) -> f64 {
+    let last = forces.last().zip(exact.last());
+    last.map_or(f64::NAN, |(force, exact)| force / exact - 1.0)
+}
+
+/// Places of the ball's centre along x, m, tick by tick.
+fn way(world: &World, speed_m_s: f64) -> Vec<f64> {
     let touch = first_touch(world.scene.rest_surface(0));
     // Half a millimetre of approach, so that the device has been seen before it touches.
     let (from, to) = (touch + 0.5e-3, touch - DEPTH_M);
     let ticks = ((from - to) / (speed_m_s * 1e-3)).ceil() as usize;
-    let forces = (0..ticks + HOLD)
-        .map(|k| {
-            let x = (from - speed_m_s * 1e-3 * k as f64).max(to);
-            world.at([x, 0.003, 0.045]).tools[0].force_n.x
-        })
+    (0..ticks + HOLD)
+        .map(|k| (from - speed_m_s * 1e-3 * k as f64).max(to))
+        .collect()
+}
+
+/// Force on the tool in each tick, N, and what each took, s.
+fn pressed(text: &str, speed_m_s: f64) -> Result<(Vec<f64>, Vec<f64>), String> {
+    let mut world = World::new(text)?;
+    let forces = way(&world, speed_m_s)
+        .into_iter()
+        .map(|x| world.at([x, SIDE_M[0], SIDE_M[1]]).tools[0].force_n.x)
         .collect();
     Ok((forces, world.ticks_s))
+}
+
+/// Force on the ball in each tick by the exact step, N, and how it was found.
+fn exactly(text: &str, speed_m_s: f64, counts: [usize; 2]) -> Result<(Vec<f64>, String), String> {
+    let world = World::new(text)?;
+    let way = way(&world, speed_m_s);
+    let middle = Point3::new(way[way.len() - 1] - RADIUS_M, SIDE_M[0], SIDE_M[1]);
+    let mut forces = Vec::new();
+    let touching = Touching {
+        world: &world,
+        damping_s: DAMPING_S,
+        gravity: Vector3::zeros(),
+        counts,
+    };
+    let taken = touching.path(
+        way.len(),
+        |place| (place - middle).norm() < AROUND_M,
+        |tick| Obstacle::Sphere {
+            centre: Point3::new(way[tick], SIDE_M[0], SIDE_M[1]),
+            radius_m: RADIUS_M,
+        },
+        |_, force_n| forces.push(-force_n.x),
+    )?;
+    Ok((forces, format!("; {}", taken.said(way.len()))))
 }
 
 fn text(model: &str, poisson: f64, setting: Setting) -> String {
@@ -121,13 +169,13 @@ rate_hz = 1000
 id = "drop"
 surface = {{ builtin = "teardrop", net = [8, 8] }}
 model = "{model}"
-material = {{ young_pa = 20e3, {poisson}density_kg_m3 = 1000.0, damping_s = 2e-3 }}
+material = {{ young_pa = 20e3, {poisson}density_kg_m3 = 1000.0, damping_s = {DAMPING_S:?} }}
 lattice = {{ {lattice} }}
 {}
 fixed = [{{ point = [0.0, 0.0, 0.015], normal = [0.0, 0.0, 1.0] }}]
 [[tool]]
 id = "ball"
-shape = {{ sphere = {{ radius_m = 0.01 }} }}
+shape = {{ sphere = {{ radius_m = {RADIUS_M:?} }} }}
 pose = {{ position = [0.06, 0.003, 0.045] }}
 coupling = {{ stiffness_n_m = inf, damping_n_s_m = 0.0 }}
 device = {{ force_max_n = 1e9, ramp_s = 0.0 }}

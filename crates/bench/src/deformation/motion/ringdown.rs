@@ -2,7 +2,7 @@
 
 use super::beam::{LENGTH_M, Strip};
 use super::path::{Swings, rms};
-use super::{Effort, Row, SETTINGS, Setting, UNITS, World, body, failed, put, row};
+use super::{Effort, Row, SETTINGS, Setting, UNITS, World, failed, row};
 use crate::exact_step::ExactStep;
 use crate::peers::python;
 use palpate_geometry::math::{Point3, Vector3};
@@ -112,7 +112,7 @@ fn bent(body: &Deformable, beam: &Strip) -> Result<DeformableState, String> {
 
 fn exact(beam: &Strip, ticks: usize) -> Result<Exact, String> {
     let world = World::new(&beam.text(&Setting::auto(1).text()))?;
-    let body = body(&world)?.0;
+    let body = world.body()?.0;
     let rest = body.rest_state();
     let mut state = bent(body, beam)?;
     let start = state.positions.clone();
@@ -150,17 +150,17 @@ fn ours(case: &str, beam: &Strip, setting: Setting, exact: &Exact) -> Row {
     let method = setting.method();
     let run = || -> Result<Row, String> {
         let mut world = World::new(&beam.text(&setting.text()))?;
-        let rest = body(&world)?.0.rest_state().positions;
-        let tip = Tip::of(body(&world)?.0);
-        put(&mut world, |state| state.positions.clone_from(&exact.start))?;
+        let rest = world.body()?.0.rest_state().positions;
+        let tip = Tip::of(world.body()?.0);
+        world.put(|state| state.positions.clone_from(&exact.start))?;
         let (mut tips_m, mut cautious) = (vec![exact.tips_m[0]], 0);
         while tips_m.len() < exact.tips_m.len() {
             world.at([0.0, 0.0, 10.0]);
-            let state = body(&world)?.1;
+            let state = world.body()?.1;
             cautious += usize::from(state.caution.level > 0);
             tips_m.push(tip.height_m(state, &rest));
         }
-        let (body, _) = body(&world)?;
+        let (body, _) = world.body()?;
         let note = format!(
             "{}, {:.2} s, {} free coordinates, {} iterations, matrix {}, {cautious} ticks with a firmer one, \
              exact step {:.1} ms",

@@ -48,6 +48,7 @@ pub(super) fn reduce(
 #[inline(always)]
 pub(super) fn add_forces<L: Lanes>(
     block: &CellBlock,
+    metrics: &[[Four; 6]; 1],
     places: &[Lane],
     residual: &mut [Lane],
     farther: L,
@@ -55,11 +56,17 @@ pub(super) fn add_forces<L: Lanes>(
     let (zero, one) = (L::splat(0.0), L::splat(1.0));
     let c = modes::<L>(&block.nodes, places);
     let (x, y, z) = (c[4], c[2], c[1]);
-    let (t, invariant) = stretch(&block.metric[0], [x, y, z]);
+    let (t, invariant) = stretch(&metrics[0], [x, y, z]);
     let factor = L::load(&block.stiffness_j[0]) * (one - one / (invariant + one));
     let growth = [cross(y, z), cross(z, x), cross(x, y)];
     let volume = dot(x, growth[0]) * L::splat(8.0);
-    let (pressure, held) = pressure(block, volume, invariant, farther);
+    // What has flowed is elastic no more, but it turns the gradient of volume as well.
+    let largest = if std::ptr::eq(metrics.as_ptr(), block.metric.as_ptr()) {
+        invariant
+    } else {
+        invariant.greatest(stretch(&metrics[0], [x, y, z]).1)
+    };
+    let (pressure, held) = pressure(block, volume, largest, farther);
     let share = factor * L::splat(-0.125);
     let fx = minus(times(t[0], share), times(growth[0], pressure));
     let fy = minus(times(t[1], share), times(growth[1], pressure));
@@ -93,9 +100,9 @@ pub(super) fn add_forces<L: Lanes>(
 }
 
 /// J, by cell.
-pub(super) fn energy(block: &CellBlock, places: &[Lane]) -> Four {
+pub(super) fn energy(block: &CellBlock, metrics: &[[Four; 6]; 1], places: &[Lane]) -> Four {
     let c = modes::<Baseline>(&block.nodes, places);
-    let (_, lanes) = stretch(&block.metric[0], [c[4], c[2], c[1]]);
+    let (_, lanes) = stretch(&metrics[0], [c[4], c[2], c[1]]);
     let (mut invariant, mut volume) = ([0.0; 4], [0.0; 4]);
     lanes.store(&mut invariant);
     (dot(c[4], cross(c[2], c[1])) * Baseline::splat(8.0)).store(&mut volume);
@@ -212,6 +219,7 @@ mod tests {
             super::super::add_forces::<Baseline>(
                 &solid.blocks,
                 solid.points,
+                &[],
                 &places,
                 &mut slow,
                 1.0,

@@ -184,10 +184,11 @@ pub(super) fn volume<L: Lanes>(c: &[Triple<L>; 8]) -> ([Triple<L>; 8], L) {
     ([[zero; 3], dz, dy, dyz, dx, dxz, dxy, [zero; 3]], volume)
 }
 
-/// Adds −∂Ψ/∂x of a block's cells; bit k of the answer is set where cell k was held back.
+/// Adds −∂Ψ/∂x of a block's cells with a metric for each Gauss point; bit k of the answer is set where cell k was held back.
 #[inline(always)]
 pub(super) fn add_forces<L: Lanes>(
     block: &CellBlock,
+    metrics: &[[Four; 6]; 8],
     places: &[Lane],
     residual: &mut [Lane],
     farther: L,
@@ -199,16 +200,21 @@ pub(super) fn add_forces<L: Lanes>(
     let mut largest = zero;
     for gauss in 0..8 {
         let [i, j, k] = at(gauss);
-        let (t, invariant) = stretch(
-            &block.metric[gauss],
-            [slopes[0][i], slopes[1][j], slopes[2][k]],
-        );
+        let (t, invariant) = stretch(&metrics[gauss], [slopes[0][i], slopes[1][j], slopes[2][k]]);
         largest = largest.greatest(invariant);
         // P = μ' (1 − 1 / (I_C + 1)) F: Smith, de Goes & Kim 2018, eq. 14.
         let factor = L::load(&block.stiffness_j[gauss]) * (one - one / (invariant + one));
         pulls[0][i] = plus(pulls[0][i], times(t[0], factor));
         pulls[1][j] = plus(pulls[1][j], times(t[1], factor));
         pulls[2][k] = plus(pulls[2][k], times(t[2], factor));
+    }
+    if !std::ptr::eq(metrics, &block.metric) {
+        // What has flowed is elastic no more, but it turns the gradient of volume as well.
+        for gauss in 0..8 {
+            let [i, j, k] = at(gauss);
+            let gradient = [slopes[0][i], slopes[1][j], slopes[2][k]];
+            largest = largest.greatest(stretch(&block.metric[gauss], gradient).1);
+        }
     }
     let (x, y, z) = (gather(&pulls[0]), gather(&pulls[1]), gather(&pulls[2]));
     let (growth, volume) = volume(&c);

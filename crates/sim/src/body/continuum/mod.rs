@@ -14,6 +14,7 @@
 mod barrier;
 mod bound;
 mod centre;
+mod flow;
 mod hessian;
 mod kernel;
 mod rest;
@@ -24,6 +25,7 @@ use super::cells::{Cell, CellGrid};
 pub use barrier::VolumeBarrier;
 pub(super) use bound::TANGENT_REACH;
 pub use bound::Weight;
+pub(in crate::body) use flow::CellFlow;
 use kernel::CellBlock;
 use palpate_geometry::math::lanes::{Baseline, Four, Lanes};
 use palpate_geometry::math::{Lane, Point3, Vector3};
@@ -185,12 +187,14 @@ impl ContinuumLaw {
     /// Adds −∂Ψ/∂x (N) at `places` (m, fourth number ignored) to `residual`, both (node_count).
     /// Finite for places up to 1e100 m.
     pub fn add_forces(&self, places: &[Lane], residual: &mut [Lane]) -> Pass {
-        self.add_forces_reaching(places, residual, 1.0)
+        self.add_forces_reaching(&[], places, residual, 1.0)
     }
 
     /// The same for a step whose matrix follows cells so many times as far as the bounding one.
+    /// `metrics`: those of cells that flow, as [`CellFlow::rest`]; empty where none do.
     pub(in crate::body) fn add_forces_reaching(
         &self,
+        metrics: &[Lane],
         places: &[Lane],
         residual: &mut [Lane],
         farther: f64,
@@ -204,10 +208,24 @@ impl ContinuumLaw {
             // SAFETY: the processor has AVX2, asked just above.
             #[allow(unsafe_code)]
             return unsafe {
-                add_forces_avx2(&self.blocks, self.points, places, residual, farther)
+                add_forces_avx2(
+                    &self.blocks,
+                    self.points,
+                    metrics,
+                    places,
+                    residual,
+                    farther,
+                )
             };
         }
-        add_forces::<Baseline>(&self.blocks, self.points, places, residual, farther)
+        add_forces::<Baseline>(
+            &self.blocks,
+            self.points,
+            metrics,
+            places,
+            residual,
+            farther,
+        )
     }
 
     /// −∂Ψ/∂x (node_count), N, with no cell held back: for offline solvers, which need no matrix to
@@ -219,7 +237,7 @@ impl ContinuumLaw {
                 reach: [f64::MAX; 4],
                 ..block.clone()
             };
-            add_forces::<Baseline>(&[free], self.points, places, &mut residual, 1.0);
+            add_forces::<Baseline>(&[free], self.points, &[], places, &mut residual, 1.0);
         }
         residual
             .iter()
@@ -229,21 +247,43 @@ impl ContinuumLaw {
 
     /// Ψ, J; zero at rest. Where [`Pass::limited`] counts a cell, forces are not its gradient.
     pub fn energy_j(&self, places: &[Lane]) -> f64 {
-        let energy = match self.points {
-            Points::Eight => block_energy,
-            Points::Centre => centre::energy,
-        };
-        self.blocks
-            .iter()
-            .map(|block| energy(block, places).iter().sum::<f64>())
-            .sum()
+        self.energy_flowed_j(&[], places)
     }
+
+    /// The same of cells that flow: `metrics` as [`CellFlow::rest`].
+    pub(in crate::body) fn energy_flowed_j(&self, metrics: &[Lane], places: &[Lane]) -> f64 {
+        let blocks = self.blocks.iter().enumerate();
+        let energies = blocks.filter_map(|(k, block)| match self.points {
+            Points::Eight => {
+                metrics_of(block, metrics, k).map(|own| block_energy(block, own, places))
+            }
+            Points::Centre => {
+                metrics_of(block, metrics, k).map(|own| centre::energy(block, own, places))
+            }
+        });
+        energies.map(|four| four.iter().sum::<f64>()).sum()
+    }
+}
+
+/// Metrics of a block at its N points: its own, or those of the cells that flow. `None` for too few.
+#[inline(always)]
+fn metrics_of<'a, const N: usize>(
+    block: &'a CellBlock,
+    metrics: &'a [Lane],
+    index: usize,
+) -> Option<&'a [[Four; 6]; N]> {
+    if metrics.is_empty() {
+        return block.metric.first_chunk();
+    }
+    let (rows, _) = metrics.as_chunks::<{ flow::ROWS }>();
+    rows.get(N * index..)?.first_chunk()
 }
 
 #[inline(always)]
 fn add_forces<L: Lanes>(
     blocks: &[CellBlock],
     points: Points,
+    metrics: &[Lane],
     places: &[Lane],
     residual: &mut [Lane],
     farther: f64,
@@ -252,13 +292,21 @@ fn add_forces<L: Lanes>(
     let farther = L::splat(farther);
     match points {
         Points::Eight => {
-            for block in blocks {
-                limited += kernel::add_forces::<L>(block, places, residual, farther).count_ones();
+            for (k, block) in blocks.iter().enumerate() {
+                let Some(own) = metrics_of(block, metrics, k) else {
+                    continue;
+                };
+                let held = kernel::add_forces::<L>(block, own, places, residual, farther);
+                limited += held.count_ones();
             }
         }
         Points::Centre => {
-            for block in blocks {
-                limited += centre::add_forces::<L>(block, places, residual, farther).count_ones();
+            for (k, block) in blocks.iter().enumerate() {
+                let Some(own) = metrics_of(block, metrics, k) else {
+                    continue;
+                };
+                let held = centre::add_forces::<L>(block, own, places, residual, farther);
+                limited += held.count_ones();
             }
         }
     }
@@ -271,23 +319,24 @@ fn add_forces<L: Lanes>(
 fn add_forces_avx2(
     blocks: &[CellBlock],
     points: Points,
+    metrics: &[Lane],
     places: &[Lane],
     residual: &mut [Lane],
     farther: f64,
 ) -> Pass {
-    add_forces::<palpate_geometry::math::lanes::Wide>(blocks, points, places, residual, farther)
+    add_forces::<palpate_geometry::math::lanes::Wide>(
+        blocks, points, metrics, places, residual, farther,
+    )
 }
 
-fn block_energy(block: &CellBlock, places: &[Lane]) -> Four {
+fn block_energy(block: &CellBlock, metrics: &[[Four; 6]; 8], places: &[Lane]) -> Four {
     let c = kernel::modes::<Baseline>(&block.nodes, places);
     let slopes = kernel::slopes(&c);
     let mut energy = [0.0; 4];
     for gauss in 0..8 {
         let [i, j, k] = kernel::at(gauss);
-        let (_, lanes) = kernel::stretch(
-            &block.metric[gauss],
-            [slopes[0][i], slopes[1][j], slopes[2][k]],
-        );
+        let (_, lanes) =
+            kernel::stretch(&metrics[gauss], [slopes[0][i], slopes[1][j], slopes[2][k]]);
         let mut invariant = [0.0; 4];
         lanes.store(&mut invariant);
         for cell in 0..4 {

@@ -3,6 +3,7 @@
 mod accuracy;
 mod beams;
 mod energy;
+mod flow;
 mod frequency;
 mod stability;
 mod statics;

@@ -79,7 +79,7 @@ pub struct MaterialSpec {
     #[schemars(range(min = 0))]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub damping_s: Option<f64>,
-    /// Plastic flow of springs; that of the preset when absent.
+    /// Plastic flow of springs or cells; that of the preset when absent.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub plastic: Option<PlasticSpec>,
     /// Stiffening of springs with strain; that of the preset when absent.
@@ -90,11 +90,11 @@ pub struct MaterialSpec {
     pub springs: Option<SpringsSpec>,
 }
 
-/// `plastic = { yield_strain = 0.02, rate_per_s = 20.0 }`: springs that keep a part of their strain.
+/// `plastic = { yield_strain = 0.02, rate_per_s = 20.0 }`: springs or cells that keep a part of their strain.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct PlasticSpec {
-    /// Strain up to which springs do not flow.
+    /// Strain up to which nothing flows: of a spring, or of a bar of the material that is drawn.
     #[schemars(range(min = 0))]
     pub yield_strain: f64,
     /// Share of the strain beyond yield that flows in a second; 0 for none.
@@ -104,11 +104,11 @@ pub struct PlasticSpec {
     #[schemars(range(min = 0))]
     #[serde(default)]
     pub hardening: f64,
-    /// Largest plastic strain.
+    /// Largest plastic change of a length, relative to that at first.
     #[schemars(extend("exclusiveMinimum" = 0, "exclusiveMaximum" = 1))]
     #[serde(default = "plastic_limit")]
     pub limit: f64,
-    /// Flow is shared with springs within this distance.
+    /// Flow is shared with springs or cells within this distance.
     #[schemars(range(min = 0))]
     #[serde(default)]
     pub spread_m: f64,
