@@ -92,7 +92,8 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
         );
         let _ = std::io::stdout().flush();
     } else {
-        eprintln!("lobby: {url} (at most {max} sessions)");
+        let plural = if max == 1 { "" } else { "s" };
+        eprintln!("lobby: {url} (at most {max} session{plural})");
     }
     // On this thread, which lasts as long as the program: daemons end with it.
     lobby.run(&stop);

@@ -65,7 +65,7 @@ pub enum Refusal {
     },
     /// All places are taken.
     #[error(
-        "all {max} sessions of this lobby are taken: try again when one has ended, or start the lobby with a larger --max \
+        "no place is free in this lobby (--max {max}): try again when a session has ended, or start it with a larger --max \
          if the machine has idle cores"
     )]
     Full {

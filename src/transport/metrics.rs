@@ -274,7 +274,8 @@ impl LoopMetrics {
             let clients = self.tools().zip(&self.clients);
             clients.filter_map(|((_, tool), counts)| Some((tool, counts.as_ref()?)))
         };
-        let counters: [(&str, &str, fn(&ClientCounts) -> u64); 2] = [
+        type Read = fn(&ClientCounts) -> u64;
+        let counters: [(&str, &str, Read); 2] = [
             (
                 "client_forces_published",
                 "Forces sent to the client that holds a tool, since it has it",

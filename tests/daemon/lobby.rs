@@ -172,13 +172,16 @@ fn a_device_presses_in_a_scene_that_it_got_from_the_lobby() {
         // A loop of a busy machine may be too slow for any force, for a while.
         wait_until("no force of a session", || {
             let (report, code) = device(text(&session["endpoint"]), &arguments);
-            assert_eq!(code, 0, "{report}");
-            let report: serde_json::Value = serde_json::from_str(&report).unwrap();
-            report["peak_force_n"].as_f64().unwrap() > 0.5
+            println!("exit code {code}: {report}");
+            let report: Option<serde_json::Value> = serde_json::from_str(&report).ok();
+            let peak_n = report.and_then(|report| report["peak_force_n"].as_f64());
+            code == 0 && peak_n.is_some_and(|newtons| newtons > 0.5)
         });
         let page = text(&session["page"]).trim_start_matches("http://127.0.0.1:");
         let port = page.trim_end_matches('/').parse().unwrap();
-        assert_eq!(crate::page::get(port, "/readyz").status, 200);
+        wait_until("a session is never ready", || {
+            crate::page::get(port, "/readyz").status == 200
+        });
     }
     // One is ended: its process is gone, and there is a place for another.
     let id = text(&first["id"]);

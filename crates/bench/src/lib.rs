@@ -6,7 +6,6 @@
 
 mod contact;
 mod deformation;
-#[path = "reference/exact_step.rs"]
 mod exact_step;
 mod faults;
 mod figure;

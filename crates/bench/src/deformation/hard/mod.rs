@@ -104,6 +104,10 @@ const KNOWN: &[(&str, &str)] = &[
         "cells that are held back after the hit add a twentieth to its energy",
     ),
     (
+        "hard/hundred-bodies/net/implicit",
+        "slabs that a tool has left creep at more than 0.1 µm/s for seconds, so that nine of a hundred are awake",
+    ),
+    (
         "hard/own-weight/lattice/implicit",
         "flat cells of springs sag more than twice as far as a free column of the material",
     ),

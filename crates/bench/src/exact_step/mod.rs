@@ -8,14 +8,10 @@
 //! error figures and tests: it allocates, iterates to convergence, and its bits may differ between
 //! machines. The limit to how far damping looks ahead is not part of it.
 
-#[path = "band.rs"]
 mod band;
-#[path = "exact_contact.rs"]
 pub mod contact;
-#[path = "obstacle.rs"]
 pub mod obstacle;
 #[cfg(test)]
-#[path = "exact_step_tests.rs"]
 mod tests;
 
 use band::{BandCholesky, dot};
