@@ -10,6 +10,9 @@ const TREMBLE: f64 = 1e5;
 /// many times that speed would carry it.
 const DRIFT: f64 = 300.0;
 
+/// Steps of calm after which a body is left alone with whatever forces it has.
+const LONG: u32 = 10 * STILL_STEPS;
+
 /// How to see where the nodes of a body are on average, and how they are turned and stretched.
 #[derive(Debug)]
 pub(super) struct Outline {
@@ -57,24 +60,26 @@ impl Outline {
 pub struct Calm {
     /// Where it was at the first of these steps: centre and axes, m.
     pub from: Moments,
-    /// Body steps in a row.
+    /// Body steps in a row, or [`LONG`] once a hundred of them have ended with forces in balance.
     pub steps: u32,
 }
 
 impl Calm {
     /// It has stayed for long enough to be left alone.
     pub fn is_long(&self) -> bool {
-        self.steps >= STILL_STEPS
+        self.steps >= LONG
     }
 
     /// Counts a step at whose end the body is here. `sleep_m_s` is the speed below which one sleeps that
-    /// nothing touches; `fastest` is the speed of the fastest node, m/s.
+    /// nothing touches; `fastest` is the speed of the fastest node, m/s; `balanced`: what bears the body
+    /// bears its weight in this step, so that it may be left alone with these forces.
     pub(super) fn count(
         &mut self,
         outline: &Outline,
         rest: &[Point3],
         positions: &[Point3],
         fastest: f64,
+        balanced: bool,
         sleep_m_s: f64,
         dt_s: f64,
     ) {
@@ -86,7 +91,10 @@ impl Calm {
         let most = DRIFT * sleep_m_s * f64::from(STILL_STEPS) * dt_s;
         let stays = |(a, b): (&Vector3, &Vector3)| (a - b).norm() <= most;
         if self.steps > 0 && self.from.iter().zip(&now).all(stays) {
-            self.steps = (self.steps + 1).min(STILL_STEPS);
+            self.steps = match balanced && self.steps + 1 >= STILL_STEPS {
+                true => LONG,
+                false => (self.steps + 1).min(LONG),
+            };
         } else {
             (self.from, self.steps) = (now, 1);
         }
@@ -108,13 +116,22 @@ mod tests {
 
     /// Steps counted over a second of a motion, at sleep 1e-7 m/s and 1 ms.
     fn counted(motion: impl Fn(f64, &Point3, usize) -> Point3, fastest: f64) -> u32 {
+        counted_in(1_000, true, motion, fastest)
+    }
+
+    fn counted_in(
+        steps: u32,
+        balanced: bool,
+        motion: impl Fn(f64, &Point3, usize) -> Point3,
+        fastest: f64,
+    ) -> u32 {
         let rest = cloud();
         let outline = Outline::new(&rest);
         let mut calm = Calm::default();
-        for k in 0..1_000 {
+        for k in 0..steps {
             let t = f64::from(k) * 1e-3;
             let now: Vec<_> = (0..rest.len()).map(|i| motion(t, &rest[i], i)).collect();
-            calm.count(&outline, &rest, &now, fastest, 1e-7, 1e-3);
+            calm.count(&outline, &rest, &now, fastest, balanced, 1e-7, 1e-3);
         }
         calm.steps
     }
@@ -134,7 +151,12 @@ mod tests {
             let phase = (i * i) as f64 + t * 1e3;
             x + Vector3::new(phase.sin(), (2.0 * phase).cos(), (3.0 * phase).sin()) * 3e-6
         };
-        assert_eq!(counted(trembles, 3e-3), STILL_STEPS);
+        assert_eq!(counted(trembles, 3e-3), LONG);
+        // Forces out of balance are given more time, but not for ever.
+        assert_eq!(counted_in(99, true, trembles, 3e-3), 99);
+        assert_eq!(counted_in(100, true, trembles, 3e-3), LONG);
+        assert_eq!(counted_in(999, false, trembles, 3e-3), 999);
+        assert_eq!(counted_in(1_200, false, trembles, 3e-3), LONG);
         assert_eq!(counted(trembles, 0.1), 0);
         assert_eq!(counted(|_, x, _| *x, f64::NAN), 0);
     }

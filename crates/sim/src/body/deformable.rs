@@ -20,6 +20,9 @@ use super::state::{DeformableScratch, DeformableState, STILL_STEPS};
 use super::stepper::{Compliance, Stepper};
 use palpate_geometry::math::{Lane, Point3, Vector3};
 
+/// Of the weight of a body that lies on others: how far its contact forces may be from bearing it.
+const BORNE: f64 = 5e-3;
+
 /// Constants of a body.
 #[derive(Debug)]
 pub struct Deformable {
@@ -346,7 +349,8 @@ impl Deformable {
         }
         self.drop_loads(scratch);
         let flowed = self.flow(state, scratch);
-        self.count_still(state, touched, handled || flowed);
+        let balanced = state.calm.steps + 1 >= STILL_STEPS && self.is_borne(state, scratch);
+        self.count_still(state, touched, handled || flowed, balanced);
     }
 
     /// W F of forces on the net, into `lanes` (unknowns).
@@ -452,8 +456,8 @@ impl Deformable {
     }
 
     /// What moves no more for a while falls asleep; it wakes by a touch.
-    /// `busy`: it flowed, or a tool touched it.
-    fn count_still(&self, state: &mut DeformableState, touched: bool, busy: bool) {
+    /// `busy`: it flowed, or a tool touched it; `balanced`: as [`Deformable::is_borne`].
+    fn count_still(&self, state: &mut DeformableState, touched: bool, busy: bool, balanced: bool) {
         let limit = self.matter.settings.sleep_m_s * self.matter.settings.sleep_m_s;
         let squares = state.velocities.iter().map(|v| v.norm_squared());
         // What is not a number is not slow.
@@ -469,11 +473,36 @@ impl Deformable {
             let Matter { rest, settings, .. } = &self.matter;
             let (sleep_m_s, dt_s) = (settings.sleep_m_s, settings.dt_s);
             let (positions, fastest) = (&state.positions, fastest.sqrt());
-            (state.calm).count(&self.outline, rest, positions, fastest, sleep_m_s, dt_s);
+            (state.calm).count(
+                &self.outline,
+                rest,
+                positions,
+                fastest,
+                balanced,
+                sleep_m_s,
+                dt_s,
+            );
         }
         if state.still == STILL_STEPS {
             state.velocities.fill(Vector3::zeros());
         }
+    }
+
+    /// False where the contact forces of the step are known and are not, within [`BORNE`], those that
+    /// hold the body up: contacts tremble, and their forces with them.
+    fn is_borne(&self, state: &DeformableState, scratch: &DeformableScratch) -> bool {
+        if !(self.matter.is_free() && matches!(self.stepper, Stepper::Implicit(_))) {
+            return true;
+        }
+        let (mut weight, mut weight_n) = (Vector3::zeros(), 0.0);
+        let places = state.positions.iter().zip(&state.velocities);
+        for ((place, velocity), mass) in places.zip(&self.matter.masses) {
+            let part = scratch.field.at(place, velocity) * *mass;
+            weight += part;
+            weight_n += part.norm();
+        }
+        let borne: Vector3 = state.contact_n.iter().sum();
+        (weight + borne).norm() <= BORNE * weight_n
     }
 
     /// True when steps are skipped until something touches the body.

@@ -11,9 +11,10 @@ fn lentil() -> World {
     for point in surface.net_mut().points_mut() {
         point.z *= 0.4;
     }
-    let path = std::env::temp_dir().join(format!("palpate-lentil-{}.json", std::process::id()));
+    let directory = tempfile::tempdir().unwrap();
+    let path = directory.path().join("lentil.json");
     std::fs::write(&path, file::write(&surface, file::Unit::Metre)).unwrap();
-    let angle = libm::atan(0.15);
+    let angle = slope_rad();
     let text = format!(
         r#"
 [gravity]
@@ -39,9 +40,11 @@ pose = {{ position = [0.0, 0.0, 0.1] }}
         9.81 * libm::sin(angle),
         -9.81 * libm::cos(angle)
     );
-    let world = World::new(&text);
-    std::fs::remove_file(&path).unwrap();
-    world
+    World::new(&text)
+}
+
+fn slope_rad() -> f64 {
+    libm::atan(0.15)
 }
 
 const HIGH: [f64; 3] = [0.0, 0.0, 0.1];
@@ -77,15 +80,16 @@ fn a_body_that_lies_on_another_is_left_alone_with_its_forces() {
     for _ in 0..500 {
         let output = world.at_in_place(HIGH).clone();
         let total: Vector3 = output.contacts.list().iter().map(|c| c.force_n).sum();
-        // The normals of the list point from the lentil to the floor or the other way round; what
-        // the floor bears is the weight. At 30 µm/s the forces are off by far less than 1e-3.
-        let off = (total.norm() / (9.81 * mass) - 1.0).abs();
-        assert!(off < 1e-3, "{total} N reported for {mass} kg");
+        // The normals of the list point from the lentil to the floor or the other way round. Contact
+        // forces tremble by a percent and more from tick to tick; those that stay bear the weight.
+        let bears = |force: Vector3| {
+            let up = Vector3::new(-libm::sin(slope_rad()), 0.0, libm::cos(slope_rad()));
+            (force / (9.81 * mass) - up).norm() < 6e-3
+        };
+        let upwards = total * total.z.signum();
+        assert!(bears(upwards), "{total} N reported for {mass} kg");
         let on_lentil = world.scratch.contact_force_on(1);
-        assert!(
-            (on_lentil.norm() / (9.81 * mass) - 1.0).abs() < 1e-3,
-            "{on_lentil}"
-        );
+        assert!(bears(on_lentil), "{on_lentil} for {mass} kg");
         assert_eq!(
             world.scratch.row_count(),
             0,
