@@ -211,7 +211,7 @@ fn a_full_lobby_says_when_to_come_again_and_lets_in_who_comes_after_an_end() {
         full.head
     );
     assert!(
-        text(&full.json()["error"]).contains("1 sessions"),
+        text(&full.json()["error"]).contains("--max 1"),
         "{}",
         full.text()
     );
