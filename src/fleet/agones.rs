@@ -160,7 +160,7 @@ impl Once {
         !self.done && Instant::now() >= self.next
     }
 
-    /// Tries it; true when it is told.
+    /// Makes the call; true when the sidecar has accepted it.
     async fn tell(&mut self, sidecar: Sidecar) -> bool {
         match sidecar.call(self.path).await {
             Ok(()) => {

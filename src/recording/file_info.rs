@@ -25,7 +25,7 @@ pub struct FileInfo {
 /// Figures of a channel.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct ChannelInfo {
-    /// Topic.
+    /// Name of the channel's topic.
     pub topic: String,
     /// Name of its schema.
     pub schema: String,

@@ -1,4 +1,4 @@
-//! Connecting with TLS: a refusal is told, not tried again in silence.
+//! Connecting with TLS: a refusal is an error at once, instead of silent retries.
 
 use crate::{ClientError, Connect};
 use std::net::{TcpStream, ToSocketAddrs};
@@ -7,7 +7,7 @@ use std::time::Duration;
 /// Makes Zenoh try once and give up: it would go on trying without a word.
 ///
 /// # Errors
-/// There is no identity, so no certificate to check the daemon's by.
+/// No identity was given, so there is no authority to check the daemon's certificate against.
 pub(crate) fn demand(
     config: &mut zenoh::Config,
     endpoint: &str,

@@ -50,15 +50,22 @@ impl Process {
             .stdin(Stdio::null())
             .stdout(Stdio::null())
             .stderr(Stdio::null());
-        // SAFETY: prctl is async-signal-safe and touches nothing but the new process.
-        #[allow(unsafe_code)]
-        unsafe {
-            command.pre_exec(|| {
-                libc::prctl(libc::PR_SET_PDEATHSIG, libc::SIGKILL);
-                Ok(())
-            });
-        }
-        Ok(Self(command.spawn()?))
+        Ok(Self(spawn_below(&mut command)?))
+    }
+
+    /// A simulated device that presses the tool `ball` of a daemon until it is dropped.
+    pub(super) fn pressing(endpoint: &str) -> anyhow::Result<Self> {
+        Self::start(&[
+            "device",
+            "--tool",
+            "ball",
+            "--motion",
+            "press",
+            "--for",
+            "36000s",
+            "--connect",
+            endpoint,
+        ])
     }
 
     /// Its number.
@@ -93,6 +100,19 @@ impl Drop for Process {
         let _ = self.0.kill();
         let _ = self.0.wait();
     }
+}
+
+/// Starts a process that the system ends with the calling thread, even if this program is killed.
+pub(super) fn spawn_below(command: &mut Command) -> std::io::Result<Child> {
+    // SAFETY: prctl is async-signal-safe and touches nothing but the new process.
+    #[allow(unsafe_code)]
+    unsafe {
+        command.pre_exec(|| {
+            libc::prctl(libc::PR_SET_PDEATHSIG, libc::SIGKILL);
+            Ok(())
+        });
+    }
+    command.spawn()
 }
 
 /// A loopback port that nobody uses now.

@@ -9,12 +9,11 @@
 //! without a relay.
 
 use crate::figure::{Bar, Figure, figures_table};
-use crate::processes::{Files, Process, connect, free_port};
+use crate::processes::{Files, Process, connect, free_port, spawn_below};
 use palpate::transport::{Role, SessionSettings, open};
 use palpate_client::Palpate;
 use palpate_proto::keys::Keys;
 use std::io::{BufRead as _, BufReader, Write as _};
-use std::os::unix::process::CommandExt as _;
 use std::process::{Child, ChildStdout, Command, Stdio};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -55,7 +54,7 @@ pub struct RelayOptions {
     json: bool,
 }
 
-/// What one process of subscribers is told.
+/// Options of one process of subscribers.
 #[derive(clap::Args, Debug)]
 pub struct SubscriberOptions {
     /// Where they connect.
@@ -181,15 +180,7 @@ impl Crowd {
             .stdin(Stdio::piped())
             .stdout(Stdio::piped())
             .stderr(Stdio::null());
-        // SAFETY: prctl is async-signal-safe and touches nothing but the new process.
-        #[allow(unsafe_code)]
-        unsafe {
-            command.pre_exec(|| {
-                libc::prctl(libc::PR_SET_PDEATHSIG, libc::SIGKILL);
-                Ok(())
-            });
-        }
-        let mut child = command.spawn()?;
+        let mut child = spawn_below(&mut command)?;
         let stdout = child.stdout.take();
         let stdout = stdout.ok_or_else(|| anyhow::anyhow!("a process without output"))?;
         Ok(Self {
@@ -298,17 +289,7 @@ pub fn relay(options: &RelayOptions) -> anyhow::Result<()> {
         "--read-only",
     ])?;
     drop(connect(&behind)?);
-    let _device = Process::start(&[
-        "device",
-        "--tool",
-        "ball",
-        "--motion",
-        "press",
-        "--for",
-        "36000s",
-        "--connect",
-        &endpoint,
-    ])?;
+    let _device = Process::pressing(&endpoint)?;
     std::thread::sleep(Duration::from_secs(2));
     let bench = Bench {
         palpate,

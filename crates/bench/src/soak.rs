@@ -37,7 +37,9 @@ pub(crate) fn duration(text: &str) -> Result<Duration, String> {
     });
     match found {
         Some(seconds) if seconds > 0.0 && seconds < 1e7 => Ok(Duration::from_secs_f64(seconds)),
-        _ => Err(format!("{text:?} is no duration; write 30s, 10m or 1h")),
+        _ => Err(format!(
+            "{text:?} is not a duration; write it as 30s, 10m or 1h"
+        )),
     }
 }
 

@@ -82,17 +82,7 @@ fn run(case: &str, pages: u32, effort: Effort, out: &mut dyn FnMut(Figure)) -> a
     let palpate = connect(&endpoint)?;
     palpate.scene()?;
     let turns = if effort == Effort::Quick { 2 } else { 10 };
-    let _device = Process::start(&[
-        "device",
-        "--tool",
-        "ball",
-        "--motion",
-        "press",
-        "--for",
-        "3600s",
-        "--connect",
-        &endpoint,
-    ])?;
+    let _device = Process::pressing(&endpoint)?;
     std::thread::sleep(Duration::from_secs(2));
     let (mut with, mut without) = (Seen::default(), Seen::default());
     let mut first_s: f64 = 0.0;

@@ -297,7 +297,7 @@ mod tests {
                 "{at} {value}"
             );
         }
-        // A mirror is no rotation.
+        // A reflection is not a rotation.
         let mut mirror = body.to_vec();
         mirror[0..4].copy_from_slice(&(-1.0_f32).to_be_bytes());
         assert!(unchecked.pose(&mirror).is_err());

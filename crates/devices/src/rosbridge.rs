@@ -11,9 +11,9 @@ use serde_json::{Value, json};
 #[derive(Clone, Debug, Deserialize, PartialEq)]
 #[serde(tag = "op", rename_all = "snake_case")]
 pub enum Request {
-    /// It will publish.
+    /// The client will publish on a topic.
     Advertise {
-        /// Topic.
+        /// Name of the ROS topic.
         topic: String,
         /// Type of its messages.
         #[serde(rename = "type")]
@@ -21,25 +21,25 @@ pub enum Request {
         /// For the answer, if there is one.
         id: Option<String>,
     },
-    /// It will not any more.
+    /// The client no longer publishes on a topic.
     Unadvertise {
-        /// Topic.
+        /// Name of the ROS topic.
         topic: String,
         /// For the answer, if there is one.
         id: Option<String>,
     },
-    /// A message.
+    /// A message of the client.
     Publish {
-        /// Topic.
+        /// Name of the ROS topic.
         topic: String,
         /// The message.
         msg: Value,
         /// For the answer, if there is one.
         id: Option<String>,
     },
-    /// It wants messages.
+    /// The client wants the messages of a topic.
     Subscribe {
-        /// Topic.
+        /// Name of the ROS topic.
         topic: String,
         /// Type of its messages, if the client says it.
         #[serde(rename = "type")]
@@ -55,16 +55,16 @@ pub enum Request {
         /// Names the subscription.
         id: Option<String>,
     },
-    /// It does not any more.
+    /// The client no longer wants the messages of a topic.
     Unsubscribe {
-        /// Topic.
+        /// Name of the ROS topic.
         topic: String,
-        /// The subscription; all of the topic if it is not said.
+        /// The subscription; all of this topic if there is no `id`.
         id: Option<String>,
     },
-    /// A command.
+    /// The client calls a service.
     CallService {
-        /// Service.
+        /// Name of the service.
         service: String,
         /// Its arguments.
         #[serde(default)]
@@ -72,9 +72,9 @@ pub enum Request {
         /// For the answer.
         id: Option<String>,
     },
-    /// How much a client wants to be told; all is told.
+    /// Which status messages the client wants; all are sent whatever it asks.
     SetLevel {
-        /// Word for it.
+        /// `info`, `warning`, `error` or `none`.
         level: String,
     },
 }

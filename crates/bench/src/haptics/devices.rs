@@ -44,7 +44,7 @@ pub(super) fn run(
         Ok(native) => {
             let cases: [(&str, Measure, Option<f64>); 2] = [
                 ("latency/ros2", ros2, Some(ADDED_S)),
-                // The service answers once for each message: the figure is told, and not held to.
+                // The service answers once for each message, which costs a round trip more: no bar.
                 ("latency/haply", haply, None),
             ];
             for (case, measure, added) in cases.into_iter().filter(|(case, ..)| wanted(case)) {

@@ -137,7 +137,7 @@ export class BodyView {
       this.lattice = null;
       this.young = null;
     }
-    // At rest nobody knows where nodes are by now: they are shown once they are told.
+    // The daemon sends nodes only while they move: until the first message their places are unknown.
     if (on && this.lattice === null && inside !== null && nodes !== null) {
       const { x, y, z } = this.group.position;
       this.lattice = new LatticeView(inside, [x, y, z], this.size);

@@ -31,7 +31,7 @@ const SOLIDS: &[Kind] = &[
     kind("continuum", "implicit"),
     kind("net", "implicit"),
 ];
-/// The same, and the two laws with substeps.
+/// All solids with the implicit step, and lattice and continuum with the explicit one.
 const ALL: &[Kind] = &[
     kind("lattice", "implicit"),
     kind("continuum", "implicit"),
@@ -39,7 +39,7 @@ const ALL: &[Kind] = &[
     kind("lattice", "explicit"),
     kind("continuum", "explicit"),
 ];
-/// Without explicit cells, which hold a fifth more energy than was put in when they are squeezed flat.
+/// As [`ALL`] without the explicit continuum, which gains a fifth of the work done when it is squeezed flat.
 const SQUEEZED: &[Kind] = &[
     kind("lattice", "implicit"),
     kind("continuum", "implicit"),

@@ -93,7 +93,8 @@ fn rebound(heights: &[f64]) -> (f64, usize) {
     (heights[top] - heights[0] + DROP_M, top)
 }
 
-/// The same by the exact step with an analytic plane, and how it was found.
+/// Heights of the same ball (m, one a tick) by the exact step on an analytic plane, and a note on its
+/// resolution.
 fn exactly(counts: [usize; 2]) -> Result<(Vec<f64>, String), String> {
     let world = World::new(&ball(Setting::auto(1)))?;
     let (body, state) = world.body()?;

@@ -246,8 +246,8 @@ struct Swung {
     times_s: Vec<f64>,
 }
 
-/// The same beam on the same points by MuJoCo, where a Python has it; its cells and its step are its own,
-/// as rapier's are. PyBullet is not beside it: it cannot be given a bent start.
+/// The same beam on the same points in MuJoCo, if the Python in use has it installed. Cells and step are
+/// MuJoCo's own. PyBullet is left out because its bodies cannot start bent.
 fn mujoco(case: &str, beam: &Strip, exact: &Exact, effort: Effort, out: &mut dyn FnMut(Row)) {
     let ticks = exact.tips_m.len() - 1;
     if effort == Effort::Quick && ticks > 1_500 {

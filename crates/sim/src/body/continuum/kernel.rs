@@ -184,7 +184,8 @@ pub(super) fn volume<L: Lanes>(c: &[Triple<L>; 8]) -> ([Triple<L>; 8], L) {
     ([[zero; 3], dz, dy, dyz, dx, dxz, dxy, [zero; 3]], volume)
 }
 
-/// Adds −∂Ψ/∂x of a block's cells with a metric for each Gauss point; bit k of the answer is set where cell k was held back.
+/// Adds −∂Ψ/∂x of a block's cells with a metric for each Gauss point; bit k of the answer is set where
+/// cell k was held back.
 #[inline(always)]
 pub(super) fn add_forces<L: Lanes>(
     block: &CellBlock,
