@@ -16,7 +16,7 @@ import { History } from "./history";
 export class Body {
   points: Float64Array;
   netTick = 0;
-  /** Grows with every net. */
+  /** Grows with every net that is another. */
   netVersion = 1;
   /** Why it is not drawn; `null` if it is. */
   fault: string | null = null;
@@ -45,8 +45,11 @@ export class Body {
   /** Takes a net of the same size; false if it is another body's. */
   takeNet(points: Float64Array, countU: number, countV: number, tick: number): boolean {
     if (countU !== this.surface.u.count || countV !== this.surface.v.count || points.length !== 3 * countU * countV) return false;
+    const moved = points.some((value, k) => value !== this.points[k]);
     this.points = points;
     this.netTick = tick;
+    // Nets at rest are told again and again.
+    if (!moved) return true;
     this.netVersion += 1;
     const bad = points.findIndex((value) => !Number.isFinite(value));
     this.fault = bad < 0 ? null : `control point ${Math.floor(bad / 3)} of ${this.id} is not a number`;

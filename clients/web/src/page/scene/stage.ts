@@ -13,6 +13,7 @@ import {
 import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
 import type { Vec3 } from "../geometry";
 import { niceAbove } from "../units";
+import { drawsInSoftware } from "./software";
 
 export interface Palette {
   readonly grid: string;
@@ -79,15 +80,20 @@ export class Stage {
   private wanted = true;
   private slow = 0;
   private lastDrawn = 0;
+  /** Of the page, pixels; and what the buffer of the picture was made for. */
+  private extent: [number, number] = [1, 1];
+  private buffer = "";
   private ratio = 1;
   private shadows = true;
-  /** Pixels at the left that a panel covers: the middle of the picture is beside it. */
+  /** The middle of the picture is beside what a panel covers. */
   private inset = 0;
   private goal: { target: Vector3; position: Vector3 } | null = null;
 
   /** Throws where there is no WebGL. */
   constructor(readonly canvas: HTMLCanvasElement) {
-    this.renderer = new WebGLRenderer({ canvas, antialias: true, alpha: true, powerPreference: "high-performance" });
+    const software = drawsInSoftware();
+    this.thrifty = this.coarse = software;
+    this.renderer = new WebGLRenderer({ canvas, antialias: !software, alpha: true, powerPreference: "high-performance" });
     this.renderer.toneMapping = NoToneMapping;
     this.renderer.localClippingEnabled = true;
     this.renderer.shadowMap.type = PCFShadowMap;
@@ -222,11 +228,12 @@ export class Stage {
     this.ask();
   }
 
-  resize(width: number, height: number): void {
+  /** Pixels of the page; `inset` of them at the left are covered by a panel. */
+  resize(width: number, height: number, inset: number): void {
     if (width < 1 || height < 1) return;
-    this.ratio = this.thrifty ? 1 : Math.min(devicePixelRatio, 2);
-    this.renderer.setPixelRatio(this.ratio);
-    this.renderer.setSize(width, height, false);
+    this.extent = [width, height];
+    this.inset = inset;
+    this.sharpness(this.coarse && this.mayBeCoarse ? COARSE : this.fine());
     this.camera.aspect = width / height;
     if (this.inset > 0) this.camera.setViewOffset(width, height, -this.inset / 2, 0, width, height);
     else this.camera.clearViewOffset();
@@ -234,10 +241,19 @@ export class Stage {
     this.ask();
   }
 
-  setInset(pixels: number): void {
-    if (pixels === this.inset) return;
-    this.inset = pixels;
-    this.resize(this.canvas.clientWidth, this.canvas.clientHeight);
+  /** Pixels of the picture for each of the page's. A new size costs a new buffer: none is made for the same. */
+  private sharpness(ratio: number): void {
+    const [width, height] = this.extent;
+    const wanted = [width, height, ratio].join();
+    if (wanted === this.buffer) return;
+    this.buffer = wanted;
+    this.ratio = ratio;
+    this.renderer.setDrawingBufferSize(width, height, ratio);
+  }
+
+  /** The sharpness of a picture that stays. */
+  private fine(): number {
+    return this.thrifty ? 1 : Math.min(devicePixelRatio, 2);
   }
 
   /** Pixels on the canvas of a place in the world; `null` behind the camera. */
@@ -271,10 +287,10 @@ export class Stage {
     if (this.renderer.getContext().isContextLost()) return false;
     const start = performance.now();
     const still = start - this.lastDrawn > STILL_MS;
-    const ratio = this.coarse && this.mayBeCoarse && !(still && !this.wanted) ? COARSE : this.thrifty ? 1 : this.ratio;
-    if (still && ratio > this.renderer.getPixelRatio()) this.wanted = true;
+    const ratio = this.coarse && this.mayBeCoarse && !(still && !this.wanted) ? COARSE : this.fine();
+    if (still && ratio > this.ratio) this.wanted = true;
     if (!this.wanted) return false;
-    if (ratio !== this.renderer.getPixelRatio()) this.renderer.setPixelRatio(ratio);
+    this.sharpness(ratio);
     this.wanted = false;
     this.lastDrawn = start;
     this.renderer.render(this.scene, this.camera);
@@ -283,9 +299,10 @@ export class Stage {
     return true;
   }
 
-  /** Told how long pictures are apart while they follow each other. */
+  /** Told how long pictures are apart while they follow each other, ms. */
   pace(ms: number): void {
-    if (this.coarse || ms > 500) return;
+    // Long apart and quickly drawn: the page was in the background.
+    if (this.coarse || (ms > 500 && this.cost < 100)) return;
     this.slow += ms > (this.thrifty ? 2 * SLOW_MS : SLOW_MS) ? 1 : -1;
     this.slow = Math.max(0, this.slow);
     if (this.slow < 24) return;
@@ -293,12 +310,11 @@ export class Stage {
     this.coarse = this.thrifty;
     this.thrifty = true;
     this.setShadows(this.shadows);
-    this.resize(this.canvas.clientWidth, this.canvas.clientHeight);
   }
 
   /** A picture on a plain ground. */
   async png(background: string): Promise<Blob | null> {
-    this.renderer.setPixelRatio(this.ratio);
+    this.sharpness(this.fine());
     this.renderer.render(this.scene, this.camera);
     const copy = document.createElement("canvas");
     copy.width = this.canvas.width;

@@ -8,6 +8,7 @@ import type { World } from "../world";
 import { BodyView } from "./bodies";
 import { meaning, Range, type Scale } from "./colour";
 import { ContactsView } from "./contacts";
+import { Shown } from "./shown";
 import type { Stage } from "./stage";
 import { ToolView, type ToolLook } from "./tools";
 
@@ -17,6 +18,9 @@ export interface Look extends ToolLook {
 
 /** How far above the ground a flat body lies, as a share of the scene: it is pressed down, and the grid lies below it. */
 const FLAT_ABOVE = 0.14;
+
+/** A tenth of a pixel of a scene that is as wide as a screen; as much of a turn. */
+const SEEN = 1e-4;
 
 function isFlat(world: World): boolean {
   const bounds = new Bounds();
@@ -36,6 +40,7 @@ export class WorldView {
   groundZ = 0;
 
   private readonly contacts = new ContactsView();
+  private readonly shown = new Shown();
   private readonly range = new Range();
   private readonly forceRange = new Range();
   private seen = { scene: -1, outlines: -1, what: "", settings: -1 };
@@ -77,8 +82,8 @@ export class WorldView {
     return fresh;
   }
 
-  /** Brings the picture to the world. `other` is the view to compare with. */
-  update(settings: Settings, version: number, look: Look, focus: string | null, other: WorldView | null): void {
+  /** Brings the picture to the world; true if it shows something else than before. `other` is the view to compare with. */
+  update(settings: Settings, version: number, look: Look, focus: string | null, other: WorldView | null): boolean {
     const { world } = this;
     const now = performance.now();
     const what = settings.colourBy;
@@ -104,6 +109,28 @@ export class WorldView {
     for (const view of this.tools) view.update(settings.layers, this.arrowScale, this.size);
     this.contacts.group.visible = settings.layers.contacts;
     this.contacts.update(world.contacts, this.size);
+    return this.shown.changed(this.figures(version, other));
+  }
+
+  /** What the picture depends on, in steps that are too small to be seen. */
+  private *figures(version: number, other: WorldView | null): Generator<number> {
+    const { world, size, arrowScale } = this;
+    const step = SEEN * size;
+    yield* [this.seen.scene, this.seen.outlines, version];
+    for (const length of [this.scale?.from ?? 0, this.scale?.to ?? 0, arrowScale]) yield Math.log(Math.abs(length) + Number.MIN_VALUE) / SEEN;
+    for (const { netVersion, nodesVersion, fault, inside } of [...world.bodies, ...(other?.world.bodies ?? [])]) {
+      yield* [netVersion, nodesVersion, fault === null ? 0 : 1, inside === null ? 0 : 1];
+    }
+    for (const { proxy, orientation, force, torque, hand } of world.tools) {
+      for (const k of [0, 1, 2]) {
+        yield* [proxy[k] / step, (force[k] * arrowScale) / step, (torque[k] * arrowScale) / (size * step)];
+        yield (hand?.position[k] ?? 0) / step;
+      }
+      for (const k of [0, 1, 2, 3]) yield* [orientation[k] / SEEN, (hand?.orientation[k] ?? 0) / SEEN];
+    }
+    for (const { point, normal } of world.contacts) {
+      for (const k of [0, 1, 2]) yield* [point[k] / step, normal[k] / SEEN];
+    }
   }
 
   private scaleNow(settings: Settings, now: number): Scale | null {

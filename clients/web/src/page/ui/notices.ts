@@ -13,7 +13,8 @@ export class Notices {
     for (const old of this.area.querySelectorAll("p:not([data-lasting])")) if (old.textContent === text) old.remove();
     const notice = el("p", bad ? { class: "bad" } : {}, text);
     this.area.append(notice);
-    setTimeout(() => notice.remove(), SHOWN_MS);
+    // From when it is seen: a page in the background, or one that draws slowly, is given the time as well.
+    requestAnimationFrame(() => setTimeout(() => notice.remove(), SHOWN_MS));
     while (this.area.querySelectorAll("p:not([data-lasting])").length > MOST) this.area.querySelector("p:not([data-lasting])")?.remove();
   }
 
