@@ -3,7 +3,8 @@
 //! With the greatest frequency ω and the damping time d, a substep h is stable while h² ω² + 2 h d
 //! ω² ≤ 4.
 
-use super::implicit::{LOOK_AHEAD, greatest_frequency_squared, shortest_edges};
+use super::implicit::greatest_frequency_squared;
+use super::look_ahead::LookAhead;
 use super::matter::{Matter, lanes};
 use super::node_map::NodeMap;
 use super::rigid_motion::{Momentum, RigidVelocity};
@@ -20,8 +21,7 @@ const SAFETY: f64 = 0.9;
 #[derive(Debug)]
 pub(super) struct Explicit {
     substeps: usize,
-    /// (coordinates): most that damping looks ahead, m; empty without damping.
-    reach_m: Vec<f64>,
+    look_ahead: Option<LookAhead>,
 }
 
 impl Explicit {
@@ -36,17 +36,9 @@ impl Explicit {
                 most: MOST_SUBSTEPS,
             });
         }
-        let reach_m = if d > 0.0 {
-            shortest_edges(matter)
-                .into_iter()
-                .map(|edge| LOOK_AHEAD * edge)
-                .collect()
-        } else {
-            Vec::new()
-        };
         Ok(Self {
             substeps: at_least.max(needed as usize).max(1),
-            reach_m,
+            look_ahead: LookAhead::new(matter),
         })
     }
 
@@ -64,6 +56,10 @@ impl Explicit {
         let h = matter.settings.dt_s / self.substeps as f64;
         scratch.predicted.copy_from_slice(&state.positions);
         scratch.speed.copy_from_slice(&state.velocities);
+        scratch.turning = (matter.is_free() && self.look_ahead.is_some()).then(|| {
+            let (places, velocities) = (&state.positions, &state.velocities);
+            Momentum::of(matter, places, velocities).rigid(matter, places)
+        });
         let mut limited = 0;
         for _ in 0..self.substeps {
             for (load, force) in scratch.residual.iter_mut().zip(&scratch.forces) {
@@ -86,19 +82,17 @@ impl Explicit {
         }
     }
 
-    /// Moves the coordinates at which the law is asked ahead by d ẋ, as the implicit step does.
+    /// Moves the coordinates at which the law is asked ahead by d ẋ, without that of rigid motion.
     fn look_ahead(&self, matter: &Matter, scratch: &mut DeformableScratch) {
-        let moving = scratch.speed.iter().zip(&self.reach_m);
-        for ((v, reach_m), lane) in moving.zip(scratch.coordinates.iter_mut()) {
-            let mut ahead = v * matter.damping_s;
-            let length = ahead.norm();
-            if length > *reach_m {
-                ahead *= reach_m / length;
-            }
-            for (value, part) in lane.iter_mut().zip(ahead.iter()) {
-                *value += part;
-            }
+        let Some(look_ahead) = &self.look_ahead else {
+            return;
+        };
+        let turning = scratch.turning.unwrap_or_default();
+        let moving = scratch.speed.iter().zip(&scratch.predicted);
+        for (ahead, (v, x)) in scratch.ahead.iter_mut().zip(moving) {
+            *ahead = (v - turning.velocity(x)) * matter.damping_s;
         }
+        look_ahead.add(&scratch.ahead, &mut scratch.coordinates);
     }
 }
 

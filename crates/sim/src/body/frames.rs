@@ -5,9 +5,9 @@
 //! part by Newton's method (Higham 1986). Only the preconditioner of the step uses it, so it need
 //! not be exact, but it must be a rotation or close to one whatever the positions are.
 
-use super::implicit::{middle, shortest_edges};
+use super::implicit::middle;
 use super::matter::Matter;
-use super::node_map::NodeMap;
+use super::neighbours::{adjacent, shortest_edges};
 use palpate_geometry::math::lanes::{Baseline, Four, Lanes};
 use palpate_geometry::math::{Lane, Matrix3, Point3, Vector3, simd};
 use std::collections::BTreeSet;
@@ -318,33 +318,6 @@ fn choose<'a>(
     moments(&chosen)
         .try_inverse()
         .map(|inverse| (chosen, inverse))
-}
-
-/// Coordinates that the law couples to each, ascending.
-pub(super) fn adjacent(matter: &Matter) -> Vec<Vec<u32>> {
-    let mut adjacent = vec![Vec::new(); matter.rest.len()];
-    let mut join = |a: u32, b: u32| {
-        if a != b {
-            adjacent[a as usize].push(b);
-            adjacent[b as usize].push(a);
-        }
-    };
-    match &matter.map {
-        NodeMap::Same => matter.law_edges().iter().for_each(|&(a, b, _)| join(a, b)),
-        NodeMap::Sparse(map) => {
-            for node in 0..map.rows() {
-                let (columns, _) = map.row(node);
-                for (k, &a) in columns.iter().enumerate() {
-                    columns[..k].iter().for_each(|&b| join(a, b));
-                }
-            }
-        }
-    }
-    for list in &mut adjacent {
-        list.sort_unstable();
-        list.dedup();
-    }
-    adjacent
 }
 
 const IDENTITY: Frame = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];

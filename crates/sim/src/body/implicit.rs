@@ -15,7 +15,9 @@
 
 use super::continuum::TANGENT_REACH;
 use super::frames::{Frame, Frames, from_rest, into_rest};
+use super::look_ahead::LookAhead;
 use super::matter::{FIXED, Matter, lanes};
+use super::neighbours::shortest_edges;
 use super::settings::{DeformableError, StepMatrix};
 use super::soft_modes::SoftModes;
 use super::state::{DeformableScratch, DeformableState};
@@ -28,16 +30,13 @@ use palpate_geometry::math::{
 const MOST_NUMBERS: usize = 3_000_000;
 /// Most stiffness over inertia for which a factor in single precision is good.
 const MOST_STIFF: f64 = 1e5;
-/// Of the length of a coordinate's shortest edge: how far damping looks ahead.
-pub(super) const LOOK_AHEAD: f64 = 0.3;
 
 /// The factors, and what further iterations need.
 #[derive(Debug)]
 pub(super) struct ImplicitStep {
     matrix: Matrix,
     iterations: usize,
-    /// (coordinates): most that damping looks ahead, m; empty without damping.
-    reach_m: Vec<f64>,
+    look_ahead: Option<LookAhead>,
 }
 
 #[derive(Debug)]
@@ -155,18 +154,10 @@ impl ImplicitStep {
             Some(tangent) => Matrix::Tangent(Box::new(tangent)),
             None => Matrix::Bounding(Cholesky::new(&scalar_matrix(matter, &matter.law.edges()))?),
         };
-        let reach_m = if matter.damping_s > 0.0 {
-            shortest_edges(matter)
-                .into_iter()
-                .map(|edge| LOOK_AHEAD * edge)
-                .collect()
-        } else {
-            Vec::new()
-        };
         Ok(Self {
             matrix,
             iterations,
-            reach_m,
+            look_ahead: LookAhead::new(matter),
         })
     }
 
@@ -392,38 +383,27 @@ impl ImplicitStep {
         }
     }
 
-    /// Moves the coordinates at which the law is asked ahead by d ẋ: the force there is f − d K ẋ to
-    /// first order, that of a Voigt solid, and rigid translation is not damped at all.
+    /// Moves the coordinates at which the law is asked ahead by d ẋ, without that of rigid motion.
     fn look_ahead(
         &self,
         matter: &Matter,
         state: &DeformableState,
         scratch: &mut DeformableScratch,
     ) {
-        if self.reach_m.is_empty() {
+        let Some(look_ahead) = &self.look_ahead else {
             return;
-        }
+        };
         let share = matter.damping_s / matter.settings.dt_s;
         let turning = scratch.turning;
-        let moved = scratch
-            .reached
-            .iter()
-            .zip(&state.positions)
-            .zip(&self.reach_m);
-        for (((z, x), reach_m), lane) in moved.zip(scratch.coordinates.iter_mut()) {
-            let mut ahead = (z - x) * share;
+        let moved = scratch.reached.iter().zip(&state.positions);
+        for ((z, x), ahead) in moved.zip(&mut scratch.ahead) {
+            *ahead = (z - x) * share;
             if let Some(turning) = &turning {
                 let middle = nalgebra::center(x, z) - turning.linear * (0.5 * matter.settings.dt_s);
-                ahead -= turning.velocity(&middle) * matter.damping_s;
-            }
-            let length = ahead.norm();
-            if length > *reach_m {
-                ahead *= reach_m / length;
-            }
-            for (value, part) in lane.iter_mut().zip(ahead.iter()) {
-                *value += part;
+                *ahead -= turning.velocity(&middle) * matter.damping_s;
             }
         }
+        look_ahead.add(&scratch.ahead, &mut scratch.coordinates);
     }
 }
 
@@ -590,20 +570,6 @@ pub(super) fn middle(values: &[f64]) -> f64 {
         true => 0.0,
         false => *finite.select_nth_unstable_by(half, f64::total_cmp).1,
     }
-}
-
-/// (coordinates): distance to the nearest coordinate that the law couples to it, m.
-pub(super) fn shortest_edges(matter: &Matter) -> Vec<f64> {
-    let mut shortest = vec![f64::INFINITY; matter.rest.len()];
-    for (c, adjacent) in super::frames::adjacent(matter).iter().enumerate() {
-        for &other in adjacent {
-            let length = (matter.rest[other as usize] - matter.rest[c]).norm();
-            if length > 0.0 && length < shortest[c] {
-                shortest[c] = length;
-            }
-        }
-    }
-    shortest
 }
 
 /// Greatest squared frequency that a body can have, 1/s²: Gershgorin's bound of M⁻¹ L over

@@ -209,6 +209,7 @@ impl Matter {
             node_residual: Rows::zeros(nodes),
             springs: self.law.springs.buffers(),
             speed: vec![Vector3::zeros(); count],
+            ahead: vec![Vector3::zeros(); count],
             reached: self.rest.clone(),
             carried: Vec::with_capacity(self.surface.len()),
             at_rest: false,

@@ -156,6 +156,8 @@ pub struct DeformableScratch {
     pub(super) springs: ByCoordinate,
     /// (coordinates), m/s: velocities within a tick of substeps.
     pub(super) speed: Vec<Vector3>,
+    /// (coordinates), m: how far damping looks ahead.
+    pub(super) ahead: Vec<Vector3>,
     /// (unknowns): what the contact forces move.
     pub(super) lanes: Rows,
     /// What free points feel.

@@ -768,3 +768,38 @@ pose = { position = [0.06, 0.003, 0.045] }
     assert!((0.5..1.01).contains(&grown), "{grown} of its energy");
     assert!((volume - 1.0).abs() < 0.02, "{volume} of its volume");
 }
+
+#[test]
+fn a_damped_body_in_fast_flight_keeps_its_shape() {
+    // d v is far more than cells are long: damping must look at strain rates, not at how fast a body flies.
+    for method in ["explicit", "implicit"] {
+        let mut world = World::new(&format!(
+            r#"
+[[body]]
+id = "drop"
+surface = {{ builtin = "teardrop", net = [8, 8] }}
+model = "continuum"
+material = {{ young_pa = 20e3, density_kg_m3 = 1000.0, damping_s = 5e-3, poisson = 0.3 }}
+integrator = {{ method = "{method}", sleep_m_s = 0.0 }}
+lattice = {{ layers = 2, refine = "none" }}
+velocity_m_s = [3.0, -4.0, 0.0]
+[[tool]]
+id = "ball"
+shape = {{ sphere = {{ radius_m = 0.01 }} }}
+pose = {{ position = [-1.0, 0.0, 0.0] }}
+"#
+        ));
+        let rest = world.scene.deformable(0).unwrap().rest_state();
+        let ticks = 200;
+        for _ in 0..ticks {
+            world.at_in_place([-1.0, 0.0, 0.0]);
+        }
+        let flown = Vector3::new(3.0, -4.0, 0.0) * f64::from(ticks) * 1e-3;
+        let off = (body(&world).positions.iter())
+            .zip(&rest.positions)
+            .map(|(now, at)| (now - at - flown).norm())
+            .fold(0.0, f64::max);
+        println!("{method}: {off:.1e} m off after a metre");
+        assert!(off < 1e-9, "{method}: {off:e} m");
+    }
+}
