@@ -19,6 +19,8 @@ use std::collections::BTreeMap;
 const TOLERANCE: f64 = 1e-10;
 /// Gap over the size of the body that counts as none.
 const TOUCHING: f64 = 1e-10;
+/// Of the way that inertia alone would take it: where a step is looked for from, one after the other.
+const STARTS: [f64; 4] = [1.0, 0.0, 0.5, 0.8];
 /// Newton steps.
 const STEPS: usize = 200;
 /// A step that leaves more of the residual than this pays for a new factor.
@@ -169,14 +171,40 @@ impl ExactStep<'_> {
     ) -> Result<Solved, Unsolved> {
         let motion = self.motion(state, load_n);
         let skin = self.rows_of(skin, state);
-        let mut places: Vec<f64> = motion.coasting.clone();
+        let before = touch.clone();
+        let mut unsolved = Unsolved::default();
+        // Newton's method may turn in circles where a step is large: then from nearer to where it begins.
+        for share in STARTS {
+            let between = motion.coasting.iter().zip(&motion.start);
+            let places = between.map(|(to, from)| from + share * (to - from));
+            match self.solve_touching(&motion, &skin, obstacle, touch, places.collect()) {
+                Ok((solved, places)) => {
+                    self.finish(state, &motion, &places);
+                    return Ok(solved);
+                }
+                Err(why) => unsolved = why,
+            }
+            touch.clone_from(&before);
+        }
+        Err(unsolved)
+    }
+
+    /// The places at the end of a step, looked for from the given ones.
+    fn solve_touching(
+        &mut self,
+        motion: &super::Motion,
+        skin: &[Place],
+        obstacle: &Obstacle,
+        touch: &mut Touch,
+        mut places: Vec<f64>,
+    ) -> Result<(Solved, Vec<f64>), Unsolved> {
         let mut solved = Solved::default();
         let touching_m = TOUCHING * self.size_m;
         let mut pressing = std::mem::take(&mut touch.pressing);
-        let (mut residual, _) = self.missing(&motion, &places);
+        let (mut residual, _) = self.missing(motion, &places);
         let (mut before, mut fresh) = (f64::INFINITY, false);
         if self.stale || self.factor.is_none() {
-            self.renew(&motion, &places);
+            self.renew(motion, &places);
             fresh = true;
         }
         loop {
@@ -189,7 +217,7 @@ impl ExactStep<'_> {
                 .map(|(k, (gap, normal, _))| (k, gap, normal))
                 .collect();
             let mut moved = self.precondition(&residual);
-            let forces = self.program(&skin, &near, &moved, &pressing);
+            let forces = self.program(skin, &near, &moved, &pressing);
             for &(entry, force) in &forces {
                 let (k, _, normal) = near[entry];
                 self.press(&skin[k], &(normal * force), &mut moved);
@@ -205,7 +233,7 @@ impl ExactStep<'_> {
                 for ((x, from), d) in places.iter_mut().zip(&from).zip(&moved) {
                     *x = from + length * d;
                 }
-                let end = self.end(&motion, &skin, obstacle, &places, &pressing);
+                let end = self.end(motion, skin, obstacle, &places, &pressing);
                 let merit = end.left_n.max(end.open_m * self.stiffest_n_m);
                 if merit < before || !fresh || length < 0.02 {
                     break (end, merit);
@@ -237,12 +265,11 @@ impl ExactStep<'_> {
             // A factor that was slow is not of these places.
             fresh = slow;
             if slow {
-                self.renew(&motion, &places);
+                self.renew(motion, &places);
             }
         }
         touch.pressing = pressing;
-        self.finish(state, &motion, &places);
-        Ok(solved)
+        Ok((solved, places))
     }
 
     /// What is missing at the end of a Newton step, with normals and gaps of there.

@@ -37,7 +37,7 @@ const MOST_SHIFT: f64 = 10.0;
 const REACH: f64 = 1e-5;
 
 /// A step that did not converge.
-#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[derive(Default, Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[error(
     "no exact step after {steps} Newton steps: {residual_n} N are left of {scale_n} N; take a smaller dt or load"
 )]
