@@ -538,7 +538,7 @@ export class App {
     if (stage === null) return;
     const look = this.lookOf();
     const fresh = views.map((view) => view.rebuild(look))[0] ?? false;
-    const others = views.map((view, k) => view.update(this.settings.value, this.settings.version, look, this.focus, views.length === 2 ? views[1 - k] : null));
+    const changed = views.map((view, k) => view.update(this.settings.value, this.settings.version, look, this.focus, views.length === 2 ? views[1 - k] : null));
     const [first, second] = views;
     if (first !== undefined && second !== undefined) {
       // The second stands beside the first, as seen from where one looks at first.
@@ -546,8 +546,8 @@ export class App {
       second.group.position.set(...scaled([-y, x, 0], (0.9 * first.size) / Math.hypot(x, y)));
     }
     if (fresh && first !== undefined && first.bodies.length + first.tools.length > 0) this.setScene(first, stage);
-    // Messages come sixty times a second, of a scene at rest all alike.
-    if (others.includes(true)) stage.ask();
+    // Sixty messages a second come of a scene at rest as well, which needs no new picture.
+    if (changed.includes(true)) stage.ask();
   }
 
   private setScene(view: WorldView, stage: Stage): void {

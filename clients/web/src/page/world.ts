@@ -16,7 +16,7 @@ import { History } from "./history";
 export class Body {
   points: Float64Array;
   netTick = 0;
-  /** Grows with every net that is another. */
+  /** Grows when a net differs from the one before. */
   netVersion = 1;
   /** Why it is not drawn; `null` if it is. */
   fault: string | null = null;
@@ -48,7 +48,7 @@ export class Body {
     const moved = points.some((value, k) => value !== this.points[k]);
     this.points = points;
     this.netTick = tick;
-    // Nets at rest are told again and again.
+    // The daemon repeats the net of a body at rest every second.
     if (!moved) return true;
     this.netVersion += 1;
     const bad = points.findIndex((value) => !Number.isFinite(value));

@@ -19,7 +19,8 @@ use std::collections::BTreeMap;
 const TOLERANCE: f64 = 1e-10;
 /// Gap over the size of the body that counts as none.
 const TOUCHING: f64 = 1e-10;
-/// Of the way that inertia alone would take it: where a step is looked for from, one after the other.
+/// Newton's method starts at this share of the way that inertia alone would take the body; the next one
+/// is tried when it does not converge.
 const STARTS: [f64; 4] = [1.0, 0.0, 0.5, 0.8];
 /// Newton steps.
 const STEPS: usize = 200;
@@ -173,7 +174,7 @@ impl ExactStep<'_> {
         let skin = self.rows_of(skin, state);
         let before = touch.clone();
         let mut unsolved = Unsolved::default();
-        // Newton's method may turn in circles where a step is large: then from nearer to where it begins.
+        // Where a step is large, Newton's method may go round in circles from one start and not from another.
         for share in STARTS {
             let between = motion.coasting.iter().zip(&motion.start);
             let places = between.map(|(to, from)| from + share * (to - from));

@@ -1,4 +1,4 @@
-/** What the last picture showed, as whole numbers. */
+/** What the last picture showed, as whole numbers: whether the next one would differ. */
 
 export class Shown {
   private last: number[] = [];
@@ -8,8 +8,8 @@ export class Shown {
     const { last } = this;
     let [count, different] = [0, false];
     for (const figure of figures) {
-      const rounded = Math.round(figure);
-      // `Object.is`: what is not a number equals itself, and is drawn once.
+      // Plus zero: minus zero, which small figures below zero round to, is another for `Object.is`. NaN is not.
+      const rounded = Math.round(figure) + 0;
       different ||= !Object.is(rounded, last[count]);
       last[count] = rounded;
       count += 1;

@@ -80,7 +80,7 @@ export class Stage {
   private wanted = true;
   private slow = 0;
   private lastDrawn = 0;
-  /** Of the page, pixels; and what the buffer of the picture was made for. */
+  /** Width and height on the page, pixels; and what the buffer was made for: these and the ratio. */
   private extent: [number, number] = [1, 1];
   private buffer = "";
   private ratio = 1;

@@ -246,8 +246,8 @@ struct Swung {
     times_s: Vec<f64>,
 }
 
-/// The same beam on the same points in MuJoCo, if the Python in use has it installed. Cells and step are
-/// MuJoCo's own. PyBullet is left out because its bodies cannot start bent.
+/// The same beam on the same points, simulated by MuJoCo where Python has it. MuJoCo makes its own cells
+/// and takes its own step. PyBullet is left out because its bodies cannot start bent.
 fn mujoco(case: &str, beam: &Strip, exact: &Exact, effort: Effort, out: &mut dyn FnMut(Row)) {
     let ticks = exact.tips_m.len() - 1;
     if effort == Effort::Quick && ticks > 1_500 {
