@@ -57,6 +57,11 @@ pub const TARGETS: &[Target] = &[
         seeds: message_seeds,
     },
     Target {
+        name: "bus",
+        run: bus,
+        seeds: bus_seeds,
+    },
+    Target {
         name: "devices",
         run: devices,
         seeds: device_seeds,
@@ -202,6 +207,13 @@ pub fn messages(bytes: &[u8]) {
     }
 }
 
+/// A sequence of messages into a loop in lockstep: what a state of the loop makes of the next one.
+pub fn bus(bytes: &[u8]) {
+    if let Err(what) = palpate::faults::messages(bytes) {
+        panic!("{what}");
+    }
+}
+
 /// Device and hand files.
 pub fn devices(bytes: &[u8]) {
     use palpate_client::device::{DeviceModel, Hand};
@@ -322,6 +334,41 @@ fn message_seeds() -> Vec<Vec<u8>> {
         br#"{"before": 30, "after": 0, "path": "b.mcap"}"#.to_vec(),
         br#"{"bodies": ["a", "b"], "continuity": 1, "method": "constrained", "tolerance": 1e-4, "id": "ab"}"#.to_vec(),
     ]
+}
+
+fn bus_seeds() -> Vec<Vec<u8>> {
+    use palpate::faults::sequence;
+    let device = include_bytes!("../proto/golden/device_info.bin");
+    let pose = include_bytes!("../proto/golden/tool_pose.bin");
+    let command = |method: &str, arguments: &str| {
+        let methods = palpate_client::proto::rpc::METHODS;
+        let number = methods.iter().position(|known| *known == method);
+        let mut bytes = vec![number.expect("a method") as u8];
+        bytes.extend(arguments.bytes());
+        bytes
+    };
+    // Into the body and out of it, with a device that says what it is, a pause, and another hand.
+    (0..3)
+        .map(|scene| {
+            sequence(
+                scene,
+                &[
+                    (1, 0, 1, device),
+                    (5, 0, 32, &[0, 0, 0]),
+                    (5, 0, 32, &[0xf0, 0, 0]),
+                    (5, 0, 64, &[0xd8, 0, 0]),
+                    (2, 1, 8, &command("pause", "{}")),
+                    (2, 1, 8, &command("step", r#"{"ticks": 3}"#)),
+                    (2, 1, 8, &command("resume", "{}")),
+                    (0, 1, 16, pose),
+                    (3, 0, 32, &[]),
+                    (5, 2, 32, &[0xe0, 4, 4]),
+                    (2, 1, 8, &command("reset", "{}")),
+                    (4, 0, 64, &[]),
+                ],
+            )
+        })
+        .collect()
 }
 
 fn device_seeds() -> Vec<Vec<u8>> {

@@ -7,6 +7,7 @@
 //! What the router does with messages is told to Zenoh as downsampling and access-control rules; nothing
 //! of ours touches them on their way.
 
+use palpate_client::is_secured;
 use palpate_proto::messages::{ControlNet, Message};
 use serde_json::{Value, json};
 use std::path::PathBuf;
@@ -180,17 +181,13 @@ pub(crate) fn stays_here(endpoint: &str) -> bool {
     let host = address.rsplit_once(':').map_or(address, |(host, _)| host);
     let number = host.trim_matches(['[', ']']).parse::<std::net::IpAddr>();
     let loopback = host == "localhost" || number.is_ok_and(|number| number.is_loopback());
-    loopback || ["unixsock-stream", "tls", "quic"].contains(&protocol)
+    loopback || protocol == "unixsock-stream" || is_secured(endpoint)
 }
 
 impl RelaySettings {
     /// An endpoint that certificates lead into, and behind which nothing asks for their roles.
     fn without_rules(&self) -> Result<Option<String>, RelayError> {
-        let encrypted = |endpoint: &&String| {
-            ["tls/", "quic/"]
-                .iter()
-                .any(|head| endpoint.starts_with(head))
-        };
+        let encrypted = |endpoint: &&String| is_secured(endpoint);
         let config = self.config("router")?;
         let has_rules = (config.get_json("access_control/enabled")).is_ok_and(|is| is == "true");
         let mut encrypted = self.listen.iter().filter(encrypted);

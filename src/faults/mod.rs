@@ -17,9 +17,11 @@ mod check;
 mod client;
 mod disk;
 mod host;
+mod messages;
 mod plan;
 mod world;
 
+pub use messages::{Told, messages, sequence};
 pub use plan::{Fault, Plan};
 pub use world::{Report, run};
 

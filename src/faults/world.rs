@@ -110,10 +110,10 @@ pub fn run(seed: u64, folder: &Path) -> Result<Report, Violation> {
     Ok(world.report)
 }
 
-type Built = (Loaded, Arc<Scene>);
+pub(super) type Built = (Loaded, Arc<Scene>);
 
 /// Read and built once: thousands of seeds share three scenes.
-fn scene(index: usize) -> Result<Built, String> {
+pub(super) fn scene(index: usize) -> Result<Built, String> {
     static BUILT: [OnceLock<Result<Built, String>>; SCENES.len()] =
         [const { OnceLock::new() }; SCENES.len()];
     let build = || {

@@ -6,6 +6,7 @@ use super::shelf::Shelf;
 use crate::relay::stays_here;
 use crate::transport::is_loopback;
 use crate::viewer::{Hosts, Server};
+use palpate_client::is_secured;
 use std::ffi::OsString;
 use std::net::{SocketAddr, TcpListener};
 use std::path::{Path, PathBuf};
@@ -132,10 +133,10 @@ impl LobbySettings {
             return Err(LobbyError::Open(self.http));
         }
         let listen = || self.listen.clone();
-        if self.listen.starts_with("tls/") && self.identity.is_none() {
+        if is_secured(&self.listen) && self.identity.is_none() {
             return Err(LobbyError::NoIdentity(listen()));
         }
-        let has_ports = ["tcp/", "tls/"]
+        let has_ports = ["tcp/", "tls/", "quic/"]
             .iter()
             .any(|head| self.listen.starts_with(head));
         if !has_ports || !self.listen.ends_with(":0") {

@@ -1,10 +1,11 @@
 //! What a session listens on that everybody can reach.
 
+use palpate_client::is_secured;
 use serde_json::Value;
 use std::net::{IpAddr, ToSocketAddrs};
 
 /// Endpoints on which a session with this configuration would let in who comes over a network:
-/// neither loopback nor a Unix socket, and without TLS, certificates of clients and access rules.
+/// neither loopback nor a Unix socket, and without TLS or QUIC, certificates of clients and access rules.
 pub(super) fn open_endpoints(config: &zenoh::Config) -> Vec<String> {
     let value = |key: &str| -> Value {
         let text = config.get_json(key).unwrap_or_default();
@@ -16,7 +17,7 @@ pub(super) fn open_endpoints(config: &zenoh::Config) -> Vec<String> {
     texts(&value("listen/endpoints"), &mut endpoints);
     endpoints.retain(|endpoint| match endpoint.split_once('/') {
         Some(("unixsock-stream", _)) => false,
-        Some((protocol, address)) => !(is_local(address) || (protocol == "tls" && guarded)),
+        Some((_, address)) => !(is_local(address) || (is_secured(endpoint) && guarded)),
         None => false,
     });
     endpoints
@@ -70,18 +71,24 @@ mod tests {
             "tcp/127.3.2.1:7447",
             "tcp/[::ffff:127.0.0.1]:7447",
             "tls/127.0.0.1:7447",
+            "quic/127.0.0.1:7447",
             "unixsock-stream//tmp/palpate",
         ] {
             assert!(open(&format!("[{local:?}]"), &[]).is_empty(), "{local}");
         }
-        for wide in ["tcp/0.0.0.0:7447", "tcp/[::]:7447", "tls/0.0.0.0:7447"] {
+        for wide in [
+            "tcp/0.0.0.0:7447",
+            "tcp/[::]:7447",
+            "tls/0.0.0.0:7447",
+            "quic/0.0.0.0:7447",
+        ] {
             let listen = format!("[{wide:?}]");
             for more in [&[][..], &[mtls], &[rules]] {
                 assert_eq!(open(&listen, more), [wide], "{more:?}");
             }
             assert_eq!(
                 open(&listen, &[mtls, rules]).is_empty(),
-                wide.starts_with("tls")
+                !wide.starts_with("tcp")
             );
         }
         // Zenoh's way to say it by mode.

@@ -36,6 +36,7 @@ pub use exposure::is_loopback;
 pub use health::Health;
 pub use metrics::{AdapterCount, AdapterCounts, LoopMetrics};
 pub use rate::{RateNews, RateWatch};
+pub(crate) use rpc::loop_command;
 pub use session::{
     Access, DEFAULT_ENDPOINT, DEFAULT_SECURE_ENDPOINT, Role, SessionError, SessionSettings,
     daemon_of, default_listen, is_taken, open, open_guarded,

@@ -87,21 +87,10 @@ impl Rpc {
     /// Passes a call on to the loop, the keeper of recordings or the editor of a live scene.
     fn ask_live(&mut self, id: u64, call: Call, parties: &mut Parties<'_>) -> Result<(), String> {
         let method = call.method();
+        if let Some(command) = loop_command(&call, parties.scene) {
+            return self.ask_loop(id, parties, command?);
+        }
         match call {
-            Call::Reset => self.ask_loop(id, parties, Command::Reset),
-            Call::Pause => self.ask_loop(id, parties, Command::Pause),
-            Call::Resume => self.ask_loop(id, parties, Command::Resume),
-            Call::Step { ticks } => self.ask_loop(id, parties, Command::Step(ticks)),
-            Call::Shutdown => self.ask_loop(id, parties, Command::Stop),
-            Call::MoveBody {
-                body,
-                position,
-                orientation,
-                seconds,
-            } => {
-                let command = sent(parties.scene, &body, &position, orientation, seconds)?;
-                self.ask_loop(id, parties, command)
-            }
             Call::RecordStart { path } => {
                 let path = path.map(Into::into);
                 ask_archive(id, parties.events, method, ArchiveRequest::Start { path })
@@ -151,7 +140,8 @@ impl Rpc {
                     .edits
                     .ask(id, parties.scene, parties.nets, edit, &bodies)
             }
-            Call::Seek { .. } | Call::Rate { .. } => Err(format!(
+            // Seek and rate; what is for the loop has gone there.
+            _ => Err(format!(
                 "{method} is for recordings that are played (`palpate play`); this is a live scene"
             )),
         }
@@ -267,12 +257,30 @@ impl Rpc {
     }
 }
 
+/// What a call asks of the loop; `None` if it asks someone else.
+pub(crate) fn loop_command(call: &Call, scene: &Scene) -> Option<Result<Command, String>> {
+    Some(match call {
+        Call::Reset => Ok(Command::Reset),
+        Call::Pause => Ok(Command::Pause),
+        Call::Resume => Ok(Command::Resume),
+        Call::Step { ticks } => Ok(Command::Step(*ticks)),
+        Call::Shutdown => Ok(Command::Stop),
+        Call::MoveBody {
+            body,
+            position,
+            orientation,
+            seconds,
+        } => sent(scene, body, position, orientation.as_deref(), *seconds),
+        _ => return None,
+    })
+}
+
 /// The command that sends a body to a place.
 fn sent(
     scene: &Scene,
     id: &str,
     position: &[f64],
-    orientation: Option<Vec<f64>>,
+    orientation: Option<&[f64]>,
     seconds: f64,
 ) -> Result<Command, String> {
     let body = (scene.body_index(id)).ok_or_else(|| format!("there is no body {id:?}"))?;
@@ -286,8 +294,8 @@ fn sent(
             "position is {position:?}; it has three numbers, m in the world"
         ));
     };
-    let turned = orientation.unwrap_or_else(|| vec![0.0, 0.0, 0.0, 1.0]);
-    let &[i, j, k, w] = &turned[..] else {
+    let turned = orientation.unwrap_or(&[0.0, 0.0, 0.0, 1.0]);
+    let &[i, j, k, w] = turned else {
         return Err(format!(
             "orientation is {turned:?}; it has four numbers, x y z w"
         ));

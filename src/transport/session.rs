@@ -1,8 +1,9 @@
 //! Opening a Zenoh session: peer mode on a fixed loopback endpoint, no multicast needed.
 
 use super::exposure::open_endpoints;
+use palpate_client::is_secured;
 use palpate_proto::keys::Keys;
-use std::net::{TcpListener, TcpStream, ToSocketAddrs};
+use std::net::{TcpListener, TcpStream, ToSocketAddrs, UdpSocket};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 use zenoh::Wait;
@@ -195,12 +196,9 @@ pub fn open_guarded(
 ) -> Result<(zenoh::Session, Vec<String>), SessionError> {
     for endpoint in &settings.connect {
         match settings.role {
-            Role::Router => drop(tcp_address(endpoint)?),
             // With TLS a bare connection would be a failed handshake in the log of whoever listens.
-            Role::Peer | Role::Client if !endpoint.starts_with("tls/") => {
-                check_reachable(endpoint)?
-            }
-            Role::Peer | Role::Client => drop(tcp_address(endpoint)?),
+            Role::Peer | Role::Client if !is_secured(endpoint) => check_reachable(endpoint)?,
+            Role::Router | Role::Peer | Role::Client => drop(ip_address(endpoint)?),
         }
     }
     for endpoint in &settings.listen {
@@ -268,17 +266,17 @@ fn set(config: &mut zenoh::Config, key: &str, value: &str) -> Result<(), Session
         .map_err(|e| SessionError::Zenoh(format!("{key}: {e}")))
 }
 
-/// Host and port of an endpoint over TCP; other transports are left to Zenoh.
-fn tcp_address(endpoint: &str) -> Result<Option<std::net::SocketAddr>, SessionError> {
+/// Host and port of an endpoint over TCP or UDP; other transports are left to Zenoh.
+fn ip_address(endpoint: &str) -> Result<Option<std::net::SocketAddr>, SessionError> {
     let wrong = |reason: String| SessionError::Endpoint {
         endpoint: endpoint.to_owned(),
         reason,
     };
     palpate_client::check_protocol(endpoint).map_err(wrong)?;
-    let over_tcp = ["tcp/", "tls/"]
+    let over_ip = ["tcp/", "tls/", "quic/"]
         .iter()
         .find_map(|head| endpoint.strip_prefix(head));
-    let Some(address) = over_tcp else {
+    let Some(address) = over_ip else {
         return Ok(None);
     };
     let address = address.split(['#', '?']).next().unwrap_or_default();
@@ -297,7 +295,7 @@ pub fn is_taken(endpoint: &str) -> bool {
 }
 
 fn check_reachable(endpoint: &str) -> Result<(), SessionError> {
-    let Some(address) = tcp_address(endpoint)? else {
+    let Some(address) = ip_address(endpoint)? else {
         return Ok(());
     };
     match TcpStream::connect_timeout(&address, Duration::from_secs(3)) {
@@ -310,11 +308,15 @@ fn check_reachable(endpoint: &str) -> Result<(), SessionError> {
 }
 
 fn check_free(endpoint: &str) -> Result<(), SessionError> {
-    let Some(address) = tcp_address(endpoint)? else {
+    let Some(address) = ip_address(endpoint)? else {
         return Ok(());
     };
-    match TcpListener::bind(address) {
-        Ok(_) => Ok(()),
+    let bound = match endpoint.starts_with("quic/") {
+        true => UdpSocket::bind(address).map(drop),
+        false => TcpListener::bind(address).map(drop),
+    };
+    match bound {
+        Ok(()) => Ok(()),
         Err(e) => Err(SessionError::InUse {
             endpoint: endpoint.to_owned(),
             reason: e.to_string(),
@@ -339,6 +341,8 @@ mod tests {
             matches!(&error, SessionError::InUse { endpoint, .. } if *endpoint == taken),
             "{error}"
         );
+        let socket = UdpSocket::bind("127.0.0.1:0").unwrap();
+        assert!(is_taken(&format!("quic/{}", socket.local_addr().unwrap())));
         drop(listener);
         let error = open(&SessionSettings {
             connect: vec![taken.clone()],
@@ -353,7 +357,7 @@ mod tests {
             "127.0.0.1:7447",
             "tcp/nowhere",
             "tcp/127.0.0.1:99999",
-            "quic/127.0.0.1:7447",
+            "udp/127.0.0.1:7447",
         ] {
             let settings = SessionSettings {
                 connect: vec![nonsense.into()],

@@ -97,7 +97,14 @@ pub fn add_identity(config: &mut zenoh::Config, path: &Path) -> Result<(), Strin
 }
 
 /// Protocols that are built in.
-const PROTOCOLS: [&str; 3] = ["tcp", "tls", "unixsock-stream"];
+const PROTOCOLS: [&str; 4] = ["tcp", "tls", "quic", "unixsock-stream"];
+
+/// Both sides of an endpoint show certificates: TLS, and QUIC, which is TLS over UDP.
+pub fn is_secured(endpoint: &str) -> bool {
+    ["tls/", "quic/"]
+        .iter()
+        .any(|head| endpoint.starts_with(head))
+}
 
 /// Refuses an endpoint whose protocol is not built in: Zenoh would say so in words of its own.
 ///

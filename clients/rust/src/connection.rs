@@ -238,7 +238,7 @@ impl Palpate {
         if let Some(identity) = &settings.identity {
             crate::config::add_identity(&mut config, identity).map_err(ClientError::zenoh)?;
         }
-        let secured = settings.endpoints.iter().find(|at| at.starts_with("tls/"));
+        let secured = settings.endpoints.iter().find(|at| crate::is_secured(at));
         if let Some(endpoint) = secured {
             crate::tls::demand(&mut config, endpoint, settings)?;
         }

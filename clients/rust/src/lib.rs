@@ -27,7 +27,7 @@ mod tool;
 mod watch;
 
 pub use config::{
-    Named, add_identity, check_built_in, check_protocol, identity, named, read_config,
+    Named, add_identity, check_built_in, check_protocol, identity, is_secured, named, read_config,
 };
 pub use connection::{ClientError, Connect, Latest, Palpate};
 pub use newest::NewestForce;

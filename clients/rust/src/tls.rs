@@ -1,7 +1,7 @@
 //! Connecting with TLS: a refusal is an error at once, instead of silent retries.
 
 use crate::{ClientError, Connect};
-use std::net::{TcpStream, ToSocketAddrs};
+use std::net::{Ipv4Addr, Ipv6Addr, SocketAddr, TcpStream, ToSocketAddrs, UdpSocket};
 use std::time::Duration;
 
 /// Makes Zenoh try once and give up: it would go on trying without a word.
@@ -63,6 +63,31 @@ const MEANINGS: [(&[&str], &str); 6] = [
     ),
 ];
 
+/// Whether somebody listens at an endpoint. Over UDP only a machine that says that nobody does is
+/// certain.
+fn reach(endpoint: &str) -> std::io::Result<()> {
+    let (protocol, address) = endpoint.split_once('/').unwrap_or_default();
+    let address = address.split(['#', '?']).next().unwrap_or_default();
+    let mut addresses = address.to_socket_addrs()?;
+    let address = addresses.next().ok_or(std::io::ErrorKind::NotFound)?;
+    if protocol != "quic" {
+        return TcpStream::connect_timeout(&address, Duration::from_secs(3)).map(drop);
+    }
+    let own: SocketAddr = match address {
+        SocketAddr::V4(_) => (Ipv4Addr::UNSPECIFIED, 0).into(),
+        SocketAddr::V6(_) => (Ipv6Addr::UNSPECIFIED, 0).into(),
+    };
+    let socket = UdpSocket::bind(own)?;
+    socket.connect(address)?;
+    socket.set_read_timeout(Some(Duration::from_millis(300)))?;
+    // No QUIC packet: whoever listens passes it over.
+    socket.send(&[0])?;
+    match socket.recv(&mut [0; 1]) {
+        Err(error) if error.kind() == std::io::ErrorKind::ConnectionRefused => Err(error),
+        _ => Ok(()),
+    }
+}
+
 /// Why there is no link: nobody listens, or certificates are not accepted. To clients that look on
 /// Zenoh says which only in its log.
 pub(crate) fn refused(endpoint: &str, words: &str) -> ClientError {
@@ -71,16 +96,7 @@ pub(crate) fn refused(endpoint: &str, words: &str) -> ClientError {
         .iter()
         .find(|(marks, _)| marks.iter().any(|mark| words.contains(mark)))
         .map(|(_, meaning)| *meaning);
-    let address = endpoint.trim_start_matches("tls/");
-    let address = address.split(['#', '?']).next().unwrap_or_default();
-    let reached = address
-        .to_socket_addrs()
-        .and_then(|mut addresses| {
-            let address = addresses.next().ok_or(std::io::ErrorKind::NotFound)?;
-            TcpStream::connect_timeout(&address, Duration::from_secs(3))
-        })
-        .map(drop);
-    match reached {
+    match reach(endpoint) {
         Err(error) => ClientError::Unreachable {
             endpoint: endpoint.to_owned(),
             reason: error.to_string(),

@@ -5,7 +5,7 @@ use crate::recording::{SelfCheckReport, stage_infos, write_stages};
 use crate::transport::default_listen;
 use anyhow::Context as _;
 use std::io::Write as _;
-use std::net::TcpListener;
+use std::net::{TcpListener, UdpSocket};
 use std::path::Path;
 
 /// The endpoints to listen on, a free port instead of port 0.
@@ -15,17 +15,18 @@ use std::path::Path;
 pub fn resolved(common: &Common) -> anyhow::Result<Vec<String>> {
     let resolve = |endpoint: &String| -> anyhow::Result<String> {
         let free = endpoint.split_once('/').filter(|(protocol, address)| {
-            ["tcp", "tls"].contains(protocol) && address.ends_with(":0")
+            ["tcp", "tls", "quic"].contains(protocol) && address.ends_with(":0")
         });
         let Some((protocol, address)) = free else {
             return Ok(endpoint.clone());
         };
-        let listener = TcpListener::bind(address).with_context(|| endpoint.clone())?;
+        let bound = match protocol {
+            "quic" => UdpSocket::bind(address).and_then(|socket| socket.local_addr()),
+            _ => TcpListener::bind(address).and_then(|listener| listener.local_addr()),
+        };
+        let port = bound.with_context(|| endpoint.clone())?.port();
         let host = address.trim_end_matches(":0");
-        Ok(format!(
-            "{protocol}/{host}:{}",
-            listener.local_addr()?.port()
-        ))
+        Ok(format!("{protocol}/{host}:{port}"))
     };
     common.listen.iter().map(resolve).collect()
 }

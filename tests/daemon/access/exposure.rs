@@ -114,7 +114,7 @@ fn what_is_open_is_said_by_ls_the_page_and_the_metrics() {
 #[test]
 fn protocols_that_are_not_built_in_are_refused_by_name() {
     let directory = tempfile::tempdir().unwrap();
-    for protocol in ["quic", "ws", "udp", "serial"] {
+    for protocol in ["ws", "udp", "serial", "vsock"] {
         let endpoint = format!("{protocol}/127.0.0.1:7447");
         let output = serve(directory.path(), &["--listen", &endpoint]);
         let text = words(&output);

@@ -63,11 +63,11 @@ impl Drop for Secured {
 
 impl Secured {
     fn start() -> Self {
-        Self::start_as(&request(Role::Daemon))
+        Self::start_as(&request(Role::Daemon), "tls")
     }
 
-    /// With a daemon's identity of choice.
-    fn start_as(daemon: &Request) -> Self {
+    /// With a daemon's identity and a protocol of choice.
+    fn start_as(daemon: &Request, protocol: &str) -> Self {
         let directory = tempfile::tempdir().unwrap();
         let authority = Authority::create(&directory.path().join("ca")).unwrap();
         let identity = directory.path().join("daemon.json5");
@@ -75,7 +75,7 @@ impl Secured {
         let scene = directory.path().join("scene.toml");
         std::fs::write(&scene, SCENE).unwrap();
         let port = free_port();
-        let endpoint = format!("tls/127.0.0.1:{port}");
+        let endpoint = format!("{protocol}/127.0.0.1:{port}");
         let child = Command::new(PROGRAM)
             .arg("serve")
             .arg(&scene)
@@ -87,7 +87,7 @@ impl Secured {
             .spawn()
             .unwrap();
         let begun = Instant::now();
-        while std::net::TcpStream::connect(("127.0.0.1", port)).is_err() {
+        while !palpate::transport::is_taken(&endpoint) {
             assert!(begun.elapsed() < Duration::from_secs(60), "nobody listens");
             std::thread::sleep(Duration::from_millis(20));
         }

@@ -1,7 +1,7 @@
 //! Every role tries everything on every key of a daemon with TLS. What may come through is in the
 //! table; what comes through is found out at the other end.
 
-use super::Secured;
+use super::{Secured, request};
 use palpate::auth::Role;
 use serde_json::Value;
 use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
@@ -205,7 +205,24 @@ fn live(session: &zenoh::Session, at: &str) -> usize {
 
 #[test]
 fn each_role_does_what_its_certificate_says_and_nothing_else() {
-    let secured = Secured::start();
+    all_roles("tls", TABLE);
+}
+
+// The rules are by certificate, whatever carries it: a row of each verb.
+#[test]
+fn each_role_does_the_same_over_quic() {
+    let mut verbs = Vec::new();
+    let first = TABLE.iter().filter(|(verb, ..)| {
+        let is_first = !verbs.contains(verb);
+        verbs.push(verb);
+        is_first
+    });
+    let rows: Vec<_> = first.copied().collect();
+    all_roles("quic", &rows);
+}
+
+fn all_roles(protocol: &str, rows: &[(&str, &str, [bool; 5])]) {
+    let secured = Secured::start_as(&request(Role::Daemon), protocol);
     let role = |name: &str| Role::of(name).unwrap();
     let operator = secured.session(&secured.identity(Role::Operator)).unwrap();
     // Somebody holds the ball, so that there are forces to hear.
@@ -232,7 +249,7 @@ fn each_role_does_what_its_certificate_says_and_nothing_else() {
     for name in ROLES {
         table += &format!(" {name:>10}");
     }
-    for (verb, rest, may) in TABLE {
+    for (verb, rest, may) in rows {
         table += &format!("\n{verb:<8} {rest:<22}");
         for (name, expected) in ROLES.iter().zip(may) {
             let own = secured.session(&secured.identity(role(name))).unwrap();
