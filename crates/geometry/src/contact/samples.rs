@@ -145,14 +145,19 @@ impl Weights {
 }
 
 impl ContactSamples {
-    /// `per_span²` samples in every patch.
-    pub fn new(surface: &Surface, per_span: usize) -> Self {
+    /// A grid of `per_span` samples, in u and v, in every patch. On a branching surface, where directions
+    /// meet, both numbers are the larger one.
+    pub fn new(surface: &Surface, per_span: [usize; 2]) -> Self {
         let topology = surface.topology();
         let joints = surface.joints().map(Box::new);
+        let per_span = match joints {
+            Some(_) => [per_span[0].max(per_span[1]); 2],
+            None => per_span,
+        };
         // Of a branching surface, ends that meet are joints like others.
         let wraps = [0, 1].map(|d| joints.is_none() && topology.wraps(d));
-        let mut u = SampledDirection::new(surface.knots_u(), per_span, wraps[0]);
-        let mut v = SampledDirection::new(surface.knots_v(), per_span, wraps[1]);
+        let mut u = SampledDirection::new(surface.knots_u(), per_span[0], wraps[0]);
+        let mut v = SampledDirection::new(surface.knots_v(), per_span[1], wraps[1]);
         if let Some(joints) = &joints {
             (u.gaps, v.gaps) = (joints.breaks(0), joints.breaks(1));
         }

@@ -20,7 +20,8 @@ pub mod spec;
 mod surface;
 mod tool;
 
-pub use build::{default_samples_per_span, inline_files};
+pub use build::inline_files;
+use build::samples_per_span;
 pub use change::{Origin, SceneChange};
 pub use door::{Place, Problem, SceneError};
 pub(crate) use mover::{MovedBy, Mover, SPEED_MAX_M_S, TURNING_MAX_RAD_S, between, smooth};

@@ -292,11 +292,33 @@ impl RowSet {
         self.scratch.point(view.predicted)
     }
 
+    /// How far free motion takes a point of a deforming surface, m.
+    pub fn free_motion(
+        &mut self,
+        view: &DeformingView<'_>,
+        wu: &BasisWindow,
+        wv: &BasisWindow,
+    ) -> Vector3 {
+        self.scratch.set(view.surface, wu, wv);
+        let now = self.scratch.point(view.surface.net().points());
+        self.scratch.point(view.predicted) - now
+    }
+
     /// Control indices and weights of a side.
     pub fn weights_in(&self, range: Range) -> (&[u32], &[f64]) {
         let range = range.start as usize..range.end as usize;
         (&self.controls[range.clone()], &self.weights[range])
     }
+}
+
+/// Which samples of a surface come to touch another party in a tick.
+pub struct Approach<F> {
+    /// Gap at which a sample counts as in touch, m.
+    pub margin_m: f64,
+    /// How much nearer any may come within the tick, m.
+    pub closing_m: f64,
+    /// How much nearer one does, in the windows of its parameters and along the normal that it sees, m.
+    pub closes: F,
 }
 
 /// A surface sample in touch.
@@ -311,26 +333,26 @@ pub struct SampleInTouch {
 }
 
 impl DeformingView<'_> {
-    /// Samples nearer than `margin_m` to another party. Where there are more than
+    /// Samples that are in touch with another party, or will be under free motion. Where there are more than
     /// [`MAX_SAMPLES_PER_PAIR`], it is every second in u and v, or every third, and so on; returns
     /// which. A grid that was `thinned` in the last tick stays so until it has room to spare. `meets`
     /// says whether a box is worth a look, `look` what a point of the surface sees of the other
     /// party.
     pub fn samples_in_touch(
         &self,
-        margin_m: f64,
+        mut approach: Approach<impl FnMut(&BasisWindow, &BasisWindow, &Vector3) -> f64>,
         thinned: usize,
         meets: impl Fn(&Point3, &Point3) -> bool,
         mut look: impl FnMut(&Point3) -> Option<Facing>,
         out: &mut Vec<SampleInTouch>,
     ) -> usize {
         let mut every = thinned.max(1);
-        self.collect(margin_m, &mut every, &meets, &mut look, out);
+        self.collect(&mut approach, &mut every, &meets, &mut look, out);
         // Half full at the next finer grid is room to spare.
         let finer = every - 1;
         if every > 1 && out.len() * every * every < MAX_SAMPLES_PER_PAIR / 2 * finer * finer {
             every = finer;
-            self.collect(margin_m, &mut every, &meets, &mut look, out);
+            self.collect(&mut approach, &mut every, &meets, &mut look, out);
         }
         every
     }
@@ -338,7 +360,7 @@ impl DeformingView<'_> {
     /// Those of every `every`-th sample, which grows until they fit.
     fn collect(
         &self,
-        margin_m: f64,
+        approach: &mut Approach<impl FnMut(&BasisWindow, &BasisWindow, &Vector3) -> f64>,
         every: &mut usize,
         meets: impl Fn(&Point3, &Point3) -> bool,
         mut look: impl FnMut(&Point3) -> Option<Facing>,
@@ -366,7 +388,11 @@ impl DeformingView<'_> {
                 let (wu, wv) = self.samples.windows(index);
                 let point = self.surface.point_in(wu, wv);
                 let Some(facing) = look(&point) else { continue };
-                if facing.gap_m < margin_m && faces(self.surface, wu, wv, &facing.normal) {
+                let away_m = facing.gap_m - approach.margin_m;
+                let touches = away_m < 0.0
+                    || (away_m < approach.closing_m
+                        && away_m < (approach.closes)(wu, wv, &facing.normal));
+                if touches && faces(self.surface, wu, wv, &facing.normal) {
                     while out.len() == MAX_SAMPLES_PER_PAIR {
                         *every += 1;
                         out.retain(|hit| taken(hit.index, *every));

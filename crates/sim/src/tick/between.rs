@@ -5,9 +5,11 @@ use super::meeting::Meeting;
 use super::{SceneState, Scratch};
 use crate::scene::Scene;
 use crate::solve::row_key::RowKey;
+use crate::solve::rows::Approach;
+use palpate_geometry::basis::BasisWindow;
 use palpate_geometry::contact::dispatch::look_at;
 use palpate_geometry::contact::{Contact, Facing, Reach};
-use palpate_geometry::math::Point3;
+use palpate_geometry::math::{Point3, Vector3};
 
 /// Deepest fold of a body into itself that a tick looks for, relative to the size.
 const FOLD: f64 = 5e-3;
@@ -77,7 +79,7 @@ pub(super) fn bodies(
         let bounds = theirs.bounds;
         let look = |x: &Point3| look_at(contacts, x, margin, &theirs.surface, &theirs.solver);
         view.samples_in_touch(
-            margin,
+            within(margin),
             1,
             |low, high| meet(&bounds, low, high, margin),
             look,
@@ -122,7 +124,7 @@ pub(super) fn bodies(
             })
         };
         view.samples_in_touch(
-            margin,
+            within(margin),
             1,
             |low, high| meet(&bounds, low, high, margin),
             look,
@@ -206,6 +208,15 @@ pub(super) fn itself(scene: &Scene, scratch: &mut Scratch, p: usize) {
             &steps,
             margin,
         );
+    }
+}
+
+/// Samples nearer than `margin_m`, which has the motion of both bodies in it.
+fn within(margin_m: f64) -> Approach<impl FnMut(&BasisWindow, &BasisWindow, &Vector3) -> f64> {
+    Approach {
+        margin_m,
+        closing_m: 0.0,
+        closes: |_: &BasisWindow, _: &BasisWindow, _: &Vector3| 0.0,
     }
 }
 

@@ -19,7 +19,8 @@ use crate::haptics::LinkPhase;
 use crate::scene::{Body, BodyModel, Pair, Scene, Tool};
 use crate::solve::proxy::BallContact;
 use crate::solve::row_key::RowKey;
-use crate::solve::rows::{DeformingView, Holder, RowSet};
+use crate::solve::rows::{Approach, DeformingView, Holder, RowSet};
+use palpate_geometry::basis::BasisWindow;
 use palpate_geometry::contact::dispatch::{Method, Narrow};
 use palpate_geometry::contact::exact::ball::signed_gap;
 use palpate_geometry::contact::{Contact, Facing, Reach, ToolShape, distance_squared_to_box};
@@ -128,7 +129,8 @@ fn ball(
     let parts = &mut bodies[pair.body];
     let (free, margin) = (rows.free[t], margin_m(radius_m, body.size_m));
     // Free motion of the body may close a gap within the tick.
-    let near = margin + moving(body, parts);
+    let closing = moving(body, parts);
+    let near = margin + closing;
     let last = state.tools[t].proxy;
     let touched = state.pairs[p].proxy.touching;
     let mut target = rows.proxies[t];
@@ -193,11 +195,12 @@ fn ball(
             uv: [0.0; 2],
         })
     };
-    let within = radius_m + margin;
+    let within = radius_m + near;
     let meets = |low: &Point3, high: &Point3| {
         distance_squared_to_box(&centre, low, high) <= within * within
     };
-    let every = view.samples_in_touch(margin, usize::from(*thinned), meets, look, hits);
+    let approach = approach(rows, &view, margin, closing);
+    let every = view.samples_in_touch(approach, usize::from(*thinned), meets, look, hits);
     *thinned = every.min(255) as u8;
     for hit in hits.iter() {
         push_sample(rows, p, pair, hit, &view, way, margin);
@@ -213,6 +216,23 @@ fn ball(
     };
     let warm = &state.warm[..state.warm_len];
     push_feet(rows, p, pair, feet, warm, parts, &view, &tool, way, look);
+}
+
+/// Samples that the body's own motion brings to a tool within the tick: one met a tick late
+/// would be pushed out with the energy of its depth. How far the tool goes is up to what it meets.
+fn approach<'a>(
+    rows: &'a mut RowSet,
+    view: &'a DeformingView<'a>,
+    margin_m: f64,
+    closing_m: f64,
+) -> Approach<impl FnMut(&BasisWindow, &BasisWindow, &Vector3) -> f64 + 'a> {
+    Approach {
+        margin_m,
+        closing_m,
+        closes: move |wu: &BasisWindow, wv: &BasisWindow, normal: &Vector3| {
+            rows.free_motion(view, wu, wv).dot(normal)
+        },
+    }
 }
 
 /// Rows of contacts in the order of their depth, on a rigid body or of a point.
@@ -369,12 +389,13 @@ fn shape(scene: &Scene, state: &mut SceneState, scratch: &mut Scratch, p: usize,
     if let Some(view) = view.filter(|_| !set.contacts().is_empty()) {
         let bounds = tool.shape.bounds(&pose);
         let meets = |low: &Point3, high: &Point3| {
-            bounds.is_none_or(|bounds| meet(&bounds, low, high, margin))
+            bounds.is_none_or(|bounds| meet(&bounds, low, high, margin + closing))
         };
         hits.clear();
         if !matches!(tool.shape, ToolShape::Point) {
-            let look = |x: &Point3| scratch_pair.facing(&tool.shape, &pose, x, margin);
-            every = view.samples_in_touch(margin, usize::from(*thinned), meets, look, hits);
+            let look = |x: &Point3| scratch_pair.facing(&tool.shape, &pose, x, margin + closing);
+            let approach = approach(rows, &view, margin, closing);
+            every = view.samples_in_touch(approach, usize::from(*thinned), meets, look, hits);
             *thinned = every.min(255) as u8;
         }
         for hit in hits.iter() {

@@ -8,7 +8,7 @@ use crate::body::{Solid, StepMatrix, StepSettings};
 use crate::scene::plan::step_us;
 use crate::scene::refine::{self, Refined};
 use crate::scene::spec::{IterationsSpec, MatrixSpec, MethodSpec, RefineSpec, RegionSpec};
-use crate::scene::{BodyModel, DeformingBody, default_samples_per_span};
+use crate::scene::{BodyModel, DeformingBody, samples_per_span};
 use palpate_geometry::contact::ContactSamples;
 use palpate_geometry::math::{Point3, Vector3};
 use palpate_geometry::surface::Surface;
@@ -83,7 +83,7 @@ pub(super) fn deforming<'b>(
     let (refined, deformable, why) = graded.or_else(|| with(even))?;
     let mut deformable = deformable;
     values::launch(spec, &mut deformable, at)?;
-    let samples = ContactSamples::new(&refined, default_samples_per_span());
+    let samples = ContactSamples::new(&refined, samples_per_span(&refined));
     let choice = Choice {
         model: spec.model.name(),
         why,
