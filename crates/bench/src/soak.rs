@@ -14,6 +14,9 @@ const WARM: f64 = 0.25;
 /// Growth below this is not told from noise, kB/min; a real leak shows in its multiples.
 const MEMORY_NOISE: f64 = 128.0;
 
+/// Files of the recording: each keeps the index of its chunks until it ends, some 175 kB a minute.
+const PARTS: f64 = 12.0;
+
 /// How long.
 #[derive(clap::Args, Debug)]
 pub struct SoakOptions {
@@ -99,8 +102,16 @@ pub fn soak(options: &SoakOptions) -> anyhow::Result<()> {
     let scene = files.write("teardrop.toml", SCENE)?;
     let recording = files.path("soak.mcap").display().to_string();
     let endpoint = format!("tcp/127.0.0.1:{}", free_port()?);
+    let part = format!("{}s", options.length.div_f64(PARTS).as_secs().max(1));
     let daemon = Process::start(&[
-        "serve", &scene, "--listen", &endpoint, "--record", &recording,
+        "serve",
+        &scene,
+        "--listen",
+        &endpoint,
+        "--record",
+        &recording,
+        "--split-duration",
+        &part,
     ])?;
     let palpate = connect(&endpoint)?;
     let length = format!("{}s", options.length.as_secs() + 60);

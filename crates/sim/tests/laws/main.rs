@@ -1,6 +1,7 @@
 //! Laws of the simulation: forces, rest, energy, friction, couplings, refusals.
 
 mod bending;
+mod bounce;
 mod carried;
 #[path = "../common/mod.rs"]
 mod common;
