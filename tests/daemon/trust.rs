@@ -6,8 +6,8 @@ use palpate_client::proto::codec::encode;
 use palpate_client::proto::messages::{DeviceInfo, EventKind, ToolPose};
 use palpate_client::{Connect, Palpate, pose_at};
 use std::process::{Command, Output, Stdio};
+use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
-use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 use zenoh::Wait;
 
