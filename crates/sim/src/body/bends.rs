@@ -11,7 +11,7 @@
 //! the row. Around a flat pole that makes w′/r of the deflection w, the curvature around.
 
 use super::sheet::Row;
-use palpate_geometry::math::{Lane, Point3, Vector3};
+use palpate_geometry::math::{Lane, Matrix3, Point3, Vector3};
 
 /// Most nodes of a bend: one before, the middle, two after, left and right.
 const MOST: usize = 6;
@@ -96,6 +96,15 @@ impl Bend {
             }
         }
         edges
+    }
+
+    /// Hands out blocks of w s sᵀ, each pair of nodes once.
+    pub(super) fn tangent(&self, out: &mut impl FnMut(u32, u32, Matrix3)) {
+        for (k, (i, s)) in self.terms().enumerate() {
+            for (j, t) in self.terms().take(k + 1) {
+                out(i, j, Matrix3::from_diagonal_element(self.stiffness * s * t));
+            }
+        }
     }
 
     fn second_derivative(&self, places: &[Lane]) -> Lane {

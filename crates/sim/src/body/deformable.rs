@@ -146,7 +146,7 @@ impl Deformable {
                 *reached += turning.inwards(x, dt);
             }
         }
-        implicit.begin(state, scratch);
+        implicit.begin(&self.matter, state, scratch);
     }
 
     /// One correction of where the step has come; on the net, x* is that without what contact moved.
@@ -172,10 +172,9 @@ impl Deformable {
             implicit,
             ..
         } = scratch;
-        let bounding = implicit.answers_bounding;
         self.weigh_modes(carried, implicit, amounts);
-        let (n, columns) = (self.unknown_count(), self.columns(bounding));
-        let with_modes = !(bounding || amounts.is_empty());
+        let (n, columns) = (self.unknown_count(), self.columns(implicit));
+        let with_modes = !(implicit.answers_bounding || amounts.is_empty());
         for &c in &self.matter.surface {
             let unknown = self.matter.unknown[c as usize] as usize;
             let mut moved = Vector3::zeros();
@@ -239,10 +238,9 @@ impl Deformable {
         if changed.is_empty() {
             return;
         }
-        let bounding = implicit.answers_bounding;
-        self.respond(changed, bounding, lanes);
+        self.respond(changed, self.columns(implicit), lanes);
         self.weigh_modes(changed, implicit, amounts);
-        let with_modes = !(bounding || amounts.is_empty());
+        let with_modes = !(implicit.answers_bounding || amounts.is_empty());
         for (unknown, &c) in self.matter.coordinate_of_unknown.iter().enumerate() {
             let moved = lanes[unknown];
             let place = &mut reached[c as usize];
@@ -257,13 +255,9 @@ impl Deformable {
         }
     }
 
-    /// Columns of the response.
-    fn columns(&self, bounding: bool) -> &[f64] {
-        let response = &self.compliance.response;
-        match bounding && !response.bounding.is_empty() {
-            true => &response.bounding,
-            false => &response.columns,
-        }
+    /// Columns of the response by which contact answers in this step.
+    fn columns(&self, implicit: &ImplicitScratch) -> &[f64] {
+        &self.compliance.response.columns[implicit.answer]
     }
 
     /// How much of each soft mode forces on the net excite.
@@ -353,9 +347,9 @@ impl Deformable {
         self.count_still(state, touched, handled || flowed, balanced);
     }
 
-    /// W F of forces on the net, into `lanes` (unknowns).
-    fn respond(&self, forces: &[(u32, Vector3)], bounding: bool, lanes: &mut [Lane]) {
-        let (n, values) = (self.unknown_count(), self.columns(bounding));
+    /// W F of forces on the net, into `lanes` (unknowns); `values`: the columns of W.
+    fn respond(&self, forces: &[(u32, Vector3)], values: &[f64], lanes: &mut [Lane]) {
+        let n = self.unknown_count();
         lanes.fill([0.0; 4]);
         for four in forces.chunks(4) {
             let mut columns: [&[f64]; 4] = [&[]; 4];
@@ -569,7 +563,7 @@ impl Deformable {
     pub fn compliance_of(&self, scratch: &DeformableScratch, coordinate: usize) -> Option<&[f64]> {
         let column = self.compliance.column[coordinate];
         let n = self.unknown_count();
-        let values = self.columns(scratch.implicit.answers_bounding);
+        let values = self.columns(&scratch.implicit);
         (column != FIXED).then(|| &values[column as usize * n..(column as usize + 1) * n])
     }
 

@@ -14,6 +14,8 @@ use std::collections::BTreeSet;
 
 /// Neighbours of a coordinate, at most.
 const MOST: usize = 8;
+/// Least part of the largest moment of neighbours that the smallest may be.
+const FLAT: f64 = 0.05;
 /// Newton steps: a stretch of 1.3 is off by 1e-7 after three.
 const STEPS: usize = 3;
 /// Deformation gradients with a determinant outside of this range have no use for Newton's method.
@@ -36,6 +38,10 @@ struct Block {
     neighbours: [[u32; 4]; MOST],
     /// F = Σ (x_j − x_i) w_jᵀ.
     weights: [[Four; 3]; MOST],
+    /// At rest, where neighbours are taken to lie in a plane; else zero.
+    normals: [Four; 3],
+    /// Any of them does.
+    flat: bool,
 }
 
 /// F = Σ (x_j − x_i) w_jᵀ of a coordinate i.
@@ -43,6 +49,8 @@ struct Block {
 struct Fit {
     here: u32,
     edges: Vec<(u32, Vector3)>,
+    /// Of the plane that the neighbours are taken to lie in, or zero.
+    normal: Vector3,
 }
 
 impl Fit {
@@ -57,6 +65,36 @@ impl Fit {
         Some(Self {
             here: i as u32,
             edges: edges.collect(),
+            normal: Vector3::zeros(),
+        })
+    }
+
+    /// Of a sheet: what leaves the plane of the nearest neighbours is left out, and the sheet's normal
+    /// goes with what they span. `None` where they lie nearly in a line.
+    fn of_sheet(i: usize, near: &[(f64, u32)], rest: &[Point3]) -> Option<Self> {
+        let edges = || {
+            let nearest = near.iter().take(MOST);
+            nearest.map(|&(_, j)| (j, rest[j as usize] - rest[i]))
+        };
+        let moments = edges().fold(Matrix3::zeros(), |sum, (_, edge)| {
+            sum + edge * edge.transpose()
+        });
+        let eigen = moments.symmetric_eigen();
+        let mut order = [0, 1, 2];
+        order.sort_by(|&a, &b| eigen.eigenvalues[a].total_cmp(&eigen.eigenvalues[b]));
+        let [flat, small, large] = order;
+        if !(eigen.eigenvalues[small] > FLAT * eigen.eigenvalues[large]) {
+            return None;
+        }
+        let axis = |k: usize| eigen.eigenvectors.column(k).into_owned();
+        let weight = |edge: Vector3| {
+            let along = |k: usize| axis(k) * (axis(k).dot(&edge) / eigen.eigenvalues[k]);
+            along(small) + along(large)
+        };
+        Some(Self {
+            here: i as u32,
+            edges: edges().map(|(j, edge)| (j, weight(edge))).collect(),
+            normal: axis(flat),
         })
     }
 }
@@ -92,6 +130,10 @@ fn nearest<'a>(
 impl Block {
     fn set(&mut self, lane: usize, fit: &Fit) {
         self.here[lane] = fit.here;
+        for (normals, value) in self.normals.iter_mut().zip(fit.normal.iter()) {
+            normals[lane] = *value;
+        }
+        self.flat |= fit.normal != Vector3::zeros();
         for (k, neighbours) in self.neighbours.iter_mut().enumerate() {
             let (j, vector) = fit
                 .edges
@@ -109,6 +151,8 @@ impl Block {
         here: [0; 4],
         neighbours: [[0; 4]; MOST],
         weights: [[[0.0; 4]; 3]; MOST],
+        normals: [[0.0; 4]; 3],
+        flat: false,
     };
 }
 
@@ -126,7 +170,10 @@ impl Frames {
         let fits: Vec<Option<Fit>> = (0..matter.rest.len())
             .map(|i| {
                 let near = neighbourhood(i, &adjacent, &matter.rest, reach_m);
-                Fit::new(i, &near, &matter.rest, weight)
+                match matter.law.is_solid() {
+                    true => Fit::new(i, &near, &matter.rest, weight),
+                    false => Fit::of_sheet(i, &near, &matter.rest),
+                }
             })
             .collect();
         let mut blocks = Vec::with_capacity(matter.unknown_count().div_ceil(4));
@@ -181,6 +228,9 @@ fn fit_in<L: Lanes>(blocks: &[Block], places: &[Lane], frames: &mut [Frame]) {
                 }
             }
         }
+        if block.flat {
+            add_normal(block, &mut gradient);
+        }
         let (turned, good) = rotations(&gradient);
         let mut rows = [[[0.0; 4]; 3]; 3];
         store(&turned, &mut rows);
@@ -195,6 +245,27 @@ fn fit_in<L: Lanes>(blocks: &[Block], places: &[Lane], frames: &mut [Frame]) {
                     *value = four[lane];
                 }
             }
+        }
+    }
+}
+
+/// Adds what the normals become to gradients of sheets: the cross product of what two vectors with that
+/// normal become.
+#[inline(always)]
+fn add_normal<L: Lanes>(block: &Block, gradient: &mut [[L; 3]; 3]) {
+    let [a, b, c] = *gradient;
+    let normal = [
+        L::load(&block.normals[0]),
+        L::load(&block.normals[1]),
+        L::load(&block.normals[2]),
+    ];
+    for (row, cofactor) in gradient
+        .iter_mut()
+        .zip([cross(b, c), cross(c, a), cross(a, b)])
+    {
+        let turned = dot(cofactor, normal);
+        for (value, n) in row.iter_mut().zip(normal) {
+            *value = *value + turned * n;
         }
     }
 }
@@ -289,8 +360,6 @@ fn choose<'a>(
     rest: &[Point3],
     weight: fn(f64) -> f64,
 ) -> Option<(Vec<&'a u32>, Matrix3)> {
-    /// Least part of the largest moment that the smallest may be.
-    const FLAT: f64 = 0.05;
     let moments = |chosen: &[&u32]| {
         chosen.iter().fold(Matrix3::zeros(), |sum, &&j| {
             let edge = rest[j as usize] - here;

@@ -23,7 +23,7 @@ use super::soft_modes::SoftModes;
 use super::state::{DeformableScratch, DeformableState};
 use super::tangent;
 use palpate_geometry::math::{
-    BlockCholesky, BlockWork, Cholesky, Lane, Rows, SymmetricTriplets, Vector3,
+    BlockCholesky, BlockTriplets, BlockWork, Cholesky, Lane, Rows, SymmetricTriplets, Vector3,
 };
 
 /// Most numbers of a factor in blocks: what a core reads in about a millisecond.
@@ -47,8 +47,10 @@ enum Matrix {
 
 #[derive(Debug)]
 struct Tangent {
-    /// The tangent of rest, and one that is firmer against turning, for strained bodies.
-    factors: [BlockCholesky; 2],
+    /// Of a solid: the tangent of rest, and one that is firmer against turning, for strained bodies. Of
+    /// a sheet: the tangent of rest, with the tension of each of [`TAUT`].
+    factors: Vec<BlockCholesky>,
+    sheet: bool,
     frames: Frames,
     /// For states whose tangent is beyond 4/3 of both.
     bounding: Cholesky,
@@ -80,6 +82,9 @@ pub struct Caution {
 /// The level of the bounding matrix.
 const BOUNDING: u32 = 2;
 
+/// How taut springs of a sheet are, 1 − rest length / length, up to which each of its factors follows.
+const TAUT: [f64; 4] = [0.005, 0.02, 0.08, 0.3];
+
 impl Clone for Caution {
     fn clone(&self) -> Self {
         let mut copy = Self::default();
@@ -98,12 +103,11 @@ impl Clone for Caution {
 /// What forces held on the net through one step move.
 #[derive(Debug, Default)]
 pub(super) struct Response {
-    /// (coordinates of the net × unknowns), row by row, m/N.
-    pub columns: Vec<f64>,
-    /// Motions for which the columns are too stiff.
+    /// (coordinates of the net × unknowns), row by row, m/N: of each way in which a step may answer,
+    /// the last that of steps that take the bounding matrix.
+    pub columns: Vec<Vec<f64>>,
+    /// Motions for which the columns are too stiff, but for those of the bounding matrix.
     pub modes: SoftModes,
-    /// As `columns`, in steps that take the bounding matrix; empty where all do.
-    pub bounding: Vec<f64>,
 }
 
 /// Buffers of a correction.
@@ -121,7 +125,11 @@ pub(super) struct ImplicitScratch {
     caution: Caution,
     /// Σ |correction|² of the last further iteration, m².
     last_m2: f64,
-    /// Contact answers by the bounding matrix in this step.
+    /// Which factor a sheet as taut as in this step takes.
+    taut: usize,
+    /// By which columns of the response contact answers in this step.
+    pub(super) answer: usize,
+    /// Those are of the bounding matrix.
     pub(super) answers_bounding: bool,
 }
 
@@ -197,6 +205,8 @@ impl ImplicitStep {
                 lanes: Rows::zeros(n),
                 caution: self.caution(matter),
                 last_m2: f64::INFINITY,
+                taut: 0,
+                answer: 0,
                 answers_bounding: false,
             },
         }
@@ -240,19 +250,33 @@ impl ImplicitStep {
             }
             columns
         };
-        Ok(match &self.matrix {
-            Matrix::Bounding(factor) => Response {
-                columns: columns(factor),
-                ..Response::default()
-            },
-            Matrix::Tangent(tangent) => {
-                let matrix = scalar_matrix(matter, &matter.law.response_edges());
-                Response {
-                    columns: columns(&Cholesky::new(&matrix)?),
-                    modes: SoftModes::new(&tangent.factors[0], &matrix),
-                    bounding: columns(&tangent.bounding),
-                }
+        let of = |edges: &[(u32, u32, f64)]| {
+            let matrix = scalar_matrix(matter, edges);
+            Ok::<_, DeformableError>((columns(&Cholesky::new(&matrix)?), matrix))
+        };
+        let tangent = match &self.matrix {
+            Matrix::Bounding(factor) => {
+                return Ok(Response {
+                    columns: vec![columns(factor)],
+                    modes: SoftModes::default(),
+                });
             }
+            Matrix::Tangent(tangent) => tangent,
+        };
+        let (mut all, mut modes) = (Vec::new(), SoftModes::default());
+        if tangent.sheet {
+            for taut in TAUT {
+                all.push(of(&matter.law.sheet_edges(taut))?.0);
+            }
+        } else {
+            let (columns, matrix) = of(&matter.law.response_edges())?;
+            all.push(columns);
+            modes = SoftModes::new(&tangent.factors[0], &matrix);
+        }
+        all.push(columns(&tangent.bounding));
+        Ok(Response {
+            columns: all,
+            modes,
         })
     }
 
@@ -260,30 +284,57 @@ impl ImplicitStep {
     /// case its matrix need only be half of the tangent. Membranes do: out of plane they are as stiff as
     /// they are drawn.
     pub(super) fn starts_ahead(&self, matter: &Matter, state: &DeformableState) -> bool {
-        matter.law.is_solid() && !state.caution.held
+        (matter.law.is_solid() || matches!(self.matrix, Matrix::Tangent(_))) && !state.caution.held
     }
 
     /// What belongs to the whole step: the frames of the neighbourhoods.
-    pub(super) fn begin(&self, state: &DeformableState, scratch: &mut DeformableScratch) {
+    pub(super) fn begin(
+        &self,
+        matter: &Matter,
+        state: &DeformableState,
+        scratch: &mut DeformableScratch,
+    ) {
         scratch.implicit.caution.clone_from(&state.caution);
         if let Matrix::Tangent(tangent) = &self.matrix {
             lanes(&scratch.reached, &mut scratch.coordinates);
             let ImplicitScratch {
-                frames, caution, ..
+                frames,
+                caution,
+                taut,
+                ..
             } = &mut scratch.implicit;
             tangent.frames.fit(&scratch.coordinates, frames);
             caution.step();
             if caution.held {
                 caution.level = BOUNDING;
             }
+            if tangent.sheet {
+                let now = tautness(matter, state, &mut scratch.coordinates);
+                let follows = TAUT.iter().position(|&most| now <= most);
+                *taut = follows.unwrap_or(TAUT.len() - 1);
+                if follows.is_none() {
+                    caution.level = BOUNDING;
+                }
+            }
             // Until the first correction says otherwise; a scratch that only follows asks no further.
-            scratch.implicit.answers_bounding = caution.level >= BOUNDING;
+            self.settle_response(scratch);
         }
     }
 
     /// Settles by which response contact answers in this step: after the first correction.
     pub(super) fn settle_response(&self, scratch: &mut DeformableScratch) {
-        scratch.implicit.answers_bounding = scratch.implicit.caution.level >= BOUNDING;
+        let Matrix::Tangent(tangent) = &self.matrix else {
+            return;
+        };
+        let implicit = &mut scratch.implicit;
+        implicit.answers_bounding = implicit.caution.level >= BOUNDING;
+        implicit.answer = match (implicit.answers_bounding, tangent.sheet) {
+            (false, false) => 0,
+            (true, false) => 1,
+            (true, true) => TAUT.len(),
+            (false, true) if implicit.caution.level > 0 => TAUT.len() - 1,
+            (false, true) => implicit.taut,
+        };
     }
 
     /// Adds B⁻¹ of the residual of backward Euler, with the contact forces in `scratch.carried`, to
@@ -333,7 +384,7 @@ impl ImplicitStep {
         match &self.matrix {
             Matrix::Bounding(factor) => implicit.solve_scalar(factor, matter, residual),
             Matrix::Tangent(tangent) => loop {
-                match tangent.factors.get(implicit.caution.level as usize) {
+                match tangent.factor(implicit.caution.level, implicit.taut) {
                     Some(factor) => implicit.solve_blocks(factor, matter, residual),
                     None => {
                         implicit.solve_scalar(&tangent.bounding, matter, residual);
@@ -405,6 +456,31 @@ impl ImplicitStep {
         }
         look_ahead.add(&scratch.ahead, &mut scratch.coordinates);
     }
+}
+
+impl Tangent {
+    /// `None` where the bounding matrix is meant.
+    fn factor(&self, level: u32, taut: usize) -> Option<&BlockCholesky> {
+        match level {
+            0 => self.factors.get(taut),
+            level if level < BOUNDING => self.factors.last(),
+            _ => None,
+        }
+    }
+}
+
+/// How taut a sheet is, or will be where damping looks.
+fn tautness(matter: &Matter, state: &DeformableState, places: &mut [Lane]) -> f64 {
+    let rest = matter.rest_lengths(state);
+    lanes(&state.positions, places);
+    let now = matter.law.tautness(rest, places);
+    let ahead_s = matter.settings.dt_s + matter.damping_s;
+    for (lane, v) in places.iter_mut().zip(&state.velocities) {
+        for (value, part) in lane.iter_mut().zip(v.iter()) {
+            *value += part * ahead_s;
+        }
+    }
+    now.max(matter.law.tautness(rest, places))
 }
 
 impl Caution {
@@ -504,17 +580,11 @@ impl ImplicitScratch {
 
 /// The tangent of rest with its factor, if it has one that single precision can hold.
 fn tangent_of(matter: &Matter) -> Option<Tangent> {
-    if !matter.law.is_solid() {
-        return None;
-    }
-    let firm = tangent::firm(matter);
-    let [matrix, firmer] = [
-        (&firm.rest, tangent::STRAINS[0]),
-        (&firm.firmer, tangent::STRAINS[1]),
-    ]
-    .map(|(edges, strain)| tangent::at_rest(matter, &tangent::of_law(matter, strain), edges));
-    let mut short = SymmetricTriplets::new(matter.unknown_count());
-    (matter.map).add_edges(&firm.short, |c| matter.unknown(c as usize), &mut short);
+    let (matrices, short) = match matter.law.is_solid() {
+        true => of_solid(matter),
+        false => (of_sheet(matter), Vec::new()),
+    };
+    let matrix = matrices.first()?;
     let dt = matter.settings.dt_s;
     let mut stiffest = vec![0.0; matrix.n];
     for (i, j, block) in &matrix.entries {
@@ -528,21 +598,45 @@ fn tangent_of(matter: &Matter) -> Option<Tangent> {
     if stiffness.is_nan() || stiffness > MOST_STIFF {
         return None;
     }
-    let factor = BlockCholesky::new(&matrix).ok()?;
-    if factor.non_zeros() > MOST_NUMBERS {
+    let mut factors = vec![BlockCholesky::new(matrix).ok()?];
+    if factors[0].non_zeros() > MOST_NUMBERS {
         return None;
+    }
+    for matrix in &matrices[1..] {
+        factors.push(BlockCholesky::new(matrix).ok()?);
     }
     let edges = shortest_edges(matter);
     let wild_m = WILD_LENGTH * middle(&edges);
     let watched = |&c: &u32| WATCHED.map(|share| share * edges[c as usize]);
     Some(Tangent {
-        factors: [factor, BlockCholesky::new(&firmer).ok()?],
+        factors,
+        sheet: !matter.law.is_solid(),
         frames: Frames::new(matter),
         bounding: Cholesky::new(&scalar_matrix(matter, &matter.law.edges())).ok()?,
         watched_m: matter.coordinate_of_unknown.iter().map(watched).collect(),
         wild_m,
-        short: short.entries,
+        short,
     })
+}
+
+/// The tangent of rest and a firmer one, and the Laplacian of what short edges carry beyond others.
+fn of_solid(matter: &Matter) -> (Vec<BlockTriplets>, Vec<(u32, u32, f64)>) {
+    let firm = tangent::firm(matter);
+    let matrices = [
+        (&firm.rest, tangent::STRAINS[0]),
+        (&firm.firmer, tangent::STRAINS[1]),
+    ]
+    .map(|(edges, strain)| tangent::at_rest(matter, &tangent::of_law(matter, strain), edges));
+    let mut short = SymmetricTriplets::new(matter.unknown_count());
+    (matter.map).add_edges(&firm.short, |c| matter.unknown(c as usize), &mut short);
+    (matrices.into(), short.entries)
+}
+
+/// The tangent of rest with each tension.
+fn of_sheet(matter: &Matter) -> Vec<BlockTriplets> {
+    let law = tangent::of_law(matter, 0.0);
+    let drawn = TAUT.map(|taut| tangent::at_rest(matter, &law, &matter.law.taut_edges(taut)));
+    drawn.into()
 }
 
 /// M / dt² + (1 + d / dt) Wᵀ L W.

@@ -108,12 +108,36 @@ impl MaterialLaw {
             out(b as u32, b as u32, block);
             out(a as u32, b as u32, -block);
         }
+        for bend in &self.bends {
+            bend.tangent(out);
+        }
         if let Some(barrier) = &self.barrier {
             barrier.support_at_rest(out);
         }
         if let Some(continuum) = &self.continuum {
             continuum.tangent_at_rest(strain, out);
         }
+    }
+
+    /// Edges of the Laplacian that springs drawn to a tautness, 1 − rest length / length, have out of
+    /// plane.
+    pub(super) fn taut_edges(&self, taut: f64) -> Vec<(u32, u32, f64)> {
+        let each = self.springs.each();
+        each.map(|(_, _, a, b, k)| (a as u32, b as u32, k * self.slope * taut))
+            .collect()
+    }
+
+    /// Edges of a Laplacian that gives way out of plane as a sheet does whose springs are so taut. In
+    /// plane it is too soft, by which friction takes some ticks more to come to its force.
+    pub(super) fn sheet_edges(&self, taut: f64) -> Vec<(u32, u32, f64)> {
+        let bends = self.bends.iter().flat_map(Bend::edges);
+        self.taut_edges(taut).into_iter().chain(bends).collect()
+    }
+
+    /// How taut the tautest spring is at `places` (nodes): 1 − rest length / length, 0 where none is
+    /// drawn.
+    pub(super) fn tautness(&self, rest: &[Lane], places: &[Lane]) -> f64 {
+        self.springs.tautness(rest, places)
     }
 
     /// True for solids, whose tangent at rest resists every motion but rigid ones. Rows of a

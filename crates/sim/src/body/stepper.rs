@@ -61,7 +61,7 @@ impl Stepper {
         let response = match self {
             Self::Implicit(implicit) => implicit.response(matter, &matter.surface)?,
             Self::Explicit(_) | Self::Xpbd(_) => Response {
-                columns: self.columns_by_trial(matter, &matter.surface),
+                columns: vec![self.columns_by_trial(matter, &matter.surface)],
                 ..Response::default()
             },
         };

@@ -206,8 +206,8 @@ impl Deformable {
 
     /// Bytes of the compliance columns.
     pub fn compliance_bytes(&self) -> usize {
-        (self.compliance.response.columns.len() + self.compliance.response.bounding.len())
-            * size_of::<f64>()
+        let columns = self.compliance.response.columns.iter();
+        columns.map(Vec::len).sum::<usize>() * size_of::<f64>()
     }
 
     /// Quality of the cells.

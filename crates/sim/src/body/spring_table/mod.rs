@@ -106,6 +106,19 @@ impl SpringTable {
         &self.rest
     }
 
+    /// The largest 1 − rest length / length of a spring at `places` (nodes); 0 where none is drawn.
+    pub(super) fn tautness(&self, rest: &[Four], places: &[Lane]) -> f64 {
+        // Of squares, so that there is one root.
+        let mut least = 1.0_f64;
+        for (block, place, a, b, _) in self.each() {
+            let (a, b) = (&places[a], &places[b]);
+            let square: f64 = (0..3).map(|k| (b[k] - a[k]) * (b[k] - a[k])).sum();
+            let rest = rest[block][place];
+            least = least.min(rest * rest / square.max(f64::MIN_POSITIVE));
+        }
+        1.0 - least.sqrt()
+    }
+
     /// Springs by block and place: (block, place, a, b, k).
     pub(super) fn each(&self) -> impl Iterator<Item = (usize, usize, usize, usize, f64)> + '_ {
         let groups = self.panels.len();
