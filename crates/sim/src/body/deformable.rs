@@ -238,13 +238,26 @@ impl Deformable {
         if changed.is_empty() {
             return;
         }
+        // What forces change along a sheet waits for its matrix: the response is far too soft there.
+        let across = !(implicit.normals.is_empty() || implicit.answers_bounding);
+        let normal = |unknown: usize| &implicit.normals[unknown];
+        if across {
+            for (coordinate, force) in changed.iter_mut() {
+                let n = normal(self.matter.unknown[*coordinate as usize] as usize);
+                *force = n * n.dot(force);
+            }
+        }
         self.respond(changed, self.columns(implicit), lanes);
         self.weigh_modes(changed, implicit, amounts);
         let with_modes = !(implicit.answers_bounding || amounts.is_empty());
         for (unknown, &c) in self.matter.coordinate_of_unknown.iter().enumerate() {
-            let moved = lanes[unknown];
+            let [x, y, z, _] = lanes[unknown];
+            let mut moved = Vector3::new(x, y, z);
+            if across {
+                moved = normal(unknown) * normal(unknown).dot(&moved);
+            }
             let place = &mut reached[c as usize];
-            *place += Vector3::new(moved[0], moved[1], moved[2]);
+            *place += moved;
             if with_modes {
                 *place += self.compliance.response.modes.moved(
                     unknown,

@@ -201,6 +201,23 @@ impl Frames {
     }
 }
 
+impl Frames {
+    /// The normals of a sheet in such frames (unknowns); does nothing where there is no room for them.
+    pub(super) fn turn_normals(&self, frames: &[Frame], normals: &mut [Vector3]) {
+        let each = normals
+            .chunks_mut(4)
+            .zip(frames.chunks(4))
+            .zip(&self.blocks);
+        for ((normals, frames), block) in each {
+            for (lane, (normal, frame)) in normals.iter_mut().zip(frames).enumerate() {
+                let [x, y, z] = block.normals.map(|four| four[lane]);
+                let [x, y, z, _] = from_rest(frame, &[x, y, z, 0.0]);
+                *normal = Vector3::new(x, y, z);
+            }
+        }
+    }
+}
+
 /// The same code with 256-bit registers; no fused multiply-add, so the bits are the same.
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2")]

@@ -125,6 +125,8 @@ pub(super) struct ImplicitScratch {
     caution: Caution,
     /// Σ |correction|² of the last further iteration, m².
     last_m2: f64,
+    /// Of a sheet (unknowns): its normals.
+    pub(super) normals: Vec<Vector3>,
     /// Which factor a sheet as taut as in this step takes.
     taut: usize,
     /// By which columns of the response contact answers in this step.
@@ -205,6 +207,10 @@ impl ImplicitStep {
                 lanes: Rows::zeros(n),
                 caution: self.caution(matter),
                 last_m2: f64::INFINITY,
+                normals: match tangent.sheet {
+                    true => vec![Vector3::zeros(); n],
+                    false => Vec::new(),
+                },
                 taut: 0,
                 answer: 0,
                 answers_bounding: false,
@@ -281,10 +287,14 @@ impl ImplicitStep {
     }
 
     /// True where the step starts from the inertial prediction; else from the last positions, in which
-    /// case its matrix need only be half of the tangent. Membranes do: out of plane they are as stiff as
-    /// they are drawn.
+    /// case its matrix need only be half of the tangent, and what is far softer than the matrix creeps
+    /// instead of flying on. Sheets by the bounding matrix do: out of plane they are much softer.
     pub(super) fn starts_ahead(&self, matter: &Matter, state: &DeformableState) -> bool {
-        (matter.law.is_solid() || matches!(self.matrix, Matrix::Tangent(_))) && !state.caution.held
+        let follows = match &self.matrix {
+            Matrix::Bounding(_) => matter.law.is_solid(),
+            Matrix::Tangent(tangent) => !tangent.sheet || state.caution.level < BOUNDING,
+        };
+        follows && !state.caution.held
     }
 
     /// What belongs to the whole step: the frames of the neighbourhoods.
@@ -300,10 +310,12 @@ impl ImplicitStep {
             let ImplicitScratch {
                 frames,
                 caution,
+                normals,
                 taut,
                 ..
             } = &mut scratch.implicit;
             tangent.frames.fit(&scratch.coordinates, frames);
+            tangent.frames.turn_normals(frames, normals);
             caution.step();
             if caution.held {
                 caution.level = BOUNDING;
@@ -393,7 +405,10 @@ impl ImplicitStep {
                 }
                 let next = match first {
                     true => implicit.turns_over(tangent),
-                    false if implicit.diverges(tangent) => implicit.caution.level + 1,
+                    // Of a sheet the response is too soft in plane: what it moves there is taken back.
+                    false if !tangent.sheet && implicit.diverges(tangent) => {
+                        implicit.caution.level + 1
+                    }
                     false => implicit.caution.level,
                 };
                 if next == implicit.caution.level {

@@ -14,6 +14,7 @@ mod friction;
 mod grip;
 mod haptics;
 mod many_tools;
+mod membranes;
 mod models;
 mod motion;
 mod movers;
