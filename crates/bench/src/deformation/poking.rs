@@ -8,8 +8,9 @@ use palpate_geometry::math::{Point3, Random, Vector3};
 
 /// Stiffnesses, as multiples of 20 kPa.
 const SCALES: [(f64, &str); 4] = [(1e-3, "x1e-3"), (1.0, "x1"), (1e3, "x1e3"), (1e6, "x1e6")];
-/// Models and Poisson ratios; that of a lattice is 1/4.
-const MODELS: [(&str, f64); 7] = [
+/// Models and Poisson ratios; that of a lattice is 1/4, of a membrane 1/3.
+const MODELS: [(&str, f64); 8] = [
+    ("membrane", 0.33),
     ("lattice", 0.25),
     ("continuum", 0.3),
     ("continuum", 0.45),
@@ -18,7 +19,7 @@ const MODELS: [(&str, f64); 7] = [
     ("net", 0.45),
     ("net", 0.499),
 ];
-/// Ticks of a case; all 28 are more than a million.
+/// Ticks of a case; all 32 are more than a million.
 const TICKS: usize = 37_000;
 const QUICK_TICKS: usize = 2_000;
 /// Ticks that a body of 20 kPa has to come to rest; a softer one swings more slowly.
@@ -56,8 +57,12 @@ pub(super) fn rows(effort: Effort, wanted: &dyn Fn(&str) -> bool, out: &mut dyn 
 
 fn text(model: &str, poisson: f64, scale: f64) -> String {
     let poisson = match model {
-        "lattice" => String::new(),
+        "lattice" | "membrane" => String::new(),
         _ => format!("poisson = {poisson:?}, "),
+    };
+    let thickness = match model {
+        "membrane" => ", thickness_m = 0.003",
+        _ => "",
     };
     format!(
         r#"
@@ -68,7 +73,7 @@ id = "drop"
 surface = {{ builtin = "teardrop", net = [8, 8] }}
 model = "{model}"
 material = {{ young_pa = {:?}, {poisson}density_kg_m3 = 1000.0, damping_s = 2e-3 }}
-lattice = {{ refine = "none" }}
+lattice = {{ refine = "none"{thickness} }}
 fixed = [{{ point = [0.0, 0.0, 0.015], normal = [0.0, 0.0, -1.0] }}]
 [[tool]]
 id = "ball"

@@ -83,7 +83,7 @@ pub struct Caution {
 const BOUNDING: u32 = 2;
 
 /// How taut springs of a sheet are, 1 − rest length / length, up to which each of its factors follows.
-const TAUT: [f64; 4] = [0.005, 0.02, 0.08, 0.3];
+const TAUT: [f64; 4] = [0.002, 0.01, 0.06, 0.3];
 
 impl Clone for Caution {
     fn clone(&self) -> Self {
@@ -142,6 +142,8 @@ const CAUTIOUS_STEPS: [u32; 2] = [16, 1024];
 const TURNS: [f64; 2] = [3.0, 2.0];
 /// Of the shortest edge: corrections below are rounding, and those above are large.
 const WATCHED: [f64; 2] = [1e-8, 1e-2];
+/// Along a sheet friction and what answers it a tick later tremble by somewhat more, and no further.
+const WATCHED_OF_SHEETS: [f64; 2] = [1e-5, 1e-2];
 /// A correction that turns over grows wild where it is this often the last, and of the middle edge at
 /// least this long: it would take the body apart before it has turned over again.
 const WILD: f64 = 2.0;
@@ -622,7 +624,11 @@ fn tangent_of(matter: &Matter) -> Option<Tangent> {
     }
     let edges = shortest_edges(matter);
     let wild_m = WILD_LENGTH * middle(&edges);
-    let watched = |&c: &u32| WATCHED.map(|share| share * edges[c as usize]);
+    let least = match matter.law.is_solid() {
+        true => WATCHED,
+        false => WATCHED_OF_SHEETS,
+    };
+    let watched = |&c: &u32| least.map(|share| share * edges[c as usize]);
     Some(Tangent {
         factors,
         sheet: !matter.law.is_solid(),
