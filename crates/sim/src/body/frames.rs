@@ -406,7 +406,8 @@ fn choose<'a>(
         .map(|inverse| (chosen, inverse))
 }
 
-const IDENTITY: Frame = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+/// The frame of rest.
+pub(super) const IDENTITY: Frame = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
 
 #[inline(always)]
 fn cross<L: Lanes>(a: [L; 3], b: [L; 3]) -> [L; 3] {
@@ -521,6 +522,65 @@ mod tests {
                 }
             }
         }
+    }
+
+    // A sheet in a slanted plane, turned, and stretched within the plane: the normal turns along.
+    #[test]
+    fn a_turned_and_stretched_sheet_gives_its_rotation() {
+        let mut random = Random(6);
+        for _ in 0..200 {
+            let plane = Rotation::from_scaled_axis(random.vector());
+            let rest: Vec<Point3> = (0..7)
+                .map(|k| match k {
+                    0 => Point3::origin(),
+                    k => {
+                        let angle = f64::from(k) + 0.2 * random.unit();
+                        plane * Point3::new(libm::cos(angle), libm::sin(angle), 0.0)
+                    }
+                })
+                .collect();
+            let near: Vec<(f64, u32)> = (1..7).map(|k| (1.0, k)).collect();
+            let fit = Fit::of_sheet(0, &near, &rest).unwrap();
+            let mut block = Block::EMPTY;
+            (0..4).for_each(|lane| block.set(lane, &fit));
+            let frames = Frames {
+                blocks: vec![block],
+            };
+            let turn = Rotation::from_scaled_axis(random.vector() * 3.0);
+            let stretch = Vector3::new(1.0 + 0.2 * random.unit(), 1.0 - 0.2 * random.unit(), 1.0);
+            let places: Vec<Lane> = rest
+                .iter()
+                .map(|p| {
+                    let flat = (plane.inverse() * p).coords.component_mul(&stretch);
+                    let at = turn * (plane * flat);
+                    [at.x, at.y, at.z, 0.0]
+                })
+                .collect();
+            let (mut found, mut plain) = ([IDENTITY; 4], [IDENTITY; 4]);
+            frames.fit(&places, &mut found);
+            fit_in::<Baseline>(&frames.blocks, &places, &mut plain);
+            assert_eq!(found, plain);
+            let wanted = turn.to_rotation_matrix();
+            for r in 0..3 {
+                for c in 0..3 {
+                    // ½ (σ − 1)² three times over, from σ of 0.64 to 1.44.
+                    assert!((found[0][r][c] - wanted.matrix()[(r, c)]).abs() < 1e-4);
+                }
+            }
+            let mut normals = [Vector3::zeros(); 4];
+            frames.turn_normals(&found, &mut normals);
+            let normal = turn * (plane * Vector3::z());
+            assert!(normals[3].cross(&normal).norm() < 1e-4, "{}", normals[3]);
+        }
+    }
+
+    #[test]
+    fn neighbours_in_a_line_show_no_plane() {
+        let rest: Vec<Point3> = (0..5)
+            .map(|k| Point3::new(f64::from(k), 1e-3 * f64::from(k * k), 0.0))
+            .collect();
+        let near: Vec<(f64, u32)> = (1..5).map(|k| (f64::from(k), k)).collect();
+        assert!(Fit::of_sheet(0, &near, &rest).is_none());
     }
 
     #[test]

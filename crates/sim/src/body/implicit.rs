@@ -6,15 +6,16 @@
 //! to the last bit, and equilibrium does not depend on B. Linear analysis: stable while the tangent of
 //! backward Euler is below 4/3 of B.
 //!
-//! B is the tangent of rest, turned with each coordinate's neighbourhood (stiffness warping), or, where
-//! that is too large, too stiff for single precision or no solid, a scalar matrix above every tangent:
-//! projective dynamics (Bouaziz et al. 2014). Contact answers by a third matrix, that of
-//! [`MaterialLaw::response_edges`](super::law::MaterialLaw::response_edges), whose columns W are scalar.
+//! B is the tangent of rest, turned with each coordinate's neighbourhood (stiffness warping), of a sheet
+//! with as much tension as it has; or, where that is too large or too stiff for single precision, a
+//! scalar matrix above every tangent: projective dynamics (Bouaziz et al. 2014). Contact answers by a
+//! third matrix, that of [`MaterialLaw::response_edges`](super::law::MaterialLaw::response_edges), whose
+//! columns W are scalar; a sheet, by what B itself answers along the normals.
 //! The contact forces of the step before stand in the correction from the start, and W answers for what
 //! they change: x' = y + B⁻¹ (… + F₀) + W (F − F₀).
 
 use super::continuum::TANGENT_REACH;
-use super::frames::{Frame, Frames, from_rest, into_rest};
+use super::frames::{Frame, Frames, IDENTITY, from_rest, into_rest};
 use super::look_ahead::LookAhead;
 use super::matter::{FIXED, Matter, lanes};
 use super::neighbours::shortest_edges;
@@ -273,9 +274,7 @@ impl ImplicitStep {
         };
         let (mut all, mut modes) = (Vec::new(), SoftModes::default());
         if tangent.sheet {
-            for taut in TAUT {
-                all.push(of(&matter.law.sheet_edges(taut))?.0);
-            }
+            all.extend(tangent.across_sheet(matter, surface));
         } else {
             let (columns, matrix) = of(&matter.law.response_edges())?;
             all.push(columns);
@@ -476,6 +475,41 @@ impl ImplicitStep {
 }
 
 impl Tangent {
+    /// Of each factor: the columns of a scalar response that moves a sheet across itself as the factor
+    /// does, `n_iᵀ B⁻¹ n_j` times `n_i·n_j`. The columns meet forces and answer with motions along the
+    /// normals n, so that the sign is right where two sides of a shell face each other.
+    fn across_sheet(&self, matter: &Matter, surface: &[u32]) -> Vec<Vec<f64>> {
+        let n = matter.unknown_count();
+        let mut normals = vec![Vector3::zeros(); n];
+        self.frames.turn_normals(&vec![IDENTITY; n], &mut normals);
+        let rows: Vec<usize> = (surface.iter())
+            .map(|&c| matter.unknown[c as usize] as usize)
+            .collect();
+        let of_factor = |factor: &BlockCholesky| {
+            let mut work = factor.work();
+            let mut columns = Vec::with_capacity(rows.len() * n);
+            for &row in &rows {
+                let here = normals[row];
+                let mut moved = Rows::zeros(n);
+                moved[row] = [here.x, here.y, here.z, 0.0];
+                factor.solve(&mut moved, &mut work);
+                columns.extend(moved.iter().zip(&normals).map(|(&[x, y, z, _], normal)| {
+                    Vector3::new(x, y, z).dot(normal) * here.dot(normal)
+                }));
+            }
+            // Rounding of the factor is not symmetric.
+            for (i, &a) in rows.iter().enumerate() {
+                for (j, &b) in rows.iter().enumerate().take(i) {
+                    let (there, back) = (i * n + b, j * n + a);
+                    let mean = 0.5 * (columns[there] + columns[back]);
+                    (columns[there], columns[back]) = (mean, mean);
+                }
+            }
+            columns
+        };
+        self.factors.iter().map(of_factor).collect()
+    }
+
     /// `None` where the bounding matrix is meant.
     fn factor(&self, level: u32, taut: usize) -> Option<&BlockCholesky> {
         match level {

@@ -127,13 +127,6 @@ impl MaterialLaw {
             .collect()
     }
 
-    /// Edges of a Laplacian that gives way out of plane as a sheet does whose springs are so taut. In
-    /// plane it is too soft, by which friction takes some ticks more to come to its force.
-    pub(super) fn sheet_edges(&self, taut: f64) -> Vec<(u32, u32, f64)> {
-        let bends = self.bends.iter().flat_map(Bend::edges);
-        self.taut_edges(taut).into_iter().chain(bends).collect()
-    }
-
     /// How taut the tautest spring is at `places` (nodes): 1 − rest length / length, 0 where none is
     /// drawn.
     pub(super) fn tautness(&self, rest: &[Lane], places: &[Lane]) -> f64 {
@@ -141,8 +134,7 @@ impl MaterialLaw {
     }
 
     /// True for solids, whose tangent at rest resists every motion but rigid ones. Rows of a
-    /// membrane carry their own tension: out of plane they are as stiff as they are drawn, and the
-    /// tangent at rest knows nothing of it.
+    /// membrane carry their own tension: out of plane they are as stiff as they are drawn.
     pub(super) fn is_solid(&self) -> bool {
         self.bends.is_empty()
     }
