@@ -7,7 +7,7 @@
 //!
 //! ```text
 //! distance before or after > motion in between     nothing passed: the sign is right (another sheet is nearer now)
-//! the foot is on the rim, the point beside it      it may go round: the sign is right
+//! the foot is on the rim, the point beside it      it may go round: the sign is right (not at a seam)
 //! else                                             the surface came over the point: the side stays
 //! ```
 //! Motion is that of the point and of the surface together. One that folds within one motion so that
@@ -91,9 +91,13 @@ impl Sided<'_> {
 
     /// The foot is on the rim of an open surface, and the point is past it, neither above nor below.
     pub fn is_beside(&self, foot: &ClosestPoint, point: &Point3) -> bool {
-        let at_end = |knots: &KnotVector, t: f64| {
+        // Where two rims lie upon each other the surface goes on.
+        let at_end = |knots: &KnotVector, t: f64, other: &dyn Fn(f64) -> Point3| {
             let (start, end) = knots.domain();
-            !knots.is_periodic() && (t <= start || t >= end)
+            let opposite = if t <= start { end } else { start };
+            !knots.is_periodic()
+                && (t <= start || t >= end)
+                && (other(opposite) - foot.point).norm() > TOUCH * self.size_m
         };
         let way = point - foot.point;
         let along = way.dot(&foot.normal);
@@ -101,7 +105,11 @@ impl Sided<'_> {
         self.two_sided
             && aside > 10.0 * TOUCH * self.size_m
             && along.abs() < STRAIGHT * foot.distance
-            && (at_end(self.surface.knots_u(), foot.u) || at_end(self.surface.knots_v(), foot.v))
+            && (at_end(self.surface.knots_u(), foot.u, &|u| {
+                self.surface.point(u, foot.v)
+            }) || at_end(self.surface.knots_v(), foot.v, &|v| {
+                self.surface.point(foot.u, v)
+            }))
     }
 
     /// The certified closest point. `moved_m`: how far any control point moved since the last look.

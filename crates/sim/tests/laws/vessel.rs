@@ -525,3 +525,23 @@ fn a_rigid_vessel_is_touched_as_evenly() {
         (0..50).for_each(|k| _ = world.at(touch(end, depth - 0.006 * f64::from(k) / 50.0)));
     }
 }
+
+// The seam where the surface's two ends lie upon each other was taken for a rim, beside which a tool may go
+// round: a point that pressed a crease into it and slid aside was inside all at once.
+#[test]
+fn a_point_that_slides_off_the_seam_of_a_dent_stays_outside() {
+    let (body, tool) = VESSEL.split_once("[[tool]]").unwrap();
+    let body = body.replace("vessel.json", "../../scenes/vessel.json");
+    let mut world = World::new(&format!("{body}[[tool]]{tool}"));
+    let smooth = |t: f64| {
+        let t = t.clamp(0.0, 1.0);
+        t * t * t * (10.0 - 15.0 * t + 6.0 * t * t)
+    };
+    for tick in 0..1_400 {
+        let t = f64::from(tick) * 1e-3;
+        let (pressed, slid) = (smooth(t / 0.6), smooth((t - 0.8) / 0.6));
+        let force = world.at([0.004 * slid, -0.03 + 0.0145 * pressed, -0.03 + 0.01 * slid]);
+        let force = force.tools[0].force_n;
+        assert!(tick < 600 || force.y < -0.4, "tick {tick}: {force} N");
+    }
+}
