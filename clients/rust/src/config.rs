@@ -218,8 +218,8 @@ mod tests {
         assert!(file.contains("no authentication"), "{file}");
         let key = refused("transport/auth/pubkey/known_keys_file", "\"keys.pem\"");
         assert!(key.starts_with("transport/auth/pubkey is set"), "{key}");
-        let quic = refused("listen/endpoints", "[\"quic/0.0.0.0:7447\"]");
-        assert!(quic.contains("quic/0.0.0.0:7447"), "{quic}");
-        assert!(quic.contains("there are tcp, tls"), "{quic}");
+        let udp = refused("listen/endpoints", "[\"udp/0.0.0.0:7447\"]");
+        assert!(udp.contains("udp/0.0.0.0:7447"), "{udp}");
+        assert!(udp.contains("there are tcp, tls, quic"), "{udp}");
     }
 }
