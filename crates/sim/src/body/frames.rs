@@ -83,7 +83,8 @@ impl Fit {
         let mut order = [0, 1, 2];
         order.sort_by(|&a, &b| eigen.eigenvalues[a].total_cmp(&eigen.eigenvalues[b]));
         let [flat, small, large] = order;
-        if !(eigen.eigenvalues[small] > FLAT * eigen.eigenvalues[large]) {
+        let breadth = eigen.eigenvalues[small] / eigen.eigenvalues[large];
+        if breadth.is_nan() || breadth <= FLAT {
             return None;
         }
         let axis = |k: usize| eigen.eigenvectors.column(k).into_owned();
